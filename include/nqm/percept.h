@@ -62,6 +62,8 @@ typedef struct nqm_label {
  *  see two pictures beside each other adapt to most of an overall change of light or colour; indices of colour constancy
  *  in natural scenes are 0.8 to 0.9 (Foster 2011, DOI 10.1016/j.visres.2010.09.006). NaN if a part is NaN. */
 NQM_API double nqm_label_similarity(const nqm_label *label);
+/** Standard error of nqm_curve_default() at delta_e: half of the change of the JOD from delta_e - error to delta_e + error. */
+NQM_API double nqm_label_jod_error(const nqm_label *label);
 enum { NQM_LABEL_TEXT = 160 };
 /** What differs, in words: "darker, a little redder, much flatter", or "no visible difference". A part is mentioned from
  *  one Delta-E (contrast: 3 %), is "a little" below three (10 %), and "much" above ten (35 %). Where delta_e > 0 has

@@ -64,7 +64,8 @@ typedef struct nqm_scene_options {
 NQM_API nqm_scene_options nqm_scene_options_default(void);
 /** Create a scene; options NULL: the defaults. Light directions and shadows of every visible point are computed here, by
  *  multiple importance sampling with the balance heuristic (Veach and Guibas 1995, DOI 10.1145/218380.218498) over light
- *  map, mirror lobes of five widths and cosine. NQM_ERR_ARG (an option out of range; NQM_SCENE_PAPER without
+ *  map, cosine, and a spiral of half vectors that is even in the logarithm of tan(theta_h): lobes of any width, down to perfect
+ *  mirrors, reflect the right amount of light. NQM_ERR_ARG (an option out of range; NQM_SCENE_PAPER without
  *  light or shape; a shape other than the sphere in a build without Embree), NQM_ERR_CANCELLED, or the error of reading the light
  *  map or mesh. */
 NQM_API NQM_MUST_CHECK nqm_status nqm_scene_create(const nqm_scene_options *options, nqm_scene **scene_ret,
@@ -78,6 +79,10 @@ NQM_API size_t nqm_scene_count(const nqm_scene *scene);
  *  of threads. NQM_ERR_NUMERIC (a value is not finite), NQM_ERR_CANCELLED, NQM_ERR_NOMEM. */
 NQM_API NQM_MUST_CHECK nqm_status nqm_scene_render(const nqm_scene *scene, const nqm_brdf *brdf, double *rgb_cdm2,
                                                    nqm_error *err);
+/** The same, followed by what either half of the light directions alone shows: rgb_cdm2 (3, n_points, 3). The halves differ by the
+ *  noise that is left in the picture, which nqm_scene_compare_halves() measures and takes off. */
+NQM_API NQM_MUST_CHECK nqm_status nqm_scene_render_halves(const nqm_scene *scene, const nqm_brdf *brdf,
+                                                          double *rgb_cdm2, nqm_error *err);
 /** Weight of each point: the fraction of the picture that it represents, (n_points), summing to 1. Only for the standard set,
  *  and for scenes of a mesh or blob without a width, whose points are denser in possible highlights; NULL otherwise: all
  *  weights are equal. Owned by the scene. */

@@ -29,6 +29,7 @@ class Label:
         delta_e: mean Delta-E ITP over the picture; 1 is just visible
         similarity: JOD for pictures that are seen apart
         parts: what differs
+        delta_e_error, jod_error: standard errors of `delta_e` and `jod`, by the choice of points and light directions
     """
 
     ref: str
@@ -37,6 +38,8 @@ class Label:
     delta_e: float
     similarity: float
     parts: Parts
+    delta_e_error: float
+    jod_error: float
 
     def __float__(self) -> float:
         return self.jod
@@ -93,6 +96,11 @@ class Scene:
         call(lib.nqm_scene_render, self._handle, brdf._handle, address(rgb), watches=(self._watch, *brdf._watches))
         return rgb
 
+    def _halves(self, brdf: BRDF) -> np.ndarray:
+        rgb = np.empty((3, len(self), 3))
+        call(lib.nqm_scene_render_halves, self._handle, brdf._handle, address(rgb), watches=(self._watch, *brdf._watches))
+        return rgb
+
     def image(self, values: np.ndarray, background: float = 0.0) -> np.ndarray:
         """Values of the points, (n_points) or (n_points, 3), as pictures (n_frames, height, width) or (n_frames, height, width, 3). The
         standard set has its four scenes one after the other. Needs a scene with a width."""
@@ -120,14 +128,15 @@ class Scene:
     def label(self, ref: BRDFLike, tests: Any) -> Any:
         """Render and compare; see `label`."""
         brdf = as_brdf(ref)
-        seen = self.points(brdf)
+        seen = self._halves(brdf)
         several = isinstance(tests, (list, tuple))
         labels = []
         for test in map(as_brdf, tests if several else [tests]):
-            points = self.points(test)
-            label = call(lib.nqm_scene_compare, self._handle, address(seen), address(points))
+            points = self._halves(test)
+            label = call(lib.nqm_scene_compare_halves, self._handle, address(seen), address(points))
             jod = lib.nqm_curve_jod(byref(lib.nqm_curve_default()), label.delta_e)
-            labels.append(Label(brdf.name, test.name, jod, label.delta_e, lib.nqm_label_similarity(byref(label)), parts_of(label)))
+            labels.append(Label(brdf.name, test.name, jod, label.delta_e, lib.nqm_label_similarity(byref(label)), parts_of(label),
+                                label.error, lib.nqm_label_jod_error(byref(label))))
         return labels if several else labels[0]
 
 

@@ -178,7 +178,7 @@ typedef struct nqm_corpus_view {
     nqm_brdf *brdf;
     float *rgb;      /* (n, 3) */
     uint8_t *used;   /* (n) */
-    double *picture; /* (n_points, 3) cd/m2 */
+    double *picture; /* (3, n_points, 3) of nqm_scene_render_halves() */
 } nqm_corpus_view;
 
 typedef struct nqm_corpus_context nqm_corpus_context;

@@ -265,7 +265,7 @@ static nqm_status label_test(job *j, size_t t, nqm_error *err) {
     nqm_status status = test_view(j, test, &v, err);
     if (status != NQM_OK)
         return status;
-    const nqm_label label = nqm_scene_compare(j->context->scene, j->forms[test->ref]->picture, v->picture);
+    const nqm_label label = nqm_scene_compare_halves(j->context->scene, j->forms[test->ref]->picture, v->picture);
     if (!isfinite(label.delta_e))
         return nqm_fail(err, NQM_ERR_NUMERIC, -1, "Delta-E is not finite");
     item->label[t] = label;

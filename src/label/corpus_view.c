@@ -11,7 +11,7 @@
 nqm_status nqm_corpus_view_alloc(const nqm_corpus_context *context, nqm_corpus_view *view, nqm_error *err) {
     size_t n = nqm_directions_count(context->directions), n_points = nqm_scene_count(context->scene);
     return nqm_alloc_arrays(NQM_ARRAYS({&view->rgb, n, 3 * sizeof *view->rgb}, {&view->used, n, 1},
-                                       {&view->picture, n_points, 3 * sizeof *view->picture}),
+                                       {&view->picture, n_points, 9 * sizeof *view->picture}),
                             err);
 }
 
@@ -25,7 +25,7 @@ nqm_status nqm_corpus_view_fill(const nqm_corpus_context *context, nqm_corpus_vi
     nqm_status status = nqm_sample(view->brdf, context->directions, NQM_INVALID_DROP, view->rgb, view->used, NULL, err);
     for (size_t i = 0; status == NQM_OK && i < n; ++i)
         view->used[i] = nqm_has_value(view->used[i]);
-    return status == NQM_OK ? nqm_scene_render(context->scene, view->brdf, view->picture, err) : status;
+    return status == NQM_OK ? nqm_scene_render_halves(context->scene, view->brdf, view->picture, err) : status;
 }
 
 static int ask(void *user, const char *stage, double done, double total) {

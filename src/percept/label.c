@@ -84,6 +84,11 @@ double nqm_label_similarity(const nqm_label *label) {
     return isnan(left) ? left : nqm_curve_jod(&nqm_curve_published, left);
 }
 
+double nqm_label_jod_error(const nqm_label *label) {
+    return 0.5 * (nqm_curve_jod(&nqm_curve_published, label->delta_e - label->error) -
+                  nqm_curve_jod(&nqm_curve_published, label->delta_e + label->error));
+}
+
 /* A part of the label, the words for either sign, and the sizes from which it is mentioned, plain and much. */
 typedef struct part {
     double value;

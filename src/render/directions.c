@@ -248,20 +248,20 @@ static void calibrate(const double *wide, nqm_direction_set *set) {
     }
 }
 
-/* The second coordinate of direction i of a technique. */
-static double second(size_t technique, size_t i) {
+/* The second coordinate of direction i: a lattice, of which every second point is one, too. */
+static double second(size_t i) {
     const double golden = 0.6180339887498949 * (double)i;
-    return technique == SPIRAL ? golden - floor(golden) : nqm_radical_inverse(i, 2);
+    return golden - floor(golden);
 }
 
-/* Append the directions of one technique. */
-static void add_technique(sampler *s, size_t technique, uint64_t seed, nqm_direction_set *set) {
+/* Append every second direction of one technique. */
+static void add_technique(sampler *s, size_t technique, size_t half, uint64_t seed, nqm_direction_set *set) {
     size_t n = s->n[technique];
     uint64_t shift_u = nqm_hash_u64(seed, 2 * technique), shift_v = nqm_hash_u64(seed, 2 * technique + 1);
-    for (size_t i = 0; i < n; ++i) {
+    for (size_t i = half; i < n; i += 2) {
         double *wi = set->wi + 3 * set->n_used, *weight = set->weight + 3 * set->n_used, world[3];
         double u = shifted(((double)i + 0.5) / (double)n, shift_u);
-        sample(s, technique, u, shifted(second(technique, i), shift_v), wi);
+        sample(s, technique, u, shifted(second(i), shift_v), wi);
         if (!(wi[2] > 0))
             continue;
         nqm_world_from_local(s->point, wi, world);
@@ -278,10 +278,12 @@ static void add_technique(sampler *s, size_t technique, uint64_t seed, nqm_direc
 
 static void add_techniques(sampler *s, uint64_t seed, nqm_direction_set *set) {
     divide_directions(s, set->n_max);
-    set->n_used = 0;
-    if (s->rows[s->light->height] > 0) /* otherwise the point receives no light */
+    set->n_used = set->n_first = 0;
+    for (size_t half = 0; half < 2 && s->rows[s->light->height] > 0; ++half) { /* 0: the point receives no light */
         for (size_t t = 0; t < N_TECHNIQUES; ++t)
-            add_technique(s, t, seed, set);
+            add_technique(s, t, half, seed, set);
+        set->n_first = half ? set->n_first : set->n_used;
+    }
 }
 
 bool nqm_choose_directions(const nqm_light *light, const nqm_surface_point *point, uint64_t seed,

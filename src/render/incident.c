@@ -105,6 +105,8 @@ static bool pack(const workspace *b, nqm_incident *incident) {
                          NULL) != NQM_OK)
         return false;
     for (size_t j = 0; j < b->set.n_used; ++j) {
+        incident->n_first_rays += b->fate[j] == LIT && j < b->set.n_first;
+        incident->n_first_bounces += b->fate[j] == BOUNCED && j < b->set.n_first;
         if (b->fate[j] == LIT) {
             nqm_ray *ray = &incident->ray[incident->n_rays++];
             to_float(b->set.wi + 3 * j, ray->wi);

@@ -15,7 +15,8 @@ enum { BLOCK = 256 };
 typedef struct rendering {
     const nqm_scene *scene;
     const nqm_brdf *brdf;
-    double *rgb_cdm2;
+    double *rgb_cdm2; /* (n, 3) of the scene */
+    double *half[2];  /* the same for either half of the directions; NULL: not wanted */
     atomic_bool out_of_memory;
 } rendering;
 
@@ -60,21 +61,28 @@ static void render_point(void *user, size_t i) {
     nqm_surface_point point;
     const double *wo = nqm_scene_point(scene, i, &point)->wo;
     nqm_incident made = {0};
-    double sum[3] = {0};
+    double half[2][3] = {{0}};
     if (!scene->kept && !nqm_incident_make(scene, i, &made, NULL))
         atomic_store(&r->out_of_memory, true);
     const nqm_incident *incident = scene->kept ? &scene->kept[i] : &made;
-    reflect(r->brdf, incident->n_rays, incident->ray, wo, sum);
+    reflect(r->brdf, incident->n_first_rays, incident->ray, wo, half[0]);
+    reflect(r->brdf, incident->n_rays - incident->n_first_rays, incident->ray + incident->n_first_rays, wo, half[1]);
     for (size_t j = 0; j < incident->n_bounces; ++j)
-        reflect_bounce(r->brdf, &incident->bounce[j], wo, sum);
-    for (size_t k = 0; k < 3; ++k)
-        r->rgb_cdm2[3 * i + k] = sum[k] * scene->exposure;
+        reflect_bounce(r->brdf, &incident->bounce[j], wo, half[j >= incident->n_first_bounces]);
+    for (size_t k = 0; k < 3; ++k) {
+        r->rgb_cdm2[3 * i + k] = (half[0][k] + half[1][k]) * scene->exposure;
+        for (size_t h = 0; h < 2 && r->half[h]; ++h)
+            r->half[h][3 * i + k] = 2 * half[h][k] * scene->exposure;
+    }
     nqm_free(made.ray);
 }
 
+/* stride: from a picture to that of the first half, and from there to that of the second; 0: the picture only. */
 static nqm_status render(const nqm_scene *scene, const nqm_brdf *brdf, nqm_ticker *ticker, double *rgb_cdm2,
-                         nqm_error *err) {
+                         size_t stride, nqm_error *err) {
     rendering r = {.scene = scene, .brdf = brdf, .rgb_cdm2 = rgb_cdm2};
+    for (size_t h = 0; h < 2 && stride; ++h)
+        r.half[h] = rgb_cdm2 + (1 + h) * stride;
     if (nqm_parallel_ticking(ticker, "render", scene->seen.n, render_point, &r))
         return nqm_fail(err, NQM_ERR_CANCELLED, -1, "interrupted");
     if (atomic_load(&r.out_of_memory))
@@ -91,24 +99,33 @@ bool nqm_scene_tabulates(const nqm_scene *scene, const nqm_brdf *brdf) {
            scene->seen.n > n_nodes / scene->options.n_lights; /* fewer directions than nodes: a table would cost more */
 }
 
-nqm_status nqm_scene_render(const nqm_scene *scene, const nqm_brdf *brdf, double *rgb_cdm2, nqm_error *err) {
+static nqm_status render_all(const nqm_scene *scene, const nqm_brdf *brdf, double *rgb_cdm2, size_t stride,
+                             nqm_error *err) {
     const nqm_scene_options *o = &scene->options;
     nqm_ticker whole = {.fn = o->progress, .user = o->progress_user};
     if (nqm_scene_tabulates(scene, brdf)) {
         nqm_brdf *table;
         nqm_status made = nqm_brdf_tabulate(brdf, nqm_table_picture, &whole, &table, err);
-        made = made == NQM_OK ? nqm_scene_render(scene, table, rgb_cdm2, err) : made;
+        made = made == NQM_OK ? render_all(scene, table, rgb_cdm2, stride, err) : made;
         nqm_brdf_free(table);
         return made;
     }
-    nqm_status status = scene->n_parts ? NQM_OK : render(scene, brdf, &whole, rgb_cdm2, err);
+    nqm_status status = scene->n_parts ? NQM_OK : render(scene, brdf, &whole, rgb_cdm2, stride, err);
     for (size_t p = 0; status == NQM_OK && p < scene->n_parts; ++p) {
         nqm_scene_part place = {o, p};
         nqm_ticker ticker = {.fn = o->progress ? nqm_scene_part_progress : NULL, .user = &place};
-        status = render(scene->parts[p], brdf, &ticker, rgb_cdm2, err);
+        status = render(scene->parts[p], brdf, &ticker, rgb_cdm2, stride, err);
         rgb_cdm2 += 3 * scene->parts[p]->seen.n;
     }
     return status;
+}
+
+nqm_status nqm_scene_render(const nqm_scene *scene, const nqm_brdf *brdf, double *rgb_cdm2, nqm_error *err) {
+    return render_all(scene, brdf, rgb_cdm2, 0, err);
+}
+
+nqm_status nqm_scene_render_halves(const nqm_scene *scene, const nqm_brdf *brdf, double *rgb_cdm2, nqm_error *err) {
+    return render_all(scene, brdf, rgb_cdm2, 3 * scene->seen.n, err);
 }
 
 void nqm_scene_background(const nqm_scene *scene, size_t frame, double *rgb_cdm2) {

@@ -153,6 +153,7 @@ void nqm_view_axes(double elevation_rad, double *axes);
 typedef struct nqm_direction_set {
     size_t n_max;         /* capacity */
     size_t n_used;        /* directions above the horizon */
+    size_t n_first;       /* of these, the first half: every second direction of each technique */
     double *wi;           /* (n_max, 3) local */
     double *weight;       /* (n_max, 3) */
     double *extent;       /* (n_max) cosine times solid angle; may be NULL */
@@ -190,6 +191,7 @@ typedef struct nqm_bounce {
 /** Incident light of one point; `ray` owns the block of both arrays. */
 typedef struct nqm_incident {
     size_t n_rays, n_bounces;
+    size_t n_first_rays, n_first_bounces; /* of the first half of the directions */
     nqm_ray *ray;       /* (n_rays) */
     nqm_bounce *bounce; /* (n_bounces) */
 } nqm_incident;

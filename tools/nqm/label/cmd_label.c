@@ -85,7 +85,9 @@ int cmd_label(int argc, char **argv) {
     const int n_arguments = parse_arguments(&cmd, argc, argv);
     if (run.map || run.grid || run.keep)
         scene.side = 256;
+    const nqm_scene_options given = scene.scene;
     scene_args_end(&scene);
+    run.adds_samples = !scene.scene.width && !given.n_points && !given.n_lights;
     run.scene_options = scene.scene;
     check_label(&run, shrink);
     const char **names = take_names(n_arguments, argv);

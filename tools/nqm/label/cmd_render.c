@@ -76,7 +76,7 @@ static void run_render(render_run *run) {
     nqm_error err = {0};
     must(nqm_scene_create(&run->scene, &run->made, &err), &err);
     run->rgb_cdm2 = allocate(3 * nqm_scene_count(run->made), sizeof *run->rgb_cdm2);
-    must(render_brdf(run->made, run->brdf, run->rgb_cdm2, &run->is_tabulated, &err), &err);
+    must(render_brdf(run->made, run->brdf, false, run->rgb_cdm2, &run->is_tabulated, &err), &err);
     const canvas first = one_frame(&run->scene, 0);
     run->blank = run->picture = make_backdrop(run->made, &first, run->backdrop);
     if (run->scene.n_frames > 1)

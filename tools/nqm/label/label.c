@@ -11,10 +11,11 @@
 
 static nqm_status render_item(const label_run *run, label_item *item) {
     const double nan = (double)NAN;
+    free(item->rgb_cdm2); /* of an earlier round */
     item->label = (nqm_label){nan, {nan, nan, nan}, nan, nan, 0};
     item->jod = nan;
-    item->rgb_cdm2 = allocate(3 * nqm_scene_count(run->scene), sizeof *item->rgb_cdm2);
-    return render_brdf(run->scene, item->name, item->rgb_cdm2, &item->is_tabulated, &item->err);
+    item->rgb_cdm2 = allocate(9 * nqm_scene_count(run->scene), sizeof *item->rgb_cdm2);
+    return render_brdf(run->scene, item->name, true, item->rgb_cdm2, &item->is_tabulated, &item->err);
 }
 
 /* Render item i and compare it with its reference. Errors of tests are stored in the item. */
@@ -25,7 +26,7 @@ static nqm_status label_item_at(label_run *run, size_t i) {
         return status;
     if (status == NQM_OK) {
         const nqm_curve curve = nqm_curve_default();
-        item->label = nqm_scene_compare(run->scene, reference->rgb_cdm2, item->rgb_cdm2);
+        item->label = nqm_scene_compare_halves(run->scene, reference->rgb_cdm2, item->rgb_cdm2);
         item->jod = nqm_curve_jod(&curve, item->label.delta_e);
     }
     if (!run->keep_rgb) {
@@ -43,15 +44,49 @@ static int show_label_progress(void *user, const char *stage, double done, doubl
     return show_progress(NULL, "label", 100 * ((double)run->n_done + done / total) / (double)run->n_items, 100);
 }
 
-void make_labels(label_run *run) {
+/* Whether more samples are needed: the standard error is above 1 % of Delta-E or .01 JOD. */
+static bool is_uncertain(const label_item *item) {
+    return item->err.status == NQM_OK &&
+           (item->label.error > 0.01 * fmax(item->label.delta_e, 1) || nqm_label_jod_error(&item->label) > 0.01);
+}
+
+/* Mark the tests that need more samples, and their references. */
+static size_t mark_uncertain(label_run *run) {
+    size_t n = 0;
+    for (size_t i = 0; i < run->n_items; ++i)
+        run->items[i].is_done = true;
+    for (size_t i = 0; i < run->n_items; ++i)
+        if (run->items[i].reference != i && is_uncertain(&run->items[i])) {
+            run->items[i].is_done = run->items[run->items[i].reference].is_done = false;
+            ++n;
+        }
+    return n;
+}
+
+/* One scene for all items that are not done. */
+static void make_round(label_run *run, const nqm_scene_options *options) {
     nqm_error err = {0};
-    run->scene_options.progress = show_label_progress;
-    run->scene_options.progress_user = run;
-    must(nqm_scene_create(&run->scene_options, &run->scene, &err), &err);
-    for (; run->n_done < run->n_items; ++run->n_done) {
-        must(label_item_at(run, run->n_done), &run->items[run->n_done].err);
+    nqm_scene_free(run->scene);
+    run->scene = NULL;
+    must(nqm_scene_create(options, &run->scene, &err), &err);
+    for (run->n_done = 0; run->n_done < run->n_items; ++run->n_done) {
+        if (!run->items[run->n_done].is_done)
+            must(label_item_at(run, run->n_done), &run->items[run->n_done].err);
         if (interrupted())
             stop(EXIT_INTERRUPTED, "interrupted");
+    }
+}
+
+void make_labels(label_run *run) {
+    enum { MAX_ROUNDS = 3 };
+    run->scene_options.progress = show_label_progress;
+    run->scene_options.progress_user = run;
+    nqm_scene_options options = run->scene_options;
+    make_round(run, &options);
+    for (size_t round = 1; run->adds_samples && round < MAX_ROUNDS && mark_uncertain(run); ++round) {
+        options.n_points *= 2;
+        options.n_lights = nqm_scene_n_lights(&options) * 3 / 2;
+        make_round(run, &options);
     }
     end_progress();
 }
@@ -90,12 +125,13 @@ json_t *json_labels(const label_run *run) {
         const label_item *item = &run->items[i];
         if (!is_test(run, i))
             continue;
-        json_t *result =
-            json_pack("{s:o,s:o,s:o,s:o,s:o,s:o,s:{s:b,s:b}}", "test", json_name(item->name), "name",
-                      json_name(item->shown), "delta_e_itp", json_number(item->label.delta_e), "jod",
-                      json_number(item->jod), "parts", json_label_parts(&item->label), "reference_luminance_cdm2",
-                      json_number(mean_luminance(run, run->items[item->reference].rgb_cdm2)), "tabulated", "reference",
-                      run->items[item->reference].is_tabulated, "test", item->is_tabulated);
+        json_t *result = json_pack("{s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:{s:b,s:b}}", "test", json_name(item->name),
+                                   "name", json_name(item->shown), "delta_e_itp", json_number(item->label.delta_e),
+                                   "jod", json_number(item->jod), "delta_e_error", json_number(item->label.error),
+                                   "jod_error", json_number(nqm_label_jod_error(&item->label)), "parts",
+                                   json_label_parts(&item->label), "reference_luminance_cdm2",
+                                   json_number(mean_luminance(run, run->items[item->reference].rgb_cdm2)), "tabulated",
+                                   "reference", run->items[item->reference].is_tabulated, "test", item->is_tabulated);
         if (run->n_groups > 1)
             json_object_set_new(result, "reference", json_name(reference_of(run, i)));
         if (item->err.status != NQM_OK)
@@ -122,6 +158,8 @@ static void print_csv_test(const label_run *run, const label_item *item) {
     print_csv_label(stdout, l);
     putchar(',');
     print_csv_text(stdout, item->shown);
+    const double errors[] = {l->error, nqm_label_jod_error(l)};
+    print_csv_numbers(stdout, 2, errors);
     putchar('\n');
 }
 
@@ -134,6 +172,9 @@ static void print_text_test(const label_item *item) {
     printf("%9.3f  %6.2f  %10.2f  %-20s  %s\n", item->label.delta_e, item->jod, nqm_label_similarity(&item->label),
            item->label.delta_e > 0 ? jod_words(item->jod) : "equal pictures", shown(item->shown));
     print_phrases(nqm_label_describe(&item->label, words));
+    if (nqm_label_jod_error(&item->label) > 0.02)
+        printf("%16s (standard error %.2f JOD; --points and --lights add samples)\n", "",
+               nqm_label_jod_error(&item->label));
 }
 
 void print_labels(const label_run *run) {
@@ -144,7 +185,7 @@ void print_labels(const label_run *run) {
     if (run->format == FORMAT_CSV) {
         printf("%s%s", csv_columns, run->n_groups > 1 ? ",reference" : "");
         print_csv_label_names(stdout);
-        puts(",name");
+        puts(",name,delta_e_error,jod_error");
     }
     for (size_t i = 0; i < run->n_items; ++i) {
         const label_item *item = &run->items[i];

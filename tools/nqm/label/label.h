@@ -15,8 +15,9 @@ typedef struct label_item {
     nqm_label label;   /* its values are NaN for references and for tests that could not be rendered, */
     double jod;        /* as this one is */
     nqm_error err;
+    bool is_done;      /* its label needs no more samples */
     bool is_tabulated; /* the picture was made from a table of the BRDF's values */
-    double *rgb_cdm2;  /* (points, 3); NULL after it has been compared, unless keep_rgb */
+    double *rgb_cdm2;  /* (3, points, 3) with halves; NULL after it has been compared, unless keep_rgb */
 } label_item;
 
 typedef struct label_run {
@@ -25,7 +26,8 @@ typedef struct label_run {
     size_t n_items, n_groups, n_done;
     label_item *items;
     result_format format;
-    bool keep_rgb; /* for pictures: renderings of tests are not freed after the comparison */
+    bool adds_samples; /* render again with more points and directions while the error of a label is large */
+    bool keep_rgb;     /* for pictures: renderings of tests are not freed after the comparison */
     /* figures; NULL: none */
     const char *map, *grid, *keep;
     const char *rows, *columns; /* titles, separated by commas */

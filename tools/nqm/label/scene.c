@@ -160,7 +160,8 @@ void draw_map(const nqm_scene *scene, const canvas *c, const double *values, dou
     }
 }
 
-nqm_status render_brdf(const nqm_scene *scene, const char *name, double *rgb_cdm2, bool *is_tabulated, nqm_error *err) {
+nqm_status render_brdf(const nqm_scene *scene, const char *name, bool with_halves, double *rgb_cdm2, bool *is_tabulated,
+                       nqm_error *err) {
     static bool is_said;
     nqm_brdf *brdf;
     nqm_status status = nqm_brdf_open(name, &brdf, err);
@@ -171,7 +172,7 @@ nqm_status render_brdf(const nqm_scene *scene, const char *name, double *rgb_cdm
                "are evaluated for every light direction)");
     is_said = is_said || *is_tabulated;
     if (status == NQM_OK)
-        status = nqm_scene_render(scene, brdf, rgb_cdm2, err);
+        status = (with_halves ? nqm_scene_render_halves : nqm_scene_render)(scene, brdf, rgb_cdm2, err);
     nqm_brdf_free(brdf);
     return status;
 }
