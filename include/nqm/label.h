@@ -34,19 +34,17 @@ NQM_API void nqm_scene_delta_e_map(const nqm_scene *scene, const double *ref_cdm
  * Make a model without a network that estimates labels in a scene by light transport: with fixed light, the radiance of every
  * point is linear in the BRDF (precomputed radiance transfer: Sloan et al. 2002, DOI 10.1145/566654.566612), so a matrix makes
  * pictures of few points from samples. The model predicts labels with parts and has no intervals; nqm_model_save() writes it.
- * More directions and points make it more exact, larger (12 bytes for each of n_directions n_points) and slower;
+ * The directions are the nodes of a grid (nqm_directions_options.grid). More points make it more exact, larger (7.5 KB each) and slower;
  * doc/labels.md has the errors. The built-in model "transport" has the standard scenes.
  *
  * @param scene       NULL: the defaults, the standard scenes; its pixels, points and interreflection are not used, and n_lights 0
- *                    stands for 512
- * @param directions  sampling directions
+ *                    stands for 1024
  * @param n_points    of all scenes together: a multiple of 32 up to 4096
  * @param id          of the model; copied
  * @return NQM_ERR_ARG (an option or n_points is out of range), NQM_ERR_IO, NQM_ERR_FORMAT (light or shape), NQM_ERR_NOMEM
  */
-NQM_API NQM_MUST_CHECK nqm_status nqm_transport_create(const nqm_scene_options *scene, const nqm_directions *directions,
-                                                       size_t n_points, const char *id, nqm_model **model_ret,
-                                                       nqm_error *err);
+NQM_API NQM_MUST_CHECK nqm_status nqm_transport_create(const nqm_scene_options *scene, size_t n_points, const char *id,
+                                                       nqm_model **model_ret, nqm_error *err);
 
 /* ---- corpora ----------------------------------------------------------------------------------------------------- */
 

@@ -16,12 +16,15 @@ typedef struct nqm_directions nqm_directions;
 
 /** How nqm_directions_create() chooses. Take the defaults from nqm_directions_options_default(). */
 typedef struct nqm_directions_options {
-    size_t n;                 /**< directions to make; 1..100000; default 500 */
-    uint64_t seed;            /**< default 1 */
-    double max_polar_rad;     /**< theta_i and theta_o stay at or below this; 1 to 90 degrees; default 75 degrees
+    size_t n;             /**< directions to make; 1..100000; default 500 */
+    uint64_t seed;        /**< default 1 */
+    double max_polar_rad; /**< theta_i and theta_o stay at or below this; 1 to 90 degrees; default 75 degrees
                                    (grazing data are noisy) */
-    double theta_h_power;     /**< theta_h = max * u^power, u uniform: denser toward 0 for powers above 1; 0.1 to
+    double theta_h_power; /**< theta_h = max * u^power, u uniform: denser toward 0 for powers above 1; 0.1 to
                                    most 100; default 2 */
+    int grid; /**< 1: instead, the nodes of the grid of light transport, which reaches from wide lobes to mirrors
+                                   and holds both orders of light and viewer: the directions of the models "default" and
+                                   "transport"; the other members and the references have no effect. Default 0 */
     double oversampling;      /**< candidates per kept direction when references are given; 1..100; default 4 */
     nqm_progress_fn progress; /**< NULL: silent */
     void *progress_user;

@@ -73,7 +73,7 @@ class BrdfCheckReport(Structure):
 class DirectionsOptions(Structure):
     _c_name_ = "nqm_directions_options"
     _fields_ = [("n", c_size_t), ("seed", c_uint64), ("max_polar_rad", c_double), ("theta_h_power", c_double),
-                ("oversampling", c_double), ("progress", Progress), ("progress_user", c_void_p)]
+                ("grid", c_int), ("oversampling", c_double), ("progress", Progress), ("progress_user", c_void_p)]
 
 
 class SampleReport(Structure):

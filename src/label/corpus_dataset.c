@@ -5,6 +5,7 @@
 #include "data/data.h"
 #include "label/corpus.h"
 #include "percept/percept.h"
+#include "sample/grid.h"
 
 #include <jansson.h>
 #include <stdlib.h>
@@ -99,13 +100,17 @@ static nqm_status write_manifest(const char *dataset_path, const char *manifest,
 }
 
 nqm_status nqm_corpus_write(nqm_corpus *c, const char *path, nqm_error *err) {
+    bool has_matrix; /* only the nodes of the grid have one */
+    const nqm_status checked = nqm_grid_check(c->context.directions, &has_matrix, err);
+    if (checked != NQM_OK)
+        return checked;
     const nqm_dataset_limits limits = {.n_directions = c->n_directions,
                                        .directions_deg = nqm_directions_degrees(c->context.directions),
                                        .max_refs = c->n_refs,
                                        .max_pairs = c->n_tests,
                                        .has_parts = true,
                                        .has_errors = true,
-                                       .has_transport = true,
+                                       .has_transport = has_matrix,
                                        .borrows_samples = true};
     nqm_dataset_builder b;
     nqm_dataset *dataset = NULL;
@@ -121,8 +126,9 @@ nqm_status nqm_corpus_write(nqm_corpus *c, const char *path, nqm_error *err) {
         b.dataset->ref_used = c->ref_used;
         b.dataset->test_rgb = c->test_rgb;
         b.dataset->test_used = c->test_used;
-        status = nqm_transport_fill(&scene, c->context.directions, NQM_TRANSPORT_POINTS, b.dataset->transport,
-                                    b.dataset->transport_points, err);
+        if (has_matrix)
+            status = nqm_transport_fill(&scene, NQM_TRANSPORT_POINTS, b.dataset->transport, b.dataset->transport_points,
+                                        err);
         if (status == NQM_OK)
             status = add_kinds(c, &b, err);
         for (size_t i = 0; status == NQM_OK && i < c->n_items; ++i)

@@ -57,8 +57,8 @@ const char *nqm_transport_fault(const nqm_transport *t, bool verify) {
     if (t->n_points % NQM_TRANSPORT_STEP || t->n_points > NQM_TRANSPORT_MAX_POINTS)
         return "tensor 'transport.points' has a number of points that is no multiple of 32 up to 4096";
     for (size_t i = 0; verify && i < t->n_directions * 3 * t->n_points; ++i)
-        if (!(t->light[i] >= 0 && isfinite(t->light[i])))
-            return "tensor 'transport' has a value that is negative or not finite";
+        if (!isfinite(t->light[i]))
+            return "tensor 'transport' has a value that is not finite";
     return points_fault(t->n_points, t->points);
 }
 

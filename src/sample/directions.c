@@ -30,6 +30,18 @@ static bool in_range(const double *hd_deg) {
     return hd_deg[0] >= 0 && hd_deg[0] <= 90 && hd_deg[1] >= 0 && hd_deg[1] <= 90 && fabs(hd_deg[2]) <= 360;
 }
 
+/* Exchanging light and viewer adds half a turn to phi_d. Grids have such directions close to each other. */
+static size_t find_twin(const double *degrees, size_t i) {
+    enum { NEAR = 8 };
+    const double *own = degrees + 3 * i;
+    for (size_t j = i > NEAR ? i - NEAR : 0; j < i; ++j) {
+        const double *other = degrees + 3 * j;
+        if (other[0] == own[0] && other[1] == own[1] && fabs(own[2] - other[2] - 180) < 1e-9)
+            return j;
+    }
+    return i;
+}
+
 nqm_status nqm_directions_from_degrees(size_t n, const double *hd_deg, nqm_directions **directions_ret,
                                        nqm_error *err) {
     *directions_ret = NULL;
@@ -42,13 +54,14 @@ nqm_status nqm_directions_from_degrees(size_t n, const double *hd_deg, nqm_direc
                             i + 1, hd_deg[3 * i], hd_deg[3 * i + 1], hd_deg[3 * i + 2]);
     nqm_directions *directions;
     double *degrees, *hd, *cosines;
+    uint32_t *twin;
     nqm_status status =
         nqm_alloc_arrays(NQM_ARRAYS({&directions, 1, sizeof *directions}, {&degrees, n, 3 * sizeof *degrees},
-                                    {&hd, n, 3 * sizeof *hd}, {&cosines, n, sizeof *cosines}),
+                                    {&hd, n, 3 * sizeof *hd}, {&cosines, n, sizeof *cosines}, {&twin, n, sizeof *twin}),
                          err);
     if (status != NQM_OK)
         return status;
-    *directions = (nqm_directions){.n = n, .degrees = degrees, .hd = hd, .cosines = cosines};
+    *directions = (nqm_directions){.n = n, .degrees = degrees, .hd = hd, .cosines = cosines, .twin = twin};
     for (size_t i = 0; i < 3 * n; ++i) {
         degrees[i] = hd_deg[i] + 0.0; /* -0 becomes 0, so that equal directions have equal bytes */
         hd[i] = hd_deg[i] * (NQM_PI / 180);
@@ -57,6 +70,7 @@ nqm_status nqm_directions_from_degrees(size_t n, const double *hd_deg, nqm_direc
         double wi[3], wo[3];
         nqm_half_diff_to_pair(hd + 3 * i, wi, wo);
         cosines[i] = fmax(wi[2], 0) * fmax(wo[2], 0);
+        twin[i] = (uint32_t)find_twin(degrees, i);
     }
     *directions_ret = directions;
     return NQM_OK;

@@ -17,7 +17,7 @@
  * The set is sorted by theta_h.
  */
 #include "math/math.h"
-#include "sample/sample.h"
+#include "sample/grid.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -42,6 +42,8 @@ static const nqm_option rows[] = {
      .values = {"75"}, .help = "largest angle of light and viewer with the normal", .unit = "degrees"},
     {FIELD(theta_h_power), .name = "power", .metavar = "P", .min = 0.1, .max = 100, .values = {"2"},
      .help = "theta_h = max u^P: above 1 is denser toward 0"},
+    {FIELD(grid), .kind = NQM_OPTION_BOOL,
+     .help = "instead, the nodes of the grid of light transport: the directions of model 'default'"},
     {FIELD(oversampling), .metavar = "K", .min = 1, .max = 100, .values = {"4"},
      .help = "candidates for each direction kept, with references"},
 };
@@ -158,6 +160,8 @@ nqm_status nqm_directions_create(const nqm_directions_options *options, size_t n
     nqm_status status = nqm_options_check(&nqm_directions_option_table, o, err);
     if (status != NQM_OK)
         return status;
+    if (o->grid)
+        return nqm_grid_directions(directions_ret, err);
     size_t m = n_refs ? (size_t)ceil((double)o->n * o->oversampling) : o->n;
     candidate *candidates = nqm_alloc(m, sizeof *candidates);
     double *degrees = nqm_alloc(o->n, 3 * sizeof *degrees);

@@ -15,6 +15,7 @@ struct nqm_directions {
     double *degrees; /* (n, 3) theta_h, theta_d, phi_d */
     double *hd;      /* (n, 3) the same in radians */
     double *cosines; /* (n) cos(theta_i) cos(theta_o), 0 for a direction below the horizon */
+    uint32_t *twin;  /* (n) an earlier direction with light and viewer exchanged; itself if there is none */
     char id[17];     /* nqm_directions_id(); empty: not computed yet */
 };
 

@@ -75,19 +75,40 @@ static nqm_status apply_policy(const nqm_brdf *brdf, const nqm_directions *direc
     return policy == NQM_INVALID_NEAREST ? fill_from_nearest(directions, flag, rgb, err) : NQM_OK;
 }
 
+/* Sample up to AT_ONCE directions from `next` on; returns the first that is left. A reciprocal BRDF has the value of the twin. */
+static size_t sample_some(const nqm_brdf *brdf, const nqm_directions *directions, size_t next, float *rgb,
+                          uint8_t *flag) {
+    double hd[3 * AT_ONCE], values[3 * AT_ONCE];
+    uint8_t flags[AT_ONCE];
+    size_t place[AT_ONCE], m = 0, end = next;
+    const uint32_t *twin = directions->twin;
+    for (; end < directions->n && m < AT_ONCE; ++end) {
+        if (brdf->class_->reciprocal && twin[end] != end)
+            continue;
+        memcpy(hd + 3 * m, directions->hd + 3 * end, 3 * sizeof *hd);
+        place[m++] = end;
+    }
+    nqm_brdf_eval_half_diff(brdf, m, hd, values, flags);
+    for (size_t k = 0; k < 3 * m; ++k)
+        rgb[3 * place[k / 3] + k % 3] = (float)fmin(values[k], FLT_MAX);
+    for (size_t k = 0; k < m; ++k)
+        flag[place[k]] = flags[k];
+    for (size_t i = next; i < end; ++i)
+        if (brdf->class_->reciprocal && twin[i] != i) {
+            memcpy(rgb + 3 * i, rgb + 3 * twin[i], 3 * sizeof *rgb);
+            flag[i] = flag[twin[i]];
+        }
+    return end;
+}
+
 nqm_status nqm_sample(const nqm_brdf *brdf, const nqm_directions *directions, nqm_invalid_policy policy, float *rgb,
                       uint8_t *flag, nqm_sample_report *report, nqm_error *err) {
     size_t n = directions->n;
     uint8_t *own = flag ? NULL : nqm_alloc(n, sizeof *own), *flags = flag ? flag : own;
     if (!flags)
         return nqm_fail_nomem(err, n * sizeof *own);
-    for (size_t first = 0; first < n; first += AT_ONCE) {
-        double values[3 * AT_ONCE];
-        const size_t some = n - first < AT_ONCE ? n - first : AT_ONCE;
-        nqm_brdf_eval_half_diff(brdf, some, directions->hd + 3 * first, values, flags + first);
-        for (size_t i = 0; i < 3 * some; ++i)
-            rgb[3 * first + i] = (float)fmin(values[i], FLT_MAX);
-    }
+    for (size_t next = 0; next < n;)
+        next = sample_some(brdf, directions, next, rgb, flags);
     nqm_status status = apply_policy(brdf, directions, policy, flags, rgb, err);
     if (report)
         *report = count_flags(n, flags);

@@ -246,7 +246,9 @@ nqm_directions *open_directions(const char *name_or_path) {
             stop(EXIT_OPEN, "there is no file and no model '%s'%s", name, nearest.advice);
         must(nqm_directions_load_csv(input_path(name), &directions, &err), &err);
     } else {
-        must(nqm_directions_create(NULL, 0, NULL, &directions, &err), &err);
+        nqm_directions_options grid = nqm_directions_options_default();
+        grid.grid = 1;
+        must(nqm_directions_create(&grid, 0, NULL, &directions, &err), &err);
     }
     return directions;
 }

@@ -19,12 +19,10 @@ static json_t *written_model(const char *path, const nqm_model *model) {
 }
 
 int cmd_transport(int argc, char **argv) {
-    const char *path = NULL, *directions_name = NULL, *name = "transport";
+    const char *path = NULL, *name = "transport";
     bool json = false;
     scene_args scene = scene_args_begin();
     const option options[] = {{"output", 'o', OPTION_NEEDED, &path, "FILE.safetensors", "the model to write", 0, 0},
-                              {"directions", 0, OPTION_TEXT, &directions_name, "WHERE",
-                               "sampling directions (default: those of `nqm score`)", 0, 0},
                               {"id", 0, OPTION_TEXT, &name, "NAME", "the model's name", 0, 0},
                               {"json", 0, OPTION_FLAG, &json, NULL, "print the model's properties as JSON", 0, 0},
                               {0}};
@@ -48,16 +46,15 @@ int cmd_transport(int argc, char **argv) {
     parse_arguments(&cmd, argc, argv);
     check_scene_files(&scene.scene);
     const size_t n_points = scene.scene.n_points ? scene.scene.n_points : NQM_TRANSPORT_POINTS;
-    nqm_directions *directions = open_directions(directions_name);
     nqm_model *model;
     nqm_error err = {0};
-    must(nqm_transport_create(&scene.scene, directions, n_points, name, &model, &err), &err);
+    must(nqm_transport_create(&scene.scene, n_points, name, &model, &err), &err);
     must(nqm_model_save(model, output_path(path), &err), &err);
     if (json)
         print_document(written_model(path, model));
     else
-        report(EXIT_OK, "%s: %zu directions, %zu points", path, nqm_directions_count(directions), n_points);
+        report(EXIT_OK, "%s: %zu directions, %zu points", path,
+               nqm_directions_count(nqm_model_get_info(model).directions), n_points);
     nqm_model_free(model);
-    nqm_directions_free(directions);
     return EXIT_OK;
 }
