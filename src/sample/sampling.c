@@ -78,7 +78,7 @@ static nqm_status apply_policy(const nqm_brdf *brdf, const nqm_directions *direc
 /* Sample up to AT_ONCE directions from `next` on; returns the first that is left. A reciprocal BRDF has the value of the twin. */
 static size_t sample_some(const nqm_brdf *brdf, const nqm_directions *directions, size_t next, float *rgb,
                           uint8_t *flag) {
-    double hd[3 * AT_ONCE], values[3 * AT_ONCE];
+    double hd[3 * AT_ONCE] = {0}, values[3 * AT_ONCE];
     uint8_t flags[AT_ONCE];
     size_t place[AT_ONCE], m = 0, end = next;
     const uint32_t *twin = directions->twin;
