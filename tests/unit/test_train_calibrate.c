@@ -30,7 +30,7 @@ static nqm_model *calibrated_model(void) {
 
 static void assert_interval(const nqm_model *model, double jod, double low, double high) {
     double l, h;
-    nqm_model_interval(model, jod, NAN, &l, &h);
+    nqm_model_interval(model, jod, NAN, 0, &l, &h);
     assert_near(l, low, 1e-12);
     assert_near(h, high, 1e-12);
 }
@@ -52,7 +52,7 @@ static void tables_are_interpolated_and_stored(void **state) {
         assert_string_equal(nqm_model_get_info(m).calibration, "{\"materials\":12}");
     }
     double low, high;
-    nqm_model_interval(model, NAN, 0, &low, &high);
+    nqm_model_interval(model, NAN, 0, 0, &low, &high);
     assert_true(isnan(low) && isnan(high));
     nqm_model_free(read);
     nqm_model_free(model);
@@ -65,7 +65,7 @@ static void models_without_have_none(void **state) {
     assert_int_equal(nqm_model_save(model, temp_file, NULL), NQM_OK);
     assert_int_equal(nqm_model_load(temp_file, &read, NULL), NQM_OK);
     double low, high;
-    nqm_model_interval(read, 8, 0, &low, &high);
+    nqm_model_interval(read, 8, 0, 0, &low, &high);
     assert_true(isnan(low) && isnan(high));
     assert_string_equal(nqm_model_get_info(read).calibration, "");
     nqm_model_free(read);
@@ -307,7 +307,7 @@ static void labels_inside_are_counted(void **state) {
         double low, high;
         const double novelty = prediction.novelty[i];
         assert_near(novelty, nqm_model_novelty(model, ev->scalars + i * NQM_SCALAR_COUNT), 1e-3 * (1 + novelty));
-        nqm_model_interval(model, jod[i], novelty, &low, &high);
+        nqm_model_interval(model, jod[i], novelty, ev->spread[i], &low, &high);
         const size_t n_values = 3 * dataset->n_directions;
         nqm_raise_low(nqm_delta_e_bound(dataset->n_directions, dataset->ref_rgb + n_values * dataset->pair_ref[i],
                                         dataset->test_rgb + n_values * i, NULL),

@@ -191,8 +191,8 @@ static void models_of_samples_have_none(void **state) {
     assert_true(model->interval != NULL && r.calibration.novelty_growth == 0);
     assert_true(isnan(novelty_of(model, 0)));
     double low, high, low_far, high_far;
-    nqm_model_interval(model, 8, 0, &low, &high);
-    nqm_model_interval(model, 8, 100, &low_far, &high_far);
+    nqm_model_interval(model, 8, 0, 0, &low, &high);
+    nqm_model_interval(model, 8, 100, 0, &low_far, &high_far);
     assert_true(low == low_far && high == high_far);
     nqm_model_free(model);
 }
@@ -219,7 +219,7 @@ static void older_files_have_none(void **state) {
     assert_int_equal(nqm_model_load(temp_file, &read, NULL), NQM_OK);
     assert_true(isnan(novelty_of(read, 0)));
     double low, high, low_at, high_at;
-    nqm_model_interval(read, 8, 3, &low, &high);
+    nqm_model_interval(read, 8, 3, 0, &low, &high);
     nqm_interval_at(read->n_interval, read->interval, 8, &low_at, &high_at);
     assert_true(low == low_at && high == high_at);
     nqm_model_free(read);
@@ -265,8 +265,8 @@ static void scores_tell_and_widen(void **state) {
     assert_true(r[0].jod_low == 10 && r[0].jod_high == 10);
     double low, high, low_near, high_near;
     for (size_t i = 1; i < 3; ++i) {
-        nqm_model_interval(&model, r[i].jod, r[i].novelty, &low, &high);
-        nqm_model_interval(&model, r[i].jod, 0, &low_near, &high_near);
+        nqm_model_interval(&model, r[i].jod, r[i].novelty, 0, &low, &high);
+        nqm_model_interval(&model, r[i].jod, 0, 0, &low_near, &high_near);
         assert_true(r[i].jod_low == low && r[i].jod_high == high);
         assert_true(low < low_near && high > high_near);
         /* The ends are exp(novelty) times as far away on the logit scale (growth is 1). */
