@@ -157,7 +157,7 @@ typedef struct growths {
 } growths;
 
 static growths growths_at(size_t i) {
-    static const double novelty[N_NOVELTY] = {0, 0.5, 1, 1.5, 2, 3}, spread[N_SPREAD] = {0, 0.5, 1};
+    static const double novelty[N_NOVELTY] = {0, 0.5, 1, 2, 3, 4.5}, spread[N_SPREAD] = {0, 0.5, 1};
     return (growths){novelty[i % N_NOVELTY], {spread[i / N_NOVELTY % N_SPREAD], spread[i / N_NOVELTY / N_SPREAD]}};
 }
 
