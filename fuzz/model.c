@@ -13,7 +13,7 @@ static void check_interval(const struct nqm_model *model, double jod) {
     double low, high, scalars[NQM_SCALAR_COUNT] = {3}, novelty = nqm_model_novelty(model, scalars);
     if (model->n_novelty && !(novelty >= 0))
         abort();
-    nqm_model_interval(model, jod, novelty, &low, &high);
+    nqm_model_interval(model, jod, novelty, 0, &low, &high);
     if (model->interval && isfinite(jod) && !(low <= jod && jod <= high))
         abort();
 }

@@ -137,6 +137,9 @@ typedef struct nqm_calibration {
     double mean_width;      /**< JOD, of the final intervals over all pairs */
     double novelty_growth;  /**< a novelty of v multiplies the width by exp(novelty_growth v), on the scale of
                                  doc/evaluation.md; 0: the width does not depend on it */
+    double disagreement_growth,
+        peak_growth; /**< likewise of ln(1 + |y - y'| / 0.1), where y' is that of the estimate by
+                                 light transport, and of max(0, ref_peak - 8) / 10, a scalar feature of the reference */
 } nqm_calibration;
 
 /** What a training did. */

@@ -23,7 +23,7 @@ static nqm_status predict_batch(const nqm_dataset_prediction *p, nqm_predictor *
     const nqm_dataset *d = p->dataset;
     const size_t n_columns = 3 * d->n_directions;
     const float *ref[NQM_PREDICT_BATCH], *test[NQM_PREDICT_BATCH];
-    double jod[NQM_PREDICT_BATCH], novelty[NQM_PREDICT_BATCH];
+    double jod[NQM_PREDICT_BATCH], novelty[NQM_PREDICT_BATCH], spread[NQM_PREDICT_BATCH];
     nqm_label labels[NQM_PREDICT_BATCH];
     for (size_t i = 0; i < n; ++i) {
         ref[i] = d->ref_rgb + d->pair_ref[pairs[i]] * n_columns;
@@ -35,6 +35,7 @@ static nqm_status predict_batch(const nqm_dataset_prediction *p, nqm_predictor *
                                      .test = test,
                                      .used = d->ref_used || d->test_used ? used : NULL,
                                      .novelty = p->novelty ? novelty : NULL,
+                                     .spread = spread,
                                      .labels = p->labels ? labels : NULL};
     nqm_predictor_run(predictor, &batch, jod, NULL);
     for (size_t i = 0; i < n; ++i) {
@@ -44,6 +45,8 @@ static nqm_status predict_batch(const nqm_dataset_prediction *p, nqm_predictor *
         p->jod[pairs[i]] = jod[i];
         if (p->novelty)
             p->novelty[pairs[i]] = novelty[i];
+        if (p->spread)
+            p->spread[pairs[i]] = spread[i];
         if (p->labels)
             p->labels[pairs[i]] = labels[i];
     }

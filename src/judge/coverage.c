@@ -23,7 +23,8 @@ static size_t range_of(double jod) {
 static bool count(const nqm_evaluation *ev, size_t model, size_t pair, uint8_t *used, nqm_coverage *c) {
     const nqm_dataset *d = ev->dataset;
     double low, high, jod = ev->values[model * d->n_pairs + pair], label = d->jod[pair];
-    nqm_model_interval(ev->models[model], jod, ev->novelty[model * d->n_pairs + pair], &low, &high);
+    const size_t at = model * d->n_pairs + pair;
+    nqm_model_interval(ev->models[model], jod, ev->novelty[at], ev->spread[at], &low, &high);
     nqm_raise_low(nqm_delta_e_bound(d->n_directions, d->ref_rgb + 3 * d->n_directions * d->pair_ref[pair],
                                     d->test_rgb + 3 * d->n_directions * pair, nqm_dataset_pair_used(d, pair, used)),
                   &low);

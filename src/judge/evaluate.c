@@ -97,6 +97,7 @@ static nqm_status predict_model(predict_run *run, size_t model, nqm_error *err) 
                                                .pairs = run->pairs,
                                                .jod = ev->values + model * ev->dataset->n_pairs,
                                                .novelty = ev->novelty + model * ev->dataset->n_pairs,
+                                               .spread = ev->spread + model * ev->dataset->n_pairs,
                                                .labels = ev->labels + model * ev->dataset->n_pairs,
                                                .batch_done = tick,
                                                .user = run};
@@ -207,6 +208,7 @@ nqm_status nqm_evaluation_create(const nqm_dataset *dataset, size_t n_models, co
     nqm_status status = nqm_alloc_arrays(
         NQM_ARRAYS({&ev, 1, sizeof *ev}, {&made.values, n_predictors, dataset->n_pairs * sizeof(double)},
                    {&made.novelty, n_models, dataset->n_pairs * sizeof *made.novelty},
+                   {&made.spread, n_models, dataset->n_pairs * sizeof *made.spread},
                    {&made.labels, n_models, dataset->n_pairs * sizeof *made.labels},
                    {&made.estimates, has_estimate ? dataset->n_pairs : 0, sizeof *made.estimates},
                    {&made.scalars, dataset->n_pairs, NQM_SCALAR_COUNT * sizeof(double)},

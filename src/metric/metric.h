@@ -102,6 +102,7 @@ typedef struct nqm_sampled_pairs {
     const uint8_t *used;                   /* (n, n_directions) 0: the direction is dropped; NULL: all are used */
     double *metrics;                       /* (n, NQM_METRIC_COUNT) receives the metrics; NULL: do not compute them */
     double *novelty;                       /* (n) receives the result of nqm_model_novelty(); NULL: do not compute it */
+    double *spread;    /* (n) receives nqm_model_spread(), 0 without scalar features; NULL: not stored */
     nqm_label *labels; /* (n) receives the parts, NaN if the model predicts none; NULL: not stored */
     double *bound;     /* (n) receives nqm_delta_e_bound(); NULL: not stored */
 } nqm_sampled_pairs;
@@ -129,7 +130,8 @@ void nqm_predictor_run(nqm_predictor *predictor, const nqm_sampled_pairs *pairs,
  *  used: (n_directions) as in nqm_sampled_pairs. */
 double nqm_delta_e_bound(size_t n_directions, const float *ref, const float *test, const uint8_t *used);
 
-/** Raise the lower end of an interval (NaN: there is none) to the JOD at that bound. */
+/** Raise the lower end of an interval (NaN: there is none) to the JOD at that bound plus 1.5 Delta-E, for what BRDFs do between
+ *  the sampled directions. */
 void nqm_raise_low(double delta_e_bound, double *jod_low);
 
 /** The factor in that bound of the channel with the largest ratio: the gradient of the bound by f_r is `slope` at *at_ret, an

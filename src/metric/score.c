@@ -30,9 +30,9 @@ struct nqm_scorer {
     size_t *place;             /* (room) index of each pair in the following arrays, which are grouped by reference */
     const float **ref, **test; /* (room) samples for the network */
     uint8_t *used;             /* (room, n_directions) */
-    double *jod, *delta_e, *novelty, *bound; /* (room) */
-    double *metrics;                         /* (room, NQM_METRIC_COUNT) */
-    nqm_label *labels;                       /* (room) */
+    double *jod, *delta_e, *novelty, *spread, *bound; /* (room) */
+    double *metrics;                                  /* (room, NQM_METRIC_COUNT) */
+    nqm_label *labels;                                /* (room) */
     /* Of nqm_scorer_run() only: */
     bool has_samples;             /* it was called: rgb and flag have room for samples */
     float *rgb;                   /* (1 + room, n_directions, 3) samples of the reference and the tests */
@@ -82,9 +82,10 @@ static nqm_status reserve(nqm_scorer *s, size_t n_pairs, bool with_samples, nqm_
         NQM_ARRAYS({&s->member, n, 2 * sizeof *s->member}, {&s->place, n, sizeof *s->place},
                    {&s->ref, n, sizeof *s->ref}, {&s->test, n, sizeof *s->test}, {&s->used, n, n_directions},
                    {&s->jod, n, sizeof *s->jod}, {&s->delta_e, n, sizeof *s->delta_e},
-                   {&s->novelty, n, sizeof *s->novelty}, {&s->bound, n, sizeof *s->bound},
-                   {&s->metrics, n, NQM_METRIC_COUNT * sizeof *s->metrics}, {&s->labels, n, sizeof *s->labels},
-                   {&s->rgb, n_samples, 3 * n_directions * sizeof *s->rgb}, {&s->flag, n_samples, n_directions}),
+                   {&s->novelty, n, sizeof *s->novelty}, {&s->spread, n, sizeof *s->spread},
+                   {&s->bound, n, sizeof *s->bound}, {&s->metrics, n, NQM_METRIC_COUNT * sizeof *s->metrics},
+                   {&s->labels, n, sizeof *s->labels}, {&s->rgb, n_samples, 3 * n_directions * sizeof *s->rgb},
+                   {&s->flag, n_samples, n_directions}),
         err);
     if (status == NQM_OK)
         status = nqm_predictor_create(s->model, s->options.precision, n, &s->predictor, err);
@@ -256,7 +257,7 @@ static void settle(const nqm_scorer *s, size_t place, nqm_score_result *result) 
     result->similarity = nqm_label_similarity(&result->parts);
     if (s->options.metrics)
         memcpy(result->metrics, s->metrics + place * NQM_METRIC_COUNT, sizeof result->metrics);
-    nqm_model_interval(s->model, jod, novelty, &result->jod_low, &result->jod_high);
+    nqm_model_interval(s->model, jod, novelty, s->spread[place], &result->jod_low, &result->jod_high);
     nqm_raise_low(s->bound[place], &result->jod_low);
     if (result->identical && s->model->interval) /* equal BRDFs give equal images: the interval is exact */
         result->jod_low = result->jod_high = 10;
@@ -276,6 +277,7 @@ static void score_block(nqm_scorer *s, size_t n, nqm_score_result *results) {
                                      .used = s->used,
                                      .metrics = s->options.metrics ? s->metrics : NULL,
                                      .novelty = s->novelty,
+                                     .spread = s->spread,
                                      .labels = s->labels,
                                      .bound = s->bound};
     nqm_predictor_run(s->predictor, &pairs, s->jod, s->delta_e);

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
  * The interval around a predicted JOD: interpolated linearly in a table of the model file, and widened for pairs that
- * differ from the training pairs. train/interval_fit.c computes the table and the widening.
+ * differ from the training pairs, or whose features say that errors are larger. train/interval_fit.c computes the table and the
+ * widening.
  */
 #include "model/model.h"
 
@@ -62,11 +63,63 @@ void nqm_interval_widen(double times, double jod, double *low, double *high) {
     *high = fmax(*high, nqm_interval_jod(y + times * (nqm_interval_y(*high) - y)));
 }
 
-void nqm_model_interval(const nqm_model *model, double jod, double novelty, double *low_ret, double *high_ret) {
+void nqm_spread_features(const nqm_model *model, double jod, double log_estimate, double ref_peak, double *features) {
+    static const double usual = 0.1; /* difference on the logit scale: about the median error */
+    static const double peak =
+        8; /* log of the peak relative to the mean: GGX with alpha 0.02 on a diffuse base has 9 */
+    features[NQM_SPREAD_DISAGREEMENT] = 0;
+    features[NQM_SPREAD_PEAK] = fmax(0, ref_peak - peak) / 10; /* 0 for NaN */
+    if (model->transport && isfinite(log_estimate)) {
+        const double estimated = nqm_curve_jod(&model->curve, exp(log_estimate));
+        features[NQM_SPREAD_DISAGREEMENT] = log1p(fabs(nqm_interval_y(jod) - nqm_interval_y(estimated)) / usual);
+    }
+}
+
+bool nqm_model_has_spread(const nqm_model *model) {
+    bool has = false;
+    for (size_t k = 0; k < NQM_SPREAD_FEATURES; ++k)
+        has = has || model->spread_growth[k] > 0;
+    for (size_t k = 0; k < NQM_INTERVAL_KNOTS; ++k)
+        has = has || model->interval_floor[k] > 0;
+    return has;
+}
+
+double nqm_model_spread(const nqm_model *model, const double *features) {
+    double sum = 0;
+    for (size_t k = 0; k < NQM_SPREAD_FEATURES; ++k)
+        sum += model->spread_growth[k] * features[k];
+    return sum;
+}
+
+/* ---- least width ------------------------------------------------------------------------------------------------- */
+
+double nqm_interval_knot(size_t k) {
+    return nqm_interval_y(jod_top) * (2 * (double)k / (NQM_INTERVAL_KNOTS - 1) - 1);
+}
+
+/* Interpolate the least half-width. */
+static double floor_at(const nqm_model *model, double y) {
+    const double at = (NQM_INTERVAL_KNOTS - 1) * (y / nqm_interval_y(jod_top) + 1) / 2;
+    const double k = fmin(NQM_INTERVAL_KNOTS - 2, fmax(0, floor(at))), t = fmin(1, fmax(0, at - k));
+    const double *row = model->interval_floor + (size_t)k;
+    return (1 - t) * row[0] + t * row[1];
+}
+
+/* ---- of a model -------------------------------------------------------------------------------------------------- */
+
+void nqm_model_interval(const nqm_model *model, double jod, double novelty, double spread, double *low_ret,
+                        double *high_ret) {
     *low_ret = *high_ret = NAN;
     if (!model->interval || !isfinite(jod))
         return;
     nqm_interval_at(model->n_interval, model->interval, jod, low_ret, high_ret);
-    if (model->n_novelty && model->novelty_growth > 0)
-        nqm_interval_widen(exp(model->novelty_growth * (isnan(novelty) ? 1 : novelty)), jod, low_ret, high_ret);
+    if (model->n_novelty)
+        spread += model->novelty_growth * (isnan(novelty) ? 1 : novelty);
+    if (spread > 0)
+        nqm_interval_widen(exp(spread), jod, low_ret, high_ret);
+    const double y = nqm_interval_y(jod), least = floor_at(model, y);
+    if (least > 0) {
+        *low_ret = fmin(*low_ret, nqm_interval_jod(y - least));
+        *high_ret = fmax(*high_ret, nqm_interval_jod(y + least));
+    }
 }

@@ -13,6 +13,10 @@
 #include <nqm/model.h>
 
 enum { NQM_NOVELTY_BLOCK = 16, NQM_NOVELTY_MAX_GROWTH = 10 };
+/** Features of a pair that predict the size of errors, besides its novelty; all are >= 0. See nqm_spread_features(). */
+enum { NQM_SPREAD_DISAGREEMENT, NQM_SPREAD_PEAK, NQM_SPREAD_FEATURES };
+/** Points at which the least half-width of intervals is known, evenly over the logits of JOD 0 to 10. */
+enum { NQM_INTERVAL_KNOTS = 17 };
 
 /** Conversion of scalar features to inputs: (value - mean) / std, clamped to [-5, 5], times scale. Clamping keeps the
  *  inputs of unusual pairs near the range of the training pairs. */
@@ -55,6 +59,9 @@ struct nqm_model {
     size_t n_transport, n_points; /* directions and points of `transport`; 0: none */
     double novelty_unit;          /* distance that has novelty 1; > 0 */
     double novelty_growth;        /* novelty v widens an interval by exp(novelty_growth v); 0..NQM_NOVELTY_MAX_GROWTH */
+    double spread_growth[NQM_SPREAD_FEATURES]; /* the same of each feature of nqm_spread_features() */
+    double interval_floor
+        [NQM_INTERVAL_KNOTS]; /* least half-width of intervals on the logit scale, at nqm_interval_knot() */
     bool stores_half; /* nqm_model_save() writes the hidden layers' weights as float16; they are already rounded */
     char sha256[65];  /* checksum of its file; "" when it was not read from a file */
     /* Owned blocks. */
@@ -103,6 +110,17 @@ double nqm_interval_y(double jod);
 double nqm_interval_jod(double y);
 /** Widen the interval [*low, *high] around `jod` by the factor `times` (>= 1) on that scale. */
 void nqm_interval_widen(double times, double jod, double *low, double *high);
+/** Features of the error of a predicted JOD, (NQM_SPREAD_FEATURES):
+ *  ln(1 + |y(jod) - y(estimated JOD)| / 0.1), 0 for models without transport: where the network corrects more, it errs more;
+ *  max(0, ref_peak - 8) / 10: peaks this narrow change within the samples' distances.
+ *  y: nqm_interval_y(). jod: finite; log_estimate, ref_peak: scalar features. */
+void nqm_spread_features(const nqm_model *model, double jod, double log_estimate, double ref_peak, double *features);
+/** Whether its intervals depend on such features, or have a least width; false for files of earlier versions. */
+bool nqm_model_has_spread(const nqm_model *model);
+/** The logit of knot k of struct nqm_model.interval_floor. */
+double nqm_interval_knot(size_t k);
+/** The logarithm of the factor by which such features widen an interval, >= 0. */
+double nqm_model_spread(const nqm_model *model, const double *features);
 /** Make a deep copy without packed networks. The caller may change it before sharing it. */
 NQM_MUST_CHECK nqm_status nqm_model_copy(const nqm_model *model, nqm_model **copy_ret, nqm_error *err);
 /** Round the hidden layers' weights of a model that owns its parameters (a copy) to float16, the format in which
@@ -160,8 +178,10 @@ void nqm_scalars_whiten_back(const nqm_scalar_whitening *whitening, const double
                              double *gradient);
 
 /** The 95 % interval around a predicted JOD (see nqm_score_result); NaN if the model has no calibration. It widens with
- *  `novelty`, from nqm_model_novelty(); NaN counts as 1, and models without novelty data ignore it. */
-void nqm_model_interval(const nqm_model *model, double jod, double novelty, double *low_ret, double *high_ret);
+ *  `novelty`, from nqm_model_novelty(); NaN counts as 1, and models without novelty data ignore it; and by the factor
+ *  exp(`spread`), from nqm_model_spread(); its half-widths are at least interval_floor. */
+void nqm_model_interval(const nqm_model *model, double jod, double novelty, double spread, double *low_ret,
+                        double *high_ret);
 /** The novelty of a pair (see nqm_score_result); NaN if the model has no novelty data. scalars: (NQM_SCALAR_COUNT) from
  *  nqm_scalars_compute(). */
 double nqm_model_novelty(const nqm_model *model, const double *scalars);

@@ -246,7 +246,11 @@ static nqm_status read_arrays(reader *r, struct nqm_model *model) {
                                       [NQM_PART_NOVELTY] = points,
                                       [NQM_PART_LABEL] = nqm_model_has_parts(model),
                                       [NQM_PART_TRANSPORT] = nqm_safetensors_find(r->st, "transport") ||
-                                                             nqm_safetensors_find(r->st, "transport.points")};
+                                                             nqm_safetensors_find(r->st, "transport.points"),
+                                      [NQM_PART_SPREAD] = nqm_safetensors_find(r->st, "interval.spread")};
+    const nqm_tensor *spread = nqm_safetensors_find(r->st, "interval.spread");
+    if (spread && !model->calibration)
+        return refuse(r, spread, "needs an interval");
     if (interval && !model->calibration)
         return refuse(r, interval, "needs the metadata 'calibration'");
     if (points && !(model->calibration && model->scalar_names))
@@ -285,6 +289,12 @@ static nqm_status check_arrays(const reader *r, const struct nqm_model *model) {
     if (model->n_novelty &&
         !(model->novelty_unit > 0 && model->novelty_growth >= 0 && model->novelty_growth <= NQM_NOVELTY_MAX_GROWTH))
         bad = "novelty.scale";
+    for (size_t k = 0; k < NQM_SPREAD_FEATURES; ++k)
+        if (!(model->spread_growth[k] >= 0 && model->spread_growth[k] <= NQM_NOVELTY_MAX_GROWTH))
+            bad = "interval.spread";
+    for (size_t k = 0; k < NQM_INTERVAL_KNOTS; ++k)
+        if (!(model->interval_floor[k] >= 0)) /* finite, as all values */
+            bad = "interval.floor";
     return bad ? nqm_fail(r->err, NQM_ERR_MODEL, -1, "%s: tensor '%s' is out of range", r->name, bad) : NQM_OK;
 }
 

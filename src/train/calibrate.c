@@ -17,11 +17,13 @@ static double rounded(double x) {
 }
 
 static char *calibration_text(const nqm_calibration *c, const char *dataset_sha256) {
-    return nqm_json_text(json_pack("{s:f, s:I, s:I, s:f, s:f, s:f, s:f, s:f, s:s}", "level", 0.95, "materials",
-                                   (json_int_t)c->n_materials, "pairs", (json_int_t)c->n_pairs, "coverage",
+    return nqm_json_text(json_pack("{s:f, s:I, s:I, s:f, s:f, s:f, s:f, s:f, s:f, s:f, s:s}", "level", 0.95,
+                                   "materials", (json_int_t)c->n_materials, "pairs", (json_int_t)c->n_pairs, "coverage",
                                    rounded(c->coverage), "coverage_pairs", rounded(c->coverage_pairs),
                                    "coverage_lowest", rounded(c->coverage_lowest), "mean_width", rounded(c->mean_width),
-                                   "novelty_growth", rounded(c->novelty_growth), "dataset_sha256", dataset_sha256),
+                                   "novelty_growth", rounded(c->novelty_growth), "disagreement_growth",
+                                   rounded(c->disagreement_growth), "peak_growth", rounded(c->peak_growth),
+                                   "dataset_sha256", dataset_sha256),
                          9);
 }
 
@@ -89,7 +91,10 @@ nqm_status nqm_model_set_interval(struct nqm_model *model, const nqm_dataset *da
     model->n_interval = NQM_INTERVAL_ROWS;
     model->interval = table;
     model->calibration = text;
+    nqm_interval_find_floor(residuals, model->interval_floor);
     model->novelty_growth = report->novelty_growth;
+    model->spread_growth[NQM_SPREAD_DISAGREEMENT] = report->disagreement_growth;
+    model->spread_growth[NQM_SPREAD_PEAK] = report->peak_growth;
     return NQM_OK;
 }
 

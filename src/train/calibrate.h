@@ -16,6 +16,8 @@ typedef struct nqm_residuals {
     double *predicted, *label; /* (n) JOD, finite; `predicted` owns the arrays that nqm_residuals_create() made */
     uint32_t *group;           /* (n) the material of each pair, below n_groups */
     double *novelty;           /* (n) >= 0; NULL: unknown */
+    double *spread;            /* (n, NQM_SPREAD_FEATURES) of nqm_spread_features(); NULL: unknown */
+    double *noise;             /* (n) standard error of y of the label (nqm_interval_y()); 0: unknown */
     size_t *pairs;             /* (n) indices in the dataset; nqm_interval_fit() does not need them */
 } nqm_residuals;
 
@@ -29,8 +31,8 @@ void nqm_residuals_add(nqm_residuals *residuals, const nqm_dataset *dataset, siz
 bool nqm_residuals_suffice(const nqm_residuals *residuals, size_t *n_materials_ret);
 
 /**
- * Fit the table of struct nqm_model.interval and the value of .novelty_growth (stored in the report), and measure the
- * coverage of each material with the values fitted to the other materials.
+ * Fit the table of struct nqm_model.interval and the values of .novelty_growth and .spread_growth (stored in the report), and
+ * measure the coverage of each material with the values fitted to the other materials.
  *
  * @param table  (NQM_INTERVAL_ROWS, 3)
  * @return NQM_ERR_INCOMPATIBLE: too few pairs or materials; NQM_ERR_NOMEM
@@ -38,12 +40,16 @@ bool nqm_residuals_suffice(const nqm_residuals *residuals, size_t *n_materials_r
 NQM_MUST_CHECK nqm_status nqm_interval_fit(const nqm_residuals *residuals, double *table, nqm_calibration *report,
                                            nqm_error *err);
 
+/** least (NQM_INTERVAL_KNOTS) receives struct nqm_model.interval_floor: 1.96 times the root mean square of `noise` of pairs with
+ *  predictions near the knot, and at least 0.001 JOD. */
+void nqm_interval_find_floor(const nqm_residuals *residuals, double *least);
+
 /**
- * Fit an interval and store it, with its JSON description, in a model that has none. Also computes the novelty of the
- * pairs.
+ * Fit an interval and store it, with its JSON description, in a model that has none. Also computes the novelty and the
+ * features of the pairs.
  *
  * @param trained_on  choose new novelty points among the training pairs of `dataset`; otherwise keep the model's points
- * @param residuals   pairs of `dataset`; receives their novelty
+ * @param residuals   pairs of `dataset`; receives their novelty and features
  */
 NQM_MUST_CHECK nqm_status nqm_model_set_interval(struct nqm_model *model, const nqm_dataset *dataset, bool trained_on,
                                                  nqm_residuals *residuals, nqm_calibration *report, nqm_error *err);
@@ -56,8 +62,9 @@ enum { NQM_NOVELTY_MAX_POINTS = 2048 };
  * scalar features, or if there are fewer training pairs than NQM_NOVELTY_BLOCK.
  */
 NQM_MUST_CHECK nqm_status nqm_novelty_choose(struct nqm_model *model, const nqm_dataset *dataset, nqm_error *err);
-/** Compute the novelty of pairs of a dataset, and set the model's novelty_unit so that 5 % of them are above 1. The novelty
- *  becomes NULL if the model has no points, or if the unit would be 0; then the points are removed. */
+/** Compute `spread` and the novelty of pairs of a dataset (`predicted` is set), and set the model's novelty_unit so that 5 % of them are above 1. The novelty
+ *  becomes NULL if the model has no points, or if the unit would be 0; then the points are removed. Both become NULL if the model
+ *  has no scalar features. */
 NQM_MUST_CHECK nqm_status nqm_novelty_measure(struct nqm_model *model, const nqm_dataset *dataset,
                                               nqm_residuals *residuals, nqm_error *err);
 

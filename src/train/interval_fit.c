@@ -12,10 +12,13 @@
  *    scores below it, averaged over materials, is 0.95 at its lower 95 % confidence limit. Pairs of a material are not
  *    independent, so that the sample size is the number of materials; the confidence limit accounts for a small number
  *    of them.
- * 5. If the novelty v of the pairs is known, residuals are first divided by exp(growth v), and the interval is widened
- *    by the same factor. The growth minimises the interval score (Gneiting and Raftery 2007,
+ * 5. Where features f_k >= 0 of the pairs are known that predict the size of errors (the novelty, and those of
+ *    nqm_spread_features()), residuals are first divided by exp(sum_k g_k f_k), and the interval is widened by the same
+ *    factor. The growths g_k >= 0 are those of a grid that minimise the interval score (Gneiting and Raftery 2007,
  *    DOI 10.1198/016214506000001437, section 6.2), averaged over materials: the width plus a penalty for each label
  *    outside.
+ * 6. No half-width is below 1.96 times the standard errors of labels near that prediction, where they are known, nor below
+ *    0.001 JOD, differences that y hides.
  */
 #include "math/math.h"
 #include "train/calibrate.h"
@@ -25,6 +28,7 @@
 
 static const double level = 0.95;
 static const double jod_top = 10;
+static const double least_jod = 1e-3;   /* half-width */
 static const double least_scale = 0.02; /* in y; positive, so that a factor also widens windows with residuals of 0 */
 enum { MAX_WINDOWS = 10, PAIRS_PER_WINDOW = 50 };
 
@@ -55,7 +59,7 @@ typedef struct fit {
     size_t *count;         /* (n_groups) pairs; owns all arrays */
     double *y;             /* (n) y of the prediction */
     double *error;         /* (n) y of the label minus y of the prediction */
-    double *times;         /* (n) exp(growth v) of step 5, by which errors are divided; 1 without novelty */
+    double *times;         /* (n) the factor of step 5, by which errors are divided */
     double *down;          /* (n) scale at the pair, estimated without its material */
     double *up;            /* (n) likewise */
     double *score;         /* (n) see step 3 */
@@ -64,7 +68,7 @@ typedef struct fit {
     size_t *kept;          /* (n) scratch: pairs of the other materials, by prediction */
     nqm_indexed *by_score; /* (n) pairs by score */
     size_t *inside;        /* (n_groups) scratch: pairs inside the interval */
-    double *loss;          /* (N_GROWTHS, n_groups) mean interval score of each material; 0 without novelty */
+    double *loss;          /* (N_GROWTHS, n_groups) mean interval score of each material; 0 without features */
 } fit;
 
 /* Weighted quantile of `n` sorted values: the smallest one with at least the fraction `level` of the weight at or below
@@ -144,19 +148,36 @@ static double find_factor(const fit *f, size_t left_out) {
     return factor;
 }
 
-/* ---- the growth -------------------------------------------------------------------------------------------------- */
+/* ---- the growths -------------------------------------------------------------------------------------------------- */
 
-/* Candidates for the growth: 0, 1/4, ..., 3. */
-enum { N_GROWTHS = 13 };
+/* A grid of growths: of the novelty, then of nqm_spread_features(). Those of features that are not known stay 0. */
+enum { N_NOVELTY = 6, N_SPREAD = 3, N_GROWTHS = N_NOVELTY * N_SPREAD * N_SPREAD };
+typedef struct growths {
+    double novelty, spread[NQM_SPREAD_FEATURES];
+} growths;
 
-static double growth_at(size_t i) {
-    return 0.25 * (double)i;
+static growths growths_at(size_t i) {
+    static const double novelty[N_NOVELTY] = {0, 0.5, 1, 2, 3, 4.5}, spread[N_SPREAD] = {0, 0.5, 1};
+    return (growths){novelty[i % N_NOVELTY], {spread[i / N_NOVELTY % N_SPREAD], spread[i / N_NOVELTY / N_SPREAD]}};
 }
 
-/* Compute all scores for one growth, each with the scales of the other materials. */
-static void find_scores(fit *f, double growth) {
+static size_t growth_count(const fit *f) {
+    return f->r->spread ? N_GROWTHS : f->r->novelty ? N_NOVELTY : 1;
+}
+
+/* The factor of step 5. */
+static double times_of(const nqm_residuals *r, size_t i, const growths *g) {
+    double sum = r->novelty ? g->novelty * r->novelty[i] : 0;
+    for (size_t k = 0; r->spread && k < NQM_SPREAD_FEATURES; ++k)
+        sum += g->spread[k] * r->spread[i * NQM_SPREAD_FEATURES + k];
+    return exp(sum);
+}
+
+/* Compute all scores for one element of the grid, each with the scales of the other materials. */
+static void find_scores(fit *f, size_t index) {
+    const growths g_k = growths_at(index);
     for (size_t i = 0; i < f->r->n; ++i)
-        f->times[i] = f->r->novelty ? exp(growth * f->r->novelty[i]) : 1;
+        f->times[i] = times_of(f->r, i, &g_k);
     for (size_t g = 0; g < f->r->n_groups; ++g) {
         if (!f->count[g])
             continue;
@@ -191,11 +212,11 @@ static void find_losses(fit *f, double *loss) {
     }
 }
 
-/* Index of the growth with the smallest total loss over all materials except `left_out`; loss (N_GROWTHS, n_groups). */
+/* Index of the growths with the smallest total loss over all materials except `left_out`; loss (N_GROWTHS, n_groups). */
 static size_t best_growth(const fit *f, const double *loss, size_t left_out) {
     size_t best = 0;
     double least = INFINITY;
-    for (size_t k = 0; k < N_GROWTHS; ++k) {
+    for (size_t k = 0; k < growth_count(f); ++k) {
         double sum = 0;
         for (size_t g = 0; g < f->r->n_groups; ++g)
             sum += g == left_out ? 0 : loss[k * f->r->n_groups + g];
@@ -229,8 +250,8 @@ static void prepare(fit *f) {
         f->sorted[i] = (nqm_indexed){f->y[i], i};
     }
     qsort(f->sorted, f->r->n, sizeof *f->sorted, nqm_compare_indexed);
-    for (size_t k = 0; f->r->novelty && k < N_GROWTHS; ++k) {
-        find_scores(f, growth_at(k));
+    for (size_t k = 0; growth_count(f) > 1 && k < growth_count(f); ++k) {
+        find_scores(f, k);
         find_losses(f, f->loss + k * f->r->n_groups);
     }
 }
@@ -250,15 +271,30 @@ static void fill_table(const fit *f, double *table) {
         table[3 * k + 1] = fmin(table[3 * k + 1], table[3 * k + 4]);
 }
 
-/* Coverage of each material with the growth and the factor that were fitted to the other materials. */
+void nqm_interval_find_floor(const nqm_residuals *r, double *least) {
+    const double step = nqm_interval_knot(1) - nqm_interval_knot(0);
+    for (size_t k = 0; k < NQM_INTERVAL_KNOTS; ++k) {
+        const double y = nqm_interval_knot(k), jod = nqm_interval_jod(y);
+        double total = 0, sum = 0; /* pairs within one step, the nearer the more */
+        for (size_t i = 0; i < r->n; ++i) {
+            const double weight = fmax(0, 1 - fabs(nqm_interval_y(r->predicted[i]) - y) / step);
+            total += weight;
+            sum += weight * r->noise[i] * r->noise[i];
+        }
+        least[k] = fmax(total > 0 ? 1.96 * sqrt(sum / total) : 0,
+                        nqm_interval_y(fmax(jod, least_jod)) - nqm_interval_y(fmax(0, jod - least_jod)));
+    }
+}
+
+/* Coverage of each material with the growths and the factor that were fitted to the other materials. */
 static void measure_materials(fit *f, nqm_calibration *report) {
-    for (size_t k = 0; k < N_GROWTHS; ++k) {
+    for (size_t k = 0; k < growth_count(f); ++k) {
         bool scored = false;
         for (size_t g = 0; g < f->r->n_groups; ++g) {
             if (!f->count[g] || best_growth(f, f->loss, g) != k)
                 continue;
             if (!scored)
-                find_scores(f, growth_at(k));
+                find_scores(f, k);
             scored = true;
             double factor = find_factor(f, g), n_inside = 0;
             for (size_t i = 0; i < f->r->n; ++i)
@@ -275,7 +311,7 @@ static void measure_width(const fit *f, const double *table, nqm_calibration *re
     for (size_t i = 0; i < f->r->n; ++i) {
         double low, high;
         nqm_interval_at(NQM_INTERVAL_ROWS, table, f->r->predicted[i], &low, &high);
-        if (report->novelty_growth > 0)
+        if (f->times[i] > 1)
             nqm_interval_widen(f->times[i], f->r->predicted[i], &low, &high);
         report->mean_width += (high - low) / (double)f->r->n;
     }
@@ -285,14 +321,25 @@ nqm_status nqm_residuals_create(const nqm_dataset *d, size_t max_n, nqm_residual
     *r = (nqm_residuals){.n_groups = d->n_groups};
     return nqm_alloc_arrays(NQM_ARRAYS({&r->predicted, max_n, sizeof *r->predicted},
                                        {&r->label, max_n, sizeof *r->label}, {&r->group, max_n, sizeof *r->group},
-                                       {&r->novelty, max_n, sizeof *r->novelty}, {&r->pairs, max_n, sizeof *r->pairs}),
+                                       {&r->novelty, max_n, sizeof *r->novelty},
+                                       {&r->spread, max_n, NQM_SPREAD_FEATURES * sizeof *r->spread},
+                                       {&r->noise, max_n, sizeof *r->noise}, {&r->pairs, max_n, sizeof *r->pairs}),
                             err);
+}
+
+/* The standard error of y of a label: half the difference between a Delta-E one standard error lower and higher. */
+static double noise_of(const nqm_dataset *d, size_t pair) {
+    const double e = d->delta_e_error ? d->delta_e_error[pair] : 0, delta_e = d->delta_e[pair];
+    const double y[2] = {nqm_interval_y(nqm_curve_jod(&nqm_curve_published, delta_e - e)),
+                         nqm_interval_y(nqm_curve_jod(&nqm_curve_published, delta_e + e))};
+    return (y[0] - y[1]) / 2;
 }
 
 void nqm_residuals_add(nqm_residuals *r, const nqm_dataset *d, size_t pair, double predicted) {
     r->predicted[r->n] = predicted;
     r->label[r->n] = d->jod[pair];
     r->group[r->n] = d->ref_group[d->pair_ref[pair]];
+    r->noise[r->n] = noise_of(d, pair);
     r->pairs[r->n++] = pair;
 }
 
@@ -320,8 +367,12 @@ nqm_status nqm_interval_fit(const nqm_residuals *residuals, double *table, nqm_c
         prepare(&f);
         *report = (nqm_calibration){.n_pairs = residuals->n, .n_materials = f.n_materials, .coverage_lowest = 1};
         measure_materials(&f, report);
-        report->novelty_growth = growth_at(best_growth(&f, f.loss, nobody));
-        find_scores(&f, report->novelty_growth);
+        const size_t best = best_growth(&f, f.loss, nobody);
+        const growths g = growths_at(best);
+        report->novelty_growth = g.novelty;
+        report->disagreement_growth = g.spread[NQM_SPREAD_DISAGREEMENT];
+        report->peak_growth = g.spread[NQM_SPREAD_PEAK];
+        find_scores(&f, best);
         fill_table(&f, table);
         measure_width(&f, table, report);
     }

@@ -193,26 +193,39 @@ nqm_status nqm_novelty_choose(struct nqm_model *model, const nqm_dataset *d, nqm
     return status;
 }
 
+/* Set r->novelty and the model's unit. sorted: (n) scratch. */
+static void measure_novelty(struct nqm_model *model, const double *scalars, double *novelty, double *sorted,
+                            nqm_residuals *r) {
+    model->novelty_unit = 1;
+    for (size_t i = 0; i < r->n; ++i)
+        novelty[i] = sorted[i] = nqm_model_novelty(model, scalars + i * NQM_SCALAR_COUNT);
+    model->novelty_unit = nqm_quantile(r->n, sorted, 0.95);
+    if (model->novelty_unit > 0)
+        r->novelty = novelty;
+    else
+        forget_points(model);
+    for (size_t i = 0; r->novelty && i < r->n; ++i)
+        novelty[i] /= model->novelty_unit;
+}
+
 nqm_status nqm_novelty_measure(struct nqm_model *model, const nqm_dataset *d, nqm_residuals *r, nqm_error *err) {
-    double *novelty = r->novelty;
-    r->novelty = NULL;
-    if (model->n_novelty == 0)
+    double *novelty = r->novelty, *features = r->spread;
+    r->novelty = r->spread = NULL;
+    if (nqm_model_n_scalars(model) == 0)
         return NQM_OK;
     double *scalars, *sorted = nqm_alloc(r->n, sizeof *sorted);
     nqm_status status = find_scalars(model, d, r->n, r->pairs, &scalars, err);
     if (status == NQM_OK && !sorted)
         status = nqm_fail_nomem(err, r->n * sizeof *sorted);
     if (status == NQM_OK) {
-        model->novelty_unit = 1;
-        for (size_t i = 0; i < r->n; ++i)
-            novelty[i] = sorted[i] = nqm_model_novelty(model, scalars + i * NQM_SCALAR_COUNT);
-        model->novelty_unit = nqm_quantile(r->n, sorted, 0.95);
-        if (model->novelty_unit > 0)
-            r->novelty = novelty;
-        else
-            forget_points(model);
-        for (size_t i = 0; r->novelty && i < r->n; ++i)
-            novelty[i] /= model->novelty_unit;
+        r->spread = features;
+        for (size_t i = 0; i < r->n; ++i) {
+            const double *own = scalars + i * NQM_SCALAR_COUNT;
+            nqm_spread_features(model, r->predicted[i], own[NQM_SCALAR_ESTIMATE], own[NQM_SCALAR_REF_PEAK],
+                                features + i * NQM_SPREAD_FEATURES);
+        }
+        if (model->n_novelty > 0)
+            measure_novelty(model, scalars, novelty, sorted, r);
     }
     nqm_free(scalars);
     nqm_free(sorted);

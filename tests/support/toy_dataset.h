@@ -10,9 +10,9 @@
 
 typedef struct toy_options {
     size_t n_directions, n_groups, pairs_per_ref;
-    bool with_masks;         /* a few directions have no value */
-    bool with_transport;     /* a transport matrix of two scenes, and parts and errors of labels that it estimates well */
-    bool splits;             /* assign groups to all three splits; otherwise all are training groups */
+    bool with_masks;     /* a few directions have no value */
+    bool with_transport; /* a transport matrix of two scenes, and parts and errors of labels that it estimates well */
+    bool splits;         /* assign groups to all three splits; otherwise all are training groups */
     const char *families[2]; /* of the kinds "gain" and "gloss" */
     const char *unseen;      /* kind that the manifest lists as unseen; NULL: none */
     uint64_t seed;

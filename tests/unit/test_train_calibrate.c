@@ -30,7 +30,7 @@ static nqm_model *calibrated_model(void) {
 
 static void assert_interval(const nqm_model *model, double jod, double low, double high) {
     double l, h;
-    nqm_model_interval(model, jod, NAN, &l, &h);
+    nqm_model_interval(model, jod, NAN, 0, &l, &h);
     assert_near(l, low, 1e-12);
     assert_near(h, high, 1e-12);
 }
@@ -52,7 +52,7 @@ static void tables_are_interpolated_and_stored(void **state) {
         assert_string_equal(nqm_model_get_info(m).calibration, "{\"materials\":12}");
     }
     double low, high;
-    nqm_model_interval(model, NAN, 0, &low, &high);
+    nqm_model_interval(model, NAN, 0, 0, &low, &high);
     assert_true(isnan(low) && isnan(high));
     nqm_model_free(read);
     nqm_model_free(model);
@@ -65,7 +65,7 @@ static void models_without_have_none(void **state) {
     assert_int_equal(nqm_model_save(model, temp_file, NULL), NQM_OK);
     assert_int_equal(nqm_model_load(temp_file, &read, NULL), NQM_OK);
     double low, high;
-    nqm_model_interval(read, 8, 0, &low, &high);
+    nqm_model_interval(read, 8, 0, 0, &low, &high);
     assert_true(isnan(low) && isnan(high));
     assert_string_equal(nqm_model_get_info(read).calibration, "");
     nqm_model_free(read);
@@ -256,13 +256,13 @@ static void other_datasets_are_refused(void **state) {
 
 static void cards_hold_one_section(void **state) {
     (void)state;
-    const nqm_calibration c = {100, 10, 0.951, 0.94, 0.8, 1.25, 0};
+    const nqm_calibration c = {100, 10, 0.951, 0.94, 0.8, 1.25, 0, 0, 0};
     char *first = nqm_card_with_interval("# Card\n", &c, "abc");
     assert_non_null(strstr(first, "95.1 %"));
     assert_non_null(strstr(first, "1.25 JOD"));
     char longer[2000];
     snprintf(longer, sizeof longer, "%s\n## Judged on\n\nnothing\n", first);
-    char *second = nqm_card_with_interval(longer, &(nqm_calibration){200, 20, 0.96, 0.95, 0.9, 1, 0.5}, "def");
+    char *second = nqm_card_with_interval(longer, &(nqm_calibration){200, 20, 0.96, 0.95, 0.9, 1, 0.5, 0, 0}, "def");
     assert_int_equal(count_in(second, "## Interval"), 1);
     assert_null(strstr(first, "novelty"));
     assert_non_null(strstr(second, "novelty"));
@@ -289,7 +289,7 @@ static void labels_inside_are_counted(void **state) {
     const double *jod = nqm_evaluation_values(ev, 0);
     size_t n = 0, n_inside = 0, n_high = 0, n_ranges = 0;
     double width = 0;
-    double *predicted = nqm_alloc(2 * dataset->n_pairs, sizeof *predicted);
+    double *predicted = nqm_alloc(3 * dataset->n_pairs, sizeof *predicted);
     size_t *every_pair = nqm_alloc(dataset->n_pairs, sizeof *every_pair);
     assert_true(predicted && every_pair);
     for (size_t i = 0; i < dataset->n_pairs; ++i)
@@ -299,7 +299,8 @@ static void labels_inside_are_counted(void **state) {
                                                .n = dataset->n_pairs,
                                                .pairs = every_pair,
                                                .jod = predicted,
-                                               .novelty = predicted + dataset->n_pairs};
+                                               .novelty = predicted + dataset->n_pairs,
+                                               .spread = predicted + 2 * dataset->n_pairs};
     assert_int_equal(nqm_dataset_predict(&prediction, NULL), NQM_OK);
     for (size_t i = 0; i < dataset->n_pairs; ++i) {
         if (nqm_dataset_pair_split(dataset, i) != NQM_SPLIT_TEST)
@@ -307,7 +308,7 @@ static void labels_inside_are_counted(void **state) {
         double low, high;
         const double novelty = prediction.novelty[i];
         assert_near(novelty, nqm_model_novelty(model, ev->scalars + i * NQM_SCALAR_COUNT), 1e-3 * (1 + novelty));
-        nqm_model_interval(model, jod[i], novelty, &low, &high);
+        nqm_model_interval(model, jod[i], novelty, prediction.spread[i], &low, &high);
         const size_t n_values = 3 * dataset->n_directions;
         nqm_raise_low(nqm_delta_e_bound(dataset->n_directions, dataset->ref_rgb + n_values * dataset->pair_ref[i],
                                         dataset->test_rgb + n_values * i, NULL),

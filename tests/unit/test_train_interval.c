@@ -5,8 +5,10 @@
  */
 #include "support/check.h"
 #include "train/calibrate.h"
+#include "vectors/interval_vectors.h"
 
 #include <math.h>
+#include <string.h>
 
 enum { N_MATERIALS = 24, PAIRS_EACH = 40, MAX = N_MATERIALS * PAIRS_EACH };
 
@@ -227,6 +229,82 @@ static void novelty_without_effect_has_none(void **state) {
     assert_true(with.mean_width < 1.03 * without.mean_width);
 }
 
+/* Features whose growths are known; the first says nothing about the errors. */
+static void intervals_grow_with_features(void **state) {
+    (void)state;
+    static double spread[MAX * NQM_SPREAD_FEATURES];
+    double table[3 * NQM_INTERVAL_ROWS];
+    nqm_calibration with, without;
+    nqm_residuals r = residuals;
+    nqm_rng rng = nqm_rng_make(14, 0);
+    for (size_t i = 0; i < MAX; ++i) {
+        double *f = spread + i * NQM_SPREAD_FEATURES, x = 5.5 * nqm_rng_uniform(&rng);
+        f[NQM_SPREAD_DISAGREEMENT] = 2 * nqm_rng_uniform(&rng);
+        f[NQM_SPREAD_PEAK] = i % 4 ? 0 : 2 * nqm_rng_uniform(&rng);
+        predicted[i] = logit_jod(x);
+        label[i] = logit_jod(x + 0.1 * exp(f[NQM_SPREAD_PEAK]) * nqm_rng_normal(&rng));
+    }
+    assert_int_equal(nqm_interval_fit(&r, table, &without, NULL), NQM_OK);
+    assert_true(without.peak_growth == 0 && without.disagreement_growth == 0);
+    r.spread = spread;
+    assert_int_equal(nqm_interval_fit(&r, table, &with, NULL), NQM_OK);
+    assert_near(with.peak_growth, 1, 0);
+    assert_near(with.disagreement_growth, 0, 0);
+    assert_true(with.novelty_growth == 0 && with.mean_width < 0.9 * without.mean_width);
+}
+
+/* Intervals of a model are those of tests/vectors/interval.py. */
+static void intervals_by_the_formula(void **state) {
+    (void)state;
+    static double table[sizeof interval_table / sizeof *interval_table];
+    static float light;
+    static nqm_model model;
+    memcpy(table, interval_table, sizeof table);
+    model.interval = table;
+    model.n_interval = sizeof table / sizeof *table / 3;
+    model.n_novelty = 1;
+    model.transport = &light;
+    model.curve = (nqm_curve){interval_curve[0], interval_curve[1], interval_curve[2]};
+    model.novelty_growth = interval_growth[0];
+    memcpy(model.spread_growth, interval_growth + 1, sizeof model.spread_growth);
+    assert_int_equal(sizeof model.interval_floor, sizeof interval_floor);
+    memcpy(model.interval_floor, interval_floor, sizeof interval_floor);
+    assert_true(nqm_model_has_spread(&model));
+    for (size_t i = 0; i < INTERVAL_CASES; ++i) {
+        double f[NQM_SPREAD_FEATURES], low, high;
+        nqm_spread_features(&model, interval_jod[i], interval_log_estimate[i], interval_ref_peak[i], f);
+        assert_near(f[NQM_SPREAD_DISAGREEMENT], interval_disagreement[i], 1e-12);
+        assert_near(f[NQM_SPREAD_PEAK], interval_peak[i], 1e-12);
+        nqm_model_interval(&model, interval_jod[i], interval_novelty[i], nqm_model_spread(&model, f), &low, &high);
+        assert_near(low, interval_low[i], 1e-9);
+        assert_near(high, interval_high[i], 1e-9);
+    }
+    model.transport = NULL; /* no estimate, nothing to disagree with */
+    double f[NQM_SPREAD_FEATURES];
+    nqm_spread_features(&model, 5, 1, NAN, f);
+    assert_true(f[NQM_SPREAD_DISAGREEMENT] == 0 && f[NQM_SPREAD_PEAK] == 0);
+}
+
+/* The least half-width is 1.96 label errors where labels have errors, and 0.001 JOD elsewhere. */
+static void intervals_have_a_least_width(void **state) {
+    (void)state;
+    enum { N_PAIRS = 40 };
+    double least[NQM_INTERVAL_KNOTS], noise[N_PAIRS], jod[N_PAIRS];
+    const nqm_residuals r = {.n = N_PAIRS, .predicted = jod, .noise = noise};
+    for (size_t i = 0; i < N_PAIRS; ++i) {
+        jod[i] = nqm_interval_jod(nqm_interval_knot(10) + 0.01 * (double)(i + 1));
+        noise[i] = 0.25;
+    }
+    nqm_interval_find_floor(&r, least);
+    assert_near(least[10], 0.49, 1e-12);
+    assert_near(least[11], 0.49, 1e-12); /* within one step */
+    for (size_t k = 0; k < NQM_INTERVAL_KNOTS; ++k) {
+        const double top = fmax(0.001, nqm_interval_jod(nqm_interval_knot(k)));
+        if (k != 10 && k != 11)
+            assert_near(nqm_interval_jod(nqm_interval_y(top) - least[k]), top - 0.001, 1e-9);
+    }
+}
+
 static void tables_are_interpolated(void **state) {
     (void)state;
     static const double table[9] = {0, 0, 1, 4, 2, 5, 8, 7, 10};
@@ -328,17 +406,13 @@ static void few_are_refused(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(new_materials_are_covered),
-        cmocka_unit_test(materials_are_the_sample),
-        cmocka_unit_test(tables_keep_their_promises),
-        cmocka_unit_test(right_predictions_have_narrow_intervals),
-        cmocka_unit_test(intervals_grow_with_novelty),
-        cmocka_unit_test(novelty_without_effect_has_none),
-        cmocka_unit_test(tables_are_interpolated),
-        cmocka_unit_test(widening_keeps_its_promises),
-        cmocka_unit_test(few_are_refused),
-        cmocka_unit_test(the_margin_is_students),
-        cmocka_unit_test(coverage_leaves_the_material_out),
+        cmocka_unit_test(new_materials_are_covered),    cmocka_unit_test(materials_are_the_sample),
+        cmocka_unit_test(tables_keep_their_promises),   cmocka_unit_test(right_predictions_have_narrow_intervals),
+        cmocka_unit_test(intervals_grow_with_novelty),  cmocka_unit_test(novelty_without_effect_has_none),
+        cmocka_unit_test(intervals_grow_with_features), cmocka_unit_test(intervals_by_the_formula),
+        cmocka_unit_test(intervals_have_a_least_width), cmocka_unit_test(tables_are_interpolated),
+        cmocka_unit_test(widening_keeps_its_promises),  cmocka_unit_test(few_are_refused),
+        cmocka_unit_test(the_margin_is_students),       cmocka_unit_test(coverage_leaves_the_material_out),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

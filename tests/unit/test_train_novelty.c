@@ -191,8 +191,8 @@ static void models_of_samples_have_none(void **state) {
     assert_true(model->interval != NULL && r.calibration.novelty_growth == 0);
     assert_true(isnan(novelty_of(model, 0)));
     double low, high, low_far, high_far;
-    nqm_model_interval(model, 8, 0, &low, &high);
-    nqm_model_interval(model, 8, 100, &low_far, &high_far);
+    nqm_model_interval(model, 8, 0, 0, &low, &high);
+    nqm_model_interval(model, 8, 100, 0, &low_far, &high_far);
     assert_true(low == low_far && high == high_far);
     nqm_model_free(model);
 }
@@ -219,7 +219,7 @@ static void older_files_have_none(void **state) {
     assert_int_equal(nqm_model_load(temp_file, &read, NULL), NQM_OK);
     assert_true(isnan(novelty_of(read, 0)));
     double low, high, low_at, high_at;
-    nqm_model_interval(read, 8, 3, &low, &high);
+    nqm_model_interval(read, 8, 3, 0, &low, &high);
     nqm_interval_at(read->n_interval, read->interval, 8, &low_at, &high_at);
     assert_true(low == low_at && high == high_at);
     nqm_model_free(read);
@@ -249,6 +249,37 @@ static void broken_measures_are_refused(void **state) {
     }
 }
 
+/* Growths and least widths are kept by files, and are not negative. */
+static void features_of_errors_in_files(void **state) {
+    (void)state;
+    struct nqm_model changed = *trained;
+    nqm_model *read;
+    changed.spread_growth[NQM_SPREAD_PEAK] = 0.5;
+    changed.interval_floor[3] = 0.25;
+    assert_int_equal(nqm_model_save(&changed, temp_file, NULL), NQM_OK);
+    assert_int_equal(nqm_model_load(temp_file, &read, NULL), NQM_OK);
+    assert_memory_equal(read->spread_growth, changed.spread_growth, sizeof changed.spread_growth);
+    assert_memory_equal(read->interval_floor, changed.interval_floor, sizeof changed.interval_floor);
+    nqm_model_free(read);
+    memset(changed.spread_growth, 0, sizeof changed.spread_growth);
+    memset(changed.interval_floor, 0, sizeof changed.interval_floor); /* a file of an earlier version */
+    assert_int_equal(nqm_model_save(&changed, temp_file, NULL), NQM_OK);
+    assert_int_equal(nqm_model_load(temp_file, &read, NULL), NQM_OK);
+    assert_false(nqm_model_has_spread(read));
+    nqm_model_free(read);
+    for (int which = 0; which < 3; ++which) {
+        nqm_error err = {0};
+        changed = *trained;
+        changed.interval_floor[0] = which == 0 ? -0.1 : 0.1;
+        changed.spread_growth[0] = which == 1 ? NQM_NOVELTY_MAX_GROWTH + 1 : 1;
+        if (which == 2)
+            changed.spread_growth[1] = NAN;
+        assert_int_equal(nqm_model_save(&changed, temp_file, NULL), NQM_OK);
+        assert_int_equal(nqm_model_load(temp_file, &read, &err), NQM_ERR_MODEL);
+        assert_non_null(strstr(err.message, which ? "interval.spread" : "interval.floor"));
+    }
+}
+
 /* ---- scores and calibration -------------------------------------------------------------------------------------- */
 
 static void scores_tell_and_widen(void **state) {
@@ -259,14 +290,16 @@ static void scores_tell_and_widen(void **state) {
     struct nqm_model model = *trained;
     nqm_score_result r[3], alone;
     model.novelty_growth = 1;
+    memset(model.spread_growth, 0, sizeof model.spread_growth);
+    memset(model.interval_floor, 0, sizeof model.interval_floor);
     assert_int_equal(nqm_score(&model, ref, 3, tests, NULL, r, NULL), NQM_OK);
     assert_int_equal(nqm_score(&model, ref, 1, tests + 2, NULL, &alone, NULL), NQM_OK);
     assert_true(alone.novelty == r[2].novelty && r[2].novelty > 0);
     assert_true(r[0].jod_low == 10 && r[0].jod_high == 10);
     double low, high, low_near, high_near;
     for (size_t i = 1; i < 3; ++i) {
-        nqm_model_interval(&model, r[i].jod, r[i].novelty, &low, &high);
-        nqm_model_interval(&model, r[i].jod, 0, &low_near, &high_near);
+        nqm_model_interval(&model, r[i].jod, r[i].novelty, 0, &low, &high);
+        nqm_model_interval(&model, r[i].jod, 0, 0, &low_near, &high_near);
         assert_true(r[i].jod_low == low && r[i].jod_high == high);
         assert_true(low < low_near && high > high_near);
         /* The ends are exp(novelty) times as far away on the logit scale (growth is 1). */
@@ -302,15 +335,11 @@ static void calibrating_again_keeps_the_points(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(features_are_uncorrelated),
-        cmocka_unit_test(points_are_far_apart),
-        cmocka_unit_test(training_pairs_are_not_novel),
-        cmocka_unit_test(models_of_samples_have_none),
-        cmocka_unit_test(files_hold_the_measure),
-        cmocka_unit_test(older_files_have_none),
-        cmocka_unit_test(broken_measures_are_refused),
-        cmocka_unit_test(scores_tell_and_widen),
-        cmocka_unit_test(calibrating_again_keeps_the_points),
+        cmocka_unit_test(features_are_uncorrelated),    cmocka_unit_test(points_are_far_apart),
+        cmocka_unit_test(training_pairs_are_not_novel), cmocka_unit_test(models_of_samples_have_none),
+        cmocka_unit_test(files_hold_the_measure),       cmocka_unit_test(older_files_have_none),
+        cmocka_unit_test(broken_measures_are_refused),  cmocka_unit_test(features_of_errors_in_files),
+        cmocka_unit_test(scores_tell_and_widen),        cmocka_unit_test(calibrating_again_keeps_the_points),
     };
     return cmocka_run_group_tests(tests, begin, end);
 }

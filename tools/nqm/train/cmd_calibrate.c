@@ -17,10 +17,12 @@ void print_calibration(const nqm_calibration *c) {
 json_t *calibration_json(const nqm_calibration *c) {
     if (c->n_materials == 0)
         return json_null();
-    return json_pack("{s:I,s:I,s:o,s:o,s:o,s:o,s:o}", "materials", (json_int_t)c->n_materials, "pairs",
+    return json_pack("{s:I,s:I,s:o,s:o,s:o,s:o,s:o,s:o,s:o}", "materials", (json_int_t)c->n_materials, "pairs",
                      (json_int_t)c->n_pairs, "coverage", json_number(c->coverage), "coverage_pairs",
                      json_number(c->coverage_pairs), "coverage_lowest", json_number(c->coverage_lowest), "mean_width",
-                     json_number(c->mean_width), "novelty_growth", json_number(c->novelty_growth));
+                     json_number(c->mean_width), "novelty_growth", json_number(c->novelty_growth),
+                     "disagreement_growth", json_number(c->disagreement_growth), "peak_growth",
+                     json_number(c->peak_growth));
 }
 
 int cmd_calibrate(int argc, char **argv) {
