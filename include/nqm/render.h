@@ -96,19 +96,20 @@ NQM_API const size_t *nqm_scene_pixels(const nqm_scene *scene);
 typedef struct nqm_rays {
     size_t n;        /**< rays with light */
     size_t n_points; /**< points of all scenes together */
-    double *wi;      /**< (n, 3) unit vectors to the light, in the local frame of the point (third axis: the normal) */
-    double *wo;      /**< (n, 3) unit vectors to the viewer */
-    double *weight;  /**< (n, 3) radiance times cosine times solid angle, linear BT.709 in cd/m2 */
-    size_t *point;   /**< (n) ascending */
+    double *wi; /**< (n, 3) unit vectors to the light, in a local frame of the point: third axis the normal, first axis
+                          random */
+    double *wo; /**< (n, 3) unit vectors to the viewer */
+    double *weight; /**< (n, 3) radiance times cosine times solid angle, linear BT.709 in cd/m2 */
+    size_t *point;  /**< (n) ascending */
     double *
         points; /**< (n_points, 3) fraction of the scene's picture, summing to 1 in each scene; number of the scene in the
                           standard set, from 0, ascending; peak luminance of the display, cd/m2 */
 } nqm_rays;
 
-/** Draw at most n rays of a scene, equally many in each scene of the standard set: about a quarter has no light (shadows,
- *  directions below the horizon) and is left out. Points are a stratified random selection among those of the scene, and have 64 light
- *  directions each, more if the scene has too few points. Any thread; the same for any number of threads. Takes a few
- *  milliseconds for 4096 rays.
+/** Draw at most n rays of a scene, equally many in each scene of the standard set; the few without light (shadows, directions
+ *  below the horizon) are left out. Points are a stratified random selection among those of the scene and have 32 light
+ *  directions each, more if the scene has too few points. Any thread; the same for any number of threads. 4096 rays take 2
+ *  milliseconds.
  *
  * @param n         at least 16 for each scene of the set
  * @param seed      of points and directions

@@ -168,6 +168,12 @@ class SceneOptions(Structure):
                 ("progress", Progress), ("progress_user", c_void_p)]
 
 
+class CRays(Structure):
+    _c_name_ = "nqm_rays"
+    _fields_ = [("n", c_size_t), ("n_points", c_size_t), ("wi", POINTER(c_double)), ("wo", POINTER(c_double)),
+                ("weight", POINTER(c_double)), ("point", POINTER(c_size_t)), ("points", POINTER(c_double))]
+
+
 class DatasetInfo(Structure):
     _c_name_ = "nqm_dataset_info"
     _fields_ = [("n_directions", c_size_t), ("n_refs", c_size_t), ("n_groups", c_size_t), ("n_pairs", c_size_t),
@@ -188,7 +194,7 @@ class MaterialInfo(Structure):
 
 STRUCTS = [CError, BrdfCallbacks, BrdfInfo, BrdfCheckReport, DirectionsOptions, SampleReport, ModelInfo, MetricInfo, CLabel,
            Curve, ScoreOptions, ScoreResult, NamedPair, SamplePair, FitBound, FitOptions, FitReport, MatchLoss, MatchReport,
-           SceneOptions, DatasetInfo, DatasetPair, MaterialInfo]
+           SceneOptions, CRays, DatasetInfo, DatasetPair, MaterialInfo]
 
 # name: (result, arguments); a trailing nqm_error * is part of the arguments.
 _error = POINTER(CError)
@@ -251,6 +257,9 @@ FUNCTIONS = {
     "nqm_scene_render": (c_int, [c_void_p, c_void_p, c_void_p, _error]),
     "nqm_scene_weights": (POINTER(c_double), [c_void_p]),
     "nqm_scene_pixels": (POINTER(c_size_t), [c_void_p]),
+    "nqm_rays_draw": (c_int, [c_void_p, c_size_t, c_uint64, POINTER(CRays), _error]),
+    "nqm_rays_clear": (None, [POINTER(CRays)]),
+    "nqm_rays_compare": (c_int, [POINTER(CRays), c_void_p, c_void_p, POINTER(CLabel), c_void_p, _error]),
     "nqm_scene_compare": (CLabel, [c_void_p, c_void_p, c_void_p]),
     "nqm_scene_delta_e_map": (None, [c_void_p, c_void_p, c_void_p, c_void_p]),
     "nqm_dataset_load": (c_int, [c_char_p, _handle, _error]),

@@ -6,10 +6,10 @@
 #include "math/math.h"
 #include "render/render.h"
 
-#include <string.h>
+#include <math.h>
 
 /* Light directions per point: fewer make the pictures noisier, and with them Delta-E larger; more leave fewer points. */
-enum { LIGHTS = 64, MIN_LIGHTS = 16, MAX_LIGHTS = 1 << 16 };
+enum { LIGHTS = 32, MIN_LIGHTS = 16, MAX_LIGHTS = 1 << 16 };
 
 typedef struct drawing {
     const nqm_scene *scene; /* one part, with the number of light directions and the seed of the draw */
@@ -19,10 +19,21 @@ typedef struct drawing {
     bool *failed;           /* (n) out of memory */
 } drawing;
 
+static double random_unit(const drawing *d, size_t counter) {
+    return (double)(nqm_hash_u64(d->scene->options.seed, UINT64_MAX - counter) >> 11) * 0x1p-53;
+}
+
+/* Rotate about the normal. turn: sine and cosine. */
+static void rotate(const double *turn, const double *v, double *rotated) {
+    rotated[0] = turn[1] * v[0] - turn[0] * v[1];
+    rotated[1] = turn[0] * v[0] + turn[1] * v[1];
+    rotated[2] = v[2];
+}
+
 /* One point of each of n strata of the scene's points, which neighbour each other in their order. */
 static size_t pick(const drawing *d, size_t i) {
-    const double u = (double)(nqm_hash_u64(d->scene->options.seed, UINT64_MAX - i) >> 11) * 0x1p-53;
-    return nqm_smaller((size_t)(((double)i + u) / (double)d->n * (double)d->scene->seen.n), d->scene->seen.n - 1);
+    return nqm_smaller((size_t)(((double)i + random_unit(d, 2 * i + 1)) / (double)d->n * (double)d->scene->seen.n),
+                       d->scene->seen.n - 1);
 }
 
 static void draw_point(void *user, size_t i) {
@@ -31,7 +42,8 @@ static void draw_point(void *user, size_t i) {
     d->failed[i] = !nqm_incident_make(d->scene, d->index[i], &d->incident[i], NULL);
 }
 
-/* Append the points of one scene, whose number in its set is `number`. */
+/* Append the points of one scene, whose number in its set is `number`. Frames get random azimuths: in those of the scene wo is in
+ * one plane, and a network that is not isotropic would learn only that plane. */
 static void add_points(const drawing *d, size_t number, nqm_rays *rays) {
     const nqm_seen *seen = &d->scene->seen;
     double sum = 0;
@@ -39,6 +51,7 @@ static void add_points(const drawing *d, size_t number, nqm_rays *rays) {
         sum += seen->weight ? seen->weight[d->index[i]] : 1;
     for (size_t i = 0; i < d->n; ++i, ++rays->n_points) {
         const nqm_incident *incident = &d->incident[i];
+        const double turn[2] = {sin(2 * NQM_PI * random_unit(d, 2 * i)), cos(2 * NQM_PI * random_unit(d, 2 * i))};
         nqm_surface_point made;
         const double *wo = nqm_scene_point(d->scene, d->index[i], &made)->wo;
         double *point = rays->points + 3 * rays->n_points;
@@ -46,13 +59,14 @@ static void add_points(const drawing *d, size_t number, nqm_rays *rays) {
         point[1] = (double)number;
         point[2] = d->scene->options.peak_cdm2;
         for (size_t j = 0; j < incident->n_rays; ++j, ++rays->n) {
-            double *wi = rays->wi + 3 * rays->n;
+            double wi[3];
             for (size_t k = 0; k < 3; ++k) {
                 wi[k] = (double)incident->ray[j].wi[k];
                 rays->weight[3 * rays->n + k] = (double)incident->ray[j].weight[k] * d->scene->exposure;
             }
             nqm_normalize3(wi);
-            memcpy(rays->wo + 3 * rays->n, wo, 3 * sizeof *wo);
+            rotate(turn, wi, rays->wi + 3 * rays->n);
+            rotate(turn, wo, rays->wo + 3 * rays->n);
             rays->point[rays->n] = rays->n_points;
         }
     }
