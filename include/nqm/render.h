@@ -107,7 +107,7 @@ typedef struct nqm_rays {
 } nqm_rays;
 
 /** Draw at most n rays of a scene, equally many in each scene of the standard set; the few without light (shadows, directions
- *  below the horizon) are left out. Points are a stratified random selection among those of the scene and have 32 light
+ *  below the horizon) are left out. Points are a stratified random selection among those of the scene and have sqrt(n)/2 light
  *  directions each, more if the scene has too few points. Any thread; the same for any number of threads. 4096 rays take 2
  *  milliseconds.
  *

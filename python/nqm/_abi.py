@@ -151,7 +151,7 @@ class FitReport(Structure):
 
 class MatchLoss(Structure):
     _c_name_ = "nqm_match_loss"
-    _fields_ = [("text", c_char_p), ("metric", c_void_p), ("transport", c_void_p)]
+    _fields_ = [("text", c_char_p), ("metric", c_void_p), ("transport", c_void_p), ("scene", c_void_p)]
 
 
 class MatchReport(Structure):

@@ -112,7 +112,7 @@ static void rays_are_unit_vectors_above_the_horizon(void **state) {
     nqm_scene_free(scene);
 }
 
-/* More rays than points with 32 directions each. */
+/* Fewer points than the rays are meant for. */
 static void few_points_have_more_directions(void **state) {
     (void)state;
     nqm_scene_options o = nqm_scene_options_default();
