@@ -10,8 +10,8 @@ from typing import Any, List, Mapping, Optional, Tuple
 from . import _abi
 from ._abi import lib
 from ._brdf import BRDF, BRDFLike, as_brdf, set_options
-from ._call import ProgressLike, Watch, call, encode, progress_callback
-from ._scene import standard_scene
+from ._call import Error, ProgressLike, Watch, call, encode, progress_callback
+from ._scene import Scene, standard_scene
 from ._score import ModelLike, as_model, models
 
 FREE_OPTIONS = ("n_directions", "max_polar_rad", "highlight_fraction", "n_starts", "seed", "n_random", "start_seed", "simplify",
@@ -25,9 +25,10 @@ class Fit:
     Attributes:
         brdf: the fitted BRDF
         spec: analytic and shading models: the same as a spec; otherwise "", and `brdf.save` writes it
-        loss: value of the loss; of "auto" that of the transport model
+        loss: value of the loss; of "auto" the difference
         selected: of "auto": how the result came about ("log-cos, then nqm"); otherwise ""
-        difference: Delta-E by the transport model; NaN where it is not known
+        difference: Delta-E at rays of the standard scenes (`Rays`), of other losses than "auto" by the transport model; NaN where it is not
+            known
         n_numbers: numbers that the encoding stores
         n_directions: direction pairs in the loss
         best_start: index of the start that gave the result
@@ -57,6 +58,13 @@ def _bounds(bounds: Optional[Mapping[str, Tuple[float, float]]]) -> Any:
     return (_abi.FitBound * len(rows))(*rows)
 
 
+def _judge() -> Optional[Scene]:
+    try:
+        return standard_scene()
+    except Error:  # a build without Embree has no blob: the transport model judges
+        return None
+
+
 def fit(ref: BRDFLike, model: str = "ggx", *, loss: str = "auto", metric: ModelLike = "default", transport: ModelLike = "transport",
         start: Optional[str] = None, bounds: Optional[Mapping[str, Tuple[float, float]]] = None, progress: ProgressLike = None,
         **options: Any) -> Fit:
@@ -82,7 +90,7 @@ def fit(ref: BRDFLike, model: str = "ggx", *, loss: str = "auto", metric: ModelL
     o.start = None if start is None else encode(start)
     o.progress = progress_callback(progress, brdf._watches, own)
     judges = [as_model(m) if not isinstance(m, str) or m in models() or m != "transport" else None for m in (metric, transport)]
-    scene = standard_scene() if transport == "transport" and loss.startswith("auto") else None
+    scene = _judge() if transport == "transport" and loss.startswith("auto") else None
     terms = _abi.MatchLoss(encode(loss), *[m._handle if m else None for m in (*judges, scene)])
     report, handle = _abi.MatchReport(), c_void_p()
     call(lib.nqm_match, brdf._handle, encode(model), byref(terms), byref(o), byref(report), byref(handle), watches=brdf._watches,

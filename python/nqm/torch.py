@@ -78,7 +78,7 @@ class RayLoss(torch.autograd.Function):
     def forward(ctx: Any, ref: Any, test: torch.Tensor, rays: Rays) -> torch.Tensor:  # type: ignore[override]
         value, gradient = rays.delta_e_grad(_array(ref), _array(test))
         ctx.save_for_backward(torch.as_tensor(gradient).to(test))
-        return torch.as_tensor(value).to(test)
+        return test.new_tensor(value)
 
     @staticmethod
     @torch.autograd.function.once_differentiable
