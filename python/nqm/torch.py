@@ -127,6 +127,8 @@ class Loss(torch.nn.Module):
     def forward(self, ref: Any, test: Any, rays: Optional[Rays] = None, *, used: Any = None) -> torch.Tensor:
         """The loss of `test` against `ref`. `used`: of a model's samples, as in `jod`."""
         if self._scorer is not None:
+            if rays is not None:
+                raise ValueError("a model has directions of its own: it takes no rays, and `used` by its name")
             value = JOD.apply(ref, test, self._scorer, used, self.of)
             return (10 - value if self.of == "jod" else value).mean()
         if rays is None:

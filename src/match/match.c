@@ -218,9 +218,13 @@ static nqm_status select_best(const setting *setting_of_all, const nqm_match_sum
 
 /* ---- public entry ------------------------------------------------------------------------------------------------ */
 
+static bool has_own_loss(const nqm_fit_entry *entry) {
+    return entry->encode && !entry->shading;
+}
+
 static nqm_status match(const setting *s, const nqm_fit_entry *entry, const nqm_match_sum *sum,
                         nqm_match_report *report, nqm_brdf **brdf_ret, nqm_error *err) {
-    if (entry->encode && !entry->shading) /* it has its own loss */
+    if (has_own_loss(entry))
         return nqm_fit(s->ref, s->model, &s->options, &report->fit, brdf_ret, err);
     if (sum->is_auto && !s->judge && !s->loss->transport)
         return nqm_fail(err, NQM_ERR_ARG, -1, "the loss 'auto' needs a scene or a model for transport");
@@ -249,7 +253,7 @@ nqm_status nqm_match(const nqm_brdf *ref, const char *model, const nqm_match_los
     nqm_status status = nqm_match_parse(loss->text, &sum, err);
     if (status == NQM_OK)
         status = nqm_fit_entry_find(model, &entry, err);
-    if (status == NQM_OK && loss->scene) {
+    if (status == NQM_OK && loss->scene && !has_own_loss(entry)) {
         status = nqm_match_judge_make(loss->scene, ref, s.options.seed, &judge, err);
         s.judge = &judge;
     }

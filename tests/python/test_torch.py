@@ -166,6 +166,8 @@ class FreshDirections(unittest.TestCase):
         _, _, rays = nqm.torch.directions(512)
         with self.assertRaisesRegex(ValueError, "shape"):
             nqm.torch.Loss()(torch.ones(3, 3), torch.ones(3, 3), rays)
+        with self.assertRaisesRegex(ValueError, "no rays"):
+            nqm.torch.Loss(model="default")(torch.ones(500, 3), torch.ones(500, 3), rays)
 
 
 if __name__ == "__main__":

@@ -4,6 +4,7 @@
  * central differences, equal BRDFs, independence of threads, faults.
  */
 #include "base/base.h"
+#include "base/memory_test.h"
 #include "support/check.h"
 #include "support/scenes.h"
 #include <nqm/label.h>
@@ -211,6 +212,31 @@ static void faults(void **state) {
     nqm_scene_free(scene);
 }
 
+static void memory_runs_out(void **state) {
+    (void)state;
+    nqm_scene *scene = make("studio", "sphere");
+    nqm_rays rays = draw(scene, 256, 1);
+    double *f = eval(&rays, satin);
+    for (int of_drawing = 0; of_drawing < 2; ++of_drawing) {
+        nqm_status status = NQM_ERR_NOMEM;
+        for (long n = 0; status != NQM_OK && n < 1000; ++n) {
+            nqm_rays drawn = {.n = 0};
+            nqm_label label;
+            nqm_error err = {0};
+            nqm_alloc_fail_after(n);
+            status = of_drawing ? nqm_rays_draw(scene, 256, 1, &drawn, &err)
+                                : nqm_rays_compare(&rays, f, f, &label, NULL, &err);
+            nqm_alloc_fail_after(-1);
+            assert_true(status == NQM_OK || (status == NQM_ERR_NOMEM && err.status == NQM_ERR_NOMEM && !drawn.wi));
+            nqm_rays_clear(&drawn);
+        }
+        assert_int_equal(status, NQM_OK);
+    }
+    nqm_free(f);
+    nqm_rays_clear(&rays);
+    nqm_scene_free(scene);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(the_mean_over_seeds_is_the_picture),
@@ -220,6 +246,7 @@ int main(void) {
         cmocka_unit_test(equal_values_give_zero),
         cmocka_unit_test(gradients_are_those_of_differences),
         cmocka_unit_test(faults),
+        cmocka_unit_test(memory_runs_out),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
