@@ -6,7 +6,7 @@ usage: doc/loss_study.py [REF ...] [--steps N] [--model MODEL]
 
 A small neural BRDF (6-21-21-3, the size of NBRDF, Sztrajman et al. 2021) is trained on each reference by nqm.torch.Loss. Printed are the
 JOD by the loss at new rays, by the model "default", and by rendering (the label): they should agree. --model default trains at
-the fixed directions of a model instead. NQM_DATA, the folder of rgl/, adds a measured reference. Four minutes on one core. Needs
+the fixed directions of a model instead. NQM_DATA, the folder of rgl/, adds a measured reference. Five minutes on one core. Needs
 PyTorch."""
 import argparse
 import os
