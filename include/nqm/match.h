@@ -22,9 +22,10 @@ extern "C" {
  *  - the losses of nqm_fit_loss: "log", "rmse", ..., "log_diff".
  *
  * "auto" or "auto:SUM" selects in two stages (after Bieron and Peers 2020, DOI 10.1111/cgf.14052): fits under the losses
- * "log", "log-cos", "rms_crwe" and "log_diff" are candidates, each is polished by SUM (default: "100*ma_crwe+transport"), and of all eight
- * the one with the smallest Delta-E on rays of `scene` is the result: no step of a fit has seen these directions. For a shading model only the two best candidates are polished,
- * nqm_fit_options.start is one of the starts, and the result is simplified (nqm_fit_options.simplify).
+ * "log", "log-cos", "rms_crwe" and "log_diff" are candidates, each is polished by SUM (default: "100*ma_crwe+transport"), and
+ * of all eight the one with the smallest Delta-E on rays of `scene` is the result: no step of a fit has seen these directions.
+ * For a shading model only the two best candidates are polished, nqm_fit_options.start is one of the starts, and the result is
+ * simplified (nqm_fit_options.simplify).
  */
 typedef struct nqm_match_loss {
     const char *text;
