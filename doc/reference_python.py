@@ -13,7 +13,7 @@ GROUPS = (("Scores", ("score", "score_many", "batch", "score_samples", "score_gr
                      "half_diff_to_directions", "directions_to_half_diff", "Directions")),
           ("Metrics and models", ("Metric", "metrics", "Model", "ModelInfo", "models")),
           ("Fits", ("fit", "Fit", "fit_models")),
-          ("Rendering", ("label", "Label", "render", "srgb", "Scene")),
+          ("Rendering", ("label", "Label", "render", "srgb", "Scene", "Rays")),
           ("Datasets", ("Dataset",)),
           ("Errors and the library", ("Error", "Status", "build_info")))
 

@@ -27,6 +27,15 @@ NQM_API nqm_label nqm_scene_compare_halves(const nqm_scene *scene, const double 
 /** Delta-E ITP of each point: delta_e (n_points). */
 NQM_API void nqm_scene_delta_e_map(const nqm_scene *scene, const double *ref_cdm2, const double *test_cdm2,
                                    double *delta_e);
+/** Compare the random pictures of two BRDFs, and differentiate: a loss for training. Noise is common to both pictures: equal values
+ *  give exactly 0. Where it makes them differ in shape it adds a little to Delta-E, less with more rays. Any thread.
+ *
+ * @param ref, test  (rays->n, 3) f_r in 1/sr at the rays
+ * @param gradient   (rays->n, 3) receives the derivatives of label_ret->delta_e by `test`, exact but for points that are equal, black
+ *                   or brighter than the display, which have 0; NULL allowed
+ * @return NQM_ERR_NUMERIC (a value is not finite; the message names its row), NQM_ERR_NOMEM */
+NQM_API NQM_MUST_CHECK nqm_status nqm_rays_compare(const nqm_rays *rays, const double *ref, const double *test,
+                                                   nqm_label *label_ret, double *gradient, nqm_error *err);
 
 /* ---- light transport --------------------------------------------------------------------------------------------- */
 

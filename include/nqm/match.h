@@ -8,6 +8,7 @@
 
 #include <nqm/fit.h>
 #include <nqm/metric.h>
+#include <nqm/render.h>
 
 #ifdef __cplusplus
 extern "C" {
@@ -21,21 +22,25 @@ extern "C" {
  *  - the losses of nqm_fit_loss: "log", "rmse", ..., "log_diff".
  *
  * "auto" or "auto:SUM" selects in two stages (after Bieron and Peers 2020, DOI 10.1111/cgf.14052): fits under the losses
- * "log", "log-cos", "rms_crwe" and "log_diff" are candidates, each is polished by SUM (default: "100*ma_crwe+transport"), and of all eight
- * the one with the smallest Delta-E by `transport` is the result. For a shading model only the two best candidates are polished,
- * nqm_fit_options.start is one of the starts, and the result is simplified (nqm_fit_options.simplify).
+ * "log", "log-cos", "rms_crwe" and "log_diff" are candidates, each is polished by SUM (default: "100*ma_crwe+transport"), and
+ * of all eight the one with the smallest Delta-E on rays of `scene` is the result: no step of a fit has seen these directions.
+ * For a shading model only the two best candidates are polished, nqm_fit_options.start is one of the starts, and the result is
+ * simplified (nqm_fit_options.simplify).
  */
 typedef struct nqm_match_loss {
     const char *text;
     const nqm_model *metric;    /**< NULL: not needed by `text` */
     const nqm_model *transport; /**< NULL: not needed by `text` */
+    const nqm_scene *scene; /**< where results are compared, on 32768 rays (nqm_rays_draw); NULL: `transport` compares,
+                                     at the directions of the fits */
 } nqm_match_loss;
 
 typedef struct nqm_match_report {
-    nqm_fit_report fit; /**< of the result; `loss`: value of the sum, or of "auto" the value by `transport` */
+    nqm_fit_report fit; /**< of the result; `loss`: value of the sum, or of "auto" `difference` */
     char selected[128]; /**< of "auto": how the result came about ("log-cos, then nqm"); otherwise "" */
     double
-        difference; /**< value of "transport" at the result; NaN without `transport`, and for models that are not analytic */
+        difference; /**< Delta-E of the result on the rays of `scene`, without it by `transport`; NaN without both, and for
+                           models that are not analytic */
 } nqm_match_report;
 
 /**

@@ -92,6 +92,39 @@ NQM_API const double *nqm_scene_weights(const nqm_scene *scene);
  *  scene. */
 NQM_API const size_t *nqm_scene_pixels(const nqm_scene *scene);
 
+/* ---- random pictures --------------------------------------------------------------------------------------------- */
+
+/** A random picture of few points of a scene, as the rays whose BRDF values make it: point p reflects the sum of weight times
+ *  f_r(wi, wo) over the rays with point == p to the viewer, in cd/m2. Its mean over seeds is the picture of
+ *  nqm_scene_render() without interreflection (stochastic transport). So a loss on new rays at each step of a training
+ *  (nqm_rays_compare) cannot be satisfied at some directions only. `wi` owns the block of the arrays. */
+typedef struct nqm_rays {
+    size_t n;        /**< rays with light */
+    size_t n_points; /**< points of all scenes together */
+    double *wi; /**< (n, 3) unit vectors to the light, in a local frame of the point: third axis the normal, first axis
+                          random */
+    double *wo; /**< (n, 3) unit vectors to the viewer */
+    double *weight; /**< (n, 3) radiance times cosine times solid angle, linear BT.709 in cd/m2 */
+    size_t *point;  /**< (n) ascending */
+    double *
+        points; /**< (n_points, 3) fraction of the scene's picture, summing to 1 in each scene; number of the scene in the
+                          standard set, from 0, ascending; peak luminance of the display, cd/m2 */
+} nqm_rays;
+
+/** Draw at most n rays of a scene, equally many in each scene of the standard set; the few without light (shadows, directions
+ *  below the horizon) are left out. Points are a stratified random selection among those of the scene and have sqrt(n)/2 light
+ *  directions each, more if the scene has too few points. Any thread; the same for any number of threads. 4096 rays take 2
+ *  milliseconds.
+ *
+ * @param n         at least 16 for each scene of the set
+ * @param seed      of points and directions
+ * @param rays_ret  free the contents with nqm_rays_clear(); empty on failure
+ * @return NQM_ERR_ARG (n out of range), NQM_ERR_NOMEM */
+NQM_API NQM_MUST_CHECK nqm_status nqm_rays_draw(const nqm_scene *scene, size_t n, uint64_t seed, nqm_rays *rays_ret,
+                                                nqm_error *err);
+/** Free the contents; zeroed rays are allowed. */
+NQM_API void nqm_rays_clear(nqm_rays *rays);
+
 #ifdef __cplusplus
 }
 #endif

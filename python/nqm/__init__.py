@@ -18,7 +18,7 @@ from ._call import Error
 from ._data import Dataset
 from ._fit import Fit, fit, fit_models
 from ._metric import Metric, batch, metrics
-from ._scene import Label, Scene, label, render, srgb
+from ._scene import Label, Rays, Scene, label, render, srgb
 from ._score import (Model, ModelInfo, Parts, Score, Scorer, models, preference, score, score_grad, score_many,
                      score_samples)
 from ._version import VERSION
@@ -29,7 +29,7 @@ __all__ = [
     "score", "score_many", "batch", "score_samples", "score_grad", "Score", "Parts", "Scorer", "preference",
     "BRDF", "BRDFInfo", "CheckReport", "presets", "materials", "MaterialInfo", "table_nodes", "half_diff_to_directions", "directions_to_half_diff", "Directions",
     "Metric", "metrics", "Model", "ModelInfo", "models",
-    "fit", "Fit", "fit_models", "label", "Label", "render", "srgb", "Scene", "Dataset",
+    "fit", "Fit", "fit_models", "label", "Label", "render", "srgb", "Scene", "Rays", "Dataset",
     "Error", "Status", "build_info",
 ]
 

@@ -152,7 +152,7 @@ class FitReport(Structure):
 
 class MatchLoss(Structure):
     _c_name_ = "nqm_match_loss"
-    _fields_ = [("text", c_char_p), ("metric", c_void_p), ("transport", c_void_p)]
+    _fields_ = [("text", c_char_p), ("metric", c_void_p), ("transport", c_void_p), ("scene", c_void_p)]
 
 
 class MatchReport(Structure):
@@ -167,6 +167,12 @@ class SceneOptions(Structure):
                 ("n_lights", c_size_t), ("light_width", c_size_t), ("shadows", c_int), ("interreflection", c_int),
                 ("exposure_cdm2", c_double), ("peak_cdm2", c_double), ("seed", c_uint64), ("exact", c_int),
                 ("progress", Progress), ("progress_user", c_void_p)]
+
+
+class CRays(Structure):
+    _c_name_ = "nqm_rays"
+    _fields_ = [("n", c_size_t), ("n_points", c_size_t), ("wi", POINTER(c_double)), ("wo", POINTER(c_double)),
+                ("weight", POINTER(c_double)), ("point", POINTER(c_size_t)), ("points", POINTER(c_double))]
 
 
 class DatasetInfo(Structure):
@@ -189,7 +195,7 @@ class MaterialInfo(Structure):
 
 STRUCTS = [CError, BrdfCallbacks, BrdfInfo, BrdfCheckReport, DirectionsOptions, SampleReport, ModelInfo, MetricInfo, CLabel,
            Curve, ScoreOptions, ScoreResult, NamedPair, SamplePair, FitBound, FitOptions, FitReport, MatchLoss, MatchReport,
-           SceneOptions, DatasetInfo, DatasetPair, MaterialInfo]
+           SceneOptions, CRays, DatasetInfo, DatasetPair, MaterialInfo]
 
 # name: (result, arguments); a trailing nqm_error * is part of the arguments.
 _error = POINTER(CError)
@@ -255,6 +261,9 @@ FUNCTIONS = {
     "nqm_scene_render_halves": (c_int, [c_void_p, c_void_p, c_void_p, _error]),
     "nqm_scene_compare_halves": (CLabel, [c_void_p, c_void_p, c_void_p]),
     "nqm_label_jod_error": (c_double, [POINTER(CLabel)]),
+    "nqm_rays_draw": (c_int, [c_void_p, c_size_t, c_uint64, POINTER(CRays), _error]),
+    "nqm_rays_clear": (None, [POINTER(CRays)]),
+    "nqm_rays_compare": (c_int, [POINTER(CRays), c_void_p, c_void_p, POINTER(CLabel), c_void_p, _error]),
     "nqm_scene_compare": (CLabel, [c_void_p, c_void_p, c_void_p]),
     "nqm_scene_delta_e_map": (None, [c_void_p, c_void_p, c_void_p, c_void_p]),
     "nqm_dataset_load": (c_int, [c_char_p, _handle, _error]),

@@ -2,6 +2,7 @@
 """Scenes: pictures of BRDFs, and labels by comparing them."""
 from __future__ import annotations
 
+import functools
 from ctypes import byref, c_void_p
 from dataclasses import dataclass
 from typing import Any, List, Optional, Tuple, Union, overload
@@ -11,7 +12,7 @@ import numpy as np
 from . import _abi
 from ._abi import lib
 from ._brdf import BRDFLike, as_brdf, set_options
-from ._call import ProgressLike, Watch, address, call, choice, encode, own_handle, progress_callback
+from ._call import ProgressLike, Watch, address, call, choice, encode, own_handle, progress_callback, triples
 from ._score import Parts, parts_of
 
 OPTIONS = ("width", "height", "n_points", "n_frames", "turn_rad", "elevation_rad", "n_lights", "light_width", "shadows",
@@ -138,6 +139,58 @@ class Scene:
             labels.append(Label(brdf.name, test.name, jod, label.delta_e, lib.nqm_label_similarity(byref(label)), parts_of(label),
                                 label.error, lib.nqm_label_jod_error(byref(label))))
         return labels if several else labels[0]
+
+
+@functools.lru_cache(maxsize=1)
+def standard_scene() -> Scene:
+    """The standard set of scenes, made once."""
+    return Scene()
+
+
+class Rays:
+    """A random picture of few points of a scene, as the rays whose BRDF values make it: fresh directions for one step of a training
+    or for a check. Its mean over the seeds is the scene's picture.
+
+    Args:
+        n: at most so many rays; the few without light are left out
+        seed: of the points and directions; a new one for every step
+        scene: the scene; default: the standard set, which is made at the first call (a second)
+
+    Attributes:
+        wi: (n, 3) unit vectors to the light, normal (0, 0, 1)
+        wo: (n, 3) unit vectors to the viewer
+        weight: (n, 3) light in cd/m2 that a BRDF of 1/sr reflects
+        point: (n) of the picture, ascending
+    """
+
+    def __init__(self, n: int = 4096, seed: int = 1, *, scene: Optional[Scene] = None) -> None:
+        self._rays = rays = _abi.CRays()
+        call(lib.nqm_rays_draw, (standard_scene() if scene is None else scene)._handle, n, seed, byref(rays))
+        own_handle(self, rays, lib.nqm_rays_clear)
+        self.wi, self.wo, self.weight = (np.ctypeslib.as_array(a, (rays.n, 3)).copy() for a in (rays.wi, rays.wo, rays.weight))
+        self.point = np.ctypeslib.as_array(rays.point, (rays.n,)).copy()
+
+    def __len__(self) -> int:
+        """Number of rays."""
+        return len(self.point)
+
+    def eval(self, brdf: Any) -> np.ndarray:
+        """f_r in 1/sr of a BRDF at the rays, (n, 3)."""
+        return as_brdf(brdf).eval(self.wi, self.wo)
+
+    def delta_e_grad(self, ref: Any, test: Any) -> Tuple[float, np.ndarray]:
+        """Delta-E ITP of the two pictures, and its gradient by the values of the test.
+
+        Args:
+            ref: f_r in 1/sr of the reference at the rays, (n, 3)
+            test: the same of the test
+        """
+        ref, test = triples("ref", ref), triples("test", test)
+        if ref.shape != self.wi.shape or test.shape != self.wi.shape:
+            raise ValueError("ref and test have the shape %s of the rays; not %s and %s" % (self.wi.shape, ref.shape, test.shape))
+        label, gradient = _abi.CLabel(), np.empty_like(test)
+        call(lib.nqm_rays_compare, byref(self._rays), address(ref), address(test), byref(label), address(gradient))
+        return label.delta_e, gradient
 
 
 @overload

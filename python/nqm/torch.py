@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: MIT
-"""Scores as functions of PyTorch, differentiable by the samples of the test.
+"""Losses and scores as functions of PyTorch, differentiable by the values of the test.
 
-Samples are f_r in 1/sr at the directions of the model (`directions`), (n_directions, 3) or (n_pairs, n_directions, 3), on any device;
-the library computes on the processor in float. There is no gradient by the reference.
+A training needs `Loss`: Delta-E of pictures at fresh directions in every step. `jod` and `delta_e` are the scores of a model, which
+looks at the same 500 directions every time: right for judging, but a training learns these by heart. Values are f_r in 1/sr, (n, 3), on any
+device; the library computes on the processor. There is no gradient by the reference.
 """
 from __future__ import annotations
 
@@ -11,9 +12,12 @@ from typing import Any, Optional, Tuple
 
 import torch
 
-from ._score import ModelLike, Scorer, as_model
+from ._abi import lib
+from ._brdf import BRDF
+from ._scene import Rays, Scene
+from ._score import ModelLike, Scorer
 
-__all__ = ["JOD", "jod", "delta_e", "Loss", "directions"]
+__all__ = ["JOD", "jod", "delta_e", "RayLoss", "Loss", "directions"]
 
 
 @functools.lru_cache(maxsize=8)
@@ -67,28 +71,81 @@ def delta_e(ref: Any, test: torch.Tensor, *, model: Any = "default", used: Any =
     return JOD.apply(ref, test, model, used, "delta_e")
 
 
+class RayLoss(torch.autograd.Function):
+    """`RayLoss.apply(ref, test, rays)`: Delta-E ITP of the pictures that the values make at an `nqm.Rays`. `Loss` calls it."""
+
+    @staticmethod
+    def forward(ctx: Any, ref: Any, test: torch.Tensor, rays: Rays) -> torch.Tensor:  # type: ignore[override]
+        value, gradient = rays.delta_e_grad(_array(ref), _array(test))
+        ctx.save_for_backward(torch.as_tensor(gradient).to(test))
+        return test.new_tensor(value)
+
+    @staticmethod
+    @torch.autograd.function.once_differentiable
+    def backward(ctx: Any, grad: torch.Tensor) -> Tuple[Optional[torch.Tensor], ...]:
+        return None, grad * ctx.saved_tensors[0], None
+
+
+def _jod(delta_e: torch.Tensor) -> torch.Tensor:
+    """nqm_curve_jod() of the published curve."""
+    c = lib.nqm_curve_default()
+    return 10 * torch.sigmoid(-c.b1 * (delta_e.clamp(min=1e-6) ** c.b3 + c.b2))
+
+
 class Loss(torch.nn.Module):
-    """A loss to be minimised: the mean of `delta_e`, or of 10 - `jod`, over the pairs.
+    """A loss to be minimised: Delta-E ITP, or 10 - JOD, of pictures of two BRDFs. `loss(ref, test)` draws new directions at each call, so that
+    a training cannot satisfy the loss at some directions only. Its mean over the steps is the label of `nqm.Scene.label`, by which the
+    result should be checked.
+
+    `ref` and `test` are functions f(wi, wo) of tensors (n, 3) that return f_r in 1/sr, (n, 3), or an `nqm.BRDF`. Or they are
+    the values at rays that the caller has drawn: `loss(ref, test, rays)`.
 
     Args:
         of: "delta_e" or "jod"
-        model: as for `nqm.score`
+        model: scores of this model instead, at its fixed directions: `loss(ref, test)` takes samples as `delta_e` does, and returns the
+            mean over the pairs
+        scene: an `nqm.Scene`; default: the standard set
+        n: rays of a call: more make the gradient less noisy
+        seed: of the first call; each call adds 1 to the attribute `seed`
+        to: `dtype`, `device` of the directions; default: those of the test's parameters, or float64
     """
 
-    def __init__(self, of: str = "delta_e", *, model: ModelLike = "default") -> None:
+    def __init__(self, of: str = "delta_e", *, model: Optional[ModelLike] = None, scene: Optional[Scene] = None, n: int = 4096,
+                 seed: int = 1, **to: Any) -> None:
         super().__init__()
         if of not in ("delta_e", "jod"):
             raise ValueError("of is delta_e or jod; not %r" % of)
-        self.of = of
-        self._scorer = Scorer(model, metrics=False)
+        self.of, self.n, self.seed = of, n, seed
+        self._scene, self._to = scene, to
+        self._scorer = None if model is None else Scorer(model, metrics=False)
 
-    def forward(self, ref: Any, test: torch.Tensor, used: Any = None) -> torch.Tensor:
-        """The loss of samples `test` against `ref`."""
-        value = JOD.apply(ref, test, self._scorer, used, self.of)
-        return (10 - value if self.of == "jod" else value).mean()
+    def _values(self, f: Any, rays: Rays, to: Any) -> Any:
+        if isinstance(f, BRDF):
+            return torch.tensor(rays.eval(f), **to)
+        return f(torch.tensor(rays.wi, **to), torch.tensor(rays.wo, **to)) if callable(f) else f
+
+    def forward(self, ref: Any, test: Any, rays: Optional[Rays] = None, *, used: Any = None) -> torch.Tensor:
+        """The loss of `test` against `ref`. `used`: of a model's samples, as in `jod`."""
+        if self._scorer is not None:
+            if rays is not None:
+                raise ValueError("a model has directions of its own: it takes no rays, and `used` by its name")
+            value = JOD.apply(ref, test, self._scorer, used, self.of)
+            return (10 - value if self.of == "jod" else value).mean()
+        if rays is None:
+            if not callable(test):
+                raise ValueError("without rays the test is a function of directions; Loss(model=\"default\") takes samples of a model")
+            rays = Rays(self.n, self.seed, scene=self._scene)
+            self.seed += 1
+        weight = next(test.parameters(), None) if isinstance(test, torch.nn.Module) else None
+        to = self._to or ({} if weight is None else {"dtype": weight.dtype, "device": weight.device})
+        with torch.no_grad():
+            ref = self._values(ref, rays, to)
+        value = RayLoss.apply(ref, self._values(test, rays, to), rays)
+        return 10 - _jod(value) if self.of == "jod" else value
 
 
-def directions(model: ModelLike = "default", **to: Any) -> Tuple[torch.Tensor, torch.Tensor]:
-    """Where the model samples BRDFs: unit vectors `wi`, `wo`, (n_directions, 3) each. `to`: as for `torch.tensor` (`dtype`, `device`)."""
-    wi, wo = as_model(model).directions.vectors
-    return torch.tensor(wi, **to), torch.tensor(wo, **to)
+def directions(n: int = 4096, seed: int = 1, *, scene: Optional[Scene] = None, **to: Any) -> Tuple[torch.Tensor, torch.Tensor, Rays]:
+    """Fresh directions for a step of a training: unit vectors `wi`, `wo`, (n, 3) each, and the `nqm.Rays` they belong to, with which `Loss`
+    compares values at them. `to`: as for `torch.tensor` (`dtype`, `device`); the other arguments as for `nqm.Rays`."""
+    rays = Rays(n, seed, scene=scene)
+    return torch.tensor(rays.wi, **to), torch.tensor(rays.wo, **to), rays

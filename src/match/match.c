@@ -17,6 +17,7 @@ typedef struct setting {
     const char *model;
     const nqm_match_loss *loss;
     nqm_fit_options options;
+    const nqm_match_judge *judge; /* NULL: transport judges */
 } setting;
 
 /* A sum as the terms of a fit. */
@@ -81,22 +82,20 @@ static nqm_status fit_sum(const setting *s, const nqm_match_sum *sum, const char
 static nqm_status select_shading(const setting *s, const nqm_fit_entry *entry, const nqm_match_sum *sum,
                                  const char *sum_text, nqm_match_report *report, nqm_brdf **brdf_ret, nqm_error *err) {
     binding b = {.n = 0};
-    nqm_match_visual judge = {.scorer = NULL};
-    if (!s->loss->transport)
-        return nqm_fail(err, NQM_ERR_ARG, -1, "the loss 'auto' needs a model for transport");
+    nqm_match_visual transport = {.scorer = NULL};
     nqm_status status = NQM_OK;
     for (size_t i = 0; status == NQM_OK && i < sum->n; ++i)
         status = bind_term(s, &sum->terms[i], &b, err);
-    if (status == NQM_OK)
-        status = nqm_match_visual_make(s->loss->transport, s->ref, &judge, err);
+    if (status == NQM_OK && !s->judge)
+        status = nqm_match_visual_make(s->loss->transport, s->ref, &transport, err);
     int n_threads = nqm_limit_threads(1); /* of a score of one pair */
     if (status == NQM_OK)
-        status = explain(
-            &b,
-            nqm_match_shading(s->ref, entry->shading, &s->options, b.n, b.terms, &judge.visual, sum_text, report, err),
-            err);
+        status = explain(&b,
+                         nqm_match_shading(s->ref, entry->shading, &s->options, b.n, b.terms,
+                                           s->judge ? &s->judge->visual : &transport.visual, sum_text, report, err),
+                         err);
     nqm_limit_threads(n_threads);
-    nqm_match_visual_free(&judge);
+    nqm_match_visual_free(&transport);
     release(&b);
     return status == NQM_OK ? nqm_brdf_open(report->fit.spec, brdf_ret, err) : status;
 }
@@ -137,6 +136,8 @@ static int report_progress(void *user, const char *stage, double done, double to
 }
 
 static nqm_status compare(const setting *s, const nqm_brdf *brdf, double *difference, nqm_error *err) {
+    if (s->judge)
+        return nqm_match_judge_value(s->judge, brdf, difference, err);
     nqm_match_visual visual;
     nqm_status status = nqm_match_visual_make(s->loss->transport, s->ref, &visual, err);
     if (status == NQM_OK)
@@ -198,8 +199,6 @@ static const char *polish_text(const nqm_match_loss *loss) {
 static nqm_status select_best(const setting *setting_of_all, const nqm_match_sum *polish, nqm_match_report *report,
                               nqm_brdf **brdf_ret, nqm_error *err) {
     const nqm_match_loss *loss = setting_of_all->loss;
-    if (!loss->transport)
-        return nqm_fail(err, NQM_ERR_ARG, -1, "the loss 'auto' needs a model for transport");
     selection *s = nqm_alloc(1, sizeof *s);
     if (!s)
         return nqm_fail_nomem(err, sizeof *s);
@@ -219,12 +218,33 @@ static nqm_status select_best(const setting *setting_of_all, const nqm_match_sum
 
 /* ---- public entry ------------------------------------------------------------------------------------------------ */
 
+static bool has_own_loss(const nqm_fit_entry *entry) {
+    return entry->encode && !entry->shading;
+}
+
+static nqm_status match(const setting *s, const nqm_fit_entry *entry, const nqm_match_sum *sum,
+                        nqm_match_report *report, nqm_brdf **brdf_ret, nqm_error *err) {
+    if (has_own_loss(entry))
+        return nqm_fit(s->ref, s->model, &s->options, &report->fit, brdf_ret, err);
+    if (sum->is_auto && !s->judge && !s->loss->transport)
+        return nqm_fail(err, NQM_ERR_ARG, -1, "the loss 'auto' needs a scene or a model for transport");
+    if (sum->is_auto && entry->shading)
+        return select_shading(s, entry, sum, polish_text(s->loss), report, brdf_ret, err);
+    if (sum->is_auto)
+        return select_best(s, sum, report, brdf_ret, err);
+    nqm_status status = fit_sum(s, sum, NULL, &report->fit, brdf_ret, err);
+    if (status == NQM_OK && (s->judge || s->loss->transport))
+        status = compare(s, *brdf_ret, &report->difference, err);
+    return status;
+}
+
 nqm_status nqm_match(const nqm_brdf *ref, const char *model, const nqm_match_loss *loss,
                      const nqm_fit_options *options_or_null, nqm_match_report *report_ret, nqm_brdf **brdf_ret,
                      nqm_error *err) {
     setting s = {.ref = ref, .model = model, .loss = loss};
     s.options = options_or_null ? *options_or_null : nqm_fit_options_default();
     nqm_match_report report = {.difference = NAN};
+    nqm_match_judge judge = {.ref = NULL};
     nqm_brdf *brdf = NULL;
     nqm_match_sum sum;
     const nqm_fit_entry *entry;
@@ -233,19 +253,13 @@ nqm_status nqm_match(const nqm_brdf *ref, const char *model, const nqm_match_los
     nqm_status status = nqm_match_parse(loss->text, &sum, err);
     if (status == NQM_OK)
         status = nqm_fit_entry_find(model, &entry, err);
-    if (status != NQM_OK)
-        return status;
-    const bool has_own_loss = entry->encode && !entry->shading;
-    if (has_own_loss)
-        status = nqm_fit(ref, model, &s.options, &report.fit, &brdf, err);
-    else if (sum.is_auto && entry->shading)
-        status = select_shading(&s, entry, &sum, polish_text(loss), &report, &brdf, err);
-    else if (sum.is_auto)
-        status = select_best(&s, &sum, &report, &brdf, err);
-    else
-        status = fit_sum(&s, &sum, NULL, &report.fit, &brdf, err);
-    if (status == NQM_OK && !has_own_loss && !sum.is_auto && loss->transport)
-        status = compare(&s, brdf, &report.difference, err);
+    if (status == NQM_OK && loss->scene && !has_own_loss(entry)) {
+        status = nqm_match_judge_make(loss->scene, ref, s.options.seed, &judge, err);
+        s.judge = &judge;
+    }
+    if (status == NQM_OK)
+        status = match(&s, entry, &sum, &report, &brdf, err);
+    nqm_match_judge_free(&judge);
     if (status == NQM_OK)
         *report_ret = report;
     if (status == NQM_OK && brdf_ret)

@@ -6,6 +6,7 @@
 #define NQM_SRC_MATCH_H
 
 #include "base/base.h"
+#include <nqm/label.h>
 #include <nqm/match.h>
 
 enum { NQM_MATCH_MAX_TERMS = 8 };
@@ -31,11 +32,11 @@ extern const char *const nqm_match_polish;
 NQM_MUST_CHECK nqm_status nqm_match_parse(const char *text, nqm_match_sum *sum, nqm_error *err);
 
 struct nqm_analytic_model;
-/** The loss "auto" of a shading model: `terms` are those of the polish, which `sum_text` names; `transport` judges. */
+/** The loss "auto" of a shading model: `terms` are those of the polish, which `sum_text` names. */
 NQM_MUST_CHECK nqm_status nqm_match_shading(const nqm_brdf *ref, const struct nqm_analytic_model *model,
                                             const nqm_fit_options *options, size_t n_terms, const nqm_fit_term *terms,
-                                            const nqm_fit_visual *transport, const char *sum_text,
-                                            nqm_match_report *report, nqm_error *err);
+                                            const nqm_fit_visual *judge, const char *sum_text, nqm_match_report *report,
+                                            nqm_error *err);
 
 /** A metric against one reference, as a loss of a fit. Used by one thread at a time. */
 typedef struct nqm_match_visual {
@@ -55,5 +56,21 @@ void nqm_match_visual_free(nqm_match_visual *visual);
 /** The loss of a BRDF. */
 NQM_MUST_CHECK nqm_status nqm_match_visual_value(nqm_match_visual *visual, const nqm_brdf *brdf, double *value,
                                                  nqm_error *err);
+
+/** Delta-E from one reference on rays of a scene. */
+typedef struct nqm_match_judge {
+    nqm_rays rays;         /* none: there is no judge */
+    double *ref;           /* (rays.n, 3) */
+    nqm_fit_visual visual; /* the same as a loss; used by one thread at a time */
+    nqm_error failure;     /* of the last evaluation of `visual` */
+} nqm_match_judge;
+
+/** Free it also after a failure; it must not be moved. */
+NQM_MUST_CHECK nqm_status nqm_match_judge_make(const nqm_scene *scene, const nqm_brdf *ref, uint64_t seed,
+                                               nqm_match_judge *judge, nqm_error *err);
+void nqm_match_judge_free(nqm_match_judge *judge);
+/** Delta-E of a BRDF. Any thread. */
+NQM_MUST_CHECK nqm_status nqm_match_judge_value(const nqm_match_judge *judge, const nqm_brdf *brdf, double *value,
+                                                nqm_error *err);
 
 #endif

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * The loss "auto" of shading models. One search under NQM_FIT_LOG gives the starts of the candidates; the best two by transport
- * are polished by the whole sum; the best of all is simplified.
+ * The loss "auto" of shading models. One search under NQM_FIT_LOG gives the starts of the candidates; the best two by the
+ * judge are polished by the whole sum; the best of all is simplified.
  */
 #include "fit/shading.h"
 #include "match/match.h"
@@ -14,7 +14,7 @@ enum { N_LOSSES = sizeof candidate_losses / sizeof *candidate_losses, N_POLISHED
 
 typedef struct candidate {
     nqm_shading_point point;
-    double difference; /* by transport */
+    double difference; /* by the judge */
     nqm_fit_loss loss;
     bool polished;
 } candidate;
@@ -78,7 +78,7 @@ static nqm_status polish_best(selection *s) {
     return status;
 }
 
-/* The simplified winner, unless transport sees the difference. */
+/* The simplified winner, unless the judge sees the difference. */
 static nqm_status simplify_best(selection *s, double tolerance) {
     const double visible = 0.1; /* Delta-E ITP; 1 is one just noticeable step */
     candidate simple = s->list[0];
@@ -95,10 +95,10 @@ static nqm_status simplify_best(selection *s, double tolerance) {
 
 static nqm_status begin(selection *s, const nqm_brdf *ref, const nqm_analytic_model *model,
                         const nqm_fit_options *options, size_t n_terms, const nqm_fit_term *terms,
-                        const nqm_fit_visual *transport) {
+                        const nqm_fit_visual *judge) {
     nqm_fit_options first = *options;
     first.loss = NQM_FIT_LOG;
-    s->judge_term = (nqm_fit_term){.weight = 1, .visual = transport};
+    s->judge_term = (nqm_fit_term){.weight = 1, .visual = judge};
     nqm_status status = nqm_shading_space_make(model, options, &s->space, s->err);
     if (status == NQM_OK)
         status = nqm_fit_target_make(ref, &first, &s->target, s->err);
@@ -110,7 +110,7 @@ static nqm_status begin(selection *s, const nqm_brdf *ref, const nqm_analytic_mo
 }
 
 nqm_status nqm_match_shading(const nqm_brdf *ref, const nqm_analytic_model *model, const nqm_fit_options *options,
-                             size_t n_terms, const nqm_fit_term *terms, const nqm_fit_visual *transport,
+                             size_t n_terms, const nqm_fit_term *terms, const nqm_fit_visual *judge,
                              const char *sum_text, nqm_match_report *report, nqm_error *err) {
     nqm_shading_point points[NQM_SHADING_MAX_STARTS] = {{.loss = 0}};
     size_t n = 0;
@@ -121,7 +121,7 @@ nqm_status nqm_match_shading(const nqm_brdf *ref, const nqm_analytic_model *mode
     s->n_terms = n_terms;
     s->terms = terms;
     s->ticker = (nqm_ticker){.fn = options->progress, .user = options->progress_user};
-    nqm_status status = begin(s, ref, model, options, n_terms, terms, transport);
+    nqm_status status = begin(s, ref, model, options, n_terms, terms, judge);
     if (status == NQM_OK)
         status = nqm_shading_search(&s->space, ref, &s->target, options, false, &s->ticker, points, &n, err);
     if (status == NQM_OK)

@@ -46,11 +46,15 @@ static inline nqm_label nqm_transport_estimate(const nqm_transport *transport, c
  *  ITP on the display in units of Delta-E, of n >= 2 pictures: (3, n_points) each. A picture does not depend on the others. */
 void nqm_transport_see(const nqm_transport *transport, size_t n, const nqm_transport_samples *samples,
                        double *const *rgb, double *const *itp);
+/** The second half of it: `itp` of `rgb`. Only points and n_points of the transport are used, here and in the next two. */
+void nqm_transport_show(const nqm_transport *transport, const double *rgb, double *itp);
 /** The label of two such pictures. */
 nqm_label nqm_transport_label(const nqm_transport *transport, const double *ref, const double *test);
-/** The gradient of sum_k weights_k label_k, over the members of that label, by the samples of the test: gradient (n_directions,
- *  3) receives it; 0 where `used` is 0. rgb (3, n_points): light of the test; scratch: (3, n_points). Points brighter than the
- *  display have no part in it. */
+/** The gradient of sum_k weights_k label_k, over the members of that label, by the light of the test, `rgb`: by_light (3, n_points)
+ *  receives it. Points brighter than the display have no part in it. */
+void nqm_transport_light_gradient(const nqm_transport *transport, const nqm_label *weights, const double *ref,
+                                  const double *test, const double *rgb, double *by_light);
+/** The same by the samples of the test: gradient (n_directions, 3) receives it; 0 where `used` is 0. scratch: (3, n_points). */
 void nqm_transport_gradient(const nqm_transport *transport, const nqm_label *weights, const double *ref,
                             const double *test, const double *rgb, const uint8_t *used, double *scratch,
                             double *gradient);

@@ -32,8 +32,7 @@ static void add_light(const nqm_transport *t, const nqm_transport_samples *sampl
     }
 }
 
-/* ITP on the display, in units of Delta-E, of one picture: (3, n_points) each. */
-static void show(const nqm_transport *t, const double *rgb, double *itp) {
+void nqm_transport_show(const nqm_transport *t, const double *rgb, double *itp) {
     const size_t n = t->n_points;
     for (size_t p = 0; p < n; ++p) {
         double shown[3], lms[3], point[3], slope;
@@ -58,7 +57,7 @@ void nqm_transport_see(const nqm_transport *t, size_t n, const nqm_transport_sam
         add_light(t, two, light);
     }
     for (size_t i = 0; i < n; ++i)
-        show(t, rgb[i], itp[i]);
+        nqm_transport_show(t, rgb[i], itp[i]);
 }
 
 static void point_of(const double *picture, size_t n, size_t p, double *point) {
@@ -92,7 +91,7 @@ nqm_label nqm_transport_label(const nqm_transport *t, const double *ref, const d
 }
 
 /* The gradient by the light (3) of point p. */
-static void light_gradient(const nqm_transport *t, const nqm_picture_sums *sums, const nqm_label *weights, size_t p,
+static void point_gradient(const nqm_transport *t, const nqm_picture_sums *sums, const nqm_label *weights, size_t p,
                            const double *ref, const double *test, const double *rgb, double *by_light) {
     const size_t n = t->n_points;
     const double peak = t->points[3 * p + 2], weight = t->points[3 * p] * nqm_transport_share(t) * NQM_ITP_UNIT;
@@ -107,15 +106,20 @@ static void light_gradient(const nqm_transport *t, const nqm_picture_sums *sums,
         by_light[k * n + p] = rgb[k * n + p] < peak ? by_rgb[k] : 0;
 }
 
+void nqm_transport_light_gradient(const nqm_transport *t, const nqm_label *weights, const double *ref,
+                                  const double *test, const double *rgb, double *by_light) {
+    for (size_t first = 0, end; first < t->n_points; first = end) {
+        const nqm_picture_sums sums = sum_scene(t, first, ref, test, &end);
+        for (size_t p = first; p < end; ++p)
+            point_gradient(t, &sums, weights, p, ref, test, rgb, by_light);
+    }
+}
+
 void nqm_transport_gradient(const nqm_transport *t, const nqm_label *weights, const double *ref, const double *test,
                             const double *rgb, const uint8_t *used, double *scratch, double *gradient) {
     const nqm_kernels *kernels = nqm_kernels_get();
     const size_t n = t->n_points;
-    for (size_t first = 0, end; first < n; first = end) {
-        const nqm_picture_sums sums = sum_scene(t, first, ref, test, &end);
-        for (size_t p = first; p < end; ++p)
-            light_gradient(t, &sums, weights, p, ref, test, rgb, scratch);
-    }
+    nqm_transport_light_gradient(t, weights, ref, test, rgb, scratch);
     for (size_t i = 0; i < 3 * t->n_directions; ++i)
         gradient[i] = !used || used[i / 3] ? kernels->double_dot(n, t->light + i * n, scratch + i % 3 * n) : 0;
 }

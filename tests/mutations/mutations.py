@@ -121,6 +121,8 @@ MUTATIONS = [
     ("src/metric/transport.c", "return 1 / (1 + t->points[3 * t->n_points - 2]);", "return 1 / (2 + t->points[3 * t->n_points - 2]);", "test_metric_transport"),
     ("src/percept/label.c", "(deviation * (1 + deviation))", "deviation", "test_metric_transport_gradient test_percept_gradient"),
     ("src/model/prediction.c", "*by_z = by_target * o->std * (o->hi - o->lo) * s * (1 - s);", "*by_z = by_target * (o->hi - o->lo) * s * (1 - s);", "test_metric_score_gradient"),
+    ("src/label/ray_loss.c", "gradient[i] = rays->weight[i] * by_light", "gradient[i] = by_light", "test_label_rays"),
+    ("src/render/rays.c", "* scene->exposure;", ";", "test_label_rays"),
     # ---- fits
     ("src/fit/fit_loss.c", "return weight / (1 + weight * f);", "return 1 / (1 + weight * f);", "test_fit_loss"),
     ("src/fit/fit_loss.c", "log_offset = 0.003,", "log_offset = 0.03,", "test_fit_loss"),

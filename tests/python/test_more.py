@@ -142,6 +142,35 @@ class Scenes(unittest.TestCase):
             nqm.Scene("sun", n_points=20).render("sgd:nickel")
 
 
+class Rays(unittest.TestCase):
+    def test_gradient(self):
+        rays = nqm.Rays(512, 3)
+        self.assertEqual((len(rays), 3), rays.weight.shape)
+        np.testing.assert_allclose(np.linalg.norm(rays.wo, axis=1), 1)
+        ref, test = rays.eval("sgd:nickel"), rays.eval("ward:nickel")
+        value, gradient = rays.delta_e_grad(ref, test)
+        self.assertEqual(rays.delta_e_grad(ref, ref)[0], 0)
+        step = 1e-4 * test * np.random.default_rng(1).random(test.shape)
+        change = rays.delta_e_grad(ref, test + step)[0] - rays.delta_e_grad(ref, test - step)[0]
+        self.assertAlmostEqual(change / (2 * np.sum(gradient * step)), 1, places=4)
+        self.assertAlmostEqual(nqm.Rays(512, 3).delta_e_grad(ref, test)[0], value, places=12)
+
+    def test_mean(self):
+        scene = nqm.Scene("studio", "sphere", n_points=400)
+        label = scene.label("sgd:nickel", "ward:nickel").delta_e
+        values = [r.delta_e_grad(r.eval("sgd:nickel"), r.eval("ward:nickel"))[0] for r in (nqm.Rays(4096, i, scene=scene) for i in range(20))]
+        self.assertLess(abs(np.mean(values) / label - 1), .05)
+
+    def test_errors(self):
+        with self.assertRaisesRegex(nqm.Error, "64"):
+            nqm.Rays(63)
+        rays = nqm.Rays(64)
+        with self.assertRaisesRegex(ValueError, "shape"):
+            rays.delta_e_grad(np.ones((3, 3)), np.ones((3, 3)))
+        with self.assertRaisesRegex(nqm.Error, "test has no finite value at ray 0"):
+            rays.delta_e_grad(rays.wi, np.nan * rays.wi)
+
+
 class Metrics(unittest.TestCase):
     def test_names(self):
         self.assertEqual([n for n in nqm.metrics() if not nqm.Metric(n).lower_better], ["jod", "similarity"])

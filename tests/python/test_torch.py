@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: MIT
-"""nqm.torch: gradients against central differences, batches, a fit by gradient descent. Skipped without torch."""
+"""nqm.torch: gradients against central differences, batches, fits by gradient descent, at fixed and at fresh directions. Skipped without
+torch."""
 import importlib.util
 import subprocess
 import sys
@@ -66,7 +67,7 @@ class Torch(unittest.TestCase):
             nqm.torch.jod(ref.requires_grad_(), test)
 
     def test_descent(self):
-        wi, wo = nqm.torch.directions()
+        wi, wo = map(torch.tensor, nqm.Model.open().directions.vectors)
         h = torch.nn.functional.normalize(wi + wo, dim=1)
 
         def phong(p):
@@ -75,7 +76,7 @@ class Torch(unittest.TestCase):
 
         ref = phong(torch.tensor([-3., 4.], dtype=torch.float64))
         p = torch.tensor([-2.5, 3.6], dtype=torch.float64, requires_grad=True)
-        loss, optimiser = nqm.torch.Loss("delta_e"), torch.optim.Adam([p], .1)
+        loss, optimiser = nqm.torch.Loss("delta_e", model="default"), torch.optim.Adam([p], .1)
         values = []
         for _ in range(40):
             optimiser.zero_grad()
@@ -84,6 +85,89 @@ class Torch(unittest.TestCase):
             optimiser.step()
             values.append(value.item())
         self.assertLess(min(values[-5:]), .15 * values[0])
+
+
+class FreshDirections(unittest.TestCase):
+    @staticmethod
+    def network():
+        torch.manual_seed(1)
+        layers = torch.nn.Sequential(torch.nn.Linear(4, 8), torch.nn.Tanh(), torch.nn.Linear(8, 3))
+
+        class Network(torch.nn.Module):
+            def __init__(self):
+                super().__init__()
+                self.layers = layers
+
+            def forward(self, wi, wo):
+                h = torch.nn.functional.normalize(wi + wo, dim=1)
+                inputs = [h[:, 2], (wi * h).sum(1), wi[:, 2] * wo[:, 2], h[:, :2].norm(dim=1)]
+                return self.layers(torch.stack(inputs, 1)).exp()
+
+        return Network()
+
+    def test_gradcheck(self):
+        wi, wo, rays = nqm.torch.directions(200, 3)
+        self.assertEqual(wi.shape, wo.shape)
+        ref = torch.tensor(rays.eval("sgd:nickel"))
+        for of in ("delta_e", "jod"):
+            loss = nqm.torch.Loss(of)
+            test = (1.2 * ref).requires_grad_()
+            self.assertTrue(torch.autograd.gradcheck(lambda t: loss(ref, t, rays), test, eps=1e-6, atol=1e-6, rtol=1e-4))
+            self.assertAlmostEqual(loss(ref, ref, rays).item(), 0, places=12)
+
+    def test_jod(self):
+        _, _, rays = nqm.torch.directions(2048)
+        ref, test = (torch.tensor(rays.eval(name)) for name in ("sgd:nickel", "ward:nickel"))
+        delta_e = rays.delta_e_grad(ref.numpy(), test.numpy())[0]
+        self.assertAlmostEqual(nqm.torch.Loss()(ref, test, rays).item(), delta_e, places=9)
+        curve = nqm._abi.lib.nqm_curve_default()
+        jod = nqm._abi.lib.nqm_curve_jod(nqm._abi.ctypes.byref(curve), delta_e)
+        self.assertAlmostEqual(nqm.torch.Loss("jod")(ref, test, rays).item(), 10 - jod, places=9)
+
+    def test_functions(self):
+        """Each call has other directions; those of a seed are the same; dtype is that of the network, or as asked for."""
+        seen = []
+
+        def grey(wi, wo):
+            seen.append(wi)
+            return torch.full(wi.shape, .2, dtype=wi.dtype)
+
+        loss = nqm.torch.Loss(n=512)
+        values = [loss(nqm.BRDF.open("sgd:nickel"), grey).item() for _ in range(2)]
+        self.assertNotEqual(values[0], values[1])
+        loss.seed = 1
+        self.assertEqual(loss(nqm.BRDF.open("sgd:nickel"), grey).item(), values[0])
+        self.assertEqual(seen[0].dtype, torch.float64)
+        nqm.torch.Loss(n=512, dtype=torch.float32)(grey, grey)
+        self.assertEqual(seen[-1].dtype, torch.float32)
+        value = loss(nqm.BRDF.open("sgd:nickel"), self.network())
+        self.assertEqual(value.dtype, torch.float32)
+        value.backward()
+
+    def test_training_and_label(self):
+        ref, network = nqm.BRDF.open("ggx:kd=.3,.2,.1;ks=.1;alpha=.4;f0=.04"), self.network()
+        loss, optimiser = nqm.torch.Loss(n=1024), torch.optim.Adam(network.parameters(), .03)
+        for _ in range(150):
+            optimiser.zero_grad()
+            loss(ref, network).backward()
+            optimiser.step()
+
+        def test(wi, wo):
+            with torch.no_grad():
+                return network(torch.tensor(wi, dtype=torch.float32), torch.tensor(wo, dtype=torch.float32)).double().numpy()
+
+        label, score = nqm.label(ref, test, n_points=400), nqm.score(ref, test)
+        self.assertGreater(label.jod, 9)
+        self.assertLess(abs(label.jod - score.jod), .3)
+
+    def test_errors(self):
+        with self.assertRaisesRegex(ValueError, "function"):
+            nqm.torch.Loss()(torch.ones(500, 3), torch.ones(500, 3))
+        _, _, rays = nqm.torch.directions(512)
+        with self.assertRaisesRegex(ValueError, "shape"):
+            nqm.torch.Loss()(torch.ones(3, 3), torch.ones(3, 3), rays)
+        with self.assertRaisesRegex(ValueError, "no rays"):
+            nqm.torch.Loss(model="default")(torch.ones(500, 3), torch.ones(500, 3), rays)
 
 
 if __name__ == "__main__":

@@ -4,7 +4,9 @@
  */
 #include "base/names.h"
 #include "brdf/spec.h"
+#include "match/match.h"
 #include "nqm/tool.h"
+#include "render/render.h"
 
 #include <errno.h>
 #include <stdlib.h>
@@ -70,6 +72,19 @@ nqm_model *open_model(const char *name_or_path) {
         stop_unknown_model(name);
     must(is_built_in ? nqm_model_builtin(name, &model, &err) : nqm_model_load(name, &model, &err), &err);
     return model;
+}
+
+nqm_scene *open_judge(const char *loss, const char *transport) {
+    nqm_scene_options options = nqm_scene_options_default();
+    nqm_match_sum sum;
+    nqm_scene *scene = NULL;
+    nqm_error err = {0};
+    must(nqm_match_parse(loss, &sum, &err), &err);
+    options.n_points = 1024; /* and few directions: fits are judged on rays that are drawn */
+    options.n_lights = 16;
+    if (sum.is_auto && strcmp(transport, "transport") == 0 && nqm_tracer_available())
+        must(nqm_scene_create(&options, &scene, &err), &err);
+    return scene;
 }
 
 void refuse_model_name(const char *argument) {

@@ -104,6 +104,9 @@ int choose(const char *name, const char *const *words, const char *text);
 void *allocate(size_t n, size_t size);
 /** Open a built-in model by name, or a model file; NULL: "default". */
 nqm_model *open_model(const char *name_or_path);
+/** The scene that judges fits by the loss `loss` ("auto": the standard scenes of the model "transport"); NULL: none does. Free with
+ *  nqm_scene_free(). */
+nqm_scene *open_judge(const char *loss, const char *transport);
 /** Whether there is a built-in model of this name. */
 bool is_builtin(const char *name);
 nqm_brdf *open_brdf(const char *argument);

@@ -293,7 +293,7 @@ static void open_loss(const char *text, const char *transport, nqm_model *metric
     bool needs_transport = sum.is_auto;
     for (size_t i = 0; i < sum.n; ++i)
         needs_transport |= sum.terms[i].kind == NQM_MATCH_TRANSPORT;
-    *loss = (nqm_match_loss){text, metric, needs_transport ? open_model(transport) : NULL};
+    *loss = (nqm_match_loss){text, metric, needs_transport ? open_model(transport) : NULL, open_judge(text, transport)};
 }
 
 int cmd_fit(int argc, char **argv) {
@@ -311,7 +311,9 @@ int cmd_fit(int argc, char **argv) {
          0, 0},
         {"metric", 0, OPTION_TEXT, &metric, "MODEL", "the model of the loss nqm and of the printed JOD", 0, 0},
         {"transport", 0, OPTION_TEXT, &transport, "MODEL",
-         "the model of the loss transport and of the choice of auto (nqm transport make)", 0, 0},
+         "the model of the loss transport (nqm transport make); other than 'transport', it also makes the choice of "
+         "auto",
+         0, 0},
         {"output", 'o', OPTION_TEXT, &path, "FILE.safetensors|DIR/",
          "file of a network or table (DIR/MODEL.safetensors for several models)", 0, 0},
         {"bounds", 0, OPTION_TEXT, &bounds, "KEY=LOW:HIGH,...",
@@ -375,6 +377,7 @@ int cmd_fit(int argc, char **argv) {
                loss, metric_model);
     nqm_scorer_free(terms.scorer);
     nqm_model_free((nqm_model *)(uintptr_t)terms.loss.transport);
+    nqm_scene_free((nqm_scene *)(uintptr_t)terms.loss.scene);
     nqm_model_free(metric_model);
     nqm_brdf_free(ref);
     nqm_directions_free(directions);

@@ -282,12 +282,6 @@ static nqm_scorer *open_scorer(const nqm_model *model) {
     return scorer;
 }
 
-static void check_loss(const char *text) {
-    nqm_match_sum sum;
-    nqm_error err = {0};
-    must(nqm_match_parse(text, &sum, &err), &err);
-}
-
 int cmd_translate(int argc, char **argv) {
     translation t = {.fit = nqm_fit_options_default()};
     const char *to = NULL, *loss = "auto", *metric = "default", *transport = "transport", *page = NULL;
@@ -329,7 +323,7 @@ int cmd_translate(int argc, char **argv) {
     t.target = find_target(to);
     t.fit.progress = show_progress;
     t.fit.n_directions = samples;
-    check_loss(loss);
+    nqm_scene *judge = open_judge(loss, transport);
     for (int i = 0; i < n_arguments; ++i)
         add_argument(&t, argv[i]);
     if (page && t.n != 1)
@@ -340,7 +334,7 @@ int cmd_translate(int argc, char **argv) {
     output_file page_file = {0};
     if (page)
         open_output(page, &page_file);
-    t.loss = (nqm_match_loss){loss, metric_model, transport_model};
+    t.loss = (nqm_match_loss){loss, metric_model, transport_model, judge};
     t.scorer = open_scorer(metric_model);
     t.transport = open_scorer(transport_model);
     translate_all(&t, !json);
@@ -355,6 +349,7 @@ int cmd_translate(int argc, char **argv) {
     nqm_scorer_free(t.transport);
     nqm_model_free(metric_model);
     nqm_model_free(transport_model);
+    nqm_scene_free(judge);
     for (size_t i = 0; i < t.n; ++i)
         nqm_free(t.items[i].copy);
     free(t.items);

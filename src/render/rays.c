@@ -1,0 +1,154 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Random pictures of few points of a scene: points and light directions are new for every seed, while light, shape, BVH and
+ * exposure are those of the scene.
+ */
+#include "math/math.h"
+#include "render/view.h"
+
+#include <math.h>
+#include <string.h>
+
+enum { MIN_LIGHTS = 16, MAX_LIGHTS = 1 << 16 };
+
+/* A point of a draw; `scene` is one part, with the number of light directions and the seed of the draw. */
+typedef struct drawn {
+    const nqm_scene *scene;
+    size_t number; /* of the scene in its set */
+    size_t index;  /* of the point in the scene */
+    double turn[2];
+    nqm_incident incident;
+    bool failed; /* out of memory */
+} drawn;
+
+typedef struct drawing {
+    nqm_scene parts[NQM_STANDARD_SCENES]; /* borrow everything but the options */
+    size_t n_parts, n_points;             /* of each part */
+    drawn *points;                        /* (n_parts, n_points); owns the block of both arrays */
+    nqm_surface_point *sphere;            /* (n_parts, n_points) points of spheres */
+} drawing;
+
+static double random_unit(const nqm_scene *scene, size_t counter) {
+    return (double)(nqm_hash_u64(scene->options.seed, UINT64_MAX - counter) >> 11) * 0x1p-53;
+}
+
+/* Rotate about the normal. turn: sine and cosine. */
+static void rotate(const double *turn, const double *v, double *rotated) {
+    rotated[0] = turn[1] * v[0] - turn[0] * v[1];
+    rotated[1] = turn[0] * v[0] + turn[1] * v[1];
+    rotated[2] = v[2];
+}
+
+/* The point is in one of n_points strata of the scene's points, which neighbour each other in their order. Its frame gets a random
+ * azimuth: in the frames of the scene wo is in one plane, and a network that is not isotropic would learn only that plane. */
+static void draw_point(void *user, size_t i) {
+    const drawing *d = user;
+    const size_t k = i % d->n_points;
+    const nqm_scene *scene = &d->parts[i / d->n_points];
+    const double n_seen = (double)scene->seen.n,
+                 stratum = ((double)k + random_unit(scene, 2 * k)) / (double)d->n_points;
+    const double angle = 2 * NQM_PI * random_unit(scene, 2 * k + 1);
+    drawn *p = &d->points[i];
+    *p = (drawn){.scene = scene, .number = i / d->n_points, .turn = {sin(angle), cos(angle)}};
+    p->index = nqm_smaller((size_t)(stratum * n_seen), scene->seen.n - 1);
+    p->failed = !nqm_incident_make(scene, p->index, &p->incident, NULL);
+}
+
+/* Points of a sphere are new as well: the pattern of the scene with another rotation, since a selection of it would not be even. */
+static void spread(nqm_scene *part, size_t n, nqm_surface_point *point) {
+    part->options.n_points = n;
+    part->seen = (nqm_seen){.n = n, .point = point};
+    nqm_spread_sphere(&part->options, point);
+}
+
+static void append(const drawn *p, double weight, nqm_rays *rays) {
+    const nqm_scene *scene = p->scene;
+    const double point[3] = {weight, (double)p->number, scene->options.peak_cdm2};
+    nqm_surface_point made;
+    const double *wo = nqm_scene_point(scene, p->index, &made)->wo;
+    for (size_t j = 0; j < p->incident.n_rays; ++j, ++rays->n) {
+        double wi[3];
+        for (size_t k = 0; k < 3; ++k) {
+            wi[k] = (double)p->incident.ray[j].wi[k];
+            rays->weight[3 * rays->n + k] = (double)p->incident.ray[j].weight[k] * scene->exposure;
+        }
+        nqm_normalize3(wi);
+        rotate(p->turn, wi, rays->wi + 3 * rays->n);
+        rotate(p->turn, wo, rays->wo + 3 * rays->n);
+        rays->point[rays->n] = rays->n_points;
+    }
+    memcpy(rays->points + 3 * rays->n_points++, point, sizeof point);
+}
+
+static double weight_of(const drawn *p) {
+    return p->scene->seen.weight ? p->scene->seen.weight[p->index] : 1;
+}
+
+/* Draw all points and append them. false: out of memory. */
+static bool draw(drawing *d, nqm_rays *rays) {
+    const size_t n = d->n_parts * d->n_points;
+    bool failed = false;
+    nqm_parallel_for(n, draw_point, d);
+    for (size_t i = 0; i < n; ++i)
+        failed |= d->points[i].failed;
+    for (size_t first = 0; first < n && !failed; first += d->n_points) {
+        double sum = 0;
+        for (size_t k = 0; k < d->n_points; ++k)
+            sum += weight_of(&d->points[first + k]);
+        for (size_t k = 0; k < d->n_points; ++k)
+            append(&d->points[first + k], weight_of(&d->points[first + k]) / sum, rays);
+    }
+    for (size_t i = 0; i < n; ++i)
+        nqm_free(d->points[i].incident.ray);
+    return !failed;
+}
+
+/* Points of each scene for n rays of the whole set. The noise of a point makes Delta-E larger, which more directions per point
+ * reduce; fewer points make it vary more between draws. Both errors vanish with growing n. */
+static size_t n_points_of(const nqm_scene *scene, size_t n) {
+    const size_t n_parts = scene->n_parts ? scene->n_parts : 1;
+    const double n_lights = fmax(0.5 * sqrt((double)n), MIN_LIGHTS);
+    size_t n_points = (size_t)((double)(n / n_parts) / n_lights);
+    for (size_t p = 0; p < n_parts; ++p)
+        n_points = nqm_smaller(n_points, (scene->n_parts ? scene->parts[p] : scene)->seen.n);
+    return n_points ? n_points : 1;
+}
+
+nqm_status nqm_rays_draw(const nqm_scene *scene, size_t n, uint64_t seed, nqm_rays *rays_ret, nqm_error *err) {
+    drawing d = {.n_parts = scene->n_parts ? scene->n_parts : 1, .n_points = n_points_of(scene, n)};
+    const size_t n_points = d.n_parts * d.n_points, n_lights = n / n_points;
+    nqm_rays rays = {.n = 0};
+    *rays_ret = rays;
+    if (n_lights < MIN_LIGHTS || n_lights > MAX_LIGHTS)
+        return nqm_fail(err, NQM_ERR_ARG, -1, "rays: %zu; this scene needs %zu to %zu", n, d.n_parts * MIN_LIGHTS,
+                        n_points * MAX_LIGHTS);
+    nqm_status status =
+        nqm_alloc_arrays(NQM_ARRAYS({&rays.wi, n, 3 * sizeof(double)}, {&rays.wo, n, 3 * sizeof(double)},
+                                    {&rays.weight, n, 3 * sizeof(double)}, {&rays.point, n, sizeof *rays.point},
+                                    {&rays.points, n_points, 3 * sizeof(double)}),
+                         err);
+    if (status == NQM_OK)
+        status = nqm_alloc_arrays(
+            NQM_ARRAYS({&d.points, n_points, sizeof *d.points}, {&d.sphere, n_points, sizeof *d.sphere}), err);
+    for (size_t p = 0; p < d.n_parts && status == NQM_OK; ++p) {
+        d.parts[p] = scene->n_parts ? *scene->parts[p] : *scene;
+        d.parts[p].options.n_lights = n_lights;
+        d.parts[p].options.interreflection = 0;
+        d.parts[p].options.seed = nqm_hash_u64(seed, p);
+        if (!d.parts[p].shape.tracer)
+            spread(&d.parts[p], d.n_points, d.sphere + p * d.n_points);
+    }
+    if (status == NQM_OK && !draw(&d, &rays))
+        status = nqm_fail_nomem(err, n * sizeof(nqm_ray));
+    nqm_free(d.points);
+    if (status == NQM_OK)
+        *rays_ret = rays;
+    else
+        nqm_rays_clear(&rays);
+    return status;
+}
+
+void nqm_rays_clear(nqm_rays *rays) {
+    nqm_free(rays->wi);
+    *rays = (nqm_rays){.n = 0};
+}
