@@ -172,11 +172,11 @@ static char *test_name(const job *j, const nqm_corpus_test *test) {
 
 /* Apply the test's perturbations to its base, which is borrowed. */
 static nqm_status perturb(const nqm_corpus_test *test, nqm_brdf *base, nqm_brdf **brdf_ret, nqm_error *err) {
-    nqm_brdf *brdf;
+    nqm_brdf *brdf = base;
+    nqm_status status = NQM_OK;
     *brdf_ret = NULL;
-    nqm_status status = nqm_brdf_fold(base, false, &brdf, err);
     for (int k = 0; status == NQM_OK && k < 2 && *test->perturbation[k]; ++k)
-        status = nqm_perturb_wrap(test->perturbation[k], brdf, &brdf, err);
+        status = nqm_perturb_wrap(test->perturbation[k], brdf, k > 0, &brdf, err);
     if (status == NQM_OK)
         *brdf_ret = brdf;
     return status;
@@ -185,18 +185,10 @@ static nqm_status perturb(const nqm_corpus_test *test, nqm_brdf *base, nqm_brdf 
 /* A BRDF between the reference and another material. */
 static nqm_status between(const job *j, const nqm_corpus_test *test, nqm_brdf **brdf_ret, nqm_error *err) {
     const view *other;
-    nqm_brdf *of, *with;
     *brdf_ret = NULL;
     nqm_status status = nqm_corpus_cached(j->context, test->which, &other, err);
-    if (status == NQM_OK)
-        status = nqm_brdf_fold(j->forms[test->ref]->brdf, false, &of, err);
-    if (status != NQM_OK)
-        return status;
-    status = nqm_brdf_fold(other->brdf, false, &with, err);
-    if (status == NQM_OK)
-        return nqm_between_wrap(test->between, of, with, brdf_ret, err);
-    nqm_brdf_free(of);
-    return status;
+    return status == NQM_OK ? nqm_between_wrap(test->between, j->forms[test->ref]->brdf, other->brdf, brdf_ret, err)
+                            : status;
 }
 
 /* Directions of the fits whose paths are followed: the loss need not be exact, and every step evaluates them ten times. */
