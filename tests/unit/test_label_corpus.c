@@ -114,7 +114,7 @@ static void write_by_hand(unsigned failed, const char *path) {
     static char *names[N_HAND], *failures[N_HAND];
     nqm_corpus_options options = small_corpus(NQM_CORPUS_TRAINING);
     options.n_perturbations = 5;
-    options.n_far = options.n_roundings = 0;
+    options.n_far = options.n_roundings = options.n_variants = 0;
     nqm_directions *d = directions();
     nqm_corpus c = {.n_items = 1, .n_refs = 1, .n_tests = N_HAND, .n_directions = 50, .items = &item};
     c.context.options = &options;

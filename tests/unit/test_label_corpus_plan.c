@@ -111,7 +111,7 @@ static void plan_of(nqm_corpus_part part, uint64_t seed, size_t group, nqm_corpu
     nqm_corpus_options options = nqm_corpus_options_default();
     options.part = part;
     options.seed = seed;
-    options.n_far = options.n_roundings = 0;
+    options.n_far = options.n_roundings = options.n_variants = 0;
     assert_int_equal(nqm_corpus_list_load(write_text("list.csv", corpus_materials), NULL, &list, NULL), NQM_OK);
     nqm_corpus_models models;
     assert_int_equal(nqm_corpus_models_parse(NULL, &models, NULL), NQM_OK);
