@@ -30,6 +30,7 @@ static nqm_corpus_options small_corpus(nqm_corpus_part part) {
     options.n_perturbations = 3;
     options.n_far = 2;
     options.n_roundings = 1;
+    options.n_variants = 0;
     options.models = "ward,ggx";
     options.scene.n_points = 256;
     return options;
