@@ -23,7 +23,7 @@ nqm=$(realpath "${NQM_TOOL:-$here/../build/nqm}")
 # Model `default` predicts the standard set of scenes (doc/labels.md) for any two BRDFs. A third of the points of `nqm label`
 # is enough: Delta-E differs by 2 % at most.
 any_pair="--points 1024 --roundings 3 --every $every"
-train_pairs="$any_pair --perturbations 48 --far 20 --variants 10"
+train_pairs="$any_pair --perturbations 52 --far 20 --variants 10"
 test_pairs="$any_pair --perturbations 22 --far 14 --variants 10"
 # Model `paper` predicts the paper's scene, a rotating bunny under the Pixar Campus light, for encodings and perturbations.
 paper_scene="--scene paper --light $data/scene/pixar_campus_rgbe.png --shape $data/scene/bunny.ply --points 1536"
