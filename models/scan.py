@@ -148,8 +148,9 @@ def mirror(i, draw):
 
 def layered(i, draw):
     """A coat of roughness up to 0.3, or sheen, or a metal with an edge tint."""
-    base, rough, coat = draw.colour("base", 0.02, 0.9), draw.between("roughness", 0.1, 0.9), draw.between("coat", 0, 0.3)
-    metal, sheen, tint = i // 6 % 2, draw.between("sheen", 0.2, 1), draw.colour("tint", 0.2, 1)
+    base, rough = draw.colour("base", 0.02, 0.9), draw.between("roughness", 0.1, 0.9)
+    coat = draw.between("coat", 0, 0.3)
+    metal, sheen, tint = i // 7 % 2, draw.between("sheen", 0.2, 1), draw.colour("tint", 0.2, 1)
     return (
         spec("gltf", base_color=base, metallic=metal, roughness=rough, clearcoat=1, clearcoat_roughness=coat),
         spec("open-pbr", base_color=base, base_metalness=metal, specular_roughness=rough, coat_weight=1,
@@ -158,7 +159,8 @@ def layered(i, draw):
         spec("gltf", base_color=base, metallic=0, roughness=rough, sheen_color=tint, sheen_roughness=sheen),
         spec("open-pbr", base_color=base, specular_weight=0, fuzz_weight=sheen, fuzz_color=tint, fuzz_roughness=rough),
         spec("open-pbr", base_color=base, base_metalness=1, specular_color=tint, specular_roughness=rough),
-    )[i % 6]
+        spec("disney", baseColor=base, metallic=metal, roughness=rough, clearcoat=1, clearcoatGloss=1 - coat),
+    )[i % 7]
 
 
 def analytic(i, draw):
@@ -179,7 +181,7 @@ def analytic(i, draw):
 
 
 # source, function, number
-GENERATED = (("renderer", "layered", layered, 12), ("mirror", "mirror", mirror, 15), ("mirror", "coat", smooth_coat, 10),
+GENERATED = (("renderer", "layered", layered, 14), ("mirror", "mirror", mirror, 15), ("mirror", "coat", smooth_coat, 10),
              ("analytic", "model", analytic, 20))
 
 

@@ -61,10 +61,8 @@ typedef enum nqm_corpus_family {
     NQM_FAMILY_FORM,         /* another form of the same material: "form-rgl", "form-nbrdf" */
     NQM_FAMILY_PERTURBATION, /* one perturbation of the reference: "gloss" */
     NQM_FAMILY_COMPOSED,     /* two perturbations of the reference ("composed") or one of an encoding ("refit") */
-    NQM_FAMILY_VARIANT, /* the same spec with another width ("roughness") or another value ("key"), the material in another
-                                shading model ("translated"), its reciprocal table ("folded"), a network that was fitted to few
-                                directions ("overfit") */
-    NQM_FAMILY_FAR,     /* a BRDF that really differs: "other-same", "random-ggx", "path-ward", "white" */
+    NQM_FAMILY_VARIANT,  /* a changed spec ("roughness", "key"), "translated", "folded", "overfit": corpus_variants.c */
+    NQM_FAMILY_FAR,      /* a BRDF that really differs: "other-same", "random-ggx", "path-ward", "white" */
     NQM_FAMILY_ROUNDING, /* the reference with rounded values: "float16" */
     NQM_FAMILY_COUNT
 } nqm_corpus_family;
@@ -97,13 +95,13 @@ typedef struct nqm_corpus_form {
 
 /** The BRDF that a test is, or is derived from. */
 typedef enum nqm_corpus_base {
-    NQM_BASE_REF,        /* the reference */
-    NQM_BASE_FIT,        /* one of its fits */
-    NQM_BASE_FORM,       /* another form of its material */
-    NQM_BASE_OTHER,      /* another material */
-    NQM_BASE_BETWEEN,    /* between the reference and another material */
-    NQM_BASE_SPEC,       /* a BRDF that does not depend on the reference */
-    NQM_BASE_PATH,       /* a point on the path of an optimiser that fits an analytic model to the reference */
+    NQM_BASE_REF,     /* the reference */
+    NQM_BASE_FIT,     /* one of its fits */
+    NQM_BASE_FORM,    /* another form of its material */
+    NQM_BASE_OTHER,   /* another material */
+    NQM_BASE_BETWEEN, /* between the reference and another material; this and the following are made for their test */
+    NQM_BASE_SPEC,    /* a BRDF that does not depend on the reference */
+    NQM_BASE_PATH,    /* a point on the path of an optimiser that fits an analytic model to the reference */
     NQM_BASE_TRANSLATED, /* a fit of a shading model to the reference */
     NQM_BASE_TABLE,      /* the reference as a reciprocal table, as `nqm convert` makes it */
     NQM_BASE_OVERFIT     /* a network that was fitted to few directions of the reference */
@@ -123,9 +121,9 @@ typedef struct nqm_corpus_test {
     size_t ref; /* within the group */
     nqm_corpus_kind kind;
     nqm_corpus_base base;
-    size_t
-        which; /* index of the model of the corpus, of the plan's form, or of a reference of the list; OVERFIT: 1: the
-                                 directions are among those of the corpus */
+    /* Index of the model of the corpus, of the plan's form, or of a reference of the list; of OVERFIT 1: the directions are among
+     * those of the corpus. */
+    size_t which;
     char perturbation[2][80]; /* "gloss=0.8"; the first is applied first; "": none */
     char between[80];         /* BETWEEN: the settings of the spec, "t=0.3" */
     char *spec;               /* SPEC: the argument of nqm_brdf_open(), owned by the plan; otherwise NULL */

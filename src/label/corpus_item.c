@@ -86,7 +86,7 @@ static nqm_status make_fit(const job *j, size_t ref, size_t k) {
     fit->view.brdf = NULL;
     fit->fault = (nqm_error){0};
     fit->is_viewed = false;
-    if (!is_needed(j, ref, k)) {
+    if (!is_needed(j, ref, k)) { /* nqm_corpus_options.every has left out its tests */
         fit->fault.status = NQM_ERR_INCOMPATIBLE;
         return NQM_OK;
     }
@@ -135,6 +135,11 @@ static const view *base_view(const job *j, const nqm_corpus_test *test) {
     }
 }
 
+/* Directions of an overfitted network: those of the corpus may be fewer than planned. */
+static size_t overfitted_directions(const job *j, const nqm_corpus_test *test) {
+    return test->which ? nqm_smaller(test->path.n_steps, j->n) : test->path.n_steps;
+}
+
 /* The name of the BRDF that a test is derived from. `before` receives "nbrdf of " when that is an encoding without a spec,
  * and so on; it is then the name of the reference. */
 static const char *base_name(const job *j, const nqm_corpus_test *test, char before[64]) {
@@ -162,7 +167,7 @@ static const char *base_name(const job *j, const nqm_corpus_test *test, char bef
         snprintf(before, 64, "table of ");
         break;
     case NQM_BASE_OVERFIT:
-        snprintf(before, 64, "nbrdf at %zu directions of ", test->path.n_steps);
+        snprintf(before, 64, "nbrdf at %zu directions of ", overfitted_directions(j, test));
         break;
     case NQM_BASE_BETWEEN:
     case NQM_BASE_REF:
@@ -240,8 +245,7 @@ static nqm_status translate(job *j, const nqm_corpus_test *test, nqm_brdf **brdf
 /* A network that is fitted to few directions, random ones or some of the corpus's own. */
 static nqm_status overfit(const job *j, const nqm_corpus_test *test, nqm_brdf **brdf_ret, nqm_error *err) {
     const double *degrees = nqm_directions_degrees(j->context->directions), degree = NQM_PI / 180;
-    const size_t n_own = test->which ? j->n : 0,
-                 n = n_own ? nqm_smaller(test->path.n_steps, n_own) : test->path.n_steps;
+    const size_t n_own = test->which ? j->n : 0, n = overfitted_directions(j, test);
     nqm_rng rng = nqm_rng_make(test->path.seed, 0);
     double *hd;
     size_t *own;
@@ -274,7 +278,7 @@ static nqm_status make_brdf(job *j, const nqm_corpus_test *test, nqm_brdf **brdf
     case NQM_BASE_TRANSLATED:
         return translate(j, test, brdf_ret, err);
     case NQM_BASE_TABLE:
-        return nqm_brdf_tabulate(j->forms[test->ref]->brdf, nqm_table_general, &(nqm_ticker){0}, brdf_ret, err);
+        return nqm_brdf_tabulate(j->forms[test->ref]->brdf, nqm_table_general, NULL, brdf_ret, err);
     case NQM_BASE_OVERFIT:
         return overfit(j, test, brdf_ret, err);
     default:

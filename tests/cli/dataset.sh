@@ -111,7 +111,7 @@ grep -q '^"nps-felt, red","felt, red","nps/nps_decoder_f32le.bin:felt, red",nps,
 grep -q '^"nps-so ""called""","so ""called""",' "$dir/quoted.csv" || fail "quotes: $(grep nps "$dir/quoted.csv")"
 grep -qx 'sgd-brass,brass,sgd:brass,sgd,test' "$dir/list.csv" || fail "brass"
 [ "$(grep -c '^sgd-' "$dir/list.csv")" = 100 ] || fail "100 presets"
-[ "$(grep -Ec '^(renderer|mirror|analytic)-.*,(train|validation|test)$' "$dir/list.csv")" = 57 ] || fail "57 generated specs"
+[ "$(grep -Ec '^(renderer|mirror|analytic)-.*,(train|validation|test)$' "$dir/list.csv")" = 59 ] || fail "59 generated specs"
 # Specs of the list open, and a material file is listed once for each material, a refused one not at all.
 python3 -c 'import csv, sys
 for row in csv.DictReader(open(sys.argv[1])):
