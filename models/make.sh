@@ -1,30 +1,57 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
 # Makes the built-in models: material list, directions, corpora, training, evaluation, and the results appended to each
-# model card. Resumable: existing files in WORK are kept. Takes about two hours on two cores.
-# usage: models/make.sh DATA WORK   (DATA: folders rgl, nbrdf, nps, labels, scene; doc/corpus.md lists their sources)
+# model card. Resumable: existing files in WORK are kept. The corpus of the model `default` takes about two and a half hours
+# on two cores; with "quick", which makes only this model and keeps a quarter of its pairs, less than one.
+# usage: models/make.sh DATA WORK [quick]   (DATA: folders rgl, nbrdf, nps, materials, labels, scene; doc/corpus.md lists
+# their sources)
 set -eu
-data=${1:?usage: models/make.sh DATA WORK}
-mkdir -p "${2:?usage: models/make.sh DATA WORK}"
+usage='usage: models/make.sh DATA WORK [quick]'
+data=${1:?$usage}
+mkdir -p "${2:?$usage}"
+case ${3-} in
+'') every=1 ;;
+quick) every=4 ;;
+*)
+    echo "models/make.sh: '$3' is not 'quick'; $usage" >&2
+    exit 2
+    ;;
+esac
 work=$(cd "$2" && pwd)
 here=$(cd "$(dirname "$0")" && pwd)
 nqm=$(realpath "${NQM_TOOL:-$here/../build/nqm}")
 # Model `default` predicts the standard set of scenes (doc/labels.md) for any two BRDFs. A third of the points of `nqm label`
 # is enough: Delta-E differs by 2 % at most.
-any_pair="--points 1024 --perturbations 62 --far 46 --roundings 4"
+any_pair="--points 1024 --roundings 3 --every $every"
+train_pairs="$any_pair --perturbations 52 --far 20 --variants 10"
+test_pairs="$any_pair --perturbations 22 --far 14 --variants 10"
 # Model `paper` predicts the paper's scene, a rotating bunny under the Pixar Campus light, for encodings and perturbations.
 paper_scene="--scene paper --light $data/scene/pixar_campus_rgbe.png --shape $data/scene/bunny.ply --points 1536"
-paper_pairs="--models ward,ggx,nbrdf,sparse-0,sparse-1,sparse-2,hyper-0,hyper-1,hyper-2 --perturbations 30 --far 0 --roundings 0"
+paper_pairs="--models ward,ggx,nbrdf,sparse-0,sparse-1,sparse-2,hyper-0,hyper-1,hyper-2 --perturbations 30 --far 0 --roundings 0 --variants 0"
 
 NQM_TOOL=$nqm python3 "$here/scan.py" "$data" >"$work/materials.csv"
+
+# training FOLDER SOURCES: the training references of these sources ("": all) as arguments; files below FOLDER. No name or folder
+# of the data has blanks.
+training() {
+    python3 - "$work/materials.csv" "$1" "$2" <<'END'
+import csv, sys
+
+path, folder, sources = sys.argv[1:]
+with open(path, newline="", encoding="utf-8") as file:
+    for row in csv.DictReader(file):
+        if row["split"] == "train" and (not sources or row["source"] in sources.split()):
+            is_spec = row["source"] == "sgd" or "=" in row["brdf"]
+            print(row["brdf"] if is_spec else folder + row["brdf"])
+END
+}
 
 # learn KIND: make the dictionary or hypernetwork of the encodings KIND-* from training materials only; the file names
 # them relative to DATA.
 learn() {
     [ ! -f "$here/encoders/$1.safetensors" ] || return 0
-    training=$(awk -F, 'NR > 1 && $5 == "train" { print $3 }' "$work/materials.csv")
-    # shellcheck disable=SC2086 # neither materials nor folders of the data have blanks in their names
-    (cd "$data" && "$nqm" learn "$1" $training -o "$here/encoders/$1.safetensors")
+    # shellcheck disable=SC2046 # arguments without blanks
+    (cd "$data" && "$nqm" learn "$1" $(training "" "rgl nbrdf nps sgd") -o "$here/encoders/$1.safetensors")
     new_encoders=yes
 }
 new_encoders=
@@ -37,28 +64,31 @@ fi
 
 if [ ! -f "$work/directions.csv" ]; then
     # The directions are drawn by the energy of the training references only.
-    references=$(awk -F, -v data="$data" 'NR > 1 && $5 == "train" { print ($4 == "sgd" ? $3 : data "/" $3) }' "$work/materials.csv")
-    # shellcheck disable=SC2086 # neither materials nor folders of the data have blanks in their names
-    "$nqm" directions $references -o "$work/directions.csv"
+    # shellcheck disable=SC2046 # arguments without blanks
+    "$nqm" directions $(training "$data/" "") -o "$work/directions.csv"
 fi
-# corpus NAME SPLITS OPTIONS: make the dataset WORK/NAME.safetensors.
+# corpus NAME LIST SPLITS OPTIONS: make the dataset WORK/NAME.safetensors from WORK/LIST.csv.
 corpus() {
     [ ! -f "$work/$1.safetensors" ] || return 0
     # shellcheck disable=SC2086 # a list of options
-    "$nqm" dataset "$work/materials.csv" --root "$data" --directions "$work/directions.csv" --work "$work/groups" \
-        --only "$2" $3 -o "$work/$1.safetensors" --log
+    "$nqm" dataset "$work/$2.csv" --root "$data" --directions "$work/directions.csv" --work "$work/groups" \
+        --only "$3" $4 -o "$work/$1.safetensors" --log
     cp "$work/$1.safetensors.json" "$here/corpus-$1.json"
 }
-corpus train train,validation "$any_pair"
-corpus test test "$any_pair"
-corpus paper-train train,validation "$paper_scene $paper_pairs"
-corpus paper-test test "$paper_scene $paper_pairs"
+corpus train materials train,validation "$train_pairs"
+corpus test materials test "$test_pairs"
+if [ "$every" = 1 ]; then
+    grep -Ev ',(renderer|mirror|analytic),[a-z]+$' "$work/materials.csv" >"$work/paper-materials.csv"
+    corpus paper-train paper-materials train,validation "$paper_scene $paper_pairs"
+    corpus paper-test paper-materials test "$paper_scene $paper_pairs"
+fi
 
-# judged NAME PREFIX: the results of nqm eval as Markdown, for the model card. PREFIX: of the datasets' names.
+# judged NAME PREFIX SCENE MORE: the results of nqm eval as Markdown, for the model card. PREFIX: of the datasets' names. MORE: what
+# else the test split contains.
 judged() {
     echo "## Judged on"
     echo
-    echo "The 20 materials of the authors' study with people, in every form: no model, whitening, direction or threshold has"
+    echo "The 20 materials of the authors' study with people, in every form$4: no model, whitening, direction or threshold has"
     echo "seen them. Labels are those of \`nqm label\`$3, not of people. Manifest: corpus-$2test.json. \`clamp\`, \`ripple\`,"
     echo "\`hue\`, \`between-log\`, \`white\`, \`random-lafortune\` and \`random-smooth\` are kinds of difference that do not occur in training."
     echo
@@ -78,7 +108,7 @@ judged() {
     cat "$here/notes.md"
 }
 
-# train NAME RECIPE PREFIX SCENE FILE [--half]: train with a checkpoint, evaluate, append the results to the model card.
+# train NAME RECIPE PREFIX SCENE FILE MORE [--half]: train with a checkpoint, evaluate, append the results to the model card.
 train() {
     if [ ! -f "$work/$1.safetensors" ]; then
         resume=
@@ -86,12 +116,14 @@ train() {
         "$nqm" train "$work/$3train.safetensors" --recipe "$2" --id "$1" --licence MIT -o "$work/$1.safetensors" \
             --checkpoint "$work/$1.checkpoint" $resume --log "$work/$1.csv"
     fi
-    judged "$1" "$3" "$4" >"$work/$1.md"
+    judged "$1" "$3" "$4" "$6" >"$work/$1.md"
     # shellcheck disable=SC2086 # no word or one
-    "$nqm" models annotate "$work/$1.safetensors" "$work/$1.md" ${6-} -o "$here/$5"
+    "$nqm" models annotate "$work/$1.safetensors" "$work/$1.md" ${7-} -o "$here/$5"
 }
-train default nqm "" " without options (four built-in scenes)" default.safetensors --half
-train paper paper paper- " --scene paper (a rotating bunny under the Pixar Campus light)" full/paper.safetensors
+train default nqm "" " without options (four built-in scenes)" default.safetensors \
+    ", and 15 % of the renderer materials, mirrors and analytic models" --half
+[ "$every" = 1 ] || exit 0
+train paper paper paper- " --scene paper (a rotating bunny under the Pixar Campus light)" full/paper.safetensors ""
 # The scenes of both corpora as metrics without a network: more directions, and larger angles.
 "$nqm" directions -n 1000 --max-polar 85 -o "$work/transport-directions.csv"
 "$nqm" transport make --directions "$work/transport-directions.csv" --id transport -o "$here/transport.safetensors"

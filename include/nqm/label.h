@@ -75,11 +75,15 @@ typedef struct nqm_corpus_options {
     const char
         *models; /**< models of nqm_fit() that encode each reference, separated by commas; "": none; default NULL:
                                   all */
-    size_t n_perturbations;   /**< perturbed copies per reference, 0 to 1000; default 26 */
-    size_t n_far;             /**< tests per reference that really differ from it: other materials, random parameters,
+    size_t n_perturbations; /**< perturbed copies per reference, 0 to 1000; default 26 */
+    size_t n_far;           /**< tests per reference that really differ from it: other materials, random parameters,
                                    mixtures, extremes; 0 to 1000; default 26 */
-    size_t n_roundings;       /**< copies per reference with rounded values, 0 to 1000; default 3 */
-    uint64_t seed;            /**< of perturbations and fits; default 1 */
+    size_t n_roundings;     /**< copies per reference with rounded values, 0 to 1000; default 3 */
+    size_t n_variants; /**< at most this many variants per reference: changed specs, translations, tables, overfitted
+                                   networks; 0 to 1000; default 8 */
+    size_t every;      /**< keep one test in this many, for a small corpus of the same composition; 1 to 1000;
+                                   default 1 */
+    uint64_t seed;     /**< of perturbations and fits; default 1 */
     nqm_progress_fn progress; /**< called from the calling thread; NULL: silent */
     void *progress_user;
 } nqm_corpus_options;

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * A BRDF between two others: the arithmetic or the geometric mean of their values, with the weight t of the second. Both are
- * evaluated in half-vector coordinates with phi_d in [0, pi), so that the result is reciprocal for any two BRDFs.
+ * A BRDF between two others: the arithmetic or the geometric mean of their values, with the weight t of the second. It is
+ * reciprocal if both are.
  */
 #include "brdf/spec.h"
 
@@ -17,7 +17,8 @@ static const nqm_spec_schema schema = {
      [LOG] = {.name = "log", .n = 1, .low = 0, .high = 1, .whole = true, .fallback = 0}}};
 
 typedef struct between {
-    nqm_brdf *of, *with; /* owned */
+    nqm_brdf *of, *with;
+    bool owned; /* both */
     double t;
     bool is_geometric;
 } between;
@@ -45,13 +46,17 @@ static void between_eval_half_diff(const void *state, size_t n, const double *hd
 
 static void between_free(void *state) {
     between *self = state;
-    nqm_brdf_free(self->of);
-    nqm_brdf_free(self->with);
+    if (self->owned) {
+        nqm_brdf_free(self->of);
+        nqm_brdf_free(self->with);
+    }
     nqm_free(self);
 }
 
-static const nqm_brdf_class between_class = {
-    .format = "between", .reciprocal = 1, .eval_half_diff = between_eval_half_diff, .free = between_free};
+/* By reciprocity. */
+static const nqm_brdf_class between_classes[2] = {
+    {.format = "between", .reciprocal = 0, .eval_half_diff = between_eval_half_diff, .free = between_free},
+    {.format = "between", .reciprocal = 1, .eval_half_diff = between_eval_half_diff, .free = between_free}};
 
 /* ---- opening ----------------------------------------------------------------------------------------------------- */
 
@@ -70,35 +75,38 @@ static char *canonical_spec(const nqm_spec_values *values, const nqm_brdf *of, c
     return spec;
 }
 
-static nqm_status wrap(const nqm_spec_values *values, nqm_brdf *of, nqm_brdf *with, const char *name,
-                       nqm_brdf **brdf_ret, nqm_error *err) {
+/* `both`: of, with, owned. Owned BRDFs are freed also on failure. */
+static nqm_status wrap(const nqm_spec_values *values, const between *both, const char *name, nqm_brdf **brdf_ret,
+                       nqm_error *err) {
     char layout[160];
+    const nqm_brdf *of = both->of, *with = both->with;
     between *self = nqm_alloc(1, sizeof *self);
     char *spec = canonical_spec(values, of, with);
     if (!self || !spec) {
         nqm_free(self);
         nqm_free(spec);
-        nqm_brdf_free(of);
-        nqm_brdf_free(with);
+        if (both->owned) {
+            nqm_brdf_free(both->of);
+            nqm_brdf_free(both->with);
+        }
         return nqm_fail_nomem(err, sizeof *self);
     }
-    *self = (between){of, with, values->v[T][0], values->v[LOG][0] != 0};
+    *self = *both;
+    self->t = values->v[T][0];
+    self->is_geometric = values->v[LOG][0] != 0;
     const nqm_brdf_info info = {.name = name ? name : spec, .spec = spec, .layout = layout};
     snprintf(layout, sizeof layout, "of %s with %s", of->info.format, with->info.format);
-    nqm_status status = nqm_brdf_wrap(&between_class, self, &info, brdf_ret, err);
+    const bool reciprocal = of->class_->reciprocal && with->class_->reciprocal;
+    nqm_status status = nqm_brdf_wrap(&between_classes[reciprocal], self, &info, brdf_ret, err);
     nqm_free(spec);
     return status;
 }
 
 nqm_status nqm_between_wrap(const char *settings, nqm_brdf *of, nqm_brdf *with, nqm_brdf **brdf_ret, nqm_error *err) {
-    *brdf_ret = NULL;
     nqm_spec_values values;
+    *brdf_ret = NULL;
     nqm_status status = nqm_spec_parse(&schema, settings, &values, err);
-    if (status == NQM_OK)
-        return wrap(&values, of, with, NULL, brdf_ret, err);
-    nqm_brdf_free(of);
-    nqm_brdf_free(with);
-    return status;
+    return status == NQM_OK ? wrap(&values, &(between){.of = of, .with = with}, NULL, brdf_ret, err) : status;
 }
 
 /* The parenthesis that closes the one before `text`; NULL: there is none. */
@@ -140,7 +148,7 @@ static nqm_status open_both(char *text, const char *name, nqm_brdf **brdf_ret, n
         return status;
     status = nqm_brdf_open(with_text, &with, err);
     if (status == NQM_OK)
-        return wrap(&values, of, with, name, brdf_ret, err);
+        return wrap(&values, &(between){.of = of, .with = with, .owned = true}, name, brdf_ret, err);
     nqm_brdf_free(of);
     return status;
 }

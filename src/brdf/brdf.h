@@ -127,12 +127,12 @@ bool nqm_spec_probe(const char *text);
 /** An analytic model, preset, perturbation or BRDF between two others from its spec. `name` is that of its information. */
 nqm_status nqm_spec_open(const char *spec, const char *name, nqm_brdf **brdf_ret, nqm_error *err);
 
-/** A perturbation of an opened BRDF: `settings` as in a `perturb:` spec, without `of`. The result owns `base`, which is
- *  freed on failure too. */
-nqm_status nqm_perturb_wrap(const char *settings, nqm_brdf *base, nqm_brdf **brdf_ret, nqm_error *err);
+/** A perturbation of an opened BRDF: `settings` as in a `perturb:` spec, without `of`. The result owns `base` if `owned` (it
+ *  is freed also on failure), otherwise it borrows it. */
+nqm_status nqm_perturb_wrap(const char *settings, nqm_brdf *base, bool owned, nqm_brdf **brdf_ret, nqm_error *err);
 
-/** A BRDF between two opened ones: `settings` as in a `between:` spec, without `with` and `of`. The result owns both BRDFs,
- *  which are freed on failure too. */
+/** A BRDF between two opened ones: `settings` as in a `between:` spec, without `with` and `of`. The result borrows
+ *  both. */
 nqm_status nqm_between_wrap(const char *settings, nqm_brdf *of, nqm_brdf *with, nqm_brdf **brdf_ret, nqm_error *err);
 
 /** Nodes of a table (nqm_table_create()). */
@@ -149,8 +149,5 @@ static const nqm_table_size nqm_table_picture = {180, 32, 12};
 /** Sample `brdf` into a table, on all threads. ticker: stage "table"; NULL: silent. NQM_ERR_CANCELLED, NQM_ERR_NOMEM. */
 NQM_MUST_CHECK nqm_status nqm_brdf_tabulate(const nqm_brdf *brdf, nqm_table_size size, nqm_ticker *ticker,
                                             nqm_brdf **table_ret, nqm_error *err);
-/** `brdf` evaluated in half-vector coordinates at phi_d in [0, pi) only, which makes it reciprocal. The result owns
- *  `brdf` if `owned` (it is freed also on failure), otherwise it borrows it. */
-NQM_MUST_CHECK nqm_status nqm_brdf_fold(nqm_brdf *brdf, bool owned, nqm_brdf **folded_ret, nqm_error *err);
 
 #endif

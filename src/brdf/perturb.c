@@ -4,7 +4,7 @@
  * or strong highlight, wrong behaviour toward grazing angles, colour casts, blur, noise, coarse steps. doc/brdf.md
  * defines each setting.
  *
- * All work is done in half-vector coordinates with phi_d in [0, pi), so that the result is reciprocal for any base.
+ * All work is done in half-vector coordinates; the result is reciprocal if the base is, except with `lopsided`.
  * shift, gloss and smooth change the coordinates at which the base is evaluated; the other settings then change the
  * value, in the order of the keys below.
  */
@@ -15,7 +15,8 @@
 #include <string.h>
 
 enum { SHIFT, GLOSS, SMOOTH, FIRST_VALUE_KEY };
-enum { CLAMP = FIRST_VALUE_KEY, PEAK, FRESNEL, MIX, DESATURATE, HUE, TINT, SCALE, RIPPLE, BANDS, NOISE, SEED, CELLS };
+enum { CLAMP = FIRST_VALUE_KEY, PEAK, FRESNEL, MIX, DESATURATE, HUE, TINT, SCALE, LOPSIDED, RIPPLE };
+enum { BANDS = RIPPLE + 1, NOISE, SEED, CELLS };
 enum { QUANTISE = CELLS + 1, BITS, HALF, N_KEYS };
 
 static const nqm_spec_schema schema = {
@@ -32,6 +33,7 @@ static const nqm_spec_schema schema = {
      [HUE] = {.name = "hue", .n = 1, .low = -180, .high = 180, .fallback = 0},
      [TINT] = {.name = "tint", .n = 3, .low = 0, .high = 100, .fallback = 1},
      [SCALE] = {.name = "scale", .n = 1, .low = 0, .high = 1000, .fallback = 1},
+     [LOPSIDED] = {.name = "lopsided", .n = 1, .low = -2, .high = 2, .fallback = 0},
      [RIPPLE] = {.name = "ripple", .n = 1, .low = 0, .high = 1, .fallback = 0},
      [BANDS] = {.name = "bands", .n = 1, .low = 1, .high = 1000, .fallback = 12},
      [NOISE] = {.name = "noise", .n = 1, .low = 0, .high = 5, .fallback = 0},
@@ -46,6 +48,7 @@ enum { SMOOTH_TAPS = 27 };
 /** One distortion with its constants. */
 typedef struct perturbation {
     nqm_brdf *base;
+    bool owned;
     double v[N_KEYS];  /* settings (their first values); `shift` and `smooth` in radians */
     double ceiling;    /* upper limit of every channel of the base; HUGE_VAL: off */
     double hue[3];     /* first row of the circulant matrix that rotates colours about the grey axis; 1,0,0: off */
@@ -220,10 +223,12 @@ static void distort_value(const perturbation *self, const double *hd, const doub
     if (self->hue[0] != 1)
         turn_hue(self->hue, rgb);
     double z[3] = {0, 0, 0}, wave = 1;
+    if (self->v[LOPSIDED] != 0)
+        wave = exp(self->v[LOPSIDED] * sin(hd[2]));
     if (self->n_cells)
         noise_at(self, hd, z);
     if (self->v[RIPPLE] > 0)
-        wave += self->v[RIPPLE] * sin(2 * NQM_PI * self->v[BANDS] * sqrt(hd[0] / (0.5 * NQM_PI)));
+        wave *= 1 + self->v[RIPPLE] * sin(2 * NQM_PI * self->v[BANDS] * sqrt(hd[0] / (0.5 * NQM_PI)));
     for (size_t c = 0; c < 3; ++c) {
         rgb[c] *= self->colour[c] * wave;
         if (self->n_cells)
@@ -262,12 +267,16 @@ static void perturb_eval(const void *state, size_t n, const double *hd, double *
 /* ---- opening ----------------------------------------------------------------------------------------------------- */
 
 static void perturb_free(void *state) {
-    nqm_brdf_free(((perturbation *)state)->base);
-    nqm_free(state);
+    perturbation *self = state;
+    if (self->owned)
+        nqm_brdf_free(self->base);
+    nqm_free(self);
 }
 
-static const nqm_brdf_class perturb_class = {
-    .format = "perturb", .reciprocal = 1, .eval_half_diff = perturb_eval, .free = perturb_free};
+/* By reciprocity. */
+static const nqm_brdf_class perturb_classes[2] = {
+    {.format = "perturb", .reciprocal = 0, .eval_half_diff = perturb_eval, .free = perturb_free},
+    {.format = "perturb", .reciprocal = 1, .eval_half_diff = perturb_eval, .free = perturb_free}};
 
 /* Reference value of `clamp`: the largest channel of the base in the mirror direction for theta_d = 0 to 60 degrees. */
 static double mirror_maximum(const nqm_brdf *base) {
@@ -290,7 +299,7 @@ static void hue_row(double angle, double row[3]) {
     row[2] = (1 - c) / 3 + s;
 }
 
-/* A perturbation of `base`, which it owns only if this succeeds. */
+/* A perturbation of `base`, which it does not own yet. */
 static nqm_status create(const nqm_spec_values *values, nqm_brdf *base, perturbation **self_ret, nqm_error *err) {
     const double degree = NQM_PI / 180;
     const size_t n_cells = values->v[NOISE][0] > 0 ? (size_t)values->v[CELLS][0] : 0;
@@ -357,8 +366,8 @@ static char *canonical_spec(const nqm_spec_values *values, const nqm_brdf *base)
     return spec;
 }
 
-/* Create the perturbation of `base` by `values`. It owns `base`, which is freed on failure too. */
-static nqm_status wrap(const nqm_spec_values *values, nqm_brdf *base, const char *name, nqm_brdf **brdf_ret,
+/* Create the perturbation of `base` by `values`. An owned `base` is freed on failure too. */
+static nqm_status wrap(const nqm_spec_values *values, nqm_brdf *base, bool owned, const char *name, nqm_brdf **brdf_ret,
                        nqm_error *err) {
     char layout[128];
     perturbation *self = NULL;
@@ -369,8 +378,10 @@ static nqm_status wrap(const nqm_spec_values *values, nqm_brdf *base, const char
             .name = name ? name : spec, .spec = spec, .source_doi = base->info.source_doi, .layout = layout};
         snprintf(layout, sizeof layout, "over %s, %.100s", base->info.format,
                  base->info.layout ? base->info.layout : "");
-        status = nqm_brdf_wrap(&perturb_class, self, &info, brdf_ret, err);
-    } else {
+        const bool reciprocal = base->class_->reciprocal && self->v[LOPSIDED] == 0;
+        self->owned = owned;
+        status = nqm_brdf_wrap(&perturb_classes[reciprocal], self, &info, brdf_ret, err);
+    } else if (owned) {
         nqm_brdf_free(base);
     }
     nqm_free(spec);
@@ -387,15 +398,16 @@ nqm_status nqm_perturb_open(const char *settings, const char *name, nqm_brdf **b
         status = nqm_spec_check_nested(of, "", err);
     if (status == NQM_OK)
         status = nqm_brdf_open(of, &base, err);
-    return status == NQM_OK ? wrap(&values, base, name, brdf_ret, err) : status;
+    return status == NQM_OK ? wrap(&values, base, true, name, brdf_ret, err) : status;
 }
 
-nqm_status nqm_perturb_wrap(const char *settings, nqm_brdf *base, nqm_brdf **brdf_ret, nqm_error *err) {
+nqm_status nqm_perturb_wrap(const char *settings, nqm_brdf *base, bool owned, nqm_brdf **brdf_ret, nqm_error *err) {
     *brdf_ret = NULL;
     nqm_spec_values values;
     nqm_status status = nqm_spec_parse(&schema, settings, &values, err);
     if (status == NQM_OK)
-        return wrap(&values, base, NULL, brdf_ret, err);
-    nqm_brdf_free(base);
+        return wrap(&values, base, owned, NULL, brdf_ret, err);
+    if (owned)
+        nqm_brdf_free(base);
     return status;
 }

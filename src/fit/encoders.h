@@ -21,6 +21,10 @@ struct nqm_fit_entry; /* fit.h */
 /** Train a network for `ref` (nbrdf_fit.c). */
 NQM_MUST_CHECK nqm_status nqm_fit_nbrdf(const nqm_brdf *ref, const nqm_fit_options *options, nqm_fit_report *report,
                                         nqm_brdf **brdf_ret, nqm_error *err);
+/** Train a network at n half-vector coordinates hd (n, 3) only, for so long that it overfits them. NQM_ERR_INCOMPATIBLE: no
+ *  direction has a value. */
+NQM_MUST_CHECK nqm_status nqm_fit_nbrdf_at(const nqm_brdf *ref, size_t n, const double *hd, uint64_t seed,
+                                           nqm_brdf **brdf_ret, nqm_error *err);
 /** Compute a sparse code of `ref` in the embedded dictionary (sparse.c). */
 NQM_MUST_CHECK nqm_status nqm_fit_sparse(const nqm_brdf *ref, const struct nqm_fit_entry *entry,
                                          const nqm_fit_options *options, nqm_fit_report *report, nqm_brdf **brdf_ret,

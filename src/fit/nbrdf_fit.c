@@ -21,7 +21,8 @@ enum {
     START_FRACTION = 32, /* each start is trained for 1 / START_FRACTION of all steps before the best one continues */
     N_FRESH = 32,        /* validation batches, never trained on */
     MAX_TRIES = 16,      /* attempts to find a direction with a value */
-    REPORT_EVERY = 512
+    REPORT_EVERY = 512,
+    N_OVERFIT_STEPS = 4000
 };
 static const double learning_rate = 1e-2;
 
@@ -79,6 +80,14 @@ static bool draw_batch(const nqm_brdf *ref, nqm_rng *rng, double *hd, double *rg
     return n == BATCH;
 }
 
+/* The arrays of a batch: input (6, n), weight (n), goal (3, n). */
+static void fill_batch(size_t n, const double *hd, const double *rgb, float *input, float *weight, float *goal) {
+    nqm_nbrdf_inputs(n, hd, input, weight);
+    for (size_t i = 0; i < n; ++i)
+        for (size_t c = 0; c < 3; ++c)
+            goal[c * n + i] = (float)log1p((double)weight[i] * rgb[3 * i + c]);
+}
+
 static nqm_status samples_make(const nqm_brdf *ref, size_t n_batches, uint64_t seed, uint64_t stream, samples *s,
                                nqm_error *err) {
     nqm_rng rng = nqm_rng_make(seed, stream);
@@ -93,10 +102,7 @@ static nqm_status samples_make(const nqm_brdf *ref, size_t n_batches, uint64_t s
         if (!draw_batch(ref, &rng, hd, rgb))
             return nqm_fail(err, NQM_ERR_INCOMPATIBLE, -1, "%s: fewer than one direction in %d has a value",
                             nqm_brdf_get_info(ref).name, MAX_TRIES);
-        nqm_nbrdf_inputs(BATCH, hd, s->input + b * 6 * BATCH, weight);
-        for (size_t i = 0; i < BATCH; ++i)
-            for (size_t c = 0; c < 3; ++c)
-                goal[c * BATCH + i] = (float)log1p((double)weight[i] * rgb[3 * i + c]);
+        fill_batch(BATCH, hd, rgb, s->input + b * 6 * BATCH, weight, goal);
     }
     return status;
 }
@@ -135,19 +141,23 @@ typedef struct training {
     nqm_error *err;
 } training;
 
+static void descend(learner *l, const nqm_nbrdf_batch *batch, size_t n_steps) {
+    float gradient[NQM_NBRDF_WEIGHTS];
+    nqm_nbrdf_loss(l->weights, batch, gradient);
+    const double lr = learning_rate * 0.5 * (1 + cos(NQM_PI * (double)l->n_steps / (double)n_steps));
+    const nqm_adam_rate rate = nqm_adam_rate_at(lr, 0, ++l->n_steps);
+    nqm_adam_update(NQM_NBRDF_WEIGHTS, &rate, gradient, l->m, l->v, l->weights);
+}
+
 /* Train up to step `last`. */
 static nqm_status train(training *c, learner *l, size_t last) {
-    float gradient[NQM_NBRDF_WEIGHTS];
     double n_total = (double)c->n_steps * (1 + (N_STARTS - 1.0) / START_FRACTION);
     for (; l->n_steps < last; ++c->n_done) {
         if (c->n_done % REPORT_EVERY == 0 && c->options->progress &&
             c->options->progress(c->options->progress_user, "training a network", (double)c->n_done, n_total) != 0)
             return nqm_fail(c->err, NQM_ERR_CANCELLED, -1, "interrupted");
         nqm_nbrdf_batch batch = batch_at(c->train, l->n_steps % c->train->n_batches);
-        nqm_nbrdf_loss(l->weights, &batch, gradient);
-        const double lr = learning_rate * 0.5 * (1 + cos(NQM_PI * (double)l->n_steps / (double)c->n_steps));
-        const nqm_adam_rate rate = nqm_adam_rate_at(lr, 0, ++l->n_steps);
-        nqm_adam_update(NQM_NBRDF_WEIGHTS, &rate, gradient, l->m, l->v, l->weights);
+        descend(l, &batch, c->n_steps);
     }
     return NQM_OK;
 }
@@ -197,5 +207,38 @@ nqm_status nqm_fit_nbrdf(const nqm_brdf *ref, const nqm_fit_options *options, nq
     }
     nqm_free(trained.input);
     nqm_free(fresh.input);
+    return status;
+}
+
+nqm_status nqm_fit_nbrdf_at(const nqm_brdf *ref, size_t n, const double *hd, uint64_t seed, nqm_brdf **brdf_ret,
+                            nqm_error *err) {
+    double *at, *rgb;
+    float *input, *weight, *goal;
+    uint8_t *flag;
+    learner l;
+    size_t m = 0;
+    *brdf_ret = NULL;
+    nqm_status status = nqm_alloc_arrays(NQM_ARRAYS({&at, n, 3 * sizeof *at}, {&rgb, n, 3 * sizeof *rgb},
+                                                    {&input, n, 6 * sizeof *input}, {&weight, n, sizeof *weight},
+                                                    {&goal, n, 3 * sizeof *goal}, {&flag, n, 1}),
+                                         err);
+    if (status != NQM_OK)
+        return status;
+    nqm_brdf_eval_half_diff(ref, n, hd, rgb, flag);
+    for (size_t i = 0; i < n; ++i) {
+        if (!nqm_has_value(flag[i]))
+            continue;
+        memcpy(at + 3 * m, hd + 3 * i, 3 * sizeof *at);
+        memmove(rgb + 3 * m++, rgb + 3 * i, 3 * sizeof *rgb);
+    }
+    fill_batch(m, at, rgb, input, weight, goal);
+    const nqm_nbrdf_batch batch = {.n = m, .input = input, .weight = weight, .goal = goal};
+    learner_init(&l, seed, 2);
+    for (size_t step = 0; m > 0 && step < N_OVERFIT_STEPS; ++step)
+        descend(&l, &batch, N_OVERFIT_STEPS);
+    status = m > 0 ? make_brdf(&l, ref, brdf_ret, err)
+                   : nqm_fail(err, NQM_ERR_INCOMPATIBLE, -1, "%s: no direction of %zu has a value",
+                              nqm_brdf_get_info(ref).name, n);
+    nqm_free(at);
     return status;
 }

@@ -33,6 +33,10 @@ static const nqm_option rows[] = {
      .help = "tests per reference that really differ from it"},
     {FIELD(n_roundings), .name = "roundings", .kind = NQM_OPTION_SIZE, .metavar = "N", .min = 0, .max = 1000,
      .values = {"3"}, .help = "copies per reference with rounded values"},
+    {FIELD(n_variants), .name = "variants", .kind = NQM_OPTION_SIZE, .metavar = "N", .min = 0, .max = 1000,
+     .values = {"8"}, .help = "changed specs, translations, tables and overfitted networks per reference"},
+    {FIELD(every), .kind = NQM_OPTION_SIZE, .metavar = "N", .min = 1, .max = 1000, .values = {"1"},
+     .help = "keep one in N tests: a small corpus of the same composition"},
     {FIELD(seed), .kind = NQM_OPTION_U64, .metavar = "N", .values = {"1"}, .help = "seed of perturbations and fits"},
 };
 /* clang-format on */

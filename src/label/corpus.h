@@ -61,8 +61,9 @@ typedef enum nqm_corpus_family {
     NQM_FAMILY_FORM,         /* another form of the same material: "form-rgl", "form-nbrdf" */
     NQM_FAMILY_PERTURBATION, /* one perturbation of the reference: "gloss" */
     NQM_FAMILY_COMPOSED,     /* two perturbations of the reference ("composed") or one of an encoding ("refit") */
-    NQM_FAMILY_FAR,          /* a BRDF that really differs: "other-same", "random-ggx", "path-ward", "white" */
-    NQM_FAMILY_ROUNDING,     /* the reference with rounded values: "float16" */
+    NQM_FAMILY_VARIANT,  /* a changed spec ("roughness", "key"), "translated", "folded", "overfit": corpus_variants.c */
+    NQM_FAMILY_FAR,      /* a BRDF that really differs: "other-same", "random-ggx", "path-ward", "white" */
+    NQM_FAMILY_ROUNDING, /* the reference with rounded values: "float16" */
     NQM_FAMILY_COUNT
 } nqm_corpus_family;
 
@@ -98,16 +99,20 @@ typedef enum nqm_corpus_base {
     NQM_BASE_FIT,     /* one of its fits */
     NQM_BASE_FORM,    /* another form of its material */
     NQM_BASE_OTHER,   /* another material */
-    NQM_BASE_BETWEEN, /* between the reference and another material */
+    NQM_BASE_BETWEEN, /* between the reference and another material; this and the following are made for their test */
     NQM_BASE_SPEC,    /* a BRDF that does not depend on the reference */
-    NQM_BASE_PATH     /* a point on the path of an optimiser that fits an analytic model to the reference */
+    NQM_BASE_PATH,    /* a point on the path of an optimiser that fits an analytic model to the reference */
+    NQM_BASE_TRANSLATED, /* a fit of a shading model to the reference */
+    NQM_BASE_TABLE,      /* the reference as a reciprocal table, as `nqm convert` makes it */
+    NQM_BASE_OVERFIT     /* a network that was fitted to few directions of the reference */
 } nqm_corpus_base;
 
-/** A point on the path of an optimiser: arguments of nqm_fit_path(). */
+/** A point on the path of an optimiser: arguments of nqm_fit_path(). Of TRANSLATED model and seed, of OVERFIT seed and number of
+ *  directions. */
 typedef struct nqm_corpus_path {
-    const char *model; /* static storage */
+    const char *model; /* static storage; NULL: none */
     nqm_fit_loss loss;
-    size_t n_steps;
+    size_t n_steps; /* OVERFIT: directions */
     uint64_t seed;
 } nqm_corpus_path;
 
@@ -116,11 +121,13 @@ typedef struct nqm_corpus_test {
     size_t ref; /* within the group */
     nqm_corpus_kind kind;
     nqm_corpus_base base;
-    size_t which;             /* index of the model of the corpus, of the plan's form, or of a reference of the list */
+    /* Index of the model of the corpus, of the plan's form, or of a reference of the list; of OVERFIT 1: the directions are among
+     * those of the corpus. */
+    size_t which;
     char perturbation[2][80]; /* "gloss=0.8"; the first is applied first; "": none */
     char between[80];         /* BETWEEN: the settings of the spec, "t=0.3" */
     char *spec;               /* SPEC: the argument of nqm_brdf_open(), owned by the plan; otherwise NULL */
-    nqm_corpus_path path;     /* PATH */
+    nqm_corpus_path path;     /* PATH, TRANSLATED, OVERFIT */
 } nqm_corpus_test;
 
 /** Whether `which` is another material: a reference of the list. */
@@ -157,6 +164,15 @@ void nqm_corpus_draw_tests(nqm_rng *rng, size_t ref, size_t n_fits, nqm_corpus_p
 /** Draw n roundings of a reference. tests (n). */
 void nqm_corpus_draw_roundings(nqm_rng *rng, size_t ref, size_t n, nqm_corpus_test *tests);
 
+/** Draw up to n variants of a reference; changed specs only if it has a spec. path: as for nqm_brdf_open(). tests (n): `ref` is
+ *  not set; the specs are owned by the caller, also after a failure. */
+NQM_MUST_CHECK nqm_status nqm_corpus_draw_variants(nqm_rng *rng, const char *path, size_t n, size_t *n_drawn,
+                                                   nqm_corpus_test *tests, nqm_error *err);
+/** The spec with another value of one key, of a lobe's width or of any other, that changes the BRDF; nqm_free() it. NULL: it
+ *  has no such key. */
+NQM_MUST_CHECK nqm_status nqm_corpus_change_spec(nqm_rng *rng, const char *spec, bool of_width, char **spec_ret,
+                                                 nqm_error *err);
+
 /** Draw n far tests of a reference of the list; they cycle through the kinds of this part. Other materials are of the same
  *  split. tests (n): `ref` is not set; the specs are owned by the caller, also after a failure. */
 NQM_MUST_CHECK nqm_status nqm_corpus_draw_far(const nqm_corpus_list *list, size_t list_ref, uint64_t seed,
@@ -166,8 +182,14 @@ uint64_t nqm_corpus_stream(const char *name);
 /** An analytic model with random parameters, as a spec; nqm_free() it. */
 NQM_MUST_CHECK nqm_status nqm_corpus_random_spec(nqm_rng *rng, const char *model, char **spec_ret, nqm_error *err);
 
-/** Far tests that are drawn and rendered for each one that is kept. */
-enum { NQM_CORPUS_CANDIDATES = 2 };
+/** Far tests that are drawn and rendered so that n_far are kept. */
+static inline size_t nqm_corpus_candidates(size_t n_far) {
+    return n_far + (n_far + 1) / 2;
+}
+/** The far tests of a reference that are kept. */
+static inline size_t nqm_corpus_far_kept(const nqm_corpus_options *options) {
+    return (options->n_far + options->every - 1) / options->every;
+}
 /** Mark n_kept of n JODs (n) such that they are spread as evenly as possible; NaN is never marked. kept (n). */
 NQM_MUST_CHECK nqm_status nqm_corpus_spread(size_t n, const double *jod, size_t n_kept, uint8_t *kept, nqm_error *err);
 

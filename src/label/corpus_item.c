@@ -7,6 +7,7 @@
 #include "brdf/brdf.h"
 #include "fit/fit.h"
 #include "label/corpus.h"
+#include "math/math.h"
 
 #include <math.h>
 #include <string.h>
@@ -23,7 +24,7 @@ typedef struct job {
     view *presets;               /* (n_forms) forms that are no references of the list; the others are empty */
     nqm_corpus_fit *fits;        /* (n_fits) of the current reference */
     view made;                   /* of a test whose BRDF is made for it */
-    char path_spec[512];         /* of a point on the path of an optimiser */
+    nqm_fit_report report;       /* its spec: of a point on the path of an optimiser, or of a translation */
     double saved_s, save_cost_s; /* time of the last save of the unfinished group, and its duration */
     nqm_error *err;
 } job;
@@ -65,6 +66,15 @@ static int fit_progress(void *user, const char *stage, double done, double total
     return context->step(context->step_user, 0);
 }
 
+/* Whether a test of the reference is made from its encoding by model k. */
+static bool is_needed(const job *j, size_t ref, size_t k) {
+    const nqm_corpus_plan *plan = &j->item->plan;
+    for (size_t t = 0; t < plan->n_tests; ++t)
+        if (plan->tests[t].ref == ref && plan->tests[t].base == NQM_BASE_FIT && plan->tests[t].which == k)
+            return true;
+    return false;
+}
+
 static nqm_status make_fit(const job *j, size_t ref, size_t k) {
     const char *model = j->context->models.name[k];
     nqm_corpus_fit *fit = &j->fits[k];
@@ -76,6 +86,10 @@ static nqm_status make_fit(const job *j, size_t ref, size_t k) {
     fit->view.brdf = NULL;
     fit->fault = (nqm_error){0};
     fit->is_viewed = false;
+    if (!is_needed(j, ref, k)) { /* nqm_corpus_options.every has left out its tests */
+        fit->fault.status = NQM_ERR_INCOMPATIBLE;
+        return NQM_OK;
+    }
     if (nqm_corpus_fit_load(j->item, ref, model, fit))
         return NQM_OK;
     nqm_status status = nqm_fit(j->forms[ref]->brdf, model, &options, &fit->report, &fit->view.brdf, &fit->fault);
@@ -121,8 +135,13 @@ static const view *base_view(const job *j, const nqm_corpus_test *test) {
     }
 }
 
-/* The name of the BRDF that a test is derived from. `before` receives "nbrdf of " when that is an encoding without a spec; it is
- * then the name of the reference. */
+/* Directions of an overfitted network: those of the corpus may be fewer than planned. */
+static size_t overfitted_directions(const job *j, const nqm_corpus_test *test) {
+    return test->which ? nqm_smaller(test->path.n_steps, j->n) : test->path.n_steps;
+}
+
+/* The name of the BRDF that a test is derived from. `before` receives "nbrdf of " when that is an encoding without a spec,
+ * and so on; it is then the name of the reference. */
 static const char *base_name(const job *j, const nqm_corpus_test *test, char before[64]) {
     const nqm_corpus_form *forms = j->item->plan.forms;
     const nqm_corpus_ref *refs = j->context->list->refs;
@@ -142,7 +161,14 @@ static const char *base_name(const job *j, const nqm_corpus_test *test, char bef
     case NQM_BASE_SPEC:
         return test->spec;
     case NQM_BASE_PATH:
-        return j->path_spec;
+    case NQM_BASE_TRANSLATED:
+        return j->report.spec;
+    case NQM_BASE_TABLE:
+        snprintf(before, 64, "table of ");
+        break;
+    case NQM_BASE_OVERFIT:
+        snprintf(before, 64, "nbrdf at %zu directions of ", overfitted_directions(j, test));
+        break;
     case NQM_BASE_BETWEEN:
     case NQM_BASE_REF:
         break;
@@ -172,11 +198,11 @@ static char *test_name(const job *j, const nqm_corpus_test *test) {
 
 /* Apply the test's perturbations to its base, which is borrowed. */
 static nqm_status perturb(const nqm_corpus_test *test, nqm_brdf *base, nqm_brdf **brdf_ret, nqm_error *err) {
-    nqm_brdf *brdf;
+    nqm_brdf *brdf = base;
+    nqm_status status = NQM_OK;
     *brdf_ret = NULL;
-    nqm_status status = nqm_brdf_fold(base, false, &brdf, err);
     for (int k = 0; status == NQM_OK && k < 2 && *test->perturbation[k]; ++k)
-        status = nqm_perturb_wrap(test->perturbation[k], brdf, &brdf, err);
+        status = nqm_perturb_wrap(test->perturbation[k], brdf, k > 0, &brdf, err);
     if (status == NQM_OK)
         *brdf_ret = brdf;
     return status;
@@ -185,18 +211,10 @@ static nqm_status perturb(const nqm_corpus_test *test, nqm_brdf *base, nqm_brdf 
 /* A BRDF between the reference and another material. */
 static nqm_status between(const job *j, const nqm_corpus_test *test, nqm_brdf **brdf_ret, nqm_error *err) {
     const view *other;
-    nqm_brdf *of, *with;
     *brdf_ret = NULL;
     nqm_status status = nqm_corpus_cached(j->context, test->which, &other, err);
-    if (status == NQM_OK)
-        status = nqm_brdf_fold(j->forms[test->ref]->brdf, false, &of, err);
-    if (status != NQM_OK)
-        return status;
-    status = nqm_brdf_fold(other->brdf, false, &with, err);
-    if (status == NQM_OK)
-        return nqm_between_wrap(test->between, of, with, brdf_ret, err);
-    nqm_brdf_free(of);
-    return status;
+    return status == NQM_OK ? nqm_between_wrap(test->between, j->forms[test->ref]->brdf, other->brdf, brdf_ret, err)
+                            : status;
 }
 
 /* Directions of the fits whose paths are followed: the loss need not be exact, and every step evaluates them ten times. */
@@ -208,10 +226,44 @@ static nqm_status follow_path(job *j, const nqm_corpus_test *test, nqm_brdf **br
     options.n_directions = N_PATH_DIRECTIONS;
     options.seed = test->path.seed;
     *brdf_ret = NULL;
-    *j->path_spec = 0;
+    *j->report.spec = 0;
     nqm_status status = nqm_fit_path(j->forms[test->ref]->brdf, test->path.model, &options, test->path.seed,
-                                     test->path.n_steps, j->path_spec, err);
-    return status == NQM_OK ? nqm_brdf_open(j->path_spec, brdf_ret, err) : status;
+                                     test->path.n_steps, j->report.spec, err);
+    return status == NQM_OK ? nqm_brdf_open(j->report.spec, brdf_ret, err) : status;
+}
+
+static nqm_status translate(job *j, const nqm_corpus_test *test, nqm_brdf **brdf_ret, nqm_error *err) {
+    nqm_fit_options options = nqm_fit_options_default();
+    options.n_directions = N_PATH_DIRECTIONS;
+    options.seed = test->path.seed;
+    options.progress = fit_progress;
+    options.progress_user = (void *)j->context;
+    *j->report.spec = 0;
+    return nqm_fit(j->forms[test->ref]->brdf, test->path.model, &options, &j->report, brdf_ret, err);
+}
+
+/* A network that is fitted to few directions, random ones or some of the corpus's own. */
+static nqm_status overfit(const job *j, const nqm_corpus_test *test, nqm_brdf **brdf_ret, nqm_error *err) {
+    const double *degrees = nqm_directions_degrees(j->context->directions), degree = NQM_PI / 180;
+    const size_t n_own = test->which ? j->n : 0, n = overfitted_directions(j, test);
+    nqm_rng rng = nqm_rng_make(test->path.seed, 0);
+    double *hd;
+    size_t *own;
+    nqm_status status = nqm_alloc_arrays(NQM_ARRAYS({&hd, n, 3 * sizeof *hd}, {&own, n_own, sizeof *own}), err);
+    if (status != NQM_OK)
+        return status;
+    for (size_t i = 0; i < n_own; ++i)
+        own[i] = i;
+    nqm_rng_shuffle(&rng, n_own, own);
+    for (size_t i = 0; i < n; ++i)
+        if (!n_own)
+            nqm_fit_draw_dense(&rng, 80 * degree, NQM_PI / 2, NQM_PI, hd + 3 * i);
+        else
+            for (size_t k = 0; k < 3; ++k)
+                hd[3 * i + k] = degrees[3 * own[i] + k] * degree;
+    status = nqm_fit_nbrdf_at(j->forms[test->ref]->brdf, n, hd, test->path.seed, brdf_ret, err);
+    nqm_free(hd);
+    return status;
 }
 
 /* The BRDF of a test that has one of its own. */
@@ -223,14 +275,19 @@ static nqm_status make_brdf(job *j, const nqm_corpus_test *test, nqm_brdf **brdf
         return nqm_brdf_open(test->spec, brdf_ret, err);
     case NQM_BASE_PATH:
         return follow_path(j, test, brdf_ret, err);
+    case NQM_BASE_TRANSLATED:
+        return translate(j, test, brdf_ret, err);
+    case NQM_BASE_TABLE:
+        return nqm_brdf_tabulate(j->forms[test->ref]->brdf, nqm_table_general, NULL, brdf_ret, err);
+    case NQM_BASE_OVERFIT:
+        return overfit(j, test, brdf_ret, err);
     default:
         return perturb(test, base_view(j, test)->brdf, brdf_ret, err);
     }
 }
 
 static bool has_own_brdf(const nqm_corpus_test *test) {
-    return *test->perturbation[0] || test->base == NQM_BASE_BETWEEN || test->base == NQM_BASE_SPEC ||
-           test->base == NQM_BASE_PATH;
+    return *test->perturbation[0] || test->base >= NQM_BASE_BETWEEN;
 }
 
 static nqm_status view_fit(const job *j, nqm_corpus_fit *fit, nqm_error *err) {
@@ -300,7 +357,8 @@ static nqm_status select_far(const job *j, size_t ref) {
     nqm_corpus_item *item = j->item;
     const nqm_corpus_options *options = j->context->options;
     const nqm_curve curve = nqm_curve_default();
-    size_t n = NQM_CORPUS_CANDIDATES * options->n_far, first = 0;
+    const size_t n_kept = nqm_corpus_far_kept(options), n = nqm_corpus_candidates(n_kept);
+    size_t first = 0;
     while (first < item->plan.n_tests &&
            !(item->plan.tests[first].ref == ref && item->plan.tests[first].kind.family == NQM_FAMILY_FAR))
         ++first;
@@ -309,7 +367,7 @@ static nqm_status select_far(const job *j, size_t ref) {
         return nqm_fail_nomem(j->err, n * sizeof *jod);
     for (size_t i = 0; i < n; ++i)
         jod[i] = item->failures[first + i] ? NAN : nqm_curve_jod(&curve, item->label[first + i].delta_e);
-    nqm_status status = nqm_corpus_spread(n, jod, options->n_far, item->kept + first, j->err);
+    nqm_status status = nqm_corpus_spread(n, jod, n_kept, item->kept + first, j->err);
     nqm_free(jod);
     return status;
 }

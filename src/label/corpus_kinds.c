@@ -12,7 +12,7 @@ const char *nqm_corpus_family_name(nqm_corpus_family family) {
     static const char *const names[NQM_FAMILY_COUNT] = {
         [NQM_FAMILY_ENCODING] = "encoding",         [NQM_FAMILY_PUBLISHED] = "published", [NQM_FAMILY_FORM] = "form",
         [NQM_FAMILY_PERTURBATION] = "perturbation", [NQM_FAMILY_COMPOSED] = "composed",   [NQM_FAMILY_FAR] = "far",
-        [NQM_FAMILY_ROUNDING] = "rounding"};
+        [NQM_FAMILY_ROUNDING] = "rounding",         [NQM_FAMILY_VARIANT] = "variant"};
     return names[family];
 }
 
@@ -44,8 +44,9 @@ static const perturbation perturbations[] = {
     {.kind = "noise", .faint = 0.02, .strong = 1.2, .form = PLAIN, .more = "cells", .more_from = 6, .more_to = 25},
     {.kind = "peak", .faint = 0.03, .strong = 2, .form = PEAK},
     {.kind = "desaturate", .faint = 0.03, .strong = 1, .form = SIGNED},
-    {.kind = "quantise", .faint = 1, .strong = 40, .form = PLAIN}, /* steps per decade: fewer are stronger */
-    {.kind = "shift", .faint = 0.2, .strong = 12, .form = SIGNED}, /* degrees */
+    {.kind = "quantise", .faint = 1, .strong = 40, .form = PLAIN},        /* steps per decade: fewer are stronger */
+    {.kind = "shift", .faint = 0.2, .strong = 12, .form = SIGNED},        /* degrees */
+    {.kind = "lopsided", .faint = 0.025, .strong = 0.35, .form = SIGNED}, /* logarithms: halves differ by 1.05 to 2 */
     {.kind = "clamp", .faint = 0.01, .strong = 0.9, .form = PLAIN, .unseen = true},
     {.kind = "ripple",
      .faint = 0.02,

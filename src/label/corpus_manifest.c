@@ -194,9 +194,11 @@ static json_t *labels_json(void) {
 }
 
 static json_t *options_json(const nqm_corpus_options *options) {
-    return json_pack("{s:o,s:o,s:o,s:o,s:o}", "seed", count(options->seed), "perturbations",
-                     count(options->n_perturbations), "far", count(options->n_far), "far_candidates",
-                     count(NQM_CORPUS_CANDIDATES * options->n_far), "roundings", count(options->n_roundings));
+    const size_t n_far = nqm_corpus_far_kept(options);
+    return json_pack("{s:o,s:o,s:o,s:o,s:o,s:o,s:o}", "seed", count(options->seed), "perturbations",
+                     count(options->n_perturbations), "variants", count(options->n_variants), "far", count(n_far),
+                     "far_candidates", count(nqm_corpus_candidates(n_far)), "roundings", count(options->n_roundings),
+                     "every", count(options->every));
 }
 
 static json_t *fit_json(const nqm_corpus_models *used) {

@@ -118,7 +118,8 @@ uint64_t nqm_corpus_stream(const char *name) {
 /* The candidates of the far tests of a reference. */
 static nqm_status plan_far(const nqm_corpus_list *list, size_t ref, const nqm_corpus_options *options,
                            nqm_corpus_plan *plan, nqm_error *err) {
-    size_t n = NQM_CORPUS_CANDIDATES * options->n_far, list_ref = list->groups[plan->group].first_ref + ref;
+    size_t n = nqm_corpus_candidates(nqm_corpus_far_kept(options)),
+           list_ref = list->groups[plan->group].first_ref + ref;
     nqm_corpus_test *tests = plan->tests + plan->n_tests;
     plan->n_tests += n;
     nqm_status status = nqm_corpus_draw_far(list, list_ref, options->seed, options->part, n, tests, err);
@@ -127,9 +128,36 @@ static nqm_status plan_far(const nqm_corpus_list *list, size_t ref, const nqm_co
     return status;
 }
 
+static nqm_status plan_variants(const nqm_corpus_list *list, size_t ref, const nqm_corpus_options *options,
+                                nqm_corpus_plan *plan, nqm_error *err) {
+    const nqm_corpus_ref *r = &list->refs[list->groups[plan->group].first_ref + ref];
+    nqm_corpus_test *tests = plan->tests + plan->n_tests;
+    nqm_rng rng = nqm_rng_make(options->seed, nqm_hash_u64(nqm_corpus_stream(r->name), 3));
+    size_t n = 0;
+    nqm_status status = nqm_corpus_draw_variants(&rng, r->path, options->n_variants, &n, tests, err);
+    for (size_t i = 0; i < n; ++i)
+        tests[i].ref = ref;
+    plan->n_tests += n;
+    return status;
+}
+
+/* Keep one in `every` of the tests from `first` on, by a hash of their position. */
+static void thin(size_t first, uint64_t stream, uint64_t every, nqm_corpus_plan *plan) {
+    size_t n = first;
+    for (size_t t = first; t < plan->n_tests; ++t)
+        if (nqm_hash_u64(stream, t - first) % every == 0)
+            plan->tests[n++] = plan->tests[t];
+        else
+            nqm_free(plan->tests[t].spec);
+    for (size_t t = n; t < plan->n_tests; ++t)
+        plan->tests[t] = (nqm_corpus_test){0};
+    plan->n_tests = n;
+}
+
 /* All random numbers of a reference are functions of its name and the seed. */
 static nqm_status plan_ref(const nqm_corpus_list *list, size_t ref, const nqm_corpus_models *models,
                            const nqm_corpus_options *options, nqm_corpus_plan *plan, nqm_error *err) {
+    const size_t first = plan->n_tests;
     uint64_t stream = nqm_corpus_stream(list->refs[list->groups[plan->group].first_ref + ref].name);
     nqm_rng rng = nqm_rng_make(options->seed, stream), rounding = nqm_rng_make(options->seed, nqm_hash_u64(stream, 2));
     for (size_t k = 0; k < models->n; ++k) {
@@ -145,6 +173,10 @@ static nqm_status plan_ref(const nqm_corpus_list *list, size_t ref, const nqm_co
     plan->n_tests += options->n_perturbations;
     nqm_corpus_draw_roundings(&rounding, ref, options->n_roundings, plan->tests + plan->n_tests);
     plan->n_tests += options->n_roundings;
+    nqm_status status = plan_variants(list, ref, options, plan, err);
+    if (status != NQM_OK)
+        return status;
+    thin(first, nqm_hash_u64(stream, options->seed), options->every, plan);
     return plan_far(list, ref, options, plan, err);
 }
 
@@ -157,7 +189,7 @@ nqm_status nqm_corpus_plan_make(const nqm_corpus_list *list, size_t group, const
     if (status != NQM_OK)
         return status;
     size_t n_tests = g->n_refs * (models->n + plan.n_forms - 1 + options->n_perturbations + options->n_roundings +
-                                  NQM_CORPUS_CANDIDATES * options->n_far);
+                                  options->n_variants + nqm_corpus_candidates(nqm_corpus_far_kept(options)));
     plan.tests = nqm_alloc(n_tests, sizeof *plan.tests);
     if (!plan.tests)
         status = nqm_fail_nomem(err, n_tests * sizeof *plan.tests);

@@ -34,20 +34,21 @@ static int ask(void *user, const char *stage, double done, double total) {
     return context->step(context->step_user, 0);
 }
 
-/* Decoders of neural processes become tables, because dozens of copies are rendered; other forms are folded, because sampling
- * directions and perturbations use one half of the pairs. */
+/* Decoders of neural processes become tables, because dozens of copies are rendered. */
 nqm_status nqm_corpus_open(const nqm_corpus_context *context, const char *path, nqm_brdf **brdf_ret, nqm_error *err) {
     nqm_ticker ticker = {.fn = ask, .user = (void *)context};
     nqm_brdf *form;
+    *brdf_ret = NULL;
     nqm_status status = nqm_brdf_open(path, &form, err);
     if (status != NQM_OK)
         return status;
-    if (form->class_->is_costly && !context->options->scene.exact) {
-        status = nqm_brdf_tabulate(form, nqm_table_general, &ticker, brdf_ret, err);
-        nqm_brdf_free(form);
-        return status;
+    if (!form->class_->is_costly || context->options->scene.exact) {
+        *brdf_ret = form;
+        return NQM_OK;
     }
-    return nqm_brdf_fold(form, true, brdf_ret, err);
+    status = nqm_brdf_tabulate(form, nqm_table_general, &ticker, brdf_ret, err);
+    nqm_brdf_free(form);
+    return status;
 }
 
 /* ---- cache ------------------------------------------------------------------------------------------------------- */

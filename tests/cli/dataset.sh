@@ -19,13 +19,13 @@ END
 from() {
     list=$1
     shift
-    "$tool" dataset "$dir/$list.csv" --directions "$dir/directions.csv" --perturbations 2 --far 12 --roundings 1 --models ward \
+    "$tool" dataset "$dir/$list.csv" --directions "$dir/directions.csv" --perturbations 2 --far 12 --roundings 1 --variants 2 --models ward \
         --light studio --points 50 "$@" 2>"$dir/err"
 }
 make() { from materials "$@"; }
 
 OMP_NUM_THREADS=1 make -o "$dir/one.safetensors" --work "$dir/groups" >"$dir/out" || fail "$(cat "$dir/err")"
-grep -q ' pairs of 5 references in 5 material groups (train [1-9][0-9]*, validation 32, test 0 pairs)' "$dir/out" || fail "summary: $(cat "$dir/out")"
+grep -q ' pairs of 5 references in 5 material groups (train [1-9][0-9]*, validation 36, test 0 pairs)' "$dir/out" || fail "summary: $(cat "$dir/out")"
 OMP_NUM_THREADS=2 make -o "$dir/two.safetensors" >/dev/null
 cmp "$dir/one.safetensors" "$dir/two.safetensors" || fail "two threads give another file"
 make -o "$dir/again.safetensors" --work "$dir/groups" --json >"$dir/out"
@@ -57,6 +57,10 @@ END
 others "$dir/one.safetensors.json" train validation
 make -o "$dir/test.safetensors" --only test >/dev/null
 others "$dir/test.safetensors.json" test
+
+# One test in N: a small corpus of the same references.
+make -o "$dir/few.safetensors" --perturbations 8 --every 4 >"$dir/out"
+grep -Eq '^.*: (1[5-9]|[2-4][0-9]) pairs of 5 references' "$dir/out" || fail "--every: $(cat "$dir/out")"
 
 # The other material of a far pair is part of the name of its work file: a change makes the group again.
 sed 's/alpha=0.5/alpha=0.6/' "$dir/materials.csv" >"$dir/changed.csv"
@@ -107,6 +111,25 @@ grep -q '^"nps-felt, red","felt, red","nps/nps_decoder_f32le.bin:felt, red",nps,
 grep -q '^"nps-so ""called""","so ""called""",' "$dir/quoted.csv" || fail "quotes: $(grep nps "$dir/quoted.csv")"
 grep -qx 'sgd-brass,brass,sgd:brass,sgd,test' "$dir/list.csv" || fail "brass"
 [ "$(grep -c '^sgd-' "$dir/list.csv")" = 100 ] || fail "100 presets"
+[ "$(grep -Ec '^(renderer|mirror|analytic)-.*,(train|validation|test)$' "$dir/list.csv")" = 59 ] || fail "59 generated specs"
+# Specs of the list open, and a material file is listed once for each material, a refused one not at all.
+python3 -c 'import csv, sys
+for row in csv.DictReader(open(sys.argv[1])):
+    if row["source"] in ("renderer", "mirror", "analytic"):
+        print(row["brdf"])' "$dir/list.csv" >"$dir/specs"
+while read -r spec; do "$tool" info "$spec" >/dev/null || fail "$spec"; done <"$dir/specs"
+mkdir -p "$dir/data/materials/some"
+material() {
+    printf '<materialx version="1.39"><open_pbr_surface name="m" type="surfaceshader">%s</open_pbr_surface></materialx>' "$2" \
+        >"$dir/data/materials/some/$1.mtlx"
+}
+material open_pbr_gold ''
+material PB_GLTF_Gold ''
+material open_pbr_water '<input name="transmission_weight" type="float" value="1"/>'
+scan "$dir/data" >"$dir/files.csv"
+[ "$(grep -c '^renderer-gold,renderer-gold,materials/some/.*\.mtlx,renderer,' "$dir/files.csv")" = 1 ] || fail "gold"
+if grep -q water "$dir/files.csv"; then fail "a refused material is listed"; fi
+[ "$(grep -v '^renderer-gold' "$dir/files.csv")" = "$(cat "$dir/quoted.csv")" ] || fail "another material changes the list"
 
 refuses 2 'directions' dataset "$dir/materials.csv" -o "$dir/x"
 refuses 2 '-o FILE' dataset "$dir/materials.csv" --directions "$dir/directions.csv"

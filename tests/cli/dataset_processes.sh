@@ -41,7 +41,7 @@ rank 1 2 --work "$dir/work" -o "$dir/worker.safetensors" >"$dir/out" 2>"$dir/err
 [ "$(count "$dir/work" '*.claim')" = 0 ] || fail "a claim is left"
 [ ! -f "$dir/worker.safetensors" ] || fail "the worker has written a dataset"
 rank 0 2 --work "$dir/work" -o "$dir/first.safetensors" >"$dir/out" 2>"$dir/err" || fail "the first rank failed"
-grep -q '28 pairs of 2 references' "$dir/out" || fail "summary: $(cat "$dir/out")"
+grep -q '44 pairs of 2 references' "$dir/out" || fail "summary: $(cat "$dir/out")"
 cmp "$dir/alone.safetensors" "$dir/first.safetensors" || fail "another file from the worker's groups"
 cmp "$dir/alone.safetensors.json" "$dir/first.safetensors.json" || fail "another manifest"
 

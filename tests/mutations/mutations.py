@@ -39,6 +39,10 @@ MUTATIONS = [
     ("src/brdf/perturb.c", "row[1] = (1 - c) / 3 - s;", "row[1] = (1 - c) / 3 + s;", "test_brdf_perturb"),
     ("src/brdf/perturb.c", "t = largest * self->v[GLOSS] * u / (1 + (self->v[GLOSS] - 1) * u);", "t = largest * self->v[GLOSS] * u;", "test_brdf_perturb"),
     ("src/brdf/perturb.c", "z[c] /= sqrt(sum_squares);", "z[c] /= sum_squares;", "test_brdf_perturb"),
+    ("src/brdf/perturb.c", "base->class_->reciprocal && self->v[LOPSIDED] == 0", "base->class_->reciprocal", "test_brdf_perturb"),
+    ("src/brdf/between.c", "of->class_->reciprocal && with->class_->reciprocal", "of->class_->reciprocal", "test_brdf_between"),
+    ("src/label/corpus_variants.c", "differ && good", "good", "test_label_corpus_variants"),
+    ("src/label/corpus_plan.c", "nqm_hash_u64(stream, t - first) % every == 0", "nqm_hash_u64(stream, t - first) % every != 1", "test_label_corpus_variants"),
     ("src/brdf/perturb.c", "self->v[SMOOTH] *= degree;", "self->v[SMOOTH] *= 2 * degree;", "test_brdf_perturb"),
     # ---- scalar metrics and samples
     ("src/metric/baselines.c", "return sqrt(sum / n);", "return sqrt(sum / (n - 1));", "test_metric_baselines"),

@@ -41,6 +41,30 @@ static void means_are_those_of_both(void **state) {
     }
 }
 
+/* The order of light and viewer is that of both. */
+static void orders_are_kept(void **state) {
+    (void)state;
+    static const char coated[] = "gltf:metallic=0;roughness=.5;clearcoat=1;clearcoat_roughness=.3";
+    char spec[256];
+    snprintf(spec, sizeof spec, "between:t=.25;with=(%s);of=%s", coated, matte);
+    nqm_brdf *a = open_brdf(matte), *b = open_brdf(coated), *mixed = open_brdf(spec);
+    const double near_wi[3] = {0.1, 0.2, sqrt(0.95)}, far_wo[3] = {-0.9, 0.3, sqrt(0.1)};
+    double of[3], with[2][3], rgb[2][3];
+    for (int order = 0; order < 2; ++order) {
+        const double *wi = order ? far_wo : near_wi, *wo = order ? near_wi : far_wo;
+        nqm_brdf_eval(a, 1, wi, wo, of, NULL);
+        nqm_brdf_eval(b, 1, wi, wo, with[order], NULL);
+        nqm_brdf_eval(mixed, 1, wi, wo, rgb[order], NULL);
+        for (int c = 0; c < 3; ++c)
+            assert_relative(rgb[order][c], 0.75 * of[c] + 0.25 * with[order][c], 1e-12);
+    }
+    assert_true(fabs(with[1][0] / with[0][0] - 1) > 0.02);
+    assert_int_equal(nqm_brdf_get_info(mixed).reciprocal, 0);
+    nqm_brdf_free(a);
+    nqm_brdf_free(b);
+    nqm_brdf_free(mixed);
+}
+
 static void specs_open_again(void **state) {
     (void)state;
     static const struct {
@@ -146,8 +170,11 @@ static void memory_runs_out(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(means_are_those_of_both), cmocka_unit_test(specs_open_again),
-        cmocka_unit_test(mistakes_are_named),      cmocka_unit_test(gaps_of_both),
+        cmocka_unit_test(means_are_those_of_both),
+        cmocka_unit_test(orders_are_kept),
+        cmocka_unit_test(specs_open_again),
+        cmocka_unit_test(mistakes_are_named),
+        cmocka_unit_test(gaps_of_both),
         cmocka_unit_test(memory_runs_out),
     };
     return cmocka_run_group_tests_name("brdf: between two others", tests, NULL, NULL);

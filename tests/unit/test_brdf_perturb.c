@@ -394,6 +394,69 @@ static void test_all_settings_are_sane(void **state) {
     }
 }
 
+/* Ratio of two BRDFs at random pairs, in both orders of light and viewer, against the expected one of a setting. */
+static void check_ratio(const char *settings, const char *base, double (*expected)(const double *hd, double x),
+                        double x) {
+    char spec[512];
+    snprintf(spec, sizeof spec, "perturb:%s;of=%s", settings, base);
+    nqm_brdf *plain = open_brdf(base), *changed = open_brdf(spec);
+    nqm_rng rng = nqm_rng_make(14, 0);
+    for (int i = 0; i < 500; ++i) {
+        double hd[3], wi[3], wo[3], rgb[2][3];
+        random_place(&rng, hd);
+        for (int order = 0; order < 2; ++order, hd[2] += NQM_PI) {
+            nqm_half_diff_to_pair(hd, wi, wo);
+            nqm_brdf_eval(plain, 1, wi, wo, rgb[0], NULL);
+            nqm_brdf_eval(changed, 1, wi, wo, rgb[1], NULL);
+            for (int c = 0; c < 3; ++c)
+                assert_relative(rgb[1][c], rgb[0][c] * expected(hd, x), 1e-6);
+        }
+    }
+    nqm_brdf_free(plain);
+    nqm_brdf_free(changed);
+}
+
+static double constant(const double *hd, double x) {
+    (void)hd;
+    return x;
+}
+
+static double by_azimuth(const double *hd, double x) {
+    return exp(x * sin(hd[2]));
+}
+
+static double by_theta_d(const double *hd, double x) {
+    return 1 + (x - 1) * pow(1 - cos(hd[1]), 5);
+}
+
+/* Settings that do not move directions keep the order of light and viewer of a base that is not reciprocal. */
+static void test_order_of_light_and_viewer(void **state) {
+    (void)state;
+    static const char *const bases[] = {
+        "gltf:base_color=.8,.3,.1;metallic=0;roughness=.5;clearcoat=1;clearcoat_roughness=.3",
+        "standard-surface:coat=1;coat_roughness=.2;specular_roughness=.4",
+        "between:t=.5;with=(lambert:kd=.1);of=gltf:clearcoat=1;clearcoat_roughness=.3"};
+    for (size_t i = 0; i < sizeof bases / sizeof *bases; ++i) {
+        static const char *const same[] = {
+            "scale=1", "tint=1",       "gloss=1",  "shift=0", "peak=1",     "fresnel=1", "mix=0",      "clamp=0",
+            "hue=0",   "desaturate=0", "ripple=0", "noise=0", "lopsided=0", "half=0",    "quantise=0", "bits=53"};
+        for (size_t s = 0; s < sizeof same / sizeof *same; ++s)
+            check_ratio(same[s], bases[i], constant, 1);
+        check_ratio("scale=1.5", bases[i], constant, 1.5);
+        check_ratio("tint=1.5", bases[i], constant, 1.5);
+        check_ratio("fresnel=3", bases[i], by_theta_d, 3);
+        check_ratio("lopsided=.2", bases[i], by_azimuth, 0.2);
+        check_ratio("lopsided=-.3", bases[i], by_azimuth, -0.3);
+        nqm_brdf *brdf = open_brdf(bases[i]);
+        assert_int_equal(nqm_brdf_get_info(brdf).reciprocal, 0);
+        nqm_brdf_free(brdf);
+    }
+    check_ratio("lopsided=.2", glossy, by_azimuth, 0.2);
+    nqm_brdf *brdf = open_brdf("perturb:lopsided=.2;of=lambert:kd=.5");
+    assert_int_equal(nqm_brdf_get_info(brdf).reciprocal, 0);
+    nqm_brdf_free(brdf);
+}
+
 /* The result does not depend on the order of the pairs or on the batch size. */
 static void test_batches(void **state) {
     (void)state;
@@ -478,6 +541,7 @@ int main(void) {
         cmocka_unit_test(test_noise),
         cmocka_unit_test(test_noise_is_continuous),
         cmocka_unit_test(test_all_settings_are_sane),
+        cmocka_unit_test(test_order_of_light_and_viewer),
         cmocka_unit_test(test_batches),
         cmocka_unit_test(test_nesting),
         cmocka_unit_test(test_gaps_of_the_base),

@@ -30,6 +30,7 @@ static nqm_corpus_options small_corpus(nqm_corpus_part part) {
     options.n_perturbations = 3;
     options.n_far = 2;
     options.n_roundings = 1;
+    options.n_variants = 0;
     options.models = "ward,ggx";
     options.scene.n_points = 256;
     return options;
@@ -114,7 +115,7 @@ static void write_by_hand(unsigned failed, const char *path) {
     static char *names[N_HAND], *failures[N_HAND];
     nqm_corpus_options options = small_corpus(NQM_CORPUS_TRAINING);
     options.n_perturbations = 5;
-    options.n_far = options.n_roundings = 0;
+    options.n_far = options.n_roundings = options.n_variants = 0;
     nqm_directions *d = directions();
     nqm_corpus c = {.n_items = 1, .n_refs = 1, .n_tests = N_HAND, .n_directions = 50, .items = &item};
     c.context.options = &options;

@@ -211,7 +211,7 @@ static void plans_hold_candidates(void **state) {
     assert_int_equal(plan.n_refs, 2);
     assert_int_equal(n_family[NQM_FAMILY_ENCODING], 2);
     assert_int_equal(n_family[NQM_FAMILY_FORM], 2);
-    assert_int_equal(n_family[NQM_FAMILY_FAR], 2 * NQM_CORPUS_CANDIDATES * 10);
+    assert_int_equal(n_family[NQM_FAMILY_FAR], 2 * 15);
     assert_int_equal(n_family[NQM_FAMILY_ROUNDING], 2 * 4);
     assert_int_equal(n_family[NQM_FAMILY_PERTURBATION] + n_family[NQM_FAMILY_COMPOSED], 2 * 5);
     nqm_corpus_plan_free(&plan);

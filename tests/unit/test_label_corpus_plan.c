@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
  * Lists and plans of corpora: invalid lists are refused; plans have no unseen kinds in training and depend only on the
- * seed and the names; folded and tabulated forms.
+ * seed and the names; tabulated forms.
  */
 #include "brdf/brdf.h"
 #include "label/corpus.h"
@@ -111,7 +111,7 @@ static void plan_of(nqm_corpus_part part, uint64_t seed, size_t group, nqm_corpu
     nqm_corpus_options options = nqm_corpus_options_default();
     options.part = part;
     options.seed = seed;
-    options.n_far = options.n_roundings = 0;
+    options.n_far = options.n_roundings = options.n_variants = 0;
     assert_int_equal(nqm_corpus_list_load(write_text("list.csv", corpus_materials), NULL, &list, NULL), NQM_OK);
     nqm_corpus_models models;
     assert_int_equal(nqm_corpus_models_parse(NULL, &models, NULL), NQM_OK);
@@ -267,33 +267,6 @@ static void a_table_reads_like_its_source(void **state) {
     nqm_brdf_free(source);
 }
 
-/* f_r = z component of wi, which is not reciprocal. */
-static void lopsided_eval(const void *self, size_t n, const double *wi, const double *wo, double *rgb) {
-    (void)self;
-    (void)wo;
-    for (size_t i = 0; i < 3 * n; ++i)
-        rgb[i] = wi[3 * (i / 3) + 2];
-}
-
-static void folding_makes_reciprocal(void **state) {
-    (void)state;
-    static const nqm_brdf_class lopsided = {.format = "lopsided", .eval = lopsided_eval, .free = free_nothing};
-    nqm_brdf *brdf, *folded;
-    assert_int_equal(nqm_brdf_wrap(&lopsided, NULL, &(nqm_brdf_info){.name = "lopsided"}, &brdf, NULL), NQM_OK);
-    assert_int_equal(nqm_brdf_fold(brdf, true, &folded, NULL), NQM_OK);
-    nqm_rng rng = nqm_rng_make(3, 0);
-    for (int i = 0; i < 200; ++i) {
-        const double hd[3] = {0.7 * nqm_rng_uniform(&rng), 0.7 * nqm_rng_uniform(&rng), 3.1 * nqm_rng_uniform(&rng)};
-        double wi[3], wo[3], forth[3], back[3];
-        nqm_half_diff_to_directions(hd, wi, wo);
-        nqm_brdf_eval(folded, 1, wi, wo, forth, NULL);
-        nqm_brdf_eval(folded, 1, wo, wi, back, NULL);
-        assert_near(forth[0], wi[2], 1e-9); /* phi_d in [0, pi) is the stored half */
-        assert_near(back[0], forth[0], 1e-9);
-    }
-    nqm_brdf_free(folded);
-}
-
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(list_goes_by_group),
@@ -306,7 +279,6 @@ int main(void) {
         cmocka_unit_test(highlights_go_missing),
         cmocka_unit_test(a_seed_is_a_plan),
         cmocka_unit_test(a_table_reads_like_its_source),
-        cmocka_unit_test(folding_makes_reciprocal),
     };
     return cmocka_run_group_tests_name("label: corpus plans", tests, make_folder, remove_made_folder);
 }
