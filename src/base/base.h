@@ -199,6 +199,31 @@ typedef struct nqm_number_type {
 } nqm_number_type;
 double nqm_load_number(const unsigned char *p, nqm_number_type type, bool big_endian);
 
+/* ---- names to values --------------------------------------------------------------------------------------------- */
+
+/** A key: a name in a scope. Scopes are equal by address, texts by content; a NULL kind equals NULL only. */
+typedef struct nqm_index_key {
+    const void *scope;
+    const char *kind, *name;
+} nqm_index_key;
+
+/** A hash table of borrowed values that know their key: 16 to 32 bytes for each. */
+typedef struct nqm_index {
+    const void **slots; /* (n_slots), NULL: empty */
+    size_t n_slots;
+    nqm_index_key (*key_of)(const void *value);
+} nqm_index;
+
+/** Create an empty table with room for max_n values. */
+NQM_MUST_CHECK nqm_status nqm_index_create(size_t max_n, nqm_index_key (*key_of)(const void *value),
+                                           nqm_index *index_ret, nqm_error *err);
+/** Add a value, unless there is one of the same key. */
+void nqm_index_add(nqm_index *index, const void *value);
+/** The first value that was added with this key; NULL: none. */
+const void *nqm_index_find(const nqm_index *index, nqm_index_key key);
+/** A zeroed table is allowed. */
+void nqm_index_free(nqm_index *index);
+
 /* ---- locale-independent number conversion ------------------------------------------------------------------------ */
 
 /** Parse a decimal number at `text`; *end points after it. false when there is none, and for inf, nan and hexadecimal ones. */

@@ -359,11 +359,10 @@ static nqm_status check_root(const reader *r, const json_t *root) {
     return NQM_OK;
 }
 
-/* Refuse a material because of an extension that the file requires. */
-static nqm_status refuse_required(const reader *r, const char *required, const json_t *material,
+/* Refuse a material because of an extension that the file requires. at: of the list of these in the JSON text. */
+static nqm_status refuse_required(const reader *r, const char *required, size_t at, const json_t *material,
                                   nqm_materials *materials) {
     char refusal[160];
-    const size_t at = nqm_json_path(&r->source, nqm_json_begin(&r->source), "extensionsRequired");
     snprintf(refusal, sizeof refusal, "extensionsRequired: %.80s is not known", required);
     const nqm_material_info info = {.name = json_string_value(json_object_get(material, "name")),
                                     .surface = "glTF metallic-roughness",
@@ -391,6 +390,7 @@ static nqm_status read_root(reader *r, const json_t *root, nqm_materials *materi
     if (status != NQM_OK)
         return status;
     const char *required = unknown_requirement(root);
+    const size_t required_at = nqm_json_path(&r->source, nqm_json_begin(&r->source), "extensionsRequired");
     const size_t n = json_array_size(json_object_get(root, "materials"));
     r->at = nqm_json_first(&r->source, nqm_json_path(&r->source, nqm_json_begin(&r->source), "materials"));
     if (n && r->at == SIZE_MAX)
@@ -401,8 +401,8 @@ static nqm_status read_root(reader *r, const json_t *root, nqm_materials *materi
         json_t *material;
         status = parse(r, r->source.text + at, nqm_json_end(&r->source, at) - at, at, &material);
         if (status == NQM_OK)
-            status =
-                required ? refuse_required(r, required, material, materials) : read_material(r, material, materials);
+            status = required ? refuse_required(r, required, required_at, material, materials)
+                              : read_material(r, material, materials);
         json_decref(material);
         r->at = nqm_json_next(&r->source, at);
     }
