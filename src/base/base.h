@@ -83,6 +83,9 @@ typedef struct nqm_map {
     int fd;
 } nqm_map;
 
+/** The kind of a file is told from this many bytes at most, so that the time until a file is refused does not depend on its size. */
+enum { NQM_PROBE_BYTES = 1 << 20 };
+
 /** A short byte range of a file, and the buffer that receives it. */
 typedef struct nqm_piece {
     size_t offset;

@@ -31,6 +31,7 @@ typedef struct reading {
     element *root, *material, *shader;
     const nqm_mtlx_surface *surface;
     nqm_shading shading;
+    uint64_t given; /* bit i: input i of the surface has been read */
     char refusal[400];
     int64_t byte_offset;
 } reading;
@@ -137,23 +138,33 @@ static bool parse_numbers(const char *text, size_t n, double *v) {
     return true;
 }
 
+/* Where an input and the constant that it is connected to name types, these are that of the definition; a flag may be boolean. */
+static bool has_type(element *e, const char *type) {
+    const char *given = nqm_xml_get(e, "type");
+    return !given || strcmp(given, type) == 0 || (strcmp(type, "color3") != 0 && strcmp(given, "boolean") == 0);
+}
+
 /* The value of an input of the shader as 1 or 3 numbers; colours in linear BT.709. false: refused. */
-static bool read_value(reading *r, element *input, size_t n, double v[3]) {
+static bool read_value(reading *r, element *input, const char *type, double v[3]) {
+    const size_t n = strcmp(type, "color3") == 0 ? 3 : 1;
     const char *name = nqm_xml_get(input, "name");
     element *at = follow(r, name, input);
     if (!at)
         return false;
-    const char *text = nqm_xml_get(at, "value"), *type = nqm_xml_get(at, "type");
+    const char *text = nqm_xml_get(at, "value");
     if (!text)
         return refuse(r, input, "%s has no value", name);
-    if (is_text(type, "boolean") && n == 1 && (is_text(text, "true") || is_text(text, "false"))) {
+    if (!has_type(input, type) || !has_type(at, type))
+        return refuse(r, input, "%s is of type %s, not '%.40s'", name, type,
+                      nqm_xml_get(has_type(input, type) ? at : input, "type"));
+    if (is_text(nqm_xml_get(at, "type"), "boolean") && n == 1 && (is_text(text, "true") || is_text(text, "false"))) {
         v[0] = *text == 't';
         return true;
     }
     if (!parse_numbers(text, n, v))
         return refuse(r, input, "%s needs %s, not '%.40s'", name, n == 3 ? "three numbers" : "a number", text);
     const char *space = inherited(at, "colorspace");
-    if (n == 3 && is_text(type, "color3") && !nqm_color_to_rec709(space, v))
+    if (n == 3 && !nqm_color_to_rec709(space, v))
         return refuse(r, input, "%s is in the colour space '%.40s', which is not known", name, space);
     for (size_t c = 0; c < n; ++c)
         if (!isfinite(v[c]))
@@ -176,7 +187,7 @@ static const nqm_mtlx_input *find_input(const nqm_mtlx_surface *surface, const c
 
 static bool read_key(reading *r, element *e, const nqm_mtlx_input *input) {
     double v[3];
-    if (!read_value(r, e, channels_of(input), v))
+    if (!read_value(r, e, input->type, v))
         return false;
     for (size_t c = 0; c < channels_of(input); ++c) {
         if (channels_of(input) == 3 && v[c] < OUT_OF_GAMUT)
@@ -184,6 +195,8 @@ static bool read_key(reading *r, element *e, const nqm_mtlx_input *input) {
         if (channels_of(input) == 3)
             v[c] = fmax(v[c], 0);
     }
+    if (!(v[0] > 0) && is_text(input->name, "specular_ior")) /* of OpenPBR; MaterialX's velvet has specular_IOR 0 */
+        return refuse(r, e, "%s is %.4g; an index of refraction is above 0", input->name, v[0]);
     nqm_shading_set(&r->shading, input->name, channels_of(input), v);
     return true;
 }
@@ -193,14 +206,14 @@ static bool is_zero(reading *r, const char *name) {
     const nqm_mtlx_input *input = find_input(r->surface, name);
     element *e = find_child(r, r->shader, "input", name);
     double v[3] = {input->value};
-    return (!e || read_value(r, e, 1, v)) && v[0] == 0;
+    return (!e || read_value(r, e, "float", v)) && v[0] == 0;
 }
 
 static bool check_neutral(reading *r, element *e, const nqm_mtlx_input *input) {
     double v[3];
     if (input->gate && is_zero(r, input->gate))
         return true;
-    if (!read_value(r, e, channels_of(input), v)) {
+    if (!read_value(r, e, input->type, v)) {
         char why[sizeof r->refusal];
         memcpy(why, r->refusal, sizeof why);
         return refuse(r, e, "%.300s (%s)", why, input->what);
@@ -223,6 +236,10 @@ static bool read_input(reading *r, element *e) {
     const nqm_mtlx_input *input = find_input(r->surface, name);
     if (!input)
         return refuse(r, e, "%s has no input '%.40s'", r->surface->node, name ? name : "");
+    const uint64_t bit = (uint64_t)1 << (input - r->surface->inputs);
+    if (r->given & bit)
+        return refuse(r, e, "%s is given twice", name);
+    r->given |= bit;
     if (!is_connected(e) && !nqm_xml_get(e, "value"))
         return true; /* the default */
     switch (input->kind) {
@@ -233,6 +250,8 @@ static bool read_input(reading *r, element *e) {
     case NQM_MTLX_NORMAL:
         return check_normal(r, e, name);
     default:
+        if (strcmp(name, "occlusion") == 0)
+            r->shading.remark = NQM_OCCLUSION_REMARK;
         return true;
     }
 }
@@ -324,7 +343,8 @@ static nqm_status add_again(nqm_material_info earlier, element *material, nqm_ma
 static nqm_status add_material(reading *r, element *material, nqm_materials *materials, nqm_error *err) {
     const size_t number = nqm_materials_count(materials);
     r->material = material;
-    r->shading.n = 0;
+    r->shading = (nqm_shading){.n = 0};
+    r->given = 0;
     r->refusal[0] = 0;
     r->shader = strcmp(material->name, "surfacematerial") == 0 ? find_shader(r) : material;
     const bool has_shader = r->shader && check_displacement(r);
