@@ -125,8 +125,8 @@ static void what_is_no_brdf_is_refused(void **state) {
          "pbrMetallicRoughness.metallicRoughnessTexture:", "{}}"},
         {"\"normalTexture\": {\"index\": 1}", "normalTexture:", "{\"index\": 1}"},
         {"\"name\": \"\\\"emissiveTexture\\\"\", \"normalTexture\": {}", "normalTexture:", "{}}"},
-        {"\"pbrMetallicRoughness\": {\"baseColorFactor\": [1, 1, 1, -5]}", "pbrMetallicRoughness.baseColorFactor:",
-         "[1, 1, 1, -5]"},
+        {"\"pbrMetallicRoughness\": {\"baseColorFactor\": [1, 1, 1, -5]}",
+         "pbrMetallicRoughness.baseColorFactor:", "[1, 1, 1, -5]"},
         {"\"emissiveFactor\": [1, 1, 1], \"emissiveTexture\": {\"x\": 0}", "emissiveTexture:", "{\"x\""},
         {"\"emissiveFactor\": [0, 0.5, 0]", "emissiveFactor:", "[0, 0.5"},
         {"\"alphaMode\": \"BLEND\", \"pbrMetallicRoughness\": {\"baseColorFactor\": [1, 1, 1, 0.9]}",
@@ -354,12 +354,17 @@ static void files_have_valid_indices(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(properties_become_keys),           cmocka_unit_test(what_has_no_effect_is_accepted),
+        cmocka_unit_test(properties_become_keys),
+        cmocka_unit_test(what_has_no_effect_is_accepted),
         cmocka_unit_test(occlusion_is_ignored_with_a_remark),
-        cmocka_unit_test(what_is_no_brdf_is_refused),       cmocka_unit_test(requirements_concern_every_material),
-        cmocka_unit_test(positions_are_inside_of_the_file), cmocka_unit_test(materials_have_names),
-        cmocka_unit_test(broken_texts_are_refused),         cmocka_unit_test(broken_binary_files_are_refused),
-        cmocka_unit_test(files_give_back_the_same_bits),    cmocka_unit_test(files_have_the_extensions_that_they_need),
+        cmocka_unit_test(what_is_no_brdf_is_refused),
+        cmocka_unit_test(requirements_concern_every_material),
+        cmocka_unit_test(positions_are_inside_of_the_file),
+        cmocka_unit_test(materials_have_names),
+        cmocka_unit_test(broken_texts_are_refused),
+        cmocka_unit_test(broken_binary_files_are_refused),
+        cmocka_unit_test(files_give_back_the_same_bits),
+        cmocka_unit_test(files_have_the_extensions_that_they_need),
         cmocka_unit_test(files_have_valid_indices),
     };
     return cmocka_run_group_tests(tests, make_temp_file, remove_temp_file);
