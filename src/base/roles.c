@@ -57,7 +57,8 @@ static nqm_status add_role(const struct stat *st, unsigned char role, const char
             slot *s = find_slot(table.slots, table.n_slots, st);
             table.n_used += !s->is_used;
             roles = s->roles | role;
-            *s = (slot){st->st_dev, st->st_ino, true, roles};
+            /* an input stays one, and only that, when an output is refused */
+            *s = (slot){st->st_dev, st->st_ino, true, s->roles == ROLE_INPUT ? ROLE_INPUT : roles};
         } else {
             status = nqm_fail_nomem(err, 2 * table.n_slots * sizeof(slot));
         }

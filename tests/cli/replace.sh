@@ -48,6 +48,19 @@ refuses_to_replace d/sparse-0.safetensors fit d/sparse-0.safetensors --model spa
 keep f-1.exr
 refuses_to_replace f-1.exr render sgd:nickel --size 8 --light f-1.exr -o f-%d.exr --frames 2
 
+# A later argument reads what an earlier one would replace.
+mkdir out.d
+"$tool" translate 'gltf:base_color=0.8,0.3,0.1' --to gltf -o red.gltf --samples 300 >out
+cp red.gltf out.d/red.gltf
+keep out.d/red.gltf
+name=$(sed -n 's/.*"materials".*"name": *"\([^"]*\)".*/\1/p; s/^ *"name": *"\([^"]*\)".*/\1/p' red.gltf | head -1)
+refuses_to_replace out.d/red.gltf translate red.gltf "perturb:gloss=.5;of=out.d/red.gltf:$name" --to gltf -d out.d --samples 300
+
+# Two materials of one name.
+printf '{"asset":{"version":"2.0"},"materials":[{"name":"a"},{"name":"b"},{"name":"a"}]}' >twins.gltf
+refuses 4 "two materials have the name 'a'" score twins.gltf:a sgd:nickel
+run 0 score twins.gltf:b sgd:nickel
+
 # The dataset and its manifest.
 "$tool" directions -n 40 -o directions.csv
 cp d/sparse-0.safetensors enc.safetensors
