@@ -10,8 +10,8 @@ usage='usage: models/make.sh DATA WORK [quick]'
 data=${1:?$usage}
 mkdir -p "${2:?$usage}"
 case ${3-} in
-'') every=1 ;;
-quick) every=4 ;;
+'') every=1 every_test=1 ;;
+quick) every=4 every_test=2 ;;
 *)
     echo "models/make.sh: '$3' is not 'quick'; $usage" >&2
     exit 2
@@ -26,7 +26,7 @@ any_pair="--points 1024 --roundings 3 --every $every"
 train_pairs="$any_pair --perturbations 52 --far 20 --variants 10"
 test_pairs="$any_pair --perturbations 22 --far 14 --variants 10"
 # Model `paper` predicts the paper's scene, a rotating bunny under the Pixar Campus light, for encodings and perturbations.
-paper_scene="--scene paper --light $data/scene/pixar_campus_rgbe.png --shape $data/scene/bunny.ply --points 1536"
+paper_scene="--directions $work/directions.csv --scene paper --light $data/scene/pixar_campus_rgbe.png --shape $data/scene/bunny.ply --points 1536"
 paper_pairs="--models ward,ggx,nbrdf,sparse-0,sparse-1,sparse-2,hyper-0,hyper-1,hyper-2 --perturbations 30 --far 0 --roundings 0 --variants 0"
 
 NQM_TOOL=$nqm python3 "$here/scan.py" "$data" >"$work/materials.csv"
@@ -62,22 +62,21 @@ if [ "$new_encoders" ]; then
     exit 1
 fi
 
-if [ ! -f "$work/directions.csv" ]; then
-    # The directions are drawn by the energy of the training references only.
-    # shellcheck disable=SC2046 # arguments without blanks
-    "$nqm" directions $(training "$data/" "") -o "$work/directions.csv"
-fi
 # corpus NAME LIST SPLITS OPTIONS: make the dataset WORK/NAME.safetensors from WORK/LIST.csv.
 corpus() {
     [ ! -f "$work/$1.safetensors" ] || return 0
     # shellcheck disable=SC2086 # a list of options
-    "$nqm" dataset "$work/$2.csv" --root "$data" --directions "$work/directions.csv" --work "$work/groups" \
+    "$nqm" dataset "$work/$2.csv" --root "$data" --work "$work/groups" \
         --only "$3" $4 -o "$work/$1.safetensors" --log
     cp "$work/$1.safetensors.json" "$here/corpus-$1.json"
 }
+[ -f "$work/grid.csv" ] || "$nqm" directions --grid -o "$work/grid.csv"
 corpus train materials train,validation "$train_pairs"
 corpus test materials test "$test_pairs"
 if [ "$every" = 1 ]; then
+    [ -f "$work/directions.csv" ] || # drawn by the energy of the training references only
+        # shellcheck disable=SC2046 # arguments without blanks
+        "$nqm" directions $(training "$data/" "") -o "$work/directions.csv"
     grep -Ev ',(renderer|mirror|analytic),[a-z]+$' "$work/materials.csv" >"$work/paper-materials.csv"
     corpus paper-train paper-materials train,validation "$paper_scene $paper_pairs"
     corpus paper-test paper-materials test "$paper_scene $paper_pairs"
@@ -124,11 +123,11 @@ train default nqm "" " without options (four built-in scenes)" default.safetenso
     ", and 15 % of the renderer materials, mirrors and analytic models" --half
 [ "$every" = 1 ] || exit 0
 train paper paper paper- " --scene paper (a rotating bunny under the Pixar Campus light)" full/paper.safetensors ""
-# The scenes of both corpora as metrics without a network: more directions, and larger angles.
-"$nqm" directions -n 1000 --max-polar 85 -o "$work/transport-directions.csv"
-"$nqm" transport make --directions "$work/transport-directions.csv" --id transport -o "$here/transport.safetensors"
-# shellcheck disable=SC2086 # a list of options
-"$nqm" transport make --directions "$work/transport-directions.csv" --id transport-paper ${paper_scene% --points*} \
+# The scenes of both corpora as metrics without a network, with twice the points.
+"$nqm" transport make --points 256 --id transport -o "$here/transport.safetensors"
+# shellcheck disable=SC2046,SC2086 # a list of options
+"$nqm" transport make --points 256 --id transport-paper $(echo "${paper_scene% --points*}" | sed "s/.*--scene/--scene/") \
     -o "$here/full/transport-paper.safetensors"
+
 echo "build nqm again, so that it contains the new models; then draw the figures of the pages:"
 echo "  sh doc/figures/make.sh $data && sh doc/gallery/make.sh $data $work/train.safetensors $work/default.csv"

@@ -25,6 +25,7 @@ typedef struct nqm_material_info {
     const char
         *spec; /**< argument of nqm_brdf_open(): a spec, or a path relative to the file's folder; NULL: refused */
     const char *refusal; /**< the property that cannot be honoured, and why; NULL: the material is accepted */
+    const char *remark;  /**< a property that is left out because it is no part of a BRDF; NULL: none */
     int64_t byte_offset; /**< of the material or of the refused property in the file; -1: unknown */
 } nqm_material_info;
 

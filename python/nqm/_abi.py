@@ -190,7 +190,8 @@ class DatasetPair(Structure):
 
 class MaterialInfo(Structure):
     _c_name_ = "nqm_material_info"
-    _fields_ = [("name", c_char_p), ("surface", c_char_p), ("spec", c_char_p), ("refusal", c_char_p), ("byte_offset", c_int64)]
+    _fields_ = [("name", c_char_p), ("surface", c_char_p), ("spec", c_char_p), ("refusal", c_char_p),
+                ("remark", c_char_p), ("byte_offset", c_int64)]
 
 
 STRUCTS = [CError, BrdfCallbacks, BrdfInfo, BrdfCheckReport, DirectionsOptions, SampleReport, ModelInfo, MetricInfo, CLabel,

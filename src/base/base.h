@@ -11,6 +11,7 @@
 #include <stdbool.h>
 #include <stdio.h>
 #include <string.h>
+#include <sys/stat.h>
 
 /** Before a function: it is compiled for each width of vectors, and the widest that the processor has is called. */
 #if defined(__x86_64__) && defined(__gnu_linux__) && !defined(NQM_ONE_VECTOR_WIDTH)
@@ -82,6 +83,9 @@ typedef struct nqm_map {
     int fd;
 } nqm_map;
 
+/** The kind of a file is told from this many bytes at most, so that the time until a file is refused does not depend on its size. */
+enum { NQM_PROBE_BYTES = 1 << 20 };
+
 /** A short byte range of a file, and the buffer that receives it. */
 typedef struct nqm_piece {
     size_t offset;
@@ -91,6 +95,8 @@ typedef struct nqm_piece {
 /** Map a regular file. Directories, missing and unreadable files give NQM_ERR_IO. Pages are read when they are first
  *  touched. `path` must outlive the map. */
 NQM_MUST_CHECK nqm_status nqm_map_open(const char *path, nqm_map *map_ret, nqm_error *err);
+/** As nqm_map_open(), for a file that the same run may replace, because it continues what the file holds: it is no input. */
+NQM_MUST_CHECK nqm_status nqm_map_open_own(const char *path, nqm_map *map_ret, nqm_error *err);
 /** As nqm_map_open(), for a file of which often only a small part is read: read-ahead is off until nqm_map_expect(), so
  *  that touching a page loads only that page. The file stays open for nqm_map_gather(), unless the process has hundreds
  *  of files open. */
@@ -107,23 +113,43 @@ void nqm_map_close_file(nqm_map *map);
 void nqm_map_close(nqm_map *map);
 
 /** An output file that is written under a temporary name in the same folder and renamed when complete. Devices, pipes
- *  and everything below /dev are written in place. */
+ *  and everything below /dev are written in place. A file that is replaced passes on its permissions; through a symbolic
+ *  link, the file that it points to is replaced. */
 typedef struct nqm_outfile {
     FILE *stream;
-    char *path;      /* owned, with `temporary` in the same block */
+    char *path;      /* owned, with `temporary` in the same block; of the file that a link points to */
     char *temporary; /* NULL: written in place */
 } nqm_outfile;
 
-/** Open `PATH.N.part` for writing, N the first number that no process is writing. */
+/** Open `PATH.N.part` for writing, N the first number that no process is writing. NQM_ERR_IO for a write-protected file and for a
+ *  symbolic link to nothing; NQM_ERR_ARG for an input of this run (nqm_roles_enforce()). */
 NQM_MUST_CHECK nqm_status nqm_outfile_open(const char *path, nqm_outfile *out_ret, nqm_error *err);
 /** Flush, sync and rename to the final name, and remove the temporary files that killed processes have left of it. On failure
  *  remove the temporary file. Closes the outfile in both cases. */
 NQM_MUST_CHECK nqm_status nqm_outfile_commit(nqm_outfile *out, nqm_error *err);
 /** Remove the temporary file; a zeroed or committed outfile is allowed. */
 void nqm_outfile_abort(nqm_outfile *out);
+/** Give an open file the permissions of the file `path`, if that exists. */
+void nqm_keep_mode(int fd, const char *path);
+/** Rename a complete file to `path`, unless that would replace an input of this run. */
+NQM_MUST_CHECK nqm_status nqm_replace(const char *temporary, const char *path, nqm_error *err);
 /** Unlink the temporary files of all outputs that are open. For signal handlers (it is async-signal-safe) of a process that ends
  *  at once. */
 void nqm_outfile_unlink_all(void);
+
+/* Roles of files. No run of the tool replaces a file that it reads: the tool calls nqm_roles_enforce() first. From then on the
+ * process keeps device and inode of every file that it opens with nqm_map_open(), and of every existing file that it opens with
+ * nqm_outfile_open(), by whatever path: 48 bytes for each, until it ends. Opening one as both, in either order, and renaming an
+ * output over an input, give NQM_ERR_ARG. Threads may share the functions. */
+
+/** Begin to keep and compare roles. There is no way back. */
+void nqm_roles_enforce(void);
+/** Make a file an input, for readers that do not use nqm_map_open(). */
+NQM_MUST_CHECK nqm_status nqm_role_input(const struct stat *st, const char *path, nqm_error *err);
+/** Make a file an output, if it exists. */
+NQM_MUST_CHECK nqm_status nqm_role_output(const char *path, nqm_error *err);
+/** Remove the roles of a file that has been created or replaced: inode numbers are used again. */
+void nqm_role_forget(const struct stat *st);
 
 /** Whether the open file still has this path: after a lock was waited for or taken, another process may have removed or
  *  replaced the file. */
@@ -175,6 +201,31 @@ typedef struct nqm_number_type {
     unsigned char n_bytes;
 } nqm_number_type;
 double nqm_load_number(const unsigned char *p, nqm_number_type type, bool big_endian);
+
+/* ---- names to values --------------------------------------------------------------------------------------------- */
+
+/** A key: a name in a scope. Scopes are equal by address, texts by content; a NULL kind equals NULL only. */
+typedef struct nqm_index_key {
+    const void *scope;
+    const char *kind, *name;
+} nqm_index_key;
+
+/** A hash table of borrowed values that know their key: 16 to 32 bytes for each. */
+typedef struct nqm_index {
+    const void **slots; /* (n_slots), NULL: empty */
+    size_t n_slots;
+    nqm_index_key (*key_of)(const void *value);
+} nqm_index;
+
+/** Create an empty table with room for max_n values. */
+NQM_MUST_CHECK nqm_status nqm_index_create(size_t max_n, nqm_index_key (*key_of)(const void *value),
+                                           nqm_index *index_ret, nqm_error *err);
+/** Add a value, unless there is one of the same key. */
+void nqm_index_add(nqm_index *index, const void *value);
+/** The first value that was added with this key; NULL: none. */
+const void *nqm_index_find(const nqm_index *index, nqm_index_key key);
+/** A zeroed table is allowed. */
+void nqm_index_free(nqm_index *index);
 
 /* ---- locale-independent number conversion ------------------------------------------------------------------------ */
 

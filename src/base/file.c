@@ -17,8 +17,8 @@ void nqm_map_close_file(nqm_map *map) {
     map->has_fd = false;
 }
 
-/* keep: leave the descriptor open, owned by the map. */
-static nqm_status open_map(const char *path, bool keep, nqm_map *map_ret, nqm_error *err) {
+/* keep: leave the descriptor open, owned by the map. is_input: the run must not replace the file. */
+static nqm_status open_map(const char *path, bool keep, bool is_input, nqm_map *map_ret, nqm_error *err) {
     *map_ret = (nqm_map){0};
     int fd = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK); /* O_NONBLOCK: opening a FIFO must not block */
     if (fd < 0)
@@ -31,7 +31,10 @@ static nqm_status open_map(const char *path, bool keep, nqm_map *map_ret, nqm_er
         status = nqm_fail(err, NQM_ERR_IO, -1, "%s: is a directory, a file is needed", path);
     } else if (!S_ISREG(st.st_mode)) {
         status = nqm_fail(err, NQM_ERR_IO, -1, "%s: is not a regular file", path);
-    } else if (st.st_size > 0) {
+    } else if (is_input) {
+        status = nqm_role_input(&st, path, err);
+    }
+    if (status == NQM_OK && st.st_size > 0) {
         void *data = mmap(NULL, (size_t)st.st_size, PROT_READ, MAP_PRIVATE, fd, 0);
         if (data == MAP_FAILED) {
             status = nqm_fail(err, NQM_ERR_IO, -1, "%s: %s", path, strerror(errno));
@@ -52,12 +55,16 @@ static nqm_status open_map(const char *path, bool keep, nqm_map *map_ret, nqm_er
 }
 
 nqm_status nqm_map_open(const char *path, nqm_map *map_ret, nqm_error *err) {
-    return open_map(path, false, map_ret, err);
+    return open_map(path, false, true, map_ret, err);
+}
+
+nqm_status nqm_map_open_own(const char *path, nqm_map *map_ret, nqm_error *err) {
+    return open_map(path, false, false, map_ret, err);
 }
 
 nqm_status nqm_map_open_sparse(const char *path, nqm_map *map_ret, nqm_error *err) {
     enum { MAX_KEPT_FD = 256 }; /* the usual limit of a process is 1024 */
-    nqm_status status = open_map(path, true, map_ret, err);
+    nqm_status status = open_map(path, true, true, map_ret, err);
     if (map_ret->data) /* advice only, failure is harmless */
         (void)posix_madvise((void *)(uintptr_t)map_ret->data, map_ret->n_bytes, POSIX_MADV_RANDOM);
     if (map_ret->has_fd && map_ret->fd >= MAX_KEPT_FD)

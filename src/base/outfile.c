@@ -9,6 +9,7 @@
 #include <errno.h>
 #include <fcntl.h>
 #include <stdatomic.h>
+#include <stdlib.h>
 #include <string.h>
 #include <sys/file.h>
 #include <sys/stat.h>
@@ -58,19 +59,25 @@ static void remove_all_abandoned(nqm_outfile *out) {
     }
 }
 
-/* Create and lock the first free temporary file. Returns a descriptor, or -1 with errno set. open() applies the umask;
- * mkstemps() would make the file accessible to its owner only. */
+/* Create and lock the first free temporary file. Returns a descriptor, or -1 with errno set. A new file has the permissions that
+ * the umask leaves; one that replaces a private file is private from the beginning. */
 static int create_temporary(nqm_outfile *out) {
+    struct stat st;
+    const mode_t mode = stat(out->path, &st) == 0 ? st.st_mode & 0666 : 0666;
     for (unsigned number = 1;; ++number) {
         name_temporary(out, number);
         remove_abandoned(out->temporary);
-        const int fd = open(out->temporary, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+        const int fd = open(out->temporary, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, mode);
         if (fd < 0 && errno != EEXIST)
             return -1;
         /* Another process may remove the new file before it is locked. */
         if (fd >= 0 && (flock(fd, LOCK_EX | LOCK_NB) == 0 || errno != EWOULDBLOCK) &&
-            nqm_is_file_at(fd, out->temporary))
+            nqm_is_file_at(fd, out->temporary)) {
+            nqm_keep_mode(fd, out->path);
+            if (fstat(fd, &st) == 0)
+                nqm_role_forget(&st);
             return fd;
+        }
         if (fd >= 0)
             close(fd);
     }
@@ -115,7 +122,34 @@ void nqm_outfile_unlink_all(void) {
 
 /* ---- output files ------------------------------------------------------------------------------------------------ */
 
-nqm_status nqm_outfile_open(const char *path, nqm_outfile *out_ret, nqm_error *err) {
+void nqm_keep_mode(int fd, const char *path) {
+    struct stat st;
+    if (stat(path, &st) == 0)
+        (void)fchmod(fd, st.st_mode & 0777); /* a file system without permissions refuses */
+}
+
+nqm_status nqm_replace(const char *temporary, const char *path, nqm_error *err) {
+    struct stat old;
+    const bool exists = stat(path, &old) == 0;
+    nqm_status status = nqm_role_output(path, err);
+    if (status == NQM_OK && rename(temporary, path) != 0)
+        status = nqm_fail(err, NQM_ERR_IO, -1, "%s: cannot write: %s", path, strerror(errno));
+    if (status == NQM_OK && exists)
+        nqm_role_forget(&old);
+    return status;
+}
+
+/* Why a file that exists must not be replaced, or NULL. Its owner could rename over a write-protected file, and root over any. */
+static const char *find_protection(const char *path) {
+    struct stat st;
+    if (stat(path, &st) != 0)
+        return lstat(path, &st) == 0 ? "it is a symbolic link to nothing; remove it, or create its file" : NULL;
+    if (S_ISREG(st.st_mode) && (!(st.st_mode & 0222) || access(path, W_OK) != 0))
+        return "it is write-protected; change its permissions (chmod u+w), or give another name";
+    return NULL;
+}
+
+static nqm_status open_target(const char *path, nqm_outfile *out_ret, nqm_error *err) {
     size_t n_path = strlen(path) + 1;
     bool in_place = is_special(path);
     char *names = nqm_alloc(2 * n_path + N_SUFFIX, 1); /* `path`, then `temporary` */
@@ -141,6 +175,22 @@ nqm_status nqm_outfile_open(const char *path, nqm_outfile *out_ret, nqm_error *e
     return status;
 }
 
+nqm_status nqm_outfile_open(const char *path, nqm_outfile *out_ret, nqm_error *err) {
+    struct stat st;
+    *out_ret = (nqm_outfile){0};
+    if (is_special(path))
+        return open_target(path, out_ret, err);
+    const char *protection = find_protection(path);
+    if (protection)
+        return nqm_fail(err, NQM_ERR_IO, -1, "%s: cannot write: %s", path, protection);
+    char *target = lstat(path, &st) == 0 && S_ISLNK(st.st_mode) ? realpath(path, NULL) : NULL;
+    nqm_status status = nqm_role_output(path, err);
+    if (status == NQM_OK)
+        status = open_target(target ? target : path, out_ret, err);
+    free(target);
+    return status;
+}
+
 void nqm_outfile_abort(nqm_outfile *out) {
     if (out->stream)
         fclose(out->stream);
@@ -157,20 +207,20 @@ nqm_status nqm_outfile_commit(nqm_outfile *out, nqm_error *err) {
     bad = fflush(out->stream) != 0 || bad;
     if (out->temporary)
         bad = fsync(fileno(out->stream)) != 0 || bad;
-    char *written = out->temporary;
+    nqm_status status = NQM_OK;
     /* Rename before closing, which releases the lock. */
-    if (!bad && out->temporary)
-        bad = rename(out->temporary, out->path) != 0;
-    if (!bad && written) {
-        forget_unfinished(written); /* before its name can be that of another process */
-        remove_all_abandoned(out);
+    if (!bad && out->temporary) {
+        status = nqm_replace(out->temporary, out->path, err);
+        if (status == NQM_OK) {
+            forget_unfinished(out->temporary); /* before its name can be that of another process */
+            remove_all_abandoned(out);
+            out->temporary = NULL; /* renamed: there is nothing to remove */
+        }
     }
-    if (!bad)
-        out->temporary = NULL; /* renamed: there is nothing to remove */
     bad = fclose(out->stream) != 0 || bad;
     out->stream = NULL;
-    nqm_status status =
-        bad ? nqm_fail(err, NQM_ERR_IO, -1, "%s: cannot write: %s", out->path, strerror(errno)) : NQM_OK;
+    if (status == NQM_OK && bad)
+        status = nqm_fail(err, NQM_ERR_IO, -1, "%s: cannot write: %s", out->path, strerror(errno));
     nqm_outfile_abort(out);
     return status;
 }

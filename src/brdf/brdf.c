@@ -84,16 +84,25 @@ static nqm_status select_material(const char *path, const nqm_materials *materia
                                   nqm_material_info *info, nqm_error *err) {
     const size_t n = nqm_materials_count(materials);
     char names[256] = "";
-    size_t used = 0;
+    size_t used = 0, n_found = 0;
     nqm_nearest nearest = nqm_nearest_begin(material ? material : "");
     for (size_t i = 0; i < n; ++i) {
-        *info = nqm_materials_get(materials, i);
-        if (material ? strcmp(info->name, material) == 0 : n == 1)
-            return NQM_OK;
-        nqm_nearest_add(&nearest, info->name);
+        const nqm_material_info one = nqm_materials_get(materials, i);
+        const bool is_it = material ? strcmp(one.name, material) == 0 : n == 1;
+        if (is_it && n_found++)
+            return nqm_fail(err, NQM_ERR_FORMAT, one.byte_offset,
+                            "%s: two materials have the name '%s' (bytes %lld and %lld); rename one", path, material,
+                            (long long)info->byte_offset, (long long)one.byte_offset);
+        if (is_it)
+            *info = one;
+        if (n_found)
+            continue;
+        nqm_nearest_add(&nearest, one.name);
         if (used < sizeof names)
-            used += (size_t)snprintf(names + used, sizeof names - used, "%s%s", i ? ", " : "", info->name);
+            used += (size_t)snprintf(names + used, sizeof names - used, "%s%s", i ? ", " : "", one.name);
     }
+    if (n_found)
+        return NQM_OK;
     return material ? nqm_fail(err, NQM_ERR_ARG, -1, "%s: there is no material '%s' in this file%s; it has %s", path,
                                material, nearest.advice, names)
                     : nqm_fail(err, NQM_ERR_ARG, -1, "%s: name one material of this file, '%s:MATERIAL': %s", path,

@@ -20,13 +20,14 @@ static const double degree = NQM_PI / 180, default_tolerance = 0.1;
 
 bool nqm_listed_probe(const nqm_map *map) {
     char line[512]; /* the first line that is neither blank nor a comment, in small letters */
-    size_t at = map->n_bytes >= 3 && memcmp(map->data, "\xef\xbb\xbf", 3) == 0 ? 3 : 0, n;
+    const size_t n_bytes = nqm_smaller(map->n_bytes, NQM_PROBE_BYTES);
+    size_t at = n_bytes >= 3 && memcmp(map->data, "\xef\xbb\xbf", 3) == 0 ? 3 : 0, n;
     do {
-        for (n = 0; at < map->n_bytes && map->data[at] != '\n'; ++at)
+        for (n = 0; at < n_bytes && map->data[at] != '\n'; ++at)
             if (n < sizeof line - 1)
                 line[n++] = (char)(map->data[at] >= 'A' && map->data[at] <= 'Z' ? map->data[at] + 32 : map->data[at]);
         line[n] = '\0';
-    } while (at++ < map->n_bytes && (*line == '#' || strspn(line, " \t\r") == n));
+    } while (at++ < n_bytes && (*line == '#' || strspn(line, " \t\r") == n));
     return (strstr(line, "theta_h") && strstr(line, "theta_d") && strstr(line, "phi_d")) ||
            (strstr(line, "theta_i") && strstr(line, "phi_i") && strstr(line, "theta_o") && strstr(line, "phi_o"));
 }

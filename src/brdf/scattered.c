@@ -7,6 +7,7 @@
 
 #include "math/math.h"
 #include <math.h>
+#include <stddef.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -97,6 +98,29 @@ static size_t expand(size_t n, const nqm_listed *rows, bool reciprocal, sample *
     return n_out;
 }
 
+/* By direction, equal ones in the order of the file. */
+static int compare_samples(const void *a, const void *b) {
+    const sample *x = *(const sample *const *)a, *y = *(const sample *const *)b;
+    const int order = memcmp(x, y, offsetof(sample, rgb));
+    return order ? order : (x > y) - (x < y);
+}
+
+/* Remove all but the last sample of a direction, which is the one that counts: a search passes over all samples near a direction.
+ * sorted: scratch (n). Returns the number of those that stay, in their order. */
+static size_t drop_repeated(size_t n, sample *list, const sample **sorted) {
+    size_t n_kept = 0;
+    for (size_t i = 0; i < n; ++i)
+        sorted[i] = list + i;
+    qsort(sorted, n, sizeof *sorted, compare_samples);
+    for (size_t i = 0; i + 1 < n; ++i)
+        if (memcmp(sorted[i], sorted[i + 1], offsetof(sample, rgb)) == 0)
+            list[sorted[i] - list].rgb[0] = NAN;
+    for (size_t i = 0; i < n; ++i)
+        if (!isnan(list[i].rgb[0]))
+            list[n_kept++] = list[i];
+    return n_kept;
+}
+
 /* Copy `unsorted` to the table in the order of theta. order: scratch (n). */
 static void sort(scattered *t, const sample *unsorted, nqm_indexed *order) {
     for (size_t i = 0; i < t->n; ++i)
@@ -111,18 +135,24 @@ static void sort(scattered *t, const sample *unsorted, nqm_indexed *order) {
 nqm_status nqm_scattered_create(size_t n, const nqm_listed *rows, bool reciprocal, double tolerance, const char *name,
                                 nqm_brdf **brdf_ret, nqm_error *err) {
     const size_t most = reciprocal ? 2 * n : n;
+    size_t n_used = 0;
     scattered *t;
     double *theta;
     sample *sorted, *unsorted;
+    const sample **repeated;
     nqm_indexed *order;
     nqm_status status = nqm_alloc_arrays(
         NQM_ARRAYS({&t, 1, sizeof *t}, {&theta, most, sizeof *theta}, {&sorted, most, sizeof *sorted}), err);
     if (status != NQM_OK)
         return status;
-    status = nqm_alloc_arrays(NQM_ARRAYS({&unsorted, most, sizeof *unsorted}, {&order, most, sizeof *order}), err);
+    status = nqm_alloc_arrays(NQM_ARRAYS({&unsorted, most, sizeof *unsorted}, {&order, most, sizeof *order},
+                                         {&repeated, most, sizeof *repeated}),
+                              err);
     if (status == NQM_OK) {
         *t = (scattered){.reach = 2 * sin(tolerance / 2), .theta = theta, .sample = sorted};
         t->n = expand(n, rows, reciprocal, unsorted);
+        n_used = reciprocal ? t->n / 2 : t->n;
+        t->n = drop_repeated(t->n, unsorted, repeated);
         sort(t, unsorted, order);
         nqm_free(unsorted);
         if (t->n == 0)
@@ -134,7 +164,6 @@ nqm_status nqm_scattered_create(size_t n, const nqm_listed *rows, bool reciproca
         return status;
     }
     char layout[100];
-    const size_t n_used = reciprocal ? t->n / 2 : t->n;
     snprintf(layout, sizeof layout, "%zu directions, values within %g degrees of them", n_used,
              tolerance * 180 / NQM_PI);
     const nqm_brdf_info info = {.name = name, .layout = layout, .n_values = 3 * n_used};

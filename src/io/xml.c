@@ -156,6 +156,7 @@ nqm_status nqm_xml_parse(const void *data, size_t n_bytes, const char *path, nqm
     XML_SetParamEntityParsing(self.parser, XML_PARAM_ENTITY_PARSING_NEVER);
     nqm_status status = parse(&self, data, n_bytes);
     XML_ParserFree(self.parser);
+    xml_ret->n_elements = self.n_elements;
     if (status != NQM_OK)
         nqm_xml_free(xml_ret);
     return status;
@@ -175,6 +176,47 @@ const char *nqm_xml_get(const nqm_xml_element *element, const char *attribute) {
         if (strcmp(element->attributes[i].name, attribute) == 0)
             return element->attributes[i].value;
     return NULL;
+}
+
+static nqm_index_key key_of_any(const void *value) {
+    const nqm_xml_element *e = value;
+    return (nqm_index_key){e->parent, NULL, nqm_xml_get(e, "name")};
+}
+
+static nqm_index_key key_of_kind(const void *value) {
+    const nqm_xml_element *e = value;
+    return (nqm_index_key){e->parent, e->name, nqm_xml_get(e, "name")};
+}
+
+/* At most NQM_XML_MAX_DEPTH calls deep. */
+static void add_children(const nqm_xml_element *element, nqm_xml_names *names) {
+    for (const nqm_xml_element *child = element->first; child; child = child->next) {
+        if (nqm_xml_get(child, "name")) {
+            nqm_index_add(&names->any, child);
+            nqm_index_add(&names->of_kind, child);
+        }
+        add_children(child, names);
+    }
+}
+
+nqm_status nqm_xml_names_create(const nqm_xml *xml, nqm_xml_names *names_ret, nqm_error *err) {
+    *names_ret = (nqm_xml_names){0};
+    nqm_status status = nqm_index_create(xml->n_elements, key_of_any, &names_ret->any, err);
+    if (status == NQM_OK)
+        status = nqm_index_create(xml->n_elements, key_of_kind, &names_ret->of_kind, err);
+    if (status == NQM_OK)
+        add_children(xml->root, names_ret);
+    return status;
+}
+
+void nqm_xml_names_free(nqm_xml_names *names) {
+    nqm_index_free(&names->any);
+    nqm_index_free(&names->of_kind);
+}
+
+const nqm_xml_element *nqm_xml_find(const nqm_xml_names *names, const nqm_xml_element *parent, const char *kind,
+                                    const char *name) {
+    return nqm_index_find(kind ? &names->of_kind : &names->any, (nqm_index_key){parent, kind, name});
 }
 
 void nqm_xml_write_escaped(FILE *stream, const char *text) {

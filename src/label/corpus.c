@@ -185,6 +185,9 @@ static nqm_status check_output(const nqm_corpus_options *options, const char *pa
     nqm_outfile probe = {0};
     nqm_status status = nqm_outfile_open(path, &probe, err);
     nqm_outfile_abort(&probe);
+    if (status == NQM_OK)
+        status = nqm_corpus_manifest_open(path, &probe, err);
+    nqm_outfile_abort(&probe);
     return status;
 }
 

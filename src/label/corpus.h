@@ -329,6 +329,8 @@ NQM_MUST_CHECK nqm_status nqm_corpus_run(nqm_corpus *corpus, nqm_error *err);
 /** Write the finished corpus and its manifest. Tests that are no pairs are removed from the arrays. */
 NQM_MUST_CHECK nqm_status nqm_corpus_write(nqm_corpus *corpus, const char *path, nqm_error *err);
 
+/** Open the file of the manifest, which is written next to a dataset: `dataset_path`.json. */
+NQM_MUST_CHECK nqm_status nqm_corpus_manifest_open(const char *dataset_path, nqm_outfile *out_ret, nqm_error *err);
 /** The manifest as JSON text (nqm_free); NULL: out of memory, or a name is not UTF-8. */
 char *nqm_corpus_manifest(const nqm_corpus_context *context, size_t n_items, const nqm_corpus_item *items);
 

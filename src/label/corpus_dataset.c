@@ -79,22 +79,26 @@ static char *manifest_with_checksum(const char *manifest, const char *sha256) {
     return text;
 }
 
+nqm_status nqm_corpus_manifest_open(const char *dataset_path, nqm_outfile *out_ret, nqm_error *err) {
+    size_t n = strlen(dataset_path) + sizeof ".json";
+    char *path = nqm_alloc(n, 1);
+    if (!path)
+        return nqm_fail_nomem(err, n);
+    snprintf(path, n, "%s.json", dataset_path);
+    nqm_status status = nqm_outfile_open(path, out_ret, err);
+    nqm_free(path);
+    return status;
+}
+
 static nqm_status write_manifest(const char *dataset_path, const char *manifest, const char *sha256, nqm_error *err) {
-    size_t n = strlen(dataset_path) + 8;
-    char *path = nqm_alloc(n, 1), *text = manifest_with_checksum(manifest, sha256);
+    char *text = manifest_with_checksum(manifest, sha256);
     nqm_outfile out = {0};
-    nqm_status status = NQM_ERR_NOMEM;
-    if (path && text) {
-        snprintf(path, n, "%s.json", dataset_path);
-        status = nqm_outfile_open(path, &out, err);
-    } else {
-        status = nqm_fail_nomem(err, strlen(manifest));
-    }
+    nqm_status status =
+        text ? nqm_corpus_manifest_open(dataset_path, &out, err) : nqm_fail_nomem(err, strlen(manifest));
     if (status == NQM_OK) {
         fprintf(out.stream, "%s\n", text);
         status = nqm_outfile_commit(&out, err);
     }
-    nqm_free(path);
     free(text);
     return status;
 }

@@ -93,7 +93,7 @@ bool nqm_corpus_fit_load(const nqm_corpus_item *item, size_t ref, const char *mo
     nqm_map map = {0};
     nqm_safetensors *st = NULL;
     const char *values[N_META];
-    const bool loaded = path && access(path, R_OK) == 0 && nqm_map_open(path, &map, NULL) == NQM_OK &&
+    const bool loaded = path && access(path, R_OK) == 0 && nqm_map_open_own(path, &map, NULL) == NQM_OK &&
                         nqm_safetensors_parse(map.data, map.n_bytes, path, &st, NULL) == NQM_OK &&
                         read_meta(st, key_of(item, path), values) && take(values, &map, fit);
     if (!loaded)

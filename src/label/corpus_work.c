@@ -279,7 +279,7 @@ static size_t load_at(const char *path, size_t n_directions, nqm_corpus_item *it
     nqm_tensor tensors[N_TENSORS];
     nqm_map map;
     nqm_safetensors *st;
-    if (access(path, R_OK) != 0 || nqm_map_open(path, &map, NULL) != NQM_OK)
+    if (access(path, R_OK) != 0 || nqm_map_open_own(path, &map, NULL) != NQM_OK)
         return 0;
     if (nqm_safetensors_parse(map.data, map.n_bytes, path, &st, NULL) != NQM_OK) {
         nqm_map_close(&map);

@@ -9,6 +9,7 @@
 #include "material/json_where.h"
 
 #include <jansson.h>
+#include <limits.h>
 #include <stdarg.h>
 #include <strings.h>
 
@@ -97,6 +98,8 @@ static nqm_status read_property(reader *r, const nqm_gltf_property *p, const nqm
         status = read_numbers(r, path, value, p->kind == NQM_GLTF_COLOR ? 3 : 4, v);
         if (status == NQM_OK)
             nqm_shading_set(&r->shading, p->key, 3, v);
+        if (status == NQM_OK && p->kind == NQM_GLTF_BASE_COLOR && !(v[3] >= 0 && v[3] <= 1))
+            refuse(r, path, "", "alpha, its fourth number, is outside of 0 to 1");
         if (status == NQM_OK && p->kind == NQM_GLTF_BASE_COLOR)
             r->alpha = v[3];
         break;
@@ -212,18 +215,22 @@ static nqm_status check_alpha(reader *r, const json_t *material) {
 static nqm_status read_members(reader *r, json_t *material) {
     static const char *const known[] = {"name",           "extras",      "extensions",  "pbrMetallicRoughness",
                                         "emissiveFactor", "alphaCutoff", "doubleSided", "alphaMode"};
-    static const char *const textures[] = {"normalTexture", "occlusionTexture", "emissiveTexture"};
+    static const char *const textures[] = {"normalTexture", "emissiveTexture"};
     enum { N_KNOWN = sizeof known / sizeof *known, N_TEXTURES = sizeof textures / sizeof *textures };
     const char *name;
     json_t *value;
     json_object_foreach(material, name, value) {
         size_t i = 0, k = 0;
+        if (strcmp(name, "occlusionTexture") == 0) {
+            r->shading.remark = NQM_OCCLUSION_REMARK;
+            continue;
+        }
         while (i < N_KNOWN && strcmp(known[i], name) != 0)
             ++i;
         while (k < N_TEXTURES && strcmp(textures[k], name) != 0)
             ++k;
         /* the emission is texture times factor, whose default is 0 */
-        if (k == 2 &&
+        if (k == 1 &&
             (!json_object_get(material, "emissiveFactor") || is_zero(json_object_get(material, "emissiveFactor"))))
             continue;
         if (k < N_TEXTURES)
@@ -296,9 +303,10 @@ static nqm_status find_chunk(const nqm_map *map, reader *r, nqm_error *err) {
     return NQM_OK;
 }
 
-static bool contains(const nqm_map *map, const char *word) {
+/* Whether a word is among the first n_bytes. */
+static bool contains(const nqm_map *map, size_t n_bytes, const char *word) {
     const size_t n = strlen(word);
-    for (const unsigned char *p = map->data, *end = p + map->n_bytes; (size_t)(end - p) >= n; ++p) {
+    for (const unsigned char *p = map->data, *end = p + n_bytes; (size_t)(end - p) >= n; ++p) {
         p = memchr(p, word[0], (size_t)(end - p) - n + 1);
         if (!p)
             return false;
@@ -314,13 +322,15 @@ static bool has_suffix(const char *path, const char *suffix) {
 }
 
 static bool gltf_probe(const nqm_map *map) {
+    const size_t n = nqm_smaller(map->n_bytes, NQM_PROBE_BYTES);
     size_t i = 0;
     if (is_glb(map))
         return true;
-    while (i < map->n_bytes && memchr(" \t\r\n", map->data[i], 4))
+    while (i < n && memchr(" \t\r\n", map->data[i], 4))
         ++i;
-    return i < map->n_bytes && map->data[i] == '{' &&
-           (has_suffix(map->path, ".gltf") || contains(map, "\"asset\"") || contains(map, "\"pbrMetallicRoughness\""));
+    return i < n && map->data[i] == '{' &&
+           (has_suffix(map->path, ".gltf") || contains(map, n, "\"asset\"") ||
+            contains(map, n, "\"pbrMetallicRoughness\""));
 }
 
 /* An extension that every reader must know; NULL: none. */
@@ -340,16 +350,29 @@ static const char *unknown_requirement(const json_t *root) {
     return NULL;
 }
 
+/* "2.0", "2.1", ...; with max_minor the minor version is at most that. */
+static bool is_version_2(const char *version, int max_minor) {
+    int minor = 0, n = 0;
+    const bool is_valid = sscanf(version, "2.%9d%n", &minor, &n) == 1 && !version[n] && version[2] >= '0';
+    return is_valid && minor <= max_minor;
+}
+
 static nqm_status check_root(const reader *r, const json_t *root) {
-    const char *version = json_string_value(json_object_get(json_object_get(root, "asset"), "version"));
+    const json_t *asset = json_object_get(root, "asset"), *min_version = json_object_get(asset, "minVersion");
+    const char *version = json_string_value(json_object_get(asset, "version"));
     const size_t at = nqm_json_path(&r->source, nqm_json_begin(&r->source), "asset.version");
     const int64_t byte = (int64_t)(r->source_at + at);
     if (!version)
         return nqm_fail(r->err, NQM_ERR_FORMAT, byte, "%s: byte %lld: this JSON has no asset.version and is no glTF",
                         r->path, (long long)byte);
-    if (strncmp(version, "2.", 2) != 0)
+    if (!is_version_2(version, INT_MAX))
         return nqm_fail(r->err, NQM_ERR_FORMAT, byte, "%s: byte %lld: glTF %.20s; only glTF 2 is read", r->path,
                         (long long)byte, version);
+    if (min_version && !(json_is_string(min_version) && is_version_2(json_string_value(min_version), 0)))
+        return nqm_fail(r->err, NQM_ERR_FORMAT, byte,
+                        "%s: byte %lld: asset.minVersion is '%.20s'; a reader of glTF 2.0 must refuse such a file",
+                        r->path, (long long)byte,
+                        json_is_string(min_version) ? json_string_value(min_version) : "no string");
     const json_t *materials = json_object_get(root, "materials");
     const int64_t at_materials =
         (int64_t)(r->source_at + nqm_json_path(&r->source, nqm_json_begin(&r->source), "materials"));
@@ -359,11 +382,10 @@ static nqm_status check_root(const reader *r, const json_t *root) {
     return NQM_OK;
 }
 
-/* Refuse a material because of an extension that the file requires. */
-static nqm_status refuse_required(const reader *r, const char *required, const json_t *material,
+/* Refuse a material because of an extension that the file requires. at: of the list of these in the JSON text. */
+static nqm_status refuse_required(const reader *r, const char *required, size_t at, const json_t *material,
                                   nqm_materials *materials) {
     char refusal[160];
-    const size_t at = nqm_json_path(&r->source, nqm_json_begin(&r->source), "extensionsRequired");
     snprintf(refusal, sizeof refusal, "extensionsRequired: %.80s is not known", required);
     const nqm_material_info info = {.name = json_string_value(json_object_get(material, "name")),
                                     .surface = "glTF metallic-roughness",
@@ -391,6 +413,7 @@ static nqm_status read_root(reader *r, const json_t *root, nqm_materials *materi
     if (status != NQM_OK)
         return status;
     const char *required = unknown_requirement(root);
+    const size_t required_at = nqm_json_path(&r->source, nqm_json_begin(&r->source), "extensionsRequired");
     const size_t n = json_array_size(json_object_get(root, "materials"));
     r->at = nqm_json_first(&r->source, nqm_json_path(&r->source, nqm_json_begin(&r->source), "materials"));
     if (n && r->at == SIZE_MAX)
@@ -401,8 +424,8 @@ static nqm_status read_root(reader *r, const json_t *root, nqm_materials *materi
         json_t *material;
         status = parse(r, r->source.text + at, nqm_json_end(&r->source, at) - at, at, &material);
         if (status == NQM_OK)
-            status =
-                required ? refuse_required(r, required, material, materials) : read_material(r, material, materials);
+            status = required ? refuse_required(r, required, required_at, material, materials)
+                              : read_material(r, material, materials);
         json_decref(material);
         r->at = nqm_json_next(&r->source, at);
     }

@@ -49,7 +49,7 @@ nqm_status nqm_materials_add(nqm_materials *materials, const nqm_material_info *
     if (!list)
         return nqm_fail_nomem(err, (materials->n + 1) * sizeof *list);
     materials->list = list;
-    const char **texts[] = {&copy.name, &copy.surface, &copy.spec, &copy.refusal};
+    const char **texts[] = {&copy.name, &copy.surface, &copy.spec, &copy.refusal, &copy.remark};
     enum { N = sizeof texts / sizeof *texts };
     nqm_array arrays[N];
     char *blocks[N];
@@ -70,7 +70,8 @@ nqm_status nqm_materials_add_shading(nqm_materials *materials, const char *name,
     char *spec = nqm_shading_spec(shading);
     if (!spec)
         return nqm_fail_nomem(err, sizeof *shading);
-    const nqm_material_info info = {.name = name, .surface = surface, .spec = spec, .byte_offset = byte_offset};
+    const nqm_material_info info = {
+        .name = name, .surface = surface, .spec = spec, .remark = shading->remark, .byte_offset = byte_offset};
     nqm_status status = nqm_materials_add(materials, &info, err);
     nqm_free(spec);
     return status;

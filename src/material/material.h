@@ -22,9 +22,13 @@ enum { NQM_MAX_PROPERTIES = 64 };
 /** A shading model and its properties: a spec before it is text. */
 typedef struct nqm_shading {
     char model[32];
+    const char *remark; /**< of the material (nqm_material_info); a constant */
     size_t n;
     nqm_property properties[NQM_MAX_PROPERTIES];
 } nqm_shading;
+
+/** The remark of a material with a map or factor of ambient occlusion. */
+#define NQM_OCCLUSION_REMARK "occlusion is ignored: it is no part of a BRDF, which renderers multiply by it"
 
 /** Set a property, also one that has a value. n: 1 or 3. A key that is too long or too many are ignored: readers set keys of
  *  tables only. */

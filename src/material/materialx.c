@@ -22,9 +22,16 @@ static const double OUT_OF_GAMUT = -1e-3;
 
 /* What is read of a material: its spec, or why it is refused. */
 typedef struct reading {
+    nqm_xml_names names;
+    nqm_index shaders; /* of `known` */
+    struct known_shader {
+        element *shader;
+        size_t material; /* the first one that has it */
+    } * known;           /* (NQM_MAX_MATERIALS) */
     element *root, *material, *shader;
     const nqm_mtlx_surface *surface;
     nqm_shading shading;
+    uint64_t given; /* bit i: input i of the surface has been read */
     char refusal[400];
     int64_t byte_offset;
 } reading;
@@ -35,12 +42,9 @@ static bool is_text(const char *a, const char *b) {
     return a && strcmp(a, b) == 0;
 }
 
-/* A child with this name attribute; `category` NULL: of any element. */
-static element *find_child(element *parent, const char *category, const char *name) {
-    element *child = parent ? parent->first : NULL;
-    while (child && !((!category || strcmp(child->name, category) == 0) && is_text(nqm_xml_get(child, "name"), name)))
-        child = child->next;
-    return child;
+/* The first child with this name attribute; `category` NULL: of any element. */
+static element *find_child(const reading *r, element *parent, const char *category, const char *name) {
+    return parent && name ? nqm_xml_find(&r->names, parent, category, name) : NULL;
 }
 
 /* An attribute of the element or of the nearest enclosing element that has it. */
@@ -80,10 +84,10 @@ static element *scope_of(const reading *r, element *e) {
 static element *pass_through(reading *r, const char *name, element *input, element *node) {
     const char *node_name = nqm_xml_get(node, "name");
     if (strcmp(node->name, "constant") == 0)
-        return find_child(node, "input", "value");
+        return find_child(r, node, "input", "value");
     if (strcmp(node->name, "dot") == 0)
-        return find_child(node, "input", "in");
-    if (find_child(node, "input", "file"))
+        return find_child(r, node, "input", "in");
+    if (find_child(r, node, "input", "file"))
         refuse(r, input, "%s reads the texture of node '%.60s'; only constants are read", name, node_name);
     else
         refuse(r, input, "%s is computed by node '%.60s' (%.40s); only constants are read", name, node_name,
@@ -96,10 +100,10 @@ static element *hop(reading *r, const char *name, element *input, element *at) {
     const char *node_name = nqm_xml_get(at, "nodename"), *graph_name = nqm_xml_get(at, "nodegraph");
     const char *interface = nqm_xml_get(at, "interfacename"), *output = nqm_xml_get(at, "output");
     if (interface)
-        return find_child(at->parent->parent, "input", interface);
+        return find_child(r, at->parent->parent, "input", interface);
     if (graph_name)
-        return find_child(find_child(r->root, "nodegraph", graph_name), "output", output ? output : "out");
-    element *node = find_child(scope_of(r, at), NULL, node_name);
+        return find_child(r, find_child(r, r->root, "nodegraph", graph_name), "output", output ? output : "out");
+    element *node = find_child(r, scope_of(r, at), NULL, node_name);
     return node ? pass_through(r, name, input, node) : NULL;
 }
 
@@ -134,23 +138,33 @@ static bool parse_numbers(const char *text, size_t n, double *v) {
     return true;
 }
 
+/* Where an input and the constant that it is connected to name types, these are that of the definition; a flag may be boolean. */
+static bool has_type(element *e, const char *type) {
+    const char *given = nqm_xml_get(e, "type");
+    return !given || strcmp(given, type) == 0 || (strcmp(type, "color3") != 0 && strcmp(given, "boolean") == 0);
+}
+
 /* The value of an input of the shader as 1 or 3 numbers; colours in linear BT.709. false: refused. */
-static bool read_value(reading *r, element *input, size_t n, double v[3]) {
+static bool read_value(reading *r, element *input, const char *type, double v[3]) {
+    const size_t n = strcmp(type, "color3") == 0 ? 3 : 1;
     const char *name = nqm_xml_get(input, "name");
     element *at = follow(r, name, input);
     if (!at)
         return false;
-    const char *text = nqm_xml_get(at, "value"), *type = nqm_xml_get(at, "type");
+    const char *text = nqm_xml_get(at, "value");
     if (!text)
         return refuse(r, input, "%s has no value", name);
-    if (is_text(type, "boolean") && n == 1 && (is_text(text, "true") || is_text(text, "false"))) {
+    if (!has_type(input, type) || !has_type(at, type))
+        return refuse(r, input, "%s is of type %s, not '%.40s'", name, type,
+                      nqm_xml_get(has_type(input, type) ? at : input, "type"));
+    if (is_text(nqm_xml_get(at, "type"), "boolean") && n == 1 && (is_text(text, "true") || is_text(text, "false"))) {
         v[0] = *text == 't';
         return true;
     }
     if (!parse_numbers(text, n, v))
         return refuse(r, input, "%s needs %s, not '%.40s'", name, n == 3 ? "three numbers" : "a number", text);
     const char *space = inherited(at, "colorspace");
-    if (n == 3 && is_text(type, "color3") && !nqm_color_to_rec709(space, v))
+    if (n == 3 && !nqm_color_to_rec709(space, v))
         return refuse(r, input, "%s is in the colour space '%.40s', which is not known", name, space);
     for (size_t c = 0; c < n; ++c)
         if (!isfinite(v[c]))
@@ -173,7 +187,7 @@ static const nqm_mtlx_input *find_input(const nqm_mtlx_surface *surface, const c
 
 static bool read_key(reading *r, element *e, const nqm_mtlx_input *input) {
     double v[3];
-    if (!read_value(r, e, channels_of(input), v))
+    if (!read_value(r, e, input->type, v))
         return false;
     for (size_t c = 0; c < channels_of(input); ++c) {
         if (channels_of(input) == 3 && v[c] < OUT_OF_GAMUT)
@@ -181,6 +195,8 @@ static bool read_key(reading *r, element *e, const nqm_mtlx_input *input) {
         if (channels_of(input) == 3)
             v[c] = fmax(v[c], 0);
     }
+    if (!(v[0] > 0) && is_text(input->name, "specular_ior")) /* of OpenPBR; MaterialX's velvet has specular_IOR 0 */
+        return refuse(r, e, "%s is %.4g; an index of refraction is above 0", input->name, v[0]);
     nqm_shading_set(&r->shading, input->name, channels_of(input), v);
     return true;
 }
@@ -188,16 +204,16 @@ static bool read_key(reading *r, element *e, const nqm_mtlx_input *input) {
 /* true when the input is a constant 0, or absent with the default 0. */
 static bool is_zero(reading *r, const char *name) {
     const nqm_mtlx_input *input = find_input(r->surface, name);
-    element *e = find_child(r->shader, "input", name);
+    element *e = find_child(r, r->shader, "input", name);
     double v[3] = {input->value};
-    return (!e || read_value(r, e, 1, v)) && v[0] == 0;
+    return (!e || read_value(r, e, "float", v)) && v[0] == 0;
 }
 
 static bool check_neutral(reading *r, element *e, const nqm_mtlx_input *input) {
     double v[3];
     if (input->gate && is_zero(r, input->gate))
         return true;
-    if (!read_value(r, e, channels_of(input), v)) {
+    if (!read_value(r, e, input->type, v)) {
         char why[sizeof r->refusal];
         memcpy(why, r->refusal, sizeof why);
         return refuse(r, e, "%.300s (%s)", why, input->what);
@@ -220,6 +236,10 @@ static bool read_input(reading *r, element *e) {
     const nqm_mtlx_input *input = find_input(r->surface, name);
     if (!input)
         return refuse(r, e, "%s has no input '%.40s'", r->surface->node, name ? name : "");
+    const uint64_t bit = (uint64_t)1 << (input - r->surface->inputs);
+    if (r->given & bit)
+        return refuse(r, e, "%s is given twice", name);
+    r->given |= bit;
     if (!is_connected(e) && !nqm_xml_get(e, "value"))
         return true; /* the default */
     switch (input->kind) {
@@ -230,6 +250,8 @@ static bool read_input(reading *r, element *e) {
     case NQM_MTLX_NORMAL:
         return check_normal(r, e, name);
     default:
+        if (strcmp(name, "occlusion") == 0)
+            r->shading.remark = NQM_OCCLUSION_REMARK;
         return true;
     }
 }
@@ -273,7 +295,7 @@ static bool read_shader(reading *r) {
 
 /* The node that a material's input `surfaceshader` is connected to; NULL: refused. */
 static element *find_shader(reading *r) {
-    element *input = find_child(r->material, "input", "surfaceshader");
+    element *input = find_child(r, r->material, "input", "surfaceshader");
     if (!input) {
         refuse(r, r->material, "it has no surface shader");
         return NULL;
@@ -282,37 +304,97 @@ static element *find_shader(reading *r) {
     element *scope = r->root;
     if (graph) {
         const char *output = nqm_xml_get(input, "output");
-        scope = find_child(r->root, "nodegraph", graph);
-        element *end = find_child(scope, "output", output ? output : "out");
+        scope = find_child(r, r->root, "nodegraph", graph);
+        element *end = find_child(r, scope, "output", output ? output : "out");
         node = end ? nqm_xml_get(end, "nodename") : NULL;
     }
-    element *shader = node ? find_child(scope, NULL, node) : NULL;
+    element *shader = node ? find_child(r, scope, NULL, node) : NULL;
     if (!shader)
         refuse(r, input, "its surface shader is not in the file");
     return shader;
 }
 
 static bool check_displacement(reading *r) {
-    element *input = find_child(r->material, "input", "displacementshader");
+    element *input = find_child(r, r->material, "input", "displacementshader");
     return !input || !is_connected(input) ||
            refuse(r, input, "displacementshader is connected: displacement is not part of a BRDF");
 }
 
+/* Whether an element of the root is a surface shader of the table. */
+static bool is_shader(element *e) {
+    for (size_t s = 0; s < NQM_MTLX_N_SURFACES; ++s)
+        if (strcmp(e->name, nqm_mtlx_surfaces[s].node) == 0)
+            return true;
+    return false;
+}
+
+static nqm_index_key key_of_known(const void *value) {
+    return (nqm_index_key){((const struct known_shader *)value)->shader, NULL, ""};
+}
+
+/* Add a material whose shader an earlier one has, too. */
+static nqm_status add_again(nqm_material_info earlier, element *material, nqm_materials *materials, nqm_error *err) {
+    earlier.name = nqm_xml_get(material, "name");
+    earlier.byte_offset = earlier.spec ? material->byte_offset : earlier.byte_offset;
+    return nqm_materials_add(materials, &earlier, err);
+}
+
 /* `material` is a surfacematerial, or a shader that no material uses. */
-static nqm_status add_material(element *root, element *material, nqm_materials *materials, nqm_error *err) {
-    reading *r = nqm_alloc(1, sizeof *r);
-    if (!r)
-        return nqm_fail_nomem(err, sizeof *r);
-    r->root = root;
+static nqm_status add_material(reading *r, element *material, nqm_materials *materials, nqm_error *err) {
+    const size_t number = nqm_materials_count(materials);
     r->material = material;
+    r->shading = (nqm_shading){.n = 0};
+    r->given = 0;
+    r->refusal[0] = 0;
     r->shader = strcmp(material->name, "surfacematerial") == 0 ? find_shader(r) : material;
-    const bool ok = r->shader && read_shader(r) && check_displacement(r);
+    const bool has_shader = r->shader && check_displacement(r);
+    const struct known_shader *known =
+        has_shader ? nqm_index_find(&r->shaders, (nqm_index_key){r->shader, NULL, ""}) : NULL;
+    if (known)
+        return add_again(nqm_materials_get(materials, known->material), material, materials, err);
+    const bool ok = has_shader && read_shader(r);
     const char *name = nqm_xml_get(material, "name"), *surface = r->shader ? r->shader->name : material->name;
     const nqm_material_info refused = {
         .name = name, .surface = surface, .refusal = r->refusal, .byte_offset = r->byte_offset};
     nqm_status status =
         ok ? nqm_materials_add_shading(materials, name, surface, &r->shading, material->byte_offset, err)
            : nqm_materials_add(materials, &refused, err);
+    if (status == NQM_OK && has_shader) {
+        r->known[number] = (struct known_shader){r->shader, number};
+        nqm_index_add(&r->shaders, &r->known[number]);
+    }
+    return status;
+}
+
+/* The surfacematerials, or the shaders if there are none. */
+static nqm_status add_all(reading *r, nqm_materials *materials, nqm_error *err) {
+    nqm_status status = NQM_OK;
+    for (element *e = r->root->first; e && status == NQM_OK; e = e->next)
+        if (strcmp(e->name, "surfacematerial") == 0)
+            status = add_material(r, e, materials, err);
+    const bool has_none = nqm_materials_count(materials) == 0;
+    for (element *e = r->root->first; e && status == NQM_OK && has_none; e = e->next)
+        if (is_shader(e))
+            status = add_material(r, e, materials, err);
+    return status;
+}
+
+static nqm_status read_root(const nqm_xml *xml, nqm_materials *materials, nqm_error *err) {
+    reading *r;
+    struct known_shader *known;
+    nqm_status status =
+        nqm_alloc_arrays(NQM_ARRAYS({&r, 1, sizeof *r}, {&known, NQM_MAX_MATERIALS, sizeof *known}), err);
+    if (status != NQM_OK)
+        return status;
+    r->root = xml->root;
+    r->known = known;
+    status = nqm_xml_names_create(xml, &r->names, err);
+    if (status == NQM_OK)
+        status = nqm_index_create(NQM_MAX_MATERIALS, key_of_known, &r->shaders, err);
+    if (status == NQM_OK)
+        status = add_all(r, materials, err);
+    nqm_xml_names_free(&r->names);
+    nqm_index_free(&r->shaders);
     nqm_free(r);
     return status;
 }
@@ -329,14 +411,6 @@ static bool has_bytes(const nqm_map *map, size_t n, const char *text) {
 
 static bool probe(const nqm_map *map) {
     return has_bytes(map, nqm_smaller(map->n_bytes, 4096), "<materialx");
-}
-
-/* Whether an element of the root is a surface shader of the table. */
-static bool is_shader(element *e) {
-    for (size_t s = 0; s < NQM_MTLX_N_SURFACES; ++s)
-        if (strcmp(e->name, nqm_mtlx_surfaces[s].node) == 0)
-            return true;
-    return false;
 }
 
 static nqm_status fail_empty(const nqm_map *map, element *root, nqm_error *err) {
@@ -360,15 +434,8 @@ static nqm_status read_materials(const nqm_map *map, nqm_materials *materials, n
         status =
             nqm_fail(err, NQM_ERR_FORMAT, xml.root->byte_offset, "%s: the root is <%.40s>, not <materialx> (byte %lld)",
                      map->path, xml.root->name, (long long)xml.root->byte_offset);
-    size_t n = 0;
-    for (element *e = xml.root->first; e && status == NQM_OK; e = e->next)
-        if (strcmp(e->name, "surfacematerial") == 0) {
-            status = add_material(xml.root, e, materials, err);
-            ++n;
-        }
-    for (element *e = xml.root->first; e && status == NQM_OK && n == 0; e = e->next)
-        if (is_shader(e))
-            status = add_material(xml.root, e, materials, err);
+    if (status == NQM_OK)
+        status = read_root(&xml, materials, err);
     if (status == NQM_OK && nqm_materials_count(materials) == 0)
         status = fail_empty(map, xml.root, err);
     nqm_xml_free(&xml);

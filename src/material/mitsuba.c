@@ -58,6 +58,7 @@ static size_t next_child(const nqm_mitsuba_nodes *nodes, size_t parent, size_t i
 /* One material that is being translated. */
 typedef struct translation {
     const nqm_mitsuba_nodes *nodes;
+    const nqm_index *ids; /* of BSDFs */
     nqm_shading shading;
     const char *file;    /* of a measured material; NULL: the shading is the result */
     char refusal[400];   /* "": accepted */
@@ -445,12 +446,14 @@ static bool read_bsdf(translation *t, size_t at) {
 
 /* ---- materials --------------------------------------------------------------------------------------------------- */
 
-/* The BSDF of that id, or nodes->n. */
-static size_t find_bsdf(const nqm_mitsuba_nodes *nodes, const char *id) {
-    size_t i = 0;
-    while (i < nodes->n && !(nodes->list[i].kind == NQM_MITSUBA_BSDF && strcmp(nodes->list[i].id, id) == 0))
-        ++i;
-    return i;
+static nqm_index_key key_of_bsdf(const void *value) {
+    return (nqm_index_key){NULL, NULL, ((const nqm_mitsuba_node *)value)->id};
+}
+
+/* The first BSDF of that id, or nodes->n. */
+static size_t find_bsdf(const translation *t, const char *id) {
+    const nqm_mitsuba_node *bsdf = nqm_index_find(t->ids, (nqm_index_key){NULL, NULL, id});
+    return bsdf ? (size_t)(bsdf - t->nodes->list) : t->nodes->n;
 }
 
 /* The BSDF inside a twosided one; nodes->n and a refusal when there is not exactly one. */
@@ -461,7 +464,7 @@ static size_t unwrap(translation *t, size_t at) {
         const nqm_mitsuba_node *node = &nodes->list[i];
         if (node->kind != NQM_MITSUBA_BSDF && node->kind != NQM_MITSUBA_REF)
             continue;
-        inner = node->kind == NQM_MITSUBA_BSDF ? i : find_bsdf(nodes, node->id);
+        inner = node->kind == NQM_MITSUBA_BSDF ? i : find_bsdf(t, node->id);
         ++n_inner;
         if (inner == nodes->n)
             refuse(t, node, "there is no BSDF '%.40s' in this file", node->id);
@@ -473,8 +476,10 @@ static size_t unwrap(translation *t, size_t at) {
     return *t->refusal ? nodes->n : inner;
 }
 
-static nqm_status add_material(const nqm_mitsuba_nodes *nodes, size_t at, nqm_materials *materials, nqm_error *err) {
+static nqm_status add_material(const nqm_mitsuba_nodes *nodes, const nqm_index *ids, size_t at,
+                               nqm_materials *materials, nqm_error *err) {
     translation t = {.nodes = nodes,
+                     .ids = ids,
                      .alpha_uv = {NAN, NAN},
                      .int_ior = 1.49,
                      .ext_ior = 1.000277,
@@ -495,9 +500,14 @@ static nqm_status add_material(const nqm_mitsuba_nodes *nodes, size_t at, nqm_ma
 }
 
 nqm_status nqm_mitsuba_translate(const nqm_mitsuba_nodes *nodes, nqm_materials *materials, nqm_error *err) {
-    nqm_status status = NQM_OK;
+    nqm_index ids;
+    nqm_status status = nqm_index_create(nodes->n, key_of_bsdf, &ids, err);
+    for (size_t i = 0; status == NQM_OK && i < nodes->n; ++i)
+        if (nodes->list[i].kind == NQM_MITSUBA_BSDF)
+            nqm_index_add(&ids, &nodes->list[i]);
     for (size_t i = 0; status == NQM_OK && i < nodes->n; ++i)
         if (nodes->list[i].parent == NQM_MITSUBA_ROOT && nodes->list[i].kind == NQM_MITSUBA_BSDF)
-            status = add_material(nodes, i, materials, err);
+            status = add_material(nodes, &ids, i, materials, err);
+    nqm_index_free(&ids);
     return status;
 }

@@ -8,7 +8,7 @@
 
 #include <jansson.h>
 
-enum { MAX_DEPTH = 64, MAX_BYTES = 64 << 20, MAX_PROBED = 64 << 10, TEXT_SIZE = 128 };
+enum { MAX_DEPTH = 64, MAX_BYTES = 64 << 20, TEXT_SIZE = 128 };
 
 typedef struct walk {
     const char *path;
@@ -120,7 +120,7 @@ static nqm_status add_value(walk *w, const char *key, json_t *value, size_t pare
 /* true when the text has an object of the type "scene" or of a BSDF. */
 static bool probe(const nqm_map *map) {
     const char *text = (const char *)map->data;
-    const size_t n = nqm_smaller(map->n_bytes, MAX_PROBED);
+    const size_t n = nqm_smaller(map->n_bytes, NQM_PROBE_BYTES);
     size_t i = n >= 3 && memcmp(text, "\xef\xbb\xbf", 3) == 0 ? 3 : 0;
     while (i < n && memchr(" \t\r\n", text[i], 4))
         ++i;

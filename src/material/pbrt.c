@@ -84,6 +84,7 @@ typedef struct parameter {
     char name[MAX_TOKEN];
     char text[MAX_TOKEN]; /* of the first value */
     size_t n;             /* values in the file */
+    bool has_words;       /* one of them is no number */
     double v[3];
     int64_t byte_offset;
 } parameter;
@@ -114,6 +115,7 @@ static nqm_status add_value(scanner *s, parameter *p) {
     if (!s->is_quoted && strcmp(s->token, "true") != 0 && strcmp(s->token, "false") != 0 &&
         (!nqm_parse_double(s->token, &end, &v) || *end))
         return fail(s, "a value that is not a number, string, true or false");
+    p->has_words = p->has_words || s->is_quoted || *end || !*s->token;
     if (p->n == 0)
         strcpy(p->text, s->token);
     if (p->n < 3)
@@ -210,6 +212,8 @@ static bool only_has(translation *t, const char *const *names) {
             return refuse(t, p->byte_offset, "%.40s is a texture; only constants are read", p->name);
         if (!names[k])
             return refuse(t, p->byte_offset, "the parameter '%.40s' is not supported", p->name);
+        if (find(t, p->name) != p)
+            return refuse(t, p->byte_offset, "%.40s is given twice", p->name);
     }
     return true;
 }
@@ -217,7 +221,7 @@ static bool only_has(translation *t, const char *const *names) {
 /* A number; `v` keeps its value when the parameter is not given. */
 static bool get_number(translation *t, const char *name, double *v) {
     const parameter *p = find(t, name);
-    if (p && (p->kind != NUMBER || p->n != 1))
+    if (p && (p->kind != NUMBER || p->n != 1 || p->has_words))
         return refuse(t, p->byte_offset, "%s needs one float", name);
     if (p)
         *v = p->v[0];
@@ -250,7 +254,7 @@ static bool get_colour(translation *t, const char *name, double v[3]) {
         return get_metal(t, p, name, v);
     if (p->kind == SPECTRUM)
         return refuse(t, p->byte_offset, "%s is a spectrum by wavelength; only RGB is read", name);
-    if (p->kind != RGB || p->n != 3)
+    if (p->kind != RGB || p->n != 3 || p->has_words)
         return refuse(t, p->byte_offset, "%s needs three numbers, \"rgb %s\" [ r g b ]", name, name);
     memcpy(v, p->v, sizeof p->v);
     return true;
@@ -258,10 +262,11 @@ static bool get_colour(translation *t, const char *name, double v[3]) {
 
 static bool get_bool(translation *t, const char *name, bool *v) {
     const parameter *p = find(t, name);
-    if (p && (p->kind != BOOLEAN || p->n != 1))
+    const bool is_true = p && strcmp(p->text, "true") == 0;
+    if (p && (p->kind != BOOLEAN || p->n != 1 || (!is_true && strcmp(p->text, "false") != 0)))
         return refuse(t, p->byte_offset, "%s needs true or false", name);
     if (p)
-        *v = strcmp(p->text, "true") == 0;
+        *v = is_true;
     return true;
 }
 
@@ -294,6 +299,8 @@ static bool conductor_roughness(translation *t, double *roughness) {
     if (u != v)
         return refuse(t, t->m->byte_offset,
                       "uroughness and vroughness differ; anisotropic materials are not supported");
+    if (u < 0)
+        return refuse(t, t->m->byte_offset, "the roughness is negative");
     *roughness = remap ? u : u * u;
     if (!(*roughness >= 1e-6))
         return refuse(t, t->m->byte_offset,
@@ -394,7 +401,7 @@ static nqm_status read_material(scanner *s, bool is_named, material *m) {
         status = read_parameters(s, m);
     }
     for (size_t i = 0; status == NQM_OK && is_named && i < m->n; ++i)
-        if (strcmp(m->list[i].name, "type") == 0 && m->list[i].kind == TEXT) {
+        if (!*m->type && strcmp(m->list[i].name, "type") == 0 && m->list[i].kind == TEXT) {
             strcpy(m->type, m->list[i].text);
             m->list[i--] = m->list[--m->n];
         }

@@ -145,7 +145,7 @@ nqm_status nqm_checkpoint_read(nqm_training *t, const nqm_train_options *o, cons
                                nqm_error *err) {
     nqm_map map;
     nqm_safetensors *st = NULL;
-    nqm_status status = nqm_map_open(o->run.checkpoint, &map, err);
+    nqm_status status = nqm_map_open_own(o->run.checkpoint, &map, err);
     if (status == NQM_OK)
         status = nqm_safetensors_parse(map.data, map.n_bytes, o->run.checkpoint, &st, err);
     if (status == NQM_OK)

@@ -84,6 +84,23 @@ cp "$dir/valid.h5" "$dir/lists/nowhere.binary" 2>/dev/null || true
 grep -q 'No such file' "$dir/err" && fail "the old failure: $(cat "$dir/err")"
 rm -f "$dir/lists/nowhere.binary"
 
+# Several shells: the journal of a run is locked, so that a second one scores pieces and writes nothing; with other options it is refused.
+run 3 batch "$dir/lists/long.csv" -m "$dir/model.safetensors" --work "$dir/work4" -o "$dir/shells.csv"
+(exec 9>>"$dir/shells.csv.part.journal" && flock 9 && touch "$dir/locked" && exec sleep 60) &
+locker=$!
+while [ ! -e "$dir/locked" ]; do sleep 0.05; done
+cp "$dir/shells.csv.part.journal" "$dir/journal.before"
+rm -f "$dir/work4"/*-0.safetensors
+run 0 batch "$dir/lists/long.csv" -m "$dir/model.safetensors" --work "$dir/work4" -o "$dir/shells.csv"
+grep -q 'another run is writing .*shells.csv' "$dir/err" || fail "no word of the other run"
+{ [ -e "$(echo "$dir/work4"/*-0.safetensors)" ] && [ ! -e "$dir/shells.csv" ]; } || fail "the second shell"
+run 3 batch "$dir/lists/long.csv" --metrics all -m "$dir/model.safetensors" --work "$dir/work4" -o "$dir/shells.csv"
+grep -q 'other options' "$dir/err" || fail "other options in the second shell"
+run 3 batch "$dir/lists/long.csv" -m "$dir/model.safetensors" -o "$dir/shells.csv"
+cmp "$dir/shells.csv.part.journal" "$dir/journal.before" || fail "the journal of the first shell is changed"
+kill $locker
+rm -r "$dir/work4" "$dir"/shells.csv.*
+
 # Usage: a folder, and a list that every process can read.
 code=0
 (export PMI_RANK=0 PMI_SIZE=2 && "$tool" batch "$dir/lists/long.csv" -m "$dir/model.safetensors") >"$dir/out" 2>"$dir/err" || code=$?

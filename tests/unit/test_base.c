@@ -207,6 +207,58 @@ static void test_outfile_writes_pipes_in_place(void **state) {
     unlink(path);
 }
 
+static void test_outfile_keeps_permissions_and_links(void **state) {
+    (void)state;
+    char path[256], link_path[256];
+    struct stat st;
+    nqm_outfile out;
+    path_in_folder(path, sizeof path, "private.txt");
+    path_in_folder(link_path, sizeof link_path, "link.txt");
+    write_text(path, "first");
+    assert_int_equal(chmod(path, 0600), 0);
+    assert_int_equal(symlink("private.txt", link_path), 0);
+    write_text(link_path, "second");
+    assert_content(path, "second");
+    assert_true(lstat(link_path, &st) == 0 && S_ISLNK(st.st_mode));
+    assert_true(stat(path, &st) == 0 && (st.st_mode & 0777) == 0600);
+    assert_int_equal(chmod(path, 0400), 0);
+    assert_int_equal(nqm_outfile_open(link_path, &out, NULL), NQM_ERR_IO);
+    unlink(path);
+    assert_int_equal(nqm_outfile_open(link_path, &out, NULL), NQM_ERR_IO);
+    unlink(link_path);
+}
+
+/* Last, because roles are kept until the process ends. */
+static void test_inputs_are_not_replaced(void **state) {
+    (void)state;
+    char path[256], other[256];
+    nqm_map map;
+    nqm_outfile out, late;
+    path_in_folder(path, sizeof path, "input.txt");
+    path_in_folder(other, sizeof other, "output.txt");
+    write_text(path, "input");
+    assert_int_equal(nqm_map_open(path, &map, NULL), NQM_OK);
+    nqm_map_close(&map);
+    write_text(path, "input"); /* nothing is kept before this: */
+    nqm_roles_enforce();
+    assert_int_equal(nqm_outfile_open(other, &late, NULL), NQM_OK);
+    assert_int_equal(nqm_map_open(path, &map, NULL), NQM_OK);
+    nqm_map_close(&map);
+    assert_int_equal(nqm_outfile_open(path, &out, NULL), NQM_ERR_ARG);
+    assert_int_equal(link(path, other), 0); /* becomes an input while it is written */
+    assert_int_equal(nqm_outfile_commit(&late, NULL), NQM_ERR_ARG);
+    assert_content(path, "input");
+    unlink(other);
+    write_text(other, "old");
+    assert_int_equal(nqm_outfile_open(other, &out, NULL), NQM_OK);
+    assert_int_equal(nqm_map_open(other, &map, NULL), NQM_ERR_ARG);
+    assert_int_equal(nqm_map_open_own(other, &map, NULL), NQM_OK);
+    nqm_map_close(&map);
+    nqm_outfile_abort(&out);
+    unlink(other);
+    unlink(path);
+}
+
 static void test_map_refuses_what_is_no_file(void **state) {
     (void)state;
     nqm_map map;
@@ -414,6 +466,8 @@ int main(void) {
         cmocka_unit_test(test_ticker),
         cmocka_unit_test(test_errors),
         cmocka_unit_test(test_libraries_when_needed),
+        cmocka_unit_test(test_outfile_keeps_permissions_and_links),
+        cmocka_unit_test(test_inputs_are_not_replaced),
     };
     return cmocka_run_group_tests(tests, make_folder, remove_folder);
 }

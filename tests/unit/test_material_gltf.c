@@ -67,6 +67,18 @@ static void properties_become_keys(void **state) {
         "gltf:clearcoat=1;clearcoat_roughness=0.1;sheen_color=1,1,0;sheen_roughness=0.3");
 }
 
+static void occlusion_is_ignored_with_a_remark(void **state) {
+    (void)state;
+    nqm_materials *materials = read_text(document("\"occlusionTexture\": {\"index\": 0}"));
+    const nqm_material_info info = nqm_materials_get(materials, 0);
+    assert_string_equal(info.spec, "gltf:");
+    assert_non_null(strstr(info.remark, "occlusion"));
+    nqm_materials_free(materials);
+    materials = read_text(document("\"alphaCutoff\": 0.5"));
+    assert_null(nqm_materials_get(materials, 0).remark);
+    nqm_materials_free(materials);
+}
+
 static void what_has_no_effect_is_accepted(void **state) {
     (void)state;
     check_spec("\"alphaMode\": \"BLEND\", \"pbrMetallicRoughness\": {\"metallicFactor\": 0}", "gltf:metallic=0");
@@ -112,7 +124,9 @@ static void what_is_no_brdf_is_refused(void **state) {
         {"\"pbrMetallicRoughness\": {\"metallicRoughnessTexture\": {}}",
          "pbrMetallicRoughness.metallicRoughnessTexture:", "{}}"},
         {"\"normalTexture\": {\"index\": 1}", "normalTexture:", "{\"index\": 1}"},
-        {"\"name\": \"\\\"normalTexture\\\"\", \"occlusionTexture\": {}", "occlusionTexture:", "{}}"},
+        {"\"name\": \"\\\"emissiveTexture\\\"\", \"normalTexture\": {}", "normalTexture:", "{}}"},
+        {"\"pbrMetallicRoughness\": {\"baseColorFactor\": [1, 1, 1, -5]}",
+         "pbrMetallicRoughness.baseColorFactor:", "[1, 1, 1, -5]"},
         {"\"emissiveFactor\": [1, 1, 1], \"emissiveTexture\": {\"x\": 0}", "emissiveTexture:", "{\"x\""},
         {"\"emissiveFactor\": [0, 0.5, 0]", "emissiveFactor:", "[0, 0.5"},
         {"\"alphaMode\": \"BLEND\", \"pbrMetallicRoughness\": {\"baseColorFactor\": [1, 1, 1, 0.9]}",
@@ -207,6 +221,8 @@ static void broken_texts_are_refused(void **state) {
         {"{\"asset\": {}}", 10, "asset.version"},
         {"{}", 0, "asset.version"},
         {"{\"asset\": {\"version\": \"1.0\"}}", 22, "glTF 1.0"},
+        {"{\"asset\": {\"version\": \"2.x\"}}", 22, "glTF 2.x"},
+        {"{\"asset\": {\"version\": \"2.9\", \"minVersion\": \"2.9\"}}", 22, "minVersion"},
         {"{\"asset\": {\"version\": \"2.0\"}}", 0, "contains no material"},
         {"{\"asset\": {\"version\": \"2.0\"}, \"materials\": {}}", 43, "needs an array"},
         {"{\"asset\": {\"version\": \"2.0\"}, \"materials\": [7]}", 44, "an object as material"},
@@ -338,11 +354,17 @@ static void files_have_valid_indices(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(properties_become_keys),           cmocka_unit_test(what_has_no_effect_is_accepted),
-        cmocka_unit_test(what_is_no_brdf_is_refused),       cmocka_unit_test(requirements_concern_every_material),
-        cmocka_unit_test(positions_are_inside_of_the_file), cmocka_unit_test(materials_have_names),
-        cmocka_unit_test(broken_texts_are_refused),         cmocka_unit_test(broken_binary_files_are_refused),
-        cmocka_unit_test(files_give_back_the_same_bits),    cmocka_unit_test(files_have_the_extensions_that_they_need),
+        cmocka_unit_test(properties_become_keys),
+        cmocka_unit_test(what_has_no_effect_is_accepted),
+        cmocka_unit_test(occlusion_is_ignored_with_a_remark),
+        cmocka_unit_test(what_is_no_brdf_is_refused),
+        cmocka_unit_test(requirements_concern_every_material),
+        cmocka_unit_test(positions_are_inside_of_the_file),
+        cmocka_unit_test(materials_have_names),
+        cmocka_unit_test(broken_texts_are_refused),
+        cmocka_unit_test(broken_binary_files_are_refused),
+        cmocka_unit_test(files_give_back_the_same_bits),
+        cmocka_unit_test(files_have_the_extensions_that_they_need),
         cmocka_unit_test(files_have_valid_indices),
     };
     return cmocka_run_group_tests(tests, make_temp_file, remove_temp_file);

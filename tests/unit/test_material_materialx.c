@@ -83,6 +83,8 @@ static void color_spaces(void **state) {
     const char *own = "<input name=\"base_color\" type=\"color3\" value=\".5,.5,.5\" colorspace=\"g22_rec709\"/>";
     assert_near(value_of(document(" colorspace=\"srgb_texture\"", grey, ""), "base_color").v[1], 0.21404114, 1e-8);
     assert_near(value_of(document(" colorspace=\"srgb_texture\"", own, ""), "base_color").v[1], pow(0.5, 2.2), 1e-15);
+    const char *untyped = "<input name=\"base_color\" value=\".5,.5,.5\"/>";
+    assert_near(value_of(document(" colorspace=\"srgb_texture\"", untyped, ""), "base_color").v[1], 0.21404114, 1e-8);
     static const char *const spaces[] = {"acescg", "lin_displayp3", "lin_adobergb", "lin_rec709"};
     for (size_t i = 0; i < 4; ++i) {
         double rgb[3] = {0.5, 0.5, 0.5};
@@ -132,6 +134,14 @@ static void refusals(void **state) {
     assert_refused("", "<input name=\"base\" type=\"float\" nodename=\"d\"/>",
                    "<dot name=\"d\" type=\"float\"><input name=\"in\" type=\"float\" nodename=\"d\"/></dot>",
                    "connections in a row");
+    assert_refused("", "<input name=\"base\" type=\"color3\" value=\"1\"/>", "", "base is of type float, not 'color3'");
+    assert_refused("", "<input name=\"base_color\" type=\"color3\" nodename=\"c\"/>",
+                   "<constant name=\"c\" type=\"vector3\"><input name=\"value\" type=\"vector3\" "
+                   "value=\"1,1,1\"/></constant>",
+                   "base_color is of type color3, not 'vector3'");
+    assert_refused("",
+                   "<input name=\"coat\" type=\"float\" value=\"1\"/><input name=\"coat\" type=\"float\" value=\"0\"/>",
+                   "", "coat is given twice");
     assert_refused(" colorspace=\"lin_odd\"", "<input name=\"base_color\" type=\"color3\" value=\"1,1,1\"/>", "",
                    "'lin_odd'");
     assert_refused(" colorspace=\"acescg\"", "<input name=\"base_color\" type=\"color3\" value=\"0,1,0\"/>", "",

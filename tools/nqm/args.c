@@ -118,48 +118,24 @@ static void check_needed(const command *cmd) {
         }
 }
 
-/* The text of an option; NULL: it is not given, or has no text. */
-static const char *text_of(const option *o) {
-    return o->kind == OPTION_TEXT || o->kind == OPTION_NEEDED ? *(const char **)o->target : NULL;
+static const char *output_of(const option *o) {
+    return o->metavar && strncmp(o->metavar, "FILE.", 5) == 0 ? *(const char **)o->target : NULL;
 }
 
-/* Whether an option names the file of an output: one that exists, or one that both would write. */
-static bool is_file_of(const option *o, const char *output) {
-    const char *path = text_of(o);
-    const bool is_stream = strcmp(output, "-") == 0 || strncmp(output, "/dev/", 5) == 0;
-    return path && (is_same_file(output, path) || (!is_stream && strcmp(output, path) == 0));
-}
-
-/* An output must be no argument and no file of another option: it would replace that. */
-static void check_overwritten(const command *cmd, const option *output, const char *name, int n, char **arguments) {
-    const char *path = text_of(output);
-    for (int i = 0; i < n; ++i)
-        if (is_same_file(path, arguments[i]))
-            stop(EXIT_USAGE, "%s %s would replace an input", name, path);
-    for (const option *o = cmd->options; o->name; ++o)
-        if (o != output && is_file_of(o, path))
-            stop(EXIT_USAGE, "%s %s would replace the file of --%s", name, path, o->name);
-    for (size_t i = 0; cmd->table && i < cmd->table->n; ++i) {
-        const nqm_option *row = &cmd->table->rows[i];
-        const char *text =
-            row->kind == NQM_OPTION_TEXT ? *(const char **)((char *)cmd->table_target + row->offset) : NULL;
-        if (text && is_same_file(path, text))
-            stop(EXIT_USAGE, "%s %s would replace an input", name, path);
-    }
-}
-
-/* Before the work: outputs have names of their kind, can be written and replace no input. */
-static void check_outputs(const command *cmd, int n, char **arguments) {
+/* Before the work: outputs have names of their kind, can be written, and are different files. Opening an input notices that an output
+ * would replace it (nqm_roles_enforce()). */
+static void check_outputs(const command *cmd) {
     for (const option *o = cmd->options; o->name; ++o) {
-        const bool is_output = o->metavar && strncmp(o->metavar, "FILE.", 5) == 0;
-        const char *path = is_output ? *(const char **)o->target : NULL;
+        const char *path = output_of(o);
         char name[NQM_OPTION_TEXT_MAX + 2];
         snprintf(name, sizeof name, "-%s%s", o->letter ? "" : "-",
                  o->letter ? (const char[]){o->letter, '\0'} : o->name);
         if (!path)
             continue;
         require_named_output(name, path, o->metavar + 4);
-        check_overwritten(cmd, o, name, n, arguments);
+        for (const option *before = cmd->options; before < o; ++before)
+            if (output_of(before) && is_same_output(path, output_of(before)))
+                stop(EXIT_USAGE, "%s %s would replace the file of --%s", name, path, before->name);
     }
 }
 
@@ -242,6 +218,6 @@ int parse_arguments(const command *cmd, int argc, char **argv) {
     if (max >= 0 && n > max)
         usage_error(cmd, "too many arguments, beginning with: ", argv[max]);
     check_needed(cmd);
-    check_outputs(cmd, n, argv);
+    check_outputs(cmd);
     return n;
 }

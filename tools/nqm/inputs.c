@@ -128,7 +128,11 @@ void close_brdfs(int n, nqm_brdf **brdfs) {
 
 char *read_text(const char *path) {
     enum { MAX_TEXT_BYTES = 1 << 20 };
+    struct stat st;
+    nqm_error err = {0};
     FILE *file = fopen(path, "rb");
+    if (file && fstat(fileno(file), &st) == 0)
+        must(nqm_role_input(&st, path, &err), &err);
     char *text = allocate(MAX_TEXT_BYTES + 1, 1);
     size_t n = file ? fread(text, 1, MAX_TEXT_BYTES, file) : 0;
     if (!file || ferror(file))

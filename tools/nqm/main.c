@@ -62,6 +62,7 @@ int main(int argc, char **argv) {
     static char help[] = "help";
     on_exit(report_lost_thread, NULL);
     reserve_standard_streams();
+    nqm_roles_enforce();
     signal(SIGXFSZ, SIG_IGN); /* a file beyond `ulimit -f` is an error of writing, which is reported and cleans up */
     catch_interrupt();
     if (check_stack() != EXIT_OK)

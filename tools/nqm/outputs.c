@@ -9,7 +9,6 @@
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
 static output_file *open_outputs; /* linked by `next` */
@@ -86,25 +85,29 @@ void require_named_output(const char *name, const char *path, const char *ending
     require_output(path);
 }
 
-/* Whether two paths are of one file. */
-static bool are_one_file(const char *x, const char *y) {
-    struct stat a, b;
-    return stat(x, &a) == 0 && stat(y, &b) == 0 && S_ISREG(a.st_mode) && a.st_dev == b.st_dev && a.st_ino == b.st_ino;
+/* The path of an output without links, "." and ".."; free() it. NULL: its folder does not exist. */
+static char *real_output(const char *path) {
+    char *real = realpath(path, NULL), *full = real ? NULL : absolute_path(path, "");
+    char *slash = full ? strrchr(full, '/') : NULL;
+    if (slash)
+        *slash = '\0';
+    char *folder = slash ? realpath(*full ? full : "/", NULL) : NULL;
+    if (folder) {
+        real = allocate(strlen(folder) + strlen(slash + 1) + 2, 1);
+        sprintf(real, "%s/%s", folder, slash + 1);
+    }
+    free(folder);
+    free(full);
+    return real;
 }
 
-bool is_same_file(const char *path, const char *argument) {
-    char part[4096];
-    bool is_same = are_one_file(path, argument);
-    for (size_t n; !is_same && *argument; argument += n + (argument[n] != '\0')) {
-        n = strcspn(argument, "=;()");
-        snprintf(part, sizeof part, "%.*s", (int)nqm_smaller(n, sizeof part - 1), argument);
-        is_same = are_one_file(path, part);
-        char *member = strrchr(part, ':');
-        if (member && !is_same) {
-            *member = '\0';
-            is_same = are_one_file(path, part);
-        }
-    }
+bool is_same_output(const char *a, const char *b) {
+    if (strcmp(a, "-") == 0 || strcmp(b, "-") == 0 || strncmp(a, "/dev/", 5) == 0)
+        return false;
+    char *x = real_output(a), *y = real_output(b);
+    const bool is_same = x && y && strcmp(x, y) == 0;
+    free(x);
+    free(y);
     return is_same;
 }
 

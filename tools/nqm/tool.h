@@ -254,9 +254,8 @@ void require_output(const char *path);
 /** The same, and a usage error unless the path has one of the endings: ".png|.svg", or ".mat|DIR/" where a folder is allowed too;
  *  "-" and devices are allowed. parse_arguments() calls it for all options whose metavar is FILE with endings. */
 void require_named_output(const char *name, const char *path, const char *endings);
-/** Whether an output is the file that an argument names: "FILE", "NAME=FILE", "FILE:MEMBER" or a spec
- *  with these. */
-bool is_same_file(const char *path, const char *argument);
+/** Whether two outputs are one file, however their paths are spelt; never for "-" and devices. */
+bool is_same_output(const char *a, const char *b);
 /** A usage error for the path of a folder that does not exist and has one of the endings, ".csv|.json". contents: what is written to it,
  *  "the results of several models". */
 void require_folder_name(const char *name, const char *path, const char *endings, const char *contents);

@@ -50,9 +50,10 @@ static int print_materials(const char *path, const nqm_materials *materials, boo
         nqm_error err = {0};
         const char *refusal = obstacle(&info, &err);
         n_accepted += !refusal;
-        json_array_append_new(list, json_pack("{s:o,s:s,s:o,s:o,s:I}", "name", json_name(info.name), "surface",
+        json_array_append_new(list, json_pack("{s:o,s:s,s:o,s:o,s:o,s:I}", "name", json_name(info.name), "surface",
                                               info.surface, "spec", json_text(refusal ? NULL : info.spec), "refusal",
-                                              json_text(refusal), "byte_offset", (json_int_t)info.byte_offset));
+                                              json_text(refusal), "remark", json_text(info.remark), "byte_offset",
+                                              (json_int_t)info.byte_offset));
     }
     json_t *members = json_pack("{s:s,s:o,s:I,s:I}", "kind", "materials", "name", json_name(path), "n_materials",
                                 (json_int_t)json_array_size(list), "accepted", (json_int_t)n_accepted);
@@ -65,9 +66,14 @@ static int print_materials(const char *path, const nqm_materials *materials, boo
     json_t *entry;
     json_array_foreach(list, i, entry) {
         const char *refusal = json_string_value(json_object_get(entry, "refusal"));
+        const char *remark = json_string_value(json_object_get(entry, "remark"));
+        const char *why = refusal ? refusal : remark;
         printf("%s  %s  %s%s\n", shown(json_string_value(json_object_get(entry, "name"))),
-               json_string_value(json_object_get(entry, "surface")), refusal ? "refused: " : "accepted",
-               refusal ? shown(refusal) : "");
+               json_string_value(json_object_get(entry, "surface")),
+               refusal  ? "refused: "
+               : remark ? "accepted: "
+                        : "accepted",
+               why ? shown(why) : "");
     }
     json_decref(list);
     return EXIT_OK;
@@ -77,7 +83,10 @@ static int print_materials(const char *path, const nqm_materials *materials, boo
 static int print_file_of_brdfs(const char *argument, bool json) {
     nqm_materials *materials = NULL;
     int code = EXIT_OK;
-    if (nqm_materials_open(argument, &materials, NULL) == NQM_OK && nqm_materials_count(materials) > 1)
+    const bool is_list = nqm_materials_open(argument, &materials, NULL) == NQM_OK;
+    if (is_list && nqm_materials_count(materials) == 1 && nqm_materials_get(materials, 0).remark)
+        report(EXIT_OK, "%s: %s", argument, nqm_materials_get(materials, 0).remark);
+    if (is_list && nqm_materials_count(materials) > 1)
         code = print_materials(argument, materials, json);
     else
         code = print_brdf(argument, json);

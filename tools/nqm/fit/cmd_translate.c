@@ -110,14 +110,14 @@ static void name_outputs(translation *t) {
     }
     if (t->folder && !is_folder(t->folder) && mkdir(t->folder, 0777) != 0)
         stop(EXIT_OPEN, "%s: cannot create this folder", t->folder);
-    for (size_t i = 0; i < t->n; ++i) {
-        const char *path = t->items[i].path;
-        for (size_t k = 0; *path && access(path, F_OK) == 0 && k < t->n; ++k)
-            if (is_same_file(path, t->items[k].argument))
-                stop(EXIT_USAGE, "%s would replace an input", path);
-        if (*path)
-            require_output(path);
+    for (size_t i = 0; i < t->n; ++i) { /* all are known as inputs before an output replaces what a later item reads */
+        nqm_brdf *brdf = NULL;
+        if (nqm_brdf_open(t->items[i].argument, &brdf, NULL) == NQM_OK)
+            nqm_brdf_free(brdf);
     }
+    for (size_t i = 0; i < t->n; ++i)
+        if (t->items[i].path[0])
+            require_output(t->items[i].path);
 }
 
 /* ---- results ------------------------------------------------------------------------------------------------------ */

@@ -88,11 +88,13 @@ typedef struct batch_request {
         *terms;     /* settings that a resumed run must have in common with the interrupted run: an object of scalars */
     bool resume;    /* continue FILE.part if it exists; an error for anything but a file */
     bool is_sorted; /* finish_batch_sorted() will be called */
+    bool may_help;  /* another run with the same terms may be writing the file */
     size_t max_rows;
 } batch_request;
 
-/** Open. `done` of the result is the progress of the interrupted run, zeros for a new file. */
-void open_batch_output(const batch_request *request, batch_output *out);
+/** Open. `done` of the result is the progress of the interrupted run, zeros for a new file. false: another run is writing the file
+ *  (only with `may_help`), and nothing is open. */
+bool open_batch_output(const batch_request *request, batch_output *out);
 /** Report an error and exit if a file that the rows of the interrupted run depend on has changed. */
 void check_batch_files(const batch_output *out);
 /** Write the text of out->rows, which are complete rows whose notes and files are set, and record in the journal that the file is valid up to

@@ -10,7 +10,6 @@
 
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 
 enum { SMALL_FILE = 1 << 16, IDENTITY = 72 };
 
@@ -28,7 +27,8 @@ static void identify(void *user, size_t i) {
     char *text = list->identity[i];
     if (stat(list->paths[i], &st) != 0) {
         strcpy(text, "missing");
-    } else if (st.st_size <= SMALL_FILE && nqm_map_open(list->paths[i], &map, NULL) == NQM_OK) {
+    } else if (nqm_role_input(&st, list->paths[i], NULL) == NQM_OK && st.st_size <= SMALL_FILE &&
+               nqm_map_open(list->paths[i], &map, NULL) == NQM_OK) {
         if (nqm_sha256_begin(&sha)) {
             nqm_sha256_add(&sha, map.data, map.n_bytes);
             nqm_sha256_end(&sha, text);

@@ -14,6 +14,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
+#include <time.h>
 #include <unistd.h>
 
 static const char journal_mark[] = "nqm batch journal 4\n";
@@ -195,27 +196,57 @@ static FILE *open_kept(const char *path) {
     return stream;
 }
 
-/* Open and lock the journal; true if there was one. The lock comes first: a run that ends deletes its journal. */
-static bool lock_journal(batch_output *out) {
+/* Open and lock the journal; `log` is NULL if another run has locked it. The lock comes first: a run that ends deletes its journal.
+ * *existed_ret: there was one. */
+static void lock_journal(batch_output *out, bool *existed_ret) {
     nqm_error err = {0};
-    bool existed;
     int fd;
-    must(nqm_lock_open(out->journal, &fd, &existed, &err), &err);
-    if (fd < 0)
-        stop(EXIT_OPEN, "%s: another run is writing it", out->part);
-    out->log = fdopen(fd, "a+");
-    if (!out->log)
+    must(nqm_lock_open(out->journal, &fd, existed_ret, &err), &err);
+    out->log = fd < 0 ? NULL : fdopen(fd, "a+");
+    if (fd >= 0 && !out->log)
         stop_write(out->journal);
-    return existed;
 }
 
-static void open_part(batch_output *out, const batch_request *request) {
-    const char *path = request->path;
+/* The terms in a journal that another run has locked; NULL: it has not written them yet. */
+static json_t *read_terms(const char *journal) {
+    char *line = NULL;
+    size_t room = 0;
+    FILE *stream = fopen(journal, "re");
+    const bool is_there = stream && getline(&line, &room, stream) > 0 && getline(&line, &room, stream) > 0;
+    json_t *terms = is_there ? json_loads(line, 0, NULL) : NULL;
+    free(line);
+    if (stream)
+        fclose(stream);
+    return terms;
+}
+
+static bool is_written_by_other(const batch_output *out, const batch_request *request) {
+    if (out->log)
+        return false;
+    if (!request->may_help)
+        stop(EXIT_OPEN, "%s: another run is writing it", out->part);
+    json_t *theirs = NULL;
+    for (int i = 0; i < 20 && !(theirs = read_terms(out->journal)); ++i)
+        nanosleep(&(struct timespec){.tv_nsec = 50000000}, NULL);
+    if (!json_equal(request->terms, theirs))
+        stop(EXIT_OPEN, "%s: another run is writing it, with another list or other options", out->part);
+    json_decref(theirs);
+    report(EXIT_OK, "another run is writing %s: this one scores pieces of the list only", out->path);
+    return true;
+}
+
+static bool open_part(batch_output *out, const batch_request *request) {
+    char *target = realpath(request->path, NULL); /* of a symbolic link; NULL: a new file */
+    const char *path = target ? target : request->path;
     const json_t *terms = request->terms;
     out->path = absolute_path(path, "");
     out->part = absolute_path(path, ".part");
     out->journal = absolute_path(path, ".part.journal");
-    const bool has_journal = lock_journal(out);
+    free(target);
+    bool has_journal;
+    lock_journal(out, &has_journal);
+    if (is_written_by_other(out, request))
+        return false;
     const bool goes_on = request->resume && access(out->part, F_OK) ==
                                                 0; /* only a journal remains when a run was killed after the rename */
     if (goes_on && !has_journal) {
@@ -223,6 +254,8 @@ static void open_part(batch_output *out, const batch_request *request) {
         stop(EXIT_INCOMPATIBLE, "%s has no journal next to it: remove it to start again", out->part);
     }
     out->stream = open_kept(out->part);
+    nqm_keep_mode(fileno(out->stream), out->path);
+    nqm_keep_mode(fileno(out->log), out->path);
     const checkpoint last = goes_on ? read_journal(out, terms) : (checkpoint){0};
     truncate_to(out, &last);
     out->n_bytes = last.n_bytes;
@@ -234,9 +267,10 @@ static void open_part(batch_output *out, const batch_request *request) {
         if (bad || fflush(out->log) != 0)
             stop_write(out->journal);
     }
+    return true;
 }
 
-void open_batch_output(const batch_request *request, batch_output *out) {
+bool open_batch_output(const batch_request *request, batch_output *out) {
     const char *path = request->path;
     *out = (batch_output){.stream = stdout, .max_rows = request->max_rows};
     out->notes = allocate(out->max_rows, sizeof *out->notes);
@@ -253,8 +287,8 @@ void open_batch_output(const batch_request *request, batch_output *out) {
         out->stream = fopen(path, "w");
         if (!out->stream)
             stop_write(path);
-    } else if (!standard) {
-        open_part(out, request);
+    } else if (!standard && !open_part(out, request)) {
+        return false;
     }
     if (request->is_sorted && !out->part) {
         out->target = out->stream;
@@ -262,6 +296,7 @@ void open_batch_output(const batch_request *request, batch_output *out) {
         if (!out->stream)
             stop(EXIT_OPEN, "there is no place for a temporary file: %s", strerror(errno));
     }
+    return true;
 }
 
 void check_batch_files(const batch_output *out) {
@@ -324,9 +359,13 @@ static void release(batch_output *out) {
 
 void close_batch_output(batch_output *out, bool is_complete) {
     if (is_complete) {
+        nqm_error err = {0};
         write_text(out);
-        if (out->part &&
-            (fsync(fileno(out->stream)) != 0 || rename(out->part, out->path) != 0 || unlink(out->journal) != 0))
+        if (out->part && fsync(fileno(out->stream)) != 0)
+            stop_write(out->path);
+        if (out->part)
+            must(nqm_replace(out->part, out->path, &err), &err);
+        if (out->part && unlink(out->journal) != 0)
             stop_write(out->path);
     }
     release(out);

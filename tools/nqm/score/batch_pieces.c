@@ -137,7 +137,7 @@ static bool load_results(batch_pieces *p, size_t piece) {
     char path[MAX_PATH];
     nqm_map map;
     nqm_safetensors *st;
-    if (!p->folder || access(piece_path(p, piece, path), R_OK) != 0 || nqm_map_open(path, &map, NULL) != NQM_OK)
+    if (!p->folder || access(piece_path(p, piece, path), R_OK) != 0 || nqm_map_open_own(path, &map, NULL) != NQM_OK)
         return false;
     bool loaded = false;
     if (nqm_safetensors_parse(map.data, map.n_bytes, path, &st, NULL) == NQM_OK) {

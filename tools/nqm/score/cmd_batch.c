@@ -212,20 +212,27 @@ static const char **find_names(const batch_run *run, const batch_arguments *a) {
 }
 
 /* Paths of list and outputs are relative to the working folder, paths of BRDFs to the root, which becomes the working folder. Ranks
- * above 0 have no outputs. */
-static void open_outputs(batch_run *run, const batch_arguments *a, ranks r) {
+ * above 0 have no outputs, and another run that writes the same ones makes this one a rank above 0. */
+static void open_outputs(batch_run *run, const batch_arguments *a, ranks *r) {
     const char *root = list_root(a->root, a->list);
     json_t *score = score_terms(run, root), *terms = output_terms(run, score, a->metrics);
     open_batch_pieces(a->work, score, run->list, run->scorer, &run->pieces);
-    if (r.rank == 0) {
+    if (r->rank == 0) {
         run->junit = a->junit ? absolute_path(a->junit, "") : NULL;
         run->markdown = a->markdown ? absolute_path(a->markdown, "") : NULL;
-        open_batch_output(&(batch_request){a->output, terms, a->resume, run->is_sorted, run->list->n_rows}, &run->out);
+        if (!open_batch_output(&(batch_request){.path = a->output,
+                                                .terms = terms,
+                                                .resume = a->resume,
+                                                .is_sorted = run->is_sorted,
+                                                .may_help = a->work != NULL,
+                                                .max_rows = run->list->n_rows},
+                               &run->out))
+            *r = (ranks){1, 2};
     }
     json_decref(terms);
     json_decref(score);
     enter_list_root(a->root ? root : NULL, a->list);
-    if (r.rank == 0)
+    if (r->rank == 0)
         check_batch_files(&run->out);
 }
 
@@ -245,7 +252,7 @@ static int run_batch(batch_run *run, ranks r) {
 int cmd_batch(int argc, char **argv) {
     static batch_run run;
     batch_arguments a = {.model = "default", .metrics = "", .sort = "list"};
-    const ranks r = my_ranks();
+    ranks r = my_ranks();
     run.options = nqm_score_options_default();
     uint64_t cache_mb = run.options.cache_bytes >> 20;
     const option options[] = {
@@ -297,7 +304,7 @@ int cmd_batch(int argc, char **argv) {
     open_inputs(&run, &a);
     const char **names = find_names(&run, &a);
     run.form.names = names;
-    open_outputs(&run, &a, r);
+    open_outputs(&run, &a, &r);
     save_when_interrupted();
     const int exit_code = run_batch(&run, r);
     close_batch_pieces(&run.pieces);

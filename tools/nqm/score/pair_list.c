@@ -214,8 +214,6 @@ nqm_status nqm_pair_list_parse(const char *text, size_t n_bytes, const char *nam
         nqm_free(list);
         return nqm_fail_nomem(err, sizeof *list);
     }
-    nqm_sha256_add(&sha, text, n_bytes);
-    nqm_sha256_end(&sha, list->sha256);
     size_t begin = n_bytes >= 3 && memcmp(text, "\xef\xbb\xbf", 3) == 0 ? 3 : 0; /* UTF-8 byte order mark */
     size_t first = begin + count_blanks(text + begin, n_bytes - begin);
     nqm_status status;
@@ -226,6 +224,9 @@ nqm_status nqm_pair_list_parse(const char *text, size_t n_bytes, const char *nam
         if (status == NQM_OK)
             status = take_csv(list, name, err);
     }
+    if (status == NQM_OK)
+        nqm_sha256_add(&sha, text, n_bytes);
+    nqm_sha256_end(&sha, list->sha256);
     if (status == NQM_OK)
         *list_ret = list;
     else

@@ -1,0 +1,54 @@
+#!/bin/sh
+# SPDX-License-Identifier: MIT
+# Files of twice the size take about twice the work, counted in instructions: materials that are looked up by name, and equal
+# directions. A file of zeros is refused without reading it.
+# shellcheck source=tests/support/cli.sh
+. "${NQM_SOURCE:?}/tests/support/cli.sh"
+if truncate -s 40G "$dir/zeros" 2>/dev/null; then
+    for arguments in "info $dir/zeros" "score $dir/zeros sgd:nickel" "batch $dir/zeros" "score $dir/zeros:x sgd:nickel"; do
+        code=0
+        # shellcheck disable=SC2086
+        timeout 30 "$tool" $arguments >"$dir/out" 2>"$dir/err" || code=$?
+        { [ "$code" = 4 ] || [ "$code" = 7 ]; } || fail "a file of zeros: exit code $code: $arguments"
+    done
+fi
+command -v valgrind >/dev/null && command -v python3 >/dev/null || exit 77
+
+cat >"$dir/make.py" <<'END'
+import sys
+
+kind, n = sys.argv[1], int(sys.argv[2])
+rows = range(n)
+if kind == "gltf":
+    text = '{"asset":{"version":"2.0"},"materials":[' + ",".join('{"name":"m%d"}' % i for i in rows) + '],"extensionsRequired":["X_y"]}'
+elif kind == "surfaces":
+    text = '<materialx version="1.39">' + "".join('<zz name="s%d"/>' % i for i in rows) + "".join(
+        '<surfacematerial name="m%d"><input name="surfaceshader" nodename="s%d"/></surfacematerial>' % (i, i) for i in rows) + "</materialx>"
+elif kind == "dots":
+    text = '<materialx version="1.39">' + "".join(
+        '<dot name="d%d"><input name="in" nodename="d%d"/></dot>' % (i, i + 1) for i in rows)
+    text += '<constant name="d%d"><input name="value" value="0.5"/></constant><standard_surface name="s">' % n
+    text += "".join('<input name="%s" nodename="d%d"/>' % (key, n - 20) for key in ("base", "metalness", "specular", "sheen"))
+    text += "</standard_surface>" + "".join(
+        '<surfacematerial name="m%d"><input name="surfaceshader" nodename="s"/></surfacematerial>' % i for i in rows) + "</materialx>"
+elif kind == "twosided":
+    text = '<scene version="3.0.0"><bsdf type="twosided" id="t">' + '<ref id="no"/>' * n + "</bsdf></scene>"
+elif kind == "directions":
+    text = "theta_h,theta_d,phi_d,r,g,b\n" + "10,20,30,1,1,1\n" * n
+sys.stdout.write(text)
+END
+
+# work KIND N: the instructions of reading a file of this kind; a refused material is no fault.
+work() {
+    python3 "$dir/make.py" "$1" "$2" >"$dir/file"
+    OMP_NUM_THREADS=1 valgrind --tool=cachegrind --cache-sim=no --cachegrind-out-file=/dev/null "$tool" check "$dir/file" \
+        >"$dir/out" 2>"$dir/err" || true
+    sed -n 's/,//g; s/.*I *refs: *//p' "$dir/err"
+}
+
+# Quadratic work quadruples from one difference to the next, linear work doubles.
+for kind in gltf surfaces dots twosided directions; do
+    a=$(work $kind 1000) b=$(work $kind 2000) c=$(work $kind 4000)
+    [ -n "$a" ] && [ -n "$b" ] && [ -n "$c" ] || fail "no count of instructions: $kind"
+    [ $((c - b)) -lt $((3 * (b - a))) ] || fail "$kind: $a, $b, $c instructions for 1000, 2000 and 4000"
+done

@@ -1,0 +1,220 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Constants of material files against their sources: inputs, types and defaults of MaterialX's surfaces against the project's own
+ * definitions (shared data), defaults of the shading models against these tables, and colour spaces against their primaries.
+ */
+#include "io/xml.h"
+#include "material/color_space.h"
+#include "material/material.h"
+#include "material/materialx.h"
+#include "support/check.h"
+
+#include <math.h>
+#include <stdio.h>
+
+/* ---- MaterialX --------------------------------------------------------------------------------------------------- */
+
+/* The default definition of a node, and the one that it inherits from, or NULL. */
+static void find_definitions(const nqm_xml *xml, const char *node, const nqm_xml_element *definitions[2]) {
+    definitions[0] = definitions[1] = NULL;
+    for (const nqm_xml_element *e = xml->root->first; e; e = e->next) {
+        const char *name = nqm_xml_get(e, "node"), *version = nqm_xml_get(e, "version");
+        if (strcmp(e->name, "nodedef") == 0 && strcmp(name, node) == 0 &&
+            (!version || nqm_xml_get(e, "isdefaultversion")))
+            definitions[0] = e;
+    }
+    assert_non_null(definitions[0]);
+    const char *parent = nqm_xml_get(definitions[0], "inherit");
+    for (const nqm_xml_element *e = xml->root->first; parent && e; e = e->next) {
+        const char *name = nqm_xml_get(e, "name");
+        if (name && strcmp(name, parent) == 0)
+            definitions[1] = e;
+    }
+    assert_true(!parent || definitions[1]);
+}
+
+static const nqm_xml_element *find_input(const nqm_xml_element *const definitions[2], const char *name) {
+    for (size_t d = 0; d < 2 && definitions[d]; ++d)
+        for (const nqm_xml_element *e = definitions[d]->first; e; e = e->next)
+            if (strcmp(e->name, "input") == 0 && strcmp(nqm_xml_get(e, "name"), name) == 0)
+                return e;
+    return NULL;
+}
+
+static void check_input(const char *node, const nqm_mtlx_input *input, const nqm_xml_element *e) {
+    if (!e)
+        fail_msg("%s: the definition has no input %s", node, input->name);
+    if (!input->type)
+        return;
+    const char *type = nqm_xml_get(e, "type"), *text = nqm_xml_get(e, "value");
+    if (strcmp(type, input->type) != 0)
+        fail_msg("%s: %s has type %s, not %s", node, input->name, type, input->type);
+    for (size_t c = 0; c < (strcmp(type, "color3") == 0 ? 3 : 1); ++c) {
+        double v;
+        text += strspn(text, " ,");
+        if (!nqm_parse_double(text, &text, &v) || v != input->value)
+            fail_msg("%s: %s is %g by default, not %g", node, input->name, v, input->value);
+    }
+}
+
+static void check_surface(const nqm_mtlx_surface *surface, const char *file) {
+    nqm_map map;
+    nqm_xml xml;
+    nqm_error err = {0};
+    const nqm_xml_element *definitions[2];
+    char path[200];
+    snprintf(path, sizeof path, "materials/definitions/%s", file);
+    assert_int_equal(nqm_map_open(shared_data(path), &map, &err), NQM_OK);
+    assert_int_equal(nqm_xml_parse(map.data, map.n_bytes, path, &xml, &err), NQM_OK);
+    find_definitions(&xml, surface->node, definitions);
+    for (size_t i = 0; i < surface->n; ++i)
+        check_input(surface->node, &surface->inputs[i], find_input(definitions, surface->inputs[i].name));
+    for (size_t d = 0; d < 2 && definitions[d]; ++d)
+        for (const nqm_xml_element *e = definitions[d]->first; e; e = e->next) {
+            size_t i = 0;
+            while (i < surface->n && strcmp(surface->inputs[i].name, nqm_xml_get(e, "name")) != 0)
+                ++i;
+            if (strcmp(e->name, "input") == 0 && i == surface->n)
+                fail_msg("%s: the input %s is not in the table", surface->node, nqm_xml_get(e, "name"));
+        }
+    nqm_xml_free(&xml);
+    nqm_map_close(&map);
+}
+
+static void surfaces_have_the_inputs_of_their_definitions(void **state) {
+    (void)state;
+    static const char *const files[NQM_MTLX_N_SURFACES] = {"open_pbr_surface.mtlx", "standard_surface.mtlx",
+                                                           "gltf_pbr.mtlx", "usd_preview_surface.mtlx",
+                                                           "disney_principled.mtlx"};
+    if (!shared_data("materials/definitions"))
+        skip();
+    for (size_t s = 0; s < NQM_MTLX_N_SURFACES; ++s)
+        check_surface(&nqm_mtlx_surfaces[s], files[s]);
+}
+
+/* A spec without keys is the BRDF of the spec with all keys at the defaults of the table. */
+static void models_have_the_same_defaults(void **state) {
+    (void)state;
+    const double wi[3] = {0.48, 0, 0.877268487978453}, wo[3] = {-0.6, 0.28, 0.749399759807808};
+    for (size_t s = 0; s < NQM_MTLX_N_SURFACES; ++s) {
+        const nqm_mtlx_surface *surface = &nqm_mtlx_surfaces[s];
+        nqm_shading shading = {.n = 0};
+        strcpy(shading.model, surface->model);
+        char *bare = nqm_shading_spec(&shading);
+        for (size_t i = 0; i < surface->n; ++i) {
+            const nqm_mtlx_input *input = &surface->inputs[i];
+            if (input->kind == NQM_MTLX_KEY)
+                nqm_shading_set(&shading, input->name, strcmp(input->type, "color3") == 0 ? 3 : 1,
+                                (const double[3]){input->value, input->value, input->value});
+        }
+        char *full = nqm_shading_spec(&shading);
+        nqm_brdf *a = open_brdf(bare), *b = open_brdf(full);
+        double rgb[2][3];
+        nqm_brdf_eval(a, 1, wi, wo, rgb[0], NULL);
+        nqm_brdf_eval(b, 1, wi, wo, rgb[1], NULL);
+        if (memcmp(rgb[0], rgb[1], sizeof *rgb) != 0)
+            fail_msg("%s has other defaults than %s", bare, full);
+        nqm_brdf_free(a);
+        nqm_brdf_free(b);
+        nqm_free(bare);
+        nqm_free(full);
+    }
+}
+
+/* ---- colour spaces ----------------------------------------------------------------------------------------------- */
+
+static void multiply(double a[3][3], double b[3][3], double out[3][3]) {
+    for (size_t i = 0; i < 3; ++i)
+        for (size_t k = 0; k < 3; ++k)
+            out[i][k] = a[i][0] * b[0][k] + a[i][1] * b[1][k] + a[i][2] * b[2][k];
+}
+
+static void invert(double a[3][3], double out[3][3]) {
+    double det = 0;
+    for (size_t i = 0; i < 3; ++i)
+        for (size_t k = 0; k < 3; ++k) {
+            const size_t i1 = (i + 1) % 3, i2 = (i + 2) % 3, k1 = (k + 1) % 3, k2 = (k + 2) % 3;
+            out[k][i] = a[i1][k1] * a[i2][k2] - a[i1][k2] * a[i2][k1];
+        }
+    for (size_t k = 0; k < 3; ++k)
+        det += a[0][k] * out[k][0];
+    for (size_t i = 0; i < 9; ++i)
+        out[i / 3][i % 3] /= det;
+}
+
+static void xyz_of(const double xy[2], double xyz[3]) {
+    xyz[0] = xy[0] / xy[1];
+    xyz[1] = 1;
+    xyz[2] = (1 - xy[0] - xy[1]) / xy[1];
+}
+
+/* Linear RGB to XYZ (SMPTE RP 177): chromaticities of red, green, blue and white. */
+static void rgb_to_xyz(const double xy[4][2], double out[3][3]) {
+    double primaries[3][3], inverse[3][3], white[3], column[3];
+    for (size_t k = 0; k < 3; ++k) {
+        xyz_of(xy[k], column);
+        for (size_t i = 0; i < 3; ++i)
+            primaries[i][k] = column[i];
+    }
+    xyz_of(xy[3], white);
+    invert(primaries, inverse);
+    for (size_t k = 0; k < 3; ++k) {
+        const double scale = inverse[k][0] * white[0] + inverse[k][1] * white[1] + inverse[k][2] * white[2];
+        for (size_t i = 0; i < 3; ++i)
+            out[i][k] = primaries[i][k] * scale;
+    }
+}
+
+/* Bradford's adaptation between two whites. */
+static void adapt(const double from[2], const double to[2], double out[3][3]) {
+    double cone[3][3] = {{0.8951, 0.2664, -0.1614}, {-0.7502, 1.7135, 0.0367}, {0.0389, -0.0685, 1.0296}};
+    double inverse[3][3], scaled[3][3], a[3], b[3];
+    xyz_of(from, a);
+    xyz_of(to, b);
+    for (size_t i = 0; i < 3; ++i) {
+        const double *row = cone[i];
+        const double ratio =
+            (row[0] * b[0] + row[1] * b[1] + row[2] * b[2]) / (row[0] * a[0] + row[1] * a[1] + row[2] * a[2]);
+        for (size_t k = 0; k < 3; ++k)
+            scaled[i][k] = ratio * row[k];
+    }
+    invert(cone, inverse);
+    multiply(inverse, scaled, out);
+}
+
+static void colour_spaces_have_their_primaries(void **state) {
+    (void)state;
+    static const struct {
+        const char *name;
+        double xy[4][2];
+    } spaces[] = {{"lin_rec709", {{0.64, 0.33}, {0.3, 0.6}, {0.15, 0.06}, {0.3127, 0.329}}},
+                  {"acescg", {{0.713, 0.293}, {0.165, 0.83}, {0.128, 0.044}, {0.32168, 0.33767}}},
+                  {"lin_displayp3", {{0.68, 0.32}, {0.265, 0.69}, {0.15, 0.06}, {0.3127, 0.329}}},
+                  {"lin_adobergb", {{0.64, 0.33}, {0.21, 0.71}, {0.15, 0.06}, {0.3127, 0.329}}}};
+    double rec709[3][3], from_xyz[3][3];
+    rgb_to_xyz(spaces[0].xy, rec709);
+    invert(rec709, from_xyz);
+    for (size_t s = 0; s < sizeof spaces / sizeof *spaces; ++s) {
+        double to_xyz[3][3], white[3][3], adapted[3][3], expected[3][3];
+        rgb_to_xyz(spaces[s].xy, to_xyz);
+        adapt(spaces[s].xy[3], spaces[0].xy[3], white);
+        multiply(white, to_xyz, adapted);
+        multiply(from_xyz, adapted, expected);
+        for (size_t k = 0; k < 3; ++k) {
+            double rgb[3] = {k == 0, k == 1, k == 2};
+            assert_true(nqm_color_to_rec709(spaces[s].name, rgb));
+            for (size_t i = 0; i < 3; ++i)
+                if (!(fabs(rgb[i] - expected[i][k]) < 1e-6))
+                    fail_msg("%s, row %zu, column %zu: %.9f, not %.9f", spaces[s].name, i, k, rgb[i], expected[i][k]);
+        }
+    }
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(surfaces_have_the_inputs_of_their_definitions),
+        cmocka_unit_test(models_have_the_same_defaults),
+        cmocka_unit_test(colour_spaces_have_their_primaries),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
