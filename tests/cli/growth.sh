@@ -34,7 +34,7 @@ elif kind == "dots":
 elif kind == "twosided":
     text = '<scene version="3.0.0"><bsdf type="twosided" id="t">' + '<ref id="no"/>' * n + "</bsdf></scene>"
 elif kind == "directions":
-    text = "theta_h,theta_d,phi_d,r,g,b\n" + "10,20,30,1,1,1\n" * n
+    text = "theta_h,theta_d,phi_d,r,g,b\n" + "0,45,0,1,1,1\n" * n
 sys.stdout.write(text)
 END
 
@@ -49,6 +49,8 @@ work() {
 # Quadratic work quadruples from one difference to the next, linear work doubles.
 for kind in gltf surfaces dots twosided directions; do
     a=$(work $kind 1000) b=$(work $kind 2000) c=$(work $kind 4000)
-    [ -n "$a" ] && [ -n "$b" ] && [ -n "$c" ] || fail "no count of instructions: $kind"
+    { [ -n "$a" ] && [ -n "$b" ] && [ -n "$c" ]; } || fail "no count of instructions: $kind"
     [ $((c - b)) -lt $((3 * (b - a))) ] || fail "$kind: $a, $b, $c instructions for 1000, 2000 and 4000"
+    # check evaluates thousands of directions: none of them may pass over all rows
+    [ $kind != directions ] || [ $((c - b)) -lt $((2000 * 20000)) ] || fail "$kind: $(((c - b) / 2000)) instructions for a row"
 done
