@@ -11,7 +11,7 @@
 extern "C" {
 #endif
 
-/** An ordered, immutable list of half-vector coordinates, with an identity (a hash of its values). */
+/** An ordered, immutable list of pairs of directions to light and viewer, with an identity (a hash of its values). */
 typedef struct nqm_directions nqm_directions;
 
 /** How nqm_directions_create() chooses. Take the defaults from nqm_directions_options_default(). */
@@ -64,6 +64,9 @@ NQM_API void nqm_directions_free(nqm_directions *directions);
 NQM_API size_t nqm_directions_count(const nqm_directions *directions);
 /** (n, 3) theta_h, theta_d, phi_d in degrees; they belong to the directions. */
 NQM_API const double *nqm_directions_degrees(const nqm_directions *directions);
+/** (n, 3) unit vectors to the light, and to the viewer, in the convention of <nqm/brdf.h>; they belong to the directions. */
+NQM_API const double *nqm_directions_wi(const nqm_directions *directions);
+NQM_API const double *nqm_directions_wo(const nqm_directions *directions);
 /** Identity: the first 16 hex digits of the SHA-256 of the little-endian doubles of nqm_directions_degrees(); it belongs to the
  *  directions. Empty when out of memory. Any thread. */
 NQM_API const char *nqm_directions_id(const nqm_directions *directions);

@@ -229,6 +229,8 @@ FUNCTIONS = {
     "nqm_directions_free": (None, [c_void_p]),
     "nqm_directions_count": (c_size_t, [c_void_p]),
     "nqm_directions_degrees": (POINTER(c_double), [c_void_p]),
+    "nqm_directions_wi": (POINTER(c_double), [c_void_p]),
+    "nqm_directions_wo": (POINTER(c_double), [c_void_p]),
     "nqm_directions_id": (c_char_p, [c_void_p]),
     "nqm_sample": (c_int, [c_void_p, c_void_p, c_int, c_void_p, c_void_p, POINTER(SampleReport), _error]),
     "nqm_model_load": (c_int, [c_char_p, _handle, _error]),

@@ -424,7 +424,7 @@ class Directions:
         """
         brdfs = [as_brdf(r) for r in references]
         own, watches = Watch(), watches_of(brdfs)
-        o = set_options(lib.nqm_directions_options_default(), {"n": n, **options}, ("n", "seed", "max_polar_rad", "theta_h_power", "oversampling"))
+        o = set_options(lib.nqm_directions_options_default(), {"n": n, **options}, ("n", "seed", "max_polar_rad", "theta_h_power", "grid", "oversampling"))
         o.progress = progress_callback(progress, watches, own)
         handle = c_void_p()
         call(lib.nqm_directions_create, byref(o), len(brdfs), handles_of(brdfs), byref(handle), watches=watches, own=own)
@@ -453,7 +453,9 @@ class Directions:
     @property
     def vectors(self) -> Tuple[np.ndarray, np.ndarray]:
         """Unit vectors `wi`, `wo`, (n, 3) each."""
-        return half_diff_to_directions(np.radians(self.degrees))
+        wi, wo = (np.ctypeslib.as_array(f(self._handle), shape=(len(self), 3)).copy()
+                  for f in (lib.nqm_directions_wi, lib.nqm_directions_wo))
+        return wi, wo
 
 
 def set_options(struct: Any, options: Any, names: Sequence[str]) -> Any:

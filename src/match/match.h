@@ -43,8 +43,7 @@ typedef struct nqm_match_visual {
     nqm_fit_visual visual;
     nqm_scorer *scorer;
     nqm_score_quantity quantity; /* NQM_SCORE_JOD: the loss is 10 minus it */
-    double *wi, *wo;             /* (n, 3); wi owns the block of the arrays */
-    float *ref, *test, *slopes;  /* (n, 3) */
+    float *ref, *test, *slopes;  /* (n, 3); ref owns the block of the arrays */
     uint8_t *used;               /* (n) */
     nqm_error failure;           /* of the last evaluation */
 } nqm_match_visual;

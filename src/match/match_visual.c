@@ -4,7 +4,6 @@
  * which the reference has no value are left out.
  */
 #include "match/match.h"
-#include "math/math.h"
 
 #include <math.h>
 
@@ -29,15 +28,10 @@ static double evaluate(void *user, const double *rgb, double *gradient) {
 
 /* The reference at the directions of the model. */
 static nqm_status sample(const nqm_directions *directions, const nqm_brdf *ref, nqm_match_visual *v, nqm_error *err) {
-    const double *degrees = nqm_directions_degrees(directions);
+    const double *wi = nqm_directions_wi(directions), *wo = nqm_directions_wo(directions);
     nqm_status status = nqm_sample(ref, directions, NQM_INVALID_DROP, v->ref, v->used, NULL, err);
-    for (size_t i = 0; i < v->visual.n; ++i) {
-        double hd[3];
-        for (size_t k = 0; k < 3; ++k)
-            hd[k] = degrees[3 * i + k] * NQM_PI / 180;
-        nqm_half_diff_to_directions(hd, v->wi + 3 * i, v->wo + 3 * i);
-        v->used[i] = nqm_has_value(v->used[i]) && v->wi[3 * i + 2] > 0 && v->wo[3 * i + 2] > 0;
-    }
+    for (size_t i = 0; i < v->visual.n; ++i)
+        v->used[i] = nqm_has_value(v->used[i]) && wi[3 * i + 2] > 0 && wo[3 * i + 2] > 0;
     return status;
 }
 
@@ -47,13 +41,13 @@ nqm_status nqm_match_visual_make(const nqm_model *model, const nqm_brdf *ref, nq
     nqm_score_options options = nqm_score_options_default();
     options.metrics = 0;
     *v = (nqm_match_visual){.quantity = NQM_SCORE_DELTA_E};
-    nqm_status status = nqm_alloc_arrays(NQM_ARRAYS({&v->wi, n, 3 * sizeof(double)}, {&v->wo, n, 3 * sizeof(double)},
-                                                    {&v->ref, n, 3 * sizeof(float)}, {&v->test, n, 3 * sizeof(float)},
+    nqm_status status = nqm_alloc_arrays(NQM_ARRAYS({&v->ref, n, 3 * sizeof(float)}, {&v->test, n, 3 * sizeof(float)},
                                                     {&v->slopes, n, 3 * sizeof(float)}, {&v->used, n, 1}),
                                          err);
     if (status != NQM_OK)
         return status;
-    v->visual = (nqm_fit_visual){.n = n, .wi = v->wi, .wo = v->wo, .eval = evaluate, .user = v};
+    v->visual = (nqm_fit_visual){
+        .n = n, .wi = nqm_directions_wi(directions), .wo = nqm_directions_wo(directions), .eval = evaluate, .user = v};
     status = sample(directions, ref, v, err);
     if (status == NQM_OK)
         status = nqm_scorer_create(model, &options, &v->scorer, err);
@@ -70,14 +64,14 @@ nqm_status nqm_match_visual_make(const nqm_model *model, const nqm_brdf *ref, nq
 
 void nqm_match_visual_free(nqm_match_visual *v) {
     nqm_scorer_free(v->scorer);
-    nqm_free(v->wi);
+    nqm_free(v->ref);
 }
 
 nqm_status nqm_match_visual_value(nqm_match_visual *v, const nqm_brdf *brdf, double *value, nqm_error *err) {
     double *rgb = nqm_alloc(v->visual.n, 6 * sizeof *rgb);
     if (!rgb)
         return nqm_fail_nomem(err, v->visual.n * 6 * sizeof *rgb);
-    nqm_brdf_eval(brdf, v->visual.n, v->wi, v->wo, rgb, NULL);
+    nqm_brdf_eval(brdf, v->visual.n, v->visual.wi, v->visual.wo, rgb, NULL);
     *value = evaluate(v, rgb, rgb + 3 * v->visual.n);
     nqm_free(rgb);
     if (!isnan(*value))

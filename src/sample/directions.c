@@ -53,23 +53,22 @@ nqm_status nqm_directions_from_degrees(size_t n, const double *hd_deg, nqm_direc
                             "direction %zu: theta_h %g, theta_d %g, phi_d %g degrees: outside 0..90, 0..90, -360..360",
                             i + 1, hd_deg[3 * i], hd_deg[3 * i + 1], hd_deg[3 * i + 2]);
     nqm_directions *directions;
-    double *degrees, *hd, *cosines;
+    double *degrees, *wi, *wo, *cosines;
     uint32_t *twin;
-    nqm_status status =
-        nqm_alloc_arrays(NQM_ARRAYS({&directions, 1, sizeof *directions}, {&degrees, n, 3 * sizeof *degrees},
-                                    {&hd, n, 3 * sizeof *hd}, {&cosines, n, sizeof *cosines}, {&twin, n, sizeof *twin}),
-                         err);
+    nqm_status status = nqm_alloc_arrays(
+        NQM_ARRAYS({&directions, 1, sizeof *directions}, {&degrees, n, 3 * sizeof *degrees}, {&wi, n, 3 * sizeof *wi},
+                   {&wo, n, 3 * sizeof *wo}, {&cosines, n, sizeof *cosines}, {&twin, n, sizeof *twin}),
+        err);
     if (status != NQM_OK)
         return status;
-    *directions = (nqm_directions){.n = n, .degrees = degrees, .hd = hd, .cosines = cosines, .twin = twin};
-    for (size_t i = 0; i < 3 * n; ++i) {
+    *directions = (nqm_directions){.n = n, .degrees = degrees, .wi = wi, .wo = wo, .cosines = cosines, .twin = twin};
+    for (size_t i = 0; i < 3 * n; ++i)
         degrees[i] = hd_deg[i] + 0.0; /* -0 becomes 0, so that equal directions have equal bytes */
-        hd[i] = hd_deg[i] * (NQM_PI / 180);
-    }
     for (size_t i = 0; i < n; ++i) {
-        double wi[3], wo[3];
-        nqm_half_diff_to_pair(hd + 3 * i, wi, wo);
-        cosines[i] = fmax(wi[2], 0) * fmax(wo[2], 0);
+        const double hd[3] = {degrees[3 * i] * (NQM_PI / 180), degrees[3 * i + 1] * (NQM_PI / 180),
+                              degrees[3 * i + 2] * (NQM_PI / 180)};
+        nqm_half_diff_to_pair(hd, wi + 3 * i, wo + 3 * i);
+        cosines[i] = fmax(wi[3 * i + 2], 0) * fmax(wo[3 * i + 2], 0);
         twin[i] = (uint32_t)find_twin(degrees, i);
     }
     *directions_ret = directions;
@@ -86,6 +85,14 @@ size_t nqm_directions_count(const nqm_directions *directions) {
 
 const double *nqm_directions_degrees(const nqm_directions *directions) {
     return directions->degrees;
+}
+
+const double *nqm_directions_wi(const nqm_directions *directions) {
+    return directions->wi;
+}
+
+const double *nqm_directions_wo(const nqm_directions *directions) {
+    return directions->wo;
 }
 
 static pthread_mutex_t naming = PTHREAD_MUTEX_INITIALIZER; /* locked while the identity of any set is computed */

@@ -13,7 +13,7 @@
 struct nqm_directions {
     size_t n;
     double *degrees; /* (n, 3) theta_h, theta_d, phi_d */
-    double *hd;      /* (n, 3) the same in radians */
+    double *wi, *wo; /* (n, 3) unit vectors to light and viewer; the azimuth of the half vector is 0 */
     double *cosines; /* (n) cos(theta_i) cos(theta_o), 0 for a direction below the horizon */
     uint32_t *twin;  /* (n) an earlier direction with light and viewer exchanged; itself if there is none */
     char id[17];     /* nqm_directions_id(); empty: not computed yet */

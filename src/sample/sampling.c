@@ -14,32 +14,29 @@ enum { AT_ONCE = 512 }; /* directions per call: few enough for the stack, enough
 
 const char *const nqm_invalid_words[] = {"drop", "zero", "nearest", "error", NULL};
 
-/* Squared distance between two direction pairs (6), the smaller of both orders of light and viewer (reciprocity). */
-static double pair_distance(const double *pair_a, const double *pair_b) {
-    double direct = 0, swapped = 0;
-    for (size_t k = 0; k < 6; ++k) {
-        double d = pair_a[k] - pair_b[k], s = pair_a[k] - pair_b[(k + 3) % 6];
-        direct += d * d;
-        swapped += s * s;
-    }
-    return fmin(direct, swapped);
+static double square_distance(const double *a, const double *b) {
+    const double d[3] = {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
+    return nqm_dot3(d, d);
+}
+
+/* Squared distance between two pairs of directions, the smaller of both orders of light and viewer (reciprocity). */
+static double pair_distance(const nqm_directions *directions, size_t i, size_t j) {
+    const double *wi = directions->wi + 3 * i, *wo = directions->wo + 3 * i;
+    const double *other_wi = directions->wi + 3 * j, *other_wo = directions->wo + 3 * j;
+    return fmin(square_distance(wi, other_wi) + square_distance(wo, other_wo),
+                square_distance(wi, other_wo) + square_distance(wo, other_wi));
 }
 
 /* Copy the nearest valid value to every direction without one; at least one direction must have a value. */
-static nqm_status fill_from_nearest(const nqm_directions *directions, const uint8_t *flag, float *rgb, nqm_error *err) {
-    size_t n = directions->n;
-    double *pairs = nqm_alloc(n, 6 * sizeof *pairs); /* (n, 6) wi, wo */
-    if (!pairs)
-        return nqm_fail_nomem(err, 6 * n * sizeof *pairs);
-    for (size_t i = 0; i < n; ++i)
-        nqm_half_diff_to_pair(directions->hd + 3 * i, pairs + 6 * i, pairs + 6 * i + 3);
+static void fill_from_nearest(const nqm_directions *directions, const uint8_t *flag, float *rgb) {
+    const size_t n = directions->n;
     for (size_t i = 0; i < n; ++i) {
         if (nqm_has_value(flag[i]))
             continue;
         size_t nearest = i;
         double least = INFINITY;
         for (size_t j = 0; j < n; ++j) {
-            double distance = nqm_has_value(flag[j]) ? pair_distance(pairs + 6 * i, pairs + 6 * j) : INFINITY;
+            double distance = nqm_has_value(flag[j]) ? pair_distance(directions, i, j) : INFINITY;
             if (distance < least) {
                 least = distance;
                 nearest = j;
@@ -47,8 +44,6 @@ static nqm_status fill_from_nearest(const nqm_directions *directions, const uint
         }
         memcpy(rgb + 3 * i, rgb + 3 * nearest, 3 * sizeof *rgb);
     }
-    nqm_free(pairs);
-    return NQM_OK;
 }
 
 static nqm_sample_report count_flags(size_t n, const uint8_t *flag) {
@@ -72,23 +67,26 @@ static nqm_status apply_policy(const nqm_brdf *brdf, const nqm_directions *direc
     if (policy == NQM_INVALID_ERROR)
         return nqm_fail(err, NQM_ERR_INCOMPATIBLE, -1, "%s: no value at %zu of %zu directions", brdf->info.name,
                         counts.n_invalid, counts.n);
-    return policy == NQM_INVALID_NEAREST ? fill_from_nearest(directions, flag, rgb, err) : NQM_OK;
+    if (policy == NQM_INVALID_NEAREST)
+        fill_from_nearest(directions, flag, rgb);
+    return NQM_OK;
 }
 
 /* Sample up to AT_ONCE directions from `next` on; returns the first that is left. A reciprocal BRDF has the value of the twin. */
 static size_t sample_some(const nqm_brdf *brdf, const nqm_directions *directions, size_t next, float *rgb,
                           uint8_t *flag) {
-    double hd[3 * AT_ONCE] = {0}, values[3 * AT_ONCE];
+    double wi[3 * AT_ONCE] = {0}, wo[3 * AT_ONCE] = {0}, values[3 * AT_ONCE];
     uint8_t flags[AT_ONCE];
     size_t place[AT_ONCE], m = 0, end = next;
     const uint32_t *twin = directions->twin;
     for (; end < directions->n && m < AT_ONCE; ++end) {
         if (brdf->class_->reciprocal && twin[end] != end)
             continue;
-        memcpy(hd + 3 * m, directions->hd + 3 * end, 3 * sizeof *hd);
+        memcpy(wi + 3 * m, directions->wi + 3 * end, 3 * sizeof *wi);
+        memcpy(wo + 3 * m, directions->wo + 3 * end, 3 * sizeof *wo);
         place[m++] = end;
     }
-    nqm_brdf_eval_half_diff(brdf, m, hd, values, flags);
+    nqm_brdf_eval(brdf, m, wi, wo, values, flags);
     for (size_t k = 0; k < 3 * m; ++k)
         rgb[3 * place[k / 3] + k % 3] = (float)fmin(values[k], FLT_MAX);
     for (size_t k = 0; k < m; ++k)

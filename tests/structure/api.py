@@ -8,7 +8,7 @@ import re
 import subprocess
 import sys
 
-MAX_FUNCTIONS = 121
+MAX_FUNCTIONS = 126
 MAX_FIELDS = 20
 SOURCE, BUILD = os.environ["NQM_SOURCE"], os.environ["NQM_BUILD"]
 faults = []

@@ -11,13 +11,11 @@
 /* Columns theta_h, theta_d, phi_d, and the directions of light and viewer, turned so that the light is at azimuth 0. */
 static void write_pairs(const nqm_directions *directions, const char *path) {
     const double *degrees = nqm_directions_degrees(directions), degree = 3.14159265358979323846 / 180;
+    const double *wi = nqm_directions_wi(directions), *wo = nqm_directions_wo(directions);
     output_file out;
     open_output(path, &out);
     fputs("theta_h,theta_d,phi_d,theta_i,phi_i,theta_o,phi_o\n", out.stream);
-    for (size_t i = 0; i < nqm_directions_count(directions); ++i, degrees += 3) {
-        const double hd[3] = {degrees[0] * degree, degrees[1] * degree, degrees[2] * degree};
-        double wi[3], wo[3];
-        nqm_half_diff_to_directions(hd, wi, wo);
+    for (size_t i = 0; i < nqm_directions_count(directions); ++i, degrees += 3, wi += 3, wo += 3) {
         const double turn = atan2(wo[1], wo[0]) - atan2(wi[1], wi[0]);
         for (size_t k = 0; k < 3; ++k) { /* digits that read back as the same direction */
             char text[32];
