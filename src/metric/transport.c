@@ -15,7 +15,7 @@
 #include <string.h>
 
 /* Points and directions that are computed together: their pictures and their rows of the matrix stay in the L2 cache. */
-enum { POINTS = NQM_TRANSPORT_POINTS, DIRECTIONS = 64 };
+enum { POINTS = NQM_TRANSPORT_BLOCK, DIRECTIONS = 64 };
 
 _Static_assert(POINTS % NQM_PANEL == 0, "the kernel computes whole panels");
 

@@ -33,7 +33,7 @@ typedef struct nqm_output_range {
 
 /** Points of the pictures that the transport matrix of a dataset makes of samples; other matrices have any multiple of
  *  NQM_TRANSPORT_STEP up to NQM_TRANSPORT_MAX_POINTS. */
-enum { NQM_TRANSPORT_POINTS = 128, NQM_TRANSPORT_STEP = 32, NQM_TRANSPORT_MAX_POINTS = 4096 };
+enum { NQM_TRANSPORT_POINTS = 256, NQM_TRANSPORT_STEP = 32, NQM_TRANSPORT_MAX_POINTS = 4096 };
 /** Light transport of a scene: pictures of few points as linear functions of samples. Arrays are borrowed. */
 typedef struct nqm_transport {
     size_t n_directions, n_points;

@@ -81,22 +81,17 @@ static double scale_at(const double hd[3]) {
 
 void nqm_grid_interpolate(const nqm_grid *g, const double hd[3], size_t node[NQM_GRID_NEAR],
                           double weight[NQM_GRID_NEAR]) {
-    double by_h[4], by_d[4], at[3] = {0};
-    const double log_h = fmin(fmax(log(fmax(hd[0], 1e-12)), g->log_h[0]), g->log_h[g->n_h - 1]);
-    const size_t h = cubic(g->n_h, g->log_h, log_h, by_h);
-    const double part = fmin(fmax(hd[1] / most_theta_d(exp(log_h), hd[2]), part_of_d[0]), 1);
-    const size_t d = cubic(NQM_GRID_D, part_of_d, part, by_d);
-    at[0] = exp(log_h);
-    at[1] = part * most_theta_d(at[0], hd[2]);
-    at[2] = hd[2];
-    const double scale = scale_at(at);
-    size_t n = 0;
-    for (size_t i = 0; i < 4; ++i) {
+    double by_h[4], by_d[4];
+    const double log_h = fmin(fmax(log(fmax(hd[0], 1e-12)), g->log_h[0]), g->log_h[g->n_h - 1]), theta_h = exp(log_h);
+    const double part = fmin(fmax(hd[1] / most_theta_d(theta_h, hd[2]), part_of_d[0]), 1);
+    const size_t h = cubic(g->n_h, g->log_h, log_h, by_h), d = cubic(NQM_GRID_D, part_of_d, part, by_d);
+    for (size_t i = 0, n = 0; i < 4; ++i) {
         const size_t n_phi = nqm_grid_n_phi(g, h + i);
         const double turn = hd[2] / (2 * NQM_PI) * (double)n_phi - 0.5, low = floor(turn);
         for (size_t side = 0; side < 2; ++side) {
             const size_t p = (size_t)(low + (double)(n_phi + side)) % n_phi;
-            const double by_p = side ? turn - low : 1 - (turn - low);
+            const double phi = phi_of(n_phi, p), by_p = side ? turn - low : 1 - (turn - low);
+            const double scale = scale_at((double[]){theta_h, part * most_theta_d(theta_h, phi), phi});
             for (size_t j = 0; j < 4; ++j, ++n) {
                 double there[3];
                 nqm_grid_node(g, h + i, d + j, p, there);

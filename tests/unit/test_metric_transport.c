@@ -13,7 +13,7 @@
 #include <omp.h>
 #include <string.h>
 
-enum { N = 7, BRDFS = 5, POINTS = NQM_TRANSPORT_POINTS, PARTS = 1 + NQM_LABEL_PARTS };
+enum { N = 7, BRDFS = 5, POINTS = NQM_TRANSPORT_BLOCK, PARTS = 1 + NQM_LABEL_PARTS };
 
 static float light[N * 3 * POINTS], rgb[BRDFS][3 * N];
 static double points[3 * POINTS], itp[BRDFS][POINTS][3], itp_used[BRDFS][POINTS][3];

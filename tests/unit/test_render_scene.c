@@ -225,7 +225,7 @@ static void sphere_under_a_small_lamp(void **state) {
         double expected = flux * fmax(nqm_dot3(scene->seen.point[i].frame + 6, towards), 0);
         assert_near(sum, expected,
                     0.01 * expected + 0.005 * flux); /* the lamp is 3 degrees wide: the terminator is soft */
-        assert_near(set.irradiance[1], sum, 1e-9 * flux);
+        assert_near(set.irradiance[1], sum, 1e-6 * flux);
     }
     nqm_free(lamp.rgb);
     nqm_scene_free(scene);
@@ -264,12 +264,12 @@ static void microfacets_under_constant_light(void **state) {
         nqm_brdf *brdf = make_gloss(0, 1, row[0]);
         nqm_surface_point point = point_seen_at(row[1] * NQM_PI / 180);
         double sum = 0;
-        for (uint64_t seed = 0; seed < 8; ++seed) {
+        for (uint64_t seed = 0; seed < 32; ++seed) {
             double value = shade(&white, &point, brdf, seed, 384);
             assert_relative(value, row[2], 0.05);
             sum += value;
         }
-        assert_relative(sum / 8, row[2], 0.01);
+        assert_relative(sum / 32, row[2], 0.01);
         nqm_brdf_free(brdf);
     }
     nqm_free(white.rgb);
