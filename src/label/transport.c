@@ -80,7 +80,7 @@ nqm_status nqm_transport_fill(const nqm_scene_options *scene_options, size_t n_p
     const nqm_scene *const *parts =
         scene->n_parts ? (const nqm_scene *const *)scene->parts : (const nqm_scene *const *)&scene;
     size_t n_parts = scene->n_parts ? scene->n_parts : 1, first = 0;
-    memset(light, 0, nqm_grid_count(&m.grid) * 3 * n_points * sizeof *light);
+    memset(light, 0, m.grid.n * 3 * n_points * sizeof *light);
     if (nqm_scene_count(scene) != n_points)
         status = nqm_fail(err, NQM_ERR_ARG, -1, "scene: %zu points instead of %zu for its transport matrix",
                           nqm_scene_count(scene), n_points);
@@ -129,7 +129,7 @@ nqm_status nqm_transport_create(const nqm_scene_options *scene, size_t n_points,
     const nqm_scene_options options = scene ? *scene : nqm_scene_options_default();
     *model_ret = NULL;
     const nqm_grid grid = nqm_grid_make();
-    const size_t n = nqm_grid_count(&grid);
+    const size_t n = grid.n;
     if (n_points == 0 || n_points % NQM_TRANSPORT_STEP || n_points > NQM_TRANSPORT_MAX_POINTS)
         return nqm_fail(err, NQM_ERR_ARG, -1, "points: %zu is no multiple of %d up to %d", n_points, NQM_TRANSPORT_STEP,
                         NQM_TRANSPORT_MAX_POINTS);

@@ -19,9 +19,11 @@ static const double narrowest = 2e-5, visible = 2e-3, widest = 80 * NQM_PI / 180
 
 /* Theta_d relative to its largest value at the same theta_h and phi_d. */
 static const double part_of_d[NQM_GRID_D] = {0.1, 0.32, 0.52, 0.7, 0.84, 0.94, 1};
-static const double narrow_step = 1.9, wide_step = 1.5;
+static const double narrow_step = 1.9, wide_step = 1.3;
 
-enum { FEW = 2, SOME = 4, MANY = 8 }; /* values of phi_d below 2 and below 12 degrees of theta_h, and above */
+/* Values of phi_d: many where theta_h is above 12 degrees or theta_d is in the upper part, since lobes that are round about the mirror
+ * direction are long ellipses in half vectors there. */
+enum { FEW = 4, MANY = 8, UPPER_D = 5 };
 
 nqm_grid nqm_grid_make(void) {
     nqm_grid g = {.n_h = 0};
@@ -31,14 +33,16 @@ nqm_grid nqm_grid_make(void) {
     for (size_t i = 0; i < g.n_h; ++i)
         g.log_h[i] = i < n_narrow ? log(narrowest) + log(visible / narrowest) * (double)i / (double)n_narrow
                                   : log(visible) + log(widest / visible) * (double)(i - n_narrow) / (double)n_wide;
-    for (size_t i = 0; i < g.n_h; ++i)
-        g.first[i + 1] = g.first[i] + NQM_GRID_D * nqm_grid_n_phi(&g, i);
+    for (size_t h = 0; h < g.n_h; ++h)
+        for (size_t d = 0; d < NQM_GRID_D; ++d) {
+            g.first[h][d] = g.n;
+            g.n += nqm_grid_n_phi(&g, h, d);
+        }
     return g;
 }
 
-size_t nqm_grid_n_phi(const nqm_grid *g, size_t h) {
-    const double degrees = exp(g->log_h[h]) * 180 / NQM_PI;
-    return degrees < 2 ? FEW : degrees < 12 ? SOME : MANY;
+size_t nqm_grid_n_phi(const nqm_grid *g, size_t h, size_t d) {
+    return exp(g->log_h[h]) < 12 * NQM_PI / 180 && d < UPPER_D ? FEW : MANY;
 }
 
 /* The theta_d at which light or viewer has the polar angle max_polar: cos(theta_h) cos(x) - sin(theta_h) |cos(phi_d)| sin(x) =
@@ -49,28 +53,30 @@ static double most_theta_d(double theta_h, double phi_d) {
 }
 
 static double phi_of(size_t n_phi, size_t k) {
-    return 2 * NQM_PI * ((double)k + 0.5) / (double)n_phi;
+    return 2 * NQM_PI * (double)k / (double)n_phi;
 }
 
 void nqm_grid_node(const nqm_grid *g, size_t h, size_t d, size_t p, double hd[3]) {
-    const size_t n_phi = nqm_grid_n_phi(g, h);
+    const size_t n_phi = nqm_grid_n_phi(g, h, d);
     hd[0] = exp(g->log_h[h]);
     hd[2] = phi_of(n_phi, p);
     hd[1] = part_of_d[d] * most_theta_d(hd[0], hd[2]);
 }
 
-/* Weights of the four nodes around x in Lagrange's cubic through them. Returns the first of the nodes; x is clamped to [at[0], at[n - 1]]. */
-static size_t cubic(size_t n, const double *at, double x, double weight[4]) {
+/* The first of the four nodes around x. */
+static size_t stencil(size_t n, const double *at, double x) {
     size_t first = 0;
-    x = fmin(fmax(x, at[0]), at[n - 1]);
     while (first + 4 < n && at[first + 2] < x)
         ++first;
-    for (size_t i = 0; i < 4; ++i) {
-        weight[i] = 1;
-        for (size_t j = 0; j < 4; ++j)
-            weight[i] *= j == i ? 1 : (x - at[first + j]) / (at[first + i] - at[first + j]);
-    }
     return first;
+}
+
+/* Weight of node k of four in Lagrange's cubic through them. */
+static double cubic(const double at[4], size_t k, double x) {
+    double weight = 1;
+    for (size_t j = 0; j < 4; ++j)
+        weight *= j == k ? 1 : (x - at[j]) / (at[k] - at[j]);
+    return weight;
 }
 
 /* theta_h^2 cos(theta_i) cos(theta_o), which makes lobes smooth. */
@@ -79,26 +85,27 @@ static double scale_at(const double hd[3]) {
     return hd[0] * hd[0] * fmax(a * a - b * b, 1e-6);
 }
 
+/* theta_d relative to its largest value, within the grid. */
+static double part_at(double theta_h, double theta_d, double phi_d) {
+    return fmin(fmax(theta_d / most_theta_d(theta_h, phi_d), part_of_d[0]), 1);
+}
+
 void nqm_grid_interpolate(const nqm_grid *g, const double hd[3], size_t node[NQM_GRID_NEAR],
                           double weight[NQM_GRID_NEAR]) {
-    double by_h[4], by_d[4];
     const double log_h = fmin(fmax(log(fmax(hd[0], 1e-12)), g->log_h[0]), g->log_h[g->n_h - 1]), theta_h = exp(log_h);
-    const double part = fmin(fmax(hd[1] / most_theta_d(theta_h, hd[2]), part_of_d[0]), 1);
-    const size_t h = cubic(g->n_h, g->log_h, log_h, by_h), d = cubic(NQM_GRID_D, part_of_d, part, by_d);
-    for (size_t i = 0, n = 0; i < 4; ++i) {
-        const size_t n_phi = nqm_grid_n_phi(g, h + i);
-        const double turn = hd[2] / (2 * NQM_PI) * (double)n_phi - 0.5, low = floor(turn);
-        for (size_t side = 0; side < 2; ++side) {
-            const size_t p = (size_t)(low + (double)(n_phi + side)) % n_phi;
-            const double phi = phi_of(n_phi, p), by_p = side ? turn - low : 1 - (turn - low);
-            const double scale = scale_at((double[]){theta_h, part * most_theta_d(theta_h, phi), phi});
-            for (size_t j = 0; j < 4; ++j, ++n) {
-                double there[3];
-                nqm_grid_node(g, h + i, d + j, p, there);
-                node[n] = g->first[h + i] + (d + j) * n_phi + p;
-                weight[n] = by_h[i] * by_p * by_d[j] * scale_at(there) / scale;
-            }
-        }
+    const size_t h = stencil(g->n_h, g->log_h, log_h);
+    const size_t d = stencil(NQM_GRID_D, part_of_d, part_at(theta_h, hd[1], hd[2]));
+    for (size_t n = 0; n < NQM_GRID_NEAR; ++n) {
+        const size_t i = n / 8, j = n / 2 % 4, side = n % 2, n_phi = nqm_grid_n_phi(g, h + i, d + j);
+        const double turn = hd[2] / (2 * NQM_PI) * (double)n_phi, low = floor(turn);
+        const size_t p = (size_t)(low + (double)(n_phi + side)) % n_phi;
+        const double phi = phi_of(n_phi, p), part = part_at(theta_h, hd[1], phi);
+        const double here[3] = {theta_h, part * most_theta_d(theta_h, phi), phi};
+        double there[3];
+        nqm_grid_node(g, h + i, d + j, p, there);
+        node[n] = g->first[h + i][d + j] + p;
+        weight[n] = cubic(g->log_h + h, i, log_h) * cubic(part_of_d + d, j, part) *
+                    (side ? turn - low : 1 - (turn - low)) * scale_at(there) / scale_at(here);
     }
 }
 
@@ -108,7 +115,7 @@ void nqm_grid_interpolate(const nqm_grid *g, const double hd[3], size_t node[NQM
 static void fill_degrees(const nqm_grid *g, double *degrees) {
     for (size_t h = 0; h < g->n_h; ++h)
         for (size_t d = 0; d < NQM_GRID_D; ++d)
-            for (size_t p = 0; p < nqm_grid_n_phi(g, h); ++p, degrees += 3) {
+            for (size_t p = 0; p < nqm_grid_n_phi(g, h, d); ++p, degrees += 3) {
                 double hd[3];
                 nqm_grid_node(g, h, d, p, hd);
                 for (int k = 0; k < 3; ++k)
@@ -118,7 +125,7 @@ static void fill_degrees(const nqm_grid *g, double *degrees) {
 
 nqm_status nqm_grid_directions(nqm_directions **directions_ret, nqm_error *err) {
     const nqm_grid grid = nqm_grid_make();
-    const size_t n = nqm_grid_count(&grid);
+    const size_t n = grid.n;
     double *degrees = nqm_alloc(n, 3 * sizeof *degrees);
     *directions_ret = NULL;
     if (!degrees)

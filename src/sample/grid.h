@@ -10,19 +10,17 @@
 
 enum { NQM_GRID_MAX_H = 64, NQM_GRID_D = 7, NQM_GRID_NEAR = 32 };
 
-/** A grid. Node (h, d, p) has the index first[h] + d nqm_grid_n_phi(h) + p. */
+/** A grid. Node (h, d, p) has the index first[h][d] + p. */
 typedef struct nqm_grid {
+    size_t n;                     /* nodes */
     size_t n_h;                   /* values of theta_h; of theta_d there are NQM_GRID_D */
     double log_h[NQM_GRID_MAX_H]; /* (n_h) logarithms of theta_h, ascending */
-    size_t first[NQM_GRID_MAX_H + 1];
+    size_t first[NQM_GRID_MAX_H][NQM_GRID_D];
 } nqm_grid;
 
 nqm_grid nqm_grid_make(void);
-static inline size_t nqm_grid_count(const nqm_grid *grid) {
-    return grid->first[grid->n_h];
-}
-/** Values of phi_d at theta_h number h. */
-size_t nqm_grid_n_phi(const nqm_grid *grid, size_t h);
+/** Values of phi_d at theta_h number h and theta_d number d. */
+size_t nqm_grid_n_phi(const nqm_grid *grid, size_t h, size_t d);
 /** Coordinates of a node in radians. */
 void nqm_grid_node(const nqm_grid *grid, size_t h, size_t d, size_t p, double hd[3]);
 /** Nodes around hd, theta_h, theta_d and phi_d in [0, 2 pi), and their weights in the interpolated f_r, some of which are negative.
