@@ -71,7 +71,7 @@ static nqm_label compare(const nqm_rays *rays, const double *ref, const double *
 
 static void the_mean_over_seeds_is_the_picture(void **state) {
     (void)state;
-    enum { N_SEEDS = 100 };
+    enum { N_SEEDS = 400 };
     nqm_scene *scenes[] = {make("studio", "sphere"), make(NULL, NULL)};
     for (size_t s = 0; s < (nqm_tracer_version() ? 2 : 1); ++s) {
         double mean[2][3] = {{0}}, expected[2][3] = {{0}}, delta_e = 0;

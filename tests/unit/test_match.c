@@ -300,7 +300,7 @@ static nqm_brdf *steep(double *limit) {
 
 static void missing_values_are_left_out(void **state) {
     (void)state;
-    double limit = 1.25, narrow = 0.5;
+    double limit = 1.5, narrow = 0.5;
     const nqm_match_loss loss = {"transport", metric, transport, judge};
     nqm_match_report report;
     nqm_brdf *most = steep(&limit), *few = steep(&narrow);

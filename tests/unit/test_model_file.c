@@ -445,8 +445,8 @@ static void refuse_values(const char *name, const void *data, const char *says) 
 static void impossible_transport(void **state) {
     (void)state;
     struct nqm_model *model = make_model();
-    model->transport[100] = -1e-9f;
-    refuse_values("transport", model->transport, "tensor 'transport' has a value that is negative");
+    model->transport[100] = INFINITY;
+    refuse_values("transport", model->transport, "is not finite");
     static const struct {
         size_t i, k;
         double value;
@@ -454,11 +454,11 @@ static void impossible_transport(void **state) {
     } bad[] = {{3, 0, -0.1, "a fraction outside 0 to 1"},
                {3, 0, 1.1, "a fraction outside 0 to 1"},
                {3, 0, 0.5, "do not sum to 1"},
-               {127, 0, 0, "do not sum to 1"},
+               {NQM_TRANSPORT_POINTS - 1, 0, 0, "do not sum to 1"},
                {0, 1, 1, "number its scenes"},
                {5, 1, 1, "do not sum to 1"},
-               {64, 1, 2, "number its scenes"},
-               {127, 1, 0, "number its scenes"},
+               {NQM_TRANSPORT_POINTS / 2, 1, 2, "number its scenes"},
+               {NQM_TRANSPORT_POINTS - 1, 1, 0, "number its scenes"},
                {9, 1, 0.5, "number its scenes"},
                {70, 2, 0, "peak luminance"},
                {70, 2, -1000, "peak luminance"}};
