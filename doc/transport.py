@@ -1,11 +1,11 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: MIT
-"""How exact are transport matrices of different sizes, and how fast? The table of doc/labels.md.
+"""How exact are transport matrices with different numbers of points, and how fast? (doc/labels.md)
 
 usage: doc/transport.py CHECK.csv [--work DIR]
 
 CHECK.csv is the output of `models/check.py --csv`: pairs with labels by the full renderer. Matrices of the standard scenes are made
-for each size, and their Delta-E is compared with the labels'. Time: scores of 256 pairs with references of 16 tests each on all
+for each number of points, and their Delta-E is compared with the labels'. Time: scores of 256 pairs with references of 16 tests each on all
 threads, samples to JOD; median of 7. LIBNQM and NQM_TOOL as in doc/fitting_network.py. Needs NumPy and SciPy."""
 import argparse
 import csv
@@ -18,7 +18,7 @@ from scipy.stats import spearmanr
 from fitting_network import Model, evaluate, nqm
 
 CURVE = (-14.11196939758611, -0.47364347065458806, -0.21479944748134167)
-SIZES = [(500, 32), (500, 128), (500, 512), (1000, 128), (1000, 256), (2000, 256), (2000, 1024)]  # directions, points
+SIZES = [32, 64, 128, 256, 512, 1024]  # points
 
 
 def delta_e_of(jod):
@@ -51,12 +51,9 @@ def main():
     rendered = delta_e_of(labels)
     visible = rendered > 1
     print(f"{len(rows)} pairs\ndirections points    MB  Spearman  error of JOD: mean  95 %   of Delta-E: median  95 %   ms a pair")
-    for n, points in SIZES:
-        directions, path = "default", os.path.join(options.work, f"transport-{n}-{points}.safetensors")
-        if n != 500:
-            directions = os.path.join(options.work, f"directions-{n}.csv")
-            nqm("directions", "-n", str(n), "--max-polar", "85", "-o", directions)
-        nqm("transport", "make", "--directions", directions, "--points", str(points), "-o", path)
+    for points in SIZES:
+        path = os.path.join(options.work, f"transport-{points}.safetensors")
+        nqm("transport", "make", "--points", str(points), "--seed", "2", "-o", path)
         model = Model(os.path.abspath(path))
         jods = []
         for row in rows:
@@ -64,7 +61,7 @@ def main():
             jods.append(model.score(ref, [test], ref_used & test_used)[0].jod)
         error = abs(np.array(jods) - labels)
         ratio = abs(delta_e_of(np.array(jods)) - rendered)[visible] / rendered[visible]
-        print(f"{n:10d} {points:6d} {os.path.getsize(path) / 1e6:5.1f}  {spearmanr(jods, labels)[0]:8.5f} {error.mean():18.3f}"
+        print(f"{model.n:10d} {points:6d} {os.path.getsize(path) / 1e6:5.1f}  {spearmanr(jods, labels)[0]:8.5f} {error.mean():18.3f}"
               f" {np.percentile(error, 95):5.3f}  {100 * np.median(ratio):17.2f} % {100 * np.percentile(ratio, 95):4.1f} %"
               f"  {1000 * seconds_per_pair(model, rows):10.3f}", flush=True)
 

@@ -43,7 +43,7 @@ NQM_API NQM_MUST_CHECK nqm_status nqm_rays_compare(const nqm_rays *rays, const d
  * Make a model without a network that estimates labels in a scene by light transport: with fixed light, the radiance of every
  * point is linear in the BRDF (precomputed radiance transfer: Sloan et al. 2002, DOI 10.1145/566654.566612), so a matrix makes
  * pictures of few points from samples. The model predicts labels with parts and has no intervals; nqm_model_save() writes it.
- * The directions are the nodes of a grid (nqm_directions_options.grid). More points make it more exact, larger (7.5 KB each) and slower;
+ * The directions are the nodes of a grid (nqm_directions_options.grid). More points make it more exact, larger (16.6 KB each) and slower;
  * doc/labels.md has the errors. The built-in model "transport" has the standard scenes.
  *
  * @param scene       NULL: the defaults, the standard scenes; its pixels, points and interreflection are not used, and n_lights 0

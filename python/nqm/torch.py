@@ -2,7 +2,7 @@
 """Losses and scores as functions of PyTorch, differentiable by the values of the test.
 
 A training needs `Loss`: Delta-E of pictures at fresh directions in every step. `jod` and `delta_e` are the scores of a model, which
-looks at the same 500 directions every time: right for judging, but a training learns these by heart. Values are f_r in 1/sr, (n, 3), on any
+looks at the same directions every time: right for judging, but a training learns these by heart. Values are f_r in 1/sr, (n, 3), on any
 device; the library computes on the processor. There is no gradient by the reference.
 """
 from __future__ import annotations

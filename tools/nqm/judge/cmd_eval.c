@@ -275,9 +275,9 @@ int cmd_eval(int argc, char **argv) {
             "same for the scores of people, or prints the fraction of their choices that is predicted.",
         .example = "nqm eval corpus.safetensors --by both\n"
                    "nqm eval corpus.safetensors --by subset\n"
-                   "nqm eval corpus.safetensors --model default,paper,my.safetensors --split validation --json\n"
+                   "nqm eval corpus.safetensors --model default,my.safetensors --split validation --json\n"
                    "nqm eval test_brdfs --labels labels_real.csv --model paper\n"
-                   "nqm eval --human opinions.csv --root brdfs --model default,paper\n"
+                   "nqm eval --human opinions.csv --root brdfs --model default,transport\n"
                    "nqm eval --human choices.csv --root brdfs --apart",
         .options = options,
         .table = &nqm_eval_option_table,
