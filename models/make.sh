@@ -20,11 +20,10 @@ esac
 work=$(cd "$2" && pwd)
 here=$(cd "$(dirname "$0")" && pwd)
 nqm=$(realpath "${NQM_TOOL:-$here/../build/nqm}")
-# Model `default` predicts the standard set of scenes (doc/labels.md) for any two BRDFs. A third of the points of `nqm label`
-# is enough: Delta-E differs by 2 % at most.
-any_pair="--points 1024 --roundings 3 --every $every"
-train_pairs="$any_pair --perturbations 52 --far 20 --variants 10"
-test_pairs="$any_pair --perturbations 22 --far 14 --variants 10"
+# Model `default` predicts the standard set of scenes (doc/labels.md) for any two BRDFs, at the directions of light transport.
+any_pair="--directions $work/grid.csv --roundings 3 --variants 10"
+train_pairs="$any_pair --every $every --perturbations 52 --far 20"
+test_pairs="$any_pair --every $every_test --perturbations 22 --far 14"
 # Model `paper` predicts the paper's scene, a rotating bunny under the Pixar Campus light, for encodings and perturbations.
 paper_scene="--directions $work/directions.csv --scene paper --light $data/scene/pixar_campus_rgbe.png --shape $data/scene/bunny.ply --points 1536"
 paper_pairs="--models ward,ggx,nbrdf,sparse-0,sparse-1,sparse-2,hyper-0,hyper-1,hyper-2 --perturbations 30 --far 0 --roundings 0 --variants 0"

@@ -241,7 +241,7 @@ struct nqm_corpus_context {
     void *step_user;
 };
 
-/** Compute the transport matrix of a scene for the directions nqm_grid_directions(); shadows count, interreflection does
+/** Compute the transport matrix of a scene for the directions nqm_node_grid_directions(); shadows count, interreflection does
  *  not. light (n_directions, 3, n_points), points (n_points, 3) as in nqm_transport. */
 NQM_MUST_CHECK nqm_status nqm_transport_fill(const nqm_scene_options *scene, size_t n_points, float *light,
                                              double *points, nqm_error *err);

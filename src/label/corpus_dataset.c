@@ -5,7 +5,7 @@
 #include "data/data.h"
 #include "label/corpus.h"
 #include "percept/percept.h"
-#include "sample/grid.h"
+#include "sample/node_grid.h"
 
 #include <jansson.h>
 #include <stdlib.h>
@@ -109,7 +109,7 @@ enum { BETTER_POINTS = 2 };
 
 nqm_status nqm_corpus_write(nqm_corpus *c, const char *path, nqm_error *err) {
     bool has_matrix; /* only the nodes of the grid have one */
-    const nqm_status checked = nqm_grid_check(c->context.directions, &has_matrix, err);
+    const nqm_status checked = nqm_node_grid_check(c->context.directions, &has_matrix, err);
     if (checked != NQM_OK)
         return checked;
     const nqm_dataset_limits limits = {.n_directions = c->n_directions,

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
  * The transport matrix of a scene: few points of the scene's pictures as linear functions of the samples of a BRDF at the nodes of a
- * grid (sample/grid.h). Every light direction of a point is a half vector and a difference vector; the BRDF there is interpolated
+ * grid (sample/node_grid.h). Every light direction of a point is a half vector and a difference vector; the BRDF there is interpolated
  * between nodes, so the light from there is distributed to these. The matrix of a corpus is stored in its dataset; a matrix with
  * its directions is also a model without a network.
  */
@@ -10,7 +10,7 @@
 #include "metric/metric.h"
 #include "model/model.h"
 #include "render/render.h"
-#include "sample/grid.h"
+#include "sample/node_grid.h"
 
 #include <string.h>
 
@@ -18,7 +18,7 @@ enum { N_LIGHTS = 1024 }; /* per point: they cost nothing later */
 
 /* The matrix that is filled. */
 typedef struct matrix {
-    nqm_grid grid;
+    nqm_node_grid grid;
     size_t n_points;
     float *light;
     double *points;
@@ -28,7 +28,7 @@ typedef struct matrix {
 static void distribute(const matrix *m, size_t point, const double *half_diff, const double *light) {
     size_t node[NQM_GRID_NEAR];
     double weight[NQM_GRID_NEAR];
-    nqm_grid_interpolate(&m->grid, half_diff, node, weight);
+    nqm_node_grid_interpolate(&m->grid, half_diff, node, weight);
     for (size_t i = 0; i < NQM_GRID_NEAR; ++i)
         for (size_t c = 0; c < 3; ++c)
             m->light[(3 * node[i] + c) * m->n_points + point] += (float)(light[c] * weight[i]);
@@ -72,7 +72,7 @@ nqm_status nqm_transport_fill(const nqm_scene_options *scene_options, size_t n_p
     options.n_points = n_points;
     options.n_lights = options.n_lights ? options.n_lights : N_LIGHTS;
     options.interreflection = 0;
-    matrix m = {.grid = nqm_grid_make(), .n_points = n_points, .light = light, .points = points};
+    matrix m = {.grid = nqm_node_grid_make(), .n_points = n_points, .light = light, .points = points};
     nqm_scene *scene;
     nqm_status status = nqm_scene_create(&options, &scene, err);
     if (status != NQM_OK)
@@ -128,7 +128,7 @@ nqm_status nqm_transport_create(const nqm_scene_options *scene, size_t n_points,
                                 nqm_error *err) {
     const nqm_scene_options options = scene ? *scene : nqm_scene_options_default();
     *model_ret = NULL;
-    const nqm_grid grid = nqm_grid_make();
+    const nqm_node_grid grid = nqm_node_grid_make();
     const size_t n = grid.n;
     if (n_points == 0 || n_points % NQM_TRANSPORT_STEP || n_points > NQM_TRANSPORT_MAX_POINTS)
         return nqm_fail(err, NQM_ERR_ARG, -1, "points: %zu is no multiple of %d up to %d", n_points, NQM_TRANSPORT_STEP,
@@ -142,7 +142,7 @@ nqm_status nqm_transport_create(const nqm_scene_options *scene, size_t n_points,
     if (status == NQM_OK)
         status = nqm_model_set_transport(m, &(nqm_transport){n, n_points, light, points}, err);
     if (status == NQM_OK)
-        status = nqm_grid_directions(&m->directions, err);
+        status = nqm_node_grid_directions(&m->directions, err);
     if (status == NQM_OK)
         status = set_texts(m, id, err);
     if (status == NQM_OK) {

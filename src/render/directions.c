@@ -2,11 +2,10 @@
  *
  * The light directions of one surface point: multiple importance sampling with the balance heuristic (Veach and Guibas
  * 1995, DOI 10.1145/218380.218498) over the light map times the cosine, a spiral of half vectors about the normal, and the
- * cosine. The spirals are what makes lobes of any width right without knowledge of the BRDF: their directions are evenly spaced
- * in the logarithm of tan(theta_h), in which a lobe of any width has the same smooth shape, and the midpoint rule converges
- * exponentially for smooth integrands (Trefethen and Weideman 2014, DOI 10.1137/130932132). The fine spiral covers widths that
- * the light map resolves; the coarse one continues to perfect mirrors, within whose lobes the light is constant. The azimuth
- * advances by the golden angle.
+ * cosine. The spiral is what makes lobes of any width right without knowledge of the BRDF: its directions are evenly spaced in the
+ * logarithm of tan(theta_h), in which a lobe of any width has the same smooth shape, and the midpoint rule converges exponentially
+ * for smooth integrands (Trefethen and Weideman 2014, DOI 10.1137/130932132). They are denser where the light map resolves a lobe, and
+ * continue to perfect mirrors, within whose lobes the light is constant. The azimuth advances by the golden angle.
  */
 #include "math/math.h"
 #include "render/render.h"
@@ -42,7 +41,7 @@ typedef struct sampler {
     double *rows;           /* (height + 1) cumulative importance of the rows, from 0; owns the block of the arrays */
     double *cells;          /* (width + 1) cumulative importance of the cells of `row` */
     double *importance;     /* (width) that of a row */
-    double *wide;           /* (n_max) fraction of the density at each direction that is not of the spirals */
+    double *wide;           /* (n_max) fraction of the density at each direction that is not of the spiral */
     size_t row;             /* SIZE_MAX: none */
     size_t n[N_TECHNIQUES]; /* number of directions of each technique */
     double range;           /* spiral_range() */
@@ -234,7 +233,7 @@ static void sample(sampler *s, size_t technique, double u, double v, double *wi)
 }
 
 /* Correct the sum of the weights to the exact irradiance: this removes the noise common to all surfaces (1 % at 384
- * directions). The directions of the spirals keep their weights, so that narrow lobes do not receive noise of the whole sky. */
+ * directions). Directions that only the spiral makes keep their weights, so that narrow lobes do not receive noise of the whole sky. */
 static void calibrate(const double *wide, nqm_direction_set *set) {
     double sum[3] = {0}, movable[3] = {0};
     for (size_t i = 0; i < 3 * set->n_used; ++i) {

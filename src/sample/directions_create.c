@@ -17,7 +17,7 @@
  * The set is sorted by theta_h.
  */
 #include "math/math.h"
-#include "sample/grid.h"
+#include "sample/node_grid.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -161,7 +161,7 @@ nqm_status nqm_directions_create(const nqm_directions_options *options, size_t n
     if (status != NQM_OK)
         return status;
     if (o->grid)
-        return nqm_grid_directions(directions_ret, err);
+        return nqm_node_grid_directions(directions_ret, err);
     size_t m = n_refs ? (size_t)ceil((double)o->n * o->oversampling) : o->n;
     candidate *candidates = nqm_alloc(m, sizeof *candidates);
     double *degrees = nqm_alloc(o->n, 3 * sizeof *degrees);

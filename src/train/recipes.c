@@ -36,7 +36,7 @@ static const nqm_option rows[] = {
     {"transport", FIELD(input.transport), .kind = NQM_OPTION_BOOL, .values = {"0", NULL, "1"},
      .help = "if the dataset has a transport matrix, correct the label that it estimates"},
     {"hidden", FIELD(network.n_hidden), .kind = NQM_OPTION_SIZES, .metavar = "LIST", .max_sizes = NQM_TRAIN_MAX_HIDDEN,
-     .help = "widths of the hidden layers", .min = 1, .max = 16384, .values = {"1024,716,501", NULL, "256,128"}},
+     .help = "widths of the hidden layers", .min = 1, .max = 16384, .values = {"1024,716,501", NULL, "64,64"}},
     {"target", FIELD(labels.target), .kind = NQM_OPTION_ENUM, .metavar = "WORD", .words = nqm_target_words,
      .help = "what the network predicts", .values = {"jod", NULL, "log_delta_e"}},
     {"min_delta_e", FIELD(labels.min_delta_e), .metavar = "E", .unit = "Delta-E ITP",

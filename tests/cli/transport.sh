@@ -6,16 +6,14 @@
 . "${NQM_SOURCE:?}/tests/support/cli.sh"
 OMP_NUM_THREADS=1
 export OMP_NUM_THREADS
-# make CODE OPTIONS...: a small matrix
 make() {
     code=$1
     shift
-    run "$code" transport make --directions "$dir/directions.csv" "$@"
+    run "$code" transport make "$@"
 }
-run 0 directions -n 60 -o "$dir/directions.csv"
 
 make 0 --light studio --shape sphere --points 64 --id mine -o "$dir/studio.safetensors"
-grep -q 'studio.safetensors: 60 directions, 64 points' "$dir/err" || fail "report: $(cat "$dir/err")"
+grep -q 'studio.safetensors: 1384 directions, 64 points' "$dir/err" || fail "report: $(cat "$dir/err")"
 run 0 models show "$dir/studio.safetensors"
 grep -q '^id *mine' "$dir/out" || fail "the name: $(cat "$dir/out")"
 grep -q '^layers *no network' "$dir/out" || fail "layers"
@@ -35,7 +33,7 @@ run 0 rank sgd:nickel ward:nickel sgd:nickel --model "$dir/studio.safetensors" -
 run 0 info "$dir/studio.safetensors"
 
 # The same options give the same bytes, on any number of threads; other options another scene.
-OMP_NUM_THREADS=2 "$tool" transport make --directions "$dir/directions.csv" --light studio --shape sphere --points 64 --id mine \
+OMP_NUM_THREADS=2 "$tool" transport make --light studio --shape sphere --points 64 --id mine \
     -o "$dir/again.safetensors" 2>/dev/null
 cmp "$dir/studio.safetensors" "$dir/again.safetensors" || fail "the number of threads changes the matrix"
 make 0 --light sun --shape sphere --points 64 -o "$dir/sun.safetensors" --json
@@ -64,6 +62,5 @@ says 'folder/x: cannot write'
 printf 'no light' >"$dir/bad.hdr"
 make 4 --light "$dir/bad.hdr" -o "$dir/x"
 says 'bad.hdr'
-run 3 transport make --directions "$dir/nowhere.csv" -o "$dir/x"
 [ ! -e "$dir/x" ] || fail "a refusal left a file"
 "$tool" transport --help | grep -q 'nqm transport make --light' || fail "help without an example"

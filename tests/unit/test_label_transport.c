@@ -5,7 +5,7 @@
  */
 #include "label/corpus.h"
 #include "metric/metric.h"
-#include "sample/grid.h"
+#include "sample/node_grid.h"
 #include "support/check.h"
 #include "support/scenes.h"
 
@@ -44,7 +44,7 @@ static void make(const nqm_scene_options *o) {
     options.scene = *o;
     options.scene.n_points = 300;
     options.scene.n_lights = 0; /* the default of matrices */
-    assert_int_equal(nqm_grid_directions(&f.directions, NULL), NQM_OK);
+    assert_int_equal(nqm_node_grid_directions(&f.directions, NULL), NQM_OK);
     assert_true(nqm_directions_count(f.directions) <= MAX_DIRECTIONS);
     f.scene = make_scene(o);
     assert_int_equal(nqm_transport_fill(&options.scene, POINTS, f.light, f.points, NULL), NQM_OK);

@@ -5,7 +5,7 @@
  */
 #include "base/memory_test.h"
 #include "metric/metric.h"
-#include "sample/grid.h"
+#include "sample/node_grid.h"
 #include "support/check.h"
 #include "support/scenes.h"
 #include "support/temp_file.h"
@@ -73,7 +73,7 @@ static void facts(void **state) {
     assert_string_equal(info.recipe, "transport");
     assert_true(info.n_layers == 0 && info.n_parameters == 0);
     bool is_grid;
-    assert_int_equal(nqm_grid_check(info.directions, &is_grid, NULL), NQM_OK);
+    assert_int_equal(nqm_node_grid_check(info.directions, &is_grid, NULL), NQM_OK);
     assert_true(is_grid);
     assert_near(info.jod_max, 10, 1e-6);
     assert_near(info.jod_min, 0, 0.1);

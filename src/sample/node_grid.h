@@ -1,35 +1,35 @@
 /* SPDX-License-Identifier: MIT
  *
- * grid.h - the nodes of a grid in half-vector coordinates as sampling directions, and interpolation between them, for light
+ * node_grid.h - the nodes of a grid in half-vector coordinates as sampling directions, and interpolation between them, for light
  * transport.
  */
-#ifndef NQM_SRC_GRID_H
-#define NQM_SRC_GRID_H
+#ifndef NQM_SRC_NODE_GRID_H
+#define NQM_SRC_NODE_GRID_H
 
 #include "sample/sample.h"
 
 enum { NQM_GRID_MAX_H = 64, NQM_GRID_D = 7, NQM_GRID_NEAR = 32 };
 
 /** A grid. Node (h, d, p) has the index first[h][d] + p. */
-typedef struct nqm_grid {
+typedef struct nqm_node_grid {
     size_t n;                     /* nodes */
     size_t n_h;                   /* values of theta_h; of theta_d there are NQM_GRID_D */
     double log_h[NQM_GRID_MAX_H]; /* (n_h) logarithms of theta_h, ascending */
     size_t first[NQM_GRID_MAX_H][NQM_GRID_D];
-} nqm_grid;
+} nqm_node_grid;
 
-nqm_grid nqm_grid_make(void);
+nqm_node_grid nqm_node_grid_make(void);
 /** Values of phi_d at theta_h number h and theta_d number d. */
-size_t nqm_grid_n_phi(const nqm_grid *grid, size_t h, size_t d);
+size_t nqm_node_grid_n_phi(const nqm_node_grid *grid, size_t h, size_t d);
 /** Coordinates of a node in radians. */
-void nqm_grid_node(const nqm_grid *grid, size_t h, size_t d, size_t p, double hd[3]);
+void nqm_node_grid_node(const nqm_node_grid *grid, size_t h, size_t d, size_t p, double hd[3]);
 /** Nodes around hd, theta_h, theta_d and phi_d in [0, 2 pi), and their weights in the interpolated f_r, some of which are negative.
  *  Outside the grid the value at its boundary counts. */
-void nqm_grid_interpolate(const nqm_grid *grid, const double hd[3], size_t node[NQM_GRID_NEAR],
-                          double weight[NQM_GRID_NEAR]);
+void nqm_node_grid_interpolate(const nqm_node_grid *grid, const double hd[3], size_t node[NQM_GRID_NEAR],
+                               double weight[NQM_GRID_NEAR]);
 
 /** The nodes as directions; and whether a set is these. */
-NQM_MUST_CHECK nqm_status nqm_grid_directions(nqm_directions **directions_ret, nqm_error *err);
-NQM_MUST_CHECK nqm_status nqm_grid_check(const nqm_directions *directions, bool *is_grid_ret, nqm_error *err);
+NQM_MUST_CHECK nqm_status nqm_node_grid_directions(nqm_directions **directions_ret, nqm_error *err);
+NQM_MUST_CHECK nqm_status nqm_node_grid_check(const nqm_directions *directions, bool *is_grid_ret, nqm_error *err);
 
 #endif

@@ -5,19 +5,19 @@
  */
 #include "brdf/brdf.h"
 #include "math/math.h"
-#include "sample/grid.h"
+#include "sample/node_grid.h"
 #include "support/check.h"
 
 #include <math.h>
 #include <string.h>
 
-static nqm_grid grid;
+static nqm_node_grid grid;
 static nqm_directions *directions;
 
 static int make_grid(void **state) {
     (void)state;
-    grid = nqm_grid_make();
-    assert_int_equal(nqm_grid_directions(&directions, NULL), NQM_OK);
+    grid = nqm_node_grid_make();
+    assert_int_equal(nqm_node_grid_directions(&directions, NULL), NQM_OK);
     assert_int_equal(nqm_directions_count(directions), grid.n);
     return 0;
 }
@@ -41,7 +41,7 @@ static float *sample(const char *spec) {
 static double interpolate(const float *rgb, const double *hd) {
     size_t node[NQM_GRID_NEAR];
     double weight[NQM_GRID_NEAR], sum = 0;
-    nqm_grid_interpolate(&grid, hd, node, weight);
+    nqm_node_grid_interpolate(&grid, hd, node, weight);
     for (size_t i = 0; i < NQM_GRID_NEAR; ++i)
         sum += weight[i] * (double)rgb[3 * node[i]];
     return sum;
@@ -151,10 +151,10 @@ static void a_list_is_recognised(void **state) {
     (void)state;
     nqm_directions *other;
     bool is_grid = false;
-    assert_int_equal(nqm_grid_check(directions, &is_grid, NULL), NQM_OK);
+    assert_int_equal(nqm_node_grid_check(directions, &is_grid, NULL), NQM_OK);
     assert_true(is_grid);
     assert_int_equal(nqm_directions_create(NULL, 0, NULL, &other, NULL), NQM_OK);
-    assert_int_equal(nqm_grid_check(other, &is_grid, NULL), NQM_OK);
+    assert_int_equal(nqm_node_grid_check(other, &is_grid, NULL), NQM_OK);
     assert_false(is_grid);
     nqm_directions_free(other);
 }

@@ -8,7 +8,7 @@
  *
  * Between the nodes theta_h^2 cos(theta_i) cos(theta_o) f_r is interpolated: cubic in log(theta_h) and along theta_d, linear in phi_d.
  */
-#include "sample/grid.h"
+#include "sample/node_grid.h"
 #include "math/math.h"
 
 #include <math.h>
@@ -25,8 +25,8 @@ static const double narrow_step = 1.9, wide_step = 1.3;
  * direction are long ellipses in half vectors there. */
 enum { FEW = 4, MANY = 8, UPPER_D = 5 };
 
-nqm_grid nqm_grid_make(void) {
-    nqm_grid g = {.n_h = 0};
+nqm_node_grid nqm_node_grid_make(void) {
+    nqm_node_grid g = {.n_h = 0};
     const size_t n_narrow = (size_t)ceil(log(visible / narrowest) / log(narrow_step));
     const size_t n_wide = (size_t)ceil(log(widest / visible) / log(wide_step));
     g.n_h = n_narrow + n_wide + 1;
@@ -36,12 +36,12 @@ nqm_grid nqm_grid_make(void) {
     for (size_t h = 0; h < g.n_h; ++h)
         for (size_t d = 0; d < NQM_GRID_D; ++d) {
             g.first[h][d] = g.n;
-            g.n += nqm_grid_n_phi(&g, h, d);
+            g.n += nqm_node_grid_n_phi(&g, h, d);
         }
     return g;
 }
 
-size_t nqm_grid_n_phi(const nqm_grid *g, size_t h, size_t d) {
+size_t nqm_node_grid_n_phi(const nqm_node_grid *g, size_t h, size_t d) {
     return exp(g->log_h[h]) < 12 * NQM_PI / 180 && d < UPPER_D ? FEW : MANY;
 }
 
@@ -56,8 +56,8 @@ static double phi_of(size_t n_phi, size_t k) {
     return 2 * NQM_PI * (double)k / (double)n_phi;
 }
 
-void nqm_grid_node(const nqm_grid *g, size_t h, size_t d, size_t p, double hd[3]) {
-    const size_t n_phi = nqm_grid_n_phi(g, h, d);
+void nqm_node_grid_node(const nqm_node_grid *g, size_t h, size_t d, size_t p, double hd[3]) {
+    const size_t n_phi = nqm_node_grid_n_phi(g, h, d);
     hd[0] = exp(g->log_h[h]);
     hd[2] = phi_of(n_phi, p);
     hd[1] = part_of_d[d] * most_theta_d(hd[0], hd[2]);
@@ -90,19 +90,19 @@ static double part_at(double theta_h, double theta_d, double phi_d) {
     return fmin(fmax(theta_d / most_theta_d(theta_h, phi_d), part_of_d[0]), 1);
 }
 
-void nqm_grid_interpolate(const nqm_grid *g, const double hd[3], size_t node[NQM_GRID_NEAR],
-                          double weight[NQM_GRID_NEAR]) {
+void nqm_node_grid_interpolate(const nqm_node_grid *g, const double hd[3], size_t node[NQM_GRID_NEAR],
+                               double weight[NQM_GRID_NEAR]) {
     const double log_h = fmin(fmax(log(fmax(hd[0], 1e-12)), g->log_h[0]), g->log_h[g->n_h - 1]), theta_h = exp(log_h);
     const size_t h = stencil(g->n_h, g->log_h, log_h);
     const size_t d = stencil(NQM_GRID_D, part_of_d, part_at(theta_h, hd[1], hd[2]));
     for (size_t n = 0; n < NQM_GRID_NEAR; ++n) {
-        const size_t i = n / 8, j = n / 2 % 4, side = n % 2, n_phi = nqm_grid_n_phi(g, h + i, d + j);
+        const size_t i = n / 8, j = n / 2 % 4, side = n % 2, n_phi = nqm_node_grid_n_phi(g, h + i, d + j);
         const double turn = hd[2] / (2 * NQM_PI) * (double)n_phi, low = floor(turn);
         const size_t p = (size_t)(low + (double)(n_phi + side)) % n_phi;
         const double phi = phi_of(n_phi, p), part = part_at(theta_h, hd[1], phi);
         const double here[3] = {theta_h, part * most_theta_d(theta_h, phi), phi};
         double there[3];
-        nqm_grid_node(g, h + i, d + j, p, there);
+        nqm_node_grid_node(g, h + i, d + j, p, there);
         node[n] = g->first[h + i][d + j] + p;
         weight[n] = cubic(g->log_h + h, i, log_h) * cubic(part_of_d + d, j, part) *
                     (side ? turn - low : 1 - (turn - low)) * scale_at(there) / scale_at(here);
@@ -112,19 +112,19 @@ void nqm_grid_interpolate(const nqm_grid *g, const double hd[3], size_t node[NQM
 /* ---- as directions ----------------------------------------------------------------------------------------------- */
 
 /* Angles of all nodes in degrees (n, 3), cut to 1e-9: the identity of the set does not depend on the last bit of exp(). */
-static void fill_degrees(const nqm_grid *g, double *degrees) {
+static void fill_degrees(const nqm_node_grid *g, double *degrees) {
     for (size_t h = 0; h < g->n_h; ++h)
         for (size_t d = 0; d < NQM_GRID_D; ++d)
-            for (size_t p = 0; p < nqm_grid_n_phi(g, h, d); ++p, degrees += 3) {
+            for (size_t p = 0; p < nqm_node_grid_n_phi(g, h, d); ++p, degrees += 3) {
                 double hd[3];
-                nqm_grid_node(g, h, d, p, hd);
+                nqm_node_grid_node(g, h, d, p, hd);
                 for (int k = 0; k < 3; ++k)
                     degrees[k] = floor(hd[k] * (180 / NQM_PI) * 1e9 + 0.5) / 1e9;
             }
 }
 
-nqm_status nqm_grid_directions(nqm_directions **directions_ret, nqm_error *err) {
-    const nqm_grid grid = nqm_grid_make();
+nqm_status nqm_node_grid_directions(nqm_directions **directions_ret, nqm_error *err) {
+    const nqm_node_grid grid = nqm_node_grid_make();
     const size_t n = grid.n;
     double *degrees = nqm_alloc(n, 3 * sizeof *degrees);
     *directions_ret = NULL;
@@ -136,9 +136,9 @@ nqm_status nqm_grid_directions(nqm_directions **directions_ret, nqm_error *err) 
     return status;
 }
 
-nqm_status nqm_grid_check(const nqm_directions *directions, bool *is_grid_ret, nqm_error *err) {
+nqm_status nqm_node_grid_check(const nqm_directions *directions, bool *is_grid_ret, nqm_error *err) {
     nqm_directions *grid;
-    const nqm_status status = nqm_grid_directions(&grid, err);
+    const nqm_status status = nqm_node_grid_directions(&grid, err);
     *is_grid_ret = status == NQM_OK && directions->n == grid->n &&
                    memcmp(directions->degrees, grid->degrees, 3 * grid->n * sizeof *grid->degrees) == 0;
     nqm_directions_free(grid);
