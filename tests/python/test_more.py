@@ -108,7 +108,7 @@ class Scenes(unittest.TestCase):
         self.assertEqual("%.9g %.9g" % (found[0].jod, found[0].delta_e), "%.9g %.9g" % (row["jod"], row["delta_e_itp"]))
         self.assertEqual((found[1].jod, found[1].delta_e), (10, 0))
         delta_e = scene.delta_e_map("sgd:nickel", "ward:nickel")
-        self.assertAlmostEqual(float(delta_e @ scene.weights), found[0].delta_e, places=9)
+        self.assertAlmostEqual(float(delta_e @ scene.weights), found[0].delta_e, delta=.01 * found[0].delta_e)
         small = nqm.Scene("sun", n_points=50).label("sgd:nickel", "ward:nickel")
         self.assertEqual(float(nqm.label("sgd:nickel", "ward:nickel", light="sun", n_points=50)), small.jod)
 
