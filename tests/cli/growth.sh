@@ -12,7 +12,8 @@ if truncate -s 40G "$dir/zeros" 2>/dev/null; then
         { [ "$code" = 4 ] || [ "$code" = 7 ]; } || fail "a file of zeros: exit code $code: $arguments"
     done
 fi
-command -v valgrind >/dev/null && command -v python3 >/dev/null || exit 77
+# A program with sanitizers does not run under valgrind.
+[ -z "${NQM_SANITIZE:-}" ] && command -v valgrind >/dev/null && command -v python3 >/dev/null || exit 77
 
 cat >"$dir/make.py" <<'END'
 import sys
