@@ -224,8 +224,8 @@ static void sphere_under_a_small_lamp(void **state) {
             sum += weight[3 * j + 1];
         double expected = flux * fmax(nqm_dot3(scene->seen.point[i].frame + 6, towards), 0);
         assert_near(sum, expected,
-                    0.01 * expected + 0.005 * flux); /* the lamp is 3 degrees wide: the terminator is soft */
-        assert_near(set.irradiance[1], sum, 1e-6 * flux);
+                    0.01 * expected + 0.005 * flux);      /* the lamp is 3 degrees wide: the terminator is soft */
+        assert_near(set.irradiance[1], sum, 2e-7 * flux); /* where nothing but the spiral meets the lamp */
     }
     nqm_free(lamp.rgb);
     nqm_scene_free(scene);
