@@ -4,9 +4,11 @@
  * logarithmically down to the lobes of mirrors: the midpoint rule in log(theta_h) is exact to 1 % for lobes of any width, since
  * theta_h^2 f_r is a smooth function of it (Trefethen and Weideman 2014, DOI 10.1137/130932132). theta_d runs from 0 to the angle
  * at which light or viewer reaches the largest polar angle, and phi_d around the circle, so that both orders of light and viewer
- * and both sides of the plane of incidence are in the set.
+ * and both sides of the plane of incidence are in the set. A quarter of a step turns the circle: most BRDFs are symmetric about
+ * that plane, and no two values of phi_d are then mirror images, which would see the same.
  *
- * Between the nodes theta_h^2 cos(theta_i) cos(theta_o) f_r is interpolated: cubic in log(theta_h) and along theta_d, linear in phi_d.
+ * Between the nodes theta_h^2 cos(theta_i) cos(theta_o) f_r is interpolated: cubic in log(theta_h) and along theta_d,
+ * trigonometric in phi_d.
  */
 #include "sample/node_grid.h"
 #include "math/math.h"
@@ -18,12 +20,12 @@
 static const double narrowest = 2e-5, visible = 2e-3, widest = 80 * NQM_PI / 180, max_polar = 85 * NQM_PI / 180;
 
 /* Theta_d relative to its largest value at the same theta_h and phi_d. */
-static const double part_of_d[NQM_GRID_D] = {0.1, 0.32, 0.52, 0.7, 0.84, 0.94, 1};
-static const double narrow_step = 1.9, wide_step = 1.3;
+static const double part_of_d[NQM_GRID_D] = {0.12, 0.4, 0.65, 0.84, 0.95, 1};
+static const double narrow_step = 1.9, wide_step = 1.25;
 
 /* Values of phi_d: many where theta_h is above 12 degrees or theta_d is in the upper part, since lobes that are round about the mirror
  * direction are long ellipses in half vectors there. */
-enum { FEW = 4, MANY = 8, UPPER_D = 5 };
+enum { FEW = 4, MANY = NQM_GRID_MAX_PHI, UPPER_D = 4 };
 
 nqm_node_grid nqm_node_grid_make(void) {
     nqm_node_grid g = {.n_h = 0};
@@ -53,7 +55,7 @@ static double most_theta_d(double theta_h, double phi_d) {
 }
 
 static double phi_of(size_t n_phi, size_t k) {
-    return 2 * NQM_PI * (double)k / (double)n_phi;
+    return 2 * NQM_PI * ((double)k + 0.25) / (double)n_phi;
 }
 
 void nqm_node_grid_node(const nqm_node_grid *g, size_t h, size_t d, size_t p, double hd[3]) {
@@ -90,23 +92,32 @@ static double part_at(double theta_h, double theta_d, double phi_d) {
     return fmin(fmax(theta_d / most_theta_d(theta_h, phi_d), part_of_d[0]), 1);
 }
 
-void nqm_node_grid_interpolate(const nqm_node_grid *g, const double hd[3], size_t node[NQM_GRID_NEAR],
-                               double weight[NQM_GRID_NEAR]) {
+/* Weight of a node at the angle x from the ray, of n_phi around the circle, in the trigonometric polynomial through them. */
+static double trigonometric(size_t n_phi, double x) {
+    const double n = (double)n_phi, half = sin(x / 2);
+    return fabs(half) < 1e-9 ? 1 : sin(n * x / 2) * cos(x / 2) / (n * half);
+}
+
+size_t nqm_node_grid_interpolate(const nqm_node_grid *g, const double hd[3], size_t node[NQM_GRID_NEAR],
+                                 double weight[NQM_GRID_NEAR]) {
     const double log_h = fmin(fmax(log(fmax(hd[0], 1e-12)), g->log_h[0]), g->log_h[g->n_h - 1]), theta_h = exp(log_h);
     const size_t h = stencil(g->n_h, g->log_h, log_h);
     const size_t d = stencil(NQM_GRID_D, part_of_d, part_at(theta_h, hd[1], hd[2]));
-    for (size_t n = 0; n < NQM_GRID_NEAR; ++n) {
-        const size_t i = n / 8, j = n / 2 % 4, side = n % 2, n_phi = nqm_node_grid_n_phi(g, h + i, d + j);
-        const double turn = hd[2] / (2 * NQM_PI) * (double)n_phi, low = floor(turn);
-        const size_t p = (size_t)(low + (double)(n_phi + side)) % n_phi;
-        const double phi = phi_of(n_phi, p), part = part_at(theta_h, hd[1], phi);
-        const double here[3] = {theta_h, part * most_theta_d(theta_h, phi), phi};
-        double there[3];
-        nqm_node_grid_node(g, h + i, d + j, p, there);
-        node[n] = g->first[h + i][d + j] + p;
-        weight[n] = cubic(g->log_h + h, i, log_h) * cubic(part_of_d + d, j, part) *
-                    (side ? turn - low : 1 - (turn - low)) * scale_at(there) / scale_at(here);
-    }
+    size_t n = 0;
+    for (size_t i = 0; i < 4; ++i)
+        for (size_t j = 0; j < 4; ++j) {
+            const size_t n_phi = nqm_node_grid_n_phi(g, h + i, d + j);
+            for (size_t p = 0; p < n_phi; ++p, ++n) {
+                const double phi = phi_of(n_phi, p), part = part_at(theta_h, hd[1], phi);
+                const double here[3] = {theta_h, part * most_theta_d(theta_h, phi), phi};
+                double there[3];
+                nqm_node_grid_node(g, h + i, d + j, p, there);
+                node[n] = g->first[h + i][d + j] + p;
+                weight[n] = cubic(g->log_h + h, i, log_h) * cubic(part_of_d + d, j, part) *
+                            trigonometric(n_phi, hd[2] - phi) * scale_at(there) / scale_at(here);
+            }
+        }
+    return n;
 }
 
 /* ---- as directions ----------------------------------------------------------------------------------------------- */

@@ -8,7 +8,7 @@
 
 #include "sample/sample.h"
 
-enum { NQM_GRID_MAX_H = 64, NQM_GRID_D = 7, NQM_GRID_NEAR = 32 };
+enum { NQM_GRID_MAX_H = 64, NQM_GRID_D = 6, NQM_GRID_MAX_PHI = 8, NQM_GRID_NEAR = 16 * NQM_GRID_MAX_PHI };
 
 /** A grid. Node (h, d, p) has the index first[h][d] + p. */
 typedef struct nqm_node_grid {
@@ -23,10 +23,10 @@ nqm_node_grid nqm_node_grid_make(void);
 size_t nqm_node_grid_n_phi(const nqm_node_grid *grid, size_t h, size_t d);
 /** Coordinates of a node in radians. */
 void nqm_node_grid_node(const nqm_node_grid *grid, size_t h, size_t d, size_t p, double hd[3]);
-/** Nodes around hd, theta_h, theta_d and phi_d in [0, 2 pi), and their weights in the interpolated f_r, some of which are negative.
- *  Outside the grid the value at its boundary counts. */
-void nqm_node_grid_interpolate(const nqm_node_grid *grid, const double hd[3], size_t node[NQM_GRID_NEAR],
-                               double weight[NQM_GRID_NEAR]);
+/** Nodes around hd, theta_h, theta_d and phi_d in [0, 2 pi), and their weights in the interpolated f_r, some of which are negative;
+ *  returns how many. Outside the grid the value at its boundary counts. */
+size_t nqm_node_grid_interpolate(const nqm_node_grid *grid, const double hd[3], size_t node[NQM_GRID_NEAR],
+                                 double weight[NQM_GRID_NEAR]);
 
 /** The nodes as directions; and whether a set is these. */
 NQM_MUST_CHECK nqm_status nqm_node_grid_directions(nqm_directions **directions_ret, nqm_error *err);

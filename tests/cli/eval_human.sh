@@ -97,7 +97,7 @@ head -n 1 "$dir/out" | grep -q ',kendall_low,.*,order,.*,rival,.*,share_2_below_
 run 5 eval "$dir/toy.safetensors" --model "$dir/model.safetensors" --split all
 says "toy.safetensors: model 'tiny' uses 60 directions (identity [0-9a-f]\{16\}), the dataset 16 other ones (identity [0-9a-f]\{16\}): .*--model none"
 run 5 eval --human "$dir/jod.csv" --model "$dir/model.safetensors,default"
-says "model 'default' uses 1384 directions .* 60 other ones .*: judge this model in a call of its own"
+says "model 'default' uses 1392 directions .* 60 other ones .*: judge this model in a call of its own"
 run 5 eval --human "$dir/jod.csv" --model none --split train
 says "jod.csv: the dataset has no pair in the split 'train'; it has 6 in 'test': --split selects"
 run 4 eval "$dir/jod.csv" --model none

@@ -90,11 +90,11 @@ grep -q '^albedo_normal  *-, -, -$' "$dir/out" || fail "an unknown albedo: $(cat
 # Directions that are missing: how many, and what writes them. Other files are refused; a complete grid is interpolated.
 head -n 401 "$dir/sgd.csv" >"$dir/short.csv"
 run 5 score --samples "$dir/short.csv" "$dir/ward.csv"
-grep -q 'short.csv: values at [0-9]* of the 1384 directions of the model, measured' "$dir/err" || fail "how many: $(cat "$dir/err")"
+grep -q 'short.csv: values at [0-9]* of the 1392 directions of the model, measured' "$dir/err" || fail "how many: $(cat "$dir/err")"
 grep -q 'nqm directions show default --pairs' "$dir/err" || fail "no way out: $(cat "$dir/err")"
 head -n 1341 "$dir/sgd.csv" >"$dir/nearly.csv"
 run 0 score --samples "$dir/nearly.csv" "$dir/ward.csv"
-grep -q 'nearly.csv: values at 13[0-9]* of the 1384' "$dir/err" || fail "silence about missing directions"
+grep -q 'nearly.csv: values at 13[0-9]* of the 1392' "$dir/err" || fail "silence about missing directions"
 run 2 score --samples "$dir/sgd.csv" ward:nickel
 says 'ward:nickel is no CSV of directions and values'
 run 3 score --samples "$dir/sgd.csv" "$dir/nowhere.csv" "$dir/ward.csv" -q

@@ -57,7 +57,7 @@ class Scores(unittest.TestCase):
             return np.where(wi[:, :1] > .2, -1, .1) * np.ones(3)
 
         s = nqm.score("lambert:kd=.3", dark)
-        self.assertRegex(s.warnings[0], "^dark: negative channel at [0-9]+ of 1384 directions, taken as 0$")
+        self.assertRegex(s.warnings[0], "^dark: negative channel at [0-9]+ of 1392 directions, taken as 0$")
 
     def test_too_few_values(self):
         def empty(wi, wo):
@@ -102,11 +102,11 @@ class Samples(unittest.TestCase):
         self.assertEqual(nqm.score_samples(ref, test).jod, exact)
         both = nqm.score_samples(ref, np.stack([test, ref]))
         self.assertEqual([s.jod for s in both], [exact, 10])
-        used = np.ones(1384, bool)
+        used = np.ones(1392, bool)
         used[:20] = False
         self.assertEqual(nqm.score_samples(ref, test, used=used).n_valid, 1364)
         for wrong in (test[:10], test.T, np.ones(3)):
-            with self.assertRaisesRegex(ValueError, r"\(1384, 3\)"):
+            with self.assertRaisesRegex(ValueError, r"\(1392, 3\)"):
                 nqm.score_samples(ref, wrong)
         with self.assertRaisesRegex(nqm.Error, "direction"):
             nqm.score_samples(ref, -test)
@@ -126,7 +126,7 @@ class Samples(unittest.TestCase):
                 worst = max(worst, abs(slope - np.sum(gradient * change)) / abs(slope))
             self.assertLess(worst, .02)
         values, gradients = nqm.score_grad(ref, np.stack([test, test]), of="jod")
-        self.assertEqual((values.shape, gradients.shape), ((2,), (2, 1384, 3)))
+        self.assertEqual((values.shape, gradients.shape), ((2,), (2, 1392, 3)))
         np.testing.assert_array_equal(gradients[0], gradients[1])
 
 

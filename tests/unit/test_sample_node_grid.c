@@ -41,8 +41,8 @@ static float *sample(const char *spec) {
 static double interpolate(const float *rgb, const double *hd) {
     size_t node[NQM_GRID_NEAR];
     double weight[NQM_GRID_NEAR], sum = 0;
-    nqm_node_grid_interpolate(&grid, hd, node, weight);
-    for (size_t i = 0; i < NQM_GRID_NEAR; ++i)
+    const size_t n = nqm_node_grid_interpolate(&grid, hd, node, weight);
+    for (size_t i = 0; i < n; ++i)
         sum += weight[i] * (double)rgb[3 * node[i]];
     return sum;
 }
