@@ -251,7 +251,20 @@ if [ -c /dev/full ]; then
     got=0
     "$tool" batch --model "$dir/model.safetensors" "$dir/pairs.csv" >/dev/full 2>"$dir/err" || got=$?
     [ "$got" = 3 ] || fail "a full disk: exit code $got"
+    batch 3 "$dir/pairs.csv" -o /dev/full
+    says '/dev/full: cannot write'
 fi
+# A run that waits for its list ends when it is interrupted.
+mkfifo "$dir/waiting"
+"$tool" batch - <"$dir/waiting" 2>"$dir/err" &
+waiting=$!
+exec 3>"$dir/waiting"
+sleep .3
+kill -TERM "$waiting"
+got=0
+wait "$waiting" || got=$?
+exec 3>&-
+[ "$got" = 130 ] || fail "interrupted while waiting: exit code $got: $(cat "$dir/err")"
 
 # An output never replaces an input, whatever its path.
 printf 'reference,test\nsgd:nickel,ward:nickel\n' >"$dir/list.csv"

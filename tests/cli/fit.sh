@@ -81,6 +81,14 @@ refuses 2 . fit "$ref" --starts 0
 refuses 3 . fit "$ref" -o "$dir/no/such/"
 # Output paths are checked before the fit.
 refuses 3 'no/such.safetensors' fit "$ref" --model hyper-low -o "$dir/no/such.safetensors"
+refuses 2 "'nqm translate' writes materials" fit "$ref" --model nbrdf -o "$dir/x.gltf"
+# A run that ends without a result leaves no folder.
+"$tool" fit "$ref" --model nbrdf,ward -o "$dir/stopped/" 2>"$dir/err" &
+fitting=$!
+for try in 1 2 3 4 5 6 7 8 9 10; do [ -d "$dir/stopped" ] || sleep .1; done
+kill -TERM "$fitting"
+wait "$fitting" && fail "the run was not interrupted"
+[ ! -e "$dir/stopped" ] || fail "an empty folder is left"
 refuses 3 'no/such.html' fit "$ref" --report "$dir/no/such.html"
 refuses 2 'must be a file' fit "$ref" --report -
 refuses 2 . fit "$ref" --loss square

@@ -9,9 +9,11 @@
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 static output_file *open_outputs; /* linked by `next` */
+static const char *made_folder;   /* by this run, removed at its end if nothing was written to it */
 
 char *absolute_path(const char *path, const char *suffix) {
     const bool is_complete = *path == '/' || strcmp(path, "-") == 0;
@@ -81,7 +83,8 @@ void require_named_output(const char *name, const char *path, const char *ending
         return;
     const char *ending = ending_of(path); /* a single one may be left out; several of them choose the format */
     if (*ending ? !is_listed(ending, endings) : strstr(endings, "|.") != NULL)
-        stop(EXIT_USAGE, "%s writes FILE%s, and '%s' names another kind of file", name, endings, path);
+        stop(EXIT_USAGE, "%s writes FILE%s, and '%s' names another kind of file%s", name, endings, path,
+             is_listed(ending, ".mtlx|.gltf|.glb|.xml|.pbrt") ? "; 'nqm translate' writes materials" : "");
     require_output(path);
 }
 
@@ -123,7 +126,20 @@ void close_output(output_file *out) {
     *out = (output_file){0};
 }
 
+void make_folder(const char *path) {
+    if (mkdir(path, 0777) == 0)
+        made_folder = path;
+    else if (!is_folder(path))
+        stop(EXIT_OPEN, "%s: cannot create the folder: %s", path, strerror(errno));
+}
+
+void remove_empty_folder(void) {
+    if (made_folder)
+        (void)rmdir(made_folder);
+}
+
 void abandon_outputs(void) {
+    remove_empty_folder();
     for (; open_outputs; open_outputs = open_outputs->next)
         nqm_outfile_abort(&open_outputs->file);
 }

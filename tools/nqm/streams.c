@@ -37,7 +37,10 @@ const char *input_path(const char *path) {
     if (!path || strcmp(path, "-") != 0)
         return path;
     const char *name = path_of(&input, input_name, "/dev/stdin");
-    return !input || is_read || copy(stdin, input) ? name : "/dev/stdin";
+    const bool is_copied = !input || is_read || copy(stdin, input);
+    if (interrupted())
+        stop(EXIT_INTERRUPTED, "interrupted");
+    return is_copied ? name : "/dev/stdin";
 }
 
 const char *output_path(const char *path) {

@@ -116,6 +116,7 @@ static double processor_s(void) {
 /* End at once without a trace: only calls that are allowed in a signal handler. */
 static _Noreturn void vanish(int exit_code) {
     nqm_outfile_unlink_all();
+    remove_empty_folder();
     _exit(exit_code);
 }
 

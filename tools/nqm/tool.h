@@ -263,6 +263,10 @@ void require_folder_name(const char *name, const char *path, const char *endings
 void close_output(output_file *out);
 /** Remove the temporary files of all open outputs (stop() does). */
 void abandon_outputs(void);
+/** Create a folder of outputs unless it exists, or end the run; `path` lives as long as the run. */
+void make_folder(const char *path);
+/** Remove the folder that this run made, if it is empty. May be called in a signal handler. */
+void remove_empty_folder(void);
 
 /** Paths for the library, which does not know "-": as an input "-" gives a file with the content of standard input, as an output
  *  a file that flush_output_path() copies to standard output. Other paths and NULL are returned as they are. */

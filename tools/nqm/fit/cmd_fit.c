@@ -11,7 +11,6 @@
 
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 
 enum { FIT_MAX_MODELS = 48, FIT_MAX_BOUNDS = 16 };
 
@@ -148,8 +147,8 @@ static output prepare_output(const char *path, const fit_request *request) {
         require_folder_name("-o", path, ".safetensors", "the results of several models");
     if (path && !out.folder && !first->encode)
         stop(EXIT_USAGE, "the result of %s is a spec, which is printed: -o %s would not be written", first->name, path);
-    if (out.folder && !is_folder(path) && mkdir(path, 0777) != 0)
-        stop(EXIT_OPEN, "%s: cannot create this folder", path);
+    if (out.folder)
+        make_folder(path);
     if (path && !out.folder && strcmp(path, "-") != 0) {
         must(nqm_outfile_open(path, &trial, &err), &err);
         nqm_outfile_abort(&trial);

@@ -108,8 +108,8 @@ static void name_outputs(translation *t) {
                 stop(EXIT_USAGE, "'%s' and '%s' would both be written to %s", t->items[k].argument, it->argument,
                      it->path);
     }
-    if (t->folder && !is_folder(t->folder) && mkdir(t->folder, 0777) != 0)
-        stop(EXIT_OPEN, "%s: cannot create this folder", t->folder);
+    if (t->folder)
+        make_folder(t->folder);
     for (size_t i = 0; i < t->n; ++i) { /* all are known as inputs before an output replaces what a later item reads */
         nqm_brdf *brdf = NULL;
         if (nqm_brdf_open(t->items[i].argument, &brdf, NULL) == NQM_OK)

@@ -4,11 +4,9 @@
  */
 #include "nqm/label/label.h"
 
-#include <errno.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 
 static const char group_mark[] = "+";
 
@@ -44,8 +42,8 @@ static void check_label(label_run *run, uint64_t shrink) {
         stop(EXIT_USAGE, "--shrink must divide the size of the picture");
     if (run->keep)
         require_folder_name("--keep-renders", run->keep, ".png|.exr|.hdr|.jpg", "the pictures");
-    if (run->keep && mkdir(run->keep, 0777) != 0 && errno != EEXIST)
-        stop(EXIT_OPEN, "%s: cannot create the folder: %s", run->keep, strerror(errno));
+    if (run->keep)
+        make_folder(run->keep);
 }
 
 int cmd_label(int argc, char **argv) {

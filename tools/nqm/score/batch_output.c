@@ -285,7 +285,8 @@ bool open_batch_output(const batch_request *request, batch_output *out) {
         stop(EXIT_USAGE, "--resume needs a file: -o FILE");
     if (device) {
         out->stream = fopen(path, "w");
-        if (!out->stream)
+        out->path = strdup(path);
+        if (!out->stream || !out->path)
             stop_write(path);
     } else if (!standard && !open_part(out, request)) {
         return false;
@@ -316,7 +317,7 @@ static void write_text(batch_output *out) {
     if (!out->part && !out->target)
         end_progress(); /* the progress line may be on the same terminal */
     if (fwrite(out->text, 1, out->n_text, out->stream) != out->n_text || fflush(out->stream) != 0)
-        stop_write(out->part);
+        stop_write(out->part ? out->part : out->path);
 }
 
 void append_batch_output(batch_output *out, const batch_progress *done) {
@@ -414,7 +415,7 @@ void close_batch_sorted(batch_output *out, const batch_form *form, size_t n, con
     } else {
         copy_rows(out, form, n, order, out->target);
         if (fflush(out->target) != 0)
-            stop_write(NULL);
+            stop_write(out->path);
     }
     release(out);
 }
