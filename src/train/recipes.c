@@ -82,7 +82,7 @@ static const nqm_option rows[] = {
     {"precision", FIELD(optimiser.precision), .kind = NQM_OPTION_ENUM, .metavar = "WORD", .words = precision_words,
      .help = "of the factors of all matrix products; auto: the quicker one on this machine", .storage = NQM_STORED_UNLESS_ZERO, .values = {"f32"}},
     {"epochs", FIELD(optimiser.epochs), .kind = NQM_OPTION_SIZE, .metavar = "N",
-     .help = "passes over the training pairs", .min = 1, .max = 1e6, .values = {"100", NULL, "8"}},
+     .help = "passes over the training pairs", .min = 1, .max = 1e6, .values = {"100", NULL, "16"}},
 
     {"checkpoint", FIELD(run.checkpoint), .kind = NQM_OPTION_TEXT, .metavar = "FILE", .storage = NQM_NOT_STORED,
      .help = "rewritten after each epoch"},
