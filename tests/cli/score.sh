@@ -146,10 +146,10 @@ run 1 score sgd:nickel a=ward:nickel sgd:nickel -m default --fail-under 10 --fai
 head -n 1 "$dir/out" | grep -q ',gate,name,warnings,error$' || fail "a column: $(cat "$dir/out")"
 sed -n 2p "$dir/out" | grep -q '^sgd:nickel,ward:nickel,.*,FAIL,a,,$' || fail "a mark in CSV: $(cat "$dir/out")"
 sed -n 3p "$dir/out" | grep -q ',pass,sgd:nickel,,$' || fail "identical BRDFs pass: $(cat "$dir/out")"
-run 1 score sgd:nickel 'perturb:gloss=.9;of=sgd:nickel' -m default --fail-under 8.3 --fail-under-low 8.3 --json
+run 1 score sgd:nickel 'perturb:gloss=.9;of=sgd:nickel' -m default --fail-under 8.4 --fail-under-low 8.4 --json
 grep -q '"gate": "FAIL"' "$dir/out" || fail "a mark in JSON"
-grep -q 'FAIL: JOD below 8.3 or lower end of the interval below 8.3' "$dir/err" || fail "both gates: $(cat "$dir/err")"
-run 0 score sgd:nickel 'perturb:gloss=.9;of=sgd:nickel' -m default --fail-under 8.3 -q
+grep -q 'FAIL: JOD below 8.4 or lower end of the interval below 8.4' "$dir/err" || fail "both gates: $(cat "$dir/err")"
+run 0 score sgd:nickel 'perturb:gloss=.9;of=sgd:nickel' -m default --fail-under 8.4 -q
 score 5 $ref $ward --fail-under-low 5
 run 0 rank r=sgd:nickel w=ward:nickel sgd:nickel -m transport
 grep -q ' w$' "$dir/out" || fail "names in a ranking"
