@@ -8,3 +8,12 @@ add_custom_command(OUTPUT ${presets_c}
           -P ${CMAKE_CURRENT_SOURCE_DIR}/cmake/embed_text.cmake
   DEPENDS ${preset_tables} ${CMAKE_CURRENT_SOURCE_DIR}/cmake/embed_text.cmake VERBATIM)
 list(APPEND NQM_GENERATED_SOURCES ${presets_c})
+
+# The table of the model rough-plastic, as generated/rough_plastic_table.h.
+set(plastic_table ${CMAKE_CURRENT_SOURCE_DIR}/presets/rough_plastic.txt)
+set(plastic_h ${CMAKE_BINARY_DIR}/generated/rough_plastic_table.h)
+add_custom_command(OUTPUT ${plastic_h}
+  COMMAND ${CMAKE_COMMAND} -DOUTPUT=${plastic_h} -DINPUT=${plastic_table}
+          -P ${CMAKE_CURRENT_SOURCE_DIR}/cmake/embed_rough_plastic.cmake
+  DEPENDS ${plastic_table} ${CMAKE_CURRENT_SOURCE_DIR}/cmake/embed_rough_plastic.cmake VERBATIM)
+list(APPEND NQM_GENERATED_SOURCES ${plastic_h})

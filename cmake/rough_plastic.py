@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: MIT
-"""Make src/brdf/rough_plastic_table.h: transmittance and internal reflectance of rough dielectric interfaces, the integrals that
+"""Make presets/rough_plastic.txt: transmittance and internal reflectance of rough dielectric interfaces, the integrals that
 Mitsuba 3's roughplastic evaluates when a scene is loaded:
 
   T(mu) = E[(1 - F(c, eta)) G1(wt)]       light from outside, wt refracted; at 64 cosines mu = max(1e-6, i / 63)
@@ -195,39 +195,23 @@ def report(job):
         print(f"ggx {is_ggx} alpha {alpha:.4f} eta {eta:.3f}: T {diff[:-1].max():.1e} R {diff[-1]:.1e}", file=sys.stderr)
 
 
-def floats(array):
-    text = ", ".join(f"{x:.8g}" + ("" if set(f"{x:.8g}") & set(".e") else ".0") + "f" for x in array.ravel())
-    lines, line = [], "    "
-    for word in text.split(" "):
-        if len(line) + len(word) > 118:
-            lines.append(line.rstrip())
-            line = "    "
-        line += word + " "
-    return "\n".join(lines + [line.rstrip()])
+def write_rows(file, array):
+    for row in array:
+        file.write(",".join(f"{x:.8g}" + ("" if set(f"{x:.8g}") & set(".e") else ".0") for x in row) + "\n")
 
 
 def main():
     with multiprocessing.Pool(2) as pool:
         tables = pool.map(make_table, (False, True))
         pool.map(report, [(is_ggx, *tables[is_ggx]) for is_ggx in (False, True)])
-    path = pathlib.Path(__file__).parent.parent / "src/brdf/rough_plastic_table.h"
+    path = pathlib.Path(__file__).parent.parent / "presets/rough_plastic.txt"
     with open(path, "w") as f:
-        f.write(f"""/* SPDX-License-Identifier: MIT
- *
- * Made by cmake/rough_plastic.py (NumPy {numpy.__version__}), which says what it is: the transmittances and internal reflectances of rough
- * dielectrics for Beckmann and GGX.
- */
-enum {{ TABLE_ALPHA = {N_ALPHA}, TABLE_ETA = {N_ETA}, TABLE_RANK = {RANK}, TABLE_MU = {N_MU} }};
-static const double table_scale[2] = {{{S[0]!r}, {S[1]!r}}}; /* of log(1 + 100 alpha) */
-static const double table_log_eta[2] = {{{E[0]!r}, {E[1]!r}}}; /* of log(eta - 1) */
-
-/* (distribution, alpha, eta, rank) */
-static const float table_core[2][TABLE_ALPHA * TABLE_ETA * TABLE_RANK] = {{{{
+        f.write(f"""# Transmittances and internal reflectances of rough dielectrics, by cmake/rough_plastic.py (NumPy {numpy.__version__}), which says
+# what they are: the core of Beckmann and of GGX (a row for each alpha and eta, rank), then the vectors of both (rank, 64 transmittances and the reflectance).
 """)
-        f.write(floats(tables[0][0]) + "},\n{\n" + floats(tables[1][0]) + "}};\n\n")
-        f.write("/* (distribution, rank, output): 64 transmittances, then the reflectance */\n")
-        f.write("static const float table_vectors[2][TABLE_RANK * (TABLE_MU + 1)] = {{\n")
-        f.write(floats(tables[0][1]) + "},\n{\n" + floats(tables[1][1]) + "}};\n")
+        for i, (part, n) in enumerate(((0, RANK), (0, RANK), (1, N_MU + 1), (1, N_MU + 1))):
+            f.write("\n" if i else "")
+            write_rows(f, tables[i % 2][part].reshape(-1, n))
 
 
 if __name__ == "__main__":

@@ -6,14 +6,17 @@
  *
  * with Beckmann or GGX and separable shadowing (Walter et al. 2007, DOI 10.2312/EGWR/EGSR07/195-206); the second form of d, `nonlinear`,
  * has the colour shift of light that is reflected inside several times. T and R come from a table of Mitsuba's integrals
- * (cmake/rough_plastic.py). As in Mitsuba, T is linear between 64 cosines. Mitsuba's own quadrature is coarser: with GGX and eta = 1.5
+ * (presets/rough_plastic.txt). As in Mitsuba, T is linear between 64 cosines. Mitsuba's own quadrature is coarser: with GGX and eta = 1.5
  * its T differs from the table by up to 0.0005 and its R by 0.0001.
  */
 #include "brdf/microfacet.h"
-#include "brdf/rough_plastic_table.h"
 #include "brdf/spec.h"
+#include "rough_plastic_table.h" /* generated from presets/rough_plastic.txt */
 
 enum { ALPHA, DISTRIBUTION, ETA, DIFFUSE_REFLECTANCE, SPECULAR_REFLECTANCE, NONLINEAR, N_KEYS };
+
+static const double table_scale[2] = {0.009950330853168083, 4.61512051684126};  /* of log(1 + 100 alpha) */
+static const double table_log_eta[2] = {-2.99573227355399, 0.6931471805599453}; /* of log(eta - 1) */
 
 typedef struct plastic {
     nqm_spec_state spec;
