@@ -19,8 +19,9 @@
 /* From `narrowest` on, steps of a factor wide_step; at `visible`, which a light map begins to resolve, they become shorter. */
 static const double narrowest = 2e-5, visible = 2e-3, widest = 80 * NQM_PI / 180, max_polar = 85 * NQM_PI / 180;
 
-/* Theta_d relative to its largest value at the same theta_h and phi_d. */
-static const double part_of_d[NQM_GRID_D] = {0.12, 0.4, 0.65, 0.84, 0.95, 1};
+/* Theta_d relative to its largest value at the same theta_h and phi_d. Before the nodes comes the first one again, seen from the other
+ * side: (-theta_d, phi_d) is the direction (theta_d, phi_d + pi). */
+static const double part_of_d[1 + NQM_GRID_D] = {-0.12, 0.12, 0.4, 0.65, 0.84, 0.95, 1};
 static const double narrow_step = 1.9, wide_step = 1.25;
 
 /* Values of phi_d: many where theta_h is above 12 degrees or theta_d is in the upper part, since lobes that are round about the mirror
@@ -62,7 +63,7 @@ void nqm_node_grid_node(const nqm_node_grid *g, size_t h, size_t d, size_t p, do
     const size_t n_phi = nqm_node_grid_n_phi(g, h, d);
     hd[0] = exp(g->log_h[h]);
     hd[2] = phi_of(n_phi, p);
-    hd[1] = part_of_d[d] * most_theta_d(hd[0], hd[2]);
+    hd[1] = part_of_d[1 + d] * most_theta_d(hd[0], hd[2]);
 }
 
 /* The first of the four nodes around x. */
@@ -89,7 +90,7 @@ static double scale_at(const double hd[3]) {
 
 /* theta_d relative to its largest value, within the grid. */
 static double part_at(double theta_h, double theta_d, double phi_d) {
-    return fmin(fmax(theta_d / most_theta_d(theta_h, phi_d), part_of_d[0]), 1);
+    return fmin(theta_d / most_theta_d(theta_h, phi_d), 1);
 }
 
 /* Weight of a node at the angle x from the ray, of n_phi around the circle, in the trigonometric polynomial through them. */
@@ -102,17 +103,19 @@ size_t nqm_node_grid_interpolate(const nqm_node_grid *g, const double hd[3], siz
                                  double weight[NQM_GRID_NEAR]) {
     const double log_h = fmin(fmax(log(fmax(hd[0], 1e-12)), g->log_h[0]), g->log_h[g->n_h - 1]), theta_h = exp(log_h);
     const size_t h = stencil(g->n_h, g->log_h, log_h);
-    const size_t d = stencil(NQM_GRID_D, part_of_d, part_at(theta_h, hd[1], hd[2]));
+    const size_t d = stencil(1 + NQM_GRID_D, part_of_d, part_at(theta_h, hd[1], hd[2]));
     size_t n = 0;
     for (size_t i = 0; i < 4; ++i)
         for (size_t j = 0; j < 4; ++j) {
-            const size_t n_phi = nqm_node_grid_n_phi(g, h + i, d + j);
+            const bool is_behind = d + j == 0;
+            const size_t node_d = is_behind ? 0 : d + j - 1, n_phi = nqm_node_grid_n_phi(g, h + i, node_d);
             for (size_t p = 0; p < n_phi; ++p, ++n) {
                 const double phi = phi_of(n_phi, p), part = part_at(theta_h, hd[1], phi);
                 const double here[3] = {theta_h, part * most_theta_d(theta_h, phi), phi};
+                const size_t at = is_behind ? (p + n_phi / 2) % n_phi : p;
                 double there[3];
-                nqm_node_grid_node(g, h + i, d + j, p, there);
-                node[n] = g->first[h + i][d + j] + p;
+                nqm_node_grid_node(g, h + i, node_d, at, there);
+                node[n] = g->first[h + i][node_d] + at;
                 weight[n] = cubic(g->log_h + h, i, log_h) * cubic(part_of_d + d, j, part) *
                             trigonometric(n_phi, hd[2] - phi) * scale_at(there) / scale_at(here);
             }

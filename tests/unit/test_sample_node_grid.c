@@ -123,7 +123,7 @@ static void smooth_brdfs_are_interpolated(void **state) {
             double value[3];
             nqm_brdf_eval_half_diff(brdf, 1, hd, value, NULL);
             if (value[0] > 0)
-                assert_relative(interpolate(rgb, hd), value[0], 0.08);
+                assert_relative(interpolate(rgb, hd), value[0], 0.05);
         }
         nqm_brdf_free(brdf);
         nqm_free(rgb);
