@@ -17,8 +17,8 @@
  *    objects belong to one thread at a time.
  *  - The library never prints, never exits, never reads the environment and does not depend on the locale.
  *  - Random numbers come from seeds that are arguments; results do not depend on the number of threads.
- *  - Large calls work on the threads of OpenMP, which are started by the first such call. If there is no memory for them, the runtime
- *    library of GCC ends the process; a child of fork() must not use them (OMP_NUM_THREADS=1 avoids both).
+ *  - Large calls work on the threads of OpenMP, which the first such call starts. Without memory for them GCC's runtime
+ *    library ends the process; after fork() a child must not make such calls (OMP_NUM_THREADS=1 avoids both).
  */
 #ifndef NQM_BASE_H
 #define NQM_BASE_H

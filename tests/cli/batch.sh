@@ -259,7 +259,7 @@ mkfifo "$dir/waiting"
 "$tool" batch - <"$dir/waiting" 2>"$dir/err" &
 waiting=$!
 exec 3>"$dir/waiting"
-sleep .3
+seq 50000 >&3 # more than a pipe holds: some of it is read when this ends
 kill -TERM "$waiting"
 got=0
 wait "$waiting" || got=$?

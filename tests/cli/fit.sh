@@ -85,9 +85,11 @@ refuses 2 "'nqm translate' writes materials" fit "$ref" --model nbrdf -o "$dir/x
 # A run that ends without a result leaves no folder.
 "$tool" fit "$ref" --model nbrdf,ward -o "$dir/stopped/" 2>"$dir/err" &
 fitting=$!
-for try in 1 2 3 4 5 6 7 8 9 10; do [ -d "$dir/stopped" ] || sleep .1; done
+until [ -d "$dir/stopped" ] || ! kill -0 "$fitting"; do sleep .1; done
 kill -TERM "$fitting"
-wait "$fitting" && fail "the run was not interrupted"
+got=0
+wait "$fitting" || got=$?
+[ "$got" = 130 ] || fail "exit code of an interrupted fit: $got"
 [ ! -e "$dir/stopped" ] || fail "an empty folder is left"
 refuses 3 'no/such.html' fit "$ref" --report "$dir/no/such.html"
 refuses 2 'must be a file' fit "$ref" --report -

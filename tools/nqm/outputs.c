@@ -84,7 +84,7 @@ void require_named_output(const char *name, const char *path, const char *ending
     const char *ending = ending_of(path); /* a single one may be left out; several of them choose the format */
     if (*ending ? !is_listed(ending, endings) : strstr(endings, "|.") != NULL)
         stop(EXIT_USAGE, "%s writes FILE%s, and '%s' names another kind of file%s", name, endings, path,
-             is_listed(ending, ".mtlx|.gltf|.glb|.xml|.pbrt") ? "; 'nqm translate' writes materials" : "");
+             is_listed(ending, ".mtlx|.gltf|.glb|.pbrt") ? "; 'nqm translate' writes materials" : "");
     require_output(path);
 }
 
@@ -139,7 +139,7 @@ void remove_empty_folder(void) {
 }
 
 void abandon_outputs(void) {
-    remove_empty_folder();
     for (; open_outputs; open_outputs = open_outputs->next)
         nqm_outfile_abort(&open_outputs->file);
+    remove_empty_folder();
 }
