@@ -27,6 +27,7 @@ static nqm_status label_item_at(label_run *run, size_t i) {
     if (status == NQM_OK) {
         const nqm_curve curve = nqm_curve_default();
         item->label = nqm_scene_compare_halves(run->scene, reference->rgb_cdm2, item->rgb_cdm2);
+        item->points_error = nqm_scene_compare(run->scene, reference->rgb_cdm2, item->rgb_cdm2).error;
         item->jod = nqm_curve_jod(&curve, item->label.delta_e);
     }
     if (!run->keep_rgb) {
@@ -44,22 +45,27 @@ static int show_label_progress(void *user, const char *stage, double done, doubl
     return show_progress(NULL, "label", 100 * ((double)run->n_done + done / total) / (double)run->n_items, 100);
 }
 
-/* Whether more samples are needed: the standard error is above 1 % of Delta-E or .01 JOD. */
-static bool is_uncertain(const label_item *item) {
-    return item->err.status == NQM_OK &&
-           (item->label.error > 0.01 * fmax(item->label.delta_e, 1) || nqm_label_jod_error(&item->label) > 0.01);
-}
-
-/* Mark the tests that need more samples, and their references. */
-static size_t mark_uncertain(label_run *run) {
+/* Mark the tests that need more samples, and their references: the standard error is above 1 % of Delta-E or .01 JOD. More
+ * samples of the kind, points or directions, that makes the error larger than that. */
+static size_t mark_uncertain(label_run *run, nqm_scene_options *options) {
     size_t n = 0;
+    bool points = false, lights = false;
     for (size_t i = 0; i < run->n_items; ++i)
         run->items[i].is_done = true;
-    for (size_t i = 0; i < run->n_items; ++i)
-        if (run->items[i].reference != i && is_uncertain(&run->items[i])) {
-            run->items[i].is_done = run->items[run->items[i].reference].is_done = false;
-            ++n;
-        }
+    for (size_t i = 0; i < run->n_items; ++i) {
+        label_item *item = &run->items[i], *reference = &run->items[item->reference];
+        const nqm_label *l = &item->label;
+        double excess = fmax(l->error / (0.01 * fmax(l->delta_e, 1)), nqm_label_jod_error(l) / 0.01);
+        if (item == reference || item->err.status != NQM_OK || !(excess > 1))
+            continue;
+        item->is_done = reference->is_done = false;
+        points |= excess * item->points_error > 0.7 * l->error; /* of two equal parts, each is .7 of the whole */
+        lights |= excess * excess * (l->error * l->error - item->points_error * item->points_error) >
+                  0.7 * 0.7 * l->error * l->error;
+        ++n;
+    }
+    options->n_points *= points ? 2 : 1;
+    options->n_lights = nqm_scene_n_lights(options) * (lights ? 3 : 2); /* blur by few directions is in no error */
     return n;
 }
 
@@ -83,11 +89,8 @@ void make_labels(label_run *run) {
     run->scene_options.progress_user = run;
     nqm_scene_options options = run->scene_options;
     make_round(run, &options);
-    for (size_t round = 1; run->adds_samples && round < MAX_ROUNDS && mark_uncertain(run); ++round) {
-        options.n_points *= 2;
-        options.n_lights = nqm_scene_n_lights(&options) * 3 / 2;
+    for (size_t round = 1; run->adds_samples && round < MAX_ROUNDS && mark_uncertain(run, &options) > 0; ++round)
         make_round(run, &options);
-    }
     end_progress();
 }
 

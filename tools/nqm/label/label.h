@@ -9,11 +9,12 @@
 
 /** A BRDF of the command line, in its order; a group begins with its reference. */
 typedef struct label_item {
-    const char *name;  /* the argument */
-    const char *shown; /* its name in results: the same, or that of the user */
-    size_t reference;  /* index of the group's reference (of itself for a reference) */
-    nqm_label label;   /* its values are NaN for references and for tests that could not be rendered, */
-    double jod;        /* as this one is */
+    const char *name;    /* the argument */
+    const char *shown;   /* its name in results: the same, or that of the user */
+    size_t reference;    /* index of the group's reference (of itself for a reference) */
+    nqm_label label;     /* its values are NaN for references and for tests that could not be rendered, */
+    double jod;          /* as this one is */
+    double points_error; /* the part of label.error that the choice of points makes */
     nqm_error err;
     bool is_done;      /* its label needs no more samples */
     bool is_tabulated; /* the picture was made from a table of the BRDF's values */
