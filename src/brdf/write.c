@@ -6,6 +6,7 @@
 
 nqm_status nqm_brdf_write(const nqm_brdf *brdf, nqm_table_format format, const char *path, nqm_progress_fn progress,
                           void *progress_user, nqm_error *err) {
+    NQM_REQUIRE(err, brdf, path);
     switch (format) {
     case NQM_TABLE_MERL:
         return nqm_merl_write(brdf, 180, path, progress, progress_user, err);

@@ -147,7 +147,7 @@ nqm_status nqm_dataset_parse(const unsigned char *data, size_t n_bytes, const ch
 }
 
 nqm_status nqm_dataset_load(const char *path, nqm_dataset **dataset_ret, nqm_error *err) {
-    *dataset_ret = NULL;
+    NQM_MAKE(err, dataset_ret, path);
     nqm_map map;
     nqm_status status = nqm_map_open(path, &map, err);
     if (status != NQM_OK)

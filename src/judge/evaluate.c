@@ -194,7 +194,8 @@ static void begin(nqm_evaluation *ev) {
 
 nqm_status nqm_evaluation_create(const nqm_dataset *dataset, size_t n_models, const nqm_model *const *models,
                                  const nqm_eval_options *options, nqm_evaluation **evaluation_ret, nqm_error *err) {
-    *evaluation_ret = NULL;
+    NQM_MAKE(err, evaluation_ret, dataset);
+    NQM_REQUIRE_IF(n_models, err, models);
     nqm_eval_options o = options ? *options : nqm_eval_options_default();
     const bool has_estimate = dataset->transport;
     const size_t n_predictors = n_models + NQM_METRIC_COUNT + has_estimate;
@@ -235,19 +236,23 @@ void nqm_evaluation_free(nqm_evaluation *ev) {
 }
 
 size_t nqm_evaluation_count(const nqm_evaluation *ev) {
+    assert(ev);
     return ev->n_predictors;
 }
 
 const nqm_label *nqm_evaluation_labels(const nqm_evaluation *ev, size_t i) {
+    assert(ev);
     if (i < ev->n_models)
         return nqm_model_has_parts(ev->models[i]) ? ev->labels + i * ev->dataset->n_pairs : NULL;
     return i == ev->n_models + NQM_METRIC_COUNT ? ev->estimates : NULL;
 }
 
 const double *nqm_evaluation_values(const nqm_evaluation *ev, size_t i) {
+    assert(ev);
     return ev->values + i * ev->dataset->n_pairs;
 }
 
 const double *nqm_evaluation_scalars(const nqm_evaluation *ev, size_t pair) {
+    assert(ev);
     return ev->scalars + pair * NQM_SCALAR_COUNT;
 }

@@ -19,10 +19,12 @@ static const nqm_material_format *const formats[] = {NQM_MATERIAL_FORMATS(POINTE
 /* ---- the list ---------------------------------------------------------------------------------------------------- */
 
 size_t nqm_materials_count(const nqm_materials *materials) {
+    assert(materials);
     return materials->n;
 }
 
 nqm_material_info nqm_materials_get(const nqm_materials *materials, size_t i) {
+    assert(materials);
     return materials->list[i];
 }
 
@@ -123,8 +125,8 @@ nqm_status nqm_materials_read(const nqm_map *map, nqm_materials **materials_ret,
 }
 
 nqm_status nqm_materials_open(const char *path, nqm_materials **materials_ret, nqm_error *err) {
+    NQM_MAKE(err, materials_ret, path);
     nqm_map map = {0};
-    *materials_ret = NULL;
     nqm_status status = nqm_map_open(path, &map, err);
     if (status == NQM_OK && map.n_bytes == 0)
         status = nqm_fail(err, NQM_ERR_FORMAT, 0, "%s: the file is empty (byte 0)", path);
@@ -183,6 +185,7 @@ nqm_status nqm_material_check(const char *model, const char *path, nqm_error *er
 }
 
 nqm_status nqm_material_write(const char *spec, const char *name, const char *path, nqm_error *err) {
+    NQM_REQUIRE(err, spec, name, path);
     nqm_shading shading;
     const nqm_material_format *format = NULL;
     nqm_outfile out = {0};

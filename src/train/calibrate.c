@@ -169,7 +169,7 @@ static nqm_status replace_card(nqm_model *model, char *card, nqm_error *err) {
 
 nqm_status nqm_model_calibrate(const nqm_model *model, const nqm_dataset *dataset, int materials_are_new,
                                nqm_model **model_ret, nqm_calibration *calibration, nqm_error *err) {
-    *model_ret = NULL;
+    NQM_MAKE(err, model_ret, model, dataset, calibration);
     nqm_model *copy = NULL;
     char *golden = NULL;
     nqm_status status = materials_are_new ? NQM_OK : check_new(model, dataset, err);
@@ -195,10 +195,10 @@ nqm_status nqm_model_calibrate(const nqm_model *model, const nqm_dataset *datase
 /* ---- notes ------------------------------------------------------------------------------------------------------- */
 
 nqm_status nqm_model_annotate(const nqm_model *model, const char *markdown, nqm_model **model_ret, nqm_error *err) {
+    NQM_MAKE(err, model_ret, model, markdown);
     const char *before = model->card ? model->card : "";
     const size_t n = strlen(before) + strlen(markdown) + 2;
     nqm_model *copy;
-    *model_ret = NULL;
     nqm_status status = nqm_model_copy(model, &copy, err);
     if (status != NQM_OK)
         return status;
