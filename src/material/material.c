@@ -184,20 +184,16 @@ nqm_status nqm_material_check(const char *model, const char *path, nqm_error *er
     return select_format(model, path, &format, err);
 }
 
-nqm_status nqm_material_write(const char *spec, const char *name, const char *path, nqm_error *err) {
-    NQM_REQUIRE(err, spec, name, path);
-    nqm_shading shading;
+nqm_status nqm_shading_write(const nqm_shading *shading, const char *name, const char *path, nqm_error *err) {
     const nqm_material_format *format = NULL;
     nqm_outfile out = {0};
     char clean[64];
     clean_name(name, clean);
-    nqm_status status = nqm_shading_parse(spec, &shading, err);
-    if (status == NQM_OK)
-        status = select_format(shading.model, path, &format, err);
+    nqm_status status = select_format(shading->model, path, &format, err);
     if (status == NQM_OK)
         status = nqm_outfile_open(path, &out, err);
     if (status == NQM_OK)
-        status = format->write(&shading, clean, path, out.stream, err);
+        status = format->write(shading, clean, path, out.stream, err);
     if (status == NQM_OK)
         return nqm_outfile_commit(&out, err);
     nqm_outfile_abort(&out);
