@@ -3,8 +3,8 @@
  * What the manifest of a corpus says: kinds of distortion that its training part does not have, and sources of references.
  */
 #include "data/data.h"
+#include "io/options_json.h"
 
-#include <jansson.h>
 #include <string.h>
 
 void nqm_dataset_unseen_kinds(const nqm_dataset *d, bool *unseen) {
@@ -36,9 +36,12 @@ static const char *group_of(const char *source) {
 }
 
 nqm_status nqm_dataset_read_sources(nqm_dataset *d, nqm_error *err) {
-    json_t *manifest = d->manifest ? json_loads(d->manifest, 0, NULL) : NULL;
+    json_t *manifest = NULL;
+    nqm_status status = d->manifest ? nqm_json_load(d->manifest, strlen(d->manifest), 0, &manifest, NULL, err) : NQM_OK;
+    if (status == NQM_ERR_NOMEM)
+        return status;
+    status = NQM_OK;
     const json_t *references = json_object_get(manifest, "references");
-    nqm_status status = NQM_OK;
     bool is_listed = json_array_size(references) == d->n_refs;
     for (size_t i = 0; is_listed && status == NQM_OK && i < d->n_refs; ++i) {
         const json_t *row = json_array_get(references, i), *source = json_object_get(row, "source");
