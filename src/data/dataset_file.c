@@ -79,12 +79,11 @@ static void list_names(nqm_dataset *d, name_list lists[N_LISTS]) {
 /* Read a metadata value that is a JSON array of strings. */
 static nqm_status read_names(const nqm_safetensors *st, const name_list *list, const char *name, nqm_error *err) {
     const char *text = nqm_safetensors_meta(st, list->key);
-    json_t *array = NULL;
-    nqm_status status = text ? nqm_json_load(text, strlen(text), 0, &array, NULL, err) : NQM_OK;
-    if (status == NQM_ERR_NOMEM)
+    json_t *array;
+    nqm_status status = nqm_json_parse(text, &array, err);
+    if (status != NQM_OK)
         return status;
     const size_t n = list->n ? *list->n : json_array_size(array);
-    status = NQM_OK;
     if (!json_is_array(array) || json_array_size(array) != n)
         status =
             nqm_fail(err, NQM_ERR_FORMAT, -1, "%s: metadata '%s' is not a JSON array of %zu names", name, list->key, n);

@@ -47,6 +47,13 @@ static size_t cost_of(char c) {
     return c == '{' ? OBJECT : c == '[' ? ARRAY : c == ':' ? MEMBER : c == ',' ? ELEMENT : 0;
 }
 
+nqm_status nqm_json_parse(const char *text, json_t **json_ret, nqm_error *err) {
+    *json_ret = NULL;
+    if (!text || nqm_json_load(text, strlen(text), 0, json_ret, NULL, NULL) != NQM_ERR_NOMEM)
+        return NQM_OK;
+    return nqm_fail_nomem(err, strlen(text));
+}
+
 nqm_status nqm_json_check(const char *text, size_t n_bytes, size_t n_file, const char *name, size_t byte,
                           nqm_error *err) {
     const size_t most = NQM_JSON_ROOM + MAX_RATIO * n_file;

@@ -18,5 +18,7 @@ char *nqm_json_text(json_t *json, size_t n_digits);
  *  knows where the text is, and `why` (NULL allowed) says what is wrong; NQM_ERR_NOMEM. json_decref(); NULL on failure. */
 NQM_MUST_CHECK nqm_status nqm_json_load(const char *text, size_t n_bytes, size_t flags, json_t **json_ret,
                                         json_error_t *why, nqm_error *err);
+/** The same for a text that may be missing: *json_ret is NULL for NULL and for what is no JSON. NQM_ERR_NOMEM. */
+NQM_MUST_CHECK nqm_status nqm_json_parse(const char *text, json_t **json_ret, nqm_error *err);
 
 #endif

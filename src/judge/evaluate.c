@@ -173,7 +173,7 @@ static void fill_labels(size_t n, nqm_label *labels, double value) {
 }
 
 /* Nothing is predicted yet. */
-static void begin(nqm_evaluation *ev) {
+static nqm_status begin(nqm_evaluation *ev, nqm_error *err) {
     const nqm_dataset *d = ev->dataset;
     const double nan = (double)NAN;
     fill(ev->n_predictors * d->n_pairs, ev->values, nan);
@@ -183,13 +183,14 @@ static void begin(nqm_evaluation *ev) {
     fill_labels(ev->estimates ? d->n_pairs : 0, ev->estimates, nan);
     for (size_t i = 0; i < d->n_refs; ++i)
         ev->ref_class[i] = nqm_dataset_ref_class(d, i);
-    nqm_dataset_unseen_kinds(d, ev->unseen);
+    const nqm_status status = nqm_dataset_unseen_kinds(d, ev->unseen, err);
     for (size_t i = 0; i < d->n_kinds; ++i)
         ev->has_unseen = ev->has_unseen || ev->unseen[i];
     for (size_t i = 0; i < ev->n_predictors; ++i)
         ev->names[i] = i < ev->n_models                      ? ev->models[i]->id
                        : i < ev->n_models + NQM_METRIC_COUNT ? nqm_metric_name((nqm_metric)(i - ev->n_models))
                                                              : "estimate";
+    return status;
 }
 
 nqm_status nqm_evaluation_create(const nqm_dataset *dataset, size_t n_models, const nqm_model *const *models,
@@ -222,8 +223,9 @@ nqm_status nqm_evaluation_create(const nqm_dataset *dataset, size_t n_models, co
     if (!has_estimate)
         made.estimates = NULL;
     *ev = made;
-    begin(ev);
-    status = predict_all(ev, &o, err);
+    status = begin(ev, err);
+    if (status == NQM_OK)
+        status = predict_all(ev, &o, err);
     if (status == NQM_OK)
         *evaluation_ret = ev;
     else
