@@ -40,18 +40,18 @@ nqm_status nqm_json_load(const char *text, size_t n_bytes, size_t flags, json_t 
     return *json_ret ? NQM_OK : nqm_fail(err, NQM_ERR_FORMAT, why->position, "invalid JSON: %s", why->text);
 }
 
-/* Bytes of jansson's blocks on 64-bit systems: what a value or a member costs is counted at the character that comes with it. */
-enum { OBJECT = 240, ARRAY = 144, MEMBER = 160, ELEMENT = 56, MAX_RATIO = 8 };
-
-static size_t cost_of(char c) {
-    return c == '{' ? OBJECT : c == '[' ? ARRAY : c == ':' ? MEMBER : c == ',' ? ELEMENT : 0;
-}
-
 nqm_status nqm_json_parse(const char *text, json_t **json_ret, nqm_error *err) {
     *json_ret = NULL;
     if (!text || nqm_json_load(text, strlen(text), 0, json_ret, NULL, NULL) != NQM_ERR_NOMEM)
         return NQM_OK;
     return nqm_fail_nomem(err, strlen(text));
+}
+
+/* Bytes of jansson's blocks on 64-bit systems: what a value or a member costs is counted at the character that comes with it. */
+enum { OBJECT = 240, ARRAY = 144, MEMBER = 160, ELEMENT = 56, MAX_RATIO = 8 };
+
+static size_t cost_of(char c) {
+    return c == '{' ? OBJECT : c == '[' ? ARRAY : c == ':' ? MEMBER : c == ',' ? ELEMENT : 0;
 }
 
 nqm_status nqm_json_check(const char *text, size_t n_bytes, size_t n_file, const char *name, size_t byte,
