@@ -11,6 +11,9 @@
  *  - Every fallible function returns an nqm_status and fills an optional nqm_error (NULL is allowed). When it fails,
  *    the pointers it would have returned are NULL and other outputs are untouched unless its documentation says
  *    otherwise.
+ *  - A pointer may be NULL where its documentation says so, and if it is an array of 0 elements. Of other pointers that are NULL,
+ *    functions that return a status name the first and return NQM_ERR_ARG; other functions stop by an assertion that names it,
+ *    unless the library was built with NDEBUG: then they crash.
  *  - `_open`, `_load`, `_create` make an object that the caller frees with the matching `_free` (NULL is allowed
  *    there). Pointers that getters return belong to the object and are valid until it is freed.
  *  - BRDFs, direction sets and models are immutable after creation and may be used by several threads at once. Other

@@ -217,6 +217,19 @@ NQM_API NQM_MUST_CHECK nqm_status nqm_brdf_write(const nqm_brdf *brdf, nqm_table
                                                  nqm_progress_fn progress, void *progress_user, nqm_error *err);
 
 /**
+ * Write a material file with one material. The file appears under its name only when complete; nqm_brdf_open() reads it back to
+ * the same BRDF within the precision of the format.
+ *
+ * @param spec  of a shading model that the format has; nqm_brdf_open() takes it, too
+ * @param name  of the material: letters, digits and '_'; other characters are replaced by '_'
+ * @param path  its extension selects the format
+ * @return NQM_ERR_ARG (unknown extension, or a model that the format does not have; the message lists both; or a key or value that is
+ *         none of the model), NQM_ERR_IO, NQM_ERR_NOMEM
+ */
+NQM_API NQM_MUST_CHECK nqm_status nqm_material_write(const char *spec, const char *name, const char *path,
+                                                     nqm_error *err);
+
+/**
  * Write a BRDF whose format is "nbrdf" (a small network) or "table" as a safetensors file (doc/files.md);
  * nqm_brdf_open() reads it back to the same values. The other formats have a spec or a file already.
  *

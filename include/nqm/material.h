@@ -42,19 +42,6 @@ NQM_API nqm_material_info nqm_materials_get(const nqm_materials *materials, size
 /** Free; NULL is allowed. */
 NQM_API void nqm_materials_free(nqm_materials *materials);
 
-/**
- * Write a material file with one material. The file appears under its name only when complete; nqm_brdf_open() reads it back to
- * the same BRDF within the precision of the format.
- *
- * @param spec  a canonical spec (nqm_brdf_info.spec) of a shading model that the format has
- * @param name  of the material: letters, digits and '_'; other characters are replaced by '_'
- * @param path  its extension selects the format
- * @return NQM_ERR_ARG (unknown extension, or a model that the format does not have; the message lists both), NQM_ERR_IO,
- *         NQM_ERR_NOMEM
- */
-NQM_API NQM_MUST_CHECK nqm_status nqm_material_write(const char *spec, const char *name, const char *path,
-                                                     nqm_error *err);
-
 #ifdef __cplusplus
 }
 #endif

@@ -7,6 +7,7 @@
 #ifndef NQM_SRC_BASE_H
 #define NQM_SRC_BASE_H
 
+#include <assert.h>
 #include <nqm/base.h>
 #include <stdbool.h>
 #include <stdio.h>
@@ -27,6 +28,29 @@ __attribute__((format(printf, 4, 5))) nqm_status nqm_fail(nqm_error *err, nqm_st
                                                           const char *format, ...);
 /** Fail with NQM_ERR_NOMEM; the message states the requested size. */
 nqm_status nqm_fail_nomem(nqm_error *err, size_t n_bytes);
+/** Fail with NQM_ERR_ARG if one of n pointers is NULL; the message has its name. names: "first, second". */
+NQM_MUST_CHECK nqm_status nqm_require(nqm_error *err, const char *function, const char *names, size_t n,
+                                      const void *const *pointers);
+/** Public functions begin with the pointers that must not be NULL. Those that return no status have assert() instead. */
+#define NQM_REQUIRE(err, ...)                                                                                          \
+    do {                                                                                                               \
+        const void *const required[] = {__VA_ARGS__};                                                                  \
+        if (nqm_require(err, __func__, #__VA_ARGS__, sizeof required / sizeof *required, required) != NQM_OK)          \
+            return NQM_ERR_ARG;                                                                                        \
+    } while (0)
+/** The same for arrays of n elements. */
+#define NQM_REQUIRE_IF(n, err, ...)                                                                                    \
+    do {                                                                                                               \
+        if (n)                                                                                                         \
+            NQM_REQUIRE(err, __VA_ARGS__);                                                                             \
+    } while (0)
+/** The same for a function that makes an object: *ret is NULL then. */
+#define NQM_MAKE(err, ret, ...)                                                                                        \
+    do {                                                                                                               \
+        if (ret)                                                                                                       \
+            *(ret) = NULL;                                                                                             \
+        NQM_REQUIRE(err, ret, __VA_ARGS__);                                                                            \
+    } while (0)
 
 /* ---- memory ------------------------------------------------------------------------------------------------------ */
 

@@ -41,3 +41,13 @@ nqm_status nqm_fail(nqm_error *err, nqm_status status, int64_t byte_offset, cons
 nqm_status nqm_fail_nomem(nqm_error *err, size_t n_bytes) {
     return nqm_fail(err, NQM_ERR_NOMEM, -1, "out of memory: cannot allocate %zu bytes", n_bytes);
 }
+
+nqm_status nqm_require(nqm_error *err, const char *function, const char *names, size_t n, const void *const *pointers) {
+    for (size_t i = 0; i < n; ++i) {
+        const size_t length = strcspn(names, ",");
+        if (!pointers[i])
+            return nqm_fail(err, NQM_ERR_ARG, -1, "%s: the argument %.*s is NULL", function, (int)length, names);
+        names += length + strspn(names + length, ", ");
+    }
+    return NQM_OK;
+}

@@ -290,7 +290,7 @@ static nqm_status fail_missing(const char *path_or_spec, nqm_brdf **brdf_ret, nq
 }
 
 nqm_status nqm_brdf_open(const char *path_or_spec, nqm_brdf **brdf_ret, nqm_error *err) {
-    *brdf_ret = NULL;
+    NQM_MAKE(err, brdf_ret, path_or_spec);
     if (nqm_spec_probe(path_or_spec))
         return nqm_spec_open(path_or_spec, path_or_spec, brdf_ret, err);
     const char *colon = strrchr(path_or_spec, ':');
@@ -335,6 +335,7 @@ void nqm_brdf_free(nqm_brdf *brdf) {
 }
 
 nqm_brdf_info nqm_brdf_get_info(const nqm_brdf *brdf) {
+    assert(brdf);
     return brdf->info;
 }
 
@@ -397,6 +398,7 @@ static void eval_block(const nqm_brdf *brdf, size_t m, const double *wi, const d
 }
 
 void nqm_brdf_eval(const nqm_brdf *brdf, size_t n, const double *wi, const double *wo, double *rgb, uint8_t *flag) {
+    assert(brdf);
     double in[3 * BLOCK], out[3 * BLOCK], raw[3 * BLOCK];
     size_t place[BLOCK];
     for (size_t i = 0; i < n;) {
@@ -448,6 +450,7 @@ static void eval_native(const nqm_brdf *brdf, size_t n, const double *hd, double
 }
 
 void nqm_brdf_eval_half_diff(const nqm_brdf *brdf, size_t n, const double *hd, double *rgb, uint8_t *flag) {
+    assert(brdf);
     if (brdf->class_->eval_half_diff) {
         eval_native(brdf, n, hd, rgb, flag);
         return;
@@ -474,6 +477,8 @@ static void settle_derivatives(size_t n_parameters, double *rgb, double *jacobia
 
 nqm_status nqm_brdf_jacobian(const nqm_brdf *brdf, size_t n, const double *wi, const double *wo, double *rgb,
                              double *jacobian, nqm_error *err) {
+    NQM_REQUIRE(err, brdf);
+    NQM_REQUIRE_IF(n, err, wi, wo, rgb, jacobian);
     enum { RUN = 64 }; /* pairs per call: their rows stay in the L1 cache between memset() and the last change */
     const size_t n_parameters = brdf->info.n_values, row = 3 * n_parameters;
     if (!brdf->class_->jacobian)
@@ -497,9 +502,11 @@ nqm_status nqm_brdf_jacobian(const nqm_brdf *brdf, size_t n, const double *wi, c
 }
 
 void nqm_half_diff_to_directions(const double *hd, double *wi, double *wo) {
+    assert(hd && wi && wo);
     nqm_half_diff_to_pair(hd, wi, wo);
 }
 
 void nqm_directions_to_half_diff(const double *wi, const double *wo, double *hd) {
+    assert(wi && wo && hd);
     nqm_half_diff_from_pair(wi, wo, hd);
 }

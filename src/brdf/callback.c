@@ -37,8 +37,8 @@ static const nqm_brdf_class classes[2] = {
     {.format = "callback", .reciprocal = 1, .eval = callback_eval, .free = callback_free}};
 
 nqm_status nqm_brdf_create(const nqm_brdf_callbacks *callbacks, nqm_brdf **brdf_ret, nqm_error *err) {
-    *brdf_ret = NULL;
-    if (!callbacks || !callbacks->eval)
+    NQM_MAKE(err, brdf_ret, callbacks);
+    if (!callbacks->eval)
         return nqm_fail(err, NQM_ERR_ARG, -1, "nqm_brdf_create: the callback `eval` is NULL");
     callback *c = nqm_alloc(1, sizeof *c);
     if (!c)

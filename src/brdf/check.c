@@ -77,6 +77,7 @@ static void flush(batch *b) {
 }
 
 void nqm_brdf_albedo(const nqm_brdf *brdf, double theta_i_rad, uint64_t seed, double *rgb) {
+    assert(brdf && rgb);
     batch b = {.brdf = brdf, .lowest = {INFINITY, INFINITY, INFINITY}};
     double wi[3];
     nqm_spherical(theta_i_rad, 0, wi);
@@ -159,6 +160,7 @@ static void find_largest_albedo(const nqm_brdf *brdf, uint64_t seed, nqm_brdf_ch
 }
 
 nqm_status nqm_brdf_check(const nqm_brdf *brdf, uint64_t seed, nqm_brdf_check_report *report_ret, nqm_error *err) {
+    NQM_REQUIRE(err, brdf, report_ret);
     nqm_brdf_check_report report = {.n_pairs = 0};
     double *difference = nqm_alloc(N_PAIRS, sizeof *difference);
     if (!difference)

@@ -63,6 +63,7 @@ nqm_status nqm_brdf_save_with(const nqm_brdf *brdf, const char *path, size_t n_m
 }
 
 nqm_status nqm_brdf_save(const nqm_brdf *brdf, const char *path, nqm_error *err) {
+    NQM_REQUIRE(err, brdf, path);
     return nqm_brdf_save_with(brdf, path, 0, NULL, err);
 }
 

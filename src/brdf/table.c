@@ -117,10 +117,8 @@ size_t nqm_table_first_bad(size_t n_nodes, const void *rgb) {
 
 nqm_status nqm_brdf_create_table(size_t n_theta_h, size_t n_theta_d, size_t n_phi_d, const float *rgb, const char *name,
                                  nqm_brdf **brdf_ret, nqm_error *err) {
+    NQM_MAKE(err, brdf_ret, rgb);
     name = name ? name : "table";
-    *brdf_ret = NULL;
-    if (!rgb)
-        return nqm_fail(err, NQM_ERR_ARG, -1, "%s: nqm_brdf_create_table: `rgb` is NULL", name);
     nqm_status status = nqm_table_create(n_theta_h, n_theta_d, n_phi_d, rgb, name, brdf_ret, err);
     const size_t n_nodes = n_theta_h * n_theta_d * n_phi_d,
                  bad = status == NQM_OK ? nqm_table_first_bad(n_nodes, rgb) : 0;

@@ -130,8 +130,9 @@ static inline nqm_split nqm_dataset_pair_split(const nqm_dataset *dataset, size_
     return (nqm_split)dataset->group_split[dataset->ref_group[dataset->pair_ref[pair]]];
 }
 
-/** Set unseen (n_kinds): whether the manifest lists the kind as one that the training part of such corpora does not have. */
-void nqm_dataset_unseen_kinds(const nqm_dataset *dataset, bool *unseen);
+/** Set unseen (n_kinds): whether the manifest lists the kind as one that the training part of such corpora does not have.
+ *  NQM_ERR_NOMEM. */
+NQM_MUST_CHECK nqm_status nqm_dataset_unseen_kinds(const nqm_dataset *dataset, bool *unseen, nqm_error *err);
 
 /** Read ref_sources from the manifest; they stay empty if it does not list the references. NQM_ERR_NOMEM. */
 NQM_MUST_CHECK nqm_status nqm_dataset_read_sources(nqm_dataset *dataset, nqm_error *err);

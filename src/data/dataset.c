@@ -216,6 +216,7 @@ void nqm_dataset_free(nqm_dataset *dataset) {
 }
 
 nqm_dataset_info nqm_dataset_get_info(const nqm_dataset *dataset) {
+    assert(dataset);
     nqm_dataset_info info = {.n_directions = dataset->n_directions,
                              .n_refs = dataset->n_refs,
                              .n_groups = dataset->n_groups,
@@ -230,12 +231,14 @@ nqm_dataset_info nqm_dataset_get_info(const nqm_dataset *dataset) {
 }
 
 nqm_dataset_kind nqm_dataset_get_kind(const nqm_dataset *d, size_t i) {
+    assert(d);
     if (i >= d->n_kinds)
         return (nqm_dataset_kind){NULL, NULL};
     return (nqm_dataset_kind){nqm_name(&d->kind_names, i), d->kind_families.n ? nqm_name(&d->kind_families, i) : ""};
 }
 
 nqm_dataset_pair nqm_dataset_get_pair(const nqm_dataset *d, size_t i) {
+    assert(d);
     uint32_t ref = d->pair_ref[i];
     const nqm_dataset_kind kind = nqm_dataset_get_kind(d, d->pair_kind[i]);
     return (nqm_dataset_pair){.ref = nqm_name(&d->ref_names, ref),

@@ -79,9 +79,11 @@ static void list_names(nqm_dataset *d, name_list lists[N_LISTS]) {
 /* Read a metadata value that is a JSON array of strings. */
 static nqm_status read_names(const nqm_safetensors *st, const name_list *list, const char *name, nqm_error *err) {
     const char *text = nqm_safetensors_meta(st, list->key);
-    json_t *array = text ? json_loads(text, 0, NULL) : NULL;
+    json_t *array;
+    nqm_status status = nqm_json_parse(text, &array, err);
+    if (status != NQM_OK)
+        return status;
     const size_t n = list->n ? *list->n : json_array_size(array);
-    nqm_status status = NQM_OK;
     if (!json_is_array(array) || json_array_size(array) != n)
         status =
             nqm_fail(err, NQM_ERR_FORMAT, -1, "%s: metadata '%s' is not a JSON array of %zu names", name, list->key, n);
@@ -147,7 +149,7 @@ nqm_status nqm_dataset_parse(const unsigned char *data, size_t n_bytes, const ch
 }
 
 nqm_status nqm_dataset_load(const char *path, nqm_dataset **dataset_ret, nqm_error *err) {
-    *dataset_ret = NULL;
+    NQM_MAKE(err, dataset_ret, path);
     nqm_map map;
     nqm_status status = nqm_map_open(path, &map, err);
     if (status != NQM_OK)

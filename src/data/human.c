@@ -24,6 +24,7 @@ void nqm_human_free(nqm_human *human) {
 }
 
 const nqm_dataset *nqm_human_dataset(const nqm_human *human) {
+    assert(human);
     return human->dataset;
 }
 
@@ -37,6 +38,7 @@ static double follow_others(double n, double n_other) {
 }
 
 nqm_human_info nqm_human_get_info(const nqm_human *human) {
+    assert(human);
     nqm_human_info info = {.kind = human->kind,
                            .kind_name = nqm_human_kind_name(human->kind),
                            .n_rows = human->n_rows,

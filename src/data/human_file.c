@@ -264,7 +264,7 @@ static nqm_status gather_triplets(reader *r) {
 
 nqm_status nqm_human_load(const char *csv_path, const nqm_human_options *options, nqm_human **human_ret,
                           nqm_error *err) {
-    *human_ret = NULL;
+    NQM_MAKE(err, human_ret, csv_path);
     nqm_human_options o = options ? *options : nqm_human_options_default();
     if (!(o.min_valid_fraction >= 0 && o.min_valid_fraction <= 1))
         return nqm_fail(err, NQM_ERR_ARG, -1, "fraction of valid directions: %g is outside 0..1", o.min_valid_fraction);

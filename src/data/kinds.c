@@ -3,12 +3,13 @@
  * What the manifest of a corpus says: kinds of distortion that its training part does not have, and sources of references.
  */
 #include "data/data.h"
+#include "io/options_json.h"
 
-#include <jansson.h>
 #include <string.h>
 
-void nqm_dataset_unseen_kinds(const nqm_dataset *d, bool *unseen) {
-    json_t *manifest = d->manifest ? json_loads(d->manifest, 0, NULL) : NULL;
+nqm_status nqm_dataset_unseen_kinds(const nqm_dataset *d, bool *unseen, nqm_error *err) {
+    json_t *manifest;
+    const nqm_status status = nqm_json_parse(d->manifest, &manifest, err);
     const json_t *names = json_object_get(manifest, "unseen_kinds");
     for (size_t kind = 0; kind < d->n_kinds; ++kind) {
         unseen[kind] = false;
@@ -18,6 +19,7 @@ void nqm_dataset_unseen_kinds(const nqm_dataset *d, bool *unseen) {
         }
     }
     json_decref(manifest);
+    return status;
 }
 
 /* ---- sources ----------------------------------------------------------------------------------------------------- */
@@ -36,9 +38,11 @@ static const char *group_of(const char *source) {
 }
 
 nqm_status nqm_dataset_read_sources(nqm_dataset *d, nqm_error *err) {
-    json_t *manifest = d->manifest ? json_loads(d->manifest, 0, NULL) : NULL;
+    json_t *manifest;
+    nqm_status status = nqm_json_parse(d->manifest, &manifest, err);
+    if (status != NQM_OK)
+        return status;
     const json_t *references = json_object_get(manifest, "references");
-    nqm_status status = NQM_OK;
     bool is_listed = json_array_size(references) == d->n_refs;
     for (size_t i = 0; is_listed && status == NQM_OK && i < d->n_refs; ++i) {
         const json_t *row = json_array_get(references, i), *source = json_object_get(row, "source");

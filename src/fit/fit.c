@@ -150,11 +150,12 @@ nqm_status nqm_fit_path(const nqm_brdf *ref, const char *model, const nqm_fit_op
 
 nqm_status nqm_fit(const nqm_brdf *ref, const char *model, const nqm_fit_options *options_or_null,
                    nqm_fit_report *report_ret, nqm_brdf **brdf_ret, nqm_error *err) {
+    if (brdf_ret)
+        *brdf_ret = NULL;
+    NQM_REQUIRE(err, ref, model, report_ret);
     const nqm_fit_options options = options_or_null ? *options_or_null : nqm_fit_options_default();
     nqm_fit_report report = {0};
     nqm_brdf *brdf = NULL;
-    if (brdf_ret)
-        *brdf_ret = NULL;
     const nqm_fit_entry *entry;
     nqm_status status = nqm_fit_entry_find(model, &entry, err);
     if (status == NQM_OK)
@@ -180,6 +181,7 @@ nqm_learn_options nqm_learn_options_default(void) {
 
 nqm_status nqm_learn(nqm_encoder what, size_t n, const nqm_brdf *const *refs, const char *const *names,
                      const nqm_learn_options *options_or_null, const char *path, nqm_error *err) {
+    NQM_REQUIRE(err, refs, names, path);
     nqm_learn_options options = options_or_null ? *options_or_null : nqm_learn_options_default();
     if (n == 0)
         return nqm_fail(err, NQM_ERR_ARG, -1, "no BRDF to learn from");

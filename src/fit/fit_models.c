@@ -162,6 +162,7 @@ static nqm_fit_shape *find_shape(nqm_fit_entry *model, const char *key) {
 }
 
 int nqm_fit_model_has(const char *name, const char *key) {
+    assert(name && key);
     const nqm_fit_entry *found;
     if (nqm_fit_entry_find(name, &found, NULL) != NQM_OK)
         return 0;

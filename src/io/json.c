@@ -1,9 +1,51 @@
 /* SPDX-License-Identifier: MIT
  *
- * The memory that a JSON text will take: jansson has no limit of its own, and its tree takes up to 100 times the bytes of a text
- * that consists of empty arrays.
+ * JSON texts and memory. jansson has no limit of its own, and its tree takes up to 100 times the bytes of a text that consists of empty
+ * arrays. When an allocation fails it leaves out a character, or fails without a reason.
  */
 #include "io/io.h"
+#include "io/options_json.h"
+
+#include <pthread.h>
+
+/* jansson has one allocator for the process: it stays the same, but failures are seen. */
+static json_malloc_t allocate;
+static _Thread_local bool has_failed;
+
+static void *watched_malloc(size_t n) {
+    void *block = allocate(n);
+    has_failed |= !block;
+    return block;
+}
+
+static void watch(void) {
+    json_free_t release;
+    json_get_alloc_funcs(&allocate, &release);
+    json_set_alloc_funcs(watched_malloc, release);
+}
+
+nqm_status nqm_json_load(const char *text, size_t n_bytes, size_t flags, json_t **json_ret, json_error_t *why,
+                         nqm_error *err) {
+    static pthread_once_t once = PTHREAD_ONCE_INIT;
+    json_error_t own;
+    why = why ? why : &own;
+    pthread_once(&once, watch);
+    has_failed = false;
+    *json_ret = json_loadb(text, n_bytes, flags, why);
+    if (has_failed || (!*json_ret && json_error_code(why) == json_error_out_of_memory)) {
+        json_decref(*json_ret);
+        *json_ret = NULL;
+        return nqm_fail_nomem(err, n_bytes);
+    }
+    return *json_ret ? NQM_OK : nqm_fail(err, NQM_ERR_FORMAT, why->position, "invalid JSON: %s", why->text);
+}
+
+nqm_status nqm_json_parse(const char *text, json_t **json_ret, nqm_error *err) {
+    *json_ret = NULL;
+    if (!text || nqm_json_load(text, strlen(text), 0, json_ret, NULL, NULL) != NQM_ERR_NOMEM)
+        return NQM_OK;
+    return nqm_fail_nomem(err, strlen(text));
+}
 
 /* Bytes of jansson's blocks on 64-bit systems: what a value or a member costs is counted at the character that comes with it. */
 enum { OBJECT = 240, ARRAY = 144, MEMBER = 160, ELEMENT = 56, MAX_RATIO = 8 };

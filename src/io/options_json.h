@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * options_json.h - converts an options struct that has a table (base/options.h) to JSON, and JSON to text.
+ * options_json.h - converts an options struct that has a table (base/options.h) to JSON, JSON to text, and text to JSON.
  */
 #ifndef NQM_SRC_IO_OPTIONS_JSON_H
 #define NQM_SRC_IO_OPTIONS_JSON_H
@@ -14,5 +14,11 @@ json_t *nqm_options_json(const nqm_option_table *table, const void *options);
 /** Compact text of a value, whose reference is released, with n_digits (1..17) digits of its numbers; nqm_free(). NULL: out
  *  of memory, or json is NULL. */
 char *nqm_json_text(json_t *json, size_t n_digits);
+/** json_loadb(), which alone would take a failed allocation for a damaged text, or leave out a character. NQM_ERR_FORMAT: the caller
+ *  knows where the text is, and `why` (NULL allowed) says what is wrong; NQM_ERR_NOMEM. json_decref(); NULL on failure. */
+NQM_MUST_CHECK nqm_status nqm_json_load(const char *text, size_t n_bytes, size_t flags, json_t **json_ret,
+                                        json_error_t *why, nqm_error *err);
+/** The same for a text that may be missing: *json_ret is NULL for NULL and for what is no JSON. NQM_ERR_NOMEM. */
+NQM_MUST_CHECK nqm_status nqm_json_parse(const char *text, json_t **json_ret, nqm_error *err);
 
 #endif

@@ -7,8 +7,8 @@
  * stores a checksum of the file in the header.
  */
 #include "io/io.h"
+#include "io/options_json.h"
 
-#include <jansson.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -196,7 +196,10 @@ nqm_status nqm_safetensors_parse(const unsigned char *data, size_t n_bytes, cons
     nqm_status status = nqm_json_check((const char *)data + HEADER_AT, (size_t)n_header, n_bytes, name, HEADER_AT, err);
     if (status != NQM_OK)
         return status;
-    json_t *root = json_loadb((const char *)data + HEADER_AT, (size_t)n_header, JSON_REJECT_DUPLICATES, &why);
+    json_t *root;
+    status = nqm_json_load((const char *)data + HEADER_AT, (size_t)n_header, JSON_REJECT_DUPLICATES, &root, &why, err);
+    if (status == NQM_ERR_NOMEM)
+        return status;
     if (!json_is_object(root)) {
         const long long byte = HEADER_AT + (root ? 0 : why.position);
         status = nqm_fail(err, NQM_ERR_FORMAT, byte, "%s: not a safetensors file: header: %s (byte %lld)", name,

@@ -121,26 +121,29 @@ static void mark_best(size_t n_models, nqm_choice_agreement *results) {
     }
 }
 
-nqm_status nqm_human_judge_choices(const nqm_human *human, const nqm_evaluation *ev, const nqm_eval_options *options,
-                                   nqm_choice_agreement *results, nqm_error *err) {
-    tally w = {.human = human, .ev = ev};
+nqm_status nqm_human_judge_choices(const nqm_human *human, const nqm_evaluation *evaluation,
+                                   const nqm_eval_options *options, nqm_choice_agreement *results, nqm_error *err) {
+    NQM_REQUIRE(err, human, evaluation, results);
+    tally w = {.human = human, .ev = evaluation};
     nqm_status status = begin(&w, options, err);
-    for (size_t p = 0; status == NQM_OK && p < ev->n_predictors; ++p) {
+    for (size_t p = 0; status == NQM_OK && p < evaluation->n_predictors; ++p) {
         results[p] = (nqm_choice_agreement){
-            .name = ev->names[p], .agreement.value = share_of(&w, p, NULL), .majority = majority_share(&w, p)};
+            .name = evaluation->names[p], .agreement.value = share_of(&w, p, NULL), .majority = majority_share(&w, p)};
         nqm_interval95(w.n_resamples, w.share + p * w.n_resamples, results[p].agreement.ci95);
     }
     if (status == NQM_OK)
-        mark_best(ev->n_models, results);
+        mark_best(evaluation->n_models, results);
     nqm_free(w.choices);
     return status;
 }
 
-nqm_status nqm_human_contrast_choices(const nqm_human *human, const nqm_evaluation *ev, const nqm_eval_options *options,
-                                      size_t first, size_t second, nqm_difference *difference_ret, nqm_error *err) {
-    if (first >= ev->n_predictors || second >= ev->n_predictors)
-        return nqm_fail(err, NQM_ERR_ARG, -1, "contrast: there are %zu predictors", ev->n_predictors);
-    tally w = {.human = human, .ev = ev};
+nqm_status nqm_human_contrast_choices(const nqm_human *human, const nqm_evaluation *evaluation,
+                                      const nqm_eval_options *options, size_t first, size_t second,
+                                      nqm_difference *difference_ret, nqm_error *err) {
+    NQM_REQUIRE(err, human, evaluation, difference_ret);
+    if (first >= evaluation->n_predictors || second >= evaluation->n_predictors)
+        return nqm_fail(err, NQM_ERR_ARG, -1, "contrast: there are %zu predictors", evaluation->n_predictors);
+    tally w = {.human = human, .ev = evaluation};
     nqm_status status = begin(&w, options, err);
     if (status == NQM_OK)
         *difference_ret =

@@ -81,30 +81,31 @@ static void resample(const nqm_selection *s, size_t n, uint64_t seed, const doub
     nqm_interval95(n, means, c->by_material.ci95);
 }
 
-nqm_status nqm_evaluation_coverage(const nqm_evaluation *ev, const nqm_eval_options *options, size_t model,
+nqm_status nqm_evaluation_coverage(const nqm_evaluation *evaluation, const nqm_eval_options *options, size_t model,
                                    nqm_coverage *coverage_ret, nqm_error *err) {
+    NQM_REQUIRE(err, evaluation, coverage_ret);
     nqm_eval_options o = options ? *options : nqm_eval_options_default();
-    if (model >= ev->n_models || !ev->models[model]->interval)
+    if (model >= evaluation->n_models || !evaluation->models[model]->interval)
         return nqm_fail(err, NQM_ERR_ARG, -1, "predictor %zu is no model with intervals", model);
-    if (ev->dataset->order_only)
+    if (evaluation->dataset->order_only)
         return nqm_fail(err, NQM_ERR_INCOMPATIBLE, -1, "the labels are no JOD");
     nqm_selection s;
     double *inside = NULL, *weight, *shares, *means;
     uint8_t *used;
-    nqm_status status = nqm_selection_create(ev, &o, &s, err);
+    nqm_status status = nqm_selection_create(evaluation, &o, &s, err);
     if (status != NQM_OK)
         return status;
     const size_t n_resamples = nqm_bootstrap_count(s.n_groups, o.n_bootstrap);
     status = nqm_alloc_arrays(NQM_ARRAYS({&inside, s.n_groups, sizeof *inside}, {&weight, s.n_groups, sizeof *weight},
                                          {&shares, n_resamples, sizeof *shares}, {&means, n_resamples, sizeof *means},
-                                         {&used, ev->dataset->n_directions, sizeof *used}),
+                                         {&used, evaluation->dataset->n_directions, sizeof *used}),
                               err);
     if (status == NQM_OK) {
         *coverage_ret = (nqm_coverage){.n = s.n, .n_materials = s.n_groups};
         for (size_t g = 0; g < s.n_groups; ++g)
             for (size_t k = s.group_begin[g]; k < s.group_begin[g + 1]; ++k)
-                inside[g] += count(ev, model, s.pairs[k], used, coverage_ret);
-        finish(ev->dataset, &s, inside, coverage_ret);
+                inside[g] += count(evaluation, model, s.pairs[k], used, coverage_ret);
+        finish(evaluation->dataset, &s, inside, coverage_ret);
         resample(&s, n_resamples, o.seed, inside, weight, shares, means, coverage_ret);
     }
     nqm_free(inside);

@@ -173,7 +173,7 @@ static void fill_labels(size_t n, nqm_label *labels, double value) {
 }
 
 /* Nothing is predicted yet. */
-static void begin(nqm_evaluation *ev) {
+static nqm_status begin(nqm_evaluation *ev, nqm_error *err) {
     const nqm_dataset *d = ev->dataset;
     const double nan = (double)NAN;
     fill(ev->n_predictors * d->n_pairs, ev->values, nan);
@@ -183,18 +183,20 @@ static void begin(nqm_evaluation *ev) {
     fill_labels(ev->estimates ? d->n_pairs : 0, ev->estimates, nan);
     for (size_t i = 0; i < d->n_refs; ++i)
         ev->ref_class[i] = nqm_dataset_ref_class(d, i);
-    nqm_dataset_unseen_kinds(d, ev->unseen);
+    const nqm_status status = nqm_dataset_unseen_kinds(d, ev->unseen, err);
     for (size_t i = 0; i < d->n_kinds; ++i)
         ev->has_unseen = ev->has_unseen || ev->unseen[i];
     for (size_t i = 0; i < ev->n_predictors; ++i)
         ev->names[i] = i < ev->n_models                      ? ev->models[i]->id
                        : i < ev->n_models + NQM_METRIC_COUNT ? nqm_metric_name((nqm_metric)(i - ev->n_models))
                                                              : "estimate";
+    return status;
 }
 
 nqm_status nqm_evaluation_create(const nqm_dataset *dataset, size_t n_models, const nqm_model *const *models,
                                  const nqm_eval_options *options, nqm_evaluation **evaluation_ret, nqm_error *err) {
-    *evaluation_ret = NULL;
+    NQM_MAKE(err, evaluation_ret, dataset);
+    NQM_REQUIRE_IF(n_models, err, models);
     nqm_eval_options o = options ? *options : nqm_eval_options_default();
     const bool has_estimate = dataset->transport;
     const size_t n_predictors = n_models + NQM_METRIC_COUNT + has_estimate;
@@ -221,8 +223,9 @@ nqm_status nqm_evaluation_create(const nqm_dataset *dataset, size_t n_models, co
     if (!has_estimate)
         made.estimates = NULL;
     *ev = made;
-    begin(ev);
-    status = predict_all(ev, &o, err);
+    status = begin(ev, err);
+    if (status == NQM_OK)
+        status = predict_all(ev, &o, err);
     if (status == NQM_OK)
         *evaluation_ret = ev;
     else
@@ -235,19 +238,23 @@ void nqm_evaluation_free(nqm_evaluation *ev) {
 }
 
 size_t nqm_evaluation_count(const nqm_evaluation *ev) {
+    assert(ev);
     return ev->n_predictors;
 }
 
 const nqm_label *nqm_evaluation_labels(const nqm_evaluation *ev, size_t i) {
+    assert(ev);
     if (i < ev->n_models)
         return nqm_model_has_parts(ev->models[i]) ? ev->labels + i * ev->dataset->n_pairs : NULL;
     return i == ev->n_models + NQM_METRIC_COUNT ? ev->estimates : NULL;
 }
 
 const double *nqm_evaluation_values(const nqm_evaluation *ev, size_t i) {
+    assert(ev);
     return ev->values + i * ev->dataset->n_pairs;
 }
 
 const double *nqm_evaluation_scalars(const nqm_evaluation *ev, size_t pair) {
+    assert(ev);
     return ev->scalars + pair * NQM_SCALAR_COUNT;
 }

@@ -65,34 +65,38 @@ static void clear_errors(nqm_agreement *a) {
     a->mae = a->rmse = a->r2 = none;
 }
 
-nqm_status nqm_evaluation_judge(const nqm_evaluation *ev, const nqm_eval_options *options, nqm_agreement *results,
-                                nqm_error *err) {
+nqm_status nqm_evaluation_judge(const nqm_evaluation *evaluation, const nqm_eval_options *options,
+                                nqm_agreement *results, nqm_error *err) {
+    NQM_REQUIRE(err, evaluation, results);
     nqm_eval_options o = options ? *options : nqm_eval_options_default();
     chosen c = {0};
     nqm_judgement j;
-    nqm_status status = begin(ev, &o, &c, &j, err);
+    nqm_status status = begin(evaluation, &o, &c, &j, err);
     if (status == NQM_OK)
         status = nqm_judge(&j, o.n_bootstrap, o.seed, results, err);
-    for (size_t i = 0; status == NQM_OK && i < ev->n_predictors; ++i) {
-        results[i].name = ev->names[i];
-        if (is_metric(ev, i) || ev->dataset->order_only)
+    for (size_t i = 0; status == NQM_OK && i < evaluation->n_predictors; ++i) {
+        results[i].name = evaluation->names[i];
+        if (is_metric(evaluation, i) || evaluation->dataset->order_only)
             clear_errors(&results[i]);
     }
     if (status == NQM_OK)
-        nqm_mark_best(results + ev->n_models);
+        nqm_mark_best(results + evaluation->n_models);
     release(&c);
     return status;
 }
 
-nqm_status nqm_evaluation_contrast(const nqm_evaluation *ev, const nqm_eval_options *options, size_t n_contrasts,
-                                   nqm_contrast *contrasts, nqm_error *err) {
+nqm_status nqm_evaluation_contrast(const nqm_evaluation *evaluation, const nqm_eval_options *options,
+                                   size_t n_contrasts, nqm_contrast *contrasts, nqm_error *err) {
+    NQM_REQUIRE(err, evaluation);
+    NQM_REQUIRE_IF(n_contrasts, err, contrasts);
     nqm_eval_options o = options ? *options : nqm_eval_options_default();
     chosen c = {0};
     nqm_judgement j;
     for (size_t i = 0; i < n_contrasts; ++i)
-        if (contrasts[i].first >= ev->n_predictors || contrasts[i].second >= ev->n_predictors)
-            return nqm_fail(err, NQM_ERR_ARG, -1, "contrast %zu: there are %zu predictors", i, ev->n_predictors);
-    nqm_status status = begin(ev, &o, &c, &j, err);
+        if (contrasts[i].first >= evaluation->n_predictors || contrasts[i].second >= evaluation->n_predictors)
+            return nqm_fail(err, NQM_ERR_ARG, -1, "contrast %zu: there are %zu predictors", i,
+                            evaluation->n_predictors);
+    nqm_status status = begin(evaluation, &o, &c, &j, err);
     if (status == NQM_OK)
         status = nqm_judge_contrasts(&j, o.n_bootstrap, o.seed, n_contrasts, contrasts, err);
     release(&c);

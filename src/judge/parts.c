@@ -109,15 +109,17 @@ static nqm_status judge_part(const work *w, const nqm_eval_options *o, size_t pa
     return NQM_OK;
 }
 
-nqm_status nqm_evaluation_judge_parts(const nqm_evaluation *ev, const nqm_eval_options *options, size_t model,
+nqm_status nqm_evaluation_judge_parts(const nqm_evaluation *evaluation, const nqm_eval_options *options, size_t model,
                                       nqm_part_agreement *results, nqm_error *err) {
+    NQM_REQUIRE(err, evaluation, results);
     const nqm_eval_options o = options ? *options : nqm_eval_options_default();
-    work w = {.ev = ev, .model = model < ev->n_models ? nqm_evaluation_labels(ev, model) : NULL};
+    work w = {.ev = evaluation,
+              .model = model < evaluation->n_models ? nqm_evaluation_labels(evaluation, model) : NULL};
     if (!w.model)
         return nqm_fail(err, NQM_ERR_ARG, -1, "predictor %zu is no model with parts", model);
-    if (!ev->dataset->parts)
+    if (!evaluation->dataset->parts)
         return nqm_fail(err, NQM_ERR_INCOMPATIBLE, -1, "the labels of the dataset have no parts");
-    nqm_status status = nqm_selection_create(ev, &o, &w.pairs, err);
+    nqm_status status = nqm_selection_create(evaluation, &o, &w.pairs, err);
     if (status != NQM_OK)
         return status;
     status = nqm_alloc_arrays(NQM_ARRAYS({&w.label, w.pairs.n, sizeof *w.label},

@@ -193,6 +193,7 @@ static nqm_status check_output(const nqm_corpus_options *options, const char *pa
 
 nqm_status nqm_corpus_build(const char *materials_csv, const nqm_directions *directions,
                             const nqm_corpus_options *options_or_null, const char *path, nqm_error *err) {
+    NQM_REQUIRE(err, materials_csv, directions, path);
     nqm_corpus_options options = options_or_null ? *options_or_null : nqm_corpus_options_default();
     nqm_corpus c = {.n_directions = nqm_directions_count(directions)};
     c.context.options = &options;

@@ -3,11 +3,11 @@
  * Writes a finished corpus as a dataset file, and its manifest to a second file.
  */
 #include "data/data.h"
+#include "io/options_json.h"
 #include "label/corpus.h"
 #include "percept/percept.h"
 #include "sample/node_grid.h"
 
-#include <jansson.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -71,9 +71,10 @@ static nqm_status add_item(nqm_corpus *c, size_t i, size_t *test, nqm_dataset_bu
 
 /* The manifest with the checksum of the dataset, which the manifest inside the dataset cannot have. */
 static char *manifest_with_checksum(const char *manifest, const char *sha256) {
-    json_t *root = json_loads(manifest, 0, NULL);
+    json_t *root;
     char *text = NULL;
-    if (json_object_set_new(root, "dataset_sha256", json_string(sha256)) == 0)
+    if (nqm_json_parse(manifest, &root, NULL) == NQM_OK &&
+        json_object_set_new(root, "dataset_sha256", json_string(sha256)) == 0)
         text = json_dumps(root, JSON_INDENT(1) | JSON_REAL_PRECISION(17));
     json_decref(root);
     return text;

@@ -4,10 +4,10 @@
  * a hash of everything that determines its content (version, options, light, directions, sources, planned tests), so that
  * runs with different options never share a file.
  */
+#include "io/options_json.h"
 #include "label/corpus.h"
 #include "percept/percept.h"
 
-#include <jansson.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
@@ -228,8 +228,8 @@ static void forget(size_t n, char **strings) {
 /* The opposite of strings_to_json(). */
 static bool load_strings(const nqm_safetensors *st, const char *key, size_t n, char **strings) {
     const char *text = nqm_safetensors_meta(st, key);
-    json_t *array = text ? json_loads(text, 0, NULL) : NULL;
-    bool good = json_array_size(array) == n;
+    json_t *array;
+    bool good = nqm_json_parse(text, &array, NULL) == NQM_OK && json_array_size(array) == n;
     for (size_t i = 0; good && i < n; ++i) {
         const char *string = json_string_value(json_array_get(array, i));
         strings[i] = string ? nqm_strdup(string) : NULL;

@@ -21,6 +21,7 @@ static nqm_status add_light(const nqm_rays *rays, const double *values, const ch
 
 nqm_status nqm_rays_compare(const nqm_rays *rays, const double *ref, const double *test, nqm_label *label_ret,
                             double *gradient, nqm_error *err) {
+    NQM_REQUIRE(err, rays, ref, test, label_ret);
     static const nqm_label delta_e = {.delta_e = 1};
     const size_t n = rays->n_points;
     const nqm_transport points = {.n_points = n, .points = rays->points};

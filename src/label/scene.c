@@ -44,6 +44,7 @@ static nqm_label compare_one(const nqm_scene *scene, const double *ref_cdm2, con
 }
 
 nqm_label nqm_scene_compare(const nqm_scene *scene, const double *ref_cdm2, const double *test_cdm2) {
+    assert(scene && ref_cdm2 && test_cdm2);
     if (scene->n_parts == 0)
         return compare_one(scene, ref_cdm2, test_cdm2);
     nqm_label mean = {.delta_e = 0};
@@ -57,6 +58,7 @@ nqm_label nqm_scene_compare(const nqm_scene *scene, const double *ref_cdm2, cons
 }
 
 nqm_label nqm_scene_compare_halves(const nqm_scene *scene, const double *ref_cdm2, const double *test_cdm2) {
+    assert(scene && ref_cdm2 && test_cdm2);
     /* The bias falls as n^-1.3 with the number of directions (doc/labels.md): 1 / (2^1.3 - 1) of what half of them add. */
     static const double share = 0.68;
     const size_t n = 3 * scene->seen.n;
@@ -74,6 +76,7 @@ nqm_label nqm_scene_compare_halves(const nqm_scene *scene, const double *ref_cdm
 }
 
 void nqm_scene_delta_e_map(const nqm_scene *scene, const double *ref_cdm2, const double *test_cdm2, double *delta_e) {
+    assert(scene && ref_cdm2 && test_cdm2 && delta_e);
     for (size_t i = 0; i < scene->seen.n; ++i) {
         double ref[3], test[3];
         see(scene, ref_cdm2 + 3 * i, ref);

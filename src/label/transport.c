@@ -126,8 +126,8 @@ static void set_constants(nqm_model *m) {
 
 nqm_status nqm_transport_create(const nqm_scene_options *scene, size_t n_points, const char *id, nqm_model **model_ret,
                                 nqm_error *err) {
+    NQM_MAKE(err, model_ret, id);
     const nqm_scene_options options = scene ? *scene : nqm_scene_options_default();
-    *model_ret = NULL;
     const nqm_node_grid grid = nqm_node_grid_make();
     const size_t n = grid.n;
     if (n_points == 0 || n_points % NQM_TRANSPORT_STEP || n_points > NQM_TRANSPORT_MAX_POINTS)

@@ -241,6 +241,9 @@ static nqm_status match(const setting *s, const nqm_fit_entry *entry, const nqm_
 nqm_status nqm_match(const nqm_brdf *ref, const char *model, const nqm_match_loss *loss,
                      const nqm_fit_options *options_or_null, nqm_match_report *report_ret, nqm_brdf **brdf_ret,
                      nqm_error *err) {
+    if (brdf_ret)
+        *brdf_ret = NULL;
+    NQM_REQUIRE(err, ref, model, loss, report_ret);
     setting s = {.ref = ref, .model = model, .loss = loss};
     s.options = options_or_null ? *options_or_null : nqm_fit_options_default();
     nqm_match_report report = {.difference = NAN};
@@ -248,8 +251,6 @@ nqm_status nqm_match(const nqm_brdf *ref, const char *model, const nqm_match_los
     nqm_brdf *brdf = NULL;
     nqm_match_sum sum;
     const nqm_fit_entry *entry;
-    if (brdf_ret)
-        *brdf_ret = NULL;
     nqm_status status = nqm_match_parse(loss->text, &sum, err);
     if (status == NQM_OK)
         status = nqm_fit_entry_find(model, &entry, err);

@@ -6,9 +6,9 @@
  */
 #include "material/gltf.h"
 #include "io/io.h"
+#include "io/options_json.h"
 #include "material/json_where.h"
 
-#include <jansson.h>
 #include <limits.h>
 #include <stdarg.h>
 #include <strings.h>
@@ -399,8 +399,11 @@ static nqm_status parse(const reader *r, const char *text, size_t n, size_t at, 
     json_error_t why;
     const size_t in_file = r->source_at + at;
     nqm_status status = nqm_json_check(text, n, r->source.n, r->path, in_file, r->err);
-    *value_ret = status == NQM_OK ? json_loadb(text, n, JSON_REJECT_DUPLICATES | JSON_DECODE_ANY, &why) : NULL;
-    if (status != NQM_OK || *value_ret)
+    *value_ret = NULL;
+    if (status != NQM_OK)
+        return status;
+    status = nqm_json_load(text, n, JSON_REJECT_DUPLICATES | JSON_DECODE_ANY, value_ret, &why, r->err);
+    if (status != NQM_ERR_FORMAT)
         return status;
     const int64_t byte = (int64_t)in_file + why.position;
     return nqm_fail(r->err, NQM_ERR_FORMAT, byte, "%s: byte %lld: invalid JSON: %s", r->path, (long long)byte,

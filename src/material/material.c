@@ -19,10 +19,12 @@ static const nqm_material_format *const formats[] = {NQM_MATERIAL_FORMATS(POINTE
 /* ---- the list ---------------------------------------------------------------------------------------------------- */
 
 size_t nqm_materials_count(const nqm_materials *materials) {
+    assert(materials);
     return materials->n;
 }
 
 nqm_material_info nqm_materials_get(const nqm_materials *materials, size_t i) {
+    assert(materials);
     return materials->list[i];
 }
 
@@ -123,8 +125,8 @@ nqm_status nqm_materials_read(const nqm_map *map, nqm_materials **materials_ret,
 }
 
 nqm_status nqm_materials_open(const char *path, nqm_materials **materials_ret, nqm_error *err) {
+    NQM_MAKE(err, materials_ret, path);
     nqm_map map = {0};
-    *materials_ret = NULL;
     nqm_status status = nqm_map_open(path, &map, err);
     if (status == NQM_OK && map.n_bytes == 0)
         status = nqm_fail(err, NQM_ERR_FORMAT, 0, "%s: the file is empty (byte 0)", path);
@@ -182,19 +184,16 @@ nqm_status nqm_material_check(const char *model, const char *path, nqm_error *er
     return select_format(model, path, &format, err);
 }
 
-nqm_status nqm_material_write(const char *spec, const char *name, const char *path, nqm_error *err) {
-    nqm_shading shading;
+nqm_status nqm_shading_write(const nqm_shading *shading, const char *name, const char *path, nqm_error *err) {
     const nqm_material_format *format = NULL;
     nqm_outfile out = {0};
     char clean[64];
     clean_name(name, clean);
-    nqm_status status = nqm_shading_parse(spec, &shading, err);
-    if (status == NQM_OK)
-        status = select_format(shading.model, path, &format, err);
+    nqm_status status = select_format(shading->model, path, &format, err);
     if (status == NQM_OK)
         status = nqm_outfile_open(path, &out, err);
     if (status == NQM_OK)
-        status = format->write(&shading, clean, path, out.stream, err);
+        status = format->write(shading, clean, path, out.stream, err);
     if (status == NQM_OK)
         return nqm_outfile_commit(&out, err);
     nqm_outfile_abort(&out);

@@ -39,6 +39,9 @@ const nqm_property *nqm_shading_find(const nqm_shading *shading, const char *key
 char *nqm_shading_spec(const nqm_shading *shading);
 /** From a canonical spec. NQM_ERR_ARG: not of the form MODEL:key=value;... */
 NQM_MUST_CHECK nqm_status nqm_shading_parse(const char *spec, nqm_shading *shading, nqm_error *err);
+/** Write a material file with it; its keys and values are those of its model. See nqm_material_write(). */
+NQM_MUST_CHECK nqm_status nqm_shading_write(const nqm_shading *shading, const char *name, const char *path,
+                                            nqm_error *err);
 
 enum { NQM_MAX_MATERIALS = 1 << 14 };
 /** Append a material, at most NQM_MAX_MATERIALS; the texts are copied, "" and NULL in `name` become "materialN". One of spec and refusal is NULL. */

@@ -4,9 +4,8 @@
  * without an "id" has the name of its entry, and inside of a shape that of the shape.
  */
 #include "io/io.h"
+#include "io/options_json.h"
 #include "material/mitsuba.h"
-
-#include <jansson.h>
 
 enum { MAX_DEPTH = 64, MAX_BYTES = 64 << 20, TEXT_SIZE = 128 };
 
@@ -152,14 +151,13 @@ static nqm_status load(const nqm_map *map, json_t **root_ret, nqm_error *err) {
         nqm_json_check((const char *)map->data + skip, map->n_bytes - skip, map->n_bytes, map->path, skip, err);
     if (status != NQM_OK)
         return status;
-    *root_ret = json_loadb((const char *)map->data + skip, map->n_bytes - skip, JSON_REJECT_DUPLICATES, &error);
-    if (*root_ret)
-        return NQM_OK;
+    status = nqm_json_load((const char *)map->data + skip, map->n_bytes - skip, JSON_REJECT_DUPLICATES, root_ret,
+                           &error, err);
+    if (status != NQM_ERR_FORMAT)
+        return status;
     const int64_t byte = (int64_t)skip + (error.position > 0 ? error.position : 0);
-    return json_error_code(&error) == json_error_out_of_memory
-               ? nqm_fail_nomem(err, map->n_bytes)
-               : nqm_fail(err, NQM_ERR_FORMAT, byte, "%s: not valid JSON at byte %lld: %.100s", map->path,
-                          (long long)byte, error.text);
+    return nqm_fail(err, NQM_ERR_FORMAT, byte, "%s: not valid JSON at byte %lld: %.100s", map->path, (long long)byte,
+                    error.text);
 }
 
 static nqm_status read_json(const nqm_map *map, nqm_materials *materials, nqm_error *err) {

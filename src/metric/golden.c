@@ -5,7 +5,6 @@
 #include "io/options_json.h"
 #include "metric/metric.h"
 
-#include <jansson.h>
 #include <math.h>
 
 /* The specs state all parameters, because presets may change. */
@@ -78,12 +77,14 @@ static nqm_status check_probe(const nqm_model *model, const json_t *probe, nqm_e
 }
 
 nqm_status nqm_golden_check(const nqm_model *model, nqm_error *err) {
-    json_t *list = model->golden && *model->golden ? json_loads(model->golden, 0, NULL) : NULL;
+    json_t *list;
+    nqm_status status = nqm_json_parse(model->golden, &list, err);
+    if (status != NQM_OK)
+        return status;
     if (!list || !json_is_array(list) || json_array_size(list) == 0) {
         json_decref(list);
         return nqm_fail(err, NQM_ERR_MODEL, -1, "model '%s': has no golden scores", model->id);
     }
-    nqm_status status = NQM_OK;
     for (size_t i = 0; status == NQM_OK && i < json_array_size(list); ++i)
         status = check_probe(model, json_array_get(list, i), err);
     json_decref(list);

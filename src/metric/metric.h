@@ -68,7 +68,8 @@ void nqm_scalars_compute(const nqm_directions *directions, const nqm_transport *
  * The derivatives of a weighted sum of scalar features by the samples of the test, sum_i weights[i] d scalars[i] / d test.
  * Features from NQM_SCALAR_ESTIMATE are the caller's: their weights are ignored. All arithmetic is double. Where a
  * derivative does not exist:
- * - abs(x) and sqrt(x) at 0, norms at 0: 0, so that equal pairs have finite derivatives;
+ * - abs(x) and sqrt(x) at 0, norms at 0: 0, so that equal pairs have finite derivatives; towards it, slopes of roots fall linearly
+ *   (NQM_SMALL_ROOT, NQM_SMALL_MEAN);
  * - a maximum: that of the first direction that attains it;
  * - the cube root of c f (c = cos(theta_i) cos(theta_o)): as if c f were at least 1e-9 (NQM_CUBE_ROOT_FLOOR);
  * - test at 0: from the right.

@@ -120,6 +120,7 @@ static nqm_status choose(const nqm_model *model, nqm_precision *precision_ret, n
 }
 
 nqm_status nqm_model_quickest_precision(const nqm_model *model, nqm_precision *precision_ret, nqm_error *err) {
+    NQM_REQUIRE(err, model, precision_ret);
     _Atomic int *place = &((struct nqm_model *)(uintptr_t)model)->quickest;
     int found = atomic_load_explicit(place, memory_order_acquire);
     *precision_ret = NQM_PRECISION_F32;

@@ -96,6 +96,7 @@ void nqm_compare_samples(const nqm_comparison *c, double *metrics, double *scala
 
 void nqm_metrics_compute(const nqm_directions *directions, const float *ref, const float *test, const uint8_t *used,
                          double *metrics) {
+    assert(directions && ref && test && metrics);
     nqm_compare_samples(&(nqm_comparison){directions, ref, 1, &test, used, NULL}, metrics, NULL);
 }
 

@@ -20,7 +20,7 @@ static double log_size_slope(double x) {
 static double root_mean_slope(double sum, double n) {
     if (!(sum > 0 && n > 0))
         return 0;
-    const double root = sqrt(sum / n);
+    const double root = fmax(sqrt(sum / n), NQM_SMALL_MEAN);
     return log_size_slope(root) / (2 * n * root);
 }
 
@@ -132,9 +132,9 @@ typedef double scale_slopes[NQM_SCALES][3 * NQM_STRETCH];
  * direction that attains a maximum takes them. */
 static double by_log_luminance(const nqm_scalar_sums *s, double l, size_t zone, bool is_grazing, nqm_scalar_sums *by) {
     const double sign = (l > 0) - (l < 0);
+    const double large = fmax(fabs(l), NQM_SMALL_ROOT);
     double slope = by->l + 2 * l * (by->l2 + by->zone_l2[zone]) + 4 * l * l * l * by->l4;
-    if (l != 0)
-        slope += by->root_l * sign * 0.5 / sqrt(fabs(l));
+    slope += by->root_l * 0.5 * l / (large * sqrt(large));
     if (is_grazing)
         slope += by->grazing_l + 2 * l * by->grazing_l2;
     if (fabs(l) >= s->max_l) {

@@ -96,7 +96,7 @@ static nqm_status reserve(nqm_scorer *s, size_t n_pairs, bool with_samples, nqm_
 
 nqm_status nqm_scorer_create(const nqm_model *model, const nqm_score_options *options, nqm_scorer **scorer_ret,
                              nqm_error *err) {
-    *scorer_ret = NULL;
+    NQM_MAKE(err, scorer_ret, model);
     const nqm_score_options o = options ? *options : nqm_score_options_default();
     nqm_status status = nqm_options_check(&nqm_score_option_table, &o, err);
     if (status != NQM_OK)
@@ -287,29 +287,33 @@ static void score_block(nqm_scorer *s, size_t n, nqm_score_result *results) {
 
 /* ---- opened BRDFs ------------------------------------------------------------------------------------------------ */
 
-nqm_status nqm_scorer_run(nqm_scorer *s, const nqm_brdf *ref, size_t n_tests, const nqm_brdf *const *tests,
+nqm_status nqm_scorer_run(nqm_scorer *scorer, const nqm_brdf *ref, size_t n_tests, const nqm_brdf *const *tests,
                           nqm_score_result *results, nqm_error *err) {
+    NQM_REQUIRE(err, scorer, ref);
+    NQM_REQUIRE_IF(n_tests, err, tests, results);
     if (n_tests == 0)
         return NQM_OK;
-    nqm_status status = reserve(s, n_tests, true, err);
+    nqm_status status = reserve(scorer, n_tests, true, err);
     if (status != NQM_OK)
         return status;
-    const nqm_member member = nqm_member_sample(s->model, ref, s->options.invalid, s->rgb, s->flag, err);
+    const nqm_member member =
+        nqm_member_sample(scorer->model, ref, scorer->options.invalid, scorer->rgb, scorer->flag, err);
     if (member.status != NQM_OK)
         return member.status;
     for (size_t begin = 0, n; begin < n_tests; begin += n) {
         n = nqm_smaller(n_tests - begin, NQM_SCORE_BLOCK);
         for (size_t i = 0; i < n; ++i)
-            s->member[2 * i] = member;
-        s->brdfs = tests + begin;
-        score_block(s, n, results + begin);
+            scorer->member[2 * i] = member;
+        scorer->brdfs = tests + begin;
+        score_block(scorer, n, results + begin);
     }
-    s->brdfs = NULL;
+    scorer->brdfs = NULL;
     return NQM_OK;
 }
 
 nqm_status nqm_score(const nqm_model *model, const nqm_brdf *ref, size_t n_tests, const nqm_brdf *const *tests,
                      const nqm_score_options *options, nqm_score_result *results, nqm_error *err) {
+    NQM_REQUIRE(err, model, ref);
     nqm_scorer *scorer;
     nqm_status status = nqm_scorer_create(model, options, &scorer, err);
     if (status == NQM_OK)
@@ -356,20 +360,22 @@ static nqm_status look_up(nqm_scorer *s, size_t n, const nqm_named_pair *pairs, 
     return status;
 }
 
-nqm_status nqm_scorer_run_named(nqm_scorer *s, size_t n_pairs, const nqm_named_pair *pairs, nqm_score_result *results,
-                                nqm_error *errors, nqm_error *err) {
+nqm_status nqm_scorer_run_named(nqm_scorer *scorer, size_t n_pairs, const nqm_named_pair *pairs,
+                                nqm_score_result *results, nqm_error *errors, nqm_error *err) {
+    NQM_REQUIRE(err, scorer);
+    NQM_REQUIRE_IF(n_pairs, err, pairs, results);
     nqm_cached *entry[2 * NQM_SCORE_BLOCK];
-    nqm_status status = n_pairs ? reserve(s, n_pairs, false, err) : NQM_OK;
-    if (status == NQM_OK && !s->cache)
-        status = nqm_sample_cache_create(s->model, s->options.invalid, &s->cache, err);
+    nqm_status status = n_pairs ? reserve(scorer, n_pairs, false, err) : NQM_OK;
+    if (status == NQM_OK && !scorer->cache)
+        status = nqm_sample_cache_create(scorer->model, scorer->options.invalid, &scorer->cache, err);
     for (size_t begin = 0, n; status == NQM_OK && begin < n_pairs; begin += n) {
         n = nqm_smaller(n_pairs - begin, NQM_SCORE_BLOCK);
-        status = look_up(s, n, pairs + begin, entry, err);
+        status = look_up(scorer, n, pairs + begin, entry, err);
         if (status == NQM_OK)
-            score_block(s, n, results + begin);
+            score_block(scorer, n, results + begin);
         for (size_t i = 0; status == NQM_OK && errors && i < n; ++i)
-            errors[begin + i] = explain(s, entry + 2 * i, pairs[begin + i].test, &results[begin + i]);
-        nqm_sample_cache_trim(s->cache, s->options.cache_bytes);
+            errors[begin + i] = explain(scorer, entry + 2 * i, pairs[begin + i].test, &results[begin + i]);
+        nqm_sample_cache_trim(scorer->cache, scorer->options.cache_bytes);
     }
     return status;
 }
@@ -408,19 +414,21 @@ static nqm_status check_pairs(const nqm_model *model, size_t n, const nqm_sample
     return status;
 }
 
-nqm_status nqm_scorer_run_samples(nqm_scorer *s, size_t n_pairs, const nqm_sample_pair *pairs,
+nqm_status nqm_scorer_run_samples(nqm_scorer *scorer, size_t n_pairs, const nqm_sample_pair *pairs,
                                   nqm_score_result *results, nqm_error *err) {
-    nqm_status status = n_pairs ? reserve(s, n_pairs, false, err) : NQM_OK;
+    NQM_REQUIRE(err, scorer);
+    NQM_REQUIRE_IF(n_pairs, err, pairs, results);
+    nqm_status status = n_pairs ? reserve(scorer, n_pairs, false, err) : NQM_OK;
     if (status == NQM_OK)
-        status = check_pairs(s->model, n_pairs, pairs, err);
+        status = check_pairs(scorer->model, n_pairs, pairs, err);
     for (size_t begin = 0, n; status == NQM_OK && begin < n_pairs; begin += n) {
         n = nqm_smaller(n_pairs - begin, NQM_SCORE_BLOCK);
         for (size_t i = 0; i < n; ++i) {
             const nqm_sample_pair *p = &pairs[begin + i];
-            s->member[2 * i] = (nqm_member){.rgb = p->ref, .n_unusual = not_counted};
-            s->member[2 * i + 1] = (nqm_member){.rgb = p->test, .mask = p->used, .n_unusual = not_counted};
+            scorer->member[2 * i] = (nqm_member){.rgb = p->ref, .n_unusual = not_counted};
+            scorer->member[2 * i + 1] = (nqm_member){.rgb = p->test, .mask = p->used, .n_unusual = not_counted};
         }
-        score_block(s, n, results + begin);
+        score_block(scorer, n, results + begin);
     }
     return status;
 }
@@ -452,19 +460,21 @@ static nqm_status reserve_gradients(nqm_scorer *s, size_t n_pairs, nqm_error *er
     return status;
 }
 
-nqm_status nqm_score_grad(nqm_scorer *s, nqm_score_quantity of, size_t n_pairs, const nqm_sample_pair *pairs,
+nqm_status nqm_score_grad(nqm_scorer *scorer, nqm_score_quantity of, size_t n_pairs, const nqm_sample_pair *pairs,
                           double *values, float *gradients, nqm_error *err) {
-    if (of == NQM_SCORE_DELTA_E && s->model->target != NQM_TARGET_LOG_DELTA_E)
-        return nqm_fail(err, NQM_ERR_ARG, -1, "model '%s' predicts no Delta-E", s->model->id);
-    nqm_status status = reserve_gradients(s, n_pairs, err);
+    NQM_REQUIRE(err, scorer);
+    NQM_REQUIRE_IF(n_pairs, err, pairs, values, gradients);
+    if (of == NQM_SCORE_DELTA_E && scorer->model->target != NQM_TARGET_LOG_DELTA_E)
+        return nqm_fail(err, NQM_ERR_ARG, -1, "model '%s' predicts no Delta-E", scorer->model->id);
+    nqm_status status = reserve_gradients(scorer, n_pairs, err);
     if (status == NQM_OK)
-        status = check_pairs(s->model, n_pairs, pairs, err);
+        status = check_pairs(scorer->model, n_pairs, pairs, err);
     if (status == NQM_OK)
-        status = check_used(s, n_pairs, pairs, err);
+        status = check_used(scorer, n_pairs, pairs, err);
     for (size_t begin = 0, n; status == NQM_OK && begin < n_pairs; begin += n) {
         n = nqm_smaller(n_pairs - begin, NQM_SCORE_BLOCK);
-        nqm_gradients_run(s->gradients, of, n, pairs + begin, values + begin,
-                          gradients + 3 * s->model->directions->n * begin);
+        nqm_gradients_run(scorer->gradients, of, n, pairs + begin, values + begin,
+                          gradients + 3 * scorer->model->directions->n * begin);
     }
     return status;
 }

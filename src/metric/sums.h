@@ -11,6 +11,11 @@
 #define NQM_SIZE_OFFSET       1e-3 /**< a feature that is a size x >= 0 is log(x + NQM_SIZE_OFFSET), finite at 0 */
 #define NQM_LOG_METRIC_OFFSET 1e-4 /**< the same for metrics */
 
+/** Below these, the slopes of the root of a log difference and of the root of a mean fall to 0 linearly. Otherwise samples that
+ *  differ by rounding only would have most of the gradient, and any step along it would jump over their zeros. */
+#define NQM_SMALL_ROOT 3e-3
+#define NQM_SMALL_MEAN 5e-3
+
 /** Zones of theta_h and theta_d. A cell is one zone of each; cells of a zone of theta_h are consecutive. */
 enum {
     NQM_ZONES_H = NQM_SCALAR_ZONES,

@@ -12,7 +12,7 @@
 #include <string.h>
 
 nqm_status nqm_model_load(const char *path, nqm_model **model_ret, nqm_error *err) {
-    *model_ret = NULL;
+    NQM_MAKE(err, model_ret, path);
     nqm_map map = {0};
     nqm_status status = nqm_map_open(path, &map, err);
     if (status == NQM_OK)
@@ -27,7 +27,8 @@ nqm_status nqm_model_load(const char *path, nqm_model **model_ret, nqm_error *er
 
 nqm_status nqm_model_from_memory(const void *data, size_t n_bytes, const char *name, nqm_model **model_ret,
                                  nqm_error *err) {
-    *model_ret = NULL;
+    NQM_MAKE(err, model_ret, name);
+    NQM_REQUIRE_IF(n_bytes, err, data);
     unsigned char *copy = nqm_alloc(n_bytes, 1);
     if (!copy)
         return nqm_fail_nomem(err, n_bytes);
@@ -42,7 +43,7 @@ nqm_status nqm_model_from_memory(const void *data, size_t n_bytes, const char *n
 }
 
 nqm_status nqm_model_builtin(const char *name, nqm_model **model_ret, nqm_error *err) {
-    *model_ret = NULL;
+    NQM_MAKE(err, model_ret, name);
     for (const nqm_embedded_file *m = nqm_embedded_models; m->name; ++m)
         if (strcmp(m->name, name) == 0)
             return nqm_model_parse(m->begin, (size_t)(m->end - m->begin), m->name, false, model_ret, err);
@@ -87,6 +88,7 @@ void nqm_model_free(struct nqm_model *model) {
 }
 
 nqm_model_info nqm_model_get_info(const nqm_model *model) {
+    assert(model);
     const nqm_net_shape *shape = &model->params.shape;
     nqm_model_info info = {.id = model->id,
                            .recipe = model->recipe,

@@ -109,6 +109,7 @@ static const char *text_of(const nqm_model *model, const nqm_model_text *t) {
 }
 
 nqm_status nqm_model_save(const nqm_model *model, const char *path, nqm_error *err) {
+    NQM_REQUIRE(err, model, path);
     contents *c;
     uint16_t *half;
     nqm_status status = nqm_alloc_arrays(

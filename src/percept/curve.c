@@ -23,6 +23,7 @@ static double logit(const nqm_curve *curve, double delta_e) {
 }
 
 double nqm_curve_jod(const nqm_curve *curve, double delta_e) {
+    assert(curve);
     if (delta_e <= 0) /* the limit for b3 < 0, without computing 0 to a negative power */
         return 10;
     return 10 / (1 + exp(-logit(curve, delta_e))); /* equals 10 (1 - 1 / (1 + exp(z))), without cancellation */
@@ -130,6 +131,7 @@ static nqm_status solve_from_sample(const scores *s, double *best, double *rmse,
 
 nqm_status nqm_regress(size_t n, const double *delta_e, const double *jod, nqm_regress_report *report_ret,
                        nqm_error *err) {
+    NQM_REQUIRE(err, delta_e, jod, report_ret);
     const scores s = {.n = n, .delta_e = delta_e, .jod = jod};
     nqm_status status = check_scores(&s, err);
     if (status != NQM_OK)

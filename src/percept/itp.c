@@ -92,6 +92,7 @@ void nqm_itp_from_pq_lms(const double *pq_lms, double *itp) {
 }
 
 void nqm_itp_from_rgb(const double *rgb_cdm2, double *itp) {
+    assert(rgb_cdm2 && itp);
     double lms[3];
     nqm_lms_from_rgb(rgb_cdm2, lms);
     for (int k = 0; k < 3; ++k)
@@ -122,6 +123,7 @@ void nqm_rgb_gradient(const double *rgb_cdm2, const double *by_itp, double *by_r
 }
 
 double nqm_delta_e_itp(const double *rgb_a_cdm2, const double *rgb_b_cdm2) {
+    assert(rgb_a_cdm2 && rgb_b_cdm2);
     double a[3], b[3];
     nqm_itp_from_rgb(rgb_a_cdm2, a);
     nqm_itp_from_rgb(rgb_b_cdm2, b);

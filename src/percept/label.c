@@ -79,12 +79,14 @@ void nqm_label_add(nqm_label *mean, double share, const nqm_label *label) {
 /* ---- what it says ------------------------------------------------------------------------------------------------ */
 
 double nqm_label_similarity(const nqm_label *label) {
+    assert(label);
     static const double noticed = 0.15; /* of the shift, by people who have adapted to it */
     const double left = hypot(label->structure, noticed * sqrt(nqm_dot3(label->shift, label->shift)));
     return isnan(left) ? left : nqm_curve_jod(&nqm_curve_published, left);
 }
 
 double nqm_label_jod_error(const nqm_label *label) {
+    assert(label);
     return 0.5 * (nqm_curve_jod(&nqm_curve_published, label->delta_e - label->error) -
                   nqm_curve_jod(&nqm_curve_published, label->delta_e + label->error));
 }
@@ -97,6 +99,7 @@ typedef struct part {
 } part;
 
 const char *nqm_label_describe(const nqm_label *label, char text[NQM_LABEL_TEXT]) {
+    assert(label && text);
     const part parts[] = {
         {label->shift[0], "brighter", "darker", 1, 3, 10},
         {label->shift[1], "bluer", "yellower", 1, 3, 10},

@@ -121,10 +121,12 @@ static nqm_status render_all(const nqm_scene *scene, const nqm_brdf *brdf, doubl
 }
 
 nqm_status nqm_scene_render(const nqm_scene *scene, const nqm_brdf *brdf, double *rgb_cdm2, nqm_error *err) {
+    NQM_REQUIRE(err, scene, brdf, rgb_cdm2);
     return render_all(scene, brdf, rgb_cdm2, 0, err);
 }
 
 nqm_status nqm_scene_render_halves(const nqm_scene *scene, const nqm_brdf *brdf, double *rgb_cdm2, nqm_error *err) {
+    NQM_REQUIRE(err, scene, brdf, rgb_cdm2);
     return render_all(scene, brdf, rgb_cdm2, 3 * scene->seen.n, err);
 }
 

@@ -115,6 +115,7 @@ static size_t n_points_of(const nqm_scene *scene, size_t n) {
 }
 
 nqm_status nqm_rays_draw(const nqm_scene *scene, size_t n, uint64_t seed, nqm_rays *rays_ret, nqm_error *err) {
+    NQM_REQUIRE(err, scene, rays_ret);
     drawing d = {.n_parts = scene->n_parts ? scene->n_parts : 1, .n_points = n_points_of(scene, n)};
     const size_t n_points = d.n_parts * d.n_points, n_lights = n / n_points;
     nqm_rays rays = {.n = 0};

@@ -266,8 +266,9 @@ static nqm_status fill_parts(nqm_scene *scene, const nqm_scene_options *o, nqm_e
 /* ---- entry -------------------------------------------------------------------------------------------------------- */
 
 nqm_status nqm_scene_create(const nqm_scene_options *options, nqm_scene **scene_ret, nqm_error *err) {
-    nqm_scene_options o = options ? *options : nqm_scene_options_default();
+    NQM_REQUIRE(err, scene_ret);
     *scene_ret = NULL;
+    nqm_scene_options o = options ? *options : nqm_scene_options_default();
     nqm_status status = check_options(&o, err);
     if (status != NQM_OK)
         return status;
@@ -298,13 +299,16 @@ void nqm_scene_free(nqm_scene *scene) {
 }
 
 size_t nqm_scene_count(const nqm_scene *scene) {
+    assert(scene);
     return scene->seen.n;
 }
 
 const size_t *nqm_scene_pixels(const nqm_scene *scene) {
+    assert(scene);
     return scene->seen.pixel;
 }
 
 const double *nqm_scene_weights(const nqm_scene *scene) {
+    assert(scene);
     return scene->seen.weight;
 }

@@ -44,7 +44,7 @@ static size_t find_twin(const double *degrees, size_t i) {
 
 nqm_status nqm_directions_from_degrees(size_t n, const double *hd_deg, nqm_directions **directions_ret,
                                        nqm_error *err) {
-    *directions_ret = NULL;
+    NQM_MAKE(err, directions_ret, hd_deg);
     if (n < 1 || n > MAX_DIRECTIONS)
         return nqm_fail(err, NQM_ERR_ARG, -1, "%zu directions: 1 to %d are possible", n, MAX_DIRECTIONS);
     for (size_t i = 0; i < n; ++i)
@@ -80,18 +80,22 @@ void nqm_directions_free(nqm_directions *directions) {
 }
 
 size_t nqm_directions_count(const nqm_directions *directions) {
+    assert(directions);
     return directions->n;
 }
 
 const double *nqm_directions_degrees(const nqm_directions *directions) {
+    assert(directions);
     return directions->degrees;
 }
 
 const double *nqm_directions_wi(const nqm_directions *directions) {
+    assert(directions);
     return directions->wi;
 }
 
 const double *nqm_directions_wo(const nqm_directions *directions) {
+    assert(directions);
     return directions->wo;
 }
 
@@ -99,6 +103,7 @@ static pthread_mutex_t naming = PTHREAD_MUTEX_INITIALIZER; /* locked while the i
 
 /* Computed at the first call, because scores do not need it and initialising OpenSSL takes a millisecond. */
 const char *nqm_directions_id(const nqm_directions *directions) {
+    assert(directions);
     pthread_mutex_lock(&naming);
     if (!directions->id[0])
         compute_id((nqm_directions *)(uintptr_t)directions);
@@ -125,7 +130,7 @@ static nqm_status read_degrees(const nqm_csv *csv, const char *path, double *deg
 }
 
 nqm_status nqm_directions_load_csv(const char *path, nqm_directions **directions_ret, nqm_error *err) {
-    *directions_ret = NULL;
+    NQM_MAKE(err, directions_ret, path);
     nqm_csv *csv;
     nqm_status status = nqm_csv_load(path, &csv, err);
     if (status != NQM_OK)
@@ -147,6 +152,7 @@ nqm_status nqm_directions_load_csv(const char *path, nqm_directions **directions
 }
 
 nqm_status nqm_directions_save_csv(const nqm_directions *directions, const char *path, nqm_error *err) {
+    NQM_REQUIRE(err, directions, path);
     nqm_outfile out;
     nqm_status status = nqm_outfile_open(path, &out, err);
     if (status != NQM_OK)

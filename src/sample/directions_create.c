@@ -154,7 +154,9 @@ static void draw(uint64_t seed, size_t n, size_t m, candidate *candidates) {
 
 nqm_status nqm_directions_create(const nqm_directions_options *options, size_t n_refs, const nqm_brdf *const *refs,
                                  nqm_directions **directions_ret, nqm_error *err) {
+    NQM_REQUIRE(err, directions_ret);
     *directions_ret = NULL;
+    NQM_REQUIRE_IF(n_refs, err, refs);
     nqm_directions_options defaults = nqm_directions_options_default();
     const nqm_directions_options *o = options ? options : &defaults;
     nqm_status status = nqm_options_check(&nqm_directions_option_table, o, err);

@@ -6,6 +6,7 @@
 #include "sample/sample.h"
 
 nqm_status nqm_samples_save_mat(const nqm_directions *directions, const float *rgb, const char *path, nqm_error *err) {
+    NQM_REQUIRE(err, directions, rgb, path);
     size_t n = nqm_directions_count(directions);
     double *planes = nqm_alloc(n, 3 * sizeof *planes);
     if (!planes)

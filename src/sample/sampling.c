@@ -101,6 +101,7 @@ static size_t sample_some(const nqm_brdf *brdf, const nqm_directions *directions
 
 nqm_status nqm_sample(const nqm_brdf *brdf, const nqm_directions *directions, nqm_invalid_policy policy, float *rgb,
                       uint8_t *flag, nqm_sample_report *report, nqm_error *err) {
+    NQM_REQUIRE(err, brdf, directions, rgb);
     size_t n = directions->n;
     uint8_t *own = flag ? NULL : nqm_alloc(n, sizeof *own), *flags = flag ? flag : own;
     if (!flags)

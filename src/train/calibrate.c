@@ -100,11 +100,12 @@ nqm_status nqm_model_set_interval(struct nqm_model *model, const nqm_dataset *da
 
 /* ---- calibration of a model -------------------------------------------------------------------------------------- */
 
-static bool was_split_by_pair(const nqm_model *model) {
-    json_t *training = model->training ? json_loads(model->training, 0, NULL) : NULL;
-    bool by_pair = json_is_true(json_object_get(json_object_get(training, "options"), "split_by_pair"));
+static nqm_status was_split_by_pair(const nqm_model *model, bool *by_pair, nqm_error *err) {
+    json_t *training;
+    const nqm_status status = nqm_json_parse(model->training, &training, err);
+    *by_pair = json_is_true(json_object_get(json_object_get(training, "options"), "split_by_pair"));
     json_decref(training);
-    return by_pair;
+    return status;
 }
 
 static bool was_trained_on(const nqm_model *model, const nqm_dataset *dataset) {
@@ -118,12 +119,14 @@ static nqm_status check_new(const nqm_model *model, const nqm_dataset *dataset, 
                         "model '%s' was not trained on this dataset, so that its validation materials may have been "
                         "trained on",
                         model->id);
-    if (was_split_by_pair(model))
+    bool by_pair;
+    const nqm_status status = was_split_by_pair(model, &by_pair, err);
+    if (by_pair)
         return nqm_fail(err, NQM_ERR_INCOMPATIBLE, -1,
                         "model '%s' was trained on the validation materials: its validation pairs were drawn over all "
                         "pairs",
                         model->id);
-    return NQM_OK;
+    return status;
 }
 
 /* Predictions and labels of the validation pairs. */
@@ -169,7 +172,7 @@ static nqm_status replace_card(nqm_model *model, char *card, nqm_error *err) {
 
 nqm_status nqm_model_calibrate(const nqm_model *model, const nqm_dataset *dataset, int materials_are_new,
                                nqm_model **model_ret, nqm_calibration *calibration, nqm_error *err) {
-    *model_ret = NULL;
+    NQM_MAKE(err, model_ret, model, dataset, calibration);
     nqm_model *copy = NULL;
     char *golden = NULL;
     nqm_status status = materials_are_new ? NQM_OK : check_new(model, dataset, err);
@@ -195,10 +198,10 @@ nqm_status nqm_model_calibrate(const nqm_model *model, const nqm_dataset *datase
 /* ---- notes ------------------------------------------------------------------------------------------------------- */
 
 nqm_status nqm_model_annotate(const nqm_model *model, const char *markdown, nqm_model **model_ret, nqm_error *err) {
+    NQM_MAKE(err, model_ret, model, markdown);
     const char *before = model->card ? model->card : "";
     const size_t n = strlen(before) + strlen(markdown) + 2;
     nqm_model *copy;
-    *model_ret = NULL;
     nqm_status status = nqm_model_copy(model, &copy, err);
     if (status != NQM_OK)
         return status;

@@ -96,8 +96,10 @@ static nqm_status check_origin(const nqm_safetensors *st, const nqm_train_option
             err, NQM_ERR_INCOMPATIBLE, -1,
             "%s: this checkpoint is of another dataset (%.16s..., not %.16s...); start anew or give the same dataset",
             o->run.checkpoint, dataset ? dataset : "none", dataset_sha256);
-    json_t *theirs = options ? json_loads(options, 0, NULL) : NULL, *ours = nqm_train_options_json(o);
-    nqm_status status = ours ? compare_options(theirs, ours, o->run.checkpoint, err) : nqm_fail_nomem(err, 0);
+    json_t *theirs, *ours = nqm_train_options_json(o);
+    nqm_status status = nqm_json_parse(options, &theirs, err);
+    if (status == NQM_OK)
+        status = ours ? compare_options(theirs, ours, o->run.checkpoint, err) : nqm_fail_nomem(err, 0);
     json_decref(theirs);
     json_decref(ours);
     return status;

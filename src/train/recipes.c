@@ -94,6 +94,7 @@ static const nqm_option rows[] = {
 const nqm_option_table nqm_train_option_table = {rows, sizeof rows / sizeof rows[0], recipe_names};
 
 nqm_status nqm_train_options_recipe(const char *recipe, nqm_train_options *options_ret, nqm_error *err) {
+    NQM_REQUIRE(err, recipe, options_ret);
     nqm_train_options o = {0};
     nqm_status status = nqm_options_begin(&nqm_train_option_table, recipe, &o, err);
     if (status == NQM_OK)

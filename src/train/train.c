@@ -320,7 +320,7 @@ static nqm_status finish(run *r, nqm_train_report *report, nqm_model **model_ret
 
 nqm_status nqm_train(const nqm_dataset *dataset, const nqm_train_options *options, nqm_model **model_ret,
                      nqm_train_report *report_ret, nqm_error *err) {
-    *model_ret = NULL;
+    NQM_MAKE(err, model_ret, dataset, options);
     double begin_s = nqm_clock_s();
     nqm_status status = nqm_train_options_check(options, err);
     if (status != NQM_OK)

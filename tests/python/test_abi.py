@@ -25,6 +25,30 @@ def c_text():
     return re.sub(r"/\*.*?\*/|//[^\n]*", " ", text, flags=re.S)
 
 
+def functions():
+    """Yield (name, result, arguments) of the public functions."""
+    text = re.sub(r"\s+", " ", c_text())
+    for found in re.finditer(r"NQM_API (?:NQM_MUST_CHECK )?([\w *]*?)\b(\w+)\(", text):
+        depth, end = 1, found.end()
+        while depth:
+            depth += {"(": 1, ")": -1}.get(text[end], 0)
+            end += 1
+        yield found.group(2), found.group(1).strip(), re.sub(r"\([^()]*\)", "", text[found.end():end - 1]).strip()
+
+
+# Calls functions with NULL and 0 for every argument but the last, the error.
+CALL_WITH_NULL = """
+import ctypes, sys
+from nqm import _abi
+for line in sys.argv[1:]:
+    name, n = line.split(":")
+    print(name, end=" ", flush=True)
+    error = _abi.CError()
+    arguments = [ctypes.c_void_p(0)] * (int(n) - 1)
+    print(_abi.lib[name](*arguments, ctypes.byref(error)), _abi.lib[name](*arguments, None), error.message.decode(), flush=True)
+"""
+
+
 def expected():
     """Lines that the C program must print, with the expressions that print them."""
     rows = []
@@ -69,18 +93,32 @@ class Abi(unittest.TestCase):
             self.assertEqual(names, [f[0] for f in struct._fields_], struct._c_name_)
 
     def test_functions(self):
-        text = re.sub(r"\s+", " ", c_text())
+        declared = {name: (result, arguments) for name, result, arguments in functions()}
         for name, (result, arguments) in _abi.FUNCTIONS.items():
-            found = re.search(r"NQM_API (?:NQM_MUST_CHECK )?([\w *]*?)\b%s\(" % name, text)
-            self.assertTrue(found, name)
-            depth, end = 1, found.end()
-            while depth:
-                depth += {"(": 1, ")": -1}.get(text[end], 0)
-                end += 1
-            given = re.sub(r"\([^()]*\)", "", text[found.end():end - 1]).strip()
-            count = 0 if given == "void" else given.count(",") + 1
-            self.assertEqual(count, len(arguments), name)
-            self.assertEqual(result is None, found.group(1).strip() == "void", name)
+            self.assertIn(name, declared)
+            given = declared[name][1]
+            self.assertEqual(0 if given == "void" else given.count(",") + 1, len(arguments), name)
+            self.assertEqual(result is None, declared[name][0] == "void", name)
+
+    def test_null(self):
+        """Functions that return a status name an argument that is NULL; the others assert that it is not."""
+        none_required = {"nqm_kernels_select", "nqm_selftest"}
+        statuses = {name: arguments for name, result, arguments in functions() if result == "nqm_status"}
+        self.assertGreater(len(statuses), 45)
+        calls = ["%s:%d" % (name, arguments.count(",") + 1) for name, arguments in statuses.items() if name not in none_required]
+        run = subprocess.run([sys.executable, "-c", CALL_WITH_NULL, *calls], stdout=subprocess.PIPE, text=True)
+        for line, (name, *_) in zip(run.stdout.splitlines(), (call.split(":") for call in calls)):
+            found = re.fullmatch(name + r" -1 -1 %s: the argument (\w+) is NULL" % name, line)
+            self.assertTrue(found, line)
+            self.assertRegex(statuses[name], r"\b%s\b" % found.group(1), line)
+        self.assertEqual(run.returncode, 0, "crashed at: " + run.stdout.splitlines()[-1])
+        source = ""
+        for path in glob.glob(SOURCE + "/src/*/*.c"):
+            with open(path, encoding="utf-8") as file:
+                source += file.read()
+        for name, result, arguments in functions():
+            if "*" in arguments and result != "nqm_status" and not name.endswith(("_free", "_clear")):
+                self.assertRegex(source, r"\b%s\([^;{]*\) \{\n    assert\(" % name)
 
     def test_version(self):
         text = c_text()

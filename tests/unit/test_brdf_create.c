@@ -170,8 +170,9 @@ static void user_is_freed_once(void **state) {
     nqm_brdf_free(create(&good));
     assert_int_equal(n_freed, 1);
     assert_int_equal(nqm_brdf_create(NULL, &brdf, &err), NQM_ERR_ARG);
+    assert_string_equal(err.message, "nqm_brdf_create: the argument callbacks is NULL");
+    assert_int_equal(nqm_brdf_create(&(nqm_brdf_callbacks){.free = count_free}, &brdf, &err), NQM_ERR_ARG);
     assert_non_null(strstr(err.message, "eval"));
-    assert_int_equal(nqm_brdf_create(&(nqm_brdf_callbacks){.free = count_free}, &brdf, NULL), NQM_ERR_ARG);
     assert_null(brdf);
 }
 
@@ -225,7 +226,11 @@ static void bad_tables(void **state) {
     (void)state;
     float rgb[3 * N];
     fill(rgb);
-    refuse_table(H, D, P, NULL, NQM_ERR_ARG, "NULL");
+    nqm_brdf *brdf = (nqm_brdf *)rgb;
+    nqm_error err = {0};
+    assert_int_equal(nqm_brdf_create_table(H, D, P, NULL, "mine", &brdf, &err), NQM_ERR_ARG);
+    assert_string_equal(err.message, "nqm_brdf_create_table: the argument rgb is NULL");
+    assert_null(brdf);
     refuse_table(0, D, P, rgb, NQM_ERR_LIMIT, "nodes");
     refuse_table(H, 1, P, rgb, NQM_ERR_LIMIT, "nodes");
     refuse_table(H, D, 0, rgb, NQM_ERR_LIMIT, "nodes");
@@ -236,7 +241,6 @@ static void bad_tables(void **state) {
     refuse_table(H, D, P, rgb, NQM_ERR_ARG, "channel 2 of node 5");
     fill(rgb);
     for (int n = 0;; ++n) {
-        nqm_brdf *brdf;
         nqm_alloc_fail_after(n);
         nqm_status status = nqm_brdf_create_table(H, D, P, rgb, "mine", &brdf, NULL);
         nqm_alloc_fail_after(-1);

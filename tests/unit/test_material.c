@@ -2,6 +2,7 @@
  *
  * Shadings and their specs, and the errors of material files of any format.
  */
+#include "brdf/brdf.h"
 #include "material/material.h"
 #include "support/check.h"
 

@@ -10,6 +10,7 @@
 
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 static nqm_status read_bytes(const void *data, size_t n, const char *path, nqm_materials **materials, nqm_error *err) {
     unsigned char *copy = malloc(n ? n : 1); /* exactly as long, for sanitizers */
@@ -340,6 +341,24 @@ static void files_have_the_extensions_that_they_need(void **state) {
     remove(path);
 }
 
+/* What nqm_brdf_open() refuses as a spec is not written. */
+static void specs_are_checked(void **state) {
+    (void)state;
+    static const char *const bad[][2] = {{"gltf:roughness=-5", "from 0 to 1"},
+                                         {"gltf:roughness=.1,.2,.3", "one number"},
+                                         {"gltf:roughness=.1;rough=.2", "'rough'"},
+                                         {"gltf:roughness=.1;roughness=.2", "twice"},
+                                         {"gltf:clearcoat=99", "clearcoat needs"}};
+    char path[5000];
+    snprintf(path, sizeof path, "%s.gltf", temp_file);
+    for (size_t i = 0; i < sizeof bad / sizeof *bad; ++i) {
+        nqm_error err = {0};
+        assert_int_equal(nqm_material_write(bad[i][0], "x", path, &err), NQM_ERR_ARG);
+        assert_non_null(strstr(err.message, bad[i][1]));
+        assert_int_equal(access(path, F_OK), -1);
+    }
+}
+
 /* Indices between 0 and 1 are not valid in a file; their reciprocal has the same Fresnel factor. */
 static void files_have_valid_indices(void **state) {
     (void)state;
@@ -365,6 +384,7 @@ int main(void) {
         cmocka_unit_test(broken_binary_files_are_refused),
         cmocka_unit_test(files_give_back_the_same_bits),
         cmocka_unit_test(files_have_the_extensions_that_they_need),
+        cmocka_unit_test(specs_are_checked),
         cmocka_unit_test(files_have_valid_indices),
     };
     return cmocka_run_group_tests(tests, make_temp_file, remove_temp_file);

@@ -3,6 +3,7 @@
  * MaterialX files: constants however they are connected, colour spaces, refusals, and round trips of what is written.
  */
 #include "base/memory_test.h"
+#include "brdf/brdf.h"
 #include "material/color_space.h"
 #include "material/material.h"
 #include "support/check.h"

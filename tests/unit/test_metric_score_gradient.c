@@ -324,6 +324,64 @@ static void nearly_equal_pair(void **state) {
     on_every_kind(nearly_equal);
 }
 
+/* ---- steps ------------------------------------------------------------------------------------------------------- */
+
+static float *sample_spec(const nqm_model *m, const char *spec) {
+    nqm_brdf *brdf;
+    float *rgb = nqm_alloc(3 * m->directions->n, sizeof *rgb);
+    assert_int_equal(nqm_brdf_open(spec, &brdf, NULL), NQM_OK);
+    assert_int_equal(nqm_sample(brdf, m->directions, NQM_INVALID_ERROR, rgb, NULL, NULL, NULL), NQM_OK);
+    nqm_brdf_free(brdf);
+    return rgb;
+}
+
+/* What a step along the gradient (or along f_r, that is, of level) does to Delta-E, relative to what the gradient says. `step`: the
+ * largest relative change of f_r + 0.003. */
+static double step_ratio(const nqm_model *m, const float *ref, const float *test, double step, bool of_level) {
+    const size_t n = 3 * m->directions->n;
+    float *g = nqm_alloc(5 * n, sizeof *g), *up = g + n, *down = g + 2 * n;
+    const nqm_sample_pair at = {ref, test, NULL}, pairs[2] = {{ref, up, NULL}, {ref, down, NULL}};
+    nqm_scorer *scorer = make_scorer(m);
+    double value, values[2], largest = 0, predicted = 0;
+    assert_int_equal(nqm_score_grad(scorer, NQM_SCORE_DELTA_E, 1, &at, &value, g, NULL), NQM_OK);
+    for (size_t i = 0; i < n; ++i)
+        largest = fmax(largest, fabs((double)g[i]) / ((double)test[i] + 0.003));
+    for (size_t i = 0; i < n; ++i) {
+        const double by = of_level ? step * (double)test[i] : step * (double)g[i] / largest;
+        up[i] = (float)fmax((double)test[i] + by, 0);
+        down[i] = (float)fmax((double)test[i] - by, 0);
+        predicted += (double)g[i] * ((double)up[i] - (double)down[i]);
+    }
+    assert_int_equal(nqm_score_grad(scorer, NQM_SCORE_DELTA_E, 2, pairs, values, g + 3 * n, NULL), NQM_OK);
+    nqm_scorer_free(scorer);
+    nqm_free(g);
+    return (values[0] - values[1]) / predicted;
+}
+
+/* Glossier copies are equal to the reference, but for rounding, at half of the directions. */
+static void steps_along_the_gradient(void **state) {
+    (void)state;
+    static const char *const names[] = {"nickel", "alum-bronze", "gold-metallic-paint", "chrome"};
+    static const double steps[] = {1e-4, 1e-3, 1e-2};
+    nqm_model *m;
+    assert_int_equal(nqm_model_builtin("default", &m, NULL), NQM_OK);
+    for (size_t k = 0; k < 8; ++k) {
+        char spec[64], copy[96];
+        snprintf(spec, sizeof spec, "sgd:%s", names[k / 2]);
+        snprintf(copy, sizeof copy, "perturb:gloss=%s;of=%s", k % 2 ? "1.2" : "1.05", spec);
+        float *ref = sample_spec(m, spec), *test = sample_spec(m, copy);
+        for (size_t i = 0; i < 6; ++i) {
+            const double ratio = step_ratio(m, ref, test, steps[i / 2], i % 2);
+            if (!(fabs(ratio - 1) <= 0.05))
+                fail_msg("%s, step %g%s: %.3f of what the gradient says", copy, steps[i / 2], i % 2 ? " of level" : "",
+                         ratio);
+        }
+        nqm_free(ref);
+        nqm_free(test);
+    }
+    nqm_model_free(m);
+}
+
 static void refuse(nqm_scorer *scorer, nqm_score_quantity of, const nqm_sample_pair *pairs, nqm_status status,
                    const char *words) {
     float gradients[2 * N_VALUES] = {42};
@@ -423,9 +481,14 @@ static void out_of_memory(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(against_differences), cmocka_unit_test(zero_reflectance), cmocka_unit_test(equal_pair),
-        cmocka_unit_test(nearly_equal_pair),   cmocka_unit_test(refusals),         cmocka_unit_test(the_same_bits),
+        cmocka_unit_test(against_differences),
+        cmocka_unit_test(zero_reflectance),
+        cmocka_unit_test(equal_pair),
+        cmocka_unit_test(nearly_equal_pair),
+        cmocka_unit_test(refusals),
+        cmocka_unit_test(the_same_bits),
         cmocka_unit_test(out_of_memory),
+        cmocka_unit_test(steps_along_the_gradient),
     };
     return cmocka_run_group_tests(tests, make_double_directions, free_double_directions);
 }

@@ -2,6 +2,7 @@
  *
  * Output of the tool: errors with exit codes, progress on a terminal, Ctrl-C, JSON and CSV.
  */
+#include "io/options_json.h"
 #include "nqm/tool.h"
 
 #include <math.h>
@@ -88,6 +89,13 @@ void stop_error(const nqm_error *err) {
 void must(nqm_status status, const nqm_error *err) {
     if (status != NQM_OK)
         stop_error(err);
+}
+
+json_t *parse_json(const char *text) {
+    nqm_error err;
+    json_t *json;
+    must(nqm_json_parse(text, &json, &err), &err);
+    return json;
 }
 
 int finish(int exit_code) {

@@ -106,7 +106,7 @@ static int print_dataset(const char *path, bool json) {
         (json_int_t)info.n_pairs_in[NQM_SPLIT_VALIDATION], "test", (json_int_t)info.n_pairs_in[NQM_SPLIT_TEST],
         "directions", "n", (json_int_t)nqm_directions_count(info.directions), "id", nqm_directions_id(info.directions));
     if (json)
-        json_object_set_new(members, "manifest", json_loads(info.manifest, 0, NULL));
+        json_object_set_new(members, "manifest", parse_json(info.manifest));
     nqm_dataset_free(dataset);
     return json ? print_document(members) : print_members(members);
 }

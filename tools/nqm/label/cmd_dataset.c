@@ -22,7 +22,7 @@ static void print_summary(const char *path, bool json) {
     nqm_dataset *dataset;
     must(nqm_dataset_load(path, &dataset, &err), &err);
     const nqm_dataset_info info = nqm_dataset_get_info(dataset);
-    json_t *manifest = json_loads(info.manifest, 0, NULL);
+    json_t *manifest = parse_json(info.manifest);
     end_progress();
     print_failures(manifest);
     if (json)

@@ -50,7 +50,7 @@ static _Noreturn void stop_damage(const batch_output *out) {
 
 /* Compare the terms in the journal with those of this run; the message names the first that differs. */
 static void compare_terms(const batch_output *out, const char *line, const json_t *terms) {
-    json_t *before = json_loads(line, 0, NULL);
+    json_t *before = parse_json(line);
     if (!before)
         stop_damage(out);
     const char *key;
@@ -122,7 +122,7 @@ static bool read_note(const json_t *one, batch_note *note) {
 
 /* The notes of the rows between two checkpoints; false unless there is one for each. */
 static bool read_notes(batch_output *out, const checkpoint *last, const checkpoint *c) {
-    json_t *both = json_loads(c->notes, 0, NULL), *all = json_object_get(both, "rows");
+    json_t *both = parse_json(c->notes), *all = json_object_get(both, "rows");
     const size_t begin = last->done.n_rows, end = c->done.n_rows;
     bool good = json_object_update_missing(out->files_before, json_object_get(both, "files")) == 0 &&
                 json_is_array(all) && end >= begin && end <= out->max_rows && json_array_size(all) == end - begin;
@@ -213,7 +213,7 @@ static json_t *read_terms(const char *journal) {
     size_t room = 0;
     FILE *stream = fopen(journal, "re");
     const bool is_there = stream && getline(&line, &room, stream) > 0 && getline(&line, &room, stream) > 0;
-    json_t *terms = is_there ? json_loads(line, 0, NULL) : NULL;
+    json_t *terms = is_there ? parse_json(line) : NULL;
     free(line);
     if (stream)
         fclose(stream);

@@ -104,7 +104,7 @@ static bool take_results(batch_pieces *p, size_t n, const nqm_safetensors *st) {
     bool intact = false;
     const nqm_tensor *tensor = nqm_safetensors_find(st, "results");
     const char *text = nqm_safetensors_meta(st, "errors");
-    json_t *messages = text ? json_loads(text, 0, NULL) : NULL;
+    json_t *messages = parse_json(text);
     bool good = nqm_safetensors_checksum(st, hex, &intact) && intact && tensor && tensor->dtype == NQM_F64 &&
                 tensor->n_bytes == n * N_COLUMNS * sizeof(double) && json_array_size(messages) == n;
     for (size_t i = 0; good && i < n; ++i) {
@@ -122,7 +122,7 @@ static bool take_results(batch_pieces *p, size_t n, const nqm_safetensors *st) {
 /* Whether the files that the results depend on are the same now; then they become those of the piece. */
 static bool take_files(batch_pieces *p, const nqm_safetensors *st) {
     const char *text = nqm_safetensors_meta(st, "files");
-    json_t *files = text ? json_loads(text, 0, NULL) : NULL;
+    json_t *files = parse_json(text);
     if (!json_is_object(files) || find_changed_file(files)) {
         json_decref(files);
         return false;

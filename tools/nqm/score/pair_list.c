@@ -5,8 +5,8 @@
  * may have one or two.
  */
 #include "nqm/score/pair_list.h"
+#include "io/options_json.h"
 
-#include <jansson.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -145,7 +145,10 @@ static nqm_status take_line(nqm_pair_list *list, const json_line *line, const ch
     nqm_status status = nqm_json_check(text, n, n, line->name, (size_t)line->at, err);
     if (status != NQM_OK)
         return status;
-    json_t *object = json_loadb(text, n, JSON_REJECT_DUPLICATES, &fault);
+    json_t *object;
+    status = nqm_json_load(text, n, JSON_REJECT_DUPLICATES, &object, &fault, err);
+    if (status == NQM_ERR_NOMEM)
+        return status;
     if (!object) {
         long long at = line->at + (fault.position > 0 ? fault.position : 0);
         return nqm_fail(err, NQM_ERR_FORMAT, at, "%s: line %zu, byte %lld: no JSON object: %.120s", line->name,

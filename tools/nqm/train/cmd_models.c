@@ -20,7 +20,7 @@ static const char *layers_text(const nqm_model_info *info, char *text, size_t n_
 
 json_t *json_model(const nqm_model *model) {
     const nqm_model_info info = nqm_model_get_info(model);
-    json_t *layers = json_array(), *calibration = json_loads(info.calibration, 0, NULL); /* NULL for "" */
+    json_t *layers = json_array(), *calibration = parse_json(info.calibration); /* NULL for "" */
     for (size_t l = 0; info.n_layers > 0 && l <= info.n_layers; ++l)
         json_array_append_new(layers, json_integer((json_int_t)info.layer_sizes[l]));
     return json_pack("{s:s,s:s,s:I,s:s,s:o,s:{s:I,s:s},s:[o,o],s:o,s:s,s:s,s:s}", "id", info.id, "recipe", info.recipe,
@@ -32,7 +32,7 @@ json_t *json_model(const nqm_model *model) {
 }
 
 static void print_stored_calibration(const char *stored) {
-    json_t *json = json_loads(stored, 0, NULL);
+    json_t *json = parse_json(stored);
     nqm_calibration c = {0};
     json_int_t n_pairs = 0, n_materials = 0;
     if (json && json_unpack(json, "{s:I,s:I,s:F,s:F,s:F,s:F}", "materials", &n_materials, "pairs", &n_pairs, "coverage",
