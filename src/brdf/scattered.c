@@ -116,6 +116,19 @@ double nqm_scattered_distance(const nqm_brdf *brdf, const double *wi, const doub
     return 2 * asin(fmin(distance / 2, 1));
 }
 
+nqm_status nqm_scattered_distances(const nqm_brdf *brdf, size_t n, const double *wi, const double *wo,
+                                   double quantile[2], nqm_error *err) {
+    double *distance = nqm_alloc(n, sizeof *distance);
+    if (!distance)
+        return nqm_fail_nomem(err, n * sizeof *distance);
+    for (size_t i = 0; i < n; ++i)
+        distance[i] = nqm_scattered_distance(brdf, wi + 3 * i, wo + 3 * i);
+    quantile[0] = nqm_quantile(n, distance, 0.5);
+    quantile[1] = nqm_quantile(n, distance, 0.95);
+    nqm_free(distance);
+    return NQM_OK;
+}
+
 /* The n_used pairs with a value above the horizon, each also exchanged if `reciprocal`; returns the number of all. */
 static size_t expand(size_t n, const nqm_listed *rows, bool reciprocal, sample *out, size_t *n_used) {
     size_t n_out = 0;

@@ -3,6 +3,7 @@
  * Fits by perceptual losses, and the selection among several of them.
  */
 #include "match/match.h"
+#include "brdf/listed.h"
 #include "fit/fit.h"
 
 #include <math.h>
@@ -216,6 +217,30 @@ static nqm_status select_best(const setting *setting_of_all, const nqm_match_sum
     return status == NQM_OK ? nqm_brdf_open(report->fit.spec, brdf_ret, err) : status;
 }
 
+/* ---- references with few values --- */
+
+const char *const nqm_match_uncovered = "ma_crwe, as too few directions have a value";
+
+/* Whether the directions of a model have values: of a list of measured ones, those of near rows. */
+static nqm_status find_coverage(const nqm_brdf *ref, const nqm_model *model, bool *covered, nqm_error *err) {
+    const double near = NQM_PI / 180;
+    const nqm_directions *directions = nqm_model_get_info(model).directions;
+    const double *wi = nqm_directions_wi(directions), *wo = nqm_directions_wo(directions);
+    const size_t n = nqm_directions_count(directions);
+    double *rgb;
+    uint8_t *flag;
+    size_t n_near = 0;
+    nqm_status status = nqm_alloc_arrays(NQM_ARRAYS({&rgb, n, 3 * sizeof *rgb}, {&flag, n, 1}), err);
+    if (status != NQM_OK)
+        return status;
+    nqm_brdf_eval(ref, n, wi, wo, rgb, flag);
+    for (size_t i = 0; i < n; ++i)
+        n_near += nqm_has_value(flag[i]) && nqm_scattered_distance(ref, wi + 3 * i, wo + 3 * i) < near;
+    *covered = (double)n_near >= nqm_score_options_default().min_valid_fraction * (double)n;
+    nqm_free(rgb);
+    return NQM_OK;
+}
+
 /* ---- public entry ------------------------------------------------------------------------------------------------ */
 
 static bool has_own_loss(const nqm_fit_entry *entry) {
@@ -248,12 +273,22 @@ nqm_status nqm_match(const nqm_brdf *ref, const char *model, const nqm_match_los
     nqm_brdf *brdf = NULL;
     nqm_match_sum sum;
     const nqm_fit_entry *entry;
+    const nqm_match_loss values = {.text = "ma_crwe"};
+    bool covered = true;
     if (brdf_ret)
         *brdf_ret = NULL;
     nqm_status status = nqm_match_parse(loss->text, &sum, err);
     if (status == NQM_OK)
         status = nqm_fit_entry_find(model, &entry, err);
-    if (status == NQM_OK && loss->scene && !has_own_loss(entry)) {
+    if (status == NQM_OK && sum.is_auto && loss->transport)
+        status = find_coverage(ref, loss->transport, &covered, err);
+    if (status == NQM_OK && !covered) {
+        s.loss = &values;
+        status = nqm_match_parse(values.text, &sum, err);
+        snprintf(report.selected, sizeof report.selected, "%s", nqm_match_uncovered);
+    }
+    /* A list has values at its own directions only, not on rays. */
+    if (status == NQM_OK && s.loss->scene && !has_own_loss(entry) && !nqm_scattered_rows(ref, NULL, NULL)) {
         status = nqm_match_judge_make(loss->scene, ref, s.options.seed, &judge, err);
         s.judge = &judge;
     }

@@ -26,6 +26,18 @@ static double evaluate(void *user, const double *rgb, double *gradient) {
     return v->quantity == NQM_SCORE_JOD ? 10 - value : value;
 }
 
+/* nqm_score_grad() knows no name. */
+static nqm_status refuse(const nqm_model *model, const nqm_brdf *ref, const nqm_match_visual *v, nqm_error *err) {
+    size_t n = 0;
+    for (size_t i = 0; i < v->visual.n; ++i)
+        n += v->used[i];
+    return nqm_fail(
+        err, NQM_ERR_INCOMPATIBLE, -1,
+        "%s: values at only %zu of the %zu directions of the model '%s'; the loss auto or ma_crwe uses those "
+        "that there are",
+        nqm_brdf_get_info(ref).name, n, v->visual.n, nqm_model_get_info(model).id);
+}
+
 /* The reference at the directions of the model. */
 static nqm_status sample(const nqm_directions *directions, const nqm_brdf *ref, nqm_match_visual *v, nqm_error *err) {
     const double *wi = nqm_directions_wi(directions), *wo = nqm_directions_wo(directions);
@@ -59,7 +71,8 @@ nqm_status nqm_match_visual_make(const nqm_model *model, const nqm_brdf *ref, nq
     memcpy(v->test, v->ref, 3 * n * sizeof *v->test);
     if (score(v, &value, &fault) == NQM_ERR_ARG)
         v->quantity = NQM_SCORE_JOD;
-    return score(v, &value, err);
+    status = score(v, &value, err);
+    return status == NQM_ERR_INCOMPATIBLE ? refuse(model, ref, v, err) : status;
 }
 
 void nqm_match_visual_free(nqm_match_visual *v) {

@@ -9,6 +9,7 @@
 #include "nqm/fit/fit_run.h"
 #include "nqm/show/report.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -180,7 +181,14 @@ typedef struct fit_terms {
 
 static nqm_status score_fit(const fit_terms *terms, const nqm_brdf *brdf, fitted *f, nqm_error *err) {
     nqm_status status = measure(terms->ref, brdf, terms->directions, f->metrics, err);
-    return status == NQM_OK ? nqm_scorer_run(terms->scorer, terms->ref, 1, &brdf, &f->score, err) : status;
+    if (status == NQM_OK)
+        status = nqm_scorer_run(terms->scorer, terms->ref, 1, &brdf, &f->score, err);
+    if (status != NQM_ERR_INCOMPATIBLE)
+        return status;
+    for (int m = 0; m < NQM_METRIC_COUNT; ++m) /* a list without a value at any of these directions */
+        f->metrics[m] = NAN;
+    f->score = (nqm_score_result){.status = status, .jod = NAN, .jod_low = NAN, .jod_high = NAN, .delta_e = NAN};
+    return NQM_OK;
 }
 
 static nqm_status fit_one(const fit_terms *terms, const nqm_fit_options *options, fitted *f, nqm_error *err) {
@@ -189,6 +197,9 @@ static nqm_status fit_one(const fit_terms *terms, const nqm_fit_options *options
     nqm_status status = nqm_match(terms->ref, f->model, &terms->loss, options, &f->match, &brdf, err);
     const bool is_spec = status == NQM_OK && f->match.fit.spec[0];
     f->seconds = nqm_clock_s() - begin;
+    if (status == NQM_OK && strcmp(f->match.selected, nqm_match_uncovered) == 0)
+        report(EXIT_OK, "%s, %s: fitted by %s of the model 'transport'", nqm_brdf_get_info(terms->ref).name, f->model,
+               nqm_match_uncovered);
     if (status == NQM_OK)
         status = score_fit(terms, brdf, f, err);
     if (status == NQM_OK && terms->out->path && !is_spec)
@@ -353,6 +364,7 @@ int cmd_fit(int argc, char **argv) {
     fitted *results = allocate(request.n_models, sizeof *results);
     nqm_directions *directions = open_directions(directions_name);
     nqm_brdf *ref = open_brdf(argv[0]);
+    report_distance(argv[0], ref, directions);
     const output out = prepare_output(path, &request);
     output_file page_file = {0};
     if (page)
