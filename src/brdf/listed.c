@@ -145,6 +145,23 @@ static void fold(size_t n, nqm_listed *rows) {
         rows[i].at[2] = round_angle(fabs(remainder(rows[i].at[2], 2 * NQM_PI)));
 }
 
+/* Radians read as degrees: all directions are near the normal. */
+static nqm_status refuse_radians(const list *l, nqm_error *err) {
+    enum { MIN_ROWS = 20 };
+    double theta = 0, phi = 0;
+    for (size_t i = 0; i < l->n; ++i) {
+        theta = fmax(theta, fmax(l->rows[i].at[0], l->rows[i].at[1]) / degree);
+        phi = fmax(phi, fabs(l->rows[i].at[2]) / degree);
+    }
+    if (l->n < MIN_ROWS || !(theta > 0.5 && theta < 1.571 && phi < 6.284))
+        return NQM_OK;
+    return nqm_fail(
+        err, NQM_ERR_FORMAT, 0,
+        "%s: the polar angles of all rows (from byte 0 on) are at most %.3g, their azimuths %.3g: these are "
+        "radians; degrees are needed",
+        l->path, theta, phi);
+}
+
 static nqm_status read_rows(const nqm_csv *csv, list *l, nqm_error *err) {
     layout columns;
     nqm_status status = find_columns(csv, l->path, &columns, err);
@@ -157,6 +174,8 @@ static nqm_status read_rows(const nqm_csv *csv, list *l, nqm_error *err) {
             status = read_value(csv, row, columns.column + columns.n_angles, l->rows[row].rgb, err);
         l->is_reciprocal = l->is_reciprocal && hd[2] >= 0 && hd[2] <= 180 * degree;
     }
+    if (status == NQM_OK)
+        status = refuse_radians(l, err);
     if (status == NQM_OK && l->has_pairs)
         fold(l->n, l->rows);
     return status;

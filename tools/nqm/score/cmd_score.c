@@ -225,6 +225,7 @@ int cmd_score(int argc, char **argv) {
     set_pairs(&run, n_arguments, argv, names);
     make_scores(&run);
     print_scores(&run);
+    report_suspicions(&run);
     int exit_code = report_faults(&run);
     const int gate_code = apply_gate(&run);
     exit_code = exit_code == EXIT_OK ? gate_code : exit_code;
