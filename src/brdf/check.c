@@ -137,7 +137,10 @@ static void compare(const nqm_brdf *brdf, size_t n, const double *wi, const doub
             report->n_clamped += flag[i] == NQM_VALUE_CLAMPED;
             report->n_invalid += flag[i] == NQM_VALUE_INVALID;
             double a = nqm_luminance(forward + 3 * i), b = nqm_luminance(backward + 3 * i), mean = 0.5 * (a + b);
-            if (flag[i] != NQM_VALUE_INVALID && flag_back[i] != NQM_VALUE_INVALID && mean > 1e-4)
+            if (flag[i] == NQM_VALUE_INVALID || flag_back[i] == NQM_VALUE_INVALID)
+                continue;
+            report->reciprocity_median = report->reciprocity_p95 = 0;
+            if (mean > 1e-4)
                 difference[n_differences++] = fabs(a - b) / mean;
         }
     }

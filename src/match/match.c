@@ -219,7 +219,7 @@ static nqm_status select_best(const setting *setting_of_all, const nqm_match_sum
 
 /* ---- references with few values --- */
 
-const char *const nqm_match_uncovered = "ma_crwe, as too few directions have a value";
+const char *const nqm_match_uncovered = "ma_crwe, as too few directions of transport have a value";
 
 /* Whether the directions of a model have values: of a list of measured ones, those of near rows. */
 static nqm_status find_coverage(const nqm_brdf *ref, const nqm_model *model, bool *covered, nqm_error *err) {
@@ -260,7 +260,7 @@ static nqm_status match(const setting *s, const nqm_fit_entry *entry, const nqm_
     nqm_status status = fit_sum(s, sum, NULL, &report->fit, brdf_ret, err);
     if (status == NQM_OK && (s->judge || s->loss->transport))
         status = compare(s, *brdf_ret, &report->difference, err);
-    return status;
+    return status == NQM_ERR_INCOMPATIBLE && *brdf_ret ? NQM_OK : status; /* without a difference */
 }
 
 nqm_status nqm_match(const nqm_brdf *ref, const char *model, const nqm_match_loss *loss,

@@ -82,7 +82,7 @@ static void print_measured(const verdict *v) {
     const nqm_brdf_check_report *r = &v->report;
     print_energy(v);
     if (isnan(r->reciprocity_median))
-        puts("  reciprocity  unknown: no two values above 1e-4 1/sr with light and viewer exchanged");
+        puts("  reciprocity  unknown: no two values with light and viewer exchanged");
     else
         printf("  reciprocity  %s: exchanging light and viewer changes the value by\n"
                "               %.2g %% (median), %.2g %% (95th percentile)\n",

@@ -198,8 +198,7 @@ static nqm_status fit_one(const fit_terms *terms, const nqm_fit_options *options
     const bool is_spec = status == NQM_OK && f->match.fit.spec[0];
     f->seconds = nqm_clock_s() - begin;
     if (status == NQM_OK && strcmp(f->match.selected, nqm_match_uncovered) == 0)
-        report(EXIT_OK, "%s, %s: fitted by %s of the model 'transport'", nqm_brdf_get_info(terms->ref).name, f->model,
-               nqm_match_uncovered);
+        report(EXIT_OK, "%s, %s: fitted by %s", nqm_brdf_get_info(terms->ref).name, f->model, nqm_match_uncovered);
     if (status == NQM_OK)
         status = score_fit(terms, brdf, f, err);
     if (status == NQM_OK && terms->out->path && !is_spec)
