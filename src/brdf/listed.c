@@ -147,13 +147,12 @@ static void fold(size_t n, nqm_listed *rows) {
 
 /* Radians read as degrees: all directions are near the normal. */
 static nqm_status refuse_radians(const list *l, nqm_error *err) {
-    enum { MIN_ROWS = 20 };
     double theta = 0, phi = 0;
     for (size_t i = 0; i < l->n; ++i) {
         theta = fmax(theta, fmax(l->rows[i].at[0], l->rows[i].at[1]) / degree);
         phi = fmax(phi, fabs(l->rows[i].at[2]) / degree);
     }
-    if (l->n < MIN_ROWS || !(theta > 0.5 && theta < 1.571 && phi < 6.284))
+    if (l->n < 20 || !(theta > 0.5 && theta < 1.571 && phi < 6.284))
         return NQM_OK;
     return nqm_fail(
         err, NQM_ERR_FORMAT, 0,
@@ -266,11 +265,6 @@ static double largest_gap(const nqm_grid *grid, size_t k) {
     return gap / degree;
 }
 
-/* Between distant azimuths nothing is known: in the plane of incidence alone there are two. */
-static bool is_dense(const list *l, const nqm_grid *g) {
-    return !l->has_pairs || (g->n[2] >= 2 && largest_gap(g, 2) < 45.001);
-}
-
 /* *grid_ret is NULL when the rows are no complete grid. */
 static nqm_status make_grid(const list *l, nqm_grid **grid_ret, nqm_error *err) {
     const double period = l->is_reciprocal ? NQM_PI : 2 * NQM_PI;
@@ -299,7 +293,9 @@ static nqm_status make_grid(const list *l, nqm_grid **grid_ret, nqm_error *err) 
     g->stride[0] = g->n[1] * g->stride[1];
     bool complete = g->n[0] >= 2 && g->n[1] >= 2 && node[2][g->n[2] - 1] - node[2][0] <= period + 1e-9;
     complete = complete && nqm_mul_size(g->n[0], g->n[1], &n_product) && nqm_mul_size(n_product, g->n[2], &n_product);
-    if (!complete || n_product != n || !is_dense(l, g) || !fill(g, n, l->rows, value, filled)) {
+    if (l->has_pairs) /* between distant azimuths nothing is known: in the plane of incidence alone there are two */
+        complete = complete && g->n[2] >= 2 && largest_gap(g, 2) < 45.001;
+    if (!complete || n_product != n || !fill(g, n, l->rows, value, filled)) {
         nqm_free(g);
         *grid_ret = NULL;
     }
@@ -322,14 +318,14 @@ static nqm_status wrap_grid(const list *l, nqm_grid *grid, const char *name, nqm
 }
 
 static double nearest_node(const nqm_grid *g, size_t axis, double x) {
-    double nearest = g->node[axis][0], least = INFINITY;
+    size_t nearest = 0;
+    double least = INFINITY;
     for (size_t i = 0; i < g->n[axis]; ++i) {
-        const double apart = fabs(x - g->node[axis][i]),
-                     distance = axis == 2 ? fabs(remainder(apart, 2 * NQM_PI)) : apart;
-        nearest = distance < least ? g->node[axis][i] : nearest;
+        const double distance = fabs(remainder(x - g->node[axis][i], 2 * NQM_PI));
+        nearest = distance < least ? i : nearest;
         least = fmin(distance, least);
     }
-    return nearest;
+    return g->node[axis][nearest];
 }
 
 void nqm_listed_snap(const nqm_brdf *brdf, size_t n, double *wi, double *wo) {

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
- * The reference at the directions of a fit: those of a list of measured ones, the nearest nodes of a grid of them, or drawn. Most direction pairs are uniform over the cap
- * of the hemisphere; the others have half vectors dense around the normal, because the lobe of a polished metal (0.2
- * degrees) would otherwise contain a millionth of all pairs.
+ * The reference at the directions of a fit: those of a list of measured ones, or drawn (and moved to the nearest nodes of a
+ * goniometer's grid). Most direction pairs are uniform over the cap of the hemisphere; the others have half vectors dense around
+ * the normal, because the lobe of a polished metal (0.2 degrees) would otherwise contain a millionth of all pairs.
  */
 #include "brdf/listed.h"
 #include "fit/fit.h"

@@ -123,6 +123,9 @@ says "few.csv: values at only [0-9]* of the 1392 directions of the model 'defaul
 run 0 score "$dir/few.csv:20" "$ward" -q --min-valid .1
 grep -q 'few.csv:20: its nearest row is' "$dir/err" || fail "how far: $(cat "$dir/err")"
 
+run 5 fit "$dir/few.csv" -m sparse-0 -o "$dir/few.safetensors"
+says 'few.csv: a list of directions; only analytic and shading models'
+
 # Faults of measured values that a low score shows.
 awk -F, 'NR > 1 { for (i = 4; i < 7; ++i) $i *= 255 } { print $1 "," $2 "," $3 "," $4 "," $5 "," $6 }' "$dir/sgd.csv" >"$dir/scaled.csv"
 run 0 score sgd:nickel "$dir/scaled.csv" -q

@@ -53,7 +53,7 @@ static nqm_match_report match(const char *spec, const char *model, const char *t
     return report;
 }
 
-/* ---- measured directions --- */
+/* ---- measured directions ------------------------------------------------------------------------------------------ */
 
 /* A CSV of ggx: the grid of a goniometer up to 80 degrees, or scattered directions. */
 static const char *save_measured(bool grid) {

@@ -283,7 +283,7 @@ void report_distance(const char *argument, const nqm_brdf *brdf, const nqm_direc
     if (apart[0] > 0.1 * degree)
         report(EXIT_OK,
                "%s: its nearest row is %.2g degrees (median; 95 %%: %.2g) away from a direction of the model: narrower "
-               "highlights are not seen; `nqm directions show default --pairs` writes directions to measure",
+               "highlights are not seen; `nqm directions show MODEL --pairs` writes directions to measure",
                argument, apart[0] / degree, apart[1] / degree);
 }
 

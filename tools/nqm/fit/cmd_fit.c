@@ -179,16 +179,16 @@ typedef struct fit_terms {
     bool with_before; /* for the report */
 } fit_terms;
 
+/* A list may have no value at any of these directions, and then no score. */
 static nqm_status score_fit(const fit_terms *terms, const nqm_brdf *brdf, fitted *f, nqm_error *err) {
+    const nqm_status none = NQM_ERR_INCOMPATIBLE;
+    f->score = (nqm_score_result){.status = none, .jod = NAN, .jod_low = NAN, .jod_high = NAN, .delta_e = NAN};
+    for (int m = 0; m < NQM_METRIC_COUNT; ++m)
+        f->metrics[m] = NAN;
     nqm_status status = measure(terms->ref, brdf, terms->directions, f->metrics, err);
     if (status == NQM_OK)
         status = nqm_scorer_run(terms->scorer, terms->ref, 1, &brdf, &f->score, err);
-    if (status != NQM_ERR_INCOMPATIBLE)
-        return status;
-    for (int m = 0; m < NQM_METRIC_COUNT; ++m) /* a list without a value at any of these directions */
-        f->metrics[m] = NAN;
-    f->score = (nqm_score_result){.status = status, .jod = NAN, .jod_low = NAN, .jod_high = NAN, .delta_e = NAN};
-    return NQM_OK;
+    return status == none ? NQM_OK : status;
 }
 
 static nqm_status fit_one(const fit_terms *terms, const nqm_fit_options *options, fitted *f, nqm_error *err) {

@@ -134,19 +134,14 @@ static int apply_gate(const score_run *run) {
 
 /* ---- --samples --------------------------------------------------------------------------------------------------- */
 
-/* Say how the values of a CSV get to the directions of the model; returns the number of directions that have none. With --samples
- * (`only`) a file of another kind is refused; one that cannot be opened is a fault of its row. */
-static size_t describe_samples(const nqm_directions *directions, const char *path, bool only) {
+/* Say how the values of a CSV get to the directions of the model; returns the number of directions that have none. A file of
+ * another kind is refused; one that cannot be opened is a fault of its row. */
+static size_t describe_samples(const nqm_directions *directions, const char *path) {
     nqm_error err = {0};
     nqm_sample_report counts = {0};
     nqm_brdf *brdf;
-    if ((!only && !strstr(path, ".csv")) || nqm_brdf_open(path, &brdf, &err) != NQM_OK)
+    if (nqm_brdf_open(path, &brdf, &err) != NQM_OK)
         return 0;
-    report_distance(path, brdf, directions);
-    if (!only) {
-        nqm_brdf_free(brdf);
-        return 0;
-    }
     const nqm_brdf_info info = nqm_brdf_get_info(brdf);
     const bool is_grid = strcmp(info.format, "grid") == 0;
     if (!is_grid && strcmp(info.format, "samples") != 0)
@@ -164,12 +159,12 @@ static size_t describe_samples(const nqm_directions *directions, const char *pat
     return counts.n_invalid;
 }
 
-static void check_samples(const score_run *run, const char *model, int n, char **paths, bool only) {
+static void check_samples(const score_run *run, const char *model, int n, char **paths) {
     const nqm_directions *directions = nqm_model_get_info(run->model).directions;
     const double n_most = (1 - run->options.min_valid_fraction) * (double)nqm_directions_count(directions);
     bool is_short = false;
     for (int i = 0; i < n; ++i)
-        is_short = (double)describe_samples(directions, paths[i], only) > n_most || is_short;
+        is_short = (double)describe_samples(directions, paths[i]) > n_most || is_short;
     if (is_short)
         report(EXIT_OK, "`nqm directions show %s --pairs -o to-measure.csv` writes the directions that the model needs",
                model);
@@ -220,8 +215,11 @@ int cmd_score(int argc, char **argv) {
     choose_metrics(metrics ? metrics : all ? "all" : "", run.metrics);
     run.model = open_model(model);
     check_gate(&run.gate, run.model);
-    nqm_brdf_free(open_brdf(argv[0])); /* without a reference there are no results */
-    check_samples(&run, model, n_arguments, argv, samples);
+    nqm_brdf *ref = open_brdf(argv[0]); /* without a reference there are no results */
+    report_distance(argv[0], ref, nqm_model_get_info(run.model).directions);
+    nqm_brdf_free(ref);
+    if (samples)
+        check_samples(&run, model, n_arguments, argv);
     set_pairs(&run, n_arguments, argv, names);
     make_scores(&run);
     print_scores(&run);
