@@ -244,13 +244,15 @@ NQM_API const char *nqm_brdf_preset_name(size_t i);
 
 /** Physical plausibility of a BRDF, from nqm_brdf_check(). */
 typedef struct nqm_brdf_check_report {
-    size_t n_pairs;   /**< direction pairs tested */
+    size_t n_pairs;   /**< direction pairs tested: 8192, or those of a list of measured directions */
     size_t n_clamped; /**< pairs with NQM_VALUE_CLAMPED */
     size_t n_invalid; /**< pairs with NQM_VALUE_INVALID */
     double
-        reciprocity_median; /**< median of |f(a,b)-f(b,a)| / mean (luminance) over pairs with a mean above 1e-4 1/sr */
+        reciprocity_median; /**< median of |f(a,b)-f(b,a)| / mean (luminance) over pairs with a mean above 1e-4 1/sr; 0: there is
+                                  none; NaN: no pair has a value in both orders */
     double reciprocity_p95; /**< 95th percentile of the same */
-    double albedo_max[3];   /**< largest directional-hemispherical albedo, theta_i 0 to 75 degrees, per channel */
+    double albedo_max
+        [3]; /**< largest directional-hemispherical albedo, theta_i 0 to 75 degrees, per channel; NaN: unknown */
     double albedo_max_theta_rad; /**< angle of incidence of the largest of the three */
 } nqm_brdf_check_report;
 
@@ -258,7 +260,8 @@ typedef struct nqm_brdf_check_report {
  * Measure reciprocity, energy conservation and positivity.
  *
  * The albedo integrates f_r cos(theta_o) over the hemisphere with half-vector importance sampling, which resolves lobes of
- * 0.2 degrees. The same seed gives the same report.
+ * 0.2 degrees. The same seed gives the same report. A list of measured directions that has a value at less than half of random
+ * pairs is tested at its own directions; its albedo is unknown.
  *
  * @return NQM_ERR_NOMEM
  */

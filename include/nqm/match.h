@@ -24,6 +24,9 @@ extern "C" {
  * "auto" or "auto:SUM" selects in two stages (after Bieron and Peers 2020, DOI 10.1111/cgf.14052): fits under the losses
  * "log", "log-cos", "rms_crwe" and "log_diff" are candidates, each is polished by SUM (default: "100*ma_crwe+transport"), and
  * of all eight the one with the smallest Delta-E on rays of `scene` is the result: no step of a fit has seen these directions.
+ * A reference with values at fewer than 90 % of the directions of `transport`, as a grid of a goniometer that ends at 80
+ * degrees or a list whose rows are more than a degree away, is fitted by "ma_crwe" alone, which `selected` says. `transport`
+ * and not `scene` compares lists.
  * For a shading model only the two best candidates are polished, nqm_fit_options.start is one of the starts, and the result is
  * simplified (nqm_fit_options.simplify).
  */

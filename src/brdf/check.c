@@ -8,7 +8,7 @@
  * DOI 10.2312/EGWR/EGSR07/195-206). Every value is divided by the combined density of all sets (balance heuristic,
  * Veach and Guibas 1995, DOI 10.1145/218380.218498). The sets cover lobe widths from 0.006 to 40 degrees.
  */
-#include "brdf/brdf.h"
+#include "brdf/listed.h"
 #include "math/math.h"
 
 #include <math.h>
@@ -123,25 +123,32 @@ static void draw_pair(nqm_rng *rng, size_t i, double *wi, double *wo) {
     } while (wi[2] < lowest || wo[2] < lowest);
 }
 
-/* Count clamped and invalid values at BLOCK random pairs, and write |f(a,b) - f(b,a)| / mean of the luminances to
- * `difference`. Returns the number of differences. */
-static size_t compare_block(const nqm_brdf *brdf, nqm_rng *rng, nqm_brdf_check_report *report, double *difference) {
-    double wi[3 * BLOCK], wo[3 * BLOCK], forward[3 * BLOCK], backward[3 * BLOCK];
+/* Count clamped and invalid values at n pairs, and write |f(a,b) - f(b,a)| / mean of the luminances to `difference` (n). */
+static void compare(const nqm_brdf *brdf, size_t n, const double *wi, const double *wo, double *difference,
+                    nqm_brdf_check_report *report) {
+    double forward[3 * BLOCK], backward[3 * BLOCK];
     uint8_t flag[BLOCK], flag_back[BLOCK];
-    size_t n = 0;
-    for (size_t i = 0; i < BLOCK; ++i)
-        draw_pair(rng, i, wi + 3 * i, wo + 3 * i);
-    nqm_brdf_eval(brdf, BLOCK, wi, wo, forward, flag);
-    nqm_brdf_eval(brdf, BLOCK, wo, wi, backward, flag_back);
-    for (size_t i = 0; i < BLOCK; ++i) {
-        report->n_clamped += flag[i] == NQM_VALUE_CLAMPED;
-        report->n_invalid += flag[i] == NQM_VALUE_INVALID;
-        double a = nqm_luminance(forward + 3 * i), b = nqm_luminance(backward + 3 * i), mean = 0.5 * (a + b);
-        if (flag[i] != NQM_VALUE_INVALID && flag_back[i] != NQM_VALUE_INVALID && mean > 1e-4)
-            difference[n++] = fabs(a - b) / mean;
+    size_t n_differences = 0;
+    *report = (nqm_brdf_check_report){.n_pairs = n, .reciprocity_median = NAN, .reciprocity_p95 = NAN};
+    for (size_t begin = 0, m; begin < n; begin += m) {
+        m = nqm_smaller(n - begin, BLOCK);
+        nqm_brdf_eval(brdf, m, wi + 3 * begin, wo + 3 * begin, forward, flag);
+        nqm_brdf_eval(brdf, m, wo + 3 * begin, wi + 3 * begin, backward, flag_back);
+        for (size_t i = 0; i < m; ++i) {
+            report->n_clamped += flag[i] == NQM_VALUE_CLAMPED;
+            report->n_invalid += flag[i] == NQM_VALUE_INVALID;
+            double a = nqm_luminance(forward + 3 * i), b = nqm_luminance(backward + 3 * i), mean = 0.5 * (a + b);
+            if (flag[i] == NQM_VALUE_INVALID || flag_back[i] == NQM_VALUE_INVALID)
+                continue;
+            report->reciprocity_median = report->reciprocity_p95 = 0;
+            if (mean > 1e-4)
+                difference[n_differences++] = fabs(a - b) / mean;
+        }
     }
-    report->n_pairs += BLOCK;
-    return n;
+    if (n_differences == 0)
+        return;
+    report->reciprocity_median = nqm_quantile(n_differences, difference, 0.5);
+    report->reciprocity_p95 = nqm_quantile(n_differences, difference, 0.95);
 }
 
 static void find_largest_albedo(const nqm_brdf *brdf, uint64_t seed, nqm_brdf_check_report *report) {
@@ -161,20 +168,26 @@ static void find_largest_albedo(const nqm_brdf *brdf, uint64_t seed, nqm_brdf_ch
 
 nqm_status nqm_brdf_check(const nqm_brdf *brdf, uint64_t seed, nqm_brdf_check_report *report_ret, nqm_error *err) {
     NQM_REQUIRE(err, brdf, report_ret);
-    nqm_brdf_check_report report = {.n_pairs = 0};
-    double *difference = nqm_alloc(N_PAIRS, sizeof *difference);
-    if (!difference)
-        return nqm_fail_nomem(err, N_PAIRS * sizeof *difference);
+    const size_t n_rows = nqm_scattered_rows(brdf, NULL, NULL), n_most = nqm_larger(n_rows, N_PAIRS);
+    nqm_brdf_check_report report;
+    double *wi, *wo, *difference;
+    nqm_status status = nqm_alloc_arrays(NQM_ARRAYS({&wi, n_most, 3 * sizeof *wi}, {&wo, n_most, 3 * sizeof *wo},
+                                                    {&difference, n_most, sizeof *difference}),
+                                         err);
+    if (status != NQM_OK)
+        return status;
     nqm_rng rng = nqm_rng_make(seed, N_WIDTHS + 1);
-    size_t n = 0;
-    while (report.n_pairs < N_PAIRS)
-        n += compare_block(brdf, &rng, &report, difference + n);
-    if (n > 0) {
-        report.reciprocity_median = nqm_quantile(n, difference, 0.5);
-        report.reciprocity_p95 = nqm_quantile(n, difference, 0.95);
+    for (size_t i = 0; i < N_PAIRS; ++i)
+        draw_pair(&rng, i, wi + 3 * i, wo + 3 * i);
+    compare(brdf, N_PAIRS, wi, wo, difference, &report);
+    if (n_rows && 2 * report.n_invalid > report.n_pairs) { /* a list of measured directions: these are tested */
+        nqm_scattered_rows(brdf, wi, wo);
+        compare(brdf, n_rows, wi, wo, difference, &report);
+        report.albedo_max[0] = report.albedo_max[1] = report.albedo_max[2] = report.albedo_max_theta_rad = NAN;
+    } else {
+        find_largest_albedo(brdf, seed, &report);
     }
-    nqm_free(difference);
-    find_largest_albedo(brdf, seed, &report);
+    nqm_free(wi);
     *report_ret = report;
     return NQM_OK;
 }

@@ -3,7 +3,8 @@
  * CSV files of directions and values, as `nqm sample --csv` writes them. Rows that are the complete product of some theta_h, theta_d
  * and phi_d are a grid, between whose nodes f_r is linear in the angles; any other rows are scattered directions (scattered.c).
  * phi_d in [0, 180] degrees throughout means a reciprocal BRDF; otherwise it is the azimuth of the light over a full turn. Rows may
- * also give the polar angles and azimuths of light and viewer; light and viewer are then never exchanged.
+ * also give the polar angles and azimuths of light and viewer; light and viewer are then never exchanged, and a grid is one of
+ * theta_i, theta_o and phi = phi_o - phi_i, as goniometers measure it.
  */
 #include "brdf/listed.h"
 
@@ -66,7 +67,12 @@ static nqm_status read_angle(const nqm_csv *csv, const char *path, size_t row, c
     return status;
 }
 
-static nqm_status read_angles(const nqm_csv *csv, const char *path, size_t row, const layout *l, double *hd,
+/* So that equal differences of azimuths are one node. */
+static double round_angle(double angle) {
+    return 1e-9 * round(angle / 1e-9);
+}
+
+static nqm_status read_angles(const nqm_csv *csv, const char *path, size_t row, const layout *l, nqm_listed *to,
                               nqm_error *err) {
     double angle[MAX_ANGLES], wi[3], wo[3];
     nqm_status status = NQM_OK;
@@ -74,13 +80,15 @@ static nqm_status read_angles(const nqm_csv *csv, const char *path, size_t row, 
         status = read_angle(csv, path, row, l->angles + k, l->column[k], angle + k, err);
     if (status != NQM_OK)
         return status;
-    if (!has_pairs(l)) {
-        memcpy(hd, angle, 3 * sizeof *hd);
+    memcpy(to->hd, angle, sizeof to->hd);
+    memcpy(to->at, angle, sizeof to->at);
+    if (!has_pairs(l))
         return NQM_OK;
-    }
     nqm_spherical(angle[0], angle[1], wi);
     nqm_spherical(angle[2], angle[3], wo);
-    nqm_half_diff_full_from_pair(wi, wo, hd);
+    nqm_half_diff_full_from_pair(wi, wo, to->hd);
+    to->at[1] = angle[2];
+    to->at[2] = round_angle(angle[3] - angle[1]);
     return NQM_OK;
 }
 
@@ -121,20 +129,54 @@ typedef struct list {
     const char *path;
     size_t n;
     nqm_listed *rows; /* (n) */
-    bool is_reciprocal;
+    bool is_reciprocal, has_pairs;
 } list;
+
+/* Map phi to [0, pi] if all are in the same half of the turn. */
+static void fold(size_t n, nqm_listed *rows) {
+    double low = INFINITY, high = -INFINITY;
+    for (size_t i = 0; i < n; ++i) {
+        low = fmin(low, rows[i].at[2]);
+        high = fmax(high, rows[i].at[2]);
+    }
+    if (high > (floor(low / NQM_PI + 1e-6) + 1) * NQM_PI + 1e-6)
+        return;
+    for (size_t i = 0; i < n; ++i)
+        rows[i].at[2] = round_angle(fabs(remainder(rows[i].at[2], 2 * NQM_PI)));
+}
+
+/* Radians read as degrees: all directions are near the normal. */
+static nqm_status refuse_radians(const list *l, nqm_error *err) {
+    double theta = 0, phi = 0;
+    for (size_t i = 0; i < l->n; ++i) {
+        theta = fmax(theta, fmax(l->rows[i].at[0], l->rows[i].at[1]) / degree);
+        phi = fmax(phi, fabs(l->rows[i].at[2]) / degree);
+    }
+    if (l->n < 20 || !(theta > 0.5 && theta < 1.571 && phi < 6.284))
+        return NQM_OK;
+    return nqm_fail(
+        err, NQM_ERR_FORMAT, 0,
+        "%s: the polar angles of all rows (from byte 0 on) are at most %.3g, their azimuths %.3g: these are "
+        "radians; degrees are needed",
+        l->path, theta, phi);
+}
 
 static nqm_status read_rows(const nqm_csv *csv, list *l, nqm_error *err) {
     layout columns;
     nqm_status status = find_columns(csv, l->path, &columns, err);
-    l->is_reciprocal = status == NQM_OK && !has_pairs(&columns);
+    l->has_pairs = has_pairs(&columns);
+    l->is_reciprocal = status == NQM_OK && !l->has_pairs;
     for (size_t row = 0; row < l->n && status == NQM_OK; ++row) {
-        double *hd = l->rows[row].hd;
-        status = read_angles(csv, l->path, row, &columns, hd, err);
+        const double *hd = l->rows[row].hd;
+        status = read_angles(csv, l->path, row, &columns, &l->rows[row], err);
         if (status == NQM_OK)
             status = read_value(csv, row, columns.column + columns.n_angles, l->rows[row].rgb, err);
         l->is_reciprocal = l->is_reciprocal && hd[2] >= 0 && hd[2] <= 180 * degree;
     }
+    if (status == NQM_OK)
+        status = refuse_radians(l, err);
+    if (status == NQM_OK && l->has_pairs)
+        fold(l->n, l->rows);
     return status;
 }
 
@@ -149,13 +191,38 @@ static const nqm_brdf_class reciprocal_class = {
 static const nqm_brdf_class general_class = {
     .format = "grid", .reciprocal = 0, .eval_half_diff = listed_grid_eval, .free = nqm_free};
 
+/* theta_i, theta_o and phi. The value at -phi is that at phi where the nodes are of one half of the turn. */
+static void place_pair(const nqm_grid *g, const double *wi, const double *wo, double *at) {
+    at[0] = atan2(hypot(wi[0], wi[1]), wi[2]);
+    at[1] = atan2(hypot(wo[0], wo[1]), wo[2]);
+    at[2] = atan2(wi[0] * wo[1] - wi[1] * wo[0], wi[0] * wo[0] + wi[1] * wo[1]);
+    at[2] = g->period < 2 * NQM_PI ? fabs(at[2]) : at[2];
+}
+
+static void pair_grid_eval(const void *self, size_t n, const double *wi, const double *wo, double *rgb) {
+    const nqm_grid *g = self;
+    const double first = g->node[2][0], last = g->node[2][g->n[2] - 1], slack = 1e-6;
+    for (size_t i = 0; i < n; ++i) {
+        double at[3];
+        place_pair(g, wi + 3 * i, wo + 3 * i, at);
+        if (g->period < 2 * NQM_PI) {
+            if (at[2] < first - slack || at[2] > last + slack)
+                at[0] = NAN;
+            at[2] = fmin(fmax(at[2], first), last);
+        }
+        nqm_grid_eval(g, 1, at, rgb + 3 * i);
+    }
+}
+
+static const nqm_brdf_class pair_class = {.format = "grid", .reciprocal = 0, .eval = pair_grid_eval, .free = nqm_free};
+
 static const double identity[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
 
 /* Write the distinct values of coordinate k to node (n), rising; returns their number. */
 static size_t distinct(size_t n, const nqm_listed *rows, size_t k, double *node) {
     size_t n_node = 0;
     for (size_t i = 0; i < n; ++i)
-        node[i] = rows[i].hd[k];
+        node[i] = rows[i].at[k];
     qsort(node, n, sizeof *node, nqm_compare_doubles);
     for (size_t i = 0; i < n; ++i)
         if (i == 0 || node[i] > node[n_node - 1])
@@ -179,7 +246,7 @@ static bool fill(const nqm_grid *g, size_t n, const nqm_listed *rows, unsigned c
     for (size_t i = 0; i < n; ++i) {
         size_t at = 0;
         for (size_t k = 0; k < 3; ++k)
-            at = at * g->n[k] + index_of(g->node[k], g->n[k], rows[i].hd[k]);
+            at = at * g->n[k] + index_of(g->node[k], g->n[k], rows[i].at[k]);
         if (filled[at]++)
             return false;
         for (size_t c = 0; c < 3; ++c)
@@ -188,8 +255,20 @@ static bool fill(const nqm_grid *g, size_t n, const nqm_listed *rows, unsigned c
     return true;
 }
 
+/* Between neighbouring nodes of coordinate k, in degrees; phi (2) is periodic. */
+static double largest_gap(const nqm_grid *grid, size_t k) {
+    const double *node = grid->node[k];
+    const size_t n = grid->n[k];
+    double gap = k == 2 ? node[0] + grid->period - node[n - 1] : 0;
+    for (size_t i = 1; i < n; ++i)
+        gap = fmax(gap, node[i] - node[i - 1]);
+    return gap / degree;
+}
+
 /* *grid_ret is NULL when the rows are no complete grid. */
-static nqm_status make_grid(size_t n, const nqm_listed *rows, double period, nqm_grid **grid_ret, nqm_error *err) {
+static nqm_status make_grid(const list *l, nqm_grid **grid_ret, nqm_error *err) {
+    const double period = l->is_reciprocal ? NQM_PI : 2 * NQM_PI;
+    const size_t n = l->n;
     double *node[3];
     unsigned char *value, *filled;
     size_t n_product = 0;
@@ -202,9 +281,11 @@ static nqm_status make_grid(size_t n, const nqm_listed *rows, double period, nqm
     nqm_grid *g = *grid_ret;
     *g = (nqm_grid){.period = period, .value = value, .weights = identity};
     for (size_t k = 0; k < 3; ++k) {
-        g->n[k] = distinct(n, rows, k, node[k]);
+        g->n[k] = distinct(n, l->rows, k, node[k]);
         g->node[k] = node[k];
     }
+    if (l->has_pairs && node[2][0] > -1e-6 && node[2][g->n[2] - 1] < NQM_PI + 1e-6) /* half a turn */
+        g->period = node[2][g->n[2] - 1] - node[2][0];
     g->n_channels = 3;
     g->channel_stride = sizeof(float);
     g->stride[2] = 3 * sizeof(float);
@@ -212,31 +293,50 @@ static nqm_status make_grid(size_t n, const nqm_listed *rows, double period, nqm
     g->stride[0] = g->n[1] * g->stride[1];
     bool complete = g->n[0] >= 2 && g->n[1] >= 2 && node[2][g->n[2] - 1] - node[2][0] <= period + 1e-9;
     complete = complete && nqm_mul_size(g->n[0], g->n[1], &n_product) && nqm_mul_size(n_product, g->n[2], &n_product);
-    if (!complete || n_product != n || !fill(g, n, rows, value, filled)) {
+    if (l->has_pairs) /* between distant azimuths nothing is known: in the plane of incidence alone there are two */
+        complete = complete && g->n[2] >= 2 && largest_gap(g, 2) < 45.001;
+    if (!complete || n_product != n || !fill(g, n, l->rows, value, filled)) {
         nqm_free(g);
         *grid_ret = NULL;
     }
     return NQM_OK;
 }
 
-/* Between neighbouring nodes of coordinate k, in degrees; phi_d (2) is periodic. */
-static double largest_gap(const nqm_grid *grid, size_t k) {
-    const double *node = grid->node[k];
-    const size_t n = grid->n[k];
-    double gap = k == 2 ? node[0] + grid->period - node[n - 1] : 0;
-    for (size_t i = 1; i < n; ++i)
-        gap = fmax(gap, node[i] - node[i - 1]);
-    return gap / degree;
-}
-
-static nqm_status wrap_grid(nqm_grid *grid, size_t n, bool reciprocal, const char *name, nqm_brdf **brdf_ret,
-                            nqm_error *err) {
+static nqm_status wrap_grid(const list *l, nqm_grid *grid, const char *name, nqm_brdf **brdf_ret, nqm_error *err) {
+    static const char *const axes[2][3] = {{"theta_h", "theta_d", "phi_d"}, {"theta_i", "theta_o", "phi"}};
+    const char *const *axis = axes[l->has_pairs];
     char text[200];
     snprintf(text, sizeof text,
-             "%zu theta_h x %zu theta_d x %zu phi_d, linear between them, at most %.3g, %.3g and %.3g degrees apart",
-             grid->n[0], grid->n[1], grid->n[2], largest_gap(grid, 0), largest_gap(grid, 1), largest_gap(grid, 2));
-    const nqm_brdf_info info = {.name = name, .layout = text, .n_values = 3 * n};
-    return nqm_brdf_wrap(reciprocal ? &reciprocal_class : &general_class, grid, &info, brdf_ret, err);
+             "%zu %s x %zu %s x %zu %s, linear between them, at most %.3g, %.3g and %.3g degrees apart", grid->n[0],
+             axis[0], grid->n[1], axis[1], grid->n[2], axis[2], largest_gap(grid, 0), largest_gap(grid, 1),
+             largest_gap(grid, 2));
+    const nqm_brdf_info info = {.name = name, .layout = text, .n_values = 3 * l->n};
+    return nqm_brdf_wrap(l->has_pairs       ? &pair_class
+                         : l->is_reciprocal ? &reciprocal_class
+                                            : &general_class,
+                         grid, &info, brdf_ret, err);
+}
+
+static double nearest_node(const nqm_grid *g, size_t axis, double x) {
+    size_t nearest = 0;
+    double least = INFINITY;
+    for (size_t i = 0; i < g->n[axis]; ++i) {
+        const double distance = fabs(remainder(x - g->node[axis][i], 2 * NQM_PI));
+        nearest = distance < least ? i : nearest;
+        least = fmin(distance, least);
+    }
+    return g->node[axis][nearest];
+}
+
+void nqm_listed_snap(const nqm_brdf *brdf, size_t n, double *wi, double *wo) {
+    for (size_t i = 0; i < n && brdf->class_ == &pair_class; ++i) {
+        double at[3];
+        place_pair(brdf->self, wi + 3 * i, wo + 3 * i, at);
+        for (size_t k = 0; k < 3; ++k)
+            at[k] = nearest_node(brdf->self, k, at[k]);
+        nqm_spherical(at[0], 0, wi + 3 * i);
+        nqm_spherical(at[1], at[2], wo + 3 * i);
+    }
 }
 
 /* ---- opening ----------------------------------------------------------------------------------------------------- */
@@ -264,7 +364,7 @@ static nqm_status create(const list *l, size_t n_bytes, const char *tolerance_te
     nqm_grid *grid = NULL;
     nqm_status status = read_tolerance(l->path, tolerance_text, &tolerance, err);
     if (status == NQM_OK)
-        status = make_grid(l->n, l->rows, l->is_reciprocal ? NQM_PI : 2 * NQM_PI, &grid, err);
+        status = make_grid(l, &grid, err);
     if (status != NQM_OK)
         return status;
     if (!grid && l->n > max_scattered(n_bytes))
@@ -276,7 +376,7 @@ static nqm_status create(const list *l, size_t n_bytes, const char *tolerance_te
     if (!grid)
         return nqm_scattered_create(l->n, l->rows, l->is_reciprocal, tolerance, name, brdf_ret, err);
     if (!tolerance_text)
-        return wrap_grid(grid, l->n, l->is_reciprocal, name, brdf_ret, err);
+        return wrap_grid(l, grid, name, brdf_ret, err);
     nqm_free(grid);
     return nqm_fail(err, NQM_ERR_ARG, -1, "%s: is a complete grid, which is interpolated: open it without ':%s'",
                     l->path, tolerance_text);

@@ -10,6 +10,7 @@
 /** One direction: theta_h, theta_d, phi_d in radians, and f_r in 1/sr; NaN in channel 0: no value. */
 typedef struct nqm_listed {
     double hd[3];
+    double at[3]; /* coordinates of a grid: hd, or theta_i, theta_o, phi */
     float rgb[3];
 } nqm_listed;
 
@@ -19,6 +20,18 @@ typedef struct nqm_listed {
  *  without a value or below the horizon are ignored. `rows` is copied. NQM_ERR_FORMAT: no row is left. */
 NQM_MUST_CHECK nqm_status nqm_scattered_create(size_t n, const nqm_listed *rows, bool reciprocal, double tolerance,
                                                const char *name, nqm_brdf **brdf_ret, nqm_error *err);
+
+/** The directions of such a BRDF, without repeated ones: wi, wo (n, 3) receive them unless NULL. Returns n; 0 for other BRDFs. */
+size_t nqm_scattered_rows(const nqm_brdf *brdf, double *wi, double *wo);
+/** Distance of a pair to the nearest of them in radians; 0 for other BRDFs. */
+double nqm_scattered_distance(const nqm_brdf *brdf, const double *wi, const double *wo);
+
+/** The median and the 95 % quantile of these distances of n pairs. */
+NQM_MUST_CHECK nqm_status nqm_scattered_distances(const nqm_brdf *brdf, size_t n, const double *wi, const double *wo,
+                                                  double quantile[2], nqm_error *err);
+
+/** For an interpolated grid, replace pairs by its nearest nodes, which have measured values; other BRDFs: nothing. */
+void nqm_listed_snap(const nqm_brdf *brdf, size_t n, double *wi, double *wo);
 
 /** A CSV with the columns theta_h, theta_d, phi_d (degrees), r, g, b. */
 bool nqm_listed_probe(const nqm_map *map);

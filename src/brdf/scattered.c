@@ -15,6 +15,7 @@
 typedef struct sample {
     double wi[3], wo[3];
     float rgb[3];
+    bool is_exchanged; /* by reciprocity */
 } sample;
 
 /* One block; the arrays follow the struct. */
@@ -54,24 +55,32 @@ static double polar_angle(const double *w) {
     return atan2(hypot(w[0], w[1]), w[2]);
 }
 
-static void eval_pair(const scattered *t, const double *wi, const double *wo, double *rgb) {
+/* The nearest sample at most `reach` (a chord) away, and its distance; NULL: there is none. */
+static const sample *find_nearest(const scattered *t, double reach, const double *wi, const double *wo,
+                                  double *distance) {
     /* Lights at most `reach` apart differ by at most this polar angle. */
-    const double window = 2 * asin(fmin(t->reach / 2, 1)) + 1e-9, theta = polar_angle(wi);
-    double least = t->reach * t->reach;
-    rgb[0] = rgb[1] = rgb[2] = NAN;
+    const double window = 2 * asin(fmin(reach / 2, 1)) + 1e-9, theta = polar_angle(wi);
+    const sample *nearest = NULL;
+    double least = reach * reach;
     for (size_t i = first_at_least(t, theta - window); i < t->n && t->theta[i] <= theta + window; ++i) {
-        double distance = squared_distance(t->sample + i, wi, wo);
-        if (!(distance <= least))
+        double squared = squared_distance(t->sample + i, wi, wo);
+        if (!(squared <= least))
             continue;
-        least = distance;
-        for (size_t c = 0; c < 3; ++c)
-            rgb[c] = (double)t->sample[i].rgb[c];
+        least = squared;
+        nearest = t->sample + i;
     }
+    *distance = sqrt(fmax(least, 0));
+    return nearest;
 }
 
 static void scattered_eval(const void *self, size_t n, const double *wi, const double *wo, double *rgb) {
-    for (size_t i = 0; i < n; ++i)
-        eval_pair(self, wi + 3 * i, wo + 3 * i, rgb + 3 * i);
+    const scattered *t = self;
+    double distance;
+    for (size_t i = 0; i < n; ++i) {
+        const sample *s = find_nearest(t, t->reach, wi + 3 * i, wo + 3 * i, &distance);
+        for (size_t c = 0; c < 3; ++c)
+            rgb[3 * i + c] = s ? (double)s->rgb[c] : NAN;
+    }
 }
 
 static const nqm_brdf_class reciprocal_class = {
@@ -79,19 +88,62 @@ static const nqm_brdf_class reciprocal_class = {
 static const nqm_brdf_class general_class = {
     .format = "samples", .reciprocal = 0, .eval = scattered_eval, .free = nqm_free};
 
-/* The pairs with a value above the horizon, each also exchanged if `reciprocal`; returns their number. */
-static size_t expand(size_t n, const nqm_listed *rows, bool reciprocal, sample *out) {
+static const scattered *table_of(const nqm_brdf *brdf) {
+    return brdf->class_->eval == scattered_eval ? brdf->self : NULL;
+}
+
+size_t nqm_scattered_rows(const nqm_brdf *brdf, double *wi, double *wo) {
+    const scattered *t = table_of(brdf);
+    size_t n = 0;
+    for (size_t i = 0; t && i < t->n; ++i) {
+        const sample *s = &t->sample[i];
+        if (s->is_exchanged)
+            continue;
+        if (wi) {
+            memcpy(wi + 3 * n, s->wi, sizeof s->wi);
+            memcpy(wo + 3 * n, s->wo, sizeof s->wo);
+        }
+        ++n;
+    }
+    return n;
+}
+
+double nqm_scattered_distance(const nqm_brdf *brdf, const double *wi, const double *wo) {
+    const scattered *t = table_of(brdf);
+    double distance = 0;
+    for (double reach = 2e-3; t && !find_nearest(t, reach, wi, wo, &distance); reach *= 3)
+        ;
+    return 2 * asin(fmin(distance / 2, 1));
+}
+
+nqm_status nqm_scattered_distances(const nqm_brdf *brdf, size_t n, const double *wi, const double *wo,
+                                   double quantile[2], nqm_error *err) {
+    double *distance = nqm_alloc(n, sizeof *distance);
+    if (!distance)
+        return nqm_fail_nomem(err, n * sizeof *distance);
+    for (size_t i = 0; i < n; ++i)
+        distance[i] = nqm_scattered_distance(brdf, wi + 3 * i, wo + 3 * i);
+    quantile[0] = nqm_quantile(n, distance, 0.5);
+    quantile[1] = nqm_quantile(n, distance, 0.95);
+    nqm_free(distance);
+    return NQM_OK;
+}
+
+/* The n_used pairs with a value above the horizon, each also exchanged if `reciprocal`; returns the number of all. */
+static size_t expand(size_t n, const nqm_listed *rows, bool reciprocal, sample *out, size_t *n_used) {
     size_t n_out = 0;
     for (size_t i = 0; i < n; ++i) {
-        sample s;
+        sample s = {.is_exchanged = false};
         nqm_half_diff_to_pair(rows[i].hd, s.wi, s.wo);
         memcpy(s.rgb, rows[i].rgb, sizeof s.rgb);
         if (isnan(s.rgb[0]) || !(s.wi[2] > 0 && s.wo[2] > 0))
             continue;
+        ++*n_used;
         out[n_out++] = s;
-        if (!reciprocal)
+        if (!reciprocal || memcmp(s.wi, s.wo, sizeof s.wi) == 0)
             continue;
         out[n_out] = s;
+        out[n_out].is_exchanged = true;
         memcpy(out[n_out].wi, s.wo, sizeof s.wo);
         memcpy(out[n_out++].wo, s.wi, sizeof s.wi);
     }
@@ -150,8 +202,7 @@ nqm_status nqm_scattered_create(size_t n, const nqm_listed *rows, bool reciproca
                               err);
     if (status == NQM_OK) {
         *t = (scattered){.reach = 2 * sin(tolerance / 2), .theta = theta, .sample = sorted};
-        t->n = expand(n, rows, reciprocal, unsorted);
-        n_used = reciprocal ? t->n / 2 : t->n;
+        t->n = expand(n, rows, reciprocal, unsorted, &n_used);
         t->n = drop_repeated(t->n, unsorted, repeated);
         sort(t, unsorted, order);
         nqm_free(unsorted);

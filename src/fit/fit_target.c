@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT
  *
- * The reference at the directions of a fit. Most direction pairs are uniform over the cap
- * of the hemisphere; the others have half vectors dense around the normal, because the lobe of a polished metal (0.2
- * degrees) would otherwise contain a millionth of all pairs.
+ * The reference at the directions of a fit: those of a list of measured ones, or drawn (and moved to the nearest nodes of a
+ * goniometer's grid). Most direction pairs are uniform over the cap of the hemisphere; the others have half vectors dense around
+ * the normal, because the lobe of a polished metal (0.2 degrees) would otherwise contain a millionth of all pairs.
  */
-#include "brdf/brdf.h"
+#include "brdf/listed.h"
 #include "fit/fit.h"
 #include "math/math.h"
 
@@ -33,7 +33,7 @@ void nqm_fit_draw_dense(nqm_rng *rng, double max_polar, double max_theta, double
     } while (wi[2] < cos_max || wo[2] < cos_max);
 }
 
-static void draw_pairs(const nqm_fit_options *options, nqm_fit_target *target) {
+static void draw_pairs(const nqm_fit_options *options, const nqm_fit_target *target) {
     nqm_rng rng = nqm_rng_make(options->seed, 0);
     size_t n_highlight = (size_t)(options->highlight_fraction * (double)options->n_directions + 0.5);
     for (size_t i = 0; i < options->n_directions; ++i) {
@@ -48,11 +48,12 @@ static void draw_pairs(const nqm_fit_options *options, nqm_fit_target *target) {
     }
 }
 
-/* Remove the pairs for which the reference has no value. */
-static void drop_invalid(nqm_fit_target *target, const uint8_t *flag) {
+/* Remove the pairs for which the reference has no value, and those of a list beyond the largest polar angle. */
+static void drop_invalid(nqm_fit_target *target, double max_polar, const uint8_t *flag) {
+    const double least = cos(max_polar + 1e-6);
     size_t kept = 0;
     for (size_t i = 0; i < target->n; ++i) {
-        if (!nqm_has_value(flag[i]))
+        if (!nqm_has_value(flag[i]) || target->wi[3 * i + 2] < least || target->wo[3 * i + 2] < least)
             continue;
         memmove(target->wi + 3 * kept, target->wi + 3 * i, 3 * sizeof(double));
         memmove(target->wo + 3 * kept, target->wo + 3 * i, 3 * sizeof(double));
@@ -72,7 +73,7 @@ static void set_goal(nqm_fit_target *target) {
 
 nqm_status nqm_fit_target_make(const nqm_brdf *ref, const nqm_fit_options *options, nqm_fit_target *target,
                                nqm_error *err) {
-    size_t n = options->n_directions;
+    const size_t n_rows = nqm_scattered_rows(ref, NULL, NULL), n = n_rows ? n_rows : options->n_directions;
     *target = (nqm_fit_target){.loss = options->loss, .n = n};
     uint8_t *flag;
     nqm_status status =
@@ -82,9 +83,14 @@ nqm_status nqm_fit_target_make(const nqm_brdf *ref, const nqm_fit_options *optio
                          err);
     if (status != NQM_OK)
         return status;
-    draw_pairs(options, target);
+    if (n_rows) {
+        nqm_scattered_rows(ref, target->wi, target->wo);
+    } else {
+        draw_pairs(options, target);
+        nqm_listed_snap(ref, n, target->wi, target->wo);
+    }
     nqm_brdf_eval(ref, n, target->wi, target->wo, target->rgb, flag);
-    drop_invalid(target, flag);
+    drop_invalid(target, options->max_polar_rad, flag);
     if (target->n < MIN_VALID)
         return nqm_fail(err, NQM_ERR_INCOMPATIBLE, -1, "%s: values at only %zu of %zu directions; a fit needs %d",
                         nqm_brdf_get_info(ref).name, target->n, n, MIN_VALID);

@@ -3,6 +3,7 @@
  * Fits by perceptual losses, and the selection among several of them.
  */
 #include "match/match.h"
+#include "brdf/listed.h"
 #include "fit/fit.h"
 
 #include <math.h>
@@ -216,6 +217,26 @@ static nqm_status select_best(const setting *setting_of_all, const nqm_match_sum
     return status == NQM_OK ? nqm_brdf_open(report->fit.spec, brdf_ret, err) : status;
 }
 
+/* ---- references with few values ---------------------------------------------------------------------------------- */
+
+const char *const nqm_match_uncovered = "ma_crwe, as too few directions of transport have a value";
+
+/* Whether the directions of a model have values: of a list of measured ones, those of near rows. */
+static bool is_covered(const nqm_brdf *ref, const nqm_model *model) {
+    const double near = NQM_PI / 180;
+    const nqm_directions *directions = nqm_model_get_info(model).directions;
+    const double *wi = nqm_directions_wi(directions), *wo = nqm_directions_wo(directions);
+    const size_t n = nqm_directions_count(directions);
+    size_t n_near = 0;
+    for (size_t i = 0; i < n; ++i) {
+        double rgb[3];
+        uint8_t flag;
+        nqm_brdf_eval(ref, 1, wi + 3 * i, wo + 3 * i, rgb, &flag);
+        n_near += nqm_has_value(flag) && nqm_scattered_distance(ref, wi + 3 * i, wo + 3 * i) < near;
+    }
+    return (double)n_near >= nqm_score_options_default().min_valid_fraction * (double)n;
+}
+
 /* ---- public entry ------------------------------------------------------------------------------------------------ */
 
 static bool has_own_loss(const nqm_fit_entry *entry) {
@@ -224,8 +245,13 @@ static bool has_own_loss(const nqm_fit_entry *entry) {
 
 static nqm_status match(const setting *s, const nqm_fit_entry *entry, const nqm_match_sum *sum,
                         nqm_match_report *report, nqm_brdf **brdf_ret, nqm_error *err) {
-    if (has_own_loss(entry))
-        return nqm_fit(s->ref, s->model, &s->options, &report->fit, brdf_ret, err);
+    if (has_own_loss(entry)) {
+        const nqm_status own = nqm_fit(s->ref, s->model, &s->options, &report->fit, brdf_ret, err);
+        if (own != NQM_ERR_INCOMPATIBLE || !nqm_scattered_rows(s->ref, NULL, NULL))
+            return own;
+        return nqm_fail(err, own, -1, "%s: a list of directions; only analytic and shading models can be fitted to it",
+                        nqm_brdf_get_info(s->ref).name);
+    }
     if (sum->is_auto && !s->judge && !s->loss->transport)
         return nqm_fail(err, NQM_ERR_ARG, -1, "the loss 'auto' needs a scene or a model for transport");
     if (sum->is_auto && entry->shading)
@@ -235,7 +261,7 @@ static nqm_status match(const setting *s, const nqm_fit_entry *entry, const nqm_
     nqm_status status = fit_sum(s, sum, NULL, &report->fit, brdf_ret, err);
     if (status == NQM_OK && (s->judge || s->loss->transport))
         status = compare(s, *brdf_ret, &report->difference, err);
-    return status;
+    return status == NQM_ERR_INCOMPATIBLE && *brdf_ret ? NQM_OK : status; /* without a difference */
 }
 
 nqm_status nqm_match(const nqm_brdf *ref, const char *model, const nqm_match_loss *loss,
@@ -251,10 +277,18 @@ nqm_status nqm_match(const nqm_brdf *ref, const char *model, const nqm_match_los
     nqm_brdf *brdf = NULL;
     nqm_match_sum sum;
     const nqm_fit_entry *entry;
+    const nqm_match_loss values = {.text = "ma_crwe"};
     nqm_status status = nqm_match_parse(loss->text, &sum, err);
     if (status == NQM_OK)
         status = nqm_fit_entry_find(model, &entry, err);
-    if (status == NQM_OK && loss->scene && !has_own_loss(entry)) {
+    if (status == NQM_OK && sum.is_auto && loss->transport && !has_own_loss(entry) &&
+        !is_covered(ref, loss->transport)) {
+        s.loss = &values;
+        status = nqm_match_parse(values.text, &sum, err);
+        snprintf(report.selected, sizeof report.selected, "%s", nqm_match_uncovered);
+    }
+    /* A list has values at its own directions only, not on rays. */
+    if (status == NQM_OK && s.loss->scene && !has_own_loss(entry) && !nqm_scattered_rows(ref, NULL, NULL)) {
         status = nqm_match_judge_make(loss->scene, ref, s.options.seed, &judge, err);
         s.judge = &judge;
     }

@@ -28,6 +28,8 @@ typedef struct nqm_match_sum {
 
 /** The sum of "auto". */
 extern const char *const nqm_match_polish;
+/** nqm_match_report.selected where "auto" has no perceptual terms. */
+extern const char *const nqm_match_uncovered;
 /** NQM_ERR_ARG names the word at fault. */
 NQM_MUST_CHECK nqm_status nqm_match_parse(const char *text, nqm_match_sum *sum, nqm_error *err);
 

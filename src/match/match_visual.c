@@ -26,13 +26,22 @@ static double evaluate(void *user, const double *rgb, double *gradient) {
     return v->quantity == NQM_SCORE_JOD ? 10 - value : value;
 }
 
-/* The reference at the directions of the model. */
-static nqm_status sample(const nqm_directions *directions, const nqm_brdf *ref, nqm_match_visual *v, nqm_error *err) {
-    const double *wi = nqm_directions_wi(directions), *wo = nqm_directions_wo(directions);
-    nqm_status status = nqm_sample(ref, directions, NQM_INVALID_DROP, v->ref, v->used, NULL, err);
+/* The reference at the directions of the model, of which enough must have a value. */
+static nqm_status sample(const nqm_model *model, const nqm_brdf *ref, double min_valid, nqm_match_visual *v,
+                         nqm_error *err) {
+    const nqm_model_info info = nqm_model_get_info(model);
+    const double *wi = nqm_directions_wi(info.directions), *wo = nqm_directions_wo(info.directions);
+    size_t n_used = 0;
+    nqm_status status = nqm_sample(ref, info.directions, NQM_INVALID_DROP, v->ref, v->used, NULL, err);
     for (size_t i = 0; i < v->visual.n; ++i)
-        v->used[i] = nqm_has_value(v->used[i]) && wi[3 * i + 2] > 0 && wo[3 * i + 2] > 0;
-    return status;
+        n_used += v->used[i] = nqm_has_value(v->used[i]) && wi[3 * i + 2] > 0 && wo[3 * i + 2] > 0;
+    if (status == NQM_OK && (double)n_used >= min_valid * (double)v->visual.n)
+        return NQM_OK;
+    return nqm_fail(
+        err, NQM_ERR_INCOMPATIBLE, -1,
+        "%s: values at only %zu of the %zu directions of the model '%s'; the loss auto or ma_crwe uses those "
+        "that there are",
+        nqm_brdf_get_info(ref).name, n_used, v->visual.n, info.id);
 }
 
 nqm_status nqm_match_visual_make(const nqm_model *model, const nqm_brdf *ref, nqm_match_visual *v, nqm_error *err) {
@@ -48,12 +57,12 @@ nqm_status nqm_match_visual_make(const nqm_model *model, const nqm_brdf *ref, nq
         return status;
     v->visual = (nqm_fit_visual){
         .n = n, .wi = nqm_directions_wi(directions), .wo = nqm_directions_wo(directions), .eval = evaluate, .user = v};
-    status = sample(directions, ref, v, err);
+    status = sample(model, ref, options.min_valid_fraction, v, err);
     if (status == NQM_OK)
         status = nqm_scorer_create(model, &options, &v->scorer, err);
     if (status != NQM_OK)
         return status;
-    /* The reference against itself shows whether it has enough values, and whether the model predicts a Delta-E. */
+    /* The reference against itself shows whether the model predicts a Delta-E. */
     double value;
     nqm_error fault = {0};
     memcpy(v->test, v->ref, 3 * n * sizeof *v->test);

@@ -339,8 +339,9 @@ static nqm_error explain(const nqm_scorer *s, nqm_cached *const *entry, const ch
     if (result->status == NQM_ERR_INCOMPATIBLE)
         (void)nqm_fail(
             &why, result->status, -1,
-            "%s: it and its reference both have a value at only %zu of %zu directions (at least %.0f are needed)", test,
-            result->n_valid, s->model->directions->n,
+            "%s: it and its reference both have a value at only %zu of %zu directions (at least %.0f are needed; "
+            "--min-valid, min_valid_fraction)",
+            test, result->n_valid, s->model->directions->n,
             ceil(s->options.min_valid_fraction * (double)s->model->directions->n));
     else if (result->status != NQM_OK)
         (void)nqm_fail(&why, result->status, -1, "%s: %s", test, nqm_status_text(result->status));

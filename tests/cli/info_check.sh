@@ -133,3 +133,10 @@ has '^cairo \([0-9.]*[0-9]\|off\), Embree \([0-9.]*[0-9] when needed\|off\), lib
 run 0 info "$dir/list.csv" --json
 has '"format": "samples"'
 "$tool" sample "$dir/list.csv" | cmp - "$dir/list.csv" || fail "the samples of a list differ from it"
+run 0 check "$dir/list.csv"
+has 'list.csv: plausible'
+has 'energy *unknown: this is a list of directions'
+has 'positivity *ok: 0 of 1392 values'
+sed '2,$s/,[^,]*,[^,]*$/,-1,1/' "$dir/list.csv" >"$dir/negative.csv"
+run 1 check "$dir/negative.csv" --json
+has '"positivity"'

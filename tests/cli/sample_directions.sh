@@ -103,3 +103,36 @@ awk 'BEGIN { print "theta_h,theta_d,phi_d"; for (h = 0; h <= 90; h += 5) for (d 
 "$tool" sample sgd:nickel -d "$dir/grid.csv" >"$dir/grid-sgd.csv" 2>"$dir/err"
 run 0 score --samples "$dir/sgd.csv" "$dir/grid-sgd.csv" -q
 grep -q 'interpolated (19 theta_h x 10 theta_d x 6 phi_d, .* at most 5, 10 and 30 degrees apart)' "$dir/err" || fail "a grid: $(cat "$dir/err")"
+
+# A fit uses the rows of a list as they are. Where they are far from the directions of the model, how far is said, and perceptual losses
+# are refused or left out.
+ward='ward:kd=.3,.2,.1;ks=.05;alpha=.1'
+"$tool" sample "$ward" >"$dir/list.csv"
+run 0 fit "$dir/list.csv" -m ward --json
+[ ! -s "$dir/err" ] || fail "talk about a complete list: $(cat "$dir/err")"
+grep -q '"jod": 10.0' "$dir/out" || fail "not the BRDF that was sampled: $(cat "$dir/out")"
+head -n 401 "$dir/list.csv" >"$dir/few.csv"
+run 0 fit "$dir/few.csv" -m ward -q
+spec=$(cat "$dir/out")
+grep -q 'few.csv: its nearest row is [0-9.]* degrees (median; 95 %: [0-9.]*) away' "$dir/err" || fail "how far: $(cat "$dir/err")"
+grep -q 'few.csv, ward: fitted by ma_crwe, as too few directions' "$dir/err" || fail "no word about the loss: $(cat "$dir/err")"
+run 0 score "$ward" "$spec" --json
+grep -q '"jod": \(10.0\|9.99\)' "$dir/out" || fail "another BRDF: $spec"
+run 5 fit "$dir/few.csv" -m ward --loss nqm
+says "few.csv: values at only [0-9]* of the 1392 directions of the model 'default'; the loss auto or ma_crwe"
+run 0 score "$dir/few.csv:20" "$ward" -q --min-valid .1
+grep -q 'few.csv:20: its nearest row is' "$dir/err" || fail "how far: $(cat "$dir/err")"
+
+run 5 fit "$dir/few.csv" -m sparse-0 -o "$dir/few.safetensors"
+says 'few.csv: a list of directions; only analytic and shading models'
+
+# Faults of measured values that a low score shows.
+awk -F, 'NR > 1 { for (i = 4; i < 7; ++i) $i *= 255 } { print $1 "," $2 "," $3 "," $4 "," $5 "," $6 }' "$dir/sgd.csv" >"$dir/scaled.csv"
+run 0 score sgd:nickel "$dir/scaled.csv" -q
+grep -q 'scaled.csv: about 255 times its reference at most directions: is a scale missing' "$dir/err" || fail "a scale: $(cat "$dir/err")"
+paste -d, "$dir/pairs.csv" "$dir/sgd.csv" | awk -F, 'NR == 1 { print "theta_h,theta_d,phi_d,r,g,b" }
+    NR > 1 { c = cos($6 * atan2(0, -1) / 180); print $1 "," $2 "," $3 "," $11 * c "," $12 * c "," $13 * c }' >"$dir/cosine.csv"
+run 0 score sgd:nickel "$dir/cosine.csv" -q
+grep -q 'cosine.csv: about its reference times the cosine of light or viewer' "$dir/err" || fail "a cosine: $(cat "$dir/err")"
+run 0 score sgd:nickel ward:nickel -q
+[ ! -s "$dir/err" ] || fail "a suspicion of a fit: $(cat "$dir/err")"

@@ -212,6 +212,74 @@ static void lights_and_viewers_are_read(void **state) {
     nqm_brdf_free(brdf);
 }
 
+/* theta_i x theta_o x phi of a goniometer, with the values of f: over half a turn of phi it is mirrored, over a full one not. */
+static nqm_brdf *open_goniometer(int first_phi, int last_phi, int step) {
+    static csv file;
+    file.n = 0;
+    add(&file, "theta_i,phi_i,theta_o,phi_o,r,g,b\n");
+    for (int o = 10; o <= 80; o += 35)
+        for (int p = first_phi; p <= last_phi; p += step)
+            for (int i = 0; i <= 80; i += 20)
+                add(&file, "%d,30,%d,%d,%.9g,%d,1\n", i, o, p + 30, 1 + i * degree + 2 * o * degree, abs(p));
+    return open_ok(save(&file), "");
+}
+
+static bool eval_goniometer(const nqm_brdf *brdf, double theta_i, double theta_o, double phi, double *rgb) {
+    const double wi[3] = {0, sin(theta_i * degree), cos(theta_i * degree)}; /* at azimuth 90 degrees */
+    const double wo[3] = {-sin(theta_o * degree) * sin(phi * degree), sin(theta_o * degree) * cos(phi * degree),
+                          cos(theta_o * degree)};
+    uint8_t flag;
+    nqm_brdf_eval(brdf, 1, wi, wo, rgb, &flag);
+    return nqm_has_value(flag);
+}
+
+static void goniometer_grids_are_interpolated(void **state) {
+    (void)state;
+    double rgb[3];
+    for (int turn = 0; turn < 3; ++turn) { /* half a turn to either side, and a full one */
+        nqm_brdf *brdf = turn == 0   ? open_goniometer(0, 180, 30)
+                         : turn == 1 ? open_goniometer(-180, 0, 30)
+                                     : open_goniometer(-180, 150, 30);
+        const nqm_brdf_info info = nqm_brdf_get_info(brdf);
+        char expected[200];
+        snprintf(expected, sizeof expected,
+                 "5 theta_i x 3 theta_o x %d phi, linear between them, at most 20, 35 and 30 degrees apart",
+                 turn < 2 ? 7 : 12);
+        assert_string_equal(info.layout, expected);
+        assert_string_equal(info.format, "grid");
+        assert_int_equal(info.reciprocal, 0);
+        for (int phi = -179; phi < 180; phi += 7) {
+            assert_true(eval_goniometer(brdf, 33, 47, phi, rgb));
+            assert_near(rgb[0], 1 + 33 * degree + 2 * 47 * degree, 1e-6);
+            assert_near(rgb[1], abs(phi), 1e-4);
+        }
+        assert_false(eval_goniometer(brdf, 33, 9.9, 20, rgb) || eval_goniometer(brdf, 80.1, 40, 20, rgb));
+        nqm_brdf_free(brdf);
+    }
+    nqm_brdf *brdf = open_goniometer(30, 120, 30); /* nothing is known beyond */
+    assert_true(eval_goniometer(brdf, 33, 47, -119, rgb));
+    assert_false(eval_goniometer(brdf, 33, 47, 121, rgb) || eval_goniometer(brdf, 33, 47, 29, rgb));
+    nqm_brdf_free(brdf);
+    brdf = open_goniometer(0, 180, 180); /* the plane of incidence alone */
+    assert_string_equal(nqm_brdf_get_info(brdf).format, "samples");
+    nqm_brdf_free(brdf);
+}
+
+static void radians_are_refused(void **state) {
+    (void)state;
+    csv file = {.n = 0};
+    char text[4096];
+    size_t n = (size_t)snprintf(text, sizeof text, "%s", header);
+    for (int i = 0; i < 30; ++i)
+        n += (size_t)snprintf(text + n, sizeof text - n, "%g,%g,%g,1,1,1\n", 0.05 * i, 1.5 - 0.03 * i, 0.2 * i);
+    add(&file, "%s", text);
+    nqm_error err = {0};
+    nqm_brdf *brdf;
+    assert_int_equal(nqm_brdf_open(save(&file), &brdf, &err), NQM_ERR_FORMAT);
+    assert_non_null(strstr(err.message, "list.csv: the polar angles of all rows (from byte 0 on) are at most 1.5, "));
+    assert_non_null(strstr(err.message, "radians; degrees are needed"));
+}
+
 static void expect_refused(const char *text, const char *suffix, nqm_status status, const char *words) {
     csv file = {.n = 0};
     char argument[4200], at[32];
@@ -259,9 +327,12 @@ static void refuses_unfit_lists(void **state) {
 }
 
 int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(grids_are_interpolated), cmocka_unit_test(full_turns_are_not_reciprocal),
-        cmocka_unit_test(scattered_directions_are_found), cmocka_unit_test(lights_and_viewers_are_read),
-        cmocka_unit_test(refuses_unfit_lists)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(grids_are_interpolated),
+                                       cmocka_unit_test(full_turns_are_not_reciprocal),
+                                       cmocka_unit_test(scattered_directions_are_found),
+                                       cmocka_unit_test(lights_and_viewers_are_read),
+                                       cmocka_unit_test(goniometer_grids_are_interpolated),
+                                       cmocka_unit_test(radians_are_refused),
+                                       cmocka_unit_test(refuses_unfit_lists)};
     return cmocka_run_group_tests_name("brdf_listed", tests, NULL, NULL);
 }

@@ -6,12 +6,15 @@
 #include "base/memory_test.h"
 #include "fit/fit.h"
 #include "match/match.h"
+#include "math/math.h"
+#include "support/brdf_files.h"
 #include "support/check.h"
 #include "support/fitting.h"
 #include "support/scenes.h"
 #include <nqm/label.h>
 
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
 
 static const char truth_ggx[] = "ggx:kd=0.3,0.02,0.1;ks=0.05,0.2,0.4;alpha=0.15;f0=0.3";
@@ -48,6 +51,59 @@ static nqm_match_report match(const char *spec, const char *model, const char *t
         fail_msg("%s: %s", text, err.message);
     nqm_brdf_free(ref);
     return report;
+}
+
+/* ---- measured directions ------------------------------------------------------------------------------------------ */
+
+/* A CSV of ggx: the grid of a goniometer up to 80 degrees, or scattered directions. */
+static const char *save_measured(bool grid) {
+    const double degree = 3.14159265358979323846 / 180;
+    const char *path = scratch_path(grid ? "gonio.csv" : "scattered.csv");
+    FILE *out = fopen(path, "w");
+    nqm_brdf *brdf = open_brdf(truth_ggx);
+    nqm_rng rng = nqm_rng_make(5, 0);
+    assert_non_null(out);
+    fputs("theta_i,phi_i,theta_o,phi_o,r,g,b\n", out);
+    for (int i = 0; i < 9 * 9 * 13; ++i) {
+        double theta_i = 10 * (i / 117), theta_o = 10 * (i / 13 % 9), phi = 15 * (i % 13), wi[3], wo[3], rgb[3];
+        if (!grid) {
+            theta_i = 80 * nqm_rng_uniform(&rng);
+            theta_o = 80 * nqm_rng_uniform(&rng);
+            phi = 180 * nqm_rng_uniform(&rng);
+        }
+        nqm_spherical(theta_i * degree, 0, wi);
+        nqm_spherical(theta_o * degree, phi * degree, wo);
+        nqm_brdf_eval(brdf, 1, wi, wo, rgb, NULL);
+        fprintf(out, "%.9g,0,%.9g,%.9g,%.9g,%.9g,%.9g\n", theta_i, theta_o, phi, rgb[0], rgb[1], rgb[2]);
+    }
+    assert_int_equal(fclose(out), 0);
+    nqm_brdf_free(brdf);
+    return path;
+}
+
+/* The steps of 10 degrees are as wide as the lobe: only the measured directions themselves give the parameters back. */
+static void measured_directions_are_used_as_they_are(void **state) {
+    (void)state;
+    static const char *const suffixes[] = {"", "", ":8"};
+    for (int i = 0; i < 3; ++i) {
+        char argument[4200];
+        snprintf(argument, sizeof argument, "%s%s", save_measured(i == 0), suffixes[i]);
+        for (int k = 0; k < 2; ++k) {
+            const nqm_match_report report = match(argument, "ggx", k ? "auto" : "log", NULL);
+            check_spec_values(report.fit.spec, truth_ggx, "alpha", 1e-3);
+            check_spec_values(report.fit.spec, truth_ggx, "kd", 1e-3);
+            check_spec_values(report.fit.spec, truth_ggx, "ks", 1e-2);
+            assert_string_equal(report.selected, k ? nqm_match_uncovered : "");
+        }
+        const nqm_match_loss loss = {"nqm", metric, NULL, NULL};
+        nqm_match_report report;
+        nqm_error err = {0};
+        nqm_brdf *ref = open_brdf(argument);
+        assert_int_equal(nqm_match(ref, "ggx", &loss, NULL, &report, NULL, &err), NQM_ERR_INCOMPATIBLE);
+        assert_non_null(strstr(err.message, argument));
+        assert_null(strstr(err.message, "pair 0"));
+        nqm_brdf_free(ref);
+    }
 }
 
 /* ---- texts -------------------------------------------------------------------------------------------------------- */
@@ -370,6 +426,7 @@ int main(void) {
         cmocka_unit_test(a_match_can_be_stopped),
         cmocka_unit_test(memory_runs_out),
         cmocka_unit_test(missing_values_are_left_out),
+        cmocka_unit_test(measured_directions_are_used_as_they_are),
         cmocka_unit_test(a_scene_judges_on_directions_of_its_own),
         cmocka_unit_test(faults_are_named),
     };

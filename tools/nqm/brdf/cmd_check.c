@@ -4,6 +4,7 @@
  */
 #include "nqm/tool.h"
 
+#include <math.h>
 #include <string.h>
 
 /* The largest albedo that passes. The tolerance covers the errors of measured data and of the quadrature. */
@@ -17,19 +18,22 @@ static const double least_albedo = 0.001;
 typedef struct verdict {
     nqm_brdf_check_report report;
     double largest_albedo;
+    bool is_list; /* of measured directions, whose albedo is unknown */
     bool energy_fails, too_dark, no_data, is_empty, all_negative, noted_asymmetry, is_merl;
 } verdict;
 
 static verdict judge(const nqm_brdf *brdf, const nqm_brdf_check_report *r) {
     verdict v = {.report = *r, .is_merl = strcmp(nqm_brdf_get_info(brdf).format, "merl") == 0};
+    v.is_list = isnan(r->albedo_max[0]);
     for (int c = 0; c < 3; ++c)
         if (r->albedo_max[c] > v.largest_albedo)
             v.largest_albedo = r->albedo_max[c];
     v.energy_fails = v.largest_albedo > max_albedo;
-    v.too_dark = v.largest_albedo < least_albedo;
+    v.too_dark = !v.is_list && v.largest_albedo < least_albedo;
     v.no_data = 2 * r->n_invalid > r->n_pairs;
     v.is_empty = r->n_invalid == r->n_pairs;
-    v.all_negative = v.largest_albedo <= 0 && r->n_clamped > 0; /* what is not negative is 0 */
+    v.all_negative = v.is_list ? r->n_clamped == r->n_pairs
+                               : v.largest_albedo <= 0 && r->n_clamped > 0; /* what is not negative is 0 */
     v.noted_asymmetry = r->reciprocity_median > noted_reciprocity;
     return v;
 }
@@ -57,8 +61,12 @@ static const char *dark_words(const verdict *v) {
                       : "blacker than any coating: is a scale missing?";
 }
 
-static void print_measured(const verdict *v) {
+static void print_energy(const verdict *v) {
     const nqm_brdf_check_report *r = &v->report;
+    if (v->is_list) {
+        puts("  energy       unknown: this is a list of directions; a complete grid would tell");
+        return;
+    }
     printf("  energy       %s: at most %.1f %% of the light is reflected\n"
            "               (light at %.0f degrees; red %.3f, green %.3f, blue %.3f)\n",
            v->energy_fails ? "FAILS"
@@ -68,9 +76,17 @@ static void print_measured(const verdict *v) {
            r->albedo_max[2]);
     if (v->too_dark)
         printf("               %s\n", dark_words(v));
-    printf("  reciprocity  %s: exchanging light and viewer changes the value by\n"
-           "               %.2g %% (median), %.2g %% (95th percentile)\n",
-           v->noted_asymmetry ? "poor" : "ok", 100 * r->reciprocity_median, 100 * r->reciprocity_p95);
+}
+
+static void print_measured(const verdict *v) {
+    const nqm_brdf_check_report *r = &v->report;
+    print_energy(v);
+    if (isnan(r->reciprocity_median))
+        puts("  reciprocity  unknown: no two values with light and viewer exchanged");
+    else
+        printf("  reciprocity  %s: exchanging light and viewer changes the value by\n"
+               "               %.2g %% (median), %.2g %% (95th percentile)\n",
+               v->noted_asymmetry ? "poor" : "ok", 100 * r->reciprocity_median, 100 * r->reciprocity_p95);
     printf("  positivity   %s: %zu of %zu values (%.1f %%) have a negative channel,\n"
            "               which is read as 0\n",
            v->all_negative ? "FAILS"
@@ -149,7 +165,8 @@ int cmd_check(int argc, char **argv) {
         .about =
             "Is a BRDF physically plausible? Measures energy conservation (the share of light that is reflected, for\n"
             "light at 0 to 75 degrees), reciprocity and positivity. Exit code 1 when a BRDF reflects more than 102 %\n"
-            "of the light, has no value for more than half of the directions, or no positive value but negative ones.",
+            "of the light, has no value for more than half of the directions, or no positive value but negative ones.\n"
+            "A list of measured directions is tested at these directions; its energy is unknown.",
         .example = "nqm check sgd:nickel material.binary\nnqm check 'lambert:kd=1.1' --json",
         .options = options,
         .min_arguments = 1,

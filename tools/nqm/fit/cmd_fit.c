@@ -9,6 +9,7 @@
 #include "nqm/fit/fit_run.h"
 #include "nqm/show/report.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -178,9 +179,16 @@ typedef struct fit_terms {
     bool with_before; /* for the report */
 } fit_terms;
 
+/* A list may have no value at any of these directions, and then no score. */
 static nqm_status score_fit(const fit_terms *terms, const nqm_brdf *brdf, fitted *f, nqm_error *err) {
+    const nqm_status none = NQM_ERR_INCOMPATIBLE;
+    f->score = (nqm_score_result){.status = none, .jod = NAN, .jod_low = NAN, .jod_high = NAN, .delta_e = NAN};
+    for (int m = 0; m < NQM_METRIC_COUNT; ++m)
+        f->metrics[m] = NAN;
     nqm_status status = measure(terms->ref, brdf, terms->directions, f->metrics, err);
-    return status == NQM_OK ? nqm_scorer_run(terms->scorer, terms->ref, 1, &brdf, &f->score, err) : status;
+    if (status == NQM_OK)
+        status = nqm_scorer_run(terms->scorer, terms->ref, 1, &brdf, &f->score, err);
+    return status == none ? NQM_OK : status;
 }
 
 static nqm_status fit_one(const fit_terms *terms, const nqm_fit_options *options, fitted *f, nqm_error *err) {
@@ -189,6 +197,8 @@ static nqm_status fit_one(const fit_terms *terms, const nqm_fit_options *options
     nqm_status status = nqm_match(terms->ref, f->model, &terms->loss, options, &f->match, &brdf, err);
     const bool is_spec = status == NQM_OK && f->match.fit.spec[0];
     f->seconds = nqm_clock_s() - begin;
+    if (status == NQM_OK && strcmp(f->match.selected, nqm_match_uncovered) == 0)
+        report(EXIT_OK, "%s, %s: fitted by %s", nqm_brdf_get_info(terms->ref).name, f->model, nqm_match_uncovered);
     if (status == NQM_OK)
         status = score_fit(terms, brdf, f, err);
     if (status == NQM_OK && terms->out->path && !is_spec)
@@ -353,6 +363,7 @@ int cmd_fit(int argc, char **argv) {
     fitted *results = allocate(request.n_models, sizeof *results);
     nqm_directions *directions = open_directions(directions_name);
     nqm_brdf *ref = open_brdf(argv[0]);
+    report_distance(argv[0], ref, directions);
     const output out = prepare_output(path, &request);
     output_file page_file = {0};
     if (page)

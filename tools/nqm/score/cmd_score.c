@@ -215,12 +215,15 @@ int cmd_score(int argc, char **argv) {
     choose_metrics(metrics ? metrics : all ? "all" : "", run.metrics);
     run.model = open_model(model);
     check_gate(&run.gate, run.model);
-    nqm_brdf_free(open_brdf(argv[0])); /* without a reference there are no results */
+    nqm_brdf *ref = open_brdf(argv[0]); /* without a reference there are no results */
+    report_distance(argv[0], ref, nqm_model_get_info(run.model).directions);
+    nqm_brdf_free(ref);
     if (samples)
         check_samples(&run, model, n_arguments, argv);
     set_pairs(&run, n_arguments, argv, names);
     make_scores(&run);
     print_scores(&run);
+    report_suspicions(&run);
     int exit_code = report_faults(&run);
     const int gate_code = apply_gate(&run);
     exit_code = exit_code == EXIT_OK ? gate_code : exit_code;

@@ -53,7 +53,8 @@ static nqm_status take_csv_name(const nqm_csv *csv, size_t row, int column, cons
 static nqm_status take_csv(nqm_pair_list *list, const char *name, nqm_error *err) {
     int ref = nqm_csv_column(list->csv, "reference"), test = nqm_csv_column(list->csv, "test");
     if (ref < 0 || test < 0)
-        return nqm_fail(err, NQM_ERR_FORMAT, 0, "%s: byte 0: the header names no column '%s'", name,
+        return nqm_fail(err, NQM_ERR_FORMAT, 0,
+                        "%s: byte 0: the header names no column '%s': a list begins with the line reference,test", name,
                         ref < 0 ? "reference" : "test");
     size_t n_rows = nqm_csv_rows(list->csv), n_columns = nqm_csv_columns(list->csv);
     if (n_columns > NQM_LIST_MAX_COLUMNS)

@@ -1,0 +1,70 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Suspicions about a bad score: values of another scale, or with the cosine, are often a fault of the file. The ratio of the test to
+ * its reference is then about the same at all directions, or as a cosine.
+ */
+#include "nqm/score/score.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+static int compare_numbers(const void *a, const void *b) {
+    const double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
+/* Median and interquartile range of log(test / reference) less `sign` log(cos(theta_o)); scratch: (n). */
+static double measure(size_t n, const float *rgb, const double *wo, double sign, double *scratch, double *range) {
+    const float *ref = rgb + 1, *test = ref + 3 * n; /* green */
+    size_t m = 0;
+    for (size_t i = 0; i < 3 * n; i += 3)
+        if (ref[i] > 0 && test[i] > 0)
+            scratch[m++] = log((double)test[i] / (double)ref[i]) - sign * log(wo[i + 2]);
+    qsort(scratch, m, sizeof *scratch, compare_numbers);
+    *range = m < 4 ? INFINITY : scratch[3 * m / 4] - scratch[m / 4];
+    return m < 4 ? 0 : scratch[m / 2];
+}
+
+/* rgb: (2, n, 3) */
+static void compare(const char *name, const nqm_directions *directions, const float *rgb, double *scratch) {
+    const size_t n = nqm_directions_count(directions);
+    const double *wo = nqm_directions_wo(directions);
+    double plain, range;
+    const double scale = measure(n, rgb, wo, 0, scratch, &plain);
+    if (fabs(scale) > log(100) && plain < 3)
+        report(EXIT_OK,
+               "%s: about %.4g times its reference at most directions: is a scale missing in one of them? It is 1500, "
+               "1304 and 904 in MERL files, 255 in values of 8 bits",
+               name, exp(scale));
+    for (int sign = -1; sign <= 1; sign += 2)
+        if (fabs(measure(n, rgb, wo, sign, scratch, &range)) < log(1.3) && range < 0.2 * plain)
+            report(EXIT_OK, "%s: about its reference %s the cosine of light or viewer: f_r is without a cosine", name,
+                   sign > 0 ? "times" : "divided by");
+}
+
+/* rgb (n, 3); false: it has no values. */
+static bool sample(const char *argument, const nqm_directions *directions, float *rgb) {
+    nqm_brdf *brdf;
+    bool done = nqm_brdf_open(argument, &brdf, NULL) == NQM_OK;
+    done = done && nqm_sample(brdf, directions, NQM_INVALID_DROP, rgb, NULL, NULL, NULL) == NQM_OK;
+    nqm_brdf_free(brdf);
+    return done;
+}
+
+void report_suspicions(const score_run *run) {
+    const nqm_directions *directions = nqm_model_get_info(run->model).directions;
+    const size_t n = nqm_directions_count(directions);
+    float *rgb = allocate(6 * n, sizeof *rgb);
+    double *scratch = allocate(n, sizeof *scratch);
+    bool has_ref = false;
+    for (size_t i = 0; i < run->n_rows; ++i) {
+        const scored_pair *row = &run->rows[i];
+        if (row->err.status != NQM_OK || !(row->result.jod < 9))
+            continue;
+        has_ref = has_ref || sample(row->pair.ref, directions, rgb);
+        if (has_ref && sample(row->pair.test, directions, rgb + 3 * n))
+            compare(row->name, directions, rgb, scratch);
+    }
+    free(rgb);
+    free(scratch);
+}
