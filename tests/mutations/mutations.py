@@ -184,7 +184,7 @@ MUTATIONS = [
     ("src/match/match_shading.c", "if (status == NQM_OK && loss != NQM_FIT_LOG)", "if (status == NQM_OK && loss == NQM_FIT_LOG)", "test_match"),
     ("src/math/stats.c", "(96 * freedom * freedom)", "(69 * freedom * freedom)", "test_math_stats"),
     ("src/math/stats.c", "return z + (z3 + z) / (4 * freedom)", "return z + (z3 + z) / (40 * freedom)", "test_math_stats"),
-    ("src/train/interval_fit.c", "2 / (1 - level) * outside", "0.2 / (1 - level) * outside", "test_train_interval"),
+    ("src/train/interval_fit.c", "2 / (1 - level) * outside", "2 * (1 - level) * outside", "test_train_interval"),
     ("src/train/interval_fit.c", "(high - low + 2 / (1 - level) * outside)", "(2 / (1 - level) * outside)", "test_train_interval"),
     ("src/label/corpus_far.c", "pow(10, nqm_rng_uniform(&d->rng) < 0.5 ? -x : x)", "pow(10, x)", "test_label_corpus_far"),
     ("src/label/corpus_far.c", '{"white", ALBEDO, 2, true, 0.7, 1},', '{"white", ALBEDO, 2, true, 0.07, 1},', "test_label_corpus_far"),

@@ -215,8 +215,8 @@ static void intervals_grow_with_novelty(void **state) {
     assert_true(inside[0] > 0.94 && inside[1] > 0.9);
 }
 
-/* One pair in 40 is novel, and its label is 0.8 y away. That leaves the coverage as it is: growths of 2 and more include these labels,
- * smaller ones pay 40 times their distance from the interval. */
+/* A quarter of the pairs is novel, and one pair in 40 has its label far away. Coverage allows that: widths are least without a growth,
+ * which pays 40 times the distance of these labels from the interval. */
 static void labels_outside_count_by_their_distance(void **state) {
     (void)state;
     double table[3 * NQM_INTERVAL_ROWS];
@@ -226,12 +226,12 @@ static void labels_outside_count_by_their_distance(void **state) {
     r.novelty = novelty;
     for (size_t i = 0; i < MAX; ++i) {
         group[i] = (uint32_t)(i / PAIRS_EACH);
-        novelty[i] = i % PAIRS_EACH == 0;
+        novelty[i] = i % 4 == 0;
         predicted[i] = 5;
-        label[i] = logit_jod(novelty[i] > 0 ? (i % 3 ? 0.8 : -0.8) : 0.1 * nqm_rng_normal(&rng));
+        label[i] = logit_jod(i % PAIRS_EACH ? 0.1 * nqm_rng_normal(&rng) : i / PAIRS_EACH % 2 ? 3 : -3);
     }
     assert_int_equal(nqm_interval_fit(&r, table, &c, NULL), NQM_OK);
-    assert_near(c.novelty_growth, 2, 0);
+    assert_near(c.novelty_growth, 3, 0);
 }
 
 static void novelty_without_effect_has_none(void **state) {
