@@ -16,7 +16,7 @@ from mutations import MUTATIONS  # noqa: E402
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 WORK = ROOT / "build-mutate"
 SECONDS = 600  # of one test; a mutation may make a loop endless
-LEAST = 80
+LEAST = 200
 
 
 def faults():
