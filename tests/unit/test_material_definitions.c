@@ -131,6 +131,25 @@ static void gltf_files_have_the_same_defaults(void **state) {
     }
 }
 
+/* Mitsuba 3's documentation of its plugins: "BSDFs"; a conductor is a mirror, plastic is polypropylene in air. */
+static void mitsuba_models_have_their_defaults(void **state) {
+    (void)state;
+    static const char *const specs[] = {
+        "principled:base_color=0.5;roughness=0.5;metallic=0;eta=1.5;spec_tint=0;sheen=0;sheen_tint=0;flatness=0;"
+        "clearcoat=0;"
+        "clearcoat_gloss=0",
+        "rough-conductor:alpha=0.1;distribution=0;eta=0;k=1;specular_reflectance=1",
+        "rough-plastic:alpha=0.1;distribution=0;eta=1.4895873842945502;diffuse_reflectance=0.5;specular_reflectance=1;"
+        "nonlinear=0"};
+    for (size_t i = 0; i < sizeof specs / sizeof *specs; ++i) {
+        char bare[40];
+        snprintf(bare, sizeof bare, "%.*s", (int)strcspn(specs[i], ":") + 1, specs[i]);
+        nqm_brdf *brdf = open_brdf(bare);
+        assert_string_equal(nqm_brdf_get_info(brdf).spec, specs[i]);
+        nqm_brdf_free(brdf);
+    }
+}
+
 /* ---- colour spaces ----------------------------------------------------------------------------------------------- */
 
 static void multiply(double a[3][3], double b[3][3], double out[3][3]) {
@@ -263,6 +282,7 @@ int main(void) {
         cmocka_unit_test(surfaces_have_the_inputs_of_their_definitions),
         cmocka_unit_test(models_have_the_same_defaults),
         cmocka_unit_test(gltf_files_have_the_same_defaults),
+        cmocka_unit_test(mitsuba_models_have_their_defaults),
         cmocka_unit_test(colour_spaces_have_their_primaries_and_curves),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
