@@ -4,6 +4,7 @@
  */
 #include "nqm/score/gate.h"
 #include "nqm/score/score.h"
+#include "nqm/show/html.h"
 #include "support/check.h"
 
 #include <math.h>
@@ -67,10 +68,16 @@ static void gates_let_their_own_value_pass(void **state) {
     assert_string_equal(gate_mark(&low, &r), "");
 }
 
+static void people_are_percentages(void **state) {
+    (void)state;
+    assert_string_equal(html_people(0.126).text, "13\xc2\xa0%");
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(words_begin_at_their_jod),
         cmocka_unit_test(verdicts_are_those_of_the_interval),
+        cmocka_unit_test(people_are_percentages),
         cmocka_unit_test(gates_let_their_own_value_pass),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
