@@ -19,6 +19,7 @@ static const nqm_metal metals[] = {
     {"Be", {4.1850592788, 3.1850604423, 2.7840913457}, {3.8354398268, 3.0101260162, 2.8690088743}},
     {"Cr", {4.3696828663, 2.9167024892, 1.6547005413}, {5.2064337956, 4.2313645277, 3.7549467933}},
     {"Cu", {0.2004376970, 0.9240334304, 1.1022119527}, {3.9129485033, 2.4528477015, 2.1421879552}},
+    {"Cu_palik", {0.2126840430, 0.9199880064, 1.1024078212}, {3.9215626225, 2.4571489948, 2.1366534268}},
     {"Cu2O", {3.5492833755, 2.9520622449, 2.7369202137}, {0.1132179294, 0.1946659670, 0.6001681264}},
     {"CuO", {3.2453822204, 2.4496293965, 2.1974114493}, {0.5202739621, 0.5707372756, 0.7172250613}},
     {"Hg", {2.3989314904, 1.4400254917, 0.9095512090}, {6.3276269444, 4.3719414152, 3.4217899270}},
@@ -46,14 +47,16 @@ static const nqm_metal metals[] = {
 };
 enum { N_METALS = sizeof metals / sizeof *metals };
 
+/* "Au_palik" is "Au" unless it has a row of its own, which comes later. */
 const nqm_metal *nqm_metal_find(const char *name) {
-    const size_t n_name = strlen(name), n_suffix = strlen("_palik");
-    const bool has_suffix = n_name > n_suffix && strcmp(name + n_name - n_suffix, "_palik") == 0;
-    const size_t n = has_suffix ? n_name - n_suffix : n_name;
+    const size_t n = strlen(name), n_suffix = strlen("_palik");
+    const bool has_suffix = n > n_suffix && strcmp(name + n - n_suffix, "_palik") == 0;
+    const nqm_metal *found = NULL;
     for (size_t i = 0; i < N_METALS; ++i)
-        if (strlen(metals[i].name) == n && strncmp(metals[i].name, name, n) == 0)
-            return &metals[i];
-    return NULL;
+        if (strcmp(metals[i].name, name) == 0 ||
+            (has_suffix && strlen(metals[i].name) == n - n_suffix && strncmp(metals[i].name, name, n - n_suffix) == 0))
+            found = &metals[i];
+    return found;
 }
 
 void nqm_metal_names(char *text, size_t n_text) {

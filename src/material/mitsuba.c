@@ -5,6 +5,7 @@
  * all other plugins.
  */
 #include "material/mitsuba.h"
+#include "material/color_space.h"
 
 #include <math.h>
 #include <stdarg.h>
@@ -98,8 +99,7 @@ static bool parse_hex(const char *text, double rgb[3]) {
     for (size_t c = 0; c < 3; ++c) {
         unsigned byte = 0;
         sscanf(text + 1 + 2 * c, "%2x", &byte);
-        const double v = byte / 255.0;
-        rgb[c] = v <= 0.04045 ? v / 12.92 : pow((v + 0.055) / 1.055, 2.4);
+        rgb[c] = nqm_srgb_to_linear(byte / 255.0);
     }
     return true;
 }

@@ -77,6 +77,8 @@ double nqm_spearman(size_t n, const double *x, const double *y);
 double nqm_kendall(size_t n, const double *x, const double *y);
 /** The quantile at q (0..1) with linear interpolation; NaN when n is 0. Sorts x (n) in place. */
 double nqm_quantile(size_t n, double *x, double q);
+/** The 95 % quantile of Student's t, for at least 5 degrees of freedom within 0.01 (Abramowitz and Stegun, 26.7.5). */
+double nqm_student95(double freedom);
 
 /* ---- least squares (Levenberg-Marquardt by cminpack) ------------------------------------------------------------- */
 

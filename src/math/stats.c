@@ -163,3 +163,8 @@ double nqm_kendall(size_t n, const double *x, const double *y) {
     double concordant_minus_discordant = all - tied_x - tied_y + tied_both - 2 * discordant;
     return fmax(-1, fmin(1, concordant_minus_discordant / sqrt(all - tied_x) / sqrt(all - tied_y)));
 }
+
+double nqm_student95(double freedom) {
+    double z = 1.6448536269514722, z3 = z * z * z, z5 = z3 * z * z;
+    return z + (z3 + z) / (4 * freedom) + (5 * z5 + 16 * z3 + 3 * z) / (96 * freedom * freedom);
+}

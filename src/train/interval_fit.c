@@ -110,12 +110,6 @@ static scales find_scales(const fit *f, size_t left_out) {
 
 /* ---- the factor -------------------------------------------------------------------------------------------------- */
 
-/* The 95 % quantile of Student's t (Abramowitz and Stegun, 26.7.5). */
-static double student95(double freedom) {
-    double z = 1.6448536269514722, z3 = z * z * z, z5 = z3 * z * z;
-    return z + (z3 + z) / (4 * freedom) + (5 * z5 + 16 * z3 + 3 * z) / (96 * freedom * freedom);
-}
-
 /* True if the lower 95 % confidence limit of the mean coverage over n materials (f->inside) is at least `level`. */
 static bool suffices(const fit *f, size_t left_out, size_t n) {
     double sum = 0, squares = 0;
@@ -127,7 +121,7 @@ static bool suffices(const fit *f, size_t left_out, size_t n) {
         if (f->count[g] && g != left_out)
             squares += pow((double)f->inside[g] / (double)f->count[g] - mean, 2);
     double error = sqrt(squares / ((double)(n - 1) * (double)n));
-    return mean - student95((double)(n - 1)) * error >= level;
+    return mean - nqm_student95((double)(n - 1)) * error >= level;
 }
 
 /* Try the scores as factors, largest first, and return the last one before the coverage becomes too low. */

@@ -25,6 +25,8 @@ has '"source_doi": null'
 has '"n_values": 3'
 has '"reciprocal": true'
 has '^ *0.25,$' # the albedo
+run 0 info 'ggx:kd=0;ks=1;alpha=0.1;f0=.04' --json # the albedo is that at normal incidence, about f0
+awk '/albedo_normal/ {getline; exit !($1 > .038 && $1 < .042)}' "$dir/out" || fail "albedo: $(cat "$dir/out")"
 run 0 info transport --json # a built-in model
 has '"kind": "model"'
 run 2 info 'ggx:alpha=7e9'

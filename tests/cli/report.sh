@@ -81,6 +81,7 @@ same nqm-label "$dir/out"
 report 0 sgd:nickel ward:nickel -o "$page" --date 'on Sunday'
 query 'string(//p[@class="quote"])' | grep -q '; on Sunday\.$' || fail "date"
 SOURCE_DATE_EPOCH=86400 report 0 sgd:nickel ward:nickel -o "$page" --shrink 2 --frames 2
+grep -q ", 2 views" "$page" || fail "the number of views"
 query 'string(//p[@class="quote"])' | grep -q '; 1970-01-02\.$' || fail "SOURCE_DATE_EPOCH"
 [ "$(query 'string(/html/head/title)')" = "How closely ward:nickel matches sgd:nickel" ] || fail "title of one test"
 [ "$(query 'count(//table[@class="matrix"])')" = 0 ] || fail "a comparison with nothing"

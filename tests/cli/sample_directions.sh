@@ -37,6 +37,10 @@ cp "$dir/out" "$dir/lambert.csv"
 run 0 sample sgd:nickel -d "$dir/model.safetensors" --json
 { grep -q '"n": 40' "$dir/out" && [ "$(grep -c '"theta_h"' "$dir/out")" = 40 ]; } || fail "JSON of samples"
 
+printf 'theta_h,theta_d,phi_d\n10,20,30\n' >"$dir/one.csv"
+run 0 sample lambert:kd=.5 -d "$dir/one.csv" --json
+[ "$(number theta_h 1) $(number theta_d 1) $(number phi_d 1)" = '10.0 20.0 30.0' ] || fail "angles: $(cat "$dir/out")"
+
 # Below the horizon there is no value: an empty field, null, or the value of the --invalid policy.
 printf 'theta_h,theta_d,phi_d\n10,20,30\n89,80,0\n' >"$dir/horizon.csv"
 run 0 sample lambert:kd=.5,.5,.5 -d "$dir/horizon.csv"

@@ -11,6 +11,15 @@ red='gltf:base_color=0.8,0.3,0.1;metallic=0;roughness=0.35'
 grep -q '^JOD 10.00' "$dir/out" || fail "own material: $(cat "$dir/out")"
 [ "$("$tool" score "$red" "$dir/red.glb" -q)" = 10.0000 ] || fail "the file is another material"
 
+# The fit begins at the keys that both models have: without that start this is JOD 9.96.
+layers='open-pbr:base_color=0.26,0.67,0.78;specular_roughness=0.78;coat_weight=0.54;coat_roughness=0.43;coat_color=0.7,0.67,0.59;fuzz_weight=0.22;fuzz_roughness=0.4;base_metalness=0.92'
+"$tool" translate "$layers" --to openpbr --samples 200 >"$dir/out"
+grep -q '^JOD 10.00' "$dir/out" || fail "the start: $(cat "$dir/out")"
+
+# What is scored is the file, not the spec that was written.
+ln -s /dev/null "$dir/nothing.gltf"
+refuses 3 'nothing.gltf: is not a regular file' translate "$red" --to gltf -o "$dir/nothing.gltf" --samples 300
+
 # A file for each material of a list; one is refused, which does not stop the others; the last line counts.
 code=0
 "$tool" translate "$dir/red.glb" nowhere.mtlx --to usd -d "$dir/usd" --samples 300 >"$dir/out" 2>&1 || code=$?
@@ -21,9 +30,13 @@ grep -q UsdPreviewSurface "$dir/usd/red.mtlx" || fail "not a UsdPreviewSurface: 
 
 # What is lost: a conductor cannot be red paint; the gate says so, in the exit code too.
 code=0
-"$tool" translate "$red;sheen_color=0.5" --to rough-conductor --samples 300 --fail-under 9.99 --json >"$dir/json" || code=$?
+"$tool" translate "$red;sheen_color=0.5;clearcoat=0;clearcoat_roughness=0.3" --to rough-conductor --samples 300 --fail-under 9.99 --json >"$dir/json" || code=$?
 [ "$code" = 1 ] || fail "exit code $code of the gate"
 grep -q '"dropped": "base_color, metallic, sheen_color"' "$dir/json" || fail "dropped: $(cat "$dir/json")"
+code=0
+"$tool" translate "$red" nowhere.mtlx --to rough-conductor --samples 300 --fail-under 9.99 >"$dir/out" 2>&1 || code=$?
+[ "$code" = 9 ] || fail "exit code $code of a refusal and the gate"
+[ "$(tail -1 "$dir/out")" = "2 materials, 1 failed (JOD below 9.99), 1 refused" ] || fail "summary: $(tail -1 "$dir/out")"
 for key in model input output spec jod jod_low jod_high transport_jod selected seconds pass failed refused; do
     grep -q "\"$key\":" "$dir/json" || fail "no $key: $(cat "$dir/json")"
 done

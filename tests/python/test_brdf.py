@@ -39,6 +39,15 @@ class Values(unittest.TestCase):
         self.assertEqual(flag.tolist(), [0, 3])
         self.assertEqual(rgb[1].tolist(), [0, 0, 0])
 
+    def test_to_table(self):
+        table = nqm.BRDF.open("lambert:kd=.3").to_table(3, 4, 5)
+        wi, wo = nqm.half_diff_to_directions(nqm.table_nodes(3, 4, 5))
+        below = (wi[..., 2] <= 0) | (wo[..., 2] <= 0)
+        self.assertTrue(0 < below.sum() < below.size)
+        np.testing.assert_array_equal(np.isnan(table), np.broadcast_to(below[..., None], table.shape))
+        holes = nqm.BRDF.from_function(lambda wi, wo: np.where(wi[:, 2:] > .9, [.2, .2, .2], np.nan)).to_table(3, 4, 5)
+        np.testing.assert_array_equal(np.isnan(holes[..., 0]), below | (wi[..., 2] <= .9))
+
     def test_info(self):
         info = nqm.BRDF.open("ggx:kd=.2,.1,.05;ks=.3;alpha=.1;f0=.8").info
         self.assertEqual((info.format, info.n_bytes, info.reciprocal), ("ggx", 0, True))

@@ -10,6 +10,7 @@ import sys
 import tempfile
 import threading
 import unittest
+import unittest.mock
 
 import numpy as np
 
@@ -217,6 +218,11 @@ class Datasets(unittest.TestCase):
                                                              "material_class", "source")], [n] * 10)
             self.assertEqual((data.ref_samples().shape, data.test_samples(0).shape), ((n, m, 3), (m, 3)))
             self.assertEqual((data.used(slice(2)).shape, data.parts([0, 1, 2]).shape), ((2, m), (3, 5)))
+            masks = {"test_rgb": np.zeros((3, 2, 3)), "pair_ref": np.array([1, 0, 1]), "ref_used": np.array([[1, 0], [0, 1]]),
+                     "test_used": np.array([[1, 1], [1, 1], [1, 0]])}  # the dataset above has none
+            with unittest.mock.patch.object(data, "_tensors", masks):
+                self.assertEqual(data.used().tolist(), [[False, True], [True, False], [False, False]])
+                self.assertEqual(data.used(1).tolist(), [True, False])
             self.assertTrue(set(data.split) <= {"train", "validation", "test"})
             self.assertTrue(np.isfinite(data.jod).all() and len(data.sha256) == 64)
             with self.assertRaises(AttributeError):

@@ -75,11 +75,12 @@ static void from_text(void **state) {
     for (size_t i = 0; i < sizeof good / sizeof good[0]; ++i)
         assert_int_equal(set(&p, good[i][0], good[i][1], NULL), NQM_OK);
     assert_true(p.gloss == 1 && p.n_layers == 9 && p.seed == 12345678901u && p.is_wet && p.colour == DARK_GREEN);
+    assert_int_equal(nqm_options_check(&table, &p, NULL), NQM_OK);
     assert_true(p.n_sizes == 3 && p.sizes[2] == 9 && strcmp(p.name, "x") == 0);
-    const char *const bad[][2] = {{"gloss-level", "1.1"}, {"gloss-level", "nan"}, {"gloss-level", ""},
-                                  {"layers", "2.5"},      {"layers", "0"},        {"layers", "3x"},
-                                  {"seed", "-1"},         {"state", "damp"},      {"colour", "d"},
-                                  {"colour", ""},         {"sizes", "1,,2"},      {"sizes", "1,2,3,4"}};
+    const char *const bad[][2] = {
+        {"gloss-level", "1.1"}, {"gloss-level", "nan"}, {"gloss-level", ""}, {"layers", "2.5"}, {"layers", "0"},
+        {"layers", "3x"},       {"seed", "-1"},         {"state", "damp"},   {"colour", "d"},   {"colour", ""},
+        {"sizes", "1;2"},       {"sizes", "1,,2"},      {"sizes", "1,2,3,4"}};
     for (size_t i = 0; i < sizeof bad / sizeof bad[0]; ++i)
         assert_int_equal(set(&p, bad[i][0], bad[i][1], &err), NQM_ERR_ARG);
     assert_int_equal(set(&p, "layers", "10", &err), NQM_ERR_ARG);

@@ -171,6 +171,8 @@ static void tone_curve(void **state) {
     assert_near(nqm_tone_apply(&tone, -3), 0, 0);
     for (int i = 0; i < 256; ++i)
         assert_int_equal(nqm_srgb_byte(nqm_srgb_linear(i / 255.0)), i);
+    assert_int_equal(nqm_srgb_byte(-1), 0);
+    assert_int_equal(nqm_srgb_byte(2), 255);
 }
 
 /* Perceptually ordered: lightness (CIE L*), which does not depend on colour vision, increases in nearly equal steps. */

@@ -88,6 +88,13 @@ static void order_of_samples_does_not_matter(void **state) {
     memcpy(first, last, sizeof row);
     memcpy(last, row, sizeof row);
     const float *after = nqm_hyper_forward(&b.hyper, &b.pass);
+    const size_t n = b.hyper.layer[NQM_HYPER_POOLED - 1].n_out;
+    for (size_t j = 0; j < n; ++j) { /* the maximum over the samples is passed on */
+        float most = -INFINITY;
+        for (size_t i = 0; i < N_SAMPLES; ++i)
+            most = fmaxf(most, b.pass.y[NQM_HYPER_POOLED - 1][i * n + j]);
+        assert_near((double)b.pass.pooled[n + j], (double)most, 1e-3);
+    }
     for (size_t i = 0; i < N_OUT; ++i)
         assert_near((double)after[i], (double)before[i], 1e-6);
     first[0] += 1; /* a changed sample changes the output */

@@ -2,6 +2,7 @@
  *
  * Fits of the published models: each recovers known parameters, stays within bounds, and refuses invalid bounds.
  */
+#include "fit/fit.h"
 #include "support/check.h"
 #include "support/fitting.h"
 
@@ -93,9 +94,23 @@ static void bad_bounds_are_refused(void **state) {
     nqm_brdf_free(brdf);
 }
 
+/* Value to position and back, for every scale. */
+static void positions_are_those_of_values(void **state) {
+    (void)state;
+    for (size_t m = 0; nqm_fit_model(m); ++m) {
+        const nqm_fit_entry *entry;
+        assert_int_equal(nqm_fit_entry_find(nqm_fit_model(m), &entry, NULL), NQM_OK);
+        for (size_t s = 0; !entry->encode && s < entry->n_shape; ++s)
+            for (double at = 0; at <= 1; at += 0.25)
+                assert_near(nqm_fit_shape_position(&entry->shape[s], nqm_fit_shape_value(&entry->shape[s], at)), at,
+                            1e-6);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(every_model_gives_itself_back),
+        cmocka_unit_test(positions_are_those_of_values),
         cmocka_unit_test(bounds_hold),
         cmocka_unit_test(bad_bounds_are_refused),
     };

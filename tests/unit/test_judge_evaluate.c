@@ -298,16 +298,16 @@ static void predictions_are_those_of_single_pairs(void **state) {
     nqm_dataset_free(d);
 }
 
-/* A reference of two directions: at the mirror direction, and far from it. */
+/* A reference at the mirror direction, twice far from it, and at a grazing angle. */
 static const char *class_of(double near, double far, const float colour[3]) {
-    double degrees[3][3] = {{1, 10, 0}, {30, 20, 0}, {1, 70, 0}};
-    float rgb[9];
+    double degrees[4][3] = {{1, 10, 0}, {30, 20, 0}, {40, 20, 0}, {1, 70, 0}};
+    float rgb[12];
     for (size_t k = 0; k < 3; ++k) {
         rgb[k] = (float)near;
-        rgb[3 + k] = (float)far * colour[k];
-        rgb[6 + k] = 1e4f; /* grazing angles are ignored */
+        rgb[3 + k] = rgb[6 + k] = (float)far * colour[k];
+        rgb[9 + k] = 1e4f; /* grazing angles are ignored */
     }
-    nqm_dataset d = {.n_directions = 3, .n_refs = 1, .directions_deg = degrees[0], .ref_rgb = rgb};
+    nqm_dataset d = {.n_directions = 4, .n_refs = 1, .directions_deg = degrees[0], .ref_rgb = rgb};
     return nqm_material_class_name(nqm_dataset_ref_class(&d, 0));
 }
 
@@ -321,6 +321,8 @@ static void classes_of_materials(void **state) {
     assert_string_equal(class_of(5, 0.1, red), "glossy coloured");
     assert_string_equal(class_of(50, 0.1, grey), "mirror-like grey");
     assert_string_equal(class_of(1, 0, grey), "mirror-like grey"); /* black has no hue */
+    assert_string_equal(class_of(0.003, 0.0015, red),
+                        "matte grey"); /* the mean is near the constant of the logarithm */
     double degrees[3] = {1, 10, 0};
     nqm_dataset no_body = {.n_directions = 1, .n_refs = 1, .directions_deg = degrees, .ref_rgb = grey};
     assert_string_equal(nqm_material_class_name(nqm_dataset_ref_class(&no_body, 0)), "unclassified");

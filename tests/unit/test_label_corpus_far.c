@@ -113,6 +113,50 @@ static void unseen_kinds_are_in_the_test_part_only(void **state) {
     nqm_corpus_list_free(&list);
 }
 
+/* The parameters of a kind are in its range, and come near both of its ends. */
+static void parameters_fill_their_ranges(void **state) {
+    (void)state;
+    static const struct {
+        const char *kind, *format;
+        double low, high; /* of the magnitude of the logarithm to base 10 */
+    } cases[] = {{"scaled", "scale=%lf", 0.5, 3},
+                 {"white", "lambert:kd=%lf", 0, -log10(0.7)},
+                 {"black", "lambert:kd=%lf", -log10(0.005), 4},
+                 {"mirror", "ggx:ks=1;alpha=%lf", -log10(0.05), 3}};
+    enum { N_CASES = sizeof cases / sizeof *cases };
+    nqm_corpus_list list;
+    nqm_corpus_test tests[N];
+    double least[N_CASES], most[N_CASES];
+    size_t n_dark = 0, n_bright = 0;
+    for (size_t k = 0; k < N_CASES; ++k)
+        least[k] = INFINITY, most[k] = 0;
+    make_list(40, &list);
+    for (uint64_t seed = 0; seed < 10; ++seed) {
+        draw(&list, "ward-m4", seed, NQM_CORPUS_TEST, tests);
+        for (size_t i = 0; i < N * N_CASES; ++i) {
+            const nqm_corpus_test *t = &tests[i / N_CASES];
+            const size_t k = i % N_CASES;
+            double v;
+            if (strcmp(t->kind.name, cases[k].kind) != 0)
+                continue;
+            assert_int_equal(sscanf(t->spec ? t->spec : t->perturbation[0], cases[k].format, &v), 1);
+            n_dark += k == 0 && v < 1;
+            n_bright += k == 0 && v > 1;
+            if (v > 0) /* entirely black */
+                least[k] = fmin(least[k], fabs(log10(v))), most[k] = fmax(most[k], fabs(log10(v)));
+        }
+        drop(tests);
+    }
+    for (size_t k = 0; k < N_CASES; ++k) {
+        const double part = 0.2 * (cases[k].high - cases[k].low), rounding = 1e-3;
+        if (!(least[k] >= cases[k].low - rounding && least[k] < cases[k].low + part &&
+              most[k] <= cases[k].high + rounding && most[k] > cases[k].high - part))
+            fail_msg("%s: %g to %g", cases[k].kind, least[k], most[k]);
+    }
+    assert_true(n_dark > 10 && n_bright > 10);
+    nqm_corpus_list_free(&list);
+}
+
 #define NAME_OF(MODEL) (MODEL).schema.model,
 
 static void every_model_has_its_kinds(void **state) {
@@ -289,15 +333,11 @@ static void small_selections(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(others_are_of_the_same_split),
-        cmocka_unit_test(unseen_kinds_are_in_the_test_part_only),
-        cmocka_unit_test(every_model_has_its_kinds),
-        cmocka_unit_test(tests_hardly_depend_on_the_list),
-        cmocka_unit_test(a_single_material_has_far_tests),
-        cmocka_unit_test(plans_hold_candidates),
-        cmocka_unit_test(random_parameters_are_plausible),
-        cmocka_unit_test(selections_are_spread),
-        cmocka_unit_test(small_selections),
+        cmocka_unit_test(others_are_of_the_same_split),    cmocka_unit_test(unseen_kinds_are_in_the_test_part_only),
+        cmocka_unit_test(parameters_fill_their_ranges),    cmocka_unit_test(every_model_has_its_kinds),
+        cmocka_unit_test(tests_hardly_depend_on_the_list), cmocka_unit_test(a_single_material_has_far_tests),
+        cmocka_unit_test(plans_hold_candidates),           cmocka_unit_test(random_parameters_are_plausible),
+        cmocka_unit_test(selections_are_spread),           cmocka_unit_test(small_selections),
     };
     return cmocka_run_group_tests_name("label: far tests", tests, make_folder, remove_made_folder);
 }

@@ -5,6 +5,7 @@
  */
 #include "io/xml.h"
 #include "material/color_space.h"
+#include "material/gltf.h"
 #include "material/material.h"
 #include "material/materialx.h"
 #include "support/check.h"
@@ -92,32 +93,60 @@ static void surfaces_have_the_inputs_of_their_definitions(void **state) {
         check_surface(&nqm_mtlx_surfaces[s], files[s]);
 }
 
-/* A spec without keys is the BRDF of the spec with all keys at the defaults of the table. */
+/* A spec without keys has the canonical form of the spec with all keys at the defaults of the table. */
 static void models_have_the_same_defaults(void **state) {
     (void)state;
-    const double wi[3] = {0.48, 0, 0.877268487978453}, wo[3] = {-0.6, 0.28, 0.749399759807808};
     for (size_t s = 0; s < NQM_MTLX_N_SURFACES; ++s) {
         const nqm_mtlx_surface *surface = &nqm_mtlx_surfaces[s];
         nqm_shading shading = {.n = 0};
         strcpy(shading.model, surface->model);
         char *bare = nqm_shading_spec(&shading);
-        for (size_t i = 0; i < surface->n; ++i) {
-            const nqm_mtlx_input *input = &surface->inputs[i];
-            if (input->kind == NQM_MTLX_KEY)
-                nqm_shading_set(&shading, input->name, strcmp(input->type, "color3") == 0 ? 3 : 1,
-                                (const double[3]){input->value, input->value, input->value});
-        }
+        for (size_t i = 0; i < surface->n; ++i)
+            if (surface->inputs[i].kind == NQM_MTLX_KEY)
+                nqm_shading_set(&shading, surface->inputs[i].name, 1, &surface->inputs[i].value);
         char *full = nqm_shading_spec(&shading);
         nqm_brdf *a = open_brdf(bare), *b = open_brdf(full);
-        double rgb[2][3];
-        nqm_brdf_eval(a, 1, wi, wo, rgb[0], NULL);
-        nqm_brdf_eval(b, 1, wi, wo, rgb[1], NULL);
-        if (memcmp(rgb[0], rgb[1], sizeof *rgb) != 0)
-            fail_msg("%s has other defaults than %s", bare, full);
+        assert_string_equal(nqm_brdf_get_info(a).spec, nqm_brdf_get_info(b).spec);
         nqm_brdf_free(a);
         nqm_brdf_free(b);
         nqm_free(bare);
         nqm_free(full);
+    }
+}
+
+/* Files of glTF have the defaults of gltf_pbr. */
+static void gltf_files_have_the_same_defaults(void **state) {
+    (void)state;
+    const nqm_mtlx_surface *surface = &nqm_mtlx_surfaces[2];
+    assert_string_equal(surface->model, "gltf");
+    for (size_t g = 0; g <= NQM_GLTF_N_EXTENSIONS; ++g) {
+        const nqm_gltf_group *group = g ? &nqm_gltf_extensions[g - 1] : &nqm_gltf_core;
+        for (const nqm_gltf_property *p = group->properties; p->name; ++p) {
+            size_t i = 0;
+            while (p->key && i < surface->n && strcmp(surface->inputs[i].name, p->key) != 0)
+                ++i;
+            if (p->key && (i == surface->n || surface->inputs[i].value != p->fallback))
+                fail_msg("%s.%s: %g", group->name, p->name, p->fallback);
+        }
+    }
+}
+
+/* Mitsuba 3's documentation of its plugins: "BSDFs"; a conductor is a mirror, plastic is polypropylene in air. */
+static void mitsuba_models_have_their_defaults(void **state) {
+    (void)state;
+    static const char *const specs[] = {
+        "principled:base_color=0.5;roughness=0.5;metallic=0;eta=1.5;spec_tint=0;sheen=0;sheen_tint=0;flatness=0;"
+        "clearcoat=0;"
+        "clearcoat_gloss=0",
+        "rough-conductor:alpha=0.1;distribution=0;eta=0;k=1;specular_reflectance=1",
+        "rough-plastic:alpha=0.1;distribution=0;eta=1.4895873842945502;diffuse_reflectance=0.5;specular_reflectance=1;"
+        "nonlinear=0"};
+    for (size_t i = 0; i < sizeof specs / sizeof *specs; ++i) {
+        char bare[40];
+        snprintf(bare, sizeof bare, "%.*s", (int)strcspn(specs[i], ":") + 1, specs[i]);
+        nqm_brdf *brdf = open_brdf(bare);
+        assert_string_equal(nqm_brdf_get_info(brdf).spec, specs[i]);
+        nqm_brdf_free(brdf);
     }
 }
 
@@ -182,30 +211,68 @@ static void adapt(const double from[2], const double to[2], double out[3][3]) {
     multiply(inverse, scaled, out);
 }
 
-static void colour_spaces_have_their_primaries(void **state) {
+/* Curves and primaries of MaterialX 1.39 (libraries/cmlib), and of the names of the Color Interop Forum. */
+enum { BT709, AP1, P3, ADOBE, N_GAMUTS };
+static const double chromaticities[N_GAMUTS][4][2] = {
+    {{0.64, 0.33}, {0.3, 0.6}, {0.15, 0.06}, {0.3127, 0.329}},
+    {{0.713, 0.293}, {0.165, 0.83}, {0.128, 0.044}, {0.32168, 0.33767}},
+    {{0.68, 0.32}, {0.265, 0.69}, {0.15, 0.06}, {0.3127, 0.329}},
+    {{0.64, 0.33}, {0.21, 0.71}, {0.15, 0.06}, {0.3127, 0.329}}};
+enum { SRGB = -1 }; /* else the exponent */
+static const struct {
+    const char *name;
+    int gamut;
+    double curve;
+} spaces[] = {{"lin_rec709", BT709, 1},
+              {"lin_rec709_scene", BT709, 1},
+              {"lin_srgb", BT709, 1},
+              {"none", BT709, 1},
+              {"raw", BT709, 1},
+              {"srgb_texture", BT709, SRGB},
+              {"srgb_rec709_scene", BT709, SRGB},
+              {"g18_rec709", BT709, 1.8},
+              {"g22_rec709", BT709, 2.2},
+              {"g22_rec709_scene", BT709, 2.2},
+              {"rec709_display", BT709, 2.4},
+              {"acescg", AP1, 1},
+              {"lin_ap1", AP1, 1},
+              {"lin_ap1_scene", AP1, 1},
+              {"g22_ap1", AP1, 2.2},
+              {"g22_ap1_scene", AP1, 2.2},
+              {"lin_displayp3", P3, 1},
+              {"lin_p3d65_scene", P3, 1},
+              {"srgb_displayp3", P3, SRGB},
+              {"srgb_p3d65_scene", P3, SRGB},
+              {"lin_adobergb", ADOBE, 1},
+              {"adobergb", ADOBE, 563.0 / 256}};
+
+static double decoded(double curve, double v) {
+    if (curve == SRGB)
+        return v > 0.04045 ? pow((v + 0.055) / 1.055, 2.4) : v / 12.92;
+    return curve == 1 ? v : pow(fmax(v, 0), curve);
+}
+
+static void colour_spaces_have_their_primaries_and_curves(void **state) {
     (void)state;
-    static const struct {
-        const char *name;
-        double xy[4][2];
-    } spaces[] = {{"lin_rec709", {{0.64, 0.33}, {0.3, 0.6}, {0.15, 0.06}, {0.3127, 0.329}}},
-                  {"acescg", {{0.713, 0.293}, {0.165, 0.83}, {0.128, 0.044}, {0.32168, 0.33767}}},
-                  {"lin_displayp3", {{0.68, 0.32}, {0.265, 0.69}, {0.15, 0.06}, {0.3127, 0.329}}},
-                  {"lin_adobergb", {{0.64, 0.33}, {0.21, 0.71}, {0.15, 0.06}, {0.3127, 0.329}}}};
+    static const double values[] = {1, 0.5, 0.03, -0.1};
     double rec709[3][3], from_xyz[3][3];
-    rgb_to_xyz(spaces[0].xy, rec709);
+    rgb_to_xyz(chromaticities[BT709], rec709);
     invert(rec709, from_xyz);
     for (size_t s = 0; s < sizeof spaces / sizeof *spaces; ++s) {
+        const double(*xy)[2] = chromaticities[spaces[s].gamut];
         double to_xyz[3][3], white[3][3], adapted[3][3], expected[3][3];
-        rgb_to_xyz(spaces[s].xy, to_xyz);
-        adapt(spaces[s].xy[3], spaces[0].xy[3], white);
+        rgb_to_xyz(xy, to_xyz);
+        adapt(xy[3], chromaticities[BT709][3], white);
         multiply(white, to_xyz, adapted);
         multiply(from_xyz, adapted, expected);
-        for (size_t k = 0; k < 3; ++k) {
-            double rgb[3] = {k == 0, k == 1, k == 2};
+        for (size_t k = 0; k < 12; ++k) {
+            double v = values[k / 3], rgb[3] = {0, 0, 0};
+            rgb[k % 3] = v;
             assert_true(nqm_color_to_rec709(spaces[s].name, rgb));
             for (size_t i = 0; i < 3; ++i)
-                if (!(fabs(rgb[i] - expected[i][k]) < 1e-6))
-                    fail_msg("%s, row %zu, column %zu: %.9f, not %.9f", spaces[s].name, i, k, rgb[i], expected[i][k]);
+                if (!(fabs(rgb[i] - expected[i][k % 3] * decoded(spaces[s].curve, v)) < 1e-8))
+                    fail_msg("%s, channel %zu of %g in channel %zu: %.9f, not %.9f", spaces[s].name, i, v, k % 3,
+                             rgb[i], expected[i][k % 3] * decoded(spaces[s].curve, v));
         }
     }
 }
@@ -214,7 +281,9 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(surfaces_have_the_inputs_of_their_definitions),
         cmocka_unit_test(models_have_the_same_defaults),
-        cmocka_unit_test(colour_spaces_have_their_primaries),
+        cmocka_unit_test(gltf_files_have_the_same_defaults),
+        cmocka_unit_test(mitsuba_models_have_their_defaults),
+        cmocka_unit_test(colour_spaces_have_their_primaries_and_curves),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -83,8 +83,8 @@ static void occlusion_is_ignored_with_a_remark(void **state) {
 static void what_has_no_effect_is_accepted(void **state) {
     (void)state;
     check_spec("\"alphaMode\": \"BLEND\", \"pbrMetallicRoughness\": {\"metallicFactor\": 0}", "gltf:metallic=0");
-    check_spec("\"alphaMode\": \"MASK\", \"pbrMetallicRoughness\": {\"baseColorFactor\": [0, 0, 0, 0.6]}",
-               "gltf:base_color=0,0,0");
+    check_spec("\"alphaMode\": \"MASK\", \"pbrMetallicRoughness\": {\"baseColorFactor\": [0, 0, 0, 0.5]}",
+               "gltf:base_color=0,0,0"); /* at alphaCutoff it is visible */
     check_spec("\"pbrMetallicRoughness\": {\"baseColorFactor\": [0, 0, 0, 0.1]}", "gltf:base_color=0,0,0");
     check_spec("\"emissiveFactor\": [0, 0, 0], \"emissiveTexture\": {\"index\": 0}, "
                "\"extensions\": {\"KHR_materials_emissive_strength\": {\"emissiveStrength\": 5}}",
@@ -134,6 +134,8 @@ static void what_is_no_brdf_is_refused(void **state) {
          "alphaMode = BLEND:", "\"BLEND\""},
         {"\"alphaMode\": \"MASK\", \"alphaCutoff\": 0.8, \"pbrMetallicRoughness\": {\"baseColorFactor\": [1, 1, 1, "
          "0.7]}",
+         "alphaMode = MASK:", "\"MASK\""},
+        {"\"alphaMode\": \"MASK\", \"pbrMetallicRoughness\": {\"baseColorFactor\": [1, 1, 1, 0.49]}",
          "alphaMode = MASK:", "\"MASK\""},
         {"\"extensions\": {\"KHR_materials_transmission\": {\"transmissionFactor\": 0.8}}",
          "KHR_materials_transmission.transmissionFactor = 0.8:", "0.8}"},
@@ -280,6 +282,9 @@ static void broken_binary_files_are_refused(void **state) {
         nqm_store_u32(b + cases[i].at, cases[i].value);
         check_broken(b, n, cases[i].at == 12 && cases[i].value == 3 ? -1 : (int64_t)cases[i].at, cases[i].words);
     }
+    make_glb(b);
+    nqm_store_u32(b + 8, (uint32_t)n - 4); /* the file ends before its JSON, although more bytes follow */
+    check_broken(b, n, 12, "a chunk");
 }
 
 /* ---- written and read back --------------------------------------------------------------------------------------- */

@@ -93,11 +93,16 @@ static void color_spaces(void **state) {
         for (size_t c = 0; c < 3; ++c)
             assert_near(rgb[c], 0.5, 1e-7); /* white stays white */
     }
-    double red[3] = {1, 0, 0};
-    assert_true(nqm_color_to_rec709("acescg", red));
-    assert_near(red[0], 1.70505, 1e-5);
-    assert_near(red[1], -0.13026, 1e-5);
-    assert_false(nqm_color_to_rec709("lin_unknown", red));
+    /* the space is that of the element that has the value */
+    const char *far = "<input name=\"base_color\" type=\"color3\" nodename=\"c\"/>";
+    const char *constant = "<constant name=\"c\" type=\"color3\"><input name=\"value\" type=\"color3\" "
+                           "value=\".5,.5,.5\" colorspace=\"g18_rec709\"/></constant>";
+    assert_near(value_of(document("", far, constant), "base_color").v[1], pow(0.5, 1.8), 1e-15);
+    /* rounding below 0 becomes 0 */
+    const char *edge = "<input name=\"base_color\" type=\"color3\" value=\".5,-.0009,.5\"/>";
+    assert_true(value_of(document("", edge, ""), "base_color").v[1] == 0);
+    double rgb[3] = {1, 0, 0};
+    assert_false(nqm_color_to_rec709("lin_unknown", rgb));
     for (double v = 0; v <= 1; v += 0.01)
         assert_near(nqm_linear_to_srgb(nqm_srgb_to_linear(v)), v, 1e-7);
 }
@@ -147,6 +152,7 @@ static void refusals(void **state) {
                    "'lin_odd'");
     assert_refused(" colorspace=\"acescg\"", "<input name=\"base_color\" type=\"color3\" value=\"0,1,0\"/>", "",
                    "outside BT.709");
+    assert_refused("", "<input name=\"base_color\" type=\"color3\" value=\".5,-.0011,.5\"/>", "", "outside BT.709");
 }
 
 static void files_without_materials(void **state) {
@@ -180,6 +186,12 @@ static void lone_shaders(void **state) {
     assert_int_equal(nqm_materials_count(materials), 2);
     assert_string_equal(nqm_materials_get(materials, 0).surface, "gltf_pbr");
     assert_non_null(strstr(nqm_materials_get(materials, 1).spec, "base=0.8;base_color=1,1,1;"));
+    nqm_materials_free(materials);
+    assert_int_equal(read_text("<materialx><open_pbr_surface name=\"c\"><input name=\"specular_ior\" type=\"float\" "
+                               "value=\"0\"/></open_pbr_surface></materialx>",
+                               &materials, NULL),
+                     NQM_OK);
+    assert_non_null(strstr(nqm_materials_get(materials, 0).refusal, "an index of refraction is above 0"));
     nqm_materials_free(materials);
 }
 

@@ -77,6 +77,58 @@ static void plastics_of_xml(void **state) {
     expect_refusal(XML("plastic", ""), "smooth");
 }
 
+/* Mitsuba's include/mitsuba/render/ior.h. */
+static void named_indices(void **state) {
+    (void)state;
+    static const struct {
+        const char *name;
+        double ior;
+    } cases[] = {{"vacuum", 1},        {"helium", 1.000036},        {"hydrogen", 1.000132},
+                 {"air", 1.000277},    {"carbon dioxide", 1.00045}, {"water", 1.333},
+                 {"acetone", 1.36},    {"ethanol", 1.361},          {"carbon tetrachloride", 1.461},
+                 {"glycerol", 1.4729}, {"benzene", 1.501},          {"silicone oil", 1.52045},
+                 {"bromine", 1.661},   {"water ice", 1.31},         {"fused quartz", 1.458},
+                 {"pyrex", 1.47},      {"acrylic glass", 1.49},     {"polypropylene", 1.49},
+                 {"bk7", 1.5046},      {"sodium chloride", 1.544},  {"amber", 1.55},
+                 {"pet", 1.575},       {"diamond", 2.419}};
+    char text[300], spec[80], number[32];
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
+        snprintf(text, sizeof text, XML("roughplastic", STRING("ext_ior", "%s") FLOAT("int_ior", "2.5")),
+                 cases[i].name);
+        snprintf(spec, sizeof spec, "rough-plastic:eta=%s",
+                 nqm_format_double(number, sizeof number, 2.5 / cases[i].ior));
+        if (cases[i].ior < 2)
+            expect_spec(text, spec);
+        snprintf(text, sizeof text, XML("roughplastic", STRING("int_ior", "%s")), cases[i].name);
+        snprintf(spec, sizeof spec, "rough-plastic:eta=%s",
+                 nqm_format_double(number, sizeof number, cases[i].ior / 1.000277)); /* in air */
+        if (cases[i].ior > 1.1)
+            expect_spec(text, spec);
+    }
+}
+
+/* Sums over the indices of the renderer Tungsten (src/core/bsdfs/ComplexIorData.hpp; negative ones are 0) with weights by name and
+ * channel: a wrong digit changes one of them. */
+static void metals_are_those_of_their_source(void **state) {
+    (void)state;
+    char names[300], *save = NULL;
+    double eta = 0, k = 0;
+    size_t n = 0;
+    nqm_metal_names(names, sizeof names);
+    assert_string_equal(strtok_r(names, ", ", &save), "none");
+    for (const char *name; (name = strtok_r(NULL, ", ", &save)); ++n)
+        for (size_t c = 0; c < 3; ++c) {
+            const double weight = (double)((size_t)name[0] + 256 * (size_t)name[1] + 1000 * strlen(name) + c);
+            eta += weight * nqm_metal_find(name)->eta[c];
+            k += weight * nqm_metal_find(name)->k[c];
+        }
+    assert_int_equal(n, 32);
+    assert_near(eta, 5454669.317148253, 1e-5);
+    assert_near(k, 6442084.853825048, 1e-5);
+    assert_ptr_equal(nqm_metal_find("Au_palik"), nqm_metal_find("Au"));
+    assert_ptr_not_equal(nqm_metal_find("Cu_palik"), nqm_metal_find("Cu"));
+}
+
 static void scenes(void **state) {
     (void)state;
     nqm_materials *materials = open_text(
@@ -214,6 +266,8 @@ int main(void) {
         cmocka_unit_test(refused_conductors),
         cmocka_unit_test(principled_of_xml),
         cmocka_unit_test(plastics_of_xml),
+        cmocka_unit_test(named_indices),
+        cmocka_unit_test(metals_are_those_of_their_source),
         cmocka_unit_test(scenes),
         cmocka_unit_test(dictionaries),
         cmocka_unit_test(damaged_files),

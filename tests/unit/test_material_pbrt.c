@@ -19,6 +19,9 @@ static void conductors(void **state) {
                 "pbrt-conductor:roughness=0.1;eta=1,2,3;k=9.2238691996,6.2695232477,4.8370012281");
     expect_spec("Material \"conductor\" \"rgb reflectance\" [0 0.5 0.8] \"float roughness\" 0.1",
                 "pbrt-conductor:roughness=0.1;eta=1,1,1;k=0,2,4");
+    expect_spec("Material \"conductor\" \"rgb reflectance\" [-1 1 0.99991] \"float roughness\" 0.1",
+                "pbrt-conductor:roughness=0.1;eta=1,1,1;k=0,199.9899997499985,199.9899997499985"); /* 2 sqrt(9999) */
+    expect_spec("Material \"diffuse\" \"rgb reflectance\" [-1 0.5 2]", "lambert:kd=0,0.5,1");
 }
 
 static void refused_materials(void **state) {

@@ -128,12 +128,23 @@ static void test_nothing_to_correlate(void **state) {
     assert_near(nqm_quantile(4, some, 0), 1, 0);
 }
 
+/* 5, 7, 11, 23 and 100 degrees of freedom: scipy.stats.t.ppf(.95, n). */
+static void test_student(void **state) {
+    (void)state;
+    assert_near(nqm_student95(5), 2.0150484, 0.01);
+    assert_near(nqm_student95(7), 1.8945786, 0.0035);
+    assert_near(nqm_student95(11), 1.7958848, 0.001);
+    assert_near(nqm_student95(23), 1.7138715, 1e-4);
+    assert_near(nqm_student95(100), 1.6602343, 2e-6);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_against_scipy),
         cmocka_unit_test(test_kendall_by_definition),
         cmocka_unit_test(test_monotone_maps_keep_ranks),
         cmocka_unit_test(test_nothing_to_correlate),
+        cmocka_unit_test(test_student),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

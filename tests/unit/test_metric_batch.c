@@ -5,6 +5,7 @@
  */
 #include "base/memory_test.h"
 #include "metric/metric.h"
+#include "metric/sample_cache.h"
 #include "support/check.h"
 #include "support/tiny_model.h"
 
@@ -112,6 +113,21 @@ static void test_same_bits(void **state) {
     nqm_scorer_free(forgetful);
 }
 
+/* Room for two BRDFs: the one that was used last but two is opened again. */
+static void test_size_of_the_cache(void **state) {
+    (void)state;
+    const size_t entry = sizeof(nqm_cached) + 13 * nqm_directions_count(nqm_model_get_info(model).directions);
+    static const size_t steps[][3] = {{0, 1, 2}, {2, 2, 3}, {2, 1, 3}, {0, 0, 4}, {1, 1, 4}, {2, 2, 5}};
+    nqm_scorer *scorer = make_scorer(2 * entry + entry / 2);
+    for (size_t i = 0; i < sizeof steps / sizeof *steps; ++i) {
+        const nqm_named_pair pair = {names[steps[i][0]], names[steps[i][1]]};
+        nqm_score_result result;
+        assert_int_equal(nqm_scorer_run_named(scorer, 1, &pair, &result, NULL, NULL), NQM_OK);
+        assert_int_equal(nqm_scorer_n_opened(scorer), steps[i][2]);
+    }
+    nqm_scorer_free(scorer);
+}
+
 static void test_faults(void **state) {
     (void)state;
     const nqm_named_pair pairs[] = {{names[0], names[1]},
@@ -189,8 +205,10 @@ static void test_preference(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_like_nqm_score),  cmocka_unit_test(test_same_bits),     cmocka_unit_test(test_faults),
-        cmocka_unit_test(test_without_metrics), cmocka_unit_test(test_out_of_memory), cmocka_unit_test(test_preference),
+        cmocka_unit_test(test_like_nqm_score),  cmocka_unit_test(test_size_of_the_cache),
+        cmocka_unit_test(test_same_bits),       cmocka_unit_test(test_faults),
+        cmocka_unit_test(test_without_metrics), cmocka_unit_test(test_out_of_memory),
+        cmocka_unit_test(test_preference),
     };
     return cmocka_run_group_tests(tests, setup, teardown);
 }

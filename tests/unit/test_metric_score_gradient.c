@@ -439,10 +439,13 @@ static void the_same_bits(void **state) {
     double all_values[MANY], values[MANY];
     const int threads = omp_get_max_threads();
     nqm_model *m = make_model(&kinds[ALL]);
-    for (size_t i = 0; i < DISTINCT; ++i)
+    for (size_t i = 0; i < DISTINCT; ++i) {
         p[i] = make_pair(i, 0.1 * (double)i, 20);
-    for (size_t i = 0; i < MANY; ++i)
-        pairs[i] = (nqm_sample_pair){p[i / 3 % DISTINCT].ref, p[(i * i + i) % DISTINCT].test, p[0].used};
+        memset(p[i].used + 7 * i, 0, i % 3 ? 7 : 0);
+    }
+    for (size_t i = 0; i < MANY; ++i) /* pairs of one reference, with and without dropped directions */
+        pairs[i] = (nqm_sample_pair){p[i / 6 % DISTINCT].ref, p[(i * i + i) % DISTINCT].test,
+                                     i % 7 < 3 ? NULL : p[i % DISTINCT].used};
     omp_set_num_threads(1);
     run(m, pairs, 7, all_values, all);
     for (size_t b = 0; b < 8; ++b) {

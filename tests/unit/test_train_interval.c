@@ -215,6 +215,25 @@ static void intervals_grow_with_novelty(void **state) {
     assert_true(inside[0] > 0.94 && inside[1] > 0.9);
 }
 
+/* A quarter of the pairs is novel, and one pair in 40 has its label far away. Coverage allows that: widths are least without a growth,
+ * which pays 40 times the distance of these labels from the interval. */
+static void labels_outside_count_by_their_distance(void **state) {
+    (void)state;
+    double table[3 * NQM_INTERVAL_ROWS];
+    nqm_calibration c;
+    nqm_residuals r = residuals;
+    nqm_rng rng = nqm_rng_make(15, 0);
+    r.novelty = novelty;
+    for (size_t i = 0; i < MAX; ++i) {
+        group[i] = (uint32_t)(i / PAIRS_EACH);
+        novelty[i] = i % 4 == 0;
+        predicted[i] = 5;
+        label[i] = logit_jod(i % PAIRS_EACH ? 0.1 * nqm_rng_normal(&rng) : i / PAIRS_EACH % 2 ? 3 : -3);
+    }
+    assert_int_equal(nqm_interval_fit(&r, table, &c, NULL), NQM_OK);
+    assert_near(c.novelty_growth, 3, 0);
+}
+
 static void novelty_without_effect_has_none(void **state) {
     (void)state;
     double table[3 * NQM_INTERVAL_ROWS];
@@ -406,13 +425,21 @@ static void few_are_refused(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(new_materials_are_covered),    cmocka_unit_test(materials_are_the_sample),
-        cmocka_unit_test(tables_keep_their_promises),   cmocka_unit_test(right_predictions_have_narrow_intervals),
-        cmocka_unit_test(intervals_grow_with_novelty),  cmocka_unit_test(novelty_without_effect_has_none),
-        cmocka_unit_test(intervals_grow_with_features), cmocka_unit_test(intervals_by_the_formula),
-        cmocka_unit_test(intervals_have_a_least_width), cmocka_unit_test(tables_are_interpolated),
-        cmocka_unit_test(widening_keeps_its_promises),  cmocka_unit_test(few_are_refused),
-        cmocka_unit_test(the_margin_is_students),       cmocka_unit_test(coverage_leaves_the_material_out),
+        cmocka_unit_test(new_materials_are_covered),
+        cmocka_unit_test(materials_are_the_sample),
+        cmocka_unit_test(tables_keep_their_promises),
+        cmocka_unit_test(right_predictions_have_narrow_intervals),
+        cmocka_unit_test(intervals_grow_with_novelty),
+        cmocka_unit_test(novelty_without_effect_has_none),
+        cmocka_unit_test(labels_outside_count_by_their_distance),
+        cmocka_unit_test(intervals_grow_with_features),
+        cmocka_unit_test(intervals_by_the_formula),
+        cmocka_unit_test(intervals_have_a_least_width),
+        cmocka_unit_test(tables_are_interpolated),
+        cmocka_unit_test(widening_keeps_its_promises),
+        cmocka_unit_test(few_are_refused),
+        cmocka_unit_test(the_margin_is_students),
+        cmocka_unit_test(coverage_leaves_the_material_out),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
