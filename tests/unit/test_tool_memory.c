@@ -149,7 +149,7 @@ static const text_shape lists[] = {
     {"CSV, empty fields", "a,b,c,d,e,f,g,h\n", ",,,,,,,\n", "", 3 * MEGA, read_csv, NQM_OK, ""},
     {"CSV, one column", "a\n", "1\n", "", 3 * MEGA, read_csv, NQM_OK, ""},
     {"CSV, blank lines", "a\n", "\n", "", 3 * MEGA, read_csv, NQM_OK, ""},
-    {"CSV, equal directions", "theta_h,theta_d,phi_d,r,g,b\n", "1,1,1,1,1,1\n", "", 3 * MEGA, read_directions,
+    {"CSV, equal directions", "theta_h,theta_d,phi_d,r,g,b\n", "9,9,9,1,1,1\n", "", 3 * MEGA, read_directions,
      NQM_ERR_LIMIT, "no complete grid"},
     {"JSON Lines", "", LIST "}\n", "", 3 * MEGA, read_list, NQM_OK, ""},
     {"JSON Lines, blank lines", LIST "}\n", "\n", "", 3 * MEGA, read_list, NQM_OK, ""},

@@ -180,8 +180,7 @@ int cmd_score(int argc, char **argv) {
          "scalar metrics to add: all, or names with commas (rmse,log_diff)", 0, 0},
         {"samples", 0, OPTION_FLAG, &samples, NULL,
          "REF and TEST are CSVs of measured values at the model's directions (`nqm directions show default --pairs` "
-         "writes "
-         "them); nothing is interpolated but complete grids",
+         "writes them); nothing is interpolated but complete grids",
          0, 0},
         OPTION_ROWS_GATE(&run.gate),
         {"json", 0, OPTION_FORMAT, &run.format, NULL, "print JSON", FORMAT_JSON, 0},
@@ -192,12 +191,10 @@ int cmd_score(int argc, char **argv) {
         .usage = "REF TEST... [options]",
         .about =
             "Predict how good each TEST looks compared with REF, in JOD: 10 is no visible difference, and one less "
-            "means "
-            "that\n"
+            "means that\n"
             "75 % of people see that it is worse. REF and TEST are BRDF files (MERL, RGL, NBRDF), specs or presets;\n"
             "NAME=TEST shows it under another name. REF is the ground truth: exchanged with a TEST, the score changes "
-            "a\n"
-            "little (median 0.02 JOD; --model paper: 0.5; --model transport: not at all).\n"
+            "a\nlittle (median 0.02 JOD; --model paper: 0.5; --model transport: not at all).\n"
             "A TEST that cannot be scored does not stop the others; the exit code is that of the first fault.",
         .example = "nqm score sgd:nickel ward:nickel\nnqm score nickel.binary fit1.binary fit2.binary --json\n"
                    "nqm score old.binary new.binary --fail-under 9.5 -q\n"
