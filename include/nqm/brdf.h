@@ -247,12 +247,12 @@ typedef struct nqm_brdf_check_report {
     size_t n_pairs;   /**< direction pairs tested: 8192, or those of a list of measured directions */
     size_t n_clamped; /**< pairs with NQM_VALUE_CLAMPED */
     size_t n_invalid; /**< pairs with NQM_VALUE_INVALID */
-    double
-        reciprocity_median; /**< median of |f(a,b)-f(b,a)| / mean (luminance) over pairs with a mean above 1e-4 1/sr; 0: there is
-                                  none; NaN: no pair has a value in both orders */
+    /** Median of |f(a,b)-f(b,a)| / mean (luminance) over pairs with a mean above 1e-4 1/sr; 0: there is none; NaN: no pair has a
+     *  value in both orders. */
+    double reciprocity_median;
     double reciprocity_p95; /**< 95th percentile of the same */
-    double albedo_max
-        [3]; /**< largest directional-hemispherical albedo, theta_i 0 to 75 degrees, per channel; NaN: unknown */
+    /** Largest directional-hemispherical albedo, theta_i 0 to 75 degrees, per channel; NaN: unknown. */
+    double albedo_max[3];
     double albedo_max_theta_rad; /**< angle of incidence of the largest of the three */
 } nqm_brdf_check_report;
 

@@ -61,9 +61,9 @@ typedef struct nqm_fit_options {
         *terms;     /**< (n_terms) of analytic models: their sum replaces `loss`; owned by the caller; default
                                   NULL */
     size_t n_terms; /**< 0 to 8; default 0 */
-    size_t
-        n_directions; /**< direction pairs, 200 to 1000000; default 6000. Analytic and shading models are fitted to a list of
-                                  measured directions at all of these, and to a goniometer's grid at its nodes */
+    /** Direction pairs, 200 to 1000000; default 6000. Analytic and shading models are fitted to a list of measured directions at all of
+     *  these, and to a goniometer's grid at its nodes. */
+    size_t n_directions;
     double max_polar_rad; /**< largest polar angle of both directions, 0.1 to 89.9 degrees; default 80 degrees */
     double
         highlight_fraction; /**< fraction of the pairs that are dense around the mirror direction (theta_h = max u^2 with

@@ -145,14 +145,15 @@ static void fold(size_t n, nqm_listed *rows) {
         rows[i].at[2] = round_angle(fabs(remainder(rows[i].at[2], 2 * NQM_PI)));
 }
 
-/* Radians read as degrees: all directions are near the normal. */
+/* Radians read as degrees: all directions are near the normal, and no azimuth is large. (A fine scan near the normal in one plane is
+ * no such list: its azimuths are 0.) */
 static nqm_status refuse_radians(const list *l, nqm_error *err) {
     double theta = 0, phi = 0;
     for (size_t i = 0; i < l->n; ++i) {
         theta = fmax(theta, fmax(l->rows[i].at[0], l->rows[i].at[1]) / degree);
         phi = fmax(phi, fabs(l->rows[i].at[2]) / degree);
     }
-    if (l->n < 20 || !(theta > 0.5 && theta < 1.571 && phi < 6.284))
+    if (l->n < 20 || !(theta > 0.5 && theta < 1.571 && phi > 0.5 && phi < 6.284))
         return NQM_OK;
     return nqm_fail(
         err, NQM_ERR_FORMAT, 0,

@@ -26,9 +26,9 @@ size_t nqm_scattered_rows(const nqm_brdf *brdf, double *wi, double *wo);
 /** Distance of a pair to the nearest of them in radians; 0 for other BRDFs. */
 double nqm_scattered_distance(const nqm_brdf *brdf, const double *wi, const double *wo);
 
-/** The median and the 95 % quantile of these distances of n pairs. */
+/** The median and the 95 % quantile of these distances of n pairs, in degrees. */
 NQM_MUST_CHECK nqm_status nqm_scattered_distances(const nqm_brdf *brdf, size_t n, const double *wi, const double *wo,
-                                                  double quantile[2], nqm_error *err);
+                                                  double quantile_deg[2], nqm_error *err);
 
 /** For an interpolated grid, replace pairs by its nearest nodes, which have measured values; other BRDFs: nothing. */
 void nqm_listed_snap(const nqm_brdf *brdf, size_t n, double *wi, double *wo);

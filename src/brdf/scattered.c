@@ -111,20 +111,20 @@ size_t nqm_scattered_rows(const nqm_brdf *brdf, double *wi, double *wo) {
 double nqm_scattered_distance(const nqm_brdf *brdf, const double *wi, const double *wo) {
     const scattered *t = table_of(brdf);
     double distance = 0;
-    for (double reach = 2e-3; t && !find_nearest(t, reach, wi, wo, &distance); reach *= 3)
+    for (double reach = 2e-3; t && reach < 9 && !find_nearest(t, reach, wi, wo, &distance); reach *= 3)
         ;
     return 2 * asin(fmin(distance / 2, 1));
 }
 
 nqm_status nqm_scattered_distances(const nqm_brdf *brdf, size_t n, const double *wi, const double *wo,
-                                   double quantile[2], nqm_error *err) {
+                                   double quantile_deg[2], nqm_error *err) {
     double *distance = nqm_alloc(n, sizeof *distance);
     if (!distance)
         return nqm_fail_nomem(err, n * sizeof *distance);
     for (size_t i = 0; i < n; ++i)
         distance[i] = nqm_scattered_distance(brdf, wi + 3 * i, wo + 3 * i);
-    quantile[0] = nqm_quantile(n, distance, 0.5);
-    quantile[1] = nqm_quantile(n, distance, 0.95);
+    quantile_deg[0] = nqm_quantile(n, distance, 0.5) * 180 / NQM_PI;
+    quantile_deg[1] = nqm_quantile(n, distance, 0.95) * 180 / NQM_PI;
     nqm_free(distance);
     return NQM_OK;
 }

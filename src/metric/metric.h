@@ -59,6 +59,11 @@ void nqm_transport_gradient(const nqm_transport *transport, const nqm_label *wei
                             const double *test, const double *rgb, const uint8_t *used, double *scratch,
                             double *gradient);
 
+/** Median and interquartile range of log(test / ref) less `sign` log(cos(theta_o)), in green, over the directions where both are
+ *  above 0; both NaN where there are fewer than four. rgb (2, n_directions, 3): reference and test. scratch: (n_directions). */
+void nqm_log_ratio(const nqm_directions *directions, const float *rgb, double sign, double *scratch,
+                   double median_range[2]);
+
 /** Compute the scalar features of one sampled pair; arguments as in nqm_metrics_compute(). transport: NULL or without a matrix if
  *  there is none. scalars (NQM_SCALAR_COUNT) are finite for finite f_r >= 0, and NaN when no direction counts. */
 void nqm_scalars_compute(const nqm_directions *directions, const nqm_transport *transport, const float *ref,

@@ -265,17 +265,23 @@ static void goniometer_grids_are_interpolated(void **state) {
     nqm_brdf_free(brdf);
 }
 
-static void radians_are_refused(void **state) {
-    (void)state;
+/* A scan of 30 directions near the normal, in radians or in one plane. */
+static const char *save_scan(double phi_step) {
     csv file = {.n = 0};
     char text[4096];
     size_t n = (size_t)snprintf(text, sizeof text, "%s", header);
     for (int i = 0; i < 30; ++i)
-        n += (size_t)snprintf(text + n, sizeof text - n, "%g,%g,%g,1,1,1\n", 0.05 * i, 1.5 - 0.03 * i, 0.2 * i);
+        n += (size_t)snprintf(text + n, sizeof text - n, "%g,%g,%g,1,1,1\n", 0.05 * i, 1.5 - 0.03 * i, phi_step * i);
     add(&file, "%s", text);
+    return save(&file);
+}
+
+static void radians_are_refused(void **state) {
+    (void)state;
     nqm_error err = {0};
-    nqm_brdf *brdf;
-    assert_int_equal(nqm_brdf_open(save(&file), &brdf, &err), NQM_ERR_FORMAT);
+    nqm_brdf *brdf = open_ok(save_scan(0), ""); /* degrees: a highlight in one plane */
+    nqm_brdf_free(brdf);
+    assert_int_equal(nqm_brdf_open(save_scan(0.2), &brdf, &err), NQM_ERR_FORMAT);
     assert_non_null(strstr(err.message, "list.csv: the polar angles of all rows (from byte 0 on) are at most 1.5, "));
     assert_non_null(strstr(err.message, "radians; degrees are needed"));
 }

@@ -274,17 +274,16 @@ nqm_directions *open_directions(const char *name_or_path) {
 }
 
 void report_distance(const char *argument, const nqm_brdf *brdf, const nqm_directions *directions) {
-    const double degree = 3.14159265358979323846 / 180;
     const size_t n = nqm_directions_count(directions);
     double apart[2];
     nqm_error err = {0};
     must(nqm_scattered_distances(brdf, n, nqm_directions_wi(directions), nqm_directions_wo(directions), apart, &err),
          &err);
-    if (apart[0] > 0.1 * degree)
+    if (apart[0] > 0.1)
         report(EXIT_OK,
                "%s: its nearest row is %.2g degrees (median; 95 %%: %.2g) away from a direction of the model: narrower "
                "highlights are not seen; `nqm directions show MODEL --pairs` writes directions to measure",
-               argument, apart[0] / degree, apart[1] / degree);
+               argument, apart[0], apart[1]);
 }
 
 nqm_dataset *open_dataset(const char *path, const char *labels, nqm_split split) {

@@ -144,9 +144,9 @@ void enter_list_root(const char *root, const char *list_path);
 char *read_text(const char *path);
 /** Open directions from a CSV, a model file or a built-in model; NULL: those of the built-in model "default", or generated
  *  default ones if there is no such model. */
+nqm_directions *open_directions(const char *name_or_path);
 /** Say how far the rows of a list of measured directions are from those of a model, where it is more than 0.1 degrees. */
 void report_distance(const char *argument, const nqm_brdf *brdf, const nqm_directions *directions);
-nqm_directions *open_directions(const char *name_or_path);
 /** Open a dataset: a file of nqm (labels NULL), or a folder in the authors' layout with its labels CSV, whose rows all get
  *  `split`. */
 nqm_dataset *open_dataset(const char *path, const char *labels, nqm_split split);

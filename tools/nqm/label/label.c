@@ -50,6 +50,7 @@ static int show_label_progress(void *user, const char *stage, double done, doubl
 static size_t mark_uncertain(label_run *run, nqm_scene_options *options) {
     size_t n = 0;
     bool points = false, lights = false;
+    static const double enough = 0.7; /* two parts of this size make an error of 1 */
     for (size_t i = 0; i < run->n_items; ++i)
         run->items[i].is_done = true;
     for (size_t i = 0; i < run->n_items; ++i) {
@@ -59,9 +60,9 @@ static size_t mark_uncertain(label_run *run, nqm_scene_options *options) {
         if (item == reference || item->err.status != NQM_OK || !(excess > 1))
             continue;
         item->is_done = reference->is_done = false;
-        points |= excess * item->points_error > 0.7 * l->error; /* of two equal parts, each is .7 of the whole */
-        lights |= excess * excess * (l->error * l->error - item->points_error * item->points_error) >
-                  0.7 * 0.7 * l->error * l->error;
+        const double share = item->points_error / l->error; /* the error is the root of the sum of two squares */
+        points |= excess * share > enough;
+        lights |= excess * sqrt(fmax(1 - share * share, 0)) > enough;
         ++n;
     }
     options->n_points *= points ? 2 : 1;

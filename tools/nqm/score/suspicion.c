@@ -3,43 +3,27 @@
  * Suspicions about a bad score: values of another scale, or with the cosine, are often a fault of the file. The ratio of the test to
  * its reference is then about the same at all directions, or as a cosine.
  */
+#include "metric/metric.h"
 #include "nqm/score/score.h"
 
 #include <math.h>
 #include <stdlib.h>
 
-static int compare_numbers(const void *a, const void *b) {
-    const double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
-/* Median and interquartile range of log(test / reference) less `sign` log(cos(theta_o)); scratch: (n). */
-static double measure(size_t n, const float *rgb, const double *wo, double sign, double *scratch, double *range) {
-    const float *ref = rgb + 1, *test = ref + 3 * n; /* green */
-    size_t m = 0;
-    for (size_t i = 0; i < 3 * n; i += 3)
-        if (ref[i] > 0 && test[i] > 0)
-            scratch[m++] = log((double)test[i] / (double)ref[i]) - sign * log(wo[i + 2]);
-    qsort(scratch, m, sizeof *scratch, compare_numbers);
-    *range = m < 4 ? INFINITY : scratch[3 * m / 4] - scratch[m / 4];
-    return m < 4 ? 0 : scratch[m / 2];
-}
-
 /* rgb: (2, n, 3) */
 static void compare(const char *name, const nqm_directions *directions, const float *rgb, double *scratch) {
-    const size_t n = nqm_directions_count(directions);
-    const double *wo = nqm_directions_wo(directions);
-    double plain, range;
-    const double scale = measure(n, rgb, wo, 0, scratch, &plain);
-    if (fabs(scale) > log(100) && plain < 3)
+    double plain[2], with_cosine[2]; /* median and interquartile range */
+    nqm_log_ratio(directions, rgb, 0, scratch, plain);
+    if (fabs(plain[0]) > log(100) && plain[1] < 3)
         report(EXIT_OK,
                "%s: about %.4g times its reference at most directions: is a scale missing in one of them? It is 1500, "
                "1304 and 904 in MERL files, 255 in values of 8 bits",
-               name, exp(scale));
-    for (int sign = -1; sign <= 1; sign += 2)
-        if (fabs(measure(n, rgb, wo, sign, scratch, &range)) < log(1.3) && range < 0.2 * plain)
+               name, exp(plain[0]));
+    for (int sign = -1; sign <= 1; sign += 2) {
+        nqm_log_ratio(directions, rgb, sign, scratch, with_cosine);
+        if (fabs(with_cosine[0]) < log(1.3) && with_cosine[1] < 0.2 * plain[1])
             report(EXIT_OK, "%s: about its reference %s the cosine of light or viewer: f_r is without a cosine", name,
                    sign > 0 ? "times" : "divided by");
+    }
 }
 
 /* rgb (n, 3); false: it has no values. */
