@@ -21,7 +21,8 @@
  *  - The library never prints, never exits, never reads the environment and does not depend on the locale.
  *  - Random numbers come from seeds that are arguments; results do not depend on the number of threads.
  *  - Large calls work on the threads of OpenMP, which the first such call starts. Without memory for them GCC's runtime
- *    library ends the process; after fork() a child must not make such calls (OMP_NUM_THREADS=1 avoids both).
+ *    library ends the process (OMP_NUM_THREADS=1 avoids it). The child of fork() uses one thread (omp_set_num_threads(1));
+ *    fork() during a call, and more threads in the child, are not supported.
  */
 #ifndef NQM_BASE_H
 #define NQM_BASE_H

@@ -65,6 +65,7 @@ class Watch:
         self.error: Optional[BaseException] = None
         self.shown = False  # an unfinished line of show_progress()
         self.interruptible = False  # during a call with Interrupts
+        self.thread: Optional[int] = None  # that runs a function of the user
 
     def take(self) -> Optional[BaseException]:
         error, self.error = self.error, None
@@ -75,12 +76,40 @@ class Watch:
 
     def run(self, function: Callable[..., Any], *args: Any) -> Any:
         """A function of the user in a callback; its exception is kept, and the result is None."""
+        self.thread = threading.get_ident()
         try:
             with Interrupts.allowed():
                 return function(*args)
         except BaseException as error:  # it cannot pass through the library; call() raises it
             self.error = error
             return None
+        finally:
+            self.thread = None
+
+
+def refuse_reentry(watches: "Sequence[Watch]") -> None:
+    """A function of the user must not call what is calling it: the call would wait for its own end."""
+    if any(w.thread == threading.get_ident() for w in watches):
+        raise Error("a function that the library calls uses the object that it is called for (its own BRDF, Scene or Scorer): give it "
+                    "one of its own")
+
+
+class Turns:
+    """The lock of an object that serves one call after the other."""
+
+    def __init__(self) -> None:
+        self._lock = threading.Lock()
+        self._watches: Sequence[Watch] = ()  # of the call in progress
+
+    @contextlib.contextmanager
+    def take(self, watches: "Sequence[Watch]" = ()) -> Iterator[None]:
+        refuse_reentry(self._watches)
+        with self._lock:
+            self._watches = watches
+            try:
+                yield
+            finally:
+                self._watches = ()
 
 
 class Interrupts:
@@ -163,6 +192,7 @@ def call(function: Any, *args: Any, watches: Sequence[Watch] = (), own: Optional
     err = CError()
     fallible = bool(function.argtypes) and function.argtypes[-1] is POINTER(CError)
     used = ([own] if own else []) + list(watches)
+    refuse_reentry(used)
     with contextlib.ExitStack() as stack:
         for watch in sorted(set(watches), key=id):
             stack.enter_context(watch.lock)

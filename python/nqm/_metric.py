@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import json
 import os
 from typing import Any, Iterable, List, Tuple, Union
 
@@ -77,12 +78,21 @@ _BATCH = (("jod", "f8"), ("low", "f8"), ("high", "f8"), ("delta_e", "f8"), ("nov
 
 
 def _read_list(path: PathLike) -> List[Tuple[str, str]]:
-    """The pairs of a CSV with the columns reference and test."""
-    with open(path, newline="", encoding="utf-8") as file:
-        rows = csv.DictReader(file)
-        if rows.fieldnames is None or not {"reference", "test"} <= set(rows.fieldnames):
+    """The pairs of a list as the tool's verb `batch` reads it: JSON Lines, or CSV. A row without a name has an empty one, which is
+    no BRDF: it gets its error when it is opened."""
+    with open(path, newline="", encoding="utf-8-sig") as file:
+        lines = [line for line in file.read().splitlines(keepends=True) if line.strip() and not line.startswith("#")]
+    if lines and lines[0].lstrip().startswith("{"):
+        rows = [json.loads(line) for line in lines]
+    else:
+        header = lines[0] if lines else ""
+        separator = "," if "," in header else ";" if ";" in header else "\t"
+        table = [[field.strip() for field in row] for row in csv.reader(lines, delimiter=separator, skipinitialspace=True)]
+        names = [name.lower() for name in table[0]] if table else []
+        if not {"reference", "test"} <= set(names):
             raise Error("%s: a list of pairs has the columns reference and test" % os.fspath(path), _abi.Status.FORMAT)
-        return [(row["reference"], row["test"]) for row in rows]
+        rows = [dict(zip(names, row)) for row in table[1:]]
+    return [(row.get("reference", ""), row.get("test", "")) for row in rows]
 
 
 def batch(pairs: Union[PathLike, Iterable[Tuple[BRDFLike, BRDFLike]]], *, model: ModelLike = "default", metrics: bool = False,
@@ -90,8 +100,8 @@ def batch(pairs: Union[PathLike, Iterable[Tuple[BRDFLike, BRDFLike]]], *, model:
     """Score many pairs into one array. Pairs that cannot be scored do not stop the others.
 
     Args:
-        pairs: (reference, test) pairs, or a CSV with the columns `reference` and `test`, as for
-            the tool's verb `batch`; relative paths are relative to the current folder
+        pairs: (reference, test) pairs, or a list (CSV, JSON Lines) as for the tool's verb `batch`; relative paths are relative to
+            the current folder
         model: as for `score`
         metrics: whether to add the scalar metrics, one column each
         progress: called with ("score", done, total); True shows a line on standard error

@@ -7,7 +7,6 @@ import functools
 import math
 import os
 import sys
-import threading
 from ctypes import byref, c_void_p
 from dataclasses import dataclass
 from typing import Any, Dict, Iterable, List, Optional, Sequence, Tuple, Union, overload
@@ -17,7 +16,7 @@ import numpy as np
 from . import _abi
 from ._abi import CLabel, NamedPair, SamplePair, ScoreResult, lib
 from ._brdf import BRDF, BRDFLike, Directions, as_brdf, handles_of, watches_of
-from ._call import (Error, PathLike, ProgressLike, address, call, choice, encode, error_of, own_handle, progress_of,
+from ._call import (Error, PathLike, ProgressLike, Turns, address, call, choice, encode, error_of, own_handle, progress_of,
                     status_text)
 
 BLOCK = 256  # pairs of one call, as NQM_SCORE_BLOCK: Ctrl-C and progress act between calls
@@ -221,7 +220,7 @@ class Scorer:
                                           choice("precision", precision, _abi.PRECISIONS), int(metrics),
                                           int(cache_mb * 2**20))
         self._n_directions = len(self.model.directions)
-        self._lock = threading.Lock()
+        self._turns = Turns()
         self._handle = c_void_p()
         call(lib.nqm_scorer_create, self.model._handle, byref(self._options), byref(self._handle))
         own_handle(self, self._handle, lib.nqm_scorer_free)
@@ -247,9 +246,9 @@ class Scorer:
                     raise
                 failures[i] = error
         results = (ScoreResult * len(opened))()
-        with self._lock:
-            call(lib.nqm_scorer_run, self._handle, brdf._handle, len(opened), handles_of(opened), results,
-                 watches=watches_of([brdf, *opened]))
+        watches = watches_of([brdf, *opened])
+        with self._turns.take(watches):
+            call(lib.nqm_scorer_run, self._handle, brdf._handle, len(opened), handles_of(opened), results, watches=watches)
         done = iter(zip(opened, results))
         for i, test in enumerate(tests):
             if i in failures:
@@ -263,7 +262,7 @@ class Scorer:
         """Score a block of pairs of paths and specs."""
         named = (NamedPair * len(pairs))(*[NamedPair(encode(a), encode(b)) for a, b in pairs])
         errors = (_abi.CError * len(pairs))()
-        with self._lock:
+        with self._turns.take():
             call(lib.nqm_scorer_run_named, self._handle, len(pairs), named, results, errors)
         return [error_of(e, r.status) if r.status else None for e, r in zip(errors, results)]
 
@@ -310,7 +309,7 @@ class Scorer:
         """Score sampled pairs; see `score_samples`."""
         refs, tests, masks, single = self._samples(ref, test, used)
         results = (ScoreResult * len(tests))()
-        with self._lock:
+        with self._turns.take():
             call(lib.nqm_scorer_run_samples, self._handle, len(tests), _sample_pairs(refs, tests, masks), results)
         scores = _checked([self._score(r, "reference", "test") for r in results], "raise")
         return scores[0] if single else scores
@@ -319,7 +318,7 @@ class Scorer:
         """Scores of sampled pairs and their gradients; see `score_grad`."""
         refs, tests, masks, single = self._samples(ref, test, used)
         values, gradients = np.empty(len(tests)), np.empty(tests.shape, np.float32)
-        with self._lock:
+        with self._turns.take():
             call(lib.nqm_score_grad, self._handle, choice("of", of, _abi.QUANTITIES), len(tests),
                  _sample_pairs(refs, tests, masks), address(values), address(gradients))
         return (float(values[0]), gradients[0]) if single else (values, gradients)

@@ -5,7 +5,17 @@
 #include "base/base.h"
 
 #include <omp.h>
+#include <pthread.h>
 #include <time.h>
+
+static void use_one_thread(void) {
+    omp_set_num_threads(1);
+}
+
+/* The child of fork() has one thread; OpenMP's runtime would wait there for those of the parent. */
+__attribute__((constructor)) static void prepare_for_fork(void) {
+    (void)pthread_atfork(NULL, NULL, use_one_thread);
+}
 
 static void parallel_range(size_t begin, size_t end, void (*body)(void *user, size_t i), void *user) {
 #pragma omp parallel for schedule(dynamic, 1)

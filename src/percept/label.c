@@ -107,13 +107,14 @@ const char *nqm_label_describe(const nqm_label *label, char text[NQM_LABEL_TEXT]
         {label->contrast, "more contrast", "flatter", 0.03, 0.1, 0.35},
         {label->structure, "changed in highlights and shading", "", 1, 3, 10},
     };
-    /* A plain "darker" would contradict the verdict "practically the same". Delta-E 0: not known. */
-    const bool is_near = label->delta_e > 0 && nqm_curve_jod(&nqm_curve_published, label->delta_e) >= 9.5;
+    /* A plain "darker" would contradict the verdict "practically the same" (JOD 9.5), "much" also "hardly visible" (9).
+     * Delta-E 0: not known. */
+    const double jod = label->delta_e > 0 ? nqm_curve_jod(&nqm_curve_published, label->delta_e) : 0;
     size_t n = 0;
     text[0] = 0;
     for (const part *p = parts; p < parts + sizeof parts / sizeof *parts; ++p) {
         const double size = fabs(p->value);
-        const char *degree = size > p->much ? "much " : is_near || size < p->plain ? "a little " : "";
+        const char *degree = jod >= 9.5 || size < p->plain ? "a little " : jod >= 9 || size <= p->much ? "" : "much ";
         if (size >= p->mentioned)
             n += (size_t)snprintf(text + n, NQM_LABEL_TEXT - n, "%s%s%s", n ? ", " : "", degree,
                                   p->value > 0 ? p->above : p->below);

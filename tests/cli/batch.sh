@@ -114,10 +114,10 @@ says 'row 2: .*nowhere.binary'
 [ "$(wc -l <"$dir/out")" = 2 ] || fail "the rows before the first fault"
 batch 9 "$dir/faulty.csv" --keep-going
 says '2 of 4 rows'
-sed -n 3p "$dir/out" | grep -q 'nowhere.binary,,,,,0,0,,,,.*nowhere.binary: No such file' || fail "an error column: $(cat "$dir/out")"
+sed -n 3p "$dir/out" | grep -q 'nowhere.binary,,,,,,,,,,.*nowhere.binary: No such file' || fail "an error column: $(cat "$dir/out")"
 sed -n 5p "$dir/out" | grep -q '^ward:nickel,sgd:nickel,[0-9]' || fail "the row behind the faults"
 batch 9 "$dir/faulty.csv" --keep-going --jsonl
-sed -n 3p "$dir/out" | grep -q '"jod":null,.*"error":".*nonsense' || fail "errors in JSON Lines"
+sed -n 3p "$dir/out" | grep -q '"jod":null,.*"identical":null,"n_valid":null,.*"error":".*nonsense' || fail "errors in JSON Lines"
 batch 3 "$dir/faulty.csv" --json
 [ "$(tail -n 1 "$dir/out")" = ']}' ] || fail "a document that ends early must end"
 

@@ -174,6 +174,8 @@ plot 2 pie "$dir/labels.csv" -o "$dir/x.svg"
 says "no 'pie'"
 plot 2 slcie # the wrong word, not the option that is missing too
 says "no 'slcie' (did you mean 'slice'?)"
+plot 0 attribution sgd:nickel 'My fit=sgd:nickel' -o "$dir/named.svg"
+cmp -s "$dir/same.svg" "$dir/named.svg" && fail "NAME= in the title of attribution"
 plot 2 attribution sgd:nickel -o "$dir/x.svg"
 plot 2 curve "$dir/labels.csv" -o "$dir/x.gif"
 says 'FILE.svg|.pdf|.png'

@@ -1,7 +1,10 @@
 # SPDX-License-Identifier: MIT
 """BRDFs in Python: values, functions and tables, errors."""
 import gc
+import os
 import pickle
+import subprocess
+import sys
 import tempfile
 import threading
 import unittest
@@ -124,6 +127,29 @@ class Functions(unittest.TestCase):
         for thread in threads:
             thread.join()
         self.assertEqual(found, [exact] * 4)
+
+    def test_reentry(self):
+        """A function that calls what is calling it, and one that uses the scorer which is scoring it."""
+        scorer = nqm.Scorer()
+
+        def recursive(wi, wo):
+            return itself.eval(wi, wo)
+
+        itself = nqm.BRDF.from_function(recursive)
+        busy = nqm.BRDF.from_function(lambda wi, wo: phong(wi, wo) * scorer.score("sgd:nickel", "ward:nickel").jod)
+        for use in (lambda: itself.eval(directions(3), [0, 0, 1]), lambda: scorer.score("sgd:nickel", itself), itself.check,
+                    lambda: scorer.score("sgd:nickel", busy)):
+            with self.assertRaisesRegex(nqm.Error, "one of its own"):
+                use()
+        other = nqm.BRDF.from_function(lambda wi, wo: phong(wi, wo) * (nqm.score("sgd:nickel", "ward:nickel").jod > 0))
+        self.assertEqual(scorer.score("sgd:nickel", other).jod, scorer.score("sgd:nickel", nqm.BRDF.from_function(phong)).jod)
+
+    def test_fork(self):
+        """The child of a process that has used threads computes the same with one."""
+        code = ("import nqm, os, sys\npairs = [('sgd:nickel', 'ward:%s' % n) for n in ('nickel', 'brass', 'alumina_oxide')]\n"
+                "jod = nqm.batch(pairs)['jod'].tolist()\nchild = os.fork()\n"
+                "if not child:\n    os._exit(nqm.batch(pairs)['jod'].tolist() != jod)\nsys.exit(os.waitpid(child, 0)[1])\n")
+        subprocess.run([sys.executable, "-c", code], check=True, timeout=60, env={**os.environ, "OMP_NUM_THREADS": "2"})
 
     def test_lifetime(self):
         class Big:

@@ -251,11 +251,14 @@ static void words_for_the_parts(void **state) {
     const nqm_label none = {.delta_e = 0.4, .shift = {0.4, -0.3, 0}, .contrast = 0.01, .structure = 0.5},
                     some = {.shift = {-4, 0, 1.5}, .contrast = -0.5, .structure = 0.2},
                     near = {.delta_e = 5.9 /* JOD 9.50 */, .shift = {-4, 0, 1.5}, .contrast = 0.2, .structure = 11},
+                    hardly = {.delta_e = 8 /* JOD 9.2 */, .shift = {-4, 0, 1.5}, .contrast = -0.5, .structure = 11},
                     all = {.shift = {-1e9, 1e9, -1e9}, .contrast = 1e9, .structure = 1e9};
     assert_string_equal(nqm_label_describe(&none, text), "no visible difference");
     assert_string_equal(nqm_label_describe(&some, text), "darker, a little redder, much flatter");
     assert_string_equal(nqm_label_describe(&near, text), "a little darker, a little redder, a little more contrast, "
-                                                         "much changed in highlights and shading");
+                                                         "a little changed in highlights and shading");
+    assert_string_equal(nqm_label_describe(&hardly, text),
+                        "darker, a little redder, flatter, changed in highlights and shading");
     assert_string_equal(nqm_label_describe(&all, text), "much darker, much bluer, much greener, much more contrast, "
                                                         "much changed in highlights and shading");
 }

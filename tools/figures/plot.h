@@ -73,13 +73,15 @@ NQM_MUST_CHECK nqm_status nqm_plot_directions(const char *path, const nqm_direct
 NQM_MUST_CHECK nqm_status nqm_plot_slices(const char *path, size_t n, const nqm_brdf *const *brdfs,
                                           const char *const *names, double theta_d_rad, double phi_d_rad,
                                           const nqm_plot_options *options, nqm_error *err);
-/** A short name for the legend: the file name without folder and ending, or the spec; at most 60 bytes. */
-void nqm_plot_brdf_name(const nqm_brdf *brdf, char name[64]);
+/** What the drawing calls a BRDF: `given` up to 60 bytes; NULL: the file name without folder and ending, or the spec. */
+void nqm_plot_brdf_name(const nqm_brdf *brdf, const char *given, char name[64]);
 
 /** Where two BRDFs differ: a heat map over (theta_h, theta_d) of the mean absolute difference of log(f_r + 0.003) over phi_d
- *  and channels, as in NQM_METRIC_LOG_DIFF. It compares the BRDFs; no model is involved. */
-NQM_MUST_CHECK nqm_status nqm_plot_attribution(const char *path, const nqm_brdf *ref, const nqm_brdf *test,
-                                               const nqm_plot_options *options, nqm_error *err);
+ *  and channels, as in NQM_METRIC_LOG_DIFF. It compares the BRDFs (reference, test); no model is involved. `names` as for
+ *  nqm_plot_slices(). */
+NQM_MUST_CHECK nqm_status nqm_plot_attribution(const char *path, const nqm_brdf *const brdfs[2],
+                                               const char *const *names, const nqm_plot_options *options,
+                                               nqm_error *err);
 
 /** The layers of a model's network as a table: sizes, parameters, multiplications (paper, figure 2). */
 NQM_MUST_CHECK nqm_status nqm_plot_network(const char *path, const nqm_model *model, const nqm_plot_options *options,

@@ -10,7 +10,8 @@
 enum { N_THETA_H = 90, N_THETA_D = 60, N_PHI_D = 18 };
 
 typedef struct differing {
-    const nqm_brdf *ref, *test;
+    const nqm_brdf *const *brdfs; /* reference, test */
+    const char *const *names;
     double *map; /* (N_THETA_D, N_THETA_H) */
 } differing;
 
@@ -41,7 +42,7 @@ static double difference(const nqm_brdf *ref, const nqm_brdf *test, size_t row, 
 static void fill_row(void *user, size_t row) {
     const differing *d = user;
     for (size_t column = 0; column < N_THETA_H; ++column)
-        d->map[row * N_THETA_H + column] = difference(d->ref, d->test, row, column);
+        d->map[row * N_THETA_H + column] = difference(d->brdfs[0], d->brdfs[1], row, column);
 }
 
 static nqm_status draw(const char *path, const differing *d, const nqm_plot_options *options, nqm_error *err) {
@@ -57,8 +58,8 @@ static nqm_status draw(const char *path, const differing *d, const nqm_plot_opti
         return nqm_fail(err, NQM_ERR_INCOMPATIBLE, -1, "%s: there is no direction where both BRDFs have a value", path);
     nqm_axis_include(&heat.value, 2, (double[]){0, 0.01}); /* rounding errors must not look like a difference */
     nqm_axis_round(&heat.value, 6);
-    nqm_plot_brdf_name(d->ref, names[0]);
-    nqm_plot_brdf_name(d->test, names[1]);
+    for (size_t i = 0; i < 2; ++i)
+        nqm_plot_brdf_name(d->brdfs[i], d->names ? d->names[i] : NULL, names[i]);
     snprintf(title, sizeof title, "Where %s differs from %s", names[1], names[0]);
     static const char note[] =
         "mean over " NQM_PHI "_{d} and the channels of the BRDFs themselves; no model is involved; "
@@ -67,9 +68,9 @@ static nqm_status draw(const char *path, const differing *d, const nqm_plot_opti
     return nqm_panel_write(path, (nqm_sheet_panel){.heat = &heat}, 620, 480, title, note, options, err);
 }
 
-nqm_status nqm_plot_attribution(const char *path, const nqm_brdf *ref, const nqm_brdf *test,
+nqm_status nqm_plot_attribution(const char *path, const nqm_brdf *const brdfs[2], const char *const *names,
                                 const nqm_plot_options *options, nqm_error *err) {
-    differing d = {ref, test, nqm_alloc(N_THETA_H * N_THETA_D, sizeof *d.map)};
+    differing d = {brdfs, names, nqm_alloc(N_THETA_H * N_THETA_D, sizeof *d.map)};
     if (!d.map)
         return nqm_fail_nomem(err, N_THETA_H * N_THETA_D * sizeof *d.map);
     nqm_parallel_for(N_THETA_D, fill_row, &d);

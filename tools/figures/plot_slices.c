@@ -22,12 +22,15 @@ typedef struct slicing {
     double y[N_PANELS][MAX_BRDFS][N_POINTS]; /* luminance of f_r, 1/sr; NaN where there is no value */
 } slicing;
 
-void nqm_plot_brdf_name(const nqm_brdf *brdf, char name[64]) {
+void nqm_plot_brdf_name(const nqm_brdf *brdf, const char *given, char name[64]) {
     const char *full = nqm_brdf_get_info(brdf).name, *slash = strrchr(full, '/');
     bool is_path = slash && !strchr(full, ';');
     const char *first = is_path ? slash + 1 : full, *dot = is_path ? strrchr(first, '.') : NULL;
     size_t n = dot && dot > first && !strchr(dot, ':') ? (size_t)(dot - first) : strlen(first);
-    snprintf(name, 64, "%.*s%s", (int)(n > 57 ? 57 : n), first, n > 57 ? "..." : "");
+    if (given)
+        snprintf(name, 64, "%.60s", given);
+    else
+        snprintf(name, 64, "%.*s%s", (int)(n > 57 ? 57 : n), first, n > 57 ? "..." : "");
 }
 
 static double luminance(const nqm_brdf *brdf, bool half_diff, const double *at) {
@@ -185,10 +188,7 @@ nqm_status nqm_plot_slices(const char *path, size_t n, const nqm_brdf *const *br
     s->theta_d_rad = theta_d_rad;
     s->phi_d_rad = phi_d_rad;
     for (size_t k = 0; k < n; ++k)
-        if (names && names[k])
-            snprintf(s->names[k], sizeof s->names[k], "%.60s", names[k]);
-        else
-            nqm_plot_brdf_name(brdfs[k], s->names[k]);
+        nqm_plot_brdf_name(brdfs[k], names ? names[k] : NULL, s->names[k]);
     nqm_status status = slice(s, path, n, brdfs, options, err);
     nqm_free(s);
     return status;

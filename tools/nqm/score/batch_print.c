@@ -119,8 +119,11 @@ static void print_json_row(const batch_form *form, FILE *out, size_t row, const 
     print_json_number(out, ",", "jod_high", r->jod_high);
     print_json_number(out, ",", "delta_e_itp", r->delta_e);
     print_json_number(out, ",", "novelty", r->novelty);
-    fprintf(out, ",\"identical\":%s,\"n_valid\":%zu,\"verdict\":\"%s\",\"metrics\":{", r->identical ? "true" : "false",
-            r->n_valid, verdict_words(r, verdict));
+    if (r->status == NQM_OK)
+        fprintf(out, ",\"identical\":%s,\"n_valid\":%zu", r->identical ? "true" : "false", r->n_valid);
+    else
+        fputs(",\"identical\":null,\"n_valid\":null", out);
+    fprintf(out, ",\"verdict\":\"%s\",\"metrics\":{", verdict_words(r, verdict));
     const char *comma = "";
     for (int m = 0; m < NQM_METRIC_COUNT; ++m)
         if (form->metrics[m]) {

@@ -238,7 +238,10 @@ void print_csv_score_names(FILE *out, const nqm_model *model, const bool *metric
 void print_csv_score(FILE *out, const nqm_model *model, const bool *metrics, const nqm_score_result *r) {
     char verdict[VERDICT_TEXT];
     print_csv_numbers(out, 4, (double[]){r->jod, r->jod_low, r->jod_high, r->delta_e});
-    fprintf(out, ",%d,%zu", r->identical, r->n_valid);
+    if (r->status == NQM_OK)
+        fprintf(out, ",%d,%zu", r->identical, r->n_valid);
+    else
+        fputs(",,", out);
     print_csv_numbers(out, 1, &r->novelty);
     fputc(',', out);
     print_csv_text(out, verdict_words(r, verdict));
@@ -302,12 +305,13 @@ static json_t *row_json(const score_run *run, const scored_pair *row) {
     for (int m = 0; m < NQM_METRIC_COUNT; ++m)
         if (run->metrics[m])
             json_object_set_new(metrics, nqm_metric_name((nqm_metric)m), json_number(r->metrics[m]));
-    json_t *object =
-        json_pack("{s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:b,s:I,s:s,s:o,s:o}", "test", json_name(row->pair.test), "name",
-                  json_name(row->name), "jod", json_number(r->jod), "jod_low", json_number(r->jod_low), "jod_high",
-                  json_number(r->jod_high), "delta_e_itp", json_number(r->delta_e), "novelty", json_number(r->novelty),
-                  "identical", r->identical, "n_valid", (json_int_t)r->n_valid, "verdict", verdict_words(r, verdict),
-                  "metrics", metrics, "warnings", json_remarks(&run->terms, "reference", "test", r));
+    json_t *object = json_pack(
+        "{s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:s,s:o,s:o}", "test", json_name(row->pair.test), "name",
+        json_name(row->name), "jod", json_number(r->jod), "jod_low", json_number(r->jod_low), "jod_high",
+        json_number(r->jod_high), "delta_e_itp", json_number(r->delta_e), "novelty", json_number(r->novelty),
+        "identical", r->status == NQM_OK ? json_boolean(r->identical) : json_null(), "n_valid",
+        r->status == NQM_OK ? json_integer((json_int_t)r->n_valid) : json_null(), "verdict", verdict_words(r, verdict),
+        "metrics", metrics, "warnings", json_remarks(&run->terms, "reference", "test", r));
     if (has_gate(&run->gate) && row->err.status == NQM_OK)
         json_object_set_new(object, "gate", json_string(gate_mark(&run->gate, r)));
     if (!isnan(r->similarity))

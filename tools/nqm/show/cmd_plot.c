@@ -68,7 +68,7 @@ static nqm_status draw(const plot_arguments *a, int kind, const char *const *pat
                                  a->theta_d_deg * degree, a->phi_d_deg * degree, &a->look, err);
         break;
     case ATTRIBUTION:
-        status = nqm_plot_attribution(a->output, brdfs[0], brdfs[1], &a->look, err);
+        status = nqm_plot_attribution(a->output, (const nqm_brdf *const *)brdfs, names, &a->look, err);
         break;
     }
     close_brdfs(has_brdfs ? a->n : 0, brdfs);

@@ -75,8 +75,9 @@ void put_scale(const report_page *page, const char *alt) {
 
 void put_attribution(const report_page *page, size_t test, const char *alt) {
     const nqm_plot_options look = {.title = "", .width = 440, .height = 400, .scale = 2};
+    const nqm_brdf *const brdfs[] = {page->run->brdfs[0], page->run->brdfs[test + 1]};
     nqm_error err = {0};
-    must(nqm_plot_attribution(page->figure, page->run->brdfs[0], page->run->brdfs[test + 1], &look, &err), &err);
+    must(nqm_plot_attribution(page->figure, brdfs, NULL, &look, &err), &err);
     embed(page, alt, (size_t)look.width, (size_t)look.height);
 }
 
