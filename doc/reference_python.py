@@ -9,7 +9,7 @@ import re
 
 PACKAGE = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "python", "nqm")
 GROUPS = (("Scores", ("score", "score_many", "batch", "score_samples", "score_grad", "Score", "Parts", "Scorer", "preference")),
-          ("BRDFs", ("BRDF", "BRDFInfo", "CheckReport", "presets", "materials", "MaterialInfo", "table_nodes",
+          ("BRDFs", ("BRDF", "BRDFInfo", "CheckReport", "compare", "Difference", "presets", "materials", "MaterialInfo", "table_nodes",
                      "half_diff_to_directions", "directions_to_half_diff", "Directions")),
           ("Metrics and models", ("Metric", "metrics", "Model", "ModelInfo", "models")),
           ("Fits", ("fit", "Fit", "fit_models")),

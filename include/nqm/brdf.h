@@ -268,6 +268,33 @@ typedef struct nqm_brdf_check_report {
 NQM_API NQM_MUST_CHECK nqm_status nqm_brdf_check(const nqm_brdf *brdf, uint64_t seed, nqm_brdf_check_report *report_ret,
                                                  nqm_error *err);
 
+/** Where the values of two BRDFs differ most, from nqm_brdf_compare(). */
+typedef struct nqm_brdf_difference {
+    int is_equal;       /**< 1: no pair of directions differs, and none is missing */
+    size_t n_pairs;     /**< pairs where one of them has a value */
+    size_t n_different; /**< pairs with a channel that differs by more than the tolerance */
+    size_t n_missing;   /**< pairs where only one of them has a value */
+    /** Largest |ref - test| / max(ref, test, 1e-9 1/sr) of a channel, 0 to 1. */
+    double largest;
+    double wi[3], wo[3]; /**< its directions, */
+    int channel;         /**< its channel: 0 red, 1 green, 2 blue, */
+    double ref, test;    /**< and the values there, 1/sr */
+} nqm_brdf_difference;
+
+/**
+ * Compare the values of two BRDFs: whether a formula is implemented as it is specified, which a score cannot tell, because people may
+ * not see the difference.
+ *
+ * Both are evaluated at 8192 random pairs of directions, half of them near the mirror direction, with polar angles up to 89 degrees,
+ * and at the directions of lists.
+ *
+ * @param tolerance  largest relative difference of equal values, 0 or more
+ * @param seed       of the pairs; the same seed gives the same answer
+ * @return NQM_ERR_ARG, NQM_ERR_INCOMPATIBLE (nowhere do both have a value), NQM_ERR_NOMEM
+ */
+NQM_API NQM_MUST_CHECK nqm_status nqm_brdf_compare(const nqm_brdf *ref, const nqm_brdf *test, double tolerance,
+                                                   uint64_t seed, nqm_brdf_difference *difference_ret, nqm_error *err);
+
 /**
  * Directional-hemispherical albedo: the integral of f_r cos(theta_o) over the hemisphere of wo.
  *

@@ -14,10 +14,8 @@ extern "C" {
 
 /* ---- colour ------------------------------------------------------------------------------------------------------ */
 
-/** Linear BT.709 RGB in cd/m2 to ITP (ITU-R BT.2124: I, T = Ct/2, P of ICtCp, PQ of SMPTE ST 2084). Negative channels
- *  count as 0, channels above 10000 as 10000. rgb_cdm2, itp: (3). */
-NQM_API void nqm_itp_from_rgb(const double *rgb_cdm2, double *itp);
-/** Delta-E ITP of two colours: 720 times their distance in ITP (ITU-R BT.2124). rgb_cdm2: (3) each. */
+/** Delta-E ITP of two colours: 720 times their distance in ITP (ITU-R BT.2124). rgb_cdm2: (3) each, linear BT.709 RGB in cd/m2;
+ *  negative channels count as 0, channels above 10000 as 10000. */
 NQM_API double nqm_delta_e_itp(const double *rgb_a_cdm2, const double *rgb_b_cdm2);
 
 /* ---- JOD curve --------------------------------------------------------------------------------------------------- */

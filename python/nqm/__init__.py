@@ -12,7 +12,7 @@ from typing import Any as _Any
 
 from ._abi import Status
 from ._abi import lib as _lib
-from ._brdf import (BRDF, BRDFInfo, CheckReport, Directions, MaterialInfo, directions_to_half_diff, half_diff_to_directions,
+from ._brdf import (BRDF, BRDFInfo, CheckReport, Difference, Directions, MaterialInfo, compare, directions_to_half_diff, half_diff_to_directions,
                     materials, presets, table_nodes)
 from ._call import Error
 from ._data import Dataset
@@ -27,7 +27,7 @@ __version__ = VERSION
 
 __all__ = [
     "score", "score_many", "batch", "score_samples", "score_grad", "Score", "Parts", "Scorer", "preference",
-    "BRDF", "BRDFInfo", "CheckReport", "presets", "materials", "MaterialInfo", "table_nodes", "half_diff_to_directions", "directions_to_half_diff", "Directions",
+    "BRDF", "BRDFInfo", "CheckReport", "compare", "Difference", "presets", "materials", "MaterialInfo", "table_nodes", "half_diff_to_directions", "directions_to_half_diff", "Directions",
     "Metric", "metrics", "Model", "ModelInfo", "models",
     "fit", "Fit", "fit_models", "label", "Label", "render", "srgb", "Scene", "Rays", "Dataset",
     "Error", "Status", "build_info",

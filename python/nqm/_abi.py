@@ -70,6 +70,13 @@ class BrdfCheckReport(Structure):
                 ("albedo_max_theta_rad", c_double)]
 
 
+class BrdfDifference(Structure):
+    _c_name_ = "nqm_brdf_difference"
+    _fields_ = [("is_equal", c_int), ("n_pairs", c_size_t), ("n_different", c_size_t), ("n_missing", c_size_t),
+                ("largest", c_double), ("wi", c_double * 3), ("wo", c_double * 3), ("channel", c_int), ("ref", c_double),
+                ("test", c_double)]
+
+
 class DirectionsOptions(Structure):
     _c_name_ = "nqm_directions_options"
     _fields_ = [("n", c_size_t), ("seed", c_uint64), ("max_polar_rad", c_double), ("theta_h_power", c_double),
@@ -194,7 +201,7 @@ class MaterialInfo(Structure):
                 ("remark", c_char_p), ("byte_offset", c_int64)]
 
 
-STRUCTS = [CError, BrdfCallbacks, BrdfInfo, BrdfCheckReport, DirectionsOptions, SampleReport, ModelInfo, MetricInfo, CLabel,
+STRUCTS = [CError, BrdfCallbacks, BrdfInfo, BrdfCheckReport, BrdfDifference, DirectionsOptions, SampleReport, ModelInfo, MetricInfo, CLabel,
            Curve, ScoreOptions, ScoreResult, NamedPair, SamplePair, FitBound, FitOptions, FitReport, MatchLoss, MatchReport,
            SceneOptions, CRays, DatasetInfo, DatasetPair, MaterialInfo]
 
@@ -220,6 +227,7 @@ FUNCTIONS = {
     "nqm_brdf_preset_count": (c_size_t, []),
     "nqm_brdf_preset_name": (c_char_p, [c_size_t]),
     "nqm_brdf_check": (c_int, [c_void_p, c_uint64, POINTER(BrdfCheckReport), _error]),
+    "nqm_brdf_compare": (c_int, [c_void_p, c_void_p, c_double, c_uint64, POINTER(BrdfDifference), _error]),
     "nqm_brdf_albedo": (None, [c_void_p, c_double, c_uint64, c_void_p]),
     "nqm_directions_options_default": (DirectionsOptions, []),
     "nqm_directions_create": (c_int, [POINTER(DirectionsOptions), c_size_t, _handle, _handle, _error]),

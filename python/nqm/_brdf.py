@@ -66,6 +66,35 @@ class CheckReport:
     albedo_max_theta_rad: float
 
 
+@dataclass(frozen=True)
+class Difference:
+    """Where the values of two BRDFs differ most, from `compare`.
+
+    Attributes:
+        equal: whether no pair of directions differs by more than the tolerance, and none is missing
+        largest: largest |ref - test| / max(ref, test) of a channel, 0 to 1
+        wi: direction to the light there, a unit vector
+        wo: direction to the viewer there
+        channel: the channel: 0 red, 1 green, 2 blue
+        ref: the value of the reference there, 1/sr
+        test: the value of the test there
+        n_pairs: pairs of directions at which one of them has a value
+        n_different: those that differ by more than the tolerance
+        n_missing: those where only one of them has a value
+    """
+
+    equal: bool
+    largest: float
+    wi: Tuple[float, float, float]
+    wo: Tuple[float, float, float]
+    channel: int
+    ref: float
+    test: float
+    n_pairs: int
+    n_different: int
+    n_missing: int
+
+
 def _callback(function: EvalFunction, watch: Watch) -> Any:
     """`function` as a C callback. After an exception it gives no values, so that the call ends soon."""
 
@@ -333,6 +362,23 @@ def as_brdf(value: BRDFLike) -> BRDF:
 
 def handles_of(brdfs: Sequence[BRDF]) -> Any:
     return (c_void_p * len(brdfs))(*[b._handle.value for b in brdfs])
+
+
+def compare(ref: BRDFLike, test: BRDFLike, *, tolerance: float = 1e-4, seed: int = 1) -> Difference:
+    """Compare the values of two BRDFs: whether a formula is implemented as it is specified. A score cannot tell, because people may
+    not see the difference.
+
+    Args:
+        ref: the reference: a BRDF, path, spec or preset
+        test: what is compared with it
+        tolerance: largest relative difference of equal values
+        seed: of the 8192 random pairs of directions, half of them near the mirror direction
+    """
+    brdfs = as_brdf(ref), as_brdf(test)
+    d = _abi.BrdfDifference()
+    call(lib.nqm_brdf_compare, *(b._handle for b in brdfs), tolerance, seed, byref(d), watches=watches_of(brdfs))
+    return Difference(bool(d.is_equal), d.largest, tuple(d.wi), tuple(d.wo), d.channel, d.ref, d.test, d.n_pairs, d.n_different,
+                      d.n_missing)
 
 
 def watches_of(brdfs: Iterable[BRDF]) -> Tuple[Watch, ...]:

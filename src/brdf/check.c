@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
  * Physical plausibility of a BRDF: directional albedo by quadrature, reciprocity over random pairs, and the counts of
- * clamped and missing values.
+ * clamped and missing values. The largest difference of two BRDFs over such pairs.
  *
  * The albedo is a multiple importance sampling estimate over several sets of viewer directions: one distributed like
  * the cosine, and one for each of eight widths of a half-vector lobe (the GGX density of normals, Walter et al. 2007,
@@ -103,9 +103,9 @@ void nqm_brdf_albedo(const nqm_brdf *brdf, double theta_i_rad, uint64_t seed, do
 /* ---- check ------------------------------------------------------------------------------------------------------- */
 
 /* Draw a random pair: for even i, both directions are distributed like the cosine; for odd i, the half vector is near
- * the normal (theta_h = pi/2 u^2). Polar angles are at most 85 degrees. */
-static void draw_pair(nqm_rng *rng, size_t i, double *wi, double *wo) {
-    const double lowest = cos(85 * NQM_PI / 180);
+ * the normal (theta_h = pi/2 u^2). */
+static void draw_pair(nqm_rng *rng, size_t i, double max_polar_deg, double *wi, double *wo) {
+    const double lowest = cos(max_polar_deg * NQM_PI / 180);
     do {
         double u = nqm_rng_uniform(rng), v = nqm_rng_uniform(rng), w = nqm_rng_uniform(rng);
         if (i % 2) {
@@ -178,7 +178,7 @@ nqm_status nqm_brdf_check(const nqm_brdf *brdf, uint64_t seed, nqm_brdf_check_re
         return status;
     nqm_rng rng = nqm_rng_make(seed, N_WIDTHS + 1);
     for (size_t i = 0; i < N_PAIRS; ++i)
-        draw_pair(&rng, i, wi + 3 * i, wo + 3 * i);
+        draw_pair(&rng, i, 85, wi + 3 * i, wo + 3 * i);
     compare(brdf, N_PAIRS, wi, wo, difference, &report);
     if (n_rows && 2 * report.n_invalid > report.n_pairs) { /* a list of measured directions: these are tested */
         nqm_scattered_rows(brdf, wi, wo);
@@ -189,5 +189,78 @@ nqm_status nqm_brdf_check(const nqm_brdf *brdf, uint64_t seed, nqm_brdf_check_re
     }
     nqm_free(wi);
     *report_ret = report;
+    return NQM_OK;
+}
+
+/* ---- difference -------------------------------------------------------------------------------------------------- */
+
+/* Add the values of a pair at one direction. */
+static void add_difference(const double *wi, const double *wo, const double *ref, const double *test, double tolerance,
+                           nqm_brdf_difference *d) {
+    static const double nothing = 1e-9; /* 1/sr; below it rounding decides */
+    bool differs = false;
+    for (size_t c = 0; c < 3; ++c) {
+        const double larger = fmax(ref[c], test[c]), relative = fabs(ref[c] - test[c]) / fmax(larger, nothing);
+        differs |= relative > tolerance;
+        if (relative <= d->largest)
+            continue;
+        d->largest = relative;
+        d->channel = (int)c;
+        d->ref = ref[c];
+        d->test = test[c];
+        for (size_t a = 0; a < 3; ++a) {
+            d->wi[a] = wi[a];
+            d->wo[a] = wo[a];
+        }
+    }
+    d->n_different += differs;
+}
+
+static void compare_brdfs(const nqm_brdf *const brdfs[2], size_t n, const double *wi, const double *wo,
+                          double tolerance, nqm_brdf_difference *d) {
+    double rgb[2][3 * BLOCK];
+    uint8_t flag[2][BLOCK];
+    for (size_t begin = 0, m; begin < n; begin += m) {
+        m = nqm_smaller(n - begin, BLOCK);
+        for (size_t k = 0; k < 2; ++k)
+            nqm_brdf_eval(brdfs[k], m, wi + 3 * begin, wo + 3 * begin, rgb[k], flag[k]);
+        for (size_t i = 0; i < m; ++i) {
+            const bool has_ref = nqm_has_value(flag[0][i]), has_test = nqm_has_value(flag[1][i]);
+            const size_t at = 3 * (begin + i);
+            d->n_pairs += has_ref || has_test;
+            d->n_missing += has_ref != has_test;
+            if (has_ref && has_test)
+                add_difference(wi + at, wo + at, rgb[0] + 3 * i, rgb[1] + 3 * i, tolerance, d);
+        }
+    }
+    d->is_equal = d->n_pairs > 0 && d->n_different + d->n_missing == 0;
+}
+
+nqm_status nqm_brdf_compare(const nqm_brdf *ref, const nqm_brdf *test, double tolerance, uint64_t seed,
+                            nqm_brdf_difference *difference_ret, nqm_error *err) {
+    NQM_REQUIRE(err, ref, test, difference_ret);
+    if (!(tolerance >= 0))
+        return nqm_fail(err, NQM_ERR_ARG, -1, "the tolerance of a comparison must not be below 0; it is %g", tolerance);
+    const nqm_brdf *const brdfs[] = {ref, test};
+    const size_t n_ref = nqm_scattered_rows(ref, NULL, NULL), n_test = nqm_scattered_rows(test, NULL, NULL);
+    const size_t n = N_PAIRS + n_ref + n_test;
+    nqm_brdf_difference difference = {0};
+    double *wi, *wo;
+    nqm_status status = nqm_alloc_arrays(NQM_ARRAYS({&wi, n, 3 * sizeof *wi}, {&wo, n, 3 * sizeof *wo}), err);
+    if (status != NQM_OK)
+        return status;
+    nqm_rng rng = nqm_rng_make(seed, N_WIDTHS + 2);
+    for (size_t i = 0; i < N_PAIRS; ++i)
+        draw_pair(&rng, i, 89, wi + 3 * i, wo + 3 * i);
+    if (n_ref)
+        nqm_scattered_rows(ref, wi + (size_t)3 * N_PAIRS, wo + (size_t)3 * N_PAIRS);
+    if (n_test)
+        nqm_scattered_rows(test, wi + 3 * (N_PAIRS + n_ref), wo + 3 * (N_PAIRS + n_ref));
+    compare_brdfs(brdfs, n, wi, wo, tolerance, &difference);
+    nqm_free(wi);
+    if (difference.n_pairs == difference.n_missing)
+        return nqm_fail(err, NQM_ERR_INCOMPATIBLE, -1, "%s and %s: there is no direction where both have a value",
+                        nqm_brdf_get_info(ref).name, nqm_brdf_get_info(test).name);
+    *difference_ret = difference;
     return NQM_OK;
 }

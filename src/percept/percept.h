@@ -16,6 +16,10 @@ double nqm_pq_from_luminance(double luminance_cdm2);
 double nqm_pq_slope(double luminance_cdm2);
 /** Both within 1e-9 and 1e-6 of these (relative, from 2^-30 cd/m2), ten times as fast; *slope is the derivative of the result. */
 double nqm_pq_interpolate(double luminance_cdm2, double *slope);
+/** Linear BT.709 RGB in cd/m2 to ITP (ITU-R BT.2124: I, T = Ct/2, P of ICtCp, PQ of SMPTE ST 2084). Negative channels
+ *  count as 0, channels above 10000 as 10000. rgb_cdm2, itp: (3). */
+void nqm_itp_from_rgb(const double *rgb_cdm2, double *itp);
+
 /** The gradient of a function of ITP by RGB from that by ITP: nqm_itp_from_rgb() backwards. All (3). Channels outside [0, 10000]
  *  get 0. */
 void nqm_rgb_gradient(const double *rgb_cdm2, const double *by_itp, double *by_rgb);

@@ -95,6 +95,19 @@ fi
 # Usage, models.
 score 2 $ref
 score 2 $ref $ward --json --csv
+for form in --csv -q; do score 2 $ref $ward --exact $form; done
+score 2 $ref $ward --exact --tolerance -1
+
+# The values themselves: a change that nobody sees is a difference.
+near='perturb:scale=1.001;of=sgd:nickel'
+score 1 $ref $ref "$near" --exact
+grep -q 'equal within 0.0001: values differ by up to 0 %' "$dir/out" || fail "--exact of one BRDF: $(cat "$dir/out")"
+grep -q 'NOT equal within 0.0001: values differ by up to 0.0999 %' "$dir/out" || fail "--exact: $(cat "$dir/out")"
+grep -q '1 of 2 pairs are not equal within 0.0001' "$dir/err" || fail "--exact says how many: $(cat "$dir/err")"
+score 0 $ref "$near" --exact --tolerance .002
+score 1 $ref "$near" --exact --json
+[ "$(number n_different 1)" = 8192 ] || fail "--exact in JSON"
+score 3 $ref "$dir/nowhere.binary" $ref --exact --json
 score 2 $ref $ward --metrics rmse,nonsense
 grep -q 'log_diff' "$dir/err" || fail "names of the metrics"
 score 2 $ref $ward --fail-under eleven

@@ -105,7 +105,7 @@ class Abi(unittest.TestCase):
         none_required = {"nqm_kernels_select", "nqm_selftest"}
         statuses = {name: arguments for name, result, arguments in functions() if result == "nqm_status"}
         self.assertGreater(len(statuses), 45)
-        calls = ["%s:%d" % (name, arguments.count(",") + 1) for name, arguments in statuses.items() if name not in none_required]
+        calls = ["%s:%d" % (name, arguments.count(",") + 1 - len(re.findall(r"double \w", arguments))) for name, arguments in statuses.items() if name not in none_required]
         run = subprocess.run([sys.executable, "-c", CALL_WITH_NULL, *calls], stdout=subprocess.PIPE, text=True)
         for line, (name, *_) in zip(run.stdout.splitlines(), (call.split(":") for call in calls)):
             found = re.fullmatch(name + r" -1 -1 %s: the argument (\w+) is NULL" % name, line)

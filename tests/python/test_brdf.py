@@ -128,6 +128,17 @@ class Functions(unittest.TestCase):
             thread.join()
         self.assertEqual(found, [exact] * 4)
 
+    def test_compare(self):
+        brdf = nqm.BRDF.from_function(phong)
+        self.assertTrue(nqm.compare(brdf, brdf).equal)
+        wrong = nqm.BRDF.from_function(lambda wi, wo: phong(wi, wo) * np.where(wo[:, 2:] < .1, [1, .75, 1], 1))
+        d = nqm.compare(brdf, wrong)
+        self.assertEqual((d.equal, d.channel, d.n_pairs, d.n_missing), (False, 1, 8192, 0))
+        self.assertAlmostEqual(d.largest, .25)
+        self.assertLess(d.wo[2], .1)
+        np.testing.assert_allclose([d.ref, d.test], phong(np.array([d.wi]), np.array([d.wo]))[0, 1] * np.array([1, .75]))
+        self.assertTrue(nqm.compare(brdf, wrong, tolerance=.3).equal)
+
     def test_reentry(self):
         """A function that calls what is calling it, and one that uses the scorer which is scoring it."""
         scorer = nqm.Scorer()

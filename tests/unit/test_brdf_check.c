@@ -60,6 +60,14 @@ static void test_sharpest_lobes(void **state) {
         }
 }
 
+/* The BRDF `user`, without values where the viewer is below 60 degrees. */
+static void lose_grazing(void *user, size_t n, const double *wi, const double *wo, double *rgb) {
+    nqm_brdf_eval(user, n, wi, wo, rgb, NULL);
+    for (size_t i = 0; i < n; ++i)
+        if (wo[3 * i + 2] < 0.5)
+            rgb[3 * i] = NAN;
+}
+
 static void check_of(nqm_brdf *brdf, uint64_t seed, nqm_brdf_check_report *report) {
     nqm_error err = {0};
     assert_int_equal(nqm_brdf_check(brdf, seed, report, &err), NQM_OK);
@@ -146,15 +154,39 @@ static void test_black(void **state) {
     nqm_brdf_free(brdf);
 }
 
+static void test_largest_difference(void **state) {
+    (void)state;
+    nqm_brdf_difference d;
+    nqm_error err = {0};
+    nqm_brdf *ref = open_brdf("ggx:kd=.3,.2,.1;ks=1;alpha=.05;f0=.04"), *brighter, *hole;
+    brighter = open_brdf("perturb:scale=1.25;of=ggx:kd=.3,.2,.1;ks=1;alpha=.05;f0=.04");
+    const nqm_brdf_callbacks nothing = {.eval = lose_grazing, .user = ref};
+    assert_int_equal(nqm_brdf_create(&nothing, &hole, &err), NQM_OK);
+    assert_int_equal(nqm_brdf_compare(ref, ref, 0, 1, &d, &err), NQM_OK);
+    assert_true(d.is_equal && d.n_pairs == 8192 && d.largest <= 0);
+    assert_int_equal(nqm_brdf_compare(ref, brighter, 0.1, 1, &d, &err), NQM_OK);
+    assert_true(!d.is_equal && d.n_different == 8192 && d.n_missing == 0);
+    assert_relative(d.largest, 0.2, 1e-12);
+    assert_relative(d.test, 1.25 * d.ref, 1e-12);
+    double rgb[3];
+    nqm_brdf_eval(ref, 1, d.wi, d.wo, rgb, NULL);
+    assert_near(rgb[d.channel], d.ref, 0);
+    assert_int_equal(nqm_brdf_compare(ref, brighter, 0.201, 1, &d, &err), NQM_OK);
+    assert_true(d.is_equal);
+    assert_int_equal(nqm_brdf_compare(ref, hole, 0.1, 1, &d, &err), NQM_OK);
+    assert_true(!d.is_equal && d.n_different == 0 && d.n_missing > 0 && d.n_missing < d.n_pairs);
+    assert_int_equal(nqm_brdf_compare(ref, brighter, -1, 1, &d, &err), NQM_ERR_ARG);
+    nqm_brdf_free(hole);
+    nqm_brdf_free(brighter);
+    nqm_brdf_free(ref);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_lambert_is_exact),
-        cmocka_unit_test(test_against_quadrature),
-        cmocka_unit_test(test_sharpest_lobes),
-        cmocka_unit_test(test_plausible_brdf),
-        cmocka_unit_test(test_asymmetry_is_measured),
-        cmocka_unit_test(test_faults_are_counted),
-        cmocka_unit_test(test_black),
+        cmocka_unit_test(test_largest_difference), cmocka_unit_test(test_lambert_is_exact),
+        cmocka_unit_test(test_against_quadrature), cmocka_unit_test(test_sharpest_lobes),
+        cmocka_unit_test(test_plausible_brdf),     cmocka_unit_test(test_asymmetry_is_measured),
+        cmocka_unit_test(test_faults_are_counted), cmocka_unit_test(test_black),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -69,6 +69,8 @@ static void print_text(const score_run *run) {
                      r->similarity);
             print_phrases(phrases);
         }
+        if (run->exact && scored)
+            print_exact(run, row);
     }
     if (n_scored == 0)
         return;
@@ -122,14 +124,15 @@ static void print_scores(const score_run *run) {
     print_remarks(run);
 }
 
-/* Say how many pairs fail. Returns the exit code. */
+/* Say how many pairs fail, and how many are not equal. Returns the exit code. */
 static int apply_gate(const score_run *run) {
     size_t n_failed = 0;
     for (size_t i = 0; i < run->n_rows; ++i)
         n_failed += fails_gate(&run->gate, &run->rows[i].result);
     if (has_gate(&run->gate))
         report_gate(&run->gate, n_failed, run->n_rows);
-    return n_failed ? EXIT_GATE : EXIT_OK;
+    const bool is_unequal = run->exact && report_unequal(run);
+    return n_failed || is_unequal ? EXIT_GATE : EXIT_OK;
 }
 
 /* ---- --samples --------------------------------------------------------------------------------------------------- */
@@ -159,6 +162,13 @@ static size_t describe_samples(const nqm_directions *directions, const char *pat
     return counts.n_invalid;
 }
 
+/* Without a reference there are no results. */
+static void check_reference(const score_run *run, const char *path) {
+    nqm_brdf *ref = open_brdf(path);
+    report_distance(path, ref, nqm_model_get_info(run->model).directions);
+    nqm_brdf_free(ref);
+}
+
 static void check_samples(const score_run *run, const char *model, int n, char **paths) {
     const nqm_directions *directions = nqm_model_get_info(run->model).directions;
     const double n_most = (1 - run->options.min_valid_fraction) * (double)nqm_directions_count(directions);
@@ -173,7 +183,7 @@ static void check_samples(const score_run *run, const char *model, int n, char *
 int cmd_score(int argc, char **argv) {
     bool samples = false;
     const char *metrics = NULL, *model = "default";
-    score_run run = {.options = nqm_score_options_default()};
+    score_run run = {.options = nqm_score_options_default(), .tolerance = 1e-4};
     const option options[] = {
         OPTION_ROWS_MODEL(&model),
         {"metrics", 0, OPTION_TEXT, &metrics, "LIST",
@@ -182,6 +192,9 @@ int cmd_score(int argc, char **argv) {
          "REF and TEST are CSVs of measured values at the model's directions (`nqm directions show default --pairs` "
          "writes them); nothing is interpolated but complete grids",
          0, 0},
+        {"exact", 0, OPTION_FLAG, &run.exact, NULL,
+         "compare the values, too: the largest relative difference, and where; exit code 1 above the tolerance", 0, 0},
+        {"tolerance", 0, OPTION_NUMBER, &run.tolerance, "R", "--exact: relative difference of equal values", 0, 1},
         OPTION_ROWS_GATE(&run.gate),
         {"json", 0, OPTION_FORMAT, &run.format, NULL, "print JSON", FORMAT_JSON, 0},
         {"csv", 0, OPTION_FORMAT, &run.format, NULL, "print CSV", FORMAT_CSV, 0},
@@ -212,13 +225,12 @@ int cmd_score(int argc, char **argv) {
     choose_metrics(metrics ? metrics : all ? "all" : "", run.metrics);
     run.model = open_model(model);
     check_gate(&run.gate, run.model);
-    nqm_brdf *ref = open_brdf(argv[0]); /* without a reference there are no results */
-    report_distance(argv[0], ref, nqm_model_get_info(run.model).directions);
-    nqm_brdf_free(ref);
+    check_reference(&run, argv[0]);
     if (samples)
         check_samples(&run, model, n_arguments, argv);
     set_pairs(&run, n_arguments, argv, names);
     make_scores(&run);
+    compare_rows(&run);
     print_scores(&run);
     report_suspicions(&run);
     int exit_code = report_faults(&run);

@@ -15,8 +15,9 @@ typedef struct scored_pair {
     nqm_named_pair pair;
     const char *name; /* of the test, to print */
     nqm_score_result result;
-    nqm_error err; /* status NQM_OK: scored */
-    size_t order;  /* index in the arguments */
+    nqm_error err;                  /* status NQM_OK: scored */
+    size_t order;                   /* index in the arguments */
+    nqm_brdf_difference difference; /* set by compare_rows() */
     /* set by rank_rows(): */
     double quality;        /* what it sorts by: the JOD or the similarity */
     size_t group;          /* index of the first pair with the same reference */
@@ -37,6 +38,8 @@ typedef struct score_run {
     bool metrics[NQM_METRIC_COUNT]; /* which to print */
     result_format format;
     score_gate gate; /* of `nqm score` */
+    bool exact;      /* of `nqm score`: whether the values are equal, too */
+    double tolerance;
     size_t n_rows;
     scored_pair *rows; /* (n_rows) */
     const char *ref_name;
@@ -94,6 +97,16 @@ char *join_remarks(const json_t *remarks);
 void print_csv_remarks(FILE *out, const json_t *remarks);
 /** The JSON document of `nqm score --json`. */
 json_t *json_scores(const score_run *run);
+
+/* ---- values (exact.c) -------------------------------------------------------------------------------------------- */
+
+/** With --exact, compare the values of the pairs that have a score; all have one reference. */
+void compare_rows(score_run *run);
+/** Lines below the row of the pair. */
+void print_exact(const score_run *run, const scored_pair *row);
+json_t *json_exact(const score_run *run, const scored_pair *row);
+/** Say how many pairs are not equal; whether there are any. */
+bool report_unequal(const score_run *run);
 
 /* ---- sorting (cmd_rank.c) ---------------------------------------------------------------------------------------- */
 

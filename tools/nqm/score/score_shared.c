@@ -316,6 +316,8 @@ static json_t *row_json(const score_run *run, const scored_pair *row) {
         json_object_set_new(object, "gate", json_string(gate_mark(&run->gate, r)));
     if (!isnan(r->similarity))
         json_object_set_new(object, "parts", json_label_parts(&r->parts));
+    if (run->exact && row->err.status == NQM_OK)
+        json_object_set_new(object, "exact", json_exact(run, row));
     if (row->err.status != NQM_OK)
         json_object_set_new(object, "error", json_name(row->err.message));
     return object;
