@@ -25,8 +25,26 @@ def _scorer(model: ModelLike) -> Scorer:
     return Scorer(model, metrics=False)
 
 
-def _array(tensor: Any) -> Any:
-    return tensor.detach().cpu().numpy() if isinstance(tensor, torch.Tensor) else tensor
+def _array(values: Any) -> Any:
+    if not isinstance(values, torch.Tensor):
+        return values
+    values = values.detach().cpu()
+    return (values.float() if values.dtype == torch.bfloat16 else values).numpy()  # NumPy has no bfloat16
+
+
+def _full(dtype: torch.dtype) -> torch.dtype:
+    """The type of a loss by values of this one: half precision has two digits of a JOD."""
+    return torch.promote_types(dtype, torch.float32)
+
+
+def _test(values: Any, clamp: bool) -> torch.Tensor:
+    """Values of the test as a tensor. clamp: NaN and negative values count as 0, and the gradient by these is that at 0: an untrained
+    network gets out of there."""
+    test = torch.as_tensor(values)
+    if not clamp:
+        return test
+    test = torch.where(test.isnan(), torch.zeros_like(test), test)
+    return test + (test.clamp(min=0) - test).detach()
 
 
 class JOD(torch.autograd.Function):
@@ -47,28 +65,30 @@ class JOD(torch.autograd.Function):
             raise ValueError("there is no gradient by the reference: pass ref.detach()")
         scorer = model if isinstance(model, Scorer) else _scorer(model)
         values, gradients = scorer.score_grad(_array(ref), _array(test), of=of, used=_array(used))
-        gradient = torch.as_tensor(gradients).to(test)
+        gradient = torch.as_tensor(gradients).to(test.device)
         if gradient.dim() > test.dim():  # one test with several references
             ctx.single = True
         ctx.save_for_backward(gradient)
-        return torch.as_tensor(values).to(test)
+        ctx.dtype = test.dtype
+        return torch.as_tensor(values).to(test.device, _full(test.dtype))
 
     @staticmethod
     @torch.autograd.function.once_differentiable
     def backward(ctx: Any, grad: torch.Tensor) -> Tuple[Optional[torch.Tensor], ...]:
         (gradient,) = ctx.saved_tensors
         product = grad[..., None, None] * gradient
-        return None, product.sum(0) if getattr(ctx, "single", False) else product, None, None, None
+        return None, (product.sum(0) if getattr(ctx, "single", False) else product).to(ctx.dtype), None, None, None
 
 
-def jod(ref: Any, test: torch.Tensor, *, model: Any = "default", used: Any = None) -> torch.Tensor:
-    """JOD of sampled pairs: higher is better. It is flat for very different BRDFs: minimise `delta_e` rather."""
-    return JOD.apply(ref, test, model, used, "jod")
+def jod(ref: Any, test: Any, *, model: Any = "default", used: Any = None, clamp: bool = False) -> torch.Tensor:
+    """JOD of sampled pairs, tensors or arrays: higher is better. It is flat for very different BRDFs: minimise `delta_e` rather.
+    clamp: as for `Loss`."""
+    return JOD.apply(ref, _test(test, clamp), model, used, "jod")
 
 
-def delta_e(ref: Any, test: torch.Tensor, *, model: Any = "default", used: Any = None) -> torch.Tensor:
-    """Predicted Delta-E ITP of sampled pairs: lower is better."""
-    return JOD.apply(ref, test, model, used, "delta_e")
+def delta_e(ref: Any, test: Any, *, model: Any = "default", used: Any = None, clamp: bool = False) -> torch.Tensor:
+    """Predicted Delta-E ITP of sampled pairs, tensors or arrays: lower is better. clamp: as for `Loss`."""
+    return JOD.apply(ref, _test(test, clamp), model, used, "delta_e")
 
 
 class RayLoss(torch.autograd.Function):
@@ -78,12 +98,13 @@ class RayLoss(torch.autograd.Function):
     def forward(ctx: Any, ref: Any, test: torch.Tensor, rays: Rays) -> torch.Tensor:  # type: ignore[override]
         value, gradient = rays.delta_e_grad(_array(ref), _array(test))
         ctx.save_for_backward(torch.as_tensor(gradient).to(test))
-        return test.new_tensor(value)
+        return test.new_tensor(value, dtype=_full(test.dtype))
 
     @staticmethod
     @torch.autograd.function.once_differentiable
     def backward(ctx: Any, grad: torch.Tensor) -> Tuple[Optional[torch.Tensor], ...]:
-        return None, grad * ctx.saved_tensors[0], None
+        (gradient,) = ctx.saved_tensors
+        return None, (grad * gradient).to(gradient.dtype), None
 
 
 def _jod(delta_e: torch.Tensor) -> torch.Tensor:
@@ -107,15 +128,17 @@ class Loss(torch.nn.Module):
         scene: an `nqm.Scene`; default: the standard set
         n: rays of a call: more make the gradient less noisy
         seed: of the first call; each call adds 1 to the attribute `seed`
+        clamp: NaN and negative values of the test count as 0 instead of being an error or black for good: the gradient by a negative value
+            is that at 0, so that an untrained network gets out of there
         to: `dtype`, `device` of the directions; default: those of the test's parameters, or float64
     """
 
     def __init__(self, of: str = "delta_e", *, model: Optional[ModelLike] = None, scene: Optional[Scene] = None, n: int = 4096,
-                 seed: int = 1, **to: Any) -> None:
+                 seed: int = 1, clamp: bool = False, **to: Any) -> None:
         super().__init__()
         if of not in ("delta_e", "jod"):
             raise ValueError("of is delta_e or jod; not %r" % of)
-        self.of, self.n, self.seed = of, n, seed
+        self.of, self.n, self.seed, self.clamp = of, n, seed, clamp
         self._scene, self._to = scene, to
         self._scorer = None if model is None else Scorer(model, metrics=False)
 
@@ -129,7 +152,7 @@ class Loss(torch.nn.Module):
         if self._scorer is not None:
             if rays is not None:
                 raise ValueError("a model has directions of its own: it takes no rays, and `used` by its name")
-            value = JOD.apply(ref, test, self._scorer, used, self.of)
+            value = JOD.apply(ref, _test(test, self.clamp), self._scorer, used, self.of)
             return (10 - value if self.of == "jod" else value).mean()
         if rays is None:
             if not callable(test):
@@ -140,7 +163,7 @@ class Loss(torch.nn.Module):
         to = self._to or ({} if weight is None else {"dtype": weight.dtype, "device": weight.device})
         with torch.no_grad():
             ref = self._values(ref, rays, to)
-        value = RayLoss.apply(ref, self._values(test, rays, to), rays)
+        value = RayLoss.apply(ref, _test(self._values(test, rays, to), self.clamp), rays)
         return 10 - _jod(value) if self.of == "jod" else value
 
 

@@ -61,6 +61,31 @@ class Torch(unittest.TestCase):
         nqm.torch.jod(torch.stack([ref, ref]), shared).sum().backward()
         np.testing.assert_allclose(shared.grad.numpy(), 2 * one.grad.numpy(), rtol=1e-6)
 
+    def test_other_values(self):
+        """Arrays, half precision, and values that are no BRDF's."""
+        ref, test = samples("sgd:nickel", "ward:nickel")
+        exact = nqm.torch.jod(ref, test).item()
+        self.assertEqual(nqm.torch.jod(ref.numpy(), test.numpy()).item(), exact)
+        for dtype in (torch.bfloat16, torch.float16):
+            leaf = test.to(dtype).requires_grad_()
+            value = nqm.torch.jod(ref.to(dtype), leaf)
+            self.assertEqual(value.dtype, torch.float32)
+            self.assertAlmostEqual(value.item(), exact, delta=.01)
+            value.backward()
+            self.assertEqual(leaf.grad.dtype, dtype)
+        odd, black = test.clone(), test.clone()
+        odd[3, 1], odd[4] = float("nan"), -1
+        black[3, 1], black[4] = 0, 0
+        with self.assertRaisesRegex(nqm.Error, "must be finite"):
+            nqm.torch.delta_e(ref, odd)
+        leaves = [t.requires_grad_() for t in (odd, black)]
+        values = [nqm.torch.delta_e(ref, leaf, clamp=True) for leaf in leaves]
+        self.assertEqual(values[0].item(), values[1].item())
+        for value in values:
+            value.backward()
+        self.assertEqual(odd.grad[3, 1].item(), 0)
+        np.testing.assert_array_equal(odd.grad[4:].numpy(), black.grad[4:].numpy())
+
     def test_reference(self):
         ref, test = samples("sgd:nickel", "ward:nickel")
         with self.assertRaisesRegex(ValueError, "reference"):
@@ -104,6 +129,15 @@ class FreshDirections(unittest.TestCase):
                 return self.layers(torch.stack(inputs, 1)).exp()
 
         return Network()
+
+    def test_untrained(self):
+        """From values below 0 a training only gets out with clamp."""
+        ref = nqm.BRDF.open("lambert:kd=.5")
+        for clamp in (False, True):
+            value = torch.tensor(-.05, requires_grad=True)
+            loss = nqm.torch.Loss(clamp=clamp, dtype=torch.bfloat16, n=512)
+            loss(ref, lambda wi, wo: value.bfloat16().expand(len(wi), 3)).backward()
+            self.assertEqual(value.grad.item() < 0, clamp)
 
     def test_gradcheck(self):
         wi, wo, rays = nqm.torch.directions(200, 3)
