@@ -36,9 +36,11 @@ diff "$NQM_SOURCE/doc/reference-cli.md" "$dir/out" >"$dir/err" || fail "doc/refe
 
 # bash: completes verbs, options, words of an option and of the first argument, and leaves files to the shell.
 "$tool" help --format bash >"$dir/completion"
+touch "$dir/lambda-nothing"
 cat >"$dir/complete.bash" <<'END'
 source "$1" || exit 1
 shift
+nqm() { "$NQM_BUILD/nqm" "$@"; }
 COMP_WORDS=(nqm "$@") COMP_CWORD=$#
 _nqm
 echo "${COMPREPLY[*]}"
@@ -47,7 +49,7 @@ END
 completes() {
     expected=$1
     shift
-    got=$(bash "$dir/complete.bash" "$dir/completion" "$@")
+    got=$(cd "$dir" && bash complete.bash "$dir/completion" "$@")
     [ "$got" = "$expected" ] || fail "bash completes nqm $* to '$got', not '$expected'"
 }
 if command -v bash >/dev/null; then
@@ -58,6 +60,13 @@ if command -v bash >/dev/null; then
     completes "slice" plot sl
     completes "man markdown" help --format ma
     completes "" score nickel.bin
+    completes "default" score --model de
+    completes "transport transport-paper" score -m tr
+    completes "open-pbr openpbr" translate --to op
+    completes "sgd:nickel" score sgd:nick
+    completes "nickel" score sgd : nick
+    completes "nickel" score ref = sgd : nick
+    completes "lambda-nothing" score lambda-no
 fi
 for shell in zsh fish; do
     run 0 help --format $shell
@@ -89,7 +98,7 @@ refuses 6 "no model 'defualt' (did you mean 'default'?)" score sgd:nickel ward:n
 refuses 6 "scalar metric, which --metrics rmse adds" score sgd:nickel ward:nickel --metric rmse
 refuses 2 "not 'mae,rsme' (did you mean 'rmse'?)" score sgd:nickel ward:nickel --metrics mae,rsme
 refuses 2 "cannot fit a model 'gxg' (did you mean 'ggx'?)" fit sgd:nickel --model gxg
-refuses 2 "no material 'opnpbr' (did you mean 'openpbr'?)" translate sgd:nickel --to opnpbr
+refuses 2 "not 'opnpbr' (did you mean 'openpbr'?)" translate sgd:nickel --to opnpbr
 refuses 3 "light: there is no file 'overcst' (did you mean 'overcast'?); built in are sun," label sgd:nickel ward:nickel --light overcst
 refuses 3 "shape: there is no file 'cube'; built in are sphere, blob" render sgd:nickel -o "$dir/x.png" --shape cube
 refuses 2 "no verb 'version' (did you mean '--version'?)" version

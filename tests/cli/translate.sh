@@ -42,7 +42,7 @@ for key in model input output spec jod jod_low jod_high transport_jod selected s
 done
 
 # Faults are found before the work.
-refuses 2 "there is no material 'maya'" translate "$red" --to maya
+refuses 2 "--to needs gltf, .*, not 'maya'" translate "$red" --to maya
 refuses 2 'no file of this name' translate "$red" --to gltf -o "$dir/red.pbrt"
 refuses 2 'write 2 with -d' translate "$red" "$red" --to gltf -o "$dir/two.gltf"
 mkdir "$dir/same"

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Completions of bash, zsh and fish. Where nothing else is known, they complete names of files.
+ * Completions of bash, zsh and fish. Where nothing else is known, they complete names of presets, which `nqm info list` prints, and of
+ * files.
  */
 #include "nqm/help.h"
 
@@ -20,6 +21,16 @@ static void put_words(const char *const *words) {
     for (size_t i = 0; words[i]; ++i)
         if (*words[i])
             printf("%s%s", i ? " " : "", words[i]);
+}
+
+/* The values that an option may have, the names of models, or NULL: files. */
+static const char *const *offered(const help_row *row) {
+    static const char *models[16];
+    if (row->words || !row->metavar || strcmp(row->metavar, "MODEL") != 0)
+        return row->words;
+    for (size_t i = 0; i < nqm_model_builtin_count() && i + 1 < sizeof models / sizeof *models; ++i)
+        models[i] = nqm_model_builtin_name(i);
+    return *models ? models : NULL;
 }
 
 static void put_verbs(void) {
@@ -52,13 +63,13 @@ static void put_bash_option(void *user, const help_row *row) {
 
 static void put_bash_values(void *user, const help_row *row) {
     (void)user;
-    if (!row->words)
+    if (!offered(row))
         return;
     printf("        ");
     if (row->letter)
         printf("-%c | ", row->letter);
     printf("--%s) values='", row->name);
-    put_words(row->words);
+    put_words(offered(row));
     printf("' ;;\n");
 }
 
@@ -75,11 +86,26 @@ void print_bash_verb(const command *cmd) {
 
 void end_bash(void) {
     printf("    esac\n"
-           "    if [[ -n $values ]]; then\n        mapfile -t COMPREPLY < <(compgen -W \"$values\" -- \"$cur\")\n"
-           "    elif [[ $cur == -* ]]; then\n        mapfile -t COMPREPLY < <(compgen -W \"$options\" -- \"$cur\")\n"
-           "    elif ((COMP_CWORD == 2)); then\n        mapfile -t COMPREPLY < <(compgen -W \"$choices\" -- "
-           "\"$cur\")\n    fi\n"
-           "}\ncomplete -o default -o bashdefault -F _nqm nqm\n");
+           "    if [[ -n $values ]]; then\n"
+           "        mapfile -t COMPREPLY < <(compgen -W \"$values\" -- \"$cur\")\n"
+           "    elif [[ $cur == -* ]]; then\n"
+           "        mapfile -t COMPREPLY < <(compgen -W \"$options\" -- \"$cur\")\n"
+           "    elif ((COMP_CWORD == 2)); then\n"
+           "        mapfile -t COMPREPLY < <(compgen -W \"$choices\" -- \"$cur\")\n"
+           "    fi\n"
+           "    [[ ${#COMPREPLY[@]} == 0 && $cur != -* && -n $cur ]] || return 0\n"
+           "    # A preset family:material, which bash splits at the colon; it replaces the last part.\n"
+           "    local i before='' typed=''\n"
+           "    for ((i = COMP_CWORD; i > 1; --i)); do\n"
+           "        typed=${COMP_WORDS[i]}$typed\n"
+           "        [[ ${COMP_WORDS[i]} == : || ${COMP_WORDS[i - 1]} == : ]] || break\n"
+           "    done\n"
+           "    [[ $typed == *:* && $cur != ?*:* ]] && before=${typed%%%%:*}:\n"
+           "    mapfile -t COMPREPLY < <(compgen -W \"$(nqm info list 2>/dev/null)\" -- \"$typed\")\n"
+           "    COMPREPLY=(\"${COMPREPLY[@]#\"$before\"}\")\n"
+           "    mapfile -t -O ${#COMPREPLY[@]} COMPREPLY < <(compgen -f -- \"$cur\")\n"
+           "}\n"
+           "complete -o default -o bashdefault -F _nqm nqm\n");
 }
 
 /* ---- zsh --------------------------------------------------------------------------------------------------------- */
@@ -90,6 +116,8 @@ static void put_zsh(const char *text) {
 
 void begin_zsh(void) {
     printf("#compdef nqm\n# Completion of nqm for zsh; made by `nqm help --format zsh`.\n"
+           "_nqm_brdf() {\n    local -a presets=(${(f)\"$(nqm info list 2>/dev/null)\"})\n"
+           "    _alternative 'presets:preset:compadd -a presets' 'files:file:_files'\n}\n"
            "_nqm() {\n    local context state state_descr line curcontext=\"$curcontext\"\n    typeset -A opt_args\n   "
            " local -a verbs\n"
            "    _arguments -C '--version[list the libraries of this build]' '1:verb:->verb' '*::argument:->argument'\n"
@@ -115,10 +143,10 @@ static void put_zsh_row(void *user, const help_row *row) {
     if (row->metavar) {
         printf(":");
         put_zsh(row->metavar);
-        printf(row->words ? ":(" : ":_files");
-        if (row->words)
-            put_words(row->words);
-        printf("%s", row->words ? ")" : "");
+        printf(offered(row) ? ":(" : ":_files");
+        if (offered(row))
+            put_words(offered(row));
+        printf("%s", offered(row) ? ")" : "");
     }
     printf("'");
 }
@@ -132,7 +160,7 @@ void print_zsh_verb(const command *cmd) {
             printf("%s%s", c == cmd->choices ? "" : " ", c->name);
         printf(")'");
     }
-    printf(" \\\n            '*:file:_files'\n        ;;\n");
+    printf(" \\\n            '*:BRDF or file:_nqm_brdf'\n        ;;\n");
 }
 
 void end_zsh(void) {
@@ -148,6 +176,7 @@ static void put_fish(const char *text) {
 void begin_fish(void) {
     printf("# Completion of nqm for fish; made by `nqm help --format fish`.\n"
            "complete -c nqm -n __fish_use_subcommand -l version -d 'list the libraries of this build'\n");
+    puts("complete -c nqm -n 'not __fish_use_subcommand' -a '(nqm info list 2>/dev/null)'");
     for (const verb *v = verbs; v->name; ++v) {
         printf("complete -c nqm -f -n __fish_use_subcommand -a %s -d '", v->name);
         put_fish(v->summary);
@@ -163,9 +192,9 @@ static void put_fish_row(void *user, const help_row *row) {
     printf("-l %s ", row->name);
     if (row->metavar)
         printf("-r ");
-    if (row->words) {
+    if (offered(row)) {
         printf("-f -a '");
-        put_words(row->words);
+        put_words(offered(row));
         printf("' ");
     }
     printf("-d '");

@@ -288,10 +288,7 @@ int cmd_translate(int argc, char **argv) {
     uint64_t samples = 2000;
     bool json = false;
     const option options[] = {
-        {"to", 't', OPTION_NEEDED, &to, "MODEL",
-         "gltf, open-pbr (openpbr), standard-surface, usd-preview (usd), disney, principled, rough-conductor, "
-         "pbrt-conductor",
-         0, 0},
+        {"to", 't', OPTION_NEEDED, &to, "MODEL", "the shading model", 0, 0},
         {"output", 'o', OPTION_TEXT, &t.path, "FILE",
          "the file to write; its extension selects the format: .mtlx .gltf .glb .xml .json .pbrt", 0, 0},
         {"folder", 'd', OPTION_TEXT, &t.folder, "FOLDER", "write a file for each material, named as the input", 0, 0},
@@ -316,6 +313,7 @@ int cmd_translate(int argc, char **argv) {
                    "nqm translate gold.mtlx --to gltf -o gold.gltf --report gold.html\n"
                    "nqm translate materials/*.mtlx --to gltf -d gltf --fail-under 9",
         .options = options,
+        .words = (const option_words[]){{"to", target_names()}, {0}},
         .min_arguments = 1,
         .max_arguments = -1,
     };

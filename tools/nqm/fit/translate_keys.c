@@ -32,20 +32,20 @@ bool is_shading_model(const char *model) {
     return nqm_fit_shading(i) != NULL;
 }
 
+const char *const *target_names(void) {
+    static const char *names[N_TARGETS + 1];
+    for (size_t i = 0, n = 0; i < N_TARGETS; ++i)
+        if (is_shading_model(targets[i].model))
+            names[n++] = targets[i].word;
+    return names;
+}
+
 const translate_target *find_target(const char *word) {
-    char words[300] = "";
-    size_t used = 0;
-    nqm_nearest nearest = nqm_nearest_begin(word);
-    for (size_t i = 0; i < N_TARGETS; ++i) {
-        if (!is_shading_model(targets[i].model))
-            continue;
-        if (strcmp(targets[i].word, word) == 0)
-            return &targets[i];
-        nqm_nearest_add(&nearest, targets[i].word);
-        if (used < sizeof words)
-            used += (size_t)snprintf(words + used, sizeof words - used, "%s%s", used ? ", " : "", targets[i].word);
-    }
-    stop(EXIT_USAGE, "--to: there is no material '%.40s'%s; there are %s", word, nearest.advice, words);
+    const size_t chosen = (size_t)choose("to", target_names(), word);
+    size_t i = 0;
+    while (strcmp(targets[i].word, target_names()[chosen]) != 0)
+        ++i;
+    return &targets[i];
 }
 
 /* ---- meanings ----------------------------------------------------------------------------------------------------- */
