@@ -137,7 +137,7 @@ def parts_of(label: CLabel) -> Parts:
 
 @dataclass(frozen=True)
 class Score:
-    """The score of one pair. `float(score)` is its JOD.
+    """The score of one pair. `float(score)` is its JOD; `str(score)` names it with its interval and warnings.
 
     Attributes:
         ref: name of the reference
@@ -180,7 +180,7 @@ class Score:
         if self.error:
             return "no score: %s" % self.error
         interval = "" if math.isnan(self.low) else " [%.2f, %.2f]" % (self.low, self.high)
-        return "%.2f JOD%s" % (self.jod, interval)
+        return "%.2f JOD%s%s" % (self.jod, interval, " (%s)" % "; ".join(self.warnings) if self.warnings else "")
 
 
 def _warnings(r: ScoreResult, ref: str, test: str, n: int, invalid: int) -> Tuple[str, ...]:

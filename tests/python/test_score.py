@@ -58,6 +58,7 @@ class Scores(unittest.TestCase):
 
         s = nqm.score("lambert:kd=.3", dark)
         self.assertRegex(s.warnings[0], "^dark: negative channel at [0-9]+ of 1392 directions, taken as 0$")
+        self.assertTrue(str(s).endswith("] (%s)" % "; ".join(s.warnings)), s)
 
     def test_too_few_values(self):
         def empty(wi, wo):

@@ -112,9 +112,10 @@ static void set_flag(const command *cmd, const found *f) {
 static void check_needed(const command *cmd) {
     for (const option *o = cmd->options; o->name; ++o)
         if (o->kind == OPTION_NEEDED && !*(const char **)o->target) {
-            char what[80];
+            const nqm_option row = own_row(cmd, o);
+            char what[80], words[NQM_OPTION_TEXT_MAX];
             snprintf(what, sizeof what, "--%s %s is missing: ", o->name, o->metavar);
-            usage_error(cmd, what, o->help);
+            usage_error(cmd, what, row.words ? nqm_option_allowed(&row, words) : o->help);
         }
 }
 
