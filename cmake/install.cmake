@@ -5,13 +5,19 @@ set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/nqm)
 set(documents README.md CHANGELOG.md SECURITY.md LICENSE CITATION.cff)
 
 install(TARGETS nqm_tool RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
-install(TARGETS nqm nqm_full EXPORT nqmTargets LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR})
+if(NQM_SHARED_MODELS)
+  set(models_library nqm_models)
+  set(models_target nqm::models) # for the static libraries
+  set(core_private " -lnqm-models")
+else()
+  install(FILES ${full_models} DESTINATION ${CMAKE_INSTALL_DATADIR}/nqm/models)
+endif()
+install(TARGETS nqm nqm_full ${models_library} EXPORT nqmTargets LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR})
 install(TARGETS nqm_static nqm_all EXPORT nqmStaticTargets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
 foreach(target nqm nqm_full nqm_static nqm_all)
   target_include_directories(${target} INTERFACE $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
 endforeach()
 install(DIRECTORY include/nqm DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
-install(FILES ${full_models} DESTINATION ${CMAKE_INSTALL_DATADIR}/nqm/models)
 
 # ---- pkg-config and CMake packages ---
 # names of libraries for Libs.private, and names of pkg-config modules for the CMake package
