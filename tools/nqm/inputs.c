@@ -208,6 +208,21 @@ const char **take_names(int n, char **arguments) {
     return names;
 }
 
+bool is_file(const char *path) {
+    struct stat about;
+    return stat(path, &about) == 0 && S_ISREG(about.st_mode);
+}
+
+nqm_materials *open_library(const char *argument) {
+    nqm_materials *materials = NULL;
+    if (!is_file(argument) || nqm_materials_open(argument, &materials, NULL) != NQM_OK)
+        return NULL;
+    if (nqm_materials_count(materials) > 1)
+        return materials;
+    nqm_materials_free(materials);
+    return NULL;
+}
+
 bool is_folder(const char *path) {
     struct stat about;
     return stat(path, &about) == 0 && S_ISDIR(about.st_mode);

@@ -135,6 +135,10 @@ const char **take_names(int n, char **arguments);
 /** Whether a file begins with eight bytes of length and a JSON object. */
 bool looks_like_safetensors(const char *path);
 bool is_folder(const char *path);
+/** Whether it is a regular file. */
+bool is_file(const char *path);
+/** The materials of a file of several materials; NULL: the argument is another BRDF, or no file. Free with nqm_materials_free(). */
+nqm_materials *open_library(const char *argument);
 /** The folder at which relative paths of a list start: `root`, which must exist; NULL: the folder of the list, or the working
  *  folder for standard input and other lists that are not regular files. NULL: the working folder. Valid until the next call. */
 const char *list_root(const char *root, const char *list_path);

@@ -60,14 +60,11 @@ static void add_item(translation *t, const char *file, const char *material) {
 
 /* A file with several materials becomes an item for each of them. */
 static void add_argument(translation *t, const char *argument) {
-    nqm_materials *materials = NULL;
-    struct stat status;
     refuse_model_name(argument);
-    const bool is_file = stat(argument, &status) == 0 && S_ISREG(status.st_mode);
-    if (is_file && nqm_materials_open(argument, &materials, NULL) == NQM_OK && nqm_materials_count(materials) > 1)
-        for (size_t i = 0; i < nqm_materials_count(materials); ++i)
-            add_item(t, argument, nqm_materials_get(materials, i).name);
-    else
+    nqm_materials *materials = open_library(argument);
+    for (size_t i = 0; materials && i < nqm_materials_count(materials); ++i)
+        add_item(t, argument, nqm_materials_get(materials, i).name);
+    if (!materials)
         add_item(t, argument, NULL);
     nqm_materials_free(materials);
 }

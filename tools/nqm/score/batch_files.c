@@ -54,11 +54,6 @@ static void identify_all(json_t *files) {
     free(list.identity);
 }
 
-static bool is_file(const char *path) {
-    struct stat st;
-    return stat(path, &st) == 0 && S_ISREG(st.st_mode);
-}
-
 /* The latents in the folder of a decoder of neural processes. */
 static void add_latents(json_t *files, const char *path) {
     const char *slash = strrchr(path, '/');

@@ -210,12 +210,9 @@ int cmd_rank(int argc, char **argv) {
         list_path = input_path(list_path);
         must(nqm_pair_list_load(list_path, &list, &err), &err);
         enter_list_root(root, list_path);
-        run.n_rows = list->n_rows;
-        run.rows = allocate(run.n_rows, sizeof *run.rows);
         const char *stream = stream_name(list_path, &(size_t){0});
         names = take_list_names(list, *stream ? stream : list_path);
-        for (size_t i = 0; i < run.n_rows; ++i)
-            run.rows[i] = (scored_pair){.pair = list->pair[i], .name = names[i] ? names[i] : list->pair[i].test};
+        set_list_pairs(&run, list, names);
     } else {
         names = take_names(n_arguments, argv);
         set_pairs(&run, n_arguments, argv, names);

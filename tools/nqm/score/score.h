@@ -6,6 +6,7 @@
 #define NQM_TOOL_SCORE_H
 
 #include "metric/metric.h"
+#include "nqm/score/expand.h"
 #include "nqm/score/gate.h"
 #include "nqm/score/pair_list.h"
 #include "nqm/tool.h"
@@ -42,15 +43,18 @@ typedef struct score_run {
     double tolerance;
     size_t n_rows;
     scored_pair *rows; /* (n_rows) */
+    expansion expansion; /* the texts of the rows */
     const char *ref_name;
     remark_terms terms; /* set by make_scores() */
 } score_run;
 
 /* ---- shared (score_shared.c) ------------------------------------------------------------------------------------- */
 
-/** Rows for the pairs of arguments[0] with each of the others. names: (n_arguments) to print, NULL where the argument itself is
+/** Rows for the pairs of arguments[0] with each of the others, expanded (expand.h). names: (n_arguments) to print, NULL where the argument itself is
  *  to be printed; NULL: there are none. */
 void set_pairs(score_run *run, int n_arguments, char **arguments, const char *const *names);
+/** The same for the pairs of a list; names: (n_rows) of the tests, NULL where there is none. */
+void set_list_pairs(score_run *run, const nqm_pair_list *list, const char *const *names);
 /** Cut the names off the tests "NAME=BRDF" of a list, in its working folder; a column `name` has priority. Returns (n_rows) names,
  *  NULL where there is none; one block, free() it. Stops at names that check_names() refuses; list_name: for messages. */
 const char **take_list_names(nqm_pair_list *list, const char *list_name);

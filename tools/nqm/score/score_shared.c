@@ -14,14 +14,29 @@
 
 /* ---- scores ------------------------------------------------------------------------------------------------------ */
 
-void set_pairs(score_run *run, int n_arguments, char **arguments, const char *const *names) {
-    run->ref_name = names && names[0] ? names[0] : arguments[0];
-    run->n_rows = (size_t)n_arguments - 1;
+static void take_expansion(score_run *run) {
+    run->n_rows = run->expansion.n;
     run->rows = allocate(run->n_rows, sizeof *run->rows);
     for (size_t i = 0; i < run->n_rows; ++i) {
-        run->rows[i].pair = (nqm_named_pair){arguments[0], arguments[i + 1]};
-        run->rows[i].name = names && names[i + 1] ? names[i + 1] : arguments[i + 1];
+        const expanded_pair *p = &run->expansion.pairs[i];
+        run->rows[i] = (scored_pair){.pair = p->pair, .name = p->name ? p->name : p->pair.test};
     }
+}
+
+void set_pairs(score_run *run, int n_arguments, char **arguments, const char *const *names) {
+    const size_t n = (size_t)n_arguments - 1;
+    nqm_named_pair *given = allocate(n, sizeof *given);
+    for (size_t i = 0; i < n; ++i)
+        given[i] = (nqm_named_pair){arguments[0], arguments[i + 1]};
+    run->ref_name = names && names[0] ? names[0] : arguments[0];
+    expand_pairs(n, given, names ? names + 1 : NULL, &run->expansion);
+    take_expansion(run);
+    free(given);
+}
+
+void set_list_pairs(score_run *run, const nqm_pair_list *list, const char *const *names) {
+    expand_pairs(list->n_rows, list->pair, names, &run->expansion);
+    take_expansion(run);
 }
 
 static size_t find_column(const nqm_pair_list *list, const char *name) {
@@ -97,6 +112,7 @@ void make_scores(score_run *run) {
 
 void free_scores(score_run *run) {
     free(run->rows);
+    free_expansion(&run->expansion);
     nqm_model_free(run->model);
 }
 

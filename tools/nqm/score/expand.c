@@ -1,0 +1,107 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Pairs whose members are files of several materials: such a file means all of its materials, and two such files the materials of
+ * the same names.
+ */
+#include "nqm/score/expand.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+/* "FILE:NAME", also for a material that the file does not have: opening it says so. */
+static char *member(const char *file, const char *name) {
+    char *text = allocate(strlen(file) + strlen(name) + 2, 1);
+    strcat(strcat(strcpy(text, file), ":"), name);
+    return text;
+}
+
+static void add_pair(expansion *e, nqm_named_pair pair, const char *name, size_t origin, bool is_made) {
+    expanded_pair *grown = nqm_grow(e->pairs, &e->max_n, e->n + 1, sizeof *grown);
+    if (!grown)
+        stop(EXIT_LIMIT, "out of memory");
+    e->pairs = grown;
+    e->pairs[e->n++] = (expanded_pair){pair, name, origin, is_made};
+}
+
+static bool has_material(const nqm_materials *library, const char *name) {
+    for (size_t i = 0; i < nqm_materials_count(library); ++i)
+        if (strcmp(nqm_materials_get(library, i).name, name) == 0)
+            return true;
+    return false;
+}
+
+static void add_materials(expansion *e, const nqm_named_pair *pair, const char *name, size_t origin,
+                          const nqm_materials *ref, const nqm_materials *test) {
+    const nqm_materials *named = ref ? ref : test;
+    for (size_t i = 0; i < nqm_materials_count(named); ++i) {
+        const char *material = nqm_materials_get(named, i).name;
+        char *test_member = member(pair->test, material);
+        add_pair(e, (nqm_named_pair){ref ? member(pair->ref, material) : strdup(pair->ref), test_member},
+                 name ? member(name, material) : NULL, origin, true);
+        if (!e->pairs[e->n - 1].pair.ref)
+            stop(EXIT_LIMIT, "out of memory");
+    }
+    for (size_t i = 0; ref && i < nqm_materials_count(test); ++i)
+        if (!has_material(ref, nqm_materials_get(test, i).name))
+            report(EXIT_OK, "%s:%s is not compared: %s has no material of this name", pair->test,
+                   nqm_materials_get(test, i).name, pair->ref);
+}
+
+void expand_pairs(size_t n, const nqm_named_pair *pairs, const char *const *names, expansion *e) {
+    nqm_materials *ref = NULL;
+    *e = (expansion){0};
+    for (size_t i = 0; i < n; ++i) {
+        if (i == 0 || strcmp(pairs[i].ref, pairs[i - 1].ref) != 0) {
+            nqm_materials_free(ref);
+            ref = open_library(pairs[i].ref);
+        }
+        nqm_materials *test = open_library(pairs[i].test);
+        if (test)
+            add_materials(e, &pairs[i], names ? names[i] : NULL, i, ref, test);
+        else
+            add_pair(e, pairs[i], names ? names[i] : NULL, i, false);
+        nqm_materials_free(test);
+    }
+    nqm_materials_free(ref);
+}
+
+void free_expansion(expansion *e) {
+    for (size_t i = 0; i < e->n; ++i)
+        if (e->pairs[i].is_made) {
+            free((void *)(uintptr_t)e->pairs[i].pair.ref);
+            free((void *)(uintptr_t)e->pairs[i].pair.test);
+            free((void *)(uintptr_t)e->pairs[i].name);
+        }
+    nqm_free(e->pairs);
+    *e = (expansion){0};
+}
+
+/* ---- refusals ---------------------------------------------------------------------------------------------------- */
+
+/* The material of an argument "FILE" or "FILE:NAME", and the materials of its file, which own it; false: it is none. */
+static bool find_material(const char *argument, nqm_materials **materials_ret, nqm_material_info *info) {
+    const char *colon = is_file(argument) ? NULL : strrchr(argument, ':');
+    char *path = strndup(argument, colon ? (size_t)(colon - argument) : strlen(argument));
+    if (!path)
+        stop(EXIT_LIMIT, "out of memory");
+    *materials_ret = NULL;
+    const bool is_read = is_file(path) && nqm_materials_open(path, materials_ret, NULL) == NQM_OK;
+    const size_t n = is_read ? nqm_materials_count(*materials_ret) : 0;
+    free(path);
+    for (size_t i = 0; i < n; ++i) {
+        *info = nqm_materials_get(*materials_ret, i);
+        if (!colon || strcmp(info->name, colon + 1) == 0)
+            return true;
+    }
+    return false;
+}
+
+bool has_same_refusal(const nqm_named_pair *pair) {
+    nqm_materials *refs = NULL, *tests = NULL;
+    nqm_material_info ref, test;
+    const bool is_same = find_material(pair->ref, &refs, &ref) && find_material(pair->test, &tests, &test) &&
+                         ref.refusal && test.refusal && strcmp(ref.refusal, test.refusal) == 0;
+    nqm_materials_free(refs);
+    nqm_materials_free(tests);
+    return is_same;
+}
