@@ -13,6 +13,8 @@ static void print_remarks(const score_run *run) {
     const char *ref = run->ref_name;
     for (size_t i = 0; i < run->n_rows; ++i) {
         const scored_pair *row = &run->rows[i];
+        if (i && !has_reference_of(row, row - 1))
+            ref = row->pair.ref;
         json_t *remarks = json_remarks(&run->terms, ref, row->name, &row->result);
         for (size_t k = 0; k < json_array_size(remarks); ++k)
             report(EXIT_OK, "%s", json_string_value(json_array_get(remarks, k)));
@@ -162,8 +164,10 @@ static size_t describe_samples(const nqm_directions *directions, const char *pat
     return counts.n_invalid;
 }
 
-/* Without a reference there are no results. */
+/* Without a reference there are no results; of a file of several materials, each row has its own. */
 static void check_reference(const score_run *run, const char *path) {
+    if (strcmp(run->rows->pair.ref, path) != 0)
+        return;
     nqm_brdf *ref = open_brdf(path);
     report_distance(path, ref, nqm_model_get_info(run->model).directions);
     nqm_brdf_free(ref);
@@ -206,7 +210,8 @@ int cmd_score(int argc, char **argv) {
             "Predict how good each TEST looks compared with REF, in JOD: 10 is no visible difference, and one less "
             "means that\n"
             "75 % of people see that it is worse. REF and TEST are BRDF files (MERL, RGL, NBRDF), specs or presets;\n"
-            "NAME=TEST shows it under another name. REF is the ground truth: exchanged with a TEST, the score changes "
+            "NAME=TEST shows it under another name. A TEST that is a file of several materials means all of them, and "
+            "for a REF\nof several materials those of the same names. REF is the ground truth: exchanged with a TEST, the score changes "
             "a\nlittle (median 0.02 JOD; --model paper: 0.5; --model transport: not at all).\n"
             "A TEST that cannot be scored does not stop the others; the exit code is that of the first fault.",
         .example = "nqm score sgd:nickel ward:nickel\nnqm score nickel.binary fit1.binary fit2.binary --json\n"
@@ -225,10 +230,10 @@ int cmd_score(int argc, char **argv) {
     choose_metrics(metrics ? metrics : all ? "all" : "", run.metrics);
     run.model = open_model(model);
     check_gate(&run.gate, run.model);
+    set_pairs(&run, n_arguments, argv, names);
     check_reference(&run, argv[0]);
     if (samples)
         check_samples(&run, model, n_arguments, argv);
-    set_pairs(&run, n_arguments, argv, names);
     make_scores(&run);
     compare_rows(&run);
     print_scores(&run);

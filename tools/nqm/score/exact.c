@@ -12,11 +12,16 @@ void compare_rows(score_run *run) {
         return;
     if (run->format == FORMAT_CSV || run->format == FORMAT_QUIET)
         stop(EXIT_USAGE, "--exact prints text or --json");
-    nqm_brdf *ref = open_brdf(run->rows->pair.ref);
+    nqm_brdf *ref = NULL;
     for (size_t i = 0; i < run->n_rows; ++i) {
         scored_pair *row = &run->rows[i];
+        if (i && !has_reference_of(row, row - 1)) {
+            nqm_brdf_free(ref);
+            ref = NULL;
+        }
         if (row->err.status != NQM_OK)
             continue;
+        ref = ref ? ref : open_brdf(row->pair.ref);
         nqm_brdf *test = open_brdf(row->pair.test);
         must(nqm_brdf_compare(ref, test, run->tolerance, 1, &row->difference, &err), &err);
         nqm_brdf_free(test);

@@ -44,7 +44,7 @@ typedef struct score_run {
     size_t n_rows;
     scored_pair *rows; /* (n_rows) */
     expansion expansion; /* the texts of the rows */
-    const char *ref_name;
+    const char *ref_path, *ref_name; /* as given, as shown */
     remark_terms terms; /* set by make_scores() */
 } score_run;
 
@@ -63,6 +63,8 @@ const char **take_list_names(nqm_pair_list *list, const char *list_name);
 void make_scores(score_run *run);
 /** Say which of the rows with a low score look like a file with another scale or with the cosine. */
 void report_suspicions(const score_run *run);
+/** Whether two rows have the same reference. */
+bool has_reference_of(const scored_pair *row, const scored_pair *other);
 /** Free the rows and the model. */
 void free_scores(score_run *run);
 /** Report the errors of the rows. Returns the exit code of the first. */
@@ -104,7 +106,7 @@ json_t *json_scores(const score_run *run);
 
 /* ---- values (exact.c) -------------------------------------------------------------------------------------------- */
 
-/** With --exact, compare the values of the pairs that have a score; all have one reference. */
+/** With --exact, compare the values of the pairs that have a score. */
 void compare_rows(score_run *run);
 /** Lines below the row of the pair. */
 void print_exact(const score_run *run, const scored_pair *row);

@@ -28,6 +28,7 @@ void set_pairs(score_run *run, int n_arguments, char **arguments, const char *co
     nqm_named_pair *given = allocate(n, sizeof *given);
     for (size_t i = 0; i < n; ++i)
         given[i] = (nqm_named_pair){arguments[0], arguments[i + 1]};
+    run->ref_path = arguments[0];
     run->ref_name = names && names[0] ? names[0] : arguments[0];
     expand_pairs(n, given, names ? names + 1 : NULL, &run->expansion);
     take_expansion(run);
@@ -108,6 +109,10 @@ void make_scores(score_run *run) {
     }
     end_progress();
     nqm_scorer_free(scorer);
+}
+
+bool has_reference_of(const scored_pair *row, const scored_pair *other) {
+    return strcmp(row->pair.ref, other->pair.ref) == 0;
 }
 
 void free_scores(score_run *run) {
@@ -334,6 +339,8 @@ static json_t *row_json(const score_run *run, const scored_pair *row) {
         json_object_set_new(object, "parts", json_label_parts(&r->parts));
     if (run->exact && row->err.status == NQM_OK)
         json_object_set_new(object, "exact", json_exact(run, row));
+    if (!has_reference_of(run->rows, &run->rows[run->n_rows - 1]))
+        json_object_set_new(object, "reference", json_name(row->pair.ref));
     if (row->err.status != NQM_OK)
         json_object_set_new(object, "error", json_name(row->err.message));
     return object;
@@ -344,6 +351,6 @@ json_t *json_scores(const score_run *run) {
     for (size_t i = 0; i < run->n_rows; ++i)
         json_array_append_new(results, row_json(run, &run->rows[i]));
     return json_pack("{s:i,s:o,s:o,s:o,s:o}", "schema", 1, "tool", json_tool(), "model",
-                     model_json(run->model, run->options.precision), "reference", json_name(run->rows->pair.ref),
+                     model_json(run->model, run->options.precision), "reference", json_name(run->ref_path),
                      "results", results);
 }

@@ -43,6 +43,8 @@ void report_suspicions(const score_run *run) {
     bool has_ref = false;
     for (size_t i = 0; i < run->n_rows; ++i) {
         const scored_pair *row = &run->rows[i];
+        if (i && !has_reference_of(row, row - 1))
+            has_ref = false;
         if (row->err.status != NQM_OK || !(row->result.jod < 9))
             continue;
         has_ref = has_ref || sample(row->pair.ref, directions, rgb);
