@@ -15,7 +15,9 @@
 typedef struct batch_run {
     nqm_score_options options;
     batch_form form;
-    nqm_pair_list *list;
+    nqm_pair_list *given; /* the list as it is in the file */
+    expanded_list expanded;
+    const nqm_pair_list *list; /* the one or the other */
     nqm_scorer *scorer;
     batch_pieces pieces;
     batch_output out;
@@ -50,11 +52,12 @@ static json_t *score_terms(const batch_run *run, const char *root) {
     nqm_model_info info = nqm_model_get_info(run->form.model);
     char *folder = realpath(root ? root : ".", NULL);
     json_t *terms =
-        json_pack("{s:s,s:s,s:s,s:o,s:s,s:f,s:s,s:s}", "version of nqm", nqm_version(), "list", run->list->sha256,
-                  "model", info.sha256, "--root", json_name(folder ? folder : ""), "--invalid",
-                  nqm_invalid_words[run->options.invalid], "--min-valid", run->options.min_valid_fraction,
-                  "--precision", nqm_precision_name(choose_precision(run->form.model, run->options.precision)),
-                  "--metrics", run->options.metrics ? "any" : "none");
+        json_pack("{s:s,s:s,s:I,s:s,s:o,s:s,s:f,s:s,s:s}", "version of nqm", nqm_version(), "list", run->list->sha256,
+                  "number of materials in its files", (json_int_t)run->list->n_rows, "model", info.sha256, "--root",
+                  json_name(folder ? folder : ""), "--invalid", nqm_invalid_words[run->options.invalid], "--min-valid",
+                  run->options.min_valid_fraction, "--precision",
+                  nqm_precision_name(choose_precision(run->form.model, run->options.precision)), "--metrics",
+                  run->options.metrics ? "any" : "none");
     free(folder);
     return terms;
 }
@@ -188,7 +191,8 @@ static void open_inputs(batch_run *run, const batch_arguments *a) {
     nqm_error err = {0};
     nqm_model *model = open_model(a->model);
     check_gate(&run->form.gate, model);
-    must(nqm_pair_list_load(a->list, &run->list, &err), &err);
+    must(nqm_pair_list_load(a->list, &run->given, &err), &err);
+    run->list = run->given;
     report_choice(model, run->options.precision);
     must(nqm_scorer_create(model, &run->options, &run->scorer, &err), &err);
     const char *stream = stream_name(a->list, &(size_t){0});
@@ -200,11 +204,15 @@ static void open_inputs(batch_run *run, const batch_arguments *a) {
     check_batch_columns(&run->form);
 }
 
-/* Before the outputs are opened, which may hold rows of an earlier run: a list with faulty names is refused. */
-static const char **find_names(const batch_run *run, const batch_arguments *a) {
+/* Before the outputs are opened, which may hold rows of an earlier run: a list with faulty names is refused, and files of several
+ * materials become rows. Returns the names to free. */
+static const char **expand_rows(batch_run *run, const batch_arguments *a) {
     const int folder = open(".", O_RDONLY | O_DIRECTORY | O_CLOEXEC);
     enter_list_root(a->root, a->list); /* a file may have the form NAME=BRDF */
-    const char **names = take_list_names(run->list, run->list_name);
+    const char **names = take_list_names(run->given, run->list_name);
+    expand_list(run->given, names, &run->expanded);
+    run->list = run->form.list = &run->expanded.list;
+    run->form.names = run->expanded.names;
     if (folder < 0 || fchdir(folder) != 0)
         stop(EXIT_OPEN, "the working folder cannot be opened: %s", strerror(errno));
     close(folder);
@@ -302,14 +310,14 @@ int cmd_batch(int argc, char **argv) {
     choose_metrics(a.metrics, run.form.metrics);
     run.options.metrics = *a.metrics != 0;
     open_inputs(&run, &a);
-    const char **names = find_names(&run, &a);
-    run.form.names = names;
+    const char **names = expand_rows(&run, &a);
     open_outputs(&run, &a, &r);
     save_when_interrupted();
     const int exit_code = run_batch(&run, r);
     close_batch_pieces(&run.pieces);
     nqm_scorer_free(run.scorer);
-    nqm_pair_list_free(run.list);
+    free_expanded_list(&run.expanded);
+    nqm_pair_list_free(run.given);
     nqm_model_free((nqm_model *)(uintptr_t)run.form.model);
     free(names);
     free(run.junit);

@@ -211,7 +211,8 @@ int cmd_score(int argc, char **argv) {
             "means that\n"
             "75 % of people see that it is worse. REF and TEST are BRDF files (MERL, RGL, NBRDF), specs or presets;\n"
             "NAME=TEST shows it under another name. A TEST that is a file of several materials means all of them, and "
-            "for a REF\nof several materials those of the same names. REF is the ground truth: exchanged with a TEST, the score changes "
+            "for a REF\nof several materials those of the same names. REF is the ground truth: exchanged with a TEST, "
+            "the score changes "
             "a\nlittle (median 0.02 JOD; --model paper: 0.5; --model transport: not at all).\n"
             "A TEST that cannot be scored does not stop the others; the exit code is that of the first fault.",
         .example = "nqm score sgd:nickel ward:nickel\nnqm score nickel.binary fit1.binary fit2.binary --json\n"

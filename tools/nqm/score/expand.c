@@ -76,6 +76,35 @@ void free_expansion(expansion *e) {
     *e = (expansion){0};
 }
 
+void expand_list(const nqm_pair_list *list, const char *const *names, expanded_list *x) {
+    expand_pairs(list->n_rows, list->pair, names, &x->expansion);
+    const size_t n = x->expansion.n;
+    x->names = allocate(n, sizeof *x->names);
+    x->pair = allocate(n, sizeof *x->pair);
+    x->origin = allocate(n, sizeof *x->origin);
+    x->is_made = allocate(n, sizeof *x->is_made);
+    for (size_t i = 0; i < n; ++i) {
+        const expanded_pair *p = &x->expansion.pairs[i];
+        x->names[i] = p->name;
+        x->pair[i] = p->pair;
+        x->origin[i] = p->origin;
+        x->is_made[i] = p->is_made;
+    }
+    x->list = *list;
+    x->list.n_rows = n;
+    x->list.pair = x->pair;
+    x->list.origin = x->origin;
+    x->list.is_made = x->is_made;
+}
+
+void free_expanded_list(expanded_list *x) {
+    free(x->names);
+    free(x->pair);
+    free(x->origin);
+    free(x->is_made);
+    free_expansion(&x->expansion);
+}
+
 /* ---- refusals ---------------------------------------------------------------------------------------------------- */
 
 /* The material of an argument "FILE" or "FILE:NAME", and the materials of its file, which own it; false: it is none. */

@@ -5,6 +5,7 @@
 #ifndef NQM_TOOL_EXPAND_H
 #define NQM_TOOL_EXPAND_H
 
+#include "nqm/score/pair_list.h"
 #include "nqm/tool.h"
 
 /** A pair that can be scored. */
@@ -30,6 +31,20 @@ typedef struct expansion {
 void expand_pairs(size_t n, const nqm_named_pair *pairs, const char *const *names, expansion *expansion);
 /** The texts of its pairs are freed, too. */
 void free_expansion(expansion *expansion);
+
+/** A list whose pairs are expanded; the cells of a row are those of the row that it stands for. */
+typedef struct expanded_list {
+    nqm_pair_list list; /* uses the texts of the given list */
+    const char **names; /* (n_rows) */
+    expansion expansion;
+    nqm_named_pair *pair;
+    size_t *origin;
+    bool *is_made;
+} expanded_list;
+
+void expand_list(const nqm_pair_list *list, const char *const *names, expanded_list *expanded);
+/** NULL members are allowed. */
+void free_expanded_list(expanded_list *expanded);
 
 /** Whether both members are materials that nqm refuses for the same property, value and reason. */
 bool has_same_refusal(const nqm_named_pair *pair);

@@ -9,6 +9,7 @@
 
 #include <stdlib.h>
 #include <string.h>
+#include <strings.h>
 
 enum { VALUE_IS_JSON = 1 << 16, MIN_JSON_ROW = 27 }; /* bytes of a line with two names of one character */
 
@@ -25,16 +26,30 @@ void nqm_pair_list_free(nqm_pair_list *list) {
 }
 
 size_t nqm_pair_list_cells(const nqm_pair_list *list, size_t row) {
+    row = list->origin ? list->origin[row] : row;
     return list->csv ? list->n_columns : list->row_begin[row + 1] - list->row_begin[row];
 }
 
-nqm_list_cell nqm_pair_list_cell(const nqm_pair_list *list, size_t row, size_t i) {
+/* As it is in the file. */
+static nqm_list_cell read_cell(const nqm_pair_list *list, size_t row, size_t i) {
     if (list->csv)
         return (nqm_list_cell){.column = i, .text = nqm_csv_text(list->csv, row, (int)i)};
     const size_t at = list->row_begin[row] + i;
     return (nqm_list_cell){.column = list->cell[at] & ~(uint32_t)VALUE_IS_JSON,
                            .text = nqm_name(&list->text, at),
                            .is_json = (list->cell[at] & VALUE_IS_JSON) != 0};
+}
+
+nqm_list_cell nqm_pair_list_cell(const nqm_pair_list *list, size_t row, size_t i) {
+    nqm_list_cell cell = read_cell(list, list->origin ? list->origin[row] : row, i);
+    if (list->is_made && list->is_made[row]) {
+        const char *name = list->column[cell.column];
+        if (strcasecmp(name, "reference") == 0)
+            cell.text = list->pair[row].ref;
+        else if (strcasecmp(name, "test") == 0)
+            cell.text = list->pair[row].test;
+    }
+    return cell;
 }
 
 /* ---- CSV --------------------------------------------------------------------------------------------------------- */

@@ -9,6 +9,7 @@
 #include "io/io.h"
 
 #include <nqm/metric.h>
+#include <stdbool.h>
 
 /** The value of a row in one column. */
 typedef struct nqm_list_cell {
@@ -24,10 +25,12 @@ typedef struct nqm_pair_list {
     size_t n_rows;
     nqm_named_pair *pair; /**< (n_rows) in the order of the list; in one block with the other arrays */
     size_t n_columns;
-    const char **column; /**< (n_columns) names, in the order of the header or of their first appearance */
-    char sha256[65];     /**< of the bytes of the list, hex digits */
-    nqm_csv *csv;        /**< owns the names and texts; NULL: JSON Lines, whose cells are stored in: */
-    size_t *row_begin;   /**< (n_rows + 1) first cell of each row */
+    const char **column;  /**< (n_columns) names, in the order of the header or of their first appearance */
+    char sha256[65];      /**< of the bytes of the list, hex digits */
+    const size_t *origin; /**< of an expanded list (expand.h): (n_rows) rows of the cells; NULL: the same */
+    const bool *is_made;  /**< likewise: (n_rows) the cells `reference` and `test` are those of the pair */
+    nqm_csv *csv;         /**< owns the names and texts; NULL: JSON Lines, whose cells are stored in: */
+    size_t *row_begin;    /**< (n_rows + 1) first cell of each row */
     size_t n_cells, max_cells;
     uint32_t *cell; /**< (n_cells) column, and NQM_LIST_JSON if the text is JSON */
     nqm_names text; /**< (n_cells) */

@@ -42,10 +42,10 @@ typedef struct score_run {
     bool exact;      /* of `nqm score`: whether the values are equal, too */
     double tolerance;
     size_t n_rows;
-    scored_pair *rows; /* (n_rows) */
-    expansion expansion; /* the texts of the rows */
+    scored_pair *rows;               /* (n_rows) */
+    expansion expansion;             /* the texts of the rows */
     const char *ref_path, *ref_name; /* as given, as shown */
-    remark_terms terms; /* set by make_scores() */
+    remark_terms terms;              /* set by make_scores() */
 } score_run;
 
 /* ---- shared (score_shared.c) ------------------------------------------------------------------------------------- */

@@ -351,6 +351,6 @@ json_t *json_scores(const score_run *run) {
     for (size_t i = 0; i < run->n_rows; ++i)
         json_array_append_new(results, row_json(run, &run->rows[i]));
     return json_pack("{s:i,s:o,s:o,s:o,s:o}", "schema", 1, "tool", json_tool(), "model",
-                     model_json(run->model, run->options.precision), "reference", json_name(run->ref_path),
-                     "results", results);
+                     model_json(run->model, run->options.precision), "reference", json_name(run->ref_path), "results",
+                     results);
 }
