@@ -29,12 +29,13 @@ typedef struct batch_form {
 typedef struct batch_note {
     double jod, jod_low, jod_high, delta_e, novelty; /* NaN: none */
     bool is_scored, is_identical;
-    size_t n_text; /* bytes of the row in the output, without the text that separates rows */
-    char *remark;  /* of a row without a score the error, of others the warnings; NULL: none; owned */
+    bool is_skipped; /* without a score, because both materials are refused alike */
+    size_t n_text;   /* bytes of the row in the output, without the text that separates rows */
+    char *remark;    /* of a row without a score the error, of others the warnings; NULL: none; owned */
 } batch_note;
 
 /** The note of a result; it has no n_text. free() the remark. */
-batch_note make_batch_note(const batch_form *form, const nqm_score_result *result, const nqm_error *err);
+batch_note make_batch_note(const batch_form *form, size_t row, const nqm_score_result *result, const nqm_error *err);
 /** The members of a result that a note has; the others are NaN and 0. */
 nqm_score_result noted_result(const batch_note *note);
 
@@ -112,8 +113,8 @@ void close_batch_sorted(batch_output *out, const batch_form *form, size_t n, con
 typedef struct batch_summary {
     const batch_form *form;
     const char *list_name;
-    size_t n_rows, n_unscored, n_gated; /* n_gated: below the gate */
-    const batch_note *notes;            /* (n_rows) */
+    size_t n_rows, n_unscored, n_skipped, n_gated; /* n_unscored: without the skipped ones; n_gated: below the gate */
+    const batch_note *notes;                       /* (n_rows) */
     size_t *order;  /* (n_rows) worst first: those without a score, then by JOD, equal ones as in the list */
     size_t n_shown; /* rows of tables */
 } batch_summary;

@@ -17,7 +17,7 @@
 #include <time.h>
 #include <unistd.h>
 
-static const char journal_mark[] = "nqm batch journal 4\n";
+static const char journal_mark[] = "nqm batch journal 5\n";
 
 static _Noreturn void stop_write(const char *path) {
     stop(EXIT_OPEN, "%s: cannot write: %s", path ? path : "standard output", strerror(errno));
@@ -95,6 +95,7 @@ static char *print_notes(const batch_output *out, size_t begin, size_t end) {
             json_array_append_new(one, json_number(numbers_of(note)[i]));
         json_array_append_new(one, json_boolean(note->is_scored));
         json_array_append_new(one, json_boolean(note->is_identical));
+        json_array_append_new(one, json_boolean(note->is_skipped));
         json_array_append_new(one, json_integer((json_int_t)note->n_text));
         json_array_append_new(one, note->remark ? json_name(note->remark) : json_null());
         json_array_append_new(all, one);
@@ -112,12 +113,13 @@ static bool read_note(const json_t *one, batch_note *note) {
         const json_t *number = json_array_get(one, i);
         numbers_of(note)[i] = json_is_number(number) ? json_number_value(number) : (double)NAN;
     }
-    const json_t *n_text = json_array_get(one, N_NUMBERS + 2), *remark = json_array_get(one, N_NUMBERS + 3);
+    const json_t *n_text = json_array_get(one, N_NUMBERS + 3), *remark = json_array_get(one, N_NUMBERS + 4);
     note->is_scored = json_is_true(json_array_get(one, N_NUMBERS));
     note->is_identical = json_is_true(json_array_get(one, N_NUMBERS + 1));
+    note->is_skipped = json_is_true(json_array_get(one, N_NUMBERS + 2));
     note->n_text = (size_t)json_integer_value(n_text);
     note->remark = json_is_string(remark) ? strdup(json_string_value(remark)) : NULL;
-    return json_array_size(one) == N_NUMBERS + 4 && json_is_integer(n_text) && json_integer_value(n_text) >= 0;
+    return json_array_size(one) == N_NUMBERS + 5 && json_is_integer(n_text) && json_integer_value(n_text) >= 0;
 }
 
 /* The notes of the rows between two checkpoints; false unless there is one for each. */

@@ -187,9 +187,10 @@ void print_batch_tail(const batch_form *form, FILE *out) {
 
 /* ---- notes ------------------------------------------------------------------------------------------------------- */
 
-batch_note make_batch_note(const batch_form *form, const nqm_score_result *r, const nqm_error *err) {
+batch_note make_batch_note(const batch_form *form, size_t row, const nqm_score_result *r, const nqm_error *err) {
     batch_note note = {r->jod, r->jod_low, r->jod_high, r->delta_e, r->novelty, .is_identical = r->identical};
     note.is_scored = r->status == NQM_OK;
+    note.is_skipped = !note.is_scored && has_same_refusal(&form->list->pair[row]);
     json_t *remarks = json_remarks(&form->terms, "reference", "test", r);
     if (!note.is_scored)
         note.remark = strdup(err->message);

@@ -41,7 +41,8 @@ batch_summary make_batch_summary(const batch_form *form, const char *list_name, 
     s.n_shown = s.n_rows;
     for (size_t row = 0; row < s.n_rows; ++row) {
         const nqm_score_result r = noted_result(&s.notes[row]);
-        s.n_unscored += !s.notes[row].is_scored;
+        s.n_skipped += s.notes[row].is_skipped;
+        s.n_unscored += !s.notes[row].is_scored && !s.notes[row].is_skipped;
         s.n_gated += fails_gate(&form->gate, &r);
     }
     return s;
@@ -87,7 +88,9 @@ static void put_case(const batch_form *form, FILE *out, size_t row, const batch_
     const nqm_score_result r = noted_result(note);
     char text[GATE_TEXT];
     html(out, "<testcase classname='%s' name='%s'>\n", form->list->pair[row].ref, test_name(form, row));
-    if (!note->is_scored) {
+    if (note->is_skipped) {
+        html(out, "<skipped message='both are refused: %s'/>\n", note->remark ? note->remark : "");
+    } else if (!note->is_scored) {
         html(out, "<error type='no score' message='%s'/>\n", note->remark ? note->remark : "");
     } else if (fails_gate(&form->gate, &r)) {
         html(out, "<failure type='gate' message='JOD %.2f: %s'>", note->jod, gate_words(&form->gate, text));
@@ -104,10 +107,10 @@ static void put_case(const batch_form *form, FILE *out, size_t row, const batch_
 
 void print_batch_junit(const batch_summary *s, FILE *out) {
     fputs("<?xml version='1.0' encoding='UTF-8'?>\n", out);
-    html(out, "<testsuites name='nqm batch' tests='%zu' failures='%zu' errors='%zu'>\n", s->n_rows, s->n_gated,
-         s->n_unscored);
-    html(out, "<testsuite name='%s' tests='%zu' failures='%zu' errors='%zu' skipped='0'>\n", s->list_name, s->n_rows,
-         s->n_gated, s->n_unscored);
+    html(out, "<testsuites name='nqm batch' tests='%zu' failures='%zu' errors='%zu' skipped='%zu'>\n", s->n_rows,
+         s->n_gated, s->n_unscored, s->n_skipped);
+    html(out, "<testsuite name='%s' tests='%zu' failures='%zu' errors='%zu' skipped='%zu'>\n", s->list_name, s->n_rows,
+         s->n_gated, s->n_unscored, s->n_skipped);
     put_properties(s->form, out);
     for (size_t row = 0; row < s->n_rows; ++row)
         put_case(s->form, out, row, &s->notes[row]);
@@ -129,13 +132,18 @@ static void put_cell(FILE *out, const char *text) {
 
 static void put_heading(const batch_summary *s, FILE *out) {
     char text[GATE_TEXT];
-    if (has_gate(&s->form->gate))
-        fprintf(out, "### nqm: %zu of %zu pairs FAIL\n\nGate: %s. ", s->n_gated, s->n_rows,
-                gate_words(&s->form->gate, text));
-    else
-        fprintf(out, "### nqm: %zu pairs\n\n", s->n_rows);
+    const bool is_gated = has_gate(&s->form->gate);
+    fputs("### nqm: ", out);
+    if (is_gated)
+        fprintf(out, "%zu of ", s->n_gated);
+    fprintf(out, "%zu pair%s%s", s->n_rows, s->n_rows == 1 ? "" : "s", is_gated ? " FAIL" : "");
     if (s->n_unscored)
-        fprintf(out, "Without a score: %zu. ", s->n_unscored);
+        fprintf(out, ", %zu without a score", s->n_unscored);
+    if (s->n_skipped)
+        fprintf(out, ", %zu skipped", s->n_skipped);
+    fputs("\n\n", out);
+    if (is_gated)
+        fprintf(out, "Gate: %s. ", gate_words(&s->form->gate, text));
     fputs("Model: ", out);
     put_cell(out, nqm_model_get_info(s->form->model).id);
     fprintf(out, ", nqm %s. JOD 10: no visible difference.\n\n", nqm_version());
@@ -144,7 +152,11 @@ static void put_heading(const batch_summary *s, FILE *out) {
 static void put_row(const batch_form *form, FILE *out, size_t row, const batch_note *note) {
     const nqm_score_result r = noted_result(note);
     char verdict[VERDICT_TEXT];
-    fprintf(out, "| %s |", !note->is_scored ? "ERROR" : has_gate(&form->gate) ? gate_mark(&form->gate, &r) : "");
+    fprintf(out, "| %s |",
+            note->is_skipped        ? "skipped"
+            : !note->is_scored      ? "ERROR"
+            : has_gate(&form->gate) ? gate_mark(&form->gate, &r)
+                                    : "");
     if (note->is_scored)
         fprintf(out, " %.2f", note->jod);
     fputs(" |", out);

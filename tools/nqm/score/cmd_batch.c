@@ -80,19 +80,24 @@ static int show_speed(const batch_run *run) {
 }
 
 /* Write the n rows of a block that begins at row `begin`, or those before the first failed row unless --keep-going is
- * given. */
+ * given. Rows whose materials are refused alike do not count as failed. */
 static void write_block(batch_run *run, size_t begin, size_t n, const nqm_score_result *results,
                         const nqm_error *errors) {
     batch_progress done = run->out.done;
-    for (size_t i = 0; i < n && (run->keep_going || results[i].status == NQM_OK); ++i) {
+    for (size_t i = 0; i < n; ++i) {
         const size_t row = begin + i;
         batch_note *note = &run->out.notes[row];
+        *note = make_batch_note(&run->form, row, &results[i], &errors[i]);
+        const bool is_failed = !note->is_scored && !note->is_skipped;
+        if (is_failed && !run->keep_going) {
+            free(note->remark);
+            break;
+        }
         fputs(row ? batch_separator(&run->form) : "", run->out.rows);
         const off_t start = ftello(run->out.rows);
         print_batch_row(&run->form, run->out.rows, row, &results[i], &errors[i]);
-        *note = make_batch_note(&run->form, &results[i], &errors[i]);
         note->n_text = (size_t)(ftello(run->out.rows) - start);
-        done.n_failed += results[i].status != NQM_OK;
+        done.n_failed += is_failed;
         ++done.n_rows;
     }
     append_batch_output(&run->out, &done);
@@ -158,6 +163,9 @@ static int settle(batch_run *run, int exit_code) {
         return exit_code;
     if (done.n_failed)
         exit_code = report(EXIT_PARTIAL, "%zu of %zu rows have no score", done.n_failed, run->list->n_rows);
+    if (summary.n_skipped)
+        report(EXIT_OK, "%zu of %zu rows are skipped: both materials are refused alike", summary.n_skipped,
+               run->list->n_rows);
     if (has_gate(&run->form.gate))
         report_gate(&run->form.gate, summary.n_gated, run->list->n_rows);
     return exit_code == EXIT_OK && summary.n_gated ? EXIT_GATE : exit_code;
