@@ -109,14 +109,17 @@ void close_batch_sorted(batch_output *out, const batch_form *form, size_t n, con
 
 /* ---- all rows (batch_summary.c) ---------------------------------------------------------------------------------- */
 
+/** The rows, worst first: those without a score, then by JOD, equal ones as in the list; or best first. free() it. */
+size_t *order_batch_rows(size_t n, const batch_note *notes, bool is_best);
+
 /** The rows of a finished run. */
 typedef struct batch_summary {
     const batch_form *form;
     const char *list_name;
     size_t n_rows, n_unscored, n_skipped, n_gated; /* n_unscored: without the skipped ones; n_gated: below the gate */
     const batch_note *notes;                       /* (n_rows) */
-    size_t *order;  /* (n_rows) worst first: those without a score, then by JOD, equal ones as in the list */
-    size_t n_shown; /* rows of tables */
+    size_t *order;                                 /* (n_rows) worst first */
+    size_t n_shown;                                /* rows of tables */
 } batch_summary;
 
 /** free() `order`. */

@@ -22,12 +22,12 @@ static int by_jod(const void *a, const void *b) {
     return x->row < y->row ? -1 : 1;
 }
 
-/* Rows without a score first. */
-static size_t *order_rows(size_t n, const batch_note *notes) {
+size_t *order_batch_rows(size_t n, const batch_note *notes, bool is_best) {
     placed_row *placed = allocate(n, sizeof *placed);
     size_t *order = allocate(n, sizeof *order);
+    const double sign = is_best ? -1 : 1;
     for (size_t row = 0; row < n; ++row)
-        placed[row] = (placed_row){notes[row].is_scored ? notes[row].jod : (double)-INFINITY, row};
+        placed[row] = (placed_row){notes[row].is_scored ? sign * notes[row].jod : -sign * (double)INFINITY, row};
     qsort(placed, n, sizeof *placed, by_jod);
     for (size_t i = 0; i < n; ++i)
         order[i] = placed[i].row;
@@ -37,7 +37,7 @@ static size_t *order_rows(size_t n, const batch_note *notes) {
 
 batch_summary make_batch_summary(const batch_form *form, const char *list_name, const batch_output *out) {
     batch_summary s = {.form = form, .list_name = list_name, .n_rows = out->done.n_rows, .notes = out->notes};
-    s.order = order_rows(s.n_rows, s.notes);
+    s.order = order_batch_rows(s.n_rows, s.notes, false);
     s.n_shown = s.n_rows;
     for (size_t row = 0; row < s.n_rows; ++row) {
         const nqm_score_result r = noted_result(&s.notes[row]);

@@ -23,7 +23,7 @@ typedef struct batch_run {
     batch_output out;
     const char *list_name;
     char *junit, *markdown; /* absolute paths; NULL: not requested */
-    bool keep_going, is_sorted;
+    bool keep_going, is_sorted, is_best;
     uint64_t n_worst; /* rows of the output; 0: all */
     size_t n_before;  /* rows that an earlier run wrote */
     double begin_s;
@@ -45,6 +45,14 @@ static batch_format choose_format(bool json, bool json_lines, const char *output
     if (ends_with(name, ".csv") || (json ? names_lines : names_json))
         stop(EXIT_USAGE, "--%s: '%s' names another kind of file", json ? "json" : "jsonl", name);
     return json ? BATCH_JSON : BATCH_JSON_LINES;
+}
+
+static void choose_order(batch_run *run, const char *word) {
+    const int order = choose("sort", (const char *const[]){"list", "worst", "best", NULL}, word);
+    if (order == 2 && run->n_worst)
+        stop(EXIT_USAGE, "--worst N and --sort best exclude each other");
+    run->is_sorted = order > 0 || run->n_worst > 0;
+    run->is_best = order == 2;
 }
 
 /* Settings that determine results. */
@@ -153,7 +161,9 @@ static int settle(batch_run *run, int exit_code) {
         write_summary(&summary, run->markdown, print_batch_markdown);
     }
     if (is_complete && run->is_sorted) {
-        close_batch_sorted(&run->out, &run->form, summary.n_shown, summary.order);
+        size_t *order = order_batch_rows(summary.n_rows, summary.notes, run->is_best);
+        close_batch_sorted(&run->out, &run->form, summary.n_shown, order);
+        free(order);
     } else {
         print_batch_tail(&run->form, run->out.rows);
         close_batch_output(&run->out, is_complete);
@@ -279,7 +289,7 @@ int cmd_batch(int argc, char **argv) {
         {"junit", 0, OPTION_TEXT, &a.junit, "FILE.xml", "also write a JUnit report: one test case per pair", 0, 0},
         {"markdown", 0, OPTION_TEXT, &a.markdown, "FILE.md", "also write a table in Markdown, worst first; -: stdout",
          0, 0},
-        {"sort", 0, OPTION_TEXT, &a.sort, "WORD", "order of the rows: list or worst", 0, 0},
+        {"sort", 0, OPTION_TEXT, &a.sort, "WORD", "order of the rows: list, worst or best", 0, 0},
         {"worst", 0, OPTION_COUNT, &run.n_worst, "N", "write the N worst rows only, worst first; 0: all", 0, 1e15},
         OPTION_ROWS_MODEL(&a.model),
         {"metrics", 0, OPTION_TEXT, &a.metrics, "LIST", "scalar metrics to add: all, or names with commas", 0, 0},
@@ -293,7 +303,8 @@ int cmd_batch(int argc, char **argv) {
     const command cmd = {
         .usage = "LIST [options]",
         .about = "Score the pairs of LIST, in its order: CSV with the columns reference and test, or JSON Lines with\n"
-                 "these members, or - for standard input; further columns are copied. Results are written\n"
+                 "these members, or - for standard input; further columns are copied. A test that is a file of several "
+                 "materials\nmeans all of them, and for such a reference those of the same names. Results are written\n"
                  "while they are made. The first row that fails ends the run, unless --keep-going is given. --resume\n"
                  "continues a run that was stopped, for whatever reason; the file is the same in the end. Started by "
                  "mpirun\n"
@@ -314,7 +325,7 @@ int cmd_batch(int argc, char **argv) {
         set_progress(PROGRESS_NONE);
     run.form.format = choose_format(a.json, a.json_lines, a.output);
     run.options.cache_bytes = (size_t)cache_mb << 20;
-    run.is_sorted = choose("sort", (const char *const[]){"list", "worst", NULL}, a.sort) == 1 || run.n_worst > 0;
+    choose_order(&run, a.sort);
     choose_metrics(a.metrics, run.form.metrics);
     run.options.metrics = *a.metrics != 0;
     open_inputs(&run, &a);
