@@ -68,7 +68,7 @@ assert properties["model"] == "tiny" and len(properties["model sha256"]) == 64 a
 END
 
 # Markdown: worst first, escaped.
-grep -q '^### nqm: 1 of 4 pairs FAIL$' "$dir/all.md" || fail "heading: $(cat "$dir/all.md")"
+grep -q '^### nqm: 1 of 4 pairs FAIL, 1 without a score$' "$dir/all.md" || fail "heading: $(cat "$dir/all.md")"
 [ "$(sed -n '/^| [EFp]/p' "$dir/all.md" | cut -d' ' -f2 | tr '\n' ' ')" = 'ERROR FAIL pass pass ' ] || fail "order: $(cat "$dir/all.md")"
 grep -q '| a\\|b \\& \\<c\\> |' "$dir/all.md" || fail "a cell: $(cat "$dir/all.md")"
 [ "$(grep '^|' "$dir/all.md" | sed 's/\\|//g' | tr -cd '|\n' | sort -u)" = '||||||||' ] || fail "columns: $(cat "$dir/all.md")"
@@ -87,7 +87,7 @@ batch 9 --worst 2 --json
 python3 -c 'import json, sys; r = json.load(open(sys.argv[1]))["results"]; assert len(r) == 2 and r[0]["jod"] is None' "$dir/out" || fail "--worst: $(cat "$dir/out")"
 batch 9 --sort worst --jsonl
 [ "$(wc -l <"$dir/out")" = 4 ] || fail "JSON Lines, sorted"
-batch 2 --sort best
+batch 2 --sort better
 
 # A run that was stopped before its last row and resumed gives the same files.
 sed 's/nowhere.binary/later.binary/' "$dir/pairs.csv" >"$dir/later.csv"

@@ -136,7 +136,7 @@ static void put_heading(const batch_summary *s, FILE *out) {
     fputs("### nqm: ", out);
     if (is_gated)
         fprintf(out, "%zu of ", s->n_gated);
-    fprintf(out, "%zu pair%s%s", s->n_rows, s->n_rows == 1 ? "" : "s", is_gated ? " FAIL" : "");
+    fprintf(out, "%zu pairs%s", s->n_rows, is_gated ? " FAIL" : "");
     if (s->n_unscored)
         fprintf(out, ", %zu without a score", s->n_unscored);
     if (s->n_skipped)
