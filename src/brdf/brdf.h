@@ -150,4 +150,8 @@ static const nqm_table_size nqm_table_picture = {180, 32, 12};
 NQM_MUST_CHECK nqm_status nqm_brdf_tabulate(const nqm_brdf *brdf, nqm_table_size size, nqm_ticker *ticker,
                                             nqm_brdf **table_ret, nqm_error *err);
 
+/** As nqm_material_write(): a file of n > 0 materials of one shading model, in this order; names that are equal get numbers. */
+NQM_MUST_CHECK nqm_status nqm_materials_write(size_t n, const char *const *specs, const char *const *names,
+                                              const char *path, nqm_error *err);
+
 #endif

@@ -46,7 +46,7 @@ enum {
 };
 
 /** As nqm_material_format.write. */
-NQM_MUST_CHECK nqm_status nqm_gltf_write(const nqm_shading *shading, const char *name, const char *path, FILE *stream,
+NQM_MUST_CHECK nqm_status nqm_gltf_write(size_t n, const nqm_named_shading *materials, const char *path, FILE *stream,
                                          nqm_error *err);
 
 #endif

@@ -7,18 +7,20 @@
 #include <stdarg.h>
 #include <strings.h>
 
+enum { MATERIAL_TEXT = 4096 }; /* a material with all properties of the tables is shorter */
+
 /** A text of limited size. */
 typedef struct buffer {
-    char text[4096];
-    size_t n;
+    char *text;
+    size_t n, size;
 } buffer;
 
 __attribute__((format(printf, 2, 3))) static void append(buffer *b, const char *format, ...) {
     va_list args;
     va_start(args, format);
-    const int n = vsnprintf(b->text + b->n, sizeof b->text - b->n, format, args);
+    const int n = vsnprintf(b->text + b->n, b->size - b->n, format, args);
     va_end(args);
-    b->n = nqm_smaller(sizeof b->text - 1, b->n + (size_t)(n > 0 ? n : 0));
+    b->n = nqm_smaller(b->size - 1, b->n + (size_t)(n > 0 ? n : 0));
 }
 
 /* The values of a property: those of the shading, or the default of the specification. */
@@ -60,32 +62,50 @@ static void append_layer(buffer *b, const nqm_shading *shading, const nqm_gltf_g
     append(b, "\n%s}", indent);
 }
 
-static void append_document(buffer *b, const nqm_shading *shading, const char *name) {
-    const char *separator = "";
-    append(b, "{\n  \"asset\": {\"version\": \"2.0\", \"generator\": \"nqm %s\"},\n", nqm_version());
-    for (size_t i = 0; i < NQM_GLTF_N_EXTENSIONS; ++i)
-        if (is_needed(shading, &nqm_gltf_extensions[i])) {
-            append(b, "%s\"%s\"", *separator ? separator : "  \"extensionsUsed\": [", nqm_gltf_extensions[i].name);
-            separator = ", ";
-        }
-    append(b, "%s  \"materials\": [\n    {\n      \"name\": \"%s\",\n", *separator ? "],\n" : "", name);
+static void append_material(buffer *b, const nqm_shading *shading, const char *name) {
+    const char *separator = ",\n      \"extensions\": {\n";
+    append(b, "    {\n      \"name\": \"%s\",\n", name);
     append_layer(b, shading, &nqm_gltf_core, "      ");
-    separator = ",\n      \"extensions\": {\n";
     for (size_t i = 0; i < NQM_GLTF_N_EXTENSIONS; ++i)
         if (is_needed(shading, &nqm_gltf_extensions[i])) {
             append(b, "%s", separator);
             append_layer(b, shading, &nqm_gltf_extensions[i], "        ");
             separator = ",\n";
         }
-    append(b, "%s\n    }\n  ]\n}\n", strcmp(separator, ",\n") == 0 ? "\n      }" : "");
+    append(b, "%s\n    }", strcmp(separator, ",\n") == 0 ? "\n      }" : "");
 }
 
-nqm_status nqm_gltf_write(const nqm_shading *shading, const char *name, const char *path, FILE *stream,
+static bool is_needed_by_any(size_t n, const nqm_named_shading *materials, const nqm_gltf_group *group) {
+    for (size_t i = 0; i < n; ++i)
+        if (is_needed(&materials[i].shading, group))
+            return true;
+    return false;
+}
+
+static void append_document(buffer *b, size_t n, const nqm_named_shading *materials) {
+    const char *separator = "";
+    append(b, "{\n  \"asset\": {\"version\": \"2.0\", \"generator\": \"nqm %s\"},\n", nqm_version());
+    for (size_t i = 0; i < NQM_GLTF_N_EXTENSIONS; ++i)
+        if (is_needed_by_any(n, materials, &nqm_gltf_extensions[i])) {
+            append(b, "%s\"%s\"", *separator ? separator : "  \"extensionsUsed\": [", nqm_gltf_extensions[i].name);
+            separator = ", ";
+        }
+    append(b, "%s  \"materials\": [\n", *separator ? "],\n" : "");
+    for (size_t i = 0; i < n; ++i) {
+        append(b, "%s", i ? ",\n" : "");
+        append_material(b, &materials[i].shading, materials[i].name);
+    }
+    append(b, "\n  ]\n}\n");
+}
+
+nqm_status nqm_gltf_write(size_t n, const nqm_named_shading *materials, const char *path, FILE *stream,
                           nqm_error *err) {
     const char *dot = strrchr(path, '.');
-    buffer b = {.n = 0};
-    (void)err; /* the text has the size of the tables, and the caller checks the stream */
-    append_document(&b, shading, name);
+    buffer b = {.size = (n + 1) * MATERIAL_TEXT};
+    b.text = nqm_alloc(b.size, 1);
+    if (!b.text)
+        return nqm_fail_nomem(err, b.size);
+    append_document(&b, n, materials);
     if (dot && strcasecmp(dot, ".glb") == 0) {
         unsigned char header[NQM_GLTF_GLB_HEADER + NQM_GLTF_CHUNK_HEADER];
         while (b.n % 4)
@@ -97,5 +117,6 @@ nqm_status nqm_gltf_write(const nqm_shading *shading, const char *name, const ch
         fwrite(header, 1, sizeof header, stream);
     }
     fwrite(b.text, 1, b.n, stream);
+    nqm_free(b.text);
     return NQM_OK;
 }

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * Material files of any format: finding the format by content or by extension, the list of materials, and the writing of one.
+ * Material files of any format: finding the format by content or by extension, the list of materials, and the writing of files.
  */
 #include "material/material.h"
 
@@ -168,15 +168,30 @@ static nqm_status select_format(const char *model, const char *path, const nqm_m
                     all);
 }
 
-static void clean_name(const char *name, char clean[64]) {
-    size_t n = 0;
-    for (; name[n] && n < 63; ++n)
-        clean[n] = isalnum((unsigned char)name[n]) ? name[n] : '_';
-    clean[n] = 0;
-    if (n == 0)
-        strcpy(clean, "material");
-    if (isdigit((unsigned char)*clean))
-        *clean = '_';
+/* In place. */
+static void clean_name(char *name) {
+    for (char *c = name; *c; ++c)
+        *c = isalnum((unsigned char)*c) ? *c : '_';
+    if (isdigit((unsigned char)*name))
+        *name = '_';
+    if (!*name)
+        strcpy(name, "material");
+}
+
+static bool is_taken(size_t n, const nqm_named_shading *materials, const char *name) {
+    for (size_t i = 0; i < n; ++i)
+        if (strcmp(materials[i].name, name) == 0)
+            return true;
+    return false;
+}
+
+/* The name of material i, which differs from those before: a number is appended. */
+static void settle_name(size_t i, nqm_named_shading *materials) {
+    char *name = materials[i].name, stem[sizeof materials->name];
+    clean_name(name);
+    memcpy(stem, name, sizeof stem);
+    for (size_t number = 2; is_taken(i, materials, name); ++number)
+        snprintf(name, sizeof stem, "%.50s_%zu", stem, number);
 }
 
 nqm_status nqm_material_check(const char *model, const char *path, nqm_error *err) {
@@ -184,16 +199,16 @@ nqm_status nqm_material_check(const char *model, const char *path, nqm_error *er
     return select_format(model, path, &format, err);
 }
 
-nqm_status nqm_shading_write(const nqm_shading *shading, const char *name, const char *path, nqm_error *err) {
+nqm_status nqm_shadings_write(size_t n, nqm_named_shading *materials, const char *path, nqm_error *err) {
     const nqm_material_format *format = NULL;
     nqm_outfile out = {0};
-    char clean[64];
-    clean_name(name, clean);
-    nqm_status status = select_format(shading->model, path, &format, err);
+    for (size_t i = 0; i < n; ++i)
+        settle_name(i, materials);
+    nqm_status status = select_format(materials->shading.model, path, &format, err);
     if (status == NQM_OK)
         status = nqm_outfile_open(path, &out, err);
     if (status == NQM_OK)
-        status = format->write(shading, clean, path, out.stream, err);
+        status = format->write(n, materials, path, out.stream, err);
     if (status == NQM_OK)
         return nqm_outfile_commit(&out, err);
     nqm_outfile_abort(&out);

@@ -39,9 +39,14 @@ const nqm_property *nqm_shading_find(const nqm_shading *shading, const char *key
 char *nqm_shading_spec(const nqm_shading *shading);
 /** From a canonical spec. NQM_ERR_ARG: not of the form MODEL:key=value;... */
 NQM_MUST_CHECK nqm_status nqm_shading_parse(const char *spec, nqm_shading *shading, nqm_error *err);
-/** Write a material file with it; its keys and values are those of its model. See nqm_material_write(). */
-NQM_MUST_CHECK nqm_status nqm_shading_write(const nqm_shading *shading, const char *name, const char *path,
-                                            nqm_error *err);
+/** A shading and its name in a file: letters, digits and '_'. */
+typedef struct nqm_named_shading {
+    nqm_shading shading;
+    char name[64];
+} nqm_named_shading;
+/** Write a material file with n > 0 shadings, which have the keys and values of one model. Names become valid and different ones. See
+ *  nqm_material_write(). */
+NQM_MUST_CHECK nqm_status nqm_shadings_write(size_t n, nqm_named_shading *materials, const char *path, nqm_error *err);
 
 enum { NQM_MAX_MATERIALS = 1 << 14 };
 /** Append a material, at most NQM_MAX_MATERIALS; the texts are copied, "" and NULL in `name` become "materialN". One of spec and refusal is NULL. */
@@ -59,8 +64,8 @@ typedef struct nqm_material_format {
     bool (*probe)(const nqm_map *map);
     /** Append the materials of the file. */
     nqm_status (*read)(const nqm_map *map, nqm_materials *materials, nqm_error *err);
-    /** Write a file with one material; `path` is for its extension, errors of the stream are found by the caller. */
-    nqm_status (*write)(const nqm_shading *shading, const char *name, const char *path, FILE *stream, nqm_error *err);
+    /** Write a file with n materials of one model; `path` is for its extension, errors of the stream are found by the caller. */
+    nqm_status (*write)(size_t n, const nqm_named_shading *materials, const char *path, FILE *stream, nqm_error *err);
 } nqm_material_format;
 
 /** Every format. A new one is defined in a file of its own, and named here. */

@@ -461,10 +461,7 @@ static nqm_status write_material(const nqm_shading *shading, const char *name, c
     if (s == NQM_MTLX_N_SURFACES)
         return nqm_fail(err, NQM_ERR_ARG, -1, "%s: MaterialX files do not hold '%s'", path, shading->model);
     const nqm_mtlx_surface *surface = &nqm_mtlx_surfaces[s];
-    fprintf(stream,
-            "<?xml version=\"1.0\"?>\n<materialx version=\"1.39\" colorspace=\"lin_rec709\">\n"
-            "  <%s name=\"SR_%s\" type=\"surfaceshader\">\n",
-            surface->node, name);
+    fprintf(stream, "  <%s name=\"SR_%s\" type=\"surfaceshader\">\n", surface->node, name);
     for (size_t i = 0; i < shading->n; ++i) {
         const nqm_mtlx_input *input = find_input(surface, shading->properties[i].key);
         if (!input || input->kind != NQM_MTLX_KEY)
@@ -474,10 +471,19 @@ static nqm_status write_material(const nqm_shading *shading, const char *name, c
     }
     fprintf(stream,
             "  </%s>\n  <surfacematerial name=\"%s\" type=\"material\">\n"
-            "    <input name=\"surfaceshader\" type=\"surfaceshader\" nodename=\"SR_%s\" />\n  </surfacematerial>\n"
-            "</materialx>\n",
+            "    <input name=\"surfaceshader\" type=\"surfaceshader\" nodename=\"SR_%s\" />\n  </surfacematerial>\n",
             surface->node, name, name);
     return NQM_OK;
+}
+
+static nqm_status write_materialx(size_t n, const nqm_named_shading *materials, const char *path, FILE *stream,
+                                  nqm_error *err) {
+    nqm_status status = NQM_OK;
+    fputs("<?xml version=\"1.0\"?>\n<materialx version=\"1.39\" colorspace=\"lin_rec709\">\n", stream);
+    for (size_t i = 0; status == NQM_OK && i < n; ++i)
+        status = write_material(&materials[i].shading, materials[i].name, path, stream, err);
+    fputs("</materialx>\n", stream);
+    return status;
 }
 
 const nqm_material_format nqm_materialx_format = {
@@ -486,5 +492,5 @@ const nqm_material_format nqm_materialx_format = {
     .models = "open-pbr standard-surface gltf usd-preview disney",
     .probe = probe,
     .read = read_materials,
-    .write = write_material,
+    .write = write_materialx,
 };

@@ -48,7 +48,7 @@ NQM_MUST_CHECK nqm_status nqm_mitsuba_translate(const nqm_mitsuba_nodes *nodes, 
                                                 nqm_error *err);
 
 /** Write the BSDF as a JSON dictionary or as XML. */
-nqm_status nqm_mitsuba_write(const nqm_shading *shading, const char *name, const char *path, FILE *stream,
+nqm_status nqm_mitsuba_write(size_t n, const nqm_named_shading *materials, const char *path, FILE *stream,
                              nqm_error *err);
 
 /** Parse numbers separated by blanks or commas; the whole text must be numbers. Returns their count, 0 when there is anything

@@ -60,7 +60,7 @@ static written describe(const nqm_shading *shading, const nqm_property *p) {
 }
 
 static void write_xml(const nqm_shading *shading, const char *name, FILE *stream) {
-    fprintf(stream, "<scene version=\"3.0.0\">\n    <bsdf type=\"%s\" id=\"%s\">\n", type_of(shading->model), name);
+    fprintf(stream, "    <bsdf type=\"%s\" id=\"%s\">\n", type_of(shading->model), name);
     for (size_t i = 0; i < shading->n; ++i) {
         const written w = describe(shading, &shading->properties[i]);
         const char *tag = w.word ? w.is_boolean ? "boolean" : "string" : w.n == 3 ? "rgb" : "float";
@@ -68,11 +68,11 @@ static void write_xml(const nqm_shading *shading, const char *name, FILE *stream
             fprintf(stream, "        <float name=\"ext_ior\" value=\"1\"/>\n");
         fprintf(stream, "        <%s name=\"%s\" value=\"%s\"/>\n", tag, w.name, w.word ? w.word : w.text);
     }
-    fprintf(stream, "    </bsdf>\n</scene>\n");
+    fprintf(stream, "    </bsdf>\n");
 }
 
 static void write_json(const nqm_shading *shading, const char *name, FILE *stream) {
-    fprintf(stream, "{\n  \"type\": \"scene\",\n  \"%s\": {\n    \"type\": \"%s\"", name, type_of(shading->model));
+    fprintf(stream, ",\n  \"%s\": {\n    \"type\": \"%s\"", name, type_of(shading->model));
     for (size_t i = 0; i < shading->n; ++i) {
         const written w = describe(shading, &shading->properties[i]);
         const char *quote = w.word && !w.is_boolean ? "\"" : "";
@@ -84,14 +84,19 @@ static void write_json(const nqm_shading *shading, const char *name, FILE *strea
         else
             fprintf(stream, "%s%s%s", quote, w.word ? w.word : w.text, quote);
     }
-    fprintf(stream, "\n  }\n}\n");
+    fprintf(stream, "\n  }");
 }
 
-nqm_status nqm_mitsuba_write(const nqm_shading *shading, const char *name, const char *path, FILE *stream,
+nqm_status nqm_mitsuba_write(size_t n, const nqm_named_shading *materials, const char *path, FILE *stream,
                              nqm_error *err) {
     const char *dot = strrchr(path, '.');
-    if (!type_of(shading->model))
-        return nqm_fail(err, NQM_ERR_ARG, -1, "%s: Mitsuba has no BSDF for '%s'", path, shading->model);
-    (dot && strcasecmp(dot, ".json") == 0 ? write_json : write_xml)(shading, name, stream);
+    const bool is_json = dot && strcasecmp(dot, ".json") == 0;
+    fputs(is_json ? "{\n  \"type\": \"scene\"" : "<scene version=\"3.0.0\">\n", stream);
+    for (size_t i = 0; i < n; ++i) {
+        if (!type_of(materials[i].shading.model))
+            return nqm_fail(err, NQM_ERR_ARG, -1, "%s: Mitsuba has no BSDF for '%s'", path, materials[i].shading.model);
+        (is_json ? write_json : write_xml)(&materials[i].shading, materials[i].name, stream);
+    }
+    fputs(is_json ? "\n}\n" : "</scene>\n", stream);
     return NQM_OK;
 }

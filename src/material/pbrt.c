@@ -498,12 +498,9 @@ static bool probe(const nqm_map *map) {
 
 /* ---- writing ----------------------------------------------------------------------------------------------------- */
 
-static nqm_status write_pbrt(const nqm_shading *shading, const char *name, const char *path, FILE *stream,
-                             nqm_error *err) {
+static void write_material(const nqm_shading *shading, const char *name, FILE *stream) {
     const bool is_diffuse = strcmp(shading->model, "lambert") == 0;
     char number[32];
-    (void)path;
-    (void)err;
     fprintf(stream, "MakeNamedMaterial \"%s\"\n    \"string type\" \"%s\"\n", name,
             is_diffuse ? "diffuse" : "conductor");
     for (size_t i = 0; i < shading->n; ++i) {
@@ -514,6 +511,14 @@ static nqm_status write_pbrt(const nqm_shading *shading, const char *name, const
             fprintf(stream, " %s", nqm_format_double(number, sizeof number, p->v[c]));
         fprintf(stream, " ]\n");
     }
+}
+
+static nqm_status write_pbrt(size_t n, const nqm_named_shading *materials, const char *path, FILE *stream,
+                             nqm_error *err) {
+    (void)path;
+    (void)err;
+    for (size_t i = 0; i < n; ++i)
+        write_material(&materials[i].shading, materials[i].name, stream);
     return NQM_OK;
 }
 
