@@ -3,6 +3,7 @@
  * nqm translate - write materials as materials of another shading model: fit the target, write the file, and score what was
  * written. With --fail-under it is a gate.
  */
+#include "brdf/brdf.h"
 #include "match/match.h"
 #include "material/material.h"
 #include "nqm/fit/translate.h"
@@ -21,6 +22,7 @@ enum { MAX_TEXT = 4096 };
 typedef struct item {
     char argument[MAX_TEXT]; /* of nqm_brdf_open() */
     char path[MAX_TEXT];     /* of the file to write; "": none */
+    char written[MAX_TEXT];  /* what is scored: the path, or "FILE:NAME"; "": the spec */
     char dropped[300];       /* properties without counterpart */
     char *copy;              /* spec of the copied keys, NULL: none */
     nqm_error err;           /* status NQM_OK: translated */
@@ -87,8 +89,6 @@ static void name_outputs(translation *t) {
     nqm_error err = {0};
     if (t->path && t->folder)
         stop(EXIT_USAGE, "-o FILE and -d FOLDER exclude each other");
-    if (t->path && t->n != 1)
-        stop(EXIT_USAGE, "-o FILE is for one material; write %zu with -d FOLDER", t->n);
     if (t->folder)
         require_folder_name("-d", t->folder, ".mtlx|.gltf|.glb|.xml|.json|.pbrt", "the materials");
     for (size_t i = 0; i < t->n && (t->path || t->folder); ++i) {
@@ -100,7 +100,7 @@ static void name_outputs(translation *t) {
         if (used < 0 || used >= MAX_TEXT)
             stop(EXIT_USAGE, "%.80s...: the path of the output is too long", it->path);
         must(nqm_material_check(t->target->model, it->path, &err), &err);
-        for (size_t k = 0; k < i; ++k)
+        for (size_t k = 0; t->folder && k < i; ++k)
             if (strcmp(t->items[k].path, it->path) == 0)
                 stop(EXIT_USAGE, "'%s' and '%s' would both be written to %s", t->items[k].argument, it->argument,
                      it->path);
@@ -112,7 +112,7 @@ static void name_outputs(translation *t) {
         if (nqm_brdf_open(t->items[i].argument, &brdf, NULL) == NQM_OK)
             nqm_brdf_free(brdf);
     }
-    for (size_t i = 0; i < t->n; ++i)
+    for (size_t i = 0; i < (t->path ? 1 : t->n); ++i)
         if (t->items[i].path[0])
             require_output(t->items[i].path);
 }
@@ -143,7 +143,7 @@ static void print_item(const translation *t, const item *it) {
     if (!isnan(it->score.jod_low))
         printf(" [%.2f, %.2f]", it->score.jod_low, it->score.jod_high);
     printf("  transport %5.2f  %s -> %s", it->transport.jod, shown(it->argument),
-           shown(it->path[0] ? it->path : it->match.fit.spec));
+           shown(it->written[0] ? it->written : it->match.fit.spec));
     if (it->dropped[0])
         printf("  dropped: %s", it->dropped);
     if (has_gate(&t->gate))
@@ -157,22 +157,53 @@ static json_t *item_json(const translation *t, const item *it) {
         return json_pack("{s:o,s:n,s:o}", "input", json_name(it->argument), "spec", "error",
                          json_name(it->err.message));
     json_t *row = json_pack("{s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:o}", "input", json_name(it->argument), "output",
-                            it->path[0] ? json_name(it->path) : json_null(), "spec", json_name(it->match.fit.spec),
-                            "jod", json_number(it->score.jod), "jod_low", json_number(it->score.jod_low), "jod_high",
-                            json_number(it->score.jod_high), "transport_jod", json_number(it->transport.jod), "dropped",
-                            json_name(it->dropped), "selected", json_name(it->match.selected), "seconds",
-                            json_number(it->seconds));
+                            it->written[0] ? json_name(it->written) : json_null(), "spec",
+                            json_name(it->match.fit.spec), "jod", json_number(it->score.jod), "jod_low",
+                            json_number(it->score.jod_low), "jod_high", json_number(it->score.jod_high),
+                            "transport_jod", json_number(it->transport.jod), "dropped", json_name(it->dropped),
+                            "selected", json_name(it->match.selected), "seconds", json_number(it->seconds));
     if (has_gate(&t->gate))
         json_object_set_new(row, "pass", json_boolean(!fails_gate(&t->gate, &it->score)));
     return row;
+}
+
+/* How many translated materials have lost each property. */
+static json_t *count_dropped(const translation *t) {
+    json_t *counts = json_object();
+    for (size_t i = 0; i < t->n; ++i) {
+        const item *it = &t->items[i];
+        for (const char *key = it->dropped; it->err.status == NQM_OK && *key;) {
+            const size_t n = strcspn(key, ",");
+            char name[64];
+            snprintf(name, sizeof name, "%.*s", (int)n, key);
+            json_object_set_new(counts, name, json_integer(1 + json_integer_value(json_object_get(counts, name))));
+            key += n + strspn(key + n, ", ");
+        }
+    }
+    return counts;
 }
 
 static void print_as_json(const translation *t) {
     json_t *results = json_array();
     for (size_t i = 0; i < t->n; ++i)
         json_array_append_new(results, item_json(t, &t->items[i]));
-    print_document(json_pack("{s:s,s:o,s:I,s:I}", "model", t->target->model, "results", results, "failed",
-                             (json_int_t)count_failed(t), "refused", (json_int_t)count_refused(t)));
+    print_document(json_pack("{s:s,s:o,s:I,s:I,s:o}", "model", t->target->model, "results", results, "failed",
+                             (json_int_t)count_failed(t), "refused", (json_int_t)count_refused(t), "dropped",
+                             count_dropped(t)));
+}
+
+/* "dropped: coat_weight in 2 materials, sheen_color in 1" */
+static void print_dropped(const translation *t, FILE *out) {
+    json_t *counts = count_dropped(t), *value;
+    const char *key, *separator = "dropped: ", *unit = NULL;
+    json_object_foreach(counts, key, value) {
+        const json_int_t n = json_integer_value(value);
+        fprintf(out, "%s%s in %lld%s", separator, key, (long long)n, unit ? "" : n == 1 ? " material" : " materials");
+        separator = ", ";
+        unit = "";
+    }
+    fputs(unit ? "\n" : "", out);
+    json_decref(counts);
 }
 
 /* "3 materials, 1 FAIL: JOD below 9, 1 refused" */
@@ -182,6 +213,8 @@ static void print_summary(const translation *t, FILE *out) {
     if (has_gate(&t->gate))
         fprintf(out, ", %zu failed (%s)", count_failed(t), gate_words(&t->gate, words));
     fprintf(out, ", %zu refused\n", count_refused(t));
+    if (t->n > 1)
+        print_dropped(t, out);
 }
 
 /* The source, its keys copied, and its translation. */
@@ -197,7 +230,7 @@ static void write_page(const translation *t, const char *metric, output_file *ou
         names[n++] = copied;
     }
     snprintf(shown, sizeof shown, "%s, translated", t->target->model);
-    arguments[n] = (char *)(uintptr_t)(it->path[0] ? it->path : it->match.fit.spec);
+    arguments[n] = (char *)(uintptr_t)(it->written[0] ? it->written : it->match.fit.spec);
     names[n++] = shown;
     short_name(it->argument, name, sizeof name);
     snprintf(title, sizeof title, "Translation of %s to %s", name, t->target->model);
@@ -214,18 +247,7 @@ static void write_page(const translation *t, const char *metric, output_file *ou
 
 /* ---- one translation ---------------------------------------------------------------------------------------------- */
 
-/* Write the result and open what was written. */
-static nqm_status write_result(item *it, nqm_brdf **brdf, nqm_error *err) {
-    char stem[256];
-    short_stem(it->argument, stem, sizeof stem);
-    nqm_status status = nqm_material_write(it->match.fit.spec, stem, it->path, err);
-    if (status != NQM_OK)
-        return status;
-    nqm_brdf_free(*brdf);
-    return nqm_brdf_open(it->path, brdf, err);
-}
-
-static nqm_status translate(const translation *t, item *it, nqm_error *err) {
+static nqm_status fit_item(const translation *t, item *it, nqm_error *err) {
     nqm_brdf *ref = NULL, *brdf = NULL;
     nqm_fit_options fit = t->fit;
     const double begin = nqm_clock_s();
@@ -238,34 +260,110 @@ static nqm_status translate(const translation *t, item *it, nqm_error *err) {
     if (strncmp(t->loss.text, "auto", 4) == 0)
         fit.start = it->copy; /* other losses would begin there only */
     status = nqm_match(ref, t->target->model, &t->loss, &fit, &it->match, &brdf, err);
-    if (status == NQM_OK && it->path[0])
-        status = write_result(it, &brdf, err);
-    const nqm_brdf *test = brdf;
-    if (status == NQM_OK)
-        status = nqm_scorer_run(t->scorer, ref, 1, &test, &it->score, err);
-    if (status == NQM_OK)
-        status = nqm_scorer_run(t->transport, ref, 1, &test, &it->transport, err);
     it->seconds = nqm_clock_s() - begin;
     nqm_brdf_free(ref);
     nqm_brdf_free(brdf);
     return status;
 }
 
+/* What was written, or the spec. */
+static nqm_status score_item(const translation *t, item *it, nqm_error *err) {
+    nqm_brdf *ref = NULL, *brdf = NULL;
+    nqm_status status = nqm_brdf_open(it->argument, &ref, err);
+    if (status == NQM_OK)
+        status = nqm_brdf_open(it->written[0] ? it->written : it->match.fit.spec, &brdf, err);
+    const nqm_brdf *test = brdf;
+    if (status == NQM_OK)
+        status = nqm_scorer_run(t->scorer, ref, 1, &test, &it->score, err);
+    if (status == NQM_OK)
+        status = nqm_scorer_run(t->transport, ref, 1, &test, &it->transport, err);
+    nqm_brdf_free(ref);
+    nqm_brdf_free(brdf);
+    return status;
+}
+
+/* The name in a file of its own: "paints_red"; in one of all materials: "red". */
+static void name_in_file(const translation *t, const item *it, char *name, size_t n_name) {
+    const char *colon = is_file(it->argument) || nqm_spec_probe(it->argument) ? NULL : strrchr(it->argument, ':');
+    if (t->n > 1 && t->path && colon)
+        snprintf(name, n_name, "%s", colon + 1);
+    else
+        short_stem(it->argument, name, n_name);
+}
+
+/* Write n items that are fitted into the file of the first; a file of several is opened by the names that they got. */
+static nqm_status write_items(const translation *t, size_t n, item *const *items, nqm_error *err) {
+    char(*name)[64] = allocate(n, sizeof *name);
+    const char **specs = allocate(2 * n, sizeof *specs), **names = specs + n, *path = items[0]->path;
+    nqm_materials *written = NULL;
+    for (size_t i = 0; i < n; ++i) {
+        name_in_file(t, items[i], name[i], sizeof name[i]);
+        specs[i] = items[i]->match.fit.spec;
+        names[i] = name[i];
+    }
+    nqm_status status = nqm_materials_write(n, specs, names, path, err);
+    if (status == NQM_OK && n > 1)
+        status = nqm_materials_open(path, &written, err);
+    for (size_t i = 0; status == NQM_OK && i < n; ++i) {
+        const int used = snprintf(items[i]->written, MAX_TEXT, "%s%s%s", path, written ? ":" : "",
+                                  written ? nqm_materials_get(written, i).name : "");
+        if (used < 0 || used >= MAX_TEXT)
+            status = nqm_fail(err, NQM_ERR_ARG, -1, "%.80s...: the path of the output is too long", path);
+    }
+    nqm_materials_free(written);
+    free(specs);
+    free(name);
+    return status;
+}
+
 /* Refusals are stored and do not stop the others. */
+static void take_failure(const translation *t, item *it, const nqm_error *err) {
+    if (err->status == NQM_ERR_CANCELLED || t->n == 1)
+        stop_error(err);
+    it->err = *err;
+}
+
+static void finish_item(const translation *t, item *it, bool with_rows) {
+    nqm_error err = {0};
+    if (it->err.status == NQM_OK && score_item(t, it, &err) != NQM_OK)
+        take_failure(t, it, &err);
+    end_progress();
+    if (with_rows)
+        print_item(t, it);
+}
+
+/* Into one file when all of them are fitted. */
+static void write_all(const translation *t) {
+    nqm_error err = {0};
+    size_t n = 0;
+    item **fitted = allocate(t->n, sizeof(item *));
+    for (size_t i = 0; i < t->n; ++i)
+        if (t->items[i].err.status == NQM_OK)
+            fitted[n++] = &t->items[i];
+    if (n && write_items(t, n, fitted, &err) != NQM_OK)
+        stop_error(&err);
+    free(fitted);
+}
+
 static void translate_all(translation *t, bool with_rows) {
+    const bool in_one = t->path && t->n > 1;
     for (size_t i = 0; i < t->n; ++i) {
         item *it = &t->items[i];
         nqm_error err = {0};
         note_progress("%s (%zu of %zu)", shown(it->argument), i + 1, t->n);
-        if (translate(t, it, &err) != NQM_OK) {
-            if (err.status == NQM_ERR_CANCELLED || t->n == 1)
-                stop_error(&err);
-            it->err = err;
-        }
-        end_progress();
-        if (with_rows)
-            print_item(t, it);
+        nqm_status status = fit_item(t, it, &err);
+        if (status == NQM_OK && it->path[0] && !in_one)
+            status = write_items(t, 1, &it, &err);
+        if (status != NQM_OK)
+            take_failure(t, it, &err);
+        if (!in_one)
+            finish_item(t, it, with_rows);
     }
+    if (!in_one)
+        return;
+    write_all(t);
+    for (size_t i = 0; i < t->n; ++i)
+        finish_item(t, &t->items[i], with_rows);
 }
 
 /* ---- the verb ----------------------------------------------------------------------------------------------------- */
@@ -287,7 +385,8 @@ int cmd_translate(int argc, char **argv) {
     const option options[] = {
         {"to", 't', OPTION_NEEDED, &to, "MODEL", "the shading model", 0, 0},
         {"output", 'o', OPTION_TEXT, &t.path, "FILE",
-         "the file to write; its extension selects the format: .mtlx .gltf .glb .xml .json .pbrt", 0, 0},
+         "the file to write, with all materials; its extension selects the format: .mtlx .gltf .glb .xml .json .pbrt",
+         0, 0},
         {"folder", 'd', OPTION_TEXT, &t.folder, "FOLDER", "write a file for each material, named as the input", 0, 0},
         {"loss", 0, OPTION_TEXT, &loss, "SUM|auto", "as in nqm fit", 0, 0},
         {"metric", 'm', OPTION_TEXT, &metric, "MODEL", "the model of the JOD and of the loss nqm", 0, 0},
@@ -308,6 +407,7 @@ int cmd_translate(int argc, char **argv) {
             "reported and do not stop the others.",
         .example = "nqm translate 'open-pbr:base_color=.8,.3,.1;coat_weight=1' --to gltf\n"
                    "nqm translate gold.mtlx --to gltf -o gold.gltf --report gold.html\n"
+                   "nqm translate materials/*.mtlx --to gltf -o all.gltf\n"
                    "nqm translate materials/*.mtlx --to gltf -d gltf --fail-under 9",
         .options = options,
         .words = (const option_words[]){{"to", target_names()}, {0}},
