@@ -44,7 +44,6 @@ done
 # Faults are found before the work.
 refuses 2 "--to needs gltf, .*, not 'maya'" translate "$red" --to maya
 refuses 2 'no file of this name' translate "$red" --to gltf -o "$dir/red.pbrt"
-refuses 2 'write 2 with -d' translate "$red" "$red" --to gltf -o "$dir/two.gltf"
 mkdir "$dir/same"
 "$tool" translate "$red" --to gltf -o "$dir/same/red.gltf" >/dev/null 2>&1 || fail "a material to replace"
 cp "$dir/same/red.gltf" "$dir/same.before"
@@ -62,4 +61,29 @@ cat >"$dir/glass.mtlx" <<'XML'
 </materialx>
 XML
 refuses 4 'transmission' translate "$dir/glass.mtlx" --to gltf
+run 9 translate "$dir/glass.mtlx" "$dir/glass.mtlx" --to gltf -o "$dir/two.gltf"
 [ ! -e "$dir/two.gltf" ] || fail "a file of refused arguments"
+
+# Several materials in one file of each format: the names of the materials, a number where two are equal; what is refused is left out;
+# each is scored as it was written; a line counts what was lost.
+cd "$dir" || exit 1
+cat >two.mtlx <<'XML'
+<?xml version="1.0"?>
+<materialx version="1.38" colorspace="lin_rec709">
+  <gltf_pbr name="s1" type="surfaceshader"><input name="metallic" type="float" value="1" />
+    <input name="clearcoat" type="float" value="1" /></gltf_pbr>
+  <gltf_pbr name="s2" type="surfaceshader"><input name="metallic" type="float" value="0" />
+    <input name="sheen_color" type="color3" value="0.3, 0.3, 0.3" /></gltf_pbr>
+  <surfacematerial name="one" type="material"><input name="surfaceshader" type="surfaceshader" nodename="s1" /></surfacematerial>
+  <surfacematerial name="two" type="material"><input name="surfaceshader" type="surfaceshader" nodename="s2" /></surfacematerial>
+</materialx>
+XML
+for target in gltf.gltf gltf.glb gltf.mtlx rough-conductor.xml rough-conductor.json pbrt-conductor.pbrt; do
+    run 9 translate two.mtlx glass.mtlx two.mtlx:one --to ${target%.*} -o all.${target#*.} --samples 300
+    for pair in one:one two:two one:one_2; do
+        jod=$("$tool" score two.mtlx:${pair%:*} all.${target#*.}:${pair#*:} -q)
+        grep -q "^JOD  *${jod%??}.* two.mtlx:${pair%:*} -> all.${target#*.}:${pair#*:}\($\|  dropped\)" out ||
+            fail "$target, $pair, $jod: $(cat out)"
+    done
+done
+grep -qx 'dropped: base_color in 3 materials, metallic in 1, clearcoat in 2, sheen_color in 1' out || fail "what was lost: $(cat out)"

@@ -209,12 +209,12 @@ static void print_dropped(const translation *t, FILE *out) {
 /* "3 materials, 1 FAIL: JOD below 9, 1 refused" */
 static void print_summary(const translation *t, FILE *out) {
     char words[GATE_TEXT];
+    if (t->n > 1)
+        print_dropped(t, out);
     fprintf(out, "%zu material%s", t->n, t->n == 1 ? "" : "s");
     if (has_gate(&t->gate))
         fprintf(out, ", %zu failed (%s)", count_failed(t), gate_words(&t->gate, words));
     fprintf(out, ", %zu refused\n", count_refused(t));
-    if (t->n > 1)
-        print_dropped(t, out);
 }
 
 /* The source, its keys copied, and its translation. */

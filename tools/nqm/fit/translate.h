@@ -21,7 +21,7 @@ const translate_target *find_target(const char *word);
 /** Whether a model is one of nqm_fit_shading(). */
 bool is_shading_model(const char *model);
 /** A spec of the shading model `model` with the keys that mean the same in `spec`, a canonical spec of a shading model, moved into
- *  their ranges; free() it. NULL: `spec` is NULL or of another model, or nothing is shared. */
+ *  their ranges; free() it. NULL: `spec` is NULL or of another model, nothing is shared, or what is shared is no spec without other keys. */
 char *copy_keys(const char *spec, const char *model);
 /** The keys of such a spec with other values than their defaults that have no counterpart in `model`, separated by ", ". Keys
  *  of layers with weight 0 do not count. */

@@ -128,7 +128,15 @@ char *copy_keys(const char *spec, const char *model) {
             convert(p, key, v);
             nqm_shading_set(&to, key->name, key->n, v);
         }
-    return to.n ? nqm_shading_spec(&to) : NULL;
+    char *copy = to.n ? nqm_shading_spec(&to) : NULL;
+    nqm_brdf *brdf = NULL;
+    if (copy &&
+        nqm_brdf_open(copy, &brdf, NULL) != NQM_OK) { /* keys that a model needs, such as `eta` of a conductor */
+        nqm_free(copy);
+        copy = NULL;
+    }
+    nqm_brdf_free(brdf);
+    return copy;
 }
 
 /* ---- what is dropped ---------------------------------------------------------------------------------------------- */
