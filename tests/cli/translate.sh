@@ -79,11 +79,11 @@ cat >two.mtlx <<'XML'
 </materialx>
 XML
 for target in gltf.gltf gltf.glb gltf.mtlx rough-conductor.xml rough-conductor.json pbrt-conductor.pbrt; do
-    run 9 translate two.mtlx glass.mtlx two.mtlx:one --to ${target%.*} -o all.${target#*.} --samples 300
+    run 9 translate two.mtlx glass.mtlx two.mtlx:one --to ${target%.*} -o all.${target#*.} --samples 300 2>/dev/null
     for pair in one:one two:two one:one_2; do
-        jod=$("$tool" score two.mtlx:${pair%:*} all.${target#*.}:${pair#*:} -q)
-        grep -q "^JOD  *${jod%??}.* two.mtlx:${pair%:*} -> all.${target#*.}:${pair#*:}\($\|  dropped\)" out ||
+        jod=$("$tool" score two.mtlx:${pair%:*} all.${target#*.}:${pair#*:} --csv 2>/dev/null | awk -F, 'NR == 2 {printf "%.2f", $3}')
+        grep -q "^JOD  *$jod.* two.mtlx:${pair%:*} -> all.${target#*.}:${pair#*:}\($\|  dropped\)" out ||
             fail "$target, $pair, $jod: $(cat out)"
     done
 done
-grep -qx 'dropped: base_color in 3 materials, metallic in 1, clearcoat in 2, sheen_color in 1' out || fail "what was lost: $(cat out)"
+grep -qx 'dropped: clearcoat in 2 materials, metallic in 1, sheen_color in 1' out || fail "what was lost: $(cat out)"
