@@ -21,7 +21,7 @@ static size_t range_of(double jod) {
 /* Whether a label is inside its interval; adds to the sums, which finish() converts to fractions and means. used:
  * (n_directions) scratch. */
 static bool count(const nqm_evaluation *ev, size_t model, size_t pair, uint8_t *used, nqm_coverage *c) {
-    const nqm_dataset *d = ev->dataset;
+    const nqm_dataset *d = nqm_evaluation_samples(ev, model);
     double low, high, jod = ev->values[model * d->n_pairs + pair], label = d->jod[pair];
     const size_t at = model * d->n_pairs + pair;
     nqm_model_interval(ev->models[model], jod, ev->novelty[at], ev->spread[at], &low, &high);
@@ -96,10 +96,11 @@ nqm_status nqm_evaluation_coverage(const nqm_evaluation *evaluation, const nqm_e
     if (status != NQM_OK)
         return status;
     const size_t n_resamples = nqm_bootstrap_count(s.n_groups, o.n_bootstrap);
-    status = nqm_alloc_arrays(NQM_ARRAYS({&inside, s.n_groups, sizeof *inside}, {&weight, s.n_groups, sizeof *weight},
-                                         {&shares, n_resamples, sizeof *shares}, {&means, n_resamples, sizeof *means},
-                                         {&used, evaluation->dataset->n_directions, sizeof *used}),
-                              err);
+    status =
+        nqm_alloc_arrays(NQM_ARRAYS({&inside, s.n_groups, sizeof *inside}, {&weight, s.n_groups, sizeof *weight},
+                                    {&shares, n_resamples, sizeof *shares}, {&means, n_resamples, sizeof *means},
+                                    {&used, nqm_evaluation_samples(evaluation, model)->n_directions, sizeof *used}),
+                         err);
     if (status == NQM_OK) {
         *coverage_ret = (nqm_coverage){.n = s.n, .n_materials = s.n_groups};
         for (size_t g = 0; g < s.n_groups; ++g)

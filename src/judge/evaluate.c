@@ -90,7 +90,7 @@ static nqm_status tick(void *user, size_t n, nqm_error *err) {
 
 static nqm_status predict_model(predict_run *run, size_t model, nqm_error *err) {
     const nqm_evaluation *ev = run->ev;
-    const nqm_dataset_prediction prediction = {.dataset = ev->dataset,
+    const nqm_dataset_prediction prediction = {.dataset = nqm_evaluation_samples(ev, model),
                                                .model = ev->models[model],
                                                .precision = ev->precision,
                                                .n = run->n,
@@ -197,10 +197,17 @@ nqm_status nqm_evaluation_create(const nqm_dataset *dataset, size_t n_models, co
                                  const nqm_eval_options *options, nqm_evaluation **evaluation_ret, nqm_error *err) {
     NQM_MAKE(err, evaluation_ret, dataset);
     NQM_REQUIRE_IF(n_models, err, models);
+    return nqm_evaluation_create_each(dataset, n_models, models, NULL, options, evaluation_ret, err);
+}
+
+nqm_status nqm_evaluation_create_each(const nqm_dataset *dataset, size_t n_models, const nqm_model *const *models,
+                                      const nqm_dataset *const *datasets, const nqm_eval_options *options,
+                                      nqm_evaluation **evaluation_ret, nqm_error *err) {
     nqm_eval_options o = options ? *options : nqm_eval_options_default();
     const bool has_estimate = dataset->transport;
     const size_t n_predictors = n_models + NQM_METRIC_COUNT + has_estimate;
     nqm_evaluation made = {.dataset = dataset,
+                           .datasets = datasets,
                            .n_models = n_models,
                            .n_predictors = n_predictors,
                            .models = models,

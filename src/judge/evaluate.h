@@ -11,6 +11,8 @@
 
 struct nqm_evaluation {
     const nqm_dataset *dataset;
+    const nqm_dataset *const
+        *datasets; /* (n_models) the same pairs at the directions of each model; NULL: `dataset` has them */
     size_t n_models, n_predictors;
     const nqm_model *const *models;
     nqm_split split;
@@ -26,6 +28,18 @@ struct nqm_evaluation {
     bool *unseen;         /* (n_kinds) nqm_dataset_unseen_kinds() */
     const char **names;   /* (n_predictors) */
 };
+
+/** The pairs at the directions of a model. */
+static inline const nqm_dataset *nqm_evaluation_samples(const nqm_evaluation *ev, size_t model) {
+    return ev->datasets ? ev->datasets[model] : ev->dataset;
+}
+
+/** As nqm_evaluation_create() for models of different directions: datasets (n_models), which must outlive the evaluation, have the
+ *  pairs of `dataset`, in its order, at the directions of each model. Metrics and the estimate are those of `dataset`. */
+NQM_MUST_CHECK nqm_status nqm_evaluation_create_each(const nqm_dataset *dataset, size_t n_models,
+                                                     const nqm_model *const *models, const nqm_dataset *const *datasets,
+                                                     const nqm_eval_options *options, nqm_evaluation **evaluation_ret,
+                                                     nqm_error *err);
 
 /** The pairs selected by options, sorted by material group; groups without such pairs are left out. */
 typedef struct nqm_selection {

@@ -93,11 +93,23 @@ run 0 eval "$dir/toy.safetensors" --model none --split all --bootstrap 100 --csv
 [ "$(awk -F, '{print NF}' "$dir/out" | sort -u | wc -l)" = 1 ] || fail "CSV fields of a dataset"
 head -n 1 "$dir/out" | grep -q ',kendall_low,.*,order,.*,rival,.*,share_2_below_0,coverage,.*,interval_width,' || fail "CSV columns"
 
+# Models of different directions share a table: each row is that of the model alone, choices and intervals too.
+for list in jod choices; do
+    [ -e "$dir/$list.csv" ] || fail "no $list.csv"
+    run 0 eval --human "$dir/$list.csv" --root "$dir/brdfs" --model "default,$dir/model.safetensors,transport" --csv
+    grep '^all,all,[a-z]*,model,\|^[a-z]*,model,' "$dir/out" >"$dir/together"
+    for model in default "$dir/model.safetensors" transport; do
+        run 0 eval --human "$dir/$list.csv" --root "$dir/brdfs" --model "$model" --csv
+        grep '^all,all,[a-z]*,model,\|^[a-z]*,model,' "$dir/out"
+    done >"$dir/alone"
+    [ -s "$dir/alone" ] || fail "no rows of models: $(cat "$dir/out")"
+    cut -d, -f1-17 "$dir/alone" >"$dir/alone.front"
+    cut -d, -f1-17 "$dir/together" | cmp - "$dir/alone.front" || fail "rows of $list: $(cat "$dir/together")"
+done
+
 # Errors. Models with other directions, and splits without pairs: what is there, and the way out.
 run 5 eval "$dir/toy.safetensors" --model "$dir/model.safetensors" --split all
 says "toy.safetensors: model 'tiny' uses 60 directions (identity [0-9a-f]\{16\}), the dataset 16 other ones (identity [0-9a-f]\{16\}): .*--model none"
-run 5 eval --human "$dir/jod.csv" --model "$dir/model.safetensors,default"
-says "model 'default' uses 1392 directions .* 60 other ones .*: judge this model in a call of its own"
 run 5 eval --human "$dir/jod.csv" --model none --split train
 says "jod.csv: the dataset has no pair in the split 'train'; it has 6 in 'test': --split selects"
 run 4 eval "$dir/jod.csv" --model none

@@ -192,7 +192,7 @@ MUTATIONS = [
     ("src/label/corpus_far.c", '{"scaled", SCALED, 1, false, 0.5, 3},', '{"scaled", SCALED, 1, false, 0.05, 3},', "test_label_corpus_far"),
     ("tools/nqm/talk.c", "if (jod >= 9.5)", "if (jod > 9.5)", "test_tool_verdicts"),
     ("tools/nqm/score/gate.c", "(result->jod < gate->jod ||", "(result->jod <= gate->jod ||", "test_tool_verdicts"),
-    ("tools/nqm/fit/cmd_translate.c", "return nqm_brdf_open(it->path, brdf, err);", "return nqm_brdf_open(it->match.fit.spec, brdf, err);", "cli.translate"),
+    ("tools/nqm/fit/cmd_translate.c", "nqm_brdf_open(it->written[0] ? it->written : it->match.fit.spec, &brdf, err);", "nqm_brdf_open(it->match.fit.spec, &brdf, err);", "cli.translate"),
     ("tools/nqm/fit/cmd_translate.c", "fit.start = it->copy; /* other losses would begin there only */", "fit.start = NULL; /* other losses would begin there only */", "cli.translate"),
     ("tools/nqm/fit/cmd_translate.c", "n += t->items[i].err.status == NQM_OK && fails_gate(&t->gate, &t->items[i].score);", "n += fails_gate(&t->gate, &t->items[i].score);", "cli.translate"),
     ("tools/nqm/fit/cmd_translate.c", "return n_refused ? EXIT_PARTIAL : n_failed ? EXIT_GATE : EXIT_OK;", "return n_failed ? EXIT_GATE : n_refused ? EXIT_PARTIAL : EXIT_OK;", "cli.translate"),

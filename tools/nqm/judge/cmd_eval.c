@@ -130,7 +130,12 @@ static void release(eval_run *run) {
     free(run->model_names);
     free(run->model_list);
     nqm_dataset_free(run->owned);
-    nqm_human_free(run->human);
+    for (size_t i = 0; run->humans && i < run->n_models; ++i)
+        nqm_human_free(run->humans[i]);
+    if (run->n_models == 0)
+        nqm_human_free(run->human);
+    free(run->humans);
+    free(run->datasets);
 }
 
 typedef struct eval_arguments {
@@ -141,15 +146,39 @@ typedef struct eval_arguments {
     nqm_eval_options options;
 } eval_arguments;
 
-/* Read answers of people, and sample their BRDFs at the directions of the first model. */
-static void open_human(eval_run *run, const char *root) {
+/* The first model with the directions of a model. */
+static size_t first_alike(const eval_run *run, size_t model) {
+    const char *id = nqm_directions_id(nqm_model_get_info(run->models[model]).directions);
+    size_t i = 0;
+    while (strcmp(nqm_directions_id(nqm_model_get_info(run->models[i]).directions), id) != 0)
+        ++i;
+    return i;
+}
+
+/* The BRDFs at the directions of a model; NULL: at those of "default". */
+static nqm_human *load_human(const eval_run *run, const char *root, const nqm_model *model) {
     nqm_error err = {0};
+    nqm_human *human;
     nqm_human_options o = nqm_human_options_default();
     o.root = list_root(root, run->dataset_path);
     o.progress = show_progress;
-    if (run->n_models)
-        o.directions = nqm_model_get_info(run->models[0]).directions;
-    must(nqm_human_load(run->dataset_path, &o, &run->human, &err), &err);
+    if (model)
+        o.directions = nqm_model_get_info(model).directions;
+    must(nqm_human_load(run->dataset_path, &o, &human, &err), &err);
+    return human;
+}
+
+/* Read answers of people, and sample their BRDFs at the directions of the models; metrics are those of the first model's. */
+static void open_human(eval_run *run, const char *root) {
+    run->humans = allocate(run->n_models, sizeof(nqm_human *));
+    run->datasets = allocate(run->n_models, sizeof(const nqm_dataset *));
+    for (size_t i = 0; i < run->n_models; ++i) {
+        const size_t first = first_alike(run, i);
+        if (first == i)
+            run->humans[i] = load_human(run, root, run->models[i]);
+        run->datasets[i] = nqm_human_dataset(run->humans[first]);
+    }
+    run->human = run->n_models ? run->humans[0] : load_human(run, root, NULL);
     const nqm_human_kind kind = nqm_human_get_info(run->human).kind;
     run->dataset = nqm_human_dataset(run->human);
     run->is_jod = kind == NQM_HUMAN_JOD;
@@ -196,9 +225,7 @@ static _Noreturn void stop_incompatible(const eval_run *run, const nqm_eval_opti
     const bool is_empty = o->split == NQM_SPLIT_ALL ? info.n_pairs == 0 : info.n_pairs_in[o->split] == 0;
     stop(EXIT_INCOMPATIBLE, "%s: %s: %s", run->dataset_path, message,
          is_empty ? "--split selects another split, or all"
-         : run->human
-             ? "judge this model in a call of its own: the BRDFs are sampled at the directions of the first --model"
-             : "--model FILE judges a model with these directions, --model none the metrics alone");
+                  : "--model FILE judges a model with these directions, --model none the metrics alone");
 }
 
 static void evaluate(eval_run *run, const eval_arguments *a, const nqm_eval_options *o, int by) {
@@ -207,8 +234,8 @@ static void evaluate(eval_run *run, const eval_arguments *a, const nqm_eval_opti
         stop(EXIT_USAGE, "--by: choices have one table only");
     run->results = json_array();
     run->selections = json_object();
-    const nqm_status status = nqm_evaluation_create(run->dataset, run->n_models, (const nqm_model *const *)run->models,
-                                                    o, &run->evaluation, &err);
+    const nqm_status status = nqm_evaluation_create_each(
+        run->dataset, run->n_models, (const nqm_model *const *)run->models, run->datasets, o, &run->evaluation, &err);
     if (status == NQM_ERR_INCOMPATIBLE)
         stop_incompatible(run, o, err.message);
     must(status, &err);
