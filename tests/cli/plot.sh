@@ -217,3 +217,17 @@ plot 0 scatter "$dir/one_pair.csv" -o "$dir/one_pair.svg"
 plot 8 slice lambert:kd=0 -o "$dir/x.svg"
 says 'no BRDF has a value above 0 in any slice'
 plot 0 slice lambert:kd=0 lambert:kd=.5 -o "$dir/black.svg"
+
+# A full disk: each kind of drawing names the file, and nothing is left.
+mkdir "$dir/small"
+for kind in svg pdf png; do
+    code=0
+    (
+        trap '' XFSZ
+        ulimit -f 2 # blocks of 512 or 1024 bytes
+        "$tool" plot slice sgd:nickel ward:nickel -o "$dir/small/x.$kind"
+    ) >"$dir/out" 2>"$dir/err" || code=$?
+    [ "$code" = 3 ] || fail "exit code $code of a full disk, $kind: $(cat "$dir/err")"
+    grep -q "small/x.$kind: .*[Ww]rit" "$dir/err" || fail "no file is named: $(cat "$dir/err")"
+done
+[ -z "$(ls -A "$dir/small")" ] || fail "files of a full disk: $(ls -A "$dir/small")"

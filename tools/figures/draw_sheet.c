@@ -114,7 +114,8 @@ nqm_status nqm_surface_write_png(const char *path, cairo_surface_t *surface, nqm
 }
 
 /* Vector surfaces write their last data when they are finished. */
-static nqm_status draw_on(cairo_surface_t *surface, const nqm_sheet *sheet, double scale, nqm_error *err) {
+static nqm_status draw_on(cairo_surface_t *surface, const char *path, const nqm_sheet *sheet, double scale,
+                          nqm_error *err) {
     cairo_t *cr = cairo_create(surface);
     cairo_scale(cr, scale, scale);
     draw_sheet(cr, sheet);
@@ -126,14 +127,14 @@ static nqm_status draw_on(cairo_surface_t *surface, const nqm_sheet *sheet, doub
     }
     if (drawn == CAIRO_STATUS_SUCCESS)
         return NQM_OK;
-    return nqm_fail(err, drawn == CAIRO_STATUS_WRITE_ERROR ? NQM_ERR_IO : NQM_ERR_NOMEM, -1, "a drawing failed: %s",
-                    cairo_status_to_string(drawn));
+    return nqm_fail(err, drawn == CAIRO_STATUS_WRITE_ERROR ? NQM_ERR_IO : NQM_ERR_NOMEM, -1,
+                    "%s: the drawing failed: %s", path, cairo_status_to_string(drawn));
 }
 
 static nqm_status write_png(const char *path, const nqm_sheet *sheet, double scale, nqm_error *err) {
     int width = (int)ceil(scale * sheet->width), height = (int)ceil(scale * sheet->height);
     cairo_surface_t *surface = cairo_image_surface_create(CAIRO_FORMAT_RGB24, width, height);
-    nqm_status status = draw_on(surface, sheet, scale, err);
+    nqm_status status = draw_on(surface, path, sheet, scale, err);
     if (status == NQM_OK)
         status = nqm_surface_write_png(path, surface, err);
     cairo_surface_destroy(surface);
@@ -175,7 +176,7 @@ static nqm_status write_vector(const char *path, bool svg, const nqm_sheet *shee
         cairo_svg_surface_set_document_unit(surface, CAIRO_SVG_UNIT_PX);
     else /* a fixed date: by default, cairo stores the time of day */
         cairo_pdf_surface_set_metadata(surface, CAIRO_PDF_METADATA_CREATE_DATE, "2000-01-01T00:00:00Z");
-    status = draw_on(surface, sheet, points, err);
+    status = draw_on(surface, path, sheet, points, err);
     cairo_surface_destroy(surface);
     if (status == NQM_OK)
         return nqm_outfile_commit(&out, err);
