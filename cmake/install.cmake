@@ -8,7 +8,7 @@ install(TARGETS nqm_tool RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
 if(NQM_SHARED_MODELS)
   set(models_library nqm_models)
   set(models_target nqm::models) # for the static libraries
-  set(core_private " -lnqm-models")
+  set(models_link " -lnqm-models") # the linker looks for libraries of libraries in system folders only
 else()
   install(FILES ${full_models} DESTINATION ${CMAKE_INSTALL_DATADIR}/nqm/models)
 endif()
