@@ -311,6 +311,14 @@ static void test_endian(void **state) {
     assert_true(nqm_load_f64(out) == 1.5);
     nqm_store_f32(out, -0.25f);
     assert_true(nqm_load_f32(out) == -0.25f);
+    /* two's complement of every length, in both orders of bytes */
+    const unsigned char minus[] = {0xfe, 0xff, 0xff, 0xff, 0xff, 0xff, 0xff, 0xff}, low[] = {0x80, 0, 0, 0, 0, 0, 0, 0};
+    for (unsigned char n = 1; n <= 8; n = (unsigned char)(2 * n)) {
+        const nqm_number_type is_signed = {.kind = 'i', .n_bytes = n}, is_unsigned = {.kind = 'u', .n_bytes = n};
+        assert_true(nqm_load_number(minus, is_signed, false) == -2);
+        assert_true(nqm_load_number(low, is_signed, true) == -ldexp(1, 8 * n - 1));
+        assert_true(nqm_load_number(low, is_unsigned, true) == ldexp(1, 8 * n - 1));
+    }
     enum { N = 1000 }; /* more than one piece of the conversion */
     uint64_t values[N];
     unsigned char written[8 * N + 1]; /* and the NUL of fmemopen() */
