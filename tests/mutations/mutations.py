@@ -192,7 +192,7 @@ MUTATIONS = [
     ("src/label/corpus_far.c", '{"scaled", SCALED, 1, false, 0.5, 3},', '{"scaled", SCALED, 1, false, 0.05, 3},', "test_label_corpus_far"),
     ("tools/nqm/talk.c", "if (jod >= 9.5)", "if (jod > 9.5)", "test_tool_verdicts"),
     ("tools/nqm/score/gate.c", "(result->jod < gate->jod ||", "(result->jod <= gate->jod ||", "test_tool_verdicts"),
-    ("src/base/number.c", "const int n_unused = 64 - 8 * type.n_bytes;", "const int n_unused = 64 - 9 * type.n_bytes;", "unit.test_base"),
+    ("src/base/number.c", "const int n_unused = 64 - 8 * type.n_bytes;", "const int n_unused = 64 - 9 * type.n_bytes;", "test_base"),
     ("tools/nqm/score/batch_print.c", "!note.is_scored && has_same_refusal", "has_same_refusal", "cli.libraries"),
     ("tools/nqm/score/expand.c", "strcmp(ref.refusal, test.refusal) == 0", "strcmp(ref.refusal, test.refusal) != 0", "cli.libraries"),
     ("src/material/material.c", "is_taken(i, materials, name)", "is_taken(0, materials, name)", "cli.translate"),
