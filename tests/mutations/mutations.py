@@ -193,7 +193,6 @@ MUTATIONS = [
     ("tools/nqm/talk.c", "if (jod >= 9.5)", "if (jod > 9.5)", "test_tool_verdicts"),
     ("tools/nqm/score/gate.c", "(result->jod < gate->jod ||", "(result->jod <= gate->jod ||", "test_tool_verdicts"),
     ("src/base/number.c", "const int n_unused = 64 - 8 * type.n_bytes;", "const int n_unused = 64 - 9 * type.n_bytes;", "test_base"),
-    ("tools/nqm/score/batch_print.c", "!note.is_scored && has_same_refusal", "has_same_refusal", "cli.libraries"),
     ("tools/nqm/score/expand.c", "strcmp(ref.refusal, test.refusal) == 0", "strcmp(ref.refusal, test.refusal) != 0", "cli.libraries"),
     ("src/material/material.c", "is_taken(i, materials, name)", "is_taken(0, materials, name)", "cli.translate"),
     ("src/judge/evaluate.h", "ev->datasets ? ev->datasets[model] : ev->dataset", "ev->datasets ? ev->datasets[0] : ev->dataset", "cli.eval_human"),

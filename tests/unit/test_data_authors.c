@@ -144,11 +144,42 @@ static void names_what_is_wrong(void **state) {
     unlink(csv_path);
 }
 
+/* A copy of the dataset whose first file of a test has another first direction. */
+static void refuses_other_directions(void **state) {
+    (void)state;
+    enum { SIZE = 1 << 16 };
+    static unsigned char bytes[SIZE];
+    char command[1200];
+    nqm_dataset *d = load(test_vector("authors/labels.csv"), NQM_SPLIT_ALL);
+    const double theta_h = nqm_directions_degrees(d->directions)[0];
+    nqm_dataset_free(d);
+    snprintf(command, sizeof command, "rm -rf other_authors; cp -R '%s' other_authors && chmod -R u+w other_authors",
+             root);
+    assert_int_equal(system(command), 0);
+    FILE *f = fopen("other_authors/model/brass_1.mat", "r+b");
+    assert_non_null(f);
+    const size_t n = fread(bytes, 1, SIZE, f);
+    size_t at = 0;
+    while (at + 8 <= n && nqm_load_f64(bytes + at) != theta_h)
+        at += 4;
+    assert_true(at + 8 <= n);
+    unsigned char other[8];
+    nqm_store_f64(other, theta_h + 1e-6);
+    assert_int_equal(fseek(f, (long)at, SEEK_SET), 0);
+    assert_int_equal(fwrite(other, 1, 8, f), 8);
+    fclose(f);
+    nqm_error err = {0};
+    assert_int_equal(nqm_dataset_load_authors("other_authors", "other_authors/labels.csv", NQM_SPLIT_ALL, &d, &err),
+                     NQM_ERR_INCOMPATIBLE);
+    assert_non_null(strstr(err.message, "brass_1.mat: random_locations differ from those of the first file (row 1:"));
+    assert_int_equal(system("rm -rf other_authors"), 0);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(reads_the_layout),    cmocka_unit_test(kinds_keep_their_levels),
         cmocka_unit_test(split_as_asked),      cmocka_unit_test(goes_on_from_there),
-        cmocka_unit_test(names_what_is_wrong),
+        cmocka_unit_test(names_what_is_wrong), cmocka_unit_test(refuses_other_directions),
     };
     return cmocka_run_group_tests(tests, find_root, NULL);
 }
