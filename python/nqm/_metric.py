@@ -101,7 +101,7 @@ def batch(pairs: Union[PathLike, Iterable[Tuple[BRDFLike, BRDFLike]]], *, model:
 
     Args:
         pairs: (reference, test) pairs, or a list (CSV, JSON Lines) as for the tool's verb `batch`; relative paths are relative to
-            the current folder
+            the current folder. A file of several materials is no pair of its own as it is for the tool: name "FILE:NAME" (`materials`)
         model: as for `score`
         metrics: whether to add the scalar metrics, one column each
         progress: called with ("score", done, total); True shows a line on standard error
