@@ -213,6 +213,11 @@ bool is_file(const char *path) {
     return stat(path, &about) == 0 && S_ISREG(about.st_mode);
 }
 
+const char *member_name(const char *argument) {
+    const char *colon = is_file(argument) || nqm_spec_probe(argument) ? NULL : strrchr(argument, ':');
+    return colon ? colon + 1 : NULL;
+}
+
 nqm_materials *open_library(const char *argument) {
     nqm_materials *materials = NULL;
     if (!is_file(argument) || nqm_materials_open(argument, &materials, NULL) != NQM_OK)

@@ -137,6 +137,8 @@ bool looks_like_safetensors(const char *path);
 bool is_folder(const char *path);
 /** Whether it is a regular file. */
 bool is_file(const char *path);
+/** NAME of an argument "FILE:NAME"; NULL: it has none. */
+const char *member_name(const char *argument);
 /** The materials of a file of several materials; NULL: the argument is another BRDF, or no file. Free with nqm_materials_free(). */
 nqm_materials *open_library(const char *argument);
 /** The folder at which relative paths of a list start: `root`, which must exist; NULL: the folder of the list, or the working

@@ -284,9 +284,9 @@ static nqm_status score_item(const translation *t, item *it, nqm_error *err) {
 
 /* The name in a file of its own: "paints_red"; in one of all materials: "red". */
 static void name_in_file(const translation *t, const item *it, char *name, size_t n_name) {
-    const char *colon = is_file(it->argument) || nqm_spec_probe(it->argument) ? NULL : strrchr(it->argument, ':');
-    if (t->n > 1 && t->path && colon)
-        snprintf(name, n_name, "%s", colon + 1);
+    const char *material = member_name(it->argument);
+    if (t->n > 1 && t->path && material)
+        snprintf(name, n_name, "%s", material);
     else
         short_stem(it->argument, name, n_name);
 }

@@ -13,9 +13,9 @@ typedef struct translate_target {
     const char *extension; /* of files in a folder */
 } translate_target;
 
-/** By a word; on failure, report the words and exit. */
 /** The words that --to may be, after which NULL. */
 const char *const *target_names(void);
+/** By a word; on failure, report the words and exit. */
 const translate_target *find_target(const char *word);
 
 /** Whether a model is one of nqm_fit_shading(). */

@@ -161,9 +161,9 @@ static int settle(batch_run *run, int exit_code) {
         write_summary(&summary, run->markdown, print_batch_markdown);
     }
     if (is_complete && run->is_sorted) {
-        size_t *order = order_batch_rows(summary.n_rows, summary.notes, run->is_best);
-        close_batch_sorted(&run->out, &run->form, summary.n_shown, order);
-        free(order);
+        size_t *best = run->is_best ? order_batch_rows(summary.n_rows, summary.notes, true) : NULL;
+        close_batch_sorted(&run->out, &run->form, summary.n_shown, best ? best : summary.order);
+        free(best);
     } else {
         print_batch_tail(&run->form, run->out.rows);
         close_batch_output(&run->out, is_complete);

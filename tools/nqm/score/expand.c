@@ -81,27 +81,20 @@ void expand_list(const nqm_pair_list *list, const char *const *names, expanded_l
     const size_t n = x->expansion.n;
     x->names = allocate(n, sizeof *x->names);
     x->pair = allocate(n, sizeof *x->pair);
-    x->origin = allocate(n, sizeof *x->origin);
-    x->is_made = allocate(n, sizeof *x->is_made);
     for (size_t i = 0; i < n; ++i) {
         const expanded_pair *p = &x->expansion.pairs[i];
         x->names[i] = p->name;
         x->pair[i] = p->pair;
-        x->origin[i] = p->origin;
-        x->is_made[i] = p->is_made;
     }
     x->list = *list;
     x->list.n_rows = n;
     x->list.pair = x->pair;
-    x->list.origin = x->origin;
-    x->list.is_made = x->is_made;
+    x->list.expanded = x->expansion.pairs;
 }
 
 void free_expanded_list(expanded_list *x) {
     free(x->names);
     free(x->pair);
-    free(x->origin);
-    free(x->is_made);
     free_expansion(&x->expansion);
 }
 
@@ -109,8 +102,8 @@ void free_expanded_list(expanded_list *x) {
 
 /* The material of an argument "FILE" or "FILE:NAME", and the materials of its file, which own it; false: it is none. */
 static bool find_material(const char *argument, nqm_materials **materials_ret, nqm_material_info *info) {
-    const char *colon = is_file(argument) ? NULL : strrchr(argument, ':');
-    char *path = strndup(argument, colon ? (size_t)(colon - argument) : strlen(argument));
+    const char *name = member_name(argument);
+    char *path = strndup(argument, name ? (size_t)(name - argument) - 1 : strlen(argument));
     if (!path)
         stop(EXIT_LIMIT, "out of memory");
     *materials_ret = NULL;
@@ -119,7 +112,7 @@ static bool find_material(const char *argument, nqm_materials **materials_ret, n
     free(path);
     for (size_t i = 0; i < n; ++i) {
         *info = nqm_materials_get(*materials_ret, i);
-        if (!colon || strcmp(info->name, colon + 1) == 0)
+        if (!name || strcmp(info->name, name) == 0)
             return true;
     }
     return false;

@@ -8,14 +8,6 @@
 #include "nqm/score/pair_list.h"
 #include "nqm/tool.h"
 
-/** A pair that can be scored. */
-typedef struct expanded_pair {
-    nqm_named_pair pair;
-    const char *name; /* of the test, NULL: none */
-    size_t origin;    /* index of the pair that it stands for */
-    bool is_made;     /* the texts are owned: "FILE:NAME", "FILE:NAME", "NAME:NAME" */
-} expanded_pair;
-
 typedef struct expansion {
     size_t n, max_n;
     expanded_pair *pairs; /* (n) in the order of the given pairs, materials in that of their file */
@@ -38,8 +30,6 @@ typedef struct expanded_list {
     const char **names; /* (n_rows) */
     expansion expansion;
     nqm_named_pair *pair;
-    size_t *origin;
-    bool *is_made;
 } expanded_list;
 
 void expand_list(const nqm_pair_list *list, const char *const *names, expanded_list *expanded);

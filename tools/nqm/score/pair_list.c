@@ -26,7 +26,7 @@ void nqm_pair_list_free(nqm_pair_list *list) {
 }
 
 size_t nqm_pair_list_cells(const nqm_pair_list *list, size_t row) {
-    row = list->origin ? list->origin[row] : row;
+    row = list->expanded ? list->expanded[row].origin : row;
     return list->csv ? list->n_columns : list->row_begin[row + 1] - list->row_begin[row];
 }
 
@@ -41,8 +41,8 @@ static nqm_list_cell read_cell(const nqm_pair_list *list, size_t row, size_t i) 
 }
 
 nqm_list_cell nqm_pair_list_cell(const nqm_pair_list *list, size_t row, size_t i) {
-    nqm_list_cell cell = read_cell(list, list->origin ? list->origin[row] : row, i);
-    if (list->is_made && list->is_made[row]) {
+    nqm_list_cell cell = read_cell(list, list->expanded ? list->expanded[row].origin : row, i);
+    if (list->expanded && list->expanded[row].is_made) {
         const char *name = list->column[cell.column];
         if (strcasecmp(name, "reference") == 0)
             cell.text = list->pair[row].ref;

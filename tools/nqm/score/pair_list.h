@@ -18,6 +18,14 @@ typedef struct nqm_list_cell {
     int is_json;      /**< 1: `text` is JSON (a number, true, null, an array or an object); 0: it is a plain string */
 } nqm_list_cell;
 
+/** A pair that can be scored, for one of the materials of a file (expand.h). */
+typedef struct expanded_pair {
+    nqm_named_pair pair;
+    const char *name; /* of the test, NULL: none */
+    size_t origin;    /* index of the pair that it stands for */
+    bool is_made;     /* the texts are owned: "FILE:NAME", "FILE:NAME", "NAME:NAME" */
+} expanded_pair;
+
 enum { NQM_LIST_MAX_COLUMNS = 1024 }; /**< limit of the columns; JSON Lines: of the distinct member names of all rows */
 
 /** A list of pairs with any further columns. */
@@ -25,12 +33,12 @@ typedef struct nqm_pair_list {
     size_t n_rows;
     nqm_named_pair *pair; /**< (n_rows) in the order of the list; in one block with the other arrays */
     size_t n_columns;
-    const char **column;  /**< (n_columns) names, in the order of the header or of their first appearance */
-    char sha256[65];      /**< of the bytes of the list, hex digits */
-    const size_t *origin; /**< of an expanded list (expand.h): (n_rows) rows of the cells; NULL: the same */
-    const bool *is_made;  /**< likewise: (n_rows) the cells `reference` and `test` are those of the pair */
-    nqm_csv *csv;         /**< owns the names and texts; NULL: JSON Lines, whose cells are stored in: */
-    size_t *row_begin;    /**< (n_rows + 1) first cell of each row */
+    const char **column; /**< (n_columns) names, in the order of the header or of their first appearance */
+    char sha256[65];     /**< of the bytes of the list, hex digits */
+    const struct expanded_pair
+        *expanded;     /**< (n_rows) of an expanded list (expand.h): whose cells they are; NULL: their own */
+    nqm_csv *csv;      /**< owns the names and texts; NULL: JSON Lines, whose cells are stored in: */
+    size_t *row_begin; /**< (n_rows + 1) first cell of each row */
     size_t n_cells, max_cells;
     uint32_t *cell; /**< (n_cells) column, and NQM_LIST_JSON if the text is JSON */
     nqm_names text; /**< (n_cells) */
