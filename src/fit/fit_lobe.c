@@ -3,7 +3,7 @@
  * The two parts of an analytic model at fixed directions: its base with kd = 1 and its lobe with ks = 1, and the
  * derivatives of the lobe by the positions of its shape in their ranges.
  */
-#include "brdf/spec.h"
+#include "brdf/core/spec.h"
 #include "fit/fit.h"
 
 #include <assert.h>

@@ -3,7 +3,7 @@
  * The stages of a fit: least squares from each start, then the BRDF-space terms, then the whole loss. A loss that is one
  * root mean square ends with the first stage.
  */
-#include "brdf/spec.h"
+#include "brdf/core/spec.h"
 #include "fit/fit.h"
 
 #include <math.h>

@@ -4,7 +4,7 @@
  * search, and its starting points. All start from the same widths alpha of a lobe exp(-tan^2 theta_h / alpha^2), converted
  * to the model's own parameters by equal curvature at the mirror direction; other parameters start from a few values each.
  */
-#include "brdf/spec.h"
+#include "brdf/core/spec.h"
 #include "fit/shading.h"
 
 #include <math.h>

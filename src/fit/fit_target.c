@@ -4,7 +4,7 @@
  * goniometer's grid). Most direction pairs are uniform over the cap of the hemisphere; the others have half vectors dense around
  * the normal, because the lobe of a polished metal (0.2 degrees) would otherwise contain a millionth of all pairs.
  */
-#include "brdf/listed.h"
+#include "brdf/formats/listed.h"
 #include "fit/fit.h"
 #include "math/math.h"
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * nbrdf_net.h - training of the network of an NBRDF (6-21-21-3, src/brdf/nbrdf.c): inputs, loss and gradient over a batch
+ * nbrdf_net.h - training of the network of an NBRDF (6-21-21-3, src/brdf/formats/nbrdf.c): inputs, loss and gradient over a batch
  * of directions. Used by the fit of one network and by the hypernetwork, which predicts such networks.
  */
 #ifndef NQM_SRC_FIT_NBRDF_NET_H

@@ -7,7 +7,7 @@
 #ifndef NQM_SRC_FIT_SHADING_H
 #define NQM_SRC_FIT_SHADING_H
 
-#include "brdf/spec.h"
+#include "brdf/core/spec.h"
 #include "fit/fit.h"
 
 enum { NQM_SHADING_MAX_FREE = 96, NQM_SHADING_MAX_STARTS = 8, NQM_SHADING_STEPS = 40 };

@@ -4,7 +4,7 @@
  * shapes are drawn from narrower ranges, and the specular colour from a range of albedos: in some models the albedo of a lobe
  * with ks = 1 depends on its shape by many orders of magnitude.
  */
-#include "brdf/spec.h"
+#include "brdf/core/spec.h"
 #include "label/corpus.h"
 #include "math/math.h"
 

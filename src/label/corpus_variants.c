@@ -3,7 +3,7 @@
  * Variants of a reference: the same spec with another width of a lobe or another value of one key, the material in another shading
  * model, its reciprocal table, and networks that were overfitted to few of its directions.
  */
-#include "brdf/spec.h"
+#include "brdf/core/spec.h"
 #include "label/corpus.h"
 
 #include <math.h>

@@ -3,7 +3,7 @@
  * Fits by perceptual losses, and the selection among several of them.
  */
 #include "match/match.h"
-#include "brdf/listed.h"
+#include "brdf/formats/listed.h"
 #include "fit/fit.h"
 
 #include <math.h>

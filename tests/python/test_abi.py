@@ -113,7 +113,7 @@ class Abi(unittest.TestCase):
             self.assertRegex(statuses[name], r"\b%s\b" % found.group(1), line)
         self.assertEqual(run.returncode, 0, "crashed at: " + run.stdout.splitlines()[-1])
         source = ""
-        for path in glob.glob(SOURCE + "/src/*/*.c"):
+        for path in glob.glob(SOURCE + "/src/**/*.c", recursive=True):
             with open(path, encoding="utf-8") as file:
                 source += file.read()
         for name, result, arguments in functions():

@@ -4,7 +4,7 @@
  * and directions and at the kinks that the header names; values against nqm_brdf_eval(); BRDFs without parameters.
  */
 #include "base/base.h"
-#include "brdf/spec.h"
+#include "brdf/core/spec.h"
 #include "math/math.h"
 #include "support/check.h"
 

@@ -6,7 +6,7 @@
 #include "support/check.h"
 #include "support/fitting.h"
 
-#include "brdf/spec.h"
+#include "brdf/core/spec.h"
 #include "fit/shading.h"
 #include <math.h>
 #include <stdio.h>

@@ -3,7 +3,7 @@
  * Far tests of corpora: numbers of tests, kinds of the test part, other materials of the same split, independence of the rest of
  * the list, random parameters, selection by label.
  */
-#include "brdf/spec.h"
+#include "brdf/core/spec.h"
 #include "fit/fit.h"
 #include "label/corpus.h"
 #include "math/math.h"

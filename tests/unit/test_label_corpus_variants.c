@@ -3,7 +3,7 @@
  * Variants of references in corpora: changed specs differ in one key and open, draws are functions of seed and name, measured
  * references get no changed specs; plans that keep one test in four; labels of tables, translations and overfitted networks.
  */
-#include "brdf/spec.h"
+#include "brdf/core/spec.h"
 #include "data/data.h"
 #include "fit/fit.h"
 #include "label/corpus.h"

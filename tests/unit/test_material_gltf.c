@@ -3,7 +3,7 @@
  * Materials of glTF: what is accepted, what is refused and where, broken files, and files that are written and read back.
  */
 #include "base/base.h"
-#include "brdf/spec.h"
+#include "brdf/core/spec.h"
 #include "material/material.h"
 #include "support/check.h"
 #include "support/temp_file.h"

@@ -4,7 +4,7 @@
  * corners. A reader takes at most ten times the bytes of the file, or refuses it and names the limit. Each reader runs in a
  * process of its own, whose largest resident set is compared with that of a process that reads nothing.
  */
-#include "brdf/listed.h"
+#include "brdf/formats/listed.h"
 #include "io/xml.h"
 #include "material/material.h"
 #include "nqm/score/pair_list.h"

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 """The material of glTF 2.0 from its specification: Appendix B (as of December 2025, with height-correlated shadowing),
 KHR_materials_specular, _ior, _sheen and _clearcoat, in 80-bit floats from angles. The albedo of the sheen is that of
-src/brdf/sheen_albedo.h (made by sheen_albedo.py), interpolated here by Lagrange's and Hermite's formulas.
+src/brdf/models/sheen_albedo.h (made by sheen_albedo.py), interpolated here by Lagrange's and Hermite's formulas.
 shading_gltf.csv: spec, wi, wo, r, g, b."""
 import csv
 import pathlib
@@ -49,7 +49,7 @@ def sheen_lambda(theta, alpha):
 
 
 TABLE = numpy.array([[int(v) for v in re.findall(r"\d+", row)] for row in
-                     re.findall(r"^    \{(.*?)\}", (HERE / "../../src/brdf/sheen_albedo.h").read_text(), re.S | re.M)], real) / 10000
+                     re.findall(r"^    \{(.*?)\}", (HERE / "../../src/brdf/models/sheen_albedo.h").read_text(), re.S | re.M)], real) / 10000
 assert TABLE.shape == (32, 32)
 
 

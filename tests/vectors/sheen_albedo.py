@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Directional albedo E of the sheen lobe of KHR_materials_sheen ("Charlie" distribution and shadowing, Estevez and Kulla 2017,
-"Production Friendly Microfacet Sheen BRDF"), by Gauss-Legendre quadrature. Writes the table of ../../src/brdf/sheen_albedo.h and
+"Production Friendly Microfacet Sheen BRDF"), by Gauss-Legendre quadrature. Writes the table of ../../src/brdf/models/sheen_albedo.h and
 sheen_albedo.csv, random points for the test of the interpolation. The table has E up to 2; above 1 (small roughness, grazing light) it counts as 1: the
 layer below cannot lose more than all of its light. Usage: python3 sheen_albedo.py (3 minutes)"""
 import os
@@ -48,7 +48,7 @@ def main():
     axis = np.linspace(0, 1, N)
     # roughness and cosine 0 have no finite albedo: the limits for all other cosines, and a cosine of 1e-4
     table = [[0 if r == 0 else min(2, albedo(max(t * t, 1e-4), r)) for t in axis] for r in axis]
-    with open(os.path.join(HERE, "../../src/brdf/sheen_albedo.h"), "w") as f:
+    with open(os.path.join(HERE, "../../src/brdf/models/sheen_albedo.h"), "w") as f:
         f.write("/* SPDX-License-Identifier: MIT\n *\n * sheen_albedo.h - directional albedo E of the sheen lobe of glTF; made by "
                 "tests/vectors/sheen_albedo.py, which\n * explains it. Rows: roughness i / 31; columns: square root of the cosine j / 31; "
                 "unit 1/10000.\n */\n#ifndef NQM_SRC_BRDF_SHEEN_ALBEDO_H\n#define NQM_SRC_BRDF_SHEEN_ALBEDO_H\n\n#include <stdint.h>\n\n"

@@ -3,8 +3,8 @@
  * Inputs from arguments: models and directions (built in or from a file), BRDFs, datasets, short text files.
  */
 #include "base/names.h"
-#include "brdf/listed.h"
-#include "brdf/spec.h"
+#include "brdf/core/spec.h"
+#include "brdf/formats/listed.h"
 #include "match/match.h"
 #include "nqm/tool.h"
 #include "render/render.h"

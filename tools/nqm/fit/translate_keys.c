@@ -2,7 +2,7 @@
  *
  * The keys that two shading models share: names that mean the same in different file formats.
  */
-#include "brdf/spec.h"
+#include "brdf/core/spec.h"
 #include "material/material.h"
 #include "nqm/fit/translate.h"
 

@@ -7,7 +7,7 @@
  * OpenUSD's specification gives the colours of the Fresnel factor and leaves the layers to renderers: its own Storm multiplies the diffuse
  * colour by 1 - F, adds the coat, and has no compensation for multiple scattering.
  */
-#include "brdf/closures.h"
+#include "brdf/models/closures.h"
 
 enum {
     DIFFUSE_COLOR,

@@ -8,7 +8,7 @@
  * DOI 10.2312/EGWR/EGSR07/195-206). Every value is divided by the combined density of all sets (balance heuristic,
  * Veach and Guibas 1995, DOI 10.1145/218380.218498). The sets cover lobe widths from 0.006 to 40 degrees.
  */
-#include "brdf/listed.h"
+#include "brdf/formats/listed.h"
 #include "math/math.h"
 
 #include <math.h>

@@ -8,9 +8,9 @@
  * the Fresnel factor of the half vector, which can reflect more light than arrives at grazing angles. The specification says
  * so, and has no compensation for multiple scattering.
  */
-#include "brdf/microfacet.h"
-#include "brdf/sheen_albedo.h"
-#include "brdf/spec.h"
+#include "brdf/core/spec.h"
+#include "brdf/models/microfacet.h"
+#include "brdf/models/sheen_albedo.h"
 
 enum {
     BASE_COLOR,

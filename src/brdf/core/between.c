@@ -3,7 +3,7 @@
  * A BRDF between two others: the arithmetic or the geometric mean of their values, with the weight t of the second. It is
  * reciprocal if both are.
  */
-#include "brdf/spec.h"
+#include "brdf/core/spec.h"
 
 #include <math.h>
 #include <string.h>

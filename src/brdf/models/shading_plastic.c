@@ -9,8 +9,8 @@
  * (presets/rough_plastic.txt). As in Mitsuba, T is linear between 64 cosines. Mitsuba's own quadrature is coarser: with GGX and eta = 1.5
  * its T differs from the table by up to 0.0005 and its R by 0.0001.
  */
-#include "brdf/microfacet.h"
-#include "brdf/spec.h"
+#include "brdf/core/spec.h"
+#include "brdf/models/microfacet.h"
 #include "rough_plastic_table.h" /* generated from presets/rough_plastic.txt */
 
 enum { ALPHA, DISTRIBUTION, ETA, DIFFUSE_REFLECTANCE, SPECULAR_REFLECTANCE, NONLINEAR, N_KEYS };

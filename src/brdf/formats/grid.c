@@ -2,7 +2,7 @@
  *
  * Linear interpolation between measured values at any rising theta_h, theta_d and phi_d.
  */
-#include "brdf/grid.h"
+#include "brdf/formats/grid.h"
 
 #include "math/math.h"
 #include <math.h>

@@ -9,7 +9,7 @@
 
 #include "base/names.h"
 #include "brdf/brdf.h"
-#include "brdf/presets_data.h"
+#include "brdf/models/presets_data.h"
 
 enum { NQM_SPEC_MAX_KEYS = 48 };
 

@@ -4,7 +4,7 @@
  * a mixture of metal and of a dielectric with a diffuse base. The keys are the inputs of the node. Colours above 1 are those
  * that a conversion to BT.709 can give.
  */
-#include "brdf/closures.h"
+#include "brdf/models/closures.h"
 
 enum {
     BASE_WEIGHT,

@@ -11,8 +11,8 @@
  * Values and derivatives come from the same functions: a lobe receives NULL instead of an array for its derivatives when
  * only the value is needed.
  */
-#include "brdf/microfacet.h"
-#include "brdf/spec.h"
+#include "brdf/core/spec.h"
+#include "brdf/models/microfacet.h"
 #include "math/math.h"
 
 #include <math.h>

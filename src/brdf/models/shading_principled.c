@@ -5,8 +5,8 @@
  * from Disney's: the main lobe blends the exact Fresnel factor of eta, a tinted Schlick factor and the metal's Schlick factor; and the
  * clearcoat's shadowing is not divided by 4 cos cos. At eta = 1 Mitsuba omits the main lobe, also that of a metal.
  */
-#include "brdf/microfacet.h"
-#include "brdf/spec.h"
+#include "brdf/core/spec.h"
+#include "brdf/models/microfacet.h"
 
 enum {
     BASE_COLOR,

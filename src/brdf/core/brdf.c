@@ -6,8 +6,8 @@
  */
 #include "brdf/brdf.h"
 
-#include "brdf/listed.h"
-#include "brdf/spec.h"
+#include "brdf/core/spec.h"
+#include "brdf/formats/listed.h"
 
 #include "io/io.h"
 #include "material/material.h"

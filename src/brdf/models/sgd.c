@@ -9,7 +9,7 @@
  *
  * Every parameter has one value per channel. F may be negative where the authors' fit is.
  */
-#include "brdf/spec.h"
+#include "brdf/core/spec.h"
 #include "math/math.h"
 
 #include <math.h>

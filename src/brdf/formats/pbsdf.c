@@ -7,7 +7,7 @@
  */
 #include "brdf/brdf.h"
 
-#include "brdf/grid.h"
+#include "brdf/formats/grid.h"
 #include "io/io.h"
 #include "math/math.h"
 #include <math.h>

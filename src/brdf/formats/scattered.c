@@ -3,7 +3,7 @@
  * A BRDF that is known at scattered directions: the value of the nearest one within a stated angle, none elsewhere, so that scores
  * use only directions that were measured.
  */
-#include "brdf/listed.h"
+#include "brdf/formats/listed.h"
 
 #include "math/math.h"
 #include <math.h>

@@ -11,8 +11,8 @@
 #ifndef NQM_SRC_BRDF_CLOSURES_H
 #define NQM_SRC_BRDF_CLOSURES_H
 
-#include "brdf/microfacet.h"
-#include "brdf/spec.h"
+#include "brdf/core/spec.h"
+#include "brdf/models/microfacet.h"
 
 /** Roughnesses below sqrt of this are rendered with it; GLSL has 1e-6, where 500 directions never meet the lobe. */
 static const double MIN_ALPHA = 1e-4;

@@ -3,7 +3,7 @@
  * Specs: parsing against a model's list of keys, the canonical form, and making a BRDF from a spec or the name of a
  * preset.
  */
-#include "brdf/spec.h"
+#include "brdf/core/spec.h"
 
 #include <math.h>
 #include <stddef.h>

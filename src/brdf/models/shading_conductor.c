@@ -7,8 +7,8 @@
  * `pbrt-conductor` is pbrt-v4's `conductor` material (Pharr, Jakob and Humphreys, Physically Based Rendering, 4th edition, 9.6):
  * GGX with height-correlated shadowing, and alpha = sqrt(roughness).
  */
-#include "brdf/microfacet.h"
-#include "brdf/spec.h"
+#include "brdf/core/spec.h"
+#include "brdf/models/microfacet.h"
 
 typedef struct conductor {
     nqm_spec_state spec;

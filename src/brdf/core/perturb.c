@@ -8,7 +8,7 @@
  * shift, gloss and smooth change the coordinates at which the base is evaluated; the other settings then change the
  * value, in the order of the keys below.
  */
-#include "brdf/spec.h"
+#include "brdf/core/spec.h"
 #include "math/math.h"
 
 #include <math.h>

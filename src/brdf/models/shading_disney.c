@@ -6,7 +6,7 @@
  * The graph gives the dielectric and the clear coat the constant reflectance 0.08 specular and 0.04 clearcoat (a Schlick factor
  * whose ends are both white), and weights the diffuse twice by 1 - metallic; so does this file.
  */
-#include "brdf/closures.h"
+#include "brdf/models/closures.h"
 
 enum {
     BASE_COLOR,

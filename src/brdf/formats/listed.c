@@ -6,9 +6,9 @@
  * also give the polar angles and azimuths of light and viewer; light and viewer are then never exchanged, and a grid is one of
  * theta_i, theta_o and phi = phi_o - phi_i, as goniometers measure it.
  */
-#include "brdf/listed.h"
+#include "brdf/formats/listed.h"
 
-#include "brdf/grid.h"
+#include "brdf/formats/grid.h"
 #include "io/io.h"
 #include "math/math.h"
 #include <math.h>
