@@ -6,6 +6,7 @@
  */
 #include "data/data.h"
 #include "math/math.h"
+#include "math/values.h"
 
 #include <math.h>
 
@@ -21,7 +22,6 @@ const char *nqm_material_class_name(size_t i) {
 /* Degrees: theta_h below near_theta_h is the specular lobe, from far_theta_h on the body. Directions from most_theta_d
  * on are ignored, because Fresnel reflection dominates there. */
 static const double near_theta_h = 3, far_theta_h = 25, most_theta_d = 60;
-static const double dark = 0.003;                  /* 1/sr, added before logarithms */
 static const double gloss_edges[3] = {3, 20, 200}; /* ratio of luminance near to far: satin, glossy, mirror-like */
 static const double colour_edge = 0.4;             /* largest |log of a channel - mean log of the three channels| */
 
@@ -32,7 +32,7 @@ size_t nqm_dataset_ref_class(const nqm_dataset *d, size_t ref) {
         const float *rgb = d->ref_rgb + 3 * (ref * d->n_directions + i);
         if ((d->ref_used && !d->ref_used[ref * d->n_directions + i]) || degrees[1] >= most_theta_d)
             continue;
-        double f[3] = {(double)rgb[0], (double)rgb[1], (double)rgb[2]}, level = log(nqm_luminance(f) + dark);
+        double f[3] = {(double)rgb[0], (double)rgb[1], (double)rgb[2]}, level = log(nqm_luminance(f) + NQM_DARK);
         if (degrees[0] < near_theta_h) {
             near += level;
             n_near += 1;
@@ -47,7 +47,7 @@ size_t nqm_dataset_ref_class(const nqm_dataset *d, size_t ref) {
         return UNCLASSIFIED;
     double gloss = near / n_near - far / n_far, mean = 0, colour = 0;
     for (int k = 0; k < 3; ++k) {
-        body[k] = log(body[k] / n_far + dark);
+        body[k] = log(body[k] / n_far + NQM_DARK);
         mean += body[k] / 3;
     }
     for (int k = 0; k < 3; ++k)

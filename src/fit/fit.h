@@ -9,32 +9,19 @@
 
 #include "base/options.h"
 #include "fit/encoders.h"
+#include "math/values.h"
 
 extern const nqm_option_table nqm_fit_option_table;
 
 /* ---- losses ------------------------------------------------------------------------------------------------------ */
 
-/** What a loss compares. weight: c or 1. */
-typedef enum nqm_fit_curve {
-    NQM_FIT_CURVE_LINEAR,    /* weight f */
-    NQM_FIT_CURVE_LOG,       /* log(1 + weight f) */
-    NQM_FIT_CURVE_CUBE_ROOT, /* cbrt(weight f) */
-    NQM_FIT_CURVE_LOG_OFFSET /* log(weight f + 0.003) */
-} nqm_fit_curve;
-
-typedef struct nqm_fit_loss_entry {
-    nqm_fit_curve curve;
-    bool weighted; /* by c */
-    int power;     /* 2: root mean square, 1: mean absolute difference */
-} nqm_fit_loss_entry;
-
 /** Indexed by nqm_fit_loss (fit_loss.c). */
-extern const nqm_fit_loss_entry nqm_fit_losses[];
+extern const nqm_value_difference nqm_fit_losses[];
 /** The words of nqm_fit_loss, NULL-terminated. The first NQM_FIT_N_CORPUS_LOSSES are those of the paths in corpora. */
 extern const char *const nqm_fit_loss_words[];
 enum { NQM_FIT_N_CORPUS_LOSSES = 4 };
 
-/** The curve of a loss and its derivative by f; f >= 0. */
+/** The curve of a loss at weight f, and its derivative by f; f >= 0. */
 double nqm_fit_transform(nqm_fit_loss loss, double weight, double f);
 double nqm_fit_transform_slope(nqm_fit_loss loss, double weight, double f);
 
@@ -134,7 +121,7 @@ NQM_MUST_CHECK nqm_status nqm_fit_target_make(const nqm_brdf *ref, const nqm_fit
 NQM_MUST_CHECK nqm_status nqm_fit_target_under(const nqm_fit_target *from, nqm_fit_loss loss, nqm_fit_target *target,
                                                nqm_error *err);
 /** The target's loss of rgb (n, 3); gradient (n, 3) receives its derivatives, NULL: not computed. Where a difference of a
- *  mean absolute loss is 0 its derivative counts as 0; the derivative of cbrt(x) below x = 1e-6 is that at 1e-6. */
+ *  mean absolute loss is 0 its derivative counts as 0; nqm_value_slope(). */
 double nqm_fit_loss_value(const nqm_fit_target *target, const double *rgb, double *gradient);
 
 /* ---- least squares (fit_solve.c) ---------------------------------------------------------------------------------- */

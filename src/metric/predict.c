@@ -106,10 +106,9 @@ void nqm_predictor_free(nqm_predictor *predictor) {
 /* ---- a bound ----------------------------------------------------------------------------------------------------- */
 
 /* A picture changes by at most about this Delta-E for a change of ln(f + 0.003) by 1 at every direction. Measured: at most 93 in
- * 3,641 pairs of 45 references and 61 kinds of difference, from roundings to other materials. 0.003 is a hundredth of a white
- * Lambert surface, as in the metric log_diff. */
+ * 3,641 pairs of 45 references and 61 kinds of difference, from roundings to other materials. 0.003 is NQM_DARK. */
 static const double delta_e_per_log = 120;
-static const float darkness = 0.003F;
+static const float darkness = (float)NQM_DARK;
 
 static float ratio_of(float ref, float test) {
     const float a = ref + darkness, b = test + darkness;

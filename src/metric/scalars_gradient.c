@@ -108,15 +108,14 @@ static void whole_slopes(const nqm_scalar_sums *s, const double *w, nqm_scalar_s
 /* Derivatives by each sum; pair->metrics.n > 0. metric_weights or scalar_weights may be NULL. */
 static nqm_pair_sums sum_slopes(const nqm_pair_sums *pair, const double *metric_weights, const double *scalar_weights) {
     nqm_pair_sums by = {0};
-    double metrics[NQM_METRIC_COUNT], weight;
+    double metrics[NQM_METRIC_COUNT], weights[NQM_METRIC_COUNT];
     nqm_metric_sums_finish(&pair->metrics, metrics);
-    nqm_metric_slopes(&pair->metrics, by.metrics.sum);
     for (size_t m = 0; m < NQM_METRIC_COUNT; ++m) {
-        weight = metric_weights ? metric_weights[m] : 0;
+        weights[m] = metric_weights ? metric_weights[m] : 0;
         if (scalar_weights && m < NQM_SCALAR_RMS)
-            weight += scalar_weights[NQM_SCALAR_METRICS + m] / (metrics[m] + NQM_LOG_METRIC_OFFSET);
-        by.metrics.sum[m] *= weight;
+            weights[m] += scalar_weights[NQM_SCALAR_METRICS + m] / (metrics[m] + NQM_LOG_METRIC_OFFSET);
     }
+    by.metrics = nqm_metric_slopes(&pair->metrics, weights);
     if (scalar_weights) {
         whole_slopes(&pair->scalars, scalar_weights, &by.scalars);
         zone_slopes(&pair->scalars, scalar_weights, &by.scalars);
@@ -173,7 +172,7 @@ static void stretch_gradient(const nqm_comparison *c, size_t k, size_t stretch, 
     nqm_test_stretch s;
     scale_slopes by_scale = {0};
     nqm_test_stretch_read(c, k, stretch, &s);
-    nqm_metric_slopes_add(by->metrics.sum, ref, &s.test, s.weight, by_scale);
+    nqm_metric_slopes_add(&by->metrics, ref, &s.test, s.weight, by_scale);
     for (size_t i = 0; with_scalars && i < n; ++i)
         if (s.weight[3 * i] > 0)
             direction_slopes(&pair->scalars, directions->degrees + 3 * (first + i), directions->cosines[first + i], ref,

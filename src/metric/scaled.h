@@ -6,14 +6,13 @@
 #ifndef NQM_SRC_METRIC_SCALED_H
 #define NQM_SRC_METRIC_SCALED_H
 
+#include "math/values.h"
 #include "metric/metric.h"
 
 enum { NQM_STRETCH = 64 }; /**< directions per stretch, which are processed together */
 
 /** Scales of reflectance f; c = cos(theta_i) cos(theta_o). */
 enum { NQM_SCALE_F, NQM_SCALE_CBRT_CF, NQM_SCALE_LOG1P_F, NQM_SCALE_LOG1P_CF, NQM_SCALE_LOG_F, NQM_SCALES };
-
-#define NQM_DARK 0.003 /**< 1/sr, added to f in NQM_SCALE_LOG_F */
 
 /** A stretch of directions of one BRDF; 0 after the last direction. */
 typedef struct nqm_scaled {
@@ -29,27 +28,23 @@ static inline size_t nqm_stretch_size(size_t n_directions, size_t stretch) {
 /** Compute the scales of one stretch of rgb (n_directions, 3), f_r in 1/sr. */
 void nqm_scale_stretch(const nqm_directions *directions, size_t stretch, const float *rgb, nqm_scaled *scaled);
 
-/** Sums over directions and channels: n, the number of values, and the sum of each metric. */
+/** Sums over directions and channels: n, the number of values, and those of the magnitudes and squares of differences on each
+ *  scale. */
 typedef struct nqm_metric_sums {
-    double n, sum[NQM_METRIC_COUNT];
+    double n, magnitudes[NQM_SCALES], squares[NQM_SCALES];
 } nqm_metric_sums;
 
 /** Add a stretch. weight: (3 NQM_STRETCH) 1 where a value counts, else 0. */
 void nqm_metric_sums_add(nqm_metric_sums *sums, const nqm_scaled *ref, const nqm_scaled *test, const double *weight);
-/** Add the sums of magnitudes and of squares of differences on one scale, without their number. */
-void nqm_metric_sums_add_scale(nqm_metric_sums *sums, int scale, double magnitudes, double squares);
 /** Compute metrics (NQM_METRIC_COUNT) from the sums. */
 void nqm_metric_sums_finish(const nqm_metric_sums *sums, double *metrics);
 
-/** Values below it count as this value in the derivative of the cube root, which is infinite at 0. */
-#define NQM_CUBE_ROOT_FLOOR 1e-9
-
-/** Derivatives, back from the metrics to samples. sums (n > 0) of all stretches; slopes (NQM_METRIC_COUNT) receives the
- *  derivative of each metric by its sum, 0 where it is infinite. */
-void nqm_metric_slopes(const nqm_metric_sums *sums, double *slopes);
-/** Add derivatives of the weighted sum of all metrics' sums, by the values of the test on each scale. slopes: its weights. */
-void nqm_metric_slopes_add(const double *slopes, const nqm_scaled *ref, const nqm_scaled *test, const double *weight,
-                           double by_scale[NQM_SCALES][3 * NQM_STRETCH]);
+/** Derivatives, back from the metrics to samples: those of sum weights_m metric_m by the sums (n > 0) of all stretches, 0 where
+ *  they are infinite. weights: (NQM_METRIC_COUNT). */
+nqm_metric_sums nqm_metric_slopes(const nqm_metric_sums *sums, const double *weights);
+/** Add the derivatives by the values of the test on each scale. */
+void nqm_metric_slopes_add(const nqm_metric_sums *slopes, const nqm_scaled *ref, const nqm_scaled *test,
+                           const double *weight, double by_scale[NQM_SCALES][3 * NQM_STRETCH]);
 /** gradient (n_directions, 3): set one stretch to the derivatives by f_r, from those by the values on each scale. */
 void nqm_unscale_stretch(const nqm_directions *directions, size_t stretch, const nqm_scaled *scaled,
                          double by_scale[NQM_SCALES][3 * NQM_STRETCH], double *gradient);

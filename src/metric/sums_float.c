@@ -172,7 +172,8 @@ static void read_reference(const stretch *s, const float *rgb, const float *root
 static double add_scale(int scale, size_t n, const float *by, nqm_metric_sums *to) {
     float magnitude, square;
     nqm_kernels_get()->magnitudes(n, by, &magnitude, &square);
-    nqm_metric_sums_add_scale(to, scale, (double)magnitude, (double)square);
+    to->magnitudes[scale] += (double)magnitude;
+    to->squares[scale] += (double)square;
     return (double)square;
 }
 
