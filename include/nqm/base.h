@@ -95,12 +95,9 @@ typedef enum nqm_precision {
     NQM_PRECISION_BF16,    /**< factors rounded to bfloat16 (8-bit significand), to nearest even */
     NQM_PRECISION_INT8, /**< weights in signed bytes with one scale per output, activations in bytes with one scale per
                                 row; scoring only */
-    NQM_PRECISION_COUNT,
-    NQM_PRECISION_AUTO =
-        NQM_PRECISION_COUNT /**< where an option takes it: the quickest on this machine whose accuracy is
-                                within a bound: nqm_model_quickest_precision(); training: the quicker of float and bfloat16 */
+    NQM_PRECISION_COUNT
 } nqm_precision;
-/** "f32", "bf16", "int8", "auto"; static storage; NULL for any other value. */
+/** "f32", "bf16", "int8"; static storage; NULL for any other value. */
 NQM_API const char *nqm_precision_name(nqm_precision precision);
 /** The i-th kernel set ("avx512+amx", "avx512+bf16", "avx512", "avx2", "generic", "scalar") that this processor supports,
  *  fastest first; static storage; NULL when there are not that many. "scalar" consists of plain loops: slow, and the

@@ -112,8 +112,8 @@ nqm_status nqm_kernels_select(const char *name, nqm_error *err) {
     return NQM_OK;
 }
 
-const char *const nqm_precision_words[] = {"f32", "bf16", "int8", "auto", NULL};
+const char *const nqm_precision_words[] = {"f32", "bf16", "int8", NULL};
 
 const char *nqm_precision_name(nqm_precision precision) {
-    return (unsigned)precision <= NQM_PRECISION_AUTO ? nqm_precision_words[precision] : NULL;
+    return (unsigned)precision < NQM_PRECISION_COUNT ? nqm_precision_words[precision] : NULL;
 }
