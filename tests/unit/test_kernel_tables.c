@@ -479,32 +479,6 @@ static void gradients_of_every_table(void **state) {
 
 /* ---- choice ------------------------------------------------------------------------------------------------------- */
 
-/* Seconds of the next turn of each table. */
-static double turns[2][5];
-static size_t n_turns[2];
-
-static double next_turn(const nqm_kernels *kernels) {
-    const size_t which = kernels == &nqm_kernels_scalar;
-    return turns[which][n_turns[which]++ % 5];
-}
-
-static bool is_generic_quicker(void) {
-    return nqm_kernels_are_quicker(&nqm_kernels_generic, &nqm_kernels_scalar, next_turn);
-}
-
-/* By the shortest turn of each, and by a clear margin only. */
-static void choice_by_time(void **state) {
-    (void)state;
-    for (size_t i = 0; i < 5; ++i)
-        turns[0][i] = 0.92, turns[1][i] = 1;
-    assert_false(is_generic_quicker());
-    turns[0][3] = 0.88; /* turns are disturbed upwards only */
-    assert_true(is_generic_quicker());
-    turns[1][4] = 0.95;
-    assert_false(is_generic_quicker());
-    assert_int_equal(n_turns[0], n_turns[1]);
-}
-
 static void choice_by_name(void **state) {
     (void)state;
     for (size_t i = 0; nqm_kernels_name(i); ++i) {
@@ -536,7 +510,6 @@ int main(void) {
         cmocka_unit_test(panels_and_back),
         cmocka_unit_test(rounding_to_bfloat16),
         cmocka_unit_test(gradients_of_every_table),
-        cmocka_unit_test(choice_by_time),
         cmocka_unit_test(choice_by_name),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
