@@ -182,9 +182,6 @@ typedef struct nqm_kernels {
     void (*gemm)(const nqm_gemm *g);
     /** Rows times a panel. */
     void (*product[NQM_PRECISION_COUNT])(const nqm_product *p);
-    /** Rows times n panels of bytes, `stride` rows apart: the integers of `product`, `step` elements from panel to panel. Faster for
-     *  several panels, since rows are converted once for all of them. NULL where the processor multiplies bytes. */
-    void (*byte_panels)(const nqm_product *p, size_t n, size_t stride, size_t step);
     /** One row times several panels: the same bits as `product` with m = 1. */
     void (*row_product[NQM_PRECISION_COUNT])(const nqm_row_product *p);
     /** Rows of the light transport (metric/transport.c). */
