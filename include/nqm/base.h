@@ -95,20 +95,17 @@ typedef enum nqm_precision {
     NQM_PRECISION_BF16,    /**< factors rounded to bfloat16 (8-bit significand), to nearest even */
     NQM_PRECISION_INT8, /**< weights in signed bytes with one scale per output, activations in bytes with one scale per
                                 row; scoring only */
-    NQM_PRECISION_COUNT,
-    NQM_PRECISION_AUTO =
-        NQM_PRECISION_COUNT /**< where an option takes it: the quickest on this machine whose accuracy is
-                                within a bound: nqm_model_quickest_precision(); training: the quicker of float and bfloat16 */
+    NQM_PRECISION_COUNT
 } nqm_precision;
-/** "f32", "bf16", "int8", "auto"; static storage; NULL for any other value. */
+/** "f32", "bf16", "int8"; static storage; NULL for any other value. */
 NQM_API const char *nqm_precision_name(nqm_precision precision);
 /** The i-th kernel set ("avx512+amx", "avx512+bf16", "avx512", "avx2", "generic", "scalar") that this processor supports,
- *  fastest first; static storage; NULL when there are not that many. "scalar" consists of plain loops: slow, and the
+ *  the widest instructions first; static storage; NULL when there are not that many. "scalar" consists of plain loops: slow, and the
  *  reference for the others. "avx512+amx" uses the processor's tile registers: the first call that needs kernels asks the
  *  operating system for permission, for the whole process, whose signal stacks must then have sysconf(_SC_MINSIGSTKSZ) bytes.
  *  Every call leaves the tile configuration of its thread as it was; the contents of tile registers are lost. */
 NQM_API const char *nqm_kernels_name(size_t i);
-/** Select a kernel set for the whole process, for tests and benchmarks; NULL selects the fastest. NQM_ERR_ARG when this
+/** Select a kernel set for the whole process, for tests and benchmarks; NULL selects the first. NQM_ERR_ARG when this
  *  processor does not support it. Do not call it while another thread computes. */
 NQM_API NQM_MUST_CHECK nqm_status nqm_kernels_select(const char *name, nqm_error *err);
 /** The name of the kernel set in use. */

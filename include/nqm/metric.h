@@ -64,7 +64,7 @@ typedef struct nqm_score_options {
         min_valid_fraction;  /**< a pair gets NQM_ERR_INCOMPATIBLE, under every policy, when both BRDFs have a value at
                                      a smaller fraction of the directions; 0..1; default 0.9 */
     nqm_precision precision; /**< of the network's products; default NQM_PRECISION_F32; doc/performance.md has the
-                                     accuracy of the others; NQM_PRECISION_AUTO: nqm_model_quickest_precision() */
+                                     accuracy of the others */
     int metrics;             /**< 0: leave out the scalar metrics (they are NaN), which is faster; default 1 */
     size_t cache_bytes; /**< nqm_scorer_run_named() keeps the last used sampled BRDFs up to this size, and always those
                              of the current block of pairs; bytes; default 64 MiB (about 10,000 BRDFs) */
@@ -72,16 +72,6 @@ typedef struct nqm_score_options {
 
 /** The defaults above. */
 NQM_API nqm_score_options nqm_score_options_default(void);
-
-/**
- * The precision that NQM_PRECISION_AUTO stands for: the quickest for this model's network on this machine, among those that
- * change no score by more than 0.0025 JOD in a check of 49 pairs (over thousands of pairs: about 0.01; doc/performance.md). bf16
- * and int8 have to be 10 % quicker than what is more accurate. The first call measures, for some tens of milliseconds; later
- * calls for the same model give the same answer. Another machine or another run may choose another precision: for scores
- * that are equal to the bit, name one. Any thread. NQM_ERR_NOMEM.
- */
-NQM_API NQM_MUST_CHECK nqm_status nqm_model_quickest_precision(const nqm_model *model, nqm_precision *precision_ret,
-                                                               nqm_error *err);
 
 /** The score of one pair. */
 typedef struct nqm_score_result {

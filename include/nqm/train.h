@@ -86,11 +86,8 @@ typedef struct nqm_train_optimiser {
     size_t plateau_patience; /**< NQM_SCHEDULE_PLATEAU: epochs without a better validation loss before that */
     size_t batch;            /**< pairs per step */
     size_t epochs;
-    nqm_precision
-        precision; /**< of the factors of all matrix products: NQM_PRECISION_F32, _BF16, or _AUTO: the quicker of
-                                  both on this processor, by a measurement of some tens of milliseconds; the model's training options and
-                                  its checkpoint name the choice. Another machine or another run may choose the other */
-    uint64_t seed; /**< of weights, split, augmentation, order and dropout */
+    nqm_precision precision; /**< of the factors of all matrix products: NQM_PRECISION_F32 or _BF16 */
+    uint64_t seed;           /**< of weights, split, augmentation, order and dropout */
 } nqm_train_optimiser;
 
 /** The run itself: none of it changes the model. */
@@ -153,7 +150,6 @@ typedef struct nqm_train_report {
         calibration; /**< of the model's intervals, on the validation pairs; n_materials 0: no intervals, since
                                              the pairs were drawn over all pairs or are too few (NQM_CALIBRATION_MIN_...) */
     double seconds;
-    nqm_precision precision; /**< in which it was trained: never NQM_PRECISION_AUTO */
 } nqm_train_report;
 
 /**

@@ -35,7 +35,7 @@ class Status(enum.IntEnum):
 
 N_METRICS = 9
 INVALID = ("drop", "zero", "nearest", "error")
-PRECISIONS = ("f32", "bf16", "int8", "auto")
+PRECISIONS = ("f32", "bf16", "int8")
 QUANTITIES = ("jod", "delta_e")
 SCENES = ("standard", "paper")
 TABLES = ("merl", "merl_360")

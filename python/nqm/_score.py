@@ -208,7 +208,7 @@ class Scorer:
         model: a `Model`, the name of a built-in one, or a model file
         invalid: what happens at directions where a BRDF has no value: "drop" leaves them out, "zero", "nearest", "error"
         min_valid: refuse a pair when both BRDFs have a value at a smaller fraction of the directions
-        precision: of the network's products: "f32", "bf16", "int8", "auto" (the quickest on this machine of those that change few scores by 0.01 JOD)
+        precision: of the network's products: "f32", "bf16", "int8"
         metrics: False leaves out the scalar metrics, which is faster
         cache_mb: memory for samples of BRDFs that are given by path or spec
     """

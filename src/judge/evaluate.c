@@ -23,7 +23,7 @@ static const nqm_option rows[] = {
      .values = {"1000"}, .help = "resamples of the materials for intervals; 0: none"},
     {FIELD(seed), .kind = NQM_OPTION_U64, .metavar = "N", .values = {"1"}, .help = "seed of the resampling"},
     {FIELD(precision), .kind = NQM_OPTION_ENUM, .metavar = "WORD", .words = nqm_precision_words, .values = {"f32"},
-     .help = "arithmetic of the network; auto: as for score, for each model"},
+     .help = "number format, as for score"},
     {FIELD(apart), .kind = NQM_OPTION_BOOL, .off_name = "",
      .help = "with --human: judge models by the similarity of materials that are seen apart"},
 };

@@ -278,7 +278,6 @@ static nqm_kernels with_amx_products(const nqm_kernels *base, const char *name) 
     kernels.name = name;
     kernels.product[NQM_PRECISION_BF16] = amx_product_bf16;
     kernels.product[NQM_PRECISION_INT8] = amx_product_int8;
-    kernels.byte_panels = NULL;
     kernels.row_product[NQM_PRECISION_BF16] = amx_row_product_bf16;
     kernels.gradient[NQM_PRECISION_BF16] = amx_gradient_bf16;
     return kernels;

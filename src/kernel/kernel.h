@@ -182,9 +182,6 @@ typedef struct nqm_kernels {
     void (*gemm)(const nqm_gemm *g);
     /** Rows times a panel. */
     void (*product[NQM_PRECISION_COUNT])(const nqm_product *p);
-    /** Rows times n panels of bytes, `stride` rows apart: the integers of `product`, `step` elements from panel to panel. Faster for
-     *  several panels, since rows are converted once for all of them. NULL where the processor multiplies bytes. */
-    void (*byte_panels)(const nqm_product *p, size_t n, size_t stride, size_t step);
     /** One row times several panels: the same bits as `product` with m = 1. */
     void (*row_product[NQM_PRECISION_COUNT])(const nqm_row_product *p);
     /** Rows of the light transport (metric/transport.c). */
@@ -262,17 +259,12 @@ bool nqm_has_amx(void);
 const nqm_kernels *nqm_kernels_amx(void);
 #endif
 
-/** The table in use: the best that the processor can run, unless nqm_kernels_use() chose another. Any thread. */
+/** The table in use: nqm_kernels_at(0) unless nqm_kernels_use() chose another. Any thread. */
 const nqm_kernels *nqm_kernels_get(void);
-/** Choose the table for the whole process; for tests and benchmarks. NULL: the best. */
+/** Choose the table for the whole process; for tests and benchmarks. NULL: nqm_kernels_at(0). */
 void nqm_kernels_use(const nqm_kernels *kernels);
-/** The i-th table that this processor can run, best first, the plain loops last; NULL beyond. */
+/** The i-th table that this processor can run, the widest instructions first, the plain loops last; NULL beyond. */
 const nqm_kernels *nqm_kernels_at(size_t i);
-/** Why nqm_kernels_at(0) is the best, for people. */
-const char *nqm_kernels_reason(void);
-/** Whether products of one table take at most 0.9 of the time of another's: the least of several turns. seconds: times one turn. */
-bool nqm_kernels_are_quicker(const nqm_kernels *kernels, const nqm_kernels *than,
-                             double (*seconds)(const nqm_kernels *kernels));
 
 /** oneDNN's sgemm on blocks (gemm_onednn.c); plain loops where oneDNN is not installed. */
 void nqm_gemm_onednn(const nqm_gemm *g);

@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * The choice of kernels: the best table that the processor can run, determined once, unless the caller chose another. The best is the
- * one with the widest instructions. Only AVX2 and AVX-512 are compared by a measurement, because they give the same bits in every
- * precision: results depend on what the processor can do, never on a timing.
+ * The choice of kernels: the table with the widest instructions that the processor has, unless the caller chose another.
  */
 #include "kernel/kernel.h"
 
@@ -11,38 +9,12 @@
 #include <stdatomic.h>
 #include <string.h>
 
-enum { MAX_TABLES = 6, N_TURNS = 5 };
+enum { MAX_TABLES = 6 };
 
-static const double gain = 0.9; /* of the time: narrower instructions have to take less */
-
-static const nqm_kernels *tables[MAX_TABLES]; /* those that this processor can run, best first */
+static const nqm_kernels *tables[MAX_TABLES]; /* those that this processor can run, the widest first */
 static size_t n_tables;
-static bool is_avx2_first; /* although the processor has AVX-512 */
 static pthread_once_t once = PTHREAD_ONCE_INIT;
-static const nqm_kernels *_Atomic chosen; /* NULL: the best */
-
-bool nqm_kernels_are_quicker(const nqm_kernels *kernels, const nqm_kernels *than,
-                             double (*seconds)(const nqm_kernels *kernels)) {
-    double best_s = INFINITY, than_s = INFINITY;
-    for (size_t turn = 0; turn < N_TURNS; ++turn)
-        best_s = fmin(best_s, seconds(kernels));
-    for (size_t turn = 0; turn < N_TURNS; ++turn) /* last: AVX-512 may lower the clock for milliseconds */
-        than_s = fmin(than_s, seconds(than));
-    return best_s < gain * than_s;
-}
-
-#if defined __x86_64__
-/* Processor time of products of floats in the L1 cache, about 0.1 ms. */
-static double time_products(const nqm_kernels *kernels) {
-    enum { ROWS = 2 * NQM_STRIP, WORDS = 96, N_PRODUCTS = 64 };
-    _Alignas(64) float a[ROWS * WORDS] = {0}, b[WORDS * NQM_PANEL] = {0}, c[ROWS * NQM_PANEL];
-    const double begin_s = nqm_thread_clock_s();
-    for (size_t i = 0; i < N_PRODUCTS; ++i)
-        kernels->product[NQM_PRECISION_F32](
-            &(nqm_product){.m = ROWS, .words = WORDS, .a = a, .b = b, .c = c, .lda = WORDS, .ldc = NQM_PANEL});
-    return nqm_thread_clock_s() - begin_s;
-}
-#endif
+static const nqm_kernels *_Atomic chosen; /* NULL: the first of them */
 
 static void find_tables(void) {
 #if defined __x86_64__
@@ -54,13 +26,9 @@ static void find_tables(void) {
         tables[n_tables++] = nqm_kernels_amx();
     if (bf16)
         tables[n_tables++] = &nqm_kernels_avx512_bf16;
-    /* On processors with one unit for AVX-512, or a lower clock while it is in use. Those with bfloat16 have two or keep their clock. */
-    is_avx2_first = avx512 && !bf16 && nqm_kernels_are_quicker(&nqm_kernels_avx2, &nqm_kernels_avx512, time_products);
-    if (is_avx2_first)
-        tables[n_tables++] = &nqm_kernels_avx2;
     if (avx512)
         tables[n_tables++] = &nqm_kernels_avx512;
-    if (!is_avx2_first && __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma"))
+    if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma"))
         tables[n_tables++] = &nqm_kernels_avx2;
 #endif
     tables[n_tables++] = &nqm_kernels_generic;
@@ -75,11 +43,6 @@ const nqm_kernels *nqm_kernels_at(size_t i) {
 const nqm_kernels *nqm_kernels_get(void) {
     const nqm_kernels *kernels = atomic_load_explicit(&chosen, memory_order_acquire);
     return kernels ? kernels : nqm_kernels_at(0);
-}
-
-const char *nqm_kernels_reason(void) {
-    (void)nqm_kernels_at(0);
-    return is_avx2_first ? "measured: avx512 takes longer" : "the widest instructions";
 }
 
 void nqm_kernels_use(const nqm_kernels *kernels) {
@@ -112,8 +75,8 @@ nqm_status nqm_kernels_select(const char *name, nqm_error *err) {
     return NQM_OK;
 }
 
-const char *const nqm_precision_words[] = {"f32", "bf16", "int8", "auto", NULL};
+const char *const nqm_precision_words[] = {"f32", "bf16", "int8", NULL};
 
 const char *nqm_precision_name(nqm_precision precision) {
-    return (unsigned)precision <= NQM_PRECISION_AUTO ? nqm_precision_words[precision] : NULL;
+    return (unsigned)precision < NQM_PRECISION_COUNT ? nqm_precision_words[precision] : NULL;
 }

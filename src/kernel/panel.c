@@ -16,7 +16,6 @@ enum {
     ROWS_AT_ONCE = 16 * NQM_STRIP,
     BLOCKS_PER_THREAD = 8, /* at least, so that threads end at about the same time */
     PANELS_AT_ONCE = 4,    /* of a single row */
-    BYTE_PANELS = 8,       /* of rows of bytes that are converted once for all of them */
     CACHE_LINE = 64,       /* bytes */
 
     /* Strips of a gradient that are multiplied with all panels before the next: those of 512 rows take 288 KB of the L2 cache. Enough for
@@ -81,16 +80,13 @@ static cut cut_product(const nqm_panels *b, size_t m) {
     const size_t fitting = usable > rows * row_bytes ? (usable - rows * row_bytes) / (NQM_PANEL * row_bytes) : 0;
     const size_t fair = n_down * b->n_panels / (BLOCKS_PER_THREAD * (size_t)omp_get_max_threads());
     cut c = {.rows = rows, .panels = nqm_smaller(fitting, fair), .n_down = n_down};
-    if (b->precision == NQM_PRECISION_INT8 && nqm_kernels_get()->byte_panels)
-        c.panels = nqm_smaller(BYTE_PANELS, nqm_larger(fair, 1));
-    else if (c.panels <= 1)
+    if (c.panels <= 1)
         c = (cut){.rows = ROWS_AT_ONCE, .panels = 1, .n_down = n_down};
     c.n_blocks = n_down * nqm_ceil_div(b->n_panels, c.panels);
     return c;
 }
 
 static void multiply_block(const nqm_kernels *kernels, const nqm_block_product *p, cut by) {
-    const bool at_once = p->b->precision == NQM_PRECISION_INT8 && kernels->byte_panels;
     for (size_t row = 0; row < p->m; row += by.rows) {
         nqm_product part = {.m = nqm_smaller(p->m - row, by.rows),
                             .words = p->b->words,
@@ -100,9 +96,7 @@ static void multiply_block(const nqm_kernels *kernels, const nqm_block_product *
                             .c = (uint32_t *)p->c + row * p->ldc, /* float or int32_t */
                             .lda = p->lda,
                             .ldc = p->ldc};
-        if (at_once)
-            kernels->byte_panels(&part, p->n_panels, p->b->stride, p->step);
-        for (size_t i = 0; i < p->n_panels && !at_once; ++i) {
+        for (size_t i = 0; i < p->n_panels; ++i) {
             kernels->product[p->b->precision](&part);
             part.b = (const uint32_t *)part.b + p->b->stride * NQM_PANEL;
             part.c = (uint32_t *)part.c + p->step;

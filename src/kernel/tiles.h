@@ -51,11 +51,9 @@ INLINE vector_f madd_bf16(vector_f sum, uint32_t a, vector_u b) {
 }
 #endif
 
-#ifndef MADD_INT8 /* for processors without an instruction for bytes: even and odd bytes are widened to 16 bits */
-#define WIDENED
+#ifndef MADD_INT8 /* for processors without an instruction for bytes: even and odd bytes are unpacked to 16 bits */
 typedef int16_t vector_s __attribute__((vector_size(VECTOR_BYTES), aligned(4), may_alias));
 typedef uint16_t vector_h __attribute__((vector_size(VECTOR_BYTES), aligned(4), may_alias));
-typedef uint32_t vector_word __attribute__((aligned(4), may_alias)); /* an element of a vector */
 
 #ifndef MADD_INT16
 #define MADD_INT16 madd_int16
@@ -65,24 +63,12 @@ INLINE vector_i madd_int16(vector_i sum, vector_s x, vector_s y) {
 }
 #endif
 
-INLINE vector_s even_bytes(vector_i b) {
-    return (vector_s)b << 8 >> 8;
-}
-
-INLINE vector_s odd_bytes(vector_i b) {
-    return (vector_s)b >> 8;
-}
-
-/* A word in every lane. */
-INLINE vector_s splat(uint32_t word) {
-    return (vector_s)((vector_u){0} + word);
-}
-
 #define MADD_INT8 madd_int8
 INLINE vector_i madd_int8(vector_i sum, uint32_t a, vector_i b) {
-    const vector_h bytes = (vector_h)splat(a);
-    sum = MADD_INT16(sum, (vector_s)(bytes & 255), even_bytes(b));
-    return MADD_INT16(sum, (vector_s)(bytes >> 8), odd_bytes(b));
+    const vector_h left = (vector_h)((vector_u){0} + a);
+    const vector_s right = (vector_s)b;
+    sum = MADD_INT16(sum, (vector_s)(left & 255), right << 8 >> 8);
+    return MADD_INT16(sum, (vector_s)(left >> 8), right >> 8);
 }
 #endif
 
@@ -126,10 +112,3 @@ _Static_assert(NQM_STRIP % TILE_ROWS == 0 && NQM_PANEL % TILE_COLUMNS == 0, "til
 #define SUM       vector_i
 #define MADD      MADD_INT8
 #include "kernel/products.h"
-
-#ifdef WIDENED
-#include "kernel/widened.h"
-#define BYTE_PANELS byte_panels
-#else
-#define BYTE_PANELS NULL
-#endif

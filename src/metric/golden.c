@@ -8,7 +8,7 @@
 #include <math.h>
 
 /* The specs state all parameters, because presets may change. */
-const char *const nqm_golden_materials[NQM_GOLDEN_MATERIALS] = {
+static const char *const materials[] = {
     "ggx:kd=.2,.1,.05;ks=.5,.5,.5;alpha=.1;f0=.04",
     "ggx:kd=.2,.1,.05;ks=.5,.5,.5;alpha=.12;f0=.04",
     "ggx:kd=.18,.12,.05;ks=.5,.5,.5;alpha=.1;f0=.04",
@@ -47,7 +47,7 @@ nqm_status nqm_golden_make(const nqm_model *model, char **json_ret, nqm_error *e
     json_t *list = json_array();
     nqm_status status = list ? NQM_OK : nqm_fail_nomem(err, 0);
     for (size_t i = 0; status == NQM_OK && i < N_PROBES; ++i) {
-        const char *ref = nqm_golden_materials[probes[i][0]], *test = nqm_golden_materials[probes[i][1]];
+        const char *ref = materials[probes[i][0]], *test = materials[probes[i][1]];
         double jod;
         status = score_specs(model, ref, test, &jod, err);
         if (status == NQM_OK && isfinite(jod) &&

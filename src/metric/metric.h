@@ -175,14 +175,6 @@ nqm_member nqm_member_sample(const nqm_model *model, const nqm_brdf *brdf, nqm_i
 /** Number of BRDFs that nqm_scorer_run_named() has opened so far, including failures and reopened ones. */
 size_t nqm_scorer_n_opened(const nqm_scorer *scorer);
 
-/** Specs of the materials of golden scores. */
-enum { NQM_GOLDEN_MATERIALS = 7 };
-extern const char *const nqm_golden_materials[NQM_GOLDEN_MATERIALS];
-/** The largest change of a score, against NQM_PRECISION_F32, among all pairs of these materials. The model must have a network.
- *  NQM_ERR_NOMEM. */
-NQM_MUST_CHECK nqm_status nqm_precision_changes(const nqm_model *model, double change[NQM_PRECISION_COUNT],
-                                                nqm_error *err);
-
 /**
  * Compute golden scores: the JODs of a few pairs of analytic specs, as JSON for the model file. They depend on all
  * stages (evaluation, sampling, features, network, curve), so that another build or machine can check that it

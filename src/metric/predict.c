@@ -47,9 +47,7 @@ nqm_status nqm_predictor_create(const nqm_model *model, nqm_precision precision,
     *predictor_ret = NULL;
     const nqm_inference_net *net = NULL;
     nqm_status status = NQM_OK;
-    if (precision == NQM_PRECISION_AUTO)
-        status = nqm_model_quickest_precision(model, &precision, err);
-    if (status == NQM_OK && nqm_model_has_network(model))
+    if (nqm_model_has_network(model))
         status = nqm_model_inference(model, precision, &net, err);
     if (status != NQM_OK)
         return status;

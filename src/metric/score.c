@@ -51,7 +51,7 @@ static const nqm_option rows[] = {
     {FIELD(min_valid_fraction), .name = "min-valid", .metavar = "F", .min = 0, .max = 1, .values = {"0.9"},
      .help = "smallest fraction of valid directions of a pair"},
     {FIELD(precision), .kind = NQM_OPTION_ENUM, .metavar = "WORD", .words = nqm_precision_words, .values = {"f32"},
-     .help = "arithmetic of the network; auto: the quickest on this machine that changes few scores by 0.01 JOD"},
+     .help = "number format of the factors in the products of the network"},
     {FIELD(metrics), .name = "", .kind = NQM_OPTION_BOOL, .values = {"1"}},
     {FIELD(cache_bytes), .name = "", .kind = NQM_OPTION_SIZE, .min = 0, .max = 1e18, .values = {"67108864"}},
 };

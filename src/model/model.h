@@ -78,7 +78,6 @@ struct nqm_model {
     char *calibration;     /* JSON: data and coverage of `interval`; NULL if and only if that is NULL */
     nqm_map file;          /* the mapped file that contains the parameters; zeroed: none */
     unsigned char *memory; /* of nqm_alloc(): a buffer that contains the parameters instead; NULL: none */
-    _Atomic int quickest;  /* 1 + the result of nqm_model_quickest_precision(); 0 before its first call */
     /* Packed networks, created at their first use; NULL before that. */
     struct nqm_inference_net *_Atomic inference[NQM_PRECISION_COUNT];
 };

@@ -20,9 +20,7 @@ enum {
     /* Rows that a thread takes at a time: few enough for activations to stay in its L2 cache, enough to amortise reading
      * all weights. */
     MAX_TASK_ROWS = 8 * NQM_STRIP,
-    MIN_THREAD_ROWS = 2 * NQM_STRIP, /* of a call for each thread, else all threads work on all rows */
-    MAX_SUMS = 4 * MAX_TASK_ROWS,    /* rows of NQM_PANEL integers of a block: 48 KB */
-    BLOCKS_PER_THREAD = 4            /* at least, so that threads end at about the same time */
+    MIN_THREAD_ROWS = 2 * NQM_STRIP /* of a call for each thread, else all threads work on all rows */
 };
 
 /* Some rows of a call, computed by the threads of one parallel region. */
@@ -56,13 +54,8 @@ static size_t panels_of_block(const rows *r, size_t n_rows, const nqm_panels *p)
     if (!r->work->is_packed)
         return 1;
     if (n_rows <= 1)
-        return nqm_smaller(nqm_ceil_div(p->n_panels, n_threads), MAX_SUMS);
-    if (p->precision == NQM_PRECISION_F32)
-        return nqm_panels_of_block(p, n_rows);
-    if (p->precision != NQM_PRECISION_INT8 || !r->kernels->byte_panels)
-        return 1;
-    const size_t most = MAX_SUMS / nqm_smaller(n_rows, BLOCK_ROWS);
-    return n_threads == 1 ? most : nqm_smaller(most, nqm_larger(p->n_panels / (BLOCKS_PER_THREAD * n_threads), 1));
+        return nqm_smaller(nqm_ceil_div(p->n_panels, n_threads), BLOCK_ROWS);
+    return p->precision == NQM_PRECISION_F32 ? nqm_panels_of_block(p, n_rows) : 1;
 }
 
 static size_t count_blocks(const rows *r, size_t n_rows, const nqm_panels *p) {
@@ -118,7 +111,7 @@ static void multiply_block(const rows *r, const nqm_segment *s, factor a, block 
         multiply_packed(r->kernels, p, b, a, at, add, c, ldc);
         return;
     }
-    _Alignas(64) int32_t sums[MAX_SUMS * NQM_PANEL]; /* (n, m, NQM_PANEL) */
+    _Alignas(64) int32_t sums[BLOCK_ROWS * NQM_PANEL]; /* (n, m, NQM_PANEL): one row, or one panel */
     multiply_packed(r->kernels, p, b, a, at, false, sums, NQM_PANEL);
     for (size_t i = 0; i < at.n; ++i) {
         const nqm_byte_columns columns = nqm_panel_columns(p, at.panel + i);

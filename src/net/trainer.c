@@ -38,10 +38,10 @@ static nqm_factor factor_of(const nqm_trainer *t, size_t n, size_t width) {
     return f;
 }
 
-/* The input of a layer; all_rows: keep the floats of all rows even if products read rounded rows. */
-static void set_input(nqm_trainer *t, size_t n, bool all_rows, nqm_factor *f) {
+/* The input of a layer. */
+static void set_input(nqm_trainer *t, size_t n, nqm_factor *f) {
     *f = factor_of(t, n, NQM_STRIP);
-    f->two_rows = is_rounded(t) && !all_rows;
+    f->two_rows = is_rounded(t);
     f->x = next_floats(t, (f->two_rows ? 2 * t->n_threads : t->options.max_batch) * f->ld);
     if (!is_rounded(t))
         f->rows = (uint32_t *)f->x;
@@ -72,7 +72,7 @@ static void set_layer(nqm_trainer *t, size_t l) {
     layer->xhat = next_floats(t, batch * layer->ld);
     set_gradient(t, out, &layer->dz);
     if (l + 1 < t->n_hidden)
-        set_input(t, out, false, &layer->y);
+        set_input(t, out, &layer->y);
     else
         layer->y = (nqm_factor){.n = out, .ld = layer->ld, .x = next_floats(t, batch * layer->ld)};
     layer->slope = next_floats(t, batch * layer->ld);
@@ -107,7 +107,7 @@ static void set_shared(nqm_trainer *t) {
 static void set_views(nqm_trainer *t) {
     t->n_block = 0;
     set_shared(t);
-    set_input(t, t->shape.sizes[0], t->options.input_gradient, &t->input);
+    set_input(t, t->shape.sizes[0], &t->input);
     if (is_rounded(t)) /* rows of its own: they are used again in the backward pass */
         t->input.rows = next_words(t, t->options.max_batch * t->input.ld_rows);
     for (size_t l = 0; l < t->n_hidden; ++l)
@@ -122,7 +122,7 @@ static nqm_status create_panels(nqm_trainer *t, size_t l, nqm_error *err) {
         status = nqm_panels_create(NQM_PRECISION_F32, layer->in, layer->out, &layer->stored[i].w, err);
     if (status == NQM_OK && is_rounded(t))
         status = nqm_panels_create(t->options.precision, layer->in, layer->out, &layer->rounded, err);
-    if (status == NQM_OK && (l > 0 || t->options.input_gradient))
+    if (status == NQM_OK && l > 0)
         status = nqm_panels_create(t->options.precision, layer->out, layer->in, &layer->backward, err);
     return status;
 }

@@ -26,7 +26,6 @@ typedef struct nqm_trainer nqm_trainer;
 typedef struct nqm_trainer_options {
     nqm_precision precision; /**< NQM_PRECISION_F32 or _BF16 */
     size_t max_batch;        /**< 1 .. 2^24 */
-    bool input_gradient;     /**< nqm_trainer_gradients() can give the gradient of the input */
 } nqm_trainer_options;
 
 /** All weights and moments are 0. NQM_ERR_ARG, NQM_ERR_NOMEM. */
@@ -63,7 +62,5 @@ typedef struct nqm_step_rates {
 } nqm_step_rates;
 /** One step for a loss with d loss / d z = dz (batch, outputs). Once for each nqm_trainer_forward(), whose activations it overwrites. */
 void nqm_trainer_step(nqm_trainer *trainer, size_t batch, const float *dz, const nqm_step_rates *rates);
-/** The gradients of such a loss instead of a step. dx (batch, sizes[0]) receives the gradient of the input; NULL: none. */
-void nqm_trainer_gradients(nqm_trainer *trainer, size_t batch, const float *dz, nqm_params *grads, float *dx);
 
 #endif

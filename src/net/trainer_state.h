@@ -37,14 +37,13 @@ typedef struct nqm_factor {
 typedef struct nqm_trainer_layer {
     size_t in, out, ld; /**< ld: floats from row to row of the activations */
     nqm_layer_values stored[NQM_STORED_VALUES];
-    nqm_panels rounded; /**< the weights in NQM_PRECISION_BF16, for the forward product; else empty */
-    nqm_panels
-        backward;  /**< (out, in) the transposed weights, for the gradient of the input; empty if that is not needed */
-    float *xhat;   /**< (max_batch, ld) the product, then the normalised values */
-    nqm_factor y;  /**< the output of the layer; of the last hidden layer x only */
-    nqm_factor dz; /**< d loss / d y, then d loss / d(product) */
-    float *slope;  /**< (max_batch, ld) */
-    float *rstd;   /**< (max_batch) */
+    nqm_panels rounded;  /**< the weights in NQM_PRECISION_BF16, for the forward product; else empty */
+    nqm_panels backward; /**< (out, in) the transposed weights, for the gradient of the input; empty in layer 0 */
+    float *xhat;         /**< (max_batch, ld) the product, then the normalised values */
+    nqm_factor y;        /**< the output of the layer; of the last hidden layer x only */
+    nqm_factor dz;       /**< d loss / d y, then d loss / d(product) */
+    float *slope;        /**< (max_batch, ld) */
+    float *rstd;         /**< (max_batch) */
 } nqm_trainer_layer;
 
 /** The output layer, which is float in every precision. */

@@ -296,7 +296,6 @@ static nqm_status finish(run *r, nqm_train_report *report, nqm_model **model_ret
     }
     if (status == NQM_OK) {
         const nqm_epoch *last = &r->state.history[r->state.epoch - 1];
-        report->precision = r->options->optimiser.precision;
         report->n_train = r->examples.n_train;
         report->n_validation = r->examples.rows.n_validation;
         report->n_steps = (size_t)nqm_trainer_steps(r->trainer);
@@ -325,16 +324,11 @@ nqm_status nqm_train(const nqm_dataset *dataset, const nqm_train_options *option
     nqm_status status = nqm_train_options_check(options, err);
     if (status != NQM_OK)
         return status;
-    nqm_train_options chosen = *options;
-    run r = {.dataset = dataset, .options = &chosen};
+    run r = {.dataset = dataset, .options = options};
     nqm_train_report report = {0};
     r.ticker = (nqm_ticker){.fn = options->run.progress, .user = options->run.progress_user};
     r.dropout_seed = nqm_hash_u64(options->optimiser.seed, NQM_STREAM_DROPOUT);
     status = nqm_examples_create(dataset, options, options->optimiser.batch, &r.examples, err);
-    if (status == NQM_OK && chosen.optimiser.precision == NQM_PRECISION_AUTO) {
-        const nqm_net_shape shape = shape_of(options, r.examples.width, r.examples.n_outputs);
-        status = nqm_quickest_training(&shape, options->optimiser.batch, &chosen.optimiser.precision, err);
-    }
     if (status == NQM_OK)
         status = allocate(&r, err);
     if (status == NQM_OK) {

@@ -21,10 +21,6 @@ NQM_MUST_CHECK nqm_status nqm_train_options_check(const nqm_train_options *optio
  *  if the schedule depends on it; otherwise a training can be resumed with more epochs. */
 json_t *nqm_train_options_json(const nqm_train_options *options);
 
-/** The precision that NQM_PRECISION_AUTO stands for in a training of such a network (quickest.c). NQM_ERR_NOMEM. */
-NQM_MUST_CHECK nqm_status nqm_quickest_training(const nqm_net_shape *shape, size_t batch, nqm_precision *precision_ret,
-                                                nqm_error *err);
-
 /** Purposes of the random numbers of a training. Each has a separate random stream. */
 enum {
     NQM_STREAM_INIT,    /* first weights */

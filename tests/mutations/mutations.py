@@ -69,7 +69,7 @@ MUTATIONS = [
     ("src/net/learning.c", "return lr - reduced > 1e-8 ? reduced : lr;", "return lr - reduced > 1e-7 ? reduced : lr;", "test_net_pytorch test_net_trainer"),
     ("src/net/learning.c", "return 0.5 * (1 + cos(NQM_PI * (double)done / (double)all));", "return 0.5 * (1 + cos(2 * NQM_PI * (double)done / (double)all));", "test_net_trainer test_train_loop"),
     ("src/kernel/panel.c", "memcpy(to, x + i, (n - i) * sizeof *to);", "memcpy(to, x + i, (n - i - 1) * sizeof *to);", "test_net_trainer"),
-    ("src/net/trainer_back.c", "s.frozen_norm = l == 0 && rates->freeze_first_layernorm;", "s.frozen_norm = rates->freeze_first_layernorm;", "test_net_trainer test_net_pytorch"),
+    ("src/net/trainer_back.c", ".frozen_norm = l == 0 && rates->freeze_first_layernorm", ".frozen_norm = rates->freeze_first_layernorm", "test_net_trainer test_net_pytorch"),
     ("src/net/trainer_back.c", "for (size_t block = 1; block < n_blocks; ++block)", "for (size_t block = 2; block < n_blocks; ++block)", "test_net_gradient test_net_trainer test_net_pytorch"),
     ("src/train/augment.c", "noisy_ref[i] = fmaxf(ref[i] + noise, 0);", "noisy_ref[i] = ref[i] + noise;", "test_train_augment"),
     ("src/train/augment.c", "(seen[bin]++ < missing % count[bin])", "(seen[bin]++ <= missing % count[bin])", "test_train_augment"),

@@ -206,46 +206,10 @@ static void precisions(void **state) {
         assert_true(worst <= bounds[p] && (p == NQM_PRECISION_F32 || worst > 0));
     }
     nqm_score_options options = nqm_score_options_default();
-    options.precision = (nqm_precision)(NQM_PRECISION_AUTO + 1);
+    options.precision = NQM_PRECISION_COUNT;
     nqm_scorer *scorer;
     assert_int_equal(nqm_scorer_create(model, &options, &scorer, NULL), NQM_ERR_ARG);
     assert_null(scorer);
-}
-
-/* Automatic precision: a choice that stays, with the bits of the precision that it names and within its bound. */
-static void automatic_precision(void **state) {
-    (void)state;
-    nqm_precision chosen, again;
-    double change[NQM_PRECISION_COUNT];
-    assert_int_equal(nqm_model_quickest_precision(model, &chosen, NULL), NQM_OK);
-    assert_in_range(chosen, NQM_PRECISION_F32, NQM_PRECISION_INT8);
-    for (size_t i = 0; i < 3; ++i) {
-        assert_int_equal(nqm_model_quickest_precision(model, &again, NULL), NQM_OK);
-        assert_int_equal(again, chosen);
-    }
-    assert_int_equal(nqm_precision_changes(model, change, NULL), NQM_OK);
-    assert_true(change[NQM_PRECISION_F32] == 0 && change[NQM_PRECISION_BF16] > 0 && change[NQM_PRECISION_INT8] > 0 &&
-                change[chosen] <= 0.0025);
-    for (size_t i = 0; i < N_TESTS; ++i) {
-        const nqm_score_result automatic = score_alone(refs[0], tests[i], NQM_PRECISION_AUTO),
-                               named = score_alone(refs[0], tests[i], chosen);
-        assert_memory_equal(&automatic.jod, &named.jod, sizeof named.jod);
-    }
-}
-
-/* A copy whose output layer is so steep that bfloat16 and bytes change scores by more than the bound. */
-static void automatic_precision_is_accurate(void **state) {
-    (void)state;
-    nqm_model *steep;
-    nqm_precision chosen;
-    double change[NQM_PRECISION_COUNT];
-    assert_int_equal(nqm_model_copy(model, &steep, NULL), NQM_OK);
-    steep->output.std *= 100;
-    assert_int_equal(nqm_precision_changes(steep, change, NULL), NQM_OK);
-    assert_true(change[NQM_PRECISION_BF16] > 0.0025 && change[NQM_PRECISION_INT8] > 0.0025);
-    assert_int_equal(nqm_model_quickest_precision(steep, &chosen, NULL), NQM_OK);
-    assert_int_equal(chosen, NQM_PRECISION_F32);
-    nqm_model_free(steep);
 }
 
 typedef struct beginner {
@@ -286,8 +250,6 @@ int main(void) {
         cmocka_unit_test(samples_of_the_caller),
         cmocka_unit_test(impossible_samples),
         cmocka_unit_test(precisions),
-        cmocka_unit_test(automatic_precision),
-        cmocka_unit_test(automatic_precision_is_accurate),
         cmocka_unit_test(a_fresh_model_in_many_threads),
     };
     return cmocka_run_group_tests(all, setup, teardown);

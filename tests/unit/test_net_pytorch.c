@@ -6,9 +6,11 @@
  * value.
  */
 #include "io/io.h"
-#include "kernel/kernel.h"
+#include "kernel/panel.h"
+#include "net/input_gradient.h"
 #include "net/trainer.h"
 #include "support/check.h"
+#include "support/network_gradients.h"
 #include "support/tables.h"
 
 #include <math.h>
@@ -96,7 +98,7 @@ static int make_fixture(void **state) {
     fixture *f = nqm_alloc(1, sizeof *f);
     assert_int_equal(nqm_params_create(&shape, &f->params, NULL), NQM_OK);
     assert_int_equal(nqm_params_create(&shape, &f->grads, NULL), NQM_OK);
-    const nqm_trainer_options options = {.max_batch = BATCH, .input_gradient = true};
+    const nqm_trainer_options options = {.max_batch = BATCH};
     assert_int_equal(nqm_trainer_create(&shape, &options, &f->trainer, NULL), NQM_OK);
     each_tensor("start.", &f->params, get_floats);
     nqm_trainer_load(f->trainer, &f->params, NULL);
@@ -142,19 +144,40 @@ static double loss_of(fixture *f, const nqm_dropout *dropout, float *z, float *d
 }
 
 static void check_one_pass(fixture *f, const char *kind, const nqm_dropout *dropout) {
-    float z[BATCH], dz[BATCH], dx[BATCH * INPUTS];
+    float z[BATCH], dz[BATCH];
     double loss = loss_of(f, dropout, z, dz), expected;
-    nqm_trainer_gradients(f->trainer, BATCH, dz, &f->grads, dx);
+    network_gradients(f->trainer, BATCH, dz, &f->grads);
     char name[64];
     snprintf(name, sizeof name, "%s.loss", kind);
     get_doubles(name, 1, &expected);
     assert_relative(loss, expected, 1e-6);
     snprintf(name, sizeof name, "%s.z", kind);
     compare(name, BATCH, z);
-    snprintf(name, sizeof name, "%s.dx", kind);
-    compare(name, BATCH * INPUTS, dx);
     snprintf(name, sizeof name, "%s.grad.", kind);
     each_tensor(name, &f->grads, compare_tensor);
+}
+
+/* The gradient by the inputs, of all but the first: that is the reference, by which it is not computed. */
+static void check_input_gradient(const fixture *f) {
+    float z[BATCH], dz[BATCH], dx[BATCH * INPUTS], padded[BATCH * (INPUTS + NQM_PANEL + 16)];
+    double expected[BATCH * INPUTS];
+    const size_t stride = nqm_row_stride(INPUTS);
+    nqm_gradient_net *net;
+    nqm_gradient_work *work;
+    assert_int_equal(nqm_gradient_net_create(&f->params, 1, &net, NULL), NQM_OK);
+    assert_int_equal(nqm_gradient_work_create(net, BATCH, &work, NULL), NQM_OK);
+    get_doubles("plain.dx", BATCH * INPUTS, expected);
+    for (size_t i = 0; i < BATCH; ++i)
+        memcpy(padded + i * stride, x + i * INPUTS, INPUTS * sizeof *x);
+    nqm_gradient_forward(work, BATCH, padded, z);
+    compare("plain.z", BATCH, z);
+    nqm_logcosh_loss(BATCH, 1, &(nqm_output_bounds){lo, hi, 1}, z, target, dz);
+    nqm_gradient_backward(work, BATCH, dz, padded);
+    for (size_t i = 0; i < BATCH * INPUTS; ++i)
+        dx[i] = i % INPUTS ? padded[i / INPUTS * stride + i % INPUTS] : (float)expected[i];
+    compare("plain.dx", BATCH * INPUTS, dx);
+    nqm_gradient_work_free(work);
+    nqm_gradient_net_free(net);
 }
 
 static void check_adam(fixture *f, const char *kind, bool with_masks, bool freeze_first_layernorm) {
@@ -187,6 +210,7 @@ static void passes_of_every_table(void **state) {
     for (size_t i = 0; every_table(i); ++i) {
         nqm_kernels_use(every_table(i));
         check_one_pass(*state, "plain", NULL);
+        check_input_gradient(*state);
     }
 }
 

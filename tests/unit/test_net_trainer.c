@@ -8,6 +8,7 @@
 #include "kernel/panel.h"
 #include "net/trainer.h"
 #include "support/check.h"
+#include "support/network_gradients.h"
 #include "support/tables.h"
 
 #include <math.h>
@@ -86,7 +87,7 @@ static void check_gradients(size_t n_outputs) {
     nqm_rng rng = nqm_rng_make(seed, 200);
     const double h = 0.02;
     loss_of(&t, &dropout);
-    nqm_trainer_gradients(t.trainer, t.batch, t.dz, &t.grads, NULL);
+    network_gradients(t.trainer, t.batch, t.dz, &t.grads);
     float *start = nqm_alloc(t.params.n, sizeof *start), *u = nqm_alloc(t.params.n, sizeof *u);
     memcpy(start, t.params.block, t.params.n * sizeof *start);
     for (int trial = 0; trial < 20; ++trial) {
@@ -247,7 +248,7 @@ static void check_bfloat16(const nqm_kernels *kernels) {
     nqm_kernels_use(kernels);
     for (size_t i = 0; i < 2; ++i) {
         loss_of(&t[i], NULL);
-        nqm_trainer_gradients(t[i].trainer, t[i].batch, t[i].dz, &t[i].grads, NULL);
+        network_gradients(t[i].trainer, t[i].batch, t[i].dz, &t[i].grads);
     }
     double difference = 0, size = 0;
     for (size_t i = 0; i < t[0].grads.n; ++i) {

@@ -89,22 +89,13 @@ static void learns(void **state) {
     }
 }
 
-/* An automatic precision gives the file that the precision which it chose gives, and neither asks for bytes. */
-static void automatic_precision(void **state) {
+/* Training has no bytes. */
+static void bytes_are_for_scores(void **state) {
     (void)state;
     nqm_train_options o = small("paper");
-    o.optimiser.epochs = 2;
-    o.optimiser.precision = NQM_PRECISION_AUTO;
-    nqm_train_report report;
-    nqm_model *automatic = train_model(toy, &o, &report);
-    assert_true(report.precision == NQM_PRECISION_F32 || report.precision == NQM_PRECISION_BF16);
-    o.optimiser.precision = report.precision;
-    nqm_model *named = train_model(toy, &o, &report);
-    assert_same_model(automatic, named);
-    nqm_model_free(automatic);
-    nqm_model_free(named);
+    nqm_model *model;
     o.optimiser.precision = NQM_PRECISION_INT8;
-    assert_int_equal(nqm_train(toy, &o, &named, NULL, NULL), NQM_ERR_ARG);
+    assert_int_equal(nqm_train(toy, &o, &model, NULL, NULL), NQM_ERR_ARG);
 }
 
 /* A saved and loaded model gives the same predictions; with our recipe, equal BRDFs score at the top of the range. */
@@ -385,7 +376,7 @@ static void memory_runs_out(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(learns),
-        cmocka_unit_test(automatic_precision),
+        cmocka_unit_test(bytes_are_for_scores),
         cmocka_unit_test(saved_and_loaded),
         cmocka_unit_test(repeats_itself_on_any_threads),
         cmocka_unit_test(resumes_to_the_same_bits),

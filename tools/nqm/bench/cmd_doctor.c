@@ -74,9 +74,9 @@ static void check_processor(examination *e) {
     add(e, "processor", STATE_OK, NULL, "%s", *cpu ? cpu : "unknown");
     const char *selected = nqm_kernels_selected(), *best = nqm_kernels_name(0);
     if (strcmp(selected, best) == 0)
-        add(e, "kernels", STATE_OK, NULL, "%s (%s)", selected, nqm_kernels_reason());
+        add(e, "kernels", STATE_OK, NULL, "%s", selected);
     else
-        add(e, "kernels", STATE_NOTE, "unset NQM_KERNELS to use the fastest", "%s; this processor also supports %s",
+        add(e, "kernels", STATE_NOTE, "unset NQM_KERNELS to use the latter", "%s; this processor also supports %s",
             selected, best);
     if (threads < cores)
         add(e, "threads", STATE_NOTE, "unset OMP_NUM_THREADS to use all processors", "%d of %d processors are used",

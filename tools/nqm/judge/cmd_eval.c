@@ -320,8 +320,6 @@ int cmd_eval(int argc, char **argv) {
         .dataset_path = argv[0], .split_name = nqm_split_words[a.options.split], .precision = a.options.precision};
     const int by = by_masks[choose("by", by_words, a.by)];
     open_models(&run, a.models);
-    for (size_t i = 0; i < run.n_models; ++i)
-        report_choice(run.models[i], run.precision);
     a.options.progress = show_progress;
     open_pairs(&run, &a, &a.options);
     evaluate(&run, &a, &a.options, by);

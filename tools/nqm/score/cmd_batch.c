@@ -63,9 +63,8 @@ static json_t *score_terms(const batch_run *run, const char *root) {
         json_pack("{s:s,s:s,s:I,s:s,s:o,s:s,s:f,s:s,s:s}", "version of nqm", nqm_version(), "list", run->list->sha256,
                   "number of materials in its files", (json_int_t)run->list->n_rows, "model", info.sha256, "--root",
                   json_name(folder ? folder : ""), "--invalid", nqm_invalid_words[run->options.invalid], "--min-valid",
-                  run->options.min_valid_fraction, "--precision",
-                  nqm_precision_name(choose_precision(run->form.model, run->options.precision)), "--metrics",
-                  run->options.metrics ? "any" : "none");
+                  run->options.min_valid_fraction, "--precision", nqm_precision_name(run->options.precision),
+                  "--metrics", run->options.metrics ? "any" : "none");
     free(folder);
     return terms;
 }
@@ -195,8 +194,6 @@ static bool is_standard(const char *path) {
 static void check_usage(const batch_run *run, const batch_arguments *a, ranks r) {
     if (a->work)
         require_folder_name("--work", a->work, ".csv|.jsonl|.json|.ndjson", "finished pieces of the list");
-    if (a->work && run->options.precision == NQM_PRECISION_AUTO)
-        stop(EXIT_USAGE, "--work with --precision auto: processes may choose differently; name a precision");
     if ((!a->output || is_standard(a->output)) + is_standard(a->junit) + is_standard(a->markdown) > 1)
         stop(EXIT_USAGE, "two results cannot both go to standard output: give -o FILE");
     if (r.count > 1 && !a->work)
@@ -211,7 +208,6 @@ static void open_inputs(batch_run *run, const batch_arguments *a) {
     check_gate(&run->form.gate, model);
     must(nqm_pair_list_load(a->list, &run->given, &err), &err);
     run->list = run->given;
-    report_choice(model, run->options.precision);
     must(nqm_scorer_create(model, &run->options, &run->scorer, &err), &err);
     const char *stream = stream_name(a->list, &(size_t){0});
     run->list_name = *stream ? stream : a->list;

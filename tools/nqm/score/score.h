@@ -75,11 +75,7 @@ int report_faults(const score_run *run);
 json_t *json_remarks(const remark_terms *terms, const char *ref, const char *test, const nqm_score_result *r);
 /** Parse --metrics: names and "all", separated by commas. chosen: (NQM_METRIC_COUNT) */
 void choose_metrics(const char *text, bool *chosen);
-/** The precision that a request stands for: of NQM_PRECISION_AUTO that of nqm_model_quickest_precision(). */
-nqm_precision choose_precision(const nqm_model *model, nqm_precision requested);
-/** Tell the user on standard error what NQM_PRECISION_AUTO stands for. */
-void report_choice(const nqm_model *model, nqm_precision requested);
-/** The "model" member of results: id, sha256, parameters, and the precision when f32 was not requested by name. */
+/** The "model" member of results: id, sha256, parameters, and the precision unless it is f32. */
 json_t *model_json(const nqm_model *model, nqm_precision precision);
 
 /** Columns of the parts that a model predicts in CSV, each after a comma: those of a label, and `words`. None for a model that

@@ -89,7 +89,6 @@ void make_scores(score_run *run) {
     nqm_scorer *scorer;
     run->terms.n_directions = nqm_directions_count(nqm_model_get_info(run->model).directions);
     run->terms.invalid = run->options.invalid;
-    report_choice(run->model, run->options.precision);
     must(nqm_scorer_create(run->model, &run->options, &scorer, &err), &err);
     for (size_t begin = 0, n; begin < run->n_rows; begin += n) {
         nqm_named_pair pairs[NQM_SCORE_BLOCK];
@@ -208,27 +207,12 @@ void choose_metrics(const char *text, bool *chosen) {
 
 /* ---- results ----------------------------------------------------------------------------------------------------- */
 
-nqm_precision choose_precision(const nqm_model *model, nqm_precision requested) {
-    nqm_precision precision = requested;
-    nqm_error err = {0};
-    if (requested != NQM_PRECISION_AUTO)
-        return requested;
-    must(nqm_model_quickest_precision(model, &precision, &err), &err);
-    return precision;
-}
-
-void report_choice(const nqm_model *model, nqm_precision requested) {
-    if (requested == NQM_PRECISION_AUTO)
-        report(EXIT_OK, "--precision auto: model %s is scored in %s on this machine", nqm_model_get_info(model).id,
-               nqm_precision_name(choose_precision(model, requested)));
-}
-
 json_t *model_json(const nqm_model *model, nqm_precision precision) {
     nqm_model_info info = nqm_model_get_info(model);
     json_t *json =
         json_pack("{s:s,s:s,s:I}", "id", info.id, "sha256", info.sha256, "parameters", (json_int_t)info.n_parameters);
     if (precision != NQM_PRECISION_F32)
-        json_object_set_new(json, "precision", json_string(nqm_precision_name(choose_precision(model, precision))));
+        json_object_set_new(json, "precision", json_string(nqm_precision_name(precision)));
     return json;
 }
 

@@ -131,14 +131,15 @@ static nqm_model *train_and_save(const train_arguments *a, const nqm_dataset *da
 static void print_report(const train_arguments *a, const nqm_train_report *r, const nqm_model_info *info) {
     const char *path = a->output;
     if (a->json) {
-        print_document(json_pack(
-            "{s:{s:s,s:s,s:s,s:s,s:I},s:I,s:I,s:I,s:I,s:I,s:s,s:o,s:o,s:o,s:o,s:o}", "model", "path", path, "id",
-            info->id, "recipe", info->recipe, "sha256", info->sha256, "parameters", (json_int_t)info->n_parameters,
-            "n_train", (json_int_t)r->n_train, "n_validation", (json_int_t)r->n_validation, "epochs",
-            (json_int_t)r->epochs, "epochs_resumed", (json_int_t)r->epochs_resumed, "steps", (json_int_t)r->n_steps,
-            "precision", nqm_precision_name(r->precision), "train_loss", json_number(r->train_loss), "validation_loss",
-            json_number(r->validation_loss), "validation_spearman", json_number(r->validation_spearman), "calibration",
-            calibration_json(&r->calibration), "seconds", json_number(r->seconds)));
+        print_document(json_pack("{s:{s:s,s:s,s:s,s:s,s:I},s:I,s:I,s:I,s:I,s:I,s:s,s:o,s:o,s:o,s:o,s:o}", "model",
+                                 "path", path, "id", info->id, "recipe", info->recipe, "sha256", info->sha256,
+                                 "parameters", (json_int_t)info->n_parameters, "n_train", (json_int_t)r->n_train,
+                                 "n_validation", (json_int_t)r->n_validation, "epochs", (json_int_t)r->epochs,
+                                 "epochs_resumed", (json_int_t)r->epochs_resumed, "steps", (json_int_t)r->n_steps,
+                                 "precision", nqm_precision_name(a->options.optimiser.precision), "train_loss",
+                                 json_number(r->train_loss), "validation_loss", json_number(r->validation_loss),
+                                 "validation_spearman", json_number(r->validation_spearman), "calibration",
+                                 calibration_json(&r->calibration), "seconds", json_number(r->seconds)));
         return;
     }
     end_progress();
@@ -147,7 +148,7 @@ static void print_report(const train_arguments *a, const nqm_train_report *r, co
     printf("sha256      %s\n", info->sha256);
     printf("trained on  %zu examples, validated on %zu\n", r->n_train, r->n_validation);
     printf("epochs      %zu (%zu steps), %.1f s, %s", r->epochs, r->n_steps, r->seconds,
-           nqm_precision_name(r->precision));
+           nqm_precision_name(a->options.optimiser.precision));
     printf(r->epochs_resumed ? "; %zu of them from the checkpoint\n" : "\n", r->epochs_resumed);
     printf("loss        %.4f, validation %.4f\n", r->train_loss, r->validation_loss);
     if (isfinite(r->validation_spearman))
