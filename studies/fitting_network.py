@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: MIT
 """Why does the paper's network fail as a loss, and what repairs it? The tables of doc/fitting.md.
 
-usage: doc/fitting_network.py DATA WORK [--part why|repair] [--refs N] [--rounds N] [--pairs N] [--epochs N]
+usage: studies/fitting_network.py DATA WORK [--part why|repair] [--refs N] [--rounds N] [--pairs N] [--epochs N]
 
 DATA holds rgl/, nbrdf/, nps/ and labels/; WORK is the folder of models/make.sh, with the datasets train.safetensors and
 paper-train.safetensors. SciPy's L-BFGS minimises 10 - JOD (or Delta-E, where the model predicts it) of GGX over kd, alpha and f0,

@@ -2,11 +2,11 @@
 # SPDX-License-Identifier: MIT
 """How exact are transport matrices with different numbers of points, and how fast? (doc/labels.md)
 
-usage: doc/transport.py CHECK.csv [--work DIR]
+usage: studies/transport.py CHECK.csv [--work DIR]
 
-CHECK.csv is the output of `models/check.py --csv`: pairs with labels by the full renderer. Matrices of the standard scenes are made
+CHECK.csv is the output of `studies/check.py --csv`: pairs with labels by the full renderer. Matrices of the standard scenes are made
 for each number of points, and their Delta-E is compared with the labels'. Time: scores of 256 pairs with references of 16 tests each on all
-threads, samples to JOD; median of 7. LIBNQM and NQM_TOOL as in doc/fitting_network.py. Needs NumPy and SciPy."""
+threads, samples to JOD; median of 7. LIBNQM and NQM_TOOL as in studies/fitting_network.py. Needs NumPy and SciPy."""
 import argparse
 import csv
 import os
