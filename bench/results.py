@@ -5,7 +5,7 @@ results.py keep KIND FOLDER PEERS.json   one document of all FOLDER/*.json of `n
                                          PEERS.json exists, as bench/results/KIND.json
 results.py compare OLD NEW [SHARE]       speeds of NEW relative to OLD; exit code 1 if a row is slower by more than SHARE (0.1)
 results.py check FILE...                 check such documents; exit code 1 and a message for each fault
-results.py page                          doc/performance-machines.md from bench/results/*.json, to standard output
+results.py page                          bench/results/machines.md from bench/results/*.json, to standard output
 
 ./dev bench runs it. A result is compared by its processor time relative to the peak of the same run where it has one, so that other programs and the
 clock of the day count less, and by its time otherwise.
@@ -316,7 +316,7 @@ def print_machine(document):
 def page():
     print("""# Results by machine
 
-How fast is nqm on other machines, and how near to their limits? One section per machine; [performance.md](performance.md) has the method.
+How fast is nqm on other machines, and how near to their limits? One section per machine; [performance.md](../../doc/performance.md) has the method.
 
 <!-- Made by `python3 bench/results.py page` from bench/results/*.json; do not edit. -->
 

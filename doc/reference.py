@@ -15,7 +15,9 @@ def first_sentence(comment):
     comment = re.split(r"\n \*\s*\n", comment.strip(" *\n"))[0]  # its first paragraph
     text = re.sub(r"\s*\n\s*\*?\s*", " ", comment.strip().lstrip("*")).strip()
     text = text.partition(" @")[0]
-    return re.split(r"(?<=[A-Za-z0-9)\"])[.:;] (?=[A-Z])", text + " ")[0].strip().rstrip(".;:")
+    text = re.split(r"(?<=[A-Za-z0-9)\"])[.:;] (?=[A-Z])", text + " ")[0]
+    text = re.sub(r" \([^)]*[\";/][^)]*\)", "", text)  # the headers say more
+    return re.split(r"[;:] |, for example |, which |, because ", text)[0].strip().rstrip(".;:")
 
 
 def functions(text):
@@ -24,13 +26,15 @@ def functions(text):
     for comment, code in re.findall(r"/\*\*(?!<)(.*?)\*/([^/]*(?:/(?!\*\*[^<])[^/]*)*)", text, flags=re.S):
         summary = first_sentence(comment)
         for name in re.findall(r"NQM_API[^;]*?\b(nqm_\w+)\(", code):
-            yield name, summary
+            if not name.endswith("_free"):
+                yield name, summary
 
 
 print("""# Reference of the C library
 
 Which functions are there? This page is an index made from the headers (`./dev pages`), which are the manual: shapes, units, ranges, errors,
-ownership and threads are described there. `<nqm/nqm.h>` includes all of them; [base.h](../include/nqm/base.h) has the conventions, and
+ownership and threads are described there. What is opened, loaded or created is freed by the function `_free` of its type, which the tables leave out.
+`<nqm/nqm.h>` includes all headers; [base.h](../include/nqm/base.h) has the conventions, and
 [examples/](../examples) has complete programs.""")
 CORE = ("base", "material", "brdf", "samples", "percept", "model", "metric")
 names = [n for n in ORDER if os.path.exists(os.path.join(HEADERS, n + ".h"))]

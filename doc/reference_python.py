@@ -56,6 +56,11 @@ def markdown(doc):
     return re.sub(r"(?m)^>>>(?s:.*?)(?=\n\n|\Z)", lambda m: "```python\n%s\n```" % m.group(), text)
 
 
+def is_shortcut(node):
+    """A method that a function of the package describes, or a class that functions of the package call."""
+    return re.search(r"; see `\w+`\.$|^`\w+\.apply\(", ast.get_docstring(node))
+
+
 def entry(level, name, node):
     """Lines of a function or class."""
     doc = ast.get_docstring(node)
@@ -70,7 +75,7 @@ def entry(level, name, node):
         yield "| name | value |\n|---|---|"
         yield "".join("| `%s` | %s |\n" % (n.targets[0].id, ast.unparse(n.value)) for n in values)
     for f in node.body:
-        if isinstance(f, ast.FunctionDef) and ast.get_docstring(f) and (not f.name.startswith("_") or f.name in ("__call__", "__len__")):
+        if isinstance(f, ast.FunctionDef) and ast.get_docstring(f) and not is_shortcut(f) and (not f.name.startswith("_") or f.name in ("__call__", "__len__")):
             short = name.partition(".")[2] if "." in name else name
             if is_marked(f, "property"):
                 yield "#### `%s.%s`\n\n%s\n" % (short, f.name, markdown(ast.get_docstring(f)))
@@ -94,7 +99,7 @@ def main():
                          (set(public) ^ {name for _, names in GROUPS for name in names}))
     print("# Reference of the Python package\n\nWhat does each function take and return? This page is made from the docstrings "
           "(`./dev pages`), which `help()` shows too.\n[python.md](python.md) is the introduction. Angles are radians, f_r is in 1/sr "
-          "without the cosine, RGB is linear with BT.709 primaries.\n")
+          "without the cosine, RGB is linear with BT.709 primaries. Methods of `Scorer` take the arguments of the functions of their names.\n")
     for title, names in GROUPS:
         print("## %s\n" % title)
         for name in names:
@@ -102,7 +107,7 @@ def main():
     torch = parse("torch.py")
     print("## PyTorch\n\n%s\n" % markdown(ast.get_docstring(torch)))
     for node in torch.body:
-        if isinstance(node, (ast.FunctionDef, ast.ClassDef)) and not node.name.startswith("_"):
+        if isinstance(node, (ast.FunctionDef, ast.ClassDef)) and not node.name.startswith("_") and not is_shortcut(node):
             print("\n".join(entry("###", "nqm.torch." + node.name, node)))
 
 

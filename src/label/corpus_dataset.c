@@ -105,7 +105,7 @@ static nqm_status write_manifest(const char *dataset_path, const char *manifest,
 }
 
 /* Of 44 seeds of the standard scenes, the one whose points estimate labels of 110 pairs of training materials best
- * (doc/notes.md). */
+ * (studies/notes.md). */
 enum { BETTER_POINTS = 2 };
 
 nqm_status nqm_corpus_write(nqm_corpus *c, const char *path, nqm_error *err) {

@@ -2,7 +2,7 @@
  *
  * Scalar features of a pair: statistics of how much two sampled BRDFs differ, where (highlight, flank, grazing), how
  * (level, shape, colour), and of the reference itself. They follow the samples in the network's input (recipe nqm) and
- * are the input of the boosted-trees control (models/control.py). doc/training.md has the table of formulas.
+ * are the input of the boosted-trees control (studies/control.py). doc/training.md has the table of formulas.
  */
 #include "math/math.h"
 #include "metric/sums.h"

@@ -1,11 +1,11 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# doc/agreement.py: correlations, medians and order of known labels, own fits, errors. With the shared data also the
+# studies/agreement.py: correlations, medians and order of known labels, own fits, errors. With the shared data also the
 # table of doc/labels.md: the order of the encodings, and lower limits for the rank correlations.
 # shellcheck source=tests/support/cli.sh
 . "${NQM_SOURCE:?}/tests/support/cli.sh"
 export NQM_TOOL="$tool"
-agree() { python3 "$NQM_SOURCE/doc/agreement.py" "$dir/pairs.csv" --points 64 --lights 32 "$@"; }
+agree() { python3 "$NQM_SOURCE/studies/agreement.py" "$dir/pairs.csv" --points 64 --lights 32 "$@"; }
 # expect KEY N VALUE: the N-th value of KEY in the JSON in out.
 expect() { number "$1" "$2" | awk -v e="$3" '{d = $1 - e; exit !(d * d < 1e-12)}' || fail "$1 $2 is $(number "$1" "$2"), not $3"; }
 
@@ -75,7 +75,7 @@ refused 3 nowhere
 
 data=${NQM_DATA:-$NQM_SOURCE/../shared/data}
 [ -d "$data/rgl" ] && [ -z "${NQM_SANITIZE:-}" ] || exit 0
-sh "$NQM_SOURCE/doc/agreement.sh" "$data" --points 256 --lights 192 >"$dir/table"
+sh "$NQM_SOURCE/studies/agreement.sh" "$data" --points 256 --lights 192 >"$dir/table"
 awk -F'|' '$2 ~ /ward/ { split($4, s, " "); if (s[1] >= 0.5) ++good } $2 ~ /ggx/ { split($4, s, " "); if (s[1] >= 0.3) ++good }
     /^nbrdf below/ { split($0, w, " "); if (w[7] >= 21 && w[9] == 23) ++good }
     END { exit good != 3 }' "$dir/table" || fail "agreement with the authors: $(cat "$dir/table")"

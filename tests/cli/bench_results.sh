@@ -65,6 +65,6 @@ results 2 nonsense
 # The results of this repository, and their page.
 set -- "$NQM_SOURCE"/bench/results/*.json
 [ ! -f "$1" ] || results 0 check "$@"
-if [ -f "$NQM_SOURCE/doc/performance-machines.md" ]; then
-    python3 "$NQM_SOURCE/bench/results.py" page | cmp - "$NQM_SOURCE/doc/performance-machines.md" || fail "python3 bench/results.py page >doc/performance-machines.md"
+if [ -f "$NQM_SOURCE/bench/results/machines.md" ]; then
+    python3 "$NQM_SOURCE/bench/results.py" page | cmp - "$NQM_SOURCE/bench/results/machines.md" || fail "python3 bench/results.py page >bench/results/machines.md"
 fi

@@ -1,13 +1,13 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# models/reproduce.py on a made-up study in the authors' layout (tests/tools/authors_folder.c): its values equal those of
+# studies/reproduce.py on a made-up study in the authors' layout (tests/tools/authors_folder.c): its values equal those of
 # separate runs of nqm regress, train and eval, the final table is complete, finished trainings are not repeated,
 # interrupted ones are resumed, and messages name missing inputs.
 # shellcheck source=tests/support/cli.sh
 . "${NQM_SOURCE:?}/tests/support/cli.sh"
 OMP_NUM_THREADS=1
 export OMP_NUM_THREADS
-script="${NQM_SOURCE:?}/models/reproduce.py"
+script="${NQM_SOURCE:?}/studies/reproduce.py"
 # study CODE ARGUMENTS...: as run, of the script.
 study() {
     code=$1

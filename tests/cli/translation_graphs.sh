@@ -1,12 +1,12 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# doc/translation_graphs.py: a graph of our own with values computed by hand, and, with the shared data, a published one.
+# studies/translation_graphs.py: a graph of our own with values computed by hand, and, with the shared data, a published one.
 # shellcheck source=tests/support/cli.sh
 . "${NQM_SOURCE:?}/tests/support/cli.sh"
 command -v python3 >/dev/null || exit 77
 
 # translate DEFINITIONS MATERIAL TARGET: the spec goes to out.
-translate() { python3 "$NQM_SOURCE/doc/translation_graphs.py" "$@" >"$dir/out" 2>"$dir/err"; }
+translate() { python3 "$NQM_SOURCE/studies/translation_graphs.py" "$@" >"$dir/out" 2>"$dir/err"; }
 # has KEY=VALUE: of the spec in out.
 has() { tr ':;' '[\n*]' <"$dir/out" | grep -qx "$1" || fail "no $1 in $(cat "$dir/out")"; }
 

@@ -30,7 +30,7 @@ import tempfile
 import time
 
 SOURCE, BUILD = os.environ["NQM_SOURCE"], os.environ["NQM_BUILD"]
-WORDS = ("nqm", "models/scan.py", "models/reproduce.py", "./dev", "build/nqm", "sh", "cc", "git", "awk", "python3", "/usr/bin/python3", "cmake", "mpirun", "sed")
+WORDS = ("nqm", "models/scan.py", "studies/reproduce.py", "./dev", "build/nqm", "sh", "cc", "git", "awk", "python3", "/usr/bin/python3", "cmake", "mpirun", "sed")
 COMMAND = re.compile(r"(?:%s)(?: |$)" % "|".join(re.escape(w) for w in WORDS))
 NUMBER = re.compile(r"[-+]?(?:\d[\d,]*\d|\d)?\.?\d+(?:[eE][-+]?\d+)?")
 failures = []
@@ -171,7 +171,7 @@ def check_options(lines, environment):
     def tool(*arguments):
         return subprocess.run(["nqm", *arguments], env=environment, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True).stdout
     verbs = sorted(set(re.findall(r"(?m)^  ([a-z]+)\b", tool("--help"))))
-    with open(SOURCE + "/models/reproduce.py") as script:
+    with open(SOURCE + "/studies/reproduce.py") as script:
         helps = [tool("--help"), *(tool(v, "--help") for v in verbs), script.read()]
     known = set(re.findall(r"--[a-z][a-z0-9-]*", "".join(helps)))
     for number, line in enumerate(lines, 1):
@@ -205,7 +205,7 @@ def check_names(lines):
             for name in re.findall(r"\b(\w+)\(\)", code) if row else re.findall(r"\b(nqm_\w+)\(\)", code):
                 if not re.search(r"\b%s\(" % name, row or headers):
                     fail(number, "%s() is in %s" % (name, "none of the files of its row" if row else "no public header"))
-            for path in re.findall(r"^(?:src|include|tests|models|doc|tools|examples|fuzz|presets|bench|nqm)/[\w./*-]*$", code):
+            for path in re.findall(r"^(?:src|include|tests|models|studies|doc|tools|examples|fuzz|presets|bench|nqm)/[\w./*-]*$", code):
                 if not glob.glob(os.path.join(SOURCE, "include" if path.startswith("nqm/") else "", path)):
                     fail(number, "%s does not exist" % path)
 

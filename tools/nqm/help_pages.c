@@ -156,9 +156,31 @@ static void put_cell(const char *text) {
         fputs(*text == '|' ? "\\|" : *text == '<' ? "&lt;" : (char[]){*text, '\0'}, stdout);
 }
 
+/* Rows that the page has already. An option is described once; a verb that has the same row again refers to it. */
+static struct shown_row { char name[NQM_OPTION_TEXT_MAX], text[1024], verb[32]; } shown_rows[512];
+static size_t n_shown_rows;
+
+static const struct shown_row *find_shown_row(const help_row *row) {
+    for (size_t i = 0; i < n_shown_rows; ++i)
+        if (strcmp(shown_rows[i].name, row->name) == 0 && strcmp(shown_rows[i].text, row->text) == 0 &&
+            strcmp(shown_rows[i].verb, verb_name()) != 0)
+            return &shown_rows[i];
+    return NULL;
+}
+
+/* `user`: whether the table has begun. */
 static void put_markdown_row(void *user, const help_row *row) {
-    (void)user;
-    printf("| ");
+    bool *has_begun = user;
+    if (find_shown_row(row) || strcmp(row->name, "help") == 0)
+        return;
+    if (n_shown_rows < sizeof shown_rows / sizeof *shown_rows) {
+        struct shown_row *shown = &shown_rows[n_shown_rows++];
+        snprintf(shown->name, sizeof shown->name, "%s", row->name);
+        snprintf(shown->text, sizeof shown->text, "%s", row->text);
+        snprintf(shown->verb, sizeof shown->verb, "%s", verb_name());
+    }
+    printf("%s| ", *has_begun ? "" : "\n| option | |\n|---|---|\n");
+    *has_begun = true;
     if (row->letter)
         printf("`-%c`, ", row->letter);
     printf("`--%s%s", row->name, row->metavar ? " " : "");
@@ -168,8 +190,18 @@ static void put_markdown_row(void *user, const help_row *row) {
     printf(" |\n");
 }
 
-static void put_code_line(const char *line, size_t n) {
-    printf("    %.*s\n", (int)n, line);
+/* Name an option of an earlier verb; `user`: the verb that was named last, or NULL. */
+static void put_repeated_row(void *user, const help_row *row) {
+    const struct shown_row *shown = find_shown_row(row);
+    const char **last_verb = user;
+    if (!shown)
+        return;
+    if (!*last_verb || strcmp(*last_verb, shown->verb) != 0)
+        printf("%s `%s`: ", *last_verb ? "; as for" : "\nAs for", shown->verb);
+    else
+        printf(", ");
+    *last_verb = shown->verb;
+    printf("`--%s`", row->name);
 }
 
 static void put_markdown_line(const char *line, size_t n) {
@@ -180,7 +212,9 @@ void begin_markdown(void) {
     printf("# Reference of the command line\n\n"
            "Which options does a verb have? This page is made from the option tables of the tool (`./dev pages`); `nqm "
            "VERB --help`\n"
-           "and `man nqm-VERB` show the same. [cli.md](cli.md) explains the verbs, their output and JSON.\n");
+           "and `man nqm-VERB` show the same, with examples. [cli.md](cli.md) explains the verbs, their output and "
+           "JSON. An "
+           "option that several\nverbs have is described at the first one.\n");
 }
 
 void print_markdown(const command *cmd) {
@@ -204,8 +238,9 @@ void print_markdown(const command *cmd) {
         put_cell(c->help);
         printf(" |\n");
     }
-    printf("\n| option | |\n|---|---|\n");
-    each_option(cmd, put_markdown_row, NULL);
-    printf("\n<!-- test: skip because tests/cli/examples.sh runs the examples -->\n\n");
-    each_line(cmd->example, put_code_line);
+    bool has_begun = false;
+    each_option(cmd, put_markdown_row, &has_begun);
+    const char *last_verb = NULL;
+    each_option(cmd, put_repeated_row, &last_verb);
+    printf("%s", last_verb ? "\n" : "");
 }

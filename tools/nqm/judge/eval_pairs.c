@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
  * nqm eval --pairs - writes label, predictions, scalar features and parts of every judged pair as CSV, for plots and for
- * models/control.py, which fits a control model to the features.
+ * studies/control.py, which fits a control model to the features.
  */
 #include "nqm/judge/eval.h"
 

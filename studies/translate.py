@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: MIT
 """Study of doc/materials.md: `nqm translate` against the published translation graphs of MaterialX, judged by rendering.
 
-usage: doc/translate.py MATERIALS OUT.csv [--only-table]
+usage: studies/translate.py MATERIALS OUT.csv [--only-table]
 
 MATERIALS is the folder of the examples: `definitions` with the *_to_*.mtlx graphs, and folders with .mtlx files. Every file with an
 accepted material of the models open-pbr or standard-surface is translated to the three other models, by fits and by

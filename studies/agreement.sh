@@ -2,9 +2,9 @@
 # SPDX-License-Identifier: MIT
 # The table of doc/labels.md: our Delta-E beside the authors' published Delta-E for their Ward, GGX and NBRDF encodings of the
 # measured RGL materials that are not in the test set, by agreement.py. DATA holds rgl/, nbrdf/, labels/ and scene/ (doc/corpus.md).
-# usage: doc/agreement.sh DATA [options of nqm label]
+# usage: studies/agreement.sh DATA [options of nqm label]
 set -eu
-data=${1:?usage: doc/agreement.sh DATA [options of nqm label]}
+data=${1:?usage: studies/agreement.sh DATA [options of nqm label]}
 shift
 here=$(dirname "$0")
 pairs=$(mktemp)

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: MIT
 """Do the built-in scenes rank pairs of BRDFs as measured lights do? The table of doc/labels.md.
 
-usage: doc/scenes.py DATA [--refs N] [--seed N]
+usage: studies/scenes.py DATA [--refs N] [--seed N]
 
 DATA holds rgl/, scene/ and labels/ (doc/corpus.md). Random references that are not test materials (SGD presets and RGL files) are
 compared with perturbed copies, published fits and other materials, in the standard set, in each of its scenes, and on the bunny in

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: MIT
 """A control for the networks: boosted trees on the scalar features of a pair, evaluated on the same pairs.
 
-usage: models/control.py PAIRS.csv... [--judge test] [--seeds 3] [--csv OUT.csv] [--json OUT.json] [--pairs OUT.csv]
+usage: studies/control.py PAIRS.csv... [--judge test] [--seeds 3] [--csv OUT.csv] [--json OUT.json] [--pairs OUT.csv]
 
 PAIRS.csv are files of `nqm eval --pairs`; together they contain the training pairs and the evaluation pairs (split
 `--judge`). The trees (histogram boosting, Ke et al. 2017) learn log Delta-E from the columns `scalar:` of the training

@@ -3,7 +3,7 @@
 """How exact pictures and labels of a lobe of any width are: a white GGX metal of width alpha on three shapes under four lights, with the
 default number of light directions against the largest. Prints a table for doc/labels.md.
 
-usage: PYTHONPATH=python doc/lobes.py BUNNY.ply [--lights N] [--points N]
+usage: PYTHONPATH=python studies/lobes.py BUNNY.ply [--lights N] [--points N]
 """
 import argparse
 import sys

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: MIT
 """Train variants of a recipe with several seeds and compare them on the validation materials.
 
-usage: models/ablate.py DATASET WORK VARIANTS.txt [--seeds 3] [--tool build/nqm] [--by range]
+usage: studies/ablate.py DATASET WORK VARIANTS.txt [--seeds 3] [--tool build/nqm] [--by range]
 
 VARIANTS.txt has one line per variant: a name, a colon, flags of `nqm train` ("no scalars: --no-scalars --dropout 0.2");
 '#' begins a comment. WORK stores models and results; variants with a model in WORK are not trained again. Prints the

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: MIT
 """The published translation graphs of MaterialX, applied to one material: the baseline of the study in doc/materials.md.
 
-usage: doc/translation_graphs.py DEFINITIONS MATERIAL TARGET
+usage: studies/translation_graphs.py DEFINITIONS MATERIAL TARGET
 
 DEFINITIONS is the folder with MaterialX's *_to_*.mtlx; MATERIAL a spec or a material file that nqm reads (FILE or FILE:NAME), of the
 shading model open-pbr or standard-surface; TARGET is open-pbr, standard-surface, gltf or usd-preview. Prints the spec of the target.

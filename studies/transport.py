@@ -2,21 +2,23 @@
 # SPDX-License-Identifier: MIT
 """How exact are transport matrices with different numbers of points, and how fast? (doc/labels.md)
 
-usage: doc/transport.py CHECK.csv [--work DIR]
+usage: PYTHONPATH=python studies/transport.py CHECK.csv [--work DIR]
 
-CHECK.csv is the output of `models/check.py --csv`: pairs with labels by the full renderer. Matrices of the standard scenes are made
+CHECK.csv is the output of `studies/check.py --csv`: pairs with labels by the full renderer. Matrices of the standard scenes are made
 for each number of points, and their Delta-E is compared with the labels'. Time: scores of 256 pairs with references of 16 tests each on all
-threads, samples to JOD; median of 7. LIBNQM and NQM_TOOL as in doc/fitting_network.py. Needs NumPy and SciPy."""
+threads, samples to JOD; median of 7. NQM_TOOL: the program. Needs NumPy and SciPy."""
 import argparse
 import csv
 import os
+import subprocess
 import time
 
 import numpy as np
 from scipy.stats import spearmanr
 
-from fitting_network import Model, evaluate, nqm
+import nqm
 
+NQM = os.environ.get("NQM_TOOL", os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "build", "nqm"))
 CURVE = (-14.11196939758611, -0.47364347065458806, -0.21479944748134167)
 SIZES = [32, 64, 128, 256, 512, 1024]  # points
 
@@ -28,14 +30,14 @@ def delta_e_of(jod):
     return np.where(jod > 10 - 1e-10, 0, (-(np.log(jod / (10 - jod)) / b1 + b2)) ** (1 / b3))
 
 
-def seconds_per_pair(model, rows):
-    samples = [evaluate(row["ref"], model)[0] for row in rows[:16]]
-    used = np.ones(model.n, np.uint8)
+def seconds_per_pair(scorer, rows):
+    directions = scorer.model.directions
+    samples = np.array([nqm.BRDF.open(row["ref"]).sample(directions)[0] for row in rows[:16]])
     times = []
     for _ in range(7):
         begin = time.perf_counter()
         for ref in samples:
-            model.score(ref, np.array(samples), used)
+            scorer.score_samples(ref, samples)
         times.append((time.perf_counter() - begin) / len(samples) ** 2)
     return np.median(times)
 
@@ -53,17 +55,14 @@ def main():
     print(f"{len(rows)} pairs\ndirections points    MB  Spearman  error of JOD: mean  95 %   of Delta-E: median  95 %   ms a pair")
     for points in SIZES:
         path = os.path.join(options.work, f"transport-{points}.safetensors")
-        nqm("transport", "make", "--points", str(points), "--seed", "2", "-o", path)
-        model = Model(os.path.abspath(path))
-        jods = []
-        for row in rows:
-            (ref, ref_used), (test, test_used) = evaluate(row["ref"], model), evaluate(row["test"], model)
-            jods.append(model.score(ref, [test], ref_used & test_used)[0].jod)
+        subprocess.run([NQM, "transport", "make", "--points", str(points), "--seed", "2", "-o", path], check=True, stdout=subprocess.DEVNULL)
+        scorer = nqm.Scorer(os.path.abspath(path))
+        jods = [scorer.score(row["ref"], row["test"]).jod for row in rows]
         error = abs(np.array(jods) - labels)
         ratio = abs(delta_e_of(np.array(jods)) - rendered)[visible] / rendered[visible]
-        print(f"{model.n:10d} {points:6d} {os.path.getsize(path) / 1e6:5.1f}  {spearmanr(jods, labels)[0]:8.5f} {error.mean():18.3f}"
+        print(f"{len(scorer.model.directions):10d} {points:6d} {os.path.getsize(path) / 1e6:5.1f}  {spearmanr(jods, labels)[0]:8.5f} {error.mean():18.3f}"
               f" {np.percentile(error, 95):5.3f}  {100 * np.median(ratio):17.2f} % {100 * np.percentile(ratio, 95):4.1f} %"
-              f"  {1000 * seconds_per_pair(model, rows):10.3f}", flush=True)
+              f"  {1000 * seconds_per_pair(scorer, rows):10.3f}", flush=True)
 
 
 if __name__ == "__main__":

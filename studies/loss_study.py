@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: MIT
 """Can a training fool the loss of nqm.torch? The table of doc/python.md.
 
-usage: doc/loss_study.py [REF ...] [--steps N] [--model MODEL]
+usage: studies/loss_study.py [REF ...] [--steps N] [--model MODEL]
 
 A small neural BRDF (6-21-21-3, the size of NBRDF, Sztrajman et al. 2021) is trained on each reference by nqm.torch.Loss. Printed are the
 JOD by the loss at new rays, by the model "default", and by rendering (the label): they should agree. --model default trains at

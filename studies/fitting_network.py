@@ -2,17 +2,16 @@
 # SPDX-License-Identifier: MIT
 """Why does the paper's network fail as a loss, and what repairs it? The tables of doc/fitting.md.
 
-usage: doc/fitting_network.py DATA WORK [--part why|repair] [--refs N] [--rounds N] [--pairs N] [--epochs N]
+usage: PYTHONPATH=python studies/fitting_network.py DATA WORK [--part why|repair] [--refs N] [--rounds N] [--pairs N] [--epochs N]
 
 DATA holds rgl/, nbrdf/, nps/ and labels/; WORK is the folder of models/make.sh, with the datasets train.safetensors and
 paper-train.safetensors. SciPy's L-BFGS minimises 10 - JOD (or Delta-E, where the model predicts it) of GGX over kd, alpha and f0,
-with gradients from nqm_score_grad() and nqm_brdf_jacobian(). `why` follows the paper's network from one start to its minimum.
+with gradients from the Python package. `why` follows the paper's network from one start to its minimum.
 `repair` trains networks of the paper's shape on more and more pairs, at last on those where optimisers go under the network
-before (on-policy), and compares where fits end. Networks and datasets are kept in WORK/fitting. LIBNQM: the library (default
-build/libnqm-full.so), NQM_TOOL: the program. Needs NumPy and SciPy."""
+before (on-policy), and compares where fits end. Networks and datasets are kept in WORK/fitting. NQM_TOOL: the program. Needs
+NumPy and SciPy."""
 import argparse
 import csv
-import ctypes
 import hashlib
 import json
 import os
@@ -23,112 +22,43 @@ import sys
 import numpy as np
 from scipy.optimize import minimize
 
+PROGRAM_ENVIRONMENT = dict(os.environ)
+os.environ["OMP_NUM_THREADS"] = "1"  # before the library is loaded: the optimiser asks it for one pair at a time
+import nqm  # noqa: E402
+
 HERE = os.path.dirname(os.path.abspath(__file__))
 NQM = os.environ.get("NQM_TOOL", os.path.join(HERE, "..", "build", "nqm"))
-LIBRARY = os.environ.get("LIBNQM", os.path.join(HERE, "..", "build", "libnqm-full.so"))
-PROGRAM_ENVIRONMENT = dict(os.environ)
-os.environ["OMP_NUM_THREADS"] = "1"  # of the library here: the optimiser asks for one pair at a time
-P, N = ctypes.c_void_p, ctypes.c_size_t
-JOD, DELTA_E = 0, 1
+JOD, DELTA_E = "jod", "delta_e"
 
 
 # ---- the library -------------------------------------------------------------------------------------------------------
-
-
-class Error(ctypes.Structure):
-    _fields_ = [("status", ctypes.c_int), ("byte_offset", ctypes.c_int64), ("message", ctypes.c_char * 512)]
-
-
-class SamplePair(ctypes.Structure):
-    _fields_ = [("ref", P), ("test", P), ("used", P)]
-
-
-class Label(ctypes.Structure):
-    _fields_ = [("delta_e", ctypes.c_double), ("shift", ctypes.c_double * 3), ("contrast", ctypes.c_double),
-                ("structure", ctypes.c_double)]
-
-
-class Result(ctypes.Structure):
-    _fields_ = [("status", ctypes.c_int), *((name, ctypes.c_double) for name in ("jod", "delta_e", "low", "high", "novelty")),
-                ("parts", Label), ("similarity", ctypes.c_double), ("identical", ctypes.c_int),
-                ("metrics", ctypes.c_double * 9), ("counts", N * 7)]
-
-
-class ModelInfo(ctypes.Structure):
-    _fields_ = [*((name, ctypes.c_char_p) for name in ("id", "recipe", "sha256", "card", "licence", "manifest")),
-                ("n_parameters", N), ("n_layers", N), ("sizes", P), ("jod_min", ctypes.c_double),
-                ("jod_max", ctypes.c_double), ("directions", P), ("calibration", ctypes.c_char_p)]
-
-
-def load_library():
-    lib = ctypes.CDLL(LIBRARY)
-    lib.nqm_model_get_info.restype = ModelInfo
-    lib.nqm_directions_count.restype = N
-    lib.nqm_directions_degrees.restype = ctypes.POINTER(ctypes.c_double)
-    for name, arguments in {"nqm_model_get_info": [P], "nqm_directions_count": [P], "nqm_directions_degrees": [P],
-                            "nqm_half_diff_to_directions": [P, P, P], "nqm_model_builtin": [ctypes.c_char_p, P, P],
-                            "nqm_model_load": [ctypes.c_char_p, P, P], "nqm_scorer_create": [P, P, P, P],
-                            "nqm_scorer_run_samples": [P, N, P, P, P], "nqm_brdf_open": [ctypes.c_char_p, P, P],
-                            "nqm_brdf_eval": [P, N, P, P, P, P], "nqm_brdf_jacobian": [P, N, P, P, P, P, P],
-                            "nqm_brdf_free": [P], "nqm_score_grad": [P, ctypes.c_int, N, P, P, P, P]}.items():
-        getattr(lib, name).argtypes = arguments
-    return lib
-
-
-LIB = load_library()
-
-
-def call(name, *arguments):
-    error = Error()
-    if getattr(LIB, name)(*arguments, ctypes.byref(error)):
-        raise RuntimeError(error.message.decode())
 
 
 class Model:
     """A model with a scorer, and its sampling directions."""
 
     def __init__(self, name):
-        model, self.scorer = P(), P()
-        call("nqm_model_load" if os.sep in name else "nqm_model_builtin", name.encode(), ctypes.byref(model))
-        call("nqm_scorer_create", model, None, ctypes.byref(self.scorer))
-        info = LIB.nqm_model_get_info(model)
-        self.jod_min, self.jod_max, self.n = info.jod_min, info.jod_max, LIB.nqm_directions_count(info.directions)
-        degrees = np.ctypeslib.as_array(LIB.nqm_directions_degrees(info.directions), (self.n, 3))
-        half_diff, self.wi, self.wo = np.radians(degrees).copy(), np.zeros((self.n, 3)), np.zeros((self.n, 3))
-        for row, wi, wo in zip(half_diff, self.wi, self.wo):
-            LIB.nqm_half_diff_to_directions(row.ctypes.data, wi.ctypes.data, wo.ctypes.data)
-
-    @staticmethod
-    def pair(ref, test, used):
-        return SamplePair(ref.ctypes.data, test.ctypes.data, used.ctypes.data)
+        model = nqm.Model.open(name)
+        self.scorer, self.directions = nqm.Scorer(model), model.directions
+        self.jod_min, self.jod_max = model.info.jod_min, model.info.jod_max
 
     def gradient(self, ref, test, used, of):
         """Value and gradient (n, 3) by the test's f_r."""
-        test = np.ascontiguousarray(test * used[:, None], np.float32)
-        value, out = ctypes.c_double(), np.zeros((self.n, 3), np.float32)
-        call("nqm_score_grad", self.scorer, of, 1, ctypes.byref(self.pair(ref, test, used)), ctypes.byref(value), out.ctypes.data)
-        return value.value, out.astype(float)
+        value, gradient = self.scorer.score_grad(ref, test * used[:, None], of=of, used=used)
+        return value, gradient.astype(float)
 
     def score(self, ref, tests, used):
-        """Results of tests (m, n, 3) of one reference."""
-        tests = np.ascontiguousarray(tests * used[:, None], np.float32)
-        pairs = (SamplePair * len(tests))(*(self.pair(ref, test, used) for test in tests))
-        results = (Result * len(tests))()
-        call("nqm_scorer_run_samples", self.scorer, len(tests), pairs, results)
-        return results
+        """Scores of tests (m, n, 3) of one reference."""
+        return self.scorer.score_samples(ref, np.asarray(tests) * used[:, None], used)
 
 
 def evaluate(brdf, model):
     """f_r (n, 3), and a mask of the directions that have a value."""
-    handle, rgb, flag = P(), np.zeros((model.n, 3)), np.zeros(model.n, np.uint8)
-    call("nqm_brdf_open", brdf.encode(), ctypes.byref(handle))
-    LIB.nqm_brdf_eval(handle, model.n, model.wi.ctypes.data, model.wo.ctypes.data, rgb.ctypes.data, flag.ctypes.data)
-    LIB.nqm_brdf_free(handle)
-    used = (flag < 2).astype(np.uint8)
-    return np.ascontiguousarray(rgb * used[:, None], np.float32), used
+    rgb, flag = nqm.BRDF.open(brdf).sample(model.directions)
+    return rgb, (flag < 2).astype(np.uint8)
 
 
-def nqm(*arguments):
+def run(*arguments):
     done = subprocess.run([NQM, *arguments], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
                           env=PROGRAM_ENVIRONMENT)
     if done.returncode:
@@ -153,10 +83,7 @@ def spec_of(x):
 
 def slopes(x, model, ref, used, of):
     """Score of a fit, and its gradient by x."""
-    handle, rgb, jacobian = P(), np.zeros((model.n, 3)), np.zeros((model.n, 3, 10))
-    call("nqm_brdf_open", spec_of(x).encode(), ctypes.byref(handle))
-    call("nqm_brdf_jacobian", handle, model.n, model.wi.ctypes.data, model.wo.ctypes.data, rgb.ctypes.data, jacobian.ctypes.data)
-    LIB.nqm_brdf_free(handle)
+    rgb, jacobian = nqm.BRDF.open(spec_of(x)).jacobian(*model.directions.vectors)
     value, by_rgb = model.gradient(ref, rgb, used, of)
     by = np.einsum("nc,ncp->p", by_rgb, jacobian)
     kd, alpha, f0 = values_of(x)
@@ -392,7 +319,7 @@ def on_policy(base, model, of, brdfs, n_refs, seed):
         for start in (START, random_start(rng)):
             path = minimise(model, ref, used, start, of)
             specs += [spec_of(path[k]) for k in sorted({*(np.array([0.2, 0.5, 1]) * (len(path) - 1)).astype(int)})]
-        for spec, r in zip(specs, json.loads(nqm("label", brdfs[name], *specs, "--json", "--points", "1024"))["results"]):
+        for spec, r in zip(specs, json.loads(run("label", brdfs[name], *specs, "--json", "--points", "1024"))["results"]):
             p = r["parts"]
             label = [r["delta_e_itp"], r["jod"], *p["shift_itp"], p["contrast"], p["structure"]]
             pairs.add(index[name], evaluate(spec, model)[0], label, spec)
@@ -408,7 +335,7 @@ def train(work, name, dataset, epochs):
     if not os.path.exists(path):
         data = os.path.join(work, "data.safetensors")
         write_tensors(data, *dataset)
-        nqm("train", data, "--recipe", "paper", "--epochs", str(epochs), "--split", "group", "--id", name, "-o", path)
+        run("train", data, "--recipe", "paper", "--epochs", str(epochs), "--split", "group", "--id", name, "-o", path)
     return Model(path)
 
 
@@ -428,7 +355,7 @@ def print_repairs(found, refs):
     rendered = {}
     for brdf in dict.fromkeys(b for _, b in refs):
         specs = list(dict.fromkeys(spec for rows in found.values() for b, spec, _ in rows if b == brdf))
-        results = json.loads(nqm("label", brdf, *specs, "--json", "--points", "1024"))["results"]
+        results = json.loads(run("label", brdf, *specs, "--json", "--points", "1024"))["results"]
         rendered.update(((brdf, spec), r) for spec, r in zip(specs, results))
     best = {}
     for rows in found.values():
@@ -461,7 +388,7 @@ def repair(options, models):
     model = train(folder, "penalty", noised(data, options.pairs, 1), options.epochs)
     found["and a gradient penalty (noise on the inputs)"] = ends(model, JOD, refs, 3)
     estimate = os.path.join(folder, "estimate.safetensors")
-    nqm("transport", "make", "-o", estimate)
+    run("transport", "make", "-o", estimate)
     data = coloured(data, Model(os.path.abspath(estimate)), options.pairs // 2, 1)
     model = train(folder, "colours", data, options.epochs)
     found["and permuted channels, tints"] = ends(model, JOD, refs, 3)

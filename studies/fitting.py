@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: MIT
 """Which loss gives the fits that look best? The tables of doc/fitting.md.
 
-usage: doc/fitting.py DATA [--work DIR] [--refs N] [--part fits|starts|tables] [--models LIST]
+usage: studies/fitting.py DATA [--work DIR] [--refs N] [--part fits|starts|tables] [--models LIST]
 
 DATA holds rgl/, nbrdf/, nps/, scene/ and labels/ (doc/corpus.md). GGX, Ward and Cook-Torrance are fitted to the measured RGL files
 and to 40 further references of the 20 test materials under each loss, first with the starts of `nqm fit`, then GGX as the only loss
@@ -244,7 +244,7 @@ def main():
     if options.part != "fits":
         print_starts(judged, held_out, "ggx")
     if options.part in (None, "tables"):
-        draw(judged, held_out, "ggx", os.path.join(HERE, "figures", "fits.png"))
+        draw(judged, held_out, "ggx", os.path.join(HERE, "..", "doc", "figures", "fits.png"))
 
 
 if __name__ == "__main__":

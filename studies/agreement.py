@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: MIT
 """Label pairs that somebody else has labelled, and compare the two labels by rank.
 
-usage: doc/agreement.py PAIRS.csv [--root DIR] [--loss NAME] [--json] [options of nqm label]
+usage: studies/agreement.py PAIRS.csv [--root DIR] [--loss NAME] [--json] [options of nqm label]
 
 PAIRS.csv has the columns reference, test, encoding, delta_e (their label); the test `fit` stands for the fit by `nqm fit` of the
 model that `encoding` names. Relative paths start at DIR. For each encoding the table gives Spearman's correlation of our Delta-E ITP

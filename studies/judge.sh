@@ -4,9 +4,9 @@
 # then evaluates every model and the boosted-trees control on the test pairs and on the validation materials. Resumable.
 # Results: WORK/judged-*.txt, .csv, .json. (The recipe `paper` draws its validation pairs from all materials, so its
 # results on the validation materials are too optimistic.)
-# usage: models/judge.sh WORK [SEEDS [PAPER_SEEDS]]   (default: 3 seeds each; the first is the shipped model)
+# usage: studies/judge.sh WORK [SEEDS [PAPER_SEEDS]]   (default: 3 seeds each; the first is the shipped model)
 set -eu
-work=$(cd "${1:?usage: models/judge.sh WORK [SEEDS [PAPER_SEEDS]]}" && pwd)
+work=$(cd "${1:?usage: studies/judge.sh WORK [SEEDS [PAPER_SEEDS]]}" && pwd)
 seeds=${2:-3}
 paper_seeds=${3:-$seeds}
 here=$(cd "$(dirname "$0")" && pwd)

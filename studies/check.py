@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: MIT
 """Score and label random pairs that are in no corpus, and count the labels inside the intervals of the scores.
 
-usage: models/check.py [--pairs 300] [--seed 1] [--model default] [--csv OUT.csv]
+usage: studies/check.py [--pairs 300] [--seed 1] [--model default] [--csv OUT.csv]
 
 Both BRDFs of a pair are specs, which corpora never use as references: published fits of other models than sgd, copies
 of them with one or two perturbations, mixtures of two of them, and GGX or Ward with random parameters. A third of the
