@@ -15,30 +15,13 @@ enum {
     MIN_PARALLEL = 1 << 18, /* multiply-adds; below, waking a thread costs more than it saves */
     ROWS_AT_ONCE = 16 * NQM_STRIP,
     BLOCKS_PER_THREAD = 8, /* at least, so that threads end at about the same time */
-    PANELS_AT_ONCE = 4,    /* of a single row */
+    PANELS_OF_ROW = 4,     /* of a block with a single row */
     CACHE_LINE = 64,       /* bytes */
 
     /* Strips of a gradient that are multiplied with all panels before the next: those of 512 rows take 288 KB of the L2 cache. Enough for
      * the sink to read its own arrays in long runs. */
     STRIPS_AT_ONCE = 12
 };
-
-static void multiply_row(const nqm_panels *b, const void *a, bool add, void *c) {
-    const nqm_kernels *kernels = nqm_kernels_get();
-    const size_t n_blocks = nqm_ceil_div(b->n_panels, PANELS_AT_ONCE);
-#pragma omp parallel for schedule(dynamic, 1) if (b->n * b->k >= MIN_PARALLEL && n_blocks > 1)
-    for (size_t i = 0; i < n_blocks; ++i) {
-        const size_t first = i * PANELS_AT_ONCE;
-        kernels->row_product[b->precision](
-            &(nqm_row_product){.words = b->words,
-                               .n_panels = nqm_smaller(b->n_panels - first, PANELS_AT_ONCE),
-                               .stride = b->stride,
-                               .add = add,
-                               .a = a,
-                               .b = nqm_panel_at(b, first),
-                               .c = (uint32_t *)c + first * NQM_PANEL});
-    }
-}
 
 /* ---- caches ------------------------------------------------------------------------------------------------------- */
 
@@ -62,46 +45,55 @@ static caches own_caches(void) {
     return found_caches;
 }
 
-/* ---- products of many rows ---------------------------------------------------------------------------------------- */
+/* ---- products ---------------------------------------------------------------------------------------------------- */
 
 /* How a product is cut. A block is ROWS_AT_ONCE rows of A times some panels. Where the L2 cache holds several panels and a group
  * of rows, all panels of the block are multiplied with a group before the next is read: A is read once for each block. */
 typedef struct cut {
     size_t
-        rows; /* of a group: whole tiles of vector registers, and for rounded factors whole pairs of AMX tile registers */
+        rows; /* of a group: whole tiles of vector registers; of rounded factors, whole pairs of AMX tile registers */
     size_t panels; /* of a block */
     size_t n_down, n_blocks;
 } cut;
 
 static cut cut_product(const nqm_panels *b, size_t m) {
     const size_t rows = (b->precision == NQM_PRECISION_F32 ? 2 : 8) * NQM_STRIP, row_bytes = 4 * b->words;
-    const size_t usable = own_caches().l2 / 8 * 5,
-                 n_down = nqm_ceil_div(m, ROWS_AT_ONCE); /* what remains is for C and for others */
+    const size_t usable = own_caches().l2 / 8 * 5; /* what remains is for C and for others */
     const size_t fitting = usable > rows * row_bytes ? (usable - rows * row_bytes) / (NQM_PANEL * row_bytes) : 0;
+    const size_t n_down = nqm_ceil_div(m, ROWS_AT_ONCE);
     const size_t fair = n_down * b->n_panels / (BLOCKS_PER_THREAD * (size_t)omp_get_max_threads());
     cut c = {.rows = rows, .panels = nqm_smaller(fitting, fair), .n_down = n_down};
-    if (c.panels <= 1)
+    if (m == 1)
+        c.panels = PANELS_OF_ROW;
+    else if (c.panels <= 1)
         c = (cut){.rows = ROWS_AT_ONCE, .panels = 1, .n_down = n_down};
     c.n_blocks = n_down * nqm_ceil_div(b->n_panels, c.panels);
     return c;
 }
 
-static void multiply_block(const nqm_kernels *kernels, const nqm_block_product *p, cut by) {
-    for (size_t row = 0; row < p->m; row += by.rows) {
-        nqm_product part = {.m = nqm_smaller(p->m - row, by.rows),
-                            .words = p->b->words,
-                            .add = p->add,
-                            .a = (const uint32_t *)p->a + row * p->lda,
-                            .b = p->panels,
-                            .c = (uint32_t *)p->c + row * p->ldc, /* float or int32_t */
-                            .lda = p->lda,
-                            .ldc = p->ldc};
-        for (size_t i = 0; i < p->n_panels; ++i) {
-            kernels->product[p->b->precision](&part);
-            part.b = (const uint32_t *)part.b + p->b->stride * NQM_PANEL;
-            part.c = (uint32_t *)part.c + p->step;
-        }
+static void multiply_block(const nqm_kernels *kernels, const nqm_block_product *p, size_t group) {
+    const nqm_precision precision = p->b->precision;
+    if (p->m == 1) {
+        kernels->row_product[precision](&(nqm_row_product){.words = p->b->words,
+                                                           .n_panels = p->n_panels,
+                                                           .stride = p->b->stride,
+                                                           .add = p->add,
+                                                           .a = p->a,
+                                                           .b = p->panels,
+                                                           .c = p->c});
+        return;
     }
+    for (size_t row = 0; row < p->m; row += group)
+        for (size_t i = 0; i < p->n_panels; ++i)
+            kernels->product[precision](
+                &(nqm_product){.m = nqm_smaller(p->m - row, group),
+                               .words = p->b->words,
+                               .add = p->add,
+                               .a = (const uint32_t *)p->a + row * p->lda,
+                               .b = p->panels + i * p->b->stride * NQM_PANEL,
+                               .c = (uint32_t *)p->c + row * p->ldc + i * NQM_PANEL, /* float or int32_t */
+                               .lda = p->lda,
+                               .ldc = p->ldc});
 }
 
 size_t nqm_panels_of_block(const nqm_panels *b, size_t m) {
@@ -109,14 +101,10 @@ size_t nqm_panels_of_block(const nqm_panels *b, size_t m) {
 }
 
 void nqm_multiply_block(const nqm_kernels *kernels, const nqm_block_product *p) {
-    multiply_block(kernels, p, cut_product(p->b, p->m));
+    multiply_block(kernels, p, cut_product(p->b, p->m).rows);
 }
 
 void nqm_multiply(const nqm_panels *b, size_t m, const void *a, size_t lda, bool add, void *c, size_t ldc) {
-    if (m == 1) {
-        multiply_row(b, a, add, c);
-        return;
-    }
     const nqm_kernels *kernels = nqm_kernels_get();
     const cut by = cut_product(b, m);
     /* Consecutive blocks read the same panels, which stay in the L2 cache. */
@@ -132,9 +120,8 @@ void nqm_multiply(const nqm_panels *b, size_t m, const void *a, size_t lda, bool
                                             .a = (const uint32_t *)a + row * lda,
                                             .c = (uint32_t *)c + row * ldc + panel * NQM_PANEL,
                                             .lda = lda,
-                                            .ldc = ldc,
-                                            .step = NQM_PANEL},
-                       by);
+                                            .ldc = ldc},
+                       by.rows);
     }
 }
 

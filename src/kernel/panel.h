@@ -78,8 +78,8 @@ typedef struct nqm_block_product {
     size_t n_panels, m;
     bool add;
     const void *a; /**< (m, b->words), lda words from row to row */
-    void *c;       /**< (n_panels, m, NQM_PANEL), ldc elements from row to row, `step` from panel to panel */
-    size_t lda, ldc, step;
+    void *c;       /**< (m, n_panels NQM_PANEL), ldc elements from row to row */
+    size_t lda, ldc;
 } nqm_block_product;
 void nqm_multiply_block(const nqm_kernels *kernels, const nqm_block_product *p);
 /** Panels of a block of a product of m rows: so many that the rows are read from beyond the L2 cache less often. */

@@ -162,7 +162,7 @@ static void set_views(nqm_inference_work *w, unsigned char *block) {
     w->ref = next_view(w, block, n * w->ref_stride, sizeof *w->ref);
     w->ref_scale = next_view(w, block, n, sizeof *w->ref_scale);
     w->partial = next_view(w, block, (n + 1) * w->stride, sizeof *w->partial);
-    w->kept = next_view(w, block, n_ref, sizeof *w->kept);
+    w->kept_ref = next_view(w, block, n_ref, sizeof *w->kept_ref);
 }
 
 nqm_status nqm_inference_work_create(const nqm_inference_net *net, size_t max_batch, nqm_inference_work **work_ret,

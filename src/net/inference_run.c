@@ -37,25 +37,22 @@ typedef struct rows {
 /* ---- products ---------------------------------------------------------------------------------------------------- */
 
 /* The left factor of a product: rows of floats, or of rounded inputs. */
-typedef struct factor {
+typedef struct left_rows {
     const uint32_t *words;
     size_t stride;
     const nqm_byte_scale *scale; /* (rows) NQM_PRECISION_INT8 */
-} factor;
+} left_rows;
 
 /* Rows [row, row + m) of a product and the columns of n panels. */
 typedef struct block {
     size_t row, m, panel, n;
 } block;
 
-/* A single row is cut into one block for each thread. Rows of rounded inputs stay in the L2 cache. */
+/* Panels that are packed for this call are multiplied one at a time, and so are those of rounded inputs, whose rows stay in the L2
+ * cache. */
 static size_t panels_of_block(const rows *r, size_t n_rows, const nqm_panels *p) {
-    const size_t n_threads = (size_t)omp_get_num_threads();
-    if (!r->work->is_packed)
-        return 1;
-    if (n_rows <= 1)
-        return nqm_smaller(nqm_ceil_div(p->n_panels, n_threads), BLOCK_ROWS);
-    return p->precision == NQM_PRECISION_F32 ? nqm_panels_of_block(p, n_rows) : 1;
+    const bool one = !r->work->is_packed || (n_rows > 1 && p->precision != NQM_PRECISION_F32);
+    return one ? 1 : nqm_panels_of_block(p, n_rows);
 }
 
 static size_t count_blocks(const rows *r, size_t n_rows, const nqm_panels *p) {
@@ -81,42 +78,24 @@ static const uint32_t *panels_at(const rows *r, const nqm_segment *s, block at) 
     return (const uint32_t *)(const void *)panel;
 }
 
-/* c, the block `at` of A B, or c + A B: floats (m, n NQM_PANEL), ldc from row to row, or integers (n, m, NQM_PANEL). */
-static void multiply_packed(const nqm_kernels *kernels, const nqm_panels *p, const uint32_t *b, factor a, block at,
-                            bool add, void *c, size_t ldc) {
-    const uint32_t *left = a.words + at.row * a.stride;
-    if (at.m == 1)
-        kernels->row_product[p->precision](&(nqm_row_product){
-            .words = p->words, .n_panels = at.n, .stride = p->stride, .add = add, .a = left, .b = b, .c = c});
-    else
-        nqm_multiply_block(
-            kernels, &(nqm_block_product){.b = p,
-                                          .panels = b,
-                                          .n_panels = at.n,
-                                          .m = at.m,
-                                          .add = add,
-                                          .a = left,
-                                          .lda = a.stride,
-                                          .c = c,
-                                          .ldc = ldc,
-                                          .step = p->precision == NQM_PRECISION_INT8 ? at.m * NQM_PANEL : NQM_PANEL});
-}
-
-/* The same in float for any precision; c has the workspace's stride. */
-static void multiply_block(const rows *r, const nqm_segment *s, factor a, block at, bool add, float *c) {
+/* c (m, n NQM_PANEL) = the block `at` of A B, or c + A B, in float for any precision; c has the workspace's stride. */
+static void multiply_block(const rows *r, const nqm_segment *s, left_rows a, block at, bool add, float *c) {
+    _Alignas(64) int32_t sums[BLOCK_ROWS * NQM_PANEL]; /* of bytes: for rows and a panel, or a row and some panels */
     const nqm_panels *p = &s->panels;
-    const uint32_t *b = panels_at(r, s, at);
+    const bool is_int8 = p->precision == NQM_PRECISION_INT8;
     const size_t ldc = r->work->stride;
-    if (p->precision != NQM_PRECISION_INT8) {
-        multiply_packed(r->kernels, p, b, a, at, add, c, ldc);
-        return;
-    }
-    _Alignas(64) int32_t sums[BLOCK_ROWS * NQM_PANEL]; /* (n, m, NQM_PANEL): one row, or one panel */
-    multiply_packed(r->kernels, p, b, a, at, false, sums, NQM_PANEL);
-    for (size_t i = 0; i < at.n; ++i) {
+    nqm_multiply_block(r->kernels, &(nqm_block_product){.b = p,
+                                                        .panels = panels_at(r, s, at),
+                                                        .n_panels = at.n,
+                                                        .m = at.m,
+                                                        .add = add && !is_int8,
+                                                        .a = a.words + at.row * a.stride,
+                                                        .lda = a.stride,
+                                                        .c = is_int8 ? (void *)sums : c,
+                                                        .ldc = is_int8 ? NQM_PANEL : ldc});
+    for (size_t i = 0; is_int8 && i < at.n; ++i) {
         const nqm_byte_columns columns = nqm_panel_columns(p, at.panel + i);
-        r->kernels->dequantise(at.m, a.scale + at.row, &columns, add, sums + i * at.m * NQM_PANEL, c + i * NQM_PANEL,
-                               ldc);
+        r->kernels->dequantise(at.m, a.scale + at.row, &columns, add, sums + i * NQM_PANEL, c + i * NQM_PANEL, ldc);
     }
 }
 
@@ -159,13 +138,13 @@ static void round_segments(const rows *r, size_t l, size_t i, const float *x) {
 }
 
 /* The inputs of a segment of layer l, as round_segments() left them. */
-static factor inputs_of(const rows *r, size_t l, size_t s, const float *x, size_t ldx) {
+static left_rows inputs_of(const rows *r, size_t l, size_t s, const float *x, size_t ldx) {
     const nqm_inference_work *work = r->work;
     const nqm_segment *segment = &work->net->layer[l].segment[s];
     if (segment->panels.precision == NQM_PRECISION_F32)
-        return (factor){.words = (const uint32_t *)(const void *)(x + segment->first), .stride = ldx};
-    return (factor){work->rounded + r->slot * work->rounded_stride + segment->word, work->rounded_stride,
-                    work->scale + s * work->max_batch + r->slot};
+        return (left_rows){.words = (const uint32_t *)(const void *)(x + segment->first), .stride = ldx};
+    return (left_rows){work->rounded + r->slot * work->rounded_stride + segment->word, work->rounded_stride,
+                       work->scale + s * work->max_batch + r->slot};
 }
 
 /* ---- references -------------------------------------------------------------------------------------------------- */
@@ -174,7 +153,7 @@ static factor inputs_of(const rows *r, size_t l, size_t s, const float *x, size_
 static void find_references(const rows *all) {
     nqm_inference_work *work = all->work;
     const size_t n_bytes = work->net->layer[0].segment[0].panels.k * sizeof *all->x;
-    const float *before = work->kept_by == all->kernels ? work->kept : NULL;
+    const float *before = work->kept_kernels == all->kernels ? work->kept_ref : NULL;
     work->n_refs = 0;
     for (size_t i = 0; i < all->n; ++i) {
         const float *x = all->x + i * all->ldx;
@@ -200,7 +179,7 @@ static void round_reference(const rows *all, size_t i, const float *x) {
 /* A block of the references' partial products of layer 0. */
 static void multiply_reference_block(const rows *r, block at) {
     const nqm_inference_work *work = r->work;
-    multiply_block(r, &work->net->layer[0].segment[0], (factor){work->ref, work->ref_stride, work->ref_scale}, at,
+    multiply_block(r, &work->net->layer[0].segment[0], (left_rows){work->ref, work->ref_stride, work->ref_scale}, at,
                    false, work->partial + (1 + at.row) * work->stride + at.panel * NQM_PANEL);
 }
 
@@ -222,9 +201,9 @@ static void keep_reference(const rows *all) {
     nqm_inference_work *work = all->work;
     if (work->n_refs == 0)
         return;
-    memcpy(work->kept, all->x + (all->n - 1) * all->ldx, work->net->layer[0].segment[0].panels.k * sizeof *all->x);
+    memcpy(work->kept_ref, all->x + (all->n - 1) * all->ldx, work->net->layer[0].segment[0].panels.k * sizeof *all->x);
     memcpy(work->partial, work->partial + work->n_refs * work->stride, work->stride * sizeof *work->partial);
-    work->kept_by = all->kernels;
+    work->kept_kernels = all->kernels;
 }
 
 /* ---- layers ------------------------------------------------------------------------------------------------------ */

@@ -55,13 +55,14 @@ struct nqm_inference_work {
     size_t _Atomic n_taken; /**< of them, by threads that take rows through all layers */
     /* References of this call, 1..n_refs; 0 is the last one of the call before. */
     size_t n_refs;
-    size_t *ref_of;             /**< (max_batch) a row's reference */
-    size_t *ref_row;            /**< (max_batch) the first row of reference 1 + i */
-    uint32_t *ref;              /**< (max_batch, ref_stride) inputs of reference 1 + i in the precision of segment 0 */
-    nqm_byte_scale *ref_scale;  /**< (max_batch) */
-    float *partial;             /**< (1 + max_batch, stride) partial products of the references */
-    float *kept;                /**< (reference inputs) of reference 0 */
-    const nqm_kernels *kept_by; /**< the kernels that computed its partial product; NULL: there is no reference 0 */
+    size_t *ref_of;            /**< (max_batch) a row's reference */
+    size_t *ref_row;           /**< (max_batch) the first row of reference 1 + i */
+    uint32_t *ref;             /**< (max_batch, ref_stride) inputs of reference 1 + i in the precision of segment 0 */
+    nqm_byte_scale *ref_scale; /**< (max_batch) */
+    float *partial;            /**< (1 + max_batch, stride) partial products of the references */
+    float *kept_ref;           /**< (reference inputs) of reference 0 */
+    const nqm_kernels
+        *kept_kernels; /**< the kernels that computed its partial product; NULL: there is no reference 0 */
 };
 
 #endif

@@ -25,42 +25,40 @@ static uint32_t *next_words(nqm_trainer *t, size_t n) {
     return (uint32_t *)next_floats(t, n);
 }
 
-static uint32_t *next_groups(nqm_trainer *t, size_t n, size_t width) {
+static uint32_t *next_columns(nqm_trainer *t, size_t n, size_t width) {
     return next_words(t, nqm_columns_size(t->options.precision, width, t->options.max_batch, n));
 }
 
-/* A factor without memory of its own. */
-static nqm_factor factor_of(const nqm_trainer *t, size_t n, size_t width) {
-    nqm_factor f = {.n = n, .ld = nqm_row_stride(n), .width = width};
-    f.columns = nqm_columns_of(t->options.precision, width, t->options.max_batch, n);
-    f.ld_rows = nqm_row_stride(nqm_words(t->options.precision, n));
-    f.rows = t->rows;
-    return f;
+/* A matrix without memory of its own. */
+static nqm_batch_matrix matrix_of(const nqm_trainer *t, size_t n, size_t width) {
+    return (nqm_batch_matrix){.n = n,
+                              .ld = nqm_row_stride(n),
+                              .rows = t->rows,
+                              .ld_rows = nqm_row_stride(nqm_words(t->options.precision, n)),
+                              .width = width,
+                              .columns = nqm_columns_of(t->options.precision, width, t->options.max_batch, n)};
 }
 
 /* The input of a layer. */
-static void set_input(nqm_trainer *t, size_t n, nqm_factor *f) {
-    *f = factor_of(t, n, NQM_STRIP);
-    f->two_rows = is_rounded(t);
-    f->x = next_floats(t, (f->two_rows ? 2 * t->n_threads : t->options.max_batch) * f->ld);
+static void set_input(nqm_trainer *t, size_t n, nqm_batch_matrix *m) {
+    *m = matrix_of(t, n, NQM_STRIP);
+    m->x_is_buffer = is_rounded(t);
+    m->x = next_floats(t, (is_rounded(t) ? 2 * t->n_threads : t->options.max_batch) * m->ld);
     if (!is_rounded(t))
-        f->rows = (uint32_t *)f->x;
-    if (f->columns.ld == f->ld) /* rows as they are */
-        f->columns.data = f->x;
+        m->rows = (uint32_t *)m->x;
+    if (m->columns.ld == m->ld) /* rows of x */
+        m->columns.data = m->x;
     else
-        f->columns.data = f->groups = next_groups(t, n, NQM_STRIP);
+        m->columns.data = m->copied_columns = next_columns(t, n, NQM_STRIP);
 }
 
 /* The gradient of a layer's product. */
-static void set_gradient(nqm_trainer *t, size_t n, nqm_factor *f) {
-    *f = factor_of(t, n, NQM_PANEL);
-    f->columns.data = f->groups = t->dz_groups;
-    if (is_rounded(t)) {
-        f->x = t->dz;
-    } else {
-        f->x = next_floats(t, t->options.max_batch * f->ld);
-        f->rows = (uint32_t *)f->x;
-    }
+static void set_gradient(nqm_trainer *t, size_t n, nqm_batch_matrix *m) {
+    *m = matrix_of(t, n, NQM_PANEL);
+    m->columns.data = m->copied_columns = t->dz_columns;
+    m->x = is_rounded(t) ? t->dz : next_floats(t, t->options.max_batch * m->ld);
+    if (!is_rounded(t))
+        m->rows = (uint32_t *)m->x;
 }
 
 static void set_layer(nqm_trainer *t, size_t l) {
@@ -74,7 +72,7 @@ static void set_layer(nqm_trainer *t, size_t l) {
     if (l + 1 < t->n_hidden)
         set_input(t, out, &layer->y);
     else
-        layer->y = (nqm_factor){.n = out, .ld = layer->ld, .x = next_floats(t, batch * layer->ld)};
+        layer->y = (nqm_batch_matrix){.n = out, .ld = layer->ld, .x = next_floats(t, batch * layer->ld)};
     layer->slope = next_floats(t, batch * layer->ld);
     layer->rstd = next_floats(t, batch);
 }
@@ -95,10 +93,10 @@ static void set_shared(nqm_trainer *t) {
     for (size_t l = 0; l < t->n_hidden; ++l)
         widest_out = nqm_larger(sizes[l + 1], widest_out);
     t->sums = next_floats(t, nqm_row_blocks(batch) * NQM_VECTORS * nqm_row_stride(widest_out));
-    t->dz_groups = next_groups(t, widest_out, NQM_PANEL);
+    t->dz_columns = next_columns(t, widest_out, NQM_PANEL);
     if (!is_rounded(t))
         return;
-    const nqm_factor widest = factor_of(t, widest_out, NQM_PANEL);
+    const nqm_batch_matrix widest = matrix_of(t, widest_out, NQM_PANEL);
     t->rows = next_words(t, batch * widest.ld_rows);
     t->dz = next_floats(t, batch * widest.ld);
     t->zeros = next_floats(t, nqm_larger(sizes[0], widest_out));
@@ -243,26 +241,25 @@ uint64_t nqm_trainer_steps(const nqm_trainer *t) {
     return t->n_steps;
 }
 
-/* ---- factors ----------------------------------------------------------------------------------------------------- */
+/* ---- rows of a batch --------------------------------------------------------------------------------------------- */
 
-/* The floats of row i. With two_rows they stay in the thread's L1 cache until they are rounded. */
-static float *row_at(const nqm_factor *f, size_t i) {
-    const size_t at = f->two_rows ? 2 * (size_t)omp_get_thread_num() + i % 2 : i;
-    return f->x + at * f->ld;
+/* The floats of row i. A buffer stays in the thread's L1 cache until it is rounded. */
+static float *row_at(const nqm_batch_matrix *m, size_t i) {
+    return m->x + (m->x_is_buffer ? 2 * (size_t)omp_get_thread_num() + i % 2 : i) * m->ld;
 }
 
-void nqm_factor_rows_done(const nqm_trainer *t, const nqm_factor *f, size_t first, size_t n, const float *x) {
+void nqm_trainer_rows_done(const nqm_trainer *t, const nqm_batch_matrix *m, size_t first, size_t n, const float *x) {
     const nqm_kernels *kernels = nqm_kernels_get();
     if (!is_rounded(t)) {
-        for (size_t i = 0; f->groups && i < n; ++i)
-            nqm_columns_copy(f->n, x + i * f->ld, f->width, f->columns.step,
-                             (float *)f->groups + (first + i) * f->width);
+        for (size_t i = 0; m->copied_columns && i < n; ++i)
+            nqm_columns_copy(m->n, x + i * m->ld, m->width, m->columns.step,
+                             (float *)m->copied_columns + (first + i) * m->width);
         return;
     }
     for (size_t i = 0; i < n; ++i)
-        kernels->round_row(f->n, x + i * f->ld, f->rows + (first + i) * f->ld_rows);
-    kernels->round_pair(f->n, x, n == 2 ? x + f->ld : t->zeros, f->width, f->columns.step,
-                        f->groups + first / 2 * f->width);
+        kernels->round_row(m->n, x + i * m->ld, m->rows + (first + i) * m->ld_rows);
+    kernels->round_pair(m->n, x, n == 2 ? x + m->ld : t->zeros, m->width, m->columns.step,
+                        m->copied_columns + first / 2 * m->width);
 }
 
 /* ---- forward ----------------------------------------------------------------------------------------------------- */
@@ -311,18 +308,18 @@ static void hidden_forward(nqm_trainer *t, size_t l, size_t batch, const nqm_dro
                     kernels->dot(output->n, w + o * output->n, r.y) + w[output->n_outputs * output->n + o];
         }
         if (l + 1 < t->n_hidden)
-            nqm_factor_rows_done(t, &layer->y, first, n, row_at(&layer->y, first));
+            nqm_trainer_rows_done(t, &layer->y, first, n, row_at(&layer->y, first));
     }
 }
 
 void nqm_trainer_inputs_done(nqm_trainer *t, size_t first, size_t n) {
-    nqm_factor_rows_done(t, &t->input, first, n, row_at(&t->input, first));
+    nqm_trainer_rows_done(t, &t->input, first, n, row_at(&t->input, first));
 }
 
 void nqm_trainer_forward(nqm_trainer *t, size_t batch, const nqm_dropout *dropout, float *z) {
     for (size_t l = 0; l < t->n_hidden; ++l) {
         nqm_trainer_layer *layer = &t->layer[l];
-        const nqm_factor *x = l > 0 ? &t->layer[l - 1].y : &t->input;
+        const nqm_batch_matrix *x = l > 0 ? &t->layer[l - 1].y : &t->input;
         nqm_multiply(is_rounded(t) ? &layer->rounded : &layer->stored[NQM_VALUE].w, batch, x->rows, x->ld_rows, false,
                      layer->xhat, layer->ld);
         hidden_forward(t, l, batch, dropout, z);

@@ -47,8 +47,8 @@ static void step_tiles(void *user, size_t strip, size_t n_strips, size_t panel, 
 }
 
 /* Update the weights of a layer with input x. */
-static void step_weights(const nqm_trainer *t, layer_step *s, size_t batch, const nqm_factor *x) {
-    const nqm_factor *dz = &s->layer->dz;
+static void step_weights(const nqm_trainer *t, layer_step *s, size_t batch, const nqm_batch_matrix *x) {
+    const nqm_batch_matrix *dz = &s->layer->dz;
     nqm_gradient_run(&(nqm_gradient){.precision = t->options.precision,
                                      .m = batch,
                                      .k = x->n,
@@ -66,7 +66,7 @@ static void step_weights(const nqm_trainer *t, layer_step *s, size_t batch, cons
 static void dz_row_done(const nqm_trainer *t, const nqm_trainer_layer *layer, size_t row, size_t end) {
     const size_t first = row / 2 * 2;
     if (row > first || row + 1 == end)
-        nqm_factor_rows_done(t, &layer->dz, first, row - first + 1, layer->dz.x + first * layer->dz.ld);
+        nqm_trainer_rows_done(t, &layer->dz, first, row - first + 1, layer->dz.x + first * layer->dz.ld);
 }
 
 /* Add the sums (n_blocks, n) of all blocks to those of the first. */

@@ -20,18 +20,18 @@ typedef struct nqm_layer_values {
     float *vector[NQM_VECTORS];
 } nqm_layer_values;
 
-/** A matrix (batch, n) in the two forms that products read: as the left factor of a product (rows), and as a factor of a weight
- *  gradient (columns). In NQM_PRECISION_F32 the rows are x itself. */
-typedef struct nqm_factor {
-    size_t n, ld;   /**< floats from row to row of x; zeros from n to ld */
-    float *x;       /**< (max_batch, ld), or with two_rows (threads, 2, ld) */
-    bool two_rows;  /**< x holds the two rows that a thread is computing; rows and groups hold all */
-    uint32_t *rows; /**< (max_batch, ld_rows) words */
-    size_t ld_rows;
+/** A matrix (batch, n) of activations or of gradients, in the forms that products read: rows are the left factor of a product, columns
+ *  a factor of a weight gradient. In NQM_PRECISION_F32 the rows are x, and so are the columns where nqm_columns_of() says so. */
+typedef struct nqm_batch_matrix {
+    size_t n, ld;     /**< floats from row to row of x; zeros from n to ld */
+    float *x;         /**< (max_batch, ld); if it is a buffer: (threads, 2, ld) */
+    bool x_is_buffer; /**< x holds only the two rows that each thread is computing: rows and columns are complete */
+    uint32_t *rows;   /**< (max_batch, ld_rows) words */
+    size_t ld_rows;   /**< words */
     size_t width; /**< columns of a group: NQM_STRIP for the input of a layer, NQM_PANEL for the product's gradient */
-    nqm_columns columns; /**< views groups, or x */
-    uint32_t *groups;    /**< (groups, columns.step) words; NULL: columns views x */
-} nqm_factor;
+    nqm_columns columns;      /**< views copied_columns or x */
+    uint32_t *copied_columns; /**< (groups, columns.step) words; NULL: columns views x */
+} nqm_batch_matrix;
 
 /** A hidden layer and its activations for a batch. */
 typedef struct nqm_trainer_layer {
@@ -40,8 +40,8 @@ typedef struct nqm_trainer_layer {
     nqm_panels rounded;  /**< the weights in NQM_PRECISION_BF16, for the forward product; else empty */
     nqm_panels backward; /**< (out, in) the transposed weights, for the gradient of the input; empty in layer 0 */
     float *xhat;         /**< (max_batch, ld) the product, then the normalised values */
-    nqm_factor y;        /**< the output of the layer; of the last hidden layer x only */
-    nqm_factor dz;       /**< d loss / d y, then d loss / d(product) */
+    nqm_batch_matrix y;  /**< the output of the layer; of the last hidden layer x only */
+    nqm_batch_matrix dz; /**< d loss / d y, then d loss / d(product) */
     float *slope;        /**< (max_batch, ld) */
     float *rstd;         /**< (max_batch) */
 } nqm_trainer_layer;
@@ -58,14 +58,14 @@ struct nqm_trainer {
     size_t n_block, n_threads;
     nqm_net_shape shape;
     nqm_trainer_options options;
-    nqm_factor input;
+    nqm_batch_matrix input;
     size_t n_hidden; /**< hidden layers, at least one */
     nqm_trainer_layer layer[NQM_NET_MAX_LAYERS];
     nqm_trainer_output output;
-    uint32_t *dz_groups; /**< of every gradient, in turn: read by one product before the next gradient is computed */
+    uint32_t *dz_columns; /**< of every gradient, in turn: read by one product before the next gradient is computed */
     /* NQM_PRECISION_BF16 only: arrays that the layers use in turn, so that they stay in the caches. */
-    uint32_t *rows; /**< of every factor but the input: read by one product before the next factor is computed */
-    float *dz;      /**< the same for gradients */
+    uint32_t *rows; /**< of every matrix but the input: read by one product before the next matrix is computed */
+    float *dz;      /**< x of every gradient */
     float *zeros;   /**< (widest layer) the second row of a pair after the last row */
     float *sums;    /**< (row blocks, NQM_VECTORS, widest ld) gradients of bias and LayerNorm */
     uint64_t n_steps;
@@ -78,8 +78,9 @@ static inline size_t nqm_row_blocks(size_t batch) {
     return (batch + NQM_ROW_BLOCK - 1) / NQM_ROW_BLOCK;
 }
 
-/** Copy rows [first, first + n) of a factor, n <= 2, from x (n, f->ld) to its groups, rounded where products read rounded ones. first
- *  is even. */
-void nqm_factor_rows_done(const nqm_trainer *trainer, const nqm_factor *f, size_t first, size_t n, const float *x);
+/** Copy rows [first, first + n) of a matrix, n <= 2, from x (n, m->ld) to its rows and columns, as far as these are not x. first is
+ *  even. */
+void nqm_trainer_rows_done(const nqm_trainer *trainer, const nqm_batch_matrix *m, size_t first, size_t n,
+                           const float *x);
 
 #endif

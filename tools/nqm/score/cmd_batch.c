@@ -191,7 +191,7 @@ static bool is_standard(const char *path) {
     return path && strcmp(path, "-") == 0;
 }
 
-static void check_usage(const batch_run *run, const batch_arguments *a, ranks r) {
+static void check_usage(const batch_arguments *a, ranks r) {
     if (a->work)
         require_folder_name("--work", a->work, ".csv|.jsonl|.json|.ndjson", "finished pieces of the list");
     if ((!a->output || is_standard(a->output)) + is_standard(a->junit) + is_standard(a->markdown) > 1)
@@ -316,7 +316,7 @@ int cmd_batch(int argc, char **argv) {
     };
     parse_arguments(&cmd, argc, argv);
     a.list = argv[0];
-    check_usage(&run, &a, r);
+    check_usage(&a, r);
     if (r.rank > 0)
         set_progress(PROGRESS_NONE);
     run.form.format = choose_format(a.json, a.json_lines, a.output);
