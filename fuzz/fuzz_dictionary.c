@@ -3,7 +3,7 @@
  * Fuzz target: the reader of dictionaries. The checksum is corrected first, because the reader checks it before the
  * content. Encoding a BRDF with an accepted dictionary must not crash.
  */
-#include "fit/sparse.h"
+#include "encode/sparse.h"
 #include "fuzz.h"
 
 #include <stdlib.h>
@@ -13,12 +13,12 @@
 static void code(const nqm_sparse_dictionary *dictionary) {
     static size_t n_calls;
     nqm_brdf *ref, *coded;
-    nqm_fit_report report;
+    nqm_encode_report report;
     if (n_calls++ % 10 != 0)
         return;
     if (nqm_brdf_open("lambert:kd=0.2", &ref, NULL) != NQM_OK)
         abort();
-    if (nqm_sparse_encode(dictionary, ref, &(nqm_code){.n = 4}, &report, &coded, NULL) == NQM_OK)
+    if (nqm_sparse_encode(dictionary, ref, &(nqm_encode_options){.n = 4}, &report, &coded, NULL) == NQM_OK)
         nqm_brdf_free(coded);
     nqm_brdf_free(ref);
 }

@@ -4,7 +4,7 @@
  * content. Predicting weights with an accepted network must not return NQM_ERR_ARG.
  */
 #include "brdf/brdf.h"
-#include "fit/hyper.h"
+#include "encode/hyper.h"
 #include "fuzz.h"
 
 #include <stdlib.h>

@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: MIT
  *
  * nqm/fit.h - encode any BRDF: fit an analytic model, train a small network, compute a sparse code in a learned
- * dictionary, or predict a network by a learned hypernetwork; and learn the dictionary and the hypernetwork. In
- * libnqm-full only. The functions may be called from several threads.
+ * dictionary, or predict a network by a learned hypernetwork. In libnqm-full only. The functions may be called from several
+ * threads.
  */
 #ifndef NQM_FIT_H
 #define NQM_FIT_H
 
-#include <nqm/brdf.h>
+#include <nqm/encode.h>
 
 #ifdef __cplusplus
 extern "C" {
@@ -146,38 +146,6 @@ NQM_API int nqm_fit_model_has(const char *name, const char *key);
  */
 NQM_API NQM_MUST_CHECK nqm_status nqm_fit(const nqm_brdf *ref, const char *model, const nqm_fit_options *options,
                                           nqm_fit_report *report_ret, nqm_brdf **brdf_ret, nqm_error *err);
-
-/* ---- learned encoders --------------------------------------------------------------------------------------------- */
-
-/** What can be learned from a set of BRDFs. The library embeds one of each, learned from training materials only. */
-typedef enum nqm_encoder {
-    NQM_ENCODER_SPARSE = 0, /**< the dictionary of "sparse-*" */
-    NQM_ENCODER_HYPER       /**< the hypernetwork of "hyper-*" */
-} nqm_encoder;
-
-typedef struct nqm_learn_options {
-    size_t n_steps; /**< steps of the optimiser; 0 (default): 40 for the dictionary, 16000 for the hypernetwork */
-    uint64_t seed;  /**< default 1 */
-    nqm_progress_fn progress; /**< NULL: silent */
-    void *progress_user;
-} nqm_learn_options;
-
-/** The defaults above. */
-NQM_API nqm_learn_options nqm_learn_options_default(void);
-
-/**
- * Learn an encoder from BRDFs and write it as a safetensors file. Deterministic: the same bytes for any number of threads.
- *
- * @param n      number of BRDFs
- * @param refs   (n)
- * @param names  (n) UTF-8, stored in the file's metadata "references" (a JSON list): the record of what it has been learned
- *               from
- * @return NQM_ERR_ARG (n = 0, a name is not UTF-8), NQM_ERR_INCOMPATIBLE (a BRDF has too few values), NQM_ERR_NUMERIC,
- *         NQM_ERR_CANCELLED, NQM_ERR_IO, NQM_ERR_NOMEM
- */
-NQM_API NQM_MUST_CHECK nqm_status nqm_learn(nqm_encoder what, size_t n, const nqm_brdf *const *refs,
-                                            const char *const *names, const nqm_learn_options *options,
-                                            const char *path, nqm_error *err);
 
 #ifdef __cplusplus
 }

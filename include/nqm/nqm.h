@@ -9,6 +9,7 @@
 #include <nqm/base.h>
 #include <nqm/brdf.h>
 #include <nqm/data.h>
+#include <nqm/encode.h>
 #include <nqm/fit.h>
 #include <nqm/judge.h>
 #include <nqm/label.h>

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
- * The public entries of fitting and learning, the table of fit options, and the fit of an analytic model.
+ * The public entry of fitting, the table of fit options, and the fit of an analytic model.
  */
-#include "fit/fit.h"
+#include "fit/shading.h"
 #include "math/math.h"
 
 #include <math.h>
@@ -132,7 +132,7 @@ nqm_status nqm_fit_path(const nqm_brdf *ref, const char *model, const nqm_fit_op
     nqm_fit_target target = {0};
     nqm_fit_values values;
     nqm_status status = nqm_fit_entry_find(model, &entry, err);
-    if (status == NQM_OK && entry->encode)
+    if (status == NQM_OK && (entry->encode || entry->shading))
         status = nqm_fail(err, NQM_ERR_ARG, -1, "%s is not an analytic model", model);
     if (status == NQM_OK)
         status = nqm_fit_target_make(ref, options, &target, err);
@@ -146,7 +146,25 @@ nqm_status nqm_fit_path(const nqm_brdf *ref, const char *model, const nqm_fit_op
     return status;
 }
 
-/* ---- public entries ---------------------------------------------------------------------------------------------- */
+static nqm_status encode(const nqm_brdf *ref, const nqm_fit_entry *entry, const nqm_fit_options *options,
+                         nqm_fit_report *report, nqm_brdf **brdf_ret, nqm_error *err) {
+    const nqm_encode_options asked = {.n_directions = options->n_directions,
+                                      .seed = options->seed,
+                                      .n = entry->n_code,
+                                      .step = entry->step,
+                                      .name = entry->name,
+                                      .progress = options->progress,
+                                      .progress_user = options->progress_user};
+    nqm_encode_report found = {0};
+    nqm_status status = entry->encode(ref, &asked, &found, brdf_ret, err);
+    report->loss = found.loss;
+    report->n_directions = found.n_directions;
+    report->best_start = found.best_start;
+    report->n_numbers = found.n_numbers;
+    return status;
+}
+
+/* ---- public entry ------------------------------------------------------------------------------------------------ */
 
 nqm_status nqm_fit(const nqm_brdf *ref, const char *model, const nqm_fit_options *options_or_null,
                    nqm_fit_report *report_ret, nqm_brdf **brdf_ret, nqm_error *err) {
@@ -160,11 +178,12 @@ nqm_status nqm_fit(const nqm_brdf *ref, const char *model, const nqm_fit_options
     nqm_status status = nqm_fit_entry_find(model, &entry, err);
     if (status == NQM_OK)
         status = nqm_options_check(&nqm_fit_option_table, &options, err);
-    if (status == NQM_OK && (!entry->encode || entry->shading))
+    if (status == NQM_OK && !entry->encode)
         status = check_terms(&options, err);
-    if (status == NQM_OK)
-        status = entry->encode ? entry->encode(ref, entry, &options, &report, &brdf, err)
-                               : fit_analytic(ref, entry, &options, &report, &brdf, err);
+    if (status == NQM_OK && entry->encode)
+        status = encode(ref, entry, &options, &report, &brdf, err);
+    else if (status == NQM_OK)
+        status = (entry->shading ? nqm_fit_shading_model : fit_analytic)(ref, entry, &options, &report, &brdf, err);
     if (status != NQM_OK)
         return status;
     *report_ret = report;
@@ -173,18 +192,4 @@ nqm_status nqm_fit(const nqm_brdf *ref, const char *model, const nqm_fit_options
     else
         nqm_brdf_free(brdf);
     return NQM_OK;
-}
-
-nqm_learn_options nqm_learn_options_default(void) {
-    return (nqm_learn_options){.seed = 1};
-}
-
-nqm_status nqm_learn(nqm_encoder what, size_t n, const nqm_brdf *const *refs, const char *const *names,
-                     const nqm_learn_options *options_or_null, const char *path, nqm_error *err) {
-    NQM_REQUIRE(err, refs, names, path);
-    nqm_learn_options options = options_or_null ? *options_or_null : nqm_learn_options_default();
-    if (n == 0)
-        return nqm_fail(err, NQM_ERR_ARG, -1, "no BRDF to learn from");
-    return what == NQM_ENCODER_SPARSE ? nqm_learn_sparse(n, refs, names, &options, path, err)
-                                      : nqm_learn_hyper(n, refs, names, &options, path, err);
 }

@@ -8,8 +8,13 @@
 #define NQM_SRC_FIT_H
 
 #include "base/options.h"
+<<<<<<< HEAD
 #include "fit/encoders.h"
 #include "math/values.h"
+=======
+#include "encode/encode.h"
+#include <nqm/fit.h>
+>>>>>>> t-fit
 
 extern const nqm_option_table nqm_fit_option_table;
 
@@ -43,20 +48,16 @@ typedef struct nqm_fit_shape {
     nqm_fit_scale scale;
 } nqm_fit_shape;
 
-struct nqm_fit_entry;
-typedef nqm_status (*nqm_encode_fn)(const nqm_brdf *ref, const struct nqm_fit_entry *entry,
-                                    const nqm_fit_options *options, nqm_fit_report *report, nqm_brdf **brdf_ret,
-                                    nqm_error *err);
-
-/** A row of the list of models: an analytic model, or an encoding with its own function. */
+/** A row of the list of models: an analytic model, a shading model, or an encoding. */
 typedef struct nqm_fit_entry {
     const char *name;
     size_t n_shape;
     nqm_fit_shape shape[NQM_FIT_MAX_SHAPE];
     size_t n_start;                                           /* starting points per lobe width */
     void (*start)(double alpha, size_t which, double *shape); /* writes starting point `which` in [0, n_start) */
-    nqm_encode_fn encode;                                     /* NULL: analytic */
-    nqm_code code;                                            /* of a learned encoder */
+    nqm_encode_fn encode;                                     /* NULL: an analytic or shading model */
+    size_t n_code;                                            /* `n` and `step` of its options */
+    float step;
     const struct nqm_analytic_model *shading; /* a shading model, whose name is that of its schema; otherwise NULL */
 } nqm_fit_entry;
 

@@ -56,49 +56,45 @@ static void start_smooth(double alpha, size_t which, double *shape) {
 #define ETA                                                                                                            \
     { "eta", 1.03, 100, NQM_FIT_SCALE_LOG }
 
-static nqm_status encode_nbrdf(const nqm_brdf *ref, const nqm_fit_entry *entry, const nqm_fit_options *options,
-                               nqm_fit_report *report, nqm_brdf **brdf_ret, nqm_error *err) {
-    (void)entry;
-    return nqm_fit_nbrdf(ref, options, report, brdf_ret, err);
-}
-
 /* The paper's NQM_FIT_N_ENCODINGS encodings come first, in its order: sparse and hyper at the authors' levels, of which 0 is
  * the finest. Their settings were chosen so that the median Delta-E of training materials is that of the authors' labels
  * (doc/encodings.md). */
 static const nqm_fit_entry entries[] = {
-    {"ward", 1, {WIDTH}, 1, start_width_f0, NULL, {0}, NULL},
-    {"ggx", 2, {WIDTH, {"f0", 0.02, 0.98, NQM_FIT_SCALE_LINEAR}}, 2, start_width_f0, NULL, {0}, NULL},
-    {.name = "nbrdf", .encode = encode_nbrdf},
-    {.name = "sparse-0", .encode = nqm_fit_sparse, .code = {3, 0}},
-    {.name = "sparse-1", .encode = nqm_fit_sparse, .code = {3, 40}},
-    {.name = "sparse-2", .encode = nqm_fit_sparse, .code = {3, 50}},
-    {.name = "hyper-0", .encode = nqm_fit_hyper, .code = {400, 0.175f}},
-    {.name = "hyper-1", .encode = nqm_fit_hyper, .code = {400, 0.185f}},
-    {.name = "hyper-2", .encode = nqm_fit_hyper, .code = {400, 0.215f}},
-    {.name = "sparse-low", .encode = nqm_fit_sparse, .code = {4, 0}},
-    {.name = "sparse-mid", .encode = nqm_fit_sparse, .code = {8, 0}},
-    {.name = "sparse-high", .encode = nqm_fit_sparse, .code = {32, 0}},
-    {.name = "hyper-low", .encode = nqm_fit_hyper, .code = {12, 0}},
-    {.name = "hyper-mid", .encode = nqm_fit_hyper, .code = {64, 0}},
-    {.name = "hyper-high", .encode = nqm_fit_hyper, .code = {400, 0}},
-    {"ward-duer", 1, {WIDTH}, 1, start_width_f0, NULL, {0}, NULL},
-    {"blinn-phong", 1, {EXPONENT(1e7)}, 1, start_exponent_f0, NULL, {0}, NULL},
+    {"ward", 1, {WIDTH}, 1, start_width_f0, NULL, 0, 0, NULL},
+    {"ggx", 2, {WIDTH, {"f0", 0.02, 0.98, NQM_FIT_SCALE_LINEAR}}, 2, start_width_f0, NULL, 0, 0, NULL},
+    {.name = "nbrdf", .encode = nqm_encode_nbrdf},
+    {.name = "sparse-0", .encode = nqm_encode_sparse, .n_code = 3},
+    {.name = "sparse-1", .encode = nqm_encode_sparse, .n_code = 3, .step = 40},
+    {.name = "sparse-2", .encode = nqm_encode_sparse, .n_code = 3, .step = 50},
+    {.name = "hyper-0", .encode = nqm_encode_hyper, .n_code = 400, .step = 0.175f},
+    {.name = "hyper-1", .encode = nqm_encode_hyper, .n_code = 400, .step = 0.185f},
+    {.name = "hyper-2", .encode = nqm_encode_hyper, .n_code = 400, .step = 0.215f},
+    {.name = "sparse-low", .encode = nqm_encode_sparse, .n_code = 4},
+    {.name = "sparse-mid", .encode = nqm_encode_sparse, .n_code = 8},
+    {.name = "sparse-high", .encode = nqm_encode_sparse, .n_code = 32},
+    {.name = "hyper-low", .encode = nqm_encode_hyper, .n_code = 12},
+    {.name = "hyper-mid", .encode = nqm_encode_hyper, .n_code = 64},
+    {.name = "hyper-high", .encode = nqm_encode_hyper, .n_code = 400},
+    {"ward-duer", 1, {WIDTH}, 1, start_width_f0, NULL, 0, 0, NULL},
+    {"blinn-phong", 1, {EXPONENT(1e7)}, 1, start_exponent_f0, NULL, 0, 0, NULL},
     {"lafortune",
      2,
      {{"cz", 0.02, 1 - 1e-8, NQM_FIT_SCALE_LOG_REST}, EXPONENT(3e6)},
      2,
      start_lafortune,
      NULL,
-     {0},
+     0,
+     0,
      NULL},
-    {"cook-torrance", 2, {WIDTH, {"f0", 0.005, 0.98, NQM_FIT_SCALE_LINEAR}}, 2, start_width_f0, NULL, {0}, NULL},
+    {"cook-torrance", 2, {WIDTH, {"f0", 0.005, 0.98, NQM_FIT_SCALE_LINEAR}}, 2, start_width_f0, NULL, 0, 0, NULL},
     {"ashikhmin-shirley",
      2,
      {EXPONENT(1e7), {"f0", 0.005, 0.98, NQM_FIT_SCALE_LINEAR}},
      2,
      start_exponent_f0,
      NULL,
-     {0},
+     0,
+     0,
      NULL},
     {"abc",
      3,
@@ -106,7 +102,8 @@ static const nqm_fit_entry entries[] = {
      4,
      start_abc,
      NULL,
-     {0},
+     0,
+     0,
      NULL},
     {"smooth",
      3,
@@ -114,12 +111,13 @@ static const nqm_fit_entry entries[] = {
      4,
      start_smooth,
      NULL,
-     {0},
+     0,
+     0,
      NULL},
 };
 enum { N_ENTRIES = sizeof entries / sizeof *entries };
 
-#define SHADING_ENTRY(NAME) {.encode = nqm_fit_shading_model, .shading = &(NAME)},
+#define SHADING_ENTRY(NAME) {.shading = &(NAME)},
 static const nqm_fit_entry shadings[] = {NQM_SHADING_MODELS(SHADING_ENTRY){.name = NULL}};
 enum { N_SHADINGS = sizeof shadings / sizeof *shadings - 1 };
 

@@ -13,26 +13,6 @@
 
 enum { MIN_VALID = 100 };
 
-void nqm_fit_draw_uniform(nqm_rng *rng, double max_polar, double *wi, double *wo) {
-    double cos_max = cos(max_polar);
-    double *both[2] = {wi, wo};
-    for (int k = 0; k < 2; ++k) {
-        double cos_theta = 1 - nqm_rng_uniform(rng) * (1 - cos_max);
-        nqm_spherical(acos(cos_theta), 2 * NQM_PI * nqm_rng_uniform(rng), both[k]);
-    }
-}
-
-void nqm_fit_draw_dense(nqm_rng *rng, double max_polar, double max_theta, double max_phi, double *hd) {
-    double cos_max = cos(max_polar), wi[3], wo[3];
-    do {
-        double u = nqm_rng_uniform(rng);
-        hd[0] = max_theta * u * u;
-        hd[1] = max_theta * nqm_rng_uniform(rng);
-        hd[2] = max_phi * nqm_rng_uniform(rng);
-        nqm_half_diff_to_pair(hd, wi, wo);
-    } while (wi[2] < cos_max || wo[2] < cos_max);
-}
-
 static void draw_pairs(const nqm_fit_options *options, const nqm_fit_target *target) {
     nqm_rng rng = nqm_rng_make(options->seed, 0);
     size_t n_highlight = (size_t)(options->highlight_fraction * (double)options->n_directions + 0.5);
@@ -40,10 +20,10 @@ static void draw_pairs(const nqm_fit_options *options, const nqm_fit_target *tar
         double *wi = target->wi + 3 * i, *wo = target->wo + 3 * i;
         if (i < n_highlight) {
             double hd[3];
-            nqm_fit_draw_dense(&rng, options->max_polar_rad, options->max_polar_rad, 2 * NQM_PI, hd);
+            nqm_encode_draw_dense(&rng, options->max_polar_rad, options->max_polar_rad, 2 * NQM_PI, hd);
             nqm_half_diff_to_pair(hd, wi, wo);
         } else {
-            nqm_fit_draw_uniform(&rng, options->max_polar_rad, wi, wo);
+            nqm_encode_draw_uniform(&rng, options->max_polar_rad, wi, wo);
         }
     }
 }

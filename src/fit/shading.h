@@ -146,7 +146,7 @@ NQM_MUST_CHECK nqm_status nqm_shading_finish(const nqm_shading_space *space, con
 NQM_MUST_CHECK nqm_status nqm_shading_report(const nqm_shading_space *space, nqm_shading_objective *objective,
                                              size_t n_directions, nqm_shading_point *point, nqm_fit_report *report,
                                              nqm_error *err);
-/** The whole fit (nqm_encode_fn). */
+/** The whole fit. */
 NQM_MUST_CHECK nqm_status nqm_fit_shading_model(const nqm_brdf *ref, const nqm_fit_entry *entry,
                                                 const nqm_fit_options *options, nqm_fit_report *report,
                                                 nqm_brdf **brdf_ret, nqm_error *err);

@@ -4,7 +4,7 @@
  * (corpus_dataset.c). doc/corpus.md explains the content of a corpus.
  */
 #include "label/corpus.h"
-#include "fit/encoders.h"
+#include "encode/encode.h"
 
 #include <string.h>
 #include <sys/stat.h>

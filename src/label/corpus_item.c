@@ -257,11 +257,11 @@ static nqm_status overfit(const job *j, const nqm_corpus_test *test, nqm_brdf **
     nqm_rng_shuffle(&rng, n_own, own);
     for (size_t i = 0; i < n; ++i)
         if (!n_own)
-            nqm_fit_draw_dense(&rng, 80 * degree, NQM_PI / 2, NQM_PI, hd + 3 * i);
+            nqm_encode_draw_dense(&rng, 80 * degree, NQM_PI / 2, NQM_PI, hd + 3 * i);
         else
             for (size_t k = 0; k < 3; ++k)
                 hd[3 * i + k] = degrees[3 * own[i] + k] * degree;
-    status = nqm_fit_nbrdf_at(j->forms[test->ref]->brdf, n, hd, test->path.seed, brdf_ret, err);
+    status = nqm_encode_nbrdf_at(j->forms[test->ref]->brdf, n, hd, test->path.seed, brdf_ret, err);
     nqm_free(hd);
     return status;
 }

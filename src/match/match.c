@@ -239,13 +239,9 @@ static bool is_covered(const nqm_brdf *ref, const nqm_model *model) {
 
 /* ---- public entry ------------------------------------------------------------------------------------------------ */
 
-static bool has_own_loss(const nqm_fit_entry *entry) {
-    return entry->encode && !entry->shading;
-}
-
 static nqm_status match(const setting *s, const nqm_fit_entry *entry, const nqm_match_sum *sum,
                         nqm_match_report *report, nqm_brdf **brdf_ret, nqm_error *err) {
-    if (has_own_loss(entry)) {
+    if (entry->encode) {
         const nqm_status own = nqm_fit(s->ref, s->model, &s->options, &report->fit, brdf_ret, err);
         if (own != NQM_ERR_INCOMPATIBLE || !nqm_scattered_rows(s->ref, NULL, NULL))
             return own;
@@ -281,14 +277,14 @@ nqm_status nqm_match(const nqm_brdf *ref, const char *model, const nqm_match_los
     nqm_status status = nqm_match_parse(loss->text, &sum, err);
     if (status == NQM_OK)
         status = nqm_fit_entry_find(model, &entry, err);
-    if (status == NQM_OK && sum.is_auto && loss->transport && !has_own_loss(entry) &&
+    if (status == NQM_OK && sum.is_auto && loss->transport && !entry->encode &&
         !is_covered(ref, loss->transport)) {
         s.loss = &values;
         status = nqm_match_parse(values.text, &sum, err);
         snprintf(report.selected, sizeof report.selected, "%s", nqm_match_uncovered);
     }
     /* A list has values at its own directions only, not on rays. */
-    if (status == NQM_OK && s.loss->scene && !has_own_loss(entry) && !nqm_scattered_rows(ref, NULL, NULL)) {
+    if (status == NQM_OK && s.loss->scene && !entry->encode && !nqm_scattered_rows(ref, NULL, NULL)) {
         status = nqm_match_judge_make(loss->scene, ref, s.options.seed, &judge, err);
         s.judge = &judge;
     }

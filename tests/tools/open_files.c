@@ -5,8 +5,8 @@
  * with the text of a BRDF argument. A BRDF is also evaluated, and must give finite values.
  */
 #include "data/human.h"
-#include "fit/encoders.h"
-#include "fit/hyper.h"
+#include "encode/encode.h"
+#include "encode/hyper.h"
 #include "nqm/score/pair_list.h"
 #include "nqm/tool.h"
 

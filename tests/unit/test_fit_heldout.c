@@ -3,7 +3,7 @@
  * No embedded encoder was learned from the 20 materials of the human study (Kavoosighafi et al. 2025): each file lists
  * its references, and none of them is one of those materials in any form.
  */
-#include "fit/encoders.h"
+#include "encode/encode.h"
 #include "support/check.h"
 
 #include <jansson.h>

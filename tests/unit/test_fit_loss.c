@@ -42,7 +42,7 @@ static void make_roots(const char *truth, roots *r) {
     *r = (roots){.visual = {.n = N, .eval = roots_eval, .user = r}};
     for (size_t i = 0; i < N; ++i) {
         double hd[3];
-        nqm_fit_draw_dense(&rng, 1.2, 1.2, 6, hd);
+        nqm_encode_draw_dense(&rng, 1.2, 1.2, 6, hd);
         nqm_half_diff_to_directions(hd, r->wi + 3 * i, r->wo + 3 * i);
     }
     r->visual.wi = r->wi;

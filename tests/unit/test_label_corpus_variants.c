@@ -235,17 +235,17 @@ static void few_directions_are_overfitted(void **state) {
     nqm_rng rng = nqm_rng_make(5, 0);
     assert_int_equal(nqm_brdf_open("ggx:kd=.3,.1,.05;ks=1;alpha=.2", &ref, NULL), NQM_OK);
     for (size_t i = 0; i < N; ++i)
-        nqm_fit_draw_dense(&rng, 1.4, NQM_PI / 2, NQM_PI, hd + 3 * i);
-    assert_int_equal(nqm_fit_nbrdf_at(ref, N, hd, 1, &fit, NULL), NQM_OK);
+        nqm_encode_draw_dense(&rng, 1.4, NQM_PI / 2, NQM_PI, hd + 3 * i);
+    assert_int_equal(nqm_encode_nbrdf_at(ref, N, hd, 1, &fit, NULL), NQM_OK);
     for (int fresh = 0; fresh < 2; ++fresh) {
         nqm_brdf_eval_half_diff(ref, N, hd, rgb[0], NULL);
         nqm_brdf_eval_half_diff(fit, N, hd, rgb[1], NULL);
         for (size_t i = 0; i < 3 * N; ++i)
             *(fresh ? &other : &error) += fabs(log1p(rgb[1][i]) - log1p(rgb[0][i])) / (3 * N);
         if (fresh == 0)
-            assert_int_equal(nqm_fit_nbrdf_at(ref, N, hd, 1, &again, NULL), NQM_OK);
+            assert_int_equal(nqm_encode_nbrdf_at(ref, N, hd, 1, &again, NULL), NQM_OK);
         for (size_t i = 0; i < N; ++i)
-            nqm_fit_draw_dense(&rng, 1.4, NQM_PI / 2, NQM_PI, hd + 3 * i);
+            nqm_encode_draw_dense(&rng, 1.4, NQM_PI / 2, NQM_PI, hd + 3 * i);
     }
     print_message("error %g, elsewhere %g\n", error, other);
     assert_true(other > 3 * error);

@@ -3,7 +3,7 @@
  * Approximate K-SVD: each step codes all signals by matching pursuit, then updates the atoms one by one, together with
  * their coefficients, on the residual of the other atoms.
  */
-#include "fit/sparse.h"
+#include "encode/sparse.h"
 
 #include <math.h>
 #include <string.h>

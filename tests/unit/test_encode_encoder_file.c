@@ -3,7 +3,7 @@
  * Files of learned encoders: a written file is read back with its references; a file of another kind, a changed byte, a
  * value that is not finite and a tensor of another shape are errors.
  */
-#include "fit/encoders.h"
+#include "encode/encode.h"
 #include "support/check.h"
 #include "support/temp_file.h"
 

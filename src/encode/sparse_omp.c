@@ -2,7 +2,7 @@
  *
  * Orthogonal matching pursuit; needs the inner products of atoms and signals only, not the vectors.
  */
-#include "fit/sparse.h"
+#include "encode/sparse.h"
 
 #include <math.h>
 #include <string.h>

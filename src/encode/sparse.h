@@ -7,10 +7,10 @@
  * coordinate, which keeps the dictionary small: a table is represented by a core of NQM_SPARSE_CORE coefficients with the
  * same norm.
  */
-#ifndef NQM_SRC_FIT_SPARSE_H
-#define NQM_SRC_FIT_SPARSE_H
+#ifndef NQM_SRC_ENCODE_SPARSE_H
+#define NQM_SRC_ENCODE_SPARSE_H
 
-#include "fit/encoders.h"
+#include "encode/encode.h"
 
 /** Nodes of the table (theta_h, theta_d, phi_d), as in nqm_table_create(), and the sizes of the bases. */
 enum { NQM_SPARSE_H = 90, NQM_SPARSE_D = 24, NQM_SPARSE_P = 12 };
@@ -95,10 +95,10 @@ void nqm_sparse_tensors(const nqm_sparse_dictionary *dictionary, nqm_tensor tens
 NQM_MUST_CHECK nqm_status nqm_sparse_dictionary_parse(const unsigned char *data, size_t n_bytes, const char *name,
                                                       nqm_sparse_dictionary **dictionary_ret, nqm_error *err);
 
-/** Code `ref` with at most code->n atoms. Fills loss, n_directions and n_numbers of the report. */
+/** Code `ref` with at most options->n atoms. Fills loss, n_directions and n_numbers of the report. */
 NQM_MUST_CHECK nqm_status nqm_sparse_encode(const nqm_sparse_dictionary *dictionary, const nqm_brdf *ref,
-                                            const nqm_code *code, nqm_fit_report *report, nqm_brdf **brdf_ret,
-                                            nqm_error *err);
+                                            const nqm_encode_options *options, nqm_encode_report *report,
+                                            nqm_brdf **brdf_ret, nqm_error *err);
 
 /* ---- learning ---------------------------------------------------------------------------------------------------- */
 

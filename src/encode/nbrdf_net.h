@@ -3,8 +3,8 @@
  * nbrdf_net.h - training of the network of an NBRDF (6-21-21-3, src/brdf/formats/nbrdf.c): inputs, loss and gradient over a batch
  * of directions. Used by the fit of one network and by the hypernetwork, which predicts such networks.
  */
-#ifndef NQM_SRC_FIT_NBRDF_NET_H
-#define NQM_SRC_FIT_NBRDF_NET_H
+#ifndef NQM_SRC_ENCODE_NBRDF_NET_H
+#define NQM_SRC_ENCODE_NBRDF_NET_H
 
 #include "brdf/brdf.h"
 

@@ -5,11 +5,12 @@
  */
 #include "base/memory_test.h"
 #include "brdf/brdf.h"
-#include "fit/sparse.h"
+#include "encode/sparse.h"
 #include "math/math.h"
 #include "support/check.h"
 
 #include <math.h>
+#include <nqm/fit.h>
 #include <string.h>
 
 enum { CELLS = NQM_SPARSE_CELLS, CORE = NQM_SPARSE_CORE };
@@ -103,10 +104,10 @@ static nqm_brdf *in_span(const nqm_sparse_dictionary *dictionary, double factor)
 }
 
 static double loss_of(const nqm_sparse_dictionary *dictionary, const nqm_brdf *ref, size_t n_atoms) {
-    nqm_fit_report report = {0};
+    nqm_encode_report report = {0};
     nqm_brdf *brdf;
     nqm_error err = {0};
-    if (nqm_sparse_encode(dictionary, ref, &(nqm_code){.n = n_atoms}, &report, &brdf, &err) != NQM_OK)
+    if (nqm_sparse_encode(dictionary, ref, &(nqm_encode_options){.n = n_atoms}, &report, &brdf, &err) != NQM_OK)
         fail_msg("%s", err.message);
     assert_true(report.n_numbers <= 2 * n_atoms && report.n_directions > 1000);
     nqm_brdf_free(brdf);
@@ -199,9 +200,10 @@ static void holes_are_filled(void **state) {
     static const double limit = 1.2, tiny = -1;
     nqm_sparse_dictionary *dictionary = builtin();
     nqm_brdf *brdf = with_holes(&limit), *empty = with_holes(&tiny), *coded;
-    nqm_fit_report report;
+    nqm_encode_report report;
     nqm_error err = {0};
-    assert_int_equal(nqm_sparse_encode(dictionary, brdf, &(nqm_code){.n = 32}, &report, &coded, NULL), NQM_OK);
+    assert_int_equal(nqm_sparse_encode(dictionary, brdf, &(nqm_encode_options){.n = 32}, &report, &coded, NULL),
+                     NQM_OK);
     assert_true(report.loss < 0.01);
     static const double hd[][3] = {
         {0.05, 0.3, 1}, {0.5, 0.7, 2}, {0.15, 0.3, 1}, {0.05, 1.3, 1}}; /* 2 and 3 have no value */
@@ -210,7 +212,7 @@ static void holes_are_filled(void **state) {
     for (size_t i = 0; i < 3 * 4; ++i)
         assert_relative(rgb[i], 0.1, i < 6 ? 0.1 : 0.5);
     nqm_brdf_free(coded);
-    assert_int_equal(nqm_sparse_encode(dictionary, empty, &(nqm_code){.n = 32}, &report, &coded, &err),
+    assert_int_equal(nqm_sparse_encode(dictionary, empty, &(nqm_encode_options){.n = 32}, &report, &coded, &err),
                      NQM_ERR_INCOMPATIBLE);
     assert_non_null(strstr(err.message, "holes.bsdf"));
     assert_null(coded);

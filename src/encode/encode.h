@@ -1,44 +1,54 @@
 /* SPDX-License-Identifier: MIT
  *
- * encoders.h - the encodings that are not analytic: a network trained for one BRDF, sparse codes in a learned dictionary,
- * networks predicted by a learned hypernetwork. fit_models.c lists them.
+ * encode.h - the encodings that are not analytic: a network trained for one BRDF, sparse codes in a learned dictionary,
+ * networks predicted by a learned hypernetwork. The room `fit` lists them as models.
  */
-#ifndef NQM_SRC_FIT_ENCODERS_H
-#define NQM_SRC_FIT_ENCODERS_H
+#ifndef NQM_SRC_ENCODE_H
+#define NQM_SRC_ENCODE_H
 
 #include "base/embedded.h"
 #include "io/io.h"
-#include <nqm/fit.h>
+#include <nqm/encode.h>
 
-/** The setting of an encoding by a learned encoder; fit_models.c lists them. */
-typedef struct nqm_code {
+/** What an encoder is asked for. */
+typedef struct nqm_encode_options {
+    size_t n_directions; /* of nqm_fit_options */
+    uint64_t seed;
     size_t n;   /* atoms of a sparse code; samples that the hypernetwork reads */
     float step; /* coefficients of the atoms, or the latent vector, are rounded to multiples of it; 0: they are not */
-} nqm_code;
+    const char *name;         /* of the predicted network */
+    nqm_progress_fn progress; /* NULL: silent */
+    void *progress_user;
+} nqm_encode_options;
 
-struct nqm_fit_entry; /* fit.h */
+/** As in nqm_fit_report. */
+typedef struct nqm_encode_report {
+    double loss;
+    size_t n_directions, best_start, n_numbers;
+} nqm_encode_report;
+
+typedef nqm_status (*nqm_encode_fn)(const nqm_brdf *ref, const nqm_encode_options *options, nqm_encode_report *report,
+                                    nqm_brdf **brdf_ret, nqm_error *err);
 
 /** Train a network for `ref` (nbrdf_fit.c). */
-NQM_MUST_CHECK nqm_status nqm_fit_nbrdf(const nqm_brdf *ref, const nqm_fit_options *options, nqm_fit_report *report,
-                                        nqm_brdf **brdf_ret, nqm_error *err);
+NQM_MUST_CHECK nqm_status nqm_encode_nbrdf(const nqm_brdf *ref, const nqm_encode_options *options,
+                                           nqm_encode_report *report, nqm_brdf **brdf_ret, nqm_error *err);
 /** Train a network at n half-vector coordinates hd (n, 3) only, for so long that it overfits them. NQM_ERR_INCOMPATIBLE: no
  *  direction has a value. */
-NQM_MUST_CHECK nqm_status nqm_fit_nbrdf_at(const nqm_brdf *ref, size_t n, const double *hd, uint64_t seed,
-                                           nqm_brdf **brdf_ret, nqm_error *err);
+NQM_MUST_CHECK nqm_status nqm_encode_nbrdf_at(const nqm_brdf *ref, size_t n, const double *hd, uint64_t seed,
+                                              nqm_brdf **brdf_ret, nqm_error *err);
 /** Compute a sparse code of `ref` in the embedded dictionary (sparse.c). */
-NQM_MUST_CHECK nqm_status nqm_fit_sparse(const nqm_brdf *ref, const struct nqm_fit_entry *entry,
-                                         const nqm_fit_options *options, nqm_fit_report *report, nqm_brdf **brdf_ret,
-                                         nqm_error *err);
+NQM_MUST_CHECK nqm_status nqm_encode_sparse(const nqm_brdf *ref, const nqm_encode_options *options,
+                                            nqm_encode_report *report, nqm_brdf **brdf_ret, nqm_error *err);
 /** Predict a network for `ref` by the embedded hypernetwork (hyper.c). */
-NQM_MUST_CHECK nqm_status nqm_fit_hyper(const nqm_brdf *ref, const struct nqm_fit_entry *entry,
-                                        const nqm_fit_options *options, nqm_fit_report *report, nqm_brdf **brdf_ret,
-                                        nqm_error *err);
+NQM_MUST_CHECK nqm_status nqm_encode_hyper(const nqm_brdf *ref, const nqm_encode_options *options,
+                                           nqm_encode_report *report, nqm_brdf **brdf_ret, nqm_error *err);
 
 /** Draw a direction pair uniform by solid angle, both polar angles at most max_polar. */
-void nqm_fit_draw_uniform(nqm_rng *rng, double max_polar, double *wi, double *wo);
+void nqm_encode_draw_uniform(nqm_rng *rng, double max_polar, double *wi, double *wo);
 /** Draw half-vector coordinates hd (3): theta_h = max_theta u^2 with uniform u, as in MERL's tables; theta_d uniform up to
  *  max_theta, phi_d up to max_phi; both polar angles at most max_polar. */
-void nqm_fit_draw_dense(nqm_rng *rng, double max_polar, double max_theta, double max_phi, double *hd);
+void nqm_encode_draw_dense(nqm_rng *rng, double max_polar, double max_theta, double max_phi, double *hd);
 
 /** The two halves of nqm_learn() (sparse_learn.c, hyper_learn.c). */
 NQM_MUST_CHECK nqm_status nqm_learn_sparse(size_t n, const nqm_brdf *const *refs, const char *const *names,

@@ -4,7 +4,7 @@
  * sets of a batch are independent; and its file is read back, or refused.
  */
 #include "brdf/brdf.h"
-#include "fit/hyper.h"
+#include "encode/hyper.h"
 #include "support/check.h"
 #include "support/temp_file.h"
 

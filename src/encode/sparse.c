@@ -2,9 +2,8 @@
  *
  * The encodings sparse-*: a dictionary from its file, and a BRDF coded in it.
  */
-#include "fit/sparse.h"
+#include "encode/sparse.h"
 #include "brdf/brdf.h"
-#include "fit/fit.h"
 #include "math/math.h"
 
 #include <math.h>
@@ -121,8 +120,8 @@ static nqm_status make_workspace(size_t n_atoms, workspace *w, nqm_error *err) {
     return status == NQM_OK ? nqm_sparse_grid_make(&w->grid, err) : status;
 }
 
-/* Replace the mapped channels of w->table by a linear combination of at most code->n atoms; returns their number. */
-static size_t approximate(const nqm_sparse_dictionary *dictionary, const nqm_code *code, workspace *w) {
+/* Replace the mapped channels of w->table by a linear combination of at most options->n atoms; returns their number. */
+static size_t approximate(const nqm_sparse_dictionary *dictionary, const nqm_encode_options *options, workspace *w) {
     size_t n = dictionary->n_atoms, index[NQM_OMP_MAX_ATOMS];
     double coefficient[NQM_OMP_MAX_ATOMS];
     for (size_t i = 0; i < n * CORE; ++i)
@@ -139,8 +138,8 @@ static size_t approximate(const nqm_sparse_dictionary *dictionary, const nqm_cod
         }
     }
     const nqm_omp_problem problem = {3, n, w->gram, w->correlation};
-    size_t n_chosen = nqm_omp(&problem, code->n, index, coefficient, w->scratch);
-    const double step = (double)code->step;
+    size_t n_chosen = nqm_omp(&problem, options->n, index, coefficient, w->scratch);
+    const double step = (double)options->step;
     for (size_t a = 0; step > 0 && a < n_chosen; ++a)
         coefficient[a] = step * round(coefficient[a] / step);
     memset(w->core, 0, 3 * CORE * sizeof *w->core);
@@ -179,8 +178,9 @@ static nqm_status make_brdf(const workspace *w, const char *name, nqm_brdf **brd
     return nqm_table_create(NQM_SPARSE_H, NQM_SPARSE_D, NQM_SPARSE_P, w->rgb, name, brdf_ret, err);
 }
 
-nqm_status nqm_sparse_encode(const nqm_sparse_dictionary *dictionary, const nqm_brdf *ref, const nqm_code *code,
-                             nqm_fit_report *report, nqm_brdf **brdf_ret, nqm_error *err) {
+nqm_status nqm_sparse_encode(const nqm_sparse_dictionary *dictionary, const nqm_brdf *ref,
+                             const nqm_encode_options *options, nqm_encode_report *report, nqm_brdf **brdf_ret,
+                             nqm_error *err) {
     workspace w;
     *brdf_ret = NULL;
     nqm_status status = make_workspace(dictionary->n_atoms, &w, err);
@@ -189,7 +189,7 @@ nqm_status nqm_sparse_encode(const nqm_sparse_dictionary *dictionary, const nqm_
     if (status == NQM_OK) {
         memcpy(w.table, w.sample, 3 * CELLS * sizeof *w.table);
         nqm_sparse_map(&w.grid, dictionary->typical, w.table);
-        report->n_numbers = 2 * approximate(dictionary, code, &w);
+        report->n_numbers = 2 * approximate(dictionary, options, &w);
         nqm_sparse_unmap(&w.grid, dictionary->typical, w.table);
         report->loss = loss_of(&w);
         status = make_brdf(&w, nqm_brdf_get_info(ref).name, brdf_ret, err);
@@ -199,15 +199,14 @@ nqm_status nqm_sparse_encode(const nqm_sparse_dictionary *dictionary, const nqm_
     return status;
 }
 
-nqm_status nqm_fit_sparse(const nqm_brdf *ref, const nqm_fit_entry *entry, const nqm_fit_options *options,
-                          nqm_fit_report *report, nqm_brdf **brdf_ret, nqm_error *err) {
-    (void)options; /* the directions are the nodes of the table */
+nqm_status nqm_encode_sparse(const nqm_brdf *ref, const nqm_encode_options *options, nqm_encode_report *report,
+                             nqm_brdf **brdf_ret, nqm_error *err) {
     size_t n_bytes = 0;
     const unsigned char *bytes = nqm_encoder_bytes("sparse", &n_bytes);
     nqm_sparse_dictionary *dictionary;
     nqm_status status = nqm_sparse_dictionary_parse(bytes, n_bytes, "built-in dictionary", &dictionary, err);
     if (status == NQM_OK)
-        status = nqm_sparse_encode(dictionary, ref, &entry->code, report, brdf_ret, err);
+        status = nqm_sparse_encode(dictionary, ref, options, report, brdf_ret, err);
     nqm_free(dictionary);
     return status;
 }

@@ -3,7 +3,7 @@
  * The learning of the dictionary: tables of all references, a typical material (their median), the separable bases, and
  * the atoms by K-SVD.
  */
-#include "fit/sparse.h"
+#include "encode/sparse.h"
 #include "math/math.h"
 
 #include <math.h>

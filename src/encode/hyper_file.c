@@ -4,7 +4,7 @@
  * files.
  */
 #include "brdf/brdf.h"
-#include "fit/hyper.h"
+#include "encode/hyper.h"
 
 #include <string.h>
 

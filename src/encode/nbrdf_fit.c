@@ -5,8 +5,8 @@
  * twenty times higher and follows half a cosine to zero, batches are half as large, and half of the directions are dense
  * around theta_h = 0, like the cells of MERL's tables.
  */
-#include "fit/encoders.h"
-#include "fit/nbrdf_net.h"
+#include "encode/encode.h"
+#include "encode/nbrdf_net.h"
 #include "kernel/kernel.h"
 #include "math/math.h"
 
@@ -137,7 +137,7 @@ static double mean_loss(const learner *l, const samples *s) {
 typedef struct training {
     const samples *train, *fresh;
     size_t n_steps, n_done; /* n_done counts all starts, for the progress */
-    const nqm_fit_options *options;
+    const nqm_encode_options *options;
     nqm_error *err;
 } training;
 
@@ -187,8 +187,8 @@ static nqm_status make_brdf(const learner *l, const nqm_brdf *ref, nqm_brdf **br
     return nqm_nbrdf_create(l->weights, name, brdf_ret, err);
 }
 
-nqm_status nqm_fit_nbrdf(const nqm_brdf *ref, const nqm_fit_options *options, nqm_fit_report *report,
-                         nqm_brdf **brdf_ret, nqm_error *err) {
+nqm_status nqm_encode_nbrdf(const nqm_brdf *ref, const nqm_encode_options *options, nqm_encode_report *report,
+                            nqm_brdf **brdf_ret, nqm_error *err) {
     size_t n_batches = (options->n_directions * SAMPLES_PER_DIRECTION + BATCH - 1) / BATCH;
     samples trained = {0}, fresh = {0};
     learner best;
@@ -210,8 +210,8 @@ nqm_status nqm_fit_nbrdf(const nqm_brdf *ref, const nqm_fit_options *options, nq
     return status;
 }
 
-nqm_status nqm_fit_nbrdf_at(const nqm_brdf *ref, size_t n, const double *hd, uint64_t seed, nqm_brdf **brdf_ret,
-                            nqm_error *err) {
+nqm_status nqm_encode_nbrdf_at(const nqm_brdf *ref, size_t n, const double *hd, uint64_t seed, nqm_brdf **brdf_ret,
+                               nqm_error *err) {
     double *at, *rgb;
     float *input, *weight, *goal;
     uint8_t *flag;

@@ -4,8 +4,8 @@
  * and minimises the loss of the predicted NBRDFs at other directions of these materials. Adam (Kingma and Ba
  * 2015, arXiv:1412.6980) with a cosine schedule.
  */
-#include "fit/hyper.h"
-#include "fit/nbrdf_net.h"
+#include "encode/hyper.h"
+#include "encode/nbrdf_net.h"
 #include "kernel/kernel.h"
 #include "math/math.h"
 

@@ -5,7 +5,7 @@
  * decomposition: De Lathauwer et al. 2000, DOI 10.1137/S0895479896305696).
  */
 #include "brdf/brdf.h"
-#include "fit/sparse.h"
+#include "encode/sparse.h"
 #include "math/math.h"
 
 #include <math.h>

@@ -5,10 +5,10 @@
  * predicts the weights of an NBRDF. Network and gradient: hyper_net.c; input samples and training examples:
  * hyper_data.c; file: hyper_file.c.
  */
-#ifndef NQM_SRC_FIT_HYPER_H
-#define NQM_SRC_FIT_HYPER_H
+#ifndef NQM_SRC_ENCODE_HYPER_H
+#define NQM_SRC_ENCODE_HYPER_H
 
-#include "fit/encoders.h"
+#include "encode/encode.h"
 
 enum {
     NQM_HYPER_PLACE = 7,                      /* features of a sample's direction pair */

@@ -2,9 +2,8 @@
  *
  * The encodings hyper-*: networks predicted by the embedded hypernetwork from samples of a BRDF.
  */
-#include "fit/hyper.h"
-#include "fit/fit.h"
-#include "fit/nbrdf_net.h"
+#include "encode/hyper.h"
+#include "encode/nbrdf_net.h"
 
 #include <math.h>
 #include <string.h>
@@ -46,9 +45,9 @@ static nqm_status measure_loss(const float *weights, size_t n, const double *hd,
     return NQM_OK;
 }
 
-nqm_status nqm_fit_hyper(const nqm_brdf *ref, const nqm_fit_entry *entry, const nqm_fit_options *options,
-                         nqm_fit_report *report, nqm_brdf **brdf_ret, nqm_error *err) {
-    size_t n_read = entry->code.n, n = n_read > options->n_directions ? n_read : options->n_directions;
+nqm_status nqm_encode_hyper(const nqm_brdf *ref, const nqm_encode_options *options, nqm_encode_report *report,
+                            nqm_brdf **brdf_ret, nqm_error *err) {
+    size_t n_read = options->n, n = n_read > options->n_directions ? n_read : options->n_directions;
     float weights[NQM_NBRDF_WEIGHTS];
     nqm_hyper hyper = {0};
     /* An encoding with fewer samples reads a subset of those of one with more. */
@@ -62,7 +61,7 @@ nqm_status nqm_fit_hyper(const nqm_brdf *ref, const nqm_fit_entry *entry, const 
     double *rgb = hd + 3 * n;
     if (status == NQM_OK)
         status = nqm_hyper_sample(ref, n_read, &rng, hd, rgb, err);
-    hyper.step = entry->code.step;
+    hyper.step = options->step;
     if (status == NQM_OK)
         status = nqm_hyper_encode(&hyper, n_read, hd, rgb, weights, err);
     if (status == NQM_OK)
@@ -70,7 +69,7 @@ nqm_status nqm_fit_hyper(const nqm_brdf *ref, const nqm_fit_entry *entry, const 
     if (status == NQM_OK)
         status = measure_loss(weights, options->n_directions, hd, rgb, &report->loss, err);
     if (status == NQM_OK)
-        status = nqm_nbrdf_create(weights, entry->name, brdf_ret, err);
+        status = nqm_nbrdf_create(weights, options->name, brdf_ret, err);
     if (status == NQM_OK) {
         report->n_directions = options->n_directions;
         report->n_numbers = NQM_NBRDF_WEIGHTS;

@@ -4,7 +4,7 @@
  * another seed gives another file, an interrupted run leaves no file; invalid dictionaries are refused.
  */
 #include "brdf/brdf.h"
-#include "fit/sparse.h"
+#include "encode/sparse.h"
 #include "support/check.h"
 
 #include <math.h>
@@ -52,9 +52,10 @@ static void what_was_learned_is_coded_well(void **state) {
     assert_int_equal(nqm_sparse_dictionary_parse(map.data, map.n_bytes, "four", &dictionary, NULL), NQM_OK);
     assert_true(dictionary->n_atoms > N && dictionary->n_atoms <= 3 * N);
     for (size_t i = 0; i < N; ++i) {
-        nqm_fit_report report;
+        nqm_encode_report report;
         nqm_brdf *brdf;
-        assert_int_equal(nqm_sparse_encode(dictionary, refs[i], &(nqm_code){.n = 8}, &report, &brdf, NULL), NQM_OK);
+        assert_int_equal(nqm_sparse_encode(dictionary, refs[i], &(nqm_encode_options){.n = 8}, &report, &brdf, NULL),
+                         NQM_OK);
         assert_true(report.loss < 0.01);
         nqm_brdf_free(brdf);
     }

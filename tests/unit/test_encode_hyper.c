@@ -4,12 +4,13 @@
  * learning reduces the loss, is determined by its seed, can be stopped, and fails for a BRDF without values.
  */
 #include "brdf/brdf.h"
-#include "fit/hyper.h"
-#include "fit/nbrdf_net.h"
+#include "encode/hyper.h"
+#include "encode/nbrdf_net.h"
 #include "support/check.h"
 #include "support/temp_file.h"
 
 #include <math.h>
+#include <nqm/fit.h>
 #include <omp.h>
 #include <string.h>
 

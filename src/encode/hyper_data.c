@@ -6,8 +6,8 @@
  * gloss and highlight, mixtures of two references, exchanged and scaled channels.
  */
 #include "brdf/brdf.h"
-#include "fit/hyper.h"
-#include "fit/nbrdf_net.h"
+#include "encode/hyper.h"
+#include "encode/nbrdf_net.h"
 #include "math/math.h"
 
 #include <math.h>
@@ -19,7 +19,7 @@ static const double max_polar_rad = 80 * NQM_PI / 180; /* measurements at larger
 
 /* theta_d and phi_d uniform up to 90 and 180 degrees. */
 static void draw_dense(nqm_rng *rng, double *hd) {
-    nqm_fit_draw_dense(rng, max_polar_rad, NQM_PI / 2, NQM_PI, hd);
+    nqm_encode_draw_dense(rng, max_polar_rad, NQM_PI / 2, NQM_PI, hd);
 }
 
 void nqm_hyper_place(const double *hd, float *feature) {
@@ -125,7 +125,7 @@ static void draw_places(uint64_t seed, nqm_hyper_data *data, double *hd) {
         if (i < data->n_places / 2) {
             draw_dense(&rng, hd + 3 * i);
         } else {
-            nqm_fit_draw_uniform(&rng, max_polar_rad, wi, wo);
+            nqm_encode_draw_uniform(&rng, max_polar_rad, wi, wo);
             nqm_half_diff_from_pair(wi, wo, hd + 3 * i);
         }
         nqm_hyper_place(hd + 3 * i, data->place + NQM_HYPER_PLACE * i);

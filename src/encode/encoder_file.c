@@ -2,7 +2,7 @@
  *
  * Writing and checking the common format of learned encoders.
  */
-#include "fit/encoders.h"
+#include "encode/encode.h"
 
 #include <jansson.h>
 #include <stdlib.h>
