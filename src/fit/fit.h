@@ -8,13 +8,9 @@
 #define NQM_SRC_FIT_H
 
 #include "base/options.h"
-<<<<<<< HEAD
-#include "fit/encoders.h"
-#include "math/values.h"
-=======
 #include "encode/encode.h"
+#include "math/values.h"
 #include <nqm/fit.h>
->>>>>>> t-fit
 
 extern const nqm_option_table nqm_fit_option_table;
 
