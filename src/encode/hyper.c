@@ -21,7 +21,7 @@ nqm_status nqm_hyper_encode(const nqm_hyper *hyper, size_t n, const double *hd, 
         }
         memcpy(weights, nqm_hyper_forward(hyper, &pass), NQM_NBRDF_WEIGHTS * sizeof *weights);
     }
-    nqm_free(pass.input);
+    nqm_hyper_pass_free(&pass);
     for (size_t i = 0; status == NQM_OK && i < NQM_NBRDF_WEIGHTS; ++i)
         if (!isfinite(weights[i]))
             status = nqm_fail(err, NQM_ERR_NUMERIC, -1, "the hypernetwork predicted a weight that is not finite");

@@ -9,6 +9,7 @@
 #define NQM_SRC_ENCODE_HYPER_H
 
 #include "encode/encode.h"
+#include "kernel/panel.h"
 
 enum {
     NQM_HYPER_PLACE = 7,                      /* features of a sample's direction pair */
@@ -44,20 +45,23 @@ NQM_MUST_CHECK nqm_status nqm_hyper_create(const nqm_hyper_shape *shape, nqm_hyp
  *  untrained network predicts for any BRDF. */
 void nqm_hyper_init(nqm_hyper *hyper, const float *mean, uint64_t seed);
 
-/** Activations of one pass through the network, n_sets BRDFs of n_samples each; `input` owns the block of all arrays. */
+/** Activations of one pass through the network, n_sets BRDFs of n_samples each. */
 typedef struct nqm_hyper_pass {
-    size_t n_sets, n_samples;         /* at most those of the creation */
+    size_t n_sets, n_samples;                                             /* at most those of the creation */
+    nqm_panels forward[NQM_HYPER_N_LAYERS], backward[NQM_HYPER_N_LAYERS]; /* weights (n_in, n_out), their transpose */
     float *y[NQM_HYPER_N_LAYERS];     /* outputs: (n_sets n_samples, n_out) or (n_sets, n_out) */
     float *slope[NQM_HYPER_N_LAYERS]; /* of GELU; NULL in the last layer */
     float *input;                     /* (n_sets n_samples, NQM_HYPER_FEATURES), filled by the caller */
     float *pooled;                    /* (n_sets, layer[NQM_HYPER_POOLED].n_in) mean, maximum, log of the count */
     size_t *largest; /* (n_sets, n_out of the last sample layer) index of the sample with the maximum */
     float *spare[2]; /* gradients of the backward pass */
+    float *padded;   /* the result of a product, or both factors of a gradient */
 } nqm_hyper_pass;
 
-/** Buffers for at most n_sets sets of n_samples; nqm_free(pass->input) also after a failure. */
+/** Buffers for at most n_sets sets of n_samples; nqm_hyper_pass_free() also after a failure. */
 NQM_MUST_CHECK nqm_status nqm_hyper_pass_create(const nqm_hyper *hyper, size_t n_sets, size_t n_samples,
                                                 nqm_hyper_pass *pass_ret, nqm_error *err);
+void nqm_hyper_pass_free(nqm_hyper_pass *pass);
 
 /** Forward pass from pass->input; returns the predicted weights (n_sets, n_out), owned by the pass. */
 const float *nqm_hyper_forward(const nqm_hyper *hyper, nqm_hyper_pass *pass);

@@ -68,7 +68,7 @@ static void destroy(learner *l) {
     nqm_free(l->data.place);
     nqm_free(l->hyper.block);
     nqm_free(l->gradient.block);
-    nqm_free(l->pass.input);
+    nqm_hyper_pass_free(&l->pass);
     nqm_free(l->moments[0]);
 }
 

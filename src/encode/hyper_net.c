@@ -4,7 +4,6 @@
  * 2017, arXiv:1703.06114): all samples pass the same layers, whose outputs are pooled by mean and maximum.
  */
 #include "encode/hyper.h"
-#include "kernel/kernel.h"
 
 #include <math.h>
 #include <string.h>
@@ -54,7 +53,7 @@ nqm_status nqm_hyper_pass_create(const nqm_hyper *hyper, size_t n_sets, size_t n
     const nqm_hyper_layer *layer = hyper->layer;
     nqm_hyper_pass *p = pass_ret;
     size_t n_rows = n_sets * n_samples, widest = 0;
-    nqm_array arrays[5 + 2 * N] = {
+    nqm_array arrays[6 + 2 * N] = {
         {&p->input, n_rows, NQM_HYPER_FEATURES * sizeof(float)},
         {&p->pooled, n_sets, layer[NQM_HYPER_POOLED].n_in * sizeof(float)},
         {&p->largest, n_sets, layer[NQM_HYPER_POOLED - 1].n_out * sizeof(size_t)},
@@ -62,27 +61,54 @@ nqm_status nqm_hyper_pass_create(const nqm_hyper *hyper, size_t n_sets, size_t n
     *p = (nqm_hyper_pass){.n_sets = n_sets, .n_samples = n_samples};
     for (size_t l = 0; l < N; ++l) {
         size_t rows = l < NQM_HYPER_POOLED ? n_rows : n_sets;
-        widest = nqm_larger(widest, rows * nqm_larger(layer[l].n_in, layer[l].n_out));
-        arrays[5 + l] = (nqm_array){&p->y[l], rows * layer[l].n_out, sizeof(float)};
-        arrays[5 + N + l] = (nqm_array){&p->slope[l], rows * layer[l].n_out, sizeof(float)};
+        widest = nqm_larger(widest, rows * (nqm_row_stride(layer[l].n_in) + nqm_row_stride(layer[l].n_out)));
+        arrays[6 + l] = (nqm_array){&p->y[l], rows * layer[l].n_out, sizeof(float)};
+        arrays[6 + N + l] = (nqm_array){&p->slope[l], rows * layer[l].n_out, sizeof(float)};
     }
-    for (size_t i = 0; i < 2; ++i)
-        arrays[3 + i] = (nqm_array){&p->spare[i], widest, sizeof(float)};
-    return nqm_alloc_arrays(4 + 2 * N, arrays, err); /* no slope in the last layer */
+    for (size_t i = 0; i < 3; ++i)
+        arrays[3 + i] = (nqm_array){i < 2 ? &p->spare[i] : &p->padded, widest, sizeof(float)};
+    nqm_status status = nqm_alloc_arrays(5 + 2 * N, arrays, err); /* no slope in the last layer */
+    for (size_t l = 0; l < N && status == NQM_OK; ++l) {
+        status = nqm_panels_create(NQM_PRECISION_F32, layer[l].n_in, layer[l].n_out, &p->forward[l], err);
+        if (status == NQM_OK)
+            status = nqm_panels_create(NQM_PRECISION_F32, layer[l].n_out, layer[l].n_in, &p->backward[l], err);
+    }
+    return status;
+}
+
+void nqm_hyper_pass_free(nqm_hyper_pass *pass) {
+    for (size_t l = 0; l < NQM_HYPER_N_LAYERS; ++l) {
+        nqm_panels_free(&pass->forward[l]);
+        nqm_panels_free(&pass->backward[l]);
+    }
+    nqm_free(pass->input); /* the block of all arrays */
+    *pass = (nqm_hyper_pass){0};
 }
 
 /* ---- forward ----------------------------------------------------------------------------------------------------- */
 
-/* y (rows, n_out) = x (rows, n_in) W + b; with GELU and its slope unless slope is NULL. */
-static void layer_forward(const nqm_hyper_layer *layer, size_t rows, const float *x, float *y, float *slope) {
+/* y (rows, b->n) = x (rows, b->k) B. */
+static void multiply(const nqm_panels *b, size_t rows, const float *x, float *padded, float *y) {
+    const size_t stride = nqm_row_stride(b->n);
+    nqm_multiply(b, rows, x, b->k, false, padded, stride);
     for (size_t i = 0; i < rows; ++i)
-        memcpy(y + i * layer->n_out, layer->b, layer->n_out * sizeof *y);
-    nqm_gemm product = {.m = rows, .n = layer->n_out, .k = layer->n_in, .alpha = 1, .beta = 1};
-    product.a = x, product.b = layer->w, product.c = y;
-    product.lda = layer->n_in, product.ldb = product.ldc = layer->n_out;
-    nqm_kernels_get()->gemm(&product);
-    if (slope)
-        nqm_gelu(rows * layer->n_out, y, y, slope);
+        memcpy(y + i * b->n, padded + i * stride, b->n * sizeof *y);
+}
+
+/* y (rows, n_out) = x (rows, n_in) W + b; with GELU and its slope unless slope is NULL. */
+static void layer_forward(const nqm_hyper_layer *layer, nqm_hyper_pass *pass, size_t l, size_t rows, const float *x) {
+    const size_t n_out = layer->n_out;
+    nqm_panels *w = &pass->forward[l];
+    float *y = pass->y[l];
+    for (size_t i = 0; i < layer->n_in; ++i)
+        nqm_columns_copy(n_out, layer->w + i * n_out, NQM_PANEL, w->stride * NQM_PANEL,
+                         (float *)w->data + i * NQM_PANEL);
+    multiply(w, rows, x, pass->padded, y);
+    for (size_t i = 0; i < rows; ++i)
+        for (size_t j = 0; j < n_out; ++j)
+            y[i * n_out + j] += layer->b[j];
+    if (pass->slope[l])
+        nqm_gelu(rows * n_out, y, y, pass->slope[l]);
 }
 
 static float round_to(float value, float step) {
@@ -122,7 +148,7 @@ const float *nqm_hyper_forward(const nqm_hyper *hyper, nqm_hyper_pass *pass) {
             x = pass->pooled;
             rows = pass->n_sets;
         }
-        layer_forward(&hyper->layer[l], rows, x, pass->y[l], pass->slope[l]);
+        layer_forward(&hyper->layer[l], pass, l, rows, x);
         x = pass->y[l];
     }
     return x;
@@ -130,25 +156,38 @@ const float *nqm_hyper_forward(const nqm_hyper *hyper, nqm_hyper_pass *pass) {
 
 /* ---- backward ---------------------------------------------------------------------------------------------------- */
 
-/* dz (rows, n_out): gradient with respect to x W + b. Writes the gradients with respect to W, b and, unless dx is NULL,
- * x (rows, n_in). */
-static void layer_backward(const nqm_hyper_layer *layer, size_t rows, const float *x, const float *dz,
-                           const nqm_hyper_layer *gradient, float *dx) {
-    size_t n_in = layer->n_in, n_out = layer->n_out;
-    nqm_gemm by_w = {.m = n_in, .n = n_out, .k = rows, .alpha = 1, .trans_a = true};
-    by_w.a = x, by_w.b = dz, by_w.c = gradient->w;
-    by_w.lda = n_in, by_w.ldb = by_w.ldc = n_out;
-    nqm_kernels_get()->gemm(&by_w);
+/* Receives tiles of the gradient of the weights of a layer. */
+static void store_tiles(void *user, size_t strip, size_t n_strips, size_t panel, const float *tiles) {
+    const nqm_hyper_layer *gradient = user;
+    const size_t first = strip * NQM_STRIP, column = panel * NQM_PANEL;
+    const size_t n_rows = nqm_smaller(n_strips * NQM_STRIP, gradient->n_in - first);
+    for (size_t i = 0; i < n_rows; ++i)
+        memcpy(gradient->w + (first + i) * gradient->n_out + column, tiles + i * NQM_PANEL,
+               nqm_smaller(NQM_PANEL, gradient->n_out - column) * sizeof *tiles);
+}
+
+/* x (rows, n) in groups of `width` columns. */
+static nqm_columns columns_of(size_t rows, size_t n, size_t width, const float *x, float *groups) {
+    for (size_t i = 0; i < rows; ++i)
+        nqm_columns_copy(n, x + i * n, width, rows * width, groups + i * width);
+    return (nqm_columns){.data = groups, .step = rows * width, .ld = width};
+}
+
+/* dz (rows, n_out): gradient with respect to x W + b. Writes the gradients with respect to W and b. */
+static void layer_backward(size_t rows, const float *x, const float *dz, float *padded, nqm_hyper_layer *gradient) {
+    const size_t n_in = gradient->n_in, n_out = gradient->n_out;
+    nqm_gradient_run(&(nqm_gradient){.precision = NQM_PRECISION_F32,
+                                     .m = rows,
+                                     .k = n_in,
+                                     .n = n_out,
+                                     .x = columns_of(rows, n_in, NQM_STRIP, x, padded),
+                                     .z = columns_of(rows, n_out, NQM_PANEL, dz, padded + rows * nqm_row_stride(n_in)),
+                                     .sink = store_tiles,
+                                     .user = gradient});
     memset(gradient->b, 0, n_out * sizeof(float));
     for (size_t i = 0; i < rows; ++i)
         for (size_t j = 0; j < n_out; ++j)
             gradient->b[j] += dz[i * n_out + j];
-    if (!dx)
-        return;
-    nqm_gemm by_x = {.m = rows, .n = n_in, .k = n_out, .alpha = 1, .trans_b = true};
-    by_x.a = dz, by_x.b = layer->w, by_x.c = dx;
-    by_x.lda = by_x.ldb = n_out, by_x.ldc = n_in;
-    nqm_kernels_get()->gemm(&by_x);
 }
 
 /* Gradient with respect to the outputs dy (n_sets n_samples, n) of the last sample layer, from that of the pooled vector. */
@@ -172,9 +211,11 @@ void nqm_hyper_backward(const nqm_hyper *hyper, nqm_hyper_pass *pass, const floa
     for (size_t l = NQM_HYPER_N_LAYERS; l-- > 0;) {
         const float *x = l == 0 ? pass->input : l == NQM_HYPER_POOLED ? pass->pooled : pass->y[l - 1];
         float *dx = pass->spare[l % 2];
-        layer_backward(&hyper->layer[l], rows, x, dz, &gradient->layer[l], l == 0 ? NULL : dx);
+        layer_backward(rows, x, dz, pass->padded, &gradient->layer[l]);
         if (l == 0)
             break;
+        nqm_panels_pack(&pass->backward[l], (nqm_weights){hyper->layer[l].w, NULL, hyper->layer[l].n_out});
+        multiply(&pass->backward[l], rows, dz, pass->padded, dx);
         if (l == NQM_HYPER_POOLED) {
             float *dy = pass->spare[(l + 1) % 2]; /* dz is no longer needed */
             rows *= pass->n_samples;

@@ -4,7 +4,6 @@
  */
 #include "kernel/kernel.h"
 
-#include <dnnl_version.h>
 #include <pthread.h>
 #include <stdio.h>
 #include <zip.h>
@@ -18,8 +17,8 @@ static void make_line(void) {
 #else
     const long openmp = 0;
 #endif
-    snprintf(line, sizeof line, "oneDNN %d.%d.%d when needed, libzip %s, OpenMP %ld, kernels %s", DNNL_VERSION_MAJOR,
-             DNNL_VERSION_MINOR, DNNL_VERSION_PATCH, zip_libzip_version(), openmp, nqm_kernels_at(0)->name);
+    snprintf(line, sizeof line, "libzip %s, OpenMP %ld, kernels %s", zip_libzip_version(), openmp,
+             nqm_kernels_at(0)->name);
 }
 
 const char *nqm_build_info(void) {

@@ -27,17 +27,6 @@
 
 #include "base/base.h"
 
-/** C = alpha op(A) op(B) + beta C, row-major; op(A) is (m, k), op(B) is (k, n), C is (m, n). With beta = 0, C is not
- *  read. */
-typedef struct nqm_gemm {
-    size_t m, n, k;
-    float alpha, beta;
-    bool trans_a, trans_b; /**< op(X) is the transpose of X */
-    const float *a, *b;
-    float *c;
-    size_t lda, ldb, ldc; /**< floats from one stored row to the next */
-} nqm_gemm;
-
 enum {
     NQM_PANEL = 32, /**< columns of B and C in a panel */
     NQM_STRIP = 12  /**< rows of C in a strip: the height of the largest tile that fits into registers */
@@ -178,8 +167,6 @@ enum { NQM_POINTS = 16 };
 /** The functions of one instruction set; every member is set unless its comment says otherwise. */
 typedef struct nqm_kernels {
     const char *name;
-    /** oneDNN's, or plain loops: the products of fits, whose shapes and layouts vary. */
-    void (*gemm)(const nqm_gemm *g);
     /** Rows times a panel. */
     void (*product[NQM_PRECISION_COUNT])(const nqm_product *p);
     /** One row times several panels: the same bits as `product` with m = 1. */
@@ -265,9 +252,6 @@ const nqm_kernels *nqm_kernels_get(void);
 void nqm_kernels_use(const nqm_kernels *kernels);
 /** The i-th table that this processor can run, the widest instructions first, the plain loops last; NULL beyond. */
 const nqm_kernels *nqm_kernels_at(size_t i);
-
-/** oneDNN's sgemm on blocks (gemm_onednn.c); plain loops where oneDNN is not installed. */
-void nqm_gemm_onednn(const nqm_gemm *g);
 
 /** GELU by the table in use. */
 static inline void nqm_gelu(size_t n, const float *x, float *y, float *slope) {

@@ -54,15 +54,6 @@ static inline nqm_byte_columns nqm_panel_columns(const nqm_panels *panels, size_
     return (nqm_byte_columns){panels->scale + p * NQM_PANEL, panels->sum + p * NQM_PANEL};
 }
 
-/** x (n) as a row of bfloat16 in nqm_words() words; by the table in use. */
-static inline void nqm_round_row(size_t n, const float *x, uint32_t *words) {
-    nqm_kernels_get()->round_row(n, x, words);
-}
-/** x (n) as a row of unsigned bytes in nqm_words() words; by the table in use. */
-static inline nqm_byte_scale nqm_quantise_row(size_t n, const float *x, uint32_t *words) {
-    return nqm_kernels_get()->quantise_row(n, x, words);
-}
-
 /**
  * C (m, n) = A B, or C + A B, on all threads unless the product is small.
  *

@@ -152,7 +152,7 @@ static void transpose_four(const nqm_panels *from, nqm_panels *to, size_t first,
     uint32_t *words = nqm_panel_at(to, first / NQM_PANEL) + j * n_words * NQM_PANEL + first % NQM_PANEL;
     uint32_t rounded[4 * NQM_PANEL / 2];
     if (to->precision == NQM_PRECISION_BF16) {
-        nqm_round_row((size_t)4 * NQM_PANEL, (const float *)rows, rounded);
+        nqm_kernels_get()->round_row((size_t)4 * NQM_PANEL, (const float *)rows, rounded);
         rows = rounded;
     }
     for (size_t u = 0; u < last; u += 4) /* n_words and NQM_STRIP are multiples of 4 */

@@ -308,7 +308,6 @@ static float nearest_square(size_t n, size_t n_blocks, const float *points, cons
 #define NQM_DEFINE_KERNELS(SUFFIX, NAME)                                                                               \
     const nqm_kernels nqm_kernels_##SUFFIX = {                                                                         \
         .name = (NAME),                                                                                                \
-        .gemm = nqm_gemm_onednn,                                                                                       \
         .product = {product_f32, product_bf16, product_int8},                                                          \
         .row_product = {row_product_f32, row_product_bf16, row_product_int8},                                          \
         .strided_product = strided_product,                                                                            \

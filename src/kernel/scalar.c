@@ -10,24 +10,6 @@
 
 /* ---- products ---------------------------------------------------------------------------------------------------- */
 
-static float element(const nqm_gemm *g, size_t i, size_t j) {
-    size_t a_step = g->trans_a ? g->lda : 1;
-    size_t b_step = g->trans_b ? 1 : g->ldb;
-    const float *a = g->trans_a ? g->a + i : g->a + i * g->lda;
-    const float *b = g->trans_b ? g->b + j * g->ldb : g->b + j;
-    double sum = 0;
-    for (size_t k = 0; k < g->k; ++k)
-        sum += (double)a[k * a_step] * (double)b[k * b_step];
-    double kept = g->beta != 0.0f ? (double)g->beta * (double)g->c[i * g->ldc + j] : 0;
-    return (float)((double)g->alpha * sum + kept);
-}
-
-static void gemm(const nqm_gemm *g) {
-    for (size_t i = 0; i < g->m; ++i)
-        for (size_t j = 0; j < g->n; ++j)
-            g->c[i * g->ldc + j] = element(g, i, j);
-}
-
 /* word_*: the sum of the products of the factors in two words. */
 static double word_f32(uint32_t a, uint32_t b) {
     float x, y;
@@ -353,7 +335,6 @@ static void adam(size_t n, const nqm_adam_rate *rate, const float *grad, float *
 
 const nqm_kernels nqm_kernels_scalar = {
     .name = "scalar",
-    .gemm = gemm,
     .product = {product_f32, product_bf16, product_int8},
     .row_product = {row_product_f32, row_product_bf16, row_product_int8},
     .strided_product = strided_product,

@@ -5,7 +5,7 @@
 . "${NQM_SOURCE:?}/tests/support/cli.sh"
 
 run 0 doctor
-for name in build libraries oneDNN Embree processor kernels threads self-test temporary folder Python; do
+for name in build libraries Embree processor kernels threads self-test temporary folder Python; do
     grep -qE "^(ok|note) +$name " "$dir/out" || fail "no line of $name: $(cat "$dir/out")"
 done
 grep -q '^ok  *model  *default, .* sha256 [0-9a-f]\{16\}$' "$dir/out" || fail "no line of the model default"

@@ -42,7 +42,7 @@ static void setup(bench *b) {
 static void teardown(bench *b) {
     nqm_free(b->hyper.block);
     nqm_free(b->gradient.block);
-    nqm_free(b->pass.input);
+    nqm_hyper_pass_free(&b->pass);
 }
 
 /* The loss whose gradient with respect to the output is d_out. */

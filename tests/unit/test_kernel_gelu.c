@@ -95,7 +95,6 @@ static void build_info(void **state) {
     (void)state;
     const char *line = nqm_build_info();
     print_message("%s\n", line);
-    assert_non_null(strstr(line, "oneDNN 2."));
     assert_non_null(strstr(line, "libzip 1."));
     assert_null(strchr(line, '\n'));
     assert_ptr_equal(line, nqm_build_info());

@@ -37,9 +37,9 @@ static problem make_problem(nqm_rng *rng, nqm_precision precision, size_t m, siz
         if (precision == NQM_PRECISION_F32)
             memcpy(row, p.x + i * k, k * sizeof(float));
         else if (precision == NQM_PRECISION_BF16)
-            nqm_round_row(k, p.x + i * k, row);
+            nqm_kernels_get()->round_row(k, p.x + i * k, row);
         else
-            nqm_quantise_row(k, p.x + i * k, row);
+            nqm_kernels_get()->quantise_row(k, p.x + i * k, row);
     }
     assert_int_equal(nqm_panels_create(precision, k, n, &p.b, NULL), NQM_OK);
     nqm_panels_pack(&p.b, (nqm_weights){p.w, NULL, k});
@@ -201,7 +201,7 @@ static void the_definition_by_hand(void **state) {
         nqm_panels_pack(&b, (nqm_weights){w, NULL, 4});
         nqm_kernels_use(&nqm_kernels_scalar);
         if (precision == NQM_PRECISION_INT8) {
-            nqm_byte_scale by = nqm_quantise_row(4, x, a);
+            nqm_byte_scale by = nqm_kernels_get()->quantise_row(4, x, a);
             assert_true(by.scale == 1 && by.zero == 2 && b.scale[0] == 1 && b.scale[1] == 1);
             nqm_multiply(&b, 1, a, 4, false, sums, NQM_PANEL);
             const nqm_byte_columns columns = nqm_panel_columns(&b, 0);
@@ -211,7 +211,7 @@ static void the_definition_by_hand(void **state) {
         } else {
             memcpy(a, x, sizeof x);
             if (precision == NQM_PRECISION_BF16)
-                nqm_round_row(4, x, a);
+                nqm_kernels_get()->round_row(4, x, a);
             nqm_multiply(&b, 1, a, 4, false, c, NQM_PANEL);
             for (size_t j = 0; j < 2; ++j)
                 assert_near((double)c[j], expected[j], 1e-3);

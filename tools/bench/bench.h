@@ -271,6 +271,6 @@ NQM_MUST_CHECK nqm_status nqm_bench_onednn_create(nqm_precision precision, bool 
 void nqm_bench_onednn_run(void *product);
 void nqm_bench_onednn_free(nqm_bench_onednn *product);
 /** oneDNN's sgemm on its own threads; only if nqm_bench_onednn_create() gave a product. */
-void nqm_bench_onednn_sgemm(const nqm_gemm *g);
+void nqm_bench_onednn_sgemm(bool trans_a, size_t m, size_t n, size_t k, const float *a, const float *b, float *c);
 
 #endif

@@ -69,20 +69,7 @@ static void run_gradient(void *user) {
 
 static void run_sgemm(void *user) {
     const job *j = user;
-    const bool gradient = j->pass == WEIGHT_GRADIENT;
-    const nqm_gemm g = {.m = j->m,
-                        .n = j->n,
-                        .k = j->k,
-                        .alpha = 1,
-                        .trans_a = gradient,
-                        .trans_b = !gradient,
-                        .a = j->x,
-                        .b = j->w,
-                        .c = j->c,
-                        .lda = gradient ? j->m : j->k,
-                        .ldb = gradient ? j->n : j->k,
-                        .ldc = j->n};
-    nqm_bench_onednn_sgemm(&g);
+    nqm_bench_onednn_sgemm(j->pass == WEIGHT_GRADIENT, j->m, j->n, j->k, j->x, j->w, j->c);
 }
 
 /* ---- creation and timing ---------------------------------------------------------------------------------------- */
@@ -100,9 +87,9 @@ static void fill_rows(job *j) {
         if (j->precision == NQM_PRECISION_F32)
             memcpy(row, j->x + i * j->k, j->k * sizeof *j->x);
         else if (j->precision == NQM_PRECISION_BF16)
-            nqm_round_row(j->k, j->x + i * j->k, row);
+            nqm_kernels_get()->round_row(j->k, j->x + i * j->k, row);
         else
-            nqm_quantise_row(j->k, j->x + i * j->k, row);
+            nqm_kernels_get()->quantise_row(j->k, j->x + i * j->k, row);
     }
 }
 

@@ -3,11 +3,47 @@
  * The matrix product of oneDNN in its fastest form, for comparison: the primitive is created in advance, and the
  * weights have the layout that it prefers.
  */
-#include "kernel/onednn.h"
+#include "base/library.h"
 #include "bench/bench.h"
 
+#include <dnnl.h>
+
+#define FUNCTIONS(X)                                                                                                   \
+    X(dnnl_sgemm)                                                                                                      \
+    X(dnnl_engine_create)                                                                                              \
+    X(dnnl_engine_destroy)                                                                                             \
+    X(dnnl_stream_create)                                                                                              \
+    X(dnnl_stream_wait)                                                                                                \
+    X(dnnl_stream_destroy)                                                                                             \
+    X(dnnl_memory_desc_init_by_tag)                                                                                    \
+    X(dnnl_memory_desc_get_size)                                                                                       \
+    X(dnnl_memory_create)                                                                                              \
+    X(dnnl_memory_destroy)                                                                                             \
+    X(dnnl_matmul_desc_init)                                                                                           \
+    X(dnnl_primitive_desc_create)                                                                                      \
+    X(dnnl_primitive_desc_query_md)                                                                                    \
+    X(dnnl_primitive_desc_destroy)                                                                                     \
+    X(dnnl_primitive_create)                                                                                           \
+    X(dnnl_primitive_execute)                                                                                          \
+    X(dnnl_primitive_destroy)
+
+/* Pointers to the functions of oneDNN that nqm uses, under their own names. */
+typedef struct onednn_functions {
+    FUNCTIONS(NQM_LIBRARY_MEMBER)
+} onednn_functions;
+
+/* NQM_ONEDNN_SONAME is the shared library that CMakeLists.txt found at build time. */
+static const char *const names[] = {FUNCTIONS(NQM_LIBRARY_NAME)};
+static onednn_functions functions;
+static nqm_library library = NQM_LIBRARY(NQM_ONEDNN_SONAME, names, functions);
+
+/* Loaded by the first call; NULL when oneDNN is not installed. */
+static const onednn_functions *get_functions(void) {
+    return nqm_library_get(&library) ? &functions : NULL;
+}
+
 struct nqm_bench_onednn {
-    const nqm_onednn *onednn;
+    const onednn_functions *onednn;
     dnnl_engine_t engine;
     dnnl_stream_t stream;
     dnnl_primitive_t primitive;
@@ -60,7 +96,7 @@ static bool make_product(nqm_bench_onednn *p, nqm_precision precision, bool tran
 
 nqm_status nqm_bench_onednn_create(nqm_precision precision, bool trans_a, size_t m, size_t n, size_t k,
                                    nqm_bench_onednn **product_ret, nqm_error *err) {
-    const nqm_onednn *onednn = nqm_onednn_get();
+    const onednn_functions *onednn = get_functions();
     bool no_memory = false;
     *product_ret = NULL;
     if (!onednn)
@@ -97,8 +133,8 @@ void nqm_bench_onednn_free(nqm_bench_onednn *p) {
     nqm_free(p);
 }
 
-void nqm_bench_onednn_sgemm(const nqm_gemm *g) {
-    nqm_onednn_get()->dnnl_sgemm(g->trans_a ? 'T' : 'N', g->trans_b ? 'T' : 'N', (dnnl_dim_t)g->m, (dnnl_dim_t)g->n,
-                                 (dnnl_dim_t)g->k, g->alpha, g->a, (dnnl_dim_t)g->lda, g->b, (dnnl_dim_t)g->ldb,
-                                 g->beta, g->c, (dnnl_dim_t)g->ldc);
+void nqm_bench_onednn_sgemm(bool trans_a, size_t m, size_t n, size_t k, const float *a, const float *b, float *c) {
+    const size_t lda = trans_a ? m : k, ldb = trans_a ? n : k;
+    get_functions()->dnnl_sgemm(trans_a ? 'T' : 'N', trans_a ? 'N' : 'T', (dnnl_dim_t)m, (dnnl_dim_t)n, (dnnl_dim_t)k,
+                                1, a, (dnnl_dim_t)lda, b, (dnnl_dim_t)ldb, 0, c, (dnnl_dim_t)n);
 }

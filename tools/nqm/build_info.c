@@ -7,6 +7,7 @@
 #include "nqm/tool.h"
 #include "render/render.h"
 
+#include <dnnl_version.h>
 #include <openexr.h>
 #include <png.h>
 #include <pthread.h>
@@ -18,9 +19,10 @@ static void make_line(void) {
     const char *cairo = nqm_cairo_version(), *embree = nqm_tracer_version();
     int major, minor, patch;
     exr_get_library_version(&major, &minor, &patch, NULL);
-    snprintf(line, sizeof line, "cairo %s, Embree %s%s, libpng %s, OpenEXR %d.%d.%d, no MPI library",
-             cairo ? cairo : "off", embree ? embree : "off", embree ? " when needed" : "", png_get_libpng_ver(NULL),
-             major, minor, patch);
+    snprintf(line, sizeof line,
+             "cairo %s, Embree %s%s, oneDNN %d.%d.%d for benchmarks, libpng %s, OpenEXR %d.%d.%d, no MPI library",
+             cairo ? cairo : "off", embree ? embree : "off", embree ? " when needed" : "", DNNL_VERSION_MAJOR,
+             DNNL_VERSION_MINOR, DNNL_VERSION_PATCH, png_get_libpng_ver(NULL), major, minor, patch);
 }
 
 const char *tool_build_info(void) {

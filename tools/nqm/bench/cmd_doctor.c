@@ -3,7 +3,6 @@
  * nqm doctor - checks that this installation works on this machine, and says what to do where it does not.
  */
 #include "bench/bench.h"
-#include "kernel/onednn.h"
 #include "nqm/tool.h"
 #include "render/render.h"
 
@@ -51,12 +50,6 @@ static void check_libraries(examination *e) {
     const char *embree = nqm_tracer_version();
     add(e, "build", STATE_OK, NULL, "nqm %s, compiler %s", nqm_version(), __VERSION__);
     add(e, "libraries", STATE_OK, NULL, "%s; %s", nqm_build_info(), tool_build_info());
-    if (nqm_onednn_get())
-        add(e, "oneDNN", STATE_OK, NULL, "loads");
-    else
-        add(e, "oneDNN", STATE_NOTE,
-            "install oneDNN of the version above (Debian: libdnnl2); without it trainings are slow",
-            "cannot be loaded");
     if (!embree)
         add(e, "Embree", STATE_NOTE, "build with -DNQM_EMBREE=ON to render meshes",
             "off in this build: the sphere is the only shape");
