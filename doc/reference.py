@@ -33,7 +33,7 @@ def functions(text):
 print("""# Reference of the C library
 
 Which functions are there? This page is an index made from the headers (`./dev pages`), which are the manual: shapes, units, ranges, errors,
-ownership and threads are described there. What is opened, loaded or created is freed by the function `_free` of its type, which the tables leave out.
+ownership and threads are described there. What is opened, loaded or created is freed by the function `_free` of its type, which the lists leave out.
 `<nqm/nqm.h>` includes all headers; [base.h](../include/nqm/base.h) has the conventions, and
 [examples/](../examples) has complete programs.""")
 CORE = ("base", "material", "brdf", "samples", "percept", "model", "metric")
@@ -46,7 +46,7 @@ for name in sorted(set(names), key=names.index):
     title = re.sub(r"\s*\n \*\s*", " ", title).strip()
     if name not in CORE and "libnqm-full" not in title:
         title += " In libnqm-full only."
-    print("\n## %s.h\n\n[nqm/%s.h](../include/nqm/%s.h): %s\n\n| function | |\n|---|---|" %
+    print("\n## %s.h\n\n[nqm/%s.h](../include/nqm/%s.h): %s\n" %
           (name, name, name, title))
     for function, summary in functions(text):
-        print("| `%s()` | %s |" % (function, summary.replace("|", "\\|").replace("<", "&lt;")))
+        print("- `%s()`: %s" % (function, summary.replace("<", "&lt;")))

@@ -38,9 +38,12 @@ def signature(function, drop_self):
 
 
 def markdown(doc):
-    """A docstring as Markdown: its sections become lists, its examples code."""
+    """A docstring as Markdown: its sections become lists, its examples code. Left out: what is the same everywhere (main() says it),
+    that is `progress`, the errors raised, and arguments that are those of another function."""
+    doc = re.sub(r"(?ms)^    (?:progress: |\w+: as for )(?:(?!^    \w+: |^$).)*", "", inspect.cleandoc(doc) + "\n")
+    doc = re.sub(r"(?m)^Args:\n(?=\n|\Z)|^Raises:\n(?:    .*\n)*", "", doc)
     out, section = [], None
-    for line in inspect.cleandoc(doc).split("\n"):
+    for line in doc.strip().split("\n"):
         head = re.match(r"(Args|Returns|Raises|Attributes):$", line)
         if head:
             section = head.group(1)
@@ -99,7 +102,9 @@ def main():
                          (set(public) ^ {name for _, names in GROUPS for name in names}))
     print("# Reference of the Python package\n\nWhat does each function take and return? This page is made from the docstrings "
           "(`./dev pages`), which `help()` shows too.\n[python.md](python.md) is the introduction. Angles are radians, f_r is in 1/sr "
-          "without the cosine, RGB is linear with BT.709 primaries. Methods of `Scorer` take the arguments of the functions of their names.\n")
+          "without the cosine, RGB is linear with BT.709 primaries.\n\n"
+          "An argument without a description is that of `score`, `score_samples`, `Scorer` or `Scene`. `progress` is called with the stage, the\n"
+          "work done and the total; True shows a line on standard error; an exception ends the call. Errors are `nqm.Error`.\n")
     for title, names in GROUPS:
         print("## %s\n" % title)
         for name in names:

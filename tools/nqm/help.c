@@ -21,11 +21,14 @@ __attribute__((format(printf, 2, 3))) static void append(row_text *t, const char
     t->n += n > 0 && t->n + (size_t)n < sizeof t->text ? (size_t)n : 0;
 }
 
-/* What is allowed, unit and default. */
+/* What is allowed, unit and default. An upper limit that nobody meets is not worth a word; the message of an error names it. */
 static void append_values(row_text *t, const nqm_option *o, const void *target) {
     char text[NQM_OPTION_TEXT_MAX];
-    if (o->words || o->min != 0 || o->max != 0)
-        append(t, "; %s", nqm_option_allowed(o, text));
+    const bool is_any_count = o->kind != NQM_OPTION_DOUBLE && o->min <= 1 && o->max >= 1e5;
+    if (o->words || (!is_any_count && (o->min != 0 || o->max != 0))) {
+        const char *allowed = nqm_option_allowed(o, text), *number = "a number ";
+        append(t, "; %s", allowed + (strncmp(allowed, number, strlen(number)) == 0 ? strlen(number) : 0));
+    }
     if (o->unit)
         append(t, ", %s", o->unit);
     const bool has_default =

@@ -150,10 +150,10 @@ void print_man_overview(void) {
 
 /* ---- Markdown ---------------------------------------------------------------------------------------------------- */
 
-/* The text of a cell. */
-static void put_cell(const char *text) {
+/* Text outside of code. */
+static void put_markdown_text(const char *text) {
     for (; *text; ++text)
-        fputs(*text == '|' ? "\\|" : *text == '<' ? "&lt;" : (char[]){*text, '\0'}, stdout);
+        fputs(*text == '<' ? "&lt;" : (char[]){*text, '\0'}, stdout);
 }
 
 /* Rows that the page has already. An option is described once; a verb that has the same row again refers to it. */
@@ -168,9 +168,8 @@ static const struct shown_row *find_shown_row(const help_row *row) {
     return NULL;
 }
 
-/* `user`: whether the table has begun. */
 static void put_markdown_row(void *user, const help_row *row) {
-    bool *has_begun = user;
+    (void)user;
     if (find_shown_row(row) || strcmp(row->name, "help") == 0)
         return;
     if (n_shown_rows < sizeof shown_rows / sizeof *shown_rows) {
@@ -179,15 +178,12 @@ static void put_markdown_row(void *user, const help_row *row) {
         snprintf(shown->text, sizeof shown->text, "%s", row->text);
         snprintf(shown->verb, sizeof shown->verb, "%s", verb_name());
     }
-    printf("%s| ", *has_begun ? "" : "\n| option | |\n|---|---|\n");
-    *has_begun = true;
+    printf("- ");
     if (row->letter)
         printf("`-%c`, ", row->letter);
-    printf("`--%s%s", row->name, row->metavar ? " " : "");
-    put_cell(row->metavar ? row->metavar : "");
-    printf("` | ");
-    put_cell(row->text);
-    printf(" |\n");
+    printf("`--%s%s%s`: ", row->name, row->metavar ? " " : "", row->metavar ? row->metavar : "");
+    put_markdown_text(row->text);
+    putchar('\n');
 }
 
 /* Name an option of an earlier verb; `user`: the verb that was named last, or NULL. */
@@ -229,17 +225,15 @@ void print_markdown(const command *cmd) {
         }
     printf("\n\n");
     each_line(cmd->about, put_markdown_line);
-    if (cmd->choices)
-        printf("\n| word | |\n|---|---|\n");
+    putchar('\n');
     for (const choice *c = cmd->choices; c && c->name; ++c) {
-        printf("| `%s%s", c->name, *c->arguments ? " " : "");
-        put_cell(c->arguments);
-        printf("` | ");
-        put_cell(c->help);
-        printf(" |\n");
+        printf("- `%s%s%s`: ", c->name, *c->arguments ? " " : "", c->arguments);
+        put_markdown_text(c->help);
+        putchar('\n');
     }
-    bool has_begun = false;
-    each_option(cmd, put_markdown_row, &has_begun);
+    if (cmd->choices)
+        putchar('\n');
+    each_option(cmd, put_markdown_row, NULL);
     const char *last_verb = NULL;
     each_option(cmd, put_repeated_row, &last_verb);
     printf("%s", last_verb ? "\n" : "");
