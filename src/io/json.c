@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
  * JSON texts and memory. jansson has no limit of its own, and its tree takes up to 100 times the bytes of a text that consists of empty
- * arrays. When an allocation fails it leaves out a character, or fails without a reason.
+ * arrays. When an allocation fails it leaves out a character or a value, or fails without a reason.
  */
 #include "io/io.h"
 #include "io/options_json.h"
@@ -24,13 +24,21 @@ static void watch(void) {
     json_set_alloc_funcs(watched_malloc, release);
 }
 
-nqm_status nqm_json_load(const char *text, size_t n_bytes, size_t flags, json_t **json_ret, json_error_t *why,
-                         nqm_error *err) {
+void nqm_json_watch(void) {
     static pthread_once_t once = PTHREAD_ONCE_INIT;
-    json_error_t own;
-    why = why ? why : &own;
     pthread_once(&once, watch);
     has_failed = false;
+}
+
+bool nqm_json_has_failed(void) {
+    return has_failed;
+}
+
+nqm_status nqm_json_load(const char *text, size_t n_bytes, size_t flags, json_t **json_ret, json_error_t *why,
+                         nqm_error *err) {
+    json_error_t own;
+    why = why ? why : &own;
+    nqm_json_watch();
     *json_ret = json_loadb(text, n_bytes, flags, why);
     if (has_failed || (!*json_ret && json_error_code(why) == json_error_out_of_memory)) {
         json_decref(*json_ret);

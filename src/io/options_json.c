@@ -20,7 +20,10 @@ static json_t *value_json(const nqm_option *o, const void *options) {
         const size_t *list = field;
         json_t *array = json_array();
         for (size_t i = 1; i <= list[0]; ++i)
-            json_array_append_new(array, json_integer((json_int_t)list[i]));
+            if (json_array_append_new(array, json_integer((json_int_t)list[i])) != 0) {
+                json_decref(array);
+                return NULL;
+            }
         return array;
     }
     case NQM_OPTION_U64:

@@ -14,6 +14,10 @@ json_t *nqm_options_json(const nqm_option_table *table, const void *options);
 /** Compact text of a value, whose reference is released, with n_digits (1..17) digits of its numbers; nqm_free(). NULL: out
  *  of memory, or json is NULL. */
 char *nqm_json_text(json_t *json, size_t n_digits);
+/** From here on this thread sees failed allocations of jansson, whose writers leave out what they have no memory for. */
+void nqm_json_watch(void);
+/** Whether one failed since nqm_json_watch() or the last nqm_json_load() of this thread: what was made in between is incomplete. */
+bool nqm_json_has_failed(void);
 /** json_loadb(), which alone would take a failed allocation for a damaged text, or leave out a character. NQM_ERR_FORMAT: the caller
  *  knows where the text is, and `why` (NULL allowed) says what is wrong; NQM_ERR_NOMEM. json_decref(); NULL on failure. */
 NQM_MUST_CHECK nqm_status nqm_json_load(const char *text, size_t n_bytes, size_t flags, json_t **json_ret,

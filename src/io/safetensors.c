@@ -396,6 +396,7 @@ fail:
 /* The header's JSON text (free() it), or NULL when a name occurs twice, a text is not UTF-8, or memory runs out. */
 static char *header_text(size_t n_tensors, const nqm_tensor *const *order, size_t n_meta, const nqm_meta *meta) {
     char *text = NULL;
+    nqm_json_watch();
     json_t *root = json_object();
     bool good = json_object_set_new(root, "__metadata__", meta_object(n_meta, meta)) == 0;
     size_t begin = 0;
@@ -407,7 +408,10 @@ static char *header_text(size_t n_tensors, const nqm_tensor *const *order, size_
     if (good)
         text = json_dumps(root, JSON_COMPACT);
     json_decref(root);
-    return text;
+    if (!nqm_json_has_failed())
+        return text;
+    free(text);
+    return NULL;
 }
 
 /* The bytes before the tensors: length, JSON with the checksum of the file (hex), spaces up to a multiple of 64 bytes.
@@ -456,7 +460,9 @@ nqm_status nqm_safetensors_write(const char *path, size_t n_tensors, const nqm_t
     text = header_text(n_tensors, order, n_meta, meta);
     if (text)
         front = make_front(text, n_tensors, order, &n_front, hex);
-    if (!text)
+    if (!text && nqm_json_has_failed())
+        status = nqm_fail_nomem(err, n_tensors);
+    else if (!text)
         status = nqm_fail(err, NQM_ERR_ARG, -1, "%s: a tensor's or metadata name occurs twice, or a text is not UTF-8",
                           path);
     else if (!front)

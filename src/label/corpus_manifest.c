@@ -4,6 +4,7 @@
  * names are given without folders.
  */
 #include "fit/fit.h"
+#include "io/options_json.h"
 #include "label/corpus.h"
 #include "math/math.h"
 
@@ -210,9 +211,10 @@ static json_t *fit_json(const nqm_corpus_models *used) {
                      "directions", count(fit.n_directions), "starts", count(fit.n_starts));
 }
 
-/* json_pack() fails if any part is NULL. */
+/* json_pack() fails if any part is NULL; a count that found no memory is missing. */
 char *nqm_corpus_manifest(const nqm_corpus_context *context, size_t n_items, const nqm_corpus_item *items) {
     const nqm_corpus_options *options = context->options;
+    nqm_json_watch();
     json_t *kinds = json_object(), *families = json_object(), *splits = json_object(), *sources = json_object();
     count_kinds(n_items, items, kinds, families);
     count_splits(context->list, n_items, items, splits, sources);
@@ -226,7 +228,7 @@ char *nqm_corpus_manifest(const nqm_corpus_context *context, size_t n_items, con
         failures_json(context->list, n_items, items), "references", references_json(context->list, n_items, items));
     char *text = root ? json_dumps(root, JSON_INDENT(1) | JSON_REAL_PRECISION(17)) : NULL;
     json_decref(root);
-    char *copy = text ? nqm_strdup(text) : NULL;
+    char *copy = text && !nqm_json_has_failed() ? nqm_strdup(text) : NULL;
     free(text);
     return copy;
 }

@@ -265,8 +265,11 @@ static char *training_text(const run *r, const nqm_train_report *report) {
                              (json_int_t)report->n_steps, "n_train", (json_int_t)report->n_train, "n_validation",
                              (json_int_t)report->n_validation, "train_loss", report->train_loss, "validation_loss",
                              report->validation_loss, "dataset_sha256", r->dataset->sha256);
-    if (json && isfinite(report->validation_spearman))
-        json_object_set_new(json, "validation_spearman", json_real(report->validation_spearman));
+    if (json && isfinite(report->validation_spearman) &&
+        json_object_set_new(json, "validation_spearman", json_real(report->validation_spearman)) != 0) {
+        json_decref(json);
+        return NULL;
+    }
     return nqm_json_text(json, 9);
 }
 

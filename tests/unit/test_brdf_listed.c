@@ -265,6 +265,57 @@ static void goniometer_grids_are_interpolated(void **state) {
     nqm_brdf_free(brdf);
 }
 
+/* theta 0 given once, at any azimuth, for light and viewer; of the other rows each `every`th is missing (0: none). */
+static nqm_brdf *open_sparse_goniometer(int first_phi, int normal_phi, int every, const char *suffix) {
+    static csv file;
+    int n = 0;
+    file.n = 0;
+    add(&file, "theta_i,phi_i,theta_o,phi_o,r,g,b\n");
+    for (int i = 0; i <= 80; i += 20)
+        for (int o = 0; o <= 80; o += 20)
+            for (int p = first_phi; p <= first_phi + 180; p += 30) {
+                const bool is_normal = i == 0 || o == 0;
+                if (is_normal ? p > first_phi : every && ++n % every == 0)
+                    continue;
+                add(&file, "%d,0,%d,%d,%.9g,1,1\n", i, o, is_normal ? normal_phi : p, 1 + i * degree + 2 * o * degree);
+            }
+    return open_ok(save(&file), suffix);
+}
+
+static void goniometer_grids_may_lack_rows(void **state) {
+    (void)state;
+    static const struct {
+        int first_phi, normal_phi, every;
+        const char *missing;
+    } cases[] = {{0, 0, 0, ""},
+                 {0, 17, 0, ""},
+                 {180, 0, 0, ""},
+                 {0, 0, 9, "; 12 of 175 nodes have no row"},
+                 {0, 0, 4, "; 28 of 175 nodes have no row"}};
+    double rgb[3];
+    for (size_t k = 0; k < sizeof cases / sizeof *cases; ++k) {
+        nqm_brdf *brdf = open_sparse_goniometer(cases[k].first_phi, cases[k].normal_phi, cases[k].every, "");
+        char expected[200];
+        snprintf(expected, sizeof expected,
+                 "5 theta_i x 5 theta_o x 7 phi, linear between them, at most 20, 20 and 30 degrees apart%s",
+                 cases[k].missing);
+        assert_string_equal(nqm_brdf_get_info(brdf).layout, expected);
+        for (int phi = -179; phi < 180; phi += 7) {
+            assert_true(eval_goniometer(brdf, 13, 7, phi, rgb));
+            assert_near(rgb[0], 1 + 13 * degree + 2 * 7 * degree, cases[k].every ? 0.4 : 1e-6);
+        }
+        assert_true(eval_goniometer(brdf, 0, 0, 0, rgb));
+        assert_near(rgb[0], 1, 1e-6);
+        nqm_brdf_free(brdf);
+    }
+    nqm_brdf *brdf = open_sparse_goniometer(0, 0, 3, ""); /* more than a quarter is missing */
+    assert_string_equal(nqm_brdf_get_info(brdf).format, "samples");
+    nqm_brdf_free(brdf);
+    brdf = open_sparse_goniometer(0, 0, 9, ":5"); /* the rows alone are asked for */
+    assert_string_equal(nqm_brdf_get_info(brdf).format, "samples");
+    nqm_brdf_free(brdf);
+}
+
 /* A scan of 30 directions near the normal, in radians or in one plane. */
 static const char *save_scan(double phi_step) {
     csv file = {.n = 0};
@@ -338,6 +389,7 @@ int main(void) {
                                        cmocka_unit_test(scattered_directions_are_found),
                                        cmocka_unit_test(lights_and_viewers_are_read),
                                        cmocka_unit_test(goniometer_grids_are_interpolated),
+                                       cmocka_unit_test(goniometer_grids_may_lack_rows),
                                        cmocka_unit_test(radians_are_refused),
                                        cmocka_unit_test(refuses_unfit_lists)};
     return cmocka_run_group_tests_name("brdf_listed", tests, NULL, NULL);

@@ -1,14 +1,20 @@
 /* SPDX-License-Identifier: MIT
  *
- * Each allocation of jansson fails once while a text is read: the reader says so, and neither reads another text nor blames it.
+ * Each allocation of jansson fails once while a text is read or written: reader or writer says so; none reads or writes another text,
+ * or blames it. The tool ends.
  */
 #include "io/io.h"
 #include "io/options_json.h"
 #include "material/material.h"
+#include "nqm/score/score.h"
 #include "support/check.h"
+#include "support/temp_file.h"
+#include "train/train.h"
 
 #include <stdlib.h>
 #include <string.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 static long countdown = -1; /* allocations until one fails */
 
@@ -80,8 +86,76 @@ static void every_allocation_fails(void **state) {
     }
 }
 
+/* ---- writing ----------------------------------------------------------------------------------------------------- */
+
+/* Returns whether the allocation that was to fail was made. */
+static bool end_failing(void) {
+    const bool has_failed = countdown < 0;
+    countdown = -1;
+    return has_failed;
+}
+
+static void no_tensor_file_lacks_a_value(void **state) {
+    (void)state;
+    const float value[6] = {1, 2, 3, 4, 5, 6};
+    const nqm_tensor tensor = {
+        .name = "a", .dtype = NQM_F32, .n_dims = 3, .dims = {1, 2, 3}, .n_bytes = 24, .data = value};
+    const nqm_meta meta = {"key", "some words that are here"};
+    bool has_failed = true;
+    for (long n = 0; has_failed; ++n) {
+        nqm_error err = {0};
+        countdown = n;
+        const nqm_status status = nqm_safetensors_write(temp_file, 1, &tensor, 1, &meta, NULL, &err);
+        has_failed = end_failing();
+        if (status != (has_failed ? NQM_ERR_NOMEM : NQM_OK))
+            fail_msg("allocation %ld: %d, %s", n, status, err.message);
+        assert_true(has_failed || n > 10);
+    }
+}
+
+static void no_list_of_sizes_lacks_one(void **state) {
+    (void)state;
+    nqm_train_options options;
+    assert_int_equal(nqm_train_options_recipe("nqm", &options, NULL), NQM_OK);
+    json_t *all = nqm_train_options_json(&options);
+    bool has_failed = true;
+    for (long n = 0; has_failed; ++n) {
+        countdown = n;
+        json_t *json = nqm_train_options_json(&options);
+        has_failed = end_failing();
+        assert_true(has_failed ? !json : json_equal(json, all));
+        json_decref(json);
+    }
+    json_decref(all);
+}
+
+/* In a child process for each allocation, which ends with the tool's exit code. */
+static void no_remark_of_the_tool_is_missing(void **state) {
+    (void)state;
+    const remark_terms terms = {.n_directions = 10};
+    const nqm_score_result result = {.n_clamped_ref = 1, .n_invalid_test = 2, .novelty = 2, .jod_high = 1};
+    int code = EXIT_LIMIT;
+    for (long n = 0; code == EXIT_LIMIT; ++n) {
+        const pid_t child = fork();
+        assert_true(child >= 0);
+        if (child == 0) {
+            stop_without_json_memory();
+            countdown = n;
+            _exit(json_array_size(json_remarks(&terms, "ref", "test", &result)) == 3 ? EXIT_OK : EXIT_FAILURE);
+        }
+        int state_of_child;
+        assert_int_equal(waitpid(child, &state_of_child, 0), child);
+        assert_true(WIFEXITED(state_of_child));
+        code = WEXITSTATUS(state_of_child);
+        assert_true(code == EXIT_LIMIT || n > 3);
+    }
+    assert_int_equal(code, EXIT_OK);
+}
+
 int main(void) {
     json_set_alloc_funcs(failing_malloc, free);
-    const struct CMUnitTest tests[] = {cmocka_unit_test(every_allocation_fails)};
-    return cmocka_run_group_tests(tests, NULL, NULL);
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(every_allocation_fails), cmocka_unit_test(no_tensor_file_lacks_a_value),
+        cmocka_unit_test(no_list_of_sizes_lacks_one), cmocka_unit_test(no_remark_of_the_tool_is_missing)};
+    return cmocka_run_group_tests(tests, make_temp_file, remove_temp_file);
 }

@@ -65,6 +65,7 @@ int main(int argc, char **argv) {
     nqm_roles_enforce();
     signal(SIGXFSZ, SIG_IGN); /* a file beyond `ulimit -f` is an error of writing, which is reported and cleans up */
     catch_interrupt();
+    stop_without_json_memory();
     if (check_stack() != EXIT_OK)
         return EXIT_LIMIT;
     if (choose_kernels() != EXIT_OK)

@@ -91,6 +91,21 @@ void must(nqm_status status, const nqm_error *err) {
         stop_error(err);
 }
 
+static json_malloc_t json_malloc;
+
+static void *json_malloc_or_stop(size_t n) {
+    void *block = json_malloc(n);
+    if (!block)
+        stop(EXIT_LIMIT, "out of memory");
+    return block;
+}
+
+void stop_without_json_memory(void) {
+    json_free_t release;
+    json_get_alloc_funcs(&json_malloc, &release);
+    json_set_alloc_funcs(json_malloc_or_stop, release);
+}
+
 json_t *parse_json(const char *text) {
     nqm_error err;
     json_t *json;

@@ -182,6 +182,8 @@ _Noreturn void stop_error(const nqm_error *err);
 __attribute__((format(printf, 2, 3))) _Noreturn void stop(int exit_code, const char *format, ...);
 /** stop_error() unless the status is NQM_OK. */
 void must(nqm_status status, const nqm_error *err);
+/** From here on a failed allocation of jansson ends the tool: jansson leaves out values, and no result may lack one. */
+void stop_without_json_memory(void);
 /** The value of a text; NULL if it is no JSON. */
 json_t *parse_json(const char *text);
 /** Write what is buffered for standard output. Returns exit_code, or reports a failure and returns EXIT_OPEN. */

@@ -4,7 +4,8 @@
  * and phi_d are a grid, between whose nodes f_r is linear in the angles; any other rows are scattered directions (scattered.c).
  * phi_d in [0, 180] degrees throughout means a reciprocal BRDF; otherwise it is the azimuth of the light over a full turn. Rows may
  * also give the polar angles and azimuths of light and viewer; light and viewer are then never exchanged, and a grid is one of
- * theta_i, theta_o and phi = phi_o - phi_i, as goniometers measure it.
+ * theta_i, theta_o and phi = phi_o - phi_i, as goniometers measure it: rows of a theta of 0 may be given once for all phi, and up to a
+ * quarter of the other rows may be missing.
  */
 #include "brdf/formats/listed.h"
 
@@ -132,17 +133,23 @@ typedef struct list {
     bool is_reciprocal, has_pairs;
 } list;
 
+/* At the normal the azimuth means nothing. */
+static bool has_azimuth(const list *l, const nqm_listed *row) {
+    return !l->has_pairs || (row->at[0] > 0 && row->at[1] > 0);
+}
+
 /* Map phi to [0, pi] if all are in the same half of the turn. */
-static void fold(size_t n, nqm_listed *rows) {
+static void fold(const list *l) {
     double low = INFINITY, high = -INFINITY;
-    for (size_t i = 0; i < n; ++i) {
-        low = fmin(low, rows[i].at[2]);
-        high = fmax(high, rows[i].at[2]);
-    }
+    for (size_t i = 0; i < l->n; ++i)
+        if (has_azimuth(l, &l->rows[i])) {
+            low = fmin(low, l->rows[i].at[2]);
+            high = fmax(high, l->rows[i].at[2]);
+        }
     if (high > (floor(low / NQM_PI + 1e-6) + 1) * NQM_PI + 1e-6)
         return;
-    for (size_t i = 0; i < n; ++i)
-        rows[i].at[2] = round_angle(fabs(remainder(rows[i].at[2], 2 * NQM_PI)));
+    for (size_t i = 0; i < l->n; ++i)
+        l->rows[i].at[2] = round_angle(fabs(remainder(l->rows[i].at[2], 2 * NQM_PI)));
 }
 
 /* Radians read as degrees: all directions are near the normal, and no azimuth is large. (A fine scan near the normal in one plane is
@@ -177,7 +184,7 @@ static nqm_status read_rows(const nqm_csv *csv, list *l, nqm_error *err) {
     if (status == NQM_OK)
         status = refuse_radians(l, err);
     if (status == NQM_OK && l->has_pairs)
-        fold(l->n, l->rows);
+        fold(l);
     return status;
 }
 
@@ -220,10 +227,11 @@ static const nqm_brdf_class pair_class = {.format = "grid", .reciprocal = 0, .ev
 static const double identity[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
 
 /* Write the distinct values of coordinate k to node (n), rising; returns their number. */
-static size_t distinct(size_t n, const nqm_listed *rows, size_t k, double *node) {
-    size_t n_node = 0;
-    for (size_t i = 0; i < n; ++i)
-        node[i] = rows[i].at[k];
+static size_t distinct(const list *l, size_t k, double *node) {
+    size_t n = 0, n_node = 0;
+    for (size_t i = 0; i < l->n; ++i)
+        if (k < 2 || has_azimuth(l, &l->rows[i]))
+            node[n++] = l->rows[i].at[k];
     qsort(node, n, sizeof *node, nqm_compare_doubles);
     for (size_t i = 0; i < n; ++i)
         if (i == 0 || node[i] > node[n_node - 1])
@@ -231,9 +239,10 @@ static size_t distinct(size_t n, const nqm_listed *rows, size_t k, double *node)
     return n_node;
 }
 
+/* 0 for a value that is no node. */
 static size_t index_of(const double *node, size_t n, double x) {
     const double *found = bsearch(&x, node, n, sizeof *node, nqm_compare_doubles);
-    return (size_t)(found - node);
+    return found ? (size_t)(found - node) : 0;
 }
 
 static bool is_above_horizon(const double *hd) {
@@ -242,18 +251,53 @@ static bool is_above_horizon(const double *hd) {
     return fmin(wi[2], wo[2]) > 1e-9;
 }
 
-/* Store each row at its node; false when two rows have the same one. value: (n, 3) float32; filled: (n), zero. */
-static bool fill(const nqm_grid *g, size_t n, const nqm_listed *rows, unsigned char *value, unsigned char *filled) {
-    for (size_t i = 0; i < n; ++i) {
+/* Store each row at its node; false when two rows have the same one. value: (product of g->n, 3) float32; filled: one per node, zero. */
+static bool fill(const nqm_grid *g, const list *l, unsigned char *value, unsigned char *filled) {
+    for (size_t i = 0; i < l->n; ++i) {
+        const nqm_listed *row = &l->rows[i];
         size_t at = 0;
         for (size_t k = 0; k < 3; ++k)
-            at = at * g->n[k] + index_of(g->node[k], g->n[k], rows[i].at[k]);
+            at = at * g->n[k] + index_of(g->node[k], g->n[k], row->at[k]);
         if (filled[at]++)
             return false;
         for (size_t c = 0; c < 3; ++c)
-            nqm_store_f32(value + (3 * at + c) * sizeof(float), is_above_horizon(rows[i].hd) ? rows[i].rgb[c] : NAN);
+            nqm_store_f32(value + (3 * at + c) * sizeof(float), is_above_horizon(row->hd) ? row->rgb[c] : NAN);
     }
     return true;
+}
+
+/* Give nodes without a row the value at another phi where the azimuth means nothing, and none elsewhere; returns the number of those. */
+static size_t fill_rest(const nqm_grid *g, unsigned char *value, const unsigned char *filled) {
+    const size_t n_phi = g->n[2], n_bytes = 3 * sizeof(float);
+    size_t n_missing = 0;
+    for (size_t i = 0; i < g->n[0] * g->n[1]; ++i) {
+        const bool is_normal = g->node[0][i / g->n[1]] <= 0 || g->node[1][i % g->n[1]] <= 0;
+        const unsigned char *first = memchr(filled + i * n_phi, 1, n_phi);
+        for (size_t k = 0; k < n_phi; ++k) {
+            unsigned char *to = value + (i * n_phi + k) * n_bytes;
+            if (filled[i * n_phi + k])
+                continue;
+            if (first && is_normal) {
+                memcpy(to, value + (size_t)(first - filled) * n_bytes, n_bytes);
+                continue;
+            }
+            for (size_t c = 0; c < 3; ++c)
+                nqm_store_f32(to + c * sizeof(float), NAN);
+            ++n_missing;
+        }
+    }
+    return n_missing;
+}
+
+/* Whether the n_product nodes are those of a goniometer, of whose rows some are missing. The limits keep a list that happens to share
+ * angles from being a grid, and the memory below ten times the file. */
+static bool is_nearly_complete(const list *l, const nqm_grid *g) {
+    size_t n = 0, n_nodes = 0;
+    const size_t n_i = g->n[0] - (g->node[0][0] <= 0), n_o = g->n[1] - (g->node[1][0] <= 0);
+    for (size_t i = 0; i < l->n; ++i)
+        n += has_azimuth(l, &l->rows[i]);
+    return l->has_pairs && n_i >= 2 && n_o >= 2 && nqm_mul_size(n_i, n_o, &n_nodes) &&
+           nqm_mul_size(n_nodes, g->n[2], &n_nodes) && n_nodes / 4 <= n / 3;
 }
 
 /* Between neighbouring nodes of coordinate k, in degrees; phi (2) is periodic. */
@@ -266,51 +310,83 @@ static double largest_gap(const nqm_grid *grid, size_t k) {
     return gap / degree;
 }
 
-/* *grid_ret is NULL when the rows are no complete grid. */
-static nqm_status make_grid(const list *l, nqm_grid **grid_ret, nqm_error *err) {
-    const double period = l->is_reciprocal ? NQM_PI : 2 * NQM_PI;
-    const size_t n = l->n;
-    double *node[3];
-    unsigned char *value, *filled;
-    size_t n_product = 0;
-    nqm_status status = nqm_alloc_arrays(NQM_ARRAYS({grid_ret, 1, sizeof(nqm_grid)}, {node, n, sizeof(double)},
-                                                    {node + 1, n, sizeof(double)}, {node + 2, n, sizeof(double)},
-                                                    {&value, 3 * n, sizeof(float)}, {&filled, n, 1}),
-                                         err);
-    if (status != NQM_OK)
-        return status;
-    nqm_grid *g = *grid_ret;
-    *g = (nqm_grid){.period = period, .value = value, .weights = identity};
+/* The axes of a grid. Where these are half a turn the value at -phi is that at phi. */
+static void find_axes(const list *l, nqm_grid *g, double *const node[3]) {
     for (size_t k = 0; k < 3; ++k) {
-        g->n[k] = distinct(n, l->rows, k, node[k]);
+        g->n[k] = distinct(l, k, node[k]);
         g->node[k] = node[k];
     }
-    if (l->has_pairs && node[2][0] > -1e-6 && node[2][g->n[2] - 1] < NQM_PI + 1e-6) /* half a turn */
+    g->period = l->is_reciprocal ? NQM_PI : 2 * NQM_PI;
+    if (l->has_pairs && g->n[2] && node[2][0] > -1e-6 && node[2][g->n[2] - 1] < NQM_PI + 1e-6)
         g->period = node[2][g->n[2] - 1] - node[2][0];
     g->n_channels = 3;
     g->channel_stride = sizeof(float);
     g->stride[2] = 3 * sizeof(float);
     g->stride[1] = g->n[2] * g->stride[2];
     g->stride[0] = g->n[1] * g->stride[1];
-    bool complete = g->n[0] >= 2 && g->n[1] >= 2 && node[2][g->n[2] - 1] - node[2][0] <= period + 1e-9;
-    complete = complete && nqm_mul_size(g->n[0], g->n[1], &n_product) && nqm_mul_size(n_product, g->n[2], &n_product);
-    if (l->has_pairs) /* between distant azimuths nothing is known: in the plane of incidence alone there are two */
-        complete = complete && g->n[2] >= 2 && largest_gap(g, 2) < 45.001;
-    if (!complete || n_product != n || !fill(g, n, l->rows, value, filled)) {
-        nqm_free(g);
-        *grid_ret = NULL;
-    }
-    return NQM_OK;
+    g->weights = identity;
 }
 
-static nqm_status wrap_grid(const list *l, nqm_grid *grid, const char *name, nqm_brdf **brdf_ret, nqm_error *err) {
+/* Whether the axes can be those of a grid, and the number of its nodes. */
+static bool can_be_grid(const list *l, const nqm_grid *g, size_t *n_product) {
+    const double turn = l->is_reciprocal ? NQM_PI : 2 * NQM_PI;
+    const bool is_turn = g->n[2] && g->node[2][g->n[2] - 1] - g->node[2][0] <= turn + 1e-9;
+    if (g->n[0] < 2 || g->n[1] < 2 || !is_turn || !nqm_mul_size(g->n[0], g->n[1], n_product) ||
+        !nqm_mul_size(*n_product, g->n[2], n_product))
+        return false;
+    if (l->has_pairs && (g->n[2] < 2 || largest_gap(g, 2) > 45.001))
+        return false; /* between distant azimuths nothing is known: in the plane of incidence alone there are two */
+    return *n_product == l->n || is_nearly_complete(l, g);
+}
+
+/* *grid_ret is NULL when the rows are no grid. n_missing_ret: nodes without a row. */
+static nqm_status make_grid(const list *l, nqm_grid **grid_ret, size_t *n_missing_ret, nqm_error *err) {
+    double *found[3], *node[3];
+    unsigned char *value, *filled;
+    size_t n_product;
+    nqm_grid axes = {0}, *g;
+    *grid_ret = NULL;
+    nqm_status status = nqm_alloc_arrays(
+        NQM_ARRAYS({found, l->n, sizeof(double)}, {found + 1, l->n, sizeof(double)}, {found + 2, l->n, sizeof(double)}),
+        err);
+    if (status != NQM_OK)
+        return status;
+    find_axes(l, &axes, found);
+    if (!can_be_grid(l, &axes, &n_product))
+        goto done;
+    status = nqm_alloc_arrays(NQM_ARRAYS({&g, 1, sizeof *g}, {node, axes.n[0], sizeof(double)},
+                                         {node + 1, axes.n[1], sizeof(double)}, {node + 2, axes.n[2], sizeof(double)},
+                                         {&value, 3 * n_product, sizeof(float)}, {&filled, n_product, 1}),
+                              err);
+    if (status != NQM_OK)
+        goto done;
+    *g = axes;
+    g->value = value;
+    for (size_t k = 0; k < 3; ++k)
+        g->node[k] = memcpy(node[k], found[k], g->n[k] * sizeof(double));
+    if (fill(g, l, value, filled)) {
+        *n_missing_ret = fill_rest(g, value, filled);
+        *grid_ret = g;
+    } else {
+        nqm_free(g);
+    }
+done:
+    nqm_free(found[0]);
+    return status;
+}
+
+static nqm_status wrap_grid(const list *l, nqm_grid *grid, size_t n_missing, const char *name, nqm_brdf **brdf_ret,
+                            nqm_error *err) {
     static const char *const axes[2][3] = {{"theta_h", "theta_d", "phi_d"}, {"theta_i", "theta_o", "phi"}};
     const char *const *axis = axes[l->has_pairs];
-    char text[200];
+    char text[300];
     snprintf(text, sizeof text,
              "%zu %s x %zu %s x %zu %s, linear between them, at most %.3g, %.3g and %.3g degrees apart", grid->n[0],
              axis[0], grid->n[1], axis[1], grid->n[2], axis[2], largest_gap(grid, 0), largest_gap(grid, 1),
              largest_gap(grid, 2));
+    if (n_missing)
+        snprintf(text + strlen(text), sizeof text - strlen(text), "; %zu of %zu nodes have no row", n_missing,
+                 grid->n[0] * grid->n[1] * grid->n[2]);
     const nqm_brdf_info info = {.name = name, .layout = text, .n_values = 3 * l->n};
     return nqm_brdf_wrap(l->has_pairs       ? &pair_class
                          : l->is_reciprocal ? &reciprocal_class
@@ -362,12 +438,17 @@ static size_t max_scattered(size_t n_bytes) {
 static nqm_status create(const list *l, size_t n_bytes, const char *tolerance_text, const char *name,
                          nqm_brdf **brdf_ret, nqm_error *err) {
     double tolerance;
+    size_t n_missing = 0;
     nqm_grid *grid = NULL;
     nqm_status status = read_tolerance(l->path, tolerance_text, &tolerance, err);
     if (status == NQM_OK)
-        status = make_grid(l, &grid, err);
+        status = make_grid(l, &grid, &n_missing, err);
     if (status != NQM_OK)
         return status;
+    if (n_missing && tolerance_text) { /* rows alone are asked for */
+        nqm_free(grid);
+        grid = NULL;
+    }
     if (!grid && l->n > max_scattered(n_bytes))
         return nqm_fail(
             err, NQM_ERR_LIMIT, 0,
@@ -377,7 +458,7 @@ static nqm_status create(const list *l, size_t n_bytes, const char *tolerance_te
     if (!grid)
         return nqm_scattered_create(l->n, l->rows, l->is_reciprocal, tolerance, name, brdf_ret, err);
     if (!tolerance_text)
-        return wrap_grid(l, grid, name, brdf_ret, err);
+        return wrap_grid(l, grid, n_missing, name, brdf_ret, err);
     nqm_free(grid);
     return nqm_fail(err, NQM_ERR_ARG, -1, "%s: is a complete grid, which is interpolated: open it without ':%s'",
                     l->path, tolerance_text);

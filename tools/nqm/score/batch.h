@@ -96,6 +96,8 @@ typedef struct batch_request {
 /** Open. `done` of the result is the progress of the interrupted run, zeros for a new file. false: another run is writing the file
  *  (only with `may_help`), and nothing is open. */
 bool open_batch_output(const batch_request *request, batch_output *out);
+/** After that: wait for the end of the other run, and open the output if that run left it unfinished. false: it is finished. */
+bool take_over_batch_output(const batch_request *request, batch_output *out);
 /** Report an error and exit if a file that the rows of the interrupted run depend on has changed. */
 void check_batch_files(const batch_output *out);
 /** Write the text of out->rows, which are complete rows whose notes and files are set, and record in the journal that the file is valid up to

@@ -233,22 +233,14 @@ static bool is_written_by_other(const batch_output *out, const batch_request *re
     if (!json_equal(request->terms, theirs))
         stop(EXIT_OPEN, "%s: another run is writing it, with another list or other options", out->part);
     json_decref(theirs);
-    report(EXIT_OK, "another run is writing %s: this one scores pieces of the list only", out->path);
+    report(EXIT_OK, "another run is writing %s: this one scores pieces of the list, and writes it if that run dies",
+           out->path);
     return true;
 }
 
-static bool open_part(batch_output *out, const batch_request *request) {
-    char *target = realpath(request->path, NULL); /* of a symbolic link; NULL: a new file */
-    const char *path = target ? target : request->path;
+/* The journal is locked. */
+static void open_part(batch_output *out, const batch_request *request, bool has_journal) {
     const json_t *terms = request->terms;
-    out->path = absolute_path(path, "");
-    out->part = absolute_path(path, ".part");
-    out->journal = absolute_path(path, ".part.journal");
-    free(target);
-    bool has_journal;
-    lock_journal(out, &has_journal);
-    if (is_written_by_other(out, request))
-        return false;
     const bool goes_on = request->resume && access(out->part, F_OK) ==
                                                 0; /* only a journal remains when a run was killed after the rename */
     if (goes_on && !has_journal) {
@@ -269,6 +261,37 @@ static bool open_part(batch_output *out, const batch_request *request) {
         if (bad || fflush(out->log) != 0)
             stop_write(out->journal);
     }
+}
+
+/* false: another run is writing the file. */
+static bool open_file(batch_output *out, const batch_request *request) {
+    char *target = realpath(request->path, NULL); /* of a symbolic link; NULL: a new file */
+    const char *path = target ? target : request->path;
+    out->path = absolute_path(path, "");
+    out->part = absolute_path(path, ".part");
+    out->journal = absolute_path(path, ".part.journal");
+    free(target);
+    bool has_journal;
+    lock_journal(out, &has_journal);
+    if (is_written_by_other(out, request))
+        return false;
+    open_part(out, request, has_journal);
+    return true;
+}
+
+bool take_over_batch_output(const batch_request *request, batch_output *out) {
+    bool has_journal;
+    for (lock_journal(out, &has_journal); !out->log; lock_journal(out, &has_journal)) {
+        if (interrupted())
+            stop(EXIT_INTERRUPTED, "stopped while another run is writing %s", out->path);
+        nanosleep(&(struct timespec){.tv_nsec = 50000000}, NULL);
+    }
+    if (!has_journal) { /* a run that finishes its output removes its journal */
+        unlink(out->journal);
+        return false;
+    }
+    report(EXIT_OK, "the other run has left %s unfinished: this one writes it", out->path);
+    open_part(out, request, has_journal);
     return true;
 }
 
@@ -290,7 +313,7 @@ bool open_batch_output(const batch_request *request, batch_output *out) {
         out->path = strdup(path);
         if (!out->stream || !out->path)
             stop_write(path);
-    } else if (!standard && !open_part(out, request)) {
+    } else if (!standard && !open_file(out, request)) {
         return false;
     }
     if (request->is_sorted && !out->part) {

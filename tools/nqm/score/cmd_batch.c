@@ -21,9 +21,11 @@ typedef struct batch_run {
     nqm_scorer *scorer;
     batch_pieces pieces;
     batch_output out;
+    batch_request request;
     const char *list_name;
     char *junit, *markdown; /* absolute paths; NULL: not requested */
     bool keep_going, is_sorted, is_best;
+    bool is_second;   /* another run writes the output */
     uint64_t n_worst; /* rows of the output; 0: all */
     size_t n_before;  /* rows that an earlier run wrote */
     double begin_s;
@@ -242,13 +244,14 @@ static void open_outputs(batch_run *run, const batch_arguments *a, ranks *r) {
     if (r->rank == 0) {
         run->junit = a->junit ? absolute_path(a->junit, "") : NULL;
         run->markdown = a->markdown ? absolute_path(a->markdown, "") : NULL;
-        if (!open_batch_output(&(batch_request){.path = a->output,
-                                                .terms = terms,
-                                                .resume = a->resume,
-                                                .is_sorted = run->is_sorted,
-                                                .may_help = a->work != NULL,
-                                                .max_rows = run->list->n_rows},
-                               &run->out))
+        run->request = (batch_request){.path = a->output,
+                                       .terms = json_incref(terms),
+                                       .resume = a->resume,
+                                       .is_sorted = run->is_sorted,
+                                       .may_help = a->work != NULL,
+                                       .max_rows = run->list->n_rows};
+        run->is_second = !open_batch_output(&run->request, &run->out);
+        if (run->is_second)
             *r = (ranks){1, 2};
     }
     json_decref(terms);
@@ -260,6 +263,10 @@ static void open_outputs(batch_run *run, const batch_arguments *a, ranks *r) {
 
 static int run_batch(batch_run *run, ranks r) {
     int exit_code = run->pieces.folder ? share_batch_pieces(&run->pieces, r) : EXIT_OK;
+    if (run->is_second && exit_code == EXIT_OK && take_over_batch_output(&run->request, &run->out)) {
+        check_batch_files(&run->out);
+        r.rank = 0;
+    }
     if (r.rank > 0)
         return exit_code;
     run->n_before = run->out.done.n_rows;
@@ -333,6 +340,7 @@ int cmd_batch(int argc, char **argv) {
     nqm_scorer_free(run.scorer);
     free_expanded_list(&run.expanded);
     nqm_pair_list_free(run.given);
+    json_decref((json_t *)(uintptr_t)run.request.terms);
     nqm_model_free((nqm_model *)(uintptr_t)run.form.model);
     free(names);
     free(run.junit);
