@@ -17,11 +17,12 @@ void nqm_novelty_features(const nqm_model *model, const double *scalars, float *
     nqm_scalar_whitening whitening = model->scalars;
     whitening.scale = 1;
     float x[NQM_SCALAR_COUNT];
+    const size_t n = whitening.n;
     nqm_scalars_whiten(&whitening, scalars, x);
-    memset(y, 0, sizeof x);
-    for (size_t k = 0; k < NQM_SCALAR_COUNT; ++k)
-        for (size_t i = 0; i < NQM_SCALAR_COUNT; ++i)
-            y[i] += x[k] * model->novelty_map[k * NQM_SCALAR_COUNT + i];
+    memset(y, 0, n * sizeof *y);
+    for (size_t k = 0; k < n; ++k)
+        for (size_t i = 0; i < n; ++i)
+            y[i] += x[k] * model->novelty_map[k * n + i];
 }
 
 double nqm_model_novelty(const nqm_model *model, const double *scalars) {
@@ -30,6 +31,6 @@ double nqm_model_novelty(const nqm_model *model, const double *scalars) {
         return NAN;
     nqm_novelty_features(model, scalars, y);
     const float square =
-        nqm_kernels_get()->nearest_square(NQM_SCALAR_COUNT, model->n_novelty, model->novelty_points, y);
+        nqm_kernels_get()->nearest_square(model->scalars.n, model->n_novelty, model->novelty_points, y);
     return sqrt((double)square) / model->novelty_unit;
 }
