@@ -5,13 +5,13 @@
  * them are strongly correlated over the training distortions, and a pair that breaks these correlations has a new kind
  * of distortion.
  */
-#include "kernel/kernel.h"
 #include "model/model.h"
+#include "sample/loops.h"
 
 #include <math.h>
 #include <string.h>
 
-_Static_assert((int)NQM_NOVELTY_BLOCK == (int)NQM_POINTS, "model files have the blocks of the kernels");
+_Static_assert((int)NQM_NOVELTY_BLOCK == (int)NQM_POINTS, "model files have the blocks of the loop");
 
 void nqm_novelty_features(const nqm_model *model, const double *scalars, float *y) {
     nqm_scalar_whitening whitening = model->scalars;
@@ -30,7 +30,6 @@ double nqm_model_novelty(const nqm_model *model, const double *scalars) {
     if (model->n_novelty == 0)
         return NAN;
     nqm_novelty_features(model, scalars, y);
-    const float square =
-        nqm_kernels_get()->nearest_square(model->scalars.n, model->n_novelty, model->novelty_points, y);
+    const float square = nqm_sample_nearest(model->scalars.n, model->n_novelty, model->novelty_points, y);
     return sqrt((double)square) / model->novelty_unit;
 }
