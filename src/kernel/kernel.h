@@ -158,12 +158,6 @@ typedef struct nqm_adam_rate {
 /** The constants of step `step`; the first step is 1. */
 nqm_adam_rate nqm_adam_rate_at(double lr, double weight_decay, uint64_t step);
 
-/** Period of the whitening's mean and scale, floats: a multiple of the three channels and of every vector width. */
-enum { NQM_WHITEN_PERIOD = 48 };
-
-/** Points side by side in a block of nearest_square(). */
-enum { NQM_POINTS = 16 };
-
 /** The functions of one instruction set; every member is set unless its comment says otherwise. */
 typedef struct nqm_kernels {
     const char *name;
@@ -188,13 +182,6 @@ typedef struct nqm_kernels {
      * 3e-7 of the normal distribution function everywhere. y may be x; slope may be NULL.
      */
     void (*gelu)(size_t n, const float *x, float *y, float *slope);
-    /** From n values t = log(cbrt(f_r) + 1) to those of s f_r, with k1 = cbrt(s) - 1, |k1| <= 0.018: within
-     *  3e-7 (1 + t). */
-    void (*scale_log)(size_t n, float k1, const float *t, float *scaled);
-    /** x = (t - mean) scale for n floats; x may be t. mean and scale are (NQM_WHITEN_PERIOD) and repeat. */
-    void (*whiten)(size_t n, const float *mean, const float *scale, const float *t, float *x);
-    /** difference = s (b - a) and magnitude = s |b - a| for n floats; difference may be b. */
-    void (*differ)(size_t n, float s, const float *a, const float *b, float *difference, float *magnitude);
     /** x (n) as bfloat16 in nqm_words() words, to nearest, ties to even. */
     void (*round_row)(size_t n, const float *x, uint32_t *words);
     /** Two rows (n) as bfloat16; a word holds both values of a column. Groups of `width` columns (NQM_STRIP or NQM_PANEL)
@@ -208,24 +195,6 @@ typedef struct nqm_kernels {
      *  scales of the left factor; ldc floats from row to row of c. */
     void (*dequantise)(size_t m, const nqm_byte_scale *rows, const nqm_byte_columns *columns, bool add,
                        const int32_t *sums, float *c, size_t ldc);
-    /** t = log(cbrt(rho) + 1) for n values rho >= 0, within 4e-7 relative; 0 below 1e-30, the value at 1e37 above 1e37. root
-     *  receives cbrt(rho), within the same; it may be t. */
-    void (*sample_log)(size_t n, const float *rho, float *root, float *t);
-    /** ratio = log((y + offset) / (x + offset)) for n values x and y from 0 to 1e37, offset (n) from 1e-6 to 1e30: within 3e-7
-     *  relative from -0.28 to 0.28, otherwise absolute or relative, whichever is more; 0 where x = y. */
-    void (*log_ratio)(size_t n, const float *offset, const float *x, const float *y, float *ratio);
-    /** difference = scale (cbrt(y) - cbrt(x)) for n values x and y from 0 to 1e30 and their cube roots from sample_log(): within
-     *  2e-6 relative, even for close values, and 1e-10 scale. */
-    void (*root_difference)(size_t n, const float *scale, const float *x, const float *y, const float *root_x,
-                            const float *root_y, float *difference);
-    /** The least squared distance of y (n) from the points of n_blocks blocks (n, NQM_POINTS), in float; INFINITY: there are none. */
-    float (*nearest_square)(size_t n, size_t n_blocks, const float *points, const float *y);
-    /** The sums of |x| and of x^2 over n floats, a multiple of NQM_PANEL. */
-    void (*magnitudes)(size_t n, const float *x, float *sum, float *squares);
-    /** The cube root of n values >= 0, within 1e-15 relative; 0 below 1e-30, the value at 1e37 above 1e37. */
-    void (*cube_root)(size_t n, const double *x, double *root);
-    /** y = log(1 + x) for n finite values x > -1, within 4e-16 absolute or relative, whichever is more. */
-    void (*log_1p)(size_t n, const double *x, double *y);
     /** One step of Adam for n parameters; m, v: (n) the moments, 0 before the first step. */
     void (*adam)(size_t n, const nqm_adam_rate *rate, const float *grad, float *m, float *v, float *param);
 } nqm_kernels;

@@ -8,28 +8,9 @@
 #include "kernel/gelu.h"
 #include "kernel/kernel.h"
 #include "kernel/rounding.h"
-#include "kernel/transform.h"
 
 #include <math.h>
 #include <string.h>
-
-/* ---- scaled copies of samples ------------------------------------------------------------------------------------ */
-
-/* exp(x) for x <= 0; 0 below -80, since products with denormal results take three times as long. */
-static inline float exp_negative(float x) {
-    float e = nqm_exp_core(x < -80.0f ? -80.0f : x);
-    return x < -80.0f ? 0.0f : e;
-}
-
-/* With c = cbrt(f_r) and k = 1 + k1: log(k c + 1) = t + log(1 + k1 c / (c + 1)), where c / (c + 1) = 1 - exp(-t). Since
- * |k1| <= 0.018, four terms of the series of log(1 + a) have an error below 4e-10. */
-static void scale_log(size_t n, float k1, const float *t, float *scaled) {
-#pragma omp simd
-    for (size_t i = 0; i < n; ++i) {
-        float a = k1 * (1.0f - exp_negative(-t[i]));
-        scaled[i] = t[i] + a * (1.0f - a * (0.5f - a * (1.0f / 3.0f - a * 0.25f)));
-    }
-}
 
 /* ---- Adam -------------------------------------------------------------------------------------------------------- */
 
@@ -114,18 +95,6 @@ INLINE float row_sum(row_term term, size_t n, const float *x, const float *y, fl
 
 static float dot(size_t n, const float *x, const float *y) {
     return row_sum(TERM_PRODUCT, n, x, y, 0);
-}
-
-static void magnitudes(size_t n, const float *x, float *sum, float *squares) {
-    vector_f magnitude[GROUP_VECTORS] = {{0}}, square[GROUP_VECTORS] = {{0}};
-    for (size_t i = 0; i < n; i += GROUP)
-        UNROLL for (size_t v = 0; v < GROUP_VECTORS; ++v) {
-            const vector_f a = *(const vector_f *)(x + i + v * LANES);
-            magnitude[v] += (vector_f)((vector_u)a & 0x7fffffffu);
-            square[v] += a * a;
-        }
-    *sum = add_sums(magnitude);
-    *squares = add_sums(square);
 }
 
 /* ---- dropout ----------------------------------------------------------------------------------------------------- */
@@ -280,30 +249,6 @@ static double double_dot(size_t n, const float *x, const double *y) {
     return all[0];
 }
 
-/* ---- the nearest point ------------------------------------------------------------------------------------------- */
-
-static float nearest_square(size_t n, size_t n_blocks, const float *points, const float *y) {
-    enum { VECTORS = NQM_POINTS / LANES };
-    float least[NQM_POINTS], square[NQM_POINTS], nearest = INFINITY;
-    for (size_t i = 0; i < NQM_POINTS; ++i)
-        least[i] = INFINITY;
-    for (size_t block = 0; block < n_blocks; ++block) {
-        vector_f sum[VECTORS] = {{0}};
-        for (size_t k = 0; k < n; ++k, points += NQM_POINTS)
-            UNROLL for (size_t v = 0; v < VECTORS; ++v) {
-                const vector_f d = *(const vector_f *)(points + v * LANES) - y[k];
-                sum[v] += d * d;
-            }
-        memcpy(square, sum, sizeof square);
-#pragma omp simd
-        for (size_t i = 0; i < NQM_POINTS; ++i)
-            least[i] = square[i] < least[i] ? square[i] : least[i];
-    }
-    for (size_t i = 0; i < NQM_POINTS; ++i)
-        nearest = least[i] < nearest ? least[i] : nearest;
-    return nearest;
-}
-
 /* The table of an instruction set. */
 #define NQM_DEFINE_KERNELS(SUFFIX, NAME)                                                                               \
     const nqm_kernels nqm_kernels_##SUFFIX = {                                                                         \
@@ -323,15 +268,5 @@ static float nearest_square(size_t n, size_t n_blocks, const float *points, cons
         .round_tile = round_tile,                                                                                      \
         .quantise_row = quantise_row,                                                                                  \
         .dequantise = dequantise,                                                                                      \
-        .sample_log = sample_log,                                                                                      \
-        .log_ratio = log_ratio,                                                                                        \
-        .root_difference = root_difference,                                                                            \
-        .magnitudes = magnitudes,                                                                                      \
-        .nearest_square = nearest_square,                                                                              \
-        .cube_root = cube_root,                                                                                        \
-        .log_1p = log_1p,                                                                                              \
-        .scale_log = scale_log,                                                                                        \
-        .whiten = whiten,                                                                                              \
-        .differ = differ,                                                                                              \
         .adam = adam,                                                                                                  \
     }

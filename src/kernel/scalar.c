@@ -161,80 +161,6 @@ static void gelu(size_t n, const float *x, float *y, float *slope) {
     }
 }
 
-static void sample_log(size_t n, const float *rho, float *root, float *t) {
-    for (size_t i = 0; i < n; ++i) {
-        const double exact = rho[i] < 1e-30f ? 0 : cbrt(rho[i] > 1e37f ? 1e37 : (double)rho[i]);
-        root[i] = (float)exact;
-        t[i] = (float)log1p(exact);
-    }
-}
-
-static void log_ratio(size_t n, const float *offset, const float *x, const float *y, float *ratio) {
-    for (size_t i = 0; i < n; ++i) {
-        const double by = (double)offset[i], a = (double)x[i] + by, difference = (double)y[i] - (double)x[i];
-        const bool is_small = fabs(difference) < 0.5 * a; /* the quotient would round it */
-        ratio[i] = (float)(is_small ? log1p(difference / a) : log(((double)y[i] + by) / a));
-    }
-}
-
-static void root_difference(size_t n, const float *scale, const float *x, const float *y, const float *root_x,
-                            const float *root_y, float *difference) {
-    (void)root_x;
-    (void)root_y;
-    for (size_t i = 0; i < n; ++i)
-        difference[i] = (float)((double)scale[i] * (cbrt((double)y[i]) - cbrt((double)x[i])));
-}
-
-static void magnitudes(size_t n, const float *x, float *sum, float *squares) {
-    double magnitude = 0, square = 0;
-    for (size_t i = 0; i < n; ++i) {
-        magnitude += fabs((double)x[i]);
-        square += (double)x[i] * (double)x[i];
-    }
-    *sum = (float)magnitude;
-    *squares = (float)square;
-}
-
-static float nearest_square(size_t n, size_t n_blocks, const float *points, const float *y) {
-    double nearest = INFINITY;
-    for (size_t p = 0; p < n_blocks * NQM_POINTS; ++p) {
-        const float *point = points + p / NQM_POINTS * NQM_POINTS * n + p % NQM_POINTS;
-        double square = 0;
-        for (size_t k = 0; k < n; ++k)
-            square += pow((double)point[k * NQM_POINTS] - (double)y[k], 2);
-        nearest = fmin(nearest, square);
-    }
-    return (float)nearest;
-}
-
-static void cube_root(size_t n, const double *x, double *root) {
-    for (size_t i = 0; i < n; ++i)
-        root[i] = x[i] < 1e-30 ? 0 : cbrt(x[i] > 1e37 ? 1e37 : x[i]);
-}
-
-static void log_1p(size_t n, const double *x, double *y) {
-    for (size_t i = 0; i < n; ++i)
-        y[i] = log1p(x[i]);
-}
-
-static void scale_log(size_t n, float k1, const float *t, float *scaled) {
-    for (size_t i = 0; i < n; ++i)
-        scaled[i] = (float)log1p((1 + (double)k1) * expm1((double)t[i]));
-}
-
-static void whiten(size_t n, const float *mean, const float *scale, const float *t, float *x) {
-    for (size_t i = 0; i < n; ++i)
-        x[i] = (float)(((double)t[i] - (double)mean[i % NQM_WHITEN_PERIOD]) * (double)scale[i % NQM_WHITEN_PERIOD]);
-}
-
-static void differ(size_t n, float s, const float *a, const float *b, float *difference, float *magnitude) {
-    for (size_t i = 0; i < n; ++i) {
-        const double d = (double)s * ((double)b[i] - (double)a[i]);
-        difference[i] = (float)d;
-        magnitude[i] = (float)fabs(d);
-    }
-}
-
 static void round_row(size_t n, const float *x, uint32_t *words) {
     for (size_t i = 0; i < n; i += 2)
         words[i / 2] = nqm_bf16_bits(x[i]) | (i + 1 < n ? nqm_bf16_bits(x[i + 1]) : 0) << 16;
@@ -350,15 +276,5 @@ const nqm_kernels nqm_kernels_scalar = {
     .round_tile = round_tile,
     .quantise_row = quantise_row,
     .dequantise = dequantise,
-    .sample_log = sample_log,
-    .log_ratio = log_ratio,
-    .root_difference = root_difference,
-    .magnitudes = magnitudes,
-    .nearest_square = nearest_square,
-    .cube_root = cube_root,
-    .log_1p = log_1p,
-    .scale_log = scale_log,
-    .whiten = whiten,
-    .differ = differ,
     .adam = adam,
 };

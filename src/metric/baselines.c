@@ -4,9 +4,9 @@
  * 2012, DOI 10.2352/CIC.2012.20.1.art00025; logarithm: Low et al. 2012, DOI 10.1145/2077341.2077350) and the mean
  * absolute log difference. Sums over directions and channels are in double.
  */
-#include "kernel/kernel.h"
 #include "math/math.h"
 #include "metric/scaled.h"
+#include "sample/loops.h"
 
 #include <math.h>
 #include <string.h>
@@ -100,13 +100,12 @@ static void log_of(size_t n, const double *x, double *y) {
     double above[3 * NQM_STRETCH];
     for (size_t i = 0; i < n; ++i)
         above[i] = x[i] + (NQM_DARK - 1);
-    nqm_kernels_get()->log_1p(n, above, y);
+    nqm_sample_log_1p(n, above, y);
 }
 
 void nqm_scale_stretch(const nqm_directions *directions, size_t stretch, const float *rgb, nqm_scaled *scaled) {
-    const nqm_kernels *kernels = nqm_kernels_get();
     const size_t first = stretch * NQM_STRETCH, n = nqm_stretch_size(directions->n, stretch);
-    double weighted[3 * NQM_STRETCH];
+    double weighted[3 * NQM_STRETCH] = {0};
     double *f = scaled->scale[NQM_SCALE_F];
     if (n < NQM_STRETCH)
         memset(scaled, 0, sizeof *scaled);
@@ -116,9 +115,9 @@ void nqm_scale_stretch(const nqm_directions *directions, size_t stretch, const f
     }
     for (size_t i = 0; i < n; ++i)
         scaled->luminance[i] = nqm_luminance(f + 3 * i);
-    kernels->cube_root(3 * n, weighted, scaled->scale[NQM_SCALE_CBRT_CF]);
-    kernels->log_1p(3 * n, f, scaled->scale[NQM_SCALE_LOG1P_F]);
-    kernels->log_1p(3 * n, weighted, scaled->scale[NQM_SCALE_LOG1P_CF]);
+    nqm_sample_cube_roots(3 * n, weighted, scaled->scale[NQM_SCALE_CBRT_CF]);
+    nqm_sample_log_1p(3 * n, f, scaled->scale[NQM_SCALE_LOG1P_F]);
+    nqm_sample_log_1p(3 * n, weighted, scaled->scale[NQM_SCALE_LOG1P_CF]);
     log_of(3 * n, f, scaled->scale[NQM_SCALE_LOG_F]);
     log_of(n, scaled->luminance, scaled->log_luminance);
 }

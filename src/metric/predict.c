@@ -10,6 +10,7 @@
 #include "metric/sums.h"
 #include "net/inference.h"
 #include "percept/percept.h"
+#include "sample/loops.h"
 
 #include <math.h>
 #include <omp.h>
@@ -184,13 +185,12 @@ typedef struct task_buffers {
 
 /* Compute the inputs that come from samples of pairs [begin, end), which have the same reference. */
 static void compose_samples(const task_buffers *task, size_t begin, size_t end) {
-    const nqm_kernels *kernels = nqm_kernels_get();
     const nqm_predictor *p = task->predictor;
     const nqm_sampled_pairs *pairs = task->pairs;
     const size_t n_directions = p->model->directions->n, n = 3 * n_directions;
-    kernels->sample_log(n, pairs->ref[begin], task->root, task->ref_t);
+    nqm_sample_logs(n, pairs->ref[begin], task->root, task->ref_t);
     for (size_t i = begin; i < end; ++i) {
-        kernels->sample_log(n, pairs->test[i], task->root + (1 + i - begin) * n, task->test_t);
+        nqm_sample_logs(n, pairs->test[i], task->root + (1 + i - begin) * n, task->test_t);
         if (p->work)
             nqm_features_compose(&p->model->features, n_directions, task->ref_t, task->test_t,
                                  pairs->used ? pairs->used + n_directions * i : NULL, p->x + p->stride * i);

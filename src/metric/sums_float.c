@@ -8,6 +8,7 @@
 #include "kernel/kernel.h"
 #include "math/math.h"
 #include "metric/sums.h"
+#include "sample/loops.h"
 
 #include <math.h>
 #include <string.h>
@@ -160,10 +161,9 @@ typedef struct reference {
 
 static void read_reference(const stretch *s, const float *rgb, const float *root, const uint8_t *used, reference *to) {
     static const float zeros[ROOM];
-    const nqm_kernels *kernels = nqm_kernels_get();
     read_member(s, rgb, root, used, &to->is);
-    kernels->log_ratio(3 * s->n, s->plan->darks, zeros, to->is.f, to->log);
-    kernels->log_ratio(s->n, s->plan->darks, zeros, to->is.luminance, to->log_luminance);
+    nqm_sample_log_ratios(3 * s->n, s->plan->darks, zeros, to->is.f, to->log);
+    nqm_sample_log_ratios(s->n, s->plan->darks, zeros, to->is.luminance, to->log_luminance);
 }
 
 /* ---- sums -------------------------------------------------------------------------------------------------------- */
@@ -171,7 +171,7 @@ static void read_reference(const stretch *s, const float *rgb, const float *root
 /* Add n differences on one scale; returns the sum of their squares. */
 static double add_scale(int scale, size_t n, const float *by, nqm_metric_sums *to) {
     float magnitude, square;
-    nqm_kernels_get()->magnitudes(n, by, &magnitude, &square);
+    nqm_sample_sums(n, by, &magnitude, &square);
     to->magnitudes[scale] += (double)magnitude;
     to->squares[scale] += (double)square;
     return (double)square;
@@ -180,19 +180,18 @@ static double add_scale(int scale, size_t n, const float *by, nqm_metric_sums *t
 /* Add the differences of all values on every scale; by_log (ROOM) receives those of log(f + NQM_DARK). Since c is the same for
  * both members, log(1 + c f) differs like log(1 / c + f). */
 static void add_values(const stretch *s, const member *ref, const member *test, float *by_log, nqm_pair_sums *to) {
-    const nqm_kernels *kernels = nqm_kernels_get();
     const nqm_sum_plan *plan = s->plan;
     const size_t n = s->n_values;
     float by[ROOM], magnitude[ROOM];
-    kernels->differ(n, 1, ref->f, test->f, by, magnitude);
+    nqm_sample_differences(n, 1, ref->f, test->f, by, magnitude);
     (void)add_scale(NQM_SCALE_F, n, by, &to->metrics);
-    kernels->root_difference(n, plan->roots + 3 * s->first, ref->f, test->f, ref->root, test->root, by);
+    nqm_sample_root_differences(n, plan->roots + 3 * s->first, ref->f, test->f, ref->root, test->root, by);
     (void)add_scale(NQM_SCALE_CBRT_CF, n, by, &to->metrics);
-    kernels->log_ratio(n, plan->ones, ref->f, test->f, by);
+    nqm_sample_log_ratios(n, plan->ones, ref->f, test->f, by);
     (void)add_scale(NQM_SCALE_LOG1P_F, n, by, &to->metrics);
-    kernels->log_ratio(n, plan->inverse + 3 * s->first, ref->f, test->f, by);
+    nqm_sample_log_ratios(n, plan->inverse + 3 * s->first, ref->f, test->f, by);
     (void)add_scale(NQM_SCALE_LOG1P_CF, n, by, &to->metrics);
-    kernels->log_ratio(n, plan->darks, ref->f, test->f, by_log);
+    nqm_sample_log_ratios(n, plan->darks, ref->f, test->f, by_log);
     to->scalars.squares += add_scale(NQM_SCALE_LOG_F, n, by_log, &to->metrics);
 }
 
@@ -287,7 +286,7 @@ static void add_stretch(const stretch *s, const reference *ref, const member *te
     scalars->peak_test = fmax(scalars->peak_test, test->peak);
     if (!with_scalars)
         return;
-    nqm_kernels_get()->log_ratio(s->n, s->plan->darks, ref->is.luminance, test->luminance, by_luminance);
+    nqm_sample_log_ratios(s->n, s->plan->darks, ref->is.luminance, test->luminance, by_luminance);
     add_reference(s, ref, scalars);
     add_luminance(s, by_luminance, scalars);
     add_colour(s->n, by_log, scalars);

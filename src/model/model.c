@@ -166,8 +166,8 @@ static bool copy_blocks(const nqm_model *from, nqm_model *to) {
     }
     for (const nqm_model_array *a = nqm_model_arrays; ok && a < nqm_model_arrays + NQM_MODEL_ARRAYS; ++a)
         ok = !a->n_offset ||
-             copy_block(from, a->offset, nqm_model_rows(from, a) * nqm_model_cols(from, a) * nqm_dtype_size(a->dtype),
-                        to);
+             copy_block(from, a->offset,
+                        nqm_model_rows(from, a) * nqm_model_extent(from, a->cols) * nqm_dtype_size(a->dtype), to);
     return ok;
 }
 

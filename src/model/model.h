@@ -21,7 +21,9 @@ enum { NQM_INTERVAL_KNOTS = 17 };
 /** Conversion of scalar features to inputs: (value - mean) / std, clamped to [-5, 5], times scale. Clamping keeps the
  *  inputs of unusual pairs near the range of the training pairs. */
 typedef struct nqm_scalar_whitening {
-    float mean[NQM_SCALAR_COUNT], std[NQM_SCALAR_COUNT];
+    size_t n;                                            /* inputs; each is one of the features of nqm_scalar */
+    uint8_t feature[NQM_SCALAR_COUNT];                   /* (n) which */
+    float mean[NQM_SCALAR_COUNT], std[NQM_SCALAR_COUNT]; /* (n) */
     double scale;
 } nqm_scalar_whitening;
 
@@ -55,10 +57,10 @@ struct nqm_model {
     size_t n_interval;
     size_t n_novelty; /* blocks of NQM_NOVELTY_BLOCK training pairs for novelty.c; 0: none */
     /* Linear map from whitened scalar features (rows) to uncorrelated ones (columns). */
-    float novelty_map[NQM_SCALAR_COUNT * NQM_SCALAR_COUNT];
-    size_t n_transport, n_points; /* directions and points of `transport`; 0: none */
-    double novelty_unit;          /* distance that has novelty 1; > 0 */
-    double novelty_growth;        /* novelty v widens an interval by exp(novelty_growth v); 0..NQM_NOVELTY_MAX_GROWTH */
+    float novelty_map[NQM_SCALAR_COUNT * NQM_SCALAR_COUNT]; /* (scalars.n, scalars.n) */
+    size_t n_transport, n_points;                           /* directions and points of `transport`; 0: none */
+    double novelty_unit;                                    /* distance that has novelty 1; > 0 */
+    double novelty_growth; /* novelty v widens an interval by exp(novelty_growth v); 0..NQM_NOVELTY_MAX_GROWTH */
     double spread_growth[NQM_SPREAD_FEATURES]; /* the same of each feature of nqm_spread_features() */
     double interval_floor
         [NQM_INTERVAL_KNOTS]; /* least half-width of intervals on the logit scale, at nqm_interval_knot() */
@@ -70,7 +72,7 @@ struct nqm_model {
     double *interval; /* (n_interval, 3) predicted JOD, both ends of its 95 % interval, columns ascending; NULL: none */
     float *transport; /* as `light` in nqm_transport; NULL: none */
     double *transport_points; /* as `points` in nqm_transport; NULL: none */
-    float *novelty_points;    /* (n_novelty, NQM_SCALAR_COUNT, NQM_NOVELTY_BLOCK) of nqm_novelty_features() */
+    float *novelty_points;    /* (n_novelty, scalars.n, NQM_NOVELTY_BLOCK) of nqm_novelty_features() */
     char *scalar_names;       /* of its scalar inputs, separated by commas; NULL: it has none */
     char *id, *recipe, *card, *licence, *manifest_sha256;
     char *training;        /* JSON: options and report of the training */
@@ -90,7 +92,7 @@ struct nqm_model {
  * @param verify   false skips the checks that read every byte (checksum, search for non-finite parameters); for
  * embedded models, which the tests check
  * @return NQM_ERR_FORMAT: not safetensors; NQM_ERR_MODEL: not a model, wrong checksum, or a tensor missing, surplus,
- * misshapen or not finite, or scalar features that are not those of this version
+ * misshapen or not finite, or a scalar feature that this version does not have
  */
 NQM_MUST_CHECK nqm_status nqm_model_parse(const unsigned char *data, size_t n_bytes, const char *name, bool verify,
                                           struct nqm_model **model_ret, nqm_error *err);
@@ -98,7 +100,7 @@ NQM_MUST_CHECK nqm_status nqm_model_parse(const unsigned char *data, size_t n_by
 extern const char *const nqm_layout_words[], *const nqm_target_words[];
 /** Number of scalar features in the model's input. */
 static inline size_t nqm_model_n_scalars(const struct nqm_model *model) {
-    return model->scalar_names ? NQM_SCALAR_COUNT : 0;
+    return model->scalars.n;
 }
 /** Why a table (n, 3) of finite values cannot be struct nqm_model.interval; NULL: it can. */
 const char *nqm_interval_table_fault(size_t n, const double *table);
@@ -170,9 +172,13 @@ void nqm_estimate_gradient(const nqm_label *estimate, const double *weights, nqm
  *  nqm_free(). */
 char *nqm_scalar_names(void);
 
-/** x (NQM_SCALAR_COUNT) receives the inputs; features that are NaN become 0. */
+/** Set n and feature of a whitening from names like these; NULL: all features in their order. NQM_ERR_MODEL names a feature that
+ *  there is not, or that occurs twice. */
+NQM_MUST_CHECK nqm_status nqm_scalars_select(const char *names, nqm_scalar_whitening *whitening, nqm_error *err);
+
+/** x (n of the whitening) receives the inputs from all scalars (NQM_SCALAR_COUNT); features that are NaN become 0. */
 void nqm_scalars_whiten(const nqm_scalar_whitening *whitening, const double *scalars, float *x);
-/** The gradient of sum dx x by the scalar features; 0 for NaN and outside the range of the inputs. */
+/** The gradient (NQM_SCALAR_COUNT) of sum dx x by the scalar features; 0 for NaN and outside the range of the inputs. */
 void nqm_scalars_whiten_back(const nqm_scalar_whitening *whitening, const double *scalars, const float *dx,
                              double *gradient);
 
@@ -184,7 +190,7 @@ void nqm_model_interval(const nqm_model *model, double jod, double novelty, doub
 /** The novelty of a pair (see nqm_score_result); NaN if the model has no novelty data. scalars: (NQM_SCALAR_COUNT) from
  *  nqm_scalars_compute(). */
 double nqm_model_novelty(const nqm_model *model, const double *scalars);
-/** The features in which novelty is a distance: scalar features, whitened and mapped. y: (NQM_SCALAR_COUNT). */
+/** The features in which novelty is a distance: scalar features, whitened and mapped. y: (scalars.n). */
 void nqm_novelty_features(const nqm_model *model, const double *scalars, float *y);
 
 /** The packed network of a model, created by the first call for each precision; owned by the model. Any thread. */

@@ -43,7 +43,7 @@ typedef struct nqm_model_array {
     const char *name;
     nqm_model_part part;
     nqm_dtype dtype;
-    size_t rows, cols; /* rows 0: a vector of length `cols`; cols 0: three for each point of the transport matrix */
+    size_t rows, cols; /* as nqm_model_extent() takes them; rows 0: a vector of length `cols` */
     size_t offset;     /* of the first value */
     size_t
         n_offset; /* if it is not 0, the values are in an owned block, whose address is at `offset`, and the number of
@@ -59,12 +59,21 @@ static inline void *nqm_model_at(const nqm_model *model, size_t offset) {
 static inline void **nqm_model_block(const nqm_model *model, size_t offset) {
     return nqm_model_at(model, offset);
 }
+/** Rows or columns that depend on the model: three for each point of its transport matrix, one or NQM_NOVELTY_BLOCK for each scalar
+ *  feature. */
+#define NQM_EXTENT_POINTS  SIZE_MAX
+#define NQM_EXTENT_SCALARS (SIZE_MAX - 1)
+#define NQM_EXTENT_BLOCKS  (SIZE_MAX - 2)
+static inline size_t nqm_model_extent(const nqm_model *model, size_t extent) {
+    return extent == NQM_EXTENT_POINTS    ? 3 * model->n_points
+           : extent == NQM_EXTENT_SCALARS ? model->scalars.n
+           : extent == NQM_EXTENT_BLOCKS  ? model->scalars.n * NQM_NOVELTY_BLOCK
+                                          : extent;
+}
 /** The number of rows of an array; 0: a vector. */
 static inline size_t nqm_model_rows(const nqm_model *model, const nqm_model_array *array) {
-    return array->n_offset ? *(const size_t *)nqm_model_at(model, array->n_offset) : array->rows;
-}
-static inline size_t nqm_model_cols(const nqm_model *model, const nqm_model_array *array) {
-    return array->cols ? array->cols : 3 * model->n_points;
+    return array->n_offset ? *(const size_t *)nqm_model_at(model, array->n_offset)
+                           : nqm_model_extent(model, array->rows);
 }
 
 #endif

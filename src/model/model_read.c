@@ -175,19 +175,11 @@ static nqm_status read_text(const reader *r, const nqm_model_text *t, struct nqm
     return nqm_fail(r->err, NQM_ERR_MODEL, 8, "%s: metadata '%s' is missing or unknown (byte 8)", r->name, t->key);
 }
 
-/* A model can be used only if its scalar features are those that this version computes. */
-static nqm_status check_scalars(const reader *r, const struct nqm_model *model) {
-    if (!model->scalar_names)
-        return NQM_OK;
-    char *ours = nqm_scalar_names();
-    if (!ours)
-        return nqm_fail_nomem(r->err, strlen(model->scalar_names));
-    bool same = strcmp(ours, model->scalar_names) == 0;
-    nqm_free(ours);
-    return same ? NQM_OK
-                : nqm_fail(r->err, NQM_ERR_MODEL, -1,
-                           "%s: the model's scalar features (metadata 'scalars') are not those of this version",
-                           r->name);
+static nqm_status read_scalars(const reader *r, struct nqm_model *model) {
+    nqm_error inner = {0};
+    const nqm_status status =
+        model->scalar_names ? nqm_scalars_select(model->scalar_names, &model->scalars, &inner) : NQM_OK;
+    return status == NQM_OK ? NQM_OK : nqm_fail(r->err, status, -1, "%s: %s", r->name, inner.message);
 }
 
 static nqm_status read_directions(reader *r, struct nqm_model *model) {
@@ -219,7 +211,10 @@ static nqm_status read_directions(reader *r, struct nqm_model *model) {
 
 static nqm_status read_array(reader *r, const nqm_model_array *a, struct nqm_model *model) {
     const nqm_tensor *tensor = nqm_safetensors_find(r->st, a->name);
-    expectation e = {.name = a->name, .dtype = a->dtype, .rows = a->rows, .cols = nqm_model_cols(model, a)};
+    expectation e = {.name = a->name,
+                     .dtype = a->dtype,
+                     .rows = nqm_model_extent(model, a->rows),
+                     .cols = nqm_model_extent(model, a->cols)};
     e.is_large = a->part == NQM_PART_TRANSPORT;
     if (a->n_offset) /* any number of rows but 0 */
         e.rows = tensor && tensor->n_dims == 2 && tensor->dims[0] > 0 ? tensor->dims[0] : 1;
@@ -283,7 +278,7 @@ static nqm_status check_arrays(const reader *r, const struct nqm_model *model) {
     for (size_t i = 0; nqm_model_has_parts(model) && i < NQM_LABEL_PARTS; ++i)
         if (!(model->parts[i].std > 0 && model->parts[i].lo < model->parts[i].hi))
             bad = "label_parts";
-    for (size_t i = 0; model->scalar_names && i < NQM_SCALAR_COUNT; ++i)
+    for (size_t i = 0; i < model->scalars.n; ++i)
         if (!(model->scalars.std[i] > 0))
             bad = "scalars.std";
     if (model->n_novelty &&
@@ -310,6 +305,8 @@ static nqm_status read_model(reader *r, struct nqm_model *model) {
     for (size_t i = 0; status == NQM_OK && i < NQM_MODEL_TEXTS; ++i)
         status = read_text(r, &nqm_model_texts[i], model);
     if (status == NQM_OK)
+        status = read_scalars(r, model);
+    if (status == NQM_OK)
         status = read_network(r, model);
     if (status == NQM_OK)
         status = read_directions(r, model);
@@ -321,7 +318,7 @@ static nqm_status read_model(reader *r, struct nqm_model *model) {
         status = refuse_surplus(r);
     const char *sha256 = nqm_safetensors_meta(r->st, "sha256");
     snprintf(model->sha256, sizeof model->sha256, "%s", sha256 ? sha256 : "");
-    return status == NQM_OK ? check_scalars(r, model) : status;
+    return status;
 }
 
 nqm_status nqm_model_parse(const unsigned char *data, size_t n_bytes, const char *name, bool verify,

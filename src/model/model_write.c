@@ -29,7 +29,6 @@ const nqm_model_text nqm_model_texts[NQM_MODEL_TEXTS] = {
     {"calibration", NQM_PART_INTERVAL, FIELD(calibration), NULL},
 };
 
-enum { N = NQM_SCALAR_COUNT };
 const nqm_model_array nqm_model_arrays[NQM_MODEL_ARRAYS] = {
     {"whitening.mean", NQM_PART_ALWAYS, NQM_F32, 0, 3, FIELD(features.mean), 0},
     {"whitening.std", NQM_PART_ALWAYS, NQM_F32, 0, 3, FIELD(features.std), 0},
@@ -37,14 +36,14 @@ const nqm_model_array nqm_model_arrays[NQM_MODEL_ARRAYS] = {
     {"target", NQM_PART_ALWAYS, NQM_F64, 0, 4, FIELD(output), 0},
     {"label_parts", NQM_PART_LABEL, NQM_F64, NQM_LABEL_PARTS, 4, FIELD(parts), 0},
     {"jod_curve", NQM_PART_ALWAYS, NQM_F64, 0, 3, FIELD(curve), 0},
-    {"scalars.mean", NQM_PART_SCALARS, NQM_F32, 0, N, FIELD(scalars.mean), 0},
-    {"scalars.std", NQM_PART_SCALARS, NQM_F32, 0, N, FIELD(scalars.std), 0},
+    {"scalars.mean", NQM_PART_SCALARS, NQM_F32, 0, NQM_EXTENT_SCALARS, FIELD(scalars.mean), 0},
+    {"scalars.std", NQM_PART_SCALARS, NQM_F32, 0, NQM_EXTENT_SCALARS, FIELD(scalars.std), 0},
     {"scalars.scale", NQM_PART_SCALARS, NQM_F64, 0, 1, FIELD(scalars.scale), 0},
     {"interval", NQM_PART_INTERVAL, NQM_F64, 0, 3, FIELD(interval), FIELD(n_interval)},
-    {"novelty.points", NQM_PART_NOVELTY, NQM_F32, 0, N *NQM_NOVELTY_BLOCK, FIELD(novelty_points), FIELD(n_novelty)},
-    {"novelty.map", NQM_PART_NOVELTY, NQM_F32, N, N, FIELD(novelty_map), 0},
+    {"novelty.points", NQM_PART_NOVELTY, NQM_F32, 0, NQM_EXTENT_BLOCKS, FIELD(novelty_points), FIELD(n_novelty)},
+    {"novelty.map", NQM_PART_NOVELTY, NQM_F32, NQM_EXTENT_SCALARS, NQM_EXTENT_SCALARS, FIELD(novelty_map), 0},
     {"transport.points", NQM_PART_TRANSPORT, NQM_F64, 0, 3, FIELD(transport_points), FIELD(n_points)},
-    {"transport", NQM_PART_TRANSPORT, NQM_F32, 0, 0, FIELD(transport), FIELD(n_transport)},
+    {"transport", NQM_PART_TRANSPORT, NQM_F32, 0, NQM_EXTENT_POINTS, FIELD(transport), FIELD(n_transport)},
     {"novelty.scale", NQM_PART_NOVELTY, NQM_F64, 0, 2, FIELD(novelty_unit), 0},
     {"interval.spread", NQM_PART_SPREAD, NQM_F64, 0, NQM_SPREAD_FEATURES, FIELD(spread_growth), 0},
     {"interval.floor", NQM_PART_SPREAD, NQM_F64, 0, NQM_INTERVAL_KNOTS, FIELD(interval_floor), 0},
@@ -97,7 +96,7 @@ static void collect(contents *c, const struct nqm_model *model, const bool *has)
         const void *values = a->n_offset ? *nqm_model_block(model, a->offset) : nqm_model_at(model, a->offset);
         if (has[a->part])
             c->tensor[c->n++] =
-                nqm_tensor_of(a->name, a->dtype, nqm_model_rows(model, a), nqm_model_cols(model, a), values);
+                nqm_tensor_of(a->name, a->dtype, nqm_model_rows(model, a), nqm_model_extent(model, a->cols), values);
     }
 }
 

@@ -5,23 +5,24 @@
  * them are strongly correlated over the training distortions, and a pair that breaks these correlations has a new kind
  * of distortion.
  */
-#include "kernel/kernel.h"
 #include "model/model.h"
+#include "sample/loops.h"
 
 #include <math.h>
 #include <string.h>
 
-_Static_assert((int)NQM_NOVELTY_BLOCK == (int)NQM_POINTS, "model files have the blocks of the kernels");
+_Static_assert((int)NQM_NOVELTY_BLOCK == (int)NQM_POINTS, "model files have the blocks of the loop");
 
 void nqm_novelty_features(const nqm_model *model, const double *scalars, float *y) {
     nqm_scalar_whitening whitening = model->scalars;
     whitening.scale = 1;
     float x[NQM_SCALAR_COUNT];
+    const size_t n = whitening.n;
     nqm_scalars_whiten(&whitening, scalars, x);
-    memset(y, 0, sizeof x);
-    for (size_t k = 0; k < NQM_SCALAR_COUNT; ++k)
-        for (size_t i = 0; i < NQM_SCALAR_COUNT; ++i)
-            y[i] += x[k] * model->novelty_map[k * NQM_SCALAR_COUNT + i];
+    memset(y, 0, n * sizeof *y);
+    for (size_t k = 0; k < n; ++k)
+        for (size_t i = 0; i < n; ++i)
+            y[i] += x[k] * model->novelty_map[k * n + i];
 }
 
 double nqm_model_novelty(const nqm_model *model, const double *scalars) {
@@ -29,7 +30,6 @@ double nqm_model_novelty(const nqm_model *model, const double *scalars) {
     if (model->n_novelty == 0)
         return NAN;
     nqm_novelty_features(model, scalars, y);
-    const float square =
-        nqm_kernels_get()->nearest_square(NQM_SCALAR_COUNT, model->n_novelty, model->novelty_points, y);
+    const float square = nqm_sample_nearest(model->scalars.n, model->n_novelty, model->novelty_points, y);
     return sqrt((double)square) / model->novelty_unit;
 }

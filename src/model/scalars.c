@@ -72,18 +72,46 @@ char *nqm_scalar_names(void) {
     return text;
 }
 
+/* The feature with this name of n bytes; NQM_SCALAR_COUNT: there is none. */
+static size_t find_scalar(const char *name, size_t n) {
+    size_t i = 0;
+    while (i < NQM_SCALAR_COUNT && (strncmp(scalar_names[i], name, n) != 0 || scalar_names[i][n]))
+        ++i;
+    return i;
+}
+
+nqm_status nqm_scalars_select(const char *names, nqm_scalar_whitening *w, nqm_error *err) {
+    bool is_taken[NQM_SCALAR_COUNT] = {false};
+    w->n = 0;
+    for (size_t i = 0; !names && i < NQM_SCALAR_COUNT; ++i)
+        w->feature[w->n++] = (uint8_t)i;
+    while (names) {
+        const size_t n = strcspn(names, ","), i = find_scalar(names, n);
+        if (i == NQM_SCALAR_COUNT || is_taken[i])
+            return nqm_fail(err, NQM_ERR_MODEL, -1, "scalar feature '%.*s' (metadata 'scalars') %s",
+                            (int)nqm_smaller(n, 64), names,
+                            i < NQM_SCALAR_COUNT ? "occurs twice" : "is unknown to this version");
+        is_taken[i] = true;
+        w->feature[w->n++] = (uint8_t)i;
+        names = names[n] ? names + n + 1 : NULL;
+    }
+    return NQM_OK;
+}
+
 static const double most = 5;
 
 void nqm_scalars_whiten(const nqm_scalar_whitening *w, const double *scalars, float *x) {
-    for (size_t i = 0; i < NQM_SCALAR_COUNT; ++i) {
-        double z = (scalars[i] - (double)w->mean[i]) / (double)w->std[i];
-        x[i] = isnan(z) ? 0 : (float)(w->scale * fmin(fmax(z, -most), most));
+    for (size_t k = 0; k < w->n; ++k) {
+        const double z = (scalars[w->feature[k]] - (double)w->mean[k]) / (double)w->std[k];
+        x[k] = isnan(z) ? 0 : (float)(w->scale * fmin(fmax(z, -most), most));
     }
 }
 
 void nqm_scalars_whiten_back(const nqm_scalar_whitening *w, const double *scalars, const float *dx, double *gradient) {
-    for (size_t i = 0; i < NQM_SCALAR_COUNT; ++i) {
-        const double z = (scalars[i] - (double)w->mean[i]) / (double)w->std[i];
-        gradient[i] = fabs(z) < most ? (double)dx[i] * w->scale / (double)w->std[i] : 0;
+    memset(gradient, 0, NQM_SCALAR_COUNT * sizeof *gradient);
+    for (size_t k = 0; k < w->n; ++k) {
+        const size_t i = w->feature[k];
+        const double z = (scalars[i] - (double)w->mean[k]) / (double)w->std[k];
+        gradient[i] = fabs(z) < most ? (double)dx[k] * w->scale / (double)w->std[k] : 0;
     }
 }

@@ -54,6 +54,7 @@ static void example_scalars(void *user, size_t r) {
  * whitened value is 0. */
 static void find_moments(nqm_examples *e, const double *scalars) {
     double n = (double)e->n_train;
+    (void)!nqm_scalars_select(NULL, &e->scalar_whitening, NULL); /* all: cannot fail */
     for (size_t k = 0; k < NQM_SCALAR_COUNT; ++k) {
         double sum = 0, squares = 0;
         for (size_t i = 0; i < e->n_train; ++i)

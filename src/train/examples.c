@@ -4,7 +4,7 @@
  * normalisation from the training examples, and gathers batches, with scaled copies computed on the fly. Random numbers
  * are functions of (seed, stream, example), so that the result does not depend on the order or the number of threads.
  */
-#include "kernel/kernel.h"
+#include "sample/loops.h"
 #include "train/train.h"
 
 #include <math.h>
@@ -71,8 +71,8 @@ static void scale(const nqm_examples *e, size_t i, const float *ref_t, const flo
         memcpy(out + n, test_t, n * sizeof *out);
     } else {
         const float k1 = (float)(cbrt(uniform_factor(seed, i)) - 1);
-        nqm_kernels_get()->scale_log(n, k1, ref_t, out);
-        nqm_kernels_get()->scale_log(n, k1, test_t, out + n);
+        nqm_sample_scale(n, k1, ref_t, out);
+        nqm_sample_scale(n, k1, test_t, out + n);
     }
 }
 

@@ -52,17 +52,18 @@ static nqm_status find_scalars(const struct nqm_model *model, const nqm_dataset 
 /* Candidates and their distances to the points chosen so far. */
 typedef struct spread {
     size_t n, last;  /* last: the candidate chosen last */
-    const float *x;  /* (n, NQM_SCALAR_COUNT) */
+    size_t width;    /* features */
+    const float *x;  /* (n, width) */
     double *nearest; /* (n) squared distance to the nearest point */
 } spread;
 
-static double square_distance(const float *a, const float *b) {
+static double square_distance(size_t width, const float *a, const float *b) {
     float sum[4] = {0}; /* four independent accumulators hide the latency of the additions */
     size_t k = 0;
-    for (; k + 4 <= NQM_SCALAR_COUNT; k += 4)
+    for (; k + 4 <= width; k += 4)
         for (size_t j = 0; j < 4; ++j)
             sum[j] += (a[k + j] - b[k + j]) * (a[k + j] - b[k + j]);
-    for (; k < NQM_SCALAR_COUNT; ++k)
+    for (; k < width; ++k)
         sum[0] += (a[k] - b[k]) * (a[k] - b[k]);
     return (double)sum[0] + (double)sum[1] + (double)sum[2] + (double)sum[3];
 }
@@ -73,7 +74,7 @@ static void update_piece(void *user, size_t piece) {
     const spread *s = user;
     size_t end = nqm_smaller((piece + 1) * SPREAD_PIECE, s->n);
     for (size_t i = piece * SPREAD_PIECE; i < end; ++i) {
-        double d = square_distance(s->x + i * NQM_SCALAR_COUNT, s->x + s->last * NQM_SCALAR_COUNT);
+        double d = square_distance(s->width, s->x + i * s->width, s->x + s->last * s->width);
         s->nearest[i] = fmin(s->nearest[i], d);
     }
 }
@@ -91,7 +92,7 @@ static size_t middle(const spread *s) {
     const float zero[NQM_SCALAR_COUNT] = {0};
     size_t best = 0;
     for (size_t i = 0; i < s->n; ++i) {
-        s->nearest[i] = square_distance(s->x + i * NQM_SCALAR_COUNT, zero);
+        s->nearest[i] = square_distance(s->width, s->x + i * s->width, zero);
         if (s->nearest[i] < s->nearest[best])
             best = i;
     }
@@ -103,9 +104,9 @@ static void choose_points(spread *s, size_t n_points, float *points) {
     for (size_t i = 0; i < s->n; ++i)
         s->nearest[i] = INFINITY;
     for (size_t p = 0; p < n_points; ++p) {
-        float *block = points + p / NQM_NOVELTY_BLOCK * NQM_NOVELTY_BLOCK * NQM_SCALAR_COUNT;
-        for (size_t k = 0; k < NQM_SCALAR_COUNT; ++k)
-            block[k * NQM_NOVELTY_BLOCK + p % NQM_NOVELTY_BLOCK] = s->x[s->last * NQM_SCALAR_COUNT + k];
+        float *block = points + p / NQM_NOVELTY_BLOCK * NQM_NOVELTY_BLOCK * s->width;
+        for (size_t k = 0; k < s->width; ++k)
+            block[k * NQM_NOVELTY_BLOCK + p % NQM_NOVELTY_BLOCK] = s->x[s->last * s->width + k];
         nqm_parallel_for((s->n + SPREAD_PIECE - 1) / SPREAD_PIECE, update_piece, s);
         s->last = farthest(s);
     }
@@ -125,48 +126,49 @@ static const double least_variance = 0.01;
 
 /* Compute the linear map from the candidates' whitened features x to uncorrelated features of variance about 1. */
 static void find_map(struct nqm_model *model, size_t n, const float *x) {
-    enum { N = NQM_SCALAR_COUNT };
-    double mean[N] = {0}, covariance[N * N] = {0}, values[N], vectors[N * N];
+    enum { MOST = NQM_SCALAR_COUNT };
+    const size_t width = model->scalars.n;
+    double mean[MOST] = {0}, covariance[MOST * MOST] = {0}, values[MOST], vectors[MOST * MOST];
     for (size_t i = 0; i < n; ++i)
-        for (size_t k = 0; k < N; ++k)
-            mean[k] += (double)x[i * N + k] / (double)n;
+        for (size_t k = 0; k < width; ++k)
+            mean[k] += (double)x[i * width + k] / (double)n;
     for (size_t i = 0; i < n; ++i)
-        for (size_t k = 0; k < N; ++k)
-            for (size_t l = 0; l < N; ++l)
-                covariance[k * N + l] +=
-                    ((double)x[i * N + k] - mean[k]) * ((double)x[i * N + l] - mean[l]) / (double)n;
-    nqm_eigen_symmetric(N, covariance, values, vectors);
-    for (size_t k = 0; k < N; ++k)
-        for (size_t l = 0; l < N; ++l)
-            model->novelty_map[k * N + l] = (float)(vectors[l * N + k] / sqrt(fmax(values[l], 0) + least_variance));
+        for (size_t k = 0; k < width; ++k)
+            for (size_t l = 0; l < width; ++l)
+                covariance[k * width + l] +=
+                    ((double)x[i * width + k] - mean[k]) * ((double)x[i * width + l] - mean[l]) / (double)n;
+    nqm_eigen_symmetric(width, covariance, values, vectors);
+    for (size_t k = 0; k < width; ++k)
+        for (size_t l = 0; l < width; ++l)
+            model->novelty_map[k * width + l] =
+                (float)(vectors[l * width + k] / sqrt(fmax(values[l], 0) + least_variance));
 }
 
 static void choose_points_of(struct nqm_model *model, spread *s, size_t n_points, const double *scalars, float *x) {
     nqm_scalar_whitening whitening = model->scalars;
     whitening.scale = 1;
     for (size_t i = 0; i < s->n; ++i)
-        nqm_scalars_whiten(&whitening, scalars + i * NQM_SCALAR_COUNT, x + i * NQM_SCALAR_COUNT);
+        nqm_scalars_whiten(&whitening, scalars + i * NQM_SCALAR_COUNT, x + i * s->width);
     find_map(model, s->n, x);
     for (size_t i = 0; i < s->n; ++i)
-        nqm_novelty_features(model, scalars + i * NQM_SCALAR_COUNT, x + i * NQM_SCALAR_COUNT);
+        nqm_novelty_features(model, scalars + i * NQM_SCALAR_COUNT, x + i * s->width);
     choose_points(s, n_points, model->novelty_points);
 }
 
 static nqm_status choose_among(struct nqm_model *model, const nqm_dataset *d, size_t n, const size_t *pairs,
                                nqm_error *err) {
-    const size_t n_blocks = nqm_smaller(n, NQM_NOVELTY_MAX_POINTS) / NQM_NOVELTY_BLOCK;
+    const size_t n_blocks = nqm_smaller(n, NQM_NOVELTY_MAX_POINTS) / NQM_NOVELTY_BLOCK, width = model->scalars.n;
     double *scalars, *nearest = NULL;
     float *x;
-    model->novelty_points = nqm_alloc(n_blocks, NQM_SCALAR_COUNT * NQM_NOVELTY_BLOCK * sizeof *model->novelty_points);
+    model->novelty_points = nqm_alloc(n_blocks, width * NQM_NOVELTY_BLOCK * sizeof *model->novelty_points);
     nqm_status status = find_scalars(model, d, n, pairs, &scalars, err);
     if (status == NQM_OK)
-        status =
-            nqm_alloc_arrays(NQM_ARRAYS({&nearest, n, sizeof *nearest}, {&x, n, NQM_SCALAR_COUNT * sizeof *x}), err);
+        status = nqm_alloc_arrays(NQM_ARRAYS({&nearest, n, sizeof *nearest}, {&x, n, width * sizeof *x}), err);
     if (status == NQM_OK && !model->novelty_points)
-        status = nqm_fail_nomem(err, n * NQM_SCALAR_COUNT * sizeof *x);
+        status = nqm_fail_nomem(err, n * width * sizeof *x);
     if (status == NQM_OK) {
-        choose_points_of(model, &(spread){.n = n, .x = x, .nearest = nearest}, n_blocks * NQM_NOVELTY_BLOCK, scalars,
-                         x);
+        choose_points_of(model, &(spread){.n = n, .width = width, .x = x, .nearest = nearest},
+                         n_blocks * NQM_NOVELTY_BLOCK, scalars, x);
         model->n_novelty = n_blocks;
         model->novelty_unit = 1;
         model->novelty_growth = 0;

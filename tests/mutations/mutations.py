@@ -112,6 +112,7 @@ MUTATIONS = [
     ("src/train/novelty_fit.c", "static const double least_variance = 0.01;", "static const double least_variance = 0.1;", "test_train_novelty"),
     ("src/train/novelty_fit.c", "if (s->nearest[i] > s->nearest[best])", "if (s->nearest[i] < s->nearest[best])", "test_train_novelty"),
     ("src/train/novelty_fit.c", "nqm_quantile(r->n, sorted, 0.95);", "nqm_quantile(r->n, sorted, 0.9);", "test_train_novelty"),
+    ("src/model/scalars.c", "if (i == NQM_SCALAR_COUNT || is_taken[i])", "if (i == NQM_SCALAR_COUNT)", "test_model_load"),
     ("src/model/novelty.c", "return sqrt((double)square) / model->novelty_unit;", "return (double)square / model->novelty_unit;", "test_train_novelty"),
     # ---- light maps and scenes
     ("src/render/light.c", "double theta = NQM_PI * v, phi = 2 * NQM_PI * (u - 0.5);", "double theta = NQM_PI * v, phi = 2 * NQM_PI * u;", "test_render_scene"),

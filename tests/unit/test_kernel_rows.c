@@ -98,24 +98,6 @@ static void adam_of_every_table(void **state) {
     nqm_free(grad);
 }
 
-static void scaled_logs_of_every_table(void **state) {
-    (void)state;
-    static float t[N], expected[N], first[N], actual[N];
-    for (size_t i = 0; i < N; ++i)
-        t[i] = 6.0f * (float)i / N;
-    for (int sign = -1; sign <= 1; sign += 2) {
-        const float k1 = 0.0172f * (float)sign;
-        nqm_kernels_scalar.scale_log(N, k1, t, expected);
-        nqm_kernels_at(0)->scale_log(N, k1, t, first);
-        for (size_t k = 0; every_table(k) != &nqm_kernels_scalar; ++k) {
-            every_table(k)->scale_log(N, k1, t, actual);
-            assert_memory_equal(actual, first, sizeof actual);
-            for (size_t i = 0; i < N; ++i)
-                assert_near((double)actual[i], (double)expected[i], 3e-7 * (1 + (double)expected[i]));
-        }
-    }
-}
-
 static void dots_of_every_table(void **state) {
     (void)state;
     nqm_rng rng = nqm_rng_make(seed, 13);
@@ -136,42 +118,12 @@ static void dots_of_every_table(void **state) {
     nqm_free(y);
 }
 
-/* Whitened pairs and their differences, in exactly sized arrays and in place. */
-static void whitening_of_every_table(void **state) {
-    (void)state;
-    nqm_rng rng = nqm_rng_make(seed, 12);
-    enum { P = NQM_WHITEN_PERIOD };
-    float *t = random_block(&rng, N + 1), *mean = random_block(&rng, P), *scale = random_block(&rng, P);
-    static float actual[4][N + 1];
-    for (size_t k = 0; every_table(k); ++k) {
-        const nqm_kernels *kernels = every_table(k);
-        memcpy(actual[0], t, sizeof actual[0]);
-        kernels->whiten(N, mean, scale, t, actual[1]);
-        kernels->whiten(N, mean, scale, actual[0], actual[0]);
-        assert_true(actual[0][N] == t[N]);
-        assert_memory_equal(actual[0], actual[1], N * sizeof *t);
-        kernels->differ(N, 3, t, actual[1], actual[2], actual[3]);
-        for (size_t i = 0; i < N; ++i) {
-            const double x = ((double)t[i] - (double)mean[i % P]) * (double)scale[i % P];
-            assert_near((double)actual[1][i], x, 2e-7 * fabs(x) + 1e-12);
-            const double d = (double)actual[1][i] - (double)t[i];
-            assert_near((double)actual[2][i], 3 * d, 4e-7 * fabs(d));
-            assert_true(actual[3][i] == fabsf(actual[2][i]));
-        }
-        kernels->differ(N, 3, t, actual[1], actual[1], actual[0]);
-        assert_memory_equal(actual[1], actual[2], N * sizeof *t);
-    }
-    nqm_free(t);
-    nqm_free(mean);
-    nqm_free(scale);
-}
-
 int main(void) {
     printf("seed %llu\n", (unsigned long long)seed);
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(rows_of_every_table),        cmocka_unit_test(adam_of_every_table),
-        cmocka_unit_test(scaled_logs_of_every_table), cmocka_unit_test(dots_of_every_table),
-        cmocka_unit_test(whitening_of_every_table),
+        cmocka_unit_test(rows_of_every_table),
+        cmocka_unit_test(adam_of_every_table),
+        cmocka_unit_test(dots_of_every_table),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

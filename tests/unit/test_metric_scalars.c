@@ -91,6 +91,7 @@ static void no_direction_and_extremes(void **state) {
 static void as_inputs(void **state) {
     (void)state;
     nqm_scalar_whitening whitening = {.scale = 2};
+    assert_int_equal(nqm_scalars_select(NULL, &whitening, NULL), NQM_OK);
     float x[NQM_SCALAR_COUNT];
     double scalars[NQM_SCALAR_COUNT] = {3, 1e30, -1e30, (double)NAN};
     for (size_t i = 0; i < NQM_SCALAR_COUNT; ++i) {

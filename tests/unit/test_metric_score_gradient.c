@@ -63,6 +63,8 @@ static nqm_model *make_model(const kind *k) {
         m->parts[i] = correction;
     m->id = nqm_strdup(k->name);
     m->scalar_names = k->has_scalars ? nqm_scalar_names() : NULL;
+    if (k->has_scalars)
+        assert_int_equal(nqm_scalars_select(NULL, &m->scalars, NULL), NQM_OK);
     assert_int_equal(nqm_directions_from_degrees(N, directions->degrees, &m->directions, NULL), NQM_OK);
     if (k->has_network)
         make_random_params(&shape, 3, &m->params);

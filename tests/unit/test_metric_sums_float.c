@@ -3,8 +3,8 @@
  * The float sums of scores (metric/sums_float.c) against the sums that define them (metric/sums.c): pairs of all kinds, dropped
  * directions, directions in any order, values beyond the range of float sums; and the same bits however pairs are grouped.
  */
-#include "kernel/kernel.h"
 #include "metric/sums.h"
+#include "sample/loops.h"
 #include "sample/sample.h"
 #include "support/check.h"
 
@@ -53,8 +53,8 @@ static void make_pairs(nqm_rng *rng) {
         test[k][5] = 0;
         for (size_t i = 0; i < N; ++i)
             used[k][i] = k % 3 == 0 || nqm_rng_uniform(rng) < 0.8;
-        nqm_kernels_get()->sample_log(3 * N, ref, roots[0], transformed);
-        nqm_kernels_get()->sample_log(3 * N, test[k], roots[1 + k], transformed);
+        nqm_sample_logs(3 * N, ref, roots[0], transformed);
+        nqm_sample_logs(3 * N, test[k], roots[1 + k], transformed);
     }
 }
 
@@ -156,7 +156,7 @@ static void equal_and_extreme_members(void **state) {
     for (size_t i = 0; i < 3 * N; ++i)
         test[1][i] = FLT_MAX;
     tests[1] = test[1];
-    nqm_kernels_get()->sample_log(3 * N, test[1], roots[2], transformed);
+    nqm_sample_logs(3 * N, test[1], roots[2], transformed);
     compute(&c, 0, true, &fast);
     compute(&c, 0, false, &exact);
     assert_memory_equal(fast.metrics[1], exact.metrics[1], sizeof fast.metrics[1]);

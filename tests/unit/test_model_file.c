@@ -67,6 +67,8 @@ static struct nqm_model *make_model(void) {
     }
     model->scalars.scale = 1.5;
     model->scalar_names = with_scalars ? nqm_scalar_names() : NULL;
+    if (with_scalars)
+        assert_int_equal(nqm_scalars_select(NULL, &model->scalars, NULL), NQM_OK);
     model->features.layout = NQM_LAYOUT_REF_TEST;
     model->target = with_transport ? NQM_TARGET_LOG_DELTA_E : NQM_TARGET_JOD;
     if (with_transport)

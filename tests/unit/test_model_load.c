@@ -125,28 +125,107 @@ static void test_refusals_name_the_file(void **state) {
     nqm_model_free(bad);
 }
 
-/* A model with scalar features unknown to this library is refused. */
+/* A model with these scalar features, whose weights, moments and novelty do not depend on their order. Features that are not
+ * in `kept` have no influence. */
+static struct nqm_model *make_with_scalars(const char *names, const char *kept) {
+    struct nqm_model *m = make_model();
+    nqm_params_free(&m->params);
+    assert_int_equal(nqm_scalars_select(names, &m->scalars, NULL), NQM_OK);
+    const size_t n = m->scalars.n, width = 9 * N + n;
+    assert_int_equal(nqm_params_create(&(nqm_net_shape){2, {width, 5, 1}}, &m->params, NULL), NQM_OK);
+    nqm_scalar_whitening selected;
+    bool has_influence[NQM_SCALAR_COUNT] = {false};
+    assert_int_equal(nqm_scalars_select(kept, &selected, NULL), NQM_OK);
+    for (size_t k = 0; k < selected.n; ++k)
+        has_influence[selected.feature[k]] = true;
+    nqm_rng rng = nqm_rng_make(4, 0);
+    float shared[5][9 * N], of_feature[5][NQM_SCALAR_COUNT];
+    for (size_t row = 0; row < 5; ++row) {
+        for (size_t i = 0; i < 9 * N; ++i)
+            shared[row][i] = 0.1f * (float)nqm_rng_normal(&rng);
+        for (size_t i = 0; i < NQM_SCALAR_COUNT; ++i)
+            of_feature[row][i] = (float)nqm_rng_normal(&rng);
+    }
+    m->novelty_points = nqm_alloc(n * NQM_NOVELTY_BLOCK, sizeof *m->novelty_points);
+    for (size_t k = 0; k < n; ++k) {
+        const size_t i = m->scalars.feature[k];
+        const bool is_kept = has_influence[i];
+        for (size_t row = 0; row < 5; ++row)
+            m->params.layer[0].w[row * width + 9 * N + k] = is_kept ? of_feature[row][i] : 0;
+        m->scalars.mean[k] = 0.01f * (float)i;
+        m->scalars.std[k] = is_kept ? 1 + (float)i : 1e20f;
+        m->novelty_map[k * n + k] = 1;
+        m->novelty_points[k * NQM_NOVELTY_BLOCK + i % NQM_NOVELTY_BLOCK] = is_kept;
+    }
+    for (size_t row = 0; row < 5; ++row) {
+        memcpy(m->params.layer[0].w + row * width, shared[row], sizeof shared[row]);
+        m->params.layer[1].w[row] = row % 2 ? 1.0f : -0.5f;
+        m->params.layer[0].gamma[row] = 1;
+    }
+    m->scalars.scale = 1;
+    m->scalar_names = names ? nqm_strdup(names) : nqm_scalar_names();
+    m->interval = nqm_alloc(6, sizeof *m->interval);
+    memcpy(m->interval, (const double[]){0, 0, 1, 10, 9, 10}, 6 * sizeof *m->interval);
+    m->n_interval = 2, m->n_novelty = 1, m->novelty_unit = 1;
+    m->calibration = nqm_strdup("{}");
+    return m;
+}
+
+/* What a version with more features, or with others before them, makes of a file: features are found by their names. Novelty is
+ * the distance in the features that the model has. */
+static void test_named_scalars(void **state) {
+    (void)state;
+    static const char some[] = "bias_grazing,log_ma_loge,ref_peak,peak,log_rmse";
+    struct nqm_model *all = make_with_scalars(NULL, some), *few = make_with_scalars(some, some);
+    nqm_model *loaded;
+    assert_int_equal(nqm_model_save(few, temp_file, NULL), NQM_OK);
+    assert_int_equal(nqm_model_load(temp_file, &loaded, NULL), NQM_OK);
+    assert_int_equal(nqm_model_n_scalars(loaded), 5);
+    assert_string_equal(loaded->scalar_names, some);
+    float ref[3 * N], test[3 * N];
+    double jod[2], scalars[NQM_SCALAR_COUNT], first = 0;
+    for (int round = 0; round < 3; ++round) {
+        for (size_t i = 0; i < 3 * N; ++i) {
+            ref[i] = 0.1f * (float)(i % 11);
+            test[i] = ref[i] + 0.3f * (float)round * (float)(i % 7);
+        }
+        predict_jod(all, 1, ref, test, &jod[0]);
+        predict_jod(loaded, 1, ref, test, &jod[1]);
+        assert_near(jod[0], jod[1], 1e-5);
+        first = round ? first : jod[0];
+        nqm_scalars_compute(all->directions, NULL, ref, test, NULL, scalars);
+        assert_relative(nqm_model_novelty(loaded, scalars), nqm_model_novelty(all, scalars), 1e-5);
+    }
+    assert_true(fabs(jod[0] - first) > 1e-3);
+    nqm_model_free(loaded);
+    nqm_model_free(all);
+    nqm_model_free(few);
+}
+
+/* A model with a scalar feature that is unknown to this library, or occurs twice, is refused. */
 static void test_other_scalars(void **state) {
     (void)state;
-    struct nqm_model *model = make_model();
-    nqm_params_free(&model->params);
-    assert_int_equal(nqm_params_create(&(nqm_net_shape){2, {9 * N + NQM_SCALAR_COUNT, 5, 1}}, &model->params, NULL),
-                     NQM_OK);
-    for (size_t i = 0; i < NQM_SCALAR_COUNT; ++i)
-        model->scalars.std[i] = 1;
-    model->scalars.scale = 1;
-    model->scalar_names = nqm_scalar_names();
-    nqm_model *loaded;
-    nqm_error err = {0};
-    assert_int_equal(nqm_model_save(model, temp_file, NULL), NQM_OK);
-    assert_int_equal(nqm_model_load(temp_file, &loaded, NULL), NQM_OK);
-    nqm_model_free(loaded);
-    model->scalar_names[0] = 'm';
-    assert_int_equal(nqm_model_save(model, temp_file, NULL), NQM_OK);
-    assert_int_equal(nqm_model_load(temp_file, &loaded, &err), NQM_ERR_MODEL);
-    assert_null(loaded);
-    assert_non_null(strstr(err.message, "scalar features"));
-    nqm_model_free(model);
+    static const struct {
+        const char *at, *says;
+    } bad[] = {{"log_rmsf", "scalar feature 'log_rmsf'"},
+               {"log_rms", "'log_rms' "},
+               {"log_rmse2", "'log_rmse2'"},
+               {"", "''"},
+               {"ref_peak", "'ref_peak' (metadata 'scalars') occurs twice"}};
+    for (size_t i = 0; i < sizeof bad / sizeof *bad; ++i) {
+        struct nqm_model *model = make_with_scalars("ref_peak,log_rmse", "ref_peak");
+        nqm_model *loaded;
+        nqm_error err = {0};
+        nqm_free(model->scalar_names);
+        model->scalar_names = nqm_alloc(64, 1);
+        snprintf(model->scalar_names, 64, "ref_peak,%s", bad[i].at);
+        assert_int_equal(nqm_model_save(model, temp_file, NULL), NQM_OK);
+        assert_int_equal(nqm_model_load(temp_file, &loaded, &err), NQM_ERR_MODEL);
+        assert_null(loaded);
+        assert_non_null(strstr(err.message, bad[i].says));
+        assert_non_null(strstr(err.message, temp_file));
+        nqm_model_free(model);
+    }
 }
 
 static void test_builtin_models(void **state) {
@@ -205,8 +284,8 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_file_round_trip), cmocka_unit_test(test_from_memory),
         cmocka_unit_test(test_golden_scores),   cmocka_unit_test(test_refusals_name_the_file),
-        cmocka_unit_test(test_other_scalars),   cmocka_unit_test(test_builtin_models),
-        cmocka_unit_test(test_selftest),
+        cmocka_unit_test(test_named_scalars),   cmocka_unit_test(test_other_scalars),
+        cmocka_unit_test(test_builtin_models),  cmocka_unit_test(test_selftest),
     };
     return cmocka_run_group_tests(tests, make_temp_file, remove_temp_file);
 }

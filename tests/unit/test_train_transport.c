@@ -7,6 +7,7 @@
 #include "kernel/kernel.h"
 #include "math/math.h"
 #include "metric/sums.h"
+#include "sample/loops.h"
 #include "support/check.h"
 #include "support/predict.h"
 #include "support/toy_dataset.h"
@@ -88,8 +89,8 @@ static void scalars_of(size_t pair, const nqm_transport *transport, double *scal
     if (transport->light)
         estimate = nqm_transport_estimate(transport, ref_of(pair), test, NULL);
     const nqm_comparison c = {toy->directions, ref_of(pair), 1, &test, NULL, transport->light ? &estimate : NULL};
-    nqm_kernels_get()->sample_log(3 * N, ref_of(pair), roots[0], t);
-    nqm_kernels_get()->sample_log(3 * N, test, roots[1], t);
+    nqm_sample_logs(3 * N, ref_of(pair), roots[0], t);
+    nqm_sample_logs(3 * N, test, roots[1], t);
     assert_int_equal(nqm_sum_plan_create(toy->directions, &plan, NULL), NQM_OK);
     nqm_compare_sums_float(plan, &c, roots[0], true, &sums);
     nqm_compare_finish(&c, &sums, NULL, scalars);

@@ -1,11 +1,10 @@
 /* SPDX-License-Identifier: MIT
  *
- * Roots and logarithms of samples, rounding of rows and products of one row: every table against the plain loops and,
- * bit for bit, against the other tables.
+ * The loops over samples, for each width of vectors: against the functions of the C library, and bit for bit against each other.
  */
-#include "kernel/panel.h"
+#include "sample/loops.h"
 #include "support/check.h"
-#include "support/tables.h"
+#include "support/loops.h"
 
 #include <math.h>
 #include <string.h>
@@ -27,8 +26,8 @@ static void samples(void **state) {
     for (int round = 0; round < 20; ++round) {
         spread(&rng, rho);
         rho[0] = 0, rho[1] = 1e-38f, rho[2] = 1e37f, rho[N - 1] = 8;
-        for (size_t k = 0; every_table(k); ++k) {
-            every_table(k)->sample_log(N, rho, root, t);
+        for (size_t k = 0; sample_loops_at(k); ++k) {
+            sample_loops_at(k)->logs(N, rho, root, t);
             for (size_t i = 2; i < N; ++i) {
                 assert_relative((double)root[i], cbrt((double)rho[i]), 4e-7);
                 assert_relative((double)t[i], log1p(cbrt((double)rho[i])), 4e-7);
@@ -36,15 +35,13 @@ static void samples(void **state) {
             assert_true(t[0] == 0 && t[1] == 0 && root[0] == 0 && root[1] == 0);
             if (k == 0)
                 memcpy(first[0], t, sizeof t), memcpy(first[1], root, sizeof root);
-            if (every_table(k) != &nqm_kernels_scalar) {
-                assert_memory_equal(t, first[0], sizeof t);
-                assert_memory_equal(root, first[1], sizeof root);
-            }
+            assert_memory_equal(t, first[0], sizeof t);
+            assert_memory_equal(root, first[1], sizeof root);
         }
     }
     const float odd[] = {NAN, 3e38f};
-    for (size_t k = 0; every_table(k); ++k) {
-        every_table(k)->sample_log(2, odd, t, t);
+    for (size_t k = 0; sample_loops_at(k); ++k) {
+        sample_loops_at(k)->logs(2, odd, t, t);
         assert_true(isnan(t[0]) && t[1] > 28 && t[1] < 30);
     }
 }
@@ -60,11 +57,11 @@ static void roots_and_logarithms(void **state) {
             x[i] = (double)x32[i];
             near_minus_1[i] = x[i] - 0.997;
         }
-        for (size_t k = 0; every_table(k); ++k) {
-            const nqm_kernels *kernels = every_table(k);
-            kernels->cube_root(N, x, root);
-            kernels->log_1p(N, x, y);
-            kernels->log_1p(N, near_minus_1, z);
+        for (size_t k = 0; sample_loops_at(k); ++k) {
+            const sample_loops *loops = sample_loops_at(k);
+            loops->cube_roots(N, x, root);
+            loops->log_1p(N, x, y);
+            loops->log_1p(N, near_minus_1, z);
             for (size_t i = 0; i < N; ++i) {
                 double expected = log1p(near_minus_1[i]);
                 assert_relative(root[i], cbrt(x[i]), 1e-15);
@@ -75,15 +72,14 @@ static void roots_and_logarithms(void **state) {
             for (size_t j = 0; j < 3; ++j) {
                 if (k == 0)
                     memcpy(first[j], all[j], sizeof first[j]);
-                if (kernels != &nqm_kernels_scalar)
-                    assert_memory_equal(all[j], first[j], sizeof first[j]);
+                assert_memory_equal(all[j], first[j], sizeof first[j]);
             }
         }
     }
     const double odd[] = {NAN, 0};
-    for (size_t k = 0; every_table(k); ++k) {
-        every_table(k)->cube_root(2, odd, root);
-        every_table(k)->log_1p(2, odd, y);
+    for (size_t k = 0; sample_loops_at(k); ++k) {
+        sample_loops_at(k)->cube_roots(2, odd, root);
+        sample_loops_at(k)->log_1p(2, odd, y);
         assert_true(isnan(root[0]) && isnan(y[0]) && root[1] == 0 && y[1] == 0);
     }
 }
@@ -110,9 +106,9 @@ static void ratios(void **state) {
             close[i] = i % 8 ? x[i] * (1 + ldexpf((float)nqm_rng_normal(&rng), -(int)(i % 24))) : x[i];
         for (size_t i = 0; i < N; ++i)
             close[i] = close[i] < 0 ? 0 : close[i] > 1e37f ? 1e37f : close[i];
-        for (size_t k = 0; every_table(k); ++k) {
-            every_table(k)->log_ratio(N, offset, x, y, far);
-            every_table(k)->log_ratio(N, offset, x, close, near);
+        for (size_t k = 0; sample_loops_at(k); ++k) {
+            sample_loops_at(k)->log_ratios(N, offset, x, y, far);
+            sample_loops_at(k)->log_ratios(N, offset, x, close, near);
             for (size_t i = 0; i < N; ++i) {
                 const double a = log_ratio(offset[i], x[i], close[i]), b = log_ratio(offset[i], x[i], y[i]);
                 assert_near((double)near[i], a,
@@ -121,10 +117,8 @@ static void ratios(void **state) {
             }
             if (k == 0)
                 memcpy(first[0], far, sizeof far), memcpy(first[1], near, sizeof near);
-            if (every_table(k) != &nqm_kernels_scalar) {
-                assert_memory_equal(far, first[0], sizeof far);
-                assert_memory_equal(near, first[1], sizeof near);
-            }
+            assert_memory_equal(far, first[0], sizeof far);
+            assert_memory_equal(near, first[1], sizeof near);
         }
     }
 }
@@ -143,10 +137,10 @@ static void root_differences(void **state) {
                 y[i] = x[i] * (1 + ldexpf(1, -(int)(i % 24)));
         }
         x[0] = y[1] = x[2] = y[2] = 0;
-        for (size_t k = 0; every_table(k); ++k) {
-            every_table(k)->sample_log(N, x, root_x, t);
-            every_table(k)->sample_log(N, y, root_y, t);
-            every_table(k)->root_difference(N, scale, x, y, root_x, root_y, by);
+        for (size_t k = 0; sample_loops_at(k); ++k) {
+            sample_loops_at(k)->logs(N, x, root_x, t);
+            sample_loops_at(k)->logs(N, y, root_y, t);
+            sample_loops_at(k)->root_differences(N, scale, x, y, root_x, root_y, by);
             for (size_t i = 0; i < N; ++i) {
                 const double difference = (double)y[i] - (double)x[i], a = cbrt((double)x[i]), b = cbrt((double)y[i]);
                 const double expected = (double)scale[i] * (difference != 0 ? difference / (a * a + a * b + b * b) : 0);
@@ -154,12 +148,12 @@ static void root_differences(void **state) {
             }
             if (k == 0)
                 memcpy(first, by, sizeof by);
-            assert_true(every_table(k) == &nqm_kernels_scalar || memcmp(by, first, sizeof by) == 0);
+            assert_memory_equal(by, first, sizeof by);
         }
     }
 }
 
-/* Any of many points may be the nearest; all but the scalar table give the same bits. */
+/* Any of many points may be the nearest; all widths give the same bits. */
 static void nearest_points(void **state) {
     (void)state;
     enum { WIDTH = 47, BLOCKS = 3, MOST = BLOCKS * NQM_POINTS };
@@ -171,123 +165,106 @@ static void nearest_points(void **state) {
     for (size_t p = 0; p < MOST; ++p) {
         for (size_t i = 0; i < WIDTH; ++i) /* a squared distance of 0.47 from point p */
             y[i] = points[(p / NQM_POINTS * WIDTH + i) * NQM_POINTS + p % NQM_POINTS] + (i % 2 ? 0.1F : -0.1F);
-        for (size_t k = 0; every_table(k); ++k) {
-            const float square = every_table(k)->nearest_square(WIDTH, BLOCKS, points, y);
+        for (size_t k = 0; sample_loops_at(k); ++k) {
+            const float square = sample_loops_at(k)->nearest(WIDTH, BLOCKS, points, y);
             assert_near((double)square, 0.01 * WIDTH, 1e-5);
             if (k == 0)
                 first = square;
-            assert_true(every_table(k) == &nqm_kernels_scalar || square == first);
+            assert_true(square == first);
         }
     }
-    for (size_t k = 0; every_table(k); ++k)
-        assert_true(isinf(every_table(k)->nearest_square(WIDTH, 0, points, y)));
+    for (size_t k = 0; sample_loops_at(k); ++k)
+        assert_true(isinf(sample_loops_at(k)->nearest(WIDTH, 0, points, y)));
 }
 
 static void sums_of_magnitudes(void **state) {
     (void)state;
-    enum { MOST = 12 * NQM_PANEL };
+    enum { MOST = 12 * NQM_SAMPLE_LANES };
     nqm_rng rng = nqm_rng_make(seed, 5);
     static float x[MOST];
     for (size_t i = 0; i < MOST; ++i)
         x[i] = (float)nqm_rng_normal(&rng);
-    for (size_t n = 0; n <= MOST; n += NQM_PANEL) {
+    for (size_t n = 0; n <= MOST; n += NQM_SAMPLE_LANES) {
         float sum, squares, first[2] = {0};
         double expected = 0, expected_squares = 0;
         for (size_t i = 0; i < n; ++i) {
             expected += fabs((double)x[i]);
             expected_squares += (double)x[i] * (double)x[i];
         }
-        for (size_t k = 0; every_table(k); ++k) {
-            every_table(k)->magnitudes(n, x, &sum, &squares);
+        for (size_t k = 0; sample_loops_at(k); ++k) {
+            sample_loops_at(k)->sums(n, x, &sum, &squares);
             assert_near((double)sum, expected, 5e-7 * expected);
             assert_near((double)squares, expected_squares, 5e-7 * expected_squares);
             if (k == 0)
                 first[0] = sum, first[1] = squares;
-            if (every_table(k) != &nqm_kernels_scalar)
-                assert_true(sum == first[0] && squares == first[1]);
+            assert_true(sum == first[0] && squares == first[1]);
         }
     }
 }
 
-/* Quantised values are within half a step of x, 0 is exact, and the whole range 0..255 is used. */
-static void rows_of_bytes(void **state) {
+static void scaled_logs(void **state) {
     (void)state;
-    nqm_rng rng = nqm_rng_make(seed, 2);
-    static float x[N];
-    static uint32_t words[N / 4 + 1], first[N / 4 + 1];
-    for (int round = 0; round < 40; ++round) {
-        const double low = round % 4 == 1 ? 0 : -nqm_rng_uniform(&rng);
-        for (size_t i = 0; i < N; ++i)
-            x[i] = i % 9 == 0 ? 0 : (float)(low + (round % 4 == 2 ? -low : 1) * nqm_rng_uniform(&rng));
-        for (size_t k = 0; every_table(k); ++k) {
-            memset(words, 255, sizeof words);
-            nqm_byte_scale by = every_table(k)->quantise_row(N, x, words);
-            const unsigned char *bytes = (const unsigned char *)words;
-            unsigned char least = 255, most = 0;
-            for (size_t i = 0; i < N; ++i) {
-                double back = (double)by.scale * ((double)bytes[i] - (double)by.zero);
-                assert_near(back, (double)x[i], 0.51 * (double)by.scale + (bytes[i] == 255 ? (double)by.scale : 0));
-                assert_true(x[i] != 0 || back == 0);
-                least = bytes[i] < least ? bytes[i] : least;
-                most = bytes[i] > most ? bytes[i] : most;
-            }
-            assert_true(least <= 1 && most >= 254);
+    static float t[N], first[N], actual[N];
+    for (size_t i = 0; i < N; ++i)
+        t[i] = 6.0f * (float)i / N;
+    for (int sign = -1; sign <= 1; sign += 2)
+        for (size_t k = 0; sample_loops_at(k); ++k) {
+            const float k1 = 0.0172f * (float)sign;
+            sample_loops_at(k)->scale(N, k1, t, actual);
             if (k == 0)
-                memcpy(first, words, sizeof first);
-            assert_memory_equal(words, first, sizeof first);
+                memcpy(first, actual, sizeof first);
+            assert_memory_equal(actual, first, sizeof actual);
+            for (size_t i = 0; i < N; ++i) {
+                const double expected = log1p((1 + (double)k1) * expm1((double)t[i]));
+                assert_near((double)actual[i], expected, 3e-7 * (1 + expected));
+            }
         }
-    }
-    const float zeros[7] = {0};
-    nqm_byte_scale by = nqm_kernels_get()->quantise_row(7, zeros, words);
-    assert_true(by.scale > 0 && ((unsigned char *)words)[3] == by.zero);
 }
 
-static void one_row_like_many(void **state) {
+/* Whitened pairs and their differences, in exactly sized arrays and in place. */
+static void whitening(void **state) {
     (void)state;
-    enum { K = 77, WIDTH = 200 }; /* seven panels */
-    nqm_rng rng = nqm_rng_make(seed, 3);
-    static float w[WIDTH * K], x[K];
-    for (size_t i = 0; i < WIDTH * K; ++i)
-        w[i] = (float)nqm_rng_normal(&rng);
-    for (size_t i = 0; i < K; ++i)
-        x[i] = (float)nqm_rng_normal(&rng);
-    for (size_t t = 0; every_table(t); ++t)
-        for (int p = 0; p < NQM_PRECISION_COUNT; ++p) {
-            const nqm_kernels *kernels = every_table(t);
-            const nqm_precision precision = (nqm_precision)p;
-            nqm_panels b;
-            uint32_t a[K];
-            static float expected[WIDTH + NQM_PANEL], actual[WIDTH + NQM_PANEL];
-            assert_int_equal(nqm_panels_create(precision, K, WIDTH, &b, NULL), NQM_OK);
-            nqm_panels_pack(&b, (nqm_weights){w, NULL, K});
-            memcpy(a, x, sizeof x);
-            if (precision == NQM_PRECISION_BF16)
-                kernels->round_row(K, x, a);
-            else if (precision == NQM_PRECISION_INT8)
-                (void)kernels->quantise_row(K, x, a);
-            for (int add = 0; add < 2; ++add) {
-                nqm_kernels_use(kernels);
-                nqm_multiply(&b, 1, a, K, add, expected, WIDTH + NQM_PANEL);
-                use_chosen_kernels();
-                kernels->row_product[precision](&(nqm_row_product){.words = b.words,
-                                                                   .n_panels = b.n_panels,
-                                                                   .stride = b.stride,
-                                                                   .add = add,
-                                                                   .a = a,
-                                                                   .b = b.data,
-                                                                   .c = actual});
-                assert_memory_equal(actual, expected, b.n_panels * NQM_PANEL * sizeof *actual);
-            }
-            nqm_panels_free(&b);
+    nqm_rng rng = nqm_rng_make(seed, 12);
+    enum { P = NQM_WHITEN_PERIOD };
+    float *t = random_block(&rng, N + 1), *mean = random_block(&rng, P), *scale = random_block(&rng, P);
+    static float actual[4][N + 1], first[3][N + 1];
+    for (size_t k = 0; sample_loops_at(k); ++k) {
+        const sample_loops *loops = sample_loops_at(k);
+        memcpy(actual[0], t, sizeof actual[0]);
+        loops->whiten(N, mean, scale, t, actual[1]);
+        loops->whiten(N, mean, scale, actual[0], actual[0]);
+        assert_true(actual[0][N] == t[N]);
+        assert_memory_equal(actual[0], actual[1], N * sizeof *t);
+        loops->differences(N, 3, t, actual[1], actual[2], actual[3]);
+        if (k == 0)
+            memcpy(first, actual[1], sizeof first);
+        assert_memory_equal(first, actual[1], sizeof first);
+        for (size_t i = 0; i < N; ++i) {
+            const double x = ((double)t[i] - (double)mean[i % P]) * (double)scale[i % P];
+            assert_near((double)actual[1][i], x, 2e-7 * fabs(x) + 1e-12);
+            const double d = (double)actual[1][i] - (double)t[i];
+            assert_near((double)actual[2][i], 3 * d, 4e-7 * fabs(d));
+            assert_true(actual[3][i] == fabsf(actual[2][i]));
         }
+        loops->differences(N, 3, t, actual[1], actual[1], actual[0]);
+        assert_memory_equal(actual[1], actual[2], N * sizeof *t);
+    }
+    nqm_free(t);
+    nqm_free(mean);
+    nqm_free(scale);
 }
 
 int main(void) {
     printf("seed %llu\n", (unsigned long long)seed);
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(samples),          cmocka_unit_test(roots_and_logarithms), cmocka_unit_test(ratios),
-        cmocka_unit_test(root_differences), cmocka_unit_test(sums_of_magnitudes),   cmocka_unit_test(nearest_points),
-        cmocka_unit_test(rows_of_bytes),    cmocka_unit_test(one_row_like_many),
+        cmocka_unit_test(samples),
+        cmocka_unit_test(roots_and_logarithms),
+        cmocka_unit_test(ratios),
+        cmocka_unit_test(root_differences),
+        cmocka_unit_test(sums_of_magnitudes),
+        cmocka_unit_test(nearest_points),
+        cmocka_unit_test(scaled_logs),
+        cmocka_unit_test(whitening),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

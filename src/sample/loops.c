@@ -1,16 +1,17 @@
 /* SPDX-License-Identifier: MIT
  *
- * transform.h - roots, logarithms and whitening of samples for one instruction set: loops that compilers vectorise,
- * included by rows.h. Every instruction set gives the same bits.
+ * Loops over samples that compilers vectorise (loops.h). Nothing in them is reordered or fused, so that every width of vectors
+ * gives the same bits.
  */
+#include "sample/loops.h"
 #include "kernel/exp_log.h"
-#include "kernel/kernel.h"
 
 #include <math.h>
-#include <string.h>
+
+#define INLINE static inline __attribute__((always_inline)) /* into each width's copy of a loop */
 
 /* The cube root of x >= 1e-30 within 6 %: divides the exponent by 3 in the bits of x (Kahan 1991). */
-static inline float rough_cube_root(float x) {
+INLINE float rough_cube_root(float x) {
     uint32_t bits;
     float root;
     memcpy(&bits, &x, sizeof bits);
@@ -27,7 +28,7 @@ static inline float rough_cube_root(float x) {
  * s = (b - 2^k a) / (b + 2^k a), |s| <= 1/5. k is the difference of the bits of a and b as integers, which are nearly
  * proportional to their logarithms, rounded. With k = 0, s has the relative error of d; otherwise b - 2^k a is exact. The first
  * term of the series that is left out is below 1e-8. */
-static inline float log_quotient(float a, float b, float d) {
+INLINE float log_quotient(float a, float b, float d) {
     uint32_t from, to, difference, other;
     float scaled;
     memcpy(&from, &a, sizeof from);
@@ -47,15 +48,17 @@ static inline float log_quotient(float a, float b, float d) {
     return (float)(int32_t)power * (0.69314718f * 0x1p-23f) + (s + s * (z * p));
 }
 
-static void log_ratio(size_t n, const float *offset, const float *x, const float *y, float *ratio) {
+NQM_FOR_EACH_VECTOR_WIDTH
+void nqm_sample_log_ratios(size_t n, const float *offset, const float *x, const float *y, float *ratio) {
 #pragma omp simd
     for (size_t i = 0; i < n; ++i)
         ratio[i] = log_quotient(x[i] + offset[i], y[i] + offset[i], y[i] - x[i]);
 }
 
 /* With a = cbrt(x) and b = cbrt(y): b - a = (y - x) / (a a + a b + b b). Roots below 1e-10 are 0. */
-static void root_difference(size_t n, const float *scale, const float *x, const float *y, const float *root_x,
-                            const float *root_y, float *difference) {
+NQM_FOR_EACH_VECTOR_WIDTH
+void nqm_sample_root_differences(size_t n, const float *scale, const float *x, const float *y, const float *root_x,
+                                 const float *root_y, float *difference) {
     const float least = 1e-20f;
 #pragma omp simd
     for (size_t i = 0; i < n; ++i) {
@@ -68,7 +71,7 @@ static void root_difference(size_t n, const float *scale, const float *x, const 
  * the latency of its long chain. */
 enum { ROOTS_AT_ONCE = 128 };
 
-static inline void sample_log_stretch(size_t n, const float *rho, float *roots, float *t) {
+INLINE void sample_log_stretch(size_t n, const float *rho, float *roots, float *t) {
     const float least = 1e-30f, most = 1e37f;
     float x[ROOTS_AT_ONCE], root[ROOTS_AT_ONCE];
 #pragma omp simd
@@ -92,14 +95,16 @@ static inline void sample_log_stretch(size_t n, const float *rho, float *roots, 
     }
 }
 
-static void sample_log(size_t n, const float *rho, float *roots, float *t) {
+NQM_FOR_EACH_VECTOR_WIDTH
+void nqm_sample_logs(size_t n, const float *rho, float *roots, float *t) {
     size_t i = 0;
     for (; i + ROOTS_AT_ONCE <= n; i += ROOTS_AT_ONCE)
         sample_log_stretch(ROOTS_AT_ONCE, rho + i, roots + i, t + i);
     sample_log_stretch(n - i, rho + i, roots + i, t + i);
 }
 
-static void cube_root(size_t n, const double *x, double *root) {
+NQM_FOR_EACH_VECTOR_WIDTH
+void nqm_sample_cube_roots(size_t n, const double *x, double *root) {
 #pragma omp simd
     for (size_t i = 0; i < n; ++i) {
         double a = x[i] < 1e-30 ? 1e-30 : x[i] > 1e37 ? 1e37 : x[i];
@@ -112,20 +117,22 @@ static void cube_root(size_t n, const double *x, double *root) {
 }
 
 /* n <= NQM_WHITEN_PERIOD; inlined with the constant NQM_WHITEN_PERIOD, it needs no loop. */
-static inline void whiten_stretch(size_t n, const float *mean, const float *scale, const float *t, float *x) {
+INLINE void whiten_stretch(size_t n, const float *mean, const float *scale, const float *t, float *x) {
 #pragma omp simd
     for (size_t i = 0; i < n; ++i)
         x[i] = (t[i] - mean[i]) * scale[i];
 }
 
-static void whiten(size_t n, const float *mean, const float *scale, const float *t, float *x) {
+NQM_FOR_EACH_VECTOR_WIDTH
+void nqm_sample_whiten(size_t n, const float *mean, const float *scale, const float *t, float *x) {
     size_t i = 0;
     for (; i + NQM_WHITEN_PERIOD <= n; i += NQM_WHITEN_PERIOD)
         whiten_stretch(NQM_WHITEN_PERIOD, mean, scale, t + i, x + i);
     whiten_stretch(n - i, mean, scale, t + i, x + i);
 }
 
-static void differ(size_t n, float s, const float *a, const float *b, float *difference, float *magnitude) {
+NQM_FOR_EACH_VECTOR_WIDTH
+void nqm_sample_differences(size_t n, float s, const float *a, const float *b, float *difference, float *magnitude) {
 #pragma omp simd
     for (size_t i = 0; i < n; ++i) {
         float d = b[i] - a[i];
@@ -136,7 +143,8 @@ static void differ(size_t n, float s, const float *a, const float *b, float *dif
 
 /* For u = 1 + x = 2^k m, m in [sqrt(1/2), sqrt(2)): log(u) = k log(2) + 2 artanh((m - 1) / (m + 1)). `lost` is the rounding
  * error of u. */
-static void log_1p(size_t n, const double *x, double *y) {
+NQM_FOR_EACH_VECTOR_WIDTH
+void nqm_sample_log_1p(size_t n, const double *x, double *y) {
     const uint64_t sqrt_half = 0x3fe6a09e667f3bcd, one = 0x3ff0000000000000, exponent = 0xfff0000000000000;
     const uint64_t magic = 0x4330000000000000; /* 2^52 + i has the integer i in its low bits */
     const double ln2_high = 0x1.62e42fefa3800p-1, ln2_low = 0x1.ef35793c76730p-45;
@@ -166,4 +174,68 @@ static void log_1p(size_t n, const double *x, double *y) {
         double low = 2.0 * s * (z * p) + k * ln2_low + (u >= 1.5 ? 0.0 : lost);
         y[i] = k * ln2_high + (2.0 * s + low);
     }
+}
+
+/* exp(x) for x <= 0; 0 below -80, since products with denormal results take three times as long. */
+INLINE float exp_negative(float x) {
+    float e = nqm_exp_core(x < -80.0f ? -80.0f : x);
+    return x < -80.0f ? 0.0f : e;
+}
+
+/* With c = cbrt(f_r) and k = 1 + k1: log(k c + 1) = t + log(1 + k1 c / (c + 1)), where c / (c + 1) = 1 - exp(-t). Since
+ * |k1| <= 0.018, four terms of the series of log(1 + a) have an error below 4e-10. */
+NQM_FOR_EACH_VECTOR_WIDTH
+void nqm_sample_scale(size_t n, float k1, const float *t, float *scaled) {
+#pragma omp simd
+    for (size_t i = 0; i < n; ++i) {
+        float a = k1 * (1.0f - exp_negative(-t[i]));
+        scaled[i] = t[i] + a * (1.0f - a * (0.5f - a * (1.0f / 3.0f - a * 0.25f)));
+    }
+}
+
+/* Vectors of 64 bytes, which compilers cut where registers are narrower: a type of GCC and Clang. */
+typedef float lanes __attribute__((vector_size(64), aligned(4), may_alias));
+typedef uint32_t lanes_of_bits __attribute__((vector_size(64)));
+enum { LANES = 16, VECTORS = NQM_SAMPLE_LANES / LANES };
+_Static_assert((int)LANES == (int)NQM_POINTS, "a vector of each block");
+
+/* The sum of all partial sums, by halves. */
+INLINE float add_lanes(lanes *sum) {
+    float half[LANES];
+    const lanes first = sum[0] + sum[1];
+    memcpy(half, &first, sizeof half);
+    for (size_t n = LANES / 2; n > 0; n /= 2)
+        for (size_t j = 0; j < n; ++j)
+            half[j] += half[j + n];
+    return half[0];
+}
+
+NQM_FOR_EACH_VECTOR_WIDTH
+void nqm_sample_sums(size_t n, const float *x, float *magnitudes, float *squares) {
+    lanes magnitude[VECTORS] = {{0}}, square[VECTORS] = {{0}};
+    for (size_t i = 0; i < n; i += NQM_SAMPLE_LANES)
+        for (size_t v = 0; v < VECTORS; ++v) {
+            const lanes a = *(const lanes *)(x + i + v * LANES);
+            magnitude[v] += (lanes)((lanes_of_bits)a & 0x7fffffffu);
+            square[v] += a * a;
+        }
+    *magnitudes = add_lanes(magnitude);
+    *squares = add_lanes(square);
+}
+
+NQM_FOR_EACH_VECTOR_WIDTH
+float nqm_sample_nearest(size_t n, size_t n_blocks, const float *points, const float *y) {
+    float least = INFINITY;
+    for (size_t block = 0; block < n_blocks; ++block) {
+        lanes sum = {0};
+        float square[NQM_POINTS];
+        for (size_t k = 0; k < n; ++k, points += NQM_POINTS) {
+            const lanes d = *(const lanes *)points - y[k];
+            sum += d * d;
+        }
+        memcpy(square, &sum, sizeof square);
+        for (size_t i = 0; i < NQM_POINTS; ++i)
+            least = square[i] < least ? square[i] : least;
+    }
+    return least;
 }

@@ -1,0 +1,16 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * The loops of sample/loops.c for AVX-512.
+ */
+#define NQM_ONE_VECTOR_WIDTH
+#include "support/loops.h"
+
+#include <math.h>
+#include <stdint.h>
+#include <string.h>
+
+#if defined __x86_64__ && !defined __clang__
+#pragma GCC target("avx512f")
+#endif
+#define WIDTH avx512
+#include "support/loops_of_width.h"
