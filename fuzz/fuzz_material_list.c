@@ -3,8 +3,8 @@
  * Fuzz target: lists of materials for `nqm dataset`. The files that a list names are hashed if they exist, below an empty folder.
  * In an accepted list every reference belongs to one group.
  */
+#include "corpus/corpus.h"
 #include "fuzz.h"
-#include "label/corpus.h"
 
 #include <unistd.h>
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
  * nqm/data.h - labelled pairs of sampled BRDFs: dataset files, the folder layout of the paper's authors, and CSVs of people's
- * answers (scores, or choices between two tests). nqm/label.h makes datasets.
+ * answers (scores, or choices between two tests). nqm/corpus.h makes datasets.
  */
 #ifndef NQM_DATA_H
 #define NQM_DATA_H

@@ -5,7 +5,7 @@
  * between nodes, so the light from there is distributed to these. The matrix of a corpus is stored in its dataset; a matrix with
  * its directions is also a model without a network.
  */
-#include "label/corpus.h"
+#include "label/label.h"
 #include "math/math.h"
 #include "metric/metric.h"
 #include "model/model.h"

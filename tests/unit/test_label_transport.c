@@ -3,7 +3,8 @@
  * Transport matrices of corpora: pictures by the matrix against renderings of the same points. A constant BRDF has no error of
  * interpolation, so that its picture tests the light; a smooth lobe tests how light is distributed to the sampling directions.
  */
-#include "label/corpus.h"
+#include "corpus/corpus.h"
+#include "label/label.h"
 #include "metric/metric.h"
 #include "sample/node_grid.h"
 #include "support/check.h"

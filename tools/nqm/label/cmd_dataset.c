@@ -3,7 +3,7 @@
  * nqm dataset - make a training corpus from a list of materials. Started by mpirun or
  * srun, all processes share the work and the first writes the dataset.
  */
-#include "label/corpus.h"
+#include "corpus/corpus.h"
 #include "nqm/label/scene.h"
 
 #include <string.h>

@@ -5,7 +5,7 @@
  * where a spec has the result, or the fit failed.
  */
 #include "brdf/brdf.h"
-#include "label/corpus.h"
+#include "corpus/corpus.h"
 
 #include <dirent.h>
 #include <fcntl.h>

@@ -5,7 +5,6 @@
  */
 #include "brdf/core/spec.h"
 #include "fit/fit.h"
-#include "label/corpus.h"
 #include "math/math.h"
 #include "support/check.h"
 #include "support/corpus_files.h"

@@ -5,7 +5,7 @@
  * with ks = 1 depends on its shape by many orders of magnitude.
  */
 #include "brdf/core/spec.h"
-#include "label/corpus.h"
+#include "corpus/corpus.h"
 #include "math/math.h"
 
 #include <math.h>

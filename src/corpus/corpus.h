@@ -3,14 +3,14 @@
  * corpus.h - the parts of making a corpus: the list of references, the plan of tests for each, the making of one material
  * group, and the manifest.
  */
-#ifndef NQM_SRC_LABEL_CORPUS_H
-#define NQM_SRC_LABEL_CORPUS_H
+#ifndef NQM_SRC_CORPUS_CORPUS_H
+#define NQM_SRC_CORPUS_CORPUS_H
 
 #include "base/options.h"
 #include "io/io.h"
 #include "render/render.h"
+#include <nqm/corpus.h>
 #include <nqm/fit.h>
-#include <nqm/label.h>
 #include <stdatomic.h>
 
 extern const nqm_option_table nqm_corpus_option_table;
@@ -61,9 +61,9 @@ typedef enum nqm_corpus_family {
     NQM_FAMILY_FORM,         /* another form of the same material: "form-rgl", "form-nbrdf" */
     NQM_FAMILY_PERTURBATION, /* one perturbation of the reference: "gloss" */
     NQM_FAMILY_COMPOSED,     /* two perturbations of the reference ("composed") or one of an encoding ("refit") */
-    NQM_FAMILY_VARIANT,  /* a changed spec ("roughness", "key"), "translated", "folded", "overfit": corpus_variants.c */
-    NQM_FAMILY_FAR,      /* a BRDF that really differs: "other-same", "random-ggx", "path-ward", "white" */
-    NQM_FAMILY_ROUNDING, /* the reference with rounded values: "float16" */
+    NQM_FAMILY_VARIANT,      /* a changed spec ("roughness", "key"), "translated", "folded", "overfit": variants.c */
+    NQM_FAMILY_FAR,          /* a BRDF that really differs: "other-same", "random-ggx", "path-ward", "white" */
+    NQM_FAMILY_ROUNDING,     /* the reference with rounded values: "float16" */
     NQM_FAMILY_COUNT
 } nqm_corpus_family;
 
@@ -240,11 +240,6 @@ struct nqm_corpus_context {
                  size_t n_units); /* called with finished units of work, 0 within one; any thread; true: stop */
     void *step_user;
 };
-
-/** Compute the transport matrix of a scene for the directions nqm_node_grid_directions(); shadows count, interreflection does
- *  not. light (n_directions, 3, n_points), points (n_points, 3) as in nqm_transport. */
-NQM_MUST_CHECK nqm_status nqm_transport_fill(const nqm_scene_options *scene, size_t n_points, float *light,
-                                             double *points, nqm_error *err);
 
 /** Units of work, for the progress: a test is one, and an encoding takes about as long as this many tests. */
 enum { NQM_CORPUS_FIT_UNITS = 8 };

@@ -5,7 +5,7 @@
  * or process makes a group.
  */
 #include "base/shared_work.h"
-#include "label/corpus.h"
+#include "corpus/corpus.h"
 
 #include <pthread.h>
 #include <stdatomic.h>

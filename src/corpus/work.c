@@ -4,8 +4,8 @@
  * a hash of everything that determines its content (version, options, light, directions, sources, planned tests), so that
  * runs with different options never share a file.
  */
+#include "corpus/corpus.h"
 #include "io/options_json.h"
-#include "label/corpus.h"
 #include "percept/percept.h"
 
 #include <stdlib.h>

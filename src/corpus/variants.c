@@ -4,7 +4,7 @@
  * model, its reciprocal table, and networks that were overfitted to few of its directions.
  */
 #include "brdf/core/spec.h"
-#include "label/corpus.h"
+#include "corpus/corpus.h"
 
 #include <math.h>
 #include <string.h>

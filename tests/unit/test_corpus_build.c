@@ -3,7 +3,7 @@
  * Corpora: a small one of analytic materials is made, interrupted, resumed and read back; failed tests; labels of far tests and
  * roundings.
  */
-#include "label/corpus.h"
+#include "corpus/corpus.h"
 #include "support/check.h"
 #include "support/corpus_files.h"
 #include "support/scenes.h"

@@ -3,8 +3,8 @@
  * Far tests: BRDFs that really differ from the reference, as in fits that begin far away and in searches for the nearest
  * material; and the opposite, copies that differ by rounding only.
  */
+#include "corpus/corpus.h"
 #include "fit/fit.h"
-#include "label/corpus.h"
 
 #include <math.h>
 #include <string.h>

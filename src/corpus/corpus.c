@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT
  *
- * Making a corpus: plan every material group, make the groups (corpus_run.c), and write one dataset file with its manifest
- * (corpus_dataset.c). doc/corpus.md explains the content of a corpus.
+ * Making a corpus: plan every material group, make the groups (run.c), and write one dataset file with its manifest
+ * (dataset.c). doc/corpus.md explains the content of a corpus.
  */
-#include "label/corpus.h"
+#include "corpus/corpus.h"
 #include "encode/encode.h"
 
 #include <string.h>

@@ -4,7 +4,7 @@
  * seed and the names; tabulated forms.
  */
 #include "brdf/brdf.h"
-#include "label/corpus.h"
+#include "corpus/corpus.h"
 #include "support/check.h"
 #include "support/corpus_files.h"
 

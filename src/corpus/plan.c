@@ -6,7 +6,7 @@
  */
 #include "base/names.h"
 #include "brdf/brdf.h"
-#include "label/corpus.h"
+#include "corpus/corpus.h"
 
 #include <string.h>
 

@@ -5,8 +5,8 @@
  * that cannot encode a reference fails this test only.
  */
 #include "brdf/brdf.h"
+#include "corpus/corpus.h"
 #include "fit/fit.h"
-#include "label/corpus.h"
 #include "math/math.h"
 
 #include <math.h>

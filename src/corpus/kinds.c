@@ -3,7 +3,7 @@
  * The kinds of test with their families, and random perturbed copies. Strengths are log-uniform, so that faint differences,
  * where metrics fail, are as common as strong ones.
  */
-#include "label/corpus.h"
+#include "corpus/corpus.h"
 
 #include <math.h>
 #include <string.h>

@@ -4,7 +4,7 @@
  * serves as another material in the tests of other groups.
  */
 #include "brdf/brdf.h"
-#include "label/corpus.h"
+#include "corpus/corpus.h"
 
 #include <pthread.h>
 

@@ -3,7 +3,7 @@
  * Selects tests by label: most random pairs of materials have nearly the same low JOD, and a metric learns little from many of
  * them. Values are removed one by one from the densest place until the requested number is left.
  */
-#include "label/corpus.h"
+#include "corpus/corpus.h"
 #include "math/math.h"
 
 #include <math.h>

@@ -2,9 +2,10 @@
  *
  * Writes a finished corpus as a dataset file, and its manifest to a second file.
  */
+#include "corpus/corpus.h"
 #include "data/data.h"
 #include "io/options_json.h"
-#include "label/corpus.h"
+#include "label/label.h"
 #include "percept/percept.h"
 #include "sample/node_grid.h"
 

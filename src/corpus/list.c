@@ -3,7 +3,7 @@
  * The material list of a corpus: references, their material groups and the split of each group.
  */
 #include "brdf/brdf.h"
-#include "label/corpus.h"
+#include "corpus/corpus.h"
 
 #include <string.h>
 #include <sys/stat.h>

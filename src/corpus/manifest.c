@@ -3,9 +3,9 @@
  * The manifest of a corpus: the record of what a model was trained on, and the proof of what it was not trained on. File
  * names are given without folders.
  */
+#include "corpus/corpus.h"
 #include "fit/fit.h"
 #include "io/options_json.h"
-#include "label/corpus.h"
 #include "math/math.h"
 
 #include <jansson.h>

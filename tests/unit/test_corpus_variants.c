@@ -6,7 +6,6 @@
 #include "brdf/core/spec.h"
 #include "data/data.h"
 #include "fit/fit.h"
-#include "label/corpus.h"
 #include "math/math.h"
 #include "support/check.h"
 #include "support/corpus_files.h"
