@@ -277,8 +277,7 @@ nqm_status nqm_match(const nqm_brdf *ref, const char *model, const nqm_match_los
     nqm_status status = nqm_match_parse(loss->text, &sum, err);
     if (status == NQM_OK)
         status = nqm_fit_entry_find(model, &entry, err);
-    if (status == NQM_OK && sum.is_auto && loss->transport && !entry->encode &&
-        !is_covered(ref, loss->transport)) {
+    if (status == NQM_OK && sum.is_auto && loss->transport && !entry->encode && !is_covered(ref, loss->transport)) {
         s.loss = &values;
         status = nqm_match_parse(values.text, &sum, err);
         snprintf(report.selected, sizeof report.selected, "%s", nqm_match_uncovered);

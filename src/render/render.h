@@ -192,8 +192,8 @@ typedef struct nqm_bounce {
 typedef struct nqm_incident {
     size_t n_rays, n_bounces;
     size_t n_first_rays, n_first_bounces; /* of the first half of the directions */
-    nqm_ray *ray;       /* (n_rays) */
-    nqm_bounce *bounce; /* (n_bounces) */
+    nqm_ray *ray;                         /* (n_rays) */
+    nqm_bounce *bounce;                   /* (n_bounces) */
 } nqm_incident;
 
 enum { NQM_STANDARD_SCENES = 4 };

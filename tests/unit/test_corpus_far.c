@@ -4,6 +4,7 @@
  * the list, random parameters, selection by label.
  */
 #include "brdf/core/spec.h"
+#include "corpus/corpus.h"
 #include "fit/fit.h"
 #include "math/math.h"
 #include "support/check.h"

@@ -4,6 +4,7 @@
  * references get no changed specs; plans that keep one test in four; labels of tables, translations and overfitted networks.
  */
 #include "brdf/core/spec.h"
+#include "corpus/corpus.h"
 #include "data/data.h"
 #include "fit/fit.h"
 #include "math/math.h"

@@ -3,6 +3,7 @@
  * The float sums of scores (metric/sums_float.c) against the sums that define them (metric/sums.c): pairs of all kinds, dropped
  * directions, directions in any order, values beyond the range of float sums; and the same bits however pairs are grouped.
  */
+#include "kernel/kernel.h"
 #include "metric/sums.h"
 #include "sample/loops.h"
 #include "sample/sample.h"
