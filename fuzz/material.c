@@ -28,7 +28,7 @@ static void check_material(nqm_material_info info, size_t n_bytes) {
     nqm_error err = {0};
     if (!info.spec || !nqm_spec_probe(info.spec))
         return;
-    nqm_status status = nqm_spec_open(info.spec, "fuzz", &brdf, &err);
+    nqm_status status = nqm_brdf_open(info.spec, &brdf, &err);
     need(status == NQM_OK || (status == NQM_ERR_ARG && err.message[0]), "a spec that is not one of its model");
     for (uint32_t i = 0; brdf && i < 16; ++i) {
         const double hd[3] = {noise(i, 1) * noise(i, 1) * 1.5, noise(i, 2) * 1.5, noise(i, 3) * 3};

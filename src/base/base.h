@@ -83,6 +83,9 @@ void nqm_free_pages(void *block, size_t n, size_t size);
 void *nqm_grow(void *block, size_t *max_n, size_t n, size_t size);
 /** A copy of a string, or NULL when out of memory; free with nqm_free(). */
 char *nqm_strdup(const char *text);
+/** The path of a file that the file `path` names: `name` in the same folder; an absolute `name` unchanged. NULL when out of memory;
+ *  free with nqm_free(). */
+char *nqm_path_beside(const char *path, const char *name);
 static inline size_t nqm_smaller(size_t a, size_t b) {
     return a < b ? a : b;
 }

@@ -114,3 +114,12 @@ char *nqm_strdup(const char *text) {
         memcpy(copy, text, n);
     return copy;
 }
+
+char *nqm_path_beside(const char *path, const char *name) {
+    const char *slash = *name == '/' ? NULL : strrchr(path, '/');
+    const size_t n_folder = slash ? (size_t)(slash - path) + 1 : 0, n = n_folder + strlen(name) + 1;
+    char *beside = nqm_alloc(n, 1);
+    if (beside)
+        snprintf(beside, n, "%.*s%s", (int)n_folder, path, name);
+    return beside;
+}

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT
  *
- * brdf.h - the vtable that every BRDF implements, and the constructors of all formats.
+ * brdf.h - the vtable that every BRDF implements, BRDFs made of arrays and of other BRDFs, and their files.
  *
- * Each format has its own file with one constructor. brdf.c contains what is common to all: opening by content or by
- * spec, clamping and flagging of values, conversion of coordinates, information.
+ * core/brdf.c contains what is common to all: clamping and flagging of values, conversion of coordinates, information. A file format
+ * is a file of formats/ with one struct (formats/format.h), a model is one of models/ (core/spec.h). open.c and specs.c list them.
  */
 #ifndef NQM_SRC_BRDF_H
 #define NQM_SRC_BRDF_H
@@ -20,11 +20,11 @@ typedef struct nqm_brdf_class {
 
     /** Raw values for n pairs above the horizon (wi.z > 0 and wo.z > 0 are guaranteed): may be negative (out of gamut)
      * or not finite; NaN in channel 0 means "no data". wi, wo, rgb: (n, 3). NULL for formats stored in half-vector
-     * coordinates: brdf.c converts and calls eval_half_diff. */
+     * coordinates: core/brdf.c converts and calls eval_half_diff. */
     void (*eval)(const void *self, size_t n, const double *wi, const double *wo, double *rgb);
 
     /** The same in half-vector coordinates hd (n, 3) = theta_h, theta_d, phi_d (radians; phi_d in [0, pi) of a
-     * reciprocal class, otherwise in [0, 2 pi)). NULL: brdf.c converts to vectors and calls eval. */
+     * reciprocal class, otherwise in [0, 2 pi)). NULL: core/brdf.c converts to vectors and calls eval. */
     void (*eval_half_diff)(const void *self, size_t n, const double *hd, double *rgb);
 
     /** As eval for at most 64 pairs, and the derivatives: jacobian (n, 3, info.n_values), zero on entry, receives d channel / d parameter in the
@@ -47,56 +47,41 @@ struct nqm_brdf {
 NQM_MUST_CHECK nqm_status nqm_brdf_wrap(const nqm_brdf_class *class_, void *self, const nqm_brdf_info *info,
                                         nqm_brdf **brdf_ret, nqm_error *err);
 
-/* ---- BRDFs that a list names ------------------------------------------------------------------------------------- */
+/* ---- arguments --------------------------------------------------------------------------------------------------- */
 
+/** As nqm_brdf_open(), with another name for the BRDF's information. */
+typedef nqm_status nqm_brdf_opener(const char *path_or_spec, const char *name, nqm_brdf **brdf_ret, nqm_error *err);
+
+/** true when `text` starts with the name of a model, table of presets or wrapper and a colon ("ggx:..."). */
+bool nqm_spec_probe(const char *text);
 /** The argument of nqm_brdf_open() for a BRDF that is named in a list: specs and absolute paths unchanged, relative
  *  paths prefixed with the folder `root` of n_root characters (0: the working folder). NULL: out of memory. nqm_free()
  *  it. */
 char *nqm_brdf_path_below(const char *path_or_spec, const char *root, size_t n_root);
-/** The measured file that a material of the material file `path` names (material NULL: its only one); nqm_free() it. NULL: there is
- *  none, or nqm_brdf_open() reports why it cannot be read. */
-char *nqm_brdf_measured(const char *path, const char *material);
 /** Open such a BRDF; `root` NULL or "" is the working folder. */
 NQM_MUST_CHECK nqm_status nqm_brdf_open_below(const char *path_or_spec, const char *root, nqm_brdf **brdf_ret,
                                               nqm_error *err);
+/** The second file that "FILE:MEMBER" reads, the latents of a decoder or the measured file of a material; member NULL: "FILE".
+ *  nqm_free() it. NULL: there is none. */
+NQM_MUST_CHECK nqm_status nqm_brdf_find_companion(const char *path, const char *member, char **path_ret,
+                                                  nqm_error *err);
 
-/* ---- constructors, one per format -------------------------------------------------------------------------------- */
+/* ---- files ------------------------------------------------------------------------------------------------------- */
 
-/* Files: `map` has the bytes of the whole file. On success the constructor owns the map (it keeps or closes it); on failure the
- * caller still owns it. */
-
-/** true when the first bytes look like the format (a short or damaged file of that format must still be recognised
- * where possible, so that its message can name the fault). */
-bool nqm_merl_probe(const nqm_map *map);
-bool nqm_nbrdf_probe(const nqm_map *map);
-bool nqm_saved_probe(const nqm_map *map);
-nqm_status nqm_merl_open(nqm_map *map, const char *name, nqm_brdf **brdf_ret, nqm_error *err);
 /** Write a MERL table; n_phi: 180 or 360 cells of phi_d. */
 NQM_MUST_CHECK nqm_status nqm_merl_write(const nqm_brdf *brdf, size_t n_phi, const char *path, nqm_progress_fn progress,
                                          void *progress_user, nqm_error *err);
-nqm_status nqm_nbrdf_open(nqm_map *map, const char *name, nqm_brdf **brdf_ret, nqm_error *err);
-nqm_status nqm_saved_open(nqm_map *map, const char *name, nqm_brdf **brdf_ret, nqm_error *err);
+/** Write an array of NumPy: a BRDF's own nodes if its format is "table", otherwise those of nqm_brdf_tabulate(). */
+NQM_MUST_CHECK nqm_status nqm_npy_write_brdf(const nqm_brdf *brdf, const char *path, nqm_error *err);
 struct nqm_meta;
 /** nqm_brdf_save() with more metadata, at most 8. */
 NQM_MUST_CHECK nqm_status nqm_brdf_save_with(const nqm_brdf *brdf, const char *path, size_t n_more,
                                              const struct nqm_meta *more, nqm_error *err);
-/** A table as an array of NumPy (nqm_npy_probe() of io.h); and any BRDF written as one: its own nodes if its format is "table",
- *  otherwise those of nqm_brdf_tabulate(). */
-nqm_status nqm_npy_open(nqm_map *map, const char *name, nqm_brdf **brdf_ret, nqm_error *err);
-NQM_MUST_CHECK nqm_status nqm_npy_write_brdf(const nqm_brdf *brdf, const char *path, nqm_error *err);
-struct nqm_tensor_file;
-/** A polarimetric material, which has a tensor "M"; see pbsdf.c. */
-nqm_status nqm_pbsdf_open(nqm_map *map, const struct nqm_tensor_file *file, nqm_illuminant illuminant, const char *name,
-                          nqm_brdf **brdf_ret, nqm_error *err);
-/** Files of the tensor container: RGL materials and polarimetric ones. `illuminant` for spectra: "E" or "D65"; NULL: E. */
-bool nqm_tensor_brdf_probe(const nqm_map *map);
-nqm_status nqm_tensor_brdf_open(nqm_map *map, const char *illuminant, const char *name, nqm_brdf **brdf_ret,
-                                nqm_error *err);
-/** One material of an archive or of a decoder. */
-nqm_status nqm_nbrdf_zip_open(const char *zip_path, const char *material, const char *name, nqm_brdf **brdf_ret,
-                              nqm_error *err);
-nqm_status nqm_nps_open(const char *decoder_path, const char *material, const char *name, nqm_brdf **brdf_ret,
-                        nqm_error *err);
+/** As nqm_material_write(): a file of n > 0 materials of one shading model, in this order; names that are equal get numbers. */
+NQM_MUST_CHECK nqm_status nqm_materials_write(size_t n, const char *const *specs, const char *const *names,
+                                              const char *path, nqm_error *err);
+
+/* ---- BRDFs of arrays and of other BRDFs --------------------------------------------------------------------------- */
 
 enum { NQM_NBRDF_WEIGHTS = 6 * 21 + 21 + 21 * 21 + 21 + 21 * 3 + 3 };
 /** An NBRDF from its weights (NQM_NBRDF_WEIGHTS): kernel (in, out) then bias, layer by layer, as in the Keras files. */
@@ -118,14 +103,6 @@ size_t nqm_table_first_bad(size_t n_nodes, const void *rgb);
 void nqm_table_node(size_t n_h, size_t n_d, size_t n_p, size_t h, size_t d, size_t p, double *hd);
 /** The values of a BRDF whose format is "table"; valid until it is freed. dims: (3) receives n_h, n_d, n_p. */
 const float *nqm_table_values(const nqm_brdf *brdf, size_t *dims);
-
-/** true when the file has the size of the neural processes' decoder. */
-bool nqm_nps_probe(const nqm_map *map);
-
-/** true when `text` starts with the name of an analytic model and a colon ("ggx:..."). */
-bool nqm_spec_probe(const char *text);
-/** An analytic model, preset, perturbation or BRDF between two others from its spec. `name` is that of its information. */
-nqm_status nqm_spec_open(const char *spec, const char *name, nqm_brdf **brdf_ret, nqm_error *err);
 
 /** A perturbation of an opened BRDF: `settings` as in a `perturb:` spec, without `of`. The result owns `base` if `owned` (it
  *  is freed also on failure), otherwise it borrows it. */
@@ -149,9 +126,5 @@ static const nqm_table_size nqm_table_picture = {180, 32, 12};
 /** Sample `brdf` into a table, on all threads. ticker: stage "table"; NULL: silent. NQM_ERR_CANCELLED, NQM_ERR_NOMEM. */
 NQM_MUST_CHECK nqm_status nqm_brdf_tabulate(const nqm_brdf *brdf, nqm_table_size size, nqm_ticker *ticker,
                                             nqm_brdf **table_ret, nqm_error *err);
-
-/** As nqm_material_write(): a file of n > 0 materials of one shading model, in this order; names that are equal get numbers. */
-NQM_MUST_CHECK nqm_status nqm_materials_write(size_t n, const char *const *specs, const char *const *names,
-                                              const char *path, nqm_error *err);
 
 #endif

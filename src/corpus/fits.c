@@ -4,7 +4,7 @@
  * group, and an interrupted corpus continues from them. A file is that of nqm_brdf_save() with more metadata; without tensors
  * where a spec has the result, or the fit failed.
  */
-#include "brdf/brdf.h"
+#include "brdf/formats/format.h"
 #include "corpus/corpus.h"
 
 #include <dirent.h>
@@ -85,7 +85,8 @@ static bool take(const char *const values[N_META], nqm_map *map, nqm_corpus_fit 
     if (fit->fault.status != NQM_OK)
         return true;
     return (*values[SPEC] ? nqm_brdf_open(values[SPEC], &fit->view.brdf, NULL)
-                          : nqm_saved_open(map, values[NAME], &fit->view.brdf, NULL)) == NQM_OK;
+                          : nqm_saved_format.open(map, &(nqm_brdf_argument){.name = values[NAME]}, &fit->view.brdf,
+                                                  NULL)) == NQM_OK;
 }
 
 bool nqm_corpus_fit_load(const nqm_corpus_item *item, size_t ref, const char *model, nqm_corpus_fit *fit) {

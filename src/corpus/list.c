@@ -47,27 +47,6 @@ nqm_status nqm_corpus_hash_file(const char *path, const char *path_more, char he
     return status;
 }
 
-/* The latents file in the folder of a decoder of neural processes; NULL for other files. */
-static nqm_status find_latents(const char *file, char **path_ret, nqm_error *err) {
-    static const char latents[] = "nps_latents.csv";
-    nqm_map map;
-    *path_ret = NULL;
-    nqm_status status = nqm_map_open(file, &map, err);
-    if (status != NQM_OK)
-        return status;
-    bool is_decoder = nqm_nps_probe(&map);
-    nqm_map_close(&map);
-    if (!is_decoder)
-        return NQM_OK;
-    const char *slash = strrchr(file, '/');
-    size_t n_folder = slash ? (size_t)(slash - file) + 1 : 0, n = n_folder + sizeof latents;
-    *path_ret = nqm_alloc(n, 1);
-    if (!*path_ret)
-        return nqm_fail_nomem(err, n);
-    snprintf(*path_ret, n, "%.*s%s", (int)n_folder, file, latents);
-    return NQM_OK;
-}
-
 /* Consecutive references are often members of one archive: reuse the hash of the previous file. */
 static nqm_status hash_ref(nqm_corpus_list *list, size_t i, nqm_error *err) {
     nqm_corpus_ref *ref = &list->refs[i];
@@ -78,17 +57,13 @@ static nqm_status hash_ref(nqm_corpus_list *list, size_t i, nqm_error *err) {
     if (!file)
         return nqm_fail_nomem(err, n);
     file[n] = 0;
-    char *more = nqm_brdf_measured(file, ref->path[n] ? ref->path + n + 1 : NULL);
-    if (!more && i > 0) {
-        const nqm_corpus_ref *previous = ref - 1;
-        if (file_length(previous->path) == n && strncmp(previous->path, ref->path, n) == 0) {
-            memcpy(ref->file_sha256, previous->file_sha256, sizeof ref->file_sha256);
-            nqm_free(file);
-            return NQM_OK;
-        }
-    }
-    nqm_status status = more ? NQM_OK : find_latents(file, &more, err);
-    if (status == NQM_OK)
+    char *more;
+    nqm_status status = nqm_brdf_find_companion(file, ref->path[n] ? ref->path + n + 1 : NULL, &more, err);
+    const nqm_corpus_ref *previous = i > 0 ? ref - 1 : NULL;
+    if (status == NQM_OK && !more && previous && file_length(previous->path) == n &&
+        strncmp(previous->path, ref->path, n) == 0)
+        memcpy(ref->file_sha256, previous->file_sha256, sizeof ref->file_sha256);
+    else if (status == NQM_OK)
         status = nqm_corpus_hash_file(file, more, ref->file_sha256, err);
     nqm_free(more);
     nqm_free(file);

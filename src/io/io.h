@@ -128,11 +128,11 @@ NQM_MUST_CHECK nqm_status nqm_npy_write(const char *path, const nqm_tensor *tens
 /* ---- zip members (libzip) ---------------------------------------------------------------------------------------- */
 
 /** Read the member whose last path component is `member` ("x.h5") into a new block (nqm_free); at most max_bytes. */
-NQM_MUST_CHECK nqm_status nqm_zip_read(const char *zip_path, const char *member, size_t max_bytes,
+NQM_MUST_CHECK nqm_status nqm_zip_read(const nqm_map *map, const char *member, size_t max_bytes,
                                        unsigned char **data_ret, size_t *n_bytes_ret, nqm_error *err);
 /** For messages: names of the first few members that end with `suffix`, without the suffix, and the number of such
  *  members when more exist ("a, b, ... (9 in all)"); "" when there is none. */
-NQM_MUST_CHECK nqm_status nqm_zip_examples(const char *zip_path, const char *suffix, char *text, size_t n_text,
+NQM_MUST_CHECK nqm_status nqm_zip_examples(const nqm_map *map, const char *suffix, char *text, size_t n_text,
                                            nqm_error *err);
 
 /* ---- HDF5 float datasets (as h5py and Keras write them) ---------------------------------------------------------- */

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * Reads single members of a zip archive with libzip. nqm_map_open() maps the archive, so that a missing file, a
- * directory and an unreadable file give the same messages as for other formats. A member's declared size is checked
+ * Reads single members of a zip archive with libzip, from the mapped file. A member's declared size is checked
  * before memory is allocated.
  */
 #include "base/names.h"
@@ -12,31 +11,21 @@
 
 /** An open archive over mapped bytes. */
 typedef struct archive {
-    nqm_map map;
+    const nqm_map *map;
     zip_t *zip;
 } archive;
 
-static void archive_close(archive *a) {
-    if (a->zip)
-        zip_discard(a->zip);
-    nqm_map_close(&a->map);
-}
-
-static nqm_status archive_open(const char *path, archive *a, nqm_error *err) {
-    *a = (archive){0};
-    nqm_status status = nqm_map_open(path, &a->map, err);
-    if (status != NQM_OK)
-        return status;
+static nqm_status archive_open(const nqm_map *map, archive *a, nqm_error *err) {
     zip_error_t why;
     zip_error_init(&why);
-    zip_source_t *source = zip_source_buffer_create(a->map.data, a->map.n_bytes, 0, &why);
-    a->zip = source ? zip_open_from_source(source, ZIP_RDONLY, &why) : NULL;
+    zip_source_t *source = zip_source_buffer_create(map->data, map->n_bytes, 0, &why);
+    *a = (archive){map, source ? zip_open_from_source(source, ZIP_RDONLY, &why) : NULL};
+    nqm_status status = NQM_OK;
     if (!a->zip) {
         bool nomem = zip_error_code_zip(&why) == ZIP_ER_MEMORY;
         status = nqm_fail(err, nomem ? NQM_ERR_NOMEM : NQM_ERR_FORMAT, 0, "%s: not a readable zip archive (byte 0): %s",
-                          path, zip_error_strerror(&why));
+                          map->path, zip_error_strerror(&why));
         zip_source_free(source);
-        archive_close(a);
     }
     zip_error_fini(&why);
     return status;
@@ -61,10 +50,10 @@ static bool has_suffix(const char *name, const char *suffix) {
     return n_name > n_suffix && strcmp(name + n_name - n_suffix, suffix) == 0;
 }
 
-nqm_status nqm_zip_examples(const char *zip_path, const char *suffix, char *text, size_t n_text, nqm_error *err) {
+nqm_status nqm_zip_examples(const nqm_map *map, const char *suffix, char *text, size_t n_text, nqm_error *err) {
     enum { N_SHOWN = 4 };
     archive a;
-    nqm_status status = archive_open(zip_path, &a, err);
+    nqm_status status = archive_open(map, &a, err);
     if (status != NQM_OK)
         return status;
     size_t n_found = 0, used = 0;
@@ -79,7 +68,7 @@ nqm_status nqm_zip_examples(const char *zip_path, const char *suffix, char *text
     }
     if (n_found > N_SHOWN)
         snprintf(text + used, n_text - used, ", ... (%zu in all)", n_found);
-    archive_close(&a);
+    zip_discard(a.zip);
     return NQM_OK;
 }
 
@@ -97,7 +86,7 @@ static bool read_exactly(zip_file_t *file, unsigned char *data, size_t n_bytes) 
 
 static nqm_status read_member(const archive *a, zip_uint64_t index, size_t max_bytes, unsigned char **data_ret,
                               size_t *n_bytes_ret, nqm_error *err) {
-    const char *path = a->map.path, *name = base_name(a, index);
+    const char *path = a->map->path, *name = base_name(a, index);
     zip_stat_t st;
     if (zip_stat_index(a->zip, index, 0, &st) != 0 || !(st.valid & ZIP_STAT_SIZE))
         return nqm_fail(err, NQM_ERR_FORMAT, -1, "%s: '%s' has no readable entry", path, name);
@@ -124,11 +113,11 @@ static nqm_status read_member(const archive *a, zip_uint64_t index, size_t max_b
     return NQM_OK;
 }
 
-nqm_status nqm_zip_read(const char *zip_path, const char *member, size_t max_bytes, unsigned char **data_ret,
+nqm_status nqm_zip_read(const nqm_map *map, const char *member, size_t max_bytes, unsigned char **data_ret,
                         size_t *n_bytes_ret, nqm_error *err) {
     *data_ret = NULL;
     archive a;
-    nqm_status status = archive_open(zip_path, &a, err);
+    nqm_status status = archive_open(map, &a, err);
     if (status != NQM_OK)
         return status;
     zip_uint64_t i = 0, n = member_count(&a);
@@ -138,7 +127,7 @@ nqm_status nqm_zip_read(const char *zip_path, const char *member, size_t max_byt
     if (i < n)
         status = read_member(&a, i, max_bytes, data_ret, n_bytes_ret, err);
     else
-        status = nqm_fail(err, NQM_ERR_IO, -1, "%s: has no member '%s'%s", zip_path, member, nearest.advice);
-    archive_close(&a);
+        status = nqm_fail(err, NQM_ERR_IO, -1, "%s: has no member '%s'%s", map->path, member, nearest.advice);
+    zip_discard(a.zip);
     return status;
 }

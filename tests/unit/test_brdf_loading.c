@@ -174,10 +174,42 @@ static void relative_paths_start_at_the_root(void **state) {
     assert_null(brdf);
 }
 
+static void companions_are_in_the_folder_of_the_file(void **state) {
+    (void)state;
+    static const struct {
+        const char *path, *name, *beside;
+    } cases[] = {{"data/m.xml", "a.bsdf", "data/a.bsdf"},
+                 {"/m.xml", "a.bsdf", "/a.bsdf"},
+                 {"m.xml", "b/a.bsdf", "b/a.bsdf"},
+                 {"data/m.xml", "/a.bsdf", "/a.bsdf"}};
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
+        char *path = nqm_path_beside(cases[i].path, cases[i].name);
+        assert_string_equal(path, cases[i].beside);
+        nqm_free(path);
+    }
+    const char *file = scratch_path("measured.xml");
+    FILE *stream = fopen(file, "w");
+    fputs(
+        "<scene version=\"3.0.0\"><bsdf type=\"measured\" id=\"a\"><string name=\"filename\" value=\"a.bsdf\"/></bsdf>"
+        "<bsdf type=\"diffuse\" id=\"b\"/></scene>",
+        stream);
+    assert_int_equal(fclose(stream), 0);
+    char *companion;
+    assert_int_equal(nqm_brdf_find_companion(file, "a", &companion, NULL), NQM_OK);
+    assert_string_equal(companion, scratch_path("a.bsdf"));
+    nqm_free(companion);
+    assert_int_equal(nqm_brdf_find_companion(file, "b", &companion, NULL), NQM_OK);
+    assert_null(companion);
+    assert_int_equal(nqm_brdf_find_companion(file, "c", &companion, NULL), NQM_ERR_ARG);
+    assert_null(companion);
+    assert_int_equal(nqm_brdf_find_companion(merl_path(), NULL, &companion, NULL), NQM_OK);
+    assert_null(companion);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(gives_the_same_to_early_and_late), cmocka_unit_test(loads_only_what_a_sampling_needs),
-        cmocka_unit_test(leaves_files_to_others), cmocka_unit_test(reads_tensors_at_any_byte),
-        cmocka_unit_test(relative_paths_start_at_the_root)};
+        cmocka_unit_test(leaves_files_to_others),           cmocka_unit_test(reads_tensors_at_any_byte),
+        cmocka_unit_test(relative_paths_start_at_the_root), cmocka_unit_test(companions_are_in_the_folder_of_the_file)};
     return cmocka_run_group_tests_name("brdf_loading", tests, NULL, NULL);
 }

@@ -4,7 +4,7 @@
  * corners. A reader takes at most ten times the bytes of the file, or refuses it and names the limit. Each reader runs in a
  * process of its own, whose largest resident set is compared with that of a process that reads nothing.
  */
-#include "brdf/formats/listed.h"
+#include "brdf/formats/format.h"
 #include "io/xml.h"
 #include "material/material.h"
 #include "nqm/score/pair_list.h"
@@ -49,7 +49,7 @@ static nqm_status read_csv(const nqm_map *map, nqm_error *err) {
 static nqm_status read_directions(const nqm_map *map, nqm_error *err) {
     nqm_brdf *brdf;
     nqm_map own = *map; /* the BRDF would unmap it */
-    const nqm_status status = nqm_listed_open(&own, NULL, map->path, &brdf, err);
+    const nqm_status status = nqm_listed_format.open(&own, &(nqm_brdf_argument){.name = map->path}, &brdf, err);
     return status;
 }
 

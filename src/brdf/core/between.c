@@ -133,7 +133,7 @@ static bool split(char *text, const char **with, const char **of) {
     return true;
 }
 
-static nqm_status open_both(char *text, const char *name, nqm_brdf **brdf_ret, nqm_error *err) {
+static nqm_status open_both(char *text, const char *name, nqm_brdf_opener *open, nqm_brdf **brdf_ret, nqm_error *err) {
     const char *of_text, *with_text;
     nqm_brdf *of, *with;
     nqm_spec_values values;
@@ -141,24 +141,24 @@ static nqm_status open_both(char *text, const char *name, nqm_brdf **brdf_ret, n
         return nqm_fail(err, NQM_ERR_ARG, -1, "between: the form is between:t=0.5;with=(BRDF);of=BRDF");
     nqm_status status = nqm_spec_parse(&schema, text, &values, err);
     if (status == NQM_OK)
-        status = nqm_spec_check_nested(of_text, with_text, err);
-    if (status == NQM_OK)
-        status = nqm_brdf_open(of_text, &of, err);
+        status = open(of_text, of_text, &of, err);
     if (status != NQM_OK)
         return status;
-    status = nqm_brdf_open(with_text, &with, err);
+    status = open(with_text, with_text, &with, err);
     if (status == NQM_OK)
         return wrap(&values, &(between){.of = of, .with = with, .owned = true}, name, brdf_ret, err);
     nqm_brdf_free(of);
     return status;
 }
 
-nqm_status nqm_between_open(const char *settings, const char *name, nqm_brdf **brdf_ret, nqm_error *err) {
-    *brdf_ret = NULL;
+static nqm_status open_between(const char *settings, const char *name, nqm_brdf_opener *open, nqm_brdf **brdf_ret,
+                               nqm_error *err) {
     char *text = nqm_strdup(settings);
     if (!text)
         return nqm_fail_nomem(err, strlen(settings) + 1);
-    nqm_status status = open_both(text, name, brdf_ret, err);
+    nqm_status status = open_both(text, name, open, brdf_ret, err);
     nqm_free(text);
     return status;
 }
+
+const nqm_spec_wrapper nqm_between_wrapper = {"between", open_between};

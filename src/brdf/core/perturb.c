@@ -388,18 +388,18 @@ static nqm_status wrap(const nqm_spec_values *values, nqm_brdf *base, bool owned
     return status;
 }
 
-nqm_status nqm_perturb_open(const char *settings, const char *name, nqm_brdf **brdf_ret, nqm_error *err) {
-    *brdf_ret = NULL;
+static nqm_status open_perturbation(const char *settings, const char *name, nqm_brdf_opener *open, nqm_brdf **brdf_ret,
+                                    nqm_error *err) {
     const char *of = NULL;
     nqm_spec_values values;
     nqm_brdf *base;
     nqm_status status = parse(settings, &of, &values, err);
     if (status == NQM_OK)
-        status = nqm_spec_check_nested(of, "", err);
-    if (status == NQM_OK)
-        status = nqm_brdf_open(of, &base, err);
+        status = open(of, of, &base, err);
     return status == NQM_OK ? wrap(&values, base, true, name, brdf_ret, err) : status;
 }
+
+const nqm_spec_wrapper nqm_perturb_wrapper = {"perturb", open_perturbation};
 
 nqm_status nqm_perturb_wrap(const char *settings, nqm_brdf *base, bool owned, nqm_brdf **brdf_ret, nqm_error *err) {
     *brdf_ret = NULL;

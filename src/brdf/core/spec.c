@@ -1,38 +1,12 @@
 /* SPDX-License-Identifier: MIT
  *
- * Specs: parsing against a model's list of keys, the canonical form, and making a BRDF from a spec or the name of a
- * preset.
+ * Specs: parsing against a model's list of keys, the canonical form, and derivatives by the keys' values as differences.
  */
 #include "brdf/core/spec.h"
 
 #include <math.h>
 #include <stddef.h>
 #include <string.h>
-
-#define POINTER_TO(NAME) &(NAME),
-static const nqm_analytic_model *const models[] = {NQM_ANALYTIC_MODELS(POINTER_TO) NQM_SHADING_MODELS(POINTER_TO) NULL};
-
-/* Specs that contain other BRDFs. */
-static const struct {
-    const char *prefix;
-    nqm_status (*open)(const char *settings, const char *name, nqm_brdf **brdf_ret, nqm_error *err);
-} wrappers[] = {{"perturb:", nqm_perturb_open}, {"between:", nqm_between_open}};
-enum { N_WRAPPERS = sizeof wrappers / sizeof *wrappers, MAX_NESTED = 3 };
-
-/* The wrapper that `text` begins with; N_WRAPPERS: none. */
-static size_t find_wrapper(const char *text) {
-    size_t i = 0;
-    while (i < N_WRAPPERS && strncmp(text, wrappers[i].prefix, strlen(wrappers[i].prefix)) != 0)
-        ++i;
-    return i;
-}
-
-const nqm_analytic_model *nqm_analytic_model_find(const char *name, size_t n) {
-    const nqm_analytic_model *const *m = models;
-    while (*m && !(strncmp((*m)->schema.model, name, n) == 0 && (*m)->schema.model[n] == 0))
-        ++m;
-    return *m;
-}
 
 /* ---- parsing ----------------------------------------------------------------------------------------------------- */
 
@@ -46,7 +20,7 @@ static const char *list_keys(const nqm_spec_schema *schema, char text[KEYS_TEXT]
     return text;
 }
 
-/* A model without keys, as "ggx:" or "ggx:x". */
+/* Text without any setting, as of "ggx:" or "ggx:x". */
 static nqm_status fail_settings(const nqm_spec_schema *schema, const char *settings, nqm_error *err) {
     char known[KEYS_TEXT] = "";
     return nqm_fail(err, NQM_ERR_ARG, -1, "%s: needs parameters, %s:key=value;..., not '%.40s'; the keys are %s",
@@ -113,8 +87,17 @@ static nqm_status parse_setting(const nqm_spec_schema *schema, const char *text,
     return NQM_OK;
 }
 
+static bool has_defaults(const nqm_spec_schema *schema) {
+    size_t k = 0;
+    while (k < schema->n_keys && !schema->keys[k].required)
+        ++k;
+    return k == schema->n_keys;
+}
+
 nqm_status nqm_spec_parse(const nqm_spec_schema *schema, const char *text, nqm_spec_values *values, nqm_error *err) {
     *values = (nqm_spec_values){.given = 0};
+    if (!strchr(text, '=') && (*text || !has_defaults(schema)))
+        return fail_settings(schema, text, err);
     while (*text) {
         nqm_status status = parse_setting(schema, text, &text, values, err);
         if (status != NQM_OK)
@@ -210,116 +193,4 @@ void nqm_spec_jacobian(const void *self, size_t n, const double *wi, const doubl
     for (size_t k = 0; k < schema->n_keys; ++k)
         for (size_t c = 0; c < schema->keys[k].n; ++c)
             difference(state, k, c, n, wi, wo, rgb, n_columns, jacobian + column++);
-}
-
-/* ---- opening ----------------------------------------------------------------------------------------------------- */
-
-/* "kd 3, ks 3, alpha 1" */
-static size_t describe(const nqm_spec_schema *schema, char *layout, size_t n_layout) {
-    size_t n_values = 0, used = 0;
-    for (size_t k = 0; k < schema->n_keys; ++k) {
-        const nqm_spec_key *key = &schema->keys[k];
-        if (used < n_layout)
-            used += (size_t)snprintf(layout + used, n_layout - used, "%s%s%s", k ? ", " : "", key->name,
-                                     key->n == 3 ? " (RGB)" : "");
-        n_values += key->n;
-    }
-    return n_values;
-}
-
-static nqm_status open_analytic(const nqm_analytic_model *model, nqm_spec_values *values, const char *name,
-                                const char *doi, nqm_brdf **brdf_ret, nqm_error *err) {
-    char layout[1024];
-    size_t n_values = describe(&model->schema, layout, sizeof layout);
-    values->given = UINT64_MAX; /* the canonical form names every key, so that it does not depend on defaults */
-    char *spec = nqm_spec_format(&model->schema, values);
-    void *state = nqm_alloc(1, model->state_size);
-    if (!spec || !state) {
-        nqm_free(spec);
-        nqm_free(state);
-        return nqm_fail_nomem(err, model->state_size);
-    }
-    if (model->class_.jacobian == nqm_spec_jacobian)
-        *(nqm_spec_state *)state = (nqm_spec_state){model, *values};
-    model->prepare(values, state);
-    const nqm_brdf_info info = {.name = name, .spec = spec, .source_doi = doi, .layout = layout, .n_values = n_values};
-    nqm_status status = nqm_brdf_wrap(&model->class_, state, &info, brdf_ret, err);
-    nqm_free(spec);
-    return status;
-}
-
-/* Whether specs begin with the first n characters of `name`. */
-static bool begins_specs(const char *name, size_t n) {
-    bool is_wrapper = false;
-    for (size_t i = 0; i < N_WRAPPERS; ++i)
-        is_wrapper |= strlen(wrappers[i].prefix) == n + 1 && strncmp(wrappers[i].prefix, name, n) == 0;
-    return is_wrapper || nqm_analytic_model_find(name, n) || nqm_preset_table_find(name, n);
-}
-
-bool nqm_spec_probe(const char *text) {
-    size_t n = strcspn(text, ":");
-    return text[n] == ':' && begins_specs(text, n);
-}
-
-size_t nqm_spec_lacks_colon(const char *text) {
-    const size_t n = strcspn(text, ";=, ");
-    const char *rest = text[n] ? text + n + 1 : "";
-    const bool is_setting = rest[strcspn(rest, ":/.=")] == '=';
-    return (text[n] == ';' || is_setting) && begins_specs(text, n) ? n : 0;
-}
-
-void nqm_spec_nearest(nqm_nearest *nearest) {
-    for (const nqm_analytic_model *const *m = models; *m; ++m)
-        nqm_nearest_add(nearest, (*m)->schema.model);
-    for (const nqm_preset_table *t = nqm_preset_tables; t->name; ++t)
-        nqm_nearest_add(nearest, t->name);
-    nqm_nearest_add(nearest, "perturb");
-    nqm_nearest_add(nearest, "between");
-}
-
-static size_t count_wrappers(const char *spec) {
-    size_t n = 0;
-    for (const char *at = spec; *at; ++at)
-        n += find_wrapper(at) < N_WRAPPERS;
-    return n;
-}
-
-nqm_status nqm_spec_check_nested(const char *of, const char *with, nqm_error *err) {
-    if (count_wrappers(of) + count_wrappers(with) < MAX_NESTED)
-        return NQM_OK;
-    return nqm_fail(err, NQM_ERR_LIMIT, -1, "a spec may contain at most %d of perturb: and between:", MAX_NESTED);
-}
-
-static bool has_defaults(const nqm_analytic_model *model) {
-    size_t k = 0;
-    while (k < model->schema.n_keys && !model->schema.keys[k].required)
-        ++k;
-    return k == model->schema.n_keys;
-}
-
-nqm_status nqm_spec_open(const char *spec, const char *name, nqm_brdf **brdf_ret, nqm_error *err) {
-    *brdf_ret = NULL;
-    size_t wrapper = find_wrapper(spec);
-    if (wrapper < N_WRAPPERS)
-        return wrappers[wrapper].open(spec + strlen(wrappers[wrapper].prefix), name, brdf_ret, err);
-    if (!nqm_spec_probe(spec))
-        return nqm_fail(err, NQM_ERR_ARG, -1, "%.200s: not a spec: no model's name and colon in front", spec);
-    const size_t n_name = strcspn(spec, ":");
-    const char *settings = spec + n_name + 1;
-    const nqm_analytic_model *model = nqm_analytic_model_find(spec, n_name);
-    /* "MODEL:" is the material whose properties all have their defaults */
-    const bool is_preset = !strchr(settings, '=') && (*settings || !model || !has_defaults(model));
-    const nqm_preset_table *table = nqm_preset_table_find(spec, n_name);
-    if (is_preset && !table)
-        return fail_settings(&model->schema, settings, err);
-    if (!is_preset && !model)
-        return nqm_fail(err, NQM_ERR_ARG, -1, "%.*s: names presets, and takes no parameters; %s: does", (int)n_name,
-                        spec, table->model);
-    nqm_spec_values values;
-    if (is_preset)
-        model = nqm_analytic_model_find(table->model, strlen(table->model));
-    nqm_status status = is_preset ? nqm_preset_find(table, &model->schema, settings, &values, err)
-                                  : nqm_spec_parse(&model->schema, settings, &values, err);
-    return status == NQM_OK ? open_analytic(model, &values, name, is_preset ? table->doi : model->doi, brdf_ret, err)
-                            : status;
 }

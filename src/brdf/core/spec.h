@@ -67,7 +67,7 @@ enum { NQM_SPEC_MAX_STATE = 8192 }; /* bytes of a state that begins so */
  *  range of a parameter, one-sided ones at its ends. `prepare` is called twice for each parameter. */
 void nqm_spec_jacobian(const void *self, size_t n, const double *wi, const double *wo, double *rgb, double *jacobian);
 
-/** Every analytic model. A new one is defined in analytic.c or a file of its own, and named here. */
+/** Every analytic model. A new one is defined in models/analytic.c or a file of its own, and named here. */
 #define NQM_ANALYTIC_MODELS(X)                                                                                         \
     X(nqm_lambert_model)                                                                                               \
     X(nqm_ggx_model)                                                                                                   \
@@ -98,6 +98,10 @@ void nqm_spec_jacobian(const void *self, size_t n, const double *wi, const doubl
 NQM_ANALYTIC_MODELS(NQM_DECLARE_MODEL)
 NQM_SHADING_MODELS(NQM_DECLARE_MODEL)
 
+/** An analytic model, preset, perturbation or BRDF between two others from a spec: nqm_spec_probe(spec) is true. `name` is that of its
+ *  information; `open` opens the BRDFs that a wrapper names. */
+NQM_MUST_CHECK nqm_status nqm_spec_open(const char *spec, const char *name, nqm_brdf_opener *open, nqm_brdf **brdf_ret,
+                                        nqm_error *err);
 /** The model of the first n characters of `name`; NULL when there is none. */
 const nqm_analytic_model *nqm_analytic_model_find(const char *name, size_t n);
 
@@ -119,11 +123,13 @@ const nqm_preset_table *nqm_preset_table_find(const char *name, size_t n_name);
 NQM_MUST_CHECK nqm_status nqm_preset_find(const nqm_preset_table *table, const nqm_spec_schema *schema,
                                           const char *material, nqm_spec_values *values, nqm_error *err);
 
-/** Check the number of nested specs in the BRDFs that a spec contains; `with` may be "". NQM_ERR_LIMIT. */
-NQM_MUST_CHECK nqm_status nqm_spec_check_nested(const char *of, const char *with, nqm_error *err);
-
-/** `settings` is what follows "perturb:" or "between:"; `name` is the whole argument. */
-NQM_MUST_CHECK nqm_status nqm_between_open(const char *settings, const char *name, nqm_brdf **brdf_ret, nqm_error *err);
-NQM_MUST_CHECK nqm_status nqm_perturb_open(const char *settings, const char *name, nqm_brdf **brdf_ret, nqm_error *err);
+/** A BRDF that contains others. */
+typedef struct nqm_spec_wrapper {
+    const char *name; /**< the word before the colon */
+    /** `settings` is what follows the colon, `name` the whole argument; `open` opens the contained BRDFs. */
+    nqm_status (*open)(const char *settings, const char *name, nqm_brdf_opener *open, nqm_brdf **brdf_ret,
+                       nqm_error *err);
+} nqm_spec_wrapper;
+extern const nqm_spec_wrapper nqm_perturb_wrapper, nqm_between_wrapper;
 
 #endif

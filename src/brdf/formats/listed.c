@@ -9,6 +9,7 @@
  */
 #include "brdf/formats/listed.h"
 
+#include "brdf/formats/format.h"
 #include "brdf/formats/grid.h"
 #include "io/io.h"
 #include "math/math.h"
@@ -20,7 +21,7 @@ static const double degree = NQM_PI / 180, default_tolerance = 0.1;
 
 /* ---- reading ----------------------------------------------------------------------------------------------------- */
 
-bool nqm_listed_probe(const nqm_map *map) {
+static bool probe(const nqm_map *map) {
     char line[512]; /* the first line that is neither blank nor a comment, in small letters */
     const size_t n_bytes = nqm_smaller(map->n_bytes, NQM_PROBE_BYTES);
     size_t at = n_bytes >= 3 && memcmp(map->data, "\xef\xbb\xbf", 3) == 0 ? 3 : 0, n;
@@ -464,7 +465,8 @@ static nqm_status create(const list *l, size_t n_bytes, const char *tolerance_te
                     l->path, tolerance_text);
 }
 
-nqm_status nqm_listed_open(nqm_map *map, const char *tolerance, const char *name, nqm_brdf **brdf_ret, nqm_error *err) {
+/* The member is the tolerance. */
+static nqm_status open_file(nqm_map *map, const nqm_brdf_argument *argument, nqm_brdf **brdf_ret, nqm_error *err) {
     nqm_csv *csv = NULL;
     nqm_map_expect(map, true);
     nqm_status status = nqm_csv_parse((const char *)map->data, map->n_bytes, map->path, &csv, err);
@@ -481,7 +483,7 @@ nqm_status nqm_listed_open(nqm_map *map, const char *tolerance, const char *name
         status = read_rows(csv, &l, err);
     nqm_csv_free(csv);
     if (status == NQM_OK)
-        status = create(&l, map->n_bytes, tolerance, name, brdf_ret, err);
+        status = create(&l, map->n_bytes, argument->member, argument->name, brdf_ret, err);
     nqm_free(l.rows);
     if (status != NQM_OK)
         return status;
@@ -489,3 +491,9 @@ nqm_status nqm_listed_open(nqm_map *map, const char *tolerance, const char *name
     nqm_map_close(map);
     return NQM_OK;
 }
+
+const nqm_brdf_format nqm_listed_format = {.files =
+                                               "CSV with theta_h, theta_d, phi_d or theta_i, phi_i, theta_o, phi_o",
+                                           .takes_members = true,
+                                           .probe = probe,
+                                           .open = open_file};

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * listed.h - a BRDF as a list of directions and values.
+ * listed.h - a BRDF as a list of directions and values: a CSV with the columns theta_h, theta_d, phi_d (degrees), r, g, b, or with both
+ * directions. "FILE:DEGREES" sets the tolerance of a list that is no complete grid.
  */
 #ifndef NQM_SRC_BRDF_LISTED_H
 #define NQM_SRC_BRDF_LISTED_H
@@ -32,10 +33,5 @@ NQM_MUST_CHECK nqm_status nqm_scattered_distances(const nqm_brdf *brdf, size_t n
 
 /** For an interpolated grid, replace pairs by its nearest nodes, which have measured values; other BRDFs: nothing. */
 void nqm_listed_snap(const nqm_brdf *brdf, size_t n, double *wi, double *wo);
-
-/** A CSV with the columns theta_h, theta_d, phi_d (degrees), r, g, b. */
-bool nqm_listed_probe(const nqm_map *map);
-/** tolerance: degrees as text, for a list that is no complete grid; NULL: 0.1. */
-nqm_status nqm_listed_open(nqm_map *map, const char *tolerance, const char *name, nqm_brdf **brdf_ret, nqm_error *err);
 
 #endif

@@ -10,7 +10,7 @@
  * n phi_d), one degree of phi_d each. theta_h is spaced by its square root, denser towards the highlight; negative cells
  * have no measurement.
  */
-#include "brdf/brdf.h"
+#include "brdf/formats/format.h"
 
 #include "math/math.h"
 #include <math.h>
@@ -122,7 +122,7 @@ static size_t read_header(const nqm_map *map) {
     return 0;
 }
 
-bool nqm_merl_probe(const nqm_map *map) {
+static bool probe(const nqm_map *map) {
     return read_header(map) || map->n_bytes == file_bytes(N_PHI_HALF) || map->n_bytes == file_bytes(N_PHI_FULL);
 }
 
@@ -139,7 +139,7 @@ static bool any_cell_finite(const nqm_map *map, size_t n_phi) {
     return false;
 }
 
-nqm_status nqm_merl_open(nqm_map *map, const char *name, nqm_brdf **brdf_ret, nqm_error *err) {
+static nqm_status open_file(nqm_map *map, const nqm_brdf_argument *argument, nqm_brdf **brdf_ret, nqm_error *err) {
     const size_t n_phi = read_header(map), expected = file_bytes(n_phi);
     if (!n_phi)
         return nqm_fail(err, NQM_ERR_FORMAT, 0,
@@ -163,13 +163,16 @@ nqm_status nqm_merl_open(nqm_map *map, const char *name, nqm_brdf **brdf_ret, nq
     table->gathered = map->has_fd ? N_GATHERED : 0;
     table->gather_left = &table->gathered;
     *map = (nqm_map){0};
-    const nqm_brdf_info info = {.name = name,
+    const nqm_brdf_info info = {.name = argument->name,
                                 .source_doi = "10.1145/882262.882343",
                                 .layout = n_phi == N_PHI_HALF ? "90 x 90 x 180 cells" : "90 x 90 x 360 cells",
                                 .n_values = 3 * count_cells(n_phi),
                                 .n_bytes = expected};
     return nqm_brdf_wrap(n_phi == N_PHI_HALF ? &half_class : &full_class, table, &info, brdf_ret, err);
 }
+
+const nqm_brdf_format nqm_merl_format = {
+    .files = "MERL .binary (90x90x180, 90x90x360)", .probe = probe, .open = open_file};
 
 /* ---- writing ----------------------------------------------------------------------------------------------------- */
 

@@ -4,7 +4,7 @@
  * inside a zip. Input: unit half vector with phi_h = 0 and unit difference vector; ReLU, ReLU, linear, exp(x) - 1;
  * output f_r, RGB. phi_d is folded to [0, pi), where the networks were trained; that makes the BRDF reciprocal.
  */
-#include "brdf/brdf.h"
+#include "brdf/formats/format.h"
 
 #include "io/io.h"
 #include "math/math.h"
@@ -123,32 +123,61 @@ static nqm_status open_bytes(const unsigned char *data, size_t n_bytes, const ch
     return status;
 }
 
-bool nqm_nbrdf_probe(const nqm_map *map) {
+static bool begins_hdf5(const nqm_map *map) {
     static const unsigned char signature[8] = {0x89, 'H', 'D', 'F', '\r', '\n', 0x1a, '\n'};
     size_t n = map->n_bytes < sizeof signature ? map->n_bytes : sizeof signature;
     return n >= 4 && memcmp(map->data, signature, n) == 0;
 }
 
-nqm_status nqm_nbrdf_open(nqm_map *map, const char *name, nqm_brdf **brdf_ret, nqm_error *err) {
+static nqm_status open_hdf5(nqm_map *map, const nqm_brdf_argument *argument, nqm_brdf **brdf_ret, nqm_error *err) {
     nqm_map_expect(map, true);
-    nqm_status status = open_bytes(map->data, map->n_bytes, name, brdf_ret, err);
+    nqm_status status = open_bytes(map->data, map->n_bytes, argument->name, brdf_ret, err);
     if (status == NQM_OK)
         nqm_map_close(map);
     return status;
 }
 
-nqm_status nqm_nbrdf_zip_open(const char *zip_path, const char *material, const char *name, nqm_brdf **brdf_ret,
-                              nqm_error *err) {
+const nqm_brdf_format nqm_nbrdf_format = {.files = "NBRDF .h5", .probe = begins_hdf5, .open = open_hdf5};
+
+/* ---- archives ---------------------------------------------------------------------------------------------------- */
+
+static bool begins_zip(const nqm_map *map) {
+    static const unsigned char member[4] = {'P', 'K', 3, 4}, end[4] = {'P', 'K', 5, 6};
+    return map->n_bytes >= 4 && (memcmp(map->data, member, 4) == 0 || memcmp(map->data, end, 4) == 0);
+}
+
+/* Fail for an archive without the name of a material; the message lists some of its materials. */
+static nqm_status request_material(const nqm_map *map, nqm_error *err) {
+    char examples[256];
+    nqm_status status = nqm_zip_examples(map, ".h5", examples, sizeof examples, err);
+    if (status != NQM_OK)
+        return status;
+    if (!*examples)
+        return nqm_fail(err, NQM_ERR_FORMAT, 0, "%s: this zip (byte 0) contains no NBRDF .h5 file", map->path);
+    return nqm_fail(err, NQM_ERR_ARG, -1, "%s: name one material of this archive, '%s:MATERIAL': %s", map->path,
+                    map->path, examples);
+}
+
+static nqm_status open_zip(nqm_map *map, const nqm_brdf_argument *argument, nqm_brdf **brdf_ret, nqm_error *err) {
+    const char *material = argument->member;
+    nqm_map_expect(map, false);
+    if (!material)
+        return request_material(map, err);
     size_t n = strlen(material);
     const char *ending = n > 3 && strcmp(material + n - 3, ".h5") == 0 ? "" : ".h5";
     char member[256];
     if ((size_t)snprintf(member, sizeof member, "%s%s", material, ending) >= sizeof member)
-        return nqm_fail(err, NQM_ERR_ARG, -1, "%s: the name of the material is too long", name);
+        return nqm_fail(err, NQM_ERR_ARG, -1, "%s: the name of the material is too long", argument->name);
     unsigned char *data;
     size_t n_bytes;
-    nqm_status status = nqm_zip_read(zip_path, member, MAX_FILE_BYTES, &data, &n_bytes, err);
+    nqm_status status = nqm_zip_read(map, member, MAX_FILE_BYTES, &data, &n_bytes, err);
     if (status == NQM_OK)
-        status = open_bytes(data, n_bytes, name, brdf_ret, err);
+        status = open_bytes(data, n_bytes, argument->name, brdf_ret, err);
     nqm_free(data);
+    if (status == NQM_OK)
+        nqm_map_close(map);
     return status;
 }
+
+const nqm_brdf_format nqm_nbrdf_zip_format = {
+    .files = "zip", .takes_members = true, .probe = begins_zip, .open = open_zip};

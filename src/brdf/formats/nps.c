@@ -7,7 +7,7 @@
  * applied four times to 0.15 y.
  */
 #include "base/names.h"
-#include "brdf/brdf.h"
+#include "brdf/formats/format.h"
 
 #include "io/io.h"
 #include "kernel/panel.h"
@@ -87,7 +87,7 @@ static const nqm_brdf_class nps_class = {
 
 /* ---- reading ----------------------------------------------------------------------------------------------------- */
 
-bool nqm_nps_probe(const nqm_map *map) {
+static bool probe(const nqm_map *map) {
     return map->n_bytes == (size_t)N_NUMBERS * 4;
 }
 
@@ -108,28 +108,20 @@ static nqm_status copy_layers(const float *numbers, nps *net, nqm_error *err) {
     return status;
 }
 
-static nqm_status read_decoder(const char *path, nps *net, nqm_error *err) {
-    nqm_map map;
-    nqm_status status = nqm_map_open(path, &map, err);
-    if (status != NQM_OK)
-        return status;
-    nqm_map_expect(&map, true);
+static nqm_status read_decoder(const nqm_map *map, nps *net, nqm_error *err) {
+    nqm_map_expect(map, true);
     float *numbers = nqm_alloc(N_NUMBERS, sizeof *numbers); /* in the byte order of the host */
-    if (numbers && nqm_nps_probe(&map))
-        nqm_copy_little_endian(N_NUMBERS, sizeof *numbers, map.data, numbers);
-    if (!numbers) {
-        status = nqm_fail_nomem(err, N_NUMBERS * sizeof *numbers);
-    } else if (!nqm_nps_probe(&map)) {
-        status = nqm_fail(err, NQM_ERR_FORMAT, (int64_t)map.n_bytes,
-                          "%s: a decoder has %d bytes, this file ends at byte %zu", path, N_NUMBERS * 4, map.n_bytes);
-    } else if (nqm_all_within(N_NUMBERS, numbers, -FLT_MAX)) {
+    if (!numbers)
+        return nqm_fail_nomem(err, N_NUMBERS * sizeof *numbers);
+    nqm_copy_little_endian(N_NUMBERS, sizeof *numbers, map->data, numbers);
+    nqm_status status;
+    if (nqm_all_within(N_NUMBERS, numbers, -FLT_MAX)) {
         status = copy_layers(numbers, net, err);
     } else {
         size_t at = 4 * nqm_first_outside(N_NUMBERS, numbers, -FLT_MAX);
-        status = nqm_fail(err, NQM_ERR_FORMAT, (int64_t)at, "%s: the weight at byte %zu is not finite", path, at);
+        status = nqm_fail(err, NQM_ERR_FORMAT, (int64_t)at, "%s: the weight at byte %zu is not finite", map->path, at);
     }
     nqm_free(numbers);
-    nqm_map_close(&map);
     return status;
 }
 
@@ -160,14 +152,18 @@ static nqm_status find_latent(const nqm_csv *csv, const char *path, const char *
     return NQM_OK;
 }
 
-static nqm_status read_latent(const char *decoder_path, const char *material, nps *net, nqm_error *err) {
-    const char *slash = strrchr(decoder_path, '/');
-    const size_t n_folder = slash ? nqm_larger((size_t)(slash - decoder_path), 1) : 0; /* 1: the root folder */
-    char *path = nqm_brdf_path_below("nps_latents.csv", decoder_path, n_folder);
-    if (!path)
-        return nqm_fail_nomem(err, strlen(decoder_path));
-    nqm_csv *csv;
-    nqm_status status = nqm_csv_load(path, &csv, err);
+static nqm_status find_companion(const nqm_map *map, const char *material, char **path_ret, nqm_error *err) {
+    (void)material;
+    *path_ret = nqm_path_beside(map->path, "nps_latents.csv");
+    return *path_ret ? NQM_OK : nqm_fail_nomem(err, strlen(map->path));
+}
+
+static nqm_status read_latent(const nqm_map *map, const char *material, nps *net, nqm_error *err) {
+    char *path;
+    nqm_csv *csv = NULL;
+    nqm_status status = find_companion(map, material, &path, err);
+    if (status == NQM_OK)
+        status = nqm_csv_load(path, &csv, err);
     if (status == NQM_OK)
         status = find_latent(csv, path, material, net, err);
     nqm_csv_free(csv);
@@ -175,22 +171,28 @@ static nqm_status read_latent(const char *decoder_path, const char *material, np
     return status;
 }
 
-nqm_status nqm_nps_open(const char *decoder_path, const char *material, const char *name, nqm_brdf **brdf_ret,
-                        nqm_error *err) {
+static nqm_status open_file(nqm_map *map, const nqm_brdf_argument *argument, nqm_brdf **brdf_ret, nqm_error *err) {
+    if (!argument->member)
+        return nqm_fail(err, NQM_ERR_ARG, -1, "%s: name one material of this decoder's nps_latents.csv, '%s:MATERIAL'",
+                        map->path, map->path);
     nps *net = nqm_alloc(1, sizeof *net);
     if (!net)
         return nqm_fail_nomem(err, sizeof *net);
-    nqm_status status = read_latent(decoder_path, material, net, err);
+    nqm_status status = read_latent(map, argument->member, net, err);
     if (status == NQM_OK)
-        status = read_decoder(decoder_path, net, err);
+        status = read_decoder(map, net, err);
     if (status != NQM_OK) {
         nps_free(net);
         return status;
     }
-    const nqm_brdf_info info = {.name = name,
+    nqm_map_close(map);
+    const nqm_brdf_info info = {.name = argument->name,
                                 .source_doi = "10.1145/3490385",
                                 .layout = "7 latents, shared decoder 11-400x6-3",
                                 .n_values = N_NUMBERS + N_LATENTS,
                                 .n_bytes = (size_t)N_NUMBERS * 4};
     return nqm_brdf_wrap(&nps_class, net, &info, brdf_ret, err);
 }
+
+const nqm_brdf_format nqm_nps_format = {
+    .takes_members = true, .probe = probe, .open = open_file, .find_companion = find_companion};

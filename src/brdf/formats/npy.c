@@ -3,7 +3,7 @@
  * Tables in half-vector coordinates as arrays of NumPy: float32 or float64 of shape (n_theta_h, n_theta_d, n_phi_d, 3), at the nodes
  * of nqm_table_create().
  */
-#include "brdf/brdf.h"
+#include "brdf/formats/format.h"
 
 #include "io/io.h"
 #include <string.h>
@@ -43,20 +43,22 @@ static nqm_status create(const nqm_map *map, const nqm_tensor *t, const char *na
     return status;
 }
 
-nqm_status nqm_npy_open(nqm_map *map, const char *name, nqm_brdf **brdf_ret, nqm_error *err) {
+static nqm_status open_file(nqm_map *map, const nqm_brdf_argument *argument, nqm_brdf **brdf_ret, nqm_error *err) {
     nqm_tensor tensor;
     nqm_map_expect(map, true);
     nqm_status status = nqm_npy_parse(map, &tensor, err);
     if (status == NQM_OK)
         status = check_shape(map, &tensor, err);
     if (status == NQM_OK)
-        status = create(map, &tensor, name, brdf_ret, err);
+        status = create(map, &tensor, argument->name, brdf_ret, err);
     if (status != NQM_OK)
         return status;
     (*brdf_ret)->info.n_bytes = map->n_bytes;
     nqm_map_close(map);
     return NQM_OK;
 }
+
+const nqm_brdf_format nqm_npy_format = {.files = ".npy", .probe = nqm_npy_probe, .open = open_file};
 
 static nqm_status write_table(const nqm_brdf *table, const char *path, nqm_error *err) {
     nqm_tensor tensor = {.dtype = NQM_F32, .n_dims = 4, .dims = {0, 0, 0, 3}};

@@ -5,7 +5,7 @@
  * is not reciprocal: phi_d is the azimuth of the light about the half vector. Values stay in the mapped file, which has about a
  * gigabyte.
  */
-#include "brdf/brdf.h"
+#include "brdf/formats/format.h"
 
 #include "brdf/formats/grid.h"
 #include "io/io.h"

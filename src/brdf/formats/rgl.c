@@ -14,7 +14,7 @@
  * Spectra become RGB when the file is opened: evaluation is linear in the stored values, so that the result is the same as
  * converting each evaluated spectrum.
  */
-#include "brdf/brdf.h"
+#include "brdf/formats/format.h"
 
 #include "io/io.h"
 #include "math/math.h"
@@ -405,7 +405,7 @@ static nqm_status read_material(const nqm_tensor_file *file, contents *found, rg
     return status;
 }
 
-bool nqm_tensor_brdf_probe(const nqm_map *map) {
+static bool probe(const nqm_map *map) {
     static const char magic[12] = "tensor_file";
     size_t n = map->n_bytes < sizeof magic ? map->n_bytes : sizeof magic;
     return n >= 4 && memcmp(map->data, magic, n) == 0;
@@ -447,8 +447,9 @@ static nqm_status open_rgl(nqm_map *map, const nqm_tensor_file *file, nqm_illumi
     return nqm_brdf_wrap(&rgl_class, m, &info, brdf_ret, err);
 }
 
-nqm_status nqm_tensor_brdf_open(nqm_map *map, const char *illuminant_name, const char *name, nqm_brdf **brdf_ret,
-                                nqm_error *err) {
+/* The member is the illuminant for spectra. */
+static nqm_status open_file(nqm_map *map, const nqm_brdf_argument *argument, nqm_brdf **brdf_ret, nqm_error *err) {
+    const char *illuminant_name = argument->member;
     nqm_tensor_file *file = NULL;
     nqm_illuminant illuminant = NQM_ILLUMINANT_E;
     if (illuminant_name && !nqm_illuminant_find(illuminant_name, &illuminant))
@@ -456,7 +457,7 @@ nqm_status nqm_tensor_brdf_open(nqm_map *map, const char *illuminant_name, const
                         illuminant_name);
     nqm_status status = nqm_tensor_file_parse(map->data, map->n_bytes, map->path, &file, err);
     if (status == NQM_OK && nqm_tensor_file_find(file, "M")) {
-        status = nqm_pbsdf_open(map, file, illuminant, name, brdf_ret, err);
+        status = nqm_pbsdf_open(map, file, illuminant, argument->name, brdf_ret, err);
         nqm_free(file);
         return status;
     }
@@ -465,7 +466,10 @@ nqm_status nqm_tensor_brdf_open(nqm_map *map, const char *illuminant_name, const
         status = nqm_fail(err, NQM_ERR_ARG, -1, "%s: contains RGB, not spectra: open it without ':%s'", map->path,
                           illuminant_name);
     if (status == NQM_OK)
-        status = open_rgl(map, file, illuminant, name, brdf_ret, err);
+        status = open_rgl(map, file, illuminant, argument->name, brdf_ret, err);
     nqm_free(file);
     return status;
 }
+
+const nqm_brdf_format nqm_rgl_format = {
+    .files = "RGL .bsdf, .pbsdf", .takes_members = true, .probe = probe, .open = open_file};

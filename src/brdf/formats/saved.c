@@ -3,7 +3,7 @@
  * BRDF files that nqm writes: networks and tables, as safetensors (doc/files.md). The reader accepts only files with
  * exactly the expected tensors, finite values and a matching checksum.
  */
-#include "brdf/brdf.h"
+#include "brdf/formats/format.h"
 
 #include "io/io.h"
 #include <math.h>
@@ -124,16 +124,16 @@ static nqm_status open_any(const nqm_safetensors *st, const char *name, nqm_brdf
     return (is_network ? open_network : open_table)(st, name, brdf_ret, err);
 }
 
-bool nqm_saved_probe(const nqm_map *map) {
+static bool probe(const nqm_map *map) {
     return map->n_bytes > 8 && map->data[8] == '{';
 }
 
-nqm_status nqm_saved_open(nqm_map *map, const char *name, nqm_brdf **brdf_ret, nqm_error *err) {
+static nqm_status open_file(nqm_map *map, const nqm_brdf_argument *argument, nqm_brdf **brdf_ret, nqm_error *err) {
     nqm_safetensors *st;
     nqm_map_expect(map, true);
-    nqm_status status = nqm_safetensors_parse(map->data, map->n_bytes, name, &st, err);
+    nqm_status status = nqm_safetensors_parse(map->data, map->n_bytes, argument->name, &st, err);
     if (status == NQM_OK)
-        status = open_any(st, name, brdf_ret, err);
+        status = open_any(st, argument->name, brdf_ret, err);
     nqm_safetensors_free(st);
     if (status != NQM_OK)
         return status;
@@ -141,3 +141,5 @@ nqm_status nqm_saved_open(nqm_map *map, const char *name, nqm_brdf **brdf_ret, n
     nqm_map_close(map);
     return NQM_OK;
 }
+
+const nqm_brdf_format nqm_saved_format = {.files = "nqm's own .safetensors", .probe = probe, .open = open_file};

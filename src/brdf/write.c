@@ -25,7 +25,7 @@ static nqm_status read_shading(const char *spec, const char *path, nqm_shading *
     if (status == NQM_OK)
         status = nqm_material_check(shading->model, path, err);
     if (status == NQM_OK)
-        status = nqm_spec_open(spec, spec, &brdf, err); /* checks keys and values */
+        status = nqm_brdf_open(spec, &brdf, err); /* checks keys and values */
     nqm_brdf_free(brdf);
     return status;
 }

@@ -1,0 +1,50 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * format.h - what a file format of BRDFs implements, and the list of all formats.
+ */
+#ifndef NQM_SRC_BRDF_FORMAT_H
+#define NQM_SRC_BRDF_FORMAT_H
+
+#include "brdf/brdf.h"
+
+/** An argument "FILE" or "FILE:MEMBER" of nqm_brdf_open(). */
+typedef struct nqm_brdf_argument {
+    const char *name;      /**< the whole argument, which becomes the name of the BRDF */
+    const char *member;    /**< MEMBER: which of several BRDFs, or a setting of the reader; NULL: "FILE" */
+    nqm_brdf_opener *open; /**< opens another BRDF that the file names */
+} nqm_brdf_argument;
+
+/** One file format. */
+typedef struct nqm_brdf_format {
+    const char *files;  /**< for messages: ".npy"; NULL: its files have nothing that a reader would recognise */
+    bool takes_members; /**< otherwise open() is called without a member only */
+    /** true when the first bytes look like the format, also those of a short or damaged file, so that the message of open() can name
+     *  the fault. The file is not empty. */
+    bool (*probe)(const nqm_map *map);
+    /** `map` has the bytes of the whole file. On success it is closed or belongs to the BRDF; on failure to the caller. Without a
+     *  member that it needs, it fails with NQM_ERR_ARG and examples. */
+    nqm_status (*open)(nqm_map *map, const nqm_brdf_argument *argument, nqm_brdf **brdf_ret, nqm_error *err);
+    /** The path of a second file that open() reads for this member, or NULL; nqm_free() it. NULL: there is never one. */
+    nqm_status (*find_companion)(const nqm_map *map, const char *member, char **path_ret, nqm_error *err);
+} nqm_brdf_format;
+
+/** Every format, in the order of probing. A new one is defined in a file of its own, and named here. */
+#define NQM_BRDF_FORMATS(X)                                                                                            \
+    X(nqm_merl_format)                                                                                                 \
+    X(nqm_rgl_format)                                                                                                  \
+    X(nqm_nbrdf_format)                                                                                                \
+    X(nqm_npy_format)                                                                                                  \
+    X(nqm_listed_format)                                                                                               \
+    X(nqm_nps_format)                                                                                                  \
+    X(nqm_saved_format)                                                                                                \
+    X(nqm_nbrdf_zip_format)                                                                                            \
+    X(nqm_material_file_format)
+#define NQM_DECLARE_BRDF_FORMAT(NAME) extern const nqm_brdf_format NAME;
+NQM_BRDF_FORMATS(NQM_DECLARE_BRDF_FORMAT)
+
+/** A polarimetric material in a file of tensors, which has a tensor "M"; nqm_rgl_format opens it. */
+struct nqm_tensor_file;
+NQM_MUST_CHECK nqm_status nqm_pbsdf_open(nqm_map *map, const struct nqm_tensor_file *file, nqm_illuminant illuminant,
+                                         const char *name, nqm_brdf **brdf_ret, nqm_error *err);
+
+#endif
