@@ -7,7 +7,7 @@
 
 #include <string.h>
 
-static nqm_status allocate(const nqm_dataset_limits *l, nqm_dataset *d, nqm_error *err) {
+static nqm_status allocate_arrays(const nqm_dataset_limits *l, nqm_dataset *d, nqm_error *err) {
     const size_t n = l->n_directions, r = l->max_refs, p = l->max_pairs;
     const size_t n_samples = l->borrows_samples ? 0 : 1, n_masks = l->has_masks ? 1 : 0, n_parts = l->has_parts ? p : 0;
     const size_t n_errors = l->has_errors ? p : 0;
@@ -45,7 +45,7 @@ nqm_status nqm_dataset_begin(const nqm_dataset_limits *limits, nqm_dataset_build
         return nqm_fail_nomem(err, sizeof *d);
     nqm_status status = nqm_directions_from_degrees(limits->n_directions, limits->directions_deg, &d->directions, err);
     if (status == NQM_OK)
-        status = allocate(limits, d, err);
+        status = allocate_arrays(limits, d, err);
     if (status != NQM_OK) {
         nqm_dataset_free(d);
         return status;

@@ -9,18 +9,18 @@
 #include <pthread.h>
 
 /* jansson has one allocator for the process: it stays the same, but failures are seen. */
-static json_malloc_t allocate;
+static json_malloc_t allocate_block;
 static _Thread_local bool has_failed;
 
 static void *watched_malloc(size_t n) {
-    void *block = allocate(n);
+    void *block = allocate_block(n);
     has_failed |= !block;
     return block;
 }
 
 static void watch(void) {
     json_free_t release;
-    json_get_alloc_funcs(&allocate, &release);
+    json_get_alloc_funcs(&allocate_block, &release);
     json_set_alloc_funcs(watched_malloc, release);
 }
 

@@ -158,7 +158,7 @@ static nqm_status check_header(const reader *r) {
     return nqm_safetensors_verify(r->st, NQM_MODEL_SCHEMA, r->verify, NQM_ERR_MODEL, r->err);
 }
 
-static nqm_status read_text(const reader *r, const nqm_model_text *t, struct nqm_model *model) {
+static nqm_status read_one_text(const reader *r, const nqm_model_text *t, struct nqm_model *model) {
     const char *value = nqm_safetensors_meta(r->st, t->key);
     if (!value && t->part != NQM_PART_ALWAYS)
         return NQM_OK;
@@ -303,7 +303,7 @@ static nqm_status refuse_surplus(const reader *r) {
 static nqm_status read_model(reader *r, struct nqm_model *model) {
     nqm_status status = check_header(r);
     for (size_t i = 0; status == NQM_OK && i < NQM_MODEL_TEXTS; ++i)
-        status = read_text(r, &nqm_model_texts[i], model);
+        status = read_one_text(r, &nqm_model_texts[i], model);
     if (status == NQM_OK)
         status = read_scalars(r, model);
     if (status == NQM_OK)

@@ -209,7 +209,7 @@ static nqm_status find_targets(nqm_examples *e, size_t output, nqm_error *err) {
 
 /* ---- creation ---------------------------------------------------------------------------------------------------- */
 
-static nqm_status allocate(nqm_examples *e, nqm_error *err) {
+static nqm_status allocate_examples(nqm_examples *e, nqm_error *err) {
     const nqm_dataset *d = e->dataset;
     size_t n = n_columns(e), n_rows = e->rows.n_train + e->rows.n_validation;
     double noise_bytes = (double)e->rows.n_noisy * 2 * (double)n * sizeof(float);
@@ -237,7 +237,7 @@ nqm_status nqm_examples_create(const nqm_dataset *d, const nqm_train_options *o,
     nqm_status status = nqm_rows_create(d, o, &e->rows, err);
     e->n_train = e->rows.n_train * (o->augmentation.scale_copy == NQM_SCALE_NONE && !o->augmentation.swap ? 1 : 2);
     if (status == NQM_OK)
-        status = allocate(e, err);
+        status = allocate_examples(e, err);
     if (status == NQM_OK) {
         nqm_parallel_for(d->n_refs + d->n_pairs, transform, e);
         nqm_parallel_for(e->rows.n_train + e->rows.n_validation, transform_noisy, e);
