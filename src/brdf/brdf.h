@@ -69,17 +69,17 @@ NQM_MUST_CHECK nqm_status nqm_brdf_find_companion(const char *path, const char *
 /* ---- files ------------------------------------------------------------------------------------------------------- */
 
 /** Write a MERL table; n_phi: 180 or 360 cells of phi_d. */
-NQM_MUST_CHECK nqm_status nqm_merl_write(const nqm_brdf *brdf, size_t n_phi, const char *path, nqm_progress_fn progress,
-                                         void *progress_user, nqm_error *err);
+NQM_MUST_CHECK nqm_status nqm_brdf_write_merl(const nqm_brdf *brdf, size_t n_phi, const char *path,
+                                              nqm_progress_fn progress, void *progress_user, nqm_error *err);
 /** Write an array of NumPy: a BRDF's own nodes if its format is "table", otherwise those of nqm_brdf_tabulate(). */
-NQM_MUST_CHECK nqm_status nqm_npy_write_brdf(const nqm_brdf *brdf, const char *path, nqm_error *err);
+NQM_MUST_CHECK nqm_status nqm_brdf_write_npy(const nqm_brdf *brdf, const char *path, nqm_error *err);
 struct nqm_meta;
 /** nqm_brdf_save() with more metadata, at most 8. */
 NQM_MUST_CHECK nqm_status nqm_brdf_save_with(const nqm_brdf *brdf, const char *path, size_t n_more,
                                              const struct nqm_meta *more, nqm_error *err);
 /** As nqm_material_write(): a file of n > 0 materials of one shading model, in this order; names that are equal get numbers. */
-NQM_MUST_CHECK nqm_status nqm_materials_write(size_t n, const char *const *specs, const char *const *names,
-                                              const char *path, nqm_error *err);
+NQM_MUST_CHECK nqm_status nqm_brdf_write_materials(size_t n, const char *const *specs, const char *const *names,
+                                                   const char *path, nqm_error *err);
 
 /* ---- BRDFs of arrays and of other BRDFs --------------------------------------------------------------------------- */
 

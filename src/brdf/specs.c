@@ -2,8 +2,7 @@
  *
  * The list of all models and wrappers, and BRDFs from specs: "MODEL:key=value;...", "TABLE:PRESET", "perturb:...", "between:...".
  */
-#include "brdf/core/spec.h"
-#include "brdf/models/presets_data.h"
+#include "brdf/models/presets.h"
 
 #include <stddef.h>
 #include <string.h>

@@ -10,11 +10,11 @@ nqm_status nqm_brdf_write(const nqm_brdf *brdf, nqm_table_format format, const c
     NQM_REQUIRE(err, brdf, path);
     switch (format) {
     case NQM_TABLE_MERL:
-        return nqm_merl_write(brdf, 180, path, progress, progress_user, err);
+        return nqm_brdf_write_merl(brdf, 180, path, progress, progress_user, err);
     case NQM_TABLE_MERL_360:
-        return nqm_merl_write(brdf, 360, path, progress, progress_user, err);
+        return nqm_brdf_write_merl(brdf, 360, path, progress, progress_user, err);
     case NQM_TABLE_NPY:
-        return nqm_npy_write_brdf(brdf, path, err);
+        return nqm_brdf_write_npy(brdf, path, err);
     }
     return nqm_fail(err, NQM_ERR_ARG, -1, "%s: nqm_brdf_write: unknown format %d", path, (int)format);
 }
@@ -30,8 +30,8 @@ static nqm_status read_shading(const char *spec, const char *path, nqm_shading *
     return status;
 }
 
-nqm_status nqm_materials_write(size_t n, const char *const *specs, const char *const *names, const char *path,
-                               nqm_error *err) {
+nqm_status nqm_brdf_write_materials(size_t n, const char *const *specs, const char *const *names, const char *path,
+                                    nqm_error *err) {
     nqm_named_shading *materials = nqm_alloc(n, sizeof *materials);
     if (!materials)
         return nqm_fail_nomem(err, n * sizeof *materials);
@@ -48,5 +48,5 @@ nqm_status nqm_materials_write(size_t n, const char *const *specs, const char *c
 
 nqm_status nqm_material_write(const char *spec, const char *name, const char *path, nqm_error *err) {
     NQM_REQUIRE(err, spec, name, path);
-    return nqm_materials_write(1, &spec, &name, path, err);
+    return nqm_brdf_write_materials(1, &spec, &name, path, err);
 }

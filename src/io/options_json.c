@@ -40,7 +40,7 @@ static bool is_zero(const nqm_option *o, const void *options) {
     return strcmp(nqm_option_format(o, options, text), o->words ? o->words[0] : "0") == 0;
 }
 
-json_t *nqm_options_json(const nqm_option_table *table, const void *options) {
+json_t *nqm_json_from_options(const nqm_option_table *table, const void *options) {
     json_t *json = json_object();
     for (size_t i = 0; json && i < table->n; ++i) {
         const nqm_option *o = &table->rows[i];

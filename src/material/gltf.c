@@ -6,8 +6,8 @@
  */
 #include "material/gltf.h"
 #include "io/io.h"
+#include "io/json_where.h"
 #include "io/options_json.h"
-#include "material/json_where.h"
 
 #include <limits.h>
 #include <stdarg.h>

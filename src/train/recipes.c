@@ -115,7 +115,7 @@ nqm_status nqm_train_options_check(const nqm_train_options *o, nqm_error *err) {
 }
 
 json_t *nqm_train_options_json(const nqm_train_options *o) {
-    json_t *json = nqm_options_json(&nqm_train_option_table, o);
+    json_t *json = nqm_json_from_options(&nqm_train_option_table, o);
     if (o->optimiser.schedule != NQM_SCHEDULE_COSINE) /* only the rates of the cosine schedule depend on it */
         json_object_del(json, "epochs");
     return json;

@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
 """The size of the API and its names: at most MAX_FUNCTIONS public functions, all of which libnqm-full.so exports; no public struct
-with more than MAX_FIELDS fields; and over all headers of src/, tools/ and include/ no type or function declared twice."""
+with more than MAX_FIELDS fields; and over all headers of src/, tools/ and include/ no type or function declared twice, and functions
+that begin with the same word after nqm_ in one room only, so that a search for the word leads to that room."""
 import glob
 import os
 import re
@@ -12,6 +13,45 @@ MAX_FUNCTIONS = 126
 MAX_FIELDS = 20
 SOURCE, BUILD = os.environ["NQM_SOURCE"], os.environ["NQM_BUILD"]
 faults = []
+# Words that still begin functions of several rooms. Take a line out when its word has one room left; do not add lines.
+SHARED = {
+    "adam": "kernel net",
+    "compare": "math metric",
+    "delta": "metric percept",
+    "difference": "judge metric",
+    "directions": "brdf sample",
+    "gradient": "kernel net",
+    "half": "brdf kernel math",
+    "has": "brdf kernel",
+    "human": "data judge",
+    "interval": "model train",
+    "is": "base metric",
+    "kernels": "base kernel",
+    "label": "figures percept",
+    "light": "metric render",
+    "log": "kernel metric",
+    "map": "base figures render",
+    "material": "brdf data material",
+    "model": "model train",
+    "name": "base figures",
+    "nbrdf": "brdf encode",
+    "novelty": "model train",
+    "panel": "figures kernel",
+    "parse": "base material",
+    "picture": "figures percept",
+    "rays": "label render",
+    "row": "kernel net",
+    "sample": "metric sample",
+    "scalars": "metric model",
+    "scene": "label render",
+    "shading": "fit material",
+    "spread": "model render",
+    "srgb": "figures material",
+    "surface": "figures render",
+    "table": "brdf figures",
+    "tick": "base figures",
+    "transport": "label metric model",
+}
 
 
 def text_of(path):
@@ -82,6 +122,20 @@ for path in headers:
             declare("function", name.group(1))
             if "NQM_API" in head:
                 public.add(name.group(1))
+
+implements = dict(re.findall(r"^<(nqm/\w+\.h)>\s+(\w+)", open(SOURCE + "/src/LAYERS").read(), re.M))
+rooms = {}  # first word -> rooms
+for (kind, name), short in declared.items():
+    if kind == "function" and name.startswith("nqm_"):
+        folders = short.split("/")
+        room = implements["nqm/" + folders[2]] if folders[0] == "include" else folders[1]
+        rooms.setdefault(name.split("_")[1], set()).add(room)
+for word, those in rooms.items():
+    if those - set(SHARED.get(word, "").split()) and len(those) > 1:
+        faults.append("functions nqm_%s_... are in the rooms %s: name those of all but one differently" % (word, ", ".join(sorted(those))))
+for word, those in SHARED.items():
+    if len(rooms.get(word, ())) < 2 or set(those.split()) - rooms[word]:
+        faults.append("SHARED: %s is no longer shared by %s" % (word, those))
 
 for kind, name in list(declared):
     if kind == "function" and ("type", name) in declared:

@@ -121,7 +121,7 @@ static void names(void **state) {
 static void as_json(void **state) {
     (void)state;
     paint p = begin("shiny");
-    json_t *json = nqm_options_json(&table, &p);
+    json_t *json = nqm_json_from_options(&table, &p);
     char *text = json_dumps(json, JSON_COMPACT | JSON_REAL_PRECISION(9));
     assert_string_equal(text,
                         "{\"gloss_level\":0.9,\"layers\":2,\"metal\":true,\"wet\":false,\"colour\":\"light_blue\","
@@ -129,7 +129,7 @@ static void as_json(void **state) {
     free(text);
     json_decref(json);
     p.seed = UINT64_MAX;
-    json = nqm_options_json(&table, &p);
+    json = nqm_json_from_options(&table, &p);
     assert_string_equal(json_string_value(json_object_get(json, "seed")), "18446744073709551615");
     json_decref(json);
 }

@@ -9,7 +9,6 @@
 
 #include "base/names.h"
 #include "brdf/brdf.h"
-#include "brdf/models/presets_data.h"
 
 enum { NQM_SPEC_MAX_KEYS = 48 };
 
@@ -110,18 +109,6 @@ const nqm_analytic_model *nqm_analytic_model_find(const char *name, size_t n);
 size_t nqm_spec_lacks_colon(const char *text);
 /** Offer the names of all models, tables of presets and perturb, between. */
 void nqm_spec_nearest(nqm_nearest *nearest);
-
-/** "sgd:nickel" for "nickel": a preset of this material, of the table sgd if it is there; NULL: none. */
-const char *nqm_preset_named(const char *material);
-/** "ward:nickel" for "ward-nickel", "ward_nickel", "ward.nickel" or "ward nickel"; NULL: the text is no such preset. */
-const char *nqm_preset_without_colon(const char *text);
-/** Offer the materials of all presets, without their tables. */
-void nqm_preset_nearest(nqm_nearest *nearest);
-/** A table of presets, or NULL. */
-const nqm_preset_table *nqm_preset_table_find(const char *name, size_t n_name);
-/** Values of a published material in a table of `schema`'s model; NQM_ERR_ARG suggests similar names. */
-NQM_MUST_CHECK nqm_status nqm_preset_find(const nqm_preset_table *table, const nqm_spec_schema *schema,
-                                          const char *material, nqm_spec_values *values, nqm_error *err);
 
 /** A BRDF that contains others. */
 typedef struct nqm_spec_wrapper {

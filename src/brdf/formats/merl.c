@@ -202,8 +202,8 @@ static void fill_line(void *user, size_t i) {
     }
 }
 
-nqm_status nqm_merl_write(const nqm_brdf *brdf, size_t n_phi, const char *path, nqm_progress_fn progress,
-                          void *progress_user, nqm_error *err) {
+nqm_status nqm_brdf_write_merl(const nqm_brdf *brdf, size_t n_phi, const char *path, nqm_progress_fn progress,
+                               void *progress_user, nqm_error *err) {
     enum { LINES_PER_STEP = N_LINES / 15 }; /* lines between two calls of the progress callback */
     const size_t n_values = 3 * count_cells(n_phi);
     double *cells = nqm_alloc(n_values, sizeof *cells);

@@ -67,7 +67,7 @@ static nqm_status write_table(const nqm_brdf *table, const char *path, nqm_error
     return nqm_npy_write(path, &tensor, err);
 }
 
-nqm_status nqm_npy_write_brdf(const nqm_brdf *brdf, const char *path, nqm_error *err) {
+nqm_status nqm_brdf_write_npy(const nqm_brdf *brdf, const char *path, nqm_error *err) {
     if (strcmp(brdf->info.format, "table") == 0)
         return write_table(brdf, path, err);
     nqm_brdf *table;

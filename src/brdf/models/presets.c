@@ -3,8 +3,7 @@
  * Published parameters of measured materials by name. The tables of presets/ are embedded as text; only the requested
  * row is parsed.
  */
-#include "brdf/core/spec.h"
-#include "brdf/models/presets_data.h"
+#include "brdf/models/presets.h"
 
 #include <string.h>
 

@@ -301,7 +301,7 @@ static nqm_status write_items(const translation *t, size_t n, item *const *items
         specs[i] = items[i]->match.fit.spec;
         names[i] = name[i];
     }
-    nqm_status status = nqm_materials_write(n, specs, names, path, err);
+    nqm_status status = nqm_brdf_write_materials(n, specs, names, path, err);
     if (status == NQM_OK && n > 1)
         status = nqm_materials_open(path, &written, err);
     for (size_t i = 0; status == NQM_OK && i < n; ++i) {

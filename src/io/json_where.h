@@ -3,8 +3,8 @@
  * json_where.h - byte positions in a JSON text, which jansson does not keep, for messages and for reading a text in parts. The text must
  * be valid JSON, except for nqm_json_outline().
  */
-#ifndef NQM_SRC_MATERIAL_JSON_WHERE_H
-#define NQM_SRC_MATERIAL_JSON_WHERE_H
+#ifndef NQM_SRC_IO_JSON_WHERE_H
+#define NQM_SRC_IO_JSON_WHERE_H
 
 #include <stddef.h>
 

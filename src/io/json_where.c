@@ -2,7 +2,7 @@
  *
  * Byte positions in a valid JSON text: values are skipped, not read. Nothing here reads past the end, whatever the text is.
  */
-#include "material/json_where.h"
+#include "io/json_where.h"
 
 #include <stdbool.h>
 #include <stdint.h>
