@@ -31,32 +31,44 @@ static const nqm_gltf_group *find_extension(const char *name) {
 
 /* ---- reading one material ---------------------------------------------------------------------------------------- */
 
+enum { PATH_SIZE = 256 };
+
+/** A property with its path in the material: "extensions.KHR_materials_ior.ior". */
+typedef struct property {
+    char path[PATH_SIZE];
+    const json_t *value;
+} property;
+
 /** The state of reading; a refusal ends the reading of one material, a failure that of the file. */
 typedef struct reader {
+    nqm_reading reading;
     const char *path;
     nqm_json_source source;
-    size_t source_at; /**< of the JSON text in the file */
-    size_t at;        /**< of the material in the JSON text; SIZE_MAX: none */
-    nqm_shading shading;
+    size_t source_at;   /**< of the JSON text in the file */
+    size_t at;          /**< of the material in the JSON text; SIZE_MAX: none */
+    const char *prefix; /**< of the paths of properties of the present object, with a dot at its end */
+    json_t *object;     /**< the present one */
+    property gate;
     double alpha;
-    char refusal[256];
-    int64_t refusal_byte;
+    nqm_status status; /**< of the reading of numbers */
     nqm_error *err;
 } reader;
 
-/* Of a property of the material. */
 static int64_t byte_of(const reader *r, const char *path) {
     return (int64_t)(r->source_at + nqm_json_path(&r->source, r->at, path));
 }
 
-/* Set the refusal "PROPERTY: REASON", if there is none yet. `path` is that of the property in the material. */
-static void refuse(reader *r, const char *path, const char *value, const char *reason) {
+static int64_t byte_of_property(const nqm_reading *r, const void *at) {
+    return byte_of((const reader *)r, ((const property *)at)->path);
+}
+
+/* Refuse the material as "PROPERTY: REASON". `path` is that of the property in the material. */
+static bool refuse(reader *r, const char *path, const char *value, const char *reason) {
     static const char prefix[] = "extensions.";
-    if (*r->refusal)
-        return;
     const char *shown = strncmp(path, prefix, sizeof prefix - 1) == 0 ? path + sizeof prefix - 1 : path;
-    snprintf(r->refusal, sizeof r->refusal, "%.120s%s%s: %s", shown, *value ? " = " : "", value, reason);
-    r->refusal_byte = byte_of(r, path);
+    property at = {.value = NULL};
+    snprintf(at.path, sizeof at.path, "%s", path);
+    return nqm_refuse(&r->reading, &at, "%.120s%s%s: %s", shown, *value ? " = " : "", value, reason);
 }
 
 static nqm_status fail_value(const reader *r, const char *path, const char *needed) {
@@ -77,40 +89,41 @@ static nqm_status read_numbers(const reader *r, const char *path, const json_t *
     return is_valid ? NQM_OK : fail_value(r, path, needed[n]);
 }
 
-enum { PATH_SIZE = 256 };
+static bool read_values(nqm_reading *reading, const nqm_rule *rule, const void *at, double v[4], size_t *n) {
+    reader *r = (reader *)reading;
+    const property *p = at;
+    *n = rule->n;
+    if (r->status == NQM_OK)
+        r->status = read_numbers(r, p->path, p->value, rule->n, v);
+    return r->status == NQM_OK;
+}
 
-static nqm_status read_property(reader *r, const nqm_gltf_property *p, const nqm_gltf_group *group, const char *path,
-                                const json_t *value, bool is_off) {
-    double v[4] = {0};
-    char text[32];
-    nqm_status status = NQM_OK;
-    switch (p->kind) {
-    case NQM_GLTF_NUMBER:
-    case NQM_GLTF_ZERO:
-        status = read_numbers(r, path, value, 1, v);
-        if (status == NQM_OK && p->kind == NQM_GLTF_NUMBER)
-            nqm_shading_set(&r->shading, p->key, 1, v);
-        else if (status == NQM_OK && v[0] != 0)
-            refuse(r, path, nqm_format_double(text, sizeof text, v[0]), group->why);
-        break;
-    case NQM_GLTF_COLOR:
-    case NQM_GLTF_BASE_COLOR:
-        status = read_numbers(r, path, value, p->kind == NQM_GLTF_COLOR ? 3 : 4, v);
-        if (status == NQM_OK)
-            nqm_shading_set(&r->shading, p->key, 3, v);
-        if (status == NQM_OK && p->kind == NQM_GLTF_BASE_COLOR && !(v[3] >= 0 && v[3] <= 1))
-            refuse(r, path, "", "alpha, its fourth number, is outside of 0 to 1");
-        if (status == NQM_OK && p->kind == NQM_GLTF_BASE_COLOR)
-            r->alpha = v[3];
-        break;
-    case NQM_GLTF_TEXTURE:
-        if (!is_off)
-            refuse(r, path, "", TEXTURE_REASON);
-        break;
-    case NQM_GLTF_IGNORED:
-        break;
-    }
-    return status;
+/* Of a layer: the factor, which gates its textures. */
+static const void *find_property(nqm_reading *reading, const char *name) {
+    reader *r = (reader *)reading;
+    snprintf(r->gate.path, sizeof r->gate.path, "%s%.100s", r->prefix, name);
+    r->gate.value = json_object_get(r->object, name);
+    return r->gate.value ? &r->gate : NULL;
+}
+
+static const nqm_rule_source source = {
+    .term = "property", .shows_owner = true, .find = find_property, .read = read_values, .byte_of = byte_of_property};
+
+bool nqm_gltf_read_base_color(nqm_reading *reading, const nqm_rule *rule, const void *at) {
+    reader *r = (reader *)reading;
+    double v[4];
+    size_t n;
+    if (!read_values(reading, rule, at, v, &n))
+        return false;
+    nqm_shading_set(&reading->shading, rule->key, 3, v);
+    r->alpha = v[3];
+    return (v[3] >= 0 && v[3] <= 1) ||
+           refuse(r, ((const property *)at)->path, "", "alpha, its fourth number, is outside of 0 to 1");
+}
+
+bool nqm_gltf_read_texture(nqm_reading *reading, const nqm_rule *rule, const void *at) {
+    (void)rule;
+    return refuse((reader *)reading, ((const property *)at)->path, "", TEXTURE_REASON);
 }
 
 static bool is_zero(const json_t *value) {
@@ -122,39 +135,29 @@ static bool is_zero(const json_t *value) {
     return i == json_array_size(value);
 }
 
-/* The factor of a layer is 0: its textures have no effect. */
-static bool is_layer_off(const nqm_gltf_group *group, const json_t *object) {
-    const json_t *factor = json_object_get(object, group->properties[0].name);
-    return group != &nqm_gltf_core && (factor ? is_zero(factor) : group->is_off_by_default);
-}
-
-/* `prefix` is the path of the object with a dot at its end. */
-static nqm_status read_layer(reader *r, const nqm_gltf_group *group, const char *prefix, json_t *object) {
-    const char *name;
-    json_t *value;
-    char path[PATH_SIZE];
-    nqm_status status = NQM_OK;
-    json_object_foreach(object, name, value) {
-        const nqm_gltf_property *p = group->properties, *end = p + sizeof group->properties / sizeof *group->properties;
-        snprintf(path, sizeof path, "%s%.100s", prefix, name);
-        while (p < end && p->name && strcmp(p->name, name) != 0)
-            ++p;
-        if (p < end && p->name)
-            status = read_property(r, p, group, path, value, is_layer_off(group, object));
-        else if (strcmp(name, "extras") != 0 && !(strcmp(name, "extensions") == 0 && json_object_size(value) == 0))
-            refuse(r, path, "", "this property is not known");
-        if (status != NQM_OK)
-            return status;
-    }
-    return NQM_OK;
-}
-
 static nqm_status read_object(reader *r, const nqm_gltf_group *group, const char *path, json_t *object) {
     char prefix[PATH_SIZE / 2];
+    const char *name;
+    json_t *value;
     if (!json_is_object(object))
         return fail_value(r, path, "an object");
     snprintf(prefix, sizeof prefix, "%.120s.", path);
-    return read_layer(r, group, prefix, object);
+    r->prefix = prefix;
+    r->object = object;
+    r->reading.rules = group->rules;
+    r->reading.owner = group->name;
+    r->reading.given = 0;
+    json_object_foreach(object, name, value) {
+        property p = {.value = value};
+        snprintf(p.path, sizeof p.path, "%s%.100s", prefix, name);
+        const bool is_free =
+            strcmp(name, "extras") == 0 || (strcmp(name, "extensions") == 0 && json_object_size(p.value) == 0);
+        if (!is_free)
+            nqm_rules_apply(&r->reading, name, &p);
+        if (r->status != NQM_OK)
+            return r->status;
+    }
+    return NQM_OK;
 }
 
 static nqm_status read_extensions(reader *r, json_t *list) {
@@ -222,7 +225,7 @@ static nqm_status read_members(reader *r, json_t *material) {
     json_object_foreach(material, name, value) {
         size_t i = 0, k = 0;
         if (strcmp(name, "occlusionTexture") == 0) {
-            r->shading.remark = NQM_OCCLUSION_REMARK;
+            r->reading.shading.remark = NQM_OCCLUSION_REMARK;
             continue;
         }
         while (i < N_KNOWN && strcmp(known[i], name) != 0)
@@ -247,9 +250,8 @@ static nqm_status read_members(reader *r, json_t *material) {
 
 static nqm_status read_material(reader *r, json_t *material, nqm_materials *materials) {
     const json_t *name = json_object_get(material, "name");
-    r->shading = (nqm_shading){.model = "gltf"};
+    r->reading = (nqm_reading){.source = &source, .shading = {.model = "gltf"}};
     r->alpha = 1;
-    r->refusal[0] = 0;
     if (!json_is_object(material))
         return fail_value(r, "", "an object as material");
     if (name && !json_is_string(name))
@@ -261,16 +263,11 @@ static nqm_status read_material(reader *r, json_t *material, nqm_materials *mate
         status = check_alpha(r, material);
     if (status != NQM_OK)
         return status;
-    const nqm_property *ior = nqm_shading_find(&r->shading, "ior");
+    const nqm_property *ior = nqm_shading_find(&r->reading.shading, "ior");
     if (ior && (ior->v[0] < 0 || (ior->v[0] > 0 && ior->v[0] < 1)))
         refuse(r, "extensions.KHR_materials_ior.ior", "", "the index must be 0, or 1 or greater");
     const char *text = name ? json_string_value(name) : NULL;
-    if (!*r->refusal)
-        return nqm_materials_add_shading(materials, text, "glTF metallic-roughness", &r->shading, byte_of(r, ""),
-                                         r->err);
-    const nqm_material_info info = {
-        .name = text, .surface = "glTF metallic-roughness", .refusal = r->refusal, .byte_offset = r->refusal_byte};
-    return nqm_materials_add(materials, &info, r->err);
+    return nqm_reading_add(&r->reading, text, "glTF metallic-roughness", byte_of(r, ""), materials, r->err);
 }
 
 /* ---- reading the file -------------------------------------------------------------------------------------------- */

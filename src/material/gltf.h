@@ -5,37 +5,20 @@
 #ifndef NQM_SRC_MATERIAL_GLTF_H
 #define NQM_SRC_MATERIAL_GLTF_H
 
-#include "material/material.h"
-
-/** What a property of the file is. */
-typedef enum nqm_gltf_kind {
-    NQM_GLTF_NUMBER,
-    NQM_GLTF_COLOR,
-    NQM_GLTF_BASE_COLOR, /**< with alpha, which alphaMode interprets */
-    NQM_GLTF_TEXTURE,    /**< refused, unless the factor of its layer is 0 */
-    NQM_GLTF_ZERO,       /**< refused, unless 0 */
-    NQM_GLTF_IGNORED     /**< has no effect without the other properties of the layer */
-} nqm_gltf_kind;
-
-typedef struct nqm_gltf_property {
-    const char *name;
-    nqm_gltf_kind kind;
-    const char *key; /**< of the spec */
-    double fallback; /**< what the specification gives a missing number, for the writer */
-} nqm_gltf_property;
+#include "material/rules.h"
 
 /** An object with properties: a JSON member of the material, or an extension. */
 typedef struct nqm_gltf_group {
     const char *name;
-    const char *why;                 /**< reason of a refusal, for properties of kind NQM_GLTF_ZERO */
-    bool is_off_by_default;          /**< a missing first property is 0 */
-    nqm_gltf_property properties[8]; /**< the first is the factor of the whole layer; ends with NULL */
+    nqm_rule rules[8]; /**< those with a key first */
 } nqm_gltf_group;
 
 /** pbrMetallicRoughness, and the extensions of materials. */
 extern const nqm_gltf_group nqm_gltf_core;
 enum { NQM_GLTF_N_EXTENSIONS = 11 };
 extern const nqm_gltf_group nqm_gltf_extensions[NQM_GLTF_N_EXTENSIONS];
+/** Of baseColorFactor, and of textures. */
+nqm_rule_read nqm_gltf_read_base_color, nqm_gltf_read_texture;
 
 /** Sizes and numbers of the container .glb. */
 enum {

@@ -4,75 +4,53 @@
  */
 #include "material/gltf.h"
 
-const nqm_gltf_group nqm_gltf_core = {"pbrMetallicRoughness",
-                                      "",
-                                      false,
-                                      {{"metallicFactor", NQM_GLTF_NUMBER, "metallic", 1},
-                                       {"baseColorFactor", NQM_GLTF_BASE_COLOR, "base_color", 1},
-                                       {"roughnessFactor", NQM_GLTF_NUMBER, "roughness", 1},
-                                       {"baseColorTexture", NQM_GLTF_TEXTURE, NULL, 0},
-                                       {"metallicRoughnessTexture", NQM_GLTF_TEXTURE, NULL, 0}}};
+#define NUMBER(NAME, KEY, DEFAULT)                                                                                     \
+    { NAME, nqm_rule_set, KEY, 1, DEFAULT, NULL, NULL, NULL }
+#define COLOR(NAME, KEY, DEFAULT)                                                                                      \
+    { NAME, nqm_rule_set, KEY, 3, DEFAULT, NULL, NULL, NULL }
+#define TEXTURE(NAME, FACTOR)                                                                                          \
+    { NAME, nqm_gltf_read_texture, NULL, 0, 0, NULL, FACTOR, NULL }
+#define ZERO(NAME, WHY)                                                                                                \
+    { NAME, nqm_rule_neutral, NULL, 1, 0, WHY, NULL, NULL }
+#define IGNORED(NAME)                                                                                                  \
+    { NAME, nqm_rule_ignore, NULL, 0, 0, NULL, NULL, NULL }
+
+static const char through[] = "light that passes through the surface is not part of a BRDF";
+
+const nqm_gltf_group nqm_gltf_core = {
+    "pbrMetallicRoughness",
+    {NUMBER("metallicFactor", "metallic", 1),
+     {"baseColorFactor", nqm_gltf_read_base_color, "base_color", 4, 1, NULL, NULL, NULL},
+     NUMBER("roughnessFactor", "roughness", 1),
+     TEXTURE("baseColorTexture", NULL),
+     TEXTURE("metallicRoughnessTexture", NULL)}};
 
 const nqm_gltf_group nqm_gltf_extensions[NQM_GLTF_N_EXTENSIONS] = {
-    {"KHR_materials_ior", "", false, {{"ior", NQM_GLTF_NUMBER, "ior", 1.5}}},
+    {"KHR_materials_ior", {NUMBER("ior", "ior", 1.5)}},
     {"KHR_materials_specular",
-     "",
-     false,
-     {{"specularFactor", NQM_GLTF_NUMBER, "specular", 1},
-      {"specularColorFactor", NQM_GLTF_COLOR, "specular_color", 1},
-      {"specularTexture", NQM_GLTF_TEXTURE, NULL, 0},
-      {"specularColorTexture", NQM_GLTF_TEXTURE, NULL, 0}}},
+     {NUMBER("specularFactor", "specular", 1), COLOR("specularColorFactor", "specular_color", 1),
+      TEXTURE("specularTexture", "specularFactor"), TEXTURE("specularColorTexture", "specularFactor")}},
     {"KHR_materials_clearcoat",
-     "",
-     true,
-     {{"clearcoatFactor", NQM_GLTF_NUMBER, "clearcoat", 0},
-      {"clearcoatRoughnessFactor", NQM_GLTF_NUMBER, "clearcoat_roughness", 0},
-      {"clearcoatTexture", NQM_GLTF_TEXTURE, NULL, 0},
-      {"clearcoatRoughnessTexture", NQM_GLTF_TEXTURE, NULL, 0},
-      {"clearcoatNormalTexture", NQM_GLTF_TEXTURE, NULL, 0}}},
+     {NUMBER("clearcoatFactor", "clearcoat", 0), NUMBER("clearcoatRoughnessFactor", "clearcoat_roughness", 0),
+      TEXTURE("clearcoatTexture", "clearcoatFactor"), TEXTURE("clearcoatRoughnessTexture", "clearcoatFactor"),
+      TEXTURE("clearcoatNormalTexture", "clearcoatFactor")}},
     {"KHR_materials_sheen",
-     "",
-     true,
-     {{"sheenColorFactor", NQM_GLTF_COLOR, "sheen_color", 0},
-      {"sheenRoughnessFactor", NQM_GLTF_NUMBER, "sheen_roughness", 0},
-      {"sheenColorTexture", NQM_GLTF_TEXTURE, NULL, 0},
-      {"sheenRoughnessTexture", NQM_GLTF_TEXTURE, NULL, 0}}},
-    {"KHR_materials_transmission",
-     "light that passes through the surface is not part of a BRDF",
-     true,
-     {{"transmissionFactor", NQM_GLTF_ZERO, NULL, 0}, {"transmissionTexture", NQM_GLTF_IGNORED, NULL, 0}}},
+     {COLOR("sheenColorFactor", "sheen_color", 0), NUMBER("sheenRoughnessFactor", "sheen_roughness", 0),
+      TEXTURE("sheenColorTexture", "sheenColorFactor"), TEXTURE("sheenRoughnessTexture", "sheenColorFactor")}},
+    {"KHR_materials_transmission", {ZERO("transmissionFactor", through), IGNORED("transmissionTexture")}},
     {"KHR_materials_diffuse_transmission",
-     "light that passes through the surface is not part of a BRDF",
-     true,
-     {{"diffuseTransmissionFactor", NQM_GLTF_ZERO, NULL, 0},
-      {"diffuseTransmissionTexture", NQM_GLTF_IGNORED, NULL, 0},
-      {"diffuseTransmissionColorFactor", NQM_GLTF_IGNORED, NULL, 0},
-      {"diffuseTransmissionColorTexture", NQM_GLTF_IGNORED, NULL, 0}}},
+     {ZERO("diffuseTransmissionFactor", through), IGNORED("diffuseTransmissionTexture"),
+      IGNORED("diffuseTransmissionColorFactor"), IGNORED("diffuseTransmissionColorTexture")}},
     {"KHR_materials_volume",
-     "light that enters a volume is not part of a BRDF",
-     true,
-     {{"thicknessFactor", NQM_GLTF_ZERO, NULL, 0},
-      {"thicknessTexture", NQM_GLTF_IGNORED, NULL, 0},
-      {"attenuationDistance", NQM_GLTF_IGNORED, NULL, 0},
-      {"attenuationColor", NQM_GLTF_IGNORED, NULL, 0}}},
+     {ZERO("thicknessFactor", "light that enters a volume is not part of a BRDF"), IGNORED("thicknessTexture"),
+      IGNORED("attenuationDistance"), IGNORED("attenuationColor")}},
     {"KHR_materials_anisotropy",
-     "only isotropic BRDFs are supported",
-     true,
-     {{"anisotropyStrength", NQM_GLTF_ZERO, NULL, 0},
-      {"anisotropyRotation", NQM_GLTF_IGNORED, NULL, 0},
-      {"anisotropyTexture", NQM_GLTF_IGNORED, NULL, 0}}},
+     {ZERO("anisotropyStrength", "only isotropic BRDFs are supported"), IGNORED("anisotropyRotation"),
+      IGNORED("anisotropyTexture")}},
     {"KHR_materials_iridescence",
-     "thin films are not supported",
-     true,
-     {{"iridescenceFactor", NQM_GLTF_ZERO, NULL, 0},
-      {"iridescenceTexture", NQM_GLTF_IGNORED, NULL, 0},
-      {"iridescenceIor", NQM_GLTF_IGNORED, NULL, 0},
-      {"iridescenceThicknessMinimum", NQM_GLTF_IGNORED, NULL, 0},
-      {"iridescenceThicknessMaximum", NQM_GLTF_IGNORED, NULL, 0},
-      {"iridescenceThicknessTexture", NQM_GLTF_IGNORED, NULL, 0}}},
-    {"KHR_materials_dispersion",
-     "dispersion is not part of a BRDF in RGB",
-     true,
-     {{"dispersion", NQM_GLTF_ZERO, NULL, 0}}},
-    {"KHR_materials_emissive_strength", "", true, {{"emissiveStrength", NQM_GLTF_IGNORED, NULL, 0}}},
+     {ZERO("iridescenceFactor", "thin films are not supported"), IGNORED("iridescenceTexture"),
+      IGNORED("iridescenceIor"), IGNORED("iridescenceThicknessMinimum"), IGNORED("iridescenceThicknessMaximum"),
+      IGNORED("iridescenceThicknessTexture")}},
+    {"KHR_materials_dispersion", {ZERO("dispersion", "dispersion is not part of a BRDF in RGB")}},
+    {"KHR_materials_emissive_strength", {IGNORED("emissiveStrength")}},
 };

@@ -24,25 +24,25 @@ __attribute__((format(printf, 2, 3))) static void append(buffer *b, const char *
 }
 
 /* The values of a property: those of the shading, or the default of the specification. */
-static nqm_property value_of(const nqm_shading *shading, const nqm_gltf_property *p) {
+static nqm_property value_of(const nqm_shading *shading, const nqm_rule *p) {
     const nqm_property *set = nqm_shading_find(shading, p->key);
-    nqm_property value = {.v = {p->fallback, p->fallback, p->fallback}};
+    nqm_property value = {.v = {p->value, p->value, p->value}};
     if (set)
         value = *set;
-    value.n = p->kind == NQM_GLTF_NUMBER ? 1 : 3;
+    value.n = p->n == 1 ? 1 : 3;
     /* the formula has the same value for both, and only one is valid */
     if (strcmp(p->key, "ior") == 0 && value.v[0] > 0 && value.v[0] < 1)
         value.v[0] = 1 / value.v[0];
     return value;
 }
 
-static bool is_default(const nqm_shading *shading, const nqm_gltf_property *p) {
+static bool is_default(const nqm_shading *shading, const nqm_rule *p) {
     const nqm_property value = value_of(shading, p);
-    return value.v[0] == p->fallback && value.v[1] == p->fallback && value.v[2] == p->fallback;
+    return value.v[0] == p->value && value.v[1] == p->value && value.v[2] == p->value;
 }
 
 static bool is_needed(const nqm_shading *shading, const nqm_gltf_group *group) {
-    for (const nqm_gltf_property *p = group->properties; p->name && p->key; ++p)
+    for (const nqm_rule *p = group->rules; p->name && p->key; ++p)
         if (!is_default(shading, p))
             return true;
     return false;
@@ -52,12 +52,12 @@ static bool is_needed(const nqm_shading *shading, const nqm_gltf_group *group) {
 static void append_layer(buffer *b, const nqm_shading *shading, const nqm_gltf_group *group, const char *indent) {
     char number[32];
     append(b, "%s\"%s\": {", indent, group->name);
-    for (const nqm_gltf_property *p = group->properties; p->name && p->key; ++p) {
+    for (const nqm_rule *p = group->rules; p->name && p->key; ++p) {
         const nqm_property value = value_of(shading, p);
-        append(b, "%s\n%s  \"%s\": %s", p == group->properties ? "" : ",", indent, p->name, value.n == 1 ? "" : "[");
+        append(b, "%s\n%s  \"%s\": %s", p == group->rules ? "" : ",", indent, p->name, value.n == 1 ? "" : "[");
         for (size_t c = 0; c < value.n; ++c)
             append(b, "%s%s", c ? ", " : "", nqm_format_double(number, sizeof number, value.v[c]));
-        append(b, "%s%s", p->kind == NQM_GLTF_BASE_COLOR ? ", 1" : "", value.n == 1 ? "" : "]");
+        append(b, "%s%s", p->n == 4 ? ", 1" : "", value.n == 1 ? "" : "]");
     }
     append(b, "\n%s}", indent);
 }

@@ -11,7 +11,6 @@
 #include "material/material.h"
 
 #include <math.h>
-#include <stdarg.h>
 
 typedef const nqm_xml_element element;
 
@@ -20,8 +19,9 @@ enum { MAX_HOPS = 32 };
 /* Negative components down to this are rounding of a conversion to BT.709, and become 0. */
 static const double OUT_OF_GAMUT = -1e-3;
 
-/* What is read of a material: its spec, or why it is refused. */
+/* What is read of a material. */
 typedef struct reading {
+    nqm_reading reading;
     nqm_xml_names names;
     nqm_index shaders; /* of `known` */
     struct known_shader {
@@ -30,10 +30,6 @@ typedef struct reading {
     } * known;           /* (NQM_MAX_MATERIALS) */
     element *root, *material, *shader;
     const nqm_mtlx_surface *surface;
-    nqm_shading shading;
-    uint64_t given; /* bit i: input i of the surface has been read */
-    char refusal[400];
-    int64_t byte_offset;
 } reading;
 
 /* ---- finding elements ---------------------------------------------------------------------------------------------- */
@@ -53,16 +49,6 @@ static const char *inherited(element *e, const char *attribute) {
     for (; e && !value; e = e->parent)
         value = nqm_xml_get(e, attribute);
     return value;
-}
-
-/* Write the refusal; false, so that readers can return it. */
-__attribute__((format(printf, 3, 4))) static bool refuse(reading *r, element *at, const char *format, ...) {
-    va_list arguments;
-    va_start(arguments, format);
-    vsnprintf(r->refusal, sizeof r->refusal, format, arguments);
-    va_end(arguments);
-    r->byte_offset = at->byte_offset;
-    return false;
 }
 
 /* ---- values -------------------------------------------------------------------------------------------------------- */
@@ -88,10 +74,11 @@ static element *pass_through(reading *r, const char *name, element *input, eleme
     if (strcmp(node->name, "dot") == 0)
         return find_child(r, node, "input", "in");
     if (find_child(r, node, "input", "file"))
-        refuse(r, input, "%s reads the texture of node '%.60s'; only constants are read", name, node_name);
+        nqm_refuse(&r->reading, input, "%s reads the texture of node '%.60s'; only constants are read", name,
+                   node_name);
     else
-        refuse(r, input, "%s is computed by node '%.60s' (%.40s); only constants are read", name, node_name,
-               node->name);
+        nqm_refuse(&r->reading, input, "%s is computed by node '%.60s' (%.40s); only constants are read", name,
+                   node_name, node->name);
     return NULL;
 }
 
@@ -115,12 +102,12 @@ static element *follow(reading *r, const char *name, element *input) {
         if (!is_connected(at))
             return at;
         at = hop(r, name, input, at);
-        if (!at && !*r->refusal)
-            refuse(r, input, "%s is connected to something that the file does not have", name);
+        if (!at && !*r->reading.refusal)
+            nqm_refuse(&r->reading, input, "%s is connected to something that the file does not have", name);
         if (!at)
             return NULL;
     }
-    refuse(r, input, "%s: more than %d connections in a row", name, MAX_HOPS);
+    nqm_refuse(&r->reading, input, "%s: more than %d connections in a row", name, MAX_HOPS);
     return NULL;
 }
 
@@ -144,126 +131,95 @@ static bool has_type(element *e, const char *type) {
     return !given || strcmp(given, type) == 0 || (strcmp(type, "color3") != 0 && strcmp(given, "boolean") == 0);
 }
 
-/* The value of an input of the shader as 1 or 3 numbers; colours in linear BT.709. false: refused. */
-static bool read_value(reading *r, element *input, const char *type, double v[3]) {
-    const size_t n = strcmp(type, "color3") == 0 ? 3 : 1;
-    const char *name = nqm_xml_get(input, "name");
+static bool has_value(element *e) {
+    return is_connected(e) || nqm_xml_get(e, "value");
+}
+
+/* The value of an input of the shader as 1 or 3 numbers; colours in linear BT.709. */
+static bool read_values(nqm_reading *base, const nqm_rule *rule, const void *property, double v[4], size_t *n) {
+    reading *r = (reading *)base;
+    element *input = property;
+    const char *name = rule->name, *type = rule->type;
+    *n = rule->n;
+    v[0] = v[1] = v[2] = rule->value;
+    if (!has_value(input))
+        return true;
     element *at = follow(r, name, input);
     if (!at)
         return false;
     const char *text = nqm_xml_get(at, "value");
     if (!text)
-        return refuse(r, input, "%s has no value", name);
+        return nqm_refuse(base, input, "%s has no value", name);
     if (!has_type(input, type) || !has_type(at, type))
-        return refuse(r, input, "%s is of type %s, not '%.40s'", name, type,
-                      nqm_xml_get(has_type(input, type) ? at : input, "type"));
-    if (is_text(nqm_xml_get(at, "type"), "boolean") && n == 1 && (is_text(text, "true") || is_text(text, "false"))) {
+        return nqm_refuse(base, input, "%s is of type %s, not '%.40s'", name, type,
+                          nqm_xml_get(has_type(input, type) ? at : input, "type"));
+    if (is_text(nqm_xml_get(at, "type"), "boolean") && *n == 1 && (is_text(text, "true") || is_text(text, "false"))) {
         v[0] = *text == 't';
         return true;
     }
-    if (!parse_numbers(text, n, v))
-        return refuse(r, input, "%s needs %s, not '%.40s'", name, n == 3 ? "three numbers" : "a number", text);
+    if (!parse_numbers(text, *n, v))
+        return nqm_refuse(base, input, "%s needs %s, not '%.40s'", name, *n == 3 ? "three numbers" : "a number", text);
     const char *space = inherited(at, "colorspace");
-    if (n == 3 && !nqm_color_to_rec709(space, v))
-        return refuse(r, input, "%s is in the colour space '%.40s', which is not known", name, space);
-    for (size_t c = 0; c < n; ++c)
+    if (*n == 3 && !nqm_color_to_rec709(space, v))
+        return nqm_refuse(base, input, "%s is in the colour space '%.40s', which is not known", name, space);
+    for (size_t c = 0; c < *n; ++c)
         if (!isfinite(v[c]))
-            return refuse(r, input, "%s is not finite", name);
+            return nqm_refuse(base, input, "%s is not finite", name);
     return true;
 }
 
-static size_t channels_of(const nqm_mtlx_input *input) {
-    return input->type && strcmp(input->type, "color3") == 0 ? 3 : 1;
+static const void *find_input(nqm_reading *base, const char *name) {
+    const reading *r = (const reading *)base;
+    return find_child(r, r->shader, "input", name);
 }
+
+static int64_t byte_of(const nqm_reading *base, const void *property) {
+    (void)base;
+    return ((element *)property)->byte_offset;
+}
+
+static const nqm_rule_source source = {.term = "input", .find = find_input, .read = read_values, .byte_of = byte_of};
 
 /* ---- a material ---------------------------------------------------------------------------------------------------- */
 
-static const nqm_mtlx_input *find_input(const nqm_mtlx_surface *surface, const char *name) {
-    for (size_t i = 0; i < surface->n; ++i)
-        if (is_text(name, surface->inputs[i].name))
-            return &surface->inputs[i];
-    return NULL;
-}
-
-static bool read_key(reading *r, element *e, const nqm_mtlx_input *input) {
-    double v[3];
-    if (!read_value(r, e, input->type, v))
+bool nqm_mtlx_read_key(nqm_reading *r, const nqm_rule *rule, const void *property) {
+    double v[4];
+    size_t n;
+    if (!has_value(property))
+        return true; /* the default, which is set */
+    if (!read_values(r, rule, property, v, &n))
         return false;
-    for (size_t c = 0; c < channels_of(input); ++c) {
-        if (channels_of(input) == 3 && v[c] < OUT_OF_GAMUT)
-            return refuse(r, e, "%s is outside BT.709: %.4g %.4g %.4g", input->name, v[0], v[1], v[2]);
-        if (channels_of(input) == 3)
-            v[c] = fmax(v[c], 0);
+    for (size_t c = 0; n == 3 && c < n; ++c) {
+        if (v[c] < OUT_OF_GAMUT)
+            return nqm_refuse(r, property, "%s is outside BT.709: %.4g %.4g %.4g", rule->name, v[0], v[1], v[2]);
+        v[c] = fmax(v[c], 0);
     }
-    if (!(v[0] > 0) && is_text(input->name, "specular_ior")) /* of OpenPBR; MaterialX's velvet has specular_IOR 0 */
-        return refuse(r, e, "%s is %.4g; an index of refraction is above 0", input->name, v[0]);
-    nqm_shading_set(&r->shading, input->name, channels_of(input), v);
+    if (!(v[0] > 0) && is_text(rule->name, "specular_ior")) /* of OpenPBR; MaterialX's velvet has specular_IOR 0 */
+        return nqm_refuse(r, property, "%s is %.4g; an index of refraction is above 0", rule->name, v[0]);
+    nqm_shading_set(&r->shading, rule->key, n, v);
     return true;
 }
 
-/* true when the input is a constant 0, or absent with the default 0. */
-static bool is_zero(reading *r, const char *name) {
-    const nqm_mtlx_input *input = find_input(r->surface, name);
-    element *e = find_child(r, r->shader, "input", name);
-    double v[3] = {input->value};
-    return (!e || read_value(r, e, "float", v)) && v[0] == 0;
-}
-
-static bool check_neutral(reading *r, element *e, const nqm_mtlx_input *input) {
+bool nqm_mtlx_read_normal(nqm_reading *r, const nqm_rule *rule, const void *property) {
     double v[3];
-    if (input->gate && is_zero(r, input->gate))
+    if (!has_value(property) || (!is_connected(property) && parse_numbers(nqm_xml_get(property, "value"), 3, v) &&
+                                 v[0] == 0 && v[1] == 0 && v[2] == 1))
         return true;
-    if (!read_value(r, e, input->type, v)) {
-        char why[sizeof r->refusal];
-        memcpy(why, r->refusal, sizeof why);
-        return refuse(r, e, "%.300s (%s)", why, input->what);
-    }
-    for (size_t c = 0; c < channels_of(input); ++c)
-        if (v[c] != input->value)
-            return refuse(r, e, "%s is %.6g: %s is not part of these BRDFs", input->name, v[c], input->what);
-    return true;
+    return nqm_refuse(r, property, "%s changes the normal; a BRDF has one normal", rule->name);
 }
 
-static bool check_normal(reading *r, element *e, const char *name) {
-    double v[3];
-    if (is_connected(e) || !parse_numbers(nqm_xml_get(e, "value"), 3, v) || v[0] != 0 || v[1] != 0 || v[2] != 1)
-        return refuse(r, e, "%s changes the normal; a BRDF has one normal", name);
+bool nqm_mtlx_read_occlusion(nqm_reading *r, const nqm_rule *rule, const void *property) {
+    (void)rule;
+    if (has_value(property))
+        r->shading.remark = NQM_OCCLUSION_REMARK;
     return true;
-}
-
-static bool read_input(reading *r, element *e) {
-    const char *name = nqm_xml_get(e, "name");
-    const nqm_mtlx_input *input = find_input(r->surface, name);
-    if (!input)
-        return refuse(r, e, "%s has no input '%.40s'", r->surface->node, name ? name : "");
-    const uint64_t bit = (uint64_t)1 << (input - r->surface->inputs);
-    if (r->given & bit)
-        return refuse(r, e, "%s is given twice", name);
-    r->given |= bit;
-    if (!is_connected(e) && !nqm_xml_get(e, "value"))
-        return true; /* the default */
-    switch (input->kind) {
-    case NQM_MTLX_KEY:
-        return read_key(r, e, input);
-    case NQM_MTLX_NEUTRAL:
-        return check_neutral(r, e, input);
-    case NQM_MTLX_NORMAL:
-        return check_normal(r, e, name);
-    default:
-        if (strcmp(name, "occlusion") == 0)
-            r->shading.remark = NQM_OCCLUSION_REMARK;
-        return true;
-    }
 }
 
 static void set_defaults(reading *r) {
-    strcpy(r->shading.model, r->surface->model);
-    for (size_t i = 0; i < r->surface->n; ++i) {
-        const nqm_mtlx_input *input = &r->surface->inputs[i];
-        const double v[3] = {input->value, input->value, input->value};
-        if (input->kind == NQM_MTLX_KEY)
-            nqm_shading_set(&r->shading, input->name, channels_of(input), v);
-    }
+    strcpy(r->reading.shading.model, r->surface->model);
+    for (const nqm_rule *rule = r->surface->inputs; rule->name; ++rule)
+        if (rule->key)
+            nqm_shading_set(&r->reading.shading, rule->key, rule->n, (double[]){rule->value, rule->value, rule->value});
 }
 
 /* Version 1.0.0 of standard_surface has other defaults. */
@@ -272,8 +228,8 @@ static void set_version(reading *r) {
     const double base = 0.8, white[3] = {1, 1, 1};
     if (strcmp(r->surface->node, "standard_surface") == 0 &&
         (is_text(version, "1.0.0") || is_text(definition, "ND_standard_surface_surfaceshader_100"))) {
-        nqm_shading_set(&r->shading, "base", 1, &base);
-        nqm_shading_set(&r->shading, "base_color", 3, white);
+        nqm_shading_set(&r->reading.shading, "base", 1, &base);
+        nqm_shading_set(&r->reading.shading, "base_color", 3, white);
     }
 }
 
@@ -282,14 +238,16 @@ static bool read_shader(reading *r) {
     while (s < NQM_MTLX_N_SURFACES && strcmp(nqm_mtlx_surfaces[s].node, r->shader->name) != 0)
         ++s;
     if (s == NQM_MTLX_N_SURFACES)
-        return refuse(r, r->shader, "its surface shader is '%.40s', which is not one of those that are read",
-                      r->shader->name);
+        return nqm_refuse(&r->reading, r->shader,
+                          "its surface shader is '%.40s', which is not one of those that are read", r->shader->name);
     r->surface = &nqm_mtlx_surfaces[s];
+    r->reading.rules = r->surface->inputs;
+    r->reading.owner = r->surface->node;
     set_defaults(r);
     set_version(r);
     bool ok = true;
     for (element *e = r->shader->first; e && ok; e = e->next)
-        ok = strcmp(e->name, "input") != 0 || read_input(r, e);
+        ok = strcmp(e->name, "input") != 0 || nqm_rules_apply(&r->reading, nqm_xml_get(e, "name"), e);
     return ok;
 }
 
@@ -297,7 +255,7 @@ static bool read_shader(reading *r) {
 static element *find_shader(reading *r) {
     element *input = find_child(r, r->material, "input", "surfaceshader");
     if (!input) {
-        refuse(r, r->material, "it has no surface shader");
+        nqm_refuse(&r->reading, r->material, "it has no surface shader");
         return NULL;
     }
     const char *graph = nqm_xml_get(input, "nodegraph"), *node = nqm_xml_get(input, "nodename");
@@ -310,14 +268,14 @@ static element *find_shader(reading *r) {
     }
     element *shader = node ? find_child(r, scope, NULL, node) : NULL;
     if (!shader)
-        refuse(r, input, "its surface shader is not in the file");
+        nqm_refuse(&r->reading, input, "its surface shader is not in the file");
     return shader;
 }
 
 static bool check_displacement(reading *r) {
     element *input = find_child(r, r->material, "input", "displacementshader");
     return !input || !is_connected(input) ||
-           refuse(r, input, "displacementshader is connected: displacement is not part of a BRDF");
+           nqm_refuse(&r->reading, input, "displacementshader is connected: displacement is not part of a BRDF");
 }
 
 /* Whether an element of the root is a surface shader of the table. */
@@ -343,22 +301,18 @@ static nqm_status add_again(nqm_material_info earlier, element *material, nqm_ma
 static nqm_status add_material(reading *r, element *material, nqm_materials *materials, nqm_error *err) {
     const size_t number = nqm_materials_count(materials);
     r->material = material;
-    r->shading = (nqm_shading){.n = 0};
-    r->given = 0;
-    r->refusal[0] = 0;
+    r->reading = (nqm_reading){.source = &source};
     r->shader = strcmp(material->name, "surfacematerial") == 0 ? find_shader(r) : material;
     const bool has_shader = r->shader && check_displacement(r);
     const struct known_shader *known =
         has_shader ? nqm_index_find(&r->shaders, (nqm_index_key){r->shader, NULL, ""}) : NULL;
     if (known)
         return add_again(nqm_materials_get(materials, known->material), material, materials, err);
-    const bool ok = has_shader && read_shader(r);
-    const char *name = nqm_xml_get(material, "name"), *surface = r->shader ? r->shader->name : material->name;
-    const nqm_material_info refused = {
-        .name = name, .surface = surface, .refusal = r->refusal, .byte_offset = r->byte_offset};
+    if (has_shader)
+        read_shader(r);
     nqm_status status =
-        ok ? nqm_materials_add_shading(materials, name, surface, &r->shading, material->byte_offset, err)
-           : nqm_materials_add(materials, &refused, err);
+        nqm_reading_add(&r->reading, nqm_xml_get(material, "name"), r->shader ? r->shader->name : material->name,
+                        material->byte_offset, materials, err);
     if (status == NQM_OK && has_shader) {
         r->known[number] = (struct known_shader){r->shader, number};
         nqm_index_add(&r->shaders, &r->known[number]);
@@ -444,10 +398,10 @@ static nqm_status read_materials(const nqm_map *map, nqm_materials *materials, n
 
 /* ---- writing ------------------------------------------------------------------------------------------------------- */
 
-static void write_input(FILE *stream, const nqm_mtlx_input *input, const nqm_property *property) {
+static void write_input(FILE *stream, const nqm_rule *input, const nqm_property *property) {
     char number[32];
     fprintf(stream, "    <input name=\"%s\" type=\"%s\" value=\"", input->name, input->type);
-    for (size_t c = 0; c < channels_of(input); ++c)
+    for (size_t c = 0; c < input->n; ++c)
         fprintf(stream, "%s%s", c ? ", " : "",
                 nqm_format_double(number, sizeof number, property->v[property->n == 3 ? c : 0]));
     fputs("\" />\n", stream);
@@ -463,8 +417,8 @@ static nqm_status write_material(const nqm_shading *shading, const char *name, c
     const nqm_mtlx_surface *surface = &nqm_mtlx_surfaces[s];
     fprintf(stream, "  <%s name=\"SR_%s\" type=\"surfaceshader\">\n", surface->node, name);
     for (size_t i = 0; i < shading->n; ++i) {
-        const nqm_mtlx_input *input = find_input(surface, shading->properties[i].key);
-        if (!input || input->kind != NQM_MTLX_KEY)
+        const nqm_rule *input = nqm_rule_find(surface->inputs, shading->properties[i].key);
+        if (!input || !input->key)
             return nqm_fail(err, NQM_ERR_ARG, -1, "%s: %s has no input '%s'", path, surface->node,
                             shading->properties[i].key);
         write_input(stream, input, &shading->properties[i]);

@@ -11,7 +11,7 @@ enum { MAX_DEPTH = 64, MAX_BYTES = 64 << 20, TEXT_SIZE = 128 };
 
 typedef struct walk {
     const char *path;
-    nqm_mitsuba_nodes nodes;
+    nqm_bsdf_nodes nodes;
     nqm_error *err;
 } walk;
 
@@ -37,38 +37,37 @@ static void format_numbers(const json_t *value, char text[TEXT_SIZE]) {
     }
 }
 
-static nqm_mitsuba_kind kind_of_type(const char *type) {
+static nqm_bsdf_kind kind_of_type(const char *type) {
     static const struct {
         const char *type;
-        nqm_mitsuba_kind kind;
-    } kinds[] = {
-        {"rgb", NQM_MITSUBA_RGB},          {"srgb", NQM_MITSUBA_RGB},         {"spectrum", NQM_MITSUBA_SPECTRUM},
-        {"uniform", NQM_MITSUBA_SPECTRUM}, {"regular", NQM_MITSUBA_SPECTRUM}, {"irregular", NQM_MITSUBA_SPECTRUM},
-        {"ref", NQM_MITSUBA_REF}};
+        nqm_bsdf_kind kind;
+    } kinds[] = {{"rgb", NQM_BSDF_RGB},          {"srgb", NQM_BSDF_RGB},         {"spectrum", NQM_BSDF_SPECTRUM},
+                 {"uniform", NQM_BSDF_SPECTRUM}, {"regular", NQM_BSDF_SPECTRUM}, {"irregular", NQM_BSDF_SPECTRUM},
+                 {"ref", NQM_BSDF_REF}};
     for (size_t i = 0; i < sizeof kinds / sizeof *kinds; ++i)
         if (strcmp(type, kinds[i].type) == 0)
             return kinds[i].kind;
-    return nqm_mitsuba_is_bsdf(type) ? NQM_MITSUBA_BSDF : NQM_MITSUBA_OTHER;
+    return nqm_mitsuba_is_bsdf(type) ? NQM_BSDF_BSDF : NQM_BSDF_OTHER;
 }
 
-static nqm_mitsuba_kind kind_of(const json_t *value) {
+static nqm_bsdf_kind kind_of(const json_t *value) {
     switch (json_typeof(value)) {
     case JSON_INTEGER:
     case JSON_REAL:
-        return NQM_MITSUBA_NUMBER;
+        return NQM_BSDF_NUMBER;
     case JSON_TRUE:
     case JSON_FALSE:
-        return NQM_MITSUBA_BOOLEAN;
+        return NQM_BSDF_BOOLEAN;
     case JSON_STRING:
-        return NQM_MITSUBA_STRING;
+        return NQM_BSDF_STRING;
     case JSON_ARRAY:
-        return NQM_MITSUBA_RGB;
+        return NQM_BSDF_RGB;
     case JSON_OBJECT:
         return kind_of_type(text_of(value, "type"));
     case JSON_NULL:
         break;
     }
-    return NQM_MITSUBA_OTHER;
+    return NQM_BSDF_OTHER;
 }
 
 /* The value of a property, as text in `text` or in the JSON. */
@@ -89,17 +88,17 @@ static const char *value_of(const json_t *value, char text[TEXT_SIZE]) {
 static nqm_status add_value(walk *w, const char *key, json_t *value, size_t parent, const char *id, int depth) {
     char text[TEXT_SIZE];
     const bool is_scene = strcmp(text_of(value, "type"), "scene") == 0;
-    nqm_mitsuba_node node = {.kind = kind_of(value), .parent = parent, .name = (char *)key, .byte_offset = -1};
+    nqm_bsdf_node node = {.kind = kind_of(value), .parent = parent, .name = (char *)key, .byte_offset = -1};
     const size_t at = w->nodes.n;
-    const bool is_node = node.kind == NQM_MITSUBA_BSDF || parent != NQM_MITSUBA_ROOT;
+    const bool is_node = node.kind == NQM_BSDF_BSDF || parent != NQM_BSDF_ROOT;
     if (depth == MAX_DEPTH)
         return nqm_fail(w->err, NQM_ERR_LIMIT, 0, "%s: objects are nested more than %d deep", w->path, MAX_DEPTH);
     if (is_node) {
         node.type = (char *)text_of(value, "type");
         node.id = (char *)(*text_of(value, "id") ? text_of(value, "id") : id);
         node.value = (char *)value_of(value, text);
-        nqm_status status = nqm_mitsuba_add(&w->nodes, &node, w->path, w->err);
-        if (status != NQM_OK || node.kind != NQM_MITSUBA_BSDF)
+        nqm_status status = nqm_bsdf_add(&w->nodes, &node, w->path, w->err);
+        if (status != NQM_OK || node.kind != NQM_BSDF_BSDF)
             return status;
     }
     const char *inner_key;
@@ -107,7 +106,7 @@ static nqm_status add_value(walk *w, const char *key, json_t *value, size_t pare
     nqm_status status = NQM_OK;
     json_object_foreach(value, inner_key, inner) {
         if (status == NQM_OK && strcmp(inner_key, "type") != 0 && strcmp(inner_key, "id") != 0)
-            status = add_value(w, inner_key, inner, is_node ? at : NQM_MITSUBA_ROOT,
+            status = add_value(w, inner_key, inner, is_node ? at : NQM_BSDF_ROOT,
                                is_node    ? ""
                                : is_scene ? inner_key
                                           : id,
@@ -165,11 +164,11 @@ static nqm_status read_json(const nqm_map *map, nqm_materials *materials, nqm_er
     json_t *root = NULL;
     nqm_status status = load(map, &root, err);
     if (status == NQM_OK)
-        status = add_value(&w, "", root, NQM_MITSUBA_ROOT, "", 0);
+        status = add_value(&w, "", root, NQM_BSDF_ROOT, "", 0);
     json_decref(root);
     if (status == NQM_OK)
         status = nqm_mitsuba_translate(&w.nodes, materials, err);
-    nqm_mitsuba_free(&w.nodes);
+    nqm_bsdf_clear(&w.nodes);
     return status;
 }
 

@@ -6,17 +6,17 @@
 #include "io/xml.h"
 #include "material/mitsuba.h"
 
-static nqm_mitsuba_kind kind_of(const char *element) {
+static nqm_bsdf_kind kind_of(const char *element) {
     static const struct {
         const char *element;
-        nqm_mitsuba_kind kind;
-    } kinds[] = {{"bsdf", NQM_MITSUBA_BSDF},         {"float", NQM_MITSUBA_NUMBER},  {"integer", NQM_MITSUBA_NUMBER},
-                 {"boolean", NQM_MITSUBA_BOOLEAN},   {"string", NQM_MITSUBA_STRING}, {"rgb", NQM_MITSUBA_RGB},
-                 {"spectrum", NQM_MITSUBA_SPECTRUM}, {"ref", NQM_MITSUBA_REF}};
+        nqm_bsdf_kind kind;
+    } kinds[] = {{"bsdf", NQM_BSDF_BSDF},         {"float", NQM_BSDF_NUMBER},  {"integer", NQM_BSDF_NUMBER},
+                 {"boolean", NQM_BSDF_BOOLEAN},   {"string", NQM_BSDF_STRING}, {"rgb", NQM_BSDF_RGB},
+                 {"spectrum", NQM_BSDF_SPECTRUM}, {"ref", NQM_BSDF_REF}};
     for (size_t i = 0; i < sizeof kinds / sizeof *kinds; ++i)
         if (strcmp(element, kinds[i].element) == 0)
             return kinds[i].kind;
-    return NQM_MITSUBA_OTHER;
+    return NQM_BSDF_OTHER;
 }
 
 enum { MAX_DEFAULTS = 1000 }; /* each value is searched among them */
@@ -24,7 +24,7 @@ enum { MAX_DEFAULTS = 1000 }; /* each value is searched among them */
 /* The walk through the elements of a scene. */
 typedef struct walk {
     const char *path;
-    nqm_mitsuba_nodes nodes, defaults;
+    nqm_bsdf_nodes nodes, defaults;
     nqm_error *err;
 } walk;
 
@@ -39,15 +39,15 @@ static char *value_of(const walk *w, const nqm_xml_element *element, const char 
 
 /* Add the element and those inside it; parent: the node that contains them. The depth is limited by the XML reader. */
 static nqm_status add_element(walk *w, const nqm_xml_element *element, size_t parent) {
-    const nqm_mitsuba_node node = {.kind = kind_of(element->name),
-                                   .parent = parent,
-                                   .type = value_of(w, element, "type"),
-                                   .name = value_of(w, element, "name"),
-                                   .id = value_of(w, element, "id"),
-                                   .value = value_of(w, element, "value"),
-                                   .byte_offset = element->byte_offset};
+    const nqm_bsdf_node node = {.kind = kind_of(element->name),
+                                .parent = parent,
+                                .type = value_of(w, element, "type"),
+                                .name = value_of(w, element, "name"),
+                                .id = value_of(w, element, "id"),
+                                .value = value_of(w, element, "value"),
+                                .byte_offset = element->byte_offset};
     const bool is_default = strcmp(element->name, "default") == 0;
-    const bool is_node = !is_default && (node.kind == NQM_MITSUBA_BSDF || parent != NQM_MITSUBA_ROOT);
+    const bool is_node = !is_default && (node.kind == NQM_BSDF_BSDF || parent != NQM_BSDF_ROOT);
     if (strcmp(element->name, "include") == 0)
         return nqm_fail(w->err, NQM_ERR_FORMAT, node.byte_offset,
                         "%s: included files (byte %lld) are not read; name the included file itself", w->path,
@@ -55,9 +55,9 @@ static nqm_status add_element(walk *w, const nqm_xml_element *element, size_t pa
     if (is_default && w->defaults.n == MAX_DEFAULTS)
         return nqm_fail(w->err, NQM_ERR_LIMIT, node.byte_offset, "%s: more than %d defaults (byte %lld)", w->path,
                         (int)MAX_DEFAULTS, (long long)node.byte_offset);
-    const size_t at = is_node ? w->nodes.n : NQM_MITSUBA_ROOT;
-    nqm_status status = is_node      ? nqm_mitsuba_add(&w->nodes, &node, w->path, w->err)
-                        : is_default ? nqm_mitsuba_add(&w->defaults, &node, w->path, w->err)
+    const size_t at = is_node ? w->nodes.n : NQM_BSDF_ROOT;
+    nqm_status status = is_node      ? nqm_bsdf_add(&w->nodes, &node, w->path, w->err)
+                        : is_default ? nqm_bsdf_add(&w->defaults, &node, w->path, w->err)
                                      : NQM_OK;
     for (const nqm_xml_element *child = element->first; status == NQM_OK && child; child = child->next)
         status = add_element(w, child, at);
@@ -94,12 +94,12 @@ static nqm_status read_xml(const nqm_map *map, nqm_materials *materials, nqm_err
     nqm_xml xml;
     nqm_status status = nqm_xml_parse(map->data, map->n_bytes, map->path, &xml, err);
     if (status == NQM_OK)
-        status = add_element(&w, xml.root, NQM_MITSUBA_ROOT);
+        status = add_element(&w, xml.root, NQM_BSDF_ROOT);
     nqm_xml_free(&xml);
     if (status == NQM_OK)
         status = nqm_mitsuba_translate(&w.nodes, materials, err);
-    nqm_mitsuba_free(&w.nodes);
-    nqm_mitsuba_free(&w.defaults);
+    nqm_bsdf_clear(&w.nodes);
+    nqm_bsdf_clear(&w.defaults);
     return status;
 }
 

@@ -5,11 +5,10 @@
  * Colours are those of the default colour space, linear sRGB. pbrt is a spectral renderer: eta and k given as "metal-Au-eta" are the
  * RGB values of metals.c.
  */
-#include "material/mitsuba.h"
+#include "material/bsdf.h"
 
 #include <ctype.h>
 #include <math.h>
-#include <stdarg.h>
 
 enum { MAX_PARAMETERS = 32, MAX_BYTES = 256 << 20, MAX_TOKEN = 256 };
 
@@ -76,336 +75,249 @@ static nqm_status next(scanner *s) {
 
 /* ---- parameters -------------------------------------------------------------------------------------------------- */
 
-typedef enum kind { NUMBER, RGB, SPECTRUM, TEXT, BOOLEAN, TEXTURE, OTHER } kind;
+enum { VALUES = 4 * (MAX_TOKEN + 3) }; /* characters of four values; no parameter that is read has more than three */
 
-/* "rgb eta" [ .2 .9 1.1 ]. At most 3 values are kept. */
-typedef struct parameter {
-    kind kind;
-    char name[MAX_TOKEN];
-    char text[MAX_TOKEN]; /* of the first value */
-    size_t n;             /* values in the file */
-    bool has_words;       /* one of them is no number */
-    double v[3];
-    int64_t byte_offset;
-} parameter;
-
+/* A material that is being read: a BSDF node, then its parameters as nodes. */
 typedef struct material {
     char name[MAX_TOKEN], type[MAX_TOKEN];
     int64_t byte_offset;
-    size_t n;
-    parameter list[MAX_PARAMETERS];
+    bool is_named;
+    nqm_bsdf_nodes nodes;
 } material;
 
-static kind kind_of(const char *type) {
+static nqm_bsdf_kind kind_of(const char *type) {
     static const struct {
         const char *type;
-        kind kind;
-    } kinds[] = {{"float", NUMBER}, {"integer", NUMBER}, {"rgb", RGB},        {"spectrum", SPECTRUM},
-                 {"string", TEXT},  {"bool", BOOLEAN},   {"texture", TEXTURE}};
+        nqm_bsdf_kind kind;
+    } kinds[] = {{"float", NQM_BSDF_NUMBER},  {"integer", NQM_BSDF_NUMBER},    {"rgb", NQM_BSDF_TRIPLE},
+                 {"string", NQM_BSDF_STRING}, {"spectrum", NQM_BSDF_SPECTRUM}, {"bool", NQM_BSDF_BOOLEAN}};
     for (size_t i = 0; i < sizeof kinds / sizeof *kinds; ++i)
         if (strcmp(type, kinds[i].type) == 0)
             return kinds[i].kind;
-    return OTHER;
+    return NQM_BSDF_OTHER;
 }
 
-/* One value of a parameter, which is the last token. */
-static nqm_status add_value(scanner *s, parameter *p) {
-    const char *end = s->token;
-    double v = 0;
+/* Append one value, the last token, to the others; a string among numbers keeps its quotes and is no number. */
+static nqm_status add_value(scanner *s, nqm_bsdf_kind kind, char values[VALUES]) {
+    const size_t used = strlen(values), n = strlen(s->token);
+    const char *end = s->token,
+               *quote = s->is_quoted && (kind == NQM_BSDF_NUMBER || kind == NQM_BSDF_TRIPLE) ? "\"" : "";
+    double v;
     if (!s->is_quoted && strcmp(s->token, "true") != 0 && strcmp(s->token, "false") != 0 &&
         (!nqm_parse_double(s->token, &end, &v) || *end))
         return fail(s, "a value that is not a number, string, true or false");
-    p->has_words = p->has_words || s->is_quoted || *end || !*s->token;
-    if (p->n == 0)
-        strcpy(p->text, s->token);
-    if (p->n < 3)
-        p->v[p->n] = v;
-    ++p->n;
+    if (used + n + 4 < VALUES)
+        snprintf(values + used, VALUES - used, "%s%s%s%s", used ? " " : "", quote, s->token, quote);
     return NQM_OK;
 }
 
 /* The values behind a declaration, with or without brackets. */
-static nqm_status read_values(scanner *s, parameter *p) {
+static nqm_status read_values(scanner *s, nqm_bsdf_kind kind, char values[VALUES]) {
     nqm_status status = next(s);
+    *values = 0;
     if (status != NQM_OK)
         return status;
     if (s->is_quoted || strcmp(s->token, "[") != 0)
-        return add_value(s, p);
+        return add_value(s, kind, values);
     while ((status = next(s)) == NQM_OK && (s->is_quoted || strcmp(s->token, "]") != 0)) {
         if (!s->is_quoted && !*s->token)
             return fail(s, "a list without its closing bracket");
-        status = add_value(s, p);
+        status = add_value(s, kind, values);
         if (status != NQM_OK)
             return status;
     }
     return status;
 }
 
-/* Read a parameter, whose declaration "type name" is the last token. */
-static nqm_status read_parameter(scanner *s, parameter *p) {
+/* Read a parameter, whose declaration "type name" is the last token. The first string "type" of a named material is its type. */
+static nqm_status read_parameter(scanner *s, material *m) {
     const size_t blank = strcspn(s->token, " \t"), start = blank + strspn(s->token + blank, " \t");
-    *p = (parameter){.byte_offset = s->byte_offset};
-    if (!blank || !s->token[start])
+    char declaration[MAX_TOKEN], values[VALUES];
+    memcpy(declaration, s->token, sizeof declaration);
+    if (!blank || !declaration[start])
         return fail(s, "a parameter that is not declared as \"type name\"");
-    memcpy(p->name, s->token + start, strlen(s->token + start) + 1);
-    p->name[strcspn(p->name, " \t")] = 0;
-    s->token[blank] = 0;
-    p->kind = kind_of(s->token);
-    return read_values(s, p);
+    declaration[blank] = 0;
+    declaration[start + strcspn(declaration + start, " \t")] = 0;
+    const nqm_bsdf_node node = {.kind = kind_of(declaration),
+                                .type = declaration,
+                                .name = declaration + start,
+                                .value = values,
+                                .byte_offset = s->byte_offset};
+    nqm_status status = read_values(s, node.kind, values);
+    if (status != NQM_OK)
+        return status;
+    if (m->is_named && !*m->type && node.kind == NQM_BSDF_STRING && strcmp(node.name, "type") == 0) {
+        snprintf(m->type, sizeof m->type, "%.*s", MAX_TOKEN - 1, values);
+        return NQM_OK;
+    }
+    if (m->nodes.n > MAX_PARAMETERS)
+        return fail(s, "a material with more than 32 parameters");
+    return nqm_bsdf_add(&m->nodes, &node, s->path, s->err);
 }
 
 /* Read the parameters of a directive. The scanner stops before the next directive. */
 static nqm_status read_parameters(scanner *s, material *m) {
     for (;;) {
         const scanner before = *s;
-        parameter p;
         nqm_status status = next(s);
-        if (status != NQM_OK)
-            return status;
-        if (!s->is_quoted) {
+        if (status == NQM_OK && !s->is_quoted) {
             *s = before;
             return NQM_OK;
         }
-        if ((status = read_parameter(s, &p)) != NQM_OK)
+        if (status == NQM_OK)
+            status = read_parameter(s, m);
+        if (status != NQM_OK)
             return status;
-        if (m->n == MAX_PARAMETERS)
-            return fail(s, "a material with more than 32 parameters");
-        m->list[m->n++] = p;
     }
 }
 
 /* ---- materials to shadings --------------------------------------------------------------------------------------- */
 
-typedef struct translation {
-    const material *m;
-    nqm_shading shading;
-    char refusal[400];
-    int64_t byte_offset;
-    bool remap;
-    double roughness[2]; /* u, v */
-} translation;
-
-__attribute__((format(printf, 3, 4))) static bool refuse(translation *t, int64_t byte_offset, const char *format, ...) {
-    va_list arguments;
-    va_start(arguments, format);
-    vsnprintf(t->refusal, sizeof t->refusal, format, arguments);
-    va_end(arguments);
-    t->byte_offset = byte_offset;
-    return false;
-}
-
-static const parameter *find(const translation *t, const char *name) {
-    for (size_t i = 0; i < t->m->n; ++i)
-        if (strcmp(t->m->list[i].name, name) == 0)
-            return &t->m->list[i];
-    return NULL;
-}
-
-/* The names of the material's parameters are among `names`, which ends with NULL. */
-static bool only_has(translation *t, const char *const *names) {
-    for (size_t i = 0; i < t->m->n; ++i) {
-        const parameter *p = &t->m->list[i];
-        size_t k = 0;
-        while (names[k] && strcmp(names[k], p->name) != 0)
-            ++k;
-        if (p->kind == TEXTURE)
-            return refuse(t, p->byte_offset, "%.40s is a texture; only constants are read", p->name);
-        if (!names[k])
-            return refuse(t, p->byte_offset, "the parameter '%.40s' is not supported", p->name);
-        if (find(t, p->name) != p)
-            return refuse(t, p->byte_offset, "%.40s is given twice", p->name);
-    }
-    return true;
-}
-
-/* A number; `v` keeps its value when the parameter is not given. */
-static bool get_number(translation *t, const char *name, double *v) {
-    const parameter *p = find(t, name);
-    if (p && (p->kind != NUMBER || p->n != 1 || p->has_words))
-        return refuse(t, p->byte_offset, "%s needs one float", name);
-    if (p)
-        *v = p->v[0];
-    return true;
-}
-
 /* "metal-Au-eta" */
-static bool get_metal(translation *t, const parameter *p, const char *part, double v[3]) {
+static bool read_metal(nqm_bsdf_reading *r, const nqm_bsdf_node *node, double v[3]) {
     char name[MAX_TOKEN] = "", names[300];
-    const size_t n = strlen(p->text), n_part = strlen(part);
-    if (n > 7 + n_part && strncmp(p->text, "metal-", 6) == 0 && p->text[n - n_part - 1] == '-' &&
-        strcmp(p->text + n - n_part, part) == 0)
-        memcpy(name, p->text + 6, n - 7 - n_part);
+    const char *part = node->name;
+    const size_t n = strlen(node->value), n_part = strlen(part);
+    if (n > 7 + n_part && n < sizeof name && strncmp(node->value, "metal-", 6) == 0 &&
+        node->value[n - n_part - 1] == '-' && strcmp(node->value + n - n_part, part) == 0)
+        memcpy(name, node->value + 6, n - 7 - n_part);
     const nqm_metal *metal = nqm_metal_find(name);
-    if (!metal) {
-        nqm_metal_names(names, sizeof names);
-        return refuse(t, p->byte_offset, "%s: the spectrum '%.40s' is not known; these metals are: %s", p->name,
-                      p->text, names);
-    }
+    nqm_metal_names(names, sizeof names);
+    if (!metal)
+        return nqm_refuse(&r->reading, node, "%s: the spectrum '%.40s' is not known; these metals are: %s", part,
+                          node->value, names);
     memcpy(v, strcmp(part, "k") == 0 ? metal->k : metal->eta, 3 * sizeof *v);
     return true;
 }
 
 /* A colour; `v` keeps its value when the parameter is not given. */
-static bool get_colour(translation *t, const char *name, double v[3]) {
-    const parameter *p = find(t, name);
-    if (!p)
-        return true;
-    if (p->kind == SPECTRUM && (strcmp(name, "eta") == 0 || strcmp(name, "k") == 0) && p->n == 1)
-        return get_metal(t, p, name, v);
-    if (p->kind == SPECTRUM)
-        return refuse(t, p->byte_offset, "%s is a spectrum by wavelength; only RGB is read", name);
-    if (p->kind != RGB || p->n != 3 || p->has_words)
-        return refuse(t, p->byte_offset, "%s needs three numbers, \"rgb %s\" [ r g b ]", name, name);
-    memcpy(v, p->v, sizeof p->v);
-    return true;
-}
-
-static bool get_bool(translation *t, const char *name, bool *v) {
-    const parameter *p = find(t, name);
-    const bool is_true = p && strcmp(p->text, "true") == 0;
-    if (p && (p->kind != BOOLEAN || p->n != 1 || (!is_true && strcmp(p->text, "false") != 0)))
-        return refuse(t, p->byte_offset, "%s needs true or false", name);
-    if (p)
-        *v = is_true;
-    return true;
+static bool read_colour(nqm_bsdf_reading *r, const char *name, double v[3]) {
+    const nqm_bsdf_node *node = nqm_bsdf_find(r, name);
+    const bool is_spectrum = node && node->kind == NQM_BSDF_SPECTRUM;
+    if (is_spectrum && strcmp(name, "reflectance") != 0 && !strchr(node->value, ' '))
+        return read_metal(r, node, v);
+    if (is_spectrum)
+        return nqm_refuse(&r->reading, node, "%s is a spectrum by wavelength; only RGB is read", name);
+    if (node && node->kind == NQM_BSDF_NUMBER)
+        return nqm_refuse(&r->reading, node, "%s needs three numbers, \"rgb %s\" [ r g b ]", name, name);
+    return nqm_bsdf_numbers(r, name, 3, v);
 }
 
 /* eta and k from a reflectance at normal incidence, as pbrt, which clamps r to 0.9999. */
-static bool reflectance_index(translation *t, double eta[3], double k[3]) {
-    const parameter *p = find(t, "reflectance");
-    double r[3];
-    if (!p)
+static bool reflectance_index(nqm_bsdf_reading *r, double eta[3], double k[3]) {
+    const nqm_bsdf_node *node = nqm_bsdf_find(r, "reflectance");
+    double reflectance[3];
+    if (!node)
         return true;
-    if (find(t, "eta") || find(t, "k"))
-        return refuse(t, p->byte_offset, "reflectance is given as well as eta or k");
-    if (!get_colour(t, "reflectance", r))
+    if (nqm_bsdf_find(r, "eta") || nqm_bsdf_find(r, "k"))
+        return nqm_refuse(&r->reading, node, "reflectance is given as well as eta or k");
+    if (!read_colour(r, "reflectance", reflectance))
         return false;
     for (size_t c = 0; c < 3; ++c) {
-        const double clamped = fmin(fmax(r[c], 0), 0.9999);
+        const double clamped = fmin(fmax(reflectance[c], 0), 0.9999);
         eta[c] = 1;
         k[c] = 2 * sqrt(clamped / (1 - clamped));
     }
     return true;
 }
 
-static bool conductor_roughness(translation *t, double *roughness) {
+static bool conductor_roughness(nqm_bsdf_reading *r, const nqm_bsdf_node *bsdf, double *roughness) {
     double common = 0;
     bool remap = true;
-    if (!get_number(t, "roughness", &common) || !get_bool(t, "remaproughness", &remap))
+    if (!nqm_bsdf_numbers(r, "roughness", 1, &common) || !nqm_bsdf_flag(r, "remaproughness", &remap))
         return false;
     double u = common, v = common;
-    if (!get_number(t, "uroughness", &u) || !get_number(t, "vroughness", &v))
+    if (!nqm_bsdf_numbers(r, "uroughness", 1, &u) || !nqm_bsdf_numbers(r, "vroughness", 1, &v))
         return false;
     if (u != v)
-        return refuse(t, t->m->byte_offset,
-                      "uroughness and vroughness differ; anisotropic materials are not supported");
+        return nqm_refuse(&r->reading, bsdf,
+                          "uroughness and vroughness differ; anisotropic materials are not supported");
     if (u < 0)
-        return refuse(t, t->m->byte_offset, "the roughness is negative");
+        return nqm_refuse(&r->reading, bsdf, "the roughness is negative");
     *roughness = remap ? u : u * u;
     if (!(*roughness >= 1e-6))
-        return refuse(t, t->m->byte_offset,
-                      "a smooth surface reflects into one direction only; only rough ones have a BRDF");
+        return nqm_refuse(&r->reading, bsdf,
+                          "a smooth surface reflects into one direction only; only rough ones have a BRDF");
     return true;
 }
 
-static bool read_conductor(translation *t) {
-    static const char *const names[] = {"eta",        "k",          "reflectance",    "roughness",
-                                        "uroughness", "vroughness", "remaproughness", NULL};
+static bool finish_conductor(nqm_bsdf_reading *r, const nqm_bsdf_node *bsdf) {
     const nqm_metal *copper = nqm_metal_find("Cu"); /* pbrt's default */
     double roughness, eta[3], k[3];
     memcpy(eta, copper->eta, sizeof eta);
     memcpy(k, copper->k, sizeof k);
-    if (!only_has(t, names) || !conductor_roughness(t, &roughness) || !get_colour(t, "eta", eta) ||
-        !get_colour(t, "k", k) || !reflectance_index(t, eta, k))
+    if (!conductor_roughness(r, bsdf, &roughness) || !read_colour(r, "eta", eta) || !read_colour(r, "k", k) ||
+        !reflectance_index(r, eta, k))
         return false;
-    strcpy(t->shading.model, "pbrt-conductor");
-    nqm_shading_set(&t->shading, "roughness", 1, &roughness);
-    nqm_shading_set(&t->shading, "eta", 3, eta);
-    nqm_shading_set(&t->shading, "k", 3, k);
+    nqm_shading_set(&r->reading.shading, "roughness", 1, &roughness);
+    nqm_shading_set(&r->reading.shading, "eta", 3, eta);
+    nqm_shading_set(&r->reading.shading, "k", 3, k);
     return true;
 }
 
-static bool read_diffuse(translation *t) {
-    static const char *const names[] = {"reflectance", NULL};
-    double r[3] = {0.5, 0.5, 0.5};
-    if (!only_has(t, names) || !get_colour(t, "reflectance", r))
+static bool finish_diffuse(nqm_bsdf_reading *r, const nqm_bsdf_node *bsdf) {
+    double kd[3] = {0.5, 0.5, 0.5};
+    (void)bsdf;
+    if (!read_colour(r, "reflectance", kd))
         return false;
     for (size_t c = 0; c < 3; ++c)
-        r[c] = fmin(fmax(r[c], 0), 1); /* as pbrt */
-    strcpy(t->shading.model, "lambert");
-    nqm_shading_set(&t->shading, "kd", 3, r);
+        kd[c] = fmin(fmax(kd[c], 0), 1); /* as pbrt */
+    nqm_shading_set(&r->reading.shading, "kd", 3, kd);
     return true;
 }
 
-static bool read_measured(translation *t) {
-    static const char *const names[] = {"filename", NULL};
-    const parameter *p = find(t, "filename");
-    if (!only_has(t, names))
-        return false;
-    return p && p->kind == TEXT && *p->text ? true : refuse(t, t->m->byte_offset, "filename is missing");
-}
-
+/* read after all others, because the meaning of one depends on another */
+#define LATER(NAME)                                                                                                    \
+    { .name = NAME, .read = nqm_rule_ignore }
+#define DISPLACEMENT                                                                                                   \
+    { .name = "displacement", .read = nqm_rule_neutral, .n = 1, .why = "displacement is not part of a BRDF" }
 #define WALKS     "pbrt evaluates layers by random walks; there is no formula"
 #define TRANSMITS "transmission is not supported"
-static const struct {
-    const char *type, *refusal;
-    bool (*read)(translation *t);
-} types[] = {{"conductor", NULL, read_conductor},
-             {"diffuse", NULL, read_diffuse},
-             {"measured", NULL, read_measured},
-             {"coateddiffuse", WALKS, NULL},
-             {"coatedconductor", WALKS, NULL},
-             {"dielectric", TRANSMITS, NULL},
-             {"thindielectric", TRANSMITS, NULL},
-             {"diffusetransmission", TRANSMITS, NULL},
-             {"subsurface", "subsurface scattering is not supported", NULL},
-             {"hair", "hair has no BRDF of a surface", NULL},
-             {"mix", "mixtures of materials are not supported", NULL},
-             {"interface", "it reflects nothing", NULL}};
-enum { N_TYPES = sizeof types / sizeof *types };
-
-static bool translate(translation *t) {
-    for (size_t i = 0; i < N_TYPES; ++i)
-        if (strcmp(types[i].type, t->m->type) == 0)
-            return types[i].refusal ? refuse(t, t->m->byte_offset, "%s", types[i].refusal) : types[i].read(t);
-    return refuse(t, t->m->byte_offset, "the type '%.40s' is not known", t->m->type);
-}
+static const nqm_bsdf_plugin types[] = {
+    {.type = "conductor",
+     .model = "pbrt-conductor",
+     .finish = finish_conductor,
+     .rules = {LATER("eta"), LATER("k"), LATER("reflectance"), LATER("roughness"), LATER("uroughness"),
+               LATER("vroughness"), LATER("remaproughness"), DISPLACEMENT}},
+    {.type = "diffuse", .model = "lambert", .finish = finish_diffuse, .rules = {LATER("reflectance"), DISPLACEMENT}},
+    {.type = "measured", .rules = {{.name = "filename", .read = nqm_bsdf_file}}},
+    {.type = "coateddiffuse", .refusal = WALKS},
+    {.type = "coatedconductor", .refusal = WALKS},
+    {.type = "dielectric", .refusal = TRANSMITS},
+    {.type = "thindielectric", .refusal = TRANSMITS},
+    {.type = "diffusetransmission", .refusal = TRANSMITS},
+    {.type = "subsurface", .refusal = "subsurface scattering is not supported"},
+    {.type = "hair", .refusal = "hair has no BRDF of a surface"},
+    {.type = "mix", .refusal = "mixtures of materials are not supported"},
+    {.type = "interface", .refusal = "it reflects nothing"},
+    {.type = NULL}};
 
 static nqm_status add_material(const scanner *s, const material *m, nqm_materials *materials) {
-    translation t = {.m = m, .byte_offset = m->byte_offset};
-    nqm_material_info info = {.name = m->name, .surface = m->type};
-    const bool ok = s->refusal ? refuse(&t, m->byte_offset, "%s", s->refusal) : translate(&t);
-    info.byte_offset = t.byte_offset;
-    if (ok && *t.shading.model)
-        return nqm_materials_add_shading(materials, info.name, info.surface, &t.shading, info.byte_offset, s->err);
-    if (ok)
-        info.spec = find(&t, "filename")->text;
+    nqm_bsdf_reading r = {.reading = {.source = &nqm_bsdf_source}, .nodes = &m->nodes};
+    if (s->refusal)
+        nqm_refuse(&r.reading, m->nodes.list, "%s", s->refusal);
     else
-        info.refusal = t.refusal;
-    return nqm_materials_add(materials, &info, s->err);
+        nqm_bsdf_read(&r, types, m->type);
+    return nqm_reading_add(&r.reading, m->name, m->type, m->byte_offset, materials, s->err);
 }
 
 /* ---- scenes ------------------------------------------------------------------------------------------------------ */
 
-/* The type of a material: a string parameter of a named one, the word after the directive of others. */
+/* The type of a material is a string parameter of a named one, the word after the directive of others. */
 static nqm_status read_material(scanner *s, bool is_named, material *m) {
-    m->n = 0;
-    m->name[0] = m->type[0] = 0;
-    m->byte_offset = s->byte_offset;
+    const nqm_bsdf_node bsdf = {.parent = NQM_BSDF_ROOT, .byte_offset = s->byte_offset};
+    nqm_bsdf_clear(&m->nodes);
+    *m = (material){.byte_offset = s->byte_offset, .is_named = is_named};
     nqm_status status = next(s);
     if (status == NQM_OK && !s->is_quoted)
         return fail(s, is_named ? "MakeNamedMaterial without the name of a material"
                                 : "Material without the type of a material");
-    if (status == NQM_OK) {
-        strcpy(is_named ? m->name : m->type, s->token);
-        status = read_parameters(s, m);
-    }
-    for (size_t i = 0; status == NQM_OK && is_named && i < m->n; ++i)
-        if (!*m->type && strcmp(m->list[i].name, "type") == 0 && m->list[i].kind == TEXT) {
-            strcpy(m->type, m->list[i].text);
-            m->list[i--] = m->list[--m->n];
-        }
-    return status;
+    if (status == NQM_OK)
+        status = nqm_bsdf_add(&m->nodes, &bsdf, s->path, s->err);
+    if (status != NQM_OK)
+        return status;
+    strcpy(is_named ? m->name : m->type, s->token);
+    return read_parameters(s, m);
 }
 
 /* Directives that change what the parameters of later materials mean. They end with the enclosing attribute block, which is not
@@ -443,15 +355,15 @@ static nqm_status read_pbrt(const nqm_map *map, nqm_materials *materials, nqm_er
     if (map->n_bytes > MAX_BYTES)
         return nqm_fail(err, NQM_ERR_LIMIT, 0, "%s: a scene of %zu bytes (byte 0); at most %d are read", map->path,
                         map->n_bytes, MAX_BYTES);
-    material *m = nqm_alloc(1, sizeof *m);
-    nqm_status status = m ? next(&s) : nqm_fail_nomem(err, sizeof *m);
+    material m = {.name = ""}; /* the last one */
+    nqm_status status = next(&s);
     while (status == NQM_OK && (s.is_quoted || *s.token)) {
         if (!s.is_quoted)
-            status = read_directive(&s, m, materials);
+            status = read_directive(&s, &m, materials);
         if (status == NQM_OK)
             status = next(&s);
     }
-    nqm_free(m);
+    nqm_bsdf_clear(&m.nodes);
     return status;
 }
 

@@ -42,7 +42,7 @@ static const nqm_xml_element *find_input(const nqm_xml_element *const definition
     return NULL;
 }
 
-static void check_input(const char *node, const nqm_mtlx_input *input, const nqm_xml_element *e) {
+static void check_input(const char *node, const nqm_rule *input, const nqm_xml_element *e) {
     if (!e)
         fail_msg("%s: the definition has no input %s", node, input->name);
     if (!input->type)
@@ -68,16 +68,12 @@ static void check_surface(const nqm_mtlx_surface *surface, const char *file) {
     assert_int_equal(nqm_map_open(shared_data(path), &map, &err), NQM_OK);
     assert_int_equal(nqm_xml_parse(map.data, map.n_bytes, path, &xml, &err), NQM_OK);
     find_definitions(&xml, surface->node, definitions);
-    for (size_t i = 0; i < surface->n; ++i)
-        check_input(surface->node, &surface->inputs[i], find_input(definitions, surface->inputs[i].name));
+    for (const nqm_rule *input = surface->inputs; input->name; ++input)
+        check_input(surface->node, input, find_input(definitions, input->name));
     for (size_t d = 0; d < 2 && definitions[d]; ++d)
-        for (const nqm_xml_element *e = definitions[d]->first; e; e = e->next) {
-            size_t i = 0;
-            while (i < surface->n && strcmp(surface->inputs[i].name, nqm_xml_get(e, "name")) != 0)
-                ++i;
-            if (strcmp(e->name, "input") == 0 && i == surface->n)
+        for (const nqm_xml_element *e = definitions[d]->first; e; e = e->next)
+            if (strcmp(e->name, "input") == 0 && !nqm_rule_find(surface->inputs, nqm_xml_get(e, "name")))
                 fail_msg("%s: the input %s is not in the table", surface->node, nqm_xml_get(e, "name"));
-        }
     nqm_xml_free(&xml);
     nqm_map_close(&map);
 }
@@ -101,9 +97,9 @@ static void models_have_the_same_defaults(void **state) {
         nqm_shading shading = {.n = 0};
         strcpy(shading.model, surface->model);
         char *bare = nqm_shading_spec(&shading);
-        for (size_t i = 0; i < surface->n; ++i)
-            if (surface->inputs[i].kind == NQM_MTLX_KEY)
-                nqm_shading_set(&shading, surface->inputs[i].name, 1, &surface->inputs[i].value);
+        for (const nqm_rule *input = surface->inputs; input->name; ++input)
+            if (input->key)
+                nqm_shading_set(&shading, input->key, 1, &input->value);
         char *full = nqm_shading_spec(&shading);
         nqm_brdf *a = open_brdf(bare), *b = open_brdf(full);
         assert_string_equal(nqm_brdf_get_info(a).spec, nqm_brdf_get_info(b).spec);
@@ -121,12 +117,10 @@ static void gltf_files_have_the_same_defaults(void **state) {
     assert_string_equal(surface->model, "gltf");
     for (size_t g = 0; g <= NQM_GLTF_N_EXTENSIONS; ++g) {
         const nqm_gltf_group *group = g ? &nqm_gltf_extensions[g - 1] : &nqm_gltf_core;
-        for (const nqm_gltf_property *p = group->properties; p->name; ++p) {
-            size_t i = 0;
-            while (p->key && i < surface->n && strcmp(surface->inputs[i].name, p->key) != 0)
-                ++i;
-            if (p->key && (i == surface->n || surface->inputs[i].value != p->fallback))
-                fail_msg("%s.%s: %g", group->name, p->name, p->fallback);
+        for (const nqm_rule *p = group->rules; p->name; ++p) {
+            const nqm_rule *input = nqm_rule_find(surface->inputs, p->key);
+            if (p->key && (!input || input->value != p->value))
+                fail_msg("%s.%s: %g", group->name, p->name, p->value);
         }
     }
 }

@@ -138,17 +138,17 @@ static void what_is_no_brdf_is_refused(void **state) {
         {"\"alphaMode\": \"MASK\", \"pbrMetallicRoughness\": {\"baseColorFactor\": [1, 1, 1, 0.49]}",
          "alphaMode = MASK:", "\"MASK\""},
         {"\"extensions\": {\"KHR_materials_transmission\": {\"transmissionFactor\": 0.8}}",
-         "KHR_materials_transmission.transmissionFactor = 0.8:", "0.8}"},
+         "KHR_materials_transmission.transmissionFactor is 0.8:", "0.8}"},
         {"\"extensions\": {\"KHR_materials_volume\": {\"thicknessFactor\": 2}}",
-         "KHR_materials_volume.thicknessFactor = 2:", "2}"},
+         "KHR_materials_volume.thicknessFactor is 2:", "2}"},
         {"\"extensions\": {\"KHR_materials_anisotropy\": {\"anisotropyStrength\": 1}}",
-         "KHR_materials_anisotropy.anisotropyStrength = 1:", "1}"},
+         "KHR_materials_anisotropy.anisotropyStrength is 1:", "1}"},
         {"\"extensions\": {\"KHR_materials_iridescence\": {\"iridescenceFactor\": 1}}",
-         "KHR_materials_iridescence.iridescenceFactor = 1:", "1}"},
+         "KHR_materials_iridescence.iridescenceFactor is 1:", "1}"},
         {"\"extensions\": {\"KHR_materials_dispersion\": {\"dispersion\": 0.1}}",
-         "KHR_materials_dispersion.dispersion = 0.1:", "0.1}"},
+         "KHR_materials_dispersion.dispersion is 0.1:", "0.1}"},
         {"\"extensions\": {\"KHR_materials_diffuse_transmission\": {\"diffuseTransmissionFactor\": 1}}",
-         "KHR_materials_diffuse_transmission.diffuseTransmissionFactor = 1:", "1}"},
+         "KHR_materials_diffuse_transmission.diffuseTransmissionFactor is 1:", "1}"},
         {"\"extensions\": {\"KHR_materials_unlit\": {}}", "KHR_materials_unlit:", "{}}"},
         {"\"extensions\": {\"KHR_materials_pbrSpecularGlossiness\": {\"glossinessFactor\": 1}}",
          "KHR_materials_pbrSpecularGlossiness:", "{\"gloss"},
@@ -157,7 +157,7 @@ static void what_is_no_brdf_is_refused(void **state) {
         {"\"extensions\": {\"KHR_materials_sheen\": {\"sheenColorFactor\": [1, 0, 0], \"sheenRoughnessTexture\": "
          "{\"i\": 1}}}",
          "KHR_materials_sheen.sheenRoughnessTexture:", "{\"i\""},
-        {"\"pbrMetallicRoughness\": {\"shininess\": 3}", "pbrMetallicRoughness.shininess:", "3}"},
+        {"\"pbrMetallicRoughness\": {\"shininess\": 3}", "pbrMetallicRoughness has no property 'shininess'", "3}"},
         {"\"technique\": 3", "technique:", "3}"}};
     for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i)
         check_refusal(cases[i][0], cases[i][1], cases[i][2]);

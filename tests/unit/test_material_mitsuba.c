@@ -56,7 +56,7 @@ static void principled_of_xml(void **state) {
     expect_refusal(XML("principled", FLOAT("specular", "0.5") FLOAT("eta", "1.5")), "given twice");
     expect_refusal(XML("principled", FLOAT("eta", "1.5") FLOAT("specular", "0.5")), "as well as eta");
     expect_refusal(XML("principled", FLOAT("specular", "2")), "0 to 1");
-    expect_refusal(XML("principled", FLOAT("anisotropic", ".5")), "anisotropic is .5");
+    expect_refusal(XML("principled", FLOAT("anisotropic", ".5")), "anisotropic is 0.5");
     expect_refusal(XML("principled", FLOAT("spec_trans", ".5")), "transmission");
     expect_refusal(XML("principled", RGB("roughness", ".5 .6 .7")), "not the colour");
 }

@@ -1,0 +1,93 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * bsdf.h - what Mitsuba 3 and pbrt-v4 share: BSDFs with typed properties as a list of nodes, their reading by rules, and the indices of
+ * metals by name.
+ */
+#ifndef NQM_SRC_MATERIAL_BSDF_H
+#define NQM_SRC_MATERIAL_BSDF_H
+
+#include "material/rules.h"
+
+typedef enum nqm_bsdf_kind {
+    NQM_BSDF_BSDF,
+    NQM_BSDF_NUMBER,
+    NQM_BSDF_BOOLEAN,
+    NQM_BSDF_STRING,
+    NQM_BSDF_RGB,    /**< three numbers, one, or "#rrggbb" */
+    NQM_BSDF_TRIPLE, /**< three numbers */
+    NQM_BSDF_SPECTRUM,
+    NQM_BSDF_REF,
+    NQM_BSDF_OTHER, /**< textures and other plugins */
+} nqm_bsdf_kind;
+
+/** A BSDF or a property inside one. Texts are "" when absent. */
+typedef struct nqm_bsdf_node {
+    nqm_bsdf_kind kind;
+    size_t parent; /**< index; NQM_BSDF_ROOT: not inside of a BSDF */
+    char *type;    /**< of a plugin */
+    char *name;    /**< of a property */
+    char *id;
+    char *value; /**< of a property, as text: "0.1", "0.2 0.3 0.4", "true" */
+    int64_t byte_offset;
+} nqm_bsdf_node;
+#define NQM_BSDF_ROOT ((size_t)-1)
+
+/** A zeroed list is empty. */
+typedef struct nqm_bsdf_nodes {
+    size_t n, max_n;
+    nqm_bsdf_node *list; /* (n), parents before their children */
+} nqm_bsdf_nodes;
+
+/** Append a node; its texts are copied, NULL as "". NQM_ERR_LIMIT: more than 100000. */
+NQM_MUST_CHECK nqm_status nqm_bsdf_add(nqm_bsdf_nodes *nodes, const nqm_bsdf_node *node, const char *path,
+                                       nqm_error *err);
+/** The list is empty then. */
+void nqm_bsdf_clear(nqm_bsdf_nodes *nodes);
+/** The next child of `parent` from index `i` on; nodes->n when there is none. */
+size_t nqm_bsdf_next(const nqm_bsdf_nodes *nodes, size_t parent, size_t i);
+
+/** A BSDF that is being read. Properties are nodes. */
+typedef struct nqm_bsdf_reading {
+    nqm_reading reading;
+    const nqm_bsdf_nodes *nodes;
+    size_t at; /**< index of the BSDF */
+} nqm_bsdf_reading;
+
+/** A type of BSDF. */
+typedef struct nqm_bsdf_plugin {
+    const char *type;                                               /**< NULL ends a list */
+    const char *refusal;                                            /**< NULL: the plugin is read */
+    const char *model;                                              /**< of the shading; NULL: a measured file */
+    bool (*finish)(nqm_bsdf_reading *r, const nqm_bsdf_node *bsdf); /**< after the properties, or NULL */
+    nqm_rule rules[20];
+} nqm_bsdf_plugin;
+
+extern const nqm_rule_source nqm_bsdf_source;
+/** NULL: there is no plugin of that type. */
+const nqm_bsdf_plugin *nqm_bsdf_find_plugin(const nqm_bsdf_plugin *plugins, const char *type);
+/** Read the BSDF `r->at` as one of these types; false: it is refused. */
+bool nqm_bsdf_read(nqm_bsdf_reading *r, const nqm_bsdf_plugin *plugins, const char *type);
+/** A property of the BSDF, or NULL. */
+const nqm_bsdf_node *nqm_bsdf_find(const nqm_bsdf_reading *r, const char *name);
+/** A number, or n = 3 numbers; the values stay when the property is not given. false: refused. */
+bool nqm_bsdf_numbers(nqm_bsdf_reading *r, const char *name, size_t n, double *v);
+/** "true" or "false", likewise. */
+bool nqm_bsdf_flag(nqm_bsdf_reading *r, const char *name, bool *v);
+/** The text of a property that names a measured file. */
+nqm_rule_read nqm_bsdf_file;
+
+/** Parse numbers separated by blanks or commas; the whole text must be numbers. Returns their count, 0 when there is anything
+ *  else or more than max_n. */
+size_t nqm_bsdf_parse(const char *text, size_t max_n, double *v);
+
+/** A conductor's index of refraction eta + i k, for the three channels. */
+typedef struct nqm_metal {
+    const char *name;
+    double eta[3], k[3];
+} nqm_metal;
+/** NULL: there is none of this name. "Au_palik" is "Au". */
+const nqm_metal *nqm_metal_find(const char *name);
+/** All names, separated by ", ". */
+void nqm_metal_names(char *text, size_t n_text);
+
+#endif

@@ -1,0 +1,99 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Properties of materials by rules: see rules.h.
+ */
+#include "material/rules.h"
+
+#include <stdarg.h>
+
+bool nqm_refuse(nqm_reading *r, const void *property, const char *format, ...) {
+    if (*r->refusal)
+        return false;
+    va_list arguments;
+    va_start(arguments, format);
+    vsnprintf(r->refusal, sizeof r->refusal, format, arguments);
+    va_end(arguments);
+    r->byte_offset = r->source->byte_of(r, property);
+    return false;
+}
+
+const nqm_rule *nqm_rule_find(const nqm_rule *rules, const char *name) {
+    for (const nqm_rule *rule = rules; rule->name; ++rule)
+        if (name && strcmp(rule->name, name) == 0)
+            return rule;
+    return NULL;
+}
+
+/* The property that a gate names is 0, or missing with the default 0. */
+static bool is_off(nqm_reading *r, const char *gate) {
+    const nqm_rule *rule = nqm_rule_find(r->rules, gate);
+    const void *property = r->source->find(r, gate);
+    double v[4] = {rule->value};
+    size_t n = 1;
+    if (property && !r->source->read(r, rule, property, v, &n))
+        return false;
+    for (size_t c = 0; c < n; ++c)
+        if (v[c] != 0)
+            return false;
+    return true;
+}
+
+bool nqm_rules_apply(nqm_reading *r, const char *name, const void *property) {
+    const nqm_rule *rule = nqm_rule_find(r->rules, name);
+    if (!rule)
+        return nqm_refuse(r, property, "%s has no %s '%.40s'", r->owner, r->source->term, name ? name : "");
+    const uint64_t bit = (uint64_t)1 << (rule - r->rules);
+    if (r->given & bit)
+        return nqm_refuse(r, property, "%s is given twice", name);
+    r->given |= bit;
+    return (rule->gate && is_off(r, rule->gate)) || rule->read(r, rule, property);
+}
+
+bool nqm_rule_set(nqm_reading *r, const nqm_rule *rule, const void *property) {
+    double v[4];
+    size_t n;
+    if (!r->source->read(r, rule, property, v, &n))
+        return false;
+    nqm_shading_set(&r->shading, rule->key, n, v);
+    return true;
+}
+
+bool nqm_rule_neutral(nqm_reading *r, const nqm_rule *rule, const void *property) {
+    const size_t n_before = strlen(r->refusal);
+    const bool shows = r->source->shows_owner;
+    char number[32];
+    double v[4];
+    size_t n;
+    if (!r->source->read(r, rule, property, v, &n)) {
+        const size_t n_refusal = strlen(r->refusal);
+        if (n_refusal > n_before)
+            snprintf(r->refusal + n_refusal, sizeof r->refusal - n_refusal, " (%s)", rule->why);
+        return false;
+    }
+    for (size_t c = 0; c < n; ++c)
+        if (v[c] != rule->value)
+            return nqm_refuse(r, property, "%s%s%s is %s: %s", shows ? r->owner : "", shows ? "." : "", rule->name,
+                              nqm_format_double(number, sizeof number, v[c]), rule->why);
+    return true;
+}
+
+bool nqm_rule_ignore(nqm_reading *r, const nqm_rule *rule, const void *property) {
+    (void)r;
+    (void)rule;
+    (void)property;
+    return true;
+}
+
+nqm_status nqm_reading_add(const nqm_reading *r, const char *name, const char *surface, int64_t byte_offset,
+                           nqm_materials *materials, nqm_error *err) {
+    nqm_material_info info = {.name = name, .surface = surface, .byte_offset = byte_offset};
+    if (!*r->refusal && !r->file)
+        return nqm_materials_add_shading(materials, name, surface, &r->shading, byte_offset, err);
+    if (*r->refusal) {
+        info.refusal = r->refusal;
+        info.byte_offset = r->byte_offset;
+    } else {
+        info.spec = r->file;
+    }
+    return nqm_materials_add(materials, &info, err);
+}

@@ -1,0 +1,70 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * rules.h - how the properties of a material in a file become those of a shading. Each shading model of each file format has a list with
+ * one rule for each property that a file may give; any other property refuses the material. What differs between the formats is how
+ * a property is found and its numbers are read: nqm_rule_source.
+ */
+#ifndef NQM_SRC_MATERIAL_RULES_H
+#define NQM_SRC_MATERIAL_RULES_H
+
+#include "material/material.h"
+
+typedef struct nqm_rule nqm_rule;
+typedef struct nqm_reading nqm_reading;
+
+/** Read one property; its type is that of the format. false: the material is refused. */
+typedef bool nqm_rule_read(nqm_reading *r, const nqm_rule *rule, const void *property);
+
+struct nqm_rule {
+    const char *name; /**< in the file; NULL ends a list */
+    nqm_rule_read *read;
+    const char *key; /**< of the shading, if the rule sets one */
+    size_t n;        /**< values: 1, 3 for a colour, 4 for a colour with alpha */
+    double value; /**< of every channel of a missing property; of nqm_rule_neutral(), the only one that is accepted */
+    const char *why;  /**< nqm_rule_neutral(): why other values are refused */
+    const char *gate; /**< the property has no effect where the one of this name is 0; NULL: it always has */
+    const char *type; /**< of the values in the file, in formats that name it */
+};
+
+/** Set the key of the shading. */
+nqm_rule_read nqm_rule_set;
+/** Refuse values other than that of the rule. */
+nqm_rule_read nqm_rule_neutral;
+/** The property has no effect on a BRDF, or code for the whole material reads it. */
+nqm_rule_read nqm_rule_ignore;
+
+/** What a file format implements. */
+typedef struct nqm_rule_source {
+    const char *term; /**< what the format calls a property, for messages */
+    bool shows_owner; /**< as part of names: "KHR_materials_ior.ior" */
+    /** The property of the material, or NULL. */
+    const void *(*find)(nqm_reading *r, const char *name);
+    /** The numbers of a property: *n is rule->n, or 1 if the format allows a number for a colour. false: refused. */
+    bool (*read)(nqm_reading *r, const nqm_rule *rule, const void *property, double v[4], size_t *n);
+    /** The position of a property in the file. */
+    int64_t (*byte_of)(const nqm_reading *r, const void *property);
+} nqm_rule_source;
+
+/** A material that is being read: its shading or file, or why it is refused. Formats begin a struct of their own with it. */
+struct nqm_reading {
+    const nqm_rule_source *source;
+    const nqm_rule *rules;
+    const char *owner; /**< what has the properties, for messages */
+    nqm_shading shading;
+    const char *file;    /**< of a measured material; NULL: the shading is the result */
+    char refusal[400];   /**< "": accepted */
+    int64_t byte_offset; /**< of the refused property */
+    uint64_t given;      /**< bit i: rule i has been applied */
+};
+
+/** Refuse the material, unless it is refused already; false, so that readers can return it. */
+__attribute__((format(printf, 3, 4))) bool nqm_refuse(nqm_reading *r, const void *property, const char *format, ...);
+/** Apply the rule for a property; false: the material is refused. */
+bool nqm_rules_apply(nqm_reading *r, const char *name, const void *property);
+/** The rule of that name in a list, or NULL. */
+const nqm_rule *nqm_rule_find(const nqm_rule *rules, const char *name);
+/** Append what has been read: the shading, the file or the refusal. byte_offset: of a material that is accepted. */
+NQM_MUST_CHECK nqm_status nqm_reading_add(const nqm_reading *r, const char *name, const char *surface,
+                                          int64_t byte_offset, nqm_materials *materials, nqm_error *err);
+
+#endif
