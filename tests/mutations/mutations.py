@@ -53,8 +53,8 @@ MUTATIONS = [
     ("src/metric/predict.c", "static const double delta_e_per_log = 120;", "static const double delta_e_per_log = 60;", "test_metric_scalars"),
     ("src/metric/predict.c", "if (own > bound) {", "if (own > 2 * bound) {", "test_metric_score"),
     ("src/sample/features.c", "return (layout == NQM_LAYOUT_REF_TEST ? 6 : 9) * n_directions;", "return (layout == NQM_LAYOUT_REF_TEST ? 9 : 6) * n_directions;", "test_sample_features"),
-    ("src/kernel/transform.h", "magnitude[i] = s * fabsf(d);", "magnitude[i] = fabsf(d);", "test_kernel_transform test_kernel_rows test_sample_features"),
-    ("src/kernel/transform.h", "x[i] = (t[i] - mean[i]) * scale[i];", "x[i] = t[i] * scale[i] - mean[i];", "test_kernel_transform test_kernel_rows test_sample_features"),
+    ("src/sample/loops.c", "magnitude[i] = s * fabsf(d);", "magnitude[i] = fabsf(d);", "test_sample_loops test_sample_features"),
+    ("src/sample/loops.c", "x[i] = (t[i] - mean[i]) * scale[i];", "x[i] = t[i] * scale[i] - mean[i];", "test_sample_loops test_sample_features"),
     # ---- LayerNorm, GELU, Adam, losses, schedules
     ("src/kernel/kernel.h", "#define NQM_LAYERNORM_EPS 1e-5f", "#define NQM_LAYERNORM_EPS 1e-3f", "test_net_pytorch"),
     ("src/kernel/rows.h", "sum[v] += (a + b - c) * (a + b - c);", "sum[v] += (a + b) * (a + b);", "test_kernel_rows test_net_pytorch"),
