@@ -21,10 +21,6 @@ typedef struct nqm_transport_picture {
     const nqm_sample_pair *pair;
     enum { NQM_TRANSPORT_OF_REF, NQM_TRANSPORT_OF_TEST, NQM_TRANSPORT_OF_DIFFERENCE } of; /* test minus reference */
 } nqm_transport_picture;
-/** The pictures of references and tests of n pairs, at most NQM_COMPARE_MAX; ref_at, test_at (n) receive their indices. Returns their
- *  number. */
-size_t nqm_transport_pair_pictures(size_t n, const nqm_sample_pair *pairs, nqm_transport_picture *pictures,
-                                   size_t *ref_at, size_t *test_at);
 /** The light of points [first, first + n_points), at most NQM_TRANSPORT_BLOCK, in n pictures, at most NQM_TRANSPORT_MAX: rgb
  *  (n, 3, n_points) cd/m2. first and n_points are multiples of NQM_PANEL. A picture does not depend on the others. */
 void nqm_transport_radiance(const nqm_transport *transport, size_t first, size_t n_points, size_t n,

@@ -162,9 +162,11 @@ static void add_points(const nqm_transport *t, size_t first, size_t n, const flo
     }
 }
 
-size_t nqm_transport_pair_pictures(size_t n, const nqm_sample_pair *pairs, nqm_transport_picture *pictures,
-                                   size_t *ref_at, size_t *test_at) {
-    size_t n_pictures = 0;
+void nqm_transport_estimates(const nqm_transport *t, size_t n, const nqm_sample_pair *pairs, nqm_label *estimates) {
+    nqm_transport_picture pictures[NQM_TRANSPORT_MAX];
+    nqm_picture_sums sums[NQM_COMPARE_MAX] = {{0}};
+    float itp[NQM_TRANSPORT_MAX * 3 * POINTS];
+    size_t n_pictures = 0, ref_at[NQM_COMPARE_MAX], test_at[NQM_COMPARE_MAX]; /* pictures of pair i */
     for (size_t i = 0; i < n; ++i) {
         const bool is_shared = i > 0 && pairs[i].ref == pairs[i - 1].ref;
         ref_at[i] = is_shared ? ref_at[i - 1] : n_pictures;
@@ -172,18 +174,8 @@ size_t nqm_transport_pair_pictures(size_t n, const nqm_sample_pair *pairs, nqm_t
             pictures[n_pictures++] = (nqm_transport_picture){&pairs[i], NQM_TRANSPORT_OF_REF};
         test_at[i] = n_pictures;
         pictures[n_pictures++] = (nqm_transport_picture){&pairs[i], NQM_TRANSPORT_OF_TEST};
-    }
-    return n_pictures;
-}
-
-void nqm_transport_estimates(const nqm_transport *t, size_t n, const nqm_sample_pair *pairs, nqm_label *estimates) {
-    nqm_transport_picture pictures[NQM_TRANSPORT_MAX];
-    nqm_picture_sums sums[NQM_COMPARE_MAX] = {{0}};
-    float itp[NQM_TRANSPORT_MAX * 3 * POINTS];
-    size_t ref_at[NQM_COMPARE_MAX], test_at[NQM_COMPARE_MAX];
-    const size_t n_pictures = nqm_transport_pair_pictures(n, pairs, pictures, ref_at, test_at);
-    for (size_t i = 0; i < n; ++i)
         estimates[i] = (nqm_label){.delta_e = 0};
+    }
     for (size_t first = 0, n_points; first < t->n_points; first += n_points) {
         n_points = nqm_smaller(t->n_points - first, POINTS);
         nqm_transport_pictures(t, first, n_points, n_pictures, pictures, itp);

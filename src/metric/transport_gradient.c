@@ -26,31 +26,47 @@ void nqm_transport_show(const nqm_transport *t, const double *rgb, double *itp) 
     }
 }
 
-/* The light of n points of the test: that of the reference and of the difference, unless that is large and the sum would be rounded
- * more than the light itself. */
-static void add_difference(size_t n, const float *ref, const float *test, const float *difference, double *light) {
+/* Whether a sample of the test is so dark that the sum of reference and difference would be rounded much more than the test. */
+static bool is_darker(size_t n, const nqm_sample_pair *p) {
+    int n_darker = 0;
+    for (size_t i = 0; i < n; ++i)
+        n_darker += p->test[i] < 0.125F * p->ref[i] && (!p->used || p->used[i / 3]);
+    return n_darker > 0;
+}
+
+/* The light of n points of the test. test: NULL unless it is darker; then differences are used only where they are small. */
+static void add_difference(size_t n, const float *ref, const float *difference, const float *test, double *light) {
     for (size_t p = 0; p < n; ++p)
-        light[p] = fabsf(difference[p]) < 0.5F * test[p] ? (double)ref[p] + (double)difference[p] : (double)test[p];
+        light[p] =
+            !test || fabsf(difference[p]) < 0.5F * test[p] ? (double)ref[p] + (double)difference[p] : (double)test[p];
 }
 
 void nqm_transport_see(const nqm_transport *t, size_t n, const nqm_sample_pair *pairs, const nqm_seen_pair *seen) {
-    enum { POINTS = NQM_TRANSPORT_BLOCK };
+    enum { POINTS = NQM_TRANSPORT_BLOCK, NONE = NQM_TRANSPORT_MAX };
     nqm_transport_picture pictures[NQM_TRANSPORT_MAX];
     float light[NQM_TRANSPORT_MAX * 3 * POINTS];
-    size_t ref_at[NQM_COMPARE_MAX], test_at[NQM_COMPARE_MAX];
-    const size_t n_pictures = nqm_transport_pair_pictures(n, pairs, pictures, ref_at, test_at);
-    for (size_t i = 0; i < n; ++i)
-        pictures[n_pictures + i] = (nqm_transport_picture){&pairs[i], NQM_TRANSPORT_OF_DIFFERENCE};
+    size_t n_pictures = 0, ref_at[NQM_COMPARE_MAX], test_at[NQM_COMPARE_MAX], difference_at[NQM_COMPARE_MAX];
+    for (size_t i = 0; i < n; ++i) {
+        const bool is_shared = i > 0 && seen[i].ref == seen[i - 1].ref;
+        ref_at[i] = is_shared ? ref_at[i - 1] : n_pictures;
+        if (!is_shared)
+            pictures[n_pictures++] = (nqm_transport_picture){&pairs[i], NQM_TRANSPORT_OF_REF};
+        difference_at[i] = n_pictures;
+        pictures[n_pictures++] = (nqm_transport_picture){&pairs[i], NQM_TRANSPORT_OF_DIFFERENCE};
+        test_at[i] = is_darker(3 * t->n_directions, &pairs[i]) ? n_pictures : NONE;
+        if (test_at[i] != NONE)
+            pictures[n_pictures++] = (nqm_transport_picture){&pairs[i], NQM_TRANSPORT_OF_TEST};
+    }
     for (size_t first = 0, n_points; first < t->n_points; first += n_points) {
         n_points = nqm_smaller(t->n_points - first, POINTS);
-        nqm_transport_radiance(t, first, n_points, n_pictures + n, pictures, light);
+        nqm_transport_radiance(t, first, n_points, n_pictures, pictures, light);
         for (size_t i = 0; i < 3 * n; ++i) {
             const size_t k = i % 3, pair = i / 3, at = k * t->n_points + first;
             const float *ref = light + (3 * ref_at[pair] + k) * n_points;
-            const float *test = light + (3 * test_at[pair] + k) * n_points;
+            const float *test = test_at[pair] != NONE ? light + (3 * test_at[pair] + k) * n_points : NULL;
             for (size_t p = 0; p < n_points; ++p)
                 seen[pair].ref[at + p] = (double)ref[p];
-            add_difference(n_points, ref, test, light + (3 * (n_pictures + pair) + k) * n_points,
+            add_difference(n_points, ref, light + (3 * difference_at[pair] + k) * n_points, test,
                            seen[pair].light + at);
         }
     }
