@@ -156,6 +156,7 @@ typedef struct nqm_dataset_prediction {
     double *jod;         /* (n_pairs of the dataset) receives the JOD of each of the n pairs, at the pair's index */
     double *novelty;     /* (n_pairs of the dataset) the same for nqm_model_novelty(); NULL: do not compute it */
     double *spread;      /* (n_pairs of the dataset) the same for nqm_model_spread(); NULL: not stored */
+    double *bound;       /* (n_pairs of the dataset) the same for nqm_delta_e_bound(); NULL: not stored */
     nqm_label
         *labels; /* (n_pairs of the dataset) the same for parts, NaN if the model predicts none; NULL: not stored */
     nqm_status (*batch_done)(void *user, size_t n,

@@ -22,22 +22,18 @@ static nqm_status predict_batch(const nqm_dataset_prediction *p, nqm_predictor *
                                 const size_t *pairs, uint8_t *used, nqm_error *err) {
     const nqm_dataset *d = p->dataset;
     const size_t n_columns = 3 * d->n_directions;
-    const float *ref[NQM_PREDICT_BATCH], *test[NQM_PREDICT_BATCH];
-    double jod[NQM_PREDICT_BATCH], novelty[NQM_PREDICT_BATCH], spread[NQM_PREDICT_BATCH];
+    nqm_sample_pair batch[NQM_PREDICT_BATCH];
+    double jod[NQM_PREDICT_BATCH], novelty[NQM_PREDICT_BATCH], spread[NQM_PREDICT_BATCH], bound[NQM_PREDICT_BATCH];
     nqm_label labels[NQM_PREDICT_BATCH];
-    for (size_t i = 0; i < n; ++i) {
-        ref[i] = d->ref_rgb + d->pair_ref[pairs[i]] * n_columns;
-        test[i] = d->test_rgb + pairs[i] * n_columns;
-        nqm_dataset_pair_used(d, pairs[i], used + i * d->n_directions);
-    }
-    const nqm_sampled_pairs batch = {.n = n,
-                                     .ref = ref,
-                                     .test = test,
-                                     .used = d->ref_used || d->test_used ? used : NULL,
-                                     .novelty = p->novelty ? novelty : NULL,
-                                     .spread = spread,
-                                     .labels = p->labels ? labels : NULL};
-    nqm_predictor_run(predictor, &batch, jod, NULL);
+    for (size_t i = 0; i < n; ++i)
+        batch[i] = (nqm_sample_pair){d->ref_rgb + d->pair_ref[pairs[i]] * n_columns, d->test_rgb + pairs[i] * n_columns,
+                                     nqm_dataset_pair_used(d, pairs[i], used + i * d->n_directions)};
+    const nqm_predictions to = {.jod = jod,
+                                .novelty = p->novelty ? novelty : NULL,
+                                .spread = spread,
+                                .bound = bound,
+                                .labels = p->labels ? labels : NULL};
+    nqm_predictor_run(predictor, n, batch, &to);
     for (size_t i = 0; i < n; ++i) {
         if (!isfinite(jod[i]) || (p->labels && nqm_model_has_parts(p->model) && !is_finite(&labels[i])))
             return nqm_fail(err, NQM_ERR_NUMERIC, -1, "model '%s' gives no finite JOD or parts for pair %zu",
@@ -47,6 +43,8 @@ static nqm_status predict_batch(const nqm_dataset_prediction *p, nqm_predictor *
             p->novelty[pairs[i]] = novelty[i];
         if (p->spread)
             p->spread[pairs[i]] = spread[i];
+        if (p->bound)
+            p->bound[pairs[i]] = bound[i];
         if (p->labels)
             p->labels[pairs[i]] = labels[i];
     }

@@ -18,16 +18,13 @@ static size_t range_of(double jod) {
     return i;
 }
 
-/* Whether a label is inside its interval; adds to the sums, which finish() converts to fractions and means. used:
- * (n_directions) scratch. */
-static bool count(const nqm_evaluation *ev, size_t model, size_t pair, uint8_t *used, nqm_coverage *c) {
+/* Whether a label is inside its interval; adds to the sums, which finish() converts to fractions and means. */
+static bool count(const nqm_evaluation *ev, size_t model, size_t pair, nqm_coverage *c) {
     const nqm_dataset *d = nqm_evaluation_samples(ev, model);
-    double low, high, jod = ev->values[model * d->n_pairs + pair], label = d->jod[pair];
     const size_t at = model * d->n_pairs + pair;
-    nqm_model_interval(ev->models[model], jod, ev->novelty[at], ev->spread[at], &low, &high);
-    nqm_raise_low(nqm_delta_e_bound(d->n_directions, d->ref_rgb + 3 * d->n_directions * d->pair_ref[pair],
-                                    d->test_rgb + 3 * d->n_directions * pair, nqm_dataset_pair_used(d, pair, used)),
-                  &low);
+    double low, high, jod = ev->values[at], label = d->jod[pair];
+    nqm_bounded_interval(ev->models[model], jod, &(nqm_certainty){ev->novelty[at], ev->spread[at], ev->bound[at]}, &low,
+                         &high);
     nqm_coverage_range *range = &c->ranges[range_of(jod)];
     const bool inside = label >= low && label <= high;
     c->inside.value += inside;
@@ -91,21 +88,18 @@ nqm_status nqm_evaluation_coverage(const nqm_evaluation *evaluation, const nqm_e
         return nqm_fail(err, NQM_ERR_INCOMPATIBLE, -1, "the labels are no JOD");
     nqm_selection s;
     double *inside = NULL, *weight, *shares, *means;
-    uint8_t *used;
     nqm_status status = nqm_selection_create(evaluation, &o, &s, err);
     if (status != NQM_OK)
         return status;
     const size_t n_resamples = nqm_bootstrap_count(s.n_groups, o.n_bootstrap);
-    status =
-        nqm_alloc_arrays(NQM_ARRAYS({&inside, s.n_groups, sizeof *inside}, {&weight, s.n_groups, sizeof *weight},
-                                    {&shares, n_resamples, sizeof *shares}, {&means, n_resamples, sizeof *means},
-                                    {&used, nqm_evaluation_samples(evaluation, model)->n_directions, sizeof *used}),
-                         err);
+    status = nqm_alloc_arrays(NQM_ARRAYS({&inside, s.n_groups, sizeof *inside}, {&weight, s.n_groups, sizeof *weight},
+                                         {&shares, n_resamples, sizeof *shares}, {&means, n_resamples, sizeof *means}),
+                              err);
     if (status == NQM_OK) {
         *coverage_ret = (nqm_coverage){.n = s.n, .n_materials = s.n_groups};
         for (size_t g = 0; g < s.n_groups; ++g)
             for (size_t k = s.group_begin[g]; k < s.group_begin[g + 1]; ++k)
-                inside[g] += count(evaluation, model, s.pairs[k], used, coverage_ret);
+                inside[g] += count(evaluation, model, s.pairs[k], coverage_ret);
         finish(evaluation->dataset, &s, inside, coverage_ret);
         resample(&s, n_resamples, o.seed, inside, weight, shares, means, coverage_ret);
     }

@@ -59,13 +59,8 @@ static void pair_metrics(void *user, size_t i) {
         ev->values[(first + NQM_METRIC_COUNT) * d->n_pairs + pair] =
             nqm_curve_jod(&nqm_curve_published, ev->estimates[pair].delta_e);
     }
-    const nqm_comparison comparison = {.directions = d->directions,
-                                       .ref = ref,
-                                       .n = 1,
-                                       .test = &test,
-                                       .used = used,
-                                       .estimate = ev->estimates ? &ev->estimates[pair] : NULL};
-    nqm_compare_samples(&comparison, metrics, ev->scalars + pair * NQM_SCALAR_COUNT);
+    nqm_compare_samples(d->directions, &(nqm_sample_pair){ref, test, used}, ev->estimates ? &ev->estimates[pair] : NULL,
+                        metrics, ev->scalars + pair * NQM_SCALAR_COUNT);
     for (size_t m = 0; m < NQM_METRIC_COUNT; ++m)
         ev->values[(first + m) * d->n_pairs + pair] = metrics[m];
 }
@@ -98,6 +93,7 @@ static nqm_status predict_model(predict_run *run, size_t model, nqm_error *err) 
                                                .jod = ev->values + model * ev->dataset->n_pairs,
                                                .novelty = ev->novelty + model * ev->dataset->n_pairs,
                                                .spread = ev->spread + model * ev->dataset->n_pairs,
+                                               .bound = ev->bound + model * ev->dataset->n_pairs,
                                                .labels = ev->labels + model * ev->dataset->n_pairs,
                                                .batch_done = tick,
                                                .user = run};
@@ -218,6 +214,7 @@ nqm_status nqm_evaluation_create_each(const nqm_dataset *dataset, size_t n_model
         NQM_ARRAYS({&ev, 1, sizeof *ev}, {&made.values, n_predictors, dataset->n_pairs * sizeof(double)},
                    {&made.novelty, n_models, dataset->n_pairs * sizeof *made.novelty},
                    {&made.spread, n_models, dataset->n_pairs * sizeof *made.spread},
+                   {&made.bound, n_models, dataset->n_pairs * sizeof *made.bound},
                    {&made.labels, n_models, dataset->n_pairs * sizeof *made.labels},
                    {&made.estimates, has_estimate ? dataset->n_pairs : 0, sizeof *made.estimates},
                    {&made.scalars, dataset->n_pairs, NQM_SCALAR_COUNT * sizeof(double)},

@@ -42,7 +42,7 @@ nqm_status nqm_rays_compare(const nqm_rays *rays, const double *ref, const doubl
     }
     if (status == NQM_OK && gradient) {
         double *by_light = rgb[0]; /* the light of the reference is not needed any more */
-        nqm_transport_light_gradient(&points, &delta_e, itp[0], itp[1], rgb[1], by_light);
+        nqm_transport_light_gradient(&points, &delta_e, &(nqm_seen_pair){itp[0], itp[1], rgb[1]}, by_light);
         for (size_t i = 0; i < 3 * rays->n; ++i)
             gradient[i] = rays->weight[i] * by_light[i % 3 * n + rays->point[i / 3]];
     }

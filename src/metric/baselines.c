@@ -80,19 +80,6 @@ nqm_metric_sums nqm_metric_slopes(const nqm_metric_sums *sums, const double *wei
     return by;
 }
 
-void nqm_metric_slopes_add(const nqm_metric_sums *slopes, const nqm_scaled *ref, const nqm_scaled *test,
-                           const double *weight, double by_scale[NQM_SCALES][3 * NQM_STRETCH]) {
-    for (size_t s = 0; s < NQM_SCALES; ++s) {
-        const double *a = ref->scale[s], *b = test->scale[s];
-        const double by_square = slopes->squares[s], by_magnitude = slopes->magnitudes[s];
-#pragma omp simd
-        for (size_t i = 0; i < 3 * NQM_STRETCH; ++i) {
-            const double sign = (b[i] > a[i] ? 1. : 0.) - (b[i] < a[i] ? 1. : 0.);
-            by_scale[s][i] += weight[i] * (by_square * 2 * (b[i] - a[i]) + by_magnitude * sign);
-        }
-    }
-}
-
 /* ---- scales ------------------------------------------------------------------------------------------------------ */
 
 /* y = log(x + NQM_DARK) */
@@ -120,21 +107,4 @@ void nqm_scale_stretch(const nqm_directions *directions, size_t stretch, const f
     nqm_sample_log_1p(3 * n, weighted, scaled->scale[NQM_SCALE_LOG1P_CF]);
     log_of(3 * n, f, scaled->scale[NQM_SCALE_LOG_F]);
     log_of(n, scaled->luminance, scaled->log_luminance);
-}
-
-void nqm_unscale_stretch(const nqm_directions *directions, size_t stretch, const nqm_scaled *scaled,
-                         double by_scale[NQM_SCALES][3 * NQM_STRETCH], double *gradient) {
-    const size_t first = stretch * NQM_STRETCH, n = nqm_stretch_size(directions->n, stretch);
-    const double *f = scaled->scale[NQM_SCALE_F], *root = scaled->scale[NQM_SCALE_CBRT_CF];
-    const double min_root = cbrt(NQM_CUBE_ROOT_FLOOR);
-    double cosines[3 * NQM_STRETCH];
-    for (size_t i = 0; i < 3 * n; ++i)
-        cosines[i] = directions->cosines[first + i / 3];
-    for (size_t i = 0; i < 3 * n; ++i) {
-        const double c = cosines[i], r = root[i] > min_root ? root[i] : min_root;
-        gradient[3 * first + i] = by_scale[NQM_SCALE_F][i] + by_scale[NQM_SCALE_CBRT_CF][i] * c / (3 * r * r) +
-                                  by_scale[NQM_SCALE_LOG1P_F][i] / (1 + f[i]) +
-                                  by_scale[NQM_SCALE_LOG1P_CF][i] * c / (1 + c * f[i]) +
-                                  by_scale[NQM_SCALE_LOG_F][i] / (f[i] + NQM_DARK);
-    }
 }

@@ -75,39 +75,38 @@ static void finish_scalars(const nqm_scalar_sums *s, const double *metrics, cons
         scalars[i] = NAN;
 }
 
-/* ---- comparisons ------------------------------------------------------------------------------------------------- */
+/* ---- pairs ------------------------------------------------------------------------------------------------------- */
 
-void nqm_compare_finish(const nqm_comparison *c, const nqm_pair_sums *pair, double *metrics, double *scalars) {
-    for (size_t k = 0; k < c->n; ++k) {
-        double m[NQM_METRIC_COUNT];
-        nqm_metric_sums_finish(&pair[k].metrics, m);
-        if (metrics)
-            memcpy(metrics + k * NQM_METRIC_COUNT, m, sizeof m);
-        if (scalars)
-            finish_scalars(&pair[k].scalars, m, c->estimate ? &c->estimate[k] : NULL, scalars + k * NQM_SCALAR_COUNT);
-    }
+void nqm_compare_finish(const nqm_pair_sums *sums, const nqm_label *estimate, double *metrics, double *scalars) {
+    double own[NQM_METRIC_COUNT];
+    nqm_metric_sums_finish(&sums->metrics, own);
+    if (metrics)
+        memcpy(metrics, own, sizeof own);
+    if (scalars)
+        finish_scalars(&sums->scalars, own, estimate, scalars);
 }
 
-void nqm_compare_samples(const nqm_comparison *c, double *metrics, double *scalars) {
-    nqm_pair_sums pair[NQM_COMPARE_MAX];
-    nqm_compare_sums(c, scalars != NULL, pair);
-    nqm_compare_finish(c, pair, metrics, scalars);
+void nqm_compare_samples(const nqm_directions *directions, const nqm_sample_pair *pair, const nqm_label *estimate,
+                         double *metrics, double *scalars) {
+    nqm_pair_sums sums;
+    nqm_compare_sums(directions, pair, scalars != NULL, &sums);
+    nqm_compare_finish(&sums, estimate, metrics, scalars);
 }
 
 void nqm_metrics_compute(const nqm_directions *directions, const float *ref, const float *test, const uint8_t *used,
                          double *metrics) {
     assert(directions && ref && test && metrics);
-    nqm_compare_samples(&(nqm_comparison){directions, ref, 1, &test, used, NULL}, metrics, NULL);
+    nqm_compare_samples(directions, &(nqm_sample_pair){ref, test, used}, NULL, metrics, NULL);
 }
 
 void nqm_scalars_compute(const nqm_directions *directions, const nqm_transport *transport, const float *ref,
                          const float *test, const uint8_t *used, double *scalars) {
+    const nqm_sample_pair pair = {ref, test, used};
     nqm_label estimate;
     const bool has_estimate = transport && transport->light;
     if (has_estimate)
-        estimate = nqm_transport_estimate(transport, ref, test, used);
-    nqm_compare_samples(&(nqm_comparison){directions, ref, 1, &test, used, has_estimate ? &estimate : NULL}, NULL,
-                        scalars);
+        nqm_transport_estimates(transport, 1, &pair, &estimate);
+    nqm_compare_samples(directions, &pair, has_estimate ? &estimate : NULL, NULL, scalars);
 }
 
 /* ---- a factor between test and reference --------------------------------------------------------------------------- */

@@ -42,11 +42,5 @@ void nqm_metric_sums_finish(const nqm_metric_sums *sums, double *metrics);
 /** Derivatives, back from the metrics to samples: those of sum weights_m metric_m by the sums (n > 0) of all stretches, 0 where
  *  they are infinite. weights: (NQM_METRIC_COUNT). */
 nqm_metric_sums nqm_metric_slopes(const nqm_metric_sums *sums, const double *weights);
-/** Add the derivatives by the values of the test on each scale. */
-void nqm_metric_slopes_add(const nqm_metric_sums *slopes, const nqm_scaled *ref, const nqm_scaled *test,
-                           const double *weight, double by_scale[NQM_SCALES][3 * NQM_STRETCH]);
-/** gradient (n_directions, 3): set one stretch to the derivatives by f_r, from those by the values on each scale. */
-void nqm_unscale_stretch(const nqm_directions *directions, size_t stretch, const nqm_scaled *scaled,
-                         double by_scale[NQM_SCALES][3 * NQM_STRETCH], double *gradient);
 
 #endif

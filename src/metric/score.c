@@ -21,15 +21,15 @@ static const size_t not_counted = SIZE_MAX; /* n_unusual of the caller's samples
 struct nqm_scorer {
     const nqm_model *model;
     nqm_score_options options;
-    nqm_sample_cache *cache;   /* of nqm_scorer_run_named(), created by its first call */
-    nqm_predictor *predictor;  /* for batches of at most `room` pairs */
-    nqm_gradients *gradients;  /* of nqm_score_grad(), created by its first call */
-    size_t gradient_room;      /* its largest batch */
-    size_t room;               /* capacity of the arrays, pairs */
-    nqm_member *member;        /* (room, 2) reference and test of each pair of the block; owns all arrays */
-    size_t *place;             /* (room) index of each pair in the following arrays, which are grouped by reference */
-    const float **ref, **test; /* (room) samples for the network */
-    uint8_t *used;             /* (room, n_directions) */
+    nqm_sample_cache *cache;  /* of nqm_scorer_run_named(), created by its first call */
+    nqm_predictor *predictor; /* for batches of at most `room` pairs */
+    nqm_gradients *gradients; /* of nqm_score_grad(), created by its first call */
+    size_t gradient_room;     /* its largest batch */
+    size_t room;              /* capacity of the arrays, pairs */
+    nqm_member *member;       /* (room, 2) reference and test of each pair of the block; owns all arrays */
+    size_t *place;            /* (room) index of each pair in the following arrays, which are grouped by reference */
+    nqm_sample_pair *pairs;   /* (room) for the predictor */
+    uint8_t *used;            /* (room, n_directions) of these */
     double *jod, *delta_e, *novelty, *spread, *bound; /* (room) */
     double *metrics;                                  /* (room, NQM_METRIC_COUNT) */
     nqm_label *labels;                                /* (room) */
@@ -80,12 +80,11 @@ static nqm_status reserve(nqm_scorer *s, size_t n_pairs, bool with_samples, nqm_
     s->room = 0;
     nqm_status status = nqm_alloc_arrays(
         NQM_ARRAYS({&s->member, n, 2 * sizeof *s->member}, {&s->place, n, sizeof *s->place},
-                   {&s->ref, n, sizeof *s->ref}, {&s->test, n, sizeof *s->test}, {&s->used, n, n_directions},
-                   {&s->jod, n, sizeof *s->jod}, {&s->delta_e, n, sizeof *s->delta_e},
-                   {&s->novelty, n, sizeof *s->novelty}, {&s->spread, n, sizeof *s->spread},
-                   {&s->bound, n, sizeof *s->bound}, {&s->metrics, n, NQM_METRIC_COUNT * sizeof *s->metrics},
-                   {&s->labels, n, sizeof *s->labels}, {&s->rgb, n_samples, 3 * n_directions * sizeof *s->rgb},
-                   {&s->flag, n_samples, n_directions}),
+                   {&s->pairs, n, sizeof *s->pairs}, {&s->used, n, n_directions}, {&s->jod, n, sizeof *s->jod},
+                   {&s->delta_e, n, sizeof *s->delta_e}, {&s->novelty, n, sizeof *s->novelty},
+                   {&s->spread, n, sizeof *s->spread}, {&s->bound, n, sizeof *s->bound},
+                   {&s->metrics, n, NQM_METRIC_COUNT * sizeof *s->metrics}, {&s->labels, n, sizeof *s->labels},
+                   {&s->rgb, n_samples, 3 * n_directions * sizeof *s->rgb}, {&s->flag, n_samples, n_directions}),
         err);
     if (status == NQM_OK)
         status = nqm_predictor_create(s->model, s->options.precision, n, &s->predictor, err);
@@ -148,8 +147,8 @@ static size_t count_unusual(const nqm_model *model, const float *rgb) {
     return n_unusual;
 }
 
-nqm_member nqm_member_sample(const nqm_model *model, const nqm_brdf *brdf, nqm_invalid_policy policy, float *rgb,
-                             uint8_t *flag, nqm_error *err) {
+static nqm_member sample_member(const nqm_model *model, const nqm_brdf *brdf, nqm_invalid_policy policy, float *rgb,
+                                uint8_t *flag, nqm_error *err) {
     nqm_member member = {.rgb = rgb, .flag = flag};
     member.status = nqm_sample(brdf, model->directions, policy, rgb, flag, &member.report, err);
     if (member.status == NQM_OK)
@@ -209,8 +208,8 @@ static void compare(void *user, size_t i) {
     const size_t n = s->model->directions->n, place = s->place[i];
     uint8_t *used = s->used + n * place;
     if (s->brdfs)
-        *test = nqm_member_sample(s->model, s->brdfs[i], s->options.invalid, s->rgb + 3 * n * (1 + i),
-                                  s->flag + n * (1 + i), NULL);
+        *test = sample_member(s->model, s->brdfs[i], s->options.invalid, s->rgb + 3 * n * (1 + i),
+                              s->flag + n * (1 + i), NULL);
     if (ref->n_unusual == not_counted) { /* here, by all threads */
         ref->n_unusual = count_unusual(s->model, ref->rgb);
         test->n_unusual = count_unusual(s->model, test->rgb);
@@ -219,8 +218,7 @@ static void compare(void *user, size_t i) {
     const bool failed = job->results[i].status != NQM_OK;
     if (failed)
         memset(used, 0, n);
-    s->ref[place] = ref->rgb;
-    s->test[place] = failed ? ref->rgb : test->rgb;
+    s->pairs[place] = (nqm_sample_pair){ref->rgb, failed ? ref->rgb : test->rgb, used};
 }
 
 /* ---- blocks ------------------------------------------------------------------------------------------------------ */
@@ -257,8 +255,8 @@ static void settle(const nqm_scorer *s, size_t place, nqm_score_result *result) 
     result->similarity = nqm_label_similarity(&result->parts);
     if (s->options.metrics)
         memcpy(result->metrics, s->metrics + place * NQM_METRIC_COUNT, sizeof result->metrics);
-    nqm_model_interval(s->model, jod, novelty, s->spread[place], &result->jod_low, &result->jod_high);
-    nqm_raise_low(s->bound[place], &result->jod_low);
+    nqm_bounded_interval(s->model, jod, &(nqm_certainty){novelty, s->spread[place], s->bound[place]}, &result->jod_low,
+                         &result->jod_high);
     if (result->identical && s->model->interval) /* equal BRDFs give equal images: the interval is exact */
         result->jod_low = result->jod_high = 10;
 }
@@ -271,16 +269,14 @@ static void score_block(nqm_scorer *s, size_t n, nqm_score_result *results) {
         compare(&job, 0);
     else
         nqm_parallel_for(n, compare, &job);
-    const nqm_sampled_pairs pairs = {.n = n,
-                                     .ref = s->ref,
-                                     .test = s->test,
-                                     .used = s->used,
-                                     .metrics = s->options.metrics ? s->metrics : NULL,
-                                     .novelty = s->novelty,
-                                     .spread = s->spread,
-                                     .labels = s->labels,
-                                     .bound = s->bound};
-    nqm_predictor_run(s->predictor, &pairs, s->jod, s->delta_e);
+    const nqm_predictions predictions = {.jod = s->jod,
+                                         .delta_e = s->delta_e,
+                                         .metrics = s->options.metrics ? s->metrics : NULL,
+                                         .novelty = s->novelty,
+                                         .spread = s->spread,
+                                         .bound = s->bound,
+                                         .labels = s->labels};
+    nqm_predictor_run(s->predictor, n, s->pairs, &predictions);
     for (size_t i = 0; i < n; ++i)
         settle(s, s->place[i], &results[i]);
 }
@@ -297,7 +293,7 @@ nqm_status nqm_scorer_run(nqm_scorer *scorer, const nqm_brdf *ref, size_t n_test
     if (status != NQM_OK)
         return status;
     const nqm_member member =
-        nqm_member_sample(scorer->model, ref, scorer->options.invalid, scorer->rgb, scorer->flag, err);
+        sample_member(scorer->model, ref, scorer->options.invalid, scorer->rgb, scorer->flag, err);
     if (member.status != NQM_OK)
         return member.status;
     for (size_t begin = 0, n; begin < n_tests; begin += n) {
@@ -368,7 +364,7 @@ nqm_status nqm_scorer_run_named(nqm_scorer *scorer, size_t n_pairs, const nqm_na
     nqm_cached *entry[2 * NQM_SCORE_BLOCK];
     nqm_status status = n_pairs ? reserve(scorer, n_pairs, false, err) : NQM_OK;
     if (status == NQM_OK && !scorer->cache)
-        status = nqm_sample_cache_create(scorer->model, scorer->options.invalid, &scorer->cache, err);
+        status = nqm_sample_cache_create(scorer->model, scorer->options.invalid, sample_member, &scorer->cache, err);
     for (size_t begin = 0, n; status == NQM_OK && begin < n_pairs; begin += n) {
         n = nqm_smaller(n_pairs - begin, NQM_SCORE_BLOCK);
         status = look_up(scorer, n, pairs + begin, entry, err);

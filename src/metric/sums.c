@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * Sums over the directions of pairs (sums.h). Tests of one reference share its logarithms and roots.
+ * Sums over the directions of pairs (sums.h), in double.
  *
  * An image averages reflectance over many directions, so that random differences between directions are less visible
  * than systematic ones. Therefore some features compare sums over zones of directions, others single directions.
@@ -66,16 +66,24 @@ nqm_light_sum nqm_lights_join(const nqm_light_sum *parts, size_t n) {
     return whole;
 }
 
-/* ---- comparisons ------------------------------------------------------------------------------------------------- */
+/* ---- pairs ------------------------------------------------------------------------------------------------------- */
+
+/* Opponent channels of a logarithm of f_r. */
+static double opponent_u(const double *d) {
+    return d[0] - d[1];
+}
+
+static double opponent_v(const double *d) {
+    return d[2] - 0.5 * (d[0] + d[1]);
+}
 
 /* Add direction i of a stretch. */
 static void add_direction(nqm_scalar_sums *s, const double *degrees, double cosines, const nqm_scaled *ref,
                           const nqm_scaled *test, size_t i) {
-    const double *a = ref->scale[NQM_SCALE_LOG_F] + 3 * i;
+    const double *a = ref->scale[NQM_SCALE_LOG_F] + 3 * i, *b = test->scale[NQM_SCALE_LOG_F] + 3 * i;
     const double *f = ref->scale[NQM_SCALE_F] + 3 * i, *g = test->scale[NQM_SCALE_F] + 3 * i;
-    const nqm_log_difference by = nqm_difference_at(ref, test, i);
-    const double l = by.l, *d = by.d, ref_log = ref->log_luminance[i];
-    double ref_u = a[0] - a[1], ref_v = a[2] - 0.5 * (a[0] + a[1]);
+    const double ref_log = ref->log_luminance[i], l = test->log_luminance[i] - ref_log;
+    const double d[3] = {b[0] - a[0], b[1] - a[1], b[2] - a[2]}, u = opponent_u(d), v = opponent_v(d);
     const size_t cell = nqm_cell_of(degrees);
     s->peak_ref = fmax(s->peak_ref, ref->luminance[i]);
     s->peak_test = fmax(s->peak_test, test->luminance[i]);
@@ -86,9 +94,9 @@ static void add_direction(nqm_scalar_sums *s, const double *degrees, double cosi
     s->root_l += sqrt(fabs(l));
     s->max_l = fmax(s->max_l, fabs(l));
     s->squares += d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
-    s->u += by.u;
-    s->v += by.v;
-    s->uv2 += by.u * by.u + by.v * by.v;
+    s->u += u;
+    s->v += v;
+    s->uv2 += u * u + v * v;
     s->zone_l2[cell / NQM_ZONES_D] += l * l;
     if (nqm_is_grazing(cosines)) {
         s->grazing_n += 1;
@@ -97,40 +105,26 @@ static void add_direction(nqm_scalar_sums *s, const double *degrees, double cosi
     }
     s->ref_log += ref_log;
     s->ref_log2 += ref_log * ref_log;
-    s->ref_colour2 += ref_u * ref_u + ref_v * ref_v;
+    s->ref_colour2 += opponent_u(a) * opponent_u(a) + opponent_v(a) * opponent_v(a);
     add_light(&s->cell[cell], 1, f, g);
     add_light(&s->weighted, cosines, f, g);
 }
 
-void nqm_test_stretch_read(const nqm_comparison *c, size_t k, size_t stretch, nqm_test_stretch *to) {
-    const size_t n = nqm_stretch_size(c->directions->n, stretch);
-    const uint8_t *used = c->used ? c->used + k * c->directions->n + stretch * NQM_STRETCH : NULL;
-    nqm_scale_stretch(c->directions, stretch, c->test[k], &to->test);
-    memset(to->weight, 0, sizeof to->weight);
-    for (size_t i = 0; i < 3 * n; ++i)
-        to->weight[i] = !used || used[i / 3];
-}
-
-/* Add one stretch of test k. */
-static void add_stretch(const nqm_comparison *c, size_t k, size_t stretch, const nqm_scaled *ref, bool with_scalars,
-                        nqm_pair_sums *to) {
-    const nqm_directions *directions = c->directions;
-    const size_t first = stretch * NQM_STRETCH, n = nqm_stretch_size(directions->n, stretch);
-    nqm_test_stretch s;
-    nqm_test_stretch_read(c, k, stretch, &s);
-    nqm_metric_sums_add(&to->metrics, ref, &s.test, s.weight);
-    for (size_t i = 0; with_scalars && i < n; ++i)
-        if (s.weight[3 * i] > 0)
-            add_direction(&to->scalars, directions->degrees + 3 * (first + i), directions->cosines[first + i], ref,
-                          &s.test, i);
-}
-
-void nqm_compare_sums(const nqm_comparison *c, bool with_scalars, nqm_pair_sums *pair) {
-    memset(pair, 0, c->n * sizeof *pair);
-    for (size_t stretch = 0; stretch * NQM_STRETCH < c->directions->n; ++stretch) {
-        nqm_scaled ref;
-        nqm_scale_stretch(c->directions, stretch, c->ref, &ref);
-        for (size_t k = 0; k < c->n; ++k)
-            add_stretch(c, k, stretch, &ref, with_scalars, &pair[k]);
+void nqm_compare_sums(const nqm_directions *directions, const nqm_sample_pair *pair, bool with_scalars,
+                      nqm_pair_sums *sums) {
+    memset(sums, 0, sizeof *sums);
+    for (size_t stretch = 0; stretch * NQM_STRETCH < directions->n; ++stretch) {
+        const size_t first = stretch * NQM_STRETCH, n = nqm_stretch_size(directions->n, stretch);
+        nqm_scaled ref, test;
+        double weight[3 * NQM_STRETCH] = {0};
+        nqm_scale_stretch(directions, stretch, pair->ref, &ref);
+        nqm_scale_stretch(directions, stretch, pair->test, &test);
+        for (size_t i = 0; i < 3 * n; ++i)
+            weight[i] = !pair->used || pair->used[first + i / 3];
+        nqm_metric_sums_add(&sums->metrics, &ref, &test, weight);
+        for (size_t i = 0; with_scalars && i < n; ++i)
+            if (weight[3 * i] > 0)
+                add_direction(&sums->scalars, directions->degrees + 3 * (first + i), directions->cosines[first + i],
+                              &ref, &test, i);
     }
 }

@@ -44,18 +44,6 @@ typedef struct nqm_pair_sums {
     nqm_scalar_sums scalars;
 } nqm_pair_sums;
 
-/** How the members differ in one direction: d of log f_r, l of log luminance, u and v of the opponent channels of log f_r. */
-typedef struct nqm_log_difference {
-    double d[3], l, u, v;
-} nqm_log_difference;
-/** That of direction i of a stretch. */
-static inline nqm_log_difference nqm_difference_at(const nqm_scaled *ref, const nqm_scaled *test, size_t i) {
-    const double *a = ref->scale[NQM_SCALE_LOG_F] + 3 * i, *b = test->scale[NQM_SCALE_LOG_F] + 3 * i;
-    const double d[3] = {b[0] - a[0], b[1] - a[1], b[2] - a[2]};
-    return (nqm_log_difference){
-        {d[0], d[1], d[2]}, test->log_luminance[i] - ref->log_luminance[i], d[0] - d[1], d[2] - 0.5 * (d[0] + d[1])};
-}
-
 /** Number of the cell that contains a direction (degrees of theta_h, theta_d). */
 size_t nqm_cell_of(const double *degrees);
 /** Whether a direction counts as grazing; cosines: cos(theta_i) cos(theta_o). */
@@ -70,40 +58,50 @@ nqm_light_ratio nqm_light_contrast(const nqm_light_sum *sum);
 /** The sum of n parts. */
 nqm_light_sum nqm_lights_join(const nqm_light_sum *parts, size_t n);
 
-/** One stretch of test k of a comparison. weight: (3 NQM_STRETCH) 1 where a value counts, else 0. */
-typedef struct nqm_test_stretch {
-    nqm_scaled test;
-    double weight[3 * NQM_STRETCH];
-} nqm_test_stretch;
-void nqm_test_stretch_read(const nqm_comparison *comparison, size_t k, size_t stretch, nqm_test_stretch *to);
+/** Compute the sums of a pair in double: the definition. Without scalars, sums->scalars are 0. */
+void nqm_compare_sums(const nqm_directions *directions, const nqm_sample_pair *pair, bool with_scalars,
+                      nqm_pair_sums *sums);
+/** Compute metrics (NQM_METRIC_COUNT) and scalar features (NQM_SCALAR_COUNT) from them; either may be NULL. estimate: by transport;
+ *  NULL: none. */
+void nqm_compare_finish(const nqm_pair_sums *sums, const nqm_label *estimate, double *metrics, double *scalars);
 
-/** Compute the sums (n of the comparison). Without scalars, pair[k].scalars are 0. */
-void nqm_compare_sums(const nqm_comparison *comparison, bool with_scalars, nqm_pair_sums *pair);
-/** What depends only on the directions in the same sums by the kernels, in float. The directions must outlive it. */
+/** What depends only on the directions in the same sums in float, for many pairs. The directions must outlive it. */
 typedef struct nqm_sum_plan nqm_sum_plan;
 NQM_MUST_CHECK nqm_status nqm_sum_plan_create(const nqm_directions *directions, nqm_sum_plan **plan_ret,
                                               nqm_error *err);
 void nqm_sum_plan_free(nqm_sum_plan *plan);
-/** Compute the sums (n of the comparison) of nqm_compare_sums() several times as fast. They differ by rounding: JODs by less
- *  than 1e-4.
+/** Compute the sums (n) of nqm_compare_sums() several times as fast. They differ by rounding: JODs by less than 1e-4.
  *
- * @param roots  (1 + n, n_directions, 3) cube roots of the reference and the tests, from sample_log()
+ * @param n      at most NQM_COMPARE_MAX
+ * @param pairs  (n) of one reference
+ * @param roots  (1 + n, n_directions, 3) cube roots of the reference and the tests, from nqm_sample_logs()
  */
-void nqm_compare_sums_float(const nqm_sum_plan *plan, const nqm_comparison *comparison, const float *roots,
-                            bool with_scalars, nqm_pair_sums *pair);
-/** Compute metrics (n, NQM_METRIC_COUNT) and scalar features (n, NQM_SCALAR_COUNT) from them; either may be NULL. */
-void nqm_compare_finish(const nqm_comparison *comparison, const nqm_pair_sums *pair, double *metrics, double *scalars);
+void nqm_compare_sums_float(const nqm_sum_plan *plan, size_t n, const nqm_sample_pair *pairs, const float *roots,
+                            bool with_scalars, nqm_pair_sums *sums);
 
+/** The derivatives of weighted metrics (NQM_METRIC_COUNT) and scalar features (NQM_SCALAR_COUNT) by the sums of a pair; weights may
+ *  be NULL: 0. Features from NQM_SCALAR_ESTIMATE are the caller's: their weights are ignored. */
+nqm_pair_sums nqm_sum_slopes(const nqm_pair_sums *sums, const double *metric_weights, const double *scalar_weights);
+
+/** What nqm_compare_gradient() needs of a pair. */
+typedef struct nqm_compared_pair {
+    const nqm_sum_plan *plan;
+    nqm_sample_pair pair;
+    const float *ref_root, *test_root; /**< (n_directions, 3) cube roots */
+    const nqm_pair_sums *sums;         /**< from nqm_compare_sums_float() */
+} nqm_compared_pair;
 /**
- * The derivatives of weighted sums of metrics and scalar features by the samples of the tests. The subgradients are those of
- * nqm_scalars_gradient().
- *
- * @param pair             (n) from nqm_compare_sums(), with scalars unless scalar_weights is NULL
- * @param metric_weights   (n, NQM_METRIC_COUNT) NULL: 0
- * @param scalar_weights   (n, NQM_SCALAR_COUNT) those from NQM_SCALAR_ESTIMATE are ignored; NULL: 0
- * @param gradient         (n, n_directions, 3) receives them
+ * Add the derivatives of such weighted metrics and features by the samples of the test to gradient (n_directions, 3). Computed in
+ * float, within 1e-5 of the largest. Where a derivative does not exist:
+ * - abs(x) and sqrt(x) at 0, norms at 0: 0, so that equal pairs have finite derivatives; towards it, slopes of roots fall linearly
+ *   (NQM_SMALL_ROOT, NQM_SMALL_MEAN);
+ * - a maximum: that of the first direction that attains it;
+ * - the cube root of c f (c = cos(theta_i) cos(theta_o)): as if c f were at least NQM_CUBE_ROOT_FLOOR;
+ * - test at 0: from the right.
+ * They are 0 where a direction is not used, everywhere if none is, and for luminances from 1e15 on, of which float cannot sum the
+ * squares.
  */
-void nqm_compare_gradient(const nqm_comparison *comparison, const nqm_pair_sums *pair, const double *metric_weights,
-                          const double *scalar_weights, double *gradient);
+void nqm_compare_gradient(const nqm_compared_pair *compared, const double *metric_weights, const double *scalar_weights,
+                          float *gradient);
 
 #endif

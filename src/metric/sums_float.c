@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * The sums of sums.c in float by the kernels: what scores use, where speed counts. sums.c defines them. Each difference of
+ * The sums of sums.c in float: what scores use, where speed counts, and the way back from derivatives by sums to samples. sums.c defines them. Each difference of
  * logarithms is the logarithm of a quotient, which takes half of the time and keeps the relative precision of small differences.
  *
  * A direction that is not used is one where both members are 0: all differences are 0 there, and so are all scales.
@@ -30,6 +30,7 @@ struct nqm_sum_plan {
     float ones[ROOM], darks[ROOM]; /* 1 and NQM_DARK */
     float luminance[3];            /* that of 1 in each channel */
     float *grazing;                /* (n) 1 where a direction counts as grazing, else 0 */
+    uint8_t *cell;                 /* (n) */
     uint16_t *order;               /* (n) for each stretch, its directions in the order of their cells */
     uint16_t *end;                 /* (number of stretches, NQM_CELLS) end of each cell in that order */
     nqm_pair_sums *counts;         /* (1) of a pair whose directions are all used */
@@ -72,7 +73,8 @@ nqm_status nqm_sum_plan_create(const nqm_directions *directions, nqm_sum_plan **
                    {&made.cosines, n + NQM_PANEL, 3 * sizeof *made.cosines},
                    {&made.roots, n + NQM_PANEL, 3 * sizeof *made.roots},
                    {&made.inverse, n + NQM_PANEL, 3 * sizeof *made.inverse}, {&made.grazing, n, sizeof *made.grazing},
-                   {&made.order, n, sizeof *made.order}, {&made.end, n_stretches, NQM_CELLS * sizeof *made.end}),
+                   {&made.cell, n, sizeof *made.cell}, {&made.order, n, sizeof *made.order},
+                   {&made.end, n_stretches, NQM_CELLS * sizeof *made.end}),
         err);
     if (status != NQM_OK)
         return status;
@@ -91,7 +93,8 @@ nqm_status nqm_sum_plan_create(const nqm_directions *directions, nqm_sum_plan **
     for (size_t k = 0; k < 3; ++k)
         plan->luminance[k] = (float)nqm_luminance((double[3]){k == 0, k == 1, k == 2});
     for (size_t i = 0; i < n; ++i)
-        plan->grazing[i] = nqm_is_grazing(directions->cosines[i]);
+        plan->grazing[i] = nqm_is_grazing(directions->cosines[i]),
+        plan->cell[i] = (uint8_t)nqm_cell_of(directions->degrees + 3 * i);
     for (size_t first = 0; first < n; first += STRETCH)
         sort_stretch(directions, first, nqm_smaller(n - first, STRETCH), plan->order + first,
                      plan->end + first / STRETCH * NQM_CELLS);
@@ -168,31 +171,19 @@ static void read_reference(const stretch *s, const float *rgb, const float *root
 
 /* ---- sums -------------------------------------------------------------------------------------------------------- */
 
-/* Add n differences on one scale; returns the sum of their squares. */
-static double add_scale(int scale, size_t n, const float *by, nqm_metric_sums *to) {
-    float magnitude, square;
-    nqm_sample_sums(n, by, &magnitude, &square);
-    to->magnitudes[scale] += (double)magnitude;
-    to->squares[scale] += (double)square;
-    return (double)square;
-}
+/* Differences of all values on each scale. Since c is the same for both members, log(1 + c f) differs like log(1 / c + f). */
+typedef float differences[NQM_SCALES][ROOM];
 
-/* Add the differences of all values on every scale; by_log (ROOM) receives those of log(f + NQM_DARK). Since c is the same for
- * both members, log(1 + c f) differs like log(1 / c + f). */
-static void add_values(const stretch *s, const member *ref, const member *test, float *by_log, nqm_pair_sums *to) {
+static void find_differences(const stretch *s, const member *ref, const member *test, differences by) {
     const nqm_sum_plan *plan = s->plan;
     const size_t n = s->n_values;
-    float by[ROOM], magnitude[ROOM];
-    nqm_sample_differences(n, 1, ref->f, test->f, by, magnitude);
-    (void)add_scale(NQM_SCALE_F, n, by, &to->metrics);
-    nqm_sample_root_differences(n, plan->roots + 3 * s->first, ref->f, test->f, ref->root, test->root, by);
-    (void)add_scale(NQM_SCALE_CBRT_CF, n, by, &to->metrics);
-    nqm_sample_log_ratios(n, plan->ones, ref->f, test->f, by);
-    (void)add_scale(NQM_SCALE_LOG1P_F, n, by, &to->metrics);
-    nqm_sample_log_ratios(n, plan->inverse + 3 * s->first, ref->f, test->f, by);
-    (void)add_scale(NQM_SCALE_LOG1P_CF, n, by, &to->metrics);
-    nqm_sample_log_ratios(n, plan->darks, ref->f, test->f, by_log);
-    to->scalars.squares += add_scale(NQM_SCALE_LOG_F, n, by_log, &to->metrics);
+    float magnitude[ROOM];
+    nqm_sample_differences(n, 1, ref->f, test->f, by[NQM_SCALE_F], magnitude);
+    nqm_sample_root_differences(n, plan->roots + 3 * s->first, ref->f, test->f, ref->root, test->root,
+                                by[NQM_SCALE_CBRT_CF]);
+    nqm_sample_log_ratios(n, plan->ones, ref->f, test->f, by[NQM_SCALE_LOG1P_F]);
+    nqm_sample_log_ratios(n, plan->inverse + 3 * s->first, ref->f, test->f, by[NQM_SCALE_LOG1P_CF]);
+    nqm_sample_log_ratios(n, plan->darks, ref->f, test->f, by[NQM_SCALE_LOG_F]);
 }
 
 /* Sums of l, log ratios of luminance. Variances are differences of l and l2, which are therefore in double. */
@@ -279,17 +270,25 @@ static void add_cells(const stretch *s, const member *ref, const member *test, c
 /* Add a stretch of a pair. */
 static void add_stretch(const stretch *s, const reference *ref, const member *test, bool with_scalars,
                         nqm_pair_sums *to) {
-    float by_log[ROOM], by_luminance[STRETCH];
+    differences by;
+    float by_luminance[STRETCH];
     nqm_scalar_sums *scalars = &to->scalars;
-    add_values(s, &ref->is, test, by_log, to);
+    find_differences(s, &ref->is, test, by);
+    for (size_t k = 0; k < NQM_SCALES; ++k) {
+        float magnitudes, squares;
+        nqm_sample_sums(s->n_values, by[k], &magnitudes, &squares);
+        to->metrics.magnitudes[k] += (double)magnitudes;
+        to->metrics.squares[k] += (double)squares;
+    }
     scalars->peak_ref = fmax(scalars->peak_ref, ref->is.peak);
     scalars->peak_test = fmax(scalars->peak_test, test->peak);
     if (!with_scalars)
         return;
+    scalars->squares = to->metrics.squares[NQM_SCALE_LOG_F];
     nqm_sample_log_ratios(s->n, s->plan->darks, ref->is.luminance, test->luminance, by_luminance);
     add_reference(s, ref, scalars);
     add_luminance(s, by_luminance, scalars);
-    add_colour(s->n, by_log, scalars);
+    add_colour(s->n, by[NQM_SCALE_LOG_F], scalars);
     for (size_t k = 0; k < 3; ++k) {
         scalars->weighted.ref[k] += ref->is.light[k];
         scalars->weighted.test[k] += test->light[k];
@@ -309,34 +308,168 @@ static void move_logs(nqm_scalar_sums *s) {
     s->ref_log += s->n * by;
 }
 
-void nqm_compare_sums_float(const nqm_sum_plan *plan, const nqm_comparison *c, const float *roots, bool with_scalars,
-                            nqm_pair_sums *pair) {
-    const size_t n = plan->directions->n;
+/* The mask of a pair; NULL: all directions are used. */
+static const uint8_t *used_of(const nqm_sum_plan *plan, const nqm_sample_pair *pair) {
+    return pair->used && memchr(pair->used, 0, plan->directions->n) ? pair->used : NULL;
+}
+
+static stretch stretch_at(const nqm_sum_plan *plan, size_t first) {
+    const size_t n = nqm_smaller(plan->directions->n - first, STRETCH);
+    return (stretch){plan, first, n, (3 * n + NQM_PANEL - 1) / NQM_PANEL * NQM_PANEL};
+}
+
+void nqm_compare_sums_float(const nqm_sum_plan *plan, size_t n, const nqm_sample_pair *pairs, const float *roots,
+                            bool with_scalars, nqm_pair_sums *sums) {
+    const size_t n_directions = plan->directions->n;
     const uint8_t *used[NQM_COMPARE_MAX];
-    for (size_t k = 0; k < c->n; ++k) {
-        used[k] = c->used && memchr(c->used + k * n, 0, n) ? c->used + k * n : NULL;
-        pair[k] = *plan->counts;
+    for (size_t k = 0; k < n; ++k) {
+        used[k] = used_of(plan, &pairs[k]);
+        sums[k] = *plan->counts;
         if (used[k])
-            count_directions(plan->directions, used[k], &pair[k]);
+            count_directions(plan->directions, used[k], &sums[k]);
     }
-    for (stretch s = {.plan = plan}; s.first < n; s.first += STRETCH) {
+    for (size_t first = 0; first < n_directions; first += STRETCH) {
+        const stretch s = stretch_at(plan, first);
         reference ref;
         member test;
-        s.n = nqm_smaller(n - s.first, STRETCH);
-        s.n_values = (3 * s.n + NQM_PANEL - 1) / NQM_PANEL * NQM_PANEL;
-        for (size_t k = 0; k < c->n; ++k) {
+        for (size_t k = 0; k < n; ++k) {
             if (k == 0 || used[k] || used[k - 1])
-                read_reference(&s, c->ref, roots, used[k], &ref);
-            read_member(&s, c->test[k], roots + (1 + k) * 3 * n, used[k], &test);
-            add_stretch(&s, &ref, &test, with_scalars, &pair[k]);
+                read_reference(&s, pairs[k].ref, roots, used[k], &ref);
+            read_member(&s, pairs[k].test, roots + (1 + k) * 3 * n_directions, used[k], &test);
+            add_stretch(&s, &ref, &test, with_scalars, &sums[k]);
         }
     }
-    for (size_t k = 0; k < c->n; ++k)
-        if (is_in_range(&pair[k].scalars)) {
-            move_logs(&pair[k].scalars);
-        } else {
-            nqm_comparison one = *c;
-            one.n = 1, one.test = c->test + k, one.used = used[k];
-            nqm_compare_sums(&one, with_scalars, &pair[k]);
+    for (size_t k = 0; k < n; ++k)
+        if (is_in_range(&sums[k].scalars))
+            move_logs(&sums[k].scalars);
+        else
+            nqm_compare_sums(plan->directions, &pairs[k], with_scalars, &sums[k]);
+}
+
+/* ---- derivatives ------------------------------------------------------------------------------------------------- */
+
+/* Derivative by log luminance of one direction. by->max_l becomes 0 where it is used up: the first direction that attains the maximum
+ * takes it. */
+static double by_log_luminance(const nqm_scalar_sums *s, double l, size_t zone, double grazing, nqm_scalar_sums *by) {
+    const double sign = (l > 0) - (l < 0), large = fmax(fabs(l), NQM_SMALL_ROOT);
+    double slope = by->l + 2 * l * (by->l2 + by->zone_l2[zone]) + 4 * l * l * l * by->l4;
+    slope += by->root_l * 0.5 * l / (large * sqrt(large));
+    slope += grazing * (by->grazing_l + 2 * l * by->grazing_l2);
+    if (fabs(l) >= s->max_l) {
+        slope += sign * by->max_l;
+        by->max_l = 0;
+    }
+    return slope;
+}
+
+/* A stretch of a pair on the way back. */
+typedef struct way_back {
+    stretch s;
+    const uint8_t *used; /* (n) NULL: all are */
+    member ref, test;
+    differences d;
+    float by_f[ROOM], by_log[ROOM]; /* derivatives by f, and by log(f + NQM_DARK) */
+} way_back;
+
+/* Set by_f and by_log to the derivatives of the features of whole directions. by->max_l and by->peak_test are used up. */
+static void find_direction_slopes(way_back *w, const nqm_scalar_sums *sums, nqm_scalar_sums *by) {
+    const nqm_sum_plan *plan = w->s.plan;
+    const float *d = w->d[NQM_SCALE_LOG_F];
+    float l[STRETCH];
+    nqm_sample_log_ratios(w->s.n, plan->darks, w->ref.luminance, w->test.luminance, l);
+    for (size_t i = 0; i < w->s.n; ++i) {
+        const size_t direction = w->s.first + i, cell = plan->cell[direction];
+        const double c = (double)plan->cosines[3 * direction], luminance = (double)w->test.luminance[i];
+        const double u = (double)d[3 * i] - (double)d[3 * i + 1];
+        const double v = (double)d[3 * i + 2] - 0.5 * ((double)d[3 * i] + (double)d[3 * i + 1]);
+        const double by_u = by->u + 2 * u * by->uv2, by_v = by->v + 2 * v * by->uv2;
+        const double opponents[3] = {by_u - 0.5 * by_v, -by_u - 0.5 * by_v, by_v};
+        if (w->used && !w->used[i])
+            continue;
+        double by_luminance =
+            by_log_luminance(sums, (double)l[i], cell / NQM_ZONES_D, (double)plan->grazing[direction], by) /
+            (luminance + NQM_DARK);
+        if (luminance >= sums->peak_test) {
+            by_luminance += by->peak_test;
+            by->peak_test = 0;
         }
+        for (size_t k = 0; k < 3; ++k) {
+            w->by_log[3 * i + k] = (float)opponents[k];
+            w->by_f[3 * i + k] =
+                (float)(by->cell[cell].test[k] + c * by->weighted.test[k] + by_luminance * (double)plan->luminance[k]);
+        }
+    }
+}
+
+/* Add to by_f the derivatives by log(f + NQM_DARK) and those of the sums of differences on all scales, as derivatives by f. */
+NQM_FOR_EACH_VECTOR_WIDTH
+static void add_value_slopes(way_back *w, const nqm_metric_sums *by) {
+    const nqm_sum_plan *plan = w->s.plan;
+    const float *c = plan->cosines + 3 * w->s.first, *root_c = plan->roots + 3 * w->s.first;
+    const float *inverse = plan->inverse + 3 * w->s.first, *a = w->ref.f, *f = w->test.f, *root_f = w->test.root;
+    const float *by_log = w->by_log, least = (float)cbrt(NQM_CUBE_ROOT_FLOOR);
+    float *by_f = w->by_f, (*d)[ROOM] = w->d, square[NQM_SCALES], magnitude[NQM_SCALES];
+    for (size_t k = 0; k < NQM_SCALES; ++k) {
+        square[k] = (float)(2 * by->squares[k]);
+        magnitude[k] = (float)by->magnitudes[k];
+    }
+#pragma omp simd
+    for (size_t i = 0; i < 3 * w->s.n; ++i) {
+        const float sign = (f[i] > a[i] ? 1.0F : 0.0F) - (f[i] < a[i] ? 1.0F : 0.0F), cf_root = root_c[i] * root_f[i];
+        const float root = cf_root > least ? cf_root : least;
+#define SLOPE(k) (square[k] * d[k][i] + magnitude[k] * sign)
+        by_f[i] += SLOPE(NQM_SCALE_F) + SLOPE(NQM_SCALE_CBRT_CF) * c[i] / (3 * root * root) +
+                   SLOPE(NQM_SCALE_LOG1P_F) / (1 + f[i]) + SLOPE(NQM_SCALE_LOG1P_CF) / (inverse[i] + f[i]) +
+                   (SLOPE(NQM_SCALE_LOG_F) + by_log[i]) / (f[i] + dark);
+#undef SLOPE
+    }
+}
+
+/* Sums of reflectance in double: derivatives of opponent channels depend on small differences of them. */
+static void sum_light(const nqm_sum_plan *plan, const nqm_sample_pair *pair, nqm_scalar_sums *to) {
+    for (size_t i = 0; i < plan->directions->n; ++i) {
+        nqm_light_sum *cell = &to->cell[plan->cell[i]], *weighted = &to->weighted;
+        const double c = plan->directions->cosines[i];
+        for (size_t k = 3 * i; (!pair->used || pair->used[i]) && k < 3 * i + 3; ++k) {
+            cell->ref[k % 3] += (double)pair->ref[k];
+            cell->test[k % 3] += (double)pair->test[k];
+            weighted->ref[k % 3] += c * (double)pair->ref[k];
+            weighted->test[k % 3] += c * (double)pair->test[k];
+        }
+    }
+}
+
+/* The derivatives by the sums of a pair. */
+static nqm_pair_sums slopes_of(const nqm_compared_pair *p, const double *metric_weights, const double *scalar_weights) {
+    nqm_pair_sums sums = *p->sums;
+    for (size_t i = 0; i <= NQM_CELLS; ++i) {
+        nqm_light_sum *light = i < NQM_CELLS ? &sums.scalars.cell[i] : &sums.scalars.weighted;
+        *light = (nqm_light_sum){.n = light->n};
+    }
+    sum_light(p->plan, &p->pair, &sums.scalars);
+    nqm_pair_sums by = nqm_sum_slopes(&sums, metric_weights, scalar_weights);
+    by.metrics.squares[NQM_SCALE_LOG_F] += by.scalars.squares;
+    return by;
+}
+
+void nqm_compare_gradient(const nqm_compared_pair *p, const double *metric_weights, const double *scalar_weights,
+                          float *gradient) {
+    const nqm_sum_plan *plan = p->plan;
+    const uint8_t *used = used_of(plan, &p->pair);
+    way_back w = {.used = NULL};
+    if (!is_in_range(&p->sums->scalars))
+        return;
+    nqm_pair_sums by = slopes_of(p, metric_weights, scalar_weights);
+    for (size_t first = 0; first < plan->directions->n; first += STRETCH) {
+        w.s = stretch_at(plan, first);
+        w.used = used ? used + first : NULL;
+        read_member(&w.s, p->pair.ref, p->ref_root, used, &w.ref);
+        read_member(&w.s, p->pair.test, p->test_root, used, &w.test);
+        find_differences(&w.s, &w.ref, &w.test, w.d);
+        find_direction_slopes(&w, &p->sums->scalars, &by.scalars);
+        add_value_slopes(&w, &by.metrics);
+        for (size_t i = 0; i < 3 * w.s.n; ++i)
+            if (!w.used || w.used[i / 3])
+                gradient[3 * first + i] += w.by_f[i];
+    }
 }

@@ -84,19 +84,27 @@ typedef struct block {
     size_t direction, n_directions, point, n_points;
 } block;
 
-void nqm_transport_read(const nqm_transport_samples *samples, size_t first, size_t n, float *f) {
-    memcpy(f, samples->rgb + 3 * first, 3 * n * sizeof *f);
-    for (size_t k = 0; samples->used && k < n; ++k)
-        if (!samples->used[first + k])
-            memcpy(f + 3 * k, samples->instead + 3 * (first + k), 3 * sizeof *f);
+/* The values of n directions from `first` on of which a picture is made: f (n, 3). */
+static void read_samples(const nqm_transport_picture *picture, size_t first, size_t n, float *f) {
+    const nqm_sample_pair *pair = picture->pair;
+    const float *ref = pair->ref + 3 * first, *test = pair->test + 3 * first;
+    const uint8_t *used = pair->used ? pair->used + first : NULL;
+    if (picture->of == NQM_TRANSPORT_OF_DIFFERENCE)
+        for (size_t i = 0; i < 3 * n; ++i)
+            f[i] = test[i] - ref[i];
+    else
+        memcpy(f, picture->of == NQM_TRANSPORT_OF_REF ? ref : test, 3 * n * sizeof *f);
+    for (size_t i = 0; used && picture->of != NQM_TRANSPORT_OF_REF && i < 3 * n; ++i)
+        if (!used[i / 3])
+            f[i] = picture->of == NQM_TRANSPORT_OF_TEST ? ref[i] : 0;
 }
 
 /* Add the light of a block to n pictures. */
-static void add_light(const nqm_transport *t, block b, size_t n, const nqm_transport_samples *samples, float *rgb) {
+static void add_light(const nqm_transport *t, block b, size_t n, const nqm_transport_picture *pictures, float *rgb) {
     const nqm_kernels *kernels = nqm_kernels_get();
     float f[NQM_TRANSPORT_MAX * 3 * DIRECTIONS];
     for (size_t i = 0; i < n; ++i)
-        nqm_transport_read(&samples[i], b.direction, b.n_directions, f + i * 3 * DIRECTIONS);
+        read_samples(&pictures[i], b.direction, b.n_directions, f + i * 3 * DIRECTIONS);
     for (size_t c = 0; c < 3; ++c)
         for (size_t p = 0; p < b.n_points; p += NQM_PANEL)
             kernels->strided_product(
@@ -113,20 +121,20 @@ static void add_light(const nqm_transport *t, block b, size_t n, const nqm_trans
 }
 
 void nqm_transport_radiance(const nqm_transport *t, size_t first, size_t n_points, size_t n,
-                            const nqm_transport_samples *samples, float *rgb) {
+                            const nqm_transport_picture *pictures, float *rgb) {
     block b = {.point = first, .n_points = n_points};
     for (; b.direction < t->n_directions; b.direction += b.n_directions) {
         b.n_directions = nqm_smaller(t->n_directions - b.direction, DIRECTIONS);
-        add_light(t, b, n, samples, rgb);
+        add_light(t, b, n, pictures, rgb);
     }
 }
 
 void nqm_transport_pictures(const nqm_transport *t, size_t first, size_t n_points, size_t n,
-                            const nqm_transport_samples *samples, float *pictures) {
+                            const nqm_transport_picture *pictures, float *itp) {
     pthread_once(&tables_once, fill_tables);
-    nqm_transport_radiance(t, first, n_points, n, samples, pictures);
+    nqm_transport_radiance(t, first, n_points, n, pictures, itp);
     for (size_t i = 0; i < n; ++i)
-        see(t, first, n_points, pictures + i * 3 * n_points);
+        see(t, first, n_points, itp + i * 3 * n_points);
 }
 
 /* ---- labels ------------------------------------------------------------------------------------------------------ */
@@ -154,27 +162,25 @@ static void add_points(const nqm_transport *t, size_t first, size_t n, const flo
     }
 }
 
-void nqm_transport_estimates(const nqm_transport *t, size_t n, const float *const *ref, const float *const *test,
-                             const uint8_t *used, nqm_label *estimates) {
-    nqm_transport_samples samples[NQM_TRANSPORT_MAX] = {{0}};
+void nqm_transport_estimates(const nqm_transport *t, size_t n, const nqm_sample_pair *pairs, nqm_label *estimates) {
+    nqm_transport_picture pictures[NQM_TRANSPORT_MAX];
     nqm_picture_sums sums[NQM_COMPARE_MAX] = {{0}};
-    float pictures[NQM_TRANSPORT_MAX * 3 * POINTS];
+    float itp[NQM_TRANSPORT_MAX * 3 * POINTS];
     size_t n_pictures = 0, ref_at[NQM_COMPARE_MAX], test_at[NQM_COMPARE_MAX]; /* pictures of pair i */
     for (size_t i = 0; i < n; ++i) {
-        const bool is_shared = i > 0 && ref[i] == ref[i - 1];
+        const bool is_shared = i > 0 && pairs[i].ref == pairs[i - 1].ref;
         ref_at[i] = is_shared ? ref_at[i - 1] : n_pictures;
         if (!is_shared)
-            samples[n_pictures++] = (nqm_transport_samples){.rgb = ref[i]};
+            pictures[n_pictures++] = (nqm_transport_picture){&pairs[i], NQM_TRANSPORT_OF_REF};
         test_at[i] = n_pictures;
-        samples[n_pictures++] = (nqm_transport_samples){
-            .rgb = test[i], .instead = ref[i], .used = used ? used + i * t->n_directions : NULL};
+        pictures[n_pictures++] = (nqm_transport_picture){&pairs[i], NQM_TRANSPORT_OF_TEST};
         estimates[i] = (nqm_label){.delta_e = 0};
     }
     for (size_t first = 0, n_points; first < t->n_points; first += n_points) {
         n_points = nqm_smaller(t->n_points - first, POINTS);
-        nqm_transport_pictures(t, first, n_points, n_pictures, samples, pictures);
+        nqm_transport_pictures(t, first, n_points, n_pictures, pictures, itp);
         for (size_t i = 0; i < n; ++i)
-            add_points(t, first, n_points, pictures + ref_at[i] * 3 * n_points, pictures + test_at[i] * 3 * n_points,
-                       &sums[i], &estimates[i]);
+            add_points(t, first, n_points, itp + ref_at[i] * 3 * n_points, itp + test_at[i] * 3 * n_points, &sums[i],
+                       &estimates[i]);
     }
 }

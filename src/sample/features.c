@@ -40,30 +40,31 @@ void nqm_features_compose(const nqm_features *features, size_t n_directions, con
             memset(x + member * n + 3 * k, 0, 3 * sizeof *x);
 }
 
-/* d t / d f_r of n values, at most NQM_WHITEN_PERIOD. */
-static void transform_slopes(size_t n, const float *rho, double *slope) {
-    double f[NQM_WHITEN_PERIOD], root[NQM_WHITEN_PERIOD];
-    for (size_t i = 0; i < n; ++i)
-        f[i] = fmax((double)rho[i], NQM_LEAST_F);
-    nqm_sample_cube_roots(n, f, root);
-    for (size_t i = 0; i < n; ++i)
-        slope[i] = 1 / (3 * root[i] * root[i] * (root[i] + 1));
+/* The same of n values, at most NQM_WHITEN_PERIOD. scale: (NQM_WHITEN_PERIOD) difference_scale, or 1, by the standard deviation. */
+NQM_FOR_EACH_VECTOR_WIDTH
+static void find_slopes(size_t n, const float *scale, const float *root, const float *by_test, const float *difference,
+                        const float *by_magnitude, float *gradient) {
+    const float least = cbrtf((float)NQM_LEAST_F);
+#pragma omp simd
+    for (size_t i = 0; i < n; ++i) {
+        const float r = root[i] > least ? root[i] : least;
+        const float sign = (difference[i] > 0 ? 1.0F : 0.0F) - (difference[i] < 0 ? 1.0F : 0.0F);
+        gradient[i] = (by_test[i] + sign * by_magnitude[i]) * scale[i] / (3 * r * r * (r + 1));
+    }
 }
 
-void nqm_features_gradient(const nqm_features *features, size_t n_directions, const float *test, const uint8_t *used,
-                           const float *x, const float *dx, double *gradient) {
+void nqm_features_gradient(const nqm_features *features, size_t n_directions, const float *root, const uint8_t *used,
+                           const float *x, const float *dx, float *gradient) {
+    static const float zeros[NQM_WHITEN_PERIOD];
     const size_t n = 3 * n_directions;
     const bool differs = features->layout != NQM_LAYOUT_REF_TEST;
-    const double scale = differs ? features->difference_scale : 1;
-    double slope[NQM_WHITEN_PERIOD];
-    for (size_t i = 0; i < n; ++i) {
-        if (i % NQM_WHITEN_PERIOD == 0)
-            transform_slopes(nqm_smaller(n - i, NQM_WHITEN_PERIOD), test + i, slope);
-        if (used && !used[i / 3])
-            continue;
-        double by_t = (double)dx[n + i];
-        if (differs)
-            by_t += x[n + i] > 0 ? (double)dx[2 * n + i] : x[n + i] < 0 ? -(double)dx[2 * n + i] : 0;
-        gradient[i] += by_t * scale / (double)features->std[i % 3] * slope[i % NQM_WHITEN_PERIOD];
-    }
+    float scale[NQM_WHITEN_PERIOD];
+    for (size_t i = 0; i < NQM_WHITEN_PERIOD; ++i)
+        scale[i] = (differs ? (float)features->difference_scale : 1) / features->std[i % 3];
+    for (size_t i = 0; i < n; i += NQM_WHITEN_PERIOD)
+        find_slopes(nqm_smaller(n - i, NQM_WHITEN_PERIOD), scale, root + i, dx + n + i, differs ? x + n + i : zeros,
+                    differs ? dx + 2 * n + i : zeros, gradient + i);
+    for (size_t k = 0; used && k < n_directions; ++k)
+        if (!used[k])
+            memset(gradient + 3 * k, 0, 3 * sizeof *gradient);
 }

@@ -8,6 +8,7 @@
 
 #include <math.h>
 
+#define UNROLL _Pragma("GCC unroll 16")
 #define INLINE static inline __attribute__((always_inline)) /* into each width's copy of a loop */
 
 /* The cube root of x >= 1e-30 within 6 %: divides the exponent by 3 in the bits of x (Kahan 1991). */
@@ -200,13 +201,10 @@ enum { LANES = 16, VECTORS = NQM_SAMPLE_LANES / LANES };
 _Static_assert((int)LANES == (int)NQM_POINTS, "a vector of each block");
 
 /* The sum of all partial sums, by halves. */
-INLINE float add_lanes(lanes *sum) {
+INLINE float add_lanes(lanes sum) {
     float half[LANES];
-    const lanes first = sum[0] + sum[1];
-    memcpy(half, &first, sizeof half);
-    for (size_t n = LANES / 2; n > 0; n /= 2)
-        for (size_t j = 0; j < n; ++j)
-            half[j] += half[j + n];
+    memcpy(half, &sum, sizeof half);
+    UNROLL for (size_t n = LANES / 2; n > 0; n /= 2) UNROLL for (size_t j = 0; j < n; ++j) half[j] += half[j + n];
     return half[0];
 }
 
@@ -219,8 +217,43 @@ void nqm_sample_sums(size_t n, const float *x, float *magnitudes, float *squares
             magnitude[v] += (lanes)((lanes_of_bits)a & 0x7fffffffu);
             square[v] += a * a;
         }
-    *magnitudes = add_lanes(magnitude);
-    *squares = add_lanes(square);
+    *magnitudes = add_lanes(magnitude[0] + magnitude[1]);
+    *squares = add_lanes(square[0] + square[1]);
+}
+
+enum { DOTS_AT_ONCE = 4 }; /* x is loaded once for them, and none waits for the latency of its own additions */
+typedef float four __attribute__((vector_size(16)));
+
+/* The four sums of the partial sums of x: a step of each sum takes one step for all. */
+INLINE four add_four(const lanes *x) {
+    four quarter[DOTS_AT_ONCE];
+    UNROLL for (size_t k = 0; k < DOTS_AT_ONCE; ++k) {
+        four part[LANES / 4];
+        memcpy(part, &x[k], sizeof part);
+        quarter[k] = (part[0] + part[1]) + (part[2] + part[3]);
+    }
+    const four a = quarter[0], b = quarter[1], c = quarter[2], d = quarter[3];
+    const four ab = __builtin_shufflevector(a, b, 0, 4, 1, 5) + __builtin_shufflevector(a, b, 2, 6, 3, 7);
+    const four cd = __builtin_shufflevector(c, d, 0, 4, 1, 5) + __builtin_shufflevector(c, d, 2, 6, 3, 7);
+    return __builtin_shufflevector(ab, cd, 0, 1, 4, 5) + __builtin_shufflevector(ab, cd, 2, 3, 6, 7);
+}
+
+INLINE void some_dots(size_t n, const float *x, size_t n_y, const float *y, size_t stride, float *sums) {
+    lanes sum[DOTS_AT_ONCE] = {{0}};
+    for (size_t i = 0; i < n; i += LANES)
+        UNROLL for (size_t k = 0; k < n_y; ++k) sum[k] +=
+            *(const lanes *)(x + i) * *(const lanes *)(y + k * stride + i);
+    const four all = add_four(sum);
+    memcpy(sums, &all, n_y * sizeof *sums);
+}
+
+NQM_FOR_EACH_VECTOR_WIDTH
+void nqm_sample_dots(size_t n, const float *x, size_t n_y, const float *y, size_t stride, float *sums) {
+    size_t k = 0;
+    for (; k + DOTS_AT_ONCE <= n_y; k += DOTS_AT_ONCE)
+        some_dots(n, x, DOTS_AT_ONCE, y + k * stride, stride, sums + k);
+    for (; k < n_y; ++k)
+        some_dots(n, x, 1, y + k * stride, stride, sums + k);
 }
 
 NQM_FOR_EACH_VECTOR_WIDTH

@@ -12,6 +12,7 @@ static const sample_loops chosen = {
     .root_differences = nqm_sample_root_differences,
     .differences = nqm_sample_differences,
     .sums = nqm_sample_sums,
+    .dots = nqm_sample_dots,
     .whiten = nqm_sample_whiten,
     .cube_roots = nqm_sample_cube_roots,
     .log_1p = nqm_sample_log_1p,

@@ -16,6 +16,7 @@ typedef struct sample_loops {
                              const float *root_y, float *difference);
     void (*differences)(size_t n, float s, const float *a, const float *b, float *difference, float *magnitude);
     void (*sums)(size_t n, const float *x, float *magnitudes, float *squares);
+    void (*dots)(size_t n, const float *x, size_t n_y, const float *y, size_t stride, float *sums);
     void (*whiten)(size_t n, const float *mean, const float *scale, const float *t, float *x);
     void (*cube_roots)(size_t n, const double *x, double *root);
     void (*log_1p)(size_t n, const double *x, double *y);

@@ -13,6 +13,7 @@
 #define nqm_sample_root_differences OF_WIDTH(nqm_sample_root_differences)
 #define nqm_sample_differences      OF_WIDTH(nqm_sample_differences)
 #define nqm_sample_sums             OF_WIDTH(nqm_sample_sums)
+#define nqm_sample_dots             OF_WIDTH(nqm_sample_dots)
 #define nqm_sample_whiten           OF_WIDTH(nqm_sample_whiten)
 #define nqm_sample_cube_roots       OF_WIDTH(nqm_sample_cube_roots)
 #define nqm_sample_log_1p           OF_WIDTH(nqm_sample_log_1p)
@@ -27,6 +28,7 @@ const sample_loops OF_WIDTH(loops) = {
     .root_differences = nqm_sample_root_differences,
     .differences = nqm_sample_differences,
     .sums = nqm_sample_sums,
+    .dots = nqm_sample_dots,
     .whiten = nqm_sample_whiten,
     .cube_roots = nqm_sample_cube_roots,
     .log_1p = nqm_sample_log_1p,

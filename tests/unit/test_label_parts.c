@@ -223,7 +223,7 @@ static void labels_keep_to_the_bound(void **state) {
             nqm_brdf *ref = open_brdf(refs[r]), *test = open_brdf(spec);
             assert_int_equal(nqm_sample(ref, directions, NQM_INVALID_ZERO, samples, used, NULL, NULL), NQM_OK);
             assert_int_equal(nqm_sample(test, directions, NQM_INVALID_ZERO, samples + 3 * n, used, NULL, NULL), NQM_OK);
-            double bound = nqm_delta_e_bound(n, samples, samples + 3 * n, NULL);
+            double bound = nqm_delta_e_bound(n, &(nqm_sample_pair){samples, samples + 3 * n, NULL});
             double *picture = render_spec(scene, spec);
             double delta_e = nqm_scene_compare(scene, ref_picture, picture).delta_e;
             assert_true(delta_e <= bound + 1e-9);
@@ -235,10 +235,12 @@ static void labels_keep_to_the_bound(void **state) {
         nqm_free(ref_picture);
     }
     assert_true(n_bounded >= 24);
-    assert_true(isinf(nqm_delta_e_bound(1, (float[]){1, 1, 1}, (float[]){1, 2, 1}, NULL)));
-    assert_near(nqm_delta_e_bound(1, (float[]){1, 1, 1}, (float[]){1, 1.1F, 1}, NULL), 120 * log(1.103 / 1.003), 1e-4);
-    assert_near(nqm_delta_e_bound(2, (float[]){1, 1, 1, 0, 0, 0}, (float[]){1, 1, 1, 9, 9, 9}, (uint8_t[]){1, 0}), 0,
-                0);
+    assert_true(isinf(nqm_delta_e_bound(1, &(nqm_sample_pair){(float[]){1, 1, 1}, (float[]){1, 2, 1}, NULL})));
+    assert_near(nqm_delta_e_bound(1, &(nqm_sample_pair){(float[]){1, 1, 1}, (float[]){1, 1.1F, 1}, NULL}),
+                120 * log(1.103 / 1.003), 1e-4);
+    assert_near(nqm_delta_e_bound(
+                    2, &(nqm_sample_pair){(float[]){1, 1, 1, 0, 0, 0}, (float[]){1, 1, 1, 9, 9, 9}, (uint8_t[]){1, 0}}),
+                0, 0);
     nqm_free(samples);
     nqm_free(used);
     nqm_directions_free(directions);

@@ -62,10 +62,10 @@ static void the_bound_of_delta_e(void **state) {
     const float ref[6] = {1, 1, 1, 0.5F, 0.5F, 0.5F}, test[6] = {1, 1.1F, 1, 0.5F, 0.5F, 0.4F},
                 far[6] = {1, 1, 1, 1, 1, 1};
     const uint8_t first[2] = {1, 0};
-    assert_near(nqm_delta_e_bound(2, ref, test, NULL), 120 * log(0.503 / 0.403), 1e-4);
-    assert_near(nqm_delta_e_bound(2, ref, test, first), 120 * log(1.103 / 1.003), 1e-4);
-    assert_near(nqm_delta_e_bound(2, ref, ref, NULL), 0, 0);
-    assert_true(isinf(nqm_delta_e_bound(2, ref, far, NULL)));
+    assert_near(nqm_delta_e_bound(2, &(nqm_sample_pair){ref, test, NULL}), 120 * log(0.503 / 0.403), 1e-4);
+    assert_near(nqm_delta_e_bound(2, &(nqm_sample_pair){ref, test, first}), 120 * log(1.103 / 1.003), 1e-4);
+    assert_near(nqm_delta_e_bound(2, &(nqm_sample_pair){ref, ref, NULL}), 0, 0);
+    assert_true(isinf(nqm_delta_e_bound(2, &(nqm_sample_pair){ref, far, NULL})));
 }
 
 static void no_direction_and_extremes(void **state) {

@@ -183,7 +183,7 @@ static void test_delta_e_keeps_to_its_bound(void **state) {
         const nqm_brdf *tests[] = {brdf};
         nqm_score_result result;
         sample(brdf, NQM_INVALID_DROP, test, NULL);
-        const double bound = nqm_delta_e_bound(N, ref, test, NULL);
+        const double bound = nqm_delta_e_bound(N, &(nqm_sample_pair){ref, test, NULL});
         assert_int_equal(nqm_score(model, b_plain, 1, tests, NULL, &result, NULL), NQM_OK);
         assert_true(result.delta_e <= bound);
         n_cut += result.delta_e == bound;

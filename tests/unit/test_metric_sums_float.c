@@ -64,21 +64,24 @@ typedef struct features {
     double metrics[TESTS][NQM_METRIC_COUNT], scalars[TESTS][NQM_SCALAR_COUNT];
 } features;
 
-static void compute(const nqm_comparison *c, size_t first, bool in_float, features *to) {
+/* Compute those of tests [first, first + n). */
+static void compute(const nqm_sample_pair *pairs, size_t first, size_t n, bool in_float, features *to) {
     nqm_pair_sums sums[TESTS];
     static float own[1 + TESTS][3 * N];
     memcpy(own[0], roots[0], sizeof own[0]);
-    memcpy(own[1], roots[1 + first], c->n * sizeof own[1]);
+    memcpy(own[1], roots[1 + first], n * sizeof own[1]);
     if (in_float)
-        nqm_compare_sums_float(plan, c, own[0], true, sums);
-    else
-        nqm_compare_sums(c, true, sums);
-    nqm_compare_finish(c, sums, to->metrics[first], to->scalars[first]);
+        nqm_compare_sums_float(plan, n, pairs + first, own[0], true, sums);
+    for (size_t k = 0; k < n; ++k) {
+        if (!in_float)
+            nqm_compare_sums(directions, &pairs[first + k], true, &sums[k]);
+        nqm_compare_finish(&sums[k], NULL, to->metrics[first + k], to->scalars[first + k]);
+    }
 }
 
-static nqm_comparison comparison_of(const float *const *tests, bool with_used) {
-    return (nqm_comparison){
-        .directions = directions, .ref = ref, .n = TESTS, .test = tests, .used = with_used ? used[0] : NULL};
+static void set_pairs(bool with_used, nqm_sample_pair *pairs) {
+    for (size_t k = 0; k < TESTS; ++k)
+        pairs[k] = (nqm_sample_pair){ref, test[k], with_used ? used[k] : NULL};
 }
 
 /* Metrics within 4e-7 relative, however close the members are; scalar features within 1e-5, and the logarithm of a size x within
@@ -102,64 +105,53 @@ static void check_features(const features *fast, const features *exact) {
 static void against_double(void **state) {
     (void)state;
     nqm_rng rng = nqm_rng_make(seed, 1);
-    const float *tests[TESTS];
+    nqm_sample_pair pairs[TESTS];
     features fast, exact;
-    for (size_t k = 0; k < TESTS; ++k)
-        tests[k] = test[k];
     for (size_t round = 0; round < 8; ++round) {
         make_pairs(&rng);
-        const nqm_comparison c = comparison_of(tests, round % 2);
-        compute(&c, 0, false, &exact);
-        for (size_t t = 0; nqm_kernels_at(t); ++t) {
-            nqm_kernels_use(nqm_kernels_at(t));
-            compute(&c, 0, true, &fast);
-            check_features(&fast, &exact);
-        }
-        use_chosen_kernels();
+        set_pairs(round % 2, pairs);
+        compute(pairs, 0, TESTS, false, &exact);
+        compute(pairs, 0, TESTS, true, &fast);
+        check_features(&fast, &exact);
     }
 }
 
 static void one_by_one(void **state) {
     (void)state;
     nqm_rng rng = nqm_rng_make(seed, 2);
-    const float *tests[TESTS];
+    nqm_sample_pair pairs[TESTS];
     features together, alone;
-    for (size_t k = 0; k < TESTS; ++k)
-        tests[k] = test[k];
     make_pairs(&rng);
-    const nqm_comparison c = comparison_of(tests, true);
-    compute(&c, 0, true, &together);
-    for (size_t k = 0; k < TESTS; ++k) {
-        nqm_comparison one = c;
-        one.n = 1, one.test = tests + k, one.used = used[k];
-        compute(&one, k, true, &alone);
-    }
+    set_pairs(true, pairs);
+    compute(pairs, 0, TESTS, true, &together);
+    for (size_t k = 0; k < TESTS; ++k)
+        compute(pairs, k, 1, true, &alone);
     assert_memory_equal(&together, &alone, sizeof together);
 }
 
 static void equal_and_extreme_members(void **state) {
     (void)state;
     nqm_rng rng = nqm_rng_make(seed, 3);
-    const float *tests[TESTS];
+    nqm_sample_pair pairs[TESTS];
     features fast, exact;
     make_pairs(&rng);
+    set_pairs(true, pairs);
     for (size_t k = 0; k < TESTS; ++k) {
-        tests[k] = ref;
+        pairs[k].test = ref;
         memset(used[k], k > 0, N); /* the first pair has no direction */
         memcpy(roots[1 + k], roots[0], sizeof roots[1 + k]);
     }
-    const nqm_comparison c = comparison_of(tests, true);
-    compute(&c, 0, true, &fast);
+    compute(pairs, 0, TESTS, true, &fast);
     for (size_t i = 0; i < NQM_SCALAR_COUNT; ++i)
         assert_true(isnan(fast.scalars[0][i]));
     for (size_t i = 0; i < NQM_SCALAR_REF_LEVEL; ++i)
         assert_true(fast.scalars[1][i] == 0 || fast.scalars[1][i] == log(1e-3) || fast.scalars[1][i] == log(1e-4));
     for (size_t i = 0; i < 3 * N; ++i)
         test[1][i] = FLT_MAX;
-    tests[1] = test[1];
+    pairs[1].test = test[1];
     nqm_sample_logs(3 * N, test[1], roots[2], transformed);
-    compute(&c, 0, true, &fast);
-    compute(&c, 0, false, &exact);
+    compute(pairs, 0, TESTS, true, &fast);
+    compute(pairs, 0, TESTS, false, &exact);
     assert_memory_equal(fast.metrics[1], exact.metrics[1], sizeof fast.metrics[1]);
     assert_memory_equal(fast.scalars[1], exact.scalars[1], sizeof fast.scalars[1]);
 }

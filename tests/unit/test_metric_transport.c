@@ -70,11 +70,17 @@ static void check_label(const nqm_label *label, const double *expected) {
 }
 
 static void compare_with_numpy(void) {
-    nqm_transport_samples samples[2 * BRDFS];
+    nqm_transport_picture samples[2 * BRDFS];
+    nqm_sample_pair pairs[BRDFS];
     float pictures[2 * BRDFS][3 * POINTS];
     for (size_t i = 0; i < BRDFS; ++i) {
-        samples[i] = (nqm_transport_samples){.rgb = rgb[i]};
-        samples[BRDFS + i] = (nqm_transport_samples){.rgb = rgb[i], .instead = rgb[0], .used = used[i]};
+        pairs[i] = (nqm_sample_pair){rgb[i], rgb[i], NULL};
+        samples[i] = (nqm_transport_picture){&pairs[i], NQM_TRANSPORT_OF_REF};
+    }
+    nqm_sample_pair masked[BRDFS];
+    for (size_t i = 0; i < BRDFS; ++i) {
+        masked[i] = (nqm_sample_pair){rgb[0], rgb[i], used[i]};
+        samples[BRDFS + i] = (nqm_transport_picture){&masked[i], NQM_TRANSPORT_OF_TEST};
     }
     nqm_transport_pictures(&transport, 0, POINTS, 2 * BRDFS, samples, pictures[0]);
     for (size_t i = 0; i < BRDFS; ++i) {
@@ -118,19 +124,16 @@ static void extremes_are_finite(void **state) {
 
 /* Pairs in one call have the bits of single pairs, in any order and whether or not neighbours share a reference. */
 static void cut_batches(void) {
-    const float *ref[NQM_COMPARE_MAX], *test[NQM_COMPARE_MAX];
-    uint8_t masks[NQM_COMPARE_MAX * N];
+    nqm_sample_pair pairs[NQM_COMPARE_MAX];
     nqm_label batch[NQM_COMPARE_MAX];
     for (size_t turn = 0; turn < 5; ++turn)
         for (size_t n = 1; n <= NQM_COMPARE_MAX; ++n) {
+            for (size_t i = 0; i < n; ++i)
+                pairs[i] = (nqm_sample_pair){rgb[(turn + i / (1 + turn)) % BRDFS], rgb[(7 * i + turn) % BRDFS],
+                                             used[(i + turn) % BRDFS]};
+            nqm_transport_estimates(&transport, n, pairs, batch);
             for (size_t i = 0; i < n; ++i) {
-                ref[i] = rgb[(turn + i / (1 + turn)) % BRDFS];
-                test[i] = rgb[(7 * i + turn) % BRDFS];
-                memcpy(masks + i * N, used[(i + turn) % BRDFS], N);
-            }
-            nqm_transport_estimates(&transport, n, ref, test, masks, batch);
-            for (size_t i = 0; i < n; ++i) {
-                const nqm_label single = estimate(ref[i], test[i], masks + i * N);
+                const nqm_label single = estimate(pairs[i].ref, pairs[i].test, pairs[i].used);
                 assert_memory_equal(&batch[i], &single, sizeof single);
             }
         }
@@ -162,7 +165,7 @@ static void predictions_give_the_same_bits(void **state) {
     nqm_predictor *predictor;
     nqm_rng rng = nqm_rng_make(5, 0);
     static float samples[2 * N_PAIRS * 3 * N_DIRECTIONS];
-    const float *ref[N_PAIRS], *test[N_PAIRS];
+    nqm_sample_pair pairs[N_PAIRS];
     double expected[N_PAIRS], jod[N_PAIRS];
     static double expected_metrics[N_PAIRS * NQM_METRIC_COUNT], metrics[N_PAIRS * NQM_METRIC_COUNT];
     assert_int_equal(make_tiny_model(N_DIRECTIONS, &model, NULL), NQM_OK);
@@ -173,27 +176,20 @@ static void predictions_give_the_same_bits(void **state) {
     assert_int_equal(nqm_model_set_transport(model, &matrix, NULL), NQM_OK);
     for (size_t i = 0; i < 2 * N_PAIRS * 3 * N_DIRECTIONS; ++i)
         samples[i] = (float)nqm_rng_uniform(&rng);
-    for (size_t i = 0; i < N_PAIRS; ++i) {
-        ref[i] = samples + i / 4 * 3 * N_DIRECTIONS;
-        test[i] = samples + (N_PAIRS + i) * 3 * N_DIRECTIONS;
-    }
+    for (size_t i = 0; i < N_PAIRS; ++i)
+        pairs[i] =
+            (nqm_sample_pair){samples + i / 4 * 3 * N_DIRECTIONS, samples + (N_PAIRS + i) * 3 * N_DIRECTIONS, NULL};
     assert_int_equal(nqm_predictor_create(model, NQM_PRECISION_F32, N_PAIRS, &predictor, NULL), NQM_OK);
     for (size_t i = 0; i < N_PAIRS; ++i)
-        nqm_predictor_run(
-            predictor,
-            &(nqm_sampled_pairs){
-                .n = 1, .ref = ref + i, .test = test + i, .metrics = expected_metrics + i * NQM_METRIC_COUNT},
-            expected + i, NULL);
+        nqm_predictor_run(predictor, 1, pairs + i,
+                          &(nqm_predictions){.jod = expected + i, .metrics = expected_metrics + i * NQM_METRIC_COUNT});
     for (int n_threads = 1; n_threads <= 2; ++n_threads) {
         omp_set_num_threads(n_threads);
         for (size_t cut = 1; cut <= N_PAIRS; cut = 2 * cut + 1) {
             for (size_t first = 0; first < N_PAIRS; first += cut)
-                nqm_predictor_run(predictor,
-                                  &(nqm_sampled_pairs){.n = nqm_smaller(cut, N_PAIRS - first),
-                                                       .ref = ref + first,
-                                                       .test = test + first,
-                                                       .metrics = metrics + first * NQM_METRIC_COUNT},
-                                  jod + first, NULL);
+                nqm_predictor_run(
+                    predictor, nqm_smaller(cut, N_PAIRS - first), pairs + first,
+                    &(nqm_predictions){.jod = jod + first, .metrics = metrics + first * NQM_METRIC_COUNT});
             assert_memory_equal(jod, expected, sizeof jod);
             assert_memory_equal(metrics, expected_metrics, sizeof metrics);
         }

@@ -308,11 +308,11 @@ static void labels_inside_are_counted(void **state) {
         double low, high;
         const double novelty = prediction.novelty[i];
         assert_near(novelty, nqm_model_novelty(model, ev->scalars + i * NQM_SCALAR_COUNT), 1e-3 * (1 + novelty));
-        nqm_model_interval(model, jod[i], novelty, prediction.spread[i], &low, &high);
         const size_t n_values = 3 * dataset->n_directions;
-        nqm_raise_low(nqm_delta_e_bound(dataset->n_directions, dataset->ref_rgb + n_values * dataset->pair_ref[i],
-                                        dataset->test_rgb + n_values * i, NULL),
-                      &low);
+        const nqm_sample_pair p = {dataset->ref_rgb + n_values * dataset->pair_ref[i], dataset->test_rgb + n_values * i,
+                                   NULL};
+        const nqm_certainty certainty = {novelty, prediction.spread[i], nqm_delta_e_bound(dataset->n_directions, &p)};
+        nqm_bounded_interval(model, jod[i], &certainty, &low, &high);
         n_inside += dataset->jod[i] >= low && dataset->jod[i] <= high;
         n_high += jod[i] >= 9.9;
         width += high - low;

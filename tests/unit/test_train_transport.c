@@ -88,12 +88,12 @@ static void scalars_of(size_t pair, const nqm_transport *transport, double *scal
     nqm_pair_sums sums;
     if (transport->light)
         estimate = nqm_transport_estimate(transport, ref_of(pair), test, NULL);
-    const nqm_comparison c = {toy->directions, ref_of(pair), 1, &test, NULL, transport->light ? &estimate : NULL};
+    const nqm_sample_pair p = {ref_of(pair), test, NULL};
     nqm_sample_logs(3 * N, ref_of(pair), roots[0], t);
     nqm_sample_logs(3 * N, test, roots[1], t);
     assert_int_equal(nqm_sum_plan_create(toy->directions, &plan, NULL), NQM_OK);
-    nqm_compare_sums_float(plan, &c, roots[0], true, &sums);
-    nqm_compare_finish(&c, &sums, NULL, scalars);
+    nqm_compare_sums_float(plan, 1, &p, roots[0], true, &sums);
+    nqm_compare_finish(&sums, transport->light ? &estimate : NULL, NULL, scalars);
     nqm_sum_plan_free(plan);
 }
 
@@ -122,17 +122,16 @@ static void check_predictions(const nqm_model *model, bool has_transport) {
     size_t n_checked = 0;
     assert_int_equal(nqm_predictor_create(model, NQM_PRECISION_F32, 1, &predictor, NULL), NQM_OK);
     for (size_t pair = 0; pair < toy->n_pairs; pair += 5) {
-        const float *ref = ref_of(pair), *test = test_of(pair);
+        const nqm_sample_pair p = {ref_of(pair), test_of(pair), NULL};
         const nqm_label estimate = estimate_of(pair), *base = has_transport ? &estimate : NULL;
         nqm_label label;
         float z[OUTPUTS];
         double jod, delta_e, expected;
-        nqm_predictor_run(predictor, &(nqm_sampled_pairs){.n = 1, .ref = &ref, .test = &test, .labels = &label}, &jod,
-                          &delta_e);
+        nqm_predictor_run(predictor, 1, &p, &(nqm_predictions){.jod = &jod, .delta_e = &delta_e, .labels = &label});
         outputs_of(model, pair, &transport, z);
         const double expected_jod = nqm_model_jod(model, (double)z[0], base, &expected);
         const nqm_label expected_label = nqm_model_label(model, z, base);
-        if (isfinite(nqm_delta_e_bound(N, ref, test, NULL))) /* nearly equal samples: a bound may decide */
+        if (isfinite(nqm_delta_e_bound(N, &p))) /* nearly equal samples: a bound may decide */
             continue;
         assert_relative(delta_e, expected, 1e-6);
         assert_near(jod, expected_jod, 1e-6);

@@ -49,12 +49,11 @@ static void run_all(void *user) {
     job *j = user;
     const material_pairs *p = j->pairs;
     const size_t first = j->turn++ % TURNS;
-    const float *ref[MAX_BATCH], *test[MAX_BATCH];
-    for (size_t i = 0; i < j->batch; ++i) {
-        ref[i] = p->ref + (first + (j->is_shared ? i / TESTS_PER_REF : i)) * p->n_values;
-        test[i] = p->test + (first + i) * p->n_values;
-    }
-    nqm_predictor_run(j->predictor, &(nqm_sampled_pairs){.n = j->batch, .ref = ref, .test = test}, j->jod, NULL);
+    nqm_sample_pair pairs[MAX_BATCH];
+    for (size_t i = 0; i < j->batch; ++i)
+        pairs[i] = (nqm_sample_pair){p->ref + (first + (j->is_shared ? i / TESTS_PER_REF : i)) * p->n_values,
+                                     p->test + (first + i) * p->n_values, NULL};
+    nqm_predictor_run(j->predictor, j->batch, pairs, &(nqm_predictions){.jod = j->jod});
 }
 
 static void run_gradient(void *user) {

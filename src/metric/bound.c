@@ -1,0 +1,81 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * A bound on the Delta-E of two BRDFs whose samples hardly differ, whatever a network says; and what it does to scores, their
+ * gradients and their intervals.
+ */
+#include "math/values.h"
+#include "metric/metric.h"
+#include "percept/percept.h"
+
+#include <math.h>
+#include <string.h>
+
+/* A picture changes by at most about this Delta-E for a change of ln(f + NQM_DARK) by 1 at every direction. Measured: at most 93
+ * in 3,641 pairs of 45 references and 61 kinds of difference, from roundings to other materials. */
+static const double delta_e_per_log = 120;
+static const float darkness = (float)NQM_DARK;
+
+static float ratio_of(float ref, float test) {
+    const float a = ref + darkness, b = test + darkness;
+    return a > b ? a / b : b / a;
+}
+
+/* The largest ratio of the members in any channel of n directions. */
+static float worst_ratio(size_t n, const float *ref, const float *test, const uint8_t *used) {
+    float worst = 1;
+    if (used && memchr(used, 0, n)) {
+        for (size_t k = 0; k < 3 * n; ++k)
+            if (used[k / 3])
+                worst = fmaxf(worst, ratio_of(ref[k], test[k]));
+        return worst;
+    }
+#pragma omp simd reduction(max : worst)
+    for (size_t k = 0; k < 3 * n; ++k) {
+        const float ratio = ratio_of(ref[k], test[k]);
+        worst = ratio > worst ? ratio : worst;
+    }
+    return worst;
+}
+
+double nqm_delta_e_bound(size_t n_directions, const nqm_sample_pair *p) {
+    enum { AT_ONCE = 32 };
+    const float large = 1.65F; /* a factor in any channel of any direction beyond which the bound says nothing */
+    float worst = 1;
+    for (size_t i = 0; i < n_directions && worst < large; i += AT_ONCE)
+        worst = fmaxf(worst, worst_ratio(nqm_smaller(n_directions - i, AT_ONCE), p->ref + 3 * i, p->test + 3 * i,
+                                         p->used ? p->used + i : NULL));
+    return worst < large ? delta_e_per_log * log((double)worst) : INFINITY;
+}
+
+double nqm_delta_e_bound_slope(size_t n_directions, const nqm_sample_pair *p, size_t *at_ret) {
+    float worst = 1;
+    double slope = 0;
+    *at_ret = 0;
+    for (size_t k = 0; k < 3 * n_directions; ++k) {
+        const float ratio = ratio_of(p->ref[k], p->test[k]);
+        if ((!p->used || p->used[k / 3]) && ratio > worst) {
+            worst = ratio;
+            *at_ret = k;
+            slope = (p->test[k] > p->ref[k] ? delta_e_per_log : -delta_e_per_log) / (double)(p->test[k] + darkness);
+        }
+    }
+    return slope;
+}
+
+bool nqm_bound_score(const nqm_model *model, double bound, double *jod, double *delta_e) {
+    if (!(*delta_e > bound)) /* true for NaN: models that predict no Delta-E */
+        return false;
+    *delta_e = bound;
+    *jod = nqm_curve_jod(&model->curve, bound);
+    return true;
+}
+
+void nqm_bounded_interval(const nqm_model *model, double jod, const nqm_certainty *c, double *low, double *high) {
+    /* Labels see all directions, samples a few: a rounding that leaves the samples of a mirror equal changed its label by up to
+     * 0.33 Delta-E (3,039 pairs of 100 references; 1.5 is JOD 9.98). */
+    static const double unseen = 1.5;
+    const double least = isfinite(c->bound) ? nqm_curve_jod(&nqm_curve_published, c->bound + unseen) : 0;
+    nqm_model_interval(model, jod, c->novelty, c->spread, low, high);
+    if (*low < least) /* false for NaN */
+        *low = least;
+}
