@@ -33,13 +33,9 @@ static void read_items(label_run *run, int n_arguments, char **argv, const char 
 
 /* Check options that depend on each other. */
 static void check_label(label_run *run, uint64_t shrink) {
-    bool pictures = run->map || run->grid || run->keep;
-    run->shrink = (size_t)shrink;
-    run->keep_rgb = pictures;
-    if (pictures && !run->scene_options.width)
-        stop(EXIT_USAGE, "--map, --grid and --keep-renders need pictures: leave out --points");
-    if (pictures && (run->scene_options.width % run->shrink || run->scene_options.height % run->shrink))
-        stop(EXIT_USAGE, "--shrink must divide the size of the picture");
+    run->keep_rgb = run->map || run->grid || run->keep;
+    if (run->keep_rgb)
+        set_shrink(run, shrink, "--map, --grid and --keep-renders need pictures: leave out --points");
     if (run->keep)
         require_folder_name("--keep-renders", run->keep, ".png|.exr|.hdr|.jpg", "the pictures");
     if (run->keep)

@@ -84,6 +84,15 @@ static void make_round(label_run *run, const nqm_scene_options *options) {
     }
 }
 
+void set_shrink(label_run *run, uint64_t shrink, const char *no_pictures) {
+    const nqm_scene_options *o = &run->scene_options;
+    run->shrink = (size_t)shrink;
+    if (!o->width)
+        stop(EXIT_USAGE, "%s", no_pictures);
+    if (o->width % run->shrink || o->height % run->shrink)
+        stop(EXIT_USAGE, "--shrink must divide the size of the picture");
+}
+
 void make_labels(label_run *run) {
     enum { MAX_ROUNDS = 3 };
     run->scene_options.progress = show_label_progress;

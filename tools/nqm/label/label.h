@@ -35,6 +35,8 @@ typedef struct label_run {
     size_t shrink;
 } label_run;
 
+/** For figures: average shrink x shrink rendered pixels into one. no_pictures: what to say where the scene has no pixels. */
+void set_shrink(label_run *run, uint64_t shrink, const char *no_pictures);
 /** Make the scene of run->scene_options, render the items and compare each test with its reference; errors of tests are
  *  stored in their items. On another failure, this and the functions below report the error and exit. */
 void make_labels(label_run *run);

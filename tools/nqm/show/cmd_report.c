@@ -28,15 +28,6 @@ static const char *find_date(char text[DATE_SIZE]) {
     return text;
 }
 
-static void check_scene(label_run *labels, uint64_t shrink) {
-    const nqm_scene_options *o = &labels->scene_options;
-    labels->shrink = (size_t)shrink;
-    if (!o->width)
-        stop(EXIT_USAGE, "--points renders no pictures, which the report needs");
-    if (o->width % labels->shrink || o->height % labels->shrink)
-        stop(EXIT_USAGE, "--shrink must divide the size of the picture");
-}
-
 int cmd_report(int argc, char **argv) {
     bool json = false;
     uint64_t shrink = 1;
@@ -79,7 +70,7 @@ int cmd_report(int argc, char **argv) {
     set_option(&nqm_score_option_table, "invalid", &run.scores.options, invalid);
     scene_args_end(&scene);
     run.labels.scene_options = scene.scene;
-    check_scene(&run.labels, shrink);
+    set_shrink(&run.labels, shrink, "--points renders no pictures, which the report needs");
     run.date = run.date ? run.date : find_date(date);
     output_file out;
     open_output(output, &out); /* first: a missing folder is reported before the work */
