@@ -44,7 +44,7 @@ static void print_rows(const nqm_bench *bench, bool json, const char *path, outp
     json_decref(results);
 }
 
-/* which: index of the benchmark; N_BENCHES: all. */
+/* Run the benchmark with the index `which`; N_BENCHES: all. */
 static int run_benches(const nqm_bench_options *options, size_t which, bool json, const char *path) {
     nqm_bench *bench = NULL;
     nqm_error err = {0};

@@ -21,7 +21,7 @@ static const char *const json_states[] = {"ok", "note", "problem"};
 typedef struct examination {
     json_t *checks; /* NULL: print lines */
     int n_problems, n_notes;
-    int n_passed; /* of the self-test */
+    int n_passed; /* checks of the self-test that passed */
     char failed[200];
 } examination;
 

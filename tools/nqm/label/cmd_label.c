@@ -93,7 +93,7 @@ int cmd_label(int argc, char **argv) {
     for (size_t i = 0; i < run.n_items; ++i)
         if (run.items[i].err.status != NQM_OK) {
             int code = report_error(&run.items[i].err);
-            exit_code = exit_code == EXIT_OK ? code : exit_code; /* of the first error */
+            exit_code = exit_code == EXIT_OK ? code : exit_code; /* exit code of the first error */
         }
     free_labels(&run);
     free(names);

@@ -11,7 +11,7 @@
 
 static nqm_status render_item(const label_run *run, label_item *item) {
     const double nan = (double)NAN;
-    free(item->rgb_cdm2); /* of an earlier round */
+    free(item->rgb_cdm2); /* picture of an earlier round */
     item->label = (nqm_label){nan, {nan, nan, nan}, nan, nan, 0};
     item->jod = nan;
     item->rgb_cdm2 = allocate(9 * nqm_scene_count(run->scene), sizeof *item->rgb_cdm2);
@@ -70,7 +70,7 @@ static size_t mark_uncertain(label_run *run, nqm_scene_options *options) {
     return n;
 }
 
-/* One scene for all items that are not done. */
+/* Render all items that are not done in one scene. */
 static void make_round(label_run *run, const nqm_scene_options *options) {
     nqm_error err = {0};
     nqm_scene_free(run->scene);

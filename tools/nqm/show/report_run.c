@@ -63,7 +63,7 @@ void make_report(report_run *run, int n_arguments, char **arguments, const char 
     set_pairs(&run->scores, n_arguments, arguments, names);
     make_scores(&run->scores);
     check_results(run);
-    run->json_scores = json_scores(&run->scores); /* in the order of the arguments */
+    run->json_scores = json_scores(&run->scores); /* before ranking: in the order of the arguments */
     rank_rows(&run->scores, false);
     render_all(&run->labels, n_arguments, arguments);
     name_all(run);
