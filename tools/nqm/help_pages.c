@@ -158,7 +158,7 @@ static void put_markdown_text(const char *text) {
 
 /* Rows that the page has already. An option is described once; a verb that has the same row again refers to it. */
 static struct shown_row { char name[NQM_OPTION_TEXT_MAX], text[1024], verb[32]; } shown_rows[512];
-static size_t n_shown_rows;
+static size_t n_shown_rows, n_before; /* n_before: those of earlier verbs */
 
 static const struct shown_row *find_shown_row(const help_row *row) {
     for (size_t i = 0; i < n_shown_rows; ++i)
@@ -193,7 +193,7 @@ static void put_repeated_row(void *user, const help_row *row) {
     if (!shown)
         return;
     if (!*last_verb || strcmp(*last_verb, shown->verb) != 0)
-        printf("%s `%s`: ", *last_verb ? "; as for" : "\nAs for", shown->verb);
+        printf("%s `%s`: ", *last_verb ? "; as for" : n_shown_rows > n_before ? "\nAs for" : "As for", shown->verb);
     else
         printf(", ");
     *last_verb = shown->verb;
@@ -226,13 +226,15 @@ void print_markdown(const command *cmd) {
     printf("\n\n");
     each_line(cmd->about, put_markdown_line);
     putchar('\n');
-    for (const choice *c = cmd->choices; c && c->name; ++c) {
+    const choice *choices = cmd->has_verbs ? NULL : cmd->choices; /* verbs have their own sections */
+    for (const choice *c = choices; c && c->name; ++c) {
         printf("- `%s%s%s`: ", c->name, *c->arguments ? " " : "", c->arguments);
         put_markdown_text(c->help);
         putchar('\n');
     }
-    if (cmd->choices)
+    if (choices)
         putchar('\n');
+    n_before = n_shown_rows;
     each_option(cmd, put_markdown_row, NULL);
     const char *last_verb = NULL;
     each_option(cmd, put_repeated_row, &last_verb);
