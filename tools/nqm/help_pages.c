@@ -200,17 +200,21 @@ static void put_repeated_row(void *user, const help_row *row) {
     printf("`--%s`", row->name);
 }
 
-static void put_markdown_line(const char *line, size_t n) {
-    printf("%s%.*s\n", *line == ' ' ? "\n" : "", (int)n, line);
+/* The first sentence of a description; doc/cli.md has the rest. */
+static void put_first_sentence(const char *about) {
+    size_t n = 1;
+    while (about[n] && !((about[n] == ' ' || about[n] == '\n') && strchr(".?", about[n - 1])))
+        ++n;
+    printf("%.*s\n", (int)n, about);
 }
 
 void begin_markdown(void) {
-    printf("# Reference of the command line\n\n"
-           "Which options does a verb have? This page is made from the option tables of the tool (`./dev pages`); `nqm "
-           "VERB --help`\n"
-           "and `man nqm-VERB` show the same, with examples. [cli.md](cli.md) explains the verbs, their output and "
-           "JSON. An "
-           "option that several\nverbs have is described at the first one.\n");
+    puts("# Reference of the command line\n\n"
+         "Which options does a verb have? This page is made from the option tables of the tool (`./dev pages`). `nqm "
+         "VERB\n"
+         "--help` and `man nqm-VERB` add the rest of the description and examples; [cli.md](cli.md) has output, JSON "
+         "and\n"
+         "failures. An option that several verbs have is described at the first one.");
 }
 
 void print_markdown(const command *cmd) {
@@ -224,7 +228,7 @@ void print_markdown(const command *cmd) {
             putchar(*p);
         }
     printf("\n\n");
-    each_line(cmd->about, put_markdown_line);
+    put_first_sentence(cmd->about);
     putchar('\n');
     const choice *choices = cmd->has_verbs ? NULL : cmd->choices; /* verbs have their own sections */
     for (const choice *c = choices; c && c->name; ++c) {
