@@ -154,24 +154,29 @@ static int check_one(const char *argument, uint64_t seed, json_t *results) {
     return passes(&v) ? EXIT_OK : EXIT_GATE;
 }
 
+/* ---- the verb ---------------------------------------------------------------------------------------------------- */
+
+static bool json;
+static uint64_t seed = 1;
+
+static const option options[] = {{"json", 0, OPTION_FLAG, &json, NULL, "print JSON", 0, 0},
+                                 {"seed", 0, OPTION_COUNT, &seed, "N", "seed of the random directions", 0, 0},
+                                 {0}};
+
+static const command cmd = {
+    .usage = "BRDF... [options]",
+    .about =
+        "Is a BRDF physically plausible? Measures energy conservation (the share of light that is reflected, for\n"
+        "light at 0 to 75 degrees), reciprocity and positivity. Exit code 1 when a BRDF reflects more than 102 %\n"
+        "of the light, has no value for more than half of the directions, or no positive value but negative ones.\n"
+        "A list of measured directions is tested at these directions; its energy is unknown.",
+    .example = "nqm check sgd:nickel material.binary\nnqm check 'lambert:kd=1.1' --json",
+    .options = options,
+    .min_arguments = 1,
+    .max_arguments = -1,
+};
+
 int cmd_check(int argc, char **argv) {
-    bool json = false;
-    uint64_t seed = 1;
-    const option options[] = {{"json", 0, OPTION_FLAG, &json, NULL, "print JSON", 0, 0},
-                              {"seed", 0, OPTION_COUNT, &seed, "N", "seed of the random directions", 0, 0},
-                              {0}};
-    const command cmd = {
-        .usage = "BRDF... [options]",
-        .about =
-            "Is a BRDF physically plausible? Measures energy conservation (the share of light that is reflected, for\n"
-            "light at 0 to 75 degrees), reciprocity and positivity. Exit code 1 when a BRDF reflects more than 102 %\n"
-            "of the light, has no value for more than half of the directions, or no positive value but negative ones.\n"
-            "A list of measured directions is tested at these directions; its energy is unknown.",
-        .example = "nqm check sgd:nickel material.binary\nnqm check 'lambert:kd=1.1' --json",
-        .options = options,
-        .min_arguments = 1,
-        .max_arguments = -1,
-    };
     const int n_arguments = parse_arguments(&cmd, argc, argv);
     int exit_code = EXIT_OK;
     json_t *results = json ? json_array() : NULL;
