@@ -35,8 +35,8 @@ static const nqm_gltf_group *find_extension(const char *name) {
 typedef struct reader {
     const char *path;
     nqm_json_source source;
-    size_t source_at; /**< of the JSON text in the file */
-    size_t at;        /**< of the material in the JSON text; SIZE_MAX: none */
+    size_t source_at; /**< position of the JSON text in the file */
+    size_t at;        /**< position of the material in the JSON text; SIZE_MAX: none */
     nqm_shading shading;
     double alpha;
     char refusal[256];
@@ -44,7 +44,7 @@ typedef struct reader {
     nqm_error *err;
 } reader;
 
-/* Of a property of the material. */
+/* Position of a property of the material in the file. */
 static int64_t byte_of(const reader *r, const char *path) {
     return (int64_t)(r->source_at + nqm_json_path(&r->source, r->at, path));
 }
@@ -342,7 +342,7 @@ static const char *unknown_requirement(const json_t *root) {
         size_t k = 0, n = sizeof harmless / sizeof *harmless;
         while (name && k < n && strcmp(harmless[k], name) != 0)
             ++k;
-        /* those that are refused on a material are named there */
+        /* extensions that a material refuses are named at the material */
         if (name && k == n && !find_extension(name) && strcmp(name, "KHR_materials_unlit") != 0 &&
             strcmp(name, "KHR_materials_pbrSpecularGlossiness") != 0)
             return name;

@@ -11,7 +11,7 @@
 typedef enum nqm_gltf_kind {
     NQM_GLTF_NUMBER,
     NQM_GLTF_COLOR,
-    NQM_GLTF_BASE_COLOR, /**< with alpha, which alphaMode interprets */
+    NQM_GLTF_BASE_COLOR, /**< RGB and alpha, which alphaMode interprets */
     NQM_GLTF_TEXTURE,    /**< refused, unless the factor of its layer is 0 */
     NQM_GLTF_ZERO,       /**< refused, unless 0 */
     NQM_GLTF_IGNORED     /**< has no effect without the other properties of the layer */
@@ -21,7 +21,7 @@ typedef struct nqm_gltf_property {
     const char *name;
     nqm_gltf_kind kind;
     const char *key; /**< of the spec */
-    double fallback; /**< what the specification gives a missing number, for the writer */
+    double fallback; /**< value of a missing number by the specification, for the writer */
 } nqm_gltf_property;
 
 /** An object with properties: a JSON member of the material, or an extension. */

@@ -71,7 +71,8 @@ static bool is_connected(element *e) {
     return nqm_xml_get(e, "nodename") || nqm_xml_get(e, "nodegraph") || nqm_xml_get(e, "interfacename");
 }
 
-/* Where the names are that an input or output is connected to. Inputs of a node graph itself are connected outside of it. */
+/* The element whose children an input or output may be connected to. Inputs of a node graph itself are connected
+ * outside of it. */
 static element *scope_of(const reading *r, element *e) {
     if (e->parent == r->root)
         return r->root;
@@ -195,7 +196,7 @@ static bool read_key(reading *r, element *e, const nqm_mtlx_input *input) {
         if (channels_of(input) == 3)
             v[c] = fmax(v[c], 0);
     }
-    if (!(v[0] > 0) && is_text(input->name, "specular_ior")) /* of OpenPBR; MaterialX's velvet has specular_IOR 0 */
+    if (!(v[0] > 0) && is_text(input->name, "specular_ior")) /* OpenPBR's; MaterialX's velvet has specular_IOR 0 */
         return refuse(r, e, "%s is %.4g; an index of refraction is above 0", input->name, v[0]);
     nqm_shading_set(&r->shading, input->name, channels_of(input), v);
     return true;

@@ -17,7 +17,7 @@ typedef enum nqm_mtlx_kind {
 typedef struct nqm_mtlx_input {
     const char *name;
     nqm_mtlx_kind kind;
-    const char *type; /**< of MaterialX: "float", "color3", "integer"; NULL for NORMAL and IGNORED */
+    const char *type; /**< type in MaterialX: "float", "color3", "integer"; NULL for NORMAL and IGNORED */
     double value;     /**< default of the definition, in every channel */
     const char *what; /**< NEUTRAL: what it would do, for the refusal */
     const char *gate; /**< NEUTRAL: without effect where this input is 0; NULL: none */

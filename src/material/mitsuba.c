@@ -61,9 +61,9 @@ typedef struct translation {
     const nqm_mitsuba_nodes *nodes;
     const nqm_index *ids; /* of BSDFs */
     nqm_shading shading;
-    const char *file;    /* of a measured material; NULL: the shading is the result */
+    const char *file;    /* file of a measured material; NULL: the shading is the result */
     char refusal[400];   /* "": accepted */
-    int64_t byte_offset; /* of the refused property */
+    int64_t byte_offset; /* position of the refused property */
     uint32_t given;      /* bit i: rule i of the plugin has been read */
     double alpha_uv[2];  /* NAN: not given */
     const nqm_mitsuba_node *metal;
@@ -272,7 +272,7 @@ enum { MAX_RULES = 24 };
 typedef struct plugin {
     const char *type;
     const char *refusal;                                          /* NULL: the plugin is read */
-    const char *model;                                            /* of the shading; NULL: a measured file */
+    const char *model;                                            /* shading model; NULL: a measured file */
     bool (*finish)(translation *t, const nqm_mitsuba_node *bsdf); /* after the properties, or NULL */
     struct {
         const char *name;

@@ -24,9 +24,9 @@ typedef struct nqm_mitsuba_node {
     nqm_mitsuba_kind kind;
     size_t parent; /**< index; NQM_MITSUBA_ROOT: not inside of a BSDF */
     char *type;    /**< of a plugin */
-    char *name;    /**< of a property */
+    char *name;    /**< name of a property */
     char *id;
-    char *value; /**< of a property, as text: "0.1", "0.2 0.3 0.4", "true" */
+    char *value; /**< value of a property as text: "0.1", "0.2 0.3 0.4", "true" */
     int64_t byte_offset;
 } nqm_mitsuba_node;
 #define NQM_MITSUBA_ROOT ((size_t)-1)

@@ -18,8 +18,8 @@ enum { MAX_PARAMETERS = 32, MAX_BYTES = 256 << 20, MAX_TOKEN = 256 };
 typedef struct scanner {
     const char *path, *text;
     size_t n, at;
-    const char *refusal;   /* of materials from here on, or NULL */
-    int64_t byte_offset;   /* of the last token */
+    const char *refusal;   /* why materials from here on are refused; NULL: they are not */
+    int64_t byte_offset;   /* position of the last token */
     char token[MAX_TOKEN]; /* without its quotes */
     bool is_quoted;
     nqm_error *err;
@@ -82,7 +82,7 @@ typedef enum kind { NUMBER, RGB, SPECTRUM, TEXT, BOOLEAN, TEXTURE, OTHER } kind;
 typedef struct parameter {
     kind kind;
     char name[MAX_TOKEN];
-    char text[MAX_TOKEN]; /* of the first value */
+    char text[MAX_TOKEN]; /* text of the first value */
     size_t n;             /* values in the file */
     bool has_words;       /* one of them is no number */
     double v[3];
@@ -108,7 +108,7 @@ static kind kind_of(const char *type) {
     return OTHER;
 }
 
-/* One value of a parameter, which is the last token. */
+/* Add the last token to the values of a parameter. */
 static nqm_status add_value(scanner *s, parameter *p) {
     const char *end = s->token;
     double v = 0;
