@@ -86,6 +86,7 @@ int cmd_help(int argc, char **argv) {
         choices[i] = (choice){verbs[i].name, "", verbs[i].summary};
     const int n = parse_arguments(&cmd, argc, argv);
     const struct style *style = &styles[choose("format", style_names, format)];
+    format = style_names[0]; /* this verb describes itself, too, with its default */
     if (n && !style->single)
         stop(EXIT_USAGE, "the completion of %s is for all verbs: give none", style->name);
     if (n)

@@ -278,8 +278,6 @@ static int run_batch(batch_run *run, ranks r) {
     return settle(run, exit_code == EXIT_OK ? score_rows(run) : exit_code);
 }
 
-/* ---- the verb ---------------------------------------------------------------------------------------------------- */
-
 static batch_run run;
 static batch_arguments a = {.model = "default", .metrics = "", .sort = "list"};
 static uint64_t cache_mb;

@@ -27,6 +27,9 @@ typedef struct report_run {
  *  caller sets model and options of the scores, scene and shrink of the labels, title and date first. names:
  *  (n_arguments) shown instead of automatic ones where not NULL; NULL: none. Errors end the program. */
 void make_report(report_run *run, int n_arguments, char **arguments, const char *const *names, output_file *out);
+/** The same for fits or a translation of a reference: scored by the model `metric`, with pictures of the standard scenes. */
+void write_fit_page(const char *title, int n_arguments, char **arguments, const char *const *names, const char *metric,
+                    output_file *out);
 /** Free the results and the model. */
 void free_report(report_run *run);
 

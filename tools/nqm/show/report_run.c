@@ -75,6 +75,18 @@ void make_report(report_run *run, int n_arguments, char **arguments, const char 
     close_output(out);
 }
 
+void write_fit_page(const char *title, int n_arguments, char **arguments, const char *const *names, const char *metric,
+                    output_file *out) {
+    report_run run = {.title = title, .scores = {.options = nqm_score_options_default()}, .labels = {.shrink = 1}};
+    scene_args scene = scene_args_begin();
+    scene.side = 256;
+    scene_args_end(&scene);
+    run.labels.scene_options = scene.scene;
+    run.scores.model = open_model(metric);
+    make_report(&run, n_arguments, arguments, names, out);
+    free_report(&run);
+}
+
 void free_report(report_run *run) {
     json_decref(run->json_scores);
     free(run->short_names);
