@@ -36,6 +36,7 @@ Which functions are there? This page is an index made from the headers (`./dev p
 ownership and threads are described there. What is opened, loaded or created is freed by the function `_free` of its type, which the lists leave out.
 `<nqm/nqm.h>` includes all headers; [base.h](../include/nqm/base.h) has the conventions, and
 [examples/](../examples) has complete programs.""")
+PLAIN = re.compile(r"_(?:default|get_\w+|count|name|text|version|id|degrees|wi|wo|weights|size)$")  # their names say what they return
 CORE = ("base", "material", "brdf", "samples", "percept", "model", "metric")
 names = [n for n in ORDER if os.path.exists(os.path.join(HEADERS, n + ".h"))]
 names += sorted({os.path.basename(p)[:-2] for p in glob.glob(HEADERS + "/*.h")} - set(names) - {"nqm"})
@@ -48,5 +49,11 @@ for name in sorted(set(names), key=names.index):
         title += " In libnqm-full only."
     print("\n## %s.h\n\n[nqm/%s.h](../include/nqm/%s.h): %s\n" %
           (name, name, name, title))
+    plain = []
     for function, summary in functions(text):
-        print("- `%s()`: %s" % (function, summary.replace("<", "&lt;")))
+        if PLAIN.search(function):
+            plain.append("`%s()`" % function)
+        else:
+            print("- `%s()`: %s" % (function, summary.replace("<", "&lt;")))
+    if plain:
+        print("- %s" % ", ".join(plain))

@@ -95,7 +95,7 @@ typedef struct nqm_brdf_callbacks {
     nqm_brdf_eval_fn eval;    /**< must return the same values whenever it gets the same directions */
     void (*free)(void *user); /**< called once by nqm_brdf_free(); NULL: nothing to free */
     void *user;               /**< passed to both functions */
-    const char *name;         /**< for messages and nqm_brdf_info.name; copied; NULL: "callback" */
+    const char *name;         /**< name in messages and nqm_brdf_info; copied; NULL: "callback" */
     int reciprocal;           /**< 1: f_r(wi,wo) = f_r(wo,wi) always; reported by nqm_brdf_get_info(), not checked */
     int serialize; /**< 0: threads of the library call `eval` concurrently; 1: never two calls at the same time
                                    (a mutex of this BRDF is held during the call, so `eval` must not evaluate this BRDF) */
@@ -253,7 +253,7 @@ typedef struct nqm_brdf_check_report {
     double reciprocity_p95; /**< 95th percentile of the same */
     /** Largest directional-hemispherical albedo, theta_i 0 to 75 degrees, per channel; NaN: unknown. */
     double albedo_max[3];
-    double albedo_max_theta_rad; /**< angle of incidence of the largest of the three */
+    double albedo_max_theta_rad; /**< angle of incidence at which the largest of the three occurs */
 } nqm_brdf_check_report;
 
 /**
@@ -276,8 +276,8 @@ typedef struct nqm_brdf_difference {
     size_t n_missing;   /**< pairs where only one of them has a value */
     /** Largest |ref - test| / max(ref, test, 1e-9 1/sr) of a channel, 0 to 1. */
     double largest;
-    double wi[3], wo[3]; /**< its directions, */
-    int channel;         /**< its channel: 0 red, 1 green, 2 blue, */
+    double wi[3], wo[3]; /**< directions of that difference */
+    int channel;         /**< its channel: 0 red, 1 green, 2 blue */
     double ref, test;    /**< and the values there, 1/sr */
 } nqm_brdf_difference;
 

@@ -23,7 +23,7 @@ typedef struct nqm_dataset_info {
     size_t n_directions, n_refs, n_groups, n_pairs;
     size_t n_kinds;       /**< kinds of distortion: nqm_dataset_get_kind() */
     size_t n_pairs_in[3]; /**< pairs in each split, before augmentation */
-    const char *sha256;   /**< of the file; of the content for the authors' layout and for people's answers */
+    const char *sha256;   /**< SHA-256 of the file; of the content for the authors' layout and for people's answers */
     const char *manifest; /**< JSON: how it was made; "" if unknown */
     const nqm_directions *directions;
 } nqm_dataset_info;
@@ -77,7 +77,7 @@ typedef struct nqm_dataset_pair {
     const char *ref, *group;    /**< the reference and its material group */
     const char *test;           /**< a spec, or a name */
     const char *kind, *family;  /**< as in nqm_dataset_kind */
-    const char *material_class; /**< of the reference: a nqm_material_class_name() */
+    const char *material_class; /**< class of the reference material: a nqm_material_class_name() */
     /** Where the reference comes from: "measured", "neural", "analytic" (of the corpus's sources rgl and merl, nbrdf and nps, sgd;
      *  also with a suffix, as in "rgl-..."), or another source by its own name, as "renderer" and "mirror"; "" if the manifest
      *  does not say it. */

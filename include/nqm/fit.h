@@ -51,12 +51,12 @@ typedef struct nqm_fit_term {
 
 /** A narrower range for one parameter of an analytic model's lobe. */
 typedef struct nqm_fit_bound {
-    const char *key;  /**< as in the model's spec: "alpha", "f0", "n", ... */
+    const char *key;  /**< key of the model's spec: "alpha", "f0", "n", ... */
     double low, high; /**< within the model's own range, in the units of the spec */
 } nqm_fit_bound;
 
 typedef struct nqm_fit_options {
-    nqm_fit_loss loss; /**< of analytic models; default NQM_FIT_LOG */
+    nqm_fit_loss loss; /**< loss of analytic models; default NQM_FIT_LOG */
     const nqm_fit_term
         *terms;     /**< (n_terms) of analytic models: their sum replaces `loss`; owned by the caller; default
                                   NULL */
@@ -74,7 +74,7 @@ typedef struct nqm_fit_options {
                                       is combined with a few values of the model's other parameters */
     const nqm_fit_bound *bounds; /**< (n_bounds) for analytic models; owned by the caller; default NULL */
     size_t n_bounds;             /**< default 0 */
-    uint64_t seed;               /**< of the direction pairs; default 1 */
+    uint64_t seed;               /**< seed of the direction pairs; default 1 */
     const char
         *start; /**< a spec of the model ("ggx:kd=..."), from which the loss is minimised; of RGB lobe parameters the
                           red value counts; default NULL: from the starts above. Analytic models */
@@ -82,7 +82,7 @@ typedef struct nqm_fit_options {
         n_random; /**< > 0: this many random starts instead of those above: shapes uniform in the scale of the search,
                           the albedos that fit best by NQM_FIT_LOG times factors log-uniform in [1/20, 20]; a function of
                           `start_seed` and the directions only, equal for all losses; at most 1000; default 0 */
-    uint64_t start_seed; /**< of the random starts; default 1 */
+    uint64_t start_seed; /**< seed of the random starts; default 1 */
     double
         simplify; /**< of shading models: keys get their defaults, and metals 0 or 1, where that raises the loss in total by at
                           most this fraction of itself plus a twentieth of the loss of a black surface; layers are removed

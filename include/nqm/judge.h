@@ -28,7 +28,7 @@ typedef struct nqm_agreement {
     nqm_estimate spearman; /**< over all pairs */
     nqm_estimate spearman_mean_by_material; /**< mean over the groups with at least 3 pairs */
     nqm_estimate pearson, kendall;          /**< over all pairs; Kendall's tau-b */
-    nqm_estimate mae, rmse, r2;             /**< of predicted JOD; NaN for metrics and for labels that are not JOD */
+    nqm_estimate mae, rmse, r2; /**< errors of the predicted JOD; NaN for metrics and for labels that are not JOD */
     nqm_estimate order; /**< fraction of the n_ordered that is predicted in the order of the labels; ties count half */
     int best_of_family; /**< 1: the metric has the higher `spearman` of its family (RMSE and MAE, CRWE, LogE, LogWE) */
     int best_baseline;  /**< 1: the highest `spearman` of the paper's eight baselines */
@@ -48,8 +48,8 @@ typedef struct nqm_eval_options {
     double jod_from, jod_to;    /**< only labels in [from, to); default 0 and infinity */
     double order_margin;        /**< of nqm_agreement.order, in the unit of the labels; >= 0; default 0.25 */
     size_t n_bootstrap;         /**< resamples of the material groups; 0: no intervals; default 1000 */
-    uint64_t seed;              /**< of the resampling; default 1 */
-    nqm_precision precision;    /**< of the models' predictions, as in nqm_score_options; default NQM_PRECISION_F32 */
+    uint64_t seed;              /**< seed of the resampling; default 1 */
+    nqm_precision precision;    /**< precision of the models' predictions; default NQM_PRECISION_F32 */
     int apart;                /**< 1: judge by nqm_label_similarity() where there are parts: for answers about materials
                                      that people did not see beside each other */
     nqm_progress_fn progress; /**< NULL: none */
@@ -111,7 +111,7 @@ typedef struct nqm_difference {
 
 /** Which of two predictors agrees better with the labels. */
 typedef struct nqm_contrast {
-    size_t first, second;                                      /**< in: predictors by number */
+    size_t first, second;                                      /**< input: numbers of the predictors */
     nqm_difference spearman, spearman_mean_by_material, order; /**< out: the first minus the second */
 } nqm_contrast;
 
@@ -140,8 +140,8 @@ typedef struct nqm_coverage {
     size_t n, n_materials;
     nqm_estimate inside;         /**< fraction of the labels, over all pairs */
     nqm_estimate by_material;    /**< mean over materials */
-    double lowest;               /**< of the material with the lowest fraction */
-    const char *lowest_material; /**< its name; owned by the dataset */
+    double lowest;               /**< fraction of the material where it is lowest */
+    const char *lowest_material; /**< name of this material; owned by the dataset */
     double below, above;         /**< fractions of the labels below and above their interval */
     double mean_width;           /**< JOD */
     nqm_coverage_range ranges[NQM_COVERAGE_RANGES];
@@ -163,9 +163,9 @@ NQM_API NQM_MUST_CHECK nqm_status nqm_evaluation_coverage(const nqm_evaluation *
 typedef struct nqm_part_agreement {
     const char *part; /**< "shift_i", "shift_t", "shift_p", "contrast", "structure" or "similarity" */
     size_t n, n_materials;
-    nqm_estimate model;    /**< of the part that the model predicts */
-    nqm_estimate estimate; /**< of the part estimated by light transport; NaN if the dataset has no transport matrix */
-    nqm_estimate scalar;   /**< of the best of the scalar features that are closest to the part by definition */
+    nqm_estimate model;    /**< correlation of the part that the model predicts */
+    nqm_estimate estimate; /**< correlation of the part estimated by light transport; NaN without a transport matrix */
+    nqm_estimate scalar;   /**< correlation of the best of the scalar features that are closest to the part */
     const char *scalar_name; /**< its name */
     /** Whether words say what pictures show: the pairs whose label has a part above 3 Delta-E (contrast: 0.1) in size, and the
      *  fraction of them for which the model predicts a part of the same sign (structure: of 1 Delta-E or more). Similarity: 0 and

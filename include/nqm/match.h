@@ -34,13 +34,13 @@ typedef struct nqm_match_loss {
     const char *text;
     const nqm_model *metric;    /**< NULL: not needed by `text` */
     const nqm_model *transport; /**< NULL: not needed by `text` */
-    const nqm_scene *scene; /**< where results are compared, on 32768 rays (nqm_rays_draw); NULL: `transport` compares,
+    const nqm_scene *scene; /**< scene that compares results, on 32768 rays (nqm_rays_draw); NULL: `transport` compares,
                                      at the directions of the fits */
 } nqm_match_loss;
 
 typedef struct nqm_match_report {
-    nqm_fit_report fit; /**< of the result; `loss`: value of the sum, or of "auto" `difference` */
-    char selected[128]; /**< of "auto": how the result came about ("log-cos, then nqm"); otherwise "" */
+    nqm_fit_report fit; /**< report of the best fit; its `loss` is the value of the sum, or `difference` for "auto" */
+    char selected[128]; /**< "auto": the steps that led to the result ("log-cos, then nqm"); otherwise "" */
     double
         difference; /**< Delta-E of the result on the rays of `scene`, without it by `transport`; NaN without both, and for
                            models that are not analytic */

@@ -20,13 +20,13 @@ typedef struct nqm_materials nqm_materials;
 
 /** One of them. The strings belong to the nqm_materials. */
 typedef struct nqm_material_info {
-    const char *name;    /**< as in the file; "material1", ... for materials without a name */
+    const char *name;    /**< name in the file; "material1", ... for materials without a name */
     const char *surface; /**< the shading model, as the file calls it: "open_pbr_surface" */
     const char
         *spec; /**< argument of nqm_brdf_open(): a spec, or a path relative to the file's folder; NULL: refused */
     const char *refusal; /**< the property that cannot be honoured, and why; NULL: the material is accepted */
     const char *remark;  /**< a property that is left out because it is no part of a BRDF; NULL: none */
-    int64_t byte_offset; /**< of the material or of the refused property in the file; -1: unknown */
+    int64_t byte_offset; /**< position of the material or of the refused property in the file; -1: unknown */
 } nqm_material_info;
 
 /**

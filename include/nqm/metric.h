@@ -36,7 +36,7 @@ typedef enum nqm_metric {
 typedef struct nqm_metric_info {
     const char *name;        /**< "rmse", "mae", "rms_crwe", ..., "log_diff" */
     const char *description; /**< "root mean square difference of f", UTF-8; f: f_r in 1/sr, c: as above */
-    const char *family;      /**< what is compared: equal for the RMS and mean absolute difference of one quantity */
+    const char *family;      /**< compared quantity; equal for its RMS and its mean absolute difference */
     int is_baseline;         /**< 1: one of the paper's baselines */
 } nqm_metric_info;
 
@@ -63,7 +63,7 @@ typedef struct nqm_score_options {
     double
         min_valid_fraction;  /**< a pair gets NQM_ERR_INCOMPATIBLE, under every policy, when both BRDFs have a value at
                                      a smaller fraction of the directions; 0..1; default 0.9 */
-    nqm_precision precision; /**< of the network's products; default NQM_PRECISION_F32; doc/performance.md has the
+    nqm_precision precision; /**< precision of the products; default NQM_PRECISION_F32; doc/performance.md has the
                                      accuracy of the others */
     int metrics;             /**< 0: leave out the scalar metrics (they are NaN), which is faster; default 1 */
     size_t cache_bytes; /**< nqm_scorer_run_named() keeps the last used sampled BRDFs up to this size, and always those
@@ -75,7 +75,7 @@ NQM_API nqm_score_options nqm_score_options_default(void);
 
 /** The score of one pair. */
 typedef struct nqm_score_result {
-    nqm_status status;        /**< NQM_OK, or why the pair has no score: all floating-point members are NaN then */
+    nqm_status status;        /**< NQM_OK; otherwise the pair has no score and all floating-point members are NaN */
     double jod;               /**< predicted quality, jod_min..jod_max of the model */
     double delta_e;           /**< the Delta-E ITP that has this JOD; NaN if the model does not predict one */
     double jod_low, jod_high; /**< 95 % interval: contains the JOD of rendered images for 95 % of the pairs of materials
@@ -89,7 +89,7 @@ typedef struct nqm_score_result {
                                    `identical` */
     double similarity; /**< nqm_label_similarity() of the parts: JOD for pictures seen apart; NaN without parts */
     int identical;     /**< 1: both members are equal at every valid direction */
-    double metrics[NQM_METRIC_COUNT];     /**< by nqm_metric, within 1e-6 relative of
+    double metrics[NQM_METRIC_COUNT];     /**< indexed by nqm_metric, within 1e-6 relative of
                                                nqm_metrics_compute(); NaN when the options leave them out */
     size_t n_valid;                       /**< directions at which both BRDFs have a value */
     size_t n_clamped_ref, n_clamped_test; /**< directions with a negative channel, which counts as 0 */

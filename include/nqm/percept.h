@@ -33,7 +33,7 @@ NQM_API double nqm_curve_jod(const nqm_curve *curve, double delta_e);
 typedef struct nqm_regress_report {
     nqm_curve curve;
     double rmse;     /**< of JOD */
-    double spearman; /**< of Delta-E with JOD (negative: more difference, less quality) */
+    double spearman; /**< rank correlation of Delta-E with JOD (negative: more difference, less quality) */
     size_t n;
 } nqm_regress_report;
 

@@ -41,7 +41,7 @@ typedef struct nqm_scene_options {
     size_t n_frames;      /**< views of the turntable, evenly over 360 degrees, 1 to 4096; default 0: 1, or 8 for
                                NQM_SCENE_PAPER */
     double turn_rad;      /**< angle of the turntable in the first frame, its front to the right; default 0 */
-    double elevation_rad; /**< of the viewer above the horizon of the light map, -pi/2 to pi/2; default 0 */
+    double elevation_rad; /**< elevation of the viewer above the horizon of the light map, -pi/2 to pi/2; default 0 */
     size_t n_lights;      /**< light directions per point, 16 to 65536; default 0: 128, or 96 if width is not 0 */
     size_t light_width;   /**< the light map is filtered to light_width x light_width / 2 cells; a multiple of 16 up to
                                4096; default 256 */
@@ -51,7 +51,7 @@ typedef struct nqm_scene_options {
         exposure_cdm2; /**< mean luminance of a white Lambert surface without shadows and interreflection, 0.01 to 10000
                                cd/m2; default 200 */
     double peak_cdm2;  /**< peak luminance of the display, where Delta-E clips, 0.01 to 10000 cd/m2; default 1000 */
-    uint64_t seed;     /**< of points and light directions; default 1 */
+    uint64_t seed;     /**< seed of points and light directions; default 1 */
     int exact; /**< 0 (default): BRDFs that are costly to evaluate (neural processes) are evaluated once into a table of
                                180 x 32 x 12 nodes where that is less work; 1: always evaluated themselves */
     nqm_progress_fn

@@ -20,7 +20,7 @@ typedef enum nqm_schedule {
 
 /** Mean and standard deviation of the transformed samples, over the references of the training pairs. */
 typedef enum nqm_whitening {
-    NQM_WHITEN_CHANNEL = 0, /**< of each colour channel (the paper) */
+    NQM_WHITEN_CHANNEL = 0, /**< mean and deviation of each colour channel (the paper) */
     NQM_WHITEN_SCALAR       /**< one for all channels (the notebook) */
 } nqm_whitening;
 
@@ -62,11 +62,11 @@ typedef struct nqm_train_network {
     int freeze_first_layernorm;          /**< 1: as in the notebook, where it is in no optimiser group */
 } nqm_train_network;
 
-/** Which pairs validate. Test pairs are never used. */
+/** How validation pairs are chosen. Test pairs are never used. */
 typedef struct nqm_train_split {
     int by_pair; /**< 1: validation pairs drawn over all pairs, so that a material can be on both sides (the paper); 0: whole
                       materials, those of the dataset's validation split where it has one (notebook, nqm) */
-    double validation_fraction; /**< of the pairs or of the material groups, 0.001..0.9 */
+    double validation_fraction; /**< fraction of the pairs or of the material groups, 0.001..0.9 */
 } nqm_train_split;
 
 /** Examples made from other examples. */
@@ -86,8 +86,8 @@ typedef struct nqm_train_optimiser {
     size_t plateau_patience; /**< NQM_SCHEDULE_PLATEAU: epochs without a better validation loss before that */
     size_t batch;            /**< pairs per step */
     size_t epochs;
-    nqm_precision precision; /**< of the factors of all matrix products: NQM_PRECISION_F32 or _BF16 */
-    uint64_t seed;           /**< of weights, split, augmentation, order and dropout */
+    nqm_precision precision; /**< precision of the factors of all matrix products: NQM_PRECISION_F32 or _BF16 */
+    uint64_t seed;           /**< seed of weights, split, augmentation, order and dropout */
 } nqm_train_optimiser;
 
 /** The run itself: none of it changes the model. */
@@ -130,7 +130,7 @@ typedef struct nqm_calibration {
     size_t n_pairs, n_materials;
     double coverage;        /**< fraction of the labels inside: mean over the materials */
     double coverage_pairs;  /**< over all pairs */
-    double coverage_lowest; /**< of the material with the lowest fraction */
+    double coverage_lowest; /**< coverage of the material where it is lowest */
     double mean_width;      /**< JOD, of the final intervals over all pairs */
     double novelty_growth;  /**< a novelty of v multiplies the width by exp(novelty_growth v), on the scale of
                                  doc/evaluation.md; 0: the width does not depend on it */
@@ -142,10 +142,11 @@ typedef struct nqm_calibration {
 /** What a training did. */
 typedef struct nqm_train_report {
     size_t n_train, n_validation;       /**< examples, after augmentation */
-    size_t n_steps, epochs;             /**< of the whole training, with those from the checkpoint */
+    size_t n_steps, epochs;             /**< steps and epochs of the whole training, with those before the checkpoint */
     size_t epochs_resumed;              /**< epochs that came from the checkpoint */
-    double train_loss, validation_loss; /**< of the last epoch: mean log-cosh of normalised labels */
-    double validation_spearman;         /**< of predicted JOD and label, over validation pairs without noisy copies */
+    double train_loss, validation_loss; /**< losses of the last epoch: mean log-cosh of normalised labels */
+    double
+        validation_spearman; /**< correlation of predicted JOD and label, over validation pairs without noisy copies */
     nqm_calibration
         calibration; /**< of the model's intervals, on the validation pairs; n_materials 0: no intervals, since
                                              the pairs were drawn over all pairs or are too few (NQM_CALIBRATION_MIN_...) */

@@ -28,7 +28,7 @@ void nqm_names_free(nqm_names *names);
 /** The name among several that is most like a misspelt one. */
 typedef struct nqm_nearest {
     const char *wanted;
-    size_t distance;  /* of the nearest name so far; larger than the limit when there is none */
+    size_t distance;  /* distance of the nearest name so far; larger than the limit when there is none */
     char advice[120]; /* " (did you mean 'score'?)", or "" */
 } nqm_nearest;
 nqm_nearest nqm_nearest_begin(const char *wanted);

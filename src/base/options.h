@@ -23,7 +23,7 @@ typedef enum nqm_option_kind {
 /** Whether an option is written to stored options (JSON). */
 typedef enum nqm_option_storage {
     NQM_STORED = 0,
-    NQM_STORED_UNLESS_ZERO, /* for options added later: 0 is not written, and a missing key means 0 */
+    NQM_STORED_UNLESS_ZERO, /* an option added later: 0 is not written, and a missing key means 0 */
     NQM_NOT_STORED
 } nqm_option_storage;
 
@@ -31,7 +31,7 @@ enum { NQM_OPTION_RECIPES = 4, NQM_OPTION_TEXT_MAX = 200 };
 
 /** One option. Members that are 0 or NULL may be left out of the initialiser. */
 typedef struct nqm_option {
-    const char *key;  /* in JSON and checkpoints: "plateau_factor" */
+    const char *key;  /* key in JSON and checkpoints: "plateau_factor" */
     const char *name; /* on the command line, without "--"; NULL: the key with '-' for '_'; "": not available there */
     const char *off_name; /* name that sets a bool to 0; NULL: "no-" and the name; "": none */
     const char *metavar;  /* "N" in "--batch N"; NULL for a bool without words */
@@ -39,7 +39,7 @@ typedef struct nqm_option {
     const char *unit;     /* "1/sr"; NULL: none */
     nqm_option_kind kind;
     nqm_option_storage storage;
-    size_t offset;   /* of the field in the struct, bytes */
+    size_t offset;   /* position of the field in the struct, bytes */
     double min, max; /* range of a number, inclusive; both 0: any finite value */
     double scale; /* double: field = scale * value (pi / 180 for degrees); 0: 1. Range, default and text are values */
     const char *const

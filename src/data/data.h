@@ -45,7 +45,7 @@ struct nqm_dataset {
     nqm_names pair_names;    /* (n_pairs) the test: a BRDF spec, or "NAME_3" in the authors' layout */
     char *manifest;          /* JSON: how the dataset was made; NULL: unknown */
     bool order_only; /* `jod` contains scores on another scale, of which only the order is meaningful (human data) */
-    char sha256[65]; /* of nqm's own file; for other sources nqm_dataset_hash() */
+    char sha256[65]; /* SHA-256 of nqm's own file; of other sources nqm_dataset_hash() */
     nqm_map file;    /* the arrays above point into this mapped file, */
     void *block;     /* or into this block from nqm_alloc() */
 };

@@ -15,7 +15,7 @@
 static const struct {
     const char *name;
     nqm_dtype dtype;
-    size_t offset, n_offset; /* of the pointer, and of the number of rows */
+    size_t offset, n_offset; /* positions of the pointer and of the number of rows */
     size_t n_dims;
     size_t n_last; /* the last dimension; 0: n_directions. The dimension between it and the first is n_directions. */
     bool is_optional;

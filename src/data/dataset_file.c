@@ -180,7 +180,7 @@ nqm_status nqm_dataset_write(const nqm_dataset *d, const char *path, char sha256
     if (status != NQM_OK)
         return status;
     name_list lists[N_LISTS];
-    list_names((nqm_dataset *)(uintptr_t)d, lists); /* which are only read */
+    list_names((nqm_dataset *)(uintptr_t)d, lists); /* the names are only read */
     nqm_meta meta[N_LISTS + 3] = {{"format", format_name}, {"schema", schema}};
     char *texts[N_LISTS] = {0};
     size_t n_meta = 2, n_tensors = 0;

@@ -10,7 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* One test of one row. The strings belong to the CSV. */
+/* A test of a row. The strings belong to the CSV. */
 typedef struct entry {
     const char *ref, *test;
     size_t row, slot; /* slot 1: test_b */

@@ -12,7 +12,7 @@
 
 /* One block; the arrays follow the struct. */
 struct nqm_csv {
-    char *name;      /* for messages */
+    char *name;      /* name in messages */
     char *text;      /* the file, split into fields */
     uint32_t *field; /* (1 + n_rows, n_columns) offset of each field in text; row 0 is the header */
     uint32_t *line;  /* (1 + n_rows) line of the file in which a record begins, from 1 */

@@ -21,7 +21,7 @@ typedef struct exr_file {
     const nqm_map *map;
     nqm_outfile out;
     exr_context_t context;
-    size_t row;        /* that is being read, from 1; 0: none */
+    size_t row;        /* row that is being read, from 1; 0: none */
     char message[200]; /* last error message of OpenEXRCore */
     nqm_error *err;
 } exr_file;
@@ -57,7 +57,7 @@ static void on_error(exr_const_context_t context, exr_result_t code, const char 
 
 /* Describe channel k of the pixel at `first` and those after it to a pipeline. */
 static void set_channel(exr_coding_channel_info_t *channel, const nqm_image *image, size_t first, size_t k) {
-    channel->decode_to_ptr = (uint8_t *)(image->rgb + 3 * first + k); /* for encoding: encode_from_ptr, in a union */
+    channel->decode_to_ptr = (uint8_t *)(image->rgb + 3 * first + k); /* shares a union with encode_from_ptr */
     channel->user_bytes_per_element = sizeof(float);
     channel->user_data_type = EXR_PIXEL_FLOAT;
     channel->user_pixel_stride = 3 * sizeof(float);

@@ -27,7 +27,7 @@ typedef struct nqm_tensor {
     /** Aligned as in the file; the writer aligns to 64 bytes. safetensors: values in the byte order of the host; NumPy and RGL: of
      *  the file, for nqm_load_f32() and its like. */
     const void *data;
-    int64_t byte_offset; /* of the data in the file */
+    int64_t byte_offset; /* position of the data in the file */
 } nqm_tensor;
 
 /** A matrix (rows, cols), or for rows 0 a vector (cols), to be written. */
@@ -141,7 +141,7 @@ NQM_MUST_CHECK nqm_status nqm_zip_examples(const nqm_map *map, const char *suffi
 typedef struct nqm_hdf5 {
     const unsigned char *data;
     size_t n_bytes;
-    const char *name; /**< for messages */
+    const char *name; /**< name in messages */
     uint64_t root;    /**< address of the root group's object header */
 } nqm_hdf5;
 

@@ -33,7 +33,7 @@ void nqm_mesh_set_clear(nqm_mesh_set *set);
 typedef struct nqm_mesh_reader {
     const nqm_map *map;
     size_t position, line; /* line: from 1; 0 in the binary part of a PLY */
-    const char *format;    /* for messages */
+    const char *format;    /* name of the format in messages */
     nqm_mesh_rows vertices, normals, triangles;
     nqm_mesh_set seen; /* the triangles, each beginning with its smallest index */
     nqm_error *err;

@@ -12,7 +12,7 @@ static const uint32_t none = UINT32_MAX;
 
 typedef struct obj_file {
     nqm_mesh_reader *r;
-    nqm_mesh_rows normals;          /* of the vn statements */
+    nqm_mesh_rows normals;          /* normals of the vn statements */
     nqm_mesh_rows triangle_normals; /* (n_triangles, 3) indices into `normals`, or `none` */
     bool lacks_normals;             /* a corner has no normal */
 } obj_file;
@@ -119,7 +119,7 @@ static nqm_status read_statements(obj_file *obj) {
 /* New vertices, one for each pair of position and normal. */
 typedef struct joined {
     nqm_mesh_rows vertices, normals;
-    nqm_mesh_set pairs; /* of old vertex, normal, 0 */
+    nqm_mesh_set pairs; /* keys: old vertex, normal, 0 */
 } joined;
 
 static bool join(joined *j, const obj_file *obj, uint32_t vertex, uint32_t normal, uint32_t *index) {

@@ -19,7 +19,7 @@ enum { HEADER_AT = 8, MAX_HEADER = 100 * 1000 * 1000, SHA_DIGITS = 64, ALIGNMENT
 struct nqm_safetensors {
     const unsigned char *data;
     size_t n_bytes, n_header;
-    const char *name;    /* for messages; owned by the caller */
+    const char *name;    /* name in messages; owned by the caller */
     json_t *root;        /* owns names and metadata */
     json_t *meta;        /* part of root, or NULL */
     nqm_tensor *tensors; /* (n_tensors) */

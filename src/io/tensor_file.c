@@ -10,7 +10,7 @@
 
 #include <string.h>
 
-static const unsigned char magic[12] = "tensor_file"; /* with its NUL */
+static const unsigned char magic[12] = "tensor_file"; /* includes the NUL */
 
 enum { MAX_FIELDS = 256, MAX_NAME = 63 }; /* the database's files have 11 fields with names of up to 11 bytes */
 

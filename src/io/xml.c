@@ -49,7 +49,7 @@ static void *take(nqm_xml *xml, size_t n) {
     return at;
 }
 
-/* In one piece: the element, its attributes, and all texts. `attributes` is a list of names and values that ends with NULL. */
+/* Allocate an element, its attributes and all their texts as one block. `attributes`: names and values, then NULL. */
 static nqm_xml_element *make_element(nqm_xml *xml, const char *name, const char *const *attributes) {
     size_t n = 0, n_text = strlen(name) + 1;
     for (; attributes[2 * n]; ++n)

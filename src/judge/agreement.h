@@ -62,7 +62,7 @@ enum {
     NQM_SUM_GROUPS_WITH_RHO,
     NQM_SUM_RHO,     /* Spearman within the group */
     NQM_SUM_ORDERED, /* pairs of pairs whose labels have an order */
-    NQM_SUM_RIGHT,   /* those of them that are predicted in that order; ties count half */
+    NQM_SUM_RIGHT,   /* pairs of tests predicted in the right order; ties count half */
     NQM_SUM_COUNT
 };
 

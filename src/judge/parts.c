@@ -16,7 +16,7 @@ enum { LOG_DIFF = NQM_SCALAR_METRICS + NQM_METRIC_LOG_DIFF };
 typedef struct part {
     const char *name;
     size_t n_scalars, scalars[MAX_SCALARS];
-    double sign;           /* of their correlation with the part */
+    double sign;           /* sign of their correlation with the part */
     double plain, noticed; /* sizes from which words describe a label's part, and from which a prediction agrees */
 } part;
 
@@ -25,7 +25,7 @@ static const part parts[NQM_EVAL_PARTS] = {{"shift_i", 2, {NQM_SCALAR_BIAS, NQM_
                                            {"shift_t", 1, {NQM_SCALAR_CHROMA_B}, 1, 3, 0},
                                            {"shift_p", 1, {NQM_SCALAR_CHROMA_RG}, 1, 3, 0},
                                            {"contrast", 2, {NQM_SCALAR_PEAK, NQM_SCALAR_WIDTH}, 1, 0.1, 0},
-                                           {"structure", 1, {NQM_SCALAR_SHAPE}, 1, 3, 1}, /* it has no sign */
+                                           {"structure", 1, {NQM_SCALAR_SHAPE}, 1, 3, 1}, /* structure has no sign */
                                            {"similarity", 1, {LOG_DIFF}, -1, INFINITY, 0}};
 
 static double part_of(const nqm_label *label, size_t part_index) {

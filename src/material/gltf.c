@@ -339,7 +339,7 @@ static const char *unknown_requirement(const json_t *root) {
         size_t k = 0, n = sizeof harmless / sizeof *harmless;
         while (name && k < n && strcmp(harmless[k], name) != 0)
             ++k;
-        /* those that are refused on a material are named there */
+        /* extensions that a material refuses are named at the material */
         if (name && k == n && !find_extension(name) && strcmp(name, "KHR_materials_unlit") != 0 &&
             strcmp(name, "KHR_materials_pbrSpecularGlossiness") != 0)
             return name;

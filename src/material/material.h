@@ -22,7 +22,7 @@ enum { NQM_MAX_PROPERTIES = 64 };
 /** A shading model and its properties: a spec before it is text. */
 typedef struct nqm_shading {
     char model[32];
-    const char *remark; /**< of the material (nqm_material_info); a constant */
+    const char *remark; /**< remark on the material (nqm_material_info); a constant */
     size_t n;
     nqm_property properties[NQM_MAX_PROPERTIES];
 } nqm_shading;
@@ -58,7 +58,7 @@ NQM_MUST_CHECK nqm_status nqm_materials_add_shading(nqm_materials *materials, co
 /** One file format. */
 typedef struct nqm_material_format {
     const char *name;       /**< "MaterialX" */
-    const char *extensions; /**< of the files it writes, each with a dot, separated by spaces: ".gltf .glb" */
+    const char *extensions; /**< endings of written files, with dots, separated by spaces: ".gltf .glb" */
     const char *models;     /**< specs it writes, separated by spaces: "open-pbr standard-surface" */
     /** true when the first bytes look like the format, also those of a damaged file. */
     bool (*probe)(const nqm_map *map);

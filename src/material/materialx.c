@@ -57,7 +57,8 @@ static bool is_connected(element *e) {
     return nqm_xml_get(e, "nodename") || nqm_xml_get(e, "nodegraph") || nqm_xml_get(e, "interfacename");
 }
 
-/* Where the names are that an input or output is connected to. Inputs of a node graph itself are connected outside of it. */
+/* The element whose children an input or output may be connected to. Inputs of a node graph itself are connected
+ * outside of it. */
 static element *scope_of(const reading *r, element *e) {
     if (e->parent == r->root)
         return r->root;

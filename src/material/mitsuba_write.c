@@ -10,7 +10,7 @@
 /* How a key of a shading is named and typed; keys that are not listed are numbers or colours of the same name. */
 static const struct {
     const char *model, *key, *name;
-    const char *const words[2]; /* of a whole number: the values 0 and 1 as a string or boolean */
+    const char *const words[2]; /* words for the values 0 and 1 of a whole number */
 } renamed[] = {
     {"lambert", "kd", "reflectance", {NULL}},
     {"rough-conductor", "distribution", "distribution", {"beckmann", "ggx"}},

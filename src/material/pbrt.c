@@ -17,8 +17,8 @@ enum { MAX_PARAMETERS = 32, MAX_BYTES = 256 << 20, MAX_TOKEN = 256 };
 typedef struct scanner {
     const char *path, *text;
     size_t n, at;
-    const char *refusal;   /* of materials from here on, or NULL */
-    int64_t byte_offset;   /* of the last token */
+    const char *refusal;   /* why materials from here on are refused; NULL: they are not */
+    int64_t byte_offset;   /* position of the last token */
     char token[MAX_TOKEN]; /* without its quotes */
     bool is_quoted;
     nqm_error *err;

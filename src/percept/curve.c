@@ -17,7 +17,7 @@ nqm_curve nqm_curve_default(void) {
     return nqm_curve_published;
 }
 
-/* Of JOD / 10; delta_e > 0. */
+/* Logit of JOD / 10, for delta_e > 0. */
 static double logit(const nqm_curve *curve, double delta_e) {
     return curve->b1 * (-pow(delta_e, curve->b3) - curve->b2);
 }

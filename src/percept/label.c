@@ -80,7 +80,7 @@ void nqm_label_add(nqm_label *mean, double share, const nqm_label *label) {
 
 double nqm_label_similarity(const nqm_label *label) {
     assert(label);
-    static const double noticed = 0.15; /* of the shift, by people who have adapted to it */
+    static const double noticed = 0.15; /* part of the shift that adapted people still notice */
     const double left = hypot(label->structure, noticed * sqrt(nqm_dot3(label->shift, label->shift)));
     return isnan(left) ? left : nqm_curve_jod(&nqm_curve_published, left);
 }

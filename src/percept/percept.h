@@ -12,7 +12,7 @@
 /** PQ signal in [0, 1] of an absolute luminance in cd/m2, clamped to [0, 10000] (the inverse EOTF of SMPTE ST 2084). */
 double nqm_pq_from_luminance(double luminance_cdm2);
 
-/** Its derivative; 0 from 10000 on. It has no limit at 0: below 2^-30 cd/m2, the value there. */
+/** Derivative of nqm_pq_from_luminance(); 0 from 10000 on. It has no limit at 0: below 2^-30 cd/m2, the value there. */
 double nqm_pq_slope(double luminance_cdm2);
 /** Both within 1e-9 and 1e-6 of these (relative, from 2^-30 cd/m2), ten times as fast; *slope is the derivative of the result. */
 double nqm_pq_interpolate(double luminance_cdm2, double *slope);

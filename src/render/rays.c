@@ -14,8 +14,8 @@ enum { MIN_LIGHTS = 16, MAX_LIGHTS = 1 << 16 };
 /* A point of a draw; `scene` is one part, with the number of light directions and the seed of the draw. */
 typedef struct drawn {
     const nqm_scene *scene;
-    size_t number; /* of the scene in its set */
-    size_t index;  /* of the point in the scene */
+    size_t number; /* number of the scene in its set */
+    size_t index;  /* index of the point in the scene */
     double turn[2];
     nqm_incident incident;
     bool failed; /* out of memory */
@@ -23,7 +23,7 @@ typedef struct drawn {
 
 typedef struct drawing {
     nqm_scene parts[NQM_STANDARD_SCENES]; /* borrow everything but the options */
-    size_t n_parts, n_points;             /* of each part */
+    size_t n_parts, n_points;             /* n_points: points of each part */
     drawn *points;                        /* (n_parts, n_points); owns the block of both arrays */
     nqm_surface_point *sphere;            /* (n_parts, n_points) points of spheres */
 } drawing;

@@ -90,12 +90,12 @@ bool nqm_tracer_blocked(const nqm_tracer *tracer, const double *origin, const do
 typedef struct nqm_shape {
     nqm_mesh mesh;
     nqm_tracer *tracer; /* NULL: the sphere */
-    double radius;      /* of the sphere */
+    double radius;      /* radius of the sphere */
 } nqm_shape;
 
 /** The intersection of a ray with a shape, in the shape's axes. */
 typedef struct nqm_hit {
-    double origin[3]; /* of further rays, slightly above the surface */
+    double origin[3]; /* origin of further rays, slightly above the surface */
     double normal[3]; /* unit, interpolated between the corners, facing the ray */
 } nqm_hit;
 
@@ -119,7 +119,7 @@ NQM_MUST_CHECK nqm_status nqm_blob_create(nqm_mesh *mesh_ret, nqm_error *err);
 typedef struct nqm_surface_point {
     double frame[9];  /* (3, 3) rows: tangent, bitangent, normal, in world axes */
     double wo[3];     /* local direction to the viewer */
-    double origin[3]; /* of shadow rays, in the shape's axes */
+    double origin[3]; /* origin of shadow rays, in the shape's axes */
     double turn[2];   /* sine and cosine of the turntable's angle */
 } nqm_surface_point;
 
@@ -153,7 +153,7 @@ void nqm_view_axes(double elevation_rad, double *axes);
 typedef struct nqm_direction_set {
     size_t n_max;         /* capacity */
     size_t n_used;        /* directions above the horizon */
-    size_t n_first;       /* of these, the first half: every second direction of each technique */
+    size_t n_first;       /* number in the first half: every second direction of each technique */
     double *wi;           /* (n_max, 3) local */
     double *weight;       /* (n_max, 3) */
     double *extent;       /* (n_max) cosine times solid angle; may be NULL */
@@ -183,7 +183,7 @@ enum { NQM_BOUNCE_LIGHTS = 12 };
 /** Light reflected by another part of the shape. */
 typedef struct nqm_bounce {
     float wi[3], extent; /* as in nqm_direction_set */
-    float wo[3];         /* in the frame of that part, towards the point */
+    float wo[3];         /* direction towards the point, in the frame of that part */
     uint32_t n_rays;
     nqm_ray ray[NQM_BOUNCE_LIGHTS]; /* light that reaches that part */
 } nqm_bounce;
@@ -191,7 +191,7 @@ typedef struct nqm_bounce {
 /** Incident light of one point; `ray` owns the block of both arrays. */
 typedef struct nqm_incident {
     size_t n_rays, n_bounces;
-    size_t n_first_rays, n_first_bounces; /* of the first half of the directions */
+    size_t n_first_rays, n_first_bounces; /* numbers in the first half of the directions */
     nqm_ray *ray;                         /* (n_rays) */
     nqm_bounce *bounce;                   /* (n_bounces) */
 } nqm_incident;

@@ -12,7 +12,7 @@
 
 enum { MIN_LIGHTS = 16, MAX_POINTS = 1 << 24, MAX_SIDE = 8192 };
 
-static const double max_directions = 4294967296; /* of all points: about ten minutes */
+static const double max_directions = 4294967296; /* limit for all points together: about ten minutes of work */
 
 /* Incident light is stored between renderings up to this size, assuming that a quarter of the directions are blocked. */
 static const double max_kept_bytes = 512.0 * 1024 * 1024;

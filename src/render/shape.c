@@ -9,7 +9,7 @@
 #include <math.h>
 #include <string.h>
 
-static const double filled = 0.9; /* of the picture */
+static const double filled = 0.9; /* part of the picture that the shape fills */
 static const double above = 1e-4; /* offset of ray origins from the surface, in units of half the picture */
 
 /* ---- making ------------------------------------------------------------------------------------------------------ */

@@ -13,7 +13,7 @@
 typedef struct nqm_view {
     const nqm_shape *shape;
     double axes[9];
-    double distance; /* of the rays' origins, outside the shape */
+    double distance; /* distance of the rays' origins, outside the shape */
     double turn[2];
 } nqm_view;
 

@@ -223,7 +223,7 @@ def main():
     check_names(lines)
     with tempfile.TemporaryDirectory() as folder:
         subprocess.run(["cp", "-r", BUILD + "/docs-files/.", folder], check=True)
-        for name in ("examples", "models", "doc"):
+        for name in ("examples", "models", "studies", "doc"):
             os.symlink(os.path.join(SOURCE, name), os.path.join(folder, name))
         os.symlink(BUILD, os.path.join(folder, "build"))
         for number, fence, directives, block in blocks(lines):

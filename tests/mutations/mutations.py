@@ -227,7 +227,7 @@ MUTATIONS = [
     ("tools/nqm/inputs.c", "if (!folder && labels)", "if (!folder || labels)", "cli.train"),
     ("tools/nqm/judge/eval_rows.c", "if (c->first != c->second)", "if (c->first == c->second)", "cli.heldout cli.eval_human"),
     ("tools/nqm/label/label_draw.c", "return run->items[i].reference == i;", "return run->items[i].reference != i;", "cli.label_figures"),
-    ("tools/nqm/label/cmd_label.c", "if (pictures && !run->scene_options.width)", "if (!run->scene_options.width)", "cli.label_figures cli.label"),
+    ("tools/nqm/label/cmd_label.c", "if (run->keep_rgb)", "if (1)", "cli.label_figures cli.label"),
     ("tools/nqm/score/batch_output.c", "stat(path, &st) == 0 && !S_ISREG(st.st_mode);", "stat(path, &st) == 0 && S_ISREG(st.st_mode);", "cli.batch"),
     ("tools/nqm/score/batch_pieces.c", "loaded = take_results(p, row_count(p, piece), st) && take_files(p, st);", "loaded = take_results(p, row_count(p, piece), st) || take_files(p, st);", "cli.batch_mpirun"),
     ("tools/nqm/score/score_shared.c", "names ? names + 1 : NULL, &run->expansion", "names, &run->expansion", "cli.score"),

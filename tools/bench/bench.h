@@ -46,19 +46,19 @@ typedef struct nqm_bench_row {
     int precision;       /* an nqm_precision */
     struct nqm_bench_size {
         size_t batch, threads, epochs, seed;
-        size_t pairs;   /* of training, with the scaled copies */
-        size_t layer;   /* of the network, from 1 */
-        size_t m, n, k; /* of a matrix product */
+        size_t pairs;   /* training pairs, with the scaled copies */
+        size_t layer;   /* number of the layer, from 1 */
+        size_t m, n, k; /* sizes of a matrix product */
         size_t rounds;  /* number of timings */
     } size;
     struct nqm_bench_times {
-        double best, median, worst; /* of the rounds, seconds */
+        double best, median, worst; /* times of the rounds, seconds */
         double best_epoch;          /* seconds */
         double epochs_100;          /* extrapolated to 100 epochs, if there were fewer, seconds */
         double ms_per_pair;         /* best / pairs */
         double times_alternative;   /* time of the alternative / best */
         double cpu_share;           /* processor time / (time * threads); below 1: waiting, or other programs ran */
-        double cpu; /* least processor time of the rounds / threads, seconds: hardly changed by other programs */
+        double cpu; /* least processor time of a round / threads, seconds; other programs hardly change it */
     } times;
     struct nqm_bench_work {
         double gflop;                       /* 1e9 operations; a multiplication and an addition are two */
@@ -66,10 +66,10 @@ typedef struct nqm_bench_row {
         double megabytes;                   /* data that must be read, 1e6 bytes */
         double gb_per_s;                    /* megabytes / best / 1000 */
         double max_rss_mb;                  /* largest resident memory of the process during the run, 1e6 bytes */
-        double train_loss, validation_loss; /* of the last epoch */
+        double train_loss, validation_loss; /* losses of the last epoch */
     } work;
     struct nqm_bench_limits {
-        double peak_gflops; /* of this precision on all threads, per processor time: 90th percentile of the samples */
+        double peak_gflops; /* peak of this precision, per processor time of all threads: 90th percentile of samples */
         double peak_median_gflops;
         double peak_gb_per_s;     /* best rate of reading an array of that size */
         double floor_seconds;     /* the longer of gflop / peak_gflops and megabytes / peak_gb_per_s */
@@ -84,7 +84,7 @@ typedef struct nqm_bench_row {
 typedef struct nqm_bench_field {
     const char *key;
     enum { NQM_BENCH_TEXT, NQM_BENCH_PRECISION, NQM_BENCH_COUNT, NQM_BENCH_NUMBER } kind;
-    size_t offset; /* in nqm_bench_row, bytes */
+    size_t offset; /* position in nqm_bench_row, bytes */
 } nqm_bench_field;
 /** All fields in the order of the JSON; a NULL key ends them. */
 extern const nqm_bench_field nqm_bench_fields[];
@@ -163,7 +163,7 @@ NQM_MUST_CHECK nqm_status nqm_bench_finish(nqm_bench *bench, nqm_error *err);
 /** A kind of multiply-add instruction. */
 typedef struct nqm_bench_unit {
     const char *name;        /* NULL ends the list */
-    nqm_precision precision; /* of the factors */
+    nqm_precision precision; /* precision of the factors */
     bool (*is_available)(void);
     /* n steps of that instruction only, with enough independent accumulators to hide its latency; seed (64). */
     float (*run)(size_t n, const uint32_t *seed);
@@ -180,7 +180,7 @@ enum { NQM_METER_NONE = -1, NQM_MAX_METERS = 128, NQM_METER_SAMPLES = 512 };
 
 /** A rate of the machine that is sampled repeatedly: operations or bytes per nanosecond. */
 typedef struct nqm_bench_meter {
-    const nqm_bench_unit *unit; /* of arithmetic; NULL: a meter of reading */
+    const nqm_bench_unit *unit; /* arithmetic unit that is measured; NULL: reading is measured */
     size_t bytes;               /* size of the array that is read */
     size_t threads;
     size_t steps; /* per timing */

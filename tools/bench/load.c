@@ -18,7 +18,7 @@
 
 typedef struct load_job {
     const char *path;
-    int fd; /* of the same file, to drop its pages; -1: not a file */
+    int fd; /* descriptor of the same file, to drop its pages; -1: not a file */
     const nqm_directions *directions;
     float *rgb; /* (n_directions, 3) */
     nqm_status status;

@@ -163,7 +163,7 @@ static nqm_status bench_batch(nqm_bench *bench, const nqm_model *model, const ch
     const bool has_network = nqm_model_has_network(model), with_shared = batch == TESTS_PER_REF || batch == MAX_BATCH;
     job own = {.pairs = pairs, .batch = batch};
     nqm_status status = make_job(&own, model, p, err);
-    job shared = own; /* with the same workspaces */
+    job shared = own; /* uses the workspaces of `own` */
     shared.is_shared = true;
     if (status == NQM_OK) {
         race r = {0};

@@ -99,7 +99,7 @@ static void draw_series(cairo_t *cr, const nqm_series *s, place_fn place, const 
 
 typedef struct half_plane {
     const nqm_axis *radius;
-    double x, y, length; /* of the centre; of the longest radius */
+    double x, y, length; /* centre; length of the longest radius */
 } half_plane;
 
 static bool place_in_half_plane(const void *frame, double degrees, double value, double *across, double *down) {
@@ -119,7 +119,7 @@ static void half_circle(cairo_t *cr, const half_plane *p, double radius) {
 static void draw_circles(cairo_t *cr, const half_plane *p) {
     nqm_tick_mark ticks[NQM_MAX_TICKS];
     const double gap = 4;
-    double room = INFINITY; /* for labels, which begin at the outermost */
+    double room = INFINITY; /* width for labels, which begin at the outermost */
     for (size_t i = nqm_axis_ticks(p->radius, 4, ticks); i-- > 0;) {
         double radius = p->length * nqm_axis_place(p->radius, ticks[i].value);
         if (!ticks[i].label[0])

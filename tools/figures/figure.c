@@ -14,9 +14,9 @@ enum { MAX_CELLS = 64, MAX_SIDE = 16384, BAR_STEPS = 5 };
 typedef struct layout {
     size_t panel_width, panel_height;
     double font, line; /* size of the font, distance of lines */
-    double left, top;  /* of the first panel */
+    double left, top;  /* corner of the first panel */
     double step_x, step_y;
-    double bar_x, bar_width; /* of the colour scale; bar_width 0: none */
+    double bar_x, bar_width; /* place of the colour scale; bar_width 0: none */
     double delta_e_max;
     double width, height;
 } layout;

@@ -8,7 +8,7 @@
 #include <math.h>
 #include <string.h>
 
-enum { TEXT_BYTES = 256 }; /* of a line, with its final 0 */
+enum { TEXT_BYTES = 256 }; /* bytes of a line, with its final 0 */
 
 void nqm_draw_colour(cairo_t *cr, size_t style, double alpha) {
     /* Okabe and Ito 2008, "Color universal design"; yellow last, because it is faint on white. */

@@ -74,12 +74,12 @@ typedef struct nqm_panel {
 /** A grid of panels of one size, with titles, and a colour scale (nqm_map_scale()) if there are maps. */
 typedef struct nqm_figure {
     size_t n_rows, n_columns;         /**< 1 to 64 each */
-    size_t width, height;             /**< of each panel's data, pixels */
+    size_t width, height;             /**< size of each panel's data, pixels */
     size_t supersample;               /**< blocks of so many pixels each way become one; 0: 1 */
     const nqm_panel *panels;          /**< (n_rows, n_columns) */
     const char *const *row_titles;    /**< (n_rows), at the left; NULL or NULL entries: none */
     const char *const *column_titles; /**< (n_columns), at the top; NULL or NULL entries: none */
-    nqm_tone tone;                    /**< for the pictures; zeroed: the default */
+    nqm_tone tone;                    /**< tone curve of the pictures; zeroed: the default */
 } nqm_figure;
 
 /**

@@ -11,7 +11,7 @@ enum { MAX_LOGS = 8, TRAIN = 0, VALIDATION, RATE, EPOCH, N_COLUMNS };
 typedef struct training {
     size_t n;
     double *block, *values[N_COLUMNS]; /* (n) each, in the block */
-    char names[2][128];                /* of the two losses, in the legend */
+    char names[2][128];                /* names of the two losses in the legend */
 } training;
 
 static nqm_status read_log(const char *path, training *t, nqm_error *err) {

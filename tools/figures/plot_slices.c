@@ -14,7 +14,7 @@ enum { MAX_BRDFS = 8, N_POINTS = 361, N_PANELS = 6, OVER_THETA_H = 0, OVER_THETA
 static const double theta_i_rad[3] = {15 * NQM_PI / 180, 45 * NQM_PI / 180, 70 * NQM_PI / 180};
 
 typedef struct slicing {
-    double theta_d_rad, phi_d_rad; /* of the slice over theta_h */
+    double theta_d_rad, phi_d_rad; /* angles of the slice over theta_h */
     nqm_chart charts[N_PANELS];
     char titles[N_PANELS][80], names[MAX_BRDFS][64];
     nqm_series series[N_PANELS][MAX_BRDFS];
@@ -63,7 +63,7 @@ static bool locate(const slicing *s, size_t panel, double x_deg, double at[6]) {
 }
 
 static void evaluate(slicing *s, size_t panel, size_t n, const nqm_brdf *const *brdfs) {
-    bool has_both_sides = panel >= LOBES; /* of the normal */
+    bool has_both_sides = panel >= LOBES; /* both sides of the normal */
     for (size_t i = 0; i < N_POINTS; ++i) {
         double t = (double)i / (N_POINTS - 1), at[6];
         /* Quadratic in theta_h, because highlights are narrow; without the horizon. */

@@ -120,7 +120,7 @@ typedef struct nqm_sheet {
     const char *title;             /* NULL or "": none */
     const char *note;              /* small, at the bottom; lines end in \n; NULL: none */
     double width, height;          /* CSS pixels */
-    size_t n_rows, n_columns;      /* of panels; at least 1 */
+    size_t n_rows, n_columns;      /* numbers of panels; at least 1 */
     const double *row_heights;     /* (n_rows), fractions of the height; their sum is 1; NULL: equal */
     const nqm_sheet_panel *panels; /* (n_rows, n_columns) */
 } nqm_sheet;

@@ -29,7 +29,7 @@ nqm_option own_row(const command *cmd, const option *o) {
                         .metavar = o->metavar,
                         .help = o->help,
                         .kind = kinds[o->kind],
-                        .min = kinds[o->kind] == NQM_OPTION_BOOL ? 0 : o->min, /* of a format: its value */
+                        .min = kinds[o->kind] == NQM_OPTION_BOOL ? 0 : o->min, /* its value, for a format */
                         .max = o->max,
                         .words = w ? w->words : NULL};
 }

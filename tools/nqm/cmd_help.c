@@ -42,7 +42,7 @@ static void print_usage_text(void) {
     print_usage(stdout);
 }
 
-/* For a single verb `print`, if there is one; for all of them `all` and, where `each` is set, `print` for each. */
+/* `print` prints one verb (`single`: alone, too); for all verbs there are `begin`, `print` for each if `each` is set, and `end`. */
 static const struct style {
     const char *name;
     help_printer *print;
@@ -57,30 +57,36 @@ static const struct style {
               {"fish", print_fish_verb, begin_fish, true, false, NULL}};
 static const char *const style_names[] = {"text", "man", "markdown", "bash", "zsh", "fish", NULL};
 
+/* ---- the verb ---------------------------------------------------------------------------------------------------- */
+
+static const char *format = "text";
+static choice choices[64];
+
+static const option options[] = {
+    {"format", 0, OPTION_TEXT, &format, "FORMAT", "what to print; bash, zsh and fish: completions of all verbs", 0, 0},
+    {0}};
+
+static const command cmd = {
+    .usage = "[VERB] [options]",
+    .about = "Print the help of a verb, or the list of verbs; as a man page or as Markdown, or the completion of a "
+             "shell.\n"
+             "Installed packages contain the man pages and completions; otherwise add for instance this line to "
+             "~/.bashrc:\n"
+             "  eval \"$(nqm help --format bash)\"",
+    .example = "nqm help score\nnqm help score --format man | man -l -\nnqm help --format bash",
+    .options = options,
+    .choices = choices,
+    .has_verbs = true,
+    .words = (const option_words[]){{"format", style_names}, {0}},
+    .max_arguments = 1,
+};
+
 int cmd_help(int argc, char **argv) {
-    const char *format = "text";
-    const option options[] = {{"format", 0, OPTION_TEXT, &format, "FORMAT",
-                               "what to print; bash, zsh and fish: completions of all verbs", 0, 0},
-                              {0}};
-    choice choices[64] = {{0}};
     for (size_t i = 0; i + 1 < sizeof choices / sizeof *choices && verbs[i].name; ++i)
         choices[i] = (choice){verbs[i].name, "", verbs[i].summary};
-    const command cmd = {
-        .usage = "[VERB] [options]",
-        .about = "Print the help of a verb, or the list of verbs; as a man page or as Markdown, or the completion of a "
-                 "shell.\n"
-                 "Installed packages contain the man pages and completions; otherwise add for instance this line to "
-                 "~/.bashrc:\n"
-                 "  eval \"$(nqm help --format bash)\"",
-        .example = "nqm help score\nnqm help score --format man | man -l -\nnqm help --format bash",
-        .options = options,
-        .choices = choices,
-        .has_verbs = true,
-        .words = (const option_words[]){{"format", style_names}, {0}},
-        .max_arguments = 1,
-    };
     const int n = parse_arguments(&cmd, argc, argv);
     const struct style *style = &styles[choose("format", style_names, format)];
+    format = style_names[0]; /* this verb describes itself, too, with its default */
     if (n && !style->single)
         stop(EXIT_USAGE, "the completion of %s is for all verbs: give none", style->name);
     if (n)

@@ -158,7 +158,7 @@ static void put_markdown_text(const char *text) {
 
 /* Rows that the page has already. An option is described once; a verb that has the same row again refers to it. */
 static struct shown_row { char name[NQM_OPTION_TEXT_MAX], text[1024], verb[32]; } shown_rows[512];
-static size_t n_shown_rows;
+static size_t n_shown_rows, n_before; /* n_before: those of earlier verbs */
 
 static const struct shown_row *find_shown_row(const help_row *row) {
     for (size_t i = 0; i < n_shown_rows; ++i)
@@ -193,24 +193,28 @@ static void put_repeated_row(void *user, const help_row *row) {
     if (!shown)
         return;
     if (!*last_verb || strcmp(*last_verb, shown->verb) != 0)
-        printf("%s `%s`: ", *last_verb ? "; as for" : "\nAs for", shown->verb);
+        printf("%s `%s`: ", *last_verb ? "; as for" : n_shown_rows > n_before ? "\nAs for" : "As for", shown->verb);
     else
         printf(", ");
     *last_verb = shown->verb;
     printf("`--%s`", row->name);
 }
 
-static void put_markdown_line(const char *line, size_t n) {
-    printf("%s%.*s\n", *line == ' ' ? "\n" : "", (int)n, line);
+/* The first sentence of a description; doc/cli.md has the rest. */
+static void put_first_sentence(const char *about) {
+    size_t n = 1;
+    while (about[n] && !((about[n] == ' ' || about[n] == '\n') && strchr(".?", about[n - 1])))
+        ++n;
+    printf("%.*s\n", (int)n, about);
 }
 
 void begin_markdown(void) {
-    printf("# Reference of the command line\n\n"
-           "Which options does a verb have? This page is made from the option tables of the tool (`./dev pages`); `nqm "
-           "VERB --help`\n"
-           "and `man nqm-VERB` show the same, with examples. [cli.md](cli.md) explains the verbs, their output and "
-           "JSON. An "
-           "option that several\nverbs have is described at the first one.\n");
+    puts("# Reference of the command line\n\n"
+         "Which options does a verb have? This page is made from the option tables of the tool (`./dev pages`). `nqm "
+         "VERB\n"
+         "--help` and `man nqm-VERB` add the rest of the description and examples; [cli.md](cli.md) has output, JSON "
+         "and\n"
+         "failures. An option that several verbs have is described at the first one.");
 }
 
 void print_markdown(const command *cmd) {
@@ -224,15 +228,17 @@ void print_markdown(const command *cmd) {
             putchar(*p);
         }
     printf("\n\n");
-    each_line(cmd->about, put_markdown_line);
+    put_first_sentence(cmd->about);
     putchar('\n');
-    for (const choice *c = cmd->choices; c && c->name; ++c) {
+    const choice *choices = cmd->has_verbs ? NULL : cmd->choices; /* verbs have their own sections */
+    for (const choice *c = choices; c && c->name; ++c) {
         printf("- `%s%s%s`: ", c->name, *c->arguments ? " " : "", c->arguments);
         put_markdown_text(c->help);
         putchar('\n');
     }
-    if (cmd->choices)
+    if (choices)
         putchar('\n');
+    n_before = n_shown_rows;
     each_option(cmd, put_markdown_row, NULL);
     const char *last_verb = NULL;
     each_option(cmd, put_repeated_row, &last_verb);

@@ -13,7 +13,7 @@
 #include <unistd.h>
 
 static output_file *open_outputs; /* linked by `next` */
-static const char *made_folder;   /* by this run, removed at its end if nothing was written to it */
+static const char *made_folder;   /* folder that this run made; removed at its end if nothing was written to it */
 
 char *absolute_path(const char *path, const char *suffix) {
     const bool is_complete = *path == '/' || strcmp(path, "-") == 0;

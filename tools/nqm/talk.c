@@ -179,7 +179,7 @@ void catch_interrupt(void) {
     sigaction(SIGINT, &action, NULL);
     sigaction(SIGTERM, &action, NULL);
     struct sigaction hangup;
-    if (sigaction(SIGHUP, NULL, &hangup) == 0 && hangup.sa_handler != SIG_IGN) /* as nohup sets it */
+    if (sigaction(SIGHUP, NULL, &hangup) == 0 && hangup.sa_handler != SIG_IGN) /* ignored, as under nohup */
         sigaction(SIGHUP, &action, NULL);
     action.sa_handler = on_alarm;
     action.sa_flags |= SA_RESTART;
@@ -199,8 +199,8 @@ void set_progress(progress_style style) {
     progress = style;
 }
 
-/* The time that is left, from the speed of about the last minute: work that was done before the run, and work of which the first
- * part is quicker than the rest, leave the estimate. NaN: there is no basis yet. */
+/* Estimate the remaining time from the speed of about the last minute, so that work done before the run and a quicker
+ * first part do not distort it. NaN: too early to tell. */
 static double seconds_left(bool begins, double now_s, double done, double total) {
     enum { N = 32 };
     static struct { double time_s, done; } sample[N];

@@ -34,7 +34,7 @@ enum {
 typedef enum option_kind {
     OPTION_FLAG,   /* target: bool */
     OPTION_TEXT,   /* target: const char * */
-    OPTION_NEEDED, /* as OPTION_TEXT; must be given */
+    OPTION_NEEDED, /* an OPTION_TEXT that must be given */
     OPTION_NUMBER, /* target: double, within [min, max] */
     OPTION_COUNT,  /* target: uint64_t, within [min, max] */
     OPTION_FORMAT  /* target: result_format, which becomes `min`; at most one of these may be given */
@@ -43,7 +43,7 @@ typedef enum option_kind {
 /** A word that the first argument may be: a kind of drawing, a benchmark. */
 typedef struct choice {
     const char *name;      /* NULL ends the list */
-    const char *arguments; /* that follow the word: "REF TEST"; "": none */
+    const char *arguments; /* arguments after the word: "REF TEST"; "": none */
     const char *help;
 } choice;
 
@@ -57,12 +57,12 @@ typedef struct option {
     void *target;        /* has the default before parsing, which help prints */
     const char *metavar; /* "FILE.csv|.json": an output; other names are refused, and files that cannot be written */
     const char *help;
-    double min, max; /* for numbers; both 0: any finite value */
+    double min, max; /* limits of numbers; both 0: any finite value */
 } option;
 
 /** The words that the text of an option may be: help and completions show them, choose() checks them. */
 typedef struct option_words {
-    const char *name; /* of the option; NULL ends the list */
+    const char *name; /* name of the option; NULL ends the list */
     const char *const *words;
 } option_words;
 
@@ -80,7 +80,7 @@ typedef struct command {
     const option *options;
     const choice *choices;         /* words of the first argument, any other is refused; NULL: none */
     bool has_verbs;                /* they are the verbs of the tool */
-    const option_words *words;     /* of options that have words; NULL: none */
+    const option_words *words;     /* allowed words of options; NULL: none */
     const nqm_option_table *table; /* further options, set in the struct `table_target`; NULL: none */
     void *table_target;
     int min_arguments, max_arguments; /* positional; max 0: as many as min; max < 0: any number */
@@ -226,7 +226,7 @@ json_t *json_tool(void);
 const char *tool_build_info(void);
 /** The parts of a label, its similarity and what differs in words, as JSON; null if they are NaN. */
 json_t *json_label_parts(const nqm_label *label);
-/** Columns of a label's parts and similarity in CSV. Printed, each follows a comma. */
+/** Columns of a label's parts and similarity in CSV. Each is printed with a comma before it. */
 enum { LABEL_COLUMNS = 6 };
 extern const char *const label_columns[LABEL_COLUMNS];
 void print_csv_label_names(FILE *out);

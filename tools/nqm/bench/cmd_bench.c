@@ -44,7 +44,7 @@ static void print_rows(const nqm_bench *bench, bool json, const char *path, outp
     json_decref(results);
 }
 
-/* which: index of the benchmark; N_BENCHES: all. */
+/* Run the benchmark with the index `which`; N_BENCHES: all. */
 static int run_benches(const nqm_bench_options *options, size_t which, bool json, const char *path) {
     nqm_bench *bench = NULL;
     nqm_error err = {0};
@@ -62,38 +62,43 @@ static int run_benches(const nqm_bench_options *options, size_t which, bool json
     return EXIT_OK;
 }
 
+/* ---- the verb ---------------------------------------------------------------------------------------------------- */
+
+static nqm_bench_options o;
+static const char *output, *folder;
+static uint64_t epochs;
+static bool json;
+
+static const option options[] = {
+    {"json", 0, OPTION_FLAG, &json, NULL, "print JSON", 0, 0},
+    {"output", 'o', OPTION_TEXT, &output, "FILE.json", "also write the JSON to a file", 0, 0},
+    {"epochs", 0, OPTION_COUNT, &epochs, "N", "train: epochs, instead of the recipe's", 1, 10000},
+    {0}};
+static const choice choices[] = {{"gemm", "", "the matrix products of the networks, and oneDNN's"},
+                          {"train", "", "a training of the paper's size, on generated pairs"},
+                          {"score", "", "the network, and samples to JOD, for 1 to 512 pairs in each precision"},
+                          {"load", "[FILE...]", "files to samples, with a MERL table, and the start of this program"},
+                          {0}};
+
+static const command cmd = {
+    .usage = "[gemm | train | score | load [FILE...]] [options]",
+    .about = "Measure this build together with the peaks of the machine's arithmetic and memory, which are sampled\n"
+             "between the timings. Each result is the best of several rounds. Other programs make rounds longer, which "
+             "the\n"
+             "medians show. Without a name, run all benchmarks:",
+    .example = "nqm bench gemm\nnqm bench gemm --kernels all --json\nnqm bench train --precision bf16\n"
+               "nqm bench train --recipe nqm --epochs 5\n"
+               "nqm bench score --model default --json\nnqm bench load measured.bsdf network.h5",
+    .options = options,
+    .choices = choices,
+    .table = &nqm_bench_option_table,
+    .table_target = &o,
+    .max_arguments = -1,
+};
+
 int cmd_bench(int argc, char **argv) {
-    nqm_bench_options o = nqm_bench_options_default();
-    const char *output = NULL, *folder = getenv("TMPDIR");
-    uint64_t epochs = 0;
-    bool json = false;
-    const option options[] = {
-        {"json", 0, OPTION_FLAG, &json, NULL, "print JSON", 0, 0},
-        {"output", 'o', OPTION_TEXT, &output, "FILE.json", "also write the JSON to a file", 0, 0},
-        {"epochs", 0, OPTION_COUNT, &epochs, "N", "train: epochs, instead of the recipe's", 1, 10000},
-        {0}};
-    const choice choices[] = {
-        {"gemm", "", "the matrix products of the networks, and oneDNN's"},
-        {"train", "", "a training of the paper's size, on generated pairs"},
-        {"score", "", "the network, and samples to JOD, for 1 to 512 pairs in each precision"},
-        {"load", "[FILE...]", "files to samples, with a MERL table, and the start of this program"},
-        {0}};
-    const command cmd = {
-        .usage = "[gemm | train | score | load [FILE...]] [options]",
-        .about =
-            "Measure this build together with the peaks of the machine's arithmetic and memory, which are sampled\n"
-            "between the timings. Each result is the best of several rounds. Other programs make rounds longer, which "
-            "the\n"
-            "medians show. Without a name, run all benchmarks:",
-        .example = "nqm bench gemm\nnqm bench gemm --kernels all --json\nnqm bench train --precision bf16\n"
-                   "nqm bench train --recipe nqm --epochs 5\n"
-                   "nqm bench score --model default --json\nnqm bench load measured.bsdf network.h5",
-        .options = options,
-        .choices = choices,
-        .table = &nqm_bench_option_table,
-        .table_target = &o,
-        .max_arguments = -1,
-    };
+    o = nqm_bench_options_default();
+    folder = getenv("TMPDIR");
     const int n_arguments = parse_arguments(&cmd, argc, argv);
     const size_t which = n_arguments ? choose_first(&cmd, argv[0]) : N_BENCHES;
     if (n_arguments > 1 && which != LOAD)

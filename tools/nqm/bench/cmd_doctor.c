@@ -21,7 +21,7 @@ static const char *const json_states[] = {"ok", "note", "problem"};
 typedef struct examination {
     json_t *checks; /* NULL: print lines */
     int n_problems, n_notes;
-    int n_passed; /* of the self-test */
+    int n_passed; /* checks of the self-test that passed */
     char failed[200];
 } examination;
 
@@ -148,20 +148,25 @@ static void check_python(examination *e) {
         add(e, "Python", STATE_OK, NULL, "nqm %s", line);
 }
 
+/* ---- the verb ---------------------------------------------------------------------------------------------------- */
+
+static bool json;
+
+static const option options[] = {{"json", 0, OPTION_FLAG, &json, NULL, "print JSON", 0, 0}, {0}};
+
+static const command cmd = {
+    .usage = "[options]",
+    .about = "Check this installation on this machine: libraries that are loaded when needed, processor and "
+             "kernels, threads,\n"
+             "built-in models, the self-test, folders for files, and the Python package. Each problem comes with "
+             "what to do.\n"
+             "Exit code 1 when something that is needed does not work; notes do not count.",
+    .example = "nqm doctor\nnqm doctor --json",
+    .options = options,
+};
+
 int cmd_doctor(int argc, char **argv) {
-    bool json = false;
     const char *temporary = getenv("TMPDIR");
-    const option options[] = {{"json", 0, OPTION_FLAG, &json, NULL, "print JSON", 0, 0}, {0}};
-    const command cmd = {
-        .usage = "[options]",
-        .about = "Check this installation on this machine: libraries that are loaded when needed, processor and "
-                 "kernels, threads,\n"
-                 "built-in models, the self-test, folders for files, and the Python package. Each problem comes with "
-                 "what to do.\n"
-                 "Exit code 1 when something that is needed does not work; notes do not count.",
-        .example = "nqm doctor\nnqm doctor --json",
-        .options = options,
-    };
     parse_arguments(&cmd, argc, argv);
     examination e = {.checks = json ? json_array() : NULL};
     check_libraries(&e);

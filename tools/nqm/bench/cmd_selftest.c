@@ -19,19 +19,23 @@ static void add_check(void *user, const char *name, int passed) {
         printf("%-6s  %s\n", passed ? "ok" : "FAILED", name);
 }
 
+/* ---- the verb ---------------------------------------------------------------------------------------------------- */
+
+static bool json;
+
+static const option options[] = {{"json", 0, OPTION_FLAG, &json, NULL, "print JSON", 0, 0}, {0}};
+
+static const command cmd = {
+    .usage = "[options]",
+    .about = "Check this build on this machine in about a second: matrix kernels against scalar loops; coordinates, "
+             "the\n"
+             "JOD curve and presets against published or independently computed values; the built-in models against\n"
+             "their checksums and stored scores. Exit code 8 if a check fails.",
+    .example = "nqm selftest",
+    .options = options,
+};
+
 int cmd_selftest(int argc, char **argv) {
-    bool json = false;
-    const option options[] = {{"json", 0, OPTION_FLAG, &json, NULL, "print JSON", 0, 0}, {0}};
-    const command cmd = {
-        .usage = "[options]",
-        .about =
-            "Check this build on this machine in about a second: matrix kernels against scalar loops; coordinates, "
-            "the\n"
-            "JOD curve and presets against published or independently computed values; the built-in models against\n"
-            "their checksums and stored scores. Exit code 8 if a check fails.",
-        .example = "nqm selftest",
-        .options = options,
-    };
     parse_arguments(&cmd, argc, argv);
     check_output t = {.checks = json ? json_array() : NULL};
     double begin = nqm_clock_s();

@@ -18,7 +18,7 @@ static const double least_albedo = 0.001;
 typedef struct verdict {
     nqm_brdf_check_report report;
     double largest_albedo;
-    bool is_list; /* of measured directions, whose albedo is unknown */
+    bool is_list; /* it lists measured directions: its albedo is unknown */
     bool energy_fails, too_dark, no_data, is_empty, all_negative, noted_asymmetry, is_merl;
 } verdict;
 
@@ -32,8 +32,8 @@ static verdict judge(const nqm_brdf *brdf, const nqm_brdf_check_report *r) {
     v.too_dark = !v.is_list && v.largest_albedo < least_albedo;
     v.no_data = 2 * r->n_invalid > r->n_pairs;
     v.is_empty = r->n_invalid == r->n_pairs;
-    v.all_negative = v.is_list ? r->n_clamped == r->n_pairs
-                               : v.largest_albedo <= 0 && r->n_clamped > 0; /* what is not negative is 0 */
+    v.all_negative =
+        v.is_list ? r->n_clamped == r->n_pairs : v.largest_albedo <= 0 && r->n_clamped > 0; /* no value is positive */
     v.noted_asymmetry = r->reciprocity_median > noted_reciprocity;
     return v;
 }
@@ -154,24 +154,29 @@ static int check_one(const char *argument, uint64_t seed, json_t *results) {
     return passes(&v) ? EXIT_OK : EXIT_GATE;
 }
 
+/* ---- the verb ---------------------------------------------------------------------------------------------------- */
+
+static bool json;
+static uint64_t seed = 1;
+
+static const option options[] = {{"json", 0, OPTION_FLAG, &json, NULL, "print JSON", 0, 0},
+                                 {"seed", 0, OPTION_COUNT, &seed, "N", "seed of the random directions", 0, 0},
+                                 {0}};
+
+static const command cmd = {
+    .usage = "BRDF... [options]",
+    .about =
+        "Is a BRDF physically plausible? Measures energy conservation (the share of light that is reflected, for\n"
+        "light at 0 to 75 degrees), reciprocity and positivity. Exit code 1 when a BRDF reflects more than 102 %\n"
+        "of the light, has no value for more than half of the directions, or no positive value but negative ones.\n"
+        "A list of measured directions is tested at these directions; its energy is unknown.",
+    .example = "nqm check sgd:nickel material.binary\nnqm check 'lambert:kd=1.1' --json",
+    .options = options,
+    .min_arguments = 1,
+    .max_arguments = -1,
+};
+
 int cmd_check(int argc, char **argv) {
-    bool json = false;
-    uint64_t seed = 1;
-    const option options[] = {{"json", 0, OPTION_FLAG, &json, NULL, "print JSON", 0, 0},
-                              {"seed", 0, OPTION_COUNT, &seed, "N", "seed of the random directions", 0, 0},
-                              {0}};
-    const command cmd = {
-        .usage = "BRDF... [options]",
-        .about =
-            "Is a BRDF physically plausible? Measures energy conservation (the share of light that is reflected, for\n"
-            "light at 0 to 75 degrees), reciprocity and positivity. Exit code 1 when a BRDF reflects more than 102 %\n"
-            "of the light, has no value for more than half of the directions, or no positive value but negative ones.\n"
-            "A list of measured directions is tested at these directions; its energy is unknown.",
-        .example = "nqm check sgd:nickel material.binary\nnqm check 'lambert:kd=1.1' --json",
-        .options = options,
-        .min_arguments = 1,
-        .max_arguments = -1,
-    };
     const int n_arguments = parse_arguments(&cmd, argc, argv);
     int exit_code = EXIT_OK;
     json_t *results = json ? json_array() : NULL;
@@ -181,7 +186,7 @@ int cmd_check(int argc, char **argv) {
         refuse_model_name(argv[i]);
         const int code = check_one(argv[i], seed, results);
         if (exit_code == EXIT_OK || (exit_code == EXIT_GATE && code != EXIT_OK))
-            exit_code = code; /* of the first error; a failed check counts less */
+            exit_code = code; /* exit code of the first error; an error counts more than a failed check */
     }
     if (json)
         print_document(json_pack("{s:o}", "results", results));

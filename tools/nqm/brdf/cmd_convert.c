@@ -10,32 +10,37 @@
 static const char *const formats[] = {"merl", "merl-360", "npy", NULL};
 static const char *const layouts[] = {"90 x 90 x 180 cells", "90 x 90 x 360 cells", "nodes of a .npy array"};
 
+/* ---- the verb ---------------------------------------------------------------------------------------------------- */
+
+static bool json;
+static const char *output, *format_name;
+
+static const option options[] = {
+    {"output", 'o', OPTION_NEEDED, &output, "FILE.binary|.npy", "the table to write; - is standard output", 0, 0},
+    {"format", 'f', OPTION_TEXT, &format_name, "FORMAT",
+     "merl: 90 x 90 x 180 cells, 35 MB; merl-360: 90 x 90 x 360 cells, 70 MB, which distinguish light and viewer; "
+     "npy: an array of NumPy, 90 x 46 x 24 nodes; default: npy for FILE.npy, else merl",
+     0, 0},
+    {"json", 0, OPTION_FLAG, &json, NULL, "print JSON", 0, 0},
+    {0}};
+
+static const command cmd = {
+    .usage = "BRDF -o OUT.binary [options]",
+    .about = "Write a BRDF (file, spec or preset) as a table in half-vector coordinates that other programs read. "
+             "A MERL\n"
+             "table has f_r at the centres of its cells, and -1 below the horizon or without data; an array of "
+             "NumPy has\n"
+             "f_r at nodes (doc/files.md), and NaN there. An existing file is replaced only when the new one is "
+             "complete.\n"
+             "All but merl-360 are reciprocal: of a material that is not, phi_d in [0, 180) degrees is kept.",
+    .example = "nqm convert 'ggx:kd=.2,.1,.05;alpha=.1' -o ggx.binary\n"
+               "nqm convert paint_rgb.bsdf --format merl-360 -o paint.binary\n"
+               "nqm convert sgd:nickel -o nickel.npy",
+    .options = options,
+    .min_arguments = 1,
+};
+
 int cmd_convert(int argc, char **argv) {
-    bool json = false;
-    const char *output = NULL, *format_name = NULL;
-    const option options[] = {
-        {"output", 'o', OPTION_NEEDED, &output, "FILE.binary|.npy", "the table to write; - is standard output", 0, 0},
-        {"format", 'f', OPTION_TEXT, &format_name, "FORMAT",
-         "merl: 90 x 90 x 180 cells, 35 MB; merl-360: 90 x 90 x 360 cells, 70 MB, which distinguish light and viewer; "
-         "npy: an array of NumPy, 90 x 46 x 24 nodes; default: npy for FILE.npy, else merl",
-         0, 0},
-        {"json", 0, OPTION_FLAG, &json, NULL, "print JSON", 0, 0},
-        {0}};
-    const command cmd = {
-        .usage = "BRDF -o OUT.binary [options]",
-        .about = "Write a BRDF (file, spec or preset) as a table in half-vector coordinates that other programs read. "
-                 "A MERL\n"
-                 "table has f_r at the centres of its cells, and -1 below the horizon or without data; an array of "
-                 "NumPy has\n"
-                 "f_r at nodes (doc/files.md), and NaN there. An existing file is replaced only when the new one is "
-                 "complete.\n"
-                 "All but merl-360 are reciprocal: of a material that is not, phi_d in [0, 180) degrees is kept.",
-        .example = "nqm convert 'ggx:kd=.2,.1,.05;alpha=.1' -o ggx.binary\n"
-                   "nqm convert paint_rgb.bsdf --format merl-360 -o paint.binary\n"
-                   "nqm convert sgd:nickel -o nickel.npy",
-        .options = options,
-        .min_arguments = 1,
-    };
     parse_arguments(&cmd, argc, argv);
     nqm_error err = {0};
     const char *dot = strrchr(output, '.');

@@ -37,32 +37,38 @@ static void print_directions(const nqm_directions *directions) {
                              "columns", "theta_h", "theta_d", "phi_d", "degrees", rows));
 }
 
+/* ---- the verb ---------------------------------------------------------------------------------------------------- */
+
+static bool json, pairs;
+static const char *path = "-";
+static nqm_directions_options make;
+static uint64_t n;
+
+static const option options[] = {
+    {"number", 'n', OPTION_COUNT, &n, "N", "number of directions", 1, 100000},
+    {"output", 'o', OPTION_TEXT, &path, "FILE.csv", "where to write the CSV", 0, 0},
+    {"pairs", 0, OPTION_FLAG, &pairs, NULL,
+     "also write theta_i, phi_i (light, at azimuth 0) and theta_o, phi_o (viewer), to measure at", 0, 0},
+    {"json", 0, OPTION_FLAG, &json, NULL, "print JSON on standard output instead", 0, 0},
+    {0}};
+
+static const command cmd = {
+    .usage = "[REF...] [options] | directions show MODEL|FILE [options]",
+    .about = "Make directions: theta_d and phi_d uniform, theta_h denser toward 0. With reference BRDFs, directions\n"
+             "at which these are bright are favoured. `show` prints the directions of a built-in model, a model file\n"
+             "or a CSV. Columns theta_h, theta_d, phi_d, in degrees. A model works with its own directions only: new\n"
+             "ones are for new datasets.",
+    .example = "nqm directions -n 500 materials/*.bsdf -o my-directions.csv\nnqm directions show default --json\n"
+               "nqm directions show default --pairs -o to-measure.csv",
+    .options = options,
+    .table = &nqm_directions_option_table,
+    .table_target = &make,
+    .max_arguments = -1,
+};
+
 int cmd_directions(int argc, char **argv) {
-    bool json = false, pairs = false;
-    const char *path = "-";
-    nqm_directions_options make = nqm_directions_options_default();
-    uint64_t n = make.n;
-    const option options[] = {
-        {"number", 'n', OPTION_COUNT, &n, "N", "number of directions", 1, 100000},
-        {"output", 'o', OPTION_TEXT, &path, "FILE.csv", "where to write the CSV", 0, 0},
-        {"pairs", 0, OPTION_FLAG, &pairs, NULL,
-         "also write theta_i, phi_i (light, at azimuth 0) and theta_o, phi_o (viewer), to measure at", 0, 0},
-        {"json", 0, OPTION_FLAG, &json, NULL, "print JSON on standard output instead", 0, 0},
-        {0}};
-    const command cmd = {
-        .usage = "[REF...] [options] | directions show MODEL|FILE [options]",
-        .about =
-            "Make directions: theta_d and phi_d uniform, theta_h denser toward 0. With reference BRDFs, directions\n"
-            "at which these are bright are favoured. `show` prints the directions of a built-in model, a model file\n"
-            "or a CSV. Columns theta_h, theta_d, phi_d, in degrees. A model works with its own directions only: new\n"
-            "ones are for new datasets.",
-        .example = "nqm directions -n 500 materials/*.bsdf -o my-directions.csv\nnqm directions show default --json\n"
-                   "nqm directions show default --pairs -o to-measure.csv",
-        .options = options,
-        .table = &nqm_directions_option_table,
-        .table_target = &make,
-        .max_arguments = -1,
-    };
+    make = nqm_directions_options_default();
+    n = make.n;
     const int n_arguments = parse_arguments(&cmd, argc, argv);
     if (json && pairs)
         stop(EXIT_USAGE, "--json and --pairs exclude each other");

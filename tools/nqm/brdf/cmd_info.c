@@ -166,22 +166,27 @@ static int print_presets(const char *word, bool json) {
     return json ? print_document(json_pack("{s:o}", "presets", presets)) : EXIT_OK;
 }
 
+/* ---- the verb ---------------------------------------------------------------------------------------------------- */
+
+static bool json;
+
+static const option options[] = {{"json", 0, OPTION_FLAG, &json, NULL, "print JSON", 0, 0}, {0}};
+
+static const command cmd = {
+    .usage = "FILE|SPEC|list [WORD] [options]",
+    .about = "What a BRDF (file, spec or preset), model file, dataset file or file of several materials contains. "
+             "`list`\n"
+             "prints the presets, or those with WORD in their names: published fits of measured materials. For "
+             "BRDFs the\n"
+             "albedo at normal incidence is computed too.",
+    .example = "nqm info sgd:nickel\nnqm info 'ggx:kd=.2,.1,.05;ks=1;alpha=.1;f0=.04' --json\nnqm info list\n"
+               "nqm info list nickel",
+    .options = options,
+    .min_arguments = 1,
+    .max_arguments = 2,
+};
+
 int cmd_info(int argc, char **argv) {
-    bool json = false;
-    const option options[] = {{"json", 0, OPTION_FLAG, &json, NULL, "print JSON", 0, 0}, {0}};
-    const command cmd = {
-        .usage = "FILE|SPEC|list [WORD] [options]",
-        .about = "What a BRDF (file, spec or preset), model file, dataset file or file of several materials contains. "
-                 "`list`\n"
-                 "prints the presets, or those with WORD in their names: published fits of measured materials. For "
-                 "BRDFs the\n"
-                 "albedo at normal incidence is computed too.",
-        .example = "nqm info sgd:nickel\nnqm info 'ggx:kd=.2,.1,.05;ks=1;alpha=.1;f0=.04' --json\nnqm info list\n"
-                   "nqm info list nickel",
-        .options = options,
-        .min_arguments = 1,
-        .max_arguments = 2,
-    };
     const int n_arguments = parse_arguments(&cmd, argc, argv);
     if (strcmp(argv[0], "list") == 0)
         return print_presets(n_arguments > 1 ? argv[1] : "", json);

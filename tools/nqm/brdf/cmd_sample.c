@@ -68,28 +68,33 @@ static void report_holes(const sample_set *s) {
         report(EXIT_OK, "%s: no value at %zu of %zu directions", s->brdf, s->report.n_invalid, s->report.n);
 }
 
+/* ---- the verb ---------------------------------------------------------------------------------------------------- */
+
+static result_format format;
+static const char *directions_name, *policy_name = "drop", *output;
+
+static const option options[] = {
+    {"directions", 'd', OPTION_TEXT, &directions_name, "WHERE",
+     "a CSV of directions, a model file, or the name of a built-in model; default: the default model's", 0, 0},
+    {"invalid", 0, OPTION_TEXT, &policy_name, "POLICY",
+     "where the BRDF has no value: drop (empty fields), zero, nearest, error", 0, 0},
+    {"output", 'o', OPTION_TEXT, &output, "FILE.mat",
+     "write a MAT v5 file in the authors' layout instead: r, g, b, random_locations", 0, 0},
+    {"csv", 0, OPTION_FORMAT, &format, NULL, "print CSV (this is the default)", FORMAT_CSV, 0},
+    {"json", 0, OPTION_FORMAT, &format, NULL, "print JSON", FORMAT_JSON, 0},
+    {0}};
+
+static const command cmd = {
+    .usage = "BRDF [options]",
+    .about = "Print f_r of a BRDF at a list of directions, one row a direction, in their order: theta_h, theta_d,\n"
+             "phi_d in degrees; r, g, b in 1/sr without the cosine, linear with BT.709 primaries.",
+    .example = "nqm sample sgd:nickel --csv\nnqm sample nickel.binary --directions my-directions.csv --json\n"
+               "nqm sample sgd:nickel -o ref/nickel.mat",
+    .options = options,
+    .min_arguments = 1,
+};
+
 int cmd_sample(int argc, char **argv) {
-    result_format format = FORMAT_TEXT;
-    const char *directions_name = NULL, *policy_name = "drop", *output = NULL;
-    const option options[] = {
-        {"directions", 'd', OPTION_TEXT, &directions_name, "WHERE",
-         "a CSV of directions, a model file, or the name of a built-in model; default: the default model's", 0, 0},
-        {"invalid", 0, OPTION_TEXT, &policy_name, "POLICY",
-         "where the BRDF has no value: drop (empty fields), zero, nearest, error", 0, 0},
-        {"output", 'o', OPTION_TEXT, &output, "FILE.mat",
-         "write a MAT v5 file in the authors' layout instead: r, g, b, random_locations", 0, 0},
-        {"csv", 0, OPTION_FORMAT, &format, NULL, "print CSV (this is the default)", FORMAT_CSV, 0},
-        {"json", 0, OPTION_FORMAT, &format, NULL, "print JSON", FORMAT_JSON, 0},
-        {0}};
-    const command cmd = {
-        .usage = "BRDF [options]",
-        .about = "Print f_r of a BRDF at a list of directions, one row a direction, in their order: theta_h, theta_d,\n"
-                 "phi_d in degrees; r, g, b in 1/sr without the cosine, linear with BT.709 primaries.",
-        .example = "nqm sample sgd:nickel --csv\nnqm sample nickel.binary --directions my-directions.csv --json\n"
-                   "nqm sample sgd:nickel -o ref/nickel.mat",
-        .options = options,
-        .min_arguments = 1,
-    };
     parse_arguments(&cmd, argc, argv);
     nqm_score_options score = {0};
     nqm_error err = {0};

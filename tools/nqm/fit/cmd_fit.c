@@ -274,15 +274,7 @@ static void write_fit_report(const char *ref, const fit_request *request, const 
         stop(EXIT_USAGE, "--report: there is no result to show; networks and tables need -o");
     short_name(ref, name, sizeof name);
     snprintf(title, sizeof title, "Fits to %s by the loss %.60s", name, loss);
-    report_run run = {.title = title, .scores = {.options = nqm_score_options_default()}};
-    scene_args scene = scene_args_begin();
-    scene.side = 256;
-    scene_args_end(&scene);
-    run.labels.scene_options = scene.scene;
-    run.labels.shrink = 1;
-    run.scores.model = open_model(metric);
-    make_report(&run, page->n, page->arguments, page->shown, out);
-    free_report(&run);
+    write_fit_page(title, page->n, page->arguments, page->shown, metric, out);
     free(page);
 }
 
@@ -305,50 +297,53 @@ static void open_loss(const char *text, const char *transport, nqm_model *metric
     *loss = (nqm_match_loss){text, metric, needs_transport ? open_model(transport) : NULL, open_judge(text, transport)};
 }
 
+static nqm_fit_options fit;
+static const char *model = "ggx", *loss = "auto", *metric = "default", *transport = "transport";
+static const char *directions_name, *bounds, *path, *page;
+static bool json, quiet, verbose;
+
+static const option options[] = {
+    {"model", 'm', OPTION_TEXT, &model, "NAME,...",
+     "models, 'all' lobes and networks, 'encodings' (the nine of the paper), or 'shading' (of renderers)", 0, 0},
+    {"loss", 0, OPTION_TEXT, &loss, "SUM|auto",
+     "loss of analytic models: a sum like log_diff+0.2*nqm of nqm, transport, log, log-cos, cube-root, linear and "
+     "scalar metrics; auto: the best of several",
+     0, 0},
+    {"metric", 0, OPTION_TEXT, &metric, "MODEL", "the model of the loss nqm and of the printed JOD", 0, 0},
+    {"transport", 0, OPTION_TEXT, &transport, "MODEL",
+     "the model of the loss transport (nqm transport make); other than 'transport', it also makes the choice of "
+     "auto",
+     0, 0},
+    {"output", 'o', OPTION_TEXT, &path, "FILE.safetensors|DIR/",
+     "file of a network or table (DIR/MODEL.safetensors for several models)", 0, 0},
+    {"bounds", 0, OPTION_TEXT, &bounds, "KEY=LOW:HIGH,...", "narrower ranges of parameters (not of networks and codes)",
+     0, 0},
+    {"directions", 0, OPTION_TEXT, &directions_name, "WHERE",
+     "directions of the metrics (default: those of `nqm score`)", 0, 0},
+    {"report", 0, OPTION_TEXT, &page, "FILE.html", "write a page with pictures of the fits and of those by log", 0, 0},
+    {"verbose", 0, OPTION_FLAG, &verbose, NULL, "print all results of each fit", 0, 0},
+    {"quiet", 'q', OPTION_FLAG, &quiet, NULL, "print specs and paths only", 0, 0},
+    {"json", 0, OPTION_FLAG, &json, NULL, "print the result as JSON", 0, 0},
+    {0}};
+
+static const command cmd = {
+    .usage = "REF [options]",
+    .about =
+        "Encode a BRDF. The result of an analytic model (an RGB lobe over a Lambert base) is a spec; networks and\n"
+        "coded tables are files, written with -o. Every other verb takes the printed spec or path as a BRDF.",
+    .example = "nqm fit sgd:nickel --model ward\n"
+               "nqm fit measured.bsdf --model ggx --report ggx.html\n"
+               "nqm fit measured.bsdf --model all -o fits/\n"
+               "nqm score measured.bsdf \"$(nqm fit measured.bsdf --model ggx -q)\"",
+    .options = options,
+    .table = &nqm_fit_option_table,
+    .table_target = &fit,
+    .min_arguments = 1,
+};
+
 int cmd_fit(int argc, char **argv) {
-    nqm_fit_options fit = nqm_fit_options_default();
+    fit = nqm_fit_options_default();
     fit.progress = show_progress;
-    const char *model = "ggx", *loss = "auto", *metric = "default", *transport = "transport";
-    const char *directions_name = NULL, *bounds = NULL, *path = NULL, *page = NULL;
-    bool json = false, quiet = false, verbose = false;
-    const option options[] = {
-        {"model", 'm', OPTION_TEXT, &model, "NAME,...",
-         "models, 'all' lobes and networks, 'encodings' (the nine of the paper), or 'shading' (of renderers)", 0, 0},
-        {"loss", 0, OPTION_TEXT, &loss, "SUM|auto",
-         "loss of analytic models: a sum like log_diff+0.2*nqm of nqm, transport, log, log-cos, cube-root, linear and "
-         "scalar metrics; auto: the best of several",
-         0, 0},
-        {"metric", 0, OPTION_TEXT, &metric, "MODEL", "the model of the loss nqm and of the printed JOD", 0, 0},
-        {"transport", 0, OPTION_TEXT, &transport, "MODEL",
-         "the model of the loss transport (nqm transport make); other than 'transport', it also makes the choice of "
-         "auto",
-         0, 0},
-        {"output", 'o', OPTION_TEXT, &path, "FILE.safetensors|DIR/",
-         "file of a network or table (DIR/MODEL.safetensors for several models)", 0, 0},
-        {"bounds", 0, OPTION_TEXT, &bounds, "KEY=LOW:HIGH,...",
-         "narrower ranges of parameters (not of networks and codes)", 0, 0},
-        {"directions", 0, OPTION_TEXT, &directions_name, "WHERE",
-         "directions of the metrics (default: those of `nqm score`)", 0, 0},
-        {"report", 0, OPTION_TEXT, &page, "FILE.html", "write a page with pictures of the fits and of those by log", 0,
-         0},
-        {"verbose", 0, OPTION_FLAG, &verbose, NULL, "print all results of each fit", 0, 0},
-        {"quiet", 'q', OPTION_FLAG, &quiet, NULL, "print specs and paths only", 0, 0},
-        {"json", 0, OPTION_FLAG, &json, NULL, "print the result as JSON", 0, 0},
-        {0}};
-    const command cmd = {
-        .usage = "REF [options]",
-        .about =
-            "Encode a BRDF. The result of an analytic model (an RGB lobe over a Lambert base) is a spec; networks and\n"
-            "coded tables are files, written with -o. Every other verb takes the printed spec or path as a BRDF.",
-        .example = "nqm fit sgd:nickel --model ward\n"
-                   "nqm fit measured.bsdf --model ggx --report ggx.html\n"
-                   "nqm fit measured.bsdf --model all -o fits/\n"
-                   "nqm score measured.bsdf \"$(nqm fit measured.bsdf --model ggx -q)\"",
-        .options = options,
-        .table = &nqm_fit_option_table,
-        .table_target = &fit,
-        .min_arguments = 1,
-    };
     parse_arguments(&cmd, argc, argv);
     fit_request request = {0};
     choose_models(model, &request);

@@ -234,15 +234,7 @@ static void write_page(const translation *t, const char *metric, output_file *ou
     names[n++] = shown;
     short_name(it->argument, name, sizeof name);
     snprintf(title, sizeof title, "Translation of %s to %s", name, t->target->model);
-    report_run run = {.title = title, .scores = {.options = nqm_score_options_default()}};
-    scene_args scene = scene_args_begin();
-    scene.side = 256;
-    scene_args_end(&scene);
-    run.labels.scene_options = scene.scene;
-    run.labels.shrink = 1;
-    run.scores.model = open_model(metric);
-    make_report(&run, n, arguments, names, out);
-    free_report(&run);
+    write_fit_page(title, n, arguments, names, metric, out);
 }
 
 /* ---- one translation ---------------------------------------------------------------------------------------------- */
@@ -377,43 +369,49 @@ static nqm_scorer *open_scorer(const nqm_model *model) {
     return scorer;
 }
 
+static translation t;
+static const char *to, *loss = "auto", *metric = "default", *transport = "transport", *page;
+static uint64_t samples = 2000;
+static bool json;
+
+static const option options[] = {
+    {"to", 't', OPTION_NEEDED, &to, "MODEL", "the shading model", 0, 0},
+    {"output", 'o', OPTION_TEXT, &t.path, "FILE",
+     "the file to write, with all materials; its extension selects the format: .mtlx .gltf .glb .xml .json .pbrt", 0,
+     0},
+    {"folder", 'd', OPTION_TEXT, &t.folder, "FOLDER", "write a file for each material, named as the input", 0, 0},
+    {"loss", 0, OPTION_TEXT, &loss, "SUM|auto", "as in nqm fit", 0, 0},
+    {"metric", 'm', OPTION_TEXT, &metric, "MODEL", "the model of the JOD and of the loss nqm", 0, 0},
+    {"transport", 0, OPTION_TEXT, &transport, "MODEL", "the model of the loss transport", 0, 0},
+    {"samples", 0, OPTION_COUNT, &samples, "N", "direction pairs of the fit", 200, 1000000},
+    {"simplify", 0, OPTION_NUMBER, &t.fit.simplify, "X", "fraction of the loss for which keys get their defaults", 0,
+     1},
+    {"report", 0, OPTION_TEXT, &page, "FILE.html", "write a page with pictures, of one material", 0, 0},
+    OPTION_ROWS_GATE(&t.gate),
+    {"json", 0, OPTION_FLAG, &json, NULL, "print the result as JSON", 0, 0},
+    {0}};
+
+static option_words target_words[] = {{"to", NULL}, {0}};
+
+static const command cmd = {
+    .usage = "BRDF... --to MODEL [-o FILE|-d FOLDER] [options]",
+    .about = "Write materials, or any BRDFs, as materials of another renderer: fit the shading model MODEL, write the\n"
+             "file, read it back and score what was written. Without -o and -d the spec of the result is printed. A\n"
+             "file with several materials is translated material by material. Materials that cannot be read are\n"
+             "reported and do not stop the others.",
+    .example = "nqm translate 'open-pbr:base_color=.8,.3,.1;coat_weight=1' --to gltf\n"
+               "nqm translate gold.mtlx --to gltf -o gold.gltf --report gold.html\n"
+               "nqm translate materials/*.mtlx --to gltf -o all.gltf\n"
+               "nqm translate materials/*.mtlx --to gltf -d gltf --fail-under 9",
+    .options = options,
+    .words = target_words,
+    .min_arguments = 1,
+    .max_arguments = -1,
+};
+
 int cmd_translate(int argc, char **argv) {
-    translation t = {.fit = nqm_fit_options_default()};
-    const char *to = NULL, *loss = "auto", *metric = "default", *transport = "transport", *page = NULL;
-    uint64_t samples = 2000;
-    bool json = false;
-    const option options[] = {
-        {"to", 't', OPTION_NEEDED, &to, "MODEL", "the shading model", 0, 0},
-        {"output", 'o', OPTION_TEXT, &t.path, "FILE",
-         "the file to write, with all materials; its extension selects the format: .mtlx .gltf .glb .xml .json .pbrt",
-         0, 0},
-        {"folder", 'd', OPTION_TEXT, &t.folder, "FOLDER", "write a file for each material, named as the input", 0, 0},
-        {"loss", 0, OPTION_TEXT, &loss, "SUM|auto", "as in nqm fit", 0, 0},
-        {"metric", 'm', OPTION_TEXT, &metric, "MODEL", "the model of the JOD and of the loss nqm", 0, 0},
-        {"transport", 0, OPTION_TEXT, &transport, "MODEL", "the model of the loss transport", 0, 0},
-        {"samples", 0, OPTION_COUNT, &samples, "N", "direction pairs of the fit", 200, 1000000},
-        {"simplify", 0, OPTION_NUMBER, &t.fit.simplify, "X", "fraction of the loss for which keys get their defaults",
-         0, 1},
-        {"report", 0, OPTION_TEXT, &page, "FILE.html", "write a page with pictures, of one material", 0, 0},
-        OPTION_ROWS_GATE(&t.gate),
-        {"json", 0, OPTION_FLAG, &json, NULL, "print the result as JSON", 0, 0},
-        {0}};
-    const command cmd = {
-        .usage = "BRDF... --to MODEL [-o FILE|-d FOLDER] [options]",
-        .about =
-            "Write materials, or any BRDFs, as materials of another renderer: fit the shading model MODEL, write the\n"
-            "file, read it back and score what was written. Without -o and -d the spec of the result is printed. A\n"
-            "file with several materials is translated material by material. Materials that cannot be read are\n"
-            "reported and do not stop the others.",
-        .example = "nqm translate 'open-pbr:base_color=.8,.3,.1;coat_weight=1' --to gltf\n"
-                   "nqm translate gold.mtlx --to gltf -o gold.gltf --report gold.html\n"
-                   "nqm translate materials/*.mtlx --to gltf -o all.gltf\n"
-                   "nqm translate materials/*.mtlx --to gltf -d gltf --fail-under 9",
-        .options = options,
-        .words = (const option_words[]){{"to", target_names()}, {0}},
-        .min_arguments = 1,
-        .max_arguments = -1,
-    };
+    t = (translation){.fit = nqm_fit_options_default()};
+    target_words[0].words = target_names();
     const int n_arguments = parse_arguments(&cmd, argc, argv);
     t.target = find_target(to);
     t.fit.progress = show_progress;

@@ -18,8 +18,8 @@ typedef struct fitted {
     double metrics[NQM_METRIC_COUNT];
     nqm_score_result score; /* by --metric */
     double seconds;
-    char path[FIT_MAX_PATH]; /* of the file written; "" if the result is a spec or was not written */
-    char before[2048];       /* for the report: spec of the fit under the loss "log"; "": none */
+    char path[FIT_MAX_PATH]; /* path of the file; "" if the result is a spec or was not written */
+    char before[2048];       /* spec of the fit under the loss "log", which the report shows; "": none */
 } fitted;
 
 /** What print_fits() shows. */

@@ -10,12 +10,12 @@
 /** What --to names. */
 typedef struct translate_target {
     const char *word, *model;
-    const char *extension; /* of files in a folder */
+    const char *extension; /* extension of the files that -d writes */
 } translate_target;
 
 /** The words that --to may be, after which NULL. */
 const char *const *target_names(void);
-/** By a word; on failure, report the words and exit. */
+/** Find a target by its word; if there is none, report the words and exit. */
 const translate_target *find_target(const char *word);
 
 /** Whether a model is one of nqm_fit_shading(). */

@@ -261,56 +261,61 @@ static void evaluate(eval_run *run, const eval_arguments *a, const nqm_eval_opti
     print_evaluation(run, a->format);
 }
 
+/* ---- the verb ---------------------------------------------------------------------------------------------------- */
+
+static eval_arguments a = {.models = "default", .by = "none"};
+static const option options[] = {
+    {"model", 'm', OPTION_TEXT, &a.models, "LIST", "names or files with commas; none: metrics only", 0, 0},
+    {"metric", 0, OPTION_TEXT, &a.models, "LIST", "the same; scalar metrics are always judged", 0, 0},
+    {"by", 0, OPTION_TEXT, &a.by, "WORD",
+     "further tables: by subset (near, far, rounding; seen, unseen), family or kind of distortion, class of the "
+     "reference material, source of the reference (measured, neural, analytic, ...), JOD range; both (kind and "
+     "range), all or none",
+     0, 0},
+    {"labels", 0, OPTION_TEXT, &a.labels, "CSV", "DATASET is a folder in the authors' layout; its labels", 0, 0},
+    {"human", 0, OPTION_FLAG, &a.human, NULL,
+     "DATASET is a CSV of what people said: reference, test and score, jod or distance; or reference, test_a, "
+     "test_b and choice, or n_a and n_b",
+     0, 0},
+    {"root", 0, OPTION_TEXT, &a.root, "DIR", "with --human: folder of relative paths (default: the list's folder)", 0,
+     0},
+    {"margin", 0, OPTION_NUMBER, &a.margin, "X",
+     "tests of one material whose labels differ by more than this have an order to be predicted (JOD: 0.25; other "
+     "human scores: 0)",
+     0, 1e9},
+    {"pairs", 0, OPTION_TEXT, &a.pairs, "FILE.csv",
+     "also write label, predictions, scalar features and parts of every pair", 0, 0},
+    {"json", 0, OPTION_FORMAT, &a.format, NULL, "print JSON", FORMAT_JSON, 0},
+    {"csv", 0, OPTION_FORMAT, &a.format, NULL, "print CSV", FORMAT_CSV, 0},
+    {0}};
+
+static const command cmd = {
+    .usage = "DATASET [options]\n       nqm eval --human PAIRS.csv [options]",
+    .about =
+        "Compare models and the scalar metrics with the labels of DATASET (made by `nqm dataset`, or the authors'\n"
+        "folder with --labels, whose pairs all count as test pairs). Prints correlations over all pairs and as\n"
+        "the mean over materials, the fraction of tests in the right order and the errors of the models in JOD,\n"
+        "with 95 % intervals, and compares each model with the best of the eight baselines, with the log "
+        "difference\n"
+        "and with the estimate by light transport; then how well models predict the parts of labels. --human does "
+        "the\n"
+        "same for the scores of people, or prints the fraction of their choices that is predicted.",
+    .example = "nqm eval corpus.safetensors --by both\n"
+               "nqm eval corpus.safetensors --by subset\n"
+               "nqm eval corpus.safetensors --model default,my.safetensors --split validation --json\n"
+               "nqm eval test_brdfs --labels labels_real.csv --model paper\n"
+               "nqm eval --human opinions.csv --root brdfs --model default,transport\n"
+               "nqm eval --human choices.csv --root brdfs --apart",
+    .options = options,
+    .table = &nqm_eval_option_table,
+    .table_target = &a.options,
+    .min_arguments = 1,
+};
+
 int cmd_eval(int argc, char **argv) {
-    eval_arguments a = {
-        .models = "default", .by = "none", .margin = (double)NAN, .options = nqm_eval_options_default()};
+    a.margin = (double)NAN;
+    a.options = nqm_eval_options_default();
     a.options.split = NQM_SPLIT_TEST;
-    const option options[] = {
-        {"model", 'm', OPTION_TEXT, &a.models, "LIST", "names or files with commas; none: metrics only", 0, 0},
-        {"metric", 0, OPTION_TEXT, &a.models, "LIST", "the same; scalar metrics are always judged", 0, 0},
-        {"by", 0, OPTION_TEXT, &a.by, "WORD",
-         "further tables: by subset (near, far, rounding; seen, unseen), family or kind of distortion, class of the "
-         "reference material, source of the reference (measured, neural, analytic, ...), JOD range; both (kind and "
-         "range), all or none",
-         0, 0},
-        {"labels", 0, OPTION_TEXT, &a.labels, "CSV", "DATASET is a folder in the authors' layout; its labels", 0, 0},
-        {"human", 0, OPTION_FLAG, &a.human, NULL,
-         "DATASET is a CSV of what people said: reference, test and score, jod or distance; or reference, test_a, "
-         "test_b and choice, or n_a and n_b",
-         0, 0},
-        {"root", 0, OPTION_TEXT, &a.root, "DIR", "with --human: folder of relative paths (default: the list's folder)",
-         0, 0},
-        {"margin", 0, OPTION_NUMBER, &a.margin, "X",
-         "tests of one material whose labels differ by more than this have an order to be predicted (JOD: 0.25; other "
-         "human scores: 0)",
-         0, 1e9},
-        {"pairs", 0, OPTION_TEXT, &a.pairs, "FILE.csv",
-         "also write label, predictions, scalar features and parts of every pair", 0, 0},
-        {"json", 0, OPTION_FORMAT, &a.format, NULL, "print JSON", FORMAT_JSON, 0},
-        {"csv", 0, OPTION_FORMAT, &a.format, NULL, "print CSV", FORMAT_CSV, 0},
-        {0}};
-    const command cmd = {
-        .usage = "DATASET [options]\n       nqm eval --human PAIRS.csv [options]",
-        .about =
-            "Compare models and the scalar metrics with the labels of DATASET (made by `nqm dataset`, or the authors'\n"
-            "folder with --labels, whose pairs all count as test pairs). Prints correlations over all pairs and as\n"
-            "the mean over materials, the fraction of tests in the right order and the errors of the models in JOD,\n"
-            "with 95 % intervals, and compares each model with the best of the eight baselines, with the log "
-            "difference\n"
-            "and with the estimate by light transport; then how well models predict the parts of labels. --human does "
-            "the\n"
-            "same for the scores of people, or prints the fraction of their choices that is predicted.",
-        .example = "nqm eval corpus.safetensors --by both\n"
-                   "nqm eval corpus.safetensors --by subset\n"
-                   "nqm eval corpus.safetensors --model default,my.safetensors --split validation --json\n"
-                   "nqm eval test_brdfs --labels labels_real.csv --model paper\n"
-                   "nqm eval --human opinions.csv --root brdfs --model default,transport\n"
-                   "nqm eval --human choices.csv --root brdfs --apart",
-        .options = options,
-        .table = &nqm_eval_option_table,
-        .table_target = &a.options,
-        .min_arguments = 1,
-    };
     parse_arguments(&cmd, argc, argv);
     if (a.human ? a.labels != NULL : a.root != NULL)
         stop(EXIT_USAGE, a.human ? "--labels and --human exclude each other" : "--root needs --human");

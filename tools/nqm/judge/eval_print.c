@@ -239,7 +239,7 @@ static void print_parts(const eval_run *run, const char *by, const char *name, c
     }
 }
 
-/* Where the intervals of the table come from. */
+/* Say how the intervals of the table were computed. */
 static const char *interval_source(const eval_run *run) {
     return json_is_array(json_object_get(json_array_get(run->results, 0), "ci95"))
                ? "Intervals: bootstrap over materials."

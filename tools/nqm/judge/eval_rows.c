@@ -67,7 +67,7 @@ static json_t *coverage_json(const nqm_coverage *c) {
     return json;
 }
 
-/* Number of the predictor that is the estimate by light transport; that of no predictor if there is none. */
+/* Number of the predictor that is the estimate by light transport; n_predictors if there is none. */
 static size_t estimate_of(const eval_run *run) {
     return run->n_models + NQM_METRIC_COUNT;
 }

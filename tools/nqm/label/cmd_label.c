@@ -33,53 +33,53 @@ static void read_items(label_run *run, int n_arguments, char **argv, const char 
 
 /* Check options that depend on each other. */
 static void check_label(label_run *run, uint64_t shrink) {
-    bool pictures = run->map || run->grid || run->keep;
-    run->shrink = (size_t)shrink;
-    run->keep_rgb = pictures;
-    if (pictures && !run->scene_options.width)
-        stop(EXIT_USAGE, "--map, --grid and --keep-renders need pictures: leave out --points");
-    if (pictures && (run->scene_options.width % run->shrink || run->scene_options.height % run->shrink))
-        stop(EXIT_USAGE, "--shrink must divide the size of the picture");
+    run->keep_rgb = run->map || run->grid || run->keep;
+    if (run->keep_rgb)
+        set_shrink(run, shrink, "--map, --grid and --keep-renders need pictures: leave out --points");
     if (run->keep)
         require_folder_name("--keep-renders", run->keep, ".png|.exr|.hdr|.jpg", "the pictures");
     if (run->keep)
         make_folder(run->keep);
 }
 
+/* ---- the verb ---------------------------------------------------------------------------------------------------- */
+
+static uint64_t shrink = 1;
+static label_run run;
+static scene_args scene;
+
+static const option options[] = {
+    {"map", 0, OPTION_TEXT, &run.map, "FILE.png", "draw reference, test and their difference, one row per test", 0, 0},
+    {"grid", 0, OPTION_TEXT, &run.grid, "FILE.png", "draw each reference and its tests in a row", 0, 0},
+    {"rows", 0, OPTION_TEXT, &run.rows, "A,B,...", "titles of the rows of a figure", 0, 0},
+    {"columns", 0, OPTION_TEXT, &run.columns, "A,B,...", "titles of its columns", 0, 0},
+    {"shrink", 0, OPTION_COUNT, &shrink, "N", "average N x N rendered pixels into one of a figure", 1, 16},
+    {"keep-renders", 0, OPTION_TEXT, &run.keep, "DIR", "write every picture (.exr, .png) and difference to this folder",
+     0, 0},
+    {"json", 0, OPTION_FORMAT, &run.format, NULL, "print JSON", FORMAT_JSON, 0},
+    {"csv", 0, OPTION_FORMAT, &run.format, NULL, "print CSV", FORMAT_CSV, 0},
+    {"quiet", 'q', OPTION_FORMAT, &run.format, NULL, "print the JODs only, one per line", FORMAT_QUIET, 0},
+    OPTION_ROW_SIZE(&scene, "pixels of a frame, if it is to be a picture (with a figure: 256 for all frames together)"),
+    {0}};
+
+static const command cmd = {
+    .usage = "REF TEST... [+ REF TEST...]... [options]",
+    .about = "Render REF and each TEST on a shape under a light map and compare the pictures: mean Delta-E ITP\n"
+             "(ITU-R BT.2124), and the JOD of the published curve. These are the labels of training corpora;\n"
+             "`nqm score` predicts them without rendering. A '+' starts another reference. doc/labels.md.",
+    .example = "nqm label sgd:nickel ward:nickel\n"
+               "nqm label measured.bsdf fit1.binary fit2.binary --shape bunny.ply --light probe.exr --json\n"
+               "nqm label sgd:nickel ward:nickel --map difference.png --keep-renders renders\n"
+               "nqm label sgd:nickel ward:nickel + sgd:gold-paint ward:gold-paint --grid grid.png",
+    .options = options,
+    .table = &nqm_scene_option_table,
+    .table_target = &scene.scene,
+    .min_arguments = 2,
+    .max_arguments = -1,
+};
+
 int cmd_label(int argc, char **argv) {
-    uint64_t shrink = 1;
-    label_run run = {0};
-    scene_args scene = scene_args_begin();
-    const option options[] = {
-        {"map", 0, OPTION_TEXT, &run.map, "FILE.png", "draw reference, test and their difference, one row per test", 0,
-         0},
-        {"grid", 0, OPTION_TEXT, &run.grid, "FILE.png", "draw each reference and its tests in a row", 0, 0},
-        {"rows", 0, OPTION_TEXT, &run.rows, "A,B,...", "titles of the rows of a figure", 0, 0},
-        {"columns", 0, OPTION_TEXT, &run.columns, "A,B,...", "titles of its columns", 0, 0},
-        {"shrink", 0, OPTION_COUNT, &shrink, "N", "average N x N rendered pixels into one of a figure", 1, 16},
-        {"keep-renders", 0, OPTION_TEXT, &run.keep, "DIR",
-         "write every picture (.exr, .png) and difference to this folder", 0, 0},
-        {"json", 0, OPTION_FORMAT, &run.format, NULL, "print JSON", FORMAT_JSON, 0},
-        {"csv", 0, OPTION_FORMAT, &run.format, NULL, "print CSV", FORMAT_CSV, 0},
-        {"quiet", 'q', OPTION_FORMAT, &run.format, NULL, "print the JODs only, one per line", FORMAT_QUIET, 0},
-        OPTION_ROW_SIZE(&scene,
-                        "pixels of a frame, if it is to be a picture (with a figure: 256 for all frames together)"),
-        {0}};
-    const command cmd = {
-        .usage = "REF TEST... [+ REF TEST...]... [options]",
-        .about = "Render REF and each TEST on a shape under a light map and compare the pictures: mean Delta-E ITP\n"
-                 "(ITU-R BT.2124), and the JOD of the published curve. These are the labels of training corpora;\n"
-                 "`nqm score` predicts them without rendering. A '+' starts another reference. doc/labels.md.",
-        .example = "nqm label sgd:nickel ward:nickel\n"
-                   "nqm label measured.bsdf fit1.binary fit2.binary --shape bunny.ply --light probe.exr --json\n"
-                   "nqm label sgd:nickel ward:nickel --map difference.png --keep-renders renders\n"
-                   "nqm label sgd:nickel ward:nickel + sgd:gold-paint ward:gold-paint --grid grid.png",
-        .options = options,
-        .table = &nqm_scene_option_table,
-        .table_target = &scene.scene,
-        .min_arguments = 2,
-        .max_arguments = -1,
-    };
+    scene = scene_args_begin();
     const int n_arguments = parse_arguments(&cmd, argc, argv);
     if (run.map || run.grid || run.keep)
         scene.side = 256;
@@ -97,7 +97,7 @@ int cmd_label(int argc, char **argv) {
     for (size_t i = 0; i < run.n_items; ++i)
         if (run.items[i].err.status != NQM_OK) {
             int code = report_error(&run.items[i].err);
-            exit_code = exit_code == EXIT_OK ? code : exit_code; /* of the first error */
+            exit_code = exit_code == EXIT_OK ? code : exit_code; /* exit code of the first error */
         }
     free_labels(&run);
     free(names);

@@ -28,19 +28,23 @@ static void print_report_text(const nqm_regress_report *r) {
         printf("  %7g   %5.2f\n", delta_e[i], nqm_curve_jod(&r->curve, delta_e[i]));
 }
 
+/* ---- the verb ---------------------------------------------------------------------------------------------------- */
+
+static bool json;
+
+static const option options[] = {{"json", 0, OPTION_FLAG, &json, NULL, "print JSON", 0, 0}, {0}};
+
+static const command cmd = {
+    .usage = "LABELS.csv [options]",
+    .about = "Fit the curve from Delta-E ITP to JOD to human scores by least squares (Levenberg-Marquardt, several\n"
+             "starts). LABELS.csv needs a header with the columns DeltaE and JOD, in any order; other columns are "
+             "ignored.",
+    .example = "nqm regress labels_real.csv --json",
+    .options = options,
+    .min_arguments = 1,
+};
+
 int cmd_regress(int argc, char **argv) {
-    bool json = false;
-    const option options[] = {{"json", 0, OPTION_FLAG, &json, NULL, "print JSON", 0, 0}, {0}};
-    const command cmd = {
-        .usage = "LABELS.csv [options]",
-        .about =
-            "Fit the curve from Delta-E ITP to JOD to human scores by least squares (Levenberg-Marquardt, several\n"
-            "starts). LABELS.csv needs a header with the columns DeltaE and JOD, in any order; other columns are "
-            "ignored.",
-        .example = "nqm regress labels_real.csv --json",
-        .options = options,
-        .min_arguments = 1,
-    };
     parse_arguments(&cmd, argc, argv);
     const nqm_regress_report r = regress_csv(argv[0]);
     if (json)

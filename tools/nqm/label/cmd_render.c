@@ -96,39 +96,44 @@ static void run_render(render_run *run) {
     free(run->blank);
 }
 
+/* ---- the verb ---------------------------------------------------------------------------------------------------- */
+
+static render_run run;
+static scene_args scene;
+static const char *background;
+static bool quality;
+static uint64_t supersample;
+
+static const option options[] = {
+    {"output", 'o', OPTION_NEEDED, &run.output, "FILE.png|.exr|.hdr",
+     "tone-mapped, or (.exr, .hdr) cd/m2; several frames: %d or -0001", 0, 0},
+    {"background", 0, OPTION_TEXT, &background, "WHAT", "white (for .png), black (for the others) or light", 0, 0},
+    {"supersample", 0, OPTION_COUNT, &supersample, "N", "N x N points per pixel (0: 1, or 2 with --quality)", 0, 16},
+    {"quality", 0, OPTION_FLAG, &quality, NULL,
+     "2 x 2 points per pixel and 96 light directions per point, instead of 1 and 32: ten times the work", 0, 0},
+    {"json", 0, OPTION_FLAG, &run.json, NULL, "print JSON", 0, 0},
+    OPTION_ROW_SIZE(&scene, "pixels of a frame"),
+    {0}};
+
+static const command cmd = {
+    .usage = "BRDF -o FILE [options]",
+    .about = "Render a BRDF on a shape under a light map. Linear cd/m2 go to OpenEXR or Radiance HDR; a PNG shows\n"
+             "twice the exposure as white and compresses highlights smoothly. The default is a preview of a second "
+             "or two;\n"
+             "--quality has less noise. doc/labels.md describes the scene.",
+    .example = "nqm render sgd:nickel -o nickel.png\n"
+               "nqm render measured.bsdf -o turn-%03d.png --shape bunny.ply --light probe.exr --frames 36 "
+               "--elevation 15\n"
+               "nqm render 'ggx:kd=.1,.1,.1;alpha=.2' -o blob.exr --shape blob --interreflection --size 640x480",
+    .options = options,
+    .table = &nqm_scene_option_table,
+    .table_target = &scene.scene,
+    .min_arguments = 1,
+};
+
 int cmd_render(int argc, char **argv) {
-    render_run run = {0};
-    scene_args scene = scene_args_begin();
+    scene = scene_args_begin();
     scene.size = "256";
-    const char *background = NULL;
-    bool quality = false;
-    uint64_t supersample = 0;
-    const option options[] = {
-        {"output", 'o', OPTION_NEEDED, &run.output, "FILE.png|.exr|.hdr",
-         "tone-mapped, or (.exr, .hdr) cd/m2; several frames: %d or -0001", 0, 0},
-        {"background", 0, OPTION_TEXT, &background, "WHAT", "white (for .png), black (for the others) or light", 0, 0},
-        {"supersample", 0, OPTION_COUNT, &supersample, "N", "N x N points per pixel (0: 1, or 2 with --quality)", 0,
-         16},
-        {"quality", 0, OPTION_FLAG, &quality, NULL,
-         "2 x 2 points per pixel and 96 light directions per point, instead of 1 and 32: ten times the work", 0, 0},
-        {"json", 0, OPTION_FLAG, &run.json, NULL, "print JSON", 0, 0},
-        OPTION_ROW_SIZE(&scene, "pixels of a frame"),
-        {0}};
-    const command cmd = {
-        .usage = "BRDF -o FILE [options]",
-        .about = "Render a BRDF on a shape under a light map. Linear cd/m2 go to OpenEXR or Radiance HDR; a PNG shows\n"
-                 "twice the exposure as white and compresses highlights smoothly. The default is a preview of a second "
-                 "or two;\n"
-                 "--quality has less noise. doc/labels.md describes the scene.",
-        .example = "nqm render sgd:nickel -o nickel.png\n"
-                   "nqm render measured.bsdf -o turn-%03d.png --shape bunny.ply --light probe.exr --frames 36 "
-                   "--elevation 15\n"
-                   "nqm render 'ggx:kd=.1,.1,.1;alpha=.2' -o blob.exr --shape blob --interreflection --size 640x480",
-        .options = options,
-        .table = &nqm_scene_option_table,
-        .table_target = &scene.scene,
-        .min_arguments = 1,
-    };
     static const char *const backdrops[] = {
         [BACKDROP_WHITE] = "white", [BACKDROP_BLACK] = "black", [BACKDROP_LIGHT] = "light", NULL};
     parse_arguments(&cmd, argc, argv);

@@ -18,31 +18,37 @@ static json_t *written_model(const char *path, const nqm_model *model) {
     return document;
 }
 
+/* ---- the verb ---------------------------------------------------------------------------------------------------- */
+
+static const char *path, *name = "transport";
+static bool json;
+static scene_args scene;
+
+static const option options[] = {{"output", 'o', OPTION_NEEDED, &path, "FILE.safetensors", "the model to write", 0, 0},
+                                 {"id", 0, OPTION_TEXT, &name, "NAME", "the model's name", 0, 0},
+                                 {"json", 0, OPTION_FLAG, &json, NULL, "print the model's properties as JSON", 0, 0},
+                                 {0}};
+static const choice choices[] = {{"make", "", "the only word so far"}, {0}};
+
+static const command cmd = {
+    .usage = "make -o FILE [options]",
+    .about =
+        "Make a metric for a scene of your own, without training: with fixed light, every point of a picture is\n"
+        "linear in the BRDF, so a matrix makes small pictures from samples. The result is a model for --model, "
+        "which\n"
+        "predicts the Delta-E ITP and JOD of this scene. --points is a multiple of 32 (default 256, of all scenes\n"
+        "together). --model transport has the standard scenes.",
+    .example = "nqm transport make --light studio --shape sphere -o studio.safetensors\n"
+               "nqm score sgd:nickel ward:nickel --model studio.safetensors",
+    .options = options,
+    .choices = choices,
+    .table = &nqm_scene_option_table,
+    .table_target = &scene.scene,
+    .min_arguments = 1,
+};
+
 int cmd_transport(int argc, char **argv) {
-    const char *path = NULL, *name = "transport";
-    bool json = false;
-    scene_args scene = scene_args_begin();
-    const option options[] = {{"output", 'o', OPTION_NEEDED, &path, "FILE.safetensors", "the model to write", 0, 0},
-                              {"id", 0, OPTION_TEXT, &name, "NAME", "the model's name", 0, 0},
-                              {"json", 0, OPTION_FLAG, &json, NULL, "print the model's properties as JSON", 0, 0},
-                              {0}};
-    const choice choices[] = {{"make", "", "the only word so far"}, {0}};
-    const command cmd = {
-        .usage = "make -o FILE [options]",
-        .about =
-            "Make a metric for a scene of your own, without training: with fixed light, every point of a picture is\n"
-            "linear in the BRDF, so a matrix makes small pictures from samples. The result is a model for --model, "
-            "which\n"
-            "predicts the Delta-E ITP and JOD of this scene. --points is a multiple of 32 (default 256, of all scenes\n"
-            "together). --model transport has the standard scenes.",
-        .example = "nqm transport make --light studio --shape sphere -o studio.safetensors\n"
-                   "nqm score sgd:nickel ward:nickel --model studio.safetensors",
-        .options = options,
-        .choices = choices,
-        .table = &nqm_scene_option_table,
-        .table_target = &scene.scene,
-        .min_arguments = 1,
-    };
+    scene = scene_args_begin();
     parse_arguments(&cmd, argc, argv);
     check_scene_files(&scene.scene);
     const size_t n_points = scene.scene.n_points ? scene.scene.n_points : NQM_TRANSPORT_POINTS;

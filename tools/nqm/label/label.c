@@ -11,7 +11,7 @@
 
 static nqm_status render_item(const label_run *run, label_item *item) {
     const double nan = (double)NAN;
-    free(item->rgb_cdm2); /* of an earlier round */
+    free(item->rgb_cdm2); /* picture of an earlier round */
     item->label = (nqm_label){nan, {nan, nan, nan}, nan, nan, 0};
     item->jod = nan;
     item->rgb_cdm2 = allocate(9 * nqm_scene_count(run->scene), sizeof *item->rgb_cdm2);
@@ -70,7 +70,7 @@ static size_t mark_uncertain(label_run *run, nqm_scene_options *options) {
     return n;
 }
 
-/* One scene for all items that are not done. */
+/* Render all items that are not done in one scene. */
 static void make_round(label_run *run, const nqm_scene_options *options) {
     nqm_error err = {0};
     nqm_scene_free(run->scene);
@@ -82,6 +82,15 @@ static void make_round(label_run *run, const nqm_scene_options *options) {
         if (interrupted())
             stop(EXIT_INTERRUPTED, "interrupted");
     }
+}
+
+void set_shrink(label_run *run, uint64_t shrink, const char *no_pictures) {
+    const nqm_scene_options *o = &run->scene_options;
+    run->shrink = (size_t)shrink;
+    if (!o->width)
+        stop(EXIT_USAGE, "%s", no_pictures);
+    if (o->width % run->shrink || o->height % run->shrink)
+        stop(EXIT_USAGE, "--shrink must divide the size of the picture");
 }
 
 void make_labels(label_run *run) {

@@ -10,13 +10,13 @@
 /** A BRDF of the command line, in its order; a group begins with its reference. */
 typedef struct label_item {
     const char *name;    /* the argument */
-    const char *shown;   /* its name in results: the same, or that of the user */
+    const char *shown;   /* name in results: the argument, or the NAME of NAME=BRDF */
     size_t reference;    /* index of the group's reference (of itself for a reference) */
-    nqm_label label;     /* its values are NaN for references and for tests that could not be rendered, */
-    double jod;          /* as this one is */
+    nqm_label label;     /* NaN for references and for tests that could not be rendered */
+    double jod;          /* JOD of the label; NaN as there */
     double points_error; /* the part of label.error that the choice of points makes */
     nqm_error err;
-    bool is_done;      /* its label needs no more samples */
+    bool is_done;      /* the label needs no more samples */
     bool is_tabulated; /* the picture was made from a table of the BRDF's values */
     double *rgb_cdm2;  /* (3, points, 3) with halves; NULL after it has been compared, unless keep_rgb */
 } label_item;
@@ -28,13 +28,15 @@ typedef struct label_run {
     label_item *items;
     result_format format;
     bool adds_samples; /* render again with more points and directions while the error of a label is large */
-    bool keep_rgb;     /* for pictures: renderings of tests are not freed after the comparison */
+    bool keep_rgb;     /* keep the renderings of tests after the comparison, to draw them */
     /* figures; NULL: none */
     const char *map, *grid, *keep;
     const char *rows, *columns; /* titles, separated by commas */
     size_t shrink;
 } label_run;
 
+/** For figures: average shrink x shrink rendered pixels into one. no_pictures: what to say where the scene has no pixels. */
+void set_shrink(label_run *run, uint64_t shrink, const char *no_pictures);
 /** Make the scene of run->scene_options, render the items and compare each test with its reference; errors of tests are
  *  stored in their items. On another failure, this and the functions below report the error and exit. */
 void make_labels(label_run *run);

@@ -14,7 +14,7 @@
 enum { MAX_SIDE = 4096 };
 
 int show_scene_progress(void *user, const char *stage, double done, double total) {
-    static double percent; /* of the stage "light" */
+    static double percent; /* percentage of the stage "light" */
     const bool is_light = strcmp(stage, "light") == 0;
     if (!is_light && strcmp(stage, "view") != 0)
         return show_progress(user, stage, done, total);

@@ -36,11 +36,11 @@ typedef enum backdrop { BACKDROP_WHITE, BACKDROP_BLACK, BACKDROP_LIGHT } backdro
 /** A picture of one frame, or of all frames of a scene, or of the scenes of the standard set, in a grid. */
 typedef struct canvas {
     size_t first, n_columns, n_rows; /**< the first frame, and the grid of it and the frames after it */
-    size_t width, height;            /**< of the grid, pixels */
+    size_t width, height;            /**< size of the grid, pixels */
 } canvas;
 
 canvas one_frame(const nqm_scene_options *o, size_t frame);
-/** As many columns as rows, or one more. */
+/** Arrange the frames of a scene in a grid with as many columns as rows, or one more. */
 canvas all_frames(const nqm_scene_options *o);
 
 /** A background: (height, width, 3) cd/m2; free() it. White is 10000 cd/m2, which every tone curve maps to white.

@@ -20,7 +20,7 @@ typedef struct batch_form {
     const char **names; /* (n_rows) of the tests, NULL: none */
     const nqm_model *model;
     nqm_precision precision;
-    bool metrics[NQM_METRIC_COUNT]; /* which to write */
+    bool metrics[NQM_METRIC_COUNT]; /* metrics to write */
     score_gate gate;
     remark_terms terms;
 } batch_form;
@@ -31,7 +31,7 @@ typedef struct batch_note {
     bool is_scored, is_identical;
     bool is_skipped; /* without a score, because both materials are refused alike */
     size_t n_text;   /* bytes of the row in the output, without the text that separates rows */
-    char *remark;    /* of a row without a score the error, of others the warnings; NULL: none; owned */
+    char *remark;    /* error of a row without a score, warnings of the others; NULL: none; owned */
 } batch_note;
 
 /** The note of a result; it has no n_text. free() the remark. */
@@ -67,19 +67,19 @@ typedef struct batch_progress {
 /** Standard output, a device, or a file. A file is named FILE.part until it is complete; FILE.part.journal records
  *  after every block how many bytes of it are valid, and the notes of its rows. */
 typedef struct batch_output {
-    FILE *rows; /* to print to: text that is not written yet */
+    FILE *rows; /* stream for rows that are not written to the file yet */
     char *text; /* (n_text) of `rows` */
     size_t n_text;
     FILE *stream; /* FILE.part, a device, standard output, or a temporary file that is copied there in the end */
-    FILE *target; /* where a temporary file is copied; NULL: nowhere */
+    FILE *target; /* stream to which a temporary file is copied; NULL: none */
     char *path, *part, *journal; /* NULL: not a file */
     FILE *log;
-    size_t n_bytes, n_head; /* of FILE.part, of the text before its rows */
+    size_t n_bytes, n_head; /* bytes of FILE.part; bytes before its first row */
     batch_progress done;
     size_t max_rows;
     batch_note *notes;    /* (max_rows) of the rows that are written; owned */
-    json_t *files;        /* that the rows since the last checkpoint depend on; NULL: none; owned */
-    json_t *files_before; /* those of the rows of the interrupted run; owned */
+    json_t *files;        /* files that the rows since the last checkpoint depend on; NULL: none; owned */
+    json_t *files_before; /* files that the rows of the interrupted run depend on; owned */
 } batch_output;
 
 /** How to open an output. */

@@ -39,9 +39,9 @@ static void hash_block(const char *text, size_t n_bytes, const char *notes, char
 typedef struct checkpoint {
     batch_progress done;
     size_t n_bytes;
-    char sha256[65];   /* of the bytes since the checkpoint before */
+    char sha256[65];   /* SHA-256 of the bytes since the previous checkpoint */
     long journal_end;  /* offset of the byte after the line */
-    const char *notes; /* of the rows since the checkpoint before; points into the line */
+    const char *notes; /* notes on the rows since the previous checkpoint; points into the line */
 } checkpoint;
 
 static _Noreturn void stop_damage(const batch_output *out) {
@@ -181,7 +181,7 @@ static checkpoint read_journal(batch_output *out, const json_t *terms) {
 
 /* Truncate FILE.part and the journal to a checkpoint: both are in append mode. */
 static void truncate_to(const batch_output *out, const checkpoint *c) {
-    rewind(out->stream); /* from reading to writing */
+    rewind(out->stream); /* required between reading and writing */
     rewind(out->log);
     if (ftruncate(fileno(out->stream), (off_t)c->n_bytes) != 0 ||
         ftruncate(fileno(out->log), (off_t)c->journal_end) != 0)
@@ -265,7 +265,7 @@ static void open_part(batch_output *out, const batch_request *request, bool has_
 
 /* false: another run is writing the file. */
 static bool open_file(batch_output *out, const batch_request *request) {
-    char *target = realpath(request->path, NULL); /* of a symbolic link; NULL: a new file */
+    char *target = realpath(request->path, NULL); /* target of a symbolic link; NULL: a new file */
     const char *path = target ? target : request->path;
     out->path = absolute_path(path, "");
     out->part = absolute_path(path, ".part");

@@ -19,7 +19,7 @@ typedef struct batch_pieces {
     size_t current;            /* the piece whose results are below, n: none */
     nqm_score_result *results; /* (size) */
     nqm_error *errors;         /* (size) */
-    json_t *files;             /* that these results depend on, as identify_files() returns them; owned */
+    json_t *files;             /* files that these results depend on, from identify_files(); owned */
 } batch_pieces;
 
 /**

@@ -119,7 +119,7 @@ void print_batch_junit(const batch_summary *s, FILE *out) {
 
 /* ---- Markdown ---------------------------------------------------------------------------------------------------- */
 
-/* In a cell of a table: punctuation that has a meaning is escaped, line ends become blanks. */
+/* Write a cell of a Markdown table: escape punctuation that has a meaning, replace line ends by blanks. */
 static void put_cell(FILE *out, const char *text) {
     json_t *utf8 = json_name(text);
     for (const char *p = utf8 ? json_string_value(utf8) : ""; *p; ++p) {

@@ -278,49 +278,51 @@ static int run_batch(batch_run *run, ranks r) {
     return settle(run, exit_code == EXIT_OK ? score_rows(run) : exit_code);
 }
 
+static batch_run run;
+static batch_arguments a = {.model = "default", .metrics = "", .sort = "list"};
+static uint64_t cache_mb;
+
+static const option options[] = {
+    {"output", 'o', OPTION_TEXT, &a.output, "FILE.csv|.jsonl|.json|.ndjson", "instead of standard output", 0, 0},
+    {"resume", 0, OPTION_FLAG, &a.resume, NULL, "continue what a stopped run has left of FILE", 0, 0},
+    {"keep-going", 'k', OPTION_FLAG, &run.keep_going, NULL, "rows that fail do not end the run", 0, 0},
+    OPTION_ROWS_GATE(&run.form.gate),
+    {"junit", 0, OPTION_TEXT, &a.junit, "FILE.xml", "also write a JUnit report: one test case per pair", 0, 0},
+    {"markdown", 0, OPTION_TEXT, &a.markdown, "FILE.md", "also write a table in Markdown, worst first; -: stdout", 0,
+     0},
+    {"sort", 0, OPTION_TEXT, &a.sort, "WORD", "order of the rows: list, worst or best", 0, 0},
+    {"worst", 0, OPTION_COUNT, &run.n_worst, "N", "write the N worst rows only, worst first; 0: all", 0, 1e15},
+    OPTION_ROWS_MODEL(&a.model),
+    {"metrics", 0, OPTION_TEXT, &a.metrics, "LIST", "scalar metrics to add: all, or names with commas", 0, 0},
+    {"root", 0, OPTION_TEXT, &a.root, "DIR", "folder of relative paths in the list (default: the list's folder)", 0, 0},
+    {"cache", 0, OPTION_COUNT, &cache_mb, "MB", "memory for BRDFs that may be needed again", 0, 1 << 20},
+    {"json", 0, OPTION_FLAG, &a.json, NULL, "write one JSON document", 0, 0},
+    {"jsonl", 0, OPTION_FLAG, &a.json_lines, NULL, "write JSON Lines", 0, 0},
+    {"work", 0, OPTION_TEXT, &a.work, "DIR", "folder of finished pieces, which several processes share", 0, 0},
+    {0}};
+
+static const command cmd = {
+    .usage = "LIST [options]",
+    .about = "Score the pairs of LIST, in its order: CSV with the columns reference and test, or JSON Lines with\n"
+             "these members, or - for standard input; further columns are copied. A test that is a file of several "
+             "materials\nmeans all of them, and for such a reference those of the same names. Results are written\n"
+             "while they are made. The first row that fails ends the run, unless --keep-going is given. --resume\n"
+             "continues a run that was stopped, for whatever reason; the file is the same in the end. Started by "
+             "mpirun\n"
+             "or srun, all processes share the work; all of them need access to the --work folder.",
+    .example = "nqm batch pairs.csv -o scores.csv\nnqm batch pairs.csv -o scores.csv --resume --keep-going\n"
+               "find fits -name '*.binary' | awk 'BEGIN{print \"reference,test\"} {print \"nickel.binary,\" $0}' |\n"
+               "    nqm batch - --jsonl",
+    .options = options,
+    .table = &nqm_score_option_table,
+    .table_target = &run.options,
+    .min_arguments = 1,
+};
+
 int cmd_batch(int argc, char **argv) {
-    static batch_run run;
-    batch_arguments a = {.model = "default", .metrics = "", .sort = "list"};
     ranks r = my_ranks();
     run.options = nqm_score_options_default();
-    uint64_t cache_mb = run.options.cache_bytes >> 20;
-    const option options[] = {
-        {"output", 'o', OPTION_TEXT, &a.output, "FILE.csv|.jsonl|.json|.ndjson", "instead of standard output", 0, 0},
-        {"resume", 0, OPTION_FLAG, &a.resume, NULL, "continue what a stopped run has left of FILE", 0, 0},
-        {"keep-going", 'k', OPTION_FLAG, &run.keep_going, NULL, "rows that fail do not end the run", 0, 0},
-        OPTION_ROWS_GATE(&run.form.gate),
-        {"junit", 0, OPTION_TEXT, &a.junit, "FILE.xml", "also write a JUnit report: one test case per pair", 0, 0},
-        {"markdown", 0, OPTION_TEXT, &a.markdown, "FILE.md", "also write a table in Markdown, worst first; -: stdout",
-         0, 0},
-        {"sort", 0, OPTION_TEXT, &a.sort, "WORD", "order of the rows: list, worst or best", 0, 0},
-        {"worst", 0, OPTION_COUNT, &run.n_worst, "N", "write the N worst rows only, worst first; 0: all", 0, 1e15},
-        OPTION_ROWS_MODEL(&a.model),
-        {"metrics", 0, OPTION_TEXT, &a.metrics, "LIST", "scalar metrics to add: all, or names with commas", 0, 0},
-        {"root", 0, OPTION_TEXT, &a.root, "DIR", "folder of relative paths in the list (default: the list's folder)", 0,
-         0},
-        {"cache", 0, OPTION_COUNT, &cache_mb, "MB", "memory for BRDFs that may be needed again", 0, 1 << 20},
-        {"json", 0, OPTION_FLAG, &a.json, NULL, "write one JSON document", 0, 0},
-        {"jsonl", 0, OPTION_FLAG, &a.json_lines, NULL, "write JSON Lines", 0, 0},
-        {"work", 0, OPTION_TEXT, &a.work, "DIR", "folder of finished pieces, which several processes share", 0, 0},
-        {0}};
-    const command cmd = {
-        .usage = "LIST [options]",
-        .about = "Score the pairs of LIST, in its order: CSV with the columns reference and test, or JSON Lines with\n"
-                 "these members, or - for standard input; further columns are copied. A test that is a file of several "
-                 "materials\nmeans all of them, and for such a reference those of the same names. Results are written\n"
-                 "while they are made. The first row that fails ends the run, unless --keep-going is given. --resume\n"
-                 "continues a run that was stopped, for whatever reason; the file is the same in the end. Started by "
-                 "mpirun\n"
-                 "or srun, all processes share the work; all of them need access to the --work folder.",
-        .example =
-            "nqm batch pairs.csv -o scores.csv\nnqm batch pairs.csv -o scores.csv --resume --keep-going\n"
-            "find fits -name '*.binary' | awk 'BEGIN{print \"reference,test\"} {print \"nickel.binary,\" $0}' |\n"
-            "    nqm batch - --jsonl",
-        .options = options,
-        .table = &nqm_score_option_table,
-        .table_target = &run.options,
-        .min_arguments = 1,
-    };
+    cache_mb = run.options.cache_bytes >> 20;
     parse_arguments(&cmd, argc, argv);
     a.list = argv[0];
     check_usage(&a, r);

@@ -168,35 +168,40 @@ static void print_ranking(const score_run *run) {
             puts(run->rows[i].pair.test);
 }
 
+/* ---- the verb ---------------------------------------------------------------------------------------------------- */
+
+static score_run run;
+static const char *model = "default", *list_path, *root, *by = "jod";
+
+static const option options[] = {
+    {"list", 'l', OPTION_TEXT, &list_path, "LIST", "pairs from a list as `nqm batch` takes it, - for stdin", 0, 0},
+    OPTION_ROWS_MODEL(&model),
+    {"by", 0, OPTION_TEXT, &by, "WORD", "jod (seen beside each other) or similarity (seen apart)", 0, 0},
+    {"root", 0, OPTION_TEXT, &root, "DIR", "folder of relative paths in the list (default: the list's folder)", 0, 0},
+    {"json", 0, OPTION_FORMAT, &run.format, NULL, "print JSON", FORMAT_JSON, 0},
+    {"csv", 0, OPTION_FORMAT, &run.format, NULL, "print CSV", FORMAT_CSV, 0},
+    {"quiet", 'q', OPTION_FORMAT, &run.format, NULL, "print the names only, best first", FORMAT_QUIET, 0},
+    {0}};
+
+static const command cmd = {
+    .usage = "REF TEST... | --list LIST [options]",
+    .about = "Order approximations of a reference by their JOD, best first, and say how many people would prefer\n"
+             "each to the next, and the best to each. Scores within 0.0001 JOD share a rank. A list may have\n"
+             "several references: each gets a ranking of its own.",
+    .example = "nqm rank sgd:nickel ward:nickel 'perturb:gloss=0.9;of=sgd:nickel'\nnqm rank nickel.binary "
+               "fits/*.binary -q | head -1",
+    .options = options,
+    .table = &nqm_score_option_table,
+    .table_target = &run.options,
+    .max_arguments = -1,
+};
+
 int cmd_rank(int argc, char **argv) {
-    const char *model = "default", *list_path = NULL, *root = NULL, *by = "jod";
-    score_run run = {.options = nqm_score_options_default()};
     const char **names = NULL;
     nqm_pair_list *list = NULL;
     nqm_error err = {0};
+    run.options = nqm_score_options_default();
     run.options.metrics = 0;
-    const option options[] = {
-        {"list", 'l', OPTION_TEXT, &list_path, "LIST", "pairs from a list as `nqm batch` takes it, - for stdin", 0, 0},
-        OPTION_ROWS_MODEL(&model),
-        {"by", 0, OPTION_TEXT, &by, "WORD", "jod (seen beside each other) or similarity (seen apart)", 0, 0},
-        {"root", 0, OPTION_TEXT, &root, "DIR", "folder of relative paths in the list (default: the list's folder)", 0,
-         0},
-        {"json", 0, OPTION_FORMAT, &run.format, NULL, "print JSON", FORMAT_JSON, 0},
-        {"csv", 0, OPTION_FORMAT, &run.format, NULL, "print CSV", FORMAT_CSV, 0},
-        {"quiet", 'q', OPTION_FORMAT, &run.format, NULL, "print the names only, best first", FORMAT_QUIET, 0},
-        {0}};
-    const command cmd = {
-        .usage = "REF TEST... | --list LIST [options]",
-        .about = "Order approximations of a reference by their JOD, best first, and say how many people would prefer\n"
-                 "each to the next, and the best to each. Scores within 0.0001 JOD share a rank. A list may have\n"
-                 "several references: each gets a ranking of its own.",
-        .example = "nqm rank sgd:nickel ward:nickel 'perturb:gloss=0.9;of=sgd:nickel'\nnqm rank nickel.binary "
-                   "fits/*.binary -q | head -1",
-        .options = options,
-        .table = &nqm_score_option_table,
-        .table_target = &run.options,
-        .max_arguments = -1,
-    };
     const int n_arguments = parse_arguments(&cmd, argc, argv);
     if (list_path ? n_arguments > 0 : n_arguments < 2)
         stop(EXIT_USAGE, "give a reference and its tests, or --list LIST");

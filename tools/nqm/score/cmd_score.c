@@ -184,47 +184,52 @@ static void check_samples(const score_run *run, const char *model, int n, char *
                model);
 }
 
+/* ---- the verb ---------------------------------------------------------------------------------------------------- */
+
+static score_run run = {.tolerance = 1e-4};
+static bool is_samples;
+static const char *metrics, *model = "default";
+
+static const option options[] = {
+    OPTION_ROWS_MODEL(&model),
+    {"metrics", 0, OPTION_TEXT, &metrics, "LIST", "scalar metrics to add: all, or names with commas (rmse,log_diff)", 0,
+     0},
+    {"samples", 0, OPTION_FLAG, &is_samples, NULL,
+     "REF and TEST are CSVs of measured values at the model's directions (`nqm directions show default --pairs` "
+     "writes them); nothing is interpolated but complete grids",
+     0, 0},
+    {"exact", 0, OPTION_FLAG, &run.exact, NULL,
+     "compare the values, too: the largest relative difference, and where; exit code 1 above the tolerance", 0, 0},
+    {"tolerance", 0, OPTION_NUMBER, &run.tolerance, "R", "--exact: relative difference of equal values", 0, 1},
+    OPTION_ROWS_GATE(&run.gate),
+    {"json", 0, OPTION_FORMAT, &run.format, NULL, "print JSON", FORMAT_JSON, 0},
+    {"csv", 0, OPTION_FORMAT, &run.format, NULL, "print CSV", FORMAT_CSV, 0},
+    {"quiet", 'q', OPTION_FORMAT, &run.format, NULL, "print the JODs only, one a line", FORMAT_QUIET, 0},
+    {0}};
+
+static const command cmd = {
+    .usage = "REF TEST... [options]",
+    .about = "Predict how good each TEST looks compared with REF, in JOD: 10 is no visible difference, and one less "
+             "means that\n"
+             "75 % of people see that it is worse. REF and TEST are BRDF files (MERL, RGL, NBRDF), specs or presets;\n"
+             "NAME=TEST shows it under another name. A TEST that is a file of several materials means all of them, and "
+             "for a REF\nof several materials those of the same names. REF is the ground truth: exchanged with a TEST, "
+             "the score changes "
+             "a\nlittle (median 0.02 JOD; --model paper: 0.5; --model transport: not at all).\n"
+             "A TEST that cannot be scored does not stop the others; the exit code is that of the first fault.",
+    .example = "nqm score sgd:nickel ward:nickel\nnqm score nickel.binary fit1.binary fit2.binary --json\n"
+               "nqm score old.binary new.binary --fail-under 9.5 -q\n"
+               "nqm sample sgd:nickel >ref.csv && nqm sample ward:nickel >test.csv && nqm score --samples ref.csv "
+               "test.csv",
+    .options = options,
+    .table = &nqm_score_option_table,
+    .table_target = &run.options,
+    .min_arguments = 2,
+    .max_arguments = -1,
+};
+
 int cmd_score(int argc, char **argv) {
-    bool samples = false;
-    const char *metrics = NULL, *model = "default";
-    score_run run = {.options = nqm_score_options_default(), .tolerance = 1e-4};
-    const option options[] = {
-        OPTION_ROWS_MODEL(&model),
-        {"metrics", 0, OPTION_TEXT, &metrics, "LIST",
-         "scalar metrics to add: all, or names with commas (rmse,log_diff)", 0, 0},
-        {"samples", 0, OPTION_FLAG, &samples, NULL,
-         "REF and TEST are CSVs of measured values at the model's directions (`nqm directions show default --pairs` "
-         "writes them); nothing is interpolated but complete grids",
-         0, 0},
-        {"exact", 0, OPTION_FLAG, &run.exact, NULL,
-         "compare the values, too: the largest relative difference, and where; exit code 1 above the tolerance", 0, 0},
-        {"tolerance", 0, OPTION_NUMBER, &run.tolerance, "R", "--exact: relative difference of equal values", 0, 1},
-        OPTION_ROWS_GATE(&run.gate),
-        {"json", 0, OPTION_FORMAT, &run.format, NULL, "print JSON", FORMAT_JSON, 0},
-        {"csv", 0, OPTION_FORMAT, &run.format, NULL, "print CSV", FORMAT_CSV, 0},
-        {"quiet", 'q', OPTION_FORMAT, &run.format, NULL, "print the JODs only, one a line", FORMAT_QUIET, 0},
-        {0}};
-    const command cmd = {
-        .usage = "REF TEST... [options]",
-        .about =
-            "Predict how good each TEST looks compared with REF, in JOD: 10 is no visible difference, and one less "
-            "means that\n"
-            "75 % of people see that it is worse. REF and TEST are BRDF files (MERL, RGL, NBRDF), specs or presets;\n"
-            "NAME=TEST shows it under another name. A TEST that is a file of several materials means all of them, and "
-            "for a REF\nof several materials those of the same names. REF is the ground truth: exchanged with a TEST, "
-            "the score changes "
-            "a\nlittle (median 0.02 JOD; --model paper: 0.5; --model transport: not at all).\n"
-            "A TEST that cannot be scored does not stop the others; the exit code is that of the first fault.",
-        .example = "nqm score sgd:nickel ward:nickel\nnqm score nickel.binary fit1.binary fit2.binary --json\n"
-                   "nqm score old.binary new.binary --fail-under 9.5 -q\n"
-                   "nqm sample sgd:nickel >ref.csv && nqm sample ward:nickel >test.csv && nqm score --samples ref.csv "
-                   "test.csv",
-        .options = options,
-        .table = &nqm_score_option_table,
-        .table_target = &run.options,
-        .min_arguments = 2,
-        .max_arguments = -1,
-    };
+    run.options = nqm_score_options_default();
     const int n_arguments = parse_arguments(&cmd, argc, argv);
     const char **names = take_names(n_arguments, argv);
     const bool all = run.format == FORMAT_JSON || run.format == FORMAT_CSV;
@@ -233,7 +238,7 @@ int cmd_score(int argc, char **argv) {
     check_gate(&run.gate, run.model);
     set_pairs(&run, n_arguments, argv, names);
     check_reference(&run, argv[0]);
-    if (samples)
+    if (is_samples)
         check_samples(&run, model, n_arguments, argv);
     make_scores(&run);
     compare_rows(&run);

@@ -30,7 +30,7 @@ size_t nqm_pair_list_cells(const nqm_pair_list *list, size_t row) {
     return list->csv ? list->n_columns : list->row_begin[row + 1] - list->row_begin[row];
 }
 
-/* As it is in the file. */
+/* Read a cell as it is in the file. */
 static nqm_list_cell read_cell(const nqm_pair_list *list, size_t row, size_t i) {
     if (list->csv)
         return (nqm_list_cell){.column = i, .text = nqm_csv_text(list->csv, row, (int)i)};

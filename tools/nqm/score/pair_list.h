@@ -21,7 +21,7 @@ typedef struct nqm_list_cell {
 /** A pair that can be scored, for one of the materials of a file (expand.h). */
 typedef struct expanded_pair {
     nqm_named_pair pair;
-    const char *name; /* of the test, NULL: none */
+    const char *name; /* name of the test; NULL: none */
     size_t origin;    /* index of the pair that it stands for */
     bool is_made;     /* the texts are owned: "FILE:NAME", "FILE:NAME", "NAME:NAME" */
 } expanded_pair;
@@ -34,7 +34,7 @@ typedef struct nqm_pair_list {
     nqm_named_pair *pair; /**< (n_rows) in the order of the list; in one block with the other arrays */
     size_t n_columns;
     const char **column; /**< (n_columns) names, in the order of the header or of their first appearance */
-    char sha256[65];     /**< of the bytes of the list, hex digits */
+    char sha256[65];     /**< SHA-256 of the list, hex digits */
     const struct expanded_pair
         *expanded;     /**< (n_rows) of an expanded list (expand.h): whose cells they are; NULL: their own */
     nqm_csv *csv;      /**< owns the names and texts; NULL: JSON Lines, whose cells are stored in: */

@@ -14,13 +14,13 @@
 /** A pair and its score. */
 typedef struct scored_pair {
     nqm_named_pair pair;
-    const char *name; /* of the test, to print */
+    const char *name; /* printed name of the test */
     nqm_score_result result;
     nqm_error err;                  /* status NQM_OK: scored */
     size_t order;                   /* index in the arguments */
     nqm_brdf_difference difference; /* set by compare_rows() */
     /* set by rank_rows(): */
-    double quality;        /* what it sorts by: the JOD or the similarity */
+    double quality;        /* sort key: the JOD or the similarity */
     size_t group;          /* index of the first pair with the same reference */
     size_t rank;           /* among the pairs with the same reference, from 1; equal scores share one; 0: no score */
     double over_next;      /* fraction of people who prefer it to the next; NaN: there is none */
@@ -36,15 +36,15 @@ typedef struct remark_terms {
 typedef struct score_run {
     nqm_model *model;
     nqm_score_options options;
-    bool metrics[NQM_METRIC_COUNT]; /* which to print */
+    bool metrics[NQM_METRIC_COUNT]; /* metrics to print */
     result_format format;
-    score_gate gate; /* of `nqm score` */
-    bool exact;      /* of `nqm score`: whether the values are equal, too */
+    score_gate gate; /* gate of `nqm score` */
+    bool exact;      /* `nqm score` also compares values */
     double tolerance;
     size_t n_rows;
     scored_pair *rows;               /* (n_rows) */
     expansion expansion;             /* the texts of the rows */
-    const char *ref_path, *ref_name; /* as given, as shown */
+    const char *ref_path, *ref_name; /* the argument; the name to print */
     remark_terms terms;              /* set by make_scores() */
 } score_run;
 

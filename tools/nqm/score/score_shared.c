@@ -83,7 +83,7 @@ const char **take_list_names(nqm_pair_list *list, const char *list_name) {
     return names;
 }
 
-/* In blocks, so that Ctrl-C is noticed between them. */
+/* Score in blocks, so that Ctrl-C is noticed between them. */
 void make_scores(score_run *run) {
     nqm_error err = {0};
     nqm_scorer *scorer;

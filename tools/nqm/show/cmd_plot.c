@@ -86,33 +86,39 @@ static void read_size(const char *text, nqm_plot_options *look) {
         stop(EXIT_USAGE, "--size needs WIDTHxHEIGHT, not '%s'", text);
 }
 
+/* ---- the verb ---------------------------------------------------------------------------------------------------- */
+
+static bool json;
+static const char *size;
+static plot_arguments a;
+
+static const option options[] = {
+    {"output", 'o', OPTION_NEEDED, &a.output, "FILE.svg|.pdf|.png", "the drawing", 0, 0},
+    {"title", 0, OPTION_TEXT, &a.look.title, "TEXT", "title, instead of the automatic one; '': none", 0, 0},
+    {"size", 0, OPTION_TEXT, &size, "WxH", "CSS pixels (1/96 inch), 200 to 4000 each", 0, 0},
+    {"scale", 0, OPTION_NUMBER, &a.look.scale, "S", "pixels of a .png per CSS pixel", 0.5, 8},
+    {"predictor", 0, OPTION_TEXT, &a.predictor, "NAME", "scatter: column to draw [default: the first model]", 0, 0},
+    {"theta-d", 0, OPTION_NUMBER, &a.theta_d_deg, "DEG", "slice: theta_d of the slice over theta_h", 0, 89},
+    {"phi-d", 0, OPTION_NUMBER, &a.phi_d_deg, "DEG", "slice: phi_d of the slice over theta_h", -360, 360},
+    {"json", 0, OPTION_FLAG, &json, NULL, "print the kind and the file of the drawing as JSON", 0, 0},
+    {0}};
+
+static const command cmd = {
+    .usage = "WHAT INPUT... -o FILE [options]",
+    .about = "Draw, in colours chosen for colour-blind readers. The same input gives the same bytes on one "
+             "machine; files\n"
+             "contain no date. WHAT is one of:",
+    .example = "nqm plot curve labels_real.csv -o curve.svg\n"
+               "nqm eval corpus.safetensors --json | nqm plot bars - -o bars.pdf\n"
+               "nqm plot slice sgd:nickel ward:nickel -o nickel.png",
+    .options = options,
+    .choices = drawings,
+    .min_arguments = 1,
+    .max_arguments = -1,
+};
+
 int cmd_plot(int argc, char **argv) {
-    bool json = false;
-    const char *size = NULL;
-    plot_arguments a = {.look = nqm_plot_options_default(), .phi_d_deg = 90};
-    const option options[] = {
-        {"output", 'o', OPTION_NEEDED, &a.output, "FILE.svg|.pdf|.png", "the drawing", 0, 0},
-        {"title", 0, OPTION_TEXT, &a.look.title, "TEXT", "title, instead of the automatic one; '': none", 0, 0},
-        {"size", 0, OPTION_TEXT, &size, "WxH", "CSS pixels (1/96 inch), 200 to 4000 each", 0, 0},
-        {"scale", 0, OPTION_NUMBER, &a.look.scale, "S", "pixels of a .png per CSS pixel", 0.5, 8},
-        {"predictor", 0, OPTION_TEXT, &a.predictor, "NAME", "scatter: column to draw [default: the first model]", 0, 0},
-        {"theta-d", 0, OPTION_NUMBER, &a.theta_d_deg, "DEG", "slice: theta_d of the slice over theta_h", 0, 89},
-        {"phi-d", 0, OPTION_NUMBER, &a.phi_d_deg, "DEG", "slice: phi_d of the slice over theta_h", -360, 360},
-        {"json", 0, OPTION_FLAG, &json, NULL, "print the kind and the file of the drawing as JSON", 0, 0},
-        {0}};
-    const command cmd = {
-        .usage = "WHAT INPUT... -o FILE [options]",
-        .about = "Draw, in colours chosen for colour-blind readers. The same input gives the same bytes on one "
-                 "machine; files\n"
-                 "contain no date. WHAT is one of:",
-        .example = "nqm plot curve labels_real.csv -o curve.svg\n"
-                   "nqm eval corpus.safetensors --json | nqm plot bars - -o bars.pdf\n"
-                   "nqm plot slice sgd:nickel ward:nickel -o nickel.png",
-        .options = options,
-        .choices = drawings,
-        .min_arguments = 1,
-        .max_arguments = -1,
-    };
+    a = (plot_arguments){.look = nqm_plot_options_default(), .phi_d_deg = 90};
     a.n = parse_arguments(&cmd, argc, argv) - 1;
     a.inputs = argv + 1;
     const int kind = (int)choose_first(&cmd, argv[0]);

@@ -28,58 +28,54 @@ static const char *find_date(char text[DATE_SIZE]) {
     return text;
 }
 
-static void check_scene(label_run *labels, uint64_t shrink) {
-    const nqm_scene_options *o = &labels->scene_options;
-    labels->shrink = (size_t)shrink;
-    if (!o->width)
-        stop(EXIT_USAGE, "--points renders no pictures, which the report needs");
-    if (o->width % labels->shrink || o->height % labels->shrink)
-        stop(EXIT_USAGE, "--shrink must divide the size of the picture");
-}
+/* ---- the verb ---------------------------------------------------------------------------------------------------- */
+
+static bool json;
+static uint64_t shrink = 1;
+static const char *output, *model = "default", *invalid = "drop";
+static report_run run;
+static scene_args scene;
+
+static const option options[] = {
+    {"output", 'o', OPTION_NEEDED, &output, "FILE.html|.htm", "the page", 0, 0},
+    {"title", 0, OPTION_TEXT, &run.title, "TEXT", "title of the page, instead of the automatic one", 0, 0},
+    {"date", 0, OPTION_TEXT, &run.date, "TEXT", "date in the line to quote [default: SOURCE_DATE_EPOCH, or none]", 0,
+     0},
+    OPTION_ROWS_MODEL(&model),
+    {"invalid", 0, OPTION_TEXT, &invalid, "POLICY", "for directions without a value: drop, zero, nearest, error", 0, 0},
+    {"min-valid", 0, OPTION_NUMBER, &run.scores.options.min_valid_fraction, "F",
+     "smallest fraction of valid directions of a pair", 0, 1},
+    {"shrink", 0, OPTION_COUNT, &shrink, "N", "average N x N rendered pixels into one", 1, 16},
+    {"json", 0, OPTION_FLAG, &json, NULL, "print the scores, as `nqm score --json`", 0, 0},
+    OPTION_ROW_SIZE(&scene, "pixels of a frame (400 for all frames together)"),
+    {0}};
+
+static const command cmd = {
+    .usage = "REF TEST... -o FILE.html [options]",
+    .about = "Write a page for readers: the JOD of each TEST and its meaning, rendered pictures of reference and test\n"
+             "with a map of their colour difference, all metrics, the directions where they differ, and a line to\n"
+             "quote. The page is a single file, loads nothing from the network, prints well, and contains its numbers\n"
+             "as JSON. The same arguments give the same bytes on one machine.",
+    .example = "nqm report sgd:nickel ward:nickel -o nickel.html\n"
+               "nqm report measured.bsdf fit1.binary fit2.binary --shape bunny.ply --light probe.exr -o fits.html\n"
+               "nqm report sgd:nickel ward:nickel abc:nickel --title 'Three models of nickel' -o nickel.html",
+    .options = options,
+    .table = &nqm_scene_option_table,
+    .table_target = &scene.scene,
+    .min_arguments = 2,
+    .max_arguments = -1,
+};
 
 int cmd_report(int argc, char **argv) {
-    bool json = false;
-    uint64_t shrink = 1;
-    const char *output = NULL, *model = "default", *invalid = "drop";
+    run = (report_run){.scores = {.options = nqm_score_options_default()}};
+    scene = scene_args_begin();
     char date[DATE_SIZE];
-    report_run run = {.scores = {.options = nqm_score_options_default()}};
-    scene_args scene = scene_args_begin();
     scene.side = 400; /* sharp on paper */
-    const option options[] = {
-        {"output", 'o', OPTION_NEEDED, &output, "FILE.html|.htm", "the page", 0, 0},
-        {"title", 0, OPTION_TEXT, &run.title, "TEXT", "title of the page, instead of the automatic one", 0, 0},
-        {"date", 0, OPTION_TEXT, &run.date, "TEXT", "date in the line to quote [default: SOURCE_DATE_EPOCH, or none]",
-         0, 0},
-        OPTION_ROWS_MODEL(&model),
-        {"invalid", 0, OPTION_TEXT, &invalid, "POLICY", "for directions without a value: drop, zero, nearest, error", 0,
-         0},
-        {"min-valid", 0, OPTION_NUMBER, &run.scores.options.min_valid_fraction, "F",
-         "smallest fraction of valid directions of a pair", 0, 1},
-        {"shrink", 0, OPTION_COUNT, &shrink, "N", "average N x N rendered pixels into one", 1, 16},
-        {"json", 0, OPTION_FLAG, &json, NULL, "print the scores, as `nqm score --json`", 0, 0},
-        OPTION_ROW_SIZE(&scene, "pixels of a frame (400 for all frames together)"),
-        {0}};
-    const command cmd = {
-        .usage = "REF TEST... -o FILE.html [options]",
-        .about =
-            "Write a page for readers: the JOD of each TEST and its meaning, rendered pictures of reference and test\n"
-            "with a map of their colour difference, all metrics, the directions where they differ, and a line to\n"
-            "quote. The page is a single file, loads nothing from the network, prints well, and contains its numbers\n"
-            "as JSON. The same arguments give the same bytes on one machine.",
-        .example = "nqm report sgd:nickel ward:nickel -o nickel.html\n"
-                   "nqm report measured.bsdf fit1.binary fit2.binary --shape bunny.ply --light probe.exr -o fits.html\n"
-                   "nqm report sgd:nickel ward:nickel abc:nickel --title 'Three models of nickel' -o nickel.html",
-        .options = options,
-        .table = &nqm_scene_option_table,
-        .table_target = &scene.scene,
-        .min_arguments = 2,
-        .max_arguments = -1,
-    };
     const int n_arguments = parse_arguments(&cmd, argc, argv);
     set_option(&nqm_score_option_table, "invalid", &run.scores.options, invalid);
     scene_args_end(&scene);
     run.labels.scene_options = scene.scene;
-    check_scene(&run.labels, shrink);
+    set_shrink(&run.labels, shrink, "--points renders no pictures, which the report needs");
     run.date = run.date ? run.date : find_date(date);
     output_file out;
     open_output(output, &out); /* first: a missing folder is reported before the work */

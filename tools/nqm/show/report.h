@@ -17,16 +17,19 @@ typedef struct report_run {
     score_run scores;         /* the tests, best first; `order` is the index of the test in the arguments */
     json_t *json_scores;
     label_run labels; /* item 0 is the reference, item i + 1 is the test with order i */
-    nqm_brdf **brdfs; /* as the items */
+    nqm_brdf **brdfs; /* in the order of the label items */
     char (*short_names)[NAME_SIZE];
     const char **names; /* (n_items) of the labels' items: the argument, or a short form if it is long and the
                            short forms differ */
 } report_run;
 
-/** Score and render the arguments, a reference and its tests, and write the page to `out`, which it closes. Set before: model and
- *  options of the scores, scene and shrink of the labels, title, date. names: (n_arguments) shown instead of automatic ones where
- *  not NULL; NULL: none. Errors end the program. */
+/** Score and render the arguments, a reference and its tests, and write the page to `out`, which it closes. The
+ *  caller sets model and options of the scores, scene and shrink of the labels, title and date first. names:
+ *  (n_arguments) shown instead of automatic ones where not NULL; NULL: none. Errors end the program. */
 void make_report(report_run *run, int n_arguments, char **arguments, const char *const *names, output_file *out);
+/** The same for fits or a translation of a reference: scored by the model `metric`, with pictures of the standard scenes. */
+void write_fit_page(const char *title, int n_arguments, char **arguments, const char *const *names, const char *metric,
+                    output_file *out);
 /** Free the results and the model. */
 void free_report(report_run *run);
 

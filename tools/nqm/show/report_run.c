@@ -63,7 +63,7 @@ void make_report(report_run *run, int n_arguments, char **arguments, const char 
     set_pairs(&run->scores, n_arguments, arguments, names);
     make_scores(&run->scores);
     check_results(run);
-    run->json_scores = json_scores(&run->scores); /* in the order of the arguments */
+    run->json_scores = json_scores(&run->scores); /* before ranking: in the order of the arguments */
     rank_rows(&run->scores, false);
     render_all(&run->labels, n_arguments, arguments);
     name_all(run);
@@ -73,6 +73,18 @@ void make_report(report_run *run, int n_arguments, char **arguments, const char 
     write_page(run, out);
     end_progress();
     close_output(out);
+}
+
+void write_fit_page(const char *title, int n_arguments, char **arguments, const char *const *names, const char *metric,
+                    output_file *out) {
+    report_run run = {.title = title, .scores = {.options = nqm_score_options_default()}, .labels = {.shrink = 1}};
+    scene_args scene = scene_args_begin();
+    scene.side = 256;
+    scene_args_end(&scene);
+    run.labels.scene_options = scene.scene;
+    run.scores.model = open_model(metric);
+    make_report(&run, n_arguments, arguments, names, out);
+    free_report(&run);
 }
 
 void free_report(report_run *run) {

@@ -25,26 +25,30 @@ json_t *calibration_json(const nqm_calibration *c) {
                      json_number(c->peak_growth));
 }
 
+/* ---- the verb ---------------------------------------------------------------------------------------------------- */
+
+static const char *output;
+static bool new_materials, json;
+
+static const option options[] = {
+    {"output", 'o', OPTION_NEEDED, &output, "FILE.safetensors", "the model file to write", 0, 0},
+    {"new-materials", 0, OPTION_FLAG, &new_materials, NULL,
+     "DATASET is not that of the training, but the model was not trained on its validation materials", 0, 0},
+    {"json", 0, OPTION_FLAG, &json, NULL, "print JSON", 0, 0},
+    {0}};
+
+static const command cmd = {
+    .usage = "MODEL DATASET -o FILE [options]",
+    .about = "Write a copy of MODEL with a 95 % interval around each JOD: for 95 % of the pairs of new materials, the\n"
+             "label is inside the interval. The intervals are calibrated on the validation pairs of DATASET, which\n"
+             "must be the dataset on which the model was trained; their coverage is measured with each material left\n"
+             "out in turn. `nqm train` does the same after training.",
+    .example = "nqm calibrate my.safetensors corpus.safetensors -o my-calibrated.safetensors",
+    .options = options,
+    .min_arguments = 2,
+};
+
 int cmd_calibrate(int argc, char **argv) {
-    const char *output = NULL;
-    bool new_materials = false, json = false;
-    const option options[] = {
-        {"output", 'o', OPTION_NEEDED, &output, "FILE.safetensors", "the model file to write", 0, 0},
-        {"new-materials", 0, OPTION_FLAG, &new_materials, NULL,
-         "DATASET is not that of the training, but the model was not trained on its validation materials", 0, 0},
-        {"json", 0, OPTION_FLAG, &json, NULL, "print JSON", 0, 0},
-        {0}};
-    const command cmd = {
-        .usage = "MODEL DATASET -o FILE [options]",
-        .about =
-            "Write a copy of MODEL with a 95 % interval around each JOD: for 95 % of the pairs of new materials, the\n"
-            "label is inside the interval. The intervals are calibrated on the validation pairs of DATASET, which\n"
-            "must be the dataset on which the model was trained; their coverage is measured with each material left\n"
-            "out in turn. `nqm train` does the same after training.",
-        .example = "nqm calibrate my.safetensors corpus.safetensors -o my-calibrated.safetensors",
-        .options = options,
-        .min_arguments = 2,
-    };
     parse_arguments(&cmd, argc, argv);
     nqm_model *model = open_model(argv[0]), *calibrated;
     nqm_dataset *dataset = open_dataset(argv[1], NULL, NQM_SPLIT_ALL);

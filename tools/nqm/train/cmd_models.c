@@ -125,32 +125,36 @@ static int list_models(bool json) {
     return json ? print_document(json_pack("{s:o}", "models", list)) : EXIT_OK;
 }
 
+/* ---- the verb ---------------------------------------------------------------------------------------------------- */
+
+static bool json, half;
+static const char *output;
+
+static const option options[] = {
+    {"json", 0, OPTION_FLAG, &json, NULL, "print JSON", 0, 0},
+    {"output", 'o', OPTION_TEXT, &output, "FILE.safetensors", "annotate: the model file to write", 0, 0},
+    {"half", 0, OPTION_FLAG, &half, NULL, "annotate: store hidden layers' weights in 16 bits", 0, 0},
+    {0}};
+enum { LIST, SHOW, ANNOTATE };
+static const choice choices[] = {[LIST] = {"list", "", "list the built-in models, as without arguments"},
+                          [SHOW] = {"show", "MODEL", "describe a model"},
+                          [ANNOTATE] = {"annotate", "MODEL NOTES.md", "write a copy with a text added to its card"},
+                          {0}};
+
+static const command cmd = {
+    .usage = "[show MODEL | annotate MODEL NOTES.md -o FILE] [options]",
+    .about = "List the built-in models, or show one of them or a model file: size, checksum, directions and the model\n"
+             "card, which describes training data, results and limits. annotate writes a copy of a model with a text\n"
+             "added to its card, such as results on a test set; --half also rounds the weights of the hidden layers\n"
+             "to 16 bits, which halves the file.",
+    .example = "nqm models\nnqm models show default\nnqm models show my.safetensors --json\n"
+               "nqm models annotate my.safetensors results.md -o my-judged.safetensors",
+    .options = options,
+    .choices = choices,
+    .max_arguments = 3,
+};
+
 int cmd_models(int argc, char **argv) {
-    bool json = false, half = false;
-    const char *output = NULL;
-    const option options[] = {
-        {"json", 0, OPTION_FLAG, &json, NULL, "print JSON", 0, 0},
-        {"output", 'o', OPTION_TEXT, &output, "FILE.safetensors", "annotate: the model file to write", 0, 0},
-        {"half", 0, OPTION_FLAG, &half, NULL, "annotate: store hidden layers' weights in 16 bits", 0, 0},
-        {0}};
-    enum { LIST, SHOW, ANNOTATE };
-    const choice choices[] = {[LIST] = {"list", "", "list the built-in models, as without arguments"},
-                              [SHOW] = {"show", "MODEL", "describe a model"},
-                              [ANNOTATE] = {"annotate", "MODEL NOTES.md", "write a copy with a text added to its card"},
-                              {0}};
-    const command cmd = {
-        .usage = "[show MODEL | annotate MODEL NOTES.md -o FILE] [options]",
-        .about =
-            "List the built-in models, or show one of them or a model file: size, checksum, directions and the model\n"
-            "card, which describes training data, results and limits. annotate writes a copy of a model with a text\n"
-            "added to its card, such as results on a test set; --half also rounds the weights of the hidden layers\n"
-            "to 16 bits, which halves the file.",
-        .example = "nqm models\nnqm models show default\nnqm models show my.safetensors --json\n"
-                   "nqm models annotate my.safetensors results.md -o my-judged.safetensors",
-        .options = options,
-        .choices = choices,
-        .max_arguments = 3,
-    };
     const int n_arguments = parse_arguments(&cmd, argc, argv);
     const size_t what = n_arguments ? choose_first(&cmd, argv[0]) : LIST;
     if (what == LIST && n_arguments <= 1)

@@ -160,35 +160,40 @@ static void print_report(const train_arguments *a, const nqm_train_report *r, co
                                                                   : "too few validation pairs or materials");
 }
 
+/* ---- the verb ---------------------------------------------------------------------------------------------------- */
+
+static train_arguments a;
+
+static const option options[] = {
+    {"output", 'o', OPTION_NEEDED, &a.output, "FILE.safetensors", "the model file to write", 0, 0},
+    {"labels", 0, OPTION_TEXT, &a.labels, "CSV", "DATASET is a folder in the authors' layout; its labels", 0, 0},
+    {"log", 0, OPTION_TEXT, &a.log, "FILE.csv",
+     "write the losses of each epoch as it ends (tail -f); a stopped training leaves them, a resumed one continues "
+     "them",
+     0, 0},
+    {"card", 0, OPTION_TEXT, &a.card, "FILE", "Markdown to append to the model card", 0, 0},
+    {"json", 0, OPTION_FLAG, &a.json, NULL, "print JSON", 0, 0},
+    {0}};
+
+static const command cmd = {
+    .usage = "DATASET -o MODEL [options]",
+    .about = "Train a model on the labelled pairs of DATASET (made by `nqm dataset`, or the authors' folder with\n"
+             "--labels). Test pairs are never used. The same dataset, options and seed give the same model, to the "
+             "bit,\n"
+             "also when interrupted (Ctrl-C) and resumed. Defaults shown are those of the recipe; doc/training.md "
+             "explains them.",
+    .example = "nqm train corpus.safetensors -o my.safetensors --checkpoint my.checkpoint --log loss.csv\n"
+               "nqm train corpus.safetensors -o my.safetensors --checkpoint my.checkpoint --log loss.csv --resume\n"
+               "nqm train uniform_rand_500 --labels labels_balanced_train.csv --recipe paper -o paper.safetensors",
+    .options = options,
+    .table = &nqm_train_option_table,
+    .table_target = &a.options,
+    .min_arguments = 1,
+};
+
 int cmd_train(int argc, char **argv) {
-    train_arguments a = {0};
     nqm_error err = {0};
     must(nqm_train_options_recipe(find_recipe(argc, argv), &a.options, &err), &err);
-    const option options[] = {
-        {"output", 'o', OPTION_NEEDED, &a.output, "FILE.safetensors", "the model file to write", 0, 0},
-        {"labels", 0, OPTION_TEXT, &a.labels, "CSV", "DATASET is a folder in the authors' layout; its labels", 0, 0},
-        {"log", 0, OPTION_TEXT, &a.log, "FILE.csv",
-         "write the losses of each epoch as it ends (tail -f); a stopped training leaves them, a resumed one continues "
-         "them",
-         0, 0},
-        {"card", 0, OPTION_TEXT, &a.card, "FILE", "Markdown to append to the model card", 0, 0},
-        {"json", 0, OPTION_FLAG, &a.json, NULL, "print JSON", 0, 0},
-        {0}};
-    const command cmd = {
-        .usage = "DATASET -o MODEL [options]",
-        .about = "Train a model on the labelled pairs of DATASET (made by `nqm dataset`, or the authors' folder with\n"
-                 "--labels). Test pairs are never used. The same dataset, options and seed give the same model, to the "
-                 "bit,\n"
-                 "also when interrupted (Ctrl-C) and resumed. Defaults shown are those of the recipe; doc/training.md "
-                 "explains them.",
-        .example = "nqm train corpus.safetensors -o my.safetensors --checkpoint my.checkpoint --log loss.csv\n"
-                   "nqm train corpus.safetensors -o my.safetensors --checkpoint my.checkpoint --log loss.csv --resume\n"
-                   "nqm train uniform_rand_500 --labels labels_balanced_train.csv --recipe paper -o paper.safetensors",
-        .options = options,
-        .table = &nqm_train_option_table,
-        .table_target = &a.options,
-        .min_arguments = 1,
-    };
     parse_arguments(&cmd, argc, argv);
     check_places(&a);
     char *card = a.card ? read_text(a.card) : NULL;
