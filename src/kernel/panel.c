@@ -72,28 +72,17 @@ static cut cut_product(const nqm_panels *b, size_t m) {
 }
 
 static void multiply_block(const nqm_kernels *kernels, const nqm_block_product *p, size_t group) {
-    const nqm_precision precision = p->b->precision;
-    if (p->m == 1) {
-        kernels->row_product[precision](&(nqm_row_product){.words = p->b->words,
-                                                           .n_panels = p->n_panels,
-                                                           .stride = p->b->stride,
-                                                           .add = p->add,
-                                                           .a = p->a,
-                                                           .b = p->panels,
-                                                           .c = p->c});
-        return;
-    }
     for (size_t row = 0; row < p->m; row += group)
-        for (size_t i = 0; i < p->n_panels; ++i)
-            kernels->product[precision](
-                &(nqm_product){.m = nqm_smaller(p->m - row, group),
-                               .words = p->b->words,
-                               .add = p->add,
-                               .a = (const uint32_t *)p->a + row * p->lda,
-                               .b = p->panels + i * p->b->stride * NQM_PANEL,
-                               .c = (uint32_t *)p->c + row * p->ldc + i * NQM_PANEL, /* float or int32_t */
-                               .lda = p->lda,
-                               .ldc = p->ldc});
+        kernels->product[p->b->precision](&(nqm_product){.m = nqm_smaller(p->m - row, group),
+                                                         .words = p->b->words,
+                                                         .n_panels = p->n_panels,
+                                                         .add = p->add,
+                                                         .a = (const uint32_t *)p->a + row * p->lda,
+                                                         .b = p->panels,
+                                                         .panel_step = p->b->stride * NQM_PANEL,
+                                                         .c = (uint32_t *)p->c + row * p->ldc, /* float or int32_t */
+                                                         .lda = p->lda,
+                                                         .ldc = p->ldc});
 }
 
 size_t nqm_panels_of_block(const nqm_panels *b, size_t m) {

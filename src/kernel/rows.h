@@ -254,7 +254,6 @@ static double double_dot(size_t n, const float *x, const double *y) {
     const nqm_kernels nqm_kernels_##SUFFIX = {                                                                         \
         .name = (NAME),                                                                                                \
         .product = {product_f32, product_bf16, product_int8},                                                          \
-        .row_product = {row_product_f32, row_product_bf16, row_product_int8},                                          \
         .strided_product = strided_product,                                                                            \
         .double_product = double_product,                                                                              \
         .double_dot = double_dot,                                                                                      \
