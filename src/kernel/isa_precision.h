@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * products.h - the matrix products of one precision, for tiles.h, which includes this file once for each:
+ * isa_precision.h - the matrix products of one precision, for isa_products.h, which includes this file once for each:
  *
  * PRECISION      suffix of the functions' names
  * WORD, RIGHT    an element of A and a vector of elements of B

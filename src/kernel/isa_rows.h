@@ -1,13 +1,12 @@
 /* SPDX-License-Identifier: MIT
  *
- * rows.h - Adam and the rows of hidden layers for one instruction set: loops that compilers vectorise, included by each file
- * isa_*.c after tiles.h. Every instruction set gives the same bits: multiply-adds are fused by name only
+ * isa_rows.h - Adam and the rows of hidden layers for one instruction set: loops that compilers vectorise, included by each file
+ * isa_*.c after isa_products.h. Every instruction set gives the same bits: multiply-adds are fused by name only
  * (nqm_multiply_add()), nothing is reordered, and a row always has GROUP partial sums, whatever the vector width.
  */
-#include "kernel/exp_log.h"
 #include "kernel/gelu.h"
+#include "kernel/isa_rounding.h"
 #include "kernel/kernel.h"
-#include "kernel/rounding.h"
 
 #include <math.h>
 #include <string.h>
