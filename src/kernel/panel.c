@@ -15,7 +15,7 @@ enum {
     MIN_PARALLEL = 1 << 18, /* multiply-adds; below, waking a thread costs more than it saves */
     ROWS_AT_ONCE = 16 * NQM_STRIP,
     BLOCKS_PER_THREAD = 8, /* at least, so that threads end at about the same time */
-    PANELS_OF_ROW = 4,     /* of a block with a single row */
+    PANELS_OF_ROW = 4,     /* at most, of a block with a single row */
     CACHE_LINE = 64,       /* bytes */
 
     /* Strips of a gradient that are multiplied with all panels before the next: those of 512 rows take 288 KB of the L2 cache. Enough for
@@ -64,7 +64,7 @@ static cut cut_product(const nqm_panels *b, size_t m) {
     const size_t fair = n_down * b->n_panels / (BLOCKS_PER_THREAD * (size_t)omp_get_max_threads());
     cut c = {.rows = rows, .panels = nqm_smaller(fitting, fair), .n_down = n_down};
     if (m == 1)
-        c.panels = PANELS_OF_ROW;
+        c.panels = nqm_smaller(PANELS_OF_ROW, nqm_ceil_div(b->n_panels, (size_t)omp_get_max_threads()));
     else if (c.panels <= 1)
         c = (cut){.rows = ROWS_AT_ONCE, .panels = 1, .n_down = n_down};
     c.n_blocks = n_down * nqm_ceil_div(b->n_panels, c.panels);
