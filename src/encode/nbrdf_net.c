@@ -6,7 +6,7 @@
  */
 #include "encode/nbrdf_net.h"
 
-#include "kernel/exp_log.h"
+#include "math/exp_log.h"
 #include "math/math.h"
 
 #include <math.h>

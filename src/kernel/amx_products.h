@@ -191,47 +191,30 @@ INLINE void multiply(nqm_precision precision, session *s, operands o) {
         multiply_rows(precision, s, last, o);
 }
 
-INLINE void multiply_panel(nqm_precision precision, const nqm_product *p) {
-    session s;
-    begin(&s);
-    multiply(precision, &s,
-             (operands){.m = p->m,
-                        .columns = NQM_PANEL,
-                        .words = p->words,
-                        .add = p->add,
-                        .a = p->a,
-                        .b = p->b,
-                        .c = p->c,
-                        .lda = p->lda,
-                        .ldb = NQM_PANEL,
-                        .ldc = p->ldc});
-    end(&s);
-}
-
-static void amx_product_bf16(const nqm_product *p) {
-    multiply_panel(NQM_PRECISION_BF16, p);
-}
-
-static void amx_product_int8(const nqm_product *p) {
-    multiply_panel(NQM_PRECISION_INT8, p);
-}
-
-static void amx_row_product_bf16(const nqm_row_product *p) {
+INLINE void multiply_panels(nqm_precision precision, const nqm_product *p) {
     session s;
     begin(&s);
     for (size_t i = 0; i < p->n_panels; ++i)
-        multiply(NQM_PRECISION_BF16, &s,
-                 (operands){.m = 1,
+        multiply(precision, &s,
+                 (operands){.m = p->m,
                             .columns = NQM_PANEL,
                             .words = p->words,
                             .add = p->add,
                             .a = p->a,
-                            .b = (const uint32_t *)p->b + i * p->stride * NQM_PANEL,
+                            .b = (const uint32_t *)p->b + i * p->panel_step,
                             .c = (uint32_t *)p->c + i * NQM_PANEL,
-                            .lda = p->words,
+                            .lda = p->lda,
                             .ldb = NQM_PANEL,
-                            .ldc = NQM_PANEL});
+                            .ldc = p->ldc});
     end(&s);
+}
+
+static void amx_product_bf16(const nqm_product *p) {
+    multiply_panels(NQM_PRECISION_BF16, p);
+}
+
+static void amx_product_int8(const nqm_product *p) {
+    multiply_panels(NQM_PRECISION_INT8, p);
 }
 
 /* c (NQM_STRIP, NQM_PANEL) = its transpose, which is in its place. */
@@ -272,13 +255,12 @@ static void amx_gradient_bf16(const nqm_tile_gradient *g) {
         transpose_tile(g->c + strip * TILE);
 }
 
-/* The kernels of `base` with these products. Single rows of bytes stay: memory bandwidth bounds them, and integers are exact. */
+/* The kernels of `base` with these products. */
 static nqm_kernels with_amx_products(const nqm_kernels *base, const char *name) {
     nqm_kernels kernels = *base;
     kernels.name = name;
     kernels.product[NQM_PRECISION_BF16] = amx_product_bf16;
     kernels.product[NQM_PRECISION_INT8] = amx_product_int8;
-    kernels.row_product[NQM_PRECISION_BF16] = amx_row_product_bf16;
     kernels.gradient[NQM_PRECISION_BF16] = amx_gradient_bf16;
     return kernels;
 }

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
  * gelu.h - GELU (Hendrycks and Gimpel 2016, arXiv:1606.08415) for one instruction set, written so that compilers
- * vectorise the loops that it is inlined into; included by rows.h.
+ * vectorise the loops that it is inlined into; included by isa_rows.h.
  *
  * With the tail t(a) = 1 - Phi(a) of the normal distribution at a = |x|, GELU is max(x, 0) - a t and its slope is
  * 1/2 +- (1/2 - t w), w(a) = 1 - a phi(a) / t(a). log2(t) and w are smooth: polynomials of degree 8 give t within 1e-8 and

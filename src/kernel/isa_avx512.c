@@ -10,9 +10,9 @@
 #define TILE_VECTORS          2
 #define MADD_F32(sum, a, b)   ((vector_f)_mm512_fmadd_ps(_mm512_set1_ps(a), (__m512)(b), (__m512)(sum)))
 #define MADD_INT16(sum, x, y) ((sum) + (vector_i)_mm512_madd_epi16((__m512i)(x), (__m512i)(y)))
-#include "kernel/tiles.h"
+#include "kernel/isa_products.h"
 
-#include "kernel/rows.h"
+#include "kernel/isa_rows.h"
 
 NQM_DEFINE_KERNELS(avx512, "avx512");
 #endif

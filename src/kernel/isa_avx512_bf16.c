@@ -12,7 +12,7 @@
 #define MADD_BF16(sum, a, b)                                                                                           \
     ((vector_f)_mm512_dpbf16_ps((__m512)(sum), (__m512bh)_mm512_set1_epi32((int)(a)), (__m512bh)(b)))
 #define MADD_INT8(sum, a, b) ((vector_i)_mm512_dpbusd_epi32((__m512i)(sum), _mm512_set1_epi32((int)(a)), (__m512i)(b)))
-#include "kernel/tiles.h"
+#include "kernel/isa_products.h"
 
 /* Rounding by the processor's instruction, which flushes denormals to 0, as its products do. */
 #define NQM_NATIVE_ROUNDING
@@ -69,7 +69,7 @@ static void round_tile(const float *x, uint32_t *words) {
         round_groups(1, NQM_PANEL, x, x + NQM_PANEL, 0, words + i * NQM_PANEL);
 }
 
-#include "kernel/rows.h"
+#include "kernel/isa_rows.h"
 
 NQM_DEFINE_KERNELS(avx512_bf16, "avx512+bf16");
 #endif

@@ -17,8 +17,8 @@
 #define MADD_INT16(sum, x, y) ((sum) + (vector_i)_mm_madd_epi16((__m128i)(x), (__m128i)(y)))
 #endif
 #endif
-#include "kernel/tiles.h"
+#include "kernel/isa_products.h"
 
-#include "kernel/rows.h"
+#include "kernel/isa_rows.h"
 
 NQM_DEFINE_KERNELS(generic, "generic");

@@ -6,7 +6,7 @@
  *
  * A hidden layer computes y = dropout(GELU(LayerNorm(x W^T + b))) for a batch of rows:
  *
- *   product, row_product   C = A B         x W^T with W^T in panels: the forward pass, and the gradient of the input
+ *   product                C = A B         x W^T with W^T in panels: the forward pass, and the gradient of the input
  *   strided_product        C = A B         of floats in other layouts
  *   double_product, _dot   the same in double, for gradients
  *   gradient               C = A^T B       the gradient of the weights, tile by tile
@@ -45,26 +45,16 @@ static inline uint32_t nqm_bf16_bits(float x) {
     return (bits & 0x7fffffff) > 0x7f800000 ? bits >> 16 | 0x40 : rounded;
 }
 
-/** C (m, NQM_PANEL) = A B, or C + A B. The product of two words is the sum of the products of their factors. */
+/** C (m, n_panels NQM_PANEL) = A B, or C + A B. The product of two words is the sum of the products of their factors. */
 typedef struct nqm_product {
-    size_t m, words;
-    bool add;      /**< start from C; false: from 0 */
-    const void *a; /**< (m, words), lda words from row to row */
-    const void *b; /**< (words, NQM_PANEL): a panel, aligned to 64 bytes */
-    void *c;       /**< (m, NQM_PANEL) float, int32_t for NQM_PRECISION_INT8; ldc elements from row to row */
+    size_t m, words, n_panels;
+    bool add;          /**< start from C; false: from 0 */
+    const void *a;     /**< (m, words), lda words from row to row */
+    const void *b;     /**< (n_panels, words, NQM_PANEL), aligned to 64 bytes */
+    size_t panel_step; /**< words from one panel of b to the next */
+    void *c;           /**< float, int32_t for NQM_PRECISION_INT8; ldc elements from row to row */
     size_t lda, ldc;
 } nqm_product;
-
-/** The same for one row and several panels: c (n_panels, NQM_PANEL) = a B, or c + a B. Bound by memory bandwidth: several
- *  panels at once keep enough accumulators busy. */
-typedef struct nqm_row_product {
-    size_t words, n_panels;
-    size_t stride; /**< rows of NQM_PANEL words from one panel of b to the next */
-    bool add;
-    const void *a; /**< (words) */
-    const void *b; /**< (n_panels, stride, NQM_PANEL) */
-    void *c;       /**< float or int32_t, as in nqm_product */
-} nqm_row_product;
 
 /** C (m, NQM_PANEL) = A B, or C + A B, of floats with any strides. */
 typedef struct nqm_strided_product {
@@ -161,10 +151,8 @@ nqm_adam_rate nqm_adam_rate_at(double lr, double weight_decay, uint64_t step);
 /** The functions of one instruction set; every member is set unless its comment says otherwise. */
 typedef struct nqm_kernels {
     const char *name;
-    /** Rows times a panel. */
+    /** Rows times panels. A row has the same bits in any product. */
     void (*product[NQM_PRECISION_COUNT])(const nqm_product *p);
-    /** One row times several panels: the same bits as `product` with m = 1. */
-    void (*row_product[NQM_PRECISION_COUNT])(const nqm_row_product *p);
     /** Rows of the light transport (metric/transport.c). */
     void (*strided_product)(const nqm_strided_product *p);
     /** The same in double, for gradients; every table gives the same bits. */

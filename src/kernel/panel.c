@@ -15,7 +15,7 @@ enum {
     MIN_PARALLEL = 1 << 18, /* multiply-adds; below, waking a thread costs more than it saves */
     ROWS_AT_ONCE = 16 * NQM_STRIP,
     BLOCKS_PER_THREAD = 8, /* at least, so that threads end at about the same time */
-    PANELS_OF_ROW = 4,     /* of a block with a single row */
+    PANELS_OF_ROW = 4,     /* at most, of a block with a single row */
     CACHE_LINE = 64,       /* bytes */
 
     /* Strips of a gradient that are multiplied with all panels before the next: those of 512 rows take 288 KB of the L2 cache. Enough for
@@ -64,7 +64,7 @@ static cut cut_product(const nqm_panels *b, size_t m) {
     const size_t fair = n_down * b->n_panels / (BLOCKS_PER_THREAD * (size_t)omp_get_max_threads());
     cut c = {.rows = rows, .panels = nqm_smaller(fitting, fair), .n_down = n_down};
     if (m == 1)
-        c.panels = PANELS_OF_ROW;
+        c.panels = nqm_smaller(PANELS_OF_ROW, nqm_ceil_div(b->n_panels, (size_t)omp_get_max_threads()));
     else if (c.panels <= 1)
         c = (cut){.rows = ROWS_AT_ONCE, .panels = 1, .n_down = n_down};
     c.n_blocks = n_down * nqm_ceil_div(b->n_panels, c.panels);
@@ -72,28 +72,17 @@ static cut cut_product(const nqm_panels *b, size_t m) {
 }
 
 static void multiply_block(const nqm_kernels *kernels, const nqm_block_product *p, size_t group) {
-    const nqm_precision precision = p->b->precision;
-    if (p->m == 1) {
-        kernels->row_product[precision](&(nqm_row_product){.words = p->b->words,
-                                                           .n_panels = p->n_panels,
-                                                           .stride = p->b->stride,
-                                                           .add = p->add,
-                                                           .a = p->a,
-                                                           .b = p->panels,
-                                                           .c = p->c});
-        return;
-    }
     for (size_t row = 0; row < p->m; row += group)
-        for (size_t i = 0; i < p->n_panels; ++i)
-            kernels->product[precision](
-                &(nqm_product){.m = nqm_smaller(p->m - row, group),
-                               .words = p->b->words,
-                               .add = p->add,
-                               .a = (const uint32_t *)p->a + row * p->lda,
-                               .b = p->panels + i * p->b->stride * NQM_PANEL,
-                               .c = (uint32_t *)p->c + row * p->ldc + i * NQM_PANEL, /* float or int32_t */
-                               .lda = p->lda,
-                               .ldc = p->ldc});
+        kernels->product[p->b->precision](&(nqm_product){.m = nqm_smaller(p->m - row, group),
+                                                         .words = p->b->words,
+                                                         .n_panels = p->n_panels,
+                                                         .add = p->add,
+                                                         .a = (const uint32_t *)p->a + row * p->lda,
+                                                         .b = p->panels,
+                                                         .panel_step = p->b->stride * NQM_PANEL,
+                                                         .c = (uint32_t *)p->c + row * p->ldc, /* float or int32_t */
+                                                         .lda = p->lda,
+                                                         .ldc = p->ldc});
 }
 
 size_t nqm_panels_of_block(const nqm_panels *b, size_t m) {

@@ -39,13 +39,18 @@ static double sum_words(size_t words, const uint32_t *a, size_t a_step, const ui
     return sum;
 }
 
-static void product_float(const nqm_product *p, word_product product) {
+/* Element (i, j) of a product, before it is rounded; c: its value before. */
+static double product_element(const nqm_product *p, size_t i, size_t j, double c, word_product product) {
     const uint32_t *a = p->a, *b = p->b;
-    float *c = p->c;
+    b += j / NQM_PANEL * p->panel_step + j % NQM_PANEL;
+    return (p->add ? c : 0) + sum_words(p->words, a + i * p->lda, 1, b, NQM_PANEL, product);
+}
+
+static void product_float(const nqm_product *p, word_product product) {
     for (size_t i = 0; i < p->m; ++i)
-        for (size_t j = 0; j < NQM_PANEL; ++j) {
-            double before = p->add ? (double)c[i * p->ldc + j] : 0;
-            c[i * p->ldc + j] = (float)(before + sum_words(p->words, a + i * p->lda, 1, b + j, NQM_PANEL, product));
+        for (size_t j = 0; j < p->n_panels * NQM_PANEL; ++j) {
+            float *c = (float *)p->c + i * p->ldc + j;
+            *c = (float)product_element(p, i, j, (double)*c, product);
         }
 }
 
@@ -58,36 +63,11 @@ static void product_bf16(const nqm_product *p) {
 }
 
 static void product_int8(const nqm_product *p) {
-    const uint32_t *a = p->a, *b = p->b;
-    int32_t *c = p->c;
     for (size_t i = 0; i < p->m; ++i)
-        for (size_t j = 0; j < NQM_PANEL; ++j) {
-            double before = p->add ? (double)c[i * p->ldc + j] : 0;
-            c[i * p->ldc + j] = (int32_t)(before + sum_words(p->words, a + i * p->lda, 1, b + j, NQM_PANEL, word_int8));
+        for (size_t j = 0; j < p->n_panels * NQM_PANEL; ++j) {
+            int32_t *c = (int32_t *)p->c + i * p->ldc + j;
+            *c = (int32_t)product_element(p, i, j, (double)*c, word_int8);
         }
-}
-
-/* A row product as one product for each panel. */
-static void multiply_panels(const nqm_row_product *p, void (*product)(const nqm_product *)) {
-    for (size_t i = 0; i < p->n_panels; ++i)
-        product(&(nqm_product){.m = 1,
-                               .words = p->words,
-                               .add = p->add,
-                               .a = p->a,
-                               .b = (const uint32_t *)p->b + i * p->stride * NQM_PANEL,
-                               .c = (uint32_t *)p->c + i * NQM_PANEL});
-}
-
-static void row_product_f32(const nqm_row_product *p) {
-    multiply_panels(p, product_f32);
-}
-
-static void row_product_bf16(const nqm_row_product *p) {
-    multiply_panels(p, product_bf16);
-}
-
-static void row_product_int8(const nqm_row_product *p) {
-    multiply_panels(p, product_int8);
 }
 
 static void strided_product(const nqm_strided_product *p) {
@@ -262,7 +242,6 @@ static void adam(size_t n, const nqm_adam_rate *rate, const float *grad, float *
 const nqm_kernels nqm_kernels_scalar = {
     .name = "scalar",
     .product = {product_f32, product_bf16, product_int8},
-    .row_product = {row_product_f32, row_product_bf16, row_product_int8},
     .strided_product = strided_product,
     .double_product = double_product,
     .double_dot = double_dot,

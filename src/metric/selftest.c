@@ -42,8 +42,8 @@ static nqm_status check_product(size_t m, size_t k, const float *a, const float 
     const size_t n = m * NQM_PANEL;
     const nqm_kernels *const tables[] = {nqm_kernels_get(), &nqm_kernels_scalar};
     for (size_t i = 0; i < 2; ++i)
-        tables[i]->product[NQM_PRECISION_F32](
-            &(nqm_product){.m = m, .words = k, .a = a, .b = b, .c = c + i * n, .lda = k, .ldc = NQM_PANEL});
+        tables[i]->product[NQM_PRECISION_F32](&(nqm_product){
+            .m = m, .words = k, .n_panels = 1, .a = a, .b = b, .c = c + i * n, .lda = k, .ldc = NQM_PANEL});
     const double bound =
         (double)k * (double)FLT_EPSILON; /* partial sums of k random terms in [-1, 1] are near sqrt(k) */
     for (size_t i = 0; i < n; ++i)

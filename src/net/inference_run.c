@@ -13,14 +13,14 @@
 
 enum {
     MIN_PARALLEL = 1 << 18,   /* multiply-adds; below, waking a thread costs more than it saves */
-    FEW_ROWS = 2 * NQM_STRIP, /* reading weights takes most of the time */
-    MIN_ROWS = 16,            /* the same for a call that does not read packed weights */
+    MIN_PACKING_ROWS = 16,    /* below, the same for a call that packs weights */
+    FEW_ROWS = 2 * NQM_STRIP, /* up to these, reading weights takes most of the time */
     BLOCK_ROWS = 16 * NQM_STRIP,
 
-    /* Rows that a thread takes at a time: few enough for activations to stay in its L2 cache, enough to amortise reading
-     * all weights. */
+    /* Rows that a thread takes through all layers: few enough for activations to stay in its L2 cache, enough to amortise reading
+     * all weights. With fewer than MIN_THREAD_ROWS for each thread, all threads work on all rows instead. */
     MAX_TASK_ROWS = 8 * NQM_STRIP,
-    MIN_THREAD_ROWS = 2 * NQM_STRIP /* of a call for each thread, else all threads work on all rows */
+    MIN_THREAD_ROWS = 2 * NQM_STRIP
 };
 
 /* Some rows of a call, computed by the threads of one parallel region. */
@@ -337,7 +337,7 @@ void nqm_inference_run(nqm_inference_work *work, size_t n, const float *x, size_
     work->n_rows = n;
     work->n_taken = 0;
     find_references(&all);
-    const bool parallel = n * work->n_products >= MIN_PARALLEL && (work->is_packed || n >= MIN_ROWS);
+    const bool parallel = n * work->n_products >= MIN_PARALLEL && (work->is_packed || n >= MIN_PACKING_ROWS);
     const size_t n_threads = nqm_smaller((size_t)omp_get_max_threads(), work->n_threads);
 #pragma omp parallel num_threads((int)n_threads) if (parallel)
     {

@@ -17,13 +17,13 @@ typedef struct nqm_segment {
     size_t first;        /**< index of its first input */
     size_t word;         /**< rounded segments: offset of its inputs in a row of rounded inputs, 32-bit words */
     nqm_panels panels;   /**< (inputs, outputs) */
-    nqm_weights weights; /**< (outputs, inputs) the source of panels of floats, borrowed; or none */
+    nqm_weights weights; /**< f32: (outputs, inputs) from which panels are packed, borrowed; else empty */
 } nqm_segment;
 
 /** A hidden layer: product, LayerNorm, GELU. */
 typedef struct nqm_inference_layer {
     size_t n_out, n_segments;
-    bool differences; /**< segment 1 takes its inputs minus those of segment 0 */
+    bool differences; /**< segment 1 multiplies its inputs minus those of segment 0 */
     nqm_segment segment[NQM_MAX_SEGMENTS];
     size_t n_words;                   /**< 32-bit words of a row of all rounded segments */
     const float *bias, *gamma, *beta; /**< (n_out) borrowed */
@@ -52,7 +52,7 @@ struct nqm_inference_work {
     size_t panel_size;
     bool is_packed;         /**< this call reads the network's panels of floats, not `panel` */
     size_t n_rows;          /**< of this call */
-    size_t _Atomic n_taken; /**< of them, by threads that take rows through all layers */
+    size_t _Atomic n_taken; /**< of them, where each thread takes rows through all layers */
     /* References of this call, 1..n_refs; 0 is the last one of the call before. */
     size_t n_refs;
     size_t *ref_of;            /**< (max_batch) a row's reference */

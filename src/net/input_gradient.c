@@ -26,11 +26,11 @@ struct nqm_gradient_work {
     const nqm_gradient_net *net;
     size_t n, stride; /* rows of the call; floats from row to row of y and dy */
     float *xhat[NQM_NET_MAX_LAYERS], *slope[NQM_NET_MAX_LAYERS], *rstd[NQM_NET_MAX_LAYERS];
-    float *y, *dy;  /* outputs of a layer, and the gradient by them */
-    float *unused;  /* (max_batch, stride) sums of the gradients of bias, gamma and beta, which nobody reads */
-    bool has_ref;   /* the following are those of the last call with one row */
-    float *ref;     /* (n_ref) inputs */
-    float *partial; /* (stride) their contribution to the product of layer 0 */
+    float *y, *dy;    /* outputs of a layer, and the gradient by them */
+    float *discarded; /* (max_batch, stride) receives gradients by bias, gamma and beta */
+    bool has_ref;     /* the following are those of the last call with one row */
+    float *ref;       /* (n_ref) inputs */
+    float *partial;   /* (stride) their contribution to the product of layer 0 */
 };
 
 /* ---- creation ---------------------------------------------------------------------------------------------------- */
@@ -75,20 +75,20 @@ nqm_status nqm_gradient_work_create(const nqm_gradient_net *net, size_t max_batc
                                     nqm_error *err) {
     size_t widest = 0;
     nqm_gradient_work *work;
-    float *y, *dy, *unused, *kept, *ref, *partial;
+    float *y, *dy, *discarded, *kept, *ref, *partial;
     *work_ret = NULL;
     for (size_t l = 0; l < net->n_hidden; ++l)
         widest = nqm_larger(widest, net->layer[l].out);
     const size_t stride = nqm_row_stride(widest), row = stride * sizeof *y;
     nqm_status status =
         nqm_alloc_arrays(NQM_ARRAYS({&work, 1, sizeof *work}, {&y, max_batch, row}, {&dy, max_batch, row},
-                                    {&unused, max_batch, row}, {&ref, net->n_ref, sizeof *ref}, {&partial, 1, row},
+                                    {&discarded, max_batch, row}, {&ref, net->n_ref, sizeof *ref}, {&partial, 1, row},
                                     {&kept, net->n_hidden * max_batch, 2 * row + sizeof *kept}),
                          err);
     if (status != NQM_OK)
         return status;
     *work = (nqm_gradient_work){
-        .net = net, .stride = stride, .y = y, .dy = dy, .unused = unused, .ref = ref, .partial = partial};
+        .net = net, .stride = stride, .y = y, .dy = dy, .discarded = discarded, .ref = ref, .partial = partial};
     for (size_t l = 0; l < net->n_hidden; ++l) {
         work->xhat[l] = kept + 2 * l * max_batch * stride;
         work->slope[l] = work->xhat[l] + max_batch * stride;
@@ -129,16 +129,16 @@ static void hidden_rows_back(void *user, size_t piece) {
     const layer_job *job = user;
     const nqm_gradient_work *w = job->work;
     for (size_t i = piece * ROWS; i < w->n && i < (piece + 1) * ROWS; ++i) {
-        float *unused = w->unused + i * w->stride;
+        float *discarded = w->discarded + i * w->stride;
         nqm_kernels_get()->hidden_row_back(&(nqm_hidden_row_back){.n = w->net->layer[job->l].out,
                                                                   .gamma = w->net->params->layer[job->l].gamma,
                                                                   .xhat = w->xhat[job->l] + i * w->stride,
                                                                   .slope = w->slope[job->l] + i * w->stride,
                                                                   .rstd = w->rstd[job->l][i],
                                                                   .dy = w->dy + i * w->stride,
-                                                                  .dbias = unused,
-                                                                  .dgamma = unused,
-                                                                  .dbeta = unused});
+                                                                  .dbias = discarded,
+                                                                  .dgamma = discarded,
+                                                                  .dbeta = discarded});
     }
 }
 
@@ -212,9 +212,9 @@ void nqm_gradient_backward(nqm_gradient_work *w, size_t n, const float *dz, floa
         layer_job job = {w, l};
         nqm_parallel_for(n_pieces(n), hidden_rows_back, &job);
         if (l == 0) {
-            const size_t unused = net->n_ref / NQM_PANEL;
-            const nqm_panels used = panels_from(net->layer[0].backward, unused);
-            nqm_multiply(&used, n, w->dy, w->stride, false, dx + unused * NQM_PANEL, nqm_row_stride(net->layer[0].in));
+            const size_t first = net->n_ref / NQM_PANEL; /* panels before hold columns of the reference only */
+            const nqm_panels needed = panels_from(net->layer[0].backward, first);
+            nqm_multiply(&needed, n, w->dy, w->stride, false, dx + first * NQM_PANEL, nqm_row_stride(net->layer[0].in));
         } else {
             float *below = w->y;
             nqm_multiply(&net->layer[l].backward, n, w->dy, w->stride, false, below, w->stride);

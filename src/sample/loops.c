@@ -4,7 +4,7 @@
  * gives the same bits.
  */
 #include "sample/loops.h"
-#include "kernel/exp_log.h"
+#include "math/exp_log.h"
 
 #include <math.h>
 

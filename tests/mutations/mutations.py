@@ -57,11 +57,11 @@ MUTATIONS = [
     ("src/sample/loops.c", "x[i] = (t[i] - mean[i]) * scale[i];", "x[i] = t[i] * scale[i] - mean[i];", "test_sample_loops test_sample_features"),
     # ---- LayerNorm, GELU, Adam, losses, schedules
     ("src/kernel/kernel.h", "#define NQM_LAYERNORM_EPS 1e-5f", "#define NQM_LAYERNORM_EPS 1e-3f", "test_net_pytorch"),
-    ("src/kernel/rows.h", "sum[v] += (a + b - c) * (a + b - c);", "sum[v] += (a + b) * (a + b);", "test_kernel_rows test_net_pytorch"),
+    ("src/kernel/isa_rows.h", "sum[v] += (a + b - c) * (a + b - c);", "sum[v] += (a + b) * (a + b);", "test_kernel_rows test_net_pytorch"),
     ("src/kernel/kernel.h", "#define NQM_ADAM_BETA2   0.999", "#define NQM_ADAM_BETA2   0.99", "test_net_pytorch"),
     ("src/kernel/kernel.h", "#define NQM_ADAM_EPSILON 1e-8", "#define NQM_ADAM_EPSILON 1e-6", "test_net_pytorch test_kernel_rows"),
     ("src/kernel/kernels.c", ".v_scale = 1 / sqrt(1 - pow(NQM_ADAM_BETA2, t))", ".v_scale = 1 / (1 - pow(NQM_ADAM_BETA2, t))", "test_net_pytorch"),
-    ("src/kernel/rows.h", "float g = grad[i] + decay * param[i];", "float g = grad[i] - decay * param[i];", "test_kernel_rows test_net_pytorch"),
+    ("src/kernel/isa_rows.h", "float g = grad[i] + decay * param[i];", "float g = grad[i] - decay * param[i];", "test_kernel_rows test_net_pytorch"),
     ("src/kernel/gelu.h", "*slope = centre + copysignf(0.5f - t * POLYNOMIAL(inside, slope_of_tail), x);", "*slope = centre + copysignf(0.5f + t * POLYNOMIAL(inside, slope_of_tail), x);", "test_kernel_gelu"),
     ("src/net/learning.c", "sum += b->weight * (fabs(d) + log1p(exp(-2.0 * fabs(d))) - ln2);", "sum += b->weight * (fabs(d) + log1p(exp(-fabs(d))) - ln2);", "test_net_gradient test_net_pytorch"),
     ("src/net/learning.c", "(tanh(d) * (b->hi - b->lo) * s * (1.0 - s) / (double)batch)", "(tanh(d) * (b->hi - b->lo) * s * (1.0 - s))", "test_net_gradient test_net_pytorch"),

@@ -254,7 +254,8 @@ static void check_product(nqm_rng *rng, nqm_precision precision, size_t m, size_
             b = random_words(rng, precision, words * NQM_PANEL),
             before = random_sums(rng, precision, (m - 1) * ldc + NQM_PANEL), c = guard((m - 1) * ldc + NQM_PANEL);
     for (int add = 0; add < 2; ++add) {
-        nqm_product p = {.m = m, .words = words, .add = add, .a = a.at, .b = b.at, .c = c.at, .lda = lda, .ldc = ldc};
+        nqm_product p = {
+            .m = m, .words = words, .n_panels = 1, .add = add, .a = a.at, .b = b.at, .c = c.at, .lda = lda, .ldc = ldc};
         const size_t n_bytes = ((m - 1) * ldc + NQM_PANEL) * sizeof *c.at;
         memcpy(c.at, before.at, n_bytes);
         under_test->product[precision](&p);
@@ -262,7 +263,8 @@ static void check_product(nqm_rng *rng, nqm_precision precision, size_t m, size_
             uint32_t row[NQM_PANEL], one[NQM_PANEL];
             memcpy(row, before.at + i * ldc, sizeof row);
             memcpy(one, row, sizeof one);
-            nqm_product of_row = {.m = 1, .words = words, .add = add, .a = a.at + i * lda, .b = b.at, .c = row};
+            nqm_product of_row = {
+                .m = 1, .words = words, .n_panels = 1, .add = add, .a = a.at + i * lda, .b = b.at, .c = row};
             nqm_kernels_scalar.product[precision](&of_row);
             check_sums(precision, NQM_PANEL, words, c.at + i * ldc, row);
             of_row.c = one; /* the same bits from a row alone */
@@ -287,35 +289,34 @@ static void products_with_tails(void **state) {
             check_product(&rng, precision, some_rows[i], words);
 }
 
-/* One row times n panels: the bits of a product with m = 1. */
-static void check_row_product(nqm_rng *rng, nqm_precision precision, size_t n_panels, size_t words) {
-    const size_t stride = nqm_ceil_div(words, NQM_STRIP) * NQM_STRIP;
-    guarded a = random_words(rng, precision, words),
-            b = random_words(rng, precision, ((n_panels - 1) * stride + words) * NQM_PANEL),
-            c = random_sums(rng, precision, n_panels * NQM_PANEL);
+/* Rows times n panels: the bits of a product with each panel. */
+static void check_panels(nqm_rng *rng, nqm_precision precision, size_t m, size_t n_panels, size_t words) {
+    enum { MOST = 3 };
+    const size_t step = nqm_ceil_div(words, NQM_STRIP) * NQM_STRIP * NQM_PANEL, ldc = n_panels * NQM_PANEL;
+    guarded a = random_words(rng, precision, m * words),
+            b = random_words(rng, precision, (n_panels - 1) * step + words * NQM_PANEL),
+            c = random_sums(rng, precision, m * ldc);
     for (int add = 0; add < 2; ++add) {
-        uint32_t expected[3 * NQM_PANEL];
-        memcpy(expected, c.at, n_panels * NQM_PANEL * sizeof *c.at);
-        for (size_t i = 0; i < n_panels; ++i)
-            under_test->product[precision](&(nqm_product){.m = 1,
-                                                          .words = words,
-                                                          .add = add,
-                                                          .a = a.at,
-                                                          .b = b.at + i * stride * NQM_PANEL,
-                                                          .c = expected + i * NQM_PANEL});
-        under_test->row_product[precision](&(nqm_row_product){
-            .words = words, .n_panels = n_panels, .stride = stride, .add = add, .a = a.at, .b = b.at, .c = c.at});
-        assert_memory_equal(c.at, expected, n_panels * NQM_PANEL * sizeof *c.at);
+        uint32_t expected[MOST * MOST * NQM_PANEL];
+        memcpy(expected, c.at, m * ldc * sizeof *c.at);
+        nqm_product p = {.m = m, .words = words, .n_panels = 1, .add = add, .a = a.at, .lda = words, .ldc = ldc};
+        for (size_t i = 0; i < n_panels; ++i) {
+            p.b = b.at + i * step, p.c = expected + i * NQM_PANEL;
+            under_test->product[precision](&p);
+        }
+        p.n_panels = n_panels, p.panel_step = step, p.b = b.at, p.c = c.at;
+        under_test->product[precision](&p);
+        assert_memory_equal(c.at, expected, m * ldc * sizeof *c.at);
     }
     drop(&a), drop(&b), drop(&c);
 }
 
-static void rows_with_tails(void **state) {
+static void several_panels(void **state) {
     const nqm_precision precision = take_numbers(state);
     nqm_rng rng = nqm_rng_make(seed, 1);
     for (size_t words = 1; words <= 70; ++words)
         for (size_t n_panels = 1; n_panels <= 3; ++n_panels)
-            check_row_product(&rng, precision, n_panels, words);
+            check_panels(&rng, precision, 1 + words % 3, n_panels, words);
 }
 
 /* A sum that is continued after a multiple of 16 words has the bits of one sum. */
@@ -326,7 +327,8 @@ static void continued_sums(void **state) {
     guarded a = random_words(&rng, NQM_PRECISION_BF16, M * WORDS),
             b = random_words(&rng, NQM_PRECISION_BF16, WORDS * NQM_PANEL);
     float whole[M * NQM_PANEL], cut[M * NQM_PANEL];
-    nqm_product p = {.m = M, .words = WORDS, .a = a.at, .b = b.at, .c = whole, .lda = WORDS, .ldc = NQM_PANEL};
+    nqm_product p = {
+        .m = M, .words = WORDS, .n_panels = 1, .a = a.at, .b = b.at, .c = whole, .lda = WORDS, .ldc = NQM_PANEL};
     under_test->product[NQM_PRECISION_BF16](&p);
     for (size_t at = 16; at < WORDS; at += 16) {
         p.add = false, p.words = at, p.a = a.at, p.b = b.at, p.c = cut;
@@ -420,15 +422,18 @@ static void configuration_is_restored(void **state) {
     float *const to = (float *)(void *)c.at;
     const shapes callers[] = {shapes_of(5, 7, 9), {.palette = 0}};
     for (size_t i = 0; i < 2; ++i)
-        for (int kernel = 0; kernel < 4; ++kernel) {
+        for (int kernel = 0; kernel < 3; ++kernel) {
             shapes after;
             amx_configure(&callers[i]);
             if (kernel < 2)
-                under_test->product[precisions[kernel]](&(nqm_product){
-                    .m = 18, .words = WORDS, .a = a.at, .b = a.at, .c = c.at, .lda = WORDS, .ldc = NQM_PANEL});
-            else if (kernel == 2)
-                under_test->row_product[NQM_PRECISION_BF16](&(nqm_row_product){
-                    .words = WORDS, .n_panels = 1, .stride = WORDS, .a = a.at, .b = a.at, .c = c.at});
+                under_test->product[precisions[kernel]](&(nqm_product){.m = 18,
+                                                                       .words = WORDS,
+                                                                       .n_panels = 1,
+                                                                       .a = a.at,
+                                                                       .b = a.at,
+                                                                       .c = c.at,
+                                                                       .lda = WORDS,
+                                                                       .ldc = NQM_PANEL});
             else
                 under_test->gradient[NQM_PRECISION_BF16](&(nqm_tile_gradient){.n_strips = 1,
                                                                               .words = WORDS,
@@ -467,8 +472,8 @@ int main(void) {
         cmocka_unit_test(misuse_is_refused),
         cmocka_unit_test_prestate(products_with_tails, &bfloats),
         cmocka_unit_test_prestate(products_with_tails, &bytes),
-        cmocka_unit_test_prestate(rows_with_tails, &bfloats),
-        cmocka_unit_test_prestate(rows_with_tails, &bytes),
+        cmocka_unit_test_prestate(several_panels, &bfloats),
+        cmocka_unit_test_prestate(several_panels, &bytes),
         cmocka_unit_test(continued_sums),
         cmocka_unit_test(any_number_of_threads),
         cmocka_unit_test(gradients_with_tails),
@@ -476,13 +481,13 @@ int main(void) {
     };
     const struct CMUnitTest own[] = {
         {"bf16_products_of_the_processor", products_with_tails, NULL, NULL, &bfloats},
-        {"bf16_rows_of_the_processor", rows_with_tails, NULL, NULL, &bfloats},
+        {"bf16_rows_of_the_processor", several_panels, NULL, NULL, &bfloats},
         {"continued_sums_of_the_processor", continued_sums, NULL, NULL, NULL},
         {"bf16_gradients_of_the_processor", gradients_with_tails, NULL, NULL, NULL},
         {"threads_of_the_processor", any_number_of_threads, NULL, NULL, NULL},
         {"small_int8_products_of_the_processor", products_with_tails, NULL, NULL, &small_bytes},
         {"int8_products_of_the_processor", products_with_tails, NULL, NULL, &bytes},
-        {"int8_rows_of_the_processor", rows_with_tails, NULL, NULL, &bytes},
+        {"int8_rows_of_the_processor", several_panels, NULL, NULL, &bytes},
     };
     const struct CMUnitTest none[] = {cmocka_unit_test(the_processor_has_none)};
     under_test = emulated_kernels();

@@ -48,7 +48,7 @@ static void rows_of_bytes(void **state) {
 
 static void one_row_like_many(void **state) {
     (void)state;
-    enum { K = 77, WIDTH = 200 }; /* seven panels */
+    enum { K = 77, WIDTH = 200, ROWS = 5 }; /* seven panels */
     nqm_rng rng = nqm_rng_make(seed, 3);
     static float w[WIDTH * K], x[K];
     for (size_t i = 0; i < WIDTH * K; ++i)
@@ -61,7 +61,7 @@ static void one_row_like_many(void **state) {
             const nqm_precision precision = (nqm_precision)p;
             nqm_panels b;
             uint32_t a[K];
-            static float expected[WIDTH + NQM_PANEL], actual[WIDTH + NQM_PANEL];
+            static float expected[WIDTH + NQM_PANEL], actual[ROWS * (WIDTH + NQM_PANEL)];
             assert_int_equal(nqm_panels_create(precision, K, WIDTH, &b, NULL), NQM_OK);
             nqm_panels_pack(&b, (nqm_weights){w, NULL, K});
             memcpy(a, x, sizeof x);
@@ -73,13 +73,15 @@ static void one_row_like_many(void **state) {
                 nqm_kernels_use(kernels);
                 nqm_multiply(&b, 1, a, K, add, expected, WIDTH + NQM_PANEL);
                 use_chosen_kernels();
-                kernels->row_product[precision](&(nqm_row_product){.words = b.words,
-                                                                   .n_panels = b.n_panels,
-                                                                   .stride = b.stride,
-                                                                   .add = add,
-                                                                   .a = a,
-                                                                   .b = b.data,
-                                                                   .c = actual});
+                kernels->product[precision](&(nqm_product){.m = ROWS,
+                                                           .words = b.words,
+                                                           .n_panels = b.n_panels,
+                                                           .add = add,
+                                                           .a = a,
+                                                           .b = b.data,
+                                                           .panel_step = b.stride * NQM_PANEL,
+                                                           .c = actual,
+                                                           .ldc = WIDTH + NQM_PANEL});
                 assert_memory_equal(actual, expected, b.n_panels * NQM_PANEL * sizeof *actual);
             }
             nqm_panels_free(&b);

@@ -177,8 +177,15 @@ static void strided_products_of_every_table(void **state) {
                                                                        .step = STEP,
                                                                        .ldb = LDB,
                                                                        .ldc = LDC});
-                every_table(t)->product[NQM_PRECISION_F32](&(nqm_product){
-                    .m = m, .words = K, .add = add, .a = dense_a, .b = dense_b, .c = expected, .lda = K, .ldc = LDC});
+                every_table(t)->product[NQM_PRECISION_F32](&(nqm_product){.m = m,
+                                                                          .words = K,
+                                                                          .n_panels = 1,
+                                                                          .add = add,
+                                                                          .a = dense_a,
+                                                                          .b = dense_b,
+                                                                          .c = expected,
+                                                                          .lda = K,
+                                                                          .ldc = LDC});
                 assert_memory_equal(c, expected, sizeof c);
             }
             float *const blocks[] = {a, b, dense_a, dense_b};
@@ -304,13 +311,14 @@ static void products_of_extreme_bytes(void **state) {
         b[i] = right[nqm_rng_u64(&rng) >> 62];
     for (size_t t = 0; every_table(t); ++t) {
         int32_t c[M * NQM_PANEL], expected[M * NQM_PANEL], row[NQM_PANEL];
-        nqm_product p = {.m = M, .words = WORDS, .a = a, .b = b, .c = expected, .lda = WORDS, .ldc = NQM_PANEL};
+        nqm_product p = {
+            .m = M, .words = WORDS, .n_panels = 1, .a = a, .b = b, .c = expected, .lda = WORDS, .ldc = NQM_PANEL};
         nqm_kernels_scalar.product[NQM_PRECISION_INT8](&p);
         p.c = c;
         every_table(t)->product[NQM_PRECISION_INT8](&p);
         assert_memory_equal(c, expected, sizeof c);
-        every_table(t)->row_product[NQM_PRECISION_INT8](
-            &(nqm_row_product){.words = WORDS, .n_panels = 1, .stride = WORDS, .a = a, .b = b, .c = row});
+        p.m = 1, p.c = row;
+        every_table(t)->product[NQM_PRECISION_INT8](&p);
         assert_memory_equal(row, expected, sizeof row);
     }
 }

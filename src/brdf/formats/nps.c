@@ -35,9 +35,15 @@ enum { TILE = 11 * NQM_STRIP };
 
 /* y (n, out) = relu(x (n, in) w + b) */
 static void apply_layer(size_t n, const nqm_panels *w, const float *b, const float *x, float *y) {
-    for (size_t p = 0; p < w->n_panels; ++p)
-        nqm_kernels_get()->product[NQM_PRECISION_F32](&(nqm_product){
-            .m = n, .words = w->words, .a = x, .lda = LD, .b = nqm_panel_at(w, p), .c = y + p * NQM_PANEL, .ldc = LD});
+    nqm_kernels_get()->product[NQM_PRECISION_F32](&(nqm_product){.m = n,
+                                                                 .words = w->words,
+                                                                 .n_panels = w->n_panels,
+                                                                 .a = x,
+                                                                 .lda = LD,
+                                                                 .b = w->data,
+                                                                 .panel_step = w->stride * NQM_PANEL,
+                                                                 .c = y,
+                                                                 .ldc = LD});
     for (size_t i = 0; i < n; ++i) {
         float *row = y + i * LD;
 #pragma omp simd

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * rounding.h - rows of floats to bfloat16 and to bytes, and sums of products of bytes back to float, for one instruction set:
- * loops that compilers vectorise, included by rows.h. Every instruction set gives the same bits.
+ * isa_rounding.h - rows of floats to bfloat16 and to bytes, and sums of products of bytes back to float, for one instruction set:
+ * loops that compilers vectorise, included by isa_rows.h. Every instruction set gives the same bits.
  */
 #include "kernel/kernel.h"
 #include "kernel/multiply_add.h"

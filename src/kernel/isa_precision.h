@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * products.h - the matrix products of one precision, for tiles.h, which includes this file once for each:
+ * isa_precision.h - the matrix products of one precision, for isa_products.h, which includes this file once for each:
  *
  * PRECISION      suffix of the functions' names
  * WORD, RIGHT    an element of A and a vector of elements of B
@@ -89,7 +89,8 @@ INLINE void NAME(multiply_rows)(NAME(tile) t, size_t m) {
 #undef REST
 }
 
-static void NAME(product)(const nqm_product *p) {
+/* All rows times the panel b, in parts of the panel. */
+INLINE void NAME(multiply_panel)(const nqm_product *p, const WORD *b, NUMBER *c) {
     const size_t n_parts = (p->words - 1) / PART_WORDS + 1, n = (p->words - 1) / n_parts + 1;
     for (size_t first = 0; first < p->words; first += n)
         for (size_t column = 0; column < NQM_PANEL; column += TILE_COLUMNS)
@@ -99,12 +100,38 @@ static void NAME(product)(const nqm_product *p) {
                   .a = (const WORD *)p->a + first,
                   .row_step = p->lda,
                   .word_step = 1,
-                  .b = (const WORD *)p->b + first * NQM_PANEL + column,
+                  .b = b + first * NQM_PANEL + column,
                   .ldb = NQM_PANEL,
-                  .c = (NUMBER *)p->c + column,
+                  .c = c + column,
                   .ldc = p->ldc,
                   .add = p->add || first > 0},
      p->m);
+}
+
+/* One row times n neighbouring panels from b on. Bound by memory bandwidth: several panels at once keep enough accumulators busy. */
+INLINE void NAME(multiply_row)(size_t n, const nqm_product *p, const WORD *restrict b, NUMBER *restrict c) {
+    const WORD *restrict a = p->a;
+    SUM sum[ROW_PANELS * PANEL_VECTORS];
+    UNROLL for (size_t i = 0; i < n * PANEL_VECTORS; ++i) sum[i] = p->add ? *(const SUM *)(c + i * LANES) : (SUM){0};
+    for (size_t u = 0; u < p->words; ++u)
+        UNROLL for (size_t i = 0; i < n * PANEL_VECTORS; ++i) {
+            const WORD *right = b + i / PANEL_VECTORS * p->panel_step + u * NQM_PANEL + i % PANEL_VECTORS * LANES;
+            sum[i] = MADD(sum[i], a[u], *(const RIGHT *)right);
+        }
+    UNROLL for (size_t i = 0; i < n * PANEL_VECTORS; ++i) * (SUM *)(c + i * LANES) = sum[i];
+}
+
+static void NAME(product)(const nqm_product *p) {
+    const WORD *b = p->b;
+    NUMBER *c = p->c;
+    size_t panel = 0;
+    for (; p->m == 1 && panel + ROW_PANELS <= p->n_panels; panel += ROW_PANELS)
+        NAME(multiply_row)(ROW_PANELS, p, b + panel * p->panel_step, c + panel * NQM_PANEL);
+    for (; panel < p->n_panels; ++panel)
+        if (p->m == 1)
+            NAME(multiply_row)(1, p, b + panel * p->panel_step, c + panel * NQM_PANEL);
+        else
+            NAME(multiply_panel)(p, b + panel * p->panel_step, c + panel * NQM_PANEL);
 }
 
 #ifdef STRIDED
@@ -137,29 +164,6 @@ static void strided_product(const nqm_strided_product *p) {
 }
 #undef STRIDED
 #endif
-
-/* One row times n neighbouring panels from b on. */
-INLINE void NAME(multiply_row)(size_t n, const nqm_row_product *p, const WORD *restrict b, NUMBER *restrict c) {
-    const WORD *restrict a = p->a;
-    SUM sum[ROW_PANELS * PANEL_VECTORS];
-    UNROLL for (size_t i = 0; i < n * PANEL_VECTORS; ++i) sum[i] = p->add ? *(const SUM *)(c + i * LANES) : (SUM){0};
-    for (size_t u = 0; u < p->words; ++u)
-        UNROLL for (size_t i = 0; i < n * PANEL_VECTORS; ++i) {
-            const WORD *right = b + (i / PANEL_VECTORS * p->stride + u) * NQM_PANEL + i % PANEL_VECTORS * LANES;
-            sum[i] = MADD(sum[i], a[u], *(const RIGHT *)right);
-        }
-    UNROLL for (size_t i = 0; i < n * PANEL_VECTORS; ++i) * (SUM *)(c + i * LANES) = sum[i];
-}
-
-static void NAME(row_product)(const nqm_row_product *p) {
-    const WORD *b = p->b;
-    NUMBER *c = p->c;
-    size_t panel = 0;
-    for (; panel + ROW_PANELS <= p->n_panels; panel += ROW_PANELS)
-        NAME(multiply_row)(ROW_PANELS, p, b + panel * p->stride * NQM_PANEL, c + panel * NQM_PANEL);
-    for (; panel < p->n_panels; ++panel)
-        NAME(multiply_row)(1, p, b + panel * p->stride * NQM_PANEL, c + panel * NQM_PANEL);
-}
 
 #ifdef GRADIENT
 INLINE void NAME(gradient_of_strip)(const nqm_tile_gradient *g, size_t strip) {

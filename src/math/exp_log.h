@@ -2,8 +2,8 @@
  *
  * exp_log.h - exp and log in float, written so that compilers vectorise the loops that they are inlined into.
  */
-#ifndef NQM_SRC_KERNEL_EXP_LOG_H
-#define NQM_SRC_KERNEL_EXP_LOG_H
+#ifndef NQM_SRC_MATH_EXP_LOG_H
+#define NQM_SRC_MATH_EXP_LOG_H
 
 #include <stdint.h>
 #include <string.h>

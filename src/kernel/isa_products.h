@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * tiles.h - the matrix products of kernel.h for one instruction set. A file isa_*.c defines these and includes this file:
+ * isa_products.h - the matrix products of kernel.h for one instruction set. A file isa_*.c defines these and includes this file:
  *
  * VECTOR_BYTES           size of a vector register
  * TILE_ROWS, TILE_VECTORS  a tile of C is TILE_ROWS rows of TILE_VECTORS registers, all of which hold sums
@@ -12,7 +12,7 @@
  *                        unsigned bytes; or, without an instruction for that:
  * MADD_INT16(sum, x, y)  sum + x y for vectors sum of int32_t, x and y of words with two signed 16-bit numbers
  *
- * The functions themselves are in products.h, which is compiled once for each precision. Vectors are types of GCC and Clang,
+ * The functions themselves are in isa_precision.h, which is compiled once for each precision. Vectors are types of GCC and Clang,
  * so that one source serves every instruction set.
  */
 #include "kernel/kernel.h"
@@ -94,7 +94,7 @@ _Static_assert(NQM_STRIP % TILE_ROWS == 0 && NQM_PANEL % TILE_COLUMNS == 0, "til
 #define MADD      MADD_F32
 #define STRIDED
 #define GRADIENT
-#include "kernel/products.h"
+#include "kernel/isa_precision.h"
 
 #define PRECISION bf16
 #define WORD      uint32_t
@@ -103,7 +103,7 @@ _Static_assert(NQM_STRIP % TILE_ROWS == 0 && NQM_PANEL % TILE_COLUMNS == 0, "til
 #define SUM       vector_f
 #define MADD      MADD_BF16
 #define GRADIENT
-#include "kernel/products.h"
+#include "kernel/isa_precision.h"
 
 #define PRECISION int8
 #define WORD      uint32_t
@@ -111,4 +111,4 @@ _Static_assert(NQM_STRIP % TILE_ROWS == 0 && NQM_PANEL % TILE_COLUMNS == 0, "til
 #define NUMBER    int32_t
 #define SUM       vector_i
 #define MADD      MADD_INT8
-#include "kernel/products.h"
+#include "kernel/isa_precision.h"

@@ -1,13 +1,12 @@
 /* SPDX-License-Identifier: MIT
  *
- * rows.h - Adam and the rows of hidden layers for one instruction set: loops that compilers vectorise, included by each file
- * isa_*.c after tiles.h. Every instruction set gives the same bits: multiply-adds are fused by name only
+ * isa_rows.h - Adam and the rows of hidden layers for one instruction set: loops that compilers vectorise, included by each file
+ * isa_*.c after isa_products.h. Every instruction set gives the same bits: multiply-adds are fused by name only
  * (nqm_multiply_add()), nothing is reordered, and a row always has GROUP partial sums, whatever the vector width.
  */
-#include "kernel/exp_log.h"
 #include "kernel/gelu.h"
+#include "kernel/isa_rounding.h"
 #include "kernel/kernel.h"
-#include "kernel/rounding.h"
 
 #include <math.h>
 #include <string.h>
@@ -254,7 +253,6 @@ static double double_dot(size_t n, const float *x, const double *y) {
     const nqm_kernels nqm_kernels_##SUFFIX = {                                                                         \
         .name = (NAME),                                                                                                \
         .product = {product_f32, product_bf16, product_int8},                                                          \
-        .row_product = {row_product_f32, row_product_bf16, row_product_int8},                                          \
         .strided_product = strided_product,                                                                            \
         .double_product = double_product,                                                                              \
         .double_dot = double_dot,                                                                                      \
