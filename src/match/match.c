@@ -7,8 +7,6 @@
 #include "fit/fit.h"
 
 #include <math.h>
-#include <pthread.h>
-#include <stdatomic.h>
 
 /* ---- one fit ----------------------------------------------------------------------------------------------------- */
 
@@ -51,17 +49,18 @@ static void release(binding *b) {
     nqm_match_visual_free(&b->transport);
 }
 
-/* A NaN of a metric ends a fit: its own reason replaces that of the fit. */
-static nqm_status explain(const binding *b, nqm_status status, nqm_error *err) {
-    const nqm_error *failure = b->metric.failure.status != NQM_OK ? &b->metric.failure : &b->transport.failure;
-    if (status != NQM_ERR_NUMERIC || failure->status == NQM_OK)
-        return status;
-    return nqm_fail(err, failure->status, -1, "%s", failure->message);
+/* The status of a fit with visual losses: a NaN of theirs ends it, and their own reason replaces that of the fit. "auto" survives
+ * a candidate without a result, but not one that lacked memory. */
+static nqm_status explain(size_t n, const nqm_error *const *failures, nqm_status status, nqm_error *err) {
+    for (size_t i = 0; i < n; ++i)
+        if (failures[i]->status != NQM_OK &&
+            (status == NQM_ERR_NUMERIC || (status == NQM_OK && failures[i]->status != NQM_ERR_NUMERIC)))
+            return nqm_fail(err, failures[i]->status, -1, "%s", failures[i]->message);
+    return status;
 }
 
-/* Fit by a sum; start: a spec to start from, NULL: as the options say. */
-static nqm_status fit_sum(const setting *s, const nqm_match_sum *sum, const char *start, nqm_fit_report *report,
-                          nqm_brdf **brdf_ret, nqm_error *err) {
+static nqm_status fit_sum(const setting *s, const nqm_match_sum *sum, nqm_fit_report *report, nqm_brdf **brdf_ret,
+                          nqm_error *err) {
     binding b = {.n = 0};
     nqm_fit_options options = s->options;
     nqm_status status = NQM_OK;
@@ -70,70 +69,13 @@ static nqm_status fit_sum(const setting *s, const nqm_match_sum *sum, const char
         status = bind_term(s, &sum->terms[i], &b, err);
     options.terms = b.terms;
     options.n_terms = b.n;
-    options.start = start ? start : options.start;
     int n_threads = nqm_limit_threads(1); /* of a score of one pair */
+    const nqm_error *failures[] = {&b.metric.failure, &b.transport.failure};
     if (status == NQM_OK)
-        status = explain(&b, nqm_fit(s->ref, s->model, &options, report, brdf_ret, err), err);
+        status = explain(2, failures, nqm_fit(s->ref, s->model, &options, report, brdf_ret, err), err);
     nqm_limit_threads(n_threads);
     release(&b);
     return status;
-}
-
-/* "auto" for a shading model. */
-static nqm_status select_shading(const setting *s, const nqm_fit_entry *entry, const nqm_match_sum *sum,
-                                 const char *sum_text, nqm_match_report *report, nqm_brdf **brdf_ret, nqm_error *err) {
-    binding b = {.n = 0};
-    nqm_match_visual transport = {.scorer = NULL};
-    nqm_status status = NQM_OK;
-    for (size_t i = 0; status == NQM_OK && i < sum->n; ++i)
-        status = bind_term(s, &sum->terms[i], &b, err);
-    if (status == NQM_OK && !s->judge)
-        status = nqm_match_visual_make(s->loss->transport, s->ref, &transport, err);
-    int n_threads = nqm_limit_threads(1); /* of a score of one pair */
-    if (status == NQM_OK)
-        status = explain(&b,
-                         nqm_match_shading(s->ref, entry->shading, &s->options, b.n, b.terms,
-                                           s->judge ? &s->judge->visual : &transport.visual, sum_text, report, err),
-                         err);
-    nqm_limit_threads(n_threads);
-    nqm_match_visual_free(&transport);
-    release(&b);
-    return status == NQM_OK ? nqm_brdf_open(report->fit.spec, brdf_ret, err) : status;
-}
-
-/* ---- selection among candidates ---------------------------------------------------------------------------------- */
-
-static const nqm_fit_loss candidate_losses[] = {NQM_FIT_LOG, NQM_FIT_LOG_COS, NQM_FIT_RMS_CRWE, NQM_FIT_LOG_DIFF};
-enum { N_CANDIDATES = sizeof candidate_losses / sizeof *candidate_losses };
-
-/* A fit under a loss between values, and its polished form. */
-typedef struct candidate {
-    struct {
-        nqm_fit_report report;
-        double difference; /* NaN: failed */
-    } forms[2];
-    nqm_error err; /* why it was not completed */
-} candidate;
-
-typedef struct selection {
-    setting setting; /* with progress by report_progress() */
-    const nqm_match_sum *polish;
-    candidate candidates[N_CANDIDATES];
-    pthread_t caller;
-    nqm_ticker ticker; /* of the caller's callback */
-    atomic_int n_done, stopped;
-} selection;
-
-/* Of the caller's thread only; the other threads see its answer. */
-static int report_progress(void *user, const char *stage, double done, double total) {
-    selection *s = user;
-    (void)stage;
-    (void)done;
-    (void)total;
-    if (pthread_equal(pthread_self(), s->caller) &&
-        nqm_tick(&s->ticker, "fit", atomic_load(&s->n_done), 2 * N_CANDIDATES + 1))
-        atomic_store(&s->stopped, 1);
-    return atomic_load(&s->stopped);
 }
 
 static nqm_status compare(const setting *s, const nqm_brdf *brdf, double *difference, nqm_error *err) {
@@ -147,73 +89,37 @@ static nqm_status compare(const setting *s, const nqm_brdf *brdf, double *differ
     return status;
 }
 
-static nqm_status make_form(const selection *s, const nqm_match_sum *sum, const char *start, nqm_fit_report *report,
-                            double *difference, nqm_error *err) {
-    nqm_brdf *brdf;
-    nqm_status status = fit_sum(&s->setting, sum, start, report, &brdf, err);
+/* "auto". */
+static nqm_status select_best(const setting *s, const nqm_fit_entry *entry, const nqm_match_sum *sum,
+                              nqm_match_report *report, nqm_brdf **brdf_ret, nqm_error *err) {
+    const char *polish = strchr(s->loss->text, ':') ? s->loss->text + 5 : nqm_match_polish;
+    binding b = {.n = 0};
+    nqm_match_visual transport = {.scorer = NULL};
+    nqm_fit_options options = s->options;
+    nqm_fit_loss loss;
+    bool polished;
+    nqm_status status = NQM_OK;
+    for (size_t i = 0; status == NQM_OK && i < sum->n; ++i)
+        status = bind_term(s, &sum->terms[i], &b, err);
+    if (status == NQM_OK && !s->judge)
+        status = nqm_match_visual_make(s->loss->transport, s->ref, &transport, err);
+    options.terms = b.terms;
+    options.n_terms = b.n;
+    int n_threads = nqm_limit_threads(1); /* of a score of one pair */
+    const nqm_error *failures[] = {&b.metric.failure, &b.transport.failure,
+                                   s->judge ? &s->judge->failure : &transport.failure};
     if (status == NQM_OK)
-        status = compare(&s->setting, brdf, difference, err);
-    nqm_brdf_free(brdf);
-    return status;
-}
-
-static void make_candidate(void *user, size_t i) {
-    selection *s = user;
-    candidate *c = &s->candidates[i];
-    const nqm_match_sum single = {.n = 1, .terms = {{.weight = 1, .loss = candidate_losses[i]}}};
-    c->forms[0].difference = c->forms[1].difference = NAN;
-    nqm_status status = make_form(s, &single, NULL, &c->forms[0].report, &c->forms[0].difference, &c->err);
-    atomic_fetch_add(&s->n_done, 1);
+        status = explain(3, failures,
+                         nqm_fit_select(s->ref, entry, &options, s->judge ? &s->judge->visual : &transport.visual,
+                                        &report->fit, &loss, &polished, err),
+                         err);
+    nqm_limit_threads(n_threads);
+    report->difference = report->fit.loss;
     if (status == NQM_OK)
-        status =
-            make_form(s, s->polish, c->forms[0].report.spec, &c->forms[1].report, &c->forms[1].difference, &c->err);
-    atomic_fetch_add(&s->n_done, 1);
-}
-
-/* The first error other than a divergence, which loses only its candidate. */
-static const nqm_error *failure_of(const selection *s) {
-    for (size_t i = 0; i < N_CANDIDATES; ++i)
-        if (s->candidates[i].err.status != NQM_OK && s->candidates[i].err.status != NQM_ERR_NUMERIC)
-            return &s->candidates[i].err;
-    return NULL;
-}
-
-static nqm_status choose(const selection *s, const char *text, nqm_match_report *report, nqm_error *err) {
-    double best = INFINITY;
-    for (size_t i = 0; i < 2 * N_CANDIDATES; ++i) {
-        const candidate *c = &s->candidates[i / 2];
-        if (!(c->forms[i % 2].difference < best))
-            continue;
-        best = c->forms[i % 2].difference;
-        report->fit = c->forms[i % 2].report;
-        report->fit.loss = report->difference = best;
-        snprintf(report->selected, sizeof report->selected, "%s%s%.80s", nqm_fit_loss_words[candidate_losses[i / 2]],
-                 i % 2 ? ", then " : "", i % 2 ? text : "");
-    }
-    return best < INFINITY ? NQM_OK : nqm_fail(err, NQM_ERR_NUMERIC, -1, "no candidate of the loss auto has a result");
-}
-
-static const char *polish_text(const nqm_match_loss *loss) {
-    return strchr(loss->text, ':') ? loss->text + 5 : nqm_match_polish;
-}
-
-static nqm_status select_best(const setting *setting_of_all, const nqm_match_sum *polish, nqm_match_report *report,
-                              nqm_brdf **brdf_ret, nqm_error *err) {
-    const nqm_match_loss *loss = setting_of_all->loss;
-    selection *s = nqm_alloc(1, sizeof *s);
-    if (!s)
-        return nqm_fail_nomem(err, sizeof *s);
-    s->setting = *setting_of_all;
-    s->polish = polish;
-    s->caller = pthread_self();
-    s->ticker = (nqm_ticker){.fn = s->setting.options.progress, .user = s->setting.options.progress_user};
-    s->setting.options.progress = report_progress;
-    s->setting.options.progress_user = s;
-    nqm_parallel_for(N_CANDIDATES, make_candidate, s);
-    const nqm_error *failure = failure_of(s);
-    nqm_status status = failure ? nqm_fail(err, failure->status, failure->byte_offset, "%s", failure->message)
-                                : choose(s, polish_text(loss), report, err);
-    nqm_free(s);
+        snprintf(report->selected, sizeof report->selected, "%s%s%.80s", nqm_fit_loss_words[loss],
+                 polished ? ", then " : "", polished ? polish : "");
+    nqm_match_visual_free(&transport);
+    release(&b);
     return status == NQM_OK ? nqm_brdf_open(report->fit.spec, brdf_ret, err) : status;
 }
 
@@ -250,11 +156,9 @@ static nqm_status match(const setting *s, const nqm_fit_entry *entry, const nqm_
     }
     if (sum->is_auto && !s->judge && !s->loss->transport)
         return nqm_fail(err, NQM_ERR_ARG, -1, "the loss 'auto' needs a scene or a model for transport");
-    if (sum->is_auto && entry->shading)
-        return select_shading(s, entry, sum, polish_text(s->loss), report, brdf_ret, err);
     if (sum->is_auto)
-        return select_best(s, sum, report, brdf_ret, err);
-    nqm_status status = fit_sum(s, sum, NULL, &report->fit, brdf_ret, err);
+        return select_best(s, entry, sum, report, brdf_ret, err);
+    nqm_status status = fit_sum(s, sum, &report->fit, brdf_ret, err);
     if (status == NQM_OK && (s->judge || s->loss->transport))
         status = compare(s, *brdf_ret, &report->difference, err);
     return status == NQM_ERR_INCOMPATIBLE && *brdf_ret ? NQM_OK : status; /* without a difference */

@@ -33,13 +33,6 @@ extern const char *const nqm_match_uncovered;
 /** NQM_ERR_ARG names the word at fault. */
 NQM_MUST_CHECK nqm_status nqm_match_parse(const char *text, nqm_match_sum *sum, nqm_error *err);
 
-struct nqm_analytic_model;
-/** The loss "auto" of a shading model: `terms` are those of the polish, which `sum_text` names. */
-NQM_MUST_CHECK nqm_status nqm_match_shading(const nqm_brdf *ref, const struct nqm_analytic_model *model,
-                                            const nqm_fit_options *options, size_t n_terms, const nqm_fit_term *terms,
-                                            const nqm_fit_visual *judge, const char *sum_text, nqm_match_report *report,
-                                            nqm_error *err);
-
 /** A metric against one reference, as a loss of a fit. Used by one thread at a time. */
 typedef struct nqm_match_visual {
     nqm_fit_visual visual;
