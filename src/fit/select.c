@@ -37,22 +37,24 @@ static nqm_status add(selection *s, const nqm_fit_point *point, nqm_fit_loss los
     return nqm_fit_objective_value(s->judge, &point->values, &c->difference, s->run.err);
 }
 
-/* Fits under each loss from the points of the search. */
+/* Fits under each loss from the points of the search; of shading models on a part of the directions. */
 static nqm_status make_candidates(selection *s, size_t n, const nqm_fit_point *points) {
-    enum { STEPS = 15 };
+    enum { STEPS = 15, THIN = 3000 };
     nqm_fit_run *run = &s->run;
-    nqm_status status = NQM_OK;
+    nqm_fit_target thin = {0};
+    nqm_status status = nqm_fit_target_thin(&run->target, is_analytic(s) ? run->target.n : THIN, &thin, run->err);
     for (size_t i = 0; status == NQM_OK && i < N_LOSSES * n; ++i) {
         const nqm_fit_loss loss = candidate_losses[i / n];
         nqm_fit_point point = points[i % n];
         nqm_fit_target target;
-        status = nqm_fit_target_under(&run->target, loss, &target, run->err);
-        if (status == NQM_OK && loss != run->target.loss)
+        status = nqm_fit_target_under(&thin, loss, &target, run->err);
+        if (status == NQM_OK && loss != thin.loss)
             status = nqm_fit_refine(&run->space, &target, STEPS, &run->ticker, &point, run->err);
         nqm_free(target.weight);
         if (status == NQM_OK)
             status = add(s, &point, loss, false);
     }
+    nqm_free(thin.wi);
     return status;
 }
 
