@@ -25,7 +25,7 @@ for h in $core_headers encode fit render match data train judge label corpus; do
 exported "$build/libnqm.so" | diff "$build/declared-core.txt" - || fail "libnqm.so exports other names than its headers declare (< declared, > exported)"
 exported "$build/libnqm-full.so" | diff "$build/declared-full.txt" - || fail "libnqm-full.so: the same"
 
-for room in encode fit render match data train judge label corpus; do
+for room in encode fit render data train judge label corpus; do
     for object in "$build"/CMakeFiles/nqm_full_objects.dir/src/"$room"/*.o; do
         nm --defined-only --extern-only "$object" | awk 'NF == 3 {print $3}'
     done

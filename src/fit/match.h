@@ -2,8 +2,8 @@
  *
  * match.h - the parts of a match: the text of a loss, and metrics as differentiable losses of fits.
  */
-#ifndef NQM_SRC_MATCH_H
-#define NQM_SRC_MATCH_H
+#ifndef NQM_SRC_FIT_MATCH_H
+#define NQM_SRC_FIT_MATCH_H
 
 #include "base/base.h"
 #include <nqm/label.h>
@@ -47,9 +47,6 @@ typedef struct nqm_match_visual {
 NQM_MUST_CHECK nqm_status nqm_match_visual_make(const nqm_model *model, const nqm_brdf *ref, nqm_match_visual *visual,
                                                 nqm_error *err);
 void nqm_match_visual_free(nqm_match_visual *visual);
-/** The loss of a BRDF. */
-NQM_MUST_CHECK nqm_status nqm_match_visual_value(nqm_match_visual *visual, const nqm_brdf *brdf, double *value,
-                                                 nqm_error *err);
 
 /** Delta-E from one reference on rays of a scene. */
 typedef struct nqm_match_judge {
@@ -63,8 +60,5 @@ typedef struct nqm_match_judge {
 NQM_MUST_CHECK nqm_status nqm_match_judge_make(const nqm_scene *scene, const nqm_brdf *ref, uint64_t seed,
                                                nqm_match_judge *judge, nqm_error *err);
 void nqm_match_judge_free(nqm_match_judge *judge);
-/** Delta-E of a BRDF. Any thread. */
-NQM_MUST_CHECK nqm_status nqm_match_judge_value(const nqm_match_judge *judge, const nqm_brdf *brdf, double *value,
-                                                nqm_error *err);
 
 #endif

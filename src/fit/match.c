@@ -2,7 +2,7 @@
  *
  * Fits by perceptual losses, and the selection among several of them.
  */
-#include "match/match.h"
+#include "fit/match.h"
 #include "brdf/formats/listed.h"
 #include "fit/fit.h"
 
@@ -59,68 +59,66 @@ static nqm_status explain(size_t n, const nqm_error *const *failures, nqm_status
     return status;
 }
 
-static nqm_status fit_sum(const setting *s, const nqm_match_sum *sum, nqm_fit_report *report, nqm_brdf **brdf_ret,
+/* The value of a visual loss for a BRDF; `failure` receives its own reason for a NaN. */
+static nqm_status compare(const nqm_fit_visual *visual, const nqm_error *failure, const nqm_brdf *brdf, double *value,
                           nqm_error *err) {
-    binding b = {.n = 0};
-    nqm_fit_options options = s->options;
-    nqm_status status = NQM_OK;
-    *brdf_ret = NULL;
-    for (size_t i = 0; status == NQM_OK && i < sum->n; ++i)
-        status = bind_term(s, &sum->terms[i], &b, err);
-    options.terms = b.terms;
-    options.n_terms = b.n;
-    int n_threads = nqm_limit_threads(1); /* of a score of one pair */
-    const nqm_error *failures[] = {&b.metric.failure, &b.transport.failure};
-    if (status == NQM_OK)
-        status = explain(2, failures, nqm_fit(s->ref, s->model, &options, report, brdf_ret, err), err);
-    nqm_limit_threads(n_threads);
-    release(&b);
-    return status;
+    double *rgb = nqm_alloc(visual->n, 6 * sizeof *rgb);
+    if (!rgb)
+        return nqm_fail_nomem(err, visual->n * 6 * sizeof *rgb);
+    nqm_brdf_eval(brdf, visual->n, visual->wi, visual->wo, rgb, NULL);
+    *value = visual->eval(visual->user, rgb, rgb + 3 * visual->n);
+    nqm_free(rgb);
+    return isnan(*value) ? nqm_fail(err, failure->status, -1, "%s", failure->message) : NQM_OK;
 }
 
-static nqm_status compare(const setting *s, const nqm_brdf *brdf, double *difference, nqm_error *err) {
-    if (s->judge)
-        return nqm_match_judge_value(s->judge, brdf, difference, err);
-    nqm_match_visual visual;
-    nqm_status status = nqm_match_visual_make(s->loss->transport, s->ref, &visual, err);
-    if (status == NQM_OK)
-        status = nqm_match_visual_value(&visual, brdf, difference, err);
-    nqm_match_visual_free(&visual);
-    return status;
-}
-
-/* "auto". */
-static nqm_status select_best(const setting *s, const nqm_fit_entry *entry, const nqm_match_sum *sum,
-                              nqm_match_report *report, nqm_brdf **brdf_ret, nqm_error *err) {
+/* "auto": `options` has the terms of the polish. */
+static nqm_status select_best(const setting *s, const nqm_fit_entry *entry, const nqm_fit_options *options,
+                              const nqm_fit_visual *judge, nqm_match_report *report, nqm_brdf **brdf_ret,
+                              nqm_error *err) {
     const char *polish = strchr(s->loss->text, ':') ? s->loss->text + 5 : nqm_match_polish;
-    binding b = {.n = 0};
-    nqm_match_visual transport = {.scorer = NULL};
-    nqm_fit_options options = s->options;
     nqm_fit_loss loss;
     bool polished;
+    nqm_status status = nqm_fit_select(s->ref, entry, options, judge, &report->fit, &loss, &polished, err);
+    if (status != NQM_OK)
+        return status;
+    report->difference = report->fit.loss;
+    snprintf(report->selected, sizeof report->selected, "%s%s%.80s", nqm_fit_loss_words[loss],
+             polished ? ", then " : "", polished ? polish : "");
+    return nqm_brdf_open(report->fit.spec, brdf_ret, err);
+}
+
+/* Fit by the sum, or select by it. */
+static nqm_status fit_by(const setting *s, const nqm_fit_entry *entry, const nqm_match_sum *sum,
+                         nqm_match_report *report, nqm_brdf **brdf_ret, nqm_error *err) {
+    binding b = {.n = 0};
+    nqm_match_visual transport = {.scorer = NULL};
+    const bool has_judge = s->judge || s->loss->transport;
+    const nqm_fit_visual *judge = s->judge ? &s->judge->visual : &transport.visual;
+    const nqm_error *judge_failure = s->judge ? &s->judge->failure : &transport.failure;
+    const nqm_error *failures[] = {&b.metric.failure, &b.transport.failure, judge_failure};
+    nqm_fit_options options = s->options;
     nqm_status status = NQM_OK;
     for (size_t i = 0; status == NQM_OK && i < sum->n; ++i)
         status = bind_term(s, &sum->terms[i], &b, err);
-    if (status == NQM_OK && !s->judge)
-        status = nqm_match_visual_make(s->loss->transport, s->ref, &transport, err);
+    nqm_status judged = status; /* a fit that is no selection does without a judge */
+    if (status == NQM_OK && has_judge && !s->judge)
+        judged = nqm_match_visual_make(s->loss->transport, s->ref, &transport, err);
+    if (sum->is_auto || judged != NQM_ERR_INCOMPATIBLE)
+        status = judged;
     options.terms = b.terms;
     options.n_terms = b.n;
     int n_threads = nqm_limit_threads(1); /* of a score of one pair */
-    const nqm_error *failures[] = {&b.metric.failure, &b.transport.failure,
-                                   s->judge ? &s->judge->failure : &transport.failure};
-    if (status == NQM_OK)
-        status = explain(3, failures,
-                         nqm_fit_select(s->ref, entry, &options, s->judge ? &s->judge->visual : &transport.visual,
-                                        &report->fit, &loss, &polished, err),
-                         err);
+    if (status == NQM_OK && sum->is_auto)
+        status = select_best(s, entry, &options, judge, report, brdf_ret, err);
+    else if (status == NQM_OK)
+        status = nqm_fit(s->ref, s->model, &options, &report->fit, brdf_ret, err);
+    status = explain(3, failures, status, err);
+    if (status == NQM_OK && !sum->is_auto && has_judge && judged == NQM_OK)
+        status = compare(judge, judge_failure, *brdf_ret, &report->difference, err);
     nqm_limit_threads(n_threads);
-    report->difference = report->fit.loss;
-    if (status == NQM_OK)
-        snprintf(report->selected, sizeof report->selected, "%s%s%.80s", nqm_fit_loss_words[loss],
-                 polished ? ", then " : "", polished ? polish : "");
     nqm_match_visual_free(&transport);
     release(&b);
-    return status == NQM_OK ? nqm_brdf_open(report->fit.spec, brdf_ret, err) : status;
+    return status;
 }
 
 /* ---- references with few values ---------------------------------------------------------------------------------- */
@@ -156,12 +154,7 @@ static nqm_status match(const setting *s, const nqm_fit_entry *entry, const nqm_
     }
     if (sum->is_auto && !s->judge && !s->loss->transport)
         return nqm_fail(err, NQM_ERR_ARG, -1, "the loss 'auto' needs a scene or a model for transport");
-    if (sum->is_auto)
-        return select_best(s, entry, sum, report, brdf_ret, err);
-    nqm_status status = fit_sum(s, sum, &report->fit, brdf_ret, err);
-    if (status == NQM_OK && (s->judge || s->loss->transport))
-        status = compare(s, *brdf_ret, &report->difference, err);
-    return status == NQM_ERR_INCOMPATIBLE && *brdf_ret ? NQM_OK : status; /* without a difference */
+    return fit_by(s, entry, sum, report, brdf_ret, err);
 }
 
 nqm_status nqm_match(const nqm_brdf *ref, const char *model, const nqm_match_loss *loss,
