@@ -21,12 +21,12 @@ install(DIRECTORY include/nqm DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
 
 # ---- pkg-config and CMake packages ---
 # names of libraries for Libs.private, and names of pkg-config modules for the CMake package
-foreach(module CRYPTO JANSSON LIBZIP EXPAT ZLIB CMINPACK PNG OPENEXR NLOPT)
+foreach(module CRYPTO JANSSON LIBZIP EXPAT ZLIB CMINPACK PNG OPENEXR)
   set(links "")
   foreach(library IN LISTS ${module}_LIBRARIES)
     string(APPEND links " -l${library}")
   endforeach()
-  if(module MATCHES "PNG|OPENEXR|NLOPT")
+  if(module MATCHES "PNG|OPENEXR")
     string(APPEND full_private "${links}")
   else()
     string(APPEND core_private "${links}")
@@ -34,7 +34,7 @@ foreach(module CRYPTO JANSSON LIBZIP EXPAT ZLIB CMINPACK PNG OPENEXR NLOPT)
 endforeach()
 string(APPEND core_private " ${OpenMP_C_FLAGS} -pthread -ldl -lm")
 set(core_modules libcrypto jansson libzip expat zlib cminpack)
-set(full_modules ${core_modules} libpng OpenEXR nlopt)
+set(full_modules ${core_modules} libpng OpenEXR)
 list(JOIN core_modules " " core_modules)
 list(JOIN full_modules " " full_modules)
 

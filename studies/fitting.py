@@ -2,11 +2,10 @@
 # SPDX-License-Identifier: MIT
 """Which loss gives the fits that look best? The tables of doc/fitting.md.
 
-usage: studies/fitting.py DATA [--work DIR] [--refs N] [--part fits|starts|tables] [--models LIST]
+usage: studies/fitting.py DATA [--work DIR] [--refs N] [--part fits|tables] [--models LIST]
 
 DATA holds rgl/, nbrdf/, nps/, scene/ and labels/ (doc/corpus.md). GGX, Ward and Cook-Torrance are fitted to the measured RGL files
-and to 40 further references of the 20 test materials under each loss, first with the starts of `nqm fit`, then GGX as the only loss
-from the same two random starts. The full renderer compares every fit with its reference on the bunny under the paper's light and
+and to 40 further references of the 20 test materials under each loss. The full renderer compares every fit with its reference on the bunny under the paper's light and
 two lights that no loss has seen. Results are kept in DIR (default: fitting-study), so an interrupted run continues. The tool is
 NQM_TOOL, default build/nqm. Needs Python's standard library and NumPy."""
 import argparse
@@ -29,7 +28,6 @@ LOSSES = {**{name: ["--loss", name] for name in CLASSICAL}, "paper": ["--loss", 
           "100*ma_crwe+nqm": ["--loss", "100*ma_crwe+nqm"], "100*ma_crwe+transport": ["--loss", "100*ma_crwe+transport"],
           "auto": ["--loss", "auto"]}
 MODELS = ["ggx", "ward", "cook-torrance"]
-SEEDS = ["1", "2"]  # of random starts
 LIGHTS = {"paper": "pixar_campus_rgbe.png", "grace": "grace_cathedral.exr", "museum": "museum.exr"}
 UNSEEN = ["grace", "museum"]
 MEASURES = ["delta_e", "jod", "shift_i", "shift_t", "shift_p"]
@@ -92,28 +90,26 @@ def in_parallel(title, jobs, function, keep):
         print(file=sys.stderr)
 
 
-def fit_all(refs, fits, losses, models, starts):
-    """Fit what is missing. starts: seeds of random starts, or [""] for those of nqm fit."""
+def fit_all(refs, fits, losses, models):
+    """Fit what is missing."""
     brdf = {name: path for name, _, path, _ in refs}
-    jobs = [(name, model, loss, start) for model in models for name in brdf for start in starts for loss in losses
-            if (name, model, loss, start) not in fits.rows]
+    jobs = [(name, model, loss) for model in models for name in brdf for loss in losses if (name, model, loss) not in fits.rows]
 
     def fit(job):
-        name, model, loss, start = job
-        options = ["--random-starts", "1", "--start-seed", start, "--immediate"] if start else []
-        result = json.loads(run("fit", brdf[name], "--model", model, *LOSSES[loss], *options, "--json"))
+        name, model, loss = job
+        result = json.loads(run("fit", brdf[name], "--model", model, *LOSSES[loss], "--json"))
         return [*job, result["spec"], f"{result['seconds']:.3f}"]
 
     in_parallel("fits", jobs, fit, fits.add)
 
 
-def label_all(refs, fits, labels, data, starts, lights):
+def label_all(refs, fits, labels, data, lights):
     """Render and compare what is missing."""
     brdf = {name: path for name, _, path, _ in refs}
     missing = {}
-    for (name, _, _, start), (spec, _) in fits.rows.items():
+    for (name, _, _), (spec, _) in fits.rows.items():
         for light in lights:
-            if name in brdf and start in starts and (name, spec, light) not in labels.rows:
+            if name in brdf and (name, spec, light) not in labels.rows:
                 missing.setdefault((name, light), {})[spec] = None
 
     def label(job):
@@ -144,24 +140,24 @@ def bootstrap(values, groups, n=10000):
 
 
 class Judged:
-    """Measures of fits: value(measure, reference, model, loss, start, lights) is the mean over the lights."""
+    """Measures of fits: value(measure, reference, model, loss, lights) is the mean over the lights."""
 
     def __init__(self, fits, labels):
         self.fits, self.labels = fits.rows, labels.rows
 
-    def value(self, measure, ref, model, loss, start, lights):
-        rows = [self.labels[(ref, self.fits[(ref, model, loss, start)][0], light)] for light in lights]
+    def value(self, measure, ref, model, loss, lights):
+        rows = [self.labels[(ref, self.fits[(ref, model, loss)][0], light)] for light in lights]
         if measure == "colour":  # length of the mean shift in T and P
             return float(np.mean([math.hypot(float(r[3]), float(r[4])) for r in rows]))
         return float(np.mean([float(r[MEASURES.index(measure)]) for r in rows]))
 
-    def column(self, measure, refs, model, loss, start, lights):
-        return [self.value(measure, name, model, loss, start, lights) for name, *_ in refs]
+    def column(self, measure, refs, model, loss, lights):
+        return [self.value(measure, name, model, loss, lights) for name, *_ in refs]
 
 
-def failed(judged, refs, model, losses, start):
+def failed(judged, refs, model, losses):
     """By loss, whether each fit has a Delta-E above twice that of the best loss, plus 1, under the paper's light."""
-    columns = {loss: judged.column("delta_e", refs, model, loss, start, ["paper"]) for loss in losses}
+    columns = {loss: judged.column("delta_e", refs, model, loss, ["paper"]) for loss in losses}
     best = [min(values) for values in zip(*columns.values())]
     return {loss: [v > 2 * b + 1 for v, b in zip(values, best)] for loss, values in columns.items()}
 
@@ -186,22 +182,6 @@ def print_fits(judged, refs, title, model):
             loss, than + (", best of the nine" if than == best else ""), *bootstrap(list(jods[loss] - jods[than]), groups)))
 
 
-def print_starts(judged, refs, model):
-    pairs = [(ref, start) for ref in refs for start in SEEDS]
-    groups = [ref[1] for ref, _ in pairs]
-    losses = [loss for loss in LOSSES if loss != "auto"]
-    print(f"\nThe only loss, from the same random starts, {model}: {len(refs)} references, {len(SEEDS)} starts each")
-    print(f"{'loss':24s} {'paper light':>12s} {'median':>7s} {'JOD [95 %]':>22s} {'colour':>7s} {'redder':>7s} {'failed':>7s}")
-    lost = {start: failed(judged, refs, model, losses, start) for start in SEEDS}
-    for loss in losses:
-        of = {m: [judged.value(m, ref[0], model, loss, start, ["paper"]) for ref, start in pairs]
-              for m in ("delta_e", "jod", "colour", "shift_p")}
-        jod, low, high = bootstrap(of["jod"], groups)
-        print(f"{loss:24s} {np.mean(of['delta_e']):12.2f} {np.median(of['delta_e']):7.2f} {jod:8.3f} [{low:.2f}, {high:.2f}]"
-              f" {np.mean(of['colour']):7.2f} {np.mean(of['shift_p']):+7.2f}"
-              f" {100 * np.mean([x for start in SEEDS for x in lost[start][loss]]):6.1f}%")
-
-
 PICTURES = {"reference": None, "rms_loge": "rms_loge", "log_diff": "log_diff", "paper": "paper", "nqm": "nqm", "auto": "auto"}
 
 
@@ -211,7 +191,7 @@ def draw(judged, refs, model, path):
     chosen += [r for r in refs if r[0].startswith("sgd-")][:2]
     arguments = []
     for name, _, brdf, _ in chosen:
-        fits = [judged.fits[(name, model, loss, "")][0] for loss in PICTURES.values() if loss]
+        fits = [judged.fits[(name, model, loss)][0] for loss in PICTURES.values() if loss]
         arguments += (["+"] if arguments else []) + [brdf, *fits]
     run("label", *arguments, "--light", "interior", "--shape", "blob", "--size", "320", "--shrink", "2", "--columns",
         ",".join(PICTURES), "--rows", ",".join(material.replace("_rgb", "") for _, material, *_ in chosen), "--grid", path)
@@ -222,27 +202,21 @@ def main():
     parser.add_argument("data")
     parser.add_argument("--work", default="fitting-study")
     parser.add_argument("--refs", type=int, default=0, help="about this many references instead of all")
-    parser.add_argument("--part", choices=["fits", "starts", "tables"], help="only this part (default: all)")
+    parser.add_argument("--part", choices=["fits", "tables"], help="only this part (default: all)")
     parser.add_argument("--models", default=",".join(MODELS))
     options = parser.parse_args()
     os.makedirs(options.work, exist_ok=True)
     refs = references(options.data, options.refs)
     held_out, measured = [r for r in refs if r[3]], [r for r in refs if r[0].startswith("rgl-")]
-    fits = Table(os.path.join(options.work, "fits.csv"), ["reference", "model", "loss", "start", "spec", "seconds"], 4)
+    fits = Table(os.path.join(options.work, "fits.csv"), ["reference", "model", "loss", "spec", "seconds"], 3)
     labels = Table(os.path.join(options.work, "labels.csv"), ["reference", "spec", "light", *MEASURES], 3)
     if options.part in (None, "fits"):
-        fit_all(refs, fits, LOSSES, options.models.split(","), [""])
-        label_all(refs, fits, labels, options.data, [""], LIGHTS)
-    if options.part in (None, "starts"):
-        fit_all(held_out, fits, [loss for loss in LOSSES if loss != "auto"], ["ggx"], SEEDS)
-        label_all(held_out, fits, labels, options.data, SEEDS, ["paper"])
+        fit_all(refs, fits, LOSSES, options.models.split(","))
+        label_all(refs, fits, labels, options.data, LIGHTS)
     judged = Judged(fits, labels)
-    if options.part != "starts":
-        for model in options.models.split(","):
-            print_fits(judged, held_out, "Held-out materials", model)
-            print_fits(judged, measured, "Measured RGL files", model)
-    if options.part != "fits":
-        print_starts(judged, held_out, "ggx")
+    for model in options.models.split(","):
+        print_fits(judged, held_out, "Held-out materials", model)
+        print_fits(judged, measured, "Measured RGL files", model)
     if options.part in (None, "tables"):
         draw(judged, held_out, "ggx", os.path.join(HERE, "..", "doc", "figures", "fits.png"))
 

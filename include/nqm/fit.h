@@ -76,19 +76,12 @@ typedef struct nqm_fit_options {
     size_t n_bounds;             /**< default 0 */
     uint64_t seed;               /**< seed of the direction pairs; default 1 */
     const char
-        *start; /**< a spec of the model ("ggx:kd=..."), from which the loss is minimised; of RGB lobe parameters the
-                          red value counts; default NULL: from the starts above. Analytic models */
-    size_t
-        n_random; /**< > 0: this many random starts instead of those above: shapes uniform in the scale of the search,
-                          the albedos that fit best by NQM_FIT_LOG times factors log-uniform in [1/20, 20]; a function of
-                          `start_seed` and the directions only, equal for all losses; at most 1000; default 0 */
-    uint64_t start_seed; /**< seed of the random starts; default 1 */
+        *start; /**< a spec of the model ("ggx:kd=..."), from which the loss is minimised; of RGB lobe parameters of
+                          analytic models the red value counts; default NULL: from the starts above */
     double
         simplify; /**< of shading models: keys get their defaults, and metals 0 or 1, where that raises the loss in total by at
                           most this fraction of itself plus a twentieth of the loss of a black surface; layers are removed
                           with a fit of the other keys; 0 (not done) to 1; default 0.01 */
-    int immediate; /**< 1: random starts minimise the whole loss from the first step; 0 (default): they are first
-                            fitted by least squares, then by the BRDF-space terms, and visual terms come in last */
     nqm_progress_fn progress; /**< NULL: silent. Called by the calling thread */
     void *progress_user;
 } nqm_fit_options;
@@ -126,15 +119,14 @@ NQM_API const char *nqm_fit_shading(size_t i);
 NQM_API int nqm_fit_model_has(const char *name, const char *key);
 
 /**
- * Fit `model` to `ref`. Analytic models are one lobe with a specular RGB colour over a Lambert base: each start solves the
- * albedos by linear least squares, and the best starts are refined by Levenberg-Marquardt over all parameters. A loss that is
- * not one root mean square continues from there by L-BFGS (NLopt), first under its BRDF-space terms, then under all terms.
- * Without BRDF-space terms the least-squares fit is that of NQM_FIT_LOG. The result is deterministic.
+ * Fit `model` to `ref`. Levenberg-Marquardt with bounds over all continuous keys minimises the squares of the BRDF-space term
+ * with the largest weight (without one: of NQM_FIT_LOG) from several starts. A loss that is not one root mean square is then
+ * minimised from the best of them by a quasi-Newton method. The result is deterministic.
  *
- * A shading model is fitted in all its keys at once, except whole-number keys, which keep the value of `start` or their default:
- * Levenberg-Marquardt with bounds from three roughnesses, without and with metal, and with layers (coat, sheen) where they help;
- * then a quasi-Newton method under the whole loss. `bounds` apply to any key (low = high fixes it), `n_starts` and random starts do not. The spec of the
- * result leaves out keys with their default.
+ * Analytic models are one lobe with a specular RGB colour over a Lambert base. They start from `n_starts` lobe widths, each
+ * with the albedos that are best for it. Shading models start from three roughnesses, without and with metal, and get layers
+ * (coat, sheen) where they help; whole-number keys keep the value of `start` or their default; `bounds` apply to any key (low =
+ * high fixes it). The spec of the result leaves out keys with their default.
  *
  * @param options   NULL: the defaults. `loss`, `terms`, `bounds` and all about starts apply to analytic models; networks and sparse codes
  *                  have their own losses (doc/encodings.md). "nbrdf" trains on 16 times `n_directions` directions, up to the

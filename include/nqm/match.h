@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * nqm/match.h - fits that look right: analytic models fitted by the predicted difference of pictures, by distances of BRDF
+ * nqm/match.h - fits that look right: analytic and shading models fitted by the predicted difference of pictures, by distances of BRDF
  * values, or by sums of both. In libnqm-full only. Any thread.
  */
 #ifndef NQM_MATCH_H
@@ -22,13 +22,13 @@ extern "C" {
  *  - the losses of nqm_fit_loss: "log", "rmse", ..., "log_diff".
  *
  * "auto" or "auto:SUM" selects in two stages (after Bieron and Peers 2020, DOI 10.1111/cgf.14052): fits under the losses
- * "log", "log-cos", "rms_crwe" and "log_diff" are candidates, each is polished by SUM (default: "100*ma_crwe+transport"), and
- * of all eight the one with the smallest Delta-E on rays of `scene` is the result: no step of a fit has seen these directions.
+ * "log", "log-cos", "rms_crwe" and "log_diff" are candidates, each (of shading models the best two) is polished by SUM
+ * (default: "100*ma_crwe+transport"), and of all the one with the smallest Delta-E on rays of `scene` is the result: no step of
+ * a fit has seen these directions. nqm_fit_options.start is one of the starts.
  * A reference with values at fewer than 90 % of the directions of `transport`, as a grid of a goniometer that ends at 80
  * degrees or a list whose rows are more than a degree away, is fitted by "ma_crwe" alone, which `selected` says. `transport`
  * and not `scene` compares lists.
- * For a shading model only the two best candidates are polished, nqm_fit_options.start is one of the starts, and the result is
- * simplified (nqm_fit_options.simplify).
+ * The result of a shading model is simplified (nqm_fit_options.simplify).
  */
 typedef struct nqm_match_loss {
     const char *text;
@@ -47,9 +47,8 @@ typedef struct nqm_match_report {
 } nqm_match_report;
 
 /**
- * Fit `model` to `ref` by a loss. As nqm_fit(), with these differences: the sum is minimised first under its BRDF-space terms
- * (without any: NQM_FIT_LOG), and perceptual terms come in last; candidates of "auto" are computed in parallel, and the result
- * does not depend on the number of threads. Models that are not analytic have their own losses, and `loss` does not apply.
+ * Fit `model` to `ref` by a loss, as nqm_fit() with the sum as its terms. Encodings have their own losses, and `loss` does not
+ * apply.
  *
  * @param options     NULL: the defaults of nqm_fit_options_default(). `loss` and `terms` are not used
  * @param report_ret  receives the report

@@ -147,7 +147,7 @@ class FitOptions(Structure):
     _fields_ = [("loss", c_int), ("terms", c_void_p), ("n_terms", c_size_t), ("n_directions", c_size_t),
                 ("max_polar_rad", c_double), ("highlight_fraction", c_double), ("n_starts", c_size_t),
                 ("bounds", POINTER(FitBound)), ("n_bounds", c_size_t), ("seed", c_uint64), ("start", c_char_p),
-                ("n_random", c_size_t), ("start_seed", c_uint64), ("simplify", c_double), ("immediate", c_int), ("progress", Progress),
+                ("simplify", c_double), ("progress", Progress),
                 ("progress_user", c_void_p)]
 
 

@@ -14,8 +14,7 @@ from ._call import Error, ProgressLike, Watch, call, encode, progress_callback
 from ._scene import Scene, standard_scene
 from ._score import ModelLike, as_model, models
 
-FREE_OPTIONS = ("n_directions", "max_polar_rad", "highlight_fraction", "n_starts", "seed", "n_random", "start_seed", "simplify",
-                "immediate")
+FREE_OPTIONS = ("n_directions", "max_polar_rad", "highlight_fraction", "n_starts", "seed", "simplify")
 
 
 @dataclass(frozen=True)
@@ -82,7 +81,7 @@ def fit(ref: BRDFLike, model: str = "ggx", *, loss: str = "auto", metric: ModelL
         bounds: narrower ranges of parameters: {"alpha": (.1, .3)}
         progress: called with the stage, the work done and the total; True shows a line on standard error
         options: members of `nqm_fit_options` (include/nqm/fit.h): `n_directions`, `max_polar_rad`, `highlight_fraction`,
-            `n_starts`, `seed`, `n_random`, `start_seed`, `simplify`, `immediate`
+            `n_starts`, `seed`, `simplify`
     """
     brdf, own, limits = as_brdf(ref), Watch(), _bounds(bounds)
     o = set_options(lib.nqm_fit_options_default(), options, FREE_OPTIONS)

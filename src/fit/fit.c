@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
- * The public entry of fitting, the table of fit options, and the fit of an analytic model.
+ * The public entry of fitting, the table of fit options, and the stages of a fit.
  */
-#include "fit/shading.h"
+#include "fit/fit.h"
 #include "math/math.h"
 
 #include <math.h>
@@ -26,14 +26,8 @@ static const nqm_option rows[] = {
     {FIELD(n_starts), .name = "starts", .kind = NQM_OPTION_SIZE, .metavar = "N", .min = 1, .max = 100, .values = {"12"},
      .help = "lobe widths to start from (analytic models)"},
     {FIELD(seed), .kind = NQM_OPTION_U64, .metavar = "N", .values = {"1"}, .help = "seed of the direction pairs"},
-    {FIELD(n_random), .name = "random-starts", .kind = NQM_OPTION_SIZE, .metavar = "N", .min = 0, .max = 1000,
-     .values = {"0"}, .help = "start from this many random values instead (analytic models)"},
-    {FIELD(start_seed), .name = "start-seed", .kind = NQM_OPTION_U64, .metavar = "N", .values = {"1"},
-     .help = "seed of the random starts"},
     {FIELD(simplify), .name = "simplify", .metavar = "X", .min = 0, .max = 1, .values = {"0.01"},
      .help = "fraction of the loss for which keys get their defaults (shading models)"},
-    {FIELD(immediate), .kind = NQM_OPTION_BOOL, .off_name = "", .values = {"0"},
-     .help = "random starts minimise the whole loss from the first step"},
 };
 /* clang-format on */
 
@@ -45,32 +39,7 @@ nqm_fit_options nqm_fit_options_default(void) {
     return options;
 }
 
-/* ---- analytic models --------------------------------------------------------------------------------------------- */
-
-/* Six significant digits: more than the data determine, and the spec stays readable. */
-static void round_values(const nqm_fit_entry *model, nqm_fit_values *values) {
-    const int n_digits = 6;
-    for (size_t s = 0; s < model->n_shape; ++s)
-        values->shape[s] = model->shape[s].scale == NQM_FIT_SCALE_LOG_REST
-                               ? 1 - nqm_round_digits(1 - values->shape[s], n_digits)
-                               : nqm_round_digits(values->shape[s], n_digits);
-    for (size_t c = 0; c < 3; ++c) {
-        values->kd[c] = nqm_round_digits(values->kd[c], n_digits);
-        values->ks[c] = nqm_round_digits(values->ks[c], n_digits);
-    }
-}
-
-void nqm_fit_write_spec(const nqm_fit_entry *model, const nqm_fit_values *v, char spec[512]) {
-    char kd[3][32], ks[3][32], value[32];
-    for (size_t c = 0; c < 3; ++c) {
-        nqm_format_double(kd[c], sizeof kd[c], v->kd[c]);
-        nqm_format_double(ks[c], sizeof ks[c], v->ks[c]);
-    }
-    int used = snprintf(spec, 512, "%s:kd=%s,%s,%s;ks=%s,%s,%s", model->name, kd[0], kd[1], kd[2], ks[0], ks[1], ks[2]);
-    for (size_t s = 0; s < model->n_shape; ++s)
-        used += snprintf(spec + used, 512 - (size_t)used, ";%s=%s", model->shape[s].key,
-                         nqm_format_double(value, sizeof value, v->shape[s]));
-}
+/* ---- models with a schema ----------------------------------------------------------------------------------------- */
 
 static nqm_status check_terms(const nqm_fit_options *options, nqm_error *err) {
     if (options->n_terms > MAX_TERMS)
@@ -87,62 +56,110 @@ static nqm_status check_terms(const nqm_fit_options *options, nqm_error *err) {
     return NQM_OK;
 }
 
-/* The loss of the rounded result. */
-static nqm_status measure(const nqm_fit_entry *model, const nqm_fit_target *target, const nqm_fit_options *options,
-                          const nqm_fit_values *values, double *loss, nqm_error *err) {
-    nqm_fit_term only = {.weight = 1, .loss = options->loss};
-    nqm_fit_objective objective;
-    nqm_status status = nqm_fit_objective_make(model, target, options->n_terms ? options->n_terms : 1,
-                                               options->n_terms ? options->terms : &only, &objective, err);
+/* The loss by whose squares a fit begins: that of the BRDF-space term with the largest weight. */
+static nqm_fit_loss first_loss(const nqm_fit_options *options) {
+    nqm_fit_loss loss = options->n_terms ? NQM_FIT_LOG : options->loss;
+    double weight = 0;
+    for (size_t i = 0; i < options->n_terms; ++i)
+        if (!options->terms[i].visual && options->terms[i].weight > weight) {
+            loss = options->terms[i].loss;
+            weight = options->terms[i].weight;
+        }
+    return loss;
+}
+
+nqm_status nqm_fit_begin(nqm_fit_run *run, const nqm_brdf *ref, const nqm_fit_entry *entry,
+                         const nqm_fit_options *options, nqm_fit_loss loss, nqm_error *err) {
+    *run = (nqm_fit_run){.ref = ref, .options = options, .err = err};
+    run->ticker = (nqm_ticker){.fn = options->progress, .user = options->progress_user};
+    run->only = (nqm_fit_term){.weight = 1, .loss = options->loss};
+    run->n_terms = nqm_larger(options->n_terms, 1);
+    run->terms = options->n_terms ? options->terms : &run->only;
+    nqm_fit_options first = *options;
+    first.loss = loss;
+    nqm_status status = check_terms(options, err);
     if (status == NQM_OK)
-        status = nqm_fit_objective_eval(&objective, true, values, loss, NULL, err);
-    nqm_fit_objective_free(&objective);
+        status = nqm_fit_space_make(entry, options, &run->space, err);
+    if (status == NQM_OK)
+        status = nqm_fit_target_make(ref, &first, &run->target, err);
+    if (status == NQM_OK)
+        status = nqm_fit_objective_make(&run->space, &run->target, run->n_terms, run->terms, &run->objective, err);
     return status;
 }
 
-static nqm_status fit_analytic(const nqm_brdf *ref, const nqm_fit_entry *entry, const nqm_fit_options *options,
-                               nqm_fit_report *report, nqm_brdf **brdf_ret, nqm_error *err) {
-    nqm_fit_entry model = *entry;
-    nqm_fit_target target = {0};
-    nqm_fit_candidate found;
-    nqm_fit_options first = *options;
-    nqm_status status = nqm_fit_apply_bounds(options, &model, err);
-    first.loss = nqm_fit_first_loss(options);
+void nqm_fit_end(nqm_fit_run *run) {
+    nqm_fit_objective_free(run->objective);
+    nqm_free(run->target.wi);
+}
+
+nqm_status nqm_fit_write_report(nqm_fit_run *run, nqm_fit_point *point, nqm_fit_report *report) {
+    report->n_directions = run->target.n;
+    report->best_start = point->start;
+    report->n_numbers = run->space.n;
+    return nqm_fit_write_spec(&run->space, &point->values, report->spec, sizeof report->spec, run->err);
+}
+
+/* From the given start: visual terms may have been minimised there, from which least squares would lead away. */
+static nqm_status begin_at_start(nqm_fit_run *run, bool has_visual, nqm_fit_point *point) {
+    enum { STEPS = 50 };
+    nqm_status status = nqm_fit_read_spec(&run->space, run->options->start, &point->values, run->err);
+    if (status == NQM_OK && !has_visual)
+        status = nqm_fit_refine(&run->space, &run->target, STEPS, &run->ticker, point, run->err);
+    return status;
+}
+
+static nqm_status minimise(nqm_fit_run *run, nqm_fit_point *best) {
+    nqm_fit_point points[NQM_FIT_MAX_POINTS] = {{.loss = 0}};
+    bool has_visual = false;
+    size_t n = 1;
+    for (size_t i = 0; i < run->n_terms; ++i)
+        has_visual |= run->terms[i].visual != NULL;
+    const bool is_square = run->n_terms == 1 && !has_visual && nqm_fit_losses[run->target.loss].power == 2;
+    nqm_status status = run->options->start ? begin_at_start(run, has_visual, points) : nqm_fit_search(run, points, &n);
+    for (size_t i = 0; status == NQM_OK && !is_square && i < n; ++i)
+        status = nqm_fit_descend(run->objective, &run->space, NQM_FIT_STEPS, &run->ticker, &points[i], run->err);
+    size_t winner = 0;
+    for (size_t i = 1; i < n; ++i)
+        winner = points[i].loss < points[winner].loss ? i : winner;
+    *best = points[winner];
+    return status == NQM_OK ? nqm_fit_simplify(run, best) : status;
+}
+
+static nqm_status fit_model(const nqm_brdf *ref, const nqm_fit_entry *entry, const nqm_fit_options *options,
+                            nqm_fit_report *report, nqm_brdf **brdf_ret, nqm_error *err) {
+    nqm_fit_run run;
+    nqm_fit_point best;
+    nqm_status status = nqm_fit_begin(&run, ref, entry, options, first_loss(options), err);
     if (status == NQM_OK)
-        status = nqm_fit_target_make(ref, &first, &target, err);
+        status = minimise(&run, &best);
     if (status == NQM_OK)
-        status = nqm_fit_minimise(&model, &target, options, &found, err);
-    if (status == NQM_OK) {
-        round_values(&model, &found.values);
-        nqm_fit_write_spec(&model, &found.values, report->spec);
-        report->n_directions = target.n;
-        report->best_start = found.start;
-        report->n_numbers = 6 + model.n_shape;
-        status = measure(&model, &target, options, &found.values, &report->loss, err);
-    }
+        status = nqm_fit_write_report(&run, &best, report);
+    if (status == NQM_OK)
+        status = nqm_fit_objective_value(run.objective, &best.values, &report->loss, err);
     if (status == NQM_OK)
         status = nqm_brdf_open(report->spec, brdf_ret, err);
-    nqm_free(target.wi);
+    nqm_fit_end(&run);
     return status;
 }
 
 nqm_status nqm_fit_path(const nqm_brdf *ref, const char *model, const nqm_fit_options *options, uint64_t seed,
                         size_t n_steps, char spec[512], nqm_error *err) {
     const nqm_fit_entry *entry;
-    nqm_fit_target target = {0};
-    nqm_fit_values values;
+    nqm_fit_run run = {.ref = ref};
+    nqm_fit_point point = {.loss = 0};
+    nqm_rng rng = nqm_rng_make(seed, 0);
     nqm_status status = nqm_fit_entry_find(model, &entry, err);
-    if (status == NQM_OK && (entry->encode || entry->shading))
+    if (status == NQM_OK && entry->n_shape == 0)
         status = nqm_fail(err, NQM_ERR_ARG, -1, "%s is not an analytic model", model);
     if (status == NQM_OK)
-        status = nqm_fit_target_make(ref, options, &target, err);
+        status = nqm_fit_begin(&run, ref, entry, options, options->loss, err);
     if (status == NQM_OK)
-        status = nqm_fit_follow(entry, &target, seed, n_steps, &values, err);
-    if (status == NQM_OK) {
-        round_values(entry, &values);
-        nqm_fit_write_spec(entry, &values, spec);
-    }
-    nqm_free(target.wi);
+        status = nqm_fit_random(&run.space, &run.target, &rng, &point.values, err);
+    if (status == NQM_OK)
+        status = nqm_fit_refine(&run.space, &run.target, n_steps, NULL, &point, err);
+    if (status == NQM_OK)
+        status = nqm_fit_write_spec(&run.space, &point.values, spec, 512, err);
+    nqm_fit_end(&run);
     return status;
 }
 
@@ -178,12 +195,8 @@ nqm_status nqm_fit(const nqm_brdf *ref, const char *model, const nqm_fit_options
     nqm_status status = nqm_fit_entry_find(model, &entry, err);
     if (status == NQM_OK)
         status = nqm_options_check(&nqm_fit_option_table, &options, err);
-    if (status == NQM_OK && !entry->encode)
-        status = check_terms(&options, err);
-    if (status == NQM_OK && entry->encode)
-        status = encode(ref, entry, &options, &report, &brdf, err);
-    else if (status == NQM_OK)
-        status = (entry->shading ? nqm_fit_shading_model : fit_analytic)(ref, entry, &options, &report, &brdf, err);
+    if (status == NQM_OK)
+        status = (entry->encode ? encode : fit_model)(ref, entry, &options, &report, &brdf, err);
     if (status != NQM_OK)
         return status;
     *report_ret = report;

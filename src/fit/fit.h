@@ -1,22 +1,24 @@
 /* SPDX-License-Identifier: MIT
  *
- * fit.h - the list of models, and the parts of fitting an analytic one: the sampled reference, the model as a linear
- * combination of a diffuse and a specular lobe, and the search over the lobe's parameters. Every analytic model has the
- * form f_r = kd D + ks L(shape); D and L are evaluated through src/brdf by spec, so no formula is written twice.
+ * fit.h - fits of analytic and shading models. A space lists the free parameters of a model's schema with their bounds and
+ * scales; a target is the reference at the directions of the fit under one loss; an objective is a weighted sum of losses.
+ * Least squares (squares.c) minimise a target from several starts, and a quasi-Newton method (descend.c) minimises an
+ * objective from their results.
  */
 #ifndef NQM_SRC_FIT_H
 #define NQM_SRC_FIT_H
 
 #include "base/options.h"
+#include "brdf/core/spec.h"
 #include "encode/encode.h"
 #include "math/values.h"
 #include <nqm/fit.h>
 
 extern const nqm_option_table nqm_fit_option_table;
 
-/* ---- losses ------------------------------------------------------------------------------------------------------ */
+/* ---- losses (loss.c) ---------------------------------------------------------------------------------------------- */
 
-/** Indexed by nqm_fit_loss (fit_loss.c). */
+/** Indexed by nqm_fit_loss. */
 extern const nqm_value_difference nqm_fit_losses[];
 /** The words of nqm_fit_loss, NULL-terminated. The first NQM_FIT_N_CORPUS_LOSSES are those of the paths in corpora. */
 extern const char *const nqm_fit_loss_words[];
@@ -26,78 +28,7 @@ enum { NQM_FIT_N_CORPUS_LOSSES = 4 };
 double nqm_fit_transform(nqm_fit_loss loss, double weight, double f);
 double nqm_fit_transform_slope(nqm_fit_loss loss, double weight, double f);
 
-/* ---- models ------------------------------------------------------------------------------------------------------ */
-
-enum { NQM_FIT_MAX_SHAPE = 3 };
-
-/** The scale in which a parameter is searched. */
-typedef enum nqm_fit_scale {
-    NQM_FIT_SCALE_LINEAR,
-    NQM_FIT_SCALE_LOG,
-    NQM_FIT_SCALE_LOG_REST /* the logarithm of 1 - value */
-} nqm_fit_scale;
-
-/** One nonlinear parameter of an analytic model. */
-typedef struct nqm_fit_shape {
-    const char *key;  /* in the spec */
-    double low, high; /* range of the search, ends excluded */
-    nqm_fit_scale scale;
-} nqm_fit_shape;
-
-/** A row of the list of models: an analytic model, a shading model, or an encoding. */
-typedef struct nqm_fit_entry {
-    const char *name;
-    size_t n_shape;
-    nqm_fit_shape shape[NQM_FIT_MAX_SHAPE];
-    size_t n_start;                                           /* starting points per lobe width */
-    void (*start)(double alpha, size_t which, double *shape); /* writes starting point `which` in [0, n_start) */
-    nqm_encode_fn encode;                                     /* NULL: an analytic or shading model */
-    size_t n_code;                                            /* `n` and `step` of its options */
-    float step;
-    const struct nqm_analytic_model *shading; /* a shading model, whose name is that of its schema; otherwise NULL */
-} nqm_fit_entry;
-
-/** By name. NQM_ERR_ARG lists the names. */
-NQM_MUST_CHECK nqm_status nqm_fit_entry_find(const char *name, const nqm_fit_entry **entry_ret, nqm_error *err);
-/** Narrow the model's ranges to the bounds of the options. */
-NQM_MUST_CHECK nqm_status nqm_fit_apply_bounds(const nqm_fit_options *options, nqm_fit_entry *model, nqm_error *err);
-/** Position of a value in its range, 0 to 1 in the scale of the search; and the inverse. */
-double nqm_fit_shape_position(const nqm_fit_shape *shape, double value);
-double nqm_fit_shape_value(const nqm_fit_shape *shape, double position);
-/** The derivative of the value by the position. */
-double nqm_fit_shape_derivative(const nqm_fit_shape *shape, double value);
-
-/** Values of a model's parameters. */
-typedef struct nqm_fit_values {
-    double shape[NQM_FIT_MAX_SHAPE];
-    double kd[3], ks[3]; /* >= 0 */
-} nqm_fit_values;
-
-/** The spec of `model` with exactly these values. */
-void nqm_fit_write_spec(const nqm_fit_entry *model, const nqm_fit_values *values, char spec[512]);
-
-/** The base with kd = 1 and the lobe with ks = 1 of a model at fixed directions. */
-typedef struct nqm_fit_lobes {
-    const nqm_fit_entry *model;
-    size_t n;
-    const double *wi, *wo;           /* (n, 3), borrowed */
-    double *rgb;                     /* (n, 3) scratch; owns the block of the arrays below */
-    double *diffuse, *lobe;          /* (n) */
-    double shape[NQM_FIT_MAX_SHAPE]; /* of `lobe`; zeros: not evaluated yet */
-} nqm_fit_lobes;
-
-/** Allocate the arrays and evaluate the base; nqm_free(lobes->rgb) also after a failure. */
-NQM_MUST_CHECK nqm_status nqm_fit_lobes_make(const nqm_fit_entry *model, size_t n, const double *wi, const double *wo,
-                                             nqm_fit_lobes *lobes, nqm_error *err);
-/** Evaluate the lobe, unless it already has this shape. */
-NQM_MUST_CHECK nqm_status nqm_fit_lobes_set(nqm_fit_lobes *lobes, const double *shape, nqm_error *err);
-/** slopes (n_shape, n): derivatives of the lobe by the positions of its shape in their ranges. */
-NQM_MUST_CHECK nqm_status nqm_fit_lobes_slopes(nqm_fit_lobes *lobes, double *slopes, nqm_error *err);
-/** rgb (n, 3): f_r with the albedos of `v`; the lobe must have its shape. */
-void nqm_fit_lobes_combine(const nqm_fit_lobes *lobes, const nqm_fit_values *v, double *rgb);
-/** f_r of a spec: rgb (n, 3). */
-NQM_MUST_CHECK nqm_status nqm_fit_eval_spec(const char *spec, size_t n, const double *wi, const double *wo, double *rgb,
-                                            nqm_error *err);
+/* ---- the reference (target.c) ------------------------------------------------------------------------------------- */
 
 /** The reference at the directions of the fit. */
 typedef struct nqm_fit_target {
@@ -113,108 +44,232 @@ typedef struct nqm_fit_target {
 /** Draw the directions and sample `ref` there; nqm_free(target->wi) also after a failure. */
 NQM_MUST_CHECK nqm_status nqm_fit_target_make(const nqm_brdf *ref, const nqm_fit_options *options,
                                               nqm_fit_target *target, nqm_error *err);
-
 /** The same directions under another loss. Borrows the directions and f_r; nqm_free(target->weight). */
 NQM_MUST_CHECK nqm_status nqm_fit_target_under(const nqm_fit_target *from, nqm_fit_loss loss, nqm_fit_target *target,
                                                nqm_error *err);
+/** About n directions of a target, evenly; nqm_free(thin->wi) also after a failure. */
+NQM_MUST_CHECK nqm_status nqm_fit_target_thin(const nqm_fit_target *from, size_t n, nqm_fit_target *thin,
+                                              nqm_error *err);
 /** The target's loss of rgb (n, 3); gradient (n, 3) receives its derivatives, NULL: not computed. Where a difference of a
- *  mean absolute loss is 0 its derivative counts as 0; nqm_value_slope(). */
+ *  mean absolute loss is 0 its derivative counts as 0; the derivative of cbrt(x) below x = 1e-6 is that at 1e-6. */
 double nqm_fit_loss_value(const nqm_fit_target *target, const double *rgb, double *gradient);
 
-/* ---- least squares (fit_solve.c) ---------------------------------------------------------------------------------- */
+/* ---- models (models.c) -------------------------------------------------------------------------------------------- */
 
-enum { NQM_FIT_MAX_REFINED = 4 };
-/* Within the ranges of the specs, beyond those of real surfaces. */
-#define NQM_FIT_MAX_KD 10.0
-#define NQM_FIT_MAX_KS 1e6
+enum { NQM_FIT_MAX_SHAPE = 3 };
 
-/** The workspace of a search under the root mean square of a target's differences. */
-typedef struct nqm_fit_search {
-    const nqm_fit_target *target;
-    nqm_fit_lobes lobes;
-    nqm_status failure; /* of the last evaluation of residuals; *err has the message */
-    nqm_ticker *ticker; /* NULL: silent */
-    double done, total; /* for the ticker */
-    nqm_error *err;
-} nqm_fit_search;
+/** The scale in which a parameter is searched. */
+typedef enum nqm_fit_scale {
+    NQM_FIT_SCALE_LINEAR,
+    NQM_FIT_SCALE_LOG,
+    NQM_FIT_SCALE_LOG_REST /* the logarithm of 1 - value */
+} nqm_fit_scale;
+
+/** One nonlinear parameter of an analytic model. */
+typedef struct nqm_fit_shape {
+    const char *key;  /* in the spec */
+    double low, high; /* range of the search */
+    nqm_fit_scale scale;
+} nqm_fit_shape;
+
+/** A row of the list of models. An analytic model is f_r = kd D + ks L(shape). */
+typedef struct nqm_fit_entry {
+    const char *name;                       /* NULL: that of the schema */
+    const struct nqm_analytic_model *model; /* NULL: an encoding */
+    size_t n_shape;                         /* 0: a shading model */
+    nqm_fit_shape shape[NQM_FIT_MAX_SHAPE];
+    size_t n_start;                                           /* starting points per lobe width */
+    void (*start)(double alpha, size_t which, double *shape); /* writes starting point `which` in [0, n_start) */
+    nqm_encode_fn encode;                                     /* of an encoding */
+    size_t n_code;                                            /* `n` and `step` of its options */
+    float step;
+} nqm_fit_entry;
+
+/** By name. NQM_ERR_ARG lists the names. */
+NQM_MUST_CHECK nqm_status nqm_fit_entry_find(const char *name, const nqm_fit_entry **entry_ret, nqm_error *err);
+/** Key of a name in the schema; n_keys: there is none. */
+size_t nqm_fit_key(const nqm_spec_schema *schema, const char *name);
+/** NULL: the entry has no shape with this key. */
+const nqm_fit_shape *nqm_fit_find_shape(const nqm_fit_entry *entry, const char *key);
+
+/* ---- the space (space.c) ------------------------------------------------------------------------------------------ */
+
+enum { NQM_FIT_MAX_FREE = 96, NQM_FIT_ALL_CHANNELS = 3 };
+
+/** A free parameter: one value of a key. The search sees x = units * log(|value - zero|), or units * value. */
+typedef struct nqm_fit_parameter {
+    size_t key, channel; /* NQM_FIT_ALL_CHANNELS: the same value in all */
+    size_t layer;        /* key of the amount of the layer that it describes; itself: none */
+    double low, high;    /* of the value */
+    double units, zero;
+    bool is_log;
+} nqm_fit_parameter;
+
+typedef struct nqm_fit_space {
+    const nqm_fit_entry *entry;
+    const nqm_analytic_model *model;
+    nqm_spec_values defaults; /* with the values of fixed keys */
+    size_t n;                 /* free parameters */
+    nqm_fit_parameter parameters[NQM_FIT_MAX_FREE];
+} nqm_fit_space;
 
 /** Values of a model and their loss. */
-typedef struct nqm_fit_candidate {
-    nqm_fit_values values;
+typedef struct nqm_fit_point {
+    nqm_spec_values values;
     double loss;
     size_t start;
-} nqm_fit_candidate;
+} nqm_fit_point;
 
-/** nqm_fit_search_end() it also after a failure. */
-NQM_MUST_CHECK nqm_status nqm_fit_search_begin(const nqm_fit_entry *model, const nqm_fit_target *target,
-                                               nqm_ticker *ticker, nqm_fit_search *search, nqm_error *err);
-void nqm_fit_search_end(nqm_fit_search *search);
-/** Refine the best of the starts of the options: best (NQM_FIT_MAX_REFINED), in no order. */
-NQM_MUST_CHECK nqm_status nqm_fit_search_starts(nqm_fit_search *search, const nqm_fit_options *options,
-                                                nqm_fit_candidate *best, size_t *n_best);
-/** Replace the values by better ones by Levenberg-Marquardt; with_albedos: in turn with linear solutions of the albedos. */
-NQM_MUST_CHECK nqm_status nqm_fit_search_refine(nqm_fit_search *search, nqm_fit_candidate *candidate,
-                                                bool with_albedos);
+/** Whole-number keys are fixed at the values of options->start, or at their defaults; bounds of the options apply.
+ *  NQM_ERR_ARG: a bound of an unknown key or outside its range, or a start of another model. */
+NQM_MUST_CHECK nqm_status nqm_fit_space_make(const nqm_fit_entry *entry, const nqm_fit_options *options,
+                                             nqm_fit_space *space, nqm_error *err);
+/** The values of a spec, moved into the bounds. */
+NQM_MUST_CHECK nqm_status nqm_fit_read_spec(const nqm_fit_space *space, const char *spec, nqm_spec_values *values,
+                                            nqm_error *err);
+/** The spec with rounded values, of shading models without keys that have their default; the values become those of the spec.
+ *  NQM_ERR_LIMIT: longer than `spec`. */
+NQM_MUST_CHECK nqm_status nqm_fit_write_spec(const nqm_fit_space *space, nqm_spec_values *values, char *spec,
+                                             size_t n_spec, nqm_error *err);
+/** The coordinates of the free parameters: x, and their bounds low and high (space->n). */
+void nqm_fit_coordinates(const nqm_fit_space *space, const nqm_spec_values *values, double *x);
+void nqm_fit_bounds(const nqm_fit_space *space, double *low, double *high);
+/** The values at the coordinates x; keys that are not free are unchanged. */
+void nqm_fit_values(const nqm_fit_space *space, const double *x, nqm_spec_values *values);
+/** Set the value of a free key within its bounds; a key that is fixed or not there (n_keys) is left alone. */
+void nqm_fit_set(const nqm_fit_space *space, nqm_spec_values *values, size_t key, const double v[3]);
+/** Fix a key at the value it has: its parameters leave the space. */
+void nqm_fit_fix(nqm_fit_space *space, size_t key);
+
+/** f_r in 1/sr: rgb (n, 3); zeros below the horizon. */
+void nqm_fit_eval(const nqm_fit_space *space, const nqm_spec_values *values, size_t n, const double *wi,
+                  const double *wo, double *rgb);
+/** columns (space->n, n, 3): derivatives of f_r by the coordinates; rgb (n, 3) is f_r of the values. */
+void nqm_fit_slopes(const nqm_fit_space *space, const nqm_spec_values *values, size_t n, const double *wi,
+                    const double *wo, const double *rgb, double *columns);
+
+/* ---- starts (keys.c: what keys of shading models mean; starts.c) -------------------------------------------------- */
+
+/** Bounds and scale of a key of a shading model, and the layer that it describes. */
+nqm_fit_parameter nqm_fit_describe(const nqm_spec_schema *schema, size_t key);
+/** The default of a key; of required keys, that of other models. */
+double nqm_fit_default(const nqm_spec_key *key);
+/** Whether a key is the amount of a layer over the base, 0 by default: a clear coat, sheen. */
+bool nqm_fit_is_layer(const nqm_spec_key *key);
+/** The keys that generic starts set in the base. */
+typedef enum nqm_fit_role { NQM_FIT_BASE_WIDTH, NQM_FIT_BASE_METAL, NQM_FIT_BASE_COLOR } nqm_fit_role;
+/** The first key with a role; n_keys: there is none. */
+size_t nqm_fit_base_key(const nqm_spec_schema *schema, nqm_fit_role role);
+/** The key with this ending ("roughness", "gloss") of the layer with the amount `layer`; n_keys: there is none. */
+size_t nqm_fit_layer_key(const nqm_spec_schema *schema, size_t layer, const char *ending);
+/** Width at which a layer starts: a mirror, which is the default of some, would have no effect at most directions. */
+double nqm_fit_layer_width(const nqm_spec_schema *schema, size_t layer);
+/** Replace *values by start i of an analytic model: n_widths lobe widths, spaced evenly in their logarithm, each with the
+ *  starting points of the model; albedos are 0. Of a shading model: roughness, metal and base colour; other keys have their
+ *  defaults. diffuse: (3) base colour of a dielectric; albedo: (3) that of a metal. false: there are only i. */
+bool nqm_fit_start(const nqm_fit_space *space, size_t i, size_t n_widths, const double *diffuse, const double *albedo,
+                   nqm_spec_values *values);
+/** Turn on layer i, such as a clear coat, with a typical width; rough: over a base three times as rough. false: there are only
+ *  i. */
+bool nqm_fit_add_layer(const nqm_fit_space *space, size_t i, bool rough, nqm_spec_values *values);
+
+/* ---- least squares (squares.c) ------------------------------------------------------------------------------------ */
+
+/** Report progress. NQM_ERR_CANCELLED: stopped. */
+NQM_MUST_CHECK nqm_status nqm_fit_tick(nqm_ticker *ticker, const char *stage, double done, double total,
+                                       nqm_error *err);
+/** step (n) = - (curvature + damping * its diagonal)^-1 gradient for the entries that are not fixed, 0 for the others.
+ *  curvature (n, n): symmetric; factor (n, n): scratch. */
+void nqm_fit_solve(size_t n, const double *curvature, const bool *fixed, const double *gradient, double damping,
+                   double *factor, double *step);
+/** Minimise the target's root mean square (or, of mean absolute losses, its reweighted squares) from point->values by at most
+ *  n_steps steps. The point is replaced, never by a worse one. */
+NQM_MUST_CHECK nqm_status nqm_fit_refine(const nqm_fit_space *space, const nqm_fit_target *target, size_t n_steps,
+                                         nqm_ticker *ticker, nqm_fit_point *point, nqm_error *err);
+/** The approximate second derivatives (space->n, space->n) of the target's loss by the coordinates. */
+NQM_MUST_CHECK nqm_status nqm_fit_curvature(const nqm_fit_space *space, const nqm_fit_target *target,
+                                            const nqm_spec_values *values, double *curvature, nqm_error *err);
+/** The albedos kd, ks of an analytic model that are best for the shape in *values, by linear least squares (albedos.c). */
+NQM_MUST_CHECK nqm_status nqm_fit_solve_albedos(const nqm_fit_space *space, const nqm_fit_target *target,
+                                                nqm_spec_values *values, nqm_error *err);
+
+/* ---- sums of terms (objective.c) ---------------------------------------------------------------------------------- */
+
+typedef struct nqm_fit_objective nqm_fit_objective;
+
+/** `target` gives the directions of BRDF-space terms; it and the terms must outlive the objective. */
+NQM_MUST_CHECK nqm_status nqm_fit_objective_make(const nqm_fit_space *space, const nqm_fit_target *target,
+                                                 size_t n_terms, const nqm_fit_term *terms,
+                                                 nqm_fit_objective **objective_ret, nqm_error *err);
+void nqm_fit_objective_free(nqm_fit_objective *objective);
+/** The sum at these values. NQM_ERR_NUMERIC: a term is not finite. */
+NQM_MUST_CHECK nqm_status nqm_fit_objective_value(nqm_fit_objective *objective, const nqm_spec_values *values,
+                                                  double *value, nqm_error *err);
+/** The gradient (space->n) by the coordinates at the values of the last nqm_fit_objective_value(). */
+NQM_MUST_CHECK nqm_status nqm_fit_objective_gradient(nqm_fit_objective *objective, const nqm_fit_space *space,
+                                                     const nqm_spec_values *values, double *gradient, nqm_error *err);
+/** Approximate second derivatives (space->n, space->n) at the values of the last evaluation; visual terms count like the
+ *  others in proportion. Positive definite. */
+NQM_MUST_CHECK nqm_status nqm_fit_objective_curvature(const nqm_fit_objective *objective, const nqm_fit_space *space,
+                                                      const nqm_spec_values *values, double *curvature, nqm_error *err);
+/** Round the kinks of mean absolute losses over `fraction` of their last value (0: not). false: there are none. */
+bool nqm_fit_objective_round(nqm_fit_objective *objective, double fraction);
+/** The sum for a black surface. */
+NQM_MUST_CHECK nqm_status nqm_fit_objective_black(nqm_fit_objective *objective, double *value, nqm_error *err);
+
+/* ---- quasi-Newton steps (descend.c) ------------------------------------------------------------------------------- */
+
+enum { NQM_FIT_STEPS = 40 };
+/** Minimise the objective from point->values over the free parameters of `space` by at most max_steps steps (under
+ *  NQM_FIT_STEPS: with kinks rounded once only); never replaced by a worse one. */
+NQM_MUST_CHECK nqm_status nqm_fit_descend(nqm_fit_objective *objective, const nqm_fit_space *space, size_t max_steps,
+                                          nqm_ticker *ticker, nqm_fit_point *point, nqm_error *err);
+
+/* ---- stages (search.c, simplify.c, fit.c, select.c) --------------------------------------------------------------- */
+
+/** One fit: what all its stages share. */
+typedef struct nqm_fit_run {
+    const nqm_brdf *ref;
+    const nqm_fit_options *options;
+    nqm_fit_space space;
+    nqm_fit_target target; /* under the first loss */
+    size_t n_terms;
+    const nqm_fit_term *terms; /* what is minimised in the end */
+    nqm_fit_term only;         /* options->loss as a term */
+    nqm_fit_objective *objective;
+    nqm_ticker ticker;
+    nqm_error *err;
+} nqm_fit_run;
+
+enum { NQM_FIT_MAX_POINTS = 4 };
+/** Least-squares fits under the target's loss from the starts of the model: points (NQM_FIT_MAX_POINTS) receives n of them,
+ *  the smallest loss first. */
+NQM_MUST_CHECK nqm_status nqm_fit_search(nqm_fit_run *run, nqm_fit_point *points, size_t *n);
 /** Random values: shapes uniform in the scale of the search, the albedos that are best for them times factors log-uniform
- *  in [1/20, 20]. */
-NQM_MUST_CHECK nqm_status nqm_fit_search_random(nqm_fit_search *search, nqm_rng *rng, nqm_fit_values *values);
-/** Report progress; true: the caller must stop with nqm_fit_cancelled(). */
-bool nqm_fit_tick(nqm_fit_search *search);
-nqm_status nqm_fit_cancelled(nqm_error *err);
+ *  in [1/20, 20]. Analytic models. */
+NQM_MUST_CHECK nqm_status nqm_fit_random(const nqm_fit_space *space, const nqm_fit_target *target, nqm_rng *rng,
+                                         nqm_spec_values *values, nqm_error *err);
+/** Of a shading model, set keys to their defaults where that raises the objective by at most `simplify` of the options (0: not
+ *  done) times its value plus a twentieth of that of a black surface, in total; then minimise it over the others. */
+NQM_MUST_CHECK nqm_status nqm_fit_simplify(nqm_fit_run *run, nqm_fit_point *point);
 
-/** A point on the path of the optimiser: n_steps (up to 1000) steps of Levenberg-Marquardt from nqm_fit_search_random()
- *  under the target's loss, a function of the seed. */
-NQM_MUST_CHECK nqm_status nqm_fit_follow(const nqm_fit_entry *model, const nqm_fit_target *target, uint64_t seed,
-                                         size_t n_steps, nqm_fit_values *values, nqm_error *err);
-/** The same for a model's name; spec receives the point. NQM_ERR_ARG: the model is not analytic. */
+/** loss: the first that is minimised, by least squares. End the run also after a failure. */
+NQM_MUST_CHECK nqm_status nqm_fit_begin(nqm_fit_run *run, const nqm_brdf *ref, const nqm_fit_entry *entry,
+                                        const nqm_fit_options *options, nqm_fit_loss loss, nqm_error *err);
+void nqm_fit_end(nqm_fit_run *run);
+/** The rounded point as a report, except its loss; the point becomes what the spec says. */
+NQM_MUST_CHECK nqm_status nqm_fit_write_report(nqm_fit_run *run, nqm_fit_point *point, nqm_fit_report *report);
+
+/** The best by `judge` among fits under several losses and the best of these polished by the terms of the options (select.c).
+ *  *polished: whether the result is; *loss_ret: under which loss it was fitted. report->loss is that of the judge. */
+NQM_MUST_CHECK nqm_status nqm_fit_select(const nqm_brdf *ref, const nqm_fit_entry *entry,
+                                         const nqm_fit_options *options, const nqm_fit_visual *judge,
+                                         nqm_fit_report *report, nqm_fit_loss *loss_ret, bool *polished,
+                                         nqm_error *err);
+
+/** A point on the path of the optimiser: n_steps (up to 1000) steps of Levenberg-Marquardt from nqm_fit_random() under the loss
+ *  of the options, a function of the seed. NQM_ERR_ARG: the model is not analytic. */
 NQM_MUST_CHECK nqm_status nqm_fit_path(const nqm_brdf *ref, const char *model, const nqm_fit_options *options,
                                        uint64_t seed, size_t n_steps, char spec[512], nqm_error *err);
-
-/* ---- weighted sums ------------------------------------------------------------------------------------------------ */
-
-/** One term at its directions. */
-typedef struct nqm_fit_part {
-    nqm_fit_term term;
-    nqm_fit_target target; /* of a BRDF-space term */
-    nqm_fit_lobes lobes;
-    double *rgb, *gradient; /* (n, 3) f_r, and the derivatives of the term by it; rgb owns the block */
-    double *slopes;         /* (n_shape, n) */
-    double value;           /* of the last evaluation */
-} nqm_fit_part;
-
-/** A weighted sum of terms as a function of the values of a model. */
-typedef struct nqm_fit_objective {
-    const nqm_fit_entry *model;
-    size_t n;
-    nqm_fit_part *parts; /* (n) */
-} nqm_fit_objective;
-
-/** Prepare the terms; `target` gives the directions of BRDF-space terms and must outlive the objective. Free it also after
- *  a failure. */
-NQM_MUST_CHECK nqm_status nqm_fit_objective_make(const nqm_fit_entry *model, const nqm_fit_target *target,
-                                                 size_t n_terms, const nqm_fit_term *terms,
-                                                 nqm_fit_objective *objective, nqm_error *err);
-void nqm_fit_objective_free(nqm_fit_objective *objective);
-/** The sum (visual: with the visual terms) and its gradient (NULL: not computed), in which `shape` has the derivatives by
- *  the positions in the ranges. NQM_ERR_NUMERIC: a term is not finite. */
-NQM_MUST_CHECK nqm_status nqm_fit_objective_eval(nqm_fit_objective *objective, bool visual, const nqm_fit_values *v,
-                                                 double *value, nqm_fit_values *gradient, nqm_error *err);
-/** Minimise it from candidate->values (fit_descend.c); they and the loss are replaced, never by worse ones. */
-NQM_MUST_CHECK nqm_status nqm_fit_descend(nqm_fit_objective *objective, bool visual, nqm_ticker *ticker,
-                                          nqm_fit_candidate *candidate, nqm_error *err);
-/** The best values under the loss of the options (fit_minimise.c); candidate->start is the index of their start.
- *  `target` is one of the options. */
-NQM_MUST_CHECK nqm_status nqm_fit_minimise(const nqm_fit_entry *model, const nqm_fit_target *target,
-                                           const nqm_fit_options *options, nqm_fit_candidate *candidate,
-                                           nqm_error *err);
-/** The loss by whose squares a fit of these options begins: that of the BRDF-space term with the largest weight. */
-nqm_fit_loss nqm_fit_first_loss(const nqm_fit_options *options);
-/** Values of a spec of the model, inside its ranges. NQM_ERR_ARG: another model, or a faulty spec. */
-NQM_MUST_CHECK nqm_status nqm_fit_read_spec(const nqm_fit_entry *model, const char *spec, nqm_fit_values *values,
-                                            nqm_error *err);
-
-/** Loss of a spec; NQM_ERR_NOMEM, or what opening it gives. */
-NQM_MUST_CHECK nqm_status nqm_fit_loss_of_spec(const nqm_fit_target *target, const char *spec, double *loss_ret,
-                                               nqm_error *err);
 
 #endif

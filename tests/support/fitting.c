@@ -3,6 +3,7 @@
  * Fit a spec with another model, and compare the values of two specs.
  */
 #include "support/fitting.h"
+#include "fit/fit.h"
 #include "support/check.h"
 
 #include <math.h>
@@ -17,6 +18,32 @@ nqm_fit_report fit_spec(const char *spec, const char *model, const nqm_fit_optio
         fail_msg("%s: %s", spec, err.message);
     nqm_brdf_free(ref);
     return report;
+}
+
+double loss_of_spec(const nqm_fit_target *target, const char *spec) {
+    nqm_brdf *brdf = open_brdf(spec);
+    double *rgb = nqm_alloc(target->n, 3 * sizeof *rgb);
+    assert_non_null(rgb);
+    nqm_brdf_eval(brdf, target->n, target->wi, target->wo, rgb, NULL);
+    const double loss = nqm_fit_loss_value(target, rgb, NULL);
+    nqm_free(rgb);
+    nqm_brdf_free(brdf);
+    return loss;
+}
+
+nqm_fit_report fit_from_random(const char *spec, const char *model, const nqm_fit_options *options, size_t n) {
+    nqm_fit_report best = {.loss = INFINITY};
+    nqm_brdf *ref = open_brdf(spec);
+    for (size_t seed = 0; seed < n; ++seed) {
+        char start[512];
+        nqm_fit_options from = *options;
+        assert_int_equal(nqm_fit_path(ref, model, options, seed, 0, start, NULL), NQM_OK);
+        from.start = start;
+        nqm_fit_report report = fit_spec(spec, model, &from);
+        best = report.loss < best.loss ? report : best;
+    }
+    nqm_brdf_free(ref);
+    return best;
 }
 
 void spec_values(const char *spec, const char *key, double v[3]) {

@@ -94,23 +94,37 @@ static void bad_bounds_are_refused(void **state) {
     nqm_brdf_free(brdf);
 }
 
-/* Value to position and back, for every scale. */
-static void positions_are_those_of_values(void **state) {
+/* Coordinate to value and back, for every scale; the bounds are those of the values. */
+static void coordinates_are_those_of_values(void **state) {
     (void)state;
+    const nqm_fit_options options = nqm_fit_options_default();
     for (size_t m = 0; nqm_fit_model(m); ++m) {
         const nqm_fit_entry *entry;
+        nqm_fit_space space;
         assert_int_equal(nqm_fit_entry_find(nqm_fit_model(m), &entry, NULL), NQM_OK);
-        for (size_t s = 0; !entry->encode && s < entry->n_shape; ++s)
-            for (double at = 0; at <= 1; at += 0.25)
-                assert_near(nqm_fit_shape_position(&entry->shape[s], nqm_fit_shape_value(&entry->shape[s], at)), at,
-                            1e-6);
+        if (entry->encode)
+            continue;
+        assert_int_equal(nqm_fit_space_make(entry, &options, &space, NULL), NQM_OK);
+        double low[NQM_FIT_MAX_FREE], high[NQM_FIT_MAX_FREE], x[NQM_FIT_MAX_FREE], again[NQM_FIT_MAX_FREE];
+        nqm_fit_bounds(&space, low, high);
+        for (double at = 0; at <= 1; at += 0.25) {
+            nqm_spec_values values = space.defaults;
+            for (size_t k = 0; k < space.n; ++k)
+                x[k] = low[k] + at * (high[k] - low[k]);
+            nqm_fit_values(&space, x, &values);
+            nqm_fit_coordinates(&space, &values, again);
+            for (size_t k = 0; k < space.n; ++k) {
+                assert_true(low[k] < high[k]);
+                assert_near(again[k], x[k], 1e-6);
+            }
+        }
     }
 }
 
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(every_model_gives_itself_back),
-        cmocka_unit_test(positions_are_those_of_values),
+        cmocka_unit_test(coordinates_are_those_of_values),
         cmocka_unit_test(bounds_hold),
         cmocka_unit_test(bad_bounds_are_refused),
     };

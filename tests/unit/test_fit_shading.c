@@ -6,8 +6,6 @@
 #include "support/check.h"
 #include "support/fitting.h"
 
-#include "brdf/core/spec.h"
-#include "fit/shading.h"
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -87,54 +85,11 @@ static void faults_are_refused(void **state) {
     check_refusal(NULL, "gtlf", "gtlf");
 }
 
-/* The gradient of a sum by differences of f_r is that of the sum itself. */
-static void curvature_and_differences_agree(void **state) {
-    (void)state;
-    nqm_brdf *ref = open_brdf("gltf:base_color=0.2,0.5,0.1;metallic=0.3;roughness=0.3");
-    nqm_fit_options options = few_directions();
-    const nqm_fit_term terms[] = {{.weight = 2, .loss = NQM_FIT_LOG}, {.weight = 1, .loss = NQM_FIT_RMS_CRWE}};
-    const nqm_fit_entry *entry;
-    nqm_shading_space space;
-    nqm_fit_target target;
-    nqm_shading_objective *o;
-    nqm_spec_values values;
-    assert_int_equal(nqm_fit_entry_find("gltf", &entry, NULL), NQM_OK);
-    assert_int_equal(nqm_shading_space_make(entry->shading, &options, &space, NULL), NQM_OK);
-    assert_int_equal(nqm_fit_target_make(ref, &options, &target, NULL), NQM_OK);
-    assert_int_equal(nqm_shading_objective_make(&space, &target, 2, terms, &o, NULL), NQM_OK);
-    assert_int_equal(nqm_shading_read_spec(&space,
-                                           "gltf:base_color=0.4,0.3,0.3;metallic=0.6;roughness=0.5;clearcoat=0.4;"
-                                           "clearcoat_roughness=0.3;sheen_color=0.2;sheen_roughness=0.5",
-                                           &values, NULL),
-                     NQM_OK);
-    double x[NQM_SHADING_MAX_FREE];
-    nqm_shading_coordinates(&space, &values, x);
-    for (size_t k = 0; k < space.n; ++k) {
-        const double h = 1e-5, at = x[k];
-        nqm_spec_values up = values, down = values;
-        double value, value_up, value_down;
-        x[k] = at + h;
-        nqm_shading_values(&space, x, &up);
-        x[k] = at - h;
-        nqm_shading_values(&space, x, &down);
-        x[k] = at;
-        assert_int_equal(nqm_shading_objective_value(o, &up, &value_up, NULL), NQM_OK);
-        assert_int_equal(nqm_shading_objective_value(o, &down, &value_down, NULL), NQM_OK);
-        assert_int_equal(nqm_shading_objective_value(o, &values, &value, NULL), NQM_OK);
-        const double linear = nqm_shading_objective_difference(o, &up) - nqm_shading_objective_difference(o, &down);
-        assert_true(fabs(linear - (value_up - value_down)) <= 1e-4 * fabs(linear) + 1e-12);
-    }
-    nqm_shading_objective_free(o);
-    nqm_free(target.wi);
-    nqm_brdf_free(ref);
-}
-
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(models_give_themselves_back),
         cmocka_unit_test(bounds_and_starts_hold),
         cmocka_unit_test(faults_are_refused),
-        cmocka_unit_test(curvature_and_differences_agree),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

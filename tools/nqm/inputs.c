@@ -5,7 +5,7 @@
 #include "base/names.h"
 #include "brdf/core/spec.h"
 #include "brdf/formats/listed.h"
-#include "match/match.h"
+#include "fit/match.h"
 #include "nqm/tool.h"
 #include "render/render.h"
 

@@ -5,7 +5,7 @@
  */
 #include "base/names.h"
 #include "fit/fit.h"
-#include "match/match.h"
+#include "fit/match.h"
 #include "nqm/fit/fit_run.h"
 #include "nqm/show/report.h"
 

@@ -4,7 +4,7 @@
  * written. With --fail-under it is a gate.
  */
 #include "brdf/brdf.h"
-#include "match/match.h"
+#include "fit/match.h"
 #include "material/material.h"
 #include "nqm/fit/translate.h"
 #include "nqm/score/gate.h"

@@ -2,8 +2,8 @@
  *
  * match.h - the parts of a match: the text of a loss, and metrics as differentiable losses of fits.
  */
-#ifndef NQM_SRC_MATCH_H
-#define NQM_SRC_MATCH_H
+#ifndef NQM_SRC_FIT_MATCH_H
+#define NQM_SRC_FIT_MATCH_H
 
 #include "base/base.h"
 #include <nqm/label.h>
@@ -33,13 +33,6 @@ extern const char *const nqm_match_uncovered;
 /** NQM_ERR_ARG names the word at fault. */
 NQM_MUST_CHECK nqm_status nqm_match_parse(const char *text, nqm_match_sum *sum, nqm_error *err);
 
-struct nqm_analytic_model;
-/** The loss "auto" of a shading model: `terms` are those of the polish, which `sum_text` names. */
-NQM_MUST_CHECK nqm_status nqm_match_shading(const nqm_brdf *ref, const struct nqm_analytic_model *model,
-                                            const nqm_fit_options *options, size_t n_terms, const nqm_fit_term *terms,
-                                            const nqm_fit_visual *judge, const char *sum_text, nqm_match_report *report,
-                                            nqm_error *err);
-
 /** A metric against one reference, as a loss of a fit. Used by one thread at a time. */
 typedef struct nqm_match_visual {
     nqm_fit_visual visual;
@@ -54,9 +47,6 @@ typedef struct nqm_match_visual {
 NQM_MUST_CHECK nqm_status nqm_match_visual_make(const nqm_model *model, const nqm_brdf *ref, nqm_match_visual *visual,
                                                 nqm_error *err);
 void nqm_match_visual_free(nqm_match_visual *visual);
-/** The loss of a BRDF. */
-NQM_MUST_CHECK nqm_status nqm_match_visual_value(nqm_match_visual *visual, const nqm_brdf *brdf, double *value,
-                                                 nqm_error *err);
 
 /** Delta-E from one reference on rays of a scene. */
 typedef struct nqm_match_judge {
@@ -70,8 +60,5 @@ typedef struct nqm_match_judge {
 NQM_MUST_CHECK nqm_status nqm_match_judge_make(const nqm_scene *scene, const nqm_brdf *ref, uint64_t seed,
                                                nqm_match_judge *judge, nqm_error *err);
 void nqm_match_judge_free(nqm_match_judge *judge);
-/** Delta-E of a BRDF. Any thread. */
-NQM_MUST_CHECK nqm_status nqm_match_judge_value(const nqm_match_judge *judge, const nqm_brdf *brdf, double *value,
-                                                nqm_error *err);
 
 #endif

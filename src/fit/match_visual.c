@@ -3,7 +3,7 @@
  * A metric as a loss of fits: the scores and gradients of nqm_score_grad() at the directions of the model. Directions at
  * which the reference has no value are left out.
  */
-#include "match/match.h"
+#include "fit/match.h"
 
 #include <math.h>
 
@@ -74,16 +74,4 @@ nqm_status nqm_match_visual_make(const nqm_model *model, const nqm_brdf *ref, nq
 void nqm_match_visual_free(nqm_match_visual *v) {
     nqm_scorer_free(v->scorer);
     nqm_free(v->ref);
-}
-
-nqm_status nqm_match_visual_value(nqm_match_visual *v, const nqm_brdf *brdf, double *value, nqm_error *err) {
-    double *rgb = nqm_alloc(v->visual.n, 6 * sizeof *rgb);
-    if (!rgb)
-        return nqm_fail_nomem(err, v->visual.n * 6 * sizeof *rgb);
-    nqm_brdf_eval(brdf, v->visual.n, v->visual.wi, v->visual.wo, rgb, NULL);
-    *value = evaluate(v, rgb, rgb + 3 * v->visual.n);
-    nqm_free(rgb);
-    if (!isnan(*value))
-        return NQM_OK;
-    return nqm_fail(err, v->failure.status, -1, "%s", v->failure.message);
 }

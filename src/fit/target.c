@@ -88,14 +88,22 @@ nqm_status nqm_fit_target_under(const nqm_fit_target *from, nqm_fit_loss loss, n
     return status;
 }
 
-nqm_status nqm_fit_loss_of_spec(const nqm_fit_target *target, const char *spec, double *loss_ret, nqm_error *err) {
-    size_t n = 3 * target->n;
-    double *rgb = nqm_alloc(n, sizeof *rgb);
-    if (!rgb)
-        return nqm_fail_nomem(err, n * sizeof *rgb);
-    nqm_status status = nqm_fit_eval_spec(spec, target->n, target->wi, target->wo, rgb, err);
-    if (status == NQM_OK)
-        *loss_ret = nqm_fit_loss_value(target, rgb, NULL);
-    nqm_free(rgb);
+nqm_status nqm_fit_target_thin(const nqm_fit_target *from, size_t n, nqm_fit_target *thin, nqm_error *err) {
+    const size_t stride = nqm_larger(from->n / n, 1);
+    *thin = *from;
+    thin->n = (from->n + stride - 1) / stride;
+    nqm_status status =
+        nqm_alloc_arrays(NQM_ARRAYS({&thin->wi, thin->n, 3 * sizeof(double)}, {&thin->wo, thin->n, 3 * sizeof(double)},
+                                    {&thin->weight, thin->n, sizeof(double)}, {&thin->rgb, thin->n, 3 * sizeof(double)},
+                                    {&thin->goal, thin->n, 3 * sizeof(double)}),
+                         err);
+    for (size_t i = 0; status == NQM_OK && i < thin->n; ++i) {
+        const size_t at = i * stride;
+        thin->weight[i] = from->weight[at];
+        memcpy(thin->wi + 3 * i, from->wi + 3 * at, 3 * sizeof(double));
+        memcpy(thin->wo + 3 * i, from->wo + 3 * at, 3 * sizeof(double));
+        memcpy(thin->rgb + 3 * i, from->rgb + 3 * at, 3 * sizeof(double));
+        memcpy(thin->goal + 3 * i, from->goal + 3 * at, 3 * sizeof(double));
+    }
     return status;
 }

@@ -4,12 +4,43 @@
  * search): parameters at a bound that the gradient pushes outwards are left out of the step, the others are moved into their
  * bounds after it. Mean absolute losses are minimised as reweighted squares.
  */
-#include "fit/shading.h"
+#include "fit/fit.h"
 
 #include <math.h>
 
+nqm_status nqm_fit_tick(nqm_ticker *ticker, const char *stage, double done, double total, nqm_error *err) {
+    return nqm_tick(ticker, stage, done, total) ? nqm_fail(err, NQM_ERR_CANCELLED, -1, "interrupted") : NQM_OK;
+}
+
+void nqm_fit_solve(size_t n, const double *curvature, const bool *fixed, const double *gradient, double damping,
+                   double *factor, double *step) {
+    double *l = factor;
+    for (size_t a = 0; a < n; ++a)
+        for (size_t b = 0; b <= a; ++b) {
+            double sum = a != b && (fixed[a] || fixed[b]) ? 0 : curvature[a * n + b] * (a == b ? 1 + damping : 1);
+            for (size_t k = 0; k < b; ++k)
+                sum -= l[a * n + k] * l[b * n + k];
+            if (a != b)
+                l[a * n + b] = sum / l[b * n + b];
+            else /* dependent parameters: a tiny pivot would give a huge step */
+                l[a * n + a] = sqrt(fmax(sum, 1e-12 * curvature[a * n + a] + 1e-300));
+        }
+    for (size_t a = 0; a < n; ++a) {
+        double sum = fixed[a] ? 0 : -gradient[a];
+        for (size_t k = 0; k < a; ++k)
+            sum -= l[a * n + k] * step[k];
+        step[a] = sum / l[a * n + a];
+    }
+    for (size_t a = n; a-- > 0;) {
+        double sum = step[a];
+        for (size_t k = a + 1; k < n; ++k)
+            sum -= l[k * n + a] * step[k];
+        step[a] = sum / l[a * n + a];
+    }
+}
+
 typedef struct squares {
-    const nqm_shading_space *space;
+    const nqm_fit_space *space;
     const nqm_fit_target *target;
     size_t m;                    /* residuals: 3 per direction */
     double *rgb, *changed;       /* (m) f_r at the point and next to it; rgb owns the block */
@@ -21,7 +52,7 @@ typedef struct squares {
     bool *fixed;                 /* (space->n) not part of this step */
 } squares;
 
-static nqm_status allocate(const nqm_shading_space *space, const nqm_fit_target *target, squares *s, nqm_error *err) {
+static nqm_status allocate(const nqm_fit_space *space, const nqm_fit_target *target, squares *s, nqm_error *err) {
     const size_t n = space->n, m = 3 * target->n, size = sizeof(double);
     *s = (squares){.space = space, .target = target, .m = m};
     return nqm_alloc_arrays(NQM_ARRAYS({&s->rgb, m, size}, {&s->changed, m, size}, {&s->residual, m, size},
@@ -34,8 +65,8 @@ static nqm_status allocate(const nqm_shading_space *space, const nqm_fit_target 
 
 /* f_r of the values with the coordinates x. */
 static void eval_at(const squares *s, const double *x, nqm_spec_values *values, double *rgb) {
-    nqm_shading_values(s->space, x, values);
-    nqm_shading_eval(s->space->model, values, s->target->n, s->target->wi, s->target->wo, rgb);
+    nqm_fit_values(s->space, x, values);
+    nqm_fit_eval(s->space, values, s->target->n, s->target->wi, s->target->wo, rgb);
 }
 
 /* The residuals, and the weights that make their squares the target's loss. */
@@ -53,23 +84,11 @@ static void linearise(squares *s) {
 
 static void differentiate(squares *s, const nqm_spec_values *values) {
     const nqm_fit_target *t = s->target;
-    const double step = 1e-5;
-    for (size_t k = 0; k < s->space->n; ++k) {
-        nqm_spec_values near = *values;
-        const double x = s->x[k], h = x + step > s->high[k] ? -step : step;
-        double *column = s->columns + k * s->m;
-        if (nqm_shading_is_idle(&s->space->parameters[k], values)) {
-            memset(column, 0, s->m * sizeof *column);
-            continue;
-        }
-        s->x[k] = x + h;
-        eval_at(s, s->x, &near, s->changed);
-        s->x[k] = x;
-        for (size_t i = 0; i < s->m; ++i)
-            column[i] =
-                s->changed[i] == s->rgb[i]
-                    ? 0
-                    : (nqm_fit_transform(t->loss, t->weight[i / 3], s->changed[i]) - t->goal[i] - s->residual[i]) / h;
+    nqm_fit_slopes(s->space, values, t->n, t->wi, t->wo, s->rgb, s->columns);
+    for (size_t i = 0; i < s->m; ++i) {
+        const double slope = nqm_fit_transform_slope(t->loss, t->weight[i / 3], s->rgb[i]);
+        for (size_t k = 0; k < s->space->n; ++k)
+            s->columns[k * s->m + i] *= slope;
     }
 }
 
@@ -97,13 +116,13 @@ static void form_normal(squares *s) {
 /* Evaluate at the point and form the equations. */
 static void begin(squares *s, const nqm_spec_values *values) {
     nqm_spec_values at = *values;
-    nqm_shading_coordinates(s->space, values, s->x);
-    nqm_shading_bounds(s->space, s->low, s->high);
+    nqm_fit_coordinates(s->space, values, s->x);
+    nqm_fit_bounds(s->space, s->low, s->high);
     eval_at(s, s->x, &at, s->rgb);
 }
 
-nqm_status nqm_shading_curvature(const nqm_shading_space *space, const nqm_fit_target *target,
-                                 const nqm_spec_values *values, double *curvature, nqm_error *err) {
+nqm_status nqm_fit_curvature(const nqm_fit_space *space, const nqm_fit_target *target, const nqm_spec_values *values,
+                             double *curvature, nqm_error *err) {
     squares s;
     nqm_status status = allocate(space, target, &s, err);
     if (status != NQM_OK)
@@ -120,12 +139,12 @@ nqm_status nqm_shading_curvature(const nqm_shading_space *space, const nqm_fit_t
 }
 
 /* Try steps with growing damping until one lowers the loss; false: none does. */
-static bool improve(squares *s, double *damping, nqm_shading_point *point) {
+static bool improve(squares *s, double *damping, nqm_fit_point *point) {
     enum { MAX_TRIES = 10 };
     const double longest = 2; /* per coordinate */
     for (int i = 0; i < MAX_TRIES; ++i) {
         nqm_spec_values values = point->values;
-        nqm_shading_solve(s->space->n, s->normal, s->fixed, s->gradient, *damping, s->factor, s->step);
+        nqm_fit_solve(s->space->n, s->normal, s->fixed, s->gradient, *damping, s->factor, s->step);
         for (size_t k = 0; k < s->space->n; ++k)
             s->next[k] = fmin(fmax(s->x[k] + fmin(fmax(s->step[k], -longest), longest), s->low[k]), s->high[k]);
         eval_at(s, s->next, &values, s->changed);
@@ -143,8 +162,8 @@ static bool improve(squares *s, double *damping, nqm_shading_point *point) {
     return false;
 }
 
-nqm_status nqm_shading_refine(const nqm_shading_space *space, const nqm_fit_target *target, size_t n_steps,
-                              nqm_ticker *ticker, nqm_shading_point *point, nqm_error *err) {
+nqm_status nqm_fit_refine(const nqm_fit_space *space, const nqm_fit_target *target, size_t n_steps, nqm_ticker *ticker,
+                          nqm_fit_point *point, nqm_error *err) {
     const double min_gain = 1e-4; /* relative, of the loss per step */
     const double exact = 1e-6;    /* of the loss of a black surface */
     squares s;
@@ -164,8 +183,7 @@ nqm_status nqm_shading_refine(const nqm_shading_space *space, const nqm_fit_targ
         if (!improve(&s, &damping, point))
             break;
         n_slow = point->loss > (1 - min_gain) * before ? n_slow + 1 : 0;
-        if (nqm_tick(ticker, "fit", (double)i, (double)n_steps + 1))
-            status = nqm_fit_cancelled(err);
+        status = nqm_fit_tick(ticker, "fit", (double)i, (double)n_steps + 1, err);
     }
     nqm_free(s.rgb);
     return status;

@@ -1,43 +1,16 @@
 /* SPDX-License-Identifier: MIT
  *
  * Minimisation of a sum of terms by BFGS updates with Powell's damping (Nocedal and Wright 2006, section 18.3, DOI
- * 10.1007/978-0-387-40065-5) of a full matrix that starts as the curvature of least squares. L-BFGS of NLopt needs five times as
- * many gradients, and a gradient costs an evaluation for each parameter. Bounds as in shading_squares.c.
+ * 10.1007/978-0-387-40065-5) of a full matrix that starts as the curvature of least squares: L-BFGS needs five times as many
+ * gradients. Bounds as in squares.c.
  */
-#include "fit/shading.h"
+#include "fit/fit.h"
 
 #include <math.h>
 
-void nqm_shading_solve(size_t n, const double *curvature, const bool *fixed, const double *gradient, double damping,
-                       double *factor, double *step) {
-    double *l = factor;
-    for (size_t a = 0; a < n; ++a)
-        for (size_t b = 0; b <= a; ++b) {
-            double sum = a != b && (fixed[a] || fixed[b]) ? 0 : curvature[a * n + b] * (a == b ? 1 + damping : 1);
-            for (size_t k = 0; k < b; ++k)
-                sum -= l[a * n + k] * l[b * n + k];
-            if (a != b)
-                l[a * n + b] = sum / l[b * n + b];
-            else /* dependent parameters: a tiny pivot would give a huge step */
-                l[a * n + a] = sqrt(fmax(sum, 1e-12 * curvature[a * n + a] + 1e-300));
-        }
-    for (size_t a = 0; a < n; ++a) {
-        double sum = fixed[a] ? 0 : -gradient[a];
-        for (size_t k = 0; k < a; ++k)
-            sum -= l[a * n + k] * step[k];
-        step[a] = sum / l[a * n + a];
-    }
-    for (size_t a = n; a-- > 0;) {
-        double sum = step[a];
-        for (size_t k = a + 1; k < n; ++k)
-            sum -= l[k * n + a] * step[k];
-        step[a] = sum / l[a * n + a];
-    }
-}
-
 typedef struct descent {
-    nqm_shading_objective *objective;
-    const nqm_shading_space *space;
+    nqm_fit_objective *objective;
+    const nqm_fit_space *space;
     nqm_ticker *ticker;
     size_t n;
     double *matrix, *factor;                      /* (n, n); matrix owns the block */
@@ -46,8 +19,8 @@ typedef struct descent {
     bool *fixed;                                  /* (n) */
 } descent;
 
-static nqm_status allocate(nqm_shading_objective *objective, const nqm_shading_space *space, nqm_ticker *ticker,
-                           descent *d, nqm_error *err) {
+static nqm_status allocate(nqm_fit_objective *objective, const nqm_fit_space *space, nqm_ticker *ticker, descent *d,
+                           nqm_error *err) {
     const size_t n = space->n, size = sizeof(double);
     *d = (descent){.objective = objective, .space = space, .ticker = ticker, .n = n};
     return nqm_alloc_arrays(NQM_ARRAYS({&d->matrix, n * n, size}, {&d->factor, n * n, size}, {&d->x, n, size},
@@ -57,24 +30,8 @@ static nqm_status allocate(nqm_shading_objective *objective, const nqm_shading_s
                             err);
 }
 
-/* The gradient at the values of the last evaluation, whose coordinates are x. */
-static void differentiate(const descent *d, double *x, const nqm_spec_values *values, double *gradient) {
-    const double step = 1e-5;
-    for (size_t k = 0; k < d->n; ++k) {
-        const double at = x[k], h = at + step > d->high[k] ? -step : step;
-        nqm_spec_values changed = *values;
-        gradient[k] = 0;
-        if (nqm_shading_is_idle(&d->space->parameters[k], values))
-            continue;
-        x[k] = at + h;
-        nqm_shading_values(d->space, x, &changed);
-        x[k] = at;
-        gradient[k] = nqm_shading_objective_difference(d->objective, &changed) / h;
-    }
-}
-
 /* Go along the step until the sum falls; `next` receives the point. false: it does not. */
-static nqm_status search_line(descent *d, const nqm_shading_point *point, nqm_shading_point *next, bool *found,
+static nqm_status search_line(descent *d, const nqm_fit_point *point, nqm_fit_point *next, bool *found,
                               nqm_error *err) {
     enum { MAX_TRIES = 8 };
     const double longest = 1; /* per coordinate */
@@ -91,8 +48,8 @@ static nqm_status search_line(descent *d, const nqm_shading_point *point, nqm_sh
             expected += d->gradient[k] * (d->next[k] - d->x[k]);
         }
         *next = *point;
-        nqm_shading_values(d->space, d->next, &next->values);
-        status = nqm_shading_objective_value(d->objective, &next->values, &next->loss, err);
+        nqm_fit_values(d->space, d->next, &next->values);
+        status = nqm_fit_objective_value(d->objective, &next->values, &next->loss, err);
         *found = next->loss < point->loss + fmin(1e-4 * expected, 0);
     }
     return status;
@@ -121,16 +78,18 @@ static void update(descent *d) {
 }
 
 /* One step; *gained: the point is better by more than the tolerance. */
-static nqm_status advance(descent *d, nqm_shading_point *point, bool *gained, nqm_error *err) {
+static nqm_status advance(descent *d, nqm_fit_point *point, bool *gained, nqm_error *err) {
     const double tolerance = 3e-4; /* relative, of the loss per step */
-    nqm_shading_point next;
+    nqm_fit_point next;
     for (size_t k = 0; k < d->n; ++k)
         d->fixed[k] = (d->x[k] <= d->low[k] && d->gradient[k] >= 0) || (d->x[k] >= d->high[k] && d->gradient[k] <= 0);
-    nqm_shading_solve(d->n, d->matrix, d->fixed, d->gradient, 0, d->factor, d->step);
+    nqm_fit_solve(d->n, d->matrix, d->fixed, d->gradient, 0, d->factor, d->step);
     nqm_status status = search_line(d, point, &next, gained, err);
     if (status != NQM_OK || !*gained)
         return status;
-    differentiate(d, d->next, &next.values, d->next_gradient);
+    status = nqm_fit_objective_gradient(d->objective, d->space, &next.values, d->next_gradient, err);
+    if (status != NQM_OK)
+        return status;
     update(d);
     memcpy(d->x, d->next, d->n * sizeof *d->x);
     memcpy(d->gradient, d->next_gradient, d->n * sizeof *d->gradient);
@@ -140,47 +99,46 @@ static nqm_status advance(descent *d, nqm_shading_point *point, bool *gained, nq
 }
 
 /* Descend under the present rounding; point->loss is that of the rounded sum. */
-static nqm_status run(descent *d, size_t max_steps, nqm_shading_point *point, nqm_error *err) {
+static nqm_status run(descent *d, size_t max_steps, nqm_fit_point *point, nqm_error *err) {
     enum { MAX_SLOW = 3 };
-    nqm_status status = nqm_shading_objective_value(d->objective, &point->values, &point->loss, err);
+    nqm_status status = nqm_fit_objective_value(d->objective, &point->values, &point->loss, err);
     if (status == NQM_OK)
-        status = nqm_shading_objective_curvature(d->objective, d->space, &point->values, d->matrix, err);
+        status = nqm_fit_objective_curvature(d->objective, d->space, &point->values, d->matrix, err);
     if (status != NQM_OK)
         return status;
-    nqm_shading_coordinates(d->space, &point->values, d->x);
-    nqm_shading_bounds(d->space, d->low, d->high);
-    differentiate(d, d->x, &point->values, d->gradient);
+    nqm_fit_coordinates(d->space, &point->values, d->x);
+    nqm_fit_bounds(d->space, d->low, d->high);
+    status = nqm_fit_objective_gradient(d->objective, d->space, &point->values, d->gradient, err);
     int n_slow = 0;
     for (size_t i = 0; status == NQM_OK && i < max_steps && n_slow < MAX_SLOW; ++i) {
         bool gained;
         const double before = point->loss;
         status = advance(d, point, &gained, err);
-        if (point->loss == before)
+        if (status != NQM_OK || point->loss == before)
             break;
         n_slow = gained ? 0 : n_slow + 1;
-        if (nqm_tick(d->ticker, "polish", (double)i, (double)max_steps + 1))
-            status = nqm_fit_cancelled(err);
+        status = nqm_fit_tick(d->ticker, "polish", (double)i, (double)max_steps + 1, err);
     }
     return status;
 }
 
-nqm_status nqm_shading_descend(nqm_shading_objective *o, const nqm_shading_space *space, size_t max_steps,
-                               nqm_ticker *ticker, nqm_shading_point *point, nqm_error *err) {
+nqm_status nqm_fit_descend(nqm_fit_objective *o, const nqm_fit_space *space, size_t max_steps, nqm_ticker *ticker,
+                           nqm_fit_point *point, nqm_error *err) {
     static const double rounding[] = {0.3, 0.03};
-    const bool is_short = max_steps < NQM_SHADING_STEPS;
+    const bool is_short = max_steps < NQM_FIT_STEPS;
     descent d;
-    nqm_shading_point best = *point;
+    nqm_fit_point best = *point;
     nqm_status status = allocate(o, space, ticker, &d, err);
     if (status == NQM_OK)
-        status = nqm_shading_objective_value(o, &point->values, &point->loss, err);
-    const bool rounded = status == NQM_OK && nqm_shading_objective_round(o, rounding[0]);
+        status = nqm_fit_objective_value(o, &point->values, &point->loss, err);
+    const bool rounded = status == NQM_OK && nqm_fit_objective_round(o, rounding[0]);
     if (status == NQM_OK)
         status = run(&d, max_steps, &best, err);
-    if (status == NQM_OK && rounded && !is_short && nqm_shading_objective_round(o, rounding[1]))
+    if (status == NQM_OK && rounded && !is_short && nqm_fit_objective_round(o, rounding[1]))
         status = run(&d, max_steps, &best, err);
-    nqm_shading_objective_round(o, 0);
+    nqm_fit_objective_round(o, 0);
     if (status == NQM_OK)
-        status = nqm_shading_objective_value(o, &best.values, &best.loss, err);
+        status = nqm_fit_objective_value(o, &best.values, &best.loss, err);
     if (status == NQM_OK && best.loss < point->loss)
         *point = best;
     nqm_free(d.matrix);

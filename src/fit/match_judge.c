@@ -2,7 +2,7 @@
  *
  * Delta-E on random rays of a scene, which judges fits: no step of an optimiser has seen these directions.
  */
-#include "match/match.h"
+#include "fit/match.h"
 
 #include <math.h>
 
@@ -37,17 +37,4 @@ nqm_status nqm_match_judge_make(const nqm_scene *scene, const nqm_brdf *ref, uin
 void nqm_match_judge_free(nqm_match_judge *judge) {
     nqm_rays_clear(&judge->rays);
     nqm_free(judge->ref);
-}
-
-nqm_status nqm_match_judge_value(const nqm_match_judge *judge, const nqm_brdf *brdf, double *value, nqm_error *err) {
-    const nqm_rays *rays = &judge->rays;
-    nqm_label label;
-    double *rgb = nqm_alloc(rays->n, 3 * sizeof *rgb);
-    if (!rgb)
-        return nqm_fail_nomem(err, rays->n * 3 * sizeof *rgb);
-    nqm_brdf_eval(brdf, rays->n, rays->wi, rays->wo, rgb, NULL);
-    nqm_status status = nqm_rays_compare(rays, judge->ref, rgb, &label, NULL, err);
-    *value = label.delta_e;
-    nqm_free(rgb);
-    return status;
 }

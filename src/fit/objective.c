@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
- * A weighted sum of terms as a function of the values of a shading model, and its gradient.
+ * A weighted sum of terms as a function of the values of a model, and its gradient.
  */
-#include "fit/shading.h"
+#include "fit/fit.h"
 
 #include <math.h>
 
@@ -11,13 +11,13 @@ typedef struct part {
     nqm_fit_term term;
     nqm_fit_target target; /* of a BRDF-space term */
     size_t n;
-    const double *wi, *wo;            /* (n, 3) borrowed */
-    double *rgb, *changed, *gradient; /* (n, 3); rgb owns the block */
-    double value;                     /* of the last evaluation */
+    const double *wi, *wo;  /* (n, 3) borrowed */
+    double *rgb, *gradient; /* (n, 3); rgb owns the block */
+    double value;           /* of the last evaluation */
 } part;
 
-struct nqm_shading_objective {
-    const nqm_analytic_model *model;
+struct nqm_fit_objective {
+    const nqm_fit_space *space;
     size_t n;
     part *parts; /* (n) */
 };
@@ -30,33 +30,30 @@ static nqm_status make_part(const nqm_fit_target *target, const nqm_fit_term *te
     p->wi = visual ? visual->wi : target->wi;
     p->wo = visual ? visual->wo : target->wo;
     if (status == NQM_OK)
-        status =
-            nqm_alloc_arrays(NQM_ARRAYS({&p->rgb, p->n, 3 * sizeof(double)}, {&p->changed, p->n, 3 * sizeof(double)},
-                                        {&p->gradient, p->n, 3 * sizeof(double)}),
-                             err);
+        status = nqm_alloc_arrays(
+            NQM_ARRAYS({&p->rgb, p->n, 3 * sizeof(double)}, {&p->gradient, p->n, 3 * sizeof(double)}), err);
     return status;
 }
 
-nqm_status nqm_shading_objective_make(const nqm_shading_space *space, const nqm_fit_target *target, size_t n_terms,
-                                      const nqm_fit_term *terms, nqm_shading_objective **objective_ret,
-                                      nqm_error *err) {
-    nqm_shading_objective *o;
+nqm_status nqm_fit_objective_make(const nqm_fit_space *space, const nqm_fit_target *target, size_t n_terms,
+                                  const nqm_fit_term *terms, nqm_fit_objective **objective_ret, nqm_error *err) {
+    nqm_fit_objective *o;
     part *parts;
     *objective_ret = NULL;
     nqm_status status = nqm_alloc_arrays(NQM_ARRAYS({&o, 1, sizeof *o}, {&parts, n_terms, sizeof *parts}), err);
     if (status != NQM_OK)
         return status;
-    *o = (nqm_shading_objective){.model = space->model, .n = n_terms, .parts = parts};
+    *o = (nqm_fit_objective){.space = space, .n = n_terms, .parts = parts};
     for (size_t i = 0; status == NQM_OK && i < n_terms; ++i)
         status = make_part(target, &terms[i], &parts[i], err);
     if (status == NQM_OK)
         *objective_ret = o;
     else
-        nqm_shading_objective_free(o);
+        nqm_fit_objective_free(o);
     return status;
 }
 
-void nqm_shading_objective_free(nqm_shading_objective *o) {
+void nqm_fit_objective_free(nqm_fit_objective *o) {
     for (size_t i = 0; o && i < o->n; ++i) {
         nqm_free(o->parts[i].target.weight);
         nqm_free(o->parts[i].rgb);
@@ -64,24 +61,24 @@ void nqm_shading_objective_free(nqm_shading_objective *o) {
     nqm_free(o);
 }
 
-nqm_status nqm_shading_objective_value(nqm_shading_objective *o, const nqm_spec_values *values, double *value,
-                                       nqm_error *err) {
+nqm_status nqm_fit_objective_value(nqm_fit_objective *o, const nqm_spec_values *values, double *value, nqm_error *err) {
     double sum = 0;
     for (size_t i = 0; i < o->n; ++i) {
         part *p = &o->parts[i];
         const nqm_fit_visual *visual = p->term.visual;
-        nqm_shading_eval(o->model, values, p->n, p->wi, p->wo, p->rgb);
+        nqm_fit_eval(o->space, values, p->n, p->wi, p->wo, p->rgb);
         p->value = visual ? visual->eval(visual->user, p->rgb, p->gradient)
                           : nqm_fit_loss_value(&p->target, p->rgb, p->gradient);
         sum += p->term.weight * p->value;
         if (!isfinite(sum))
-            return nqm_fail(err, NQM_ERR_NUMERIC, -1, "the loss of the %s fit is not finite", o->model->schema.model);
+            return nqm_fail(err, NQM_ERR_NUMERIC, -1, "the loss of the %s fit is not finite",
+                            o->space->model->schema.model);
     }
     *value = sum;
     return NQM_OK;
 }
 
-nqm_status nqm_shading_objective_black(nqm_shading_objective *o, double *value, nqm_error *err) {
+nqm_status nqm_fit_objective_black(nqm_fit_objective *o, double *value, nqm_error *err) {
     *value = 0;
     for (size_t i = 0; i < o->n; ++i) {
         part *p = &o->parts[i];
@@ -93,19 +90,25 @@ nqm_status nqm_shading_objective_black(nqm_shading_objective *o, double *value, 
     return isfinite(*value) ? NQM_OK : nqm_fail(err, NQM_ERR_NUMERIC, -1, "the loss of a black surface is not finite");
 }
 
-double nqm_shading_objective_difference(nqm_shading_objective *o, const nqm_spec_values *values) {
-    double sum = 0;
+nqm_status nqm_fit_objective_gradient(nqm_fit_objective *o, const nqm_fit_space *space, const nqm_spec_values *values,
+                                      double *gradient, nqm_error *err) {
+    memset(gradient, 0, space->n * sizeof *gradient);
     for (size_t i = 0; i < o->n; ++i) {
-        part *p = &o->parts[i];
-        nqm_shading_eval(o->model, values, p->n, p->wi, p->wo, p->changed);
-        for (size_t k = 0; k < 3 * p->n; ++k)
-            sum += p->term.weight * p->gradient[k] * (p->changed[k] - p->rgb[k]);
+        const part *p = &o->parts[i];
+        double *columns = nqm_alloc(3 * p->n * space->n, sizeof *columns);
+        if (!columns)
+            return nqm_fail_nomem(err, 3 * p->n * space->n * sizeof *columns);
+        nqm_fit_slopes(space, values, p->n, p->wi, p->wo, p->rgb, columns);
+        for (size_t k = 0; k < space->n; ++k)
+            for (size_t j = 0; j < 3 * p->n; ++j)
+                gradient[k] += p->term.weight * p->gradient[j] * columns[3 * p->n * k + j];
+        nqm_free(columns);
     }
-    return sum;
+    return NQM_OK;
 }
 
-nqm_status nqm_shading_objective_curvature(const nqm_shading_objective *o, const nqm_shading_space *space,
-                                           const nqm_spec_values *values, double *curvature, nqm_error *err) {
+nqm_status nqm_fit_objective_curvature(const nqm_fit_objective *o, const nqm_fit_space *space,
+                                       const nqm_spec_values *values, double *curvature, nqm_error *err) {
     const size_t n = space->n;
     double between_values = 0, all = 0;
     double *one = nqm_alloc(n * n, sizeof *one);
@@ -119,7 +122,7 @@ nqm_status nqm_shading_objective_curvature(const nqm_shading_objective *o, const
         if (p->term.visual)
             continue;
         between_values += p->term.weight * p->value;
-        status = nqm_shading_curvature(space, &p->target, values, one, err);
+        status = nqm_fit_curvature(space, &p->target, values, one, err);
         for (size_t k = 0; status == NQM_OK && k < n * n; ++k)
             curvature[k] += p->term.weight * one[k];
     }
@@ -131,7 +134,7 @@ nqm_status nqm_shading_objective_curvature(const nqm_shading_objective *o, const
     return status;
 }
 
-bool nqm_shading_objective_round(nqm_shading_objective *o, double fraction) {
+bool nqm_fit_objective_round(nqm_fit_objective *o, double fraction) {
     bool any = false;
     for (size_t i = 0; i < o->n; ++i) {
         part *p = &o->parts[i];
