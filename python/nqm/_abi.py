@@ -124,7 +124,8 @@ class ScoreResult(Structure):
                 ("jod_high", c_double), ("novelty", c_double), ("parts", CLabel), ("similarity", c_double),
                 ("identical", c_int), ("metrics", c_double * N_METRICS), ("n_valid", c_size_t),
                 ("n_clamped_ref", c_size_t), ("n_clamped_test", c_size_t), ("n_invalid_ref", c_size_t),
-                ("n_invalid_test", c_size_t), ("n_unusual_ref", c_size_t), ("n_unusual_test", c_size_t)]
+                ("n_invalid_test", c_size_t), ("n_unusual_ref", c_size_t), ("n_unusual_test", c_size_t),
+                ("distance_deg", c_double * 2), ("suspect_scale", c_double), ("suspect_cosine", c_double)]
 
 
 class NamedPair(Structure):

@@ -153,7 +153,8 @@ class Score:
         parts: what differs, or None
         metrics: scalar metrics by name; empty if they were switched off
         n_valid: directions at which both BRDFs have a value
-        warnings: what may make the score wrong: negative values, directions without a value, BRDFs unlike the training data
+        warnings: what may make the score wrong: negative values, directions without a value, BRDFs unlike the training data, rows of a
+            measured list far from the model's directions, a scale that is missing, values with the cosine
         error: why there is no score; None if there is one
     """
 
@@ -186,6 +187,11 @@ class Score:
 def _warnings(r: ScoreResult, ref: str, test: str, n: int, invalid: int) -> Tuple[str, ...]:
     remedy = ("left out", "taken as 0", "taken from the nearest direction", "refused")[invalid]
     found = []
+    if r.distance_deg[0] > 0.1:
+        found.append("%s: its nearest row is %.2g degrees (median; 95 %%: %.2g) away from a direction of the model: narrower highlights "
+                     "are not seen; `Model.directions` are those to measure" % (ref, r.distance_deg[0], r.distance_deg[1]))
+    if r.status:
+        return tuple(found)
     for who, clamped, missing, unusual in ((ref, r.n_clamped_ref, r.n_invalid_ref, r.n_unusual_ref),
                                            (test, r.n_clamped_test, r.n_invalid_test, r.n_unusual_test)):
         if clamped:
@@ -197,6 +203,12 @@ def _warnings(r: ScoreResult, ref: str, test: str, n: int, invalid: int) -> Tupl
     if r.novelty > 1 and r.jod_high - r.jod_low > 0.1:
         found.append("%s: unlike the training pairs: novelty %.2f, where 95 %% of pairs of new materials are below 1" %
                      (test, r.novelty))
+    if r.suspect_scale > 0:
+        found.append("%s: about %.4g times its reference at most directions: is a scale missing in one of them? It is 1500, 1304 and 904 "
+                     "in MERL files, 255 in values of 8 bits" % (test, r.suspect_scale))
+    if r.suspect_cosine:
+        found.append("%s: about its reference %s the cosine of light or viewer: f_r is without a cosine" %
+                     (test, "times" if r.suspect_cosine > 0 else "divided by"))
     return tuple(found)
 
 
@@ -233,7 +245,7 @@ class Scorer:
         return Score(ref, test, r.jod, r.jod_low, r.jod_high, r.delta_e, prefer_reference, bool(r.identical), r.novelty, r.similarity,
                      None if math.isnan(r.similarity) else parts_of(r.parts),
                      dict(zip(METRICS, r.metrics)) if self._options.metrics else {}, r.n_valid,
-                     () if r.status else _warnings(r, ref, test, self._n_directions, self._options.invalid), error)
+                     _warnings(r, ref, test, self._n_directions, self._options.invalid), error)
 
     def _run(self, ref: BRDFLike, tests: Sequence[BRDFLike], errors: str) -> List[Score]:
         brdf, opened, scores = as_brdf(ref), [], []

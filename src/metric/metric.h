@@ -64,11 +64,6 @@ void nqm_transport_light_gradient(const nqm_transport *transport, const nqm_labe
 void nqm_transport_gradient(const nqm_transport *transport, size_t n, const nqm_sample_pair *pairs,
                             const float *by_light, float *gradient);
 
-/** Median and interquartile range of log(test / ref) less `sign` log(cos(theta_o)), in green, over the directions where both are
- *  above 0; both NaN where there are fewer than four. rgb (2, n_directions, 3): reference and test. scratch: (n_directions). */
-void nqm_log_ratio(const nqm_directions *directions, const float *rgb, double sign, double *scratch,
-                   double median_range[2]);
-
 /** Compute the scalar features of one sampled pair; arguments as in nqm_metrics_compute(). transport: NULL or without a matrix if
  *  there is none. scalars (NQM_SCALAR_COUNT) are finite for finite f_r >= 0, and NaN when no direction counts. */
 void nqm_scalars_compute(const nqm_directions *directions, const nqm_transport *transport, const float *ref,
@@ -137,9 +132,12 @@ typedef struct nqm_member {
     const uint8_t *flag; /* (n_directions) nqm_value_flag; NULL: all have a value, or sampling failed */
     const uint8_t *mask; /* tests: (n_directions) 0 where the caller excludes the direction; NULL: nowhere */
     nqm_sample_report report;
-    size_t n_unusual; /* as n_unusual_test in nqm_score_result */
+    size_t n_unusual;       /* as n_unusual_test in nqm_score_result */
+    double distance_deg[2]; /* as in nqm_score_result */
 } nqm_member;
 
+/** Set the suspicions of a result. ref, test: (n_directions, 3) f_r. */
+void nqm_suspect(const nqm_directions *directions, const float *ref, const float *test, nqm_score_result *result);
 /** Number of BRDFs that nqm_scorer_run_named() has opened so far, including failures and reopened ones. */
 size_t nqm_scorer_n_opened(const nqm_scorer *scorer);
 

@@ -108,18 +108,3 @@ void nqm_scalars_compute(const nqm_directions *directions, const nqm_transport *
         nqm_transport_estimates(transport, 1, &pair, &estimate);
     nqm_compare_samples(directions, &pair, has_estimate ? &estimate : NULL, NULL, scalars);
 }
-
-/* ---- a factor between test and reference --------------------------------------------------------------------------- */
-
-void nqm_log_ratio(const nqm_directions *directions, const float *rgb, double sign, double *scratch,
-                   double median_range[2]) {
-    const size_t n = directions->n;
-    const float *ref = rgb + 1, *test = ref + 3 * n;
-    size_t m = 0;
-    for (size_t i = 0; i < 3 * n; i += 3)
-        if (ref[i] > 0 && test[i] > 0)
-            scratch[m++] = log((double)test[i] / (double)ref[i]) - sign * log(directions->wo[i + 2]);
-    m = m < 4 ? 0 : m;
-    median_range[0] = nqm_quantile(m, scratch, 0.5);
-    median_range[1] = nqm_quantile(m, scratch, 0.75) - nqm_quantile(m, scratch, 0.25);
-}

@@ -4,6 +4,7 @@
  * (samples at the model's directions). A block of pairs is compared on all threads, then predicted in one forward pass.
  */
 #include "brdf/brdf.h"
+#include "brdf/formats/listed.h"
 #include "kernel/kernel.h"
 #include "metric/metric.h"
 #include "metric/sample_cache.h"
@@ -16,6 +17,7 @@ _Static_assert((int)NQM_SCORE_BLOCK <= (int)NQM_PREDICT_BATCH, "a block is one f
 
 /* Values more than this many standard deviations above the mean of the training references are unusual. */
 static const float unusual_sigma = 6;
+static const double suspicious_jod = 9;     /* below it a fault of a file is looked for */
 static const size_t not_counted = SIZE_MAX; /* n_unusual of the caller's samples at first */
 
 struct nqm_scorer {
@@ -150,7 +152,11 @@ static size_t count_unusual(const nqm_model *model, const float *rgb) {
 static nqm_member sample_member(const nqm_model *model, const nqm_brdf *brdf, nqm_invalid_policy policy, float *rgb,
                                 uint8_t *flag, nqm_error *err) {
     nqm_member member = {.rgb = rgb, .flag = flag};
-    member.status = nqm_sample(brdf, model->directions, policy, rgb, flag, &member.report, err);
+    const nqm_directions *d = model->directions;
+    member.status = nqm_sample(brdf, d, policy, rgb, flag, &member.report, err);
+    if (member.status != NQM_ERR_NOMEM && nqm_scattered_rows(brdf, NULL, NULL) &&
+        nqm_scattered_distances(brdf, d->n, d->wi, d->wo, member.distance_deg, err) != NQM_OK)
+        member.status = NQM_ERR_NOMEM;
     if (member.status == NQM_OK)
         member.n_unusual = count_unusual(model, rgb);
     return member;
@@ -164,9 +170,10 @@ static bool has_value(const nqm_member *member, size_t direction) {
 static nqm_score_result compare_members(const nqm_scorer *s, const nqm_member *ref, const nqm_member *test,
                                         uint8_t *used) {
     const size_t n = s->model->directions->n;
+    nqm_score_result result = no_score(ref->status != NQM_OK ? ref->status : test->status);
+    memcpy(result.distance_deg, ref->distance_deg, sizeof result.distance_deg);
     if (ref->status != NQM_OK)
-        return no_score(ref->status);
-    nqm_score_result result = no_score(test->status);
+        return result;
     result.n_clamped_ref = ref->report.n_clamped;
     result.n_invalid_ref = ref->report.n_invalid;
     result.n_unusual_ref = ref->n_unusual;
@@ -238,7 +245,11 @@ static void group_by_reference(nqm_scorer *s, size_t n) {
     }
 }
 
-static void settle(const nqm_scorer *s, size_t place, nqm_score_result *result) {
+static void settle(void *user, size_t i) {
+    const score_job *job = user;
+    const nqm_scorer *s = job->scorer;
+    nqm_score_result *result = &job->results[i];
+    const size_t place = s->place[i];
     const double jod = s->jod[place], novelty = s->novelty[place];
     if (result->status != NQM_OK)
         return;
@@ -259,6 +270,8 @@ static void settle(const nqm_scorer *s, size_t place, nqm_score_result *result) 
                          &result->jod_high);
     if (result->identical && s->model->interval) /* equal BRDFs give equal images: the interval is exact */
         result->jod_low = result->jod_high = 10;
+    if (jod < suspicious_jod && s->member[2 * i].flag) /* the caller's samples are no file */
+        nqm_suspect(s->model->directions, s->pairs[place].ref, s->pairs[place].test, result);
 }
 
 /* Score the n pairs in s->member. */
@@ -277,8 +290,10 @@ static void score_block(nqm_scorer *s, size_t n, nqm_score_result *results) {
                                          .bound = s->bound,
                                          .labels = s->labels};
     nqm_predictor_run(s->predictor, n, s->pairs, &predictions);
-    for (size_t i = 0; i < n; ++i)
-        settle(s, s->place[i], &results[i]);
+    if (n == 1)
+        settle(&job, 0);
+    else
+        nqm_parallel_for(n, settle, &job);
 }
 
 /* ---- opened BRDFs ------------------------------------------------------------------------------------------------ */

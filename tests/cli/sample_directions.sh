@@ -140,3 +140,17 @@ run 0 score sgd:nickel "$dir/cosine.csv" -q
 grep -q 'cosine.csv: about its reference times the cosine of light or viewer' "$dir/err" || fail "a cosine: $(cat "$dir/err")"
 run 0 score sgd:nickel ward:nickel -q
 [ ! -s "$dir/err" ] || fail "a suspicion of a fit: $(cat "$dir/err")"
+
+# The same words in the documents of `score`, and in the rows of `batch`, also where finished pieces have them.
+run 0 score sgd:nickel "$dir/cosine.csv" --json
+grep -q '"test: about its reference times the cosine of light or viewer' "$dir/out" || fail "no suspicion in JSON"
+printf 'reference,test\nsgd:nickel,%s\nsgd:nickel,%s\nsgd:nickel,ward:nickel\n%s:20,%s\n' scaled.csv cosine.csv few.csv "$ward" >"$dir/list-faults.csv"
+sed -i "s/,ward:kd.*/,\"$ward\"/" "$dir/list-faults.csv"
+for work in '' "--work $dir/pieces" "--work $dir/pieces"; do
+    # shellcheck disable=SC2086
+    run 0 batch "$dir/list-faults.csv" --min-valid .1 $work
+    sed -n 2p "$dir/out" | grep -q 'test: about 255 times its reference at most directions: is a scale missing' || fail "a scale in batch"
+    sed -n 3p "$dir/out" | grep -q 'test: about its reference times the cosine of light or viewer' || fail "a cosine in batch"
+    sed -n 4p "$dir/out" | grep -q 'about' && fail "a suspicion of a fit in batch"
+    sed -n 5p "$dir/out" | grep -q 'reference: its nearest row is [0-9.]* degrees (median; 95 %: [0-9.]*) away' || fail "how far in batch"
+done

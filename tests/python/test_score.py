@@ -60,6 +60,25 @@ class Scores(unittest.TestCase):
         self.assertRegex(s.warnings[0], "^dark: negative channel at [0-9]+ of 1392 directions, taken as 0$")
         self.assertTrue(str(s).endswith("] (%s)" % "; ".join(s.warnings)), s)
 
+    def test_suspicions(self):
+        def times(factor, cosine):
+            def f(wi, wo):
+                return nickel.eval(wi, wo) * (factor * (wo[:, 2:] if cosine else 1))
+            return f
+
+        nickel = nqm.BRDF.open("sgd:nickel")
+        scaled, with_cosine, fit = nqm.score("sgd:nickel", [times(255, False), times(1, True), "ward:nickel"])
+        self.assertRegex(scaled.warnings[-1], "^f: about 255 times its reference at most directions: is a scale missing")
+        self.assertRegex(with_cosine.warnings[-1], "^f: about its reference times the cosine of light or viewer")
+        self.assertEqual(fit.warnings, ())
+        with tempfile.TemporaryDirectory() as folder:
+            path = os.path.join(folder, "few.csv")
+            with open(path, "w") as out:
+                out.write("theta_h,theta_d,phi_d,r,g,b\n0,0,0,1,1,1\n30,30,90,1,1,1\n45,10,0,1,1,1\n")
+            far = nqm.score(path + ":45", "lambert:kd=.3", min_valid=0)
+            self.assertRegex(far.warnings[0], "its nearest row is [0-9.]+ degrees")
+            self.assertIn("nearest row", nqm.score_many([(path, "lambert:kd=.3")], errors="keep")[0].warnings[0])
+
     def test_too_few_values(self):
         def empty(wi, wo):
             return np.full(wi.shape, np.nan)

@@ -293,17 +293,25 @@ nqm_directions *open_directions(const char *name_or_path) {
     return directions;
 }
 
+bool describe_distance(const char *argument, const double apart_deg[2], size_t n, char *text) {
+    if (!(apart_deg[0] > 0.1))
+        return false;
+    snprintf(text, n,
+             "%s: its nearest row is %.2g degrees (median; 95 %%: %.2g) away from a direction of the model: narrower "
+             "highlights are not seen; `nqm directions show MODEL --pairs` writes directions to measure",
+             argument, apart_deg[0], apart_deg[1]);
+    return true;
+}
+
 void report_distance(const char *argument, const nqm_brdf *brdf, const nqm_directions *directions) {
     const size_t n = nqm_directions_count(directions);
     double apart[2];
     nqm_error err = {0};
     must(nqm_scattered_distances(brdf, n, nqm_directions_wi(directions), nqm_directions_wo(directions), apart, &err),
          &err);
-    if (apart[0] > 0.1)
-        report(EXIT_OK,
-               "%s: its nearest row is %.2g degrees (median; 95 %%: %.2g) away from a direction of the model: narrower "
-               "highlights are not seen; `nqm directions show MODEL --pairs` writes directions to measure",
-               argument, apart[0], apart[1]);
+    char text[400];
+    if (describe_distance(argument, apart, sizeof text, text))
+        report(EXIT_OK, "%s", text);
 }
 
 nqm_dataset *open_dataset(const char *path, const char *labels, nqm_split split) {

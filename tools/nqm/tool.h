@@ -151,6 +151,8 @@ char *read_text(const char *path);
 /** Open directions from a CSV, a model file or a built-in model; NULL: those of the built-in model "default", or generated
  *  default ones if there is no such model. */
 nqm_directions *open_directions(const char *name_or_path);
+/** Whether the rows of a list are more than 0.1 degrees from a model's directions: text (n) says how far. apart_deg: median, 95 %. */
+bool describe_distance(const char *argument, const double apart_deg[2], size_t n, char *text);
 /** Say how far the rows of a list of measured directions are from those of a model, where it is more than 0.1 degrees. */
 void report_distance(const char *argument, const nqm_brdf *brdf, const nqm_directions *directions);
 /** Open a dataset: a file of nqm (labels NULL), or a folder in the authors' layout with its labels CSV, whose rows all get

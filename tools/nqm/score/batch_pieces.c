@@ -25,12 +25,16 @@ static const struct {
 } doubles[] = {{offsetof(nqm_score_result, jod), 5},
                {offsetof(nqm_score_result, parts), sizeof(nqm_label) / sizeof(double)},
                {offsetof(nqm_score_result, similarity), 1},
-               {offsetof(nqm_score_result, metrics), NQM_METRIC_COUNT}};
-enum { N_DOUBLES = 5 + sizeof(nqm_label) / sizeof(double) + 1 + NQM_METRIC_COUNT, N_COUNTS = 7 };
+               {offsetof(nqm_score_result, metrics), NQM_METRIC_COUNT},
+               {offsetof(nqm_score_result, distance_deg), 4}};
+enum { N_DOUBLES = 5 + sizeof(nqm_label) / sizeof(double) + 1 + NQM_METRIC_COUNT + 4, N_COUNTS = 7 };
 _Static_assert(offsetof(nqm_score_result, novelty) - offsetof(nqm_score_result, jod) == 4 * sizeof(double) &&
                    offsetof(nqm_score_result, n_unusual_test) - offsetof(nqm_score_result, n_valid) ==
                        (N_COUNTS - 1) * sizeof(size_t),
                "results are stored as runs of equal types");
+_Static_assert(offsetof(nqm_score_result, suspect_cosine) - offsetof(nqm_score_result, distance_deg) ==
+                   3 * sizeof(double),
+               "the last run");
 
 /* status, identical, doubles, counts */
 enum { N_COLUMNS = 2 + N_DOUBLES + N_COUNTS };
@@ -225,7 +229,7 @@ static void hash_terms(const json_t *terms, size_t size, char identity[33]) {
     nqm_sha256 sha;
     if (!text || !nqm_sha256_begin(&sha))
         stop(EXIT_LIMIT, "out of memory");
-    static const char layout[] = "nqm batch piece 3";
+    static const char layout[] = "nqm batch piece 4";
     nqm_sha256_add(&sha, layout, sizeof layout);
     nqm_sha256_add_values(&sha, 1, sizeof size, &size);
     nqm_sha256_add(&sha, text, strlen(text));

@@ -18,8 +18,9 @@ static void print_remarks(const score_run *run) {
         json_t *remarks = json_remarks(&run->terms, ref, row->name, &row->result);
         for (size_t k = 0; k < json_array_size(remarks); ++k)
             report(EXIT_OK, "%s", json_string_value(json_array_get(remarks, k)));
+        if (row->err.status == NQM_OK || json_array_size(remarks))
+            ref = NULL;
         json_decref(remarks);
-        ref = row->err.status == NQM_OK ? NULL : ref;
     }
 }
 
@@ -168,9 +169,7 @@ static size_t describe_samples(const nqm_directions *directions, const char *pat
 static void check_reference(const score_run *run, const char *path) {
     if (strcmp(run->rows->pair.ref, path) != 0)
         return;
-    nqm_brdf *ref = open_brdf(path);
-    report_distance(path, ref, nqm_model_get_info(run->model).directions);
-    nqm_brdf_free(ref);
+    nqm_brdf_free(open_brdf(path));
 }
 
 static void check_samples(const score_run *run, const char *model, int n, char **paths) {
@@ -243,7 +242,6 @@ int cmd_score(int argc, char **argv) {
     make_scores(&run);
     compare_rows(&run);
     print_scores(&run);
-    report_suspicions(&run);
     int exit_code = report_faults(&run);
     const int gate_code = apply_gate(&run);
     exit_code = exit_code == EXIT_OK ? gate_code : exit_code;

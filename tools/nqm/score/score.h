@@ -61,8 +61,6 @@ const char **take_list_names(nqm_pair_list *list, const char *list_name);
 /** Score the pairs of the rows; errors of single pairs are stored in their rows. On another failure, report the error and
  *  exit. */
 void make_scores(score_run *run);
-/** Say which of the rows with a low score look like a file with another scale or with the cosine. */
-void report_suspicions(const score_run *run);
 /** Whether two rows have the same reference. */
 bool has_reference_of(const scored_pair *row, const scored_pair *other);
 /** Free the rows and the model. */

@@ -156,8 +156,24 @@ static void add_counts(json_t *remarks, const remark_terms *terms, const char *w
                    terms->n_directions);
 }
 
+/* Faults of files that a low score shows. */
+static void add_suspicions(json_t *remarks, const char *test, const nqm_score_result *r) {
+    if (r->suspect_scale > 0)
+        add_remark(
+            remarks,
+            "%s: about %.4g times its reference at most directions: is a scale missing in one of them? It is 1500, "
+            "1304 and 904 in MERL files, 255 in values of 8 bits",
+            test, r->suspect_scale);
+    if (r->suspect_cosine != 0)
+        add_remark(remarks, "%s: about its reference %s the cosine of light or viewer: f_r is without a cosine", test,
+                   r->suspect_cosine > 0 ? "times" : "divided by");
+}
+
 json_t *json_remarks(const remark_terms *terms, const char *ref, const char *test, const nqm_score_result *r) {
     json_t *remarks = json_array();
+    char distance[400];
+    if (ref && describe_distance(ref, r->distance_deg, sizeof distance, distance))
+        add_remark(remarks, "%s", distance);
     if (r->status != NQM_OK)
         return remarks;
     if (ref)
@@ -167,6 +183,7 @@ json_t *json_remarks(const remark_terms *terms, const char *ref, const char *tes
         add_remark(remarks,
                    "%s: unlike the training pairs: novelty %.2f, where 95 %% of pairs of new materials are below 1",
                    test, r->novelty);
+    add_suspicions(remarks, test, r);
     return remarks;
 }
 
