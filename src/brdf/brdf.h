@@ -127,4 +127,15 @@ static const nqm_table_size nqm_table_picture = {180, 32, 12};
 NQM_MUST_CHECK nqm_status nqm_brdf_tabulate(const nqm_brdf *brdf, nqm_table_size size, nqm_ticker *ticker,
                                             nqm_brdf **table_ret, nqm_error *err);
 
+/** A material file that stays parsed, so that each of its materials costs no more than itself. */
+typedef struct nqm_material_file nqm_material_file;
+/** The file of "FILE:MATERIAL", which is read unless it is in the list, and becomes the first of the list. NULL: the name is of another
+ *  kind, or there is no memory. */
+const nqm_material_file *nqm_material_file_find(nqm_material_file **list, const char *name);
+/** As nqm_brdf_open(), of a name with which the file was found. Any thread. */
+NQM_MUST_CHECK nqm_status nqm_material_file_open(const nqm_material_file *file, const char *name, nqm_brdf **brdf_ret,
+                                                 nqm_error *err);
+/** Free all but the last used n_kept. */
+void nqm_material_files_trim(nqm_material_file **list, size_t n_kept);
+
 #endif

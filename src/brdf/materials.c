@@ -7,35 +7,41 @@
 #include "base/names.h"
 #include "material/material.h"
 #include <string.h>
+#include <unistd.h>
 
-/* The material of that name; NULL: the only one. */
-static nqm_status select_material(const char *path, const nqm_materials *materials, const char *material,
-                                  nqm_material_info *info, nqm_error *err) {
-    const size_t n = nqm_materials_count(materials);
+/* There is no material of that name, or it is to be named (NULL). */
+static nqm_status fail_select(const char *path, const nqm_materials *materials, const char *material, nqm_error *err) {
+    enum { MOST = 1000 }; /* materials of which the nearest name is found */
     char names[256] = "";
-    size_t used = 0, n_found = 0;
+    size_t used = 0;
     nqm_nearest nearest = nqm_nearest_begin(material ? material : "");
-    for (size_t i = 0; i < n; ++i) {
-        const nqm_material_info one = nqm_materials_get(materials, i);
-        const bool is_it = material ? strcmp(one.name, material) == 0 : n == 1;
-        if (is_it && n_found++)
-            return nqm_fail(err, NQM_ERR_FORMAT, one.byte_offset,
-                            "%s: two materials have the name '%s' (bytes %lld and %lld); rename one", path, material,
-                            (long long)info->byte_offset, (long long)one.byte_offset);
-        if (is_it)
-            *info = one;
-        if (n_found)
-            continue;
-        nqm_nearest_add(&nearest, one.name);
+    for (size_t i = 0; i < nqm_smaller(nqm_materials_count(materials), MOST); ++i) {
+        const char *name = nqm_materials_get(materials, i).name;
+        nqm_nearest_add(&nearest, name);
         if (used < sizeof names)
-            used += (size_t)snprintf(names + used, sizeof names - used, "%s%s", i ? ", " : "", one.name);
+            used += (size_t)snprintf(names + used, sizeof names - used, "%s%s", i ? ", " : "", name);
     }
-    if (n_found)
-        return NQM_OK;
     return material ? nqm_fail(err, NQM_ERR_ARG, -1, "%s: there is no material '%s' in this file%s; it has %s", path,
                                material, nearest.advice, names)
                     : nqm_fail(err, NQM_ERR_ARG, -1, "%s: name one material of this file, '%s:MATERIAL': %s", path,
                                path, names);
+}
+
+/* The material of that name; NULL: the only one. */
+static nqm_status select_material(const char *path, const nqm_materials *materials, const char *material,
+                                  nqm_material_info *info, nqm_error *err) {
+    static const size_t only[] = {0};
+    size_t n_found = nqm_materials_count(materials) == 1;
+    const size_t *found = material ? nqm_materials_named(materials, material, &n_found) : only;
+    if (n_found == 0)
+        return fail_select(path, materials, material, err);
+    *info = nqm_materials_get(materials, found[0]);
+    if (n_found == 1)
+        return NQM_OK;
+    const int64_t other = nqm_materials_get(materials, found[1]).byte_offset;
+    return nqm_fail(err, NQM_ERR_FORMAT, other,
+                    "%s: two materials have the name '%s' (bytes %lld and %lld); rename one", path, material,
+                    (long long)info->byte_offset, (long long)other);
 }
 
 /* The measured file that a material names, if it does. */
@@ -93,19 +99,25 @@ static nqm_status open_spec(const char *path, const nqm_material_info *info, con
 }
 
 /* The member is the material; NULL: the file has only one. */
-static nqm_status open_file(nqm_map *map, const nqm_brdf_argument *argument, nqm_brdf **brdf_ret, nqm_error *err) {
-    nqm_materials *materials = NULL;
+static nqm_status open_material(const char *path, const nqm_materials *materials, const nqm_brdf_argument *argument,
+                                nqm_brdf **brdf_ret, nqm_error *err) {
     nqm_material_info info = {.name = ""};
     char byte[40];
+    nqm_status status = select_material(path, materials, argument->member, &info, err);
+    if (status == NQM_OK && info.refusal)
+        status = nqm_fail(err, NQM_ERR_FORMAT, info.byte_offset, "%s: the material '%s' (%s%s) is refused: %s", path,
+                          info.name, info.surface, byte_text(info.byte_offset, byte), info.refusal);
+    if (status == NQM_OK)
+        status = nqm_spec_probe(info.spec) ? open_spec(path, &info, argument, brdf_ret, err)
+                                           : open_measured(path, info.spec, argument->open, brdf_ret, err);
+    return status;
+}
+
+static nqm_status open_file(nqm_map *map, const nqm_brdf_argument *argument, nqm_brdf **brdf_ret, nqm_error *err) {
+    nqm_materials *materials = NULL;
     nqm_status status = nqm_materials_read(map, &materials, err);
     if (status == NQM_OK)
-        status = select_material(map->path, materials, argument->member, &info, err);
-    if (status == NQM_OK && info.refusal)
-        status = nqm_fail(err, NQM_ERR_FORMAT, info.byte_offset, "%s: the material '%s' (%s%s) is refused: %s",
-                          map->path, info.name, info.surface, byte_text(info.byte_offset, byte), info.refusal);
-    if (status == NQM_OK)
-        status = nqm_spec_probe(info.spec) ? open_spec(map->path, &info, argument, brdf_ret, err)
-                                           : open_measured(map->path, info.spec, argument->open, brdf_ret, err);
+        status = open_material(map->path, materials, argument, brdf_ret, err);
     nqm_materials_free(materials);
     if (status == NQM_OK)
         nqm_map_close(map);
@@ -114,3 +126,62 @@ static nqm_status open_file(nqm_map *map, const nqm_brdf_argument *argument, nqm
 
 const nqm_brdf_format nqm_material_file_format = {
     .takes_members = true, .probe = nqm_materials_probe, .open = open_file, .find_companion = find_companion};
+
+/* ---- files that stay parsed -------------------------------------------------------------------------------------- */
+
+struct nqm_material_file {
+    char *path;
+    nqm_materials *materials; /* NULL: it is no material file, or a damaged one, which opening reports */
+    struct nqm_material_file *next;
+};
+
+void nqm_material_files_trim(nqm_material_file **list, size_t n_kept) {
+    while (*list && n_kept--)
+        list = &(*list)->next;
+    while (*list) {
+        nqm_material_file *last = *list;
+        *list = last->next;
+        nqm_materials_free(last->materials);
+        nqm_free(last->path);
+        nqm_free(last);
+    }
+}
+
+/* NULL: out of memory. */
+static nqm_material_file *read_kept(const char *path, size_t n_path) {
+    nqm_material_file *file = nqm_alloc(1, sizeof *file);
+    if (!file || !(file->path = nqm_alloc(n_path + 1, 1))) {
+        nqm_free(file);
+        return NULL;
+    }
+    memcpy(file->path, path, n_path);
+    (void)!nqm_materials_open(file->path, &file->materials, NULL);
+    return file;
+}
+
+const nqm_material_file *nqm_material_file_find(nqm_material_file **list, const char *name) {
+    const char *colon = nqm_spec_probe(name) || access(name, F_OK) == 0 ? NULL : strrchr(name, ':');
+    if (!colon)
+        return NULL;
+    const size_t n_path = (size_t)(colon - name);
+    nqm_material_file **at = list;
+    while (*at && !(strncmp((*at)->path, name, n_path) == 0 && (*at)->path[n_path] == 0))
+        at = &(*at)->next;
+    nqm_material_file *found = *at;
+    if (found)
+        *at = found->next;
+    else
+        found = read_kept(name, n_path);
+    if (!found)
+        return NULL;
+    found->next = *list;
+    *list = found;
+    return found->materials ? found : NULL;
+}
+
+nqm_status nqm_material_file_open(const nqm_material_file *file, const char *name, nqm_brdf **brdf_ret,
+                                  nqm_error *err) {
+    const nqm_brdf_argument argument = {name, strrchr(name, ':') + 1, nqm_brdf_open_argument};
+    *brdf_ret = NULL;
+    return open_material(file->path, file->materials, &argument, brdf_ret, err);
+}

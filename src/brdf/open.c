@@ -104,12 +104,11 @@ static nqm_status fail_missing(const char *path_or_spec, nqm_error *err) {
                                       path_or_spec, model);
 }
 
-/* An opener: `name` becomes the name of the BRDF. */
-static nqm_status open_argument(const char *path_or_spec, const char *name, nqm_brdf **brdf_ret, nqm_error *err) {
+nqm_status nqm_brdf_open_argument(const char *path_or_spec, const char *name, nqm_brdf **brdf_ret, nqm_error *err) {
     *brdf_ret = NULL;
     if (nqm_spec_probe(path_or_spec))
-        return nqm_spec_open(path_or_spec, name, open_argument, brdf_ret, err);
-    nqm_brdf_argument argument = {.name = name, .open = open_argument};
+        return nqm_spec_open(path_or_spec, name, nqm_brdf_open_argument, brdf_ret, err);
+    nqm_brdf_argument argument = {.name = name, .open = nqm_brdf_open_argument};
     if (find_fault(path_or_spec) == 0)
         return open_file(path_or_spec, &argument, brdf_ret, err);
     const char *colon = strrchr(path_or_spec, ':');
@@ -128,7 +127,7 @@ static nqm_status open_argument(const char *path_or_spec, const char *name, nqm_
 
 nqm_status nqm_brdf_open(const char *path_or_spec, nqm_brdf **brdf_ret, nqm_error *err) {
     NQM_MAKE(err, brdf_ret, path_or_spec);
-    return open_argument(path_or_spec, path_or_spec, brdf_ret, err);
+    return nqm_brdf_open_argument(path_or_spec, path_or_spec, brdf_ret, err);
 }
 
 nqm_status nqm_brdf_find_companion(const char *path, const char *member, char **path_ret, nqm_error *err) {

@@ -5,12 +5,14 @@
 #include "material/material.h"
 
 #include <ctype.h>
+#include <stdlib.h>
 #include <strings.h>
 
 struct nqm_materials {
     const char *path; /* while the file is read, for messages */
     size_t n, max_n;
     nqm_material_info *list; /* (n); each name owns a block with the other texts */
+    size_t *by_name;         /* (n) their numbers in the order of the names, when the file is read */
 };
 
 #define POINTER_TO(NAME) &(NAME),
@@ -34,6 +36,7 @@ void nqm_materials_free(nqm_materials *materials) {
     for (size_t i = 0; i < materials->n; ++i)
         nqm_free((char *)materials->list[i].name);
     nqm_free(materials->list);
+    nqm_free(materials->by_name);
     nqm_free(materials);
 }
 
@@ -79,6 +82,46 @@ nqm_status nqm_materials_add_shading(nqm_materials *materials, const char *name,
     return status;
 }
 
+/* ---- by name ----------------------------------------------------------------------------------------------------- */
+
+/* qsort() has no argument for the list: entries point to it. Equal names in the order of the file, which is that of the entries. */
+static int compare_names(const void *a, const void *b) {
+    const nqm_material_info *x = *(const nqm_material_info *const *)a, *y = *(const nqm_material_info *const *)b;
+    const int order = strcmp(x->name, y->name);
+    return order ? order : (x > y) - (x < y);
+}
+
+static nqm_status sort_names(nqm_materials *m, nqm_error *err) {
+    const nqm_material_info **sorted = nqm_alloc(m->n, sizeof *sorted);
+    m->by_name = nqm_alloc(m->n, sizeof *m->by_name);
+    if (!sorted || !m->by_name) {
+        nqm_free(sorted);
+        return nqm_fail_nomem(err, m->n * sizeof *sorted);
+    }
+    for (size_t i = 0; i < m->n; ++i)
+        sorted[i] = &m->list[i];
+    qsort(sorted, m->n, sizeof *sorted, compare_names);
+    for (size_t i = 0; i < m->n; ++i)
+        m->by_name[i] = (size_t)(sorted[i] - m->list);
+    nqm_free(sorted);
+    return NQM_OK;
+}
+
+const size_t *nqm_materials_named(const nqm_materials *m, const char *name, size_t *n_ret) {
+    size_t low = 0, high = m->n;
+    while (low < high) {
+        const size_t middle = low + (high - low) / 2;
+        if (strcmp(m->list[m->by_name[middle]].name, name) < 0)
+            low = middle + 1;
+        else
+            high = middle;
+    }
+    while (high < m->n && strcmp(m->list[m->by_name[high]].name, name) == 0)
+        ++high;
+    *n_ret = high - low;
+    return m->by_name + low;
+}
+
 /* ---- reading ----------------------------------------------------------------------------------------------------- */
 
 static const nqm_material_format *find_format(const nqm_map *map) {
@@ -117,6 +160,8 @@ nqm_status nqm_materials_read(const nqm_map *map, nqm_materials **materials_ret,
     if (status == NQM_OK && materials->n == 0)
         status =
             nqm_fail(err, NQM_ERR_FORMAT, 0, "%s: this %s file (byte 0) contains no material", map->path, format->name);
+    if (status == NQM_OK)
+        status = sort_names(materials, err);
     if (status == NQM_OK)
         *materials_ret = materials;
     else

@@ -1,13 +1,14 @@
 /* SPDX-License-Identifier: MIT
  *
  * LRU cache of sampled BRDFs: a hash table, and a doubly linked list of its entries in order of last use. A BRDF is
- * closed as soon as it is sampled, because the samples of 500 directions take 7 KB, and a measured table 35 MB.
+ * closed as soon as it is sampled, because the samples of 500 directions take 7 KB, and a measured table 35 MB. The last material files
+ * stay parsed: each of their materials is an entry.
  */
 #include "metric/sample_cache.h"
 
 #include <string.h>
 
-enum { N_BUCKETS = 1 << 14 };
+enum { N_BUCKETS = 1 << 14, KEPT_FILES = 2 /* of references and tests */ };
 
 struct nqm_sample_cache {
     const nqm_model *model;
@@ -15,6 +16,7 @@ struct nqm_sample_cache {
     nqm_member_sampler sample;
     nqm_cached *newest, *oldest; /* by last use */
     size_t n_bytes, n_opened;
+    nqm_material_file *files; /* last used first */
     nqm_cached *bucket[N_BUCKETS];
 };
 
@@ -107,6 +109,7 @@ void nqm_sample_cache_free(nqm_sample_cache *cache) {
     if (!cache)
         return;
     nqm_sample_cache_trim(cache, 0);
+    nqm_material_files_trim(&cache->files, 0);
     nqm_free(cache);
 }
 
@@ -125,9 +128,10 @@ static void fill_entry(void *user, size_t i) {
     const fill_job *job = user;
     const nqm_model *model = job->cache->model;
     nqm_cached *entry = job->entries[i];
-    nqm_brdf *brdf;
+    nqm_brdf *brdf = NULL;
     entry->err = (nqm_error){0};
-    nqm_status status = nqm_brdf_open(entry->name, &brdf, &entry->err);
+    nqm_status status = entry->file ? nqm_material_file_open(entry->file, entry->name, &brdf, &entry->err)
+                                    : nqm_brdf_open(entry->name, &brdf, &entry->err);
     entry->member = (nqm_member){.status = status, .rgb = entry->rgb};
     if (status == NQM_OK)
         entry->member = job->cache->sample(model, brdf, job->cache->policy, entry->rgb, entry->flag, &entry->err);
@@ -144,6 +148,7 @@ nqm_status nqm_sample_cache_fill(nqm_sample_cache *cache, size_t n, nqm_cached *
     for (size_t i = 0; i < n; ++i)
         if (!entries[i]->filled && !entries[i]->waiting) {
             entries[i]->waiting = true; /* the same entry may occur twice */
+            entries[i]->file = nqm_material_file_find(&cache->files, entries[i]->name);
             fresh[n_fresh++] = entries[i];
         }
     fill_job job = {cache, fresh};
@@ -151,6 +156,7 @@ nqm_status nqm_sample_cache_fill(nqm_sample_cache *cache, size_t n, nqm_cached *
         fill_entry(&job, 0);
     else
         nqm_parallel_for(n_fresh, fill_entry, &job);
+    nqm_material_files_trim(&cache->files, KEPT_FILES);
     cache->n_opened += n_fresh;
     nqm_status status = NQM_OK;
     for (size_t i = 0; i < n_fresh; ++i) {

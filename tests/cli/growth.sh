@@ -22,6 +22,9 @@ kind, n = sys.argv[1], int(sys.argv[2])
 rows = range(n)
 if kind == "gltf":
     text = '{"asset":{"version":"2.0"},"materials":[' + ",".join('{"name":"m%d"}' % i for i in rows) + '],"extensionsRequired":["X_y"]}'
+elif kind == "members":
+    text = '{"asset":{"version":"2.0"},"materials":[' + ",".join(
+        '{"name":"m%d","pbrMetallicRoughness":{"roughnessFactor":%g}}' % (i, .3 + 1e-4 * i) for i in rows) + ']}'
 elif kind == "surfaces":
     text = '<materialx version="1.39">' + "".join('<zz name="s%d"/>' % i for i in rows) + "".join(
         '<surfacematerial name="m%d"><input name="surfaceshader" nodename="s%d"/></surfacematerial>' % (i, i) for i in rows) + "</materialx>"
@@ -54,4 +57,21 @@ for kind in gltf surfaces dots twosided directions; do
     [ $((c - b)) -lt $((3 * (b - a))) ] || fail "$kind: $a, $b, $c instructions for 1000, 2000 and 4000"
     # check evaluates thousands of directions: none of them may pass over all rows
     [ $kind != directions ] || [ $((c - b)) -lt $((2000 * 20000)) ] || fail "$kind: $(((c - b) / 2000)) instructions for a row"
+done
+
+# A list with two files of materials means all pairs of them; each file is read once. Materials that are refused are looked at again.
+"${NQM_BUILD:?}/tests/tiny_model" "$dir/model.safetensors" 20
+printf 'reference,test\na.gltf,b.gltf\n' >"$dir/list.csv"
+batch() {
+    python3 "$dir/make.py" "$1" "$2" >"$dir/a.gltf"
+    python3 "$dir/make.py" "$1" "$2" | sed 's/:0\.3/:0.4/g' >"$dir/b.gltf"
+    OMP_NUM_THREADS=1 valgrind --tool=cachegrind --cache-sim=no --cachegrind-out-file=/dev/null "$tool" batch "$dir/list.csv" -m "$dir/model.safetensors" \
+        >"$dir/out" 2>"$dir/err" || true
+    [ "$(wc -l <"$dir/out")" = $(($2 + 1)) ] || fail "$1: not $2 rows"
+    sed -n 's/,//g; s/.*I *refs: *//p' "$dir/err"
+}
+for kind in members gltf; do
+    a=$(batch $kind 100) b=$(batch $kind 200) c=$(batch $kind 400)
+    { [ -n "$a" ] && [ -n "$b" ] && [ -n "$c" ]; } || fail "no count of instructions: batch, $kind"
+    [ $((c - b)) -lt $((3 * (b - a))) ] || fail "batch, $kind: $a, $b, $c instructions for 100, 200 and 400"
 done

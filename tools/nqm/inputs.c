@@ -228,6 +228,29 @@ nqm_materials *open_library(const char *argument) {
     return NULL;
 }
 
+const nqm_materials *read_materials(const char *path) {
+    typedef struct read_file {
+        char *path;
+        nqm_materials *materials;
+    } read_file;
+    static read_file last[2]; /* a list pairs the materials of two files; the last used one first */
+    read_file *other = &last[1], first = last[0];
+    if (first.path && strcmp(first.path, path) == 0)
+        return first.materials;
+    if (!other->path || strcmp(other->path, path) != 0) {
+        free(other->path);
+        nqm_materials_free(other->materials);
+        *other = (read_file){.path = strdup(path)};
+        if (!other->path)
+            stop(EXIT_LIMIT, "out of memory");
+        if (is_file(path))
+            (void)!nqm_materials_open(path, &other->materials, NULL);
+    }
+    last[0] = *other;
+    *other = first;
+    return last[0].materials;
+}
+
 bool is_folder(const char *path) {
     struct stat about;
     return stat(path, &about) == 0 && S_ISDIR(about.st_mode);

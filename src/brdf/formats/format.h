@@ -14,6 +14,10 @@ typedef struct nqm_brdf_argument {
     nqm_brdf_opener *open; /**< opens another BRDF that the file names */
 } nqm_brdf_argument;
 
+/** The opener of nqm_brdf_open(): `name` becomes the name of the BRDF. */
+NQM_MUST_CHECK nqm_status nqm_brdf_open_argument(const char *path_or_spec, const char *name, nqm_brdf **brdf_ret,
+                                                 nqm_error *err);
+
 /** One file format. */
 typedef struct nqm_brdf_format {
     const char *files;  /**< for messages: ".npy"; NULL: its files have nothing that a reader would recognise */

@@ -67,10 +67,9 @@ static void add_latents(json_t *files, const char *path) {
 /* The measured files that the materials of a file name. */
 static void add_measured(json_t *files, const char *path) {
     const char *slash = strrchr(path, '/');
-    nqm_materials *materials = NULL;
-    if (nqm_materials_open(path, &materials, NULL) != NQM_OK)
-        return; /* another kind of file, or a broken one, which scoring reports */
-    for (size_t i = 0; i < nqm_materials_count(materials); ++i) {
+    const nqm_materials *materials =
+        read_materials(path); /* NULL: another kind of file, or a broken one, which scoring reports */
+    for (size_t i = 0; materials && i < nqm_materials_count(materials); ++i) {
         const nqm_material_info info = nqm_materials_get(materials, i);
         if (!info.spec || nqm_spec_probe(info.spec))
             continue;
@@ -80,7 +79,6 @@ static void add_measured(json_t *files, const char *path) {
         json_object_set_new(files, measured, json_null());
         nqm_free(measured);
     }
-    nqm_materials_free(materials);
 }
 
 /* The file of an argument: all of it, or what is before the last colon. */

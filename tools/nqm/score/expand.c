@@ -5,6 +5,8 @@
  */
 #include "nqm/score/expand.h"
 
+#include "material/material.h"
+
 #include <stdlib.h>
 #include <string.h>
 
@@ -24,10 +26,15 @@ static void add_pair(expansion *e, nqm_named_pair pair, const char *name, size_t
 }
 
 static bool has_material(const nqm_materials *library, const char *name) {
-    for (size_t i = 0; i < nqm_materials_count(library); ++i)
-        if (strcmp(nqm_materials_get(library, i).name, name) == 0)
-            return true;
-    return false;
+    size_t n;
+    nqm_materials_named(library, name, &n);
+    return n > 0;
+}
+
+/* The materials of a file of several; NULL: it is another argument. */
+static const nqm_materials *read_library(const char *argument) {
+    const nqm_materials *materials = read_materials(argument);
+    return materials && nqm_materials_count(materials) > 1 ? materials : NULL;
 }
 
 static void add_materials(expansion *e, const nqm_named_pair *pair, const char *name, size_t origin,
@@ -48,21 +55,14 @@ static void add_materials(expansion *e, const nqm_named_pair *pair, const char *
 }
 
 void expand_pairs(size_t n, const nqm_named_pair *pairs, const char *const *names, expansion *e) {
-    nqm_materials *ref = NULL;
     *e = (expansion){0};
     for (size_t i = 0; i < n; ++i) {
-        if (i == 0 || strcmp(pairs[i].ref, pairs[i - 1].ref) != 0) {
-            nqm_materials_free(ref);
-            ref = open_library(pairs[i].ref);
-        }
-        nqm_materials *test = open_library(pairs[i].test);
+        const nqm_materials *ref = read_library(pairs[i].ref), *test = read_library(pairs[i].test);
         if (test)
             add_materials(e, &pairs[i], names ? names[i] : NULL, i, ref, test);
         else
             add_pair(e, pairs[i], names ? names[i] : NULL, i, false);
-        nqm_materials_free(test);
     }
-    nqm_materials_free(ref);
 }
 
 void free_expansion(expansion *e) {
@@ -100,30 +100,24 @@ void free_expanded_list(expanded_list *x) {
 
 /* ---- refusals ---------------------------------------------------------------------------------------------------- */
 
-/* The material of an argument "FILE" or "FILE:NAME", and the materials of its file, which own it; false: it is none. */
-static bool find_material(const char *argument, nqm_materials **materials_ret, nqm_material_info *info) {
+/* The material of an argument "FILE" or "FILE:NAME"; false: it is none. */
+static bool find_material(const char *argument, nqm_material_info *info) {
     const char *name = member_name(argument);
     char *path = strndup(argument, name ? (size_t)(name - argument) - 1 : strlen(argument));
     if (!path)
         stop(EXIT_LIMIT, "out of memory");
-    *materials_ret = NULL;
-    const bool is_read = is_file(path) && nqm_materials_open(path, materials_ret, NULL) == NQM_OK;
-    const size_t n = is_read ? nqm_materials_count(*materials_ret) : 0;
+    const nqm_materials *materials = read_materials(path);
+    size_t n = materials && nqm_materials_count(materials) == 1;
+    static const size_t only[] = {0};
+    const size_t *found = materials && name ? nqm_materials_named(materials, name, &n) : only;
     free(path);
-    for (size_t i = 0; i < n; ++i) {
-        *info = nqm_materials_get(*materials_ret, i);
-        if (!name || strcmp(info->name, name) == 0)
-            return true;
-    }
-    return false;
+    if (n)
+        *info = nqm_materials_get(materials, found[0]);
+    return n > 0;
 }
 
 bool has_same_refusal(const nqm_named_pair *pair) {
-    nqm_materials *refs = NULL, *tests = NULL;
     nqm_material_info ref, test;
-    const bool is_same = find_material(pair->ref, &refs, &ref) && find_material(pair->test, &tests, &test) &&
-                         ref.refusal && test.refusal && strcmp(ref.refusal, test.refusal) == 0;
-    nqm_materials_free(refs);
-    nqm_materials_free(tests);
-    return is_same;
+    return find_material(pair->ref, &ref) && find_material(pair->test, &test) && ref.refusal && test.refusal &&
+           strcmp(ref.refusal, test.refusal) == 0;
 }
