@@ -17,7 +17,7 @@ from ._brdf import (BRDF, BRDFInfo, CheckReport, Difference, Directions, Materia
 from ._call import Error
 from ._data import Dataset
 from ._fit import Fit, fit, fit_models
-from ._metric import Metric, batch, metrics
+from ._metric import Metric, batch, expand_pairs, metrics
 from ._scene import Label, Rays, Scene, label, render, srgb
 from ._score import (Model, ModelInfo, Parts, Score, Scorer, models, preference, score, score_grad, score_many,
                      score_samples)
@@ -26,7 +26,7 @@ from ._version import VERSION
 __version__ = VERSION
 
 __all__ = [
-    "score", "score_many", "batch", "score_samples", "score_grad", "Score", "Parts", "Scorer", "preference",
+    "score", "score_many", "batch", "expand_pairs", "score_samples", "score_grad", "Score", "Parts", "Scorer", "preference",
     "BRDF", "BRDFInfo", "CheckReport", "compare", "Difference", "presets", "materials", "MaterialInfo", "table_nodes", "half_diff_to_directions", "directions_to_half_diff", "Directions",
     "Metric", "metrics", "Model", "ModelInfo", "models",
     "fit", "Fit", "fit_models", "label", "Label", "render", "srgb", "Scene", "Rays", "Dataset",

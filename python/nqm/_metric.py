@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 import csv
+import functools
 import json
 import os
+import warnings
 from typing import Any, Iterable, List, Tuple, Union
 
 import numpy as np
 
 from . import _abi
 from ._abi import lib
-from ._brdf import BRDFLike
+from ._brdf import BRDFLike, materials
 from ._call import Error, PathLike, ProgressLike
 from ._score import METRICS, ModelLike, Scorer
 
@@ -95,26 +97,61 @@ def _read_list(path: PathLike) -> List[Tuple[str, str]]:
     return [(row.get("reference", ""), row.get("test", "")) for row in rows]
 
 
+@functools.lru_cache(maxsize=2)
+def _library(path: str, stamp: int) -> Tuple[str, ...]:
+    """The names of the materials of a file of several; empty for other files."""
+    try:
+        names = tuple(m.name for m in materials(path))
+    except Error:
+        return ()  # another kind of file, or a damaged one, which scoring reports
+    return names if len(names) > 1 else ()
+
+
+def _names(value: Any) -> Tuple[str, ...]:
+    is_file = isinstance(value, (str, os.PathLike)) and os.path.isfile(value)
+    return _library(os.fsdecode(value), os.stat(value).st_mtime_ns) if is_file else ()
+
+
+def expand_pairs(pairs: Union[PathLike, Iterable[Tuple[BRDFLike, BRDFLike]]]) -> List[Tuple[BRDFLike, BRDFLike]]:
+    """The pairs whose scores are the rows of `batch`. A test that is a file of several materials means all of them; where the
+    reference is such a file, too, its materials are paired with those of the same names. A material that the test lacks is a pair
+    that cannot be scored; one that only the test has is left out with a warning.
+
+    Args:
+        pairs: as for `batch`
+    """
+    expanded: List[Tuple[BRDFLike, BRDFLike]] = []
+    for ref, test in _read_list(pairs) if isinstance(pairs, (str, os.PathLike)) else pairs:
+        names, ref_names = _names(test), _names(ref)
+        if not names:
+            expanded.append((ref, test))
+            continue
+        for name in ref_names or names:
+            member = "%s:%s" % (os.fsdecode(ref), name) if ref_names else ref  # type: ignore[arg-type]
+            expanded.append((member, "%s:%s" % (os.fsdecode(test), name)))  # type: ignore[arg-type]
+        for name in [n for n in names if ref_names and n not in set(ref_names)]:
+            warnings.warn("%s:%s is not compared: %s has no material of this name" % (test, name, ref), stacklevel=3)
+    return expanded
+
+
 def batch(pairs: Union[PathLike, Iterable[Tuple[BRDFLike, BRDFLike]]], *, model: ModelLike = "default", metrics: bool = False,
           progress: ProgressLike = None, **options: Any) -> np.ndarray:
     """Score many pairs into one array. Pairs that cannot be scored do not stop the others.
 
     Args:
         pairs: (reference, test) pairs, or a list (CSV, JSON Lines) as for the tool's verb `batch`; relative paths are relative to
-            the current folder. A file of several materials is no pair of its own as it is for the tool: name "FILE:NAME" (`materials`)
+            the current folder. Files of several materials mean all of them: `expand_pairs` has the pairs of the rows
         model: as for `score`
         metrics: whether to add the scalar metrics, one column each
         progress: called with ("score", done, total); True shows a line on standard error
         options: as for `Scorer`
 
     Returns:
-        structured array (n_pairs): `jod`, `low`, `high`, `delta_e`, `novelty`, `similarity`, `identical`, `status` (a `Status`; not 0:
+        structured array (number of `expand_pairs`): `jod`, `low`, `high`, `delta_e`, `novelty`, `similarity`, `identical`, `status` (a `Status`; not 0:
         the other columns are NaN; `score_many` has the message), `n_valid`, and the metrics
     """
-    if isinstance(pairs, (str, os.PathLike)):
-        pairs = _read_list(pairs)
     scorer = Scorer(model, metrics=metrics, **options)
-    scores = scorer.score_many(pairs, progress=progress, errors="keep")
+    scores = scorer.score_many(expand_pairs(pairs), progress=progress, errors="keep")
     names = METRICS if metrics else ()
     table = np.empty(len(scores), np.dtype([*_BATCH, *((name, "f8") for name in names)]))
     for name, _ in _BATCH:

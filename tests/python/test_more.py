@@ -210,6 +210,23 @@ class Metrics(unittest.TestCase):
                 nqm.batch(folder + "/other.csv")
             self.assertEqual(caught.exception.code, 4)
 
+    def test_batch_of_materials(self):
+        with tempfile.TemporaryDirectory() as folder:
+            old, new = folder + "/old.gltf", folder + "/new.gltf"
+            for path, names in ((old, ("red", "gone", "gold")), (new, ("gold", "red", "added"))):
+                with open(path, "w") as file:
+                    json.dump({"asset": {"version": "2.0"}, "materials": [{"name": n} for n in names]}, file)
+            with open(folder + "/pairs.csv", "w") as file:
+                file.write("reference,test\n%s,%s\nsgd:nickel,%s\nsgd:nickel,%s:red\n" % (old, new, new, new))
+            with self.assertWarnsRegex(UserWarning, "new.gltf:added is not compared: .*old.gltf has no material of this name"):
+                table = nqm.batch(folder + "/pairs.csv")
+            with self.assertWarns(UserWarning):
+                pairs = nqm.expand_pairs([(old, new), ("sgd:nickel", new), ("sgd:nickel", new + ":red")])
+            self.assertEqual(pairs, [(old + ":" + n, new + ":" + n) for n in ("red", "gone", "gold")] +
+                             [("sgd:nickel", new + ":" + n) for n in ("gold", "red", "added", "red")])
+            self.assertEqual((table["status"] != 0).tolist(), [False, True, False, False, False, False, False])
+            self.assertTrue(table["identical"][0] and table["identical"][2] and table["jod"][4] == table["jod"][6])
+
 
 class Datasets(unittest.TestCase):
     def test_arrays(self):
