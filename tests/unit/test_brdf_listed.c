@@ -304,6 +304,7 @@ static void goniometer_grids_may_lack_rows(void **state) {
             assert_true(eval_goniometer(brdf, 13, 7, phi, rgb));
             assert_near(rgb[0], 1 + 13 * degree + 2 * 7 * degree, cases[k].every ? 0.4 : 1e-6);
         }
+        assert_int_equal(eval_goniometer(brdf, 20, 40, cases[k].first_phi + 30, rgb), cases[k].every != 9);
         assert_true(eval_goniometer(brdf, 0, 0, 0, rgb));
         assert_near(rgb[0], 1, 1e-6);
         nqm_brdf_free(brdf);

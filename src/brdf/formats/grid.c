@@ -78,8 +78,8 @@ static void interpolate(const nqm_grid *g, const span *s, double *rgb) {
         for (size_t c = 0; c < 3; ++c)
             sum[c] += weight * at_node[c];
     }
-    for (size_t c = 0; c < 3; ++c)
-        rgb[c] = sum[c] / total;
+    for (size_t c = 0; c < 3; ++c) /* at a node without a value, rounding errors are no weights of its neighbours */
+        rgb[c] = total > 1e-6 ? sum[c] / total : NAN;
 }
 
 void nqm_grid_eval(const nqm_grid *grid, size_t n, const double *hd, double *rgb) {
