@@ -80,6 +80,9 @@ batch 9 --sort worst
 [ "$(cut -d, -f1 "$dir/out" | tail -n +2 | head -n 1)" = sgd:brass ] || fail "--sort: $(cat "$dir/out")"
 sed -n 3p "$dir/out" | grep -q ",$worst," || fail "--sort: $(cat "$dir/out")"
 cp "$dir/out" "$dir/sorted.csv"
+printf 'reference,test\nsgd:nickel,sgd:nickel\nsgd:nickel,ward:nickel\n' >"$dir/best-first.csv"
+run 0 batch "$dir/best-first.csv" -m "$dir/model.safetensors" --sort worst
+sed -n 3p "$dir/out" | grep -q '^sgd:nickel,sgd:nickel,' || fail "the best row comes first: $(cat "$dir/out")"
 batch 9 --sort worst -o "$dir/sorted-out.csv"
 cmp "$dir/sorted.csv" "$dir/sorted-out.csv" || fail "a sorted file"
 { [ ! -e "$dir/sorted-out.csv.part" ] && [ ! -e "$dir/sorted-out.csv.part.journal" ]; } || fail "left-over files"

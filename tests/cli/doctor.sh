@@ -9,7 +9,8 @@ for name in build libraries Embree processor kernels threads self-test temporary
     grep -qE "^(ok|note) +$name " "$dir/out" || fail "no line of $name: $(cat "$dir/out")"
 done
 grep -q '^ok  *model  *default, .* sha256 [0-9a-f]\{16\}$' "$dir/out" || fail "no line of the model default"
-grep -q '^all that nqm needs works' "$dir/out" || fail "no summary"
+grep -qE '^all that nqm needs works; (1 note|(0|[2-9]) notes)$' "$dir/out" || fail "no summary: $(cat "$dir/out")"
+grep -q "; $(grep -c '^note' "$dir/out") note" "$dir/out" || fail "the number of notes: $(cat "$dir/out")"
 
 # Without a temporary folder, with one thread, slow kernels and a Python package of another version.
 mkdir "$dir/bin"

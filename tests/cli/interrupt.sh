@@ -57,6 +57,14 @@ stops convert - convert "$network" -o table.binary
 stops regress - regress "$in/labels.csv"
 stops plot - plot attribution "$network" "$network" -o drawing.svg
 stops transport - transport make --points 2048 -o transport.safetensors
+# Many times: the third ends the process at once.
+"$tool" bench train -o bench.json >"$dir/out" 2>"$dir/err" &
+pid=$!
+while [ -d /proc/$pid ] && ! grep -q 'SigCgt:.*[2367abef]$' /proc/$pid/status 2>/dev/null; do sleep 0.05; done
+for i in 1 2 3 4 5; do kill -INT $pid 2>/dev/null && sleep 0.02; done
+got=0
+wait $pid || got=$?
+[ "$got" = 130 ] || fail "exit code $got after five times Ctrl-C"
 signal=HUP # the terminal is closed
 stops report-hangup - report sgd:nickel ward:nickel "$network" -o page.html --size 1000
 signal=INT

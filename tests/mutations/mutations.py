@@ -292,4 +292,17 @@ MUTATIONS = [
      "a leak, which the tests under ASan notice"),
     ("tools/figures/plot_slices.c", "89.5 * (panel == OVER_THETA_H ? t * t : t);", "89.5 * (panel != OVER_THETA_H ? t * t : t);", "cli.plot",
      "where the points of a curve lie; the curve is the same"),
+    # ---- draws of seed 28 that survived once, and code of that session
+    ("src/base/names.c", "if (strlen(name) > MAX_LENGTH || strlen(nearest->wanted) > MAX_LENGTH)", "if (strlen(name) >= MAX_LENGTH || strlen(nearest->wanted) > MAX_LENGTH)", "test_base_names"),
+    ("tools/nqm/score/batch_summary.c", "for (size_t row = 0; row < n; ++row)", "for (size_t row = 1; row < n; ++row)", "cli.batch_gates"),
+    ("tools/nqm/bench/cmd_doctor.c", 'e.n_notes == 1 ? "" : "s");', 'e.n_notes != 1 ? "" : "s");', "cli.doctor"),
+    ("tools/nqm/talk.c", "vanish(128 + signal_number);", "vanish(129 + signal_number);", "cli.interrupt"),
+    ("tools/nqm/fit/cmd_translate.c", "run.labels.shrink = 1;", "run.labels.shrink = 2;", "cli.translate"),
+    ("tools/nqm/score/cmd_batch.c", "uint64_t cache_mb = run.options.cache_bytes >> 20;", "uint64_t cache_mb = run.options.cache_bytes >> 21;", "cli.batch",
+     "the default of --cache decides the memory, no result"),
+    ("src/brdf/formats/listed.c", "n_nodes / 4 <= n / 3;", "n_nodes / 4 <= n;", "test_brdf_listed"),
+    ("src/brdf/formats/listed.c", "return !l->has_pairs || (row->at[0] > 0 && row->at[1] > 0);", "return !l->has_pairs || row->at[1] > 0;", "test_brdf_listed"),
+    ("src/metric/suspicion.c", "with_cosine[1] < 0.2 * slack * plain[1]", "with_cosine[1] < 0 * slack * plain[1]", "cli.sample_directions"),
+    ("src/metric/score.c", "if (jod < suspicious_jod && s->member[2 * i].flag)", "if (jod < suspicious_jod && !s->member[2 * i].flag)", "cli.sample_directions"),
+    ("tools/nqm/score/batch_output.c", "if (!has_journal) { /* a run that finishes", "if (has_journal) { /* a run that finishes", "cli.batch_mpirun"),
 ]

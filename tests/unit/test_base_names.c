@@ -8,7 +8,7 @@
 #include <string.h>
 
 static const char *advice(const char *wanted) {
-    static const char *const names[] = {"score", "rank", "fail-under", "directions", "ggx", "ward", NULL};
+    static const char *const names[] = {"score", "rank", "fail-under", "directions", "ggx", "ward", "the-longest-name-has-forty-characters--!", NULL};
     static nqm_nearest nearest;
     nearest = nqm_nearest_begin(wanted);
     for (size_t i = 0; names[i]; ++i)
@@ -24,6 +24,8 @@ static void misspelt_names_are_near(void **state) {
     assert_string_equal(advice("GGX"), " (did you mean 'ggx'?)");     /* case */
     assert_string_equal(advice("fail_udner"), " (did you mean 'fail-under'?)");
     assert_string_equal(advice("derections"), " (did you mean 'directions'?)");
+    assert_string_equal(advice("the-longest-name-has-forty-charactres--!"),
+                        " (did you mean 'the-longest-name-has-forty-characters--!'?)");
 }
 
 static void other_names_are_not(void **state) {

@@ -337,9 +337,12 @@ static float *sample_spec(const nqm_model *m, const char *spec) {
     return rgb;
 }
 
-/* What a step along the gradient (or along f_r, that is, of level) does to Delta-E, relative to what the gradient says. `step`: the
- * largest relative change of f_r + 0.003. */
-static double step_ratio(const nqm_model *m, const float *ref, const float *test, double step, bool of_level) {
+typedef enum direction { BY_GRADIENT, BY_LEVEL, TO_REFERENCE } direction;
+static const char *const direction_words[] = {"along the gradient", "of level", "to the reference"};
+
+/* What a step does to Delta-E, relative to what the gradient says. `step`: the largest relative change of f_r + 0.003, the relative
+ * change of f_r, or the part of the way to the reference. */
+static double step_ratio(const nqm_model *m, const float *ref, const float *test, double step, direction to) {
     const size_t n = 3 * m->directions->n;
     float *g = nqm_alloc(5 * n, sizeof *g), *up = g + n, *down = g + 2 * n;
     const nqm_sample_pair at = {ref, test, NULL}, pairs[2] = {{ref, up, NULL}, {ref, down, NULL}};
@@ -349,7 +352,9 @@ static double step_ratio(const nqm_model *m, const float *ref, const float *test
     for (size_t i = 0; i < n; ++i)
         largest = fmax(largest, fabs((double)g[i]) / ((double)test[i] + 0.003));
     for (size_t i = 0; i < n; ++i) {
-        const double by = of_level ? step * (double)test[i] : step * (double)g[i] / largest;
+        const double by = step * (to == BY_LEVEL      ? (double)test[i]
+                                  : to == BY_GRADIENT ? (double)g[i] / largest
+                                                      : (double)ref[i] - (double)test[i]);
         up[i] = (float)fmax((double)test[i] + by, 0);
         down[i] = (float)fmax((double)test[i] - by, 0);
         predicted += (double)g[i] * ((double)up[i] - (double)down[i]);
@@ -360,28 +365,49 @@ static double step_ratio(const nqm_model *m, const float *ref, const float *test
     return (values[0] - values[1]) / predicted;
 }
 
-/* Glossier copies are equal to the reference, but for rounding, at half of the directions. */
-static void steps_along_the_gradient(void **state) {
-    (void)state;
+typedef struct step_case {
+    double step;
+    direction to;
+} step_case;
+
+/* Glossier copies of four materials are equal to them, but for rounding, at half of the directions. */
+static void check_steps(const char *gloss, size_t n, const step_case *cases) {
     static const char *const names[] = {"nickel", "alum-bronze", "gold-metallic-paint", "chrome"};
-    static const double steps[] = {1e-4, 1e-3, 1e-2};
     nqm_model *m;
     assert_int_equal(nqm_model_builtin("default", &m, NULL), NQM_OK);
-    for (size_t k = 0; k < 8; ++k) {
+    for (size_t k = 0; k < 4; ++k) {
         char spec[64], copy[96];
-        snprintf(spec, sizeof spec, "sgd:%s", names[k / 2]);
-        snprintf(copy, sizeof copy, "perturb:gloss=%s;of=%s", k % 2 ? "1.2" : "1.05", spec);
+        snprintf(spec, sizeof spec, "sgd:%s", names[k]);
+        snprintf(copy, sizeof copy, "perturb:gloss=%s;of=%s", gloss, spec);
         float *ref = sample_spec(m, spec), *test = sample_spec(m, copy);
-        for (size_t i = 0; i < 6; ++i) {
-            const double ratio = step_ratio(m, ref, test, steps[i / 2], i % 2);
+        for (size_t i = 0; i < n; ++i) {
+            const double ratio = step_ratio(m, ref, test, cases[i].step, cases[i].to);
             if (!(fabs(ratio - 1) <= 0.05))
-                fail_msg("%s, step %g%s: %.3f of what the gradient says", copy, steps[i / 2], i % 2 ? " of level" : "",
-                         ratio);
+                fail_msg("%s, step %g %s: %.3f of what the gradient says", copy, cases[i].step,
+                         direction_words[cases[i].to], ratio);
         }
         nqm_free(ref);
         nqm_free(test);
     }
     nqm_model_free(m);
+}
+
+static void steps_along_the_gradient(void **state) {
+    (void)state;
+    static const step_case cases[] = {{1e-4, BY_GRADIENT}, {1e-4, BY_LEVEL},    {1e-3, BY_GRADIENT},
+                                      {1e-3, BY_LEVEL},    {1e-2, BY_GRADIENT}, {1e-2, BY_LEVEL}};
+    check_steps("1.05", sizeof cases / sizeof *cases, cases);
+    check_steps("1.2", sizeof cases / sizeof *cases, cases);
+}
+
+/* Delta-E of 0.1 to 0.2. Larger steps along the gradient change the picture by as much as the difference is, and pass beyond the
+ * reference, where the distance is least: there the finite difference says nothing about a slope. Towards the reference a step
+ * of any part of the difference does what the gradient says. */
+static void steps_of_small_differences(void **state) {
+    (void)state;
+    static const step_case cases[] = {{1e-4, BY_GRADIENT},  {1e-4, BY_LEVEL},     {1e-4, TO_REFERENCE},
+                                      {1e-3, TO_REFERENCE}, {1e-2, TO_REFERENCE}, {1e-1, TO_REFERENCE}};
+    check_steps("1.002", sizeof cases / sizeof *cases, cases);
 }
 
 static void refuse(nqm_scorer *scorer, nqm_score_quantity of, const nqm_sample_pair *pairs, nqm_status status,
@@ -494,6 +520,7 @@ int main(void) {
         cmocka_unit_test(the_same_bits),
         cmocka_unit_test(out_of_memory),
         cmocka_unit_test(steps_along_the_gradient),
+        cmocka_unit_test(steps_of_small_differences),
     };
     return cmocka_run_group_tests(tests, make_double_directions, free_double_directions);
 }
