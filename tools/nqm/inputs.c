@@ -228,7 +228,7 @@ nqm_materials *open_library(const char *argument) {
     return NULL;
 }
 
-const nqm_materials *read_materials(const char *path) {
+const nqm_materials *parsed_materials(const char *path) {
     typedef struct read_file {
         char *path;
         nqm_materials *materials;

@@ -68,7 +68,7 @@ static void add_latents(json_t *files, const char *path) {
 static void add_measured(json_t *files, const char *path) {
     const char *slash = strrchr(path, '/');
     const nqm_materials *materials =
-        read_materials(path); /* NULL: another kind of file, or a broken one, which scoring reports */
+        parsed_materials(path); /* NULL: another kind of file, or a broken one, which scoring reports */
     for (size_t i = 0; materials && i < nqm_materials_count(materials); ++i) {
         const nqm_material_info info = nqm_materials_get(materials, i);
         if (!info.spec || nqm_spec_probe(info.spec))

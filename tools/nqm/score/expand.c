@@ -33,7 +33,7 @@ static bool has_material(const nqm_materials *library, const char *name) {
 
 /* The materials of a file of several; NULL: it is another argument. */
 static const nqm_materials *read_library(const char *argument) {
-    const nqm_materials *materials = read_materials(argument);
+    const nqm_materials *materials = parsed_materials(argument);
     return materials && nqm_materials_count(materials) > 1 ? materials : NULL;
 }
 
@@ -106,7 +106,7 @@ static bool find_material(const char *argument, nqm_material_info *info) {
     char *path = strndup(argument, name ? (size_t)(name - argument) - 1 : strlen(argument));
     if (!path)
         stop(EXIT_LIMIT, "out of memory");
-    const nqm_materials *materials = read_materials(path);
+    const nqm_materials *materials = parsed_materials(path);
     size_t n = materials && nqm_materials_count(materials) == 1;
     static const size_t only[] = {0};
     const size_t *found = materials && name ? nqm_materials_named(materials, name, &n) : only;
