@@ -202,60 +202,12 @@ static void hidden_row_back(const nqm_hidden_row_back *r) {
     }
 }
 
-/* ---- light transport in double ----------------------------------------------------------------------------------- */
-
-typedef double vector_d __attribute__((vector_size(VECTOR_BYTES), aligned(8), may_alias));
-typedef float vector_half __attribute__((vector_size(VECTOR_BYTES / 2), aligned(4), may_alias));
-
-/* Columns whose sums of two rows stay in registers. */
-enum { D_LANES = VECTOR_BYTES / 8, D_COLUMNS = 16, D_VECTORS = D_COLUMNS / D_LANES };
-
-INLINE vector_d widen(const float *x) {
-    return __builtin_convertvector(*(const vector_half *)x, vector_d);
-}
-
-INLINE void double_columns(const nqm_double_product *p, size_t first) {
-    vector_d sum[2][D_VECTORS] = {{{0}}};
-    const float *b = p->b + first;
-    UNROLL for (size_t i = 0; i < 2; ++i) UNROLL for (size_t v = 0; v < D_VECTORS; ++v) if (p->add) sum[i][v] =
-        *(const vector_d *)(p->c[i] + first + v * D_LANES);
-    for (size_t u = 0; u < p->k; ++u, b += p->ldb) {
-        const double a0 = (double)p->a[0][u * p->step], a1 = (double)p->a[1][u * p->step];
-        UNROLL for (size_t v = 0; v < D_VECTORS; ++v) {
-            const vector_d x = widen(b + v * D_LANES);
-            sum[0][v] += a0 * x;
-            sum[1][v] += a1 * x;
-        }
-    }
-    UNROLL for (size_t i = 0; i < 2; ++i) UNROLL for (size_t v = 0; v < D_VECTORS; ++v) *
-        (vector_d *)(p->c[i] + first + v * D_LANES) = sum[i][v];
-}
-
-static void double_product(const nqm_double_product *p) {
-    for (size_t first = 0; first < NQM_PANEL; first += D_COLUMNS)
-        double_columns(p, first);
-}
-
-/* 16 partial sums, whatever the vector width. */
-static double double_dot(size_t n, const float *x, const double *y) {
-    vector_d sum[D_VECTORS] = {{0}};
-    double all[D_COLUMNS];
-    for (size_t i = 0; i < n; i += D_COLUMNS)
-        UNROLL for (size_t v = 0; v < D_VECTORS; ++v) sum[v] +=
-            widen(x + i + v * D_LANES) * *(const vector_d *)(y + i + v * D_LANES);
-    memcpy(all, sum, sizeof all);
-    UNROLL for (size_t m = D_COLUMNS / 2; m > 0; m /= 2) UNROLL for (size_t j = 0; j < m; ++j) all[j] += all[j + m];
-    return all[0];
-}
-
 /* The table of an instruction set. */
 #define NQM_DEFINE_KERNELS(SUFFIX, NAME)                                                                               \
     const nqm_kernels nqm_kernels_##SUFFIX = {                                                                         \
         .name = (NAME),                                                                                                \
         .product = {product_f32, product_bf16, product_int8},                                                          \
         .strided_product = strided_product,                                                                            \
-        .double_product = double_product,                                                                              \
-        .double_dot = double_dot,                                                                                      \
         .gradient = {gradient_f32, gradient_bf16, NULL},                                                               \
         .hidden_row = hidden_row,                                                                                      \
         .dot = dot,                                                                                                    \

@@ -8,7 +8,6 @@
  *
  *   product                C = A B         x W^T with W^T in panels: the forward pass, and the gradient of the input
  *   strided_product        C = A B         of floats in other layouts
- *   double_product, _dot   the same in double, for gradients
  *   gradient               C = A^T B       the gradient of the weights, tile by tile
  *   hidden_row, _back      one row after the product, and its backward pass
  *   adam                   one step of the optimiser
@@ -65,16 +64,6 @@ typedef struct nqm_strided_product {
     float *c;       /**< (m, NQM_PANEL), ldc floats from row to row */
     size_t lda, step, ldb, ldc;
 } nqm_strided_product;
-
-/** Two rows of C (2, NQM_PANEL) = A B, or C + A B, of floats with any strides, in double. */
-typedef struct nqm_double_product {
-    size_t k;
-    bool add;          /**< start from C; false: from 0 */
-    const float *a[2]; /**< (k) each, `step` floats from column to column */
-    const float *b;    /**< (k, NQM_PANEL), ldb floats from row to row */
-    double *c[2];      /**< (NQM_PANEL) each */
-    size_t step, ldb;
-} nqm_double_product;
 
 /** Arrays that are prefetched while a tile of a gradient is computed: weights and Adam's two moments. */
 enum { NQM_PREFETCH = 3 };
@@ -155,10 +144,6 @@ typedef struct nqm_kernels {
     void (*product[NQM_PRECISION_COUNT])(const nqm_product *p);
     /** Rows of the light transport (metric/transport.c). */
     void (*strided_product)(const nqm_strided_product *p);
-    /** The same in double, for gradients; every table gives the same bits. */
-    void (*double_product)(const nqm_double_product *p);
-    /** The sum of x y over n values, a multiple of NQM_PANEL. */
-    double (*double_dot)(size_t n, const float *x, const double *y);
     /** NULL for NQM_PRECISION_INT8: training is in float or bfloat16. */
     void (*gradient[NQM_PRECISION_COUNT])(const nqm_tile_gradient *g);
     /** The sum of x y over n floats. */

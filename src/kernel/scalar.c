@@ -81,23 +81,6 @@ static void strided_product(const nqm_strided_product *p) {
         }
 }
 
-static void double_product(const nqm_double_product *p) {
-    for (size_t i = 0; i < 2; ++i)
-        for (size_t j = 0; j < NQM_PANEL; ++j) {
-            double sum = p->add ? p->c[i][j] : 0;
-            for (size_t u = 0; u < p->k; ++u)
-                sum += (double)p->a[i][u * p->step] * (double)p->b[u * p->ldb + j];
-            p->c[i][j] = sum;
-        }
-}
-
-static double double_dot(size_t n, const float *x, const double *y) {
-    double sum = 0;
-    for (size_t i = 0; i < n; ++i)
-        sum += (double)x[i] * y[i];
-    return sum;
-}
-
 static void gradient(const nqm_tile_gradient *g, word_product product) {
     const uint32_t *right = g->right;
     for (size_t i = 0; i < g->n_strips * NQM_STRIP; ++i) {
@@ -243,8 +226,6 @@ const nqm_kernels nqm_kernels_scalar = {
     .name = "scalar",
     .product = {product_f32, product_bf16, product_int8},
     .strided_product = strided_product,
-    .double_product = double_product,
-    .double_dot = double_dot,
     .gradient = {gradient_f32, gradient_bf16, NULL},
     .dot = dot,
     .hidden_row = hidden_row,

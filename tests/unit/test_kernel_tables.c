@@ -111,45 +111,6 @@ static void products_of_every_table(void **state) {
     assert_ptr_equal(nqm_kernels_get(), before);
 }
 
-/* Sums in double have the bits of the plain loops, whatever the vectors; a dot product those of the first table. */
-static void double_sums_of_every_table(void **state) {
-    (void)state;
-    enum { K = 37, STEP = 3, LDB = 3 * NQM_PANEL + 8, DOT = 5 * NQM_PANEL };
-    nqm_rng rng = nqm_rng_make(seed, 9);
-    float *a = random_block(&rng, 2 * K * STEP), *b = random_block(&rng, K * LDB), *x = random_block(&rng, DOT);
-    double start[2][NQM_PANEL], expected[2][NQM_PANEL], c[2][NQM_PANEL], y[DOT];
-    for (size_t i = 0; i < 2 * NQM_PANEL; ++i)
-        start[i / NQM_PANEL][i % NQM_PANEL] = nqm_rng_normal(&rng);
-    for (size_t i = 0; i < DOT; ++i)
-        y[i] = nqm_rng_normal(&rng);
-    const double dot = nqm_kernels_scalar.double_dot(DOT, x, y), first = nqm_kernels_at(0)->double_dot(DOT, x, y);
-    for (int add = 0; add < 2; ++add)
-        for (size_t t = 0; every_table(t); ++t) {
-            nqm_double_product p = {.k = K,
-                                    .add = add,
-                                    .a = {a, a + K * STEP},
-                                    .step = STEP,
-                                    .b = b,
-                                    .ldb = LDB,
-                                    .c = {expected[0], expected[1]}};
-            memcpy(expected, start, sizeof start);
-            memcpy(c, start, sizeof start);
-            nqm_kernels_scalar.double_product(&p);
-            p.c[0] = c[0];
-            p.c[1] = c[1];
-            every_table(t)->double_product(&p);
-            assert_memory_equal(c, expected, sizeof c);
-        }
-    for (size_t t = 0; every_table(t); ++t) {
-        const double sum = every_table(t)->double_dot(DOT, x, y);
-        assert_near(sum, dot, 1e-13);
-        assert_true(every_table(t) == &nqm_kernels_scalar || sum == first);
-    }
-    nqm_free(a);
-    nqm_free(b);
-    nqm_free(x);
-}
-
 /* Strided products have the bits of a product of the same factors. */
 static void strided_products_of_every_table(void **state) {
     (void)state;
@@ -497,7 +458,6 @@ int main(void) {
         cmocka_unit_test(the_definition_by_hand),
         cmocka_unit_test(products_of_every_table),
         cmocka_unit_test(strided_products_of_every_table),
-        cmocka_unit_test(double_sums_of_every_table),
         cmocka_unit_test(the_same_bits),
         cmocka_unit_test(the_same_bits_of_many_panels),
         cmocka_unit_test(products_of_extreme_bytes),
