@@ -25,12 +25,11 @@ static void score(const struct nqm_model *model) {
         abort();
     for (size_t i = 0; i < n; ++i)
         samples[i] = 1;
-    const float *const ref = samples, *const test = samples + n;
     nqm_predictor *predictor;
     double jod;
     if (nqm_predictor_create(model, NQM_PRECISION_F32, 1, &predictor, NULL) != NQM_OK)
         abort();
-    nqm_predictor_run(predictor, &(nqm_sampled_pairs){.n = 1, .ref = &ref, .test = &test}, &jod, NULL);
+    nqm_predictor_run(predictor, 1, &(nqm_sample_pair){samples, samples + n, NULL}, &(nqm_predictions){.jod = &jod});
     check_interval(model, jod);
     nqm_predictor_free(predictor);
     free(samples);

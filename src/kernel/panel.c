@@ -71,26 +71,23 @@ static cut cut_product(const nqm_panels *b, size_t m) {
     return c;
 }
 
-static void multiply_block(const nqm_kernels *kernels, const nqm_block_product *p, size_t group) {
-    for (size_t row = 0; row < p->m; row += group)
-        kernels->product[p->b->precision](&(nqm_product){.m = nqm_smaller(p->m - row, group),
-                                                         .words = p->b->words,
-                                                         .n_panels = p->n_panels,
-                                                         .add = p->add,
-                                                         .a = (const uint32_t *)p->a + row * p->lda,
-                                                         .b = p->panels,
-                                                         .panel_step = p->b->stride * NQM_PANEL,
-                                                         .c = (uint32_t *)p->c + row * p->ldc, /* float or int32_t */
-                                                         .lda = p->lda,
-                                                         .ldc = p->ldc});
+/* A block, a group of rows at a time. */
+static void multiply_block(const nqm_kernels *kernels, nqm_precision precision, const nqm_product *p, size_t group) {
+    for (size_t row = 0; row < p->m; row += group) {
+        nqm_product part = *p;
+        part.m = nqm_smaller(p->m - row, group);
+        part.a = (const uint32_t *)p->a + row * p->lda;
+        part.c = (uint32_t *)p->c + row * p->ldc; /* float or int32_t */
+        kernels->product[precision](&part);
+    }
 }
 
 size_t nqm_panels_of_block(const nqm_panels *b, size_t m) {
     return cut_product(b, m).panels;
 }
 
-void nqm_multiply_block(const nqm_kernels *kernels, const nqm_block_product *p) {
-    multiply_block(kernels, p, cut_product(p->b, p->m).rows);
+void nqm_multiply_block(const nqm_kernels *kernels, const nqm_panels *b, const nqm_product *p) {
+    multiply_block(kernels, b->precision, p, cut_product(b, p->m).rows);
 }
 
 void nqm_multiply(const nqm_panels *b, size_t m, const void *a, size_t lda, bool add, void *c, size_t ldc) {
@@ -100,16 +97,17 @@ void nqm_multiply(const nqm_panels *b, size_t m, const void *a, size_t lda, bool
 #pragma omp parallel for schedule(dynamic, 1) if (m * b->n * b->k >= MIN_PARALLEL && by.n_blocks > 1)
     for (size_t i = 0; i < by.n_blocks; ++i) {
         const size_t panel = i / by.n_down * by.panels, row = i % by.n_down * ROWS_AT_ONCE;
-        multiply_block(kernels,
-                       &(nqm_block_product){.b = b,
-                                            .panels = nqm_panel_at(b, panel),
-                                            .n_panels = nqm_smaller(b->n_panels - panel, by.panels),
-                                            .m = nqm_smaller(m - row, ROWS_AT_ONCE),
-                                            .add = add,
-                                            .a = (const uint32_t *)a + row * lda,
-                                            .c = (uint32_t *)c + row * ldc + panel * NQM_PANEL,
-                                            .lda = lda,
-                                            .ldc = ldc},
+        multiply_block(kernels, b->precision,
+                       &(nqm_product){.m = nqm_smaller(m - row, ROWS_AT_ONCE),
+                                      .words = b->words,
+                                      .n_panels = nqm_smaller(b->n_panels - panel, by.panels),
+                                      .add = add,
+                                      .a = (const uint32_t *)a + row * lda,
+                                      .b = nqm_panel_at(b, panel),
+                                      .panel_step = b->stride * NQM_PANEL,
+                                      .c = (uint32_t *)c + row * ldc + panel * NQM_PANEL,
+                                      .lda = lda,
+                                      .ldc = ldc},
                        by.rows);
     }
 }

@@ -62,17 +62,9 @@ static inline nqm_byte_columns nqm_panel_columns(const nqm_panels *panels, size_
  */
 void nqm_multiply(const nqm_panels *b, size_t m, const void *a, size_t lda, bool add, void *c, size_t ldc);
 
-/** A block of such a product, for callers that distribute blocks to threads themselves. */
-typedef struct nqm_block_product {
-    const nqm_panels *b;
-    const uint32_t *panels; /**< (n_panels, b->stride, NQM_PANEL) some of b, or a copy */
-    size_t n_panels, m;
-    bool add;
-    const void *a; /**< (m, b->words), lda words from row to row */
-    void *c;       /**< (m, n_panels NQM_PANEL), ldc elements from row to row */
-    size_t lda, ldc;
-} nqm_block_product;
-void nqm_multiply_block(const nqm_kernels *kernels, const nqm_block_product *p);
+/** A block of such a product, of some rows and some panels of b (or copies of these), for callers that distribute blocks to threads
+ *  themselves. */
+void nqm_multiply_block(const nqm_kernels *kernels, const nqm_panels *b, const nqm_product *p);
 /** Panels of a block of a product of m rows: so many that the rows are read from beyond the L2 cache less often. */
 size_t nqm_panels_of_block(const nqm_panels *b, size_t m);
 

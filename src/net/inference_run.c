@@ -84,15 +84,17 @@ static void multiply_block(const rows *r, const nqm_segment *s, left_rows a, blo
     const nqm_panels *p = &s->panels;
     const bool is_int8 = p->precision == NQM_PRECISION_INT8;
     const size_t ldc = r->work->stride;
-    nqm_multiply_block(r->kernels, &(nqm_block_product){.b = p,
-                                                        .panels = panels_at(r, s, at),
-                                                        .n_panels = at.n,
-                                                        .m = at.m,
-                                                        .add = add && !is_int8,
-                                                        .a = a.words + at.row * a.stride,
-                                                        .lda = a.stride,
-                                                        .c = is_int8 ? (void *)sums : c,
-                                                        .ldc = is_int8 ? NQM_PANEL : ldc});
+    nqm_multiply_block(r->kernels, p,
+                       &(nqm_product){.m = at.m,
+                                      .words = p->words,
+                                      .n_panels = at.n,
+                                      .add = add && !is_int8,
+                                      .a = a.words + at.row * a.stride,
+                                      .b = panels_at(r, s, at),
+                                      .panel_step = p->stride * NQM_PANEL,
+                                      .c = is_int8 ? (void *)sums : c,
+                                      .lda = a.stride,
+                                      .ldc = is_int8 ? NQM_PANEL : ldc});
     for (size_t i = 0; is_int8 && i < at.n; ++i) {
         const nqm_byte_columns columns = nqm_panel_columns(p, at.panel + i);
         r->kernels->dequantise(at.m, a.scale + at.row, &columns, add, sums + i * NQM_PANEL, c + i * NQM_PANEL, ldc);
