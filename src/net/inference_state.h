@@ -40,19 +40,20 @@ struct nqm_inference_net {
 /** Rows of max_batch; strides in floats or 32-bit words. Views into the block that begins with this struct. */
 struct nqm_inference_work {
     const nqm_inference_net *net;
-    size_t n_bytes;                            /**< of the block */
-    size_t max_batch, n_threads;               /**< at most, of a call */
-    size_t n_products;                         /**< multiply-adds of a row */
-    size_t stride, rounded_stride, ref_stride; /**< of layers' outputs, of rounded inputs, of references */
-    float *y[2];                               /**< (max_batch, stride) outputs of even and of odd layers */
-    uint32_t *rounded;                         /**< (max_batch, rounded_stride) the rounded inputs of a layer */
-    nqm_byte_scale *scale; /**< (NQM_MAX_SEGMENTS, max_batch) NQM_PRECISION_INT8: of the rounded inputs */
+    size_t n_bytes;              /**< bytes of the block */
+    size_t max_batch, n_threads; /**< at most, of a call */
+    size_t n_products;           /**< multiply-adds of a row */
+    size_t stride, rounded_stride,
+        ref_stride;        /**< floats per row of layers' outputs, of rounded inputs, of references */
+    float *y[2];           /**< (max_batch, stride) outputs of even and of odd layers */
+    uint32_t *rounded;     /**< (max_batch, rounded_stride) the rounded inputs of a layer */
+    nqm_byte_scale *scale; /**< (NQM_MAX_SEGMENTS, max_batch) NQM_PRECISION_INT8: scales of the rounded inputs */
     float *difference;     /**< (max_batch, reference inputs) if layer 0 takes differences */
     float *panel;          /**< (threads, panel_size) a panel packed for immediate use */
     size_t panel_size;
     bool is_packed;         /**< this call reads the network's panels of floats, not `panel` */
-    size_t n_rows;          /**< of this call */
-    size_t _Atomic n_taken; /**< of them, by threads that take rows through all layers */
+    size_t n_rows;          /**< rows of this call */
+    size_t _Atomic n_taken; /**< rows taken by threads that compute all layers of their rows */
     /* References of this call, 1..n_refs; 0 is the last one of the call before. */
     size_t n_refs;
     size_t *ref_of;            /**< (max_batch) a row's reference */
