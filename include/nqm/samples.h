@@ -34,10 +34,10 @@ typedef struct nqm_directions_options {
 NQM_API nqm_directions_options nqm_directions_options_default(void);
 
 /**
- * Make directions (paper, section 3.1): theta_d and phi_d uniform, theta_h denser toward 0, both polar angles bounded;
- * of the candidates those are drawn, with probability in proportion, where the references carry significant energy
- * (mean over the references of the cube-rooted luminance, each reference normalised; stratified in theta_h so that the
- * density above is kept). The set is ordered by theta_h; the same options and references give the same set.
+ * Make directions (paper, section 3.1): theta_d and phi_d uniform, theta_h denser toward 0, both polar angles bounded.
+ * Candidates are drawn with a probability proportional to the energy of the references: the mean over them of the
+ * cube root of the luminance, each reference normalised. The draw is stratified in theta_h, which keeps the density
+ * above. The set is ordered by theta_h; the same options and references give the same set.
  *
  * @param options NULL: the defaults
  * @param refs    (n_refs) BRDFs that decide what "significant energy" is; n_refs 0: every candidate is kept

@@ -35,7 +35,7 @@ typedef struct nqm_brdf_class {
     void (*free)(void *self);
 } nqm_brdf_class;
 
-/* One block; the texts of `info`, except the DOI, follow the struct. */
+/* Allocated as one block; the texts of `info`, except the DOI, follow the struct. */
 struct nqm_brdf {
     const nqm_brdf_class *class_;
     void *self;
@@ -118,9 +118,9 @@ typedef struct nqm_table_size {
 } nqm_table_size;
 
 enum { NQM_TABLE_SLICE = 46 * 24 };
-/** Of corpora and exported tables. */
+/** Nodes of corpora and exported tables. */
 static const nqm_table_size nqm_table_general = {90, 46, 24};
-/** Of pictures: twice as dense in theta_h, where highlights are narrow. */
+/** Nodes for pictures: twice as dense in theta_h, where highlights are narrow. */
 static const nqm_table_size nqm_table_picture = {180, 32, 12};
 
 /** Sample `brdf` into a table, on all threads. ticker: stage "table"; NULL: silent. NQM_ERR_CANCELLED, NQM_ERR_NOMEM. */

@@ -20,16 +20,16 @@ extern const nqm_option_table nqm_corpus_option_table;
 typedef struct nqm_corpus_ref {
     const char *name;   /* unique in the list */
     const char *brdf;   /* as in the list */
-    const char *source; /* its origin: "rgl", "nbrdf", "nps", "sgd", or any other word */
+    const char *source; /* origin of the material: "rgl", "nbrdf", "nps", "sgd", or any other word */
     char *path;         /* argument of nqm_brdf_open(); owned */
     size_t group;
-    char file_sha256[65]; /* of its file and of what that names: latents, a measured file; "" for specs and presets */
+    char file_sha256[65]; /* SHA-256 of its file, and of latents or a measured file; "" for specs and presets */
 } nqm_corpus_ref;
 
 typedef struct nqm_corpus_group {
     const char *name;
     nqm_split split;
-    size_t first_ref, n_refs; /* its references in the list */
+    size_t first_ref, n_refs; /* range of its references in the list */
 } nqm_corpus_group;
 
 /** A material list; its strings are owned by the CSV. */
@@ -150,7 +150,7 @@ typedef struct nqm_corpus_plan {
     size_t n_refs, n_forms; /* the first n_refs forms are the references of the group */
     nqm_corpus_form *forms;
     size_t n_tests;
-    nqm_corpus_test *tests; /* by reference */
+    nqm_corpus_test *tests; /* sorted by reference */
 } nqm_corpus_plan;
 
 /** Plan a group; a function of the list, the seed and the options. Free with nqm_corpus_plan_free(). */
@@ -234,8 +234,8 @@ struct nqm_corpus_context {
     nqm_corpus_cache *cache;
     nqm_corpus_models models;
     char light_sha256[65];      /* "" for built-in lights */
-    char shape_sha256[65];      /* of a mesh file; "" for built-in shapes */
-    char encoder_sha256[2][65]; /* of nqm_corpus_encoders; "": not in this build */
+    char shape_sha256[65];      /* SHA-256 of a mesh file; "" for built-in shapes */
+    char encoder_sha256[2][65]; /* SHA-256 of nqm_corpus_encoders; "": not in this build */
     bool (*step)(void *user,
                  size_t n_units); /* called with finished units of work, 0 within one; any thread; true: stop */
     void *step_user;
@@ -250,7 +250,7 @@ extern const char *const nqm_corpus_encoders[2];
 /** A group with its samples and labels. */
 typedef struct nqm_corpus_item {
     nqm_corpus_plan plan;
-    char *path; /* its work file; NULL without a checkpoint folder; owned */
+    char *path; /* path of its work file; NULL without a checkpoint folder; owned */
     bool is_done;
     /* views into the arrays of nqm_corpus; n = n_directions */
     float *ref_rgb;     /* (n_refs, n, 3) */

@@ -24,7 +24,7 @@ typedef struct far_kind {
         SCALED       /* the reference times 10^x, abs(x) in [low, high] */
     } form;
     unsigned per_round; /* times in a round of draws */
-    bool unseen;        /* in the test part only */
+    bool unseen;        /* occurs in the test part only */
     double low, high;   /* log-uniform; of SCALED uniform */
 } far_kind;
 

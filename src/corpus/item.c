@@ -23,7 +23,7 @@ typedef struct job {
     const view **forms;          /* (n_forms) of the cache, or in `presets` */
     view *presets;               /* (n_forms) forms that are no references of the list; the others are empty */
     nqm_corpus_fit *fits;        /* (n_fits) of the current reference */
-    view made;                   /* of a test whose BRDF is made for it */
+    view made;                   /* view of a test whose BRDF is made for it */
     nqm_fit_report report;       /* its spec: of a point on the path of an optimiser, or of a translation */
     double saved_s, save_cost_s; /* time of the last save of the unfinished group, and its duration */
     nqm_error *err;

@@ -19,7 +19,7 @@ const char *nqm_corpus_family_name(nqm_corpus_family family) {
 /* A perturbation with the range of its strength, log-uniform in [faint, strong]. */
 typedef struct perturbation {
     const char *kind;
-    const char *key; /* in the spec; NULL: `kind` */
+    const char *key; /* key in the spec; NULL: `kind` */
     double faint, strong;
     enum {
         PLAIN,  /* the value is the strength */
@@ -29,7 +29,7 @@ typedef struct perturbation {
         TINT    /* one factor per channel */
     } form;
     bool slow;        /* evaluates its base many times: not used in compositions */
-    bool unseen;      /* in the test part only */
+    bool unseen;      /* occurs in the test part only */
     const char *more; /* a further key with a whole number in [more_from, more_to); NULL: none */
     unsigned more_from, more_to;
 } perturbation;

@@ -62,7 +62,7 @@ static nqm_status make(void *user, size_t i, nqm_error *err) {
     if (status == NQM_OK && item->path)
         status = nqm_corpus_item_save(r->corpus->n_directions, item, item->plan.n_tests, err);
     if (status != NQM_OK)
-        atomic_store(&r->stopped, true); /* also the groups of the other threads */
+        atomic_store(&r->stopped, true); /* stops the groups of the other threads, too */
     return status;
 }
 

@@ -95,7 +95,7 @@ static nqm_status compare(const char *before, const char *after, nqm_rng *rng, b
     return status;
 }
 
-/* One try: change one key of `values`; false: it may not be changed. */
+/* Try once to change a key of `values`; returns false if it may not be changed. */
 static bool change(nqm_rng *rng, const nqm_spec_schema *schema, bool of_width, nqm_spec_values *values) {
     const bool has_shapes =
         strcmp(schema->model, "sgd") == 0; /* only its albedos and widths are plausible when changed */

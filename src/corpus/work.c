@@ -300,7 +300,7 @@ static size_t load_at(const char *path, size_t n_directions, nqm_corpus_item *it
 bool nqm_corpus_item_load(size_t n_directions, nqm_corpus_item *item) {
     if (load_at(item->path, n_directions, item) < item->plan.n_tests)
         return false;
-    remove_progress(item); /* of a process that was killed just before it removed the file */
+    remove_progress(item); /* left by a process that was killed just before it removed the file */
     return true;
 }
 

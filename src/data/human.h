@@ -18,10 +18,10 @@ typedef struct nqm_triplet {
 
 struct nqm_human {
     nqm_human_kind kind;
-    size_t n_rows; /* of the CSV */
+    size_t n_rows; /* rows of the CSV */
     nqm_dataset *dataset;
     size_t n_triplets;
-    nqm_triplet *triplets; /* (n_triplets) distinct, by group */
+    nqm_triplet *triplets; /* (n_triplets) distinct triplets, sorted by group */
 };
 
 /** The columns and values of a CSV of answers. */

@@ -12,11 +12,11 @@
 
 /** What an encoder is asked for. */
 typedef struct nqm_encode_options {
-    size_t n_directions; /* of nqm_fit_options */
+    size_t n_directions; /* as nqm_fit_options.n_directions */
     uint64_t seed;
     size_t n;   /* atoms of a sparse code; samples that the hypernetwork reads */
     float step; /* coefficients of the atoms, or the latent vector, are rounded to multiples of it; 0: they are not */
-    const char *name;         /* of the predicted network */
+    const char *name;         /* name of the predicted network */
     nqm_progress_fn progress; /* NULL: silent */
     void *progress_user;
 } nqm_encode_options;

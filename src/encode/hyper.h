@@ -13,7 +13,7 @@
 
 enum {
     NQM_HYPER_PLACE = 7,                      /* features of a sample's direction pair */
-    NQM_HYPER_FEATURES = NQM_HYPER_PLACE + 6, /* with those of its value */
+    NQM_HYPER_FEATURES = NQM_HYPER_PLACE + 6, /* and the features of its value */
     NQM_HYPER_N_LAYERS = 6,
     NQM_HYPER_POOLED = 3 /* index of the first layer after the pooling */
 };
@@ -50,7 +50,7 @@ typedef struct nqm_hyper_pass {
     size_t n_sets, n_samples;                                             /* at most those of the creation */
     nqm_panels forward[NQM_HYPER_N_LAYERS], backward[NQM_HYPER_N_LAYERS]; /* weights (n_in, n_out), their transpose */
     float *y[NQM_HYPER_N_LAYERS];     /* outputs: (n_sets n_samples, n_out) or (n_sets, n_out) */
-    float *slope[NQM_HYPER_N_LAYERS]; /* of GELU; NULL in the last layer */
+    float *slope[NQM_HYPER_N_LAYERS]; /* slopes of GELU; NULL in the last layer */
     float *input;                     /* (n_sets n_samples, NQM_HYPER_FEATURES), filled by the caller */
     float *pooled;                    /* (n_sets, layer[NQM_HYPER_POOLED].n_in) mean, maximum, log of the count */
     size_t *largest; /* (n_sets, n_out of the last sample layer) index of the sample with the maximum */

@@ -72,7 +72,7 @@ nqm_status nqm_hyper_sample(const nqm_brdf *ref, size_t n, nqm_rng *rng, double 
 
 /* `ref` with a lobe of another width and height. */
 static nqm_status perturb(const nqm_brdf *ref, uint64_t seed, size_t i, nqm_brdf **brdf_ret, nqm_error *err) {
-    const double range = 0.5; /* of the logarithm */
+    const double range = 0.5; /* range of the logarithm */
     nqm_rng rng = nqm_rng_make(seed, i);
     double gloss = exp(range * (2 * nqm_rng_uniform(&rng) - 1)), peak = exp(range * (2 * nqm_rng_uniform(&rng) - 1));
     char settings[80], number[2][32];

@@ -23,7 +23,7 @@ typedef struct learner {
     float *moments[2];   /* (hyper.n) of Adam; the first owns the block with d_out and queries */
     float *d_out;        /* (N_SETS, NQM_NBRDF_WEIGHTS) */
     float *queries;      /* (N_SETS, 10, N_QUERIES) input, weight, goal */
-    double loss[N_SETS]; /* of each predicted NBRDF */
+    double loss[N_SETS]; /* loss of each predicted NBRDF */
     size_t step, n_steps;
     uint64_t seed;
 } learner;

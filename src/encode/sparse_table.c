@@ -14,7 +14,7 @@
 enum { H = NQM_SPARSE_H, D = NQM_SPARSE_D, P = NQM_SPARSE_P, CELLS = NQM_SPARSE_CELLS, MIN_VALID = 100 };
 enum { BH = NQM_SPARSE_BASIS_H, BD = NQM_SPARSE_BASIS_D, BP = NQM_SPARSE_BASIS_P };
 
-static const double eps = 1e-3; /* as Nielsen et al. 2015 */
+static const double eps = 1e-3; /* value of Nielsen et al. 2015 */
 
 /* ---- nodes ------------------------------------------------------------------------------------------------------- */
 
@@ -158,7 +158,7 @@ void nqm_sparse_synthesise(const nqm_sparse_bases *bases, const double *core, fl
         channel[i] = (float)table[i];
 }
 
-/* Of which coordinate: `n` nodes, `stride` cells apart. */
+/* A coordinate of a table: `n` nodes, `stride` cells apart. */
 typedef struct coordinate {
     size_t n, stride, n_kept;
 } coordinate;

@@ -18,9 +18,9 @@ struct nqm_evaluation {
     nqm_split split;
     nqm_precision precision;
     double *values;    /* (n_predictors, n_pairs of the dataset) NaN if not predicted */
-    double *novelty;   /* (n_models, n_pairs of the dataset) of nqm_model_novelty(); NaN likewise */
-    double *spread;    /* (n_models, n_pairs of the dataset) of nqm_model_spread(); undefined where not predicted */
-    double *bound;     /* the same of nqm_delta_e_bound() */
+    double *novelty;   /* (n_models, n_pairs of the dataset) by nqm_model_novelty(); NaN likewise */
+    double *spread;    /* (n_models, n_pairs of the dataset) by nqm_model_spread(); undefined where not predicted */
+    double *bound;     /* (n_models, n_pairs of the dataset) by nqm_delta_e_bound() */
     nqm_label *labels; /* (n_models, n_pairs of the dataset) with parts; NaN likewise, and if the model predicts none */
     nqm_label *estimates; /* (n_pairs of the dataset) by light transport; NaN likewise; NULL: there is no matrix */
     double *scalars;      /* (n_pairs of the dataset, NQM_SCALAR_COUNT) scalar features; NaN if not predicted */

@@ -29,7 +29,7 @@ typedef struct nqm_scalar_whitening {
 
 /** Conversion of the network's output z to the predicted quantity: mean + std (lo + (hi - lo) sigmoid(z)). */
 typedef struct nqm_output_range {
-    double mean, std; /* of the training targets */
+    double mean, std; /* mean and deviation of the training targets */
     double lo, hi;    /* normalised target at sigmoid 0 and 1 */
 } nqm_output_range;
 
@@ -47,13 +47,13 @@ typedef struct nqm_transport {
 /** A trained metric. Immutable after creation; it owns its blocks and strings (nqm_alloc). */
 struct nqm_model {
     /* Plain values. They precede `params`, because nqm_model_copy() copies them with one memcpy. */
-    nqm_features features;        /* from samples to inputs; mean and std are those of the training references */
+    nqm_features features; /* conversion of samples to inputs; mean and std are those of the training references */
     nqm_scalar_whitening scalars; /* the scalar features follow the samples in the input */
     nqm_target target;
     nqm_output_range output;
     nqm_output_range
         parts[NQM_LABEL_PARTS]; /* of the outputs after the first, if there are any: nqm_model_has_parts() */
-    nqm_curve curve;            /* for NQM_TARGET_LOG_DELTA_E */
+    nqm_curve curve;            /* curve for NQM_TARGET_LOG_DELTA_E */
     size_t n_interval;
     size_t n_novelty; /* blocks of NQM_NOVELTY_BLOCK training pairs for novelty.c; 0: none */
     /* Linear map from whitened scalar features (rows) to uncorrelated ones (columns). */
@@ -73,7 +73,7 @@ struct nqm_model {
     float *transport; /* as `light` in nqm_transport; NULL: none */
     double *transport_points; /* as `points` in nqm_transport; NULL: none */
     float *novelty_points;    /* (n_novelty, scalars.n, NQM_NOVELTY_BLOCK) of nqm_novelty_features() */
-    char *scalar_names;       /* of its scalar inputs, separated by commas; NULL: it has none */
+    char *scalar_names;       /* names of its scalar inputs, separated by commas; NULL: it has none */
     char *id, *recipe, *card, *licence, *manifest_sha256;
     char *training;        /* JSON: options and report of the training */
     char *golden;          /* JSON: pairs of specs and the JOD of each when the model was created; NULL: none */

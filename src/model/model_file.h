@@ -44,7 +44,7 @@ typedef struct nqm_model_array {
     nqm_model_part part;
     nqm_dtype dtype;
     size_t rows, cols; /* as nqm_model_extent() takes them; rows 0: a vector of length `cols` */
-    size_t offset;     /* of the first value */
+    size_t offset;     /* position of the first value */
     size_t
         n_offset; /* if it is not 0, the values are in an owned block, whose address is at `offset`, and the number of
                           rows (a size_t) is at n_offset */

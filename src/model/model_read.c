@@ -82,7 +82,7 @@ static nqm_status read_shape(const reader *r, nqm_net_shape *shape) {
 /* The tensors of a network, layer by layer; NULL where a layer has none. */
 typedef struct network {
     const nqm_tensor *part[NQM_NET_MAX_LAYERS][NQM_LAYER_TENSORS];
-    size_t n_bytes; /* of all tensors, each rounded up to whole cache lines */
+    size_t n_bytes; /* bytes of all tensors, each rounded up to whole cache lines */
     bool in_place;  /* every tensor is aligned to its element size */
 } network;
 

@@ -40,13 +40,14 @@ struct nqm_inference_net {
 /** Rows of max_batch; strides in floats or 32-bit words. Views into the block that begins with this struct. */
 struct nqm_inference_work {
     const nqm_inference_net *net;
-    size_t n_bytes;                            /**< of the block */
-    size_t max_batch, n_threads;               /**< at most, of a call */
-    size_t n_products;                         /**< multiply-adds of a row */
-    size_t stride, rounded_stride, ref_stride; /**< of layers' outputs, of rounded inputs, of references */
-    float *y[2];                               /**< (max_batch, stride) outputs of even and of odd layers */
-    uint32_t *rounded;                         /**< (max_batch, rounded_stride) the rounded inputs of a layer */
-    nqm_byte_scale *scale; /**< (NQM_MAX_SEGMENTS, max_batch) NQM_PRECISION_INT8: of the rounded inputs */
+    size_t n_bytes;              /**< bytes of the block */
+    size_t max_batch, n_threads; /**< at most, of a call */
+    size_t n_products;           /**< multiply-adds of a row */
+    size_t stride, rounded_stride,
+        ref_stride;        /**< floats per row of layers' outputs, of rounded inputs, of references */
+    float *y[2];           /**< (max_batch, stride) outputs of even and of odd layers */
+    uint32_t *rounded;     /**< (max_batch, rounded_stride) the rounded inputs of a layer */
+    nqm_byte_scale *scale; /**< (NQM_MAX_SEGMENTS, max_batch) NQM_PRECISION_INT8: scales of the rounded inputs */
     float *difference;     /**< (max_batch, reference inputs) if layer 0 takes differences */
     float *panel;          /**< (threads, panel_size) a panel packed for immediate use */
     size_t panel_size;

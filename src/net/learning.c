@@ -17,7 +17,7 @@ double nqm_sigmoid(double z) {
     return e / (1.0 + e);
 }
 
-/* In a form that neither overflows for large differences nor rounds small ones to 0. */
+/* Written so that it neither overflows for large differences nor rounds small ones to 0. */
 double nqm_logcosh_loss(size_t batch, size_t n_outputs, const nqm_output_bounds *bounds, const float *z,
                         const float *target, float *dz) {
     const double ln2 = 0.69314718055994531;

@@ -55,8 +55,8 @@ void nqm_dropout_of_row(const nqm_dropout *dropout, size_t layer, size_t row, si
 /** The rates of a step of Adam with L2 weight decay in the gradient (Kingma and Ba 2014; torch.optim.Adam): beta 0.9 and
  *  0.999, eps 1e-8. */
 typedef struct nqm_step_rates {
-    double lr_first;  /**< of layer 0's weights and bias */
-    double lr_deeper; /**< of everything else, including layer 0's LayerNorm */
+    double lr_first;  /**< learning rate of layer 0's weights and bias */
+    double lr_deeper; /**< learning rate of everything else, including layer 0's LayerNorm */
     double weight_decay;
     bool freeze_first_layernorm;
 } nqm_step_rates;

@@ -12,8 +12,8 @@ enum { TILE = NQM_STRIP * NQM_PANEL };
 /* A step of a layer. */
 typedef struct layer_step {
     nqm_trainer_layer *layer;
-    nqm_adam_rate rate; /* of the layer's weights and bias */
-    nqm_adam_rate norm; /* of its LayerNorm */
+    nqm_adam_rate rate; /* rate of the layer's weights and bias */
+    nqm_adam_rate norm; /* rate of its LayerNorm */
     bool frozen_norm;   /* LayerNorm is not updated */
 } layer_step;
 

@@ -49,7 +49,7 @@ typedef struct nqm_trainer_layer {
 /** The output layer, which is float in every precision. */
 typedef struct nqm_trainer_output {
     size_t n, n_outputs;              /**< n: inputs */
-    float *stored[NQM_STORED_VALUES]; /**< of the weights (n_outputs, n), then of the biases (n_outputs) */
+    float *stored[NQM_STORED_VALUES]; /**< values of the weights (n_outputs, n), then of the biases (n_outputs) */
     float *sums;                      /**< (row blocks, n_outputs, n) gradients of the weights */
 } nqm_trainer_output;
 

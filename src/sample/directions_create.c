@@ -27,7 +27,7 @@ enum { KEPT_PER_STRATUM = 10 };
 typedef struct candidate {
     double hd_deg[3];
     double significance;
-    double key; /* of the weighted draw; the candidates with the largest keys are drawn */
+    double key; /* key of the weighted draw; the candidates with the largest keys are drawn */
 } candidate;
 
 /* ---- options ----------------------------------------------------------------------------------------------------- */

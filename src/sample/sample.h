@@ -9,7 +9,7 @@
 #include "base/options.h"
 #include <nqm/samples.h>
 
-/** One block of memory. */
+/** Allocated as one block. */
 struct nqm_directions {
     size_t n;
     double *degrees; /* (n, 3) theta_h, theta_d, phi_d */
@@ -23,7 +23,7 @@ struct nqm_directions {
 typedef struct nqm_features {
     nqm_layout layout;
     double difference_scale; /* factor of the differences; used by layout 1 */
-    float mean[3], std[3];   /* of t, per channel; whitening is (t - mean) / std */
+    float mean[3], std[3];   /* mean and deviation of t, per channel; whitening is (t - mean) / std */
 } nqm_features;
 
 /** t = log(cbrt(rho) + 1) for n values; rho >= 0. In place is allowed. */

@@ -137,7 +137,7 @@ static double find_factor(const fit *f, size_t left_out) {
         if (f->by_score[i].value < factor && !suffices(f, left_out, n))
             return factor;
         factor = f->by_score[i].value;
-        --f->inside[group]; /* for any smaller factor, the pair is outside */
+        --f->inside[group]; /* with a smaller factor this pair is outside */
     }
     return factor;
 }

@@ -178,6 +178,8 @@ static void put_markdown_row(void *user, const help_row *row) {
         snprintf(shown->text, sizeof shown->text, "%s", row->text);
         snprintf(shown->verb, sizeof shown->verb, "%s", verb_name());
     }
+    if (strncmp(row->name, "no-", 3) == 0) /* begin_markdown() says it */
+        return;
     printf("- ");
     if (row->letter)
         printf("`-%c`, ", row->letter);
@@ -186,18 +188,31 @@ static void put_markdown_row(void *user, const help_row *row) {
     putchar('\n');
 }
 
-/* Name an option of an earlier verb; `user`: the verb that was named last, or NULL. */
+/* Options of an earlier verb that are named together: the first three, and the last one of more. */
+typedef struct repeated {
+    const char *verb; /* NULL: none yet */
+    size_t n;
+    char last[NQM_OPTION_TEXT_MAX];
+} repeated;
+
+static void end_repeated(const repeated *r) {
+    if (r->n > 3)
+        printf("%s`--%s`", r->n > 4 ? " ... " : ", ", r->last);
+}
+
 static void put_repeated_row(void *user, const help_row *row) {
     const struct shown_row *shown = find_shown_row(row);
-    const char **last_verb = user;
+    repeated *r = user;
     if (!shown)
         return;
-    if (!*last_verb || strcmp(*last_verb, shown->verb) != 0)
-        printf("%s `%s`: ", *last_verb ? "; as for" : n_shown_rows > n_before ? "\nAs for" : "As for", shown->verb);
-    else
-        printf(", ");
-    *last_verb = shown->verb;
-    printf("`--%s`", row->name);
+    if (!r->verb || strcmp(r->verb, shown->verb) != 0) {
+        end_repeated(r);
+        printf("%s `%s`: ", r->verb ? "; as for" : n_shown_rows > n_before ? "\nAs for" : "As for", shown->verb);
+        *r = (repeated){.verb = shown->verb};
+    }
+    snprintf(r->last, sizeof r->last, "%s", row->name);
+    if (++r->n <= 3)
+        printf("%s`--%s`", r->n > 1 ? ", " : "", row->name);
 }
 
 /* The first sentence of a description; doc/cli.md has the rest. */
@@ -214,7 +229,8 @@ void begin_markdown(void) {
          "VERB\n"
          "--help` and `man nqm-VERB` add the rest of the description and examples; [cli.md](cli.md) has output, JSON "
          "and\n"
-         "failures. An option that several verbs have is described at the first one.");
+         "failures. An option that several verbs have is described at the first one. `--no-NAME` switches a flag off "
+         "that is on.");
 }
 
 void print_markdown(const command *cmd) {
@@ -240,7 +256,8 @@ void print_markdown(const command *cmd) {
         putchar('\n');
     n_before = n_shown_rows;
     each_option(cmd, put_markdown_row, NULL);
-    const char *last_verb = NULL;
-    each_option(cmd, put_repeated_row, &last_verb);
-    printf("%s", last_verb ? "\n" : "");
+    repeated r = {0};
+    each_option(cmd, put_repeated_row, &r);
+    end_repeated(&r);
+    printf("%s", r.verb ? "\n" : "");
 }

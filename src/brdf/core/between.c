@@ -53,7 +53,7 @@ static void between_free(void *state) {
     nqm_free(self);
 }
 
-/* By reciprocity. */
+/* Indexed by reciprocity. */
 static const nqm_brdf_class between_classes[2] = {
     {.format = "between", .reciprocal = 0, .eval_half_diff = between_eval_half_diff, .free = between_free},
     {.format = "between", .reciprocal = 1, .eval_half_diff = between_eval_half_diff, .free = between_free}};

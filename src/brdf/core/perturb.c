@@ -54,7 +54,7 @@ typedef struct perturbation {
     double hue[3];     /* first row of the circulant matrix that rotates colours about the grey axis; 1,0,0: off */
     double colour[3];  /* tint * scale */
     double lambert[3]; /* f_r of the Lambert BRDF that `mix` mixes in */
-    size_t n_cells;    /* of the noise; 0: off */
+    size_t n_cells;    /* cells of the noise; 0: no noise */
     float *lattice;    /* (n_cells + 1, n_cells + 1, n_cells + 1, 3) standard normal draws, in the same block */
     size_t n_taps;     /* evaluations of the base that are averaged: 1, or SMOOTH_TAPS */
     size_t n_rows;     /* n_taps, and one off the highlight when `peak` is not 1 */
@@ -273,7 +273,7 @@ static void perturb_free(void *state) {
     nqm_free(self);
 }
 
-/* By reciprocity. */
+/* Indexed by reciprocity. */
 static const nqm_brdf_class perturb_classes[2] = {
     {.format = "perturb", .reciprocal = 0, .eval_half_diff = perturb_eval, .free = perturb_free},
     {.format = "perturb", .reciprocal = 1, .eval_half_diff = perturb_eval, .free = perturb_free}};

@@ -116,7 +116,7 @@ static nqm_status copy_layers(const float *numbers, nps *net, nqm_error *err) {
 
 static nqm_status read_decoder(const nqm_map *map, nps *net, nqm_error *err) {
     nqm_map_expect(map, true);
-    float *numbers = nqm_alloc(N_NUMBERS, sizeof *numbers); /* in the byte order of the host */
+    float *numbers = nqm_alloc(N_NUMBERS, sizeof *numbers); /* numbers in the byte order of the host */
     if (!numbers)
         return nqm_fail_nomem(err, N_NUMBERS * sizeof *numbers);
     nqm_copy_little_endian(N_NUMBERS, sizeof *numbers, map->data, numbers);

@@ -12,7 +12,7 @@
 #include "math/math.h"
 #include <math.h>
 
-/* One block; nodes and weights follow the struct. */
+/* Allocated as one block; nodes and weights follow the struct. */
 typedef struct pbsdf {
     nqm_map map;
     nqm_grid grid;
@@ -32,9 +32,9 @@ static const nqm_brdf_class pbsdf_class = {
 
 /* ---- reading ----------------------------------------------------------------------------------------------------- */
 
-enum { N_AXES = 3, MATRIX = 16 }; /* of M: theta_h, theta_d, phi_d; elements of a matrix */
+enum { N_AXES = 3, MATRIX = 16 }; /* axes of M: theta_h, theta_d, phi_d; elements of a matrix */
 
-/* In the order of the half-vector coordinates. dim: of M. */
+/* In the order of the half-vector coordinates. dim: dimension of M. */
 static const struct {
     const char *name;
     size_t dim, least;
@@ -89,7 +89,7 @@ static nqm_status check_shapes(const contents *c, nqm_error *err) {
 }
 
 static nqm_status read_axis(const contents *c, size_t i, double *node, nqm_error *err) {
-    const double slack = 1e-3; /* for angles stored as rounded degrees */
+    const double slack = 1e-3; /* tolerance for angles stored as rounded degrees */
     const unsigned char *stored = c->axis[i]->data;
     const size_t n = count(c->axis[i]);
     for (size_t k = 0; k < n; ++k) {

@@ -25,10 +25,10 @@
 /** A table over the unit square, first coordinate along a row; (height, width) or several such slices. */
 typedef struct grid {
     size_t width, height;
-    const float *value; /* in the mapped file, or a copy */
+    const float *value; /* values in the mapped file, or a copy */
 } grid;
 
-/* One block; copies and integrals follow the struct. */
+/* Allocated as one block; copies and integrals follow the struct. */
 typedef struct rgl {
     nqm_map map;
     size_t n_theta;
@@ -176,7 +176,7 @@ typedef struct contents {
     const char *path;
     const nqm_tensor *theta_i, *ndf, *sigma, *vndf;
     const nqm_tensor *values;      /* `rgb` or `spectra` */
-    const nqm_tensor *wavelengths; /* of spectra, nm; NULL for rgb */
+    const nqm_tensor *wavelengths; /* wavelengths of spectra, nm; NULL for rgb */
     nqm_illuminant illuminant;
 } contents;
 
@@ -411,7 +411,7 @@ static bool probe(const nqm_map *map) {
     return n >= 4 && memcmp(map->data, magic, n) == 0;
 }
 
-/* One line for the information about the BRDF. */
+/* Describe the BRDF in a line, for its information. */
 static void describe(const rgl *m, const contents *c, char *text, size_t n_text) {
     int used = snprintf(text, n_text, "%zu angles of incidence x %zu x %zu samples, warp %zu x %zu", m->n_theta,
                         m->rgb.height, m->rgb.width, m->vndf.height, m->vndf.width);

@@ -15,10 +15,10 @@
 typedef struct sample {
     double wi[3], wo[3];
     float rgb[3];
-    bool is_exchanged; /* by reciprocity */
+    bool is_exchanged; /* light and viewer are exchanged, by reciprocity */
 } sample;
 
-/* One block; the arrays follow the struct. */
+/* Allocated as one block; the arrays follow the struct. */
 typedef struct scattered {
     size_t n;
     double reach;   /* largest distance, as a chord */
@@ -150,7 +150,7 @@ static size_t expand(size_t n, const nqm_listed *rows, bool reciprocal, sample *
     return n_out;
 }
 
-/* By direction, equal ones in the order of the file. */
+/* Sort by direction, equal ones in the order of the file. */
 static int compare_samples(const void *a, const void *b) {
     const sample *x = *(const sample *const *)a, *y = *(const sample *const *)b;
     const int order = memcmp(x, y, offsetof(sample, rgb));

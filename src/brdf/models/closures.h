@@ -19,7 +19,7 @@ static const double MIN_ALPHA = 1e-4;
 
 /** One pair of directions. */
 typedef struct geometry {
-    double cos_i, cos_o;  /**< of the light and of the viewer */
+    double cos_i, cos_o;  /**< cosines of light and viewer with the normal */
     double cos_io, cos_d; /**< between both; between each and the half vector */
     double tan2_h;
 } geometry;

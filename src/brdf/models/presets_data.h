@@ -10,7 +10,7 @@
 typedef struct nqm_preset_table {
     const char *name;  /**< file name without ending: "sgd", "low-cook-torrance-e1"; NULL ends the array */
     const char *model; /**< the model of the rows; their parameters are in the order of its schema */
-    const char *doi;   /**< of the publication of the parameters */
+    const char *doi;   /**< DOI of the publication of the parameters */
     const char *text;  /**< the CSV: '#' lines, a header, rows of a name and values; no quoting */
 } nqm_preset_table;
 

@@ -34,7 +34,7 @@ static const double COAT_F0 = 0.04;
 typedef struct sheen {
     double color[3], max_color; /**< 0: no sheen */
     double inverse_alpha;
-    double shape[5];            /**< of the shadowing */
+    double shape[5];            /**< constants of the shadowing */
     double shape_half;          /**< exponent at a cosine of one half */
     double albedo[NQM_SHEEN_N]; /**< at the square root of the cosine j / (NQM_SHEEN_N - 1) */
 } sheen;
@@ -42,7 +42,7 @@ typedef struct sheen {
 typedef struct gltf {
     nqm_spec_state spec;
     double base_color[3], diffuse[3]; /**< diffuse: f_r of the base without Fresnel factor */
-    double f0[3], f90, metallic;      /**< of the dielectric part */
+    double f0[3], f90, metallic;      /**< f0, f90: of the dielectric part */
     double alpha2, coat, coat_alpha2;
     sheen sheen;
 } gltf;

@@ -14,10 +14,9 @@ extern const char *const subset_words[];
 
 typedef struct eval_run {
     const char *dataset_path, *split_name;
-    nqm_human *human; /* answers of people; NULL: labels */
-    nqm_human *
-        *humans; /* (n_models) the same at the directions of each model, one for each set of them; NULL: labels */
-    const nqm_dataset **datasets; /* (n_models) of these */
+    nqm_human *human;   /* answers of people; NULL: labels */
+    nqm_human **humans; /* (n_models) answers sampled at each model's directions, NULL where another has them */
+    const nqm_dataset **datasets; /* (n_models) datasets of the answers for each model; NULL: labels */
     nqm_dataset *owned;           /* the dataset; NULL if it belongs to `human` */
     const nqm_dataset *dataset;
     size_t n_models, n_predictors;
