@@ -25,10 +25,10 @@ typedef struct matrix {
 } matrix;
 
 /* Distribute the light of a ray (3) to the nodes around its direction. */
-static void distribute(const matrix *m, size_t point, const double *half_diff, const double *light) {
+static void distribute(const matrix *m, size_t point, const double *wi, const double *wo, const double *light) {
     size_t node[NQM_GRID_NEAR];
     double weight[NQM_GRID_NEAR];
-    const size_t n = nqm_node_grid_interpolate(&m->grid, half_diff, node, weight);
+    const size_t n = nqm_node_grid_interpolate(&m->grid, wi, wo, node, weight);
     for (size_t i = 0; i < n; ++i)
         for (size_t c = 0; c < 3; ++c)
             m->light[(3 * node[i] + c) * m->n_points + point] += (float)(light[c] * weight[i]);
@@ -51,14 +51,13 @@ static void distribute_point(void *user, size_t i) {
     const nqm_incident *incident = &scene->kept[i];
     for (size_t j = 0; j < incident->n_rays; ++j) {
         const nqm_ray *ray = &incident->ray[j];
-        double wi[3], half_diff[3], light[3];
+        double wi[3], light[3];
         for (size_t k = 0; k < 3; ++k) {
             wi[k] = (double)ray->wi[k];
             light[k] = (double)ray->weight[k] * scene->exposure;
         }
         nqm_normalize3(wi);
-        nqm_half_diff_full_from_pair(wi, wo, half_diff);
-        distribute(p, point, half_diff, light);
+        distribute(p, point, wi, wo, light);
     }
     p->points[3 * point] = scene->seen.weight ? scene->seen.weight[i] : 1 / (double)scene->seen.n;
     p->points[3 * point + 1] = (double)job->number;

@@ -78,7 +78,7 @@ static bool check_kind(nqm_reading *r, const nqm_bsdf_node *node) {
     switch (node->kind) {
     case NQM_BSDF_OTHER:
     case NQM_BSDF_BSDF:
-        return nqm_refuse(r, node, "%s is a texture or plugin ('%.40s'); only constants are read", node->name,
+        return nqm_refuse(r, node, "%s is of type '%.40s'; only constants are read, no textures or plugins", node->name,
                           node->type);
     case NQM_BSDF_REF:
         return nqm_refuse(r, node, "%s refers to the object '%.40s'; only constants are read", node->name, node->id);

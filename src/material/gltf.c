@@ -300,19 +300,6 @@ static nqm_status find_chunk(const nqm_map *map, reader *r, nqm_error *err) {
     return NQM_OK;
 }
 
-/* Whether a word is among the first n_bytes. */
-static bool contains(const nqm_map *map, size_t n_bytes, const char *word) {
-    const size_t n = strlen(word);
-    for (const unsigned char *p = map->data, *end = p + n_bytes; (size_t)(end - p) >= n; ++p) {
-        p = memchr(p, word[0], (size_t)(end - p) - n + 1);
-        if (!p)
-            return false;
-        if (memcmp(p, word, n) == 0)
-            return true;
-    }
-    return false;
-}
-
 static bool has_suffix(const char *path, const char *suffix) {
     const size_t n = strlen(path), n_suffix = strlen(suffix);
     return n >= n_suffix && strcasecmp(path + n - n_suffix, suffix) == 0;
@@ -326,8 +313,8 @@ static bool gltf_probe(const nqm_map *map) {
     while (i < n && memchr(" \t\r\n", map->data[i], 4))
         ++i;
     return i < n && map->data[i] == '{' &&
-           (has_suffix(map->path, ".gltf") || contains(map, n, "\"asset\"") ||
-            contains(map, n, "\"pbrMetallicRoughness\""));
+           (has_suffix(map->path, ".gltf") || nqm_material_probe_text(map, n, "\"asset\"") ||
+            nqm_material_probe_text(map, n, "\"pbrMetallicRoughness\""));
 }
 
 /* An extension that every reader must know; NULL: none. */

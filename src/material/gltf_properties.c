@@ -12,8 +12,8 @@
     { NAME, nqm_gltf_read_texture, NULL, 0, 0, NULL, FACTOR, NULL }
 #define ZERO(NAME, WHY)                                                                                                \
     { NAME, nqm_rule_neutral, NULL, 1, 0, WHY, NULL, NULL }
-#define IGNORED(NAME)                                                                                                  \
-    { NAME, nqm_rule_ignore, NULL, 0, 0, NULL, NULL, NULL }
+#define IGNORED(NAMES)                                                                                                 \
+    { NAMES, nqm_rule_ignore, NULL, 0, 0, NULL, NULL, NULL }
 
 static const char through[] = "light that passes through the surface is not part of a BRDF";
 
@@ -39,18 +39,18 @@ const nqm_gltf_group nqm_gltf_extensions[NQM_GLTF_N_EXTENSIONS] = {
       TEXTURE("sheenColorTexture", "sheenColorFactor"), TEXTURE("sheenRoughnessTexture", "sheenColorFactor")}},
     {"KHR_materials_transmission", {ZERO("transmissionFactor", through), IGNORED("transmissionTexture")}},
     {"KHR_materials_diffuse_transmission",
-     {ZERO("diffuseTransmissionFactor", through), IGNORED("diffuseTransmissionTexture"),
-      IGNORED("diffuseTransmissionColorFactor"), IGNORED("diffuseTransmissionColorTexture")}},
+     {ZERO("diffuseTransmissionFactor", through), IGNORED("diffuseTransmissionTexture diffuseTransmissionColorFactor "
+                                                          "diffuseTransmissionColorTexture")}},
     {"KHR_materials_volume",
-     {ZERO("thicknessFactor", "light that enters a volume is not part of a BRDF"), IGNORED("thicknessTexture"),
-      IGNORED("attenuationDistance"), IGNORED("attenuationColor")}},
+     {ZERO("thicknessFactor", "light that enters a volume is not part of a BRDF"),
+      IGNORED("thicknessTexture attenuationDistance attenuationColor")}},
     {"KHR_materials_anisotropy",
-     {ZERO("anisotropyStrength", "only isotropic BRDFs are supported"), IGNORED("anisotropyRotation"),
-      IGNORED("anisotropyTexture")}},
+     {ZERO("anisotropyStrength", "only isotropic BRDFs are supported"),
+      IGNORED("anisotropyRotation anisotropyTexture")}},
     {"KHR_materials_iridescence",
-     {ZERO("iridescenceFactor", "thin films are not supported"), IGNORED("iridescenceTexture"),
-      IGNORED("iridescenceIor"), IGNORED("iridescenceThicknessMinimum"), IGNORED("iridescenceThicknessMaximum"),
-      IGNORED("iridescenceThicknessTexture")}},
+     {ZERO("iridescenceFactor", "thin films are not supported"),
+      IGNORED("iridescenceTexture iridescenceIor iridescenceThicknessMinimum "
+              "iridescenceThicknessMaximum iridescenceThicknessTexture")}},
     {"KHR_materials_dispersion", {ZERO("dispersion", "dispersion is not part of a BRDF in RGB")}},
     {"KHR_materials_emissive_strength", {IGNORED("emissiveStrength")}},
 };

@@ -181,6 +181,18 @@ nqm_status nqm_materials_open(const char *path, nqm_materials **materials_ret, n
     return status;
 }
 
+bool nqm_material_probe_text(const nqm_map *map, size_t n_bytes, const char *word) {
+    const size_t n = strlen(word);
+    for (const unsigned char *p = map->data, *end = p + n_bytes; (size_t)(end - p) >= n; ++p) {
+        p = memchr(p, word[0], (size_t)(end - p) - n + 1);
+        if (!p)
+            return false;
+        if (memcmp(p, word, n) == 0)
+            return true;
+    }
+    return false;
+}
+
 /* ---- writing ----------------------------------------------------------------------------------------------------- */
 
 /* true when `word` of n characters is one of the words of `words`. */

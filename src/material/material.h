@@ -81,6 +81,8 @@ typedef struct nqm_material_format {
 #define NQM_DECLARE_FORMAT(NAME) extern const nqm_material_format NAME;
 NQM_MATERIAL_FORMATS(NQM_DECLARE_FORMAT)
 
+/** For probes: whether a text is among the first n_bytes. */
+bool nqm_material_probe_text(const nqm_map *map, size_t n_bytes, const char *text);
 /** true when a format recognises the file. */
 bool nqm_materials_probe(const nqm_map *map);
 /** Whether nqm_material_write() writes this model to a file of this name: NQM_OK, or its NQM_ERR_ARG. */

@@ -356,16 +356,8 @@ static nqm_status read_root(const nqm_xml *xml, nqm_materials *materials, nqm_er
 
 /* ---- a file -------------------------------------------------------------------------------------------------------- */
 
-static bool has_bytes(const nqm_map *map, size_t n, const char *text) {
-    const size_t n_text = strlen(text);
-    for (size_t i = 0; i + n_text <= n; ++i)
-        if (memcmp(map->data + i, text, n_text) == 0)
-            return true;
-    return false;
-}
-
 static bool probe(const nqm_map *map) {
-    return has_bytes(map, nqm_smaller(map->n_bytes, 4096), "<materialx");
+    return nqm_material_probe_text(map, nqm_smaller(map->n_bytes, 4096), "<materialx");
 }
 
 static nqm_status fail_empty(const nqm_map *map, element *root, nqm_error *err) {

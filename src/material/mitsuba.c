@@ -152,9 +152,10 @@ static bool finish_diffuse(nqm_bsdf_reading *r, const nqm_bsdf_node *bsdf) {
     { .name = NAME, .read = READ, .key = NAME, .n = 1 }
 #define ZERO(NAME, WHY)                                                                                                \
     { .name = NAME, .read = nqm_rule_neutral, .n = 1, .why = WHY }
-/* of sampling, or read after all others */
-#define IGNORED(NAME)                                                                                                  \
-    { .name = NAME, .read = nqm_rule_ignore }
+#define LATER(NAME)                                                                                                    \
+    { .name = NAME, .read = nqm_rule_later }
+#define IGNORED(NAMES)                                                                                                 \
+    { .name = NAMES, .read = nqm_rule_ignore }
 #define DELTA     "a smooth surface reflects into one direction only; only rough ones have a BRDF"
 #define TRANSMITS "transmission is not supported"
 #define LAYERED   "combinations of BSDFs and textures are not supported"
@@ -162,14 +163,14 @@ static const nqm_bsdf_plugin plugins[] = {
     {.type = "roughconductor",
      .model = "rough-conductor",
      .finish = finish_conductor,
-     .rules = {OWN("alpha", read_alpha), IGNORED("alpha_u"), IGNORED("alpha_v"), OWN("distribution", read_distribution),
-               COLOUR("eta", "eta"), COLOUR("k", "k"), IGNORED("material"),
+     .rules = {OWN("alpha", read_alpha), LATER("alpha_u"), LATER("alpha_v"), OWN("distribution", read_distribution),
+               COLOUR("eta", "eta"), COLOUR("k", "k"), LATER("material"),
                COLOUR("specular_reflectance", "specular_reflectance"), IGNORED("sample_visible")}},
     {.type = "roughplastic",
      .model = "rough-plastic",
      .finish = finish_plastic,
-     .rules = {OWN("alpha", read_alpha), IGNORED("alpha_u"), IGNORED("alpha_v"), OWN("distribution", read_distribution),
-               IGNORED("int_ior"), IGNORED("ext_ior"), COLOUR("diffuse_reflectance", "diffuse_reflectance"),
+     .rules = {OWN("alpha", read_alpha), LATER("alpha_u"), LATER("alpha_v"), OWN("distribution", read_distribution),
+               LATER("int_ior"), LATER("ext_ior"), COLOUR("diffuse_reflectance", "diffuse_reflectance"),
                COLOUR("specular_reflectance", "specular_reflectance"), OWN("nonlinear", read_flag),
                IGNORED("sample_visible")}},
     {.type = "principled",
@@ -178,8 +179,7 @@ static const nqm_bsdf_plugin plugins[] = {
                OWN("specular", read_specular), NUMBER("spec_tint"), NUMBER("sheen"), NUMBER("sheen_tint"),
                NUMBER("flatness"), NUMBER("clearcoat"), NUMBER("clearcoat_gloss"),
                ZERO("anisotropic", "anisotropic materials are not supported"), ZERO("spec_trans", TRANSMITS),
-               IGNORED("main_specular_sampling_rate"), IGNORED("clearcoat_sampling_rate"),
-               IGNORED("diffuse_reflectance_sampling_rate")}},
+               IGNORED("main_specular_sampling_rate clearcoat_sampling_rate diffuse_reflectance_sampling_rate")}},
     {.type = "diffuse", .model = "lambert", .finish = finish_diffuse, .rules = {COLOUR("reflectance", "kd")}},
     {.type = "measured", .rules = {OWN("filename", nqm_bsdf_file)}},
     {.type = "conductor", .refusal = DELTA},

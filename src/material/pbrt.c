@@ -266,9 +266,9 @@ static bool finish_diffuse(nqm_bsdf_reading *r, const nqm_bsdf_node *bsdf) {
     return true;
 }
 
-/* read after all others, because the meaning of one depends on another */
+/* because the meaning of one depends on another */
 #define LATER(NAME)                                                                                                    \
-    { .name = NAME, .read = nqm_rule_ignore }
+    { .name = NAME, .read = nqm_rule_later }
 #define DISPLACEMENT                                                                                                   \
     { .name = "displacement", .read = nqm_rule_neutral, .n = 1, .why = "displacement is not part of a BRDF" }
 #define WALKS     "pbrt evaluates layers by random walks; there is no formula"
@@ -369,43 +369,20 @@ static nqm_status read_pbrt(const nqm_map *map, nqm_materials *materials, nqm_er
 
 /* true when the first word is a directive of pbrt. */
 static bool probe(const nqm_map *map) {
-    static const char *const directives[] = {"Material",
-                                             "MakeNamedMaterial",
-                                             "NamedMaterial",
-                                             "Accelerator",
-                                             "AreaLightSource",
-                                             "Attribute",
-                                             "Camera",
-                                             "AttributeBegin",
-                                             "ColorSpace",
-                                             "Film",
-                                             "Identity",
-                                             "Include",
-                                             "Integrator",
-                                             "LookAt",
-                                             "MakeNamedMedium",
-                                             "Option",
-                                             "PixelFilter",
-                                             "Rotate",
-                                             "Sampler",
-                                             "Scale",
-                                             "Shape",
-                                             "Texture",
-                                             "Transform",
-                                             "ConcatTransform",
-                                             "Translate",
-                                             "WorldBegin",
-                                             "LightSource",
-                                             "ObjectBegin",
-                                             "ReverseOrientation"};
+    static const char directives[] =
+        " Material MakeNamedMaterial NamedMaterial Accelerator AreaLightSource Attribute Camera "
+        "AttributeBegin ColorSpace Film Identity Include Integrator LookAt MakeNamedMedium Option "
+        "PixelFilter Rotate Sampler Scale Shape Texture Transform ConcatTransform Translate WorldBegin "
+        "LightSource ObjectBegin ReverseOrientation ";
+    char word[40] = " ";
     scanner s = {.text = (const char *)map->data, .n = nqm_smaller(map->n_bytes, 4096)};
     skip_blanks(&s);
-    for (size_t i = 0; i < sizeof directives / sizeof *directives; ++i) {
-        const size_t end = s.at + strlen(directives[i]);
-        if (end < s.n && memcmp(s.text + s.at, directives[i], end - s.at) == 0 && is_end(s.text[end]))
-            return true;
-    }
-    return false;
+    size_t n = 1;
+    while (s.at < s.n && n + 2 < sizeof word && s.text[s.at] && !is_end(s.text[s.at]))
+        word[n++] = s.text[s.at++];
+    word[n++] = ' ';
+    word[n] = 0;
+    return n > 2 && s.at < s.n && is_end(s.text[s.at]) && strstr(directives, word);
 }
 
 /* ---- writing ----------------------------------------------------------------------------------------------------- */

@@ -17,9 +17,21 @@ bool nqm_refuse(nqm_reading *r, const void *property, const char *format, ...) {
     return false;
 }
 
+/* One of the names, which blanks separate. */
+static bool has_name(const char *names, const char *name) {
+    const size_t n = strlen(name);
+    for (const char *at = names; *at; at += strspn(at, " ")) {
+        const size_t n_at = strcspn(at, " ");
+        if (n_at == n && memcmp(at, name, n) == 0)
+            return true;
+        at += n_at;
+    }
+    return false;
+}
+
 const nqm_rule *nqm_rule_find(const nqm_rule *rules, const char *name) {
-    for (const nqm_rule *rule = rules; rule->name; ++rule)
-        if (name && strcmp(rule->name, name) == 0)
+    for (const nqm_rule *rule = rules; name && rule->name; ++rule)
+        if (has_name(rule->name, name))
             return rule;
     return NULL;
 }
@@ -43,7 +55,7 @@ bool nqm_rules_apply(nqm_reading *r, const char *name, const void *property) {
     if (!rule)
         return nqm_refuse(r, property, "%s has no %s '%.40s'", r->owner, r->source->term, name ? name : "");
     const uint64_t bit = (uint64_t)1 << (rule - r->rules);
-    if (r->given & bit)
+    if (r->given & bit && rule->read != nqm_rule_ignore)
         return nqm_refuse(r, property, "%s is given twice", name);
     r->given |= bit;
     return (rule->gate && is_off(r, rule->gate)) || rule->read(r, rule, property);
@@ -82,6 +94,10 @@ bool nqm_rule_ignore(nqm_reading *r, const nqm_rule *rule, const void *property)
     (void)rule;
     (void)property;
     return true;
+}
+
+bool nqm_rule_later(nqm_reading *r, const nqm_rule *rule, const void *property) {
+    return nqm_rule_ignore(r, rule, property);
 }
 
 nqm_status nqm_reading_add(const nqm_reading *r, const char *name, const char *surface, int64_t byte_offset,

@@ -16,7 +16,7 @@ typedef struct nqm_reading nqm_reading;
 typedef bool nqm_rule_read(nqm_reading *r, const nqm_rule *rule, const void *property);
 
 struct nqm_rule {
-    const char *name; /**< in the file; NULL ends a list */
+    const char *name; /**< in the file; of nqm_rule_ignore() one or more, separated by blanks; NULL ends a list */
     nqm_rule_read *read;
     const char *key; /**< of the shading, if the rule sets one */
     size_t n;        /**< values: 1, 3 for a colour, 4 for a colour with alpha */
@@ -30,8 +30,10 @@ struct nqm_rule {
 nqm_rule_read nqm_rule_set;
 /** Refuse values other than that of the rule. */
 nqm_rule_read nqm_rule_neutral;
-/** The property has no effect on a BRDF, or code for the whole material reads it. */
+/** The properties have no effect on a BRDF. */
 nqm_rule_read nqm_rule_ignore;
+/** Code for the whole material reads the property, because others change its meaning. */
+nqm_rule_read nqm_rule_later;
 
 /** What a file format implements. */
 typedef struct nqm_rule_source {
@@ -61,7 +63,7 @@ struct nqm_reading {
 __attribute__((format(printf, 3, 4))) bool nqm_refuse(nqm_reading *r, const void *property, const char *format, ...);
 /** Apply the rule for a property; false: the material is refused. */
 bool nqm_rules_apply(nqm_reading *r, const char *name, const void *property);
-/** The rule of that name in a list, or NULL. */
+/** The rule for a name, or NULL. */
 const nqm_rule *nqm_rule_find(const nqm_rule *rules, const char *name);
 /** Append what has been read: the shading, the file or the refusal. byte_offset: of a material that is accepted. */
 NQM_MUST_CHECK nqm_status nqm_reading_add(const nqm_reading *r, const char *name, const char *surface,

@@ -59,7 +59,8 @@ static double phi_of(size_t n_phi, size_t k) {
     return 2 * NQM_PI * ((double)k + 0.25) / (double)n_phi;
 }
 
-void nqm_node_grid_node(const nqm_node_grid *g, size_t h, size_t d, size_t p, double hd[3]) {
+/* Coordinates of a node in radians. */
+static void place_node(const nqm_node_grid *g, size_t h, size_t d, size_t p, double hd[3]) {
     const size_t n_phi = nqm_node_grid_n_phi(g, h, d);
     hd[0] = exp(g->log_h[h]);
     hd[2] = phi_of(n_phi, p);
@@ -99,8 +100,10 @@ static double trigonometric(size_t n_phi, double x) {
     return fabs(half) < 1e-9 ? 1 : sin(n * x / 2) * cos(x / 2) / (n * half);
 }
 
-size_t nqm_node_grid_interpolate(const nqm_node_grid *g, const double hd[3], size_t node[NQM_GRID_NEAR],
+size_t nqm_node_grid_interpolate(const nqm_node_grid *g, const double *wi, const double *wo, size_t node[NQM_GRID_NEAR],
                                  double weight[NQM_GRID_NEAR]) {
+    double hd[3];
+    nqm_half_diff_full_from_pair(wi, wo, hd);
     const double log_h = fmin(fmax(log(fmax(hd[0], 1e-12)), g->log_h[0]), g->log_h[g->n_h - 1]), theta_h = exp(log_h);
     const size_t h = stencil(g->n_h, g->log_h, log_h);
     const size_t d = stencil(1 + NQM_GRID_D, part_of_d, part_at(theta_h, hd[1], hd[2]));
@@ -114,7 +117,7 @@ size_t nqm_node_grid_interpolate(const nqm_node_grid *g, const double hd[3], siz
                 const double here[3] = {theta_h, part * most_theta_d(theta_h, phi), phi};
                 const size_t at = is_behind ? (p + n_phi / 2) % n_phi : p;
                 double there[3];
-                nqm_node_grid_node(g, h + i, node_d, at, there);
+                place_node(g, h + i, node_d, at, there);
                 node[n] = g->first[h + i][node_d] + at;
                 weight[n] = cubic(g->log_h + h, i, log_h) * cubic(part_of_d + d, j, part) *
                             trigonometric(n_phi, hd[2] - phi) * scale_at(there) / scale_at(here);
@@ -131,7 +134,7 @@ static void fill_degrees(const nqm_node_grid *g, double *degrees) {
         for (size_t d = 0; d < NQM_GRID_D; ++d)
             for (size_t p = 0; p < nqm_node_grid_n_phi(g, h, d); ++p, degrees += 3) {
                 double hd[3];
-                nqm_node_grid_node(g, h, d, p, hd);
+                place_node(g, h, d, p, hd);
                 for (int k = 0; k < 3; ++k)
                     degrees[k] = floor(hd[k] * (180 / NQM_PI) * 1e9 + 0.5) / 1e9;
             }

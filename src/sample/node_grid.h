@@ -21,12 +21,10 @@ typedef struct nqm_node_grid {
 nqm_node_grid nqm_node_grid_make(void);
 /** Values of phi_d at theta_h number h and theta_d number d. */
 size_t nqm_node_grid_n_phi(const nqm_node_grid *grid, size_t h, size_t d);
-/** Coordinates of a node in radians. */
-void nqm_node_grid_node(const nqm_node_grid *grid, size_t h, size_t d, size_t p, double hd[3]);
-/** Nodes around hd, theta_h, theta_d and phi_d in [0, 2 pi), and their weights in the interpolated f_r, some of which are negative;
- *  returns how many. Outside the grid the value at its boundary counts. */
-size_t nqm_node_grid_interpolate(const nqm_node_grid *grid, const double hd[3], size_t node[NQM_GRID_NEAR],
-                                 double weight[NQM_GRID_NEAR]);
+/** Nodes around a pair of unit vectors, and their weights in the interpolated f_r, some of which are negative; returns how many.
+ *  Outside the grid the value at its boundary counts. */
+size_t nqm_node_grid_interpolate(const nqm_node_grid *grid, const double *wi, const double *wo,
+                                 size_t node[NQM_GRID_NEAR], double weight[NQM_GRID_NEAR]);
 
 /** The nodes as directions; and whether a set is these. */
 NQM_MUST_CHECK nqm_status nqm_node_grid_directions(nqm_directions **directions_ret, nqm_error *err);

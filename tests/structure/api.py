@@ -37,7 +37,6 @@ SHARED = {
     "nbrdf": "brdf encode",
     "novelty": "model train",
     "panel": "figures kernel",
-    "parse": "base material",
     "picture": "figures percept",
     "rays": "label render",
     "row": "kernel net",

@@ -68,8 +68,12 @@ static void check_surface(const nqm_mtlx_surface *surface, const char *file) {
     assert_int_equal(nqm_map_open(shared_data(path), &map, &err), NQM_OK);
     assert_int_equal(nqm_xml_parse(map.data, map.n_bytes, path, &xml, &err), NQM_OK);
     find_definitions(&xml, surface->node, definitions);
-    for (const nqm_rule *input = surface->inputs; input->name; ++input)
-        check_input(surface->node, input, find_input(definitions, input->name));
+    for (const nqm_rule *input = surface->inputs; input->name; ++input) {
+        char names[1000], *rest = names;
+        snprintf(names, sizeof names, "%s", input->name);
+        for (const char *name; (name = strtok_r(rest, " ", &rest));)
+            check_input(surface->node, input, find_input(definitions, name));
+    }
     for (size_t d = 0; d < 2 && definitions[d]; ++d)
         for (const nqm_xml_element *e = definitions[d]->first; e; e = e->next)
             if (strcmp(e->name, "input") == 0 && !nqm_rule_find(surface->inputs, nqm_xml_get(e, "name")))

@@ -40,8 +40,9 @@ static float *sample(const char *spec) {
 
 static double interpolate(const float *rgb, const double *hd) {
     size_t node[NQM_GRID_NEAR];
-    double weight[NQM_GRID_NEAR], sum = 0;
-    const size_t n = nqm_node_grid_interpolate(&grid, hd, node, weight);
+    double weight[NQM_GRID_NEAR], sum = 0, wi[3], wo[3];
+    nqm_half_diff_to_pair(hd, wi, wo);
+    const size_t n = nqm_node_grid_interpolate(&grid, wi, wo, node, weight);
     for (size_t i = 0; i < n; ++i)
         sum += weight[i] * (double)rgb[3 * node[i]];
     return sum;

@@ -66,14 +66,13 @@ static void add_latents(json_t *files, const char *path) {
 
 /* The measured files that the materials of a file name. */
 static void add_measured(json_t *files, const char *path) {
-    const char *slash = strrchr(path, '/');
     const nqm_materials *materials =
         parsed_materials(path); /* NULL: another kind of file, or a broken one, which scoring reports */
     for (size_t i = 0; materials && i < nqm_materials_count(materials); ++i) {
         const nqm_material_info info = nqm_materials_get(materials, i);
         if (!info.spec || nqm_spec_probe(info.spec))
             continue;
-        char *measured = nqm_brdf_path_below(info.spec, path, slash ? (size_t)(slash - path) : 0);
+        char *measured = nqm_path_beside(path, info.spec);
         if (!measured)
             stop(EXIT_LIMIT, "out of memory");
         json_object_set_new(files, measured, json_null());
