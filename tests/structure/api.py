@@ -18,7 +18,6 @@ SHARED = {
     "adam": "kernel net",
     "compare": "math metric",
     "delta": "metric percept",
-    "difference": "judge metric",
     "directions": "brdf sample",
     "gradient": "kernel net",
     "half": "brdf kernel math",
