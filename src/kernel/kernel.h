@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
- * kernel.h - the arithmetic that dominates the network's time, as tables of functions: one table for each instruction
- * set, and one of plain loops that defines the results. This file declares the functions; how matrices are stored, and the
- * loops over them on several threads, are in kernel/panel.h.
+ * kernel.h - the arithmetic of the network, as tables of functions: one table for each instruction set (isa_*.c), and one of
+ * plain loops that defines the results (scalar.c). This file declares the functions; how matrices are stored, and the loops over
+ * them on several threads, are in kernel/panel.h.
  *
  * A hidden layer computes y = dropout(GELU(LayerNorm(x W^T + b))) for a batch of rows:
  *

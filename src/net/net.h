@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
  * net.h - the multi-layer perceptron of the paper (section 3.2): parameters, loss, learning-rate schedules. The sizes of the
- * layers are data; the paper's are 3000-1024-716-501-1. A network may have several outputs, each with its bounds. Training is in net/trainer.h, scoring in net/inference.h.
+ * layers are data; the paper's are 3000-1024-716-501-1. A network may have several outputs, each with its bounds. Training is in
+ * net/trainer.h, scoring in net/inference.h, the gradient of scores by the inputs in net/input_gradient.h.
  *
  *   hidden layer l   y = dropout(GELU(LayerNorm(x W_l^T + b_l)))
  *   output layer     z = x W^T + b

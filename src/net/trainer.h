@@ -60,7 +60,8 @@ typedef struct nqm_step_rates {
     double weight_decay;
     bool freeze_first_layernorm;
 } nqm_step_rates;
-/** One step for a loss with d loss / d z = dz (batch, outputs). Once for each nqm_trainer_forward(), whose activations it overwrites. */
+/** One step for a loss with d loss / d z = dz (batch, outputs). Call it once after each nqm_trainer_forward(): it overwrites the
+ *  activations. */
 void nqm_trainer_step(nqm_trainer *trainer, size_t batch, const float *dz, const nqm_step_rates *rates);
 
 #endif
