@@ -76,7 +76,7 @@ void nqm_estimate_targets(const nqm_label *estimate, double targets[1 + NQM_LABE
 
 nqm_label nqm_model_label(const struct nqm_model *model, const float *z, const nqm_label *estimate) {
     double targets[1 + NQM_LABEL_PARTS], parts[NQM_LABEL_PARTS];
-    nqm_label label;
+    nqm_label label = {.delta_e = 0};
     nqm_estimate_targets(estimate, targets);
     for (size_t k = 0; k < NQM_LABEL_PARTS; ++k)
         targets[1 + k] += target_of(&model->parts[k], (double)z[1 + k]);

@@ -604,6 +604,7 @@ static void correction_of_an_estimate(void **state) {
     for (size_t i = 0; i < NQM_LABEL_PARTS; ++i)
         model->parts[i] = (nqm_output_range){.std = 1, .lo = -1, .hi = 1};
     const nqm_label same = nqm_model_label(model, (const float[1 + NQM_LABEL_PARTS]){0}, &estimate);
+    assert_true(same.error == 0); /* a prediction */
     assert_relative(same.delta_e, 3 * exp(0.25), 1e-14);
     for (size_t i = 0; i < 3; ++i)
         assert_near(same.shift[i], estimate.shift[i], 1e-14);
