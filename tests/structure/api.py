@@ -44,7 +44,6 @@ SHARED = {
     "sample": "metric sample",
     "scalars": "metric model",
     "scene": "label render",
-    "shading": "fit material",
     "spread": "model render",
     "srgb": "figures material",
     "surface": "figures render",
