@@ -30,7 +30,7 @@ static nqm_status refine_all(nqm_fit_run *run, const nqm_fit_target *target, siz
 /* Begin each layer anew, over the base as it is and over a rougher one, and keep it if that lowers the loss clearly. */
 static nqm_status try_layers(nqm_fit_run *run, const nqm_fit_target *target, nqm_fit_point *point) {
     enum { FIRST = 6, STEPS = 12 };
-    const double clearly = 0.98, hopeless = 1.5;
+    const double clearly = 0.99, hopeless = 1.5;
     nqm_status status = NQM_OK;
     for (size_t i = 0; status == NQM_OK; ++i) {
         nqm_fit_point with[2] = {*point, *point};
