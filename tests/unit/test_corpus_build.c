@@ -160,9 +160,10 @@ static size_t count_files(const char *folder) {
     return n;
 }
 
+/* At the first report: the next is a fifth of a second later, when the work may be finished. */
 static int stop_soon(void *user, const char *stage, double done, double total) {
-    (void)user, (void)total;
-    return strcmp(stage, "corpus") == 0 && done >= 1;
+    (void)user, (void)done, (void)total;
+    return strcmp(stage, "corpus") == 0;
 }
 
 static void an_interrupted_corpus_goes_on(void **state) {
