@@ -23,7 +23,7 @@ fi
 # dictionary NAME: the option with the words of the target's format.
 dictionary() {
     case $1 in
-    fuzz_csv | fuzz_listed | fuzz_human | fuzz_columns | fuzz_material_list | fuzz_authors | fuzz_latents | fuzz_plot_tables) words=csv ;;
+    fuzz_csv | fuzz_listed | fuzz_human | fuzz_columns | fuzz_authors | fuzz_latents | fuzz_plot_tables) words=csv ;;
     fuzz_pair_list | fuzz_plot_bars | *_gltf | *_json) words=json ;;
     *_xml | fuzz_materialx) words=xml ;;
     *_pbrt) words=pbrt ;;

@@ -21,9 +21,11 @@ work=$(cd "$2" && pwd)
 here=$(cd "$(dirname "$0")" && pwd)
 nqm=$(realpath "${NQM_TOOL:-$here/../build/nqm}")
 # Model `default` predicts the standard set of scenes (doc/labels.md) for any two BRDFs, at the directions of light transport.
-any_pair="--directions $work/grid.csv --roundings 3 --variants 10"
+any_pair="--roundings 3 --variants 10"
 train_pairs="$any_pair --every $every --perturbations 52 --far 20"
 test_pairs="$any_pair --every $every_test --perturbations 22 --far 14"
+train_scene="--directions $work/grid.csv --keep far=$(((20 + every - 1) / every))"
+test_scene="--directions $work/grid.csv --keep far=$(((14 + every_test - 1) / every_test))"
 # Model `paper` predicts the paper's scene, a rotating bunny under the Pixar Campus light, for encodings and perturbations.
 paper_scene="--directions $work/directions.csv --scene paper --light $data/scene/pixar_campus_rgbe.png --shape $data/scene/bunny.ply --points 1536"
 paper_pairs="--models ward,ggx,nbrdf,sparse-0,sparse-1,sparse-2,hyper-0,hyper-1,hyper-2 --perturbations 30 --far 0 --roundings 0 --variants 0"
@@ -61,24 +63,27 @@ if [ "$new_encoders" ]; then
     exit 1
 fi
 
-# corpus NAME LIST SPLITS OPTIONS: make the dataset WORK/NAME.safetensors from WORK/LIST.csv.
+# corpus NAME LIST SPLITS PLAN OPTIONS: make the dataset WORK/NAME.safetensors of the materials in WORK/LIST.csv. The list of its
+# pairs has those of the other splits too, so that the manifest can say which kinds are in one part only.
 corpus() {
     [ ! -f "$work/$1.safetensors" ] || return 0
     # shellcheck disable=SC2086 # a list of options
-    "$nqm" dataset "$work/$2.csv" --root "$data" --work "$work/groups" \
-        --only "$3" $4 -o "$work/$1.safetensors" --log
+    NQM_TOOL=$nqm python3 "$here/plan.py" "$work/$2.csv" --root "$data" $4 >"$work/$1-pairs.csv"
+    # shellcheck disable=SC2086 # a list of options
+    "$nqm" dataset "$work/$1-pairs.csv" --root "$data" --work "$work/groups" \
+        --only "$3" $5 -o "$work/$1.safetensors" --log
     cp "$work/$1.safetensors.json" "$here/corpus-$1.json"
 }
 [ -f "$work/grid.csv" ] || "$nqm" directions --grid -o "$work/grid.csv"
-corpus train materials train,validation "$train_pairs"
-corpus test materials test "$test_pairs"
+corpus train materials train,validation "$train_pairs" "$train_scene"
+corpus test materials test "$test_pairs" "$test_scene"
 if [ "$every" = 1 ]; then
     [ -f "$work/directions.csv" ] || # drawn by the energy of the training references only
         # shellcheck disable=SC2046 # arguments without blanks
         "$nqm" directions $(training "$data/" "") -o "$work/directions.csv"
     grep -Ev ',(renderer|mirror|analytic),[a-z]+$' "$work/materials.csv" >"$work/paper-materials.csv"
-    corpus paper-train paper-materials train,validation "$paper_scene $paper_pairs"
-    corpus paper-test paper-materials test "$paper_scene $paper_pairs"
+    corpus paper-train paper-materials train,validation "$paper_pairs" "$paper_scene"
+    corpus paper-test paper-materials test "$paper_pairs" "$paper_scene"
 fi
 
 # judged NAME PREFIX SCENE MORE: the results of nqm eval as Markdown, for the model card. PREFIX: of the datasets' names. MORE: what

@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: MIT
-"""Write the material list of a data folder, the input of `nqm dataset`, to standard output.
+"""Write the material list of a data folder, the input of models/plan.py, to standard output.
 
 usage: models/scan.py DATA [--seed 1] > materials.csv
 

@@ -1,12 +1,11 @@
 /* SPDX-License-Identifier: MIT
  *
- * nqm/corpus.h - training corpora: labelled pairs of BRDFs. In libnqm-full only.
+ * nqm/corpus.h - datasets of labelled pairs of BRDFs, from a list of the pairs. In libnqm-full only.
  */
 #ifndef NQM_CORPUS_H
 #define NQM_CORPUS_H
 
 #include <nqm/data.h>
-#include <nqm/fit.h>
 #include <nqm/label.h>
 
 #ifdef __cplusplus
@@ -15,31 +14,35 @@ extern "C" {
 
 /** The splits in a dataset file. Test materials are never in a file with training materials. */
 typedef enum nqm_corpus_part {
-    NQM_CORPUS_TRAINING = 0, /**< train and validation; without the kinds of distortion that only the test part has */
-    NQM_CORPUS_TEST          /**< test; all kinds */
+    NQM_CORPUS_TRAINING = 0, /**< train and validation */
+    NQM_CORPUS_TEST          /**< test */
 } nqm_corpus_part;
+
+/** A pair to label. BRDFs are arguments of nqm_brdf_open(), or `fit:` specs (doc/brdf.md). A text that is NULL or "" has its default. */
+typedef struct nqm_corpus_pair {
+    const char *reference, *test;
+    const char *name; /**< of the reference; default `reference`. A name has one reference, group and source */
+    const char *
+        group; /**< material: all forms of one material belong to one group, and a group to one split; default: `name` */
+    const char *source; /**< of the reference, for the manifest; default "list" */
+    const char *kind;   /**< of distortion; default "pair" */
+    const char *family; /**< of the kind; default: `kind` */
+    const char
+        *other; /**< name of another reference that the test contains, which must be in the same split; default: none */
+    nqm_split split;
+} nqm_corpus_pair;
 
 typedef struct nqm_corpus_options {
     nqm_corpus_part part;    /**< default NQM_CORPUS_TRAINING */
-    const char *root;        /**< folder of relative paths in the list; default NULL: the folder of the list */
+    const char *root;        /**< folder of relative paths in the list; default NULL: the working folder */
     nqm_scene_options scene; /**< scene of the labels; its strings are borrowed during the call */
     const char
-        *checkpoint; /**< folder for finished material groups, from which an interrupted run continues; processes with
-                                  the same folder share the work: each makes groups that no other has started, and waits
-                                  for the others at the end; default NULL: none */
-    int work_only;   /**< 1: only make groups for other processes with the same `checkpoint`; default 0 */
-    const char
-        *models; /**< models of nqm_fit() that encode each reference, separated by commas; "": none; default NULL:
-                                  all */
-    size_t n_perturbations; /**< perturbed copies per reference, 0 to 1000; default 26 */
-    size_t n_far;           /**< tests per reference that really differ from it: other materials, random parameters,
-                                   mixtures, extremes; 0 to 1000; default 26 */
-    size_t n_roundings;     /**< copies per reference with rounded values, 0 to 1000; default 3 */
-    size_t n_variants; /**< at most this many variants per reference: changed specs, translations, tables, overfitted
-                                   networks; 0 to 1000; default 8 */
-    size_t every;      /**< keep one test in this many, for a small corpus of the same composition; 1 to 1000;
-                                   default 1 */
-    uint64_t seed;     /**< of perturbations and fits; default 1 */
+        *checkpoint;  /**< folder for finished work, from which an interrupted run continues; processes with the same
+                                  folder share the work: each labels pairs that no other has started, and waits for the others
+                                  at the end; default NULL: none */
+    int work_only;    /**< 1: only work for other processes with the same `checkpoint`; default 0 */
+    const char *keep; /**< "FAMILY=N": keep at most N pairs of this family per reference, those whose JODs are spread
+                                  most evenly; default NULL: all */
     nqm_progress_fn progress; /**< called from the calling thread; NULL: silent */
     void *progress_user;
 } nqm_corpus_options;
@@ -48,20 +51,19 @@ typedef struct nqm_corpus_options {
 NQM_API nqm_corpus_options nqm_corpus_options_default(void);
 
 /**
- * Make a dataset file from a list of materials: for each reference its encodings by the models of nqm_fit(), other forms of
- * the same material in the list or the presets, seeded perturbations, and BRDFs that really differ, among them other
- * materials of the same split; labels by rendering. Tests that cannot be fitted or rendered are left out and listed in the
- * manifest ("failures"). The manifest is stored in the file and, with the dataset's checksum, in PATH.json. The bytes are the same for any number of threads and processes.
+ * Label a list of pairs by rendering and write them as a dataset file. Pairs of a reference share its samples and pictures and their
+ * fits. Pairs that cannot be opened, fitted or rendered are left out and listed in the manifest ("failures"). The manifest is stored
+ * in the file and, with the dataset's checksum, in PATH.json. The bytes are the same for any number of threads and processes.
  *
- * @param materials_csv  columns name, group, brdf (path or spec), source, split (train, validation, test);
- *                       models/scan.py writes one for a data folder
- * @param directions     sampling directions
- * @param path           the dataset file to write
- * @return NQM_ERR_ARG (options), NQM_ERR_INCOMPATIBLE (no material of this part), NQM_ERR_CANCELLED (finished groups stay in
- *         `checkpoint`), or the error of reading an input
+ * @param pairs       (n), borrowed during the call; those of other splits than options->part are left out
+ * @param directions  sampling directions
+ * @param path        the dataset file to write
+ * @return NQM_ERR_ARG (options, pairs that contradict each other), NQM_ERR_INCOMPATIBLE (no pair of this part), NQM_ERR_CANCELLED
+ *         (finished work stays in `checkpoint`), or the error of reading an input
  */
-NQM_API NQM_MUST_CHECK nqm_status nqm_corpus_build(const char *materials_csv, const nqm_directions *directions,
-                                                   const nqm_corpus_options *options, const char *path, nqm_error *err);
+NQM_API NQM_MUST_CHECK nqm_status nqm_corpus_build(size_t n, const nqm_corpus_pair *pairs,
+                                                   const nqm_directions *directions, const nqm_corpus_options *options,
+                                                   const char *path, nqm_error *err);
 
 #ifdef __cplusplus
 }

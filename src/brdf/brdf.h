@@ -108,9 +108,13 @@ const float *nqm_table_values(const nqm_brdf *brdf, size_t *dims);
  *  is freed also on failure), otherwise it borrows it. */
 nqm_status nqm_perturb_wrap(const char *settings, nqm_brdf *base, bool owned, nqm_brdf **brdf_ret, nqm_error *err);
 
-/** A BRDF between two opened ones: `settings` as in a `between:` spec, without `with` and `of`. The result borrows
- *  both. */
-nqm_status nqm_between_wrap(const char *settings, nqm_brdf *of, nqm_brdf *with, nqm_brdf **brdf_ret, nqm_error *err);
+typedef struct nqm_between_bases {
+    nqm_brdf *of, *with;
+    bool owns_of, owns_with; /* freed with the result, and on failure; false: borrowed */
+} nqm_between_bases;
+
+/** A BRDF between two opened ones: `settings` as in a `between:` spec, without `with` and `of`. */
+nqm_status nqm_between_wrap(const char *settings, const nqm_between_bases *bases, nqm_brdf **brdf_ret, nqm_error *err);
 
 /** Nodes of a table (nqm_table_create()). */
 typedef struct nqm_table_size {

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Making a corpus: plan every material group, make the groups (run.c), and write one dataset file with its manifest
- * (dataset.c). doc/corpus.md explains the content of a corpus.
+ * Making a corpus: cut the list of pairs into units of work, label them (run.c), and write one dataset file with its manifest
+ * (dataset.c). doc/corpus.md is for users.
  */
 #include "corpus/corpus.h"
 #include "encode/encode.h"
@@ -25,19 +25,8 @@ static const nqm_option rows[] = {
     {FIELD(checkpoint), .name = "work", .kind = NQM_OPTION_TEXT, .metavar = "DIR",
      .help = "folder for finished work: a later run continues from it, and processes share it"},
     {FIELD(work_only), .name = "", .kind = NQM_OPTION_BOOL},
-    {FIELD(models), .kind = NQM_OPTION_TEXT, .metavar = "NAMES",
-     .help = "models of `nqm fit` that encode the references, separated by commas (default: all)"},
-    {FIELD(n_perturbations), .name = "perturbations", .kind = NQM_OPTION_SIZE, .metavar = "N", .min = 0, .max = 1000,
-     .values = {"26"}, .help = "perturbed copies per reference"},
-    {FIELD(n_far), .name = "far", .kind = NQM_OPTION_SIZE, .metavar = "N", .min = 0, .max = 1000, .values = {"26"},
-     .help = "tests per reference that really differ from it"},
-    {FIELD(n_roundings), .name = "roundings", .kind = NQM_OPTION_SIZE, .metavar = "N", .min = 0, .max = 1000,
-     .values = {"3"}, .help = "copies per reference with rounded values"},
-    {FIELD(n_variants), .name = "variants", .kind = NQM_OPTION_SIZE, .metavar = "N", .min = 0, .max = 1000,
-     .values = {"8"}, .help = "changed specs, translations, tables and overfitted networks per reference"},
-    {FIELD(every), .kind = NQM_OPTION_SIZE, .metavar = "N", .min = 1, .max = 1000, .values = {"1"},
-     .help = "keep one in N tests: a small corpus of the same composition"},
-    {FIELD(seed), .kind = NQM_OPTION_U64, .metavar = "N", .values = {"1"}, .help = "seed of perturbations and fits"},
+    {FIELD(keep), .kind = NQM_OPTION_TEXT, .metavar = "FAMILY=N",
+     .help = "of a family, at most N pairs per reference: those whose JODs are spread most evenly"},
 };
 /* clang-format on */
 
@@ -55,7 +44,7 @@ static bool is_mesh(const char *shape) {
     return shape && strcmp(shape, "sphere") != 0 && strcmp(shape, "blob") != 0;
 }
 
-/* The scene is made before the groups; later its pictures are made on many threads, and the corpus reports its own progress. */
+/* The scene is made before the units; later its pictures are made on many threads, and the corpus reports its own progress. */
 static int scene_progress(void *user, const char *stage, double done, double total) {
     const nqm_corpus_context *context = user;
     const nqm_corpus_options *options = context->options;
@@ -94,74 +83,61 @@ static nqm_status hash_encoders(nqm_corpus *c, nqm_error *err) {
     return NQM_OK;
 }
 
-static nqm_status make_plans(nqm_corpus *c, const char *materials_csv, nqm_error *err) {
-    const nqm_corpus_options *options = c->context.options;
-    c->items = nqm_alloc(c->list.n_groups, sizeof *c->items);
-    if (!c->items)
-        return nqm_fail_nomem(err, c->list.n_groups * sizeof *c->items);
-    for (size_t g = 0; g < c->list.n_groups; ++g) {
-        if (!nqm_corpus_in_part(&c->list.groups[g], options->part))
-            continue;
-        nqm_corpus_item *item = &c->items[c->n_items];
-        nqm_status status = nqm_corpus_plan_make(&c->list, g, &c->context.models, options, &item->plan, err);
-        if (status != NQM_OK)
-            return status;
-        ++c->n_items;
-        c->n_refs += item->plan.n_refs;
-        c->n_tests += item->plan.n_tests;
-    }
-    if (c->n_tests == 0)
-        return nqm_fail(err, NQM_ERR_INCOMPATIBLE, -1, "%s: no material of this part (%s)", materials_csv,
-                        options->part == NQM_CORPUS_TEST ? "test" : "train, validation");
+/* Cut the rows of each reference into units. */
+static nqm_status make_units(nqm_corpus *c, nqm_error *err) {
+    const nqm_corpus_list *list = &c->list;
+    size_t n = 0;
+    for (size_t r = 0; r < list->n_refs; ++r)
+        n += (list->refs[r].n_rows + NQM_CORPUS_UNIT_ROWS - 1) / NQM_CORPUS_UNIT_ROWS;
+    c->units = nqm_alloc(n, sizeof *c->units);
+    if (!c->units)
+        return nqm_fail_nomem(err, n * sizeof *c->units);
+    for (size_t r = 0; r < list->n_refs; ++r)
+        for (size_t at = 0; at < list->refs[r].n_rows; at += NQM_CORPUS_UNIT_ROWS)
+            c->units[c->n_units++] =
+                (nqm_corpus_unit){.ref = r,
+                                  .first_row = list->refs[r].first_row + at,
+                                  .n_rows = nqm_smaller(list->refs[r].n_rows - at, NQM_CORPUS_UNIT_ROWS)};
     return NQM_OK;
 }
 
 static nqm_status make_arrays(nqm_corpus *c, nqm_error *err) {
-    size_t n = c->n_directions, n_refs = c->n_refs, n_tests = c->n_tests;
+    const size_t n = c->n_directions, n_units = c->n_units, n_rows = c->list.n_rows;
     nqm_status status =
-        nqm_alloc_arrays(NQM_ARRAYS({&c->ref_rgb, n_refs * n, 3 * sizeof(float)}, {&c->ref_used, n_refs * n, 1},
-                                    {&c->test_rgb, n_tests * n, 3 * sizeof(float)}, {&c->test_used, n_tests * n, 1},
-                                    {&c->label, n_tests, sizeof *c->label}, {&c->fit_loss, n_tests, sizeof(double)},
-                                    {&c->names, n_tests, sizeof *c->names},
-                                    {&c->failures, n_tests, sizeof *c->failures}, {&c->kept, n_tests, 1}),
+        nqm_alloc_arrays(NQM_ARRAYS({&c->ref_rgb, n_units * n, 3 * sizeof(float)}, {&c->ref_used, n_units * n, 1},
+                                    {&c->test_rgb, n_rows * n, 3 * sizeof(float)}, {&c->test_used, n_rows * n, 1},
+                                    {&c->label, n_rows, sizeof *c->label}, {&c->names, n_rows, sizeof *c->names},
+                                    {&c->failures, n_rows, sizeof *c->failures}, {&c->kept, n_rows, 1}),
                          err);
-    if (status != NQM_OK)
-        return status;
-    size_t ref = 0, test = 0;
-    for (size_t i = 0; i < c->n_items; ++i) {
-        nqm_corpus_item *item = &c->items[i];
-        item->ref_rgb = c->ref_rgb + 3 * n * ref;
-        item->ref_used = c->ref_used + n * ref;
-        item->test_rgb = c->test_rgb + 3 * n * test;
-        item->test_used = c->test_used + n * test;
-        item->label = c->label + test;
-        item->fit_loss = c->fit_loss + test;
-        item->kept = c->kept + test;
-        item->names = c->names + test;
-        item->failures = c->failures + test;
-        ref += item->plan.n_refs;
-        test += item->plan.n_tests;
+    for (size_t i = 0; status == NQM_OK && i < n_units; ++i) {
+        nqm_corpus_unit *unit = &c->units[i];
+        const size_t row = unit->first_row;
+        unit->ref_rgb = c->ref_rgb + 3 * n * i;
+        unit->ref_used = c->ref_used + n * i;
+        unit->test_rgb = c->test_rgb + 3 * n * row;
+        unit->test_used = c->test_used + n * row;
+        unit->label = c->label + row;
+        unit->names = c->names + row;
+        unit->failures = c->failures + row;
     }
-    return NQM_OK;
+    return status;
 }
 
 static nqm_status make_paths(nqm_corpus *c, nqm_error *err) {
     nqm_status status = NQM_OK;
-    for (size_t i = 0; status == NQM_OK && c->context.options->checkpoint && i < c->n_items; ++i)
-        status = nqm_corpus_item_path(&c->context, &c->items[i], &c->items[i].path, err);
+    for (size_t i = 0; status == NQM_OK && c->context.options->checkpoint && i < c->n_units; ++i)
+        status = nqm_corpus_unit_path(&c->context, &c->units[i], &c->units[i].path, err);
     return status;
 }
 
 static void free_corpus(nqm_corpus *c) {
-    for (size_t t = 0; c->names && t < c->n_tests; ++t)
+    for (size_t t = 0; c->ref_rgb && t < c->list.n_rows; ++t) {
         nqm_free(c->names[t]);
-    for (size_t t = 0; c->failures && t < c->n_tests; ++t)
         nqm_free(c->failures[t]);
-    for (size_t i = 0; i < c->n_items; ++i) {
-        nqm_corpus_plan_free(&c->items[i].plan);
-        nqm_free(c->items[i].path);
     }
-    nqm_free(c->items);
+    for (size_t i = 0; i < c->n_units; ++i)
+        nqm_free(c->units[i].path);
+    nqm_free(c->units);
     nqm_free(c->ref_rgb);
     nqm_corpus_cache_free(c->context.cache);
     nqm_scene_free(c->scene);
@@ -174,7 +150,7 @@ static nqm_status make_folder(const char *folder, nqm_error *err) {
     struct stat st;
     if (!folder || mkdir(folder, 0777) == 0 || (stat(folder, &st) == 0 && S_ISDIR(st.st_mode)))
         return NQM_OK;
-    return nqm_fail(err, NQM_ERR_IO, -1, "%s: cannot create this folder for finished groups", folder);
+    return nqm_fail(err, NQM_ERR_IO, -1, "%s: cannot create this folder for finished work", folder);
 }
 
 /* Detect an output that cannot be written before the work, not after it. */
@@ -191,37 +167,46 @@ static nqm_status check_output(const nqm_corpus_options *options, const char *pa
     return status;
 }
 
-nqm_status nqm_corpus_build(const char *materials_csv, const nqm_directions *directions,
+static nqm_status prepare(nqm_corpus *c, size_t n, const nqm_corpus_pair *pairs, nqm_error *err) {
+    const nqm_corpus_options *options = c->context.options;
+    nqm_status status = nqm_corpus_list_make(n, pairs, options, &c->list, err);
+    if (status == NQM_OK)
+        status = nqm_corpus_hash_refs(&c->list, err);
+    if (status == NQM_OK)
+        status = nqm_corpus_cache_create(c->list.n_refs, &c->context.cache, err);
+    if (status == NQM_OK)
+        status = make_units(c, err);
+    if (status == NQM_OK)
+        status = make_arrays(c, err);
+    if (status == NQM_OK)
+        status = make_scene(c, err);
+    if (status == NQM_OK)
+        status = hash_encoders(c, err);
+    return status == NQM_OK ? make_paths(c, err) : status;
+}
+
+nqm_status nqm_corpus_build(size_t n, const nqm_corpus_pair *pairs, const nqm_directions *directions,
                             const nqm_corpus_options *options_or_null, const char *path, nqm_error *err) {
-    NQM_REQUIRE(err, materials_csv, directions, path);
+    NQM_REQUIRE(err, pairs, directions, path);
     nqm_corpus_options options = options_or_null ? *options_or_null : nqm_corpus_options_default();
     nqm_corpus c = {.n_directions = nqm_directions_count(directions)};
+    size_t n_name, n_kept;
     c.context.options = &options;
     c.context.directions = directions;
     c.context.list = &c.list;
     nqm_status status = nqm_options_check(&nqm_corpus_option_table, &options, err);
     if (status == NQM_OK)
-        status = check_output(&options, path, err);
+        status = nqm_corpus_parse_keep(options.keep, &n_name, &n_kept, err);
     if (status == NQM_OK)
-        status = nqm_corpus_models_parse(options.models, &c.context.models, err);
+        status = check_output(&options, path, err);
     if (status == NQM_OK)
         status = make_folder(options.checkpoint, err);
     if (status == NQM_OK)
-        status = nqm_corpus_list_load(materials_csv, options.root, &c.list, err);
-    if (status == NQM_OK)
-        status = nqm_corpus_cache_create(c.list.n_refs, &c.context.cache, err);
-    if (status == NQM_OK)
-        status = make_plans(&c, materials_csv, err);
-    if (status == NQM_OK)
-        status = make_arrays(&c, err);
-    if (status == NQM_OK)
-        status = make_scene(&c, err);
-    if (status == NQM_OK)
-        status = hash_encoders(&c, err);
-    if (status == NQM_OK)
-        status = make_paths(&c, err);
+        status = prepare(&c, n, pairs, err);
     if (status == NQM_OK)
         status = nqm_corpus_run(&c, err);
+    if (status == NQM_OK && !options.work_only)
+        status = nqm_corpus_select(&c, err);
     if (status == NQM_OK && !options.work_only)
         status = nqm_corpus_write(&c, path, err);
     free_corpus(&c);

@@ -14,57 +14,55 @@
 
 /* ---- filling ----------------------------------------------------------------------------------------------------- */
 
-/* Number the kinds that occur: by family, then in the order of their first test. */
-static nqm_status add_kinds(const nqm_corpus *c, nqm_dataset_builder *b, nqm_error *err) {
-    nqm_status status = NQM_OK;
-    uint32_t index = 0;
-    for (int family = 0; family < NQM_FAMILY_COUNT; ++family)
-        for (size_t i = 0; i < c->n_items; ++i) {
-            const nqm_corpus_plan *plan = &c->items[i].plan;
-            for (size_t k = 0; status == NQM_OK && k < plan->n_tests; ++k) {
-                const nqm_corpus_kind *kind = &plan->tests[k].kind;
-                if ((int)kind->family == family && nqm_corpus_is_pair(&c->items[i], k))
-                    status = nqm_dataset_add_kind(b, kind->name, nqm_corpus_family_name(kind->family), &index, err);
-            }
-        }
-    return status;
-}
-
-/* Move the samples of test `from` to pair `to` <= from. */
-static void move_test(nqm_corpus *c, size_t from, size_t to) {
-    size_t n = c->n_directions;
+/* Move values (n_each) of row `from` to row `to` <= from. */
+static void move_values(size_t n, float *rgb, uint8_t *used, size_t from, size_t to) {
     if (from == to)
         return;
-    memcpy(c->test_rgb + 3 * n * to, c->test_rgb + 3 * n * from, 3 * n * sizeof *c->test_rgb);
-    memcpy(c->test_used + n * to, c->test_used + n * from, n);
+    memcpy(rgb + 3 * n * to, rgb + 3 * n * from, 3 * n * sizeof *rgb);
+    memcpy(used + n * to, used + n * from, n);
 }
 
-/* The references and tests of item i; *test: the number of its first test, advanced past its last. */
-static nqm_status add_item(nqm_corpus *c, size_t i, size_t *test, nqm_dataset_builder *b, nqm_error *err) {
+static nqm_status add_row(nqm_corpus *c, size_t row, nqm_dataset_builder *b, nqm_error *err) {
     const nqm_curve curve = nqm_curve_default();
-    const nqm_corpus_plan *plan = &c->items[i].plan;
-    const nqm_corpus_group *group = &c->list.groups[plan->group];
-    const size_t first_ref = b->dataset->n_refs;
-    uint32_t index = 0, kind = 0;
-    nqm_status status =
-        nqm_dataset_add_group(b, group->name, strlen(group->name), (nqm_split)group->split, &index, err);
-    for (size_t r = 0; status == NQM_OK && r < plan->n_refs; ++r)
-        status = nqm_dataset_add_reference(b, c->list.refs[group->first_ref + r].name, index, err);
-    for (size_t k = 0; status == NQM_OK && k < plan->n_tests; ++k, ++*test) {
-        if (!nqm_corpus_is_pair(&c->items[i], k))
-            continue;
-        move_test(c, *test, b->dataset->n_pairs);
-        const char *name = plan->tests[k].kind.name;
-        status = nqm_dataset_add_kind(b, name, nqm_corpus_family_name(plan->tests[k].kind.family), &kind, err);
-        if (status == NQM_OK)
-            status = nqm_dataset_add_pair(b, (uint32_t)(first_ref + plan->tests[k].ref), c->names[*test], kind,
-                                          c->label[*test].delta_e, nqm_curve_jod(&curve, c->label[*test].delta_e), err);
-        if (status != NQM_OK)
-            break;
-        const size_t pair = b->dataset->n_pairs - 1;
-        nqm_label_get_parts(&c->label[*test], b->dataset->parts + pair * NQM_LABEL_PARTS);
-        b->dataset->delta_e_error[pair] = c->label[*test].error;
+    const nqm_corpus_row *r = &c->list.rows[row];
+    const size_t pair = b->dataset->n_pairs;
+    uint32_t kind = 0;
+    nqm_status status = nqm_dataset_add_kind(b, r->kind, r->family, &kind, err);
+    if (status == NQM_OK)
+        status = nqm_dataset_add_pair(b, (uint32_t)b->dataset->n_refs - 1, c->names[row], kind, c->label[row].delta_e,
+                                      nqm_curve_jod(&curve, c->label[row].delta_e), err);
+    if (status != NQM_OK)
+        return status;
+    move_values(c->n_directions, c->test_rgb, c->test_used, row, pair);
+    nqm_label_get_parts(&c->label[row], b->dataset->parts + pair * NQM_LABEL_PARTS);
+    b->dataset->delta_e_error[pair] = c->label[row].error;
+    return NQM_OK;
+}
+
+/* The references that have a pair, with their pairs. A unit that is the first of its reference has the samples of that. */
+static nqm_status add_all(nqm_corpus *c, nqm_dataset_builder *b, nqm_error *err) {
+    nqm_status status = NQM_OK;
+    for (size_t i = 0, added = SIZE_MAX; i < c->n_units; ++i) {
+        const nqm_corpus_unit *unit = &c->units[i];
+        const nqm_corpus_ref *ref = &c->list.refs[unit->ref];
+        const nqm_corpus_group *group = &c->list.groups[ref->group];
+        for (size_t row = unit->first_row; status == NQM_OK && row < unit->first_row + unit->n_rows; ++row) {
+            uint32_t index = 0;
+            if (!c->kept[row])
+                continue;
+            if (added != unit->ref) {
+                move_values(c->n_directions, c->ref_rgb, c->ref_used, i, b->dataset->n_refs);
+                status = nqm_dataset_add_group(b, group->name, strlen(group->name), group->split, &index, err);
+                if (status == NQM_OK)
+                    status = nqm_dataset_add_reference(b, ref->name, index, err);
+                added = unit->ref;
+            }
+            if (status == NQM_OK)
+                status = add_row(c, row, b, err);
+        }
     }
+    if (status == NQM_OK && b->dataset->n_pairs == 0)
+        return nqm_fail(err, NQM_ERR_INCOMPATIBLE, -1, "no pair could be labelled: %s", c->failures[0]);
     return status;
 }
 
@@ -116,8 +114,8 @@ nqm_status nqm_corpus_write(nqm_corpus *c, const char *path, nqm_error *err) {
         return checked;
     const nqm_dataset_limits limits = {.n_directions = c->n_directions,
                                        .directions_deg = nqm_directions_degrees(c->context.directions),
-                                       .max_refs = c->n_refs,
-                                       .max_pairs = c->n_tests,
+                                       .max_refs = c->list.n_refs,
+                                       .max_pairs = c->list.n_rows,
                                        .has_parts = true,
                                        .has_errors = true,
                                        .has_transport = has_matrix,
@@ -127,12 +125,11 @@ nqm_status nqm_corpus_write(nqm_corpus *c, const char *path, nqm_error *err) {
     nqm_scene_options scene = c->context.options->scene;
     scene.n_lights = 0; /* the default of matrices, not that of the labels */
     scene.seed = BETTER_POINTS;
-    char sha256[65], *manifest = nqm_corpus_manifest(&c->context, c->n_items, c->items);
+    char sha256[65], *manifest = nqm_corpus_manifest(c);
     if (!manifest)
         return nqm_fail(err, NQM_ERR_ARG, -1, "manifest: a name is not UTF-8, or memory ran out");
     nqm_status status = nqm_dataset_begin(&limits, &b, err);
     if (status == NQM_OK) {
-        size_t test = 0;
         b.dataset->ref_rgb = c->ref_rgb;
         b.dataset->ref_used = c->ref_used;
         b.dataset->test_rgb = c->test_rgb;
@@ -141,9 +138,7 @@ nqm_status nqm_corpus_write(nqm_corpus *c, const char *path, nqm_error *err) {
             status = nqm_transport_fill(&scene, NQM_TRANSPORT_POINTS, b.dataset->transport, b.dataset->transport_points,
                                         err);
         if (status == NQM_OK)
-            status = add_kinds(c, &b, err);
-        for (size_t i = 0; status == NQM_OK && i < c->n_items; ++i)
-            status = add_item(c, i, &test, &b, err);
+            status = add_all(c, &b, err);
         status = nqm_dataset_finish(&b, status, manifest, NULL, &dataset, err);
     }
     if (status == NQM_OK)

@@ -1,12 +1,11 @@
 /* SPDX-License-Identifier: MIT
  *
- * The material list of a corpus: references, their material groups and the split of each group.
+ * The list of pairs of a corpus: its references, their material groups and splits, the rows by reference, and the kinds of
+ * distortion that only the test split has.
  */
-#include "brdf/brdf.h"
 #include "corpus/corpus.h"
 
 #include <string.h>
-#include <sys/stat.h>
 
 static const char *const split_names[] = {"train", "validation", "test"};
 
@@ -14,185 +13,236 @@ const char *nqm_corpus_split_name(nqm_split split) {
     return split_names[split];
 }
 
-bool nqm_corpus_in_part(const nqm_corpus_group *group, nqm_corpus_part part) {
-    return (group->split == NQM_SPLIT_TEST) == (part == NQM_CORPUS_TEST);
+static const char *text_or(const char *text, const char *fallback) {
+    return text && *text ? text : fallback;
 }
 
-/* ---- checksums of the files -------------------------------------------------------------------------------------- */
+/* ---- names ------------------------------------------------------------------------------------------------------- */
 
-/* Length of the file path in a BRDF argument: all of it, or up to the colon before a member's name; 0 for specs. */
-static size_t file_length(const char *path) {
-    struct stat st;
-    if (nqm_spec_probe(path))
-        return 0;
-    const char *colon = strrchr(path, ':');
-    return stat(path, &st) == 0 || !colon ? strlen(path) : (size_t)(colon - path);
+typedef struct kind {
+    const char *name;
+    bool in_test, in_rest;
+} kind;
+
+static nqm_index_key key_of_ref(const void *value) {
+    return (nqm_index_key){.name = ((const nqm_corpus_ref *)value)->name};
 }
 
-nqm_status nqm_corpus_hash_file(const char *path, const char *path_more, char hex[65], nqm_error *err) {
-    nqm_map map = {0}, more = {0};
-    nqm_sha256 sha;
-    nqm_status status = nqm_map_open(path, &map, err);
-    if (status == NQM_OK && path_more)
-        status = nqm_map_open(path_more, &more, err);
-    if (status == NQM_OK && !nqm_sha256_begin(&sha))
-        status = nqm_fail(err, NQM_ERR_NOMEM, -1, "%s: out of memory", path);
-    if (status == NQM_OK) {
-        nqm_sha256_add(&sha, map.data, map.n_bytes);
-        nqm_sha256_add(&sha, more.data, more.n_bytes);
-        nqm_sha256_end(&sha, hex);
-    }
-    nqm_map_close(&map);
-    nqm_map_close(&more);
-    return status;
+static nqm_index_key key_of_brdf(const void *value) {
+    return (nqm_index_key){.name = ((const nqm_corpus_ref *)value)->brdf};
 }
 
-/* Consecutive references are often members of one archive: reuse the hash of the previous file. */
-static nqm_status hash_ref(nqm_corpus_list *list, size_t i, nqm_error *err) {
-    nqm_corpus_ref *ref = &list->refs[i];
-    size_t n = file_length(ref->path);
-    if (n == 0)
-        return NQM_OK;
-    char *file = nqm_strdup(ref->path);
-    if (!file)
-        return nqm_fail_nomem(err, n);
-    file[n] = 0;
-    char *more;
-    nqm_status status = nqm_brdf_find_companion(file, ref->path[n] ? ref->path + n + 1 : NULL, &more, err);
-    const nqm_corpus_ref *previous = i > 0 ? ref - 1 : NULL;
-    if (status == NQM_OK && !more && previous && file_length(previous->path) == n &&
-        strncmp(previous->path, ref->path, n) == 0)
-        memcpy(ref->file_sha256, previous->file_sha256, sizeof ref->file_sha256);
-    else if (status == NQM_OK)
-        status = nqm_corpus_hash_file(file, more, ref->file_sha256, err);
-    nqm_free(more);
-    nqm_free(file);
-    return status;
+static nqm_index_key key_of_group(const void *value) {
+    return (nqm_index_key){.name = ((const nqm_corpus_group *)value)->name};
 }
 
-/* ---- rows -------------------------------------------------------------------------------------------------------- */
-
-typedef struct columns {
-    int name, group, brdf, source, split;
-} columns;
-
-static nqm_status find_columns(const nqm_csv *csv, const char *path, columns *c, nqm_error *err) {
-    const struct {
-        const char *name;
-        int *column;
-    } required[] = {
-        {"name", &c->name}, {"group", &c->group}, {"brdf", &c->brdf}, {"source", &c->source}, {"split", &c->split}};
-    for (size_t i = 0; i < sizeof required / sizeof *required; ++i) {
-        *required[i].column = nqm_csv_column(csv, required[i].name);
-        if (*required[i].column < 0)
-            return nqm_fail(err, NQM_ERR_FORMAT, 0, "%s: a material list needs a column '%s'", path, required[i].name);
-    }
-    return NQM_OK;
+static nqm_index_key key_of_kind(const void *value) {
+    return (nqm_index_key){.name = ((const kind *)value)->name};
 }
 
-static nqm_status parse_split(const char *text, const char *path, const char *name, nqm_split *split_ret,
-                              nqm_error *err) {
-    for (int i = 0; i < 3; ++i)
-        if (strcmp(text, split_names[i]) == 0) {
-            *split_ret = (nqm_split)i;
-            return NQM_OK;
-        }
-    return nqm_fail(err, NQM_ERR_FORMAT, -1, "%s: '%s' has split '%s'; it must be train, validation or test", path,
-                    name, text);
-}
+/* All references, groups and kinds of the list, in the order in which they occur. */
+typedef struct names {
+    size_t n_refs, n_groups, n_kinds;
+    nqm_corpus_ref *refs; /* owns the block */
+    nqm_corpus_group *groups;
+    kind *kinds;
+    nqm_index by_ref, by_group, by_kind;
+    size_t *ref_of; /* (n) of each pair */
+} names;
 
-/* Find or add the group of a row. */
-static nqm_status place_in_group(nqm_corpus_list *list, size_t i, const char *group, nqm_split split, const char *path,
-                                 nqm_error *err) {
-    for (size_t g = 0; g < list->n_groups; ++g) {
-        if (strcmp(list->groups[g].name, group) != 0)
-            continue;
-        if (list->groups[g].split != split)
-            return nqm_fail(err, NQM_ERR_FORMAT, -1,
-                            "%s: group '%s' is in '%s' and in '%s'; all forms of a material belong to one split", path,
-                            group, split_names[list->groups[g].split], split_names[split]);
-        list->refs[i].group = g;
-        return NQM_OK;
-    }
-    list->refs[i].group = list->n_groups;
-    list->groups[list->n_groups++] = (nqm_corpus_group){.name = group, .split = split};
-    return NQM_OK;
-}
-
-static nqm_status read_row(nqm_corpus_list *list, size_t i, const columns *c, const char *path, nqm_error *err) {
-    nqm_corpus_ref *ref = &list->refs[i];
-    ref->name = nqm_csv_text(list->csv, i, c->name);
-    ref->brdf = nqm_csv_text(list->csv, i, c->brdf);
-    ref->source = nqm_csv_text(list->csv, i, c->source);
-    const char *group = nqm_csv_text(list->csv, i, c->group);
-    if (!*ref->name || !*ref->brdf || !*group)
-        return nqm_fail(err, NQM_ERR_FORMAT, -1, "%s: row %zu has no name, group or BRDF", path, i + 1);
-    for (size_t k = 0; k < i; ++k)
-        if (strcmp(list->refs[k].name, ref->name) == 0)
-            return nqm_fail(err, NQM_ERR_FORMAT, -1, "%s: the name '%s' is not unique", path, ref->name);
-    nqm_split split = NQM_SPLIT_TRAIN;
-    nqm_status status = parse_split(nqm_csv_text(list->csv, i, c->split), path, ref->name, &split, err);
-    return status == NQM_OK ? place_in_group(list, i, group, split, path, err) : status;
-}
-
-/* Bring the references of each group together. */
-static nqm_status sort_by_group(nqm_corpus_list *list, nqm_error *err) {
-    nqm_corpus_ref *sorted = nqm_alloc(list->n_refs, sizeof *sorted);
-    if (!sorted)
-        return nqm_fail_nomem(err, list->n_refs * sizeof *sorted);
-    for (size_t i = 0; i < list->n_refs; ++i)
-        ++list->groups[list->refs[i].group].n_refs;
-    for (size_t g = 1; g < list->n_groups; ++g)
-        list->groups[g].first_ref = list->groups[g - 1].first_ref + list->groups[g - 1].n_refs;
-    for (size_t g = 0; g < list->n_groups; ++g)
-        list->groups[g].n_refs = 0;
-    for (size_t i = 0; i < list->n_refs; ++i) {
-        nqm_corpus_group *group = &list->groups[list->refs[i].group];
-        sorted[group->first_ref + group->n_refs++] = list->refs[i];
-    }
-    memcpy(list->refs, sorted, list->n_refs * sizeof *sorted);
-    nqm_free(sorted);
-    return NQM_OK;
-}
-
-static nqm_status read_rows(nqm_corpus_list *list, const char *path, const char *root, nqm_error *err) {
-    columns c;
-    size_t n = nqm_csv_rows(list->csv);
-    nqm_status status = find_columns(list->csv, path, &c, err);
-    if (status == NQM_OK && n == 0)
-        status = nqm_fail(err, NQM_ERR_FORMAT, -1, "%s: lists no material", path);
+static nqm_status names_begin(size_t n, names *s, nqm_error *err) {
+    nqm_status status =
+        nqm_alloc_arrays(NQM_ARRAYS({&s->refs, n, sizeof *s->refs}, {&s->groups, n, sizeof *s->groups},
+                                    {&s->kinds, n, sizeof *s->kinds}, {&s->ref_of, n, sizeof *s->ref_of}),
+                         err);
     if (status == NQM_OK)
-        status = nqm_alloc_arrays(
-            NQM_ARRAYS({&list->groups, n, sizeof *list->groups}, {&list->refs, n, sizeof *list->refs}), err);
-    const char *slash = strrchr(path, '/');
-    size_t n_root = root ? strlen(root) : slash ? (size_t)(slash - path) : 0;
-    for (size_t i = 0; status == NQM_OK && i < n; ++i) {
-        status = read_row(list, i, &c, path, err);
-        if (status != NQM_OK)
-            return status;
-        list->refs[i].path = nqm_brdf_path_below(list->refs[i].brdf, root ? root : path, n_root);
-        list->n_refs = i + 1;
-        status = list->refs[i].path ? hash_ref(list, i, err) : nqm_fail_nomem(err, strlen(list->refs[i].brdf));
-    }
-    return status == NQM_OK ? sort_by_group(list, err) : status;
+        status = nqm_index_create(n, key_of_ref, &s->by_ref, err);
+    if (status == NQM_OK)
+        status = nqm_index_create(n, key_of_group, &s->by_group, err);
+    return status == NQM_OK ? nqm_index_create(n, key_of_kind, &s->by_kind, err) : status;
 }
 
-nqm_status nqm_corpus_list_load(const char *materials_csv, const char *root, nqm_corpus_list *list_ret,
-                                nqm_error *err) {
-    *list_ret = (nqm_corpus_list){0};
-    nqm_status status = nqm_csv_load(materials_csv, &list_ret->csv, err);
+static void names_end(names *s) {
+    nqm_free(s->refs);
+    nqm_index_free(&s->by_ref);
+    nqm_index_free(&s->by_group);
+    nqm_index_free(&s->by_kind);
+}
+
+static nqm_status add_group(names *s, const char *name, nqm_split split, size_t *group_ret, nqm_error *err) {
+    const nqm_corpus_group *found = nqm_index_find(&s->by_group, (nqm_index_key){.name = name});
+    if (!found) {
+        s->groups[s->n_groups] = (nqm_corpus_group){name, split};
+        nqm_index_add(&s->by_group, &s->groups[s->n_groups]);
+        found = &s->groups[s->n_groups++];
+    }
+    *group_ret = (size_t)(found - s->groups);
+    return found->split == split ? NQM_OK
+                                 : nqm_fail(err, NQM_ERR_ARG, -1,
+                                            "group '%s' is in '%s' and in '%s'; all forms of a material belong to one "
+                                            "split",
+                                            name, split_names[found->split], split_names[split]);
+}
+
+static nqm_status add_ref(names *s, size_t i, const nqm_corpus_pair *pair, nqm_error *err) {
+    nqm_corpus_ref *ref = &s->refs[s->n_refs];
+    *ref = (nqm_corpus_ref){.name = text_or(pair->name, pair->reference), .brdf = pair->reference};
+    ref->source = text_or(pair->source, "list");
+    nqm_status status = add_group(s, text_or(pair->group, ref->name), pair->split, &ref->group, err);
     if (status != NQM_OK)
         return status;
-    status = read_rows(list_ret, materials_csv, root, err);
+    const nqm_corpus_ref *found = nqm_index_find(&s->by_ref, (nqm_index_key){.name = ref->name});
+    if (!found) {
+        nqm_index_add(&s->by_ref, ref);
+        found = ref;
+        ++s->n_refs;
+    }
+    s->ref_of[i] = (size_t)(found - s->refs);
+    if (strcmp(found->brdf, ref->brdf) != 0 || found->group != ref->group || strcmp(found->source, ref->source) != 0)
+        return nqm_fail(err, NQM_ERR_ARG, -1, "pair %zu: the name '%s' has two references, groups or sources", i + 1,
+                        ref->name);
+    return NQM_OK;
+}
+
+static void add_kind(names *s, const nqm_corpus_pair *pair) {
+    kind *one = &s->kinds[s->n_kinds];
+    one->name = text_or(pair->kind, "pair");
+    const kind *found = nqm_index_find(&s->by_kind, (nqm_index_key){.name = one->name});
+    if (!found) {
+        nqm_index_add(&s->by_kind, one);
+        ++s->n_kinds;
+    } else {
+        one = &s->kinds[found - s->kinds];
+    }
+    if (pair->split == NQM_SPLIT_TEST)
+        one->in_test = true;
+    else
+        one->in_rest = true;
+}
+
+static nqm_status add_pair(names *s, size_t i, const nqm_corpus_pair *pair, nqm_error *err) {
+    if (!pair->reference || !*pair->reference || !pair->test || !*pair->test)
+        return nqm_fail(err, NQM_ERR_ARG, -1, "pair %zu has no reference or no test", i + 1);
+    if ((unsigned)pair->split > NQM_SPLIT_TEST)
+        return nqm_fail(err, NQM_ERR_ARG, -1, "pair %zu: there is no split %d", i + 1, (int)pair->split);
+    add_kind(s, pair);
+    return add_ref(s, i, pair, err);
+}
+
+/* The other material of a pair is a reference of the same split, so that no training file contains a test material. */
+static nqm_status check_other(const names *s, size_t i, const nqm_corpus_pair *pair, nqm_error *err) {
+    if (!pair->other || !*pair->other)
+        return NQM_OK;
+    const nqm_corpus_ref *other = nqm_index_find(&s->by_ref, (nqm_index_key){.name = pair->other});
+    if (!other)
+        return nqm_fail(err, NQM_ERR_ARG, -1,
+                        "pair %zu: no reference of the list has the name '%s' of its column other", i + 1, pair->other);
+    if (s->groups[other->group].split != pair->split)
+        return nqm_fail(err, NQM_ERR_ARG, -1, "pair %zu: '%s' is in '%s', but the pair in '%s'", i + 1, pair->other,
+                        split_names[s->groups[other->group].split], split_names[pair->split]);
+    return NQM_OK;
+}
+
+/* ---- the rows of a part ------------------------------------------------------------------------------------------ */
+
+static bool in_part(nqm_split split, nqm_corpus_part part) {
+    return (split == NQM_SPLIT_TEST) == (part == NQM_CORPUS_TEST);
+}
+
+/* Copy the references of the part by group; new_of (n_refs): the index of each, SIZE_MAX: of another part. */
+static void take_refs(const names *s, nqm_corpus_part part, size_t *first_in, nqm_corpus_list *list, size_t *new_of) {
+    for (size_t r = 0; r < s->n_refs; ++r)
+        if (in_part(s->groups[s->refs[r].group].split, part))
+            ++first_in[s->refs[r].group + 1];
+    for (size_t g = 0; g < s->n_groups; ++g)
+        first_in[g + 1] += first_in[g];
+    list->n_refs = first_in[s->n_groups];
+    for (size_t r = 0; r < s->n_refs; ++r) {
+        new_of[r] = SIZE_MAX;
+        if (in_part(s->groups[s->refs[r].group].split, part))
+            list->refs[new_of[r] = first_in[s->refs[r].group]++] = s->refs[r];
+    }
+    memcpy(list->groups, s->groups, s->n_groups * sizeof *list->groups);
+    list->n_groups = s->n_groups;
+}
+
+static void take_rows(const names *s, size_t n, const nqm_corpus_pair *pairs, const size_t *new_of,
+                      nqm_corpus_list *list) {
+    for (size_t i = 0; i < n; ++i)
+        if (new_of[s->ref_of[i]] != SIZE_MAX)
+            ++list->refs[new_of[s->ref_of[i]]].n_rows;
+    for (size_t r = 0; r < list->n_refs; ++r) {
+        list->refs[r].first_row = list->n_rows;
+        list->n_rows += list->refs[r].n_rows;
+        list->refs[r].n_rows = 0;
+    }
+    for (size_t i = 0; i < n; ++i) {
+        const size_t r = new_of[s->ref_of[i]];
+        if (r == SIZE_MAX)
+            continue;
+        const char *name = text_or(pairs[i].kind, "pair");
+        list->rows[list->refs[r].first_row + list->refs[r].n_rows++] =
+            (nqm_corpus_row){.ref = r,
+                             .test = pairs[i].test,
+                             .kind = name,
+                             .family = text_or(pairs[i].family, name),
+                             .other = text_or(pairs[i].other, "")};
+    }
+}
+
+static void take_unseen(const names *s, nqm_corpus_list *list) {
+    bool has_rest = false;
+    for (size_t k = 0; k < s->n_kinds; ++k)
+        has_rest = has_rest || s->kinds[k].in_rest;
+    for (size_t k = 0; k < s->n_kinds; ++k)
+        if (has_rest && !s->kinds[k].in_rest)
+            list->unseen[list->n_unseen++] = s->kinds[k].name;
+}
+
+static nqm_status take(const names *s, size_t n, const nqm_corpus_pair *pairs, nqm_corpus_part part,
+                       nqm_corpus_list *list, nqm_error *err) {
+    size_t *new_of, *first_in;
+    nqm_status status = nqm_alloc_arrays(
+        NQM_ARRAYS({&list->refs, s->n_refs, sizeof *list->refs}, {&list->groups, s->n_groups, sizeof *list->groups},
+                   {&list->rows, n, sizeof *list->rows}, {&list->unseen, s->n_kinds, sizeof *list->unseen}),
+        err);
+    if (status == NQM_OK)
+        status = nqm_alloc_arrays(
+            NQM_ARRAYS({&new_of, s->n_refs, sizeof *new_of}, {&first_in, s->n_groups + 1, sizeof *first_in}), err);
+    if (status != NQM_OK)
+        return status;
+    take_refs(s, part, first_in, list, new_of);
+    take_rows(s, n, pairs, new_of, list);
+    take_unseen(s, list);
+    nqm_free(new_of);
+    status = nqm_index_create(list->n_refs, key_of_brdf, &list->by_brdf, err);
+    for (size_t r = 0; status == NQM_OK && r < list->n_refs; ++r)
+        nqm_index_add(&list->by_brdf, &list->refs[r]);
+    if (status == NQM_OK && list->n_rows == 0)
+        status = nqm_fail(err, NQM_ERR_INCOMPATIBLE, -1, "the list has no pair of this part (%s)",
+                          part == NQM_CORPUS_TEST ? "test" : "train, validation");
+    return status;
+}
+
+nqm_status nqm_corpus_list_make(size_t n, const nqm_corpus_pair *pairs, const nqm_corpus_options *options,
+                                nqm_corpus_list *list_ret, nqm_error *err) {
+    names s = {0};
+    *list_ret = (nqm_corpus_list){.root = options->root};
+    nqm_status status = names_begin(n, &s, err);
+    for (size_t i = 0; status == NQM_OK && i < n; ++i)
+        status = add_pair(&s, i, &pairs[i], err);
+    for (size_t i = 0; status == NQM_OK && i < n; ++i)
+        status = check_other(&s, i, &pairs[i], err);
+    if (status == NQM_OK)
+        status = take(&s, n, pairs, options->part, list_ret, err);
+    names_end(&s);
     if (status != NQM_OK)
         nqm_corpus_list_free(list_ret);
     return status;
 }
 
 void nqm_corpus_list_free(nqm_corpus_list *list) {
-    for (size_t i = 0; i < list->n_refs; ++i)
-        nqm_free(list->refs[i].path);
-    nqm_free(list->groups);
-    nqm_csv_free(list->csv);
+    nqm_free(list->refs);
+    nqm_index_free(&list->by_brdf);
     *list = (nqm_corpus_list){0};
 }

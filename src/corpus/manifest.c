@@ -4,7 +4,6 @@
  * names are given without folders.
  */
 #include "corpus/corpus.h"
-#include "fit/fit.h"
 #include "io/options_json.h"
 #include "math/math.h"
 
@@ -67,121 +66,88 @@ static void add(json_t *object, const char *key, size_t n) {
     json_object_set_new(object, key, json_integer(before + (json_int_t)n));
 }
 
-/* Pairs per kind of test and per family, with the mean loss of encodings. */
-static void count_kinds(size_t n_items, const nqm_corpus_item *items, json_t *kinds, json_t *families) {
-    for (size_t i = 0; i < n_items; ++i)
-        for (size_t t = 0; t < items[i].plan.n_tests; ++t) {
-            const nqm_corpus_kind *kind = &items[i].plan.tests[t].kind;
-            const char *family = nqm_corpus_family_name(kind->family);
-            if (!nqm_corpus_is_pair(&items[i], t))
-                continue;
-            json_t *row = member(kinds, kind->name);
-            add(row, "pairs", 1);
-            json_object_set_new(row, "family", json_string(family));
-            if (kind->family == NQM_FAMILY_ENCODING) {
-                double sum = json_real_value(json_object_get(row, "mean_fit_loss"));
-                json_object_set_new(row, "mean_fit_loss", json_real(sum + items[i].fit_loss[t]));
-            }
-            add(families, family, 1);
-        }
-    const char *name;
-    json_t *row;
-    json_object_foreach(kinds, name, row) {
-        json_t *sum = json_object_get(row, "mean_fit_loss");
-        if (sum)
-            json_real_set(sum, json_real_value(sum) / (double)json_integer_value(json_object_get(row, "pairs")));
+/* Pairs per kind and per family. */
+static void count_kinds(const nqm_corpus *c, json_t *kinds, json_t *families) {
+    for (size_t i = 0; i < c->list.n_rows; ++i) {
+        const nqm_corpus_row *row = &c->list.rows[i];
+        if (!c->kept[i])
+            continue;
+        json_t *kind = member(kinds, row->kind);
+        add(kind, "pairs", 1);
+        json_object_set_new(kind, "family", json_string(row->family));
+        add(families, row->family, 1);
     }
 }
 
-static json_t *unseen_json(void) {
+static json_t *unseen_json(const nqm_corpus_list *list) {
     json_t *unseen = json_array();
-    for (size_t i = 0; nqm_corpus_perturbation(i); ++i)
-        if (nqm_corpus_kind_unseen(nqm_corpus_perturbation(i)))
-            json_array_append_new(unseen, json_string(nqm_corpus_perturbation(i)));
-    for (size_t i = 0; nqm_corpus_far_kind(i); ++i)
-        if (nqm_corpus_far_unseen(nqm_corpus_far_kind(i)))
-            json_array_append_new(unseen, json_string(nqm_corpus_far_kind(i)));
+    for (size_t i = 0; i < list->n_unseen; ++i)
+        json_array_append_new(unseen, json_string(list->unseen[i]));
     return unseen;
 }
 
+static nqm_split split_of(const nqm_corpus_list *list, size_t ref) {
+    return list->groups[list->refs[ref].group].split;
+}
+
 /* By split, the names of the references that are other materials in pairs of the split. */
-static json_t *others_json(const nqm_corpus_list *list, size_t n_items, const nqm_corpus_item *items) {
+static json_t *others_json(const nqm_corpus *c) {
     json_t *splits = json_object();
-    for (size_t i = 0; i < n_items; ++i)
-        for (size_t t = 0; t < items[i].plan.n_tests; ++t) {
-            const nqm_corpus_test *test = &items[i].plan.tests[t];
-            if (!nqm_corpus_uses_other(test) || !nqm_corpus_is_pair(&items[i], t))
-                continue;
-            const char *split = nqm_corpus_split_name(list->groups[items[i].plan.group].split);
-            add(member(splits, split), list->refs[test->which].name, 1);
-        }
+    for (size_t i = 0; i < c->list.n_rows; ++i) {
+        const nqm_corpus_row *row = &c->list.rows[i];
+        if (c->kept[i] && *row->other)
+            add(member(splits, nqm_corpus_split_name(split_of(&c->list, row->ref))), row->other, 1);
+    }
     return splits;
 }
 
-/* Failed tests by kind, with the first message of each kind. */
-static json_t *failures_json(const nqm_corpus_list *list, size_t n_items, const nqm_corpus_item *items) {
+/* Failed pairs by kind, with the first message of each kind. */
+static json_t *failures_json(const nqm_corpus *c) {
     json_t *failures = json_object();
-    for (size_t i = 0; i < n_items; ++i)
-        for (size_t t = 0; t < items[i].plan.n_tests; ++t) {
-            const nqm_corpus_test *test = &items[i].plan.tests[t];
-            if (!items[i].failures[t])
-                continue;
-            json_t *row = member(failures, test->kind.name);
-            const nqm_corpus_group *group = &list->groups[items[i].plan.group];
-            if (!json_object_get(row, "message"))
-                json_object_set_new(row, "message", json_string(items[i].failures[t]));
-            json_t *references = json_object_get(row, "references");
-            if (!references && json_object_set_new(row, "references", json_array()) == 0)
-                references = json_object_get(row, "references");
-            json_array_append_new(references, json_string(list->refs[group->first_ref + test->ref].name));
-            add(row, "pairs", 1);
-        }
+    for (size_t i = 0; i < c->list.n_rows; ++i) {
+        const nqm_corpus_row *row = &c->list.rows[i];
+        if (!c->failures[i])
+            continue;
+        json_t *kind = member(failures, row->kind);
+        if (!json_object_get(kind, "message"))
+            json_object_set_new(kind, "message", json_string(c->failures[i]));
+        json_t *pairs = json_object_get(kind, "tests");
+        if (!pairs && json_object_set_new(kind, "tests", json_array()) == 0)
+            pairs = json_object_get(kind, "tests");
+        json_array_append_new(pairs, json_pack("[s,s]", c->list.refs[row->ref].name, row->test));
+        add(kind, "pairs", 1);
+    }
     return failures;
 }
 
-static size_t count_pairs(const nqm_corpus_item *item, size_t ref) {
-    size_t n = 0;
-    for (size_t t = 0; t < item->plan.n_tests; ++t)
-        n += item->plan.tests[t].ref == ref && nqm_corpus_is_pair(item, t);
-    return n;
-}
-
-static json_t *references_json(const nqm_corpus_list *list, size_t n_items, const nqm_corpus_item *items) {
+/* References and, by split and source, numbers of groups, references and pairs. */
+static json_t *references_json(const nqm_corpus *c, json_t *splits, json_t *sources) {
     json_t *references = json_array();
-    for (size_t i = 0; i < n_items; ++i) {
-        const nqm_corpus_plan *plan = &items[i].plan;
-        const nqm_corpus_group *group = &list->groups[plan->group];
-        for (size_t r = 0; r < plan->n_refs; ++r) {
-            const nqm_corpus_ref *ref = &list->refs[group->first_ref + r];
-            json_t *row =
-                json_pack("{s:s,s:s,s:s,s:s,s:s,s:s,s:o}", "name", ref->name, "group", group->name, "split",
-                          nqm_corpus_split_name(group->split), "source", ref->source, "brdf", base_name(ref->brdf),
-                          "file_sha256", ref->file_sha256, "pairs", count(count_pairs(&items[i], r)));
-            if (json_array_append_new(references, row) != 0) { /* an incomplete manifest proves nothing */
-                json_decref(references);
-                return NULL;
-            }
+    size_t last_group = SIZE_MAX;
+    for (size_t r = 0; r < c->list.n_refs; ++r) {
+        const nqm_corpus_ref *ref = &c->list.refs[r];
+        size_t n_pairs = 0;
+        for (size_t row = ref->first_row; row < ref->first_row + ref->n_rows; ++row)
+            n_pairs += c->kept[row];
+        if (n_pairs == 0)
+            continue;
+        const char *split = nqm_corpus_split_name(split_of(&c->list, r));
+        add(member(splits, split), "groups", ref->group != last_group);
+        last_group = ref->group;
+        json_t *counts[2] = {member(splits, split), member(sources, ref->source)};
+        for (size_t i = 0; i < 2; ++i) {
+            add(counts[i], "references", 1);
+            add(counts[i], "pairs", n_pairs);
+        }
+        json_t *row = json_pack("{s:s,s:s,s:s,s:s,s:s,s:s,s:o}", "name", ref->name, "group",
+                                c->list.groups[ref->group].name, "split", split, "source", ref->source, "brdf",
+                                base_name(ref->brdf), "file_sha256", ref->file_sha256, "pairs", count(n_pairs));
+        if (json_array_append_new(references, row) != 0) { /* an incomplete manifest proves nothing */
+            json_decref(references);
+            return NULL;
         }
     }
     return references;
-}
-
-/* References, pairs and groups per split, and references and pairs per source. */
-static void count_splits(const nqm_corpus_list *list, size_t n_items, const nqm_corpus_item *items, json_t *splits,
-                         json_t *sources) {
-    for (size_t i = 0; i < n_items; ++i) {
-        const nqm_corpus_group *group = &list->groups[items[i].plan.group];
-        json_t *split = member(splits, nqm_corpus_split_name(group->split));
-        add(split, "groups", 1);
-        for (size_t r = 0; r < group->n_refs; ++r) {
-            size_t n_pairs = count_pairs(&items[i], r);
-            json_t *source = member(sources, list->refs[group->first_ref + r].source);
-            add(split, "references", 1);
-            add(split, "pairs", n_pairs);
-            add(source, "references", 1);
-            add(source, "pairs", n_pairs);
-        }
-    }
 }
 
 /* ---- the whole --------------------------------------------------------------------------------------------------- */
@@ -194,41 +160,22 @@ static json_t *labels_json(void) {
                      curve.b2, curve.b3);
 }
 
-static json_t *options_json(const nqm_corpus_options *options) {
-    const size_t n_far = nqm_corpus_far_kept(options);
-    return json_pack("{s:o,s:o,s:o,s:o,s:o,s:o,s:o}", "seed", count(options->seed), "perturbations",
-                     count(options->n_perturbations), "variants", count(options->n_variants), "far", count(n_far),
-                     "far_candidates", count(nqm_corpus_candidates(n_far)), "roundings", count(options->n_roundings),
-                     "every", count(options->every));
-}
-
-static json_t *fit_json(const nqm_corpus_models *used) {
-    nqm_fit_options fit = nqm_fit_options_default();
-    json_t *models = json_array();
-    for (size_t k = 0; k < used->n; ++k)
-        json_array_append_new(models, json_string(used->name[k]));
-    return json_pack("{s:o,s:s,s:o,s:o}", "models", models, "loss_of_analytic_models", nqm_fit_loss_words[fit.loss],
-                     "directions", count(fit.n_directions), "starts", count(fit.n_starts));
-}
-
-/* json_pack() fails if any part is NULL; a count that found no memory is missing. */
-char *nqm_corpus_manifest(const nqm_corpus_context *context, size_t n_items, const nqm_corpus_item *items) {
-    const nqm_corpus_options *options = context->options;
-    nqm_json_watch();
+/* json_pack() fails if any part is NULL. */
+char *nqm_corpus_manifest(const nqm_corpus *c) {
+    const nqm_corpus_options *options = c->context.options;
     json_t *kinds = json_object(), *families = json_object(), *splits = json_object(), *sources = json_object();
-    count_kinds(n_items, items, kinds, families);
-    count_splits(context->list, n_items, items, splits, sources);
+    count_kinds(c, kinds, families);
+    json_t *references = references_json(c, splits, sources);
     json_t *root = json_pack(
-        "{s:i,s:{s:s,s:s},s:s,s:o,s:o,s:o,s:o,s:o,s:s,s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:o}", "schema", 2, "tool", "name",
+        "{s:i,s:{s:s,s:s},s:s,s:o,s:s?,s:o,s:o,s:s,s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:o}", "schema", 3, "tool", "name",
         "nqm", "version", nqm_version(), "part", options->part == NQM_CORPUS_TEST ? "test" : "train,validation",
-        "labels", labels_json(), "options", options_json(options), "scene", scene_json(context), "fits",
-        fit_json(&context->models), "encoders", encoders_json(context), "directions",
-        nqm_directions_id(context->directions), "splits", splits, "sources", sources, "families", families, "kinds",
-        kinds, "unseen_kinds", unseen_json(), "other_materials", others_json(context->list, n_items, items), "failures",
-        failures_json(context->list, n_items, items), "references", references_json(context->list, n_items, items));
+        "labels", labels_json(), "keep", options->keep, "scene", scene_json(&c->context), "encoders",
+        encoders_json(&c->context), "directions", nqm_directions_id(c->context.directions), "splits", splits, "sources",
+        sources, "families", families, "kinds", kinds, "unseen_kinds", unseen_json(&c->list), "other_materials",
+        others_json(c), "failures", failures_json(c), "references", references);
     char *text = root ? json_dumps(root, JSON_INDENT(1) | JSON_REAL_PRECISION(17)) : NULL;
     json_decref(root);
-    char *copy = text && !nqm_json_has_failed() ? nqm_strdup(text) : NULL;
+    char *copy = text ? nqm_strdup(text) : NULL;
     free(text);
     return copy;
 }

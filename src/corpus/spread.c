@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * Selects tests by label: most random pairs of materials have nearly the same low JOD, and a metric learns little from many of
+ * Selects pairs by label: most random pairs of materials have nearly the same low JOD, and a metric learns little from many of
  * them. Values are removed one by one from the densest place until the requested number is left.
  */
 #include "corpus/corpus.h"
@@ -8,6 +8,7 @@
 
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 /* Distance of value i from its neighbours: the smaller one first; the ends have one neighbour. */
 static void gaps(size_t n, const nqm_indexed *v, size_t i, double gap[2]) {
@@ -55,4 +56,59 @@ nqm_status nqm_corpus_spread(size_t n, const double *jod, size_t n_kept, uint8_t
         kept[v[i].index] = 1;
     nqm_free(v);
     return NQM_OK;
+}
+
+nqm_status nqm_corpus_parse_keep(const char *keep, size_t *n_name_ret, size_t *n_kept_ret, nqm_error *err) {
+    const char *equals = keep ? strrchr(keep, '=') : NULL, *end;
+    double n = 0;
+    *n_name_ret = *n_kept_ret = 0;
+    if (!keep)
+        return NQM_OK;
+    if (!equals || equals == keep || !nqm_parse_double(equals + 1, &end, &n) || *end || !(n >= 1 && n <= 1e6) ||
+        n != floor(n))
+        return nqm_fail(err, NQM_ERR_ARG, -1,
+                        "keep needs the form FAMILY=N with a whole number from 1 to 1000000, not '%s'", keep);
+    *n_name_ret = (size_t)(equals - keep);
+    *n_kept_ret = (size_t)n;
+    return NQM_OK;
+}
+
+/* The rows of a family of one reference, and scratch. */
+typedef struct selection {
+    size_t n_name, n_kept; /* of nqm_corpus_parse_keep() */
+    size_t *index;         /* (n_rows); owns the block */
+    double *jod;
+    uint8_t *kept;
+} selection;
+
+static nqm_status select_of(nqm_corpus *c, const nqm_corpus_ref *ref, const selection *s, nqm_error *err) {
+    const nqm_curve curve = nqm_curve_default();
+    size_t n = 0;
+    for (size_t row = ref->first_row; row < ref->first_row + ref->n_rows; ++row) {
+        const char *name = c->list.rows[row].family;
+        if (strlen(name) != s->n_name || strncmp(name, c->context.options->keep, s->n_name) != 0)
+            continue;
+        s->jod[n] = c->failures[row] ? NAN : nqm_curve_jod(&curve, c->label[row].delta_e);
+        s->index[n++] = row;
+    }
+    nqm_status status = n > 0 ? nqm_corpus_spread(n, s->jod, s->n_kept, s->kept, err) : NQM_OK;
+    for (size_t i = 0; status == NQM_OK && i < n; ++i)
+        c->kept[s->index[i]] = s->kept[i];
+    return status;
+}
+
+nqm_status nqm_corpus_select(nqm_corpus *c, nqm_error *err) {
+    selection s = {0};
+    const size_t n = c->list.n_rows;
+    nqm_status status = nqm_corpus_parse_keep(c->context.options->keep, &s.n_name, &s.n_kept, err);
+    for (size_t row = 0; row < n; ++row)
+        c->kept[row] = !c->failures[row];
+    if (status != NQM_OK || s.n_name == 0)
+        return status;
+    status =
+        nqm_alloc_arrays(NQM_ARRAYS({&s.index, n, sizeof *s.index}, {&s.jod, n, sizeof *s.jod}, {&s.kept, n, 1}), err);
+    for (size_t r = 0; status == NQM_OK && r < c->list.n_refs; ++r)
+        status = select_of(c, &c->list.refs[r], &s, err);
+    nqm_free(s.index);
+    return status;
 }

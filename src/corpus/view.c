@@ -1,12 +1,14 @@
 /* SPDX-License-Identifier: MIT
  *
- * References as a corpus uses them: opened, sampled and rendered. A reference is made once in a process, because it also
- * serves as another material in the tests of other groups.
+ * BRDFs as a corpus uses them: opened, sampled and rendered. A reference is made once in a process, because it also serves as
+ * another material in the tests of other references; a fit is made once for all tests of a unit of work that contain it.
  */
 #include "brdf/brdf.h"
 #include "corpus/corpus.h"
+#include "fit/open.h"
 
 #include <pthread.h>
+#include <string.h>
 
 nqm_status nqm_corpus_view_alloc(const nqm_corpus_context *context, nqm_corpus_view *view, nqm_error *err) {
     size_t n = nqm_directions_count(context->directions), n_points = nqm_scene_count(context->scene);
@@ -28,18 +30,30 @@ nqm_status nqm_corpus_view_fill(const nqm_corpus_context *context, nqm_corpus_vi
     return status == NQM_OK ? nqm_scene_render_halves(context->scene, view->brdf, view->picture, err) : status;
 }
 
+/* ---- opening ----------------------------------------------------------------------------------------------------- */
+
+typedef struct opening {
+    const nqm_corpus_context *context;
+    nqm_corpus_fits *fits; /* NULL: references are opened, not taken from the cache */
+} opening;
+
 static int ask(void *user, const char *stage, double done, double total) {
     const nqm_corpus_context *context = user;
     (void)stage, (void)done, (void)total;
     return context->step(context->step_user, 0);
 }
 
-/* Decoders of neural processes become tables, because dozens of copies are rendered. */
-nqm_status nqm_corpus_open(const nqm_corpus_context *context, const char *path, nqm_brdf **brdf_ret, nqm_error *err) {
+static bool begins_with(const char *text, const char *prefix) {
+    return strncmp(text, prefix, strlen(prefix)) == 0;
+}
+
+/* A file, preset or spec. Decoders of neural processes become tables, because dozens of copies are rendered. */
+static nqm_status open_leaf(const nqm_corpus_context *context, const char *argument, nqm_brdf **brdf_ret,
+                            nqm_error *err) {
     nqm_ticker ticker = {.fn = ask, .user = (void *)context};
     nqm_brdf *form;
     *brdf_ret = NULL;
-    nqm_status status = nqm_brdf_open(path, &form, err);
+    nqm_status status = nqm_brdf_open_below(argument, context->list->root, &form, err);
     if (status != NQM_OK)
         return status;
     if (!form->class_->is_costly || context->options->scene.exact) {
@@ -51,11 +65,95 @@ nqm_status nqm_corpus_open(const nqm_corpus_context *context, const char *path, 
     return status;
 }
 
+static nqm_status open_any(void *user, const char *argument, nqm_brdf **brdf_ret, bool *is_lent_ret, nqm_error *err);
+
+static nqm_status open_nested(const opening *o, const char *argument, nqm_brdf **brdf_ret, nqm_error *err) {
+    const nqm_directions *directions = o->context->directions;
+    const nqm_fit_context context = {.open = open_any,
+                                     .user = (void *)o,
+                                     .n_own = nqm_directions_count(directions),
+                                     .own_deg = nqm_directions_degrees(directions),
+                                     .progress = ask,
+                                     .progress_user = (void *)o->context};
+    return nqm_fit_open(argument, &context, brdf_ret, err);
+}
+
+/* Make a fit, or take it from those of the unit; also its failure. */
+static nqm_status open_fit(const opening *o, const char *argument, nqm_brdf **brdf_ret, nqm_error *err) {
+    nqm_corpus_fits *fits = o->fits;
+    size_t i = 0;
+    while (i < fits->n && strcmp(fits->fits[i].argument, argument) != 0)
+        ++i;
+    if (i == fits->n) {
+        nqm_corpus_fit made = {.argument = nqm_strdup(argument)};
+        if (!made.argument)
+            return nqm_fail_nomem(err, strlen(argument) + 1);
+        made.fault.status = open_nested(o, argument, &made.brdf, &made.fault); /* may add fits that it contains */
+        nqm_corpus_fit *grown = nqm_grow(fits->fits, &fits->max_n, fits->n + 1, sizeof *grown);
+        if (grown)
+            fits->fits = grown;
+        else
+            made.fault.status = NQM_ERR_NOMEM;
+        if (made.fault.status == NQM_ERR_CANCELLED || made.fault.status == NQM_ERR_NOMEM) {
+            nqm_free(made.argument);
+            nqm_brdf_free(made.brdf);
+            if (err)
+                *err = made.fault;
+            return made.fault.status;
+        }
+        i = fits->n;
+        fits->fits[fits->n++] = made;
+    }
+    *brdf_ret = fits->fits[i].brdf;
+    if (!*brdf_ret && err)
+        *err = fits->fits[i].fault;
+    return *brdf_ret ? NQM_OK : fits->fits[i].fault.status;
+}
+
+static nqm_status open_any(void *user, const char *argument, nqm_brdf **brdf_ret, bool *is_lent_ret, nqm_error *err) {
+    const opening *o = user;
+    const nqm_corpus_ref *ref = o->fits ? nqm_corpus_ref_of(o->context->list, argument) : NULL;
+    *is_lent_ret = true;
+    *brdf_ret = NULL;
+    if (ref) {
+        const nqm_corpus_view *view;
+        nqm_status status = nqm_corpus_cached(o->context, (size_t)(ref - o->context->list->refs), &view, err);
+        *brdf_ret = status == NQM_OK ? view->brdf : NULL;
+        return status;
+    }
+    if (o->fits && begins_with(argument, "fit:")) /* its argument lives as long as the list */
+        return open_fit(o, argument, brdf_ret, err);
+    *is_lent_ret = false;
+    if (begins_with(argument, "fit:") || begins_with(argument, "perturb:") || begins_with(argument, "between:"))
+        return open_nested(o, argument, brdf_ret, err);
+    return open_leaf(o->context, argument, brdf_ret, err);
+}
+
+nqm_status nqm_corpus_open(const nqm_corpus_context *context, nqm_corpus_fits *fits, const char *argument,
+                           nqm_brdf **brdf_ret, bool *is_lent_ret, nqm_error *err) {
+    opening o = {context, fits};
+    return open_any(&o, argument, brdf_ret, is_lent_ret, err);
+}
+
+void nqm_corpus_fits_free(nqm_corpus_fits *fits) {
+    for (size_t i = 0; i < fits->n; ++i) {
+        nqm_free(fits->fits[i].argument);
+        nqm_brdf_free(fits->fits[i].brdf);
+    }
+    nqm_free(fits->fits);
+    *fits = (nqm_corpus_fits){0};
+}
+
+const nqm_corpus_ref *nqm_corpus_ref_of(const nqm_corpus_list *list, const char *argument) {
+    return nqm_index_find(&list->by_brdf, (nqm_index_key){.name = argument});
+}
+
 /* ---- cache ------------------------------------------------------------------------------------------------------- */
 
 typedef struct slot {
     pthread_mutex_t mutex; /* held while the view is made */
-    bool is_ready;
+    bool is_tried;
+    nqm_error fault; /* status NQM_OK: the view is ready */
     nqm_corpus_view view;
 } slot;
 
@@ -88,10 +186,11 @@ void nqm_corpus_cache_free(nqm_corpus_cache *cache) {
     nqm_free(cache);
 }
 
-static nqm_status make_view(const nqm_corpus_context *context, size_t list_ref, nqm_corpus_view *view, nqm_error *err) {
+static nqm_status make_view(const nqm_corpus_context *context, size_t ref, nqm_corpus_view *view, nqm_error *err) {
+    bool is_lent;
     nqm_status status = nqm_corpus_view_alloc(context, view, err);
     if (status == NQM_OK)
-        status = nqm_corpus_open(context, context->list->refs[list_ref].path, &view->brdf, err);
+        status = nqm_corpus_open(context, NULL, context->list->refs[ref].brdf, &view->brdf, &is_lent, err);
     if (status == NQM_OK)
         status = nqm_corpus_view_fill(context, view, err);
     if (status != NQM_OK) {
@@ -101,13 +200,19 @@ static nqm_status make_view(const nqm_corpus_context *context, size_t list_ref, 
     return status;
 }
 
-nqm_status nqm_corpus_cached(const nqm_corpus_context *context, size_t list_ref, const nqm_corpus_view **view_ret,
+nqm_status nqm_corpus_cached(const nqm_corpus_context *context, size_t ref, const nqm_corpus_view **view_ret,
                              nqm_error *err) {
-    slot *s = &context->cache->slots[list_ref];
+    slot *s = &context->cache->slots[ref];
     pthread_mutex_lock(&s->mutex);
-    nqm_status status = s->is_ready ? NQM_OK : make_view(context, list_ref, &s->view, err);
-    s->is_ready = status == NQM_OK;
+    if (!s->is_tried) {
+        s->fault = (nqm_error){0};
+        s->fault.status = make_view(context, ref, &s->view, &s->fault);
+        s->is_tried = s->fault.status != NQM_ERR_CANCELLED && s->fault.status != NQM_ERR_NOMEM;
+    }
+    const nqm_error fault = s->fault;
     pthread_mutex_unlock(&s->mutex);
     *view_ret = &s->view;
-    return status;
+    if (fault.status != NQM_OK && err)
+        *err = fault;
+    return fault.status;
 }

@@ -1,10 +1,12 @@
 /* SPDX-License-Identifier: MIT
  *
- * Work files: one finished group each, from which an interrupted corpus continues. The name of a file is
- * a hash of everything that determines its content (version, options, light, directions, sources, planned tests), so that
+ * Work files: one finished unit each, from which an interrupted corpus continues. The name of a file is
+ * a hash of everything that determines its content (version, options, light, directions, contents of the BRDFs, tests), so that
  * runs with different options never share a file.
  */
+#include "brdf/brdf.h"
 #include "corpus/corpus.h"
+#include "fit/open.h"
 #include "io/options_json.h"
 #include "percept/percept.h"
 
@@ -32,22 +34,14 @@ static void hash_f64(nqm_sha256 *sha, double value) {
 
 static void hash_context(nqm_sha256 *sha, const nqm_corpus_context *context) {
     const nqm_scene_options *scene = &context->options->scene;
-    hash_text(sha, "nqm corpus work file 5");
+    hash_text(sha, "nqm corpus work file 6");
     hash_text(sha, nqm_version());
     hash_text(sha, nqm_directions_id(context->directions));
     hash_text(sha, *context->light_sha256 ? context->light_sha256 : scene->light ? scene->light : "");
     hash_text(sha, *context->shape_sha256 ? context->shape_sha256 : scene->shape ? scene->shape : "");
-    const uint64_t counts[] = {scene->width,
-                               scene->height,
-                               scene->n_points,
-                               nqm_scene_n_frames(scene),
-                               nqm_scene_n_lights(scene),
-                               scene->light_width,
-                               scene->seed,
-                               scene->shadows != 0,
-                               scene->interreflection != 0,
-                               context->options->seed,
-                               context->options->n_far};
+    const uint64_t counts[] = {
+        scene->width,       scene->height, scene->n_points,     nqm_scene_n_frames(scene),  nqm_scene_n_lights(scene),
+        scene->light_width, scene->seed,   scene->shadows != 0, scene->interreflection != 0};
     for (size_t i = 0; i < sizeof counts / sizeof *counts; ++i)
         hash_u64(sha, counts[i]);
     hash_f64(sha, scene->turn_rad);
@@ -56,63 +50,46 @@ static void hash_context(nqm_sha256 *sha, const nqm_corpus_context *context) {
     hash_f64(sha, scene->peak_cdm2);
     if (scene->exact)
         hash_text(sha, "exact");
-    for (size_t k = 0; k < context->models.n; ++k)
-        hash_text(sha, context->models.name[k]);
     for (size_t k = 0; k < 2; ++k)
         hash_text(sha, context->encoder_sha256[k]);
 }
 
-/* Hash the content of a form: all parameters of presets and other specs, the checksum of files. */
-static nqm_status hash_form(nqm_sha256 *sha, const nqm_corpus_form *form, const char *file_sha256, nqm_error *err) {
-    hash_text(sha, form->brdf);
-    hash_text(sha, form->kind.name);
-    hash_text(sha, file_sha256);
-    if (*file_sha256)
+typedef struct hashing {
+    nqm_sha256 *sha;
+    const nqm_corpus_list *list;
+} hashing;
+
+/* Hash what a test is made from: the checksum of a file, all parameters of presets and other specs. */
+static nqm_status hash_base(void *user, const char *base, nqm_error *err) {
+    const hashing *h = user;
+    char hex[65];
+    const nqm_corpus_ref *ref = nqm_corpus_ref_of(h->list, base);
+    nqm_status status = ref ? NQM_OK : nqm_corpus_hash_content(h->list, base, hex, NULL);
+    hash_text(h->sha, base);
+    if (status == NQM_ERR_NOMEM)
+        return nqm_fail_nomem(err, sizeof hex);
+    hash_text(h->sha, status != NQM_OK ? "missing" : ref ? ref->file_sha256 : hex); /* a failure of the pair */
+    if (status != NQM_OK || *(ref ? ref->file_sha256 : hex) || strchr(base, '='))
         return NQM_OK;
     nqm_brdf *brdf;
-    nqm_status status = nqm_brdf_open(form->path, &brdf, err);
-    if (status != NQM_OK)
-        return status;
+    if (nqm_brdf_open(base, &brdf, NULL) != NQM_OK)
+        return NQM_OK;
     const char *spec = nqm_brdf_get_info(brdf).spec;
-    hash_text(sha, spec ? spec : "");
+    hash_text(h->sha, spec ? spec : "");
     nqm_brdf_free(brdf);
     return NQM_OK;
 }
 
-/* Hash what a test is made from, the content of the other material included. */
-static nqm_status hash_test(nqm_sha256 *sha, const nqm_corpus_list *list, const nqm_corpus_test *test, nqm_error *err) {
-    hash_u64(sha, test->ref);
-    hash_u64(sha, test->base);
-    hash_text(sha, test->kind.name);
-    hash_text(sha, test->perturbation[0]);
-    hash_text(sha, test->perturbation[1]);
-    hash_text(sha, test->between);
-    hash_text(sha, test->spec ? test->spec : "");
-    hash_text(sha, test->path.model ? test->path.model : "");
-    hash_u64(sha, test->path.loss);
-    hash_u64(sha, test->path.n_steps);
-    hash_u64(sha, test->path.seed);
-    if (!nqm_corpus_uses_other(test)) {
-        hash_u64(sha, test->which);
-        return NQM_OK;
-    }
-    const nqm_corpus_ref *other = &list->refs[test->which]; /* its index changes with the list */
-    const nqm_corpus_form form = {.brdf = other->brdf, .path = other->path};
-    return hash_form(sha, &form, other->file_sha256, err);
+static nqm_status hash_argument(hashing *h, const char *argument, nqm_error *err) {
+    nqm_error fault = {0};
+    hash_text(h->sha, argument);
+    nqm_status status = nqm_fit_visit_bases(argument, hash_base, h, &fault);
+    if (status == NQM_ERR_NOMEM && err)
+        *err = fault;
+    return status == NQM_ERR_NOMEM ? status : NQM_OK; /* others are failures of the pair */
 }
 
-static nqm_status hash_plan(nqm_sha256 *sha, const nqm_corpus_list *list, const nqm_corpus_plan *plan, nqm_error *err) {
-    nqm_status status = NQM_OK;
-    size_t first = list->groups[plan->group].first_ref;
-    hash_text(sha, list->groups[plan->group].name);
-    for (size_t f = 0; status == NQM_OK && f < plan->n_forms; ++f)
-        status = hash_form(sha, &plan->forms[f], f < plan->n_refs ? list->refs[first + f].file_sha256 : "", err);
-    for (size_t t = 0; status == NQM_OK && t < plan->n_tests; ++t)
-        status = hash_test(sha, list, &plan->tests[t], err);
-    return status;
-}
-
-nqm_status nqm_corpus_item_path(const nqm_corpus_context *context, const nqm_corpus_item *item, char **path_ret,
+nqm_status nqm_corpus_unit_path(const nqm_corpus_context *context, const nqm_corpus_unit *unit, char **path_ret,
                                 nqm_error *err) {
     const char *folder = context->options->checkpoint;
     size_t n = strlen(folder) + 80;
@@ -123,8 +100,12 @@ nqm_status nqm_corpus_item_path(const nqm_corpus_context *context, const nqm_cor
         nqm_free(path);
         return nqm_fail_nomem(err, n);
     }
+    hashing h = {&sha, context->list};
     hash_context(&sha, context);
-    nqm_status status = hash_plan(&sha, context->list, &item->plan, err);
+    hash_text(&sha, context->list->refs[unit->ref].name);
+    nqm_status status = hash_argument(&h, context->list->refs[unit->ref].brdf, err);
+    for (size_t i = 0; status == NQM_OK && i < unit->n_rows; ++i)
+        status = hash_argument(&h, context->list->rows[unit->first_row + i].test, err);
     nqm_sha256_end(&sha, hex);
     if (status != NQM_OK) {
         nqm_free(path);
@@ -137,19 +118,17 @@ nqm_status nqm_corpus_item_path(const nqm_corpus_context *context, const nqm_cor
 
 /* ---- content ----------------------------------------------------------------------------------------------------- */
 
-enum { N_TENSORS = 7, N_LABEL = 1 + NQM_LABEL_PARTS + 1 };
+enum { N_TENSORS = 5, N_LABEL = 1 + NQM_LABEL_PARTS + 1 };
 _Static_assert(sizeof(nqm_label) == N_LABEL * sizeof(double), "labels are stored as rows of numbers");
 
-static void describe(const nqm_corpus_item *item, size_t n, nqm_tensor tensors[N_TENSORS]) {
-    size_t n_refs = item->plan.n_refs, n_tests = item->plan.n_tests;
+static void describe(const nqm_corpus_unit *unit, size_t n, nqm_tensor tensors[N_TENSORS]) {
+    const size_t n_rows = unit->n_rows;
     const nqm_tensor all[N_TENSORS] = {
-        {.name = "ref_rgb", .dtype = NQM_F32, .n_dims = 3, .dims = {n_refs, n, 3}, .data = item->ref_rgb},
-        {.name = "ref_used", .dtype = NQM_U8, .n_dims = 2, .dims = {n_refs, n}, .data = item->ref_used},
-        {.name = "test_rgb", .dtype = NQM_F32, .n_dims = 3, .dims = {n_tests, n, 3}, .data = item->test_rgb},
-        {.name = "test_used", .dtype = NQM_U8, .n_dims = 2, .dims = {n_tests, n}, .data = item->test_used},
-        {.name = "label", .dtype = NQM_F64, .n_dims = 2, .dims = {n_tests, N_LABEL}, .data = item->label},
-        {.name = "fit_loss", .dtype = NQM_F64, .n_dims = 1, .dims = {n_tests}, .data = item->fit_loss},
-        {.name = "kept", .dtype = NQM_U8, .n_dims = 1, .dims = {n_tests}, .data = item->kept}};
+        {.name = "ref_rgb", .dtype = NQM_F32, .n_dims = 2, .dims = {n, 3}, .data = unit->ref_rgb},
+        {.name = "ref_used", .dtype = NQM_U8, .n_dims = 1, .dims = {n}, .data = unit->ref_used},
+        {.name = "test_rgb", .dtype = NQM_F32, .n_dims = 3, .dims = {n_rows, n, 3}, .data = unit->test_rgb},
+        {.name = "test_used", .dtype = NQM_U8, .n_dims = 2, .dims = {n_rows, n}, .data = unit->test_used},
+        {.name = "label", .dtype = NQM_F64, .n_dims = 2, .dims = {n_rows, N_LABEL}, .data = unit->label}};
     memcpy(tensors, all, sizeof all);
     for (size_t t = 0; t < N_TENSORS; ++t) {
         tensors[t].n_bytes = nqm_dtype_size(tensors[t].dtype);
@@ -168,33 +147,32 @@ static char *strings_to_json(size_t n, char *const *strings) {
     return text;
 }
 
-/* The file of an unfinished group; nqm_free() it. NULL: out of memory. */
-static char *progress_path(const nqm_corpus_item *item) {
-    const size_t n = strlen(item->path) + sizeof ".progress";
+/* The file of an unfinished unit; nqm_free() it. NULL: out of memory. */
+static char *progress_path(const nqm_corpus_unit *unit) {
+    const size_t n = strlen(unit->path) + sizeof ".progress";
     char *path = nqm_alloc(n, 1);
     if (path)
-        snprintf(path, n, "%s.progress", item->path);
+        snprintf(path, n, "%s.progress", unit->path);
     return path;
 }
 
-static void remove_progress(const nqm_corpus_item *item) {
-    char *path = progress_path(item);
+static void remove_progress(const nqm_corpus_unit *unit) {
+    char *path = progress_path(unit);
     if (path)
         unlink(path);
     nqm_free(path);
-    nqm_corpus_fits_remove(item);
 }
 
-static nqm_status save_at(const char *path, size_t n_directions, const nqm_corpus_item *item, size_t n_done,
+static nqm_status save_at(const char *path, size_t n_directions, const nqm_corpus_unit *unit, size_t n_done,
                           nqm_error *err) {
     nqm_tensor tensors[N_TENSORS];
-    describe(item, n_directions, tensors);
-    char *names = strings_to_json(item->plan.n_tests, item->names);
-    char *failures = strings_to_json(item->plan.n_tests, item->failures);
+    describe(unit, n_directions, tensors);
+    char *names = strings_to_json(unit->n_rows, unit->names);
+    char *failures = strings_to_json(unit->n_rows, unit->failures);
     char count[24];
     snprintf(count, sizeof count, "%zu", n_done);
-    const nqm_meta meta[] = {{"names", names}, {"failures", failures}, {"tests_done", count}};
-    const size_t n_meta = n_done < item->plan.n_tests ? 3 : 2;
+    const nqm_meta meta[] = {{"names", names}, {"failures", failures}, {"rows_done", count}};
+    const size_t n_meta = n_done < unit->n_rows ? 3 : 2;
     nqm_status status = names && failures
                             ? nqm_safetensors_write(path, N_TENSORS, tensors, n_meta, meta, NULL, err)
                             : nqm_fail(err, NQM_ERR_NOMEM, -1, "%s: a name is not UTF-8, or memory ran out", path);
@@ -203,17 +181,17 @@ static nqm_status save_at(const char *path, size_t n_directions, const nqm_corpu
     return status;
 }
 
-nqm_status nqm_corpus_item_save(size_t n_directions, const nqm_corpus_item *item, size_t n_done, nqm_error *err) {
-    if (n_done == item->plan.n_tests) {
-        nqm_status status = save_at(item->path, n_directions, item, n_done, err);
+nqm_status nqm_corpus_unit_save(size_t n_directions, const nqm_corpus_unit *unit, size_t n_done, nqm_error *err) {
+    if (n_done == unit->n_rows) {
+        nqm_status status = save_at(unit->path, n_directions, unit, n_done, err);
         if (status == NQM_OK)
-            remove_progress(item);
+            remove_progress(unit);
         return status;
     }
-    char *path = progress_path(item);
+    char *path = progress_path(unit);
     if (!path)
-        return nqm_fail_nomem(err, strlen(item->path));
-    nqm_status status = save_at(path, n_directions, item, n_done, err);
+        return nqm_fail_nomem(err, strlen(unit->path));
+    nqm_status status = save_at(path, n_directions, unit, n_done, err);
     nqm_free(path);
     return status;
 }
@@ -256,26 +234,26 @@ static bool matches(const nqm_safetensors *st, const nqm_tensor tensors[N_TENSOR
     return true;
 }
 
-/* Each of the first n_done tests must have a name; the next may have one, if it was stopped while it was made. */
-static bool load_names(const nqm_safetensors *st, size_t n_done, nqm_corpus_item *item) {
-    size_t n = item->plan.n_tests;
-    bool good = load_strings(st, "names", n, item->names) && load_strings(st, "failures", n, item->failures);
+/* Each of the first n_done rows must have a name; the next may have one, if it was stopped while it was made. */
+static bool load_names(const nqm_safetensors *st, size_t n_done, nqm_corpus_unit *unit) {
+    size_t n = unit->n_rows;
+    bool good = load_strings(st, "names", n, unit->names) && load_strings(st, "failures", n, unit->failures);
     for (size_t i = 0; i < n_done; ++i)
-        good = good && item->names[i];
+        good = good && unit->names[i];
     const size_t n_kept = good ? n_done : 0;
-    forget(n - n_kept, item->names + n_kept);
-    forget(n - n_kept, item->failures + n_kept);
+    forget(n - n_kept, unit->names + n_kept);
+    forget(n - n_kept, unit->failures + n_kept);
     return good;
 }
 
-/* The number of tests in a file: all, unless it is that of an unfinished group. */
-static size_t tests_in(const nqm_safetensors *st, const nqm_corpus_item *item) {
-    const char *count = nqm_safetensors_meta(st, "tests_done");
-    return count ? nqm_smaller(strtoul(count, NULL, 10), item->plan.n_tests) : item->plan.n_tests;
+/* The number of rows in a file: all, unless it is that of an unfinished unit. */
+static size_t rows_in(const nqm_safetensors *st, const nqm_corpus_unit *unit) {
+    const char *count = nqm_safetensors_meta(st, "rows_done");
+    return count ? nqm_smaller(strtoul(count, NULL, 10), unit->n_rows) : unit->n_rows;
 }
 
-/* Load the tests of a file; returns their number, 0: no such file, or a damaged one. */
-static size_t load_at(const char *path, size_t n_directions, nqm_corpus_item *item) {
+/* Load the rows of a file; returns their number, 0: no such file, or a damaged one. */
+static size_t load_at(const char *path, size_t n_directions, nqm_corpus_unit *unit) {
     nqm_tensor tensors[N_TENSORS];
     nqm_map map;
     nqm_safetensors *st;
@@ -285,11 +263,10 @@ static size_t load_at(const char *path, size_t n_directions, nqm_corpus_item *it
         nqm_map_close(&map);
         return 0;
     }
-    describe(item, n_directions, tensors);
-    const size_t n_done = tests_in(st, item);
-    bool loaded = matches(st, tensors) && load_names(st, n_done, item);
-    void *const into[N_TENSORS] = {item->ref_rgb, item->ref_used, item->test_rgb, item->test_used,
-                                   item->label,   item->fit_loss, item->kept};
+    describe(unit, n_directions, tensors);
+    const size_t n_done = rows_in(st, unit);
+    bool loaded = matches(st, tensors) && load_names(st, n_done, unit);
+    void *const into[N_TENSORS] = {unit->ref_rgb, unit->ref_used, unit->test_rgb, unit->test_used, unit->label};
     for (size_t i = 0; loaded && i < N_TENSORS; ++i)
         memcpy(into[i], nqm_safetensors_find(st, tensors[i].name)->data, tensors[i].n_bytes);
     nqm_safetensors_free(st);
@@ -297,16 +274,16 @@ static size_t load_at(const char *path, size_t n_directions, nqm_corpus_item *it
     return loaded ? n_done : 0;
 }
 
-bool nqm_corpus_item_load(size_t n_directions, nqm_corpus_item *item) {
-    if (load_at(item->path, n_directions, item) < item->plan.n_tests)
+bool nqm_corpus_unit_load(size_t n_directions, nqm_corpus_unit *unit) {
+    if (load_at(unit->path, n_directions, unit) < unit->n_rows)
         return false;
-    remove_progress(item); /* left by a process that was killed just before it removed the file */
+    remove_progress(unit); /* of a process that was killed just before it removed the file */
     return true;
 }
 
-size_t nqm_corpus_item_resume(size_t n_directions, nqm_corpus_item *item) {
-    char *path = progress_path(item);
-    const size_t n_done = path ? load_at(path, n_directions, item) : 0;
+size_t nqm_corpus_unit_resume(size_t n_directions, nqm_corpus_unit *unit) {
+    char *path = progress_path(unit);
+    const size_t n_done = path ? load_at(path, n_directions, unit) : 0;
     nqm_free(path);
     return n_done;
 }

@@ -1,8 +1,8 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# nqm dataset: a small corpus of analytic materials is the same for one and two threads and from its work files; test
-# materials go to a separate file, and far pairs contain other materials of their own split only; models/scan.py lists a data
-# folder; bad arguments give the documented exit codes.
+# nqm dataset: a small standard corpus of analytic materials (models/plan.py) is the same for one and two threads and from its work
+# files; test materials go to a separate file, and far pairs contain other materials of their own split only; any list of pairs is
+# labelled; models/scan.py lists a data folder; bad arguments give the documented exit codes.
 # shellcheck source=tests/support/cli.sh
 . "${NQM_SOURCE:?}/tests/support/cli.sh"
 cat >"$dir/materials.csv" <<'END'
@@ -16,13 +16,17 @@ r-sgd,r,sgd:chrome,sgd,validation
 s-sgd,s,sgd:alumina-oxide,sgd,test
 END
 "$tool" directions -n 40 -o "$dir/directions.csv" 2>"$dir/err"
+plan() {
+    NQM_TOOL=$tool PYTHONDONTWRITEBYTECODE=1 python3 "$NQM_SOURCE/models/plan.py" "$dir/$1.csv" --perturbations 2 --far 12 --roundings 1 \
+        --variants 2 --models ward
+}
+plan materials >"$dir/pairs.csv"
 from() {
     list=$1
     shift
-    "$tool" dataset "$dir/$list.csv" --directions "$dir/directions.csv" --perturbations 2 --far 12 --roundings 1 --variants 2 --models ward \
-        --light studio --points 50 "$@" 2>"$dir/err"
+    "$tool" dataset "$dir/$list.csv" --directions "$dir/directions.csv" --keep far=12 --light studio --points 50 "$@" 2>"$dir/err"
 }
-make() { from materials "$@"; }
+make() { from pairs "$@"; }
 
 OMP_NUM_THREADS=1 make -o "$dir/one.safetensors" --work "$dir/groups" >"$dir/out" || fail "$(cat "$dir/err")"
 grep -q ' pairs of 5 references in 5 material groups (train [1-9][0-9]*, validation 36, test 0 pairs)' "$dir/out" || fail "summary: $(cat "$dir/out")"
@@ -52,28 +56,70 @@ for split in others:
 families = manifest["families"]
 assert families["far"] == 12 * len(splits) and families["rounding"] == len(splits), families
 assert sum(kind["pairs"] for kind in manifest["kinds"].values() if kind["family"] == "far") == families["far"]
+assert not manifest["failures"], manifest["failures"]
 END
 }
 others "$dir/one.safetensors.json" train validation
 make -o "$dir/test.safetensors" --only test >/dev/null
 others "$dir/test.safetensors.json" test
 
-# One test in N: a small corpus of the same references.
-make -o "$dir/few.safetensors" --perturbations 8 --every 4 >"$dir/out"
-grep -Eq '^.*: (1[5-9]|[2-4][0-9]) pairs of 5 references' "$dir/out" || fail "--every: $(cat "$dir/out")"
+# The standard plan: every family, the unseen kinds in the test split only, no other material of another split, the same list for the
+# same seed, and one in N.
+python3 - "$dir/materials.csv" "$tool" "$NQM_SOURCE/models/plan.py" <<'END' || fail "the plan"
+import collections
+import csv
+import os
+import subprocess
+import sys
 
-# The other material of a far pair is part of the name of its work file: a change makes the group again.
-sed 's/alpha=0.5/alpha=0.6/' "$dir/materials.csv" >"$dir/changed.csv"
+materials, tool, script = sys.argv[1:]
+
+
+def plan(*arguments):
+    environment = dict(os.environ, NQM_TOOL=tool, PYTHONDONTWRITEBYTECODE="1")
+    text = subprocess.run([sys.executable, script, materials, *arguments], env=environment, check=True, capture_output=True,
+                          text=True).stdout
+    return text, list(csv.DictReader(text.splitlines()))
+
+
+text, rows = plan()
+assert text == plan()[0] and text != plan("--seed", "2")[0]
+families = {"encoding", "published", "perturbation", "composed", "variant", "far", "rounding"}
+splits = {row["name"]: row["split"] for row in rows}
+for split in ("train", "validation", "test"):
+    assert {row["family"] for row in rows if row["split"] == split} >= families - {"published"}, split
+unseen = {"clamp", "ripple", "hue", "between-log", "white", "random-lafortune", "random-smooth"}
+kinds = {split: {row["kind"] for row in rows if row["split"] == split} for split in ("train", "test")}
+assert not kinds["train"] & unseen and kinds["test"] >= {"clamp", "hue", "between-log"}
+assert {row["kind"] for row in rows if row["family"] == "variant"} == {"roughness", "key", "overfit", "translated", "folded"}
+assert all(splits[row["other"]] == row["split"] for row in rows if row["other"])
+assert any(row["other"] for row in rows)
+for name in splits:
+    own = [row for row in rows if row["name"] == name]
+    counts = collections.Counter(row["family"] for row in own)
+    assert counts["encoding"] == 22 and counts["far"] == 39 and counts["rounding"] == 3 and counts["variant"] == 8, (name, counts)
+    assert counts["perturbation"] + counts["composed"] == 26
+few = plan("--every", "4")[1]
+assert 0.15 * len(rows) < len(few) < 0.35 * len(rows), (len(few), len(rows))
+near = {(row["reference"], row["test"]) for row in few if row["family"] != "far"}
+assert near < {(row["reference"], row["test"]) for row in rows}
+assert {row["split"] for row in plan("--only", "test")[1]} == {"test"}
+END
+
+# The other material of a pair is part of the name of its work file: a change makes the unit again.
+sed 's/alpha=0.5/alpha=0.6/' "$dir/materials.csv" >"$dir/list.csv"
+plan list >"$dir/changed.csv"
 before=$(find "$dir/groups" -name '*.safetensors' | wc -l)
 from changed -o "$dir/changed.safetensors" --work "$dir/groups" >/dev/null
 after=$(find "$dir/groups" -name '*.safetensors' | wc -l)
 [ "$((after - before))" = 3 ] || fail "$before work files, $after after a change of a training material"
 
-# So is the content of a file, and of the measured file that a material names: one of the same name and size makes the group again, and
-# only that.
+# So is the content of a file, and of the measured file that a material names: one of the same name and size makes the unit again, and
+# only that. Tests that are files count too.
 echo 'Material "measured" "string filename" "file.npy"' >"$dir/file.pbrt"
 for file in file.npy file.pbrt; do
-    printf 'name,group,brdf,source,split\nf,f,%s,x,train\ng,g,ggx:kd=.1;alpha=.1,x,validation\n' $file >"$dir/file.csv"
+    printf 'reference,test\n%s,perturb:scale=2;of=%s\nggx:kd=.1;alpha=.1,ggx:kd=.2;alpha=.1\nggx:alpha=.2,perturb:scale=2;of=%s\n' \
+        $file $file $file >"$dir/file.csv"
     "$tool" convert sgd:brass -o "$dir/file.npy" >/dev/null
     from file -o "$dir/first.safetensors" --work "$dir/contents-$file" >/dev/null
     "$tool" convert sgd:chrome -o "$dir/file.npy" >/dev/null
@@ -81,7 +127,7 @@ for file in file.npy file.pbrt; do
     from file -o "$dir/expected.safetensors" >/dev/null
     cmp "$dir/second.safetensors" "$dir/expected.safetensors" || fail "work files of another content were used"
     ! cmp -s "$dir/first.safetensors" "$dir/second.safetensors" || fail "the changed file was not read"
-    [ "$(find "$dir/contents-$file" -name '*.safetensors' | wc -l)" = 3 ] || fail "the group without a change was made again"
+    [ "$(find "$dir/contents-$file" -name '*.safetensors' | wc -l)" = 5 ] || fail "the unit without a change was made again"
 done
 
 # A damaged work file is computed again.
@@ -91,6 +137,42 @@ for file in "$dir"/groups/*.safetensors; do
 done
 make -o "$dir/mended.safetensors" --work "$dir/groups" >/dev/null
 cmp "$dir/one.safetensors" "$dir/mended.safetensors" || fail "a damaged work file changed the result"
+
+# Any list: two columns are enough, JSON Lines too; the label is that of `nqm label`, the fit that of `nqm fit`; a pair that fails is named.
+ward=$("$tool" fit sgd:nickel --model ward --loss log -q)
+cat >"$dir/any.csv" <<'END'
+test,reference,material,subset,comment
+fit:model=ward;of=sgd:nickel,sgd:nickel,m,ward,c
+missing.bsdf,sgd:nickel,m,lost,c
+END
+"$tool" dataset "$dir/any.csv" --directions "$dir/directions.csv" --points 64 -o "$dir/any.safetensors" >"$dir/out" 2>"$dir/err"
+grep -q '1 pairs of 1 references in 1 material groups (train 1,' "$dir/out" || fail "any list: $(cat "$dir/out")"
+grep -q '1 pairs of kind lost have no label: .*missing.bsdf' "$dir/err" || fail "failures: $(cat "$dir/err")"
+printf '{"reference":"sgd:nickel","test":"%s","name":"sgd:nickel","group":"m","kind":"ward","split":"train"}\n' "$ward" >"$dir/any.jsonl"
+"$tool" dataset "$dir/any.jsonl" --directions "$dir/directions.csv" --points 64 -o "$dir/json.safetensors" >/dev/null 2>"$dir/err"
+python3 - "$dir/any.safetensors" "$dir/json.safetensors" "$("$tool" label sgd:nickel "$ward" --points 64 --json)" <<'END' || fail "labels"
+import json
+import struct
+import sys
+
+
+def label(path):
+    with open(path, "rb") as file:
+        data = file.read()
+    n = struct.unpack("<Q", data[:8])[0]
+    begin, end = json.loads(data[8:8 + n])["delta_e"]["data_offsets"]
+    return struct.unpack("<d", data[8 + n + begin:8 + n + end])[0]
+
+
+def find(value):
+    if isinstance(value, dict):
+        return value.get("delta_e_itp") or next(filter(None, map(find, value.values())), None)
+    return next(filter(None, map(find, value)), None) if isinstance(value, list) else None
+
+
+assert label(sys.argv[1]) == label(sys.argv[2])
+assert f"{label(sys.argv[1]):.8g}" == f"{find(json.loads(sys.argv[3])):.8g}", (label(sys.argv[1]), sys.argv[3])
+END
 
 # models/scan.py: names, groups and splits of a data folder.
 scan() { python3 "$NQM_SOURCE/models/scan.py" "$@"; }
@@ -131,14 +213,16 @@ scan "$dir/data" >"$dir/files.csv"
 if grep -q water "$dir/files.csv"; then fail "a refused material is listed"; fi
 [ "$(grep -v '^renderer-gold' "$dir/files.csv")" = "$(cat "$dir/quoted.csv")" ] || fail "another material changes the list"
 
-refuses 2 'directions' dataset "$dir/materials.csv" -o "$dir/x"
-refuses 2 '-o FILE' dataset "$dir/materials.csv" --directions "$dir/directions.csv"
-refuses 2 'standard output' dataset "$dir/materials.csv" --directions "$dir/directions.csv" -o -
-refuses 2 "no model 'wrad' (did you mean 'ward'?)" dataset "$dir/materials.csv" --directions "$dir/directions.csv" -o "$dir/x" --models ggx,wrad
-refuses 3 'nowhere' dataset "$dir/materials.csv" --directions "$dir/directions.csv" -o "$dir/nowhere/x"
-refuses 2 'validation' dataset "$dir/materials.csv" --directions "$dir/directions.csv" -o "$dir/x" --only validation
+refuses 2 'directions' dataset "$dir/pairs.csv" -o "$dir/x"
+refuses 2 '-o FILE' dataset "$dir/pairs.csv" --directions "$dir/directions.csv"
+refuses 2 'standard output' dataset "$dir/pairs.csv" --directions "$dir/directions.csv" -o -
+refuses 2 'keep needs' dataset "$dir/pairs.csv" --directions "$dir/directions.csv" -o "$dir/x" --keep far
+refuses 3 'nowhere' dataset "$dir/pairs.csv" --directions "$dir/directions.csv" -o "$dir/nowhere/x"
+refuses 2 'validation' dataset "$dir/pairs.csv" --directions "$dir/directions.csv" -o "$dir/x" --only validation
 refuses 3 'missing.csv' dataset "$dir/missing.csv" --directions "$dir/directions.csv" -o "$dir/x"
 if scan "$dir" 2>"$dir/err"; then fail 'a folder without labels is accepted'; fi
 grep -q labels_real.csv "$dir/err" || fail 'the missing file is not named'
 printf 'name,group\n' >"$dir/bad.csv"
-refuses 4 "'brdf'" dataset "$dir/bad.csv" --directions "$dir/directions.csv" -o "$dir/x"
+refuses 4 "'reference'" dataset "$dir/bad.csv" --directions "$dir/directions.csv" -o "$dir/x"
+printf 'reference,test,split\na,b,tset\n' >"$dir/bad.csv"
+refuses 4 "row 1 has the split 'tset'" dataset "$dir/bad.csv" --directions "$dir/directions.csv" -o "$dir/x"

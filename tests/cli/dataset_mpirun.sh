@@ -1,15 +1,17 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
 # nqm dataset under mpirun: two ranks, one rank and a single process write the same file; with Open MPI's
-# --enable-recovery, a killed rank loses only the group that it was working on.
+# --enable-recovery, a killed rank loses only the unit that it was working on.
 # shellcheck source=tests/support/cli.sh
 . "${NQM_SOURCE:?}/tests/support/cli.sh"
 command -v mpirun >/dev/null 2>&1 || exit 77
-cat >"$dir/materials.csv" <<'END'
-name,group,brdf,source,split
-a,a,ggx:kd=0.2;alpha=0.3,ggx,train
-b,b,ggx:kd=0.2;alpha=0.2,ggx,validation
-c,c,ggx:kd=0.1;alpha=0.1,ggx,train
+python3 - >"$dir/pairs.csv" <<'END'
+print("reference,test,name,split")
+for name, brdf, split in (("a", "ggx:kd=0.2;alpha=0.3", "train"), ("b", "ggx:kd=0.2;alpha=0.2", "validation"),
+                          ("c", "ggx:kd=0.1;alpha=0.1", "train")):
+    print(f"{brdf},fit:model=ward;of={brdf},{name},{split}")
+    for i in range(20):
+        print(f"{brdf},perturb:gloss={1.1 + i / 10};of=fit:model=ward;of={brdf},{name},{split}")
 END
 "$tool" directions -n 40 -o "$dir/directions.csv" 2>"$dir/err"
 # Open MPI: allow root, and more ranks than processors.
@@ -21,7 +23,7 @@ shift
 exec "$@"
 END
 make() {
-    "$@" "$tool" dataset "$dir/materials.csv" --directions "$dir/directions.csv" --perturbations 8 --far 6 --models ward \
+    "$@" "$tool" dataset "$dir/pairs.csv" --directions "$dir/directions.csv" \
         --light studio --points 50 --work "$dir/work" -o "$dir/$name.safetensors" >"$dir/out" 2>"$dir/err"
 }
 name=alone

@@ -14,8 +14,8 @@ exit \$code
 END
 printf '#!/bin/sh\nshift 2\nexec "$@"\n' >"$dir/bin/mpirun"
 printf '#!/bin/sh\ncat >/dev/null\n' >"$dir/bin/man" # a bare Debian has none
-printf '#!/bin/sh\n' >"$dir/here/models/scan.py"
-chmod +x "$dir/bin/nqm" "$dir/bin/mpirun" "$dir/bin/man" "$dir/here/models/scan.py"
+printf '#!/bin/sh\n' >"$dir/here/models/plan.py"
+chmod +x "$dir/bin/nqm" "$dir/bin/mpirun" "$dir/bin/man" "$dir/here/models/plan.py"
 PATH=$dir/bin:$PATH
 export PATH
 

@@ -182,7 +182,7 @@ misnamed x.xlsx -o batch list.csv
 misnamed x -o batch list.csv
 misnamed x.html --junit batch list.csv
 misnamed x.txt --markdown batch list.csv
-misnamed x.csv -o dataset materials.csv --directions x.csv
+misnamed x.csv -o dataset pairs.csv --directions x.csv
 misnamed x.bin -o train corpus.safetensors
 misnamed x.png --log train corpus.safetensors -o "$dir/x.safetensors"
 misnamed x.json -o calibrate default corpus.safetensors

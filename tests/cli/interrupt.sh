@@ -13,7 +13,7 @@ mkdir "$in" "$dir/work"
 network=$in/valid.bin:second # a neural process: the slowest BRDF
 awk 'BEGIN { print "reference,test"; for (i = 0; i < 100000; ++i) printf "sgd:nickel,ggx:kd=%.6f;alpha=.3\n", i / 100001 }' >"$in/list.csv"
 awk 'BEGIN { print "DeltaE,JOD"; for (i = 0; i < 300000; ++i) print i % 300 / 10 "," i * 7919 % 1000 / 100 }' >"$in/labels.csv"
-printf 'name,group,brdf,source,split\na,a,%s,nps,train\nb,b,sgd:brass,sgd,validation\n' "$network" >"$in/materials.csv"
+awk -v n="$network" 'BEGIN { print "reference,test"; for (i = 1; i < 200; ++i) print n ",perturb:scale=" i ";of=" n "\nsgd:brass,perturb:gloss=" i / 10 ";of=sgd:brass" }' >"$in/pairs.csv"
 cd "$dir/work"
 signal=INT
 
@@ -43,8 +43,8 @@ stops label-network - label "$network" "$network" --exact
 stops render - render sgd:nickel -o picture.png --size 2000 --quality
 stops report - report sgd:nickel ward:nickel "$network" -o page.html --size 1000
 stops fit - fit --model all "$network" -o fitted
-stops dataset - dataset "$in/materials.csv" --directions "$in/directions.csv" -o corpus.safetensors
-stops dataset-work groups/ dataset "$in/materials.csv" --directions "$in/directions.csv" \
+stops dataset - dataset "$in/pairs.csv" --directions "$in/directions.csv" -o corpus.safetensors
+stops dataset-work groups/ dataset "$in/pairs.csv" --directions "$in/directions.csv" \
     -o corpus.safetensors --work groups
 stops train - train "$in/toy.safetensors" -o trained.safetensors --epochs 10000
 stops learn - learn sparse sgd:nickel sgd:green-plastic --steps 1000000 -o learned.safetensors

@@ -16,19 +16,23 @@ cd "$dir"
 "$tool" train toy.safetensors -o trained.safetensors --hidden 8 --batch 64 --lr-first 0.001 --epochs 2 >/dev/null 2>&1
 "$tool" directions -n 40 -o directions.csv 2>err
 awk 'BEGIN {print "reference,test"; for (i = 1; i <= 400; i++) printf "sgd:nickel,ggx:kd=0.1;alpha=%g\n", .1 + i / 1000}' >list.csv
-cat >materials.csv <<'END'
-name,group,brdf,source,split
-n-ggx,n,ggx:kd=0.2;alpha=0.3,ggx,validation
-p-ggx,p,ggx:kd=0.4;alpha=0.5,ggx,train
-q-sgd,q,sgd:nickel,sgd,train
+cat >pairs.csv <<'END'
+reference,test,split
+ggx:kd=0.2;alpha=0.3,fit:model=ward;of=ggx:kd=0.2;alpha=0.3,validation
+ggx:kd=0.2;alpha=0.3,perturb:gloss=0.7;of=fit:model=ward;of=ggx:kd=0.2;alpha=0.3,validation
+ggx:kd=0.4;alpha=0.5,fit:model=ward;of=ggx:kd=0.4;alpha=0.5,train
+ggx:kd=0.4;alpha=0.5,between:t=0.5;with=(sgd:nickel);of=ggx:kd=0.4;alpha=0.5,train
+sgd:nickel,fit:model=ward;of=sgd:nickel,train
+sgd:nickel,perturb:scale=2;of=sgd:nickel,train
+sgd:nickel,ggx:kd=0.4;alpha=0.5,train
 END
 
 # run_verb VERB: run the verb with outputs in the working folder, a subfolder of $dir. `exec`: the process to kill is nqm itself.
 run_verb() {
     case $1 in
     batch) set -- batch ../list.csv -m ../model.safetensors -o scores.csv --resume ;;
-    dataset) set -- dataset ../materials.csv --directions ../directions.csv -o corpus.safetensors --work groups --models ward \
-        --perturbations 2 --far 2 --roundings 1 --points 20 --shape sphere --light sun ;;
+    dataset) set -- dataset ../pairs.csv --directions ../directions.csv -o corpus.safetensors --work groups \
+        --points 20 --shape sphere --light sun ;;
     train)
         set -- train ../toy.safetensors -o trained.safetensors --hidden 16 --batch 64 --lr-first 0.001 --epochs 6 --log log.csv \
             --checkpoint checkpoint

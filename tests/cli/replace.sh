@@ -65,9 +65,9 @@ run 0 score twins.gltf:b sgd:nickel
 "$tool" directions -n 40 -o directions.csv
 cp d/sparse-0.safetensors enc.safetensors
 keep enc.safetensors
-printf 'name,group,brdf,source,split\nnickel,nickel,enc.safetensors,sgd,train\n' >materials.csv
-refuses_to_replace enc.safetensors dataset materials.csv --directions directions.csv -o enc.safetensors
-cp materials.csv set.safetensors.json
+printf 'reference,test\nenc.safetensors,sgd:nickel\n' >dataset-pairs.csv
+refuses_to_replace enc.safetensors dataset dataset-pairs.csv --directions directions.csv -o enc.safetensors
+cp dataset-pairs.csv set.safetensors.json
 keep set.safetensors.json
 refuses_to_replace set.safetensors.json dataset set.safetensors.json --directions directions.csv -o set.safetensors
 [ ! -e set.safetensors ] || fail "work before the refusal"

@@ -69,11 +69,12 @@ alum-bronze,alum-bronze,sgd:alum-bronze,sgd,test
 red-plastic,red-plastic,sgd:red-plastic,sgd,test
 END
 "$nqm" directions show default -o directions.csv
-scene="--models ward,ggx --perturbations 3 --points 100 --lights 64"
+NQM_TOOL=$nqm PYTHONDONTWRITEBYTECODE=1 python3 "$NQM_SOURCE/models/plan.py" materials.csv --models ward,ggx --perturbations 3 >corpus.csv
+scene="--keep far=26 --points 100 --lights 64"
 # shellcheck disable=SC2086
-"$nqm" dataset materials.csv --directions directions.csv $scene -o train.safetensors
+"$nqm" dataset corpus.csv --directions directions.csv $scene -o train.safetensors
 # shellcheck disable=SC2086
-"$nqm" dataset materials.csv --directions directions.csv $scene -o test.safetensors --only test
+"$nqm" dataset corpus.csv --directions directions.csv $scene -o test.safetensors --only test
 cp train.safetensors corpus.safetensors
 "$nqm" train train.safetensors --hidden 32,16,8 --epochs 3 -o my.safetensors --log loss.csv
 

@@ -30,7 +30,7 @@ import tempfile
 import time
 
 SOURCE, BUILD = os.environ["NQM_SOURCE"], os.environ["NQM_BUILD"]
-WORDS = ("nqm", "models/scan.py", "studies/reproduce.py", "./dev", "build/nqm", "sh", "cc", "git", "awk", "python3", "/usr/bin/python3", "cmake", "mpirun", "sed")
+WORDS = ("nqm", "models/scan.py", "models/plan.py", "studies/reproduce.py", "./dev", "build/nqm", "sh", "cc", "git", "awk", "python3", "/usr/bin/python3", "cmake", "mpirun", "sed")
 COMMAND = re.compile(r"(?:%s)(?: |$)" % "|".join(re.escape(w) for w in WORDS))
 NUMBER = re.compile(r"[-+]?(?:\d[\d,]*\d|\d)?\.?\d+(?:[eE][-+]?\d+)?")
 failures = []

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * The scratch folder and the material list of corpus_files.h.
+ * The scratch folder of corpus_files.h.
  */
 #include "support/corpus_files.h"
 #include "support/check.h"
@@ -11,12 +11,6 @@
 #include <unistd.h>
 
 static char folder[] = "/tmp/nqm-test-XXXXXX";
-
-const char corpus_materials[] = "name,group,brdf,source,split\n"
-                                "a-ggx,a,ggx:kd=0.2;alpha=0.2,ggx,train\n"
-                                "b-ggx,b,ggx:kd=0.1;alpha=0.4,ggx,validation\n"
-                                "a-ward,a,ward:kd=0.2;ks=0.04;alpha=0.2,ward,train\n"
-                                "nickel-sgd,nickel,sgd:nickel,sgd,test\n";
 
 const char *in_folder(const char *name) {
     static char path[2][256];

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * corpus_files.h - a temporary folder, removed at the end of the test program, and a small material list, for tests of
- * corpora.
+ * corpus_files.h - a temporary folder, removed at the end of the test program, for tests that write files.
  */
 #ifndef NQM_TESTS_SUPPORT_CORPUS_FILES_H
 #define NQM_TESTS_SUPPORT_CORPUS_FILES_H
@@ -15,8 +14,5 @@ void remove_folder(const char *path);
 const char *in_folder(const char *name);
 /** Write a file in the folder; returns its path as in_folder() does. */
 const char *write_text(const char *name, const char *text);
-
-/** A material list: two training groups, one of which has two forms, and one test group. */
-extern const char corpus_materials[];
 
 #endif

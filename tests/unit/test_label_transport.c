@@ -3,7 +3,6 @@
  * Transport matrices of corpora: pictures by the matrix against renderings of the same points. A constant BRDF has no error of
  * interpolation, so that its picture tests the light; a smooth lobe tests how light is distributed to the sampling directions.
  */
-#include "corpus/corpus.h"
 #include "label/label.h"
 #include "metric/metric.h"
 #include "sample/node_grid.h"
@@ -41,14 +40,13 @@ static nqm_scene_options scene_of(const char *light, const char *shape) {
 
 /* The matrix is of the scene of a corpus with another number of points. */
 static void make(const nqm_scene_options *o) {
-    nqm_corpus_options options = nqm_corpus_options_default();
-    options.scene = *o;
-    options.scene.n_points = 300;
-    options.scene.n_lights = 0; /* the default of matrices */
+    nqm_scene_options scene = *o;
+    scene.n_points = 300;
+    scene.n_lights = 0; /* the default of matrices */
     assert_int_equal(nqm_node_grid_directions(&f.directions, NULL), NQM_OK);
     assert_true(nqm_directions_count(f.directions) <= MAX_DIRECTIONS);
     f.scene = make_scene(o);
-    assert_int_equal(nqm_transport_fill(&options.scene, POINTS, f.light, f.points, NULL), NQM_OK);
+    assert_int_equal(nqm_transport_fill(&scene, POINTS, f.light, f.points, NULL), NQM_OK);
     f.transport = (nqm_transport){nqm_directions_count(f.directions), POINTS, f.light, f.points};
     assert_null(nqm_transport_fault(&f.transport, true));
 }

@@ -6,6 +6,7 @@
 #include "brdf/core/spec.h"
 #include "brdf/formats/listed.h"
 #include "fit/match.h"
+#include "fit/open.h"
 #include "nqm/tool.h"
 #include "render/render.h"
 
@@ -110,7 +111,7 @@ nqm_brdf *open_brdf(const char *argument) {
     nqm_brdf *brdf;
     nqm_error err = {0};
     refuse_model_name(argument);
-    must(nqm_brdf_open(argument, &brdf, &err), &err);
+    must(nqm_fit_open(argument, NULL, &brdf, &err), &err);
     return brdf;
 }
 

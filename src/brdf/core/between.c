@@ -17,8 +17,7 @@ static const nqm_spec_schema schema = {
      [LOG] = {.name = "log", .n = 1, .low = 0, .high = 1, .whole = true, .fallback = 0}}};
 
 typedef struct between {
-    nqm_brdf *of, *with;
-    bool owned; /* both */
+    nqm_between_bases bases;
     double t;
     bool is_geometric;
 } between;
@@ -37,19 +36,23 @@ static void between_eval_half_diff(const void *state, size_t n, const double *hd
     for (size_t first = 0; first < n; first += BLOCK) {
         size_t m = nqm_smaller(n - first, BLOCK);
         double *out = rgb + 3 * first;
-        nqm_brdf_eval_half_diff(self->of, m, hd + 3 * first, out, flag[0]);
-        nqm_brdf_eval_half_diff(self->with, m, hd + 3 * first, with, flag[1]);
+        nqm_brdf_eval_half_diff(self->bases.of, m, hd + 3 * first, out, flag[0]);
+        nqm_brdf_eval_half_diff(self->bases.with, m, hd + 3 * first, with, flag[1]);
         for (size_t i = 0; i < 3 * m; ++i)
             out[i] = nqm_has_value(flag[0][i / 3]) && nqm_has_value(flag[1][i / 3]) ? mean(self, out[i], with[i]) : NAN;
     }
 }
 
+static void free_owned(const nqm_between_bases *bases) {
+    if (bases->owns_of)
+        nqm_brdf_free(bases->of);
+    if (bases->owns_with)
+        nqm_brdf_free(bases->with);
+}
+
 static void between_free(void *state) {
     between *self = state;
-    if (self->owned) {
-        nqm_brdf_free(self->of);
-        nqm_brdf_free(self->with);
-    }
+    free_owned(&self->bases);
     nqm_free(self);
 }
 
@@ -75,23 +78,20 @@ static char *canonical_spec(const nqm_spec_values *values, const nqm_brdf *of, c
     return spec;
 }
 
-/* `both`: of, with, owned. Owned BRDFs are freed also on failure. */
-static nqm_status wrap(const nqm_spec_values *values, const between *both, const char *name, nqm_brdf **brdf_ret,
-                       nqm_error *err) {
+/* Owned bases are freed also on failure. */
+static nqm_status wrap(const nqm_spec_values *values, const nqm_between_bases *bases, const char *name,
+                       nqm_brdf **brdf_ret, nqm_error *err) {
     char layout[160];
-    const nqm_brdf *of = both->of, *with = both->with;
+    const nqm_brdf *of = bases->of, *with = bases->with;
     between *self = nqm_alloc(1, sizeof *self);
     char *spec = canonical_spec(values, of, with);
     if (!self || !spec) {
         nqm_free(self);
         nqm_free(spec);
-        if (both->owned) {
-            nqm_brdf_free(both->of);
-            nqm_brdf_free(both->with);
-        }
+        free_owned(bases);
         return nqm_fail_nomem(err, sizeof *self);
     }
-    *self = *both;
+    self->bases = *bases;
     self->t = values->v[T][0];
     self->is_geometric = values->v[LOG][0] != 0;
     const nqm_brdf_info info = {.name = name ? name : spec, .spec = spec, .layout = layout};
@@ -102,11 +102,14 @@ static nqm_status wrap(const nqm_spec_values *values, const between *both, const
     return status;
 }
 
-nqm_status nqm_between_wrap(const char *settings, nqm_brdf *of, nqm_brdf *with, nqm_brdf **brdf_ret, nqm_error *err) {
+nqm_status nqm_between_wrap(const char *settings, const nqm_between_bases *bases, nqm_brdf **brdf_ret, nqm_error *err) {
     nqm_spec_values values;
     *brdf_ret = NULL;
     nqm_status status = nqm_spec_parse(&schema, settings, &values, err);
-    return status == NQM_OK ? wrap(&values, &(between){.of = of, .with = with}, NULL, brdf_ret, err) : status;
+    if (status == NQM_OK)
+        return wrap(&values, bases, NULL, brdf_ret, err);
+    free_owned(bases);
+    return status;
 }
 
 /* The parenthesis that closes the one before `text`; NULL: there is none. */
@@ -146,7 +149,7 @@ static nqm_status open_both(char *text, const char *name, nqm_brdf_opener *open,
         return status;
     status = open(with_text, with_text, &with, err);
     if (status == NQM_OK)
-        return wrap(&values, &(between){.of = of, .with = with, .owned = true}, name, brdf_ret, err);
+        return wrap(&values, &(nqm_between_bases){of, with, true, true}, name, brdf_ret, err);
     nqm_brdf_free(of);
     return status;
 }

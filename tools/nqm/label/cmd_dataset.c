@@ -1,20 +1,23 @@
 /* SPDX-License-Identifier: MIT
  *
- * nqm dataset - make a training corpus from a list of materials. Started by mpirun or
- * srun, all processes share the work and the first writes the dataset.
+ * nqm dataset - label a list of pairs of BRDFs for training. Started by mpirun or srun, all processes share the work and the first
+ * writes the dataset.
  */
 #include "corpus/corpus.h"
 #include "nqm/label/scene.h"
+#include "nqm/score/pair_list.h"
 
 #include <string.h>
+#include <strings.h>
 
 /* Report the tests that failed; the dataset is valid without them. */
 static void print_failures(const json_t *manifest) {
     const char *kind;
     json_t *row;
-    json_object_foreach(json_object_get(manifest, "failures"), kind, row) fprintf(
-        stderr, "nqm dataset: no %s for %zu tests: %s\n", kind,
-        (size_t)json_integer_value(json_object_get(row, "pairs")), json_string_value(json_object_get(row, "message")));
+    json_object_foreach(json_object_get(manifest, "failures"), kind, row)
+        fprintf(stderr, "nqm dataset: %zu pairs of kind %s have no label: %s\n",
+                (size_t)json_integer_value(json_object_get(row, "pairs")), kind,
+                json_string_value(json_object_get(row, "message")));
 }
 
 static void print_summary(const char *path, bool json) {
@@ -40,7 +43,7 @@ static void print_summary(const char *path, bool json) {
 
 enum { MAX_ROWS = 32 };
 
-/* The rows of the corpus and those of its scene; --seed is the seed of the corpus. */
+/* The rows of the corpus and those of its scene. */
 static nqm_option_table corpus_and_scene(nqm_option rows[MAX_ROWS]) {
     nqm_option_table table = {.rows = rows};
     for (; table.n < nqm_corpus_option_table.n; ++table.n)
@@ -48,73 +51,122 @@ static nqm_option_table corpus_and_scene(nqm_option rows[MAX_ROWS]) {
     for (size_t i = 0; i < nqm_scene_option_table.n && table.n < MAX_ROWS; ++i, ++table.n) {
         rows[table.n] = nqm_scene_option_table.rows[i];
         rows[table.n].offset += offsetof(nqm_corpus_options, scene);
-        if (strcmp(rows[table.n].key, "seed") == 0)
-            rows[table.n].name = "scene-seed";
     }
     return table;
 }
 
-int cmd_dataset(int argc, char **argv) {
-    nqm_corpus_options corpus = nqm_corpus_options_default();
-    const char *output = NULL, *directions_path = NULL;
-    ranks r = my_ranks();
-    scene_args scene = {0};
-    bool log = false, json = false;
+/* ---- the list ---------------------------------------------------------------------------------------------------- */
+
+static nqm_split split_of(const char *list, size_t row, const char *word) {
+    static const char *const words[] = {"train", "validation", "test"};
+    for (int i = 0; i < 3; ++i)
+        if (strcmp(word, words[i]) == 0)
+            return (nqm_split)i;
+    stop(EXIT_MALFORMED, "%s: row %zu has the split '%s'; it must be train, validation or test", list, row + 1, word);
+}
+
+/* A column that says something about a pair; others are ignored. */
+static void set_column(const char *list, size_t row, const char *name, const char *text, nqm_corpus_pair *pair) {
+    const struct {
+        const char *name;
+        const char **text;
+    } columns[] = {{"name", &pair->name},     {"group", &pair->group}, {"material", &pair->group},
+                   {"source", &pair->source}, {"kind", &pair->kind},   {"subset", &pair->kind},
+                   {"family", &pair->family}, {"other", &pair->other}};
+    if (strcasecmp(name, "split") == 0 && *text)
+        pair->split = split_of(list, row, text);
+    for (size_t i = 0; i < sizeof columns / sizeof *columns; ++i)
+        if (strcasecmp(name, columns[i].name) == 0)
+            *columns[i].text = text;
+}
+
+/* The texts belong to the list; free() the result. */
+static nqm_corpus_pair *take_pairs(const char *path, const nqm_pair_list *list) {
+    nqm_corpus_pair *pairs = allocate(list->n_rows, sizeof *pairs);
+    for (size_t row = 0; row < list->n_rows; ++row) {
+        pairs[row] = (nqm_corpus_pair){.reference = list->pair[row].ref, .test = list->pair[row].test};
+        for (size_t i = 0; i < nqm_pair_list_cells(list, row); ++i) {
+            const nqm_list_cell cell = nqm_pair_list_cell(list, row, i);
+            set_column(path, row, list->column[cell.column], cell.text, &pairs[row]);
+        }
+    }
+    return pairs;
+}
+
+/* ---- the verb ---------------------------------------------------------------------------------------------------- */
+
+typedef struct dataset_args {
+    nqm_corpus_options corpus;
+    const char *output, *directions;
+    scene_args scene;
+    bool log, json;
+    ranks ranks;
+} dataset_args;
+
+static void parse(int argc, char **argv, dataset_args *a) {
     nqm_option rows[MAX_ROWS];
     const nqm_option_table table = corpus_and_scene(rows);
     const option options[] = {
-        {"output", 'o', OPTION_NEEDED, &output, "FILE.safetensors",
+        {"output", 'o', OPTION_NEEDED, &a->output, "FILE.safetensors",
          "the dataset to write; its manifest is written to FILE.json", 0, 0},
-        {"directions", 0, OPTION_NEEDED, &directions_path, "CSV", "sampling directions, from `nqm directions`", 0, 0},
-        {"log", 0, OPTION_FLAG, &log, NULL, "progress as lines on standard error, for log files", 0, 0},
-        {"json", 0, OPTION_FLAG, &json, NULL, "print the manifest as JSON", 0, 0},
-        OPTION_ROW_SIZE(&scene, "pixels of a frame: label pictures instead of points"),
+        {"directions", 0, OPTION_NEEDED, &a->directions, "CSV", "sampling directions, from `nqm directions`", 0, 0},
+        {"log", 0, OPTION_FLAG, &a->log, NULL, "progress as lines on standard error, for log files", 0, 0},
+        {"json", 0, OPTION_FLAG, &a->json, NULL, "print the manifest as JSON", 0, 0},
+        OPTION_ROW_SIZE(&a->scene, "pixels of a frame: label pictures instead of points"),
         {0}};
     const command cmd = {
-        .usage = "MATERIALS.csv --directions CSV -o FILE [options]",
+        .usage = "PAIRS.csv --directions CSV -o FILE [options]",
         .about =
-            "Make a dataset for `nqm train`: encodings, published fits, other forms of the same material,\n"
-            "perturbations of every reference and BRDFs that really differ, among them other materials; labelled by\n"
-            "rendering. MATERIALS.csv has the columns name, group, brdf, source and split. Test materials are\n"
-            "written to a separate file (--only test). Started by mpirun, all processes share the work; all of them\n"
-            "need access to the --work folder.",
-        .example =
-            "models/scan.py data > materials.csv\n"
-            "nqm dataset materials.csv --root data --directions directions.csv -o corpus.safetensors --work work\n"
-            "nqm dataset materials.csv --root data --directions directions.csv --only test -o test.safetensors\n"
-            "mpirun -n 8 nqm dataset materials.csv --directions directions.csv -o corpus.safetensors --work work",
+            "Label a list of pairs by rendering, for `nqm train`. PAIRS is a CSV, or JSON Lines, with the columns\n"
+            "reference and test, which may be fits of the reference (fit:model=ggx;of=REFERENCE), and any of name (of\n"
+            "the reference), group (its material), source, split (train, validation, test), kind, family, other.\n"
+            "Test materials are written to a separate file (--only test). Started by mpirun, all processes share the\n"
+            "work; all of them need access to the --work folder.",
+        .example = "models/plan.py materials.csv --root data > pairs.csv\n"
+                   "nqm dataset pairs.csv --root data --directions directions.csv -o corpus.safetensors --work work\n"
+                   "nqm dataset pairs.csv --root data --directions directions.csv --only test -o test.safetensors\n"
+                   "mpirun -n 8 nqm dataset pairs.csv --directions directions.csv -o corpus.safetensors --work work",
         .options = options,
         .table = &table,
-        .table_target = &corpus,
+        .table_target = &a->corpus,
         .min_arguments = 1,
     };
     parse_arguments(&cmd, argc, argv);
-    scene.scene = corpus.scene;
-    if (scene.size) /* a picture instead of points */
-        scene.scene.n_points = 0;
-    scene_args_end(&scene);
-    corpus.scene = scene.scene;
-    corpus.work_only = r.rank > 0;
-    corpus.progress = show_scene_progress;
-    set_progress(r.rank > 0 ? PROGRESS_NONE : log ? PROGRESS_LOG : PROGRESS_ON_TERMINAL);
-    if (strcmp(output, "-") == 0)
+    a->scene.scene = a->corpus.scene;
+    if (a->scene.size) /* a picture instead of points */
+        a->scene.scene.n_points = 0;
+    scene_args_end(&a->scene);
+    a->corpus.scene = a->scene.scene;
+    a->corpus.work_only = a->ranks.rank > 0;
+    a->corpus.progress = show_scene_progress;
+    set_progress(a->ranks.rank > 0 ? PROGRESS_NONE : a->log ? PROGRESS_LOG : PROGRESS_ON_TERMINAL);
+    if (strcmp(a->output, "-") == 0)
         stop(EXIT_USAGE, "a dataset cannot be written to standard output, because its manifest is a second file; give "
                          "a file name");
-    if (r.count > 1 && !corpus.checkpoint)
-        stop(EXIT_USAGE, "%zu processes need a shared folder: --work DIR", r.count);
-    if (!corpus.root && !list_root(NULL, argv[0]))
-        corpus.root = "."; /* a list without a folder, such as standard input */
-    if (corpus.checkpoint)
-        save_when_interrupted();
+    if (a->ranks.count > 1 && !a->corpus.checkpoint)
+        stop(EXIT_USAGE, "%zu processes need a shared folder: --work DIR", a->ranks.count);
+}
+
+int cmd_dataset(int argc, char **argv) {
+    dataset_args a = {.corpus = nqm_corpus_options_default(), .ranks = my_ranks()};
     nqm_error err = {0};
     nqm_directions *directions;
-    must(nqm_directions_load_csv(input_path(directions_path), &directions, &err), &err);
-    const nqm_status status = nqm_corpus_build(argv[0], directions, &corpus, output, &err);
-    if (status == NQM_ERR_CANCELLED && corpus.checkpoint)
-        stop(EXIT_INTERRUPTED, "stopped; the same command continues from %s", corpus.checkpoint);
+    nqm_pair_list *list;
+    parse(argc, argv, &a);
+    if (a.corpus.checkpoint)
+        save_when_interrupted();
+    must(nqm_directions_load_csv(input_path(a.directions), &directions, &err), &err);
+    must(nqm_pair_list_load(input_path(argv[0]), &list, &err), &err);
+    a.corpus.root = list_root(a.corpus.root, argv[0]);
+    nqm_corpus_pair *pairs = take_pairs(argv[0], list);
+    const nqm_status status = nqm_corpus_build(list->n_rows, pairs, directions, &a.corpus, a.output, &err);
+    if (status == NQM_ERR_CANCELLED && a.corpus.checkpoint)
+        stop(EXIT_INTERRUPTED, "stopped; the same command continues from %s", a.corpus.checkpoint);
     must(status, &err);
+    free(pairs);
+    nqm_pair_list_free(list);
     nqm_directions_free(directions);
-    if (!corpus.work_only)
-        print_summary(output, json);
+    if (!a.corpus.work_only)
+        print_summary(a.output, a.json);
     return EXIT_OK;
 }

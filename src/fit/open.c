@@ -1,0 +1,276 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Opens BRDF arguments that are fitted when they are opened. "fit:SETTINGS;of=BRDF" is the result of nqm_fit(), or of one of the
+ * variations of it with which corpora test a metric: a point on the path of the optimiser (steps), a network that overfits few
+ * directions (at, own), a reciprocal table (model=table).
+ */
+#include "fit/open.h"
+#include "base/names.h"
+#include "brdf/brdf.h"
+#include "math/math.h"
+
+#include <string.h>
+
+enum { MAX_DEPTH = 16, MAX_OVERFITTED = 100000 };
+
+/* ---- parts of an argument ---------------------------------------------------------------------------------------- */
+
+/* "WRAPPER:SETTINGS;of=OF" or "between:SETTINGS;with=(WITH);of=OF", cut in `text`. */
+typedef struct parts {
+    char *text; /* owned */
+    enum { BASE, FIT, PERTURB, BETWEEN } form;
+    const char *settings, *with, *of; /* of BASE: NULL */
+} parts;
+
+static char *find_closing(char *text) {
+    size_t open = 1;
+    for (; *text; ++text) {
+        open += *text == '(';
+        open -= *text == ')';
+        if (open == 0)
+            return text;
+    }
+    return NULL;
+}
+
+/* Cut the text before `key`; returns what follows it. NULL: it does not occur. */
+static char *cut(char *text, const char *key) {
+    char *at = strncmp(text, key + 1, strlen(key) - 1) == 0 ? text : strstr(text, key);
+    if (!at)
+        return NULL;
+    char *rest = at + strlen(key) - (at == text && *text != ';');
+    *at = 0;
+    return rest;
+}
+
+/* free_parts() it. What is not of one of the forms is left to nqm_brdf_open(), which says what is wrong. */
+static nqm_status split(const char *argument, parts *p, nqm_error *err) {
+    static const char *const prefix[] = {[FIT] = "fit:", [PERTURB] = "perturb:", [BETWEEN] = "between:"};
+    *p = (parts){.text = nqm_strdup(argument), .form = BETWEEN};
+    if (!p->text)
+        return nqm_fail_nomem(err, strlen(argument) + 1);
+    while (p->form != BASE && strncmp(argument, prefix[p->form], strlen(prefix[p->form])) != 0)
+        --p->form;
+    if (p->form == BASE)
+        return NQM_OK;
+    char *settings = p->text + strlen(prefix[p->form]), *end = NULL;
+    p->settings = settings;
+    if (p->form == BETWEEN) {
+        p->with = cut(settings, ";with=(");
+        end = p->with ? find_closing(settings + strlen(settings) + strlen(";with=(")) : NULL;
+        p->of = end && strncmp(end + 1, ";of=", 4) == 0 ? end + 5 : NULL;
+        if (end)
+            *end = 0;
+    } else {
+        p->of = cut(settings, ";of=");
+    }
+    if (!p->of || !*p->of || !*settings) {
+        if (p->form == FIT)
+            return nqm_fail(err, NQM_ERR_ARG, -1,
+                            "fit: 'of=' and a BRDF are missing at the end (fit:model=ggx;of=BRDF)");
+        p->form = BASE;
+    }
+    return NQM_OK;
+}
+
+static void free_parts(parts *p) {
+    nqm_free(p->text);
+}
+
+static nqm_status visit_at(const char *argument, size_t depth,
+                           nqm_status (*visit)(void *user, const char *base, nqm_error *err), void *user,
+                           nqm_error *err) {
+    parts p;
+    nqm_status status = split(argument, &p, err);
+    if (status == NQM_OK && depth > MAX_DEPTH)
+        status = nqm_fail(err, NQM_ERR_ARG, -1, "a BRDF argument has more than %d levels", MAX_DEPTH);
+    if (status == NQM_OK && p.form == BASE)
+        status = visit(user, argument, err);
+    else if (status == NQM_OK && p.form == BETWEEN)
+        status = visit_at(p.with, depth + 1, visit, user, err);
+    if (status == NQM_OK && p.form != BASE)
+        status = visit_at(p.of, depth + 1, visit, user, err);
+    free_parts(&p);
+    return status;
+}
+
+nqm_status nqm_fit_visit_bases(const char *argument, nqm_status (*visit)(void *user, const char *base, nqm_error *err),
+                               void *user, nqm_error *err) {
+    return visit_at(argument, 0, visit, user, err);
+}
+
+/* ---- settings of a fit ------------------------------------------------------------------------------------------- */
+
+typedef struct settings {
+    const char *model; /* in the text */
+    nqm_fit_options options;
+    size_t n_steps; /* SIZE_MAX: not given */
+    size_t n_at;    /* overfit this many directions; 0: all */
+    bool own;       /* of the caller */
+} settings;
+
+static nqm_status set_count(const char *key, const char *value, size_t low, size_t high, size_t *count_ret,
+                            nqm_error *err) {
+    const char *end;
+    double number;
+    if (!nqm_parse_double(value, &end, &number) || *end || !(number >= (double)low && number <= (double)high) ||
+        number != (double)(size_t)number)
+        return nqm_fail(err, NQM_ERR_ARG, -1, "fit: %s needs a whole number from %zu to %zu, not '%s'", key, low, high,
+                        value);
+    *count_ret = (size_t)number;
+    return NQM_OK;
+}
+
+/* One "key=value"; options have the names of `nqm fit`. */
+static nqm_status set_one(char *text, settings *s, nqm_error *err) {
+    bool is_off = false;
+    char *value = strchr(text, '=');
+    if (!value)
+        return nqm_fail(err, NQM_ERR_ARG, -1, "fit: '%.80s' is no setting; the form is fit:model=ggx;of=BRDF", text);
+    *value++ = 0;
+    if (strcmp(text, "model") == 0) {
+        s->model = value;
+        return NQM_OK;
+    }
+    if (strcmp(text, "steps") == 0)
+        return set_count(text, value, 0, 1000, &s->n_steps, err);
+    if (strcmp(text, "at") == 0 || strcmp(text, "own") == 0) {
+        s->own = *text == 'o';
+        return set_count(text, value, 1, MAX_OVERFITTED, &s->n_at, err);
+    }
+    const nqm_option *option = strcmp(text, "loss") == 0
+                                   ? nqm_option_by_key(&nqm_fit_option_table, text)
+                                   : nqm_option_by_name(&nqm_fit_option_table, text, strlen(text), &is_off);
+    if (!option || option->kind == NQM_OPTION_BOOL || option->kind == NQM_OPTION_TEXT) {
+        nqm_nearest nearest = nqm_nearest_begin(text);
+        static const char *const keys[] = {"model", "loss", "seed", "samples", "starts", "steps", "at", "own"};
+        for (size_t i = 0; i < sizeof keys / sizeof *keys; ++i)
+            nqm_nearest_add(&nearest, keys[i]);
+        return nqm_fail(err, NQM_ERR_ARG, -1, "fit: there is no setting '%.80s'%s", text, nearest.advice);
+    }
+    return nqm_option_set(option, &s->options, value, err);
+}
+
+static nqm_status parse(char *text, settings *s, nqm_error *err) {
+    nqm_status status = NQM_OK;
+    *s = (settings){.options = nqm_fit_options_default(), .n_steps = SIZE_MAX};
+    for (char *at = text; status == NQM_OK && *at;) {
+        const size_t n = strcspn(at, ";");
+        char *next = at + n + (at[n] == ';');
+        at[n] = 0;
+        status = set_one(at, s, err);
+        at = next;
+    }
+    if (status == NQM_OK && !s->model)
+        status = nqm_fail(err, NQM_ERR_ARG, -1, "fit: a model is missing (fit:model=ggx;of=BRDF)");
+    if (status == NQM_OK && s->n_at && strcmp(s->model, "nbrdf") != 0)
+        status = nqm_fail(err, NQM_ERR_ARG, -1, "fit: 'at' and 'own' belong to the model nbrdf, not to %s", s->model);
+    return status == NQM_OK ? nqm_options_check(&nqm_fit_option_table, &s->options, err) : status;
+}
+
+/* ---- fits -------------------------------------------------------------------------------------------------------- */
+
+/* A network that is trained at few directions, random ones or some of the caller's. */
+static nqm_status overfit(const nqm_brdf *ref, const settings *s, const nqm_fit_context *context, nqm_brdf **brdf_ret,
+                          nqm_error *err) {
+    const double degree = NQM_PI / 180;
+    const size_t n_own = s->own ? context->n_own : 0, n = s->own ? nqm_smaller(s->n_at, n_own) : s->n_at;
+    nqm_rng rng = nqm_rng_make(s->options.seed, 0);
+    double *hd;
+    size_t *own;
+    if (n == 0)
+        return nqm_fail(err, NQM_ERR_ARG, -1,
+                        "fit: 'own' means directions of a dataset, and there are none here; use 'at'");
+    nqm_status status = nqm_alloc_arrays(NQM_ARRAYS({&hd, n, 3 * sizeof *hd}, {&own, n_own, sizeof *own}), err);
+    if (status != NQM_OK)
+        return status;
+    for (size_t i = 0; i < n_own; ++i)
+        own[i] = i;
+    nqm_rng_shuffle(&rng, n_own, own);
+    for (size_t i = 0; i < n; ++i)
+        if (!s->own)
+            nqm_encode_draw_dense(&rng, 80 * degree, NQM_PI / 2, NQM_PI, hd + 3 * i);
+        else
+            for (size_t k = 0; k < 3; ++k)
+                hd[3 * i + k] = context->own_deg[3 * own[i] + k] * degree;
+    status = nqm_encode_nbrdf_at(ref, n, hd, s->options.seed, brdf_ret, err);
+    nqm_free(hd);
+    return status;
+}
+
+static nqm_status fit(const nqm_brdf *ref, char *text, const nqm_fit_context *context, nqm_brdf **brdf_ret,
+                      nqm_error *err) {
+    settings s;
+    nqm_fit_report report = {.spec = ""};
+    nqm_ticker ticker = {.fn = context->progress, .user = context->progress_user};
+    nqm_status status = parse(text, &s, err);
+    if (status != NQM_OK)
+        return status;
+    s.options.progress = context->progress;
+    s.options.progress_user = context->progress_user;
+    if (strcmp(s.model, "table") == 0)
+        return nqm_brdf_tabulate(ref, nqm_table_general, &ticker, brdf_ret, err);
+    if (s.n_at)
+        return overfit(ref, &s, context, brdf_ret, err);
+    if (s.n_steps == SIZE_MAX)
+        return nqm_fit(ref, s.model, &s.options, &report, brdf_ret, err);
+    status = nqm_fit_path(ref, s.model, &s.options, s.options.seed, s.n_steps, report.spec, err);
+    return status == NQM_OK ? nqm_brdf_open(report.spec, brdf_ret, err) : status;
+}
+
+/* ---- opening ----------------------------------------------------------------------------------------------------- */
+
+static nqm_status open_base(const nqm_fit_context *context, const char *argument, nqm_brdf **brdf_ret, bool *is_lent,
+                            nqm_error *err) {
+    *is_lent = false;
+    *brdf_ret = NULL;
+    return context->open ? context->open(context->user, argument, brdf_ret, is_lent, err)
+                         : nqm_fit_open(argument, context, brdf_ret, err);
+}
+
+static void drop(nqm_brdf *brdf, bool is_lent) {
+    if (!is_lent)
+        nqm_brdf_free(brdf);
+}
+
+static nqm_status open_between(const parts *p, const nqm_fit_context *context, nqm_brdf **brdf_ret, nqm_error *err) {
+    nqm_brdf *of, *with;
+    bool of_lent, with_lent;
+    nqm_status status = open_base(context, p->of, &of, &of_lent, err);
+    if (status != NQM_OK)
+        return status;
+    status = open_base(context, p->with, &with, &with_lent, err);
+    if (status != NQM_OK) {
+        drop(of, of_lent);
+        return status;
+    }
+    const nqm_between_bases bases = {.of = of, .with = with, .owns_of = !of_lent, .owns_with = !with_lent};
+    return nqm_between_wrap(p->settings, &bases, brdf_ret, err);
+}
+
+nqm_status nqm_fit_open(const char *argument, const nqm_fit_context *context_or_null, nqm_brdf **brdf_ret,
+                        nqm_error *err) {
+    const nqm_fit_context none = {0}, *context = context_or_null ? context_or_null : &none;
+    parts p;
+    nqm_brdf *of = NULL;
+    bool is_lent = false;
+    NQM_MAKE(err, brdf_ret, argument);
+    if (!context->open && !strstr(argument, "fit:"))
+        return nqm_brdf_open(argument, brdf_ret, err);
+    nqm_status status = split(argument, &p, err);
+    if (status == NQM_OK && p.form == BETWEEN) {
+        status = open_between(&p, context, brdf_ret, err);
+    } else if (status == NQM_OK && p.form == BASE) {
+        status = nqm_brdf_open(argument, brdf_ret, err);
+    } else if (status == NQM_OK) {
+        status = open_base(context, p.of, &of, &is_lent, err);
+        if (status == NQM_OK && p.form == PERTURB) {
+            status = nqm_perturb_wrap(p.settings, of, !is_lent, brdf_ret, err);
+        } else if (status == NQM_OK) {
+            status = fit(of, (char *)(uintptr_t)p.settings, context, brdf_ret, err);
+            drop(of, is_lent);
+        }
+    }
+    free_parts(&p);
+    return status;
+}
