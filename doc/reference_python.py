@@ -8,7 +8,7 @@ import os
 import re
 
 PACKAGE = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "python", "nqm")
-GROUPS = (("Scores", ("score", "score_many", "batch", "score_samples", "score_grad", "Score", "Parts", "Scorer", "preference")),
+GROUPS = (("Scores", ("score", "score_many", "batch", "expand_pairs", "score_samples", "score_grad", "Score", "Parts", "Scorer", "preference")),
           ("BRDFs", ("BRDF", "BRDFInfo", "CheckReport", "compare", "Difference", "presets", "materials", "MaterialInfo", "table_nodes",
                      "half_diff_to_directions", "directions_to_half_diff", "Directions")),
           ("Metrics and models", ("Metric", "metrics", "Model", "ModelInfo", "models")),

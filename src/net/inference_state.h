@@ -52,8 +52,8 @@ struct nqm_inference_work {
     float *panel;          /**< (threads, panel_size) a panel packed for immediate use */
     size_t panel_size;
     bool is_packed;         /**< this call reads the network's panels of floats, not `panel` */
-    size_t n_rows;          /**< of this call */
-    size_t _Atomic n_taken; /**< of them, where each thread takes rows through all layers */
+    size_t n_rows;          /**< rows of this call */
+    size_t _Atomic n_taken; /**< rows taken by threads that compute all layers of their rows */
     /* References of this call, 1..n_refs; 0 is the last one of the call before. */
     size_t n_refs;
     size_t *ref_of;            /**< (max_batch) a row's reference */

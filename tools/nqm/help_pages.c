@@ -229,8 +229,8 @@ void begin_markdown(void) {
          "VERB\n"
          "--help` and `man nqm-VERB` add the rest of the description and examples; [cli.md](cli.md) has output, JSON "
          "and\n"
-         "failures. An option that several verbs have is described at the first one. `--no-NAME` switches a flag off "
-         "that is on.");
+         "failures. An option that several verbs have is described at the first one. A flag is switched off by "
+         "`no-` before its name.");
 }
 
 void print_markdown(const command *cmd) {
