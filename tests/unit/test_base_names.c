@@ -8,7 +8,8 @@
 #include <string.h>
 
 static const char *advice(const char *wanted) {
-    static const char *const names[] = {"score", "rank", "fail-under", "directions", "ggx", "ward", "the-longest-name-has-forty-characters--!", NULL};
+    static const char *const names[] = {
+        "score", "rank", "fail-under", "directions", "ggx", "ward", "the-longest-name-has-forty-characters--!", NULL};
     static nqm_nearest nearest;
     nearest = nqm_nearest_begin(wanted);
     for (size_t i = 0; names[i]; ++i)

@@ -74,11 +74,12 @@ static const option options[] = {
     {"output", 'o', OPTION_TEXT, &output, "FILE.json", "also write the JSON to a file", 0, 0},
     {"epochs", 0, OPTION_COUNT, &epochs, "N", "train: epochs, instead of the recipe's", 1, 10000},
     {0}};
-static const choice choices[] = {{"gemm", "", "the matrix products of the networks, and oneDNN's"},
-                          {"train", "", "a training of the paper's size, on generated pairs"},
-                          {"score", "", "the network, and samples to JOD, for 1 to 512 pairs in each precision"},
-                          {"load", "[FILE...]", "files to samples, with a MERL table, and the start of this program"},
-                          {0}};
+static const choice choices[] = {
+    {"gemm", "", "the matrix products of the networks, and oneDNN's"},
+    {"train", "", "a training of the paper's size, on generated pairs"},
+    {"score", "", "the network, and samples to JOD, for 1 to 512 pairs in each precision"},
+    {"load", "[FILE...]", "files to samples, with a MERL table, and the start of this program"},
+    {0}};
 
 static const command cmd = {
     .usage = "[gemm | train | score | load [FILE...]] [options]",

@@ -136,10 +136,11 @@ static const option options[] = {
     {"half", 0, OPTION_FLAG, &half, NULL, "annotate: store hidden layers' weights in 16 bits", 0, 0},
     {0}};
 enum { LIST, SHOW, ANNOTATE };
-static const choice choices[] = {[LIST] = {"list", "", "list the built-in models, as without arguments"},
-                          [SHOW] = {"show", "MODEL", "describe a model"},
-                          [ANNOTATE] = {"annotate", "MODEL NOTES.md", "write a copy with a text added to its card"},
-                          {0}};
+static const choice choices[] = {
+    [LIST] = {"list", "", "list the built-in models, as without arguments"},
+    [SHOW] = {"show", "MODEL", "describe a model"},
+    [ANNOTATE] = {"annotate", "MODEL NOTES.md", "write a copy with a text added to its card"},
+    {0}};
 
 static const command cmd = {
     .usage = "[show MODEL | annotate MODEL NOTES.md -o FILE] [options]",
