@@ -19,27 +19,46 @@ static void see(const nqm_scene *scene, const double *rgb_cdm2, double *itp) {
         itp[k] *= NQM_ITP_UNIT;
 }
 
-/* The points are dealt out to this many groups, each of which estimates the label. Points are evenly spread, so that four times
- * as many have a quarter of the error (doc/labels.md), not half of it. */
-enum { GROUPS = 4 };
+/* The points are dealt out to MANY interleaved groups, each of which estimates the label, and so does each of FEW unions of them. */
+enum { FEW = 4, MANY = 16 };
+
+/* Standard deviation of the estimates of n groups. sum, weight (n): Delta-E times weight, and weights; groups without points are
+ * left out. */
+static double spread_of(size_t n, const double *sum, const double *weight, double mean) {
+    double squares = 0;
+    for (size_t g = 0; g < n && weight[g] > 0; ++g)
+        squares += pow(sum[g] / weight[g] - mean, 2);
+    return sqrt(squares / (double)(n - 1));
+}
+
+/* Standard error of the mean over all points. It falls as n^-p with the number of points: p is 1 where the difference is smooth over
+ * the picture, since points are evenly spread, and 1/2 where it is small spots. The groups of both sizes show p. */
+static double points_error(const double sum[MANY], const double weight[MANY], double mean) {
+    double union_sum[FEW] = {0}, union_weight[FEW] = {0};
+    for (size_t g = 0; g < MANY; ++g) {
+        union_sum[g % FEW] += sum[g];
+        union_weight[g % FEW] += weight[g];
+    }
+    const double of_many = spread_of(MANY, sum, weight, mean), of_few = spread_of(FEW, union_sum, union_weight, mean);
+    const double ratio = of_few > 0 ? of_many / of_few : 2; /* (MANY / FEW)^p */
+    return of_few / fmin(fmax(ratio, 2), 4);
+}
 
 static nqm_label compare_one(const nqm_scene *scene, const double *ref_cdm2, const double *test_cdm2) {
     const double *weights = scene->seen.weight;
     nqm_picture_sums sums = {0};
-    double group_weight[GROUPS] = {0}, group_sum[GROUPS] = {0}, squares = 0;
+    double group_weight[MANY] = {0}, group_sum[MANY] = {0};
     for (size_t i = 0; i < scene->seen.n; ++i) {
         const double weight = weights ? weights[i] : 1 / (double)scene->seen.n, before = sums.delta_e;
         double ref[3], test[3];
         see(scene, ref_cdm2 + 3 * i, ref);
         see(scene, test_cdm2 + 3 * i, test);
         nqm_picture_sums_add(&sums, weight, ref, test);
-        group_weight[i % GROUPS] += weight;
-        group_sum[i % GROUPS] += sums.delta_e - before;
+        group_weight[i % MANY] += weight;
+        group_sum[i % MANY] += sums.delta_e - before;
     }
     nqm_label label = nqm_picture_sums_label(&sums);
-    for (size_t g = 0; g < GROUPS && group_weight[g] > 0; ++g)
-        squares += pow(group_sum[g] / group_weight[g] - label.delta_e, 2);
-    label.error = sqrt(squares / (GROUPS - 1)) / GROUPS;
+    label.error = points_error(group_sum, group_weight, label.delta_e);
     return label;
 }
 
