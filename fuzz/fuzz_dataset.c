@@ -5,7 +5,7 @@
  */
 #include "fuzz.h"
 #include "support/toy_dataset.h"
-#include <nqm/judge.h>
+#include "judge/judge.h"
 
 #include <stdlib.h>
 #include <string.h>

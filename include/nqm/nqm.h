@@ -12,7 +12,6 @@
 #include <nqm/data.h>
 #include <nqm/encode.h>
 #include <nqm/fit.h>
-#include <nqm/judge.h>
 #include <nqm/label.h>
 #include <nqm/match.h>
 #include <nqm/material.h>

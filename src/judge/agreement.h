@@ -8,7 +8,7 @@
 #define NQM_SRC_JUDGE_AGREEMENT_H
 
 #include "data/data.h"
-#include <nqm/judge.h>
+#include "judge/judge.h"
 
 enum { NQM_MIN_PAIRS_OF_GROUP = 3 }; /* with fewer, the rank correlation of a group is not meaningful */
 

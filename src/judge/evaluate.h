@@ -7,7 +7,7 @@
 
 #include "base/options.h"
 #include "data/data.h"
-#include <nqm/judge.h>
+#include "judge/judge.h"
 
 struct nqm_evaluation {
     const nqm_dataset *dataset;

@@ -7,7 +7,7 @@
 #include "math/math.h"
 #include "support/check.h"
 #include "support/corpus_files.h"
-#include <nqm/judge.h>
+#include "judge/judge.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -1,17 +1,13 @@
 /* SPDX-License-Identifier: MIT
  *
- * nqm/judge.h - how well models and metrics agree with labels and with people's answers. doc/evaluation.md defines the
+ * judge.h - how well models and metrics agree with labels and with people's answers. doc/evaluation.md defines the
  * statistics.
  */
-#ifndef NQM_JUDGE_H
-#define NQM_JUDGE_H
+#ifndef NQM_SRC_JUDGE_JUDGE_H
+#define NQM_SRC_JUDGE_JUDGE_H
 
-#include <nqm/data.h>
+#include "data/human.h"
 #include <nqm/metric.h>
-
-#ifdef __cplusplus
-extern "C" {
-#endif
 
 /** A statistic and its 95 % interval: the 2.5 and 97.5 percentiles over resamples of the material groups, drawn with
  *  replacement (Efron 1979, DOI 10.1214/aos/1176344552). NaN where the statistic is not defined; the interval is NaN without
@@ -57,7 +53,7 @@ typedef struct nqm_eval_options {
 } nqm_eval_options;
 
 /** The defaults above. */
-NQM_API nqm_eval_options nqm_eval_options_default(void);
+nqm_eval_options nqm_eval_options_default(void);
 
 /**
  * Predictions of models and of the nine scalar metrics for the pairs of a dataset: made once, judged on any number of
@@ -76,21 +72,21 @@ typedef struct nqm_evaluation nqm_evaluation;
  * @return NQM_ERR_INCOMPATIBLE (a model has other directions than the dataset, or no pair is left), NQM_ERR_NUMERIC,
  *         NQM_ERR_CANCELLED, NQM_ERR_NOMEM
  */
-NQM_API NQM_MUST_CHECK nqm_status nqm_evaluation_create(const nqm_dataset *dataset, size_t n_models,
-                                                        const nqm_model *const *models, const nqm_eval_options *options,
-                                                        nqm_evaluation **evaluation_ret, nqm_error *err);
+NQM_MUST_CHECK nqm_status nqm_evaluation_create(const nqm_dataset *dataset, size_t n_models,
+                                                const nqm_model *const *models, const nqm_eval_options *options,
+                                                nqm_evaluation **evaluation_ret, nqm_error *err);
 /** Free an evaluation; NULL is allowed. */
-NQM_API void nqm_evaluation_free(nqm_evaluation *evaluation);
+void nqm_evaluation_free(nqm_evaluation *evaluation);
 /** Number of predictors: n_models + NQM_METRIC_COUNT, and 1 more if the dataset has a transport matrix. */
-NQM_API size_t nqm_evaluation_count(const nqm_evaluation *evaluation);
+size_t nqm_evaluation_count(const nqm_evaluation *evaluation);
 /** (n_pairs of the dataset) labels with parts by predictor i: a model that predicts parts, or the estimate; NULL for others. NaN
  *  for pairs outside the split. Owned by the evaluation. */
-NQM_API const nqm_label *nqm_evaluation_labels(const nqm_evaluation *evaluation, size_t i);
+const nqm_label *nqm_evaluation_labels(const nqm_evaluation *evaluation, size_t i);
 /** (n_pairs of the dataset) predictions of predictor i: JOD of a model or the estimate, distance of a metric; NaN for pairs
  *  outside the split. Owned by the evaluation. */
-NQM_API const double *nqm_evaluation_values(const nqm_evaluation *evaluation, size_t i);
+const double *nqm_evaluation_values(const nqm_evaluation *evaluation, size_t i);
 /** (NQM_SCALAR_COUNT) the scalar features of a pair; NaN outside the split. Owned by the evaluation. */
-NQM_API const double *nqm_evaluation_scalars(const nqm_evaluation *evaluation, size_t pair);
+const double *nqm_evaluation_scalars(const nqm_evaluation *evaluation, size_t pair);
 
 /**
  * Judge every predictor on the pairs that `options` selects. All predictors see the same resamples.
@@ -99,9 +95,8 @@ NQM_API const double *nqm_evaluation_scalars(const nqm_evaluation *evaluation, s
  * @param results  (nqm_evaluation_count())
  * @return NQM_ERR_ARG (order_margin), NQM_ERR_INCOMPATIBLE (no pair is left), NQM_ERR_NOMEM
  */
-NQM_API NQM_MUST_CHECK nqm_status nqm_evaluation_judge(const nqm_evaluation *evaluation,
-                                                       const nqm_eval_options *options, nqm_agreement *results,
-                                                       nqm_error *err);
+NQM_MUST_CHECK nqm_status nqm_evaluation_judge(const nqm_evaluation *evaluation, const nqm_eval_options *options,
+                                               nqm_agreement *results, nqm_error *err);
 
 /** A difference between two predictors. */
 typedef struct nqm_difference {
@@ -121,9 +116,8 @@ typedef struct nqm_contrast {
  * @param contrasts  (n_contrasts)
  * @return as nqm_evaluation_judge(); NQM_ERR_ARG also for a number that no predictor has
  */
-NQM_API NQM_MUST_CHECK nqm_status nqm_evaluation_contrast(const nqm_evaluation *evaluation,
-                                                          const nqm_eval_options *options, size_t n_contrasts,
-                                                          nqm_contrast *contrasts, nqm_error *err);
+NQM_MUST_CHECK nqm_status nqm_evaluation_contrast(const nqm_evaluation *evaluation, const nqm_eval_options *options,
+                                                  size_t n_contrasts, nqm_contrast *contrasts, nqm_error *err);
 
 /** The pairs with a predicted JOD from `from` up to the next range; the first range includes lower JODs. Fractions are NaN
  *  where n is 0. */
@@ -154,9 +148,8 @@ typedef struct nqm_coverage {
  * @param options  NULL: the defaults
  * @return NQM_ERR_ARG (no such model), NQM_ERR_INCOMPATIBLE (no pair is left, or labels are not JOD), NQM_ERR_NOMEM
  */
-NQM_API NQM_MUST_CHECK nqm_status nqm_evaluation_coverage(const nqm_evaluation *evaluation,
-                                                          const nqm_eval_options *options, size_t model,
-                                                          nqm_coverage *coverage_ret, nqm_error *err);
+NQM_MUST_CHECK nqm_status nqm_evaluation_coverage(const nqm_evaluation *evaluation, const nqm_eval_options *options,
+                                                  size_t model, nqm_coverage *coverage_ret, nqm_error *err);
 
 /** How well a model predicts one part of the labels (similarity: nqm_label_similarity()), beside two controls: Spearman
  *  correlations over all pairs. */
@@ -183,9 +176,8 @@ enum { NQM_EVAL_PARTS = 6 };
  * @param results  (NQM_EVAL_PARTS)
  * @return NQM_ERR_ARG (no such model), NQM_ERR_INCOMPATIBLE (no pair is left, or the labels have no parts), NQM_ERR_NOMEM
  */
-NQM_API NQM_MUST_CHECK nqm_status nqm_evaluation_judge_parts(const nqm_evaluation *evaluation,
-                                                             const nqm_eval_options *options, size_t model,
-                                                             nqm_part_agreement *results, nqm_error *err);
+NQM_MUST_CHECK nqm_status nqm_evaluation_judge_parts(const nqm_evaluation *evaluation, const nqm_eval_options *options,
+                                                     size_t model, nqm_part_agreement *results, nqm_error *err);
 
 /* ---- choices of people ------------------------------------------------------------------------------------------- */
 
@@ -205,16 +197,12 @@ typedef struct nqm_choice_agreement {
  * @param results  (nqm_evaluation_count())
  * @return NQM_ERR_ARG (scores, or an evaluation of another dataset), NQM_ERR_NOMEM
  */
-NQM_API NQM_MUST_CHECK nqm_status nqm_human_judge_choices(const nqm_human *human, const nqm_evaluation *evaluation,
-                                                          const nqm_eval_options *options,
-                                                          nqm_choice_agreement *results, nqm_error *err);
+NQM_MUST_CHECK nqm_status nqm_human_judge_choices(const nqm_human *human, const nqm_evaluation *evaluation,
+                                                  const nqm_eval_options *options, nqm_choice_agreement *results,
+                                                  nqm_error *err);
 /** `agreement` of predictor `first` minus that of `second`, on the same resamples; arguments and status as above. */
-NQM_API NQM_MUST_CHECK nqm_status nqm_human_contrast_choices(const nqm_human *human, const nqm_evaluation *evaluation,
-                                                             const nqm_eval_options *options, size_t first,
-                                                             size_t second, nqm_difference *difference_ret,
-                                                             nqm_error *err);
+NQM_MUST_CHECK nqm_status nqm_human_contrast_choices(const nqm_human *human, const nqm_evaluation *evaluation,
+                                                     const nqm_eval_options *options, size_t first, size_t second,
+                                                     nqm_difference *difference_ret, nqm_error *err);
 
-#ifdef __cplusplus
-}
-#endif
 #endif
