@@ -23,7 +23,7 @@ typedef struct learning {
     double *atoms; /* (N_ATOMS, CORE) */
 } learning;
 
-static nqm_status allocate(learning *l, nqm_error *err) {
+static nqm_status alloc_learning(learning *l, nqm_error *err) {
     nqm_status status = nqm_alloc_arrays(
         NQM_ARRAYS({&l->tables, l->n, 3 * CELLS * sizeof *l->tables}, {&l->cores, l->n, 3 * CORE * sizeof *l->cores},
                    {&l->outcome, l->n, sizeof *l->outcome}, {&l->errors, l->n, sizeof *l->errors},
@@ -125,7 +125,7 @@ nqm_status nqm_learn_sparse(size_t n, const nqm_brdf *const *refs, const char *c
     nqm_learn_options used = *options;
     used.n_steps = options->n_steps ? options->n_steps : DEFAULT_STEPS;
     learning l = {.n = n, .refs = refs};
-    nqm_status status = allocate(&l, err);
+    nqm_status status = alloc_learning(&l, err);
     if (status == NQM_OK)
         status = sample_all(&l, &ticker, err);
     if (status == NQM_OK)

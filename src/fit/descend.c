@@ -19,8 +19,8 @@ typedef struct descent {
     bool *fixed;                                  /* (n) */
 } descent;
 
-static nqm_status allocate(nqm_fit_objective *objective, const nqm_fit_space *space, nqm_ticker *ticker, descent *d,
-                           nqm_error *err) {
+static nqm_status alloc_descent(nqm_fit_objective *objective, const nqm_fit_space *space, nqm_ticker *ticker,
+                                descent *d, nqm_error *err) {
     const size_t n = space->n, size = sizeof(double);
     *d = (descent){.objective = objective, .space = space, .ticker = ticker, .n = n};
     return nqm_alloc_arrays(NQM_ARRAYS({&d->matrix, n * n, size}, {&d->factor, n * n, size}, {&d->x, n, size},
@@ -128,7 +128,7 @@ nqm_status nqm_fit_descend(nqm_fit_objective *o, const nqm_fit_space *space, siz
     const bool is_short = max_steps < NQM_FIT_STEPS;
     descent d;
     nqm_fit_point best = *point;
-    nqm_status status = allocate(o, space, ticker, &d, err);
+    nqm_status status = alloc_descent(o, space, ticker, &d, err);
     if (status == NQM_OK)
         status = nqm_fit_objective_value(o, &point->values, &point->loss, err);
     const bool rounded = status == NQM_OK && nqm_fit_objective_round(o, rounding[0]);

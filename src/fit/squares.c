@@ -52,7 +52,7 @@ typedef struct squares {
     bool *fixed;                 /* (space->n) not part of this step */
 } squares;
 
-static nqm_status allocate(const nqm_fit_space *space, const nqm_fit_target *target, squares *s, nqm_error *err) {
+static nqm_status alloc_squares(const nqm_fit_space *space, const nqm_fit_target *target, squares *s, nqm_error *err) {
     const size_t n = space->n, m = 3 * target->n, size = sizeof(double);
     *s = (squares){.space = space, .target = target, .m = m};
     return nqm_alloc_arrays(NQM_ARRAYS({&s->rgb, m, size}, {&s->changed, m, size}, {&s->residual, m, size},
@@ -124,7 +124,7 @@ static void begin(squares *s, const nqm_spec_values *values) {
 nqm_status nqm_fit_curvature(const nqm_fit_space *space, const nqm_fit_target *target, const nqm_spec_values *values,
                              double *curvature, nqm_error *err) {
     squares s;
-    nqm_status status = allocate(space, target, &s, err);
+    nqm_status status = alloc_squares(space, target, &s, err);
     if (status != NQM_OK)
         return status;
     begin(&s, values);
@@ -168,7 +168,7 @@ nqm_status nqm_fit_refine(const nqm_fit_space *space, const nqm_fit_target *targ
     const double exact = 1e-6;    /* of the loss of a black surface */
     squares s;
     double damping = 1e-2;
-    nqm_status status = allocate(space, target, &s, err);
+    nqm_status status = alloc_squares(space, target, &s, err);
     if (status != NQM_OK)
         return status;
     begin(&s, &point->values);

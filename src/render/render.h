@@ -139,10 +139,13 @@ typedef struct nqm_seen {
     double *weight;           /* (n) fraction of the picture that the point represents, summing to 1; NULL: 1/n */
 } nqm_seen;
 
-/** Clear with nqm_seen_clear(), also after a failure. glow: the light map at NQM_GLOW_WIDTH, which predicts
- *  where highlights may be; unused for pictures and spheres. */
-NQM_MUST_CHECK nqm_status nqm_view_points(const nqm_shape *shape, const nqm_light *glow,
-                                          const nqm_scene_options *options, nqm_seen *seen_ret, nqm_error *err);
+/** The pixels of a picture that show the shape. seen: zeroed; clear it with nqm_seen_clear(), also after a failure. */
+NQM_MUST_CHECK nqm_status nqm_view_pixels(const nqm_shape *shape, const nqm_scene_options *options, nqm_seen *seen,
+                                          nqm_error *err);
+/** Without a picture: points whose normals are distributed as those of the pixels; else as nqm_view_pixels(). glow: the light map
+ *  at NQM_GLOW_WIDTH, which predicts where highlights may be; unused for spheres. */
+NQM_MUST_CHECK nqm_status nqm_spread_points(const nqm_shape *shape, const nqm_light *glow,
+                                            const nqm_scene_options *options, nqm_seen *seen, nqm_error *err);
 void nqm_seen_clear(nqm_seen *seen);
 /** Axes of the viewer in world coordinates: axes (3, 3), rows right, up and towards the viewer. */
 void nqm_view_axes(double elevation_rad, double *axes);

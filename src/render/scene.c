@@ -195,7 +195,8 @@ static nqm_status fill_scene(nqm_scene *scene, const nqm_scene_options *o, nqm_e
     if (status == NQM_OK)
         status = load_shape(o, &scene->shape, err);
     if (status == NQM_OK)
-        status = nqm_view_points(&scene->shape, &glow, o, &scene->seen, err);
+        status = o->width ? nqm_view_pixels(&scene->shape, o, &scene->seen, err)
+                          : nqm_spread_points(&scene->shape, &glow, o, &scene->seen, err);
     if (status == NQM_OK && !scene->seen.n)
         status = nqm_fail(err, NQM_ERR_ARG, -1, "scene: no pixel of %zu x %zu shows the shape", o->width, o->height);
     nqm_free(glow.rgb);

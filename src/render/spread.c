@@ -73,7 +73,7 @@ static int by_place(const void *a, const void *b) {
 
 /* Sample the pictures of all frames in turn, each with its own shift of the R2 sequence (multiples of the inverse powers of
  * the plastic number, Roberts 2018), until n samples hit the shape. */
-static nqm_status find_candidates(const nqm_shape *shape, const nqm_scene_options *o, size_t n, candidate *found,
+static nqm_status find_candidates(const nqm_shape *shape, const nqm_scene_options *o, size_t n, candidate *hits,
                                   nqm_error *err) {
     const double plastic = 1.3247179572447460260;
     size_t k = 0, most = 1000 * (n + o->n_frames);
@@ -86,10 +86,10 @@ static nqm_status find_candidates(const nqm_shape *shape, const nqm_scene_option
         double x = random_unit(o->seed, UINT64_MAX - 2 * frame) + step / plastic;
         double y = random_unit(o->seed, UINT64_MAX - 2 * frame - 1) + step / (plastic * plastic);
         nqm_view v = nqm_view_make(shape, o, frame);
-        if (!nqm_view_look(&v, 2 * (x - floor(x)) - 1, 2 * (y - floor(y)) - 1, &found[k].point))
+        if (!nqm_view_look(&v, 2 * (x - floor(x)) - 1, 2 * (y - floor(y)) - 1, &hits[k].point))
             continue;
-        found[k].place = place_of(&found[k].point, v.axes);
-        found[k].order = (uint32_t)k;
+        hits[k].place = place_of(&hits[k].point, v.axes);
+        hits[k].order = (uint32_t)k;
         ++k;
     }
     return NQM_OK;
@@ -98,34 +98,34 @@ static nqm_status find_candidates(const nqm_shape *shape, const nqm_scene_option
 /* Highlights cover a small part of the picture but contribute much to the difference between two BRDFs. So points are denser
  * where a mirror would reflect bright parts of the light (blurred to five degrees): half of the density is uniform over
  * the picture, half is proportional to the square root of that luminance. */
-static void weigh(const nqm_light *glow, const double *towards, size_t n, candidate *found) {
+static void weigh(const nqm_light *glow, const double *towards, size_t n, candidate *hits) {
     double sum = 0;
     for (size_t i = 0; i < n; ++i) {
-        const double *normal = found[i].point.frame + 6;
+        const double *normal = hits[i].point.frame + 6;
         double mirror[3], rgb[3], cosine = nqm_dot3(normal, towards);
         for (int k = 0; k < 3; ++k)
             mirror[k] = 2 * cosine * normal[k] - towards[k];
         nqm_light_eval(glow, mirror, rgb);
-        found[i].importance = sqrt(nqm_luminance(rgb));
-        sum += found[i].importance;
+        hits[i].importance = sqrt(nqm_luminance(rgb));
+        sum += hits[i].importance;
     }
     double scale = sum > 0 ? (double)n / sum : 0;
     for (size_t i = 0; i < n; ++i)
-        found[i].importance = 1 + scale * found[i].importance;
+        hits[i].importance = 1 + scale * hits[i].importance;
 }
 
 /* Stratified selection: one candidate for each of n equal intervals of the cumulative importance. */
-static void choose(const candidate *found, size_t n_found, double start, size_t n, nqm_surface_point *point,
-                   double *weight) {
+static void draw_points(const candidate *hits, size_t n_found, double start, size_t n, nqm_surface_point *point,
+                        double *weight) {
     double total = 0, passed = 0, sum = 0;
     size_t k = 0;
     for (size_t i = 0; i < n_found; ++i)
-        total += found[i].importance;
+        total += hits[i].importance;
     for (size_t i = 0; i < n; ++i) {
-        while (k + 1 < n_found && passed + found[k].importance <= ((double)i + start) / (double)n * total)
-            passed += found[k++].importance;
-        point[i] = found[k].point;
-        weight[i] = 1 / found[k].importance;
+        while (k + 1 < n_found && passed + hits[k].importance <= ((double)i + start) / (double)n * total)
+            passed += hits[k++].importance;
+        point[i] = hits[k].point;
+        weight[i] = 1 / hits[k].importance;
         sum += weight[i];
     }
     for (size_t i = 0; i < n; ++i)
@@ -134,21 +134,38 @@ static void choose(const candidate *found, size_t n_found, double start, size_t 
 
 /* Apart from shadows, distant light on a point depends on its normal only. So many candidates are sorted by normal along a
  * space-filling curve and selected at even steps: the normals of the selection are distributed as those of the picture. */
-nqm_status nqm_spread_mesh(const nqm_shape *shape, const nqm_light *glow, const nqm_scene_options *o,
-                           nqm_surface_point *point, double *weight, nqm_error *err) {
+static nqm_status spread_mesh(const nqm_shape *shape, const nqm_light *glow, const nqm_scene_options *o,
+                              nqm_surface_point *point, double *weight, nqm_error *err) {
     enum { MANY = 1 << 15 };
     size_t n = o->n_points > MANY ? o->n_points : MANY;
     double axes[9];
-    candidate *found = nqm_alloc(n, sizeof *found);
-    if (!found)
-        return nqm_fail_nomem(err, n * sizeof *found);
+    candidate *hits = nqm_alloc(n, sizeof *hits);
+    if (!hits)
+        return nqm_fail_nomem(err, n * sizeof *hits);
     nqm_view_axes(o->elevation_rad, axes);
-    nqm_status status = find_candidates(shape, o, n, found, err);
+    nqm_status status = find_candidates(shape, o, n, hits, err);
     if (status == NQM_OK) {
-        qsort(found, n, sizeof *found, by_place);
-        weigh(glow, axes + 6, n, found);
-        choose(found, n, random_unit(o->seed, UINT64_MAX / 2), o->n_points, point, weight);
+        qsort(hits, n, sizeof *hits, by_place);
+        weigh(glow, axes + 6, n, hits);
+        draw_points(hits, n, random_unit(o->seed, UINT64_MAX / 2), o->n_points, point, weight);
     }
-    nqm_free(found);
+    nqm_free(hits);
+    return status;
+}
+
+nqm_status nqm_spread_points(const nqm_shape *shape, const nqm_light *glow, const nqm_scene_options *o, nqm_seen *seen,
+                             nqm_error *err) {
+    nqm_status status = NQM_OK;
+    seen->n = o->n_points;
+    if (shape->tracer)
+        status = nqm_alloc_arrays(
+            NQM_ARRAYS({&seen->point, seen->n, sizeof *seen->point}, {&seen->weight, seen->n, sizeof *seen->weight}),
+            err);
+    else if (!(seen->point = nqm_alloc(seen->n, sizeof *seen->point)))
+        status = nqm_fail_nomem(err, seen->n * sizeof *seen->point);
+    if (status == NQM_OK && shape->tracer)
+        status = spread_mesh(shape, glow, o, seen->point, seen->weight, err);
+    else if (status == NQM_OK)
+        nqm_spread_sphere(o, seen->point);
     return status;
 }

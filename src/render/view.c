@@ -161,8 +161,8 @@ static nqm_status alloc_pixels(nqm_seen *seen, nqm_error *err) {
                : nqm_fail_nomem(err, seen->n * (sizeof *seen->pixel + (stores ? sizeof *seen->point : 0)));
 }
 
-static nqm_status see_pixels(const nqm_shape *shape, const nqm_scene_options *o, nqm_seen *seen, nqm_error *err) {
-    size_t n_rows = o->n_frames * o->height;
+nqm_status nqm_view_pixels(const nqm_shape *shape, const nqm_scene_options *o, nqm_seen *seen, nqm_error *err) {
+    const size_t n_rows = o->n_frames * o->height;
     raster r = {.shape = shape, .options = o, .first = nqm_alloc(n_rows + 1, sizeof *r.first), .seen = seen};
     if (!r.first)
         return nqm_fail_nomem(err, n_rows * sizeof *r.first);
@@ -194,27 +194,4 @@ void nqm_seen_clear(nqm_seen *seen) {
     nqm_free(seen->point);
     nqm_free_pages(seen->pixel, seen->n, sizeof *seen->pixel);
     *seen = (nqm_seen){0};
-}
-
-static nqm_status see_points(const nqm_shape *shape, const nqm_light *glow, const nqm_scene_options *o, nqm_seen *seen,
-                             nqm_error *err) {
-    nqm_status status = NQM_OK;
-    seen->n = o->n_points;
-    if (shape->tracer)
-        status = nqm_alloc_arrays(
-            NQM_ARRAYS({&seen->point, seen->n, sizeof *seen->point}, {&seen->weight, seen->n, sizeof *seen->weight}),
-            err);
-    else if (!(seen->point = nqm_alloc(seen->n, sizeof *seen->point)))
-        status = nqm_fail_nomem(err, seen->n * sizeof *seen->point);
-    if (status == NQM_OK && shape->tracer)
-        status = nqm_spread_mesh(shape, glow, o, seen->point, seen->weight, err);
-    else if (status == NQM_OK)
-        nqm_spread_sphere(o, seen->point);
-    return status;
-}
-
-nqm_status nqm_view_points(const nqm_shape *shape, const nqm_light *glow, const nqm_scene_options *options,
-                           nqm_seen *seen_ret, nqm_error *err) {
-    *seen_ret = (nqm_seen){0};
-    return options->width ? see_pixels(shape, options, seen_ret, err) : see_points(shape, glow, options, seen_ret, err);
 }

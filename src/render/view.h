@@ -21,9 +21,7 @@ nqm_view nqm_view_make(const nqm_shape *shape, const nqm_scene_options *o, size_
 /** The visible point at (x, y), in units of half the picture's shorter side from its centre, right and up; false: none. */
 bool nqm_view_look(const nqm_view *view, double x, double y, nqm_surface_point *point);
 
-/** Fill point (n_points) and weight (n_points), the fraction of the picture that each point represents. */
+/** Fill point (n_points) evenly over the picture of a sphere. */
 void nqm_spread_sphere(const nqm_scene_options *o, nqm_surface_point *point);
-NQM_MUST_CHECK nqm_status nqm_spread_mesh(const nqm_shape *shape, const nqm_light *glow, const nqm_scene_options *o,
-                                          nqm_surface_point *point, double *weight, nqm_error *err);
 
 #endif

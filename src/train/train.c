@@ -38,7 +38,7 @@ static nqm_net_shape shape_of(const nqm_train_options *o, size_t n_inputs, size_
     return shape;
 }
 
-static nqm_status allocate(run *r, nqm_error *err) {
+static nqm_status alloc_run(run *r, nqm_error *err) {
     const nqm_train_options *o = r->options;
     nqm_net_shape shape = shape_of(o, r->examples.width, r->examples.n_outputs);
     const nqm_trainer_options options = {.precision = o->optimiser.precision, .max_batch = o->optimiser.batch};
@@ -333,7 +333,7 @@ nqm_status nqm_train(const nqm_dataset *dataset, const nqm_train_options *option
     r.dropout_seed = nqm_hash_u64(options->optimiser.seed, NQM_STREAM_DROPOUT);
     status = nqm_examples_create(dataset, options, options->optimiser.batch, &r.examples, err);
     if (status == NQM_OK)
-        status = allocate(&r, err);
+        status = alloc_run(&r, err);
     if (status == NQM_OK) {
         r.steps_per_epoch = (r.examples.n_train + options->optimiser.batch - 1) / options->optimiser.batch;
         begin_state(&r);

@@ -186,7 +186,7 @@ static size_t count_blanks(const char *text, size_t n) {
 }
 
 /* Set the pairs, when the texts do not move any more. */
-static void set_pairs(nqm_pair_list *list) {
+static void fill_pairs(nqm_pair_list *list) {
     for (size_t row = 0; row < list->n_rows; ++row)
         for (size_t i = 0; i < nqm_pair_list_cells(list, row); ++i) {
             const nqm_list_cell cell = nqm_pair_list_cell(list, row, i);
@@ -218,7 +218,7 @@ static nqm_status take_json_lines(nqm_pair_list *list, const char *text, size_t 
             status = take_line(list, &line, at, n, err);
         at += n;
     }
-    set_pairs(list);
+    fill_pairs(list);
     return status;
 }
 

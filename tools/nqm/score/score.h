@@ -62,7 +62,9 @@ const char **take_list_names(nqm_pair_list *list, const char *list_name);
  *  exit. */
 void make_scores(score_run *run);
 /** Whether two rows have the same reference. */
-bool has_reference_of(const scored_pair *row, const scored_pair *other);
+static inline bool has_reference_of(const scored_pair *row, const scored_pair *other) {
+    return strcmp(row->pair.ref, other->pair.ref) == 0;
+}
 /** Free the rows and the model. */
 void free_scores(score_run *run);
 /** Report the errors of the rows. Returns the exit code of the first. */

@@ -110,10 +110,6 @@ void make_scores(score_run *run) {
     nqm_scorer_free(scorer);
 }
 
-bool has_reference_of(const scored_pair *row, const scored_pair *other) {
-    return strcmp(row->pair.ref, other->pair.ref) == 0;
-}
-
 void free_scores(score_run *run) {
     free(run->rows);
     free_expansion(&run->expansion);
