@@ -16,7 +16,8 @@ extern "C" {
 /* ---- labels ------------------------------------------------------------------------------------------------------ */
 
 /** Compare two renderings of the scene, (n_points, 3) cd/m2 each, clipped at the display's peak; points are weighted by
- *  nqm_scene_weights(). label.error is the standard error by the choice of the points, measured between four groups of them. */
+ *  nqm_scene_weights(). label.error is the standard error by the choice of the points, measured between groups of them of two
+ *  sizes; where the pictures are smooth, it may be overstated by a factor of four. */
 NQM_API nqm_label nqm_scene_compare(const nqm_scene *scene, const double *ref_cdm2, const double *test_cdm2);
 /** The same for pictures of nqm_scene_render_halves(), (3, n_points, 3) each. Noise of the light directions adds to Delta-E, which is
  *  a mean of absolute values: the label is extrapolated from halves and whole to the label without this noise, and half of the
