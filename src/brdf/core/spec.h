@@ -9,6 +9,7 @@
 
 #include "base/names.h"
 #include "brdf/brdf.h"
+#include "material/surface_keys.h"
 
 enum { NQM_SPEC_MAX_KEYS = 48 };
 
@@ -65,6 +66,29 @@ enum { NQM_SPEC_MAX_STATE = 8192 }; /* bytes of a state that begins so */
 /** The `jacobian` of their classes: differences of evaluations at changed parameters, of second order; central ones inside the
  *  range of a parameter, one-sided ones at its ends. `prepare` is called twice for each parameter. */
 void nqm_spec_jacobian(const void *self, size_t n, const double *wi, const double *wo, double *rgb, double *jacobian);
+
+/** The index and the row in the schema of a key in a list X(INDEX, NAME, TYPE, LOW, HIGH, DEFAULT) as those of
+ *  material/surface_keys.h. */
+#define NQM_KEY_INDEX(INDEX, ...) INDEX,
+#define NQM_KEY_ROW(INDEX, NAME, TYPE, LOW, HIGH, ...)                                                                 \
+    {.name = (NAME),                                                                                                   \
+     .n = NQM_KEY_N(TYPE),                                                                                             \
+     .low = (LOW),                                                                                                     \
+     .high = (HIGH),                                                                                                   \
+     .whole = sizeof(TYPE) == sizeof "integer",                                                                        \
+     .fallback = __VA_ARGS__},
+/** Define a shading model with such a list; IS_RECIPROCAL: 0 or 1. */
+#define NQM_SHADING_MODEL(MODEL, NAME, KEYS, STATE, PREPARE, EVAL, IS_RECIPROCAL)                                      \
+    const nqm_analytic_model MODEL = {                                                                                 \
+        .schema = {NAME, sizeof((nqm_spec_key[]){KEYS(NQM_KEY_ROW)}) / sizeof(nqm_spec_key), {KEYS(NQM_KEY_ROW)}},     \
+        .class_ = {.format = NAME,                                                                                     \
+                   .reciprocal = IS_RECIPROCAL,                                                                        \
+                   .eval = EVAL,                                                                                       \
+                   .jacobian = nqm_spec_jacobian,                                                                      \
+                   .free = nqm_free},                                                                                  \
+        .state_size = sizeof(STATE),                                                                                   \
+        .prepare = PREPARE,                                                                                            \
+    }
 
 /** Every analytic model. A new one is defined in models/analytic.c or a file of its own, and named here. */
 #define NQM_ANALYTIC_MODELS(X)                                                                                         \
