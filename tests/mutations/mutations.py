@@ -39,8 +39,8 @@ MUTATIONS = [
     ("src/brdf/core/perturb.c", "row[1] = (1 - c) / 3 - s;", "row[1] = (1 - c) / 3 + s;", "test_brdf_perturb"),
     ("src/brdf/core/perturb.c", "t = largest * self->v[GLOSS] * u / (1 + (self->v[GLOSS] - 1) * u);", "t = largest * self->v[GLOSS] * u;", "test_brdf_perturb"),
     ("src/brdf/core/perturb.c", "z[c] /= sqrt(sum_squares);", "z[c] /= sum_squares;", "test_brdf_perturb"),
-    ("src/brdf/core/perturb.c", "base->class_->reciprocal && self->v[LOPSIDED] == 0", "base->class_->reciprocal", "test_brdf_perturb"),
-    ("src/brdf/core/between.c", "of->class_->reciprocal && with->class_->reciprocal", "of->class_->reciprocal", "test_brdf_between"),
+    ("src/brdf/core/perturb.c", "info->reciprocal && values->v[LOPSIDED][0] == 0", "info->reciprocal", "test_brdf_perturb"),
+    ("src/brdf/core/wrap.c", "of->reciprocal && (!with || with->reciprocal)", "of->reciprocal", "test_brdf_between"),
     ("src/brdf/core/perturb.c", "self->v[SMOOTH] *= degree;", "self->v[SMOOTH] *= 2 * degree;", "test_brdf_perturb"),
     # ---- scalar metrics and samples
     ("src/metric/baselines.c", "sqrt(sums->squares[s] / sums->n)", "sqrt(sums->squares[s] / (sums->n - 1))", "test_metric_baselines"),

@@ -134,13 +134,25 @@ size_t nqm_spec_lacks_colon(const char *text);
 /** Offer the names of all models, tables of presets and perturb, between. */
 void nqm_spec_nearest(nqm_nearest *nearest);
 
-/** A BRDF that contains others. */
+/** A kind of BRDF that contains others. */
 typedef struct nqm_spec_wrapper {
-    const char *name; /**< the word before the colon */
-    /** `settings` is what follows the colon, `name` the whole argument; `open` opens the contained BRDFs. */
-    nqm_status (*open)(const char *settings, const char *name, nqm_brdf_opener *open, nqm_brdf **brdf_ret,
-                       nqm_error *err);
+    nqm_spec_schema schema; /**< its model is the word before the colon */
+    uint64_t idle;          /**< bit k: key k alone changes nothing */
+    bool has_with;          /**< whether it has two bases */
+    const char *form;       /**< message for a text without its bases */
+    nqm_brdf_class class_;  /**< its states begin with nqm_between_bases, which the caller of create() fills */
+    /** Create the state; `info` has the values that follow from the bases. */
+    nqm_status (*create)(const nqm_spec_values *values, const nqm_between_bases *bases, nqm_brdf_info *info,
+                         void **state_ret, nqm_error *err);
 } nqm_spec_wrapper;
 extern const nqm_spec_wrapper nqm_perturb_wrapper, nqm_between_wrapper;
+/** `settings` is what follows the colon, `name` the whole argument; `open` opens the bases. */
+NQM_MUST_CHECK nqm_status nqm_wrapper_open(const nqm_spec_wrapper *w, const char *settings, const char *name,
+                                           nqm_brdf_opener *open, nqm_brdf **brdf_ret, nqm_error *err);
+/** The same of opened bases: `settings` without them. */
+NQM_MUST_CHECK nqm_status nqm_wrapper_make(const nqm_spec_wrapper *w, const char *settings,
+                                           const nqm_between_bases *bases, nqm_brdf **brdf_ret, nqm_error *err);
+/** The `free` of their classes. */
+void nqm_wrapper_free(void *state);
 
 #endif
