@@ -260,6 +260,8 @@ void nqm_index_free(nqm_index *index);
 bool nqm_parse_double(const char *text, const char **end, double *value);
 /** Print with the fewest digits that read back to the same double ("0.1"). Returns `buffer` (32 bytes at least). */
 char *nqm_format_double(char *buffer, size_t n_buffer, double value);
+/** Print n of them with `separator` in between ("0.1, 0.2"); returns `buffer`. */
+char *nqm_format_doubles(char *buffer, size_t n_buffer, size_t n, const double *values, const char *separator);
 /** Round `value` to n_digits (1..15) significant decimal digits. */
 double nqm_round_digits(double value, int n_digits);
 
@@ -274,8 +276,6 @@ nqm_rng nqm_rng_make(uint64_t seed, uint64_t stream);
 uint64_t nqm_rng_u64(nqm_rng *rng);
 /** Uniform in [0, 1), 53 bits. */
 double nqm_rng_uniform(nqm_rng *rng);
-/** Log-uniform in [low, high), low > 0. */
-double nqm_rng_log_uniform(nqm_rng *rng, double low, double high);
 /** Standard normal (Box-Muller). The second value of the pair is discarded, so that the state is only `s`. */
 double nqm_rng_normal(nqm_rng *rng);
 /** Uniform integer in [0, n), n > 0, without bias. */

@@ -92,6 +92,15 @@ char *nqm_format_double(char *buffer, size_t n_buffer, double value) {
     return buffer;
 }
 
+char *nqm_format_doubles(char *buffer, size_t n_buffer, size_t n, const double *values, const char *separator) {
+    char number[32];
+    *buffer = '\0';
+    for (size_t i = 0, used = 0; i < n && used < n_buffer; ++i)
+        used += (size_t)snprintf(buffer + used, n_buffer - used, "%s%s", i ? separator : "",
+                                 nqm_format_double(number, sizeof number, values[i]));
+    return buffer;
+}
+
 double nqm_round_digits(double value, int n_digits) {
     if (value == 0 || !isfinite(value))
         return value;

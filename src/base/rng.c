@@ -41,10 +41,6 @@ double nqm_rng_uniform(nqm_rng *rng) {
     return (double)(nqm_rng_u64(rng) >> 11) * 0x1p-53;
 }
 
-double nqm_rng_log_uniform(nqm_rng *rng, double low, double high) {
-    return low * pow(high / low, nqm_rng_uniform(rng));
-}
-
 double nqm_rng_normal(nqm_rng *rng) {
     double u = 1.0 - nqm_rng_uniform(rng); /* in (0, 1], so that the logarithm is finite */
     double v = nqm_rng_uniform(rng);

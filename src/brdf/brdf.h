@@ -15,7 +15,7 @@
 /** What a format implements. `self` is its own immutable state. All functions are thread-safe. */
 typedef struct nqm_brdf_class {
     const char *format; /**< short name, as in nqm_brdf_info.format */
-    int reciprocal;     /**< 1 when reciprocal by construction */
+    int reciprocal;     /**< 1: by construction; 0: what nqm_brdf_wrap() is told */
     bool is_costly;     /**< a pair takes 10 us or more: many pictures or points are made from a table */
 
     /** Raw values for n pairs above the horizon (wi.z > 0 and wo.z > 0 are guaranteed): may be negative (out of gamut)
@@ -24,7 +24,7 @@ typedef struct nqm_brdf_class {
     void (*eval)(const void *self, size_t n, const double *wi, const double *wo, double *rgb);
 
     /** The same in half-vector coordinates hd (n, 3) = theta_h, theta_d, phi_d (radians; phi_d in [0, pi) of a
-     * reciprocal class, otherwise in [0, 2 pi)). NULL: core/brdf.c converts to vectors and calls eval. */
+     * reciprocal BRDF, otherwise in [0, 2 pi)). NULL: core/brdf.c converts to vectors and calls eval. */
     void (*eval_half_diff)(const void *self, size_t n, const double *hd, double *rgb);
 
     /** As eval for at most 64 pairs, and the derivatives: jacobian (n, 3, info.n_values), zero on entry, receives d channel / d parameter in the
@@ -43,7 +43,7 @@ struct nqm_brdf {
 };
 
 /** Create a BRDF object that owns `self`; `self` is freed on failure too. The name, spec and layout of `info` are copied,
- *  the DOI is not; format and reciprocity are those of the class. */
+ *  the DOI is not; the format is that of the class. */
 NQM_MUST_CHECK nqm_status nqm_brdf_wrap(const nqm_brdf_class *class_, void *self, const nqm_brdf_info *info,
                                         nqm_brdf **brdf_ret, nqm_error *err);
 

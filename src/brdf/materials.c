@@ -119,8 +119,6 @@ static nqm_status open_file(nqm_map *map, const nqm_brdf_argument *argument, nqm
     if (status == NQM_OK)
         status = open_material(map->path, materials, argument, brdf_ret, err);
     nqm_materials_free(materials);
-    if (status == NQM_OK)
-        nqm_map_close(map);
     return status;
 }
 

@@ -43,7 +43,8 @@ static nqm_status open_file(const char *path, const nqm_brdf_argument *argument,
     if (status != NQM_OK)
         return status;
     const nqm_brdf_format *format = find_format(&map);
-    if (map.n_bytes == 0)
+    const size_t n_bytes = map.n_bytes;
+    if (n_bytes == 0)
         status = nqm_fail(err, NQM_ERR_FORMAT, 0, "%s: the file is empty (byte 0)", path);
     else if (argument->member && !(format && format->takes_members))
         status =
@@ -51,8 +52,10 @@ static nqm_status open_file(const char *path, const nqm_brdf_argument *argument,
                      path, argument->member);
     else
         status = format ? format->open(&map, argument, brdf_ret, err) : fail_unknown(&map, err);
-    if (status != NQM_OK)
-        nqm_map_close(&map);
+    if (status == NQM_OK && !(*brdf_ret)->info.spec &&
+        !(*brdf_ret)->info.n_bytes) /* specs of materials have no bytes */
+        (*brdf_ret)->info.n_bytes = n_bytes;
+    nqm_map_close(&map);
     return status;
 }
 

@@ -25,7 +25,7 @@ const nqm_analytic_model *nqm_analytic_model_find(const char *name, size_t n) {
 /* The wrapper of the first n characters of `name`, or NULL. */
 static const nqm_spec_wrapper *find_wrapper(const char *name, size_t n) {
     const nqm_spec_wrapper *const *w = wrappers;
-    while (*w && !(strncmp((*w)->name, name, n) == 0 && (*w)->name[n] == 0))
+    while (*w && !(strncmp((*w)->schema.model, name, n) == 0 && (*w)->schema.model[n] == 0))
         ++w;
     return *w;
 }
@@ -53,7 +53,7 @@ void nqm_spec_nearest(nqm_nearest *nearest) {
     for (const nqm_preset_table *t = nqm_preset_tables; t->name; ++t)
         nqm_nearest_add(nearest, t->name);
     for (const nqm_spec_wrapper *const *w = wrappers; *w; ++w)
-        nqm_nearest_add(nearest, (*w)->name);
+        nqm_nearest_add(nearest, (*w)->schema.model);
 }
 
 /* ---- opening ----------------------------------------------------------------------------------------------------- */
@@ -96,7 +96,8 @@ static size_t count_wrappers(const char *spec) {
     size_t n = 0;
     for (const char *at = spec; *at; ++at)
         for (const nqm_spec_wrapper *const *w = wrappers; *w; ++w)
-            n += strncmp(at, (*w)->name, strlen((*w)->name)) == 0 && at[strlen((*w)->name)] == ':';
+            n += strncmp(at, (*w)->schema.model, strlen((*w)->schema.model)) == 0 &&
+                 at[strlen((*w)->schema.model)] == ':';
     return n;
 }
 
@@ -108,7 +109,7 @@ nqm_status nqm_spec_open(const char *spec, const char *name, nqm_brdf_opener *op
     if (wrapper && count_wrappers(spec) > MAX_NESTED)
         return nqm_fail(err, NQM_ERR_LIMIT, -1, "a spec may contain at most %d of perturb: and between:", MAX_NESTED);
     if (wrapper)
-        return wrapper->open(settings, name, open, brdf_ret, err);
+        return nqm_wrapper_open(wrapper, settings, name, open, brdf_ret, err);
     const nqm_preset_table *table = nqm_preset_table_find(spec, n_name);
     const nqm_analytic_model *model = nqm_analytic_model_find(spec, n_name);
     const bool is_preset = table && !strchr(settings, '=');

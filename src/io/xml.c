@@ -218,20 +218,3 @@ const nqm_xml_element *nqm_xml_find(const nqm_xml_names *names, const nqm_xml_el
                                     const char *name) {
     return nqm_index_find(kind ? &names->of_kind : &names->any, (nqm_index_key){parent, kind, name});
 }
-
-void nqm_xml_write_escaped(FILE *stream, const char *text) {
-    for (; *text; ++text)
-        switch (*text) {
-        case '&':
-            fputs("&amp;", stream);
-            break;
-        case '<':
-            fputs("&lt;", stream);
-            break;
-        case '"':
-            fputs("&quot;", stream);
-            break;
-        default:
-            fputc(*text, stream);
-        }
-}

@@ -50,7 +50,5 @@ void nqm_xml_names_free(nqm_xml_names *names);
 /** The first child of this name, among the elements <kind> or, for NULL, among all. NULL: none. */
 const nqm_xml_element *nqm_xml_find(const nqm_xml_names *names, const nqm_xml_element *parent, const char *kind,
                                     const char *name);
-/** Write text with the characters that are special in attribute values replaced. */
-void nqm_xml_write_escaped(FILE *stream, const char *text);
 
 #endif

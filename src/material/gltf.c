@@ -126,6 +126,12 @@ bool nqm_gltf_read_texture(nqm_reading *reading, const nqm_rule *rule, const voi
     return refuse((reader *)reading, ((const property *)at)->path, "", TEXTURE_REASON);
 }
 
+bool nqm_gltf_read_occlusion(nqm_reading *reading, const nqm_rule *rule, const void *at) {
+    (void)rule, (void)at;
+    reading->shading.remark = NQM_OCCLUSION_REMARK;
+    return true;
+}
+
 static bool is_zero(const json_t *value) {
     if (!json_is_array(value))
         return json_is_number(value) && json_number_value(value) == 0;
@@ -141,7 +147,7 @@ static nqm_status read_object(reader *r, const nqm_gltf_group *group, const char
     json_t *value;
     if (!json_is_object(object))
         return fail_value(r, path, "an object");
-    snprintf(prefix, sizeof prefix, "%.120s.", path);
+    snprintf(prefix, sizeof prefix, "%.120s%s", path, *path ? "." : "");
     r->prefix = prefix;
     r->object = object;
     r->reading.rules = group->rules;
@@ -214,40 +220,6 @@ static nqm_status check_alpha(reader *r, const json_t *material) {
     return NQM_OK;
 }
 
-/* The properties that lie in the material itself. */
-static nqm_status read_members(reader *r, json_t *material) {
-    static const char *const known[] = {"name",           "extras",      "extensions",  "pbrMetallicRoughness",
-                                        "emissiveFactor", "alphaCutoff", "doubleSided", "alphaMode"};
-    static const char *const textures[] = {"normalTexture", "emissiveTexture"};
-    enum { N_KNOWN = sizeof known / sizeof *known, N_TEXTURES = sizeof textures / sizeof *textures };
-    const char *name;
-    json_t *value;
-    json_object_foreach(material, name, value) {
-        size_t i = 0, k = 0;
-        if (strcmp(name, "occlusionTexture") == 0) {
-            r->reading.shading.remark = NQM_OCCLUSION_REMARK;
-            continue;
-        }
-        while (i < N_KNOWN && strcmp(known[i], name) != 0)
-            ++i;
-        while (k < N_TEXTURES && strcmp(textures[k], name) != 0)
-            ++k;
-        /* the emission is texture times factor, whose default is 0 */
-        if (k == 1 &&
-            (!json_object_get(material, "emissiveFactor") || is_zero(json_object_get(material, "emissiveFactor"))))
-            continue;
-        if (k < N_TEXTURES)
-            refuse(r, name, "", TEXTURE_REASON);
-        else if (i == N_KNOWN)
-            refuse(r, name, "", "this property is not known");
-    }
-    json_t *pbr = json_object_get(material, nqm_gltf_core.name), *list = json_object_get(material, "extensions");
-    nqm_status status = pbr ? read_object(r, &nqm_gltf_core, nqm_gltf_core.name, pbr) : NQM_OK;
-    if (status == NQM_OK && list)
-        status = read_extensions(r, list);
-    return status;
-}
-
 static nqm_status read_material(reader *r, json_t *material, nqm_materials *materials) {
     const json_t *name = json_object_get(material, "name");
     r->reading = (nqm_reading){.source = &source, .shading = {.model = "gltf"}};
@@ -256,7 +228,12 @@ static nqm_status read_material(reader *r, json_t *material, nqm_materials *mate
         return fail_value(r, "", "an object as material");
     if (name && !json_is_string(name))
         return fail_value(r, "name", "a string");
-    nqm_status status = read_members(r, material);
+    json_t *pbr = json_object_get(material, nqm_gltf_core.name), *list = json_object_get(material, "extensions");
+    nqm_status status = read_object(r, &nqm_gltf_members, "", material);
+    if (status == NQM_OK && pbr)
+        status = read_object(r, &nqm_gltf_core, nqm_gltf_core.name, pbr);
+    if (status == NQM_OK && list)
+        status = read_extensions(r, list);
     if (status == NQM_OK)
         status = check_emission(r, material);
     if (status == NQM_OK)

@@ -13,12 +13,12 @@ typedef struct nqm_gltf_group {
     nqm_rule rules[8]; /**< those with a key first */
 } nqm_gltf_group;
 
-/** pbrMetallicRoughness, and the extensions of materials. */
-extern const nqm_gltf_group nqm_gltf_core;
+/** The members of a material itself, pbrMetallicRoughness, and the extensions. */
+extern const nqm_gltf_group nqm_gltf_members, nqm_gltf_core;
 enum { NQM_GLTF_N_EXTENSIONS = 11 };
 extern const nqm_gltf_group nqm_gltf_extensions[NQM_GLTF_N_EXTENSIONS];
-/** Of baseColorFactor, and of textures. */
-nqm_rule_read nqm_gltf_read_base_color, nqm_gltf_read_texture;
+/** Of baseColorFactor, of textures, and of occlusionTexture. */
+nqm_rule_read nqm_gltf_read_base_color, nqm_gltf_read_texture, nqm_gltf_read_occlusion;
 
 /** Sizes and numbers of the container .glb. */
 enum {

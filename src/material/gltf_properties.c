@@ -17,6 +17,15 @@
 
 static const char through[] = "light that passes through the surface is not part of a BRDF";
 
+/* The emission is texture times factor, whose default is 0. Code for the whole material reads what others change. */
+const nqm_gltf_group nqm_gltf_members = {
+    "the material",
+    {{"emissiveFactor", nqm_rule_later, NULL, 3, 0, NULL, NULL, NULL},
+     TEXTURE("emissiveTexture", "emissiveFactor"),
+     TEXTURE("normalTexture", NULL),
+     {"occlusionTexture", nqm_gltf_read_occlusion, NULL, 0, 0, NULL, NULL, NULL},
+     IGNORED("name extensions pbrMetallicRoughness alphaCutoff alphaMode doubleSided")}};
+
 const nqm_gltf_group nqm_gltf_core = {
     "pbrMetallicRoughness",
     {NUMBER("metallicFactor", "metallic", 1),

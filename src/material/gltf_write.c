@@ -4,24 +4,8 @@
  */
 #include "material/gltf.h"
 
-#include <stdarg.h>
+#include <stdlib.h>
 #include <strings.h>
-
-enum { MATERIAL_TEXT = 4096 }; /* a material with all properties of the tables is shorter */
-
-/** A text of limited size. */
-typedef struct buffer {
-    char *text;
-    size_t n, size;
-} buffer;
-
-__attribute__((format(printf, 2, 3))) static void append(buffer *b, const char *format, ...) {
-    va_list args;
-    va_start(args, format);
-    const int n = vsnprintf(b->text + b->n, b->size - b->n, format, args);
-    va_end(args);
-    b->n = nqm_smaller(b->size - 1, b->n + (size_t)(n > 0 ? n : 0));
-}
 
 /* The values of a property: those of the shading, or the default of the specification. */
 static nqm_property value_of(const nqm_shading *shading, const nqm_rule *p) {
@@ -49,30 +33,30 @@ static bool is_needed(const nqm_shading *shading, const nqm_gltf_group *group) {
 }
 
 /* "NAME": {properties}, with `indent` in front of each line. */
-static void append_layer(buffer *b, const nqm_shading *shading, const nqm_gltf_group *group, const char *indent) {
-    char number[32];
-    append(b, "%s\"%s\": {", indent, group->name);
+static void write_layer(FILE *stream, const nqm_shading *shading, const nqm_gltf_group *group, const char *indent) {
+    char numbers[100];
+    fprintf(stream, "%s\"%s\": {", indent, group->name);
     for (const nqm_rule *p = group->rules; p->name && p->key; ++p) {
         const nqm_property value = value_of(shading, p);
-        append(b, "%s\n%s  \"%s\": %s", p == group->rules ? "" : ",", indent, p->name, value.n == 1 ? "" : "[");
-        for (size_t c = 0; c < value.n; ++c)
-            append(b, "%s%s", c ? ", " : "", nqm_format_double(number, sizeof number, value.v[c]));
-        append(b, "%s%s", p->n == 4 ? ", 1" : "", value.n == 1 ? "" : "]");
+        const bool is_array = value.n > 1;
+        fprintf(stream, "%s\n%s  \"%s\": %s%s%s%s", p == group->rules ? "" : ",", indent, p->name, is_array ? "[" : "",
+                nqm_format_doubles(numbers, sizeof numbers, value.n, value.v, ", "), p->n == 4 ? ", 1" : "",
+                is_array ? "]" : "");
     }
-    append(b, "\n%s}", indent);
+    fprintf(stream, "\n%s}", indent);
 }
 
-static void append_material(buffer *b, const nqm_shading *shading, const char *name) {
+static void write_material(FILE *stream, const nqm_shading *shading, const char *name) {
     const char *separator = ",\n      \"extensions\": {\n";
-    append(b, "    {\n      \"name\": \"%s\",\n", name);
-    append_layer(b, shading, &nqm_gltf_core, "      ");
+    fprintf(stream, "    {\n      \"name\": \"%s\",\n", name);
+    write_layer(stream, shading, &nqm_gltf_core, "      ");
     for (size_t i = 0; i < NQM_GLTF_N_EXTENSIONS; ++i)
         if (is_needed(shading, &nqm_gltf_extensions[i])) {
-            append(b, "%s", separator);
-            append_layer(b, shading, &nqm_gltf_extensions[i], "        ");
+            fputs(separator, stream);
+            write_layer(stream, shading, &nqm_gltf_extensions[i], "        ");
             separator = ",\n";
         }
-    append(b, "%s\n    }", strcmp(separator, ",\n") == 0 ? "\n      }" : "");
+    fprintf(stream, "%s\n    }", strcmp(separator, ",\n") == 0 ? "\n      }" : "");
 }
 
 static bool is_needed_by_any(size_t n, const nqm_named_shading *materials, const nqm_gltf_group *group) {
@@ -82,41 +66,52 @@ static bool is_needed_by_any(size_t n, const nqm_named_shading *materials, const
     return false;
 }
 
-static void append_document(buffer *b, size_t n, const nqm_named_shading *materials) {
+static void write_document(FILE *stream, size_t n, const nqm_named_shading *materials) {
     const char *separator = "";
-    append(b, "{\n  \"asset\": {\"version\": \"2.0\", \"generator\": \"nqm %s\"},\n", nqm_version());
+    fprintf(stream, "{\n  \"asset\": {\"version\": \"2.0\", \"generator\": \"nqm %s\"},\n", nqm_version());
     for (size_t i = 0; i < NQM_GLTF_N_EXTENSIONS; ++i)
         if (is_needed_by_any(n, materials, &nqm_gltf_extensions[i])) {
-            append(b, "%s\"%s\"", *separator ? separator : "  \"extensionsUsed\": [", nqm_gltf_extensions[i].name);
+            fprintf(stream, "%s\"%s\"", *separator ? separator : "  \"extensionsUsed\": [",
+                    nqm_gltf_extensions[i].name);
             separator = ", ";
         }
-    append(b, "%s  \"materials\": [\n", *separator ? "],\n" : "");
+    fprintf(stream, "%s  \"materials\": [\n", *separator ? "],\n" : "");
     for (size_t i = 0; i < n; ++i) {
-        append(b, "%s", i ? ",\n" : "");
-        append_material(b, &materials[i].shading, materials[i].name);
+        fputs(i ? ",\n" : "", stream);
+        write_material(stream, &materials[i].shading, materials[i].name);
     }
-    append(b, "\n  ]\n}\n");
+    fputs("\n  ]\n}\n", stream);
+}
+
+/* The container begins with the size of the document, which is written to memory first. */
+static nqm_status write_container(FILE *stream, size_t n, const nqm_named_shading *materials, nqm_error *err) {
+    unsigned char header[NQM_GLTF_GLB_HEADER + NQM_GLTF_CHUNK_HEADER];
+    char *text = NULL;
+    size_t n_text = 0;
+    FILE *document = open_memstream(&text, &n_text);
+    if (!document)
+        return nqm_fail_nomem(err, sizeof header);
+    write_document(document, n, materials);
+    while (ftell(document) % 4)
+        fputc(' ', document);
+    const bool is_complete = !ferror(document);
+    if (fclose(document) != 0 || !is_complete) {
+        free(text);
+        return nqm_fail_nomem(err, n_text);
+    }
+    const uint32_t words[] = {NQM_GLTF_GLB_MAGIC, 2, (uint32_t)(sizeof header + n_text), (uint32_t)n_text,
+                              NQM_GLTF_JSON_CHUNK};
+    nqm_write_values(stream, sizeof words / sizeof *words, sizeof *words, words);
+    fwrite(text, 1, n_text, stream);
+    free(text);
+    return NQM_OK;
 }
 
 nqm_status nqm_gltf_write(size_t n, const nqm_named_shading *materials, const char *path, FILE *stream,
                           nqm_error *err) {
     const char *dot = strrchr(path, '.');
-    buffer b = {.size = (n + 1) * MATERIAL_TEXT};
-    b.text = nqm_alloc(b.size, 1);
-    if (!b.text)
-        return nqm_fail_nomem(err, b.size);
-    append_document(&b, n, materials);
-    if (dot && strcasecmp(dot, ".glb") == 0) {
-        unsigned char header[NQM_GLTF_GLB_HEADER + NQM_GLTF_CHUNK_HEADER];
-        while (b.n % 4)
-            append(&b, " ");
-        const uint32_t words[] = {NQM_GLTF_GLB_MAGIC, 2, (uint32_t)(sizeof header + b.n), (uint32_t)b.n,
-                                  NQM_GLTF_JSON_CHUNK};
-        for (size_t i = 0; i < sizeof words / sizeof *words; ++i)
-            nqm_store_u32(header + 4 * i, words[i]);
-        fwrite(header, 1, sizeof header, stream);
-    }
-    fwrite(b.text, 1, b.n, stream);
-    nqm_free(b.text);
+    if (dot && strcasecmp(dot, ".glb") == 0)
+        return write_container(stream, n, materials, err);
+    write_document(stream, n, materials);
     return NQM_OK;
 }

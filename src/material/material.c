@@ -195,11 +195,11 @@ bool nqm_material_probe_text(const nqm_map *map, size_t n_bytes, const char *wor
 
 /* ---- writing ----------------------------------------------------------------------------------------------------- */
 
-/* true when `word` of n characters is one of the words of `words`. */
-static bool has_word(const char *words, const char *word, size_t n) {
+bool nqm_has_word(const char *words, const char *word, bool any_case) {
+    const size_t n = strlen(word);
     for (const char *at = words; *at; at += strspn(at, " ")) {
         const size_t n_at = strcspn(at, " ");
-        if (n_at == n && strncasecmp(at, word, n) == 0)
+        if (n_at == n && (any_case ? strncasecmp(at, word, n) : strncmp(at, word, n)) == 0)
             return true;
         at += n_at;
     }
@@ -213,7 +213,7 @@ static nqm_status select_format(const char *model, const char *path, const nqm_m
     char all[512] = "";
     size_t used = 0;
     for (const nqm_material_format *const *f = formats; *f; ++f) {
-        if (dot && has_word((*f)->extensions, dot, strlen(dot)) && has_word((*f)->models, model, strlen(model))) {
+        if (dot && nqm_has_word((*f)->extensions, dot, true) && nqm_has_word((*f)->models, model, false)) {
             *format_ret = *f;
             return NQM_OK;
         }

@@ -81,6 +81,8 @@ typedef struct nqm_material_format {
 #define NQM_DECLARE_FORMAT(NAME) extern const nqm_material_format NAME;
 NQM_MATERIAL_FORMATS(NQM_DECLARE_FORMAT)
 
+/** Whether `word` is one of the words of `words`, which blanks separate. */
+bool nqm_has_word(const char *words, const char *word, bool any_case);
 /** For probes: whether a text is among the first n_bytes. */
 bool nqm_material_probe_text(const nqm_map *map, size_t n_bytes, const char *text);
 /** true when a format recognises the file. */

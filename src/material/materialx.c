@@ -391,17 +391,9 @@ static nqm_status read_materials(const nqm_map *map, nqm_materials *materials, n
 
 /* ---- writing ------------------------------------------------------------------------------------------------------- */
 
-static void write_input(FILE *stream, const nqm_rule *input, const nqm_property *property) {
-    char number[32];
-    fprintf(stream, "    <input name=\"%s\" type=\"%s\" value=\"", input->name, input->type);
-    for (size_t c = 0; c < input->n; ++c)
-        fprintf(stream, "%s%s", c ? ", " : "",
-                nqm_format_double(number, sizeof number, property->v[property->n == 3 ? c : 0]));
-    fputs("\" />\n", stream);
-}
-
 static nqm_status write_material(const nqm_shading *shading, const char *name, const char *path, FILE *stream,
                                  nqm_error *err) {
+    char numbers[100];
     size_t s = 0;
     while (s < NQM_MTLX_N_SURFACES && strcmp(nqm_mtlx_surfaces[s].model, shading->model) != 0)
         ++s;
@@ -414,7 +406,8 @@ static nqm_status write_material(const nqm_shading *shading, const char *name, c
         if (!input || !input->key)
             return nqm_fail(err, NQM_ERR_ARG, -1, "%s: %s has no input '%s'", path, surface->node,
                             shading->properties[i].key);
-        write_input(stream, input, &shading->properties[i]);
+        fprintf(stream, "    <input name=\"%s\" type=\"%s\" value=\"%s\" />\n", input->name, input->type,
+                nqm_format_doubles(numbers, sizeof numbers, input->n, shading->properties[i].v, ", "));
     }
     fprintf(stream,
             "  </%s>\n  <surfacematerial name=\"%s\" type=\"material\">\n"

@@ -1,17 +1,17 @@
 /* SPDX-License-Identifier: MIT
  *
- * The inputs of MaterialX 1.39's surface shaders, with the defaults of their definitions (libraries/bxdf/ *.mtlx). Inputs that matter
- * only with another one that must be 0, such as a colour of transmission, are ignored.
+ * The inputs of MaterialX 1.39's surface shaders: those that are keys (surface_keys.h), and the others with the defaults of their
+ * definitions. Inputs that matter only with another one that must be 0, such as a colour of transmission, are ignored.
  */
 #include "material/materialx.h"
+#include "material/surface_keys.h"
 
-#define N_OF(TYPE) (sizeof(TYPE) == sizeof "color3" ? 3 : 1)
-#define KEY(NAME, TYPE, DEFAULT)                                                                                       \
-    { NAME, nqm_mtlx_read_key, NAME, N_OF(TYPE), DEFAULT, NULL, NULL, TYPE }
+#define KEY(INDEX, NAME, TYPE, LOW, HIGH, DEFAULT)                                                                     \
+    {NAME, nqm_mtlx_read_key, NAME, NQM_KEY_N(TYPE), DEFAULT, NULL, NULL, TYPE},
 #define NEUTRAL(NAME, TYPE, DEFAULT, WHY)                                                                              \
-    { NAME, nqm_rule_neutral, NULL, N_OF(TYPE), DEFAULT, WHY, NULL, TYPE }
+    { NAME, nqm_rule_neutral, NULL, NQM_KEY_N(TYPE), DEFAULT, WHY, NULL, TYPE }
 #define GATED(NAME, TYPE, DEFAULT, WHY, GATE)                                                                          \
-    { NAME, nqm_rule_neutral, NULL, N_OF(TYPE), DEFAULT, WHY, GATE, TYPE }
+    { NAME, nqm_rule_neutral, NULL, NQM_KEY_N(TYPE), DEFAULT, WHY, GATE, TYPE }
 #define NORMAL(NAME)                                                                                                   \
     { NAME, nqm_mtlx_read_normal, NULL, 0, 0, NULL, NULL, NULL }
 #define IGNORED(NAMES)                                                                                                 \
@@ -26,23 +26,7 @@ static const char transmission[] = "transmission" NOT_PART, subsurface[] = "subs
                   displacement[] = "displacement" NOT_PART;
 
 static const nqm_rule open_pbr[] = {
-    KEY("base_weight", "float", 1),
-    KEY("base_color", "color3", 0.8),
-    KEY("base_diffuse_roughness", "float", 0),
-    KEY("base_metalness", "float", 0),
-    KEY("specular_weight", "float", 1),
-    KEY("specular_color", "color3", 1),
-    KEY("specular_roughness", "float", 0.3),
-    KEY("specular_ior", "float", 1.5),
-    KEY("fuzz_weight", "float", 0),
-    KEY("fuzz_color", "color3", 1),
-    KEY("fuzz_roughness", "float", 0.5),
-    KEY("coat_weight", "float", 0),
-    KEY("coat_color", "color3", 1),
-    KEY("coat_roughness", "float", 0),
-    KEY("coat_ior", "float", 1.6),
-    KEY("coat_darkening", "float", 1),
-    NEUTRAL("specular_roughness_anisotropy", "float", 0, anisotropy),
+    NQM_OPEN_PBR_KEYS(KEY) NEUTRAL("specular_roughness_anisotropy", "float", 0, anisotropy),
     NEUTRAL("transmission_weight", "float", 0, transmission),
     NEUTRAL("subsurface_weight", "float", 0, subsurface),
     GATED("coat_roughness_anisotropy", "float", 0, anisotropy, "coat_weight"),
@@ -60,24 +44,7 @@ static const nqm_rule open_pbr[] = {
 };
 
 static const nqm_rule standard_surface[] = {
-    KEY("base", "float", 1),
-    KEY("base_color", "color3", 0.8),
-    KEY("diffuse_roughness", "float", 0),
-    KEY("metalness", "float", 0),
-    KEY("specular", "float", 1),
-    KEY("specular_color", "color3", 1),
-    KEY("specular_roughness", "float", 0.2),
-    KEY("specular_IOR", "float", 1.5),
-    KEY("sheen", "float", 0),
-    KEY("sheen_color", "color3", 1),
-    KEY("sheen_roughness", "float", 0.3),
-    KEY("coat", "float", 0),
-    KEY("coat_color", "color3", 1),
-    KEY("coat_roughness", "float", 0.1),
-    KEY("coat_IOR", "float", 1.5),
-    KEY("coat_affect_color", "float", 0),
-    KEY("coat_affect_roughness", "float", 0),
-    NEUTRAL("specular_anisotropy", "float", 0, anisotropy),
+    NQM_STANDARD_SURFACE_KEYS(KEY) NEUTRAL("specular_anisotropy", "float", 0, anisotropy),
     NEUTRAL("transmission", "float", 0, transmission),
     NEUTRAL("subsurface", "float", 0, subsurface),
     GATED("coat_anisotropy", "float", 0, anisotropy, "coat"),
@@ -94,17 +61,7 @@ static const nqm_rule standard_surface[] = {
 };
 
 static const nqm_rule gltf_pbr[] = {
-    KEY("base_color", "color3", 1),
-    KEY("metallic", "float", 1),
-    KEY("roughness", "float", 1),
-    KEY("ior", "float", 1.5),
-    KEY("specular", "float", 1),
-    KEY("specular_color", "color3", 1),
-    KEY("clearcoat", "float", 0),
-    KEY("clearcoat_roughness", "float", 0),
-    KEY("sheen_color", "color3", 0),
-    KEY("sheen_roughness", "float", 0),
-    NEUTRAL("transmission", "float", 0, transmission),
+    NQM_GLTF_KEYS(KEY) NEUTRAL("transmission", "float", 0, transmission),
     NEUTRAL("alpha_mode", "integer", 0, opacity),
     NEUTRAL("iridescence", "float", 0, thin_film),
     NEUTRAL("emissive", "color3", 0, emission),
@@ -119,15 +76,7 @@ static const nqm_rule gltf_pbr[] = {
 };
 
 static const nqm_rule usd_preview_surface[] = {
-    KEY("diffuseColor", "color3", 0.18),
-    KEY("useSpecularWorkflow", "integer", 0),
-    KEY("specularColor", "color3", 0),
-    KEY("metallic", "float", 0),
-    KEY("roughness", "float", 0.5),
-    KEY("clearcoat", "float", 0),
-    KEY("clearcoatRoughness", "float", 0.01),
-    KEY("ior", "float", 1.5),
-    NEUTRAL("emissiveColor", "color3", 0, emission),
+    NQM_USD_PREVIEW_KEYS(KEY) NEUTRAL("emissiveColor", "color3", 0, emission),
     NEUTRAL("opacity", "float", 1, opacity),
     NEUTRAL("displacement", "float", 0, displacement),
     NORMAL("normal"),
@@ -137,16 +86,7 @@ static const nqm_rule usd_preview_surface[] = {
 };
 
 static const nqm_rule disney[] = {
-    KEY("baseColor", "color3", 0.16),
-    KEY("metallic", "float", 0),
-    KEY("roughness", "float", 0.5),
-    KEY("specular", "float", 0.5),
-    KEY("specularTint", "float", 0),
-    KEY("sheen", "float", 0),
-    KEY("sheenTint", "float", 0.5),
-    KEY("clearcoat", "float", 0),
-    KEY("clearcoatGloss", "float", 1),
-    NEUTRAL("anisotropic", "float", 0, anisotropy),
+    NQM_DISNEY_KEYS(KEY) NEUTRAL("anisotropic", "float", 0, anisotropy),
     NEUTRAL("specTrans", "float", 0, transmission),
     NEUTRAL("subsurface", "float", 0, subsurface),
     IGNORED("ior subsurfaceDistance"),

@@ -207,6 +207,13 @@ bool nqm_mitsuba_is_bsdf(const char *type) {
     return nqm_bsdf_find_plugin(plugins, type) != NULL;
 }
 
+const char *nqm_mitsuba_type_of(const char *model) {
+    const nqm_bsdf_plugin *p = plugins;
+    while (p->type && !(p->model && strcmp(p->model, model) == 0))
+        ++p;
+    return p->type;
+}
+
 /* ---- materials --------------------------------------------------------------------------------------------------- */
 
 static nqm_index_key key_of_bsdf(const void *value) {

@@ -10,6 +10,8 @@
 
 /** true when Mitsuba has a BSDF plugin of this name. */
 bool nqm_mitsuba_is_bsdf(const char *type);
+/** The plugin of a shading model, or NULL. */
+const char *nqm_mitsuba_type_of(const char *model);
 /** Append a material for each BSDF that is not inside of another one. */
 NQM_MUST_CHECK nqm_status nqm_mitsuba_translate(const nqm_bsdf_nodes *nodes, nqm_materials *materials, nqm_error *err);
 

@@ -23,18 +23,14 @@ static const char *text_of(const json_t *object, const char *key) {
 /* The numbers of a value, as text; "" when it has none or too many. */
 static void format_numbers(const json_t *value, char text[TEXT_SIZE]) {
     const size_t n = json_is_number(value) ? 1 : json_array_size(value);
-    size_t used = 0;
-    char number[32];
-    *text = 0;
-    for (size_t i = 0; i < n && n <= 3; ++i) {
-        const json_t *v = json_is_number(value) ? value : json_array_get(value, i);
-        if (!json_is_number(v)) {
-            *text = 0;
-            return;
-        }
-        nqm_format_double(number, sizeof number, json_number_value(v));
-        used += (size_t)snprintf(text + used, TEXT_SIZE - used, "%s%s", i ? " " : "", number);
+    double v[3] = {0};
+    bool is_good = n <= 3;
+    for (size_t i = 0; i < n && is_good; ++i) {
+        const json_t *element = json_is_number(value) ? value : json_array_get(value, i);
+        is_good = json_is_number(element);
+        v[i] = json_number_value(element);
     }
+    nqm_format_doubles(text, TEXT_SIZE, is_good ? n : 0, v, " ");
 }
 
 static nqm_bsdf_kind kind_of_type(const char *type) {

@@ -20,21 +20,6 @@ static const struct {
 };
 enum { N_RENAMED = sizeof renamed / sizeof *renamed };
 
-static const struct {
-    const char *model, *type;
-} types[] = {{"lambert", "diffuse"},
-             {"rough-conductor", "roughconductor"},
-             {"principled", "principled"},
-             {"rough-plastic", "roughplastic"}};
-enum { N_TYPES = sizeof types / sizeof *types };
-
-static const char *type_of(const char *model) {
-    for (size_t i = 0; i < N_TYPES; ++i)
-        if (strcmp(types[i].model, model) == 0)
-            return types[i].type;
-    return NULL;
-}
-
 /* One property as it is written. */
 typedef struct written {
     const char *name;
@@ -46,21 +31,18 @@ typedef struct written {
 
 static written describe(const nqm_shading *shading, const nqm_property *p) {
     written w = {.name = p->key, .n = p->n};
-    char number[32];
     for (size_t i = 0; i < N_RENAMED; ++i)
         if (strcmp(renamed[i].model, shading->model) == 0 && strcmp(renamed[i].key, p->key) == 0) {
             w.name = renamed[i].name;
             w.word = renamed[i].words[p->v[0] != 0];
             w.is_boolean = w.word && strcmp(renamed[i].words[0], "false") == 0;
         }
-    for (size_t c = 0, used = 0; c < p->n; ++c)
-        used += (size_t)snprintf(w.text + used, sizeof w.text - used, "%s%s", c ? ", " : "",
-                                 nqm_format_double(number, sizeof number, p->v[c]));
+    nqm_format_doubles(w.text, sizeof w.text, p->n, p->v, ", ");
     return w;
 }
 
 static void write_xml(const nqm_shading *shading, const char *name, FILE *stream) {
-    fprintf(stream, "    <bsdf type=\"%s\" id=\"%s\">\n", type_of(shading->model), name);
+    fprintf(stream, "    <bsdf type=\"%s\" id=\"%s\">\n", nqm_mitsuba_type_of(shading->model), name);
     for (size_t i = 0; i < shading->n; ++i) {
         const written w = describe(shading, &shading->properties[i]);
         const char *tag = w.word ? w.is_boolean ? "boolean" : "string" : w.n == 3 ? "rgb" : "float";
@@ -72,7 +54,7 @@ static void write_xml(const nqm_shading *shading, const char *name, FILE *stream
 }
 
 static void write_json(const nqm_shading *shading, const char *name, FILE *stream) {
-    fprintf(stream, ",\n  \"%s\": {\n    \"type\": \"%s\"", name, type_of(shading->model));
+    fprintf(stream, ",\n  \"%s\": {\n    \"type\": \"%s\"", name, nqm_mitsuba_type_of(shading->model));
     for (size_t i = 0; i < shading->n; ++i) {
         const written w = describe(shading, &shading->properties[i]);
         const char *quote = w.word && !w.is_boolean ? "\"" : "";
@@ -93,7 +75,7 @@ nqm_status nqm_mitsuba_write(size_t n, const nqm_named_shading *materials, const
     const bool is_json = dot && strcasecmp(dot, ".json") == 0;
     fputs(is_json ? "{\n  \"type\": \"scene\"" : "<scene version=\"3.0.0\">\n", stream);
     for (size_t i = 0; i < n; ++i) {
-        if (!type_of(materials[i].shading.model))
+        if (!nqm_mitsuba_type_of(materials[i].shading.model))
             return nqm_fail(err, NQM_ERR_ARG, -1, "%s: Mitsuba has no BSDF for '%s'", path, materials[i].shading.model);
         (is_json ? write_json : write_xml)(&materials[i].shading, materials[i].name, stream);
     }

@@ -389,16 +389,14 @@ static bool probe(const nqm_map *map) {
 
 static void write_material(const nqm_shading *shading, const char *name, FILE *stream) {
     const bool is_diffuse = strcmp(shading->model, "lambert") == 0;
-    char number[32];
+    char numbers[100];
     fprintf(stream, "MakeNamedMaterial \"%s\"\n    \"string type\" \"%s\"\n", name,
             is_diffuse ? "diffuse" : "conductor");
     for (size_t i = 0; i < shading->n; ++i) {
         const nqm_property *p = &shading->properties[i];
         const bool is_number = strcmp(p->key, "roughness") == 0;
-        fprintf(stream, "    \"%s %s\" [", is_number ? "float" : "rgb", is_diffuse ? "reflectance" : p->key);
-        for (size_t c = 0; c < (is_number ? 1 : 3); ++c)
-            fprintf(stream, " %s", nqm_format_double(number, sizeof number, p->v[c]));
-        fprintf(stream, " ]\n");
+        fprintf(stream, "    \"%s %s\" [ %s ]\n", is_number ? "float" : "rgb", is_diffuse ? "reflectance" : p->key,
+                nqm_format_doubles(numbers, sizeof numbers, is_number ? 1 : 3, p->v, " "));
     }
 }
 

@@ -17,21 +17,9 @@ bool nqm_refuse(nqm_reading *r, const void *property, const char *format, ...) {
     return false;
 }
 
-/* One of the names, which blanks separate. */
-static bool has_name(const char *names, const char *name) {
-    const size_t n = strlen(name);
-    for (const char *at = names; *at; at += strspn(at, " ")) {
-        const size_t n_at = strcspn(at, " ");
-        if (n_at == n && memcmp(at, name, n) == 0)
-            return true;
-        at += n_at;
-    }
-    return false;
-}
-
 const nqm_rule *nqm_rule_find(const nqm_rule *rules, const char *name) {
     for (const nqm_rule *rule = rules; name && rule->name; ++rule)
-        if (has_name(rule->name, name))
+        if (nqm_has_word(rule->name, name, false))
             return rule;
     return NULL;
 }

@@ -29,16 +29,14 @@ enum { NUMBER_SIZE = 32, PROPERTY_SIZE = sizeof(((nqm_property *)0)->key) + 3 * 
 
 char *nqm_shading_spec(const nqm_shading *shading) {
     const size_t size = sizeof shading->model + 1 + shading->n * PROPERTY_SIZE;
-    char *text = nqm_alloc(size, 1), number[NUMBER_SIZE];
+    char *text = nqm_alloc(size, 1), numbers[3 * NUMBER_SIZE];
     if (!text)
         return NULL;
     size_t used = (size_t)snprintf(text, size, "%s:", shading->model);
     for (size_t i = 0; i < shading->n; ++i) {
         const nqm_property *p = &shading->properties[i];
-        for (size_t c = 0; c < p->n; ++c)
-            used +=
-                (size_t)snprintf(text + used, size - used, "%s%s%s%s", c == 0 && i > 0 ? ";" : "", c == 0 ? p->key : "",
-                                 c == 0 ? "=" : ",", nqm_format_double(number, sizeof number, p->v[c]));
+        used += (size_t)snprintf(text + used, size - used, "%s%s=%s", i ? ";" : "", p->key,
+                                 nqm_format_doubles(numbers, sizeof numbers, p->n, p->v, ","));
     }
     return text;
 }

@@ -80,7 +80,7 @@ static size_t sample_some(const nqm_brdf *brdf, const nqm_directions *directions
     size_t place[AT_ONCE], m = 0, end = next;
     const uint32_t *twin = directions->twin;
     for (; end < directions->n && m < AT_ONCE; ++end) {
-        if (brdf->class_->reciprocal && twin[end] != end)
+        if (brdf->info.reciprocal && twin[end] != end)
             continue;
         memcpy(wi + 3 * m, directions->wi + 3 * end, 3 * sizeof *wi);
         memcpy(wo + 3 * m, directions->wo + 3 * end, 3 * sizeof *wo);
@@ -92,7 +92,7 @@ static size_t sample_some(const nqm_brdf *brdf, const nqm_directions *directions
     for (size_t k = 0; k < m; ++k)
         flag[place[k]] = flags[k];
     for (size_t i = next; i < end; ++i)
-        if (brdf->class_->reciprocal && twin[i] != i) {
+        if (brdf->info.reciprocal && twin[i] != i) {
             memcpy(rgb + 3 * i, rgb + 3 * twin[i], 3 * sizeof *rgb);
             flag[i] = flag[twin[i]];
         }

@@ -31,7 +31,7 @@ static double random_value(const char *key, nqm_rng *rng) {
     size_t i = 0;
     while (strcmp(ranges[i].key, key) != 0)
         ++i;
-    double v = nqm_rng_log_uniform(rng, ranges[i].low, ranges[i].high);
+    double v = ranges[i].low * pow(ranges[i].high / ranges[i].low, nqm_rng_uniform(rng)); /* log-uniform */
     return strcmp(key, "cxy") == 0 ? -v : v;
 }
 

@@ -26,7 +26,7 @@ nqm_status nqm_brdf_wrap(const nqm_brdf_class *class_, void *self, const nqm_brd
         if (*texts[i])
             *texts[i] = memcpy(texts_of_copy[i], *texts[i], arrays[1 + i].n);
     copy.format = class_->format;
-    copy.reciprocal = class_->reciprocal;
+    copy.reciprocal = info->reciprocal || class_->reciprocal;
     **brdf_ret = (nqm_brdf){class_, self, copy};
     return NQM_OK;
 }
@@ -93,7 +93,7 @@ static void eval_block(const nqm_brdf *brdf, size_t m, const double *wi, const d
     }
     double hd[3 * BLOCK];
     void (*convert)(const double *, const double *, double *) =
-        brdf->class_->reciprocal ? nqm_half_diff_from_pair : nqm_half_diff_full_from_pair;
+        brdf->info.reciprocal ? nqm_half_diff_from_pair : nqm_half_diff_full_from_pair;
     for (size_t k = 0; k < m; ++k)
         convert(wi + 3 * k, wo + 3 * k, hd + 3 * k);
     /* NOLINTNEXTLINE(clang-analyzer-core.CallAndMessage): a class has one of the two */
@@ -131,7 +131,7 @@ static double fold_phi(double phi, double period) {
 
 static void eval_native(const nqm_brdf *brdf, size_t n, const double *hd, double *rgb, uint8_t *flag) {
     double native[3 * BLOCK], raw[3 * BLOCK];
-    const double period = brdf->class_->reciprocal ? NQM_PI : 2 * NQM_PI;
+    const double period = brdf->info.reciprocal ? NQM_PI : 2 * NQM_PI;
     size_t place[BLOCK];
     for (size_t i = 0; i < n;) {
         size_t m = 0;

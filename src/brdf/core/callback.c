@@ -32,9 +32,7 @@ static void callback_free(void *self) {
     nqm_free(c);
 }
 
-static const nqm_brdf_class classes[2] = {
-    {.format = "callback", .reciprocal = 0, .eval = callback_eval, .free = callback_free},
-    {.format = "callback", .reciprocal = 1, .eval = callback_eval, .free = callback_free}};
+static const nqm_brdf_class callback_class = {.format = "callback", .eval = callback_eval, .free = callback_free};
 
 nqm_status nqm_brdf_create(const nqm_brdf_callbacks *callbacks, nqm_brdf **brdf_ret, nqm_error *err) {
     NQM_MAKE(err, brdf_ret, callbacks);
@@ -47,8 +45,9 @@ nqm_status nqm_brdf_create(const nqm_brdf_callbacks *callbacks, nqm_brdf **brdf_
     c->user = callbacks->user;
     pthread_mutex_init(&c->mutex, NULL);
     c->lock = callbacks->serialize ? &c->mutex : NULL;
-    const nqm_brdf_info info = {.name = callbacks->name ? callbacks->name : "callback"};
-    nqm_status status = nqm_brdf_wrap(&classes[callbacks->reciprocal != 0], c, &info, brdf_ret, err);
+    const nqm_brdf_info info = {.name = callbacks->name ? callbacks->name : "callback",
+                                .reciprocal = callbacks->reciprocal != 0};
+    nqm_status status = nqm_brdf_wrap(&callback_class, c, &info, brdf_ret, err);
     if (status == NQM_OK) /* only now: on failure the caller keeps `user` */
         c->free = callbacks->free;
     return status;

@@ -19,36 +19,11 @@ enum { CLAMP = FIRST_VALUE_KEY, PEAK, FRESNEL, MIX, DESATURATE, HUE, TINT, SCALE
 enum { BANDS = RIPPLE + 1, NOISE, SEED, CELLS };
 enum { QUANTISE = CELLS + 1, BITS, HALF, N_KEYS };
 
-static const nqm_spec_schema schema = {
-    "perturb",
-    N_KEYS,
-    {[SHIFT] = {.name = "shift", .n = 1, .low = -45, .high = 45, .fallback = 0},
-     [GLOSS] = {.name = "gloss", .n = 1, .low = 0.05, .high = 20, .fallback = 1},
-     [SMOOTH] = {.name = "smooth", .n = 1, .low = 0.01, .high = 30, .fallback = 0},
-     [CLAMP] = {.name = "clamp", .n = 1, .low = 0, .high = 1, .fallback = 0},
-     [PEAK] = {.name = "peak", .n = 1, .low = 0, .high = 100, .fallback = 1},
-     [FRESNEL] = {.name = "fresnel", .n = 1, .low = 0, .high = 100, .fallback = 1},
-     [MIX] = {.name = "mix", .n = 1, .low = 0, .high = 1, .fallback = 0},
-     [DESATURATE] = {.name = "desaturate", .n = 1, .low = -1, .high = 1, .fallback = 0},
-     [HUE] = {.name = "hue", .n = 1, .low = -180, .high = 180, .fallback = 0},
-     [TINT] = {.name = "tint", .n = 3, .low = 0, .high = 100, .fallback = 1},
-     [SCALE] = {.name = "scale", .n = 1, .low = 0, .high = 1000, .fallback = 1},
-     [LOPSIDED] = {.name = "lopsided", .n = 1, .low = -2, .high = 2, .fallback = 0},
-     [RIPPLE] = {.name = "ripple", .n = 1, .low = 0, .high = 1, .fallback = 0},
-     [BANDS] = {.name = "bands", .n = 1, .low = 1, .high = 1000, .fallback = 12},
-     [NOISE] = {.name = "noise", .n = 1, .low = 0, .high = 5, .fallback = 0},
-     [SEED] = {.name = "seed", .n = 1, .low = 0, .high = 9007199254740992.0, .whole = true, .fallback = 1},
-     [CELLS] = {.name = "cells", .n = 1, .low = 1, .high = 64, .whole = true, .fallback = 16},
-     [QUANTISE] = {.name = "quantise", .n = 1, .low = 0, .high = 1000, .fallback = 0},
-     [BITS] = {.name = "bits", .n = 1, .low = 1, .high = 53, .whole = true, .fallback = 53},
-     [HALF] = {.name = "half", .n = 1, .low = 0, .high = 1, .whole = true, .fallback = 0}}};
-
 enum { SMOOTH_TAPS = 27 };
 
 /** One distortion with its constants. */
 typedef struct perturbation {
-    nqm_brdf *base;
-    bool owned;
+    nqm_between_bases bases;
     double v[N_KEYS];  /* settings (their first values); `shift` and `smooth` in radians */
     double ceiling;    /* upper limit of every channel of the base; HUGE_VAL: off */
     double hue[3];     /* first row of the circulant matrix that rotates colours about the grey axis; 1,0,0: off */
@@ -251,7 +226,7 @@ static void perturb_eval(const void *state, size_t n, const double *hd, double *
         size_t m = n - first < n_block ? n - first : n_block;
         for (size_t i = 0; i < m; ++i)
             place_rows(self, hd + 3 * (first + i), rows + 3 * n_rows * i, weight + n_rows * i);
-        nqm_brdf_eval_half_diff(self->base, m * n_rows, rows, values, flag);
+        nqm_brdf_eval_half_diff(self->bases.of, m * n_rows, rows, values, flag);
         for (size_t i = 0; i < m; ++i) {
             double *out = rgb + 3 * (first + i);
             size_t row = n_rows * i, off = row + self->n_taps;
@@ -265,18 +240,6 @@ static void perturb_eval(const void *state, size_t n, const double *hd, double *
 }
 
 /* ---- opening ----------------------------------------------------------------------------------------------------- */
-
-static void perturb_free(void *state) {
-    perturbation *self = state;
-    if (self->owned)
-        nqm_brdf_free(self->base);
-    nqm_free(self);
-}
-
-/* Indexed by reciprocity. */
-static const nqm_brdf_class perturb_classes[2] = {
-    {.format = "perturb", .reciprocal = 0, .eval_half_diff = perturb_eval, .free = perturb_free},
-    {.format = "perturb", .reciprocal = 1, .eval_half_diff = perturb_eval, .free = perturb_free}};
 
 /* Reference value of `clamp`: the largest channel of the base in the mirror direction for theta_d = 0 to 60 degrees. */
 static double mirror_maximum(const nqm_brdf *base) {
@@ -299,8 +262,8 @@ static void hue_row(double angle, double row[3]) {
     row[2] = (1 - c) / 3 + s;
 }
 
-/* A perturbation of `base`, which it does not own yet. */
-static nqm_status create(const nqm_spec_values *values, nqm_brdf *base, perturbation **self_ret, nqm_error *err) {
+static nqm_status create(const nqm_spec_values *values, const nqm_between_bases *bases, nqm_brdf_info *info,
+                         void **self_ret, nqm_error *err) {
     const double degree = NQM_PI / 180;
     const size_t n_cells = values->v[NOISE][0] > 0 ? (size_t)values->v[CELLS][0] : 0;
     const size_t n_lattice = n_cells ? 3 * (n_cells + 1) * (n_cells + 1) * (n_cells + 1) : 0;
@@ -310,18 +273,18 @@ static nqm_status create(const nqm_spec_values *values, nqm_brdf *base, perturba
     if (status != NQM_OK)
         return status;
     perturbation *self = *self_ret;
+    info->reciprocal = info->reciprocal && values->v[LOPSIDED][0] == 0;
     for (size_t k = 0; k < N_KEYS; ++k)
         self->v[k] = values->v[k][0];
-    self->base = base;
     self->v[SHIFT] *= degree;
     self->v[SMOOTH] *= degree;
     self->n_taps = self->v[SMOOTH] > 0 ? SMOOTH_TAPS : 1;
     self->n_rows = self->n_taps + (self->v[PEAK] != 1);
-    double largest = self->v[CLAMP] > 0 ? mirror_maximum(base) : 0;
+    double largest = self->v[CLAMP] > 0 ? mirror_maximum(bases->of) : 0;
     self->ceiling = largest > 0 ? self->v[CLAMP] * largest : HUGE_VAL;
     hue_row(self->v[HUE] * degree, self->hue);
     if (self->v[MIX] > 0) /* 45 degrees halves the hemisphere's projected solid angle */
-        nqm_brdf_albedo(base, NQM_PI / 4, 1, self->lambert);
+        nqm_brdf_albedo(bases->of, NQM_PI / 4, 1, self->lambert);
     for (size_t c = 0; c < 3; ++c) {
         self->lambert[c] /= NQM_PI;
         self->colour[c] = values->v[TINT][c] * self->v[SCALE];
@@ -334,80 +297,36 @@ static nqm_status create(const nqm_spec_values *values, nqm_brdf *base, perturba
     return NQM_OK;
 }
 
-/* Split "key=v;...;of=BASE": *base points at BASE; the settings before it are parsed. */
-static nqm_status parse(const char *settings, const char **base, nqm_spec_values *values, nqm_error *err) {
-    const char *of = strncmp(settings, "of=", 3) == 0 ? settings : strstr(settings, ";of=");
-    if (!of)
-        return nqm_fail(err, NQM_ERR_ARG, -1,
-                        "perturb: 'of=' and a BRDF are missing at the end (perturb:scale=2;of=BRDF)");
-    *base = of + (*of == ';') + 3;
-    char *head = nqm_strdup(settings);
-    if (!head)
-        return nqm_fail_nomem(err, strlen(settings) + 1);
-    head[of - settings] = 0;
-    nqm_status status = nqm_spec_parse(&schema, head, values, err);
-    nqm_free(head);
-    if (status == NQM_OK && !(values->given & ~(UINT64_C(1) << BANDS | UINT64_C(1) << SEED | UINT64_C(1) << CELLS)))
-        return nqm_fail(err, NQM_ERR_ARG, -1,
-                        "perturb: nothing is changed: give scale, tint, gloss, peak, ... before 'of='");
-    return status;
-}
-
-/* The canonical spec: the settings, then the spec of the base, or its name when the base is a file. nqm_free(); NULL
- * when out of memory. */
-static char *canonical_spec(const nqm_spec_values *values, const nqm_brdf *base) {
-    const char *of = base->info.spec ? base->info.spec : base->info.name;
-    char *own = nqm_spec_format(&schema, values);
-    size_t n = own ? strlen(own) + strlen(";of=") + strlen(of) + 1 : 0;
-    char *spec = own ? nqm_alloc(n, 1) : NULL;
-    if (spec)
-        snprintf(spec, n, "%s;of=%s", own, of);
-    nqm_free(own);
-    return spec;
-}
-
-/* Create the perturbation of `base` by `values`. An owned `base` is freed on failure too. */
-static nqm_status wrap(const nqm_spec_values *values, nqm_brdf *base, bool owned, const char *name, nqm_brdf **brdf_ret,
-                       nqm_error *err) {
-    char layout[128];
-    perturbation *self = NULL;
-    char *spec = canonical_spec(values, base);
-    nqm_status status = spec ? create(values, base, &self, err) : nqm_fail_nomem(err, strlen(base->info.name));
-    if (status == NQM_OK) {
-        const nqm_brdf_info info = {
-            .name = name ? name : spec, .spec = spec, .source_doi = base->info.source_doi, .layout = layout};
-        snprintf(layout, sizeof layout, "over %s, %.100s", base->info.format,
-                 base->info.layout ? base->info.layout : "");
-        const bool reciprocal = base->class_->reciprocal && self->v[LOPSIDED] == 0;
-        self->owned = owned;
-        status = nqm_brdf_wrap(&perturb_classes[reciprocal], self, &info, brdf_ret, err);
-    } else if (owned) {
-        nqm_brdf_free(base);
-    }
-    nqm_free(spec);
-    return status;
-}
-
-static nqm_status open_perturbation(const char *settings, const char *name, nqm_brdf_opener *open, nqm_brdf **brdf_ret,
-                                    nqm_error *err) {
-    const char *of = NULL;
-    nqm_spec_values values;
-    nqm_brdf *base;
-    nqm_status status = parse(settings, &of, &values, err);
-    if (status == NQM_OK)
-        status = open(of, of, &base, err);
-    return status == NQM_OK ? wrap(&values, base, true, name, brdf_ret, err) : status;
-}
-
-const nqm_spec_wrapper nqm_perturb_wrapper = {"perturb", open_perturbation};
+const nqm_spec_wrapper nqm_perturb_wrapper = {
+    .schema = {"perturb",
+               N_KEYS,
+               {[SHIFT] = {.name = "shift", .n = 1, .low = -45, .high = 45, .fallback = 0},
+                [GLOSS] = {.name = "gloss", .n = 1, .low = 0.05, .high = 20, .fallback = 1},
+                [SMOOTH] = {.name = "smooth", .n = 1, .low = 0.01, .high = 30, .fallback = 0},
+                [CLAMP] = {.name = "clamp", .n = 1, .low = 0, .high = 1, .fallback = 0},
+                [PEAK] = {.name = "peak", .n = 1, .low = 0, .high = 100, .fallback = 1},
+                [FRESNEL] = {.name = "fresnel", .n = 1, .low = 0, .high = 100, .fallback = 1},
+                [MIX] = {.name = "mix", .n = 1, .low = 0, .high = 1, .fallback = 0},
+                [DESATURATE] = {.name = "desaturate", .n = 1, .low = -1, .high = 1, .fallback = 0},
+                [HUE] = {.name = "hue", .n = 1, .low = -180, .high = 180, .fallback = 0},
+                [TINT] = {.name = "tint", .n = 3, .low = 0, .high = 100, .fallback = 1},
+                [SCALE] = {.name = "scale", .n = 1, .low = 0, .high = 1000, .fallback = 1},
+                [LOPSIDED] = {.name = "lopsided", .n = 1, .low = -2, .high = 2, .fallback = 0},
+                [RIPPLE] = {.name = "ripple", .n = 1, .low = 0, .high = 1, .fallback = 0},
+                [BANDS] = {.name = "bands", .n = 1, .low = 1, .high = 1000, .fallback = 12},
+                [NOISE] = {.name = "noise", .n = 1, .low = 0, .high = 5, .fallback = 0},
+                [SEED] = {.name = "seed", .n = 1, .low = 0, .high = 9007199254740992.0, .whole = true, .fallback = 1},
+                [CELLS] = {.name = "cells", .n = 1, .low = 1, .high = 64, .whole = true, .fallback = 16},
+                [QUANTISE] = {.name = "quantise", .n = 1, .low = 0, .high = 1000, .fallback = 0},
+                [BITS] = {.name = "bits", .n = 1, .low = 1, .high = 53, .whole = true, .fallback = 53},
+                [HALF] = {.name = "half", .n = 1, .low = 0, .high = 1, .whole = true, .fallback = 0}}},
+    .idle = UINT64_C(1) << BANDS | UINT64_C(1) << SEED | UINT64_C(1) << CELLS,
+    .form = "perturb: 'of=' and a BRDF are missing at the end (perturb:scale=2;of=BRDF)",
+    .class_ = {.format = "perturb", .eval_half_diff = perturb_eval, .free = nqm_wrapper_free},
+    .create = create,
+};
 
 nqm_status nqm_perturb_wrap(const char *settings, nqm_brdf *base, bool owned, nqm_brdf **brdf_ret, nqm_error *err) {
-    *brdf_ret = NULL;
-    nqm_spec_values values;
-    nqm_status status = nqm_spec_parse(&schema, settings, &values, err);
-    if (status == NQM_OK)
-        return wrap(&values, base, owned, NULL, brdf_ret, err);
-    if (owned)
-        nqm_brdf_free(base);
-    return status;
+    return nqm_wrapper_make(&nqm_perturb_wrapper, settings, &(nqm_between_bases){.of = base, .owns_of = owned},
+                            brdf_ret, err);
 }

@@ -120,13 +120,9 @@ nqm_status nqm_spec_parse(const nqm_spec_schema *schema, const char *text, nqm_s
 enum { NUMBER_SIZE = 32, KEY_SIZE = 3 * NUMBER_SIZE + 16 };
 
 static size_t format_setting(char *text, size_t n_text, const nqm_spec_key *key, const double v[3]) {
-    char number[3][NUMBER_SIZE];
-    for (int c = 0; c < 3; ++c)
-        nqm_format_double(number[c], NUMBER_SIZE, v[c]);
-    int n = v[0] == v[1] && v[0] == v[2]
-                ? snprintf(text, n_text, "%s=%s", key->name, number[0])
-                : snprintf(text, n_text, "%s=%s,%s,%s", key->name, number[0], number[1], number[2]);
-    return (size_t)n;
+    char numbers[3 * NUMBER_SIZE];
+    nqm_format_doubles(numbers, sizeof numbers, v[0] == v[1] && v[0] == v[2] ? 1 : 3, v, ",");
+    return (size_t)snprintf(text, n_text, "%s=%s", key->name, numbers);
 }
 
 char *nqm_spec_format(const nqm_spec_schema *schema, const nqm_spec_values *values) {

@@ -9,6 +9,7 @@
 
 #include "base/names.h"
 #include "brdf/brdf.h"
+#include "material/surface_keys.h"
 
 enum { NQM_SPEC_MAX_KEYS = 48 };
 
@@ -66,6 +67,29 @@ enum { NQM_SPEC_MAX_STATE = 8192 }; /* bytes of a state that begins so */
  *  range of a parameter, one-sided ones at its ends. `prepare` is called twice for each parameter. */
 void nqm_spec_jacobian(const void *self, size_t n, const double *wi, const double *wo, double *rgb, double *jacobian);
 
+/** The index and the row in the schema of a key in a list X(INDEX, NAME, TYPE, LOW, HIGH, DEFAULT) as those of
+ *  material/surface_keys.h. */
+#define NQM_KEY_INDEX(INDEX, ...) INDEX,
+#define NQM_KEY_ROW(INDEX, NAME, TYPE, LOW, HIGH, ...)                                                                 \
+    {.name = (NAME),                                                                                                   \
+     .n = NQM_KEY_N(TYPE),                                                                                             \
+     .low = (LOW),                                                                                                     \
+     .high = (HIGH),                                                                                                   \
+     .whole = sizeof(TYPE) == sizeof "integer",                                                                        \
+     .fallback = __VA_ARGS__},
+/** Define a shading model with such a list; IS_RECIPROCAL: 0 or 1. */
+#define NQM_SHADING_MODEL(MODEL, NAME, KEYS, STATE, PREPARE, EVAL, IS_RECIPROCAL)                                      \
+    const nqm_analytic_model MODEL = {                                                                                 \
+        .schema = {NAME, sizeof((nqm_spec_key[]){KEYS(NQM_KEY_ROW)}) / sizeof(nqm_spec_key), {KEYS(NQM_KEY_ROW)}},     \
+        .class_ = {.format = NAME,                                                                                     \
+                   .reciprocal = IS_RECIPROCAL,                                                                        \
+                   .eval = EVAL,                                                                                       \
+                   .jacobian = nqm_spec_jacobian,                                                                      \
+                   .free = nqm_free},                                                                                  \
+        .state_size = sizeof(STATE),                                                                                   \
+        .prepare = PREPARE,                                                                                            \
+    }
+
 /** Every analytic model. A new one is defined in models/analytic.c or a file of its own, and named here. */
 #define NQM_ANALYTIC_MODELS(X)                                                                                         \
     X(nqm_lambert_model)                                                                                               \
@@ -110,13 +134,25 @@ size_t nqm_spec_lacks_colon(const char *text);
 /** Offer the names of all models, tables of presets and perturb, between. */
 void nqm_spec_nearest(nqm_nearest *nearest);
 
-/** A BRDF that contains others. */
+/** A kind of BRDF that contains others. */
 typedef struct nqm_spec_wrapper {
-    const char *name; /**< the word before the colon */
-    /** `settings` is what follows the colon, `name` the whole argument; `open` opens the contained BRDFs. */
-    nqm_status (*open)(const char *settings, const char *name, nqm_brdf_opener *open, nqm_brdf **brdf_ret,
-                       nqm_error *err);
+    nqm_spec_schema schema; /**< its model is the word before the colon */
+    uint64_t idle;          /**< bit k: key k alone changes nothing */
+    bool has_with;          /**< whether it has two bases */
+    const char *form;       /**< message for a text without its bases */
+    nqm_brdf_class class_;  /**< its states begin with nqm_between_bases, which the caller of create() fills */
+    /** Create the state; `info` has the values that follow from the bases. */
+    nqm_status (*create)(const nqm_spec_values *values, const nqm_between_bases *bases, nqm_brdf_info *info,
+                         void **state_ret, nqm_error *err);
 } nqm_spec_wrapper;
 extern const nqm_spec_wrapper nqm_perturb_wrapper, nqm_between_wrapper;
+/** `settings` is what follows the colon, `name` the whole argument; `open` opens the bases. */
+NQM_MUST_CHECK nqm_status nqm_wrapper_open(const nqm_spec_wrapper *w, const char *settings, const char *name,
+                                           nqm_brdf_opener *open, nqm_brdf **brdf_ret, nqm_error *err);
+/** The same of opened bases: `settings` without them. */
+NQM_MUST_CHECK nqm_status nqm_wrapper_make(const nqm_spec_wrapper *w, const char *settings,
+                                           const nqm_between_bases *bases, nqm_brdf **brdf_ret, nqm_error *err);
+/** The `free` of their classes. */
+void nqm_wrapper_free(void *state);
 
 #endif

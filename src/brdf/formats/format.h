@@ -25,8 +25,8 @@ typedef struct nqm_brdf_format {
     /** true when the first bytes look like the format, also those of a short or damaged file, so that the message of open() can name
      *  the fault. The file is not empty. */
     bool (*probe)(const nqm_map *map);
-    /** `map` has the bytes of the whole file. On success it is closed or belongs to the BRDF; on failure to the caller. Without a
-     *  member that it needs, it fails with NQM_ERR_ARG and examples. */
+    /** `map` has the bytes of the whole file; a BRDF that keeps it zeroes *map. The caller sets info.n_bytes, if it is 0. Without
+     *  a member that it needs, it fails with NQM_ERR_ARG and examples. */
     nqm_status (*open)(nqm_map *map, const nqm_brdf_argument *argument, nqm_brdf **brdf_ret, nqm_error *err);
     /** The path of a second file that open() reads for this member, or NULL; nqm_free() it. NULL: there is never one. */
     nqm_status (*find_companion)(const nqm_map *map, const char *member, char **path_ret, nqm_error *err);

@@ -195,10 +195,7 @@ static void listed_grid_eval(const void *self, size_t n, const double *hd, doubl
     nqm_grid_eval(self, n, hd, rgb);
 }
 
-static const nqm_brdf_class reciprocal_class = {
-    .format = "grid", .reciprocal = 1, .eval_half_diff = listed_grid_eval, .free = nqm_free};
-static const nqm_brdf_class general_class = {
-    .format = "grid", .reciprocal = 0, .eval_half_diff = listed_grid_eval, .free = nqm_free};
+static const nqm_brdf_class grid_class = {.format = "grid", .eval_half_diff = listed_grid_eval, .free = nqm_free};
 
 /* theta_i, theta_o and phi. The value at -phi is that at phi where the nodes are of one half of the turn. */
 static void place_pair(const nqm_grid *g, const double *wi, const double *wo, double *at) {
@@ -223,7 +220,7 @@ static void pair_grid_eval(const void *self, size_t n, const double *wi, const d
     }
 }
 
-static const nqm_brdf_class pair_class = {.format = "grid", .reciprocal = 0, .eval = pair_grid_eval, .free = nqm_free};
+static const nqm_brdf_class pair_class = {.format = "grid", .eval = pair_grid_eval, .free = nqm_free};
 
 static const double identity[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
 
@@ -388,11 +385,8 @@ static nqm_status wrap_grid(const list *l, nqm_grid *grid, size_t n_missing, con
     if (n_missing)
         snprintf(text + strlen(text), sizeof text - strlen(text), "; %zu of %zu nodes have no row", n_missing,
                  grid->n[0] * grid->n[1] * grid->n[2]);
-    const nqm_brdf_info info = {.name = name, .layout = text, .n_values = 3 * l->n};
-    return nqm_brdf_wrap(l->has_pairs       ? &pair_class
-                         : l->is_reciprocal ? &reciprocal_class
-                                            : &general_class,
-                         grid, &info, brdf_ret, err);
+    const nqm_brdf_info info = {.name = name, .layout = text, .n_values = 3 * l->n, .reciprocal = l->is_reciprocal};
+    return nqm_brdf_wrap(l->has_pairs ? &pair_class : &grid_class, grid, &info, brdf_ret, err);
 }
 
 static double nearest_node(const nqm_grid *g, size_t axis, double x) {
@@ -485,11 +479,7 @@ static nqm_status open_file(nqm_map *map, const nqm_brdf_argument *argument, nqm
     if (status == NQM_OK)
         status = create(&l, map->n_bytes, argument->member, argument->name, brdf_ret, err);
     nqm_free(l.rows);
-    if (status != NQM_OK)
-        return status;
-    (*brdf_ret)->info.n_bytes = map->n_bytes;
-    nqm_map_close(map);
-    return NQM_OK;
+    return status;
 }
 
 const nqm_brdf_format nqm_listed_format = {.files =

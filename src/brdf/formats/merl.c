@@ -105,10 +105,7 @@ static void merl_free(void *self) {
     nqm_free(table);
 }
 
-static const nqm_brdf_class half_class = {
-    .format = "merl", .reciprocal = 1, .eval_half_diff = merl_eval_half_diff, .free = merl_free};
-static const nqm_brdf_class full_class = {
-    .format = "merl", .reciprocal = 0, .eval_half_diff = merl_eval_half_diff, .free = merl_free};
+static const nqm_brdf_class merl_class = {.format = "merl", .eval_half_diff = merl_eval_half_diff, .free = merl_free};
 
 /* The number of phi_d that the header declares; 0: the header is not that of a MERL table. */
 static size_t read_header(const nqm_map *map) {
@@ -167,8 +164,8 @@ static nqm_status open_file(nqm_map *map, const nqm_brdf_argument *argument, nqm
                                 .source_doi = "10.1145/882262.882343",
                                 .layout = n_phi == N_PHI_HALF ? "90 x 90 x 180 cells" : "90 x 90 x 360 cells",
                                 .n_values = 3 * count_cells(n_phi),
-                                .n_bytes = expected};
-    return nqm_brdf_wrap(n_phi == N_PHI_HALF ? &half_class : &full_class, table, &info, brdf_ret, err);
+                                .reciprocal = n_phi == N_PHI_HALF};
+    return nqm_brdf_wrap(&merl_class, table, &info, brdf_ret, err);
 }
 
 const nqm_brdf_format nqm_merl_format = {
@@ -179,12 +176,12 @@ const nqm_brdf_format nqm_merl_format = {
 typedef struct fill_job {
     const nqm_brdf *brdf;
     double *cells; /* (3, N_LINES, n_phi), as stored */
-    size_t n_phi, first_line;
+    size_t n_phi;
 } fill_job;
 
-static void fill_line(void *user, size_t i) {
+static void fill_line(void *user, size_t line) {
     const fill_job *job = user;
-    const size_t line = job->first_line + i, n_phi = job->n_phi;
+    const size_t n_phi = job->n_phi;
     /* NOLINTNEXTLINE(bugprone-integer-division): the integer quotient is the index of theta_h */
     double root_h = ((double)(line / N_THETA_D) + 0.5) / N_THETA_H;
     double hd[3 * N_PHI_FULL] = {0}, rgb[3 * N_PHI_FULL];
@@ -204,22 +201,16 @@ static void fill_line(void *user, size_t i) {
 
 nqm_status nqm_brdf_write_merl(const nqm_brdf *brdf, size_t n_phi, const char *path, nqm_progress_fn progress,
                                void *progress_user, nqm_error *err) {
-    enum { LINES_PER_STEP = N_LINES / 15 }; /* lines between two calls of the progress callback */
     const size_t n_values = 3 * count_cells(n_phi);
     double *cells = nqm_alloc(n_values, sizeof *cells);
     if (!cells)
         return nqm_fail_nomem(err, n_values * sizeof *cells);
     nqm_ticker ticker = {.fn = progress, .user = progress_user};
     nqm_outfile out;
-    nqm_status status = NQM_OK;
-    for (size_t line = 0; line < N_LINES && status == NQM_OK; line += LINES_PER_STEP) {
-        fill_job job = {.brdf = brdf, .cells = cells, .n_phi = n_phi, .first_line = line};
-        nqm_parallel_for(LINES_PER_STEP, fill_line, &job);
-        if (nqm_tick(&ticker, "convert", (double)(line + LINES_PER_STEP), N_LINES))
-            status = nqm_fail(err, NQM_ERR_CANCELLED, -1, "%s: interrupted, nothing was written", path);
-    }
-    if (status == NQM_OK)
-        status = nqm_outfile_open(path, &out, err);
+    fill_job job = {.brdf = brdf, .cells = cells, .n_phi = n_phi};
+    nqm_status status = nqm_parallel_ticking(&ticker, "convert", N_LINES, fill_line, &job)
+                            ? nqm_fail(err, NQM_ERR_CANCELLED, -1, "%s: interrupted, nothing was written", path)
+                            : nqm_outfile_open(path, &out, err);
     if (status == NQM_OK) {
         unsigned char header[HEADER_BYTES];
         make_header(n_phi, header);

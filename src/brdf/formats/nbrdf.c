@@ -131,10 +131,7 @@ static bool begins_hdf5(const nqm_map *map) {
 
 static nqm_status open_hdf5(nqm_map *map, const nqm_brdf_argument *argument, nqm_brdf **brdf_ret, nqm_error *err) {
     nqm_map_expect(map, true);
-    nqm_status status = open_bytes(map->data, map->n_bytes, argument->name, brdf_ret, err);
-    if (status == NQM_OK)
-        nqm_map_close(map);
-    return status;
+    return open_bytes(map->data, map->n_bytes, argument->name, brdf_ret, err);
 }
 
 const nqm_brdf_format nqm_nbrdf_format = {.files = "NBRDF .h5", .probe = begins_hdf5, .open = open_hdf5};
@@ -174,8 +171,6 @@ static nqm_status open_zip(nqm_map *map, const nqm_brdf_argument *argument, nqm_
     if (status == NQM_OK)
         status = open_bytes(data, n_bytes, argument->name, brdf_ret, err);
     nqm_free(data);
-    if (status == NQM_OK)
-        nqm_map_close(map);
     return status;
 }
 

@@ -191,12 +191,10 @@ static nqm_status open_file(nqm_map *map, const nqm_brdf_argument *argument, nqm
         nps_free(net);
         return status;
     }
-    nqm_map_close(map);
     const nqm_brdf_info info = {.name = argument->name,
                                 .source_doi = "10.1145/3490385",
                                 .layout = "7 latents, shared decoder 11-400x6-3",
-                                .n_values = N_NUMBERS + N_LATENTS,
-                                .n_bytes = (size_t)N_NUMBERS * 4};
+                                .n_values = N_NUMBERS + N_LATENTS};
     return nqm_brdf_wrap(&nps_class, net, &info, brdf_ret, err);
 }
 

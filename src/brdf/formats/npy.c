@@ -51,11 +51,7 @@ static nqm_status open_file(nqm_map *map, const nqm_brdf_argument *argument, nqm
         status = check_shape(map, &tensor, err);
     if (status == NQM_OK)
         status = create(map, &tensor, argument->name, brdf_ret, err);
-    if (status != NQM_OK)
-        return status;
-    (*brdf_ret)->info.n_bytes = map->n_bytes;
-    nqm_map_close(map);
-    return NQM_OK;
+    return status;
 }
 
 const nqm_brdf_format nqm_npy_format = {.files = ".npy", .probe = nqm_npy_probe, .open = open_file};

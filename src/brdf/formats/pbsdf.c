@@ -28,7 +28,7 @@ static void pbsdf_free(void *self) {
 }
 
 static const nqm_brdf_class pbsdf_class = {
-    .format = "pbsdf", .reciprocal = 0, .eval_half_diff = pbsdf_eval_half_diff, .free = pbsdf_free};
+    .format = "pbsdf", .eval_half_diff = pbsdf_eval_half_diff, .free = pbsdf_free};
 
 /* ---- reading ----------------------------------------------------------------------------------------------------- */
 
@@ -161,11 +161,8 @@ nqm_status nqm_pbsdf_open(nqm_map *map, const nqm_tensor_file *file, nqm_illumin
              "%zu theta_h x %zu theta_d x %zu phi_d, %zu wavelengths %u to %u nm under illuminant %s, unpolarised",
              dims[2], dims[1], dims[0], dims[3], (unsigned)nqm_load_u16(nm),
              (unsigned)nqm_load_u16(nm + c.wavelengths->n_bytes - sizeof(uint16_t)), nqm_illuminant_name(illuminant));
-    const nqm_brdf_info info = {.name = name,
-                                .source_doi = "10.1145/3386569.3392387",
-                                .layout = layout,
-                                .n_values = count(c.m) / MATRIX,
-                                .n_bytes = map->n_bytes};
+    const nqm_brdf_info info = {
+        .name = name, .source_doi = "10.1145/3386569.3392387", .layout = layout, .n_values = count(c.m) / MATRIX};
     nqm_map_expect(map, false);
     nqm_map_close_file(map);
     p->map = *map;

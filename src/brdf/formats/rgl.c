@@ -167,7 +167,7 @@ static void rgl_free(void *self) {
     nqm_free(self);
 }
 
-static const nqm_brdf_class rgl_class = {.format = "rgl", .reciprocal = 0, .eval = rgl_eval, .free = rgl_free};
+static const nqm_brdf_class rgl_class = {.format = "rgl", .eval = rgl_eval, .free = rgl_free};
 
 /* ---- reading ----------------------------------------------------------------------------------------------------- */
 
@@ -436,11 +436,8 @@ static nqm_status open_rgl(nqm_map *map, const nqm_tensor_file *file, nqm_illumi
     describe(m, &c, layout, sizeof layout);
     size_t n_values = c.values->n_bytes / sizeof(float) + m->n_theta * m->vndf.height * m->vndf.width +
                       m->ndf.height * m->ndf.width + m->sigma.height * m->sigma.width;
-    const nqm_brdf_info info = {.name = name,
-                                .source_doi = "10.1145/3272127.3275059",
-                                .layout = layout,
-                                .n_values = n_values,
-                                .n_bytes = map->n_bytes};
+    const nqm_brdf_info info = {
+        .name = name, .source_doi = "10.1145/3272127.3275059", .layout = layout, .n_values = n_values};
     nqm_map_close_file(map);
     m->map = *map;
     *map = (nqm_map){0};

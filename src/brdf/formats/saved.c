@@ -135,11 +135,7 @@ static nqm_status open_file(nqm_map *map, const nqm_brdf_argument *argument, nqm
     if (status == NQM_OK)
         status = open_any(st, argument->name, brdf_ret, err);
     nqm_safetensors_free(st);
-    if (status != NQM_OK)
-        return status;
-    (*brdf_ret)->info.n_bytes = map->n_bytes;
-    nqm_map_close(map);
-    return NQM_OK;
+    return status;
 }
 
 const nqm_brdf_format nqm_saved_format = {.files = "nqm's own .safetensors", .probe = probe, .open = open_file};

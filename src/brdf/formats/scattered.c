@@ -83,13 +83,10 @@ static void scattered_eval(const void *self, size_t n, const double *wi, const d
     }
 }
 
-static const nqm_brdf_class reciprocal_class = {
-    .format = "samples", .reciprocal = 1, .eval = scattered_eval, .free = nqm_free};
-static const nqm_brdf_class general_class = {
-    .format = "samples", .reciprocal = 0, .eval = scattered_eval, .free = nqm_free};
+static const nqm_brdf_class scattered_class = {.format = "samples", .eval = scattered_eval, .free = nqm_free};
 
 static const scattered *table_of(const nqm_brdf *brdf) {
-    return brdf->class_->eval == scattered_eval ? brdf->self : NULL;
+    return brdf->class_ == &scattered_class ? brdf->self : NULL;
 }
 
 size_t nqm_scattered_rows(const nqm_brdf *brdf, double *wi, double *wo) {
@@ -217,6 +214,6 @@ nqm_status nqm_scattered_create(size_t n, const nqm_listed *rows, bool reciproca
     char layout[100];
     snprintf(layout, sizeof layout, "%zu directions, values within %g degrees of them", n_used,
              tolerance * 180 / NQM_PI);
-    const nqm_brdf_info info = {.name = name, .layout = layout, .n_values = 3 * n_used};
-    return nqm_brdf_wrap(reciprocal ? &reciprocal_class : &general_class, t, &info, brdf_ret, err);
+    const nqm_brdf_info info = {.name = name, .layout = layout, .n_values = 3 * n_used, .reciprocal = reciprocal};
+    return nqm_brdf_wrap(&scattered_class, t, &info, brdf_ret, err);
 }

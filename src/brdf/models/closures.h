@@ -243,14 +243,15 @@ INLINED closure zeltner_sheen(const geometry *g, double weight, const double *co
     return sheen_closure(weight, color, albedo * a * a / (NQM_PI * norm2 * norm2), albedo);
 }
 
-/** The eval of a class whose value at one pair of directions is evaluate(). */
-INLINED void closure_eval(closure (*evaluate)(const void *state, const geometry *g), const void *state, size_t n,
-                          const double *wi, const double *wo, double *rgb) {
-    for (size_t i = 0; i < n; ++i) {
-        const geometry g = geometry_of(wi + 3 * i, wo + 3 * i);
-        const closure result = evaluate(state, &g);
-        memcpy(rgb + 3 * i, result.f, sizeof result.f);
-    }
-}
+/** Define a shading model whose value at one pair of directions is evaluate() of its file. */
+#define CLOSURE_MODEL(MODEL, NAME, KEYS, STATE)                                                                        \
+    static void eval(const void *state, size_t n, const double *wi, const double *wo, double *rgb) {                   \
+        for (size_t i = 0; i < n; ++i) {                                                                               \
+            const geometry g = geometry_of(wi + 3 * i, wo + 3 * i);                                                    \
+            const closure result = evaluate(state, &g);                                                                \
+            memcpy(rgb + 3 * i, result.f, sizeof result.f);                                                            \
+        }                                                                                                              \
+    }                                                                                                                  \
+    NQM_SHADING_MODEL(MODEL, NAME, KEYS, STATE, prepare, eval, 0)
 
 #endif

@@ -45,7 +45,15 @@ static void set_index(conductor *self, const double *eta, const double *k, const
 
 /* ---- Mitsuba 3 --------------------------------------------------------------------------------------------------- */
 
-enum { ALPHA, DISTRIBUTION, ETA, K, SPECULAR_REFLECTANCE, N_KEYS };
+/* clang-format off */
+#define MITSUBA_KEYS(X)                                                        \
+    X(ALPHA, "alpha", "float", 1e-4, 2, 0.1)                                   \
+    X(DISTRIBUTION, "distribution", "integer", 0, 1, 0)                        \
+    X(ETA, "eta", "color3", 0, 20, 0)                                          \
+    X(K, "k", "color3", 0, 20, 1)                                              \
+    X(SPECULAR_REFLECTANCE, "specular_reflectance", "color3", 0, 1, 1)
+/* clang-format on */
+enum { MITSUBA_KEYS(NQM_KEY_INDEX) };
 
 static void mitsuba_prepare(const nqm_spec_values *values, void *state) {
     conductor *self = state;
@@ -55,26 +63,20 @@ static void mitsuba_prepare(const nqm_spec_values *values, void *state) {
     set_index(self, values->v[ETA], values->v[K], values->v[SPECULAR_REFLECTANCE]);
 }
 
-const nqm_analytic_model nqm_rough_conductor_model = {
-    .schema = {"rough-conductor",
-               N_KEYS,
-               {[ALPHA] = {.name = "alpha", .n = 1, .low = 1e-4, .high = 2, .fallback = 0.1},
-                [DISTRIBUTION] = {.name = "distribution", .n = 1, .low = 0, .high = 1, .whole = true},
-                [ETA] = {.name = "eta", .n = 3, .low = 0, .high = 20},
-                [K] = {.name = "k", .n = 3, .low = 0, .high = 20, .fallback = 1},
-                [SPECULAR_REFLECTANCE] = {.name = "specular_reflectance", .n = 3, .low = 0, .high = 1, .fallback = 1}}},
-    .class_ = {.format = "rough-conductor",
-               .reciprocal = 1,
-               .eval = conductor_eval,
-               .jacobian = nqm_spec_jacobian,
-               .free = nqm_free},
-    .state_size = sizeof(conductor),
-    .prepare = mitsuba_prepare,
-};
+NQM_SHADING_MODEL(nqm_rough_conductor_model, "rough-conductor", MITSUBA_KEYS, conductor, mitsuba_prepare,
+                  conductor_eval, 1);
 
 /* ---- pbrt-v4 ----------------------------------------------------------------------------------------------------- */
 
-enum { PBRT_ROUGHNESS, PBRT_ETA, PBRT_K, N_PBRT_KEYS };
+/* Below a roughness of 1e-6, alpha is less than 0.001 and pbrt reflects as a perfect mirror. The defaults are copper's, as in
+ * pbrt, of which a key can have one value only: they are required. */
+/* clang-format off */
+#define PBRT_KEYS(X)                                                           \
+    X(PBRT_ROUGHNESS, "roughness", "float", 1e-6, 4, 0, .required = true)      \
+    X(PBRT_ETA, "eta", "color3", 0, 20, 0, .required = true)                   \
+    X(PBRT_K, "k", "color3", 0, 200, 0, .required = true)
+/* clang-format on */
+enum { PBRT_KEYS(NQM_KEY_INDEX) };
 
 static void pbrt_prepare(const nqm_spec_values *values, void *state) {
     conductor *self = state;
@@ -83,19 +85,4 @@ static void pbrt_prepare(const nqm_spec_values *values, void *state) {
     set_index(self, values->v[PBRT_ETA], values->v[PBRT_K], NULL);
 }
 
-/* Below a roughness of 1e-6, alpha is less than 0.001 and pbrt reflects as a perfect mirror. The defaults are copper's, as in
- * pbrt, of which a key can have one value only: they are required. */
-const nqm_analytic_model nqm_pbrt_conductor_model = {
-    .schema = {"pbrt-conductor",
-               N_PBRT_KEYS,
-               {[PBRT_ROUGHNESS] = {.name = "roughness", .n = 1, .low = 1e-6, .high = 4, .required = true},
-                [PBRT_ETA] = {.name = "eta", .n = 3, .low = 0, .high = 20, .required = true},
-                [PBRT_K] = {.name = "k", .n = 3, .low = 0, .high = 200, .required = true}}},
-    .class_ = {.format = "pbrt-conductor",
-               .reciprocal = 1,
-               .eval = conductor_eval,
-               .jacobian = nqm_spec_jacobian,
-               .free = nqm_free},
-    .state_size = sizeof(conductor),
-    .prepare = pbrt_prepare,
-};
+NQM_SHADING_MODEL(nqm_pbrt_conductor_model, "pbrt-conductor", PBRT_KEYS, conductor, pbrt_prepare, conductor_eval, 1);

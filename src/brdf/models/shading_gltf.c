@@ -12,19 +12,7 @@
 #include "brdf/models/microfacet.h"
 #include "brdf/models/sheen_albedo.h"
 
-enum {
-    BASE_COLOR,
-    METALLIC,
-    ROUGHNESS,
-    IOR,
-    SPECULAR,
-    SPECULAR_COLOR,
-    CLEARCOAT,
-    CLEARCOAT_ROUGHNESS,
-    SHEEN_COLOR,
-    SHEEN_ROUGHNESS,
-    N_KEYS
-};
+enum { NQM_GLTF_KEYS(NQM_KEY_INDEX) N_KEYS };
 
 /** Narrower lobes are mirrors in the specification, which have no value. */
 static const double MIN_ALPHA = 1e-4, MIN_SHEEN_ROUGHNESS = 1e-3;
@@ -41,9 +29,9 @@ typedef struct sheen {
 
 typedef struct gltf {
     nqm_spec_state spec;
-    double base_color[3], diffuse[3]; /**< diffuse: f_r of the base without Fresnel factor */
-    double f0[3], f90, metallic;      /**< f0, f90: of the dielectric part */
-    double alpha2, coat, coat_alpha2;
+    double diffuse[3]; /**< f_r of the base without Fresnel factor */
+    double f0[3], f90; /**< of the dielectric part */
+    double alpha2, coat_alpha2;
     sheen sheen;
 } gltf;
 
@@ -121,14 +109,11 @@ static void gltf_prepare(const nqm_spec_values *values, void *state) {
     const double alpha = fmax(MIN_ALPHA, values->v[ROUGHNESS][0] * values->v[ROUGHNESS][0]);
     const double coat_alpha = fmax(MIN_ALPHA, values->v[CLEARCOAT_ROUGHNESS][0] * values->v[CLEARCOAT_ROUGHNESS][0]);
     for (size_t c = 0; c < 3; ++c) {
-        self->base_color[c] = values->v[BASE_COLOR][c];
         self->diffuse[c] = values->v[BASE_COLOR][c] / NQM_PI;
         self->f0[c] = fmin(1, r * r * values->v[SPECULAR_COLOR][c]) * specular;
     }
     self->f90 = specular;
-    self->metallic = values->v[METALLIC][0];
     self->alpha2 = alpha * alpha;
-    self->coat = values->v[CLEARCOAT][0];
     self->coat_alpha2 = coat_alpha * coat_alpha;
     sheen_prepare(&self->sheen, values->v[SHEEN_COLOR], values->v[SHEEN_ROUGHNESS][0]);
 }
@@ -139,27 +124,28 @@ static double specular_lobe(const half_angles *h, double cos_i, double cos_o, do
 
 /** Metallic-roughness without layers. */
 static void base_material(const gltf *self, const half_angles *h, double cos_i, double cos_o, double *rgb) {
-    const double lobe = specular_lobe(h, cos_i, cos_o, self->alpha2);
+    const double lobe = specular_lobe(h, cos_i, cos_o, self->alpha2), (*v)[3] = self->spec.values.v;
     double f[3];
     for (size_t c = 0; c < 3; ++c)
         f[c] = schlick_between(self->f0[c], self->f90, h->cos_d);
     const double left = 1 - fmax(f[0], fmax(f[1], f[2]));
     for (size_t c = 0; c < 3; ++c)
-        rgb[c] = mix(f[c] * lobe + left * self->diffuse[c], schlick_factor(self->base_color[c], h->cos_d) * lobe,
-                     self->metallic);
+        rgb[c] = mix(f[c] * lobe + left * self->diffuse[c], schlick_factor(v[BASE_COLOR][c], h->cos_d) * lobe,
+                     v[METALLIC][0]);
 }
 
 static void gltf_eval(const void *state, size_t n, const double *wi, const double *wo, double *rgb) {
     const gltf *self = state;
+    const double clearcoat = self->spec.values.v[CLEARCOAT][0];
     for (size_t i = 0; i < n; ++i) {
         const half_angles h = half_angles_of(wi + 3 * i, wo + 3 * i);
         const double cos_i = wi[3 * i + 2], cos_o = wo[3 * i + 2];
         base_material(self, &h, cos_i, cos_o, rgb + 3 * i);
         if (self->sheen.max_color > 0)
             add_sheen(&self->sheen, &h, cos_i, cos_o, rgb + 3 * i);
-        if (self->coat > 0) {
+        if (clearcoat > 0) {
             const double lobe = specular_lobe(&h, cos_i, cos_o, self->coat_alpha2);
-            const double weight = self->coat * schlick_factor(COAT_F0, cos_o);
+            const double weight = clearcoat * schlick_factor(COAT_F0, cos_o);
             for (size_t c = 0; c < 3; ++c)
                 rgb[3 * i + c] = mix(rgb[3 * i + c], lobe, weight);
         }
@@ -167,20 +153,4 @@ static void gltf_eval(const void *state, size_t n, const double *wi, const doubl
 }
 
 /* An index of 0 means a Fresnel factor of 1, as in the specification; the formula gives that. */
-const nqm_analytic_model nqm_gltf_model = {
-    .schema = {"gltf",
-               N_KEYS,
-               {[BASE_COLOR] = {.name = "base_color", .n = 3, .low = 0, .high = 1, .fallback = 1},
-                [METALLIC] = {.name = "metallic", .n = 1, .low = 0, .high = 1, .fallback = 1},
-                [ROUGHNESS] = {.name = "roughness", .n = 1, .low = 0, .high = 1, .fallback = 1},
-                [IOR] = {.name = "ior", .n = 1, .low = 0, .high = 1000, .fallback = 1.5},
-                [SPECULAR] = {.name = "specular", .n = 1, .low = 0, .high = 1, .fallback = 1},
-                [SPECULAR_COLOR] = {.name = "specular_color", .n = 3, .low = 0, .high = 1000, .fallback = 1},
-                [CLEARCOAT] = {.name = "clearcoat", .n = 1, .low = 0, .high = 1},
-                [CLEARCOAT_ROUGHNESS] = {.name = "clearcoat_roughness", .n = 1, .low = 0, .high = 1},
-                [SHEEN_COLOR] = {.name = "sheen_color", .n = 3, .low = 0, .high = 1},
-                [SHEEN_ROUGHNESS] = {.name = "sheen_roughness", .n = 1, .low = 0, .high = 1}}},
-    .class_ = {.format = "gltf", .eval = gltf_eval, .jacobian = nqm_spec_jacobian, .free = nqm_free},
-    .state_size = sizeof(gltf),
-    .prepare = gltf_prepare,
-};
+NQM_SHADING_MODEL(nqm_gltf_model, "gltf", NQM_GLTF_KEYS, gltf, gltf_prepare, gltf_eval, 0);

@@ -13,7 +13,16 @@
 #include "brdf/models/microfacet.h"
 #include "rough_plastic_table.h" /* generated from presets/rough_plastic.txt */
 
-enum { ALPHA, DISTRIBUTION, ETA, DIFFUSE_REFLECTANCE, SPECULAR_REFLECTANCE, NONLINEAR, N_KEYS };
+/* clang-format off */
+#define KEYS(X)                                                                \
+    X(ALPHA, "alpha", "float", 1e-4, 1, 0.1)                                   \
+    X(DISTRIBUTION, "distribution", "integer", 0, 1, 0)                        \
+    X(ETA, "eta", "float", 1.05, 3, 1.49 / 1.000277)                           \
+    X(DIFFUSE_REFLECTANCE, "diffuse_reflectance", "color3", 0, 1, 0.5)         \
+    X(SPECULAR_REFLECTANCE, "specular_reflectance", "color3", 0, 1, 1)         \
+    X(NONLINEAR, "nonlinear", "integer", 0, 1, 0)
+/* clang-format on */
+enum { KEYS(NQM_KEY_INDEX) N_KEYS };
 
 static const double table_scale[2] = {0.009950330853168083, 4.61512051684126};  /* of log(1 + 100 alpha) */
 static const double table_log_eta[2] = {-2.99573227355399, 0.6931471805599453}; /* of log(eta - 1) */
@@ -99,20 +108,4 @@ static void plastic_eval(const void *state, size_t n, const double *wi, const do
     }
 }
 
-const nqm_analytic_model nqm_rough_plastic_model = {
-    .schema = {"rough-plastic",
-               N_KEYS,
-               {[ALPHA] = {.name = "alpha", .n = 1, .low = 1e-4, .high = 1, .fallback = 0.1},
-                [DISTRIBUTION] = {.name = "distribution", .n = 1, .low = 0, .high = 1, .whole = true},
-                [ETA] = {.name = "eta", .n = 1, .low = 1.05, .high = 3, .fallback = 1.49 / 1.000277},
-                [DIFFUSE_REFLECTANCE] = {.name = "diffuse_reflectance", .n = 3, .low = 0, .high = 1, .fallback = 0.5},
-                [SPECULAR_REFLECTANCE] = {.name = "specular_reflectance", .n = 3, .low = 0, .high = 1, .fallback = 1},
-                [NONLINEAR] = {.name = "nonlinear", .n = 1, .low = 0, .high = 1, .whole = true}}},
-    .class_ = {.format = "rough-plastic",
-               .reciprocal = 1,
-               .eval = plastic_eval,
-               .jacobian = nqm_spec_jacobian,
-               .free = nqm_free},
-    .state_size = sizeof(plastic),
-    .prepare = plastic_prepare,
-};
+NQM_SHADING_MODEL(nqm_rough_plastic_model, "rough-plastic", KEYS, plastic, plastic_prepare, plastic_eval, 1);

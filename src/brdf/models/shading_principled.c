@@ -8,19 +8,20 @@
 #include "brdf/core/spec.h"
 #include "brdf/models/microfacet.h"
 
-enum {
-    BASE_COLOR,
-    ROUGHNESS,
-    METALLIC,
-    ETA,
-    SPEC_TINT,
-    SHEEN,
-    SHEEN_TINT,
-    FLATNESS,
-    CLEARCOAT,
-    CLEARCOAT_GLOSS,
-    N_KEYS
-};
+/* clang-format off */
+#define KEYS(X)                                              \
+    X(BASE_COLOR, "base_color", "color3", 0, 1, 0.5)         \
+    X(ROUGHNESS, "roughness", "float", 0, 1, 0.5)            \
+    X(METALLIC, "metallic", "float", 0, 1, 0)                \
+    X(ETA, "eta", "float", 1, 4, 1.5)                        \
+    X(SPEC_TINT, "spec_tint", "float", 0, 1, 0)              \
+    X(SHEEN, "sheen", "float", 0, 1, 0)                      \
+    X(SHEEN_TINT, "sheen_tint", "float", 0, 1, 0)            \
+    X(FLATNESS, "flatness", "float", 0, 1, 0)                \
+    X(CLEARCOAT, "clearcoat", "float", 0, 1, 0)              \
+    X(CLEARCOAT_GLOSS, "clearcoat_gloss", "float", 0, 1, 0)
+/* clang-format on */
+enum { KEYS(NQM_KEY_INDEX) N_KEYS };
 
 typedef struct principled {
     nqm_spec_state spec;
@@ -93,26 +94,4 @@ static void principled_eval(const void *state, size_t n, const double *wi, const
     }
 }
 
-#define WEIGHT(NAME, FALLBACK)                                                                                         \
-    { .name = (NAME), .n = 1, .low = 0, .high = 1, .fallback = (FALLBACK) }
-const nqm_analytic_model nqm_principled_model = {
-    .schema = {"principled",
-               N_KEYS,
-               {[BASE_COLOR] = {.name = "base_color", .n = 3, .low = 0, .high = 1, .fallback = 0.5},
-                [ROUGHNESS] = WEIGHT("roughness", 0.5),
-                [METALLIC] = WEIGHT("metallic", 0),
-                [ETA] = {.name = "eta", .n = 1, .low = 1, .high = 4, .fallback = 1.5},
-                [SPEC_TINT] = WEIGHT("spec_tint", 0),
-                [SHEEN] = WEIGHT("sheen", 0),
-                [SHEEN_TINT] = WEIGHT("sheen_tint", 0),
-                [FLATNESS] = WEIGHT("flatness", 0),
-                [CLEARCOAT] = WEIGHT("clearcoat", 0),
-                [CLEARCOAT_GLOSS] = WEIGHT("clearcoat_gloss", 0)}},
-    .class_ = {.format = "principled",
-               .reciprocal = 1,
-               .eval = principled_eval,
-               .jacobian = nqm_spec_jacobian,
-               .free = nqm_free},
-    .state_size = sizeof(principled),
-    .prepare = principled_prepare,
-};
+NQM_SHADING_MODEL(nqm_principled_model, "principled", KEYS, principled, principled_prepare, principled_eval, 1);

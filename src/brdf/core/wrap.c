@@ -1,0 +1,141 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * BRDFs made of other BRDFs: "WRAPPER:SETTINGS;of=OF" and "WRAPPER:SETTINGS;with=(WITH);of=OF".
+ */
+#include "brdf/core/spec.h"
+
+static void free_owned(const nqm_between_bases *bases) {
+    if (bases->owns_of)
+        nqm_brdf_free(bases->of);
+    if (bases->owns_with)
+        nqm_brdf_free(bases->with);
+}
+
+void nqm_wrapper_free(void *state) {
+    free_owned(state);
+    nqm_free(state);
+}
+
+/* The spec of a base, or its name when it is a file. */
+static const char *spec_of(const nqm_brdf *brdf) {
+    return brdf->info.spec ? brdf->info.spec : brdf->info.name;
+}
+
+/* nqm_free(); NULL when out of memory. */
+static char *canonical_spec(const nqm_spec_schema *schema, const nqm_spec_values *values,
+                            const nqm_between_bases *bases) {
+    const char *of = spec_of(bases->of), *with = bases->with ? spec_of(bases->with) : "";
+    char *own = nqm_spec_format(schema, values);
+    size_t n = own ? strlen(own) + strlen(with) + strlen(of) + sizeof ";with=();of=" : 0;
+    char *spec = own ? nqm_alloc(n, 1) : NULL;
+    if (spec)
+        snprintf(spec, n, "%s%s%s%s;of=%s", own, *with ? ";with=(" : "", with, *with ? ")" : "", of);
+    nqm_free(own);
+    return spec;
+}
+
+/* name NULL: the spec. Owned bases are freed also on failure. */
+static nqm_status wrap(const nqm_spec_wrapper *w, const nqm_spec_values *values, const nqm_between_bases *bases,
+                       const char *name, nqm_brdf **brdf_ret, nqm_error *err) {
+    const nqm_brdf_info *of = &bases->of->info, *with = bases->with ? &bases->with->info : NULL;
+    char layout[160], *spec = canonical_spec(&w->schema, values, bases);
+    nqm_brdf_info info = {.name = name ? name : spec, .spec = spec, .layout = layout};
+    info.source_doi = with ? NULL : of->source_doi;
+    info.reciprocal = of->reciprocal && (!with || with->reciprocal);
+    if (with)
+        snprintf(layout, sizeof layout, "of %s with %s", of->format, with->format);
+    else
+        snprintf(layout, sizeof layout, "over %s, %.100s", of->format, of->layout ? of->layout : "");
+    void *state = NULL;
+    nqm_status status = spec ? w->create(values, bases, &info, &state, err) : nqm_fail_nomem(err, sizeof layout);
+    if (status == NQM_OK) {
+        *(nqm_between_bases *)state = *bases;
+        status = nqm_brdf_wrap(&w->class_, state, &info, brdf_ret, err);
+    } else {
+        free_owned(bases);
+    }
+    nqm_free(spec);
+    return status;
+}
+
+static nqm_status parse(const nqm_spec_wrapper *w, const char *settings, nqm_spec_values *values, nqm_error *err) {
+    nqm_status status = nqm_spec_parse(&w->schema, settings, values, err);
+    if (status == NQM_OK && !(values->given & ~w->idle))
+        status = nqm_fail(err, NQM_ERR_ARG, -1,
+                          "%s: nothing is changed: give scale, tint, gloss, peak, ... before 'of='", w->schema.model);
+    return status;
+}
+
+nqm_status nqm_wrapper_make(const nqm_spec_wrapper *w, const char *settings, const nqm_between_bases *bases,
+                            nqm_brdf **brdf_ret, nqm_error *err) {
+    nqm_spec_values values;
+    *brdf_ret = NULL;
+    nqm_status status = parse(w, settings, &values, err);
+    if (status == NQM_OK)
+        return wrap(w, &values, bases, NULL, brdf_ret, err);
+    free_owned(bases);
+    return status;
+}
+
+/* ---- text -------------------------------------------------------------------------------------------------------- */
+
+/* The parenthesis that closes the one before `text`; NULL: there is none. */
+static char *closing(char *text) {
+    size_t open = 1;
+    for (; *text; ++text) {
+        open += *text == '(';
+        open -= *text == ')';
+        if (open == 0)
+            return text;
+    }
+    return NULL;
+}
+
+/* Cut the text into settings and specs; false: it has another form. */
+static bool cut(char *text, bool has_with, const char **with, const char **of) {
+    static const char begin[] = ";with=(", middle[] = ";of=";
+    char *end = strncmp(text, middle + 1, strlen(middle) - 1) == 0 ? text : strstr(text, middle);
+    if (has_with) {
+        char *at = strstr(text, begin);
+        end = at ? closing(at + strlen(begin)) : NULL;
+        if (!end || strncmp(end + 1, middle, strlen(middle)) != 0)
+            return false;
+        *with = at + strlen(begin);
+        *at = *end++ = 0;
+    }
+    if (end)
+        *of = end + (*end == ';') + strlen(middle) - 1;
+    if (end)
+        *end = 0;
+    return end;
+}
+
+static nqm_status open_bases(const char *of, const char *with, nqm_brdf_opener *open, nqm_between_bases *bases,
+                             nqm_error *err) {
+    *bases = (nqm_between_bases){.owns_of = true, .owns_with = with != NULL};
+    nqm_status status = open(of, of, &bases->of, err);
+    if (status != NQM_OK || !with)
+        return status;
+    status = open(with, with, &bases->with, err);
+    if (status != NQM_OK)
+        nqm_brdf_free(bases->of);
+    return status;
+}
+
+nqm_status nqm_wrapper_open(const nqm_spec_wrapper *w, const char *settings, const char *name, nqm_brdf_opener *open,
+                            nqm_brdf **brdf_ret, nqm_error *err) {
+    nqm_spec_values values;
+    nqm_between_bases bases;
+    const char *of = NULL, *with = NULL;
+    char *text = nqm_strdup(settings);
+    if (!text)
+        return nqm_fail_nomem(err, strlen(settings) + 1);
+    nqm_status status = cut(text, w->has_with, &with, &of) ? parse(w, text, &values, err)
+                                                           : nqm_fail(err, NQM_ERR_ARG, -1, "%s", w->form);
+    if (status == NQM_OK)
+        status = open_bases(of, with, open, &bases, err);
+    if (status == NQM_OK)
+        status = wrap(w, &values, &bases, name, brdf_ret, err);
+    nqm_free(text);
+    return status;
+}
