@@ -12,6 +12,7 @@
 #include "percept/percept.h"
 #include "sample/sample.h"
 #include <nqm/data.h>
+#include <nqm/metric.h>
 #include <nqm/model.h>
 
 /**
@@ -142,9 +143,9 @@ const char *nqm_dataset_ref_source(const nqm_dataset *dataset, size_t ref);
 /** The material class of a reference: an index for nqm_material_class_name(). */
 size_t nqm_dataset_ref_class(const nqm_dataset *dataset, size_t ref);
 
-/** Mask of the directions where both BRDFs of a pair have values, written to `scratch` (n_directions). Returns
- *  `scratch`, or NULL if the dataset has no masks: then all directions are used. */
-const uint8_t *nqm_dataset_pair_used(const nqm_dataset *dataset, size_t pair, uint8_t *scratch);
+/** The samples of a pair. Its mask, where both BRDFs have values, is written to `scratch` (n_directions); it is NULL if the dataset
+ *  has no masks. */
+nqm_sample_pair nqm_dataset_samples(const nqm_dataset *dataset, size_t pair, uint8_t *scratch);
 
 /** Predictions of a model for some pairs of a dataset. */
 typedef struct nqm_dataset_prediction {

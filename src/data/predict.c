@@ -21,13 +21,11 @@ static bool is_finite(const nqm_label *label) {
 static nqm_status predict_batch(const nqm_dataset_prediction *p, nqm_predictor *predictor, size_t n,
                                 const size_t *pairs, uint8_t *used, nqm_error *err) {
     const nqm_dataset *d = p->dataset;
-    const size_t n_columns = 3 * d->n_directions;
     nqm_sample_pair batch[NQM_PREDICT_BATCH];
     double jod[NQM_PREDICT_BATCH], novelty[NQM_PREDICT_BATCH], spread[NQM_PREDICT_BATCH], bound[NQM_PREDICT_BATCH];
     nqm_label labels[NQM_PREDICT_BATCH];
     for (size_t i = 0; i < n; ++i)
-        batch[i] = (nqm_sample_pair){d->ref_rgb + d->pair_ref[pairs[i]] * n_columns, d->test_rgb + pairs[i] * n_columns,
-                                     nqm_dataset_pair_used(d, pairs[i], used + i * d->n_directions)};
+        batch[i] = nqm_dataset_samples(d, pairs[i], used + i * d->n_directions);
     const nqm_predictions to = {.jod = jod,
                                 .novelty = p->novelty ? novelty : NULL,
                                 .spread = spread,

@@ -34,13 +34,6 @@ double nqm_transport_share(const nqm_transport *transport);
 /** Estimate the labels of n pairs, at most NQM_COMPARE_MAX. */
 void nqm_transport_estimates(const nqm_transport *transport, size_t n, const nqm_sample_pair *pairs,
                              nqm_label *estimates);
-/** The same for one pair. */
-static inline nqm_label nqm_transport_estimate(const nqm_transport *transport, const float *ref, const float *test,
-                                               const uint8_t *used) {
-    nqm_label label;
-    nqm_transport_estimates(transport, 1, &(nqm_sample_pair){ref, test, used}, &label);
-    return label;
-}
 
 /** What the gradient of an estimate needs of a pair, (3, n_points) each: ITP of both pictures on the display, in units of Delta-E, and
  *  the light of the test in cd/m2. Pairs that share a reference may share `ref`. */
@@ -64,15 +57,18 @@ void nqm_transport_light_gradient(const nqm_transport *transport, const nqm_labe
 void nqm_transport_gradient(const nqm_transport *transport, size_t n, const nqm_sample_pair *pairs,
                             const float *by_light, float *gradient);
 
-/** Compute the scalar features of one sampled pair; arguments as in nqm_metrics_compute(). transport: NULL or without a matrix if
- *  there is none. scalars (NQM_SCALAR_COUNT) are finite for finite f_r >= 0, and NaN when no direction counts. */
-void nqm_scalars_compute(const nqm_directions *directions, const nqm_transport *transport, const float *ref,
-                         const float *test, const uint8_t *used, double *scalars);
-
-/** Compute metrics (NQM_METRIC_COUNT) and scalar features (NQM_SCALAR_COUNT) of a pair in double; either may be NULL. estimate: by
- *  transport; NULL: none. */
-void nqm_compare_samples(const nqm_directions *directions, const nqm_sample_pair *pair, const nqm_label *estimate,
+/** What depends only on the directions in sums over them, for many pairs. The directions must outlive it. Any thread. */
+typedef struct nqm_sum_plan nqm_sum_plan;
+NQM_MUST_CHECK nqm_status nqm_sum_plan_create(const nqm_directions *directions, nqm_sum_plan **plan_ret,
+                                              nqm_error *err);
+void nqm_sum_plan_free(nqm_sum_plan *plan);
+/** Compute metrics (NQM_METRIC_COUNT) and scalar features (NQM_SCALAR_COUNT) of a pair; either may be NULL. estimate: by transport;
+ *  NULL: none. They are NaN when no direction counts, and scalars are finite otherwise. */
+void nqm_compare_samples(const nqm_sum_plan *plan, const nqm_sample_pair *pair, const nqm_label *estimate,
                          double *metrics, double *scalars);
+/** Estimate the label, if there is a matrix, and compute the scalar features. */
+void nqm_scalars_compute(const nqm_sum_plan *plan, const nqm_transport *transport, const nqm_sample_pair *pair,
+                         double *scalars);
 
 enum { NQM_PREDICT_BATCH = 512 };
 

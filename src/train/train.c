@@ -111,7 +111,7 @@ static double step(run *r, size_t n, const size_t *index) {
                                   .weight_decay = o->optimiser.weight_decay,
                                   .freeze_first_layernorm = o->network.freeze_first_layernorm != 0};
     const nqm_batch_inputs to = inputs_of(r);
-    nqm_examples_gather(&r->examples, n, index, &to);
+    nqm_examples_gather(&r->examples, n, index, 0, &to);
     nqm_trainer_forward(r->trainer, n, &dropout, r->z);
     double loss = nqm_logcosh_loss(n, r->examples.n_outputs, r->bounds, r->z, r->target, r->dz);
     nqm_trainer_step(r->trainer, n, r->dz, &rates);
@@ -147,7 +147,7 @@ static double validate(run *r, float *z_ret) {
     const nqm_batch_inputs to = inputs_of(r);
     for (size_t first = 0; first < n_validation; first += batch) {
         size_t n = nqm_smaller(n_validation - first, batch);
-        nqm_examples_gather_validation(&r->examples, first, n, &to);
+        nqm_examples_gather(&r->examples, n, NULL, first, &to);
         nqm_trainer_forward(r->trainer, n, NULL, r->z);
         sum += (double)n * nqm_logcosh_loss(n, r->examples.n_outputs, r->bounds, r->z, r->target, NULL);
         if (z_ret)

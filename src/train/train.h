@@ -97,25 +97,10 @@ typedef struct nqm_batch_inputs {
     float *target; /* (n, n_outputs) */
 } nqm_batch_inputs;
 
-/** Gather inputs and targets of the training examples index[0..n), n <= max_batch. */
-void nqm_examples_gather(const nqm_examples *examples, size_t n, const size_t *index, const nqm_batch_inputs *to);
-/** The same for the validation examples [first, first + n). */
-void nqm_examples_gather_validation(const nqm_examples *examples, size_t first, size_t n, const nqm_batch_inputs *to);
-
-/**
- * Get the transformed samples of example i, in the order of `scalars`: training examples without scaling, their scaled
- * copies, validation examples.
- *
- * @param slot     below max_batch: the row of used_scratch that the calling thread may write to
- * @param scratch  (2, n_directions, 3) receives the samples of a scaled copy
- * @return the mask of used directions; NULL: all are used
- */
-const uint8_t *nqm_examples_at(const nqm_examples *examples, size_t i, size_t slot, float *scratch, const float **ref_t,
-                               const float **test_t);
-/** Compute `estimate` (example_scalars.c). */
-void nqm_examples_estimate(nqm_examples *examples);
-/** Compute `scalars` and their whitening, for options with scalars (example_scalars.c). */
-NQM_MUST_CHECK nqm_status nqm_examples_find_scalars(nqm_examples *examples, nqm_error *err);
+/** Gather inputs and targets of n <= max_batch examples: of the training examples index[0..n), or, if that is NULL, of the validation
+ *  examples [first, first + n). */
+void nqm_examples_gather(const nqm_examples *examples, size_t n, const size_t *index, size_t first,
+                         const nqm_batch_inputs *to);
 
 /* ---- the state of a training, and its file (checkpoint.c) -------------------------------------------------------- */
 

@@ -6,6 +6,7 @@
 #include "kernel/kernel.h"
 #include "metric/metric.h"
 #include "support/check.h"
+#include "support/predict.h"
 #include "support/tiny_model.h"
 
 #include <float.h>
@@ -48,7 +49,7 @@ static int read_vectors(void **state) {
 }
 
 static nqm_label estimate(const float *ref, const float *test, const uint8_t *mask) {
-    return nqm_transport_estimate(&transport, ref, test, mask);
+    return transport_estimate(&transport, ref, test, mask);
 }
 
 /* ---- against NumPy ----------------------------------------------------------------------------------------------- */

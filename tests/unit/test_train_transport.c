@@ -52,7 +52,7 @@ static const float *test_of(size_t pair) {
 
 static nqm_label estimate_of(size_t pair) {
     const nqm_transport transport = nqm_dataset_transport(toy);
-    return nqm_transport_estimate(&transport, ref_of(pair), test_of(pair), NULL);
+    return transport_estimate(&transport, ref_of(pair), test_of(pair), NULL);
 }
 
 /* Normalised targets are the differences of label and estimate; their range is at most 6 standard deviations. */
@@ -79,24 +79,6 @@ static void targets_are_corrections(void **state) {
     nqm_examples_free(&e);
 }
 
-/* The scalar features of a pair as scores have them, by float sums: rounding matters where a feature hardly varies in training. */
-static void scalars_of(size_t pair, const nqm_transport *transport, double *scalars) {
-    const float *test = test_of(pair);
-    static float roots[2][3 * N], t[3 * N];
-    nqm_label estimate = {.delta_e = 0};
-    nqm_sum_plan *plan;
-    nqm_pair_sums sums;
-    if (transport->light)
-        estimate = nqm_transport_estimate(transport, ref_of(pair), test, NULL);
-    const nqm_sample_pair p = {ref_of(pair), test, NULL};
-    nqm_sample_logs(3 * N, ref_of(pair), roots[0], t);
-    nqm_sample_logs(3 * N, test, roots[1], t);
-    assert_int_equal(nqm_sum_plan_create(toy->directions, &plan, NULL), NQM_OK);
-    nqm_compare_sums_float(plan, 1, &p, roots[0], true, &sums);
-    nqm_compare_finish(&sums, transport->light ? &estimate : NULL, NULL, scalars);
-    nqm_sum_plan_free(plan);
-}
-
 /* The network's outputs for a pair, with features composed here. */
 static void outputs_of(const nqm_model *model, size_t pair, const nqm_transport *transport, float *z) {
     enum { WIDTH = 9 * N + NQM_SCALAR_COUNT };
@@ -107,7 +89,7 @@ static void outputs_of(const nqm_model *model, size_t pair, const nqm_transport 
     nqm_features_transform(3 * N, ref_of(pair), ref_t);
     nqm_features_transform(3 * N, test_of(pair), test_t);
     nqm_features_compose(&model->features, N, ref_t, test_t, NULL, x);
-    scalars_of(pair, transport, scalars);
+    compute_scalars(toy->directions, transport, ref_of(pair), test_of(pair), NULL, scalars);
     nqm_scalars_whiten(&model->scalars, scalars, x + 9 * N);
     assert_int_equal(nqm_model_inference(model, NQM_PRECISION_F32, &net, NULL), NQM_OK);
     assert_int_equal(nqm_inference_work_create(net, 1, &work, NULL), NQM_OK);
@@ -213,7 +195,7 @@ static void novelty_by_the_models_matrix(void **state) {
         assert_int_equal(nqm_evaluation_create(toy, 1, (const nqm_model *const[]){model}, NULL, &ev, NULL), NQM_OK);
         for (size_t pair = 0; pair < toy->n_pairs; pair += 7) {
             double scalars[NQM_SCALAR_COUNT];
-            scalars_of(pair, &transport, scalars);
+            compute_scalars(toy->directions, &transport, ref_of(pair), test_of(pair), NULL, scalars);
             assert_near(ev->novelty[pair], nqm_model_novelty(model, scalars), 1e-12);
         }
         nqm_evaluation_free(ev);
