@@ -8,11 +8,11 @@
 #include "base/base.h"
 #include "base/names.h"
 #include "io/io.h"
+#include "metric/metric.h"
 #include "model/model.h"
 #include "percept/percept.h"
 #include "sample/sample.h"
 #include <nqm/data.h>
-#include <nqm/metric.h>
 #include <nqm/model.h>
 
 /**
@@ -154,15 +154,9 @@ typedef struct nqm_dataset_prediction {
     nqm_precision precision;
     size_t n;
     const size_t *pairs; /* (n) */
-    double *jod;         /* (n_pairs of the dataset) receives the JOD of each of the n pairs, at the pair's index */
-    double *novelty;     /* (n_pairs of the dataset) the same for nqm_model_novelty(); NULL: do not compute it */
-    double *spread;      /* (n_pairs of the dataset) the same for nqm_model_spread(); NULL: not stored */
-    double *bound;       /* (n_pairs of the dataset) the same for nqm_delta_e_bound(); NULL: not stored */
-    nqm_label
-        *labels; /* (n_pairs of the dataset) the same for parts, NaN if the model predicts none; NULL: not stored */
-    nqm_status (*batch_done)(void *user, size_t n,
-                             nqm_error *err); /* called after each batch of n pairs; NULL: not called. A failure
-                                                                        stops the prediction */
+    nqm_prediction *to;  /* (n_pairs of the dataset) receives those of the n pairs, each at the pair's index */
+    /* Called after each batch of n pairs; NULL: not called. A failure stops the prediction. */
+    nqm_status (*batch_done)(void *user, size_t n, nqm_error *err);
     void *user;
 } nqm_dataset_prediction;
 /** @return NQM_ERR_INCOMPATIBLE: model and dataset have different directions; NQM_ERR_NUMERIC: a JOD or part is not finite;

@@ -85,19 +85,28 @@ static nqm_status tick(void *user, size_t n, nqm_error *err) {
 
 static nqm_status predict_model(predict_run *run, size_t model, nqm_error *err) {
     const nqm_evaluation *ev = run->ev;
+    nqm_prediction *to = nqm_alloc(ev->dataset->n_pairs, sizeof *to);
     const nqm_dataset_prediction prediction = {.dataset = nqm_evaluation_samples(ev, model),
                                                .model = ev->models[model],
                                                .precision = ev->precision,
                                                .n = run->n,
                                                .pairs = run->pairs,
-                                               .jod = ev->values + model * ev->dataset->n_pairs,
-                                               .novelty = ev->novelty + model * ev->dataset->n_pairs,
-                                               .spread = ev->spread + model * ev->dataset->n_pairs,
-                                               .bound = ev->bound + model * ev->dataset->n_pairs,
-                                               .labels = ev->labels + model * ev->dataset->n_pairs,
+                                               .to = to,
                                                .batch_done = tick,
                                                .user = run};
-    return nqm_dataset_predict(&prediction, err);
+    const nqm_status status =
+        to ? nqm_dataset_predict(&prediction, err) : nqm_fail_nomem(err, ev->dataset->n_pairs * sizeof *to);
+    for (size_t i = 0; status == NQM_OK && i < run->n; ++i) {
+        const nqm_prediction *own = &to[run->pairs[i]];
+        const size_t at = model * ev->dataset->n_pairs + run->pairs[i];
+        ev->values[at] = own->jod;
+        ev->novelty[at] = own->novelty;
+        ev->spread[at] = own->spread;
+        ev->bound[at] = own->bound;
+        ev->labels[at] = own->label;
+    }
+    nqm_free(to);
+    return status;
 }
 
 static nqm_status predict_metrics(predict_run *run, nqm_error *err) {

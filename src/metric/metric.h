@@ -72,16 +72,15 @@ void nqm_scalars_compute(const nqm_sum_plan *plan, const nqm_transport *transpor
 
 enum { NQM_PREDICT_BATCH = 512 };
 
-/** What receives predictions: (n) each unless a shape is given; all but `jod` may be NULL, and are not computed then. */
-typedef struct nqm_predictions {
-    double *jod;
-    double *delta_e;   /* NaN where the model has no curve */
-    double *metrics;   /* (n, NQM_METRIC_COUNT) */
-    double *novelty;   /* of nqm_model_novelty(); NaN: none */
-    double *spread;    /* of nqm_model_spread(); 0 without scalar features */
-    double *bound;     /* of nqm_delta_e_bound() */
-    nqm_label *labels; /* parts; NaN if the model predicts none */
-} nqm_predictions;
+/** What a model predicts of a pair, and what its interval depends on. */
+typedef struct nqm_prediction {
+    double jod;
+    double delta_e;  /* NaN where the model has no curve */
+    double novelty;  /* of nqm_model_novelty(); NaN: none */
+    double spread;   /* of nqm_model_spread(); 0 without scalar features */
+    double bound;    /* of nqm_delta_e_bound() */
+    nqm_label label; /* parts; NaN if the model predicts none */
+} nqm_prediction;
 
 /** Workspace for predictions, for one thread at a time. The model must outlive it. */
 typedef struct nqm_predictor nqm_predictor;
@@ -91,8 +90,9 @@ NQM_MUST_CHECK nqm_status nqm_predictor_create(const nqm_model *model, nqm_preci
                                                nqm_predictor **predictor_ret, nqm_error *err);
 void nqm_predictor_free(nqm_predictor *predictor);
 /** Predict n (at most max_batch) pairs. The prediction of a pair does not depend on the other pairs, and the Delta-E of models that
- *  predict it keeps to nqm_delta_e_bound(). */
-void nqm_predictor_run(nqm_predictor *predictor, size_t n, const nqm_sample_pair *pairs, const nqm_predictions *to);
+ *  predict it keeps to nqm_delta_e_bound(). metrics: (n, NQM_METRIC_COUNT); NULL: they are not computed. */
+void nqm_predictor_run(nqm_predictor *predictor, size_t n, const nqm_sample_pair *pairs, nqm_prediction *to,
+                       double *metrics);
 
 /** A bound on the Delta-E ITP of the pictures of two BRDFs whose samples hardly differ; INFINITY: no bound. It makes the
  *  scores of pairs certain that differ by rounding only, whatever the network says. */
@@ -102,14 +102,9 @@ double nqm_delta_e_bound(size_t n_directions, const nqm_sample_pair *pair);
 double nqm_delta_e_bound_slope(size_t n_directions, const nqm_sample_pair *pair, size_t *at_ret);
 /** Lower a predicted Delta-E to the bound, and set the JOD to match. Returns whether the bound was lower. */
 bool nqm_bound_score(const nqm_model *model, double bound, double *jod, double *delta_e);
-/** What the width of an interval depends on, as in nqm_predictions. */
-typedef struct nqm_certainty {
-    double novelty, spread, bound;
-} nqm_certainty;
 /** nqm_model_interval() with the lower end raised to the JOD at the bound plus 1.5 Delta-E, for what BRDFs do between the sampled
  *  directions. */
-void nqm_bounded_interval(const nqm_model *model, double jod, const nqm_certainty *certainty, double *low,
-                          double *high);
+void nqm_bounded_interval(const nqm_model *model, const nqm_prediction *prediction, double *low, double *high);
 
 /** Workspace for scores with gradients, for one thread at a time; in float, whatever the precision of scores: gradients are within
  *  1e-5 of their largest component. The model must outlive it. */

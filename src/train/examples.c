@@ -340,7 +340,8 @@ typedef struct gather_job {
     const nqm_examples *e;
     const size_t *index; /* NULL: consecutive examples from `first` */
     size_t first, n;
-    const nqm_batch_inputs *to;
+    nqm_trainer *trainer;
+    float *target;
 } gather_job;
 
 static size_t example_of(const gather_job *job, size_t r) {
@@ -366,19 +367,19 @@ static void gather_row(const gather_job *job, size_t r) {
     const nqm_examples *e = job->e;
     const size_t i = example_of(job, r);
     const float *ref_t, *test_t;
-    float *x = job->to->row(job->to->user, r); /* also the buffer of a scaled copy: compose works in place */
+    float *x = nqm_trainer_input(job->trainer, r); /* also the buffer of a scaled copy: compose works in place */
     const uint8_t *used = find_samples(e, i, r, x, &ref_t, &test_t);
     nqm_features_compose(&e->features, e->dataset->n_directions, ref_t, test_t, used, x);
     if (e->options->input.scalars)
         memcpy(x + e->samples_width, e->scalars + i * NQM_SCALAR_COUNT, NQM_SCALAR_COUNT * sizeof *x);
-    float *target = job->to->target + r * e->n_outputs;
+    float *target = job->target + r * e->n_outputs;
     memcpy(target, e->target + row_of(e, i) * e->n_outputs, e->n_outputs * sizeof *target);
     for (size_t output = 1; output < e->n_outputs && output <= N_SIGNED_PARTS; ++output)
         if (e->options->augmentation.swap && is_second_copy(e, i))
             target[output] = -target[output] - (float)(2 * e->output[output].mean / e->output[output].std);
 }
 
-/* Rows per task. Even, so that the same thread processes both rows of a rows_done() call: their results may share cache
+/* Rows per task. Even, so that the same thread processes both rows of a pair: their results may share cache
  * lines. */
 enum { ROWS_AT_ONCE = 8 };
 
@@ -389,13 +390,13 @@ static void gather_rows(void *user, size_t i) {
         if (r + 1 < end)
             prefetch_row(job, r + 1);
         gather_row(job, r);
-        if (job->to->rows_done && (r % 2 || r + 1 == end))
-            job->to->rows_done(job->to->user, r / 2 * 2, 1 + r % 2);
+        if (r % 2 || r + 1 == end)
+            nqm_trainer_inputs_done(job->trainer, r / 2 * 2, 1 + r % 2);
     }
 }
 
-void nqm_examples_gather(const nqm_examples *e, size_t n, const size_t *index, size_t first,
-                         const nqm_batch_inputs *to) {
-    gather_job job = {.e = e, .index = index, .first = e->n_train + first, .n = n, .to = to};
+void nqm_examples_gather(const nqm_examples *e, size_t n, const size_t *index, size_t first, nqm_trainer *trainer,
+                         float *target) {
+    gather_job job = {e, index, e->n_train + first, n, trainer, target};
     nqm_parallel_for(nqm_ceil_div(n, ROWS_AT_ONCE), gather_rows, &job);
 }

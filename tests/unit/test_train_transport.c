@@ -106,19 +106,19 @@ static void check_predictions(const nqm_model *model, bool has_transport) {
     for (size_t pair = 0; pair < toy->n_pairs; pair += 5) {
         const nqm_sample_pair p = {ref_of(pair), test_of(pair), NULL};
         const nqm_label estimate = estimate_of(pair), *base = has_transport ? &estimate : NULL;
-        nqm_label label;
+        nqm_prediction got;
         float z[OUTPUTS];
-        double jod, delta_e, expected;
-        nqm_predictor_run(predictor, 1, &p, &(nqm_predictions){.jod = &jod, .delta_e = &delta_e, .labels = &label});
+        double expected;
+        nqm_predictor_run(predictor, 1, &p, &got, NULL);
         outputs_of(model, pair, &transport, z);
         const double expected_jod = nqm_model_jod(model, (double)z[0], base, &expected);
         const nqm_label expected_label = nqm_model_label(model, z, base);
         if (isfinite(nqm_delta_e_bound(N, &p))) /* nearly equal samples: a bound may decide */
             continue;
-        assert_relative(delta_e, expected, 1e-6);
-        assert_near(jod, expected_jod, 1e-6);
-        assert_near(label.shift[0], expected_label.shift[0], 1e-5 * (1 + fabs(label.shift[0])));
-        assert_near(label.structure, expected_label.structure, 1e-5 * (1 + label.structure));
+        assert_relative(got.delta_e, expected, 1e-6);
+        assert_near(got.jod, expected_jod, 1e-6);
+        assert_near(got.label.shift[0], expected_label.shift[0], 1e-5 * (1 + fabs(got.label.shift[0])));
+        assert_near(got.label.structure, expected_label.structure, 1e-5 * (1 + got.label.structure));
         ++n_checked;
     }
     assert_true(n_checked > 10);
@@ -128,15 +128,15 @@ static void check_predictions(const nqm_model *model, bool has_transport) {
 /* The report of the training is about the predictions that users get: features must not differ between the two. */
 static void check_report(const nqm_model *model, const nqm_train_report *report) {
     size_t n = 0, *pairs = nqm_alloc(toy->n_pairs, sizeof *pairs);
-    double *all = nqm_alloc(toy->n_pairs, sizeof *all), *jod = nqm_alloc(toy->n_pairs, sizeof *jod),
-           *label = nqm_alloc(toy->n_pairs, sizeof *label);
+    nqm_prediction *all = nqm_alloc(toy->n_pairs, sizeof *all);
+    double *jod = nqm_alloc(toy->n_pairs, sizeof *jod), *label = nqm_alloc(toy->n_pairs, sizeof *label);
     for (size_t i = 0; i < toy->n_pairs; ++i)
         if (nqm_dataset_pair_split(toy, i) == NQM_SPLIT_VALIDATION)
             pairs[n++] = i;
-    const nqm_dataset_prediction p = {.dataset = toy, .model = model, .n = n, .pairs = pairs, .jod = all};
+    const nqm_dataset_prediction p = {.dataset = toy, .model = model, .n = n, .pairs = pairs, .to = all};
     assert_int_equal(nqm_dataset_predict(&p, NULL), NQM_OK);
     for (size_t i = 0; i < n; ++i) {
-        jod[i] = all[pairs[i]];
+        jod[i] = all[pairs[i]].jod;
         label[i] = toy->jod[pairs[i]];
     }
     assert_near(nqm_spearman(n, jod, label), report->validation_spearman,
