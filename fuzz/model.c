@@ -26,11 +26,11 @@ static void score(const struct nqm_model *model) {
     for (size_t i = 0; i < n; ++i)
         samples[i] = 1;
     nqm_predictor *predictor;
-    double jod;
+    nqm_prediction prediction;
     if (nqm_predictor_create(model, NQM_PRECISION_F32, 1, &predictor, NULL) != NQM_OK)
         abort();
-    nqm_predictor_run(predictor, 1, &(nqm_sample_pair){samples, samples + n, NULL}, &(nqm_predictions){.jod = &jod});
-    check_interval(model, jod);
+    nqm_predictor_run(predictor, 1, &(nqm_sample_pair){samples, samples + n, NULL}, &prediction, NULL);
+    check_interval(model, prediction.jod);
     nqm_predictor_free(predictor);
     free(samples);
 }

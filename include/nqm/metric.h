@@ -46,14 +46,15 @@ NQM_API nqm_metric_info nqm_metric_get_info(nqm_metric metric);
 NQM_API const char *nqm_metric_name(nqm_metric metric);
 
 /**
- * The scalar metrics of one sampled pair. Any thread.
+ * The scalar metrics of one sampled pair, within 1e-6 relative. Any thread.
  *
- * @param ref, test  (n, 3) f_r in 1/sr at `directions`; finite and >= 0
+ * @param ref, test  (n, 3) f_r in 1/sr at `directions`; finite and >= 0; above 1e15 they count as 1e15
  * @param used       (n) nonzero where the direction counts; NULL: all
  * @param metrics    (NQM_METRIC_COUNT) receives them; NaN when no direction counts
  */
-NQM_API void nqm_metrics_compute(const nqm_directions *directions, const float *ref, const float *test,
-                                 const uint8_t *used, double *metrics);
+NQM_API NQM_MUST_CHECK nqm_status nqm_metrics_compute(const nqm_directions *directions, const float *ref,
+                                                      const float *test, const uint8_t *used, double *metrics,
+                                                      nqm_error *err);
 
 /* ---- scores ------------------------------------------------------------------------------------------------------ */
 

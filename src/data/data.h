@@ -8,6 +8,7 @@
 #include "base/base.h"
 #include "base/names.h"
 #include "io/io.h"
+#include "metric/metric.h"
 #include "model/model.h"
 #include "percept/percept.h"
 #include "sample/sample.h"
@@ -142,9 +143,9 @@ const char *nqm_dataset_ref_source(const nqm_dataset *dataset, size_t ref);
 /** The material class of a reference: an index for nqm_material_class_name(). */
 size_t nqm_dataset_ref_class(const nqm_dataset *dataset, size_t ref);
 
-/** Mask of the directions where both BRDFs of a pair have values, written to `scratch` (n_directions). Returns
- *  `scratch`, or NULL if the dataset has no masks: then all directions are used. */
-const uint8_t *nqm_dataset_pair_used(const nqm_dataset *dataset, size_t pair, uint8_t *scratch);
+/** The samples of a pair. Its mask, where both BRDFs have values, is written to `scratch` (n_directions); it is NULL if the dataset
+ *  has no masks. */
+nqm_sample_pair nqm_dataset_samples(const nqm_dataset *dataset, size_t pair, uint8_t *scratch);
 
 /** Predictions of a model for some pairs of a dataset. */
 typedef struct nqm_dataset_prediction {
@@ -153,15 +154,9 @@ typedef struct nqm_dataset_prediction {
     nqm_precision precision;
     size_t n;
     const size_t *pairs; /* (n) */
-    double *jod;         /* (n_pairs of the dataset) receives the JOD of each of the n pairs, at the pair's index */
-    double *novelty;     /* (n_pairs of the dataset) the same for nqm_model_novelty(); NULL: do not compute it */
-    double *spread;      /* (n_pairs of the dataset) the same for nqm_model_spread(); NULL: not stored */
-    double *bound;       /* (n_pairs of the dataset) the same for nqm_delta_e_bound(); NULL: not stored */
-    nqm_label
-        *labels; /* (n_pairs of the dataset) the same for parts, NaN if the model predicts none; NULL: not stored */
-    nqm_status (*batch_done)(void *user, size_t n,
-                             nqm_error *err); /* called after each batch of n pairs; NULL: not called. A failure
-                                                                        stops the prediction */
+    nqm_prediction *to;  /* (n_pairs of the dataset) receives those of the n pairs, each at the pair's index */
+    /* Called after each batch of n pairs; NULL: not called. A failure stops the prediction. */
+    nqm_status (*batch_done)(void *user, size_t n, nqm_error *err);
     void *user;
 } nqm_dataset_prediction;
 /** @return NQM_ERR_INCOMPATIBLE: model and dataset have different directions; NQM_ERR_NUMERIC: a JOD or part is not finite;

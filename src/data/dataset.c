@@ -253,10 +253,10 @@ nqm_dataset_pair nqm_dataset_get_pair(const nqm_dataset *d, size_t i) {
                               .jod = d->jod[i]};
 }
 
-const uint8_t *nqm_dataset_pair_used(const nqm_dataset *d, size_t pair, uint8_t *scratch) {
-    if (!d->ref_used && !d->test_used)
-        return NULL;
-    for (size_t i = 0; i < d->n_directions; ++i)
+nqm_sample_pair nqm_dataset_samples(const nqm_dataset *d, size_t pair, uint8_t *scratch) {
+    const size_t n = 3 * d->n_directions;
+    const bool has_masks = d->ref_used || d->test_used;
+    for (size_t i = 0; has_masks && i < d->n_directions; ++i)
         scratch[i] = is_used(d, pair, i);
-    return scratch;
+    return (nqm_sample_pair){d->ref_rgb + d->pair_ref[pair] * n, d->test_rgb + pair * n, has_masks ? scratch : NULL};
 }

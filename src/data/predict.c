@@ -3,8 +3,6 @@
  * Predicts the JOD, the novelty and the parts of the label of pairs of a dataset with a model, in batches.
  */
 #include "data/data.h"
-#include "metric/metric.h"
-#include "model/model.h"
 
 #include <math.h>
 #include <string.h>
@@ -21,32 +19,16 @@ static bool is_finite(const nqm_label *label) {
 static nqm_status predict_batch(const nqm_dataset_prediction *p, nqm_predictor *predictor, size_t n,
                                 const size_t *pairs, uint8_t *used, nqm_error *err) {
     const nqm_dataset *d = p->dataset;
-    const size_t n_columns = 3 * d->n_directions;
     nqm_sample_pair batch[NQM_PREDICT_BATCH];
-    double jod[NQM_PREDICT_BATCH], novelty[NQM_PREDICT_BATCH], spread[NQM_PREDICT_BATCH], bound[NQM_PREDICT_BATCH];
-    nqm_label labels[NQM_PREDICT_BATCH];
+    nqm_prediction to[NQM_PREDICT_BATCH];
     for (size_t i = 0; i < n; ++i)
-        batch[i] = (nqm_sample_pair){d->ref_rgb + d->pair_ref[pairs[i]] * n_columns, d->test_rgb + pairs[i] * n_columns,
-                                     nqm_dataset_pair_used(d, pairs[i], used + i * d->n_directions)};
-    const nqm_predictions to = {.jod = jod,
-                                .novelty = p->novelty ? novelty : NULL,
-                                .spread = spread,
-                                .bound = bound,
-                                .labels = p->labels ? labels : NULL};
-    nqm_predictor_run(predictor, n, batch, &to);
+        batch[i] = nqm_dataset_samples(d, pairs[i], used + i * d->n_directions);
+    nqm_predictor_run(predictor, n, batch, to, NULL);
     for (size_t i = 0; i < n; ++i) {
-        if (!isfinite(jod[i]) || (p->labels && nqm_model_has_parts(p->model) && !is_finite(&labels[i])))
+        if (!isfinite(to[i].jod) || (nqm_model_has_parts(p->model) && !is_finite(&to[i].label)))
             return nqm_fail(err, NQM_ERR_NUMERIC, -1, "model '%s' gives no finite JOD or parts for pair %zu",
                             p->model->id, pairs[i]);
-        p->jod[pairs[i]] = jod[i];
-        if (p->novelty)
-            p->novelty[pairs[i]] = novelty[i];
-        if (p->spread)
-            p->spread[pairs[i]] = spread[i];
-        if (p->bound)
-            p->bound[pairs[i]] = bound[i];
-        if (p->labels)
-            p->labels[pairs[i]] = labels[i];
+        p->to[pairs[i]] = to[i];
     }
     return p->batch_done ? p->batch_done(p->user, n, err) : NQM_OK;
 }

@@ -50,6 +50,13 @@ void nqm_encode_draw_uniform(nqm_rng *rng, double max_polar, double *wi, double 
  *  max_theta, phi_d up to max_phi; both polar angles at most max_polar. */
 void nqm_encode_draw_dense(nqm_rng *rng, double max_polar, double max_theta, double max_phi, double *hd);
 
+/** Move the rows of hd and rgb (n, 3) that have a value to the front; returns their number. */
+size_t nqm_encode_keep_valid(size_t n, const uint8_t *flag, double *hd, double *rgb);
+enum { NQM_ENCODE_MAX_TRIES = 16 };
+/** Draw directions until n of them have a value: hd, rgb (n, 3); returns fewer than n if hardly one in NQM_ENCODE_MAX_TRIES has. */
+size_t nqm_encode_sample(const nqm_brdf *ref, size_t n, void (*draw)(nqm_rng *rng, double *hd), nqm_rng *rng,
+                         double *hd, double *rgb);
+
 /** The two halves of nqm_learn() (sparse_learn.c, hyper_learn.c). */
 NQM_MUST_CHECK nqm_status nqm_learn_sparse(size_t n, const nqm_brdf *const *refs, const char *const *names,
                                            const nqm_learn_options *options, const char *path, nqm_error *err);

@@ -35,10 +35,7 @@ static nqm_status measure_loss(const float *weights, size_t n, const double *hd,
     if (!input)
         return nqm_fail_nomem(err, 10 * n * sizeof *input);
     float *weight = input + 6 * n, *goal = weight + n;
-    nqm_nbrdf_inputs(n, hd, input, weight);
-    for (size_t i = 0; i < n; ++i)
-        for (size_t c = 0; c < 3; ++c)
-            goal[c * n + i] = log1pf(weight[i] * (float)rgb[3 * i + c]);
+    nqm_nbrdf_fill(n, hd, rgb, input, weight, goal);
     *loss_ret =
         nqm_nbrdf_loss(weights, &(nqm_nbrdf_batch){.n = n, .input = input, .weight = weight, .goal = goal}, NULL);
     nqm_free(input);

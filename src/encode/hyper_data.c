@@ -43,29 +43,10 @@ void nqm_hyper_value(const float *rgb, float *feature) {
 }
 
 nqm_status nqm_hyper_sample(const nqm_brdf *ref, size_t n, nqm_rng *rng, double *hd, double *rgb, nqm_error *err) {
-    enum { MAX_ROUNDS = 8 };
-    uint8_t *flag = nqm_alloc(n, 1);
-    if (!flag)
-        return nqm_fail_nomem(err, n);
-    size_t kept = 0;
-    for (int round = 0; round < MAX_ROUNDS && kept < n; ++round) {
-        size_t n_new = n - kept, from = kept;
-        for (size_t i = 0; i < n_new; ++i)
-            draw_dense(rng, hd + 3 * (from + i));
-        nqm_brdf_eval_half_diff(ref, n_new, hd + 3 * from, rgb + 3 * from, flag);
-        for (size_t i = 0; i < n_new; ++i) {
-            if (!nqm_has_value(flag[i]))
-                continue;
-            memmove(hd + 3 * kept, hd + 3 * (from + i), 3 * sizeof *hd);
-            memmove(rgb + 3 * kept, rgb + 3 * (from + i), 3 * sizeof *rgb);
-            ++kept;
-        }
-    }
-    nqm_free(flag);
-    if (kept < n)
-        return nqm_fail(err, NQM_ERR_INCOMPATIBLE, -1, "%s: values at only %zu of %zu directions",
-                        nqm_brdf_get_info(ref).name, kept, n);
-    return NQM_OK;
+    const size_t kept = nqm_encode_sample(ref, n, draw_dense, rng, hd, rgb);
+    return kept == n ? NQM_OK
+                     : nqm_fail(err, NQM_ERR_INCOMPATIBLE, -1, "%s: values at only %zu of %zu directions",
+                                nqm_brdf_get_info(ref).name, kept, n);
 }
 
 /* ---- sampling the references ------------------------------------------------------------------------------------- */

@@ -20,7 +20,6 @@ enum {
     N_STARTS = 3,
     START_FRACTION = 32, /* each start is trained for 1 / START_FRACTION of all steps before the best one continues */
     N_FRESH = 32,        /* validation batches, never trained on */
-    MAX_TRIES = 16,      /* attempts to find a direction with a value */
     REPORT_EVERY = 512,
     N_OVERFIT_STEPS = 4000
 };
@@ -60,34 +59,6 @@ static void draw_direction(nqm_rng *rng, double *hd) {
     } while (!(wi[2] > 0 && wo[2] > 0));
 }
 
-/* BATCH directions with a value: hd, rgb (BATCH, 3). false when the reference has too few. */
-static bool draw_batch(const nqm_brdf *ref, nqm_rng *rng, double *hd, double *rgb) {
-    size_t n = 0;
-    for (int tries = 0; tries < MAX_TRIES && n < BATCH; ++tries) {
-        uint8_t flag[BATCH];
-        size_t n_new = BATCH - n, first = n;
-        for (size_t i = first; i < BATCH; ++i)
-            draw_direction(rng, hd + 3 * i);
-        nqm_brdf_eval_half_diff(ref, n_new, hd + 3 * first, rgb + 3 * first, flag);
-        for (size_t i = first; i < BATCH; ++i) {
-            if (!nqm_has_value(flag[i - first]))
-                continue;
-            memmove(hd + 3 * n, hd + 3 * i, 3 * sizeof *hd);
-            memmove(rgb + 3 * n, rgb + 3 * i, 3 * sizeof *rgb);
-            ++n;
-        }
-    }
-    return n == BATCH;
-}
-
-/* The arrays of a batch: input (6, n), weight (n), goal (3, n). */
-static void fill_batch(size_t n, const double *hd, const double *rgb, float *input, float *weight, float *goal) {
-    nqm_nbrdf_inputs(n, hd, input, weight);
-    for (size_t i = 0; i < n; ++i)
-        for (size_t c = 0; c < 3; ++c)
-            goal[c * n + i] = (float)log1p((double)weight[i] * rgb[3 * i + c]);
-}
-
 static nqm_status samples_make(const nqm_brdf *ref, size_t n_batches, uint64_t seed, uint64_t stream, samples *s,
                                nqm_error *err) {
     nqm_rng rng = nqm_rng_make(seed, stream);
@@ -99,10 +70,10 @@ static nqm_status samples_make(const nqm_brdf *ref, size_t n_batches, uint64_t s
     for (size_t b = 0; b < n_batches && status == NQM_OK; ++b) {
         double hd[3 * BATCH], rgb[3 * BATCH];
         float *goal = s->goal + b * 3 * BATCH, *weight = s->weight + b * BATCH;
-        if (!draw_batch(ref, &rng, hd, rgb))
+        if (nqm_encode_sample(ref, BATCH, draw_direction, &rng, hd, rgb) < BATCH)
             return nqm_fail(err, NQM_ERR_INCOMPATIBLE, -1, "%s: fewer than one direction in %d has a value",
-                            nqm_brdf_get_info(ref).name, MAX_TRIES);
-        fill_batch(BATCH, hd, rgb, s->input + b * 6 * BATCH, weight, goal);
+                            nqm_brdf_get_info(ref).name, NQM_ENCODE_MAX_TRIES);
+        nqm_nbrdf_fill(BATCH, hd, rgb, s->input + b * 6 * BATCH, weight, goal);
     }
     return status;
 }
@@ -216,7 +187,6 @@ nqm_status nqm_encode_nbrdf_at(const nqm_brdf *ref, size_t n, const double *hd, 
     float *input, *weight, *goal;
     uint8_t *flag;
     learner l;
-    size_t m = 0;
     *brdf_ret = NULL;
     nqm_status status = nqm_alloc_arrays(NQM_ARRAYS({&at, n, 3 * sizeof *at}, {&rgb, n, 3 * sizeof *rgb},
                                                     {&input, n, 6 * sizeof *input}, {&weight, n, sizeof *weight},
@@ -225,13 +195,9 @@ nqm_status nqm_encode_nbrdf_at(const nqm_brdf *ref, size_t n, const double *hd, 
     if (status != NQM_OK)
         return status;
     nqm_brdf_eval_half_diff(ref, n, hd, rgb, flag);
-    for (size_t i = 0; i < n; ++i) {
-        if (!nqm_has_value(flag[i]))
-            continue;
-        memcpy(at + 3 * m, hd + 3 * i, 3 * sizeof *at);
-        memmove(rgb + 3 * m++, rgb + 3 * i, 3 * sizeof *rgb);
-    }
-    fill_batch(m, at, rgb, input, weight, goal);
+    memcpy(at, hd, 3 * n * sizeof *at);
+    const size_t m = nqm_encode_keep_valid(n, flag, at, rgb);
+    nqm_nbrdf_fill(m, at, rgb, input, weight, goal);
     const nqm_nbrdf_batch batch = {.n = m, .input = input, .weight = weight, .goal = goal};
     learner_init(&l, seed, 2);
     for (size_t step = 0; m > 0 && step < N_OVERFIT_STEPS; ++step)

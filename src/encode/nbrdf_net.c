@@ -184,3 +184,10 @@ void nqm_nbrdf_inputs(size_t n, const double *hd, float *input, float *weight) {
         weight[i] = (float)fmin(fmax(wi[2], 0), 1);
     }
 }
+
+void nqm_nbrdf_fill(size_t n, const double *hd, const double *rgb, float *input, float *weight, float *goal) {
+    nqm_nbrdf_inputs(n, hd, input, weight);
+    for (size_t i = 0; i < n; ++i)
+        for (size_t c = 0; c < 3; ++c)
+            goal[c * n + i] = (float)log1p((double)weight[i] * rgb[3 * i + c]);
+}

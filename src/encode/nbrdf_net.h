@@ -18,6 +18,8 @@ typedef struct nqm_nbrdf_batch {
 
 /** Inputs and cosine weight of n half-vector coordinates hd (n, 3): input (6, n), weight (n). */
 void nqm_nbrdf_inputs(size_t n, const double *hd, float *input, float *weight);
+/** The same, and the goal (3, n) of values rgb (n, 3): the arrays of a batch. */
+void nqm_nbrdf_fill(size_t n, const double *hd, const double *rgb, float *input, float *weight, float *goal);
 
 /**
  * Mean over directions and channels of |log(1 + c f_r) - goal| (Sztrajman et al. 2021, section 3.1), f_r = exp(x) - 1 of

@@ -102,7 +102,8 @@ NQM_MUST_CHECK nqm_status nqm_sparse_encode(const nqm_sparse_dictionary *diction
 
 /* ---- learning ---------------------------------------------------------------------------------------------------- */
 
-/** Inner products of n vectors of NQM_SPARSE_CORE (sparse.c): gram (n, n). */
+/** The inner product of two vectors of NQM_SPARSE_CORE (sparse.c), and those of n of them: gram (n, n). */
+double nqm_sparse_dot(const double *a, const double *b);
 void nqm_sparse_gram(size_t n, const double *vectors, double *gram);
 
 /** The leading directions of n_tables channels (n_tables, NQM_SPARSE_CELLS) along each coordinate (sparse_table.c). */

@@ -27,13 +27,6 @@ typedef struct learning {
     bool *taken;           /* (n_signals) its residual has become an atom in this step */
 } learning;
 
-static double dot(const double *a, const double *b) {
-    double sum = 0;
-    for (size_t i = 0; i < CORE; ++i)
-        sum += a[i] * b[i];
-    return sum;
-}
-
 static void add(double factor, const double *a, double *sum) {
     for (size_t i = 0; i < CORE; ++i)
         sum[i] += factor * a[i];
@@ -41,7 +34,7 @@ static void add(double factor, const double *a, double *sum) {
 
 /* Scale to unit length; false for a zero vector. */
 static bool normalise(double *a) {
-    double length = sqrt(dot(a, a));
+    double length = sqrt(nqm_sparse_dot(a, a));
     if (!(length > 0))
         return false;
     for (size_t i = 0; i < CORE; ++i)
@@ -56,7 +49,7 @@ static void code_signal(void *user, size_t s) {
     code *c = &l->codes[s];
     double *correlation = l->scratch + 2 * s * l->n_atoms, *residual = l->residual + s * CORE;
     for (size_t k = 0; k < l->n_atoms; ++k)
-        correlation[k] = dot(l->atoms + k * CORE, l->signals + s * CORE);
+        correlation[k] = nqm_sparse_dot(l->atoms + k * CORE, l->signals + s * CORE);
     const nqm_omp_problem problem = {1, l->n_atoms, l->gram, correlation};
     c->n = nqm_omp(&problem, N_CODE, c->atom, c->coefficient, correlation + l->n_atoms);
     memcpy(residual, l->signals + s * CORE, CORE * sizeof *residual);
@@ -77,7 +70,7 @@ static void replace_atom(learning *l, double *atom) {
     size_t worst = l->n_signals;
     double most = 0;
     for (size_t s = 0; s < l->n_signals; ++s) {
-        double left = l->taken[s] ? 0 : dot(l->residual + s * CORE, l->residual + s * CORE);
+        double left = l->taken[s] ? 0 : nqm_sparse_dot(l->residual + s * CORE, l->residual + s * CORE);
         if (left > most) {
             most = left;
             worst = s;
@@ -111,7 +104,7 @@ static void improve_atom(learning *l, size_t k) {
         if (!coefficient)
             continue;
         add(*coefficient, atom, l->residual + s * CORE);
-        *coefficient = dot(better, l->residual + s * CORE);
+        *coefficient = nqm_sparse_dot(better, l->residual + s * CORE);
         add(-*coefficient, better, l->residual + s * CORE);
     }
     memcpy(atom, better, sizeof better);
@@ -124,7 +117,7 @@ static size_t begin(learning *l, size_t n_max, uint64_t seed, double *length) {
     nqm_rng rng = nqm_rng_make(seed, 0);
     double longest = 0;
     for (size_t s = 0; s < l->n_signals; ++s) {
-        length[s] = sqrt(dot(l->signals + s * CORE, l->signals + s * CORE));
+        length[s] = sqrt(nqm_sparse_dot(l->signals + s * CORE, l->signals + s * CORE));
         longest = fmax(longest, length[s]);
     }
     for (size_t s = 0; s < l->n_signals; ++s) /* the colour channels of grey materials are no atoms */

@@ -41,6 +41,7 @@ nqm_eval_options nqm_eval_options_default(void) {
 
 typedef struct metric_job {
     nqm_evaluation *ev;
+    nqm_sum_plan *plan;
     const size_t *pairs;
     uint8_t *used; /* (NQM_PREDICT_BATCH, n_directions) */
 } metric_job;
@@ -49,18 +50,17 @@ static void pair_metrics(void *user, size_t i) {
     const metric_job *job = user;
     const nqm_dataset *d = job->ev->dataset;
     nqm_evaluation *ev = job->ev;
-    size_t pair = job->pairs[i], n_columns = 3 * d->n_directions, first = ev->n_models;
+    size_t pair = job->pairs[i], first = ev->n_models;
     double metrics[NQM_METRIC_COUNT];
-    const uint8_t *used = nqm_dataset_pair_used(d, pair, job->used + i * d->n_directions);
-    const float *ref = d->ref_rgb + d->pair_ref[pair] * n_columns, *test = d->test_rgb + pair * n_columns;
+    const nqm_sample_pair samples = nqm_dataset_samples(d, pair, job->used + i * d->n_directions);
     const nqm_transport transport = nqm_dataset_transport(d);
     if (ev->estimates) {
-        ev->estimates[pair] = nqm_transport_estimate(&transport, ref, test, used);
+        nqm_transport_estimates(&transport, 1, &samples, &ev->estimates[pair]);
         ev->values[(first + NQM_METRIC_COUNT) * d->n_pairs + pair] =
             nqm_curve_jod(&nqm_curve_published, ev->estimates[pair].delta_e);
     }
-    nqm_compare_samples(d->directions, &(nqm_sample_pair){ref, test, used}, ev->estimates ? &ev->estimates[pair] : NULL,
-                        metrics, ev->scalars + pair * NQM_SCALAR_COUNT);
+    nqm_compare_samples(job->plan, &samples, ev->estimates ? &ev->estimates[pair] : NULL, metrics,
+                        ev->scalars + pair * NQM_SCALAR_COUNT);
     for (size_t m = 0; m < NQM_METRIC_COUNT; ++m)
         ev->values[(first + m) * d->n_pairs + pair] = metrics[m];
 }
@@ -85,30 +85,42 @@ static nqm_status tick(void *user, size_t n, nqm_error *err) {
 
 static nqm_status predict_model(predict_run *run, size_t model, nqm_error *err) {
     const nqm_evaluation *ev = run->ev;
+    nqm_prediction *to = nqm_alloc(ev->dataset->n_pairs, sizeof *to);
     const nqm_dataset_prediction prediction = {.dataset = nqm_evaluation_samples(ev, model),
                                                .model = ev->models[model],
                                                .precision = ev->precision,
                                                .n = run->n,
                                                .pairs = run->pairs,
-                                               .jod = ev->values + model * ev->dataset->n_pairs,
-                                               .novelty = ev->novelty + model * ev->dataset->n_pairs,
-                                               .spread = ev->spread + model * ev->dataset->n_pairs,
-                                               .bound = ev->bound + model * ev->dataset->n_pairs,
-                                               .labels = ev->labels + model * ev->dataset->n_pairs,
+                                               .to = to,
                                                .batch_done = tick,
                                                .user = run};
-    return nqm_dataset_predict(&prediction, err);
+    const nqm_status status =
+        to ? nqm_dataset_predict(&prediction, err) : nqm_fail_nomem(err, ev->dataset->n_pairs * sizeof *to);
+    for (size_t i = 0; status == NQM_OK && i < run->n; ++i) {
+        const nqm_prediction *own = &to[run->pairs[i]];
+        const size_t at = model * ev->dataset->n_pairs + run->pairs[i];
+        ev->values[at] = own->jod;
+        ev->novelty[at] = own->novelty;
+        ev->spread[at] = own->spread;
+        ev->bound[at] = own->bound;
+        ev->labels[at] = own->label;
+    }
+    nqm_free(to);
+    return status;
 }
 
 static nqm_status predict_metrics(predict_run *run, nqm_error *err) {
     metric_job job = {.ev = run->ev, .used = nqm_alloc(NQM_PREDICT_BATCH, run->ev->dataset->n_directions)};
-    nqm_status status = job.used ? NQM_OK : nqm_fail_nomem(err, NQM_PREDICT_BATCH * run->ev->dataset->n_directions);
+    nqm_status status = nqm_sum_plan_create(run->ev->dataset->directions, &job.plan, err);
+    if (status == NQM_OK && !job.used)
+        status = nqm_fail_nomem(err, NQM_PREDICT_BATCH * run->ev->dataset->n_directions);
     for (size_t first = 0; status == NQM_OK && first < run->n; first += NQM_PREDICT_BATCH) {
         size_t n = run->n - first < NQM_PREDICT_BATCH ? run->n - first : NQM_PREDICT_BATCH;
         job.pairs = run->pairs + first;
         nqm_parallel_for(n, pair_metrics, &job);
         status = tick(run, n, err);
     }
+    nqm_sum_plan_free(job.plan);
     nqm_free(job.used);
     return status;
 }

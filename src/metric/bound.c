@@ -70,12 +70,12 @@ bool nqm_bound_score(const nqm_model *model, double bound, double *jod, double *
     return true;
 }
 
-void nqm_bounded_interval(const nqm_model *model, double jod, const nqm_certainty *c, double *low, double *high) {
+void nqm_bounded_interval(const nqm_model *model, const nqm_prediction *p, double *low, double *high) {
     /* Labels see all directions, samples a few: a rounding that leaves the samples of a mirror equal changed its label by up to
      * 0.33 Delta-E (3,039 pairs of 100 references; 1.5 is JOD 9.98). */
     static const double unseen = 1.5;
-    const double least = isfinite(c->bound) ? nqm_curve_jod(&nqm_curve_published, c->bound + unseen) : 0;
-    nqm_model_interval(model, jod, c->novelty, c->spread, low, high);
+    const double least = isfinite(p->bound) ? nqm_curve_jod(&nqm_curve_published, p->bound + unseen) : 0;
+    nqm_model_interval(model, p->jod, p->novelty, p->spread, low, high);
     if (*low < least) /* false for NaN */
         *low = least;
 }

@@ -85,8 +85,7 @@ void nqm_compose_samples(const nqm_composer *c, size_t task, size_t first, size_
                                      c->x + c->stride * (first + begin + i));
         }
         if (needs_sums(c, with_metrics))
-            nqm_compare_sums_float(c->plan, run, pairs + begin, root, nqm_model_n_scalars(m) > 0,
-                                   c->sums + first + begin);
+            nqm_compare_sums(c->plan, run, pairs + begin, root, nqm_model_n_scalars(m) > 0, c->sums + first + begin);
     }
 }
 

@@ -16,7 +16,6 @@ struct nqm_gradients {
     nqm_transport transport; /* of the model; `light` NULL: none */
     nqm_composer *inputs;
     nqm_gradient_net *net; /* NULL: the model has no network */
-    nqm_gradient_work *work;
     size_t n_outputs;
     float *dx;              /* (max_batch, stride) gradient by the network's inputs */
     float *z, *dz;          /* (max_batch, n_outputs) */
@@ -52,9 +51,7 @@ nqm_status nqm_gradients_create(const nqm_model *model, size_t max_batch, nqm_gr
     }
     *g = made;
     if (has_network)
-        status = nqm_gradient_net_create(&model->params, 3 * model->directions->n, &g->net, err);
-    if (status == NQM_OK && g->net)
-        status = nqm_gradient_work_create(g->net, max_batch, &g->work, err);
+        status = nqm_gradient_net_create(&model->params, 3 * model->directions->n, max_batch, &g->net, err);
     if (status == NQM_OK)
         *gradients_ret = g;
     else
@@ -65,7 +62,6 @@ nqm_status nqm_gradients_create(const nqm_model *model, size_t max_batch, nqm_gr
 void nqm_gradients_free(nqm_gradients *g) {
     if (!g)
         return;
-    nqm_gradient_work_free(g->work);
     nqm_gradient_net_free(g->net);
     nqm_composer_free(g->inputs);
     nqm_free(g);
@@ -201,10 +197,10 @@ void nqm_gradients_run(nqm_gradients *g, nqm_score_quantity of, size_t n, const 
     const size_t n_tasks = nqm_ceil_div(n, job.n_at_once);
     nqm_parallel_for(n_tasks, compose, &job);
     if (g->net)
-        nqm_gradient_forward(g->work, n, g->inputs->x, g->z);
+        nqm_gradient_forward(g->net, n, g->inputs->x, g->z);
     for (size_t i = 0; i < n; ++i)
         conclude(&job, i);
     if (g->net)
-        nqm_gradient_backward(g->work, n, g->dz, g->dx);
+        nqm_gradient_backward(g->net, n, g->dz, g->dx);
     nqm_parallel_for(n_tasks, differentiate, &job);
 }

@@ -34,13 +34,6 @@ double nqm_transport_share(const nqm_transport *transport);
 /** Estimate the labels of n pairs, at most NQM_COMPARE_MAX. */
 void nqm_transport_estimates(const nqm_transport *transport, size_t n, const nqm_sample_pair *pairs,
                              nqm_label *estimates);
-/** The same for one pair. */
-static inline nqm_label nqm_transport_estimate(const nqm_transport *transport, const float *ref, const float *test,
-                                               const uint8_t *used) {
-    nqm_label label;
-    nqm_transport_estimates(transport, 1, &(nqm_sample_pair){ref, test, used}, &label);
-    return label;
-}
 
 /** What the gradient of an estimate needs of a pair, (3, n_points) each: ITP of both pictures on the display, in units of Delta-E, and
  *  the light of the test in cd/m2. Pairs that share a reference may share `ref`. */
@@ -64,28 +57,30 @@ void nqm_transport_light_gradient(const nqm_transport *transport, const nqm_labe
 void nqm_transport_gradient(const nqm_transport *transport, size_t n, const nqm_sample_pair *pairs,
                             const float *by_light, float *gradient);
 
-/** Compute the scalar features of one sampled pair; arguments as in nqm_metrics_compute(). transport: NULL or without a matrix if
- *  there is none. scalars (NQM_SCALAR_COUNT) are finite for finite f_r >= 0, and NaN when no direction counts. */
-void nqm_scalars_compute(const nqm_directions *directions, const nqm_transport *transport, const float *ref,
-                         const float *test, const uint8_t *used, double *scalars);
-
-/** Compute metrics (NQM_METRIC_COUNT) and scalar features (NQM_SCALAR_COUNT) of a pair in double; either may be NULL. estimate: by
- *  transport; NULL: none. */
-void nqm_compare_samples(const nqm_directions *directions, const nqm_sample_pair *pair, const nqm_label *estimate,
+/** What depends only on the directions in sums over them, for many pairs. The directions must outlive it. Any thread. */
+typedef struct nqm_sum_plan nqm_sum_plan;
+NQM_MUST_CHECK nqm_status nqm_sum_plan_create(const nqm_directions *directions, nqm_sum_plan **plan_ret,
+                                              nqm_error *err);
+void nqm_sum_plan_free(nqm_sum_plan *plan);
+/** Compute metrics (NQM_METRIC_COUNT) and scalar features (NQM_SCALAR_COUNT) of a pair; either may be NULL. estimate: by transport;
+ *  NULL: none. They are NaN when no direction counts, and scalars are finite otherwise. */
+void nqm_compare_samples(const nqm_sum_plan *plan, const nqm_sample_pair *pair, const nqm_label *estimate,
                          double *metrics, double *scalars);
+/** Estimate the label, if there is a matrix, and compute the scalar features. */
+void nqm_scalars_compute(const nqm_sum_plan *plan, const nqm_transport *transport, const nqm_sample_pair *pair,
+                         double *scalars);
 
 enum { NQM_PREDICT_BATCH = 512 };
 
-/** What receives predictions: (n) each unless a shape is given; all but `jod` may be NULL, and are not computed then. */
-typedef struct nqm_predictions {
-    double *jod;
-    double *delta_e;   /* NaN where the model has no curve */
-    double *metrics;   /* (n, NQM_METRIC_COUNT) */
-    double *novelty;   /* of nqm_model_novelty(); NaN: none */
-    double *spread;    /* of nqm_model_spread(); 0 without scalar features */
-    double *bound;     /* of nqm_delta_e_bound() */
-    nqm_label *labels; /* parts; NaN if the model predicts none */
-} nqm_predictions;
+/** What a model predicts of a pair, and what its interval depends on. */
+typedef struct nqm_prediction {
+    double jod;
+    double delta_e;  /* NaN where the model has no curve */
+    double novelty;  /* of nqm_model_novelty(); NaN: none */
+    double spread;   /* of nqm_model_spread(); 0 without scalar features */
+    double bound;    /* of nqm_delta_e_bound() */
+    nqm_label label; /* parts; NaN if the model predicts none */
+} nqm_prediction;
 
 /** Workspace for predictions, for one thread at a time. The model must outlive it. */
 typedef struct nqm_predictor nqm_predictor;
@@ -95,8 +90,9 @@ NQM_MUST_CHECK nqm_status nqm_predictor_create(const nqm_model *model, nqm_preci
                                                nqm_predictor **predictor_ret, nqm_error *err);
 void nqm_predictor_free(nqm_predictor *predictor);
 /** Predict n (at most max_batch) pairs. The prediction of a pair does not depend on the other pairs, and the Delta-E of models that
- *  predict it keeps to nqm_delta_e_bound(). */
-void nqm_predictor_run(nqm_predictor *predictor, size_t n, const nqm_sample_pair *pairs, const nqm_predictions *to);
+ *  predict it keeps to nqm_delta_e_bound(). metrics: (n, NQM_METRIC_COUNT); NULL: they are not computed. */
+void nqm_predictor_run(nqm_predictor *predictor, size_t n, const nqm_sample_pair *pairs, nqm_prediction *to,
+                       double *metrics);
 
 /** A bound on the Delta-E ITP of the pictures of two BRDFs whose samples hardly differ; INFINITY: no bound. It makes the
  *  scores of pairs certain that differ by rounding only, whatever the network says. */
@@ -106,14 +102,9 @@ double nqm_delta_e_bound(size_t n_directions, const nqm_sample_pair *pair);
 double nqm_delta_e_bound_slope(size_t n_directions, const nqm_sample_pair *pair, size_t *at_ret);
 /** Lower a predicted Delta-E to the bound, and set the JOD to match. Returns whether the bound was lower. */
 bool nqm_bound_score(const nqm_model *model, double bound, double *jod, double *delta_e);
-/** What the width of an interval depends on, as in nqm_predictions. */
-typedef struct nqm_certainty {
-    double novelty, spread, bound;
-} nqm_certainty;
 /** nqm_model_interval() with the lower end raised to the JOD at the bound plus 1.5 Delta-E, for what BRDFs do between the sampled
  *  directions. */
-void nqm_bounded_interval(const nqm_model *model, double jod, const nqm_certainty *certainty, double *low,
-                          double *high);
+void nqm_bounded_interval(const nqm_model *model, const nqm_prediction *prediction, double *low, double *high);
 
 /** Workspace for scores with gradients, for one thread at a time; in float, whatever the precision of scores: gradients are within
  *  1e-5 of their largest component. The model must outlive it. */

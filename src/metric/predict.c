@@ -54,7 +54,8 @@ void nqm_predictor_free(nqm_predictor *predictor) {
 typedef struct predict_job {
     nqm_predictor *predictor;
     const nqm_sample_pair *pairs;
-    const nqm_predictions *to;
+    nqm_prediction *to;
+    double *metrics;     /* NULL: not computed */
     size_t n, n_at_once; /* pairs, and those per task */
 } predict_job;
 
@@ -68,17 +69,17 @@ static void estimate(const predict_job *job, size_t first, size_t n) {
 static void finish(const predict_job *job, size_t first, size_t n) {
     const nqm_composer *c = job->predictor->inputs;
     const bool with_scalars = nqm_model_n_scalars(c->model) > 0;
-    double *novelty = job->to->novelty;
-    nqm_compose_scalars(c, first, n, job->to->metrics);
-    for (size_t i = first; novelty && i < first + n; ++i)
-        novelty[i] = with_scalars ? nqm_model_novelty(c->model, c->scalars + i * NQM_SCALAR_COUNT) : (double)NAN;
+    nqm_compose_scalars(c, first, n, job->metrics);
+    for (size_t i = first; i < first + n; ++i)
+        job->to[i].novelty =
+            with_scalars ? nqm_model_novelty(c->model, c->scalars + i * NQM_SCALAR_COUNT) : (double)NAN;
 }
 
 static void run_task(void *user, size_t task) {
     const predict_job *job = user;
     const size_t first = task * job->n_at_once, n = nqm_smaller(job->n_at_once, job->n - first);
     estimate(job, first, n);
-    nqm_compose_samples(job->predictor->inputs, task, first, n, job->pairs + first, job->to->metrics);
+    nqm_compose_samples(job->predictor->inputs, task, first, n, job->pairs + first, job->metrics);
     finish(job, first, n);
 }
 
@@ -88,13 +89,13 @@ static void run_half(void *user, size_t half) {
     if (half == 0)
         estimate(job, 0, 1);
     else
-        nqm_compose_samples(job->predictor->inputs, 0, 0, 1, job->pairs, job->to->metrics);
+        nqm_compose_samples(job->predictor->inputs, 0, 0, 1, job->pairs, job->metrics);
 }
 
 /* A single pair: two threads, if both have enough to do. */
 static void run_one(predict_job *job) {
     const nqm_model *m = job->predictor->model;
-    if (m->transport && (nqm_model_n_scalars(m) > 0 || job->to->metrics)) {
+    if (m->transport && (nqm_model_n_scalars(m) > 0 || job->metrics)) {
         nqm_parallel_for(2, run_half, job);
         finish(job, 0, 1);
     } else {
@@ -127,28 +128,22 @@ static double spread_of(const nqm_predictor *p, size_t i, double jod) {
 /* Convert the outputs of pair i. */
 static void conclude(const predict_job *job, size_t i) {
     const nqm_predictor *p = job->predictor;
-    const nqm_predictions *to = job->to;
+    nqm_prediction *to = &job->to[i];
     const float *z = p->z + i * nqm_model_n_outputs(p->model);
-    const double bound = p->inputs->bound[i], nan = (double)NAN;
+    const double nan = (double)NAN;
     const nqm_label *estimated = p->model->transport ? &p->inputs->estimate[i] : NULL;
-    double delta_e, jod = nqm_model_jod(p->model, (double)*z, estimated, &delta_e);
-    (void)nqm_bound_score(p->model, bound, &jod, &delta_e);
-    to->jod[i] = jod;
-    if (to->delta_e)
-        to->delta_e[i] = delta_e;
-    if (to->bound)
-        to->bound[i] = bound;
-    if (to->spread)
-        to->spread[i] = spread_of(p, i, jod);
-    if (to->labels)
-        to->labels[i] = nqm_model_has_parts(p->model) ? bounded_label(p->model, z, estimated, bound)
-                                                      : (nqm_label){nan, {nan, nan, nan}, nan, nan, 0};
+    to->bound = p->inputs->bound[i];
+    to->jod = nqm_model_jod(p->model, (double)*z, estimated, &to->delta_e);
+    (void)nqm_bound_score(p->model, to->bound, &to->jod, &to->delta_e);
+    to->spread = spread_of(p, i, to->jod);
+    to->label = nqm_model_has_parts(p->model) ? bounded_label(p->model, z, estimated, to->bound)
+                                              : (nqm_label){nan, {nan, nan, nan}, nan, nan, 0};
 }
 
-void nqm_predictor_run(nqm_predictor *p, size_t n, const nqm_sample_pair *pairs, const nqm_predictions *to) {
+void nqm_predictor_run(nqm_predictor *p, size_t n, const nqm_sample_pair *pairs, nqm_prediction *to, double *metrics) {
     if (n == 0)
         return;
-    predict_job job = {p, pairs, to, n, nqm_composer_task(p->inputs, n)};
+    predict_job job = {p, pairs, to, metrics, n, nqm_composer_task(p->inputs, n)};
     if (n == 1)
         run_one(&job);
     else

@@ -10,6 +10,31 @@
 #include <math.h>
 #include <string.h>
 
+/* ---- sums of reflectance ----------------------------------------------------------------------------------------- */
+
+nqm_light_ratio nqm_light_contrast(const nqm_light_sum *sum) {
+    double ratio[3], floor = NQM_DARK * sum->n;
+    if (!(sum->n > 0))
+        return (nqm_light_ratio){0};
+    for (int k = 0; k < 3; ++k)
+        ratio[k] = log((sum->test[k] + floor) / (sum->ref[k] + floor));
+    return (nqm_light_ratio){.l = log((nqm_luminance(sum->test) + floor) / (nqm_luminance(sum->ref) + floor)),
+                             .u = ratio[0] - ratio[1],
+                             .v = ratio[2] - 0.5 * (ratio[0] + ratio[1])};
+}
+
+nqm_light_sum nqm_lights_join(const nqm_light_sum *parts, size_t n) {
+    nqm_light_sum whole = {0};
+    for (size_t i = 0; i < n; ++i) {
+        whole.n += parts[i].n;
+        for (int k = 0; k < 3; ++k) {
+            whole.ref[k] += parts[i].ref[k];
+            whole.test[k] += parts[i].test[k];
+        }
+    }
+    return whole;
+}
+
 /* ---- from sums to features --------------------------------------------------------------------------------------- */
 
 /* Logarithm of a size >= 0, which resolves small differences. */
@@ -86,25 +111,28 @@ void nqm_compare_finish(const nqm_pair_sums *sums, const nqm_label *estimate, do
         finish_scalars(&sums->scalars, own, estimate, scalars);
 }
 
-void nqm_compare_samples(const nqm_directions *directions, const nqm_sample_pair *pair, const nqm_label *estimate,
+void nqm_compare_samples(const nqm_sum_plan *plan, const nqm_sample_pair *pair, const nqm_label *estimate,
                          double *metrics, double *scalars) {
     nqm_pair_sums sums;
-    nqm_compare_sums(directions, pair, scalars != NULL, &sums);
+    nqm_compare_sums(plan, 1, pair, NULL, scalars != NULL, &sums);
     nqm_compare_finish(&sums, estimate, metrics, scalars);
 }
 
-void nqm_metrics_compute(const nqm_directions *directions, const float *ref, const float *test, const uint8_t *used,
-                         double *metrics) {
-    assert(directions && ref && test && metrics);
-    nqm_compare_samples(directions, &(nqm_sample_pair){ref, test, used}, NULL, metrics, NULL);
+void nqm_scalars_compute(const nqm_sum_plan *plan, const nqm_transport *transport, const nqm_sample_pair *pair,
+                         double *scalars) {
+    nqm_label estimate;
+    if (transport->light)
+        nqm_transport_estimates(transport, 1, pair, &estimate);
+    nqm_compare_samples(plan, pair, transport->light ? &estimate : NULL, NULL, scalars);
 }
 
-void nqm_scalars_compute(const nqm_directions *directions, const nqm_transport *transport, const float *ref,
-                         const float *test, const uint8_t *used, double *scalars) {
-    const nqm_sample_pair pair = {ref, test, used};
-    nqm_label estimate;
-    const bool has_estimate = transport && transport->light;
-    if (has_estimate)
-        nqm_transport_estimates(transport, 1, &pair, &estimate);
-    nqm_compare_samples(directions, &pair, has_estimate ? &estimate : NULL, NULL, scalars);
+nqm_status nqm_metrics_compute(const nqm_directions *directions, const float *ref, const float *test,
+                               const uint8_t *used, double *metrics, nqm_error *err) {
+    NQM_REQUIRE(err, directions, ref, test, metrics);
+    nqm_sum_plan *plan;
+    const nqm_status status = nqm_sum_plan_create(directions, &plan, err);
+    if (status == NQM_OK)
+        nqm_compare_samples(plan, &(nqm_sample_pair){ref, test, used}, NULL, metrics, NULL);
+    nqm_sum_plan_free(plan);
+    return status;
 }

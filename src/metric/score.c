@@ -23,18 +23,17 @@ static const size_t not_counted = SIZE_MAX; /* n_unusual of the caller's samples
 struct nqm_scorer {
     const nqm_model *model;
     nqm_score_options options;
-    nqm_sample_cache *cache;  /* of nqm_scorer_run_named(), created by its first call */
-    nqm_predictor *predictor; /* for batches of at most `room` pairs */
-    nqm_gradients *gradients; /* of nqm_score_grad(), created by its first call */
-    size_t gradient_room;     /* its largest batch */
-    size_t room;              /* capacity of the arrays, pairs */
-    nqm_member *member;       /* (room, 2) reference and test of each pair of the block; owns all arrays */
-    size_t *place;            /* (room) index of each pair in the following arrays, which are grouped by reference */
-    nqm_sample_pair *pairs;   /* (room) for the predictor */
-    uint8_t *used;            /* (room, n_directions) of these */
-    double *jod, *delta_e, *novelty, *spread, *bound; /* (room) */
-    double *metrics;                                  /* (room, NQM_METRIC_COUNT) */
-    nqm_label *labels;                                /* (room) */
+    nqm_sample_cache *cache;     /* of nqm_scorer_run_named(), created by its first call */
+    nqm_predictor *predictor;    /* for batches of at most `room` pairs */
+    nqm_gradients *gradients;    /* of nqm_score_grad(), created by its first call */
+    size_t gradient_room;        /* its largest batch */
+    size_t room;                 /* capacity of the arrays, pairs */
+    nqm_member *member;          /* (room, 2) reference and test of each pair of the block; owns all arrays */
+    size_t *place;               /* (room) index of each pair in the following arrays, which are grouped by reference */
+    nqm_sample_pair *pairs;      /* (room) for the predictor */
+    uint8_t *used;               /* (room, n_directions) of these */
+    nqm_prediction *predictions; /* (room) */
+    double *metrics;             /* (room, NQM_METRIC_COUNT) */
     /* Of nqm_scorer_run() only: */
     bool has_samples;             /* it was called: rgb and flag have room for samples */
     float *rgb;                   /* (1 + room, n_directions, 3) samples of the reference and the tests */
@@ -82,10 +81,9 @@ static nqm_status reserve(nqm_scorer *s, size_t n_pairs, bool with_samples, nqm_
     s->room = 0;
     nqm_status status = nqm_alloc_arrays(
         NQM_ARRAYS({&s->member, n, 2 * sizeof *s->member}, {&s->place, n, sizeof *s->place},
-                   {&s->pairs, n, sizeof *s->pairs}, {&s->used, n, n_directions}, {&s->jod, n, sizeof *s->jod},
-                   {&s->delta_e, n, sizeof *s->delta_e}, {&s->novelty, n, sizeof *s->novelty},
-                   {&s->spread, n, sizeof *s->spread}, {&s->bound, n, sizeof *s->bound},
-                   {&s->metrics, n, NQM_METRIC_COUNT * sizeof *s->metrics}, {&s->labels, n, sizeof *s->labels},
+                   {&s->pairs, n, sizeof *s->pairs}, {&s->used, n, n_directions},
+                   {&s->predictions, n, sizeof *s->predictions},
+                   {&s->metrics, n, NQM_METRIC_COUNT * sizeof *s->metrics},
                    {&s->rgb, n_samples, 3 * n_directions * sizeof *s->rgb}, {&s->flag, n_samples, n_directions}),
         err);
     if (status == NQM_OK)
@@ -250,27 +248,26 @@ static void settle(void *user, size_t i) {
     const nqm_scorer *s = job->scorer;
     nqm_score_result *result = &job->results[i];
     const size_t place = s->place[i];
-    const double jod = s->jod[place], novelty = s->novelty[place];
+    const nqm_prediction *p = &s->predictions[place];
     if (result->status != NQM_OK)
         return;
-    if (!isfinite(jod)) {
+    if (!isfinite(p->jod)) {
         *result = no_score(NQM_ERR_NUMERIC);
         return;
     }
-    result->jod = jod;
-    result->delta_e = s->delta_e[place];
-    result->novelty = novelty;
-    result->parts = s->labels[place];
+    result->jod = p->jod;
+    result->delta_e = p->delta_e;
+    result->novelty = p->novelty;
+    result->parts = p->label;
     if (result->identical && nqm_model_has_parts(s->model))
         result->parts = (nqm_label){.delta_e = 0};
     result->similarity = nqm_label_similarity(&result->parts);
     if (s->options.metrics)
         memcpy(result->metrics, s->metrics + place * NQM_METRIC_COUNT, sizeof result->metrics);
-    nqm_bounded_interval(s->model, jod, &(nqm_certainty){novelty, s->spread[place], s->bound[place]}, &result->jod_low,
-                         &result->jod_high);
+    nqm_bounded_interval(s->model, p, &result->jod_low, &result->jod_high);
     if (result->identical && s->model->interval) /* equal BRDFs give equal images: the interval is exact */
         result->jod_low = result->jod_high = 10;
-    if (jod < suspicious_jod && s->member[2 * i].flag) /* the caller's samples are no file */
+    if (p->jod < suspicious_jod && s->member[2 * i].flag) /* the caller's samples are no file */
         nqm_suspect(s->model->directions, s->pairs[place].ref, s->pairs[place].test, result);
 }
 
@@ -282,14 +279,7 @@ static void score_block(nqm_scorer *s, size_t n, nqm_score_result *results) {
         compare(&job, 0);
     else
         nqm_parallel_for(n, compare, &job);
-    const nqm_predictions predictions = {.jod = s->jod,
-                                         .delta_e = s->delta_e,
-                                         .metrics = s->options.metrics ? s->metrics : NULL,
-                                         .novelty = s->novelty,
-                                         .spread = s->spread,
-                                         .bound = s->bound,
-                                         .labels = s->labels};
-    nqm_predictor_run(s->predictor, n, s->pairs, &predictions);
+    nqm_predictor_run(s->predictor, n, s->pairs, s->predictions, s->options.metrics ? s->metrics : NULL);
     if (n == 1)
         settle(&job, 0);
     else

@@ -6,7 +6,8 @@
 #ifndef NQM_SRC_METRIC_SUMS_H
 #define NQM_SRC_METRIC_SUMS_H
 
-#include "metric/scaled.h"
+#include "math/values.h"
+#include "metric/metric.h"
 
 #define NQM_SIZE_OFFSET       1e-3 /**< a feature that is a size x >= 0 is log(x + NQM_SIZE_OFFSET), finite at 0 */
 #define NQM_LOG_METRIC_OFFSET 1e-4 /**< the same for metrics */
@@ -15,6 +16,20 @@
  *  differ by rounding only would have most of the gradient, and any step along it would jump over their zeros. */
 #define NQM_SMALL_ROOT 3e-3
 #define NQM_SMALL_MEAN 5e-3
+
+/** Scales of reflectance f; c = cos(theta_i) cos(theta_o). */
+enum { NQM_SCALE_F, NQM_SCALE_CBRT_CF, NQM_SCALE_LOG1P_F, NQM_SCALE_LOG1P_CF, NQM_SCALE_LOG_F, NQM_SCALES };
+
+/** Sums over directions and channels: n, the number of values, and those of the magnitudes and squares of differences on each
+ *  scale. */
+typedef struct nqm_metric_sums {
+    double n, magnitudes[NQM_SCALES], squares[NQM_SCALES];
+} nqm_metric_sums;
+
+/** Compute metrics (NQM_METRIC_COUNT) from the sums. */
+void nqm_metric_sums_finish(const nqm_metric_sums *sums, double *metrics);
+/** The derivatives of sum weights_m metric_m by the sums (n > 0), 0 where they are infinite. weights: (NQM_METRIC_COUNT). */
+nqm_metric_sums nqm_metric_slopes(const nqm_metric_sums *sums, const double *weights);
 
 /** Zones of theta_h and theta_d. A cell is one zone of each; cells of a zone of theta_h are consecutive. */
 enum {
@@ -58,26 +73,18 @@ nqm_light_ratio nqm_light_contrast(const nqm_light_sum *sum);
 /** The sum of n parts. */
 nqm_light_sum nqm_lights_join(const nqm_light_sum *parts, size_t n);
 
-/** Compute the sums of a pair in double: the definition. Without scalars, sums->scalars are 0. */
-void nqm_compare_sums(const nqm_directions *directions, const nqm_sample_pair *pair, bool with_scalars,
-                      nqm_pair_sums *sums);
 /** Compute metrics (NQM_METRIC_COUNT) and scalar features (NQM_SCALAR_COUNT) from them; either may be NULL. estimate: by transport;
  *  NULL: none. */
 void nqm_compare_finish(const nqm_pair_sums *sums, const nqm_label *estimate, double *metrics, double *scalars);
 
-/** What depends only on the directions in the same sums in float, for many pairs. The directions must outlive it. */
-typedef struct nqm_sum_plan nqm_sum_plan;
-NQM_MUST_CHECK nqm_status nqm_sum_plan_create(const nqm_directions *directions, nqm_sum_plan **plan_ret,
-                                              nqm_error *err);
-void nqm_sum_plan_free(nqm_sum_plan *plan);
-/** Compute the sums (n) of nqm_compare_sums() several times as fast. They differ by rounding: JODs by less than 1e-4.
+/** Compute the sums (n) of pairs; samples above 1e15 count as 1e15. Without scalars, only sums->metrics and the peaks are set.
  *
  * @param n      at most NQM_COMPARE_MAX
  * @param pairs  (n) of one reference
- * @param roots  (1 + n, n_directions, 3) cube roots of the reference and the tests, from nqm_sample_logs()
+ * @param roots  (1 + n, n_directions, 3) cube roots of the reference and the tests, from nqm_sample_logs(); NULL: they are computed
  */
-void nqm_compare_sums_float(const nqm_sum_plan *plan, size_t n, const nqm_sample_pair *pairs, const float *roots,
-                            bool with_scalars, nqm_pair_sums *sums);
+void nqm_compare_sums(const nqm_sum_plan *plan, size_t n, const nqm_sample_pair *pairs, const float *roots,
+                      bool with_scalars, nqm_pair_sums *sums);
 
 /** The derivatives of weighted metrics (NQM_METRIC_COUNT) and scalar features (NQM_SCALAR_COUNT) by the sums of a pair; weights may
  *  be NULL: 0. Features from NQM_SCALAR_ESTIMATE are the caller's: their weights are ignored. */
@@ -88,7 +95,7 @@ typedef struct nqm_compared_pair {
     const nqm_sum_plan *plan;
     nqm_sample_pair pair;
     const float *ref_root, *test_root; /**< (n_directions, 3) cube roots */
-    const nqm_pair_sums *sums;         /**< from nqm_compare_sums_float() */
+    const nqm_pair_sums *sums;         /**< from nqm_compare_sums() */
 } nqm_compared_pair;
 /**
  * Add the derivatives of such weighted metrics and features by the samples of the test to gradient (n_directions, 3). Computed in
@@ -98,8 +105,7 @@ typedef struct nqm_compared_pair {
  * - a maximum: that of the first direction that attains it;
  * - the cube root of c f (c = cos(theta_i) cos(theta_o)): as if c f were at least NQM_CUBE_ROOT_FLOOR;
  * - test at 0: from the right.
- * They are 0 where a direction is not used, everywhere if none is, and for luminances from 1e15 on, of which float cannot sum the
- * squares.
+ * They are 0 where a direction is not used.
  */
 void nqm_compare_gradient(const nqm_compared_pair *compared, const double *metric_weights, const double *scalar_weights,
                           float *gradient);

@@ -15,15 +15,11 @@ typedef struct layer {
     nqm_panels forward, backward; /* W^T and W */
 } layer;
 
+/* Rows of max_batch. */
 struct nqm_gradient_net {
     const nqm_params *params;
     size_t n_ref, n_hidden;
     layer layer[NQM_NET_MAX_LAYERS];
-};
-
-/* Rows of max_batch. Views into the block that begins with this struct. */
-struct nqm_gradient_work {
-    const nqm_gradient_net *net;
     size_t n, stride; /* rows of the call; floats from row to row of y and dy */
     float *xhat[NQM_NET_MAX_LAYERS], *slope[NQM_NET_MAX_LAYERS], *rstd[NQM_NET_MAX_LAYERS];
     float *y, *dy;    /* outputs of a layer, and the gradient by them */
@@ -35,27 +31,45 @@ struct nqm_gradient_work {
 
 /* ---- creation ---------------------------------------------------------------------------------------------------- */
 
-nqm_status nqm_gradient_net_create(const nqm_params *params, size_t n_ref, nqm_gradient_net **net_ret, nqm_error *err) {
+static nqm_status pack(nqm_gradient_net *net, size_t l, nqm_error *err) {
+    layer *to = &net->layer[l];
+    nqm_status status = nqm_panels_create(NQM_PRECISION_F32, to->in, to->out, &to->forward, err);
+    if (status == NQM_OK)
+        status = nqm_panels_create(NQM_PRECISION_F32, to->out, to->in, &to->backward, err);
+    if (status != NQM_OK)
+        return status;
+    nqm_panels_pack(&to->forward, (nqm_weights){net->params->layer[l].w, net->params->layer[l].half, to->in});
+    nqm_panels_transpose(&to->forward, &to->backward);
+    return NQM_OK;
+}
+
+nqm_status nqm_gradient_net_create(const nqm_params *params, size_t n_ref, size_t max_batch, nqm_gradient_net **net_ret,
+                                   nqm_error *err) {
+    nqm_gradient_net *net, made = {.params = params, .n_ref = n_ref, .n_hidden = params->shape.n_layers - 1};
+    float *kept;
+    size_t widest = 0;
     *net_ret = NULL;
-    nqm_gradient_net *net = nqm_alloc(1, sizeof *net);
-    if (!net)
-        return nqm_fail_nomem(err, sizeof *net);
-    net->params = params;
-    net->n_ref = n_ref;
-    net->n_hidden = params->shape.n_layers - 1;
-    nqm_status status = NQM_OK;
-    for (size_t l = 0; status == NQM_OK && l < net->n_hidden; ++l) {
-        layer *to = &net->layer[l];
-        to->in = params->shape.sizes[l];
-        to->out = params->shape.sizes[l + 1];
-        status = nqm_panels_create(NQM_PRECISION_F32, to->in, to->out, &to->forward, err);
-        if (status == NQM_OK)
-            status = nqm_panels_create(NQM_PRECISION_F32, to->out, to->in, &to->backward, err);
-        if (status != NQM_OK)
-            break;
-        nqm_panels_pack(&to->forward, (nqm_weights){params->layer[l].w, params->layer[l].half, to->in});
-        nqm_panels_transpose(&to->forward, &to->backward);
+    for (size_t l = 0; l < made.n_hidden; ++l) {
+        made.layer[l] = (layer){.in = params->shape.sizes[l], .out = params->shape.sizes[l + 1]};
+        widest = nqm_larger(widest, made.layer[l].out);
     }
+    made.stride = nqm_row_stride(widest);
+    const size_t row = made.stride * sizeof *kept, n_rows = made.n_hidden * max_batch;
+    nqm_status status =
+        nqm_alloc_arrays(NQM_ARRAYS({&net, 1, sizeof *net}, {&made.y, max_batch, row}, {&made.dy, max_batch, row},
+                                    {&made.discarded, max_batch, row}, {&made.ref, n_ref, sizeof *made.ref},
+                                    {&made.partial, 1, row}, {&kept, n_rows, 2 * row + sizeof *kept}),
+                         err);
+    if (status != NQM_OK)
+        return status;
+    for (size_t l = 0; l < made.n_hidden; ++l) {
+        made.xhat[l] = kept + 2 * l * max_batch * made.stride;
+        made.slope[l] = made.xhat[l] + max_batch * made.stride;
+        made.rstd[l] = kept + 2 * n_rows * made.stride + l * max_batch;
+    }
+    *net = made;
+    for (size_t l = 0; status == NQM_OK && l < net->n_hidden; ++l)
+        status = pack(net, l, err);
     if (status == NQM_OK)
         *net_ret = net;
     else
@@ -71,51 +85,20 @@ void nqm_gradient_net_free(nqm_gradient_net *net) {
     nqm_free(net);
 }
 
-nqm_status nqm_gradient_work_create(const nqm_gradient_net *net, size_t max_batch, nqm_gradient_work **work_ret,
-                                    nqm_error *err) {
-    size_t widest = 0;
-    nqm_gradient_work *work;
-    float *y, *dy, *discarded, *kept, *ref, *partial;
-    *work_ret = NULL;
-    for (size_t l = 0; l < net->n_hidden; ++l)
-        widest = nqm_larger(widest, net->layer[l].out);
-    const size_t stride = nqm_row_stride(widest), row = stride * sizeof *y;
-    nqm_status status =
-        nqm_alloc_arrays(NQM_ARRAYS({&work, 1, sizeof *work}, {&y, max_batch, row}, {&dy, max_batch, row},
-                                    {&discarded, max_batch, row}, {&ref, net->n_ref, sizeof *ref}, {&partial, 1, row},
-                                    {&kept, net->n_hidden * max_batch, 2 * row + sizeof *kept}),
-                         err);
-    if (status != NQM_OK)
-        return status;
-    *work = (nqm_gradient_work){
-        .net = net, .stride = stride, .y = y, .dy = dy, .discarded = discarded, .ref = ref, .partial = partial};
-    for (size_t l = 0; l < net->n_hidden; ++l) {
-        work->xhat[l] = kept + 2 * l * max_batch * stride;
-        work->slope[l] = work->xhat[l] + max_batch * stride;
-        work->rstd[l] = kept + 2 * net->n_hidden * max_batch * stride + l * max_batch;
-    }
-    *work_ret = work;
-    return NQM_OK;
-}
-
-void nqm_gradient_work_free(nqm_gradient_work *work) {
-    nqm_free(work);
-}
-
 /* ---- passes ------------------------------------------------------------------------------------------------------ */
 
 /* A hidden layer of all rows. */
 typedef struct layer_job {
-    nqm_gradient_work *work;
+    nqm_gradient_net *net;
     size_t l;
 } layer_job;
 
 static void hidden_rows(void *user, size_t piece) {
     const layer_job *job = user;
-    const nqm_gradient_work *w = job->work;
-    const nqm_layer *p = &w->net->params->layer[job->l];
+    const nqm_gradient_net *w = job->net;
+    const nqm_layer *p = &w->params->layer[job->l];
     for (size_t i = piece * ROWS; i < w->n && i < (piece + 1) * ROWS; ++i)
-        nqm_kernels_get()->hidden_row(&(nqm_hidden_row){.n = w->net->layer[job->l].out,
+        nqm_kernels_get()->hidden_row(&(nqm_hidden_row){.n = w->layer[job->l].out,
                                                         .bias = p->b,
                                                         .gamma = p->gamma,
                                                         .beta = p->beta,
@@ -127,11 +110,11 @@ static void hidden_rows(void *user, size_t piece) {
 
 static void hidden_rows_back(void *user, size_t piece) {
     const layer_job *job = user;
-    const nqm_gradient_work *w = job->work;
+    const nqm_gradient_net *w = job->net;
     for (size_t i = piece * ROWS; i < w->n && i < (piece + 1) * ROWS; ++i) {
         float *discarded = w->discarded + i * w->stride;
-        nqm_kernels_get()->hidden_row_back(&(nqm_hidden_row_back){.n = w->net->layer[job->l].out,
-                                                                  .gamma = w->net->params->layer[job->l].gamma,
+        nqm_kernels_get()->hidden_row_back(&(nqm_hidden_row_back){.n = w->layer[job->l].out,
+                                                                  .gamma = w->params->layer[job->l].gamma,
                                                                   .xhat = w->xhat[job->l] + i * w->stride,
                                                                   .slope = w->slope[job->l] + i * w->stride,
                                                                   .rstd = w->rstd[job->l][i],
@@ -162,9 +145,9 @@ static nqm_panels panels_from(nqm_panels panels, size_t first) {
 }
 
 /* The product of layer 0. A fit scores one pair at a time, always with the same reference, and reading weights takes most of its time. */
-static void multiply_inputs(nqm_gradient_work *w, size_t n, const float *x) {
-    const layer *first = &w->net->layer[0];
-    const size_t n_ref = w->net->n_ref, ldx = nqm_row_stride(first->in);
+static void multiply_inputs(nqm_gradient_net *w, size_t n, const float *x) {
+    const layer *first = &w->layer[0];
+    const size_t n_ref = w->n_ref, ldx = nqm_row_stride(first->in);
     const nqm_panels ref = rows_of(first->forward, 0, n_ref), rest = rows_of(first->forward, n_ref, first->in - n_ref);
     if (n > 1) {
         nqm_multiply(&ref, n, x, ldx, false, w->xhat[0], w->stride);
@@ -179,17 +162,16 @@ static void multiply_inputs(nqm_gradient_work *w, size_t n, const float *x) {
     nqm_multiply(&rest, n, x + n_ref, ldx, true, w->xhat[0], w->stride);
 }
 
-void nqm_gradient_forward(nqm_gradient_work *w, size_t n, const float *x, float *z) {
-    const nqm_gradient_net *net = w->net;
-    const nqm_layer *output = &net->params->layer[net->n_hidden];
-    const size_t n_last = net->layer[net->n_hidden - 1].out, n_outputs = net->params->shape.sizes[net->n_hidden + 1];
+void nqm_gradient_forward(nqm_gradient_net *w, size_t n, const float *x, float *z) {
+    const nqm_layer *output = &w->params->layer[w->n_hidden];
+    const size_t n_last = w->layer[w->n_hidden - 1].out, n_outputs = w->params->shape.sizes[w->n_hidden + 1];
     w->n = n;
-    for (size_t l = 0; l < net->n_hidden; ++l) {
+    for (size_t l = 0; l < w->n_hidden; ++l) {
         layer_job job = {w, l};
         if (l == 0)
             multiply_inputs(w, n, x);
         else
-            nqm_multiply(&net->layer[l].forward, n, w->y, w->stride, false, w->xhat[l], w->stride);
+            nqm_multiply(&w->layer[l].forward, n, w->y, w->stride, false, w->xhat[l], w->stride);
         nqm_parallel_for(n_pieces(n), hidden_rows, &job);
     }
     for (size_t i = 0; i < n * n_outputs; ++i) {
@@ -198,26 +180,25 @@ void nqm_gradient_forward(nqm_gradient_work *w, size_t n, const float *x, float 
     }
 }
 
-void nqm_gradient_backward(nqm_gradient_work *w, size_t n, const float *dz, float *dx) {
-    const nqm_gradient_net *net = w->net;
-    const nqm_layer *output = &net->params->layer[net->n_hidden];
-    const size_t n_last = net->layer[net->n_hidden - 1].out, n_outputs = net->params->shape.sizes[net->n_hidden + 1];
+void nqm_gradient_backward(nqm_gradient_net *w, size_t n, const float *dz, float *dx) {
+    const nqm_layer *output = &w->params->layer[w->n_hidden];
+    const size_t n_last = w->layer[w->n_hidden - 1].out, n_outputs = w->params->shape.sizes[w->n_hidden + 1];
     for (size_t i = 0; i < n; ++i) {
         float *dy = memset(w->dy + i * w->stride, 0, n_last * sizeof *dy);
         for (size_t o = 0; o < n_outputs; ++o)
             for (size_t k = 0; k < n_last; ++k)
                 dy[k] += dz[i * n_outputs + o] * output->w[o * n_last + k];
     }
-    for (size_t l = net->n_hidden; l-- > 0;) {
+    for (size_t l = w->n_hidden; l-- > 0;) {
         layer_job job = {w, l};
         nqm_parallel_for(n_pieces(n), hidden_rows_back, &job);
         if (l == 0) {
-            const size_t first = net->n_ref / NQM_PANEL; /* panels before hold columns of the reference only */
-            const nqm_panels needed = panels_from(net->layer[0].backward, first);
-            nqm_multiply(&needed, n, w->dy, w->stride, false, dx + first * NQM_PANEL, nqm_row_stride(net->layer[0].in));
+            const size_t first = w->n_ref / NQM_PANEL; /* panels before hold columns of the reference only */
+            const nqm_panels needed = panels_from(w->layer[0].backward, first);
+            nqm_multiply(&needed, n, w->dy, w->stride, false, dx + first * NQM_PANEL, nqm_row_stride(w->layer[0].in));
         } else {
             float *below = w->y;
-            nqm_multiply(&net->layer[l].backward, n, w->dy, w->stride, false, below, w->stride);
+            nqm_multiply(&w->layer[l].backward, n, w->dy, w->stride, false, below, w->stride);
             w->y = w->dy;
             w->dy = below;
         }

@@ -104,19 +104,6 @@ void nqm_sample_logs(size_t n, const float *rho, float *roots, float *t) {
     sample_log_stretch(n - i, rho + i, roots + i, t + i);
 }
 
-NQM_FOR_EACH_VECTOR_WIDTH
-void nqm_sample_cube_roots(size_t n, const double *x, double *root) {
-#pragma omp simd
-    for (size_t i = 0; i < n; ++i) {
-        double a = x[i] < 1e-30 ? 1e-30 : x[i] > 1e37 ? 1e37 : x[i];
-        double r = (double)rough_cube_root((float)a);
-        r = CUBE_ROOT_STEP(r, a);
-        r = CUBE_ROOT_STEP(r, a);
-        r = CUBE_ROOT_STEP(r, a);
-        root[i] = x[i] < 1e-30 ? 0.0 : r;
-    }
-}
-
 /* n <= NQM_WHITEN_PERIOD; inlined with the constant NQM_WHITEN_PERIOD, it needs no loop. */
 INLINE void whiten_stretch(size_t n, const float *mean, const float *scale, const float *t, float *x) {
 #pragma omp simd
@@ -139,41 +126,6 @@ void nqm_sample_differences(size_t n, float s, const float *a, const float *b, f
         float d = b[i] - a[i];
         difference[i] = s * d;
         magnitude[i] = s * fabsf(d);
-    }
-}
-
-/* For u = 1 + x = 2^k m, m in [sqrt(1/2), sqrt(2)): log(u) = k log(2) + 2 artanh((m - 1) / (m + 1)). `lost` is the rounding
- * error of u. */
-NQM_FOR_EACH_VECTOR_WIDTH
-void nqm_sample_log_1p(size_t n, const double *x, double *y) {
-    const uint64_t sqrt_half = 0x3fe6a09e667f3bcd, one = 0x3ff0000000000000, exponent = 0xfff0000000000000;
-    const uint64_t magic = 0x4330000000000000; /* 2^52 + i has the integer i in its low bits */
-    const double ln2_high = 0x1.62e42fefa3800p-1, ln2_low = 0x1.ef35793c76730p-45;
-#pragma omp simd
-    for (size_t i = 0; i < n; ++i) {
-        double u = 1.0 + x[i], lost = x[i] - (u - 1.0), m, biased;
-        uint64_t bits, shifted, power;
-        memcpy(&bits, &u, sizeof bits);
-        shifted = bits + (one - sqrt_half);
-        power = (shifted >> 52) | magic;
-        bits -= (shifted & exponent) - one;
-        memcpy(&m, &bits, sizeof m);
-        memcpy(&biased, &power, sizeof biased);
-        double k = biased - (0x1p52 + 1023.0);
-        double s = (m - 1.0) / (m + 1.0), z = s * s;
-        double p = 1.0 / 23;
-        p = p * z + 1.0 / 21;
-        p = p * z + 1.0 / 19;
-        p = p * z + 1.0 / 17;
-        p = p * z + 1.0 / 15;
-        p = p * z + 1.0 / 13;
-        p = p * z + 1.0 / 11;
-        p = p * z + 1.0 / 9;
-        p = p * z + 1.0 / 7;
-        p = p * z + 1.0 / 5;
-        p = p * z + 1.0 / 3;
-        double low = 2.0 * s * (z * p) + k * ln2_low + (u >= 1.5 ? 0.0 : lost);
-        y[i] = k * ln2_high + (2.0 * s + low);
     }
 }
 

@@ -31,10 +31,6 @@ void nqm_sample_dots(size_t n, const float *x, size_t n_y, const float *y, size_
 enum { NQM_WHITEN_PERIOD = 48 };
 /** x = (t - mean) scale for n floats; x may be t. mean and scale are (NQM_WHITEN_PERIOD) and repeat. */
 void nqm_sample_whiten(size_t n, const float *mean, const float *scale, const float *t, float *x);
-/** The cube root of n doubles, within 1e-15 relative; 0 below 1e-30, the value at 1e37 above 1e37. */
-void nqm_sample_cube_roots(size_t n, const double *x, double *root);
-/** y = log(1 + x) for n finite doubles x > -1, within 4e-16 absolute or relative, whichever is more. */
-void nqm_sample_log_1p(size_t n, const double *x, double *y);
 
 /** Points side by side in a block of nqm_sample_nearest(). */
 enum { NQM_POINTS = 16 };

@@ -131,20 +131,20 @@ static nqm_status check_new(const nqm_model *model, const nqm_dataset *dataset, 
 
 /* Predictions and labels of the validation pairs. */
 static nqm_status predict_validation(const nqm_model *model, const nqm_dataset *d, nqm_residuals *r, nqm_error *err) {
-    double *jod = nqm_alloc(d->n_pairs, sizeof *jod);
+    nqm_prediction *to = nqm_alloc(d->n_pairs, sizeof *to);
     nqm_status status = nqm_residuals_create(d, d->n_pairs, r, err);
-    if (status == NQM_OK && !jod)
-        status = nqm_fail_nomem(err, d->n_pairs * sizeof *jod);
+    if (status == NQM_OK && !to)
+        status = nqm_fail_nomem(err, d->n_pairs * sizeof *to);
     for (size_t i = 0; status == NQM_OK && i < d->n_pairs; ++i)
         if (nqm_dataset_pair_split(d, i) == NQM_SPLIT_VALIDATION)
             nqm_residuals_add(r, d, i, 0);
-    const nqm_dataset_prediction p = {.dataset = d, .model = model, .n = r->n, .pairs = r->pairs, .jod = jod};
+    const nqm_dataset_prediction p = {.dataset = d, .model = model, .n = r->n, .pairs = r->pairs, .to = to};
     if (status == NQM_OK)
         status = r->n ? nqm_dataset_predict(&p, err)
                       : nqm_fail(err, NQM_ERR_INCOMPATIBLE, -1, "the dataset has no validation pairs");
     for (size_t k = 0; status == NQM_OK && k < r->n; ++k)
-        r->predicted[k] = jod[r->pairs[k]];
-    nqm_free(jod);
+        r->predicted[k] = to[r->pairs[k]].jod;
+    nqm_free(to);
     return status;
 }
 

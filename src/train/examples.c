@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: MIT
  *
- * Converts rows to inputs of the network: keeps transformed samples in memory, computes whitening and target
+ * Converts rows to inputs of the network: keeps transformed samples in memory, computes whitening, scalar features and target
  * normalisation from the training examples, and gathers batches, with scaled copies computed on the fly. Random numbers
  * are functions of (seed, stream, example), so that the result does not depend on the order or the number of threads.
  */
+#include "metric/metric.h"
 #include "sample/loops.h"
 #include "train/train.h"
 
@@ -92,8 +93,11 @@ static void find_unscaled(const nqm_examples *e, const nqm_row *row, const float
     *test_t = row->copy ? *ref_t + n : e->test_t + row->pair * n;
 }
 
-const uint8_t *nqm_examples_at(const nqm_examples *e, size_t i, size_t slot, float *scratch, const float **ref_t,
-                               const float **test_t) {
+/* The transformed samples of example i: training examples without scaling, their scaled copies, validation examples. `slot` (below
+ * max_batch) is the row of used_scratch that the calling thread may write to; scratch (2, n_directions, 3) receives a scaled copy.
+ * Returns the mask of used directions; NULL: all are used. */
+static const uint8_t *find_samples(const nqm_examples *e, size_t i, size_t slot, float *scratch, const float **ref_t,
+                                   const float **test_t) {
     const size_t n = n_columns(e), row = row_of(e, i);
     const uint32_t pair = e->rows.row[row].pair;
     find_unscaled(e, &e->rows.row[row], ref_t, test_t);
@@ -107,22 +111,33 @@ const uint8_t *nqm_examples_at(const nqm_examples *e, size_t i, size_t slot, flo
         *ref_t = scratch;
         *test_t = scratch + n;
     }
-    return nqm_dataset_pair_used(e->dataset, pair, e->used_scratch + slot * e->dataset->n_directions);
+    return nqm_dataset_samples(e->dataset, pair, e->used_scratch + slot * e->dataset->n_directions).used;
 }
+
+/* Examples or pairs from `first` on, at most max_batch. */
+typedef struct piece {
+    const nqm_examples *e;
+    const nqm_sum_plan *plan;
+    size_t first;
+    double *out; /* of all */
+} piece;
+
+/* Call `work` for each of n examples or pairs, on all threads. */
+static void for_each(const nqm_examples *e, size_t n, void (*work)(void *user, size_t i), const nqm_sum_plan *plan,
+                     double *out) {
+    for (piece p = {e, plan, 0, out}; p.first < n; p.first += e->max_batch)
+        nqm_parallel_for(nqm_smaller(n - p.first, e->max_batch), work, &p);
+}
+
 /* ---- whitening --------------------------------------------------------------------------------------------------- */
 
-typedef struct moment_job {
-    const nqm_examples *e;
-    size_t first;
-    double *sums; /* (max_batch, 9) per channel: count, sum, sum of squares */
-} moment_job;
-
+/* out: (9) of each example: count, sum, sum of squares of each channel. */
 static void row_moments(void *user, size_t r) {
-    const moment_job *job = user;
-    const nqm_examples *e = job->e;
+    const piece *p = user;
+    const nqm_examples *e = p->e;
     const float *ref_t, *test_t;
-    const uint8_t *used = nqm_examples_at(e, job->first + r, r, e->scratch + r * 2 * n_columns(e), &ref_t, &test_t);
-    double *sums = memset(job->sums + 9 * r, 0, 9 * sizeof(double));
+    const uint8_t *used = find_samples(e, p->first + r, r, e->scratch + r * 2 * n_columns(e), &ref_t, &test_t);
+    double *sums = p->out + 9 * (p->first + r);
     for (size_t k = 0; k < n_columns(e); ++k) {
         if (used && !used[k / 3])
             continue;
@@ -135,17 +150,12 @@ static void row_moments(void *user, size_t r) {
 
 /* Mean and standard deviation (divisor n - 1, as torch.std) of the references of all training examples. */
 static nqm_status find_whitening(nqm_examples *e, nqm_error *err) {
-    double total[9] = {0};
-    double *sums = nqm_alloc(e->max_batch, 9 * sizeof *sums);
+    double total[9] = {0}, *sums = nqm_alloc(e->n_train, 9 * sizeof *sums);
     if (!sums)
-        return nqm_fail_nomem(err, e->max_batch * 9 * sizeof *sums);
-    for (size_t first = 0; first < e->n_train; first += e->max_batch) {
-        size_t n = nqm_smaller(e->n_train - first, e->max_batch);
-        moment_job job = {e, first, sums};
-        nqm_parallel_for(n, row_moments, &job);
-        for (size_t i = 0; i < n * 9; ++i)
-            total[i % 9] += sums[i];
-    }
+        return nqm_fail_nomem(err, e->n_train * 9 * sizeof *sums);
+    for_each(e, e->n_train, row_moments, NULL, sums);
+    for (size_t i = 0; i < e->n_train * 9; ++i)
+        total[i % 9] += sums[i];
     nqm_free(sums);
     if (e->options->input.whitening == NQM_WHITEN_SCALAR)
         for (size_t i = 0; i < 3; ++i)
@@ -160,6 +170,68 @@ static nqm_status find_whitening(nqm_examples *e, nqm_error *err) {
         e->features.std[k] = (float)sqrt(variance);
     }
     return NQM_OK;
+}
+
+/* ---- estimates and scalar features ------------------------------------------------------------------------------- */
+
+static void estimate_pair(void *user, size_t r) {
+    const piece *p = user;
+    const nqm_dataset *d = p->e->dataset;
+    const nqm_transport transport = nqm_dataset_transport(d);
+    const nqm_sample_pair samples = nqm_dataset_samples(d, p->first + r, p->e->used_scratch + r * d->n_directions);
+    nqm_transport_estimates(&transport, 1, &samples, &p->e->estimate[p->first + r]);
+}
+
+/* The transformed samples are converted back to f_r, so that the features of a copy match the samples that the network receives
+ * with them. */
+static void example_scalars(void *user, size_t r) {
+    const piece *p = user;
+    const nqm_examples *e = p->e;
+    const size_t i = p->first + r, n = n_columns(e);
+    float *rho = e->scratch + r * 2 * n;
+    const float *ref_t, *test_t;
+    const uint8_t *used = find_samples(e, i, r, rho, &ref_t, &test_t);
+    nqm_features_restore(n, ref_t, rho);
+    nqm_features_restore(n, test_t, rho + n);
+    /* only if the model gets it: predictions must compute the same features */
+    const nqm_transport transport = e->estimate ? nqm_dataset_transport(e->dataset) : (nqm_transport){0};
+    nqm_scalars_compute(p->plan, &transport, &(nqm_sample_pair){rho, rho + n, used}, p->out + i * NQM_SCALAR_COUNT);
+}
+
+/* Mean and standard deviation over the training examples. A constant feature gets the standard deviation 1, so that its
+ * whitened value is 0. */
+static void find_moments(nqm_examples *e, const double *scalars) {
+    double n = (double)e->n_train;
+    (void)!nqm_scalars_select(NULL, &e->scalar_whitening, NULL); /* all: cannot fail */
+    for (size_t k = 0; k < NQM_SCALAR_COUNT; ++k) {
+        double sum = 0, squares = 0;
+        for (size_t i = 0; i < e->n_train; ++i)
+            sum += scalars[i * NQM_SCALAR_COUNT + k];
+        for (size_t i = 0; i < e->n_train; ++i)
+            squares += pow(scalars[i * NQM_SCALAR_COUNT + k] - sum / n, 2);
+        double std = sqrt(squares / n);
+        e->scalar_whitening.mean[k] = (float)(sum / n);
+        e->scalar_whitening.std[k] = std > 1e-6 ? (float)std : 1;
+    }
+}
+
+static nqm_status find_scalars(nqm_examples *e, nqm_error *err) {
+    const size_t n = e->n_train + e->rows.n_validation;
+    nqm_sum_plan *plan;
+    double *scalars = nqm_alloc(n, NQM_SCALAR_COUNT * sizeof *scalars);
+    nqm_status status = nqm_sum_plan_create(e->dataset->directions, &plan, err);
+    if (status == NQM_OK && !scalars)
+        status = nqm_fail_nomem(err, n * NQM_SCALAR_COUNT * sizeof *scalars);
+    if (status == NQM_OK) {
+        for_each(e, n, example_scalars, plan, scalars);
+        find_moments(e, scalars);
+        e->scalar_whitening.scale = e->options->input.scalar_scale;
+        for (size_t i = 0; i < n; ++i)
+            nqm_scalars_whiten(&e->scalar_whitening, scalars + i * NQM_SCALAR_COUNT, e->scalars + i * NQM_SCALAR_COUNT);
+    }
+    nqm_sum_plan_free(plan);
+    nqm_free(scalars);
+    return status;
 }
 
 /* ---- targets ----------------------------------------------------------------------------------------------------- */
@@ -245,10 +317,10 @@ nqm_status nqm_examples_create(const nqm_dataset *d, const nqm_train_options *o,
         if (!o->input.transport || !d->transport)
             e->estimate = NULL;
         else
-            nqm_examples_estimate(e);
+            for_each(e, d->n_pairs, estimate_pair, NULL, NULL);
     }
     if (status == NQM_OK && o->input.scalars)
-        status = nqm_examples_find_scalars(e, err);
+        status = find_scalars(e, err);
     for (size_t output = 0; status == NQM_OK && output < e->n_outputs; ++output)
         status = find_targets(e, output, err);
     if (status != NQM_OK)
@@ -268,7 +340,8 @@ typedef struct gather_job {
     const nqm_examples *e;
     const size_t *index; /* NULL: consecutive examples from `first` */
     size_t first, n;
-    const nqm_batch_inputs *to;
+    nqm_trainer *trainer;
+    float *target;
 } gather_job;
 
 static size_t example_of(const gather_job *job, size_t r) {
@@ -294,19 +367,19 @@ static void gather_row(const gather_job *job, size_t r) {
     const nqm_examples *e = job->e;
     const size_t i = example_of(job, r);
     const float *ref_t, *test_t;
-    float *x = job->to->row(job->to->user, r); /* also the buffer of a scaled copy: compose works in place */
-    const uint8_t *used = nqm_examples_at(e, i, r, x, &ref_t, &test_t);
+    float *x = nqm_trainer_input(job->trainer, r); /* also the buffer of a scaled copy: compose works in place */
+    const uint8_t *used = find_samples(e, i, r, x, &ref_t, &test_t);
     nqm_features_compose(&e->features, e->dataset->n_directions, ref_t, test_t, used, x);
     if (e->options->input.scalars)
         memcpy(x + e->samples_width, e->scalars + i * NQM_SCALAR_COUNT, NQM_SCALAR_COUNT * sizeof *x);
-    float *target = job->to->target + r * e->n_outputs;
+    float *target = job->target + r * e->n_outputs;
     memcpy(target, e->target + row_of(e, i) * e->n_outputs, e->n_outputs * sizeof *target);
     for (size_t output = 1; output < e->n_outputs && output <= N_SIGNED_PARTS; ++output)
         if (e->options->augmentation.swap && is_second_copy(e, i))
             target[output] = -target[output] - (float)(2 * e->output[output].mean / e->output[output].std);
 }
 
-/* Rows per task. Even, so that the same thread processes both rows of a rows_done() call: their results may share cache
+/* Rows per task. Even, so that the same thread processes both rows of a pair: their results may share cache
  * lines. */
 enum { ROWS_AT_ONCE = 8 };
 
@@ -317,17 +390,13 @@ static void gather_rows(void *user, size_t i) {
         if (r + 1 < end)
             prefetch_row(job, r + 1);
         gather_row(job, r);
-        if (job->to->rows_done && (r % 2 || r + 1 == end))
-            job->to->rows_done(job->to->user, r / 2 * 2, 1 + r % 2);
+        if (r % 2 || r + 1 == end)
+            nqm_trainer_inputs_done(job->trainer, r / 2 * 2, 1 + r % 2);
     }
 }
 
-void nqm_examples_gather(const nqm_examples *e, size_t n, const size_t *index, const nqm_batch_inputs *to) {
-    gather_job job = {.e = e, .index = index, .n = n, .to = to};
-    nqm_parallel_for((n + ROWS_AT_ONCE - 1) / ROWS_AT_ONCE, gather_rows, &job);
-}
-
-void nqm_examples_gather_validation(const nqm_examples *e, size_t first, size_t n, const nqm_batch_inputs *to) {
-    gather_job job = {.e = e, .first = e->n_train + first, .n = n, .to = to};
-    nqm_parallel_for((n + ROWS_AT_ONCE - 1) / ROWS_AT_ONCE, gather_rows, &job);
+void nqm_examples_gather(const nqm_examples *e, size_t n, const size_t *index, size_t first, nqm_trainer *trainer,
+                         float *target) {
+    gather_job job = {e, index, e->n_train + first, n, trainer, target};
+    nqm_parallel_for(nqm_ceil_div(n, ROWS_AT_ONCE), gather_rows, &job);
 }

@@ -16,6 +16,7 @@
 
 typedef struct scalar_job {
     const nqm_dataset *dataset;
+    nqm_sum_plan *plan;
     nqm_transport transport; /* the model's: its features must be those that predictions compute */
     size_t first;
     const size_t *pairs;
@@ -27,11 +28,10 @@ enum { SCALAR_BATCH = 256 };
 
 static void pair_scalars(void *user, size_t r) {
     const scalar_job *job = user;
-    const nqm_dataset *d = job->dataset;
-    size_t i = job->first + r, pair = job->pairs[i], n = 3 * d->n_directions;
-    const uint8_t *used = nqm_dataset_pair_used(d, pair, job->used + r * d->n_directions);
-    nqm_scalars_compute(d->directions, &job->transport, d->ref_rgb + d->pair_ref[pair] * n, d->test_rgb + pair * n,
-                        used, job->scalars + i * NQM_SCALAR_COUNT);
+    const size_t i = job->first + r;
+    const nqm_sample_pair samples =
+        nqm_dataset_samples(job->dataset, job->pairs[i], job->used + r * job->dataset->n_directions);
+    nqm_scalars_compute(job->plan, &job->transport, &samples, job->scalars + i * NQM_SCALAR_COUNT);
 }
 
 /* Compute the scalar features of pairs (n) for a model. Free *scalars_ret with nqm_free(). */
@@ -41,8 +41,11 @@ static nqm_status find_scalars(const struct nqm_model *model, const nqm_dataset 
     nqm_status status = nqm_alloc_arrays(NQM_ARRAYS({&job.scalars, n, NQM_SCALAR_COUNT * sizeof *job.scalars},
                                                     {&job.used, SCALAR_BATCH, d->n_directions}),
                                          err);
+    if (status == NQM_OK)
+        status = nqm_sum_plan_create(d->directions, &job.plan, err);
     for (; status == NQM_OK && job.first < n; job.first += SCALAR_BATCH)
         nqm_parallel_for(nqm_smaller(n - job.first, SCALAR_BATCH), pair_scalars, &job);
+    nqm_sum_plan_free(job.plan);
     *scalars_ret = job.scalars;
     return status;
 }

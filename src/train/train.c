@@ -7,7 +7,6 @@
 #include "io/options_json.h"
 #include "math/math.h"
 #include "metric/metric.h"
-#include "net/trainer.h"
 #include "percept/percept.h"
 #include "train/calibrate.h"
 
@@ -89,18 +88,6 @@ static void shuffle(run *r) {
     nqm_rng_shuffle(&rng, r->examples.n_train, r->order);
 }
 
-static float *input_row(void *trainer, size_t i) {
-    return nqm_trainer_input(trainer, i);
-}
-
-static void inputs_done(void *trainer, size_t first, size_t n) {
-    nqm_trainer_inputs_done(trainer, first, n);
-}
-
-static nqm_batch_inputs inputs_of(const run *r) {
-    return (nqm_batch_inputs){.row = input_row, .rows_done = inputs_done, .user = r->trainer, .target = r->target};
-}
-
 /* One optimiser step on n examples; returns their mean loss before the step. */
 static double step(run *r, size_t n, const size_t *index) {
     const nqm_train_options *o = r->options;
@@ -110,8 +97,7 @@ static double step(run *r, size_t n, const size_t *index) {
                                   .lr_deeper = r->state.lr_deeper,
                                   .weight_decay = o->optimiser.weight_decay,
                                   .freeze_first_layernorm = o->network.freeze_first_layernorm != 0};
-    const nqm_batch_inputs to = inputs_of(r);
-    nqm_examples_gather(&r->examples, n, index, &to);
+    nqm_examples_gather(&r->examples, n, index, 0, r->trainer, r->target);
     nqm_trainer_forward(r->trainer, n, &dropout, r->z);
     double loss = nqm_logcosh_loss(n, r->examples.n_outputs, r->bounds, r->z, r->target, r->dz);
     nqm_trainer_step(r->trainer, n, r->dz, &rates);
@@ -144,10 +130,9 @@ static nqm_status train_epoch(run *r, double *loss_ret, nqm_error *err) {
 static double validate(run *r, float *z_ret) {
     size_t n_validation = r->examples.rows.n_validation, batch = r->options->optimiser.batch;
     double sum = 0;
-    const nqm_batch_inputs to = inputs_of(r);
     for (size_t first = 0; first < n_validation; first += batch) {
         size_t n = nqm_smaller(n_validation - first, batch);
-        nqm_examples_gather_validation(&r->examples, first, n, &to);
+        nqm_examples_gather(&r->examples, n, NULL, first, r->trainer, r->target);
         nqm_trainer_forward(r->trainer, n, NULL, r->z);
         sum += (double)n * nqm_logcosh_loss(n, r->examples.n_outputs, r->bounds, r->z, r->target, NULL);
         if (z_ret)

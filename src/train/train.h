@@ -8,6 +8,7 @@
 #include "base/options.h"
 #include "data/data.h"
 #include "model/model.h"
+#include "net/trainer.h"
 #include <jansson.h>
 #include <nqm/train.h>
 
@@ -88,34 +89,10 @@ typedef struct nqm_examples {
 NQM_MUST_CHECK nqm_status nqm_examples_create(const nqm_dataset *dataset, const nqm_train_options *options,
                                               size_t max_batch, nqm_examples *examples_ret, nqm_error *err);
 void nqm_examples_free(nqm_examples *examples);
-/** Destination of a batch. */
-typedef struct nqm_batch_inputs {
-    float *(*row)(void *user, size_t i); /* returns the buffer (width) for row i, which the calling thread fills */
-    /* Called by the thread that has filled rows first and, if n is 2, first + 1. `first` is even. NULL: not called. */
-    void (*rows_done)(void *user, size_t first, size_t n);
-    void *user;
-    float *target; /* (n, n_outputs) */
-} nqm_batch_inputs;
-
-/** Gather inputs and targets of the training examples index[0..n), n <= max_batch. */
-void nqm_examples_gather(const nqm_examples *examples, size_t n, const size_t *index, const nqm_batch_inputs *to);
-/** The same for the validation examples [first, first + n). */
-void nqm_examples_gather_validation(const nqm_examples *examples, size_t first, size_t n, const nqm_batch_inputs *to);
-
-/**
- * Get the transformed samples of example i, in the order of `scalars`: training examples without scaling, their scaled
- * copies, validation examples.
- *
- * @param slot     below max_batch: the row of used_scratch that the calling thread may write to
- * @param scratch  (2, n_directions, 3) receives the samples of a scaled copy
- * @return the mask of used directions; NULL: all are used
- */
-const uint8_t *nqm_examples_at(const nqm_examples *examples, size_t i, size_t slot, float *scratch, const float **ref_t,
-                               const float **test_t);
-/** Compute `estimate` (example_scalars.c). */
-void nqm_examples_estimate(nqm_examples *examples);
-/** Compute `scalars` and their whitening, for options with scalars (example_scalars.c). */
-NQM_MUST_CHECK nqm_status nqm_examples_find_scalars(nqm_examples *examples, nqm_error *err);
+/** Gather the inputs of n <= max_batch examples into a trainer, and their targets (n, n_outputs): of the training examples index[0..n),
+ *  or, if that is NULL, of the validation examples [first, first + n). */
+void nqm_examples_gather(const nqm_examples *examples, size_t n, const size_t *index, size_t first,
+                         nqm_trainer *trainer, float *target);
 
 /* ---- the state of a training, and its file (checkpoint.c) -------------------------------------------------------- */
 

@@ -297,6 +297,6 @@ MUTATIONS = [
     ("src/brdf/formats/listed.c", "n_nodes / 4 <= n / 3;", "n_nodes / 4 <= n;", "test_brdf_listed"),
     ("src/brdf/formats/listed.c", "return !l->has_pairs || (row->at[0] > 0 && row->at[1] > 0);", "return !l->has_pairs || row->at[1] > 0;", "test_brdf_listed"),
     ("src/metric/suspicion.c", "with_cosine[1] < 0.2 * slack * plain[1]", "with_cosine[1] < 0 * slack * plain[1]", "cli.sample_directions"),
-    ("src/metric/score.c", "if (jod < suspicious_jod && s->member[2 * i].flag)", "if (jod < suspicious_jod && !s->member[2 * i].flag)", "cli.sample_directions"),
+    ("src/metric/score.c", "if (p->jod < suspicious_jod && s->member[2 * i].flag)", "if (p->jod < suspicious_jod && !s->member[2 * i].flag)", "cli.sample_directions"),
     ("tools/nqm/score/batch_output.c", "if (!has_journal) { /* a run that finishes", "if (has_journal) { /* a run that finishes", "cli.batch_mpirun"),
 ]

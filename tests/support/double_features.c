@@ -3,13 +3,13 @@
  * The features are written here once more, from the table of doc/training.md.
  */
 #include "support/double_features.h"
-#include "metric/scaled.h"
+#include "metric/sums.h"
 #include "support/check.h"
 
 #include <math.h>
 #include <string.h>
 
-enum { N = DOUBLE_N, N_VALUES = DOUBLE_VALUES };
+enum { N = DOUBLE_N, MOST = 320 };
 
 nqm_directions *directions;
 
@@ -71,7 +71,7 @@ static double size(double x) {
 /* Weighted mean of abs(x)^power, 0 for no direction. */
 static double mean_power(const double *weight, const double *x, double power) {
     double sum = 0, n = 0;
-    for (size_t i = 0; i < N; ++i) {
+    for (size_t i = 0; i < directions->n; ++i) {
         sum += weight[i] * pow(fabs(x[i]), power);
         n += weight[i];
     }
@@ -80,7 +80,7 @@ static double mean_power(const double *weight, const double *x, double power) {
 
 static double mean(const double *weight, const double *x) {
     double sum = 0, n = 0;
-    for (size_t i = 0; i < N; ++i) {
+    for (size_t i = 0; i < directions->n; ++i) {
         sum += weight[i] * x[i];
         n += weight[i];
     }
@@ -89,8 +89,8 @@ static double mean(const double *weight, const double *x) {
 
 /* Log ratio of the weighted means of `of` . f_r. */
 static double ratio(const double *weight, const double *of, const double *f, const double *g) {
-    double a[N], b[N];
-    for (size_t i = 0; i < N; ++i) {
+    double a[MOST], b[MOST];
+    for (size_t i = 0; i < directions->n; ++i) {
         a[i] = dot(of, f + 3 * i);
         b[i] = dot(of, g + 3 * i);
     }
@@ -111,7 +111,7 @@ static void opponents_of_ratio(const double *weight, const double *f, const doub
 
 static void metrics_of(const double *f, const double *g, const uint8_t *used, double *metrics) {
     double sum[NQM_METRIC_COUNT] = {0}, n = 0;
-    for (size_t i = 0; i < N_VALUES; ++i) {
+    for (size_t i = 0; i < 3 * directions->n; ++i) {
         if (!used[i / 3])
             continue;
         const double c = directions->cosines[i / 3], a = f[i], b = g[i];
@@ -127,7 +127,7 @@ static void metrics_of(const double *f, const double *g, const uint8_t *used, do
 
 /* Weights of the directions with theta_h and theta_d in a range. */
 static void select_directions(const uint8_t *used, const double *h, const double *d, double *weight) {
-    for (size_t i = 0; i < N; ++i) {
+    for (size_t i = 0; i < directions->n; ++i) {
         const double *at = directions->degrees + 3 * i;
         weight[i] = used[i] && at[0] >= h[0] && at[0] < h[1] && at[1] >= d[0] && at[1] < d[1];
     }
@@ -135,7 +135,7 @@ static void select_directions(const uint8_t *used, const double *h, const double
 
 static void zones_of(const double *f, const double *g, const uint8_t *used, const double *l, double *x) {
     static const double h[] = {0, 2, 5, 15, 35, 91}, d[] = {0, 30, 60, 91}, all[] = {0, 91};
-    double weight[N], n_all = 0, l2 = 0, uv2 = 0;
+    double weight[MOST], n_all = 0, l2 = 0, uv2 = 0;
     for (size_t z = 0; z < 5; ++z) {
         select_directions(used, h + z, all, weight);
         x[NQM_SCALAR_ZONE_BIAS + z] = ratio(weight, luminance_of, f, g);
@@ -143,7 +143,7 @@ static void zones_of(const double *f, const double *g, const uint8_t *used, cons
         for (size_t y = 0; y < 3; ++y) {
             double n = 0, u, v;
             select_directions(used, h + z, d + y, weight);
-            for (size_t i = 0; i < N; ++i)
+            for (size_t i = 0; i < directions->n; ++i)
                 n += weight[i];
             opponents_of_ratio(weight, f, g, &u, &v);
             l2 += n * pow(ratio(weight, luminance_of, f, g), 2);
@@ -160,8 +160,8 @@ static void zones_of(const double *f, const double *g, const uint8_t *used, cons
 }
 
 static void reference_of(const double *f, const double *weight, const double *cosines, double *x) {
-    double log_y[N], y[N], chroma[N], peak = 0, u, v;
-    for (size_t i = 0; i < N; ++i) {
+    double log_y[MOST], y[MOST], chroma[MOST], peak = 0, u, v;
+    for (size_t i = 0; i < directions->n; ++i) {
         y[i] = dot(luminance_of, f + 3 * i);
         log_y[i] = log(y[i] + dark);
         opponents((const double[]){log(f[3 * i] + dark), log(f[3 * i + 1] + dark), log(f[3 * i + 2] + dark)}, &u, &v);
@@ -177,9 +177,9 @@ static void reference_of(const double *f, const double *weight, const double *co
 }
 
 void features_of(const double *f, const double *g, const uint8_t *used, double *x) {
-    double weight[N], grazing[N], cosines[N], l[N], of_l[N], d2[N], u[N], v[N], chroma[N];
+    double weight[MOST], grazing[MOST], cosines[MOST], l[MOST], of_l[MOST], d2[MOST], u[MOST], v[MOST], chroma[MOST];
     double metrics[NQM_METRIC_COUNT], largest = 0, peak[2] = {0}, energy_u, energy_v;
-    for (size_t i = 0; i < N; ++i) {
+    for (size_t i = 0; i < directions->n; ++i) {
         double d[3];
         for (size_t k = 0; k < 3; ++k)
             d[k] = log(g[3 * i + k] + dark) - log(f[3 * i + k] + dark);
@@ -199,7 +199,7 @@ void features_of(const double *f, const double *g, const uint8_t *used, double *
     for (size_t m = 0; m < NQM_METRIC_COUNT; ++m)
         x[m] = log(metrics[m] + 0.0001);
     const double bias = mean(weight, l);
-    for (size_t i = 0; i < N; ++i)
+    for (size_t i = 0; i < directions->n; ++i)
         of_l[i] = l[i] - bias;
     x[NQM_SCALAR_RMS] = size(sqrt(mean(weight, d2)));
     x[NQM_SCALAR_MAX] = size(largest);
@@ -221,6 +221,6 @@ void features_of(const double *f, const double *g, const uint8_t *used, double *
 }
 
 void to_double(const float *from, double *to) {
-    for (size_t i = 0; i < N_VALUES; ++i)
+    for (size_t i = 0; i < 3 * directions->n; ++i)
         to[i] = (double)from[i];
 }

@@ -8,7 +8,7 @@
 
 #include "metric/metric.h"
 
-/** More than two stretches (metric/scaled.h), the last one incomplete. */
+/** More than a stretch (metric/sums.c), the last one incomplete. */
 enum { DOUBLE_N = 150, DOUBLE_VALUES = 3 * DOUBLE_N };
 
 /** Of all pairs here. Group fixtures of cmocka. */
@@ -27,7 +27,7 @@ gradient_pair make_pair(uint64_t seed, double strength, size_t largest);
 /** In [0, 1). */
 double random_unit(uint64_t *seed);
 
-/** Features before NQM_SCALAR_ESTIMATE of samples f (reference) and g (DOUBLE_VALUES); x (NQM_SCALAR_ESTIMATE). */
+/** Features before NQM_SCALAR_ESTIMATE of samples f (reference) and g (directions->n, 3), n <= 320; x (NQM_SCALAR_ESTIMATE). */
 void features_of(const double *f, const double *g, const uint8_t *used, double *x);
 void to_double(const float *from, double *to);
 

@@ -14,8 +14,6 @@ static const sample_loops chosen = {
     .sums = nqm_sample_sums,
     .dots = nqm_sample_dots,
     .whiten = nqm_sample_whiten,
-    .cube_roots = nqm_sample_cube_roots,
-    .log_1p = nqm_sample_log_1p,
     .nearest = nqm_sample_nearest,
 };
 

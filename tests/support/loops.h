@@ -18,8 +18,6 @@ typedef struct sample_loops {
     void (*sums)(size_t n, const float *x, float *magnitudes, float *squares);
     void (*dots)(size_t n, const float *x, size_t n_y, const float *y, size_t stride, float *sums);
     void (*whiten)(size_t n, const float *mean, const float *scale, const float *t, float *x);
-    void (*cube_roots)(size_t n, const double *x, double *root);
-    void (*log_1p)(size_t n, const double *x, double *y);
     float (*nearest)(size_t n, size_t n_blocks, const float *points, const float *y);
 } sample_loops;
 extern const sample_loops loops_plain, loops_avx2, loops_avx512;

@@ -15,8 +15,6 @@
 #define nqm_sample_sums             OF_WIDTH(nqm_sample_sums)
 #define nqm_sample_dots             OF_WIDTH(nqm_sample_dots)
 #define nqm_sample_whiten           OF_WIDTH(nqm_sample_whiten)
-#define nqm_sample_cube_roots       OF_WIDTH(nqm_sample_cube_roots)
-#define nqm_sample_log_1p           OF_WIDTH(nqm_sample_log_1p)
 #define nqm_sample_nearest          OF_WIDTH(nqm_sample_nearest)
 
 #include "sample/loops.c"
@@ -30,7 +28,5 @@ const sample_loops OF_WIDTH(loops) = {
     .sums = nqm_sample_sums,
     .dots = nqm_sample_dots,
     .whiten = nqm_sample_whiten,
-    .cube_roots = nqm_sample_cube_roots,
-    .log_1p = nqm_sample_log_1p,
     .nearest = nqm_sample_nearest,
 };

@@ -1,10 +1,11 @@
 /* SPDX-License-Identifier: MIT
  *
- * Computes the JOD of pairs that a test has sampled itself.
+ * JOD, scalar features and estimate of pairs that a test has sampled itself.
  */
 #ifndef NQM_TEST_PREDICT_H
 #define NQM_TEST_PREDICT_H
 
+#include "metric/metric.h"
 #include "support/check.h"
 
 #include <nqm/metric.h>
@@ -27,6 +28,23 @@ static inline void predict_jod(const nqm_model *model, size_t n, const float *re
     nqm_scorer_free(scorer);
     free(pairs);
     free(results);
+}
+
+static inline nqm_label transport_estimate(const nqm_transport *transport, const float *ref, const float *test,
+                                           const uint8_t *used) {
+    nqm_label label;
+    nqm_transport_estimates(transport, 1, &(nqm_sample_pair){ref, test, used}, &label);
+    return label;
+}
+
+/** The scalar features of a pair; transport: NULL if there is none. */
+static inline void compute_scalars(const nqm_directions *at, const nqm_transport *transport, const float *ref,
+                                   const float *test, const uint8_t *used, double *scalars) {
+    const nqm_transport none = {0};
+    nqm_sum_plan *plan;
+    assert_int_equal(nqm_sum_plan_create(at, &plan, NULL), NQM_OK);
+    nqm_scalars_compute(plan, transport ? transport : &none, &(nqm_sample_pair){ref, test, used}, scalars);
+    nqm_sum_plan_free(plan);
 }
 
 #endif

@@ -2,6 +2,7 @@
 #include "support/toy_dataset.h"
 #include "math/math.h"
 #include "metric/metric.h"
+#include "support/predict.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -92,7 +93,7 @@ static void fill_parts(nqm_dataset *d, nqm_rng *rng) {
     const nqm_transport transport = nqm_dataset_transport(d);
     for (size_t p = 0; p < d->n_pairs; ++p) {
         const nqm_label label =
-            nqm_transport_estimate(&transport, d->ref_rgb + d->pair_ref[p] * n, d->test_rgb + p * n, NULL);
+            transport_estimate(&transport, d->ref_rgb + d->pair_ref[p] * n, d->test_rgb + p * n, NULL);
         nqm_label_get_parts(&label, d->parts + p * NQM_LABEL_PARTS);
         d->delta_e_error[p] = 0.01 * label.delta_e;
     }

@@ -4,10 +4,10 @@
  * hand, and invalid files are refused with the row.
  */
 #include "data/human.h"
+#include "judge/judge.h"
 #include "math/math.h"
 #include "support/check.h"
 #include "support/corpus_files.h"
-#include "judge/judge.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -82,7 +82,7 @@ static void scores_become_a_dataset(void **state) {
         double metrics[NQM_METRIC_COUNT];
         sample(p.ref, ref);
         sample(p.test, test);
-        nqm_metrics_compute(directions, ref, test, NULL, metrics);
+        assert_int_equal(nqm_metrics_compute(directions, ref, test, NULL, metrics, NULL), NQM_OK);
         for (size_t m = 0; m < NQM_METRIC_COUNT; ++m)
             assert_near(nqm_evaluation_values(ev, m)[pair], metrics[m], 0);
         assert_string_equal(p.group, strcmp(p.ref, "sgd:nickel") == 0 ? "metal" : "grey");

@@ -72,7 +72,7 @@ static void values_are_those_of_the_metrics(void **state) {
     assert_int_equal(nqm_directions_create(NULL, 0, NULL, &directions, NULL), NQM_OK);
     assert_int_equal(nqm_sample(ref, directions, NQM_INVALID_DROP, rgb[0], NULL, NULL, NULL), NQM_OK);
     assert_int_equal(nqm_sample(test, directions, NQM_INVALID_DROP, rgb[1], NULL, NULL, NULL), NQM_OK);
-    nqm_metrics_compute(directions, rgb[0], rgb[1], NULL, metrics);
+    assert_int_equal(nqm_metrics_compute(directions, rgb[0], rgb[1], NULL, metrics, NULL), NQM_OK);
     double wi[3 * 500], wo[3 * 500], ref_rgb[3 * 500];
     for (size_t i = 0; i < 500; ++i) {
         double hd[3];

@@ -275,9 +275,9 @@ static void predictions_are_those_of_single_pairs(void **state) {
     for (size_t pair = 0; pair < d->n_pairs; ++pair) {
         const float *ref = d->ref_rgb + d->pair_ref[pair] * n, *test = d->test_rgb + pair * n;
         double metrics[NQM_METRIC_COUNT], jod;
-        nqm_metrics_compute(d->directions, ref, test, NULL, metrics);
+        assert_int_equal(nqm_metrics_compute(d->directions, ref, test, NULL, metrics, NULL), NQM_OK);
         double scalars[NQM_SCALAR_COUNT];
-        nqm_scalars_compute(d->directions, NULL, ref, test, NULL, scalars);
+        compute_scalars(d->directions, NULL, ref, test, NULL, scalars);
         bool in_test = nqm_dataset_get_pair(d, pair).split == NQM_SPLIT_TEST;
         for (size_t i = 0; i < 2 + NQM_METRIC_COUNT; ++i) {
             double value = nqm_evaluation_values(ev, i)[pair];

@@ -7,6 +7,7 @@
 #include "math/math.h"
 #include "metric/metric.h"
 #include "support/check.h"
+#include "support/predict.h"
 #include "support/toy_dataset.h"
 #include "support/training.h"
 
@@ -158,8 +159,8 @@ static void estimate_is_a_predictor(void **state) {
     for (size_t i = 0; i < dataset->n_pairs; ++i) {
         const bool in_test = nqm_dataset_pair_split(dataset, i) == NQM_SPLIT_TEST;
         const nqm_label *label = &nqm_evaluation_labels(evaluation, estimate)[i];
-        const nqm_label expected = nqm_transport_estimate(&transport, dataset->ref_rgb + dataset->pair_ref[i] * n,
-                                                          dataset->test_rgb + i * n, NULL);
+        const nqm_label expected = transport_estimate(&transport, dataset->ref_rgb + dataset->pair_ref[i] * n,
+                                                      dataset->test_rgb + i * n, NULL);
         assert_true(isnan(label->structure) == !in_test);
         assert_true(isnan(nqm_evaluation_labels(evaluation, 0)[i].structure) == !in_test);
         if (in_test) {

@@ -7,6 +7,7 @@
 #include "metric/metric.h"
 #include "sample/node_grid.h"
 #include "support/check.h"
+#include "support/predict.h"
 #include "support/scenes.h"
 
 #include <math.h>
@@ -89,8 +90,7 @@ static double error_of(const char *spec) {
 /* The estimated label of a pair against the label of the same points. */
 static void check_label(const char *ref, const char *test, double tolerance) {
     float *a = sample(ref), *b = sample(test);
-    const nqm_label label = label_specs(f.scene, ref, test),
-                    estimate = nqm_transport_estimate(&f.transport, a, b, NULL);
+    const nqm_label label = label_specs(f.scene, ref, test), estimate = transport_estimate(&f.transport, a, b, NULL);
     assert_relative(estimate.delta_e, label.delta_e, tolerance);
     assert_near(estimate.shift[0], label.shift[0], tolerance * label.delta_e);
     nqm_free(a);

@@ -6,6 +6,7 @@
 #include "metric/sums.h"
 #include "support/check.h"
 #include "support/metrics_pair.h"
+#include "support/predict.h"
 
 #include <float.h>
 #include <math.h>
@@ -16,15 +17,15 @@ enum { N = METRICS_PAIR_N };
 static void against_numpy(void **state) {
     (void)state;
     double all[NQM_SCALAR_COUNT], kept[NQM_SCALAR_COUNT];
-    nqm_scalars_compute(pair.directions, NULL, pair.ref, pair.test, NULL, all);
-    nqm_scalars_compute(pair.directions, NULL, pair.ref, pair.test, pair.used, kept);
+    compute_scalars(pair.directions, NULL, pair.ref, pair.test, NULL, all);
+    compute_scalars(pair.directions, NULL, pair.ref, pair.test, pair.used, kept);
     nqm_csv *csv;
     assert_int_equal(nqm_csv_load(test_vector("scalars_expected.csv"), &csv, NULL), NQM_OK);
     assert_int_equal(nqm_csv_rows(csv), NQM_SCALAR_COUNT);
     for (size_t row = 0; row < NQM_SCALAR_COUNT; ++row) {
         assert_string_equal(nqm_csv_text(csv, row, 0), nqm_scalar_name(row));
-        check_near(all[row], csv_number(csv, row, 1), 1e-6, nqm_scalar_name(row), __FILE__, __LINE__);
-        check_near(kept[row], csv_number(csv, row, 2), 1e-6, nqm_scalar_name(row), __FILE__, __LINE__);
+        check_near(all[row], csv_number(csv, row, 1), 1e-5, nqm_scalar_name(row), __FILE__, __LINE__);
+        check_near(kept[row], csv_number(csv, row, 2), 1e-5, nqm_scalar_name(row), __FILE__, __LINE__);
     }
     nqm_csv_free(csv);
     assert_null(nqm_scalar_name(NQM_SCALAR_COUNT));
@@ -34,7 +35,7 @@ static void against_numpy(void **state) {
 static void equal_members(void **state) {
     (void)state;
     double same[NQM_SCALAR_COUNT];
-    nqm_scalars_compute(pair.directions, NULL, pair.ref, pair.ref, NULL, same);
+    compute_scalars(pair.directions, NULL, pair.ref, pair.ref, NULL, same);
     for (size_t i = 0; i < NQM_SCALAR_REF_LEVEL; ++i)
         assert_true(same[i] == 0 || same[i] == log(1e-3) || same[i] == log(1e-4));
 }
@@ -72,7 +73,7 @@ static void no_direction_and_extremes(void **state) {
     (void)state;
     double scalars[NQM_SCALAR_COUNT];
     const uint8_t none[N] = {0};
-    nqm_scalars_compute(pair.directions, NULL, pair.ref, pair.test, none, scalars);
+    compute_scalars(pair.directions, NULL, pair.ref, pair.test, none, scalars);
     for (size_t i = 0; i < NQM_SCALAR_COUNT; ++i)
         assert_true(isnan(scalars[i]));
     const float black[3 * N] = {0};
@@ -81,7 +82,7 @@ static void no_direction_and_extremes(void **state) {
         bright[i] = FLT_MAX;
     const float *const members[] = {black, bright};
     for (size_t k = 0; k < 4; ++k) {
-        nqm_scalars_compute(pair.directions, NULL, members[k / 2], members[k % 2], NULL, scalars);
+        compute_scalars(pair.directions, NULL, members[k / 2], members[k % 2], NULL, scalars);
         for (size_t i = 0; i < NQM_SCALAR_COUNT; ++i)
             if (!isfinite(scalars[i]))
                 fail_msg("%s of %zu is %g", nqm_scalar_name(i), k, scalars[i]);

@@ -164,7 +164,7 @@ static void test_chain(void **state) {
             assert_int_equal(result.identical, 0);
             assert_int_equal(result.n_valid, N);
             double metrics[NQM_METRIC_COUNT];
-            nqm_metrics_compute(directions, ref, test, NULL, metrics);
+            assert_int_equal(nqm_metrics_compute(directions, ref, test, NULL, metrics, NULL), NQM_OK);
             check_metrics(result.metrics, metrics);
             nqm_model_free(model);
         }
@@ -214,7 +214,7 @@ static void test_policies(void **state) {
             used[i] = policy != NQM_INVALID_DROP || flag[i] == NQM_VALUE_OK;
         assert_near(result.jod, expected_jod(model, ref, test, used), 2e-5);
         double metrics[NQM_METRIC_COUNT];
-        nqm_metrics_compute(directions, ref, test, used, metrics);
+        assert_int_equal(nqm_metrics_compute(directions, ref, test, used, metrics, NULL), NQM_OK);
         check_metrics(result.metrics, metrics);
     }
     nqm_model_free(model);

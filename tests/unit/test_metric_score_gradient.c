@@ -9,6 +9,7 @@
 #include "support/double_features.h"
 #include "support/double_network.h"
 #include "support/double_transport.h"
+#include "support/predict.h"
 
 #include <math.h>
 #include <omp.h>
@@ -37,7 +38,7 @@ static void set_whitening(nqm_model *m) {
     const gradient_pair p = make_pair(1, 0.2, 40);
     double scalars[N_SCALARS];
     const nqm_transport t = nqm_model_transport(m);
-    nqm_scalars_compute(directions, &t, p.ref, p.test, p.used, scalars);
+    compute_scalars(directions, &t, p.ref, p.test, p.used, scalars);
     for (size_t i = 0; i < N_SCALARS; ++i) {
         m->scalars.mean[i] = (float)(scalars[i] - 0.3 * ((double)(i % 7) - 3) - (i % 11 == 5 ? 20 : 0));
         m->scalars.std[i] = 1 + 0.1f * (float)(i % 5);

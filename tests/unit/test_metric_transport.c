@@ -6,6 +6,7 @@
 #include "kernel/kernel.h"
 #include "metric/metric.h"
 #include "support/check.h"
+#include "support/predict.h"
 #include "support/tiny_model.h"
 
 #include <float.h>
@@ -48,7 +49,7 @@ static int read_vectors(void **state) {
 }
 
 static nqm_label estimate(const float *ref, const float *test, const uint8_t *mask) {
-    return nqm_transport_estimate(&transport, ref, test, mask);
+    return transport_estimate(&transport, ref, test, mask);
 }
 
 /* ---- against NumPy ----------------------------------------------------------------------------------------------- */
@@ -166,7 +167,7 @@ static void predictions_give_the_same_bits(void **state) {
     nqm_rng rng = nqm_rng_make(5, 0);
     static float samples[2 * N_PAIRS * 3 * N_DIRECTIONS];
     nqm_sample_pair pairs[N_PAIRS];
-    double expected[N_PAIRS], jod[N_PAIRS];
+    nqm_prediction expected[N_PAIRS], got[N_PAIRS];
     static double expected_metrics[N_PAIRS * NQM_METRIC_COUNT], metrics[N_PAIRS * NQM_METRIC_COUNT];
     assert_int_equal(make_tiny_model(N_DIRECTIONS, &model, NULL), NQM_OK);
     static float random[N_DIRECTIONS * 3 * POINTS];
@@ -181,16 +182,14 @@ static void predictions_give_the_same_bits(void **state) {
             (nqm_sample_pair){samples + i / 4 * 3 * N_DIRECTIONS, samples + (N_PAIRS + i) * 3 * N_DIRECTIONS, NULL};
     assert_int_equal(nqm_predictor_create(model, NQM_PRECISION_F32, N_PAIRS, &predictor, NULL), NQM_OK);
     for (size_t i = 0; i < N_PAIRS; ++i)
-        nqm_predictor_run(predictor, 1, pairs + i,
-                          &(nqm_predictions){.jod = expected + i, .metrics = expected_metrics + i * NQM_METRIC_COUNT});
+        nqm_predictor_run(predictor, 1, pairs + i, expected + i, expected_metrics + i * NQM_METRIC_COUNT);
     for (int n_threads = 1; n_threads <= 2; ++n_threads) {
         omp_set_num_threads(n_threads);
         for (size_t cut = 1; cut <= N_PAIRS; cut = 2 * cut + 1) {
             for (size_t first = 0; first < N_PAIRS; first += cut)
-                nqm_predictor_run(
-                    predictor, nqm_smaller(cut, N_PAIRS - first), pairs + first,
-                    &(nqm_predictions){.jod = jod + first, .metrics = metrics + first * NQM_METRIC_COUNT});
-            assert_memory_equal(jod, expected, sizeof jod);
+                nqm_predictor_run(predictor, nqm_smaller(cut, N_PAIRS - first), pairs + first, got + first,
+                                  metrics + first * NQM_METRIC_COUNT);
+            assert_memory_equal(got, expected, sizeof got);
             assert_memory_equal(metrics, expected_metrics, sizeof metrics);
         }
     }

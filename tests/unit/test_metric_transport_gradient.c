@@ -6,6 +6,7 @@
 #include "support/check.h"
 #include "support/double_features.h"
 #include "support/double_transport.h"
+#include "support/predict.h"
 
 #include <math.h>
 #include <string.h>
@@ -103,7 +104,7 @@ static void check_pair(const nqm_transport *t, const gradient_pair *p, const uin
     to_double(p->ref, f);
     to_double(p->test, g);
     estimate(t, p, used, &e);
-    const nqm_label plain = double_label(t, f, g, used), fast = nqm_transport_estimate(t, p->ref, p->test, used);
+    const nqm_label plain = double_label(t, f, g, used), fast = transport_estimate(t, p->ref, p->test, used);
     assert_labels_near(&e.label, &plain, 2e-6 * (1 + plain.delta_e));
     assert_labels_near(&fast, &plain,
                        1e-3 + 1e-4 * plain.delta_e); /* the error of its table (test_metric_transport.c) */
@@ -161,7 +162,7 @@ static void sum_of_parts(void **state) {
     double sum[N_VALUES] = {0};
     for (size_t s = 0; s < SCENES; ++s) {
         nqm_transport one = part_of(&t, s * PART, PART);
-        const nqm_label label = nqm_transport_estimate(&one, p.ref, p.test, NULL);
+        const nqm_label label = transport_estimate(&one, p.ref, p.test, NULL);
         estimate(&one, &p, NULL, &part);
         nqm_label_add(&fast, 1.0 / SCENES, &label);
         nqm_label_add(&exact, 1.0 / SCENES, &part.label);
@@ -169,7 +170,7 @@ static void sum_of_parts(void **state) {
             sum[i] += (double)part.gradient[N_WEIGHTS - 1][i] / SCENES;
         drop_transport(&one);
     }
-    const nqm_label whole = nqm_transport_estimate(&t, p.ref, p.test, NULL);
+    const nqm_label whole = transport_estimate(&t, p.ref, p.test, NULL);
     estimate(&t, &p, NULL, &all);
     assert_labels_near(&whole, &fast, 1e-12);
     assert_labels_near(&all.label, &exact, 1e-12);

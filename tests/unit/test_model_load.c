@@ -193,7 +193,7 @@ static void test_named_scalars(void **state) {
         predict_jod(loaded, 1, ref, test, &jod[1]);
         assert_near(jod[0], jod[1], 1e-5);
         first = round ? first : jod[0];
-        nqm_scalars_compute(all->directions, NULL, ref, test, NULL, scalars);
+        compute_scalars(all->directions, NULL, ref, test, NULL, scalars);
         assert_relative(nqm_model_novelty(loaded, scalars), nqm_model_novelty(all, scalars), 1e-5);
     }
     assert_true(fabs(jod[0] - first) > 1e-3);

@@ -82,15 +82,12 @@ static nqm_params stored(void) {
 static void run(size_t batch, float *z, float *dx) {
     const nqm_params p = stored();
     nqm_gradient_net *net;
-    nqm_gradient_work *work;
-    assert_int_equal(nqm_gradient_net_create(&p, N_REF, &net, NULL), NQM_OK);
-    assert_int_equal(nqm_gradient_work_create(net, batch, &work, NULL), NQM_OK);
+    assert_int_equal(nqm_gradient_net_create(&p, N_REF, batch, &net, NULL), NQM_OK);
     for (size_t first = 0; first < ROWS; first += batch) {
         const size_t n = nqm_smaller(batch, ROWS - first);
-        nqm_gradient_forward(work, n, x + first * stride, z + first * n_outputs);
-        nqm_gradient_backward(work, n, dz + first * n_outputs, dx + first * stride);
+        nqm_gradient_forward(net, n, x + first * stride, z + first * n_outputs);
+        nqm_gradient_backward(net, n, dz + first * n_outputs, dx + first * stride);
     }
-    nqm_gradient_work_free(work);
     nqm_gradient_net_free(net);
 }
 
@@ -192,19 +189,14 @@ static void out_of_memory(void **state) {
     bool made = false;
     for (long n = 0; !made; ++n) {
         nqm_gradient_net *net = NULL;
-        nqm_gradient_work *work = NULL;
         nqm_alloc_fail_after(n);
-        nqm_status status = nqm_gradient_net_create(&params, N_REF, &net, NULL);
-        if (status == NQM_OK)
-            status = nqm_gradient_work_create(net, 3, &work, NULL);
+        nqm_status status = nqm_gradient_net_create(&params, N_REF, 3, &net, NULL);
         nqm_alloc_fail_after(-1);
         made = status == NQM_OK;
-        assert_true(made || (status == NQM_ERR_NOMEM && !work));
-        nqm_gradient_work_free(work);
+        assert_true(made || (status == NQM_ERR_NOMEM && !net));
         nqm_gradient_net_free(net);
         assert_true(n < 60);
     }
-    nqm_gradient_work_free(NULL);
     nqm_gradient_net_free(NULL);
     drop();
 }

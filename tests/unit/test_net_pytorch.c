@@ -163,20 +163,17 @@ static void check_input_gradient(const fixture *f) {
     double expected[BATCH * INPUTS];
     const size_t stride = nqm_row_stride(INPUTS);
     nqm_gradient_net *net;
-    nqm_gradient_work *work;
-    assert_int_equal(nqm_gradient_net_create(&f->params, 1, &net, NULL), NQM_OK);
-    assert_int_equal(nqm_gradient_work_create(net, BATCH, &work, NULL), NQM_OK);
+    assert_int_equal(nqm_gradient_net_create(&f->params, 1, BATCH, &net, NULL), NQM_OK);
     get_doubles("plain.dx", BATCH * INPUTS, expected);
     for (size_t i = 0; i < BATCH; ++i)
         memcpy(padded + i * stride, x + i * INPUTS, INPUTS * sizeof *x);
-    nqm_gradient_forward(work, BATCH, padded, z);
+    nqm_gradient_forward(net, BATCH, padded, z);
     compare("plain.z", BATCH, z);
     nqm_logcosh_loss(BATCH, 1, &(nqm_output_bounds){lo, hi, 1}, z, target, dz);
-    nqm_gradient_backward(work, BATCH, dz, padded);
+    nqm_gradient_backward(net, BATCH, dz, padded);
     for (size_t i = 0; i < BATCH * INPUTS; ++i)
         dx[i] = i % INPUTS ? padded[i / INPUTS * stride + i % INPUTS] : (float)expected[i];
     compare("plain.dx", BATCH * INPUTS, dx);
-    nqm_gradient_work_free(work);
     nqm_gradient_net_free(net);
 }
 

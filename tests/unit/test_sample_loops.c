@@ -46,44 +46,6 @@ static void samples(void **state) {
     }
 }
 
-static void roots_and_logarithms(void **state) {
-    (void)state;
-    nqm_rng rng = nqm_rng_make(seed, 1);
-    static float x32[N];
-    static double x[N], root[N], y[N], near_minus_1[N], z[N], first[3][N];
-    for (int round = 0; round < 20; ++round) {
-        spread(&rng, x32);
-        for (size_t i = 0; i < N; ++i) {
-            x[i] = (double)x32[i];
-            near_minus_1[i] = x[i] - 0.997;
-        }
-        for (size_t k = 0; sample_loops_at(k); ++k) {
-            const sample_loops *loops = sample_loops_at(k);
-            loops->cube_roots(N, x, root);
-            loops->log_1p(N, x, y);
-            loops->log_1p(N, near_minus_1, z);
-            for (size_t i = 0; i < N; ++i) {
-                double expected = log1p(near_minus_1[i]);
-                assert_relative(root[i], cbrt(x[i]), 1e-15);
-                assert_relative(y[i], log1p(x[i]), 1e-15);
-                assert_near(z[i], expected, 4e-16 * fmax(1, fabs(expected)));
-            }
-            const double *all[] = {root, y, z};
-            for (size_t j = 0; j < 3; ++j) {
-                if (k == 0)
-                    memcpy(first[j], all[j], sizeof first[j]);
-                assert_memory_equal(all[j], first[j], sizeof first[j]);
-            }
-        }
-    }
-    const double odd[] = {NAN, 0};
-    for (size_t k = 0; sample_loops_at(k); ++k) {
-        sample_loops_at(k)->cube_roots(2, odd, root);
-        sample_loops_at(k)->log_1p(2, odd, y);
-        assert_true(isnan(root[0]) && isnan(y[0]) && root[1] == 0 && y[1] == 0);
-    }
-}
-
 static double log_ratio(float offset, float x, float y) {
     const double a = (double)x + (double)offset, difference = (double)y - (double)x;
     return fabs(difference) < 0.5 * a ? log1p(difference / a) : log(((double)y + (double)offset) / a);
@@ -283,15 +245,10 @@ static void whitening(void **state) {
 int main(void) {
     printf("seed %llu\n", (unsigned long long)seed);
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(samples),
-        cmocka_unit_test(roots_and_logarithms),
-        cmocka_unit_test(ratios),
-        cmocka_unit_test(root_differences),
-        cmocka_unit_test(sums_of_magnitudes),
-        cmocka_unit_test(nearest_points),
-        cmocka_unit_test(dots),
-        cmocka_unit_test(scaled_logs),
-        cmocka_unit_test(whitening),
+        cmocka_unit_test(samples),          cmocka_unit_test(ratios),
+        cmocka_unit_test(root_differences), cmocka_unit_test(sums_of_magnitudes),
+        cmocka_unit_test(nearest_points),   cmocka_unit_test(dots),
+        cmocka_unit_test(scaled_logs),      cmocka_unit_test(whitening),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

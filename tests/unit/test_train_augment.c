@@ -6,6 +6,7 @@
 #include "io/io.h"
 #include "metric/metric.h"
 #include "support/check.h"
+#include "support/predict.h"
 #include "support/toy_dataset.h"
 
 #include <math.h>
@@ -19,20 +20,20 @@ static nqm_train_options recipe(const char *name) {
     return o;
 }
 
-/* Position at which the next row is written. */
-typedef struct place {
-    float *x;
-    size_t width;
-} place;
-
-static float *row_at(void *user, size_t i) {
-    const place *to = user;
-    return to->x + i * to->width;
+/* Of training examples, or of the validation examples from `first` on: x (n, e->width), target (n, e->n_outputs). */
+static void gather_from(const nqm_examples *e, size_t n, const size_t *index, size_t first, float *x, float *target) {
+    const nqm_net_shape shape = {2, {e->width, 2, e->n_outputs}};
+    const nqm_trainer_options options = {NQM_PRECISION_F32, n};
+    nqm_trainer *trainer;
+    assert_int_equal(nqm_trainer_create(&shape, &options, &trainer, NULL), NQM_OK);
+    nqm_examples_gather(e, n, index, first, trainer, target);
+    for (size_t i = 0; i < n; ++i)
+        memcpy(x + i * e->width, nqm_trainer_input(trainer, i), e->width * sizeof *x);
+    nqm_trainer_free(trainer);
 }
 
 static void gather(const nqm_examples *e, size_t n, const size_t *index, float *x, float *target) {
-    place to = {x, e->width};
-    nqm_examples_gather(e, n, index, &(nqm_batch_inputs){.row = row_at, .user = &to, .target = target});
+    gather_from(e, n, index, 0, x, target);
 }
 
 static void fills_every_bin(void **state) {
@@ -303,7 +304,7 @@ static void masks_and_log_targets(void **state) {
         gather(&e, 1, &i, x, &target);
         uint32_t pair = e.rows.row[i].pair;
         assert_near(e.output[0].mean + e.output[0].std * (double)target, log(fmax(delta_e[pair], 0.05)), 1e-5);
-        assert_non_null(nqm_dataset_pair_used(d, pair, used));
+        assert_non_null(nqm_dataset_samples(d, pair, used).used);
         for (size_t k = 0; k < 48; ++k)
             if (!used[k / 3])
                 assert_true(x[k] == 0 && x[48 + k] == 0 && x[96 + k] == 0);
@@ -337,16 +338,15 @@ static void scalars_of_examples(void **state) {
     float *x = nqm_alloc(3, e.width * sizeof *x), target[3];
     const size_t index[2] = {5, 5 + e.rows.n_train};
     gather(&e, 2, index, x, target);
-    place third = {x + 2 * e.width, e.width};
-    nqm_examples_gather_validation(&e, 7, 1, &(nqm_batch_inputs){.row = row_at, .user = &third, .target = target + 2});
+    gather_from(&e, 1, NULL, 7, x + 2 * e.width, target + 2);
     const size_t rows[3] = {5, 5, e.rows.n_train + 7};
     for (size_t r = 0; r < 3; ++r) {
         uint8_t used[16];
         size_t pair = e.rows.row[rows[r]].pair;
         double scalars[NQM_SCALAR_COUNT];
         float expected[NQM_SCALAR_COUNT];
-        nqm_scalars_compute(d->directions, NULL, d->ref_rgb + d->pair_ref[pair] * n, d->test_rgb + pair * n,
-                            nqm_dataset_pair_used(d, pair, used), scalars);
+        const nqm_sample_pair samples = nqm_dataset_samples(d, pair, used);
+        compute_scalars(d->directions, NULL, samples.ref, samples.test, samples.used, scalars);
         nqm_scalars_whiten(&e.scalar_whitening, scalars, expected);
         for (size_t k = 0; k < n_columns; ++k) {
             double got = (double)x[r * e.width + 3 * n + k];

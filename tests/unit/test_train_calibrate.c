@@ -289,30 +289,21 @@ static void labels_inside_are_counted(void **state) {
     const double *jod = nqm_evaluation_values(ev, 0);
     size_t n = 0, n_inside = 0, n_high = 0, n_ranges = 0;
     double width = 0;
-    double *predicted = nqm_alloc(3 * dataset->n_pairs, sizeof *predicted);
+    nqm_prediction *predicted = nqm_alloc(dataset->n_pairs, sizeof *predicted);
     size_t *every_pair = nqm_alloc(dataset->n_pairs, sizeof *every_pair);
     assert_true(predicted && every_pair);
     for (size_t i = 0; i < dataset->n_pairs; ++i)
         every_pair[i] = i;
-    const nqm_dataset_prediction prediction = {.model = model,
-                                               .dataset = dataset,
-                                               .n = dataset->n_pairs,
-                                               .pairs = every_pair,
-                                               .jod = predicted,
-                                               .novelty = predicted + dataset->n_pairs,
-                                               .spread = predicted + 2 * dataset->n_pairs};
+    const nqm_dataset_prediction prediction = {
+        .model = model, .dataset = dataset, .n = dataset->n_pairs, .pairs = every_pair, .to = predicted};
     assert_int_equal(nqm_dataset_predict(&prediction, NULL), NQM_OK);
     for (size_t i = 0; i < dataset->n_pairs; ++i) {
         if (nqm_dataset_pair_split(dataset, i) != NQM_SPLIT_TEST)
             continue;
         double low, high;
-        const double novelty = prediction.novelty[i];
+        const double novelty = predicted[i].novelty;
         assert_near(novelty, nqm_model_novelty(model, ev->scalars + i * NQM_SCALAR_COUNT), 1e-3 * (1 + novelty));
-        const size_t n_values = 3 * dataset->n_directions;
-        const nqm_sample_pair p = {dataset->ref_rgb + n_values * dataset->pair_ref[i], dataset->test_rgb + n_values * i,
-                                   NULL};
-        const nqm_certainty certainty = {novelty, prediction.spread[i], nqm_delta_e_bound(dataset->n_directions, &p)};
-        nqm_bounded_interval(model, jod[i], &certainty, &low, &high);
+        nqm_bounded_interval(model, &predicted[i], &low, &high);
         n_inside += dataset->jod[i] >= low && dataset->jod[i] <= high;
         n_high += jod[i] >= 9.9;
         width += high - low;

@@ -7,6 +7,7 @@
 #include "judge/evaluate.h"
 #include "metric/metric.h"
 #include "support/check.h"
+#include "support/predict.h"
 #include "support/temp_file.h"
 #include "support/toy_dataset.h"
 #include "train/calibrate.h"
@@ -61,10 +62,9 @@ static int end(void **state) {
 }
 
 static void scalars_of(size_t pair, double *scalars) {
-    size_t n = 3 * dataset->n_directions;
     uint8_t *scratch = malloc(dataset->n_directions);
-    nqm_scalars_compute(dataset->directions, NULL, dataset->ref_rgb + dataset->pair_ref[pair] * n,
-                        dataset->test_rgb + pair * n, nqm_dataset_pair_used(dataset, pair, scratch), scalars);
+    const nqm_sample_pair samples = nqm_dataset_samples(dataset, pair, scratch);
+    compute_scalars(dataset->directions, NULL, samples.ref, samples.test, samples.used, scalars);
     free(scratch);
 }
 

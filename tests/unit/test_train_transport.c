@@ -52,7 +52,7 @@ static const float *test_of(size_t pair) {
 
 static nqm_label estimate_of(size_t pair) {
     const nqm_transport transport = nqm_dataset_transport(toy);
-    return nqm_transport_estimate(&transport, ref_of(pair), test_of(pair), NULL);
+    return transport_estimate(&transport, ref_of(pair), test_of(pair), NULL);
 }
 
 /* Normalised targets are the differences of label and estimate; their range is at most 6 standard deviations. */
@@ -79,24 +79,6 @@ static void targets_are_corrections(void **state) {
     nqm_examples_free(&e);
 }
 
-/* The scalar features of a pair as scores have them, by float sums: rounding matters where a feature hardly varies in training. */
-static void scalars_of(size_t pair, const nqm_transport *transport, double *scalars) {
-    const float *test = test_of(pair);
-    static float roots[2][3 * N], t[3 * N];
-    nqm_label estimate = {.delta_e = 0};
-    nqm_sum_plan *plan;
-    nqm_pair_sums sums;
-    if (transport->light)
-        estimate = nqm_transport_estimate(transport, ref_of(pair), test, NULL);
-    const nqm_sample_pair p = {ref_of(pair), test, NULL};
-    nqm_sample_logs(3 * N, ref_of(pair), roots[0], t);
-    nqm_sample_logs(3 * N, test, roots[1], t);
-    assert_int_equal(nqm_sum_plan_create(toy->directions, &plan, NULL), NQM_OK);
-    nqm_compare_sums_float(plan, 1, &p, roots[0], true, &sums);
-    nqm_compare_finish(&sums, transport->light ? &estimate : NULL, NULL, scalars);
-    nqm_sum_plan_free(plan);
-}
-
 /* The network's outputs for a pair, with features composed here. */
 static void outputs_of(const nqm_model *model, size_t pair, const nqm_transport *transport, float *z) {
     enum { WIDTH = 9 * N + NQM_SCALAR_COUNT };
@@ -107,7 +89,7 @@ static void outputs_of(const nqm_model *model, size_t pair, const nqm_transport 
     nqm_features_transform(3 * N, ref_of(pair), ref_t);
     nqm_features_transform(3 * N, test_of(pair), test_t);
     nqm_features_compose(&model->features, N, ref_t, test_t, NULL, x);
-    scalars_of(pair, transport, scalars);
+    compute_scalars(toy->directions, transport, ref_of(pair), test_of(pair), NULL, scalars);
     nqm_scalars_whiten(&model->scalars, scalars, x + 9 * N);
     assert_int_equal(nqm_model_inference(model, NQM_PRECISION_F32, &net, NULL), NQM_OK);
     assert_int_equal(nqm_inference_work_create(net, 1, &work, NULL), NQM_OK);
@@ -124,19 +106,19 @@ static void check_predictions(const nqm_model *model, bool has_transport) {
     for (size_t pair = 0; pair < toy->n_pairs; pair += 5) {
         const nqm_sample_pair p = {ref_of(pair), test_of(pair), NULL};
         const nqm_label estimate = estimate_of(pair), *base = has_transport ? &estimate : NULL;
-        nqm_label label;
+        nqm_prediction got;
         float z[OUTPUTS];
-        double jod, delta_e, expected;
-        nqm_predictor_run(predictor, 1, &p, &(nqm_predictions){.jod = &jod, .delta_e = &delta_e, .labels = &label});
+        double expected;
+        nqm_predictor_run(predictor, 1, &p, &got, NULL);
         outputs_of(model, pair, &transport, z);
         const double expected_jod = nqm_model_jod(model, (double)z[0], base, &expected);
         const nqm_label expected_label = nqm_model_label(model, z, base);
         if (isfinite(nqm_delta_e_bound(N, &p))) /* nearly equal samples: a bound may decide */
             continue;
-        assert_relative(delta_e, expected, 1e-6);
-        assert_near(jod, expected_jod, 1e-6);
-        assert_near(label.shift[0], expected_label.shift[0], 1e-5 * (1 + fabs(label.shift[0])));
-        assert_near(label.structure, expected_label.structure, 1e-5 * (1 + label.structure));
+        assert_relative(got.delta_e, expected, 1e-6);
+        assert_near(got.jod, expected_jod, 1e-6);
+        assert_near(got.label.shift[0], expected_label.shift[0], 1e-5 * (1 + fabs(got.label.shift[0])));
+        assert_near(got.label.structure, expected_label.structure, 1e-5 * (1 + got.label.structure));
         ++n_checked;
     }
     assert_true(n_checked > 10);
@@ -146,15 +128,15 @@ static void check_predictions(const nqm_model *model, bool has_transport) {
 /* The report of the training is about the predictions that users get: features must not differ between the two. */
 static void check_report(const nqm_model *model, const nqm_train_report *report) {
     size_t n = 0, *pairs = nqm_alloc(toy->n_pairs, sizeof *pairs);
-    double *all = nqm_alloc(toy->n_pairs, sizeof *all), *jod = nqm_alloc(toy->n_pairs, sizeof *jod),
-           *label = nqm_alloc(toy->n_pairs, sizeof *label);
+    nqm_prediction *all = nqm_alloc(toy->n_pairs, sizeof *all);
+    double *jod = nqm_alloc(toy->n_pairs, sizeof *jod), *label = nqm_alloc(toy->n_pairs, sizeof *label);
     for (size_t i = 0; i < toy->n_pairs; ++i)
         if (nqm_dataset_pair_split(toy, i) == NQM_SPLIT_VALIDATION)
             pairs[n++] = i;
-    const nqm_dataset_prediction p = {.dataset = toy, .model = model, .n = n, .pairs = pairs, .jod = all};
+    const nqm_dataset_prediction p = {.dataset = toy, .model = model, .n = n, .pairs = pairs, .to = all};
     assert_int_equal(nqm_dataset_predict(&p, NULL), NQM_OK);
     for (size_t i = 0; i < n; ++i) {
-        jod[i] = all[pairs[i]];
+        jod[i] = all[pairs[i]].jod;
         label[i] = toy->jod[pairs[i]];
     }
     assert_near(nqm_spearman(n, jod, label), report->validation_spearman,
@@ -213,7 +195,7 @@ static void novelty_by_the_models_matrix(void **state) {
         assert_int_equal(nqm_evaluation_create(toy, 1, (const nqm_model *const[]){model}, NULL, &ev, NULL), NQM_OK);
         for (size_t pair = 0; pair < toy->n_pairs; pair += 7) {
             double scalars[NQM_SCALAR_COUNT];
-            scalars_of(pair, &transport, scalars);
+            compute_scalars(toy->directions, &transport, ref_of(pair), test_of(pair), NULL, scalars);
             assert_near(ev->novelty[pair], nqm_model_novelty(model, scalars), 1e-12);
         }
         nqm_evaluation_free(ev);

@@ -35,6 +35,7 @@ typedef struct job {
     bool is_shared; /* references are shared */
     float z[MAX_BATCH * (1 + NQM_LABEL_PARTS)];
     double jod[MAX_BATCH];
+    nqm_prediction predictions[MAX_BATCH];
 } job;
 
 static void run_network(void *user) {
@@ -53,7 +54,7 @@ static void run_all(void *user) {
     for (size_t i = 0; i < j->batch; ++i)
         pairs[i] = (nqm_sample_pair){p->ref + (first + (j->is_shared ? i / TESTS_PER_REF : i)) * p->n_values,
                                      p->test + (first + i) * p->n_values, NULL};
-    nqm_predictor_run(j->predictor, j->batch, pairs, &(nqm_predictions){.jod = j->jod});
+    nqm_predictor_run(j->predictor, j->batch, pairs, j->predictions, NULL);
 }
 
 static void run_gradient(void *user) {

@@ -124,7 +124,7 @@ static nqm_status measure(const nqm_brdf *ref, const nqm_brdf *test, const nqm_d
     for (size_t i = 0; i < n; ++i)
         used[i] = nqm_has_value(used[i]);
     if (status == NQM_OK)
-        nqm_metrics_compute(directions, rgb, rgb + 3 * n, used, metrics);
+        status = nqm_metrics_compute(directions, rgb, rgb + 3 * n, used, metrics, err);
     nqm_free(rgb);
     return status;
 }
