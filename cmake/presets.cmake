@@ -9,11 +9,13 @@ add_custom_command(OUTPUT ${presets_c}
   DEPENDS ${preset_tables} ${CMAKE_CURRENT_SOURCE_DIR}/cmake/embed_text.cmake VERBATIM)
 list(APPEND NQM_GENERATED_SOURCES ${presets_c})
 
-# The table of the model rough-plastic, as generated/rough_plastic_table.h.
-set(plastic_table ${CMAKE_CURRENT_SOURCE_DIR}/presets/rough_plastic.txt)
-set(plastic_h ${CMAKE_BINARY_DIR}/generated/rough_plastic_table.h)
-add_custom_command(OUTPUT ${plastic_h}
-  COMMAND ${CMAKE_COMMAND} -DOUTPUT=${plastic_h} -DINPUT=${plastic_table}
-          -P ${CMAKE_CURRENT_SOURCE_DIR}/cmake/embed_rough_plastic.cmake
-  DEPENDS ${plastic_table} ${CMAKE_CURRENT_SOURCE_DIR}/cmake/embed_rough_plastic.cmake VERBATIM)
-list(APPEND NQM_GENERATED_SOURCES ${plastic_h})
+# The tables of the models rough-plastic and gltf, as generated/NAME_table.h.
+foreach(name rough_plastic sheen_albedo)
+  set(table ${CMAKE_CURRENT_SOURCE_DIR}/presets/${name}.txt)
+  set(table_h ${CMAKE_BINARY_DIR}/generated/${name}_table.h)
+  add_custom_command(OUTPUT ${table_h}
+    COMMAND ${CMAKE_COMMAND} -DOUTPUT=${table_h} -DINPUT=${table}
+            -P ${CMAKE_CURRENT_SOURCE_DIR}/cmake/embed_${name}.cmake
+    DEPENDS ${table} ${CMAKE_CURRENT_SOURCE_DIR}/cmake/embed_${name}.cmake VERBATIM)
+  list(APPEND NQM_GENERATED_SOURCES ${table_h})
+endforeach()

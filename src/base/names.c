@@ -45,10 +45,6 @@ static char fold(char c) {
     return c >= 'A' && c <= 'Z' ? (char)(c - 'A' + 'a') : c == '_' ? '-' : c;
 }
 
-static size_t least(size_t a, size_t b) {
-    return a < b ? a : b;
-}
-
 /* Edit distance with exchanges of neighbours; a and b have at most MAX_LENGTH characters. d[i][j]: of the first i characters
  * of a to the first j of b. */
 static size_t distance(const char *a, const char *b) {
@@ -60,16 +56,16 @@ static size_t distance(const char *a, const char *b) {
             if (i == 0 || j == 0)
                 continue;
             const bool equal = fold(a[i - 1]) == fold(b[j - 1]);
-            d[i][j] = least(d[i - 1][j - 1] + !equal, least(d[i - 1][j], d[i][j - 1]) + 1);
+            d[i][j] = nqm_smaller(d[i - 1][j - 1] + !equal, nqm_smaller(d[i - 1][j], d[i][j - 1]) + 1);
             if (i > 1 && j > 1 && fold(a[i - 1]) == fold(b[j - 2]) && fold(a[i - 2]) == fold(b[j - 1]))
-                d[i][j] = least(d[i][j], d[i - 2][j - 2] + 1);
+                d[i][j] = nqm_smaller(d[i][j], d[i - 2][j - 2] + 1);
         }
     return d[n_a][n_b];
 }
 
 nqm_nearest nqm_nearest_begin(const char *wanted) {
     size_t n = strlen(wanted), limit = n < 6 ? 1 : n / 3;
-    return (nqm_nearest){.wanted = wanted, .distance = least(limit, 4) + 1};
+    return (nqm_nearest){.wanted = wanted, .distance = nqm_smaller(limit, 4) + 1};
 }
 
 void nqm_nearest_add(nqm_nearest *nearest, const char *name) {

@@ -73,10 +73,6 @@ NQM_MUST_CHECK nqm_status nqm_brdf_write_merl(const nqm_brdf *brdf, size_t n_phi
                                               nqm_progress_fn progress, void *progress_user, nqm_error *err);
 /** Write an array of NumPy: a BRDF's own nodes if its format is "table", otherwise those of nqm_brdf_tabulate(). */
 NQM_MUST_CHECK nqm_status nqm_brdf_write_npy(const nqm_brdf *brdf, const char *path, nqm_error *err);
-struct nqm_meta;
-/** nqm_brdf_save() with more metadata, at most 8. */
-NQM_MUST_CHECK nqm_status nqm_brdf_save_with(const nqm_brdf *brdf, const char *path, size_t n_more,
-                                             const struct nqm_meta *more, nqm_error *err);
 /** As nqm_material_write(): a file of n > 0 materials of one shading model, in this order; names that are equal get numbers. */
 NQM_MUST_CHECK nqm_status nqm_brdf_write_materials(size_t n, const char *const *specs, const char *const *names,
                                                    const char *path, nqm_error *err);

@@ -21,6 +21,7 @@ typedef struct exr_file {
     const nqm_map *map;
     nqm_outfile out;
     exr_context_t context;
+    bool is_grey;      /* the picture has Y alone */
     size_t row;        /* row that is being read, from 1; 0: none */
     char message[200]; /* last error message of OpenEXRCore */
     nqm_error *err;
@@ -107,6 +108,7 @@ static nqm_status place_channels(exr_file *file, exr_decode_pipeline_t *pipeline
         found |= *place == 'Y' ? 8u : 1u << k;
         set_channel(channel, image, y * image->width + x, k);
     }
+    file->is_grey = found == 8;
     return found == 7 || found == 8 ? NQM_OK : refuse(file, "the channels are neither R, G, B nor Y");
 }
 
@@ -168,16 +170,6 @@ static nqm_status read_tiles(exr_file *file, const exr_attr_box2i_t *window, con
     return status;
 }
 
-static bool has_colour(exr_file *file) {
-    const exr_attr_chlist_t *channels = NULL;
-    if (!good(exr_get_channels(file->context, 0, &channels)))
-        return false;
-    for (int i = 0; i < channels->num_channels; ++i)
-        if (strcmp(channels->entries[i].name.str, "R") == 0)
-            return true;
-    return false;
-}
-
 static nqm_status read_picture(exr_file *file, nqm_image *image) {
     exr_storage_t storage;
     exr_attr_box2i_t window;
@@ -193,7 +185,7 @@ static nqm_status read_picture(exr_file *file, nqm_image *image) {
     if (status == NQM_OK)
         status =
             storage == EXR_STORAGE_SCANLINE ? read_scanlines(file, &window, image) : read_tiles(file, &window, image);
-    if (status == NQM_OK && !has_colour(file))
+    if (status == NQM_OK && file->is_grey)
         for (size_t i = 0; i < image->width * image->height; ++i)
             image->rgb[3 * i + 1] = image->rgb[3 * i + 2] = image->rgb[3 * i];
     return status;

@@ -55,6 +55,19 @@ nqm_status nqm_json_parse(const char *text, json_t **json_ret, nqm_error *err) {
     return nqm_fail_nomem(err, strlen(text));
 }
 
+nqm_status nqm_json_read(const char *text, size_t n_bytes, size_t flags, const nqm_json_place *at, json_t **json_ret,
+                         nqm_error *err) {
+    json_error_t why = {.position = 0};
+    *json_ret = NULL;
+    nqm_status status = nqm_json_check(text, n_bytes, at->n_file, at->name, at->byte, err);
+    if (status == NQM_OK)
+        status = nqm_json_load(text, n_bytes, flags, json_ret, &why, err);
+    if (status != NQM_ERR_FORMAT)
+        return status;
+    const int64_t byte = (int64_t)at->byte + (why.position > 0 ? why.position : 0);
+    return nqm_fail(err, NQM_ERR_FORMAT, byte, "%s: byte %lld: invalid JSON: %s", at->name, (long long)byte, why.text);
+}
+
 /* Bytes of jansson's blocks on 64-bit systems: what a value or a member costs is counted at the character that comes with it. */
 enum { OBJECT = 240, ARRAY = 144, MEMBER = 160, ELEMENT = 56, MAX_RATIO = 8 };
 

@@ -78,7 +78,8 @@ void nqm_json_outline(const nqm_json_source *json, char *outline) {
     }
 }
 
-size_t nqm_json_member(const nqm_json_source *json, size_t at, const char *key) {
+/* The position of the value of a member of the object at `at`; SIZE_MAX: none (also for keys that are written with escapes). */
+static size_t find_member(const nqm_json_source *json, size_t at, const char *key) {
     const size_t n_key = strlen(key);
     if (at >= json->n || json->text[at] != '{')
         return SIZE_MAX;
@@ -93,14 +94,14 @@ size_t nqm_json_member(const nqm_json_source *json, size_t at, const char *key) 
 }
 
 size_t nqm_json_path(const nqm_json_source *json, size_t at, const char *path) {
-    char key[NQM_JSON_KEY_SIZE];
+    char key[64];
     while (*path) {
         const size_t n = strcspn(path, ".");
         if (n >= sizeof key)
             return at;
         memcpy(key, path, n);
         key[n] = 0;
-        const size_t next = nqm_json_member(json, at, key);
+        const size_t next = find_member(json, at, key);
         if (next == SIZE_MAX)
             return at;
         at = next;

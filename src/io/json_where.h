@@ -14,12 +14,8 @@ typedef struct nqm_json_source {
     size_t n;
 } nqm_json_source;
 
-enum { NQM_JSON_KEY_SIZE = 64 };
-
 /** The position of the value that is the whole text. */
 size_t nqm_json_begin(const nqm_json_source *json);
-/** The position of the value of a member of the object at `at`; SIZE_MAX: none (also for keys that are written with escapes). */
-size_t nqm_json_member(const nqm_json_source *json, size_t at, const char *key);
 /** The position of the first element of the array at `at`, or of the element after the one at `at`; SIZE_MAX: none. */
 size_t nqm_json_first(const nqm_json_source *json, size_t at);
 size_t nqm_json_next(const nqm_json_source *json, size_t at);

@@ -48,9 +48,16 @@ size_t nqm_bsdf_next(const nqm_bsdf_nodes *nodes, size_t parent, size_t i) {
     return nodes->n;
 }
 
+nqm_bsdf_kind nqm_bsdf_kind_of(const nqm_bsdf_word *words, const char *word) {
+    while (words->word && strcmp(words->word, word) != 0)
+        ++words;
+    return words->word ? words->kind : NQM_BSDF_OTHER;
+}
+
 /* ---- values ------------------------------------------------------------------------------------------------------ */
 
-size_t nqm_bsdf_parse(const char *text, size_t max_n, double *v) {
+/* Parse numbers separated by blanks or commas. Returns their count, 0 when there is anything else or more than max_n. */
+static size_t parse_numbers(const char *text, size_t max_n, double *v) {
     static const char separators[] = " ,\t\r\n";
     size_t n = 0;
     for (text += strspn(text, separators); *text; text += strspn(text, separators)) {
@@ -102,7 +109,7 @@ static bool read_values(nqm_reading *r, const nqm_rule *rule, const void *proper
     const bool is_rgb = node->kind == NQM_BSDF_RGB, is_triple = node->kind == NQM_BSDF_TRIPLE;
     if (!check_kind(r, node))
         return false;
-    *n = is_rgb && parse_hex(node->value, v) ? 3 : nqm_bsdf_parse(node->value, 3, v);
+    *n = is_rgb && parse_hex(node->value, v) ? 3 : parse_numbers(node->value, 3, v);
     if (!(*n == 1 && !is_triple) && !(*n == 3 && (is_rgb || is_triple)))
         return nqm_refuse(r, node, "%s needs %s, not '%.40s'", node->name,
                           is_rgb      ? "one or three numbers"

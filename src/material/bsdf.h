@@ -20,6 +20,14 @@ typedef enum nqm_bsdf_kind {
     NQM_BSDF_OTHER, /**< textures and other plugins */
 } nqm_bsdf_kind;
 
+/** The kinds that words of a format stand for; NULL ends a list. */
+typedef struct nqm_bsdf_word {
+    const char *word;
+    nqm_bsdf_kind kind;
+} nqm_bsdf_word;
+/** NQM_BSDF_OTHER: the word is not in the list. */
+nqm_bsdf_kind nqm_bsdf_kind_of(const nqm_bsdf_word *words, const char *word);
+
 /** A BSDF or a property inside one. Texts are "" when absent. */
 typedef struct nqm_bsdf_node {
     nqm_bsdf_kind kind;
@@ -75,10 +83,6 @@ bool nqm_bsdf_numbers(nqm_bsdf_reading *r, const char *name, size_t n, double *v
 bool nqm_bsdf_flag(nqm_bsdf_reading *r, const char *name, bool *v);
 /** The text of a property that names a measured file. */
 nqm_rule_read nqm_bsdf_file;
-
-/** Parse numbers separated by blanks or commas; the whole text must be numbers. Returns their count, 0 when there is anything
- *  else or more than max_n. */
-size_t nqm_bsdf_parse(const char *text, size_t max_n, double *v);
 
 /** A conductor's index of refraction eta + i k, for the three channels. */
 typedef struct nqm_metal {

@@ -176,14 +176,10 @@ static nqm_status read_extensions(reader *r, json_t *list) {
         const nqm_gltf_group *extension = find_extension(name);
         nqm_status status = NQM_OK;
         snprintf(path, sizeof path, "extensions.%.100s", name);
-        if (extension)
+        if (extension && !extension->refusal)
             status = read_object(r, extension, path, object);
         else
-            refuse(r, path, "",
-                   strcmp(name, "KHR_materials_unlit") == 0 ? "a surface without lighting has no BRDF"
-                   : strcmp(name, "KHR_materials_pbrSpecularGlossiness") == 0
-                       ? "this archived shading model is not supported; convert the material to metallic-roughness"
-                       : "this extension is not known");
+            refuse(r, path, "", extension ? extension->refusal : "this extension is not known");
         if (status != NQM_OK)
             return status;
     }
@@ -304,8 +300,7 @@ static const char *unknown_requirement(const json_t *root) {
         while (name && k < n && strcmp(harmless[k], name) != 0)
             ++k;
         /* extensions that a material refuses are named at the material */
-        if (name && k == n && !find_extension(name) && strcmp(name, "KHR_materials_unlit") != 0 &&
-            strcmp(name, "KHR_materials_pbrSpecularGlossiness") != 0)
+        if (name && k == n && !find_extension(name))
             return name;
     }
     return NULL;
@@ -357,18 +352,8 @@ static nqm_status refuse_required(const reader *r, const char *required, size_t 
 
 /* Parse n bytes of text, which are at byte `at` of the source or a part of it with the same positions. */
 static nqm_status parse(const reader *r, const char *text, size_t n, size_t at, json_t **value_ret) {
-    json_error_t why;
-    const size_t in_file = r->source_at + at;
-    nqm_status status = nqm_json_check(text, n, r->source.n, r->path, in_file, r->err);
-    *value_ret = NULL;
-    if (status != NQM_OK)
-        return status;
-    status = nqm_json_load(text, n, JSON_REJECT_DUPLICATES | JSON_DECODE_ANY, value_ret, &why, r->err);
-    if (status != NQM_ERR_FORMAT)
-        return status;
-    const int64_t byte = (int64_t)in_file + why.position;
-    return nqm_fail(r->err, NQM_ERR_FORMAT, byte, "%s: byte %lld: invalid JSON: %s", r->path, (long long)byte,
-                    why.text);
+    const nqm_json_place place = {r->path, r->source.n, r->source_at + at};
+    return nqm_json_read(text, n, JSON_REJECT_DUPLICATES | JSON_DECODE_ANY, &place, value_ret, r->err);
 }
 
 /* root: the outline of the file. */

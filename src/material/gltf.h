@@ -10,12 +10,13 @@
 /** An object with properties: a JSON member of the material, or an extension. */
 typedef struct nqm_gltf_group {
     const char *name;
-    nqm_rule rules[8]; /**< those with a key first */
+    const char *refusal; /**< why materials with it are refused; NULL: they are read */
+    nqm_rule rules[8];   /**< those with a key first */
 } nqm_gltf_group;
 
 /** The members of a material itself, pbrMetallicRoughness, and the extensions. */
 extern const nqm_gltf_group nqm_gltf_members, nqm_gltf_core;
-enum { NQM_GLTF_N_EXTENSIONS = 11 };
+enum { NQM_GLTF_N_EXTENSIONS = 13 };
 extern const nqm_gltf_group nqm_gltf_extensions[NQM_GLTF_N_EXTENSIONS];
 /** Of baseColorFactor, of textures, and of occlusionTexture. */
 nqm_rule_read nqm_gltf_read_base_color, nqm_gltf_read_texture, nqm_gltf_read_occlusion;

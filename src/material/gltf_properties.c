@@ -10,24 +10,22 @@
     { NAME, nqm_rule_set, KEY, 3, DEFAULT, NULL, NULL, NULL }
 #define TEXTURE(NAME, FACTOR)                                                                                          \
     { NAME, nqm_gltf_read_texture, NULL, 0, 0, NULL, FACTOR, NULL }
-#define ZERO(NAME, WHY)                                                                                                \
-    { NAME, nqm_rule_neutral, NULL, 1, 0, WHY, NULL, NULL }
-#define IGNORED(NAMES)                                                                                                 \
-    { NAMES, nqm_rule_ignore, NULL, 0, 0, NULL, NULL, NULL }
 
 static const char through[] = "light that passes through the surface is not part of a BRDF";
 
 /* The emission is texture times factor, whose default is 0. Code for the whole material reads what others change. */
 const nqm_gltf_group nqm_gltf_members = {
     "the material",
+    NULL,
     {{"emissiveFactor", nqm_rule_later, NULL, 3, 0, NULL, NULL, NULL},
      TEXTURE("emissiveTexture", "emissiveFactor"),
      TEXTURE("normalTexture", NULL),
      {"occlusionTexture", nqm_gltf_read_occlusion, NULL, 0, 0, NULL, NULL, NULL},
-     IGNORED("name extensions pbrMetallicRoughness alphaCutoff alphaMode doubleSided")}};
+     NQM_RULE_IGNORED("name extensions pbrMetallicRoughness alphaCutoff alphaMode doubleSided")}};
 
 const nqm_gltf_group nqm_gltf_core = {
     "pbrMetallicRoughness",
+    NULL,
     {NUMBER("metallicFactor", "metallic", 1),
      {"baseColorFactor", nqm_gltf_read_base_color, "base_color", 4, 1, NULL, NULL, NULL},
      NUMBER("roughnessFactor", "roughness", 1),
@@ -35,31 +33,44 @@ const nqm_gltf_group nqm_gltf_core = {
      TEXTURE("metallicRoughnessTexture", NULL)}};
 
 const nqm_gltf_group nqm_gltf_extensions[NQM_GLTF_N_EXTENSIONS] = {
-    {"KHR_materials_ior", {NUMBER("ior", "ior", 1.5)}},
+    {"KHR_materials_ior", NULL, {NUMBER("ior", "ior", 1.5)}},
     {"KHR_materials_specular",
+     NULL,
      {NUMBER("specularFactor", "specular", 1), COLOR("specularColorFactor", "specular_color", 1),
       TEXTURE("specularTexture", "specularFactor"), TEXTURE("specularColorTexture", "specularFactor")}},
     {"KHR_materials_clearcoat",
+     NULL,
      {NUMBER("clearcoatFactor", "clearcoat", 0), NUMBER("clearcoatRoughnessFactor", "clearcoat_roughness", 0),
       TEXTURE("clearcoatTexture", "clearcoatFactor"), TEXTURE("clearcoatRoughnessTexture", "clearcoatFactor"),
       TEXTURE("clearcoatNormalTexture", "clearcoatFactor")}},
     {"KHR_materials_sheen",
+     NULL,
      {COLOR("sheenColorFactor", "sheen_color", 0), NUMBER("sheenRoughnessFactor", "sheen_roughness", 0),
       TEXTURE("sheenColorTexture", "sheenColorFactor"), TEXTURE("sheenRoughnessTexture", "sheenColorFactor")}},
-    {"KHR_materials_transmission", {ZERO("transmissionFactor", through), IGNORED("transmissionTexture")}},
+    {"KHR_materials_transmission",
+     NULL,
+     {NQM_RULE_ZERO("transmissionFactor", through), NQM_RULE_IGNORED("transmissionTexture")}},
     {"KHR_materials_diffuse_transmission",
-     {ZERO("diffuseTransmissionFactor", through), IGNORED("diffuseTransmissionTexture diffuseTransmissionColorFactor "
-                                                          "diffuseTransmissionColorTexture")}},
+     NULL,
+     {NQM_RULE_ZERO("diffuseTransmissionFactor", through),
+      NQM_RULE_IGNORED("diffuseTransmissionTexture diffuseTransmissionColorFactor "
+                       "diffuseTransmissionColorTexture")}},
     {"KHR_materials_volume",
-     {ZERO("thicknessFactor", "light that enters a volume is not part of a BRDF"),
-      IGNORED("thicknessTexture attenuationDistance attenuationColor")}},
+     NULL,
+     {NQM_RULE_ZERO("thicknessFactor", "light that enters a volume is not part of a BRDF"),
+      NQM_RULE_IGNORED("thicknessTexture attenuationDistance attenuationColor")}},
     {"KHR_materials_anisotropy",
-     {ZERO("anisotropyStrength", "only isotropic BRDFs are supported"),
-      IGNORED("anisotropyRotation anisotropyTexture")}},
+     NULL,
+     {NQM_RULE_ZERO("anisotropyStrength", "only isotropic BRDFs are supported"),
+      NQM_RULE_IGNORED("anisotropyRotation anisotropyTexture")}},
     {"KHR_materials_iridescence",
-     {ZERO("iridescenceFactor", "thin films are not supported"),
-      IGNORED("iridescenceTexture iridescenceIor iridescenceThicknessMinimum "
-              "iridescenceThicknessMaximum iridescenceThicknessTexture")}},
-    {"KHR_materials_dispersion", {ZERO("dispersion", "dispersion is not part of a BRDF in RGB")}},
-    {"KHR_materials_emissive_strength", {IGNORED("emissiveStrength")}},
+     NULL,
+     {NQM_RULE_ZERO("iridescenceFactor", "thin films are not supported"),
+      NQM_RULE_IGNORED("iridescenceTexture iridescenceIor iridescenceThicknessMinimum "
+                       "iridescenceThicknessMaximum iridescenceThicknessTexture")}},
+    {"KHR_materials_dispersion", NULL, {NQM_RULE_ZERO("dispersion", "dispersion is not part of a BRDF in RGB")}},
+    {"KHR_materials_emissive_strength", NULL, {NQM_RULE_IGNORED("emissiveStrength")}},
+    {.name = "KHR_materials_unlit", .refusal = "a surface without lighting has no BRDF"},
+    {.name = "KHR_materials_pbrSpecularGlossiness",
+     .refusal = "this archived shading model is not supported; convert the material to metallic-roughness"},
 };

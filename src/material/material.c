@@ -70,18 +70,6 @@ nqm_status nqm_materials_add(nqm_materials *materials, const nqm_material_info *
     return NQM_OK;
 }
 
-nqm_status nqm_materials_add_shading(nqm_materials *materials, const char *name, const char *surface,
-                                     const nqm_shading *shading, int64_t byte_offset, nqm_error *err) {
-    char *spec = nqm_shading_spec(shading);
-    if (!spec)
-        return nqm_fail_nomem(err, sizeof *shading);
-    const nqm_material_info info = {
-        .name = name, .surface = surface, .spec = spec, .remark = shading->remark, .byte_offset = byte_offset};
-    nqm_status status = nqm_materials_add(materials, &info, err);
-    nqm_free(spec);
-    return status;
-}
-
 /* ---- by name ----------------------------------------------------------------------------------------------------- */
 
 /* qsort() has no argument for the list: entries point to it. Equal names in the order of the file, which is that of the entries. */

@@ -54,9 +54,6 @@ const size_t *nqm_materials_named(const nqm_materials *materials, const char *na
 enum { NQM_MAX_MATERIALS = 1 << 14 };
 /** Append a material, at most NQM_MAX_MATERIALS; the texts are copied, "" and NULL in `name` become "materialN". One of spec and refusal is NULL. */
 NQM_MUST_CHECK nqm_status nqm_materials_add(nqm_materials *materials, const nqm_material_info *info, nqm_error *err);
-/** The same for a shading whose properties are set. */
-NQM_MUST_CHECK nqm_status nqm_materials_add_shading(nqm_materials *materials, const char *name, const char *surface,
-                                                    const nqm_shading *shading, int64_t byte_offset, nqm_error *err);
 
 /** One file format. */
 typedef struct nqm_material_format {

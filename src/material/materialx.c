@@ -395,10 +395,8 @@ static nqm_status write_material(const nqm_shading *shading, const char *name, c
                                  nqm_error *err) {
     char numbers[100];
     size_t s = 0;
-    while (s < NQM_MTLX_N_SURFACES && strcmp(nqm_mtlx_surfaces[s].model, shading->model) != 0)
+    while (strcmp(nqm_mtlx_surfaces[s].model, shading->model) != 0) /* one of those of the format */
         ++s;
-    if (s == NQM_MTLX_N_SURFACES)
-        return nqm_fail(err, NQM_ERR_ARG, -1, "%s: MaterialX files do not hold '%s'", path, shading->model);
     const nqm_mtlx_surface *surface = &nqm_mtlx_surfaces[s];
     fprintf(stream, "  <%s name=\"SR_%s\" type=\"surfaceshader\">\n", surface->node, name);
     for (size_t i = 0; i < shading->n; ++i) {

@@ -14,8 +14,6 @@
     { NAME, nqm_rule_neutral, NULL, NQM_KEY_N(TYPE), DEFAULT, WHY, GATE, TYPE }
 #define NORMAL(NAME)                                                                                                   \
     { NAME, nqm_mtlx_read_normal, NULL, 0, 0, NULL, NULL, NULL }
-#define IGNORED(NAMES)                                                                                                 \
-    { NAMES, nqm_rule_ignore, NULL, 0, 0, NULL, NULL, NULL }
 #define END                                                                                                            \
     { NULL, NULL, NULL, 0, 0, NULL, NULL, NULL }
 
@@ -35,11 +33,11 @@ static const nqm_rule open_pbr[] = {
     NEUTRAL("geometry_opacity", "float", 1, opacity),
     NORMAL("geometry_normal"),
     NORMAL("geometry_coat_normal"),
-    IGNORED("transmission_color transmission_depth transmission_scatter "
-            "transmission_scatter_anisotropy transmission_dispersion_scale "
-            "transmission_dispersion_abbe_number subsurface_color subsurface_radius "
-            "subsurface_radius_scale subsurface_scatter_anisotropy thin_film_thickness thin_film_ior "
-            "emission_color geometry_thin_walled geometry_tangent geometry_coat_tangent"),
+    NQM_RULE_IGNORED("transmission_color transmission_depth transmission_scatter "
+                     "transmission_scatter_anisotropy transmission_dispersion_scale "
+                     "transmission_dispersion_abbe_number subsurface_color subsurface_radius "
+                     "subsurface_radius_scale subsurface_scatter_anisotropy thin_film_thickness thin_film_ior "
+                     "emission_color geometry_thin_walled geometry_tangent geometry_coat_tangent"),
     END,
 };
 
@@ -53,10 +51,10 @@ static const nqm_rule standard_surface[] = {
     NEUTRAL("opacity", "color3", 1, opacity),
     NORMAL("normal"),
     NORMAL("coat_normal"),
-    IGNORED("specular_rotation transmission_color transmission_depth transmission_scatter "
-            "transmission_scatter_anisotropy transmission_dispersion transmission_extra_roughness "
-            "subsurface_color subsurface_radius subsurface_scale subsurface_anisotropy coat_rotation "
-            "thin_film_IOR emission_color thin_walled tangent"),
+    NQM_RULE_IGNORED("specular_rotation transmission_color transmission_depth transmission_scatter "
+                     "transmission_scatter_anisotropy transmission_dispersion transmission_extra_roughness "
+                     "subsurface_color subsurface_radius subsurface_scale subsurface_anisotropy coat_rotation "
+                     "thin_film_IOR emission_color thin_walled tangent"),
     END,
 };
 
@@ -68,10 +66,10 @@ static const nqm_rule gltf_pbr[] = {
     NEUTRAL("anisotropy_strength", "float", 0, anisotropy),
     NORMAL("normal"),
     NORMAL("clearcoat_normal"),
-    IGNORED("tangent"),
+    NQM_RULE_IGNORED("tangent"),
     {"occlusion", nqm_mtlx_read_occlusion, NULL, 0, 0, NULL, NULL, NULL},
-    IGNORED("alpha alpha_cutoff iridescence_ior iridescence_thickness emissive_strength thickness "
-            "attenuation_distance attenuation_color anisotropy_rotation dispersion"),
+    NQM_RULE_IGNORED("alpha alpha_cutoff iridescence_ior iridescence_thickness emissive_strength thickness "
+                     "attenuation_distance attenuation_color anisotropy_rotation dispersion"),
     END,
 };
 
@@ -80,7 +78,7 @@ static const nqm_rule usd_preview_surface[] = {
     NEUTRAL("opacity", "float", 1, opacity),
     NEUTRAL("displacement", "float", 0, displacement),
     NORMAL("normal"),
-    IGNORED("opacityMode opacityThreshold"),
+    NQM_RULE_IGNORED("opacityMode opacityThreshold"),
     {"occlusion", nqm_mtlx_read_occlusion, NULL, 0, 0, NULL, NULL, NULL},
     END,
 };
@@ -89,7 +87,7 @@ static const nqm_rule disney[] = {
     NQM_DISNEY_KEYS(KEY) NEUTRAL("anisotropic", "float", 0, anisotropy),
     NEUTRAL("specTrans", "float", 0, transmission),
     NEUTRAL("subsurface", "float", 0, subsurface),
-    IGNORED("ior subsurfaceDistance"),
+    NQM_RULE_IGNORED("ior subsurfaceDistance"),
     END,
 };
 

@@ -150,12 +150,6 @@ static bool finish_diffuse(nqm_bsdf_reading *r, const nqm_bsdf_node *bsdf) {
     { .name = NAME, .read = nqm_rule_set, .key = KEY, .n = 3 }
 #define OWN(NAME, READ)                                                                                                \
     { .name = NAME, .read = READ, .key = NAME, .n = 1 }
-#define ZERO(NAME, WHY)                                                                                                \
-    { .name = NAME, .read = nqm_rule_neutral, .n = 1, .why = WHY }
-#define LATER(NAME)                                                                                                    \
-    { .name = NAME, .read = nqm_rule_later }
-#define IGNORED(NAMES)                                                                                                 \
-    { .name = NAMES, .read = nqm_rule_ignore }
 #define DELTA     "a smooth surface reflects into one direction only; only rough ones have a BRDF"
 #define TRANSMITS "transmission is not supported"
 #define LAYERED   "combinations of BSDFs and textures are not supported"
@@ -163,23 +157,27 @@ static const nqm_bsdf_plugin plugins[] = {
     {.type = "roughconductor",
      .model = "rough-conductor",
      .finish = finish_conductor,
-     .rules = {OWN("alpha", read_alpha), LATER("alpha_u"), LATER("alpha_v"), OWN("distribution", read_distribution),
-               COLOUR("eta", "eta"), COLOUR("k", "k"), LATER("material"),
-               COLOUR("specular_reflectance", "specular_reflectance"), IGNORED("sample_visible")}},
+     .rules = {OWN("alpha", read_alpha), NQM_RULE_LATER("alpha_u"), NQM_RULE_LATER("alpha_v"),
+               OWN("distribution", read_distribution), COLOUR("eta", "eta"), COLOUR("k", "k"),
+               NQM_RULE_LATER("material"), COLOUR("specular_reflectance", "specular_reflectance"),
+               NQM_RULE_IGNORED("sample_visible")}},
     {.type = "roughplastic",
      .model = "rough-plastic",
      .finish = finish_plastic,
-     .rules = {OWN("alpha", read_alpha), LATER("alpha_u"), LATER("alpha_v"), OWN("distribution", read_distribution),
-               LATER("int_ior"), LATER("ext_ior"), COLOUR("diffuse_reflectance", "diffuse_reflectance"),
+     .rules = {OWN("alpha", read_alpha), NQM_RULE_LATER("alpha_u"), NQM_RULE_LATER("alpha_v"),
+               OWN("distribution", read_distribution), NQM_RULE_LATER("int_ior"), NQM_RULE_LATER("ext_ior"),
+               COLOUR("diffuse_reflectance", "diffuse_reflectance"),
                COLOUR("specular_reflectance", "specular_reflectance"), OWN("nonlinear", read_flag),
-               IGNORED("sample_visible")}},
+               NQM_RULE_IGNORED("sample_visible")}},
     {.type = "principled",
      .model = "principled",
      .rules = {COLOUR("base_color", "base_color"), NUMBER("roughness"), NUMBER("metallic"), OWN("eta", read_eta),
                OWN("specular", read_specular), NUMBER("spec_tint"), NUMBER("sheen"), NUMBER("sheen_tint"),
                NUMBER("flatness"), NUMBER("clearcoat"), NUMBER("clearcoat_gloss"),
-               ZERO("anisotropic", "anisotropic materials are not supported"), ZERO("spec_trans", TRANSMITS),
-               IGNORED("main_specular_sampling_rate clearcoat_sampling_rate diffuse_reflectance_sampling_rate")}},
+               NQM_RULE_ZERO("anisotropic", "anisotropic materials are not supported"),
+               NQM_RULE_ZERO("spec_trans", TRANSMITS),
+               NQM_RULE_IGNORED(
+                   "main_specular_sampling_rate clearcoat_sampling_rate diffuse_reflectance_sampling_rate")}},
     {.type = "diffuse", .model = "lambert", .finish = finish_diffuse, .rules = {COLOUR("reflectance", "kd")}},
     {.type = "measured", .rules = {OWN("filename", nqm_bsdf_file)}},
     {.type = "conductor", .refusal = DELTA},

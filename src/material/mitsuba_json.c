@@ -34,16 +34,11 @@ static void format_numbers(const json_t *value, char text[TEXT_SIZE]) {
 }
 
 static nqm_bsdf_kind kind_of_type(const char *type) {
-    static const struct {
-        const char *type;
-        nqm_bsdf_kind kind;
-    } kinds[] = {{"rgb", NQM_BSDF_RGB},          {"srgb", NQM_BSDF_RGB},         {"spectrum", NQM_BSDF_SPECTRUM},
-                 {"uniform", NQM_BSDF_SPECTRUM}, {"regular", NQM_BSDF_SPECTRUM}, {"irregular", NQM_BSDF_SPECTRUM},
-                 {"ref", NQM_BSDF_REF}};
-    for (size_t i = 0; i < sizeof kinds / sizeof *kinds; ++i)
-        if (strcmp(type, kinds[i].type) == 0)
-            return kinds[i].kind;
-    return nqm_mitsuba_is_bsdf(type) ? NQM_BSDF_BSDF : NQM_BSDF_OTHER;
+    static const nqm_bsdf_word kinds[] = {{"rgb", NQM_BSDF_RGB},           {"srgb", NQM_BSDF_RGB},
+                                          {"spectrum", NQM_BSDF_SPECTRUM}, {"uniform", NQM_BSDF_SPECTRUM},
+                                          {"regular", NQM_BSDF_SPECTRUM},  {"irregular", NQM_BSDF_SPECTRUM},
+                                          {"ref", NQM_BSDF_REF},           {NULL, NQM_BSDF_OTHER}};
+    return nqm_mitsuba_is_bsdf(type) ? NQM_BSDF_BSDF : nqm_bsdf_kind_of(kinds, type);
 }
 
 static nqm_bsdf_kind kind_of(const json_t *value) {
@@ -138,21 +133,12 @@ static bool probe(const nqm_map *map) {
 
 static nqm_status load(const nqm_map *map, json_t **root_ret, nqm_error *err) {
     const size_t skip = map->n_bytes >= 3 && memcmp(map->data, "\xef\xbb\xbf", 3) == 0 ? 3 : 0;
-    json_error_t error = {.position = 0};
+    const nqm_json_place place = {map->path, map->n_bytes, skip};
     if (map->n_bytes > MAX_BYTES)
         return nqm_fail(err, NQM_ERR_LIMIT, 0, "%s: %zu bytes of JSON (byte 0); at most %d are read", map->path,
                         map->n_bytes, MAX_BYTES);
-    nqm_status status =
-        nqm_json_check((const char *)map->data + skip, map->n_bytes - skip, map->n_bytes, map->path, skip, err);
-    if (status != NQM_OK)
-        return status;
-    status = nqm_json_load((const char *)map->data + skip, map->n_bytes - skip, JSON_REJECT_DUPLICATES, root_ret,
-                           &error, err);
-    if (status != NQM_ERR_FORMAT)
-        return status;
-    const int64_t byte = (int64_t)skip + (error.position > 0 ? error.position : 0);
-    return nqm_fail(err, NQM_ERR_FORMAT, byte, "%s: not valid JSON at byte %lld: %.100s", map->path, (long long)byte,
-                    error.text);
+    return nqm_json_read((const char *)map->data + skip, map->n_bytes - skip, JSON_REJECT_DUPLICATES, &place, root_ret,
+                         err);
 }
 
 static nqm_status read_json(const nqm_map *map, nqm_materials *materials, nqm_error *err) {

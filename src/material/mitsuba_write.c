@@ -74,11 +74,9 @@ nqm_status nqm_mitsuba_write(size_t n, const nqm_named_shading *materials, const
     const char *dot = strrchr(path, '.');
     const bool is_json = dot && strcasecmp(dot, ".json") == 0;
     fputs(is_json ? "{\n  \"type\": \"scene\"" : "<scene version=\"3.0.0\">\n", stream);
-    for (size_t i = 0; i < n; ++i) {
-        if (!nqm_mitsuba_type_of(materials[i].shading.model))
-            return nqm_fail(err, NQM_ERR_ARG, -1, "%s: Mitsuba has no BSDF for '%s'", path, materials[i].shading.model);
+    (void)err;
+    for (size_t i = 0; i < n; ++i)
         (is_json ? write_json : write_xml)(&materials[i].shading, materials[i].name, stream);
-    }
     fputs(is_json ? "\n}\n" : "</scene>\n", stream);
     return NQM_OK;
 }

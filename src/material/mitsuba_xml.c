@@ -6,18 +6,10 @@
 #include "io/xml.h"
 #include "material/mitsuba.h"
 
-static nqm_bsdf_kind kind_of(const char *element) {
-    static const struct {
-        const char *element;
-        nqm_bsdf_kind kind;
-    } kinds[] = {{"bsdf", NQM_BSDF_BSDF},         {"float", NQM_BSDF_NUMBER},  {"integer", NQM_BSDF_NUMBER},
-                 {"boolean", NQM_BSDF_BOOLEAN},   {"string", NQM_BSDF_STRING}, {"rgb", NQM_BSDF_RGB},
-                 {"spectrum", NQM_BSDF_SPECTRUM}, {"ref", NQM_BSDF_REF}};
-    for (size_t i = 0; i < sizeof kinds / sizeof *kinds; ++i)
-        if (strcmp(element, kinds[i].element) == 0)
-            return kinds[i].kind;
-    return NQM_BSDF_OTHER;
-}
+static const nqm_bsdf_word kinds[] = {
+    {"bsdf", NQM_BSDF_BSDF},         {"float", NQM_BSDF_NUMBER},  {"integer", NQM_BSDF_NUMBER},
+    {"boolean", NQM_BSDF_BOOLEAN},   {"string", NQM_BSDF_STRING}, {"rgb", NQM_BSDF_RGB},
+    {"spectrum", NQM_BSDF_SPECTRUM}, {"ref", NQM_BSDF_REF},       {NULL, NQM_BSDF_OTHER}};
 
 enum { MAX_DEFAULTS = 1000 }; /* each value is searched among them */
 
@@ -39,7 +31,7 @@ static char *value_of(const walk *w, const nqm_xml_element *element, const char 
 
 /* Add the element and those inside it; parent: the node that contains them. The depth is limited by the XML reader. */
 static nqm_status add_element(walk *w, const nqm_xml_element *element, size_t parent) {
-    const nqm_bsdf_node node = {.kind = kind_of(element->name),
+    const nqm_bsdf_node node = {.kind = nqm_bsdf_kind_of(kinds, element->name),
                                 .parent = parent,
                                 .type = value_of(w, element, "type"),
                                 .name = value_of(w, element, "name"),

@@ -85,17 +85,10 @@ typedef struct material {
     nqm_bsdf_nodes nodes;
 } material;
 
-static nqm_bsdf_kind kind_of(const char *type) {
-    static const struct {
-        const char *type;
-        nqm_bsdf_kind kind;
-    } kinds[] = {{"float", NQM_BSDF_NUMBER},  {"integer", NQM_BSDF_NUMBER},    {"rgb", NQM_BSDF_TRIPLE},
-                 {"string", NQM_BSDF_STRING}, {"spectrum", NQM_BSDF_SPECTRUM}, {"bool", NQM_BSDF_BOOLEAN}};
-    for (size_t i = 0; i < sizeof kinds / sizeof *kinds; ++i)
-        if (strcmp(type, kinds[i].type) == 0)
-            return kinds[i].kind;
-    return NQM_BSDF_OTHER;
-}
+static const nqm_bsdf_word kinds[] = {{"float", NQM_BSDF_NUMBER},      {"integer", NQM_BSDF_NUMBER},
+                                      {"rgb", NQM_BSDF_TRIPLE},        {"string", NQM_BSDF_STRING},
+                                      {"spectrum", NQM_BSDF_SPECTRUM}, {"bool", NQM_BSDF_BOOLEAN},
+                                      {NULL, NQM_BSDF_OTHER}};
 
 /* Append one value, the last token, to the others; a string among numbers keeps its quotes and is no number. */
 static nqm_status add_value(scanner *s, nqm_bsdf_kind kind, char values[VALUES]) {
@@ -138,7 +131,7 @@ static nqm_status read_parameter(scanner *s, material *m) {
         return fail(s, "a parameter that is not declared as \"type name\"");
     declaration[blank] = 0;
     declaration[start + strcspn(declaration + start, " \t")] = 0;
-    const nqm_bsdf_node node = {.kind = kind_of(declaration),
+    const nqm_bsdf_node node = {.kind = nqm_bsdf_kind_of(kinds, declaration),
                                 .type = declaration,
                                 .name = declaration + start,
                                 .value = values,
@@ -266,20 +259,20 @@ static bool finish_diffuse(nqm_bsdf_reading *r, const nqm_bsdf_node *bsdf) {
     return true;
 }
 
-/* because the meaning of one depends on another */
-#define LATER(NAME)                                                                                                    \
-    { .name = NAME, .read = nqm_rule_later }
-#define DISPLACEMENT                                                                                                   \
-    { .name = "displacement", .read = nqm_rule_neutral, .n = 1, .why = "displacement is not part of a BRDF" }
-#define WALKS     "pbrt evaluates layers by random walks; there is no formula"
-#define TRANSMITS "transmission is not supported"
+#define DISPLACEMENT NQM_RULE_ZERO("displacement", "displacement is not part of a BRDF")
+#define WALKS        "pbrt evaluates layers by random walks; there is no formula"
+#define TRANSMITS    "transmission is not supported"
 static const nqm_bsdf_plugin types[] = {
     {.type = "conductor",
      .model = "pbrt-conductor",
      .finish = finish_conductor,
-     .rules = {LATER("eta"), LATER("k"), LATER("reflectance"), LATER("roughness"), LATER("uroughness"),
-               LATER("vroughness"), LATER("remaproughness"), DISPLACEMENT}},
-    {.type = "diffuse", .model = "lambert", .finish = finish_diffuse, .rules = {LATER("reflectance"), DISPLACEMENT}},
+     .rules = {NQM_RULE_LATER("eta"), NQM_RULE_LATER("k"), NQM_RULE_LATER("reflectance"), NQM_RULE_LATER("roughness"),
+               NQM_RULE_LATER("uroughness"), NQM_RULE_LATER("vroughness"), NQM_RULE_LATER("remaproughness"),
+               DISPLACEMENT}},
+    {.type = "diffuse",
+     .model = "lambert",
+     .finish = finish_diffuse,
+     .rules = {NQM_RULE_LATER("reflectance"), DISPLACEMENT}},
     {.type = "measured", .rules = {{.name = "filename", .read = nqm_bsdf_file}}},
     {.type = "coateddiffuse", .refusal = WALKS},
     {.type = "coatedconductor", .refusal = WALKS},

@@ -90,14 +90,19 @@ bool nqm_rule_later(nqm_reading *r, const nqm_rule *rule, const void *property) 
 
 nqm_status nqm_reading_add(const nqm_reading *r, const char *name, const char *surface, int64_t byte_offset,
                            nqm_materials *materials, nqm_error *err) {
-    nqm_material_info info = {.name = name, .surface = surface, .byte_offset = byte_offset};
-    if (!*r->refusal && !r->file)
-        return nqm_materials_add_shading(materials, name, surface, &r->shading, byte_offset, err);
-    if (*r->refusal) {
-        info.refusal = r->refusal;
-        info.byte_offset = r->byte_offset;
-    } else {
-        info.spec = r->file;
-    }
-    return nqm_materials_add(materials, &info, err);
+    const bool is_refused = *r->refusal, has_spec = !is_refused && !r->file;
+    char *spec = has_spec ? nqm_shading_spec(&r->shading) : NULL;
+    if (has_spec && !spec)
+        return nqm_fail_nomem(err, sizeof r->shading);
+    const nqm_material_info info = {.name = name,
+                                    .surface = surface,
+                                    .spec = is_refused ? NULL
+                                            : has_spec ? spec
+                                                       : r->file,
+                                    .refusal = is_refused ? r->refusal : NULL,
+                                    .remark = has_spec ? r->shading.remark : NULL,
+                                    .byte_offset = is_refused ? r->byte_offset : byte_offset};
+    nqm_status status = nqm_materials_add(materials, &info, err);
+    nqm_free(spec);
+    return status;
 }

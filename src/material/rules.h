@@ -35,6 +35,14 @@ nqm_rule_read nqm_rule_ignore;
 /** Code for the whole material reads the property, because others change its meaning. */
 nqm_rule_read nqm_rule_later;
 
+/** Rules that several formats have. */
+#define NQM_RULE_IGNORED(NAMES)                                                                                        \
+    { .name = (NAMES), .read = nqm_rule_ignore }
+#define NQM_RULE_LATER(NAME)                                                                                           \
+    { .name = (NAME), .read = nqm_rule_later }
+#define NQM_RULE_ZERO(NAME, WHY)                                                                                       \
+    { .name = (NAME), .read = nqm_rule_neutral, .n = 1, .why = (WHY) }
+
 /** What a file format implements. */
 typedef struct nqm_rule_source {
     const char *term; /**< what the format calls a property, for messages */

@@ -43,6 +43,9 @@ bool nqm_spectrum_is_visible(size_t n, const float *nm);
  *  value k. The spectrum is linear between wavelengths and constant beyond them; each channel's weights sum to 1. rgb: (n, 3). */
 void nqm_spectrum_weights(nqm_illuminant illuminant, size_t n, const float *nm, double *rgb);
 
+/** Index of the last of n > 0 rising values that is not above x; 0 when all are. */
+size_t nqm_last_not_above(const double *value, size_t n, double x);
+
 /* ---- range checks ------------------------------------------------------------------------------------------------ */
 
 /** Whether all n values are finite and at least `least`. */

@@ -30,3 +30,15 @@ size_t nqm_first_outside(size_t n, const float *value, float least) {
         ++i;
     return i;
 }
+
+size_t nqm_last_not_above(const double *value, size_t n, double x) {
+    size_t low = 0, high = n;
+    while (high - low > 1) {
+        size_t middle = low + (high - low) / 2;
+        if (value[middle] <= x)
+            low = middle;
+        else
+            high = middle;
+    }
+    return low;
+}

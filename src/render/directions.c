@@ -145,14 +145,7 @@ static void gather_light(sampler *s, double *irradiance) {
 /* The interval of a cumulative table (n + 1) that contains u times the total, and the position in it. */
 static size_t find_step(const double *cumulative, size_t n, double u, double *within) {
     double target = u * cumulative[n];
-    size_t low = 0, high = n; /* cumulative[low] <= target < cumulative[high], but for rounding */
-    while (high - low > 1) {
-        size_t middle = (low + high) / 2;
-        if (cumulative[middle] <= target)
-            low = middle;
-        else
-            high = middle;
-    }
+    size_t low = nqm_last_not_above(cumulative, n, target); /* target < cumulative[low + 1], but for rounding */
     double width = cumulative[low + 1] - cumulative[low];
     *within = width > 0 ? fmin(fmax((target - cumulative[low]) / width, 0), 1 - 0x1p-53) : 0.5;
     return low;

@@ -28,10 +28,6 @@ typedef struct drawing {
     nqm_surface_point *sphere;            /* (n_parts, n_points) points of spheres */
 } drawing;
 
-static double random_unit(const nqm_scene *scene, size_t counter) {
-    return (double)(nqm_hash_u64(scene->options.seed, UINT64_MAX - counter) >> 11) * 0x1p-53;
-}
-
 /* Rotate about the normal. turn: sine and cosine. */
 static void rotate(const double *turn, const double *v, double *rotated) {
     rotated[0] = turn[1] * v[0] - turn[0] * v[1];
@@ -46,8 +42,8 @@ static void draw_point(void *user, size_t i) {
     const size_t k = i % d->n_points;
     const nqm_scene *scene = &d->parts[i / d->n_points];
     const double n_seen = (double)scene->seen.n,
-                 stratum = ((double)k + random_unit(scene, 2 * k)) / (double)d->n_points;
-    const double angle = 2 * NQM_PI * random_unit(scene, 2 * k + 1);
+                 stratum = ((double)k + nqm_random_unit(scene->options.seed, UINT64_MAX - 2 * k)) / (double)d->n_points;
+    const double angle = 2 * NQM_PI * nqm_random_unit(scene->options.seed, UINT64_MAX - 2 * k - 1);
     drawn *p = &d->points[i];
     *p = (drawn){.scene = scene, .number = i / d->n_points, .turn = {sin(angle), cos(angle)}};
     p->index = nqm_smaller((size_t)(stratum * n_seen), scene->seen.n - 1);

@@ -103,9 +103,6 @@ typedef struct nqm_hit {
  *  half_height in units of half the picture's shorter side. */
 NQM_MUST_CHECK nqm_status nqm_shape_create(const char *name, double elevation_rad, double half_width,
                                            double half_height, nqm_shape *shape_ret, nqm_error *err);
-/** The same for a mesh in memory; takes ownership of the mesh, also on failure. */
-NQM_MUST_CHECK nqm_status nqm_shape_from_mesh(nqm_mesh *mesh, double elevation_rad, double half_width,
-                                              double half_height, nqm_shape *shape_ret, nqm_error *err);
 /** Free the contents; a zeroed shape is allowed. */
 void nqm_shape_clear(nqm_shape *shape);
 bool nqm_shape_hit(const nqm_shape *shape, const double *origin, const double *direction, nqm_hit *hit);
@@ -131,22 +128,22 @@ void nqm_world_from_local(const nqm_surface_point *point, const double *local, d
 void nqm_local_from_world(const nqm_surface_point *point, const double *world, double *local);
 void nqm_shape_from_world(const double *turn, const double *world, double *in_shape);
 
-/** The visible points of a shape; `point` owns the block of `weight`. */
+/** The visible points of a shape. */
 typedef struct nqm_seen {
     size_t n;
+    void *block;              /* of all arrays */
     nqm_surface_point *point; /* (n); NULL for large pictures: nqm_scene_point() computes them from their pixels */
     size_t *pixel;            /* (n) (frame * height + y) * width + x; NULL unless the options have a width */
     double *weight;           /* (n) fraction of the picture that the point represents, summing to 1; NULL: 1/n */
 } nqm_seen;
 
-/** The pixels of a picture that show the shape. seen: zeroed; clear it with nqm_seen_clear(), also after a failure. */
+/** The pixels of a picture that show the shape. seen: zeroed; free seen->block, also after a failure. */
 NQM_MUST_CHECK nqm_status nqm_view_pixels(const nqm_shape *shape, const nqm_scene_options *options, nqm_seen *seen,
                                           nqm_error *err);
 /** Without a picture: points whose normals are distributed as those of the pixels; else as nqm_view_pixels(). glow: the light map
  *  at NQM_GLOW_WIDTH, which predicts where highlights may be; unused for spheres. */
 NQM_MUST_CHECK nqm_status nqm_spread_points(const nqm_shape *shape, const nqm_light *glow,
                                             const nqm_scene_options *options, nqm_seen *seen, nqm_error *err);
-void nqm_seen_clear(nqm_seen *seen);
 /** Axes of the viewer in world coordinates: axes (3, 3), rows right, up and towards the viewer. */
 void nqm_view_axes(double elevation_rad, double *axes);
 

@@ -169,11 +169,11 @@ static bool can_keep(const nqm_scene *scene) {
 
 static nqm_status light_points(nqm_scene *scene, const nqm_scene_options *o, nqm_error *err) {
     size_t n = scene->seen.n;
-    creation c = {.scene = scene, .luminance = nqm_alloc_pages(n, sizeof *c.luminance)};
+    creation c = {.scene = scene, .luminance = nqm_alloc(n, sizeof *c.luminance)};
     if (can_keep(scene))
         scene->kept = nqm_alloc(n, sizeof *scene->kept);
     if (!c.luminance || (can_keep(scene) && !scene->kept)) {
-        nqm_free_pages(c.luminance, n, sizeof *c.luminance);
+        nqm_free(c.luminance);
         return nqm_fail_nomem(err, n * (sizeof *c.luminance + sizeof *scene->kept));
     }
     nqm_ticker ticker = {.fn = o->progress, .user = o->progress_user};
@@ -182,7 +182,7 @@ static nqm_status light_points(nqm_scene *scene, const nqm_scene_options *o, nqm
                         : atomic_load(&c.out_of_memory)
                             ? nqm_fail_nomem(err, n * scene->options.n_lights * sizeof(nqm_ray))
                             : expose(scene, c.luminance, o, err);
-    nqm_free_pages(c.luminance, n, sizeof *c.luminance);
+    nqm_free(c.luminance);
     return status;
 }
 
@@ -223,10 +223,10 @@ static nqm_status join_parts(nqm_scene *scene, nqm_error *err) {
     nqm_seen *all = &scene->seen;
     for (size_t p = 0; p < scene->n_parts; ++p)
         all->n += scene->parts[p]->seen.n;
-    nqm_status status = nqm_alloc_arrays(
-        NQM_ARRAYS({&all->point, 0, sizeof *all->point}, {&all->weight, all->n, sizeof *all->weight}), err);
-    if (status == NQM_OK && o->width && !(all->pixel = nqm_alloc_pages(all->n, sizeof *all->pixel)))
-        status = nqm_fail_nomem(err, all->n * sizeof *all->pixel);
+    nqm_status status = nqm_alloc_arrays(NQM_ARRAYS({&all->block, 0, 1}, {&all->weight, all->n, sizeof *all->weight},
+                                                    {&all->pixel, o->width ? all->n : 0, sizeof *all->pixel}),
+                                         err);
+    all->pixel = o->width ? all->pixel : NULL;
     for (size_t p = 0, at = 0; status == NQM_OK && p < scene->n_parts; ++p) {
         const nqm_seen *part = &scene->parts[p]->seen;
         for (size_t i = 0; i < part->n; ++i, ++at) {
@@ -291,7 +291,7 @@ void nqm_scene_free(nqm_scene *scene) {
     for (size_t i = 0; scene->kept && i < scene->seen.n; ++i)
         nqm_free(scene->kept[i].ray);
     nqm_free(scene->kept);
-    nqm_seen_clear(&scene->seen);
+    nqm_free(scene->seen.block);
     nqm_shape_clear(&scene->shape);
     nqm_free(scene->light.rgb);
     for (size_t i = 0; i < scene->n_parts; ++i)

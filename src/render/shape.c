@@ -61,32 +61,24 @@ static nqm_status fit_mesh(nqm_mesh *mesh, double elevation_rad, double half_wid
     return NQM_OK;
 }
 
-nqm_status nqm_shape_from_mesh(nqm_mesh *mesh, double elevation_rad, double half_width, double half_height,
-                               nqm_shape *shape_ret, nqm_error *err) {
-    nqm_shape shape = {.mesh = *mesh};
-    *mesh = (nqm_mesh){0};
-    *shape_ret = (nqm_shape){0};
-    nqm_status status = fit_mesh(&shape.mesh, elevation_rad, half_width, half_height, err);
+nqm_status nqm_shape_create(const char *name, double elevation_rad, double half_width, double half_height,
+                            nqm_shape *shape_ret, nqm_error *err) {
+    nqm_shape shape = {.radius = 0};
+    *shape_ret = shape;
+    if (!name || strcmp(name, "sphere") == 0) {
+        shape_ret->radius = filled * fmin(half_width, half_height);
+        return NQM_OK;
+    }
+    nqm_status status =
+        strcmp(name, "blob") == 0 ? nqm_blob_create(&shape.mesh, err) : nqm_mesh_load(name, &shape.mesh, err);
+    if (status == NQM_OK)
+        status = fit_mesh(&shape.mesh, elevation_rad, half_width, half_height, err);
     if (status == NQM_OK)
         status = nqm_tracer_create(&shape.mesh, &shape.tracer, err);
     if (status == NQM_OK)
         *shape_ret = shape;
     else
         nqm_shape_clear(&shape);
-    return status;
-}
-
-nqm_status nqm_shape_create(const char *name, double elevation_rad, double half_width, double half_height,
-                            nqm_shape *shape_ret, nqm_error *err) {
-    nqm_mesh mesh = {0};
-    *shape_ret = (nqm_shape){0};
-    if (!name || strcmp(name, "sphere") == 0) {
-        shape_ret->radius = filled * fmin(half_width, half_height);
-        return NQM_OK;
-    }
-    nqm_status status = strcmp(name, "blob") == 0 ? nqm_blob_create(&mesh, err) : nqm_mesh_load(name, &mesh, err);
-    if (status == NQM_OK)
-        status = nqm_shape_from_mesh(&mesh, elevation_rad, half_width, half_height, shape_ret, err);
     return status;
 }
 

@@ -9,14 +9,10 @@
 #include <math.h>
 #include <stdlib.h>
 
-static double random_unit(uint64_t seed, uint64_t counter) {
-    return (double)(nqm_hash_u64(seed, counter) >> 11) * 0x1p-53;
-}
-
 /* A sunflower (Vogel 1979, DOI 10.1016/0025-5564(79)90080-4): even in area over the disc, for any number. */
 void nqm_spread_sphere(const nqm_scene_options *o, nqm_surface_point *point) {
     const double golden_angle = NQM_PI * (3 - sqrt(5)), turn[2] = {0, 1};
-    double start = 2 * NQM_PI * random_unit(o->seed, UINT64_MAX), axes[9];
+    double start = 2 * NQM_PI * nqm_random_unit(o->seed, UINT64_MAX), axes[9];
     nqm_view_axes(o->elevation_rad, axes);
     for (size_t i = 0; i < o->n_points; ++i) {
         double r = sin(NQM_VIEW_MAX_DEG * NQM_PI / 180) * sqrt(((double)i + 0.5) / (double)o->n_points);
@@ -83,8 +79,8 @@ static nqm_status find_candidates(const nqm_shape *shape, const nqm_scene_option
         size_t frame = i % o->n_frames;
         /* NOLINTNEXTLINE(bugprone-integer-division): whole rounds of the frames */
         double step = (double)(i / o->n_frames + 1);
-        double x = random_unit(o->seed, UINT64_MAX - 2 * frame) + step / plastic;
-        double y = random_unit(o->seed, UINT64_MAX - 2 * frame - 1) + step / (plastic * plastic);
+        double x = nqm_random_unit(o->seed, UINT64_MAX - 2 * frame) + step / plastic;
+        double y = nqm_random_unit(o->seed, UINT64_MAX - 2 * frame - 1) + step / (plastic * plastic);
         nqm_view v = nqm_view_make(shape, o, frame);
         if (!nqm_view_look(&v, 2 * (x - floor(x)) - 1, 2 * (y - floor(y)) - 1, &hits[k].point))
             continue;
@@ -147,7 +143,7 @@ static nqm_status spread_mesh(const nqm_shape *shape, const nqm_light *glow, con
     if (status == NQM_OK) {
         qsort(hits, n, sizeof *hits, by_place);
         weigh(glow, axes + 6, n, hits);
-        draw_points(hits, n, random_unit(o->seed, UINT64_MAX / 2), o->n_points, point, weight);
+        draw_points(hits, n, nqm_random_unit(o->seed, UINT64_MAX / 2), o->n_points, point, weight);
     }
     nqm_free(hits);
     return status;
@@ -155,17 +151,14 @@ static nqm_status spread_mesh(const nqm_shape *shape, const nqm_light *glow, con
 
 nqm_status nqm_spread_points(const nqm_shape *shape, const nqm_light *glow, const nqm_scene_options *o, nqm_seen *seen,
                              nqm_error *err) {
-    nqm_status status = NQM_OK;
-    seen->n = o->n_points;
-    if (shape->tracer)
-        status = nqm_alloc_arrays(
-            NQM_ARRAYS({&seen->point, seen->n, sizeof *seen->point}, {&seen->weight, seen->n, sizeof *seen->weight}),
-            err);
-    else if (!(seen->point = nqm_alloc(seen->n, sizeof *seen->point)))
-        status = nqm_fail_nomem(err, seen->n * sizeof *seen->point);
+    const size_t n = seen->n = o->n_points;
+    nqm_status status = nqm_alloc_arrays(NQM_ARRAYS({&seen->block, 0, 1}, {&seen->point, n, sizeof *seen->point},
+                                                    {&seen->weight, shape->tracer ? n : 0, sizeof *seen->weight}),
+                                         err);
     if (status == NQM_OK && shape->tracer)
-        status = spread_mesh(shape, glow, o, seen->point, seen->weight, err);
-    else if (status == NQM_OK)
+        return spread_mesh(shape, glow, o, seen->point, seen->weight, err);
+    seen->weight = NULL; /* points of a sphere are equal */
+    if (status == NQM_OK)
         nqm_spread_sphere(o, seen->point);
     return status;
 }

@@ -153,12 +153,11 @@ static void keep_row(void *user, size_t row) {
 
 static nqm_status alloc_pixels(nqm_seen *seen, nqm_error *err) {
     const bool stores = seen->n <= MAX_STORED;
-    seen->pixel = nqm_alloc_pages(seen->n, sizeof *seen->pixel);
-    if (stores)
-        seen->point = nqm_alloc(seen->n, sizeof *seen->point);
-    return seen->pixel && (seen->point || !stores)
-               ? NQM_OK
-               : nqm_fail_nomem(err, seen->n * (sizeof *seen->pixel + (stores ? sizeof *seen->point : 0)));
+    nqm_status status = nqm_alloc_arrays(NQM_ARRAYS({&seen->block, 0, 1}, {&seen->pixel, seen->n, sizeof *seen->pixel},
+                                                    {&seen->point, stores ? seen->n : 0, sizeof *seen->point}),
+                                         err);
+    seen->point = stores ? seen->point : NULL;
+    return status;
 }
 
 nqm_status nqm_view_pixels(const nqm_shape *shape, const nqm_scene_options *o, nqm_seen *seen, nqm_error *err) {
@@ -186,12 +185,4 @@ const nqm_surface_point *nqm_scene_point(const nqm_scene *scene, size_t i, nqm_s
     const nqm_view v = nqm_view_make(&scene->shape, o, row / o->height);
     (void)look_at_pixel(o, &v, row, x, made); /* the ray hits the shape, as before */
     return made;
-}
-
-/* ---- entry -------------------------------------------------------------------------------------------------------- */
-
-void nqm_seen_clear(nqm_seen *seen) {
-    nqm_free(seen->point);
-    nqm_free_pages(seen->pixel, seen->n, sizeof *seen->pixel);
-    *seen = (nqm_seen){0};
 }

@@ -9,6 +9,11 @@
 
 #define NQM_VIEW_MAX_DEG 85.0 /* BRDFs are unreliable at larger angles; less than 1 % of the picture of a sphere */
 
+/** Uniform in [0, 1), from a hash. */
+static inline double nqm_random_unit(uint64_t seed, uint64_t counter) {
+    return (double)(nqm_hash_u64(seed, counter) >> 11) * 0x1p-53;
+}
+
 /** The viewer and one frame of the turntable. */
 typedef struct nqm_view {
     const nqm_shape *shape;

@@ -206,7 +206,7 @@ static void damaged_files(void **state) {
         {"<scene></scene>", "no material", NQM_ERR_FORMAT},
         {"<scene><include filename=\"a.xml\"/></scene>", "include", NQM_ERR_FORMAT},
         {"<!DOCTYPE scene SYSTEM \"other.dtd\"><scene/>", "document type", NQM_ERR_FORMAT},
-        {"{\"type\": \"diffuse\"", "not valid JSON at byte 18", NQM_ERR_FORMAT},
+        {"{\"type\": \"diffuse\"", "byte 18: invalid JSON", NQM_ERR_FORMAT},
         {"{\"type\": \"diffuse\", \"a\": 1, \"a\": 2}", "duplicate", NQM_ERR_FORMAT},
         {"{\"type\": \"scene\"}", "no material", NQM_ERR_FORMAT},
         {"{\"shapes\": {}}", "not a material file", NQM_ERR_FORMAT},

@@ -332,7 +332,6 @@ static void stored_points_or_not_is_the_same(void **state) {
                 scene->kept = NULL;
             }
             double *stored = render_spec(scene, "sgd:nickel");
-            nqm_free(scene->seen.point);
             scene->seen.point = NULL;
             double *computed = render_spec(scene, "sgd:nickel");
             assert_memory_equal(stored, computed, scene->seen.n * 3 * sizeof *stored);

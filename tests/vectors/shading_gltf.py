@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 """The material of glTF 2.0 from its specification: Appendix B (as of December 2025, with height-correlated shadowing),
 KHR_materials_specular, _ior, _sheen and _clearcoat, in 80-bit floats from angles. The albedo of the sheen is that of
-src/brdf/models/sheen_albedo.h (made by sheen_albedo.py), interpolated here by Lagrange's and Hermite's formulas.
+presets/sheen_albedo.txt (made by sheen_albedo.py), interpolated here by Lagrange's and Hermite's formulas.
 shading_gltf.csv: spec, wi, wo, r, g, b."""
 import csv
 import pathlib
@@ -48,8 +48,7 @@ def sheen_lambda(theta, alpha):
     return numpy.exp(value(x) if x < 0.5 else 2 * value(real(0.5)) - value(1 - x))
 
 
-TABLE = numpy.array([[int(v) for v in re.findall(r"\d+", row)] for row in
-                     re.findall(r"^    \{(.*?)\}", (HERE / "../../src/brdf/models/sheen_albedo.h").read_text(), re.S | re.M)], real) / 10000
+TABLE = numpy.array(numpy.loadtxt(HERE / "../../presets/sheen_albedo.txt", int, delimiter=","), real) / 10000
 assert TABLE.shape == (32, 32)
 
 

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Directional albedo E of the sheen lobe of KHR_materials_sheen ("Charlie" distribution and shadowing, Estevez and Kulla 2017,
-"Production Friendly Microfacet Sheen BRDF"), by Gauss-Legendre quadrature. Writes the table of ../../src/brdf/models/sheen_albedo.h and
+"Production Friendly Microfacet Sheen BRDF"), by Gauss-Legendre quadrature. Writes the table of ../../presets/sheen_albedo.txt and
 sheen_albedo.csv, random points for the test of the interpolation. The table has E up to 2; above 1 (small roughness, grazing light) it counts as 1: the
 layer below cannot lose more than all of its light. Usage: python3 sheen_albedo.py (3 minutes)"""
 import os
@@ -48,16 +48,11 @@ def main():
     axis = np.linspace(0, 1, N)
     # roughness and cosine 0 have no finite albedo: the limits for all other cosines, and a cosine of 1e-4
     table = [[0 if r == 0 else min(2, albedo(max(t * t, 1e-4), r)) for t in axis] for r in axis]
-    with open(os.path.join(HERE, "../../src/brdf/models/sheen_albedo.h"), "w") as f:
-        f.write("/* SPDX-License-Identifier: MIT\n *\n * sheen_albedo.h - directional albedo E of the sheen lobe of glTF; made by "
-                "tests/vectors/sheen_albedo.py, which\n * explains it. Rows: roughness i / 31; columns: square root of the cosine j / 31; "
-                "unit 1/10000.\n */\n#ifndef NQM_SRC_BRDF_SHEEN_ALBEDO_H\n#define NQM_SRC_BRDF_SHEEN_ALBEDO_H\n\n#include <stdint.h>\n\n"
-                f"enum {{ NQM_SHEEN_N = {N} }};\n/* clang-format off */\n"
-                "static const uint16_t nqm_sheen_albedo[NQM_SHEEN_N][NQM_SHEEN_N] = {\n")
+    with open(os.path.join(HERE, "../../presets/sheen_albedo.txt"), "w") as f:
+        f.write("# Directional albedo E of the sheen lobe of glTF, by tests/vectors/sheen_albedo.py, which explains it. Rows: roughness i / 31;\n"
+                "# columns: square root of the cosine j / 31; unit 1/10000.\n")
         for row in table:
-            words = [str(round(1e4 * e)) for e in row]
-            f.write("    {" + ", ".join(words[:16]) + ",\n     " + ", ".join(words[16:]) + "},\n")
-        f.write("};\n/* clang-format on */\n\n#endif\n")
+            f.write(",".join(str(round(1e4 * e)) for e in row) + "\n")
     rng = np.random.default_rng(SEED)
     with open(os.path.join(HERE, "sheen_albedo.csv"), "w") as f:
         f.write("roughness,cosine,albedo\n")

@@ -46,6 +46,9 @@ typedef struct nqm_brdf_format {
 #define NQM_DECLARE_BRDF_FORMAT(NAME) extern const nqm_brdf_format NAME;
 NQM_BRDF_FORMATS(NQM_DECLARE_BRDF_FORMAT)
 
+/** The values of a BRDF whose format is "table" as a tensor "rgb". */
+struct nqm_tensor nqm_table_tensor(const nqm_brdf *brdf);
+
 /** A polarimetric material in a file of tensors, which has a tensor "M"; nqm_rgl_format opens it. */
 struct nqm_tensor_file;
 NQM_MUST_CHECK nqm_status nqm_pbsdf_open(nqm_map *map, const struct nqm_tensor_file *file, nqm_illuminant illuminant,

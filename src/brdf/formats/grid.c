@@ -13,25 +13,12 @@ typedef struct span {
     double t;
 } span;
 
-/* Index of the last node that is not above x; node[0] <= x. */
-static size_t last_not_above(const double *node, size_t n, double x) {
-    size_t low = 0, high = n;
-    while (high - low > 1) {
-        size_t middle = low + (high - low) / 2;
-        if (node[middle] <= x)
-            low = middle;
-        else
-            high = middle;
-    }
-    return low;
-}
-
 /* false: x is outside the nodes by more than the rounding of angles in float32. */
 static bool find_theta(const double *node, size_t n, double x, span *s) {
     const double slack = 1e-6;
     if (!(x >= node[0] - slack && x <= node[n - 1] + slack))
         return false;
-    size_t i = last_not_above(node, n, fmax(x, node[0]));
+    size_t i = nqm_last_not_above(node, n, fmax(x, node[0]));
     i = i < n - 1 ? i : n - 2;
     *s = (span){{i, i + 1}, fmin(fmax((x - node[i]) / (node[i + 1] - node[i]), 0), 1)};
     return true;
@@ -43,7 +30,7 @@ static span find_phi(const nqm_grid *g, double x) {
         x += g->period;
     while (x > last && x - g->period >= first)
         x -= g->period;
-    size_t i = last_not_above(node, g->n[2], x);
+    size_t i = nqm_last_not_above(node, g->n[2], x);
     bool wraps = i == g->n[2] - 1;
     double next = wraps ? first + g->period : node[i + 1];
     return (span){{i, wraps ? 0 : i + 1}, next > node[i] ? (x - node[i]) / (next - node[i]) : 0};
@@ -82,7 +69,8 @@ static void interpolate(const nqm_grid *g, const span *s, double *rgb) {
         rgb[c] = total > 1e-6 ? sum[c] / total : NAN;
 }
 
-void nqm_grid_eval(const nqm_grid *grid, size_t n, const double *hd, double *rgb) {
+void nqm_grid_eval(const void *self, size_t n, const double *hd, double *rgb) {
+    const nqm_grid *grid = self;
     for (size_t i = 0; i < n; ++i) {
         span s[3];
         if (find_theta(grid->node[0], grid->n[0], hd[3 * i], s) &&

@@ -191,11 +191,7 @@ static nqm_status read_rows(const nqm_csv *csv, list *l, nqm_error *err) {
 
 /* ---- complete grids ---------------------------------------------------------------------------------------------- */
 
-static void listed_grid_eval(const void *self, size_t n, const double *hd, double *rgb) {
-    nqm_grid_eval(self, n, hd, rgb);
-}
-
-static const nqm_brdf_class grid_class = {.format = "grid", .eval_half_diff = listed_grid_eval, .free = nqm_free};
+static const nqm_brdf_class grid_class = {.format = "grid", .eval_half_diff = nqm_grid_eval, .free = nqm_free};
 
 /* theta_i, theta_o and phi. The value at -phi is that at phi where the nodes are of one half of the turn. */
 static void place_pair(const nqm_grid *g, const double *wi, const double *wo, double *at) {

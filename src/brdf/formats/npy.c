@@ -57,9 +57,7 @@ static nqm_status open_file(nqm_map *map, const nqm_brdf_argument *argument, nqm
 const nqm_brdf_format nqm_npy_format = {.files = ".npy", .probe = nqm_npy_probe, .open = open_file};
 
 static nqm_status write_table(const nqm_brdf *table, const char *path, nqm_error *err) {
-    nqm_tensor tensor = {.dtype = NQM_F32, .n_dims = 4, .dims = {0, 0, 0, 3}};
-    tensor.data = nqm_table_values(table, tensor.dims);
-    tensor.n_bytes = table->info.n_values * sizeof(float);
+    const nqm_tensor tensor = nqm_table_tensor(table);
     return nqm_npy_write(path, &tensor, err);
 }
 

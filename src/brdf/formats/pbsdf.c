@@ -14,21 +14,16 @@
 
 /* Allocated as one block; nodes and weights follow the struct. */
 typedef struct pbsdf {
+    nqm_grid grid; /* the first member: the class evaluates it */
     nqm_map map;
-    nqm_grid grid;
 } pbsdf;
-
-static void pbsdf_eval_half_diff(const void *self, size_t n, const double *hd, double *rgb) {
-    nqm_grid_eval(&((const pbsdf *)self)->grid, n, hd, rgb);
-}
 
 static void pbsdf_free(void *self) {
     nqm_map_close(&((pbsdf *)self)->map);
     nqm_free(self);
 }
 
-static const nqm_brdf_class pbsdf_class = {
-    .format = "pbsdf", .eval_half_diff = pbsdf_eval_half_diff, .free = pbsdf_free};
+static const nqm_brdf_class pbsdf_class = {.format = "pbsdf", .eval_half_diff = nqm_grid_eval, .free = pbsdf_free};
 
 /* ---- reading ----------------------------------------------------------------------------------------------------- */
 

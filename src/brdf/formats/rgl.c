@@ -25,12 +25,11 @@
 /** A table over the unit square, first coordinate along a row; (height, width) or several such slices. */
 typedef struct grid {
     size_t width, height;
-    const float *value; /* values in the mapped file, or a copy */
+    const float *value;
 } grid;
 
 /* Allocated as one block; copies and integrals follow the struct. */
 typedef struct rgl {
-    nqm_map map;
     size_t n_theta;
     grid angles;         /* theta_i: (n_theta), rising, radians */
     grid ndf, sigma;     /* microfacet density over half vectors; projected area over incidence: (height, width) */
@@ -162,12 +161,7 @@ static void rgl_eval(const void *self, size_t n, const double *wi, const double 
         eval_pair(self, wo + 3 * i, wi + 3 * i, rgb + 3 * i);
 }
 
-static void rgl_free(void *self) {
-    nqm_map_close(&((rgl *)self)->map);
-    nqm_free(self);
-}
-
-static const nqm_brdf_class rgl_class = {.format = "rgl", .eval = rgl_eval, .free = rgl_free};
+static const nqm_brdf_class rgl_class = {.format = "rgl", .eval = rgl_eval, .free = nqm_free};
 
 /* ---- reading ----------------------------------------------------------------------------------------------------- */
 
@@ -232,16 +226,15 @@ static nqm_status check_shapes(const contents *c, nqm_error *err) {
     return NQM_OK;
 }
 
-/* Number of floats to copy: all when the tensor's floats are misaligned or not in the byte order of the host, otherwise none. */
-static size_t n_copied(const nqm_tensor *t) {
-    return NQM_BIG_ENDIAN || (uintptr_t)t->data % sizeof(float) ? t->n_bytes / sizeof(float) : 0;
+static size_t count(const nqm_tensor *t) {
+    return t->n_bytes / sizeof(float);
 }
 
 /* Refuse values that are below `least` or not finite; `value` has the values of the tensor, in any order. */
 static nqm_status check_values(const contents *c, const nqm_tensor *t, float least, const float *value,
                                nqm_error *err) {
     const unsigned char *data = t->data;
-    if (nqm_all_within(t->n_bytes / sizeof(float), value, least))
+    if (nqm_all_within(count(t), value, least))
         return NQM_OK;
     while (nqm_load_f32(data) >= least && isfinite(nqm_load_f32(data)))
         data += sizeof(float);
@@ -255,12 +248,10 @@ static grid grid_of(const nqm_tensor *t, const float *value) {
         .width = t->dims[t->n_dims - 1], .height = t->n_dims > 1 ? t->dims[t->n_dims - 2] : 1, .value = value};
 }
 
-/* Make `g` a view of a tensor's floats, or of `copy` (n_copied) if there is one. */
-static nqm_status view_floats(const contents *c, const nqm_tensor *t, float least, float *copy, grid *g,
+static nqm_status copy_floats(const contents *c, const nqm_tensor *t, float least, float *copy, grid *g,
                               nqm_error *err) {
-    if (n_copied(t))
-        nqm_copy_little_endian(n_copied(t), sizeof *copy, t->data, copy);
-    *g = grid_of(t, n_copied(t) ? copy : t->data);
+    nqm_copy_little_endian(count(t), sizeof *copy, t->data, copy);
+    *g = grid_of(t, copy);
     return check_values(c, t, least, g->value, err);
 }
 
@@ -332,29 +323,15 @@ static nqm_status read_values(const contents *c, float *rgb, nqm_error *err) {
     return check_values(c, c->values, -FLT_MAX, rgb, err);
 }
 
-/* Integrals of n_rows rows up to each column by the trapezoidal rule, which is exact for bilinear densities. Each sum
- * of a row depends on the previous one; processing several rows at once hides this latency. Inlined, so that n_rows is
- * a constant. */
-static inline void integrate_rows(size_t n_rows, size_t width, const float *density, double *integral) {
-    double sum[4] = {0};
-    for (size_t x = 1; x < width; ++x)
-        for (size_t y = 0; y < n_rows; ++y) {
-            const float *d = density + y * width + x;
-            sum[y] += 0.5 * ((double)d[-1] + (double)d[0]);
-            integral[y * width + x] = sum[y];
-        }
-}
-
-/* Fill the integrals of slice k; returns the integral over the whole slice. */
+/* Fill the integrals of slice k by the trapezoidal rule, which is exact for bilinear densities; returns that over the whole slice. */
 static double integrate_slice(rgl *m, size_t k) {
-    size_t width = m->vndf.width, height = m->vndf.height, y = 0;
+    const size_t width = m->vndf.width, height = m->vndf.height;
     const float *density = m->vndf.value + k * height * width;
     double *conditional = m->conditional + k * height * width, *marginal = m->marginal + k * height;
-    for (; y + 4 <= height; y += 4)
-        integrate_rows(4, width, density + y * width, conditional + y * width);
-    for (; y < height; ++y)
-        integrate_rows(1, width, density + y * width, conditional + y * width);
-    for (y = 1; y < height; ++y)
+    for (size_t y = 0; y < height; ++y)
+        for (size_t i = y * width + 1; i < (y + 1) * width; ++i)
+            conditional[i] = conditional[i - 1] + 0.5 * ((double)density[i - 1] + (double)density[i]);
+    for (size_t y = 1; y < height; ++y)
         marginal[y] = marginal[y - 1] + 0.5 * (conditional[y * width - 1] + conditional[(y + 1) * width - 1]);
     return marginal[height - 1];
 }
@@ -371,32 +348,32 @@ static nqm_status read_material(const nqm_tensor_file *file, contents *found, rg
     const size_t n_theta = c.theta_i->dims[0], n_warp = c.vndf->n_bytes / sizeof(float);
     float *angles, *ndf, *sigma, *vndf, *rgb;
     double *conditional, *marginal;
-    status = nqm_alloc_arrays(
-        NQM_ARRAYS({m_ret, 1, sizeof(rgl)}, {&angles, n_copied(c.theta_i), sizeof(float)},
-                   {&ndf, n_copied(c.ndf), sizeof(float)}, {&sigma, n_copied(c.sigma), sizeof(float)},
-                   {&vndf, n_copied(c.vndf), sizeof(float)}, {&rgb, n_rgb, sizeof(float)},
-                   {&conditional, n_warp, sizeof(double)}, {&marginal, n_theta * c.vndf->dims[2], sizeof(double)}),
-        err);
+    status = nqm_alloc_arrays(NQM_ARRAYS({m_ret, 1, sizeof(rgl)}, {&angles, count(c.theta_i), sizeof(float)},
+                                         {&ndf, count(c.ndf), sizeof(float)}, {&sigma, count(c.sigma), sizeof(float)},
+                                         {&vndf, count(c.vndf), sizeof(float)}, {&rgb, n_rgb, sizeof(float)},
+                                         {&conditional, n_warp, sizeof(double)},
+                                         {&marginal, n_theta * c.vndf->dims[2], sizeof(double)}),
+                              err);
     if (status != NQM_OK)
         return status;
     rgl *m = *m_ret;
     m->n_theta = n_theta;
     m->conditional = conditional;
     m->marginal = marginal;
-    status = view_floats(&c, c.theta_i, 0, angles, &m->angles, err);
+    status = copy_floats(&c, c.theta_i, 0, angles, &m->angles, err);
     for (size_t k = 1; status == NQM_OK && k < n_theta; ++k)
         if (!(m->angles.value[k] > m->angles.value[k - 1]))
             status = fail_tensor(&c, c.theta_i, "does not rise", err);
     if (status == NQM_OK)
-        status = view_floats(&c, c.ndf, 0, ndf, &m->ndf, err);
+        status = copy_floats(&c, c.ndf, 0, ndf, &m->ndf, err);
     if (status == NQM_OK)
-        status = view_floats(&c, c.sigma, FLT_MIN, sigma, &m->sigma, err);
+        status = copy_floats(&c, c.sigma, FLT_MIN, sigma, &m->sigma, err);
     if (status == NQM_OK) {
         m->rgb = grid_of(c.values, rgb);
         status = read_values(&c, rgb, err);
     }
     if (status == NQM_OK)
-        status = view_floats(&c, c.vndf, 0, vndf, &m->vndf, err);
+        status = copy_floats(&c, c.vndf, 0, vndf, &m->vndf, err);
     for (size_t k = 0; status == NQM_OK && k < n_theta; ++k)
         if (!(integrate_slice(m, k) >= FLT_MIN)) /* its inverse must be finite */
             status = fail_tensor(&c, c.vndf, "has a slice without any density", err);
@@ -438,9 +415,6 @@ static nqm_status open_rgl(nqm_map *map, const nqm_tensor_file *file, nqm_illumi
                       m->ndf.height * m->ndf.width + m->sigma.height * m->sigma.width;
     const nqm_brdf_info info = {
         .name = name, .source_doi = "10.1145/3272127.3275059", .layout = layout, .n_values = n_values};
-    nqm_map_close_file(map);
-    m->map = *map;
-    *map = (nqm_map){0};
     return nqm_brdf_wrap(&rgl_class, m, &info, brdf_ret, err);
 }
 

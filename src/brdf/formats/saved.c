@@ -35,36 +35,28 @@ static void list_network(const nqm_brdf *brdf, nqm_tensor tensors[N_NETWORK]) {
     }
 }
 
-static nqm_tensor table_tensor(const nqm_brdf *brdf) {
+nqm_tensor nqm_table_tensor(const nqm_brdf *brdf) {
     nqm_tensor tensor = {.name = "rgb", .n_dims = 4, .dims = {0, 0, 0, 3}};
     tensor.data = nqm_table_values(brdf, tensor.dims);
     tensor.n_bytes = brdf->info.n_values * sizeof(float);
     return tensor;
 }
 
-nqm_status nqm_brdf_save_with(const nqm_brdf *brdf, const char *path, size_t n_more, const nqm_meta *more,
-                              nqm_error *err) {
-    enum { N_META = 2, MAX_MORE = 8 };
+nqm_status nqm_brdf_save(const nqm_brdf *brdf, const char *path, nqm_error *err) {
+    NQM_REQUIRE(err, brdf, path);
     const nqm_brdf_info info = nqm_brdf_get_info(brdf);
     const bool is_network = strcmp(info.format, "nbrdf") == 0;
     nqm_tensor tensors[N_NETWORK];
-    nqm_meta meta[N_META + MAX_MORE] = {{"format", is_network ? NETWORK_FORMAT : TABLE_FORMAT}, {"schema", SCHEMA}};
+    const nqm_meta meta[] = {{"format", is_network ? NETWORK_FORMAT : TABLE_FORMAT}, {"schema", SCHEMA}};
     if (is_network)
         list_network(brdf, tensors);
     else if (strcmp(info.format, "table") == 0)
-        tensors[0] = table_tensor(brdf);
+        tensors[0] = nqm_table_tensor(brdf);
     else
         return nqm_fail(err, NQM_ERR_ARG, -1,
                         "%s: only networks and tables can be saved, not a BRDF of the format '%s'", info.name,
                         info.format);
-    for (size_t i = 0; i < n_more; ++i)
-        meta[N_META + i] = more[i];
-    return nqm_safetensors_write(path, is_network ? N_NETWORK : 1, tensors, N_META + n_more, meta, NULL, err);
-}
-
-nqm_status nqm_brdf_save(const nqm_brdf *brdf, const char *path, nqm_error *err) {
-    NQM_REQUIRE(err, brdf, path);
-    return nqm_brdf_save_with(brdf, path, 0, NULL, err);
+    return nqm_safetensors_write(path, is_network ? N_NETWORK : 1, tensors, 2, meta, NULL, err);
 }
 
 /* ---- reading ----------------------------------------------------------------------------------------------------- */

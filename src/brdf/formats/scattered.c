@@ -39,18 +39,6 @@ static double squared_distance(const sample *s, const double *wi, const double *
     return 4 - 2 * (wi[2] * s->wi[2] + wo[2] * s->wo[2] + hypot(real, imaginary_i + imaginary_o));
 }
 
-static size_t first_at_least(const scattered *t, double theta) {
-    size_t low = 0, high = t->n;
-    while (low < high) {
-        size_t middle = low + (high - low) / 2;
-        if (t->theta[middle] < theta)
-            low = middle + 1;
-        else
-            high = middle;
-    }
-    return low;
-}
-
 static double polar_angle(const double *w) {
     return atan2(hypot(w[0], w[1]), w[2]);
 }
@@ -62,7 +50,8 @@ static const sample *find_nearest(const scattered *t, double reach, const double
     const double window = 2 * asin(fmin(reach / 2, 1)) + 1e-9, theta = polar_angle(wi);
     const sample *nearest = NULL;
     double least = reach * reach;
-    for (size_t i = first_at_least(t, theta - window); i < t->n && t->theta[i] <= theta + window; ++i) {
+    for (size_t i = nqm_last_not_above(t->theta, t->n, theta - window); i < t->n && t->theta[i] <= theta + window;
+         ++i) {
         double squared = squared_distance(t->sample + i, wi, wo);
         if (!(squared <= least))
             continue;

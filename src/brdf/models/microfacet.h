@@ -79,6 +79,11 @@ static inline double separable_beckmann(double tan2_h, double cos_i, double cos_
 
 /* ---- Fresnel factors --------------------------------------------------------------------------------------------- */
 
+/** a with weight 1 - t, b with t. */
+static inline double mix(double a, double b, double t) {
+    return a + (b - a) * t;
+}
+
 static inline double power5(double x) {
     double x2 = x * x;
     return x2 * x2 * x;

@@ -10,7 +10,7 @@
  * Every parameter has one value per channel. F may be negative where the authors' fit is.
  */
 #include "brdf/core/spec.h"
-#include "math/math.h"
+#include "brdf/models/microfacet.h"
 
 #include <math.h>
 
@@ -99,17 +99,14 @@ typedef struct sgd_angles {
 } sgd_angles;
 
 INLINED sgd_angles sgd_angles_of(const double *in, const double *out) {
-    double x = in[0] + out[0], y = in[1] + out[1], z = in[2] + out[2];
-    double xy = x * x + y * y;
-    double tan2_h = xy / (z * z), sec2_h = 1 + tan2_h;
-    double cos_d = fmin(1, 0.5 * sqrt(xy + z * z)); /* |wi + wo| = 2 cos theta_d */
-    double m = 1 - cos_d;
+    const half_angles h = half_angles_of(in, out);
+    double sec2_h = 1 + h.tan2_h, m = 1 - h.cos_d;
     return (sgd_angles){.cos_i = in[2],
                         .cos_o = out[2],
                         .theta_i = acos(fmin(1, in[2])),
                         .theta_o = acos(fmin(1, out[2])),
-                        .cos_d = cos_d,
-                        .tan2_h = tan2_h,
+                        .cos_d = h.cos_d,
+                        .tan2_h = h.tan2_h,
                         .geometry = sec2_h * sec2_h / (in[2] * out[2]),
                         .schlick = m * m * m * m * m};
 }

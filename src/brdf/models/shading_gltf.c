@@ -10,7 +10,7 @@
  */
 #include "brdf/core/spec.h"
 #include "brdf/models/microfacet.h"
-#include "brdf/models/sheen_albedo.h"
+#include "sheen_albedo_table.h" /* generated from presets/sheen_albedo.txt */
 
 enum { NQM_GLTF_KEYS(NQM_KEY_INDEX) N_KEYS };
 
@@ -22,9 +22,9 @@ static const double COAT_F0 = 0.04;
 typedef struct sheen {
     double color[3], max_color; /**< 0: no sheen */
     double inverse_alpha;
-    double shape[5];            /**< constants of the shadowing */
-    double shape_half;          /**< exponent at a cosine of one half */
-    double albedo[NQM_SHEEN_N]; /**< at the square root of the cosine j / (NQM_SHEEN_N - 1) */
+    double shape[5];        /**< constants of the shadowing */
+    double shape_half;      /**< exponent at a cosine of one half */
+    double albedo[SHEEN_N]; /**< at the square root of the cosine j / (SHEEN_N - 1) */
 } sheen;
 
 typedef struct gltf {
@@ -37,21 +37,17 @@ typedef struct gltf {
 
 /* ---- sheen: Estevez and Kulla 2017, "Production Friendly Microfacet Sheen BRDF" ---------------------------------- */
 
-static double mix(double a, double b, double t) {
-    return a + (b - a) * t;
-}
-
 /** Catmull-Rom interpolation of equidistant samples at i + t. */
 static double cubic(double before, double a, double b, double after, double t) {
     return a + 0.5 * t * (b - before + t * (2 * before - 5 * a + 4 * b - after + t * (3 * (a - b) + after - before)));
 }
 
-enum { LAST = NQM_SHEEN_N - 1 };
+enum { LAST = SHEEN_N - 1 };
 
 static double table_value(double roughness_index, size_t column) {
     const size_t i = (size_t)fmin(roughness_index, LAST - 1);
-    const uint16_t *before = nqm_sheen_albedo[i ? i - 1 : 0], *a = nqm_sheen_albedo[i], *b = nqm_sheen_albedo[i + 1],
-                   *after = nqm_sheen_albedo[i + 2 > LAST ? LAST : i + 2];
+    const uint16_t *before = sheen_table[i ? i - 1 : 0], *a = sheen_table[i], *b = sheen_table[i + 1],
+                   *after = sheen_table[i + 2 > LAST ? LAST : i + 2];
     return 1e-4 * cubic(before[column], a[column], b[column], after[column], roughness_index - (double)i);
 }
 
@@ -86,7 +82,7 @@ static void sheen_prepare(sheen *self, const double *color, double roughness) {
     for (size_t k = 0; k < 5; ++k)
         self->shape[k] = mix(rough[k], smooth[k], (1 - alpha) * (1 - alpha));
     self->shape_half = shadowing_exponent(self->shape, 0.5);
-    for (size_t j = 0; j < NQM_SHEEN_N; ++j)
+    for (size_t j = 0; j < SHEEN_N; ++j)
         self->albedo[j] = table_value(LAST * roughness, j);
 }
 
