@@ -45,7 +45,7 @@ typedef struct reader {
     const char *path;
     nqm_json_source source;
     size_t source_at;   /**< of the JSON text in the file */
-    size_t at;          /**< of the material in the JSON text; SIZE_MAX: none */
+    size_t at;          /**< of the document or material in the JSON text; SIZE_MAX: none */
     const char *prefix; /**< of the paths of properties of the present object, with a dot at its end */
     json_t *object;     /**< the present one */
     property gate;
@@ -316,8 +316,7 @@ static bool is_version_2(const char *version, int max_minor) {
 static nqm_status check_root(const reader *r, const json_t *root) {
     const json_t *asset = json_object_get(root, "asset"), *min_version = json_object_get(asset, "minVersion");
     const char *version = json_string_value(json_object_get(asset, "version"));
-    const size_t at = nqm_json_path(&r->source, nqm_json_begin(&r->source), "asset.version");
-    const int64_t byte = (int64_t)(r->source_at + at);
+    const int64_t byte = byte_of(r, "asset.version");
     if (!version)
         return nqm_fail(r->err, NQM_ERR_FORMAT, byte, "%s: byte %lld: this JSON has no asset.version and is no glTF",
                         r->path, (long long)byte);
@@ -330,11 +329,8 @@ static nqm_status check_root(const reader *r, const json_t *root) {
                         r->path, (long long)byte,
                         json_is_string(min_version) ? json_string_value(min_version) : "no string");
     const json_t *materials = json_object_get(root, "materials");
-    const int64_t at_materials =
-        (int64_t)(r->source_at + nqm_json_path(&r->source, nqm_json_begin(&r->source), "materials"));
     if (materials && !json_is_array(materials))
-        return nqm_fail(r->err, NQM_ERR_FORMAT, at_materials, "%s: byte %lld: materials needs an array", r->path,
-                        (long long)at_materials);
+        return fail_value(r, "materials", "an array");
     return NQM_OK;
 }
 
@@ -358,13 +354,14 @@ static nqm_status parse(const reader *r, const char *text, size_t n, size_t at, 
 
 /* root: the outline of the file. */
 static nqm_status read_root(reader *r, const json_t *root, nqm_materials *materials) {
+    r->at = nqm_json_begin(&r->source);
     nqm_status status = check_root(r, root);
     if (status != NQM_OK)
         return status;
     const char *required = unknown_requirement(root);
-    const size_t required_at = nqm_json_path(&r->source, nqm_json_begin(&r->source), "extensionsRequired");
+    const size_t required_at = nqm_json_path(&r->source, r->at, "extensionsRequired");
     const size_t n = json_array_size(json_object_get(root, "materials"));
-    r->at = nqm_json_first(&r->source, nqm_json_path(&r->source, nqm_json_begin(&r->source), "materials"));
+    r->at = nqm_json_first(&r->source, nqm_json_path(&r->source, r->at, "materials"));
     if (n && r->at == SIZE_MAX)
         return nqm_fail(r->err, NQM_ERR_FORMAT, (int64_t)r->source_at,
                         "%s: byte %zu: the key \"materials\" is written with escapes", r->path, r->source_at);

@@ -56,19 +56,14 @@ static nqm_status open_file(nqm_map *map, const nqm_brdf_argument *argument, nqm
 
 const nqm_brdf_format nqm_npy_format = {.files = ".npy", .probe = nqm_npy_probe, .open = open_file};
 
-static nqm_status write_table(const nqm_brdf *table, const char *path, nqm_error *err) {
-    const nqm_tensor tensor = nqm_table_tensor(table);
-    return nqm_npy_write(path, &tensor, err);
-}
-
 nqm_status nqm_brdf_write_npy(const nqm_brdf *brdf, const char *path, nqm_error *err) {
-    if (strcmp(brdf->info.format, "table") == 0)
-        return write_table(brdf, path, err);
-    nqm_brdf *table;
-    nqm_status status = nqm_brdf_tabulate(brdf, nqm_table_general, NULL, &table, err);
-    if (status != NQM_OK)
-        return status;
-    status = write_table(table, path, err);
-    nqm_brdf_free(table);
+    nqm_brdf *made = NULL;
+    nqm_status status =
+        strcmp(brdf->info.format, "table") == 0 ? NQM_OK : nqm_brdf_tabulate(brdf, nqm_table_general, NULL, &made, err);
+    if (status == NQM_OK) {
+        const nqm_tensor tensor = nqm_table_tensor(made ? made : brdf);
+        status = nqm_npy_write(path, &tensor, err);
+    }
+    nqm_brdf_free(made);
     return status;
 }

@@ -16,6 +16,7 @@
 
 /** Roughnesses below sqrt of this are rendered with it; GLSL has 1e-6, where 500 directions never meet the lobe. */
 static const double MIN_ALPHA = 1e-4;
+static const double WHITE[3] = {1, 1, 1};
 
 /** One pair of directions. */
 typedef struct geometry {
@@ -130,8 +131,7 @@ INLINED closure generalized_schlick_bsdf(const geometry *g, microfacet m, double
 
 INLINED closure schlick_bsdf(const geometry *g, microfacet m, double weight, const double *color0,
                              const double *color82) {
-    static const double white[3] = {1, 1, 1};
-    return generalized_schlick_bsdf(g, m, weight, color0, color82, white);
+    return generalized_schlick_bsdf(g, m, weight, color0, color82, WHITE);
 }
 
 /** The node artistic_ior, Gulbrandsen 2014 (https://jcgt.org/published/0003/04/03/); the reflectivity ends at 0.99 as in GLSL. */
@@ -159,14 +159,18 @@ INLINED double retro_reflection(const geometry *g, double below) {
     return s > 0 ? s / fmax(g->cos_i, g->cos_o) : below * s;
 }
 
-/** The qualitative model of Oren and Nayar 1994. */
-INLINED closure oren_nayar_bsdf(const geometry *g, double weight, const double *color, double roughness) {
-    const double s2 = roughness * roughness;
-    const double factor = 1 - 0.5 * s2 / (s2 + 0.33) + 0.45 * s2 / (s2 + 0.09) * retro_reflection(g, 0);
+INLINED closure diffuse_closure(double weight, const double *color, double factor) {
     closure result = {.pass = {0}};
     for (size_t c = 0; c < 3; ++c)
         result.f[c] = weight * color[c] * factor / NQM_PI;
     return result;
+}
+
+/** The qualitative model of Oren and Nayar 1994. */
+INLINED closure oren_nayar_bsdf(const geometry *g, double weight, const double *color, double roughness) {
+    const double s2 = roughness * roughness;
+    const double factor = 1 - 0.5 * s2 / (s2 + 0.33) + 0.45 * s2 / (s2 + 0.09) * retro_reflection(g, 0);
+    return diffuse_closure(weight, color, factor);
 }
 
 /** G(theta) of Fujii's model, without a difference of almost equal numbers at grazing angles. */
@@ -196,10 +200,7 @@ INLINED closure eon_bsdf(const geometry *g, double weight, const double *color, 
 INLINED closure burley_bsdf(const geometry *g, double weight, const double *color, double roughness) {
     const double f90 = 0.5 + 2 * roughness * g->cos_d * g->cos_d;
     const double factor = schlick_between(1, f90, g->cos_i) * schlick_between(1, f90, g->cos_o);
-    closure result = {.pass = {0}};
-    for (size_t c = 0; c < 3; ++c)
-        result.f[c] = weight * color[c] * factor / NQM_PI;
-    return result;
+    return diffuse_closure(weight, color, factor);
 }
 
 /* ---- sheen ------------------------------------------------------------------------------------------------------- */

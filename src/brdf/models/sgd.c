@@ -25,10 +25,11 @@ typedef struct shadowing {
 } shadowing;
 
 typedef struct sgd {
+    double v[N_KEYS][3];             /* the keys */
     double diffuse[3];               /* kd / pi */
     double specular[3];              /* ks K / pi^2 */
     double per_ks[3], per_k_norm[3]; /* K / pi^2, ks / pi^2 */
-    double alpha[3], inverse_alpha[3], p[3], f0[3], f1[3];
+    double inverse_alpha[3];
     shadowing g[3];
 } sgd;
 
@@ -77,16 +78,13 @@ INLINED shadow shadow_at(const shadowing *s, double cosine, double theta, bool s
 
 static void sgd_prepare(const nqm_spec_values *values, void *state) {
     sgd *self = state;
+    memcpy(self->v, values->v, sizeof self->v);
     for (int c = 0; c < 3; ++c) {
         self->diffuse[c] = values->v[KD][c] / NQM_PI;
         self->specular[c] = values->v[KS][c] * values->v[K_NORM][c] / (NQM_PI * NQM_PI);
         self->per_ks[c] = values->v[K_NORM][c] / (NQM_PI * NQM_PI);
         self->per_k_norm[c] = values->v[KS][c] / (NQM_PI * NQM_PI);
-        self->alpha[c] = values->v[ALPHA][c];
         self->inverse_alpha[c] = 1 / values->v[ALPHA][c];
-        self->p[c] = values->v[P][c];
-        self->f0[c] = values->v[F0][c];
-        self->f1[c] = values->v[F1][c];
         self->g[c] = make_shadowing(values, c);
     }
 }
@@ -115,17 +113,17 @@ INLINED sgd_angles sgd_angles_of(const double *in, const double *out) {
 INLINED double sgd_value(const sgd *self, const sgd_angles *a, size_t c, double *row) {
     shadow in = shadow_at(&self->g[c], a->cos_i, a->theta_i, row != NULL);
     shadow out = shadow_at(&self->g[c], a->cos_o, a->theta_o, row != NULL);
-    double t = self->alpha[c] + a->tan2_h * self->inverse_alpha[c], log_t = log(t);
+    double t = self->v[ALPHA][c] + a->tan2_h * self->inverse_alpha[c], log_t = log(t);
     double g = in.g * out.g;
-    double fresnel = self->f0[c] - self->f1[c] * a->cos_d + (1 - self->f0[c]) * a->schlick;
-    double d = exp(-t - self->p[c] * log_t);
+    double fresnel = self->v[F0][c] - self->v[F1][c] * a->cos_d + (1 - self->v[F0][c]) * a->schlick;
+    double d = exp(-t - self->v[P][c] * log_t);
     double facets = self->specular[c] * d * a->geometry, specular = facets * g * fresnel;
     if (row) {
         double tan2_over_alpha2 = a->tan2_h * self->inverse_alpha[c] * self->inverse_alpha[c];
         double by_g = facets * fresnel, by_fresnel = facets * g;
         row[3 * KD + c] = 1 / NQM_PI;
         row[3 * KS + c] = self->per_ks[c] * d * a->geometry * g * fresnel;
-        row[3 * ALPHA + c] = -specular * (1 + self->p[c] / t) * (1 - tan2_over_alpha2);
+        row[3 * ALPHA + c] = -specular * (1 + self->v[P][c] / t) * (1 - tan2_over_alpha2);
         row[3 * P + c] = -specular * log_t;
         row[3 * F0 + c] = by_fresnel * (1 - a->schlick);
         row[3 * F1 + c] = -by_fresnel * a->cos_d;

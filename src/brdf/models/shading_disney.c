@@ -16,7 +16,7 @@ typedef struct disney {
     double alpha, specular_color[3], sheen_color[3], coat_alpha;
 } disney;
 
-static const double WHITE[3] = {1, 1, 1}, SHEEN_ROUGHNESS = 0.3; /* the default of the node sheen_bsdf */
+static const double SHEEN_ROUGHNESS = 0.3; /* the default of the node sheen_bsdf */
 
 static void prepare(const nqm_spec_values *values, void *state) {
     disney *self = state;

@@ -15,8 +15,6 @@ typedef struct open_pbr {
     double coat_alpha, under_coat[3]; /* under_coat: darkening and colour */
 } open_pbr;
 
-static const double WHITE[3] = {1, 1, 1};
-
 /* The index of the dielectric below the coat, modulated by specular_weight. */
 static double modulated_ior(double weight, double ior, double coat_weight, double coat_ior) {
     const double ratio = ior / coat_ior;

@@ -14,8 +14,6 @@ typedef struct standard_surface {
     double coat_alpha, under_coat[3];
 } standard_surface;
 
-static const double WHITE[3] = {1, 1, 1};
-
 static void prepare(const nqm_spec_values *values, void *state) {
     double v[N_KEYS];
     for (size_t k = 0; k < N_KEYS; ++k)

@@ -19,8 +19,6 @@ typedef struct usd_preview {
     double coat_alpha, coat_f0[3];
 } usd_preview;
 
-static const double WHITE[3] = {1, 1, 1};
-
 static void prepare(const nqm_spec_values *values, void *state) {
     usd_preview *self = state;
     const bool is_specular = values->v[USE_SPECULAR_WORKFLOW][0] > 0.5;
