@@ -5,7 +5,6 @@ presets/sheen_albedo.txt (made by sheen_albedo.py), interpolated here by Lagrang
 shading_gltf.csv: spec, wi, wo, r, g, b."""
 import csv
 import pathlib
-import re
 
 import numpy
 
