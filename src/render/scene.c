@@ -86,7 +86,7 @@ static nqm_status check_options(const nqm_scene_options *o, nqm_error *err) {
     if (o->scene == NQM_SCENE_PAPER && (!o->shape || !o->light))
         return nqm_fail(err, NQM_ERR_ARG, -1,
                         "the paper's scene needs both a shape and a light: --shape bunny.ply and --light "
-                        "pixar_campus_rgbe.png (doc/labels.md has their sources)");
+                        "pixar_campus_rgbe.png");
     if (o->n_lights && o->n_lights < MIN_LIGHTS)
         return nqm_fail(err, NQM_ERR_ARG, -1, "scene: %zu light directions per point; at least %d are needed",
                         o->n_lights, (int)MIN_LIGHTS);
