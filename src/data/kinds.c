@@ -15,7 +15,7 @@ nqm_status nqm_dataset_unseen_kinds(const nqm_dataset *d, bool *unseen, nqm_erro
         unseen[kind] = false;
         for (size_t i = 0; i < json_array_size(names); ++i) {
             const char *name = json_string_value(json_array_get(names, i));
-            unseen[kind] = unseen[kind] || (name && strcmp(name, nqm_dataset_get_kind(d, kind).name) == 0);
+            unseen[kind] = unseen[kind] || (name && strcmp(name, nqm_name(&d->kind_names, kind)) == 0);
         }
     }
     json_decref(manifest);
