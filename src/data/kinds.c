@@ -37,8 +37,11 @@ static const char *group_of(const char *source) {
     return source;
 }
 
-nqm_status nqm_dataset_read_sources(nqm_dataset *d, nqm_error *err) {
+nqm_status nqm_dataset_set_manifest(nqm_dataset *d, const char *text, nqm_error *err) {
     json_t *manifest;
+    d->manifest = text ? nqm_strdup(text) : NULL;
+    if (text && !d->manifest)
+        return nqm_fail_nomem(err, strlen(text));
     nqm_status status = nqm_json_parse(d->manifest, &manifest, err);
     if (status != NQM_OK)
         return status;
