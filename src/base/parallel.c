@@ -18,7 +18,7 @@ __attribute__((constructor)) static void prepare_for_fork(void) {
 }
 
 static void parallel_range(size_t begin, size_t end, void (*body)(void *user, size_t i), void *user) {
-#pragma omp parallel for schedule(dynamic, 1)
+#pragma omp parallel for schedule(dynamic, 1) if (end - begin > 1)
     for (size_t i = begin; i < end; ++i)
         body(user, i);
 }

@@ -20,18 +20,6 @@ static void hash_text(nqm_sha256 *sha, const char *text) {
     nqm_sha256_add(sha, text, strlen(text) + 1);
 }
 
-static void hash_u64(nqm_sha256 *sha, uint64_t value) {
-    unsigned char bytes[8];
-    nqm_store_u64(bytes, value);
-    nqm_sha256_add(sha, bytes, sizeof bytes);
-}
-
-static void hash_f64(nqm_sha256 *sha, double value) {
-    unsigned char bytes[8];
-    nqm_store_f64(bytes, value);
-    nqm_sha256_add(sha, bytes, sizeof bytes);
-}
-
 static void hash_context(nqm_sha256 *sha, const nqm_corpus_context *context) {
     const nqm_scene_options *scene = &context->options->scene;
     hash_text(sha, "nqm corpus work file 6");
@@ -42,12 +30,9 @@ static void hash_context(nqm_sha256 *sha, const nqm_corpus_context *context) {
     const uint64_t counts[] = {
         scene->width,       scene->height, scene->n_points,     nqm_scene_n_frames(scene),  nqm_scene_n_lights(scene),
         scene->light_width, scene->seed,   scene->shadows != 0, scene->interreflection != 0};
-    for (size_t i = 0; i < sizeof counts / sizeof *counts; ++i)
-        hash_u64(sha, counts[i]);
-    hash_f64(sha, scene->turn_rad);
-    hash_f64(sha, scene->elevation_rad);
-    hash_f64(sha, scene->exposure_cdm2);
-    hash_f64(sha, scene->peak_cdm2);
+    const double numbers[] = {scene->turn_rad, scene->elevation_rad, scene->exposure_cdm2, scene->peak_cdm2};
+    nqm_sha256_add_values(sha, sizeof counts / sizeof *counts, sizeof *counts, counts);
+    nqm_sha256_add_values(sha, sizeof numbers / sizeof *numbers, sizeof *numbers, numbers);
     if (scene->exact)
         hash_text(sha, "exact");
     for (size_t k = 0; k < 2; ++k)

@@ -101,10 +101,8 @@ nqm_status nqm_dataset_finish(nqm_dataset_builder *b, nqm_status status, const c
                               nqm_dataset **dataset_ret, nqm_error *err) {
     nqm_dataset *d = b->dataset;
     *dataset_ret = NULL;
-    if (status == NQM_OK && manifest && !(d->manifest = nqm_strdup(manifest)))
-        status = nqm_fail_nomem(err, strlen(manifest));
     if (status == NQM_OK)
-        status = nqm_dataset_read_sources(d, err);
+        status = nqm_dataset_set_manifest(d, manifest, err);
     if (status == NQM_OK && name)
         status = nqm_dataset_validate(d, name, err);
     if (status == NQM_OK)

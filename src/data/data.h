@@ -135,8 +135,8 @@ static inline nqm_split nqm_dataset_pair_split(const nqm_dataset *dataset, size_
  *  NQM_ERR_NOMEM. */
 NQM_MUST_CHECK nqm_status nqm_dataset_unseen_kinds(const nqm_dataset *dataset, bool *unseen, nqm_error *err);
 
-/** Read ref_sources from the manifest; they stay empty if it does not list the references. NQM_ERR_NOMEM. */
-NQM_MUST_CHECK nqm_status nqm_dataset_read_sources(nqm_dataset *dataset, nqm_error *err);
+/** Set the manifest (NULL: none) and ref_sources from it; they stay empty if it does not list the references. NQM_ERR_NOMEM. */
+NQM_MUST_CHECK nqm_status nqm_dataset_set_manifest(nqm_dataset *dataset, const char *manifest, nqm_error *err);
 /** The source of a reference: see nqm_dataset_pair; "" if unknown. */
 const char *nqm_dataset_ref_source(const nqm_dataset *dataset, size_t ref);
 
@@ -146,6 +146,15 @@ size_t nqm_dataset_ref_class(const nqm_dataset *dataset, size_t ref);
 /** The samples of a pair. Its mask, where both BRDFs have values, is written to `scratch` (n_directions); it is NULL if the dataset
  *  has no masks. */
 nqm_sample_pair nqm_dataset_samples(const nqm_dataset *dataset, size_t pair, uint8_t *scratch);
+
+/** What is known of a pair without a network. */
+typedef struct nqm_comparison {
+    double metrics[NQM_METRIC_COUNT], scalars[NQM_SCALAR_COUNT];
+    nqm_label estimate; /* by transport, if there is a matrix */
+} nqm_comparison;
+/** Compare n pairs of a dataset: to (n). transport: its `light` is NULL if there is none. NQM_ERR_NOMEM. */
+NQM_MUST_CHECK nqm_status nqm_dataset_compare(const nqm_dataset *dataset, const nqm_transport *transport, size_t n,
+                                              const size_t *pairs, nqm_comparison *to, nqm_error *err);
 
 /** Predictions of a model for some pairs of a dataset. */
 typedef struct nqm_dataset_prediction {

@@ -115,11 +115,8 @@ static nqm_status read_dataset(const nqm_safetensors *st, bool verify_checksum, 
     for (size_t i = 0; status == NQM_OK && i < n_lists; ++i)
         status = read_names(st, &lists[i], name, err);
     d->n_kinds = d->kind_names.n;
-    const char *manifest = nqm_safetensors_meta(st, "manifest");
-    if (status == NQM_OK && manifest && !(d->manifest = nqm_strdup(manifest)))
-        status = nqm_fail_nomem(err, strlen(manifest));
     if (status == NQM_OK)
-        status = nqm_dataset_read_sources(d, err);
+        status = nqm_dataset_set_manifest(d, nqm_safetensors_meta(st, "manifest"), err);
     if (status == NQM_OK)
         status = nqm_dataset_validate(d, name, err);
     if (status == NQM_OK)

@@ -15,7 +15,7 @@ nqm_status nqm_dataset_unseen_kinds(const nqm_dataset *d, bool *unseen, nqm_erro
         unseen[kind] = false;
         for (size_t i = 0; i < json_array_size(names); ++i) {
             const char *name = json_string_value(json_array_get(names, i));
-            unseen[kind] = unseen[kind] || (name && strcmp(name, nqm_dataset_get_kind(d, kind).name) == 0);
+            unseen[kind] = unseen[kind] || (name && strcmp(name, nqm_name(&d->kind_names, kind)) == 0);
         }
     }
     json_decref(manifest);
@@ -37,8 +37,11 @@ static const char *group_of(const char *source) {
     return source;
 }
 
-nqm_status nqm_dataset_read_sources(nqm_dataset *d, nqm_error *err) {
+nqm_status nqm_dataset_set_manifest(nqm_dataset *d, const char *text, nqm_error *err) {
     json_t *manifest;
+    d->manifest = text ? nqm_strdup(text) : NULL;
+    if (text && !d->manifest)
+        return nqm_fail_nomem(err, strlen(text));
     nqm_status status = nqm_json_parse(d->manifest, &manifest, err);
     if (status != NQM_OK)
         return status;

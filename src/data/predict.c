@@ -1,11 +1,46 @@
 /* SPDX-License-Identifier: MIT
  *
- * Predicts the JOD, the novelty and the parts of the label of pairs of a dataset with a model, in batches.
+ * Compares pairs of a dataset, and predicts their JOD, novelty and parts of the label with a model, in batches.
  */
 #include "data/data.h"
 
 #include <math.h>
 #include <string.h>
+
+typedef struct compare_job {
+    const nqm_dataset *dataset;
+    const nqm_transport *transport;
+    const size_t *pairs;
+    nqm_comparison *to;
+    nqm_sum_plan *plan;
+    uint8_t *used; /* (n, n_directions) */
+} compare_job;
+
+static void compare_pair(void *user, size_t i) {
+    const compare_job *job = user;
+    const nqm_dataset *d = job->dataset;
+    nqm_comparison *to = &job->to[i];
+    const nqm_sample_pair samples = nqm_dataset_samples(d, job->pairs[i], job->used + i * d->n_directions);
+    const bool has_estimate = job->transport->light;
+    if (has_estimate)
+        nqm_transport_estimates(job->transport, 1, &samples, &to->estimate);
+    nqm_compare_samples(job->plan, &samples, has_estimate ? &to->estimate : NULL, to->metrics, to->scalars);
+}
+
+nqm_status nqm_dataset_compare(const nqm_dataset *d, const nqm_transport *transport, size_t n, const size_t *pairs,
+                               nqm_comparison *to, nqm_error *err) {
+    compare_job job = {d, transport, pairs, to, NULL, nqm_alloc(n, d->n_directions)};
+    nqm_status status = job.used ? NQM_OK : nqm_fail_nomem(err, n * d->n_directions);
+    if (status == NQM_OK)
+        status = nqm_sum_plan_create(d->directions, &job.plan, err);
+    if (status == NQM_OK)
+        nqm_parallel_for(n, compare_pair, &job);
+    nqm_sum_plan_free(job.plan);
+    nqm_free(job.used);
+    return status;
+}
+
+/* ---- predictions ------------------------------------------------------------------------------------------------- */
 
 static bool is_finite(const nqm_label *label) {
     double parts[NQM_LABEL_PARTS];

@@ -16,7 +16,7 @@ typedef struct setting {
     const char *model;
     const nqm_match_loss *loss;
     nqm_fit_options options;
-    const nqm_match_judge *judge; /* NULL: transport judges */
+    const nqm_match_visual *judge; /* NULL: transport judges */
 } setting;
 
 /* A sum as the terms of a fit. */
@@ -59,16 +59,16 @@ static nqm_status explain(size_t n, const nqm_error *const *failures, nqm_status
     return status;
 }
 
-/* The value of a visual loss for a BRDF; `failure` receives its own reason for a NaN. */
-static nqm_status compare(const nqm_fit_visual *visual, const nqm_error *failure, const nqm_brdf *brdf, double *value,
-                          nqm_error *err) {
+/* The value of a visual loss for a BRDF. */
+static nqm_status compare(const nqm_match_visual *judge, const nqm_brdf *brdf, double *value, nqm_error *err) {
+    const nqm_fit_visual *visual = &judge->visual;
     double *rgb = nqm_alloc(visual->n, 6 * sizeof *rgb);
     if (!rgb)
         return nqm_fail_nomem(err, visual->n * 6 * sizeof *rgb);
     nqm_brdf_eval(brdf, visual->n, visual->wi, visual->wo, rgb, NULL);
     *value = visual->eval(visual->user, rgb, rgb + 3 * visual->n);
     nqm_free(rgb);
-    return isnan(*value) ? nqm_fail(err, failure->status, -1, "%s", failure->message) : NQM_OK;
+    return isnan(*value) ? nqm_fail(err, judge->failure.status, -1, "%s", judge->failure.message) : NQM_OK;
 }
 
 /* "auto": `options` has the terms of the polish. */
@@ -93,9 +93,8 @@ static nqm_status fit_by(const setting *s, const nqm_fit_entry *entry, const nqm
     binding b = {.n = 0};
     nqm_match_visual transport = {.scorer = NULL};
     const bool has_judge = s->judge || s->loss->transport;
-    const nqm_fit_visual *judge = s->judge ? &s->judge->visual : &transport.visual;
-    const nqm_error *judge_failure = s->judge ? &s->judge->failure : &transport.failure;
-    const nqm_error *failures[] = {&b.metric.failure, &b.transport.failure, judge_failure};
+    const nqm_match_visual *judge = s->judge ? s->judge : &transport;
+    const nqm_error *failures[] = {&b.metric.failure, &b.transport.failure, &judge->failure};
     nqm_fit_options options = s->options;
     nqm_status status = NQM_OK;
     for (size_t i = 0; status == NQM_OK && i < sum->n; ++i)
@@ -109,12 +108,12 @@ static nqm_status fit_by(const setting *s, const nqm_fit_entry *entry, const nqm
     options.n_terms = b.n;
     int n_threads = nqm_limit_threads(1); /* of a score of one pair */
     if (status == NQM_OK && sum->is_auto)
-        status = select_best(s, entry, &options, judge, report, brdf_ret, err);
+        status = select_best(s, entry, &options, &judge->visual, report, brdf_ret, err);
     else if (status == NQM_OK)
         status = nqm_fit(s->ref, s->model, &options, &report->fit, brdf_ret, err);
     status = explain(3, failures, status, err);
     if (status == NQM_OK && !sum->is_auto && has_judge && judged == NQM_OK)
-        status = compare(judge, judge_failure, *brdf_ret, &report->difference, err);
+        status = compare(judge, *brdf_ret, &report->difference, err);
     nqm_limit_threads(n_threads);
     nqm_match_visual_free(&transport);
     release(&b);
@@ -166,7 +165,7 @@ nqm_status nqm_match(const nqm_brdf *ref, const char *model, const nqm_match_los
     setting s = {.ref = ref, .model = model, .loss = loss};
     s.options = options_or_null ? *options_or_null : nqm_fit_options_default();
     nqm_match_report report = {.difference = NAN};
-    nqm_match_judge judge = {.ref = NULL};
+    nqm_match_visual judge = {.scorer = NULL};
     nqm_brdf *brdf = NULL;
     nqm_match_sum sum;
     const nqm_fit_entry *entry;
@@ -181,12 +180,12 @@ nqm_status nqm_match(const nqm_brdf *ref, const char *model, const nqm_match_los
     }
     /* A list has values at its own directions only, not on rays. */
     if (status == NQM_OK && s.loss->scene && !entry->encode && !nqm_scattered_rows(ref, NULL, NULL)) {
-        status = nqm_match_judge_make(loss->scene, ref, s.options.seed, &judge, err);
+        status = nqm_match_rays_make(loss->scene, ref, s.options.seed, &judge, err);
         s.judge = &judge;
     }
     if (status == NQM_OK)
         status = match(&s, entry, &sum, &report, &brdf, err);
-    nqm_match_judge_free(&judge);
+    nqm_match_visual_free(&judge);
     if (status == NQM_OK)
         *report_ret = report;
     if (status == NQM_OK && brdf_ret)

@@ -33,32 +33,28 @@ extern const char *const nqm_match_uncovered;
 /** NQM_ERR_ARG names the word at fault. */
 NQM_MUST_CHECK nqm_status nqm_match_parse(const char *text, nqm_match_sum *sum, nqm_error *err);
 
-/** A metric against one reference, as a loss of a fit. Used by one thread at a time. */
+/** A difference from one reference, as a loss of a fit: a metric, or Delta-E on rays of a scene. Used by one thread at a time; it must
+ *  not be moved. */
 typedef struct nqm_match_visual {
     nqm_fit_visual visual;
+    nqm_error failure; /* of the last evaluation */
+    /* of a metric: */
     nqm_scorer *scorer;
     nqm_score_quantity quantity; /* NQM_SCORE_JOD: the loss is 10 minus it */
     float *ref, *test, *slopes;  /* (n, 3); ref owns the block of the arrays */
     uint8_t *used;               /* (n) */
-    nqm_error failure;           /* of the last evaluation */
+    /* of a scene: */
+    nqm_rays rays;
+    double *ref_rgb; /* (rays.n, 3) */
 } nqm_match_visual;
 
 /** NQM_ERR_INCOMPATIBLE: too few directions have a value. Free it also after a failure. */
 NQM_MUST_CHECK nqm_status nqm_match_visual_make(const nqm_model *model, const nqm_brdf *ref, nqm_match_visual *visual,
                                                 nqm_error *err);
+/** Delta-E on random rays of a scene, which judges fits: no step of an optimiser has seen these directions. Free it also after a
+ *  failure. */
+NQM_MUST_CHECK nqm_status nqm_match_rays_make(const nqm_scene *scene, const nqm_brdf *ref, uint64_t seed,
+                                              nqm_match_visual *visual, nqm_error *err);
 void nqm_match_visual_free(nqm_match_visual *visual);
-
-/** Delta-E from one reference on rays of a scene. */
-typedef struct nqm_match_judge {
-    nqm_rays rays;         /* none: there is no judge */
-    double *ref;           /* (rays.n, 3) */
-    nqm_fit_visual visual; /* the same as a loss; used by one thread at a time */
-    nqm_error failure;     /* of the last evaluation of `visual` */
-} nqm_match_judge;
-
-/** Free it also after a failure; it must not be moved. */
-NQM_MUST_CHECK nqm_status nqm_match_judge_make(const nqm_scene *scene, const nqm_brdf *ref, uint64_t seed,
-                                               nqm_match_judge *judge, nqm_error *err);
-void nqm_match_judge_free(nqm_match_judge *judge);
 
 #endif

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * A metric as a loss of fits: the scores and gradients of nqm_score_grad() at the directions of the model. Directions at
- * which the reference has no value are left out.
+ * Differences as losses of fits: the scores and gradients of nqm_score_grad() at the directions of a model, and Delta-E on random
+ * rays of a scene. Directions at which the reference has no value are left out.
  */
 #include "fit/match.h"
 
@@ -71,7 +71,38 @@ nqm_status nqm_match_visual_make(const nqm_model *model, const nqm_brdf *ref, nq
     return score(v, &value, err);
 }
 
+/* ---- rays of a scene --------------------------------------------------------------------------------------------- */
+
+static double compare_rays(void *user, const double *rgb, double *gradient) {
+    nqm_match_visual *v = user;
+    nqm_label label;
+    return nqm_rays_compare(&v->rays, v->ref_rgb, rgb, &label, gradient, &v->failure) == NQM_OK ? label.delta_e : NAN;
+}
+
+nqm_status nqm_match_rays_make(const nqm_scene *scene, const nqm_brdf *ref, uint64_t seed, nqm_match_visual *v,
+                               nqm_error *err) {
+    enum { N_RAYS = 32768 };
+    *v = (nqm_match_visual){.scorer = NULL};
+    nqm_status status = nqm_rays_draw(scene, N_RAYS, seed, &v->rays, err);
+    if (status != NQM_OK)
+        return status;
+    const nqm_rays *rays = &v->rays;
+    v->visual = (nqm_fit_visual){.n = rays->n, .wi = rays->wi, .wo = rays->wo, .eval = compare_rays, .user = v};
+    uint8_t *flag;
+    status = nqm_alloc_arrays(
+        NQM_ARRAYS({&v->ref_rgb, rays->n, 3 * sizeof *v->ref_rgb}, {&flag, rays->n, sizeof *flag}), err);
+    if (status != NQM_OK)
+        return status;
+    nqm_brdf_eval(ref, rays->n, rays->wi, rays->wo, v->ref_rgb, flag);
+    for (size_t i = 0; i < 3 * rays->n; ++i)
+        if (!nqm_has_value(flag[i / 3])) /* the ray is left out, as in the fits */
+            rays->weight[i] = 0;
+    return NQM_OK;
+}
+
 void nqm_match_visual_free(nqm_match_visual *v) {
     nqm_scorer_free(v->scorer);
     nqm_free(v->ref);
+    nqm_rays_clear(&v->rays);
+    nqm_free(v->ref_rgb);
 }

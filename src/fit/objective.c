@@ -61,15 +61,20 @@ void nqm_fit_objective_free(nqm_fit_objective *o) {
     nqm_free(o);
 }
 
+/* Set the value and the gradient by f_r of a part from its f_r; returns its term. */
+static double evaluate(part *p) {
+    const nqm_fit_visual *visual = p->term.visual;
+    p->value =
+        visual ? visual->eval(visual->user, p->rgb, p->gradient) : nqm_fit_loss_value(&p->target, p->rgb, p->gradient);
+    return p->term.weight * p->value;
+}
+
 nqm_status nqm_fit_objective_value(nqm_fit_objective *o, const nqm_spec_values *values, double *value, nqm_error *err) {
     double sum = 0;
     for (size_t i = 0; i < o->n; ++i) {
         part *p = &o->parts[i];
-        const nqm_fit_visual *visual = p->term.visual;
         nqm_fit_eval(o->space, values, p->n, p->wi, p->wo, p->rgb);
-        p->value = visual ? visual->eval(visual->user, p->rgb, p->gradient)
-                          : nqm_fit_loss_value(&p->target, p->rgb, p->gradient);
-        sum += p->term.weight * p->value;
+        sum += evaluate(p);
         if (!isfinite(sum))
             return nqm_fail(err, NQM_ERR_NUMERIC, -1, "the loss of the %s fit is not finite",
                             o->space->model->schema.model);
@@ -81,11 +86,8 @@ nqm_status nqm_fit_objective_value(nqm_fit_objective *o, const nqm_spec_values *
 nqm_status nqm_fit_objective_black(nqm_fit_objective *o, double *value, nqm_error *err) {
     *value = 0;
     for (size_t i = 0; i < o->n; ++i) {
-        part *p = &o->parts[i];
-        const nqm_fit_visual *visual = p->term.visual;
-        memset(p->rgb, 0, 3 * p->n * sizeof *p->rgb);
-        *value += p->term.weight * (visual ? visual->eval(visual->user, p->rgb, p->gradient)
-                                           : nqm_fit_loss_value(&p->target, p->rgb, NULL));
+        memset(o->parts[i].rgb, 0, 3 * o->parts[i].n * sizeof *o->parts[i].rgb);
+        *value += evaluate(&o->parts[i]);
     }
     return isfinite(*value) ? NQM_OK : nqm_fail(err, NQM_ERR_NUMERIC, -1, "the loss of a black surface is not finite");
 }

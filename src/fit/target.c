@@ -51,18 +51,21 @@ static void set_goal(nqm_fit_target *target) {
         target->goal[i] = nqm_fit_transform(target->loss, target->weight[i / 3], target->rgb[i]);
 }
 
+static nqm_status allocate(nqm_fit_target *t, nqm_error *err) {
+    const size_t size = sizeof(double);
+    return nqm_alloc_arrays(NQM_ARRAYS({&t->wi, 3 * t->n, size}, {&t->wo, 3 * t->n, size}, {&t->weight, t->n, size},
+                                       {&t->rgb, 3 * t->n, size}, {&t->goal, 3 * t->n, size}),
+                            err);
+}
+
 nqm_status nqm_fit_target_make(const nqm_brdf *ref, const nqm_fit_options *options, nqm_fit_target *target,
                                nqm_error *err) {
     const size_t n_rows = nqm_scattered_rows(ref, NULL, NULL), n = n_rows ? n_rows : options->n_directions;
     *target = (nqm_fit_target){.loss = options->loss, .n = n};
-    uint8_t *flag;
-    nqm_status status =
-        nqm_alloc_arrays(NQM_ARRAYS({&target->wi, 3 * n, sizeof(double)}, {&target->wo, 3 * n, sizeof(double)},
-                                    {&target->weight, n, sizeof(double)}, {&target->rgb, 3 * n, sizeof(double)},
-                                    {&target->goal, 3 * n, sizeof(double)}, {&flag, n, 1}),
-                         err);
-    if (status != NQM_OK)
-        return status;
+    nqm_status status = allocate(target, err);
+    uint8_t *flag = status == NQM_OK ? nqm_alloc(n, sizeof *flag) : NULL;
+    if (!flag)
+        return status == NQM_OK ? nqm_fail_nomem(err, n) : status;
     if (n_rows) {
         nqm_scattered_rows(ref, target->wi, target->wo);
     } else {
@@ -71,6 +74,7 @@ nqm_status nqm_fit_target_make(const nqm_brdf *ref, const nqm_fit_options *optio
     }
     nqm_brdf_eval(ref, n, target->wi, target->wo, target->rgb, flag);
     drop_invalid(target, options->max_polar_rad, flag);
+    nqm_free(flag);
     if (target->n < MIN_VALID)
         return nqm_fail(err, NQM_ERR_INCOMPATIBLE, -1, "%s: values at only %zu of %zu directions; a fit needs %d",
                         nqm_brdf_get_info(ref).name, target->n, n, MIN_VALID);
@@ -92,18 +96,13 @@ nqm_status nqm_fit_target_thin(const nqm_fit_target *from, size_t n, nqm_fit_tar
     const size_t stride = nqm_larger(from->n / n, 1);
     *thin = *from;
     thin->n = (from->n + stride - 1) / stride;
-    nqm_status status =
-        nqm_alloc_arrays(NQM_ARRAYS({&thin->wi, thin->n, 3 * sizeof(double)}, {&thin->wo, thin->n, 3 * sizeof(double)},
-                                    {&thin->weight, thin->n, sizeof(double)}, {&thin->rgb, thin->n, 3 * sizeof(double)},
-                                    {&thin->goal, thin->n, 3 * sizeof(double)}),
-                         err);
+    nqm_status status = allocate(thin, err);
     for (size_t i = 0; status == NQM_OK && i < thin->n; ++i) {
-        const size_t at = i * stride;
-        thin->weight[i] = from->weight[at];
-        memcpy(thin->wi + 3 * i, from->wi + 3 * at, 3 * sizeof(double));
-        memcpy(thin->wo + 3 * i, from->wo + 3 * at, 3 * sizeof(double));
-        memcpy(thin->rgb + 3 * i, from->rgb + 3 * at, 3 * sizeof(double));
-        memcpy(thin->goal + 3 * i, from->goal + 3 * at, 3 * sizeof(double));
+        memcpy(thin->wi + 3 * i, from->wi + 3 * i * stride, 3 * sizeof(double));
+        memcpy(thin->wo + 3 * i, from->wo + 3 * i * stride, 3 * sizeof(double));
+        memcpy(thin->rgb + 3 * i, from->rgb + 3 * i * stride, 3 * sizeof(double));
     }
+    if (status == NQM_OK)
+        set_goal(thin);
     return status;
 }

@@ -37,34 +37,6 @@ nqm_eval_options nqm_eval_options_default(void) {
     return options;
 }
 
-/* ---- the scalar metrics ------------------------------------------------------------------------------------------ */
-
-typedef struct metric_job {
-    nqm_evaluation *ev;
-    nqm_sum_plan *plan;
-    const size_t *pairs;
-    uint8_t *used; /* (NQM_PREDICT_BATCH, n_directions) */
-} metric_job;
-
-static void pair_metrics(void *user, size_t i) {
-    const metric_job *job = user;
-    const nqm_dataset *d = job->ev->dataset;
-    nqm_evaluation *ev = job->ev;
-    size_t pair = job->pairs[i], first = ev->n_models;
-    double metrics[NQM_METRIC_COUNT];
-    const nqm_sample_pair samples = nqm_dataset_samples(d, pair, job->used + i * d->n_directions);
-    const nqm_transport transport = nqm_dataset_transport(d);
-    if (ev->estimates) {
-        nqm_transport_estimates(&transport, 1, &samples, &ev->estimates[pair]);
-        ev->values[(first + NQM_METRIC_COUNT) * d->n_pairs + pair] =
-            nqm_curve_jod(&nqm_curve_published, ev->estimates[pair].delta_e);
-    }
-    nqm_compare_samples(job->plan, &samples, ev->estimates ? &ev->estimates[pair] : NULL, metrics,
-                        ev->scalars + pair * NQM_SCALAR_COUNT);
-    for (size_t m = 0; m < NQM_METRIC_COUNT; ++m)
-        ev->values[(first + m) * d->n_pairs + pair] = metrics[m];
-}
-
 /* ---- predictors -------------------------------------------------------------------------------------------------- */
 
 typedef struct predict_run {
@@ -109,19 +81,32 @@ static nqm_status predict_model(predict_run *run, size_t model, nqm_error *err) 
     return status;
 }
 
-static nqm_status predict_metrics(predict_run *run, nqm_error *err) {
-    metric_job job = {.ev = run->ev, .used = nqm_alloc(NQM_PREDICT_BATCH, run->ev->dataset->n_directions)};
-    nqm_status status = nqm_sum_plan_create(run->ev->dataset->directions, &job.plan, err);
-    if (status == NQM_OK && !job.used)
-        status = nqm_fail_nomem(err, NQM_PREDICT_BATCH * run->ev->dataset->n_directions);
-    for (size_t first = 0; status == NQM_OK && first < run->n; first += NQM_PREDICT_BATCH) {
-        size_t n = run->n - first < NQM_PREDICT_BATCH ? run->n - first : NQM_PREDICT_BATCH;
-        job.pairs = run->pairs + first;
-        nqm_parallel_for(n, pair_metrics, &job);
-        status = tick(run, n, err);
+/* The scalar metrics and the estimate of a pair. */
+static void keep_comparison(nqm_evaluation *ev, size_t pair, const nqm_comparison *c) {
+    const size_t n_pairs = ev->dataset->n_pairs, first = ev->n_models * n_pairs + pair;
+    if (ev->estimates) {
+        ev->estimates[pair] = c->estimate;
+        ev->values[first + NQM_METRIC_COUNT * n_pairs] = nqm_curve_jod(&nqm_curve_published, c->estimate.delta_e);
     }
-    nqm_sum_plan_free(job.plan);
-    nqm_free(job.used);
+    memcpy(ev->scalars + pair * NQM_SCALAR_COUNT, c->scalars, sizeof c->scalars);
+    for (size_t m = 0; m < NQM_METRIC_COUNT; ++m)
+        ev->values[first + m * n_pairs] = c->metrics[m];
+}
+
+static nqm_status predict_metrics(predict_run *run, nqm_error *err) {
+    const nqm_dataset *d = run->ev->dataset;
+    const nqm_transport transport = nqm_dataset_transport(d);
+    nqm_comparison *to = nqm_alloc(NQM_PREDICT_BATCH, sizeof *to);
+    nqm_status status = to ? NQM_OK : nqm_fail_nomem(err, NQM_PREDICT_BATCH * sizeof *to);
+    for (size_t first = 0; status == NQM_OK && first < run->n; first += NQM_PREDICT_BATCH) {
+        const size_t n = nqm_smaller(run->n - first, NQM_PREDICT_BATCH);
+        status = nqm_dataset_compare(d, &transport, n, run->pairs + first, to, err);
+        for (size_t i = 0; status == NQM_OK && i < n; ++i)
+            keep_comparison(run->ev, run->pairs[first + i], &to[i]);
+        if (status == NQM_OK)
+            status = tick(run, n, err);
+    }
+    nqm_free(to);
     return status;
 }
 

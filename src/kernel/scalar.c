@@ -39,35 +39,33 @@ static double sum_words(size_t words, const uint32_t *a, size_t a_step, const ui
     return sum;
 }
 
-/* Element (i, j) of a product, before it is rounded; c: its value before. */
-static double product_element(const nqm_product *p, size_t i, size_t j, double c, word_product product) {
-    const uint32_t *a = p->a, *b = p->b;
-    b += j / NQM_PANEL * p->panel_step + j % NQM_PANEL;
-    return (p->add ? c : 0) + sum_words(p->words, a + i * p->lda, 1, b, NQM_PANEL, product);
-}
-
-static void product_float(const nqm_product *p, word_product product) {
+/* Elements are int32_t if is_int8, else float. */
+static void multiply(const nqm_product *p, word_product product, bool is_int8) {
     for (size_t i = 0; i < p->m; ++i)
         for (size_t j = 0; j < p->n_panels * NQM_PANEL; ++j) {
+            const uint32_t *a = p->a, *b = p->b;
             float *c = (float *)p->c + i * p->ldc + j;
-            *c = (float)product_element(p, i, j, (double)*c, product);
+            int32_t *whole = (int32_t *)p->c + i * p->ldc + j;
+            double sum = p->add ? (is_int8 ? (double)*whole : (double)*c) : 0;
+            b += j / NQM_PANEL * p->panel_step + j % NQM_PANEL;
+            sum += sum_words(p->words, a + i * p->lda, 1, b, NQM_PANEL, product);
+            if (is_int8)
+                *whole = (int32_t)sum;
+            else
+                *c = (float)sum;
         }
 }
 
 static void product_f32(const nqm_product *p) {
-    product_float(p, word_f32);
+    multiply(p, word_f32, false);
 }
 
 static void product_bf16(const nqm_product *p) {
-    product_float(p, word_bf16);
+    multiply(p, word_bf16, false);
 }
 
 static void product_int8(const nqm_product *p) {
-    for (size_t i = 0; i < p->m; ++i)
-        for (size_t j = 0; j < p->n_panels * NQM_PANEL; ++j) {
-            int32_t *c = (int32_t *)p->c + i * p->ldc + j;
-            *c = (int32_t)product_element(p, i, j, (double)*c, word_int8);
-        }
+    multiply(p, word_int8, true);
 }
 
 static void strided_product(const nqm_strided_product *p) {

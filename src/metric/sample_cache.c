@@ -152,10 +152,7 @@ nqm_status nqm_sample_cache_fill(nqm_sample_cache *cache, size_t n, nqm_cached *
             fresh[n_fresh++] = entries[i];
         }
     fill_job job = {cache, fresh};
-    if (n_fresh == 1)
-        fill_entry(&job, 0);
-    else
-        nqm_parallel_for(n_fresh, fill_entry, &job);
+    nqm_parallel_for(n_fresh, fill_entry, &job);
     nqm_material_files_trim(&cache->files, KEPT_FILES);
     cache->n_opened += n_fresh;
     nqm_status status = NQM_OK;

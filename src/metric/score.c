@@ -275,15 +275,9 @@ static void settle(void *user, size_t i) {
 static void score_block(nqm_scorer *s, size_t n, nqm_score_result *results) {
     score_job job = {s, results};
     group_by_reference(s, n);
-    if (n == 1)
-        compare(&job, 0);
-    else
-        nqm_parallel_for(n, compare, &job);
+    nqm_parallel_for(n, compare, &job);
     nqm_predictor_run(s->predictor, n, s->pairs, s->predictions, s->options.metrics ? s->metrics : NULL);
-    if (n == 1)
-        settle(&job, 0);
-    else
-        nqm_parallel_for(n, settle, &job);
+    nqm_parallel_for(n, settle, &job);
 }
 
 /* ---- opened BRDFs ------------------------------------------------------------------------------------------------ */

@@ -1,9 +1,11 @@
 /* SPDX-License-Identifier: MIT
  *
- * Reads a model file (doc/files.md). A missing or surplus tensor, a wrong type or shape, a value that is not finite or
+ * Reads a model (doc/files.md) from a file, from memory or from the library. A missing or surplus tensor, a wrong type or shape, a value that is not finite or
  * a wrong checksum is an error; for a tensor the message gives its name.
  */
+#include "base/names.h"
 #include "model/model_file.h"
+#include "model/models_table.h"
 
 #include <string.h>
 
@@ -342,4 +344,52 @@ nqm_status nqm_model_parse(const unsigned char *data, size_t n_bytes, const char
     nqm_free(r.used);
     nqm_safetensors_free(st);
     return status;
+}
+
+/* ---- public entries ---------------------------------------------------------------------------------------------- */
+
+nqm_status nqm_model_load(const char *path, nqm_model **model_ret, nqm_error *err) {
+    NQM_MAKE(err, model_ret, path);
+    nqm_map map = {0};
+    nqm_status status = nqm_map_open(path, &map, err);
+    if (status == NQM_OK)
+        status = nqm_model_parse(map.data, map.n_bytes, path, true, model_ret, err);
+    map.path = NULL; /* the string belongs to the caller */
+    if (status == NQM_OK && !(*model_ret)->memory)
+        (*model_ret)->file = map;
+    else
+        nqm_map_close(&map);
+    return status;
+}
+
+nqm_status nqm_model_from_memory(const void *data, size_t n_bytes, const char *name, nqm_model **model_ret,
+                                 nqm_error *err) {
+    NQM_MAKE(err, model_ret, name);
+    NQM_REQUIRE_IF(n_bytes, err, data);
+    unsigned char *copy = nqm_alloc(n_bytes, 1);
+    if (!copy)
+        return nqm_fail_nomem(err, n_bytes);
+    if (n_bytes)
+        memcpy(copy, data, n_bytes);
+    nqm_status status = nqm_model_parse(copy, n_bytes, name, true, model_ret, err);
+    if (status == NQM_OK && !(*model_ret)->memory)
+        (*model_ret)->memory = copy;
+    else
+        nqm_free(copy);
+    return status;
+}
+
+nqm_status nqm_model_builtin(const char *name, nqm_model **model_ret, nqm_error *err) {
+    NQM_MAKE(err, model_ret, name);
+    for (const nqm_embedded_file *m = nqm_embedded_models; m->name; ++m)
+        if (strcmp(m->name, name) == 0)
+            return nqm_model_parse(m->begin, (size_t)(m->end - m->begin), m->name, false, model_ret, err);
+    if (nqm_model_builtin_count() == 0)
+        return nqm_fail(err, NQM_ERR_MODEL, -1,
+                        "model '%s': no model is built into this library: train one (nqm train) and give its file",
+                        name);
+    nqm_nearest nearest = nqm_nearest_begin(name);
+    for (const nqm_embedded_file *m = nqm_embedded_models; m->name; ++m)
+        nqm_nearest_add(&nearest, m->name);
+    return nqm_fail(err, NQM_ERR_MODEL, -1, "model '%s' is not built in%s", name, nearest.advice);
 }

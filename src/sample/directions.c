@@ -16,11 +16,7 @@ static void compute_id(nqm_directions *directions) {
     nqm_sha256 sha;
     if (!nqm_sha256_begin(&sha))
         return;
-    for (size_t i = 0; i < 3 * directions->n; ++i) {
-        unsigned char bytes[8];
-        nqm_store_f64(bytes, directions->degrees[i]);
-        nqm_sha256_add(&sha, bytes, sizeof bytes);
-    }
+    nqm_sha256_add_values(&sha, 3 * directions->n, sizeof *directions->degrees, directions->degrees);
     char hex[65];
     nqm_sha256_end(&sha, hex);
     memcpy(directions->id, hex, sizeof directions->id - 1);

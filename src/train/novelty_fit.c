@@ -6,48 +6,18 @@
  * training pairs evenly, independent of their density.
  */
 #include "math/math.h"
-#include "metric/metric.h"
 #include "train/calibrate.h"
 
 #include <math.h>
 #include <string.h>
 
-/* ---- scalar features of pairs of a dataset ----------------------------------------------------------------------- */
-
-typedef struct scalar_job {
-    const nqm_dataset *dataset;
-    nqm_sum_plan *plan;
-    nqm_transport transport; /* the model's: its features must be those that predictions compute */
-    size_t first;
-    const size_t *pairs;
-    uint8_t *used;   /* (SCALAR_BATCH, n_directions) */
-    double *scalars; /* (n, NQM_SCALAR_COUNT) */
-} scalar_job;
-
-enum { SCALAR_BATCH = 256 };
-
-static void pair_scalars(void *user, size_t r) {
-    const scalar_job *job = user;
-    const size_t i = job->first + r;
-    const nqm_sample_pair samples =
-        nqm_dataset_samples(job->dataset, job->pairs[i], job->used + r * job->dataset->n_directions);
-    nqm_scalars_compute(job->plan, &job->transport, &samples, job->scalars + i * NQM_SCALAR_COUNT);
-}
-
-/* Compute the scalar features of pairs (n) for a model. Free *scalars_ret with nqm_free(). */
-static nqm_status find_scalars(const struct nqm_model *model, const nqm_dataset *d, size_t n, const size_t *pairs,
-                               double **scalars_ret, nqm_error *err) {
-    scalar_job job = {.dataset = d, .transport = nqm_model_transport(model), .pairs = pairs};
-    nqm_status status = nqm_alloc_arrays(NQM_ARRAYS({&job.scalars, n, NQM_SCALAR_COUNT * sizeof *job.scalars},
-                                                    {&job.used, SCALAR_BATCH, d->n_directions}),
-                                         err);
-    if (status == NQM_OK)
-        status = nqm_sum_plan_create(d->directions, &job.plan, err);
-    for (; status == NQM_OK && job.first < n; job.first += SCALAR_BATCH)
-        nqm_parallel_for(nqm_smaller(n - job.first, SCALAR_BATCH), pair_scalars, &job);
-    nqm_sum_plan_free(job.plan);
-    *scalars_ret = job.scalars;
-    return status;
+/* Compare pairs (n) as predictions of the model do. Free *compared_ret with nqm_free(). */
+static nqm_status compare(const struct nqm_model *model, const nqm_dataset *d, size_t n, const size_t *pairs,
+                          nqm_comparison **compared_ret, nqm_error *err) {
+    const nqm_transport transport = nqm_model_transport(model);
+    *compared_ret = nqm_alloc(n, sizeof **compared_ret);
+    return *compared_ret ? nqm_dataset_compare(d, &transport, n, pairs, *compared_ret, err)
+                         : nqm_fail_nomem(err, n * sizeof **compared_ret);
 }
 
 /* ---- farthest-point selection ------------------------------------------------------------------------------------ */
@@ -147,38 +117,40 @@ static void find_map(struct nqm_model *model, size_t n, const float *x) {
                 (float)(vectors[l * width + k] / sqrt(fmax(values[l], 0) + least_variance));
 }
 
-static void choose_points_of(struct nqm_model *model, spread *s, size_t n_points, const double *scalars, float *x) {
+static void choose_points_of(struct nqm_model *model, spread *s, size_t n_points, const nqm_comparison *compared,
+                             float *x) {
     nqm_scalar_whitening whitening = model->scalars;
     whitening.scale = 1;
     for (size_t i = 0; i < s->n; ++i)
-        nqm_scalars_whiten(&whitening, scalars + i * NQM_SCALAR_COUNT, x + i * s->width);
+        nqm_scalars_whiten(&whitening, compared[i].scalars, x + i * s->width);
     find_map(model, s->n, x);
     for (size_t i = 0; i < s->n; ++i)
-        nqm_novelty_features(model, scalars + i * NQM_SCALAR_COUNT, x + i * s->width);
+        nqm_novelty_features(model, compared[i].scalars, x + i * s->width);
     choose_points(s, n_points, model->novelty_points);
 }
 
 static nqm_status choose_among(struct nqm_model *model, const nqm_dataset *d, size_t n, const size_t *pairs,
                                nqm_error *err) {
     const size_t n_blocks = nqm_smaller(n, NQM_NOVELTY_MAX_POINTS) / NQM_NOVELTY_BLOCK, width = model->scalars.n;
-    double *scalars, *nearest = NULL;
+    nqm_comparison *compared;
+    double *nearest = NULL;
     float *x;
     model->novelty_points = nqm_alloc(n_blocks, width * NQM_NOVELTY_BLOCK * sizeof *model->novelty_points);
-    nqm_status status = find_scalars(model, d, n, pairs, &scalars, err);
+    nqm_status status = compare(model, d, n, pairs, &compared, err);
     if (status == NQM_OK)
         status = nqm_alloc_arrays(NQM_ARRAYS({&nearest, n, sizeof *nearest}, {&x, n, width * sizeof *x}), err);
     if (status == NQM_OK && !model->novelty_points)
         status = nqm_fail_nomem(err, n * width * sizeof *x);
     if (status == NQM_OK) {
         choose_points_of(model, &(spread){.n = n, .width = width, .x = x, .nearest = nearest},
-                         n_blocks * NQM_NOVELTY_BLOCK, scalars, x);
+                         n_blocks * NQM_NOVELTY_BLOCK, compared, x);
         model->n_novelty = n_blocks;
         model->novelty_unit = 1;
         model->novelty_growth = 0;
     } else {
         forget_points(model);
     }
-    nqm_free(scalars);
+    nqm_free(compared);
     nqm_free(nearest);
     return status;
 }
@@ -199,11 +171,11 @@ nqm_status nqm_novelty_choose(struct nqm_model *model, const nqm_dataset *d, nqm
 }
 
 /* Set r->novelty and the model's unit. sorted: (n) scratch. */
-static void measure_novelty(struct nqm_model *model, const double *scalars, double *novelty, double *sorted,
+static void measure_novelty(struct nqm_model *model, const nqm_comparison *compared, double *novelty, double *sorted,
                             nqm_residuals *r) {
     model->novelty_unit = 1;
     for (size_t i = 0; i < r->n; ++i)
-        novelty[i] = sorted[i] = nqm_model_novelty(model, scalars + i * NQM_SCALAR_COUNT);
+        novelty[i] = sorted[i] = nqm_model_novelty(model, compared[i].scalars);
     model->novelty_unit = nqm_quantile(r->n, sorted, 0.95);
     if (model->novelty_unit > 0)
         r->novelty = novelty;
@@ -218,21 +190,22 @@ nqm_status nqm_novelty_measure(struct nqm_model *model, const nqm_dataset *d, nq
     r->novelty = r->spread = NULL;
     if (nqm_model_n_scalars(model) == 0)
         return NQM_OK;
-    double *scalars, *sorted = nqm_alloc(r->n, sizeof *sorted);
-    nqm_status status = find_scalars(model, d, r->n, r->pairs, &scalars, err);
+    nqm_comparison *compared;
+    double *sorted = nqm_alloc(r->n, sizeof *sorted);
+    nqm_status status = compare(model, d, r->n, r->pairs, &compared, err);
     if (status == NQM_OK && !sorted)
         status = nqm_fail_nomem(err, r->n * sizeof *sorted);
     if (status == NQM_OK) {
         r->spread = features;
         for (size_t i = 0; i < r->n; ++i) {
-            const double *own = scalars + i * NQM_SCALAR_COUNT;
+            const double *own = compared[i].scalars;
             nqm_spread_features(model, r->predicted[i], own[NQM_SCALAR_ESTIMATE], own[NQM_SCALAR_REF_PEAK],
                                 features + i * NQM_SPREAD_FEATURES);
         }
         if (model->n_novelty > 0)
-            measure_novelty(model, scalars, novelty, sorted, r);
+            measure_novelty(model, compared, novelty, sorted, r);
     }
-    nqm_free(scalars);
+    nqm_free(compared);
     nqm_free(sorted);
     return status;
 }
