@@ -4,8 +4,8 @@
  * strings and a JOD in [0, 11], and an evaluation of the dataset must be possible.
  */
 #include "fuzz.h"
-#include "support/toy_dataset.h"
 #include "judge/judge.h"
+#include "support/toy_dataset.h"
 
 #include <stdlib.h>
 #include <string.h>
