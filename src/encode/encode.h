@@ -72,10 +72,17 @@ extern const nqm_embedded_file nqm_embedded_encoders[];
  *  none. */
 const unsigned char *nqm_encoder_bytes(const char *name, size_t *n_bytes_ret);
 
-/** Write a file of `kind` ("sparse", "hyper") with metadata format, schema, kind, tool, seed, steps and references. Names
+/** What an encoder was learned from. */
+typedef struct nqm_encoder_source {
+    const char *kind; /* "sparse", "hyper" */
+    size_t n_refs;
+    const char *const *names; /* (n_refs) */
+    const nqm_learn_options *options;
+} nqm_encoder_source;
+
+/** Write a file with metadata format, schema, kind, tool, seed, steps and references. Names
  *  must be UTF-8: NQM_ERR_ARG. */
-NQM_MUST_CHECK nqm_status nqm_encoder_write(const char *path, const char *kind, size_t n_refs, const char *const *names,
-                                            const nqm_learn_options *options, size_t n_tensors,
+NQM_MUST_CHECK nqm_status nqm_encoder_write(const char *path, const nqm_encoder_source *source, size_t n_tensors,
                                             const nqm_tensor *tensors, nqm_error *err);
 
 /** Parse such a file; NQM_ERR_MODEL if data is NULL (nqm_encoder_bytes() found none), and unless it is of this kind, its checksum is correct and all values are finite. `name` is

@@ -35,19 +35,17 @@ static nqm_status list_names(size_t n, const char *const *names, char **text_ret
     return *text_ret ? NQM_OK : nqm_fail_nomem(err, n);
 }
 
-nqm_status nqm_encoder_write(const char *path, const char *kind, size_t n_refs, const char *const *names,
-                             const nqm_learn_options *options, size_t n_tensors, const nqm_tensor *tensors,
-                             nqm_error *err) {
+nqm_status nqm_encoder_write(const char *path, const nqm_encoder_source *source, size_t n_tensors,
+                             const nqm_tensor *tensors, nqm_error *err) {
     char *references, tool[32], seed[24], steps[24];
-    nqm_status status = list_names(n_refs, names, &references, err);
+    nqm_status status = list_names(source->n_refs, source->names, &references, err);
     if (status != NQM_OK)
         return status;
     snprintf(tool, sizeof tool, "nqm %s", nqm_version());
-    snprintf(seed, sizeof seed, "%llu", (unsigned long long)options->seed);
-    snprintf(steps, sizeof steps, "%zu", options->n_steps);
-    const nqm_meta meta[] = {
-        {"format", format}, {"schema", schema},        {"kind", kind}, {"tool", tool}, {"seed", seed},
-        {"steps", steps},   {"references", references}};
+    snprintf(seed, sizeof seed, "%llu", (unsigned long long)source->options->seed);
+    snprintf(steps, sizeof steps, "%zu", source->options->n_steps);
+    const nqm_meta meta[] = {{"format", format}, {"schema", schema}, {"kind", source->kind},    {"tool", tool},
+                             {"seed", seed},     {"steps", steps},   {"references", references}};
     status = nqm_safetensors_write(path, n_tensors, tensors, sizeof meta / sizeof *meta, meta, NULL, err);
     free(references);
     return status;

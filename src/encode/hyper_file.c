@@ -24,7 +24,7 @@ nqm_status nqm_hyper_write(const nqm_hyper *hyper, size_t n, const char *const *
     nqm_tensor tensor[N_TENSORS];
     for (size_t i = 0; i < N_TENSORS; ++i)
         tensor[i] = describe(i, &hyper->layer[i / 2], name[i]);
-    return nqm_encoder_write(path, kind, n, names, options, N_TENSORS, tensor, err);
+    return nqm_encoder_write(path, &(nqm_encoder_source){kind, n, names, options}, N_TENSORS, tensor, err);
 }
 
 /* Find all tensors; the file determines the widths of the hidden layers. */

@@ -44,9 +44,14 @@ INLINED lanes load(const float *x) {
     return v;
 }
 
-/* y[j] = b[j] + sum over k of w[k stride_in + j stride_out] x[k]; b may be NULL. */
-INLINED void product(size_t n_in, size_t n_out, const float *w, size_t stride_in, size_t stride_out, const float *b,
-                     const row *x, row *y) {
+/* Weights of a layer, or of its transpose: w[k stride_in + j stride_out]. */
+typedef struct matrix {
+    const float *w;
+    size_t stride_in, stride_out;
+} matrix;
+
+/* y[j] = b[j] + sum over k of m(k, j) x[k]; b may be NULL. */
+INLINED void product(size_t n_in, size_t n_out, matrix m, const float *b, const row *x, row *y) {
     for (size_t j = 0; j < n_out; j += TILE)
         for (size_t l = 0; l < BLOCK; l += STRIPS * LANES) {
             lanes sum[TILE][STRIPS];
@@ -56,7 +61,7 @@ INLINED void product(size_t n_in, size_t n_out, const float *w, size_t stride_in
             for (size_t k = 0; k < n_in; ++k)
                 for (size_t t = 0; t < TILE; ++t)
                     for (size_t s = 0; s < STRIPS; ++s)
-                        sum[t][s] += w[k * stride_in + (j + t) * stride_out] * load(&x[k][l + s * LANES]);
+                        sum[t][s] += m.w[k * m.stride_in + (j + t) * m.stride_out] * load(&x[k][l + s * LANES]);
             for (size_t t = 0; t < TILE; ++t)
                 for (size_t s = 0; s < STRIPS; ++s)
                     memcpy(&y[j + t][l + s * LANES], &sum[t][s], sizeof(lanes));
@@ -124,20 +129,20 @@ INLINED void channel_loss(block *b, size_t c) {
 
 /* Loss of the block, and its gradient added to `gradient` unless that is NULL. */
 NQM_FOR_EACH_VECTOR_WIDTH static void run_block(const float *w, block *b, float *gradient) {
-    product(N_IN, N_HIDDEN, w + W1, N_HIDDEN, 1, w + B1, b->input, b->first);
+    product(N_IN, N_HIDDEN, (matrix){w + W1, N_HIDDEN, 1}, w + B1, b->input, b->first);
     relu(b->first);
-    product(N_HIDDEN, N_HIDDEN, w + W2, N_HIDDEN, 1, w + B2, b->first, b->second);
+    product(N_HIDDEN, N_HIDDEN, (matrix){w + W2, N_HIDDEN, 1}, w + B2, b->first, b->second);
     relu(b->second);
-    product(N_HIDDEN, N_OUT, w + W3, N_OUT, 1, w + B3, b->second, b->out);
+    product(N_HIDDEN, N_OUT, (matrix){w + W3, N_OUT, 1}, w + B3, b->second, b->out);
     for (size_t c = 0; c < N_OUT; ++c)
         channel_loss(b, c);
     if (!gradient)
         return;
     weight_gradient(N_HIDDEN, N_OUT, b->second, b->d_out, gradient + W3, gradient + B3);
-    product(N_OUT, N_HIDDEN, w + W3, 1, N_OUT, NULL, b->d_out, b->d_second);
+    product(N_OUT, N_HIDDEN, (matrix){w + W3, 1, N_OUT}, NULL, b->d_out, b->d_second);
     relu_gradient(b->second, b->d_second);
     weight_gradient(N_HIDDEN, N_HIDDEN, b->first, b->d_second, gradient + W2, gradient + B2);
-    product(N_HIDDEN, N_HIDDEN, w + W2, 1, N_HIDDEN, NULL, b->d_second, b->d_first);
+    product(N_HIDDEN, N_HIDDEN, (matrix){w + W2, 1, N_HIDDEN}, NULL, b->d_second, b->d_first);
     relu_gradient(b->first, b->d_first);
     weight_gradient(N_IN, N_HIDDEN, b->input, b->d_first, gradient + W1, gradient + B1);
 }

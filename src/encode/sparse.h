@@ -114,10 +114,11 @@ NQM_MUST_CHECK nqm_status nqm_sparse_bases_learn(size_t n_tables, const float *t
  * Approximate K-SVD (sparse_ksvd.c; Rubinstein et al. 2008).
  *
  * @param n_signals    signals (n_signals, NQM_SPARSE_CORE)
+ * @param options      n_steps and seed
  * @param n_atoms_ret  maximum number of atoms; receives the number: at most one per nonzero signal
  * @param atoms        (*n_atoms_ret, NQM_SPARSE_CORE)
  */
-NQM_MUST_CHECK nqm_status nqm_sparse_ksvd(size_t n_signals, const double *signals, size_t n_steps, uint64_t seed,
+NQM_MUST_CHECK nqm_status nqm_sparse_ksvd(size_t n_signals, const double *signals, const nqm_learn_options *options,
                                           nqm_ticker *ticker, size_t *n_atoms_ret, double *atoms, nqm_error *err);
 
 #endif

@@ -156,8 +156,8 @@ static nqm_status run(learning *l, size_t n_steps, nqm_ticker *ticker, nqm_error
     return NQM_OK;
 }
 
-nqm_status nqm_sparse_ksvd(size_t n_signals, const double *signals, size_t n_steps, uint64_t seed, nqm_ticker *ticker,
-                           size_t *n_atoms_ret, double *atoms, nqm_error *err) {
+nqm_status nqm_sparse_ksvd(size_t n_signals, const double *signals, const nqm_learn_options *options,
+                           nqm_ticker *ticker, size_t *n_atoms_ret, double *atoms, nqm_error *err) {
     size_t n_max = *n_atoms_ret;
     learning l = {.n_signals = n_signals, .signals = signals, .atoms = atoms};
     nqm_status status = nqm_alloc_arrays(
@@ -166,12 +166,12 @@ nqm_status nqm_sparse_ksvd(size_t n_signals, const double *signals, size_t n_ste
                    {&l.taken, n_signals, sizeof(bool)}),
         err);
     if (status == NQM_OK) {
-        l.n_atoms = begin(&l, n_max, seed, l.scratch);
+        l.n_atoms = begin(&l, n_max, options->seed, l.scratch);
         if (l.n_atoms == 0)
             status = nqm_fail(err, NQM_ERR_INCOMPATIBLE, -1, "the references are all equal: no atoms can be learned");
     }
     if (status == NQM_OK)
-        status = run(&l, n_steps, ticker, err);
+        status = run(&l, options->n_steps, ticker, err);
     *n_atoms_ret = l.n_atoms;
     nqm_free(l.gram);
     return status;

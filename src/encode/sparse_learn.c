@@ -111,7 +111,7 @@ static nqm_status learn(learning *l, const nqm_learn_options *options, nqm_ticke
         return status;
     nqm_parallel_for(3 * l->n, analyse_one, l);
     d->n_atoms = N_ATOMS;
-    status = nqm_sparse_ksvd(3 * l->n, l->cores, options->n_steps, options->seed, ticker, &d->n_atoms, l->atoms, err);
+    status = nqm_sparse_ksvd(3 * l->n, l->cores, options, ticker, &d->n_atoms, l->atoms, err);
     if (status != NQM_OK)
         return status;
     for (size_t i = 0; i < d->n_atoms * CORE; ++i)
@@ -133,7 +133,8 @@ nqm_status nqm_learn_sparse(size_t n, const nqm_brdf *const *refs, const char *c
     if (status == NQM_OK) {
         nqm_tensor tensors[NQM_SPARSE_TENSORS];
         nqm_sparse_tensors(l.dictionary, tensors);
-        status = nqm_encoder_write(path, "sparse", n, names, &used, NQM_SPARSE_TENSORS, tensors, err);
+        status =
+            nqm_encoder_write(path, &(nqm_encoder_source){"sparse", n, names, &used}, NQM_SPARSE_TENSORS, tensors, err);
     }
     release(&l);
     return status;

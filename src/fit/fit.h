@@ -260,12 +260,17 @@ void nqm_fit_end(nqm_fit_run *run);
 /** The rounded point as a report, except its loss; the point becomes what the spec says. */
 NQM_MUST_CHECK nqm_status nqm_fit_write_report(nqm_fit_run *run, nqm_fit_point *point, nqm_fit_report *report);
 
-/** The best by `judge` among fits under several losses and the best of these polished by the terms of the options (select.c).
- *  *polished: whether the result is; *loss_ret: under which loss it was fitted. report->loss is that of the judge. */
+/** What nqm_fit_select() chose. */
+typedef struct nqm_fit_choice {
+    nqm_fit_report report; /* its loss is that of the judge */
+    nqm_fit_loss loss;     /* under which it was fitted */
+    bool polished;         /* by the terms of the options */
+} nqm_fit_choice;
+
+/** The best by `judge` among fits under several losses and the best of these polished by the terms of the options (select.c). */
 NQM_MUST_CHECK nqm_status nqm_fit_select(const nqm_brdf *ref, const nqm_fit_entry *entry,
                                          const nqm_fit_options *options, const nqm_fit_visual *judge,
-                                         nqm_fit_report *report, nqm_fit_loss *loss_ret, bool *polished,
-                                         nqm_error *err);
+                                         nqm_fit_choice *choice, nqm_error *err);
 
 /** A point on the path of the optimiser: n_steps (up to 1000) steps of Levenberg-Marquardt from nqm_fit_random() under the loss
  *  of the options, a function of the seed. NQM_ERR_ARG: the model is not analytic. */

@@ -76,14 +76,14 @@ static nqm_status select_best(const setting *s, const nqm_fit_entry *entry, cons
                               const nqm_fit_visual *judge, nqm_match_report *report, nqm_brdf **brdf_ret,
                               nqm_error *err) {
     const char *polish = strchr(s->loss->text, ':') ? s->loss->text + 5 : nqm_match_polish;
-    nqm_fit_loss loss;
-    bool polished;
-    nqm_status status = nqm_fit_select(s->ref, entry, options, judge, &report->fit, &loss, &polished, err);
+    nqm_fit_choice choice;
+    nqm_status status = nqm_fit_select(s->ref, entry, options, judge, &choice, err);
     if (status != NQM_OK)
         return status;
+    report->fit = choice.report;
     report->difference = report->fit.loss;
-    snprintf(report->selected, sizeof report->selected, "%s%s%.80s", nqm_fit_loss_words[loss],
-             polished ? ", then " : "", polished ? polish : "");
+    snprintf(report->selected, sizeof report->selected, "%s%s%.80s", nqm_fit_loss_words[choice.loss],
+             choice.polished ? ", then " : "", choice.polished ? polish : "");
     return nqm_brdf_open(report->fit.spec, brdf_ret, err);
 }
 

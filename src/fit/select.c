@@ -111,8 +111,7 @@ static nqm_status begin(selection *s, const nqm_brdf *ref, const nqm_fit_entry *
 }
 
 nqm_status nqm_fit_select(const nqm_brdf *ref, const nqm_fit_entry *entry, const nqm_fit_options *options,
-                          const nqm_fit_visual *judge, nqm_fit_report *report, nqm_fit_loss *loss_ret, bool *polished,
-                          nqm_error *err) {
+                          const nqm_fit_visual *judge, nqm_fit_choice *choice, nqm_error *err) {
     nqm_fit_point points[NQM_FIT_MAX_POINTS] = {{.loss = 0}};
     size_t n = 0;
     selection *s = nqm_alloc(1, sizeof *s);
@@ -128,11 +127,11 @@ nqm_status nqm_fit_select(const nqm_brdf *ref, const nqm_fit_entry *entry, const
     if (status == NQM_OK)
         status = simplify_best(s);
     if (status == NQM_OK)
-        status = nqm_fit_write_report(&s->run, &s->list[0].point, report);
+        status = nqm_fit_write_report(&s->run, &s->list[0].point, &choice->report);
     if (status == NQM_OK)
-        status = nqm_fit_objective_value(s->judge, &s->list[0].point.values, &report->loss, err);
-    *loss_ret = s->list[0].loss;
-    *polished = s->list[0].polished;
+        status = nqm_fit_objective_value(s->judge, &s->list[0].point.values, &choice->report.loss, err);
+    choice->loss = s->list[0].loss;
+    choice->polished = s->list[0].polished;
     nqm_fit_objective_free(s->judge);
     nqm_fit_end(&s->run);
     nqm_free(s);

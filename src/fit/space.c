@@ -253,21 +253,16 @@ static bool is_idle(const nqm_fit_space *space, const nqm_fit_parameter *p, cons
     return nqm_fit_is_layer(&space->model->schema.keys[p->layer]) && amount[0] == 0 && amount[1] == 0 && amount[2] == 0;
 }
 
-/* The column of parameter k by a forward difference, or a backward one at its upper end. */
-static void difference(const nqm_fit_space *space, size_t k, const nqm_spec_values *values, size_t n, const double *wi,
-                       const double *wo, const double *rgb, double *column) {
+/* The values with parameter k one step further, or one step back at its upper end. Returns the step; 0 for an idle parameter. */
+static double step_values(const nqm_fit_space *space, size_t k, const nqm_spec_values *values, nqm_spec_values *near) {
     const nqm_fit_parameter *p = &space->parameters[k];
     const double step = 1e-5, x = to_coordinate(p, values->v[p->key][channel_of(p)]);
     const double h = x + step > to_coordinate(p, p->high) ? -step : step;
-    nqm_spec_values near = *values;
-    if (is_idle(space, p, values)) {
-        memset(column, 0, 3 * n * sizeof *column);
-        return;
-    }
-    set_value(space, &near, p, to_value(p, x + h));
-    nqm_fit_eval(space, &near, n, wi, wo, column);
-    for (size_t i = 0; i < 3 * n; ++i)
-        column[i] = (column[i] - rgb[i]) / h;
+    *near = *values;
+    if (is_idle(space, p, values))
+        return 0;
+    set_value(space, near, p, to_value(p, x + h));
+    return h;
 }
 
 /* Index of the first value of each key among the columns of a Jacobian; returns their number. */
@@ -299,13 +294,27 @@ static void chain(const nqm_fit_space *space, const nqm_spec_values *values, con
     }
 }
 
+/* The columns by differences, which need fewer evaluations than nqm_spec_jacobian(), and of idle parameters none. */
+static void difference(const nqm_fit_space *space, const nqm_spec_values *values, size_t n, const double *wi,
+                       const double *wo, const double *rgb, double *columns) {
+    for (size_t k = 0; k < space->n; ++k, columns += 3 * n) {
+        nqm_spec_values near;
+        const double h = step_values(space, k, values, &near);
+        if (h == 0) {
+            memset(columns, 0, 3 * n * sizeof *columns);
+            continue;
+        }
+        nqm_fit_eval(space, &near, n, wi, wo, columns);
+        for (size_t i = 0; i < 3 * n; ++i)
+            columns[i] = (columns[i] - rgb[i]) / h;
+    }
+}
+
 void nqm_fit_slopes(const nqm_fit_space *space, const nqm_spec_values *values, size_t n, const double *wi,
                     const double *wo, const double *rgb, double *columns) {
     enum { CHUNK = 64, MAX_COLUMNS = 16 };
-    if (space->model->class_.jacobian ==
-        nqm_spec_jacobian) { /* differences in fewer evaluations, and of idle keys none */
-        for (size_t k = 0; k < space->n; ++k)
-            difference(space, k, values, n, wi, wo, rgb, columns + 3 * k * n);
+    if (space->model->class_.jacobian == nqm_spec_jacobian) {
+        difference(space, values, n, wi, wo, rgb, columns);
         return;
     }
     _Alignas(max_align_t) char state[NQM_SPEC_MAX_STATE];

@@ -51,7 +51,7 @@ static void set_goal(nqm_fit_target *target) {
         target->goal[i] = nqm_fit_transform(target->loss, target->weight[i / 3], target->rgb[i]);
 }
 
-static nqm_status allocate(nqm_fit_target *t, nqm_error *err) {
+static nqm_status alloc_target(nqm_fit_target *t, nqm_error *err) {
     const size_t size = sizeof(double);
     return nqm_alloc_arrays(NQM_ARRAYS({&t->wi, 3 * t->n, size}, {&t->wo, 3 * t->n, size}, {&t->weight, t->n, size},
                                        {&t->rgb, 3 * t->n, size}, {&t->goal, 3 * t->n, size}),
@@ -62,7 +62,7 @@ nqm_status nqm_fit_target_make(const nqm_brdf *ref, const nqm_fit_options *optio
                                nqm_error *err) {
     const size_t n_rows = nqm_scattered_rows(ref, NULL, NULL), n = n_rows ? n_rows : options->n_directions;
     *target = (nqm_fit_target){.loss = options->loss, .n = n};
-    nqm_status status = allocate(target, err);
+    nqm_status status = alloc_target(target, err);
     uint8_t *flag = status == NQM_OK ? nqm_alloc(n, sizeof *flag) : NULL;
     if (!flag)
         return status == NQM_OK ? nqm_fail_nomem(err, n) : status;
@@ -96,7 +96,7 @@ nqm_status nqm_fit_target_thin(const nqm_fit_target *from, size_t n, nqm_fit_tar
     const size_t stride = nqm_larger(from->n / n, 1);
     *thin = *from;
     thin->n = (from->n + stride - 1) / stride;
-    nqm_status status = allocate(thin, err);
+    nqm_status status = alloc_target(thin, err);
     for (size_t i = 0; status == NQM_OK && i < thin->n; ++i) {
         memcpy(thin->wi + 3 * i, from->wi + 3 * i * stride, 3 * sizeof(double));
         memcpy(thin->wo + 3 * i, from->wo + 3 * i * stride, 3 * sizeof(double));

@@ -60,9 +60,15 @@ static void finish(const nqm_dataset *d, const nqm_selection *s, const double *i
     }
 }
 
-/* Compute percentile intervals over n resamples of the groups. weight: (n_groups) scratch; shares, means: (n). */
-static void resample(const nqm_selection *s, size_t n, uint64_t seed, const double *inside, double *weight,
-                     double *shares, double *means, nqm_coverage *c) {
+/* Compute percentile intervals over n resamples of the groups. */
+static nqm_status resample(const nqm_selection *s, size_t n, uint64_t seed, const double *inside, nqm_coverage *c,
+                           nqm_error *err) {
+    double *weight, *shares, *means;
+    const nqm_status status = nqm_alloc_arrays(
+        NQM_ARRAYS({&weight, s->n_groups, sizeof *weight}, {&shares, n, sizeof *shares}, {&means, n, sizeof *means}),
+        err);
+    if (status != NQM_OK)
+        return status;
     for (size_t i = 0; i < n; ++i) {
         nqm_bootstrap_draw(seed, i, s->n_groups, weight);
         double n_pairs = 0, n_inside = 0, sum = 0;
@@ -77,6 +83,8 @@ static void resample(const nqm_selection *s, size_t n, uint64_t seed, const doub
     }
     nqm_interval95(n, shares, c->inside.ci95);
     nqm_interval95(n, means, c->by_material.ci95);
+    nqm_free(weight);
+    return NQM_OK;
 }
 
 nqm_status nqm_evaluation_coverage(const nqm_evaluation *evaluation, const nqm_eval_options *options, size_t model,
@@ -88,21 +96,20 @@ nqm_status nqm_evaluation_coverage(const nqm_evaluation *evaluation, const nqm_e
     if (evaluation->dataset->order_only)
         return nqm_fail(err, NQM_ERR_INCOMPATIBLE, -1, "the labels are no JOD");
     nqm_selection s;
-    double *inside = NULL, *weight, *shares, *means;
+    double *inside;
     nqm_status status = nqm_selection_create(evaluation, &o, &s, err);
     if (status != NQM_OK)
         return status;
-    const size_t n_resamples = nqm_bootstrap_count(s.n_groups, o.n_bootstrap);
-    status = nqm_alloc_arrays(NQM_ARRAYS({&inside, s.n_groups, sizeof *inside}, {&weight, s.n_groups, sizeof *weight},
-                                         {&shares, n_resamples, sizeof *shares}, {&means, n_resamples, sizeof *means}),
-                              err);
-    if (status == NQM_OK) {
+    inside = nqm_alloc(s.n_groups, sizeof *inside);
+    if (!inside) {
+        status = nqm_fail_nomem(err, s.n_groups * sizeof *inside);
+    } else {
         *coverage_ret = (nqm_coverage){.n = s.n, .n_materials = s.n_groups};
         for (size_t g = 0; g < s.n_groups; ++g)
             for (size_t k = s.group_begin[g]; k < s.group_begin[g + 1]; ++k)
                 inside[g] += count(evaluation, model, s.pairs[k], coverage_ret);
         finish(evaluation->dataset, &s, inside, coverage_ret);
-        resample(&s, n_resamples, o.seed, inside, weight, shares, means, coverage_ret);
+        status = resample(&s, nqm_bootstrap_count(s.n_groups, o.n_bootstrap), o.seed, inside, coverage_ret, err);
     }
     nqm_free(inside);
     nqm_selection_free(&s);

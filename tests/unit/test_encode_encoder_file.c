@@ -17,7 +17,7 @@ static nqm_status write_file(const float *values, nqm_error *err) {
     options.seed = 7;
     const nqm_tensor tensor = {
         .name = "atoms", .dtype = NQM_F32, .n_dims = 2, .dims = {2, 3}, .n_bytes = 6 * sizeof *values, .data = values};
-    return nqm_encoder_write(temp_file, "sparse", 2, names, &options, 1, &tensor, err);
+    return nqm_encoder_write(temp_file, &(nqm_encoder_source){"sparse", 2, names, &options}, 1, &tensor, err);
 }
 
 /* Parse the file with `change` added to its byte `at` (negative: from the end). */

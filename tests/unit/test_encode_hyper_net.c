@@ -161,10 +161,12 @@ static void other_networks_are_refused(void **state) {
     const float value = 0;
     const nqm_tensor tensor = {
         .name = "atoms", .dtype = NQM_F32, .n_dims = 1, .dims = {1}, .n_bytes = sizeof value, .data = &value};
-    assert_int_equal(nqm_encoder_write(temp_file, "hyper", 1, names, &options, 1, &tensor, NULL), NQM_OK);
+    assert_int_equal(nqm_encoder_write(temp_file, &(nqm_encoder_source){"hyper", 1, names, &options}, 1, &tensor, NULL),
+                     NQM_OK);
     assert_int_equal(read_network(&found, &err), NQM_ERR_MODEL);
     assert_non_null(strstr(err.message, "layers.0.weight"));
-    assert_int_equal(nqm_encoder_write(temp_file, "sparse", 1, names, &options, 1, &tensor, NULL), NQM_OK);
+    assert_int_equal(
+        nqm_encoder_write(temp_file, &(nqm_encoder_source){"sparse", 1, names, &options}, 1, &tensor, NULL), NQM_OK);
     assert_int_equal(read_network(&found, &err), NQM_ERR_MODEL);
     assert_non_null(strstr(err.message, "hyper"));
 }

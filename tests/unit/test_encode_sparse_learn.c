@@ -123,7 +123,8 @@ static nqm_status parse_spoiled(double scale, float typical, size_t left_out, si
                                         .data = data[i]};
     }
     nqm_learn_options options = nqm_learn_options_default();
-    assert_int_equal(nqm_encoder_write(path, "sparse", N, names, &options, n, tensors, NULL), NQM_OK);
+    assert_int_equal(nqm_encoder_write(path, &(nqm_encoder_source){"sparse", N, names, &options}, n, tensors, NULL),
+                     NQM_OK);
     nqm_map map;
     nqm_sparse_dictionary *dictionary;
     assert_int_equal(nqm_map_open(path, &map, NULL), NQM_OK);

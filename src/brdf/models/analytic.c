@@ -202,12 +202,19 @@ INLINED void chain_rule(const lobe *self, size_t n_shape, double value, const do
     }
 }
 
-/** Evaluate n pairs. jacobian: NULL, or receives the derivatives. Inlined, so that the compiler can inline `f` too. */
-INLINED void lobe_values(const lobe *self, lobe_fn f, size_t n_shape, size_t n, const double *wi, const double *wo,
-                         double *rgb, double *jacobian) {
+/** The formula of a lobe and the number of its shape parameters. */
+typedef struct lobe_kind {
+    lobe_fn f;
+    size_t n_shape;
+} lobe_kind;
+
+/** Evaluate n pairs. jacobian: NULL, or receives the derivatives. Inlined, so that the compiler can inline the formula too. */
+INLINED void lobe_values(lobe_kind kind, const lobe *self, size_t n, const double *wi, const double *wo, double *rgb,
+                         double *jacobian) {
+    const size_t n_shape = kind.n_shape;
     for (size_t i = 0; i < n; ++i) {
         double d[MAX_SHAPE], by_parameter[MAX_SHAPE];
-        double value = f(self->shape, wi + 3 * i, wo + 3 * i, jacobian ? d : NULL);
+        double value = kind.f(self->shape, wi + 3 * i, wo + 3 * i, jacobian ? d : NULL);
         if (jacobian)
             chain_rule(self, n_shape, value, d, by_parameter);
         for (size_t c = 0; c < 3; ++c) {
@@ -232,11 +239,11 @@ INLINED void lobe_values(const lobe *self, lobe_fn f, size_t n_shape, size_t n, 
 /** Define the model MODEL with the lobe function LOBE; the variadic arguments are its keys after kd and ks. */
 #define LOBE_MODEL(MODEL, NAME, DOI, LOBE, PREPARE, N_KEYS, ...)                                                       \
     static void LOBE##_eval(const void *state, size_t n, const double *wi, const double *wo, double *rgb) {            \
-        lobe_values(state, LOBE, N_KEYS - FIRST_SHAPE, n, wi, wo, rgb, NULL);                                          \
+        lobe_values((lobe_kind){LOBE, N_KEYS - FIRST_SHAPE}, state, n, wi, wo, rgb, NULL);                             \
     }                                                                                                                  \
     static void LOBE##_jacobian(const void *state, size_t n, const double *wi, const double *wo, double *rgb,          \
                                 double *jacobian) {                                                                    \
-        lobe_values(state, LOBE, N_KEYS - FIRST_SHAPE, n, wi, wo, rgb, jacobian);                                      \
+        lobe_values((lobe_kind){LOBE, N_KEYS - FIRST_SHAPE}, state, n, wi, wo, rgb, jacobian);                         \
     }                                                                                                                  \
     const nqm_analytic_model MODEL = {                                                                                 \
         .schema = {NAME, N_KEYS, {LOBE_KEYS, __VA_ARGS__}},                                                            \
