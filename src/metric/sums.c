@@ -172,15 +172,10 @@ static void read_member(const stretch *s, const float *rgb, const float *root, c
     const size_t n = 3 * s->n, n_filled = (s->n_values - n) * sizeof *rgb;
     const float *from = rgb + 3 * s->first;
     float *f = to->f, *own_root = to->root, logs[ROOM]; /* logs are not used */
-    if (root)
-        memcpy(own_root, root + 3 * s->first, n * sizeof *own_root);
-    else
+    nqm_sample_limit(n, largest, from, f);
+    if (!root)
         nqm_sample_logs(n, from, own_root, logs);
-#pragma omp simd
-    for (size_t i = 0; i < n; ++i) {
-        f[i] = from[i] < largest ? from[i] : largest;
-        own_root[i] = own_root[i] < largest_root ? own_root[i] : largest_root;
-    }
+    nqm_sample_limit(n, largest_root, root ? root + 3 * s->first : own_root, own_root);
     for (size_t i = 0; used && i < n; ++i)
         if (!used[s->first + i / 3])
             f[i] = own_root[i] = 0;

@@ -56,6 +56,13 @@ void nqm_sample_log_ratios(size_t n, const float *offset, const float *x, const 
         ratio[i] = log_quotient(x[i] + offset[i], y[i] + offset[i], y[i] - x[i]);
 }
 
+NQM_FOR_EACH_VECTOR_WIDTH
+void nqm_sample_limit(size_t n, float limit, const float *x, float *y) {
+#pragma omp simd
+    for (size_t i = 0; i < n; ++i)
+        y[i] = x[i] < limit ? x[i] : limit;
+}
+
 /* With a = cbrt(x) and b = cbrt(y): b - a = (y - x) / (a a + a b + b b). Roots below 1e-10 are 0. */
 NQM_FOR_EACH_VECTOR_WIDTH
 void nqm_sample_root_differences(size_t n, const float *scale, const float *x, const float *y, const float *root_x,

@@ -20,6 +20,8 @@ void nqm_sample_log_ratios(size_t n, const float *offset, const float *x, const 
  *  even for close values, and 1e-10 scale. */
 void nqm_sample_root_differences(size_t n, const float *scale, const float *x, const float *y, const float *root_x,
                                  const float *root_y, float *difference);
+/** y = x, but at most `limit`, for n floats. */
+void nqm_sample_limit(size_t n, float limit, const float *x, float *y);
 /** difference = s (b - a) and magnitude = s |b - a| for n floats; difference may be b. */
 void nqm_sample_differences(size_t n, float s, const float *a, const float *b, float *difference, float *magnitude);
 enum { NQM_SAMPLE_LANES = 32 };

@@ -10,6 +10,7 @@ static const sample_loops chosen = {
     .scale = nqm_sample_scale,
     .log_ratios = nqm_sample_log_ratios,
     .root_differences = nqm_sample_root_differences,
+    .limit = nqm_sample_limit,
     .differences = nqm_sample_differences,
     .sums = nqm_sample_sums,
     .dots = nqm_sample_dots,

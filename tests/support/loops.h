@@ -14,6 +14,7 @@ typedef struct sample_loops {
     void (*log_ratios)(size_t n, const float *offset, const float *x, const float *y, float *ratio);
     void (*root_differences)(size_t n, const float *scale, const float *x, const float *y, const float *root_x,
                              const float *root_y, float *difference);
+    void (*limit)(size_t n, float limit, const float *x, float *y);
     void (*differences)(size_t n, float s, const float *a, const float *b, float *difference, float *magnitude);
     void (*sums)(size_t n, const float *x, float *magnitudes, float *squares);
     void (*dots)(size_t n, const float *x, size_t n_y, const float *y, size_t stride, float *sums);

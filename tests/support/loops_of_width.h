@@ -11,6 +11,7 @@
 #define nqm_sample_scale            OF_WIDTH(nqm_sample_scale)
 #define nqm_sample_log_ratios       OF_WIDTH(nqm_sample_log_ratios)
 #define nqm_sample_root_differences OF_WIDTH(nqm_sample_root_differences)
+#define nqm_sample_limit            OF_WIDTH(nqm_sample_limit)
 #define nqm_sample_differences      OF_WIDTH(nqm_sample_differences)
 #define nqm_sample_sums             OF_WIDTH(nqm_sample_sums)
 #define nqm_sample_dots             OF_WIDTH(nqm_sample_dots)
@@ -24,6 +25,7 @@ const sample_loops OF_WIDTH(loops) = {
     .scale = nqm_sample_scale,
     .log_ratios = nqm_sample_log_ratios,
     .root_differences = nqm_sample_root_differences,
+    .limit = nqm_sample_limit,
     .differences = nqm_sample_differences,
     .sums = nqm_sample_sums,
     .dots = nqm_sample_dots,

@@ -46,6 +46,18 @@ static void samples(void **state) {
     }
 }
 
+static void limits(void **state) {
+    (void)state;
+    nqm_rng rng = nqm_rng_make(seed, 9);
+    static float x[N], y[N];
+    spread(&rng, x);
+    for (size_t k = 0; sample_loops_at(k); ++k) {
+        sample_loops_at(k)->limit(N, 1e15f, x, y);
+        for (size_t i = 0; i < N; ++i)
+            assert_true(y[i] == (x[i] < 1e15f ? x[i] : 1e15f));
+    }
+}
+
 static double log_ratio(float offset, float x, float y) {
     const double a = (double)x + (double)offset, difference = (double)y - (double)x;
     return fabs(difference) < 0.5 * a ? log1p(difference / a) : log(((double)y + (double)offset) / a);
@@ -245,10 +257,15 @@ static void whitening(void **state) {
 int main(void) {
     printf("seed %llu\n", (unsigned long long)seed);
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(samples),          cmocka_unit_test(ratios),
-        cmocka_unit_test(root_differences), cmocka_unit_test(sums_of_magnitudes),
-        cmocka_unit_test(nearest_points),   cmocka_unit_test(dots),
-        cmocka_unit_test(scaled_logs),      cmocka_unit_test(whitening),
+        cmocka_unit_test(samples),
+        cmocka_unit_test(ratios),
+        cmocka_unit_test(limits),
+        cmocka_unit_test(root_differences),
+        cmocka_unit_test(sums_of_magnitudes),
+        cmocka_unit_test(nearest_points),
+        cmocka_unit_test(dots),
+        cmocka_unit_test(scaled_logs),
+        cmocka_unit_test(whitening),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
