@@ -328,29 +328,29 @@ static void other_encodings_keep_their_loss(void **state) {
 
 /* ---- stopping and faults ------------------------------------------------------------------------------------------ */
 
-static size_t n_stopped; /* calls that asked to stop */
+static size_t n_calls;
 
 static int stop(void *user, const char *stage, double done, double total) {
     (void)stage;
+    (void)done;
     (void)total;
-    if (done < *(double *)user)
-        return 0;
-    ++n_stopped;
-    return 1;
+    return ++n_calls >= *(const size_t *)user;
 }
 
+/* The first call comes at once, later ones at times that depend on the machine: a quick fit may end before the second. */
 static void a_match_can_be_stopped(void **state) {
     (void)state;
     nqm_brdf *ref = open_brdf("sgd:nickel");
     const nqm_match_loss loss = {"auto", metric, transport, NULL};
-    for (double done = 0; done < 2; ++done) {
+    for (size_t last = 1; last <= 3; ++last) {
         nqm_fit_options options = nqm_fit_options_default();
         nqm_match_report report;
-        n_stopped = 0;
+        n_calls = 0;
         options.progress = stop;
-        options.progress_user = &done;
-        assert_int_equal(nqm_match(ref, "ggx", &loss, &options, &report, NULL, NULL), NQM_ERR_CANCELLED);
-        assert_int_equal(n_stopped, 1); /* nothing goes on after it */
+        options.progress_user = &last;
+        const nqm_status status = nqm_match(ref, "ggx", &loss, &options, &report, NULL, NULL);
+        assert_true(n_calls >= 1 && n_calls <= last); /* nothing goes on after it */
+        assert_int_equal(status, n_calls == last ? NQM_ERR_CANCELLED : NQM_OK);
     }
     nqm_brdf_free(ref);
 }
