@@ -100,6 +100,9 @@ void nqm_table_node(size_t n_h, size_t n_d, size_t n_p, size_t h, size_t d, size
 /** The values of a BRDF whose format is "table"; valid until it is freed. dims: (3) receives n_h, n_d, n_p. */
 const float *nqm_table_values(const nqm_brdf *brdf, size_t *dims);
 
+/** Cut "SETTINGS;of=OF", or with has_with "SETTINGS;with=(WITH);of=OF", of a spec that wraps other BRDFs after its prefix: the settings
+ *  end where the rest begins. false: another form; the text is as it was. */
+bool nqm_wrapper_cut(char *text, bool has_with, const char **with, const char **of);
 /** A perturbation of an opened BRDF: `settings` as in a `perturb:` spec, without `of`. The result owns `base` if `owned` (it
  *  is freed also on failure), otherwise it borrows it. */
 nqm_status nqm_perturb_wrap(const char *settings, nqm_brdf *base, bool owned, nqm_brdf **brdf_ret, nqm_error *err);

@@ -22,27 +22,6 @@ typedef struct parts {
     const char *settings, *with, *of; /* of BASE: NULL */
 } parts;
 
-static char *find_closing(char *text) {
-    size_t open = 1;
-    for (; *text; ++text) {
-        open += *text == '(';
-        open -= *text == ')';
-        if (open == 0)
-            return text;
-    }
-    return NULL;
-}
-
-/* Cut the text before `key`; returns what follows it. NULL: it does not occur. */
-static char *cut(char *text, const char *key) {
-    char *at = strncmp(text, key + 1, strlen(key) - 1) == 0 ? text : strstr(text, key);
-    if (!at)
-        return NULL;
-    char *rest = at + strlen(key) - (at == text && *text != ';');
-    *at = 0;
-    return rest;
-}
-
 /* free_parts() it. What is not of one of the forms is left to nqm_brdf_open(), which says what is wrong. */
 static nqm_status split(const char *argument, parts *p, nqm_error *err) {
     static const char *const prefix[] = {[FIT] = "fit:", [PERTURB] = "perturb:", [BETWEEN] = "between:"};
@@ -53,18 +32,9 @@ static nqm_status split(const char *argument, parts *p, nqm_error *err) {
         --p->form;
     if (p->form == BASE)
         return NQM_OK;
-    char *settings = p->text + strlen(prefix[p->form]), *end = NULL;
+    char *settings = p->text + strlen(prefix[p->form]);
     p->settings = settings;
-    if (p->form == BETWEEN) {
-        p->with = cut(settings, ";with=(");
-        end = p->with ? find_closing(settings + strlen(settings) + strlen(";with=(")) : NULL;
-        p->of = end && strncmp(end + 1, ";of=", 4) == 0 ? end + 5 : NULL;
-        if (end)
-            *end = 0;
-    } else {
-        p->of = cut(settings, ";of=");
-    }
-    if (!p->of || !*p->of || !*settings) {
+    if (!nqm_wrapper_cut(settings, p->form == BETWEEN, &p->with, &p->of) || !*p->of || !*settings) {
         if (p->form == FIT)
             return nqm_fail(err, NQM_ERR_ARG, -1,
                             "fit: 'of=' and a BRDF are missing at the end (fit:model=ggx;of=BRDF)");

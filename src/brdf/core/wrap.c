@@ -91,8 +91,7 @@ static char *closing(char *text) {
     return NULL;
 }
 
-/* Cut the text into settings and specs; false: it has another form. */
-static bool cut(char *text, bool has_with, const char **with, const char **of) {
+bool nqm_wrapper_cut(char *text, bool has_with, const char **with, const char **of) {
     static const char begin[] = ";with=(", middle[] = ";of=";
     char *end = strncmp(text, middle + 1, strlen(middle) - 1) == 0 ? text : strstr(text, middle);
     if (has_with) {
@@ -130,8 +129,8 @@ nqm_status nqm_wrapper_open(const nqm_spec_wrapper *w, const char *settings, con
     char *text = nqm_strdup(settings);
     if (!text)
         return nqm_fail_nomem(err, strlen(settings) + 1);
-    nqm_status status = cut(text, w->has_with, &with, &of) ? parse(w, text, &values, err)
-                                                           : nqm_fail(err, NQM_ERR_ARG, -1, "%s", w->form);
+    nqm_status status = nqm_wrapper_cut(text, w->has_with, &with, &of) ? parse(w, text, &values, err)
+                                                                       : nqm_fail(err, NQM_ERR_ARG, -1, "%s", w->form);
     if (status == NQM_OK)
         status = open_bases(of, with, open, &bases, err);
     if (status == NQM_OK)
