@@ -115,7 +115,7 @@ ward='ward:kd=.3,.2,.1;ks=.05;alpha=.1'
 run 0 fit "$dir/list.csv" -m ward --json
 [ ! -s "$dir/err" ] || fail "talk about a complete list: $(cat "$dir/err")"
 grep -q '"jod": 10.0' "$dir/out" || fail "not the BRDF that was sampled: $(cat "$dir/out")"
-head -n 401 "$dir/list.csv" >"$dir/few.csv"
+head -n 541 "$dir/list.csv" >"$dir/few.csv"
 run 0 fit "$dir/few.csv" -m ward -q
 spec=$(cat "$dir/out")
 grep -q 'few.csv: its nearest row is [0-9.]* degrees (median; 95 %: [0-9.]*) away' "$dir/err" || fail "how far: $(cat "$dir/err")"
