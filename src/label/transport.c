@@ -28,8 +28,8 @@ typedef struct matrix {
 static void distribute(const matrix *m, size_t point, const double *wi, const double *wo, const double *light) {
     size_t node[NQM_GRID_NEAR];
     double weight[NQM_GRID_NEAR];
-    const size_t n = nqm_node_grid_interpolate(&m->grid, wi, wo, node, weight);
-    for (size_t i = 0; i < n; ++i)
+    nqm_node_grid_interpolate(&m->grid, wi, wo, node, weight);
+    for (size_t i = 0; i < NQM_GRID_NEAR; ++i)
         for (size_t c = 0; c < 3; ++c)
             m->light[(3 * node[i] + c) * m->n_points + point] += (float)(light[c] * weight[i]);
 }

@@ -8,7 +8,7 @@
  * that plane, and no two values of phi_d are then mirror images, which would see the same.
  *
  * Between the nodes theta_h^2 cos(theta_i) cos(theta_o) f_r is interpolated: cubic in log(theta_h) and along theta_d,
- * trigonometric in phi_d.
+ * trigonometric in phi_d, of which all have the same values.
  */
 #include "sample/node_grid.h"
 #include "math/math.h"
@@ -24,28 +24,16 @@ static const double narrowest = 2e-5, visible = 2e-3, widest = 80 * NQM_PI / 180
 static const double part_of_d[1 + NQM_GRID_D] = {-0.12, 0.12, 0.4, 0.65, 0.84, 0.95, 1};
 static const double narrow_step = 1.9, wide_step = 1.25;
 
-/* Values of phi_d: many where theta_h is above 12 degrees or theta_d is in the upper part, since lobes that are round about the mirror
- * direction are long ellipses in half vectors there. */
-enum { FEW = 4, MANY = NQM_GRID_MAX_PHI, UPPER_D = 4 };
-
 nqm_node_grid nqm_node_grid_make(void) {
     nqm_node_grid g = {.n_h = 0};
     const size_t n_narrow = (size_t)ceil(log(visible / narrowest) / log(narrow_step));
     const size_t n_wide = (size_t)ceil(log(widest / visible) / log(wide_step));
     g.n_h = n_narrow + n_wide + 1;
+    g.n = g.n_h * NQM_GRID_D * NQM_GRID_PHI;
     for (size_t i = 0; i < g.n_h; ++i)
         g.log_h[i] = i < n_narrow ? log(narrowest) + log(visible / narrowest) * (double)i / (double)n_narrow
                                   : log(visible) + log(widest / visible) * (double)(i - n_narrow) / (double)n_wide;
-    for (size_t h = 0; h < g.n_h; ++h)
-        for (size_t d = 0; d < NQM_GRID_D; ++d) {
-            g.first[h][d] = g.n;
-            g.n += nqm_node_grid_n_phi(&g, h, d);
-        }
     return g;
-}
-
-size_t nqm_node_grid_n_phi(const nqm_node_grid *g, size_t h, size_t d) {
-    return exp(g->log_h[h]) < 12 * NQM_PI / 180 && d < UPPER_D ? FEW : MANY;
 }
 
 /* The theta_d at which light or viewer has the polar angle max_polar: cos(theta_h) cos(x) - sin(theta_h) |cos(phi_d)| sin(x) =
@@ -55,15 +43,18 @@ static double most_theta_d(double theta_h, double phi_d) {
     return fmax(acos(fmin(cos(max_polar) / hypot(a, b), 1)) - atan2(b, a), 1e-3);
 }
 
-static double phi_of(size_t n_phi, size_t k) {
-    return 2 * NQM_PI * ((double)k + 0.25) / (double)n_phi;
+static double phi_of(size_t p) {
+    return 2 * NQM_PI * ((double)p + 0.25) / NQM_GRID_PHI;
+}
+
+static size_t node_at(size_t h, size_t d, size_t p) {
+    return (h * NQM_GRID_D + d) * NQM_GRID_PHI + p;
 }
 
 /* Coordinates of a node in radians. */
 static void place_node(const nqm_node_grid *g, size_t h, size_t d, size_t p, double hd[3]) {
-    const size_t n_phi = nqm_node_grid_n_phi(g, h, d);
     hd[0] = exp(g->log_h[h]);
-    hd[2] = phi_of(n_phi, p);
+    hd[2] = phi_of(p);
     hd[1] = part_of_d[1 + d] * most_theta_d(hd[0], hd[2]);
 }
 
@@ -94,14 +85,14 @@ static double part_at(double theta_h, double theta_d, double phi_d) {
     return fmin(theta_d / most_theta_d(theta_h, phi_d), 1);
 }
 
-/* Weight of a node at the angle x from the ray, of n_phi around the circle, in the trigonometric polynomial through them. */
-static double trigonometric(size_t n_phi, double x) {
-    const double n = (double)n_phi, half = sin(x / 2);
+/* Weight of a node at the angle x from the ray in the trigonometric polynomial through the nodes around the circle. */
+static double trigonometric(double x) {
+    const double n = NQM_GRID_PHI, half = sin(x / 2);
     return fabs(half) < 1e-9 ? 1 : sin(n * x / 2) * cos(x / 2) / (n * half);
 }
 
-size_t nqm_node_grid_interpolate(const nqm_node_grid *g, const double *wi, const double *wo, size_t node[NQM_GRID_NEAR],
-                                 double weight[NQM_GRID_NEAR]) {
+void nqm_node_grid_interpolate(const nqm_node_grid *g, const double *wi, const double *wo, size_t node[NQM_GRID_NEAR],
+                               double weight[NQM_GRID_NEAR]) {
     double hd[3];
     nqm_half_diff_full_from_pair(wi, wo, hd);
     const double log_h = fmin(fmax(log(fmax(hd[0], 1e-12)), g->log_h[0]), g->log_h[g->n_h - 1]), theta_h = exp(log_h);
@@ -111,19 +102,18 @@ size_t nqm_node_grid_interpolate(const nqm_node_grid *g, const double *wi, const
     for (size_t i = 0; i < 4; ++i)
         for (size_t j = 0; j < 4; ++j) {
             const bool is_behind = d + j == 0;
-            const size_t node_d = is_behind ? 0 : d + j - 1, n_phi = nqm_node_grid_n_phi(g, h + i, node_d);
-            for (size_t p = 0; p < n_phi; ++p, ++n) {
-                const double phi = phi_of(n_phi, p), part = part_at(theta_h, hd[1], phi);
+            const size_t node_d = is_behind ? 0 : d + j - 1;
+            for (size_t p = 0; p < NQM_GRID_PHI; ++p, ++n) {
+                const double phi = phi_of(p), part = part_at(theta_h, hd[1], phi);
                 const double here[3] = {theta_h, part * most_theta_d(theta_h, phi), phi};
-                const size_t at = is_behind ? (p + n_phi / 2) % n_phi : p;
+                const size_t at = is_behind ? (p + NQM_GRID_PHI / 2) % NQM_GRID_PHI : p;
                 double there[3];
                 place_node(g, h + i, node_d, at, there);
-                node[n] = g->first[h + i][node_d] + at;
-                weight[n] = cubic(g->log_h + h, i, log_h) * cubic(part_of_d + d, j, part) *
-                            trigonometric(n_phi, hd[2] - phi) * scale_at(there) / scale_at(here);
+                node[n] = node_at(h + i, node_d, at);
+                weight[n] = cubic(g->log_h + h, i, log_h) * cubic(part_of_d + d, j, part) * trigonometric(hd[2] - phi) *
+                            scale_at(there) / scale_at(here);
             }
         }
-    return n;
 }
 
 /* ---- as directions ----------------------------------------------------------------------------------------------- */
@@ -132,7 +122,7 @@ size_t nqm_node_grid_interpolate(const nqm_node_grid *g, const double *wi, const
 static void fill_degrees(const nqm_node_grid *g, double *degrees) {
     for (size_t h = 0; h < g->n_h; ++h)
         for (size_t d = 0; d < NQM_GRID_D; ++d)
-            for (size_t p = 0; p < nqm_node_grid_n_phi(g, h, d); ++p, degrees += 3) {
+            for (size_t p = 0; p < NQM_GRID_PHI; ++p, degrees += 3) {
                 double hd[3];
                 place_node(g, h, d, p, hd);
                 for (int k = 0; k < 3; ++k)

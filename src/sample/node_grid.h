@@ -8,23 +8,20 @@
 
 #include "sample/sample.h"
 
-enum { NQM_GRID_MAX_H = 64, NQM_GRID_D = 6, NQM_GRID_MAX_PHI = 8, NQM_GRID_NEAR = 16 * NQM_GRID_MAX_PHI };
+enum { NQM_GRID_MAX_H = 64, NQM_GRID_D = 6, NQM_GRID_PHI = 8, NQM_GRID_NEAR = 16 * NQM_GRID_PHI };
 
-/** A grid. Node (h, d, p) has the index first[h][d] + p. */
+/** A grid. Node (h, d, p) of (n_h, NQM_GRID_D, NQM_GRID_PHI) has the index (h NQM_GRID_D + d) NQM_GRID_PHI + p. */
 typedef struct nqm_node_grid {
     size_t n;                     /* nodes */
-    size_t n_h;                   /* values of theta_h; of theta_d there are NQM_GRID_D */
+    size_t n_h;                   /* values of theta_h */
     double log_h[NQM_GRID_MAX_H]; /* (n_h) logarithms of theta_h, ascending */
-    size_t first[NQM_GRID_MAX_H][NQM_GRID_D];
 } nqm_node_grid;
 
 nqm_node_grid nqm_node_grid_make(void);
-/** Values of phi_d at theta_h number h and theta_d number d. */
-size_t nqm_node_grid_n_phi(const nqm_node_grid *grid, size_t h, size_t d);
-/** Nodes around a pair of unit vectors, and their weights in the interpolated f_r, some of which are negative; returns how many.
+/** The NQM_GRID_NEAR nodes around a pair of unit vectors, and their weights in the interpolated f_r, some of which are negative.
  *  Outside the grid the value at its boundary counts. */
-size_t nqm_node_grid_interpolate(const nqm_node_grid *grid, const double *wi, const double *wo,
-                                 size_t node[NQM_GRID_NEAR], double weight[NQM_GRID_NEAR]);
+void nqm_node_grid_interpolate(const nqm_node_grid *grid, const double *wi, const double *wo,
+                               size_t node[NQM_GRID_NEAR], double weight[NQM_GRID_NEAR]);
 
 /** The nodes as directions; and whether a set is these. */
 NQM_MUST_CHECK nqm_status nqm_node_grid_directions(nqm_directions **directions_ret, nqm_error *err);

@@ -138,7 +138,7 @@ has '"format": "samples"'
 run 0 check "$dir/list.csv"
 has 'list.csv: plausible'
 has 'energy *unknown: this is a list of directions'
-has 'positivity *ok: 0 of 1392 values'
+has 'positivity *ok: 0 of 1872 values'
 sed '2,$s/,[^,]*,[^,]*$/,-1,1/' "$dir/list.csv" >"$dir/negative.csv"
 run 1 check "$dir/negative.csv" --json
 has '"positivity"'

@@ -43,7 +43,7 @@ for name in $names; do
     grep -q '"card": "..*"' "$dir/out" || fail "$name: no card"
     run 0 score sgd:nickel sgd:nickel ward:nickel --model "$name" --json
     [ "$(grep -c '"identical": true' "$dir/out")" = 1 ] || fail "$name: identical"
-    n=1392
+    n=1872
     case $name in paper) n=500 ;; esac
     run 0 directions show "$name"
     [ "$(wc -l <"$dir/out")" = $((n + 1)) ] || fail "$name: $n directions"

@@ -94,11 +94,11 @@ grep -q '^albedo_normal  *-, -, -$' "$dir/out" || fail "an unknown albedo: $(cat
 # Directions that are missing: how many, and what writes them. Other files are refused; a complete grid is interpolated.
 head -n 401 "$dir/sgd.csv" >"$dir/short.csv"
 run 5 score --samples "$dir/short.csv" "$dir/ward.csv"
-grep -q 'short.csv: values at [0-9]* of the 1392 directions of the model, measured' "$dir/err" || fail "how many: $(cat "$dir/err")"
+grep -q 'short.csv: values at [0-9]* of the 1872 directions of the model, measured' "$dir/err" || fail "how many: $(cat "$dir/err")"
 grep -q 'nqm directions show default --pairs' "$dir/err" || fail "no way out: $(cat "$dir/err")"
-head -n 1341 "$dir/sgd.csv" >"$dir/nearly.csv"
+head -n 1801 "$dir/sgd.csv" >"$dir/nearly.csv"
 run 0 score --samples "$dir/nearly.csv" "$dir/ward.csv"
-grep -q 'nearly.csv: values at 13[0-9]* of the 1392' "$dir/err" || fail "silence about missing directions"
+grep -q 'nearly.csv: values at 18[0-9]* of the 1872' "$dir/err" || fail "silence about missing directions"
 run 2 score --samples "$dir/sgd.csv" ward:nickel
 says 'ward:nickel is no CSV of directions and values'
 run 3 score --samples "$dir/sgd.csv" "$dir/nowhere.csv" "$dir/ward.csv" -q
@@ -115,7 +115,7 @@ ward='ward:kd=.3,.2,.1;ks=.05;alpha=.1'
 run 0 fit "$dir/list.csv" -m ward --json
 [ ! -s "$dir/err" ] || fail "talk about a complete list: $(cat "$dir/err")"
 grep -q '"jod": 10.0' "$dir/out" || fail "not the BRDF that was sampled: $(cat "$dir/out")"
-head -n 401 "$dir/list.csv" >"$dir/few.csv"
+head -n 541 "$dir/list.csv" >"$dir/few.csv"
 run 0 fit "$dir/few.csv" -m ward -q
 spec=$(cat "$dir/out")
 grep -q 'few.csv: its nearest row is [0-9.]* degrees (median; 95 %: [0-9.]*) away' "$dir/err" || fail "how far: $(cat "$dir/err")"
@@ -123,7 +123,7 @@ grep -q 'few.csv, ward: fitted by ma_crwe, as too few directions' "$dir/err" || 
 run 0 score "$ward" "$spec" --json
 grep -q '"jod": \(10.0\|9.99\)' "$dir/out" || fail "another BRDF: $spec"
 run 5 fit "$dir/few.csv" -m ward --loss nqm
-says "few.csv: values at only [0-9]* of the 1392 directions of the model 'default'; the loss auto or ma_crwe"
+says "few.csv: values at only [0-9]* of the 1872 directions of the model 'default'; the loss auto or ma_crwe"
 run 0 score "$dir/few.csv:20" "$ward" -q --min-valid .1
 grep -q 'few.csv:20: its nearest row is' "$dir/err" || fail "how far: $(cat "$dir/err")"
 

@@ -57,7 +57,7 @@ class Scores(unittest.TestCase):
             return np.where(wi[:, :1] > .2, -1, .1) * np.ones(3)
 
         s = nqm.score("lambert:kd=.3", dark)
-        self.assertRegex(s.warnings[0], "^dark: negative channel at [0-9]+ of 1392 directions, taken as 0$")
+        self.assertRegex(s.warnings[0], "^dark: negative channel at [0-9]+ of 1872 directions, taken as 0$")
         self.assertTrue(str(s).endswith("] (%s)" % "; ".join(s.warnings)), s)
 
     def test_suspicions(self):
@@ -122,11 +122,11 @@ class Samples(unittest.TestCase):
         self.assertEqual(nqm.score_samples(ref, test).jod, exact)
         both = nqm.score_samples(ref, np.stack([test, ref]))
         self.assertEqual([s.jod for s in both], [exact, 10])
-        used = np.ones(1392, bool)
+        used = np.ones(1872, bool)
         used[:20] = False
-        self.assertEqual(nqm.score_samples(ref, test, used=used).n_valid, 1372)
+        self.assertEqual(nqm.score_samples(ref, test, used=used).n_valid, 1852)
         for wrong in (test[:10], test.T, np.ones(3)):
-            with self.assertRaisesRegex(ValueError, r"\(1392, 3\)"):
+            with self.assertRaisesRegex(ValueError, r"\(1872, 3\)"):
                 nqm.score_samples(ref, wrong)
         with self.assertRaisesRegex(nqm.Error, "direction"):
             nqm.score_samples(ref, -test)
@@ -146,7 +146,7 @@ class Samples(unittest.TestCase):
                 worst = max(worst, abs(slope - np.sum(gradient * change)) / abs(slope))
             self.assertLess(worst, .02)
         values, gradients = nqm.score_grad(ref, np.stack([test, test]), of="jod")
-        self.assertEqual((values.shape, gradients.shape), ((2,), (2, 1392, 3)))
+        self.assertEqual((values.shape, gradients.shape), ((2,), (2, 1872, 3)))
         np.testing.assert_array_equal(gradients[0], gradients[1])
 
 

@@ -196,12 +196,12 @@ class FreshDirections(unittest.TestCase):
 
     def test_errors(self):
         with self.assertRaisesRegex(ValueError, "function"):
-            nqm.torch.Loss()(torch.ones(1392, 3), torch.ones(1392, 3))
+            nqm.torch.Loss()(torch.ones(1872, 3), torch.ones(1872, 3))
         _, _, rays = nqm.torch.directions(512)
         with self.assertRaisesRegex(ValueError, "shape"):
             nqm.torch.Loss()(torch.ones(3, 3), torch.ones(3, 3), rays)
         with self.assertRaisesRegex(ValueError, "no rays"):
-            nqm.torch.Loss(model="default")(torch.ones(1392, 3), torch.ones(1392, 3), rays)
+            nqm.torch.Loss(model="default")(torch.ones(1872, 3), torch.ones(1872, 3), rays)
 
 
 if __name__ == "__main__":

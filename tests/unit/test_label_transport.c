@@ -14,7 +14,7 @@
 #include <omp.h>
 #include <string.h>
 
-enum { POINTS = NQM_TRANSPORT_POINTS, MAX_DIRECTIONS = 1500 };
+enum { POINTS = NQM_TRANSPORT_POINTS, MAX_DIRECTIONS = 2000 };
 
 static const char white[] = "lambert:kd=.8,.5,.2", satin[] = "ggx:kd=.2,.15,.1;ks=1,1,1;alpha=.4;f0=.04",
                   glossy[] = "ggx:kd=.2,.15,.1;ks=1,1,1;alpha=.2;f0=.04";

@@ -241,7 +241,7 @@ static void test_builtin_models(void **state) {
             fail_msg("%s", err.message);
         nqm_model_info info = nqm_model_get_info(model);
         assert_string_equal(info.id, name);
-        assert_int_equal(nqm_directions_count(info.directions), strcmp(name, "paper") == 0 ? 500 : 1392);
+        assert_int_equal(nqm_directions_count(info.directions), strcmp(name, "paper") == 0 ? 500 : 1872);
         if (strcmp(name, "paper") == 0)
             assert_int_equal(info.n_parameters, 4171125);
         nqm_model_free(model);

@@ -42,8 +42,8 @@ static double interpolate(const float *rgb, const double *hd) {
     size_t node[NQM_GRID_NEAR];
     double weight[NQM_GRID_NEAR], sum = 0, wi[3], wo[3];
     nqm_half_diff_to_pair(hd, wi, wo);
-    const size_t n = nqm_node_grid_interpolate(&grid, wi, wo, node, weight);
-    for (size_t i = 0; i < n; ++i)
+    nqm_node_grid_interpolate(&grid, wi, wo, node, weight);
+    for (size_t i = 0; i < NQM_GRID_NEAR; ++i)
         sum += weight[i] * (double)rgb[3 * node[i]];
     return sum;
 }
