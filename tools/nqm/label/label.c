@@ -45,7 +45,7 @@ static int show_label_progress(void *user, const char *stage, double done, doubl
     return show_progress(NULL, "label", 100 * ((double)run->n_done + done / total) / (double)run->n_items, 100);
 }
 
-/* Mark the tests that need more samples, and their references: the standard error is above 1 % of Delta-E or .02 JOD. More
+/* Mark the tests that need more samples, and their references: the standard error is above 1 % of Delta-E or .01 JOD. More
  * samples of the kind, points or directions, that makes the error larger than that. */
 static size_t mark_uncertain(label_run *run, nqm_scene_options *options) {
     size_t n = 0;
@@ -56,7 +56,7 @@ static size_t mark_uncertain(label_run *run, nqm_scene_options *options) {
     for (size_t i = 0; i < run->n_items; ++i) {
         label_item *item = &run->items[i], *reference = &run->items[item->reference];
         const nqm_label *l = &item->label;
-        double excess = fmax(l->error / (0.01 * fmax(l->delta_e, 1)), nqm_label_jod_error(l) / 0.02);
+        double excess = fmax(l->error / (0.01 * fmax(l->delta_e, 1)), nqm_label_jod_error(l) / 0.01);
         if (item == reference || item->err.status != NQM_OK || !(excess > 1))
             continue;
         item->is_done = reference->is_done = false;
