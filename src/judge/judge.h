@@ -46,8 +46,8 @@ typedef struct nqm_eval_options {
     size_t n_bootstrap;         /**< resamples of the material groups; 0: no intervals; default 1000 */
     uint64_t seed;              /**< seed of the resampling; default 1 */
     nqm_precision precision;    /**< precision of the models' predictions; default NQM_PRECISION_F32 */
-    int apart;                /**< 1: judge by nqm_label_similarity() where there are parts: for answers about materials
-                                     that people did not see beside each other */
+    int apart; /**< 1: judge models by the similarity (nqm_score_result) where they have it: for answers about
+                                     materials that people did not see beside each other */
     nqm_progress_fn progress; /**< NULL: none */
     void *progress_user;
 } nqm_eval_options;
@@ -151,10 +151,10 @@ typedef struct nqm_coverage {
 NQM_MUST_CHECK nqm_status nqm_evaluation_coverage(const nqm_evaluation *evaluation, const nqm_eval_options *options,
                                                   size_t model, nqm_coverage *coverage_ret, nqm_error *err);
 
-/** How well a model predicts one part of the labels (similarity: nqm_label_similarity()), beside two controls: Spearman
+/** How well a model predicts one part of the labels (adapted_jod: nqm_label_adapted_jod()), beside two controls: Spearman
  *  correlations over all pairs. */
 typedef struct nqm_part_agreement {
-    const char *part; /**< "shift_i", "shift_t", "shift_p", "contrast", "structure" or "similarity" */
+    const char *part; /**< "shift_i", "shift_t", "shift_p", "contrast", "structure" or "adapted_jod" */
     size_t n, n_materials;
     nqm_estimate model;    /**< correlation of the part that the model predicts */
     nqm_estimate estimate; /**< correlation of the part estimated by light transport; NaN without a transport matrix */

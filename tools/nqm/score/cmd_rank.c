@@ -147,8 +147,8 @@ static void print_ranking_json(const score_run *run) {
             json_name(row->pair.test), "jod", json_number(row->result.jod), "jod_low", json_number(row->result.jod_low),
             "jod_high", json_number(row->result.jod_high), "identical", row->result.identical, "over_next",
             json_number(row->over_next), "best_preferred", json_number(row->best_preferred));
-        if (!isnan(row->result.similarity))
-            json_object_set_new(object, "parts", json_label_parts(&row->result.parts));
+        if (!isnan(row->result.parts.structure))
+            json_object_set_new(object, "parts", json_label_parts(&row->result.parts, &row->result.similarity));
         if (!row->rank)
             json_object_set_new(object, "error", json_name(row->err.message));
         json_array_append_new(results, object);
