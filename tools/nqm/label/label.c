@@ -206,7 +206,7 @@ void print_labels(const label_run *run) {
         if (!is_test(run, i)) {
             if (run->format == FORMAT_TEXT)
                 printf("reference  %s\n%9s  %6s  %10s  %-20s  test\n", shown(item->shown), "Delta-E", "JOD",
-                       "seen apart", "verdict");
+                       "adapted", "verdict");
         } else if (run->format == FORMAT_QUIET) {
             printf("%.4f\n", item->jod);
         } else if (run->format == FORMAT_CSV) {
