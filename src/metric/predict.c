@@ -140,8 +140,10 @@ static void conclude(const predict_job *job, size_t i) {
     to->label = nqm_model_has_parts(p->model) ? bounded_label(p->model, z, estimated, to->bound)
                                               : (nqm_label){nan, {nan, nan, nan}, nan, nan, 0};
     to->similarity[0] = to->similarity[1] = to->similarity[2] = nan;
-    if (estimated)
-        nqm_similarity(p->inputs->looks[i], &p->inputs->sums[i].metrics, to->similarity);
+    if (!estimated)
+        return;
+    nqm_apart_distances(estimated, p->inputs->looks[i], &p->inputs->sums[i].metrics, to->apart);
+    nqm_similarity(p->model, to->apart, to->similarity);
 }
 
 void nqm_predictor_run(nqm_predictor *p, size_t n, const nqm_sample_pair *pairs, nqm_prediction *to, double *metrics) {

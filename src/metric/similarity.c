@@ -50,10 +50,21 @@ double nqm_look_distance(const nqm_look_sums *ref, const nqm_look_sums *test, do
            of_colours * fabs(a.colours - b.colours) + of_hue * hypot(a.hue[0] - b.hue[0], a.hue[1] - b.hue[1]);
 }
 
-void nqm_similarity(double looks, const nqm_metric_sums *sums, double similarity[3]) {
-    const double distance = looks + of_log * sqrt(sums->squares[NQM_SCALE_LOG1P_F] / sums->n);
+void nqm_apart_distances(const nqm_label *e, double looks, const nqm_metric_sums *sums, double apart[NQM_APART]) {
+    apart[NQM_APART_DELTA_E] = e->delta_e;
+    apart[NQM_APART_BRIGHTNESS] = fabs(e->shift[0]);
+    apart[NQM_APART_COLOUR] = hypot(e->shift[1], e->shift[2]);
+    apart[NQM_APART_CONTRAST] = 30 * fabs(e->contrast);
+    apart[NQM_APART_STRUCTURE] = e->structure;
+    apart[NQM_APART_BUILT_IN] = looks + of_log * sqrt(sums->squares[NQM_SCALE_LOG1P_F] / sums->n);
+}
+
+void nqm_similarity(const nqm_model *model, const double apart[NQM_APART], double similarity[3]) {
+    const bool is_own = model->similarity[NQM_APART] > 0;
+    const double width = is_own ? model->similarity[NQM_APART] : half_width;
+    double distance = is_own ? 0 : apart[NQM_APART_BUILT_IN];
+    for (int k = 0; k < NQM_APART && is_own; ++k)
+        distance += model->similarity[k] * apart[k];
     for (int k = 0; k < 3; ++k)
-        similarity[k] = nqm_curve_jod(&nqm_curve_published, distance * exp(k == 0   ? 0
-                                                                           : k == 1 ? half_width
-                                                                                    : -half_width));
+        similarity[k] = nqm_curve_jod(&nqm_curve_published, distance * exp(k == 0 ? 0 : k == 1 ? width : -width));
 }

@@ -116,25 +116,37 @@ static void looks_agree_with_numpy(void **state) {
     }
 }
 
+static double similarity_of(const nqm_model *model, double pictures, double log_rms, double ends[3]) {
+    double apart[NQM_APART];
+    const nqm_label label = {.delta_e = 9, .shift = {-3, 3, 4}, .contrast = -0.1, .structure = 2};
+    nqm_metric_sums sums = {.n = 300};
+    sums.squares[NQM_SCALE_LOG1P_F] = 300 * log_rms * log_rms;
+    nqm_apart_distances(&label, pictures, &sums, apart);
+    nqm_similarity(model, apart, ends);
+    return ends[0];
+}
+
 static void similarity_falls_with_distance(void **state) {
     (void)state;
+    nqm_model model = {0};
     double before[3] = {10, 10, 10}, now[3];
-    nqm_metric_sums sums = {.n = 300};
-    nqm_similarity(0, &sums, now);
+    similarity_of(&model, 0, 0, now);
     assert_memory_equal(now, before, sizeof now);
     for (int i = 0; i < 40; ++i) {
-        sums.squares[NQM_SCALE_LOG1P_F] =
-            i % 2 ? sums.squares[NQM_SCALE_LOG1P_F] * 3 + 1e-3 : sums.squares[NQM_SCALE_LOG1P_F];
-        nqm_similarity(exp(i / 4.), &sums, now);
+        similarity_of(&model, exp(i / 8.), 0.1 * (i / 2), now);
         for (int k = 0; k < 3; ++k)
             assert_true(now[k] < before[k]);
         assert_true(now[1] < now[0] && now[0] < now[2]);
         memcpy(before, now, sizeof now);
     }
-    sums.squares[NQM_SCALE_LOG1P_F] = 300 * 0.25; /* root mean square 0.5; doc/people.md has the constants */
-    nqm_similarity(7, &sums, now);
-    assert_near(now[0], nqm_curve_jod(&nqm_curve_published, 7 + 4.572 * 0.5), 1e-12);
-    assert_near(now[1], nqm_curve_jod(&nqm_curve_published, (7 + 4.572 * 0.5) * exp(0.123)), 1e-12);
+    const nqm_curve curve = nqm_curve_published; /* doc/people.md has the constants */
+    assert_near(similarity_of(&model, 7, 0.5, now), nqm_curve_jod(&curve, 7 + 4.572 * 0.5), 1e-12);
+    assert_near(now[1], nqm_curve_jod(&curve, (7 + 4.572 * 0.5) * exp(0.123)), 1e-12);
+    memcpy(model.similarity, (double[NQM_APART + 1]){1, 2, 3, 4, 5, 6, 0.5},
+           sizeof model.similarity); /* of a calibration */
+    assert_near(similarity_of(&model, 7, 0, now), nqm_curve_jod(&curve, 9 + 2 * 3 + 3 * 5 + 4 * 3 + 5 * 2 + 6 * 7),
+                1e-12);
+    assert_near(now[2], nqm_curve_jod(&curve, 94 * exp(-0.5)), 1e-12);
 }
 
 /* ---- exact properties -------------------------------------------------------------------------------------------- */
