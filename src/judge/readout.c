@@ -73,6 +73,14 @@ static double distance_of(const fit_work *w, const double *weight, size_t pair) 
     return sum;
 }
 
+/* The mean of such distances over all pairs, for each of which the mean is 1. */
+static double sum_of(const double *weight) {
+    double sum = 0;
+    for (size_t k = 0; k < NQM_APART; ++k)
+        sum += weight[k];
+    return sum;
+}
+
 /* Count the choices that a score agrees with, whose values of a and b differ by `better`. */
 static void count(const fit_work *w, const nqm_triplet *t, int score, double better) {
     const double a = better > 0 ? 1 : better < 0 ? 0 : 0.5;
@@ -110,22 +118,16 @@ static double share_of(const fit_work *w, int score, const double *times) {
 
 /* ---- intervals --------------------------------------------------------------------------------------------------- */
 
-/* Root mean square of the changes of the logarithm of distances over resamples, each with its mean distance as the unit, times 1.96. */
+/* 1.96 times the root mean square, over resamples and pairs, of the change of the logarithm of the distance over its mean. */
 static double half_width_of(const fit_work *w, const double *weight) {
     double squares = 0, n = 0;
     for (size_t r = 0; r < w->n_resamples; ++r) {
         const double *own = w->resampled + r * NQM_APART;
-        double mean = 0, own_mean = 0;
-        for (size_t k = 0; k < NQM_APART; ++k) { /* each distance has the mean 1 */
-            mean += weight[k];
-            own_mean += own[k];
-        }
+        const double means = sum_of(own) / sum_of(weight);
         for (size_t i = 0; i < w->n_pairs; ++i) {
-            const double x = distance_of(w, weight, i) / mean, y = distance_of(w, own, i) / own_mean;
-            if (x > 0 && y > 0) {
-                squares += log(y / x) * log(y / x);
-                n += 1;
-            }
+            const double change = log(distance_of(w, own, i) / distance_of(w, weight, i) / means);
+            squares += isfinite(change) ? change * change : 0;
+            n += isfinite(change);
         }
     }
     return fmax(n > 0 ? 1.96 * sqrt(squares / n) : 0, 1e-6);
@@ -216,10 +218,7 @@ static nqm_status fit_readout(const fit_work *w, uint64_t seed, nqm_readout *to,
         times[g] = 1;
     fit(w, times, to->weight, z);
     cross_validate(w, to->weight, times, z);
-    double distance = 0;
-    for (size_t i = 0; i < w->n_pairs; ++i)
-        distance += distance_of(w, to->weight, i) / (double)w->n_pairs;
-    to->scale = distance > 0 ? w->mean[NQM_APART_BUILT_IN] / distance : 1;
+    to->scale = sum_of(to->weight) > 0 ? w->mean[NQM_APART_BUILT_IN] / sum_of(to->weight) : 1;
     for (size_t g = 0; g < w->n_groups; ++g) {
         to->n_choices += w->choices[g];
         to->n_materials += w->choices[g] > 0;
