@@ -88,16 +88,15 @@ typedef struct nqm_score_result {
                                    training; the interval widens with it; NaN if the model has no such measure */
     nqm_label parts; /**< predicted parts of the label (doc/labels.md); NaN if the model does not predict them; 0 when
                                    `identical` */
-    double
-        similarity; /**< how similar people find the two materials when they see them apart, JOD: a distance fitted to answers of
-                            people (doc/people.md), symmetric; it does not depend on the network. NaN without a transport matrix */
-    double similarity_low, similarity_high; /**< its 95 % interval over the materials of that fit */
-    int identical;                          /**< 1: both members are equal at every valid direction */
-    double metrics[NQM_METRIC_COUNT];       /**< indexed by nqm_metric, within 1e-6 relative of
+    double similarity[3]; /**< how similar people find the materials when they see them apart, JOD, and both ends of
+                               its 95 % interval over the materials of its fit (doc/people.md); symmetric; without
+                               the network; NaN without a transport matrix */
+    int identical;        /**< 1: both members are equal at every valid direction */
+    double metrics[NQM_METRIC_COUNT];     /**< indexed by nqm_metric, within 1e-6 relative of
                                                nqm_metrics_compute(); NaN when the options leave them out */
-    size_t n_valid;                         /**< directions at which both BRDFs have a value */
-    size_t n_clamped_ref, n_clamped_test;   /**< directions with a negative channel, which counts as 0 */
-    size_t n_invalid_ref, n_invalid_test;   /**< directions without a value, before the policy */
+    size_t n_valid;                       /**< directions at which both BRDFs have a value */
+    size_t n_clamped_ref, n_clamped_test; /**< directions with a negative channel, which counts as 0 */
+    size_t n_invalid_ref, n_invalid_test; /**< directions without a value, before the policy */
     size_t n_unusual_ref,
         n_unusual_test; /**< directions at which a channel exceeds the training references' mean by more
                                                than 6 standard deviations, on the network's scale: extrapolation */

@@ -246,8 +246,7 @@ class Scorer:
             error = Error("%s and %s: %s (values at %d of %d directions)" %
                           (ref, test, status_text(r.status), r.n_valid, self._n_directions), _abi.Status(r.status))
         prefer_reference = 0.5 if r.identical else lib.nqm_jod_preference(max(10.0, r.jod), r.jod)
-        return Score(ref, test, r.jod, r.jod_low, r.jod_high, r.delta_e, prefer_reference, bool(r.identical), r.novelty, r.similarity,
-                     r.similarity_low, r.similarity_high,
+        return Score(ref, test, r.jod, r.jod_low, r.jod_high, r.delta_e, prefer_reference, bool(r.identical), r.novelty, *r.similarity,
                      None if math.isnan(r.parts.structure) else parts_of(r.parts),
                      dict(zip(METRICS, r.metrics)) if self._options.metrics else {}, r.n_valid,
                      _warnings(r, ref, test, self._n_directions, self._options.invalid), error)
@@ -364,7 +363,7 @@ def _sample_pairs(refs: np.ndarray, tests: np.ndarray, masks: Optional[np.ndarra
 
 def _no_result(error: Error) -> ScoreResult:
     nan = math.nan
-    r = ScoreResult(status=int(error.status), jod=nan, delta_e=nan, jod_low=nan, jod_high=nan, novelty=nan, similarity=nan, similarity_low=nan, similarity_high=nan)
+    r = ScoreResult(status=int(error.status), jod=nan, delta_e=nan, jod_low=nan, jod_high=nan, novelty=nan, similarity=(nan, nan, nan))
     r.metrics[:] = [nan] * _abi.N_METRICS
     return r
 

@@ -133,7 +133,7 @@ static void print_json_row(const batch_form *form, FILE *out, size_t row, const 
     fputs("},", out);
     if (!isnan(r->parts.structure)) {
         fputs("\"parts\":", out);
-        print_json_value(out, json_label_parts(&r->parts, &r->similarity));
+        print_json_value(out, json_label_parts(&r->parts, r->similarity));
         fputc(',', out);
     }
     if (has_gate(&form->gate) && r->status == NQM_OK)

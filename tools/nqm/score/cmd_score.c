@@ -68,9 +68,9 @@ static void print_text(const score_run *run) {
         if (scored && !isnan(r->parts.structure)) {
             char words[NQM_LABEL_TEXT], phrases[NQM_LABEL_TEXT + 40];
             int n = snprintf(phrases, sizeof phrases, "%s", nqm_label_describe(&r->parts, words));
-            has_similarity = has_similarity || !isnan(r->similarity);
-            if (!isnan(r->similarity))
-                snprintf(phrases + n, sizeof phrases - (size_t)n, "; seen apart %.2f", r->similarity);
+            has_similarity = has_similarity || !isnan(r->similarity[0]);
+            if (!isnan(r->similarity[0]))
+                snprintf(phrases + n, sizeof phrases - (size_t)n, "; seen apart %.2f", r->similarity[0]);
             print_phrases(phrases);
         }
         if (run->exact && scored)
