@@ -26,7 +26,7 @@ MIN_DELTA_E = 0.05  # as --min-delta-e of nqm train
 GRID = [{"max_leaf_nodes": leaves, "min_samples_leaf": least, "l2_regularization": 1.0} for leaves in (8, 16, 31) for least in (10, 40)]
 MAX_TREES, LEARNING_RATE, FOLDS, EDGE = 600, 0.05, 5, 9.5
 FIXED = {"ref", "material", "test", "kind", "split", "delta_e", "jod", "family", "class", "shift_i", "shift_t", "shift_p",
-         "contrast", "structure", "similarity_jod"}
+         "contrast", "structure", "similarity_jod", "adapted_jod"}
 METRICS = ["rmse", "mae", "rms_crwe", "ma_crwe", "rms_loge", "ma_loge", "rms_logwe", "ma_logwe", "log_diff"]
 
 

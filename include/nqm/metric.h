@@ -83,13 +83,15 @@ typedef struct nqm_score_result {
                                    that the model has not seen, with kinds of distortion that it has seen
                                    (doc/evaluation.md has measured coverage); NaN if the model has no calibration; 10 and
                                    10 when `identical` and the model has one */
-    double novelty;    /**< distance of the pair's scalar features from the nearest training pair, >= 0; 1: that of
+    double novelty;  /**< distance of the pair's scalar features from the nearest training pair, >= 0; 1: that of
                                    the farthest 5 % of pairs of new materials with kinds of distortion that occur in
                                    training; the interval widens with it; NaN if the model has no such measure */
-    nqm_label parts;   /**< predicted parts of the label (doc/labels.md); NaN if the model does not predict them; 0 when
+    nqm_label parts; /**< predicted parts of the label (doc/labels.md); NaN if the model does not predict them; 0 when
                                    `identical` */
-    double similarity; /**< nqm_label_similarity() of the parts: JOD for pictures seen apart; NaN without parts */
-    int identical;     /**< 1: both members are equal at every valid direction */
+    double similarity[3]; /**< how similar people find the materials when they see them apart, JOD, and both ends of
+                               its 95 % interval over the materials of its fit (doc/people.md); symmetric; without
+                               the network; NaN without a transport matrix */
+    int identical;        /**< 1: both members are equal at every valid direction */
     double metrics[NQM_METRIC_COUNT];     /**< indexed by nqm_metric, within 1e-6 relative of
                                                nqm_metrics_compute(); NaN when the options leave them out */
     size_t n_valid;                       /**< directions at which both BRDFs have a value */

@@ -121,7 +121,7 @@ class ScoreOptions(Structure):
 class ScoreResult(Structure):
     _c_name_ = "nqm_score_result"
     _fields_ = [("status", c_int), ("jod", c_double), ("delta_e", c_double), ("jod_low", c_double),
-                ("jod_high", c_double), ("novelty", c_double), ("parts", CLabel), ("similarity", c_double),
+                ("jod_high", c_double), ("novelty", c_double), ("parts", CLabel), ("similarity", c_double * 3),
                 ("identical", c_int), ("metrics", c_double * N_METRICS), ("n_valid", c_size_t),
                 ("n_clamped_ref", c_size_t), ("n_clamped_test", c_size_t), ("n_invalid_ref", c_size_t),
                 ("n_invalid_test", c_size_t), ("n_unusual_ref", c_size_t), ("n_unusual_test", c_size_t),
@@ -288,7 +288,7 @@ FUNCTIONS = {
     "nqm_materials_get": (MaterialInfo, [c_void_p, c_size_t]),
     "nqm_materials_free": (None, [c_void_p]),
     "nqm_material_write": (c_int, [c_char_p, c_char_p, c_char_p, _error]),
-    "nqm_label_similarity": (c_double, [POINTER(CLabel)]),
+    "nqm_label_adapted_jod": (c_double, [POINTER(CLabel)]),
     "nqm_label_describe": (c_char_p, [POINTER(CLabel), c_char_p]),
 }
 

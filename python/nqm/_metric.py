@@ -18,7 +18,7 @@ from ._call import Error, PathLike, ProgressLike
 from ._score import METRICS, ModelLike, Scorer
 
 _PREDICTED = {"jod": "quality that people would see, 0 to 10 JOD (10: no visible difference)",
-              "similarity": "quality for pictures that are seen apart, 0 to 10 JOD",
+              "similarity": "how similar people find materials that they see apart, 0 to 10 JOD",
               "delta_e": "Delta-E ITP of rendered pictures"}
 
 

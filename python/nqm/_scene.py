@@ -28,7 +28,7 @@ class Label:
         test: name of the test
         jod: JOD of the Delta-E ITP: 10 is no visible difference
         delta_e: mean Delta-E ITP over the picture; 1 is just visible
-        similarity: JOD for pictures that are seen apart
+        adapted: JOD of people who adapt to 85 % of the shift
         parts: what differs
         delta_e_error, jod_error: standard errors of `delta_e` and `jod`, by the choice of points and light directions
     """
@@ -37,7 +37,7 @@ class Label:
     test: str
     jod: float
     delta_e: float
-    similarity: float
+    adapted: float
     parts: Parts
     delta_e_error: float
     jod_error: float
@@ -136,7 +136,7 @@ class Scene:
             points = self._halves(test)
             label = call(lib.nqm_scene_compare_halves, self._handle, address(seen), address(points))
             jod = lib.nqm_curve_jod(byref(lib.nqm_curve_default()), label.delta_e)
-            labels.append(Label(brdf.name, test.name, jod, label.delta_e, lib.nqm_label_similarity(byref(label)), parts_of(label),
+            labels.append(Label(brdf.name, test.name, jod, label.delta_e, lib.nqm_label_adapted_jod(byref(label)), parts_of(label),
                                 label.error, lib.nqm_label_jod_error(byref(label))))
         return labels if several else labels[0]
 

@@ -149,7 +149,9 @@ class Score:
         prefer_reference: fraction of people who would say that the reference looks better; 0.5 is guessing
         identical: whether both BRDFs are equal at every direction
         novelty: distance from the nearest training pair; 95 % of pairs of new materials are below 1; NaN if unknown
-        similarity: JOD for pictures that are seen apart; NaN if the model predicts no parts
+        similarity: how similar people find the materials when they see them apart, JOD; NaN without a transport matrix
+        similarity_low: lower end of its 95 % interval
+        similarity_high: upper end
         parts: what differs, or None
         metrics: scalar metrics by name; empty if they were switched off
         n_valid: directions at which both BRDFs have a value
@@ -168,6 +170,8 @@ class Score:
     identical: bool
     novelty: float
     similarity: float
+    similarity_low: float
+    similarity_high: float
     parts: Optional[Parts]
     metrics: Dict[str, float]
     n_valid: int
@@ -242,8 +246,8 @@ class Scorer:
             error = Error("%s and %s: %s (values at %d of %d directions)" %
                           (ref, test, status_text(r.status), r.n_valid, self._n_directions), _abi.Status(r.status))
         prefer_reference = 0.5 if r.identical else lib.nqm_jod_preference(max(10.0, r.jod), r.jod)
-        return Score(ref, test, r.jod, r.jod_low, r.jod_high, r.delta_e, prefer_reference, bool(r.identical), r.novelty, r.similarity,
-                     None if math.isnan(r.similarity) else parts_of(r.parts),
+        return Score(ref, test, r.jod, r.jod_low, r.jod_high, r.delta_e, prefer_reference, bool(r.identical), r.novelty, *r.similarity,
+                     None if math.isnan(r.parts.structure) else parts_of(r.parts),
                      dict(zip(METRICS, r.metrics)) if self._options.metrics else {}, r.n_valid,
                      _warnings(r, ref, test, self._n_directions, self._options.invalid), error)
 
@@ -359,7 +363,7 @@ def _sample_pairs(refs: np.ndarray, tests: np.ndarray, masks: Optional[np.ndarra
 
 def _no_result(error: Error) -> ScoreResult:
     nan = math.nan
-    r = ScoreResult(status=int(error.status), jod=nan, delta_e=nan, jod_low=nan, jod_high=nan, novelty=nan, similarity=nan)
+    r = ScoreResult(status=int(error.status), jod=nan, delta_e=nan, jod_low=nan, jod_high=nan, novelty=nan, similarity=(nan, nan, nan))
     r.metrics[:] = [nan] * _abi.N_METRICS
     return r
 

@@ -55,7 +55,7 @@ nqm_human_info nqm_human_get_info(const nqm_human *human) {
         with_others += t->n_a + t->n_b;
         followed += follow_others(t->n_a, t->n_b) + follow_others(t->n_b, t->n_a);
     }
-    info.ceiling = info.n_choices > 0 ? met / info.n_choices : NAN;
+    info.ceiling = human->kind != NQM_HUMAN_CHOICE ? human->ceiling : info.n_choices > 0 ? met / info.n_choices : NAN;
     info.ceiling_other_people = with_others > 0 ? followed / with_others : NAN;
     return info;
 }

@@ -60,7 +60,8 @@ typedef struct nqm_human_info {
     size_t n_triplets;       /**< distinct (reference, test, test); 0 for scores */
     double n_choices;        /**< answers of people; 0 for scores */
     double ceiling;          /**< fraction of the choices that agrees with the majority in its triplet: the best that a
-                                      predictor can reach; NaN for scores */
+                                      predictor can reach; of scores, Pearson's correlation that the true means are expected to have
+                                      with them, if columns sd and n or repeated rows say how noisy they are; else NaN */
     double
         ceiling_other_people; /**< fraction of the choices that agrees with the majority of the other people (a draw counts
                                       half), over triplets with at least two choices; NaN without these */
@@ -84,7 +85,8 @@ typedef struct nqm_triplet {
 
 struct nqm_human {
     nqm_human_kind kind;
-    size_t n_rows; /* rows of the CSV */
+    size_t n_rows;  /* rows of the CSV */
+    double ceiling; /* of nqm_human_info for scores */
     nqm_dataset *dataset;
     size_t n_triplets;
     nqm_triplet *triplets; /* (n_triplets) distinct triplets, sorted by group */

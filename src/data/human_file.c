@@ -220,6 +220,47 @@ static nqm_status build_dataset(reader *r) {
     return nqm_dataset_finish(&r->builder, status, NULL, NULL, &r->human->dataset, r->err);
 }
 
+/* ---- noise of scores --------------------------------------------------------------------------------------------- */
+
+/* Variance of the noise of a row: the mean of sd^2 / n, or that within rows with the same reference and test; NaN: unknown. */
+static nqm_status find_noise(const reader *r, int sd, int n, double *noise) {
+    const nqm_answers *a = &r->answers;
+    nqm_status status = NQM_OK;
+    double squares = 0, more = 0, x[2];
+    for (size_t row = 0; sd >= 0 && n >= 0 && status == NQM_OK && row < a->n_rows; ++row) {
+        status = nqm_csv_number(a->csv, row, sd, &x[0], r->err);
+        if (status == NQM_OK)
+            status = nqm_csv_number(a->csv, row, n, &x[1], r->err);
+        if (status == NQM_OK && !(x[0] >= 0 && x[1] >= 1))
+            status =
+                nqm_fail(r->err, NQM_ERR_FORMAT, -1, "%s: row %zu: sd is at least 0, n at least 1", a->path, row + 1);
+        squares += x[0] * x[0] / x[1];
+        more += 1;
+    }
+    for (size_t i = 0, end; more == 0 && i < r->n_entries; i = end) {
+        double mean = 0;
+        for (end = i; end == i || (end < r->n_entries && repeats_pair(r, end)); ++end)
+            mean += (a->values[r->entries[end].row] - mean) / (double)(end - i + 1);
+        for (size_t k = i; k < end; ++k)
+            squares += pow(a->values[r->entries[k].row] - mean, 2);
+        more += (double)(end - i - 1);
+    }
+    *noise = more > 0 ? squares / more : NAN;
+    return status;
+}
+
+static nqm_status find_ceiling(const reader *r) {
+    const nqm_answers *a = &r->answers;
+    double mean = 0, variance = 0, noise;
+    const nqm_status status = find_noise(r, nqm_csv_column(a->csv, "sd"), nqm_csv_column(a->csv, "n"), &noise);
+    for (size_t row = 0; row < a->n_rows; ++row)
+        mean += a->values[row] / (double)a->n_rows;
+    for (size_t row = 0; row < a->n_rows; ++row)
+        variance += pow(a->values[row] - mean, 2) / fmax((double)a->n_rows - 1, 1);
+    r->human->ceiling = isnan(noise) || variance == 0 ? (double)NAN : sqrt(fmax(1 - noise / variance, 0));
+    return status;
+}
+
 /* ---- choices ----------------------------------------------------------------------------------------------------- */
 
 static int compare_triplets(const void *x, const void *y) {
@@ -282,8 +323,8 @@ nqm_status nqm_human_load(const char *csv_path, const nqm_human_options *options
         status = list_names(&r);
     if (status == NQM_OK)
         status = build_dataset(&r);
-    if (status == NQM_OK && r.answers.kind == NQM_HUMAN_CHOICE)
-        status = gather_triplets(&r);
+    if (status == NQM_OK)
+        status = r.answers.kind == NQM_HUMAN_CHOICE ? gather_triplets(&r) : find_ceiling(&r);
     nqm_free(r.answers.values);
     nqm_free(r.entries);
     nqm_free(r.pair_of);

@@ -23,7 +23,7 @@ static void compare_pair(void *user, size_t i) {
     const nqm_sample_pair samples = nqm_dataset_samples(d, job->pairs[i], job->used + i * d->n_directions);
     const bool has_estimate = job->transport->light;
     if (has_estimate)
-        nqm_transport_estimates(job->transport, 1, &samples, &to->estimate);
+        nqm_transport_estimates(job->transport, 1, &samples, &to->estimate, NULL);
     nqm_compare_samples(job->plan, &samples, has_estimate ? &to->estimate : NULL, to->metrics, to->scalars);
 }
 

@@ -41,6 +41,7 @@ nqm_eval_options nqm_eval_options_default(void) {
 
 typedef struct predict_run {
     nqm_evaluation *ev;
+    bool apart;    /* judge by the similarity where a model has it */
     size_t n;      /* number of pairs to predict */
     size_t *pairs; /* (n) */
     nqm_ticker ticker;
@@ -71,7 +72,7 @@ static nqm_status predict_model(predict_run *run, size_t model, nqm_error *err) 
     for (size_t i = 0; status == NQM_OK && i < run->n; ++i) {
         const nqm_prediction *own = &to[run->pairs[i]];
         const size_t at = model * ev->dataset->n_pairs + run->pairs[i];
-        ev->values[at] = own->jod;
+        ev->values[at] = run->apart && !isnan(own->similarity[0]) ? own->similarity[0] : own->jod;
         ev->novelty[at] = own->novelty;
         ev->spread[at] = own->spread;
         ev->bound[at] = own->bound;
@@ -110,19 +111,6 @@ static nqm_status predict_metrics(predict_run *run, nqm_error *err) {
     return status;
 }
 
-/* Replace the JODs of predictors with parts by the similarity. */
-static void judge_apart(nqm_evaluation *ev) {
-    for (size_t p = 0; p < ev->n_predictors; ++p) {
-        const nqm_label *labels = nqm_evaluation_labels(ev, p);
-        double *values = ev->values + p * ev->dataset->n_pairs;
-        for (size_t i = 0; labels && i < ev->dataset->n_pairs; ++i) {
-            const double similarity = nqm_label_similarity(&labels[i]);
-            if (!isnan(similarity))
-                values[i] = similarity;
-        }
-    }
-}
-
 static nqm_status fail_empty_split(const nqm_dataset *d, nqm_split split, nqm_error *err) {
     const nqm_dataset_info info = nqm_dataset_get_info(d);
     char text[120] = "";
@@ -137,7 +125,7 @@ static nqm_status fail_empty_split(const nqm_dataset *d, nqm_split split, nqm_er
 
 static nqm_status predict_all(nqm_evaluation *ev, const nqm_eval_options *o, nqm_error *err) {
     const nqm_dataset *d = ev->dataset;
-    predict_run run = {.ev = ev, .pairs = nqm_alloc(d->n_pairs, sizeof *run.pairs)};
+    predict_run run = {.ev = ev, .apart = o->apart, .pairs = nqm_alloc(d->n_pairs, sizeof *run.pairs)};
     run.ticker = (nqm_ticker){.fn = o->progress, .user = o->progress_user};
     nqm_status status = run.pairs ? NQM_OK : nqm_fail_nomem(err, d->n_pairs * sizeof *run.pairs);
     for (size_t i = 0; status == NQM_OK && i < d->n_pairs; ++i)
@@ -149,8 +137,6 @@ static nqm_status predict_all(nqm_evaluation *ev, const nqm_eval_options *o, nqm
         status = predict_model(&run, m, err);
     if (status == NQM_OK)
         status = predict_metrics(&run, err);
-    if (status == NQM_OK && o->apart)
-        judge_apart(ev);
     nqm_free(run.pairs);
     return status;
 }

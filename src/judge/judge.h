@@ -7,6 +7,7 @@
 #define NQM_SRC_JUDGE_JUDGE_H
 
 #include "data/human.h"
+#include "model/model.h"
 #include <nqm/metric.h>
 
 /** A statistic and its 95 % interval: the 2.5 and 97.5 percentiles over resamples of the material groups, drawn with
@@ -46,8 +47,8 @@ typedef struct nqm_eval_options {
     size_t n_bootstrap;         /**< resamples of the material groups; 0: no intervals; default 1000 */
     uint64_t seed;              /**< seed of the resampling; default 1 */
     nqm_precision precision;    /**< precision of the models' predictions; default NQM_PRECISION_F32 */
-    int apart;                /**< 1: judge by nqm_label_similarity() where there are parts: for answers about materials
-                                     that people did not see beside each other */
+    int apart; /**< 1: judge models by the similarity (nqm_score_result) where they have it: for answers about
+                                     materials that people did not see beside each other */
     nqm_progress_fn progress; /**< NULL: none */
     void *progress_user;
 } nqm_eval_options;
@@ -151,10 +152,10 @@ typedef struct nqm_coverage {
 NQM_MUST_CHECK nqm_status nqm_evaluation_coverage(const nqm_evaluation *evaluation, const nqm_eval_options *options,
                                                   size_t model, nqm_coverage *coverage_ret, nqm_error *err);
 
-/** How well a model predicts one part of the labels (similarity: nqm_label_similarity()), beside two controls: Spearman
+/** How well a model predicts one part of the labels (adapted_jod: nqm_label_adapted_jod()), beside two controls: Spearman
  *  correlations over all pairs. */
 typedef struct nqm_part_agreement {
-    const char *part; /**< "shift_i", "shift_t", "shift_p", "contrast", "structure" or "similarity" */
+    const char *part; /**< "shift_i", "shift_t", "shift_p", "contrast", "structure" or "adapted_jod" */
     size_t n, n_materials;
     nqm_estimate model;    /**< correlation of the part that the model predicts */
     nqm_estimate estimate; /**< correlation of the part estimated by light transport; NaN without a transport matrix */
@@ -204,5 +205,34 @@ NQM_MUST_CHECK nqm_status nqm_human_judge_choices(const nqm_human *human, const 
 NQM_MUST_CHECK nqm_status nqm_human_contrast_choices(const nqm_human *human, const nqm_evaluation *evaluation,
                                                      const nqm_eval_options *options, size_t first, size_t second,
                                                      nqm_difference *difference_ret, nqm_error *err);
+
+/* ---- weights from answers of people ------------------------------------------------------------------------------ */
+
+/** A similarity fitted to answers, which are choices, or scores as choices between the tests of a material that differ. */
+typedef struct nqm_readout {
+    size_t n_triplets, n_materials; /**< with answers */
+    double n_choices;
+    double weight[NQM_APART],
+        ci95[NQM_APART][2]; /**< of the distances of nqm_apart_distances(): a person chooses a with the probability
+                                                       1 / (1 + exp(d_a - d_b)); interval over resamples of the materials */
+    double half_width;      /**< 95 % half-width of the logarithm of the distance */
+    double scale;           /**< times `weight`: the mean distance of the answers' pairs is the built-in one */
+    double jod, similarity; /**< fraction of the choices that the model's scores agree with */
+    double fitted;          /**< the same of weights that were fitted to the other four fifths of the materials */
+    nqm_difference gain;    /**< `fitted` less the better of both */
+} nqm_readout;
+/**
+ * Fit a readout. The answers were sampled at the directions of the model.
+ *
+ * @param options  n_bootstrap, seed and precision are used; NULL: the defaults
+ * @return NQM_ERR_INCOMPATIBLE: the model has no transport matrix, or fewer than 5 materials have answers; NQM_ERR_NOMEM
+ */
+NQM_MUST_CHECK nqm_status nqm_human_fit_readout(const nqm_human *human, const nqm_model *model,
+                                                const nqm_eval_options *options, nqm_readout *readout_ret,
+                                                nqm_error *err);
+/** Give it to a model that is not shared yet. */
+void nqm_readout_set(const nqm_readout *readout, nqm_model *model);
+/** Names of the distances. */
+extern const char *const nqm_apart_names[NQM_APART];
 
 #endif

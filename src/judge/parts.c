@@ -20,18 +20,18 @@ typedef struct part {
     double plain, noticed; /* sizes from which words describe a label's part, and from which a prediction agrees */
 } part;
 
-/* The parts of an array of NQM_LABEL_PARTS, then the similarity. */
+/* The parts of an array of NQM_LABEL_PARTS, then the JOD of adapted people. */
 static const part parts[NQM_EVAL_PARTS] = {{"shift_i", 2, {NQM_SCALAR_BIAS, NQM_SCALAR_ENERGY}, 1, 3, 0},
                                            {"shift_t", 1, {NQM_SCALAR_CHROMA_B}, 1, 3, 0},
                                            {"shift_p", 1, {NQM_SCALAR_CHROMA_RG}, 1, 3, 0},
                                            {"contrast", 2, {NQM_SCALAR_PEAK, NQM_SCALAR_WIDTH}, 1, 0.1, 0},
                                            {"structure", 1, {NQM_SCALAR_SHAPE}, 1, 3, 1}, /* structure has no sign */
-                                           {"similarity", 1, {LOG_DIFF}, -1, INFINITY, 0}};
+                                           {"adapted_jod", 1, {LOG_DIFF}, -1, INFINITY, 0}};
 
 static double part_of(const nqm_label *label, size_t part_index) {
     double values[NQM_LABEL_PARTS];
     nqm_label_get_parts(label, values);
-    return part_index < NQM_LABEL_PARTS ? values[part_index] : nqm_label_similarity(label);
+    return part_index < NQM_LABEL_PARTS ? values[part_index] : nqm_label_adapted_jod(label);
 }
 
 /* The label of a pair, without its Delta-E. */

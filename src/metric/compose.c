@@ -24,7 +24,8 @@ nqm_status nqm_composer_create(const nqm_model *model, size_t max_batch, nqm_com
                    {&made.root, n_tasks, (1 + NQM_COMPARE_MAX) * n * sizeof *made.root},
                    {&made.x, n_rows, made.stride * sizeof *made.x}, {&made.sums, max_batch, sizeof *made.sums},
                    {&made.scalars, max_batch, NQM_SCALAR_COUNT * sizeof *made.scalars},
-                   {&made.bound, max_batch, sizeof *made.bound}, {&made.estimate, max_batch, sizeof *made.estimate}),
+                   {&made.bound, max_batch, sizeof *made.bound}, {&made.estimate, max_batch, sizeof *made.estimate},
+                   {&made.looks, max_batch, sizeof *made.looks}),
         err);
     if (status != NQM_OK)
         return status;
@@ -49,7 +50,7 @@ size_t nqm_composer_task(const nqm_composer *c, size_t n) {
 }
 
 static bool needs_sums(const nqm_composer *c, bool with_metrics) {
-    return nqm_model_n_scalars(c->model) > 0 || with_metrics;
+    return nqm_model_n_scalars(c->model) > 0 || c->model->transport || with_metrics;
 }
 
 /* The number of pairs from the first on that have its reference. */
@@ -72,7 +73,7 @@ void nqm_compose_samples(const nqm_composer *c, size_t task, size_t first, size_
     float *ref_t = c->t + task * 2 * n_values, *test_t = ref_t + n_values, *root = nqm_composer_root(c, task);
     for (size_t i = 0; i < n; ++i)
         c->bound[first + i] = nqm_delta_e_bound(n_directions, &pairs[i]);
-    if (!has_network && !with_metrics)
+    if (!has_network && !needs_sums(c, with_metrics))
         return;
     for (size_t begin = 0, run; begin < n; begin += run) { /* the reference of a run is transformed once */
         run = run_of(n - begin, pairs + begin);
@@ -92,7 +93,7 @@ void nqm_compose_samples(const nqm_composer *c, size_t task, size_t first, size_
 void nqm_compose_scalars(const nqm_composer *c, size_t first, size_t n, double *metrics) {
     const nqm_model *m = c->model;
     const bool with_scalars = nqm_model_n_scalars(m) > 0;
-    for (size_t i = first; needs_sums(c, metrics) && i < first + n; ++i) {
+    for (size_t i = first; (with_scalars || metrics) && i < first + n; ++i) {
         double *scalars = with_scalars ? c->scalars + i * NQM_SCALAR_COUNT : NULL;
         nqm_compare_finish(&c->sums[i], m->transport ? &c->estimate[i] : NULL,
                            metrics ? metrics + i * NQM_METRIC_COUNT : NULL, scalars);

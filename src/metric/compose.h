@@ -21,7 +21,8 @@ typedef struct nqm_composer {
     nqm_pair_sums *sums; /* (max_batch) */
     double *scalars;     /* (max_batch, NQM_SCALAR_COUNT), of models with scalar features */
     double *bound;       /* (max_batch) of nqm_delta_e_bound() */
-    nqm_label *estimate; /* (max_batch) by transport, if the model has it: set by the caller */
+    nqm_label *estimate; /* (max_batch) by transport, if the model has it: set by the caller, */
+    double *looks;       /* (max_batch) and these */
 } nqm_composer;
 
 /** The model must outlive it. */
@@ -34,7 +35,7 @@ size_t nqm_composer_task(const nqm_composer *composer, size_t n);
 float *nqm_composer_root(const nqm_composer *composer, size_t task);
 
 /** Compute what does not depend on the estimate of pairs [first, first + n) of the batch: bound, inputs from samples, and sums if
- *  there are scalar features or with_metrics. pairs: (n); consecutive ones with the same `ref` pointer share the work on it. */
+ *  there are scalar features, a transport matrix or with_metrics. pairs: (n); consecutive ones with the same `ref` pointer share the work on it. */
 void nqm_compose_samples(const nqm_composer *composer, size_t task, size_t first, size_t n,
                          const nqm_sample_pair *pairs, bool with_metrics);
 /** Compute the scalar features and inputs of the same pairs from sums and estimates, and metrics (batch, NQM_METRIC_COUNT) unless

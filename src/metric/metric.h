@@ -31,9 +31,21 @@ void nqm_transport_pictures(const nqm_transport *transport, size_t first, size_t
 /** Whether a point is the last of its scene; and the share of a scene in the label. */
 bool nqm_transport_ends_scene(const nqm_transport *transport, size_t point);
 double nqm_transport_share(const nqm_transport *transport);
-/** Estimate the labels of n pairs, at most NQM_COMPARE_MAX. */
+/** Estimate the labels of n pairs, at most NQM_COMPARE_MAX. looks: (n) receives the means over the scenes of nqm_look_distance();
+ *  NULL: they are not computed. */
 void nqm_transport_estimates(const nqm_transport *transport, size_t n, const nqm_sample_pair *pairs,
-                             nqm_label *estimates);
+                             nqm_label *estimates, double *looks);
+
+/** Sums over the points of a picture, for its look: of powers 1 to 4 of I, of T, P and T^2 + P^2. Zero before the first point. */
+typedef struct nqm_look_sums {
+    double power[4], t, p, chroma2;
+} nqm_look_sums;
+/** Add a point. weight: its fraction of the picture; itp: times NQM_ITP_UNIT. */
+void nqm_look_add(nqm_look_sums *sums, double weight, const double itp[3]);
+/** How differently two pictures look to people who see them apart, in units of Delta-E. structure: that of their label. */
+double nqm_look_distance(const nqm_look_sums *ref, const nqm_look_sums *test, double structure);
+/** The similarity of materials that are seen apart and both ends of its interval, JOD, by the weights of the model. */
+void nqm_similarity(const nqm_model *model, const double apart[NQM_APART], double similarity[3]);
 
 /** What the gradient of an estimate needs of a pair, (3, n_points) each: ITP of both pictures on the display, in units of Delta-E, and
  *  the light of the test in cd/m2. Pairs that share a reference may share `ref`. */
@@ -75,11 +87,13 @@ enum { NQM_PREDICT_BATCH = 512 };
 /** What a model predicts of a pair, and what its interval depends on. */
 typedef struct nqm_prediction {
     double jod;
-    double delta_e;  /* NaN where the model has no curve */
-    double novelty;  /* of nqm_model_novelty(); NaN: none */
-    double spread;   /* of nqm_model_spread(); 0 without scalar features */
-    double bound;    /* of nqm_delta_e_bound() */
-    nqm_label label; /* parts; NaN if the model predicts none */
+    double delta_e;          /* NaN where the model has no curve */
+    double novelty;          /* of nqm_model_novelty(); NaN: none */
+    double spread;           /* of nqm_model_spread(); 0 without scalar features */
+    double bound;            /* of nqm_delta_e_bound() */
+    nqm_label label;         /* parts; NaN if the model predicts none */
+    double apart[NQM_APART]; /* of nqm_apart_distances(), and */
+    double similarity[3];    /* nqm_similarity(); NaN without a transport matrix */
 } nqm_prediction;
 
 /** Workspace for predictions, for one thread at a time. The model must outlive it. */

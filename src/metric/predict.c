@@ -62,7 +62,8 @@ typedef struct predict_job {
 static void estimate(const predict_job *job, size_t first, size_t n) {
     const nqm_transport t = nqm_model_transport(job->predictor->model);
     if (t.light)
-        nqm_transport_estimates(&t, n, job->pairs + first, job->predictor->inputs->estimate + first);
+        nqm_transport_estimates(&t, n, job->pairs + first, job->predictor->inputs->estimate + first,
+                                job->predictor->inputs->looks + first);
 }
 
 /* What follows the estimates of pairs [first, first + n). */
@@ -95,7 +96,7 @@ static void run_half(void *user, size_t half) {
 /* A single pair: two threads, if both have enough to do. */
 static void run_one(predict_job *job) {
     const nqm_model *m = job->predictor->model;
-    if (m->transport && (nqm_model_n_scalars(m) > 0 || job->metrics)) {
+    if (m->transport) {
         nqm_parallel_for(2, run_half, job);
         finish(job, 0, 1);
     } else {
@@ -138,6 +139,11 @@ static void conclude(const predict_job *job, size_t i) {
     to->spread = spread_of(p, i, to->jod);
     to->label = nqm_model_has_parts(p->model) ? bounded_label(p->model, z, estimated, to->bound)
                                               : (nqm_label){nan, {nan, nan, nan}, nan, nan, 0};
+    to->similarity[0] = to->similarity[1] = to->similarity[2] = nan;
+    if (!estimated)
+        return;
+    nqm_apart_distances(estimated, p->inputs->looks[i], &p->inputs->sums[i].metrics, to->apart);
+    nqm_similarity(p->model, to->apart, to->similarity);
 }
 
 void nqm_predictor_run(nqm_predictor *p, size_t n, const nqm_sample_pair *pairs, nqm_prediction *to, double *metrics) {

@@ -122,7 +122,7 @@ void nqm_scalars_compute(const nqm_sum_plan *plan, const nqm_transport *transpor
                          double *scalars) {
     nqm_label estimate;
     if (transport->light)
-        nqm_transport_estimates(transport, 1, pair, &estimate);
+        nqm_transport_estimates(transport, 1, pair, &estimate, NULL);
     nqm_compare_samples(plan, pair, transport->light ? &estimate : NULL, NULL, scalars);
 }
 

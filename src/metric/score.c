@@ -129,7 +129,7 @@ static nqm_score_result no_score(nqm_status status) {
                                .jod_high = NAN,
                                .novelty = NAN,
                                .parts = {NAN, {NAN, NAN, NAN}, NAN, NAN},
-                               .similarity = NAN};
+                               .similarity = {NAN, NAN, NAN}};
     for (size_t m = 0; m < NQM_METRIC_COUNT; ++m)
         result.metrics[m] = NAN;
     return result;
@@ -261,7 +261,7 @@ static void settle(void *user, size_t i) {
     result->parts = p->label;
     if (result->identical && nqm_model_has_parts(s->model))
         result->parts = (nqm_label){.delta_e = 0};
-    result->similarity = nqm_label_similarity(&result->parts);
+    memcpy(result->similarity, p->similarity, sizeof result->similarity);
     if (s->options.metrics)
         memcpy(result->metrics, s->metrics + place * NQM_METRIC_COUNT, sizeof result->metrics);
     nqm_bounded_interval(s->model, p, &result->jod_low, &result->jod_high);

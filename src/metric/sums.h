@@ -73,6 +73,10 @@ nqm_light_ratio nqm_light_contrast(const nqm_light_sum *sum);
 /** The sum of n parts. */
 nqm_light_sum nqm_lights_join(const nqm_light_sum *parts, size_t n);
 
+/** Distances of which the similarity is a weighted sum, in units of Delta-E: Delta-E, lengths of the shift in I and in T and P, contrast
+ *  times 30, structure, and the built-in distance. estimate, looks: of nqm_transport_estimates(). */
+void nqm_apart_distances(const nqm_label *estimate, double looks, const nqm_metric_sums *sums, double apart[NQM_APART]);
+
 /** Compute metrics (NQM_METRIC_COUNT) and scalar features (NQM_SCALAR_COUNT) from them; either may be NULL. estimate: by transport;
  *  NULL: none. */
 void nqm_compare_finish(const nqm_pair_sums *sums, const nqm_label *estimate, double *metrics, double *scalars);

@@ -147,24 +147,40 @@ double nqm_transport_share(const nqm_transport *t) {
     return 1 / (1 + t->points[3 * t->n_points - 2]);
 }
 
-/* Add the points of two pictures from `first` on; `sums` are those of the current scene. */
+/* Sums of the current scene of a pair, and the means over the scenes before it. */
+typedef struct pair_sums {
+    nqm_picture_sums sums;
+    nqm_look_sums ref, test;
+    nqm_label *mean;
+    double *looks; /* NULL: not computed */
+} pair_sums;
+
+/* Add the points of two pictures from `first` on. */
 static void add_points(const nqm_transport *t, size_t first, size_t n, const float *ref, const float *test,
-                       nqm_picture_sums *sums, nqm_label *mean) {
+                       pair_sums *to) {
     for (size_t p = 0; p < n; ++p) {
         const double a[3] = {(double)ref[p], (double)ref[n + p], (double)ref[2 * n + p]};
         const double b[3] = {(double)test[p], (double)test[n + p], (double)test[2 * n + p]};
-        nqm_picture_sums_add(sums, t->points[3 * (first + p)], a, b);
+        const double weight = t->points[3 * (first + p)];
+        nqm_picture_sums_add(&to->sums, weight, a, b);
+        if (to->looks) {
+            nqm_look_add(&to->ref, weight, a);
+            nqm_look_add(&to->test, weight, b);
+        }
         if (nqm_transport_ends_scene(t, first + p)) {
-            const nqm_label label = nqm_picture_sums_label(sums);
-            nqm_label_add(mean, nqm_transport_share(t), &label);
-            *sums = (nqm_picture_sums){0};
+            const nqm_label label = nqm_picture_sums_label(&to->sums);
+            nqm_label_add(to->mean, nqm_transport_share(t), &label);
+            if (to->looks)
+                *to->looks += nqm_transport_share(t) * nqm_look_distance(&to->ref, &to->test, label.structure);
+            *to = (pair_sums){.mean = to->mean, .looks = to->looks};
         }
     }
 }
 
-void nqm_transport_estimates(const nqm_transport *t, size_t n, const nqm_sample_pair *pairs, nqm_label *estimates) {
+void nqm_transport_estimates(const nqm_transport *t, size_t n, const nqm_sample_pair *pairs, nqm_label *estimates,
+                             double *looks) {
     nqm_transport_picture pictures[NQM_TRANSPORT_MAX];
-    nqm_picture_sums sums[NQM_COMPARE_MAX] = {{0}};
+    pair_sums sums[NQM_COMPARE_MAX];
     float itp[NQM_TRANSPORT_MAX * 3 * POINTS];
     size_t n_pictures = 0, ref_at[NQM_COMPARE_MAX], test_at[NQM_COMPARE_MAX]; /* pictures of pair i */
     for (size_t i = 0; i < n; ++i) {
@@ -175,12 +191,14 @@ void nqm_transport_estimates(const nqm_transport *t, size_t n, const nqm_sample_
         test_at[i] = n_pictures;
         pictures[n_pictures++] = (nqm_transport_picture){&pairs[i], NQM_TRANSPORT_OF_TEST};
         estimates[i] = (nqm_label){.delta_e = 0};
+        sums[i] = (pair_sums){.mean = &estimates[i], .looks = looks ? &looks[i] : NULL};
+        if (looks)
+            looks[i] = 0;
     }
     for (size_t first = 0, n_points; first < t->n_points; first += n_points) {
         n_points = nqm_smaller(t->n_points - first, POINTS);
         nqm_transport_pictures(t, first, n_points, n_pictures, pictures, itp);
         for (size_t i = 0; i < n; ++i)
-            add_points(t, first, n_points, itp + ref_at[i] * 3 * n_points, itp + test_at[i] * 3 * n_points, &sums[i],
-                       &estimates[i]);
+            add_points(t, first, n_points, itp + ref_at[i] * 3 * n_points, itp + test_at[i] * 3 * n_points, &sums[i]);
     }
 }

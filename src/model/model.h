@@ -44,6 +44,17 @@ typedef struct nqm_transport {
                              order; peak luminance of the display, cd/m2 */
 } nqm_transport;
 
+/** Distances whose weighted sum is the similarity's (nqm_apart_distances()), and then the 95 % half-width of its logarithm. */
+enum {
+    NQM_APART_DELTA_E,
+    NQM_APART_BRIGHTNESS,
+    NQM_APART_COLOUR,
+    NQM_APART_CONTRAST,
+    NQM_APART_STRUCTURE,
+    NQM_APART_BUILT_IN,
+    NQM_APART
+};
+
 /** A trained metric. Immutable after creation; it owns its blocks and strings (nqm_alloc). */
 struct nqm_model {
     /* Plain values. They precede `params`, because nqm_model_copy() copies them with one memcpy. */
@@ -63,7 +74,8 @@ struct nqm_model {
     double novelty_growth; /* novelty v widens an interval by exp(novelty_growth v); 0..NQM_NOVELTY_MAX_GROWTH */
     double spread_growth[NQM_SPREAD_FEATURES]; /* the same of each feature of nqm_spread_features() */
     double interval_floor
-        [NQM_INTERVAL_KNOTS]; /* least half-width of intervals on the logit scale, at nqm_interval_knot() */
+        [NQM_INTERVAL_KNOTS];         /* least half-width of intervals on the logit scale, at nqm_interval_knot() */
+    double similarity[NQM_APART + 1]; /* weights of the distances and half-width; all 0: the built-in distance alone */
     bool stores_half; /* nqm_model_save() writes the hidden layers' weights as float16; they are already rounded */
     char sha256[65];  /* checksum of its file; "" when it was not read from a file */
     /* Owned blocks. */

@@ -11,7 +11,7 @@
 #define NQM_MODEL_FORMAT "nqm-model"
 #define NQM_MODEL_SCHEMA "1"
 
-enum { NQM_LAYER_TENSORS = 4, NQM_MODEL_TEXTS = 11, NQM_MODEL_ARRAYS = 17, NQM_TENSOR_NAME_MAX = 32 };
+enum { NQM_LAYER_TENSORS = 4, NQM_MODEL_TEXTS = 11, NQM_MODEL_ARRAYS = 18, NQM_TENSOR_NAME_MAX = 32 };
 /** Suffixes of tensor names "layers.N.SUFFIX", in the order of nqm_layer: w, b, gamma, beta; the last layer has only
  *  the first two. */
 extern const char *const nqm_layer_suffixes[NQM_LAYER_TENSORS];
@@ -26,6 +26,7 @@ typedef enum nqm_model_part {
     NQM_PART_LABEL,
     NQM_PART_TRANSPORT,
     NQM_PART_SPREAD,
+    NQM_PART_SIMILARITY,
     NQM_PART_COUNT
 } nqm_model_part;
 

@@ -244,7 +244,8 @@ static nqm_status read_arrays(reader *r, struct nqm_model *model) {
                                       [NQM_PART_LABEL] = nqm_model_has_parts(model),
                                       [NQM_PART_TRANSPORT] = nqm_safetensors_find(r->st, "transport") ||
                                                              nqm_safetensors_find(r->st, "transport.points"),
-                                      [NQM_PART_SPREAD] = nqm_safetensors_find(r->st, "interval.spread")};
+                                      [NQM_PART_SPREAD] = nqm_safetensors_find(r->st, "interval.spread"),
+                                      [NQM_PART_SIMILARITY] = nqm_safetensors_find(r->st, "similarity")};
     const nqm_tensor *spread = nqm_safetensors_find(r->st, "interval.spread");
     if (spread && !model->calibration)
         return refuse(r, spread, "needs an interval");
@@ -292,6 +293,9 @@ static nqm_status check_arrays(const reader *r, const struct nqm_model *model) {
     for (size_t k = 0; k < NQM_INTERVAL_KNOTS; ++k)
         if (!(model->interval_floor[k] >= 0)) /* finite, as all values */
             bad = "interval.floor";
+    for (size_t k = 0; k <= NQM_APART; ++k)
+        if (!(model->similarity[k] >= 0))
+            bad = "similarity";
     return bad ? nqm_fail(r->err, NQM_ERR_MODEL, -1, "%s: tensor '%s' is out of range", r->name, bad) : NQM_OK;
 }
 

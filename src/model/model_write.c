@@ -47,6 +47,7 @@ const nqm_model_array nqm_model_arrays[NQM_MODEL_ARRAYS] = {
     {"novelty.scale", NQM_PART_NOVELTY, NQM_F64, 0, 2, FIELD(novelty_unit), 0},
     {"interval.spread", NQM_PART_SPREAD, NQM_F64, 0, NQM_SPREAD_FEATURES, FIELD(spread_growth), 0},
     {"interval.floor", NQM_PART_SPREAD, NQM_F64, 0, NQM_INTERVAL_KNOTS, FIELD(interval_floor), 0},
+    {"similarity", NQM_PART_SIMILARITY, NQM_F64, 0, NQM_APART + 1, FIELD(similarity), 0},
 };
 _Static_assert(sizeof(nqm_output_range) == 4 * sizeof(double) && sizeof(nqm_curve) == 3 * sizeof(double) &&
                    FIELD(novelty_growth) == FIELD(novelty_unit) + sizeof(double),
@@ -124,7 +125,8 @@ nqm_status nqm_model_save(const nqm_model *model, const char *path, nqm_error *e
                                       [NQM_PART_NOVELTY] = model->n_novelty > 0,
                                       [NQM_PART_LABEL] = nqm_model_has_parts(model),
                                       [NQM_PART_TRANSPORT] = model->transport,
-                                      [NQM_PART_SPREAD] = model->interval && nqm_model_has_spread(model)};
+                                      [NQM_PART_SPREAD] = model->interval && nqm_model_has_spread(model),
+                                      [NQM_PART_SIMILARITY] = model->similarity[NQM_APART] > 0};
     c->half = model->stores_half ? half : NULL;
     collect(c, model, has);
     nqm_meta meta[2 + NQM_MODEL_TEXTS] = {{"format", NQM_MODEL_FORMAT}, {"schema", NQM_MODEL_SCHEMA}};

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * Labels with parts: their definition by sums over two pictures, the similarity of pictures seen apart, and what differs in
+ * Labels with parts: their definition by sums over two pictures, the JOD of people who adapt to a shift, and what differs in
  * words.
  */
 #include "math/math.h"
@@ -78,7 +78,7 @@ void nqm_label_add(nqm_label *mean, double share, const nqm_label *label) {
 
 /* ---- what it says ------------------------------------------------------------------------------------------------ */
 
-double nqm_label_similarity(const nqm_label *label) {
+double nqm_label_adapted_jod(const nqm_label *label) {
     assert(label);
     static const double noticed = 0.15; /* part of the shift that adapted people still notice */
     const double left = hypot(label->structure, noticed * sqrt(nqm_dot3(label->shift, label->shift)));

@@ -179,7 +179,7 @@ static void estimate_pair(void *user, size_t r) {
     const nqm_dataset *d = p->e->dataset;
     const nqm_transport transport = nqm_dataset_transport(d);
     const nqm_sample_pair samples = nqm_dataset_samples(d, p->first + r, p->e->used_scratch + r * d->n_directions);
-    nqm_transport_estimates(&transport, 1, &samples, &p->e->estimate[p->first + r]);
+    nqm_transport_estimates(&transport, 1, &samples, &p->e->estimate[p->first + r], NULL);
 }
 
 /* The transformed samples are converted back to f_r, so that the features of a copy match the samples that the network receives

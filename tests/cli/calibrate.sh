@@ -106,3 +106,27 @@ grep -q '"inside": 0\.' "$dir/out" || grep -q '"inside": 1\.0' "$dir/out" || fai
 run 0 eval "$dir/toy.safetensors" -m "$dir/a.safetensors,$dir/pairs.safetensors" --bootstrap 0 --csv
 head -n 1 "$dir/out" | grep -q ',coverage,.*,interval_width,' || fail "CSV header of eval"
 [ "$(awk -F, '{print NF}' "$dir/out" | sort -u | wc -l)" = 1 ] || fail "CSV fields of eval"
+
+# Answers of people: weights that predict them are written; without a gain there is no file, and the exit code is 1.
+awk 'BEGIN {
+    print "reference,test_a,test_b,n_a,n_b"
+    for (i = 1; i <= 8; ++i)
+        for (j = 1; j <= 2; ++j) {
+            k = .1 + .04 * i; a = .05 + .05 * i
+            printf "\"ggx:kd=%g;alpha=%g\",\"ggx:kd=%g;alpha=%g\",\"ggx:kd=%g,%g,%g;alpha=%g\",4,1\n", k, a, k / 2, a * (1 + .2 * j), k * (1 + .1 * j), k, k * .9, a
+        }
+}' >"$dir/colour.csv"
+run 0 calibrate --human "$dir/colour.csv" -m transport -o "$dir/mine.safetensors"
+grep -q '^answers     80 choices, 8 materials$' "$dir/out" || fail "answers: $(cat "$dir/out")"
+grep -q '^gain        +0.600 ' "$dir/out" || fail "gain: $(cat "$dir/out")"
+run 0 models show "$dir/mine.safetensors"
+grep -q '^Fitted to 80 answers of people about 8 materials' "$dir/out" || fail "the card: $(cat "$dir/out")"
+run 0 eval --human "$dir/colour.csv" -m "transport,$dir/mine.safetensors" --apart --json
+[ "$(number majority 1) $(number majority 2)" = "0.0 1.0" ] || fail "the fitted similarity: $(cat "$dir/out")"
+sed 's/4,1$/1,1/' "$dir/colour.csv" >"$dir/guesses.csv"
+run 1 calibrate --human "$dir/guesses.csv" -m transport -o "$dir/none.safetensors" --json
+grep -q '"output": null' "$dir/out" || fail "JSON without a gain"
+[ ! -e "$dir/none.safetensors" ] || fail "a file without a gain"
+run 5 calibrate --human "$dir/colour.csv" -m "$dir/a.safetensors" -o "$dir/none.safetensors"
+run 2 calibrate --human "$dir/colour.csv" "$dir/toy.safetensors" -o "$dir/none.safetensors"
+run 2 calibrate "$dir/a.safetensors" -o "$dir/none.safetensors"

@@ -43,7 +43,7 @@ small="--points 200 --lights 100"
     cmp "$dir/one" "$dir/two" || fail "the number of threads changes the label"
     label 0 sgd:nickel ward:nickel $small
     grep -qx 'reference  sgd:nickel' "$dir/out" || fail "the reference is not named"
-    grep -q '^  Delta-E  *JOD  *seen apart  *verdict  *test$' "$dir/out" || fail "no head line"
+    grep -q '^  Delta-E  *JOD  *adapted  *verdict  *test$' "$dir/out" || fail "no head line"
     ! grep -q '.\{81\}' "$dir/out" || fail "lines of more than 80 columns: $(cat "$dir/out")"
     label 0 sgd:nickel ward:nickel $small --csv
     [ "$(wc -l <"$dir/out")" = 2 ] || fail "CSV: two lines"

@@ -28,13 +28,13 @@ lines() { [ "$(grep -c -- "$2" "$dir/out")" = "$1" ] || fail "not $1 lines '$2' 
 run 0 eval "$dir/toy.safetensors" -m "$both" --bootstrap 50 --pairs "$dir/pairs.csv"
 holds '^estimate  ' '^six less estimate: ' '^Parts of the label, all: .* that six predicts, 288 pairs of 12 materials' '^Estimate: '
 holds '^shift_i  *[01].[0-9]* \[[-0-9., ]*\]  *[01].[0-9]* \[[-0-9., ]*\]  *[01].[0-9]* \[[-0-9., ]*\]  *\(bias\|energy\)  *[0-9.]* % of [0-9]*$'
-holds '^contrast  .* \(peak\|width\)  *[0-9.]* % of [0-9]*$' '^structure  .* shape  *[0-9.]* % of ' '^similarity  .* log_log_diff$'
+holds '^contrast  .* \(peak\|width\)  *[0-9.]* % of [0-9]*$' '^structure  .* shape  *[0-9.]* % of ' '^adapted_jod  .* log_log_diff$'
 holds '^  near pairs  *[0-9.]* % \[.*\] of 144, width ' '^  far pairs  .* of 144, ' '^  kinds of distortion in training  .* of 144, ' \
     '^  kinds of distortion not in training  .* of 144, '
 lines 1 '^Parts of the label'
 lines 0 'nearly equal'
 head -n 1 "$dir/pairs.csv" |
-    grep -q ',estimate,family,.*,shift_i,.*,similarity_jod,six:shift_i,.*,six:similarity_jod,estimate:shift_i,.*,estimate:similarity_jod$' ||
+    grep -q ',estimate,family,.*,shift_i,.*,adapted_jod,six:shift_i,.*,six:adapted_jod,estimate:shift_i,.*,estimate:adapted_jod$' ||
     fail "head of the pairs: $(head -n 1 "$dir/pairs.csv")"
 [ "$(sed 's/"[^"]*"/x/g' "$dir/pairs.csv" | awk -F, '{print NF}' | sort -u | wc -l)" = 1 ] || fail "fields of the pairs"
 run 0 eval "$dir/toy.safetensors" -m "$dir/six.safetensors" --bootstrap 0 --by subset
@@ -43,7 +43,7 @@ lines 0 '^rounding'
 
 # JSON and CSV have the same.
 run 0 eval "$dir/toy.safetensors" -m "$both" --bootstrap 50 --by subset --json
-holds '"type": "estimate"' '"with": "estimate"' '"by_subset": \[' '"subset": "near"' '"part": "similarity"' '"name": "chroma_b"' '"by_subset": {'
+holds '"type": "estimate"' '"with": "estimate"' '"by_subset": \[' '"subset": "near"' '"part": "adapted_jod"' '"name": "chroma_b"' '"by_subset": {'
 [ "$(number part 1)" = '"shift_i"' ] || fail "order of the parts"
 lines 30 '"same_sign": [01n]'
 lines 30 '"part": "' # six parts of all pairs and of four subsets

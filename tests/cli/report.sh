@@ -106,7 +106,7 @@ cmp "$page" "$dir/first.html" || fail "another page the second time"
 run 0 train "$dir/parts.safetensors" -o "$dir/six.safetensors" --hidden 16 --batch 64 --epochs 1
 run 0 report sgd:nickel ward:nickel -m "$dir/six.safetensors" --size 24 -o "$page" --json
 [ "$(query 'string(//p[@class="words"]/strong[1])')" = "$(sed -n 's/^ *"words": "\(.*\)"$/\1/p' "$dir/out")" ] || fail "predicted words"
-[ "$(query 'string(//table[@class="parts"]/tbody/tr[1]/td[6])')" = "$(printf %.2f "$(number similarity_jod 1)")" ] || fail "similarity"
+[ "$(query 'string(//table[@class="parts"]/tbody/tr[1]/td[5])')" = "$(printf %.2f "$(number structure 1)")" ] || fail "structure"
 [ "$(query 'count(//table[@class="parts"]/tbody/tr)')" = 2 ] || fail "rows of parts"
 
 # ---- errors: the exit code; the old page is unchanged, and there is no new file

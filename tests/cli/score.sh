@@ -197,6 +197,6 @@ grep -q '^x?\[1m ' "$dir/out" || fail "the name of a material: $(cat "$dir/out")
 grep -q '^reference  standard input$' "$dir/out" || fail "standard input has another name: $(cat "$dir/out")"
 refuses 2 'a BRDF argument is empty' score '' ward:nickel
 run 0 score sgd:nickel ward:nickel
-grep -q '^seen apart: the JOD for people who do not see both at once' "$dir/out" || fail "'seen apart' is not explained"
+grep -q '^seen apart: how similar people find the two materials' "$dir/out" || fail "'seen apart' is not explained"
 run 0 score sgd:red-fabric sgd:chrome
 [ -z "$(awk 'length($0) > 80' "$dir/out")" ] || fail "lines wider than a terminal: $(awk 'length($0) > 80' "$dir/out")"

@@ -120,6 +120,9 @@ MUTATIONS = [
     # ---- labels and transport
     ("src/percept/label.c", "square += d * d;", "square += d;", "test_label_parts test_metric_transport"),
     ("src/percept/label.c", "label.structure = sqrt(fmax(s->squares - nqm_dot3(s->shift, s->shift), 0));", "label.structure = sqrt(fmax(s->squares, 0));", "test_label_parts test_metric_transport"),
+    ("src/metric/similarity.c", "s->power[k] += power *= itp[0];", "s->power[k] += power *= itp[1];", "test_metric_transport"),
+    ("src/metric/similarity.c", "of_skew * fabs(a.skew - b.skew)", "of_skew * (a.skew - b.skew)", "test_metric_transport"),
+    ("src/judge/readout.c", "times[g] = g % FOLDS != fold;", "times[g] = 1;", "test_judge_readout"),
     ("src/metric/transport.c", "*x = *x < peak ? *x : peak;", "*x = *x < 2 * peak ? *x : 2 * peak;", "test_metric_transport test_label_transport"),
     ("src/metric/transport.c", "return 1 / (1 + t->points[3 * t->n_points - 2]);", "return 1 / (2 + t->points[3 * t->n_points - 2]);", "test_metric_transport"),
     ("src/percept/label.c", "(deviation * (1 + deviation))", "deviation", "test_metric_transport_gradient test_percept_gradient"),

@@ -33,7 +33,7 @@ static inline void predict_jod(const nqm_model *model, size_t n, const float *re
 static inline nqm_label transport_estimate(const nqm_transport *transport, const float *ref, const float *test,
                                            const uint8_t *used) {
     nqm_label label;
-    nqm_transport_estimates(transport, 1, &(nqm_sample_pair){ref, test, used}, &label);
+    nqm_transport_estimates(transport, 1, &(nqm_sample_pair){ref, test, used}, &label, NULL);
     return label;
 }
 

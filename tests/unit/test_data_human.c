@@ -70,7 +70,7 @@ static void scores_become_a_dataset(void **state) {
     nqm_human *human = must_load(scores);
     nqm_human_info info = nqm_human_get_info(human);
     assert_true(info.kind == NQM_HUMAN_SCORE && info.n_rows == 6 && info.n_refs == 3 && info.n_groups == 2);
-    assert_true(info.n_triplets == 0 && isnan(info.ceiling) && isnan(info.ceiling_other_people));
+    assert_true(info.n_triplets == 0 && isnan(info.ceiling_other_people));
     const nqm_dataset *d = nqm_human_dataset(human);
     assert_int_equal(nqm_dataset_get_info(d).n_pairs_in[NQM_SPLIT_TEST], 6);
     assert_int_equal(nqm_dataset_get_info(d).n_kinds, 4);
@@ -110,6 +110,27 @@ static nqm_agreement judge_mae(const char *text, const nqm_eval_options *options
     nqm_evaluation_free(ev);
     nqm_human_free(human);
     return results[NQM_METRIC_MAE];
+}
+
+static void scores_have_a_ceiling(void **state) {
+    (void)state;
+    const struct {
+        const char *text;
+        double ceiling;
+    } of[] = {{GREYS("score", "1", "2", "3", "4"), NAN},
+              /* variance 5/3; noise (.01 + .04 + .09 + 1/4) / 4 */
+              {GREYS("sd,n,score", "0.2,4,1", "0.4,4,2", "0.6,4,3", "1,4,4"), sqrt(1 - 0.39 / 4 / (5. / 3))},
+              /* the rows of .21 repeat: 1 and 3, so that the noise is 2; variance 7/3 */
+              {GREYS("score", "1", "4", "4", "3") "lambert:kd=.2,lambert:kd=.21,3\n", sqrt(1 - 2 / 1.5)}};
+    for (size_t i = 0; i < sizeof of / sizeof *of; ++i) {
+        nqm_human *human = must_load(of[i].text);
+        const double ceiling = nqm_human_get_info(human).ceiling;
+        if (isnan(of[i].ceiling) && i == 0)
+            assert_true(isnan(ceiling));
+        else
+            assert_near(ceiling, isnan(of[i].ceiling) ? 0 : of[i].ceiling, 1e-12);
+        nqm_human_free(human);
+    }
 }
 
 static void scores_of_every_kind_are_judged(void **state) {
@@ -287,10 +308,10 @@ static void stops_when_asked(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(scores_become_a_dataset), cmocka_unit_test(scores_of_every_kind_are_judged),
-        cmocka_unit_test(choices_are_added_up),    cmocka_unit_test(single_choices_are_counted),
-        cmocka_unit_test(choices_are_judged),      cmocka_unit_test(faults_name_file_and_row),
-        cmocka_unit_test(stops_when_asked),
+        cmocka_unit_test(scores_become_a_dataset),         cmocka_unit_test(scores_have_a_ceiling),
+        cmocka_unit_test(scores_of_every_kind_are_judged), cmocka_unit_test(choices_are_added_up),
+        cmocka_unit_test(single_choices_are_counted),      cmocka_unit_test(choices_are_judged),
+        cmocka_unit_test(faults_name_file_and_row),        cmocka_unit_test(stops_when_asked),
     };
     return cmocka_run_group_tests(tests, set_up, tear_down);
 }

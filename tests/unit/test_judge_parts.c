@@ -51,7 +51,7 @@ static int tear_down(void **state) {
 static double part_of(const nqm_label *label, size_t part) {
     double parts[NQM_LABEL_PARTS];
     nqm_label_get_parts(label, parts);
-    return part < NQM_LABEL_PARTS ? parts[part] : nqm_label_similarity(label);
+    return part < NQM_LABEL_PARTS ? parts[part] : nqm_label_adapted_jod(label);
 }
 
 /* Spearman of a part of the labels (NULL: of scalar feature i times `sign`) with the dataset's, over the pairs of the split. */
@@ -92,7 +92,7 @@ static void check_signs(size_t part, const nqm_part_agreement *p) {
 static void parts_are_judged(void **state) {
     (void)state;
     static const char *const names[NQM_EVAL_PARTS] = {"shift_i",  "shift_t",   "shift_p",
-                                                      "contrast", "structure", "similarity"};
+                                                      "contrast", "structure", "adapted_jod"};
     const size_t log_diff = NQM_SCALAR_METRICS + NQM_METRIC_LOG_DIFF;
     const size_t scalars[NQM_EVAL_PARTS][2] = {
         {NQM_SCALAR_BIAS, NQM_SCALAR_ENERGY},         {NQM_SCALAR_CHROMA_B, NQM_SCALAR_CHROMA_B},

@@ -188,11 +188,11 @@ static void signs_of_the_parts(void **state) {
         assert_true(equal.shift[k] == 0);
     /* Apart, a change of brightness matters less than beside each other; a change of gloss matters about as much. */
     const nqm_curve curve = nqm_curve_default();
-    assert_true(nqm_label_similarity(&equal) == 10);
-    assert_true(nqm_label_similarity(&bright) > nqm_curve_jod(&curve, bright.delta_e) + 1);
-    assert_true(nqm_label_similarity(&glossy) < nqm_label_similarity(&bright));
+    assert_true(nqm_label_adapted_jod(&equal) == 10);
+    assert_true(nqm_label_adapted_jod(&bright) > nqm_curve_jod(&curve, bright.delta_e) + 1);
+    assert_true(nqm_label_adapted_jod(&glossy) < nqm_label_adapted_jod(&bright));
     const nqm_label known = {.shift = {2, -6, 9}, .structure = 3};
-    assert_near(nqm_label_similarity(&known), nqm_curve_jod(&curve, sqrt(9 + 0.0225 * 121)), 1e-12);
+    assert_near(nqm_label_adapted_jod(&known), nqm_curve_jod(&curve, sqrt(9 + 0.0225 * 121)), 1e-12);
 }
 
 /* ---- the bound on Delta-E from samples ---------------------------------------------------------------------------- */

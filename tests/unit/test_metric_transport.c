@@ -4,7 +4,7 @@
  * of equal pairs, and the same bits for any cut and order of a batch and any number of threads.
  */
 #include "kernel/kernel.h"
-#include "metric/metric.h"
+#include "metric/sums.h"
 #include "support/check.h"
 #include "support/predict.h"
 #include "support/tiny_model.h"
@@ -18,7 +18,7 @@ enum { N = 7, BRDFS = 5, POINTS = NQM_TRANSPORT_BLOCK, PARTS = 1 + NQM_LABEL_PAR
 
 static float light[N * 3 * POINTS], rgb[BRDFS][3 * N];
 static double points[3 * POINTS], itp[BRDFS][POINTS][3], itp_used[BRDFS][POINTS][3];
-static double labels[BRDFS][PARTS], labels_used[BRDFS][PARTS];
+static double labels[BRDFS][PARTS], labels_used[BRDFS][PARTS], looks[2][BRDFS];
 static uint8_t used[BRDFS][N];
 static const nqm_transport transport = {N, POINTS, light, points};
 
@@ -31,7 +31,8 @@ static int read_vectors(void **state) {
     } tensors[] = {{"light", sizeof light, light},    {"points", sizeof points, points},
                    {"rgb", sizeof rgb, rgb},          {"used", sizeof used, used},
                    {"itp", sizeof itp, itp},          {"itp_used", sizeof itp_used, itp_used},
-                   {"labels", sizeof labels, labels}, {"labels_used", sizeof labels_used, labels_used}};
+                   {"labels", sizeof labels, labels}, {"labels_used", sizeof labels_used, labels_used},
+                   {"looks", sizeof looks, looks}};
     nqm_map map;
     nqm_safetensors *st;
     if (nqm_map_open(test_vector("transport.safetensors"), &map, NULL) != NQM_OK ||
@@ -93,6 +94,61 @@ static void compare_with_numpy(void) {
     }
 }
 
+/* ---- similarity -------------------------------------------------------------------------------------------------- */
+
+static double looks_of(const float *ref, const float *test, const uint8_t *mask) {
+    nqm_label label;
+    double distance;
+    nqm_transport_estimates(&transport, 1, &(nqm_sample_pair){ref, test, mask}, &label, &distance);
+    return distance;
+}
+
+static void looks_agree_with_numpy(void **state) {
+    (void)state;
+    for (size_t i = 0; i < BRDFS; ++i) {
+        assert_near(looks_of(rgb[0], rgb[i], NULL), looks[0][i], 2e-3 + 1e-4 * looks[0][i]);
+        assert_near(looks_of(rgb[0], rgb[i], used[i]), looks[1][i], 2e-3 + 1e-4 * looks[1][i]);
+        assert_near(looks_of(rgb[i], rgb[0], NULL), looks_of(rgb[0], rgb[i], NULL), 0);
+        assert_near(looks_of(rgb[i], rgb[i], NULL), 0, 0);
+        for (size_t k = 0; k < BRDFS; ++k) /* a distance: no way round is shorter */
+            assert_true(looks_of(rgb[0], rgb[i], NULL) <=
+                        looks_of(rgb[0], rgb[k], NULL) + looks_of(rgb[k], rgb[i], NULL) + 1e-9);
+    }
+}
+
+static double similarity_of(const nqm_model *model, double pictures, double log_rms, double ends[3]) {
+    double apart[NQM_APART];
+    const nqm_label label = {.delta_e = 9, .shift = {-3, 3, 4}, .contrast = -0.1, .structure = 2};
+    nqm_metric_sums sums = {.n = 300};
+    sums.squares[NQM_SCALE_LOG1P_F] = 300 * log_rms * log_rms;
+    nqm_apart_distances(&label, pictures, &sums, apart);
+    nqm_similarity(model, apart, ends);
+    return ends[0];
+}
+
+static void similarity_falls_with_distance(void **state) {
+    (void)state;
+    nqm_model model = {0};
+    double before[3] = {10, 10, 10}, now[3];
+    similarity_of(&model, 0, 0, now);
+    assert_memory_equal(now, before, sizeof now);
+    for (int i = 0; i < 40; ++i) {
+        similarity_of(&model, exp(i / 8.), 0.1 * (i / 2), now);
+        for (int k = 0; k < 3; ++k)
+            assert_true(now[k] < before[k]);
+        assert_true(now[1] < now[0] && now[0] < now[2]);
+        memcpy(before, now, sizeof now);
+    }
+    const nqm_curve curve = nqm_curve_published; /* doc/people.md has the constants */
+    assert_near(similarity_of(&model, 7, 0.5, now), nqm_curve_jod(&curve, 7 + 4.572 * 0.5), 1e-12);
+    assert_near(now[1], nqm_curve_jod(&curve, (7 + 4.572 * 0.5) * exp(0.123)), 1e-12);
+    memcpy(model.similarity, (double[NQM_APART + 1]){1, 2, 3, 4, 5, 6, 0.5},
+           sizeof model.similarity); /* of a calibration */
+    assert_near(similarity_of(&model, 7, 0, now), nqm_curve_jod(&curve, 9 + 2 * 3 + 3 * 5 + 4 * 3 + 5 * 2 + 6 * 7),
+                1e-12);
+    assert_near(now[2], nqm_curve_jod(&curve, 94 * exp(-0.5)), 1e-12);
+}
+
 /* ---- exact properties -------------------------------------------------------------------------------------------- */
 
 static void equal_pairs_give_zero(void **state) {
@@ -132,7 +188,7 @@ static void cut_batches(void) {
             for (size_t i = 0; i < n; ++i)
                 pairs[i] = (nqm_sample_pair){rgb[(turn + i / (1 + turn)) % BRDFS], rgb[(7 * i + turn) % BRDFS],
                                              used[(i + turn) % BRDFS]};
-            nqm_transport_estimates(&transport, n, pairs, batch);
+            nqm_transport_estimates(&transport, n, pairs, batch, NULL);
             for (size_t i = 0; i < n; ++i) {
                 const nqm_label single = estimate(pairs[i].ref, pairs[i].test, pairs[i].used);
                 assert_memory_equal(&batch[i], &single, sizeof single);
@@ -199,6 +255,8 @@ static void predictions_give_the_same_bits(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(looks_agree_with_numpy),
+        cmocka_unit_test(similarity_falls_with_distance),
         cmocka_unit_test(against_numpy),
         cmocka_unit_test(equal_pairs_give_zero),
         cmocka_unit_test(extremes_are_finite),

@@ -5,7 +5,7 @@ this script.
 
 Random matrix A of three scenes with displays of different peaks. The first BRDF is the reference. Pictures are min(A f, peak)
 in ITP by the matrices of ITU-R BT.2087 and BT.2100 and the exact PQ function; labels are those of doc/labels.md for each scene,
-averaged over the scenes. `used` drops directions, at which tests have the values of the reference.
+averaged over the scenes; so are the distances of looks of doc/people.md. `used` drops directions, at which tests have the values of the reference.
 """
 import json
 import struct
@@ -61,10 +61,30 @@ def label(a, b):
     return np.mean(parts, 0)
 
 
+def looks(a, b):
+    """The distance of doc/people.md but for the samples' part."""
+    total = 0
+    for number, (n, _) in enumerate(SCENES):
+        scene = points[:, 1] == number
+        w, seen = points[scene, 0], []
+        for x in (a[scene], b[scene]):
+            mean = w @ x
+            d = x - mean
+            seen.append((np.log1p((w @ d[:, 0] ** 4) ** 0.25), np.arcsinh(w @ (d[:, 0] / 10) ** 3) / 3,
+                         np.log1p(np.sqrt(w @ (d[:, 1:] ** 2).sum(1))), mean[1:] / (20 + np.linalg.norm(mean[1:]))))
+        (peaks_a, skew_a, colours_a, hue_a), (peaks_b, skew_b, colours_b, hue_b) = seen
+        difference = b[scene] - a[scene]
+        structure = np.sqrt(w @ ((difference - w @ difference) ** 2).sum(1))
+        total += (0.1133 * structure + 27.81 * abs(peaks_a - peaks_b) + 3.523 * abs(skew_a - skew_b) +
+                  8.636 * abs(colours_a - colours_b) + 5.84 * np.linalg.norm(hue_a - hue_b))
+    return total / len(SCENES)
+
+
 itp = np.stack([picture(f) for f in rgb])
 itp_used = np.stack([picture(np.where(used[i][:, None] > 0, f, rgb[0])) for i, f in enumerate(rgb)])
 tensors = {"points": points, "itp": itp, "itp_used": itp_used, "labels": np.stack([label(itp[0], x) for x in itp]),
-           "labels_used": np.stack([label(itp[0], x) for x in itp_used]), "light": light, "rgb": rgb, "used": used}
+           "labels_used": np.stack([label(itp[0], x) for x in itp_used]),
+           "looks": np.array([[looks(itp[0], x) for x in itp], [looks(itp[0], x) for x in itp_used]]), "light": light, "rgb": rgb, "used": used}
 
 header, data = {"__metadata__": {"made_by": f"transport.py: numpy {np.__version__}, Python {sys.version.split()[0]}, seed 20261"}}, b""
 for name, x in tensors.items():

@@ -398,26 +398,27 @@ void print_csv_numbers(FILE *out, size_t n, const double *values) {
     }
 }
 
-json_t *json_label_parts(const nqm_label *l) {
+const char *const label_columns[LABEL_COLUMNS] = {"shift_i",  "shift_t",   "shift_p",
+                                                  "contrast", "structure", "adapted_jod"};
+const char similarity_column[] = "similarity_jod";
+
+static double last_value(const nqm_label *l, const double *similarity) {
+    return similarity ? *similarity : nqm_label_adapted_jod(l);
+}
+
+json_t *json_label_parts(const nqm_label *l, const double *similarity) {
     char words[NQM_LABEL_TEXT];
     if (isnan(l->structure))
         return json_null();
-    return json_pack("{s:[f,f,f],s:f,s:f,s:f,s:s}", "shift_itp", l->shift[0], l->shift[1], l->shift[2], "contrast",
-                     l->contrast, "structure", l->structure, "similarity_jod", nqm_label_similarity(l), "words",
-                     nqm_label_describe(l, words));
+    return json_pack("{s:[f,f,f],s:f,s:f,s:o,s:s}", "shift_itp", l->shift[0], l->shift[1], l->shift[2], "contrast",
+                     l->contrast, "structure", l->structure,
+                     similarity ? similarity_column : label_columns[LABEL_COLUMNS - 1],
+                     json_number(last_value(l, similarity)), "words", nqm_label_describe(l, words));
 }
 
-const char *const label_columns[LABEL_COLUMNS] = {"shift_i",  "shift_t",   "shift_p",
-                                                  "contrast", "structure", "similarity_jod"};
-
-void print_csv_label_names(FILE *out) {
-    for (size_t i = 0; i < LABEL_COLUMNS; ++i)
-        fprintf(out, ",%s", label_columns[i]);
-}
-
-void print_csv_label(FILE *out, const nqm_label *l) {
+void print_csv_label(FILE *out, const nqm_label *l, const double *similarity) {
     const double values[LABEL_COLUMNS] = {l->shift[0], l->shift[1],  l->shift[2],
-                                          l->contrast, l->structure, nqm_label_similarity(l)};
+                                          l->contrast, l->structure, last_value(l, similarity)};
     print_csv_numbers(out, LABEL_COLUMNS, values);
 }
 

@@ -228,13 +228,13 @@ json_t *json_number(double value);
 json_t *json_tool(void);
 /** Versions of the libraries for drawing, ray tracing and pictures, or "off"; does not load them. Static. */
 const char *tool_build_info(void);
-/** The parts of a label, its similarity and what differs in words, as JSON; null if they are NaN. */
-json_t *json_label_parts(const nqm_label *label);
-/** Columns of a label's parts and similarity in CSV. Each is printed with a comma before it. */
+/** The parts of a label and what differs in words, as JSON; null if they are NaN. similarity: of a score, printed as
+ *  `similarity_jod`; NULL: nqm_label_adapted_jod() is, as `adapted_jod`. */
+json_t *json_label_parts(const nqm_label *label, const double *similarity);
+/** Columns of the same in CSV, the last of which is `adapted_jod` or similarity_column. Each is printed with a comma before it. */
 enum { LABEL_COLUMNS = 6 };
-extern const char *const label_columns[LABEL_COLUMNS];
-void print_csv_label_names(FILE *out);
-void print_csv_label(FILE *out, const nqm_label *label);
+extern const char *const label_columns[LABEL_COLUMNS], similarity_column[];
+void print_csv_label(FILE *out, const nqm_label *label, const double *similarity);
 /** A JOD below 10 in words; the table is in doc/cli.md. */
 const char *jod_words(double jod);
 /** Print phrases with commas or semicolons below a row of a table, on lines of at most 80 columns. */

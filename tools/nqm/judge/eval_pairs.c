@@ -59,11 +59,11 @@ static void write_pair(const eval_run *run, size_t pair, FILE *out) {
     if (run->dataset->parts) {
         nqm_label label = {.delta_e = p.delta_e};
         nqm_label_set_parts(&label, run->dataset->parts + pair * NQM_LABEL_PARTS);
-        print_csv_label(out, &label);
+        print_csv_label(out, &label, NULL);
     }
     for (size_t i = 0; i < run->n_predictors; ++i)
         if (nqm_evaluation_labels(run->evaluation, i))
-            print_csv_label(out, &nqm_evaluation_labels(run->evaluation, i)[pair]);
+            print_csv_label(out, &nqm_evaluation_labels(run->evaluation, i)[pair], NULL);
     fputc('\n', out);
 }
 

@@ -260,6 +260,10 @@ static void print_pairs_text(const eval_run *run) {
            "predicted.\n"
            "Order: share in the right order of the tests of one material whose labels differ by more than %g.\n",
            label, interval_source(run), run->order_margin);
+    if (run->human && isfinite(nqm_human_get_info(run->human).ceiling))
+        printf(
+            "The answers are noisy: their true means are expected to have a Pearson correlation of %.3f with them.\n",
+            nqm_human_get_info(run->human).ceiling);
     if (run->n_predictors > run->n_models + NQM_METRIC_COUNT)
         puts(
             "Estimate: the label that the light transport of the scene estimates from the samples, without a network.");
@@ -288,10 +292,11 @@ static json_t *human_json(const nqm_human *human) {
     nqm_human_info info = nqm_human_get_info(human);
     json_t *json = json_pack("{s:s,s:I,s:I,s:I}", "kind", info.kind_name, "rows", (json_int_t)info.n_rows, "references",
                              (json_int_t)info.n_refs, "materials", (json_int_t)info.n_groups);
+    json_object_set_new(json, "ceiling", json_number(info.ceiling));
     if (info.kind == NQM_HUMAN_CHOICE)
-        json_object_update_new(json, json_pack("{s:I,s:f,s:o,s:o}", "triplets", (json_int_t)info.n_triplets, "choices",
-                                               info.n_choices, "ceiling", json_number(info.ceiling),
-                                               "ceiling_other_people", json_number(info.ceiling_other_people)));
+        json_object_update_new(json, json_pack("{s:I,s:f,s:o}", "triplets", (json_int_t)info.n_triplets, "choices",
+                                               info.n_choices, "ceiling_other_people",
+                                               json_number(info.ceiling_other_people)));
     return json;
 }
 

@@ -142,7 +142,7 @@ json_t *json_labels(const label_run *run) {
                                    "name", json_name(item->shown), "delta_e_itp", json_number(item->label.delta_e),
                                    "jod", json_number(item->jod), "delta_e_error", json_number(item->label.error),
                                    "jod_error", json_number(nqm_label_jod_error(&item->label)), "parts",
-                                   json_label_parts(&item->label), "reference_luminance_cdm2",
+                                   json_label_parts(&item->label, NULL), "reference_luminance_cdm2",
                                    json_number(mean_luminance(run, run->items[item->reference].rgb_cdm2)), "tabulated",
                                    "reference", run->items[item->reference].is_tabulated, "test", item->is_tabulated);
         if (run->n_groups > 1)
@@ -168,7 +168,7 @@ static void print_csv_test(const label_run *run, const label_item *item) {
         putchar(',');
         print_csv_text(stdout, run->items[item->reference].name);
     }
-    print_csv_label(stdout, l);
+    print_csv_label(stdout, l, NULL);
     putchar(',');
     print_csv_text(stdout, item->shown);
     const double errors[] = {l->error, nqm_label_jod_error(l)};
@@ -182,7 +182,7 @@ static void print_text_test(const label_item *item) {
         printf("%9s  %6s  %10s  %-20s  %s\n", "", "", "", "failed", shown(item->shown));
         return;
     }
-    printf("%9.3f  %6.2f  %10.2f  %-20s  %s\n", item->label.delta_e, item->jod, nqm_label_similarity(&item->label),
+    printf("%9.3f  %6.2f  %10.2f  %-20s  %s\n", item->label.delta_e, item->jod, nqm_label_adapted_jod(&item->label),
            item->label.delta_e > 0 ? jod_words(item->jod) : "equal pictures", shown(item->shown));
     print_phrases(nqm_label_describe(&item->label, words));
     if (nqm_label_jod_error(&item->label) > 0.02)
@@ -197,7 +197,8 @@ void print_labels(const label_run *run) {
     }
     if (run->format == FORMAT_CSV) {
         printf("%s%s", csv_columns, run->n_groups > 1 ? ",reference" : "");
-        print_csv_label_names(stdout);
+        for (size_t i = 0; i < LABEL_COLUMNS; ++i)
+            printf(",%s", label_columns[i]);
         puts(",name,delta_e_error,jod_error");
     }
     for (size_t i = 0; i < run->n_items; ++i) {
@@ -205,7 +206,7 @@ void print_labels(const label_run *run) {
         if (!is_test(run, i)) {
             if (run->format == FORMAT_TEXT)
                 printf("reference  %s\n%9s  %6s  %10s  %-20s  test\n", shown(item->shown), "Delta-E", "JOD",
-                       "seen apart", "verdict");
+                       "adapted", "verdict");
         } else if (run->format == FORMAT_QUIET) {
             printf("%.4f\n", item->jod);
         } else if (run->format == FORMAT_CSV) {

@@ -24,10 +24,10 @@ static const struct {
     size_t offset, n;
 } doubles[] = {{offsetof(nqm_score_result, jod), 5},
                {offsetof(nqm_score_result, parts), sizeof(nqm_label) / sizeof(double)},
-               {offsetof(nqm_score_result, similarity), 1},
+               {offsetof(nqm_score_result, similarity), 3},
                {offsetof(nqm_score_result, metrics), NQM_METRIC_COUNT},
                {offsetof(nqm_score_result, distance_deg), 4}};
-enum { N_DOUBLES = 5 + sizeof(nqm_label) / sizeof(double) + 1 + NQM_METRIC_COUNT + 4, N_COUNTS = 7 };
+enum { N_DOUBLES = 5 + sizeof(nqm_label) / sizeof(double) + 3 + NQM_METRIC_COUNT + 4, N_COUNTS = 7 };
 _Static_assert(offsetof(nqm_score_result, novelty) - offsetof(nqm_score_result, jod) == 4 * sizeof(double) &&
                    offsetof(nqm_score_result, n_unusual_test) - offsetof(nqm_score_result, n_valid) ==
                        (N_COUNTS - 1) * sizeof(size_t),

@@ -23,7 +23,7 @@ static bool is_added(const batch_form *form, const char *name) {
         for (size_t i = 0; i < LABEL_COLUMNS; ++i)
             if (strcmp(name, label_columns[i]) == 0)
                 return true;
-        if (strcmp(name, "words") == 0 || strcmp(name, "parts") == 0)
+        if (strcmp(name, "words") == 0 || strcmp(name, "parts") == 0 || strcmp(name, similarity_column) == 0)
             return true;
     }
     for (int m = 0; m < NQM_METRIC_COUNT; ++m)
@@ -131,9 +131,9 @@ static void print_json_row(const batch_form *form, FILE *out, size_t row, const 
             comma = ",";
         }
     fputs("},", out);
-    if (!isnan(r->similarity)) {
+    if (!isnan(r->parts.structure)) {
         fputs("\"parts\":", out);
-        print_json_value(out, json_label_parts(&r->parts));
+        print_json_value(out, json_label_parts(&r->parts, r->similarity));
         fputc(',', out);
     }
     if (has_gate(&form->gate) && r->status == NQM_OK)

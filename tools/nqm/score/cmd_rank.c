@@ -58,7 +58,7 @@ static bool same_group(const score_run *r, size_t i, size_t k) {
 
 void rank_rows(score_run *r, bool by_similarity) {
     for (size_t i = 0; i < r->n_rows; ++i)
-        r->rows[i].quality = by_similarity ? r->rows[i].result.similarity : r->rows[i].result.jod;
+        r->rows[i].quality = by_similarity ? r->rows[i].result.similarity[0] : r->rows[i].result.jod;
     number_groups(r);
     qsort(r->rows, r->n_rows, sizeof *r->rows, by_quality);
     size_t best = 0, leader = 0; /* first row of the reference; first row with an equal score */
@@ -98,7 +98,7 @@ static void print_text(const score_run *run) {
         if (i == 0 || row->group != row[-1].group)
             printf("%sreference  %s\n\n  rank    JOD%s  over next  best over%s  test\n", i ? "\n" : "",
                    shown(row->pair.ref), calibrated ? "  [95 %]        " : "",
-                   isnan(row->result.similarity) ? "" : "  seen apart");
+                   isnan(row->result.similarity[0]) ? "" : "  seen apart");
         if (row->rank)
             printf("  %4zu", row->rank);
         else
@@ -106,8 +106,8 @@ static void print_text(const score_run *run) {
         print_jod(row, calibrated);
         print_percent(row->over_next);
         print_percent(row->best_preferred);
-        if (!isnan(row->result.similarity))
-            printf("  %10.2f", row->result.similarity);
+        if (!isnan(row->result.similarity[0]))
+            printf("  %10.2f", row->result.similarity[0]);
         printf("  %s\n", shown(row->name));
     }
     puts("\nover next: people who would prefer it to the one below; best over: who would prefer the best to it\n"
@@ -147,8 +147,8 @@ static void print_ranking_json(const score_run *run) {
             json_name(row->pair.test), "jod", json_number(row->result.jod), "jod_low", json_number(row->result.jod_low),
             "jod_high", json_number(row->result.jod_high), "identical", row->result.identical, "over_next",
             json_number(row->over_next), "best_preferred", json_number(row->best_preferred));
-        if (!isnan(row->result.similarity))
-            json_object_set_new(object, "parts", json_label_parts(&row->result.parts));
+        if (!isnan(row->result.parts.structure))
+            json_object_set_new(object, "parts", json_label_parts(&row->result.parts, row->result.similarity));
         if (!row->rank)
             json_object_set_new(object, "error", json_name(row->err.message));
         json_array_append_new(results, object);
@@ -224,8 +224,8 @@ int cmd_rank(int argc, char **argv) {
     }
     make_scores(&run);
     for (size_t i = 0; by_similarity && i < run.n_rows; ++i)
-        if (has_score(&run.rows[i]) && isnan(run.rows[i].result.similarity))
-            stop(EXIT_MODEL, "--by similarity: the model '%s' does not predict it; doc/labels.md says which do", model);
+        if (has_score(&run.rows[i]) && isnan(run.rows[i].result.similarity[0]))
+            stop(EXIT_MODEL, "--by similarity: the model '%s' does not predict it; doc/people.md says which do", model);
     rank_rows(&run, by_similarity);
     print_ranking(&run);
     const int exit_code = report_faults(&run);

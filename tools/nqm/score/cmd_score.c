@@ -34,7 +34,7 @@ static void print_text(const score_run *run) {
     const bool calibrated = *info.calibration;
     char verdict[VERDICT_TEXT];
     size_t n_scored = 0;
-    bool has_parts = false;
+    bool has_similarity = false;
     int n_verdict = 20;
     for (size_t i = 0; i < run->n_rows; ++i) {
         int n = (int)strlen(verdict_words(&run->rows[i].result, verdict));
@@ -65,11 +65,12 @@ static void print_text(const score_run *run) {
         if (has_gate(&run->gate))
             printf("  %-4s", gate_mark(&run->gate, r));
         printf("  %s\n", shown(row->name));
-        if (scored && !isnan(r->similarity)) {
+        if (scored && !isnan(r->parts.structure)) {
             char words[NQM_LABEL_TEXT], phrases[NQM_LABEL_TEXT + 40];
-            has_parts = true;
-            snprintf(phrases, sizeof phrases, "%s; seen apart %.2f", nqm_label_describe(&r->parts, words),
-                     r->similarity);
+            int n = snprintf(phrases, sizeof phrases, "%s", nqm_label_describe(&r->parts, words));
+            has_similarity = has_similarity || !isnan(r->similarity[0]);
+            if (!isnan(r->similarity[0]))
+                snprintf(phrases + n, sizeof phrases - (size_t)n, "; seen apart %.2f", r->similarity[0]);
             print_phrases(phrases);
         }
         if (run->exact && scored)
@@ -80,9 +81,9 @@ static void print_text(const score_run *run) {
     puts("\nJOD 10: no visible difference; from 9.5: practically the same; at 9,\n"
          "75 % of people prefer the reference. prefer ref: people who would say that the\n"
          "reference looks better than the test (50 %: they guess).");
-    if (has_parts)
-        puts("seen apart: the JOD for people who do not see both at once, and adapt to most\n"
-             "of a shift in brightness or colour; small places that change much count more.");
+    if (has_similarity)
+        puts("seen apart: how similar people find the two materials when they do not see both\n"
+             "at once, as a JOD; fitted to answers of people (doc/people.md).");
     if (calibrated)
         puts("[95 %]: contains the JOD of rendered pictures for 95 % of pairs, if the material\n"
              "is new to the model and the kind of distortion is not. The verdict is about this\n"

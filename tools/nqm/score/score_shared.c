@@ -232,17 +232,18 @@ json_t *model_json(const nqm_model *model, nqm_precision precision) {
 void print_csv_part_names(FILE *out, const nqm_model *model) {
     if (!nqm_model_has_parts(model))
         return;
-    print_csv_label_names(out);
-    fputs(",words", out);
+    for (size_t i = 0; i + 1 < LABEL_COLUMNS; ++i)
+        fprintf(out, ",%s", label_columns[i]);
+    fprintf(out, ",%s,words", similarity_column);
 }
 
 void print_csv_parts(FILE *out, const nqm_model *model, const nqm_score_result *r) {
     char words[NQM_LABEL_TEXT] = "";
     if (!nqm_model_has_parts(model))
         return;
-    print_csv_label(out, &r->parts);
+    print_csv_label(out, &r->parts, r->similarity);
     fputc(',', out);
-    print_csv_text(out, isnan(r->similarity) ? "" : nqm_label_describe(&r->parts, words));
+    print_csv_text(out, isnan(r->parts.structure) ? "" : nqm_label_describe(&r->parts, words));
 }
 
 void print_csv_score_names(FILE *out, const nqm_model *model, const bool *metrics) {
@@ -332,8 +333,12 @@ static json_t *row_json(const score_run *run, const scored_pair *row) {
         "metrics", metrics, "warnings", json_remarks(&run->terms, "reference", "test", r));
     if (has_gate(&run->gate) && row->err.status == NQM_OK)
         json_object_set_new(object, "gate", json_string(gate_mark(&run->gate, r)));
-    if (!isnan(r->similarity))
-        json_object_set_new(object, "parts", json_label_parts(&r->parts));
+    if (!isnan(r->parts.structure))
+        json_object_set_new(object, "parts", json_label_parts(&r->parts, r->similarity));
+    if (!isnan(r->similarity[0]))
+        json_object_set_new(object, "similarity",
+                            json_pack("{s:f,s:f,s:f}", "jod", r->similarity[0], "jod_low", r->similarity[1], "jod_high",
+                                      r->similarity[2]));
     if (run->exact && row->err.status == NQM_OK)
         json_object_set_new(object, "exact", json_exact(run, row));
     if (!has_reference_of(run->rows, &run->rows[run->n_rows - 1]))

@@ -34,7 +34,7 @@ static void put_verdict(const report_page *page, const scored_pair *row, const l
 static void put_words(FILE *out, const nqm_score_result *r, const nqm_label *rendered) {
     char words[NQM_LABEL_TEXT];
     html(out, "<p class='words'>");
-    if (!isnan(r->similarity))
+    if (!isnan(r->parts.structure))
         html(out, "Predicted: <strong>%s</strong>. ", nqm_label_describe(&r->parts, words));
     html(out, "In the pictures: <strong>%s</strong>.</p>\n", nqm_label_describe(rendered, words));
 }
@@ -43,7 +43,7 @@ static void put_parts_row(FILE *out, const char *name, const nqm_label *l) {
     html(out,
          "<tr><th scope='row'>%s</th><td class='n'>%.2f</td><td class='n'>%.2f</td><td class='n'>%.2f</td>"
          "<td class='n'>%.3f</td><td class='n'>%.2f</td><td class='n'>%.2f</td></tr>\n",
-         name, l->shift[0], l->shift[1], l->shift[2], l->contrast, l->structure, nqm_label_similarity(l));
+         name, l->shift[0], l->shift[1], l->shift[2], l->contrast, l->structure, nqm_label_adapted_jod(l));
 }
 
 /* The same as numbers. */
@@ -53,13 +53,13 @@ static void put_parts(FILE *out, const nqm_score_result *r, const nqm_label *ren
               "scope='col'>Label</th><th scope='col' class='n'>brighter</th>"
               "<th scope='col' class='n'>bluer</th><th scope='col' class='n'>redder</th>"
               "<th scope='col' class='n'>contrast</th><th scope='col' class='n'>structure</th>"
-              "<th scope='col' class='n'>seen apart</th></tr></thead>\n<tbody>\n");
-    if (!isnan(r->similarity))
+              "<th scope='col' class='n'>adapted</th></tr></thead>\n<tbody>\n");
+    if (!isnan(r->parts.structure))
         put_parts_row(out, "Predicted", &r->parts);
     put_parts_row(out, "Pictures", rendered);
     html(out, "</tbody></table>\n</div>\n<p class='note'>In units of \xce\x94"
-              "E&#160;ITP; contrast: logarithm of a ratio; structure: what remains without the mean shift; seen apart: "
-              "JOD of pictures that are not next to each other.</p>\n");
+              "E&#160;ITP; contrast: logarithm of a ratio; structure: what remains without the mean shift; adapted: "
+              "JOD of people who do not notice 85&#160;%% of the shift.</p>\n");
 }
 
 /* ---- pictures ---------------------------------------------------------------------------------------------------- */

@@ -66,6 +66,11 @@ void print_model_text(const nqm_model *model) {
            nqm_directions_id(info.directions), info.jod_min, info.jod_max);
     print_stored_calibration(info.calibration);
     printf("licence     %s\nsha256      %s\n", shown(info.licence), info.sha256);
+    if (nqm_model_transport(model).light)
+        printf("similarity  %s\n",
+               model->similarity[NQM_APART] > 0
+                   ? "fitted to other answers of people"
+                   : "six constants, fitted to answers of Lagunas et al. 2019 (GPL-2.0; not included)");
     if (*info.manifest_sha256)
         printf("trained on  %s (sha256 of the dataset)\n", shown(info.manifest_sha256));
     if (*info.card)
