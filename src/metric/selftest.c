@@ -7,10 +7,10 @@
 #include "kernel/kernel.h"
 #include "math/math.h"
 #include "metric/metric.h"
-#include "metric/selftest_golden.h"
 #include "model/models_table.h"
 #include "net/inference.h"
 #include "percept/percept.h"
+#include "selftest_golden.h" /* in presets/ */
 
 #include <float.h>
 #include <math.h>

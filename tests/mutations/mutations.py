@@ -159,7 +159,7 @@ MUTATIONS = [
     ("src/material/rules.c", "if (v[c] != rule->value)", "if (v[0] != rule->value)", "test_material_materialx"),
     ("src/material/rules.c", "(rule->gate && is_off(r, rule->gate))", "(rule->gate != NULL)", "test_material_materialx"),
     ("src/material/rules.c", "r->given |= bit;", "r->given = bit >> 1;", "test_material_materialx test_material_pbrt"),
-    ("src/material/metals.c", '{"Rh", {2.5857954933, 1.8601866068, 1.5544279524}', '{"Rh", {2.5857954933, 1.8061866068, 1.5544279524}', "test_material_mitsuba"),
+    ("presets/metals.txt", "Rh: 2.5857954933, 1.8601866068, 1.5544279524", "Rh: 2.5857954933, 1.8061866068, 1.5544279524", "test_material_mitsuba"),
     ("src/material/mitsuba.c", '{"pet", 1.575}', '{"pet", 1.557}', "test_material_mitsuba"),
     ("src/material/mitsuba.c", "outside = 1.000277;", "outside = 1;", "test_material_mitsuba"),
     ("src/material/gltf.c", "if (n_chunk > n_file - begin)", "if (n_chunk > map->n_bytes - begin)", "test_material_gltf"),
