@@ -231,10 +231,10 @@ double nqm_load_number(const unsigned char *p, nqm_number_type type, bool big_en
 
 /* ---- names to values --------------------------------------------------------------------------------------------- */
 
-/** A key: a name in a scope. Scopes are equal by address, texts by content; a NULL kind equals NULL only. */
+/** A key: a name in a scope. Scopes are equal by address, names by content. */
 typedef struct nqm_index_key {
     const void *scope;
-    const char *kind, *name;
+    const char *name;
 } nqm_index_key;
 
 /** A hash table of borrowed values that know their key: 16 to 32 bytes for each. */
