@@ -4,10 +4,10 @@
  * NumPy computed the expected values of BRDFs and of the JOD curve (tests/vectors/selftest.py); the golden scores of a
  * model were computed when it was created.
  */
+#include "base/embedded.h"
 #include "kernel/kernel.h"
 #include "math/math.h"
 #include "metric/metric.h"
-#include "model/models_table.h"
 #include "net/inference.h"
 #include "percept/percept.h"
 #include "selftest_golden.h" /* in presets/ */
