@@ -2,7 +2,7 @@
  *
  * The loss "auto": one search under NQM_FIT_LOG gives the starts of candidates under several losses; the best by a judge are
  * polished by the terms of the options; the best of all is simplified. An analytic model has one start, and all its candidates
- * are polished; of a shading model, whose steps take longer, two, on half of the directions.
+ * are polished; a shading model, whose steps take longer, has two, and its best is polished, on half of the directions.
  */
 #include "fit/fit.h"
 
@@ -81,7 +81,7 @@ static nqm_status polish_best(selection *s) {
     qsort(s->list, s->n, sizeof *s->list, compare_candidates);
     nqm_status status = NQM_OK;
     const double best = s->list->difference;
-    const size_t n_polished = is_analytic(s) ? MAX_POLISHED : 2;
+    const size_t n_polished = is_analytic(s) ? MAX_POLISHED : 1;
     for (size_t i = 0; status == NQM_OK && i < n_polished && best > exact && s->list[i].difference < hopeless * best;
          ++i)
         status = polish(s, &s->list[i]);
