@@ -231,10 +231,10 @@ double nqm_load_number(const unsigned char *p, nqm_number_type type, bool big_en
 
 /* ---- names to values --------------------------------------------------------------------------------------------- */
 
-/** A key: a name in a scope. Scopes are equal by address, texts by content; a NULL kind equals NULL only. */
+/** A key: a name in a scope. Scopes are equal by address, names by content. */
 typedef struct nqm_index_key {
     const void *scope;
-    const char *kind, *name;
+    const char *name;
 } nqm_index_key;
 
 /** A hash table of borrowed values that know their key: 16 to 32 bytes for each. */
@@ -284,7 +284,8 @@ uint64_t nqm_rng_below(nqm_rng *rng, uint64_t n);
 void nqm_rng_shuffle(nqm_rng *rng, size_t n, size_t *idx);
 /** Counter-based hash (splitmix64) of (seed, counter), 64 bits; it does not depend on the order of calls. */
 uint64_t nqm_hash_u64(uint64_t seed, uint64_t counter);
-/** The same hash in two steps, for loops: nqm_hash_u64(seed, counter) = nqm_hash_keyed(nqm_hash_key(seed), counter). */
+/** The same hash in two steps, for loops: nqm_hash_u64(seed, counter) =
+ *  nqm_hash_mix(nqm_hash_key(seed) + (counter + 1) NQM_GOLDEN). */
 static inline uint64_t nqm_hash_mix(uint64_t z) {
     z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
     z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
@@ -293,9 +294,6 @@ static inline uint64_t nqm_hash_mix(uint64_t z) {
 #define NQM_GOLDEN 0x9e3779b97f4a7c15u /* 2^64 / golden ratio */
 static inline uint64_t nqm_hash_key(uint64_t seed) {
     return nqm_hash_mix(seed + NQM_GOLDEN);
-}
-static inline uint64_t nqm_hash_keyed(uint64_t key, uint64_t counter) {
-    return nqm_hash_mix(key + (counter + 1) * NQM_GOLDEN);
 }
 
 /* ---- parallel loops ---------------------------------------------------------------------------------------------- */
@@ -339,8 +337,6 @@ bool nqm_parallel_ticking(nqm_ticker *ticker, const char *stage, size_t n, void 
                           void *user);
 /** Monotonic time, s; for progress and benchmarks only. */
 double nqm_clock_s(void);
-/** Processor time of the calling thread, s: excludes other programs. */
-double nqm_thread_clock_s(void);
 
 /* The static analyser sees one file at a time: tell it that these functions never return NQM_OK. */
 #ifdef __clang_analyzer__

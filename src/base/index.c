@@ -4,10 +4,6 @@
  */
 #include "base/base.h"
 
-static bool is_same(const char *a, const char *b) {
-    return a == b || (a && b && strcmp(a, b) == 0);
-}
-
 /* The slot of the key, or the empty one where it belongs. */
 static const void **find_slot(const nqm_index *index, const nqm_index_key *key) {
     uint64_t hash = (uint64_t)(uintptr_t)key->scope;
@@ -16,7 +12,7 @@ static const void **find_slot(const nqm_index *index, const nqm_index_key *key) 
     size_t i = (size_t)nqm_hash_mix(hash) & (index->n_slots - 1);
     for (; index->slots[i]; i = (i + 1) & (index->n_slots - 1)) {
         const nqm_index_key k = index->key_of(index->slots[i]);
-        if (k.scope == key->scope && is_same(k.kind, key->kind) && strcmp(k.name, key->name) == 0)
+        if (k.scope == key->scope && strcmp(k.name, key->name) == 0)
             break;
     }
     return &index->slots[i];

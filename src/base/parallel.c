@@ -39,12 +39,6 @@ double nqm_clock_s(void) {
     return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
 }
 
-double nqm_thread_clock_s(void) {
-    struct timespec t;
-    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
-    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
-}
-
 bool nqm_tick(nqm_ticker *ticker, const char *stage, double done, double total) {
     if (!ticker || !ticker->fn)
         return false;

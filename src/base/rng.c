@@ -9,7 +9,7 @@
 #include <math.h>
 
 uint64_t nqm_hash_u64(uint64_t seed, uint64_t counter) {
-    return nqm_hash_keyed(nqm_hash_key(seed), counter);
+    return nqm_hash_mix(nqm_hash_key(seed) + (counter + 1) * NQM_GOLDEN);
 }
 
 nqm_rng nqm_rng_make(uint64_t seed, uint64_t stream) {

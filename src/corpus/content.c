@@ -53,21 +53,10 @@ nqm_status nqm_corpus_hash_content(const nqm_corpus_list *list, const char *base
     return status;
 }
 
-/* References are often members of one archive: the hash of a file without a companion is reused. */
-static bool take_previous(const nqm_corpus_list *list, size_t i) {
-    const nqm_corpus_ref *ref = &list->refs[i], *previous = i > 0 ? ref - 1 : NULL;
-    const char *colon = strrchr(ref->brdf, ':'), *zip = colon ? strstr(ref->brdf, ".zip:") : NULL;
-    const size_t n = colon ? (size_t)(colon - ref->brdf) + 1 : 0;
-    if (!previous || !zip || zip + strlen(".zip") != colon || strncmp(previous->brdf, ref->brdf, n) != 0)
-        return false;
-    memcpy(list->refs[i].file_sha256, previous->file_sha256, sizeof ref->file_sha256);
-    return true;
-}
-
 nqm_status nqm_corpus_hash_refs(nqm_corpus_list *list, nqm_error *err) {
     nqm_status status = NQM_OK;
     for (size_t i = 0; status == NQM_OK && i < list->n_refs; ++i)
-        if (!take_previous(list, i) && strncmp(list->refs[i].brdf, "fit:", 4) != 0)
+        if (strncmp(list->refs[i].brdf, "fit:", 4) != 0)
             status = nqm_corpus_hash_content(list, list->refs[i].brdf, list->refs[i].file_sha256, err);
     return status;
 }

@@ -2,7 +2,7 @@
  *
  * The loss "auto": one search under NQM_FIT_LOG gives the starts of candidates under several losses; the best by a judge are
  * polished by the terms of the options; the best of all is simplified. An analytic model has one start, and all its candidates
- * are polished; of a shading model, whose steps take longer, two.
+ * are polished; a shading model, whose steps take longer, has two, and its best is polished, on half of the directions.
  */
 #include "fit/fit.h"
 
@@ -21,6 +21,7 @@ typedef struct candidate {
 
 typedef struct selection {
     nqm_fit_run run;
+    nqm_fit_options options; /* of the run */
     nqm_fit_term judge_term;
     nqm_fit_objective *judge;
     size_t n;
@@ -80,7 +81,7 @@ static nqm_status polish_best(selection *s) {
     qsort(s->list, s->n, sizeof *s->list, compare_candidates);
     nqm_status status = NQM_OK;
     const double best = s->list->difference;
-    const size_t n_polished = is_analytic(s) ? MAX_POLISHED : 2;
+    const size_t n_polished = is_analytic(s) ? MAX_POLISHED : 1;
     for (size_t i = 0; status == NQM_OK && i < n_polished && best > exact && s->list[i].difference < hopeless * best;
          ++i)
         status = polish(s, &s->list[i]);
@@ -103,7 +104,10 @@ static nqm_status simplify_best(selection *s) {
 
 static nqm_status begin(selection *s, const nqm_brdf *ref, const nqm_fit_entry *entry, const nqm_fit_options *options,
                         const nqm_fit_visual *judge, nqm_error *err) {
-    nqm_status status = nqm_fit_begin(&s->run, ref, entry, options, NQM_FIT_LOG, err);
+    const size_t n = options->n_directions, few = 1000;
+    s->options = *options;
+    s->options.n_directions = entry->n_shape ? n : nqm_larger(n / 2, nqm_smaller(n, few));
+    nqm_status status = nqm_fit_begin(&s->run, ref, entry, &s->options, NQM_FIT_LOG, err);
     s->judge_term = (nqm_fit_term){.weight = 1, .visual = judge};
     if (status == NQM_OK)
         status = nqm_fit_objective_make(&s->run.space, &s->run.target, 1, &s->judge_term, &s->judge, err);

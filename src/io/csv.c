@@ -9,6 +9,7 @@
 #include "io/io.h"
 
 #include <string.h>
+#include <strings.h>
 
 /* One block; the arrays follow the struct. */
 struct nqm_csv {
@@ -234,21 +235,9 @@ const char *nqm_csv_header(const nqm_csv *csv, int column) {
     return csv->text + csv->field[column];
 }
 
-static char lower(char c) {
-    return c >= 'A' && c <= 'Z' ? (char)(c - 'A' + 'a') : c;
-}
-
-static bool equal_ignoring_case(const char *a, const char *b) {
-    while (*a && lower(*a) == lower(*b)) {
-        ++a;
-        ++b;
-    }
-    return *a == *b;
-}
-
 int nqm_csv_column(const nqm_csv *csv, const char *column_name) {
     for (size_t column = 0; column < csv->n_columns; ++column)
-        if (equal_ignoring_case(csv->text + csv->field[column], column_name))
+        if (strcasecmp(csv->text + csv->field[column], column_name) == 0)
             return (int)column;
     return -1;
 }

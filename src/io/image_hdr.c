@@ -3,7 +3,7 @@
  * Radiance HDR (.hdr, .pic; Ward, "Real Pixels", Graphics Gems II, 1991): a text header, a resolution line, then
  * scanlines of RGBE pixels, uncompressed or in one of two run-length encodings; linear rgb =
  * (r, g, b)/256 * 2^(e - 128). EXPOSURE lines are ignored: the scene has its own exposure. The writer rounds mantissas
- * to nearest and uses the newer encoding, which encodes each channel separately.
+ * to nearest and writes uncompressed rows; their pixels cannot look like a run, for the largest mantissa is at least 128.
  */
 #include "io/io.h"
 
@@ -157,8 +157,6 @@ nqm_status nqm_image_decode_hdr(const nqm_map *map, nqm_image *image, nqm_error 
 
 /* ---- writing ----------------------------------------------------------------------------------------------------- */
 
-enum { MIN_RUN = 4, MAX_RUN = 127, MAX_LITERAL = 128, MIN_RLE_WIDTH = 8, MAX_RLE_WIDTH = 32767 };
-
 static void encode_pixel(const float *rgb, unsigned char *rgbe) {
     double brightest = fmax(fmax((double)rgb[0], (double)rgb[1]), (double)rgb[2]);
     int exponent;
@@ -177,44 +175,6 @@ static void encode_pixel(const float *rgb, unsigned char *rgbe) {
     rgbe[3] = (unsigned char)(exponent + 128);
 }
 
-static size_t run_length(const unsigned char *values, size_t n) {
-    size_t run = 1;
-    while (run < n && run < MAX_RUN && values[4 * run] == values[0])
-        ++run;
-    return run;
-}
-
-/* Write one channel of a row in the encoding that read_channel() reads. */
-static void write_channel(FILE *stream, const unsigned char *values, size_t width) {
-    for (size_t x = 0; x < width;) {
-        size_t run = run_length(values + 4 * x, width - x);
-        if (run >= MIN_RUN) {
-            fputc((int)(128 + run), stream);
-            fputc(values[4 * x], stream);
-            x += run;
-            continue;
-        }
-        size_t n = 0;
-        while (x + n < width && n < MAX_LITERAL && run_length(values + 4 * (x + n), width - x - n) < MIN_RUN)
-            ++n;
-        fputc((int)n, stream);
-        for (size_t i = 0; i < n; ++i)
-            fputc(values[4 * (x + i)], stream);
-        x += n;
-    }
-}
-
-static void write_row(FILE *stream, const unsigned char *row, size_t width) {
-    if (width < MIN_RLE_WIDTH || width > MAX_RLE_WIDTH) {
-        fwrite(row, 4, width, stream);
-        return;
-    }
-    const unsigned char head[4] = {2, 2, (unsigned char)(width >> 8), (unsigned char)(width & 255)};
-    fwrite(head, 1, sizeof head, stream);
-    for (size_t channel = 0; channel < 4; ++channel)
-        write_channel(stream, row + channel, width);
-}
-
 nqm_status nqm_image_write_hdr(const char *path, const nqm_image *image, nqm_error *err) {
     nqm_outfile out;
     unsigned char *row = nqm_alloc(image->width, 4);
@@ -226,7 +186,7 @@ nqm_status nqm_image_write_hdr(const char *path, const nqm_image *image, nqm_err
         for (size_t y = 0; y < image->height; ++y) {
             for (size_t x = 0; x < image->width; ++x)
                 encode_pixel(image->rgb + 3 * (y * image->width + x), row + 4 * x);
-            write_row(out.stream, row, image->width);
+            fwrite(row, 4, image->width, out.stream);
         }
         status = nqm_outfile_commit(&out, err);
     }

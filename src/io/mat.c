@@ -9,7 +9,6 @@
  */
 #include "io/io.h"
 
-#include <ctype.h>
 #include <math.h>
 #include <string.h>
 #include <zlib.h>
@@ -284,18 +283,8 @@ nqm_status nqm_mat_read(const nqm_mat *mat, const char *variable, size_t rows, s
 
 /* ---- writing ----------------------------------------------------------------------------------------------------- */
 
-static bool is_name(const char *name) {
-    size_t n = strlen(name);
-    bool ok = n > 0 && n <= MAX_NAME_BYTES && isalpha((unsigned char)name[0]);
-    for (size_t i = 0; ok && i < n; ++i)
-        ok = isalnum((unsigned char)name[i]) || name[i] == '_';
-    return ok;
-}
-
 static nqm_status check_variable(const nqm_mat_variable *v, nqm_error *err) {
     size_t n;
-    if (!is_name(v->name))
-        return nqm_fail(err, NQM_ERR_ARG, -1, "'%.80s' is no name of a MAT variable", v->name);
     if (v->rows == 0 || v->cols == 0 || !nqm_mul_size(v->rows, v->cols, &n) || n > MAX_ELEMENTS)
         return nqm_fail(err, NQM_ERR_LIMIT, -1, "'%s' is %zu x %zu; 1 to %d elements can be written", v->name, v->rows,
                         v->cols, MAX_ELEMENTS);
@@ -308,18 +297,17 @@ static nqm_status check_variable(const nqm_mat_variable *v, nqm_error *err) {
 
 static void put_variable(FILE *stream, const nqm_mat_variable *v) {
     size_t n_name = strlen(v->name), n_data = v->rows * v->cols * sizeof(double);
-    bool is_small = n_name <= 4; /* stored inside its tag, with the size in the upper half of the first word */
-    size_t n_name_element = is_small ? 8 : 8 + (n_name + 7) / 8 * 8;
-    const uint32_t rows = (uint32_t)v->rows, cols = (uint32_t)v->cols, n_text = (uint32_t)n_name;
-    const uint32_t n_matrix = (uint32_t)(16 + 16 + n_name_element + 8 + n_data);
+    size_t n_padded = (n_name + 7) / 8 * 8;
+    const uint32_t rows = (uint32_t)v->rows, cols = (uint32_t)v->cols;
+    const uint32_t n_matrix = (uint32_t)(16 + 16 + 8 + n_padded + 8 + n_data);
     const uint32_t matrix_flags[] = {TYPE_MATRIX, n_matrix, TYPE_UINT32, 8, CLASS_DOUBLE, 0};
-    const uint32_t size_name[] = {TYPE_INT32, 8, rows, cols, is_small ? n_text << 16 | TYPE_INT8 : TYPE_INT8, n_text};
+    const uint32_t size_name[] = {TYPE_INT32, 8, rows, cols, TYPE_INT8, (uint32_t)n_name};
     const uint32_t values[] = {TYPE_DOUBLE, (uint32_t)n_data};
-    char name[MAX_NAME_BYTES + 9] = {0};
-    memcpy(name, v->name, n_name);
+    static const char zeros[8];
     nqm_write_values(stream, sizeof matrix_flags / sizeof *matrix_flags, sizeof *matrix_flags, matrix_flags);
-    nqm_write_values(stream, is_small ? 5 : 6, sizeof *size_name, size_name);
-    fwrite(name, 1, n_name_element - (is_small ? 4 : 8), stream);
+    nqm_write_values(stream, 6, sizeof *size_name, size_name);
+    fwrite(v->name, 1, n_name, stream);
+    fwrite(zeros, 1, n_padded - n_name, stream);
     nqm_write_values(stream, 2, sizeof *values, values);
     for (size_t k = 0; k < v->cols; ++k)
         for (size_t i = 0; i < v->rows; ++i)

@@ -178,43 +178,29 @@ const char *nqm_xml_get(const nqm_xml_element *element, const char *attribute) {
     return NULL;
 }
 
-static nqm_index_key key_of_any(const void *value) {
+static nqm_index_key key_of(const void *value) {
     const nqm_xml_element *e = value;
-    return (nqm_index_key){e->parent, NULL, nqm_xml_get(e, "name")};
-}
-
-static nqm_index_key key_of_kind(const void *value) {
-    const nqm_xml_element *e = value;
-    return (nqm_index_key){e->parent, e->name, nqm_xml_get(e, "name")};
+    return (nqm_index_key){e->parent, nqm_xml_get(e, "name")};
 }
 
 /* At most NQM_XML_MAX_DEPTH calls deep. */
-static void add_children(const nqm_xml_element *element, nqm_xml_names *names) {
+static void add_children(const nqm_xml_element *element, nqm_index *names) {
     for (const nqm_xml_element *child = element->first; child; child = child->next) {
-        if (nqm_xml_get(child, "name")) {
-            nqm_index_add(&names->any, child);
-            nqm_index_add(&names->of_kind, child);
-        }
+        if (nqm_xml_get(child, "name"))
+            nqm_index_add(names, child);
         add_children(child, names);
     }
 }
 
-nqm_status nqm_xml_names_create(const nqm_xml *xml, nqm_xml_names *names_ret, nqm_error *err) {
-    *names_ret = (nqm_xml_names){0};
-    nqm_status status = nqm_index_create(xml->n_elements, key_of_any, &names_ret->any, err);
-    if (status == NQM_OK)
-        status = nqm_index_create(xml->n_elements, key_of_kind, &names_ret->of_kind, err);
+nqm_status nqm_xml_names_create(const nqm_xml *xml, nqm_index *names_ret, nqm_error *err) {
+    nqm_status status = nqm_index_create(xml->n_elements, key_of, names_ret, err);
     if (status == NQM_OK)
         add_children(xml->root, names_ret);
     return status;
 }
 
-void nqm_xml_names_free(nqm_xml_names *names) {
-    nqm_index_free(&names->any);
-    nqm_index_free(&names->of_kind);
-}
-
-const nqm_xml_element *nqm_xml_find(const nqm_xml_names *names, const nqm_xml_element *parent, const char *kind,
+const nqm_xml_element *nqm_xml_find(const nqm_index *names, const nqm_xml_element *parent, const char *kind,
                                     const char *name) {
-    return nqm_index_find(kind ? &names->of_kind : &names->any, (nqm_index_key){parent, kind, name});
+    const nqm_xml_element *found = nqm_index_find(names, (nqm_index_key){parent, name});
+    return found && kind && strcmp(found->name, kind) != 0 ? NULL : found;
 }

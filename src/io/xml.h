@@ -40,15 +40,10 @@ NQM_MUST_CHECK nqm_status nqm_xml_parse(const void *data, size_t n_bytes, const 
 void nqm_xml_free(nqm_xml *xml);
 /** The value of an attribute; NULL: the element does not have it. */
 const char *nqm_xml_get(const nqm_xml_element *element, const char *attribute);
-/** Find an element by its parent and its attribute `name` in constant time. */
-typedef struct nqm_xml_names {
-    nqm_index any, of_kind;
-} nqm_xml_names;
-/** The tables of a document, which must outlive them. On failure free them, too. */
-NQM_MUST_CHECK nqm_status nqm_xml_names_create(const nqm_xml *xml, nqm_xml_names *names_ret, nqm_error *err);
-void nqm_xml_names_free(nqm_xml_names *names);
-/** The first child of this name, among the elements <kind> or, for NULL, among all. NULL: none. */
-const nqm_xml_element *nqm_xml_find(const nqm_xml_names *names, const nqm_xml_element *parent, const char *kind,
+/** A table of all elements that have an attribute `name`; the document must outlive it. */
+NQM_MUST_CHECK nqm_status nqm_xml_names_create(const nqm_xml *xml, nqm_index *names_ret, nqm_error *err);
+/** The first child of this name, in constant time; NULL: none, or it is no element <kind> (NULL: any). */
+const nqm_xml_element *nqm_xml_find(const nqm_index *names, const nqm_xml_element *parent, const char *kind,
                                     const char *name);
 
 #endif

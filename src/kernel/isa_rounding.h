@@ -8,7 +8,6 @@
 
 #include <string.h>
 
-#ifndef NQM_NATIVE_ROUNDING /* defined by a file isa_*.c that has its own versions of these three functions */
 static void round_row(size_t n, const float *x, uint32_t *words) {
 #pragma omp simd
     for (size_t i = 0; i < n / 2; ++i)
@@ -31,7 +30,6 @@ static void round_tile(const float *x, uint32_t *words) {
     for (size_t i = 0; i < NQM_STRIP / 2; ++i, x += 2 * NQM_PANEL)
         round_pair(NQM_PANEL, x, x + NQM_PANEL, NQM_PANEL, 0, words + i * NQM_PANEL);
 }
-#endif
 
 /* bytes (n) = x per_scale + zero, to nearest, at most 255. */
 static inline void quantise(size_t n, const float *x, float per_scale, float zero, unsigned char *bytes) {

@@ -113,7 +113,7 @@ static void drop_by_hash(const nqm_hidden_row *r) {
     enum { order = NQM_BIG_ENDIAN ? 3 : 0 }; /* the lowest 16 bits of a hash come first */
     const long threshold = lrint(r->p * 65536.0);
     const float scale = (float)(1.0 / (1.0 - r->p));
-    /* nqm_hash_keyed() of consecutive counters */
+    /* nqm_hash_u64() of consecutive counters */
     uint64_t unmixed = nqm_hash_key(r->key) + (r->counter + 1) * NQM_GOLDEN;
     for (size_t first = 0; first < r->n; first += ELEMENTS, unmixed += HASHES * NQM_GOLDEN) {
         uint64_t hashes[HASHES];

@@ -2,6 +2,7 @@
  *
  * Material files of any format: finding the format by content or by extension, the list of materials, and the writing of files.
  */
+#define _GNU_SOURCE /* memmem */
 #include "material/material.h"
 
 #include <ctype.h>
@@ -170,15 +171,7 @@ nqm_status nqm_materials_open(const char *path, nqm_materials **materials_ret, n
 }
 
 bool nqm_material_probe_text(const nqm_map *map, size_t n_bytes, const char *word) {
-    const size_t n = strlen(word);
-    for (const unsigned char *p = map->data, *end = p + n_bytes; (size_t)(end - p) >= n; ++p) {
-        p = memchr(p, word[0], (size_t)(end - p) - n + 1);
-        if (!p)
-            return false;
-        if (memcmp(p, word, n) == 0)
-            return true;
-    }
-    return false;
+    return memmem(map->data, n_bytes, word, strlen(word)) != NULL;
 }
 
 /* ---- writing ----------------------------------------------------------------------------------------------------- */

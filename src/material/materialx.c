@@ -22,7 +22,7 @@ static const double OUT_OF_GAMUT = -1e-3;
 /* What is read of a material. */
 typedef struct reading {
     nqm_reading reading;
-    nqm_xml_names names;
+    nqm_index names;
     nqm_index shaders; /* of `known` */
     struct known_shader {
         element *shader;
@@ -288,7 +288,7 @@ static bool is_shader(element *e) {
 }
 
 static nqm_index_key key_of_known(const void *value) {
-    return (nqm_index_key){((const struct known_shader *)value)->shader, NULL, ""};
+    return (nqm_index_key){((const struct known_shader *)value)->shader, ""};
 }
 
 /* Add a material whose shader an earlier one has, too. */
@@ -305,8 +305,7 @@ static nqm_status add_material(reading *r, element *material, nqm_materials *mat
     r->reading = (nqm_reading){.source = &source};
     r->shader = strcmp(material->name, "surfacematerial") == 0 ? find_shader(r) : material;
     const bool has_shader = r->shader && check_displacement(r);
-    const struct known_shader *known =
-        has_shader ? nqm_index_find(&r->shaders, (nqm_index_key){r->shader, NULL, ""}) : NULL;
+    const struct known_shader *known = has_shader ? nqm_index_find(&r->shaders, (nqm_index_key){r->shader, ""}) : NULL;
     if (known)
         return add_again(nqm_materials_get(materials, known->material), material, materials, err);
     if (has_shader)
@@ -348,7 +347,7 @@ static nqm_status read_root(const nqm_xml *xml, nqm_materials *materials, nqm_er
         status = nqm_index_create(NQM_MAX_MATERIALS, key_of_known, &r->shaders, err);
     if (status == NQM_OK)
         status = add_all(r, materials, err);
-    nqm_xml_names_free(&r->names);
+    nqm_index_free(&r->names);
     nqm_index_free(&r->shaders);
     nqm_free(r);
     return status;

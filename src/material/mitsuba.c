@@ -215,7 +215,7 @@ const char *nqm_mitsuba_type_of(const char *model) {
 /* ---- materials --------------------------------------------------------------------------------------------------- */
 
 static nqm_index_key key_of_bsdf(const void *value) {
-    return (nqm_index_key){NULL, NULL, ((const nqm_bsdf_node *)value)->id};
+    return (nqm_index_key){NULL, ((const nqm_bsdf_node *)value)->id};
 }
 
 /* The BSDF inside a twosided one; nodes->n and a refusal when there is not exactly one. */
@@ -227,7 +227,7 @@ static size_t unwrap(nqm_bsdf_reading *r, const nqm_index *ids, size_t at) {
         if (node->kind != NQM_BSDF_BSDF && node->kind != NQM_BSDF_REF)
             continue;
         if (node->kind == NQM_BSDF_REF)
-            found = nqm_index_find(ids, (nqm_index_key){NULL, NULL, node->id});
+            found = nqm_index_find(ids, (nqm_index_key){NULL, node->id});
         inner = found ? (size_t)(found - nodes->list) : nodes->n;
         ++n_inner;
         if (!found)

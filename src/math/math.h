@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * math.h - vectors, Rusinkiewicz coordinates, spectra to RGB, range checks, statistics (ranks, correlations, quantiles), nonlinear
- * least squares, eigenvectors. It contains nothing specific to BRDFs or files.
+ * math.h - vectors, Rusinkiewicz coordinates, spectra to RGB, range checks, statistics (ranks, correlations, quantiles),
+ * eigenvectors. It contains nothing specific to BRDFs or files.
  */
 #ifndef NQM_SRC_MATH_H
 #define NQM_SRC_MATH_H
@@ -82,21 +82,6 @@ double nqm_kendall(size_t n, const double *x, const double *y);
 double nqm_quantile(size_t n, double *x, double q);
 /** The 95 % quantile of Student's t, for at least 5 degrees of freedom within 0.01 (Abramowitz and Stegun, 26.7.5). */
 double nqm_student95(double freedom);
-
-/* ---- least squares (Levenberg-Marquardt by cminpack) ------------------------------------------------------------- */
-
-typedef struct nqm_lsq_problem {
-    size_t n_parameters, n_residuals;
-    /** Residuals (n_residuals) at x (n_parameters); a nonzero result stops the solver. */
-    int (*residuals)(void *user, const double *x, double *residual);
-    void *user;
-    double step;         /**< absolute forward-difference step, 0: relative sqrt(eps) */
-    double tolerance;    /**< relative tolerance of the sum of squares and of x; 0: 1e-12 */
-    int max_evaluations; /**< 0: 200 (n_parameters + 1) */
-} nqm_lsq_problem;
-
-/** Minimise, starting at x (in/out); *rms_ret receives the root mean square residual. NQM_ERR_NUMERIC: it diverged. */
-NQM_MUST_CHECK nqm_status nqm_lsq_solve(const nqm_lsq_problem *problem, double *x, double *rms_ret, nqm_error *err);
 
 /* ---- symmetric matrices ------------------------------------------------------------------------------------------ */
 

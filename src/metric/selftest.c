@@ -4,15 +4,14 @@
  * NumPy computed the expected values of BRDFs and of the JOD curve (tests/vectors/selftest.py); the golden scores of a
  * model were computed when it was created.
  */
+#include "base/embedded.h"
 #include "kernel/kernel.h"
 #include "math/math.h"
 #include "metric/metric.h"
-#include "metric/selftest_golden.h"
-#include "model/models_table.h"
 #include "net/inference.h"
 #include "percept/percept.h"
+#include "selftest_golden.h" /* in presets/ */
 
-#include <float.h>
 #include <math.h>
 #include <stdlib.h>
 
@@ -35,54 +34,7 @@ static bool near(double actual, double expected, double relative) {
     return fabs(actual - expected) <= relative * fabs(expected);
 }
 
-/* ---- arithmetic -------------------------------------------------------------------------------------------------- */
-
-/* The product of m rows of a and a panel b with k rows; c: 2 m NQM_PANEL floats. */
-static nqm_status check_product(size_t m, size_t k, const float *a, const float *b, float *c, nqm_error *err) {
-    const size_t n = m * NQM_PANEL;
-    const nqm_kernels *const tables[] = {nqm_kernels_get(), &nqm_kernels_scalar};
-    for (size_t i = 0; i < 2; ++i)
-        tables[i]->product[NQM_PRECISION_F32](&(nqm_product){
-            .m = m, .words = k, .n_panels = 1, .a = a, .b = b, .c = c + i * n, .lda = k, .ldc = NQM_PANEL});
-    const double bound =
-        (double)k * (double)FLT_EPSILON; /* partial sums of k random terms in [-1, 1] are near sqrt(k) */
-    for (size_t i = 0; i < n; ++i)
-        if (!(fabs((double)c[i] - (double)c[n + i]) <= bound))
-            return nqm_fail(err, NQM_ERR_NUMERIC, -1, "%s differs from plain loops: %zu x %zu, element %zu: %g, %g",
-                            tables[0]->name, m, k, i, (double)c[i], (double)c[n + i]);
-    return NQM_OK;
-}
-
-static nqm_status check_products(nqm_error *err) {
-    static const size_t sizes[][2] = {{1, 33}, {2, 300}, {33, 129}, {70, 501}, {65, 64}};
-    enum { ROOM = 65536 };
-    float *block = nqm_alloc(3, ROOM * sizeof *block);
-    if (!block)
-        return nqm_fail_nomem(err, 3 * ROOM * sizeof *block);
-    nqm_rng rng = nqm_rng_make(1, 0);
-    for (size_t i = 0; i < 2 * ROOM; ++i)
-        block[i] = (float)(2 * nqm_rng_uniform(&rng) - 1);
-    nqm_status status = NQM_OK;
-    for (size_t i = 0; status == NQM_OK && i < sizeof sizes / sizeof *sizes; ++i)
-        status = check_product(sizes[i][0], sizes[i][1], block, block + ROOM, block + 2 * ROOM, err);
-    nqm_free(block);
-    return status;
-}
-
-static nqm_status check_gelu(nqm_error *err) {
-    /* x, x Phi(x); Phi from tables of the normal distribution */
-    static const double known[][2] = {
-        {-3, -0.00404969409489}, {-1, -0.15865525393146}, {-0.5, -0.15426876936299}, {0, 0},
-        {0.5, 0.34573123063700}, {1, 0.84134474606854},   {3, 2.99595030590511}};
-    for (size_t i = 0; i < sizeof known / sizeof *known; ++i) {
-        float x = (float)known[i][0], y;
-        nqm_gelu(1, &x, &y, NULL);
-        if (!(fabs((double)y - known[i][1]) <= 2e-6))
-            return nqm_fail(err, NQM_ERR_NUMERIC, -1, "GELU of %g is %.9g, not %.9g", known[i][0], (double)y,
-                            known[i][1]);
-    }
-    return NQM_OK;
-}
+/* ---- coordinates ------------------------------------------------------------------------------------------------- */
 
 static nqm_status check_coordinates(nqm_error *err) {
     nqm_rng rng = nqm_rng_make(2, 0);
@@ -199,9 +151,7 @@ nqm_status nqm_selftest(void (*report)(void *user, const char *name, int passed)
     static const struct {
         const char *name;
         nqm_status (*check)(nqm_error *err);
-    } checks[] = {{"matrix products by plain loops", check_products},
-                  {"GELU", check_gelu},
-                  {"half-vector coordinates there and back", check_coordinates},
+    } checks[] = {{"half-vector coordinates there and back", check_coordinates},
                   {"JOD curve", check_curve},
                   {"BRDF presets by NumPy", check_brdfs}};
     session s = {.report = report, .user = user};

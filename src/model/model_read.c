@@ -3,9 +3,9 @@
  * Reads a model (doc/files.md) from a file, from memory or from the library. A missing or surplus tensor, a wrong type or shape, a value that is not finite or
  * a wrong checksum is an error; for a tensor the message gives its name.
  */
+#include "base/embedded.h"
 #include "base/names.h"
 #include "model/model_file.h"
-#include "model/models_table.h"
 
 #include <string.h>
 

@@ -138,50 +138,31 @@ static nqm_inference_work measure(const nqm_inference_net *net, size_t max_batch
     return w;
 }
 
-/* The next n elements of `size` bytes behind the struct, aligned to cache lines; NULL while sizes are added up. */
-static void *next_view(nqm_inference_work *w, unsigned char *block, size_t n, size_t size) {
-    unsigned char *view = block ? block + w->n_bytes : NULL;
-    w->n_bytes += nqm_ceil_div(n * size, 64) * 64;
-    return view;
-}
-
-/* Called twice: without a block to add up n_bytes, then with it. */
-static void set_views(nqm_inference_work *w, unsigned char *block) {
-    const nqm_inference_layer *first = &w->net->layer[0];
-    const size_t n = w->max_batch, n_ref = first->segment[0].panels.k;
-    w->n_bytes = 0;
-    (void)next_view(w, block, 1, sizeof *w);
-    w->y[0] = next_view(w, block, n * w->stride, sizeof *w->y[0]);
-    w->y[1] = next_view(w, block, n * w->stride, sizeof *w->y[1]);
-    w->rounded = next_view(w, block, n * w->rounded_stride, sizeof *w->rounded);
-    w->scale = next_view(w, block, n * NQM_MAX_SEGMENTS, sizeof *w->scale);
-    w->difference = next_view(w, block, first->differences ? n * n_ref : 0, sizeof *w->difference);
-    w->panel = next_view(w, block, w->n_threads * w->panel_size, sizeof *w->panel);
-    w->ref_of = next_view(w, block, n, sizeof *w->ref_of);
-    w->ref_row = next_view(w, block, n, sizeof *w->ref_row);
-    w->ref = next_view(w, block, n * w->ref_stride, sizeof *w->ref);
-    w->ref_scale = next_view(w, block, n, sizeof *w->ref_scale);
-    w->partial = next_view(w, block, (n + 1) * w->stride, sizeof *w->partial);
-    w->kept_ref = next_view(w, block, n_ref, sizeof *w->kept_ref);
-}
-
 nqm_status nqm_inference_work_create(const nqm_inference_net *net, size_t max_batch, nqm_inference_work **work_ret,
                                      nqm_error *err) {
     *work_ret = NULL;
     if (max_batch < 1 || max_batch > (size_t)1 << 24)
         return nqm_fail(err, NQM_ERR_ARG, -1, "network: batch of %zu is out of range (1..16777216)", max_batch);
-    nqm_inference_work measured = measure(net, max_batch);
-    set_views(&measured, NULL);
-    nqm_inference_work *work = nqm_alloc_pages(1, measured.n_bytes);
-    if (!work)
-        return nqm_fail_nomem(err, measured.n_bytes);
-    *work = measured;
-    set_views(work, (unsigned char *)work);
-    *work_ret = work;
-    return NQM_OK;
+    const nqm_inference_layer *first = &net->layer[0];
+    const size_t n = max_batch, n_ref = first->segment[0].panels.k;
+    nqm_inference_work *work, w = measure(net, max_batch);
+    nqm_status status = nqm_alloc_arrays(
+        NQM_ARRAYS({&work, 1, sizeof w}, {&w.y[0], n, w.stride * sizeof *w.y[0]},
+                   {&w.y[1], n, w.stride * sizeof *w.y[1]}, {&w.rounded, n, w.rounded_stride * sizeof *w.rounded},
+                   {&w.scale, n, NQM_MAX_SEGMENTS * sizeof *w.scale},
+                   {&w.difference, first->differences ? n : 0, n_ref * sizeof *w.difference},
+                   {&w.panel, w.n_threads, w.panel_size * sizeof *w.panel}, {&w.ref_of, n, sizeof *w.ref_of},
+                   {&w.ref_row, n, sizeof *w.ref_row}, {&w.ref, n, w.ref_stride * sizeof *w.ref},
+                   {&w.ref_scale, n, sizeof *w.ref_scale}, {&w.partial, n + 1, w.stride * sizeof *w.partial},
+                   {&w.kept_ref, n_ref, sizeof *w.kept_ref}),
+        err);
+    if (status == NQM_OK) {
+        *work = w;
+        *work_ret = work;
+    }
+    return status;
 }
 
 void nqm_inference_work_free(nqm_inference_work *work) {
-    if (work)
-        nqm_free_pages(work, 1, work->n_bytes);
+    nqm_free(work);
 }

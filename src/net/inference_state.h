@@ -40,7 +40,6 @@ struct nqm_inference_net {
 /** Rows of max_batch; strides in floats or 32-bit words. Views into the block that begins with this struct. */
 struct nqm_inference_work {
     const nqm_inference_net *net;
-    size_t n_bytes;              /**< bytes of the block */
     size_t max_batch, n_threads; /**< at most, of a call */
     size_t n_products;           /**< multiply-adds of a row */
     size_t stride, rounded_stride,

@@ -7,6 +7,7 @@
 #include "math/math.h"
 #include "percept/percept.h"
 
+#include <cminpack.h>
 #include <math.h>
 #include <string.h>
 
@@ -36,17 +37,24 @@ double nqm_curve_slope(const nqm_curve *curve, double delta_e) {
     return isfinite(both) ? -10 / both * curve->b1 * curve->b3 * pow(delta_e, curve->b3 - 1) : 0;
 }
 
+enum { MAX_SCORES = 100000000 }; /* cminpack counts in int */
+
 typedef struct scores {
     size_t n;
     const double *delta_e, *jod; /* (n) */
 } scores;
 
-static int residuals(void *user, const double *b, double *residual) {
+/* Called by cminpack; -1 ends the fit. */
+static int find_residuals(void *user, int n, int n_coefficients, const double *b, double *residual, int call) {
     const scores *s = user;
     const nqm_curve curve = {b[0], b[1], b[2]};
-    for (size_t i = 0; i < s->n; ++i)
+    bool is_finite = true;
+    (void)n_coefficients, (void)call;
+    for (int i = 0; i < n; ++i) {
         residual[i] = nqm_curve_jod(&curve, s->delta_e[i]) - s->jod[i];
-    return 0;
+        is_finite = is_finite && isfinite(residual[i]);
+    }
+    return is_finite ? 0 : -1;
 }
 
 /* Fit b1, b2 for a fixed b3: logit(JOD / 10) = -b1 dE^b3 - b1 b2. false when the scores do not determine the line. */
@@ -78,16 +86,32 @@ static bool start_for_exponent(const scores *s, double b3, double *b) {
 static nqm_status check_scores(const scores *s, nqm_error *err) {
     if (s->n < 4)
         return nqm_fail(err, NQM_ERR_ARG, -1, "regression of the JOD curve needs 4 scores at least, not %zu", s->n);
+    if (s->n > MAX_SCORES)
+        return nqm_fail(err, NQM_ERR_LIMIT, -1, "regression of the JOD curve: %zu scores; at most %d are possible",
+                        s->n, MAX_SCORES);
     for (size_t i = 0; i < s->n; ++i)
         if (!isfinite(s->delta_e[i]) || !isfinite(s->jod[i]))
             return nqm_fail(err, NQM_ERR_ARG, -1, "regression of the JOD curve: score %zu is not finite", i + 1);
     return NQM_OK;
 }
 
+/* Minimise from b on; *rmse is infinite if cminpack gave up. */
 static nqm_status solve(const scores *s, double *b, double *rmse, nqm_error *err) {
-    const nqm_lsq_problem problem = {
-        .n_parameters = 3, .n_residuals = s->n, .residuals = residuals, .user = (void *)(uintptr_t)s};
-    return nqm_lsq_solve(&problem, b, rmse, err);
+    enum { N = 3 };
+    const size_t n_scratch = (N + 1) * s->n + 5 * N;
+    double *residual, *scratch, sum = 0;
+    int pivot[N];
+    nqm_status status =
+        nqm_alloc_arrays(NQM_ARRAYS({&residual, s->n, sizeof(double)}, {&scratch, n_scratch, sizeof(double)}), err);
+    if (status != NQM_OK)
+        return status;
+    const int info =
+        lmdif1(find_residuals, (void *)(uintptr_t)s, (int)s->n, N, b, residual, 1e-12, pivot, scratch, (int)n_scratch);
+    for (size_t i = 0; i < s->n; ++i)
+        sum += residual[i] * residual[i];
+    *rmse = info > 0 ? sqrt(sum / (double)s->n) : INFINITY;
+    nqm_free(residual);
+    return NQM_OK;
 }
 
 /* The best fit from several starts; *rmse is infinite if there is none. */
@@ -99,9 +123,9 @@ static nqm_status solve_from_starts(const scores *s, double *best, double *rmse,
         if (!start_for_exponent(s, exponents[i], b))
             continue;
         const nqm_status status = solve(s, b, &rmse_i, err);
-        if (status == NQM_ERR_NOMEM)
+        if (status != NQM_OK)
             return status;
-        if (status == NQM_OK && rmse_i < *rmse) {
+        if (rmse_i < *rmse) {
             *rmse = rmse_i;
             memcpy(best, b, sizeof b);
         }

@@ -52,7 +52,7 @@ static void equal_bytes(void **state) {
     assert_int_equal(nqm_map_open(other, &b, NULL), NQM_OK);
     assert_int_equal(a.n_bytes, b.n_bytes);
     assert_memory_equal(a.data, b.data, a.n_bytes);
-    assert_int_equal(a.n_bytes, 128 + (8 + 16 + 16 + 24 + 8 + 48) + (8 + 16 + 16 + 8 + 8 + 24));
+    assert_int_equal(a.n_bytes, 128 + (8 + 16 + 16 + 24 + 8 + 48) + (8 + 16 + 16 + 16 + 8 + 24));
     assert_memory_equal(a.data, "MATLAB 5.0 MAT-file, created by nqm", 36);
     assert_memory_equal(a.data + 124, "\0\1IM", 4);
     nqm_map_close(&a);
@@ -73,13 +73,7 @@ static void refuse(const char *where, const char *name, size_t rows, size_t cols
 static void refuses(void **state) {
     (void)state;
     const double not_finite[2] = {1, NAN};
-    char long_name[80];
-    memset(long_name, 'x', sizeof long_name - 1);
-    long_name[sizeof long_name - 1] = '\0';
     refuse(path, "r", 1, 2, not_finite, NQM_ERR_ARG, "'r' at row 1, column 2");
-    refuse(path, "", 1, 2, column, NQM_ERR_ARG, "no name");
-    refuse(path, "1r", 1, 2, column, NQM_ERR_ARG, "'1r'");
-    refuse(path, long_name, 1, 2, column, NQM_ERR_ARG, "no name");
     refuse(path, "r", 0, 2, column, NQM_ERR_LIMIT, "0 x 2");
     refuse(path, "r", (size_t)1 << 40, (size_t)1 << 40, column, NQM_ERR_LIMIT, "elements");
     refuse("no/such/folder/x.mat", "r", 1, 2, column, NQM_ERR_IO, "no/such/folder");

@@ -268,7 +268,7 @@ static void test_selftest(void **state) {
     nqm_status status = nqm_selftest(count_check, &t, &err);
     if (status != NQM_OK)
         fail_msg("%s", err.message);
-    size_t n_expected = 5;
+    size_t n_expected = 3;
     for (size_t i = 0; i < nqm_model_builtin_count(); ++i) {
         nqm_model *model;
         assert_int_equal(nqm_model_builtin(nqm_model_builtin_name(i), &model, NULL), NQM_OK);

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Golden values of the self-test by NumPy, from the formulas of the cited papers and the tables of presets/: writes
-src/metric/selftest_golden.h. Independent of the library: directions are computed by a rotation matrix, angles by
+presets/selftest_golden.h. Independent of the library: directions are computed by a rotation matrix, angles by
 arccos."""
 import csv
 import math
@@ -48,10 +48,10 @@ def sgd(p, wi, wo, theta_h, theta_d):
 
 
 B = (-14.11196939758611, -0.47364347065458806, -0.21479944748134167)
-with open("../../src/metric/selftest_golden.h", "w") as out:
+with open("../../presets/selftest_golden.h", "w") as out:
     out.write("/* SPDX-License-Identifier: MIT\n *\n * Golden values of the self-test. "
               f"Made by tests/vectors/selftest.py (numpy {numpy.__version__}): do not edit.\n */\n"
-              "#ifndef NQM_SRC_METRIC_SELFTEST_GOLDEN_H\n#define NQM_SRC_METRIC_SELFTEST_GOLDEN_H\n/* clang-format off */\n\n"
+              "#ifndef NQM_PRESETS_SELFTEST_GOLDEN_H\n#define NQM_PRESETS_SELFTEST_GOLDEN_H\n/* clang-format off */\n\n"
               "/* f_r of presets; theta_h, theta_d, phi_d in degrees. */\n"
               "static const struct {\n    const char *spec;\n    double hd_deg[3], rgb[3];\n} golden_brdfs[] = {\n")
     for model, f in (("sgd", sgd), ("ward", ward)):

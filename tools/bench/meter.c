@@ -11,6 +11,7 @@
 #include <sched.h>
 #include <stdatomic.h>
 #include <string.h>
+#include <time.h>
 
 enum {
     TIMINGS_A_SAMPLE = 3,
@@ -21,6 +22,13 @@ enum {
 
 static volatile float float_sink;
 static volatile uint64_t integer_sink;
+
+/* Processor time of the calling thread, s: excludes other programs. */
+static double thread_clock_s(void) {
+    struct timespec t;
+    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
+    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
 
 /* The work of one thread in a timing. */
 static void work(const nqm_bench *bench, const nqm_bench_meter *meter, size_t thread) {
@@ -62,11 +70,11 @@ static double measure(const nqm_bench *bench, const nqm_bench_meter *meter) {
 #pragma omp parallel num_threads((int)meter->threads) reduction(min : begin) reduction(max : end) reduction(+ : rate)
     {
         meet(&n_arrived, (size_t)omp_get_num_threads());
-        const double cpu_begin = nqm_thread_clock_s();
+        const double cpu_begin = thread_clock_s();
         begin = nqm_clock_s();
         work(bench, meter, (size_t)omp_get_thread_num());
         end = nqm_clock_s();
-        rate = share / (nqm_thread_clock_s() - cpu_begin);
+        rate = share / (thread_clock_s() - cpu_begin);
     }
     return meter->bytes ? amount(meter) / (end - begin) : rate;
 }
@@ -75,9 +83,9 @@ static double measure(const nqm_bench *bench, const nqm_bench_meter *meter) {
 static void calibrate(const nqm_bench *bench, nqm_bench_meter *meter) {
     double seconds = 0;
     for (meter->steps = 1; seconds < TIMING_S && meter->steps < MAX_STEPS; meter->steps *= 2) {
-        double begin = nqm_thread_clock_s();
+        double begin = thread_clock_s();
         work(bench, meter, 0);
-        seconds = nqm_thread_clock_s() - begin;
+        seconds = thread_clock_s() - begin;
     }
 }
 

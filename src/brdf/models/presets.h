@@ -6,7 +6,20 @@
 #define NQM_SRC_BRDF_PRESETS_H
 
 #include "brdf/core/spec.h"
-#include "brdf/models/presets_data.h"
+
+/** A table of presets/, embedded by cmake/presets.cmake. */
+typedef struct nqm_preset_table {
+    const char *name;  /**< file name without ending: "sgd", "low-cook-torrance-e1"; NULL ends the array */
+    const char *model; /**< the model of the rows; their parameters are in the order of its schema */
+    const char *doi;   /**< DOI of the publication of the parameters */
+    const char *text;  /**< the CSV: '#' lines, a header, rows of a name and values; no quoting */
+} nqm_preset_table;
+
+extern const nqm_preset_table nqm_preset_tables[];
+
+/** Every row as "TABLE:NAME", in the order of the tables. */
+extern const char *const nqm_preset_names[];
+extern const size_t nqm_preset_name_count;
 
 /** "sgd:nickel" for "nickel": a preset of this material, of the table sgd if it is there; NULL: none. */
 const char *nqm_preset_named(const char *material);

@@ -2,8 +2,8 @@
  *
  * Golden values of the self-test. Made by tests/vectors/selftest.py (numpy 1.24.2): do not edit.
  */
-#ifndef NQM_SRC_METRIC_SELFTEST_GOLDEN_H
-#define NQM_SRC_METRIC_SELFTEST_GOLDEN_H
+#ifndef NQM_PRESETS_SELFTEST_GOLDEN_H
+#define NQM_PRESETS_SELFTEST_GOLDEN_H
 /* clang-format off */
 
 /* f_r of presets; theta_h, theta_d, phi_d in degrees. */
