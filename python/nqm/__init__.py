@@ -3,7 +3,7 @@
 
 >>> import nqm
 >>> print(nqm.score("sgd:nickel", "ward:nickel"))
-4.14 JOD [3.92, 4.37]
+4.20 JOD [4.04, 4.36]
 
 BRDFs come from files, specs, presets, Python functions and arrays; results are NumPy arrays and dataclasses; errors are `nqm.Error`.
 `nqm.torch` has the scores as functions of PyTorch; it imports torch when it is first used.
