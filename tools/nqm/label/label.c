@@ -205,8 +205,8 @@ void print_labels(const label_run *run) {
         const label_item *item = &run->items[i];
         if (!is_test(run, i)) {
             if (run->format == FORMAT_TEXT)
-                printf("reference  %s\n%9s  %6s  %10s  %-20s  test\n", shown(item->shown), "Delta-E", "JOD",
-                       "adapted", "verdict");
+                printf("reference  %s\n%9s  %6s  %10s  %-20s  test\n", shown(item->shown), "Delta-E", "JOD", "adapted",
+                       "verdict");
         } else if (run->format == FORMAT_QUIET) {
             printf("%.4f\n", item->jod);
         } else if (run->format == FORMAT_CSV) {
