@@ -1,7 +1,7 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# make.sh DATA [NQM] - draw the figures of doc/labels.md: the bunny in five measured materials, each beside its nine encodings, and
-# a map of differences. DATA is the folder of doc/corpus.md (rgl/ and scene/); NQM the tool, build/nqm unless given. None of the five
+# make.sh DATA [NQM] - draw the figures of doc/labels.md (the bunny in five measured materials, each beside its nine encodings, and
+# a map of differences) and doc/people.md. DATA is the folder of doc/corpus.md (rgl/ and scene/); NQM the tool, build/nqm unless given. None of the five
 # is among the 20 test materials. Takes a few minutes, mostly for the fits.
 set -eu
 data=${1:?say where the data are: make.sh DATA [NQM]}
@@ -36,3 +36,7 @@ for encoding in 1 2 3; do # Ward, GGX, NBRDF
 done
 # shellcheck disable=SC2086
 "$nqm" label "$@" $scene --size 384 --shrink 2 --rows "Ward,GGX,NBRDF" --map "$figures/differences.png"
+
+plastic=sgd:red-specular-plastic
+"$nqm" label $plastic "perturb:scale=.6;of=$plastic" "perturb:gloss=.35;of=$plastic" --size 256 --shrink 2 \
+    --columns "reference,darker,wider highlights" --grid "$figures/apart.png"
