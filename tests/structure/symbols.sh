@@ -20,7 +20,7 @@ declared() { { tr '\n' ' ' <"$1"; echo; } | sed 's/NQM_API/\n&/g' | sed -n 's/^N
 exported() { nm --dynamic --defined-only "$1" | awk '$3 ~ /./ {print $3}' | sort -u; }
 core_headers="base material brdf samples percept model metric"
 for h in $core_headers; do declared "$source/include/nqm/$h.h"; done | sort -u >"$build/declared-core.txt"
-for h in $core_headers encode fit render match data train judge label corpus; do declared "$source/include/nqm/$h.h"; done | sort -u >"$build/declared-full.txt"
+for h in $core_headers encode fit render match data train label corpus; do declared "$source/include/nqm/$h.h"; done | sort -u >"$build/declared-full.txt"
 [ "$(wc -l <"$build/declared-core.txt")" -gt 30 ] || fail "hardly any declaration was found: the test is broken"
 exported "$build/libnqm.so" | diff "$build/declared-core.txt" - || fail "libnqm.so exports other names than its headers declare (< declared, > exported)"
 exported "$build/libnqm-full.so" | diff "$build/declared-full.txt" - || fail "libnqm-full.so: the same"
@@ -46,5 +46,5 @@ done
 
 # Programs that only score install libnqm.so alone, with the built-in model.
 size=$(wc -c <"$build/libnqm.so")
-[ "$size" -le 16000000 ] || fail "libnqm.so has $size bytes, more than 16 MB"
+[ "$size" -le 17000000 ] || fail "libnqm.so has $size bytes, more than 17 MB"
 exit $bad

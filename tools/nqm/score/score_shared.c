@@ -326,7 +326,7 @@ static json_t *row_json(const score_run *run, const scored_pair *row) {
             json_object_set_new(metrics, nqm_metric_name((nqm_metric)m), json_number(r->metrics[m]));
     json_t *object = json_pack(
         "{s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:s,s:o,s:o}", "test", json_name(row->pair.test), "name",
-        json_name(row->name), "jod", json_number(r->jod), "jod_low", json_number(r->jod_low), "high",
+        json_name(row->name), "jod", json_number(r->jod), "jod_low", json_number(r->jod_low), "jod_high",
         json_number(r->jod_high), "delta_e_itp", json_number(r->delta_e), "novelty", json_number(r->novelty),
         "identical", r->status == NQM_OK ? json_boolean(r->identical) : json_null(), "n_valid",
         r->status == NQM_OK ? json_integer((json_int_t)r->n_valid) : json_null(), "verdict", verdict_words(r, verdict),
