@@ -71,7 +71,7 @@ printf 'reference,test\nsgd:nickel,ward:nickel\nsgd:nickel,sgd:nickel\n' >"$dir/
 run 0 batch "$dir/list.csv" -m "$dir/six.safetensors"
 holds "^reference,test,jod,.*,n_valid,novelty,verdict,$columns,warnings,error$" '^sgd:nickel,sgd:nickel,.*,10,no visible difference,'
 run 0 batch "$dir/list.csv" -m "$dir/six.safetensors" --jsonl
-lines 2 '"parts":{"shift_itp":\[[-0-9.,e]*\],"contrast":[-0-9.e]*,"structure":[0-9.e]*,"similarity_jod":[0-9.]*,"words":"[a-z, ]*"},"warnings":'
+lines 2 '"parts":{"shift_itp":\[[-0-9.,e]*\],"contrast":[-0-9.e]*,"structure":[0-9.e]*,"similarity_jod":[0-9.]*,"similarity_low":[0-9.]*,"similarity_high":[0-9.]*,"words":"[a-z, ]*"},"warnings":'
 run 0 batch "$dir/list.csv" -m "$dir/without.safetensors" --json
 lines 0 '"parts"'
 run 0 batch "$dir/list.csv" -m "$dir/without.safetensors"

@@ -410,10 +410,16 @@ json_t *json_label_parts(const nqm_label *l, const double *similarity) {
     char words[NQM_LABEL_TEXT];
     if (isnan(l->structure))
         return json_null();
-    return json_pack("{s:[f,f,f],s:f,s:f,s:o,s:s}", "shift_itp", l->shift[0], l->shift[1], l->shift[2], "contrast",
-                     l->contrast, "structure", l->structure,
-                     similarity ? similarity_column : label_columns[LABEL_COLUMNS - 1],
-                     json_number(last_value(l, similarity)), "words", nqm_label_describe(l, words));
+    json_t *json = json_pack("{s:[f,f,f],s:f,s:f}", "shift_itp", l->shift[0], l->shift[1], l->shift[2], "contrast",
+                             l->contrast, "structure", l->structure);
+    json_object_set_new(json, similarity ? similarity_column : label_columns[LABEL_COLUMNS - 1],
+                        json_number(last_value(l, similarity)));
+    if (similarity) {
+        json_object_set_new(json, "similarity_low", json_number(similarity[1]));
+        json_object_set_new(json, "similarity_high", json_number(similarity[2]));
+    }
+    json_object_set_new(json, "words", json_string(nqm_label_describe(l, words)));
+    return json;
 }
 
 void print_csv_label(FILE *out, const nqm_label *l, const double *similarity) {
