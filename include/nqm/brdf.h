@@ -1,11 +1,12 @@
 /* SPDX-License-Identifier: MIT
  *
- * nqm/brdf.h - isotropic BRDFs: open one from a file or a parameter string, or create one from a callback or a table in
+ * nqm/brdf.h - BRDFs: open one from a file or a parameter string, or create one from a callback or a table in
  * memory; evaluate, check and save it.
  *
  * The half-vector coordinates are those of Rusinkiewicz (1998, DOI 10.1007/978-3-7091-6453-2_2): theta_h is the angle
  * between normal and half vector, theta_d the angle between half vector and light, phi_d the azimuth of the light about the
- * half vector. phi_h is 0 (isotropy); phi_d is in [0, pi) (reciprocity).
+ * half vector, phi_h the azimuth of the half vector about the normal, from the tangent (the first axis). phi_h is 0 where it is not
+ * named (isotropy); phi_d is in [0, pi) (reciprocity).
  */
 #ifndef NQM_BRDF_H
 #define NQM_BRDF_H
@@ -16,7 +17,7 @@
 extern "C" {
 #endif
 
-/** An isotropic RGB BRDF. Immutable; any number of threads may evaluate it at the same time. */
+/** An RGB BRDF f_r(wi, wo) over unit vectors with the axes tangent, bitangent and normal. Immutable; any number of threads may evaluate it at the same time. */
 typedef struct nqm_brdf nqm_brdf;
 
 /** Result of the evaluation of one direction pair. */
@@ -41,6 +42,7 @@ typedef struct nqm_brdf_info {
     size_t n_values;        /**< number of stored values: cells times channels, weights, or parameters */
     size_t n_bytes;         /**< size of the file; 0 if the BRDF has no file */
     int reciprocal;         /**< 1 when f_r(wi,wo) = f_r(wo,wi) by construction */
+    int isotropic;          /**< 1 when turning light and viewer about the normal changes nothing, by construction */
 } nqm_brdf_info;
 
 /**
@@ -104,7 +106,7 @@ typedef struct nqm_brdf_callbacks {
 /**
  * Create a BRDF that the caller evaluates, for example the one of a renderer.
  *
- * The library assumes isotropy: it evaluates at phi_h = 0 only.
+ * Whether it is isotropic is measured where that matters (nqm_brdf_check_report.anisotropy).
  *
  * @param callbacks  copied
  * @param brdf_ret   receives the BRDF; free with nqm_brdf_free(). On failure `callbacks->free` is not called.
@@ -251,6 +253,9 @@ typedef struct nqm_brdf_check_report {
      *  value in both orders. */
     double reciprocity_median;
     double reciprocity_p95; /**< 95th percentile of the same */
+    /** Mean of |f - f turned| / mean (luminance) over pairs of all widths of lobes and random turns about the normal; 0 if isotropic by
+     *  construction or as measured, at most 2; NaN: no pair has a value. */
+    double anisotropy;
     /** Largest directional-hemispherical albedo, theta_i 0 to 75 degrees, per channel; NaN: unknown. */
     double albedo_max[3];
     double albedo_max_theta_rad; /**< angle of incidence at which the largest of the three occurs */

@@ -60,13 +60,14 @@ class BrdfCallbacks(Structure):
 class BrdfInfo(Structure):
     _c_name_ = "nqm_brdf_info"
     _fields_ = [("format", c_char_p), ("name", c_char_p), ("spec", c_char_p), ("source_doi", c_char_p),
-                ("layout", c_char_p), ("n_values", c_size_t), ("n_bytes", c_size_t), ("reciprocal", c_int)]
+                ("layout", c_char_p), ("n_values", c_size_t), ("n_bytes", c_size_t), ("reciprocal", c_int),
+                ("isotropic", c_int)]
 
 
 class BrdfCheckReport(Structure):
     _c_name_ = "nqm_brdf_check_report"
     _fields_ = [("n_pairs", c_size_t), ("n_clamped", c_size_t), ("n_invalid", c_size_t),
-                ("reciprocity_median", c_double), ("reciprocity_p95", c_double), ("albedo_max", c_double * 3),
+                ("reciprocity_median", c_double), ("reciprocity_p95", c_double), ("anisotropy", c_double), ("albedo_max", c_double * 3),
                 ("albedo_max_theta_rad", c_double)]
 
 

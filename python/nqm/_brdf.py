@@ -31,6 +31,7 @@ class BRDFInfo:
         n_values: number of stored values: cells times channels, weights, or parameters
         n_bytes: size of the file; 0 if the BRDF has no file
         reciprocal: True when f_r(wi, wo) = f_r(wo, wi) by construction
+        isotropic: True when turning light and viewer about the normal changes nothing, by construction
     """
 
     format: str
@@ -41,6 +42,7 @@ class BRDFInfo:
     n_values: int
     n_bytes: int
     reciprocal: bool
+    isotropic: bool
 
 
 @dataclass(frozen=True)
@@ -53,6 +55,7 @@ class CheckReport:
         n_invalid: pairs without a value
         reciprocity_median: median of |f(a,b) - f(b,a)| / mean over pairs with a mean luminance above 1e-4 1/sr
         reciprocity_p95: 95th percentile of the same
+        anisotropy: mean of |f - f turned| / mean over pairs that are turned about the normal, 0 to 2; 0 if isotropic
         albedo_max: largest directional-hemispherical albedo at angles of 0 to 75 degrees, per channel
         albedo_max_theta_rad: the angle of the largest of the three
     """
@@ -62,6 +65,7 @@ class CheckReport:
     n_invalid: int
     reciprocity_median: float
     reciprocity_p95: float
+    anisotropy: float
     albedo_max: Tuple[float, float, float]
     albedo_max_theta_rad: float
 
@@ -114,7 +118,7 @@ def _callback(function: EvalFunction, watch: Watch) -> Any:
 
 
 class BRDF:
-    """An isotropic RGB BRDF. Immutable; any thread may use it.
+    """An RGB BRDF. Immutable; any thread may use it.
 
     Directions are unit vectors that point away from the surface, with the normal (0, 0, 1); `wi` points to the light, `wo` to
     the viewer. Values are f_r in 1/sr without the cosine, linear RGB with BT.709 primaries.
@@ -189,7 +193,7 @@ class BRDF:
         """Facts about the BRDF."""
         i = lib.nqm_brdf_get_info(self._handle)
         return BRDFInfo(i.format.decode(), decode(i.name) or "", decode(i.spec), decode(i.source_doi), decode(i.layout),
-                        i.n_values, i.n_bytes, bool(i.reciprocal))
+                        i.n_values, i.n_bytes, bool(i.reciprocal), bool(i.isotropic))
 
     @property
     def name(self) -> str:

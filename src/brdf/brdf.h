@@ -16,6 +16,7 @@
 typedef struct nqm_brdf_class {
     const char *format; /**< short name, as in nqm_brdf_info.format */
     int reciprocal;     /**< 1: by construction; 0: what nqm_brdf_wrap() is told */
+    bool anisotropic;   /**< 1: f_r may depend on the azimuth, unless nqm_brdf_wrap() is told that it does not */
     bool is_costly;     /**< a pair takes 10 us or more: many pictures or points are made from a table */
 
     /** Raw values for n pairs above the horizon (wi.z > 0 and wo.z > 0 are guaranteed): may be negative (out of gamut)
@@ -46,6 +47,9 @@ struct nqm_brdf {
  *  the DOI is not; the format is that of the class. */
 NQM_MUST_CHECK nqm_status nqm_brdf_wrap(const nqm_brdf_class *class_, void *self, const nqm_brdf_info *info,
                                         nqm_brdf **brdf_ret, nqm_error *err);
+
+/** nqm_brdf_check_report.anisotropy; 0 without an evaluation if the BRDF is isotropic by construction. Takes 1,024 evaluations. */
+double nqm_brdf_anisotropy(const nqm_brdf *brdf);
 
 /* ---- arguments --------------------------------------------------------------------------------------------------- */
 

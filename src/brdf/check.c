@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * Physical plausibility of a BRDF: the largest directional albedo, reciprocity over random pairs, and the counts of clamped and
+ * Physical plausibility of a BRDF: the largest directional albedo, reciprocity and isotropy over pairs of directions, and the counts of clamped and
  * missing values. The largest difference of two BRDFs over such pairs.
  */
 #include "brdf/formats/listed.h"
@@ -11,9 +11,16 @@
 enum { BLOCK = 128, N_PAIRS = 8192, N_ANGLES = 6 };
 enum { CHECK_STREAM = 9, COMPARE_STREAM }; /* of random numbers; those below are of the albedo */
 
+/* Turn pair i about the normal; the angles are even over the circle for any number of pairs. */
+static void turn_pair(size_t i, double *wi, double *wo) {
+    const double angle = (double)i * NQM_PI * (3 - sqrt(5)), turn[2] = {sin(angle), cos(angle)};
+    nqm_turn3(turn, wi, wi);
+    nqm_turn3(turn, wo, wo);
+}
+
 /* Draw a random pair: for even i, both directions are distributed like the cosine; for odd i, the half vector is near
- * the normal (theta_h = pi/2 u^2). */
-static void draw_pair(nqm_rng *rng, size_t i, double max_polar_deg, double *wi, double *wo) {
+ * the normal (theta_h = pi/2 u^2). in_plane: the azimuth of one of them is 0, which is enough for isotropic BRDFs. */
+static void draw_pair(bool in_plane, nqm_rng *rng, size_t i, double max_polar_deg, double *wi, double *wo) {
     const double lowest = cos(max_polar_deg * NQM_PI / 180);
     do {
         double u = nqm_rng_uniform(rng), v = nqm_rng_uniform(rng), w = nqm_rng_uniform(rng);
@@ -30,6 +37,38 @@ static void draw_pair(nqm_rng *rng, size_t i, double max_polar_deg, double *wi, 
             }
         }
     } while (wi[2] < lowest || wo[2] < lowest);
+    if (!in_plane)
+        turn_pair(i, wi, wo);
+}
+
+double nqm_brdf_anisotropy(const nqm_brdf *brdf) {
+    enum { N = 4 * BLOCK };
+    static const double narrowest = 1e-4; /* theta_h; evenly from there on the logarithm */
+    double rgb[2][3 * BLOCK], wi[3 * BLOCK], wo[3 * BLOCK], sum = 0;
+    uint8_t flag[2][BLOCK];
+    size_t n_compared = 0;
+    if (brdf->info.isotropic)
+        return 0;
+    for (size_t begin = 0; begin < N; begin += BLOCK) {
+        for (size_t k = 0; k < 2; ++k) {
+            for (size_t i = 0; i < BLOCK; ++i) {
+                const double hd[3] = {narrowest * pow(NQM_PI / 2 / narrowest, ((double)(begin + i) + 0.5) / N),
+                                      1.2 * nqm_radical_inverse(begin + i, 2),
+                                      2 * NQM_PI * nqm_radical_inverse(begin + i, 3)};
+                nqm_half_diff_to_pair(hd, wi + 3 * i, wo + 3 * i);
+                turn_pair(2 * (begin + i) + k, wi + 3 * i, wo + 3 * i);
+            }
+            nqm_brdf_eval(brdf, BLOCK, wi, wo, rgb[k], flag[k]);
+        }
+        for (size_t i = 0; i < BLOCK; ++i) {
+            const double a = nqm_luminance(rgb[0] + 3 * i), b = nqm_luminance(rgb[1] + 3 * i);
+            if (!nqm_has_value(flag[0][i]) || !nqm_has_value(flag[1][i]))
+                continue;
+            ++n_compared;
+            sum += a + b > 2e-6 ? 2 * fabs(a - b) / (a + b) : 0;
+        }
+    }
+    return n_compared ? sum / (double)n_compared : (double)NAN;
 }
 
 /* Count clamped and invalid values at n pairs, and write |f(a,b) - f(b,a)| / mean of the luminances to `difference` (n). */
@@ -87,7 +126,7 @@ nqm_status nqm_brdf_check(const nqm_brdf *brdf, uint64_t seed, nqm_brdf_check_re
         return status;
     nqm_rng rng = nqm_rng_make(seed, CHECK_STREAM);
     for (size_t i = 0; i < N_PAIRS; ++i)
-        draw_pair(&rng, i, 85, wi + 3 * i, wo + 3 * i);
+        draw_pair(brdf->info.isotropic, &rng, i, 85, wi + 3 * i, wo + 3 * i);
     compare(brdf, N_PAIRS, wi, wo, difference, &report);
     if (n_rows && 2 * report.n_invalid > report.n_pairs) { /* a list of measured directions: these are tested */
         nqm_scattered_rows(brdf, wi, wo);
@@ -96,6 +135,7 @@ nqm_status nqm_brdf_check(const nqm_brdf *brdf, uint64_t seed, nqm_brdf_check_re
     } else {
         find_largest_albedo(brdf, seed, &report);
     }
+    report.anisotropy = nqm_brdf_anisotropy(brdf);
     nqm_free(wi);
     *report_ret = report;
     return NQM_OK;
@@ -160,7 +200,7 @@ nqm_status nqm_brdf_compare(const nqm_brdf *ref, const nqm_brdf *test, double to
         return status;
     nqm_rng rng = nqm_rng_make(seed, COMPARE_STREAM);
     for (size_t i = 0; i < N_PAIRS; ++i)
-        draw_pair(&rng, i, 89, wi + 3 * i, wo + 3 * i);
+        draw_pair(ref->info.isotropic && test->info.isotropic, &rng, i, 89, wi + 3 * i, wo + 3 * i);
     if (n_ref)
         nqm_scattered_rows(ref, wi + (size_t)3 * N_PAIRS, wo + (size_t)3 * N_PAIRS);
     if (n_test)

@@ -20,6 +20,8 @@ void nqm_cross3(const double *a, const double *b, double *c);
 void nqm_normalize3(double *v);
 /** Unit vector from polar angles, radians. */
 void nqm_spherical(double theta, double phi, double *v);
+/** Turn v about the third axis by the angle with this sine and cosine; `turned` may be v. */
+void nqm_turn3(const double *turn, const double *v, double *turned);
 /** Luminance of linear BT.709 rgb (3). */
 double nqm_luminance(const double *rgb);
 

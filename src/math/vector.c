@@ -68,6 +68,13 @@ void nqm_half_diff_full_from_pair(const double *wi, const double *wo, double *hd
         hd[2] = 0;
 }
 
+void nqm_turn3(const double *turn, const double *v, double *turned) {
+    const double x = turn[1] * v[0] - turn[0] * v[1];
+    turned[1] = turn[0] * v[0] + turn[1] * v[1];
+    turned[0] = x;
+    turned[2] = v[2];
+}
+
 void nqm_half_diff_to_pair(const double *hd, double *wi, double *wo) {
     double sin_h = sin(hd[0]), cos_h = cos(hd[0]);
     double d[3];

@@ -28,13 +28,6 @@ typedef struct drawing {
     nqm_surface_point *sphere;            /* (n_parts, n_points) points of spheres */
 } drawing;
 
-/* Rotate about the normal. turn: sine and cosine. */
-static void rotate(const double *turn, const double *v, double *rotated) {
-    rotated[0] = turn[1] * v[0] - turn[0] * v[1];
-    rotated[1] = turn[0] * v[0] + turn[1] * v[1];
-    rotated[2] = v[2];
-}
-
 /* The point is in one of n_points strata of the scene's points, which neighbour each other in their order. Its frame gets a random
  * azimuth: in the frames of the scene wo is in one plane, and a network that is not isotropic would learn only that plane. */
 static void draw_point(void *user, size_t i) {
@@ -69,8 +62,8 @@ static void append(const drawn *p, double weight, nqm_rays *rays) {
             rays->weight[3 * rays->n + k] = (double)p->incident.ray[j].weight[k] * scene->exposure;
         }
         nqm_normalize3(wi);
-        rotate(p->turn, wi, rays->wi + 3 * rays->n);
-        rotate(p->turn, wo, rays->wo + 3 * rays->n);
+        nqm_turn3(p->turn, wi, rays->wi + 3 * rays->n);
+        nqm_turn3(p->turn, wo, rays->wo + 3 * rays->n);
         rays->point[rays->n] = rays->n_points;
     }
     memcpy(rays->points + 3 * rays->n_points++, point, sizeof point);

@@ -27,6 +27,7 @@ nqm_status nqm_brdf_wrap(const nqm_brdf_class *class_, void *self, const nqm_brd
             *texts[i] = memcpy(texts_of_copy[i], *texts[i], arrays[1 + i].n);
     copy.format = class_->format;
     copy.reciprocal = info->reciprocal || class_->reciprocal;
+    copy.isotropic = info->isotropic || !class_->anisotropic;
     **brdf_ret = (nqm_brdf){class_, self, copy};
     return NQM_OK;
 }

@@ -32,7 +32,8 @@ static void callback_free(void *self) {
     nqm_free(c);
 }
 
-static const nqm_brdf_class callback_class = {.format = "callback", .eval = callback_eval, .free = callback_free};
+static const nqm_brdf_class callback_class = {
+    .format = "callback", .anisotropic = true, .eval = callback_eval, .free = callback_free};
 
 nqm_status nqm_brdf_create(const nqm_brdf_callbacks *callbacks, nqm_brdf **brdf_ret, nqm_error *err) {
     NQM_MAKE(err, brdf_ret, callbacks);

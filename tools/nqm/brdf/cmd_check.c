@@ -87,6 +87,10 @@ static void print_measured(const verdict *v) {
         printf("  reciprocity  %s: exchanging light and viewer changes the value by\n"
                "               %.2g %% (median), %.2g %% (95th percentile)\n",
                v->noted_asymmetry ? "poor" : "ok", 100 * r->reciprocity_median, 100 * r->reciprocity_p95);
+    if (r->anisotropy > 0)
+        printf("  isotropy     anisotropic: turning light and viewer about the normal changes\n"
+               "               the value by %.2g %% (mean)\n",
+               100 * r->anisotropy);
     printf("  positivity   %s: %zu of %zu values (%.1f %%) have a negative channel,\n"
            "               which is read as 0\n",
            v->all_negative ? "FAILS"
@@ -116,6 +120,7 @@ static json_t *to_json(const char *name, const verdict *v) {
                   (json_int_t)r->n_pairs, "n_clamped", (json_int_t)r->n_clamped, "n_invalid", (json_int_t)r->n_invalid);
     json_object_set_new(item, "reciprocity_median", json_number(r->reciprocity_median));
     json_object_set_new(item, "reciprocity_p95", json_number(r->reciprocity_p95));
+    json_object_set_new(item, "anisotropy", json_number(r->anisotropy));
     json_object_set_new(item, "albedo_max",
                         json_pack("[o,o,o]", json_number(r->albedo_max[0]), json_number(r->albedo_max[1]),
                                   json_number(r->albedo_max[2])));

@@ -21,11 +21,11 @@ static int print_brdf(const char *argument, bool json) {
     if (strcmp(info.format, "samples") == 0) /* unknown: most directions have no value */
         albedo[0] = albedo[1] = albedo[2] = NAN;
     json_t *members =
-        json_pack("{s:s,s:s,s:o,s:o,s:o,s:o,s:I,s:I,s:b,s:[o,o,o]}", "kind", "brdf", "format", info.format, "name",
+        json_pack("{s:s,s:s,s:o,s:o,s:o,s:o,s:I,s:I,s:b,s:b,s:[o,o,o]}", "kind", "brdf", "format", info.format, "name",
                   json_name(info.name), "spec", json_text(info.spec), "source_doi", json_text(info.source_doi),
                   "layout", json_text(info.layout), "n_values", (json_int_t)info.n_values, "n_bytes",
-                  (json_int_t)info.n_bytes, "reciprocal", info.reciprocal, "albedo_normal", json_number(albedo[0]),
-                  json_number(albedo[1]), json_number(albedo[2]));
+                  (json_int_t)info.n_bytes, "reciprocal", info.reciprocal, "isotropic", info.isotropic, "albedo_normal",
+                  json_number(albedo[0]), json_number(albedo[1]), json_number(albedo[2]));
     nqm_brdf_free(brdf);
     return json ? print_document(members) : print_members(members);
 }
