@@ -90,12 +90,12 @@ static void refuses_other_arrays(void **state) {
 static void writes_what_it_reads(void **state) {
     (void)state;
     const char *path = save(sizeof npy_f4, npy_f4), *copy = scratch_path("copy.npy");
-    size_t dims[3], again_dims[3];
+    nqm_table_size size, again_size;
     nqm_brdf *brdf = open_ok(path);
     assert_int_equal(nqm_brdf_write(brdf, NQM_TABLE_NPY, copy, NULL, NULL, NULL), NQM_OK);
     nqm_brdf *again = open_ok(copy);
-    const float *a = nqm_table_values(brdf, dims), *b = nqm_table_values(again, again_dims);
-    assert_memory_equal(dims, again_dims, sizeof dims);
+    const float *a = nqm_table_values(brdf, &size), *b = nqm_table_values(again, &again_size);
+    assert_memory_equal(&size, &again_size, sizeof size);
     assert_memory_equal(a, b, 3 * 2 * 4 * 3 * sizeof *a);
     blob file = blob_load(copy);
     assert_int_equal((file.n_bytes - 3 * 2 * 4 * 3 * sizeof *a) % 64, 0);

@@ -21,7 +21,7 @@ static void node_numbers(size_t i, size_t *h, size_t *d, size_t *p) {
 
 static nqm_brdf *make_table(const float *rgb) {
     nqm_brdf *brdf;
-    assert_int_equal(nqm_table_create(H, D, P, rgb, "table", &brdf, NULL), NQM_OK);
+    assert_int_equal(nqm_table_create((nqm_table_size){H, D, P, 1}, rgb, "table", &brdf, NULL), NQM_OK);
     return brdf;
 }
 
@@ -135,11 +135,13 @@ static void sizes_have_limits(void **state) {
     nqm_brdf *brdf;
     for (size_t i = 0; i < sizeof bad / sizeof *bad; ++i) {
         nqm_error err = {0};
-        assert_int_equal(nqm_table_create(bad[i][0], bad[i][1], bad[i][2], values, "t", &brdf, &err), NQM_ERR_LIMIT);
+        assert_int_equal(
+            nqm_table_create((nqm_table_size){bad[i][0], bad[i][1], bad[i][2], 1}, values, "t", &brdf, &err),
+            NQM_ERR_LIMIT);
         assert_null(brdf);
         assert_non_null(strstr(err.message, "nodes"));
     }
-    assert_int_equal(nqm_table_create(2, 2, 1, values, "t", &brdf, NULL), NQM_OK);
+    assert_int_equal(nqm_table_create((nqm_table_size){2, 2, 1, 1}, values, "t", &brdf, NULL), NQM_OK);
     nqm_brdf_free(brdf);
 }
 
