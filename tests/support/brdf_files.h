@@ -57,6 +57,10 @@ blob make_pbsdf(const rgl_change *change);
 /** The valid material, with the data of every tensor at an offset of 8 n + shift bytes. */
 blob make_shifted_rgl(size_t shift);
 
+/** A full UTIA measurement, 2 MB. */
+blob make_utia(void);
+enum { UTIA_BYTES = 3 * 288 * 288 * 8 };
+
 typedef enum nbrdf_kind {
     NBRDF_VALID,
     NBRDF_MISSING,          /**< one dataset is missing */

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 """f_r of the made-up materials of tests/support/brdf_files*.c, computed by numpy from the papers of the formats: RGL
 (Dupuy and Jakob 2018) by integrating the interpolated density of the warp for each pair, its spectra after evaluation by the fits
-of Wyman, Sloan and Shirley 2013 and D65 from the daylight components of CIE 15, NBRDF (Sztrajman et al. 2021)
+of Wyman, Sloan and Shirley 2013 and D65 from the daylight components of CIE 15, UTIA (Filip and Vavra 2014), NBRDF (Sztrajman et al. 2021)
 and neural processes (Zheng et al. 2021) as matrix products in float64. The material data use the same noise function as
 the C files. Writes brdf_vectors.h to the folder of this script. Usage: python3 brdf.py"""
 import os
@@ -224,6 +224,23 @@ class Pbsdf:
         return total / weight
 
 
+class Utia:
+    """Linear in the four angles as in the authors' TBRDF.cpp, which continues the lines beyond 75 degrees."""
+
+    def __init__(self):
+        self.value = (2 * noise(3 * 288 * 288, ord("u")) - 0.1).reshape(3, 6, 48, 6, 48)
+
+    def eval(self, light, viewer):
+        weights = []
+        for w in light, viewer:
+            theta, phi = np.degrees(np.arccos(w[2])), np.degrees(np.arctan2(w[1], w[0])) % 360
+            i, j = min(int(theta // 15), 4), int(phi // 7.5)
+            t, p = (theta - 15 * i) / 15, (phi - 7.5 * j) / 7.5
+            weights += [[(i, 1 - t), (i + 1, t)], [(j % 48, 1 - p), ((j + 1) % 48, p)]]
+        return sum(self.value[:, a, b, c, d] * wa * wb * wc * wd for a, wa in weights[0] for b, wb in weights[1]
+                   for c, wc in weights[2] for d, wd in weights[3])
+
+
 def dense(shapes, row):
     for i, (n_in, n_out) in enumerate(shapes):
         scale = float32(np.array(1 / np.sqrt(n_in)))
@@ -297,6 +314,8 @@ def main():
               spectrum_to_rgb(spectra, "E", Pbsdf.WAVELENGTHS))
         table(out, "pbsdf_d65_vector", "the same under illuminant D65",
               spectrum_to_rgb(spectra, "D65", Pbsdf.WAVELENGTHS))
+        utia = Utia()
+        table(out, "utia_vector", "f_r of the UTIA material", [utia.eval(i, o) for i, o in zip(wi, wo)])
         table(out, "nbrdf_vector", "f_r of the NBRDF, negative where the network is", nbrdf(hd))
         table(out, "nps_vector", "f_r of the neural process, material 'second'",
               nps(hd, np.array([-0.5, 0.25, 0, 1, 0.5, -0.125, -0.75])))
