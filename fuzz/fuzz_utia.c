@@ -1,0 +1,16 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Fuzz target: UTIA measurements. The input is the beginning of the file; one length in eight is extended with zeros to its size.
+ */
+#include "fuzz.h"
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t n_bytes) {
+    fuzz_brdf(data, n_bytes, n_bytes % 8 == 1 ? UTIA_BYTES : n_bytes, "");
+    return 0;
+}
+
+blob fuzz_seed(void) {
+    blob b = make_utia();
+    b.n_bytes = 1001;
+    return b;
+}
