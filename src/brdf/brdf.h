@@ -90,11 +90,10 @@ nqm_status nqm_nbrdf_create(const float *weights, const char *name, nqm_brdf **b
 /** The weights of a BRDF whose format is "nbrdf", in that order; valid until it is freed. */
 const float *nqm_nbrdf_weights(const nqm_brdf *brdf);
 
-/** Nodes of a table. */
+/** Nodes of a table. nqm_brdf_tabulate(): n_d n_p is at most NQM_TABLE_SLICE; n_phi_h = 0 stands for 1, or for NQM_TABLE_PHI_H if the
+ *  BRDF is not isotropic by construction. */
 typedef struct nqm_table_size {
-    size_t n_h, n_d, n_p; /**< of theta_h, theta_d, phi_d; nqm_brdf_tabulate(): n_d n_p is at most NQM_TABLE_SLICE */
-    size_t
-        n_phi_h; /**< 1: isotropic; nqm_brdf_tabulate(): 0: 1, or NQM_TABLE_PHI_H if the BRDF is not isotropic by construction */
+    size_t n_h, n_d, n_p, n_phi_h; /**< of theta_h, theta_d, phi_d, phi_h; isotropic tables have one phi_h */
 } nqm_table_size;
 
 enum { NQM_TABLE_SLICE = 46 * 24, NQM_TABLE_PHI_H = 48 };

@@ -148,18 +148,15 @@ static void fold(const nqm_list *l) {
 
 /* Compare rows by theta_i, theta_o and phi modulo a turn, for qsort(). */
 static int compare_pairs(const void *a, const void *b) {
-    double key[2][3];
+    const nqm_listed *row[] = {*(const nqm_listed *const *)a, *(const nqm_listed *const *)b};
+    double phi[2];
     for (size_t k = 0; k < 2; ++k) {
-        const nqm_listed *row = *(const nqm_listed *const *)(k ? b : a);
-        const double phi = round_angle(remainder(row->at[2], 2 * NQM_PI));
-        key[k][0] = row->at[0];
-        key[k][1] = row->at[1];
-        key[k][2] = phi > 1e-9 - NQM_PI ? phi : -phi;
+        phi[k] = round_angle(remainder(row[k]->at[2], 2 * NQM_PI));
+        phi[k] = phi[k] > 1e-9 - NQM_PI ? phi[k] : -phi[k];
     }
-    int order = 0;
-    for (size_t i = 0; i < 3 && order == 0; ++i)
-        order = nqm_compare_doubles(key[0] + i, key[1] + i);
-    return order;
+    int order = nqm_compare_doubles(row[0]->at, row[1]->at);
+    order = order ? order : nqm_compare_doubles(row[0]->at + 1, row[1]->at + 1);
+    return order ? order : nqm_compare_doubles(phi, phi + 1);
 }
 
 /* The part of the largest value by which the smallest of the same pair at several phi_i is below it; NaN: there is one phi_i. */

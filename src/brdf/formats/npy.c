@@ -17,8 +17,7 @@ static nqm_status check_shape(const nqm_map *map, const nqm_tensor *t, nqm_table
         used += (size_t)snprintf(shape + used, sizeof shape - used, "%s%zu", i ? ", " : "", t->dims[i]);
     return nqm_fail(err, NQM_ERR_FORMAT, 10,
                     "%s: an array of shape (%s) (header at byte 10); a table has (n_theta_h, n_theta_d, n_phi_d, 3), "
-                    "or n_phi_h before "
-                    "the 3, with at least 2 theta_h and 2 theta_d",
+                    "or n_phi_h before the 3, with at least 2 theta_h and 2 theta_d",
                     map->path, shape);
 }
 

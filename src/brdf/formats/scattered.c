@@ -215,10 +215,7 @@ nqm_status nqm_scattered_create(const nqm_list *list, double tolerance, const ch
     char layout[100];
     snprintf(layout, sizeof layout, "%zu directions%s, values within %g degrees of them", n_used,
              list->is_anisotropic ? " with azimuths" : "", tolerance * 180 / NQM_PI);
-    const nqm_brdf_info info = {.name = name,
-                                .layout = layout,
-                                .n_values = 3 * n_used,
-                                .reciprocal = list->is_reciprocal,
-                                .isotropic = !list->is_anisotropic};
+    nqm_brdf_info info = {.name = name, .layout = layout, .n_values = 3 * n_used, .reciprocal = list->is_reciprocal};
+    info.isotropic = !list->is_anisotropic;
     return nqm_brdf_wrap(&scattered_class, t, &info, brdf_ret, err);
 }

@@ -32,23 +32,21 @@ static void to_angles(const double *w, double *theta, double *phi) {
     *phi = atan2(w[1], w[0]);
 }
 
-static void eval_pair(const utia *u, const double *wi, const double *wo, double *rgb) {
-    nqm_grid grid = u->grid;
-    double at[3], phi_i, part[2][3];
-    to_angles(wi, at, &phi_i);
-    to_angles(wo, at + 1, at + 2);
-    const double x = (phi_i < 0 ? phi_i + 2 * NQM_PI : phi_i) / (2 * NQM_PI / N_PHI), lower = floor(x);
-    for (size_t k = 0; k < 2; ++k) {
-        grid.value = u->value + ((size_t)lower + k) % N_PHI * PLANE_BYTES;
-        nqm_grid_eval(&grid, 1, at, part[k]);
-    }
-    for (size_t c = 0; c < 3; ++c)
-        rgb[c] = (1 - (x - lower)) * part[0][c] + (x - lower) * part[1][c];
-}
-
 static void utia_eval(const void *self, size_t n, const double *wi, const double *wo, double *rgb) {
-    for (size_t i = 0; i < n; ++i)
-        eval_pair(self, wi + 3 * i, wo + 3 * i, rgb + 3 * i);
+    const utia *u = self;
+    nqm_grid grid = u->grid;
+    for (size_t i = 0; i < 3 * n; i += 3) {
+        double at[3], phi_i, part[2][3];
+        to_angles(wi + i, at, &phi_i);
+        to_angles(wo + i, at + 1, at + 2);
+        const double x = (phi_i < 0 ? phi_i + 2 * NQM_PI : phi_i) / (2 * NQM_PI / N_PHI), lower = floor(x);
+        for (size_t k = 0; k < 2; ++k) {
+            grid.value = u->value + ((size_t)lower + k) % N_PHI * PLANE_BYTES;
+            nqm_grid_eval(&grid, 1, at, part[k]);
+        }
+        for (size_t c = 0; c < 3; ++c)
+            rgb[i + c] = (1 - (x - lower)) * part[0][c] + (x - lower) * part[1][c];
+    }
 }
 
 static const nqm_brdf_class utia_class = {.format = "utia", .anisotropic = true, .eval = utia_eval, .free = nqm_free};
