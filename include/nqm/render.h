@@ -101,8 +101,8 @@ NQM_API const size_t *nqm_scene_pixels(const nqm_scene *scene);
 typedef struct nqm_rays {
     size_t n;        /**< rays with light */
     size_t n_points; /**< points of all scenes together */
-    double *wi; /**< (n, 3) unit vectors to the light, in a local frame of the point: third axis the normal, first axis
-                          random */
+    double *wi; /**< (n, 3) unit vectors to the light, in the axes of the surface: the third is the normal, the first
+                          the tangent, which is horizontal */
     double *wo; /**< (n, 3) unit vectors to the viewer */
     double *weight; /**< (n, 3) radiance times cosine times solid angle, linear BT.709 in cd/m2 */
     size_t *point;  /**< (n) ascending */

@@ -123,6 +123,7 @@ class ScoreResult(Structure):
     _c_name_ = "nqm_score_result"
     _fields_ = [("status", c_int), ("jod", c_double), ("delta_e", c_double), ("jod_low", c_double),
                 ("jod_high", c_double), ("novelty", c_double), ("parts", CLabel), ("similarity", c_double * 3),
+                ("anisotropy", c_double),
                 ("identical", c_int), ("metrics", c_double * N_METRICS), ("n_valid", c_size_t),
                 ("n_clamped_ref", c_size_t), ("n_clamped_test", c_size_t), ("n_invalid_ref", c_size_t),
                 ("n_invalid_test", c_size_t), ("n_unusual_ref", c_size_t), ("n_unusual_test", c_size_t),
