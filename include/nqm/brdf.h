@@ -254,7 +254,7 @@ typedef struct nqm_brdf_check_report {
     double reciprocity_median;
     double reciprocity_p95; /**< 95th percentile of the same */
     /** Mean of |f - f turned| / mean (luminance) over pairs of all widths of lobes and random turns about the normal; 0 if isotropic by
-     *  construction or as measured, at most 2; NaN: no pair has a value. */
+     *  construction, or below 1e-5; at most 2; NaN: no pair has a value. */
     double anisotropy;
     /** Largest directional-hemispherical albedo, theta_i 0 to 75 degrees, per channel; NaN: unknown. */
     double albedo_max[3];

@@ -17,7 +17,10 @@ extern "C" {
  *
  *  The standard set (neither light nor shape is given) is what the built-in model "default" predicts: a blob under a low sun,
  *  a sphere on an overcast day, a sphere in a studio, a blob in a room with windows. Its points are those of the four scenes
- *  one after the other, and each scene has a quarter of the weight. */
+ *  one after the other, and each scene has a quarter of the weight.
+ *
+ *  The tangent of a surface, to which anisotropic BRDFs refer, is horizontal, as on a turned workpiece: the cross product of the upward
+ *  direction and the normal (to the viewer's right where the normal is vertical). */
 typedef struct nqm_scene nqm_scene;
 
 /** Which scene the options describe. */
@@ -54,6 +57,11 @@ typedef struct nqm_scene_options {
     uint64_t seed;     /**< seed of points and light directions; default 1 */
     int exact; /**< 0 (default): BRDFs that are costly to evaluate (neural processes) are evaluated once into a table of
                                180 x 32 x 12 nodes where that is less work; 1: always evaluated themselves */
+    size_t n_aims; /**< at most 4; default 0 */
+    const nqm_brdf *const
+        *aims; /**< (n_aims) BRDFs to whose lobes the light directions are fitted, which anisotropic ones
+                               need: lobes that are longer than wide, or lean (`tilt`), are sampled well. Isotropic ones change
+                               nothing. Used by nqm_scene_create() only */
     nqm_progress_fn
         progress; /**< called by nqm_scene_create() and nqm_scene_render(), on the calling thread; NULL (default):
                                  silent */

@@ -68,17 +68,19 @@ static const struct {
                {offsetof(nqm_score_result, similarity), 3},
                {offsetof(nqm_score_result, metrics), NQM_METRIC_COUNT}};
 
+/* The result keeps the counts of the model's own directions. */
 static void take(const nqm_score_result *seen, nqm_score_result *result) {
-    const nqm_score_result flat = *result;
-    const double w = weight_of(flat.anisotropy);
-    *result = *seen;
-    result->anisotropy = flat.anisotropy;
-    result->identical = flat.identical && seen->identical;
-    for (size_t k = 0; k < sizeof blended / sizeof *blended && seen->status == NQM_OK && w < 1; ++k) {
-        const double *a = (const double *)((const char *)&flat + blended[k].offset);
-        double *b = (double *)((char *)result + blended[k].offset);
+    const double w = weight_of(result->anisotropy);
+    if (seen->status != NQM_OK) {
+        *result = nqm_no_score(seen->status);
+        return;
+    }
+    result->identical = result->identical && seen->identical;
+    for (size_t k = 0; k < sizeof blended / sizeof *blended; ++k) {
+        const double *from = (const double *)((const char *)seen + blended[k].offset);
+        double *to = (double *)((char *)result + blended[k].offset);
         for (size_t i = 0; i < blended[k].n; ++i)
-            b[i] = (1 - w) * a[i] + w * b[i];
+            to[i] = w < 1 ? (1 - w) * to[i] + w * from[i] : from[i];
     }
 }
 

@@ -126,8 +126,8 @@ bool nqm_incident_make(const nqm_scene *scene, size_t i, nqm_incident *incident,
     workspace b;
     *incident = (nqm_incident){0};
     bool ok = open_workspace(scene->options.n_lights, scene->options.interreflection && scene->shape.tracer, &b) &&
-              nqm_choose_directions(&scene->light, point, seed, &b.set) && decide(scene, point, seed, &b) &&
-              pack(&b, incident);
+              nqm_choose_directions(&scene->light, point, &scene->lobes, seed, &b.set) &&
+              decide(scene, point, seed, &b) && pack(&b, incident);
     if (ok && irradiance)
         memcpy(irradiance, b.set.irradiance, sizeof b.set.irradiance);
     nqm_free(b.set.wi);

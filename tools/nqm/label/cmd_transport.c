@@ -64,11 +64,20 @@ static nqm_model *make_rays(void) {
     nqm_rays rays;
     nqm_model *model;
     nqm_error err = {0};
+    /* Lobes along and across the tangent are the most frequent. */
+    const char *const specs[] = {"ggx:alpha=.1", "ggx:alpha=.1,.5", "ggx:alpha=.5,.1"};
+    nqm_brdf *aims[3];
+    for (size_t i = 0; i < 3; ++i)
+        aims[i] = open_brdf(specs[i]);
+    scene.scene.n_aims = 3;
+    scene.scene.aims = (const nqm_brdf *const *)aims;
     scene.scene.n_points = scene.scene.n_points ? scene.scene.n_points : nqm_scene_options_default().n_points;
     must(nqm_scene_create(&scene.scene, &made, &err), &err);
     must(nqm_rays_draw(made, (size_t)n_rays, scene.scene.seed, &rays, &err), &err);
     must(nqm_rays_model(&rays, name, &model, &err), &err);
     nqm_rays_clear(&rays);
+    for (size_t i = 0; i < 3; ++i)
+        nqm_brdf_free(aims[i]);
     nqm_scene_free(made);
     return model;
 }
