@@ -58,14 +58,16 @@ void nqm_spec_nearest(nqm_nearest *nearest) {
 
 /* ---- opening ----------------------------------------------------------------------------------------------------- */
 
-/* "kd 3, ks 3, alpha 1" */
+/* "kd (RGB), ks (RGB), alpha (x, y)" */
 static size_t describe(const nqm_spec_schema *schema, char *layout, size_t n_layout) {
     size_t n_values = 0, used = 0;
     for (size_t k = 0; k < schema->n_keys; ++k) {
         const nqm_spec_key *key = &schema->keys[k];
         if (used < n_layout)
             used += (size_t)snprintf(layout + used, n_layout - used, "%s%s%s", k ? ", " : "", key->name,
-                                     key->n == 3 ? " (RGB)" : "");
+                                     key->n == 3   ? " (RGB)"
+                                     : key->n == 2 ? " (x, y)"
+                                                   : "");
         n_values += key->n;
     }
     return n_values;
@@ -86,7 +88,8 @@ static nqm_status open_analytic(const nqm_analytic_model *model, nqm_spec_values
     if (model->class_.jacobian == nqm_spec_jacobian)
         *(nqm_spec_state *)state = (nqm_spec_state){model, *values};
     model->prepare(values, state);
-    const nqm_brdf_info info = {.name = name, .spec = spec, .source_doi = doi, .layout = layout, .n_values = n_values};
+    nqm_brdf_info info = {.name = name, .spec = spec, .source_doi = doi, .layout = layout, .n_values = n_values};
+    info.isotropic = nqm_spec_is_isotropic(&model->schema, values);
     nqm_status status = nqm_brdf_wrap(&model->class_, state, &info, brdf_ret, err);
     nqm_free(spec);
     return status;

@@ -16,10 +16,11 @@ enum { NQM_SPEC_MAX_KEYS = 48 };
 /** One key of a spec. */
 typedef struct nqm_spec_key {
     const char *name;
-    size_t n;         /**< values: 1, or 3 for RGB, where a single value means all three */
+    size_t n;         /**< values: 1, 2 along tangent and bitangent, or 3 for RGB; a single value means all */
     double low, high; /**< closed range of each value */
     bool required;
     bool whole;      /**< integers only */
+    bool turns;      /**< a value that is not 0 makes the model anisotropic */
     double fallback; /**< default of an optional key */
 } nqm_spec_key;
 
@@ -30,7 +31,7 @@ typedef struct nqm_spec_schema {
     nqm_spec_key keys[NQM_SPEC_MAX_KEYS];
 } nqm_spec_schema;
 
-/** Parsed values; a key with n = 1 has its value in all three channels. */
+/** Parsed values; a key with n < 3 repeats its last value. */
 typedef struct nqm_spec_values {
     double v[NQM_SPEC_MAX_KEYS][3]; /**< (key, channel) */
     uint64_t given;                 /**< bit k: key k was in the text */
@@ -42,6 +43,9 @@ NQM_MUST_CHECK nqm_status nqm_spec_parse(const nqm_spec_schema *schema, const ch
 /** The canonical text, "MODEL:key=value;...", of the given keys; parses back to the same bits. nqm_free(); NULL when
  * out of memory. */
 char *nqm_spec_format(const nqm_spec_schema *schema, const nqm_spec_values *values);
+
+/** Whether f_r of a model with these values does not depend on the azimuth. */
+bool nqm_spec_is_isotropic(const nqm_spec_schema *schema, const nqm_spec_values *values);
 
 /** For functions that models call for values and for values with derivatives: when inlined, a constant NULL for the
  *  derivatives removes their code. */
@@ -68,7 +72,7 @@ enum { NQM_SPEC_MAX_STATE = 8192 }; /* bytes of a state that begins so */
 void nqm_spec_jacobian(const void *self, size_t n, const double *wi, const double *wo, double *rgb, double *jacobian);
 
 /** The index and the row in the schema of a key in a list X(INDEX, NAME, TYPE, LOW, HIGH, DEFAULT) as those of
- *  material/surface_keys.h. */
+ *  material/surface_keys.h. The type "float2" has two values; `.turns = true` may follow the default. */
 #define NQM_KEY_INDEX(INDEX, ...) INDEX,
 #define NQM_KEY_ROW(INDEX, NAME, TYPE, LOW, HIGH, ...)                                                                 \
     {.name = (NAME),                                                                                                   \
@@ -82,6 +86,7 @@ void nqm_spec_jacobian(const void *self, size_t n, const double *wi, const doubl
     const nqm_analytic_model MODEL = {                                                                                 \
         .schema = {NAME, sizeof((nqm_spec_key[]){KEYS(NQM_KEY_ROW)}) / sizeof(nqm_spec_key), {KEYS(NQM_KEY_ROW)}},     \
         .class_ = {.format = NAME,                                                                                     \
+                   .anisotropic = true,                                                                                \
                    .reciprocal = IS_RECIPROCAL,                                                                        \
                    .eval = EVAL,                                                                                       \
                    .jacobian = nqm_spec_jacobian,                                                                      \
