@@ -167,7 +167,8 @@ NQM_API void nqm_brdf_eval_half_diff(const nqm_brdf *brdf, size_t n, const doubl
 
 /**
  * Evaluate f_r of an analytic model (a spec or a preset of one) and its exact derivatives by its parameters: the values of the
- * keys in the order of nqm_brdf_info.spec, three for an RGB key (red, green, blue) also where the spec has one number for all.
+ * keys in the order of nqm_brdf_info.spec, three for an RGB key (red, green, blue) and two for a key with two values (x, y), also where
+ * the spec has one number for all.
  * Their number, n_parameters, is nqm_brdf_info.n_values.
  *
  * A channel depends only on its own value of an RGB key; the entries of the other two are 0. All entries are 0 below the
