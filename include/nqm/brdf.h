@@ -167,7 +167,8 @@ NQM_API void nqm_brdf_eval_half_diff(const nqm_brdf *brdf, size_t n, const doubl
 
 /**
  * Evaluate f_r of an analytic model (a spec or a preset of one) and its exact derivatives by its parameters: the values of the
- * keys in the order of nqm_brdf_info.spec, three for an RGB key (red, green, blue) also where the spec has one number for all.
+ * keys in the order of nqm_brdf_info.spec, three for an RGB key (red, green, blue) and two for a key with two values (x, y), also where
+ * the spec has one number for all.
  * Their number, n_parameters, is nqm_brdf_info.n_values.
  *
  * A channel depends only on its own value of an RGB key; the entries of the other two are 0. All entries are 0 below the
@@ -254,7 +255,7 @@ typedef struct nqm_brdf_check_report {
     double reciprocity_median;
     double reciprocity_p95; /**< 95th percentile of the same */
     /** Mean of |f - f turned| / mean (luminance) over pairs of all widths of lobes and random turns about the normal; 0 if isotropic by
-     *  construction or as measured, at most 2; NaN: no pair has a value. */
+     *  construction, or below 1e-5; at most 2; NaN: no pair has a value. */
     double anisotropy;
     /** Largest directional-hemispherical albedo, theta_i 0 to 75 degrees, per channel; NaN: unknown. */
     double albedo_max[3];

@@ -54,6 +54,13 @@ NQM_API NQM_MUST_CHECK nqm_status nqm_rays_compare(const nqm_rays *rays, const d
 NQM_API NQM_MUST_CHECK nqm_status nqm_transport_create(const nqm_scene_options *scene, size_t n_points, const char *id,
                                                        nqm_model **model_ret, nqm_error *err);
 
+/** The same of rays (nqm_rays_draw): its directions have azimuths, so that it sees anisotropic BRDFs. More rays make it more exact and
+ *  slower, but hardly larger (36 bytes each). The built-in model "rays" has the standard scenes.
+ *
+ * @return NQM_ERR_ARG, NQM_ERR_NOMEM */
+NQM_API NQM_MUST_CHECK nqm_status nqm_rays_model(const nqm_rays *rays, const char *id, nqm_model **model_ret,
+                                                 nqm_error *err);
+
 #ifdef __cplusplus
 }
 #endif

@@ -91,7 +91,11 @@ typedef struct nqm_score_result {
     double similarity[3]; /**< how similar people find the materials when they see them apart, JOD, and both ends of
                                its 95 % interval over the materials of its fit (doc/people.md); symmetric; without
                                the network; NaN without a transport matrix */
-    int identical;        /**< 1: both members are equal at every valid direction */
+    double
+        anisotropy; /**< of the more anisotropic of both BRDFs (nqm_brdf_check_report); 0: both are isotropic. Above it, the
+                               models "default" and "transport" take the score of "rays", at 0.1 alone, and below in part; other models
+                               whose directions have one azimuth give NQM_ERR_INCOMPATIBLE. Not of samples */
+    int identical;                        /**< 1: both members are equal at every valid direction */
     double metrics[NQM_METRIC_COUNT];     /**< indexed by nqm_metric, within 1e-6 relative of
                                                nqm_metrics_compute(); NaN when the options leave them out */
     size_t n_valid;                       /**< directions at which both BRDFs have a value */

@@ -17,7 +17,10 @@ extern "C" {
  *
  *  The standard set (neither light nor shape is given) is what the built-in model "default" predicts: a blob under a low sun,
  *  a sphere on an overcast day, a sphere in a studio, a blob in a room with windows. Its points are those of the four scenes
- *  one after the other, and each scene has a quarter of the weight. */
+ *  one after the other, and each scene has a quarter of the weight.
+ *
+ *  The tangent of a surface, to which anisotropic BRDFs refer, is horizontal, as on a turned workpiece: the cross product of the upward
+ *  direction and the normal (to the viewer's right where the normal is vertical). */
 typedef struct nqm_scene nqm_scene;
 
 /** Which scene the options describe. */
@@ -54,6 +57,11 @@ typedef struct nqm_scene_options {
     uint64_t seed;     /**< seed of points and light directions; default 1 */
     int exact; /**< 0 (default): BRDFs that are costly to evaluate (neural processes) are evaluated once into a table of
                                180 x 32 x 12 nodes where that is less work; 1: always evaluated themselves */
+    size_t n_aims; /**< at most 4; default 0 */
+    const nqm_brdf *const
+        *aims; /**< (n_aims) BRDFs to whose lobes the light directions are fitted, which anisotropic ones
+                               need: lobes that are longer than wide, or lean (`tilt`), are sampled well. Isotropic ones change
+                               nothing. Used by nqm_scene_create() only */
     nqm_progress_fn
         progress; /**< called by nqm_scene_create() and nqm_scene_render(), on the calling thread; NULL (default):
                                  silent */
@@ -101,8 +109,8 @@ NQM_API const size_t *nqm_scene_pixels(const nqm_scene *scene);
 typedef struct nqm_rays {
     size_t n;        /**< rays with light */
     size_t n_points; /**< points of all scenes together */
-    double *wi; /**< (n, 3) unit vectors to the light, in a local frame of the point: third axis the normal, first axis
-                          random */
+    double *wi; /**< (n, 3) unit vectors to the light, in the axes of the surface: the third is the normal, the first
+                          the tangent, which is horizontal */
     double *wo; /**< (n, 3) unit vectors to the viewer */
     double *weight; /**< (n, 3) radiance times cosine times solid angle, linear BT.709 in cd/m2 */
     size_t *point;  /**< (n) ascending */

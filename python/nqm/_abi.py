@@ -123,6 +123,7 @@ class ScoreResult(Structure):
     _c_name_ = "nqm_score_result"
     _fields_ = [("status", c_int), ("jod", c_double), ("delta_e", c_double), ("jod_low", c_double),
                 ("jod_high", c_double), ("novelty", c_double), ("parts", CLabel), ("similarity", c_double * 3),
+                ("anisotropy", c_double),
                 ("identical", c_int), ("metrics", c_double * N_METRICS), ("n_valid", c_size_t),
                 ("n_clamped_ref", c_size_t), ("n_clamped_test", c_size_t), ("n_invalid_ref", c_size_t),
                 ("n_invalid_test", c_size_t), ("n_unusual_ref", c_size_t), ("n_unusual_test", c_size_t),
@@ -175,6 +176,7 @@ class SceneOptions(Structure):
                 ("n_points", c_size_t), ("n_frames", c_size_t), ("turn_rad", c_double), ("elevation_rad", c_double),
                 ("n_lights", c_size_t), ("light_width", c_size_t), ("shadows", c_int), ("interreflection", c_int),
                 ("exposure_cdm2", c_double), ("peak_cdm2", c_double), ("seed", c_uint64), ("exact", c_int),
+                ("n_aims", c_size_t), ("aims", POINTER(c_void_p)),
                 ("progress", Progress), ("progress_user", c_void_p)]
 
 

@@ -152,6 +152,7 @@ class Score:
         similarity: how similar people find the materials when they see them apart, JOD; NaN without a transport matrix
         similarity_low: lower end of its 95 % interval
         similarity_high: upper end
+        anisotropy: of the more anisotropic BRDF (see `CheckReport`); above 0 the score is that of the model "rays"
         parts: what differs, or None
         metrics: scalar metrics by name; empty if they were switched off
         n_valid: directions at which both BRDFs have a value
@@ -172,6 +173,7 @@ class Score:
     similarity: float
     similarity_low: float
     similarity_high: float
+    anisotropy: float
     parts: Optional[Parts]
     metrics: Dict[str, float]
     n_valid: int
@@ -247,7 +249,7 @@ class Scorer:
                           (ref, test, status_text(r.status), r.n_valid, self._n_directions), _abi.Status(r.status))
         prefer_reference = 0.5 if r.identical else lib.nqm_jod_preference(max(10.0, r.jod), r.jod)
         return Score(ref, test, r.jod, r.jod_low, r.jod_high, r.delta_e, prefer_reference, bool(r.identical), r.novelty, *r.similarity,
-                     None if math.isnan(r.parts.structure) else parts_of(r.parts),
+                     r.anisotropy, None if math.isnan(r.parts.structure) else parts_of(r.parts),
                      dict(zip(METRICS, r.metrics)) if self._options.metrics else {}, r.n_valid,
                      _warnings(r, ref, test, self._n_directions, self._options.invalid), error)
 

@@ -44,6 +44,7 @@ static void draw_pair(bool in_plane, nqm_rng *rng, size_t i, double max_polar_de
 double nqm_brdf_anisotropy(const nqm_brdf *brdf) {
     enum { N = 4 * BLOCK };
     static const double narrowest = 1e-4; /* theta_h; evenly from there on the logarithm */
+    static const double rounding = 1e-5;  /* of BRDFs that are computed in float */
     double rgb[2][3 * BLOCK], wi[3 * BLOCK], wo[3 * BLOCK], sum = 0;
     uint8_t flag[2][BLOCK];
     size_t n_compared = 0;
@@ -68,7 +69,10 @@ double nqm_brdf_anisotropy(const nqm_brdf *brdf) {
             sum += a + b > 2e-6 ? 2 * fabs(a - b) / (a + b) : 0;
         }
     }
-    return n_compared ? sum / (double)n_compared : (double)NAN;
+    if (n_compared == 0)
+        return (double)NAN;
+    const double mean = sum / (double)n_compared;
+    return mean > rounding ? mean : 0;
 }
 
 /* Count clamped and invalid values at n pairs, and write |f(a,b) - f(b,a)| / mean of the luminances to `difference` (n). */

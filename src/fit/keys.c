@@ -78,7 +78,7 @@ static size_t layer_of(const nqm_spec_schema *schema, size_t key) {
 static bool is_base(const nqm_spec_key *key, nqm_fit_role role) {
     switch (role) {
     case NQM_FIT_BASE_WIDTH:
-        return key->n == 1 && is_width(key->name) && !is_of_layer(key->name) && !contains(key->name, "diffuse");
+        return key->n < 3 && is_width(key->name) && !is_of_layer(key->name) && !contains(key->name, "diffuse");
     case NQM_FIT_BASE_METAL:
         return key->n == 1 && contains(key->name, "metal");
     default:

@@ -35,7 +35,7 @@ static nqm_fit_parameter describe(const nqm_fit_entry *entry, size_t k) {
         return describe_shape(shape, k);
     nqm_fit_parameter p = {.key = k, .layer = k, .low = key->low, .high = key->high, .units = 1, .is_log = true};
     p.zero = p.low - 0.05; /* smaller: fits stay at albedos of 0, where the loss hardly changes */
-    if (key->n == 1)
+    if (key->n < 3)
         p.high = p.low;
     return p;
 }
@@ -43,8 +43,10 @@ static nqm_fit_parameter describe(const nqm_fit_entry *entry, size_t k) {
 static void add_key(nqm_fit_space *space, size_t k) {
     const nqm_spec_key *key = &space->model->schema.keys[k];
     nqm_fit_parameter p = describe(space->entry, k);
-    if (key->whole || !(p.low < p.high))
+    if (key->whole || key->turns || !(p.low < p.high))
         return;
+    if (key->n == 2)
+        p.channel = NQM_FIT_ALL_CHANNELS; /* fits are isotropic */
     for (size_t c = 0; c < key->n && space->n < NQM_FIT_MAX_FREE; ++c) {
         p.channel = p.channel == NQM_FIT_ALL_CHANNELS ? p.channel : c;
         space->parameters[space->n++] = p;
@@ -143,7 +145,7 @@ void nqm_fit_bounds(const nqm_fit_space *space, double *low, double *high) {
 }
 
 static void set_value(const nqm_fit_space *space, nqm_spec_values *values, const nqm_fit_parameter *p, double v) {
-    const bool all = p->channel == NQM_FIT_ALL_CHANNELS || space->model->schema.keys[p->key].n == 1;
+    const bool all = p->channel == NQM_FIT_ALL_CHANNELS || space->model->schema.keys[p->key].n < 3;
     for (size_t c = 0; c < 3; ++c)
         if (all || c == p->channel)
             values->v[p->key][c] = v;

@@ -8,7 +8,7 @@
 #define NQM_SRC_MATERIAL_SURFACE_KEYS_H
 
 /** Numbers of a value of this type. */
-#define NQM_KEY_N(TYPE) (sizeof(TYPE) == sizeof "color3" ? 3 : 1)
+#define NQM_KEY_N(TYPE) (__builtin_strcmp(TYPE, "color3") == 0 ? 3 : __builtin_strcmp(TYPE, "float2") == 0 ? 2 : 1)
 
 /* clang-format off */
 #define NQM_OPEN_PBR_KEYS(X)                                                   \

@@ -137,10 +137,13 @@ typedef struct nqm_member {
     const uint8_t *flag; /* (n_directions) nqm_value_flag; NULL: all have a value, or sampling failed */
     const uint8_t *mask; /* tests: (n_directions) 0 where the caller excludes the direction; NULL: nowhere */
     nqm_sample_report report;
+    double anisotropy;      /* of the BRDF, if the model's directions have one azimuth; 0: none, or not of a BRDF */
     size_t n_unusual;       /* as n_unusual_test in nqm_score_result */
     double distance_deg[2]; /* as in nqm_score_result */
 } nqm_member;
 
+/** The result of a pair without a score. */
+nqm_score_result nqm_no_score(nqm_status status);
 /** Set the suspicions of a result. ref, test: (n_directions, 3) f_r. */
 void nqm_suspect(const nqm_directions *directions, const float *ref, const float *test, nqm_score_result *result);
 /** Number of BRDFs that nqm_scorer_run_named() has opened so far, including failures and reopened ones. */

@@ -6,7 +6,7 @@
 #include "brdf/brdf.h"
 #include "brdf/formats/listed.h"
 #include "kernel/kernel.h"
-#include "metric/metric.h"
+#include "metric/azimuths.h"
 #include "metric/sample_cache.h"
 
 #include <float.h>
@@ -23,15 +23,16 @@ static const size_t not_counted = SIZE_MAX; /* n_unusual of the caller's samples
 struct nqm_scorer {
     const nqm_model *model;
     nqm_score_options options;
-    nqm_sample_cache *cache;     /* of nqm_scorer_run_named(), created by its first call */
-    nqm_predictor *predictor;    /* for batches of at most `room` pairs */
-    nqm_gradients *gradients;    /* of nqm_score_grad(), created by its first call */
-    size_t gradient_room;        /* its largest batch */
-    size_t room;                 /* capacity of the arrays, pairs */
-    nqm_member *member;          /* (room, 2) reference and test of each pair of the block; owns all arrays */
-    size_t *place;               /* (room) index of each pair in the following arrays, which are grouped by reference */
-    nqm_sample_pair *pairs;      /* (room) for the predictor */
-    uint8_t *used;               /* (room, n_directions) of these */
+    nqm_sample_cache *cache;  /* of nqm_scorer_run_named(), created by its first call */
+    nqm_predictor *predictor; /* for batches of at most `room` pairs */
+    nqm_azimuths *azimuths;   /* for anisotropic BRDFs, created by the first; NULL: none was, or the model has none */
+    nqm_gradients *gradients; /* of nqm_score_grad(), created by its first call */
+    size_t gradient_room;     /* its largest batch */
+    size_t room;              /* capacity of the arrays, pairs */
+    nqm_member *member;       /* (room, 2) reference and test of each pair of the block; owns all arrays */
+    size_t *place;            /* (room) index of each pair in the following arrays, which are grouped by reference */
+    nqm_sample_pair *pairs;   /* (room) for the predictor */
+    uint8_t *used;            /* (room, n_directions) of these */
     nqm_prediction *predictions; /* (room) */
     double *metrics;             /* (room, NQM_METRIC_COUNT) */
     /* Of nqm_scorer_run() only: */
@@ -115,13 +116,14 @@ void nqm_scorer_free(nqm_scorer *scorer) {
     nqm_sample_cache_free(scorer->cache);
     nqm_predictor_free(scorer->predictor);
     nqm_gradients_free(scorer->gradients);
+    nqm_azimuths_free(scorer->azimuths);
     nqm_free(scorer->member);
     nqm_free(scorer);
 }
 
 /* ---- comparison -------------------------------------------------------------------------------------------------- */
 
-static nqm_score_result no_score(nqm_status status) {
+nqm_score_result nqm_no_score(nqm_status status) {
     nqm_score_result result = {.status = status,
                                .jod = NAN,
                                .delta_e = NAN,
@@ -157,6 +159,8 @@ static nqm_member sample_member(const nqm_model *model, const nqm_brdf *brdf, nq
         member.status = NQM_ERR_NOMEM;
     if (member.status == NQM_OK)
         member.n_unusual = count_unusual(model, rgb);
+    if (member.status == NQM_OK && !nqm_model_sees_azimuths(model))
+        member.anisotropy = nqm_brdf_anisotropy(brdf);
     return member;
 }
 
@@ -168,7 +172,7 @@ static bool has_value(const nqm_member *member, size_t direction) {
 static nqm_score_result compare_members(const nqm_scorer *s, const nqm_member *ref, const nqm_member *test,
                                         uint8_t *used) {
     const size_t n = s->model->directions->n;
-    nqm_score_result result = no_score(ref->status != NQM_OK ? ref->status : test->status);
+    nqm_score_result result = nqm_no_score(ref->status != NQM_OK ? ref->status : test->status);
     memcpy(result.distance_deg, ref->distance_deg, sizeof result.distance_deg);
     if (ref->status != NQM_OK)
         return result;
@@ -195,6 +199,7 @@ static nqm_score_result compare_members(const nqm_scorer *s, const nqm_member *r
         return result;
     }
     result.identical = equal;
+    result.anisotropy = fmax(ref->anisotropy, test->anisotropy);
     result.n_unusual_test = test->n_unusual;
     return result;
 }
@@ -252,7 +257,7 @@ static void settle(void *user, size_t i) {
     if (result->status != NQM_OK)
         return;
     if (!isfinite(p->jod)) {
-        *result = no_score(NQM_ERR_NUMERIC);
+        *result = nqm_no_score(NQM_ERR_NUMERIC);
         return;
     }
     result->jod = p->jod;
@@ -272,12 +277,25 @@ static void settle(void *user, size_t i) {
 }
 
 /* Score the n pairs in s->member. */
-static void score_block(nqm_scorer *s, size_t n, nqm_score_result *results) {
+static void score_members(nqm_scorer *s, size_t n, nqm_score_result *results) {
     score_job job = {s, results};
     group_by_reference(s, n);
     nqm_parallel_for(n, compare, &job);
     nqm_predictor_run(s->predictor, n, s->pairs, s->predictions, s->options.metrics ? s->metrics : NULL);
     nqm_parallel_for(n, settle, &job);
+}
+
+/* The same; those with an anisotropic BRDF at all azimuths. */
+static nqm_status score_block(nqm_scorer *s, size_t n, const nqm_azimuth_pairs *pairs, nqm_score_result *results,
+                              nqm_error *err) {
+    bool is_anisotropic = false;
+    score_members(s, n, results);
+    for (size_t i = 0; i < n; ++i)
+        is_anisotropic |= results[i].status == NQM_OK && results[i].anisotropy > 0;
+    if (!is_anisotropic)
+        return NQM_OK;
+    nqm_status status = s->azimuths ? NQM_OK : nqm_azimuths_create(s->model, &s->options, &s->azimuths, err);
+    return status == NQM_OK ? nqm_azimuths_score(s->azimuths, n, pairs, results, err) : status;
 }
 
 /* ---- opened BRDFs ------------------------------------------------------------------------------------------------ */
@@ -295,15 +313,15 @@ nqm_status nqm_scorer_run(nqm_scorer *scorer, const nqm_brdf *ref, size_t n_test
         sample_member(scorer->model, ref, scorer->options.invalid, scorer->rgb, scorer->flag, err);
     if (member.status != NQM_OK)
         return member.status;
-    for (size_t begin = 0, n; begin < n_tests; begin += n) {
+    for (size_t begin = 0, n; status == NQM_OK && begin < n_tests; begin += n) {
         n = nqm_smaller(n_tests - begin, NQM_SCORE_BLOCK);
         for (size_t i = 0; i < n; ++i)
             scorer->member[2 * i] = member;
         scorer->brdfs = tests + begin;
-        score_block(scorer, n, results + begin);
+        status = score_block(scorer, n, &(nqm_azimuth_pairs){.ref = ref, .tests = tests + begin}, results + begin, err);
     }
     scorer->brdfs = NULL;
-    return NQM_OK;
+    return status;
 }
 
 nqm_status nqm_score(const nqm_model *model, const nqm_brdf *ref, size_t n_tests, const nqm_brdf *const *tests,
@@ -331,7 +349,14 @@ static nqm_error explain(const nqm_scorer *s, nqm_cached *const *entry, const ch
         return entry[0]->err;
     if (entry[1]->member.status != NQM_OK)
         return entry[1]->err;
-    if (result->status == NQM_ERR_INCOMPATIBLE)
+    const double anisotropy = fmax(entry[0]->member.anisotropy, entry[1]->member.anisotropy);
+    if (result->status == NQM_ERR_INCOMPATIBLE && anisotropy > 0)
+        (void)nqm_fail(&why, result->status, -1,
+                       "%s: it or its reference is anisotropic (turning changes it by %.2g %%), which the directions "
+                       "of model '%s' "
+                       "do not see: use the models default or rays",
+                       test, 100 * anisotropy, s->model->id);
+    else if (result->status == NQM_ERR_INCOMPATIBLE)
         (void)nqm_fail(
             &why, result->status, -1,
             "%s: it and its reference both have a value at only %zu of %zu directions (at least %.0f are needed; "
@@ -368,7 +393,7 @@ nqm_status nqm_scorer_run_named(nqm_scorer *scorer, size_t n_pairs, const nqm_na
         n = nqm_smaller(n_pairs - begin, NQM_SCORE_BLOCK);
         status = look_up(scorer, n, pairs + begin, entry, err);
         if (status == NQM_OK)
-            score_block(scorer, n, results + begin);
+            status = score_block(scorer, n, &(nqm_azimuth_pairs){.named = pairs + begin}, results + begin, err);
         for (size_t i = 0; status == NQM_OK && errors && i < n; ++i)
             errors[begin + i] = explain(scorer, entry + 2 * i, pairs[begin + i].test, &results[begin + i]);
         nqm_sample_cache_trim(scorer->cache, scorer->options.cache_bytes);
@@ -424,7 +449,7 @@ nqm_status nqm_scorer_run_samples(nqm_scorer *scorer, size_t n_pairs, const nqm_
             scorer->member[2 * i] = (nqm_member){.rgb = p->ref, .n_unusual = not_counted};
             scorer->member[2 * i + 1] = (nqm_member){.rgb = p->test, .mask = p->used, .n_unusual = not_counted};
         }
-        score_block(scorer, n, results + begin);
+        score_members(scorer, n, results + begin);
     }
     return status;
 }

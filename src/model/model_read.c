@@ -199,11 +199,18 @@ static nqm_status read_directions(reader *r, struct nqm_model *model) {
         get(r, &(expectation){.name = "directions_deg", .dtype = NQM_F64, .rows = n, .cols = 3}, &tensor);
     if (status != NQM_OK)
         return status;
-    double *degrees = nqm_alloc(n, 3 * sizeof *degrees); /* aligned */
+    const nqm_tensor *phi_h = nqm_safetensors_find(r->st, "phi_h_deg");
+    if (phi_h)
+        status = get(r, &(expectation){.name = phi_h->name, .dtype = NQM_F64, .cols = n}, &phi_h);
+    if (status != NQM_OK)
+        return status;
+    double *degrees = nqm_alloc(n, 4 * sizeof *degrees); /* aligned */
     if (!degrees)
         return nqm_fail_nomem(r->err, tensor->n_bytes);
     memcpy(degrees, tensor->data, tensor->n_bytes);
-    status = nqm_directions_from_degrees(n, degrees, &model->directions, &inner);
+    if (phi_h)
+        memcpy(degrees + 3 * n, phi_h->data, phi_h->n_bytes);
+    status = nqm_directions_make(n, degrees, phi_h ? degrees + 3 * n : NULL, &model->directions, &inner);
     nqm_free(degrees);
     if (status == NQM_OK)
         return NQM_OK;
@@ -244,6 +251,7 @@ static nqm_status read_arrays(reader *r, struct nqm_model *model) {
                                       [NQM_PART_LABEL] = nqm_model_has_parts(model),
                                       [NQM_PART_TRANSPORT] = nqm_safetensors_find(r->st, "transport") ||
                                                              nqm_safetensors_find(r->st, "transport.points"),
+                                      [NQM_PART_RAYS] = nqm_safetensors_find(r->st, "transport.ends"),
                                       [NQM_PART_SPREAD] = nqm_safetensors_find(r->st, "interval.spread"),
                                       [NQM_PART_SIMILARITY] = nqm_safetensors_find(r->st, "similarity")};
     const nqm_tensor *spread = nqm_safetensors_find(r->st, "interval.spread");
@@ -263,7 +271,11 @@ static nqm_status read_arrays(reader *r, struct nqm_model *model) {
 static nqm_status check_arrays(const reader *r, const struct nqm_model *model) {
     const float *std = model->features.std;
     const nqm_transport transport = nqm_model_transport(model);
-    const char *transport_fault = model->transport ? nqm_transport_fault(&transport, r->verify) : NULL;
+    const char *transport_fault = NULL;
+    if (model->n_ends && model->n_ends != model->n_points)
+        transport_fault = "tensor 'transport.ends' does not have a row for each point";
+    else if (model->transport)
+        transport_fault = nqm_transport_fault(&transport, r->verify);
     if (model->transport && model->n_transport != model->directions->n)
         transport_fault = "tensor 'transport' does not have a row for each direction";
     if (model->transport && model->target != NQM_TARGET_LOG_DELTA_E)

@@ -5,7 +5,8 @@
  * cosine. The spiral is what makes lobes of any width right without knowledge of the BRDF: its directions are evenly spaced in the
  * logarithm of tan(theta_h), in which a lobe of any width has the same smooth shape, and the midpoint rule converges exponentially
  * for smooth integrands (Trefethen and Weideman 2014, DOI 10.1137/130932132). They are denser where the light map resolves a lobe, and
- * continue to perfect mirrors, within whose lobes the light is constant. The azimuth advances by the golden angle.
+ * continue to perfect mirrors, within whose lobes the light is constant. The azimuth advances by the golden angle. For anisotropic BRDFs
+ * the spiral is stretched as their lobes are (render/lobe.c).
  */
 #include "math/math.h"
 #include "render/render.h"
@@ -44,6 +45,7 @@ typedef struct sampler {
     double *wide;           /* (n_max) fraction of the density at each direction that is not of the spiral */
     size_t row;             /* SIZE_MAX: none */
     size_t n[N_TECHNIQUES]; /* number of directions of each technique */
+    const nqm_lobes *lobes; /* of the spiral; NULL: round */
     double range;           /* spiral_range() */
 } sampler;
 
@@ -174,11 +176,32 @@ static void sample_cosine(double u, double v, double *wi) {
     wi[2] = sqrt(1 - u);
 }
 
+/* Move a half vector of the round spiral into a lobe. */
+static void stretch(const sampler *s, const nqm_lobe *lobe, double *h) {
+    const double x = h[0] / h[2], y = h[1] / h[2], *axes = lobe->axes;
+    const double back[2] = {-s->point->grain[0], s->point->grain[1]};
+    h[0] = lobe->center[0] + axes[0] * x + axes[1] * y;
+    h[1] = lobe->center[1] + axes[2] * x + axes[3] * y;
+    h[2] = 1;
+    nqm_turn3(back, h, h);
+    nqm_normalize3(h);
+}
+
+/* Tan(theta_h) at which the spiral of a lobe has the half vector h. */
+static double position_in(const sampler *s, const nqm_lobe *lobe, const double *h) {
+    double in[3];
+    nqm_turn3(s->point->grain, h, in);
+    const double x = in[0] / in[2] - lobe->center[0], y = in[1] / in[2] - lobe->center[1], *axes = lobe->axes;
+    return hypot(axes[3] * x - axes[1] * y, axes[0] * y - axes[2] * x);
+}
+
 /* Reflect wo at a half vector of the spiral: (1 + t / core) (1 + t / knee) = exp(u range). */
-static void sample_spiral(const double *wo, double u, double v, double *wi) {
-    const double grown = expm1(u * spiral_range()), sum = core + knee, product = core * knee;
+static void sample_spiral(const sampler *s, const nqm_lobe *lobe, double u, double v, double *wi) {
+    const double grown = expm1(u * spiral_range()), sum = core + knee, product = core * knee, *wo = s->point->wo;
     double h[3];
     nqm_spherical(atan(2 * product * grown / (sum + sqrt(sum * sum + 4 * product * grown))), 2 * NQM_PI * v, h);
+    if (lobe)
+        stretch(s, lobe, h);
     double d = nqm_dot3(wo, h);
     for (int k = 0; k < 3; ++k)
         wi[k] = 2 * d * h[k] - wo[k];
@@ -190,11 +213,15 @@ static double spiral_density(const sampler *s, const double *wi) {
     const double *wo = s->point->wo;
     const double h[3] = {wi[0] + wo[0], wi[1] + wo[1], wi[2] + wo[2]};
     const double length = sqrt(nqm_dot3(h, h)); /* twice wo.h of the unit vector */
-    const double cosine = h[2] / length, t = fmax(hypot(h[0], h[1]) / h[2], 1e-12);
-    if (!(t <= most_tan))
-        return 0;
-    const double by_tan = (double)s->n[SPIRAL] * (1 / (t + core) + 1 / (t + knee)) / s->range;
-    return by_tan / (2 * NQM_PI * t * cosine * cosine * cosine * 2 * length);
+    const double cosine = h[2] / length;
+    const size_t n_lobes = s->lobes ? s->lobes->n : 1;
+    double by_slope = 0;
+    for (size_t k = 0; k < n_lobes; ++k) {
+        const double t = fmax(s->lobes ? position_in(s, &s->lobes->lobe[k], h) : hypot(h[0], h[1]) / h[2], 1e-12);
+        if (t <= most_tan)
+            by_slope += (double)s->n[SPIRAL] * (1 / (t + core) + 1 / (t + knee)) / s->range / (2 * NQM_PI * t);
+    }
+    return by_slope / (cosine * cosine * cosine * 2 * length) / (double)n_lobes;
 }
 
 /* The same of the other techniques; `cell` of the map contains wi. */
@@ -216,13 +243,18 @@ static double shifted(double x, uint64_t random) {
     return sum < 1 ? sum : sum - 1;
 }
 
-static void sample(sampler *s, size_t technique, double u, double v, double *wi) {
+/* The lobe of direction i of the spiral, of which either half has all. */
+static const nqm_lobe *lobe_of(const sampler *s, size_t i) {
+    return s->lobes ? &s->lobes->lobe[i / 2 % s->lobes->n] : NULL;
+}
+
+static void sample(sampler *s, size_t technique, size_t i, double u, double v, double *wi) {
     if (technique == LIGHT)
         sample_light(s, u, v, wi);
     else if (technique == COSINE)
         sample_cosine(u, v, wi);
     else
-        sample_spiral(s->point->wo, u, v, wi);
+        sample_spiral(s, lobe_of(s, i), u, v, wi);
 }
 
 /* Correct the sum of the weights to the exact irradiance: this removes the noise common to all surfaces (1 % at 384
@@ -253,7 +285,7 @@ static void add_technique(sampler *s, size_t technique, size_t half, uint64_t se
     for (size_t i = half; i < n; i += 2) {
         double *wi = set->wi + 3 * set->n_used, *weight = set->weight + 3 * set->n_used, world[3];
         double u = shifted(((double)i + 0.5) / (double)n, shift_u);
-        sample(s, technique, u, shifted(second(i), shift_v), wi);
+        sample(s, technique, i, u, shifted(second(i), shift_v), wi);
         if (!(wi[2] > 0))
             continue;
         nqm_world_from_local(s->point, wi, world);
@@ -278,11 +310,12 @@ static void add_techniques(sampler *s, uint64_t seed, nqm_direction_set *set) {
     }
 }
 
-bool nqm_choose_directions(const nqm_light *light, const nqm_surface_point *point, uint64_t seed,
-                           nqm_direction_set *set) {
+bool nqm_choose_directions(const nqm_light *light, const nqm_surface_point *point, const nqm_lobes *lobes,
+                           uint64_t seed, nqm_direction_set *set) {
     sampler s;
     if (!open_sampler(light, point, false, set->n_max, &s))
         return false;
+    s.lobes = lobes->n ? lobes : NULL;
     gather_light(&s, set->irradiance);
     add_techniques(&s, seed, set);
     calibrate(s.wide, set);

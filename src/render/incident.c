@@ -54,6 +54,8 @@ static bool fill_bounce(const nqm_scene *scene, const nqm_surface_point *point, 
         return false;
     bounce->n_rays = 0;
     to_float(met.wo, bounce->wo);
+    for (size_t k = 0; k < 2; ++k)
+        bounce->grain[k] = (float)met.grain[k];
     for (size_t j = 0; j < set.n_used; ++j) {
         if (is_black(weight + 3 * j) || blocked(scene, &met, wi + 3 * j))
             continue;
@@ -124,8 +126,8 @@ bool nqm_incident_make(const nqm_scene *scene, size_t i, nqm_incident *incident,
     workspace b;
     *incident = (nqm_incident){0};
     bool ok = open_workspace(scene->options.n_lights, scene->options.interreflection && scene->shape.tracer, &b) &&
-              nqm_choose_directions(&scene->light, point, seed, &b.set) && decide(scene, point, seed, &b) &&
-              pack(&b, incident);
+              nqm_choose_directions(&scene->light, point, &scene->lobes, seed, &b.set) &&
+              decide(scene, point, seed, &b) && pack(&b, incident);
     if (ok && irradiance)
         memcpy(irradiance, b.set.irradiance, sizeof b.set.irradiance);
     nqm_free(b.set.wi);

@@ -29,28 +29,45 @@ static void from_float(const float *f, double *v) {
         v[k] *= scale;
 }
 
-/* Add the light of n rays that the BRDF reflects to wo. */
-static void reflect(const nqm_brdf *brdf, size_t n_rays, const nqm_ray *ray, const double *wo_one, double *sum) {
+/* A BRDF in the frame of a point. */
+typedef struct surface {
+    const nqm_brdf *brdf;
+    double grain[2];
+} surface;
+
+/* nqm_brdf_eval() of directions in the frame of the point, which become those of the surface. */
+static void eval(const surface *s, size_t n, double *wi, double *wo, double *f) {
+    for (size_t j = 0; !s->brdf->info.isotropic && j < n; ++j) {
+        nqm_turn3(s->grain, wi + 3 * j, wi + 3 * j);
+        nqm_turn3(s->grain, wo + 3 * j, wo + 3 * j);
+    }
+    nqm_brdf_eval(s->brdf, n, wi, wo, f, NULL);
+}
+
+/* Add the light of n rays that the surface reflects to wo. */
+static void reflect(const surface *s, size_t n_rays, const nqm_ray *ray, const double *wo_one, double *sum) {
     double wi[3 * BLOCK], wo[3 * BLOCK], f[3 * BLOCK];
-    for (size_t j = 0; j < BLOCK && j < n_rays; ++j)
-        memcpy(wo + 3 * j, wo_one, 3 * sizeof *wo);
     for (size_t first = 0; first < n_rays; first += BLOCK) {
         size_t left = n_rays - first, n = left < BLOCK ? left : BLOCK;
-        for (size_t j = 0; j < n; ++j)
+        for (size_t j = 0; j < n; ++j) {
             from_float(ray[first + j].wi, wi + 3 * j);
-        nqm_brdf_eval(brdf, n, wi, wo, f, NULL);
+            memcpy(wo + 3 * j, wo_one, 3 * sizeof *wo);
+        }
+        eval(s, n, wi, wo, f);
         for (size_t j = 0; j < n; ++j)
             for (size_t k = 0; k < 3; ++k)
                 sum[k] += f[3 * j + k] * (double)ray[first + j].weight[k];
     }
 }
 
-static void reflect_bounce(const nqm_brdf *brdf, const nqm_bounce *bounce, const double *wo, double *sum) {
-    double wi[3], from[3], f[3], radiance[3] = {0};
+static void reflect_bounce(const surface *s, const nqm_bounce *bounce, const double *wo, double *sum) {
+    const surface met = {s->brdf, {(double)bounce->grain[0], (double)bounce->grain[1]}};
+    double wi[3], from[3], to[3], f[3], radiance[3] = {0};
     from_float(bounce->wo, from);
-    reflect(brdf, bounce->n_rays, bounce->ray, from, radiance);
+    reflect(&met, bounce->n_rays, bounce->ray, from, radiance);
     from_float(bounce->wi, wi);
-    nqm_brdf_eval(brdf, 1, wi, wo, f, NULL);
+    memcpy(to, wo, sizeof to);
+    eval(s, 1, wi, to, f);
     for (int k = 0; k < 3; ++k)
         sum[k] += f[k] * radiance[k] * (double)bounce->extent;
 }
@@ -58,17 +75,18 @@ static void reflect_bounce(const nqm_brdf *brdf, const nqm_bounce *bounce, const
 static void render_point(void *user, size_t i) {
     rendering *r = user;
     const nqm_scene *scene = r->scene;
-    nqm_surface_point point;
-    const double *wo = nqm_scene_point(scene, i, &point)->wo;
+    nqm_surface_point made_point;
+    const nqm_surface_point *point = nqm_scene_point(scene, i, &made_point);
+    const surface s = {r->brdf, {point->grain[0], point->grain[1]}};
     nqm_incident made = {0};
     double half[2][3] = {{0}};
     if (!scene->kept && !nqm_incident_make(scene, i, &made, NULL))
         atomic_store(&r->out_of_memory, true);
     const nqm_incident *incident = scene->kept ? &scene->kept[i] : &made;
-    reflect(r->brdf, incident->n_first_rays, incident->ray, wo, half[0]);
-    reflect(r->brdf, incident->n_rays - incident->n_first_rays, incident->ray + incident->n_first_rays, wo, half[1]);
+    reflect(&s, incident->n_first_rays, incident->ray, point->wo, half[0]);
+    reflect(&s, incident->n_rays - incident->n_first_rays, incident->ray + incident->n_first_rays, point->wo, half[1]);
     for (size_t j = 0; j < incident->n_bounces; ++j)
-        reflect_bounce(r->brdf, &incident->bounce[j], wo, half[j >= incident->n_first_bounces]);
+        reflect_bounce(&s, &incident->bounce[j], point->wo, half[j >= incident->n_first_bounces]);
     for (size_t k = 0; k < 3; ++k) {
         r->rgb_cdm2[3 * i + k] = (half[0][k] + half[1][k]) * scene->exposure;
         for (size_t h = 0; h < 2 && r->half[h]; ++h)

@@ -16,7 +16,6 @@ typedef struct drawn {
     const nqm_scene *scene;
     size_t number; /* number of the scene in its set */
     size_t index;  /* index of the point in the scene */
-    double turn[2];
     nqm_incident incident;
     bool failed; /* out of memory */
 } drawn;
@@ -28,17 +27,15 @@ typedef struct drawing {
     nqm_surface_point *sphere;            /* (n_parts, n_points) points of spheres */
 } drawing;
 
-/* The point is in one of n_points strata of the scene's points, which neighbour each other in their order. Its frame gets a random
- * azimuth: in the frames of the scene wo is in one plane, and a network that is not isotropic would learn only that plane. */
+/* The point is in one of n_points strata of the scene's points, which neighbour each other in their order. */
 static void draw_point(void *user, size_t i) {
     const drawing *d = user;
     const size_t k = i % d->n_points;
     const nqm_scene *scene = &d->parts[i / d->n_points];
     const double n_seen = (double)scene->seen.n,
                  stratum = ((double)k + nqm_random_unit(scene->options.seed, UINT64_MAX - 2 * k)) / (double)d->n_points;
-    const double angle = 2 * NQM_PI * nqm_random_unit(scene->options.seed, UINT64_MAX - 2 * k - 1);
     drawn *p = &d->points[i];
-    *p = (drawn){.scene = scene, .number = i / d->n_points, .turn = {sin(angle), cos(angle)}};
+    *p = (drawn){.scene = scene, .number = i / d->n_points};
     p->index = nqm_smaller((size_t)(stratum * n_seen), scene->seen.n - 1);
     p->failed = !nqm_incident_make(scene, p->index, &p->incident, NULL);
 }
@@ -54,7 +51,7 @@ static void append(const drawn *p, double weight, nqm_rays *rays) {
     const nqm_scene *scene = p->scene;
     const double point[3] = {weight, (double)p->number, scene->options.peak_cdm2};
     nqm_surface_point made;
-    const double *wo = nqm_scene_point(scene, p->index, &made)->wo;
+    const nqm_surface_point *seen = nqm_scene_point(scene, p->index, &made);
     for (size_t j = 0; j < p->incident.n_rays; ++j, ++rays->n) {
         double wi[3];
         for (size_t k = 0; k < 3; ++k) {
@@ -62,8 +59,8 @@ static void append(const drawn *p, double weight, nqm_rays *rays) {
             rays->weight[3 * rays->n + k] = (double)p->incident.ray[j].weight[k] * scene->exposure;
         }
         nqm_normalize3(wi);
-        nqm_turn3(p->turn, wi, rays->wi + 3 * rays->n);
-        nqm_turn3(p->turn, wo, rays->wo + 3 * rays->n);
+        nqm_turn3(seen->grain, wi, rays->wi + 3 * rays->n);
+        nqm_turn3(seen->grain, seen->wo, rays->wo + 3 * rays->n);
         rays->point[rays->n] = rays->n_points;
     }
     memcpy(rays->points + 3 * rays->n_points++, point, sizeof point);

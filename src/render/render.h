@@ -112,9 +112,12 @@ NQM_MUST_CHECK nqm_status nqm_blob_create(nqm_mesh *mesh_ret, nqm_error *err);
 
 /* ---- points ------------------------------------------------------------------------------------------------------ */
 
-/** One visible point of the shape with its local frame: third axis the normal, wo in the plane of first and third. */
+/** One visible point of the shape with its local frame: third axis the normal, wo in the plane of first and third. Anisotropic BRDFs
+ *  are evaluated in the axes of the surface, whose first is the tangent. It is horizontal, as on a turned workpiece: cross(up, normal),
+ *  and the x axis where the normal is vertical; smooth elsewhere. */
 typedef struct nqm_surface_point {
-    double frame[9];  /* (3, 3) rows: tangent, bitangent, normal, in world axes */
+    double frame[9];  /* (3, 3) rows: the axes, in world axes */
+    double grain[2];  /* sine and cosine of the turn (nqm_turn3) from the frame to the axes of the surface */
     double wo[3];     /* local direction to the viewer */
     double origin[3]; /* origin of shadow rays, in the shape's axes */
     double turn[2];   /* sine and cosine of the turntable's angle */
@@ -147,6 +150,22 @@ NQM_MUST_CHECK nqm_status nqm_spread_points(const nqm_shape *shape, const nqm_li
 /** Axes of the viewer in world coordinates: axes (3, 3), rows right, up and towards the viewer. */
 void nqm_view_axes(double elevation_rad, double *axes);
 
+/* ---- lobes ------------------------------------------------------------------------------------------------------- */
+
+/** Where half vectors of a spiral are: at the slopes (x, y) / z = center + axes * t (cos phi, sin phi) in the axes of the surface, for a
+ *  spiral of (t, phi). The determinant of `axes` is 1. */
+typedef struct nqm_lobe {
+    double center[2];
+    double axes[4]; /* (2, 2) */
+} nqm_lobe;
+enum { NQM_MAX_LOBES = 4 };
+
+/** Slope of the peak of f_r(h, h) over h, and how much longer than wide the peak is: of analytic and measured lobes. Takes 2,500
+ *  evaluations. */
+nqm_lobe nqm_lobe_measure(const nqm_brdf *brdf);
+/** A lobe about the normal that is longer by this ratio along the azimuth phi. */
+nqm_lobe nqm_lobe_make(double ratio, double phi);
+
 /* ---- directions -------------------------------------------------------------------------------------------------- */
 
 /** Light directions of one point and their weights: radiance times cosine times solid angle, in the light's unit. */
@@ -160,10 +179,16 @@ typedef struct nqm_direction_set {
     double irradiance[3]; /* sum over all cells of the map, and of the weights */
 } nqm_direction_set;
 
+/** Lobes among which a spiral is divided; n 0: one round lobe about the normal. */
+typedef struct nqm_lobes {
+    size_t n;
+    nqm_lobe lobe[NQM_MAX_LOBES];
+} nqm_lobes;
+
 /** Fill a set whose n_max and arrays are given. Directions are a function of the seed; use a different seed for each point to
  *  decorrelate their noise. false: out of memory. */
-bool nqm_choose_directions(const nqm_light *light, const nqm_surface_point *point, uint64_t seed,
-                           nqm_direction_set *set);
+bool nqm_choose_directions(const nqm_light *light, const nqm_surface_point *point, const nqm_lobes *lobes,
+                           uint64_t seed, nqm_direction_set *set);
 /** A faster variant for few directions: importance of the light map without the cosine; irradiance is not set. */
 bool nqm_choose_few_directions(const nqm_light *light, const nqm_surface_point *point, uint64_t seed,
                                nqm_direction_set *set);
@@ -184,6 +209,7 @@ enum { NQM_BOUNCE_LIGHTS = 12 };
 typedef struct nqm_bounce {
     float wi[3], extent; /* as in nqm_direction_set */
     float wo[3];         /* direction towards the point, in the frame of that part */
+    float grain[2];      /* of that part, as in nqm_surface_point */
     uint32_t n_rays;
     nqm_ray ray[NQM_BOUNCE_LIGHTS]; /* light that reaches that part */
 } nqm_bounce;
@@ -206,6 +232,7 @@ struct nqm_scene {
     nqm_scene *parts[NQM_STANDARD_SCENES];
     nqm_light light;
     nqm_shape shape;
+    nqm_lobes lobes;
     nqm_seen seen;
     nqm_incident *kept; /* (seen.n); NULL: too large to store, computed again for every picture */
     double exposure;    /* cd/m2 for one unit of the light */

@@ -67,6 +67,15 @@ static void limit_angle(const double *towards, double *normal) {
         normal[k] = cos(limit) * towards[k] + sin(limit) * across[k];
 }
 
+/* The surface's tangent in the local frame. */
+static void find_grain(nqm_surface_point *point) {
+    const double *normal = point->frame + 6, length = hypot(normal[0], normal[2]);
+    const bool is_vertical = length < 1e-9;
+    const double tangent[3] = {is_vertical ? 1 : normal[2] / length, 0, is_vertical ? 0 : -normal[0] / length};
+    point->grain[0] = -nqm_dot3(tangent, point->frame + 3);
+    point->grain[1] = nqm_dot3(tangent, point->frame);
+}
+
 void nqm_surface_point_make(const nqm_hit *hit, const double *turn, const double *towards, nqm_surface_point *point) {
     double *tangent = point->frame, *bitangent = point->frame + 3, *normal = point->frame + 6;
     world_from_shape(turn, hit->normal, normal);
@@ -75,6 +84,7 @@ void nqm_surface_point_make(const nqm_hit *hit, const double *turn, const double
     point->wo[1] = 0;
     point->wo[2] = nqm_dot3(towards, normal);
     nqm_cross3(normal, tangent, bitangent);
+    find_grain(point);
     memcpy(point->origin, hit->origin, sizeof hit->origin);
     memcpy(point->turn, turn, sizeof point->turn);
 }
@@ -111,7 +121,7 @@ bool nqm_view_look(const nqm_view *v, double x, double y, nqm_surface_point *poi
 
 /* ---- pixels ------------------------------------------------------------------------------------------------------ */
 
-/* A point has 136 bytes. To compute one again costs far less than its light directions, so that large pictures store only the
+/* A point has 152 bytes. To compute one again costs far less than its light directions, so that large pictures store only the
  * pixels. */
 enum { MAX_STORED = 1 << 19 };
 

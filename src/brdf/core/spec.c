@@ -42,6 +42,7 @@ static nqm_status fail_value(const nqm_spec_schema *schema, const nqm_spec_key *
     char low[32], high[32];
     return nqm_fail(err, NQM_ERR_ARG, -1, "%s: %s needs %s from %s to %s, not '%.*s'", schema->model, key->name,
                     key->n == 3  ? "one number or three separated by commas, each"
+                    : key->n > 1 ? "one number or two separated by a comma, each"
                     : key->whole ? "a whole number"
                                  : "one number",
                     nqm_format_double(low, sizeof low, key->low), nqm_format_double(high, sizeof high, key->high),
@@ -52,7 +53,7 @@ static bool in_range(const nqm_spec_key *key, double v) {
     return v >= key->low && v <= key->high && (!key->whole || v == floor(v));
 }
 
-/* Parse "v" or "v,v,v" up to the end of the setting; false when it is anything else. */
+/* Parse "v", or as many values as the key has, up to the end of the setting; false when it is anything else. */
 static bool parse_values(const nqm_spec_key *key, const char *text, const char **end, double v[3]) {
     size_t n = 0;
     do {
@@ -61,8 +62,8 @@ static bool parse_values(const nqm_spec_key *key, const char *text, const char *
         ++n;
     } while (*text++ == ',');
     *end = text - 1;
-    if (n == 1)
-        v[1] = v[2] = v[0];
+    for (size_t c = n; c < 3; ++c)
+        v[c] = v[n - 1];
     return (n == 1 || n == key->n) && (**end == ';' || **end == 0);
 }
 
@@ -119,9 +120,17 @@ nqm_status nqm_spec_parse(const nqm_spec_schema *schema, const char *text, nqm_s
 
 enum { NUMBER_SIZE = 32, KEY_SIZE = 3 * NUMBER_SIZE + 16 };
 
+/* Whether one number is written for all values of the key. */
+static bool is_one_number(const nqm_spec_key *key, const double v[3]) {
+    size_t c = 1;
+    while (c < key->n && v[c] == v[0])
+        ++c;
+    return c >= key->n;
+}
+
 static size_t format_setting(char *text, size_t n_text, const nqm_spec_key *key, const double v[3]) {
     char numbers[3 * NUMBER_SIZE];
-    nqm_format_doubles(numbers, sizeof numbers, v[0] == v[1] && v[0] == v[2] ? 1 : 3, v, ",");
+    nqm_format_doubles(numbers, sizeof numbers, is_one_number(key, v) ? 1 : key->n, v, ",");
     return (size_t)snprintf(text, n_text, "%s=%s", key->name, numbers);
 }
 
@@ -140,6 +149,15 @@ char *nqm_spec_format(const nqm_spec_schema *schema, const nqm_spec_values *valu
         separator = ";";
     }
     return text;
+}
+
+bool nqm_spec_is_isotropic(const nqm_spec_schema *schema, const nqm_spec_values *values) {
+    bool is_isotropic = true;
+    for (size_t k = 0; k < schema->n_keys; ++k) {
+        const nqm_spec_key *key = &schema->keys[k];
+        is_isotropic &= (key->n != 2 || is_one_number(key, values->v[k])) && !(key->turns && values->v[k][0] != 0);
+    }
+    return is_isotropic;
 }
 
 /* ---- derivatives by differences ---------------------------------------------------------------------------------- */

@@ -16,10 +16,11 @@ enum { NQM_SPEC_MAX_KEYS = 48 };
 /** One key of a spec. */
 typedef struct nqm_spec_key {
     const char *name;
-    size_t n;         /**< values: 1, or 3 for RGB, where a single value means all three */
+    size_t n;         /**< values: 1, 2 along tangent and bitangent, or 3 for RGB; a single value means all */
     double low, high; /**< closed range of each value */
     bool required;
     bool whole;      /**< integers only */
+    bool turns;      /**< a value that is not 0 makes the model anisotropic */
     double fallback; /**< default of an optional key */
 } nqm_spec_key;
 
@@ -30,7 +31,7 @@ typedef struct nqm_spec_schema {
     nqm_spec_key keys[NQM_SPEC_MAX_KEYS];
 } nqm_spec_schema;
 
-/** Parsed values; a key with n = 1 has its value in all three channels. */
+/** Parsed values; a key with n < 3 repeats its last value. */
 typedef struct nqm_spec_values {
     double v[NQM_SPEC_MAX_KEYS][3]; /**< (key, channel) */
     uint64_t given;                 /**< bit k: key k was in the text */
@@ -42,6 +43,9 @@ NQM_MUST_CHECK nqm_status nqm_spec_parse(const nqm_spec_schema *schema, const ch
 /** The canonical text, "MODEL:key=value;...", of the given keys; parses back to the same bits. nqm_free(); NULL when
  * out of memory. */
 char *nqm_spec_format(const nqm_spec_schema *schema, const nqm_spec_values *values);
+
+/** Whether f_r of a model with these values does not depend on the azimuth. */
+bool nqm_spec_is_isotropic(const nqm_spec_schema *schema, const nqm_spec_values *values);
 
 /** For functions that models call for values and for values with derivatives: when inlined, a constant NULL for the
  *  derivatives removes their code. */
@@ -68,7 +72,7 @@ enum { NQM_SPEC_MAX_STATE = 8192 }; /* bytes of a state that begins so */
 void nqm_spec_jacobian(const void *self, size_t n, const double *wi, const double *wo, double *rgb, double *jacobian);
 
 /** The index and the row in the schema of a key in a list X(INDEX, NAME, TYPE, LOW, HIGH, DEFAULT) as those of
- *  material/surface_keys.h. */
+ *  material/surface_keys.h. The type "float2" has two values; `.turns = true` may follow the default. */
 #define NQM_KEY_INDEX(INDEX, ...) INDEX,
 #define NQM_KEY_ROW(INDEX, NAME, TYPE, LOW, HIGH, ...)                                                                 \
     {.name = (NAME),                                                                                                   \
@@ -82,6 +86,7 @@ void nqm_spec_jacobian(const void *self, size_t n, const double *wi, const doubl
     const nqm_analytic_model MODEL = {                                                                                 \
         .schema = {NAME, sizeof((nqm_spec_key[]){KEYS(NQM_KEY_ROW)}) / sizeof(nqm_spec_key), {KEYS(NQM_KEY_ROW)}},     \
         .class_ = {.format = NAME,                                                                                     \
+                   .anisotropic = true,                                                                                \
                    .reciprocal = IS_RECIPROCAL,                                                                        \
                    .eval = EVAL,                                                                                       \
                    .jacobian = nqm_spec_jacobian,                                                                      \
@@ -121,7 +126,7 @@ void nqm_spec_jacobian(const void *self, size_t n, const double *wi, const doubl
 NQM_ANALYTIC_MODELS(NQM_DECLARE_MODEL)
 NQM_SHADING_MODELS(NQM_DECLARE_MODEL)
 
-/** An analytic model, preset, perturbation or BRDF between two others from a spec: nqm_spec_probe(spec) is true. `name` is that of its
+/** An analytic model, preset or BRDF made of others from a spec: nqm_spec_probe(spec) is true. `name` is that of its
  *  information; `open` opens the BRDFs that a wrapper names. */
 NQM_MUST_CHECK nqm_status nqm_spec_open(const char *spec, const char *name, nqm_brdf_opener *open, nqm_brdf **brdf_ret,
                                         nqm_error *err);
@@ -131,11 +136,11 @@ const nqm_analytic_model *nqm_analytic_model_find(const char *name, size_t n);
 /** The length of the model's name in a text that lacks the colon of a spec, "ggx;alpha=.1", "ggx,alpha=.1" or "sgd;nickel"; 0: in
  *  any other text. */
 size_t nqm_spec_lacks_colon(const char *text);
-/** Offer the names of all models, tables of presets and perturb, between. */
+/** Offer the names of all models, tables of presets and wrappers. */
 void nqm_spec_nearest(nqm_nearest *nearest);
 
 /** A kind of BRDF that contains others. */
-typedef struct nqm_spec_wrapper {
+struct nqm_spec_wrapper {
     nqm_spec_schema schema; /**< its model is the word before the colon */
     uint64_t idle;          /**< bit k: key k alone changes nothing */
     bool has_with;          /**< whether it has two bases */
@@ -144,14 +149,11 @@ typedef struct nqm_spec_wrapper {
     /** Create the state; `info` has the values that follow from the bases. */
     nqm_status (*create)(const nqm_spec_values *values, const nqm_between_bases *bases, nqm_brdf_info *info,
                          void **state_ret, nqm_error *err);
-} nqm_spec_wrapper;
-extern const nqm_spec_wrapper nqm_perturb_wrapper, nqm_between_wrapper;
+};
+extern const nqm_spec_wrapper nqm_perturb_wrapper, nqm_between_wrapper, nqm_rotate_wrapper, nqm_tilt_wrapper;
 /** `settings` is what follows the colon, `name` the whole argument; `open` opens the bases. */
 NQM_MUST_CHECK nqm_status nqm_wrapper_open(const nqm_spec_wrapper *w, const char *settings, const char *name,
                                            nqm_brdf_opener *open, nqm_brdf **brdf_ret, nqm_error *err);
-/** The same of opened bases: `settings` without them. */
-NQM_MUST_CHECK nqm_status nqm_wrapper_make(const nqm_spec_wrapper *w, const char *settings,
-                                           const nqm_between_bases *bases, nqm_brdf **brdf_ret, nqm_error *err);
 /** The `free` of their classes. */
 void nqm_wrapper_free(void *state);
 

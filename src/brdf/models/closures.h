@@ -94,8 +94,7 @@ INLINED microfacet microfacet_of(const geometry *g, double alpha) {
     for (size_t r = 0; r < 4; ++r)
         for (size_t t = 0; t < 9; ++t)
             sum[r] += fit[r][t] * terms[t];
-    microfacet m = {.f = ggx_distribution(g->tan2_h, alpha * alpha) *
-                         ggx_correlated_visibility(g->cos_i, g->cos_o, alpha * alpha),
+    microfacet m = {.f = correlated_ggx(g->tan2_h, g->cos_i, g->cos_o, equal_widths(alpha * alpha)),
                     .albedo = {clamp01(sum[0] / sum[2]), clamp01(sum[1] / sum[3])}};
     double e = m.albedo[0] + m.albedo[1];
     m.scatter = (1 - e) / e;

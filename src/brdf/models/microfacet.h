@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
  * microfacet.h - the factors of microfacet BRDFs, for every model that needs them: half vector, distribution and shadowing
- * of GGX, and Fresnel factors. All isotropic; cosines are in (0, 1].
+ * of GGX and Beckmann, and Fresnel factors. Cosines are in (0, 1]. Anisotropic lobes are isotropic ones whose width depends on the
+ * azimuth.
  */
 #ifndef NQM_SRC_BRDF_MICROFACET_H
 #define NQM_SRC_BRDF_MICROFACET_H
@@ -25,6 +26,55 @@ static inline half_angles half_angles_of(const double *wi, const double *wo) {
     return (half_angles){.tan2_h = xy / (z * z), .cos_d = fmin(1, 0.5 * sqrt(xy + z * z))};
 }
 
+/* ---- anisotropy: Heitz 2014, section 5.3 (https://jcgt.org/published/0003/02/03/) --------------------------------- */
+
+/** cos^2 and sin^2 of an azimuth. */
+typedef struct azimuth {
+    double cos2, sin2;
+} azimuth;
+
+/** The azimuth of (x, y); that of the tangent for (0, 0). */
+static inline azimuth azimuth_of(double x, double y) {
+    double x2 = x * x, y2 = y * y, xy = x2 + y2;
+    return xy > 0 ? (azimuth){x2 / xy, y2 / xy} : (azimuth){1, 0};
+}
+
+static inline azimuth half_azimuth(const double *wi, const double *wo) {
+    return azimuth_of(wi[0] + wo[0], wi[1] + wo[1]);
+}
+
+/** A quantity that is x along the tangent and y along the bitangent: x cos^2 + y sin^2. */
+static inline double along(azimuth a, double x, double y) {
+    return a.cos2 * x + a.sin2 * y;
+}
+
+/** alpha^2 along tangent and bitangent. */
+typedef struct widths {
+    double x2, y2;
+} widths;
+
+/** The alpha^2 with which isotropic functions have the values of anisotropic ones for a pair. */
+typedef struct pair_widths {
+    double h2;      /**< of the distribution, */
+    double density; /**< whose value is to be multiplied by this */
+    double i2, o2;  /**< of the shadowing of light and viewer */
+} pair_widths;
+
+static inline pair_widths equal_widths(double alpha2) {
+    return (pair_widths){alpha2, 1, alpha2, alpha2};
+}
+
+/** Isotropic lobes keep their bits. */
+static inline pair_widths pair_widths_of(widths a, const double *wi, const double *wo) {
+    if (a.x2 == a.y2)
+        return equal_widths(a.x2);
+    double h2 = 1 / along(half_azimuth(wi, wo), 1 / a.x2, 1 / a.y2);
+    return (pair_widths){.h2 = h2,
+                         .density = h2 / sqrt(a.x2 * a.y2),
+                         .i2 = along(azimuth_of(wi[0], wi[1]), a.x2, a.y2),
+                         .o2 = along(azimuth_of(wo[0], wo[1]), a.x2, a.y2)};
+}
+
 /* ---- GGX: Walter, Marschner, Li and Torrance 2007, DOI 10.2312/EGWR/EGSR07/195-206 --------------------------------- */
 
 /** D(h), in 1/sr; alpha2 is alpha^2. */
@@ -41,17 +91,16 @@ static inline double ggx_visibility(double cosine, double alpha2) {
     return 1 / (cosine + sqrt(cos2 + alpha2 * (1 - cos2)));
 }
 
-/** Height-correlated shadowing, divided by 4 cos cos: D times this is the lobe. Heitz 2014, equation 99
- *  (https://jcgt.org/published/0003/02/03/). */
-static inline double ggx_correlated_visibility(double cos_i, double cos_o, double alpha2) {
-    double i = cos_i * sqrt(cos_o * cos_o + alpha2 * (1 - cos_o * cos_o));
-    double o = cos_o * sqrt(cos_i * cos_i + alpha2 * (1 - cos_i * cos_i));
-    return 0.5 / (i + o);
+/** D G / (4 cos cos) with height-correlated shadowing: Heitz 2014, equation 99. */
+static inline double correlated_ggx(double tan2_h, double cos_i, double cos_o, pair_widths a) {
+    double i = cos_i * sqrt(cos_o * cos_o + a.o2 * (1 - cos_o * cos_o));
+    double o = cos_o * sqrt(cos_i * cos_i + a.i2 * (1 - cos_i * cos_i));
+    return ggx_distribution(tan2_h, a.h2) * a.density * (0.5 / (i + o));
 }
 
 /** D G1 G1 / (4 cos cos). */
-static inline double separable_ggx(double tan2_h, double cos_i, double cos_o, double alpha2) {
-    return ggx_distribution(tan2_h, alpha2) * ggx_visibility(cos_i, alpha2) * ggx_visibility(cos_o, alpha2);
+static inline double separable_ggx(double tan2_h, double cos_i, double cos_o, pair_widths a) {
+    return ggx_distribution(tan2_h, a.h2) * a.density * ggx_visibility(cos_i, a.i2) * ggx_visibility(cos_o, a.o2);
 }
 
 /* ---- Beckmann: the same paper -------------------------------------------------------------------------------------- */
@@ -72,8 +121,8 @@ static inline double beckmann_g1(double cosine, double alpha2) {
 }
 
 /** D G1 G1 / (4 cos cos). */
-static inline double separable_beckmann(double tan2_h, double cos_i, double cos_o, double alpha2) {
-    return beckmann_distribution(tan2_h, alpha2) * beckmann_g1(cos_i, alpha2) * beckmann_g1(cos_o, alpha2) /
+static inline double separable_beckmann(double tan2_h, double cos_i, double cos_o, pair_widths a) {
+    return beckmann_distribution(tan2_h, a.h2) * a.density * beckmann_g1(cos_i, a.i2) * beckmann_g1(cos_o, a.o2) /
            (4 * cos_i * cos_o);
 }
 

@@ -126,13 +126,14 @@ nqm_status nqm_preset_find(const nqm_preset_table *table, const nqm_spec_schema 
     *values = (nqm_spec_values){.given = UINT64_MAX};
     for (size_t k = 0; k < schema->n_keys; ++k) {
         double *v = values->v[k];
-        for (size_t c = 0; c < schema->keys[k].n; ++c) {
+        const size_t n = schema->keys[k].n == 3 ? 3 : 1; /* the tables are of isotropic materials */
+        for (size_t c = 0; c < n; ++c) {
             if (!nqm_parse_double(text, &text, &v[c]))
                 return nqm_fail(err, NQM_ERR_FORMAT, -1, "%s:%s: a number is missing in the table", table->name,
                                 material);
             text += *text == ',';
         }
-        if (schema->keys[k].n == 1)
+        if (n == 1)
             v[1] = v[2] = v[0];
     }
     return NQM_OK;

@@ -19,10 +19,10 @@ typedef struct conductor {
 
 /* D G / (4 cos cos). */
 static double lobe(const conductor *self, const half_angles *h, double cos_i, double cos_o) {
-    const double a2 = self->alpha2;
+    const pair_widths a = equal_widths(self->alpha2);
     if (self->is_correlated)
-        return ggx_distribution(h->tan2_h, a2) * ggx_correlated_visibility(cos_i, cos_o, a2);
-    return self->is_ggx ? separable_ggx(h->tan2_h, cos_i, cos_o, a2) : separable_beckmann(h->tan2_h, cos_i, cos_o, a2);
+        return correlated_ggx(h->tan2_h, cos_i, cos_o, a);
+    return self->is_ggx ? separable_ggx(h->tan2_h, cos_i, cos_o, a) : separable_beckmann(h->tan2_h, cos_i, cos_o, a);
 }
 
 static void conductor_eval(const void *state, size_t n, const double *wi, const double *wo, double *rgb) {

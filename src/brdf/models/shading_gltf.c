@@ -114,13 +114,10 @@ static void gltf_prepare(const nqm_spec_values *values, void *state) {
     sheen_prepare(&self->sheen, values->v[SHEEN_COLOR], values->v[SHEEN_ROUGHNESS][0]);
 }
 
-static double specular_lobe(const half_angles *h, double cos_i, double cos_o, double alpha2) {
-    return ggx_distribution(h->tan2_h, alpha2) * ggx_correlated_visibility(cos_i, cos_o, alpha2);
-}
-
 /** Metallic-roughness without layers. */
 static void base_material(const gltf *self, const half_angles *h, double cos_i, double cos_o, double *rgb) {
-    const double lobe = specular_lobe(h, cos_i, cos_o, self->alpha2), (*v)[3] = self->spec.values.v;
+    const double lobe = correlated_ggx(h->tan2_h, cos_i, cos_o, equal_widths(self->alpha2)),
+                 (*v)[3] = self->spec.values.v;
     double f[3];
     for (size_t c = 0; c < 3; ++c)
         f[c] = schlick_between(self->f0[c], self->f90, h->cos_d);
@@ -140,7 +137,7 @@ static void gltf_eval(const void *state, size_t n, const double *wi, const doubl
         if (self->sheen.max_color > 0)
             add_sheen(&self->sheen, &h, cos_i, cos_o, rgb + 3 * i);
         if (clearcoat > 0) {
-            const double lobe = specular_lobe(&h, cos_i, cos_o, self->coat_alpha2);
+            const double lobe = correlated_ggx(h.tan2_h, cos_i, cos_o, equal_widths(self->coat_alpha2));
             const double weight = clearcoat * schlick_factor(COAT_F0, cos_o);
             for (size_t c = 0; c < 3; ++c)
                 rgb[3 * i + c] = mix(rgb[3 * i + c], lobe, weight);

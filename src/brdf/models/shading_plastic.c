@@ -99,8 +99,9 @@ static void plastic_eval(const void *state, size_t n, const double *wi, const do
     for (size_t i = 0; i < n; ++i) {
         const half_angles h = half_angles_of(wi + 3 * i, wo + 3 * i);
         const double cos_i = wi[3 * i + 2], cos_o = wo[3 * i + 2];
-        const double lobe = self->is_ggx ? separable_ggx(h.tan2_h, cos_i, cos_o, self->alpha2)
-                                         : separable_beckmann(h.tan2_h, cos_i, cos_o, self->alpha2);
+        const pair_widths a = equal_widths(self->alpha2);
+        const double lobe =
+            self->is_ggx ? separable_ggx(h.tan2_h, cos_i, cos_o, a) : separable_beckmann(h.tan2_h, cos_i, cos_o, a);
         const double f = lobe * fresnel_dielectric(self->eta, h.cos_d);
         const double inside = transmittance(self, cos_i) * transmittance(self, cos_o);
         for (size_t c = 0; c < 3; ++c)

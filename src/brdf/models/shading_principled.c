@@ -74,7 +74,7 @@ static void principled_eval(const void *state, size_t n, const double *wi, const
     for (size_t i = 0; i < n; ++i) {
         const half_angles h = half_angles_of(wi + 3 * i, wo + 3 * i);
         const double cos_i = wi[3 * i + 2], cos_o = wo[3 * i + 2], weight = power5(1 - h.cos_d);
-        const double lobe = eta == 1 ? 0 : separable_ggx(h.tan2_h, cos_i, cos_o, self->alpha2);
+        const double lobe = eta == 1 ? 0 : separable_ggx(h.tan2_h, cos_i, cos_o, equal_widths(self->alpha2));
         const double f = self->dielectric * fresnel_dielectric(eta, h.cos_d);
         const double shape = diffuse_shape(v, cos_i, cos_o, h.cos_d);
         const double clear = v[CLEARCOAT][0] > 0 ? coat(self, h.tan2_h, cos_i, cos_o, h.cos_d) : 0;

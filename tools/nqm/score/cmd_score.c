@@ -66,11 +66,12 @@ static void print_text(const score_run *run) {
             printf("  %-4s", gate_mark(&run->gate, r));
         printf("  %s\n", shown(row->name));
         if (scored && !isnan(r->parts.structure)) {
-            char words[NQM_LABEL_TEXT], phrases[NQM_LABEL_TEXT + 40];
-            int n = snprintf(phrases, sizeof phrases, "%s", nqm_label_describe(&r->parts, words));
-            has_similarity = has_similarity || !isnan(r->similarity[0]);
+            char words[NQM_LABEL_TEXT], phrases[NQM_LABEL_TEXT + 80], apart[40] = "";
             if (!isnan(r->similarity[0]))
-                snprintf(phrases + n, sizeof phrases - (size_t)n, "; seen apart %.2f", r->similarity[0]);
+                snprintf(apart, sizeof apart, "; seen apart %.2f", r->similarity[0]);
+            snprintf(phrases, sizeof phrases, "%s%s%s", nqm_label_describe(&r->parts, words), apart,
+                     r->anisotropy > 0 ? "; anisotropic, by model rays" : "");
+            has_similarity = has_similarity || *apart;
             print_phrases(phrases);
         }
         if (run->exact && scored)

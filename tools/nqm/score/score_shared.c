@@ -335,6 +335,8 @@ static json_t *row_json(const score_run *run, const scored_pair *row) {
         json_object_set_new(object, "gate", json_string(gate_mark(&run->gate, r)));
     if (!isnan(r->parts.structure))
         json_object_set_new(object, "parts", json_label_parts(&r->parts, r->similarity));
+    if (r->anisotropy > 0)
+        json_object_set_new(object, "anisotropy", json_number(r->anisotropy));
     if (run->exact && row->err.status == NQM_OK)
         json_object_set_new(object, "exact", json_exact(run, row));
     if (!has_reference_of(run->rows, &run->rows[run->n_rows - 1]))

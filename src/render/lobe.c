@@ -1,0 +1,81 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * The lobe of an anisotropic BRDF: where its peak is and how it is stretched. Spirals of half vectors (directions.c) are even in the
+ * logarithm of the slope, so that the width does not matter; but the light directions of a lobe that is much longer than wide,
+ * or that does not surround the normal, must be stretched and moved like it.
+ */
+#include "brdf/brdf.h"
+#include "math/math.h"
+#include "render/render.h"
+
+#include <math.h>
+
+nqm_lobe nqm_lobe_make(double ratio, double phi) {
+    const double c = cos(phi), s = sin(phi), longer = sqrt(ratio), shorter = 1 / longer;
+    return (nqm_lobe){.axes = {c * longer, -s * shorter, s * longer, c * shorter}};
+}
+
+/* Luminance of f_r(h, h) at a slope. */
+static double value_at(const nqm_brdf *brdf, double x, double y) {
+    double h[3] = {x, y, 1}, rgb[3];
+    nqm_normalize3(h);
+    nqm_brdf_eval(brdf, 1, h, h, rgb, NULL);
+    return nqm_luminance(rgb);
+}
+
+/* Climb to the peak from the brightest of a grid of slopes; the normal, unless the peak is much brighter. Returns the value. */
+static double find_peak(const nqm_brdf *brdf, double center[2]) {
+    enum { GRID = 16 };
+    static const double reach = 1, least_step = 1e-5, much = 4;
+    const double at_normal = value_at(brdf, 0, 0);
+    double best = at_normal, x = 0, y = 0;
+    center[0] = center[1] = 0;
+    for (int i = -GRID; i <= GRID; ++i)
+        for (int j = -GRID; j <= GRID; ++j) {
+            const double value = value_at(brdf, reach * i / GRID, reach * j / GRID);
+            if (value > best)
+                best = value, x = reach * i / GRID, y = reach * j / GRID;
+        }
+    for (double step = reach / GRID; step > least_step;) {
+        const double from = best, at_x = x, at_y = y;
+        for (int k = 0; k < 8; ++k) {
+            const double to_x = at_x + step * cos(k * NQM_PI / 4), to_y = at_y + step * sin(k * NQM_PI / 4);
+            const double value = value_at(brdf, to_x, to_y);
+            if (value > best)
+                best = value, x = to_x, y = to_y;
+        }
+        step *= best > from ? 1 : 0.5;
+    }
+    if (!(best > much * at_normal))
+        return at_normal;
+    center[0] = x;
+    center[1] = y;
+    return best;
+}
+
+/* The slope at which the value along an azimuth has fallen halfway to that at a slope of 4. */
+static double half_width(const nqm_brdf *brdf, const double center[2], double peak, double phi) {
+    static const double narrowest = 1e-5, widest = 4, step = 1.15;
+    const double c = cos(phi), s = sin(phi), floor = value_at(brdf, center[0] + widest * c, center[1] + widest * s);
+    double t = narrowest;
+    while (t < widest && value_at(brdf, center[0] + t * c, center[1] + t * s) > (peak + floor) / 2)
+        t *= step;
+    return t;
+}
+
+nqm_lobe nqm_lobe_measure(const nqm_brdf *brdf) {
+    enum { AZIMUTHS = 32 };
+    static const double most = 30; /* between azimuths a longer lobe would be missed */
+    double center[2], width[AZIMUTHS];
+    const double peak = find_peak(brdf, center);
+    size_t longest = 0;
+    for (size_t k = 0; k < AZIMUTHS; ++k) {
+        width[k] = half_width(brdf, center, peak, NQM_PI * (double)k / AZIMUTHS);
+        longest = width[k] > width[longest] ? k : longest;
+    }
+    const double ratio = width[longest] / width[(longest + AZIMUTHS / 2) % AZIMUTHS];
+    nqm_lobe lobe = nqm_lobe_make(fmin(fmax(ratio, 1), most), NQM_PI * (double)longest / AZIMUTHS);
+    lobe.center[0] = center[0];
+    lobe.center[1] = center[1];
+    return lobe;
+}
