@@ -28,7 +28,7 @@ typedef struct nqm_brdf_class {
      * reciprocal BRDF, otherwise in [0, 2 pi)). NULL: core/brdf.c converts to vectors and calls eval. */
     void (*eval_half_diff)(const void *self, size_t n, const double *hd, double *rgb);
 
-    /** Instead of it, for BRDFs made of others that may be anisotropic. turn: (n, 2) sine and cosine of phi_h; NULL: 0. */
+    /** Instead of it, for BRDFs that may be anisotropic. turn: (n, 2) sine and cosine of phi_h; NULL: 0. */
     void (*eval_turned)(const void *self, size_t n, const double *hd, const double *turn, double *rgb);
 
     /** As eval for at most 64 pairs, and the derivatives: jacobian (n, 3, info.n_values), zero on entry, receives d channel / d parameter in the

@@ -27,7 +27,7 @@ static nqm_brdf *make_table(const float *rgb) {
 
 /* Call the class's function directly, which does not test for the horizon. */
 static void raw(const nqm_brdf *brdf, double theta_h, double theta_d, double phi_d, double *rgb) {
-    brdf->class_->eval_half_diff(brdf->self, 1, (double[3]){theta_h, theta_d, phi_d}, rgb);
+    brdf->class_->eval_turned(brdf->self, 1, (double[3]){theta_h, theta_d, phi_d}, NULL, rgb);
 }
 
 static void nodes_keep_their_values(void **state) {

@@ -73,24 +73,15 @@ static void interpolate(const table *t, const double *hd, double phi_h, double *
         rgb[c] = sum[c] / total; /* NaN, "no value", where no neighbour has one */
 }
 
-static void table_eval_half_diff(const void *self, size_t n, const double *hd, double *rgb) {
-    for (size_t i = 0; i < n; ++i)
-        interpolate(self, hd + 3 * i, 0, rgb + 3 * i);
-}
-
-static const nqm_brdf_class table_class = {
-    .format = "table", .reciprocal = 1, .eval_half_diff = table_eval_half_diff, .free = nqm_free};
-
-static void table_eval(const void *self, size_t n, const double *wi, const double *wo, double *rgb) {
-    for (size_t i = 0; i < 3 * n; i += 3) {
-        double hd[3], phi_h = atan2(wi[i + 1] + wo[i + 1], wi[i] + wo[i]);
-        nqm_half_diff_from_pair(wi + i, wo + i, hd);
-        interpolate(self, hd, phi_h < 0 ? phi_h + 2 * NQM_PI : phi_h, rgb + i);
+static void table_eval_turned(const void *self, size_t n, const double *hd, const double *turn, double *rgb) {
+    for (size_t i = 0; i < n; ++i) {
+        const double phi_h = turn ? atan2(turn[2 * i], turn[2 * i + 1]) : 0;
+        interpolate(self, hd + 3 * i, phi_h < 0 ? phi_h + 2 * NQM_PI : phi_h, rgb + 3 * i);
     }
 }
 
-static const nqm_brdf_class anisotropic_class = {
-    .format = "table", .reciprocal = 1, .anisotropic = true, .eval = table_eval, .free = nqm_free};
+static const nqm_brdf_class table_class = {
+    .format = "table", .reciprocal = 1, .anisotropic = true, .eval_turned = table_eval_turned, .free = nqm_free};
 
 const float *nqm_table_values(const nqm_brdf *brdf, nqm_table_size *size) {
     const table *t = brdf->self;
@@ -121,8 +112,8 @@ nqm_status nqm_table_create(nqm_table_size n, const void *rgb, const char *name,
     if (n.n_phi_h > 1)
         used += snprintf(layout + used, sizeof layout - (size_t)used, "x%zu", n.n_phi_h);
     snprintf(layout + used, sizeof layout - (size_t)used, " nodes");
-    const nqm_brdf_info info = {.name = name, .layout = layout, .n_values = 3 * n_nodes};
-    return nqm_brdf_wrap(n.n_phi_h > 1 ? &anisotropic_class : &table_class, t, &info, brdf_ret, err);
+    const nqm_brdf_info info = {.name = name, .layout = layout, .n_values = 3 * n_nodes, .isotropic = n.n_phi_h == 1};
+    return nqm_brdf_wrap(&table_class, t, &info, brdf_ret, err);
 }
 
 size_t nqm_table_first_bad(size_t n_nodes, const void *rgb) {

@@ -14,30 +14,19 @@ typedef struct tabulation {
     float *rgb; /* (n_h, n_d, n_p, n_phi_h, 3) */
 } tabulation;
 
-/* As nqm_brdf_eval_half_diff(), for another phi_h than 0; at most NQM_TABLE_SLICE pairs. */
-static void eval_turned(const nqm_brdf *brdf, double phi_h, size_t n, const double *hd, double *rgb, uint8_t *flag) {
-    const double turn[2] = {sin(phi_h), cos(phi_h)};
-    double wi[3 * NQM_TABLE_SLICE] = {0}, wo[3 * NQM_TABLE_SLICE] = {0};
-    for (size_t i = 0; i < 3 * n; i += 3) {
-        nqm_half_diff_to_pair(hd + i, wi + i, wo + i);
-        nqm_turn3(turn, wi + i, wi + i);
-        nqm_turn3(turn, wo + i, wo + i);
-    }
-    nqm_brdf_eval(brdf, n, wi, wo, rgb, flag);
-}
-
 /* Evaluate all nodes of one theta_h and phi_h: NaN where there is no value. */
 static void fill_slice(void *user, size_t slice) {
     const tabulation *t = user;
     const size_t n_p = t->size.n_p, n = t->size.n_d * n_p, n_m = t->size.n_phi_h, h = slice / n_m, m = slice % n_m;
-    double hd[3 * NQM_TABLE_SLICE] = {0}, rgb[3 * NQM_TABLE_SLICE];
+    const double phi_h = (double)m / (double)n_m * 2 * NQM_PI;
+    double hd[3 * NQM_TABLE_SLICE] = {0}, turn[2 * NQM_TABLE_SLICE] = {0}, rgb[3 * NQM_TABLE_SLICE];
     uint8_t flag[NQM_TABLE_SLICE];
-    for (size_t i = 0; i < n; ++i)
+    for (size_t i = 0; i < n; ++i) {
         nqm_table_node(t->size.n_h, t->size.n_d, n_p, h, i / n_p, i % n_p, hd + 3 * i);
-    if (m)
-        eval_turned(t->brdf, (double)m / (double)n_m * 2 * NQM_PI, n, hd, rgb, flag);
-    else
-        nqm_brdf_eval_half_diff(t->brdf, n, hd, rgb, flag);
+        turn[2 * i] = sin(phi_h);
+        turn[2 * i + 1] = cos(phi_h);
+    }
+    nqm_brdf_eval_turned(t->brdf, n, hd, m ? turn : NULL, rgb, flag);
     for (size_t i = 0; i < 3 * n; ++i)
         t->rgb[3 * ((h * n + i / 3) * n_m + m) + i % 3] = nqm_has_value(flag[i / 3]) ? (float)rgb[i] : NAN;
 }
