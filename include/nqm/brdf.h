@@ -34,7 +34,7 @@ static inline uint8_t nqm_has_value(uint8_t flag) {
 
 /** Facts about a BRDF. The strings belong to the BRDF and are valid until it is freed. */
 typedef struct nqm_brdf_info {
-    const char *format;     /**< "merl", "rgl", "nbrdf", "nps", "table", "callback", "lambert", "ggx", "perturb", ... */
+    const char *format;     /**< "merl", "rgl", "utia", "nbrdf", "nps", "table", "callback", "ggx", "perturb", ... */
     const char *name;       /**< the path or spec that was opened, or the name given to nqm_brdf_create*() */
     const char *spec;       /**< analytic models: the canonical spec, which opens the same BRDF; otherwise NULL */
     const char *source_doi; /**< publication of the format or of the parameters, "10...."; NULL if there is none */
@@ -49,7 +49,7 @@ typedef struct nqm_brdf_info {
  * Open a BRDF from a path or a spec.
  *
  * The format of a file is recognised by its first bytes or its size, not by its name:
- *  - `PATH`: MERL `.binary` (also DTU, and 360 phi_d), RGL `*_rgb.bsdf` and `*_spec.bsdf` (isotropic), polarimetric `.pbsdf`
+ *  - `PATH`: MERL `.binary` (also DTU, and 360 phi_d), RGL `*_rgb.bsdf` and `*_spec.bsdf`, UTIA `.bin`, polarimetric `.pbsdf`
  *    (its unpolarised part), NBRDF `.h5`, a table `.npy`, a CSV of directions and values, a file of nqm_brdf_save();
  *  - `FILE.bsdf:E`, `FILE.bsdf:D65`: a spectral file as linear RGB under this illuminant, adapted so that a constant spectrum
  *    is grey; without a suffix E;
@@ -204,8 +204,9 @@ typedef enum nqm_table_format {
     NQM_TABLE_MERL = 0, /**< MERL `.binary`, 90 x 90 x 180 cells: f_r at phi_d in [0, pi), which makes it reciprocal */
     NQM_TABLE_MERL_360 = 1, /**< the same layout with 90 x 90 x 360 cells: distinguishes light and viewer */
     NQM_TABLE_NPY =
-        2 /**< `.npy` of NumPy, float32 (n_theta_h, n_theta_d, n_phi_d, 3): the nodes of a BRDF whose format is
-                       *   "table", otherwise 90 x 46 x 24 nodes as of nqm_brdf_create_table(), NaN where there is no value */
+        2 /**< `.npy` of NumPy, float32 (n_theta_h, n_theta_d, n_phi_d, 3), or n_phi_h before the 3 if it is anisotropic: the nodes
+                       *   of a BRDF whose format is "table", otherwise 90 x 46 x 24 (x 48) nodes as of nqm_brdf_create_table(), NaN
+                       *   where there is no value; phi_h of node m = m / n_phi_h 2 pi */
 } nqm_table_format;
 
 /**
@@ -214,7 +215,7 @@ typedef enum nqm_table_format {
  *
  * @param progress       may be NULL
  * @param progress_user  passed to `progress`
- * @return NQM_ERR_ARG (unknown format), NQM_ERR_IO, NQM_ERR_CANCELLED (by `progress`), NQM_ERR_NOMEM
+ * @return NQM_ERR_ARG (unknown format, or MERL for an anisotropic BRDF), NQM_ERR_IO, NQM_ERR_CANCELLED (by `progress`), NQM_ERR_NOMEM
  */
 NQM_API NQM_MUST_CHECK nqm_status nqm_brdf_write(const nqm_brdf *brdf, nqm_table_format format, const char *path,
                                                  nqm_progress_fn progress, void *progress_user, nqm_error *err);
