@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
  * microfacet.h - the factors of microfacet BRDFs, for every model that needs them: half vector, distribution and shadowing
- * of GGX, and Fresnel factors. All isotropic; cosines are in (0, 1].
+ * of GGX and Beckmann, and Fresnel factors. Cosines are in (0, 1].
  */
 #ifndef NQM_SRC_BRDF_MICROFACET_H
 #define NQM_SRC_BRDF_MICROFACET_H
@@ -16,13 +16,59 @@
  * theta_h = 0, where lobes can be narrower than a degree. */
 typedef struct half_angles {
     double tan2_h, cos_d;
+    double x, y; /* of wi + wo */
 } half_angles;
 
 /* Inlined: otherwise the simple lobes take twice the time. */
 static inline half_angles half_angles_of(const double *wi, const double *wo) {
     double x = wi[0] + wo[0], y = wi[1] + wo[1], z = wi[2] + wo[2];
     double xy = x * x + y * y;
-    return (half_angles){.tan2_h = xy / (z * z), .cos_d = fmin(1, 0.5 * sqrt(xy + z * z))};
+    return (half_angles){.tan2_h = xy / (z * z), .cos_d = fmin(1, 0.5 * sqrt(xy + z * z)), .x = x, .y = y};
+}
+
+/* ---- widths: an anisotropic lobe is isotropic at each azimuth (Heitz 2014, https://jcgt.org/published/0003/02/03/, 5.3) ---- */
+
+/** The widths of a lobe along a tangent and across it. */
+typedef struct lobe_widths {
+    double x2, y2;             /**< alpha^2 */
+    double xy, mean;           /**< alpha_x alpha_y; its square root */
+    double cos_turn, sin_turn; /**< of the azimuth of the tangent */
+} lobe_widths;
+
+/** Squares of both widths, which may be equal: then xy is the same number. */
+static inline lobe_widths lobe_widths_of(double x2, double y2, double turn_rad) {
+    const double xy = sqrt(x2 * y2);
+    return (lobe_widths){x2, y2, xy, sqrt(xy), cos(turn_rad), sin(turn_rad)};
+}
+
+/** Mean of two values that belong to the tangent and across it, at the azimuth of (x, y). */
+static inline double mean_at(const lobe_widths *w, double along, double across, double x, double y) {
+    const double u = w->cos_turn * x + w->sin_turn * y, v = w->cos_turn * y - w->sin_turn * x, r2 = u * u + v * v;
+    return r2 > 0 ? (along * u * u + across * v * v) / r2 : along;
+}
+
+/** alpha^2 at the azimuth of the half vector. */
+static inline double half_alpha2(const lobe_widths *w, double x, double y) {
+    return w->x2 == w->y2 ? w->x2 : 1 / mean_at(w, 1 / w->x2, 1 / w->y2, x, y);
+}
+
+/** alpha^2 for one pair of directions: at the azimuths of half vector, light and viewer; the distribution for h2 is multiplied by
+ *  `scale`. */
+typedef struct lobe_alphas {
+    double h2, i2, o2, scale;
+} lobe_alphas;
+
+static inline lobe_alphas round_lobe(double alpha2) {
+    return (lobe_alphas){alpha2, alpha2, alpha2, 1};
+}
+
+static inline lobe_alphas lobe_alphas_of(const lobe_widths *w, const half_angles *h, const double *wi,
+                                         const double *wo) {
+    if (w->x2 == w->y2)
+        return round_lobe(w->x2);
+    const double h2 = half_alpha2(w, h->x, h->y);
+    return (lobe_alphas){h2, mean_at(w, w->x2, w->y2, wi[0], wi[1]), mean_at(w, w->x2, w->y2, wo[0], wo[1]),
+                         h2 / w->xy};
 }
 
 /* ---- GGX: Walter, Marschner, Li and Torrance 2007, DOI 10.2312/EGWR/EGSR07/195-206 --------------------------------- */
@@ -41,17 +87,16 @@ static inline double ggx_visibility(double cosine, double alpha2) {
     return 1 / (cosine + sqrt(cos2 + alpha2 * (1 - cos2)));
 }
 
-/** Height-correlated shadowing, divided by 4 cos cos: D times this is the lobe. Heitz 2014, equation 99
- *  (https://jcgt.org/published/0003/02/03/). */
-static inline double ggx_correlated_visibility(double cos_i, double cos_o, double alpha2) {
-    double i = cos_i * sqrt(cos_o * cos_o + alpha2 * (1 - cos_o * cos_o));
-    double o = cos_o * sqrt(cos_i * cos_i + alpha2 * (1 - cos_i * cos_i));
-    return 0.5 / (i + o);
+/** D G / (4 cos cos) with height-correlated shadowing: Heitz 2014, equation 99. */
+static inline double correlated_ggx(double tan2_h, double cos_i, double cos_o, const lobe_alphas *a) {
+    double i = cos_i * sqrt(cos_o * cos_o + a->o2 * (1 - cos_o * cos_o));
+    double o = cos_o * sqrt(cos_i * cos_i + a->i2 * (1 - cos_i * cos_i));
+    return a->scale * ggx_distribution(tan2_h, a->h2) * (0.5 / (i + o));
 }
 
 /** D G1 G1 / (4 cos cos). */
-static inline double separable_ggx(double tan2_h, double cos_i, double cos_o, double alpha2) {
-    return ggx_distribution(tan2_h, alpha2) * ggx_visibility(cos_i, alpha2) * ggx_visibility(cos_o, alpha2);
+static inline double separable_ggx(double tan2_h, double cos_i, double cos_o, const lobe_alphas *a) {
+    return a->scale * ggx_distribution(tan2_h, a->h2) * ggx_visibility(cos_i, a->i2) * ggx_visibility(cos_o, a->o2);
 }
 
 /* ---- Beckmann: the same paper -------------------------------------------------------------------------------------- */
@@ -72,8 +117,8 @@ static inline double beckmann_g1(double cosine, double alpha2) {
 }
 
 /** D G1 G1 / (4 cos cos). */
-static inline double separable_beckmann(double tan2_h, double cos_i, double cos_o, double alpha2) {
-    return beckmann_distribution(tan2_h, alpha2) * beckmann_g1(cos_i, alpha2) * beckmann_g1(cos_o, alpha2) /
+static inline double separable_beckmann(double tan2_h, double cos_i, double cos_o, const lobe_alphas *a) {
+    return a->scale * beckmann_distribution(tan2_h, a->h2) * beckmann_g1(cos_i, a->i2) * beckmann_g1(cos_o, a->o2) /
            (4 * cos_i * cos_o);
 }
 
