@@ -270,7 +270,7 @@ class BRDF:
         r = _abi.BrdfCheckReport()
         call(lib.nqm_brdf_check, self._handle, seed, byref(r), watches=self._watches)
         return CheckReport(r.n_pairs, r.n_clamped, r.n_invalid, r.reciprocity_median, r.reciprocity_p95,
-                           (r.albedo_max[0], r.albedo_max[1], r.albedo_max[2]), r.albedo_max_theta_rad)
+                           r.anisotropy, (r.albedo_max[0], r.albedo_max[1], r.albedo_max[2]), r.albedo_max_theta_rad)
 
     def sample(self, directions: "Directions", *, invalid: str = "drop") -> Tuple[np.ndarray, np.ndarray]:
         """Sample at every direction of a set.

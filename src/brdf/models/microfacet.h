@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
  * microfacet.h - the factors of microfacet BRDFs, for every model that needs them: half vector, distribution and shadowing
- * of GGX and Beckmann, and Fresnel factors. Cosines are in (0, 1].
+ * of GGX and Beckmann, and Fresnel factors. Cosines are in (0, 1]. Anisotropic lobes are isotropic ones whose width depends on the
+ * azimuth.
  */
 #ifndef NQM_SRC_BRDF_MICROFACET_H
 #define NQM_SRC_BRDF_MICROFACET_H
@@ -16,59 +17,81 @@
  * theta_h = 0, where lobes can be narrower than a degree. */
 typedef struct half_angles {
     double tan2_h, cos_d;
-    double x, y; /* of wi + wo */
 } half_angles;
 
 /* Inlined: otherwise the simple lobes take twice the time. */
 static inline half_angles half_angles_of(const double *wi, const double *wo) {
     double x = wi[0] + wo[0], y = wi[1] + wo[1], z = wi[2] + wo[2];
     double xy = x * x + y * y;
-    return (half_angles){.tan2_h = xy / (z * z), .cos_d = fmin(1, 0.5 * sqrt(xy + z * z)), .x = x, .y = y};
+    return (half_angles){.tan2_h = xy / (z * z), .cos_d = fmin(1, 0.5 * sqrt(xy + z * z))};
 }
 
-/* ---- widths: an anisotropic lobe is isotropic at each azimuth (Heitz 2014, https://jcgt.org/published/0003/02/03/, 5.3) ---- */
+/* ---- anisotropy: Heitz 2014, section 5.3 (https://jcgt.org/published/0003/02/03/) --------------------------------- */
 
-/** The widths of a lobe along a tangent and across it. */
-typedef struct lobe_widths {
-    double x2, y2;             /**< alpha^2 */
-    double xy, mean;           /**< alpha_x alpha_y; its square root */
-    double cos_turn, sin_turn; /**< of the azimuth of the tangent */
-} lobe_widths;
+/** cos^2 and sin^2 of an azimuth. */
+typedef struct azimuth {
+    double cos2, sin2;
+} azimuth;
 
-/** Squares of both widths, which may be equal: then xy is the same number. */
-static inline lobe_widths lobe_widths_of(double x2, double y2, double turn_rad) {
-    const double xy = sqrt(x2 * y2);
-    return (lobe_widths){x2, y2, xy, sqrt(xy), cos(turn_rad), sin(turn_rad)};
+/** The azimuth of (x, y); that of the tangent for (0, 0). */
+static inline azimuth azimuth_of(double x, double y) {
+    double x2 = x * x, y2 = y * y, xy = x2 + y2;
+    return xy > 0 ? (azimuth){x2 / xy, y2 / xy} : (azimuth){1, 0};
 }
 
-/** Mean of two values that belong to the tangent and across it, at the azimuth of (x, y). */
-static inline double mean_at(const lobe_widths *w, double along, double across, double x, double y) {
-    const double u = w->cos_turn * x + w->sin_turn * y, v = w->cos_turn * y - w->sin_turn * x, r2 = u * u + v * v;
-    return r2 > 0 ? (along * u * u + across * v * v) / r2 : along;
+static inline azimuth half_azimuth(const double *wi, const double *wo) {
+    return azimuth_of(wi[0] + wo[0], wi[1] + wo[1]);
 }
 
-/** alpha^2 at the azimuth of the half vector. */
-static inline double half_alpha2(const lobe_widths *w, double x, double y) {
-    return w->x2 == w->y2 ? w->x2 : 1 / mean_at(w, 1 / w->x2, 1 / w->y2, x, y);
+/** A quantity that is x along the tangent and y along the bitangent: x cos^2 + y sin^2. */
+static inline double along(azimuth a, double x, double y) {
+    return a.cos2 * x + a.sin2 * y;
 }
 
-/** alpha^2 for one pair of directions: at the azimuths of half vector, light and viewer; the distribution for h2 is multiplied by
- *  `scale`. */
-typedef struct lobe_alphas {
-    double h2, i2, o2, scale;
-} lobe_alphas;
+/** alpha^2 along tangent and bitangent. */
+typedef struct widths {
+    double x2, y2;
+} widths;
 
-static inline lobe_alphas round_lobe(double alpha2) {
-    return (lobe_alphas){alpha2, alpha2, alpha2, 1};
+/** The alpha^2 with which isotropic functions have the values of anisotropic ones for a pair. */
+typedef struct pair_widths {
+    double h2;      /**< of the distribution, */
+    double density; /**< whose value is to be multiplied by this */
+    double i2, o2;  /**< of the shadowing of light and viewer */
+} pair_widths;
+
+static inline pair_widths equal_widths(double alpha2) {
+    return (pair_widths){alpha2, 1, alpha2, alpha2};
 }
 
-static inline lobe_alphas lobe_alphas_of(const lobe_widths *w, const half_angles *h, const double *wi,
-                                         const double *wo) {
-    if (w->x2 == w->y2)
-        return round_lobe(w->x2);
-    const double h2 = half_alpha2(w, h->x, h->y);
-    return (lobe_alphas){h2, mean_at(w, w->x2, w->y2, wi[0], wi[1]), mean_at(w, w->x2, w->y2, wo[0], wo[1]),
-                         h2 / w->xy};
+/** Isotropic lobes keep their bits. */
+static inline pair_widths pair_widths_of(widths a, const double *wi, const double *wo) {
+    if (a.x2 == a.y2)
+        return equal_widths(a.x2);
+    double h2 = 1 / along(half_azimuth(wi, wo), 1 / a.x2, 1 / a.y2);
+    return (pair_widths){.h2 = h2,
+                         .density = h2 / sqrt(a.x2 * a.y2),
+                         .i2 = along(azimuth_of(wi[0], wi[1]), a.x2, a.y2),
+                         .o2 = along(azimuth_of(wo[0], wo[1]), a.x2, a.y2)};
+}
+
+/** Widths of a tangent that is turned about the normal. */
+typedef struct turned_widths {
+    widths widths;
+    double cos_turn, sin_turn;
+} turned_widths;
+
+static inline turned_widths turned_widths_of(double x2, double y2, double turn_rad) {
+    return (turned_widths){{x2, y2}, cos(turn_rad), sin(turn_rad)};
+}
+
+static inline pair_widths turned_pair_widths(const turned_widths *t, const double *wi, const double *wo) {
+    if (t->widths.x2 == t->widths.y2)
+        return equal_widths(t->widths.x2);
+    const double c = t->cos_turn, s = t->sin_turn;
+    const double in[2] = {c * wi[0] + s * wi[1], c * wi[1] - s * wi[0]};
+    const double out[2] = {c * wo[0] + s * wo[1], c * wo[1] - s * wo[0]};
+    return pair_widths_of(t->widths, in, out);
 }
 
 /* ---- GGX: Walter, Marschner, Li and Torrance 2007, DOI 10.2312/EGWR/EGSR07/195-206 --------------------------------- */
@@ -88,15 +111,15 @@ static inline double ggx_visibility(double cosine, double alpha2) {
 }
 
 /** D G / (4 cos cos) with height-correlated shadowing: Heitz 2014, equation 99. */
-static inline double correlated_ggx(double tan2_h, double cos_i, double cos_o, const lobe_alphas *a) {
-    double i = cos_i * sqrt(cos_o * cos_o + a->o2 * (1 - cos_o * cos_o));
-    double o = cos_o * sqrt(cos_i * cos_i + a->i2 * (1 - cos_i * cos_i));
-    return a->scale * ggx_distribution(tan2_h, a->h2) * (0.5 / (i + o));
+static inline double correlated_ggx(double tan2_h, double cos_i, double cos_o, pair_widths a) {
+    double i = cos_i * sqrt(cos_o * cos_o + a.o2 * (1 - cos_o * cos_o));
+    double o = cos_o * sqrt(cos_i * cos_i + a.i2 * (1 - cos_i * cos_i));
+    return ggx_distribution(tan2_h, a.h2) * a.density * (0.5 / (i + o));
 }
 
 /** D G1 G1 / (4 cos cos). */
-static inline double separable_ggx(double tan2_h, double cos_i, double cos_o, const lobe_alphas *a) {
-    return a->scale * ggx_distribution(tan2_h, a->h2) * ggx_visibility(cos_i, a->i2) * ggx_visibility(cos_o, a->o2);
+static inline double separable_ggx(double tan2_h, double cos_i, double cos_o, pair_widths a) {
+    return ggx_distribution(tan2_h, a.h2) * a.density * ggx_visibility(cos_i, a.i2) * ggx_visibility(cos_o, a.o2);
 }
 
 /* ---- Beckmann: the same paper -------------------------------------------------------------------------------------- */
@@ -117,8 +140,8 @@ static inline double beckmann_g1(double cosine, double alpha2) {
 }
 
 /** D G1 G1 / (4 cos cos). */
-static inline double separable_beckmann(double tan2_h, double cos_i, double cos_o, const lobe_alphas *a) {
-    return a->scale * beckmann_distribution(tan2_h, a->h2) * beckmann_g1(cos_i, a->i2) * beckmann_g1(cos_o, a->o2) /
+static inline double separable_beckmann(double tan2_h, double cos_i, double cos_o, pair_widths a) {
+    return beckmann_distribution(tan2_h, a.h2) * a.density * beckmann_g1(cos_i, a.i2) * beckmann_g1(cos_o, a.o2) /
            (4 * cos_i * cos_o);
 }
 

@@ -13,16 +13,16 @@
 typedef struct conductor {
     nqm_spec_state spec;
     bool is_ggx, is_correlated;
-    lobe_widths widths;
+    widths widths;
     double eta[3], k[3], specular[3];
 } conductor;
 
 /* D G / (4 cos cos). */
 static double lobe(const conductor *self, const half_angles *h, const double *wi, const double *wo) {
-    const lobe_alphas a = lobe_alphas_of(&self->widths, h, wi, wo);
+    const pair_widths a = pair_widths_of(self->widths, wi, wo);
     if (self->is_correlated)
-        return correlated_ggx(h->tan2_h, wi[2], wo[2], &a);
-    return self->is_ggx ? separable_ggx(h->tan2_h, wi[2], wo[2], &a) : separable_beckmann(h->tan2_h, wi[2], wo[2], &a);
+        return correlated_ggx(h->tan2_h, wi[2], wo[2], a);
+    return self->is_ggx ? separable_ggx(h->tan2_h, wi[2], wo[2], a) : separable_beckmann(h->tan2_h, wi[2], wo[2], a);
 }
 
 static void conductor_eval(const void *state, size_t n, const double *wi, const double *wo, double *rgb) {
@@ -60,7 +60,7 @@ static void mitsuba_prepare(const nqm_spec_values *values, void *state) {
     self->is_ggx = values->v[DISTRIBUTION][0] > 0.5;
     self->is_correlated = false;
     const double *alpha = values->v[ALPHA];
-    self->widths = lobe_widths_of(alpha[0] * alpha[0], alpha[1] * alpha[1], 0);
+    self->widths = (widths){alpha[0] * alpha[0], alpha[1] * alpha[1]};
     set_index(self, values->v[ETA], values->v[K], values->v[SPECULAR_REFLECTANCE]);
 }
 
@@ -83,7 +83,7 @@ enum { PBRT_KEYS(NQM_KEY_INDEX) };
 static void pbrt_prepare(const nqm_spec_values *values, void *state) {
     conductor *self = state;
     self->is_ggx = self->is_correlated = true;
-    self->widths = lobe_widths_of(values->v[PBRT_ROUGHNESS][0], values->v[PBRT_ROUGHNESS][1], 0);
+    self->widths = (widths){values->v[PBRT_ROUGHNESS][0], values->v[PBRT_ROUGHNESS][1]};
     set_index(self, values->v[PBRT_ETA], values->v[PBRT_K], NULL);
 }
 

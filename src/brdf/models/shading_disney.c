@@ -13,7 +13,7 @@ enum { NQM_DISNEY_KEYS(NQM_KEY_INDEX) N_KEYS };
 /* What the keys make together; the others are read from the spec. */
 typedef struct disney {
     nqm_spec_state spec;
-    lobe_widths base, coat;
+    lobe_shape base, coat;
     double specular_color[3], sheen_color[3];
 } disney;
 
@@ -22,7 +22,7 @@ static const double SHEEN_ROUGHNESS = 0.3; /* the default of the node sheen_bsdf
 static void prepare(const nqm_spec_values *values, void *state) {
     disney *self = state;
     self->base = roughness_anisotropy(values->v[ROUGHNESS][0], values->v[ANISOTROPIC][0], 0);
-    self->coat = round_widths(1 - values->v[CLEARCOAT_GLOSS][0]);
+    self->coat = round_lobe(1 - values->v[CLEARCOAT_GLOSS][0]);
     for (size_t c = 0; c < 3; ++c) {
         const double base = values->v[BASE_COLOR][c];
         self->specular_color[c] = 1 + values->v[SPECULAR_TINT][0] * (base - 1);

@@ -31,8 +31,8 @@ typedef struct gltf {
     nqm_spec_state spec;
     double diffuse[3]; /**< f_r of the base without Fresnel factor */
     double f0[3], f90; /**< of the dielectric part */
-    lobe_widths base;
-    lobe_alphas coat;
+    turned_widths base;
+    double coat_alpha2;
     sheen sheen;
 } gltf;
 
@@ -111,15 +111,15 @@ static void gltf_prepare(const nqm_spec_values *values, void *state) {
         self->f0[c] = fmin(1, r * r * values->v[SPECULAR_COLOR][c]) * specular;
     }
     self->f90 = specular;
-    self->base = lobe_widths_of(along * along, alpha * alpha, values->v[ANISOTROPY_ROTATION][0]);
-    self->coat = round_lobe(coat_alpha * coat_alpha);
+    self->base = turned_widths_of(along * along, alpha * alpha, values->v[ANISOTROPY_ROTATION][0]);
+    self->coat_alpha2 = coat_alpha * coat_alpha;
     sheen_prepare(&self->sheen, values->v[SHEEN_COLOR], values->v[SHEEN_ROUGHNESS][0]);
 }
 
 /** Metallic-roughness without layers. */
 static void base_material(const gltf *self, const half_angles *h, const double *wi, const double *wo, double *rgb) {
-    const lobe_alphas alphas = lobe_alphas_of(&self->base, h, wi, wo);
-    const double lobe = correlated_ggx(h->tan2_h, wi[2], wo[2], &alphas), (*v)[3] = self->spec.values.v;
+    const pair_widths a = turned_pair_widths(&self->base, wi, wo);
+    const double lobe = correlated_ggx(h->tan2_h, wi[2], wo[2], a), (*v)[3] = self->spec.values.v;
     double f[3];
     for (size_t c = 0; c < 3; ++c)
         f[c] = schlick_between(self->f0[c], self->f90, h->cos_d);
@@ -139,7 +139,7 @@ static void gltf_eval(const void *state, size_t n, const double *wi, const doubl
         if (self->sheen.max_color > 0)
             add_sheen(&self->sheen, &h, cos_i, cos_o, rgb + 3 * i);
         if (clearcoat > 0) {
-            const double lobe = correlated_ggx(h.tan2_h, cos_i, cos_o, &self->coat);
+            const double lobe = correlated_ggx(h.tan2_h, cos_i, cos_o, equal_widths(self->coat_alpha2));
             const double weight = clearcoat * schlick_factor(COAT_F0, cos_o);
             for (size_t c = 0; c < 3; ++c)
                 rgb[3 * i + c] = mix(rgb[3 * i + c], lobe, weight);

@@ -11,14 +11,14 @@ enum { NQM_OPEN_PBR_KEYS(NQM_KEY_INDEX) N_KEYS };
 /* What the keys make together; the others are read from the spec. */
 typedef struct open_pbr {
     nqm_spec_state spec;
-    lobe_widths base, coat;
+    lobe_shape base, coat;
     double ior, metal[3], under_coat[3]; /* under_coat: darkening and colour */
 } open_pbr;
 
 /* The node open_pbr_anisotropy. */
-static lobe_widths anisotropic(double roughness, double anisotropy) {
+static lobe_shape anisotropic(double roughness, double anisotropy) {
     const double ratio = 1 - anisotropy, x = roughness * roughness * sqrt(2 / (1 + ratio * ratio));
-    return widths_of(x, ratio * x, 0);
+    return lobe_of(x, ratio * x, 0);
 }
 
 /* The index of the dielectric below the coat, modulated by specular_weight. */

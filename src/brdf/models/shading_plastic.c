@@ -30,8 +30,7 @@ static const double table_log_eta[2] = {-2.99573227355399, 0.6931471805599453}; 
 typedef struct plastic {
     nqm_spec_state spec;
     bool is_ggx;
-    lobe_alphas alphas;
-    double eta;
+    double alpha2, eta;
     double diffuse[3], specular[3];
     double transmittance[TABLE_MU];
 } plastic;
@@ -77,7 +76,7 @@ static void plastic_prepare(const nqm_spec_values *values, void *state) {
     double table[TABLE_MU + 1];
     const double alpha = values->v[ALPHA][0];
     self->is_ggx = values->v[DISTRIBUTION][0] > 0.5;
-    self->alphas = round_lobe(alpha * alpha);
+    self->alpha2 = alpha * alpha;
     self->eta = values->v[ETA][0];
     look_up(self->is_ggx, alpha, self->eta, table);
     memcpy(self->transmittance, table, sizeof self->transmittance);
@@ -100,8 +99,9 @@ static void plastic_eval(const void *state, size_t n, const double *wi, const do
     for (size_t i = 0; i < n; ++i) {
         const half_angles h = half_angles_of(wi + 3 * i, wo + 3 * i);
         const double cos_i = wi[3 * i + 2], cos_o = wo[3 * i + 2];
-        const double lobe = self->is_ggx ? separable_ggx(h.tan2_h, cos_i, cos_o, &self->alphas)
-                                         : separable_beckmann(h.tan2_h, cos_i, cos_o, &self->alphas);
+        const pair_widths a = equal_widths(self->alpha2);
+        const double lobe =
+            self->is_ggx ? separable_ggx(h.tan2_h, cos_i, cos_o, a) : separable_beckmann(h.tan2_h, cos_i, cos_o, a);
         const double f = lobe * fresnel_dielectric(self->eta, h.cos_d);
         const double inside = transmittance(self, cos_i) * transmittance(self, cos_o);
         for (size_t c = 0; c < 3; ++c)

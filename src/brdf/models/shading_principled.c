@@ -26,7 +26,7 @@ enum { KEYS(NQM_KEY_INDEX) N_KEYS };
 
 typedef struct principled {
     nqm_spec_state spec;
-    lobe_widths widths;
+    widths widths;
     double coat_alpha2;
     double dielectric; /* weight of the exact Fresnel factor */
     double tint[3],
@@ -41,9 +41,9 @@ static void principled_prepare(const nqm_spec_values *values, void *state) {
     const double luminance = 0.212671 * base[0] + 0.715160 * base[1] + 0.072169 * base[2];
     const double roughness2 = values->v[ROUGHNESS][0] * values->v[ROUGHNESS][0];
     const double aspect = sqrt(1 - 0.9 * values->v[ANISOTROPIC][0]);
-    const double along = fmax(0.001, roughness2 / aspect), across = fmax(0.001, roughness2 * aspect);
+    const double x = fmax(0.001, roughness2 / aspect), y = fmax(0.001, roughness2 * aspect);
     const double coat_alpha = mix(0.1, 0.001, values->v[CLEARCOAT_GLOSS][0]);
-    self->widths = lobe_widths_of(along * along, across * across, 0);
+    self->widths = (widths){x * x, y * y};
     self->coat_alpha2 = coat_alpha * coat_alpha;
     self->dielectric = (1 - metallic) * (1 - spec_tint);
     self->tint_weight = (1 - metallic) * spec_tint;
@@ -78,8 +78,8 @@ static void principled_eval(const void *state, size_t n, const double *wi, const
     for (size_t i = 0; i < n; ++i) {
         const half_angles h = half_angles_of(wi + 3 * i, wo + 3 * i);
         const double cos_i = wi[3 * i + 2], cos_o = wo[3 * i + 2], weight = power5(1 - h.cos_d);
-        const lobe_alphas alphas = lobe_alphas_of(&self->widths, &h, wi + 3 * i, wo + 3 * i);
-        const double lobe = eta == 1 ? 0 : separable_ggx(h.tan2_h, cos_i, cos_o, &alphas);
+        const pair_widths a = pair_widths_of(self->widths, wi + 3 * i, wo + 3 * i);
+        const double lobe = eta == 1 ? 0 : separable_ggx(h.tan2_h, cos_i, cos_o, a);
         const double f = self->dielectric * fresnel_dielectric(eta, h.cos_d);
         const double shape = diffuse_shape(v, cos_i, cos_o, h.cos_d);
         const double clear = v[CLEARCOAT][0] > 0 ? coat(self, h.tan2_h, cos_i, cos_o, h.cos_d) : 0;

@@ -10,7 +10,7 @@ enum { NQM_STANDARD_SURFACE_KEYS(NQM_KEY_INDEX) N_KEYS };
 /* What the keys make together; the others are read from the spec. */
 typedef struct standard_surface {
     nqm_spec_state spec;
-    lobe_widths base, coat;
+    lobe_shape base, coat;
     double diffuse[3], metal_ior[3], metal_extinction[3], under_coat[3];
 } standard_surface;
 

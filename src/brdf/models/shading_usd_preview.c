@@ -14,7 +14,7 @@ enum { NQM_USD_PREVIEW_KEYS(NQM_KEY_INDEX) N_KEYS };
 /* What the keys make together; the others are read from the spec. */
 typedef struct usd_preview {
     nqm_spec_state spec;
-    lobe_widths base, coat;
+    lobe_shape base, coat;
     double metallic, f0[3], f90[3], metal_ior[3], metal_extinction[3], coat_f0[3];
 } usd_preview;
 
@@ -23,8 +23,8 @@ static void prepare(const nqm_spec_values *values, void *state) {
     const bool is_specular = values->v[USE_SPECULAR_WORKFLOW][0] > 0.5;
     const double metallic = is_specular ? 0 : values->v[METALLIC][0], f0 = f0_of_ior(values->v[IOR][0]);
     self->metallic = metallic;
-    self->base = round_widths(values->v[ROUGHNESS][0]);
-    self->coat = round_widths(values->v[CLEARCOAT_ROUGHNESS][0]);
+    self->base = round_lobe(values->v[ROUGHNESS][0]);
+    self->coat = round_lobe(values->v[CLEARCOAT_ROUGHNESS][0]);
     for (size_t c = 0; c < 3; ++c) {
         const double diffuse = values->v[DIFFUSE_COLOR][c], tint = 1 + metallic * (diffuse - 1);
         self->f0[c] = is_specular ? values->v[SPECULAR_COLOR][c] : tint * (f0 + metallic * (1 - f0));
