@@ -141,7 +141,10 @@ MUTATIONS = [
     ("src/material/color_space.c", "return v <= 0.04045 ? v / 12.92 : pow((v + 0.055) / 1.055, 2.4);", "return v <= 0.04045 ? v / 12.92 : pow((v + 0.055) / 1.055, 2.2);", "test_material_mitsuba"),
     ("src/material/mitsuba.c", "const double eta = 2 / (1 - sqrt(0.08 * v[0])) - 1;", "const double eta = 2 / (1 - sqrt(0.8 * v[0])) - 1;", "test_material_mitsuba test_brdf_shading_mitsuba"),
     ("src/material/mitsuba.c", "const double eta = inside / outside;", "const double eta = inside;", "test_material_mitsuba"),
-    ("src/material/pbrt.c", "*roughness = remap ? u : u * u;", "*roughness = remap ? u * u : u;", "test_material_pbrt"),
+    ("src/material/pbrt.c", "roughness[c] = remap ? v : v * v;", "roughness[c] = remap ? v * v : v;", "test_material_pbrt"),
+    ("src/brdf/models/shading_standard_surface.c", "TURN = -2 * NQM_PI;", "TURN = 2 * NQM_PI;", "test_brdf_materialx"),
+    ("src/brdf/models/closures.h", "a.i2 = a.o2 = lobe->xy;", "", "test_brdf_materialx"),
+    ("src/material/rules.c", "if (!is_zero(r, name))", "if (is_zero(r, name))", "test_material_materialx"),
     ("src/material/pbrt.c", "k[c] = 2 * sqrt(clamped / (1 - clamped));", "k[c] = sqrt(clamped / (1 - clamped));", "test_material_pbrt"),
     # ---- gates
     ("tools/nqm/score/gate.c", "(result->jod < gate->jod || result->jod_low < gate->jod_low);", "(result->jod < gate->jod || result->jod_low < gate->jod);", "cli.batch_gates"),
