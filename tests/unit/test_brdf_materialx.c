@@ -126,8 +126,8 @@ static void test_anisotropy(void **state) {
 /* A rotation of Standard Surface turns the material clockwise. */
 static void test_rotation(void **state) {
     (void)state;
-    nqm_brdf *turned = open_brdf("standard-surface:specular_anisotropy=.7;specular_rotation=.0625");
-    nqm_brdf *plain = open_brdf("standard-surface:specular_anisotropy=.7");
+    nqm_brdf *turned = open_brdf("standard-surface:metalness=1;specular_anisotropy=.7;specular_rotation=.0625");
+    nqm_brdf *plain = open_brdf("standard-surface:metalness=1;specular_anisotropy=.7");
     const double turn[2] = {-sin(NQM_PI / 8), cos(NQM_PI / 8)}, wi[3] = {0.48, 0.36, 0.8}, wo[3] = {-0.6, 0, 0.8};
     double in[3], out[3], a[3], b[3];
     nqm_turn3(turn, wi, in);
