@@ -28,6 +28,9 @@ typedef struct nqm_brdf_class {
      * reciprocal BRDF, otherwise in [0, 2 pi)). NULL: core/brdf.c converts to vectors and calls eval. */
     void (*eval_half_diff)(const void *self, size_t n, const double *hd, double *rgb);
 
+    /** Instead of it, for BRDFs made of others that may be anisotropic. turn: (n, 2) sine and cosine of phi_h; NULL: 0. */
+    void (*eval_turned)(const void *self, size_t n, const double *hd, const double *turn, double *rgb);
+
     /** As eval for at most 64 pairs, and the derivatives: jacobian (n, 3, info.n_values), zero on entry, receives d channel / d parameter in the
      * entries that are not 0. rgb has the bits of eval. NULL: the format has no parameters. */
     void (*jacobian)(const void *self, size_t n, const double *wi, const double *wo, double *rgb, double *jacobian);
@@ -47,6 +50,10 @@ struct nqm_brdf {
  *  the DOI is not; the format is that of the class. */
 NQM_MUST_CHECK nqm_status nqm_brdf_wrap(const nqm_brdf_class *class_, void *self, const nqm_brdf_info *info,
                                         nqm_brdf **brdf_ret, nqm_error *err);
+
+/** As nqm_brdf_eval_half_diff() of pairs that are turned about the normal. turn: (n, 2) sine and cosine of phi_h; NULL: 0. */
+void nqm_brdf_eval_turned(const nqm_brdf *brdf, size_t n, const double *hd, const double *turn, double *rgb,
+                          uint8_t *flag);
 
 /** nqm_brdf_check_report.anisotropy; 0 without an evaluation if the BRDF is isotropic by construction. Takes 1,024 evaluations. */
 double nqm_brdf_anisotropy(const nqm_brdf *brdf);
@@ -107,17 +114,18 @@ const float *nqm_table_values(const nqm_brdf *brdf, size_t *dims);
 /** Cut "SETTINGS;of=OF", or with has_with "SETTINGS;with=(WITH);of=OF", of a spec that wraps other BRDFs after its prefix: the settings
  *  end where the rest begins. false: another form; the text is as it was. */
 bool nqm_wrapper_cut(char *text, bool has_with, const char **with, const char **of);
-/** A perturbation of an opened BRDF: `settings` as in a `perturb:` spec, without `of`. The result owns `base` if `owned` (it
- *  is freed also on failure), otherwise it borrows it. */
-nqm_status nqm_perturb_wrap(const char *settings, nqm_brdf *base, bool owned, nqm_brdf **brdf_ret, nqm_error *err);
 
 typedef struct nqm_between_bases {
     nqm_brdf *of, *with;
     bool owns_of, owns_with; /* freed with the result, and on failure; false: borrowed */
 } nqm_between_bases;
 
-/** A BRDF between two opened ones: `settings` as in a `between:` spec, without `with` and `of`. */
-nqm_status nqm_between_wrap(const char *settings, const nqm_between_bases *bases, nqm_brdf **brdf_ret, nqm_error *err);
+typedef struct nqm_spec_wrapper nqm_spec_wrapper;
+/** The kind of BRDF made of others whose name and a colon begin the text; NULL: none. */
+const nqm_spec_wrapper *nqm_spec_wrapper_of(const char *text);
+/** Such a BRDF of opened ones: `settings` as in its spec, without `with` and `of`. */
+NQM_MUST_CHECK nqm_status nqm_wrapper_make(const nqm_spec_wrapper *w, const char *settings,
+                                           const nqm_between_bases *bases, nqm_brdf **brdf_ret, nqm_error *err);
 
 /** Nodes of a table (nqm_table_create()). */
 typedef struct nqm_table_size {

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * The list of all models and wrappers, and BRDFs from specs: "MODEL:key=value;...", "TABLE:PRESET", "perturb:...", "between:...".
+ * The list of all models and wrappers, and BRDFs from specs: "MODEL:key=value;...", "TABLE:PRESET", "WRAPPER:...;of=BRDF".
  */
 #include "brdf/models/presets.h"
 
@@ -10,7 +10,8 @@
 #define POINTER_TO(NAME) &(NAME),
 static const nqm_analytic_model *const models[] = {NQM_ANALYTIC_MODELS(POINTER_TO) NQM_SHADING_MODELS(POINTER_TO) NULL};
 
-static const nqm_spec_wrapper *const wrappers[] = {&nqm_perturb_wrapper, &nqm_between_wrapper, NULL};
+static const nqm_spec_wrapper *const wrappers[] = {&nqm_perturb_wrapper, &nqm_between_wrapper, &nqm_rotate_wrapper,
+                                                   &nqm_tilt_wrapper, NULL};
 enum { MAX_NESTED = 3 };
 
 /* ---- names ------------------------------------------------------------------------------------------------------- */
@@ -28,6 +29,11 @@ static const nqm_spec_wrapper *find_wrapper(const char *name, size_t n) {
     while (*w && !(strncmp((*w)->schema.model, name, n) == 0 && (*w)->schema.model[n] == 0))
         ++w;
     return *w;
+}
+
+const nqm_spec_wrapper *nqm_spec_wrapper_of(const char *text) {
+    const size_t n = strcspn(text, ":");
+    return text[n] == ':' ? find_wrapper(text, n) : NULL;
 }
 
 /* Whether specs begin with the first n characters of `name`. */
@@ -108,9 +114,10 @@ nqm_status nqm_spec_open(const char *spec, const char *name, nqm_brdf_opener *op
                          nqm_error *err) {
     const size_t n_name = strcspn(spec, ":");
     const char *settings = spec + n_name + 1;
-    const nqm_spec_wrapper *wrapper = find_wrapper(spec, n_name);
+    const nqm_spec_wrapper *wrapper = nqm_spec_wrapper_of(spec);
     if (wrapper && count_wrappers(spec) > MAX_NESTED)
-        return nqm_fail(err, NQM_ERR_LIMIT, -1, "a spec may contain at most %d of perturb: and between:", MAX_NESTED);
+        return nqm_fail(err, NQM_ERR_LIMIT, -1,
+                        "a spec may contain at most %d of perturb:, between:, rotate: and tilt:", MAX_NESTED);
     if (wrapper)
         return nqm_wrapper_open(wrapper, settings, name, open, brdf_ret, err);
     const nqm_preset_table *table = nqm_preset_table_find(spec, n_name);

@@ -124,7 +124,7 @@ static nqm_status open_any(void *user, const char *argument, nqm_brdf **brdf_ret
     if (o->fits && begins_with(argument, "fit:")) /* its argument lives as long as the list */
         return open_fit(o, argument, brdf_ret, err);
     *is_lent_ret = false;
-    if (begins_with(argument, "fit:") || begins_with(argument, "perturb:") || begins_with(argument, "between:"))
+    if (begins_with(argument, "fit:") || nqm_spec_wrapper_of(argument))
         return open_nested(o, argument, brdf_ret, err);
     return open_leaf(o->context, argument, brdf_ret, err);
 }

@@ -60,7 +60,8 @@ static nqm_status perturb(const nqm_brdf *ref, uint64_t seed, size_t i, nqm_brdf
     nqm_format_double(number[0], sizeof number[0], nqm_round_digits(gloss, 3));
     nqm_format_double(number[1], sizeof number[1], nqm_round_digits(peak, 3));
     snprintf(settings, sizeof settings, "gloss=%s;peak=%s", number[0], number[1]);
-    return nqm_perturb_wrap(settings, (nqm_brdf *)(uintptr_t)ref, false, brdf_ret, err);
+    return nqm_wrapper_make(nqm_spec_wrapper_of("perturb:"), settings,
+                            &(nqm_between_bases){.of = (nqm_brdf *)(uintptr_t)ref}, brdf_ret, err);
 }
 
 /* Values of `brdf` at hd (n, 3). At least three quarters must be valid, because examples are drawn by rejection. */

@@ -15,26 +15,25 @@ enum { MAX_DEPTH = 16, MAX_OVERFITTED = 100000 };
 
 /* ---- parts of an argument ---------------------------------------------------------------------------------------- */
 
-/* "WRAPPER:SETTINGS;of=OF" or "between:SETTINGS;with=(WITH);of=OF", cut in `text`. */
+/* "WRAPPER:SETTINGS;of=OF" or "WRAPPER:SETTINGS;with=(WITH);of=OF", cut in `text`. */
 typedef struct parts {
     char *text; /* owned */
-    enum { BASE, FIT, PERTURB, BETWEEN } form;
-    const char *settings, *with, *of; /* of BASE: NULL */
+    enum { BASE, FIT, WRAPPER } form;
+    const nqm_spec_wrapper *wrapper;
+    const char *settings, *with, *of; /* NULL: there is none */
 } parts;
 
 /* free_parts() it. What is not of one of the forms is left to nqm_brdf_open(), which says what is wrong. */
 static nqm_status split(const char *argument, parts *p, nqm_error *err) {
-    static const char *const prefix[] = {[FIT] = "fit:", [PERTURB] = "perturb:", [BETWEEN] = "between:"};
-    *p = (parts){.text = nqm_strdup(argument), .form = BETWEEN};
+    *p = (parts){.text = nqm_strdup(argument), .wrapper = nqm_spec_wrapper_of(argument)};
     if (!p->text)
         return nqm_fail_nomem(err, strlen(argument) + 1);
-    while (p->form != BASE && strncmp(argument, prefix[p->form], strlen(prefix[p->form])) != 0)
-        --p->form;
+    p->form = strncmp(argument, "fit:", 4) == 0 ? FIT : p->wrapper ? WRAPPER : BASE;
     if (p->form == BASE)
         return NQM_OK;
-    char *settings = p->text + strlen(prefix[p->form]);
+    char *settings = p->text + strcspn(argument, ":") + 1;
     p->settings = settings;
-    if (!nqm_wrapper_cut(settings, p->form == BETWEEN, &p->with, &p->of) || !*p->of || !*settings) {
+    if (!nqm_wrapper_cut(settings, p->wrapper && p->wrapper->has_with, &p->with, &p->of) || !*p->of || !*settings) {
         if (p->form == FIT)
             return nqm_fail(err, NQM_ERR_ARG, -1,
                             "fit: 'of=' and a BRDF are missing at the end (fit:model=ggx;of=BRDF)");
@@ -56,7 +55,7 @@ static nqm_status visit_at(const char *argument, size_t depth,
         status = nqm_fail(err, NQM_ERR_ARG, -1, "a BRDF argument has more than %d levels", MAX_DEPTH);
     if (status == NQM_OK && p.form == BASE)
         status = visit(user, argument, err);
-    else if (status == NQM_OK && p.form == BETWEEN)
+    if (status == NQM_OK && p.form != BASE && p.with)
         status = visit_at(p.with, depth + 1, visit, user, err);
     if (status == NQM_OK && p.form != BASE)
         status = visit_at(p.of, depth + 1, visit, user, err);
@@ -203,19 +202,20 @@ static void drop(nqm_brdf *brdf, bool is_lent) {
         nqm_brdf_free(brdf);
 }
 
-static nqm_status open_between(const parts *p, const nqm_fit_context *context, nqm_brdf **brdf_ret, nqm_error *err) {
-    nqm_brdf *of, *with;
-    bool of_lent, with_lent;
+static nqm_status open_wrapper(const parts *p, const nqm_fit_context *context, nqm_brdf **brdf_ret, nqm_error *err) {
+    nqm_brdf *of, *with = NULL;
+    bool of_lent, with_lent = true;
     nqm_status status = open_base(context, p->of, &of, &of_lent, err);
     if (status != NQM_OK)
         return status;
-    status = open_base(context, p->with, &with, &with_lent, err);
+    if (p->with)
+        status = open_base(context, p->with, &with, &with_lent, err);
     if (status != NQM_OK) {
         drop(of, of_lent);
         return status;
     }
     const nqm_between_bases bases = {.of = of, .with = with, .owns_of = !of_lent, .owns_with = !with_lent};
-    return nqm_between_wrap(p->settings, &bases, brdf_ret, err);
+    return nqm_wrapper_make(p->wrapper, p->settings, &bases, brdf_ret, err);
 }
 
 nqm_status nqm_fit_open(const char *argument, const nqm_fit_context *context_or_null, nqm_brdf **brdf_ret,
@@ -228,15 +228,13 @@ nqm_status nqm_fit_open(const char *argument, const nqm_fit_context *context_or_
     if (!context->open && !strstr(argument, "fit:"))
         return nqm_brdf_open(argument, brdf_ret, err);
     nqm_status status = split(argument, &p, err);
-    if (status == NQM_OK && p.form == BETWEEN) {
-        status = open_between(&p, context, brdf_ret, err);
+    if (status == NQM_OK && p.form == WRAPPER) {
+        status = open_wrapper(&p, context, brdf_ret, err);
     } else if (status == NQM_OK && p.form == BASE) {
         status = nqm_brdf_open(argument, brdf_ret, err);
     } else if (status == NQM_OK) {
         status = open_base(context, p.of, &of, &is_lent, err);
-        if (status == NQM_OK && p.form == PERTURB) {
-            status = nqm_perturb_wrap(p.settings, of, !is_lent, brdf_ret, err);
-        } else if (status == NQM_OK) {
+        if (status == NQM_OK) {
             status = fit(of, (char *)(uintptr_t)p.settings, context, brdf_ret, err);
             drop(of, is_lent);
         }

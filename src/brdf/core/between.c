@@ -22,7 +22,7 @@ static double mean(const between *self, double of, double with) {
     return (1 - self->t) * of + self->t * with;
 }
 
-static void between_eval_half_diff(const void *state, size_t n, const double *hd, double *rgb) {
+static void between_eval(const void *state, size_t n, const double *hd, const double *turn, double *rgb) {
     enum { BLOCK = 128 };
     const between *self = state;
     double with[3 * BLOCK];
@@ -30,8 +30,9 @@ static void between_eval_half_diff(const void *state, size_t n, const double *hd
     for (size_t first = 0; first < n; first += BLOCK) {
         size_t m = nqm_smaller(n - first, BLOCK);
         double *out = rgb + 3 * first;
-        nqm_brdf_eval_half_diff(self->bases.of, m, hd + 3 * first, out, flag[0]);
-        nqm_brdf_eval_half_diff(self->bases.with, m, hd + 3 * first, with, flag[1]);
+        const double *turned = turn ? turn + 2 * first : NULL;
+        nqm_brdf_eval_turned(self->bases.of, m, hd + 3 * first, turned, out, flag[0]);
+        nqm_brdf_eval_turned(self->bases.with, m, hd + 3 * first, turned, with, flag[1]);
         for (size_t i = 0; i < 3 * m; ++i)
             out[i] = nqm_has_value(flag[0][i / 3]) && nqm_has_value(flag[1][i / 3]) ? mean(self, out[i], with[i]) : NAN;
     }
@@ -55,10 +56,6 @@ const nqm_spec_wrapper nqm_between_wrapper = {
                 [LOG] = {.name = "log", .n = 1, .low = 0, .high = 1, .whole = true, .fallback = 0}}},
     .has_with = true,
     .form = "between: the form is between:t=0.5;with=(BRDF);of=BRDF",
-    .class_ = {.format = "between", .eval_half_diff = between_eval_half_diff, .free = nqm_wrapper_free},
+    .class_ = {.format = "between", .anisotropic = true, .eval_turned = between_eval, .free = nqm_wrapper_free},
     .create = create,
 };
-
-nqm_status nqm_between_wrap(const char *settings, const nqm_between_bases *bases, nqm_brdf **brdf_ret, nqm_error *err) {
-    return nqm_wrapper_make(&nqm_between_wrapper, settings, bases, brdf_ret, err);
-}

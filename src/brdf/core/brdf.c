@@ -87,18 +87,33 @@ static bool is_above_horizon(const double *wi, const double *wo) {
     return wi[2] > 0 && wo[2] > 0;
 }
 
+/* Sine and cosine of phi_h; 0 and 1 for the normal. */
+static void half_turn(const double *wi, const double *wo, double *turn) {
+    const double x = wi[0] + wo[0], y = wi[1] + wo[1], r = hypot(x, y);
+    turn[0] = r > 0 ? y / r : 0;
+    turn[1] = r > 0 ? x / r : 1;
+}
+
+static void eval_coordinates(const nqm_brdf *brdf, size_t m, const double *hd, const double *turn, double *raw) {
+    if (brdf->class_->eval_turned)
+        brdf->class_->eval_turned(brdf->self, m, hd, turn, raw);
+    else /* NOLINTNEXTLINE(clang-analyzer-core.CallAndMessage): a class has one of the three */
+        brdf->class_->eval_half_diff(brdf->self, m, hd, raw);
+}
+
 static void eval_block(const nqm_brdf *brdf, size_t m, const double *wi, const double *wo, double *raw) {
     if (brdf->class_->eval) {
         brdf->class_->eval(brdf->self, m, wi, wo, raw);
         return;
     }
-    double hd[3 * BLOCK];
+    double hd[3 * BLOCK], turn[2 * BLOCK];
     void (*convert)(const double *, const double *, double *) =
         brdf->info.reciprocal ? nqm_half_diff_from_pair : nqm_half_diff_full_from_pair;
     for (size_t k = 0; k < m; ++k)
         convert(wi + 3 * k, wo + 3 * k, hd + 3 * k);
-    /* NOLINTNEXTLINE(clang-analyzer-core.CallAndMessage): a class has one of the two */
-    brdf->class_->eval_half_diff(brdf->self, m, hd, raw);
+    for (size_t k = 0; k < m && !brdf->info.isotropic; ++k)
+        half_turn(wi + 3 * k, wo + 3 * k, turn + 2 * k);
+    eval_coordinates(brdf, m, hd, brdf->info.isotropic ? NULL : turn, raw);
 }
 
 void nqm_brdf_eval(const nqm_brdf *brdf, size_t n, const double *wi, const double *wo, double *rgb, uint8_t *flag) {
@@ -148,14 +163,21 @@ static void eval_native(const nqm_brdf *brdf, size_t n, const double *hd, double
             native[3 * m + 2] = fold_phi(c[2], period);
             place[m++] = i;
         }
-        brdf->class_->eval_half_diff(brdf->self, m, native, raw);
+        eval_coordinates(brdf, m, native, NULL, raw);
         scatter(m, place, raw, rgb, flag);
     }
 }
 
 void nqm_brdf_eval_half_diff(const nqm_brdf *brdf, size_t n, const double *hd, double *rgb, uint8_t *flag) {
     assert(brdf);
-    if (brdf->class_->eval_half_diff) {
+    nqm_brdf_eval_turned(brdf, n, hd, NULL, rgb, flag);
+}
+
+void nqm_brdf_eval_turned(const nqm_brdf *brdf, size_t n, const double *hd, const double *turn, double *rgb,
+                          uint8_t *flag) {
+    if (brdf->info.isotropic)
+        turn = NULL;
+    if (!turn && (brdf->class_->eval_half_diff || brdf->class_->eval_turned)) {
         eval_native(brdf, n, hd, rgb, flag);
         return;
     }
@@ -164,6 +186,10 @@ void nqm_brdf_eval_half_diff(const nqm_brdf *brdf, size_t n, const double *hd, d
         size_t m = n - i < BLOCK ? n - i : BLOCK;
         for (size_t k = 0; k < m; ++k)
             nqm_half_diff_to_pair(hd + 3 * (i + k), wi + 3 * k, wo + 3 * k);
+        for (size_t k = 0; k < m && turn; ++k) {
+            nqm_turn3(turn + 2 * (i + k), wi + 3 * k, wi + 3 * k);
+            nqm_turn3(turn + 2 * (i + k), wo + 3 * k, wo + 3 * k);
+        }
         nqm_brdf_eval(brdf, m, wi, wo, rgb + 3 * i, flag ? flag + i : NULL);
     }
 }

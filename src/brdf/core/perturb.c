@@ -4,7 +4,7 @@
  * or strong highlight, wrong behaviour toward grazing angles, colour casts, blur, noise, coarse steps. doc/brdf.md
  * defines each setting.
  *
- * All work is done in half-vector coordinates; the result is reciprocal if the base is, except with `lopsided`.
+ * All work is done in half-vector coordinates at the azimuth phi_h of the pair; the result is reciprocal if the base is, except with `lopsided`.
  * shift, gloss and smooth change the coordinates at which the base is evaluated; the other settings then change the
  * value, in the order of the keys below.
  */
@@ -217,16 +217,18 @@ static void distort_value(const perturbation *self, const double *hd, const doub
     }
 }
 
-static void perturb_eval(const void *state, size_t n, const double *hd, double *rgb) {
+static void perturb_eval(const void *state, size_t n, const double *hd, const double *turn, double *rgb) {
     const perturbation *self = state;
-    double rows[3 * MAX_ROWS], values[3 * MAX_ROWS], weight[MAX_ROWS];
+    double rows[3 * MAX_ROWS], turns[2 * MAX_ROWS], values[3 * MAX_ROWS], weight[MAX_ROWS];
     uint8_t flag[MAX_ROWS];
     size_t n_rows = self->n_rows, n_block = MAX_ROWS / n_rows;
     for (size_t first = 0; first < n; first += n_block) {
         size_t m = n - first < n_block ? n - first : n_block;
         for (size_t i = 0; i < m; ++i)
             place_rows(self, hd + 3 * (first + i), rows + 3 * n_rows * i, weight + n_rows * i);
-        nqm_brdf_eval_half_diff(self->bases.of, m * n_rows, rows, values, flag);
+        for (size_t k = 0; k < 2 * m * n_rows && turn; ++k)
+            turns[k] = turn[2 * (first + k / (2 * n_rows)) + k % 2];
+        nqm_brdf_eval_turned(self->bases.of, m * n_rows, rows, turn ? turns : NULL, values, flag);
         for (size_t i = 0; i < m; ++i) {
             double *out = rgb + 3 * (first + i);
             size_t row = n_rows * i, off = row + self->n_taps;
@@ -322,11 +324,6 @@ const nqm_spec_wrapper nqm_perturb_wrapper = {
                 [HALF] = {.name = "half", .n = 1, .low = 0, .high = 1, .whole = true, .fallback = 0}}},
     .idle = UINT64_C(1) << BANDS | UINT64_C(1) << SEED | UINT64_C(1) << CELLS,
     .form = "perturb: 'of=' and a BRDF are missing at the end (perturb:scale=2;of=BRDF)",
-    .class_ = {.format = "perturb", .eval_half_diff = perturb_eval, .free = nqm_wrapper_free},
+    .class_ = {.format = "perturb", .anisotropic = true, .eval_turned = perturb_eval, .free = nqm_wrapper_free},
     .create = create,
 };
-
-nqm_status nqm_perturb_wrap(const char *settings, nqm_brdf *base, bool owned, nqm_brdf **brdf_ret, nqm_error *err) {
-    return nqm_wrapper_make(&nqm_perturb_wrapper, settings, &(nqm_between_bases){.of = base, .owns_of = owned},
-                            brdf_ret, err);
-}

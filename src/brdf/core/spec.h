@@ -126,7 +126,7 @@ void nqm_spec_jacobian(const void *self, size_t n, const double *wi, const doubl
 NQM_ANALYTIC_MODELS(NQM_DECLARE_MODEL)
 NQM_SHADING_MODELS(NQM_DECLARE_MODEL)
 
-/** An analytic model, preset, perturbation or BRDF between two others from a spec: nqm_spec_probe(spec) is true. `name` is that of its
+/** An analytic model, preset or BRDF made of others from a spec: nqm_spec_probe(spec) is true. `name` is that of its
  *  information; `open` opens the BRDFs that a wrapper names. */
 NQM_MUST_CHECK nqm_status nqm_spec_open(const char *spec, const char *name, nqm_brdf_opener *open, nqm_brdf **brdf_ret,
                                         nqm_error *err);
@@ -136,11 +136,11 @@ const nqm_analytic_model *nqm_analytic_model_find(const char *name, size_t n);
 /** The length of the model's name in a text that lacks the colon of a spec, "ggx;alpha=.1", "ggx,alpha=.1" or "sgd;nickel"; 0: in
  *  any other text. */
 size_t nqm_spec_lacks_colon(const char *text);
-/** Offer the names of all models, tables of presets and perturb, between. */
+/** Offer the names of all models, tables of presets and wrappers. */
 void nqm_spec_nearest(nqm_nearest *nearest);
 
 /** A kind of BRDF that contains others. */
-typedef struct nqm_spec_wrapper {
+struct nqm_spec_wrapper {
     nqm_spec_schema schema; /**< its model is the word before the colon */
     uint64_t idle;          /**< bit k: key k alone changes nothing */
     bool has_with;          /**< whether it has two bases */
@@ -149,14 +149,11 @@ typedef struct nqm_spec_wrapper {
     /** Create the state; `info` has the values that follow from the bases. */
     nqm_status (*create)(const nqm_spec_values *values, const nqm_between_bases *bases, nqm_brdf_info *info,
                          void **state_ret, nqm_error *err);
-} nqm_spec_wrapper;
-extern const nqm_spec_wrapper nqm_perturb_wrapper, nqm_between_wrapper;
+};
+extern const nqm_spec_wrapper nqm_perturb_wrapper, nqm_between_wrapper, nqm_rotate_wrapper, nqm_tilt_wrapper;
 /** `settings` is what follows the colon, `name` the whole argument; `open` opens the bases. */
 NQM_MUST_CHECK nqm_status nqm_wrapper_open(const nqm_spec_wrapper *w, const char *settings, const char *name,
                                            nqm_brdf_opener *open, nqm_brdf **brdf_ret, nqm_error *err);
-/** The same of opened bases: `settings` without them. */
-NQM_MUST_CHECK nqm_status nqm_wrapper_make(const nqm_spec_wrapper *w, const char *settings,
-                                           const nqm_between_bases *bases, nqm_brdf **brdf_ret, nqm_error *err);
 /** The `free` of their classes. */
 void nqm_wrapper_free(void *state);
 

@@ -42,6 +42,7 @@ static nqm_status wrap(const nqm_spec_wrapper *w, const nqm_spec_values *values,
     nqm_brdf_info info = {.name = name ? name : spec, .spec = spec, .layout = layout};
     info.source_doi = with ? NULL : of->source_doi;
     info.reciprocal = of->reciprocal && (!with || with->reciprocal);
+    info.isotropic = of->isotropic && (!with || with->isotropic);
     if (with)
         snprintf(layout, sizeof layout, "of %s with %s", of->format, with->format);
     else

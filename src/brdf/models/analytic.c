@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
  * Analytic BRDFs over a Lambertian base kd / pi: Lambert alone; GGX (Walter, Marschner, Li and Torrance 2007, DOI
- * 10.2312/EGWR/EGSR07/195-206) with separable Smith shadowing and Schlick's Fresnel factor; the isotropic lobe of Ward
- * (1992, DOI 10.1145/142920.134078); the lobes that Ngan, Durand and Matusik fitted to measurements (2005, DOI
+ * 10.2312/EGWR/EGSR07/195-206) with separable Smith shadowing and Schlick's Fresnel factor; the lobe of Ward (1992, DOI 10.1145/142920.134078); the lobes that Ngan, Durand and Matusik fitted to measurements (2005, DOI
  * 10.2312/EGWR/EGSR05/117-126): Ward in the normalisation of Duer, Blinn-Phong, one lobe of Lafortune, and
  * Cook-Torrance and Ashikhmin-Shirley with Schlick's reflectance f0; the latter two with an index of refraction, and two
  * models whose tails are those of the ABC power spectrum (Low, Kronander, Ynnerman and Unger 2012, DOI
@@ -62,10 +61,11 @@ const nqm_analytic_model nqm_lambert_model = {
 typedef struct ggx {
     double diffuse[3]; /* kd / pi */
     double ks[3], f0[3];
-    double alpha2, d_alpha2; /* alpha^2 and its derivative */
+    widths alpha2;
+    double d_alpha2[2]; /* d alpha^2 / d alpha */
 } ggx;
 
-enum { GGX_KS = 3, GGX_ALPHA = 6, GGX_F0 = 7, GGX_N = 10 }; /* columns of the derivatives; kd begins at 0 */
+enum { GGX_KS = 3, GGX_ALPHA = 6, GGX_F0 = 8, GGX_N = 11 }; /* columns of the derivatives; kd begins at 0 */
 
 static void ggx_prepare(const nqm_spec_values *values, void *state) {
     ggx *self = state;
@@ -74,33 +74,47 @@ static void ggx_prepare(const nqm_spec_values *values, void *state) {
         self->ks[c] = values->v[1][c];
         self->f0[c] = values->v[3][c];
     }
-    self->alpha2 = values->v[2][0] * values->v[2][0];
-    self->d_alpha2 = 2 * values->v[2][0];
+    const double *alpha = values->v[2];
+    self->alpha2 = (widths){alpha[0] * alpha[0], alpha[1] * alpha[1]};
+    for (int k = 0; k < 2; ++k)
+        self->d_alpha2[k] = 2 * alpha[k];
 }
 
-/* d log ggx_visibility() / d alpha^2, from the visibility: the square root is 1 / visibility - cosine. */
-static double ggx_visibility_slope(double cosine, double visibility) {
-    return -visibility * visibility * (1 - cosine * cosine) / (2 * (1 - cosine * visibility));
+/* Add d log ggx_visibility() / d alpha^2 along both axes, from the visibility: the square root is 1 / visibility - cosine. */
+static void add_visibility_slopes(const double *w, double visibility, double *slopes) {
+    const double slope = -visibility * visibility * (1 - w[2] * w[2]) / (2 * (1 - w[2] * visibility));
+    const azimuth a = azimuth_of(w[0], w[1]);
+    slopes[0] += slope * a.cos2;
+    slopes[1] += slope * a.sin2;
 }
 
-/* D V V. slope: NULL, or receives the derivative by alpha^2. */
-INLINED double ggx_lobe(double alpha2, double tan2_h, const double *wi, const double *wo, double *slope) {
-    double d = ggx_distribution(tan2_h, alpha2);
-    double visibility_i = ggx_visibility(wi[2], alpha2), visibility_o = ggx_visibility(wo[2], alpha2);
-    double visibility = visibility_i * visibility_o;
-    double lobe = d * visibility; /* grouped so that exchanging light and viewer gives the same bits */
-    if (slope)
-        *slope = lobe * ((tan2_h - alpha2) / (alpha2 * (tan2_h + alpha2)) + ggx_visibility_slope(wi[2], visibility_i) +
-                         ggx_visibility_slope(wo[2], visibility_o));
-    return lobe;
+/* d log D / d alpha^2 along both axes; h2 is that along the half vector's azimuth a. */
+static void distribution_slopes(widths alpha2, double tan2_h, double h2, azimuth a, double *slopes) {
+    const double by_h2 = 2 * tan2_h * h2 / (tan2_h + h2);
+    slopes[0] = by_h2 * a.cos2 / (alpha2.x2 * alpha2.x2) - 0.5 / alpha2.x2;
+    slopes[1] = by_h2 * a.sin2 / (alpha2.y2 * alpha2.y2) - 0.5 / alpha2.y2;
+}
+
+/* D V V. slopes: NULL, or (2) receives d log lobe / d alpha^2 along both axes. */
+INLINED double ggx_lobe(widths alpha2, double tan2_h, const double *wi, const double *wo, double *slopes) {
+    pair_widths a = pair_widths_of(alpha2, wi, wo);
+    double visibility_i = ggx_visibility(wi[2], a.i2), visibility_o = ggx_visibility(wo[2], a.o2);
+    double visibility =
+        visibility_i * visibility_o; /* grouped so that exchanging light and viewer gives the same bits */
+    if (slopes) {
+        distribution_slopes(alpha2, tan2_h, a.h2, half_azimuth(wi, wo), slopes);
+        add_visibility_slopes(wi, visibility_i, slopes);
+        add_visibility_slopes(wo, visibility_o, slopes);
+    }
+    return ggx_distribution(tan2_h, a.h2) * a.density * visibility;
 }
 
 /* jacobian: NULL, or receives the derivatives. */
 INLINED void ggx_values(const ggx *self, size_t n, const double *wi, const double *wo, double *rgb, double *jacobian) {
     for (size_t i = 0; i < n; ++i) {
         half_angles h = half_angles_of(wi + 3 * i, wo + 3 * i);
-        double slope = 0;
-        double lobe = ggx_lobe(self->alpha2, h.tan2_h, wi + 3 * i, wo + 3 * i, jacobian ? &slope : NULL);
+        double slopes[2] = {0};
+        double lobe = ggx_lobe(self->alpha2, h.tan2_h, wi + 3 * i, wo + 3 * i, jacobian ? slopes : NULL);
         double m = 1 - h.cos_d;
         double schlick = m * m * m * m * m;
         for (size_t c = 0; c < 3; ++c) {
@@ -110,7 +124,8 @@ INLINED void ggx_values(const ggx *self, size_t n, const double *wi, const doubl
                 double *row = jacobian + (3 * i + c) * GGX_N;
                 row[c] = PER_KD;
                 row[GGX_KS + c] = lobe * fresnel;
-                row[GGX_ALPHA] = self->ks[c] * fresnel * slope * self->d_alpha2;
+                for (size_t k = 0; k < 2; ++k)
+                    row[GGX_ALPHA + k] = self->ks[c] * fresnel * lobe * slopes[k] * self->d_alpha2[k];
                 row[GGX_F0 + c] = self->ks[c] * lobe * (1 - schlick);
             }
         }
@@ -131,10 +146,15 @@ const nqm_analytic_model nqm_ggx_model = {
                4,
                {{.name = "kd", .n = 3, .low = 0, .high = 10, .fallback = 0},
                 {.name = "ks", .n = 3, .low = 0, .high = 1e6, .fallback = 1},
-                {.name = "alpha", .n = 1, .low = 1e-4, .high = 10, .required = true},
+                {.name = "alpha", .n = 2, .low = 1e-4, .high = 10, .required = true},
                 {.name = "f0", .n = 3, .low = 0, .high = 1, .fallback = 0.04}}},
     .doi = "10.2312/EGWR/EGSR07/195-206",
-    .class_ = {.format = "ggx", .reciprocal = 1, .eval = ggx_eval, .jacobian = ggx_jacobian, .free = nqm_free},
+    .class_ = {.format = "ggx",
+               .reciprocal = 1,
+               .anisotropic = true,
+               .eval = ggx_eval,
+               .jacobian = ggx_jacobian,
+               .free = nqm_free},
     .state_size = sizeof(ggx),
     .prepare = ggx_prepare,
 };
@@ -169,24 +189,43 @@ static lobe make_lobe(const nqm_spec_values *values, double factor) {
     return made;
 }
 
-/** The first parameter is a width alpha; the shape has 1 / alpha^2, and `factor` is proportional to it. */
-static lobe make_lobe_of_width(const nqm_spec_values *values, double factor) {
-    double alpha = values->v[FIRST_SHAPE][0];
+/** The first key has n_first values, 1 or 2, with which the shape begins: widths alpha; the shape has 1 / alpha^2, and `factor` is
+ *  proportional to the square root of the product of both. */
+static lobe make_lobe_of_width(const nqm_spec_values *values, size_t n_first, double factor) {
     lobe made = make_lobe(values, factor);
-    made.shape[0] = 1 / (alpha * alpha);
-    made.d_shape[0][0] = -2 / (alpha * alpha * alpha);
-    made.d_log_factor[0] = -2 / alpha;
+    made.shape[n_first] = values->v[FIRST_SHAPE + 1][0];
+    for (size_t k = 0; k < n_first; ++k) {
+        const double alpha = values->v[FIRST_SHAPE][k];
+        made.shape[k] = 1 / (alpha * alpha);
+        made.d_shape[k][k] = -2 / (alpha * alpha * alpha);
+        made.d_log_factor[k] = -2 / alpha / (double)n_first;
+    }
     return made;
 }
 
-/** The first parameter is an exponent n of cos theta_h; the shape has -n / 2, and the factor is (n + offset) / divisor. */
-static lobe make_lobe_of_exponent(const nqm_spec_values *values, double offset, double divisor) {
-    double n = values->v[FIRST_SHAPE][0];
-    lobe made = make_lobe(values, (n + offset) / divisor);
-    made.shape[0] = -0.5 * n;
-    made.d_shape[0][0] = -0.5;
-    made.d_log_factor[0] = 1 / (n + offset);
+/** The same of exponents n of cos theta_h; the shape has -n / 2, and the factor is the geometric mean of n + offset, over divisor. */
+static lobe make_lobe_of_exponent(const nqm_spec_values *values, size_t n_first, double offset, double divisor) {
+    const double *n = values->v[FIRST_SHAPE];
+    lobe made = make_lobe(values, sqrt((n[0] + offset) * (n[1] + offset)) / divisor);
+    made.shape[n_first] = values->v[FIRST_SHAPE + 1][0];
+    for (size_t k = 0; k < n_first; ++k) {
+        made.shape[k] = -0.5 * n[k];
+        made.d_shape[k][k] = -0.5;
+        made.d_log_factor[k] = 1 / (n[k] + offset) / (double)n_first;
+    }
     return made;
+}
+
+/** Of two values of the shape, that along the azimuth of the half vector; of equal ones the same bits. */
+INLINED double shape_along(const double *shape, const double *wi, const double *wo) {
+    return shape[0] == shape[1] ? shape[0] : along(half_azimuth(wi, wo), shape[0], shape[1]);
+}
+
+/** Derivatives by both, from that by shape_along(). */
+INLINED void split_slope(double slope, const double *wi, const double *wo, double *d) {
+    const azimuth a = half_azimuth(wi, wo);
+    d[0] = slope * a.cos2;
+    d[1] = slope * a.sin2;
 }
 
 /** L without its constant factors. Written so that exchanging light and viewer gives the same bits. d: NULL, or receives
@@ -236,20 +275,26 @@ INLINED void lobe_values(lobe_kind kind, const lobe *self, size_t n, const doubl
         .name = "ks", .n = 3, .low = 0, .high = 1e6, .required = true                                                  \
     }
 
-/** Define the model MODEL with the lobe function LOBE; the variadic arguments are its keys after kd and ks. */
-#define LOBE_MODEL(MODEL, NAME, DOI, LOBE, PREPARE, N_KEYS, ...)                                                       \
+/** Define the model MODEL with the lobe function LOBE of N_SHAPE values; the variadic arguments are its keys after kd and ks. */
+#define LOBE_MODEL(MODEL, NAME, DOI, LOBE, PREPARE, N_SHAPE, ...)                                                      \
     static void LOBE##_eval(const void *state, size_t n, const double *wi, const double *wo, double *rgb) {            \
-        lobe_values((lobe_kind){LOBE, N_KEYS - FIRST_SHAPE}, state, n, wi, wo, rgb, NULL);                             \
+        lobe_values((lobe_kind){LOBE, N_SHAPE}, state, n, wi, wo, rgb, NULL);                                          \
     }                                                                                                                  \
     static void LOBE##_jacobian(const void *state, size_t n, const double *wi, const double *wo, double *rgb,          \
                                 double *jacobian) {                                                                    \
-        lobe_values((lobe_kind){LOBE, N_KEYS - FIRST_SHAPE}, state, n, wi, wo, rgb, jacobian);                         \
+        lobe_values((lobe_kind){LOBE, N_SHAPE}, state, n, wi, wo, rgb, jacobian);                                      \
     }                                                                                                                  \
     const nqm_analytic_model MODEL = {                                                                                 \
-        .schema = {NAME, N_KEYS, {LOBE_KEYS, __VA_ARGS__}},                                                            \
+        .schema = {NAME,                                                                                               \
+                   sizeof((nqm_spec_key[]){LOBE_KEYS, __VA_ARGS__}) / sizeof(nqm_spec_key),                            \
+                   {LOBE_KEYS, __VA_ARGS__}},                                                                          \
         .doi = DOI,                                                                                                    \
-        .class_ =                                                                                                      \
-            {.format = NAME, .reciprocal = 1, .eval = LOBE##_eval, .jacobian = LOBE##_jacobian, .free = nqm_free},     \
+        .class_ = {.format = NAME,                                                                                     \
+                   .reciprocal = 1,                                                                                    \
+                   .anisotropic = true,                                                                                \
+                   .eval = LOBE##_eval,                                                                                \
+                   .jacobian = LOBE##_jacobian,                                                                        \
+                   .free = nqm_free},                                                                                  \
         .state_size = sizeof(lobe),                                                                                    \
         .prepare = PREPARE,                                                                                            \
     }
@@ -257,48 +302,48 @@ INLINED void lobe_values(lobe_kind kind, const lobe *self, size_t n, const doubl
 /* ---- Ward -------------------------------------------------------------------------------------------------------- */
 
 static void ward_duer_prepare(const nqm_spec_values *values, void *state) {
-    double alpha = values->v[FIRST_SHAPE][0];
-    *(lobe *)state = make_lobe_of_width(values, 1 / (4 * NQM_PI * alpha * alpha));
+    const double *alpha = values->v[FIRST_SHAPE];
+    *(lobe *)state = make_lobe_of_width(values, 2, 1 / (4 * NQM_PI * alpha[0] * alpha[1]));
 }
 
 /* One division instead of a product with the factor: rounded as in earlier versions. */
 static void ward_prepare(const nqm_spec_values *values, void *state) {
-    double alpha = values->v[FIRST_SHAPE][0];
+    const double *alpha = values->v[FIRST_SHAPE];
     lobe *self = state;
     ward_duer_prepare(values, self);
     for (size_t c = 0; c < 3; ++c)
-        self->specular[c] = values->v[KS][c] / (4 * NQM_PI * alpha * alpha);
+        self->specular[c] = values->v[KS][c] / (4 * NQM_PI * alpha[0] * alpha[1]);
 }
 
-/* exp(-tan^2 theta_h / alpha^2) / divisor */
-INLINED double ward_lobe(double inverse_alpha2, double divisor, const double *wi, const double *wo, double *d) {
+/* exp(-tan^2 theta_h (cos^2 phi_h / alpha_x^2 + sin^2 phi_h / alpha_y^2)) / divisor */
+INLINED double ward_lobe(const double *shape, double divisor, const double *wi, const double *wo, double *d) {
     double tan2_h = half_angles_of(wi, wo).tan2_h;
-    double value = exp(-tan2_h * inverse_alpha2) / divisor;
+    double value = exp(-tan2_h * shape_along(shape, wi, wo)) / divisor;
     if (d)
-        d[0] = -tan2_h * value;
+        split_slope(-tan2_h * value, wi, wo, d);
     return value;
 }
 
 INLINED double ward(const double *shape, const double *wi, const double *wo, double *d) {
-    return ward_lobe(shape[0], sqrt(wi[2] * wo[2]), wi, wo, d);
+    return ward_lobe(shape, sqrt(wi[2] * wo[2]), wi, wo, d);
 }
 
-LOBE_MODEL(nqm_ward_model, "ward", "10.1145/142920.134078", ward, ward_prepare, 3,
-           {.name = "alpha", .n = 1, .low = 1e-4, .high = 10, .required = true});
+LOBE_MODEL(nqm_ward_model, "ward", "10.1145/142920.134078", ward, ward_prepare, 2,
+           {.name = "alpha", .n = 2, .low = 1e-4, .high = 10, .required = true});
 
 /* ---- Ward-Duer --------------------------------------------------------------------------------------------------- */
 
 INLINED double ward_duer(const double *shape, const double *wi, const double *wo, double *d) {
-    return ward_lobe(shape[0], wi[2] * wo[2], wi, wo, d);
+    return ward_lobe(shape, wi[2] * wo[2], wi, wo, d);
 }
 
-LOBE_MODEL(nqm_ward_duer_model, "ward-duer", "10.1080/2151237X.2006.10129215", ward_duer, ward_duer_prepare, 3,
-           {.name = "alpha", .n = 1, .low = 1e-4, .high = 10, .required = true});
+LOBE_MODEL(nqm_ward_duer_model, "ward-duer", "10.1080/2151237X.2006.10129215", ward_duer, ward_duer_prepare, 2,
+           {.name = "alpha", .n = 2, .low = 1e-4, .high = 10, .required = true});
 
 /* ---- Blinn-Phong ------------------------------------------------------------------------------------------------- */
 
 static void blinn_phong_prepare(const nqm_spec_values *values, void *state) {
-    *(lobe *)state = make_lobe_of_exponent(values, 2, 2 * NQM_PI);
+    *(lobe *)state = make_lobe_of_exponent(values, 1, 2, 2 * NQM_PI);
 }
 
 /* cos^n theta_h = (1 + tan^2 theta_h)^(-n / 2) */
@@ -310,7 +355,7 @@ INLINED double blinn_phong(const double *shape, const double *wi, const double *
     return value;
 }
 
-LOBE_MODEL(nqm_blinn_phong_model, "blinn-phong", "10.1145/563858.563893", blinn_phong, blinn_phong_prepare, 3,
+LOBE_MODEL(nqm_blinn_phong_model, "blinn-phong", "10.1145/563858.563893", blinn_phong, blinn_phong_prepare, 1,
            {.name = "n", .n = 1, .low = 0, .high = 1e8, .required = true});
 
 /* ---- Lafortune --------------------------------------------------------------------------------------------------- */
@@ -356,7 +401,7 @@ INLINED double lafortune(const double *shape, const double *wi, const double *wo
     return value;
 }
 
-LOBE_MODEL(nqm_lafortune_model, "lafortune", "10.1145/258734.258801", lafortune, lafortune_prepare, 5,
+LOBE_MODEL(nqm_lafortune_model, "lafortune", "10.1145/258734.258801", lafortune, lafortune_prepare, 3,
            {.name = "cxy", .n = 1, .low = -10, .high = -0.01, .fallback = -1},
            {.name = "cz", .n = 1, .low = 0, .high = 10, .required = true},
            {.name = "n", .n = 1, .low = 0, .high = 1e8, .required = true});
@@ -405,7 +450,7 @@ INLINED double beckmann_lobe(half_angles h, double inverse_alpha2, reflectance f
 
 static void cook_torrance_prepare(const nqm_spec_values *values, void *state) {
     double alpha = values->v[FIRST_SHAPE][0];
-    *(lobe *)state = make_lobe_of_width(values, 1 / (NQM_PI * NQM_PI) / (alpha * alpha));
+    *(lobe *)state = make_lobe_of_width(values, 1, 1 / (NQM_PI * NQM_PI) / (alpha * alpha));
 }
 
 INLINED double cook_torrance(const double *shape, const double *wi, const double *wo, double *d) {
@@ -413,14 +458,14 @@ INLINED double cook_torrance(const double *shape, const double *wi, const double
     return beckmann_lobe(h, shape[0], schlick(shape[1], h.cos_d), wi, wo, d);
 }
 
-LOBE_MODEL(nqm_cook_torrance_model, "cook-torrance", "10.1145/357290.357293", cook_torrance, cook_torrance_prepare, 4,
+LOBE_MODEL(nqm_cook_torrance_model, "cook-torrance", "10.1145/357290.357293", cook_torrance, cook_torrance_prepare, 2,
            {.name = "alpha", .n = 1, .low = 1e-4, .high = 10, .required = true},
            {.name = "f0", .n = 1, .low = 0, .high = 1, .required = true});
 
 /* The distribution of Cook and Torrance 1982 itself, which lacks 1 / pi. */
 static void low_cook_torrance_prepare(const nqm_spec_values *values, void *state) {
     double alpha = values->v[FIRST_SHAPE][0];
-    *(lobe *)state = make_lobe_of_width(values, 1 / NQM_PI / (alpha * alpha));
+    *(lobe *)state = make_lobe_of_width(values, 1, 1 / NQM_PI / (alpha * alpha));
 }
 
 INLINED double low_cook_torrance(const double *shape, const double *wi, const double *wo, double *d) {
@@ -429,42 +474,42 @@ INLINED double low_cook_torrance(const double *shape, const double *wi, const do
 }
 
 LOBE_MODEL(nqm_low_cook_torrance_model, "low-cook-torrance", "10.1145/357290.357293", low_cook_torrance,
-           low_cook_torrance_prepare, 4, {.name = "alpha", .n = 1, .low = 1e-4, .high = 10, .required = true},
+           low_cook_torrance_prepare, 2, {.name = "alpha", .n = 1, .low = 1e-4, .high = 10, .required = true},
            {.name = "eta", .n = 1, .low = 1, .high = 1000, .required = true});
 
 /* ---- Ashikhmin-Shirley ------------------------------------------------------------------------------------------- */
 
 static void ashikhmin_prepare(const nqm_spec_values *values, void *state) {
-    *(lobe *)state = make_lobe_of_exponent(values, 1, 8 * NQM_PI);
+    *(lobe *)state = make_lobe_of_exponent(values, 2, 1, 8 * NQM_PI);
 }
 
-INLINED double ashikhmin_lobe(half_angles h, double exponent, reflectance f, const double *wi, const double *wo,
+INLINED double ashikhmin_lobe(half_angles h, const double *shape, reflectance f, const double *wi, const double *wo,
                               double *d) {
     double log_sec2_h = log1p(h.tan2_h);
-    double value = exp(exponent * log_sec2_h) / (h.cos_d * fmax(wi[2], wo[2]));
+    double value = exp(shape_along(shape, wi, wo) * log_sec2_h) / (h.cos_d * fmax(wi[2], wo[2]));
     if (d) {
-        d[0] = log_sec2_h * value * f.value;
-        d[1] = value * f.slope;
+        split_slope(log_sec2_h * value * f.value, wi, wo, d);
+        d[2] = value * f.slope;
     }
     return value * f.value;
 }
 
 INLINED double ashikhmin_shirley(const double *shape, const double *wi, const double *wo, double *d) {
     half_angles h = half_angles_of(wi, wo);
-    return ashikhmin_lobe(h, shape[0], schlick(shape[1], h.cos_d), wi, wo, d);
+    return ashikhmin_lobe(h, shape, schlick(shape[2], h.cos_d), wi, wo, d);
 }
 
 LOBE_MODEL(nqm_ashikhmin_shirley_model, "ashikhmin-shirley", "10.1080/10867651.2000.10487522", ashikhmin_shirley,
-           ashikhmin_prepare, 4, {.name = "n", .n = 1, .low = 0, .high = 1e8, .required = true},
+           ashikhmin_prepare, 3, {.name = "n", .n = 2, .low = 0, .high = 1e8, .required = true},
            {.name = "f0", .n = 1, .low = 0, .high = 1, .required = true});
 
 INLINED double low_ashikhmin_shirley(const double *shape, const double *wi, const double *wo, double *d) {
     half_angles h = half_angles_of(wi, wo);
-    return ashikhmin_lobe(h, shape[0], dielectric(shape[1], h.cos_d), wi, wo, d);
+    return ashikhmin_lobe(h, shape, dielectric(shape[2], h.cos_d), wi, wo, d);
 }
 
 LOBE_MODEL(nqm_low_ashikhmin_shirley_model, "low-ashikhmin-shirley", "10.1080/10867651.2000.10487522",
-           low_ashikhmin_shirley, ashikhmin_prepare, 4, {.name = "n", .n = 1, .low = 0, .high = 1e8, .required = true},
+           low_ashikhmin_shirley, ashikhmin_prepare, 3, {.name = "n", .n = 2, .low = 0, .high = 1e8, .required = true},
            {.name = "eta", .n = 1, .low = 1, .high = 1000, .required = true});
 
 /* ---- the two models of Low et al. -------------------------------------------------------------------------------- */
@@ -504,7 +549,7 @@ INLINED double abc(const double *shape, const double *wi, const double *wo, doub
         .name = "eta", .n = 1, .low = 1, .high = 1000, .required = true                                                \
     }
 
-LOBE_MODEL(nqm_abc_model, "abc", "10.1145/2077341.2077350", abc, abc_prepare, 5, ABC_KEYS);
+LOBE_MODEL(nqm_abc_model, "abc", "10.1145/2077341.2077350", abc, abc_prepare, 3, ABC_KEYS);
 
 static void smooth_prepare(const nqm_spec_values *values, void *state) {
     prepare_abc(values, 1, state);
@@ -519,4 +564,4 @@ INLINED double smooth(const double *shape, const double *wi, const double *wo, d
     return abc_lobe(shape, deviation2, 1, dielectric(shape[2], cosine), d);
 }
 
-LOBE_MODEL(nqm_smooth_model, "smooth", "10.1145/2077341.2077350", smooth, smooth_prepare, 5, ABC_KEYS);
+LOBE_MODEL(nqm_smooth_model, "smooth", "10.1145/2077341.2077350", smooth, smooth_prepare, 3, ABC_KEYS);
