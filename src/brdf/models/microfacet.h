@@ -26,7 +26,7 @@ static inline half_angles half_angles_of(const double *wi, const double *wo) {
     return (half_angles){.tan2_h = xy / (z * z), .cos_d = fmin(1, 0.5 * sqrt(xy + z * z))};
 }
 
-/* ---- anisotropy: Heitz 2014, section 5.3 (https://jcgt.org/published/0003/02/03/) --------------------------------- */
+/* ---- anisotropy: Heitz 2014, equation 80 (https://jcgt.org/published/0003/02/03/) ---------------------------------- */
 
 /** cos^2 and sin^2 of an azimuth. */
 typedef struct azimuth {
@@ -35,8 +35,8 @@ typedef struct azimuth {
 
 /** The azimuth of (x, y); that of the tangent for (0, 0). */
 static inline azimuth azimuth_of(double x, double y) {
-    double x2 = x * x, y2 = y * y, xy = x2 + y2;
-    return xy > 0 ? (azimuth){x2 / xy, y2 / xy} : (azimuth){1, 0};
+    double x2 = x * x, y2 = y * y, xy = x2 + y2, inverse = 1 / xy;
+    return xy > 1e-300 ? (azimuth){x2 * inverse, y2 * inverse} : (azimuth){1, 0};
 }
 
 static inline azimuth half_azimuth(const double *wi, const double *wo) {
