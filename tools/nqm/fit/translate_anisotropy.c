@@ -3,7 +3,6 @@
  * The anisotropic lobe of the base of one shading model in the keys of another: models name its widths differently.
  */
 #include "brdf/core/spec.h"
-#include "math/math.h"
 #include "nqm/fit/translate.h"
 
 #include <math.h>
