@@ -20,9 +20,17 @@ static void need(bool ok, const char *what) {
     abort();
 }
 
+enum { N = 64 };
+
+static void check_values(const double *rgb, const uint8_t *flag) {
+    for (size_t i = 0; i < 3 * N; ++i) {
+        need(isfinite(rgb[i]) && rgb[i] >= 0, "a value is negative or not finite");
+        need(flag[i / 3] <= NQM_VALUE_CLAMPED || rgb[i] == 0, "a value where there is none");
+    }
+}
+
 static void evaluate(const nqm_brdf *brdf) {
-    enum { N = 64 };
-    double hd[3 * N], rgb[3 * N];
+    double hd[3 * N], rgb[3 * N], wi[3 * N], wo[3 * N];
     uint8_t flag[N];
     for (uint32_t i = 0; i < N; ++i) {
         hd[3 * i] = noise(i, 1) * noise(i, 1) * 1.5707963;
@@ -31,10 +39,17 @@ static void evaluate(const nqm_brdf *brdf) {
     }
     hd[0] = hd[4] = hd[8] = 0;
     nqm_brdf_eval_half_diff(brdf, N, hd, rgb, flag);
-    for (size_t i = 0; i < 3 * N; ++i) {
-        need(isfinite(rgb[i]) && rgb[i] >= 0, "a value is negative or not finite");
-        need(flag[i / 3] <= NQM_VALUE_CLAMPED || rgb[i] == 0, "a value where there is none");
+    check_values(rgb, flag);
+    for (size_t i = 0; i < 3 * N; i += 3) {
+        nqm_half_diff_to_directions(hd + i, wi + i, wo + i);
+        for (size_t k = 0; k < 2; ++k) { /* a turn about the normal by i */
+            double *w = k ? wo + i : wi + i, x = w[0];
+            w[0] = cos((double)i) * x - sin((double)i) * w[1];
+            w[1] = sin((double)i) * x + cos((double)i) * w[1];
+        }
     }
+    nqm_brdf_eval(brdf, N, wi, wo, rgb, flag);
+    check_values(rgb, flag);
 }
 
 int fuzz_file(const uint8_t *data, size_t n_bytes, char path[FUZZ_PATH]) {

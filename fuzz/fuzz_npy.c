@@ -12,5 +12,5 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t n_bytes) {
 }
 
 blob fuzz_seed(void) {
-    return blob_of(sizeof npy_f4, (const char *)npy_f4);
+    return blob_of(sizeof npy_turned, (const char *)npy_turned);
 }

@@ -28,7 +28,7 @@ typedef struct nqm_brdf_class {
      * reciprocal BRDF, otherwise in [0, 2 pi)). NULL: core/brdf.c converts to vectors and calls eval. */
     void (*eval_half_diff)(const void *self, size_t n, const double *hd, double *rgb);
 
-    /** Instead of it, for BRDFs made of others that may be anisotropic. turn: (n, 2) sine and cosine of phi_h; NULL: 0. */
+    /** Instead of it, for BRDFs that may be anisotropic. turn: (n, 2) sine and cosine of phi_h; NULL: 0. */
     void (*eval_turned)(const void *self, size_t n, const double *hd, const double *turn, double *rgb);
 
     /** As eval for at most 64 pairs, and the derivatives: jacobian (n, 3, info.n_values), zero on entry, receives d channel / d parameter in the
@@ -82,8 +82,9 @@ NQM_MUST_CHECK nqm_status nqm_brdf_find_companion(const char *path, const char *
 /** Write a MERL table; n_phi: 180 or 360 cells of phi_d. */
 NQM_MUST_CHECK nqm_status nqm_brdf_write_merl(const nqm_brdf *brdf, size_t n_phi, const char *path,
                                               nqm_progress_fn progress, void *progress_user, nqm_error *err);
-/** Write an array of NumPy: a BRDF's own nodes if its format is "table", otherwise those of nqm_brdf_tabulate(). */
-NQM_MUST_CHECK nqm_status nqm_brdf_write_npy(const nqm_brdf *brdf, const char *path, nqm_error *err);
+/** Write an array of NumPy: a BRDF's own nodes if its format is "table", otherwise those of nqm_brdf_tabulate(), with several phi_h
+ *  unless it is_isotropic. */
+NQM_MUST_CHECK nqm_status nqm_brdf_write_npy(const nqm_brdf *brdf, bool is_isotropic, const char *path, nqm_error *err);
 /** As nqm_material_write(): a file of n > 0 materials of one shading model, in this order; names that are equal get numbers. */
 NQM_MUST_CHECK nqm_status nqm_brdf_write_materials(size_t n, const char *const *specs, const char *const *names,
                                                    const char *path, nqm_error *err);
@@ -96,20 +97,32 @@ nqm_status nqm_nbrdf_create(const float *weights, const char *name, nqm_brdf **b
 /** The weights of a BRDF whose format is "nbrdf", in that order; valid until it is freed. */
 const float *nqm_nbrdf_weights(const nqm_brdf *brdf);
 
+/** Nodes of a table. nqm_brdf_tabulate(): n_d n_p is at most NQM_TABLE_SLICE; n_phi_h = 0 stands for 1, or for NQM_TABLE_PHI_H if the
+ *  BRDF is not isotropic by construction. */
+typedef struct nqm_table_size {
+    size_t n_h, n_d, n_p, n_phi_h; /**< of theta_h, theta_d, phi_d, phi_h; isotropic tables have one phi_h */
+} nqm_table_size;
+
+enum { NQM_TABLE_SLICE = 46 * 24, NQM_TABLE_PHI_H = 48 };
+/** Nodes of corpora and exported tables. */
+static const nqm_table_size nqm_table_general = {90, 46, 24, 0};
+/** Nodes for pictures: twice as dense in theta_h, where highlights are narrow. */
+static const nqm_table_size nqm_table_picture = {180, 32, 12, 0};
+
 /** A table over half-vector coordinates with linear interpolation between nodes: theta_h of node i = (i / (n_h - 1))^2
  *  pi/2 (denser towards the mirror direction, as in MERL's files), theta_d of node j = j / (n_d - 1) pi/2, phi_d of
- *  node k = k / n_p pi, which is periodic. rgb: (n_h, n_d, n_p, 3) float at any alignment, copied; f_r in 1/sr, finite;
- *  NaN in channel 0: the node has no value and is excluded from the interpolation. NQM_ERR_LIMIT: fewer than 2 x 2 x 1
- *  nodes, or more than 2^24. */
-nqm_status nqm_table_create(size_t n_h, size_t n_d, size_t n_p, const void *rgb, const char *name, nqm_brdf **brdf_ret,
+ *  node k = k / n_p pi, and phi_h of node m = m / n_phi_h 2 pi, which are periodic. rgb: (n_h, n_d, n_p, n_phi_h, 3) float at any
+ *  alignment, copied; f_r in 1/sr, finite; NaN in channel 0: the node has no value and is excluded from the interpolation.
+ *  NQM_ERR_LIMIT: fewer than 2 x 2 x 1 x 1 nodes, or more than 2^24. */
+nqm_status nqm_table_create(nqm_table_size size, const void *rgb, const char *name, nqm_brdf **brdf_ret,
                             nqm_error *err);
 /** Index of the first of the 3 n_nodes floats that is not finite at a node that has a value; 3 n_nodes when there is
  *  none. `rgb` at any alignment. */
 size_t nqm_table_first_bad(size_t n_nodes, const void *rgb);
 /** Coordinates of a node. hd: (3) receives theta_h, theta_d, phi_d in radians. */
 void nqm_table_node(size_t n_h, size_t n_d, size_t n_p, size_t h, size_t d, size_t p, double *hd);
-/** The values of a BRDF whose format is "table"; valid until it is freed. dims: (3) receives n_h, n_d, n_p. */
-const float *nqm_table_values(const nqm_brdf *brdf, size_t *dims);
+/** The values of a BRDF whose format is "table"; valid until it is freed. */
+const float *nqm_table_values(const nqm_brdf *brdf, nqm_table_size *size);
 
 /** Cut "SETTINGS;of=OF", or with has_with "SETTINGS;with=(WITH);of=OF", of a spec that wraps other BRDFs after its prefix: the settings
  *  end where the rest begins. false: another form; the text is as it was. */
@@ -126,17 +139,6 @@ const nqm_spec_wrapper *nqm_spec_wrapper_of(const char *text);
 /** Such a BRDF of opened ones: `settings` as in its spec, without `with` and `of`. */
 NQM_MUST_CHECK nqm_status nqm_wrapper_make(const nqm_spec_wrapper *w, const char *settings,
                                            const nqm_between_bases *bases, nqm_brdf **brdf_ret, nqm_error *err);
-
-/** Nodes of a table (nqm_table_create()). */
-typedef struct nqm_table_size {
-    size_t n_h, n_d, n_p; /**< n_d n_p: at most NQM_TABLE_SLICE */
-} nqm_table_size;
-
-enum { NQM_TABLE_SLICE = 46 * 24 };
-/** Nodes of corpora and exported tables. */
-static const nqm_table_size nqm_table_general = {90, 46, 24};
-/** Nodes for pictures: twice as dense in theta_h, where highlights are narrow. */
-static const nqm_table_size nqm_table_picture = {180, 32, 12};
 
 /** Sample `brdf` into a table, on all threads. ticker: stage "table"; NULL: silent. NQM_ERR_CANCELLED, NQM_ERR_NOMEM. */
 NQM_MUST_CHECK nqm_status nqm_brdf_tabulate(const nqm_brdf *brdf, nqm_table_size size, nqm_ticker *ticker,

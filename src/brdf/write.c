@@ -8,13 +8,19 @@
 nqm_status nqm_brdf_write(const nqm_brdf *brdf, nqm_table_format format, const char *path, nqm_progress_fn progress,
                           void *progress_user, nqm_error *err) {
     NQM_REQUIRE(err, brdf, path);
+    static const double invisible = 1e-3; /* more than the rounding errors of a caller's function */
+    const bool is_isotropic = nqm_brdf_anisotropy(brdf) < invisible;
+    if (!is_isotropic && format != NQM_TABLE_NPY)
+        return nqm_fail(err, NQM_ERR_ARG, -1,
+                        "%s: is anisotropic, and a MERL table has no azimuth of the half vector: write a .npy array",
+                        brdf->info.name);
     switch (format) {
     case NQM_TABLE_MERL:
         return nqm_brdf_write_merl(brdf, 180, path, progress, progress_user, err);
     case NQM_TABLE_MERL_360:
         return nqm_brdf_write_merl(brdf, 360, path, progress, progress_user, err);
     case NQM_TABLE_NPY:
-        return nqm_brdf_write_npy(brdf, path, err);
+        return nqm_brdf_write_npy(brdf, is_isotropic, path, err);
     }
     return nqm_fail(err, NQM_ERR_ARG, -1, "%s: nqm_brdf_write: unknown format %d", path, (int)format);
 }

@@ -174,7 +174,7 @@ static nqm_status make_brdf(const workspace *w, const char *name, nqm_brdf **brd
         for (size_t c = 0; c < 3; ++c)
             w->rgb[3 * w->grid.cell[i] + c] =
                 (float)((double)w->table[c * CELLS + w->grid.cell[i]] / w->grid.cosine[i]);
-    return nqm_table_create(NQM_SPARSE_H, NQM_SPARSE_D, NQM_SPARSE_P, w->rgb, name, brdf_ret, err);
+    return nqm_table_create((nqm_table_size){NQM_SPARSE_H, NQM_SPARSE_D, NQM_SPARSE_P, 1}, w->rgb, name, brdf_ret, err);
 }
 
 nqm_status nqm_sparse_encode(const nqm_sparse_dictionary *dictionary, const nqm_brdf *ref,

@@ -149,6 +149,30 @@ def rgl():
         bad("rgl-%s.bsdf" % name, tensor_file(rgl_fields(**fields)), "brdf")
 
 
+def rgl_anisotropic():
+    def file(phi=(-3.1415927, -2, -1, 0), n=None, **changes):
+        n = len(phi) if n is None else n
+        return tensor_file(rgl_fields(**{"phi_i": (10, (len(phi),), f32(*phi)), "vndf": (10, (n, 2, 2, 2), f32(*[1] * 8 * n)),
+                                         "rgb": (10, (n, 2, 3, 2, 2), f32(*[1] * 24 * n)), **changes}))
+
+    for name, data in [("third", file((0, 1, 2.0943951))), ("falls", file((0, 2, 1, 3.1415927))), ("nan", file((0, NAN, 2, 3.1415927))),
+                       ("inf", file((0, 1, 2, INF))), ("none", file(())), ("more", file(n=5)), ("fewer", file(n=3)),
+                       ("vndf", file(vndf=(10, (3, 2, 2, 2), f32(*[1] * 24)))), ("rgb", file(rgb=(10, (1, 8, 3, 2, 2), f32(*[1] * 96)))),
+                       ("empty", file(vndf=(10, (4, 2, 2, 2), f32(*[1] * 24 + [0] * 8)))), ("huge", file(vndf=(10, (4, 2, 2**31, 2**30), b"")))]:
+        bad("rgl-phi-%s.bsdf" % name, data, "brdf")
+    good = file()
+    cuts("rgl-phi", "bsdf", good, (100, 200, len(good) - 700, len(good) - 90, len(good) - 1), "brdf")
+
+
+def utia():
+    size = 3 * 288 * 288 * 8
+    good = struct.pack("<d", 0.1) * (size // 8)
+    for name, at, value in [("nan-8", 8, NAN), ("inf", 800000, INF), ("huge-last", size - 8, 1e200)]:
+        bad("utia-%s.bin" % name, patch(good, at, struct.pack("<d", value)), "brdf", 4, "value at byte %d is not finite" % at)
+    for name, data in [("short", good[:-8]), ("long", good + good[:8]), ("text", patch(good, 0, b"<material version"))]:
+        bad("utia-%s.bin" % name, data, "brdf", 4, "byte 0")
+
+
 def pbsdf():
     def file(phi=(0, 3), theta_d=(0, 1), theta_h=(0, 1), wvls=(450, 550, 650), n=24 * 16, shape=None, kind=6, **more):
         count = len(phi) * len(theta_d) * len(theta_h) * len(wvls) * 16
@@ -274,6 +298,9 @@ def npy():
                        ("scalar", dict_text.replace("(2, 2, 2, 3)", "()")), ("thin", dict_text.replace("(2, 2, 2, 3)", "(1, 2, 4, 3)")),
                        ("channels", dict_text.replace("(2, 2, 2, 3)", "(2, 2, 3, 2)")),
                        ("zero", dict_text.replace("(2, 2, 2, 3)", "(0, 2, 2, 3)")),
+                       ("no-phi-h", dict_text.replace("(2, 2, 2, 3)", "(2, 2, 2, 0, 3)")),
+                       ("phi-h-channels", dict_text.replace("(2, 2, 2, 3)", "(2, 2, 3, 2, 1)")),
+                       ("axes", dict_text.replace("(2, 2, 2, 3)", "(2, 2, 1, 1, 2, 3)")),
                        ("negative", dict_text.replace("(2, 2, 2, 3)", "(-2, 2, 2, 3)")),
                        ("overflow", dict_text.replace("(2, 2, 2, 3)", "(4294967296, 4294967296, 4294967296, 3)")),
                        ("digits", dict_text.replace("(2, 2, 2, 3)", "(99999999999999999999999, 2, 2, 3)")),
@@ -708,6 +735,8 @@ def main():
     anything()
     merl()
     rgl()
+    rgl_anisotropic()
+    utia()
     pbsdf()
     archives(nbrdf())
     decoders()

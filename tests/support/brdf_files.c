@@ -125,6 +125,15 @@ blob make_merl_360(void) {
     return make_merl_table(360);
 }
 
+blob make_utia(void) {
+    blob b = {.data = malloc(UTIA_BYTES), .n_bytes = UTIA_BYTES};
+    if (!b.data)
+        give_up("UTIA measurement");
+    for (uint32_t i = 0; i < UTIA_BYTES / 8; ++i)
+        nqm_store_f64(b.data + 8 * (size_t)i, 2 * noise(i, 'u') - 0.1);
+    return b;
+}
+
 blob make_nps_decoder(void) {
     static const uint32_t widths[8] = {11, 400, 400, 400, 400, 400, 400, 3};
     blob b = {.data = malloc(4 * 808003), .n_bytes = 4 * 808003};

@@ -50,10 +50,16 @@ typedef struct rgl_change {
 blob make_rgl(const rgl_change *change);
 /** The same with `spectra` at nine wavelengths instead of `rgb`. */
 blob make_spectral_rgl(const rgl_change *change);
+/** An anisotropic one, with phi_i over 1 / reduction (1, 2 or 4) of a turn. */
+blob make_anisotropic_rgl(size_t reduction, bool is_spectral, const rgl_change *change);
 /** A small polarimetric material; M is NaN at some nodes. */
 blob make_pbsdf(const rgl_change *change);
 /** The valid material, with the data of every tensor at an offset of 8 n + shift bytes. */
 blob make_shifted_rgl(size_t shift);
+
+/** A full UTIA measurement, 2 MB. */
+blob make_utia(void);
+enum { UTIA_BYTES = 3 * 288 * 288 * 8 };
 
 typedef enum nbrdf_kind {
     NBRDF_VALID,

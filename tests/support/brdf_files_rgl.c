@@ -34,6 +34,10 @@ static const tensor spectral[] = {{"spectra", FLOAT32, 5, {1, 4, 9, 5, 7}, 4, -1
                                   {"wavelengths", FLOAT32, 1, {9}, 0, 0, wavelengths}};
 enum { N_VALID = sizeof valid / sizeof *valid, MAX_TENSORS = N_VALID + 3 };
 
+/* phi_i over a turn, a half and a quarter, as in tests/vectors/brdf.py. */
+static const float phi_1[5] = {-3.1415927F, -1.5F, 0.25F, 1.75F, 3.1415927F}, phi_2[4] = {-3.1415927F, -2, -1.25F, 0},
+                   phi_4[3] = {-3.1415927F, -2.5F, -1.5707964F};
+
 static const float phi_d[6] = {-3.1415927F, -2, -0.5F, 1, 2.25F, 3.1415927F};
 static const float theta_d[4] = {0, 0.25F, 0.75F, 1.5707964F};
 static const float theta_h[5] = {0, 0.125F, 0.5F, 1, 1.5707964F};
@@ -147,6 +151,23 @@ blob make_spectral_rgl(const rgl_change *change) {
     size_t n = append(0, N_VALID, valid, change, tensors);
     n = append_change(append(n, 2, spectral, change, tensors), change, tensors);
     return make_file(n, tensors, 0);
+}
+
+blob make_anisotropic_rgl(size_t reduction, bool is_spectral, const rgl_change *change) {
+    tensor tensors[MAX_TENSORS];
+    size_t n = append(0, N_VALID, valid, NULL, tensors);
+    n = is_spectral ? append(n, 2, spectral, NULL, tensors) : append(n, 1, rgb, NULL, tensors);
+    const size_t n_phi = reduction == 1 ? 5 : reduction == 2 ? 4 : 3;
+    for (size_t i = 0; i < n; ++i)
+        if (strcmp(tensors[i].name, "phi_i") == 0) {
+            tensors[i].dims[0] = n_phi;
+            tensors[i].values = reduction == 1 ? phi_1 : reduction == 2 ? phi_2 : phi_4;
+        } else if (tensors[i].n_dims > 3) {
+            tensors[i].dims[0] = n_phi;
+        }
+    tensor changed[MAX_TENSORS];
+    n = append_change(append(0, n, tensors, change, changed), change, changed);
+    return make_file(n, changed, 0);
 }
 
 blob make_pbsdf(const rgl_change *change) {

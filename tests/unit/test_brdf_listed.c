@@ -317,6 +317,59 @@ static void goniometer_grids_may_lack_rows(void **state) {
     nqm_brdf_free(brdf);
 }
 
+/* A sample measured at six azimuths, whose values differ by `contrast`; each pair also at theta 0. */
+static nqm_brdf *open_turned(double contrast, const char *suffix) {
+    static csv file;
+    file.n = 0;
+    add(&file, "theta_i,phi_i,theta_o,phi_o,r,g,b\n");
+    for (int turn = 0; turn < 360; turn += 60)
+        for (int i = 0; i <= 60; i += 20)
+            for (int p = 0; p < 360; p += 90)
+                add(&file, "%d,%d,40,%d,%.9g,0,0\n", i, turn, (turn + p) % 360,
+                    (1 + p / 360.0) * (1 + contrast * turn / 300));
+    return open_ok(save(&file), suffix);
+}
+
+/* Pairs that recur at other azimuths with other values keep them; without other values, or with those of noise, they do not. */
+static void azimuths_of_anisotropic_lists_are_kept(void **state) {
+    (void)state;
+    static const double contrast[] = {0, 0.1, 0.3};
+    for (size_t k = 0; k < sizeof contrast / sizeof *contrast; ++k) {
+        nqm_brdf *brdf = open_turned(contrast[k], "");
+        const nqm_brdf_info info = nqm_brdf_get_info(brdf);
+        const bool is_anisotropic = k == 2;
+        assert_int_equal(info.isotropic, !is_anisotropic);
+        assert_string_equal(info.format, "samples");
+        assert_string_equal(info.layout, is_anisotropic
+                                             ? "96 directions with azimuths, values within 0.1 degrees of them"
+                                             : "96 directions, values within 0.1 degrees of them");
+        for (int turn = 0; turn < 360; turn += 30) {
+            double w[2][3], rgb[3];
+            uint8_t flag;
+            for (int a = 0; a < 2; ++a) { /* theta_i 20, theta_o 40, phi 90 */
+                const double theta = (a ? 40 : 20) * degree, phi = (turn + 90 * a) * degree;
+                w[a][0] = sin(theta) * cos(phi);
+                w[a][1] = sin(theta) * sin(phi);
+                w[a][2] = cos(theta);
+            }
+            nqm_brdf_eval(brdf, 1, w[0], w[1], rgb, &flag);
+            assert_int_equal(nqm_has_value(flag), !is_anisotropic || turn % 60 == 0);
+            if (is_anisotropic && turn % 60 == 0)
+                assert_near(rgb[0], 1.25 * (1 + contrast[k] * turn / 300), 1e-6);
+            nqm_brdf_eval(brdf, 1, w[1], w[0], rgb, &flag); /* light and viewer are not exchanged */
+            assert_true(!nqm_has_value(flag));
+        }
+        nqm_brdf_free(brdf);
+    }
+    nqm_brdf *brdf = open_turned(0.3, ":20"); /* constant around each row, also in the azimuth */
+    const double wi[3] = {sin(20 * degree) * cos(70 * degree), sin(20 * degree) * sin(70 * degree), cos(20 * degree)};
+    const double wo[3] = {-sin(40 * degree) * sin(70 * degree), sin(40 * degree) * cos(70 * degree), cos(40 * degree)};
+    double rgb[3];
+    nqm_brdf_eval(brdf, 1, wi, wo, rgb, NULL);
+    assert_near(rgb[0], 1.25 * (1 + 0.3 * 60 / 300), 1e-6);
+    nqm_brdf_free(brdf);
+}
+
 /* A scan of 30 directions near the normal, in radians or in one plane. */
 static const char *save_scan(double phi_step) {
     csv file = {.n = 0};
@@ -391,6 +444,7 @@ int main(void) {
                                        cmocka_unit_test(lights_and_viewers_are_read),
                                        cmocka_unit_test(goniometer_grids_are_interpolated),
                                        cmocka_unit_test(goniometer_grids_may_lack_rows),
+                                       cmocka_unit_test(azimuths_of_anisotropic_lists_are_kept),
                                        cmocka_unit_test(radians_are_refused),
                                        cmocka_unit_test(refuses_unfit_lists)};
     return cmocka_run_group_tests_name("brdf_listed", tests, NULL, NULL);

@@ -18,7 +18,7 @@ enum { N_POINTS = sizeof npy_vector / sizeof *npy_vector };
 
 static const char *save(size_t n, const unsigned char *bytes) {
     const char *path = scratch_path("table.npy");
-    unsigned char copy[1024];
+    unsigned char copy[2048];
     memcpy(copy, bytes, n);
     blob_save(&(blob){copy, n}, path);
     return path;
@@ -50,6 +50,27 @@ static void agrees_with_numpy(void **state) {
         assert_int_equal(info.n_bytes, k ? sizeof npy_f8 : sizeof npy_f4);
         nqm_brdf_free(brdf);
     }
+}
+
+static void agrees_with_numpy_at_any_azimuth(void **state) {
+    (void)state;
+    nqm_brdf *brdf = open_ok(save(sizeof npy_turned, npy_turned));
+    for (size_t i = 0; i < N_POINTS; ++i) {
+        const double *v = npy_turned_vector[i];
+        double rgb[3];
+        nqm_brdf_eval(brdf, 1, v, v + 3, rgb, NULL);
+        for (size_t c = 0; c < 3; ++c)
+            assert_near(rgb[c], v[6 + c], 1e-12);
+    }
+    assert_string_equal(nqm_brdf_get_info(brdf).layout, "3x2x4x3 nodes");
+    assert_int_equal(nqm_brdf_get_info(brdf).isotropic, 0);
+    const char *copy = scratch_path("copy.npy"); /* is written as it was read */
+    assert_int_equal(nqm_brdf_write(brdf, NQM_TABLE_NPY, copy, NULL, NULL, NULL), NQM_OK);
+    nqm_brdf_free(brdf);
+    blob file = blob_load(copy);
+    assert_int_equal(file.n_bytes, sizeof npy_turned);
+    assert_memory_equal(file.data + 128, npy_turned + 128, sizeof npy_turned - 128);
+    blob_free(&file);
 }
 
 static void expect_refused(const char *path, int64_t byte_offset, const char *words) {
@@ -90,12 +111,12 @@ static void refuses_other_arrays(void **state) {
 static void writes_what_it_reads(void **state) {
     (void)state;
     const char *path = save(sizeof npy_f4, npy_f4), *copy = scratch_path("copy.npy");
-    size_t dims[3], again_dims[3];
+    nqm_table_size size, again_size;
     nqm_brdf *brdf = open_ok(path);
     assert_int_equal(nqm_brdf_write(brdf, NQM_TABLE_NPY, copy, NULL, NULL, NULL), NQM_OK);
     nqm_brdf *again = open_ok(copy);
-    const float *a = nqm_table_values(brdf, dims), *b = nqm_table_values(again, again_dims);
-    assert_memory_equal(dims, again_dims, sizeof dims);
+    const float *a = nqm_table_values(brdf, &size), *b = nqm_table_values(again, &again_size);
+    assert_memory_equal(&size, &again_size, sizeof size);
     assert_memory_equal(a, b, 3 * 2 * 4 * 3 * sizeof *a);
     blob file = blob_load(copy);
     assert_int_equal((file.n_bytes - 3 * 2 * 4 * 3 * sizeof *a) % 64, 0);
@@ -121,7 +142,8 @@ static void writes_what_it_reads(void **state) {
 }
 
 int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(agrees_with_numpy), cmocka_unit_test(refuses_other_arrays),
-                                       cmocka_unit_test(writes_what_it_reads)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(agrees_with_numpy),
+                                       cmocka_unit_test(agrees_with_numpy_at_any_azimuth),
+                                       cmocka_unit_test(refuses_other_arrays), cmocka_unit_test(writes_what_it_reads)};
     return cmocka_run_group_tests_name("brdf_npy", tests, NULL, NULL);
 }

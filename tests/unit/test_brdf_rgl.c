@@ -50,11 +50,46 @@ static void agrees_with_numpy(void **state) {
     nqm_brdf_free(brdf);
 }
 
+/* Several phi_i: over a turn, and over a half and a quarter of it by symmetry; also spectra. */
+static void anisotropic_files_agree_with_numpy(void **state) {
+    (void)state;
+    static const struct {
+        size_t reduction;
+        bool is_spectral;
+        const double (*vector)[3];
+        const char *layout;
+    } cases[] = {{1, false, rgl_1_vector, "5 azimuths x 4 angles of incidence x 5 x 7 samples, warp 6 x 8"},
+                 {2, false, rgl_2_vector, "4 azimuths x 4 angles of incidence x 5 x 7 samples, warp 6 x 8"},
+                 {4, false, rgl_4_vector, "3 azimuths x 4 angles of incidence x 5 x 7 samples, warp 6 x 8"},
+                 {2, true, rgl_2_d65_vector,
+                  "4 azimuths x 4 angles of incidence x 5 x 7 samples, warp 6 x 8, 9 wavelengths 360 to 1000 nm under "
+                  "illuminant D65"}};
+    for (size_t k = 0; k < sizeof cases / sizeof *cases; ++k) {
+        const double tolerance = cases[k].is_spectral ? 1e-5 : 1e-11; /* values are stored as float32 */
+        char argument[4200];
+        snprintf(argument, sizeof argument, "%s%s",
+                 save(make_anisotropic_rgl(cases[k].reduction, cases[k].is_spectral, NULL)),
+                 cases[k].is_spectral ? ":D65" : "");
+        nqm_brdf *brdf = open_brdf(argument);
+        for (size_t i = 4; i < N_PAIRS;
+             ++i) { /* the first ones are at the edges of the symmetries, where these data jump */
+            double rgb[3];
+            nqm_brdf_eval(brdf, 1, pair_vector[i], pair_vector[i] + 3, rgb, NULL);
+            for (size_t c = 0; c < 3; ++c)
+                assert_near(rgb[c], fmax(cases[k].vector[i][c], 0), tolerance * (1 + fabs(cases[k].vector[i][c])));
+        }
+        assert_string_equal(nqm_brdf_get_info(brdf).layout, cases[k].layout);
+        assert_int_equal(nqm_brdf_get_info(brdf).isotropic, 0);
+        nqm_brdf_free(brdf);
+    }
+}
+
 /* Rotation about the normal does not change the value; half-vector coordinates distinguish light and viewer. */
 static void is_isotropic(void **state) {
     (void)state;
     nqm_brdf *brdf;
     assert_int_equal(nqm_brdf_open(save(make_rgl(NULL)), &brdf, NULL), NQM_OK);
+    assert_int_equal(nqm_brdf_get_info(brdf).isotropic, 1);
     for (size_t i = 4; i < N_PAIRS; ++i) {
         double rgb[3], turned_rgb[3], hd[3], hd_rgb[3], turned[6];
         for (size_t k = 0; k < 6; k += 3) {
@@ -177,14 +212,18 @@ static void refuses_unfit_tensors(void **state) {
         expect_refused(make_rgl(&(rgl_change){.name = needed[i], .type = 10, .n_dims = 3, .dims = {1, 1, 4}}),
                        "type or shape");
     }
-    expect_refused(make_rgl(&(rgl_change){.name = "phi_i", .type = 10, .n_dims = 1, .dims = {8}}), "anisotropic");
+    expect_refused(make_rgl(&(rgl_change){.name = "phi_i", .type = 10, .n_dims = 1, .dims = {8}}), "each phi_i");
+    expect_refused(make_rgl(&(rgl_change){.name = "phi_i", .type = 10, .n_dims = 1, .dims = {0}}), "is empty");
+    expect_refused(make_spectral_rgl(&(rgl_change){.name = "wavelengths", .type = 10, .n_dims = 1, .dims = {0}}),
+                   "is empty");
     expect_refused(make_rgl(&(rgl_change){.name = "theta_i", .type = 10, .n_dims = 1, .dims = {1}}), "two angles");
-    expect_refused(make_rgl(&(rgl_change){.name = "theta_i", .type = 10, .n_dims = 1, .dims = {5}}), "each theta_i");
+    expect_refused(make_rgl(&(rgl_change){.name = "theta_i", .type = 10, .n_dims = 1, .dims = {5}}),
+                   "phi_i and theta_i");
     expect_refused(make_rgl(&(rgl_change){.name = "sigma", .type = 10, .n_dims = 2, .dims = {1, 7}}), "2 x 2");
     expect_refused(make_rgl(&(rgl_change){.name = "ndf", .type = 10, .n_dims = 2, .dims = {9, 1}}), "2 x 2");
     expect_refused(make_rgl(&(rgl_change){.name = "vndf", .type = 10, .n_dims = 4, .dims = {1, 4, 6, 0}}), "2 x 2");
     expect_refused(make_rgl(&(rgl_change){.name = "vndf", .type = 10, .n_dims = 4, .dims = {1, 3, 6, 8}}),
-                   "each theta_i");
+                   "phi_i and theta_i");
     expect_refused(make_rgl(&(rgl_change){.name = "rgb", .type = 10, .n_dims = 5, .dims = {1, 4, 1, 5, 7}}),
                    "channels");
     expect_refused(make_rgl(&(rgl_change){.name = "rgb", .type = 10, .n_dims = 7, .dims = {1, 1, 1, 1, 1, 1, 1}}),
@@ -197,7 +236,11 @@ static void refuses_unfit_numbers(void **state) {
     static const float flat_sigma[4] = {1, 1, 0, 1}, negative_ndf[4] = {1, 1, 1, -1};
     static const float no_density[4 * 4] = {1, 1, 1, 1, 1, 1, 1, 1};
     const float not_finite[4] = {1, NAN, 1, 1}, infinite[4] = {1, INFINITY, 1, 1};
+    static const float third[4] = {0, 0.5F, 1, 2.0943951F}, unordered[4] = {0, 2, 1, 3.1415927F};
     expect_refused(make_rgl(&(rgl_change){"theta_i", false, 10, 1, {4}, falling}), "rise");
+    expect_refused(make_anisotropic_rgl(2, false, &(rgl_change){"phi_i", false, 10, 1, {4}, unordered}), "rise");
+    expect_refused(make_anisotropic_rgl(2, true, &(rgl_change){"phi_i", false, 10, 1, {4}, third}),
+                   "does not cover 360, 180 or 90 degrees");
     expect_refused(make_rgl(&(rgl_change){"sigma", false, 10, 2, {2, 2}, flat_sigma}), "contains 0");
     expect_refused(make_rgl(&(rgl_change){"ndf", false, 10, 2, {2, 2}, negative_ndf}), "contains -1");
     expect_refused(make_rgl(&(rgl_change){"ndf", false, 10, 2, {2, 2}, not_finite}), "nan");
@@ -236,18 +279,20 @@ static void refuses_a_broken_container(void **state) {
 
 static void refuses_truncated_files(void **state) {
     (void)state;
-    blob b = make_rgl(NULL);
     const char *path = scratch_path("short.bsdf");
-    for (size_t n = 0; n < b.n_bytes; n += n < 500 ? 1 : 17) { /* the table of contents ends before byte 500 */
-        nqm_error err = {0};
-        nqm_brdf *brdf;
-        blob part = {b.data, n};
-        blob_save(&part, path);
-        assert_int_equal(nqm_brdf_open(path, &brdf, &err), NQM_ERR_FORMAT);
-        assert_null(brdf);
-        assert_true(err.byte_offset == 0 || err.byte_offset == (int64_t)n);
+    for (int k = 0; k < 2; ++k) {
+        blob b = k ? make_anisotropic_rgl(4, false, NULL) : make_rgl(NULL);
+        for (size_t n = 0; n < b.n_bytes; n += n < 500 ? 1 : 17) { /* the table of contents ends before byte 500 */
+            nqm_error err = {0};
+            nqm_brdf *brdf;
+            blob part = {b.data, n};
+            blob_save(&part, path);
+            assert_int_equal(nqm_brdf_open(path, &brdf, &err), NQM_ERR_FORMAT);
+            assert_null(brdf);
+            assert_true(err.byte_offset == 0 || err.byte_offset == (int64_t)n);
+        }
+        blob_free(&b);
     }
-    blob_free(&b);
 }
 
 static void survives_failing_allocations(void **state) {
@@ -272,6 +317,7 @@ int main(void) {
                                        cmocka_unit_test(keeps_white),
                                        cmocka_unit_test(refuses_unfit_spectra),
                                        cmocka_unit_test(agrees_with_numpy),
+                                       cmocka_unit_test(anisotropic_files_agree_with_numpy),
                                        cmocka_unit_test(is_isotropic),
                                        cmocka_unit_test(refuses_unfit_tensors),
                                        cmocka_unit_test(refuses_unfit_numbers),

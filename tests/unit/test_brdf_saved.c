@@ -59,7 +59,7 @@ static void tables_go_round(void **state) {
         rgb[i] = (float)noise(i, 5);
     rgb[27] = NAN;
     nqm_brdf *brdf;
-    assert_int_equal(nqm_table_create(H, D, P, rgb, "table", &brdf, NULL), NQM_OK);
+    assert_int_equal(nqm_table_create((nqm_table_size){H, D, P, 1}, rgb, "table", &brdf, NULL), NQM_OK);
     goes_round(brdf, "table");
     nqm_brdf_free(brdf);
 }

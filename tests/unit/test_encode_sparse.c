@@ -98,7 +98,9 @@ static nqm_brdf *in_span(const nqm_sparse_dictionary *dictionary, double factor)
         for (size_t c = 0; c < 3; ++c)
             rgb[3 * grid.cell[i] + c] = (float)((double)table[c * CELLS + grid.cell[i]] / grid.cosine[i]);
     nqm_brdf *brdf;
-    assert_int_equal(nqm_table_create(NQM_SPARSE_H, NQM_SPARSE_D, NQM_SPARSE_P, rgb, "span", &brdf, NULL), NQM_OK);
+    assert_int_equal(
+        nqm_table_create((nqm_table_size){NQM_SPARSE_H, NQM_SPARSE_D, NQM_SPARSE_P, 1}, rgb, "span", &brdf, NULL),
+        NQM_OK);
     nqm_free(grid.hd);
     return brdf;
 }

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 """f_r of the made-up materials of tests/support/brdf_files*.c, computed by numpy from the papers of the formats: RGL
 (Dupuy and Jakob 2018) by integrating the interpolated density of the warp for each pair, its spectra after evaluation by the fits
-of Wyman, Sloan and Shirley 2013 and D65 from the daylight components of CIE 15, NBRDF (Sztrajman et al. 2021)
+of Wyman, Sloan and Shirley 2013 and D65 from the daylight components of CIE 15, UTIA (Filip and Vavra 2014), NBRDF (Sztrajman et al. 2021)
 and neural processes (Zheng et al. 2021) as matrix products in float64. The material data use the same noise function as
 the C files. Writes brdf_vectors.h to the folder of this script. Usage: python3 brdf.py"""
 import os
@@ -134,11 +134,15 @@ class Rgl:
     def eval(self, viewer, light, spectral=False):
         h = viewer + light
         h /= np.linalg.norm(h)
-        theta_i, theta_h = np.arccos(viewer[2]), np.arccos(h[2])
         phi = np.arctan2(h[1], h[0]) - np.arctan2(viewer[1], viewer[0])
+        return self.eval_at(np.arccos(viewer[2]), 0.5, np.arccos(h[2]), phi, spectral) / light[2]
+
+    def eval_at(self, theta_i, v_i, theta_h, phi, spectral):
+        """f_r times the cosine of the light. v_i: the azimuth of incidence and phi: that of the half vector on the grids of the file."""
         u, v = np.sqrt(theta_h * 2 / np.pi), ((phi + np.pi) / (2 * np.pi)) % 1
-        unit = np.array([self.integral(np.array([self.integral(row, 7) for row in s]), 5) for s in self.vndf])
-        density = self.mixed(self.vndf / unit[:, None, None], theta_i)
+        unit = np.array([self.integral(np.array([self.integral(row, 7) for row in s]), 5) for s in self.vndf.reshape(-1, 6, 8)])
+        unit = unit.reshape(self.vndf.shape[:-2])
+        density = self.mixed(self.vndf / unit[..., None, None], theta_i)
         # The density along the half vector's row, and the integrals of all rows.
         y = v * 5
         j = min(int(y), 4)
@@ -148,8 +152,42 @@ class Rgl:
         s_v = self.integral(rows, y)
         value = self.bilinear(self.mixed(self.spectra if spectral else self.rgb, theta_i), min(s_u, 1), min(s_v, 1))
         d = self.bilinear(self.ndf, u, v)
-        sigma = self.bilinear(self.sigma, np.sqrt(theta_i * 2 / np.pi), 0.5)
-        return value * d / (4 * sigma) / light[2]
+        sigma = self.bilinear(self.sigma, np.sqrt(theta_i * 2 / np.pi), v_i)
+        return value * d / (4 * sigma)
+
+
+class AnisotropicRgl(Rgl):
+    """Several phi_i, over a turn (reduction 1), a half (2) or a quarter (4), with azimuths from the tangent. The symmetries are those of
+    Mitsuba 3: a pair is turned or mirrored so that x (of quarters) and y of omega_i are not positive."""
+    PHI = {1: [-np.pi, -1.5, 0.25, 1.75, np.pi], 2: [-np.pi, -2, -1.25, 0], 4: [-np.pi, -2.5, -np.pi / 2]}
+
+    def __init__(self, reduction):
+        super().__init__()
+        self.reduction = reduction
+        self.phi_i = float32(np.array(self.PHI[reduction]))
+        n = len(self.phi_i)
+        self.vndf = float32(noise(n * 192, ord("v"))).reshape(n, 4, 6, 8)
+        self.vndf[:, :2, :2] = 0
+        self.rgb = float32(4 * noise(n * 420, ord("r")) - 1).reshape(n, 4, 3, 5, 7)
+        self.spectra = float32(4 * noise(n * 4 * 9 * 35, ord("s")) - 1).reshape(n, 4, 9, 5, 7)
+
+    def mixed(self, table, theta):
+        k = min(max(np.searchsorted(self.phi_i, self.phi, side="right") - 1, 0), len(self.phi_i) - 2)
+        t = min(max((self.phi - self.phi_i[k]) / (self.phi_i[k + 1] - self.phi_i[k]), 0), 1)
+        return (1 - t) * super().mixed(table[k], theta) + t * super().mixed(table[k + 1], theta)
+
+    def eval(self, viewer, light, spectral=False):
+        sign = np.ones(3)
+        if self.reduction >= 2:
+            sign[1] = -np.sign(viewer[1])
+            sign[0] = -np.sign(viewer[0]) if self.reduction == 4 else sign[1]
+            sign[sign == 0] = 1
+        viewer, light = viewer * sign, light * sign
+        h = viewer + light
+        h /= np.linalg.norm(h)
+        self.phi = np.arctan2(viewer[1], viewer[0])
+        return self.eval_at(np.arccos(viewer[2]), (self.phi + np.pi) / (2 * np.pi), np.arccos(h[2]), np.arctan2(h[1], h[0]),
+                            spectral) / light[2]
 
 
 class Pbsdf:
@@ -184,6 +222,23 @@ class Pbsdf:
                         weight += wa * wb * wc
                         total += wa * wb * wc * self.m00[a, b, c]
         return total / weight
+
+
+class Utia:
+    """Linear in the four angles as in the authors' TBRDF.cpp, which continues the lines beyond 75 degrees."""
+
+    def __init__(self):
+        self.value = (2 * noise(3 * 288 * 288, ord("u")) - 0.1).reshape(3, 6, 48, 6, 48)
+
+    def eval(self, light, viewer):
+        weights = []
+        for w in light, viewer:
+            theta, phi = np.degrees(np.arccos(w[2])), np.degrees(np.arctan2(w[1], w[0])) % 360
+            i, j = min(int(theta // 15), 4), int(phi // 7.5)
+            t, p = (theta - 15 * i) / 15, (phi - 7.5 * j) / 7.5
+            weights += [[(i, 1 - t), (i + 1, t)], [(j % 48, 1 - p), ((j + 1) % 48, p)]]
+        return sum(self.value[:, a, b, c, d] * wa * wb * wc * wd for a, wa in weights[0] for b, wb in weights[1]
+                   for c, wc in weights[2] for d, wd in weights[3])
 
 
 def dense(shapes, row):
@@ -247,12 +302,20 @@ def main():
         for name in ["E", "D65"]:
             table(out, "rgl_%s_vector" % name.lower(), "the same of the spectral material under illuminant " + name,
                   spectrum_to_rgb(spectra, name))
+        for n in [1, 2, 4]:
+            turned = AnisotropicRgl(n)
+            table(out, "rgl_%d_vector" % n, "f_r of the anisotropic RGL material with 1 / %d of a turn of phi_i" % n,
+                  [turned.eval(o, i) for i, o in zip(wi, wo)])
+        spectra = np.array([AnisotropicRgl(2).eval(o, i, spectral=True) for i, o in zip(wi, wo)])
+        table(out, "rgl_2_d65_vector", "of the spectral one with half a turn, under illuminant D65", spectrum_to_rgb(spectra, "D65"))
         pbsdf = Pbsdf()
         spectra = np.array([pbsdf.eval(i, o) for i, o in zip(wi, wo)])
         table(out, "pbsdf_vector", "f_r of the polarimetric material under illuminant E",
               spectrum_to_rgb(spectra, "E", Pbsdf.WAVELENGTHS))
         table(out, "pbsdf_d65_vector", "the same under illuminant D65",
               spectrum_to_rgb(spectra, "D65", Pbsdf.WAVELENGTHS))
+        utia = Utia()
+        table(out, "utia_vector", "f_r of the UTIA material", [utia.eval(i, o) for i, o in zip(wi, wo)])
         table(out, "nbrdf_vector", "f_r of the NBRDF, negative where the network is", nbrdf(hd))
         table(out, "nps_vector", "f_r of the neural process, material 'second'",
               nps(hd, np.array([-0.5, 0.25, 0, 1, 0.5, -0.125, -0.75])))

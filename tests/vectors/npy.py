@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: MIT
-"""Arrays as numpy.save() writes them, and f_r of the table in them, interpolated linearly in sqrt(theta_h), theta_d and phi_d by
-numpy. Writes npy_vectors.h to the folder of this script. Usage: python3 npy.py"""
+"""Arrays as numpy.save() writes them, and f_r of the tables in them, interpolated linearly in sqrt(theta_h), theta_d, phi_d and phi_h
+by numpy. Writes npy_vectors.h to the folder of this script. Usage: python3 npy.py"""
 import io
 import os
 import sys
@@ -8,7 +8,25 @@ import sys
 import numpy as np
 
 SEED = 20261122
-N_H, N_D, N_P = 3, 2, 4
+N_H, N_D, N_P, N_PHI_H = 3, 2, 4, 3
+
+
+def interpolate_turned(table, hd, phi_h):
+    """f_r of a table with phi_h, which is an axis of its own."""
+    x = phi_h / (2 * np.pi) * N_PHI_H
+    around = np.abs(x - np.arange(N_PHI_H))
+    weight = np.maximum(0, 1 - np.minimum(around, N_PHI_H - around))
+    return sum(w * interpolate(table[:, :, :, m], hd) for m, w in enumerate(weight) if w > 0)
+
+
+def directions(hd, phi_h):
+    """Light and viewer of half-vector coordinates, by rotations about the second and third axis."""
+    d = np.array([np.sin(hd[1]) * np.cos(hd[2]), np.sin(hd[1]) * np.sin(hd[2]), np.cos(hd[1])])
+    c, s = np.cos(hd[0]), np.sin(hd[0])
+    tilt = np.array([[c, 0, s], [0, 1, 0], [-s, 0, c]])
+    c, s = np.cos(phi_h), np.sin(phi_h)
+    turn = np.array([[c, -s, 0], [s, c, 0], [0, 0, 1]])
+    return [turn @ tilt @ (d * sign) for sign in ([1, 1, 1], [-1, -1, 1])]
 
 
 def interpolate(table, hd):
@@ -32,7 +50,8 @@ def main():
     rng = np.random.default_rng(SEED)
     table = rng.uniform(0, 2, (N_H, N_D, N_P, 3)).astype("<f4")
     table[1, 0, 2, 0] = np.nan
-    files = {"f4": table, "f8": table.astype("<f8"), "fortran": np.asfortranarray(table), "big": table.astype(">f4"),
+    turned = np.random.default_rng(SEED + 1).uniform(0, 2, (N_H, N_D, N_P, N_PHI_H, 3)).astype("<f4")
+    files = {"f4": table, "turned": turned, "f8": table.astype("<f8"), "fortran": np.asfortranarray(table), "big": table.astype(">f4"),
              "integer": np.ones((2, 2, 2, 3), "<i4"), "planes": np.ones((3, 2, 2, 2), "<f4")}
     points = np.stack([rng.uniform(0, 1.2, 20), rng.uniform(0, 0.35, 20), rng.uniform(0, 2 * np.pi, 20)], 1)
     with open(os.path.join(os.path.dirname(os.path.abspath(__file__)), "npy_vectors.h"), "w") as out:
@@ -50,6 +69,11 @@ def main():
         out.write("\n/* theta_h, theta_d, phi_d (radians), and f_r of the table */\nstatic const double npy_vector[][6] = {\n")
         for hd in points:
             out.write("    {" + ", ".join("%.17g" % v for v in [*hd, *interpolate(table.astype(float), hd)]) + "},\n")
+        out.write("};\n\n/* light, viewer, and f_r of the table with phi_h */\nstatic const double npy_turned_vector[][9] = {\n")
+        for i, hd in enumerate(points):
+            phi_h = (0.1 + 2.4 * i) % (2 * np.pi)
+            values = [*np.concatenate(directions(hd, phi_h)), *interpolate_turned(turned.astype(float), hd, phi_h)]
+            out.write("    {" + ", ".join("%.17g" % v for v in values) + "},\n")
         out.write("};\n")
 
 

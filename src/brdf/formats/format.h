@@ -40,14 +40,17 @@ typedef struct nqm_brdf_format {
     X(nqm_npy_format)                                                                                                  \
     X(nqm_listed_format)                                                                                               \
     X(nqm_nps_format)                                                                                                  \
+    X(nqm_utia_format)                                                                                                 \
     X(nqm_saved_format)                                                                                                \
     X(nqm_nbrdf_zip_format)                                                                                            \
     X(nqm_material_file_format)
 #define NQM_DECLARE_BRDF_FORMAT(NAME) extern const nqm_brdf_format NAME;
 NQM_BRDF_FORMATS(NQM_DECLARE_BRDF_FORMAT)
 
-/** The values of a BRDF whose format is "table" as a tensor "rgb". */
+/** The values of a BRDF whose format is "table" as a tensor "rgb": (n_h, n_d, n_p, 3), or (n_h, n_d, n_p, n_phi_h, 3). */
 struct nqm_tensor nqm_table_tensor(const nqm_brdf *brdf);
+/** The nodes of such a tensor; false: it has another shape. */
+bool nqm_table_size_of(const struct nqm_tensor *tensor, nqm_table_size *size);
 
 /** A polarimetric material in a file of tensors, which has a tensor "M"; nqm_rgl_format opens it. */
 struct nqm_tensor_file;

@@ -14,13 +14,15 @@ typedef struct span {
 } span;
 
 /* false: x is outside the nodes by more than the rounding of angles in float32. */
-static bool find_theta(const double *node, size_t n, double x, span *s) {
-    const double slack = 1e-6;
-    if (!(x >= node[0] - slack && x <= node[n - 1] + slack))
+static bool find_theta(const nqm_grid *g, size_t axis, double x, span *s) {
+    const double *node = g->node[axis], slack = 1e-6;
+    const size_t n = g->n[axis];
+    if (!g->extrapolates && !(x >= node[0] - slack && x <= node[n - 1] + slack))
         return false;
     size_t i = nqm_last_not_above(node, n, fmax(x, node[0]));
     i = i < n - 1 ? i : n - 2;
-    *s = (span){{i, i + 1}, fmin(fmax((x - node[i]) / (node[i + 1] - node[i]), 0), 1)};
+    const double t = (x - node[i]) / (node[i + 1] - node[i]);
+    *s = (span){{i, i + 1}, g->extrapolates ? t : fmin(fmax(t, 0), 1)};
     return true;
 }
 
@@ -73,8 +75,7 @@ void nqm_grid_eval(const void *self, size_t n, const double *hd, double *rgb) {
     const nqm_grid *grid = self;
     for (size_t i = 0; i < n; ++i) {
         span s[3];
-        if (find_theta(grid->node[0], grid->n[0], hd[3 * i], s) &&
-            find_theta(grid->node[1], grid->n[1], hd[3 * i + 1], s + 1)) {
+        if (find_theta(grid, 0, hd[3 * i], s) && find_theta(grid, 1, hd[3 * i + 1], s + 1)) {
             s[2] = find_phi(grid, hd[3 * i + 2]);
             interpolate(grid, s, rgb + 3 * i);
         } else {

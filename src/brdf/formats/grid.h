@@ -12,6 +12,7 @@ typedef struct nqm_grid {
     size_t n[3];           /**< nodes of theta_h, theta_d (both >= 2) and phi_d (>= 1) */
     const double *node[3]; /**< radians, rising; the last phi_d is at most the first plus `period` */
     double period;         /**< of phi_d: pi or 2 pi; between its last and first node, too, values are interpolated */
+    bool extrapolates; /**< whether the lines through the first and last two theta_h and theta_d continue beyond them */
     const unsigned char *value;        /**< float32, little-endian */
     size_t stride[3];                  /**< bytes from a node to the next one along each axis */
     size_t n_channels, channel_stride; /**< values of a node, and bytes between them */
@@ -19,7 +20,7 @@ typedef struct nqm_grid {
 } nqm_grid;
 
 /** f_r of an nqm_grid at hd (n, 3). Nodes with a NaN are excluded from the interpolation; NaN where all neighbours are, and beyond the first and
- *  last theta_h and theta_d. */
+ *  last theta_h and theta_d unless it extrapolates. */
 void nqm_grid_eval(const void *grid, size_t n, const double *hd, double *rgb);
 
 #endif

@@ -5,7 +5,7 @@
  * phi_d in [0, 180] degrees throughout means a reciprocal BRDF; otherwise it is the azimuth of the light over a full turn. Rows may
  * also give the polar angles and azimuths of light and viewer; light and viewer are then never exchanged, and a grid is one of
  * theta_i, theta_o and phi = phi_o - phi_i, as goniometers measure it: rows of a theta of 0 may be given once for all phi, and up to a
- * quarter of the other rows may be missing.
+ * quarter of the other rows may be missing. If pairs recur at other phi_i with other values the list is anisotropic, and no grid.
  */
 #include "brdf/formats/listed.h"
 
@@ -89,6 +89,7 @@ static nqm_status read_angles(const nqm_csv *csv, const char *path, size_t row, 
     nqm_spherical(angle[0], angle[1], wi);
     nqm_spherical(angle[2], angle[3], wo);
     nqm_half_diff_full_from_pair(wi, wo, to->hd);
+    to->phi_i = angle[1];
     to->at[1] = angle[2];
     to->at[2] = round_angle(angle[3] - angle[1]);
     return NQM_OK;
@@ -126,21 +127,13 @@ static nqm_status find_columns(const nqm_csv *csv, const char *path, layout *l, 
     return NQM_OK;
 }
 
-/* A file of directions and values. */
-typedef struct list {
-    const char *path;
-    size_t n;
-    nqm_listed *rows; /* (n) */
-    bool is_reciprocal, has_pairs;
-} list;
-
 /* At the normal the azimuth means nothing. */
-static bool has_azimuth(const list *l, const nqm_listed *row) {
+static bool has_azimuth(const nqm_list *l, const nqm_listed *row) {
     return !l->has_pairs || (row->at[0] > 0 && row->at[1] > 0);
 }
 
 /* Map phi to [0, pi] if all are in the same half of the turn. */
-static void fold(const list *l) {
+static void fold(const nqm_list *l) {
     double low = INFINITY, high = -INFINITY;
     for (size_t i = 0; i < l->n; ++i)
         if (has_azimuth(l, &l->rows[i])) {
@@ -153,9 +146,59 @@ static void fold(const list *l) {
         l->rows[i].at[2] = round_angle(fabs(remainder(l->rows[i].at[2], 2 * NQM_PI)));
 }
 
+/* Compare rows by theta_i, theta_o and phi modulo a turn, for qsort(). */
+static int compare_pairs(const void *a, const void *b) {
+    const nqm_listed *row[] = {*(const nqm_listed *const *)a, *(const nqm_listed *const *)b};
+    double phi[2];
+    for (size_t k = 0; k < 2; ++k) {
+        phi[k] = round_angle(remainder(row[k]->at[2], 2 * NQM_PI));
+        phi[k] = phi[k] > 1e-9 - NQM_PI ? phi[k] : -phi[k];
+    }
+    int order = nqm_compare_doubles(row[0]->at, row[1]->at);
+    order = order ? order : nqm_compare_doubles(row[0]->at + 1, row[1]->at + 1);
+    return order ? order : nqm_compare_doubles(phi, phi + 1);
+}
+
+/* The part of the largest value by which the smallest of the same pair at several phi_i is below it; NaN: there is one phi_i. */
+static double spread(size_t n, const nqm_listed *const *row) {
+    double low = INFINITY, high = 0;
+    bool is_turned = false;
+    for (size_t i = 0; i < n; ++i) {
+        const double sum = (double)row[i]->rgb[0] + (double)row[i]->rgb[1] + (double)row[i]->rgb[2];
+        low = fmin(low, sum);
+        high = fmax(high, sum);
+        is_turned |= fabs(remainder(row[i]->phi_i - row[0]->phi_i, 2 * NQM_PI)) > 1e-6;
+    }
+    return is_turned ? (high - low) / fmax(high, 1e-30) : NAN;
+}
+
+/* Whether pairs that are listed at several phi_i differ by more than noise. */
+static nqm_status find_anisotropy(nqm_list *l, nqm_error *err) {
+    static const double noise = 0.1;
+    const nqm_listed **row = nqm_alloc(l->n, sizeof *row);
+    size_t n = 0, n_turned = 0;
+    double sum = 0;
+    if (!row)
+        return nqm_fail_nomem(err, l->n * sizeof *row);
+    for (size_t i = 0; i < l->n; ++i)
+        if (has_azimuth(l, l->rows + i) && !isnan(l->rows[i].rgb[0]))
+            row[n++] = l->rows + i;
+    qsort(row, n, sizeof *row, compare_pairs);
+    for (size_t i = 0, m; i < n; i += m) {
+        for (m = 1; i + m < n && compare_pairs(row + i, row + i + m) == 0; ++m)
+            ;
+        const double part = spread(m, row + i);
+        n_turned += isnan(part) ? 0 : 1;
+        sum += isnan(part) ? 0 : part;
+    }
+    l->is_anisotropic = sum > noise * (double)n_turned;
+    nqm_free(row);
+    return NQM_OK;
+}
+
 /* Radians read as degrees: all directions are near the normal, and no azimuth is large. (A fine scan near the normal in one plane is
  * no such list: its azimuths are 0.) */
-static nqm_status refuse_radians(const list *l, nqm_error *err) {
+static nqm_status refuse_radians(const nqm_list *l, nqm_error *err) {
     double theta = 0, phi = 0;
     for (size_t i = 0; i < l->n; ++i) {
         theta = fmax(theta, fmax(l->rows[i].at[0], l->rows[i].at[1]) / degree);
@@ -170,7 +213,7 @@ static nqm_status refuse_radians(const list *l, nqm_error *err) {
         l->path, theta, phi);
 }
 
-static nqm_status read_rows(const nqm_csv *csv, list *l, nqm_error *err) {
+static nqm_status read_rows(const nqm_csv *csv, nqm_list *l, nqm_error *err) {
     layout columns;
     nqm_status status = find_columns(csv, l->path, &columns, err);
     l->has_pairs = has_pairs(&columns);
@@ -185,6 +228,8 @@ static nqm_status read_rows(const nqm_csv *csv, list *l, nqm_error *err) {
     if (status == NQM_OK)
         status = refuse_radians(l, err);
     if (status == NQM_OK && l->has_pairs)
+        status = find_anisotropy(l, err);
+    if (status == NQM_OK && l->has_pairs && !l->is_anisotropic)
         fold(l);
     return status;
 }
@@ -221,7 +266,7 @@ static const nqm_brdf_class pair_class = {.format = "grid", .eval = pair_grid_ev
 static const double identity[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
 
 /* Write the distinct values of coordinate k to node (n), rising; returns their number. */
-static size_t distinct(const list *l, size_t k, double *node) {
+static size_t distinct(const nqm_list *l, size_t k, double *node) {
     size_t n = 0, n_node = 0;
     for (size_t i = 0; i < l->n; ++i)
         if (k < 2 || has_azimuth(l, &l->rows[i]))
@@ -246,7 +291,7 @@ static bool is_above_horizon(const double *hd) {
 }
 
 /* Store each row at its node; false when two rows have the same one. value: (product of g->n, 3) float32; filled: one per node, zero. */
-static bool fill(const nqm_grid *g, const list *l, unsigned char *value, unsigned char *filled) {
+static bool fill(const nqm_grid *g, const nqm_list *l, unsigned char *value, unsigned char *filled) {
     for (size_t i = 0; i < l->n; ++i) {
         const nqm_listed *row = &l->rows[i];
         size_t at = 0;
@@ -285,7 +330,7 @@ static size_t fill_rest(const nqm_grid *g, unsigned char *value, const unsigned 
 
 /* Whether the n_product nodes are those of a goniometer, of whose rows some are missing. The limits keep a list that happens to share
  * angles from being a grid, and the memory below ten times the file. */
-static bool is_nearly_complete(const list *l, const nqm_grid *g) {
+static bool is_nearly_complete(const nqm_list *l, const nqm_grid *g) {
     size_t n = 0, n_nodes = 0;
     const size_t n_i = g->n[0] - (g->node[0][0] <= 0), n_o = g->n[1] - (g->node[1][0] <= 0);
     for (size_t i = 0; i < l->n; ++i)
@@ -305,7 +350,7 @@ static double largest_gap(const nqm_grid *grid, size_t k) {
 }
 
 /* The axes of a grid. Where these are half a turn the value at -phi is that at phi. */
-static void find_axes(const list *l, nqm_grid *g, double *const node[3]) {
+static void find_axes(const nqm_list *l, nqm_grid *g, double *const node[3]) {
     for (size_t k = 0; k < 3; ++k) {
         g->n[k] = distinct(l, k, node[k]);
         g->node[k] = node[k];
@@ -322,7 +367,7 @@ static void find_axes(const list *l, nqm_grid *g, double *const node[3]) {
 }
 
 /* Whether the axes can be those of a grid, and the number of its nodes. */
-static bool can_be_grid(const list *l, const nqm_grid *g, size_t *n_product) {
+static bool can_be_grid(const nqm_list *l, const nqm_grid *g, size_t *n_product) {
     const double turn = l->is_reciprocal ? NQM_PI : 2 * NQM_PI;
     const bool is_turn = g->n[2] && g->node[2][g->n[2] - 1] - g->node[2][0] <= turn + 1e-9;
     if (g->n[0] < 2 || g->n[1] < 2 || !is_turn || !nqm_mul_size(g->n[0], g->n[1], n_product) ||
@@ -334,7 +379,7 @@ static bool can_be_grid(const list *l, const nqm_grid *g, size_t *n_product) {
 }
 
 /* *grid_ret is NULL when the rows are no grid. n_missing_ret: nodes without a row. */
-static nqm_status make_grid(const list *l, nqm_grid **grid_ret, size_t *n_missing_ret, nqm_error *err) {
+static nqm_status make_grid(const nqm_list *l, nqm_grid **grid_ret, size_t *n_missing_ret, nqm_error *err) {
     double *found[3], *node[3];
     unsigned char *value, *filled;
     size_t n_product;
@@ -369,7 +414,7 @@ done:
     return status;
 }
 
-static nqm_status wrap_grid(const list *l, nqm_grid *grid, size_t n_missing, const char *name, nqm_brdf **brdf_ret,
+static nqm_status wrap_grid(const nqm_list *l, nqm_grid *grid, size_t n_missing, const char *name, nqm_brdf **brdf_ret,
                             nqm_error *err) {
     static const char *const axes[2][3] = {{"theta_h", "theta_d", "phi_d"}, {"theta_i", "theta_o", "phi"}};
     const char *const *axis = axes[l->has_pairs];
@@ -426,13 +471,13 @@ static size_t max_scattered(size_t n_bytes) {
 }
 
 /* n_bytes: of the file. */
-static nqm_status create(const list *l, size_t n_bytes, const char *tolerance_text, const char *name,
+static nqm_status create(const nqm_list *l, size_t n_bytes, const char *tolerance_text, const char *name,
                          nqm_brdf **brdf_ret, nqm_error *err) {
     double tolerance;
     size_t n_missing = 0;
     nqm_grid *grid = NULL;
     nqm_status status = read_tolerance(l->path, tolerance_text, &tolerance, err);
-    if (status == NQM_OK)
+    if (status == NQM_OK && !l->is_anisotropic)
         status = make_grid(l, &grid, &n_missing, err);
     if (status != NQM_OK)
         return status;
@@ -447,7 +492,7 @@ static nqm_status create(const list *l, size_t n_bytes, const char *tolerance_te
             "%zu bytes",
             l->path, l->n, max_scattered(n_bytes), n_bytes);
     if (!grid)
-        return nqm_scattered_create(l->n, l->rows, l->is_reciprocal, tolerance, name, brdf_ret, err);
+        return nqm_scattered_create(l, tolerance, name, brdf_ret, err);
     if (!tolerance_text)
         return wrap_grid(l, grid, n_missing, name, brdf_ret, err);
     nqm_free(grid);
@@ -462,7 +507,7 @@ static nqm_status open_file(nqm_map *map, const nqm_brdf_argument *argument, nqm
     nqm_status status = nqm_csv_parse((const char *)map->data, map->n_bytes, map->path, &csv, err);
     if (status != NQM_OK)
         return status;
-    list l = {.path = map->path, .n = nqm_csv_rows(csv)};
+    nqm_list l = {.path = map->path, .n = nqm_csv_rows(csv)};
     l.rows = nqm_alloc(l.n, sizeof *l.rows);
     if (!l.rows)
         status = nqm_fail_nomem(err, l.n * sizeof *l.rows);

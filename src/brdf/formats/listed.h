@@ -11,16 +11,27 @@
 /** One direction: theta_h, theta_d, phi_d in radians, and f_r in 1/sr; NaN in channel 0: no value. */
 typedef struct nqm_listed {
     double hd[3];
-    double at[3]; /* coordinates of a grid: hd, or theta_i, theta_o, phi */
+    double at[3]; /* coordinates of a grid: hd, or theta_i, theta_o, phi = phi_o - phi_i */
+    double phi_i; /* of the light, if both directions are listed */
     float rgb[3];
 } nqm_listed;
 
+/** A file of directions and values. */
+typedef struct nqm_list {
+    const char *path;
+    size_t n;
+    nqm_listed *rows;    /* (n) */
+    bool is_reciprocal;  /* each row also counts with light and viewer exchanged */
+    bool has_pairs;      /* rows are light and viewer */
+    bool is_anisotropic; /* their azimuths count; only if has_pairs */
+} nqm_list;
+
 /** A BRDF with values only within `tolerance` (radians) of the listed directions: the value of the nearest one. The distance of two
- *  pairs is the root of the summed squares of the angles (as chords) between their lights and between their viewers, after the
- *  rotation about the normal that makes it smallest. reciprocal: each row also counts with light and viewer exchanged. Rows
- *  without a value or below the horizon are ignored. `rows` is copied. NQM_ERR_FORMAT: no row is left. */
-NQM_MUST_CHECK nqm_status nqm_scattered_create(size_t n, const nqm_listed *rows, bool reciprocal, double tolerance,
-                                               const char *name, nqm_brdf **brdf_ret, nqm_error *err);
+ *  pairs is the root of the summed squares of the angles (as chords) between their lights and between their viewers, of an isotropic
+ *  list after the rotation about the normal that makes it smallest. Rows without a value or below the horizon are ignored. The rows are
+ *  copied. NQM_ERR_FORMAT: no row is left. */
+NQM_MUST_CHECK nqm_status nqm_scattered_create(const nqm_list *list, double tolerance, const char *name,
+                                               nqm_brdf **brdf_ret, nqm_error *err);
 
 /** The directions of such a BRDF, without repeated ones: wi, wo (n, 3) receive them unless NULL. Returns n; 0 for other BRDFs. */
 size_t nqm_scattered_rows(const nqm_brdf *brdf, double *wi, double *wo);

@@ -1,15 +1,19 @@
 /* SPDX-License-Identifier: MIT
  *
- * RGL measured materials, isotropic, RGB or spectral (Dupuy and Jakob 2018, DOI 10.1145/3272127.3275059). Values are stored on a
- * grid that is warped, per angle of incidence, by the distribution of visible normals: f_r cos(theta_o) D^-1 4 sigma at
+ * RGL measured materials, RGB or spectral (Dupuy and Jakob 2018, DOI 10.1145/3272127.3275059). Values are stored on a
+ * grid that is warped, per direction of incidence, by the distribution of visible normals: f_r cos(theta_o) D^-1 4 sigma at
  * the point that the warp maps to the half vector. Evaluation inverts the warp (section 4): the half vector's
  * coordinates go through the marginal and conditional integrals of the visible-normal density, and the result is looked
  * up bilinearly.
  *
+ * Azimuths of half vectors count from omega_i in isotropic files, and from the tangent in those with more than two phi_i, as in the
+ * authors' loader and Mitsuba 3. These phi_i cover a turn, half a turn (f_r does not change when the sample is turned by 180 degrees) or
+ * a quarter (f_r is symmetric about both axes).
+ *
  * Directions: the file's omega_i (its angles theta_i) is taken as the viewer and its omega_o as the light, as renderers
  * do and as the published NBRDFs of these materials were trained; the stored cos(theta_o) is then the light's and is
  * divided out here. The data are not quite reciprocal: exchanging the two changes f_r by 1-4 % for matte materials,
- * more for flakes and leaves. Values may be negative where a colour is outside the gamut. Anisotropic files are refused.
+ * more for flakes and leaves. Values may be negative where a colour is outside the gamut.
  *
  * Spectra become RGB when the file is opened: evaluation is linear in the stored values, so that the result is the same as
  * converting each evaluated spectrum.
@@ -22,29 +26,33 @@
 #include <math.h>
 #include <string.h>
 
+/* Tolerance of the ranges of phi_i, radians. */
+#define PHI_SLACK 1e-3
+
 /** A table over the unit square, first coordinate along a row; (height, width) or several such slices. */
 typedef struct grid {
     size_t width, height;
     const float *value;
 } grid;
 
-/* Allocated as one block; copies and integrals follow the struct. */
+/* Allocated as one block; copies and integrals follow the struct. A slice is that of one phi_i and theta_i. */
 typedef struct rgl {
-    size_t n_theta;
-    grid angles;         /* theta_i: (n_theta), rising, radians */
-    grid ndf, sigma;     /* microfacet density over half vectors; projected area over incidence: (height, width) */
-    grid vndf;           /* visible-normal density, not normalised: (n_theta, height, width) */
-    double *conditional; /* (n_theta, vndf.height, vndf.width): integral of a row up to a column, in cells */
-    double *marginal;    /* (n_theta, vndf.height): integral of the rows up to a row, in cells */
-    grid rgb;            /* (n_theta, height, width, 3) */
-    bool jacobian;       /* values are divided by D / (4 sigma) */
+    grid theta, phi; /* theta_i (at least two), phi_i: rising, radians; width: their number */
+    grid ndf, sigma; /* microfacet density over half vectors; projected area over incidence: (height, width) */
+    grid vndf;       /* visible-normal density, not normalised: (phi.width, theta.width, height, width) */
+    double *
+        conditional; /* (phi.width, theta.width, vndf.height, vndf.width): integral of a row up to a column, in cells */
+    double *marginal; /* (phi.width, theta.width, vndf.height): integral of the rows up to a row, in cells */
+    grid rgb;         /* (phi.width, theta.width, height, width, 3) */
+    bool jacobian;    /* values are divided by D / (4 sigma) */
+    size_t n_images;  /* symmetric images of a pair of directions, one of which has its phi_i in the range of phi */
 } rgl;
 
 /* ---- evaluation -------------------------------------------------------------------------------------------------- */
 
-/** A point between four neighbours of a grid: the lower corner's index and the weights of the upper ones. */
+/** A point between four neighbours of a grid: the lower corner's index, its row, and the weights of the upper ones. */
 typedef struct spot {
-    size_t corner;
+    size_t corner, row;
     double x, y;
 } spot;
 
@@ -56,9 +64,9 @@ static size_t cell_of(double *position, size_t n) {
 }
 
 /* u, v are clamped to [0, 1]. */
-static spot locate(const grid *g, double u, double v) {
+static inline spot locate(const grid *g, double u, double v) {
     size_t column = cell_of(&u, g->width), row = cell_of(&v, g->height);
-    return (spot){.corner = row * g->width + column, .x = u, .y = v};
+    return (spot){.corner = row * g->width + column, .row = row, .x = u, .y = v};
 }
 
 static double mix(double a, double b, double t) {
@@ -81,31 +89,54 @@ typedef struct warp_terms {
 } warp_terms;
 
 static warp_terms terms_at(const rgl *m, size_t k, const spot *s) {
-    size_t width = m->vndf.width, height = m->vndf.height, row = s->corner / width;
+    size_t width = m->vndf.width, height = m->vndf.height;
     const float *d = m->vndf.value + k * width * height + s->corner;
     const double *c = m->conditional + k * width * height + s->corner;
-    const double *row_end = m->conditional + (k * height + row + 1) * width - 1;
+    const double *row_end = m->conditional + (k * height + s->row + 1) * width - 1;
     return (warp_terms){.left = mix((double)d[0], (double)d[width], s->y),
                         .right = mix((double)d[1], (double)d[width + 1], s->y),
                         .before = mix(c[0], c[width], s->y),
                         .row0 = row_end[0],
                         .row1 = row_end[width],
-                        .below = m->marginal[k * height + row]};
+                        .below = m->marginal[k * height + s->row]};
 }
 
-/* Replace a half vector's (u, v) by the point of the value grid that the warp maps to it, for an incidence between
- * angles k and k + 1 with weight t. */
-static void invert_warp(const rgl *m, size_t k, double t, double *u, double *v) {
-    spot s = locate(&m->vndf, *u, *v);
-    warp_terms a = terms_at(m, k, &s), b = terms_at(m, k + 1, &s);
+static warp_terms mix_terms(const warp_terms *a, double wa, const warp_terms *b, double wb) {
+    return (warp_terms){.left = wa * a->left + wb * b->left,
+                        .right = wa * a->right + wb * b->right,
+                        .before = wa * a->before + wb * b->before,
+                        .row0 = wa * a->row0 + wb * b->row0,
+                        .row1 = wa * a->row1 + wb * b->row1,
+                        .below = wa * a->below + wb * b->below};
+}
+
+/* Between slices k and k + 1 with weight t. */
+static warp_terms terms_between(const rgl *m, size_t k, double t, const spot *s) {
+    const warp_terms a = terms_at(m, k, s), b = terms_at(m, k + 1, s);
     const double *total = m->marginal + (k + 1) * m->vndf.height - 1; /* the density is normalised here */
-    double wa = (1 - t) / total[0], wb = t / total[m->vndf.height];
-    double left = wa * a.left + wb * b.left, right = wa * a.right + wb * b.right;
-    double row0 = wa * a.row0 + wb * b.row0, row1 = wa * a.row1 + wb * b.row1;
-    double row = mix(row0, row1, s.y);
+    return mix_terms(&a, (1 - t) / total[0], &b, t / total[m->vndf.height]);
+}
+
+/** A pair on the grids of the file. */
+typedef struct place {
+    double u_i, v_i;   /* direction of incidence */
+    double u, v;       /* half vector */
+    size_t slice;      /* of the lower theta_i and phi_i */
+    double theta, phi; /* weights of the upper ones */
+} place;
+
+/* Replace the half vector by the point of the value grid that the warp maps to it. */
+static void invert_warp(const rgl *m, place *p) {
+    const spot s = locate(&m->vndf, p->u, p->v);
+    warp_terms a = terms_between(m, p->slice, p->theta, &s);
+    if (m->phi.width > 1) {
+        const warp_terms b = terms_between(m, p->slice + m->theta.width, p->theta, &s);
+        a = mix_terms(&a, 1 - p->phi, &b, p->phi);
+    }
+    double row = mix(a.row0, a.row1, s.y);
     if (row > 0) /* else no half vector of this row is visible: leave u */
-        *u = (wa * a.before + wb * b.before + s.x * (left + 0.5 * s.x * (right - left))) / row;
-    *v = wa * a.below + wb * b.below + s.y * (row0 + 0.5 * s.y * (row1 - row0));
+        p->u = (a.before + s.x * (a.left + 0.5 * s.x * (a.right - a.left))) / row;
+    p->v = a.below + s.y * (a.row0 + 0.5 * s.y * (a.row1 - a.row0));
 }
 
 static void mix_rgb(const float *p, size_t width, const spot *s, double weight, double *rgb) {
@@ -123,37 +154,80 @@ static double polar_angle(const double *w) {
     return atan2(sqrt(w[0] * w[0] + w[1] * w[1]), w[2]);
 }
 
-/* The half vector's azimuth from that of omega_i, as a fraction of a turn in [0, 1) with 0.5 at omega_i. */
-static double azimuth_to_unit(const double *omega_i, const double *h) {
-    bool normal = omega_i[0] == 0 && omega_i[1] == 0;
-    double cos_i = normal ? 1 : omega_i[0], sin_i = omega_i[1]; /* atan2() does not need a unit vector */
+/* An azimuth from that of the direction w, as a fraction of a turn in [0, 1) with 0.5 at w. */
+static double azimuth_to_unit(const double *w, const double *h) {
+    bool normal = w[0] == 0 && w[1] == 0;
+    double cos_i = normal ? 1 : w[0], sin_i = w[1]; /* atan2() does not need a unit vector */
     double phi = atan2(cos_i * h[1] - sin_i * h[0], cos_i * h[0] + sin_i * h[1]);
     double v = (phi + NQM_PI) / (2 * NQM_PI);
     return v < 1 ? v : 0;
 }
 
-static void eval_pair(const rgl *m, const double *omega_i, const double *omega_o, double *rgb) {
-    const double h[3] = {omega_i[0] + omega_o[0], omega_i[1] + omega_o[1], omega_i[2] + omega_o[2]};
-    double theta_i = polar_angle(omega_i);
-    double u = theta_to_unit(polar_angle(h)), v = azimuth_to_unit(omega_i, h);
-
+/* Index of the last of n angles, without the very last, that is not above x, and the weight of the next one. */
+static size_t find_angle(const grid *angles, double x, double *weight) {
+    const float *angle = angles->value;
     size_t k = 0;
-    const float *angle = m->angles.value;
-    while (k + 2 < m->n_theta && theta_i >= (double)angle[k + 1])
+    while (k + 2 < angles->width && x >= (double)angle[k + 1])
         ++k;
     double before = (double)angle[k], after = (double)angle[k + 1];
-    double t = fmin(fmax((theta_i - before) / (after - before), 0), 1);
+    *weight = fmin(fmax((x - before) / (after - before), 0), 1);
+    return k;
+}
 
+/* Replace omega_i and h by the symmetric image of the pair whose phi_i is in the range of the file; returns that phi_i. */
+static double reduce_azimuth(const rgl *m, double *omega_i, double *h) {
+    static const double images[4][2] = {{1, 1}, {-1, -1}, {1, -1}, {-1, 1}};
+    const double first = (double)m->phi.value[0], last = (double)m->phi.value[m->phi.width - 1];
+    double phi = first;
+    size_t k = 0;
+    for (; k < m->n_images; ++k) {
+        phi = fmod(atan2(images[k][1] * omega_i[1], images[k][0] * omega_i[0]) - first, 2 * NQM_PI);
+        phi = phi < 0 ? phi + first + 2 * NQM_PI : phi + first;
+        if (phi <= last + PHI_SLACK)
+            break;
+    }
+    for (size_t a = 0; k < m->n_images && a < 2; ++a) {
+        omega_i[a] *= images[k][a];
+        h[a] *= images[k][a];
+    }
+    return phi;
+}
+
+/* Complete the place of a pair in a file with several phi_i. h: the half vector, of any length. */
+static void place_azimuths(const rgl *m, const double *omega_i, const double *h, place *p) {
+    static const double tangent[2] = {1, 0};
+    double i[2] = {omega_i[0], omega_i[1]}, half[2] = {h[0], h[1]};
+    p->slice += m->theta.width * find_angle(&m->phi, reduce_azimuth(m, i, half), &p->phi);
+    p->v_i = azimuth_to_unit(tangent, i);
+    p->v = azimuth_to_unit(m->phi.width > 2 ? tangent : i, half);
+}
+
+static place find_place(const rgl *m, const double *omega_i, const double *omega_o) {
+    const double h[3] = {omega_i[0] + omega_o[0], omega_i[1] + omega_o[1], omega_i[2] + omega_o[2]};
+    const double theta_i = polar_angle(omega_i);
+    place p = {.u_i = theta_to_unit(theta_i), .v_i = 0.5, .u = theta_to_unit(polar_angle(h))};
+    p.v = azimuth_to_unit(omega_i, h);
+    p.slice = find_angle(&m->theta, theta_i, &p.theta);
+    if (m->phi.width > 1)
+        place_azimuths(m, omega_i, h, &p);
+    return p;
+}
+
+static void eval_pair(const rgl *m, const double *omega_i, const double *omega_o, double *rgb) {
+    place p = find_place(m, omega_i, omega_o);
     double scale = 1 / omega_o[2];
     if (m->jacobian)
-        scale *= look_up(&m->ndf, u, v) / (4 * look_up(&m->sigma, theta_to_unit(theta_i), 0.5));
-    invert_warp(m, k, t, &u, &v);
-    spot s = locate(&m->rgb, u, v);
-    size_t n_slice = m->rgb.width * m->rgb.height;
-    const float *p = m->rgb.value + 3 * (k * n_slice + s.corner);
+        scale *= look_up(&m->ndf, p.u, p.v) / (4 * look_up(&m->sigma, p.u_i, p.v_i));
+    invert_warp(m, &p);
+    const spot s = locate(&m->rgb, p.u, p.v);
+    const size_t n_slice = m->rgb.width * m->rgb.height, n_phi = m->phi.width > 1 ? 2 : 1;
+    const float *lower = m->rgb.value + 3 * (p.slice * n_slice + s.corner);
     rgb[0] = rgb[1] = rgb[2] = 0;
-    mix_rgb(p, m->rgb.width, &s, (1 - t) * scale, rgb);
-    mix_rgb(p + 3 * n_slice, m->rgb.width, &s, t * scale, rgb);
+    for (size_t j = 0; j < n_phi; ++j, lower += 3 * m->theta.width * n_slice) {
+        const double weight = scale * (j ? p.phi : 1 - p.phi);
+        mix_rgb(lower, m->rgb.width, &s, (1 - p.theta) * weight, rgb);
+        mix_rgb(lower + 3 * n_slice, m->rgb.width, &s, p.theta * weight, rgb);
+    }
 }
 
 static void rgl_eval(const void *self, size_t n, const double *wi, const double *wo, double *rgb) {
@@ -161,14 +235,14 @@ static void rgl_eval(const void *self, size_t n, const double *wi, const double 
         eval_pair(self, wo + 3 * i, wi + 3 * i, rgb + 3 * i);
 }
 
-static const nqm_brdf_class rgl_class = {.format = "rgl", .eval = rgl_eval, .free = nqm_free};
+static const nqm_brdf_class rgl_class = {.format = "rgl", .anisotropic = true, .eval = rgl_eval, .free = nqm_free};
 
 /* ---- reading ----------------------------------------------------------------------------------------------------- */
 
 /** The required tensors of the file. */
 typedef struct contents {
     const char *path;
-    const nqm_tensor *theta_i, *ndf, *sigma, *vndf;
+    const nqm_tensor *phi_i, *theta_i, *ndf, *sigma, *vndf;
     const nqm_tensor *values;      /* `rgb` or `spectra` */
     const nqm_tensor *wavelengths; /* wavelengths of spectra, nm; NULL for rgb */
     nqm_illuminant illuminant;
@@ -190,19 +264,16 @@ static nqm_status find_tensor(const nqm_tensor_file *file, const contents *c, co
 }
 
 static nqm_status find_tensors(const nqm_tensor_file *file, contents *c, nqm_error *err) {
-    const nqm_tensor *phi_i = NULL;
     const bool spectral = nqm_tensor_file_find(file, "spectra") && !nqm_tensor_file_find(file, "rgb");
     const struct {
         const char *name;
         size_t n_dims;
         const nqm_tensor **t;
-    } tensors[] = {{"phi_i", 1, &phi_i},    {"theta_i", 1, &c->theta_i}, {"ndf", 2, &c->ndf},
+    } tensors[] = {{"phi_i", 1, &c->phi_i}, {"theta_i", 1, &c->theta_i}, {"ndf", 2, &c->ndf},
                    {"sigma", 2, &c->sigma}, {"vndf", 4, &c->vndf},       {spectral ? "spectra" : "rgb", 5, &c->values}};
     nqm_status status = spectral ? find_tensor(file, c, "wavelengths", 1, &c->wavelengths, err) : NQM_OK;
     for (size_t i = 0; status == NQM_OK && i < sizeof tensors / sizeof *tensors; ++i)
         status = find_tensor(file, c, tensors[i].name, tensors[i].n_dims, tensors[i].t, err);
-    if (status == NQM_OK && phi_i->dims[0] != 1)
-        status = fail_tensor(c, phi_i, "has several angles: anisotropic materials are not supported", err);
     return status;
 }
 
@@ -212,16 +283,18 @@ static nqm_status check_shapes(const contents *c, nqm_error *err) {
     for (size_t i = 0; i < 4; ++i)
         if (grids[i]->dims[grids[i]->n_dims - 1] < 2 || grids[i]->dims[grids[i]->n_dims - 2] < 2)
             return fail_tensor(c, grids[i], "has fewer than 2 x 2 values", err);
-    size_t n_theta = c->theta_i->dims[0];
+    const size_t n_phi = c->phi_i->dims[0], n_theta = c->theta_i->dims[0];
+    if (n_phi < 1 || (c->wavelengths && c->wavelengths->dims[0] < 1))
+        return fail_tensor(c, n_phi < 1 ? c->phi_i : c->wavelengths, "is empty", err);
     if (n_theta < 2)
         return fail_tensor(c, c->theta_i, "has fewer than two angles", err);
-    if (c->vndf->dims[0] != 1 || c->vndf->dims[1] != n_theta)
-        return fail_tensor(c, c->vndf, "does not have one slice for each theta_i", err);
+    if (c->vndf->dims[0] != n_phi || c->vndf->dims[1] != n_theta)
+        return fail_tensor(c, c->vndf, "does not have one slice for each phi_i and theta_i", err);
     const size_t *dims = c->values->dims;
-    if (dims[0] != 1 || dims[1] != n_theta || dims[2] != (c->wavelengths ? c->wavelengths->dims[0] : 3))
+    if (dims[0] != n_phi || dims[1] != n_theta || dims[2] != (c->wavelengths ? c->wavelengths->dims[0] : 3))
         return fail_tensor(c, c->values,
-                           c->wavelengths ? "does not have one value for each of `wavelengths` and theta_i"
-                                          : "does not have three channels for each theta_i",
+                           c->wavelengths ? "does not have one value for each of `wavelengths`, phi_i and theta_i"
+                                          : "does not have three channels for each phi_i and theta_i",
                            err);
     return NQM_OK;
 }
@@ -255,11 +328,11 @@ static nqm_status copy_floats(const contents *c, const nqm_tensor *t, float leas
     return check_values(c, t, least, g->value, err);
 }
 
-/* Interleave the channels of the tensor (1, n_theta, 3, height, width) as (n_theta, height, width, 3), so that the four
- * neighbours of a point are in two short runs of memory. */
+/* Interleave the channels of the tensor (n_phi, n_theta, 3, height, width) as (n_phi, n_theta, height, width, 3), so that the
+ * four neighbours of a point are in two short runs of memory. */
 static void interleave(const nqm_tensor *t, float *rgb) {
     const size_t n_slice = t->dims[3] * t->dims[4], n_plane = n_slice * sizeof(float);
-    for (size_t k = 0; k < t->dims[1]; ++k) {
+    for (size_t k = 0; k < t->dims[0] * t->dims[1]; ++k) {
         const unsigned char *red = (const unsigned char *)t->data + 3 * k * n_plane, *green = red + n_plane;
         for (size_t i = 0; i < n_plane; i += sizeof(float), rgb += 3) {
             rgb[0] = nqm_load_f32(red + i);
@@ -272,7 +345,7 @@ static void interleave(const nqm_tensor *t, float *rgb) {
 /* As interleave(), for spectra. weights: (n, 3), n = dims[2]. */
 static void convert_spectra(const nqm_tensor *t, const double *weights, float *rgb) {
     const size_t n = t->dims[2], n_slice = t->dims[3] * t->dims[4], n_plane = n_slice * sizeof(float);
-    for (size_t k = 0; k < t->dims[1]; ++k)
+    for (size_t k = 0; k < t->dims[0] * t->dims[1]; ++k)
         for (size_t i = 0; i < n_slice; ++i, rgb += 3) {
             const unsigned char *value = (const unsigned char *)t->data + k * n * n_plane + i * sizeof(float);
             double sum[3] = {0};
@@ -315,7 +388,7 @@ static nqm_status read_spectra(const contents *c, float *rgb, nqm_error *err) {
     return status;
 }
 
-/* rgb: (n_theta, height, width, 3). */
+/* rgb: (n_phi, n_theta, height, width, 3). */
 static nqm_status read_values(const contents *c, float *rgb, nqm_error *err) {
     if (c->wavelengths)
         return read_spectra(c, rgb, err);
@@ -336,6 +409,24 @@ static double integrate_slice(rgl *m, size_t k) {
     return marginal[height - 1];
 }
 
+static nqm_status read_angles(const contents *c, const nqm_tensor *t, float least, float *angle, grid *g,
+                              nqm_error *err) {
+    nqm_status status = copy_floats(c, t, least, angle, g, err);
+    for (size_t k = 1; status == NQM_OK && k < g->width; ++k)
+        if (!(angle[k] > angle[k - 1]))
+            status = fail_tensor(c, t, "does not rise", err);
+    return status;
+}
+
+/* The symmetric images that the range of phi_i needs: a turn, half a turn or a quarter. */
+static nqm_status find_images(const contents *c, rgl *m, nqm_error *err) {
+    const double range = (double)m->phi.value[m->phi.width - 1] - (double)m->phi.value[0];
+    for (m->n_images = 1; m->n_images <= 4; m->n_images *= 2)
+        if (fabs((double)m->n_images * range - 2 * NQM_PI) < PHI_SLACK)
+            return NQM_OK;
+    return fail_tensor(c, c->phi_i, "does not cover 360, 180 or 90 degrees", err);
+}
+
 /* `found` has the path and the illuminant; the tensors are added. */
 static nqm_status read_material(const nqm_tensor_file *file, contents *found, rgl **m_ret, nqm_error *err) {
     nqm_status status = find_tensors(file, found, err);
@@ -344,26 +435,26 @@ static nqm_status read_material(const nqm_tensor_file *file, contents *found, rg
     if (status != NQM_OK)
         return status;
     const contents c = *found;
-    const size_t n_rgb = 3 * c.values->dims[1] * c.values->dims[3] * c.values->dims[4];
-    const size_t n_theta = c.theta_i->dims[0], n_warp = c.vndf->n_bytes / sizeof(float);
-    float *angles, *ndf, *sigma, *vndf, *rgb;
+    const size_t n_slices = c.values->dims[0] * c.values->dims[1];
+    const size_t n_rgb = 3 * n_slices * c.values->dims[3] * c.values->dims[4], n_warp = count(c.vndf);
+    float *theta, *phi, *ndf, *sigma, *vndf, *rgb;
     double *conditional, *marginal;
-    status = nqm_alloc_arrays(NQM_ARRAYS({m_ret, 1, sizeof(rgl)}, {&angles, count(c.theta_i), sizeof(float)},
-                                         {&ndf, count(c.ndf), sizeof(float)}, {&sigma, count(c.sigma), sizeof(float)},
-                                         {&vndf, count(c.vndf), sizeof(float)}, {&rgb, n_rgb, sizeof(float)},
-                                         {&conditional, n_warp, sizeof(double)},
-                                         {&marginal, n_theta * c.vndf->dims[2], sizeof(double)}),
+    status = nqm_alloc_arrays(NQM_ARRAYS({m_ret, 1, sizeof(rgl)}, {&theta, count(c.theta_i), sizeof(float)},
+                                         {&phi, count(c.phi_i), sizeof(float)}, {&ndf, count(c.ndf), sizeof(float)},
+                                         {&sigma, count(c.sigma), sizeof(float)}, {&vndf, n_warp, sizeof(float)},
+                                         {&rgb, n_rgb, sizeof(float)}, {&conditional, n_warp, sizeof(double)},
+                                         {&marginal, n_slices * c.vndf->dims[2], sizeof(double)}),
                               err);
     if (status != NQM_OK)
         return status;
     rgl *m = *m_ret;
-    m->n_theta = n_theta;
     m->conditional = conditional;
     m->marginal = marginal;
-    status = copy_floats(&c, c.theta_i, 0, angles, &m->angles, err);
-    for (size_t k = 1; status == NQM_OK && k < n_theta; ++k)
-        if (!(m->angles.value[k] > m->angles.value[k - 1]))
-            status = fail_tensor(&c, c.theta_i, "does not rise", err);
+    status = read_angles(&c, c.theta_i, 0, theta, &m->theta, err);
+    if (status == NQM_OK)
+        status = read_angles(&c, c.phi_i, -FLT_MAX, phi, &m->phi, err);
+    if (status == NQM_OK && m->phi.width > 1)
+        status = find_images(&c, m, err);
     if (status == NQM_OK)
         status = copy_floats(&c, c.ndf, 0, ndf, &m->ndf, err);
     if (status == NQM_OK)
@@ -374,7 +465,7 @@ static nqm_status read_material(const nqm_tensor_file *file, contents *found, rg
     }
     if (status == NQM_OK)
         status = copy_floats(&c, c.vndf, 0, vndf, &m->vndf, err);
-    for (size_t k = 0; status == NQM_OK && k < n_theta; ++k)
+    for (size_t k = 0; status == NQM_OK && k < n_slices; ++k)
         if (!(integrate_slice(m, k) >= FLT_MIN)) /* its inverse must be finite */
             status = fail_tensor(&c, c.vndf, "has a slice without any density", err);
     const nqm_tensor *jacobian = nqm_tensor_file_find(file, "jacobian");
@@ -390,10 +481,11 @@ static bool probe(const nqm_map *map) {
 
 /* Describe the BRDF in a line, for its information. */
 static void describe(const rgl *m, const contents *c, char *text, size_t n_text) {
-    int used = snprintf(text, n_text, "%zu angles of incidence x %zu x %zu samples, warp %zu x %zu", m->n_theta,
-                        m->rgb.height, m->rgb.width, m->vndf.height, m->vndf.width);
+    int used = m->phi.width > 1 ? snprintf(text, n_text, "%zu azimuths x ", m->phi.width) : 0;
+    used += snprintf(text + used, n_text - (size_t)used, "%zu angles of incidence x %zu x %zu samples, warp %zu x %zu",
+                     m->theta.width, m->rgb.height, m->rgb.width, m->vndf.height, m->vndf.width);
     const unsigned char *nm = c->wavelengths ? c->wavelengths->data : NULL;
-    if (nm && used > 0)
+    if (nm)
         snprintf(text + used, n_text - (size_t)used, ", %zu wavelengths %g to %g nm under illuminant %s",
                  c->wavelengths->dims[0], (double)nqm_load_f32(nm),
                  (double)nqm_load_f32(nm + c->wavelengths->n_bytes - sizeof(float)),
@@ -411,10 +503,11 @@ static nqm_status open_rgl(nqm_map *map, const nqm_tensor_file *file, nqm_illumi
     }
     char layout[200];
     describe(m, &c, layout, sizeof layout);
-    size_t n_values = c.values->n_bytes / sizeof(float) + m->n_theta * m->vndf.height * m->vndf.width +
-                      m->ndf.height * m->ndf.width + m->sigma.height * m->sigma.width;
-    const nqm_brdf_info info = {
-        .name = name, .source_doi = "10.1145/3272127.3275059", .layout = layout, .n_values = n_values};
+    const nqm_brdf_info info = {.name = name,
+                                .source_doi = "10.1145/3272127.3275059",
+                                .layout = layout,
+                                .n_values = count(c.values) + count(c.vndf) + count(c.ndf) + count(c.sigma),
+                                .isotropic = m->phi.width == 1};
     return nqm_brdf_wrap(&rgl_class, m, &info, brdf_ret, err);
 }
 

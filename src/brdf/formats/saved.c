@@ -36,10 +36,21 @@ static void list_network(const nqm_brdf *brdf, nqm_tensor tensors[N_NETWORK]) {
 }
 
 nqm_tensor nqm_table_tensor(const nqm_brdf *brdf) {
-    nqm_tensor tensor = {.name = "rgb", .n_dims = 4, .dims = {0, 0, 0, 3}};
-    tensor.data = nqm_table_values(brdf, tensor.dims);
+    nqm_table_size n;
+    nqm_tensor tensor = {.name = "rgb", .data = nqm_table_values(brdf, &n)};
+    const size_t dims[] = {n.n_h, n.n_d, n.n_p, n.n_phi_h};
+    for (size_t i = 0; i < (n.n_phi_h > 1 ? 4 : 3); ++i)
+        tensor.dims[tensor.n_dims++] = dims[i];
+    tensor.dims[tensor.n_dims++] = 3;
     tensor.n_bytes = brdf->info.n_values * sizeof(float);
     return tensor;
+}
+
+bool nqm_table_size_of(const nqm_tensor *t, nqm_table_size *size) {
+    if ((t->n_dims != 4 && t->n_dims != 5) || t->dims[t->n_dims - 1] != 3)
+        return false;
+    *size = (nqm_table_size){t->dims[0], t->dims[1], t->dims[2], t->n_dims == 5 ? t->dims[3] : 1};
+    return size->n_h >= 2 && size->n_d >= 2 && size->n_p >= 1 && size->n_phi_h >= 1;
 }
 
 nqm_status nqm_brdf_save(const nqm_brdf *brdf, const char *path, nqm_error *err) {
@@ -88,16 +99,19 @@ static nqm_status open_network(const nqm_safetensors *st, const char *name, nqm_
 }
 
 static nqm_status open_table(const nqm_safetensors *st, const char *name, nqm_brdf **brdf_ret, nqm_error *err) {
-    const nqm_tensor expected = {.name = "rgb", .n_dims = 4, .dims = {0, 0, 0, 3}}, *tensor;
+    const nqm_tensor *tensor = nqm_safetensors_find(st, "rgb");
+    const bool turns = tensor && tensor->n_dims == 5;
+    const nqm_tensor expected = {.name = "rgb", .n_dims = turns ? 5 : 4, .dims = {0, 0, 0, turns ? 0 : 3, 3}};
     nqm_status status = nqm_safetensors_floats(st, &expected, NQM_ERR_FORMAT, &tensor, err);
+    nqm_table_size size;
     if (status != NQM_OK)
         return status;
-    if (tensor->dims[0] < 2 || tensor->dims[1] < 2)
+    if (!nqm_table_size_of(tensor, &size))
         return refuse(name, tensor, 0, "has fewer than two nodes along theta_h or theta_d", err);
     const size_t n = tensor->n_bytes / sizeof(float), bad = nqm_table_first_bad(n / 3, tensor->data);
     if (bad < n)
         return refuse_value(name, tensor, bad, err);
-    return nqm_table_create(tensor->dims[0], tensor->dims[1], tensor->dims[2], tensor->data, name, brdf_ret, err);
+    return nqm_table_create(size, tensor->data, name, brdf_ret, err);
 }
 
 /* Check the format, and open the network or table of the file. */

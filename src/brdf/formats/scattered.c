@@ -22,6 +22,7 @@ typedef struct sample {
 typedef struct scattered {
     size_t n;
     double reach;   /* largest distance, as a chord */
+    bool turns;     /* isotropic: pairs are compared after a rotation */
     double *theta;  /* (n) polar angles of the lights, rising */
     sample *sample; /* (n), in this order */
 } scattered;
@@ -32,11 +33,11 @@ static double product(const double *a, const double *b, double *imaginary) {
     return a[0] * b[0] + a[1] * b[1];
 }
 
-/* Squared distance of two pairs of unit vectors, minimal over rotations about the normal. */
-static double squared_distance(const sample *s, const double *wi, const double *wo) {
+/* Squared distance of two pairs of unit vectors; if it turns, minimal over rotations about the normal. */
+static double squared_distance(bool turns, const sample *s, const double *wi, const double *wo) {
     double imaginary_i, imaginary_o;
     double real = product(wi, s->wi, &imaginary_i) + product(wo, s->wo, &imaginary_o);
-    return 4 - 2 * (wi[2] * s->wi[2] + wo[2] * s->wo[2] + hypot(real, imaginary_i + imaginary_o));
+    return 4 - 2 * (wi[2] * s->wi[2] + wo[2] * s->wo[2] + (turns ? hypot(real, imaginary_i + imaginary_o) : real));
 }
 
 static double polar_angle(const double *w) {
@@ -52,7 +53,7 @@ static const sample *find_nearest(const scattered *t, double reach, const double
     double least = reach * reach;
     for (size_t i = nqm_last_not_above(t->theta, t->n, theta - window); i < t->n && t->theta[i] <= theta + window;
          ++i) {
-        double squared = squared_distance(t->sample + i, wi, wo);
+        double squared = squared_distance(t->turns, t->sample + i, wi, wo);
         if (!(squared <= least))
             continue;
         least = squared;
@@ -72,7 +73,8 @@ static void scattered_eval(const void *self, size_t n, const double *wi, const d
     }
 }
 
-static const nqm_brdf_class scattered_class = {.format = "samples", .eval = scattered_eval, .free = nqm_free};
+static const nqm_brdf_class scattered_class = {
+    .format = "samples", .anisotropic = true, .eval = scattered_eval, .free = nqm_free};
 
 static const scattered *table_of(const nqm_brdf *brdf) {
     return brdf->class_ == &scattered_class ? brdf->self : NULL;
@@ -115,18 +117,27 @@ nqm_status nqm_scattered_distances(const nqm_brdf *brdf, size_t n, const double 
     return NQM_OK;
 }
 
-/* The n_used pairs with a value above the horizon, each also exchanged if `reciprocal`; returns the number of all. */
-static size_t expand(size_t n, const nqm_listed *rows, bool reciprocal, sample *out, size_t *n_used) {
+static void to_pair(const nqm_list *l, const nqm_listed *row, double *wi, double *wo) {
+    if (l->is_anisotropic) {
+        nqm_spherical(row->at[0], row->phi_i, wi);
+        nqm_spherical(row->at[1], row->phi_i + row->at[2], wo);
+    } else {
+        nqm_half_diff_to_pair(row->hd, wi, wo);
+    }
+}
+
+/* The n_used pairs with a value above the horizon, each also exchanged if the list is reciprocal; returns the number of all. */
+static size_t expand(const nqm_list *l, sample *out, size_t *n_used) {
     size_t n_out = 0;
-    for (size_t i = 0; i < n; ++i) {
+    for (size_t i = 0; i < l->n; ++i) {
         sample s = {.is_exchanged = false};
-        nqm_half_diff_to_pair(rows[i].hd, s.wi, s.wo);
-        memcpy(s.rgb, rows[i].rgb, sizeof s.rgb);
+        to_pair(l, l->rows + i, s.wi, s.wo);
+        memcpy(s.rgb, l->rows[i].rgb, sizeof s.rgb);
         if (isnan(s.rgb[0]) || !(s.wi[2] > 0 && s.wo[2] > 0))
             continue;
         ++*n_used;
         out[n_out++] = s;
-        if (!reciprocal || memcmp(s.wi, s.wo, sizeof s.wi) == 0)
+        if (!l->is_reciprocal || memcmp(s.wi, s.wo, sizeof s.wi) == 0)
             continue;
         out[n_out] = s;
         out[n_out].is_exchanged = true;
@@ -170,9 +181,9 @@ static void sort(scattered *t, const sample *unsorted, nqm_indexed *order) {
     }
 }
 
-nqm_status nqm_scattered_create(size_t n, const nqm_listed *rows, bool reciprocal, double tolerance, const char *name,
-                                nqm_brdf **brdf_ret, nqm_error *err) {
-    const size_t most = reciprocal ? 2 * n : n;
+nqm_status nqm_scattered_create(const nqm_list *list, double tolerance, const char *name, nqm_brdf **brdf_ret,
+                                nqm_error *err) {
+    const size_t most = list->is_reciprocal ? 2 * list->n : list->n;
     size_t n_used = 0;
     scattered *t;
     double *theta;
@@ -187,8 +198,9 @@ nqm_status nqm_scattered_create(size_t n, const nqm_listed *rows, bool reciproca
                                          {&repeated, most, sizeof *repeated}),
                               err);
     if (status == NQM_OK) {
-        *t = (scattered){.reach = 2 * sin(tolerance / 2), .theta = theta, .sample = sorted};
-        t->n = expand(n, rows, reciprocal, unsorted, &n_used);
+        *t = (scattered){
+            .reach = 2 * sin(tolerance / 2), .turns = !list->is_anisotropic, .theta = theta, .sample = sorted};
+        t->n = expand(list, unsorted, &n_used);
         t->n = drop_repeated(t->n, unsorted, repeated);
         sort(t, unsorted, order);
         nqm_free(unsorted);
@@ -201,8 +213,9 @@ nqm_status nqm_scattered_create(size_t n, const nqm_listed *rows, bool reciproca
         return status;
     }
     char layout[100];
-    snprintf(layout, sizeof layout, "%zu directions, values within %g degrees of them", n_used,
-             tolerance * 180 / NQM_PI);
-    const nqm_brdf_info info = {.name = name, .layout = layout, .n_values = 3 * n_used, .reciprocal = reciprocal};
+    snprintf(layout, sizeof layout, "%zu directions%s, values within %g degrees of them", n_used,
+             list->is_anisotropic ? " with azimuths" : "", tolerance * 180 / NQM_PI);
+    nqm_brdf_info info = {.name = name, .layout = layout, .n_values = 3 * n_used, .reciprocal = list->is_reciprocal};
+    info.isotropic = !list->is_anisotropic;
     return nqm_brdf_wrap(&scattered_class, t, &info, brdf_ret, err);
 }
