@@ -63,7 +63,8 @@ typedef struct nqm_brdf_info {
  *  - `MODEL:key=value;key=value`: an analytic model (`ggx:`, `cook-torrance:`, ...) with its parameters;
  *  - `TABLE:NAME`: a preset (`sgd:nickel`, `abc:nickel`);
  *  - `perturb:gloss=.8;tint=1.1,1,1;of=PATH_OR_SPEC`: a distorted copy of another BRDF;
- *  - `between:t=.3;with=(PATH_OR_SPEC);of=PATH_OR_SPEC`: a mixture of two BRDFs.
+ *  - `between:t=.3;with=(PATH_OR_SPEC);of=PATH_OR_SPEC`: a mixture of two BRDFs;
+ *  - `rotate:deg=30;of=PATH_OR_SPEC`, `tilt:deg=5;azimuth=90;of=PATH_OR_SPEC`: a BRDF in another frame.
  *
  * doc/brdf.md lists every key with unit, range and default. A path that begins like a spec must be written with `./`. RGL
  * measurements are not exactly reciprocal: their parametrised direction (theta_i) is taken as the viewer (doc/files.md).
@@ -188,7 +189,7 @@ NQM_API void nqm_brdf_eval_half_diff(const nqm_brdf *brdf, size_t n, const doubl
  * @param wo        (n, 3) unit vectors to the viewer
  * @param rgb       (n, 3) receives f_r in 1/sr, the same bits as nqm_brdf_eval()
  * @param jacobian  (n, 3, n_parameters) receives d f_channel / d parameter
- * @return NQM_ERR_ARG: `brdf` is not analytic (a file, a callback, a `perturb:` or `between:` spec)
+ * @return NQM_ERR_ARG: `brdf` is not analytic (a file, a callback, a BRDF made of others)
  */
 NQM_API NQM_MUST_CHECK nqm_status nqm_brdf_jacobian(const nqm_brdf *brdf, size_t n, const double *wi, const double *wo,
                                                     double *rgb, double *jacobian, nqm_error *err);
@@ -303,7 +304,7 @@ NQM_API NQM_MUST_CHECK nqm_status nqm_brdf_compare(const nqm_brdf *ref, const nq
                                                    uint64_t seed, nqm_brdf_difference *difference_ret, nqm_error *err);
 
 /**
- * Directional-hemispherical albedo: the integral of f_r cos(theta_o) over the hemisphere of wo.
+ * Directional-hemispherical albedo: the integral of f_r cos(theta_o) over the hemisphere of wo, for light along the tangent.
  *
  * @param theta_i_rad  polar angle of the light, 0 to pi/2
  * @param seed         of the quadrature's random offsets

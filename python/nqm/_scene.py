@@ -216,7 +216,7 @@ def label(ref: BRDFLike, tests: Any, *, scene: Optional[Scene] = None, **options
     several = isinstance(tests, (list, tuple))
     ref, brdfs = as_brdf(ref), [as_brdf(t) for t in (tests if several else [tests])]
     turns = [b for b in [ref, *brdfs] if not b.info.isotropic and b.check().anisotropy]
-    plain = Scene(**options)
+    plain = None if ref in turns or len(turns) == len(brdfs) else Scene(**options)
     labels = [(Scene(aims=(ref, t), **options) if ref in turns or t in turns else plain).label(ref, t) for t in brdfs]
     return labels if several else labels[0]
 

@@ -102,6 +102,7 @@ typedef struct nqm_fit_parameter {
     size_t layer;        /* key of the amount of the layer that it describes; itself: none */
     double low, high;    /* of the value */
     double units, zero;
+    double ratio; /* of the other values to the first in a key with two values; 1: they are equal */
     bool is_log;
 } nqm_fit_parameter;
 
@@ -120,7 +121,7 @@ typedef struct nqm_fit_point {
     size_t start;
 } nqm_fit_point;
 
-/** Whole-number keys are fixed at the values of options->start, or at their defaults; bounds of the options apply.
+/** Keys of whole numbers and of anisotropy are fixed at the values of options->start, or at their defaults; bounds of the options apply.
  *  NQM_ERR_ARG: a bound of an unknown key or outside its range, or a start of another model. */
 NQM_MUST_CHECK nqm_status nqm_fit_space_make(const nqm_fit_entry *entry, const nqm_fit_options *options,
                                              nqm_fit_space *space, nqm_error *err);

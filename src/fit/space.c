@@ -40,13 +40,15 @@ static nqm_fit_parameter describe(const nqm_fit_entry *entry, size_t k) {
     return p;
 }
 
-static void add_key(nqm_fit_space *space, size_t k) {
+/* ratio: of the second value of a key with two to the first. */
+static void add_key(nqm_fit_space *space, size_t k, double ratio) {
     const nqm_spec_key *key = &space->model->schema.keys[k];
     nqm_fit_parameter p = describe(space->entry, k);
     if (key->whole || key->turns || !(p.low < p.high))
         return;
     if (key->n == 2)
-        p.channel = NQM_FIT_ALL_CHANNELS; /* fits are isotropic */
+        p.channel = NQM_FIT_ALL_CHANNELS; /* fits keep the anisotropy of their start */
+    p.ratio = ratio;
     for (size_t c = 0; c < key->n && space->n < NQM_FIT_MAX_FREE; ++c) {
         p.channel = p.channel == NQM_FIT_ALL_CHANNELS ? p.channel : c;
         space->parameters[space->n++] = p;
@@ -100,9 +102,10 @@ nqm_status nqm_fit_space_make(const nqm_fit_entry *entry, const nqm_fit_options 
     nqm_status status = options->start ? parse(entry->model, options->start, &start, err) : NQM_OK;
     for (size_t k = 0; status == NQM_OK && k < schema->n_keys; ++k) {
         for (size_t c = 0; c < 3; ++c)
-            space->defaults.v[k][c] =
-                options->start && schema->keys[k].whole ? start.v[k][c] : nqm_fit_default(&schema->keys[k]);
-        add_key(space, k);
+            space->defaults.v[k][c] = options->start && (schema->keys[k].whole || schema->keys[k].turns)
+                                          ? start.v[k][c]
+                                          : nqm_fit_default(&schema->keys[k]);
+        add_key(space, k, options->start && schema->keys[k].n == 2 ? start.v[k][1] / start.v[k][0] : 1);
     }
     for (size_t b = 0; status == NQM_OK && b < options->n_bounds; ++b)
         status = apply_bound(space, &options->bounds[b], err);
@@ -148,7 +151,7 @@ static void set_value(const nqm_fit_space *space, nqm_spec_values *values, const
     const bool all = p->channel == NQM_FIT_ALL_CHANNELS || space->model->schema.keys[p->key].n < 3;
     for (size_t c = 0; c < 3; ++c)
         if (all || c == p->channel)
-            values->v[p->key][c] = v;
+            values->v[p->key][c] = c && p->ratio != 1 ? clamp(v * p->ratio, p->low, p->high) : v;
 }
 
 void nqm_fit_values(const nqm_fit_space *space, const double *x, nqm_spec_values *values) {
@@ -198,7 +201,11 @@ nqm_status nqm_fit_write_spec(const nqm_fit_space *space, nqm_spec_values *value
     shown.given = 0;
     for (size_t i = 0; i < space->n; ++i) {
         const nqm_fit_parameter *p = &space->parameters[i];
-        set_value(space, &shown, p, round_value(p, values->v[p->key][channel_of(p)], is_shading ? 5 : 6));
+        const int n_digits = is_shading ? 5 : 6;
+        double *v = shown.v[p->key];
+        set_value(space, &shown, p, round_value(p, v[channel_of(p)], n_digits));
+        if (p->ratio != 1)
+            v[1] = v[2] = round_value(p, v[1], n_digits);
         if (!is_shading)
             shown.given |= UINT64_C(1) << p->key;
     }
@@ -290,7 +297,7 @@ static void chain(const nqm_fit_space *space, const nqm_spec_values *values, con
         for (size_t i = 0; i < 3 * count; ++i) {
             double sum = 0;
             for (size_t c = 0; c < n_channels; ++c)
-                sum += from[i * n_columns + c];
+                sum += (c ? p->ratio : 1) * from[i * n_columns + c];
             column[i] = isfinite(sum) ? sum * slope : 0;
         }
     }

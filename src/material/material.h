@@ -10,7 +10,7 @@
 #include "base/base.h"
 #include <nqm/material.h>
 
-/** A property: one number, or three for a colour (linear, BT.709 primaries). */
+/** A property: one number, two along tangent and bitangent, or three for a colour (linear, BT.709 primaries). */
 typedef struct nqm_property {
     char key[48];
     size_t n;
@@ -30,7 +30,7 @@ typedef struct nqm_shading {
 /** The remark of a material with a map or factor of ambient occlusion. */
 #define NQM_OCCLUSION_REMARK "occlusion is ignored: it is no part of a BRDF, which renderers multiply by it"
 
-/** Set a property, also one that has a value. n: 1 or 3. A key that is too long or too many are ignored: readers set keys of
+/** Set a property, also one that has a value. n: 1, 2 or 3. A key that is too long or too many are ignored: readers set keys of
  *  tables only. */
 void nqm_shading_set(nqm_shading *shading, const char *key, size_t n, const double *v);
 /** NULL: the property is not set. */

@@ -209,6 +209,12 @@ bool nqm_mtlx_read_normal(nqm_reading *r, const nqm_rule *rule, const void *prop
     return nqm_refuse(r, property, "%s changes the normal; a BRDF has one normal", rule->name);
 }
 
+bool nqm_mtlx_read_tangent(nqm_reading *r, const nqm_rule *rule, const void *property) {
+    return !has_value(property) ||
+           nqm_refuse(r, property, "%s turns the anisotropy (%s), which needs the tangent of the surface", rule->name,
+                      rule->gate);
+}
+
 bool nqm_mtlx_read_occlusion(nqm_reading *r, const nqm_rule *rule, const void *property) {
     (void)rule;
     if (has_value(property))

@@ -16,7 +16,7 @@ typedef struct nqm_mtlx_surface {
 enum { NQM_MTLX_N_SURFACES = 5 };
 extern const nqm_mtlx_surface nqm_mtlx_surfaces[NQM_MTLX_N_SURFACES];
 
-/** A key of the shading; a normal, which must be 0, 0, 1; occlusion. */
-nqm_rule_read nqm_mtlx_read_key, nqm_mtlx_read_normal, nqm_mtlx_read_occlusion;
+/** A key of the shading; a normal, which must be 0, 0, 1; a tangent, which is refused; occlusion. */
+nqm_rule_read nqm_mtlx_read_key, nqm_mtlx_read_normal, nqm_mtlx_read_tangent, nqm_mtlx_read_occlusion;
 
 #endif

@@ -6,55 +6,54 @@
 #include "material/materialx.h"
 #include "material/surface_keys.h"
 
-#define KEY(INDEX, NAME, TYPE, LOW, HIGH, DEFAULT)                                                                     \
-    {NAME, nqm_mtlx_read_key, NAME, NQM_KEY_N(TYPE), DEFAULT, NULL, NULL, TYPE},
+#define FIRST(X, ...) X
+#define KEY(INDEX, NAME, TYPE, LOW, HIGH, ...)                                                                         \
+    {NAME, nqm_mtlx_read_key, NAME, NQM_KEY_N(TYPE), FIRST(__VA_ARGS__, 0), NULL, NULL, TYPE},
 #define NEUTRAL(NAME, TYPE, DEFAULT, WHY)                                                                              \
     { NAME, nqm_rule_neutral, NULL, NQM_KEY_N(TYPE), DEFAULT, WHY, NULL, TYPE }
-#define GATED(NAME, TYPE, DEFAULT, WHY, GATE)                                                                          \
-    { NAME, nqm_rule_neutral, NULL, NQM_KEY_N(TYPE), DEFAULT, WHY, GATE, TYPE }
 #define NORMAL(NAME)                                                                                                   \
     { NAME, nqm_mtlx_read_normal, NULL, 0, 0, NULL, NULL, NULL }
+#define TANGENT(NAME, ANISOTROPY)                                                                                      \
+    { NAME, nqm_mtlx_read_tangent, NULL, 0, 0, NULL, ANISOTROPY, NULL }
 #define END                                                                                                            \
     { NULL, NULL, NULL, 0, 0, NULL, NULL, NULL }
 
 #define NOT_PART " is not part of these BRDFs"
 static const char transmission[] = "transmission" NOT_PART, subsurface[] = "subsurface scattering" NOT_PART,
-                  anisotropy[] = "anisotropy" NOT_PART, thin_film[] = "a thin film" NOT_PART,
-                  emission[] = "emission" NOT_PART, opacity[] = "opacity" NOT_PART,
-                  displacement[] = "displacement" NOT_PART;
+                  thin_film[] = "a thin film" NOT_PART, emission[] = "emission" NOT_PART,
+                  opacity[] = "opacity" NOT_PART, displacement[] = "displacement" NOT_PART;
 
 static const nqm_rule open_pbr[] = {
-    NQM_OPEN_PBR_KEYS(KEY) NEUTRAL("specular_roughness_anisotropy", "float", 0, anisotropy),
-    NEUTRAL("transmission_weight", "float", 0, transmission),
+    NQM_OPEN_PBR_KEYS(KEY) NEUTRAL("transmission_weight", "float", 0, transmission),
     NEUTRAL("subsurface_weight", "float", 0, subsurface),
-    GATED("coat_roughness_anisotropy", "float", 0, anisotropy, "coat_weight"),
     NEUTRAL("thin_film_weight", "float", 0, thin_film),
     NEUTRAL("emission_luminance", "float", 0, emission),
     NEUTRAL("geometry_opacity", "float", 1, opacity),
     NORMAL("geometry_normal"),
     NORMAL("geometry_coat_normal"),
+    TANGENT("geometry_tangent", "specular_roughness_anisotropy"),
+    TANGENT("geometry_coat_tangent", "coat_roughness_anisotropy"),
     NQM_RULE_IGNORED("transmission_color transmission_depth transmission_scatter "
                      "transmission_scatter_anisotropy transmission_dispersion_scale "
                      "transmission_dispersion_abbe_number subsurface_color subsurface_radius "
                      "subsurface_radius_scale subsurface_scatter_anisotropy thin_film_thickness thin_film_ior "
-                     "emission_color geometry_thin_walled geometry_tangent geometry_coat_tangent"),
+                     "emission_color geometry_thin_walled"),
     END,
 };
 
 static const nqm_rule standard_surface[] = {
-    NQM_STANDARD_SURFACE_KEYS(KEY) NEUTRAL("specular_anisotropy", "float", 0, anisotropy),
-    NEUTRAL("transmission", "float", 0, transmission),
+    NQM_STANDARD_SURFACE_KEYS(KEY) NEUTRAL("transmission", "float", 0, transmission),
     NEUTRAL("subsurface", "float", 0, subsurface),
-    GATED("coat_anisotropy", "float", 0, anisotropy, "coat"),
     NEUTRAL("thin_film_thickness", "float", 0, thin_film),
     NEUTRAL("emission", "float", 0, emission),
     NEUTRAL("opacity", "color3", 1, opacity),
     NORMAL("normal"),
     NORMAL("coat_normal"),
-    NQM_RULE_IGNORED("specular_rotation transmission_color transmission_depth transmission_scatter "
+    TANGENT("tangent", "specular_anisotropy coat_anisotropy"),
+    NQM_RULE_IGNORED("transmission_color transmission_depth transmission_scatter "
                      "transmission_scatter_anisotropy transmission_dispersion transmission_extra_roughness "
-                     "subsurface_color subsurface_radius subsurface_scale subsurface_anisotropy coat_rotation "
-                     "thin_film_IOR emission_color thin_walled tangent"),
+                     "subsurface_color subsurface_radius subsurface_scale subsurface_anisotropy thin_film_IOR "
+                     "emission_color thin_walled"),
     END,
 };
 
@@ -63,13 +62,12 @@ static const nqm_rule gltf_pbr[] = {
     NEUTRAL("alpha_mode", "integer", 0, opacity),
     NEUTRAL("iridescence", "float", 0, thin_film),
     NEUTRAL("emissive", "color3", 0, emission),
-    NEUTRAL("anisotropy_strength", "float", 0, anisotropy),
     NORMAL("normal"),
     NORMAL("clearcoat_normal"),
-    NQM_RULE_IGNORED("tangent"),
+    TANGENT("tangent", "anisotropy_strength"),
     {"occlusion", nqm_mtlx_read_occlusion, NULL, 0, 0, NULL, NULL, NULL},
     NQM_RULE_IGNORED("alpha alpha_cutoff iridescence_ior iridescence_thickness emissive_strength thickness "
-                     "attenuation_distance attenuation_color anisotropy_rotation dispersion"),
+                     "attenuation_distance attenuation_color dispersion"),
     END,
 };
 
@@ -84,8 +82,7 @@ static const nqm_rule usd_preview_surface[] = {
 };
 
 static const nqm_rule disney[] = {
-    NQM_DISNEY_KEYS(KEY) NEUTRAL("anisotropic", "float", 0, anisotropy),
-    NEUTRAL("specTrans", "float", 0, transmission),
+    NQM_DISNEY_KEYS(KEY) NEUTRAL("specTrans", "float", 0, transmission),
     NEUTRAL("subsurface", "float", 0, subsurface),
     NQM_RULE_IGNORED("ior subsurfaceDistance"),
     END,

@@ -89,19 +89,18 @@ static bool read_ior(nqm_bsdf_reading *r, const char *name, double *v) {
 /* ---- plugins ----------------------------------------------------------------------------------------------------- */
 
 static bool finish_alpha(nqm_bsdf_reading *r, const nqm_bsdf_node *bsdf) {
-    double u = NAN, v = NAN;
-    if (!nqm_bsdf_numbers(r, "alpha_u", 1, &u) || !nqm_bsdf_numbers(r, "alpha_v", 1, &v))
+    double alpha[2] = {NAN, NAN};
+    if (!nqm_bsdf_numbers(r, "alpha_u", 1, &alpha[0]) || !nqm_bsdf_numbers(r, "alpha_v", 1, &alpha[1]))
         return false;
-    if (isnan(u) && isnan(v))
+    if (isnan(alpha[0]) && isnan(alpha[1]))
         return true;
-    if (isnan(u) || isnan(v))
+    if (isnan(alpha[0]) || isnan(alpha[1]))
         return nqm_refuse(&r->reading, bsdf, "only one of alpha_u and alpha_v is given");
-    u = fmax(u, 1e-4);
-    if (u != fmax(v, 1e-4))
-        return nqm_refuse(&r->reading, bsdf, "alpha_u and alpha_v differ; anisotropic materials are not supported");
     if (nqm_shading_find(&r->reading.shading, "alpha"))
         return nqm_refuse(&r->reading, bsdf, "alpha is given as well as alpha_u and alpha_v");
-    nqm_shading_set(&r->reading.shading, "alpha", 1, &u);
+    for (size_t c = 0; c < 2; ++c)
+        alpha[c] = fmax(alpha[c], 1e-4);
+    nqm_shading_set(&r->reading.shading, "alpha", alpha[0] == alpha[1] ? 1 : 2, alpha);
     return true;
 }
 
@@ -130,6 +129,9 @@ static bool finish_plastic(nqm_bsdf_reading *r, const nqm_bsdf_node *bsdf) {
     if (!read_ior(r, "int_ior", &inside) || !read_ior(r, "ext_ior", &outside) || !finish_alpha(r, bsdf))
         return false;
     const double eta = inside / outside;
+    const nqm_property *alpha = nqm_shading_find(&r->reading.shading, "alpha");
+    if (alpha && alpha->n == 2)
+        return nqm_refuse(&r->reading, bsdf, "alpha_u and alpha_v differ; the roughplastic of Mitsuba has one alpha");
     if (!(eta >= 1.05 && eta <= 3))
         return nqm_refuse(&r->reading, bsdf, "int_ior / ext_ior is %.4g; the model's range is 1.05 to 3", eta);
     nqm_shading_set(&r->reading.shading, "eta", 1, &eta);
@@ -171,10 +173,9 @@ static const nqm_bsdf_plugin plugins[] = {
                NQM_RULE_IGNORED("sample_visible")}},
     {.type = "principled",
      .model = "principled",
-     .rules = {COLOUR("base_color", "base_color"), NUMBER("roughness"), NUMBER("metallic"), OWN("eta", read_eta),
-               OWN("specular", read_specular), NUMBER("spec_tint"), NUMBER("sheen"), NUMBER("sheen_tint"),
-               NUMBER("flatness"), NUMBER("clearcoat"), NUMBER("clearcoat_gloss"),
-               NQM_RULE_ZERO("anisotropic", "anisotropic materials are not supported"),
+     .rules = {COLOUR("base_color", "base_color"), NUMBER("roughness"), NUMBER("anisotropic"), NUMBER("metallic"),
+               OWN("eta", read_eta), OWN("specular", read_specular), NUMBER("spec_tint"), NUMBER("sheen"),
+               NUMBER("sheen_tint"), NUMBER("flatness"), NUMBER("clearcoat"), NUMBER("clearcoat_gloss"),
                NQM_RULE_ZERO("spec_trans", TRANSMITS),
                NQM_RULE_IGNORED(
                    "main_specular_sampling_rate clearcoat_sampling_rate diffuse_reflectance_sampling_rate")}},

@@ -41,6 +41,23 @@ static written describe(const nqm_shading *shading, const nqm_property *p) {
     return w;
 }
 
+/* The shading with alpha_u and alpha_v in place of an alpha of two numbers. */
+static nqm_shading split(const nqm_shading *shading) {
+    nqm_shading result = *shading;
+    result.n = 0;
+    for (size_t i = 0; i < shading->n; ++i) {
+        const nqm_property *p = &shading->properties[i];
+        char key[sizeof p->key];
+        for (size_t c = 0; p->n == 2 && c < 2; ++c) {
+            snprintf(key, sizeof key, "%.40s_%c", p->key, c ? 'v' : 'u');
+            nqm_shading_set(&result, key, 1, &p->v[c]);
+        }
+        if (p->n != 2)
+            nqm_shading_set(&result, p->key, p->n, p->v);
+    }
+    return result;
+}
+
 static void write_xml(const nqm_shading *shading, const char *name, FILE *stream) {
     fprintf(stream, "    <bsdf type=\"%s\" id=\"%s\">\n", nqm_mitsuba_type_of(shading->model), name);
     for (size_t i = 0; i < shading->n; ++i) {
@@ -75,8 +92,10 @@ nqm_status nqm_mitsuba_write(size_t n, const nqm_named_shading *materials, const
     const bool is_json = dot && strcasecmp(dot, ".json") == 0;
     fputs(is_json ? "{\n  \"type\": \"scene\"" : "<scene version=\"3.0.0\">\n", stream);
     (void)err;
-    for (size_t i = 0; i < n; ++i)
-        (is_json ? write_json : write_xml)(&materials[i].shading, materials[i].name, stream);
+    for (size_t i = 0; i < n; ++i) {
+        const nqm_shading shading = split(&materials[i].shading);
+        (is_json ? write_json : write_xml)(&shading, materials[i].name, stream);
+    }
     fputs(is_json ? "\n}\n" : "</scene>\n", stream);
     return NQM_OK;
 }

@@ -214,35 +214,35 @@ static bool reflectance_index(nqm_bsdf_reading *r, double eta[3], double k[3]) {
     return true;
 }
 
-static bool conductor_roughness(nqm_bsdf_reading *r, const nqm_bsdf_node *bsdf, double *roughness) {
+/* Both directions; alpha is the square root. */
+static bool conductor_roughness(nqm_bsdf_reading *r, const nqm_bsdf_node *bsdf, double roughness[2]) {
+    static const char *const names[] = {"uroughness", "vroughness"};
     double common = 0;
     bool remap = true;
     if (!nqm_bsdf_numbers(r, "roughness", 1, &common) || !nqm_bsdf_flag(r, "remaproughness", &remap))
         return false;
-    double u = common, v = common;
-    if (!nqm_bsdf_numbers(r, "uroughness", 1, &u) || !nqm_bsdf_numbers(r, "vroughness", 1, &v))
-        return false;
-    if (u != v)
-        return nqm_refuse(&r->reading, bsdf,
-                          "uroughness and vroughness differ; anisotropic materials are not supported");
-    if (u < 0)
-        return nqm_refuse(&r->reading, bsdf, "the roughness is negative");
-    *roughness = remap ? u : u * u;
-    if (!(*roughness >= 1e-6))
-        return nqm_refuse(&r->reading, bsdf,
-                          "a smooth surface reflects into one direction only; only rough ones have a BRDF");
-    return true;
+    for (size_t c = 0; c < 2; ++c) {
+        double v = common;
+        if (!nqm_bsdf_numbers(r, names[c], 1, &v))
+            return false;
+        if (v < 0)
+            return nqm_refuse(&r->reading, bsdf, "the roughness is negative");
+        roughness[c] = remap ? v : v * v;
+    }
+    return (roughness[0] >= 1e-6 && roughness[1] >= 1e-6) ||
+           nqm_refuse(&r->reading, bsdf,
+                      "a smooth surface reflects into one direction only; only rough ones have a BRDF");
 }
 
 static bool finish_conductor(nqm_bsdf_reading *r, const nqm_bsdf_node *bsdf) {
     const nqm_metal *copper = nqm_metal_find("Cu"); /* pbrt's default */
-    double roughness, eta[3], k[3];
+    double roughness[2], eta[3], k[3];
     memcpy(eta, copper->eta, sizeof eta);
     memcpy(k, copper->k, sizeof k);
-    if (!conductor_roughness(r, bsdf, &roughness) || !read_colour(r, "eta", eta) || !read_colour(r, "k", k) ||
+    if (!conductor_roughness(r, bsdf, roughness) || !read_colour(r, "eta", eta) || !read_colour(r, "k", k) ||
         !reflectance_index(r, eta, k))
         return false;
-    nqm_shading_set(&r->reading.shading, "roughness", 1, &roughness);
+    nqm_shading_set(&r->reading.shading, "roughness", roughness[0] == roughness[1] ? 1 : 2, roughness);
     nqm_shading_set(&r->reading.shading, "eta", 3, eta);
     nqm_shading_set(&r->reading.shading, "k", 3, k);
     return true;
@@ -387,9 +387,14 @@ static void write_material(const nqm_shading *shading, const char *name, FILE *s
             is_diffuse ? "diffuse" : "conductor");
     for (size_t i = 0; i < shading->n; ++i) {
         const nqm_property *p = &shading->properties[i];
-        const bool is_number = strcmp(p->key, "roughness") == 0;
-        fprintf(stream, "    \"%s %s\" [ %s ]\n", is_number ? "float" : "rgb", is_diffuse ? "reflectance" : p->key,
-                nqm_format_doubles(numbers, sizeof numbers, is_number ? 1 : 3, p->v, " "));
+        const bool is_number = strcmp(p->key, "roughness") == 0, is_pair = p->n == 2;
+        for (size_t c = 0; c < (is_pair ? 2 : 1); ++c)
+            fprintf(stream, "    \"%s %s%s\" [ %s ]\n", is_number ? "float" : "rgb",
+                    !is_pair ? ""
+                    : c      ? "v"
+                             : "u",
+                    is_diffuse ? "reflectance" : p->key,
+                    nqm_format_doubles(numbers, sizeof numbers, is_number ? 1 : 3, p->v + c, " "));
     }
 }
 

@@ -24,10 +24,10 @@ const nqm_rule *nqm_rule_find(const nqm_rule *rules, const char *name) {
     return NULL;
 }
 
-/* The property that a gate names is 0, or missing with the default 0. */
-static bool is_off(nqm_reading *r, const char *gate) {
-    const nqm_rule *rule = nqm_rule_find(r->rules, gate);
-    const void *property = r->source->find(r, gate);
+/* The property is 0, or missing with the default 0. */
+static bool is_zero(nqm_reading *r, const char *name) {
+    const nqm_rule *rule = nqm_rule_find(r->rules, name);
+    const void *property = r->source->find(r, name);
     double v[4] = {rule->value};
     size_t n = 1;
     if (property && !r->source->read(r, rule, property, v, &n))
@@ -35,6 +35,18 @@ static bool is_off(nqm_reading *r, const char *gate) {
     for (size_t c = 0; c < n; ++c)
         if (v[c] != 0)
             return false;
+    return true;
+}
+
+/* The properties that a gate names are 0. */
+static bool is_off(nqm_reading *r, const char *gate) {
+    char name[48];
+    for (size_t n; *gate; gate += n + strspn(gate + n, " ")) {
+        n = strcspn(gate, " ");
+        snprintf(name, sizeof name, "%.*s", (int)n, gate);
+        if (!is_zero(r, name))
+            return false;
+    }
     return true;
 }
 

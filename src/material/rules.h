@@ -22,7 +22,7 @@ struct nqm_rule {
     size_t n;        /**< values: 1, 3 for a colour, 4 for a colour with alpha */
     double value; /**< of every channel of a missing property; of nqm_rule_neutral(), the only one that is accepted */
     const char *why;  /**< nqm_rule_neutral(): why other values are refused */
-    const char *gate; /**< the property has no effect where the one of this name is 0; NULL: it always has */
+    const char *gate; /**< the property has no effect where those of these names are 0; NULL: it always has */
     const char *type; /**< of the values in the file, in formats that name it */
 };
 

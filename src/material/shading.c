@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * A shading model with its properties, and its text: the spec "MODEL:key=value;key=red,green,blue".
+ * A shading model with its properties, and its text: the spec "MODEL:key=value;key=red,green,blue;key=x,y".
  */
 #include "material/material.h"
 
@@ -22,7 +22,7 @@ void nqm_shading_set(nqm_shading *shading, const char *key, size_t n, const doub
     }
     p->n = n;
     for (size_t c = 0; c < 3; ++c)
-        p->v[c] = v[n == 3 ? c : 0];
+        p->v[c] = v[nqm_smaller(c, n - 1)];
 }
 
 enum { NUMBER_SIZE = 32, PROPERTY_SIZE = sizeof(((nqm_property *)0)->key) + 3 * NUMBER_SIZE };
@@ -45,7 +45,7 @@ static nqm_status fail_text(const char *spec, nqm_error *err) {
     return nqm_fail(err, NQM_ERR_ARG, -1, "%.200s: not a spec of a shading model (MODEL:key=value;...)", spec);
 }
 
-/* Parse "key=v" or "key=v,v,v" at `text`; *end receives the end. */
+/* Parse "key=v", "key=v,v" or "key=v,v,v" at `text`; *end receives the end. */
 static bool parse_property(const char *text, const char **end, nqm_shading *shading) {
     const size_t n_key = strcspn(text, "=;");
     char key[sizeof((nqm_property *)0)->key];
@@ -61,7 +61,7 @@ static bool parse_property(const char *text, const char **end, nqm_shading *shad
             return false;
         ++n;
     } while (*text == ',');
-    if (n == 2 || (*text && *text != ';'))
+    if (*text && *text != ';')
         return false;
     nqm_shading_set(shading, key, n, v);
     *end = text + (*text == ';');

@@ -30,7 +30,7 @@ awk '/albedo_normal/ {getline; exit !($1 > .038 && $1 < .042)}' "$dir/out" || fa
 run 0 info transport --json # a built-in model
 has '"kind": "model"'
 run 2 info 'ggx:alpha=7e9'
-complains 'alpha needs one number from 0.0001 to 10'
+complains 'alpha needs one number or two separated by a comma, each from 0.0001 to 10'
 [ ! -s "$dir/out" ] || fail "results on failure"
 run 2 info
 run 2 info sgd:nickle

@@ -16,6 +16,19 @@ layers='open-pbr:base_color=0.26,0.67,0.78;specular_roughness=0.78;coat_weight=0
 "$tool" translate "$layers" --to openpbr --samples 200 >"$dir/out"
 grep -q '^JOD 10.00' "$dir/out" || fail "the start: $(cat "$dir/out")"
 
+# Anisotropy keeps its widths and direction, in the keys of the target.
+brushed='standard-surface:metalness=1;specular_roughness=.4;specular_anisotropy=.6;specular_rotation=.25'
+"$tool" translate "$brushed" --to gltf --samples 200 -o "$dir/brushed.gltf" >"$dir/out"
+grep -q '"anisotropyStrength": 0.41095' "$dir/brushed.gltf" || fail "strength: $(cat "$dir/brushed.gltf")"
+grep -q '"anisotropyRotation": -1.5708' "$dir/brushed.gltf" || fail "rotation: $(cat "$dir/brushed.gltf")"
+for pair in rough-conductor=alpha=0.1,0.3 pbrt-conductor=roughness=0.00999; do
+    "$tool" translate 'rough-conductor:alpha=.1,.3;distribution=1' --to ${pair%%=*} --samples 200 >"$dir/out"
+    grep -q "JOD *10.00.*-> ${pair%%=*}:${pair#*=}" "$dir/out" || fail "${pair%%=*}: $(cat "$dir/out")"
+done
+# The wider direction of this one is across the tangent, where OpenPBR cannot have it.
+"$tool" translate 'rough-conductor:alpha=.1,.3;distribution=1' --to open-pbr --samples 200 >"$dir/out"
+grep -q anisotropy "$dir/out" && fail "anisotropy in the wrong direction: $(cat "$dir/out")"
+
 # What is scored is the file, not the spec that was written.
 ln -s /dev/null "$dir/nothing.gltf"
 refuses 3 'nothing.gltf: is not a regular file' translate "$red" --to gltf -o "$dir/nothing.gltf" --samples 300

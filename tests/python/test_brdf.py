@@ -66,7 +66,7 @@ class Values(unittest.TestCase):
         np.testing.assert_allclose(np.sum(a * b, 1), np.sum(wi * wo, 1), atol=1e-12)
 
     def test_jacobian(self):
-        spec = "ggx:kd=.2,.1,.05;ks=.3;alpha=%.17g;f0=.8"
+        spec = "ggx:kd=.2,.1,.05;ks=.3;alpha=%.17g,.3;f0=.8"
         wi, wo = directions(4), directions(4, 2)
         brdf = nqm.BRDF.open(spec % .3)
         rgb, jacobian = brdf.jacobian(wi, wo)

@@ -8,22 +8,22 @@
 
 static void specs_go_there_and_back(void **state) {
     (void)state;
-    const char *text = "some-model:base_color=.25,.5,1;roughness=.1;metalness=0;base_color=1,1,.5";
+    const char *text = "some-model:base_color=.25,.5,1;roughness=.1;metalness=0;base_color=1,1,.5;alpha=.1,.3";
     nqm_shading shading;
     assert_int_equal(nqm_shading_parse(text, &shading, NULL), NQM_OK);
     assert_string_equal(shading.model, "some-model");
-    assert_int_equal(shading.n, 3);
+    assert_int_equal(shading.n, 4);
     assert_int_equal(nqm_shading_find(&shading, "roughness")->n, 1);
     assert_null(nqm_shading_find(&shading, "rough"));
     char *spec = nqm_shading_spec(&shading);
-    assert_string_equal(spec, "some-model:base_color=1,1,0.5;roughness=0.1;metalness=0");
+    assert_string_equal(spec, "some-model:base_color=1,1,0.5;roughness=0.1;metalness=0;alpha=0.1,0.3");
     nqm_free(spec);
 }
 
 static void other_texts_are_refused(void **state) {
     (void)state;
     static const char *const texts[] = {
-        "",      "model", "m:a",     "m:a=",        "m:a=1,2",
+        "",      "model", "m:a",     "m:a=",        "m:a=1,",
         "m:a=x", "m:=",   "m:a=1 b", "m:a=1,2,3,4", "a-model-with-a-name-that-is-too-long:a=1"};
     for (size_t i = 0; i < sizeof texts / sizeof *texts; ++i) {
         nqm_shading shading;

@@ -133,7 +133,8 @@ static void gltf_files_have_the_same_defaults(void **state) {
 static void mitsuba_models_have_their_defaults(void **state) {
     (void)state;
     static const char *const specs[] = {
-        "principled:base_color=0.5;roughness=0.5;metallic=0;eta=1.5;spec_tint=0;sheen=0;sheen_tint=0;flatness=0;"
+        "principled:base_color=0.5;roughness=0.5;anisotropic=0;metallic=0;eta=1.5;spec_tint=0;sheen=0;sheen_tint=0;"
+        "flatness=0;"
         "clearcoat=0;"
         "clearcoat_gloss=0",
         "rough-conductor:alpha=0.1;distribution=0;eta=0;k=1;specular_reflectance=1",

@@ -72,10 +72,14 @@ static void constants(void **state) {
 
     const char *neutral =
         "<input name=\"transmission\" type=\"float\" value=\"0\"/><input name=\"transmission_color\" type=\"color3\" "
-        "nodename=\"nowhere\"/><input name=\"opacity\" type=\"color3\" value=\"1,1,1\"/><input "
-        "name=\"coat_anisotropy\" "
-        "type=\"float\" value=\".5\"/><input name=\"normal\" type=\"vector3\" value=\"0, 0, 1\"/>";
+        "nodename=\"nowhere\"/><input name=\"opacity\" type=\"color3\" value=\"1,1,1\"/><input name=\"tangent\" "
+        "type=\"vector3\" nodename=\"nowhere\"/><input name=\"normal\" type=\"vector3\" value=\"0, 0, 1\"/>";
     value_of(document("", neutral, ""), "base");
+    const char *brushed =
+        "<input name=\"coat_anisotropy\" type=\"float\" value=\".5\"/><input name=\"specular_rotation\" "
+        "type=\"float\" value=\"-.25\"/>";
+    assert_true(value_of(document("", brushed, ""), "coat_anisotropy").v[0] == 0.5);
+    assert_true(value_of(document("", brushed, ""), "specular_rotation").v[0] == -0.25);
 }
 
 static void color_spaces(void **state) {
@@ -127,8 +131,15 @@ static void refusals(void **state) {
     assert_refused("", "<input name=\"opacity\" type=\"color3\" value=\"1,1,0\"/>", "", "opacity is 0");
     assert_refused(
         "",
-        "<input name=\"coat\" type=\"float\" value=\"1\"/><input name=\"coat_anisotropy\" type=\"float\" value=\"1\"/>",
-        "", "coat_anisotropy is 1: anisotropy");
+        "<input name=\"tangent\" type=\"vector3\" value=\"0,1,0\"/><input name=\"coat_anisotropy\" type=\"float\" "
+        "value=\"1\"/>",
+        "", "tangent turns the anisotropy");
+    assert_refused("",
+                   "<input name=\"tangent\" type=\"vector3\" nodename=\"n\"/><input name=\"specular_anisotropy\" "
+                   "type=\"float\" value=\".1\"/>",
+                   "", "tangent turns the anisotropy");
+    assert_refused("", "<input name=\"specular_anisotropy\" type=\"float\" value=\"much\"/>", "", "needs a number");
+    assert_refused("", "<input name=\"specular_rotation\" type=\"float\" value=\"nan\"/>", "", "specular_rotation");
     assert_refused("", "<input name=\"normal\" type=\"vector3\" nodename=\"n\"/>", "", "changes the normal");
     assert_refused("", "<input name=\"no_such\" type=\"float\" value=\"1\"/>", "", "no input 'no_such'");
     assert_refused("", "<input name=\"base\" type=\"float\" value=\"1,2\"/>", "", "needs a number");
@@ -200,11 +211,14 @@ static void lone_shaders(void **state) {
 static void round_trips(void **state) {
     (void)state;
     static const char *const specs[] = {
-        "open-pbr:base_color=.1,.2,.3;coat_weight=.333333333333333;fuzz_weight=.1;specular_ior=1.45",
-        "standard-surface:base_color=.1,.2,.3;specular_IOR=1.7;coat_affect_color=1",
-        "gltf:base_color=.9,.6,.1;metallic=1;roughness=.123456789;sheen_color=.1",
+        "open-pbr:base_color=.1,.2,.3;coat_weight=.333333333333333;fuzz_weight=.1;specular_ior=1.45;"
+        "specular_roughness_anisotropy=.7;coat_roughness_anisotropy=.123456789012345",
+        "standard-surface:base_color=.1,.2,.3;specular_IOR=1.7;coat_affect_color=1;specular_anisotropy=.1;"
+        "specular_rotation=.2;coat_anisotropy=1;coat_rotation=-.3",
+        "gltf:base_color=.9,.6,.1;metallic=1;roughness=.123456789;sheen_color=.1;anisotropy_strength=.7;anisotropy_"
+        "rotation=2",
         "usd-preview:diffuseColor=.7,.6,.5;useSpecularWorkflow=1;specularColor=.04,.05,.06",
-        "disney:baseColor=.7,.6,.5;sheen=.3;clearcoatGloss=.9",
+        "disney:baseColor=.7,.6,.5;sheen=.3;clearcoatGloss=.9;anisotropic=.77",
     };
     char path[] = "/tmp/nqm_XXXXXX.mtlx", argument[64];
     const int fd = mkstemps(path, 5);

@@ -20,6 +20,8 @@ static void conductors_of_xml(void **state) {
                 "rough-conductor:alpha=0.2;distribution=1;eta=0.2,0.9,1.1;k=3.9,2.5,2.1");
     expect_spec(XML("roughconductor", FLOAT("alpha_u", "0") FLOAT("alpha_v", "0") STRING("material", "none")),
                 "rough-conductor:alpha=0.0001");
+    expect_spec(XML("roughconductor", FLOAT("alpha_u", ".1") FLOAT("alpha_v", "0")),
+                "rough-conductor:alpha=0.1,0.0001");
     expect_spec(XML("roughconductor", STRING("material", "Au")),
                 "rough-conductor:eta=0.1431189557,0.3749570432,1.4424785571;k=3.9831604247,2.3857207478,1.6032152899");
     expect_spec(XML("roughconductor", RGB("specular_reflectance", "#ff0000") "<spectrum name=\"eta\" value=\"1.5\"/>"),
@@ -28,7 +30,6 @@ static void conductors_of_xml(void **state) {
 
 static void refused_conductors(void **state) {
     (void)state;
-    expect_refusal(XML("roughconductor", FLOAT("alpha_u", ".1") FLOAT("alpha_v", ".3")), "anisotropic");
     expect_refusal(XML("roughconductor", FLOAT("alpha_u", ".1")), "alpha_v");
     expect_refusal(XML("roughconductor", FLOAT("alpha", ".1") FLOAT("alpha_u", ".1") FLOAT("alpha_v", ".1")), "alpha");
     expect_refusal(XML("roughconductor", FLOAT("roughness", ".1")), "roughness");
@@ -36,6 +37,7 @@ static void refused_conductors(void **state) {
     expect_refusal(XML("roughconductor", STRING("material", "Au") RGB("eta", "1")), "eta or k");
     expect_refusal(XML("roughconductor", STRING("distribution", "phong")), "phong");
     expect_refusal(XML("roughconductor", FLOAT("alpha", "a")), "'a'");
+    expect_refusal(XML("roughconductor", FLOAT("alpha_u", ".1") FLOAT("alpha_v", "b")), "'b'");
     expect_refusal(XML("roughconductor", FLOAT("alpha", "$a")), "'$a'");
     expect_refusal(XML("roughconductor", RGB("eta", "1, 2")), "one or three");
     expect_refusal(XML("roughconductor", "<spectrum name=\"eta\" value=\"400:1, 700:2\"/>"), "wavelength");
@@ -51,12 +53,11 @@ static void refused_conductors(void **state) {
 static void principled_of_xml(void **state) {
     (void)state;
     expect_spec(XML("principled", RGB("base_color", "1.0,.5,.25") FLOAT("metallic", "0.7") FLOAT("specular", "0.5")
-                                      FLOAT("anisotropic", "0") FLOAT("clearcoat_sampling_rate", "2")),
-                "principled:base_color=1,0.5,0.25;metallic=0.7;eta=1.5");
+                                      FLOAT("anisotropic", ".25") FLOAT("clearcoat_sampling_rate", "2")),
+                "principled:base_color=1,0.5,0.25;metallic=0.7;eta=1.5;anisotropic=0.25");
     expect_refusal(XML("principled", FLOAT("specular", "0.5") FLOAT("eta", "1.5")), "given twice");
     expect_refusal(XML("principled", FLOAT("eta", "1.5") FLOAT("specular", "0.5")), "as well as eta");
     expect_refusal(XML("principled", FLOAT("specular", "2")), "0 to 1");
-    expect_refusal(XML("principled", FLOAT("anisotropic", ".5")), "anisotropic is 0.5");
     expect_refusal(XML("principled", FLOAT("spec_trans", ".5")), "transmission");
     expect_refusal(XML("principled", RGB("roughness", ".5 .6 .7")), "not the colour");
 }
@@ -73,7 +74,7 @@ static void plastics_of_xml(void **state) {
     expect_refusal(XML("roughplastic", STRING("int_ior", "cheese")), "'cheese'");
     expect_refusal(XML("roughplastic", FLOAT("int_ior", "1")), "1.05 to 3");
     expect_refusal(XML("roughplastic", "<boolean name=\"nonlinear\" value=\"yes\"/>"), "true or false");
-    expect_refusal(XML("roughplastic", FLOAT("alpha_u", ".1") FLOAT("alpha_v", ".3")), "anisotropic");
+    expect_refusal(XML("roughplastic", FLOAT("alpha_u", ".1") FLOAT("alpha_v", ".3")), "has one alpha");
     expect_refusal(XML("plastic", ""), "smooth");
 }
 
@@ -238,11 +239,13 @@ static void files_go_there_and_back(void **state) {
     (void)state;
     static const char *const specs[] = {
         "rough-conductor:alpha=0.123456789012345;distribution=1;eta=.1,.2,.3;k=3.3333333333333335,2,1e-17",
+        "rough-conductor:alpha=.123456789012345,.3333333333333333;distribution=1",
         "rough-conductor:alpha=.3;specular_reflectance=.1,.5,.7",
         "lambert:kd=0.1,0.30000000000000004,1",
         "rough-plastic:",
         "rough-plastic:alpha=.3;distribution=1;eta=1.7;diffuse_reflectance=.1,.2,.3;nonlinear=1",
-        "principled:base_color=.1,.2,.3;roughness=.7;metallic=.1;eta=1.3;spec_tint=.3;sheen=1;sheen_tint=.2;flatness=."
+        "principled:base_color=.1,.2,.3;roughness=.7;anisotropic=.3;metallic=.1;eta=1.3;spec_tint=.3;sheen=1;sheen_"
+        "tint=.2;flatness=."
         "4;"
         "clearcoat=.9;clearcoat_gloss=.6"};
     for (size_t i = 0; i < sizeof specs / sizeof *specs; ++i) {

@@ -14,6 +14,8 @@ static void conductors(void **state) {
     expect_spec("Material \"conductor\" \"float roughness\" 0.25", "pbrt-conductor:roughness=0.25;" COPPER);
     expect_spec("Material \"conductor\" \"float roughness\" [ 0.5 ] \"bool remaproughness\" false",
                 "pbrt-conductor:roughness=0.25;" COPPER);
+    expect_spec("Material \"conductor\" \"float roughness\" .5 \"float vroughness\" .25 \"bool remaproughness\" false",
+                "pbrt-conductor:roughness=0.25,0.0625;" COPPER);
     expect_spec("# a comment \"Material\n Material \"conductor\"\"float uroughness\"[.1]\"float vroughness\"[.1]"
                 "\"rgb eta\" [1 2 3] # more\n \"spectrum k\" \"metal-Al-k\"\nShape \"sphere\"",
                 "pbrt-conductor:roughness=0.1;eta=1,2,3;k=9.2238691996,6.2695232477,4.8370012281");
@@ -29,7 +31,9 @@ static void refused_materials(void **state) {
     static const char *const cases[][2] = {
         {"Material \"conductor\"", "smooth"},
         {"Material \"conductor\" \"float roughness\" 1e-7", "smooth"},
-        {"Material \"conductor\" \"float uroughness\" .1 \"float vroughness\" .2", "anisotropic"},
+        {"Material \"conductor\" \"float uroughness\" .1 \"float vroughness\" 0", "smooth"},
+        {"Material \"conductor\" \"float uroughness\" .1 \"float vroughness\" -.2", "negative"},
+        {"Material \"conductor\" \"float roughness\" .1 \"string vroughness\" \".2\"", "needs a number"},
         {"Material \"conductor\" \"float roughness\" .1 \"spectrum eta\" \"metal-Xx-eta\"", "Au, Be"},
         {"Material \"conductor\" \"float roughness\" .1 \"spectrum eta\" \"metal-Au-k\"", "not known"},
         {"Material \"conductor\" \"float roughness\" .1 \"spectrum eta\" [ 400 1 700 2 ]", "wavelength"},
@@ -97,6 +101,7 @@ static void files_go_there_and_back(void **state) {
     (void)state;
     expect_same("pbrt-conductor:roughness=0.123456789012345;eta=.1,.2,.3;k=3.3333333333333335,2,1e-17", "pbrt");
     expect_same("pbrt-conductor:roughness=1e-6;eta=1;k=200", "pbrt");
+    expect_same("pbrt-conductor:roughness=.1,.333333333333333333;eta=1;k=2", "pbrt");
     expect_same("lambert:kd=0.1,0.30000000000000004,1", "pbrt");
     expect_same("lambert:kd=0.5", "pbrt");
 }

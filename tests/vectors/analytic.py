@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: MIT
 """The analytic BRDFs and presets from their published formulas, in 80-bit floats and in angles (the library uses
-vectors).
+vectors), and BRDFs made of them by turning directions.
 analytic.csv: spec, wi, wo, r, g, b. analytic_albedo.csv: directional albedos by adaptive quadrature: spec, theta_deg, albedo."""
 import csv
 import pathlib
@@ -135,6 +135,71 @@ def smooth(a, kd, ks, b, c, eta):
     return kd / pi + ks * s * dielectric(eta, numpy.arcsin(numpy.sqrt(numpy.sum((wi - wo)**2)) / 2))
 
 
+def at_azimuth(v, x, y):
+    """x cos^2 + y sin^2 of the azimuth of a vector."""
+    phi = numpy.arctan2(v[1], v[0])
+    return x * numpy.cos(phi)**2 + y * numpy.sin(phi)**2
+
+
+def ggx_xy(a, kd, ks, x, y, f0):
+    """The same with two widths: Heitz 2014, equations 80 and 86 for G."""
+    theta_h, theta_d, theta_i, theta_o, wi, wo = a
+    stretched = numpy.tan(theta_h)**2 * at_azimuth(wi + wo, x**-2, y**-2)
+    d = 1 / (pi * x * y * numpy.cos(theta_h)**4 * (1 + stretched)**2)
+    g1 = lambda w, t: 1 / (1 + (numpy.sqrt(1 + at_azimuth(w, x**2, y**2) * numpy.tan(t)**2) - 1) / 2)
+    fresnel = schlick(f0, numpy.cos(theta_d))
+    return kd / pi + ks * d * g1(wi, theta_i) * g1(wo, theta_o) * fresnel / (4 * numpy.cos(theta_i) * numpy.cos(theta_o))
+
+
+def ward_xy(a, kd, ks, x, y):
+    """Ward 1992, equation 5a."""
+    theta_h, _, theta_i, theta_o, wi, wo = a
+    lobe = numpy.exp(-numpy.tan(theta_h)**2 * at_azimuth(wi + wo, x**-2, y**-2)) / (4 * pi * x * y)
+    return kd / pi + ks * lobe / numpy.sqrt(numpy.cos(theta_i) * numpy.cos(theta_o))
+
+
+def ward_duer_xy(a, kd, ks, x, y):
+    return kd / pi + (ward_xy(a, 0, ks, x, y)) / numpy.sqrt(numpy.cos(a[2]) * numpy.cos(a[3]))
+
+
+def ashikhmin_shirley_xy(a, kd, ks, nu, nv, f0):
+    """Ashikhmin and Shirley 2000, equation 4."""
+    theta_h, theta_d, theta_i, theta_o, wi, wo = a
+    lobe = numpy.sqrt((nu + 1) * (nv + 1)) / (8 * pi) * numpy.cos(theta_h)**at_azimuth(wi + wo, nu, nv)
+    return kd / pi + ks * lobe * schlick(f0, numpy.cos(theta_d)) / (numpy.cos(theta_d) * numpy.cos(min(theta_i, theta_o)))
+
+
+def turned(axis, angle, v):
+    """Rodrigues' rotation of v about a unit vector."""
+    return v * numpy.cos(angle) + numpy.cross(axis, v) * numpy.sin(angle) + axis * (axis @ v) * (1 - numpy.cos(angle))
+
+
+Z = numpy.array([0, 0, 1], dtype=real)
+
+
+def rotate(a, deg, model, *parameters):
+    return model(angles(*(turned(Z, -deg * pi / 180, w) for w in a[4:])), *parameters)
+
+
+def tilt(a, deg, azimuth, model, *parameters):
+    axis = turned(Z, azimuth * pi / 180, numpy.array([0, 1, 0], dtype=real))
+    wi, wo = (turned(axis, -deg * pi / 180, w) for w in a[4:])
+    return model(angles(wi, wo), *parameters) * wi[2] / a[4][2] if min(wi[2], wo[2]) > 0 else real(0)
+
+
+def gloss(a, factor, model, *parameters):
+    """The setting of doc/brdf.md: the half vector moves on its meridian, and the pair with it."""
+    theta_h, theta_d, *_, wi, wo = a
+    h = wi + wo
+    phi_h = numpy.arctan2(h[1], h[0])
+    axis = turned(Z, phi_h, numpy.array([0, 1, 0], dtype=real))
+    in_frame = turned(Z, -phi_h, turned(axis, -theta_h, wi))  # of the half vector
+    largest = numpy.arctan2(numpy.cos(theta_d), abs(in_frame[0]))
+    u = theta_h / largest
+    step = largest * factor * u / (1 + (factor - 1) * u) - theta_h
+    return model(angles(*(turned(axis, step, w) for w in (wi, wo))), *parameters)
+
+
 def presets(model):
     path = pathlib.Path("../../presets") / f"{model}.csv"
     rows = csv.reader(line for line in path.open() if not line.startswith("#"))
@@ -171,6 +236,30 @@ for model, formula in lobes.items():
 cases.append(("lafortune:ks=0.4,0.2,0.1;cz=0.8;n=30", lafortune, [real(0), rgb("0.4", "0.2", "0.1"), real(-1), real("0.8"), real(30)]))
 cases.append(("lafortune:ks=1;cxy=-0.5;cz=1;n=2", lafortune, [real(0), real(1), real("-0.5"), real(1), real(2)]))
 cases.append(("smooth:ks=100;B=3e4;C=1.7;eta=1", smooth, [real(0), real(100), real("3e4"), real("1.7"), real(1)]))
+def grey(*values):
+    return [real(v) for v in values]
+
+
+anisotropic = {"ggx": (ggx_xy, "kd=0.1;ks=0.5;alpha={},{};f0=0.3"), "ward": (ward_xy, "kd=0.1;ks=0.5;alpha={},{}"),
+               "ward-duer": (ward_duer_xy, "kd=0.1;ks=0.5;alpha={},{}")}
+for x, y in (("0.001", "0.01"), ("0.03", "0.003"), ("0.1", "0.4"), ("1", "0.1"), ("0.25", "0.2")):
+    for model, (formula, text) in anisotropic.items():
+        cases.append((f"{model}:" + text.format(x, y), formula, grey("0.1", "0.5", x, y, *["0.3"] * (model == "ggx"))))
+for nu, nv in ((100, 10000), (7, 3), (200000, 20000)):
+    cases.append((f"ashikhmin-shirley:ks=0.5;n={nu},{nv};f0=0.3", ashikhmin_shirley_xy, grey(0, "0.5", nu, nv, "0.3")))
+    cases.append((f"low-ashikhmin-shirley:ks=0.5;n={nu},{nv};eta=1.5",
+                  lambda a, nu, nv: ashikhmin_shirley_xy(a, 0, real("0.5"), nu, nv, 1) * dielectric(real("1.5"), a[1]), grey(nu, nv)))
+base, base_values = "ggx:kd=0.1;ks=0.5;alpha=0.1,0.4;f0=0.3", [ggx_xy, *grey("0.1", "0.5", "0.1", "0.4", "0.3")]
+for deg in (30, -75, 200):
+    cases.append((f"rotate:deg={deg};of={base}", rotate, [real(deg), *base_values]))
+for deg, azimuth in ((5, 90), (20, -30), (60, 250), (10, 0)):
+    cases.append((f"tilt:deg={deg};azimuth={azimuth};of={base}", tilt, [real(deg), real(azimuth), *base_values]))
+cases.append(("tilt:deg=25;azimuth=100;of=ward:ks=0.3;alpha=0.4", tilt, [real(25), real(100), ward, *grey(0, "0.3", "0.4")]))
+for factor in ("0.5", "2"):
+    cases.append((f"perturb:gloss={factor};of={base}", gloss, [real(factor), *base_values]))
+cases.append((f"perturb:gloss=2;of=rotate:deg=30;of={base}", gloss, [real(2), rotate, real(30), *base_values]))
+cases.append((f"between:t=0.25;with=(rotate:deg=90;of={base});of={base}",
+              lambda a, *p: real("0.75") * ggx_xy(a, *p) + real("0.25") * rotate(a, real(90), ggx_xy, *p), base_values[1:]))
 
 
 def direction(theta, phi):
@@ -213,7 +302,7 @@ def albedo(lobe, width, theta):
         wo = 2 * cos_d * h - wi
         if wo[2] <= 0 or cos_d <= 0:
             return 0.0
-        a = numpy.arctan(tan_h), numpy.arccos(min(1.0, cos_d)), theta, numpy.arccos(min(1.0, wo[2]))
+        a = numpy.arctan(tan_h), numpy.arccos(min(1.0, cos_d)), theta, numpy.arccos(min(1.0, wo[2])), wi, wo
         return float(lobe(a) * wo[2] * 4 * cos_d * tan_h**2 * cos_h**3)  # sin(theta_h) dtheta_h/dlog_tan
     bounds = numpy.log(width * 1e-4), numpy.log(1e4)
     return 2 * integrate.dblquad(integrand, 0, numpy.pi, *bounds, epsabs=1e-6, epsrel=1e-5)[0]
@@ -228,3 +317,9 @@ with open("analytic_albedo.csv", "w") as out:
     for theta in (0, 60):
         value = albedo(lambda a: ward(a, 0.0, 0.5, 0.1), 0.1, numpy.radians(theta))
         out.write(f'"ward:ks=0.5;alpha=0.1",{theta},{value:.7f}\n')
+    for x, y in ((0.001, 0.01), (0.5, 0.05)):
+        for theta in (0, 60):
+            value = albedo(lambda a: ggx_xy(a, 0, 1, x, y, 1), min(x, y), numpy.radians(theta))
+            out.write(f'"ggx:f0=1;alpha={x},{y}",{theta},{value:.7f}\n')
+    value = albedo(lambda a: ward_xy(a, 0.0, 1, 0.01, 0.1), 0.01, 0.0)
+    out.write(f'"ward:ks=1;alpha=0.01,0.1",0,{value:.7f}\n')

@@ -9,22 +9,21 @@ import xml.etree.ElementTree
 
 # inputs that must keep the defaults of the definition
 NEUTRAL = {
-    "open_pbr_surface": "specular_roughness_anisotropy transmission_weight subsurface_weight thin_film_weight "
+    "open_pbr_surface": "transmission_weight subsurface_weight thin_film_weight "
                         "emission_luminance geometry_opacity",
-    "standard_surface": "specular_anisotropy transmission subsurface thin_film_thickness emission opacity",
-    "gltf_pbr": "transmission alpha_mode iridescence emissive anisotropy_strength",
+    "standard_surface": "transmission subsurface thin_film_thickness emission opacity",
+    "gltf_pbr": "transmission alpha_mode iridescence emissive",
     "UsdPreviewSurface": "emissiveColor opacity displacement",
-    "disney_principled": "anisotropic specTrans subsurface",
+    "disney_principled": "specTrans subsurface",
 }
 # inputs that a BRDF needs as numbers, by the beginning of their names
 NEEDED = {
     "open_pbr_surface": "base_ specular_ fuzz_ coat_",
     "standard_surface": "base diffuse_ metalness specular sheen coat",
-    "gltf_pbr": "base_color metallic roughness ior specular clearcoat sheen_",
+    "gltf_pbr": "base_color metallic roughness ior specular clearcoat sheen_ anisotropy",
     "UsdPreviewSurface": "diffuseColor useSpecularWorkflow specularColor metallic roughness clearcoat ior",
-    "disney_principled": "baseColor metallic roughness specular sheen clearcoat",
+    "disney_principled": "baseColor metallic roughness anisotropic specular sheen clearcoat",
 }
-NO_EFFECT = "specular_rotation coat_rotation".split()
 # ACES AP1 (D60) to BT.709 (D65), Bradford
 AP1 = [[1.70505, -0.62179, -0.08326], [-0.13026, 1.14080, -0.01055], [-0.02400, -0.12897, 1.15297]]
 
@@ -43,10 +42,9 @@ def verdict(shader, space, defaults):
             return name
         if name in NEUTRAL[kind].split() and (connected(i) or numbers(i.get("value")) != numbers(defaults[kind][name])):
             return name
-        if name in ("coat_anisotropy", "coat_roughness_anisotropy"):
-            if numbers(i.get("value")) != [0] and numbers(value.get("coat", value.get("coat_weight", "0"))) != [0]:
-                return name
-        if name in NO_EFFECT or not any(name.startswith(n) for n in NEEDED[kind].split()):
+        if "tangent" in name and any(numbers(v) != [0] for k, v in value.items() if "anisotrop" in k):
+            return name
+        if not any(name.startswith(n) for n in NEEDED[kind].split()):
             continue
         if connected(i):
             return name

@@ -52,6 +52,28 @@ def ggx_lambda(theta, alpha):
     return (numpy.sqrt(1 + (alpha * numpy.tan(theta))**2) - 1) / 2
 
 
+def lobe(wi, wo, ax, ay, distribution, correlated):
+    """D G with two widths, from vectors: Walter et al. 2007 and Heitz 2014."""
+    wi, wo = (v.astype(real) / numpy.sqrt(v.astype(real) @ v) for v in (wi, wo))
+    h = wi + wo
+    slopes = (h[0] / h[2] / ax)**2 + (h[1] / h[2] / ay)**2
+    cos_h = h[2] / numpy.sqrt(h @ h)
+    d = (1 / (1 + slopes)**2 if distribution else numpy.exp(-slopes)) / (pi * ax * ay * cos_h**4)
+    tans = [numpy.sqrt((ax * w[0])**2 + (ay * w[1])**2) / w[2] for w in (wi, wo)]  # alpha tan
+    if distribution:
+        lambdas = [(numpy.sqrt(1 + t**2) - 1) / 2 for t in tans]
+        return d / (1 + sum(lambdas)) if correlated else d / (1 + lambdas[0]) / (1 + lambdas[1])
+    for t in tans:
+        d = d * beckmann_g1(numpy.arctan(t), real(1))
+    return d
+
+
+def anisotropic(wi, wo, ax, ay, distribution, correlated, eta, k, specular):
+    ti, to, th, td = geometry(wi, wo)
+    dg = lobe(wi, wo, real(ax), real(ay), distribution, correlated)
+    return [s * dg * fresnel(e, q, td) / (4 * numpy.cos(ti) * numpy.cos(to)) for e, q, s in zip(eta, k, specular)]
+
+
 def mitsuba(wi, wo, alpha, distribution, eta, k, specular):
     ti, to, th, td = geometry(wi, wo)
     alpha = real(alpha)
@@ -85,16 +107,25 @@ def rgb(v):
 
 
 rows = []
-for case in range(24):
+for case in range(48):
     alpha = float(10**rng.uniform(-2.5, 0))
     eta, k, specular = rng.uniform(0.05, 4, 3), rng.uniform(0.5, 7, 3), rng.uniform(0.1, 1, 3)
     if case < 16:
         distribution = case % 2
         spec = f"rough-conductor:alpha={alpha!r};distribution={distribution};eta={rgb(eta)};k={rgb(k)};specular_reflectance={rgb(specular)}"
         values = lambda wi, wo: mitsuba(wi, wo, alpha, distribution, eta, k, specular)
-    else:
+    elif case < 24:
         spec = f"pbrt-conductor:roughness={alpha!r};eta={rgb(eta)};k={rgb(k)}"
         values = lambda wi, wo: pbrt(wi, wo, alpha, eta, k)
+    else:
+        x, y = sorted((alpha, float(alpha * rng.uniform(0.1, 1))), reverse=case % 2 == 0)
+        x, y = max(x, 0.002), max(y, 0.002)
+        if case % 3 < 2:
+            spec = f"rough-conductor:alpha={x!r},{y!r};distribution={case % 3};eta={rgb(eta)};k={rgb(k)};specular_reflectance={rgb(specular)}"
+            values = lambda wi, wo: anisotropic(wi, wo, x, y, case % 3, False, eta, k, specular)
+        else:
+            spec = f"pbrt-conductor:roughness={x!r},{y!r};eta={rgb(eta)};k={rgb(k)}"
+            values = lambda wi, wo: anisotropic(wi, wo, numpy.sqrt(real(x)), numpy.sqrt(real(y)), 1, True, eta, k, numpy.ones(3))
     for wi, wo in pairs(alpha, 8):
         rows.append([spec, *map(repr, map(float, wi)), *map(repr, map(float, wo)), *(f"{float(v):.17g}" for v in values(wi, wo))])
 

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: MIT
 """The material of glTF 2.0 from its specification: Appendix B (as of December 2025, with height-correlated shadowing),
-KHR_materials_specular, _ior, _sheen and _clearcoat, in 80-bit floats from angles. The albedo of the sheen is that of
+KHR_materials_specular, _ior, _anisotropy, _sheen and _clearcoat, in 80-bit floats from angles. The albedo of the sheen is that of
 presets/sheen_albedo.txt (made by sheen_albedo.py), interpolated here by Lagrange's and Hermite's formulas.
 shading_gltf.csv: spec, wi, wo, r, g, b."""
 import csv
@@ -32,6 +32,20 @@ def ggx(ti, to, th, roughness):
     d = alpha**2 / (pi * numpy.cos(th)**4 * (alpha**2 + numpy.tan(th)**2)**2)
     shadowing = [(numpy.sqrt(1 + (alpha * numpy.tan(t))**2) - 1) / 2 for t in (ti, to)]
     return d / (1 + sum(shadowing)) / (4 * numpy.cos(ti) * numpy.cos(to))
+
+
+def anisotropic_ggx(wi, wo, roughness, strength, rotation):
+    """V D of KHR_materials_anisotropy, from vectors and without the clamp of V to 1."""
+    wi, wo = (v.astype(real) / numpy.sqrt((v.astype(real)**2).sum()) for v in (wi, wo))
+    h = (wi + wo) / numpy.sqrt((wi + wo) @ (wi + wo))
+    n, t = numpy.array([0, 0, 1], real), numpy.array([numpy.cos(real(rotation)), numpy.sin(real(rotation)), 0])
+    b = numpy.cross(n, t)
+    ab = max(real(roughness)**2, real("1e-4"))
+    at = ab * (1 - real(strength)**2) + real(strength)**2
+    f = numpy.array([ab * (t @ h), at * (b @ h), at * ab * (n @ h)])
+    d = at * ab * (at * ab / (f @ f))**2 / pi
+    length = lambda v: numpy.sqrt((at * (t @ v))**2 + (ab * (b @ v))**2 + (n @ v)**2)
+    return d * real("0.5") / ((n @ wi) * length(wo) + (n @ wo) * length(wi))
 
 
 def schlick(f0, f90, cosine):
@@ -71,6 +85,8 @@ def gltf(wi, wo, m):
     f0 = numpy.minimum(((ior - 1) / (ior + 1))**2 * m["specular_color"], 1) * m["specular"]
     f = schlick(f0, m["specular"], numpy.cos(td))
     lobe = ggx(ti, to, th, m["roughness"])
+    if "anisotropy_strength" in m:
+        lobe = anisotropic_ggx(wi, wo, m["roughness"], m["anisotropy_strength"], m["anisotropy_rotation"])
     dielectric = f * lobe + (1 - f.max()) * m["base_color"] / pi
     metal = schlick(m["base_color"], 1, numpy.cos(td)) * lobe
     material = (1 - m["metallic"]) * dielectric + m["metallic"] * metal
@@ -135,6 +151,12 @@ def materials(rng):
         if i % 7 < 3:
             m["clearcoat"] = 0
         yield m, list(DEFAULTS)
+    for i in range(20):
+        m = dict(DEFAULTS, metallic=i % 2, base_color=rng.uniform(0.05, 1, 3), roughness=float(rng.uniform(0.1, 1)),
+                 anisotropy_strength=float(rng.uniform(0, 1)), anisotropy_rotation=float(rng.uniform(0, 2 * numpy.pi)))
+        if i % 5 == 0:
+            m.update(clearcoat=0.7, clearcoat_roughness=0.2, sheen_color=[.2, .3, .4], sheen_roughness=0.5)
+        yield m, list(m)
 
 
 if __name__ == "__main__":

@@ -33,6 +33,7 @@ class Pair:
         h = (wi + wo) / sqrt((wi + wo) @ (wi + wo))
         polar = lambda v: numpy.arctan2(numpy.hypot(v[0], v[1]), v[2])
         self.i, self.o, self.h = polar(wi), polar(wo), polar(h)
+        self.half = h
         self.d = numpy.arctan2(sqrt((wi - wo) @ (wi - wo)) / 2, wi @ h)
         self.phi = numpy.arctan2(wi[1], wi[0]) - numpy.arctan2(wo[1], wo[0])
         self.dot = wi @ wo
@@ -41,14 +42,37 @@ class Pair:
 # ---- nodes: each returns f_r and throughput -------------------------------------------------------------------------
 
 
+class Roughness:
+    """The inputs `roughness` (clamped) and `tangent` of a microfacet node."""
+
+    def __init__(self, x, y, tangent):
+        self.x, self.y = (minimum(maximum(v, real("1e-4")), 1) for v in (x, y))
+        self.mean = sqrt(self.x * self.y)
+        self.tangent = tangent
+
+
 def alpha(roughness):
-    return minimum(maximum(roughness**2, real("1e-4")), 1)
+    return Roughness(roughness**2, roughness**2, numpy.array([1, 0, 0], real))
 
 
-def ggx(p, a):
+def roughness_anisotropy(roughness, anisotropy, turns=real(0)):
+    """With the tangent by rotate3d, which is a row vector times Rodrigues' matrix."""
+    axis, tangent = numpy.array([0, 0, 1], real), numpy.array([1, 0, 0], real)
+    tangent = tangent * cos(2 * pi * turns) + numpy.cross(tangent, axis) * sin(2 * pi * turns)
+    squared, aspect = minimum(maximum(roughness**2, real("1e-4")), 1), sqrt(1 - minimum(anisotropy, real("0.98")))
+    return Roughness(minimum(squared / aspect, 1), squared * aspect, tangent)
+
+
+def open_pbr_anisotropy(roughness, anisotropy):
+    x = roughness**2 * sqrt(2 / (1 + (1 - anisotropy)**2))
+    return Roughness(x, (1 - anisotropy) * x, numpy.array([1, 0, 0], real))
+
+
+def ggx(p, roughness):
     """Microfacet BRDF without F, from the GGX distribution and the height-correlated Smith function."""
-    hx, hz = sin(p.h), cos(p.h)
-    d = 1 / (pi * a * a * ((hx / a)**2 + hz**2)**2)
+    hx, hy = p.half @ roughness.tangent, p.half @ numpy.cross(numpy.array([0, 0, 1], real), roughness.tangent)
+    d = 1 / (pi * roughness.x * roughness.y * ((hx / roughness.x)**2 + (hy / roughness.y)**2 + cos(p.h)**2)**2)
+    a = roughness.mean
     lam = lambda t: sqrt(a**2 + (1 - a**2) * cos(t)**2)
     g2 = 2 * cos(p.i) * cos(p.o) / (lam(p.o) * cos(p.i) + lam(p.i) * cos(p.o))
     return d * g2 / (4 * cos(p.i) * cos(p.o))
@@ -56,7 +80,7 @@ def ggx(p, a):
 
 def ggx_albedo(p, a):
     """The rational fit of the GLSL generator: factors of F0 and F90."""
-    x, y = cos(p.o), a
+    x, y = cos(p.o), a.mean
     rows = [("0.1003", "0.9345", "1", "1"), ("-0.6303", "-2.323", "-1.765", "0.2281"), ("9.748", "2.229", "8.263", "15.94"),
             ("-2.038", "-3.748", "11.53", "-55.83"), ("29.34", "1.424", "28.96", "13.08"),
             ("-8.245", "-0.7684", "-7.507", "41.26"), ("-26.44", "1.436", "-36.11", "54.9"),
@@ -184,39 +208,43 @@ def times(node, color):
 
 def open_pbr(p, v):
     widened = minimum(1, 2 * v.coat_roughness**4 + v.specular_roughness**4)**(1 / real(4))
-    rough = lerp(v.specular_roughness, widened, v.coat_weight)
+    rough = open_pbr_anisotropy(lerp(v.specular_roughness, widened, v.coat_weight), v.specular_roughness_anisotropy)
     ratio = v.specular_ior / v.coat_ior
     eta = lerp(v.specular_ior, ratio if ratio > 1 else 1 / ratio, v.coat_weight)
     e = numpy.sign(eta - 1) * sqrt(minimum(v.specular_weight * ((eta - 1) / (eta + 1))**2, real("0.99999")))
     diffuse = eon(p, v.base_weight, v.base_color, v.base_diffuse_roughness)
-    base = layer(dielectric(p, 1, v.specular_color, (1 + e) / (1 - e), alpha(rough)), diffuse)
-    metal = schlick(p, v.specular_weight, v.base_color * v.base_weight, v.specular_color, alpha(rough))
+    base = layer(dielectric(p, 1, v.specular_color, (1 + e) / (1 - e), rough), diffuse)
+    metal = schlick(p, v.specular_weight, v.base_color * v.base_weight, v.specular_color, rough)
     base = mix(base, metal, v.base_metalness)
     f0 = ((v.coat_ior - 1) / (v.coat_ior + 1))**2
     k = 1 - (1 - f0) / v.coat_ior**2
     e_base = lerp(v.base_color, v.base_color * v.specular_weight, v.base_metalness)
     base = times(base, lerp(white, (1 - k) / (1 - e_base * k), v.coat_weight * v.coat_darkening))
     base = times(base, lerp(white, v.coat_color, v.coat_weight))
-    base = layer(dielectric(p, v.coat_weight, white, v.coat_ior, alpha(v.coat_roughness)), base)
+    coat = open_pbr_anisotropy(v.coat_roughness, v.coat_roughness_anisotropy)
+    base = layer(dielectric(p, v.coat_weight, white, v.coat_ior, coat), base)
     return layer(zeltner(p, v.fuzz_weight, v.fuzz_color, v.fuzz_roughness), base)[0]
 
 
 def standard_surface(p, v):
-    rough = alpha(lerp(v.specular_roughness, 1, v.coat_affect_roughness * v.coat * v.coat_roughness))
+    rough = roughness_anisotropy(lerp(v.specular_roughness, 1, v.coat_affect_roughness * v.coat * v.coat_roughness),
+                                 v.specular_anisotropy, v.specular_rotation)
     diffuse = oren_nayar(p, v.base, v.base_color**(1 + v.coat * v.coat_affect_color), v.diffuse_roughness)
     base = layer(conty_kulla(p, v.sheen, v.sheen_color, v.sheen_roughness), diffuse)
     base = layer(dielectric(p, v.specular, v.specular_color, v.specular_IOR, rough), base)
     eta, kappa = artistic_ior(v.base_color * v.base, v.specular_color * v.specular)
     base = times(mix(base, conductor(p, eta, kappa, rough), v.metalness), lerp(white, v.coat_color, v.coat))
-    return layer(dielectric(p, v.coat, white, v.coat_IOR, alpha(v.coat_roughness)), base)[0]
+    coat = roughness_anisotropy(v.coat_roughness, v.coat_anisotropy, v.coat_rotation)
+    return layer(dielectric(p, v.coat, white, v.coat_IOR, coat), base)[0]
 
 
 def disney(p, v):
     base = layer(conty_kulla(p, v.sheen, lerp(white, v.baseColor, v.sheenTint), real("0.3")),
                  burley(p, 1 - v.metallic, v.baseColor, v.roughness))
     tint = lerp(white, v.baseColor, v.specularTint)
-    base = layer(schlick(p, v.specular * real("0.08"), tint, white, alpha(v.roughness)), base)
-    base = mix(base, schlick(p, 1, v.baseColor, white, alpha(v.roughness)), v.metallic)
+    rough = roughness_anisotropy(v.roughness, v.anisotropic)
+    base = layer(schlick(p, v.specular * real("0.08"), tint, white, rough), base)
+    base = mix(base, schlick(p, 1, v.baseColor, white, rough), v.metallic)
     return layer(schlick(p, v.clearcoat * real("0.04"), white, white, alpha(1 - v.clearcoatGloss)), base)[0]
 
 
@@ -255,12 +283,23 @@ KEYS = {
 }
 
 
+ANISOTROPY = {
+    "open-pbr": {"specular_roughness_anisotropy": (1, 0, 1), "coat_roughness_anisotropy": (1, 0, 1)},
+    "standard-surface": {"specular_anisotropy": (1, 0, 1), "specular_rotation": (1, 0, 1), "coat_anisotropy": (1, 0, 1),
+                         "coat_rotation": (1, 0, 1)},
+    "disney": {"anisotropic": (1, 0, 1)},
+}
+
+
 class Values:
     pass
 
 
 def draw(keys):
     values, text = Values(), []
+    for extra in ANISOTROPY.values():
+        for name in extra:
+            setattr(values, name, real(0))
     for name, (n, low, high) in keys.items():
         v = numpy.round(rng.uniform(low, high, n), 3)
         if rng.uniform() < 0.25:
@@ -286,6 +325,16 @@ def near_mirror(wo):
     return w / numpy.linalg.norm(w)
 
 
+def write_rows(out, model, function, keys):
+    for _ in range(60):
+        values, text = draw(keys)
+        for k in range(2):
+            wo = direction()
+            wi = near_mirror(wo) if k else direction()
+            f = function(Pair(wi, wo), values)
+            out.writerow([model + ":" + text, *map(float, wi), *map(float, wo), *map(float, f)])
+
+
 def main():
     path = pathlib.Path(__file__).with_suffix(".csv")
     with open(path, "w", newline="") as file:
@@ -293,13 +342,9 @@ def main():
         out = csv.writer(file, lineterminator="\n", quoting=csv.QUOTE_NONNUMERIC)
         file.write("spec,wix,wiy,wiz,wox,woy,woz,r,g,b\n")
         for model, (function, keys) in KEYS.items():
-            for _ in range(60):
-                values, text = draw(keys)
-                for k in range(2):
-                    wo = direction()
-                    wi = near_mirror(wo) if k else direction()
-                    f = function(Pair(wi, wo), values)
-                    out.writerow([model + ":" + text, *map(float, wi), *map(float, wo), *map(float, f)])
+            write_rows(out, model, function, keys)
+        for model, extra in ANISOTROPY.items():
+            write_rows(out, model, KEYS[model][0], {**KEYS[model][1], **extra})
 
 
 main()

@@ -34,7 +34,24 @@ def g1(alpha, theta):
     return 2 / (1 + numpy.sqrt(1 + (alpha * numpy.tan(theta))**2))
 
 
-def principled(wi, wo, base_color, roughness, metallic, eta, spec_tint, sheen, sheen_tint, flatness, clearcoat, clearcoat_gloss):
+def half_vector(wi, wo):
+    h = wi.astype(real) / numpy.sqrt(wi.astype(real) @ wi) + wo.astype(real) / numpy.sqrt(wo.astype(real) @ wo)
+    return h / numpy.sqrt(h @ h)
+
+
+def anisotropic_ggx(wi, wo, roughness, anisotropic):
+    """D G1 G1 of Walter et al. in the form with two widths of Heitz 2014, from vectors."""
+    aspect = numpy.sqrt(1 - real("0.9") * anisotropic)
+    ax, ay = (max(real("0.001"), real(roughness)**2 * s) for s in (1 / aspect, aspect))
+    h = half_vector(wi, wo)
+    d = 1 / (pi * ax * ay * ((h[0] / ax)**2 + (h[1] / ay)**2 + h[2]**2)**2)
+    for w in (wi.astype(real), wo.astype(real)):
+        d = d * 2 / (1 + numpy.sqrt(1 + ((ax * w[0])**2 + (ay * w[1])**2) / w[2]**2))
+    return d
+
+
+def principled(wi, wo, base_color, roughness, metallic, eta, spec_tint, sheen, sheen_tint, flatness, clearcoat, clearcoat_gloss,
+               anisotropic=None):
     ti, to, th, td = geometry(wi, wo)
     ci, co, ch, cd = (numpy.cos(x) for x in (ti, to, th, td))
     base = base_color.astype(real)
@@ -47,7 +64,8 @@ def principled(wi, wo, base_color, roughness, metallic, eta, spec_tint, sheen, s
     r0 = ((real(eta) - 1) / (real(eta) + 1))**2 * tint
     schlick = lambda f0: f0 + (1 - f0) * weight(cd)
     f = (1 - metallic) * (1 - spec_tint) * fresnel(real(eta), td) + metallic * schlick(base) + (1 - metallic) * spec_tint * schlick(r0)
-    value = f * d * g1(alpha, ti) * g1(alpha, to) / (4 * ci * co)
+    dg = d * g1(alpha, ti) * g1(alpha, to) if anisotropic is None else anisotropic_ggx(wi, wo, roughness, anisotropic)
+    value = f * dg / (4 * ci * co)
     # clearcoat: GTR of exponent 1
     a = real("0.1") + (real("0.001") - real("0.1")) * clearcoat_gloss
     d = (a**2 - 1) / (2 * pi * numpy.log(a) * (numpy.sin(th)**2 + a**2 * ch**2))
@@ -74,10 +92,12 @@ def pairs(n):
 
 KEYS = "base_color roughness metallic eta spec_tint sheen sheen_tint flatness clearcoat clearcoat_gloss".split()
 rows = []
-for case in range(20):
+for case in range(40):
     values = {k: float(rng.uniform()) if rng.uniform() < 0.7 else float(rng.integers(2)) for k in KEYS}
     values["eta"] = float(rng.uniform(1.05, 2.5))
     values["base_color"] = rng.uniform(size=3) if case else numpy.zeros(3)
+    if case >= 20:
+        values["anisotropic"] = float(rng.uniform()) if case % 5 else 1.0
     spec = "principled:" + ";".join(
         f"{k}={','.join(repr(float(x)) for x in v) if k == 'base_color' else repr(v)}" for k, v in values.items())
     for wi, wo in pairs(8):

@@ -13,13 +13,17 @@
 #include <math.h>
 
 enum { N_WIDTHS = 8, BLOCK = 128 };
-/* Fibonacci numbers: their lattices cover the square evenly. */
-enum { LATTICE_COSINE = 987, LATTICE_COSINE_STEP = 610, LATTICE_LOBE = 377, LATTICE_LOBE_STEP = 233 };
+/* Points of a set and the step between them: neighbouring Fibonacci numbers, whose lattices cover the square evenly. Anisotropic
+ * lobes are narrow in azimuth, too. */
+typedef struct lattice {
+    size_t n, step;
+} lattice;
+static const lattice cosine_lattice = {987, 610}, lobe_lattice = {377, 233}, anisotropic_lobe_lattice = {2584, 1597};
 static const double widths[N_WIDTHS] = {1e-4, 3.5e-4, 1.2e-3, 4.2e-3, 0.015, 0.05, 0.18, 0.65};
 
 /* Expected number of samples per unit solid angle at wo: the sum of n p over all sets. A lobe's set has the GGX density
  * of normals times the cosine of the normal; the Jacobian of the reflection is 4 cos theta_d = 2 |wi + wo|. */
-static double mixture_density(const double *wi, const double *wo) {
+static double mixture_density(const lattice *lobe, const double *wi, const double *wo) {
     double x = wi[0] + wo[0], y = wi[1] + wo[1], z = wi[2] + wo[2];
     double xy = x * x + y * y, length2 = xy + z * z;
     double sum = 0;
@@ -28,7 +32,7 @@ static double mixture_density(const double *wi, const double *wo) {
         double spread = (w2 * z * z + xy) / length2; /* cos^2 theta_h (alpha^2 + tan^2 theta_h) */
         sum += w2 / (spread * spread);
     }
-    return LATTICE_LOBE * sum * z / (NQM_PI * 2 * length2) + LATTICE_COSINE * wo[2] / NQM_PI;
+    return (double)lobe->n * sum * z / (NQM_PI * 2 * length2) + (double)cosine_lattice.n * wo[2] / NQM_PI;
 }
 
 /* Map a point (u, v) of the unit square to a viewer direction; false when it is below the horizon. set 0: cosine
@@ -53,6 +57,7 @@ static bool place_viewer(int set, const double *wi, double u, double v, double *
 /* Directions collected for one call of the BRDF. */
 typedef struct batch {
     const nqm_brdf *brdf;
+    const lattice *lobe;
     size_t n;
     double wi[3 * BLOCK], wo[3 * BLOCK], rgb[3 * BLOCK];
     double sum[3];
@@ -63,7 +68,7 @@ typedef struct batch {
 static void flush(batch *b) {
     nqm_brdf_eval(b->brdf, b->n, b->wi, b->wo, b->rgb, NULL);
     for (size_t i = 0; i < b->n; ++i) {
-        double weight = b->wo[3 * i + 2] / mixture_density(b->wi + 3 * i, b->wo + 3 * i);
+        double weight = b->wo[3 * i + 2] / mixture_density(b->lobe, b->wi + 3 * i, b->wo + 3 * i);
         b->lambert += weight / NQM_PI;
         for (size_t c = 0; c < 3; ++c) {
             b->sum[c] += weight * b->rgb[3 * i + c];
@@ -75,15 +80,17 @@ static void flush(batch *b) {
 
 void nqm_brdf_albedo(const nqm_brdf *brdf, double theta_i_rad, uint64_t seed, double *rgb) {
     assert(brdf && rgb);
-    batch b = {.brdf = brdf, .lowest = {INFINITY, INFINITY, INFINITY}};
+    batch b = {.brdf = brdf,
+               .lobe = brdf->info.isotropic ? &lobe_lattice : &anisotropic_lobe_lattice,
+               .lowest = {INFINITY, INFINITY, INFINITY}};
     double wi[3];
     nqm_spherical(theta_i_rad, 0, wi);
     for (int set = 0; set <= N_WIDTHS; ++set) {
         nqm_rng rng = nqm_rng_make(seed, (uint64_t)set);
         double turn = nqm_rng_uniform(&rng);
-        size_t n = set ? LATTICE_LOBE : LATTICE_COSINE, step = set ? LATTICE_LOBE_STEP : LATTICE_COSINE_STEP;
-        for (size_t i = 0; i < n; ++i) {
-            double u = ((double)i + 0.5) / (double)n, v = (double)(i * step % n) / (double)n + turn;
+        const lattice *l = set ? b.lobe : &cosine_lattice;
+        for (size_t i = 0; i < l->n; ++i) {
+            double u = ((double)i + 0.5) / (double)l->n, v = (double)(i * l->step % l->n) / (double)l->n + turn;
             if (!place_viewer(set, wi, u, v, b.wo + 3 * b.n))
                 continue;
             for (size_t a = 0; a < 3; ++a)

@@ -91,8 +91,9 @@ static void add_visibility_slopes(const double *w, double visibility, double *sl
 /* d log D / d alpha^2 along both axes; h2 is that along the half vector's azimuth a. */
 static void distribution_slopes(widths alpha2, double tan2_h, double h2, azimuth a, double *slopes) {
     const double by_h2 = 2 * tan2_h * h2 / (tan2_h + h2);
-    slopes[0] = by_h2 * a.cos2 / (alpha2.x2 * alpha2.x2) - 0.5 / alpha2.x2;
-    slopes[1] = by_h2 * a.sin2 / (alpha2.y2 * alpha2.y2) - 0.5 / alpha2.y2;
+    const double x = 1 / alpha2.x2, y = 1 / alpha2.y2;
+    slopes[0] = by_h2 * a.cos2 * (x * x) - 0.5 * x;
+    slopes[1] = by_h2 * a.sin2 * (y * y) - 0.5 * y;
 }
 
 /* D V V. slopes: NULL, or (2) receives d log lobe / d alpha^2 along both axes. */

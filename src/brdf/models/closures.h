@@ -23,6 +23,7 @@ typedef struct geometry {
     double cos_i, cos_o;  /**< cosines of light and viewer with the normal */
     double cos_io, cos_d; /**< between both; between each and the half vector */
     double tan2_h;
+    const double *wi, *wo;
 } geometry;
 
 INLINED geometry geometry_of(const double *wi, const double *wo) {
@@ -31,7 +32,9 @@ INLINED geometry geometry_of(const double *wi, const double *wo) {
                       .cos_o = wo[2],
                       .cos_io = wi[0] * wo[0] + wi[1] * wo[1] + wi[2] * wo[2],
                       .cos_d = h.cos_d,
-                      .tan2_h = h.tan2_h};
+                      .tan2_h = h.tan2_h,
+                      .wi = wi,
+                      .wo = wo};
 }
 
 /** What a node gives: f_r (1/sr), and the fraction of light that reaches a node below it. */
@@ -64,9 +67,26 @@ INLINED double clamp01(double v) {
     return fmin(fmax(v, 0), 1);
 }
 
-/** alpha of a perceptual roughness. */
-INLINED double alpha_of(double roughness) {
-    return fmin(fmax(roughness * roughness, MIN_ALPHA), 1);
+/** The widths of a lobe. */
+typedef struct lobe_shape {
+    turned_widths widths;
+    double xy, mean; /**< alpha_x alpha_y, and its square root */
+} lobe_shape;
+
+/** The widths are moved into the range of alpha. Equal ones have their square as xy, to the last bit. */
+INLINED lobe_shape lobe_of(double x, double y, double turn_rad) {
+    const double ax = fmin(fmax(x, MIN_ALPHA), 1), ay = fmin(fmax(y, MIN_ALPHA), 1), xy = ax * ay;
+    return (lobe_shape){turned_widths_of(ax * ax, ay * ay, turn_rad), xy, sqrt(xy)};
+}
+
+INLINED lobe_shape round_lobe(double roughness) {
+    return lobe_of(roughness * roughness, roughness * roughness, 0);
+}
+
+/** The node roughness_anisotropy. */
+INLINED lobe_shape roughness_anisotropy(double roughness, double anisotropy, double turn_rad) {
+    const double alpha = fmin(fmax(roughness * roughness, MIN_ALPHA), 1), aspect = sqrt(1 - fmin(anisotropy, 0.98));
+    return lobe_of(alpha / aspect, alpha * aspect, turn_rad);
 }
 
 INLINED double f0_of_ior(double ior) {
@@ -81,8 +101,9 @@ typedef struct microfacet {
     double scatter;   /**< (1 - E) / E with E = albedo[0] + albedo[1] */
 } microfacet;
 
-INLINED microfacet microfacet_of(const geometry *g, double alpha) {
-    const double x = g->cos_o, y = alpha, x2 = x * x, y2 = y * y;
+/** As the specification says, shadowing and albedos of an anisotropic lobe are those of its mean width. */
+INLINED microfacet microfacet_of(const geometry *g, const lobe_shape *lobe) {
+    const double x = g->cos_o, y = lobe->mean, x2 = x * x, y2 = y * y;
     const double terms[9] = {1, x, y, x * y, x2, y2, x2 * y, x * y2, x2 * y2};
     static const double fit[4][9] = {
         {0.1003, -0.6303, 9.748, -2.038, 29.34, -8.245, -26.44, 19.99, -5.448},
@@ -94,7 +115,9 @@ INLINED microfacet microfacet_of(const geometry *g, double alpha) {
     for (size_t r = 0; r < 4; ++r)
         for (size_t t = 0; t < 9; ++t)
             sum[r] += fit[r][t] * terms[t];
-    microfacet m = {.f = correlated_ggx(g->tan2_h, g->cos_i, g->cos_o, equal_widths(alpha * alpha)),
+    pair_widths a = turned_pair_widths(&lobe->widths, g->wi, g->wo);
+    a.i2 = a.o2 = lobe->xy;
+    microfacet m = {.f = correlated_ggx(g->tan2_h, g->cos_i, g->cos_o, a),
                     .albedo = {clamp01(sum[0] / sum[2]), clamp01(sum[1] / sum[3])}};
     double e = m.albedo[0] + m.albedo[1];
     m.scatter = (1 - e) / e;

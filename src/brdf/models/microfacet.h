@@ -26,7 +26,7 @@ static inline half_angles half_angles_of(const double *wi, const double *wo) {
     return (half_angles){.tan2_h = xy / (z * z), .cos_d = fmin(1, 0.5 * sqrt(xy + z * z))};
 }
 
-/* ---- anisotropy: Heitz 2014, section 5.3 (https://jcgt.org/published/0003/02/03/) --------------------------------- */
+/* ---- anisotropy: Heitz 2014, equation 80 (https://jcgt.org/published/0003/02/03/) ---------------------------------- */
 
 /** cos^2 and sin^2 of an azimuth. */
 typedef struct azimuth {
@@ -35,8 +35,8 @@ typedef struct azimuth {
 
 /** The azimuth of (x, y); that of the tangent for (0, 0). */
 static inline azimuth azimuth_of(double x, double y) {
-    double x2 = x * x, y2 = y * y, xy = x2 + y2;
-    return xy > 0 ? (azimuth){x2 / xy, y2 / xy} : (azimuth){1, 0};
+    double x2 = x * x, y2 = y * y, xy = x2 + y2, inverse = 1 / xy;
+    return xy > 1e-300 ? (azimuth){x2 * inverse, y2 * inverse} : (azimuth){1, 0};
 }
 
 static inline azimuth half_azimuth(const double *wi, const double *wo) {
@@ -73,6 +73,25 @@ static inline pair_widths pair_widths_of(widths a, const double *wi, const doubl
                          .density = h2 / sqrt(a.x2 * a.y2),
                          .i2 = along(azimuth_of(wi[0], wi[1]), a.x2, a.y2),
                          .o2 = along(azimuth_of(wo[0], wo[1]), a.x2, a.y2)};
+}
+
+/** Widths of a tangent that is turned about the normal. */
+typedef struct turned_widths {
+    widths widths;
+    double cos_turn, sin_turn;
+} turned_widths;
+
+static inline turned_widths turned_widths_of(double x2, double y2, double turn_rad) {
+    return (turned_widths){{x2, y2}, cos(turn_rad), sin(turn_rad)};
+}
+
+static inline pair_widths turned_pair_widths(const turned_widths *t, const double *wi, const double *wo) {
+    if (t->widths.x2 == t->widths.y2)
+        return equal_widths(t->widths.x2);
+    const double c = t->cos_turn, s = t->sin_turn;
+    const double in[2] = {c * wi[0] + s * wi[1], c * wi[1] - s * wi[0]};
+    const double out[2] = {c * wo[0] + s * wo[1], c * wo[1] - s * wo[0]};
+    return pair_widths_of(t->widths, in, out);
 }
 
 /* ---- GGX: Walter, Marschner, Li and Torrance 2007, DOI 10.2312/EGWR/EGSR07/195-206 --------------------------------- */

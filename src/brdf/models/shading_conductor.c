@@ -13,23 +13,23 @@
 typedef struct conductor {
     nqm_spec_state spec;
     bool is_ggx, is_correlated;
-    double alpha2;
+    widths widths;
     double eta[3], k[3], specular[3];
 } conductor;
 
 /* D G / (4 cos cos). */
-static double lobe(const conductor *self, const half_angles *h, double cos_i, double cos_o) {
-    const pair_widths a = equal_widths(self->alpha2);
+static double lobe(const conductor *self, const half_angles *h, const double *wi, const double *wo) {
+    const pair_widths a = pair_widths_of(self->widths, wi, wo);
     if (self->is_correlated)
-        return correlated_ggx(h->tan2_h, cos_i, cos_o, a);
-    return self->is_ggx ? separable_ggx(h->tan2_h, cos_i, cos_o, a) : separable_beckmann(h->tan2_h, cos_i, cos_o, a);
+        return correlated_ggx(h->tan2_h, wi[2], wo[2], a);
+    return self->is_ggx ? separable_ggx(h->tan2_h, wi[2], wo[2], a) : separable_beckmann(h->tan2_h, wi[2], wo[2], a);
 }
 
 static void conductor_eval(const void *state, size_t n, const double *wi, const double *wo, double *rgb) {
     const conductor *self = state;
     for (size_t i = 0; i < n; ++i) {
         const half_angles h = half_angles_of(wi + 3 * i, wo + 3 * i);
-        const double f = lobe(self, &h, wi[3 * i + 2], wo[3 * i + 2]);
+        const double f = lobe(self, &h, wi + 3 * i, wo + 3 * i);
         for (size_t c = 0; c < 3; ++c)
             rgb[3 * i + c] = f * self->specular[c] * fresnel_conductor(self->eta[c], self->k[c], h.cos_d);
     }
@@ -47,7 +47,7 @@ static void set_index(conductor *self, const double *eta, const double *k, const
 
 /* clang-format off */
 #define MITSUBA_KEYS(X)                                                        \
-    X(ALPHA, "alpha", "float", 1e-4, 2, 0.1)                                   \
+    X(ALPHA, "alpha", "float2", 1e-4, 2, 0.1)                                  \
     X(DISTRIBUTION, "distribution", "integer", 0, 1, 0)                        \
     X(ETA, "eta", "color3", 0, 20, 0)                                          \
     X(K, "k", "color3", 0, 20, 1)                                              \
@@ -59,7 +59,8 @@ static void mitsuba_prepare(const nqm_spec_values *values, void *state) {
     conductor *self = state;
     self->is_ggx = values->v[DISTRIBUTION][0] > 0.5;
     self->is_correlated = false;
-    self->alpha2 = values->v[ALPHA][0] * values->v[ALPHA][0];
+    const double *alpha = values->v[ALPHA];
+    self->widths = (widths){alpha[0] * alpha[0], alpha[1] * alpha[1]};
     set_index(self, values->v[ETA], values->v[K], values->v[SPECULAR_REFLECTANCE]);
 }
 
@@ -68,11 +69,12 @@ NQM_SHADING_MODEL(nqm_rough_conductor_model, "rough-conductor", MITSUBA_KEYS, co
 
 /* ---- pbrt-v4 ----------------------------------------------------------------------------------------------------- */
 
-/* Below a roughness of 1e-6, alpha is less than 0.001 and pbrt reflects as a perfect mirror. The defaults are copper's, as in
- * pbrt, of which a key can have one value only: they are required. */
+/* Below a roughness of 1e-6, alpha is less than 0.001 and pbrt reflects as a perfect mirror (in both directions; in one, pbrt has
+ * lobes down to an alpha of 1e-4, which are refused). The defaults are copper's, as in pbrt, of which a key can have one value
+ * only: they are required. */
 /* clang-format off */
 #define PBRT_KEYS(X)                                                           \
-    X(PBRT_ROUGHNESS, "roughness", "float", 1e-6, 4, 0, .required = true)      \
+    X(PBRT_ROUGHNESS, "roughness", "float2", 1e-6, 4, 0, .required = true)     \
     X(PBRT_ETA, "eta", "color3", 0, 20, 0, .required = true)                   \
     X(PBRT_K, "k", "color3", 0, 200, 0, .required = true)
 /* clang-format on */
@@ -81,7 +83,7 @@ enum { PBRT_KEYS(NQM_KEY_INDEX) };
 static void pbrt_prepare(const nqm_spec_values *values, void *state) {
     conductor *self = state;
     self->is_ggx = self->is_correlated = true;
-    self->alpha2 = values->v[PBRT_ROUGHNESS][0];
+    self->widths = (widths){values->v[PBRT_ROUGHNESS][0], values->v[PBRT_ROUGHNESS][1]};
     set_index(self, values->v[PBRT_ETA], values->v[PBRT_K], NULL);
 }
 

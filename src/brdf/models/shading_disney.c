@@ -13,15 +13,16 @@ enum { NQM_DISNEY_KEYS(NQM_KEY_INDEX) N_KEYS };
 /* What the keys make together; the others are read from the spec. */
 typedef struct disney {
     nqm_spec_state spec;
-    double alpha, specular_color[3], sheen_color[3], coat_alpha;
+    lobe_shape base, coat;
+    double specular_color[3], sheen_color[3];
 } disney;
 
 static const double SHEEN_ROUGHNESS = 0.3; /* the default of the node sheen_bsdf */
 
 static void prepare(const nqm_spec_values *values, void *state) {
     disney *self = state;
-    self->alpha = alpha_of(values->v[ROUGHNESS][0]);
-    self->coat_alpha = alpha_of(1 - values->v[CLEARCOAT_GLOSS][0]);
+    self->base = roughness_anisotropy(values->v[ROUGHNESS][0], values->v[ANISOTROPIC][0], 0);
+    self->coat = round_lobe(1 - values->v[CLEARCOAT_GLOSS][0]);
     for (size_t c = 0; c < 3; ++c) {
         const double base = values->v[BASE_COLOR][c];
         self->specular_color[c] = 1 + values->v[SPECULAR_TINT][0] * (base - 1);
@@ -33,14 +34,14 @@ static closure evaluate(const void *state, const geometry *g) {
     const disney *self = state;
     const double(*v)[3] = self->spec.values.v, metallic = v[METALLIC][0], sheen = v[SHEEN][0],
           coat = 0.04 * v[CLEARCOAT][0];
-    const microfacet m = microfacet_of(g, self->alpha);
+    const microfacet m = microfacet_of(g, &self->base);
     closure result = burley_bsdf(g, 1 - metallic, v[BASE_COLOR], v[ROUGHNESS][0]);
     if (sheen > 0)
         result = closure_layer(conty_kulla_sheen(g, sheen, self->sheen_color, SHEEN_ROUGHNESS), result);
     result = closure_layer(schlick_bsdf(g, m, 0.08 * v[SPECULAR][0], self->specular_color, WHITE), result);
     result = closure_mix(schlick_bsdf(g, m, 1, v[BASE_COLOR], WHITE), result, metallic);
     if (coat > 0)
-        result = closure_layer(schlick_bsdf(g, microfacet_of(g, self->coat_alpha), coat, WHITE, WHITE), result);
+        result = closure_layer(schlick_bsdf(g, microfacet_of(g, &self->coat), coat, WHITE, WHITE), result);
     return result;
 }
 

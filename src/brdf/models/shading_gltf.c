@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
  * `gltf`, the material of glTF 2.0: metallic-roughness as in Appendix B of the specification (with the height-correlated shadowing that it
- * has since December 2025), and its extensions KHR_materials_specular, KHR_materials_ior, KHR_materials_sheen and
- * KHR_materials_clearcoat, layered in this order.
+ * has since December 2025), and its extensions KHR_materials_specular, KHR_materials_ior, KHR_materials_anisotropy,
+ * KHR_materials_sheen and KHR_materials_clearcoat, layered in this order.
  *
  * Not reciprocal: the Fresnel factor of the clear coat depends on the viewer only. Specular and diffuse reflection share the light by
  * the Fresnel factor of the half vector, which can reflect more light than arrives at grazing angles. The specification says
@@ -31,7 +31,8 @@ typedef struct gltf {
     nqm_spec_state spec;
     double diffuse[3]; /**< f_r of the base without Fresnel factor */
     double f0[3], f90; /**< of the dielectric part */
-    double alpha2, coat_alpha2;
+    turned_widths base;
+    double coat_alpha2;
     sheen sheen;
 } gltf;
 
@@ -104,20 +105,21 @@ static void gltf_prepare(const nqm_spec_values *values, void *state) {
     const double ior = values->v[IOR][0], r = (ior - 1) / (ior + 1), specular = values->v[SPECULAR][0];
     const double alpha = fmax(MIN_ALPHA, values->v[ROUGHNESS][0] * values->v[ROUGHNESS][0]);
     const double coat_alpha = fmax(MIN_ALPHA, values->v[CLEARCOAT_ROUGHNESS][0] * values->v[CLEARCOAT_ROUGHNESS][0]);
+    const double strength = values->v[ANISOTROPY_STRENGTH][0], along = mix(alpha, 1, strength * strength);
     for (size_t c = 0; c < 3; ++c) {
         self->diffuse[c] = values->v[BASE_COLOR][c] / NQM_PI;
         self->f0[c] = fmin(1, r * r * values->v[SPECULAR_COLOR][c]) * specular;
     }
     self->f90 = specular;
-    self->alpha2 = alpha * alpha;
+    self->base = turned_widths_of(along * along, alpha * alpha, values->v[ANISOTROPY_ROTATION][0]);
     self->coat_alpha2 = coat_alpha * coat_alpha;
     sheen_prepare(&self->sheen, values->v[SHEEN_COLOR], values->v[SHEEN_ROUGHNESS][0]);
 }
 
 /** Metallic-roughness without layers. */
-static void base_material(const gltf *self, const half_angles *h, double cos_i, double cos_o, double *rgb) {
-    const double lobe = correlated_ggx(h->tan2_h, cos_i, cos_o, equal_widths(self->alpha2)),
-                 (*v)[3] = self->spec.values.v;
+static void base_material(const gltf *self, const half_angles *h, const double *wi, const double *wo, double *rgb) {
+    const pair_widths a = turned_pair_widths(&self->base, wi, wo);
+    const double lobe = correlated_ggx(h->tan2_h, wi[2], wo[2], a), (*v)[3] = self->spec.values.v;
     double f[3];
     for (size_t c = 0; c < 3; ++c)
         f[c] = schlick_between(self->f0[c], self->f90, h->cos_d);
@@ -133,7 +135,7 @@ static void gltf_eval(const void *state, size_t n, const double *wi, const doubl
     for (size_t i = 0; i < n; ++i) {
         const half_angles h = half_angles_of(wi + 3 * i, wo + 3 * i);
         const double cos_i = wi[3 * i + 2], cos_o = wo[3 * i + 2];
-        base_material(self, &h, cos_i, cos_o, rgb + 3 * i);
+        base_material(self, &h, wi + 3 * i, wo + 3 * i, rgb + 3 * i);
         if (self->sheen.max_color > 0)
             add_sheen(&self->sheen, &h, cos_i, cos_o, rgb + 3 * i);
         if (clearcoat > 0) {

@@ -11,9 +11,15 @@ enum { NQM_OPEN_PBR_KEYS(NQM_KEY_INDEX) N_KEYS };
 /* What the keys make together; the others are read from the spec. */
 typedef struct open_pbr {
     nqm_spec_state spec;
-    double alpha, ior, metal[3];
-    double coat_alpha, under_coat[3]; /* under_coat: darkening and colour */
+    lobe_shape base, coat;
+    double ior, metal[3], under_coat[3]; /* under_coat: darkening and colour */
 } open_pbr;
+
+/* The node open_pbr_anisotropy. */
+static lobe_shape anisotropic(double roughness, double anisotropy) {
+    const double ratio = 1 - anisotropy, x = roughness * roughness * sqrt(2 / (1 + ratio * ratio));
+    return lobe_of(x, ratio * x, 0);
+}
 
 /* The index of the dielectric below the coat, modulated by specular_weight. */
 static double modulated_ior(double weight, double ior, double coat_weight, double coat_ior) {
@@ -39,12 +45,13 @@ static void prepare(const nqm_spec_values *values, void *state) {
     for (size_t k = 0; k < N_KEYS; ++k)
         v[k] = values->v[k][0];
     open_pbr *self = state;
-    self->coat_alpha = alpha_of(v[COAT_ROUGHNESS]);
+    self->coat = anisotropic(v[COAT_ROUGHNESS], v[COAT_ANISOTROPY]);
     self->ior = modulated_ior(v[SPECULAR_WEIGHT], v[SPECULAR_IOR], v[COAT_WEIGHT], v[COAT_IOR]);
     const double rough4 = v[SPECULAR_ROUGHNESS] * v[SPECULAR_ROUGHNESS] * v[SPECULAR_ROUGHNESS] * v[SPECULAR_ROUGHNESS];
     const double coat4 = v[COAT_ROUGHNESS] * v[COAT_ROUGHNESS] * v[COAT_ROUGHNESS] * v[COAT_ROUGHNESS];
     const double widened = sqrt(sqrt(fmin(1, rough4 + 2 * coat4)));
-    self->alpha = alpha_of(v[SPECULAR_ROUGHNESS] + v[COAT_WEIGHT] * (widened - v[SPECULAR_ROUGHNESS]));
+    self->base =
+        anisotropic(v[SPECULAR_ROUGHNESS] + v[COAT_WEIGHT] * (widened - v[SPECULAR_ROUGHNESS]), v[SPECULAR_ANISOTROPY]);
     for (size_t c = 0; c < 3; ++c) {
         const double base = values->v[BASE_COLOR][c];
         self->metal[c] = base * v[BASE_WEIGHT];
@@ -55,7 +62,7 @@ static void prepare(const nqm_spec_values *values, void *state) {
 static closure evaluate(const void *state, const geometry *g) {
     const open_pbr *self = state;
     const double(*v)[3] = self->spec.values.v, metalness = v[BASE_METALNESS][0];
-    const microfacet m = microfacet_of(g, self->alpha);
+    const microfacet m = microfacet_of(g, &self->base);
     closure result = eon_bsdf(g, v[BASE_WEIGHT][0], v[BASE_COLOR], v[BASE_DIFFUSE_ROUGHNESS][0]);
     if (metalness < 1)
         result = closure_layer(dielectric_bsdf(g, m, 1, v[SPECULAR_COLOR], self->ior), result);
@@ -65,7 +72,7 @@ static closure evaluate(const void *state, const geometry *g) {
     if (v[COAT_WEIGHT][0] > 0) {
         for (size_t c = 0; c < 3; ++c)
             result.f[c] *= self->under_coat[c];
-        const microfacet coat = microfacet_of(g, self->coat_alpha);
+        const microfacet coat = microfacet_of(g, &self->coat);
         result = closure_layer(dielectric_bsdf(g, coat, v[COAT_WEIGHT][0], WHITE, v[COAT_IOR][0]), result);
     }
     if (v[FUZZ_WEIGHT][0] > 0)

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * `principled` is Mitsuba 3's plugin of this name without transmission and anisotropy, after Burley, "Physically Based Shading at
+ * `principled` is Mitsuba 3's plugin of this name without transmission, after Burley, "Physically Based Shading at
  * Disney" (2012) and "Extending the Disney BRDF to a BSDF with Integrated Subsurface Scattering" (2015). Mitsuba's formulas differ
  * from Disney's: the main lobe blends the exact Fresnel factor of eta, a tinted Schlick factor and the metal's Schlick factor; and the
  * clearcoat's shadowing is not divided by 4 cos cos. At eta = 1 Mitsuba omits the main lobe, also that of a metal.
@@ -12,6 +12,7 @@
 #define KEYS(X)                                              \
     X(BASE_COLOR, "base_color", "color3", 0, 1, 0.5)         \
     X(ROUGHNESS, "roughness", "float", 0, 1, 0.5)            \
+    X(ANISOTROPIC, "anisotropic", "float", 0, 1, 0, .turns = true) \
     X(METALLIC, "metallic", "float", 0, 1, 0)                \
     X(ETA, "eta", "float", 1, 4, 1.5)                        \
     X(SPEC_TINT, "spec_tint", "float", 0, 1, 0)              \
@@ -25,7 +26,8 @@ enum { KEYS(NQM_KEY_INDEX) N_KEYS };
 
 typedef struct principled {
     nqm_spec_state spec;
-    double alpha2, coat_alpha2;
+    widths widths;
+    double coat_alpha2;
     double dielectric; /* weight of the exact Fresnel factor */
     double tint[3],
         tint_weight; /* reflectance at normal incidence of the tinted Schlick factor; the metal's is the base colour */
@@ -37,9 +39,11 @@ static void principled_prepare(const nqm_spec_values *values, void *state) {
     const double *base = values->v[BASE_COLOR];
     const double metallic = values->v[METALLIC][0], spec_tint = values->v[SPEC_TINT][0];
     const double luminance = 0.212671 * base[0] + 0.715160 * base[1] + 0.072169 * base[2];
-    const double roughness = values->v[ROUGHNESS][0], alpha = fmax(0.001, roughness * roughness);
+    const double roughness2 = values->v[ROUGHNESS][0] * values->v[ROUGHNESS][0];
+    const double aspect = sqrt(1 - 0.9 * values->v[ANISOTROPIC][0]);
+    const double x = fmax(0.001, roughness2 / aspect), y = fmax(0.001, roughness2 * aspect);
     const double coat_alpha = mix(0.1, 0.001, values->v[CLEARCOAT_GLOSS][0]);
-    self->alpha2 = alpha * alpha;
+    self->widths = (widths){x * x, y * y};
     self->coat_alpha2 = coat_alpha * coat_alpha;
     self->dielectric = (1 - metallic) * (1 - spec_tint);
     self->tint_weight = (1 - metallic) * spec_tint;
@@ -74,7 +78,8 @@ static void principled_eval(const void *state, size_t n, const double *wi, const
     for (size_t i = 0; i < n; ++i) {
         const half_angles h = half_angles_of(wi + 3 * i, wo + 3 * i);
         const double cos_i = wi[3 * i + 2], cos_o = wo[3 * i + 2], weight = power5(1 - h.cos_d);
-        const double lobe = eta == 1 ? 0 : separable_ggx(h.tan2_h, cos_i, cos_o, equal_widths(self->alpha2));
+        const pair_widths a = pair_widths_of(self->widths, wi + 3 * i, wo + 3 * i);
+        const double lobe = eta == 1 ? 0 : separable_ggx(h.tan2_h, cos_i, cos_o, a);
         const double f = self->dielectric * fresnel_dielectric(eta, h.cos_d);
         const double shape = diffuse_shape(v, cos_i, cos_o, h.cos_d);
         const double clear = v[CLEARCOAT][0] > 0 ? coat(self, h.tan2_h, cos_i, cos_o, h.cos_d) : 0;

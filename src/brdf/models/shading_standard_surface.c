@@ -10,18 +10,22 @@ enum { NQM_STANDARD_SURFACE_KEYS(NQM_KEY_INDEX) N_KEYS };
 /* What the keys make together; the others are read from the spec. */
 typedef struct standard_surface {
     nqm_spec_state spec;
-    double diffuse[3], alpha, metal_ior[3], metal_extinction[3];
-    double coat_alpha, under_coat[3];
+    lobe_shape base, coat;
+    double diffuse[3], metal_ior[3], metal_extinction[3], under_coat[3];
 } standard_surface;
+
+/* The node rotate3d multiplies a row vector by the matrix: one turn is -360 degrees. */
+static const double TURN = -2 * NQM_PI;
 
 static void prepare(const nqm_spec_values *values, void *state) {
     double v[N_KEYS];
     for (size_t k = 0; k < N_KEYS; ++k)
         v[k] = values->v[k][0];
     standard_surface *self = state;
-    self->coat_alpha = alpha_of(v[COAT_ROUGHNESS]);
+    self->coat = roughness_anisotropy(v[COAT_ROUGHNESS], v[COAT_ANISOTROPY], TURN * v[COAT_ROTATION]);
     const double affected = v[COAT_AFFECT_ROUGHNESS] * v[COAT] * v[COAT_ROUGHNESS];
-    self->alpha = alpha_of(v[SPECULAR_ROUGHNESS] + affected * (1 - v[SPECULAR_ROUGHNESS]));
+    self->base = roughness_anisotropy(v[SPECULAR_ROUGHNESS] + affected * (1 - v[SPECULAR_ROUGHNESS]),
+                                      v[SPECULAR_ANISOTROPY], TURN * v[SPECULAR_ROTATION]);
     for (size_t c = 0; c < 3; ++c) {
         const double base = values->v[BASE_COLOR][c];
         self->diffuse[c] = pow(base, 1 + v[COAT] * v[COAT_AFFECT_COLOR]);
@@ -34,7 +38,7 @@ static void prepare(const nqm_spec_values *values, void *state) {
 static closure evaluate(const void *state, const geometry *g) {
     const standard_surface *self = state;
     const double(*v)[3] = self->spec.values.v;
-    const microfacet m = microfacet_of(g, self->alpha);
+    const microfacet m = microfacet_of(g, &self->base);
     closure result = oren_nayar_bsdf(g, v[BASE][0], self->diffuse, v[DIFFUSE_ROUGHNESS][0]);
     if (v[SHEEN][0] > 0)
         result = closure_layer(conty_kulla_sheen(g, v[SHEEN][0], v[SHEEN_COLOR], v[SHEEN_ROUGHNESS][0]), result);
@@ -45,7 +49,7 @@ static closure evaluate(const void *state, const geometry *g) {
     if (v[COAT][0] > 0) {
         for (size_t c = 0; c < 3; ++c)
             result.f[c] *= self->under_coat[c];
-        const microfacet coat = microfacet_of(g, self->coat_alpha);
+        const microfacet coat = microfacet_of(g, &self->coat);
         result = closure_layer(dielectric_bsdf(g, coat, v[COAT][0], WHITE, v[COAT_IOR][0]), result);
     }
     return result;

@@ -14,9 +14,8 @@ enum { NQM_USD_PREVIEW_KEYS(NQM_KEY_INDEX) N_KEYS };
 /* What the keys make together; the others are read from the spec. */
 typedef struct usd_preview {
     nqm_spec_state spec;
-    double metallic, alpha;
-    double f0[3], f90[3], metal_ior[3], metal_extinction[3];
-    double coat_alpha, coat_f0[3];
+    lobe_shape base, coat;
+    double metallic, f0[3], f90[3], metal_ior[3], metal_extinction[3], coat_f0[3];
 } usd_preview;
 
 static void prepare(const nqm_spec_values *values, void *state) {
@@ -24,8 +23,8 @@ static void prepare(const nqm_spec_values *values, void *state) {
     const bool is_specular = values->v[USE_SPECULAR_WORKFLOW][0] > 0.5;
     const double metallic = is_specular ? 0 : values->v[METALLIC][0], f0 = f0_of_ior(values->v[IOR][0]);
     self->metallic = metallic;
-    self->alpha = alpha_of(values->v[ROUGHNESS][0]);
-    self->coat_alpha = alpha_of(values->v[CLEARCOAT_ROUGHNESS][0]);
+    self->base = round_lobe(values->v[ROUGHNESS][0]);
+    self->coat = round_lobe(values->v[CLEARCOAT_ROUGHNESS][0]);
     for (size_t c = 0; c < 3; ++c) {
         const double diffuse = values->v[DIFFUSE_COLOR][c], tint = 1 + metallic * (diffuse - 1);
         self->f0[c] = is_specular ? values->v[SPECULAR_COLOR][c] : tint * (f0 + metallic * (1 - f0));
@@ -38,13 +37,13 @@ static void prepare(const nqm_spec_values *values, void *state) {
 static closure evaluate(const void *state, const geometry *g) {
     const usd_preview *self = state;
     const double(*v)[3] = self->spec.values.v;
-    const microfacet m = microfacet_of(g, self->alpha);
+    const microfacet m = microfacet_of(g, &self->base);
     closure result = oren_nayar_bsdf(g, 1 - self->metallic, v[DIFFUSE_COLOR], 0);
     result = closure_layer(generalized_schlick_bsdf(g, m, 1, self->f0, WHITE, self->f90), result);
     if (self->metallic > 0)
         result = closure_mix(conductor_bsdf(g, m, self->metal_ior, self->metal_extinction), result, self->metallic);
     if (v[CLEARCOAT][0] > 0) {
-        const microfacet coat = microfacet_of(g, self->coat_alpha);
+        const microfacet coat = microfacet_of(g, &self->coat);
         result = closure_layer(schlick_bsdf(g, coat, v[CLEARCOAT][0], self->coat_f0, WHITE), result);
     }
     return result;

@@ -5,6 +5,7 @@
 #ifndef NQM_TOOL_TRANSLATE_H
 #define NQM_TOOL_TRANSLATE_H
 
+#include "material/material.h"
 #include "nqm/tool.h"
 
 /** What --to names. */
@@ -26,5 +27,11 @@ char *copy_keys(const char *spec, const char *model);
 /** The keys of such a spec with other values than their defaults that have no counterpart in `model`, separated by ", ". Keys
  *  of layers with weight 0 do not count. */
 void list_dropped(const char *spec, const char *model, char *text, size_t n_text);
+
+/** Set the keys of `to` so that the lobe of its base has the anisotropy of that of `from`, which is a canonical spec; keys that say how are
+ *  0 where the model of `to` cannot have it. */
+void copy_anisotropy(const nqm_shading *from, nqm_shading *to);
+/** Whether a shading model has anisotropic lobes, and may turn them. */
+bool can_be_anisotropic(const char *model, bool turned);
 
 #endif

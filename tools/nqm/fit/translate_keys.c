@@ -72,6 +72,15 @@ static void get_meaning(const char *name, char meaning[MEANING]) {
         {"diffusereflectance", "basecolor"},
         {"baseweight", "base"},
         {"basediffuseroughness", "diffuseroughness"},
+        {"specularroughnessanisotropy", "anisotropy"},
+        {"specularanisotropy", "anisotropy"},
+        {"anisotropic", "anisotropy"},
+        {"anisotropystrength", "anisotropy"},
+        {"specularrotation", "rotation"},
+        {"anisotropyrotation", "rotation"},
+        {"coatroughnessanisotropy", "clearcoatanisotropy"},
+        {"coatanisotropy", "clearcoatanisotropy"},
+        {"coatrotation", "clearcoatrotation"},
         {"spectint", "speculartint"},
     };
     size_t n = 0;
@@ -104,11 +113,11 @@ static bool read_spec(const char *spec, nqm_shading *shading) {
 
 /* ---- the start ---------------------------------------------------------------------------------------------------- */
 
-/* The values of a property for a key: a number for all channels of a colour, the mean of a colour for a number. */
+/* The values of a property for a key: a number for all channels of a colour, the mean of a colour or of two widths for a number. */
 static void convert(const nqm_property *p, const nqm_spec_key *key, double v[3]) {
-    const double mean = (p->v[0] + p->v[1] + p->v[2]) / 3;
+    const double mean = p->n == 2 ? sqrt(p->v[0] * p->v[1]) : (p->v[0] + p->v[1] + p->v[2]) / 3;
     for (size_t c = 0; c < 3; ++c)
-        v[c] = fmin(fmax(p->n == 3 && key->n == 3 ? p->v[c] : mean, key->low), key->high);
+        v[c] = fmin(fmax(p->n > 1 && p->n == key->n ? p->v[c] : mean, key->low), key->high);
 }
 
 char *copy_keys(const char *spec, const char *model) {
@@ -128,6 +137,8 @@ char *copy_keys(const char *spec, const char *model) {
             convert(p, key, v);
             nqm_shading_set(&to, key->name, key->n, v);
         }
+    if (!is_same)
+        copy_anisotropy(&from, &to);
     char *copy = to.n ? nqm_shading_spec(&to) : NULL;
     nqm_brdf *brdf = NULL;
     if (copy &&
@@ -152,6 +163,8 @@ static bool has_counterpart(const nqm_spec_schema *schema, const char *key) {
                                            {"alpha", "roughness"},
                                            {"eta", "ior"},
                                            {"ior", "eta"}};
+    if (means_same(key, "anisotropy") || means_same(key, "rotation"))
+        return can_be_anisotropic(schema->model, means_same(key, "rotation"));
     for (size_t k = 0; k < schema->n_keys; ++k) {
         if (means_same(schema->keys[k].name, key))
             return true;
