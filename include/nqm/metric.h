@@ -93,7 +93,7 @@ typedef struct nqm_score_result {
                                the network; NaN without a transport matrix */
     double
         anisotropy; /**< of the more anisotropic of both BRDFs (nqm_brdf_check_report); 0: both are isotropic. Above it, the
-                               models "default" and "transport" take the score of "rays", at 0.1 alone, and below in part; other models
+                               models "default" and "transport" take the score of "anisotropic", at 0.02 alone, and below in part; other models
                                whose directions have one azimuth give NQM_ERR_INCOMPATIBLE. Not of samples */
     int identical;                        /**< 1: both members are equal at every valid direction */
     double metrics[NQM_METRIC_COUNT];     /**< indexed by nqm_metric, within 1e-6 relative of

@@ -57,11 +57,6 @@ typedef struct nqm_scene_options {
     uint64_t seed;     /**< seed of points and light directions; default 1 */
     int exact; /**< 0 (default): BRDFs that are costly to evaluate (neural processes) are evaluated once into a table of
                                180 x 32 x 12 nodes where that is less work; 1: always evaluated themselves */
-    size_t n_aims; /**< at most 4; default 0 */
-    const nqm_brdf *const
-        *aims; /**< (n_aims) BRDFs to whose lobes the light directions are fitted, which anisotropic ones
-                               need: lobes that are longer than wide, or lean (`tilt`), are sampled well. Isotropic ones change
-                               nothing. Used by nqm_scene_create() only */
     nqm_progress_fn
         progress; /**< called by nqm_scene_create() and nqm_scene_render(), on the calling thread; NULL (default):
                                  silent */

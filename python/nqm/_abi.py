@@ -176,7 +176,6 @@ class SceneOptions(Structure):
                 ("n_points", c_size_t), ("n_frames", c_size_t), ("turn_rad", c_double), ("elevation_rad", c_double),
                 ("n_lights", c_size_t), ("light_width", c_size_t), ("shadows", c_int), ("interreflection", c_int),
                 ("exposure_cdm2", c_double), ("peak_cdm2", c_double), ("seed", c_uint64), ("exact", c_int),
-                ("n_aims", c_size_t), ("aims", POINTER(c_void_p)),
                 ("progress", Progress), ("progress_user", c_void_p)]
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import functools
 from ctypes import byref, c_void_p
 from dataclasses import dataclass
-from typing import Any, List, Optional, Sequence, Tuple, Union, overload
+from typing import Any, List, Optional, Tuple, Union, overload
 
 import numpy as np
 
@@ -53,7 +53,6 @@ class Scene:
     Args:
         light: "sun", "overcast", "studio", "interior", or a latitude-longitude map (RGBE in PNG, OpenEXR, Radiance HDR)
         shape: "sphere", "blob", or a mesh file (PLY, OBJ)
-        aims: BRDFs, at most 4, to whose lobes the light directions are fitted; anisotropic ones need it
         kind: "standard", or "paper": the scene of Kavoosighafi et al. 2025, whose files `light` and `shape` must name
         progress: called with the stage, the work done and the total while the scene is made and rendered; True shows a line on standard
             error
@@ -62,13 +61,11 @@ class Scene:
             `peak_cdm2`, `seed`
     """
 
-    def __init__(self, light: Optional[str] = None, shape: Optional[str] = None, *, aims: Sequence[BRDFLike] = (), kind: str = "standard",
+    def __init__(self, light: Optional[str] = None, shape: Optional[str] = None, *, kind: str = "standard",
                  progress: ProgressLike = None, **options: Any) -> None:
         o = set_options(lib.nqm_scene_options_default(), options, OPTIONS)
         o.scene = choice("kind", kind, _abi.SCENES)
         o.light, o.shape = (None if v is None else encode(v) for v in (light, shape))
-        brdfs = [as_brdf(a) for a in aims]
-        o.n_aims, o.aims = len(brdfs), (c_void_p * len(brdfs))(*(b._handle for b in brdfs))
         self._watch = Watch()
         self._progress = o.progress = progress_callback(progress, (), self._watch)  # must live as long as the handle
         self._handle = c_void_p()
@@ -211,14 +208,7 @@ def label(ref: BRDFLike, tests: Any, *, scene: Optional[Scene] = None, **options
         scene: the scene; default: one made of `options`, and the standard set without them
         options: as for `Scene`
     """
-    if scene is not None or "aims" in options:
-        return (scene if scene is not None else Scene(**options)).label(ref, tests)
-    several = isinstance(tests, (list, tuple))
-    ref, brdfs = as_brdf(ref), [as_brdf(t) for t in (tests if several else [tests])]
-    turns = [b for b in [ref, *brdfs] if not b.info.isotropic and b.check().anisotropy]
-    plain = None if ref in turns or len(turns) == len(brdfs) else Scene(**options)
-    labels = [(Scene(aims=(ref, t), **options) if ref in turns or t in turns else plain).label(ref, t) for t in brdfs]
-    return labels if several else labels[0]
+    return (scene if scene is not None else Scene(**options)).label(ref, tests)
 
 
 def render(brdf: BRDFLike, *, light: str = "sun", shape: str = "sphere", width: int = 256, height: Optional[int] = None,

@@ -152,7 +152,7 @@ class Score:
         similarity: how similar people find the materials when they see them apart, JOD; NaN without a transport matrix
         similarity_low: lower end of its 95 % interval
         similarity_high: upper end
-        anisotropy: of the more anisotropic BRDF (see `CheckReport`); above 0 the score is that of the model "rays"
+        anisotropy: of the more anisotropic BRDF (see `CheckReport`); above 0 the score is that of the model "anisotropic"
         parts: what differs, or None
         metrics: scalar metrics by name; empty if they were switched off
         n_valid: directions at which both BRDFs have a value

@@ -58,6 +58,16 @@ void nqm_brdf_eval_turned(const nqm_brdf *brdf, size_t n, const double *hd, cons
 /** nqm_brdf_check_report.anisotropy; 0 without an evaluation if the BRDF is isotropic by construction. Takes 1,024 evaluations. */
 double nqm_brdf_anisotropy(const nqm_brdf *brdf);
 
+/** Where a lobe of half vectors is, and its shape: a circle of radius `width` about 0 becomes, by center + axes * (x, y), the ellipse of
+ *  slopes h.xy / h.z at which it has fallen to a half. The determinant of `axes` is 1. */
+typedef struct nqm_lobe {
+    double center[2];
+    double axes[4]; /* (2, 2) */
+    double width;
+} nqm_lobe;
+/** The lobe of a BRDF about the peak of f_r(h, h) over h. Takes about 1,500 evaluations. */
+nqm_lobe nqm_lobe_measure(const nqm_brdf *brdf);
+
 /* ---- arguments --------------------------------------------------------------------------------------------------- */
 
 /** As nqm_brdf_open(), with another name for the BRDF's information. */

@@ -114,7 +114,6 @@ nqm_status nqm_corpus_write(nqm_corpus *c, const char *path, nqm_error *err) {
         return checked;
     const nqm_dataset_limits limits = {.n_directions = c->n_directions,
                                        .directions_deg = nqm_directions_degrees(c->context.directions),
-                                       .phi_h_deg = c->context.directions->phi_h_deg,
                                        .max_refs = c->list.n_refs,
                                        .max_pairs = c->list.n_rows,
                                        .has_parts = true,

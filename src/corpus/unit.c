@@ -4,7 +4,6 @@
  */
 #include "brdf/brdf.h"
 #include "corpus/corpus.h"
-#include "label/label.h"
 #include "math/math.h"
 
 #include <math.h>
@@ -36,14 +35,7 @@ static char *name_of(const char *argument, const nqm_brdf *brdf) {
 
 static nqm_status label_with(job *j, size_t row, const nqm_corpus_view *test, nqm_error *err) {
     nqm_corpus_unit *unit = j->unit;
-    nqm_label label = {.delta_e = 0};
-    nqm_status status = NQM_OK;
-    if (nqm_label_needs_aim(j->ref->brdf, test->brdf))
-        status = nqm_label_aimed(&j->context->options->scene, j->ref->brdf, test->brdf, &label, NULL, err);
-    else
-        label = nqm_scene_compare_halves(j->context->scene, j->ref->picture, test->picture);
-    if (status != NQM_OK)
-        return status;
+    const nqm_label label = nqm_scene_compare_halves(j->context->scene, j->ref->picture, test->picture);
     if (!isfinite(label.delta_e))
         return nqm_fail(err, NQM_ERR_NUMERIC, -1, "Delta-E is not finite");
     unit->label[row] = label;

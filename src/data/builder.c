@@ -43,8 +43,7 @@ nqm_status nqm_dataset_begin(const nqm_dataset_limits *limits, nqm_dataset_build
     nqm_dataset *d = nqm_alloc(1, sizeof *d);
     if (!d)
         return nqm_fail_nomem(err, sizeof *d);
-    nqm_status status =
-        nqm_directions_make(limits->n_directions, limits->directions_deg, limits->phi_h_deg, &d->directions, err);
+    nqm_status status = nqm_directions_from_degrees(limits->n_directions, limits->directions_deg, &d->directions, err);
     if (status == NQM_OK)
         status = allocate_arrays(limits, d, err);
     if (status != NQM_OK) {
@@ -53,7 +52,6 @@ nqm_status nqm_dataset_begin(const nqm_dataset_limits *limits, nqm_dataset_build
     }
     d->n_directions = limits->n_directions;
     d->directions_deg = d->directions->degrees;
-    d->phi_h_deg = d->directions->phi_h_deg;
     *builder_ret = (nqm_dataset_builder){d, limits->max_refs, limits->max_pairs};
     return NQM_OK;
 }

@@ -25,7 +25,6 @@ struct nqm_dataset {
     nqm_directions *directions; /* owned */
     /* Arrays, listed in dataset.c; only the code that builds a dataset writes to them. */
     double *directions_deg;   /* (n_directions, 3) theta_h, theta_d, phi_d */
-    double *phi_h_deg;        /* (n_directions) azimuth of the half vector; NULL: 0 */
     float *ref_rgb;           /* (n_refs, n_directions, 3) f_r in 1/sr, finite, >= 0 */
     float *test_rgb;          /* (n_pairs, n_directions, 3) */
     uint8_t *ref_used;        /* (n_refs, n_directions) 0: no value, 1: used; NULL: all are used */
@@ -54,7 +53,7 @@ struct nqm_dataset {
 
 /** The transport matrix of a dataset; `light` is NULL if it has none. */
 static inline nqm_transport nqm_dataset_transport(const nqm_dataset *d) {
-    return (nqm_transport){d->n_directions, NQM_TRANSPORT_POINTS, d->transport, d->transport_points, NULL};
+    return (nqm_transport){d->n_directions, NQM_TRANSPORT_POINTS, d->transport, d->transport_points};
 }
 
 /* ---- building (builder.c) ---------------------------------------------------------------------------------------- */
@@ -70,7 +69,6 @@ typedef struct nqm_dataset_builder {
 typedef struct nqm_dataset_limits {
     size_t n_directions;
     const double *directions_deg; /* (n_directions, 3), copied */
-    const double *phi_h_deg;      /* (n_directions), copied; NULL: 0 */
     size_t max_refs, max_pairs;   /* references and pairs that may be added */
     bool has_masks;               /* allocate ref_used and test_used */
     bool has_parts;               /* allocate parts; the caller sets them */
@@ -104,7 +102,7 @@ NQM_MUST_CHECK nqm_status nqm_dataset_finish(nqm_dataset_builder *builder, nqm_s
 
 /* ---- arrays (dataset.c) ------------------------------------------------------------------------------------------ */
 
-enum { NQM_DATASET_ARRAYS = 16 };
+enum { NQM_DATASET_ARRAYS = 15 };
 /** The i-th array as a tensor of the dataset file: name, type, shape, and values (NULL: it does not have the array). */
 nqm_tensor nqm_dataset_array(const nqm_dataset *dataset, size_t i);
 /** Whether a dataset may lack the i-th array. */

@@ -36,7 +36,6 @@ static const struct {
     {"delta_e_error", NQM_F64, FIELD(delta_e_error), FIELD(n_pairs), 1, 0, true, 0},
     {"transport", NQM_F32, FIELD(transport), FIELD(n_directions), 2, 3 * NQM_TRANSPORT_POINTS, true, 0},
     {"transport.points", NQM_F64, FIELD(transport_points), 0, 2, 3, true, NQM_TRANSPORT_POINTS},
-    {"phi_h_deg", NQM_F64, FIELD(phi_h_deg), FIELD(n_directions), 1, 0, true, 0},
 };
 
 nqm_tensor nqm_dataset_array(const nqm_dataset *d, size_t i) {

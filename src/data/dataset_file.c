@@ -120,7 +120,7 @@ static nqm_status read_dataset(const nqm_safetensors *st, bool verify_checksum, 
     if (status == NQM_OK)
         status = nqm_dataset_validate(d, name, err);
     if (status == NQM_OK)
-        status = nqm_directions_make(d->n_directions, d->directions_deg, d->phi_h_deg, &d->directions, err);
+        status = nqm_directions_from_degrees(d->n_directions, d->directions_deg, &d->directions, err);
     const char *stored = nqm_safetensors_meta(st, "sha256");
     if (status == NQM_OK && stored && strlen(stored) == sizeof d->sha256 - 1)
         strcpy(d->sha256, stored);

@@ -72,7 +72,8 @@ nqm_status nqm_dataset_predict(const nqm_dataset_prediction *p, nqm_error *err) 
     const nqm_dataset *d = p->dataset;
     const nqm_model *m = p->model;
     nqm_predictor *predictor = NULL;
-    if (!nqm_directions_equal(m->directions, d->directions))
+    if (m->directions->n != d->n_directions ||
+        memcmp(m->directions->degrees, d->directions->degrees, 3 * d->n_directions * sizeof(double)) != 0)
         return nqm_fail(err, NQM_ERR_INCOMPATIBLE, -1,
                         "model '%s' uses %zu directions (identity %s), the dataset %zu other ones (identity %s)", m->id,
                         m->directions->n, nqm_directions_id(m->directions), d->n_directions,

@@ -2,11 +2,10 @@
  *
  * Labels: how the pictures of two BRDFs in a scene differ, as a mean, in parts, and at every point.
  */
-#include "brdf/brdf.h"
-#include "label/label.h"
 #include "math/math.h"
 #include "percept/percept.h"
 #include "render/render.h"
+#include <nqm/label.h>
 
 #include <math.h>
 
@@ -104,33 +103,4 @@ void nqm_scene_delta_e_map(const nqm_scene *scene, const double *ref_cdm2, const
         double d[3] = {test[0] - ref[0], test[1] - ref[1], test[2] - ref[2]};
         delta_e[i] = sqrt(nqm_dot3(d, d));
     }
-}
-
-/* ---- anisotropic pairs ------------------------------------------------------------------------------------------- */
-
-bool nqm_label_needs_aim(const nqm_brdf *ref, const nqm_brdf *test) {
-    return nqm_brdf_anisotropy(ref) > 0 || nqm_brdf_anisotropy(test) > 0;
-}
-
-nqm_status nqm_label_aimed(const nqm_scene_options *options, const nqm_brdf *ref, const nqm_brdf *test,
-                           nqm_label *label_ret, double *points_error, nqm_error *err) {
-    nqm_scene_options aimed = *options;
-    aimed.aims = (const nqm_brdf *const[]){ref, test};
-    aimed.n_aims = 2;
-    nqm_scene *scene;
-    nqm_status status = nqm_scene_create(&aimed, &scene, err);
-    if (status != NQM_OK)
-        return status;
-    const size_t n = 9 * nqm_scene_count(scene);
-    double *seen = nqm_alloc(2 * n, sizeof *seen);
-    status = seen ? nqm_scene_render_halves(scene, ref, seen, err) : nqm_fail_nomem(err, 2 * n * sizeof *seen);
-    if (status == NQM_OK)
-        status = nqm_scene_render_halves(scene, test, seen + n, err);
-    if (status == NQM_OK)
-        *label_ret = nqm_scene_compare_halves(scene, seen, seen + n);
-    if (status == NQM_OK && points_error)
-        *points_error = nqm_scene_compare(scene, seen, seen + n).error;
-    nqm_free(seen);
-    nqm_scene_free(scene);
-    return status;
 }

@@ -123,45 +123,12 @@ static void set_constants(nqm_model *m) {
         m->features.std[k] = 1;
 }
 
-/* Complete a model whose arrays are copied. */
-static nqm_status finish_model(nqm_model *m, const nqm_transport *t, const char *id, nqm_error *err) {
-    nqm_status status = nqm_model_set_transport(m, t, err);
-    if (status == NQM_OK)
-        status = set_texts(m, id, err);
+nqm_status nqm_label_finish_model(nqm_model *m, const char *id, nqm_error *err) {
+    nqm_status status = set_texts(m, id, err);
     if (status != NQM_OK)
         return status;
     set_constants(m);
     return nqm_golden_make(m, &m->golden, err);
-}
-
-nqm_status nqm_rays_model(const nqm_rays *rays, const char *id, nqm_model **model_ret, nqm_error *err) {
-    NQM_MAKE(err, model_ret, id);
-    NQM_REQUIRE(err, rays);
-    nqm_model *m = nqm_alloc(1, sizeof *m);
-    float *light;
-    double *ends;
-    nqm_status status = m ? NQM_OK : nqm_fail_nomem(err, sizeof *m);
-    if (status == NQM_OK)
-        status = nqm_alloc_arrays(
-            NQM_ARRAYS({&light, rays->n, 3 * sizeof *light}, {&ends, rays->n_points, sizeof *ends}), err);
-    if (status != NQM_OK) {
-        nqm_free(m);
-        return status;
-    }
-    for (size_t i = 0; i < 3 * rays->n; ++i)
-        light[i] = (float)rays->weight[i];
-    for (size_t i = 0, p = 0; p < rays->n_points; ends[p++] = (double)i)
-        while (i < rays->n && rays->point[i] <= p)
-            ++i;
-    status = nqm_directions_from_pairs(rays->n, rays->wi, rays->wo, &m->directions, err);
-    if (status == NQM_OK)
-        status = finish_model(m, &(nqm_transport){rays->n, rays->n_points, light, rays->points, ends}, id, err);
-    nqm_free(light);
-    if (status == NQM_OK)
-        *model_ret = m;
-    else
-        nqm_model_free(m);
-    return status;
 }
 
 nqm_status nqm_transport_create(const nqm_scene_options *scene, size_t n_points, const char *id, nqm_model **model_ret,
@@ -180,9 +147,11 @@ nqm_status nqm_transport_create(const nqm_scene_options *scene, size_t n_points,
     if (status == NQM_OK)
         status = nqm_transport_fill(&options, n_points, light, points, err);
     if (status == NQM_OK)
+        status = nqm_model_set_transport(m, &(nqm_transport){n, n_points, light, points}, err);
+    if (status == NQM_OK)
         status = nqm_node_grid_directions(&m->directions, err);
     if (status == NQM_OK)
-        status = finish_model(m, &(nqm_transport){n, n_points, light, points, NULL}, id, err);
+        status = nqm_label_finish_model(m, id, err);
     nqm_free(light);
     nqm_free(points);
     if (status == NQM_OK)

@@ -1,55 +1,95 @@
 /* SPDX-License-Identifier: MIT
  *
  * Pairs with an anisotropic BRDF. The directions of the models "default" and "transport" have one azimuth, which is enough for isotropic
- * BRDFs; those of the model "rays" are pairs of directions of the standard scenes, with the tangents of their surfaces. So the
- * former hand such pairs to the latter; where the anisotropy is slight, the score is between both, and continuous.
+ * BRDFs; the model "anisotropic" makes small pictures of any BRDF (metric/slopes.c). So the former hand such pairs to the latter;
+ * where the anisotropy is slight, the score is between both, and continuous.
  */
 #include "metric/azimuths.h"
+#include "brdf/brdf.h"
 
 #include <math.h>
 #include <string.h>
 
-/* Anisotropy (nqm_brdf_check_report) from which on a pair has the score of "rays" alone. */
-static const double plain_anisotropy = 0.1;
+/* Anisotropy (nqm_brdf_check_report) from which on a pair has the score of "anisotropic" alone. */
+static const double plain_anisotropy = 0.02;
 
 struct nqm_azimuths {
-    nqm_model *model;
-    nqm_scorer *scorer;
+    const nqm_model *model;
+    nqm_model *owned; /* NULL: the model is the scorer's */
+    float *totals;
 };
 
-bool nqm_model_sees_azimuths(const nqm_model *model) {
-    return model->directions->phi_h_deg;
-}
-
-nqm_status nqm_azimuths_create(const nqm_model *model, const nqm_score_options *options, nqm_azimuths **azimuths_ret,
-                               nqm_error *err) {
+nqm_status nqm_azimuths_create(const nqm_model *model, nqm_azimuths **azimuths_ret, nqm_error *err) {
     static const char *const served[] = {"default", "transport"};
-    bool is_served = false;
+    bool is_served = model->slopes;
     *azimuths_ret = NULL;
     for (size_t i = 0; i < sizeof served / sizeof *served; ++i)
         is_served |= strcmp(model->id, served[i]) == 0;
     if (!is_served)
         return NQM_OK;
     nqm_azimuths *a = nqm_alloc(1, sizeof *a);
-    if (!a)
-        return nqm_fail_nomem(err, sizeof *a);
-    nqm_status status = nqm_model_builtin("rays", &a->model, err);
-    if (status == NQM_OK)
-        status = nqm_scorer_create(a->model, options, &a->scorer, err);
-    if (status == NQM_OK)
+    nqm_status status = a ? NQM_OK : nqm_fail_nomem(err, sizeof *a);
+    if (status == NQM_OK && !model->slopes)
+        status = nqm_model_builtin("anisotropic", &a->owned, err);
+    if (status == NQM_OK) {
+        a->model = a->owned ? a->owned : model;
+        a->totals = nqm_alloc(a->model->n_slope_points, 3 * sizeof *a->totals);
+        status = a->totals ? NQM_OK : nqm_fail_nomem(err, 3 * a->model->n_slope_points * sizeof *a->totals);
+    }
+    if (status == NQM_OK) {
+        nqm_slopes_totals(a->model, a->totals);
         *azimuths_ret = a;
-    else
+    } else {
         nqm_azimuths_free(a);
+    }
     return status;
 }
 
 void nqm_azimuths_free(nqm_azimuths *azimuths) {
     if (!azimuths)
         return;
-    nqm_scorer_free(azimuths->scorer);
-    nqm_model_free(azimuths->model);
+    nqm_model_free(azimuths->owned);
+    nqm_free(azimuths->totals);
     nqm_free(azimuths);
 }
+
+/* ---- pictures ---------------------------------------------------------------------------------------------------- */
+
+/* A BRDF of the pairs, by its name or opened. */
+typedef struct subject {
+    const char *name; /* NULL: */
+    const nqm_brdf *brdf;
+    double *itp; /* its picture (3, n_points) */
+    nqm_status status;
+} subject;
+
+typedef struct gallery {
+    const nqm_azimuths *azimuths;
+    size_t n;
+    subject *subjects;
+} gallery;
+
+static size_t find(gallery *g, const char *name, const nqm_brdf *brdf) {
+    for (size_t i = 0; i < g->n; ++i)
+        if (name ? strcmp(g->subjects[i].name, name) == 0 : g->subjects[i].brdf == brdf)
+            return i;
+    g->subjects[g->n] = (subject){.name = name, .brdf = brdf};
+    return g->n++;
+}
+
+static void show(void *user, size_t i) {
+    const gallery *g = user;
+    subject *s = &g->subjects[i];
+    nqm_brdf *opened = NULL;
+    if (s->name)
+        s->status = nqm_brdf_open(s->name, &opened, NULL);
+    if (s->status == NQM_OK &&
+        !nqm_slopes_picture(g->azimuths->model, g->azimuths->totals, opened ? opened : s->brdf, s->itp))
+        s->status = NQM_ERR_NOMEM;
+    nqm_brdf_free(opened);
+}
+
+/* ---- scores ------------------------------------------------------------------------------------------------------ */
 
 /* 0 for 0, 1 from plain_anisotropy on; smooth. */
 static double weight_of(double anisotropy) {
@@ -57,58 +97,72 @@ static double weight_of(double anisotropy) {
     return t * t * (3 - 2 * t);
 }
 
-/* Members of a result that are between both. */
-static const struct {
-    size_t offset, n;
-} blended[] = {{offsetof(nqm_score_result, jod), 1},
-               {offsetof(nqm_score_result, delta_e), 1},
-               {offsetof(nqm_score_result, jod_low), 1},
-               {offsetof(nqm_score_result, jod_high), 1},
-               {offsetof(nqm_score_result, parts), sizeof(nqm_label) / sizeof(double)},
-               {offsetof(nqm_score_result, similarity), 3},
-               {offsetof(nqm_score_result, metrics), NQM_METRIC_COUNT}};
-
-/* The result keeps the counts of the model's own directions. */
-static void take(const nqm_score_result *seen, nqm_score_result *result) {
-    const double w = weight_of(result->anisotropy);
-    if (seen->status != NQM_OK) {
-        *result = nqm_no_score(seen->status);
-        return;
+/* The result keeps the metrics and counts of the model's own directions; people's similarity is not known. */
+static void take(const nqm_azimuths *a, const double *ref, const double *test, nqm_score_result *r) {
+    const nqm_transport points = {.n_points = a->model->n_slope_points, .points = a->model->slope_points};
+    const nqm_label label = nqm_transport_label(&points, ref, test);
+    const double w = a->owned ? weight_of(r->anisotropy) : 1, jod = nqm_curve_jod(&a->model->curve, label.delta_e);
+    double low, high;
+    nqm_label mean = {.delta_e = 0};
+    r->identical = r->identical && label.delta_e == 0;
+    nqm_model_interval(a->model, jod, NAN, 0, &low, &high);
+    if (r->identical)
+        low = high = 10;
+    nqm_label_add(&mean, w, &label);
+    if (w < 1) { /* 0 NaN is NaN */
+        nqm_label_add(&mean, 1 - w, &r->parts);
+        low = w * low + (1 - w) * r->jod_low;
+        high = w * high + (1 - w) * r->jod_high;
     }
-    result->identical = result->identical && seen->identical;
-    for (size_t k = 0; k < sizeof blended / sizeof *blended; ++k) {
-        const double *from = (const double *)((const char *)seen + blended[k].offset);
-        double *to = (double *)((char *)result + blended[k].offset);
-        for (size_t i = 0; i < blended[k].n; ++i)
-            to[i] = w < 1 ? (1 - w) * to[i] + w * from[i] : from[i];
-    }
+    r->delta_e = w < 1 ? w * label.delta_e + (1 - w) * r->delta_e : label.delta_e;
+    r->jod = w < 1 ? w * jod + (1 - w) * r->jod : jod;
+    r->jod_low = low;
+    r->jod_high = high;
+    r->parts = mean;
+    r->novelty = r->similarity[0] = r->similarity[1] = r->similarity[2] = NAN;
 }
 
-nqm_status nqm_azimuths_score(nqm_azimuths *azimuths, size_t n, const nqm_azimuth_pairs *pairs,
+bool nqm_azimuths_needed(const nqm_model *model, const nqm_score_result *r) {
+    return r->status == NQM_OK && (r->anisotropy > 0 || model->slopes);
+}
+
+nqm_status nqm_azimuths_score(const nqm_azimuths *a, size_t n, const nqm_azimuth_pairs *pairs, const nqm_model *model,
                               nqm_score_result *results, nqm_error *err) {
-    const nqm_brdf *tests[NQM_SCORE_BLOCK];
-    nqm_named_pair named[NQM_SCORE_BLOCK];
-    nqm_score_result seen[NQM_SCORE_BLOCK];
-    size_t place[NQM_SCORE_BLOCK], m = 0;
-    for (size_t i = 0; i < n; ++i) {
-        if (results[i].status != NQM_OK || !(results[i].anisotropy > 0))
-            continue;
-        if (!azimuths) {
-            results[i] = nqm_no_score(NQM_ERR_INCOMPATIBLE);
-            continue;
-        }
-        if (pairs->named)
-            named[m] = pairs->named[i];
-        else
-            tests[m] = pairs->tests[i];
-        place[m++] = i;
+    if (!a) {
+        for (size_t i = 0; i < n; ++i)
+            if (nqm_azimuths_needed(model, &results[i])) {
+                const double anisotropy = results[i].anisotropy;
+                results[i] = nqm_no_score(NQM_ERR_INCOMPATIBLE);
+                results[i].anisotropy = anisotropy;
+            }
+        return NQM_OK;
     }
-    nqm_status status = NQM_OK;
-    if (m && pairs->named)
-        status = nqm_scorer_run_named(azimuths->scorer, m, named, seen, NULL, err);
-    else if (m)
-        status = nqm_scorer_run(azimuths->scorer, pairs->ref, m, tests, seen, err);
-    for (size_t k = 0; status == NQM_OK && k < m; ++k)
-        take(&seen[k], &results[place[k]]);
-    return status;
+    const size_t n_values = 3 * a->model->n_slope_points;
+    size_t place[NQM_SCORE_BLOCK][2];
+    gallery g = {.azimuths = a};
+    double *itp;
+    nqm_status status = nqm_alloc_arrays(
+        NQM_ARRAYS({&g.subjects, 2 * n, sizeof *g.subjects}, {&itp, 2 * n, n_values * sizeof *itp}), err);
+    if (status != NQM_OK)
+        return status;
+    for (size_t i = 0; i < n; ++i)
+        if (nqm_azimuths_needed(model, &results[i])) {
+            const nqm_named_pair *named = pairs->named ? &pairs->named[i] : NULL;
+            place[i][0] = find(&g, named ? named->ref : NULL, pairs->ref);
+            place[i][1] = find(&g, named ? named->test : NULL, named ? NULL : pairs->tests[i]);
+        }
+    for (size_t i = 0; i < g.n; ++i)
+        g.subjects[i].itp = itp + i * n_values;
+    nqm_parallel_for(g.n, show, &g);
+    for (size_t i = 0; i < n; ++i) {
+        if (!nqm_azimuths_needed(model, &results[i]))
+            continue;
+        const subject *ref = &g.subjects[place[i][0]], *test = &g.subjects[place[i][1]];
+        if (ref->status != NQM_OK || test->status != NQM_OK)
+            results[i] = nqm_no_score(ref->status != NQM_OK ? ref->status : test->status);
+        else
+            take(a, ref->itp, test->itp, &results[i]);
+    }
+    nqm_free(g.subjects);
+    return NQM_OK;
 }

@@ -7,14 +7,12 @@
 
 #include "metric/metric.h"
 
-/** A scorer of the model "rays". */
+/** The model "anisotropic". */
 typedef struct nqm_azimuths nqm_azimuths;
 
-/** Whether the model's own directions have azimuths. */
-bool nqm_model_sees_azimuths(const nqm_model *model);
-/** NULL in *azimuths_ret, without an error, if the model is not one of those that predict the labels of the standard scenes. */
-NQM_MUST_CHECK nqm_status nqm_azimuths_create(const nqm_model *model, const nqm_score_options *options,
-                                              nqm_azimuths **azimuths_ret, nqm_error *err);
+/** NULL in *azimuths_ret, without an error, if the model is not one of those that predict the labels of the standard scenes. The model must
+ *  outlive it. */
+NQM_MUST_CHECK nqm_status nqm_azimuths_create(const nqm_model *model, nqm_azimuths **azimuths_ret, nqm_error *err);
 void nqm_azimuths_free(nqm_azimuths *azimuths);
 
 /** Pairs as nqm_scorer_run_named() or nqm_scorer_run() takes them. */
@@ -23,9 +21,15 @@ typedef struct nqm_azimuth_pairs {
     const nqm_brdf *ref;
     const nqm_brdf *const *tests;
 } nqm_azimuth_pairs;
-/** Score again those of n <= NQM_SCORE_BLOCK results whose anisotropy is above 0. azimuths NULL: they have no score
- *  (NQM_ERR_INCOMPATIBLE). */
-NQM_MUST_CHECK nqm_status nqm_azimuths_score(nqm_azimuths *azimuths, size_t n, const nqm_azimuth_pairs *pairs,
-                                             nqm_score_result *results, nqm_error *err);
+/** Whether a result of the model must be replaced. */
+bool nqm_azimuths_needed(const nqm_model *model, const nqm_score_result *result);
+/** Replace those of n <= NQM_SCORE_BLOCK results. azimuths NULL: they have no score (NQM_ERR_INCOMPATIBLE). */
+NQM_MUST_CHECK nqm_status nqm_azimuths_score(const nqm_azimuths *azimuths, size_t n, const nqm_azimuth_pairs *pairs,
+                                             const nqm_model *model, nqm_score_result *results, nqm_error *err);
+
+/** The light of all slopes together: totals (3, n_slope_points). */
+void nqm_slopes_totals(const nqm_model *model, float *totals);
+/** ITP of the points of a BRDF's picture, in units of Delta-E: itp (3, n_slope_points). false: out of memory. */
+bool nqm_slopes_picture(const nqm_model *model, const float *totals, const nqm_brdf *brdf, double *itp);
 
 #endif

@@ -159,7 +159,7 @@ static nqm_member sample_member(const nqm_model *model, const nqm_brdf *brdf, nq
         member.status = NQM_ERR_NOMEM;
     if (member.status == NQM_OK)
         member.n_unusual = count_unusual(model, rgb);
-    if (member.status == NQM_OK && !nqm_model_sees_azimuths(model))
+    if (member.status == NQM_OK)
         member.anisotropy = nqm_brdf_anisotropy(brdf);
     return member;
 }
@@ -288,14 +288,14 @@ static void score_members(nqm_scorer *s, size_t n, nqm_score_result *results) {
 /* The same; those with an anisotropic BRDF at all azimuths. */
 static nqm_status score_block(nqm_scorer *s, size_t n, const nqm_azimuth_pairs *pairs, nqm_score_result *results,
                               nqm_error *err) {
-    bool is_anisotropic = false;
+    bool is_needed = false;
     score_members(s, n, results);
     for (size_t i = 0; i < n; ++i)
-        is_anisotropic |= results[i].status == NQM_OK && results[i].anisotropy > 0;
-    if (!is_anisotropic)
+        is_needed |= nqm_azimuths_needed(s->model, &results[i]);
+    if (!is_needed)
         return NQM_OK;
-    nqm_status status = s->azimuths ? NQM_OK : nqm_azimuths_create(s->model, &s->options, &s->azimuths, err);
-    return status == NQM_OK ? nqm_azimuths_score(s->azimuths, n, pairs, results, err) : status;
+    nqm_status status = s->azimuths ? NQM_OK : nqm_azimuths_create(s->model, &s->azimuths, err);
+    return status == NQM_OK ? nqm_azimuths_score(s->azimuths, n, pairs, s->model, results, err) : status;
 }
 
 /* ---- opened BRDFs ------------------------------------------------------------------------------------------------ */
@@ -354,7 +354,7 @@ static nqm_error explain(const nqm_scorer *s, nqm_cached *const *entry, const ch
         (void)nqm_fail(&why, result->status, -1,
                        "%s: it or its reference is anisotropic (turning changes it by %.2g %%), which the directions "
                        "of model '%s' "
-                       "do not see: use the models default or rays",
+                       "do not see: use the models default or anisotropic",
                        test, 100 * anisotropy, s->model->id);
     else if (result->status == NQM_ERR_INCOMPATIBLE)
         (void)nqm_fail(
@@ -426,6 +426,9 @@ static nqm_status check_samples(const nqm_model *model, size_t pair, const char 
 
 static nqm_status check_pairs(const nqm_model *model, size_t n, const nqm_sample_pair *pairs, nqm_error *err) {
     nqm_status status = NQM_OK;
+    if (model->slopes)
+        return nqm_fail(err, NQM_ERR_ARG, -1,
+                        "model '%s' evaluates BRDFs at directions of its own: it has no score of samples", model->id);
     for (size_t i = 0; status == NQM_OK && i < n; ++i) {
         if (i == 0 || pairs[i].ref != pairs[i - 1].ref)
             status = check_samples(model, i, "reference", pairs[i].ref, err);

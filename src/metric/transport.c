@@ -120,35 +120,9 @@ static void add_light(const nqm_transport *t, block b, size_t n, const nqm_trans
                                        .ldc = 3 * b.n_points});
 }
 
-/* The light (3) of a point from its rays. */
-static void sum_rays(const nqm_transport *t, size_t point, const nqm_transport_picture *picture, double *sum) {
-    float f[3 * DIRECTIONS];
-    sum[0] = sum[1] = sum[2] = 0;
-    for (size_t k = nqm_transport_begin(t, point), end = (size_t)t->ends[point], n; k < end; k += n) {
-        n = nqm_smaller(end - k, DIRECTIONS);
-        read_samples(picture, k, n, f);
-        for (size_t i = 0; i < 3 * n; ++i)
-            sum[i % 3] += (double)t->light[3 * k + i] * (double)f[i];
-    }
-}
-
-static void add_rays(const nqm_transport *t, block b, size_t n, const nqm_transport_picture *pictures, float *rgb) {
-    for (size_t i = 0; i < n; ++i)
-        for (size_t p = 0; p < b.n_points; ++p) {
-            double sum[3];
-            sum_rays(t, b.point + p, &pictures[i], sum);
-            for (size_t c = 0; c < 3; ++c)
-                rgb[(3 * i + c) * b.n_points + p] = (float)sum[c];
-        }
-}
-
 void nqm_transport_radiance(const nqm_transport *t, size_t first, size_t n_points, size_t n,
                             const nqm_transport_picture *pictures, float *rgb) {
     block b = {.point = first, .n_points = n_points};
-    if (t->ends) {
-        add_rays(t, b, n, pictures, rgb);
-        return;
-    }
     for (; b.direction < t->n_directions; b.direction += b.n_directions) {
         b.n_directions = nqm_smaller(t->n_directions - b.direction, DIRECTIONS);
         add_light(t, b, n, pictures, rgb);

@@ -132,20 +132,11 @@ void nqm_transport_light_gradient(const nqm_transport *t, const nqm_label *weigh
     }
 }
 
-static void ray_gradient(const nqm_transport *t, const nqm_sample_pair *pair, const float *by_light, float *gradient) {
-    for (size_t p = 0; p < t->n_points; ++p)
-        for (size_t k = nqm_transport_begin(t, p); k < (size_t)t->ends[p]; ++k)
-            for (size_t c = 0; c < 3 && (!pair->used || pair->used[k]); ++c)
-                gradient[3 * k + c] += t->light[3 * k + c] * by_light[c * t->n_points + p];
-}
-
 void nqm_transport_gradient(const nqm_transport *t, size_t n, const nqm_sample_pair *pairs, const float *by_light,
                             float *gradient) {
     const size_t n_points = t->n_points, n_values = 3 * t->n_directions;
     float sums[NQM_COMPARE_MAX];
-    for (size_t i = 0; t->ends && i < n; ++i)
-        ray_gradient(t, &pairs[i], by_light + i * 3 * n_points, gradient + i * n_values);
-    for (size_t k = 0; !t->ends && k < n_values; ++k) { /* each row of the matrix is read once for all pairs */
+    for (size_t k = 0; k < n_values; ++k) { /* each row of the matrix is read once for all pairs */
         nqm_sample_dots(n_points, t->light + k * n_points, n, by_light + k % 3 * n_points, 3 * n_points, sums);
         for (size_t i = 0; i < n; ++i)
             if (!pairs[i].used || pairs[i].used[k / 3])

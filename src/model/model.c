@@ -34,7 +34,9 @@ void nqm_model_free(struct nqm_model *model) {
     nqm_free(model->interval);
     nqm_free(model->transport);
     nqm_free(model->transport_points);
-    nqm_free(model->transport_ends);
+    nqm_free(model->slopes);
+    nqm_free(model->slope_points);
+    nqm_free(model->slope_wo);
     nqm_free(model->novelty_points);
     nqm_map_close(&model->file);
     nqm_free(model->memory);
@@ -56,33 +58,30 @@ nqm_model_info nqm_model_get_info(const nqm_model *model) {
                            .directions = model->directions,
                            .calibration = model->calibration ? model->calibration : ""};
     const nqm_label equal = {0}, opposite = {.delta_e = 1e9}; /* the ends of the curve */
-    double at_low = nqm_model_jod(model, -INFINITY, model->transport ? &equal : NULL, NULL);
-    double at_high = nqm_model_jod(model, INFINITY, model->transport ? &opposite : NULL, NULL);
+    double at_low = nqm_model_jod(model, -INFINITY, model->transport || model->slopes ? &equal : NULL, NULL);
+    double at_high = nqm_model_jod(model, INFINITY, model->transport || model->slopes ? &opposite : NULL, NULL);
     info.jod_min = fmin(at_low, at_high); /* the JOD of a model that predicts Delta-E decreases with its output */
     info.jod_max = fmax(at_low, at_high);
     return info;
 }
 
 nqm_status nqm_model_set_transport(nqm_model *model, const nqm_transport *t, nqm_error *err) {
-    const size_t n_light = t->n_directions * 3 * (t->ends ? 1 : t->n_points), n_ends = t->ends ? t->n_points : 0;
-    const struct {
-        void **to;
-        const void *from;
-        size_t n_bytes;
-    } blocks[] = {{(void **)&model->transport, t->light, n_light * sizeof *t->light},
-                  {(void **)&model->transport_points, t->points, 3 * t->n_points * sizeof *t->points},
-                  {(void **)&model->transport_ends, t->ends, n_ends * sizeof *t->ends}};
-    for (size_t i = 0; i < sizeof blocks / sizeof *blocks; ++i) {
-        nqm_free(*blocks[i].to);
-        *blocks[i].to = blocks[i].n_bytes ? nqm_alloc(blocks[i].n_bytes, 1) : NULL;
-        if (blocks[i].n_bytes && !*blocks[i].to)
-            return nqm_fail_nomem(err, blocks[i].n_bytes);
-        if (blocks[i].n_bytes)
-            memcpy(*blocks[i].to, blocks[i].from, blocks[i].n_bytes);
+    const size_t n_light = t->n_directions * 3 * t->n_points, n_points = 3 * t->n_points;
+    float *light = nqm_alloc(n_light, sizeof *light);
+    double *points = nqm_alloc(n_points, sizeof *points);
+    if (!light || !points) {
+        nqm_free(light);
+        nqm_free(points);
+        return nqm_fail_nomem(err, n_light * sizeof *light);
     }
+    memcpy(light, t->light, n_light * sizeof *light);
+    memcpy(points, t->points, n_points * sizeof *points);
+    nqm_free(model->transport);
+    nqm_free(model->transport_points);
+    model->transport = light;
+    model->transport_points = points;
     model->n_transport = t->n_directions;
     model->n_points = t->n_points;
-    model->n_ends = n_ends;
     return NQM_OK;
 }
 
@@ -138,7 +137,7 @@ nqm_status nqm_model_copy(const nqm_model *model, nqm_model **copy_ret, nqm_erro
     if (status == NQM_OK && !copy_blocks(model, copy))
         status = nqm_fail_nomem(err, sizeof *copy);
     if (status == NQM_OK)
-        status = nqm_directions_copy(model->directions, &copy->directions, err);
+        status = nqm_directions_from_degrees(model->directions->n, model->directions->degrees, &copy->directions, err);
     if (status == NQM_OK)
         *copy_ret = copy;
     else

@@ -10,6 +10,7 @@
 #include "net/net.h"
 #include "percept/percept.h"
 #include "sample/sample.h"
+#include "sample/slopes.h"
 #include <nqm/model.h>
 
 enum { NQM_NOVELTY_BLOCK = 16, NQM_NOVELTY_MAX_GROWTH = 10 };
@@ -36,20 +37,13 @@ typedef struct nqm_output_range {
 /** Points of the pictures that the transport matrix of a dataset makes of samples; other matrices have any multiple of
  *  NQM_TRANSPORT_STEP up to NQM_TRANSPORT_MAX_POINTS. */
 enum { NQM_TRANSPORT_POINTS = 256, NQM_TRANSPORT_STEP = 32, NQM_TRANSPORT_MAX_POINTS = 4096 };
-/** Light transport of a scene: pictures of few points as linear functions of samples. Arrays are borrowed. It is either a matrix, where
- *  each direction lights all points, or rays (nqm_rays), where each direction lights one. */
+/** Light transport of a scene: pictures of few points as linear functions of samples. Arrays are borrowed. */
 typedef struct nqm_transport {
     size_t n_directions, n_points;
-    const float
-        *light; /* (n_directions, 3, n_points) cd/m2 per f_r of 1/sr; of rays (n_directions, 3); NULL: there is none */
+    const float *light;   /* (n_directions, 3, n_points) cd/m2 per f_r of 1/sr; NULL: there is no matrix */
     const double *points; /* (n_points, 3) fraction of the scene's picture; number of the scene, from 0, in ascending
                              order; peak luminance of the display, cd/m2 */
-    const double *ends;   /* (n_points) of rays: those of point p end before direction ends[p]; NULL: a matrix */
 } nqm_transport;
-/** The first direction of rays that lights point p. */
-static inline size_t nqm_transport_begin(const nqm_transport *t, size_t p) {
-    return p ? (size_t)t->ends[p - 1] : 0;
-}
 
 /** Distances whose weighted sum is the similarity's (nqm_apart_distances()), and then the 95 % half-width of its logarithm. */
 enum {
@@ -77,7 +71,7 @@ struct nqm_model {
     /* Linear map from whitened scalar features (rows) to uncorrelated ones (columns). */
     float novelty_map[NQM_SCALAR_COUNT * NQM_SCALAR_COUNT]; /* (scalars.n, scalars.n) */
     size_t n_transport, n_points;                           /* directions and points of `transport`; 0: none */
-    size_t n_ends;                                          /* n_points, or 0: `transport` is a matrix */
+    size_t n_slopes, n_slope_points, n_slope_wo;            /* rows of `slopes` and points of it; 0: none */
     double novelty_unit;                                    /* distance that has novelty 1; > 0 */
     double novelty_growth; /* novelty v widens an interval by exp(novelty_growth v); 0..NQM_NOVELTY_MAX_GROWTH */
     double spread_growth[NQM_SPREAD_FEATURES]; /* the same of each feature of nqm_spread_features() */
@@ -92,9 +86,13 @@ struct nqm_model {
     double *interval; /* (n_interval, 3) predicted JOD, both ends of its 95 % interval, columns ascending; NULL: none */
     float *transport; /* as `light` in nqm_transport; NULL: none */
     double *transport_points; /* as `points` in nqm_transport; NULL: none */
-    double *transport_ends;   /* as `ends` in nqm_transport; NULL: a matrix or none */
-    float *novelty_points;    /* (n_novelty, scalars.n, NQM_NOVELTY_BLOCK) of nqm_novelty_features() */
-    char *scalar_names;       /* names of its scalar inputs, separated by commas; NULL: it has none */
+    /* Light that each point receives by the slope of the half vector, of models for anisotropic BRDFs; NULL: none. cd/m2 times cosine
+     * times solid angle, (NQM_SLOPE_CELLS, 3, n_slope_points); points as in nqm_transport; unit vectors to the viewer in the axes
+     * of the surface (n_slope_points, 3). */
+    float *slopes;
+    double *slope_points, *slope_wo;
+    float *novelty_points; /* (n_novelty, scalars.n, NQM_NOVELTY_BLOCK) of nqm_novelty_features() */
+    char *scalar_names;    /* names of its scalar inputs, separated by commas; NULL: it has none */
     char *id, *recipe, *card, *licence, *manifest_sha256;
     char *training;        /* JSON: options and report of the training */
     char *golden;          /* JSON: pairs of specs and the JOD of each when the model was created; NULL: none */
@@ -169,10 +167,11 @@ void nqm_parts_from_targets(const double targets[NQM_LABEL_PARTS], double parts[
 /** Why the arrays of a transport matrix cannot be used; NULL: they can, or both are NULL. verify: false does not read
  *  `light`. */
 const char *nqm_transport_fault(const nqm_transport *transport, bool verify);
+/** The same of `points` alone. */
+const char *nqm_points_fault(size_t n_points, const double *points);
 /** The transport matrix of a model; `light` is NULL if it has none. */
 static inline nqm_transport nqm_model_transport(const struct nqm_model *model) {
-    return (nqm_transport){model->n_transport, model->n_points, model->transport, model->transport_points,
-                           model->transport_ends};
+    return (nqm_transport){model->n_transport, model->n_points, model->transport, model->transport_points};
 }
 /** Give a model that is not shared yet a copy of a transport matrix. NQM_ERR_NOMEM. */
 NQM_MUST_CHECK nqm_status nqm_model_set_transport(nqm_model *model, const nqm_transport *transport, nqm_error *err);

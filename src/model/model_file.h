@@ -11,7 +11,7 @@
 #define NQM_MODEL_FORMAT "nqm-model"
 #define NQM_MODEL_SCHEMA "1"
 
-enum { NQM_LAYER_TENSORS = 4, NQM_MODEL_TEXTS = 11, NQM_MODEL_ARRAYS = 19, NQM_TENSOR_NAME_MAX = 32 };
+enum { NQM_LAYER_TENSORS = 4, NQM_MODEL_TEXTS = 11, NQM_MODEL_ARRAYS = 21, NQM_TENSOR_NAME_MAX = 32 };
 /** Suffixes of tensor names "layers.N.SUFFIX", in the order of nqm_layer: w, b, gamma, beta; the last layer has only
  *  the first two. */
 extern const char *const nqm_layer_suffixes[NQM_LAYER_TENSORS];
@@ -25,7 +25,7 @@ typedef enum nqm_model_part {
     NQM_PART_NOVELTY,
     NQM_PART_LABEL,
     NQM_PART_TRANSPORT,
-    NQM_PART_RAYS,
+    NQM_PART_SLOPES,
     NQM_PART_SPREAD,
     NQM_PART_SIMILARITY,
     NQM_PART_COUNT
@@ -61,13 +61,15 @@ static inline void *nqm_model_at(const nqm_model *model, size_t offset) {
 static inline void **nqm_model_block(const nqm_model *model, size_t offset) {
     return nqm_model_at(model, offset);
 }
-/** Rows or columns that depend on the model: three for each point of its transport matrix (three if it has rays), one or NQM_NOVELTY_BLOCK for each scalar
+/** Rows or columns that depend on the model: three for each point of its transport matrix, one or NQM_NOVELTY_BLOCK for each scalar
  *  feature. */
 #define NQM_EXTENT_POINTS  SIZE_MAX
 #define NQM_EXTENT_SCALARS (SIZE_MAX - 1)
 #define NQM_EXTENT_BLOCKS  (SIZE_MAX - 2)
+#define NQM_EXTENT_SLOPES  (SIZE_MAX - 3) /* three for each point of `slopes` */
 static inline size_t nqm_model_extent(const nqm_model *model, size_t extent) {
-    return extent == NQM_EXTENT_POINTS    ? 3 * (model->n_ends ? 1 : model->n_points)
+    return extent == NQM_EXTENT_POINTS    ? 3 * model->n_points
+           : extent == NQM_EXTENT_SLOPES  ? 3 * model->n_slope_points
            : extent == NQM_EXTENT_SCALARS ? model->scalars.n
            : extent == NQM_EXTENT_BLOCKS  ? model->scalars.n * NQM_NOVELTY_BLOCK
                                           : extent;

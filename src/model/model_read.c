@@ -71,7 +71,7 @@ static nqm_status read_shape(const reader *r, nqm_net_shape *shape) {
         shape->n_layers = l + 1;
     }
     size_t n = shape->n_layers;
-    const bool has_transport = nqm_safetensors_find(r->st, "transport");
+    const bool has_transport = nqm_safetensors_find(r->st, "transport") || nqm_safetensors_find(r->st, "slopes");
     if (n == 0 && has_transport && !nqm_safetensors_find(r->st, "layers.0.bias"))
         return NQM_OK; /* a model without a network */
     const bool known = n > 1 && (shape->sizes[n] == 1 || shape->sizes[n] == 1 + NQM_LABEL_PARTS);
@@ -199,18 +199,11 @@ static nqm_status read_directions(reader *r, struct nqm_model *model) {
         get(r, &(expectation){.name = "directions_deg", .dtype = NQM_F64, .rows = n, .cols = 3}, &tensor);
     if (status != NQM_OK)
         return status;
-    const nqm_tensor *phi_h = nqm_safetensors_find(r->st, "phi_h_deg");
-    if (phi_h)
-        status = get(r, &(expectation){.name = phi_h->name, .dtype = NQM_F64, .cols = n}, &phi_h);
-    if (status != NQM_OK)
-        return status;
-    double *degrees = nqm_alloc(n, 4 * sizeof *degrees); /* aligned */
+    double *degrees = nqm_alloc(n, 3 * sizeof *degrees); /* aligned */
     if (!degrees)
         return nqm_fail_nomem(r->err, tensor->n_bytes);
     memcpy(degrees, tensor->data, tensor->n_bytes);
-    if (phi_h)
-        memcpy(degrees + 3 * n, phi_h->data, phi_h->n_bytes);
-    status = nqm_directions_make(n, degrees, phi_h ? degrees + 3 * n : NULL, &model->directions, &inner);
+    status = nqm_directions_from_degrees(n, degrees, &model->directions, &inner);
     nqm_free(degrees);
     if (status == NQM_OK)
         return NQM_OK;
@@ -224,7 +217,7 @@ static nqm_status read_array(reader *r, const nqm_model_array *a, struct nqm_mod
                      .dtype = a->dtype,
                      .rows = nqm_model_extent(model, a->rows),
                      .cols = nqm_model_extent(model, a->cols)};
-    e.is_large = a->part == NQM_PART_TRANSPORT;
+    e.is_large = a->part == NQM_PART_TRANSPORT || a->part == NQM_PART_SLOPES;
     if (a->n_offset) /* any number of rows but 0 */
         e.rows = tensor && tensor->n_dims == 2 && tensor->dims[0] > 0 ? tensor->dims[0] : 1;
     nqm_status status = get(r, &e, &tensor);
@@ -251,7 +244,7 @@ static nqm_status read_arrays(reader *r, struct nqm_model *model) {
                                       [NQM_PART_LABEL] = nqm_model_has_parts(model),
                                       [NQM_PART_TRANSPORT] = nqm_safetensors_find(r->st, "transport") ||
                                                              nqm_safetensors_find(r->st, "transport.points"),
-                                      [NQM_PART_RAYS] = nqm_safetensors_find(r->st, "transport.ends"),
+                                      [NQM_PART_SLOPES] = nqm_safetensors_find(r->st, "slopes"),
                                       [NQM_PART_SPREAD] = nqm_safetensors_find(r->st, "interval.spread"),
                                       [NQM_PART_SIMILARITY] = nqm_safetensors_find(r->st, "similarity")};
     const nqm_tensor *spread = nqm_safetensors_find(r->st, "interval.spread");
@@ -271,15 +264,15 @@ static nqm_status read_arrays(reader *r, struct nqm_model *model) {
 static nqm_status check_arrays(const reader *r, const struct nqm_model *model) {
     const float *std = model->features.std;
     const nqm_transport transport = nqm_model_transport(model);
-    const char *transport_fault = NULL;
-    if (model->n_ends && model->n_ends != model->n_points)
-        transport_fault = "tensor 'transport.ends' does not have a row for each point";
-    else if (model->transport)
-        transport_fault = nqm_transport_fault(&transport, r->verify);
+    const char *transport_fault = model->transport ? nqm_transport_fault(&transport, r->verify) : NULL;
     if (model->transport && model->n_transport != model->directions->n)
         transport_fault = "tensor 'transport' does not have a row for each direction";
     if (model->transport && model->target != NQM_TARGET_LOG_DELTA_E)
         transport_fault = "tensor 'transport' needs the target log_delta_e";
+    if (model->slopes && (model->n_slopes != NQM_SLOPE_CELLS || model->n_slope_wo != model->n_slope_points))
+        transport_fault = "tensor 'slopes' or 'slopes.wo' has the wrong number of rows";
+    else if (model->slopes)
+        transport_fault = nqm_points_fault(model->n_slope_points, model->slope_points);
     if (transport_fault)
         return nqm_fail(r->err, NQM_ERR_MODEL, -1, "%s: %s", r->name, transport_fault);
     const char *bad = NULL,

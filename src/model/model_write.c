@@ -43,8 +43,10 @@ const nqm_model_array nqm_model_arrays[NQM_MODEL_ARRAYS] = {
     {"novelty.points", NQM_PART_NOVELTY, NQM_F32, 0, NQM_EXTENT_BLOCKS, FIELD(novelty_points), FIELD(n_novelty)},
     {"novelty.map", NQM_PART_NOVELTY, NQM_F32, NQM_EXTENT_SCALARS, NQM_EXTENT_SCALARS, FIELD(novelty_map), 0},
     {"transport.points", NQM_PART_TRANSPORT, NQM_F64, 0, 3, FIELD(transport_points), FIELD(n_points)},
-    {"transport.ends", NQM_PART_RAYS, NQM_F64, 0, 1, FIELD(transport_ends), FIELD(n_ends)},
     {"transport", NQM_PART_TRANSPORT, NQM_F32, 0, NQM_EXTENT_POINTS, FIELD(transport), FIELD(n_transport)},
+    {"slopes.points", NQM_PART_SLOPES, NQM_F64, 0, 3, FIELD(slope_points), FIELD(n_slope_points)},
+    {"slopes.wo", NQM_PART_SLOPES, NQM_F64, 0, 3, FIELD(slope_wo), FIELD(n_slope_wo)},
+    {"slopes", NQM_PART_SLOPES, NQM_F32, 0, NQM_EXTENT_SLOPES, FIELD(slopes), FIELD(n_slopes)},
     {"novelty.scale", NQM_PART_NOVELTY, NQM_F64, 0, 2, FIELD(novelty_unit), 0},
     {"interval.spread", NQM_PART_SPREAD, NQM_F64, 0, NQM_SPREAD_FEATURES, FIELD(spread_growth), 0},
     {"interval.floor", NQM_PART_SPREAD, NQM_F64, 0, NQM_INTERVAL_KNOTS, FIELD(interval_floor), 0},
@@ -56,7 +58,7 @@ _Static_assert(sizeof(nqm_output_range) == 4 * sizeof(double) && sizeof(nqm_curv
 
 /* ---- writing ----------------------------------------------------------------------------------------------------- */
 
-enum { MAX_TENSORS = NQM_LAYER_TENSORS * NQM_NET_MAX_LAYERS + 2 + NQM_MODEL_ARRAYS };
+enum { MAX_TENSORS = NQM_LAYER_TENSORS * NQM_NET_MAX_LAYERS + 1 + NQM_MODEL_ARRAYS };
 
 /* The tensors to write, with storage for their names. */
 typedef struct contents {
@@ -93,10 +95,7 @@ static void add_layers(contents *c, const nqm_params *params) {
 
 static void collect(contents *c, const struct nqm_model *model, const bool *has) {
     add_layers(c, &model->params);
-    const nqm_directions *d = model->directions;
-    c->tensor[c->n++] = nqm_tensor_of("directions_deg", NQM_F64, d->n, 3, d->degrees);
-    if (d->phi_h_deg)
-        c->tensor[c->n++] = nqm_tensor_of("phi_h_deg", NQM_F64, 0, d->n, d->phi_h_deg);
+    c->tensor[c->n++] = nqm_tensor_of("directions_deg", NQM_F64, model->directions->n, 3, model->directions->degrees);
     for (const nqm_model_array *a = nqm_model_arrays; a < nqm_model_arrays + NQM_MODEL_ARRAYS; ++a) {
         const void *values = a->n_offset ? *nqm_model_block(model, a->offset) : nqm_model_at(model, a->offset);
         if (has[a->part])
@@ -129,7 +128,7 @@ nqm_status nqm_model_save(const nqm_model *model, const char *path, nqm_error *e
                                       [NQM_PART_NOVELTY] = model->n_novelty > 0,
                                       [NQM_PART_LABEL] = nqm_model_has_parts(model),
                                       [NQM_PART_TRANSPORT] = model->transport,
-                                      [NQM_PART_RAYS] = model->n_ends > 0,
+                                      [NQM_PART_SLOPES] = model->slopes,
                                       [NQM_PART_SPREAD] = model->interval && nqm_model_has_spread(model),
                                       [NQM_PART_SIMILARITY] = model->similarity[NQM_APART] > 0};
     c->half = model->stores_half ? half : NULL;

@@ -31,7 +31,7 @@ static double target_of(const nqm_output_range *o, double z) {
 }
 
 /* Whether the fractions of the points of every scene sum to 1, scenes are numbered from 0, and displays have a peak. */
-static const char *points_fault(size_t n_points, const double *points) {
+const char *nqm_points_fault(size_t n_points, const double *points) {
     double scene = 0, sum = 0;
     for (const double *p = points; p < points + 3 * n_points; p += 3) {
         const bool is_next = p > points && p[1] == scene + 1;
@@ -49,29 +49,17 @@ static const char *points_fault(size_t n_points, const double *points) {
     return fabs(sum - 1) > 1e-6 ? "tensor 'transport.points' has fractions of a scene that do not sum to 1" : NULL;
 }
 
-/* Whether every direction belongs to a point. */
-static const char *ends_fault(const nqm_transport *t) {
-    double last = 0;
-    for (size_t p = 0; p < t->n_points; ++p) {
-        if (!(t->ends[p] >= last && t->ends[p] <= (double)t->n_directions && t->ends[p] == floor(t->ends[p])))
-            return "tensor 'transport.ends' has no ascending numbers of directions";
-        last = t->ends[p];
-    }
-    return last != (double)t->n_directions ? "tensor 'transport.ends' does not end at the last direction" : NULL;
-}
-
 const char *nqm_transport_fault(const nqm_transport *t, bool verify) {
     if (!t->light && !t->points)
         return NULL;
     if (!t->light || !t->points)
         return "tensors 'transport' and 'transport.points' need each other";
-    if ((t->n_points % NQM_TRANSPORT_STEP && !t->ends) || t->n_points > NQM_TRANSPORT_MAX_POINTS)
+    if (t->n_points % NQM_TRANSPORT_STEP || t->n_points > NQM_TRANSPORT_MAX_POINTS)
         return "tensor 'transport.points' has a number of points that is no multiple of 32 up to 4096";
-    for (size_t i = 0; verify && i < t->n_directions * 3 * (t->ends ? 1 : t->n_points); ++i)
+    for (size_t i = 0; verify && i < t->n_directions * 3 * t->n_points; ++i)
         if (!isfinite(t->light[i]))
             return "tensor 'transport' has a value that is not finite";
-    const char *fault = t->ends ? ends_fault(t) : NULL;
-    return fault ? fault : points_fault(t->n_points, t->points);
+    return nqm_points_fault(t->n_points, t->points);
 }
 
 static const double least = 0.05; /* Delta-E: nobody sees less */

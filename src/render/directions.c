@@ -45,7 +45,7 @@ typedef struct sampler {
     double *wide;           /* (n_max) fraction of the density at each direction that is not of the spiral */
     size_t row;             /* SIZE_MAX: none */
     size_t n[N_TECHNIQUES]; /* number of directions of each technique */
-    const nqm_lobes *lobes; /* of the spiral; NULL: round */
+    const nqm_lobe *lobe;   /* of the spiral; NULL: round */
     double range;           /* spiral_range() */
 } sampler;
 
@@ -176,8 +176,9 @@ static void sample_cosine(double u, double v, double *wi) {
     wi[2] = sqrt(1 - u);
 }
 
-/* Move a half vector of the round spiral into a lobe. */
-static void stretch(const sampler *s, const nqm_lobe *lobe, double *h) {
+/* Move a half vector of the round spiral into the lobe. */
+static void stretch(const sampler *s, double *h) {
+    const nqm_lobe *lobe = s->lobe;
     const double x = h[0] / h[2], y = h[1] / h[2], *axes = lobe->axes;
     const double back[2] = {-s->point->grain[0], s->point->grain[1]};
     h[0] = lobe->center[0] + axes[0] * x + axes[1] * y;
@@ -187,8 +188,9 @@ static void stretch(const sampler *s, const nqm_lobe *lobe, double *h) {
     nqm_normalize3(h);
 }
 
-/* Tan(theta_h) at which the spiral of a lobe has the half vector h. */
-static double position_in(const sampler *s, const nqm_lobe *lobe, const double *h) {
+/* Tan(theta_h) at which the spiral of the lobe has the half vector h. */
+static double position_in(const sampler *s, const double *h) {
+    const nqm_lobe *lobe = s->lobe;
     double in[3];
     nqm_turn3(s->point->grain, h, in);
     const double x = in[0] / in[2] - lobe->center[0], y = in[1] / in[2] - lobe->center[1], *axes = lobe->axes;
@@ -196,12 +198,12 @@ static double position_in(const sampler *s, const nqm_lobe *lobe, const double *
 }
 
 /* Reflect wo at a half vector of the spiral: (1 + t / core) (1 + t / knee) = exp(u range). */
-static void sample_spiral(const sampler *s, const nqm_lobe *lobe, double u, double v, double *wi) {
+static void sample_spiral(const sampler *s, double u, double v, double *wi) {
     const double grown = expm1(u * spiral_range()), sum = core + knee, product = core * knee, *wo = s->point->wo;
     double h[3];
     nqm_spherical(atan(2 * product * grown / (sum + sqrt(sum * sum + 4 * product * grown))), 2 * NQM_PI * v, h);
-    if (lobe)
-        stretch(s, lobe, h);
+    if (s->lobe)
+        stretch(s, h);
     double d = nqm_dot3(wo, h);
     for (int k = 0; k < 3; ++k)
         wi[k] = 2 * d * h[k] - wo[k];
@@ -214,14 +216,11 @@ static double spiral_density(const sampler *s, const double *wi) {
     const double h[3] = {wi[0] + wo[0], wi[1] + wo[1], wi[2] + wo[2]};
     const double length = sqrt(nqm_dot3(h, h)); /* twice wo.h of the unit vector */
     const double cosine = h[2] / length;
-    const size_t n_lobes = s->lobes ? s->lobes->n : 1;
-    double by_slope = 0;
-    for (size_t k = 0; k < n_lobes; ++k) {
-        const double t = fmax(s->lobes ? position_in(s, &s->lobes->lobe[k], h) : hypot(h[0], h[1]) / h[2], 1e-12);
-        if (t <= most_tan)
-            by_slope += (double)s->n[SPIRAL] * (1 / (t + core) + 1 / (t + knee)) / s->range / (2 * NQM_PI * t);
-    }
-    return by_slope / (cosine * cosine * cosine * 2 * length) / (double)n_lobes;
+    const double t = fmax(s->lobe ? position_in(s, h) : hypot(h[0], h[1]) / h[2], 1e-12);
+    if (!(t <= most_tan))
+        return 0;
+    const double by_tan = (double)s->n[SPIRAL] * (1 / (t + core) + 1 / (t + knee)) / s->range;
+    return by_tan / (2 * NQM_PI * t * cosine * cosine * cosine * 2 * length);
 }
 
 /* The same of the other techniques; `cell` of the map contains wi. */
@@ -243,18 +242,13 @@ static double shifted(double x, uint64_t random) {
     return sum < 1 ? sum : sum - 1;
 }
 
-/* The lobe of direction i of the spiral, of which either half has all. */
-static const nqm_lobe *lobe_of(const sampler *s, size_t i) {
-    return s->lobes ? &s->lobes->lobe[i / 2 % s->lobes->n] : NULL;
-}
-
-static void sample(sampler *s, size_t technique, size_t i, double u, double v, double *wi) {
+static void sample(sampler *s, size_t technique, double u, double v, double *wi) {
     if (technique == LIGHT)
         sample_light(s, u, v, wi);
     else if (technique == COSINE)
         sample_cosine(u, v, wi);
     else
-        sample_spiral(s, lobe_of(s, i), u, v, wi);
+        sample_spiral(s, u, v, wi);
 }
 
 /* Correct the sum of the weights to the exact irradiance: this removes the noise common to all surfaces (1 % at 384
@@ -285,7 +279,7 @@ static void add_technique(sampler *s, size_t technique, size_t half, uint64_t se
     for (size_t i = half; i < n; i += 2) {
         double *wi = set->wi + 3 * set->n_used, *weight = set->weight + 3 * set->n_used, world[3];
         double u = shifted(((double)i + 0.5) / (double)n, shift_u);
-        sample(s, technique, i, u, shifted(second(i), shift_v), wi);
+        sample(s, technique, u, shifted(second(i), shift_v), wi);
         if (!(wi[2] > 0))
             continue;
         nqm_world_from_local(s->point, wi, world);
@@ -310,12 +304,12 @@ static void add_techniques(sampler *s, uint64_t seed, nqm_direction_set *set) {
     }
 }
 
-bool nqm_choose_directions(const nqm_light *light, const nqm_surface_point *point, const nqm_lobes *lobes,
-                           uint64_t seed, nqm_direction_set *set) {
+bool nqm_choose_directions(const nqm_light *light, const nqm_surface_point *point, const nqm_lobe *lobe, uint64_t seed,
+                           nqm_direction_set *set) {
     sampler s;
     if (!open_sampler(light, point, false, set->n_max, &s))
         return false;
-    s.lobes = lobes->n ? lobes : NULL;
+    s.lobe = lobe;
     gather_light(&s, set->irradiance);
     add_techniques(&s, seed, set);
     calibrate(s.wide, set);

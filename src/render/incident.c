@@ -119,15 +119,16 @@ static bool pack(const workspace *b, nqm_incident *incident) {
     return true;
 }
 
-bool nqm_incident_make(const nqm_scene *scene, size_t i, nqm_incident *incident, double *irradiance) {
+bool nqm_incident_make(const nqm_scene *scene, size_t i, const nqm_lobe *lobe, nqm_incident *incident,
+                       double *irradiance) {
     uint64_t seed = nqm_hash_u64(scene->options.seed, i);
     nqm_surface_point made;
     const nqm_surface_point *point = nqm_scene_point(scene, i, &made);
     workspace b;
     *incident = (nqm_incident){0};
     bool ok = open_workspace(scene->options.n_lights, scene->options.interreflection && scene->shape.tracer, &b) &&
-              nqm_choose_directions(&scene->light, point, &scene->lobes, seed, &b.set) &&
-              decide(scene, point, seed, &b) && pack(&b, incident);
+              nqm_choose_directions(&scene->light, point, lobe, seed, &b.set) && decide(scene, point, seed, &b) &&
+              pack(&b, incident);
     if (ok && irradiance)
         memcpy(irradiance, b.set.irradiance, sizeof b.set.irradiance);
     nqm_free(b.set.wi);

@@ -15,8 +15,9 @@ enum { BLOCK = 256 };
 typedef struct rendering {
     const nqm_scene *scene;
     const nqm_brdf *brdf;
-    double *rgb_cdm2; /* (n, 3) of the scene */
-    double *half[2];  /* the same for either half of the directions; NULL: not wanted */
+    const nqm_lobe *lobe; /* of an anisotropic BRDF; NULL: it is isotropic */
+    double *rgb_cdm2;     /* (n, 3) of the scene */
+    double *half[2];      /* the same for either half of the directions; NULL: not wanted */
     atomic_bool out_of_memory;
 } rendering;
 
@@ -80,9 +81,10 @@ static void render_point(void *user, size_t i) {
     const surface s = {r->brdf, {point->grain[0], point->grain[1]}};
     nqm_incident made = {0};
     double half[2][3] = {{0}};
-    if (!scene->kept && !nqm_incident_make(scene, i, &made, NULL))
+    const bool is_kept = scene->kept && !r->lobe;
+    if (!is_kept && !nqm_incident_make(scene, i, r->lobe, &made, NULL))
         atomic_store(&r->out_of_memory, true);
-    const nqm_incident *incident = scene->kept ? &scene->kept[i] : &made;
+    const nqm_incident *incident = is_kept ? &scene->kept[i] : &made;
     reflect(&s, incident->n_first_rays, incident->ray, point->wo, half[0]);
     reflect(&s, incident->n_rays - incident->n_first_rays, incident->ray + incident->n_first_rays, point->wo, half[1]);
     for (size_t j = 0; j < incident->n_bounces; ++j)
@@ -98,7 +100,9 @@ static void render_point(void *user, size_t i) {
 /* stride: from a picture to that of the first half, and from there to that of the second; 0: the picture only. */
 static nqm_status render(const nqm_scene *scene, const nqm_brdf *brdf, nqm_ticker *ticker, double *rgb_cdm2,
                          size_t stride, nqm_error *err) {
-    rendering r = {.scene = scene, .brdf = brdf, .rgb_cdm2 = rgb_cdm2};
+    const bool is_anisotropic = nqm_brdf_anisotropy(brdf) > 0;
+    const nqm_lobe lobe = is_anisotropic ? nqm_lobe_measure(brdf) : (nqm_lobe){.width = 0};
+    rendering r = {.scene = scene, .brdf = brdf, .lobe = is_anisotropic ? &lobe : NULL, .rgb_cdm2 = rgb_cdm2};
     for (size_t h = 0; h < 2 && stride; ++h)
         r.half[h] = rgb_cdm2 + (1 + h) * stride;
     if (nqm_parallel_ticking(ticker, "render", scene->seen.n, render_point, &r))

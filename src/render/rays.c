@@ -37,7 +37,7 @@ static void draw_point(void *user, size_t i) {
     drawn *p = &d->points[i];
     *p = (drawn){.scene = scene, .number = i / d->n_points};
     p->index = nqm_smaller((size_t)(stratum * n_seen), scene->seen.n - 1);
-    p->failed = !nqm_incident_make(scene, p->index, &p->incident, NULL);
+    p->failed = !nqm_incident_make(scene, p->index, NULL, &p->incident, NULL);
 }
 
 /* Points of a sphere are new as well: the pattern of the scene with another rotation, since a selection of it would not be even. */

@@ -11,6 +11,7 @@
 #define NQM_SRC_RENDER_H
 
 #include "base/options.h"
+#include "brdf/brdf.h"
 #include "io/io.h"
 
 #include <nqm/render.h>
@@ -150,22 +151,6 @@ NQM_MUST_CHECK nqm_status nqm_spread_points(const nqm_shape *shape, const nqm_li
 /** Axes of the viewer in world coordinates: axes (3, 3), rows right, up and towards the viewer. */
 void nqm_view_axes(double elevation_rad, double *axes);
 
-/* ---- lobes ------------------------------------------------------------------------------------------------------- */
-
-/** Where half vectors of a spiral are: at the slopes (x, y) / z = center + axes * t (cos phi, sin phi) in the axes of the surface, for a
- *  spiral of (t, phi). The determinant of `axes` is 1. */
-typedef struct nqm_lobe {
-    double center[2];
-    double axes[4]; /* (2, 2) */
-} nqm_lobe;
-enum { NQM_MAX_LOBES = 4 };
-
-/** Slope of the peak of f_r(h, h) over h, and how much longer than wide the peak is: of analytic and measured lobes. Takes 2,500
- *  evaluations. */
-nqm_lobe nqm_lobe_measure(const nqm_brdf *brdf);
-/** A lobe about the normal that is longer by this ratio along the azimuth phi. */
-nqm_lobe nqm_lobe_make(double ratio, double phi);
-
 /* ---- directions -------------------------------------------------------------------------------------------------- */
 
 /** Light directions of one point and their weights: radiance times cosine times solid angle, in the light's unit. */
@@ -179,16 +164,10 @@ typedef struct nqm_direction_set {
     double irradiance[3]; /* sum over all cells of the map, and of the weights */
 } nqm_direction_set;
 
-/** Lobes among which a spiral is divided; n 0: one round lobe about the normal. */
-typedef struct nqm_lobes {
-    size_t n;
-    nqm_lobe lobe[NQM_MAX_LOBES];
-} nqm_lobes;
-
-/** Fill a set whose n_max and arrays are given. Directions are a function of the seed; use a different seed for each point to
+/** Fill a set whose n_max and arrays are given. lobe: of the BRDF; NULL: round. Directions are a function of the seed; use a different seed for each point to
  *  decorrelate their noise. false: out of memory. */
-bool nqm_choose_directions(const nqm_light *light, const nqm_surface_point *point, const nqm_lobes *lobes,
-                           uint64_t seed, nqm_direction_set *set);
+bool nqm_choose_directions(const nqm_light *light, const nqm_surface_point *point, const nqm_lobe *lobe, uint64_t seed,
+                           nqm_direction_set *set);
 /** A faster variant for few directions: importance of the light map without the cosine; irradiance is not set. */
 bool nqm_choose_few_directions(const nqm_light *light, const nqm_surface_point *point, uint64_t seed,
                                nqm_direction_set *set);
@@ -232,7 +211,6 @@ struct nqm_scene {
     nqm_scene *parts[NQM_STANDARD_SCENES];
     nqm_light light;
     nqm_shape shape;
-    nqm_lobes lobes;
     nqm_seen seen;
     nqm_incident *kept; /* (seen.n); NULL: too large to store, computed again for every picture */
     double exposure;    /* cd/m2 for one unit of the light */
@@ -249,8 +227,9 @@ typedef struct nqm_scene_part {
 /** A progress callback for one scene of the set: its user is an nqm_scene_part; reports percent of the set. */
 int nqm_scene_part_progress(void *user, const char *stage, double done, double total);
 
-/** Incident light of point i; free with nqm_free(incident->ray). irradiance: (3) without shadows; may be NULL. false: out of
+/** Incident light of point i, from directions for a lobe as in nqm_choose_directions(); free with nqm_free(incident->ray). irradiance: (3) without shadows; may be NULL. false: out of
  *  memory. */
-bool nqm_incident_make(const nqm_scene *scene, size_t i, nqm_incident *incident, double *irradiance);
+bool nqm_incident_make(const nqm_scene *scene, size_t i, const nqm_lobe *lobe, nqm_incident *incident,
+                       double *irradiance);
 
 #endif

@@ -4,7 +4,6 @@
  * weights and their visibility are computed once, so that a rendering is one pass of BRDF evaluations. All BRDFs use the
  * same directions: equal BRDFs give bit-identical pictures, and sampling noise cancels in differences.
  */
-#include "brdf/brdf.h"
 #include "math/math.h"
 #include "render/render.h"
 
@@ -80,21 +79,6 @@ size_t nqm_scene_n_frames(const nqm_scene_options *options) {
     return options->scene == NQM_SCENE_PAPER ? PAPER_FRAMES : 1;
 }
 
-/* The lobes of anisotropic BRDFs, and a round one for the others. */
-static nqm_lobes aim(const nqm_scene_options *o) {
-    nqm_lobes lobes = {.n = 0};
-    bool has_round = false;
-    for (size_t i = 0; i < o->n_aims; ++i) {
-        const bool is_round = !(nqm_brdf_anisotropy(o->aims[i]) > 0);
-        if (!is_round)
-            lobes.lobe[lobes.n++] = nqm_lobe_measure(o->aims[i]);
-        has_round |= is_round;
-    }
-    if (has_round && lobes.n)
-        lobes.lobe[lobes.n++] = nqm_lobe_make(1, 0);
-    return lobes;
-}
-
 static nqm_status check_options(const nqm_scene_options *o, nqm_error *err) {
     nqm_status status = nqm_options_check(&nqm_scene_option_table, o, err);
     if (status != NQM_OK)
@@ -118,9 +102,6 @@ static nqm_status check_options(const nqm_scene_options *o, nqm_error *err) {
     if (o->light_width % NQM_LIGHT_STEP)
         return nqm_fail(err, NQM_ERR_ARG, -1, "scene: the width %zu of the light map is not a multiple of %d",
                         o->light_width, (int)NQM_LIGHT_STEP);
-    if (o->n_aims > NQM_MAX_LOBES || (o->n_aims && !o->aims))
-        return nqm_fail(err, NQM_ERR_ARG, -1, "scene: %zu BRDFs to aim at; at most %d are possible", o->n_aims,
-                        (int)NQM_MAX_LOBES);
     if (o->interreflection && !o->shadows)
         return nqm_fail(err, NQM_ERR_ARG, -1, "scene: interreflection needs shadows");
     return NQM_OK;
@@ -160,7 +141,7 @@ static void create_point(void *user, size_t i) {
     nqm_scene *scene = c->scene;
     nqm_surface_point point;
     double irradiance[3] = {0};
-    bool ok = scene->kept ? nqm_incident_make(scene, i, &scene->kept[i], irradiance)
+    bool ok = scene->kept ? nqm_incident_make(scene, i, NULL, &scene->kept[i], irradiance)
                           : nqm_irradiance(&scene->light, nqm_scene_point(scene, i, &point), irradiance);
     c->luminance[i] = nqm_luminance(irradiance);
     if (!ok)
@@ -209,7 +190,6 @@ static nqm_status fill_scene(nqm_scene *scene, const nqm_scene_options *o, nqm_e
     scene->options = *o;
     scene->options.light = scene->options.shape = NULL;
     scene->options.n_lights = nqm_scene_n_lights(o);
-    scene->lobes = aim(o);
     nqm_light glow = {0};
     nqm_status status = load_lights(o, &scene->light, &glow, err);
     if (status == NQM_OK)

@@ -118,7 +118,7 @@ void nqm_node_grid_interpolate(const nqm_node_grid *g, const double *wi, const d
 
 /* ---- as directions ----------------------------------------------------------------------------------------------- */
 
-/* Angles of all nodes in degrees (n, 3). */
+/* Angles of all nodes in degrees (n, 3), cut to 1e-9: the identity of the set does not depend on the last bit of exp(). */
 static void fill_degrees(const nqm_node_grid *g, double *degrees) {
     for (size_t h = 0; h < g->n_h; ++h)
         for (size_t d = 0; d < NQM_GRID_D; ++d)
@@ -126,7 +126,7 @@ static void fill_degrees(const nqm_node_grid *g, double *degrees) {
                 double hd[3];
                 place_node(g, h, d, p, hd);
                 for (int k = 0; k < 3; ++k)
-                    degrees[k] = nqm_round_degrees(hd[k]);
+                    degrees[k] = floor(hd[k] * (180 / NQM_PI) * 1e9 + 0.5) / 1e9;
             }
 }
 

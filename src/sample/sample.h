@@ -12,25 +12,12 @@
 /** Allocated as one block. */
 struct nqm_directions {
     size_t n;
-    double *degrees;   /* (n, 3) theta_h, theta_d, phi_d */
-    double *phi_h_deg; /* (n) azimuth of the half vector; NULL: 0, which is enough for isotropic BRDFs */
-    double *wi, *wo;   /* (n, 3) unit vectors to light and viewer */
-    double *cosines;   /* (n) cos(theta_i) cos(theta_o), 0 for a direction below the horizon */
-    uint32_t *twin;    /* (n) an earlier direction with light and viewer exchanged; itself if there is none */
-    char id[17];       /* nqm_directions_id(); empty: not computed yet */
+    double *degrees; /* (n, 3) theta_h, theta_d, phi_d */
+    double *wi, *wo; /* (n, 3) unit vectors to light and viewer; the azimuth of the half vector is 0 */
+    double *cosines; /* (n) cos(theta_i) cos(theta_o), 0 for a direction below the horizon */
+    uint32_t *twin;  /* (n) an earlier direction with light and viewer exchanged; itself if there is none */
+    char id[17];     /* nqm_directions_id(); empty: not computed yet */
 };
-
-/** As nqm_directions_from_degrees() with azimuths of the half vectors, phi_h_deg (n) from -360 to 360; NULL: 0. */
-NQM_MUST_CHECK nqm_status nqm_directions_make(size_t n, const double *hd_deg, const double *phi_h_deg,
-                                              nqm_directions **directions_ret, nqm_error *err);
-/** From unit vectors wi, wo (n, 3), with azimuths. */
-NQM_MUST_CHECK nqm_status nqm_directions_from_pairs(size_t n, const double *wi, const double *wo,
-                                                    nqm_directions **directions_ret, nqm_error *err);
-/** Degrees of an angle in radians, rounded to 1e-9: the identity of a set does not depend on the last bit of a function. */
-double nqm_round_degrees(double rad);
-NQM_MUST_CHECK nqm_status nqm_directions_copy(const nqm_directions *directions, nqm_directions **copy_ret,
-                                              nqm_error *err);
-bool nqm_directions_equal(const nqm_directions *a, const nqm_directions *b);
 
 /** Conversion of a pair to the network's input. */
 typedef struct nqm_features {

@@ -217,7 +217,7 @@ static nqm_status fill_model(run *r, struct nqm_model *m, nqm_error *err) {
     m->scalar_names = r->options->input.scalars ? nqm_scalar_names() : NULL;
     if (r->options->input.scalars && !m->scalar_names)
         return nqm_fail_nomem(err, NQM_SCALAR_COUNT);
-    return nqm_directions_copy(directions, &m->directions, err);
+    return nqm_directions_from_degrees(directions->n, directions->degrees, &m->directions, err);
 }
 
 /* Evaluate the outputs z of the validation examples without noisy copies: Spearman of the predicted JOD with the

@@ -27,7 +27,7 @@ nqm_transport make_transport(size_t n_points, size_t n_scenes, double peak_cdm2)
             points[3 * p + 2] = peak_cdm2 * (double)(s + 1);
         }
     }
-    return (nqm_transport){N, n_points, light, points, NULL};
+    return (nqm_transport){N, n_points, light, points};
 }
 
 void drop_transport(nqm_transport *transport) {

@@ -26,7 +26,6 @@ typedef struct gloss {
     double albedo, specular, alpha;
 } gloss;
 
-static const nqm_lobes round_lobe = {.n = 0};
 
 static double smith(double alpha, double cosine) {
     return 2 / (1 + sqrt(1 + alpha * alpha * (1 / (cosine * cosine) - 1)));
@@ -220,7 +219,7 @@ static void sphere_under_a_small_lamp(void **state) {
     for (size_t i = 0; i < scene->seen.n; ++i) {
         double wi[3 * 384], weight[3 * 384], sum = 0;
         nqm_direction_set set = {.n_max = 384, .wi = wi, .weight = weight};
-        assert_true(nqm_choose_directions(&lamp, &scene->seen.point[i], &round_lobe, i, &set));
+        assert_true(nqm_choose_directions(&lamp, &scene->seen.point[i], NULL, i, &set));
         assert_true(set.n_used <= 384);
         for (size_t j = 0; j < set.n_used; ++j)
             sum += weight[3 * j + 1];
@@ -244,7 +243,7 @@ static double shade(const nqm_light *light, const nqm_surface_point *point, cons
     double *wo = nqm_alloc(n, 3 * sizeof *wo), *f = nqm_alloc(n, 3 * sizeof *f), sum = 0;
     assert_true(wi && weight && wo && f);
     nqm_direction_set set = {.n_max = n, .wi = wi, .weight = weight};
-    assert_true(nqm_choose_directions(light, point, &round_lobe, seed, &set));
+    assert_true(nqm_choose_directions(light, point, NULL, seed, &set));
     n = set.n_used;
     for (size_t j = 0; j < n; ++j)
         memcpy(wo + 3 * j, point->wo, sizeof point->wo);
@@ -324,7 +323,7 @@ static void microfacets_under_the_sky(void **state) {
 static double largest_share(const nqm_light *light, const nqm_surface_point *point, uint64_t seed) {
     double wi[3 * 384], weight[3 * 384], sum = 0, max = 0;
     nqm_direction_set set = {.n_max = 384, .wi = wi, .weight = weight};
-    assert_true(nqm_choose_directions(light, point, &round_lobe, seed, &set));
+    assert_true(nqm_choose_directions(light, point, NULL, seed, &set));
     for (size_t j = 0; j < set.n_used; ++j) {
         sum += weight[3 * j];
         max = fmax(max, weight[3 * j]);

@@ -9,7 +9,6 @@
 #include "fit/open.h"
 #include "nqm/tool.h"
 #include "render/render.h"
-#include "sample/sample.h"
 
 #include <errno.h>
 #include <stdlib.h>
@@ -300,7 +299,10 @@ nqm_directions *open_directions(const char *name_or_path) {
     const char *name = name_or_path ? name_or_path : "default";
     if (is_builtin(name) || (name_or_path && looks_like_safetensors(name))) {
         nqm_model *model = open_model(name);
-        must(nqm_directions_copy(nqm_model_get_info(model).directions, &directions, &err), &err);
+        const nqm_directions *borrowed = nqm_model_get_info(model).directions;
+        must(nqm_directions_from_degrees(nqm_directions_count(borrowed), nqm_directions_degrees(borrowed), &directions,
+                                         &err),
+             &err);
         nqm_model_free(model);
     } else if (name_or_path) {
         const nqm_nearest nearest = nearest_model(name);

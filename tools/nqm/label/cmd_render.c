@@ -74,11 +74,7 @@ static void write_frames(const render_run *run, json_t *files) {
 
 static void run_render(render_run *run) {
     nqm_error err = {0};
-    nqm_brdf *brdf = open_brdf(run->brdf);
-    run->scene.aims = (const nqm_brdf *const[]){brdf};
-    run->scene.n_aims = 1;
     must(nqm_scene_create(&run->scene, &run->made, &err), &err);
-    nqm_brdf_free(brdf);
     run->rgb_cdm2 = allocate(3 * nqm_scene_count(run->made), sizeof *run->rgb_cdm2);
     must(render_brdf(run->made, run->brdf, false, run->rgb_cdm2, &run->is_tabulated, &err), &err);
     const canvas first = one_frame(&run->scene, 0);

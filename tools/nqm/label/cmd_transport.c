@@ -21,17 +21,15 @@ static json_t *written_model(const char *path, const nqm_model *model) {
 /* ---- the verb ---------------------------------------------------------------------------------------------------- */
 
 static const char *path, *name = "transport";
-static bool json;
-static uint64_t n_rays;
+static bool json, slopes;
 static scene_args scene;
 
-static const option options[] = {{"output", 'o', OPTION_NEEDED, &path, "FILE.safetensors", "the model to write", 0, 0},
-                                 {"id", 0, OPTION_TEXT, &name, "NAME", "the model's name", 0, 0},
-                                 {"rays", 0, OPTION_COUNT, &n_rays, "N",
-                                  "instead of a matrix, N pairs of directions with azimuths: for anisotropic BRDFs", 64,
-                                  100000},
-                                 {"json", 0, OPTION_FLAG, &json, NULL, "print the model's properties as JSON", 0, 0},
-                                 {0}};
+static const option options[] = {
+    {"output", 'o', OPTION_NEEDED, &path, "FILE.safetensors", "the model to write", 0, 0},
+    {"id", 0, OPTION_TEXT, &name, "NAME", "the model's name", 0, 0},
+    {"anisotropic", 0, OPTION_FLAG, &slopes, NULL, "make a model for anisotropic BRDFs (default 128 points)", 0, 0},
+    {"json", 0, OPTION_FLAG, &json, NULL, "print the model's properties as JSON", 0, 0},
+    {0}};
 static const choice choices[] = {{"make", "", "the only word so far"}, {0}};
 
 static const command cmd = {
@@ -51,48 +49,21 @@ static const command cmd = {
     .min_arguments = 1,
 };
 
-static nqm_model *make_matrix(void) {
-    const size_t n_points = scene.scene.n_points ? scene.scene.n_points : NQM_TRANSPORT_POINTS;
-    nqm_model *model;
-    nqm_error err = {0};
-    must(nqm_transport_create(&scene.scene, n_points, name, &model, &err), &err);
-    return model;
-}
-
-static nqm_model *make_rays(void) {
-    nqm_scene *made;
-    nqm_rays rays;
-    nqm_model *model;
-    nqm_error err = {0};
-    /* Lobes along and across the tangent are the most frequent. */
-    const char *const specs[] = {"ggx:alpha=.1", "ggx:alpha=.1,.5", "ggx:alpha=.5,.1"};
-    nqm_brdf *aims[3];
-    for (size_t i = 0; i < 3; ++i)
-        aims[i] = open_brdf(specs[i]);
-    scene.scene.n_aims = 3;
-    scene.scene.aims = (const nqm_brdf *const *)aims;
-    scene.scene.n_points = scene.scene.n_points ? scene.scene.n_points : nqm_scene_options_default().n_points;
-    must(nqm_scene_create(&scene.scene, &made, &err), &err);
-    must(nqm_rays_draw(made, (size_t)n_rays, scene.scene.seed, &rays, &err), &err);
-    must(nqm_rays_model(&rays, name, &model, &err), &err);
-    nqm_rays_clear(&rays);
-    for (size_t i = 0; i < 3; ++i)
-        nqm_brdf_free(aims[i]);
-    nqm_scene_free(made);
-    return model;
-}
-
 int cmd_transport(int argc, char **argv) {
     scene = scene_args_begin();
     parse_arguments(&cmd, argc, argv);
     check_scene_files(&scene.scene);
-    nqm_model *model = n_rays ? make_rays() : make_matrix();
+    const size_t usual = slopes ? NQM_TRANSPORT_POINTS / 2 : NQM_TRANSPORT_POINTS;
+    const size_t n_points = scene.scene.n_points ? scene.scene.n_points : usual;
+    nqm_model *model;
     nqm_error err = {0};
+    must((slopes ? nqm_slopes_create : nqm_transport_create)(&scene.scene, n_points, name, &model, &err), &err);
     must(nqm_model_save(model, output_path(path), &err), &err);
     if (json)
         print_document(written_model(path, model));
     else
-        report(EXIT_OK, "%s: %zu directions, %zu points", path, model->directions->n, model->n_points);
+        report(EXIT_OK, "%s: %zu directions, %zu points", path,
+               nqm_directions_count(nqm_model_get_info(model).directions), n_points);
     nqm_model_free(model);
     return EXIT_OK;
 }

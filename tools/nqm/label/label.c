@@ -4,7 +4,6 @@
  * JSON, CSV, or JODs only.
  */
 #include "nqm/label/label.h"
-#include "label/label.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -19,19 +18,8 @@ static nqm_status render_item(const label_run *run, label_item *item) {
     return render_brdf(run->scene, item->name, true, item->rgb_cdm2, &item->is_tabulated, &item->err);
 }
 
-/* The label of an item with an anisotropic BRDF in its pair, in a scene of its own. */
-static nqm_status aim(const label_run *run, const nqm_scene_options *options, label_item *item) {
-    nqm_brdf *ref = open_brdf(run->items[item->reference].name), *test = open_brdf(item->name);
-    nqm_status status = NQM_OK;
-    if (nqm_label_needs_aim(ref, test))
-        status = nqm_label_aimed(options, ref, test, &item->label, &item->points_error, &item->err);
-    nqm_brdf_free(ref);
-    nqm_brdf_free(test);
-    return status;
-}
-
 /* Render item i and compare it with its reference. Errors of tests are stored in the item. */
-static nqm_status label_item_at(label_run *run, const nqm_scene_options *options, size_t i) {
+static nqm_status label_item_at(label_run *run, size_t i) {
     label_item *item = &run->items[i], *reference = &run->items[item->reference];
     nqm_status status = render_item(run, item);
     if (item == reference)
@@ -40,7 +28,6 @@ static nqm_status label_item_at(label_run *run, const nqm_scene_options *options
         const nqm_curve curve = nqm_curve_default();
         item->label = nqm_scene_compare_halves(run->scene, reference->rgb_cdm2, item->rgb_cdm2);
         item->points_error = nqm_scene_compare(run->scene, reference->rgb_cdm2, item->rgb_cdm2).error;
-        status = aim(run, options, item);
         item->jod = nqm_curve_jod(&curve, item->label.delta_e);
     }
     if (!run->keep_rgb) {
@@ -91,7 +78,7 @@ static void make_round(label_run *run, const nqm_scene_options *options) {
     must(nqm_scene_create(options, &run->scene, &err), &err);
     for (run->n_done = 0; run->n_done < run->n_items; ++run->n_done) {
         if (!run->items[run->n_done].is_done)
-            must(label_item_at(run, options, run->n_done), &run->items[run->n_done].err);
+            must(label_item_at(run, run->n_done), &run->items[run->n_done].err);
         if (interrupted())
             stop(EXIT_INTERRUPTED, "interrupted");
     }

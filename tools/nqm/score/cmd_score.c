@@ -70,7 +70,7 @@ static void print_text(const score_run *run) {
             if (!isnan(r->similarity[0]))
                 snprintf(apart, sizeof apart, "; seen apart %.2f", r->similarity[0]);
             snprintf(phrases, sizeof phrases, "%s%s%s", nqm_label_describe(&r->parts, words), apart,
-                     r->anisotropy > 0 ? "; anisotropic, by model rays" : "");
+                     r->anisotropy > 0 ? "; anisotropic" : "");
             has_similarity = has_similarity || *apart;
             print_phrases(phrases);
         }

@@ -1,26 +1,23 @@
 /* SPDX-License-Identifier: MIT
  *
- * The lobe of an anisotropic BRDF: where its peak is and how it is stretched. Spirals of half vectors (directions.c) are even in the
- * logarithm of the slope, so that the width does not matter; but the light directions of a lobe that is much longer than wide,
- * or that does not surround the normal, must be stretched and moved like it.
+ * The lobe of an anisotropic BRDF: where its peak is and how it is stretched. Half vectors that are even in the logarithm of the slope suit
+ * round lobes of any width; those of a lobe that is much longer than wide, or that does not surround the normal, must be
+ * stretched and moved like it.
  */
 #include "brdf/brdf.h"
 #include "math/math.h"
-#include "render/render.h"
 
 #include <math.h>
 
-nqm_lobe nqm_lobe_make(double ratio, double phi) {
-    const double c = cos(phi), s = sin(phi), longer = sqrt(ratio), shorter = 1 / longer;
-    return (nqm_lobe){.axes = {c * longer, -s * shorter, s * longer, c * shorter}};
-}
-
-/* Luminance of f_r(h, h) at a slope. */
+/* Luminance that f_r(h, h) reflects from an area of slopes, which ends toward the horizon; 0 where a peak is not looked for: towards the horizon f_r may rise without end. */
 static double value_at(const nqm_brdf *brdf, double x, double y) {
+    static const double steepest = 4.5;
+    if (!(hypot(x, y) < steepest))
+        return 0;
     double h[3] = {x, y, 1}, rgb[3];
     nqm_normalize3(h);
     nqm_brdf_eval(brdf, 1, h, h, rgb, NULL);
-    return nqm_luminance(rgb);
+    return nqm_luminance(rgb) * h[2] * h[2] * h[2] * h[2];
 }
 
 /* Climb to the peak from the brightest of a grid of slopes; the normal, unless the peak is much brighter. Returns the value. */
@@ -44,7 +41,7 @@ static double find_peak(const nqm_brdf *brdf, double center[2]) {
             if (value > best)
                 best = value, x = to_x, y = to_y;
         }
-        step *= best > from ? 1 : 0.5;
+        step *= best > 1.001 * from ? 1 : 0.5;
     }
     if (!(best > much * at_normal))
         return at_normal;
@@ -57,10 +54,14 @@ static double find_peak(const nqm_brdf *brdf, double center[2]) {
 static double half_width(const nqm_brdf *brdf, const double center[2], double peak, double phi) {
     static const double narrowest = 1e-5, widest = 4, step = 1.15;
     const double c = cos(phi), s = sin(phi), floor = value_at(brdf, center[0] + widest * c, center[1] + widest * s);
-    double t = narrowest;
-    while (t < widest && value_at(brdf, center[0] + t * c, center[1] + t * s) > (peak + floor) / 2)
+    const double half = (peak + floor) / 2;
+    double t = narrowest, before = peak, value = peak;
+    while (t < widest && value > half) {
+        before = value;
         t *= step;
-    return t;
+        value = value_at(brdf, center[0] + t * c, center[1] + t * s);
+    }
+    return value < before ? t * pow(step, (before - half) / (before - value) - 1) : t;
 }
 
 nqm_lobe nqm_lobe_measure(const nqm_brdf *brdf) {
@@ -74,8 +75,9 @@ nqm_lobe nqm_lobe_measure(const nqm_brdf *brdf) {
         longest = width[k] > width[longest] ? k : longest;
     }
     const double ratio = width[longest] / width[(longest + AZIMUTHS / 2) % AZIMUTHS];
-    nqm_lobe lobe = nqm_lobe_make(fmin(fmax(ratio, 1), most), NQM_PI * (double)longest / AZIMUTHS);
-    lobe.center[0] = center[0];
-    lobe.center[1] = center[1];
-    return lobe;
+    const double phi = NQM_PI * (double)longest / AZIMUTHS, c = cos(phi), s = sin(phi);
+    const double longer = sqrt(fmin(fmax(ratio, 1), most)), shorter = 1 / longer;
+    return (nqm_lobe){.center = {center[0], center[1]},
+                      .axes = {c * longer, -s * shorter, s * longer, c * shorter},
+                      .width = width[longest] / longer};
 }

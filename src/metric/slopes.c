@@ -1,0 +1,216 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Small pictures of any BRDF, of models for anisotropic ones: every point receives a known light by the slope of the half vector
+ * (label/slopes.c). The BRDF is evaluated at half vectors that are placed by its lobe: a disc and rings that are even in the logarithm
+ * of the slope, in which lobes are smooth, stretched and moved as the lobe is; far from it they become round, so that they cover all
+ * slopes. Each stands for the light of its surroundings.
+ */
+#include "brdf/brdf.h"
+#include "math/math.h"
+#include "metric/azimuths.h"
+
+#include <math.h>
+#include <string.h>
+
+/* Rings have these steps of the logarithm and these numbers of nodes: few within a lobe so narrow that light is constant in it, and more
+ * where light varies. Nodes beyond a wide slope take up what the sum of all lacks to the light of the point. */
+enum { AROUND = 10, NARROW_AROUND = 3, MAX_RINGS = 64, BLOCK = 256 };
+static const double step_of_light = 0.5, step_of_lobe = 0.7, narrow_slope = 0.02, wide_slope = 0.3;
+/* Parts of a node, as fine as the cells of the light. */
+enum { PARTS_ALONG = 3, PARTS_AROUND = 5 };
+
+typedef struct ring {
+    double inner, outer; /* before stretching */
+    size_t n_nodes;
+} ring;
+
+/* The nodes of a BRDF. */
+typedef struct nodes {
+    size_t n;
+    double (*slope)[2];
+    float *light; /* (n, 3, n_points) */
+} nodes;
+
+/* Rings of a lobe; returns their number. n_nodes_ret: with the disc within them. */
+static size_t make_rings(const nqm_lobe *lobe, ring *rings, size_t *n_nodes_ret) {
+    const double ratio = lobe->axes[0] * lobe->axes[0] + lobe->axes[2] * lobe->axes[2],
+                 longer = sqrt(fmax(ratio, 1 / ratio));
+    size_t n = 0;
+    *n_nodes_ret = 1;
+    for (double t = lobe->width / 8; t < NQM_SLOPE_MOST && n < MAX_RINGS; t = rings[n++].outer) {
+        const bool is_narrow = t * longer < narrow_slope;
+        rings[n] = (ring){t, fmin(t * exp(is_narrow ? step_of_lobe : step_of_light), NQM_SLOPE_MOST),
+                          is_narrow ? NARROW_AROUND : AROUND};
+        *n_nodes_ret += rings[n].n_nodes;
+    }
+    return n;
+}
+
+/* A circle of the rings in the plane of slopes. */
+typedef struct circle {
+    double center[2], axes[4];
+} circle;
+
+/* Stretched and moved as the lobe is; far from it the circles become round about the normal. */
+static circle circle_at(const nqm_lobe *lobe, double t) {
+    static const double round = 4;
+    const double along = hypot(lobe->axes[0], lobe->axes[2]), c = lobe->axes[0] / along, s = lobe->axes[2] / along;
+    const double from = fmin(3 * lobe->width, round * exp(-1.5 * fabs(log(along)) - 1));
+    const double far = fmin(fmax(log(t / from) / log(round / from), 0), 1), longer = t * pow(along, 1 - far);
+    const double shorter = t * t / longer;
+    return (circle){{(1 - far) * lobe->center[0], (1 - far) * lobe->center[1]},
+                    {c * longer, -s * shorter, s * longer, c * shorter}};
+}
+
+static void slope_at(const circle *at, double x, double y, double slope[2]) {
+    slope[0] = at->center[0] + at->axes[0] * x + at->axes[1] * y;
+    slope[1] = at->center[1] + at->axes[2] * x + at->axes[3] * y;
+}
+
+/* Add the light of an area around a slope. */
+static void add_light(const nqm_model *m, const double slope[2], double area, float *light) {
+    if (!(hypot(slope[0], slope[1]) < NQM_SLOPE_MOST))
+        return;
+    const size_t cell = nqm_slope_cell(slope[0], slope[1]), n = 3 * m->n_slope_points;
+    const float share = (float)(area / nqm_slope_area(cell)), *from = m->slopes + cell * n;
+#pragma omp simd
+    for (size_t i = 0; i < n; ++i)
+        light[i] += share * from[i];
+}
+
+/* Circles of a ring: its middle, and those of its parts, also a little further inwards and outwards. */
+typedef struct ring_circles {
+    circle middle, part[PARTS_ALONG], inwards[PARTS_ALONG], outwards[PARTS_ALONG];
+} ring_circles;
+static const double little = 1e-4; /* of the logarithm */
+
+static void make_circles(const nqm_lobe *lobe, const ring *r, ring_circles *to) {
+    const double step = log(r->outer / r->inner);
+    to->middle = circle_at(lobe, sqrt(r->inner * r->outer));
+    for (size_t i = 0; i < PARTS_ALONG; ++i) {
+        const double t = r->inner * exp(step * ((double)i + 0.5) / PARTS_ALONG);
+        to->part[i] = circle_at(lobe, t);
+        to->inwards[i] = circle_at(lobe, t * exp(-little));
+        to->outwards[i] = circle_at(lobe, t * exp(little));
+    }
+}
+
+/* Slope of a part at the azimuth phi, and its area for one of the logarithm and one of phi. */
+static double part_at(const ring_circles *circles, size_t i, double phi, double slope[2]) {
+    const double x = cos(phi), y = sin(phi), *axes = circles->part[i].axes;
+    const double by_phi[2] = {axes[1] * x - axes[0] * y, axes[3] * x - axes[2] * y};
+    double in[2], out[2];
+    slope_at(&circles->part[i], x, y, slope);
+    slope_at(&circles->inwards[i], x, y, in);
+    slope_at(&circles->outwards[i], x, y, out);
+    return fabs((out[0] - in[0]) * by_phi[1] - (out[1] - in[1]) * by_phi[0]) / (2 * little);
+}
+
+/* A node of a ring. The midpoint rule on the logarithm gives it the weight step t^2 at its middle, less than its area, which is
+ * sinh(step) t^2. */
+static void add_node(const nqm_model *m, const ring *r, const ring_circles *circles, double phi, nodes *to) {
+    const double step = log(r->outer / r->inner), angle = 2 * NQM_PI / (double)r->n_nodes;
+    const double share = step / sinh(step) * step / PARTS_ALONG * angle / PARTS_AROUND;
+    slope_at(&circles->middle, cos(phi), sin(phi), to->slope[to->n]);
+    for (size_t i = 0; i < PARTS_ALONG; ++i)
+        for (size_t j = 0; j < PARTS_AROUND; ++j) {
+            double slope[2];
+            const double area = part_at(circles, i, phi + angle * (((double)j + 0.5) / PARTS_AROUND - 0.5), slope);
+            add_light(m, slope, share * area, to->light + to->n * 3 * m->n_slope_points);
+        }
+    ++to->n;
+}
+
+static void add_nodes(const nqm_model *m, const nqm_lobe *lobe, size_t n_rings, const ring *rings, nodes *to) {
+    ring_circles circles;
+    memcpy(to->slope[0], lobe->center, sizeof lobe->center);
+    add_light(m, to->slope[0], NQM_PI * rings[0].inner * rings[0].inner, to->light);
+    to->n = 1;
+    for (size_t k = 0; k < n_rings; ++k) {
+        make_circles(lobe, &rings[k], &circles);
+        for (size_t j = 0; j < rings[k].n_nodes; ++j)
+            add_node(m, &rings[k], &circles,
+                     2 * NQM_PI / (double)rings[k].n_nodes * ((double)j + 0.5 * (double)(k % 2)), to);
+    }
+}
+
+/* Reflect wo at the half vector of a slope. */
+static void reflect(const double slope[2], const double *wo, double *wi) {
+    double h[3] = {slope[0], slope[1], 1};
+    nqm_normalize3(h);
+    const double d = nqm_dot3(wo, h);
+    for (size_t k = 0; k < 3; ++k)
+        wi[k] = 2 * d * h[k] - wo[k];
+}
+
+static bool is_wide(const nodes *of, size_t k) {
+    return hypot(of->slope[k][0], of->slope[k][1]) > wide_slope;
+}
+
+/* Let the wide nodes have the light that all lack: totals (3, n_points). Nodes below the horizon have none. */
+static void settle(const nqm_model *m, const float *totals, nodes *to) {
+    for (size_t k = 0; k < to->n; ++k)
+        for (size_t p = 0, n = m->n_slope_points; p < n; ++p) {
+            double wi[3];
+            reflect(to->slope[k], m->slope_wo + 3 * p, wi);
+            for (size_t c = 0; c < 3 && !(wi[2] > 0); ++c)
+                to->light[(3 * k + c) * n + p] = 0;
+        }
+    for (size_t i = 0, n = 3 * m->n_slope_points; i < n; ++i) {
+        double all = 0, wide = 0;
+        for (size_t k = 0; k < to->n; ++k) {
+            all += (double)to->light[k * n + i];
+            wide += is_wide(to, k) ? (double)to->light[k * n + i] : 0;
+        }
+        const double times = wide > 0 ? fmax(1 + ((double)totals[i] - all) / wide, 0) : 1;
+        for (size_t k = 0; k < to->n; ++k)
+            to->light[k * n + i] *= is_wide(to, k) ? (float)times : 1;
+    }
+}
+
+/* rgb (3, n_points): the sum over the nodes. */
+static void sum_nodes(const nqm_model *m, const nqm_brdf *brdf, const nodes *from, double *rgb) {
+    const size_t n_points = m->n_slope_points, n = from->n * n_points;
+    double wi[3 * BLOCK], wo[3 * BLOCK], f[3 * BLOCK];
+    memset(rgb, 0, 3 * n_points * sizeof *rgb);
+    for (size_t first = 0, count; first < n; first += count) {
+        count = nqm_smaller(n - first, BLOCK);
+        for (size_t i = 0; i < count; ++i) {
+            const size_t node = (first + i) / n_points, point = (first + i) % n_points;
+            memcpy(wo + 3 * i, m->slope_wo + 3 * point, 3 * sizeof *wo);
+            reflect(from->slope[node], wo + 3 * i, wi + 3 * i);
+        }
+        nqm_brdf_eval(brdf, count, wi, wo, f, NULL);
+        for (size_t i = 0; i < 3 * count; ++i) {
+            const size_t node = (first + i / 3) / n_points, point = (first + i / 3) % n_points, at = i % 3 * n_points;
+            rgb[at + point] += f[i] * (double)from->light[node * 3 * n_points + at + point];
+        }
+    }
+}
+
+void nqm_slopes_totals(const nqm_model *m, float *totals) {
+    const size_t n = 3 * m->n_slope_points;
+    memset(totals, 0, n * sizeof *totals);
+    for (size_t cell = 0; cell < NQM_SLOPE_CELLS; ++cell)
+        for (size_t i = 0; i < n; ++i)
+            totals[i] += m->slopes[cell * n + i];
+}
+
+bool nqm_slopes_picture(const nqm_model *m, const float *totals, const nqm_brdf *brdf, double *itp) {
+    const nqm_transport points = {.n_points = m->n_slope_points, .points = m->slope_points};
+    const nqm_lobe lobe = nqm_lobe_measure(brdf);
+    ring rings[MAX_RINGS] = {{0, 0, 0}};
+    nodes made = {.n = 0};
+    size_t n_nodes;
+    const size_t n_rings = make_rings(&lobe, rings, &n_nodes);
+    if (nqm_alloc_arrays(NQM_ARRAYS({&made.slope, n_nodes, sizeof *made.slope},
+                                    {&made.light, n_nodes, 3 * m->n_slope_points * sizeof *made.light}),
+                         NULL) != NQM_OK)
+        return false;
+    add_nodes(m, &lobe, n_rings, rings, &made);
+    settle(m, totals, &made);
+    sum_nodes(m, brdf, &made, itp);
+    nqm_transport_show(&points, itp, itp);
+    nqm_free(made.slope);
+    return true;
+}
