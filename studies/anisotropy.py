@@ -1,16 +1,21 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""Scores of anisotropic pairs against their labels: intervals of the model "anisotropic" from one set of pairs, its errors on another.
+"""Draw anisotropic pairs, for the intervals of the model "anisotropic" and for its test (another seed):
 
-usage: anisotropy.py pairs N SEED -o PAIRS.csv       draw pairs and label them (about a second a pair)
-       anisotropy.py judge PAIRS.csv [--model NAME]  compare scores with labels, by kind of pair
+    studies/anisotropy.py 420 1 > validation.csv
+    nqm directions --grid -o grid.csv
+    nqm dataset validation.csv --directions grid.csv --lights 256 -o validation.safetensors
+    nqm transport make --anisotropic --id anisotropic -o new.safetensors
+    nqm calibrate new.safetensors validation.safetensors --new-materials -o models/anisotropic.safetensors
+    studies/anisotropy.py 315 2 --split test > test.csv
+    nqm dataset test.csv --directions grid.csv --lights 256 --only test -o test.safetensors
+    nqm eval test.safetensors --model anisotropic --by source
 """
 import argparse
 import csv
+import sys
 
 import numpy as np
-
-import nqm
 
 KINDS = ("widths", "round", "rotated", "tilted", "model", "colour", "far")
 
@@ -55,45 +60,16 @@ def draw(rng, kind):
 
 
 def main():
-    parser = argparse.ArgumentParser()
-    commands = parser.add_subparsers(dest="command", required=True)
-    pairs = commands.add_parser("pairs")
-    pairs.add_argument("n", type=int)
-    pairs.add_argument("seed", type=int)
-    pairs.add_argument("-o", required=True)
-    judge = commands.add_parser("judge")
-    judge.add_argument("pairs")
-    judge.add_argument("--model", default="default")
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("n", type=int)
+    parser.add_argument("seed", type=int)
+    parser.add_argument("--split", default="validation")
     args = parser.parse_args()
-    if args.command == "pairs":
-        rng, scene = np.random.default_rng(args.seed), nqm.Scene(n_lights=256)
-        with open(args.o, "w", newline="") as out:
-            table = csv.writer(out)
-            table.writerow(["reference", "test", "kind", "jod", "jod_error"])
-            for i in range(args.n):
-                kind = KINDS[i % len(KINDS)]
-                ref, test = draw(rng, kind)
-                label = scene.label(ref, test)
-                table.writerow([ref, test, kind, "%.5f" % label.jod, "%.5f" % label.jod_error])
-                out.flush()
-        return
-    rows = list(csv.DictReader(open(args.pairs, newline="")))
-    jod = np.array([float(r["jod"]) for r in rows])
-    scores = nqm.score_many([(r["reference"], r["test"]) for r in rows], model=args.model)
-    predicted = np.array([s.jod for s in scores])
-    inside = np.array([s.low <= j <= s.high for s, j in zip(scores, jod)])
-    kinds = np.array([r["kind"] for r in rows])
-
-    def spearman(a, b):
-        rank = [np.argsort(np.argsort(x)) for x in (a, b)]
-        return np.corrcoef(*rank)[0, 1]
-
-    print("kind       n  Spearman  mean error  worst  inside  label error")
-    for kind in ("all", *KINDS):
-        m = np.ones(len(rows), bool) if kind == "all" else kinds == kind
-        print("%-8s %3d  %8.4f  %10.3f  %5.2f  %5.1f %%  %.3f" % (
-            kind, m.sum(), spearman(predicted[m], jod[m]), abs(predicted - jod)[m].mean(), abs(predicted - jod)[m].max(),
-            100 * inside[m].mean(), np.mean([float(r["jod_error"]) for r, k in zip(rows, m) if k])))
+    rng, table = np.random.default_rng(args.seed), csv.writer(sys.stdout)
+    table.writerow(["reference", "test", "group", "kind", "source", "split"])
+    for i in range(args.n):
+        kind = KINDS[i % len(KINDS)]
+        table.writerow([*draw(rng, kind), "material %d" % i, kind, kind, args.split])
 
 
 if __name__ == "__main__":

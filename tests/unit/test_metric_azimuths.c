@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Anisotropic pairs: the model "rays" against the labels of its rays and their gradients, its file, what other models do with such
- * pairs, and scores that are continuous where the anisotropy vanishes.
+ * Anisotropic pairs: pictures of the model "anisotropic" against renderings, its file, what other models do with such pairs, and scores that
+ * are continuous where the anisotropy vanishes.
  */
 #include "base/memory_test.h"
 #include "brdf/brdf.h"
@@ -19,21 +19,18 @@ static const char brushed[] = "ggx:kd=.1;ks=1;alpha=.08,.3;f0=.9,.6,.3",
                   turned[] = "rotate:deg=90;of=ggx:kd=.1;ks=1;alpha=.08,.3;f0=.9,.6,.3",
                   plain[] = "ggx:kd=.1;ks=1;alpha=.15;f0=.9,.6,.3";
 
-static nqm_rays studio_rays(void) {
+static nqm_scene_options studio(void) {
     nqm_scene_options o = nqm_scene_options_default();
     o.light = "studio";
     o.shape = "sphere";
-    nqm_scene *scene = make_scene(&o);
-    nqm_rays rays;
-    assert_int_equal(nqm_rays_draw(scene, 2048, 1, &rays, NULL), NQM_OK);
-    nqm_scene_free(scene);
-    return rays;
+    return o;
 }
 
-static nqm_model *model_of(const nqm_rays *rays) {
+static nqm_model *make_model(void) {
+    const nqm_scene_options o = studio();
     nqm_model *model;
     nqm_error err = {0};
-    if (nqm_rays_model(rays, "mine", &model, &err) != NQM_OK)
+    if (nqm_slopes_create(&o, 64, "mine", &model, &err) != NQM_OK)
         fail_msg("%s", err.message);
     return model;
 }
@@ -54,106 +51,126 @@ static nqm_score_result score(const nqm_model *model, const char *ref_spec, cons
     return result;
 }
 
-static double *values_at(const double *wi, const double *wo, size_t n, const char *spec) {
-    nqm_brdf *brdf = open_brdf(spec);
-    double *f = nqm_alloc(n, 3 * sizeof *f);
-    assert_non_null(f);
-    nqm_brdf_eval(brdf, n, wi, wo, f, NULL);
-    nqm_brdf_free(brdf);
-    return f;
-}
+/* ---- the model --------------------------------------------------------------------------------------------------- */
 
-/* ---- the model of rays ------------------------------------------------------------------------------------------- */
-
-static void scores_and_gradients_are_those_of_the_rays(void **state) {
+/* Delta-E of the model's pictures and of renderings of the same points: of constant BRDFs, and of lobes of any width and shape. */
+static void pictures_are_those_of_the_scene(void **state) {
     (void)state;
-    nqm_rays rays = studio_rays();
-    nqm_model *model = model_of(&rays);
-    const nqm_directions *d = model->directions;
-    const size_t n = d->n;
-    assert_int_equal(n, rays.n);
-    for (size_t i = 0; i < 3 * n; ++i) {
-        assert_near(d->wi[i], rays.wi[i], 1e-9);
-        assert_near(d->wo[i], rays.wo[i], 1e-9);
+    static const struct {
+        const char *ref, *test;
+        double tolerance; /* Delta-E */
+    } pairs[] = {{"lambert:kd=.8,.5,.2", "lambert:kd=.5", 0.2},
+                 {plain, "ggx:kd=.1;ks=1;alpha=.2;f0=.9,.6,.3", 0.4},
+                 {brushed, wider, 0.6},
+                 {brushed, turned, 1.5},
+                 {"ggx:alpha=.001;f0=.9", "ggx:alpha=.001;f0=.8", 0.2},
+                 {"ggx:alpha=.01,.05;f0=.9", "ggx:alpha=.02;f0=.9", 1.5},
+                 {plain, "tilt:deg=5;azimuth=40;of=ggx:kd=.1;ks=1;alpha=.15;f0=.9,.6,.3", 1}};
+    nqm_scene_options o = studio();
+    nqm_model *model = make_model();
+    o.n_points = 64;
+    o.n_lights = 4096;
+    nqm_scene *scene = make_scene(&o);
+    for (size_t i = 0; i < sizeof pairs / sizeof *pairs; ++i) {
+        const nqm_label label = label_specs(scene, pairs[i].ref, pairs[i].test);
+        const nqm_score_result result = score(model, pairs[i].ref, pairs[i].test);
+        assert_near(result.delta_e, label.delta_e, pairs[i].tolerance);
+        assert_true(isnan(result.jod_low) && isnan(result.similarity[0]));
     }
-    double *ref = values_at(d->wi, d->wo, n, brushed), *test = values_at(d->wi, d->wo, n, wider), delta_e;
-    double *expected = nqm_alloc(n, 3 * sizeof *expected);
-    float *f = nqm_alloc(n, 9 * sizeof *f), *gradient = f + 6 * n;
-    nqm_label label;
-    for (size_t i = 0; i < 3 * n; ++i) {
-        f[i] = (float)ref[i];
-        f[3 * n + i] = (float)test[i];
-    }
-    assert_int_equal(nqm_rays_compare(&rays, ref, test, &label, expected, NULL), NQM_OK);
-    const nqm_score_result result = score(model, brushed, wider);
-    assert_relative(result.delta_e, label.delta_e, 1e-5);
-    assert_near(result.parts.contrast, label.contrast, 1e-5);
-    assert_true(result.anisotropy == 0 && isnan(result.jod_low)); /* the model sees azimuths itself */
-    nqm_scorer *scorer;
-    assert_int_equal(nqm_scorer_create(model, NULL, &scorer, NULL), NQM_OK);
-    const nqm_sample_pair pair = {f, f + 3 * n, NULL};
-    assert_int_equal(nqm_score_grad(scorer, NQM_SCORE_DELTA_E, 1, &pair, &delta_e, gradient, NULL), NQM_OK);
-    assert_relative(delta_e, label.delta_e, 1e-5);
-    double largest = 0;
-    for (size_t i = 0; i < 3 * n; ++i)
-        largest = fmax(largest, fabs(expected[i]));
-    for (size_t i = 0; i < 3 * n; ++i)
-        assert_near((double)gradient[i], expected[i], 1e-4 * largest);
-    nqm_scorer_free(scorer);
+    nqm_scene_free(scene);
     nqm_model_free(model);
-    nqm_rays_clear(&rays);
-    nqm_free(ref);
-    nqm_free(test);
-    nqm_free(expected);
-    nqm_free(f);
 }
 
 static void files_and_copies_score_the_same(void **state) {
     (void)state;
-    nqm_rays rays = studio_rays();
-    nqm_model *model = model_of(&rays), *loaded, *copy;
-    nqm_directions *read;
+    nqm_model *model = make_model(), *loaded, *copy;
     assert_int_equal(nqm_model_save(model, temp_file, NULL), NQM_OK);
     assert_int_equal(nqm_model_load(temp_file, &loaded, NULL), NQM_OK);
     assert_int_equal(nqm_model_copy(model, &copy, NULL), NQM_OK);
     const double jod = score(model, brushed, turned).jod;
     assert_true(score(loaded, brushed, turned).jod == jod && score(copy, brushed, turned).jod == jod);
-    assert_true(jod < 9);
+    assert_true(jod < 9 && score(model, brushed, brushed).identical);
     assert_int_equal(nqm_golden_check(loaded, NULL), NQM_OK);
-    assert_int_equal(nqm_directions_save_csv(model->directions, temp_file, NULL), NQM_OK);
-    assert_int_equal(nqm_directions_load_csv(temp_file, &read, NULL), NQM_OK);
-    assert_string_equal(nqm_directions_id(read), nqm_directions_id(loaded->directions));
-    assert_true(nqm_directions_equal(read, copy->directions));
-    nqm_directions_free(read);
     nqm_model_free(copy);
     nqm_model_free(loaded);
     nqm_model_free(model);
-    nqm_rays_clear(&rays);
+}
+
+static void samples_have_no_score(void **state) {
+    (void)state;
+    nqm_model *model = make_model();
+    nqm_scorer *scorer;
+    nqm_score_result result;
+    nqm_error err = {0};
+    float *f = nqm_alloc(model->directions->n, 3 * sizeof *f);
+    assert_int_equal(nqm_scorer_create(model, NULL, &scorer, NULL), NQM_OK);
+    assert_int_equal(nqm_scorer_run_samples(scorer, 1, &(nqm_sample_pair){f, f, NULL}, &result, &err), NQM_ERR_ARG);
+    assert_non_null(strstr(err.message, "no score of samples"));
+    nqm_free(f);
+    nqm_scorer_free(scorer);
+    nqm_model_free(model);
 }
 
 static void memory_runs_out(void **state) {
     (void)state;
-    nqm_rays rays = studio_rays();
+    const nqm_scene_options o = studio();
     nqm_status status = NQM_ERR_NOMEM;
-    for (long n = 0; status != NQM_OK && n < 2000; ++n) {
+    for (long n = 0; status != NQM_OK && n < 3000; n += 1 + n / 8) {
         nqm_model *model = NULL;
         nqm_error err = {0};
         nqm_alloc_fail_after(n);
-        status = nqm_rays_model(&rays, "mine", &model, &err);
+        status = nqm_slopes_create(&o, 8, "mine", &model, &err);
         nqm_alloc_fail_after(-1);
         assert_true(status == NQM_OK || (status == NQM_ERR_NOMEM && !model));
         nqm_model_free(model);
     }
     assert_int_equal(status, NQM_OK);
-    nqm_rays_clear(&rays);
+}
+
+/* Every cell has its own slopes, and their areas fill the disc. */
+static void cells_cover_the_slopes(void **state) {
+    (void)state;
+    double area = 0;
+    for (size_t cell = 0; cell < NQM_SLOPE_CELLS; ++cell)
+        area += nqm_slope_area(cell);
+    assert_relative(area, 3.14159265358979 * NQM_SLOPE_MOST * NQM_SLOPE_MOST, 1e-9);
+    assert_int_equal(nqm_slope_cell(0, 0), 0);
+    assert_int_equal(nqm_slope_cell(1e3, 0), 1 + (NQM_SLOPE_RINGS - 1) * NQM_SLOPE_AZIMUTHS);
+    assert_int_equal(nqm_slope_cell(NQM_SLOPE_LEAST * 1.0001, 0), 1);
+    assert_int_equal(nqm_slope_cell(-1e-9, 1e3) - nqm_slope_cell(1e3, 0), NQM_SLOPE_AZIMUTHS / 4);
+}
+
+/* Ratio, azimuth and centre of lobes. */
+static void lobes_are_measured(void **state) {
+    (void)state;
+    static const struct {
+        const char *spec;
+        double ratio, phi_deg, x, y;
+    } lobes[] = {{"ggx:kd=.3;alpha=.1", 1, 0, 0, 0},
+                 {"ggx:alpha=.3,.1", 3, 0, 0, 0},
+                 {"ggx:alpha=.02,.08;f0=.9", 4, 90, 0, 0},
+                 {"rotate:deg=45;of=ward:ks=.1;alpha=.05,.01", 5, 45, 0, 0},
+                 {"tilt:deg=10;azimuth=90;of=ggx:alpha=.05", 1, 0, 0, 0.176327}};
+    for (size_t i = 0; i < sizeof lobes / sizeof *lobes; ++i) {
+        nqm_brdf *brdf = open_brdf(lobes[i].spec);
+        const nqm_lobe l = nqm_lobe_measure(brdf);
+        const double longer = hypot(l.axes[0], l.axes[2]);
+        assert_near(l.axes[0] * l.axes[3] - l.axes[1] * l.axes[2], 1, 1e-12);
+        assert_relative(longer * longer, lobes[i].ratio, 0.12);
+        assert_near(l.center[0], lobes[i].x, 0.002);
+        assert_near(l.center[1], lobes[i].y, 0.002);
+        if (lobes[i].ratio > 1)
+            assert_near(fabs(l.axes[0] / longer), fabs(cos(lobes[i].phi_deg / 57.29577951)), 0.06);
+        nqm_brdf_free(brdf);
+    }
 }
 
 /* ---- which model ------------------------------------------------------------------------------------------------- */
 
-static void default_takes_the_score_of_rays(void **state) {
+static void default_takes_the_score_of_anisotropic(void **state) {
     (void)state;
-    nqm_model *models[] = {builtin("default"), builtin("transport")}, *rays = builtin("rays");
-    const nqm_score_result seen = score(rays, brushed, turned);
+    nqm_model *models[] = {builtin("default"), builtin("transport")}, *whole = builtin("anisotropic");
+    const nqm_score_result seen = score(whole, brushed, turned);
     for (size_t i = 0; i < 2; ++i) {
         const nqm_score_result result = score(models[i], brushed, turned),
                                flat = score(models[i], plain, "ggx:ks=1;alpha=.2");
@@ -164,7 +181,7 @@ static void default_takes_the_score_of_rays(void **state) {
         assert_true(flat.anisotropy == 0);
         nqm_model_free(models[i]);
     }
-    nqm_model_free(rays);
+    nqm_model_free(whole);
 }
 
 /* The names of the same pair, and a model whose directions see one azimuth and that is not of the standard scenes. */
@@ -236,10 +253,13 @@ static void functions_are_found_out(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(scores_and_gradients_are_those_of_the_rays),
+        cmocka_unit_test(pictures_are_those_of_the_scene),
         cmocka_unit_test(files_and_copies_score_the_same),
+        cmocka_unit_test(samples_have_no_score),
         cmocka_unit_test(memory_runs_out),
-        cmocka_unit_test(default_takes_the_score_of_rays),
+        cmocka_unit_test(cells_cover_the_slopes),
+        cmocka_unit_test(lobes_are_measured),
+        cmocka_unit_test(default_takes_the_score_of_anisotropic),
         cmocka_unit_test(named_pairs),
         cmocka_unit_test(scores_are_continuous_where_anisotropy_vanishes),
         cmocka_unit_test(functions_are_found_out),
