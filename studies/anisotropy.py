@@ -5,7 +5,7 @@
     studies/anisotropy.py 420 1 > validation.csv
     nqm directions --grid -o grid.csv
     nqm dataset validation.csv --directions grid.csv --lights 256 -o validation.safetensors
-    nqm transport make --anisotropic --id anisotropic -o new.safetensors
+    nqm transport make --anisotropic --id anisotropic --seed 7 -o new.safetensors
     nqm calibrate new.safetensors validation.safetensors --new-materials -o models/anisotropic.safetensors
     studies/anisotropy.py 315 2 --split test > test.csv
     nqm dataset test.csv --directions grid.csv --lights 256 --only test -o test.safetensors

@@ -14,10 +14,10 @@
 
 /* Rings have these steps of the logarithm and these numbers of nodes: few within a lobe so narrow that light is constant in it, and more
  * where light varies. Nodes beyond a wide slope take up what the sum of all lacks to the light of the point. */
-enum { AROUND = 10, NARROW_AROUND = 3, MAX_RINGS = 64, BLOCK = 256 };
-static const double step_of_light = 0.5, step_of_lobe = 0.7, narrow_slope = 0.02, wide_slope = 0.3;
+enum { AROUND = 14, NARROW_AROUND = 4, MAX_RINGS = 64, BLOCK = 256 };
+static const double step_of_light = 0.35, step_of_lobe = 0.5, narrow_slope = 0.02, wide_slope = 0.3;
 /* Parts of a node, as fine as the cells of the light. */
-enum { PARTS_ALONG = 3, PARTS_AROUND = 5 };
+enum { PARTS_ALONG = 3, PARTS_AROUND = 4 };
 
 typedef struct ring {
     double inner, outer; /* before stretching */
@@ -147,25 +147,29 @@ static bool is_wide(const nodes *of, size_t k) {
     return hypot(of->slope[k][0], of->slope[k][1]) > wide_slope;
 }
 
-/* Let the wide nodes have the light that all lack: totals (3, n_points). Nodes below the horizon have none. */
+/* Let the wide nodes have the light that all lack: totals (3, n_points). Nodes below the horizon have none. Two rows of `light` follow
+ * those of the nodes, for the sums. */
 static void settle(const nqm_model *m, const float *totals, nodes *to) {
-    for (size_t k = 0; k < to->n; ++k)
-        for (size_t p = 0, n = m->n_slope_points; p < n; ++p) {
+    const size_t n_points = m->n_slope_points, n = 3 * n_points;
+    float *all = to->light + to->n * n, *wide = all + n;
+    for (size_t k = 0; k < to->n; ++k) {
+        float *light = to->light + k * n;
+        for (size_t p = 0; p < n_points; ++p) {
             double wi[3];
             reflect(to->slope[k], m->slope_wo + 3 * p, wi);
             for (size_t c = 0; c < 3 && !(wi[2] > 0); ++c)
-                to->light[(3 * k + c) * n + p] = 0;
+                light[c * n_points + p] = 0;
         }
-    for (size_t i = 0, n = 3 * m->n_slope_points; i < n; ++i) {
-        double all = 0, wide = 0;
-        for (size_t k = 0; k < to->n; ++k) {
-            all += (double)to->light[k * n + i];
-            wide += is_wide(to, k) ? (double)to->light[k * n + i] : 0;
-        }
-        const double times = wide > 0 ? fmax(1 + ((double)totals[i] - all) / wide, 0) : 1;
-        for (size_t k = 0; k < to->n; ++k)
-            to->light[k * n + i] *= is_wide(to, k) ? (float)times : 1;
+        for (size_t i = 0; i < n; ++i)
+            all[i] += light[i];
+        for (size_t i = 0, end = is_wide(to, k) ? n : 0; i < end; ++i)
+            wide[i] += light[i];
     }
+    for (size_t i = 0; i < n; ++i)
+        wide[i] = wide[i] > 0 ? fmaxf(1 + (totals[i] - all[i]) / wide[i], 0) : 1;
+    for (size_t k = 0; k < to->n; ++k)
+        for (size_t i = 0, end = is_wide(to, k) ? n : 0; i < end; ++i)
+            to->light[k * n + i] *= wide[i];
 }
 
 /* rgb (3, n_points): the sum over the nodes. */
@@ -204,7 +208,7 @@ bool nqm_slopes_picture(const nqm_model *m, const float *totals, const nqm_brdf 
     size_t n_nodes;
     const size_t n_rings = make_rings(&lobe, rings, &n_nodes);
     if (nqm_alloc_arrays(NQM_ARRAYS({&made.slope, n_nodes, sizeof *made.slope},
-                                    {&made.light, n_nodes, 3 * m->n_slope_points * sizeof *made.light}),
+                                    {&made.light, n_nodes + 2, 3 * m->n_slope_points * sizeof *made.light}),
                          NULL) != NQM_OK)
         return false;
     add_nodes(m, &lobe, n_rings, rings, &made);
