@@ -21,6 +21,7 @@ run score sgd:nickel ward:nickel "perturb:gloss=0.9;of=sgd:nickel" sgd:nickel
 run score sgd:blue-rubber ward:blue-rubber "perturb:tint=1.2,1,1;of=sgd:blue-rubber"
 run score sgd:gold-metallic-paint "perturb:noise=0.02;of=sgd:gold-metallic-paint" \
     "perturb:noise=0.1;of=sgd:gold-metallic-paint" "perturb:noise=0.4;of=sgd:gold-metallic-paint" --metrics all
+run score "ggx:alpha=.1,.4;f0=.9,.6,.3" "rotate:deg=90;of=ggx:alpha=.1,.4;f0=.9,.6,.3" "ggx:alpha=.2;f0=.9,.6,.3"
 run check sgd:nickel
 echo
 echo "Materials that really differ: first predicted from the BRDFs, then measured on rendered pictures (JOD, Delta-E and words)."

@@ -23,6 +23,10 @@ draw directions 1.25 directions default
 draw network 1.5 network paper
 draw slice 1 slice "$data/rgl/vch_ultra_pink_rgb.bsdf" sgd:nickel ward:nickel
 draw attribution 1.5 attribution sgd:nickel ward:nickel
+metal='open-pbr:base_metalness=1;base_color=.9,.62,.35;specular_roughness=.4'
+brushed="$metal;specular_roughness_anisotropy=.8"
+"$nqm" label "$brushed" "rotate:deg=90;of=$brushed" "$metal" --size 256 --shrink 2 \
+    --columns "along the tangent,across,isotropic" --grid "$gallery/brushed.png"
 if [ -n "$corpus" ]; then
     "$nqm" eval "$corpus" --split validation --pairs "$work/pairs.csv" --json >"$work/eval.json"
     draw bars 1.5 bars "$work/eval.json"
