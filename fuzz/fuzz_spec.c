@@ -43,8 +43,8 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t n_bytes) {
 
 blob fuzz_seed(void) {
     static const char spec[] = "perturb:gloss=.8;tint=1.1,1,1;noise=.1;seed=2;cells=4;of=between:t=.3;with=(lambert:kd="
-                               ".2);of=ggx:kd=.2,.1,.05;ks=1;"
-                               "alpha=.1;f0=.04";
+                               ".2);of=tilt:deg=5;azimuth=90;of=ggx:kd=.2,.1,.05;ks=1;"
+                               "alpha=.1,.4;f0=.04";
     blob b = {.data = malloc(sizeof spec - 1), .n_bytes = sizeof spec - 1};
     if (!b.data)
         abort();

@@ -82,7 +82,7 @@ nqm_status nqm_slopes_create(const nqm_scene_options *scene, size_t n_points, co
     if (status == NQM_OK)
         status = nqm_node_grid_directions(&m->directions, err); /* of metrics and counts */
     if (status == NQM_OK)
-        status = nqm_label_finish_model(m, id, err);
+        status = nqm_untrained_finish(m, id, err);
     if (status == NQM_OK)
         *model_ret = m;
     else

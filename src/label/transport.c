@@ -123,7 +123,7 @@ static void set_constants(nqm_model *m) {
         m->features.std[k] = 1;
 }
 
-nqm_status nqm_label_finish_model(nqm_model *m, const char *id, nqm_error *err) {
+nqm_status nqm_untrained_finish(nqm_model *m, const char *id, nqm_error *err) {
     nqm_status status = set_texts(m, id, err);
     if (status != NQM_OK)
         return status;
@@ -151,7 +151,7 @@ nqm_status nqm_transport_create(const nqm_scene_options *scene, size_t n_points,
     if (status == NQM_OK)
         status = nqm_node_grid_directions(&m->directions, err);
     if (status == NQM_OK)
-        status = nqm_label_finish_model(m, id, err);
+        status = nqm_untrained_finish(m, id, err);
     nqm_free(light);
     nqm_free(points);
     if (status == NQM_OK)

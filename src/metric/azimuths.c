@@ -37,7 +37,7 @@ nqm_status nqm_azimuths_create(const nqm_model *model, nqm_azimuths **azimuths_r
         status = a->totals ? NQM_OK : nqm_fail_nomem(err, 3 * a->model->n_slope_points * sizeof *a->totals);
     }
     if (status == NQM_OK) {
-        nqm_slopes_totals(a->model, a->totals);
+        nqm_azimuths_totals(a->model, a->totals);
         *azimuths_ret = a;
     } else {
         nqm_azimuths_free(a);
@@ -84,7 +84,7 @@ static void show(void *user, size_t i) {
     if (s->name)
         s->status = nqm_brdf_open(s->name, &opened, NULL);
     if (s->status == NQM_OK &&
-        !nqm_slopes_picture(g->azimuths->model, g->azimuths->totals, opened ? opened : s->brdf, s->itp))
+        !nqm_azimuths_picture(g->azimuths->model, g->azimuths->totals, opened ? opened : s->brdf, s->itp))
         s->status = NQM_ERR_NOMEM;
     nqm_brdf_free(opened);
 }

@@ -28,8 +28,8 @@ NQM_MUST_CHECK nqm_status nqm_azimuths_score(const nqm_azimuths *azimuths, size_
                                              const nqm_model *model, nqm_score_result *results, nqm_error *err);
 
 /** The light of all slopes together: totals (3, n_slope_points). */
-void nqm_slopes_totals(const nqm_model *model, float *totals);
+void nqm_azimuths_totals(const nqm_model *model, float *totals);
 /** ITP of the points of a BRDF's picture, in units of Delta-E: itp (3, n_slope_points). false: out of memory. */
-bool nqm_slopes_picture(const nqm_model *model, const float *totals, const nqm_brdf *brdf, double *itp);
+bool nqm_azimuths_picture(const nqm_model *model, const float *totals, const nqm_brdf *brdf, double *itp);
 
 #endif

@@ -192,7 +192,7 @@ static void sum_nodes(const nqm_model *m, const nqm_brdf *brdf, const nodes *fro
     }
 }
 
-void nqm_slopes_totals(const nqm_model *m, float *totals) {
+void nqm_azimuths_totals(const nqm_model *m, float *totals) {
     const size_t n = 3 * m->n_slope_points;
     memset(totals, 0, n * sizeof *totals);
     for (size_t cell = 0; cell < NQM_SLOPE_CELLS; ++cell)
@@ -200,7 +200,7 @@ void nqm_slopes_totals(const nqm_model *m, float *totals) {
             totals[i] += m->slopes[cell * n + i];
 }
 
-bool nqm_slopes_picture(const nqm_model *m, const float *totals, const nqm_brdf *brdf, double *itp) {
+bool nqm_azimuths_picture(const nqm_model *m, const float *totals, const nqm_brdf *brdf, double *itp) {
     const nqm_transport points = {.n_points = m->n_slope_points, .points = m->slope_points};
     const nqm_lobe lobe = nqm_lobe_measure(brdf);
     ring rings[MAX_RINGS] = {{0, 0, 0}};

@@ -168,7 +168,7 @@ void nqm_parts_from_targets(const double targets[NQM_LABEL_PARTS], double parts[
  *  `light`. */
 const char *nqm_transport_fault(const nqm_transport *transport, bool verify);
 /** The same of `points` alone. */
-const char *nqm_points_fault(size_t n_points, const double *points);
+const char *nqm_transport_points_fault(size_t n_points, const double *points);
 /** The transport matrix of a model; `light` is NULL if it has none. */
 static inline nqm_transport nqm_model_transport(const struct nqm_model *model) {
     return (nqm_transport){model->n_transport, model->n_points, model->transport, model->transport_points};

@@ -31,7 +31,7 @@ static double target_of(const nqm_output_range *o, double z) {
 }
 
 /* Whether the fractions of the points of every scene sum to 1, scenes are numbered from 0, and displays have a peak. */
-const char *nqm_points_fault(size_t n_points, const double *points) {
+const char *nqm_transport_points_fault(size_t n_points, const double *points) {
     double scene = 0, sum = 0;
     for (const double *p = points; p < points + 3 * n_points; p += 3) {
         const bool is_next = p > points && p[1] == scene + 1;
@@ -59,7 +59,7 @@ const char *nqm_transport_fault(const nqm_transport *t, bool verify) {
     for (size_t i = 0; verify && i < t->n_directions * 3 * t->n_points; ++i)
         if (!isfinite(t->light[i]))
             return "tensor 'transport' has a value that is not finite";
-    return nqm_points_fault(t->n_points, t->points);
+    return nqm_transport_points_fault(t->n_points, t->points);
 }
 
 static const double least = 0.05; /* Delta-E: nobody sees less */

@@ -332,27 +332,34 @@ static void test_parameter_counts(void **state) {
 
 /* ---- derivatives by differences ---------------------------------------------------------------------------------- */
 
-/* f = a^2 wi.z + c of the channel, with a in [0, 1]. */
+/* f = a^2 wi.z + c^2 of the channel + b_x^2 b_y, with a in [0, 1]. */
 typedef struct sample_model {
     nqm_spec_state spec;
-    double a, c[3];
+    double a, c[3], b[2];
 } sample_model;
 
 static void sample_prepare(const nqm_spec_values *values, void *state) {
     sample_model *self = state;
     self->a = values->v[0][0];
     memcpy(self->c, values->v[1], sizeof self->c);
+    memcpy(self->b, values->v[2], sizeof self->b);
 }
 
 static void sample_eval(const void *state, size_t n, const double *wi, const double *wo, double *rgb) {
     const sample_model *self = state;
     (void)wo;
     for (size_t i = 0; i < 3 * n; ++i)
-        rgb[i] = self->a * self->a * wi[i - i % 3 + 2] + self->c[i % 3] * self->c[i % 3];
+        rgb[i] = self->a * self->a * wi[i - i % 3 + 2] + self->c[i % 3] * self->c[i % 3] +
+                 self->b[0] * self->b[0] * self->b[1];
 }
 
 static const nqm_analytic_model sample = {
-    .schema = {"sample", 2, {{.name = "a", .n = 1, .high = 1}, {.name = "c", .n = 3, .high = 5}}},
+    .schema = {"sample",
+               4,
+               {{.name = "a", .n = 1, .high = 1},
+                {.name = "c", .n = 3, .high = 5},
+                {.name = "b", .n = NQM_KEY_N("float2"), .high = 5},
+                {.name = "turn", .n = 1, .low = -1, .high = 1, .turns = true}}},
     .class_ = {.format = "sample", .eval = sample_eval, .jacobian = nqm_spec_jacobian},
     .state_size = sizeof(sample_model),
     .prepare = sample_prepare,
@@ -360,28 +367,39 @@ static const nqm_analytic_model sample = {
 
 static void test_differences(void **state) {
     (void)state;
-    enum { N = 3 };
+    enum { N = 3, COLUMNS = 7 };
     const double at[] = {0, 0.3, 1};
     double wi[3 * N] = {0, 0, 1, 0.6, 0, 0.8, 0.8, 0, 0.6}, rgb[3 * N];
     for (size_t i = 0; i < 3; ++i) {
-        double jacobian[3 * N * 4] = {0};
-        sample_model self = {.spec = {&sample, {.v = {{at[i], at[i], at[i]}, {0, 2, 5}}}}};
+        double jacobian[3 * N * COLUMNS] = {0};
+        sample_model self = {.spec = {&sample, {.v = {{at[i], at[i], at[i]}, {0, 2, 5}, {2, 3, 3}}}}};
         sample_prepare(&self.spec.values, &self);
         nqm_spec_jacobian(&self, N, wi, wi, rgb, jacobian);
         for (size_t row = 0; row < 3 * N; ++row) {
-            assert_near(jacobian[4 * row], 2 * at[i] * wi[row - row % 3 + 2], 1e-8);
+            assert_near(jacobian[COLUMNS * row], 2 * at[i] * wi[row - row % 3 + 2], 1e-8);
             for (size_t c = 0; c < 3; ++c)
-                assert_near(jacobian[4 * row + 1 + c], c == row % 3 ? 2 * self.c[c] : 0, 1e-8);
+                assert_near(jacobian[COLUMNS * row + 1 + c], c == row % 3 ? 2 * self.c[c] : 0, 1e-8);
+            assert_near(jacobian[COLUMNS * row + 4], 12, 1e-7);
+            assert_near(jacobian[COLUMNS * row + 5], 4, 1e-7);
         }
     }
 }
 
+static void test_what_makes_anisotropic(void **state) {
+    (void)state;
+    const nqm_spec_schema *schema = &sample.schema;
+    assert_true(nqm_spec_is_isotropic(schema, &(nqm_spec_values){.v = {{1}, {1, 2, 3}, {2, 2, 2}}}));
+    assert_false(nqm_spec_is_isotropic(schema, &(nqm_spec_values){.v = {{1}, {1, 2, 3}, {2, 3, 3}}}));
+    assert_false(nqm_spec_is_isotropic(schema, &(nqm_spec_values){.v = {{1}, {1, 2, 3}, {2, 2, 2}, {-0.5}}}));
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_central_differences),   cmocka_unit_test(test_lafortune_branches),
-        cmocka_unit_test(test_eta_of_one_at_grazing), cmocka_unit_test(test_sgd_branches),
-        cmocka_unit_test(test_ends_of_ranges),        cmocka_unit_test(test_horizon_between_pairs),
-        cmocka_unit_test(test_parameter_counts),      cmocka_unit_test(test_differences),
+        cmocka_unit_test(test_central_differences),    cmocka_unit_test(test_lafortune_branches),
+        cmocka_unit_test(test_eta_of_one_at_grazing),  cmocka_unit_test(test_sgd_branches),
+        cmocka_unit_test(test_ends_of_ranges),         cmocka_unit_test(test_horizon_between_pairs),
+        cmocka_unit_test(test_parameter_counts),       cmocka_unit_test(test_differences),
+        cmocka_unit_test(test_what_makes_anisotropic),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

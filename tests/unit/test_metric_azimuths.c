@@ -65,7 +65,7 @@ static void pictures_are_those_of_the_scene(void **state) {
                  {brushed, turned, 1.5},
                  {"ggx:alpha=.001;f0=.9", "ggx:alpha=.001;f0=.8", 0.2},
                  {"ggx:alpha=.01,.05;f0=.9", "ggx:alpha=.02;f0=.9", 1.5},
-                 {plain, "tilt:deg=5;azimuth=40;of=ggx:kd=.1;ks=1;alpha=.15;f0=.9,.6,.3", 1}};
+                 {plain, "tilt:deg=5;azimuth=40;of=ggx:kd=.1;ks=1;alpha=.15;f0=.9,.6,.3", 2.5}};
     nqm_scene_options o = studio();
     nqm_model *model = make_model();
     o.n_points = 64;
