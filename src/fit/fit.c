@@ -3,6 +3,7 @@
  * The public entry of fitting, the table of fit options, and the stages of a fit.
  */
 #include "fit/fit.h"
+#include "brdf/core/spec.h"
 #include "math/math.h"
 
 #include <math.h>
@@ -68,6 +69,27 @@ static nqm_fit_loss first_loss(const nqm_fit_options *options) {
     return loss;
 }
 
+static bool has_visual(const nqm_fit_run *run) {
+    bool has = false;
+    for (size_t i = 0; i < run->n_terms; ++i)
+        has |= run->terms[i].visual != NULL;
+    return has;
+}
+
+/* Fit the widths along the axes of the lobe, whose azimuth is measured. */
+static nqm_status turn_reference(nqm_fit_run *run) {
+    const nqm_lobe lobe = nqm_lobe_measure(run->ref);
+    const nqm_between_bases bases = {.of = (nqm_brdf *)(uintptr_t)run->ref};
+    char settings[40];
+    run->turn_deg = floor(atan2(lobe.axes[2], lobe.axes[0]) * (180 / NQM_PI) * 100 + 0.5) / 100;
+    if (run->turn_deg == 0)
+        return NQM_OK;
+    snprintf(settings, sizeof settings, "deg=%g", -run->turn_deg);
+    const nqm_status status = nqm_wrapper_make(&nqm_rotate_wrapper, settings, &bases, &run->turned, run->err);
+    run->ref = status == NQM_OK ? run->turned : run->ref;
+    return status;
+}
+
 nqm_status nqm_fit_begin(nqm_fit_run *run, const nqm_brdf *ref, const nqm_fit_entry *entry,
                          const nqm_fit_options *options, nqm_fit_loss loss, nqm_error *err) {
     *run = (nqm_fit_run){.ref = ref, .options = options, .err = err};
@@ -80,8 +102,12 @@ nqm_status nqm_fit_begin(nqm_fit_run *run, const nqm_brdf *ref, const nqm_fit_en
     nqm_status status = check_terms(options, err);
     if (status == NQM_OK)
         status = nqm_fit_space_make(entry, options, &run->space, err);
+    if (status == NQM_OK && !options->start && !has_visual(run) && nqm_brdf_anisotropy(ref) > 0)
+        run->is_turned = nqm_fit_split(&run->space);
+    if (status == NQM_OK && run->is_turned)
+        status = turn_reference(run);
     if (status == NQM_OK)
-        status = nqm_fit_target_make(ref, &first, &run->target, err);
+        status = nqm_fit_target_make(run->ref, &first, &run->target, err);
     if (status == NQM_OK)
         status = nqm_fit_objective_make(&run->space, &run->target, run->n_terms, run->terms, &run->objective, err);
     return status;
@@ -89,33 +115,32 @@ nqm_status nqm_fit_begin(nqm_fit_run *run, const nqm_brdf *ref, const nqm_fit_en
 
 void nqm_fit_end(nqm_fit_run *run) {
     nqm_fit_objective_free(run->objective);
+    nqm_brdf_free(run->turned);
     nqm_free(run->target.wi);
 }
 
 nqm_status nqm_fit_write_report(nqm_fit_run *run, nqm_fit_point *point, nqm_fit_report *report) {
     report->n_directions = run->target.n;
     report->best_start = point->start;
-    report->n_numbers = run->space.n;
-    return nqm_fit_write_spec(&run->space, &point->values, report->spec, sizeof report->spec, run->err);
+    report->n_numbers = run->space.n + run->is_turned;
+    const int n = run->turned ? snprintf(report->spec, sizeof report->spec, "rotate:deg=%g;of=", run->turn_deg) : 0;
+    return nqm_fit_write_spec(&run->space, &point->values, report->spec + n, sizeof report->spec - (size_t)n, run->err);
 }
 
 /* From the given start: visual terms may have been minimised there, from which least squares would lead away. */
-static nqm_status begin_at_start(nqm_fit_run *run, bool has_visual, nqm_fit_point *point) {
+static nqm_status begin_at_start(nqm_fit_run *run, nqm_fit_point *point) {
     enum { STEPS = 50 };
     nqm_status status = nqm_fit_read_spec(&run->space, run->options->start, &point->values, run->err);
-    if (status == NQM_OK && !has_visual)
+    if (status == NQM_OK && !has_visual(run))
         status = nqm_fit_refine(&run->space, &run->target, STEPS, &run->ticker, point, run->err);
     return status;
 }
 
 static nqm_status minimise(nqm_fit_run *run, nqm_fit_point *best) {
     nqm_fit_point points[NQM_FIT_MAX_POINTS] = {{.loss = 0}};
-    bool has_visual = false;
     size_t n = 1;
-    for (size_t i = 0; i < run->n_terms; ++i)
-        has_visual |= run->terms[i].visual != NULL;
-    const bool is_square = run->n_terms == 1 && !has_visual && nqm_fit_losses[run->target.loss].power == 2;
-    nqm_status status = run->options->start ? begin_at_start(run, has_visual, points) : nqm_fit_search(run, points, &n);
+    const bool is_square = run->n_terms == 1 && !has_visual(run) && nqm_fit_losses[run->target.loss].power == 2;
+    nqm_status status = run->options->start ? begin_at_start(run, points) : nqm_fit_search(run, points, &n);
     for (size_t i = 0; status == NQM_OK && !is_square && i < n; ++i)
         status = nqm_fit_descend(run->objective, &run->space, NQM_FIT_STEPS, &run->ticker, &points[i], run->err);
     size_t winner = 0;

@@ -125,6 +125,8 @@ typedef struct nqm_fit_point {
  *  NQM_ERR_ARG: a bound of an unknown key or outside its range, or a start of another model. */
 NQM_MUST_CHECK nqm_status nqm_fit_space_make(const nqm_fit_entry *entry, const nqm_fit_options *options,
                                              nqm_fit_space *space, nqm_error *err);
+/** Free both values of keys with two, which are otherwise tied. Returns whether there are any. */
+bool nqm_fit_split(nqm_fit_space *space);
 /** The values of a spec, moved into the bounds. */
 NQM_MUST_CHECK nqm_status nqm_fit_read_spec(const nqm_fit_space *space, const char *spec, nqm_spec_values *values,
                                             nqm_error *err);
@@ -231,6 +233,9 @@ NQM_MUST_CHECK nqm_status nqm_fit_descend(nqm_fit_objective *objective, const nq
 /** One fit: what all its stages share. */
 typedef struct nqm_fit_run {
     const nqm_brdf *ref;
+    nqm_brdf *turned; /* an anisotropic reference in the axes of its lobe, then also `ref`; NULL: none */
+    bool is_turned;
+    double turn_deg; /* the result is turned by it */
     const nqm_fit_options *options;
     nqm_fit_space space;
     nqm_fit_target target; /* under the first loss */

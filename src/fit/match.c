@@ -122,7 +122,7 @@ static nqm_status fit_by(const setting *s, const nqm_fit_entry *entry, const nqm
 
 /* ---- references with few values ---------------------------------------------------------------------------------- */
 
-const char *const nqm_match_uncovered = "ma_crwe, as too few directions of transport have a value";
+const char *const nqm_match_uncovered = "ma_crwe, as too few directions of transport see the reference";
 
 /* Whether the directions of a model have values: of a list of measured ones, those of near rows. */
 static bool is_covered(const nqm_brdf *ref, const nqm_model *model) {
@@ -173,7 +173,8 @@ nqm_status nqm_match(const nqm_brdf *ref, const char *model, const nqm_match_los
     nqm_status status = nqm_match_parse(loss->text, &sum, err);
     if (status == NQM_OK)
         status = nqm_fit_entry_find(model, &entry, err);
-    if (status == NQM_OK && sum.is_auto && loss->transport && !entry->encode && !is_covered(ref, loss->transport)) {
+    if (status == NQM_OK && sum.is_auto && loss->transport && !entry->encode &&
+        (!is_covered(ref, loss->transport) || nqm_brdf_anisotropy(ref) > 0)) {
         s.loss = &values;
         status = nqm_match_parse(values.text, &sum, err);
         snprintf(report.selected, sizeof report.selected, "%s", nqm_match_uncovered);

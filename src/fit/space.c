@@ -65,6 +65,20 @@ void nqm_fit_fix(nqm_fit_space *space, size_t key) {
     space->n = kept;
 }
 
+bool nqm_fit_split(nqm_fit_space *space) {
+    bool is_split = false;
+    for (size_t i = 0; i < space->n && space->n < NQM_FIT_MAX_FREE; ++i) {
+        nqm_fit_parameter *p = &space->parameters[i];
+        if (space->model->schema.keys[p->key].n != 2 || p->channel != NQM_FIT_ALL_CHANNELS)
+            continue;
+        memmove(p + 1, p, (space->n++ - i) * sizeof *p);
+        p[0].channel = 0;
+        p[1].channel = 1;
+        is_split = true;
+    }
+    return is_split;
+}
+
 static nqm_status apply_bound(nqm_fit_space *space, const nqm_fit_bound *bound, nqm_error *err) {
     const nqm_spec_schema *schema = &space->model->schema;
     const nqm_fit_shape *shape = nqm_fit_find_shape(space->entry, bound->key);
@@ -148,7 +162,7 @@ void nqm_fit_bounds(const nqm_fit_space *space, double *low, double *high) {
 }
 
 static void set_value(const nqm_fit_space *space, nqm_spec_values *values, const nqm_fit_parameter *p, double v) {
-    const bool all = p->channel == NQM_FIT_ALL_CHANNELS || space->model->schema.keys[p->key].n < 3;
+    const bool all = p->channel == NQM_FIT_ALL_CHANNELS || space->model->schema.keys[p->key].n == 1;
     for (size_t c = 0; c < 3; ++c)
         if (all || c == p->channel)
             values->v[p->key][c] = c && p->ratio != 1 ? clamp(v * p->ratio, p->low, p->high) : v;

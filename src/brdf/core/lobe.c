@@ -20,10 +20,10 @@ static double value_at(const nqm_brdf *brdf, double x, double y) {
     return nqm_luminance(rgb) * h[2] * h[2] * h[2] * h[2];
 }
 
-/* Climb to the peak from the brightest of a grid of slopes; the normal, unless the peak is much brighter. Returns the value. */
+/* Climb to the peak from the brightest of a grid of slopes; the normal, unless the peak is brighter. Returns the value. */
 static double find_peak(const nqm_brdf *brdf, double center[2]) {
     enum { GRID = 16 };
-    static const double reach = 1, least_step = 1e-5, much = 4;
+    static const double reach = 1, least_step = 1e-5, much = 1.1;
     const double at_normal = value_at(brdf, 0, 0);
     double best = at_normal, x = 0, y = 0;
     center[0] = center[1] = 0;
@@ -65,19 +65,20 @@ static double half_width(const nqm_brdf *brdf, const double center[2], double pe
 }
 
 nqm_lobe nqm_lobe_measure(const nqm_brdf *brdf) {
-    enum { AZIMUTHS = 32 };
-    static const double most = 30; /* between azimuths a longer lobe would be missed */
-    double center[2], width[AZIMUTHS];
+    enum { AZIMUTHS = 24 };
+    static const double most = 30;
+    double center[2], even = 0, odd = 0;
     const double peak = find_peak(brdf, center);
-    size_t longest = 0;
-    for (size_t k = 0; k < AZIMUTHS; ++k) {
-        width[k] = half_width(brdf, center, peak, NQM_PI * (double)k / AZIMUTHS);
-        longest = width[k] > width[longest] ? k : longest;
+    for (size_t k = 0; k < AZIMUTHS; ++k) { /* of an ellipse, 1 / width^2 is a constant and this harmonic */
+        const double phi = 2 * NQM_PI * (double)k / AZIMUTHS, width = half_width(brdf, center, peak, phi);
+        even -= cos(2 * phi) / (width * width);
+        odd -= sin(2 * phi) / (width * width);
     }
-    const double ratio = width[longest] / width[(longest + AZIMUTHS / 2) % AZIMUTHS];
-    const double phi = NQM_PI * (double)longest / AZIMUTHS, c = cos(phi), s = sin(phi);
-    const double longer = sqrt(fmin(fmax(ratio, 1), most)), shorter = 1 / longer;
+    const double phi = 0.5 * atan2(odd, even), c = cos(phi), s = sin(phi);
+    const double longest = half_width(brdf, center, peak, phi);
+    const double shortest = half_width(brdf, center, peak, phi + NQM_PI / 2);
+    const double longer = sqrt(fmin(fmax(longest / shortest, 1), most)), shorter = 1 / longer;
     return (nqm_lobe){.center = {center[0], center[1]},
                       .axes = {c * longer, -s * shorter, s * longer, c * shorter},
-                      .width = width[longest] / longer};
+                      .width = longest / longer};
 }

@@ -1,0 +1,51 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Fits of anisotropic references: both widths and the azimuth are found, and models of one width stay as they are.
+ */
+#include "fit/fit.h"
+#include "support/check.h"
+
+#include <string.h>
+
+static nqm_fit_report fit(const char *ref_spec, const char *model) {
+    nqm_brdf *ref = open_brdf(ref_spec);
+    nqm_fit_options options = nqm_fit_options_default();
+    nqm_fit_report report;
+    nqm_error err = {0};
+    options.n_directions = 2000;
+    options.n_starts = 4;
+    if (nqm_fit(ref, model, &options, &report, NULL, &err) != NQM_OK)
+        fail_msg("%s", err.message);
+    nqm_brdf_free(ref);
+    return report;
+}
+
+/* A model fitted to itself is the same BRDF, also where the spec names the other axis. */
+static void models_are_recovered(void **state) {
+    (void)state;
+    static const char *const specs[][2] = {{"ggx:kd=0.1;ks=1;alpha=0.1,0.4;f0=0.9", "ggx"},
+                                           {"rotate:deg=33;of=ggx:kd=0.2,0.1,0.1;ks=1;alpha=0.3,0.06;f0=0.04", "ggx"},
+                                           {"rotate:deg=120;of=ward:kd=0.1;ks=0.2;alpha=0.05,0.2", "ward"},
+                                           {"ashikhmin-shirley:kd=0.1;ks=0.5;n=20,400;f0=0.3", "ashikhmin-shirley"}};
+    for (size_t i = 0; i < sizeof specs / sizeof *specs; ++i) {
+        const nqm_fit_report report = fit(specs[i][0], specs[i][1]);
+        nqm_brdf *ref = open_brdf(specs[i][0]), *found = open_brdf(report.spec);
+        nqm_brdf_difference difference;
+        assert_true(strncmp(report.spec, "rotate:deg=", 11) == 0 || i == 3);
+        assert_int_equal(nqm_brdf_compare(ref, found, 0.05, 1, &difference, NULL), NQM_OK);
+        assert_true((double)difference.n_different < 0.02 * (double)difference.n_pairs);
+        nqm_brdf_free(ref);
+        nqm_brdf_free(found);
+    }
+}
+
+static void models_of_one_width(void **state) {
+    (void)state;
+    assert_true(strncmp(fit("ggx:kd=0.1;ks=1;alpha=0.1,0.4;f0=0.9", "blinn-phong").spec, "blinn-phong:", 12) == 0);
+    assert_true(strncmp(fit("ggx:kd=0.1;ks=1;alpha=0.2;f0=0.9", "ggx").spec, "ggx:", 4) == 0);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {cmocka_unit_test(models_are_recovered), cmocka_unit_test(models_of_one_width)};
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
