@@ -26,7 +26,6 @@ typedef struct gloss {
     double albedo, specular, alpha;
 } gloss;
 
-
 static double smith(double alpha, double cosine) {
     return 2 / (1 + sqrt(1 + alpha * alpha * (1 / (cosine * cosine) - 1)));
 }
