@@ -133,5 +133,12 @@ train paper paper paper- " --scene paper (a rotating bunny under the Pixar Campu
 "$nqm" transport make --points 256 --seed 2 --id transport-paper $(echo "${paper_scene% --points*}" | sed "s/.*--scene/--scene/") \
     -o "$here/full/transport-paper.safetensors"
 
+# Anisotropic pairs of analytic and OpenPBR materials; the seed is the best of 24 for these (studies/anisotropy.py).
+python3 "$here/../studies/anisotropy.py" 420 1 >"$work/anisotropic.csv"
+[ -f "$work/anisotropic.safetensors" ] ||
+    "$nqm" dataset "$work/anisotropic.csv" --directions "$work/grid.csv" --lights 256 -o "$work/anisotropic.safetensors" --log
+"$nqm" transport make --anisotropic --seed 7 --id anisotropic -o "$work/slopes.safetensors"
+"$nqm" calibrate "$work/slopes.safetensors" "$work/anisotropic.safetensors" --new-materials -o "$here/anisotropic.safetensors"
+
 echo "build nqm again, so that it contains the new models; then draw the figures of the pages:"
 echo "  sh doc/figures/make.sh $data && sh doc/gallery/make.sh $data $work/train.safetensors $work/default.csv"

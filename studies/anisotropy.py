@@ -1,13 +1,9 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""Draw anisotropic pairs, for the intervals of the model "anisotropic" and for its test (another seed):
+"""Draw anisotropic pairs. models/make.sh calibrates the model "anisotropic" on 420 of seed 1; tests have other seeds:
 
-    studies/anisotropy.py 420 1 > validation.csv
-    nqm directions --grid -o grid.csv
-    nqm dataset validation.csv --directions grid.csv --lights 256 -o validation.safetensors
-    nqm transport make --anisotropic --id anisotropic --seed 7 -o new.safetensors
-    nqm calibrate new.safetensors validation.safetensors --new-materials -o models/anisotropic.safetensors
     studies/anisotropy.py 315 2 --split test > test.csv
+    nqm directions --grid -o grid.csv
     nqm dataset test.csv --directions grid.csv --lights 256 --only test -o test.safetensors
     nqm eval test.safetensors --model anisotropic --by source
 """

@@ -13,6 +13,6 @@ NQM_MUST_CHECK nqm_status nqm_transport_fill(const nqm_scene_options *scene, siz
                                              double *points, nqm_error *err);
 
 /** Complete a model without a network: texts, constants and golden scores. */
-NQM_MUST_CHECK nqm_status nqm_untrained_finish(nqm_model *model, const char *id, nqm_error *err);
+NQM_MUST_CHECK nqm_status nqm_untrained_finish(nqm_model *model, const char *id, const char *card, nqm_error *err);
 
 #endif

@@ -14,6 +14,11 @@
 
 enum { N_LIGHTS = 8192 };
 
+static const char *const slopes_card =
+    "Estimate by light transport for any BRDF, anisotropic or not, without a network: the Delta-E ITP and JOD of"
+    "\npictures of few points, whose light is known by the slope of the half vector. The BRDF is evaluated at half"
+    "\nvectors placed by its lobe. Nothing was trained.\n";
+
 typedef struct slope_job {
     nqm_model *to;
     const nqm_scene *scene;
@@ -82,7 +87,7 @@ nqm_status nqm_slopes_create(const nqm_scene_options *scene, size_t n_points, co
     if (status == NQM_OK)
         status = nqm_node_grid_directions(&m->directions, err); /* of metrics and counts */
     if (status == NQM_OK)
-        status = nqm_untrained_finish(m, id, err);
+        status = nqm_untrained_finish(m, id, slopes_card, err);
     if (status == NQM_OK)
         *model_ret = m;
     else

@@ -98,12 +98,12 @@ static const char *const default_card = "Estimate by light transport, without a 
                                         "pictures of few points that a matrix makes of\n"
                                         "the samples. It has no intervals: nothing was trained or calibrated.\n";
 
-static nqm_status set_texts(nqm_model *m, const char *id, nqm_error *err) {
+static nqm_status set_texts(nqm_model *m, const char *id, const char *card, nqm_error *err) {
     struct {
         char **to;
         const char *text;
-    } texts[] = {{&m->id, id},         {&m->recipe, "transport"}, {&m->licence, "MIT"}, {&m->card, default_card},
-                 {&m->training, "{}"}, {&m->manifest_sha256, ""}};
+    } texts[] = {{&m->id, id},     {&m->recipe, "transport"}, {&m->licence, "MIT"},
+                 {&m->card, card}, {&m->training, "{}"},      {&m->manifest_sha256, ""}};
     for (size_t i = 0; i < sizeof texts / sizeof *texts; ++i)
         if (!(*texts[i].to = nqm_strdup(texts[i].text)))
             return nqm_fail_nomem(err, strlen(texts[i].text));
@@ -123,8 +123,8 @@ static void set_constants(nqm_model *m) {
         m->features.std[k] = 1;
 }
 
-nqm_status nqm_untrained_finish(nqm_model *m, const char *id, nqm_error *err) {
-    nqm_status status = set_texts(m, id, err);
+nqm_status nqm_untrained_finish(nqm_model *m, const char *id, const char *card, nqm_error *err) {
+    nqm_status status = set_texts(m, id, card, err);
     if (status != NQM_OK)
         return status;
     set_constants(m);
@@ -151,7 +151,7 @@ nqm_status nqm_transport_create(const nqm_scene_options *scene, size_t n_points,
     if (status == NQM_OK)
         status = nqm_node_grid_directions(&m->directions, err);
     if (status == NQM_OK)
-        status = nqm_untrained_finish(m, id, err);
+        status = nqm_untrained_finish(m, id, default_card, err);
     nqm_free(light);
     nqm_free(points);
     if (status == NQM_OK)
