@@ -66,11 +66,11 @@ static void print_text(const score_run *run) {
             printf("  %-4s", gate_mark(&run->gate, r));
         printf("  %s\n", shown(row->name));
         if (scored && !isnan(r->parts.structure)) {
-            char words[NQM_LABEL_TEXT], phrases[NQM_LABEL_TEXT + 80], apart[40] = "";
+            char words[NQM_LABEL_TEXT], phrases[NQM_LABEL_TEXT + GRAIN_TEXT + 80], grain[GRAIN_TEXT], apart[40] = "";
             if (!isnan(r->similarity[0]))
                 snprintf(apart, sizeof apart, "; seen apart %.2f", r->similarity[0]);
-            snprintf(phrases, sizeof phrases, "%s%s%s", nqm_label_describe(&r->parts, words), apart,
-                     r->anisotropy > 0 ? "; anisotropic" : "");
+            snprintf(phrases, sizeof phrases, "%s%s%s%s", nqm_label_describe(&r->parts, words), apart,
+                     r->anisotropy > 0 ? "; anisotropic" : "", r->anisotropy > 0 ? describe_grain(row, grain) : "");
             has_similarity = has_similarity || *apart;
             print_phrases(phrases);
         }

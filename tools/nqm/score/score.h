@@ -99,6 +99,9 @@ char *join_remarks(const json_t *remarks);
 void print_csv_remarks(FILE *out, const json_t *remarks);
 /** The JSON document of `nqm score --json`. */
 json_t *json_scores(const score_run *run);
+enum { GRAIN_TEXT = 120 };
+/** What of the stretch of highlights an anisotropic pair changes, "; stretched ...; rotated by ..." or "". */
+char *describe_grain(const scored_pair *row, char text[GRAIN_TEXT]);
 
 /* ---- values (exact.c) -------------------------------------------------------------------------------------------- */
 

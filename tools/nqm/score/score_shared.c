@@ -6,6 +6,7 @@
 #include "nqm/score/score.h"
 
 #include "base/names.h"
+#include "brdf/brdf.h"
 
 #include <math.h>
 #include <stdarg.h>
@@ -317,6 +318,36 @@ const char *verdict_words(const nqm_score_result *result, char text[VERDICT_TEXT
     return text;
 }
 
+/* How the highlight of a BRDF is stretched. */
+typedef struct grain {
+    double ratio, azimuth_deg; /* length by width; of the length, -90 to 90 */
+} grain;
+
+static const double round_ratio = 1.1; /* below it a highlight is round */
+
+static grain grain_of(const char *argument) {
+    nqm_brdf *brdf = open_brdf(argument);
+    const nqm_lobe lobe = nqm_lobe_measure(brdf);
+    const double degrees = atan2(lobe.axes[2], lobe.axes[0]) * 57.29577951308232;
+    const double ratio = lobe.axes[0] * lobe.axes[0] + lobe.axes[2] * lobe.axes[2], azimuth = remainder(degrees, 180);
+    nqm_brdf_free(brdf);
+    return (grain){ratio, ratio < round_ratio ? 0 : azimuth < -89.5 ? azimuth + 180 : azimuth};
+}
+
+char *describe_grain(const scored_pair *row, char text[GRAIN_TEXT]) {
+    static const double seen_turn_deg = 2;
+    const grain a = grain_of(row->pair.ref), b = grain_of(row->pair.test);
+    const double turn = remainder(b.azimuth_deg - a.azimuth_deg, 180);
+    int n = 0;
+    *text = 0;
+    if (b.ratio > round_ratio * a.ratio || a.ratio > round_ratio * b.ratio)
+        n = snprintf(text, GRAIN_TEXT, "; stretched %.1f times along %.0f degrees instead of %.1f", b.ratio,
+                     b.ratio > round_ratio ? b.azimuth_deg : a.azimuth_deg, a.ratio);
+    if (a.ratio > round_ratio && b.ratio > round_ratio && fabs(turn) > seen_turn_deg)
+        snprintf(text + n, GRAIN_TEXT - (size_t)n, "; rotated by %.0f degrees", turn);
+    return text;
+}
+
 static json_t *row_json(const score_run *run, const scored_pair *row) {
     char verdict[VERDICT_TEXT];
     const nqm_score_result *r = &row->result;
@@ -335,8 +366,13 @@ static json_t *row_json(const score_run *run, const scored_pair *row) {
         json_object_set_new(object, "gate", json_string(gate_mark(&run->gate, r)));
     if (!isnan(r->parts.structure))
         json_object_set_new(object, "parts", json_label_parts(&r->parts, r->similarity));
-    if (r->anisotropy > 0)
+    if (r->anisotropy > 0) {
+        const grain a = grain_of(row->pair.ref), b = grain_of(row->pair.test);
         json_object_set_new(object, "anisotropy", json_number(r->anisotropy));
+        json_object_set_new(
+            object, "stretched",
+            json_pack("{s:[f,f],s:[f,f]}", "ratio", a.ratio, b.ratio, "azimuth_deg", a.azimuth_deg, b.azimuth_deg));
+    }
     if (run->exact && row->err.status == NQM_OK)
         json_object_set_new(object, "exact", json_exact(run, row));
     if (!has_reference_of(run->rows, &run->rows[run->n_rows - 1]))
