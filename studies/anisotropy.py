@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: MIT
 """Draw anisotropic pairs. models/make.sh calibrates the model "anisotropic" on 420 of seed 1; tests have other seeds:
 
-    studies/anisotropy.py 315 2 --split test > test.csv
+    studies/anisotropy.py 315 3 --split test > test.csv
     nqm directions --grid -o grid.csv
     nqm dataset test.csv --directions grid.csv --lights 256 --only test -o test.safetensors
     nqm eval test.safetensors --model anisotropic --by source
