@@ -17,7 +17,8 @@
 extern "C" {
 #endif
 
-/** An RGB BRDF f_r(wi, wo) over unit vectors with the axes tangent, bitangent and normal. Immutable; any number of threads may evaluate it at the same time. */
+/** An RGB BRDF f_r(wi, wo) over unit vectors with the axes tangent, bitangent and normal. Immutable; any number of threads
+ *  may evaluate it at the same time. */
 typedef struct nqm_brdf nqm_brdf;
 
 /** Result of the evaluation of one direction pair. */

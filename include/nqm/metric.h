@@ -92,18 +92,18 @@ typedef struct nqm_score_result {
                                its 95 % interval over the materials of its fit (doc/people.md); symmetric; without
                                the network; NaN without a transport matrix */
     double
-        anisotropy; /**< of the more anisotropic of both BRDFs (nqm_brdf_check_report); 0: both are isotropic. Above it, the
-                               models "default" and "transport" take the score of "anisotropic", at 0.02 alone, and below in part; other models
-                               whose directions have one azimuth give NQM_ERR_INCOMPATIBLE. Not of samples */
-    int identical;                        /**< 1: both members are equal at every valid direction */
-    double metrics[NQM_METRIC_COUNT];     /**< indexed by nqm_metric, within 1e-6 relative of
+        anisotropy; /**< of the more anisotropic of both BRDFs (nqm_brdf_check_report); 0: both are isotropic. Above it,
+                               the models "default" and "transport" take the score of "anisotropic", at 0.02 alone, and
+                               below in part; other models whose directions have one azimuth give NQM_ERR_INCOMPATIBLE.
+                               Not of samples */
+    int identical;  /**< 1: both members are equal at every valid direction */
+    double metrics[NQM_METRIC_COUNT]; /**< indexed by nqm_metric, within 1e-6 relative of
                                                nqm_metrics_compute(); NaN when the options leave them out */
-    size_t n_valid;                       /**< directions at which both BRDFs have a value */
-    size_t n_clamped_ref, n_clamped_test; /**< directions with a negative channel, which counts as 0 */
-    size_t n_invalid_ref, n_invalid_test; /**< directions without a value, before the policy */
-    size_t n_unusual_ref,
-        n_unusual_test; /**< directions at which a channel exceeds the training references' mean by more
-                                               than 6 standard deviations, on the network's scale: extrapolation */
+    size_t n_valid;                   /**< directions at which both BRDFs have a value */
+    size_t n_clamped[2]; /**< of reference and test: directions with a negative channel, which counts as 0 */
+    size_t n_invalid[2]; /**< the same: directions without a value, before the policy */
+    size_t n_unusual[2]; /**< the same: directions at which a channel exceeds the training references' mean by more than
+                              6 standard deviations, on the network's scale */
     /* What may make the score wrong, of nqm_scorer_run() and nqm_scorer_run_named(): */
     double
         distance_deg[2]; /**< of a reference that is a list of measured directions, with or without a score: median and

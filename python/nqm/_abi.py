@@ -125,8 +125,7 @@ class ScoreResult(Structure):
                 ("jod_high", c_double), ("novelty", c_double), ("parts", CLabel), ("similarity", c_double * 3),
                 ("anisotropy", c_double),
                 ("identical", c_int), ("metrics", c_double * N_METRICS), ("n_valid", c_size_t),
-                ("n_clamped_ref", c_size_t), ("n_clamped_test", c_size_t), ("n_invalid_ref", c_size_t),
-                ("n_invalid_test", c_size_t), ("n_unusual_ref", c_size_t), ("n_unusual_test", c_size_t),
+                ("n_clamped", c_size_t * 2), ("n_invalid", c_size_t * 2), ("n_unusual", c_size_t * 2),
                 ("distance_deg", c_double * 2), ("suspect_scale", c_double), ("suspect_cosine", c_double)]
 
 

@@ -198,8 +198,8 @@ def _warnings(r: ScoreResult, ref: str, test: str, n: int, invalid: int) -> Tupl
                      "are not seen; `Model.directions` are those to measure" % (ref, r.distance_deg[0], r.distance_deg[1]))
     if r.status:
         return tuple(found)
-    for who, clamped, missing, unusual in ((ref, r.n_clamped_ref, r.n_invalid_ref, r.n_unusual_ref),
-                                           (test, r.n_clamped_test, r.n_invalid_test, r.n_unusual_test)):
+    for who, clamped, missing, unusual in ((ref, r.n_clamped[0], r.n_invalid[0], r.n_unusual[0]),
+                                           (test, r.n_clamped[1], r.n_invalid[1], r.n_unusual[1])):
         if clamped:
             found.append("%s: negative channel at %d of %d directions, taken as 0" % (who, clamped, n))
         if missing:

@@ -138,7 +138,7 @@ typedef struct nqm_member {
     const uint8_t *mask; /* tests: (n_directions) 0 where the caller excludes the direction; NULL: nowhere */
     nqm_sample_report report;
     double anisotropy;      /* of the BRDF, if the model's directions have one azimuth; 0: none, or not of a BRDF */
-    size_t n_unusual;       /* as n_unusual_test in nqm_score_result */
+    size_t n_unusual;       /* as n_unusual[1] in nqm_score_result */
     double distance_deg[2]; /* as in nqm_score_result */
 } nqm_member;
 

@@ -176,11 +176,11 @@ static nqm_score_result compare_members(const nqm_scorer *s, const nqm_member *r
     memcpy(result.distance_deg, ref->distance_deg, sizeof result.distance_deg);
     if (ref->status != NQM_OK)
         return result;
-    result.n_clamped_ref = ref->report.n_clamped;
-    result.n_invalid_ref = ref->report.n_invalid;
-    result.n_unusual_ref = ref->n_unusual;
-    result.n_clamped_test = test->report.n_clamped;
-    result.n_invalid_test = test->report.n_invalid;
+    result.n_clamped[0] = ref->report.n_clamped;
+    result.n_invalid[0] = ref->report.n_invalid;
+    result.n_unusual[0] = ref->n_unusual;
+    result.n_clamped[1] = test->report.n_clamped;
+    result.n_invalid[1] = test->report.n_invalid;
     if (test->status != NQM_OK && !test->flag)
         return result;
     bool equal = true;
@@ -200,7 +200,7 @@ static nqm_score_result compare_members(const nqm_scorer *s, const nqm_member *r
     }
     result.identical = equal;
     result.anisotropy = fmax(ref->anisotropy, test->anisotropy);
-    result.n_unusual_test = test->n_unusual;
+    result.n_unusual[1] = test->n_unusual;
     return result;
 }
 

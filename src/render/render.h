@@ -164,8 +164,8 @@ typedef struct nqm_direction_set {
     double irradiance[3]; /* sum over all cells of the map, and of the weights */
 } nqm_direction_set;
 
-/** Fill a set whose n_max and arrays are given. lobe: of the BRDF; NULL: round. Directions are a function of the seed; use a different seed for each point to
- *  decorrelate their noise. false: out of memory. */
+/** Fill a set whose n_max and arrays are given. lobe: of the BRDF; NULL: round. Directions are a function of the seed; use
+ *  a different seed for each point to decorrelate their noise. false: out of memory. */
 bool nqm_choose_directions(const nqm_light *light, const nqm_surface_point *point, const nqm_lobe *lobe, uint64_t seed,
                            nqm_direction_set *set);
 /** A faster variant for few directions: importance of the light map without the cosine; irradiance is not set. */
@@ -227,8 +227,8 @@ typedef struct nqm_scene_part {
 /** A progress callback for one scene of the set: its user is an nqm_scene_part; reports percent of the set. */
 int nqm_scene_part_progress(void *user, const char *stage, double done, double total);
 
-/** Incident light of point i, from directions for a lobe as in nqm_choose_directions(); free with nqm_free(incident->ray). irradiance: (3) without shadows; may be NULL. false: out of
- *  memory. */
+/** Incident light of point i, from directions for a lobe as in nqm_choose_directions(); free with
+ *  nqm_free(incident->ray). irradiance: (3) without shadows; may be NULL. false: out of memory. */
 bool nqm_incident_make(const nqm_scene *scene, size_t i, const nqm_lobe *lobe, nqm_incident *incident,
                        double *irradiance);
 

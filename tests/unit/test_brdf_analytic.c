@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
  * The analytic models, and BRDFs made of anisotropic ones, against their formulas in 80-bit floats (tests/vectors/analytic.py);
- * equal widths; what turning does and does not change; with the shared data, the presets against neural-process reconstructions of the same measurements.
+ * equal widths; what turning does and does not change; with the shared data, the presets against neural-process
+ * reconstructions of the same measurements.
  */
 #include "brdf/brdf.h"
 #include "io/io.h"

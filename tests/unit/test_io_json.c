@@ -133,7 +133,7 @@ static void no_list_of_sizes_lacks_one(void **state) {
 static void no_remark_of_the_tool_is_missing(void **state) {
     (void)state;
     const remark_terms terms = {.n_directions = 10};
-    const nqm_score_result result = {.n_clamped_ref = 1, .n_invalid_test = 2, .novelty = 2, .jod_high = 1};
+    const nqm_score_result result = {.n_clamped[0] = 1, .n_invalid[1] = 2, .novelty = 2, .jod_high = 1};
     int code = EXIT_LIMIT;
     for (long n = 0; code == EXIT_LIMIT; ++n) {
         const pid_t child = fork();

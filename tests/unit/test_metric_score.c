@@ -204,8 +204,8 @@ static void test_policies(void **state) {
         assert_int_equal(nqm_score(model, b_plain, 1, tests, &options, &result, NULL), NQM_OK);
         assert_int_equal(result.status, NQM_OK);
         assert_int_equal(result.n_valid, N - 4);
-        assert_int_equal(result.n_invalid_test, 4);
-        assert_int_equal(result.n_invalid_ref, 0);
+        assert_int_equal(result.n_invalid[1], 4);
+        assert_int_equal(result.n_invalid[0], 0);
         float ref[3 * N], test[3 * N];
         uint8_t flag[N], used[N];
         sample(b_plain, options.invalid, ref, NULL);
@@ -229,10 +229,10 @@ static void test_reference_with_holes(void **state) {
     assert_int_equal(nqm_score(model, b_holed, 2, tests, &options, results, NULL), NQM_OK);
     assert_int_equal(results[0].identical, 1); /* equal at all directions where both have a value */
     assert_near(results[0].metrics[NQM_METRIC_RMSE], 0, 0);
-    assert_int_equal(results[0].n_invalid_ref, 4);
+    assert_int_equal(results[0].n_invalid[0], 4);
     assert_int_equal(results[1].identical, 0);
-    assert_int_equal(results[1].n_clamped_test, 3);
-    assert_int_equal(results[1].n_clamped_ref, 0);
+    assert_int_equal(results[1].n_clamped[1], 3);
+    assert_int_equal(results[1].n_clamped[0], 0);
     options.invalid = NQM_INVALID_ERROR;
     nqm_error err = {0};
     assert_int_equal(nqm_score(model, b_holed, 2, tests, &options, results, &err), NQM_ERR_INCOMPATIBLE);
@@ -259,9 +259,9 @@ static void test_faults_stay_with_their_test(void **state) {
         assert_int_equal(results[i].identical, 0);
     }
     assert_int_equal(results[3].identical, 1);
-    assert_int_equal(results[0].n_unusual_test, 0);
-    assert_int_equal(results[4].n_unusual_test, N);
-    assert_int_equal(results[4].n_unusual_ref, 0);
+    assert_int_equal(results[0].n_unusual[1], 0);
+    assert_int_equal(results[4].n_unusual[1], N);
+    assert_int_equal(results[4].n_unusual[0], 0);
     assert_int_equal(nqm_score(model, b_plain, 1, tests, NULL, &alone, NULL), NQM_OK);
     assert_true(alone.jod == results[0].jod);
     nqm_model_free(model);

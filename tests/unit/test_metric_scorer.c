@@ -148,7 +148,7 @@ static void samples_of_the_caller(void **state) {
         const nqm_score_result *wanted = &expected[i % 2][i / 2];
         check_same(&results[i], wanted, 1);
         assert_int_equal(results[i].n_valid, N_DIRECTIONS);
-        assert_int_equal(results[i].n_unusual_test, wanted->n_unusual_test);
+        assert_int_equal(results[i].n_unusual[1], wanted->n_unusual[1]);
         assert_int_equal(results[i].identical, 0);
     }
     uint8_t used[N_DIRECTIONS];

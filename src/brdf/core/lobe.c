@@ -1,15 +1,16 @@
 /* SPDX-License-Identifier: MIT
  *
- * The lobe of an anisotropic BRDF: where its peak is and how it is stretched. Half vectors that are even in the logarithm of the slope suit
- * round lobes of any width; those of a lobe that is much longer than wide, or that does not surround the normal, must be
- * stretched and moved like it.
+ * The lobe of an anisotropic BRDF: where its peak is and how it is stretched. Half vectors that are even in the logarithm
+ * of the slope suit round lobes of any width; those of a lobe that is much longer than wide, or that does not surround
+ * the normal, must be stretched and moved like it.
  */
 #include "brdf/brdf.h"
 #include "math/math.h"
 
 #include <math.h>
 
-/* Luminance that f_r(h, h) reflects from an area of slopes, which ends toward the horizon; 0 where a peak is not looked for: towards the horizon f_r may rise without end. */
+/* Luminance that f_r(h, h) reflects from an area of slopes, which ends toward the horizon; 0 where a peak is not looked
+ * for: towards the horizon f_r may rise without end. */
 static double value_at(const nqm_brdf *brdf, double x, double y) {
     static const double steepest = 4.5;
     if (!(hypot(x, y) < steepest))

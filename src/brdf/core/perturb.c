@@ -4,9 +4,9 @@
  * or strong highlight, wrong behaviour toward grazing angles, colour casts, blur, noise, coarse steps. doc/brdf.md
  * defines each setting.
  *
- * All work is done in half-vector coordinates at the azimuth phi_h of the pair; the result is reciprocal if the base is, except with `lopsided`.
- * shift, gloss and smooth change the coordinates at which the base is evaluated; the other settings then change the
- * value, in the order of the keys below.
+ * All work is done in half-vector coordinates at the azimuth phi_h of the pair; the result is reciprocal if the base is,
+ * except with `lopsided`. shift, gloss and smooth change the coordinates at which the base is evaluated; the other
+ * settings then change the value, in the order of the keys below.
  */
 #include "brdf/core/spec.h"
 #include "math/math.h"

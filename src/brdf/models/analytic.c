@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
  * Analytic BRDFs over a Lambertian base kd / pi: Lambert alone; GGX (Walter, Marschner, Li and Torrance 2007, DOI
- * 10.2312/EGWR/EGSR07/195-206) with separable Smith shadowing and Schlick's Fresnel factor; the lobe of Ward (1992, DOI 10.1145/142920.134078); the lobes that Ngan, Durand and Matusik fitted to measurements (2005, DOI
+ * 10.2312/EGWR/EGSR07/195-206) with separable Smith shadowing and Schlick's Fresnel factor; the lobe of Ward (1992, DOI
+ * 10.1145/142920.134078); the lobes that Ngan, Durand and Matusik fitted to measurements (2005, DOI
  * 10.2312/EGWR/EGSR05/117-126): Ward in the normalisation of Duer, Blinn-Phong, one lobe of Lafortune, and
  * Cook-Torrance and Ashikhmin-Shirley with Schlick's reflectance f0; the latter two with an index of refraction, and two
  * models whose tails are those of the ABC power spectrum (Low, Kronander, Ynnerman and Unger 2012, DOI

@@ -29,7 +29,7 @@ static const struct {
                {offsetof(nqm_score_result, distance_deg), 4}};
 enum { N_DOUBLES = 5 + sizeof(nqm_label) / sizeof(double) + 3 + NQM_METRIC_COUNT + 4, N_COUNTS = 7 };
 _Static_assert(offsetof(nqm_score_result, novelty) - offsetof(nqm_score_result, jod) == 4 * sizeof(double) &&
-                   offsetof(nqm_score_result, n_unusual_test) - offsetof(nqm_score_result, n_valid) ==
+                   offsetof(nqm_score_result, n_unusual[1]) - offsetof(nqm_score_result, n_valid) ==
                        (N_COUNTS - 1) * sizeof(size_t),
                "results are stored as runs of equal types");
 _Static_assert(offsetof(nqm_score_result, suspect_cosine) - offsetof(nqm_score_result, distance_deg) ==

@@ -138,19 +138,19 @@ __attribute__((format(printf, 2, 3))) static void add_remark(json_t *remarks, co
     json_array_append_new(remarks, json_string(text));
 }
 
-/* The numbers of directions at which one BRDF gives cause for a remark. */
-static void add_counts(json_t *remarks, const remark_terms *terms, const char *who, size_t n_clamped, size_t n_invalid,
-                       size_t n_unusual) {
+/* The numbers of directions at which one BRDF (k: 0 reference, 1 test) gives cause for a remark. */
+static void add_counts(json_t *remarks, const remark_terms *terms, const char *who, const nqm_score_result *r,
+                       size_t k) {
     static const char *const remedy[] = {"left out", "taken as 0", "taken from the nearest direction", "refused"};
-    if (n_clamped)
-        add_remark(remarks, "%s: negative channel at %zu of %zu directions, taken as 0", who, n_clamped,
+    if (r->n_clamped[k])
+        add_remark(remarks, "%s: negative channel at %zu of %zu directions, taken as 0", who, r->n_clamped[k],
                    terms->n_directions);
-    if (n_invalid)
-        add_remark(remarks, "%s: no value at %zu of %zu directions, %s", who, n_invalid, terms->n_directions,
+    if (r->n_invalid[k])
+        add_remark(remarks, "%s: no value at %zu of %zu directions, %s", who, r->n_invalid[k], terms->n_directions,
                    remedy[terms->invalid]);
-    if (n_unusual)
-        add_remark(remarks, "%s: at %zu of %zu directions far brighter than most BRDFs of the training", who, n_unusual,
-                   terms->n_directions);
+    if (r->n_unusual[k])
+        add_remark(remarks, "%s: at %zu of %zu directions far brighter than most BRDFs of the training", who,
+                   r->n_unusual[k], terms->n_directions);
 }
 
 /* Faults of files that a low score shows. */
@@ -174,8 +174,8 @@ json_t *json_remarks(const remark_terms *terms, const char *ref, const char *tes
     if (r->status != NQM_OK)
         return remarks;
     if (ref)
-        add_counts(remarks, terms, ref, r->n_clamped_ref, r->n_invalid_ref, r->n_unusual_ref);
-    add_counts(remarks, terms, test, r->n_clamped_test, r->n_invalid_test, r->n_unusual_test);
+        add_counts(remarks, terms, ref, r, 0);
+    add_counts(remarks, terms, test, r, 1);
     if (r->novelty > 1 && r->jod_high - r->jod_low > 0.1) /* false for NaN */
         add_remark(remarks,
                    "%s: unlike the training pairs: novelty %.2f, where 95 %% of pairs of new materials are below 1",

@@ -101,9 +101,9 @@ static void put_metrics(FILE *out, const nqm_score_result *r) {
          "</tbody></table>\n<p class='note'>f: BRDF in 1/sr; c: product of the cosines of light and viewer.</p>\n");
 }
 
-static void put_counts(FILE *out, const char *who, size_t clamped, size_t invalid, size_t unusual) {
+static void put_counts(FILE *out, const char *who, const nqm_score_result *r, size_t k) {
     html(out, "<tr><th scope='row'>%s</th><td class='n'>%zu</td><td class='n'>%zu</td><td class='n'>%zu</td></tr>\n",
-         who, clamped, invalid, unusual);
+         who, r->n_clamped[k], r->n_invalid[k], r->n_unusual[k]);
 }
 
 static void put_values(const report_page *page, const scored_pair *row) {
@@ -117,8 +117,8 @@ static void put_values(const report_page *page, const scored_pair *row) {
          "</th><th scope='col' class='n'>there is no value</th>"
          "<th scope='col' class='n'>the value is much brighter than in training</th></tr></thead>\n<tbody>\n",
          r->n_valid, scores->terms.n_directions);
-    put_counts(out, "Reference", r->n_clamped_ref, r->n_invalid_ref, r->n_unusual_ref);
-    put_counts(out, "Test", r->n_clamped_test, r->n_invalid_test, r->n_unusual_test);
+    put_counts(out, "Reference", r, 0);
+    put_counts(out, "Test", r, 1);
     html(out, "</tbody></table>\n");
     json_t *remarks = json_remarks(&scores->terms, "reference", "test", r);
     if (json_array_size(remarks))
