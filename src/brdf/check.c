@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Physical plausibility of a BRDF: the largest directional albedo, reciprocity and isotropy over pairs of directions, and the counts of clamped and
- * missing values. The largest difference of two BRDFs over such pairs.
+ * Physical plausibility of a BRDF: the largest directional albedo, reciprocity and isotropy over pairs of directions,
+ * and the counts of clamped and missing values. The largest difference of two BRDFs over such pairs.
  */
 #include "brdf/formats/listed.h"
 #include "math/math.h"
@@ -10,13 +10,6 @@
 
 enum { BLOCK = 128, N_PAIRS = 8192, N_ANGLES = 6 };
 enum { CHECK_STREAM = 9, COMPARE_STREAM }; /* of random numbers; those below are of the albedo */
-
-/* Turn pair i about the normal; the angles are even over the circle for any number of pairs. */
-static void turn_pair(size_t i, double *wi, double *wo) {
-    const double angle = (double)i * NQM_PI * (3 - sqrt(5)), turn[2] = {sin(angle), cos(angle)};
-    nqm_turn3(turn, wi, wi);
-    nqm_turn3(turn, wo, wo);
-}
 
 /* Draw a random pair: for even i, both directions are distributed like the cosine; for odd i, the half vector is near
  * the normal (theta_h = pi/2 u^2). in_plane: the azimuth of one of them is 0, which is enough for isotropic BRDFs. */
@@ -38,7 +31,7 @@ static void draw_pair(bool in_plane, nqm_rng *rng, size_t i, double max_polar_de
         }
     } while (wi[2] < lowest || wo[2] < lowest);
     if (!in_plane)
-        turn_pair(i, wi, wo);
+        nqm_turn_pair(i, wi, wo);
 }
 
 double nqm_brdf_anisotropy(const nqm_brdf *brdf) {
@@ -57,7 +50,7 @@ double nqm_brdf_anisotropy(const nqm_brdf *brdf) {
                                       1.2 * nqm_radical_inverse(begin + i, 2),
                                       2 * NQM_PI * nqm_radical_inverse(begin + i, 3)};
                 nqm_half_diff_to_pair(hd, wi + 3 * i, wo + 3 * i);
-                turn_pair(2 * (begin + i) + k, wi + 3 * i, wo + 3 * i);
+                nqm_turn_pair(2 * (begin + i) + k, wi + 3 * i, wo + 3 * i);
             }
             nqm_brdf_eval(brdf, BLOCK, wi, wo, rgb[k], flag[k]);
         }

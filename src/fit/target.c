@@ -71,11 +71,8 @@ nqm_status nqm_fit_target_make(const nqm_brdf *ref, const nqm_fit_options *optio
     } else {
         draw_pairs(options, target);
         const bool has_azimuths = nqm_brdf_anisotropy(ref) > 0;
-        for (size_t i = 0; i < n && has_azimuths; ++i) {
-            const double angle = (double)i * NQM_PI * (3 - sqrt(5)), turn[2] = {sin(angle), cos(angle)};
-            nqm_turn3(turn, target->wi + 3 * i, target->wi + 3 * i);
-            nqm_turn3(turn, target->wo + 3 * i, target->wo + 3 * i);
-        }
+        for (size_t i = 0; i < n && has_azimuths; ++i)
+            nqm_turn_pair(i, target->wi + 3 * i, target->wo + 3 * i);
         nqm_listed_snap(ref, n, target->wi, target->wo);
     }
     nqm_brdf_eval(ref, n, target->wi, target->wo, target->rgb, flag);

@@ -22,6 +22,8 @@ void nqm_normalize3(double *v);
 void nqm_spherical(double theta, double phi, double *v);
 /** Turn v about the third axis by the angle with this sine and cosine; `turned` may be v. */
 void nqm_turn3(const double *turn, const double *v, double *turned);
+/** Turn pair i of any number of them about the third axis, by i golden angles: these are even over the circle. */
+void nqm_turn_pair(size_t i, double *wi, double *wo);
 /** Luminance of linear BT.709 rgb (3). */
 double nqm_luminance(const double *rgb);
 

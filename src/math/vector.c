@@ -75,6 +75,12 @@ void nqm_turn3(const double *turn, const double *v, double *turned) {
     turned[2] = v[2];
 }
 
+void nqm_turn_pair(size_t i, double *wi, double *wo) {
+    const double angle = (double)i * NQM_PI * (3 - sqrt(5)), turn[2] = {sin(angle), cos(angle)};
+    nqm_turn3(turn, wi, wi);
+    nqm_turn3(turn, wo, wo);
+}
+
 void nqm_half_diff_to_pair(const double *hd, double *wi, double *wo) {
     double sin_h = sin(hd[0]), cos_h = cos(hd[0]);
     double d[3];
