@@ -122,7 +122,8 @@ static nqm_status fit_by(const setting *s, const nqm_fit_entry *entry, const nqm
 
 /* ---- references with few values ---------------------------------------------------------------------------------- */
 
-const char *const nqm_match_uncovered = "ma_crwe, as too few directions of transport see the reference";
+const char *const nqm_match_uncovered =
+    "ma_crwe, as too few directions of transport see the reference, which is anisotropic or a list";
 
 /* Whether the directions of a model have values: of a list of measured ones, those of near rows. */
 static bool is_covered(const nqm_brdf *ref, const nqm_model *model) {

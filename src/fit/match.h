@@ -28,7 +28,7 @@ typedef struct nqm_match_sum {
 
 /** The sum of "auto". */
 extern const char *const nqm_match_polish;
-/** nqm_match_report.selected where "auto" has no perceptual terms. */
+/** nqm_match_report.selected where "auto" has no perceptual terms: the reference is anisotropic, or a list of few directions. */
 extern const char *const nqm_match_uncovered;
 /** NQM_ERR_ARG names the word at fault. */
 NQM_MUST_CHECK nqm_status nqm_match_parse(const char *text, nqm_match_sum *sum, nqm_error *err);
@@ -48,7 +48,7 @@ typedef struct nqm_match_visual {
     double *ref_rgb; /* (rays.n, 3) */
 } nqm_match_visual;
 
-/** NQM_ERR_INCOMPATIBLE: too few directions have a value. Free it also after a failure. */
+/** NQM_ERR_INCOMPATIBLE: too few directions have a value, or the reference is anisotropic. Free it also after a failure. */
 NQM_MUST_CHECK nqm_status nqm_match_visual_make(const nqm_model *model, const nqm_brdf *ref, nqm_match_visual *visual,
                                                 nqm_error *err);
 /** Delta-E on random rays of a scene, which judges fits: no step of an optimiser has seen these directions. Free it also after a

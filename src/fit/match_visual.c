@@ -3,6 +3,7 @@
  * Differences as losses of fits: the scores and gradients of nqm_score_grad() at the directions of a model, and Delta-E on random
  * rays of a scene. Directions at which the reference has no value are left out.
  */
+#include "brdf/brdf.h"
 #include "fit/match.h"
 
 #include <math.h>
@@ -50,6 +51,11 @@ nqm_status nqm_match_visual_make(const nqm_model *model, const nqm_brdf *ref, nq
     nqm_score_options options = nqm_score_options_default();
     options.metrics = 0;
     *v = (nqm_match_visual){.quantity = NQM_SCORE_DELTA_E};
+    if (nqm_brdf_anisotropy(ref) > 0)
+        return nqm_fail(err, NQM_ERR_INCOMPATIBLE, -1,
+                        "%s: anisotropic; the losses 'nqm' and 'transport' see one azimuth. Use 'auto' or a loss of "
+                        "values, as 'ma_crwe'",
+                        nqm_brdf_get_info(ref).name);
     nqm_status status = nqm_alloc_arrays(NQM_ARRAYS({&v->ref, n, 3 * sizeof(float)}, {&v->test, n, 3 * sizeof(float)},
                                                     {&v->slopes, n, 3 * sizeof(float)}, {&v->used, n, 1}),
                                          err);

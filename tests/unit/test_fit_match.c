@@ -106,6 +106,25 @@ static void measured_directions_are_used_as_they_are(void **state) {
     }
 }
 
+/* Losses that see one azimuth are refused, alone and within a sum; auto fits by values. */
+static void anisotropic_references_are_fitted_by_values(void **state) {
+    (void)state;
+    static const char *const texts[] = {"nqm", "transport", "log+transport"};
+    nqm_match_report report;
+    nqm_brdf *ref = open_brdf("rotate:deg=33;of=ggx:ks=1;alpha=0.3,0.06");
+    for (int i = 0; i < 3; ++i) {
+        const nqm_match_loss loss = {texts[i], metric, transport, NULL};
+        nqm_error err = {0};
+        assert_int_equal(nqm_match(ref, "ggx", &loss, NULL, &report, NULL, &err), NQM_ERR_INCOMPATIBLE);
+        assert_non_null(strstr(err.message, "anisotropic"));
+    }
+    nqm_brdf_free(ref);
+    report = match("rotate:deg=33;of=ggx:ks=1;alpha=0.3,0.06", "ggx", "auto", NULL);
+    assert_string_equal(report.selected, nqm_match_uncovered);
+    assert_true(report.fit.loss < 1e-4);
+    assert_true(isnan(report.difference));
+}
+
 /* ---- texts -------------------------------------------------------------------------------------------------------- */
 
 static void texts_become_terms(void **state) {
@@ -471,6 +490,7 @@ int main(void) {
         cmocka_unit_test(memory_runs_out),
         cmocka_unit_test(missing_values_are_left_out),
         cmocka_unit_test(measured_directions_are_used_as_they_are),
+        cmocka_unit_test(anisotropic_references_are_fitted_by_values),
         cmocka_unit_test(a_scene_judges_on_directions_of_its_own),
         cmocka_unit_test(faults_are_named),
     };
