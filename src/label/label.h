@@ -5,7 +5,24 @@
 #ifndef NQM_SRC_LABEL_LABEL_H
 #define NQM_SRC_LABEL_LABEL_H
 
+#include "render/render.h"
 #include <nqm/label.h>
+
+/** Few points of a scene and the light that each receives, in the `column` of a model. */
+typedef struct nqm_lit_point {
+    const nqm_surface_point *seen;
+    const nqm_incident *incident;
+    double exposure;
+    size_t column;
+} nqm_lit_point;
+
+/** Call fill(user, point) for n_points of the scene, in several threads and any order, and write points (n_points, 3) as in
+ *  nqm_transport. options: pixels, points and interreflection are not used, and n_lights 0 stands for the given one. */
+NQM_MUST_CHECK nqm_status nqm_lit_points(const nqm_scene_options *options, size_t n_points, size_t n_lights,
+                                         void (*fill)(void *user, const nqm_lit_point *point), void *user,
+                                         double *points, nqm_error *err);
+/** Direction and light (3) of ray j of a point, cd/m2 times cosine times solid angle. */
+void nqm_lit_ray(const nqm_lit_point *point, size_t j, double *wi, double *light);
 
 /** Compute the transport matrix of a scene for the directions nqm_node_grid_directions(); shadows count, interreflection does
  *  not. light (n_directions, 3, n_points), points (n_points, 3) as in nqm_transport. */

@@ -16,62 +16,45 @@
 
 enum { N_LIGHTS = 1024 }; /* per point: they cost nothing later */
 
-/* The matrix that is filled. */
-typedef struct matrix {
-    nqm_node_grid grid;
-    size_t n_points;
-    float *light;
-    double *points;
-} matrix;
+/* ---- points of a scene ------------------------------------------------------------------------------------------- */
 
-/* Distribute the light of a ray (3) to the nodes around its direction. */
-static void distribute(const matrix *m, size_t point, const double *wi, const double *wo, const double *light) {
-    size_t node[NQM_GRID_NEAR];
-    double weight[NQM_GRID_NEAR];
-    nqm_node_grid_interpolate(&m->grid, wi, wo, node, weight);
-    for (size_t i = 0; i < NQM_GRID_NEAR; ++i)
-        for (size_t c = 0; c < 3; ++c)
-            m->light[(3 * node[i] + c) * m->n_points + point] += (float)(light[c] * weight[i]);
+void nqm_lit_ray(const nqm_lit_point *point, size_t j, double *wi, double *light) {
+    const nqm_ray *ray = &point->incident->ray[j];
+    for (size_t k = 0; k < 3; ++k) {
+        wi[k] = (double)ray->wi[k];
+        light[k] = (double)ray->weight[k] * point->exposure;
+    }
+    nqm_normalize3(wi);
 }
 
-/* The points of a scene, which has a number in its set; `first`: its first column of the matrix. */
+/* The points of a scene, which has a number in its set; `first`: the column of its first point. */
 typedef struct scene_job {
-    const matrix *to;
     const nqm_scene *scene;
     size_t number, first;
+    void (*fill)(void *user, const nqm_lit_point *point);
+    void *user;
+    double *points;
 } scene_job;
 
-/* Every point writes its own column, so that points may be computed in any order. */
-static void distribute_point(void *user, size_t i) {
+static void visit_point(void *user, size_t i) {
     const scene_job *job = user;
-    const matrix *p = job->to;
     const nqm_scene *scene = job->scene;
-    const size_t point = job->first + i;
-    const double *wo = scene->seen.point[i].wo;
-    const nqm_incident *incident = &scene->kept[i];
-    for (size_t j = 0; j < incident->n_rays; ++j) {
-        const nqm_ray *ray = &incident->ray[j];
-        double wi[3], light[3];
-        for (size_t k = 0; k < 3; ++k) {
-            wi[k] = (double)ray->wi[k];
-            light[k] = (double)ray->weight[k] * scene->exposure;
-        }
-        nqm_normalize3(wi);
-        distribute(p, point, wi, wo, light);
-    }
-    p->points[3 * point] = scene->seen.weight ? scene->seen.weight[i] : 1 / (double)scene->seen.n;
-    p->points[3 * point + 1] = (double)job->number;
-    p->points[3 * point + 2] = scene->options.peak_cdm2;
+    const nqm_lit_point point = {&scene->seen.point[i], &scene->kept[i], scene->exposure, job->first + i};
+    double *to = job->points + 3 * point.column;
+    to[0] = scene->seen.weight ? scene->seen.weight[i] : 1 / (double)scene->seen.n;
+    to[1] = (double)job->number;
+    to[2] = scene->options.peak_cdm2;
+    job->fill(job->user, &point);
 }
 
-nqm_status nqm_transport_fill(const nqm_scene_options *scene_options, size_t n_points, float *light, double *points,
-                              nqm_error *err) {
+nqm_status nqm_lit_points(const nqm_scene_options *scene_options, size_t n_points, size_t n_lights,
+                          void (*fill)(void *user, const nqm_lit_point *point), void *user, double *points,
+                          nqm_error *err) {
     nqm_scene_options options = *scene_options;
     options.width = options.height = 0;
     options.n_points = n_points;
-    options.n_lights = options.n_lights ? options.n_lights : N_LIGHTS;
+    options.n_lights = options.n_lights ? options.n_lights : n_lights;
     options.interreflection = 0;
-    matrix m = {.grid = nqm_node_grid_make(), .n_points = n_points, .light = light, .points = points};
     nqm_scene *scene;
     nqm_status status = nqm_scene_create(&options, &scene, err);
     if (status != NQM_OK)
@@ -79,17 +62,44 @@ nqm_status nqm_transport_fill(const nqm_scene_options *scene_options, size_t n_p
     const nqm_scene *const *parts =
         scene->n_parts ? (const nqm_scene *const *)scene->parts : (const nqm_scene *const *)&scene;
     size_t n_parts = scene->n_parts ? scene->n_parts : 1, first = 0;
-    memset(light, 0, m.grid.n * 3 * n_points * sizeof *light);
     if (nqm_scene_count(scene) != n_points)
-        status = nqm_fail(err, NQM_ERR_ARG, -1, "scene: %zu points instead of %zu for its transport matrix",
-                          nqm_scene_count(scene), n_points);
+        status = nqm_fail(err, NQM_ERR_ARG, -1, "scene: %zu points instead of %zu", nqm_scene_count(scene), n_points);
     for (size_t s = 0; status == NQM_OK && s < n_parts; ++s) {
-        scene_job job = {.to = &m, .scene = parts[s], .number = s, .first = first};
-        nqm_parallel_for(parts[s]->seen.n, distribute_point, &job);
+        scene_job job = {parts[s], s, first, fill, user, points};
+        nqm_parallel_for(parts[s]->seen.n, visit_point, &job);
         first += parts[s]->seen.n;
     }
     nqm_scene_free(scene);
     return status;
+}
+
+/* ---- the matrix -------------------------------------------------------------------------------------------------- */
+
+typedef struct matrix {
+    nqm_node_grid grid;
+    size_t n_points;
+    float *light;
+} matrix;
+
+/* Distribute the light of all rays to the nodes around their directions. Every point writes its own column. */
+static void distribute(void *user, const nqm_lit_point *point) {
+    const matrix *m = user;
+    for (size_t j = 0; j < point->incident->n_rays; ++j) {
+        size_t node[NQM_GRID_NEAR];
+        double weight[NQM_GRID_NEAR], wi[3], light[3];
+        nqm_lit_ray(point, j, wi, light);
+        nqm_node_grid_interpolate(&m->grid, wi, point->seen->wo, node, weight);
+        for (size_t i = 0; i < NQM_GRID_NEAR; ++i)
+            for (size_t c = 0; c < 3; ++c)
+                m->light[(3 * node[i] + c) * m->n_points + point->column] += (float)(light[c] * weight[i]);
+    }
+}
+
+nqm_status nqm_transport_fill(const nqm_scene_options *scene, size_t n_points, float *light, double *points,
+                              nqm_error *err) {
+    matrix m = {.grid = nqm_node_grid_make(), .n_points = n_points, .light = light};
+    memset(light, 0, m.grid.n * 3 * n_points * sizeof *light);
+    return nqm_lit_points(scene, n_points, N_LIGHTS, distribute, &m, points, err);
 }
 
 /* ---- a model without a network ----------------------------------------------------------------------------------- */
