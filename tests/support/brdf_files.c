@@ -36,9 +36,10 @@ void blob_save(const blob *b, const char *path) {
     blob_save_sparse(b, 0, path);
 }
 
-void blob_put(blob b, const char *path) {
+const char *blob_put(blob b, const char *path) {
     blob_save(&b, path);
     blob_free(&b);
+    return path;
 }
 
 blob blob_load(const char *path) {

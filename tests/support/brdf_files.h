@@ -18,8 +18,8 @@ typedef struct blob {
 
 void blob_free(blob *b);
 void blob_save(const blob *b, const char *path);
-/** Write the blob to a file and free it. */
-void blob_put(blob b, const char *path);
+/** Write the blob to a file and free it; returns the path. */
+const char *blob_put(blob b, const char *path);
 /** Write a file of `n_bytes` that begins with the blob; the rest is a hole (zeros without disk blocks). */
 void blob_save_sparse(const blob *b, size_t n_bytes, const char *path);
 blob blob_load(const char *path);

@@ -43,6 +43,24 @@ nqm_brdf *open_brdf(const char *argument) {
     return brdf;
 }
 
+size_t check_brdf_values(const nqm_brdf *brdf, size_t n, const double (*pair)[6], const double (*value)[3],
+                         double tolerance) {
+    size_t n_clamped = 0;
+    for (size_t i = 0; i < n; ++i) {
+        double rgb[3];
+        uint8_t flag;
+        nqm_brdf_eval(brdf, 1, pair[i], pair[i] + 3, rgb, &flag);
+        bool clamped = false;
+        for (size_t c = 0; c < 3; ++c) {
+            clamped = clamped || value[i][c] < 0;
+            assert_near(rgb[c], fmax(value[i][c], 0), tolerance * (1 + fabs(value[i][c])));
+        }
+        assert_int_equal(flag, clamped ? NQM_VALUE_CLAMPED : NQM_VALUE_OK);
+        n_clamped += clamped;
+    }
+    return n_clamped;
+}
+
 void free_nothing(void *self) {
     (void)self;
 }

@@ -36,6 +36,9 @@ void use_chosen_kernels(void);
 
 /** Open a BRDF; on failure the test fails with the library's message. */
 nqm_brdf *open_brdf(const char *argument);
+/** Compare with values before negative ones become 0, within tolerance (1 + |value|), and the flags; returns how many are clamped. */
+size_t check_brdf_values(const nqm_brdf *brdf, size_t n, const double (*pair)[6], const double (*value)[3],
+                         double tolerance);
 /** The `free` function of BRDF classes that own no memory. */
 void free_nothing(void *self);
 

@@ -36,6 +36,23 @@ nqm_label label_specs(const nqm_scene *scene, const char *ref_spec, const char *
     return label;
 }
 
+nqm_scene_options studio_scene(void) {
+    nqm_scene_options o = nqm_scene_options_default();
+    o.light = "studio";
+    o.shape = "sphere";
+    return o;
+}
+
+nqm_score_result score_specs(const nqm_model *model, const char *ref_spec, const char *test_spec) {
+    nqm_brdf *ref = open_brdf(ref_spec), *test = open_brdf(test_spec);
+    const nqm_brdf *tests[] = {test};
+    nqm_score_result result;
+    assert_int_equal(nqm_score(model, ref, 1, tests, NULL, &result, NULL), NQM_OK);
+    nqm_brdf_free(ref);
+    nqm_brdf_free(test);
+    return result;
+}
+
 void expect_no_scene(nqm_scene_options o, nqm_status expected) {
     nqm_scene *scene = (nqm_scene *)&o; /* anything but NULL */
     nqm_error err = {0};

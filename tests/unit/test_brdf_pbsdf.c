@@ -15,9 +15,7 @@
 enum { N_PAIRS = sizeof pair_vector / sizeof *pair_vector };
 
 static const char *save(blob b) {
-    const char *path = scratch_path("material.pbsdf");
-    blob_put(b, path);
-    return path;
+    return blob_put(b, scratch_path("material.pbsdf"));
 }
 
 static nqm_brdf *open_under(const char *path, const char *suffix) {

@@ -18,28 +18,14 @@
 enum { N_PAIRS = sizeof pair_vector / sizeof *pair_vector };
 
 static const char *save(blob b) {
-    const char *path = scratch_path("material.bsdf");
-    blob_put(b, path);
-    return path;
+    return blob_put(b, scratch_path("material.bsdf"));
 }
 
 static void agrees_with_numpy(void **state) {
     (void)state;
     nqm_brdf *brdf;
     assert_int_equal(nqm_brdf_open(save(make_rgl(NULL)), &brdf, NULL), NQM_OK);
-    size_t n_clamped = 0;
-    for (size_t i = 0; i < N_PAIRS; ++i) {
-        double rgb[3];
-        uint8_t flag;
-        nqm_brdf_eval(brdf, 1, pair_vector[i], pair_vector[i] + 3, rgb, &flag);
-        bool clamped = false;
-        for (size_t c = 0; c < 3; ++c) {
-            clamped = clamped || rgl_vector[i][c] < 0;
-            assert_near(rgb[c], fmax(rgl_vector[i][c], 0), 1e-11 * (1 + fabs(rgl_vector[i][c])));
-        }
-        assert_int_equal(flag, clamped ? NQM_VALUE_CLAMPED : NQM_VALUE_OK);
-        n_clamped += clamped;
-    }
+    const size_t n_clamped = check_brdf_values(brdf, N_PAIRS, pair_vector, rgl_vector, 1e-11);
     assert_true(n_clamped > 3 && n_clamped < N_PAIRS - 3);
     nqm_brdf_info info = nqm_brdf_get_info(brdf);
     assert_string_equal(info.format, "rgl");
@@ -71,13 +57,8 @@ static void anisotropic_files_agree_with_numpy(void **state) {
                  save(make_anisotropic_rgl(cases[k].reduction, cases[k].is_spectral, NULL)),
                  cases[k].is_spectral ? ":D65" : "");
         nqm_brdf *brdf = open_brdf(argument);
-        for (size_t i = 4; i < N_PAIRS;
-             ++i) { /* the first ones are at the edges of the symmetries, where these data jump */
-            double rgb[3];
-            nqm_brdf_eval(brdf, 1, pair_vector[i], pair_vector[i] + 3, rgb, NULL);
-            for (size_t c = 0; c < 3; ++c)
-                assert_near(rgb[c], fmax(cases[k].vector[i][c], 0), tolerance * (1 + fabs(cases[k].vector[i][c])));
-        }
+        /* The first four are at the edges of the symmetries, where these data jump. */
+        check_brdf_values(brdf, N_PAIRS - 4, pair_vector + 4, cases[k].vector + 4, tolerance);
         assert_string_equal(nqm_brdf_get_info(brdf).layout, cases[k].layout);
         assert_int_equal(nqm_brdf_get_info(brdf).isotropic, 0);
         nqm_brdf_free(brdf);

@@ -17,13 +17,6 @@
 static const char white[] = "lambert:kd=.8,.5,.2", grey[] = "lambert:kd=.5,.5,.5",
                   satin[] = "ggx:kd=.2,.15,.1;ks=1,1,1;alpha=.4;f0=.04";
 
-static nqm_scene_options studio(void) {
-    nqm_scene_options o = nqm_scene_options_default();
-    o.light = "studio";
-    o.shape = "sphere";
-    return o;
-}
-
 static nqm_model *make_model(const nqm_scene_options *o, size_t n_points) {
     nqm_model *model;
     nqm_error err = {0};
@@ -32,27 +25,17 @@ static nqm_model *make_model(const nqm_scene_options *o, size_t n_points) {
     return model;
 }
 
-static nqm_score_result score(const nqm_model *model, const char *ref_spec, const char *test_spec) {
-    nqm_brdf *ref = open_brdf(ref_spec), *test = open_brdf(test_spec);
-    const nqm_brdf *tests[] = {test};
-    nqm_score_result result;
-    assert_int_equal(nqm_score(model, ref, 1, tests, NULL, &result, NULL), NQM_OK);
-    assert_int_equal(result.status, NQM_OK);
-    nqm_brdf_free(ref);
-    nqm_brdf_free(test);
-    return result;
-}
-
 /* Constant BRDFs have no error of interpolation, so that only points and lights differ: the scene here has the model's. */
 static void scores_are_of_the_scene(void **state) {
     (void)state;
-    nqm_scene_options o = studio();
+    nqm_scene_options o = studio_scene();
     nqm_model *model = make_model(&o, 96);
     o.n_points = 96;
     o.n_lights = 512; /* as transport.c */
     nqm_scene *scene = make_scene(&o);
     const nqm_label label = label_specs(scene, white, grey);
-    const nqm_score_result result = score(model, white, grey), same = score(model, satin, satin);
+    const nqm_score_result result = score_specs(model, white, grey), same = score_specs(model, satin, satin);
+    assert_int_equal(result.status, NQM_OK);
     assert_relative(result.delta_e, label.delta_e, 0.01);
     assert_near(result.jod, nqm_curve_jod(&nqm_curve_published, label.delta_e), 0.002);
     assert_near(result.parts.shift[0], label.shift[0], 1e-3 * label.delta_e);
@@ -66,7 +49,7 @@ static void scores_are_of_the_scene(void **state) {
 
 static void facts(void **state) {
     (void)state;
-    const nqm_scene_options o = studio();
+    const nqm_scene_options o = studio_scene();
     nqm_model *model = make_model(&o, 32);
     const nqm_model_info info = nqm_model_get_info(model);
     assert_string_equal(info.id, "mine");
@@ -82,13 +65,15 @@ static void facts(void **state) {
 }
 
 static void assert_same_scores(const nqm_model *a, const nqm_model *b) {
-    const nqm_score_result x = score(a, white, satin), y = score(b, white, satin);
+    const nqm_score_result x = score_specs(a, white, satin), y = score_specs(b, white, satin);
+    assert_int_equal(x.status, NQM_OK);
+    assert_int_equal(y.status, NQM_OK);
     assert_true(x.jod == y.jod && x.delta_e == y.delta_e && x.parts.structure == y.parts.structure);
 }
 
 static void files_and_copies(void **state) {
     (void)state;
-    const nqm_scene_options o = studio();
+    const nqm_scene_options o = studio_scene();
     nqm_model *model = make_model(&o, 160), *loaded, *copy;
     assert_int_equal(nqm_model_save(model, temp_file, NULL), NQM_OK);
     assert_int_equal(nqm_model_load(temp_file, &loaded, NULL), NQM_OK);
@@ -110,7 +95,7 @@ static void the_standard_scenes(void **state) {
     if (!nqm_tracer_version())
         skip();
     nqm_model *few = make_model(NULL, 128), *many = make_model(NULL, 512);
-    assert_relative(score(few, white, grey).delta_e, score(many, white, grey).delta_e, 0.05);
+    assert_relative(score_specs(few, white, grey).delta_e, score_specs(many, white, grey).delta_e, 0.05);
     nqm_model_free(few);
     nqm_model_free(many);
 }
@@ -127,12 +112,12 @@ static void refuse(nqm_scene_options o, size_t n_points, nqm_status status, cons
 static void refusals(void **state) {
     (void)state;
     static const size_t bad_points[] = {0, 1, 33, 127, 4128};
-    nqm_scene_options o = studio();
+    nqm_scene_options o = studio_scene();
     for (size_t i = 0; i < sizeof bad_points / sizeof *bad_points; ++i)
         refuse(o, bad_points[i], NQM_ERR_ARG, "is no multiple of 32 up to 4096");
     o.light = "/nowhere/light.hdr";
     refuse(o, 32, NQM_ERR_IO, "/nowhere/light.hdr");
-    o = studio();
+    o = studio_scene();
     o.shape = "/nowhere/shape.ply";
     refuse(o, 32, NQM_ERR_IO, "/nowhere/shape.ply");
 }
@@ -140,7 +125,7 @@ static void refusals(void **state) {
 /* Every allocation of the matrix, and some of the golden scores after it. */
 static void out_of_memory(void **state) {
     (void)state;
-    nqm_scene_options o = studio();
+    nqm_scene_options o = studio_scene();
     nqm_model *model = NULL;
     o.n_lights = 16;
     for (long n = 0; !model; n += 1 + n / 20) {

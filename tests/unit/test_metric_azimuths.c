@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Anisotropic pairs: pictures of the model "anisotropic" against renderings, its file, what other models do with such pairs, and scores that
- * are continuous where the anisotropy vanishes.
+ * Anisotropic pairs: pictures of the model "anisotropic" against renderings, its file, what other models do with such
+ * pairs, and scores that are continuous where the anisotropy vanishes.
  */
 #include "base/memory_test.h"
 #include "brdf/brdf.h"
@@ -19,15 +19,8 @@ static const char brushed[] = "ggx:kd=.1;ks=1;alpha=.08,.3;f0=.9,.6,.3",
                   turned[] = "rotate:deg=90;of=ggx:kd=.1;ks=1;alpha=.08,.3;f0=.9,.6,.3",
                   plain[] = "ggx:kd=.1;ks=1;alpha=.15;f0=.9,.6,.3";
 
-static nqm_scene_options studio(void) {
-    nqm_scene_options o = nqm_scene_options_default();
-    o.light = "studio";
-    o.shape = "sphere";
-    return o;
-}
-
 static nqm_model *make_model(void) {
-    const nqm_scene_options o = studio();
+    const nqm_scene_options o = studio_scene();
     nqm_model *model;
     nqm_error err = {0};
     if (nqm_slopes_create(&o, 64, "mine", &model, &err) != NQM_OK)
@@ -41,16 +34,6 @@ static nqm_model *builtin(const char *name) {
     return model;
 }
 
-static nqm_score_result score(const nqm_model *model, const char *ref_spec, const char *test_spec) {
-    nqm_brdf *ref = open_brdf(ref_spec), *test = open_brdf(test_spec);
-    const nqm_brdf *tests[] = {test};
-    nqm_score_result result;
-    assert_int_equal(nqm_score(model, ref, 1, tests, NULL, &result, NULL), NQM_OK);
-    nqm_brdf_free(ref);
-    nqm_brdf_free(test);
-    return result;
-}
-
 /* ---- the model --------------------------------------------------------------------------------------------------- */
 
 /* Delta-E of the model's pictures and of renderings of the same points: of constant BRDFs, and of lobes of any width and shape. */
@@ -59,21 +42,21 @@ static void pictures_are_those_of_the_scene(void **state) {
     static const struct {
         const char *ref, *test;
         double tolerance; /* Delta-E */
-    } pairs[] = {{"lambert:kd=.8,.5,.2", "lambert:kd=.5", 0.2},
-                 {plain, "ggx:kd=.1;ks=1;alpha=.2;f0=.9,.6,.3", 0.8},
-                 {brushed, wider, 0.6},
-                 {brushed, turned, 1.5},
-                 {"ggx:alpha=.001;f0=.9", "ggx:alpha=.001;f0=.8", 0.2},
-                 {"ggx:alpha=.01,.05;f0=.9", "ggx:alpha=.02;f0=.9", 1.5},
-                 {plain, "tilt:deg=5;azimuth=40;of=ggx:kd=.1;ks=1;alpha=.15;f0=.9,.6,.3", 2.5}};
-    nqm_scene_options o = studio();
+    } pairs[] = {{"lambert:kd=.8,.5,.2", "lambert:kd=.5", 0.01},
+                 {plain, "ggx:kd=.1;ks=1;alpha=.2;f0=.9,.6,.3", 0.4},
+                 {brushed, wider, 0.4},
+                 {brushed, turned, 0.5},
+                 {"ggx:alpha=.001;f0=.9", "ggx:alpha=.001;f0=.8", 0.05},
+                 {"ggx:alpha=.01,.05;f0=.9", "ggx:alpha=.02;f0=.9", 0.1},
+                 {plain, "tilt:deg=5;azimuth=40;of=ggx:kd=.1;ks=1;alpha=.15;f0=.9,.6,.3", 0.8}};
+    nqm_scene_options o = studio_scene();
     nqm_model *model = make_model();
     o.n_points = 64;
     o.n_lights = 4096;
     nqm_scene *scene = make_scene(&o);
     for (size_t i = 0; i < sizeof pairs / sizeof *pairs; ++i) {
         const nqm_label label = label_specs(scene, pairs[i].ref, pairs[i].test);
-        const nqm_score_result result = score(model, pairs[i].ref, pairs[i].test);
+        const nqm_score_result result = score_specs(model, pairs[i].ref, pairs[i].test);
         assert_near(result.delta_e, label.delta_e, pairs[i].tolerance);
         assert_true(isnan(result.jod_low) && isnan(result.similarity[0]));
     }
@@ -87,9 +70,9 @@ static void files_and_copies_score_the_same(void **state) {
     assert_int_equal(nqm_model_save(model, temp_file, NULL), NQM_OK);
     assert_int_equal(nqm_model_load(temp_file, &loaded, NULL), NQM_OK);
     assert_int_equal(nqm_model_copy(model, &copy, NULL), NQM_OK);
-    const double jod = score(model, brushed, turned).jod;
-    assert_true(score(loaded, brushed, turned).jod == jod && score(copy, brushed, turned).jod == jod);
-    assert_true(jod < 9 && score(model, brushed, brushed).identical);
+    const double jod = score_specs(model, brushed, turned).jod;
+    assert_true(score_specs(loaded, brushed, turned).jod == jod && score_specs(copy, brushed, turned).jod == jod);
+    assert_true(jod < 9 && score_specs(model, brushed, brushed).identical);
     assert_int_equal(nqm_golden_check(loaded, NULL), NQM_OK);
     nqm_model_free(copy);
     nqm_model_free(loaded);
@@ -113,7 +96,7 @@ static void samples_have_no_score(void **state) {
 
 static void memory_runs_out(void **state) {
     (void)state;
-    const nqm_scene_options o = studio();
+    const nqm_scene_options o = studio_scene();
     nqm_status status = NQM_ERR_NOMEM;
     for (long n = 0; status != NQM_OK && n < 3000; n += 1 + n / 8) {
         nqm_model *model = NULL;
@@ -170,10 +153,10 @@ static void lobes_are_measured(void **state) {
 static void default_takes_the_score_of_anisotropic(void **state) {
     (void)state;
     nqm_model *models[] = {builtin("default"), builtin("transport")}, *whole = builtin("anisotropic");
-    const nqm_score_result seen = score(whole, brushed, turned);
+    const nqm_score_result seen = score_specs(whole, brushed, turned);
     for (size_t i = 0; i < 2; ++i) {
-        const nqm_score_result result = score(models[i], brushed, turned),
-                               flat = score(models[i], plain, "ggx:ks=1;alpha=.2");
+        const nqm_score_result result = score_specs(models[i], brushed, turned),
+                               flat = score_specs(models[i], plain, "ggx:ks=1;alpha=.2");
         assert_int_equal(result.status, NQM_OK);
         assert_true(result.anisotropy > 0.1 && result.jod == seen.jod &&
                     result.parts.structure == seen.parts.structure);
@@ -195,8 +178,8 @@ static void named_pairs(void **state) {
     assert_int_equal(nqm_scorer_create(model, NULL, &scorer, NULL), NQM_OK);
     assert_int_equal(nqm_scorer_run_named(scorer, 3, pairs, results, errors, NULL), NQM_OK);
     nqm_scorer_free(scorer);
-    assert_true(results[0].jod == score(model, brushed, turned).jod &&
-                results[2].jod == score(model, plain, turned).jod);
+    assert_true(results[0].jod == score_specs(model, brushed, turned).jod &&
+                results[2].jod == score_specs(model, plain, turned).jod);
     assert_true(results[1].identical && results[1].anisotropy == 0);
     assert_int_equal(nqm_scorer_create(paper, NULL, &scorer, NULL), NQM_OK);
     assert_int_equal(nqm_scorer_run_named(scorer, 3, pairs, refused, errors, NULL), NQM_OK);
@@ -212,11 +195,11 @@ static void named_pairs(void **state) {
 static void scores_are_continuous_where_anisotropy_vanishes(void **state) {
     (void)state;
     nqm_model *model = builtin("default");
-    double last = score(model, plain, "ggx:kd=.1;ks=1;alpha=.2;f0=.9,.6,.3").jod;
+    double last = score_specs(model, plain, "ggx:kd=.1;ks=1;alpha=.2;f0=.9,.6,.3").jod;
     for (int i = 0; i <= 20; ++i) {
         char spec[100];
         snprintf(spec, sizeof spec, "ggx:kd=.1;ks=1;alpha=%.4f,%.4f;f0=.9,.6,.3", 0.2 + 0.0005 * i, 0.2 - 0.0005 * i);
-        const nqm_score_result result = score(model, plain, spec);
+        const nqm_score_result result = score_specs(model, plain, spec);
         assert_true((result.anisotropy > 0) == (i > 0));
         assert_near(result.jod, last, 0.05);
         last = result.jod;
