@@ -8,6 +8,7 @@
 #include "math/math.h"
 #include "support/brdf_files.h"
 #include "support/check.h"
+#include "vectors/anisotropic_vectors.h"
 #include "vectors/brdf_vectors.h"
 
 #include <math.h>

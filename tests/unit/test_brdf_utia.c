@@ -6,6 +6,7 @@
 #include "base/memory_test.h"
 #include "support/brdf_files.h"
 #include "support/check.h"
+#include "vectors/anisotropic_vectors.h"
 #include "vectors/brdf_vectors.h"
 
 #include <math.h>
