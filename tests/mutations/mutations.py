@@ -273,7 +273,7 @@ MUTATIONS = [
     ("src/io/mat.c", "cursor file = {mat->map.data + *at, mat->map.n_bytes - *at, mat->big_endian}, inner = file;", "cursor file = {mat->map.data + *at, mat->map.n_bytes, mat->big_endian}, inner = file;", "test_io_mat"),
     ("src/io/csv.c", "is_quoted ^= text[i] == '\"';", "is_quoted |= text[i] == '\"';", "test_io_csv"),
     ("src/io/csv.c", "if (strcasecmp(csv->text + csv->field[column], column_name) == 0)", "if (strcmp(csv->text + csv->field[column], column_name) == 0)", "test_io_csv"),
-    ("src/label/transport.c", "p->points[3 * point + 1] = (double)job->number;", "p->points[3 * point + 1] = 0;", "test_label_transport"),
+    ("src/label/transport.c", "to[1] = (double)job->number;", "to[1] = 0;", "test_label_transport"),
     ("src/corpus/work.c", "if (n_done == unit->n_rows) {", "if (n_done + 1 == unit->n_rows) {", "test_corpus_build cli.dataset cli.dataset_processes"),
     ("src/corpus/list.c", "if (s->groups[other->group].split != pair->split)", "if (s->groups[other->group].split < pair->split)", "test_corpus_list"),
     ("src/corpus/list.c", "if (has_rest && !s->kinds[k].in_rest)", "if (has_rest && s->kinds[k].in_test)", "test_corpus_list"),
