@@ -136,7 +136,8 @@ train paper paper paper- " --scene paper (a rotating bunny under the Pixar Campu
 # Anisotropic pairs of analytic and OpenPBR materials; the seed is the best of 24 for these (studies/anisotropy.py).
 python3 "$here/../studies/anisotropy.py" 420 1 >"$work/anisotropic.csv"
 [ -f "$work/anisotropic.safetensors" ] ||
-    "$nqm" dataset "$work/anisotropic.csv" --directions "$work/grid.csv" --lights 256 -o "$work/anisotropic.safetensors" --log
+    "$nqm" dataset "$work/anisotropic.csv" --anisotropic --directions "$work/grid.csv" --lights 256 \
+        -o "$work/anisotropic.safetensors" --log
 "$nqm" transport make --anisotropic --seed 7 --id anisotropic -o "$work/slopes.safetensors"
 "$nqm" calibrate "$work/slopes.safetensors" "$work/anisotropic.safetensors" --new-materials -o "$here/anisotropic.safetensors"
 

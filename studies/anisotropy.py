@@ -4,7 +4,7 @@
 
     studies/anisotropy.py 315 3 --split test > test.csv
     nqm directions --grid -o grid.csv
-    nqm dataset test.csv --directions grid.csv --lights 256 --only test -o test.safetensors
+    nqm dataset test.csv --anisotropic --directions grid.csv --lights 256 --only test -o test.safetensors
     nqm eval test.safetensors --model anisotropic --by source
 """
 import argparse

@@ -43,6 +43,8 @@ typedef struct nqm_corpus_options {
     int work_only;    /**< 1: only work for other processes with the same `checkpoint`; default 0 */
     const char *keep; /**< "FAMILY=N": keep at most N pairs of this family per reference, those whose JODs are spread
                                   most evenly; default NULL: all */
+    int anisotropic;  /**< 1: pairs may be anisotropic. Samples have one azimuth, so that the dataset is for models like
+                                  "anisotropic" alone; default 0: such pairs cannot be labelled */
     nqm_progress_fn progress; /**< called from the calling thread; NULL: silent */
     void *progress_user;
 } nqm_corpus_options;

@@ -27,6 +27,7 @@ static const nqm_option rows[] = {
     {FIELD(work_only), .name = "", .kind = NQM_OPTION_BOOL},
     {FIELD(keep), .kind = NQM_OPTION_TEXT, .metavar = "FAMILY=N",
      .help = "of a family, at most N pairs per reference: those whose JODs are spread most evenly"},
+    {FIELD(anisotropic), .kind = NQM_OPTION_BOOL, .help = "anisotropic pairs too: a dataset for the model 'anisotropic'"},
 };
 /* clang-format on */
 

@@ -166,13 +166,14 @@ char *nqm_corpus_manifest(const nqm_corpus *c) {
     json_t *kinds = json_object(), *families = json_object(), *splits = json_object(), *sources = json_object();
     count_kinds(c, kinds, families);
     json_t *references = references_json(c, splits, sources);
-    json_t *root = json_pack(
-        "{s:i,s:{s:s,s:s},s:s,s:o,s:s?,s:o,s:o,s:s,s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:o}", "schema", 3, "tool", "name",
-        "nqm", "version", nqm_version(), "part", options->part == NQM_CORPUS_TEST ? "test" : "train,validation",
-        "labels", labels_json(), "keep", options->keep, "scene", scene_json(&c->context), "encoders",
-        encoders_json(&c->context), "directions", nqm_directions_id(c->context.directions), "splits", splits, "sources",
-        sources, "families", families, "kinds", kinds, "unseen_kinds", unseen_json(&c->list), "other_materials",
-        others_json(c), "failures", failures_json(c), "references", references);
+    json_t *root =
+        json_pack("{s:i,s:{s:s,s:s},s:s,s:o,s:s?,s:b,s:o,s:o,s:s,s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:o}", "schema", 3, "tool",
+                  "name", "nqm", "version", nqm_version(), "part",
+                  options->part == NQM_CORPUS_TEST ? "test" : "train,validation", "labels", labels_json(), "keep",
+                  options->keep, "anisotropic", options->anisotropic, "scene", scene_json(&c->context), "encoders",
+                  encoders_json(&c->context), "directions", nqm_directions_id(c->context.directions), "splits", splits,
+                  "sources", sources, "families", families, "kinds", kinds, "unseen_kinds", unseen_json(&c->list),
+                  "other_materials", others_json(c), "failures", failures_json(c), "references", references);
     char *text = root ? json_dumps(root, JSON_INDENT(1) | JSON_REAL_PRECISION(17)) : NULL;
     json_decref(root);
     char *copy = text ? nqm_strdup(text) : NULL;

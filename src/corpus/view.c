@@ -24,6 +24,10 @@ void nqm_corpus_view_free(nqm_corpus_view *view) {
 
 nqm_status nqm_corpus_view_fill(const nqm_corpus_context *context, nqm_corpus_view *view, nqm_error *err) {
     size_t n = nqm_directions_count(context->directions);
+    if (!context->options->anisotropic && nqm_brdf_anisotropy(view->brdf) > 0)
+        return nqm_fail(err, NQM_ERR_INCOMPATIBLE, -1,
+                        "%s: anisotropic, and samples have one azimuth: the option 'anisotropic' is missing",
+                        nqm_brdf_get_info(view->brdf).name);
     nqm_status status = nqm_sample(view->brdf, context->directions, NQM_INVALID_DROP, view->rgb, view->used, NULL, err);
     for (size_t i = 0; status == NQM_OK && i < n; ++i)
         view->used[i] = nqm_has_value(view->used[i]);

@@ -35,6 +35,8 @@ static void hash_context(nqm_sha256 *sha, const nqm_corpus_context *context) {
     nqm_sha256_add_values(sha, sizeof numbers / sizeof *numbers, sizeof *numbers, numbers);
     if (scene->exact)
         hash_text(sha, "exact");
+    if (context->options->anisotropic)
+        hash_text(sha, "anisotropic");
     for (size_t k = 0; k < 2; ++k)
         hash_text(sha, context->encoder_sha256[k]);
 }

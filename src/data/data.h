@@ -45,6 +45,7 @@ struct nqm_dataset {
     nqm_names ref_sources;   /* (n_refs) "rgl", "nbrdf", ..., by the manifest; empty: unknown */
     nqm_names pair_names;    /* (n_pairs) the test: a BRDF spec, or "NAME_3" in the authors' layout */
     char *manifest;          /* JSON: how the dataset was made; NULL: unknown */
+    bool is_anisotropic;     /* by the manifest: pairs may be anisotropic, and samples have one azimuth */
     bool order_only; /* `jod` contains scores on another scale, of which only the order is meaningful (human data) */
     char sha256[65]; /* SHA-256 of nqm's own file; of other sources nqm_dataset_hash() */
     nqm_map file;    /* the arrays above point into this mapped file, */
@@ -135,7 +136,10 @@ static inline nqm_split nqm_dataset_pair_split(const nqm_dataset *dataset, size_
  *  NQM_ERR_NOMEM. */
 NQM_MUST_CHECK nqm_status nqm_dataset_unseen_kinds(const nqm_dataset *dataset, bool *unseen, nqm_error *err);
 
-/** Set the manifest (NULL: none) and ref_sources from it; they stay empty if it does not list the references. NQM_ERR_NOMEM. */
+/** NQM_ERR_INCOMPATIBLE: the samples are of one azimuth of anisotropic BRDFs, which a model cannot be made of. */
+NQM_MUST_CHECK nqm_status nqm_dataset_check_isotropic(const nqm_dataset *dataset, nqm_error *err);
+
+/** Set the manifest (NULL: none), is_anisotropic, and ref_sources from it; these stay empty if it does not list the references. NQM_ERR_NOMEM. */
 NQM_MUST_CHECK nqm_status nqm_dataset_set_manifest(nqm_dataset *dataset, const char *manifest, nqm_error *err);
 /** The source of a reference: see nqm_dataset_pair; "" if unknown. */
 const char *nqm_dataset_ref_source(const nqm_dataset *dataset, size_t ref);

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * What the manifest of a corpus says: kinds of distortion that its training part does not have, and sources of references.
+ * What the manifest of a corpus says: kinds of distortion that its training part does not have, sources of references, and whether
+ * these may be anisotropic.
  */
 #include "data/data.h"
 #include "io/options_json.h"
@@ -46,6 +47,7 @@ nqm_status nqm_dataset_set_manifest(nqm_dataset *d, const char *text, nqm_error 
     if (status != NQM_OK)
         return status;
     const json_t *references = json_object_get(manifest, "references");
+    d->is_anisotropic = json_is_true(json_object_get(manifest, "anisotropic"));
     bool is_listed = json_array_size(references) == d->n_refs;
     for (size_t i = 0; is_listed && status == NQM_OK && i < d->n_refs; ++i) {
         const json_t *row = json_array_get(references, i), *source = json_object_get(row, "source");
@@ -58,6 +60,14 @@ nqm_status nqm_dataset_set_manifest(nqm_dataset *d, const char *text, nqm_error 
     if (!is_listed)
         nqm_names_free(&d->ref_sources);
     return status;
+}
+
+nqm_status nqm_dataset_check_isotropic(const nqm_dataset *d, nqm_error *err) {
+    return d->is_anisotropic
+               ? nqm_fail(err, NQM_ERR_INCOMPATIBLE, -1,
+                          "its pairs are anisotropic and its samples of one azimuth; the model 'anisotropic' opens the "
+                          "BRDFs themselves")
+               : NQM_OK;
 }
 
 const char *nqm_dataset_ref_source(const nqm_dataset *d, size_t ref) {

@@ -109,6 +109,9 @@ nqm_status nqm_dataset_predict(const nqm_dataset_prediction *p, nqm_error *err) 
     nqm_predictor *predictor = NULL;
     if (m->slopes)
         return predict_all_named(p, err);
+    const nqm_status isotropic = nqm_dataset_check_isotropic(d, err);
+    if (isotropic != NQM_OK)
+        return isotropic;
     if (m->directions->n != d->n_directions ||
         memcmp(m->directions->degrees, d->directions->degrees, 3 * d->n_directions * sizeof(double)) != 0)
         return nqm_fail(err, NQM_ERR_INCOMPATIBLE, -1,

@@ -310,6 +310,8 @@ nqm_status nqm_train(const nqm_dataset *dataset, const nqm_train_options *option
     NQM_MAKE(err, model_ret, dataset, options);
     double begin_s = nqm_clock_s();
     nqm_status status = nqm_train_options_check(options, err);
+    if (status == NQM_OK)
+        status = nqm_dataset_check_isotropic(dataset, err);
     if (status != NQM_OK)
         return status;
     run r = {.dataset = dataset, .options = options};

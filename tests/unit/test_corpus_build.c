@@ -6,12 +6,14 @@
 #include "corpus/corpus.h"
 #include "data/data.h"
 #include "fit/open.h"
+#include "metric/metric.h"
 #include "support/check.h"
 #include "support/corpus_files.h"
 #include "support/scenes.h"
 
 #include <dirent.h>
 #include <jansson.h>
+#include <nqm/train.h>
 #include <stdio.h>
 #include <string.h>
 #include <unistd.h>
@@ -103,6 +105,38 @@ static void labels_are_those_of_single_pairs(void **state) {
     assert_near(d->delta_e[N_GOOD - 1], 0, 0);
     nqm_scene_free(scene);
     nqm_dataset_free(d);
+}
+
+/* Samples have one azimuth: such pairs must be wanted, and no model is made of, or judged by, their samples. */
+static void anisotropic_pairs_are_labelled_when_wanted(void **state) {
+    (void)state;
+    const nqm_corpus_pair some[] = {{.reference = REF, .test = "sgd:brass"},
+                                    {.reference = REF, .test = "ggx:kd=0.2;alpha=0.2,0.21"},
+                                    {.reference = "rotate:deg=30;of=ggx:alpha=0.1,0.4", .test = REF}};
+    nqm_train_options train;
+    nqm_corpus_options options = small_scene();
+    nqm_directions *at = directions();
+    nqm_model *model, *trained;
+    assert_int_equal(nqm_train_options_recipe("nqm", &train, NULL), NQM_OK);
+    assert_int_equal(nqm_model_builtin("default", &model, NULL), NQM_OK);
+    for (int i = 0; i < 2; ++i) {
+        nqm_dataset *d;
+        nqm_prediction to[3];
+        nqm_error err = {0};
+        options.anisotropic = i;
+        assert_int_equal(nqm_corpus_build(3, some, at, &options, in_folder("some.safetensors"), NULL), NQM_OK);
+        assert_int_equal(nqm_dataset_load(in_folder("some.safetensors"), &d, NULL), NQM_OK);
+        assert_int_equal(nqm_dataset_get_info(d).n_pairs, i ? 3 : 1);
+        assert_int_equal(strstr(nqm_dataset_get_info(d).manifest, "azimuth") != NULL, !i); /* failures */
+        const nqm_dataset_prediction p = {.dataset = d, .model = model, .n = 1, .pairs = (size_t[]){0}, .to = to};
+        assert_int_equal(nqm_dataset_predict(&p, &err), NQM_ERR_INCOMPATIBLE);
+        assert_int_equal(strstr(err.message, "azimuth") != NULL, i); /* the directions are not those of the model */
+        if (i)
+            assert_int_equal(nqm_train(d, &train, &trained, NULL, NULL), NQM_ERR_INCOMPATIBLE);
+        nqm_dataset_free(d);
+    }
+    nqm_model_free(model);
+    nqm_directions_free(at);
 }
 
 static void the_manifest_names_failures_and_others(void **state) {
@@ -317,6 +351,7 @@ static void fits_are_shared(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(labels_are_those_of_single_pairs),
+        cmocka_unit_test(anisotropic_pairs_are_labelled_when_wanted),
         cmocka_unit_test(the_manifest_names_failures_and_others),
         cmocka_unit_test(a_family_is_thinned),
         cmocka_unit_test(a_list_without_labels_is_refused),
