@@ -19,16 +19,30 @@ struct nqm_azimuths {
     float *totals;
 };
 
-nqm_status nqm_azimuths_create(const nqm_model *model, nqm_azimuths **azimuths_ret, nqm_error *err) {
+/* Whether the model is a built-in one of the standard scenes, or its file: those of other scenes may have the same id. */
+static nqm_status find_served(const nqm_model *model, bool *is_served, nqm_error *err) {
     static const char *const served[] = {"default", "transport"};
-    bool is_served = model->slopes;
+    nqm_status status = NQM_OK;
+    *is_served = model->slopes;
+    for (size_t i = 0; status == NQM_OK && i < sizeof served / sizeof *served; ++i) {
+        nqm_model *builtin;
+        if (strcmp(model->id, served[i]) != 0)
+            continue;
+        status = nqm_model_builtin(served[i], &builtin, err);
+        *is_served = status == NQM_OK && strcmp(model->sha256, builtin->sha256) == 0;
+        nqm_model_free(builtin);
+    }
+    return status;
+}
+
+nqm_status nqm_azimuths_create(const nqm_model *model, nqm_azimuths **azimuths_ret, nqm_error *err) {
+    bool is_served;
     *azimuths_ret = NULL;
-    for (size_t i = 0; i < sizeof served / sizeof *served; ++i)
-        is_served |= strcmp(model->id, served[i]) == 0;
-    if (!is_served)
-        return NQM_OK;
+    nqm_status status = find_served(model, &is_served, err);
+    if (status != NQM_OK || !is_served)
+        return status;
     nqm_azimuths *a = nqm_alloc(1, sizeof *a);
-    nqm_status status = a ? NQM_OK : nqm_fail_nomem(err, sizeof *a);
+    status = a ? NQM_OK : nqm_fail_nomem(err, sizeof *a);
     if (status == NQM_OK && !model->slopes)
         status = nqm_model_builtin("anisotropic", &a->owned, err);
     if (status == NQM_OK) {

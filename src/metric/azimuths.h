@@ -10,8 +10,8 @@
 /** The model "anisotropic". */
 typedef struct nqm_azimuths nqm_azimuths;
 
-/** NULL in *azimuths_ret, without an error, if the model is not one of those that predict the labels of the standard scenes. The model must
- *  outlive it. */
+/** NULL in *azimuths_ret, without an error, if the model is none for anisotropic BRDFs and not the built-in "default" or
+ *  "transport": it may predict labels of other scenes. The model must outlive it. */
 NQM_MUST_CHECK nqm_status nqm_azimuths_create(const nqm_model *model, nqm_azimuths **azimuths_ret, nqm_error *err);
 void nqm_azimuths_free(nqm_azimuths *azimuths);
 

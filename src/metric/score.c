@@ -353,8 +353,8 @@ static nqm_error explain(const nqm_scorer *s, nqm_cached *const *entry, const ch
     if (result->status == NQM_ERR_INCOMPATIBLE && anisotropy > 0)
         (void)nqm_fail(&why, result->status, -1,
                        "%s: it or its reference is anisotropic (turning changes it by %.2g %%), which the directions "
-                       "of model '%s' "
-                       "do not see: use the models default or anisotropic",
+                       "of model '%s' do not see: use the models default or anisotropic, or one that 'nqm transport "
+                       "make --anisotropic' makes for the scene",
                        test, 100 * anisotropy, s->model->id);
     else if (result->status == NQM_ERR_INCOMPATIBLE)
         (void)nqm_fail(

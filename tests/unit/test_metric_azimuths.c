@@ -167,6 +167,22 @@ static void default_takes_the_score_of_anisotropic(void **state) {
     nqm_model_free(whole);
 }
 
+/* A model of another scene with the name of a built-in one, and the file of a built-in one. */
+static void names_do_not_make_a_model_of_the_standard_scenes(void **state) {
+    (void)state;
+    const nqm_scene_options o = studio_scene();
+    nqm_model *model = builtin("transport"), *file, *other;
+    assert_int_equal(nqm_model_save(model, temp_file, NULL), NQM_OK);
+    assert_int_equal(nqm_model_load(temp_file, &file, NULL), NQM_OK);
+    assert_int_equal(nqm_transport_create(&o, 64, "transport", &other, NULL), NQM_OK);
+    assert_true(score_specs(file, brushed, turned).jod == score_specs(model, brushed, turned).jod);
+    assert_int_equal(score_specs(other, brushed, turned).status, NQM_ERR_INCOMPATIBLE);
+    assert_int_equal(score_specs(other, plain, plain).status, NQM_OK);
+    nqm_model_free(model);
+    nqm_model_free(file);
+    nqm_model_free(other);
+}
+
 /* The names of the same pair, and a model whose directions see one azimuth and that is not of the standard scenes. */
 static void named_pairs(void **state) {
     (void)state;
@@ -243,6 +259,7 @@ int main(void) {
         cmocka_unit_test(cells_cover_the_slopes),
         cmocka_unit_test(lobes_are_measured),
         cmocka_unit_test(default_takes_the_score_of_anisotropic),
+        cmocka_unit_test(names_do_not_make_a_model_of_the_standard_scenes),
         cmocka_unit_test(named_pairs),
         cmocka_unit_test(scores_are_continuous_where_anisotropy_vanishes),
         cmocka_unit_test(functions_are_found_out),
