@@ -4,7 +4,8 @@
  *
  * nqm_brdf_open() opens a material as "FILE" or, in a file of several, as "FILE:NAME". A material becomes the spec of a shading
  * model, whose keys are the properties of the file (doc/materials.md). A material with a property that the spec does not
- * have, such as a texture or transmission, is refused, and the refusal names the property.
+ * have, such as transmission, is refused, and the refusal names the property. One with image maps has no BRDF either, but it is
+ * a texture (<nqm/texture.h>).
  */
 #ifndef NQM_MATERIAL_H
 #define NQM_MATERIAL_H
@@ -25,6 +26,8 @@ typedef struct nqm_material_info {
     const char
         *spec; /**< argument of nqm_brdf_open(): a spec, or a path relative to the file's folder; NULL: refused */
     const char *refusal; /**< the property that cannot be honoured, and why; NULL: the material is accepted */
+    size_t
+        n_maps; /**< image maps of a material that nqm_texture_open() takes; 0: none. `refusal` has the property that varies */
     const char *remark;  /**< a property that is left out because it is no part of a BRDF; NULL: none */
     int64_t byte_offset; /**< position of the material or of the refused property in the file; -1: unknown */
 } nqm_material_info;

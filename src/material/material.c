@@ -3,7 +3,7 @@
  * Material files of any format: finding the format by content or by extension, the list of materials, and the writing of files.
  */
 #define _GNU_SOURCE /* memmem */
-#include "material/material.h"
+#include "material/maps.h"
 
 #include <ctype.h>
 #include <stdlib.h>
@@ -14,6 +14,11 @@ struct nqm_materials {
     size_t n, max_n;
     nqm_material_info *list; /* (n); each name owns a block with the other texts */
     size_t *by_name;         /* (n) their numbers in the order of the names, when the file is read */
+    struct maps {
+        const nqm_textured *textured; /* NULL: none */
+        bool is_owned;
+    } * maps; /* (n) */
+    size_t max_maps;
 };
 
 #define POINTER_TO(NAME) &(NAME),
@@ -34,9 +39,13 @@ nqm_material_info nqm_materials_get(const nqm_materials *materials, size_t i) {
 void nqm_materials_free(nqm_materials *materials) {
     if (!materials)
         return;
-    for (size_t i = 0; i < materials->n; ++i)
+    for (size_t i = 0; i < materials->n; ++i) {
         nqm_free((char *)materials->list[i].name);
+        if (materials->maps[i].is_owned)
+            nqm_textured_free((nqm_textured *)materials->maps[i].textured);
+    }
     nqm_free(materials->list);
+    nqm_free(materials->maps);
     nqm_free(materials->by_name);
     nqm_free(materials);
 }
@@ -55,6 +64,11 @@ nqm_status nqm_materials_add(nqm_materials *materials, const nqm_material_info *
     if (!list)
         return nqm_fail_nomem(err, (materials->n + 1) * sizeof *list);
     materials->list = list;
+    struct maps *maps = nqm_grow(materials->maps, &materials->max_maps, materials->n + 1, sizeof *maps);
+    if (!maps)
+        return nqm_fail_nomem(err, (materials->n + 1) * sizeof *maps);
+    materials->maps = maps;
+    maps[materials->n] = (struct maps){.textured = NULL};
     const char **texts[] = {&copy.name, &copy.surface, &copy.spec, &copy.refusal, &copy.remark};
     enum { N = sizeof texts / sizeof *texts };
     nqm_array arrays[N];
@@ -69,6 +83,19 @@ nqm_status nqm_materials_add(nqm_materials *materials, const nqm_material_info *
             *texts[i] = memcpy(blocks[i], *texts[i], arrays[i].n);
     materials->list[materials->n++] = copy;
     return NQM_OK;
+}
+
+const nqm_textured *nqm_materials_textured(const nqm_materials *materials, size_t i) {
+    return materials->maps[i].textured;
+}
+
+void nqm_materials_attach(nqm_materials *materials, nqm_textured *textured) {
+    materials->maps[materials->n - 1] = (struct maps){textured, true};
+    materials->list[materials->n - 1].n_maps = textured->n_images;
+}
+
+void nqm_materials_share(nqm_materials *materials, size_t i) {
+    materials->maps[materials->n - 1] = (struct maps){materials->maps[i].textured, false};
 }
 
 /* ---- by name ----------------------------------------------------------------------------------------------------- */

@@ -17,6 +17,22 @@ bool nqm_refuse(nqm_reading *r, const void *property, const char *format, ...) {
     return false;
 }
 
+nqm_textured *nqm_reading_textured(nqm_reading *r, const void *property, const char *format, ...) {
+    if (r->textured)
+        return r->textured;
+    r->textured = nqm_textured_create();
+    if (!r->textured) {
+        nqm_refuse(r, property, "out of memory");
+        return NULL;
+    }
+    va_list arguments;
+    va_start(arguments, format);
+    vsnprintf(r->varies, sizeof r->varies, format, arguments);
+    va_end(arguments);
+    r->varies_at = r->source->byte_of(r, property);
+    return r->textured;
+}
+
 const nqm_rule *nqm_rule_find(const nqm_rule *rules, const char *name) {
     for (const nqm_rule *rule = rules; name && rule->name; ++rule)
         if (nqm_has_word(rule->name, name, false))
@@ -100,21 +116,33 @@ bool nqm_rule_later(nqm_reading *r, const nqm_rule *rule, const void *property) 
     return nqm_rule_ignore(r, rule, property);
 }
 
-nqm_status nqm_reading_add(const nqm_reading *r, const char *name, const char *surface, int64_t byte_offset,
+nqm_status nqm_reading_add(nqm_reading *r, const char *name, const char *surface, int64_t byte_offset,
                            nqm_materials *materials, nqm_error *err) {
-    const bool is_refused = *r->refusal, has_spec = !is_refused && !r->file;
+    const bool is_refused = *r->refusal, varies = !is_refused && r->textured;
+    const bool has_spec = !is_refused && !varies && !r->file;
     char *spec = has_spec ? nqm_shading_spec(&r->shading) : NULL;
     if (has_spec && !spec)
         return nqm_fail_nomem(err, sizeof r->shading);
     const nqm_material_info info = {.name = name,
                                     .surface = surface,
-                                    .spec = is_refused ? NULL
-                                            : has_spec ? spec
-                                                       : r->file,
-                                    .refusal = is_refused ? r->refusal : NULL,
-                                    .remark = has_spec ? r->shading.remark : NULL,
-                                    .byte_offset = is_refused ? r->byte_offset : byte_offset};
+                                    .spec = is_refused || varies ? NULL
+                                            : has_spec           ? spec
+                                                                 : r->file,
+                                    .refusal = is_refused ? r->refusal
+                                               : varies   ? r->varies
+                                                          : NULL,
+                                    .remark = is_refused || r->file ? NULL : r->shading.remark,
+                                    .byte_offset = is_refused ? r->byte_offset
+                                                   : varies   ? r->varies_at
+                                                              : byte_offset};
     nqm_status status = nqm_materials_add(materials, &info, err);
+    if (status == NQM_OK && varies) {
+        r->textured->shading = r->shading;
+        nqm_materials_attach(materials, r->textured);
+        r->textured = NULL;
+    }
+    nqm_textured_free(r->textured);
+    r->textured = NULL;
     nqm_free(spec);
     return status;
 }

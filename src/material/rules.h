@@ -7,7 +7,7 @@
 #ifndef NQM_SRC_MATERIAL_RULES_H
 #define NQM_SRC_MATERIAL_RULES_H
 
-#include "material/material.h"
+#include "material/maps.h"
 
 typedef struct nqm_rule nqm_rule;
 typedef struct nqm_reading nqm_reading;
@@ -61,20 +61,28 @@ struct nqm_reading {
     const nqm_rule *rules;
     const char *owner; /**< what has the properties, for messages */
     nqm_shading shading;
-    const char *file;    /**< of a measured material; NULL: the shading is the result */
-    char refusal[400];   /**< "": accepted */
-    int64_t byte_offset; /**< of the refused property */
-    uint64_t given;      /**< bit i: rule i has been applied */
+    const char *file;       /**< of a measured material; NULL: the shading is the result */
+    char refusal[400];      /**< "": accepted */
+    int64_t byte_offset;    /**< of the refused property */
+    uint64_t given;         /**< bit i: rule i has been applied */
+    nqm_textured *textured; /**< what is computed from maps, owned; NULL: nothing so far */
+    char varies[400];       /**< with it: why the material has no BRDF */
+    int64_t varies_at;      /**< the position of that property */
 };
 
 /** Refuse the material, unless it is refused already; false, so that readers can return it. */
 __attribute__((format(printf, 3, 4))) bool nqm_refuse(nqm_reading *r, const void *property, const char *format, ...);
+/** The maps of the material, to which a reader adds what it found: the first call says, as nqm_refuse() does, which property varies
+ *  over the surface, so that the material has no BRDF. NULL: out of memory; the material is refused. */
+__attribute__((format(printf, 3, 4))) nqm_textured *nqm_reading_textured(nqm_reading *r, const void *property,
+                                                                         const char *format, ...);
 /** Apply the rule for a property; false: the material is refused. */
 bool nqm_rules_apply(nqm_reading *r, const char *name, const void *property);
 /** The rule for a name, or NULL. */
 const nqm_rule *nqm_rule_find(const nqm_rule *rules, const char *name);
-/** Append what has been read: the shading, the file or the refusal. byte_offset: of a material that is accepted. */
-NQM_MUST_CHECK nqm_status nqm_reading_add(const nqm_reading *r, const char *name, const char *surface,
-                                          int64_t byte_offset, nqm_materials *materials, nqm_error *err);
+/** Append what has been read: the shading, with the maps, the file or the refusal. byte_offset: of a material that is accepted. Takes
+ *  the maps; a reading that is given up frees them by nqm_textured_free(). */
+NQM_MUST_CHECK nqm_status nqm_reading_add(nqm_reading *r, const char *name, const char *surface, int64_t byte_offset,
+                                          nqm_materials *materials, nqm_error *err);
 
 #endif

@@ -1,0 +1,34 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * raster.h - pictures as they are stored, for maps of materials: PNG, JPEG and OpenEXR, with the values of the file and no colour
+ * conversion. Light maps and other pictures of radiance are nqm_image (io.h).
+ */
+#ifndef NQM_SRC_IO_RASTER_H
+#define NQM_SRC_IO_RASTER_H
+
+#include "base/base.h"
+
+typedef enum nqm_raster_type { NQM_RASTER_U8, NQM_RASTER_U16, NQM_RASTER_F32 } nqm_raster_type;
+
+/** A picture. Free with nqm_raster_clear(). */
+typedef struct nqm_raster {
+    size_t width, height;
+    size_t channels; /**< 1 grey, 2 grey and alpha, 3 RGB, 4 RGB and alpha */
+    nqm_raster_type type;
+    void *data; /**< (height, width, channels), first row on top; integers stand for value / 255 or value / 65535 */
+} nqm_raster;
+
+enum { NQM_RASTER_MAX_SIDE = 16384 };
+
+/** Decode a picture of any of these formats, which is recognised by its first bytes; palettes become RGB, grey pictures of fewer than
+ *  8 bits 8 bits. `name` is for messages. Other formats of pictures (KTX2, DDS, WebP, ...) are named in the message.
+ *  NQM_ERR_FORMAT, NQM_ERR_LIMIT (a side above NQM_RASTER_MAX_SIDE), NQM_ERR_NOMEM; raster_ret is empty then. */
+NQM_MUST_CHECK nqm_status nqm_raster_decode(const unsigned char *data, size_t n_bytes, const char *name,
+                                            nqm_raster *raster_ret, nqm_error *err);
+/** Width and height from the header, without decoding. */
+NQM_MUST_CHECK nqm_status nqm_raster_size(const unsigned char *data, size_t n_bytes, const char *name,
+                                          size_t *width_ret, size_t *height_ret, nqm_error *err);
+/** Free the pixels; a zeroed raster is allowed. */
+void nqm_raster_clear(nqm_raster *raster);
+
+#endif

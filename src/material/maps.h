@@ -1,0 +1,132 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * maps.h - a material that varies over a surface: its shading, and what of it is computed from image maps, as a list of nodes that
+ * texture/ evaluates texel by texel. Each reader of a file format appends the nodes that its format describes; nothing here
+ * reads an image.
+ */
+#ifndef NQM_SRC_MATERIAL_MAPS_H
+#define NQM_SRC_MATERIAL_MAPS_H
+
+#include "material/material.h"
+
+/** What a node computes. A value has 1 to 4 components. Where operations of one value per component get values of different numbers
+ *  of components, the shorter repeats its last one. Operands: in[0], in[1], ... */
+typedef enum nqm_map_op {
+    NQM_MAP_VALUE, /**< the constant v */
+    NQM_MAP_IMAGE, /**< `image` at the texture coordinates, in its colour space; missing channels of grey images repeat it */
+    NQM_MAP_ADD,        /**< in[0] + in[1] */
+    NQM_MAP_SUBTRACT,   /**< in[0] - in[1] */
+    NQM_MAP_MULTIPLY,   /**< in[0] in[1] */
+    NQM_MAP_DIVIDE,     /**< in[0] / in[1]; 0 where in[1] is 0 */
+    NQM_MAP_POWER,      /**< max(in[0], 0) to the power of in[1] */
+    NQM_MAP_MINIMUM,    /**< of in[0] and in[1] */
+    NQM_MAP_MAXIMUM,    /**< of in[0] and in[1] */
+    NQM_MAP_ABSOLUTE,   /**< |in[0]| */
+    NQM_MAP_FLOOR,      /**< the largest integer that is at most in[0] */
+    NQM_MAP_MODULO,     /**< in[0] - in[1] floor(in[0] / in[1]); 0 where in[1] is 0 */
+    NQM_MAP_SINE,       /**< of in[0] in radians */
+    NQM_MAP_COSINE,     /**< of in[0] in radians */
+    NQM_MAP_MIX,        /**< in[0] + (in[1] - in[0]) in[2] */
+    NQM_MAP_SMOOTHSTEP, /**< t^2 (3 - 2 t), t = (in[0] - in[1]) / (in[2] - in[1]) clamped to 0..1 */
+    NQM_MAP_IF_GREATER, /**< in[2] where in[0] > in[1], elsewhere in[3] */
+    NQM_MAP_IF_EQUAL,   /**< in[2] where in[0] = in[1], elsewhere in[3] */
+    NQM_MAP_CHANNEL,    /**< component (size_t)v[0] of in[0]: one component */
+    NQM_MAP_COMBINE,    /**< the first components of in[0], in[1], ... as one value of n components */
+    NQM_MAP_LUMINANCE,  /**< of RGB in[0] with BT.709 primaries, n times */
+    NQM_MAP_RGB_TO_HSV, /**< as in MaterialX: 0..1 each */
+    NQM_MAP_HSV_TO_RGB,
+    NQM_MAP_TEXCOORD, /**< u, and v measured upwards from the lower edge, of the surface: two components */
+    NQM_MAP_NORMAL, /**< a tangent-space normal: 2 in[0] - 1, its x and y multiplied by in[1], normalised; y points up */
+    NQM_MAP_OPS
+} nqm_map_op;
+
+/** How an image continues beyond its edges. */
+typedef enum nqm_map_wrap {
+    NQM_MAP_REPEAT,
+    NQM_MAP_MIRROR,
+    NQM_MAP_CLAMP,
+    NQM_MAP_BORDER /**< v of the node */
+} nqm_map_wrap;
+
+/** A node; operands are earlier nodes. */
+typedef struct nqm_map_node {
+    nqm_map_op op;
+    uint8_t n; /**< components of the value, 1 to 4 */
+    uint16_t in[4];
+    double v[4]; /**< NQM_MAP_VALUE, NQM_MAP_CHANNEL; of NQM_MAP_IMAGE its value beyond the border */
+    /* of NQM_MAP_IMAGE: */
+    uint16_t image;
+    uint8_t wrap[2]; /**< nqm_map_wrap along u and v */
+    /** Position in the image, (0, 0) its upper left corner and (1, 1) its lower right one, of a position (u, v) on the surface, v
+     *  downwards: uv[i][0] u + uv[i][1] v + uv[i][2]. */
+    double uv[2][3];
+} nqm_map_node;
+
+/** An image: bytes of a file, or bytes that the material file contains in another coding. */
+typedef struct nqm_map_image {
+    char *path;          /**< of the file; NULL: `data` */
+    size_t at, n_bytes;  /**< part of the file; n_bytes 0: all of it */
+    unsigned char *data; /**< (n_bytes), owned; NULL: `path` */
+    char *name;          /**< for people: "boombox/BoomBox_normal.png" */
+    char space[32];      /**< colour space as nqm_color_to_rec709() takes it; "": values as they are */
+} nqm_map_image;
+
+enum { NQM_MAX_MAP_NODES = 1024, NQM_MAX_MAP_IMAGES = 64, NQM_NO_NODE = 0xffff };
+
+/** What is computed: a key of the shading, and the node whose value it has. */
+typedef struct nqm_map_output {
+    char key[48];
+    uint16_t node;
+} nqm_map_output;
+
+/** A textured material. */
+typedef struct nqm_textured {
+    nqm_shading shading; /**< with values of all properties that are constant */
+    size_t n_outputs;
+    nqm_map_output outputs[NQM_MAX_PROPERTIES];
+    uint16_t
+        normal; /**< the node of the normal, a unit vector in the frame of tangent (u), bitangent (v upwards) and normal;
+                          NQM_NO_NODE: (0, 0, 1) */
+    size_t n_nodes, max_nodes;
+    nqm_map_node *nodes;
+    size_t n_images, max_images;
+    nqm_map_image *images;
+} nqm_textured;
+
+/** An empty one; NULL: out of memory. */
+nqm_textured *nqm_textured_create(void);
+/** Free; NULL is allowed. */
+void nqm_textured_free(nqm_textured *textured);
+
+/** Append a node, or find the equal one that is there already. NQM_NO_NODE: out of memory, or more than NQM_MAX_MAP_NODES; then, and
+ *  where an operand is NQM_NO_NODE, this is the result of all that follows, so that readers need to check the last node only. */
+uint16_t nqm_map_add(nqm_textured *t, nqm_map_node node);
+/** A constant of n components. */
+uint16_t nqm_map_value(nqm_textured *t, size_t n, const double *v);
+/** A node with up to three operands; operands that the operation does not have are NQM_NO_NODE. n: components of the value. */
+uint16_t nqm_map_compute(nqm_textured *t, nqm_map_op op, size_t n, uint16_t a, uint16_t b, uint16_t c);
+/** Component c of a node; the node itself if it has only one. */
+uint16_t nqm_map_channel(nqm_textured *t, uint16_t of, size_t c);
+/** An image, of n channels. uv, wrap: as in nqm_map_node. */
+uint16_t nqm_map_image_at(nqm_textured *t, size_t image, size_t n, const double uv[2][3], const uint8_t wrap[2]);
+/** Add an image of a file named by the material file `from`, or find it; name is relative to its folder, or absolute. false: out of
+ *  memory, or more than NQM_MAX_MAP_IMAGES. */
+bool nqm_map_add_file(nqm_textured *t, const char *from, const char *name, const char *space, size_t *image_ret);
+/** Add any image; takes its path, data and name, also on failure. A NULL of what it needs is a failure. */
+bool nqm_map_add_image(nqm_textured *t, nqm_map_image image, size_t *image_ret);
+/** Let a key have the value of a node. */
+void nqm_map_output_set(nqm_textured *t, const char *key, uint16_t node);
+
+/** A folder of maps, or "maps:base_color=a.png;roughness=b.png;model=gltf". NQM_ERR_ARG, NQM_ERR_IO, NQM_ERR_NOMEM */
+NQM_MUST_CHECK nqm_status nqm_maps_open(const char *folder_or_spec, nqm_textured **textured_ret, nqm_error *err);
+/** Whether it is one: begins with "maps:", or is a folder. */
+bool nqm_maps_probe(const char *argument);
+
+/** The textured material i of a file; NULL: it is constant, or refused. */
+const nqm_textured *nqm_materials_textured(const nqm_materials *materials, size_t i);
+/** Give the last material its maps, which it owns. */
+void nqm_materials_attach(nqm_materials *materials, nqm_textured *textured);
+/** Let the last material have those of material i, which outlives it. */
+void nqm_materials_share(nqm_materials *materials, size_t i);
+
+#endif
