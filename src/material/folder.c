@@ -57,17 +57,13 @@ static nqm_status fail_key(const nqm_textured *t, const char *entry, nqm_error *
 
 /* ---- one map ----------------------------------------------------------------------------------------------------- */
 
-static bool has_ending(const char *path, const char *ending) {
-    const char *dot = strrchr(path, '.');
-    return dot && strcasecmp(dot + 1, ending) == 0;
-}
-
 /* Let a key, or the normal with its y downwards or not, have the values of a file. channel: of those keys that have one value. */
 static nqm_status add_map(nqm_textured *t, const map_key *key, const char *from, const char *file, size_t channel,
                           nqm_error *err) {
     static const double uv[2][3] = {{1, 0, 0}, {0, 1, 0}}, one = 1, down[3] = {1, -1, 1}, shift[3] = {0, 1, 0};
     static const uint8_t wrap[2] = {NQM_MAP_REPEAT, NQM_MAP_REPEAT};
-    const bool is_coded = key && key->n == 3 && !has_ending(file, "exr");
+    const char *dot = strrchr(file, '.');
+    const bool is_coded = key && key->n == 3 && !(dot && strcasecmp(dot, ".exr") == 0);
     size_t image;
     if (!nqm_map_add_file(t, from, file, is_coded ? "srgb_texture" : "", &image))
         return nqm_fail(err, NQM_ERR_NOMEM, -1, "%s: out of memory, or more than %d maps", file, NQM_MAX_MAP_IMAGES);
@@ -181,39 +177,27 @@ static const struct map_name {
                  {"normaldx normal_dx nor_dx", "normal", 1, 1}};
 enum { N_NAMES = sizeof map_names / sizeof *map_names };
 
-/* The name of a file in lower case, with '_' for '-' and blanks, without its extension and what says its resolution. false: no picture. */
+/* "_" and the name of a file in lower case, with '_' for '-' and blanks, without its extension and resolution. false: no picture. */
 static bool simplify(const char *file, char *name, size_t n_name) {
-    static const char *const extensions[] = {"png", "jpg", "jpeg", "exr"};
-    size_t i = 0;
-    while (i < 4 && !has_ending(file, extensions[i]))
-        ++i;
-    if (i == 4)
+    const char *dot = strrchr(file, '.');
+    if (!dot || !nqm_has_word("png jpg jpeg exr", dot + 1, true))
         return false;
-    snprintf(name, n_name, "_%s", file);
-    *strrchr(name, '.') = 0;
+    snprintf(name, n_name, "_%.*s", (int)(dot - file), file);
     for (char *c = name; *c; ++c)
         *c = strchr("- .", *c) ? '_' : (char)tolower((unsigned char)*c);
-    for (char *last = strrchr(name, '_'); last && last != name; last = strrchr(name, '_')) {
-        const size_t n_digits = strspn(last + 1, "0123456789");
-        if (!n_digits || strcmp(last + 1 + n_digits, "k") != 0)
-            break;
+    char *last = strrchr(name, '_');
+    if (isdigit((unsigned char)last[1]) && strcmp(last + 1 + strspn(last + 1, "0123456789"), "k") == 0)
         *last = 0;
-    }
     return true;
 }
 
 static bool is_named(const char *name, const struct map_name *map) {
-    const size_t n = strlen(name);
-    for (const char *at = map->endings; *at; at += strspn(at, " ")) {
-        const size_t n_at = strcspn(at, " ");
-        if (n > n_at && name[n - n_at - 1] == '_' && strncmp(name + n - n_at, at, n_at) == 0)
+    for (const char *end = strchr(name, '_'); end; end = strchr(end + 1, '_'))
+        if (nqm_has_word(map->endings, end + 1, false))
             return true;
-        at += n_at;
-    }
     return false;
 }
 
-/* The files of each row of map_names; the list is NULL where there are none. */
 static nqm_status add_found(nqm_textured *t, const char *from, struct dirent **files, int n, nqm_error *err) {
     const struct map_name *chosen[N_NAMES] = {NULL};
     const char *found[N_NAMES] = {NULL};
@@ -242,33 +226,26 @@ static nqm_status add_found(nqm_textured *t, const char *from, struct dirent **f
 static nqm_status read_folder(nqm_textured *t, const char *path, nqm_error *err) {
     const double zero = 0;
     struct dirent **files;
-    char *from = nqm_alloc(strlen(path) + 2, 1);
-    const int n = from ? scandir(path, &files, NULL, alphasort) : -1;
-    nqm_status status = NQM_OK;
+    char from[4096];
+    bool has_metal = false;
     strcpy(t->shading.model, "gltf");
-    if (from)
-        snprintf(from, strlen(path) + 2, "%s/", path);
+    const int n =
+        snprintf(from, sizeof from, "%s/", path) < (int)sizeof from ? scandir(path, &files, NULL, alphasort) : -1;
     if (n < 0)
-        status = from ? nqm_fail(err, NQM_ERR_IO, -1, "%s: the folder cannot be read", path)
-                      : nqm_fail_nomem(err, strlen(path));
-    else
-        status = add_found(t, from, files, n, err);
+        return nqm_fail(err, NQM_ERR_IO, -1, "%s: the folder cannot be read", path);
+    nqm_status status = add_found(t, from, files, n, err);
+    for (int i = 0; i < n; ++i)
+        free(files[i]);
+    free(files);
     if (status == NQM_OK && !t->n_images)
         status = nqm_fail(err, NQM_ERR_ARG, -1,
                           "%s: no file of this folder is named like a map (..._color.png, ..._diff_2k.jpg, "
                           "..._roughness.png, ..._normalgl.png); list them: %sbase_color=FILE;roughness=FILE",
                           path, LIST_PREFIX);
-    /* What has no map of metal is none, although the default of the model is metal. */
-    bool has_metal = false;
     for (size_t i = 0; i < t->n_outputs; ++i)
         has_metal |= strcmp(t->outputs[i].key, "metallic") == 0;
-    if (!has_metal)
+    if (!has_metal) /* the default of the model is metal */
         nqm_shading_set(&t->shading, "metallic", 1, &zero);
-    for (int i = 0; i < n; ++i)
-        free(files[i]);
-    if (n >= 0)
-        free(files);
-    nqm_free(from);
     return status;
 }
 

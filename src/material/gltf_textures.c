@@ -214,15 +214,14 @@ static bool add_image(nqm_gltf_document *d, size_t i, const char *space, nqm_tex
 
 /* The image of a texture, of which formats that are not read have a fallback in some files. */
 static bool read_source(nqm_gltf_document *d, const json_t *texture, size_t *source) {
-    static const char *const formats[][2] = {{"KHR_texture_basisu", "KTX2 (Basis Universal)"},
-                                             {"EXT_texture_webp", "WebP"},
-                                             {"EXT_texture_avif", "AVIF"},
-                                             {"MSFT_texture_dds", "DDS"}};
+    static const char *const formats[] = {"KHR_texture_basisu", "EXT_texture_webp", "EXT_texture_avif",
+                                          "MSFT_texture_dds"};
+    static const char *const names[] = {"KTX2", "WebP", "AVIF", "DDS"};
     if (json_object_get(texture, "source"))
         return read_size(d, texture, "source", SIZE_MAX, source);
-    for (size_t i = 0; i < sizeof formats / sizeof *formats; ++i)
-        if (json_object_get(json_object_get(texture, "extensions"), formats[i][0]))
-            return fail(d, "the image is %s (%s), which is not read; convert it to PNG", formats[i][1], formats[i][0]);
+    for (size_t i = 0; i < sizeof names / sizeof *names; ++i)
+        if (json_object_get(json_object_get(texture, "extensions"), formats[i]))
+            return fail(d, "the image is %s (%s), which is not read; convert it to PNG", names[i], formats[i]);
     return fail(d, "the texture has no image ('source')");
 }
 
@@ -308,20 +307,15 @@ static const struct texture_use {
             {"sheenRoughnessTexture", "sheen_roughness", "", 4, 3},
             {"anisotropyTexture", "anisotropy_strength", "", 3, 2}};
 
-/* Red and green are the direction of the anisotropy, from -1 to 1, which is turned by anisotropyRotation. */
+/* Red and green are the direction of the anisotropy from -1 to 1, as a normal has them, which anisotropyRotation turns. */
 static uint16_t turn(nqm_textured *t, uint16_t image, const nqm_shading *shading) {
-    const double two = 2, one = 1;
-    uint16_t axis[2];
+    const double one = 1;
     double rotation[3];
-    for (size_t c = 0; c < 2; ++c)
-        axis[c] = nqm_map_compute(
-            t, NQM_MAP_SUBTRACT, 1,
-            nqm_map_compute(t, NQM_MAP_MULTIPLY, 1, nqm_map_channel(t, image, c), nqm_map_value(t, 1, &two), 0),
-            nqm_map_value(t, 1, &one), 0);
-    const uint16_t angle = nqm_map_compute(t, NQM_MAP_ANGLE, 1, axis[1], axis[0], 0);
-    return find_factor(shading, "anisotropy_rotation", rotation)
-               ? nqm_map_compute(t, NQM_MAP_ADD, 1, angle, nqm_map_value(t, 1, rotation), 0)
-               : angle;
+    const uint16_t direction = nqm_map_compute(t, NQM_MAP_NORMAL, 3, image, nqm_map_value(t, 1, &one), 0);
+    const uint16_t angle =
+        nqm_map_compute(t, NQM_MAP_ANGLE, 1, nqm_map_channel(t, direction, 1), nqm_map_channel(t, direction, 0), 0);
+    find_factor(shading, "anisotropy_rotation", rotation);
+    return nqm_map_compute(t, NQM_MAP_ADD, 1, angle, nqm_map_value(t, 1, rotation), 0);
 }
 
 static bool add_normal(nqm_gltf_document *d, const json_t *info, nqm_textured *t) {
