@@ -132,18 +132,14 @@ static nqm_status add_entry(nqm_textured *t, char *entry, nqm_error *err) {
 }
 
 static nqm_status find_list_model(nqm_textured *t, const char *list, nqm_error *err) {
-    char name[sizeof t->shading.model] = "gltf";
-    for (const char *at = list; at; at = strchr(at, ';')) {
-        at += *at == ';';
-        if (strncmp(at, "model=", 6) == 0)
-            snprintf(name, sizeof name, "%.*s", (int)nqm_smaller(strcspn(at + 6, ";"), sizeof name), at + 6);
-    }
-    strcpy(t->shading.model, name);
-    return find_model(name) ? NQM_OK
-                            : nqm_fail(err, NQM_ERR_ARG, -1,
-                                       "%smodel=%s: no such model; maps are read for gltf, open-pbr, standard-surface, "
-                                       "usd-preview and disney",
-                                       LIST_PREFIX, name);
+    const char *at = strncmp(list, "model=", 6) == 0 ? list - 1 : strstr(list, ";model="), *name = at ? at + 7 : "gltf";
+    snprintf(t->shading.model, sizeof t->shading.model, "%.*s", (int)strcspn(name, ";"), name);
+    if (find_model(t->shading.model))
+        return NQM_OK;
+    return nqm_fail(
+        err, NQM_ERR_ARG, -1,
+        "%smodel=%s: no such model; maps are read for gltf, open-pbr, standard-surface, usd-preview and disney",
+        LIST_PREFIX, t->shading.model);
 }
 
 static nqm_status read_list(nqm_textured *t, const char *list, nqm_error *err) {

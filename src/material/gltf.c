@@ -228,47 +228,34 @@ static nqm_status check_alpha(reader *r, const json_t *material) {
     return NQM_OK;
 }
 
-static const char *last_name(const char *path) {
-    const char *dot = strrchr(path, '.');
-    return dot ? dot + 1 : path;
-}
-
 static void remark(reader *r, bool is_needed, const char *text) {
     if (is_needed)
         r->reading.shading.remark = text;
 }
 
-/* There is one normal for all layers: the coat may have the normal map of the base only. */
-static bool check_coat_normal(reader *r, const json_t *material) {
-    const nqm_property *coat = nqm_shading_find(&r->reading.shading, "clearcoat");
-    const json_t *base = json_object_get(material, "normalTexture"), *own = NULL;
-    for (size_t i = 0; i < r->n_textures; ++i)
-        if (strcmp(last_name(r->textures[i].path), "clearcoatNormalTexture") == 0)
-            own = r->textures[i].value;
-    remark(r, base && coat && coat->v[0] > 0 && !own, "the clear coat is taken to have the normal map of the base");
-    return !own || (base && json_equal((json_t *)base, (json_t *)own)) ||
-           refuse(r, "extensions.KHR_materials_clearcoat.clearcoatNormalTexture", "",
-                  "a coat with another normal map than normalTexture is not supported");
-}
-
-/* The textures of a material whose factors are read. */
+/* The textures of a material whose factors are read. There is one normal for all layers: that of the base. */
 static void add_textures(reader *r, const json_t *material) {
-    const char *mode = json_string_value(json_object_get(material, "alphaMode"));
-    const bool has_alpha = mode && strcmp(mode, "OPAQUE") != 0;
+    const json_t *mode = json_object_get(material, "alphaMode"), *base = json_object_get(material, "normalTexture");
+    const nqm_property *coat = nqm_shading_find(&r->reading.shading, "clearcoat");
+    bool has_coat = coat && coat->v[0] > 0;
     nqm_textured *t = NULL;
     r->document.has_other_set = false;
     for (size_t i = 0; i < r->n_textures && !*r->reading.refusal; ++i) {
         const property *p = &r->textures[i];
-        const char *name = last_name(p->path);
+        const char *dot = strrchr(p->path, '.'), *name = dot ? dot + 1 : p->path;
         t = nqm_reading_textured(&r->reading, p, "%.120s: %s", shown(p->path), TEXTURE_REASON);
-        if (t && strcmp(name, "clearcoatNormalTexture") != 0 &&
-            !nqm_gltf_add_texture(&r->document, name, p->value, &r->reading.shading, t))
+        if (strcmp(name, "clearcoatNormalTexture") == 0) {
+            has_coat = false;
+            if (!json_equal(p->value, base))
+                refuse(r, p->path, "", "a coat with another normal map than normalTexture is not supported");
+        } else if (t && !nqm_gltf_add_texture(&r->document, name, p->value, &r->reading.shading, t))
             refuse(r, p->path, "", r->document.why);
-        remark(r, has_alpha && strcmp(name, "baseColorTexture") == 0,
+        remark(r, mode && strcmp(name, "baseColorTexture") == 0 && strcmp(json_string_value(mode), "OPAQUE") != 0,
                "the alpha of baseColorTexture is ignored: the surface is taken as opaque");
     }
     remark(r, r->document.has_other_set, "all sets of texture coordinates are taken as the same");
-    if (!*r->reading.refusal && check_coat_normal(r, material) && t && !t->n_outputs && t->normal == NQM_NO_NODE) {
+    remark(r, base && has_coat, "the clear coat is taken to have the normal map of the base");
+    if (!*r->reading.refusal && t && !t->n_outputs && t->normal == NQM_NO_NODE) {
         nqm_textured_free(t); /* the factors are 0 */
         r->reading.textured = NULL;
     }

@@ -4,6 +4,7 @@
  * image, bytes of embedded images, and what is refused.
  */
 #include "base/base.h"
+#include "base/memory_test.h"
 #include "material/maps.h"
 #include "support/check.h"
 
@@ -402,6 +403,43 @@ static void decoded_images_are_bounded(void **state) {
     free(text);
 }
 
+/* Every allocation fails once: no material is complete without what it needed, and nothing leaks. */
+static void failed_allocations_are_told(void **state) {
+    (void)state;
+    static const char text[] =
+        "{\"asset\":{\"version\":\"2.0\"},\"materials\":[{\"normalTexture\":{\"index\":0},\"pbrMetallicRoughness\":"
+        "{\"baseColorTexture\":{\"index\":1},\"roughnessFactor\":0.5,\"metallicRoughnessTexture\":{\"index\":2}}}],"
+        "\"textures\":[{\"source\":0},{\"source\":1},{\"source\":2}],\"images\":[{\"uri\":\"a.png\"},"
+        "{\"uri\":\"data:;base64,MDEy\"},{\"bufferView\":0}],\"bufferViews\":[{\"buffer\":0,\"byteLength\":3}],"
+        "\"buffers\":[{\"byteLength\":3,\"uri\":\"b.bin\"}]}";
+    const nqm_map map = {.data = (const unsigned char *)text, .n_bytes = sizeof text - 1, .path = "x.gltf"};
+    const nqm_textured *t = NULL;
+    for (long n = 0; !t && n < 1000; ++n) {
+        nqm_materials *materials = NULL;
+        nqm_error err = {0};
+        nqm_alloc_fail_after(n);
+        const nqm_status status = nqm_materials_read(&map, &materials, &err);
+        nqm_alloc_fail_after(-1);
+        t = status == NQM_OK ? nqm_materials_textured(materials, 0) : NULL;
+        assert_true(status == NQM_OK || (status == NQM_ERR_NOMEM && !materials));
+        if (t)
+            assert_true(t->n_images == 3 && t->n_outputs == 3 && t->normal != NQM_NO_NODE);
+        else if (status == NQM_OK)
+            assert_non_null(strstr(nqm_materials_get(materials, 0).refusal, "out of memory"));
+        nqm_materials_free(materials);
+    }
+    assert_non_null(t);
+    nqm_textured *list = NULL;
+    for (long n = 0; !list && n < 1000; ++n) {
+        nqm_alloc_fail_after(n);
+        const nqm_status status = nqm_maps_open("maps:base_color=a.png;roughness=b.png:g;normal=c.png:dx", &list, NULL);
+        nqm_alloc_fail_after(-1);
+        assert_true((status == NQM_OK) == (list != NULL) && (list || status == NQM_ERR_NOMEM));
+    }
+    assert_int_equal(list->n_outputs, 2);
+    nqm_textured_free(list);
+}
+
 /* ---- lists of maps ----------------------------------------------------------------------------------------------- */
 
 static nqm_textured *open_maps(const char *argument) {
@@ -543,13 +581,21 @@ static void folders_that_are_unclear_are_refused(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(core_textures_are_nodes),         cmocka_unit_test(layers_have_textures),
-        cmocka_unit_test(factors_of_zero_remove_textures), cmocka_unit_test(positions_are_transformed),
-        cmocka_unit_test(bad_textures_are_refused),        cmocka_unit_test(what_is_not_evaluated_is_remarked),
-        cmocka_unit_test(data_uris_are_decoded),           cmocka_unit_test(buffers_of_files_are_parts_of_them),
-        cmocka_unit_test(binary_chunks_are_found),         cmocka_unit_test(decoded_images_are_bounded),
-        cmocka_unit_test(lists_have_maps_and_numbers),     cmocka_unit_test(bad_lists_are_refused),
-        cmocka_unit_test(names_of_three_sites_are_known),  cmocka_unit_test(folders_that_are_unclear_are_refused),
+        cmocka_unit_test(core_textures_are_nodes),
+        cmocka_unit_test(layers_have_textures),
+        cmocka_unit_test(factors_of_zero_remove_textures),
+        cmocka_unit_test(positions_are_transformed),
+        cmocka_unit_test(bad_textures_are_refused),
+        cmocka_unit_test(what_is_not_evaluated_is_remarked),
+        cmocka_unit_test(data_uris_are_decoded),
+        cmocka_unit_test(buffers_of_files_are_parts_of_them),
+        cmocka_unit_test(binary_chunks_are_found),
+        cmocka_unit_test(decoded_images_are_bounded),
+        cmocka_unit_test(failed_allocations_are_told),
+        cmocka_unit_test(lists_have_maps_and_numbers),
+        cmocka_unit_test(bad_lists_are_refused),
+        cmocka_unit_test(names_of_three_sites_are_known),
+        cmocka_unit_test(folders_that_are_unclear_are_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
