@@ -24,24 +24,16 @@ extern const nqm_gltf_group nqm_gltf_extensions[NQM_GLTF_N_EXTENSIONS];
 nqm_rule_read nqm_gltf_read_base_color, nqm_gltf_read_texture, nqm_gltf_read_occlusion;
 
 enum { NQM_GLTF_N_ARRAYS = 5 };
-/** An array of the file, and its element that was read last. */
-typedef struct nqm_gltf_array {
-    bool is_known;
-    size_t n, max_n, *at; /**< positions of the elements in the JSON text */
-    size_t i;
-    json_t *value;
-} nqm_gltf_array;
-
 /** The parts of a file that its textures refer to. */
 typedef struct nqm_gltf_document {
     const char *path;
     nqm_json_source source;
-    size_t source_at, root; /**< of the JSON text in the file, and of the document in that */
-    size_t bin_at, n_bin;   /**< the binary chunk in the file */
-    nqm_gltf_array arrays[NQM_GLTF_N_ARRAYS];
-    size_t spent;       /**< bytes that were parsed or decoded so far */
-    bool has_other_set; /**< a texture that was added has texture coordinates of a set other than 0 */
-    char why[240];      /**< why nqm_gltf_add_texture() failed */
+    size_t source_at, root;            /**< of the JSON text in the file, and of the document in that */
+    size_t bin_at, n_bin;              /**< the binary chunk in the file */
+    json_t *arrays[NQM_GLTF_N_ARRAYS]; /**< those that are parsed */
+    size_t n_decoded;                  /**< bytes of images so far */
+    bool has_other_set;                /**< a texture that was added has texture coordinates of a set other than 0 */
+    char why[240];                     /**< why nqm_gltf_add_texture() failed */
 } nqm_gltf_document;
 
 /** Add the nodes of the texture `info`, a member `name` of a material or extension, to t. shading: the factors. */

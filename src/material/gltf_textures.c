@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Textures of glTF 2.0 materials as nodes of maps.h, with KHR_texture_transform. Of the arrays of the file that they refer to, only the
- * elements that are used are parsed, one by one: a tree of all would take twenty times the bytes of the file.
+ * Textures of glTF 2.0 materials as nodes of maps.h, with KHR_texture_transform. The arrays of the file that they refer to are
+ * parsed when a material needs them.
  */
 #include "io/io.h"
 #include "io/options_json.h"
@@ -25,60 +25,29 @@ __attribute__((format(printf, 2, 3))) static bool fail(nqm_gltf_document *d, con
 }
 
 void nqm_gltf_document_clear(nqm_gltf_document *d) {
-    for (size_t i = 0; i < NQM_GLTF_N_ARRAYS; ++i) {
-        nqm_free(d->arrays[i].at);
-        json_decref(d->arrays[i].value);
-    }
+    for (size_t i = 0; i < NQM_GLTF_N_ARRAYS; ++i)
+        json_decref(d->arrays[i]);
 }
 
-/* ---- elements of arrays ------------------------------------------------------------------------------------------ */
-
-/* The positions of all elements, once for the file. */
-static bool find_elements(nqm_gltf_document *d, size_t which) {
-    nqm_gltf_array *a = &d->arrays[which];
-    size_t at = nqm_json_first(&d->source, nqm_json_path(&d->source, d->root, array_names[which]));
-    for (; at != SIZE_MAX; at = nqm_json_next(&d->source, at)) {
-        size_t *grown = nqm_grow(a->at, &a->max_n, a->n + 1, sizeof *grown);
-        if (!grown)
-            return fail(d, "%s", no_memory);
-        a->at = grown;
-        a->at[a->n++] = at;
-    }
-    a->is_known = true;
-    return true;
-}
-
-/* Images that many materials use are decoded for each of them. This bounds time and memory by the size of the file. */
-static bool spend(nqm_gltf_document *d, size_t n_bytes) {
-    const size_t most = NQM_JSON_ROOM + 16 * d->source.n;
-    if (n_bytes > most - d->spent)
-        return fail(d, "the images in the JSON text take more than %zu KB for all materials; store the file as .glb",
-                    most >> 10);
-    d->spent += n_bytes;
-    return true;
-}
-
-/* Element i, which is valid until another of the same array is asked for. */
+/* Element i of an array, which is parsed when it is first needed; of one that is damaged only the first use tells how. */
 static const json_t *element(nqm_gltf_document *d, size_t which, size_t i) {
-    nqm_gltf_array *a = &d->arrays[which];
-    nqm_error err = {0};
-    if (!a->is_known && !find_elements(d, which))
-        return NULL;
-    if (a->value && a->i == i)
-        return a->value;
-    json_decref(a->value);
-    a->value = NULL;
-    a->i = i;
-    if (i >= a->n) {
-        fail(d, "%s[%zu] is missing; the file has %zu", array_names[which], i, a->n);
-        return NULL;
+    json_t **array = &d->arrays[which];
+    if (!*array) {
+        const size_t at = nqm_json_path(&d->source, d->root, array_names[which]), end = nqm_json_end(&d->source, at);
+        const nqm_json_place place = {d->path, d->source.n, d->source_at + at};
+        nqm_error err = {0};
+        if (at != d->root && nqm_json_read(d->source.text + at, end - at, JSON_REJECT_DUPLICATES | JSON_DECODE_ANY,
+                                           &place, array, &err) != NQM_OK) {
+            *array = json_array();
+            fail(d, "%s", err.message);
+            return NULL;
+        }
+        *array = *array ? *array : json_array();
     }
-    const size_t at = a->at[i], n = nqm_json_end(&d->source, at) - at;
-    const nqm_json_place place = {d->path, d->source.n, d->source_at + at};
-    if (spend(d, n) && nqm_json_read(d->source.text + at, n, JSON_REJECT_DUPLICATES | JSON_DECODE_ANY, &place,
-                                     &a->value, &err) != NQM_OK)
-        fail(d, "%s", err.message);
-    return a->value;
+    const json_t *value = json_array_get(*array, i);
+    if (!value)
+        fail(d, "%s[%zu] is missing; the file has %zu", array_names[which], i, json_array_size(*array));
+    return value;
 }
 
 /* An integer that is not negative. SIZE_MAX as fallback: the member must be there. */
@@ -119,7 +88,13 @@ static unsigned char *decode_data(nqm_gltf_document *d, const char *uri, size_t 
         fail(d, "bytes %zu to %zu are not in the data: URI, which has %zu bytes", first, first + *n, n_all);
         return NULL;
     }
-    unsigned char *bytes = spend(d, *n) ? nqm_alloc(*n, 1) : NULL;
+    /* Images that many materials use are decoded for each of them. */
+    d->n_decoded += *n;
+    if (d->n_decoded > NQM_JSON_ROOM + 8 * d->source.n) {
+        fail(d, "the images in the JSON text, decoded for each material, take too much memory; store the file as .glb");
+        return NULL;
+    }
+    unsigned char *bytes = nqm_alloc(*n, 1);
     for (size_t i = 0; bytes && i < *n; ++i) {
         const char *pair = code + (first + i) / 3 * 4 + (first + i) % 3;
         const int shift = 2 + 2 * (int)((first + i) % 3), high = digit_of(pair[0]), low = digit_of(pair[1]);
@@ -173,10 +148,9 @@ static bool read_view(nqm_gltf_document *d, const json_t *image, nqm_map_image *
     if (uri && is_data(uri))
         return (result->data = decode_data(d, uri, at, &result->n_bytes)) != NULL;
     result->at = uri ? at : d->bin_at + at;
-    char *name = uri ? decode_name(d, uri) : nqm_strdup(d->path);
-    result->path = name && uri ? nqm_path_beside(d->path, name) : name;
-    if (name != result->path)
-        nqm_free(name);
+    char *name = uri ? decode_name(d, uri) : NULL;
+    result->path = name ? nqm_path_beside(d->path, name) : uri ? NULL : nqm_strdup(d->path);
+    nqm_free(name);
     return result->path != NULL;
 }
 
