@@ -207,6 +207,26 @@ static bool check_coat_normal(reading *r) {
     return true;
 }
 
+/* Whether both inputs of the shader have the same value everywhere. */
+static bool is_same_color(reading *r, const char *a, const char *b) {
+    element *inputs[2] = {find_child(r, r->shader, "input", a), find_child(r, r->shader, "input", b)};
+    uint16_t nodes[2] = {NQM_NO_NODE, NQM_NO_NODE};
+    for (size_t i = 0; i < 2; ++i)
+        if (inputs[i] && has_value(inputs[i]))
+            nodes[i] = nqm_mtlx_read(&r->graph, inputs[i], i ? b : a, "color3");
+    return nodes[0] == nodes[1] && nodes[0] != NQM_NO_NODE;
+}
+
+bool nqm_mtlx_read_subsurface(nqm_reading *base, const nqm_rule *rule, const void *property) {
+    reading *r = (reading *)base;
+    const uint16_t node = has_value(property) ? read_node(r, rule, property) : NQM_NO_NODE;
+    if (node == NQM_NO_NODE || is_constant(r, node) || !is_same_color(r, "subsurface_color", "base_color"))
+        return nqm_rule_neutral(base, rule, property);
+    nqm_mtlx_remark(&r->graph, "light leaves the surface where it arrives: the map of the subsurface scattering, which "
+                               "has the color of the base, is ignored");
+    return true;
+}
+
 bool nqm_mtlx_read_emission(nqm_reading *base, const nqm_rule *rule, const void *property) {
     reading *r = (reading *)base;
     const uint16_t node = has_value(property) ? read_node(r, rule, property) : NQM_NO_NODE;

@@ -16,10 +16,10 @@ typedef struct nqm_mtlx_surface {
 enum { NQM_MTLX_N_SURFACES = 5 };
 extern const nqm_mtlx_surface nqm_mtlx_surfaces[NQM_MTLX_N_SURFACES];
 
-/** A key of the shading; the normal, and that of the coat; a tangent, which is refused; occlusion; emission, which is ignored if it
- *  is a map. */
+/** A key of the shading; the normal, and that of the coat; a tangent, which is refused; occlusion; emission, and subsurface
+ *  scattering of the color of the base, which are ignored if they are maps. */
 nqm_rule_read nqm_mtlx_read_key, nqm_mtlx_read_normal, nqm_mtlx_read_coat_normal, nqm_mtlx_read_tangent,
-    nqm_mtlx_read_occlusion, nqm_mtlx_read_emission;
+    nqm_mtlx_read_occlusion, nqm_mtlx_read_emission, nqm_mtlx_read_subsurface;
 
 /** A node of the document and what it has become. */
 typedef struct nqm_mtlx_built {

@@ -47,7 +47,7 @@ static const nqm_rule open_pbr[] = {
 
 static const nqm_rule standard_surface[] = {
     NQM_STANDARD_SURFACE_KEYS(KEY) NEUTRAL("transmission", "float", 0, transmission),
-    NEUTRAL("subsurface", "float", 0, subsurface),
+    {"subsurface", nqm_mtlx_read_subsurface, NULL, 1, 0, subsurface, NULL, "float"},
     NEUTRAL("thin_film_thickness", "float", 0, thin_film),
     EMISSION("emission", "float"),
     NEUTRAL("opacity", "color3", 1, opacity),
