@@ -61,7 +61,7 @@ static const node_kind kinds[] = {
     {"contrast", "in=0 amount=1 pivot=0.5", "ac-b*c+", 0, 0},
     {"luminance", "in=0 lumacoeffs=0.2722287,0.6740818,0.0536895", "ab.", 0, 0},
     {"saturate", "in=0 amount=1 lumacoeffs=0.2722287,0.6740818,0.0536895", "ac.abM", 0, 0},
-    {"hsvadjust", "in=0 amount=0,1,1", "aR bx00{+ 1byz{* H", 0, 0},
+    {"hsvadjust", "in=0 amount=0,1,1", "aR bx00{+ 1bybz{* H", 0, 0},
     {"rgbtohsv", "in=0", "aR", 0, 0},
     {"hsvtorgb", "in=0", "aH", 0, 0},
     {"ifgreater", "value1=1 value2=0 in1=0 in2=0", "abcd>", 0, 0},
