@@ -145,7 +145,7 @@ static uint16_t read_constant(graph *g, element *e, const char *type) {
     double v[4];
     const size_t n = components(type);
     if (n == 0)
-        return REFUSE(g, "%s has the type '%.40s', which is not read", name, type);
+        return REFUSE(g, "%s has the type '%.40s', which is not read", name, type ? type : "");
     if (!text)
         return REFUSE(g, "%s has no value", name);
     if (is_text(type, "boolean") && (is_text(text, "true") || is_text(text, "false")))
@@ -202,7 +202,10 @@ static uint16_t compute(graph *g, nqm_map_op op, size_t n, const uint16_t *in) {
     }
     if (!is_constant)
         return nqm_map_add(g->t, node);
-    nqm_map_node_value(&folded, values, v);
+    nqm_map_node_value(&folded, (const double(*)[4])values, v);
+    for (size_t c = 0; c < n; ++c)
+        if (!isfinite(v[c]))
+            return REFUSE(g, "%s is not finite", g->name);
     return nqm_map_value(g->t, n, v);
 }
 
@@ -500,19 +503,22 @@ static uint16_t build(graph *g, element *node, const char *output) {
     const size_t n_kinds = sizeof kinds / sizeof *kinds;
     while (k < n_kinds && !is_text(kinds[k].name, node->name))
         ++k;
-    if (k == n_kinds || !is_evaluated(g, node))
-        return build_channels(g, node);
     machine m = {.g = g};
-    if (kinds[k].uv_program)
-        m.operand[m.n_operands++] = read_image(g, &kinds[k], node);
-    read_operands(&m, node, kinds[k].operands);
-    uint16_t result = run(&m, kinds[k].program);
+    uint16_t result;
+    if (k == n_kinds || !is_evaluated(g, node)) {
+        result = build_channels(g, node);
+    } else {
+        if (kinds[k].uv_program)
+            m.operand[m.n_operands++] = read_image(g, &kinds[k], node);
+        read_operands(&m, node, kinds[k].operands);
+        result = run(&m, kinds[k].program);
+    }
     result = n ? resize(g, result, n) : result;
-    if (*output && (n == 0 || is_text(node->name, "UsdUVTexture")))
-        return nqm_has_word("outcolor rgb", output, false)
-                   ? resize(g, result, 3)
-                   : swizzle(g, result, output + (strncmp(output, "out", 3) == 0 ? 3 : 0));
-    return result;
+    if (!*output || (n > 0 && !is_text(node->name, "UsdUVTexture")))
+        return result;
+    return nqm_has_word("outcolor rgb", output, false)
+               ? resize(g, result, 3)
+               : swizzle(g, result, output + (strncmp(output, "out", 3) == 0 ? 3 : 0));
 }
 
 static uint16_t build_once(graph *g, element *node, const char *output) {
