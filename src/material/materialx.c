@@ -120,7 +120,6 @@ static const nqm_rule_source source = {.term = "input", .find = find_input, .rea
 bool nqm_mtlx_read_key(nqm_reading *r, const nqm_rule *rule, const void *property) {
     reading *all = (reading *)r;
     double v[4];
-    size_t n;
     char text[200];
     if (!has_value(property))
         return true; /* the default, which is set */
@@ -131,8 +130,8 @@ bool nqm_mtlx_read_key(nqm_reading *r, const nqm_rule *rule, const void *propert
         nqm_map_output_set(all->graph.t, rule->key, node);
         return nqm_reading_textured(r, property, "%s", describe(all, rule, text)) != NULL;
     }
-    if (!read_values(r, rule, property, v, &n))
-        return false;
+    const size_t n = rule->n;
+    memcpy(v, all->graph.t->nodes[node].v, sizeof v);
     for (size_t c = 0; n == 3 && c < n; ++c) {
         if (v[c] < OUT_OF_GAMUT)
             return nqm_refuse(r, property, "%s is outside BT.709: %.4g %.4g %.4g", rule->name, v[0], v[1], v[2]);
@@ -326,10 +325,9 @@ static nqm_index_key key_of_known(const void *value) {
 
 /* Add a material whose shader an earlier one has, too. */
 static nqm_status add_again(size_t i, element *material, nqm_materials *materials, nqm_error *err) {
-    const nqm_material_info earlier = nqm_materials_get(materials, i);
-    nqm_material_info info = earlier;
+    nqm_material_info info = nqm_materials_get(materials, i);
     info.name = nqm_xml_get(material, "name");
-    info.byte_offset = earlier.spec ? material->byte_offset : earlier.byte_offset;
+    info.byte_offset = info.spec ? material->byte_offset : info.byte_offset;
     const nqm_status status = nqm_materials_add(materials, &info, err);
     if (status == NQM_OK && nqm_materials_textured(materials, i))
         nqm_materials_share(materials, i);
@@ -340,10 +338,7 @@ static nqm_status add_again(size_t i, element *material, nqm_materials *material
 static nqm_status add_material(reading *r, element *material, nqm_materials *materials, nqm_error *err) {
     const size_t number = nqm_materials_count(materials);
     r->material = material;
-    r->reading = (nqm_reading){.source = &source, .textured = nqm_textured_create()};
-    if (!r->reading.textured)
-        return nqm_fail_nomem(err, sizeof *r->reading.textured);
-    r->graph.t = r->reading.textured;
+    r->reading = (nqm_reading){.source = &source};
     r->graph.n_built = 0;
     r->graph.depth = 0;
     *r->graph.remark = 0;
@@ -351,10 +346,11 @@ static nqm_status add_material(reading *r, element *material, nqm_materials *mat
     r->shader = strcmp(material->name, "surfacematerial") == 0 ? find_shader(r) : material;
     const bool has_shader = r->shader && check_displacement(r);
     const struct known_shader *known = has_shader ? nqm_index_find(&r->shaders, (nqm_index_key){r->shader, ""}) : NULL;
-    if (known) {
-        nqm_textured_free(r->reading.textured);
+    if (known)
         return add_again(known->material, material, materials, err);
-    }
+    r->graph.t = r->reading.textured = nqm_textured_create();
+    if (!r->graph.t)
+        return nqm_fail_nomem(err, sizeof *r->graph.t);
     if (has_shader && read_shader(r))
         nqm_mtlx_prune(r->graph.t);
     nqm_status status =

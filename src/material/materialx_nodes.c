@@ -15,7 +15,7 @@ typedef nqm_mtlx_graph graph;
 
 enum { MAX_HOPS = 64, MAX_OPERANDS = 16 };
 
-/* A node. Operands are named with their defaults ("@": the texture coordinates), and are a, b, ... in the program, which is in reverse
+/* Nodes of these names. Operands are named with their defaults ("@": the texture coordinates), and are a, b, ... in the program, which is in reverse
  * Polish notation: digits are constants, `!` makes an operand of the result so far, and run_token() has the operations. */
 typedef struct node_kind {
     const char *name, *operands, *program;
@@ -29,11 +29,7 @@ typedef struct node_kind {
 
 static const node_kind kinds[] = {
     {"constant", "value=0", "a", 0, 0},
-    {"dot", "in=0", "a", 0, 0},
-    {"convert", "in=0", "a", 0, 0},
-    {"separate2", "in=0", "a", 0, 0},
-    {"separate3", "in=0", "a", 0, 0},
-    {"separate4", "in=0", "a", 0, 0},
+    {"dot convert separate2 separate3 separate4", "in=0", "a", 0, 0},
     {"texcoord", UV, "a", 0, 0},
     {"add", "in1=0 in2=0", "ab+", 0, 0},
     {"subtract", "in1=0 in2=0", "ab-", 0, 0},
@@ -381,24 +377,25 @@ static uint8_t read_wrap(const graph *g, element *node, const char *name, const 
 /* The file of an image, with its colour space; false: refused. */
 static bool read_file(graph *g, element *node, const char *type, size_t *image_ret) {
     element *e;
+    char path[4096];
     const char *file = read_text(g, node, "file", &e), *node_name = nqm_xml_get(node, "name");
     if (!file || !*file)
-        return REFUSE(g, "%s reads node '%.60s', which names no file", g->name, node_name) != NQM_NO_NODE;
+        return nqm_refuse(g->reading, g->input, "%s reads node '%.60s', which names no file", g->name, node_name);
     if (strpbrk(file, "<[{"))
-        return REFUSE(g, "%s: the file of node '%.60s' depends on the geometry ('%.80s'), which is not read", g->name,
-                      node_name, file) != NQM_NO_NODE;
+        return nqm_refuse(g->reading, g->input,
+                          "%s: the file of node '%.60s' depends on the geometry ('%.80s'), which is not read", g->name,
+                          node_name, file);
     const char *prefix = inherited(e, "fileprefix"), *space = is_color(type) ? inherited(e, "colorspace") : NULL;
     const char *source = read_text(g, node, "sourceColorSpace", NULL);
     if (source && !is_text(source, "auto"))
         space = is_text(source, "sRGB") ? "srgb_texture" : NULL;
     if (!nqm_color_to_rec709(space, (double[3]){0}))
-        return REFUSE(g, "%s is in the colour space '%.40s', which is not known", g->name, space) != NQM_NO_NODE;
-    char path[4096];
-    if (snprintf(path, sizeof path, "%s%s", prefix ? prefix : "", file) >= (int)sizeof path ||
-        !nqm_map_add_file(g->t, g->path, path, space, image_ret))
-        return REFUSE(g, "%s: its graph has more than %d images, or a name that is too long", g->name,
-                      NQM_MAX_MAP_IMAGES) != NQM_NO_NODE;
-    return true;
+        return nqm_refuse(g->reading, g->input, "%s is in the colour space '%.40s', which is not known", g->name,
+                          space);
+    const int n_path = snprintf(path, sizeof path, "%s%s", prefix ? prefix : "", file);
+    return (n_path < (int)sizeof path && nqm_map_add_file(g->t, g->path, path, space, image_ret)) ||
+           nqm_refuse(g->reading, g->input, "%s: its graph has more than %d images, or a name that is too long",
+                      g->name, NQM_MAX_MAP_IMAGES);
 }
 
 static uint16_t read_image(graph *g, const node_kind *kind, element *node) {
@@ -501,7 +498,7 @@ static bool is_evaluated(const graph *g, element *node) {
 static uint16_t build(graph *g, element *node, const char *output) {
     size_t k = 0, n = components(nqm_xml_get(node, "type"));
     const size_t n_kinds = sizeof kinds / sizeof *kinds;
-    while (k < n_kinds && !is_text(kinds[k].name, node->name))
+    while (k < n_kinds && !nqm_has_word(kinds[k].name, node->name, false))
         ++k;
     machine m = {.g = g};
     uint16_t result;
@@ -592,27 +589,25 @@ void nqm_mtlx_remark(graph *g, const char *text) {
 
 void nqm_mtlx_prune(nqm_textured *t) {
     bool is_used[NQM_MAX_MAP_NODES] = {false}, is_seen[NQM_MAX_MAP_IMAGES] = {false};
-    uint16_t number[NQM_MAX_MAP_NODES], image_number[NQM_MAX_MAP_IMAGES] = {0};
+    uint16_t number[NQM_MAX_MAP_NODES], image_number[NQM_MAX_MAP_IMAGES];
     size_t n = 0, n_images = 0;
-    for (size_t i = 0; i < t->n_outputs; ++i)
-        is_used[t->outputs[i].node] = true;
-    if (t->normal != NQM_NO_NODE)
-        is_used[t->normal] = true;
-    for (size_t i = t->n_nodes; i-- > 0;)
+    for (size_t i = t->n_nodes; i-- > 0;) {
+        is_used[i] = is_used[i] || i == t->normal;
+        for (size_t k = 0; k < t->n_outputs; ++k)
+            is_used[i] = is_used[i] || i == t->outputs[k].node;
         for (size_t k = 0; is_used[i] && k < nqm_map_operands(t->nodes[i].op, t->nodes[i].n); ++k)
             is_used[t->nodes[i].in[k]] = true;
-    for (size_t i = 0; i < t->n_nodes; ++i)
         if (is_used[i] && t->nodes[i].op == NQM_MAP_IMAGE)
             is_seen[t->nodes[i].image] = true;
+    }
     for (size_t i = 0; i < t->n_images; ++i) {
-        const nqm_map_image image = t->images[i];
         image_number[i] = (uint16_t)n_images;
         if (is_seen[i]) {
-            t->images[n_images++] = image;
-        } else {
-            nqm_free(image.path);
-            nqm_free(image.name);
+            t->images[n_images++] = t->images[i];
+            continue;
         }
+        nqm_free(t->images[i].path);
+        nqm_free(t->images[i].name);
     }
     for (size_t i = 0; i < t->n_nodes; ++i) {
         nqm_map_node node = t->nodes[i];
@@ -625,8 +620,7 @@ void nqm_mtlx_prune(nqm_textured *t) {
     }
     for (size_t i = 0; i < t->n_outputs; ++i)
         t->outputs[i].node = number[t->outputs[i].node];
-    if (t->normal != NQM_NO_NODE)
-        t->normal = number[t->normal];
+    t->normal = t->normal == NQM_NO_NODE ? NQM_NO_NODE : number[t->normal];
     t->n_nodes = n;
     t->n_images = n_images;
 }

@@ -121,8 +121,10 @@ nqm_status nqm_reading_add(nqm_reading *r, const char *name, const char *surface
     const bool is_refused = *r->refusal, varies = !is_refused && r->textured && *r->varies;
     const bool has_spec = !is_refused && !varies && !r->file;
     char *spec = has_spec ? nqm_shading_spec(&r->shading) : NULL;
-    if (has_spec && !spec)
+    if (has_spec && !spec) {
+        nqm_textured_free(r->textured);
         return nqm_fail_nomem(err, sizeof r->shading);
+    }
     const nqm_material_info info = {.name = name,
                                     .surface = surface,
                                     .spec = is_refused || varies ? NULL
