@@ -37,7 +37,7 @@ typedef enum nqm_map_op {
     NQM_MAP_HSV_TO_RGB,
     NQM_MAP_TEXCOORD, /**< u, and v measured upwards from the lower edge, of the surface: two components */
     NQM_MAP_ANGLE,    /**< the angle from the x axis to (in[1], in[0]) in radians: atan2(in[0], in[1]) */
-    NQM_MAP_NORMAL, /**< a tangent-space normal: 2 in[0] - 1, its x and y multiplied by in[1], normalised; y points up */
+    NQM_MAP_NORMAL, /**< a tangent-space normal: 2 in[0] - 1, its x and y multiplied by in[1], normalised; y points up; (0, 0, 1) where in[0] is black */
     NQM_MAP_OPS
 } nqm_map_op;
 
@@ -106,6 +106,11 @@ uint16_t nqm_map_add(nqm_textured *t, nqm_map_node node);
 uint16_t nqm_map_value(nqm_textured *t, size_t n, const double *v);
 /** A node with up to three operands; operands that the operation does not have are NQM_NO_NODE. n: components of the value. */
 uint16_t nqm_map_compute(nqm_textured *t, nqm_map_op op, size_t n, uint16_t a, uint16_t b, uint16_t c);
+/** How many operands a node with this operation and n components has. */
+size_t nqm_map_operands(nqm_map_op op, size_t n);
+/** The value of a node at one position, also beyond its n components, where it repeats the last one.
+ *  values (4 each): of the earlier nodes, repeated likewise. The caller evaluates NQM_MAP_IMAGE and NQM_MAP_TEXCOORD itself. */
+void nqm_map_node_value(const nqm_map_node *node, const double (*values)[4], double out[4]);
 /** Component c of a node; the node itself if it has only one. */
 uint16_t nqm_map_channel(nqm_textured *t, uint16_t of, size_t c);
 /** An image, of n channels. uv, wrap: as in nqm_map_node. */
