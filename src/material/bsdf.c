@@ -5,8 +5,6 @@
 #include "material/bsdf.h"
 #include "material/color_space.h"
 
-#include <math.h>
-
 /* ---- nodes ------------------------------------------------------------------------------------------------------- */
 
 enum { MAX_NODES = 100 * 1000 };
@@ -195,6 +193,19 @@ nqm_textured *nqm_bsdf_textured(nqm_bsdf_reading *r, const nqm_bsdf_node *node) 
                : nqm_reading_textured(&r->reading, node, IS_PLUGIN, node->name, node->type);
 }
 
+bool nqm_bsdf_is_texture(const nqm_bsdf_node *node) {
+    return node && (node->kind == NQM_BSDF_TEXTURE || node->kind == NQM_BSDF_REF);
+}
+
+const nqm_bsdf_node *nqm_bsdf_filename(nqm_bsdf_reading *r) {
+    const nqm_bsdf_node *texture = &r->nodes->list[r->at], *file = nqm_bsdf_find(r, "filename");
+    if (file && file->kind == NQM_BSDF_STRING && *file->value)
+        return file;
+    nqm_refuse(&r->reading, texture, "the %s texture '%.40s' has no filename", texture->type,
+               *texture->id ? texture->id : texture->name);
+    return NULL;
+}
+
 bool nqm_bsdf_is_float_image(const char *file) {
     const char *dot = strrchr(file, '.');
     return dot && nqm_has_word(".exr .hdr .rgbe .pfm", dot, true);
@@ -217,18 +228,19 @@ bool nqm_bsdf_image(nqm_bsdf_reading *r, const nqm_bsdf_node *file, const char *
     return check_value(r, file, *value_ret);
 }
 
-bool nqm_bsdf_output(nqm_bsdf_reading *r, const nqm_bsdf_node *node, const char *key, uint16_t value, double low) {
+uint16_t nqm_bsdf_compute(nqm_bsdf_reading *r, nqm_map_op op, size_t n, uint16_t a, double b) {
     nqm_textured *t = r->reading.textured;
-    if (low > -INFINITY && value != NQM_NO_NODE)
-        value = nqm_map_compute(t, NQM_MAP_MAXIMUM, t->nodes[value].n, value, nqm_map_value(t, 1, &low), NQM_NO_NODE);
-    nqm_map_output_set(t, key, value);
+    return nqm_map_compute(t, op, n, a, nqm_map_value(t, 1, &b), NQM_NO_NODE);
+}
+
+bool nqm_bsdf_output(nqm_bsdf_reading *r, const nqm_bsdf_node *node, const char *key, uint16_t value) {
+    nqm_map_output_set(r->reading.textured, key, value);
     return check_value(r, node, value);
 }
 
 bool nqm_bsdf_normal(nqm_bsdf_reading *r, const nqm_bsdf_node *node, uint16_t rgb) {
-    nqm_textured *t = r->reading.textured;
-    t->normal = nqm_map_compute(t, NQM_MAP_NORMAL, 3, rgb, nqm_map_value(t, 1, &(double){1}), NQM_NO_NODE);
-    return check_value(r, node, t->normal);
+    r->reading.textured->normal = nqm_bsdf_compute(r, NQM_MAP_NORMAL, 3, rgb, 1);
+    return check_value(r, node, r->reading.textured->normal);
 }
 
 /* ---- types ------------------------------------------------------------------------------------------------------- */

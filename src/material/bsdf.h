@@ -95,13 +95,19 @@ nqm_rule_read nqm_bsdf_file;
 
 /** The maps of the material; the first call records that the property `node` is no constant. NULL: refused. */
 nqm_textured *nqm_bsdf_textured(nqm_bsdf_reading *r, const nqm_bsdf_node *node);
+/** Whether a property, or NULL, is no constant. */
+bool nqm_bsdf_is_texture(const nqm_bsdf_node *node);
+/** The filename of the texture r->at; NULL: refused. */
+const nqm_bsdf_node *nqm_bsdf_filename(nqm_bsdf_reading *r);
 /** Whether the file holds linear floats: OpenEXR, Radiance or PFM. */
 bool nqm_bsdf_is_float_image(const char *file);
 /** RGB of an image file. uv, wrap: as in nqm_map_node. */
 bool nqm_bsdf_image(nqm_bsdf_reading *r, const nqm_bsdf_node *file, const char *space, const double uv[2][3],
                     nqm_map_wrap wrap, uint16_t *value_ret);
-/** Let a key have the computed value, at least `low`. node: of the property, for messages. */
-bool nqm_bsdf_output(nqm_bsdf_reading *r, const nqm_bsdf_node *node, const char *key, uint16_t value, double low);
+/** An operation of a node and the number b; n: components. */
+uint16_t nqm_bsdf_compute(nqm_bsdf_reading *r, nqm_map_op op, size_t n, uint16_t a, double b);
+/** Let a key have the computed value. node: of the property, for messages. */
+bool nqm_bsdf_output(nqm_bsdf_reading *r, const nqm_bsdf_node *node, const char *key, uint16_t value);
 /** Let the normal be that of an RGB map. */
 bool nqm_bsdf_normal(nqm_bsdf_reading *r, const nqm_bsdf_node *node, uint16_t rgb);
 

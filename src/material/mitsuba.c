@@ -65,27 +65,21 @@ static bool read_to_uv(nqm_bsdf_reading *r, double uv[2][3]) {
 }
 
 /* RGB of the bitmap r->at. */
-static bool read_bitmap(nqm_bsdf_reading *r, const nqm_bsdf_node *bitmap, uint16_t *value_ret) {
-    const nqm_bsdf_node *file = nqm_bsdf_find(r, "filename");
+static bool read_bitmap(nqm_bsdf_reading *r, uint16_t *value_ret) {
+    const nqm_bsdf_node *file = nqm_bsdf_filename(r);
     double uv[2][3] = {{1, 0, 0}, {0, 1, 0}};
     bool is_raw = false;
     uint8_t wrap;
-    if (!file || file->kind != NQM_BSDF_STRING || !*file->value)
-        return nqm_refuse(&r->reading, bitmap, "%s: the bitmap has no filename", bitmap->name);
     for (size_t i = nqm_bsdf_next(r->nodes, r->at, r->at + 1); i < r->nodes->n;
          i = nqm_bsdf_next(r->nodes, r->at, i + 1))
         if (!nqm_has_word("filename filter_type wrap_mode raw to_uv format accel", r->nodes->list[i].name, false))
             return nqm_refuse(&r->reading, &r->nodes->list[i], "bitmap has no property '%.40s'",
                               r->nodes->list[i].name);
-    if (!nqm_bsdf_flag(r, "raw", &is_raw) || !nqm_bsdf_choice(r, "wrap_mode", "repeat mirror clamp", &wrap) ||
+    if (!file || !nqm_bsdf_flag(r, "raw", &is_raw) || !nqm_bsdf_choice(r, "wrap_mode", "repeat mirror clamp", &wrap) ||
         !read_to_uv(r, uv))
         return false;
     const char *space = is_raw || nqm_bsdf_is_float_image(file->value) ? "" : "srgb_texture";
     return nqm_bsdf_image(r, file, space, uv, (nqm_map_wrap)wrap, value_ret);
-}
-
-static bool is_texture(const nqm_bsdf_node *node) {
-    return node && (node->kind == NQM_BSDF_TEXTURE || node->kind == NQM_BSDF_REF);
 }
 
 /* The value of a texture, or of a reference to one, as n components: of a number Mitsuba takes the luminance. */
@@ -100,7 +94,7 @@ static bool read_texture(nqm_bsdf_reading *r, const nqm_bsdf_node *node, size_t 
     const size_t at = r->at;
     nqm_textured *t = nqm_bsdf_textured(r, node);
     r->at = (size_t)(texture - r->nodes->list);
-    const bool is_read = t && read_bitmap(r, texture, value_ret);
+    const bool is_read = t && read_bitmap(r, value_ret);
     r->at = at;
     if (is_read && n == 1)
         *value_ret = nqm_map_compute(t, NQM_MAP_LUMINANCE, 1, *value_ret, NQM_NO_NODE, NQM_NO_NODE);
@@ -112,15 +106,14 @@ static bool read_texture(nqm_bsdf_reading *r, const nqm_bsdf_node *node, size_t 
 static bool set_or_map(nqm_reading *r, const nqm_rule *rule, const void *property) {
     nqm_bsdf_reading *bsdf = (nqm_bsdf_reading *)r;
     uint16_t value;
-    if (!is_texture(property))
+    if (!nqm_bsdf_is_texture(property))
         return nqm_rule_set(r, rule, property);
-    return read_texture(bsdf, property, rule->n, &value) &&
-           nqm_bsdf_output(bsdf, property, rule->key, value, -INFINITY);
+    return read_texture(bsdf, property, rule->n, &value) && nqm_bsdf_output(bsdf, property, rule->key, value);
 }
 
 /* The roughplastic of Mitsuba integrates over its lobe beforehand, for a constant alpha. */
 static bool is_alpha_map(const nqm_reading *r, const nqm_bsdf_node *node) {
-    return is_texture(node) && strcmp(r->shading.model, "rough-plastic") != 0;
+    return nqm_bsdf_is_texture(node) && strcmp(r->shading.model, "rough-plastic") != 0;
 }
 
 /* Mitsuba clamps alpha so that the distribution is finite. */
@@ -130,7 +123,8 @@ static bool read_alpha(nqm_reading *r, const nqm_rule *rule, const void *propert
     size_t n;
     uint16_t value;
     if (is_alpha_map(r, property))
-        return read_texture(bsdf, property, 1, &value) && nqm_bsdf_output(bsdf, property, rule->key, value, 1e-4);
+        return read_texture(bsdf, property, 1, &value) &&
+               nqm_bsdf_output(bsdf, property, rule->key, nqm_bsdf_compute(bsdf, NQM_MAP_MAXIMUM, 1, value, 1e-4));
     if (!nqm_bsdf_source.read(r, rule, property, v, &n))
         return false;
     v[0] = fmax(v[0], 1e-4);
@@ -208,17 +202,16 @@ static bool read_ior(nqm_bsdf_reading *r, const char *name, double *v) {
 static bool read_alpha_maps(nqm_bsdf_reading *r, const nqm_bsdf_node *const nodes[2]) {
     uint16_t value[2];
     for (size_t c = 0; c < 2; ++c) {
-        nqm_textured *t = nqm_bsdf_textured(r, nodes[!is_texture(nodes[0])]);
+        nqm_textured *t = nqm_bsdf_textured(r, nodes[!nqm_bsdf_is_texture(nodes[0])]);
         double v;
-        if (!t || !(is_texture(nodes[c]) ? read_texture(r, nodes[c], 1, &value[c])
-                                         : nqm_bsdf_numbers(r, nodes[c]->name, 1, &v)))
+        if (!t || !(nqm_bsdf_is_texture(nodes[c]) ? read_texture(r, nodes[c], 1, &value[c])
+                                                  : nqm_bsdf_numbers(r, nodes[c]->name, 1, &v)))
             return false;
-        if (!is_texture(nodes[c]))
+        if (!nqm_bsdf_is_texture(nodes[c]))
             value[c] = nqm_map_value(t, 1, &v);
     }
-    return nqm_bsdf_output(r, nodes[0], "alpha",
-                           nqm_map_compute(r->reading.textured, NQM_MAP_COMBINE, 2, value[0], value[1], NQM_NO_NODE),
-                           1e-4);
+    value[0] = nqm_map_compute(r->reading.textured, NQM_MAP_COMBINE, 2, value[0], value[1], NQM_NO_NODE);
+    return nqm_bsdf_output(r, nodes[0], "alpha", nqm_bsdf_compute(r, NQM_MAP_MAXIMUM, 2, value[0], 1e-4));
 }
 
 static bool finish_alpha(nqm_bsdf_reading *r, const nqm_bsdf_node *bsdf) {
@@ -385,7 +378,7 @@ static size_t unwrap(nqm_bsdf_reading *r, size_t at) {
 static bool read_normal(nqm_bsdf_reading *r) {
     const nqm_bsdf_node *bsdf = &r->nodes->list[r->at], *node = nqm_bsdf_find(r, "normalmap");
     uint16_t rgb;
-    if (!is_texture(node))
+    if (!nqm_bsdf_is_texture(node))
         return nqm_refuse(&r->reading, bsdf, "the texture normalmap is missing");
     return nqm_reading_textured(&r->reading, bsdf, LAYERED) && read_texture(r, node, 3, &rgb) &&
            nqm_bsdf_normal(r, node, rgb);

@@ -5,12 +5,12 @@
  * Colours are those of the default colour space, linear sRGB. pbrt is a spectral renderer: eta and k given as "metal-Au-eta" are the
  * RGB values of metals.c.
  */
-#include "material/bsdf.h"
+#include "material/pbrt.h"
 
 #include <ctype.h>
 #include <math.h>
 
-enum { MAX_PARAMETERS = 32, MAX_BYTES = 256 << 20, MAX_TOKEN = 256 };
+enum { MAX_PARAMETERS = 32, MAX_BYTES = 256 << 20, MAX_TOKEN = NQM_PBRT_MAX_TOKEN };
 
 /* ---- tokens ------------------------------------------------------------------------------------------------------ */
 
@@ -169,210 +169,18 @@ static nqm_status read_parameters(scanner *s, material *m) {
 
 /* ---- materials to shadings --------------------------------------------------------------------------------------- */
 
-/* "metal-Au-eta" */
-static bool read_metal(nqm_bsdf_reading *r, const nqm_bsdf_node *node, double v[3]) {
-    char name[MAX_TOKEN] = "", names[300];
-    const char *part = node->name;
-    const size_t n = strlen(node->value), n_part = strlen(part);
-    if (n > 7 + n_part && n < sizeof name && strncmp(node->value, "metal-", 6) == 0 &&
-        node->value[n - n_part - 1] == '-' && strcmp(node->value + n - n_part, part) == 0)
-        memcpy(name, node->value + 6, n - 7 - n_part);
-    const nqm_metal *metal = nqm_metal_find(name);
-    nqm_metal_names(names, sizeof names);
-    if (!metal)
-        return nqm_refuse(&r->reading, node, "%s: the spectrum '%.40s' is not known; these metals are: %s", part,
-                          node->value, names);
-    memcpy(v, strcmp(part, "k") == 0 ? metal->k : metal->eta, 3 * sizeof *v);
-    return true;
-}
-
-/* A colour; `v` keeps its value when the parameter is not given. */
-static bool read_colour(nqm_bsdf_reading *r, const char *name, double v[3]) {
-    const nqm_bsdf_node *node = nqm_bsdf_find(r, name);
-    const bool is_spectrum = node && node->kind == NQM_BSDF_SPECTRUM;
-    if (is_spectrum && strcmp(name, "reflectance") != 0 && !strchr(node->value, ' '))
-        return read_metal(r, node, v);
-    if (is_spectrum)
-        return nqm_refuse(&r->reading, node, "%s is a spectrum by wavelength; only RGB is read", name);
-    if (node && node->kind == NQM_BSDF_NUMBER)
-        return nqm_refuse(&r->reading, node, "%s needs three numbers, \"rgb %s\" [ r g b ]", name, name);
-    return nqm_bsdf_numbers(r, name, 3, v);
-}
-
-/* ---- textures ---------------------------------------------------------------------------------------------------- */
-
-enum { MAX_TEXTURES = 256 }; /* a mix of mixes of the same two textures names them exponentially often */
-static const double no_low = -INFINITY;
-
-static bool is_texture(const nqm_bsdf_node *node) {
-    return node && node->kind == NQM_BSDF_TEXTURE;
-}
-
-static bool read_texture(nqm_bsdf_reading *r, bool is_colour, uint16_t *value_ret);
-
-/* The value of the texture that a parameter names. `is_colour`: a spectrum, with three components; they have names of their own. */
-static bool read_named(nqm_bsdf_reading *r, const nqm_bsdf_node *parameter, bool is_colour, uint16_t *value_ret) {
-    const nqm_bsdf_reading before = {.nodes = r->nodes, .at = r->at};
-    const size_t n = r->nodes == r->textures ? r->at : r->textures->n; /* none contains itself */
-    const char *type = is_colour ? "spectrum" : "float";
-    size_t i = 0;
-    while (i < n && !(r->textures->list[i].parent == NQM_BSDF_ROOT && strcmp(r->textures->list[i].name, type) == 0 &&
-                      strcmp(r->textures->list[i].id, parameter->value) == 0))
-        ++i;
-    if (i == n)
-        return nqm_refuse(&r->reading, parameter, "%s: there is no %s texture '%.40s' before it", parameter->name, type,
-                          parameter->value);
-    if (++r->n_textures > MAX_TEXTURES)
-        return nqm_refuse(&r->reading, parameter, "%s: more than %d textures", parameter->name, MAX_TEXTURES);
-    r->nodes = r->textures;
-    r->at = i;
-    const bool is_read = read_texture(r, is_colour, value_ret);
-    r->nodes = before.nodes;
-    r->at = before.at;
-    return is_read;
-}
-
-/* The value of a parameter that is a texture or a constant; `missing`: when it is not given. */
-static bool read_operand(nqm_bsdf_reading *r, const char *name, bool is_colour, double missing, uint16_t *value_ret) {
-    const nqm_bsdf_node *node = nqm_bsdf_find(r, name);
-    double v[3] = {missing, missing, missing};
-    if (is_texture(node))
-        return read_named(r, node, is_colour, value_ret);
-    if (!(is_colour ? read_colour(r, name, v) : nqm_bsdf_numbers(r, name, 1, v)))
-        return false;
-    *value_ret = nqm_map_value(r->reading.textured, is_colour ? 3 : 1, v);
-    return true;
-}
-
-static uint16_t compute(nqm_bsdf_reading *r, nqm_map_op op, size_t n, uint16_t a, double b) {
-    nqm_textured *t = r->reading.textured;
-    return nqm_map_compute(t, op, n, a, nqm_map_value(t, 1, &b), NQM_NO_NODE);
-}
-
-/* The image, decoded: pbrt uses `encoding` for PNG only, and that of sRGB for other images of 8 bits. */
-static bool read_image(nqm_bsdf_reading *r, const nqm_bsdf_node *file, const char *encoding, const double uv[2][3],
-                       nqm_map_wrap wrap, uint16_t *value_ret) {
-    const char *dot = strrchr(file->value, '.'), *end;
-    double gamma = 1;
-    if (nqm_bsdf_is_float_image(file->value))
-        encoding = "linear";
-    else if (!dot || !nqm_has_word(".png", dot, true))
-        encoding = "sRGB";
-    const bool is_srgb = strcmp(encoding, "sRGB") == 0;
-    if (!is_srgb && strcmp(encoding, "linear") != 0 &&
-        (strncmp(encoding, "gamma ", 6) != 0 || !nqm_parse_double(encoding + 6, &end, &gamma) || *end || gamma <= 0))
-        return nqm_refuse(&r->reading, file, "encoding '%.40s' is not read; use sRGB, linear or gamma with a number",
-                          encoding);
-    if (!nqm_bsdf_image(r, file, is_srgb ? "srgb_texture" : "", uv, wrap, value_ret))
-        return false;
-    if (gamma != 1)
-        *value_ret = compute(r, NQM_MAP_POWER, 3, *value_ret, gamma);
-    return true;
-}
-
-/* pbrt's v points upwards, and the first row of an image is at v = 1: with v downwards, its t = 1 - (vscale (1 - v) + vdelta). */
-static bool read_mapping(nqm_bsdf_reading *r, double uv[2][3]) {
-    double u[2] = {1, 0}, v[2] = {1, 0};
-    uint8_t mapping;
-    if (!nqm_bsdf_choice(r, "mapping", "uv", &mapping) || !nqm_bsdf_numbers(r, "uscale", 1, &u[0]) ||
-        !nqm_bsdf_numbers(r, "udelta", 1, &u[1]) || !nqm_bsdf_numbers(r, "vscale", 1, &v[0]) ||
-        !nqm_bsdf_numbers(r, "vdelta", 1, &v[1]))
-        return false;
-    memcpy(uv, (const double[2][3]){{u[0], 0, u[1]}, {0, v[0], 1 - v[0] - v[1]}}, 6 * sizeof **uv);
-    return true;
-}
-
-/* The imagemap r->at; a number is the mean of RGB. */
-static bool read_imagemap(nqm_bsdf_reading *r, bool is_colour, uint16_t *value_ret) {
-    static const nqm_map_wrap wraps[] = {NQM_MAP_REPEAT, NQM_MAP_BORDER, NQM_MAP_CLAMP};
-    const nqm_bsdf_node *file = nqm_bsdf_find(r, "filename"), *encoding = nqm_bsdf_find(r, "encoding");
-    nqm_textured *t = r->reading.textured;
-    const double third = 1.0 / 3;
-    double uv[2][3], scale = 1;
-    bool is_inverted = false;
-    uint8_t wrap;
-    if (!file || file->kind != NQM_BSDF_STRING || !*file->value)
-        return nqm_refuse(&r->reading, &r->nodes->list[r->at], "the imagemap '%.40s' has no filename",
-                          r->nodes->list[r->at].id);
-    if (!read_mapping(r, uv) || !nqm_bsdf_choice(r, "wrap", "repeat black clamp", &wrap) ||
-        !nqm_bsdf_numbers(r, "scale", 1, &scale) || !nqm_bsdf_flag(r, "invert", &is_inverted) ||
-        !read_image(r, file, encoding ? encoding->value : "sRGB", uv, wraps[wrap], value_ret))
-        return false;
-    uint16_t value = *value_ret;
-    if (!is_colour) {
-        const uint16_t red_green =
-            nqm_map_compute(t, NQM_MAP_ADD, 1, nqm_map_channel(t, value, 0), nqm_map_channel(t, value, 1), NQM_NO_NODE);
-        value = nqm_map_compute(t, NQM_MAP_ADD, 1, red_green, nqm_map_channel(t, value, 2), NQM_NO_NODE);
-        value = compute(r, NQM_MAP_MULTIPLY, 1, value, third);
-    }
-    const size_t n = is_colour ? 3 : 1;
-    if (scale != 1)
-        value = compute(r, NQM_MAP_MULTIPLY, n, value, scale);
-    if (is_inverted)
-        value =
-            compute(r, NQM_MAP_MAXIMUM, n,
-                    nqm_map_compute(t, NQM_MAP_SUBTRACT, n, nqm_map_value(t, 1, &(double){1}), value, NQM_NO_NODE), 0);
-    *value_ret = value;
-    return true;
-}
-
-/* The texture r->at. */
-static bool read_texture(nqm_bsdf_reading *r, bool is_colour, uint16_t *value_ret) {
-    const nqm_bsdf_node *texture = &r->nodes->list[r->at];
-    const size_t n = is_colour ? 3 : 1;
-    uint16_t a, b, amount;
-    if (strcmp(texture->type, "imagemap") == 0)
-        return read_imagemap(r, is_colour, value_ret);
-    if (strcmp(texture->type, "constant") == 0)
-        return read_operand(r, "value", is_colour, 1, value_ret);
-    if (strcmp(texture->type, "scale") == 0) {
-        if (!read_operand(r, "tex", is_colour, 1, &a) || !read_operand(r, "scale", false, 1, &b))
-            return false;
-        *value_ret = nqm_map_compute(r->reading.textured, NQM_MAP_MULTIPLY, n, a, b, NQM_NO_NODE);
-        return true;
-    }
-    if (strcmp(texture->type, "mix") != 0)
-        return nqm_refuse(&r->reading, texture,
-                          "the texture '%.40s' is of class '%.40s'; imagemap, constant, scale and mix are read",
-                          texture->id, texture->type);
-    if (!read_operand(r, "tex1", is_colour, 0, &a) || !read_operand(r, "tex2", is_colour, 1, &b) ||
-        !read_operand(r, "amount", false, 0.5, &amount))
-        return false;
-    *value_ret = nqm_map_compute(r->reading.textured, NQM_MAP_MIX, n, a, b, amount);
-    return true;
-}
-
-/* The value of a parameter of the material that is a texture. */
-static bool read_map(nqm_bsdf_reading *r, const nqm_bsdf_node *node, bool is_colour, uint16_t *value_ret) {
-    return nqm_bsdf_textured(r, node) && read_named(r, node, is_colour, value_ret);
-}
-
-/* RGB of the file that the parameter names; it is repeated, and linear as far as pbrt allows that. */
-static bool read_normal_map(nqm_reading *r, const nqm_rule *rule, const void *property) {
-    static const double uv[2][3] = {{1, 0, 0}, {0, 1, 0}};
-    nqm_bsdf_reading *bsdf = (nqm_bsdf_reading *)r;
-    const nqm_bsdf_node *node = property;
-    uint16_t rgb;
-    if (node->kind != NQM_BSDF_STRING || !*node->value)
-        return nqm_refuse(r, node, "%s needs the name of a file", rule->name);
-    return nqm_bsdf_textured(bsdf, node) && read_image(bsdf, node, "linear", uv, NQM_MAP_REPEAT, &rgb) &&
-           nqm_bsdf_normal(bsdf, node, rgb);
-}
-
-/* ---- materials to shadings --------------------------------------------------------------------------------------- */
-
 /* k = 2 sqrt(r / (1 - r)) of the map r. */
 static bool reflectance_map(nqm_bsdf_reading *r, const nqm_bsdf_node *node, double eta[3]) {
     uint16_t value;
-    if (!read_map(r, node, true, &value))
+    if (!nqm_pbrt_map(r, node, 3, &value))
         return false;
     nqm_textured *t = r->reading.textured;
-    value = compute(r, NQM_MAP_MINIMUM, 3, compute(r, NQM_MAP_MAXIMUM, 3, value, 0), 0.9999);
+    value = nqm_bsdf_compute(r, NQM_MAP_MINIMUM, 3, nqm_bsdf_compute(r, NQM_MAP_MAXIMUM, 3, value, 0), 0.9999);
     const uint16_t rest =
         nqm_map_compute(t, NQM_MAP_SUBTRACT, 3, nqm_map_value(t, 1, &(double){1}), value, NQM_NO_NODE);
-    value = compute(r, NQM_MAP_POWER, 3, nqm_map_compute(t, NQM_MAP_DIVIDE, 3, value, rest, NQM_NO_NODE), 0.5);
+    value = nqm_bsdf_compute(r, NQM_MAP_POWER, 3, nqm_map_compute(t, NQM_MAP_DIVIDE, 3, value, rest, NQM_NO_NODE), 0.5);
     eta[0] = eta[1] = eta[2] = 1;
-    return nqm_bsdf_output(r, node, "k", compute(r, NQM_MAP_MULTIPLY, 3, value, 2), no_low);
+    return nqm_bsdf_output(r, node, "k", nqm_bsdf_compute(r, NQM_MAP_MULTIPLY, 3, value, 2));
 }
 
 /* eta and k from a reflectance at normal incidence, as pbrt, which clamps r to 0.9999. */
@@ -383,9 +191,9 @@ static bool reflectance_index(nqm_bsdf_reading *r, double eta[3], double k[3]) {
         return true;
     if (nqm_bsdf_find(r, "eta") || nqm_bsdf_find(r, "k"))
         return nqm_refuse(&r->reading, node, "reflectance is given as well as eta or k");
-    if (is_texture(node))
+    if (nqm_bsdf_is_texture(node))
         return reflectance_map(r, node, eta);
-    if (!read_colour(r, "reflectance", reflectance))
+    if (!nqm_pbrt_colour(r, "reflectance", reflectance))
         return false;
     for (size_t c = 0; c < 3; ++c) {
         const double clamped = fmin(fmax(reflectance[c], 0), 0.9999);
@@ -401,13 +209,14 @@ static bool roughness_maps(nqm_bsdf_reading *r, const nqm_bsdf_node *map, bool r
     nqm_textured *t = nqm_bsdf_textured(r, map);
     uint16_t value[2];
     for (size_t c = 0; c < 2; ++c)
-        if (!t || !read_operand(r, nqm_bsdf_find(r, names[c]) ? names[c] : "roughness", false, 0, &value[c]))
+        if (!t || !nqm_pbrt_operand(r, nqm_bsdf_find(r, names[c]) ? names[c] : "roughness", 1, 0, &value[c]))
             return false;
-    if (value[0] != value[1])
-        value[0] = nqm_map_compute(t, NQM_MAP_COMBINE, 2, value[0], value[1], NQM_NO_NODE);
-    if (!remap && value[0] != NQM_NO_NODE)
-        value[0] = nqm_map_compute(t, NQM_MAP_MULTIPLY, t->nodes[value[0]].n, value[0], value[0], NQM_NO_NODE);
-    return nqm_bsdf_output(r, map, "roughness", value[0], 1e-6);
+    const size_t n = value[0] == value[1] ? 1 : 2;
+    if (n == 2)
+        value[0] = nqm_map_compute(t, NQM_MAP_COMBINE, n, value[0], value[1], NQM_NO_NODE);
+    if (!remap)
+        value[0] = nqm_map_compute(t, NQM_MAP_MULTIPLY, n, value[0], value[0], NQM_NO_NODE);
+    return nqm_bsdf_output(r, map, "roughness", nqm_bsdf_compute(r, NQM_MAP_MAXIMUM, n, value[0], 1e-6));
 }
 
 /* Both directions; alpha is the square root. */
@@ -419,7 +228,7 @@ static bool conductor_roughness(nqm_bsdf_reading *r, const nqm_bsdf_node *bsdf) 
         return false;
     for (size_t i = 0; i < 3; ++i) {
         const nqm_bsdf_node *node = nqm_bsdf_find(r, names[i]);
-        if (is_texture(node))
+        if (nqm_bsdf_is_texture(node))
             return roughness_maps(r, node, remap);
     }
     if (!nqm_bsdf_numbers(r, "roughness", 1, &common))
@@ -438,13 +247,13 @@ static bool conductor_roughness(nqm_bsdf_reading *r, const nqm_bsdf_node *bsdf) 
                       "a smooth surface reflects into one direction only; only rough ones have a BRDF");
 }
 
-/* A colour as read_colour(), or a map of the key of this name. */
+/* A colour as nqm_pbrt_colour(), or a map of the key of this name. */
 static bool colour_or_map(nqm_bsdf_reading *r, const char *name, double v[3]) {
     const nqm_bsdf_node *node = nqm_bsdf_find(r, name);
     uint16_t value;
-    if (!is_texture(node))
-        return read_colour(r, name, v);
-    return read_map(r, node, true, &value) && nqm_bsdf_output(r, node, name, value, no_low);
+    if (!nqm_bsdf_is_texture(node))
+        return nqm_pbrt_colour(r, name, v);
+    return nqm_pbrt_map(r, node, 3, &value) && nqm_bsdf_output(r, node, name, value);
 }
 
 static bool finish_conductor(nqm_bsdf_reading *r, const nqm_bsdf_node *bsdf) {
@@ -465,10 +274,12 @@ static bool finish_diffuse(nqm_bsdf_reading *r, const nqm_bsdf_node *bsdf) {
     double kd[3] = {0.5, 0.5, 0.5};
     uint16_t value;
     (void)bsdf;
-    if (is_texture(node))
-        return read_map(r, node, true, &value) &&
-               nqm_bsdf_output(r, node, "kd", compute(r, NQM_MAP_MINIMUM, 3, value, 1), 0);
-    if (!read_colour(r, "reflectance", kd))
+    if (nqm_bsdf_is_texture(node))
+        return nqm_pbrt_map(r, node, 3, &value) &&
+               nqm_bsdf_output(
+                   r, node, "kd",
+                   nqm_bsdf_compute(r, NQM_MAP_MINIMUM, 3, nqm_bsdf_compute(r, NQM_MAP_MAXIMUM, 3, value, 0), 1));
+    if (!nqm_pbrt_colour(r, "reflectance", kd))
         return false;
     for (size_t c = 0; c < 3; ++c)
         kd[c] = fmin(fmax(kd[c], 0), 1); /* as pbrt */
@@ -478,7 +289,7 @@ static bool finish_diffuse(nqm_bsdf_reading *r, const nqm_bsdf_node *bsdf) {
 
 #define DISPLACEMENT NQM_RULE_ZERO("displacement", "displacement is not part of a BRDF")
 #define NORMAL_MAP                                                                                                     \
-    { .name = "normalmap", .read = read_normal_map }
+    { .name = "normalmap", .read = nqm_pbrt_normal_map }
 #define WALKS     "pbrt evaluates layers by random walks; there is no formula"
 #define TRANSMITS "transmission is not supported"
 static const nqm_bsdf_plugin types[] = {

@@ -92,19 +92,19 @@ static void scenes(void **state) {
 
 static void colour_textures(void **state) {
     (void)state;
-    static const char a[] = "maximum(minimum(image(a.png srgb_texture repeat), 1), 0)";
+    static const char a[] = "minimum(maximum(image(a.png srgb_texture repeat), 0), 1)";
     expect_map(IMAGE("t", "spectrum", "a.png", "") DIFFUSE, 0, "reflectance is of type 'texture'", "kd", a);
     expect_map(IMAGE("t", "float", "b.png", "") IMAGE("t", "spectrum", "a.png", "") DIFFUSE, 0, "", "kd", a);
     expect_map(IMAGE("t", "spectrum", "a.png", "\"string encoding\" \"linear\" \"string wrap\" \"black\"") DIFFUSE, 0,
-               "", "kd", "maximum(minimum(image(a.png border), 1), 0)");
+               "", "kd", "minimum(maximum(image(a.png border), 0), 1)");
     expect_map(IMAGE("t", "spectrum", "a.jpg", "\"string encoding\" \"linear\" \"string wrap\" \"clamp\"") DIFFUSE, 0,
-               "", "kd", "maximum(minimum(image(a.jpg srgb_texture clamp), 1), 0)"); /* as pbrt */
+               "", "kd", "minimum(maximum(image(a.jpg srgb_texture clamp), 0), 1)"); /* as pbrt */
     expect_map(IMAGE("t", "spectrum", "a.exr", "\"string encoding\" \"sRGB\"") DIFFUSE, 0, "", "kd",
-               "maximum(minimum(image(a.exr repeat), 1), 0)");
+               "minimum(maximum(image(a.exr repeat), 0), 1)");
     expect_map(IMAGE("t", "spectrum", "a.png",
                      "\"string encoding\" \"gamma 2.5\" \"float scale\" 2 \"bool invert\" true") DIFFUSE,
                0, "", "kd",
-               "maximum(minimum(maximum(subtract(1, multiply(power(image(a.png repeat), 2.5), 2)), 0), 1), 0)");
+               "minimum(maximum(maximum(subtract(1, multiply(power(image(a.png repeat), 2.5), 2)), 0), 0), 1)");
     expect_map(
         IMAGE("t", "spectrum", "a.png", "") "Material \"conductor\" \"float roughness\" .1 \"texture eta\" \"t\"", 0,
         "eta is", "eta", "image(a.png srgb_texture repeat)");
@@ -136,12 +136,12 @@ static void computed_textures(void **state) {
                    IMAGE("r", "float", "r.exr", "") "Texture \"t\" \"spectrum\" \"mix\" \"texture tex1\" \"a\" \"rgb "
                                                     "tex2\" [ .1 .2 .3 ] \"texture amount\" "
                                                     "\"r\" " DIFFUSE,
-               0, "", "kd", "maximum(minimum(mix(image(a.exr repeat), 0.1 0.2 0.3, " MEAN "), 1), 0)");
+               0, "", "kd", "minimum(maximum(mix(image(a.exr repeat), 0.1 0.2 0.3, " MEAN "), 0), 1)");
     expect_map(IMAGE("a", "spectrum", "a.exr",
                      "") "Texture \"t\" \"spectrum\" \"scale\" \"texture tex\" \"a\" \"float scale\" .5 " DIFFUSE,
-               0, "", "kd", "maximum(minimum(multiply(image(a.exr repeat), 0.5), 1), 0)");
+               0, "", "kd", "minimum(maximum(multiply(image(a.exr repeat), 0.5), 0), 1)");
     expect_map("Texture \"t\" \"spectrum\" \"constant\" \"rgb value\" [ .1 .2 .3 ] " DIFFUSE, 0, "", "kd",
-               "maximum(minimum(0.1 0.2 0.3, 1), 0)");
+               "minimum(maximum(0.1 0.2 0.3, 0), 1)");
     expect_map("Texture \"t\" \"float\" \"mix\" " ROUGH, 0, "", "roughness", "maximum(mix(0, 1, 0.5), 1e-06)");
 }
 
