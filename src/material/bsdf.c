@@ -188,9 +188,7 @@ bool nqm_bsdf_file(nqm_reading *r, const nqm_rule *rule, const void *property) {
 
 nqm_textured *nqm_bsdf_textured(nqm_bsdf_reading *r, const nqm_bsdf_node *node) {
     return node->kind == NQM_BSDF_REF ? nqm_reading_textured(&r->reading, node, IS_REFERENCE, node->name, node->id)
-           : node->kind == NQM_BSDF_STRING
-               ? nqm_reading_textured(&r->reading, node, "%s varies over the surface", node->name)
-               : nqm_reading_textured(&r->reading, node, IS_PLUGIN, node->name, node->type);
+                                      : nqm_reading_textured(&r->reading, node, IS_PLUGIN, node->name, node->type);
 }
 
 bool nqm_bsdf_is_texture(const nqm_bsdf_node *node) {

@@ -19,8 +19,7 @@ static const nqm_bsdf_node *find_by_id(const nqm_bsdf_reading *r, const char *id
 static bool apply_step(nqm_bsdf_reading *r, const nqm_bsdf_node *node, double uv[2][3]) {
     double v[16], step[2][3] = {{1, 0, 0}, {0, 1, 0}};
     const size_t n = nqm_bsdf_parse(node->value, 16, v), n_columns = n == 16 ? 4 : 3;
-    const bool is_matrix = node->kind != NQM_BSDF_OTHER || strcmp(node->type, "matrix") == 0;
-    if (is_matrix && (n == 9 || n == 16)) {
+    if (strcmp(node->type, "matrix") == 0 && (n == 9 || n == 16)) {
         for (size_t i = 0; i < 2; ++i)
             for (size_t j = 0; j < 3; ++j)
                 step[i][j] = v[i * n_columns + (j == 2 ? n_columns - 1 : j)];
@@ -54,8 +53,8 @@ static bool read_to_uv(nqm_bsdf_reading *r, double uv[2][3]) {
     const nqm_bsdf_node *node = nqm_bsdf_find(r, "to_uv");
     if (!node)
         return true;
-    if (node->kind != NQM_BSDF_OTHER)
-        return apply_step(r, node, uv); /* JSON: a matrix */
+    if (strcmp(node->type, "transform") != 0)
+        return nqm_refuse(&r->reading, node, "to_uv is no transform; it is read in XML only");
     const size_t parent = (size_t)(node - r->nodes->list);
     for (size_t i = nqm_bsdf_next(r->nodes, parent, parent + 1); i < r->nodes->n;
          i = nqm_bsdf_next(r->nodes, parent, i + 1))
@@ -111,25 +110,9 @@ static bool set_or_map(nqm_reading *r, const nqm_rule *rule, const void *propert
     return read_texture(bsdf, property, rule->n, &value) && nqm_bsdf_output(bsdf, property, rule->key, value);
 }
 
-/* The roughplastic of Mitsuba integrates over its lobe beforehand, for a constant alpha. */
-static bool is_alpha_map(const nqm_reading *r, const nqm_bsdf_node *node) {
-    return nqm_bsdf_is_texture(node) && strcmp(r->shading.model, "rough-plastic") != 0;
-}
-
-/* Mitsuba clamps alpha so that the distribution is finite. */
+/* finish_alpha() sets it again: here it gets its place in the spec. */
 static bool read_alpha(nqm_reading *r, const nqm_rule *rule, const void *property) {
-    nqm_bsdf_reading *bsdf = (nqm_bsdf_reading *)r;
-    double v[4];
-    size_t n;
-    uint16_t value;
-    if (is_alpha_map(r, property))
-        return read_texture(bsdf, property, 1, &value) &&
-               nqm_bsdf_output(bsdf, property, rule->key, nqm_bsdf_compute(bsdf, NQM_MAP_MAXIMUM, 1, value, 1e-4));
-    if (!nqm_bsdf_source.read(r, rule, property, v, &n))
-        return false;
-    v[0] = fmax(v[0], 1e-4);
-    nqm_shading_set(&r->shading, rule->key, 1, v);
-    return true;
+    return nqm_bsdf_is_texture(property) || nqm_rule_set(r, rule, property);
 }
 
 static bool read_distribution(nqm_reading *r, const nqm_rule *rule, const void *property) {
@@ -198,39 +181,36 @@ static bool read_ior(nqm_bsdf_reading *r, const char *name, double *v) {
 
 /* ---- plugins ----------------------------------------------------------------------------------------------------- */
 
-/* alpha_u and alpha_v, one of which is a texture. */
-static bool read_alpha_maps(nqm_bsdf_reading *r, const nqm_bsdf_node *const nodes[2]) {
-    uint16_t value[2];
-    for (size_t c = 0; c < 2; ++c) {
-        nqm_textured *t = nqm_bsdf_textured(r, nodes[!nqm_bsdf_is_texture(nodes[0])]);
-        double v;
-        if (!t || !(nqm_bsdf_is_texture(nodes[c]) ? read_texture(r, nodes[c], 1, &value[c])
-                                                  : nqm_bsdf_numbers(r, nodes[c]->name, 1, &v)))
-            return false;
-        if (!nqm_bsdf_is_texture(nodes[c]))
-            value[c] = nqm_map_value(t, 1, &v);
-    }
-    value[0] = nqm_map_compute(r->reading.textured, NQM_MAP_COMBINE, 2, value[0], value[1], NQM_NO_NODE);
-    return nqm_bsdf_output(r, nodes[0], "alpha", nqm_bsdf_compute(r, NQM_MAP_MAXIMUM, 2, value[0], 1e-4));
-}
-
+/* Mitsuba clamps alpha so that the distribution is finite. Its roughplastic integrates over the lobe of a constant alpha beforehand. */
 static bool finish_alpha(nqm_bsdf_reading *r, const nqm_bsdf_node *bsdf) {
-    const nqm_bsdf_node *const nodes[] = {nqm_bsdf_find(r, "alpha_u"), nqm_bsdf_find(r, "alpha_v")};
-    double alpha[2];
-    if (!nodes[0] && !nodes[1])
-        return true;
-    if (!nodes[0] || !nodes[1])
+    const nqm_bsdf_node *common = nqm_bsdf_find(r, "alpha"),
+                        *nodes[] = {nqm_bsdf_find(r, "alpha_u"), nqm_bsdf_find(r, "alpha_v")}, *map = NULL;
+    double alpha[2] = {0};
+    uint16_t value[2] = {0};
+    if (!nodes[0] != !nodes[1])
         return nqm_refuse(&r->reading, bsdf, "only one of alpha_u and alpha_v is given");
-    if (nqm_bsdf_find(r, "alpha"))
+    if (nodes[0] && common)
         return nqm_refuse(&r->reading, bsdf, "alpha is given as well as alpha_u and alpha_v");
-    if (is_alpha_map(&r->reading, nodes[0]) || is_alpha_map(&r->reading, nodes[1]))
-        return read_alpha_maps(r, nodes);
-    if (!nqm_bsdf_numbers(r, "alpha_u", 1, &alpha[0]) || !nqm_bsdf_numbers(r, "alpha_v", 1, &alpha[1]))
-        return false;
-    for (size_t c = 0; c < 2; ++c)
+    for (size_t c = 0; c < 2 && (nodes[0] || common); ++c) {
+        nodes[c] = common ? common : nodes[c];
+        if (!nqm_bsdf_is_texture(nodes[c]) || strcmp(bsdf->type, "roughplastic") == 0) {
+            if (!nqm_bsdf_numbers(r, nodes[c]->name, 1, &alpha[c]))
+                return false;
+        } else if (!read_texture(r, map = nodes[c], 1, &value[c]))
+            return false;
         alpha[c] = fmax(alpha[c], 1e-4);
-    nqm_shading_set(&r->reading.shading, "alpha", alpha[0] == alpha[1] ? 1 : 2, alpha);
-    return true;
+    }
+    const size_t n = common || (!map && alpha[0] == alpha[1]) ? 1 : 2;
+    if (!map && nodes[0])
+        nqm_shading_set(&r->reading.shading, "alpha", n, alpha);
+    if (!map)
+        return true;
+    for (size_t c = 0; c < 2; ++c)
+        if (!nqm_bsdf_is_texture(nodes[c]))
+            value[c] = nqm_map_value(r->reading.textured, 1, &alpha[c]);
+    if (n == 2)
+        value[0] = nqm_map_compute(r->reading.textured, NQM_MAP_COMBINE, n, value[0], value[1], NQM_NO_NODE);
+    return nqm_bsdf_output(r, map, "alpha", nqm_bsdf_compute(r, NQM_MAP_MAXIMUM, n, value[0], 1e-4));
 }
 
 static bool finish_conductor(nqm_bsdf_reading *r, const nqm_bsdf_node *bsdf) {

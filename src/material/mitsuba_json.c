@@ -7,7 +7,7 @@
 #include "io/options_json.h"
 #include "material/mitsuba.h"
 
-enum { MAX_DEPTH = 64, MAX_BYTES = 64 << 20, TEXT_SIZE = 512 };
+enum { MAX_DEPTH = 64, MAX_BYTES = 64 << 20, TEXT_SIZE = 128 };
 
 typedef struct walk {
     const char *path;
@@ -20,20 +20,17 @@ static const char *text_of(const json_t *object, const char *key) {
     return text ? text : "";
 }
 
-/* The numbers of a value, as text; "" when it has none or too many. Rows of a matrix of 3 x 3 or 4 x 4 are joined. */
+/* The numbers of a value, as text; "" when it has none or too many. */
 static void format_numbers(const json_t *value, char text[TEXT_SIZE]) {
     const size_t n = json_is_number(value) ? 1 : json_array_size(value);
-    const size_t n_columns = json_array_size(json_array_get(value, 0)) == n ? n : 1;
-    double v[16] = {0};
-    bool is_good = n <= 3 || (n == 4 && n_columns == 4);
-    for (size_t i = 0; i < n * n_columns && is_good; ++i) {
-        const json_t *element = json_is_number(value) ? value : json_array_get(value, i / n_columns);
-        if (n_columns > 1)
-            element = json_array_get(element, i % n_columns);
+    double v[3] = {0};
+    bool is_good = n <= 3;
+    for (size_t i = 0; i < n && is_good; ++i) {
+        const json_t *element = json_is_number(value) ? value : json_array_get(value, i);
         is_good = json_is_number(element);
         v[i] = json_number_value(element);
     }
-    nqm_format_doubles(text, TEXT_SIZE, is_good ? n * n_columns : 0, v, " ");
+    nqm_format_doubles(text, TEXT_SIZE, is_good ? n : 0, v, " ");
 }
 
 static nqm_bsdf_kind kind_of_type(const char *type) {

@@ -204,12 +204,11 @@ static bool reflectance_index(nqm_bsdf_reading *r, double eta[3], double k[3]) {
 }
 
 /* The square of alpha where one of the roughnesses is a texture; texels that would be mirrors have the smallest lobe of the model. */
-static bool roughness_maps(nqm_bsdf_reading *r, const nqm_bsdf_node *map, bool remap) {
-    static const char *const names[] = {"uroughness", "vroughness"};
+static bool roughness_maps(nqm_bsdf_reading *r, const char *const names[2], const nqm_bsdf_node *map, bool remap) {
     nqm_textured *t = nqm_bsdf_textured(r, map);
     uint16_t value[2];
     for (size_t c = 0; c < 2; ++c)
-        if (!t || !nqm_pbrt_operand(r, nqm_bsdf_find(r, names[c]) ? names[c] : "roughness", 1, 0, &value[c]))
+        if (!t || !nqm_pbrt_operand(r, names[c], 1, 0, &value[c]))
             return false;
     const size_t n = value[0] == value[1] ? 1 : 2;
     if (n == 2)
@@ -221,25 +220,22 @@ static bool roughness_maps(nqm_bsdf_reading *r, const nqm_bsdf_node *map, bool r
 
 /* Both directions; alpha is the square root. */
 static bool conductor_roughness(nqm_bsdf_reading *r, const nqm_bsdf_node *bsdf) {
-    static const char *const names[] = {"uroughness", "vroughness", "roughness"};
-    double common = 0, roughness[2];
+    const char *names[] = {"uroughness", "vroughness"};
+    double roughness[2] = {0};
     bool remap = true;
     if (!nqm_bsdf_flag(r, "remaproughness", &remap))
         return false;
-    for (size_t i = 0; i < 3; ++i) {
-        const nqm_bsdf_node *node = nqm_bsdf_find(r, names[i]);
-        if (nqm_bsdf_is_texture(node))
-            return roughness_maps(r, node, remap);
-    }
-    if (!nqm_bsdf_numbers(r, "roughness", 1, &common))
-        return false;
+    for (size_t c = 0; c < 2; ++c)
+        names[c] = nqm_bsdf_find(r, names[c]) ? names[c] : "roughness";
+    for (size_t c = 0; c < 2; ++c)
+        if (nqm_bsdf_is_texture(nqm_bsdf_find(r, names[c])))
+            return roughness_maps(r, names, nqm_bsdf_find(r, names[c]), remap);
     for (size_t c = 0; c < 2; ++c) {
-        double v = common;
-        if (!nqm_bsdf_numbers(r, names[c], 1, &v))
+        if (!nqm_bsdf_numbers(r, names[c], 1, &roughness[c]))
             return false;
-        if (v < 0)
+        if (roughness[c] < 0)
             return nqm_refuse(&r->reading, bsdf, "the roughness is negative");
-        roughness[c] = remap ? v : v * v;
+        roughness[c] *= remap ? 1 : roughness[c];
     }
     nqm_shading_set(&r->reading.shading, "roughness", roughness[0] == roughness[1] ? 1 : 2, roughness);
     return (roughness[0] >= 1e-6 && roughness[1] >= 1e-6) ||

@@ -176,6 +176,6 @@ bool nqm_pbrt_normal_map(nqm_reading *r, const nqm_rule *rule, const void *prope
     uint16_t rgb;
     if (node->kind != NQM_BSDF_STRING || !*node->value)
         return nqm_refuse(r, node, "%s needs the name of a file", rule->name);
-    return nqm_bsdf_textured(bsdf, node) && read_image(bsdf, node, "linear", uv, NQM_MAP_REPEAT, &rgb) &&
-           nqm_bsdf_normal(bsdf, node, rgb);
+    return nqm_reading_textured(r, node, "normalmap varies over the surface") &&
+           read_image(bsdf, node, "linear", uv, NQM_MAP_REPEAT, &rgb) && nqm_bsdf_normal(bsdf, node, rgb);
 }
