@@ -221,7 +221,7 @@ static bool roughness_maps(nqm_bsdf_reading *r, const char *const names[2], cons
 /* Both directions; alpha is the square root. */
 static bool conductor_roughness(nqm_bsdf_reading *r, const nqm_bsdf_node *bsdf) {
     const char *names[] = {"uroughness", "vroughness"};
-    double roughness[2] = {0};
+    double roughness[2];
     bool remap = true;
     if (!nqm_bsdf_flag(r, "remaproughness", &remap))
         return false;
@@ -231,11 +231,12 @@ static bool conductor_roughness(nqm_bsdf_reading *r, const nqm_bsdf_node *bsdf) 
         if (nqm_bsdf_is_texture(nqm_bsdf_find(r, names[c])))
             return roughness_maps(r, names, nqm_bsdf_find(r, names[c]), remap);
     for (size_t c = 0; c < 2; ++c) {
-        if (!nqm_bsdf_numbers(r, names[c], 1, &roughness[c]))
+        double v = 0;
+        if (!nqm_bsdf_numbers(r, names[c], 1, &v))
             return false;
-        if (roughness[c] < 0)
+        if (v < 0)
             return nqm_refuse(&r->reading, bsdf, "the roughness is negative");
-        roughness[c] *= remap ? 1 : roughness[c];
+        roughness[c] = remap ? v : v * v;
     }
     nqm_shading_set(&r->reading.shading, "roughness", roughness[0] == roughness[1] ? 1 : 2, roughness);
     return (roughness[0] >= 1e-6 && roughness[1] >= 1e-6) ||
