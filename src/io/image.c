@@ -1,33 +1,54 @@
 /* SPDX-License-Identifier: MIT
  *
- * Loads high-dynamic-range images: detects the format from the first bytes, checks the size and the values.
+ * Loads high-dynamic-range images: detects the format from the first bytes, checks the size.
  */
 #include "io/io.h"
+#include "io/raster.h"
 
 #include <math.h>
-#include <string.h>
-
-static nqm_status check_values(const char *path, const nqm_image *image, nqm_error *err) {
-    for (size_t i = 0; i < 3 * image->width * image->height; ++i) {
-        size_t pixel = i / 3;
-        if (!isfinite(image->rgb[i]))
-            return nqm_fail(err, NQM_ERR_FORMAT, -1, "%s: the pixel in row %zu, column %zu is not finite", path,
-                            pixel / image->width, pixel % image->width);
-        if (image->rgb[i] < 0)
-            image->rgb[i] = 0;
-    }
-    return NQM_OK;
-}
 
 static bool begins(const nqm_map *map, const char *magic, size_t n) {
     return map->n_bytes >= n && memcmp(map->data, magic, n) == 0;
 }
 
+/* Pixels of floats, of which grey ones fill all channels, or of RGBE: linear rgb = (r, g, b)/255 * 2^(a - 128). */
+static void convert(const nqm_raster *raster, nqm_image *image) {
+    const unsigned char *bytes = raster->data;
+    const float *values = raster->data;
+    for (size_t i = 0; i < image->width * image->height; ++i)
+        for (size_t k = 0; k < 3; ++k)
+            image->rgb[3 * i + k] = raster->type == NQM_RASTER_U8
+                                        ? (float)(bytes[4 * i + k] * ldexp(1.0 / 255, bytes[4 * i + 3] - 128))
+                                        : values[raster->channels * i + (raster->channels < 3 ? 0 : k)];
+}
+
+/* PNG or OpenEXR. */
+static nqm_status decode_raster(const nqm_map *map, nqm_image *image, nqm_error *err) {
+    size_t width, height;
+    nqm_raster raster = {0};
+    nqm_status status = nqm_raster_size(map->data, map->n_bytes, map->path, &width, &height, err);
+    if (status == NQM_OK)
+        status = nqm_picture_check_size(map, width, height, INFINITY, NQM_IMAGE_MAX_WIDTH, NQM_IMAGE_MAX_HEIGHT, err);
+    if (status == NQM_OK)
+        status = nqm_raster_decode(map->data, map->n_bytes, map->path, &raster, err);
+    if (status == NQM_OK && raster.type != NQM_RASTER_F32 && (raster.type != NQM_RASTER_U8 || raster.channels != 4))
+        status = nqm_fail(err, NQM_ERR_FORMAT, 24,
+                          "%s: a light map in a PNG has RGBE pixels in 8-bit RGBA; this one has not", map->path);
+    if (status == NQM_OK && raster.type == NQM_RASTER_F32 && raster.channels == 3) {
+        *image = (nqm_image){raster.width, raster.height, raster.data};
+        return NQM_OK;
+    }
+    if (status == NQM_OK)
+        status = nqm_image_alloc(map, width, height, INFINITY, image, err);
+    if (status == NQM_OK)
+        convert(&raster, image);
+    nqm_raster_clear(&raster);
+    return status;
+}
+
 static nqm_status decode(const nqm_map *map, nqm_image *image, nqm_error *err) {
-    if (begins(map, "\x89PNG", 4))
-        return nqm_image_decode_png(map, image, err);
-    if (begins(map, "\x76\x2f\x31\x01", 4))
-        return nqm_image_decode_exr(map, image, err);
+    if (begins(map, "\x89PNG", 4) || begins(map, "\x76\x2f\x31\x01", 4))
+        return decode_raster(map, image, err);
     if (begins(map, "#?", 2))
         return nqm_image_decode_hdr(map, image, err);
     const char *kind = nqm_file_kind(map->data, map->n_bytes);
@@ -38,8 +59,9 @@ static nqm_status decode(const nqm_map *map, nqm_image *image, nqm_error *err) {
 nqm_status nqm_image_parse(const nqm_map *map, nqm_image *image_ret, nqm_error *err) {
     *image_ret = (nqm_image){0};
     nqm_status status = decode(map, image_ret, err);
-    if (status == NQM_OK)
-        status = check_values(map->path, image_ret, err);
+    for (size_t i = 0; status == NQM_OK && i < 3 * image_ret->width * image_ret->height; ++i)
+        if (image_ret->rgb[i] < 0)
+            image_ret->rgb[i] = 0;
     if (status != NQM_OK) {
         nqm_free(image_ret->rgb);
         *image_ret = (nqm_image){0};

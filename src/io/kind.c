@@ -22,6 +22,13 @@ static const struct {
     {3, "\xff\xd8\xff", "a JPEG picture"},
     {4, "II*\0", "a TIFF picture"},
     {4, "MM\0*", "a TIFF picture"},
+    {12, "\xabKTX 20\xbb\r\n\x1a\n", "a KTX2 picture"},
+    {12, "\xabKTX 11\xbb\r\n\x1a\n", "a KTX picture"},
+    {8, "DDS |\0\0\0", "a DDS picture"},
+    {4, "GIF8", "a GIF picture"},
+    {4, "sB\x13\0", "a Basis Universal picture"},
+    {4, "8BPS", "a Photoshop picture"},
+    {8, "\0\0\0\x0cjP  ", "a JPEG 2000 picture"},
     {4, "ply\n", "a PLY mesh"},
     {5, "ply\r\n", "a PLY mesh"},
     {4, "glTF", "a binary glTF file"},
@@ -36,6 +43,15 @@ static const struct {
     {2, "\x80\x04", "a Python pickle"},
     {24, "version https://git-lfs.", "a pointer of Git LFS in place of the file: git lfs pull"},
 };
+
+/* Pictures in containers that also have other content, whose kind is at byte 8. */
+static const char *kind_in_container(const unsigned char *data, size_t n) {
+    if (n >= 12 && memcmp(data, "RIFF", 4) == 0 && memcmp(data + 8, "WEBP", 4) == 0)
+        return "a WebP picture";
+    if (n >= 12 && memcmp(data + 4, "ftypavif", 8) == 0)
+        return "an AVIF picture";
+    return n >= 12 && memcmp(data + 4, "ftyphei", 7) == 0 ? "an HEIC picture" : NULL;
+}
 
 enum { HEAD = 2048 };
 
@@ -102,11 +118,13 @@ const char *nqm_file_kind(const unsigned char *data, size_t n_bytes) {
     for (size_t i = 0; i < sizeof signatures / sizeof *signatures; ++i)
         if (n >= signatures[i].n && memcmp(data, signatures[i].bytes, signatures[i].n) == 0)
             return signatures[i].kind;
+    if (kind_in_container(data, n))
+        return kind_in_container(data, n);
     if (n > 9 && data[8] == '{' && nqm_load_u64(data) < ((uint64_t)1 << 40))
         return "a safetensors file";
     for (size_t i = 0; i < n; ++i)
         if ((data[i] < ' ' && !(data[i] >= '\t' && data[i] <= '\r')) || data[i] == 0x7f)
-            return NULL;
+            return memcmp(data, "BM", nqm_smaller(n, 2)) == 0 ? "a BMP picture" : NULL;
     if (n == 0)
         return NULL;
     memcpy(text, data, n);

@@ -578,7 +578,7 @@ def pictures():
             ("offset", exr(offset=2**40)[0]), ("offset-small", exr(offset=-60)[0]), ("rows", exr(rows=b"")[0]),
             ("nan", exr(rows=f32(*[NAN] * 12))[0]), ("inf", exr(rows=f32(*[INF] * 12))[0])]:
         says = {"magic": "byte 0", "version": "version: 200", "no-channel": "At least one channel", "type": "'channels' attribute",
-                "nan": "row 0, column 0", "inf": "row 0, column 0"}
+                "channels": "the channels are neither", "nan": "row 0, column 0", "inf": "row 0, column 0"}
         header = ("wide", "tall", "inside-out", "overflow")
         bad("picture-%s.exr" % name, data, "image", 4, says.get(name, "Invalid display window" if name in header else "row 1: "))
     head = b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 2 +X 8\n"

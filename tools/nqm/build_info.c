@@ -8,9 +8,14 @@
 #include "render/render.h"
 
 #include <dnnl_version.h>
+#include <jpeglib.h>
 #include <openexr.h>
 #include <png.h>
 #include <pthread.h>
+
+/* The text of a macro's value. */
+#define TEXT(value)    #value
+#define TEXT_OF(macro) TEXT(macro)
 
 static char line[256];
 static pthread_once_t once = PTHREAD_ONCE_INIT;
@@ -20,9 +25,11 @@ static void make_line(void) {
     int major, minor, patch;
     exr_get_library_version(&major, &minor, &patch, NULL);
     snprintf(line, sizeof line,
-             "cairo %s, Embree %s%s, oneDNN %d.%d.%d for benchmarks, libpng %s, OpenEXR %d.%d.%d, no MPI library",
+             "cairo %s, Embree %s%s, oneDNN %d.%d.%d for benchmarks, libjpeg-turbo %s, libpng %s, OpenEXR %d.%d.%d, no "
+             "MPI library",
              cairo ? cairo : "off", embree ? embree : "off", embree ? " when needed" : "", DNNL_VERSION_MAJOR,
-             DNNL_VERSION_MINOR, DNNL_VERSION_PATCH, png_get_libpng_ver(NULL), major, minor, patch);
+             DNNL_VERSION_MINOR, DNNL_VERSION_PATCH, TEXT_OF(LIBJPEG_TURBO_VERSION), png_get_libpng_ver(NULL), major,
+             minor, patch);
 }
 
 const char *tool_build_info(void) {

@@ -1,17 +1,17 @@
 /* SPDX-License-Identifier: MIT
  *
- * OpenEXR images with OpenEXRCore. Reading: the first part; scanlines, or tiles of the finest level; channels R, G and B,
- * or Y alone; half or float. The image is the data window. Deep images and subsampled channels are refused. Writing: one
- * part of scanlines; R, G and B as float; ZIP compression.
+ * OpenEXR pictures with OpenEXRCore. Reading: the first part; scanlines, or tiles of the finest level; channels R, G and B,
+ * or Y, each with A or without; half or float. The picture is the data window. Deep pictures and subsampled channels are refused.
+ * Writing: one part of scanlines; R, G and B as float; ZIP compression.
  */
-#include "io/io.h"
+#include "io/raster_decoders.h"
 
 #include <openexr.h>
 #include <stdlib.h>
 #include <string.h>
 
-/* Deflate expands one byte to at most 1032 bytes; a pixel has at least two bytes. */
-static const double max_pixels_per_byte = 1032.0 / 2;
+/* A pixel has at least two bytes. */
+static const double max_pixels_per_byte = NQM_DEFLATE_MAX / 2;
 
 enum { MAX_ALLOCATION = 256 << 20 };
 
@@ -21,7 +21,6 @@ typedef struct exr_file {
     const nqm_map *map;
     nqm_outfile out;
     exr_context_t context;
-    bool is_grey;      /* the picture has Y alone */
     size_t row;        /* row that is being read, from 1; 0: none */
     char message[200]; /* last error message of OpenEXRCore */
     nqm_error *err;
@@ -56,13 +55,22 @@ static void on_error(exr_const_context_t context, exr_result_t code, const char 
     snprintf(file->message, sizeof file->message, "%s", message);
 }
 
+/* Where a picture with `channels` channels stores the channel of this name; SIZE_MAX: nowhere. */
+static size_t find_channel(const char *name, size_t channels) {
+    const char *names = channels < 3 ? "YA" : "RGBA";
+    const char *place = strlen(name) == 1 ? strchr(names, *name) : NULL;
+    return place && (size_t)(place - names) < channels ? (size_t)(place - names) : SIZE_MAX;
+}
+
 /* Describe channel k of the pixel at `first` and those after it to a pipeline. */
-static void set_channel(exr_coding_channel_info_t *channel, const nqm_image *image, size_t first, size_t k) {
-    channel->decode_to_ptr = (uint8_t *)(image->rgb + 3 * first + k); /* shares a union with encode_from_ptr */
+static void set_channel(exr_coding_channel_info_t *channel, const nqm_raster *raster, size_t first, size_t k) {
+    const size_t n = raster->channels;
+    channel->decode_to_ptr =
+        (uint8_t *)((float *)raster->data + n * first + k); /* shares a union with encode_from_ptr */
     channel->user_bytes_per_element = sizeof(float);
     channel->user_data_type = EXR_PIXEL_FLOAT;
-    channel->user_pixel_stride = 3 * sizeof(float);
-    channel->user_line_stride = (int32_t)(3 * sizeof(float) * image->width);
+    channel->user_pixel_stride = (int32_t)(n * sizeof(float));
+    channel->user_line_stride = (int32_t)(n * sizeof(float) * raster->width);
 }
 
 /* ---- reading ----------------------------------------------------------------------------------------------------- */
@@ -93,48 +101,55 @@ static void *limited_malloc(size_t n) {
     return block ? memset(block, 0xff, n) : NULL;
 }
 
-/* Set the decoder's output pointers for the channels of a chunk. (x, y): pixel position of the chunk in the image. */
-static nqm_status place_channels(exr_file *file, exr_decode_pipeline_t *pipeline, const nqm_image *image, size_t x,
-                                 size_t y) {
+/* Set the number of channels that are read: 1 Y, 2 with A, 3 R, G and B, 4 with A. */
+static nqm_status choose_channels(exr_file *file, nqm_raster *raster) {
+    const exr_attr_chlist_t *list;
+    if (!good(exr_get_channels(file->context, 0, &list)))
+        return refuse(file, "the header is damaged");
     unsigned found = 0;
-    for (int i = 0; i < pipeline->channel_count; ++i) {
-        exr_coding_channel_info_t *channel = &pipeline->channels[i];
-        const char *place = strlen(channel->channel_name) == 1 ? strchr("RGBY", channel->channel_name[0]) : NULL;
+    for (int i = 0; i < list->num_channels; ++i) {
+        const exr_attr_chlist_entry_t *channel = &list->entries[i];
+        const char *place = channel->name.length == 1 ? strchr("RGBAY", channel->name.str[0]) : NULL;
         if (!place)
             continue;
-        if (channel->x_samples != 1 || channel->y_samples != 1)
+        if (channel->x_sampling != 1 || channel->y_sampling != 1)
             return refuse(file, "subsampled channels are not read");
-        size_t k = *place == 'Y' ? 0 : (size_t)(strchr("RGB", *place) - "RGB");
-        found |= *place == 'Y' ? 8u : 1u << k;
-        set_channel(channel, image, y * image->width + x, k);
+        found |= 1u << (place - "RGBAY");
     }
-    file->is_grey = found == 8;
-    return found == 7 || found == 8 ? NQM_OK : refuse(file, "the channels are neither R, G, B nor Y");
+    const bool has_alpha = found & 8;
+    raster->channels = has_alpha + ((found & 7) == 7 ? 3u : 1u);
+    raster->type = NQM_RASTER_F32;
+    return (found & 7) == 7 || found >> 4 ? NQM_OK : refuse(file, "the channels are neither R, G, B nor Y");
 }
 
 static nqm_status decode_chunk(exr_file *file, exr_chunk_info_t *chunk, const exr_attr_box2i_t *window,
-                               const nqm_image *image) {
+                               const nqm_raster *raster) {
     int64_t x = (int64_t)chunk->start_x, y = (int64_t)chunk->start_y;
     if (chunk->type == EXR_STORAGE_SCANLINE) { /* absolute position; tiles: relative to the data window */
         x -= window->min.x;
         y -= window->min.y;
     }
     bool inside = x >= 0 && y >= 0 && chunk->width >= 0 && chunk->height >= 0 &&
-                  x + chunk->width <= (int64_t)image->width && y + chunk->height <= (int64_t)image->height;
+                  x + chunk->width <= (int64_t)raster->width && y + chunk->height <= (int64_t)raster->height;
     if (!inside)
         return refuse(file, "a chunk extends beyond the data window");
     exr_decode_pipeline_t pipeline = EXR_DECODE_PIPELINE_INITIALIZER;
     if (!good(exr_decoding_initialize(file->context, 0, chunk, &pipeline)))
         return refuse(file, "a chunk cannot be read");
-    nqm_status status = place_channels(file, &pipeline, image, (size_t)x, (size_t)y);
-    if (status == NQM_OK && (!good(exr_decoding_choose_default_routines(file->context, 0, &pipeline)) ||
-                             !good(exr_decoding_run(file->context, 0, &pipeline))))
+    for (int i = 0; i < pipeline.channel_count; ++i) {
+        const size_t k = find_channel(pipeline.channels[i].channel_name, raster->channels);
+        if (k != SIZE_MAX)
+            set_channel(&pipeline.channels[i], raster, (size_t)y * raster->width + (size_t)x, k);
+    }
+    nqm_status status = NQM_OK;
+    if (!good(exr_decoding_choose_default_routines(file->context, 0, &pipeline)) ||
+        !good(exr_decoding_run(file->context, 0, &pipeline)))
         status = refuse(file, "a chunk is damaged");
     exr_decoding_destroy(file->context, &pipeline);
     return status;
 }
 
-static nqm_status read_scanlines(exr_file *file, const exr_attr_box2i_t *window, const nqm_image *image) {
+static nqm_status read_scanlines(exr_file *file, const exr_attr_box2i_t *window, const nqm_raster *raster) {
     int32_t n_lines;
     nqm_status status = NQM_OK;
     if (!good(exr_get_scanlines_per_chunk(file->context, 0, &n_lines)) || n_lines < 1)
@@ -144,12 +159,12 @@ static nqm_status read_scanlines(exr_file *file, const exr_attr_box2i_t *window,
         file->row = (size_t)(y - window->min.y) + 1;
         if (!good(exr_read_scanline_chunk_info(file->context, 0, (int)y, &chunk)))
             return refuse(file, "a chunk is missing or damaged");
-        status = decode_chunk(file, &chunk, window, image);
+        status = decode_chunk(file, &chunk, window, raster);
     }
     return status;
 }
 
-static nqm_status read_tiles(exr_file *file, const exr_attr_box2i_t *window, const nqm_image *image) {
+static nqm_status read_tiles(exr_file *file, const exr_attr_box2i_t *window, const nqm_raster *raster) {
     uint32_t tile_width, tile_height;
     exr_tile_level_mode_t level;
     exr_tile_round_mode_t round;
@@ -157,20 +172,20 @@ static nqm_status read_tiles(exr_file *file, const exr_attr_box2i_t *window, con
         tile_height < 1)
         return refuse(file, "the tiles have no size");
     nqm_status status = NQM_OK;
-    for (size_t y = 0; status == NQM_OK && y * tile_height < image->height; ++y)
-        for (size_t x = 0; status == NQM_OK && x * tile_width < image->width; ++x) {
+    for (size_t y = 0; status == NQM_OK && y * tile_height < raster->height; ++y)
+        for (size_t x = 0; status == NQM_OK && x * tile_width < raster->width; ++x) {
             exr_chunk_info_t chunk;
             file->row = y * tile_height + 1;
             if (!good(exr_read_tile_chunk_info(file->context, 0, (int)x, (int)y, 0, 0, &chunk)))
                 return refuse(file, "a tile is missing or damaged");
             chunk.start_x = (int32_t)(x * tile_width);
             chunk.start_y = (int32_t)(y * tile_height);
-            status = decode_chunk(file, &chunk, window, image);
+            status = decode_chunk(file, &chunk, window, raster);
         }
     return status;
 }
 
-static nqm_status read_picture(exr_file *file, nqm_image *image) {
+static nqm_status read_picture(exr_file *file, bool header_only, nqm_raster *raster) {
     exr_storage_t storage;
     exr_attr_box2i_t window;
     if (!good(exr_get_storage(file->context, 0, &storage)) || !good(exr_get_data_window(file->context, 0, &window)))
@@ -180,18 +195,17 @@ static nqm_status read_picture(exr_file *file, nqm_image *image) {
     int64_t width = (int64_t)window.max.x - window.min.x + 1, height = (int64_t)window.max.y - window.min.y + 1;
     if (width < 1 || height < 1)
         return refuse(file, "the data window is empty");
-    nqm_status status =
-        nqm_image_alloc(file->map, (uint64_t)width, (uint64_t)height, max_pixels_per_byte, image, file->err);
+    raster->width = (size_t)width;
+    raster->height = (size_t)height;
+    nqm_status status = choose_channels(file, raster);
     if (status == NQM_OK)
-        status =
-            storage == EXR_STORAGE_SCANLINE ? read_scanlines(file, &window, image) : read_tiles(file, &window, image);
-    if (status == NQM_OK && file->is_grey)
-        for (size_t i = 0; i < image->width * image->height; ++i)
-            image->rgb[3 * i + 1] = image->rgb[3 * i + 2] = image->rgb[3 * i];
-    return status;
+        status = nqm_raster_begin(file->map, max_pixels_per_byte, header_only, raster, file->err);
+    if (status != NQM_OK || header_only)
+        return status;
+    return storage == EXR_STORAGE_SCANLINE ? read_scanlines(file, &window, raster) : read_tiles(file, &window, raster);
 }
 
-nqm_status nqm_image_decode_exr(const nqm_map *map, nqm_image *image, nqm_error *err) {
+nqm_status nqm_raster_decode_exr(const nqm_map *map, bool header_only, nqm_raster *raster, nqm_error *err) {
     exr_file file = {.path = map->path, .map = map, .err = err};
     exr_context_initializer_t start = EXR_DEFAULT_CONTEXT_INITIALIZER;
     start.error_handler_fn = on_error;
@@ -203,7 +217,7 @@ nqm_status nqm_image_decode_exr(const nqm_map *map, nqm_image *image, nqm_error 
     start.flags = EXR_CONTEXT_FLAG_DISABLE_CHUNK_RECONSTRUCTION;
     if (!good(exr_start_read(&file.context, map->path, &start)))
         return refuse(&file, "the header is damaged");
-    nqm_status status = read_picture(&file, image);
+    nqm_status status = read_picture(&file, header_only, raster);
     exr_finish(&file.context);
     return status;
 }
@@ -220,45 +234,45 @@ static int64_t on_write(exr_const_context_t context, void *user, const void *buf
     return (int64_t)n;
 }
 
-static bool write_header(exr_file *o, const nqm_image *image) {
+static bool write_header(exr_file *o, const nqm_raster *raster) {
     static const char *const names[] = {"B", "G", "R"};
     int part;
     /* whiteLuminance is a standard attribute: the luminance of the colour (1, 1, 1) in cd/m2. */
     bool ok = good(exr_add_part(o->context, NULL, EXR_STORAGE_SCANLINE, &part)) &&
-              good(exr_initialize_required_attr_simple(o->context, part, (int32_t)image->width, (int32_t)image->height,
-                                                       EXR_COMPRESSION_ZIP)) &&
+              good(exr_initialize_required_attr_simple(o->context, part, (int32_t)raster->width,
+                                                       (int32_t)raster->height, EXR_COMPRESSION_ZIP)) &&
               good(exr_attr_set_float(o->context, part, "whiteLuminance", 1.0f));
     for (int k = 0; ok && k < 3; ++k)
         ok = good(exr_add_channel(o->context, part, names[k], EXR_PIXEL_FLOAT, EXR_PERCEPTUALLY_LOGARITHMIC, 1, 1));
     return ok && good(exr_write_header(o->context));
 }
 
-static bool write_chunk(exr_file *o, const nqm_image *image, exr_chunk_info_t *chunk, int32_t y) {
+static bool write_chunk(exr_file *o, const nqm_raster *raster, exr_chunk_info_t *chunk, int32_t y) {
     exr_encode_pipeline_t pipeline = EXR_ENCODE_PIPELINE_INITIALIZER;
     if (!good(exr_encoding_initialize(o->context, 0, chunk, &pipeline)))
         return false;
     for (int i = 0; i < pipeline.channel_count; ++i) {
         exr_coding_channel_info_t *channel = &pipeline.channels[i];
-        size_t k = (size_t)(strchr("RGB", channel->channel_name[0]) - "RGB");
-        set_channel(channel, image, (size_t)y * image->width, k);
+        set_channel(channel, raster, (size_t)y * raster->width, find_channel(channel->channel_name, 3));
     }
     bool ok = good(exr_encoding_choose_default_routines(o->context, 0, &pipeline)) &&
               good(exr_encoding_run(o->context, 0, &pipeline));
     return good(exr_encoding_destroy(o->context, &pipeline)) && ok;
 }
 
-static bool write_chunks(exr_file *o, const nqm_image *image) {
+static bool write_chunks(exr_file *o, const nqm_raster *raster) {
     int32_t n_lines = 0;
     bool ok = good(exr_get_scanlines_per_chunk(o->context, 0, &n_lines)) && n_lines > 0;
-    for (int32_t y = 0; ok && y < (int32_t)image->height; y += n_lines) {
+    for (int32_t y = 0; ok && y < (int32_t)raster->height; y += n_lines) {
         exr_chunk_info_t chunk;
-        ok = good(exr_write_scanline_chunk_info(o->context, 0, y, &chunk)) && write_chunk(o, image, &chunk, y);
+        ok = good(exr_write_scanline_chunk_info(o->context, 0, y, &chunk)) && write_chunk(o, raster, &chunk, y);
     }
     return ok;
 }
 
 nqm_status nqm_image_write_exr(const char *path, const nqm_image *image, nqm_error *err) {
     exr_file o = {.path = path, .err = err};
+    const nqm_raster raster = {image->width, image->height, 3, NQM_RASTER_F32, image->rgb};
     nqm_status status = nqm_outfile_open(path, &o.out, err);
     if (status != NQM_OK)
         return status;
@@ -267,7 +281,7 @@ nqm_status nqm_image_write_exr(const char *path, const nqm_image *image, nqm_err
     start.user_data = &o;
     start.write_fn = on_write;
     bool ok = good(exr_start_write(&o.context, path, EXR_WRITE_FILE_DIRECTLY, &start));
-    ok = ok && write_header(&o, image) && write_chunks(&o, image);
+    ok = ok && write_header(&o, &raster) && write_chunks(&o, &raster);
     if (o.context)
         ok = good(exr_finish(&o.context)) && ok;
     if (ok)

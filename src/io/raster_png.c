@@ -1,17 +1,12 @@
 /* SPDX-License-Identifier: MIT
  *
- * PNG images with libpng. Reading: RGBE stored in 8-bit RGBA, linear rgb = (r, g, b)/255 * 2^(a - 128). Writing: 8-bit
- * RGB with an sRGB chunk, at the highest compression level.
+ * PNG pictures with libpng. Reading: all kinds, with the values of the file. Writing: 8-bit RGB with an sRGB chunk, at the highest
+ * compression level.
  */
-#include "io/io.h"
+#include "io/raster_decoders.h"
 
-#include <math.h>
 #include <png.h>
 #include <setjmp.h>
-#include <string.h>
-
-/* Deflate expands one byte to at most 1032 bytes; a pixel has four bytes. */
-static const double max_pixels_per_byte = 1032 / 4;
 
 enum { MESSAGE_SIZE = 120 };
 
@@ -32,9 +27,9 @@ static void on_warning(png_structp png, png_const_charp message) {
 typedef struct png_file {
     const nqm_map *map;
     size_t position;
+    bool header_only;
     char message[MESSAGE_SIZE];
-    nqm_image *image;
-    unsigned char *rgba; /* (height, width, 4) */
+    nqm_raster *raster;
     nqm_status status;
     nqm_error *err;
 } png_file;
@@ -47,44 +42,57 @@ static void on_read(png_structp png, png_bytep out, size_t n) {
     file->position += n;
 }
 
+static nqm_status read_header(png_structp png, png_infop info, png_file *file) {
+    png_set_user_limits(png, PNG_UINT_31_MAX, PNG_UINT_31_MAX); /* nqm_raster_begin() limits the size */
+    /* Profiles, texts and gamma, which are not used, are skipped. */
+    png_set_keep_unknown_chunks(png, PNG_HANDLE_CHUNK_NEVER, NULL, -1);
+    png_read_info(png, info);
+    const bool is_palette = png_get_color_type(png, info) == PNG_COLOR_TYPE_PALETTE;
+    const size_t bits = png_get_bit_depth(png, info), channels = is_palette ? 3 : png_get_channels(png, info);
+    *file->raster = (nqm_raster){.width = png_get_image_width(png, info),
+                                 .height = png_get_image_height(png, info),
+                                 .channels = channels,
+                                 .type = bits == 16 ? NQM_RASTER_U16 : NQM_RASTER_U8};
+    const double bits_per_pixel = (double)(bits * png_get_channels(png, info));
+    return nqm_raster_begin(file->map, NQM_DEFLATE_MAX * 8 / bits_per_pixel, file->header_only, file->raster,
+                            file->err);
+}
+
+static void set_conversions(png_structp png, png_infop info) {
+    const int bits = png_get_bit_depth(png, info);
+    if (png_get_color_type(png, info) == PNG_COLOR_TYPE_PALETTE) {
+        png_set_palette_to_rgb(png);
+        png_set_strip_alpha(png); /* of the palette */
+    } else if (bits < 8) {
+        png_set_expand_gray_1_2_4_to_8(png);
+    }
+    if (bits == 16 && !NQM_BIG_ENDIAN)
+        png_set_swap(png);
+}
+
 /* All calls that libpng may leave by longjmp(). Values that are needed after the jump are members of `file`, not local
  * variables. */
 static void read_png(png_structp png, png_infop info, png_file *file) {
     if (setjmp(png_jmpbuf(png))) {
-        if (file->status == NQM_OK)
-            file->status = nqm_fail(file->err, NQM_ERR_FORMAT, (int64_t)file->position, "%s: PNG at byte %zu: %s",
-                                    file->map->path, file->position, file->message);
+        file->status = nqm_fail(file->err, NQM_ERR_FORMAT, (int64_t)file->position, "%s: PNG at byte %zu: %s",
+                                file->map->path, file->position, file->message);
         return;
     }
-    png_set_user_limits(png, PNG_UINT_31_MAX, PNG_UINT_31_MAX); /* nqm_image_alloc() limits the size */
-    png_set_chunk_malloc_max(png, 1 << 20);
-    png_set_chunk_cache_max(png, 64);
-    png_read_info(png, info);
-    if (png_get_bit_depth(png, info) != 8 || png_get_color_type(png, info) != PNG_COLOR_TYPE_RGB_ALPHA) {
-        file->status =
-            nqm_fail(file->err, NQM_ERR_FORMAT, 24,
-                     "%s: a light map in a PNG has RGBE pixels in 8-bit RGBA; this one has not", file->map->path);
+    file->status = read_header(png, info, file);
+    if (file->status != NQM_OK || file->header_only)
         return;
-    }
-    size_t width = png_get_image_width(png, info), height = png_get_image_height(png, info);
-    file->status = nqm_image_alloc(file->map, width, height, max_pixels_per_byte, file->image, file->err);
-    if (file->status != NQM_OK)
-        return;
-    file->rgba = nqm_alloc(width * height, 4);
-    if (!file->rgba) {
-        file->status = nqm_fail_nomem(file->err, width * height * 4);
-        return;
-    }
-    int n_passes = png_set_interlace_handling(png);
+    set_conversions(png, info);
+    const int n_passes = png_set_interlace_handling(png);
     png_read_update_info(png, info);
+    const size_t row_size = png_get_rowbytes(png, info);
     for (int pass = 0; pass < n_passes; ++pass)
-        for (size_t y = 0; y < height; ++y)
-            png_read_row(png, file->rgba + 4 * width * y, NULL);
+        for (size_t y = 0; y < file->raster->height; ++y)
+            png_read_row(png, (png_bytep)file->raster->data + row_size * y, NULL);
     png_read_end(png, NULL);
 }
 
-nqm_status nqm_image_decode_png(const nqm_map *map, nqm_image *image, nqm_error *err) {
-    png_file file = {.map = map, .image = image, .err = err};
+nqm_status nqm_raster_decode_png(const nqm_map *map, bool header_only, nqm_raster *raster, nqm_error *err) {
+    png_file file = {.map = map, .header_only = header_only, .raster = raster, .err = err};
     png_structp png = png_create_read_struct(PNG_LIBPNG_VER_STRING, file.message, on_error, on_warning);
     png_infop info = png ? png_create_info_struct(png) : NULL;
     if (info) {
@@ -94,12 +102,6 @@ nqm_status nqm_image_decode_png(const nqm_map *map, nqm_image *image, nqm_error 
         file.status = nqm_fail_nomem(err, sizeof(void *));
     }
     png_destroy_read_struct(&png, &info, NULL);
-    for (size_t i = 0; file.status == NQM_OK && i < image->width * image->height; ++i) {
-        double unit = ldexp(1.0 / 255, file.rgba[4 * i + 3] - 128);
-        for (size_t k = 0; k < 3; ++k)
-            image->rgb[3 * i + k] = (float)(file.rgba[4 * i + k] * unit);
-    }
-    nqm_free(file.rgba);
     return file.status;
 }
 
