@@ -151,8 +151,10 @@ static void spread_levels(const nqm_texel_pair *pair, uint64_t (*spread)[LEVELS]
     size_t left = 64;
     for (int bit = 7; bit >= 0; --bit)
         for (size_t d = 0; d < pair->n_dimensions && left; ++d) {
-            left -= pair->dimensions[d].high > pair->dimensions[d].low;
-            for (size_t level = 0; pair->dimensions[d].high > pair->dimensions[d].low && level < LEVELS; ++level)
+            if (pair->dimensions[d].high == pair->dimensions[d].low)
+                continue;
+            --left;
+            for (size_t level = 0; level < LEVELS; ++level)
                 spread[d][level] |= (uint64_t)(level >> bit & 1) << left;
         }
 }
