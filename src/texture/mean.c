@@ -1,0 +1,118 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Far scores: the BRDFs of texels that are smaller than a pixel are averaged, each about its own normal (Filip et al. 2016). Both
+ * materials are averaged over the same texels, a stratified sample.
+ */
+#include "texture/score.h"
+
+#include <math.h>
+
+enum { MAX_MEMBERS = 256, MAX_TILTED = 64 /* each takes 15 times as long */ };
+
+/* A mean of BRDFs. */
+typedef struct mean {
+    size_t n;
+    double weight[MAX_MEMBERS];
+    nqm_brdf *members[MAX_MEMBERS];
+} mean;
+
+static void mean_eval(const void *state, size_t n, const double *wi, const double *wo, double *rgb) {
+    enum { BLOCK = 128 };
+    const mean *self = state;
+    double value[3 * BLOCK];
+    uint8_t flag[BLOCK];
+    for (size_t first = 0, m; first < n; first += m) {
+        double *out = rgb + 3 * first;
+        m = nqm_smaller(n - first, BLOCK);
+        memset(out, 0, 3 * m * sizeof *out);
+        for (size_t k = 0; k < self->n; ++k) {
+            nqm_brdf_eval(self->members[k], m, wi + 3 * first, wo + 3 * first, value, flag);
+            for (size_t i = 0; i < 3 * m; ++i)
+                out[i] += flag[i / 3] == NQM_VALUE_INVALID ? NAN : self->weight[k] * value[i];
+        }
+    }
+}
+
+static void mean_free(void *state) {
+    mean *self = state;
+    for (size_t k = 0; k < self->n; ++k)
+        nqm_brdf_free(self->members[k]);
+    nqm_free(self);
+}
+
+static const nqm_brdf_class mean_class = {
+    .format = "mean", .anisotropic = true, .is_costly = true, .eval = mean_eval, .free = mean_free};
+
+/* Open the member of texel i of a block, or add its weight to that of the member before it, if that is equal. */
+static nqm_status add_member(const nqm_texel_pair *pair, size_t side, const float *values, size_t i, double weight,
+                             mean *m, nqm_error *err) {
+    double normal[3];
+    nqm_texel_pair_normal(pair, side, values, i, normal);
+    char *spec = nqm_texture_tilt(nqm_texture_spec(pair->side[side], values + i, NQM_TEXEL_BLOCK), normal);
+    if (!spec)
+        return nqm_fail_nomem(err, sizeof(nqm_shading));
+    nqm_status status = NQM_OK;
+    if (m->n && strcmp(nqm_brdf_get_info(m->members[m->n - 1]).name, spec) == 0) {
+        m->weight[m->n - 1] += weight;
+    } else {
+        status = nqm_brdf_open(spec, &m->members[m->n], err);
+        if (status == NQM_OK)
+            m->weight[m->n++] = weight;
+    }
+    nqm_free(spec);
+    return status;
+}
+
+static nqm_status make_mean(nqm_texture_job *job, size_t side, size_t n, const nqm_texel_choice *choices,
+                            nqm_brdf **brdf_ret, nqm_error *err) {
+    uint32_t texels[MAX_MEMBERS];
+    const float *values[2];
+    mean *m = nqm_alloc(1, sizeof *m);
+    nqm_brdf_info info = {.name = job->pair.side[side]->name, .reciprocal = 1, .isotropic = 1};
+    nqm_status status = m ? NQM_OK : nqm_fail_nomem(err, sizeof *m);
+    if (!m)
+        return status;
+    for (size_t i = 0; i < n; ++i)
+        texels[i] = choices[i].texel;
+    nqm_texel_pair_evaluate(&job->pair, n, texels, 0, job->workspace, values);
+    for (size_t i = 0; status == NQM_OK && i < n; ++i)
+        status = add_member(&job->pair, side, values[side], i, choices[i].weight, m, err);
+    if (status == NQM_OK && m->n == 1) {
+        *brdf_ret = m->members[0];
+        m->n = 0;
+    }
+    for (size_t k = 0; k < m->n; ++k) {
+        info.isotropic = info.isotropic && nqm_brdf_get_info(m->members[k]).isotropic;
+        info.reciprocal = info.reciprocal && nqm_brdf_get_info(m->members[k]).reciprocal;
+    }
+    if (status == NQM_OK && m->n)
+        return nqm_brdf_wrap(&mean_class, m, &info, brdf_ret, err);
+    mean_free(m);
+    return status;
+}
+
+nqm_status nqm_texture_score_far(nqm_texture_job *job, nqm_texture_result *result, nqm_error *err) {
+    nqm_texel_choice choices[MAX_MEMBERS];
+    nqm_brdf *brdf[2] = {NULL, NULL};
+    nqm_score_result score = {.status = NQM_OK};
+    const bool has_normals = job->pair.has_normals;
+    const size_t n = nqm_texels_choose(&job->groups, has_normals ? MAX_TILTED : MAX_MEMBERS, has_normals,
+                                       job->options.seed + 1, choices);
+    nqm_status status = NQM_OK;
+    if (nqm_tick(&job->ticker, "far", 0, 1))
+        status = nqm_fail(err, NQM_ERR_CANCELLED, -1, "cancelled");
+    for (size_t s = 0; status == NQM_OK && s < 2; ++s)
+        status = make_mean(job, s, n, choices, &brdf[s], err);
+    if (status == NQM_OK)
+        status = nqm_scorer_run(job->scorer, brdf[0], 1, (const nqm_brdf *const *)&brdf[1], &score, err);
+    if (status == NQM_OK && score.status != NQM_OK)
+        status = nqm_fail(err, score.status, -1, "the mean BRDFs of %s and %s cannot be compared: %s",
+                          job->pair.side[0]->name, job->pair.side[1]->name, nqm_status_text(score.status));
+    for (size_t s = 0; s < 2; ++s)
+        nqm_brdf_free(brdf[s]);
+    result->far_jod[0] = score.jod;
+    result->far_jod[1] = score.jod_low;
+    result->far_jod[2] = score.jod_high;
+    result->far_delta_e = score.delta_e;
+    return status;
+}
