@@ -28,7 +28,7 @@ void nqm_textured_free(nqm_textured *t) {
 
 /* ---- nodes ------------------------------------------------------------------------------------------------------- */
 
-static size_t n_operands(nqm_map_op op, size_t n) {
+size_t nqm_map_operands(nqm_map_op op, size_t n) {
     switch (op) {
     case NQM_MAP_VALUE:
     case NQM_MAP_IMAGE:
@@ -63,7 +63,7 @@ static bool is_same(const nqm_map_node *a, const nqm_map_node *b) {
 }
 
 uint16_t nqm_map_add(nqm_textured *t, nqm_map_node node) {
-    for (size_t i = 0; i < n_operands(node.op, node.n); ++i)
+    for (size_t i = 0; i < nqm_map_operands(node.op, node.n); ++i)
         if (node.in[i] == NQM_NO_NODE)
             return NQM_NO_NODE;
     for (size_t i = 0; i < t->n_nodes; ++i)

@@ -105,6 +105,11 @@ uint16_t nqm_map_add(nqm_textured *t, nqm_map_node node);
 uint16_t nqm_map_value(nqm_textured *t, size_t n, const double *v);
 /** A node with up to three operands; operands that the operation does not have are NQM_NO_NODE. n: components of the value. */
 uint16_t nqm_map_compute(nqm_textured *t, nqm_map_op op, size_t n, uint16_t a, uint16_t b, uint16_t c);
+/** How many operands a node with this operation and n components has. */
+size_t nqm_map_operands(nqm_map_op op, size_t n);
+/** The value of a node at one position, also beyond its n components, where it repeats the last one.
+ *  values (4 each): of the earlier nodes, repeated likewise. The caller evaluates NQM_MAP_IMAGE and NQM_MAP_TEXCOORD itself. */
+void nqm_map_node_value(const nqm_map_node *node, const double (*values)[4], double out[4]);
 /** Component c of a node; the node itself if it has only one. */
 uint16_t nqm_map_channel(nqm_textured *t, uint16_t of, size_t c);
 /** An image, of n channels. uv, wrap: as in nqm_map_node. */
