@@ -87,6 +87,12 @@ NQM_MUST_CHECK nqm_status nqm_brdf_open_below(const char *path_or_spec, const ch
 NQM_MUST_CHECK nqm_status nqm_brdf_find_companion(const char *path, const char *member, char **path_ret,
                                                   nqm_error *err);
 
+/** The materials of "FILE" or "FILE:MATERIAL" and the number of the one that is named, if image maps change it; otherwise
+ *  *materials_ret is NULL, and nqm_brdf_open() tells what the argument is. */
+struct nqm_materials;
+NQM_MUST_CHECK nqm_status nqm_brdf_find_textured(const char *argument, struct nqm_materials **materials_ret,
+                                                 size_t *index_ret, nqm_error *err);
+
 /* ---- files ------------------------------------------------------------------------------------------------------- */
 
 /** Write a MERL table; n_phi: 180 or 360 cells of phi_d. */

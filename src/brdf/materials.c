@@ -5,7 +5,7 @@
 #include "brdf/formats/format.h"
 
 #include "base/names.h"
-#include "material/material.h"
+#include "material/maps.h"
 #include <string.h>
 #include <unistd.h>
 
@@ -29,12 +29,13 @@ static nqm_status fail_select(const char *path, const nqm_materials *materials, 
 
 /* The material of that name; NULL: the only one. */
 static nqm_status select_material(const char *path, const nqm_materials *materials, const char *material,
-                                  nqm_material_info *info, nqm_error *err) {
+                                  size_t *index_ret, nqm_material_info *info, nqm_error *err) {
     static const size_t only[] = {0};
     size_t n_found = nqm_materials_count(materials) == 1;
     const size_t *found = material ? nqm_materials_named(materials, material, &n_found) : only;
     if (n_found == 0)
         return fail_select(path, materials, material, err);
+    *index_ret = found[0];
     *info = nqm_materials_get(materials, found[0]);
     if (n_found == 1)
         return NQM_OK;
@@ -48,10 +49,11 @@ static nqm_status select_material(const char *path, const nqm_materials *materia
 static nqm_status find_companion(const nqm_map *map, const char *material, char **path_ret, nqm_error *err) {
     nqm_materials *materials = NULL;
     nqm_material_info info = {.spec = NULL};
+    size_t index;
     *path_ret = NULL;
     nqm_status status = nqm_materials_read(map, &materials, err);
     if (status == NQM_OK)
-        status = select_material(map->path, materials, material, &info, err);
+        status = select_material(map->path, materials, material, &index, &info, err);
     if (status == NQM_OK && info.spec && !nqm_spec_probe(info.spec)) {
         *path_ret = nqm_path_beside(map->path, info.spec);
         status = *path_ret ? NQM_OK : nqm_fail_nomem(err, strlen(info.spec) + 1);
@@ -103,13 +105,45 @@ static nqm_status open_material(const char *path, const nqm_materials *materials
                                 nqm_brdf **brdf_ret, nqm_error *err) {
     nqm_material_info info = {.name = ""};
     char byte[40];
-    nqm_status status = select_material(path, materials, argument->member, &info, err);
+    size_t index;
+    nqm_status status = select_material(path, materials, argument->member, &index, &info, err);
     if (status == NQM_OK && info.refusal)
         status = nqm_fail(err, NQM_ERR_FORMAT, info.byte_offset, "%s: the material '%s' (%s%s) is refused: %s", path,
                           info.name, info.surface, byte_text(info.byte_offset, byte), info.refusal);
     if (status == NQM_OK)
         status = nqm_spec_probe(info.spec) ? open_spec(path, &info, argument, brdf_ret, err)
                                            : open_measured(path, info.spec, argument->open, brdf_ret, err);
+    return status;
+}
+
+nqm_status nqm_brdf_find_textured(const char *argument, nqm_materials **materials_ret, size_t *index_ret,
+                                  nqm_error *err) {
+    const bool is_spec = nqm_spec_probe(argument), is_path = access(argument, F_OK) == 0;
+    const char *colon = is_spec || is_path ? NULL : strrchr(argument, ':');
+    nqm_materials *materials = NULL;
+    nqm_material_info info;
+    nqm_map map = {0};
+    char *path = nqm_strdup(argument);
+    nqm_status status = path ? NQM_OK : nqm_fail_nomem(err, strlen(argument) + 1);
+    *materials_ret = NULL;
+    if (path && colon)
+        path[colon - argument] = 0;
+    if (path && (is_spec || access(path, F_OK) != 0 || nqm_map_open_sparse(path, &map, NULL) != NQM_OK)) {
+        nqm_free(path);
+        return NQM_OK;
+    }
+    if (status == NQM_OK && map.n_bytes && nqm_materials_probe(&map)) {
+        status = nqm_materials_read(&map, &materials, err);
+        if (status == NQM_OK)
+            status = select_material(path, materials, colon ? colon + 1 : NULL, index_ret, &info, err);
+        if (status == NQM_OK && nqm_materials_textured(materials, *index_ret)) {
+            *materials_ret = materials;
+            materials = NULL;
+        }
+    }
+    nqm_materials_free(materials);
+    nqm_map_close(&map);
+    nqm_free(path);
     return status;
 }
 

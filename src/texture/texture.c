@@ -1,0 +1,274 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Textured materials with their decoded maps: opened from files, made of arrays, and evaluated at one position.
+ */
+#include "texture/evaluate.h"
+
+#include <math.h>
+
+void nqm_texture_free(nqm_texture *t) {
+    if (!t)
+        return;
+    for (size_t i = 0; t->images && i < t->maps->n_images; ++i) {
+        nqm_raster_clear(&t->images[i].raster);
+        nqm_free(t->images[i].table);
+    }
+    nqm_free(t->images);
+    nqm_free(t->constants);
+    nqm_materials_free(t->materials);
+    nqm_textured_free(t->owned);
+    nqm_free(t->name);
+    nqm_free(t->argument);
+    nqm_free(t);
+}
+
+static nqm_texture *make(const char *name) {
+    nqm_texture *t = nqm_alloc(1, sizeof *t);
+    if (t && !(t->name = nqm_strdup(name))) {
+        nqm_free(t);
+        return NULL;
+    }
+    return t;
+}
+
+/* ---- maps of files ----------------------------------------------------------------------------------------------- */
+
+typedef struct decode_job {
+    nqm_texture *t;
+    size_t n;                          /* maps that are needed */
+    size_t needed[NQM_MAX_MAP_IMAGES]; /* (n) their numbers */
+    nqm_error errors[NQM_MAX_MAP_IMAGES];
+} decode_job;
+
+static nqm_status decode_map(const nqm_map_image *image, nqm_texels *texels, nqm_error *err) {
+    nqm_map map = {0};
+    nqm_status status = image->path ? nqm_map_open(image->path, &map, err) : NQM_OK;
+    const unsigned char *data = image->path ? map.data : image->data;
+    const size_t n_all = image->path ? map.n_bytes : image->n_bytes, at = image->path ? image->at : 0;
+    const size_t n = image->n_bytes ? image->n_bytes : n_all;
+    if (status == NQM_OK && (n == 0 || at > n_all || n > n_all - at))
+        status = nqm_fail(err, NQM_ERR_FORMAT, (int64_t)at, "%s: %zu bytes from byte %zu on are wanted, there are %zu",
+                          image->name, n, at, n_all);
+    if (status == NQM_OK)
+        status = nqm_raster_decode(data + at, n, image->name, &texels->raster, err);
+    nqm_map_close(&map);
+    return status == NQM_OK ? nqm_texels_decode(texels, image->space, err) : status;
+}
+
+static void decode_one(void *user, size_t i) {
+    decode_job *job = user;
+    const size_t k = job->needed[i];
+    job->errors[i].status = decode_map(&job->t->maps->images[k], &job->t->images[k], &job->errors[i]);
+}
+
+static nqm_status decode_all(nqm_texture *t, nqm_ticker *ticker, nqm_error *err) {
+    decode_job *job = nqm_alloc(1, sizeof *job);
+    nqm_status status = job ? NQM_OK : nqm_fail_nomem(err, sizeof *job);
+    bool is_needed[NQM_MAX_MAP_IMAGES] = {false};
+    for (size_t k = 0; k < t->maps->n_nodes; ++k)
+        if (t->maps->nodes[k].op == NQM_MAP_IMAGE && (t->roles[k] & NQM_NODE_NEEDED))
+            is_needed[t->maps->nodes[k].image] = true;
+    if (!job)
+        return status;
+    job->t = t;
+    for (size_t i = 0; i < t->maps->n_images; ++i)
+        if (is_needed[i])
+            job->needed[job->n++] = i;
+    if (nqm_parallel_ticking(ticker, "maps", job->n, decode_one, job))
+        status = nqm_fail(err, NQM_ERR_CANCELLED, -1, "cancelled");
+    for (size_t i = 0; status == NQM_OK && i < job->n; ++i)
+        if ((status = job->errors[i].status) != NQM_OK)
+            nqm_fail(err, status, job->errors[i].byte_offset, "the map '%s' of the material %s: %s",
+                     t->maps->images[job->needed[i]].name, t->name, job->errors[i].message);
+    nqm_free(job);
+    return status;
+}
+
+/* ---- facts ------------------------------------------------------------------------------------------------------- */
+
+static void describe(nqm_texture *t) {
+    for (size_t i = 0; t->maps && i < t->maps->n_images; ++i) {
+        static const size_t n_each[] = {[NQM_RASTER_U8] = 1, [NQM_RASTER_U16] = 2, [NQM_RASTER_F32] = 4};
+        const nqm_raster *r = &t->images[i].raster;
+        t->info.n_images += r->data != NULL;
+        t->info.n_bytes += r->width * r->height * r->channels * n_each[r->type];
+    }
+    t->info.name = t->name;
+    t->info.varying = t->words;
+    nqm_texture_size(t, t, &t->info.width, &t->info.height);
+}
+
+/* Whether the material of a texel opens tells whether that of all does. */
+static nqm_status check(const nqm_texture *t, nqm_error *err) {
+    nqm_brdf *brdf = NULL;
+    double normal[3];
+    nqm_status status = nqm_texture_at(t, 0.5, 0.5, &brdf, normal, err);
+    nqm_brdf_free(brdf);
+    return status;
+}
+
+/* With its maps; decoded ones are there already. */
+static nqm_status finish(nqm_texture *t, nqm_ticker *ticker, nqm_error *err) {
+    nqm_status status = nqm_texture_prepare(t, err);
+    const bool is_decoded = t->images;
+    if (status == NQM_OK && !is_decoded && !(t->images = nqm_alloc(t->maps->n_images, sizeof *t->images)))
+        status = nqm_fail_nomem(err, t->maps->n_images * sizeof *t->images);
+    if (status == NQM_OK && !is_decoded)
+        status = decode_all(t, ticker, err);
+    if (status == NQM_OK)
+        describe(t);
+    return status == NQM_OK ? check(t, err) : status;
+}
+
+nqm_texture_info nqm_texture_get_info(const nqm_texture *texture) {
+    assert(texture);
+    return texture->info;
+}
+
+/* ---- opening ----------------------------------------------------------------------------------------------------- */
+
+/* A BRDF that does not vary. */
+static nqm_status open_constant(nqm_texture *t, nqm_error *err) {
+    nqm_brdf *brdf = NULL;
+    nqm_status status = nqm_brdf_open(t->name, &brdf, err);
+    if (status != NQM_OK)
+        return status;
+    const nqm_brdf_info info = nqm_brdf_get_info(brdf);
+    const nqm_analytic_model *model = info.spec ? nqm_analytic_model_find(info.format, strlen(info.format)) : NULL;
+    if (model && nqm_shading_parse(info.spec, &t->shading, NULL) == NQM_OK) {
+        t->schema = &model->schema;
+        t->info.model = model->schema.model;
+    } else {
+        snprintf(t->shading.model, sizeof t->shading.model, "%s", info.format);
+        t->info.model = t->shading.model;
+        t->argument = nqm_strdup(t->name);
+        status = t->argument ? NQM_OK : nqm_fail_nomem(err, strlen(t->name) + 1);
+    }
+    nqm_brdf_free(brdf);
+    if (status == NQM_OK)
+        describe(t);
+    return status;
+}
+
+nqm_status nqm_texture_open(const char *argument, nqm_progress_fn progress, void *progress_user,
+                            nqm_texture **texture_ret, nqm_error *err) {
+    NQM_MAKE(err, texture_ret, argument);
+    nqm_ticker ticker = {.fn = progress, .user = progress_user};
+    nqm_texture *t = make(argument);
+    if (!t)
+        return nqm_fail_nomem(err, sizeof *t);
+    nqm_status status;
+    size_t index = 0;
+    if (nqm_maps_probe(argument))
+        status = nqm_maps_open(argument, &t->owned, err);
+    else
+        status = nqm_brdf_find_textured(argument, &t->materials, &index, err);
+    t->maps = t->materials ? nqm_materials_textured(t->materials, index) : t->owned;
+    if (status == NQM_OK)
+        status = t->maps ? finish(t, &ticker, err) : open_constant(t, err);
+    if (status == NQM_OK)
+        *texture_ret = t;
+    else
+        nqm_texture_free(t);
+    return status;
+}
+
+/* ---- from arrays ------------------------------------------------------------------------------------------------- */
+
+static nqm_status check_map(const nqm_texture *t, const nqm_texture_map *map, nqm_error *err) {
+    const nqm_spec_key *key = nqm_texture_key(t, map->key);
+    const size_t n = strcmp(map->key, "normal") == 0 ? 3 : key ? key->n : 0;
+    if (n == 0)
+        return nqm_fail(err, NQM_ERR_ARG, -1, "the model '%s' has no property '%s' that a map can change",
+                        t->owned->shading.model, map->key);
+    if (n != map->channels || map->height == 0 || map->width == 0)
+        return nqm_fail(err, NQM_ERR_ARG, -1, "the map '%s' has the shape (%zu, %zu, %zu): the last is %zu, none is 0",
+                        map->key, map->height, map->width, map->channels, n);
+    if (map->height > NQM_RASTER_MAX_SIDE || map->width > NQM_RASTER_MAX_SIDE)
+        return nqm_fail(err, NQM_ERR_LIMIT, -1, "the map '%s' has %zu x %zu texels; a side has at most %d", map->key,
+                        map->width, map->height, (int)NQM_RASTER_MAX_SIDE);
+    for (size_t i = 0; i < map->height * map->width * n; ++i)
+        if (!isfinite(map->values[i]))
+            return nqm_fail(err, NQM_ERR_ARG, -1, "the map '%s' is not finite at texel (%zu, %zu)", map->key,
+                            i / n / map->width, i / n % map->width);
+    return NQM_OK;
+}
+
+static nqm_status add_map(nqm_texture *t, const nqm_texture_map *map, nqm_error *err) {
+    static const double uv[2][3] = {{1, 0, 0}, {0, 1, 0}};
+    static const uint8_t repeat[2] = {NQM_MAP_REPEAT, NQM_MAP_REPEAT};
+    const size_t n = map->height * map->width * map->channels;
+    nqm_status status = check_map(t, map, err);
+    if (status != NQM_OK)
+        return status;
+    size_t image;
+    const nqm_map_image named = {.data = nqm_alloc(1, 1), .name = nqm_strdup(map->key)};
+    if (!nqm_map_add_image(t->owned, named, &image))
+        return nqm_fail_nomem(err, n * sizeof(float));
+    nqm_raster *raster = &t->images[image].raster;
+    *raster = (nqm_raster){map->width, map->height, map->channels, NQM_RASTER_F32, nqm_alloc(n, sizeof(float))};
+    const uint16_t node = nqm_map_image_at(t->owned, image, map->channels, uv, repeat);
+    if (!raster->data || node == NQM_NO_NODE)
+        return nqm_fail_nomem(err, n * sizeof(float));
+    memcpy(raster->data, map->values, n * sizeof(float));
+    if (strcmp(map->key, "normal") == 0)
+        t->owned->normal = node;
+    else
+        nqm_map_output_set(t->owned, map->key, node);
+    return NQM_OK;
+}
+
+static nqm_status make_of_arrays(nqm_texture *t, const char *base, size_t n_maps, const nqm_texture_map *maps,
+                                 nqm_error *err) {
+    t->owned = nqm_textured_create();
+    t->maps = t->owned;
+    t->images = t->owned ? nqm_alloc(nqm_smaller(n_maps, NQM_MAX_MAP_IMAGES), sizeof *t->images) : NULL;
+    if (!t->images)
+        return nqm_fail_nomem(err, sizeof *t->owned);
+    nqm_status status = nqm_shading_parse(base, &t->owned->shading, err);
+    const char *name = t->owned->shading.model;
+    const nqm_analytic_model *model = nqm_analytic_model_find(name, strlen(name));
+    if (status == NQM_OK && (!model || n_maps > NQM_MAX_MAP_IMAGES))
+        status = model ? nqm_fail(err, NQM_ERR_LIMIT, -1, "%zu maps; there may be %d", n_maps, NQM_MAX_MAP_IMAGES)
+                       : nqm_fail(err, NQM_ERR_ARG, -1, "%s: there is no model '%s'", base, name);
+    t->schema = model ? &model->schema : NULL;
+    for (size_t i = 0; status == NQM_OK && i < n_maps; ++i)
+        status = add_map(t, &maps[i], err);
+    return status == NQM_OK ? finish(t, NULL, err) : status;
+}
+
+nqm_status nqm_texture_create(const char *base, size_t n_maps, const nqm_texture_map *maps, nqm_texture **texture_ret,
+                              nqm_error *err) {
+    NQM_MAKE(err, texture_ret, base);
+    NQM_REQUIRE_IF(n_maps, err, maps);
+    for (size_t i = 0; i < n_maps; ++i)
+        NQM_REQUIRE(err, maps[i].key, maps[i].values);
+    nqm_texture *t = make(base);
+    if (!t)
+        return nqm_fail_nomem(err, sizeof *t);
+    nqm_status status = make_of_arrays(t, base, n_maps, maps, err);
+    if (status == NQM_OK)
+        *texture_ret = t;
+    else
+        nqm_texture_free(t);
+    return status;
+}
+
+/* ---- one position ------------------------------------------------------------------------------------------------ */
+
+nqm_status nqm_texture_at(const nqm_texture *t, double u, double v, nqm_brdf **brdf_ret, double normal[3],
+                          nqm_error *err) {
+    const double at[2] = {u - floor(u), v - floor(v)};
+    float *workspace = nqm_alloc(nqm_texture_workspace(t), sizeof *workspace);
+    *brdf_ret = NULL;
+    if (!workspace)
+        return nqm_fail_nomem(err, nqm_texture_workspace(t) * sizeof *workspace);
+    const float *values = nqm_texture_evaluate(t, 1, &at[0], &at[1], workspace);
+    char *spec = nqm_texture_spec(t, values, NQM_TEXEL_BLOCK);
+    for (size_t c = 0; c < 3; ++c)
+        normal[c] = t->has_normal ? (double)values[(t->n_values - 3 + c) * NQM_TEXEL_BLOCK] : c == 2;
+    nqm_status status = spec ? nqm_brdf_open(spec, brdf_ret, err) : nqm_fail_nomem(err, sizeof(nqm_shading));
+    nqm_free(spec);
+    nqm_free(workspace);
+    return status;
+}
