@@ -41,16 +41,14 @@ NQM_API NQM_MUST_CHECK nqm_status nqm_rays_compare(const nqm_rays *rays, const d
 
 /** How a texture lies on the shape, and how it is filtered. Take the defaults from nqm_texture_view_default(). */
 typedef struct nqm_texture_view {
-    double
-        tiles; /**< periods of the texture along u and along v of the shape (<nqm/render.h>), above 0 to 10^6; default 1 */
+    double tiles; /**< repeats of the texture coordinates 0 to 1 along u and v of the shape, to 10^6; default 1 */
     size_t
-        n_samples; /**< texels of a point, 1 to 4096, default 4: their radiance is averaged. 1: the texel at the point; more: those
-                           nearest to positions that are stratified over the footprint of the point. That is its pixel; without
-                           pixels a square of the picture with the area that the point represents */
+        n_samples; /**< texels whose radiance a point averages, 1 to 4096; default 4. 1: the texel at the point; more:
+                           those nearest to positions that are stratified over the footprint of the point. That is its
+                           pixel; without pixels, a square of the picture with the area that the point represents */
     uint64_t seed; /**< of these positions; default 1 */
-    size_t width,
-        height; /**< texels of a period to whose centres positions are moved: nqm_texture_size() of the pair that is compared;
-                               default 0: those of the texture */
+    const nqm_texture *beside; /**< the other texture of the label: where its texels are finer, positions are their
+                                    centres, so that both pictures have the same; default NULL: the own texels */
 } nqm_texture_view;
 NQM_API nqm_texture_view nqm_texture_view_default(void);
 

@@ -2,8 +2,8 @@
  *
  * Pictures of textured materials, from which labels are made as from those of a BRDF.
  */
-#include "texture/texture.h"
 #include "render/render.h"
+#include "texture/evaluate.h"
 #include <nqm/label.h>
 
 #include <math.h>
@@ -14,7 +14,7 @@ nqm_texture_view nqm_texture_view_default(void) {
 
 typedef struct shown {
     const nqm_texture *texture;
-    double tiles, size[2];
+    double tiles, size[2]; /* texels between the coordinates 0 and 1 */
 } shown;
 
 /* The centre of the nearest texel: between centres, interpolated properties would vary less than the texels do. */
@@ -30,15 +30,16 @@ nqm_status nqm_texture_render(const nqm_scene *scene, const nqm_texture *texture
                               double *rgb_cdm2, nqm_error *err) {
     NQM_REQUIRE(err, scene, texture, rgb_cdm2);
     const nqm_texture_view v = view ? *view : nqm_texture_view_default();
-    const nqm_texture_info info = nqm_texture_get_info(texture);
     if (!(v.tiles > 0 && v.tiles <= 1e6))
         return nqm_fail(err, NQM_ERR_ARG, -1, "tiles: %g is not between 0 and 10^6", v.tiles);
     if (v.n_samples < 1 || v.n_samples > 4096)
         return nqm_fail(err, NQM_ERR_ARG, -1, "n_samples: %zu is not between 1 and 4096", v.n_samples);
-    if (!v.width != !v.height)
-        return nqm_fail(err, NQM_ERR_ARG, -1, "width and height: give both or neither");
-    shown s = {
-        texture, v.tiles, {(double)(v.width ? v.width : info.width), (double)(v.width ? v.height : info.height)}};
+    shown s = {.texture = texture, .tiles = v.tiles};
+    for (size_t k = 0; k < 2; ++k) {
+        size_t n_texels; /* of each of the equal parts into which both textures divide this axis */
+        const size_t n_parts = nqm_texture_tiles(texture, v.beside ? v.beside : texture, k, &n_texels);
+        s.size[k] = (double)(n_parts * n_texels);
+    }
     const nqm_scene_surfaces surfaces = {v.n_samples, v.seed, open_texel, &s};
     return nqm_scene_render_each(scene, &surfaces, rgb_cdm2, err);
 }

@@ -198,6 +198,27 @@ static void test_halves_by_points(void **state) {
     nqm_scene_free(scene);
 }
 
+/* A coarse texture that is compared with a finer one is interpolated at the centres of the finer texels; without it, it is not. */
+static void test_positions_of_a_pair(void **state) {
+    (void)state;
+    nqm_scene *scene = small_scene("sphere", 0);
+    const size_t n_bytes = 9 * nqm_scene_count(scene) * sizeof(double);
+    const float coarse[] = {0.25F, 0.5F}, fine[] = {0.3125F, 0.25F, 0.25F, 0.3125F, 0.4375F, 0.5F, 0.5F, 0.4375F};
+    nqm_texture *finer = make_texture("gltf:metallic=1", "roughness", 1, 8, 1, fine);
+    const nqm_texture_view own = {.tiles = 2, .n_samples = 1}, paired = {.tiles = 2, .n_samples = 1, .beside = finer};
+    double *a = render_map(scene, "gltf:metallic=1", "roughness", 2, 1, coarse, &own);
+    double *b = render_map(scene, "gltf:metallic=1", "roughness", 2, 1, coarse, &paired);
+    const float as_seen[] = {0.34375F, 0.28125F, 0.28125F, 0.34375F, 0.40625F, 0.46875F, 0.46875F, 0.40625F};
+    double *c = render_map(scene, "gltf:metallic=1", "roughness", 8, 1, as_seen, &own);
+    assert_memory_not_equal(a, b, n_bytes);
+    assert_memory_equal(b, c, n_bytes);
+    double *pictures[] = {a, b, c};
+    for (size_t k = 0; k < 3; ++k)
+        nqm_free(pictures[k]);
+    nqm_texture_free(finer);
+    nqm_scene_free(scene);
+}
+
 /* From afar, each point has the mean light of the texels. */
 static void test_far_is_the_mean(void **state) {
     (void)state;
@@ -290,8 +311,7 @@ static void test_refused_arguments(void **state) {
     const nqm_texture_view bad[] = {{.tiles = 0, .n_samples = 1},
                                     {.tiles = (double)NAN, .n_samples = 1},
                                     {.tiles = 1, .n_samples = 0},
-                                    {.tiles = 1, .n_samples = 5000},
-                                    {.tiles = 1, .n_samples = 1, .width = 4}};
+                                    {.tiles = 1, .n_samples = 5000}};
     double rgb[9 * 16];
     o.n_points = 16;
     nqm_scene *scene = make_scene(&o);
@@ -355,13 +375,19 @@ static void test_out_of_memory(void **state) {
 
 int main(void) {
     use_chosen_kernels();
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_texcoord_of_spheres), cmocka_unit_test(test_texcoord_directions),
-        cmocka_unit_test(test_footprints_meet),     cmocka_unit_test(test_constant_is_the_brdf),
-        cmocka_unit_test(test_standard_scenes),     cmocka_unit_test(test_halves_by_points),
-        cmocka_unit_test(test_far_is_the_mean),     cmocka_unit_test(test_normal_is_tilt),
-        cmocka_unit_test(test_steep_normals),       cmocka_unit_test(test_threads),
-        cmocka_unit_test(test_refused_arguments),   cmocka_unit_test(test_cancel),
-        cmocka_unit_test(test_out_of_memory)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_texcoord_of_spheres),
+                                       cmocka_unit_test(test_texcoord_directions),
+                                       cmocka_unit_test(test_footprints_meet),
+                                       cmocka_unit_test(test_constant_is_the_brdf),
+                                       cmocka_unit_test(test_standard_scenes),
+                                       cmocka_unit_test(test_halves_by_points),
+                                       cmocka_unit_test(test_positions_of_a_pair),
+                                       cmocka_unit_test(test_far_is_the_mean),
+                                       cmocka_unit_test(test_normal_is_tilt),
+                                       cmocka_unit_test(test_steep_normals),
+                                       cmocka_unit_test(test_threads),
+                                       cmocka_unit_test(test_refused_arguments),
+                                       cmocka_unit_test(test_cancel),
+                                       cmocka_unit_test(test_out_of_memory)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

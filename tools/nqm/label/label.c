@@ -19,15 +19,18 @@ static void open_textures(label_run *run) {
     }
 }
 
-/* Positions are those of the finest texture of the group, so that a reference and its tests show the same. */
+/* Positions are those of the finest texture of the group, so that a reference and its tests have the same. */
 static nqm_texture_view view_of_group(const label_run *run, size_t reference) {
     nqm_texture_view view = run->view;
+    double finest = 0;
     for (size_t i = 0; i < run->n_items; ++i) {
         if (run->items[i].reference != reference || !run->items[i].texture)
             continue;
         const nqm_texture_info info = nqm_texture_get_info(run->items[i].texture);
-        view.width = info.width > view.width ? info.width : view.width;
-        view.height = info.height > view.height ? info.height : view.height;
+        const double n_texels = (double)info.width * (double)info.height;
+        if (n_texels > finest)
+            view.beside = run->items[i].texture;
+        finest = fmax(finest, n_texels);
     }
     return view;
 }
