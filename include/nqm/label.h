@@ -53,9 +53,10 @@ typedef struct nqm_texture_view {
 NQM_API nqm_texture_view nqm_texture_view_default(void);
 
 /** nqm_scene_render_halves() of a textured material; nqm_scene_compare_halves() makes labels of two pictures, which have the same
- *  positions if the views are equal. Points show texels one by one, also from afar: a texture that is smaller than the footprint needs
- *  about 64 samples a point. Each sample with a normal that leans costs a scene's light directions again, about 0.1 ms. A constant
- *  texture gives the bits of nqm_scene_render_halves().
+ *  positions if the views are equal. The far label, of textures that are smaller than a point, needs many tiles and samples: a metal
+ *  with stripes of roughness .125 and .75 in 3072 points of a sphere differs from the mean of both by Delta-E 19 at 64 tiles (a point
+ *  shows a third of a tile), 2.5 at 1024 tiles and 64 samples, 1.1 at 1024 tiles and 256 samples. A sample with a normal that leans
+ *  has light directions of its own, about 0.1 ms. A constant texture gives the bits of nqm_scene_render_halves().
  *
  * @param view      NULL: the defaults
  * @param rgb_cdm2  (3, n_points, 3)

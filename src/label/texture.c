@@ -30,10 +30,9 @@ nqm_status nqm_texture_render(const nqm_scene *scene, const nqm_texture *texture
                               double *rgb_cdm2, nqm_error *err) {
     NQM_REQUIRE(err, scene, texture, rgb_cdm2);
     const nqm_texture_view v = view ? *view : nqm_texture_view_default();
-    if (!(v.tiles > 0 && v.tiles <= 1e6))
-        return nqm_fail(err, NQM_ERR_ARG, -1, "tiles: %g is not between 0 and 10^6", v.tiles);
-    if (v.n_samples < 1 || v.n_samples > 4096)
-        return nqm_fail(err, NQM_ERR_ARG, -1, "n_samples: %zu is not between 1 and 4096", v.n_samples);
+    if (!(v.tiles > 0 && v.tiles <= 1e6) || v.n_samples < 1 || v.n_samples > 4096)
+        return nqm_fail(err, NQM_ERR_ARG, -1, "texture: tiles %g must be in (0, 10^6], samples %zu in [1, 4096]",
+                        v.tiles, v.n_samples);
     shown s = {.texture = texture, .tiles = v.tiles};
     for (size_t k = 0; k < 2; ++k) {
         size_t n_texels; /* of each of the equal parts into which both textures divide this axis */

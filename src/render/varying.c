@@ -52,11 +52,11 @@ typedef struct rendering {
     atomic_size_t first_failed; /* point; SIZE_MAX: none so far */
 } rendering;
 
-/* Light of a BRDF with a normal of its own, whose lobe places the light directions. An isotropic one has its lobe at the normal. */
+/* Light of a BRDF with a normal of its own, whose lobe places the light directions. An isotropic one has its lobe at the normal.
+ * Steeper normals than least_z, also those that point downwards, show hardly more than the horizon. */
 static nqm_status reflect(const nqm_scene *scene, size_t i, nqm_brdf *of, double *normal, double half[2][3],
                           nqm_error *err) {
-    static const double least_z =
-        0.05; /* steeper normals, and those that point downwards, show hardly more than the horizon */
+    static const double least_z = 0.05;
     const bool leans = normal[0] != 0 || normal[1] != 0, is_anisotropic = nqm_brdf_anisotropy(of) > 0;
     nqm_brdf *tilted = NULL;
     normal[2] = fmax(normal[2], least_z);
