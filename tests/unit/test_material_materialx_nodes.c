@@ -3,10 +3,10 @@
  * MaterialX files with images and computed values: the value of each kind of node against NumPy, and the nodes and images of textured
  * materials.
  */
-#include "vectors/materialx_nodes_vectors.h"
 #include "base/memory_test.h"
 #include "material/maps.h"
 #include "support/check.h"
+#include "vectors/materialx_nodes_vectors.h"
 
 #include <math.h>
 #include <stdio.h>
