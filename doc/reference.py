@@ -37,7 +37,7 @@ ownership and threads are described there. What is opened, loaded or created is 
 `<nqm/nqm.h>` includes all headers; [base.h](../include/nqm/base.h) has the conventions, and
 [examples/](../examples) has complete programs.""")
 PLAIN = re.compile(r"_(?:default|get_\w+|count|name|text|version|id|degrees|wi|wo|weights|size)$")  # their names say what they return
-CORE = ("base", "material", "brdf", "samples", "percept", "model", "metric")
+CORE = ("base", "material", "brdf", "samples", "percept", "model", "metric", "texture")
 names = [n for n in ORDER if os.path.exists(os.path.join(HEADERS, n + ".h"))]
 names += sorted({os.path.basename(p)[:-2] for p in glob.glob(HEADERS + "/*.h")} - set(names) - {"nqm"})
 for name in sorted(set(names), key=names.index):

@@ -56,6 +56,9 @@ blob fuzz_with_checksum(const uint8_t *data, size_t n_bytes);
 /** Read the bytes as a picture of light. */
 void fuzz_image(const uint8_t *data, size_t n_bytes);
 
+/** Read the bytes as a picture of a map. */
+void fuzz_raster(const uint8_t *data, size_t n_bytes);
+
 /** A file name for drawings, which are made and discarded. */
 const char *fuzz_drawing(void);
 

@@ -14,6 +14,7 @@ blob fuzz_seed(void) {
         "{\"type\": \"scene\", \"gold\": {\"type\": \"twosided\", \"inner\": {\"type\": \"roughconductor\", "
         "\"alpha\": 0.1, \"eta\": {\"type\": \"rgb\", \"value\": [0.1, 0.4, 1.4]}, \"k\": {\"type\": "
         "\"spectrum\", \"value\": 3}}}, \"s\": {\"type\": \"sphere\", \"b\": {\"type\": \"principled\", "
-        "\"roughness\": 0.3, \"base_color\": [1, 0.5, 0]}}}";
+        "\"roughness\": 0.3, \"base_color\": [1, 0.5, 0]}}, \"d\": {\"type\": \"diffuse\", \"reflectance\": {\"type\": "
+        "\"bitmap\", \"filename\": \"a\", \"to_uv\": [1, 0, 0]}}}";
     return blob_of(sizeof text - 1, text);
 }

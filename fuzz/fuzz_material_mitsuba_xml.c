@@ -13,6 +13,9 @@ blob fuzz_seed(void) {
     static const char text[] =
         "<scene version=\"3.0.0\"><default name=\"a\" value=\".1\"/><bsdf type=\"twosided\" id=\"x\">"
         "<bsdf type=\"roughconductor\"><float name=\"alpha\" value=\"$a\"/><string name=\"material\" "
-        "value=\"Au\"/><string name=\"distribution\" value=\"ggx\"/></bsdf></bsdf></scene>";
+        "value=\"Au\"/><string name=\"distribution\" value=\"ggx\"/></bsdf></bsdf><texture type=\"bitmap\" "
+        "id=\"t\"><string name=\"filename\" value=\"a\"/><transform name=\"to_uv\"><rotate z=\"1\" "
+        "angle=\"9\"/></transform></texture><bsdf type=\"normalmap\"><ref name=\"normalmap\" id=\"t\"/><bsdf "
+        "type=\"diffuse\"><ref name=\"reflectance\" id=\"t\"/></bsdf></bsdf></scene>";
     return blob_of(sizeof text - 1, text);
 }

@@ -1,9 +1,32 @@
 /* SPDX-License-Identifier: MIT
  *
- * Fuzz target: MaterialX documents. Accepted specs must parse; refusals and errors must have a byte of the file.
+ * Fuzz target: MaterialX documents. Accepted specs must parse; refusals and errors must have a byte of the file. Nodes of textured materials
+ * must have operands before them.
  */
 #include "fuzz.h"
-#include "material/material.h"
+#include "material/maps.h"
+
+#include <math.h>
+
+static void check_maps(const nqm_textured *t) {
+    must(t->n_outputs > 0 || t->normal != NQM_NO_NODE);
+    for (size_t i = 0; i < t->n_nodes; ++i) {
+        const nqm_map_node *node = &t->nodes[i];
+        must(node->op < NQM_MAP_OPS && node->n >= 1 && node->n <= 4);
+        for (size_t k = 0; k < nqm_map_operands(node->op, node->n); ++k)
+            must(node->in[k] < i);
+        must(node->op != NQM_MAP_IMAGE || node->image < t->n_images);
+        for (size_t c = 0; c < 6; ++c)
+            must(isfinite(node->uv[c / 3][c % 3]));
+        for (size_t c = 0; c < 4; ++c)
+            must(isfinite(node->v[c]));
+    }
+    for (size_t i = 0; i < t->n_images; ++i)
+        must(t->images[i].path && t->images[i].name);
+    for (size_t i = 0; i < t->n_outputs; ++i)
+        must(t->outputs[i].node < t->n_nodes);
+    must(t->normal == NQM_NO_NODE || t->nodes[t->normal].op == NQM_MAP_NORMAL);
+}
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t n_bytes) {
     const nqm_map map = {.data = data, .n_bytes = n_bytes, .path = "fuzz.mtlx"};
@@ -19,6 +42,8 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t n_bytes) {
         const nqm_material_info info = nqm_materials_get(materials, i);
         nqm_shading shading;
         must(info.name && info.surface && !info.spec == (info.refusal != NULL));
+        if (nqm_materials_textured(materials, i))
+            check_maps(nqm_materials_textured(materials, i));
         must(info.byte_offset >= 0 && (size_t)info.byte_offset < n_bytes);
         must(!info.spec || nqm_shading_parse(info.spec, &shading, NULL) == NQM_OK);
     }
@@ -38,6 +63,18 @@ blob fuzz_seed(void) {
         "<input name=\"coat_weight\" type=\"float\" nodegraph=\"g\" output=\"o\"/>\n"
         "<input name=\"fuzz_weight\" type=\"float\" value=\"0.5\"/>\n"
         "<input name=\"transmission_weight\" type=\"float\" value=\"0\"/></open_pbr_surface>\n"
+        "<standard_surface name=\"t\"><input name=\"base_color\" type=\"color3\" nodename=\"m\"/><input name=\"base\" "
+        "type=\"float\" nodename=\"x\" output=\"outy\"/><input name=\"normal\" type=\"vector3\" nodename=\"n\"/>"
+        "</standard_surface><tiledimage name=\"a\" type=\"color3\"><input name=\"file\" value=\"a.png\"/><input "
+        "name=\"texcoord\" type=\"vector2\" nodename=\"p\"/><input name=\"uvtiling\" type=\"vector2\" value=\"2,3\"/>"
+        "</tiledimage><place2d name=\"p\" type=\"vector2\"><input name=\"rotate\" type=\"float\" "
+        "value=\"9\"/></place2d>"
+        "<hsvadjust name=\"m\" type=\"color3\"><input name=\"in\" nodename=\"a\"/></hsvadjust><separate3 name=\"x\" "
+        "type=\"multioutput\"><input name=\"in\" nodename=\"r\"/></separate3><range name=\"r\" type=\"color3\"><input "
+        "name=\"in\" nodename=\"a\"/></range><normalmap name=\"n\" type=\"vector3\"><input name=\"in\" nodename=\"v\"/>"
+        "</normalmap><swizzle name=\"v\" type=\"vector3\"><input name=\"in\" nodename=\"a\"/><input name=\"channels\" "
+        "value=\"bgr\"/></swizzle><surfacematerial name=\"o\"><input name=\"surfaceshader\" nodename=\"t\"/>"
+        "</surfacematerial>\n"
         "<surfacematerial name=\"m\" type=\"material\">"
         "<input name=\"surfaceshader\" type=\"surfaceshader\" nodename=\"s\"/></surfacematerial>\n</materialx>\n";
     return blob_of(sizeof text - 1, text);

@@ -20,7 +20,12 @@ extern "C" {
  *  one after the other, and each scene has a quarter of the weight.
  *
  *  The tangent of a surface, to which anisotropic BRDFs refer, is horizontal, as on a turned workpiece: the cross product of the upward
- *  direction and the normal (to the viewer's right where the normal is vertical). */
+ *  direction and the normal (to the viewer's right where the normal is vertical).
+ *
+ *  Texture coordinates follow from the unit direction (x, y, z) from the centre of the shape, in the axes of the shape:
+ *  u = 1/2 + atan2(x, z) / (2 pi), v = acos(y) / pi, downwards from the upper pole. So the seam is at the back of the first frame. On a
+ *  sphere the tangent is the direction of growing u and the bitangent, cross(normal, tangent), that of falling v; on other shapes
+ *  both are those of a sphere with the same normal. */
 typedef struct nqm_scene nqm_scene;
 
 /** Which scene the options describe. */

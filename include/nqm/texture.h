@@ -57,7 +57,8 @@ NQM_API NQM_MUST_CHECK nqm_status nqm_texture_create(const char *base, size_t n_
                                                      nqm_texture **texture_ret, nqm_error *err);
 /** Free; NULL is allowed. */
 NQM_API void nqm_texture_free(nqm_texture *texture);
-NQM_API nqm_texture_info nqm_texture_get_info(const nqm_texture *texture);
+/** Facts about one; beside another one (NULL: alone), width and height are those at which nqm_texture_score() compares them. */
+NQM_API nqm_texture_info nqm_texture_get_info(const nqm_texture *texture, const nqm_texture *beside);
 
 /** How nqm_texture_score() works. Take the defaults from nqm_texture_options_default(). */
 typedef struct nqm_texture_options {
@@ -108,15 +109,12 @@ typedef struct nqm_texture_result {
  * @param model    a model that predicts Delta-E
  * @param options  NULL: the defaults
  * @param delta_e  (height, width) of the finer texture receives the Delta-E of each texel, first row on top; NULL: not wanted.
- *                 nqm_texture_size() tells the size
+ *                 nqm_texture_get_info() tells the size
  * @return NQM_ERR_ARG, NQM_ERR_INCOMPATIBLE (a texel cannot be compared), NQM_ERR_CANCELLED, NQM_ERR_NOMEM
  */
 NQM_API NQM_MUST_CHECK nqm_status nqm_texture_score(const nqm_model *model, const nqm_texture *ref,
                                                     const nqm_texture *test, const nqm_texture_options *options,
                                                     nqm_texture_result *result_ret, float *delta_e, nqm_error *err);
-
-/** The size at which two textures are compared. */
-NQM_API void nqm_texture_size(const nqm_texture *ref, const nqm_texture *test, size_t *width_ret, size_t *height_ret);
 
 #ifdef __cplusplus
 }

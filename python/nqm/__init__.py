@@ -21,6 +21,7 @@ from ._metric import Metric, batch, expand_pairs, metrics
 from ._scene import Label, Rays, Scene, label, render, srgb
 from ._score import (Model, ModelInfo, Parts, Score, Scorer, models, preference, score, score_grad, score_many,
                      score_samples)
+from ._texture import Blame, MapScore, MapsInfo, Material, score_maps
 from ._version import VERSION
 
 __version__ = VERSION
@@ -29,7 +30,7 @@ __all__ = [
     "score", "score_many", "batch", "expand_pairs", "score_samples", "score_grad", "Score", "Parts", "Scorer", "preference",
     "BRDF", "BRDFInfo", "CheckReport", "compare", "Difference", "presets", "materials", "MaterialInfo", "table_nodes", "half_diff_to_directions", "directions_to_half_diff", "Directions",
     "Metric", "metrics", "Model", "ModelInfo", "models",
-    "fit", "Fit", "fit_models", "label", "Label", "render", "srgb", "Scene", "Rays", "Dataset",
+    "score_maps", "MapScore", "Blame", "Material", "MapsInfo", "fit", "Fit", "fit_models", "label", "Label", "render", "srgb", "Scene", "Rays", "Dataset",
     "Error", "Status", "build_info",
 ]
 

@@ -200,12 +200,43 @@ class DatasetPair(Structure):
 class MaterialInfo(Structure):
     _c_name_ = "nqm_material_info"
     _fields_ = [("name", c_char_p), ("surface", c_char_p), ("spec", c_char_p), ("refusal", c_char_p),
-                ("remark", c_char_p), ("byte_offset", c_int64)]
+                ("n_maps", c_size_t), ("remark", c_char_p), ("byte_offset", c_int64)]
+
+
+class TextureInfo(Structure):
+    _c_name_ = "nqm_texture_info"
+    _fields_ = [("name", c_char_p), ("model", c_char_p), ("width", c_size_t), ("height", c_size_t), ("n_images", c_size_t),
+                ("n_bytes", c_size_t), ("varying", c_char_p)]
+
+
+class TextureMap(Structure):
+    _c_name_ = "nqm_texture_map"
+    _fields_ = [("key", c_char_p), ("height", c_size_t), ("width", c_size_t), ("channels", c_size_t), ("values", c_void_p)]
+
+
+class TextureOptions(Structure):
+    _c_name_ = "nqm_texture_options"
+    _fields_ = [("exact", c_int), ("n_texels", c_size_t), ("blame", c_int), ("far", c_int), ("seed", c_uint64),
+                ("progress", Progress), ("progress_user", c_void_p)]
+
+
+class TextureBlame(Structure):
+    _c_name_ = "nqm_texture_blame"
+    _fields_ = [("key", c_char * 48), ("jod", c_double), ("mistake", c_char * 80)]
+
+
+class TextureResult(Structure):
+    _c_name_ = "nqm_texture_result"
+    _fields_ = [("jod", c_double), ("jod_low", c_double), ("jod_high", c_double), ("delta_e", c_double), ("error", c_double),
+                ("parts", CLabel), ("median", c_double), ("worst", c_double), ("below", c_double * 2), ("far_jod", c_double * 3),
+                ("far_delta_e", c_double), ("width", c_size_t), ("height", c_size_t), ("n_different", c_size_t),
+                ("n_scored", c_size_t), ("n_blame", c_size_t), ("blame", TextureBlame * 32)]
 
 
 STRUCTS = [CError, BrdfCallbacks, BrdfInfo, BrdfCheckReport, BrdfDifference, DirectionsOptions, SampleReport, ModelInfo, MetricInfo, CLabel,
            Curve, ScoreOptions, ScoreResult, NamedPair, SamplePair, FitBound, FitOptions, FitReport, MatchLoss, MatchReport,
-           SceneOptions, CRays, DatasetInfo, DatasetPair, MaterialInfo]
+           SceneOptions, CRays, DatasetInfo, DatasetPair, MaterialInfo,
+           TextureInfo, TextureMap, TextureOptions, TextureBlame, TextureResult]
 
 # name: (result, arguments); a trailing nqm_error * is part of the arguments.
 _error = POINTER(CError)
@@ -288,6 +319,12 @@ FUNCTIONS = {
     "nqm_materials_count": (c_size_t, [c_void_p]),
     "nqm_materials_get": (MaterialInfo, [c_void_p, c_size_t]),
     "nqm_materials_free": (None, [c_void_p]),
+    "nqm_texture_open": (c_int, [c_char_p, Progress, c_void_p, _handle, _error]),
+    "nqm_texture_create": (c_int, [c_char_p, c_size_t, POINTER(TextureMap), _handle, _error]),
+    "nqm_texture_free": (None, [c_void_p]),
+    "nqm_texture_get_info": (TextureInfo, [c_void_p, c_void_p]),
+    "nqm_texture_options_default": (TextureOptions, []),
+    "nqm_texture_score": (c_int, [c_void_p, c_void_p, c_void_p, POINTER(TextureOptions), POINTER(TextureResult), c_void_p, _error]),
     "nqm_material_write": (c_int, [c_char_p, c_char_p, c_char_p, _error]),
     "nqm_label_adapted_jod": (c_double, [POINTER(CLabel)]),
     "nqm_label_describe": (c_char_p, [POINTER(CLabel), c_char_p]),

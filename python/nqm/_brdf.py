@@ -327,6 +327,7 @@ class MaterialInfo:
         surface: the shading model, as the file calls it: "open_pbr_surface"
         spec: argument of `BRDF.open`: a spec, or a path relative to the file's folder; None: refused
         refusal: the property that cannot be honoured, and why; None: the material is accepted
+        n_maps: image maps of a material that `Material.open` takes; 0: none
         remark: a property that is left out because it is no part of a BRDF; None: there is none
         byte: of the material or of the refused property in the file; None: unknown
     """
@@ -335,6 +336,7 @@ class MaterialInfo:
     surface: str
     spec: Optional[str]
     refusal: Optional[str]
+    n_maps: int
     remark: Optional[str]
     byte: Optional[int]
 
@@ -346,7 +348,7 @@ def materials(path: PathLike) -> Tuple[MaterialInfo, ...]:
     try:
         rows = [lib.nqm_materials_get(handle, i) for i in range(lib.nqm_materials_count(handle))]
         return tuple(MaterialInfo(decode(r.name) or "", decode(r.surface) or "", decode(r.spec), decode(r.refusal),
-                                  decode(r.remark), r.byte_offset if r.byte_offset >= 0 else None) for r in rows)
+                                  r.n_maps, decode(r.remark), r.byte_offset if r.byte_offset >= 0 else None) for r in rows)
     finally:
         lib.nqm_materials_free(handle)
 

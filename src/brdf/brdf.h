@@ -107,6 +107,9 @@ NQM_MUST_CHECK nqm_status nqm_brdf_write_materials(size_t n, const char *const *
 
 /* ---- BRDFs of arrays and of other BRDFs --------------------------------------------------------------------------- */
 
+/** "tilt:" of a BRDF that outlives the result, with the normal (3), a unit vector with a positive third component. */
+NQM_MUST_CHECK nqm_status nqm_brdf_tilt(nqm_brdf *of, const double *normal, nqm_brdf **brdf_ret, nqm_error *err);
+
 enum { NQM_NBRDF_WEIGHTS = 6 * 21 + 21 + 21 * 21 + 21 + 21 * 3 + 3 };
 /** An NBRDF from its weights (NQM_NBRDF_WEIGHTS): kernel (in, out) then bias, layer by layer, as in the Keras files. */
 nqm_status nqm_nbrdf_create(const float *weights, const char *name, nqm_brdf **brdf_ret, nqm_error *err);

@@ -28,7 +28,7 @@ static nqm_status decode_raster(const nqm_map *map, nqm_image *image, nqm_error 
     nqm_raster raster = {0};
     nqm_status status = nqm_raster_size(map->data, map->n_bytes, map->path, &width, &height, err);
     if (status == NQM_OK)
-        status = nqm_picture_check_size(map, width, height, INFINITY, NQM_IMAGE_MAX_WIDTH, NQM_IMAGE_MAX_HEIGHT, err);
+        status = nqm_image_check_size(map, width, height, INFINITY, NQM_IMAGE_MAX_WIDTH, NQM_IMAGE_MAX_HEIGHT, err);
     if (status == NQM_OK)
         status = nqm_raster_decode(map->data, map->n_bytes, map->path, &raster, err);
     if (status == NQM_OK && raster.type != NQM_RASTER_F32 && (raster.type != NQM_RASTER_U8 || raster.channels != 4))

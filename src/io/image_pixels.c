@@ -4,8 +4,8 @@
  */
 #include "io/io.h"
 
-nqm_status nqm_picture_check_size(const nqm_map *map, uint64_t width, uint64_t height, double per_byte,
-                                  size_t max_width, size_t max_height, nqm_error *err) {
+nqm_status nqm_image_check_size(const nqm_map *map, uint64_t width, uint64_t height, double per_byte, size_t max_width,
+                                size_t max_height, nqm_error *err) {
     if (width < 1 || height < 1)
         return nqm_fail(err, NQM_ERR_FORMAT, 0, "%s: the picture is empty", map->path);
     if ((double)width * (double)height > per_byte * (double)map->n_bytes)
@@ -22,7 +22,7 @@ nqm_status nqm_image_alloc(const nqm_map *map, uint64_t width, uint64_t height, 
                            nqm_error *err) {
     *image_ret = (nqm_image){0};
     nqm_status status =
-        nqm_picture_check_size(map, width, height, per_byte, NQM_IMAGE_MAX_WIDTH, NQM_IMAGE_MAX_HEIGHT, err);
+        nqm_image_check_size(map, width, height, per_byte, NQM_IMAGE_MAX_WIDTH, NQM_IMAGE_MAX_HEIGHT, err);
     if (status != NQM_OK)
         return status;
     size_t n_pixels = (size_t)(width * height);

@@ -199,8 +199,8 @@ NQM_MUST_CHECK nqm_status nqm_image_parse(const nqm_map *map, nqm_image *image_r
 NQM_MUST_CHECK nqm_status nqm_image_decode_hdr(const nqm_map *map, nqm_image *image, nqm_error *err);
 /** Check the width and height of a header. NQM_ERR_FORMAT: one is 0, or there are more than `per_byte` pixels per byte of the file;
  *  NQM_ERR_LIMIT: larger than max_width x max_height. */
-NQM_MUST_CHECK nqm_status nqm_picture_check_size(const nqm_map *map, uint64_t width, uint64_t height, double per_byte,
-                                                 size_t max_width, size_t max_height, nqm_error *err);
+NQM_MUST_CHECK nqm_status nqm_image_check_size(const nqm_map *map, uint64_t width, uint64_t height, double per_byte,
+                                               size_t max_width, size_t max_height, nqm_error *err);
 /** The same up to NQM_IMAGE_MAX_WIDTH x NQM_IMAGE_MAX_HEIGHT, and allocate the pixels. */
 NQM_MUST_CHECK nqm_status nqm_image_alloc(const nqm_map *map, uint64_t width, uint64_t height, double per_byte,
                                           nqm_image *image_ret, nqm_error *err);

@@ -20,8 +20,8 @@ static const struct {
 
 nqm_status nqm_raster_begin(const nqm_map *map, double per_byte, bool header_only, nqm_raster *raster, nqm_error *err) {
     static const size_t value_size[] = {[NQM_RASTER_U8] = 1, [NQM_RASTER_U16] = 2, [NQM_RASTER_F32] = 4};
-    nqm_status status = nqm_picture_check_size(map, raster->width, raster->height, per_byte, NQM_RASTER_MAX_SIDE,
-                                               NQM_RASTER_MAX_SIDE, err);
+    nqm_status status = nqm_image_check_size(map, raster->width, raster->height, per_byte, NQM_RASTER_MAX_SIDE,
+                                             NQM_RASTER_MAX_SIDE, err);
     if (status != NQM_OK || header_only)
         return status;
     const size_t n_pixels = raster->width * raster->height, pixel_size = raster->channels * value_size[raster->type];

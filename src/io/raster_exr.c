@@ -55,11 +55,13 @@ static void on_error(exr_const_context_t context, exr_result_t code, const char 
     snprintf(file->message, sizeof file->message, "%s", message);
 }
 
-/* Where a picture with `channels` channels stores the channel of this name; SIZE_MAX: nowhere. */
+/* Where a picture with `channels` channels stores the channel of this name; SIZE_MAX: nowhere. Four channels are decoded in an order that
+ * OpenEXRCore leaves to its general loop, and restore_order() follows: its fast loops for four channels of half, in the order of the file
+ * and in the reverse, store them the wrong way round (3.1.5). */
 static size_t find_channel(const char *name, size_t channels) {
-    const char *names = channels < 3 ? "YA" : "RGBA";
-    const char *place = strlen(name) == 1 ? strchr(names, *name) : NULL;
-    return place && (size_t)(place - names) < channels ? (size_t)(place - names) : SIZE_MAX;
+    static const char *const names[] = {"", "Y", "YA", "RGB", "GRBA"};
+    const char *place = strlen(name) == 1 ? strchr(names[channels], *name) : NULL;
+    return place ? (size_t)(place - names[channels]) : SIZE_MAX;
 }
 
 /* Describe channel k of the pixel at `first` and those after it to a pipeline. */
@@ -185,6 +187,16 @@ static nqm_status read_tiles(exr_file *file, const exr_attr_box2i_t *window, con
     return status;
 }
 
+/* G, R, B, A to R, G, B, A. */
+static void restore_order(nqm_raster *raster) {
+    float *pixel = raster->data;
+    for (size_t i = 0; i < raster->width * raster->height; ++i, pixel += 4) {
+        const float green = pixel[0];
+        pixel[0] = pixel[1];
+        pixel[1] = green;
+    }
+}
+
 static nqm_status read_picture(exr_file *file, bool header_only, nqm_raster *raster) {
     exr_storage_t storage;
     exr_attr_box2i_t window;
@@ -202,7 +214,11 @@ static nqm_status read_picture(exr_file *file, bool header_only, nqm_raster *ras
         status = nqm_raster_begin(file->map, max_pixels_per_byte, header_only, raster, file->err);
     if (status != NQM_OK || header_only)
         return status;
-    return storage == EXR_STORAGE_SCANLINE ? read_scanlines(file, &window, raster) : read_tiles(file, &window, raster);
+    status =
+        storage == EXR_STORAGE_SCANLINE ? read_scanlines(file, &window, raster) : read_tiles(file, &window, raster);
+    if (raster->channels == 4)
+        restore_order(raster);
+    return status;
 }
 
 nqm_status nqm_raster_decode_exr(const nqm_map *map, bool header_only, nqm_raster *raster, nqm_error *err) {

@@ -56,8 +56,7 @@ nqm_bsdf_kind nqm_bsdf_kind_of(const nqm_bsdf_word *words, const char *word) {
 
 /* ---- values ------------------------------------------------------------------------------------------------------ */
 
-/* Parse numbers separated by blanks or commas. Returns their count, 0 when there is anything else or more than max_n. */
-static size_t parse_numbers(const char *text, size_t max_n, double *v) {
+size_t nqm_bsdf_parse(const char *text, size_t max_n, double *v) {
     static const char separators[] = " ,\t\r\n";
     size_t n = 0;
     for (text += strspn(text, separators); *text; text += strspn(text, separators)) {
@@ -80,15 +79,18 @@ static bool parse_hex(const char *text, double rgb[3]) {
     return true;
 }
 
+#define IS_PLUGIN    "%s is of type '%.40s'; only constants are read, no textures or plugins"
+#define IS_REFERENCE "%s refers to the object '%.40s'; only constants are read"
+
 /* Fail for a node that holds no constant numbers. */
 static bool check_kind(nqm_reading *r, const nqm_bsdf_node *node) {
     switch (node->kind) {
     case NQM_BSDF_OTHER:
     case NQM_BSDF_BSDF:
-        return nqm_refuse(r, node, "%s is of type '%.40s'; only constants are read, no textures or plugins", node->name,
-                          node->type);
+    case NQM_BSDF_TEXTURE:
+        return nqm_refuse(r, node, IS_PLUGIN, node->name, node->type);
     case NQM_BSDF_REF:
-        return nqm_refuse(r, node, "%s refers to the object '%.40s'; only constants are read", node->name, node->id);
+        return nqm_refuse(r, node, IS_REFERENCE, node->name, node->id);
     case NQM_BSDF_STRING:
     case NQM_BSDF_BOOLEAN:
         return nqm_refuse(r, node, "%s needs a number, not '%.40s'", node->name, node->value);
@@ -109,7 +111,7 @@ static bool read_values(nqm_reading *r, const nqm_rule *rule, const void *proper
     const bool is_rgb = node->kind == NQM_BSDF_RGB, is_triple = node->kind == NQM_BSDF_TRIPLE;
     if (!check_kind(r, node))
         return false;
-    *n = is_rgb && parse_hex(node->value, v) ? 3 : parse_numbers(node->value, 3, v);
+    *n = is_rgb && parse_hex(node->value, v) ? 3 : nqm_bsdf_parse(node->value, 3, v);
     if (!(*n == 1 && !is_triple) && !(*n == 3 && (is_rgb || is_triple)))
         return nqm_refuse(r, node, "%s needs %s, not '%.40s'", node->name,
                           is_rgb      ? "one or three numbers"
@@ -162,12 +164,84 @@ bool nqm_bsdf_flag(nqm_bsdf_reading *r, const char *name, bool *v) {
     return nqm_refuse(&r->reading, node, "%s needs true or false", name);
 }
 
+bool nqm_bsdf_choice(nqm_bsdf_reading *r, const char *name, const char *words, uint8_t *v) {
+    const nqm_bsdf_node *node = nqm_bsdf_find(r, name);
+    *v = 0;
+    if (!node)
+        return true;
+    if (node->kind != NQM_BSDF_STRING || strchr(node->value, ' ') || !nqm_has_word(words, node->value, false))
+        return nqm_refuse(&r->reading, node, "%s is '%.40s'; these are read: %s", name, node->value, words);
+    const size_t n = strlen(node->value);
+    for (const char *word = words; strncmp(word, node->value, n) != 0 || (word[n] && word[n] != ' '); ++*v)
+        word += strcspn(word, " ") + 1;
+    return true;
+}
+
 bool nqm_bsdf_file(nqm_reading *r, const nqm_rule *rule, const void *property) {
     const nqm_bsdf_node *node = property;
     r->file = node->value;
     return (node->kind == NQM_BSDF_STRING && *r->file) ||
            nqm_refuse(r, node, "%s needs the name of a file", rule->name);
 }
+
+/* ---- maps -------------------------------------------------------------------------------------------------------- */
+
+nqm_textured *nqm_bsdf_textured(nqm_bsdf_reading *r, const nqm_bsdf_node *node) {
+    return node->kind == NQM_BSDF_REF ? nqm_reading_textured(&r->reading, node, IS_REFERENCE, node->name, node->id)
+                                      : nqm_reading_textured(&r->reading, node, IS_PLUGIN, node->name, node->type);
+}
+
+bool nqm_bsdf_is_texture(const nqm_bsdf_node *node) {
+    return node && (node->kind == NQM_BSDF_TEXTURE || node->kind == NQM_BSDF_REF);
+}
+
+const nqm_bsdf_node *nqm_bsdf_filename(nqm_bsdf_reading *r) {
+    const nqm_bsdf_node *texture = &r->nodes->list[r->at], *file = nqm_bsdf_find(r, "filename");
+    if (file && file->kind == NQM_BSDF_STRING && *file->value)
+        return file;
+    nqm_refuse(&r->reading, texture, "the %s texture '%.40s' has no filename", texture->type,
+               *texture->id ? texture->id : texture->name);
+    return NULL;
+}
+
+bool nqm_bsdf_is_float_image(const char *file) {
+    const char *dot = strrchr(file, '.');
+    return dot && nqm_has_word(".exr .hdr .rgbe .pfm", dot, true);
+}
+
+/* The node exists, or the material is refused. */
+static bool check_value(nqm_bsdf_reading *r, const nqm_bsdf_node *node, uint16_t value) {
+    return value != NQM_NO_NODE ||
+           nqm_refuse(&r->reading, node, "%s: its textures need more than %d operations, or memory is short",
+                      node->name, NQM_MAX_MAP_NODES);
+}
+
+bool nqm_bsdf_image(nqm_bsdf_reading *r, const nqm_bsdf_node *file, const char *space, const double uv[2][3],
+                    nqm_map_wrap wrap, uint16_t *value_ret) {
+    size_t image;
+    if (!nqm_map_add_file(r->reading.textured, r->path, file->value, space, &image))
+        return nqm_refuse(&r->reading, file, "%s: more than %d images, or memory is short", file->value,
+                          NQM_MAX_MAP_IMAGES);
+    *value_ret = nqm_map_image_at(r->reading.textured, image, 3, uv, (const uint8_t[2]){(uint8_t)wrap, (uint8_t)wrap});
+    return check_value(r, file, *value_ret);
+}
+
+uint16_t nqm_bsdf_compute(nqm_bsdf_reading *r, nqm_map_op op, size_t n, uint16_t a, double b) {
+    nqm_textured *t = r->reading.textured;
+    return nqm_map_compute(t, op, n, a, nqm_map_value(t, 1, &b), NQM_NO_NODE);
+}
+
+bool nqm_bsdf_output(nqm_bsdf_reading *r, const nqm_bsdf_node *node, const char *key, uint16_t value) {
+    nqm_map_output_set(r->reading.textured, key, value);
+    return check_value(r, node, value);
+}
+
+bool nqm_bsdf_normal(nqm_bsdf_reading *r, const nqm_bsdf_node *node, uint16_t rgb) {
+    r->reading.textured->normal = nqm_bsdf_compute(r, NQM_MAP_NORMAL, 3, rgb, 1);
+    return check_value(r, node, r->reading.textured->normal);
+}
+
+/* ---- types ------------------------------------------------------------------------------------------------------- */
 
 const nqm_bsdf_plugin *nqm_bsdf_find_plugin(const nqm_bsdf_plugin *plugins, const char *type) {
     for (const nqm_bsdf_plugin *p = plugins; p->type; ++p)
@@ -191,6 +265,8 @@ bool nqm_bsdf_read(nqm_bsdf_reading *r, const nqm_bsdf_plugin *plugins, const ch
          i = nqm_bsdf_next(r->nodes, r->at, i + 1))
         if (!nqm_rules_apply(reading, r->nodes->list[i].name, &r->nodes->list[i]))
             return false;
+    if (!p->model && reading->textured)
+        return nqm_refuse(reading, bsdf, "a measured BSDF with maps is not supported");
     if (!p->model && !reading->file)
         return nqm_refuse(reading, bsdf, "filename is missing");
     return !p->finish || p->finish(r, bsdf);

@@ -17,7 +17,8 @@ typedef enum nqm_bsdf_kind {
     NQM_BSDF_TRIPLE, /**< three numbers */
     NQM_BSDF_SPECTRUM,
     NQM_BSDF_REF,
-    NQM_BSDF_OTHER, /**< textures and other plugins */
+    NQM_BSDF_TEXTURE, /**< in pbrt also a parameter whose value is the name of one */
+    NQM_BSDF_OTHER,   /**< other plugins, and steps of a transform */
 } nqm_bsdf_kind;
 
 /** The kinds that words of a format stand for; NULL ends a list. */
@@ -58,7 +59,11 @@ size_t nqm_bsdf_next(const nqm_bsdf_nodes *nodes, size_t parent, size_t i);
 typedef struct nqm_bsdf_reading {
     nqm_reading reading;
     const nqm_bsdf_nodes *nodes;
-    size_t at; /**< index of the BSDF */
+    size_t at;                      /**< index of the BSDF, or of the texture inside of it that is being read */
+    const char *path;               /**< of the scene */
+    const nqm_index *ids;           /**< Mitsuba: BSDFs and textures by id */
+    const nqm_bsdf_nodes *textures; /**< pbrt: those before the material */
+    size_t n_textures;              /**< pbrt: how many have been evaluated for the material */
 } nqm_bsdf_reading;
 
 /** A type of BSDF. */
@@ -77,12 +82,34 @@ const nqm_bsdf_plugin *nqm_bsdf_find_plugin(const nqm_bsdf_plugin *plugins, cons
 bool nqm_bsdf_read(nqm_bsdf_reading *r, const nqm_bsdf_plugin *plugins, const char *type);
 /** A property of the BSDF, or NULL. */
 const nqm_bsdf_node *nqm_bsdf_find(const nqm_bsdf_reading *r, const char *name);
+/** Numbers separated by blanks or commas. Returns their count, 0 when there is anything else or more than max_n. */
+size_t nqm_bsdf_parse(const char *text, size_t max_n, double *v);
 /** A number, or n = 3 numbers; the values stay when the property is not given. false: refused. */
 bool nqm_bsdf_numbers(nqm_bsdf_reading *r, const char *name, size_t n, double *v);
 /** "true" or "false", likewise. */
 bool nqm_bsdf_flag(nqm_bsdf_reading *r, const char *name, bool *v);
+/** A string that is one of `words`, which blanks separate: its number, or 0 when the property is not given. */
+bool nqm_bsdf_choice(nqm_bsdf_reading *r, const char *name, const char *words, uint8_t *v);
 /** The text of a property that names a measured file. */
 nqm_rule_read nqm_bsdf_file;
+
+/** The maps of the material; the first call records that the property `node` is no constant. NULL: refused. */
+nqm_textured *nqm_bsdf_textured(nqm_bsdf_reading *r, const nqm_bsdf_node *node);
+/** Whether a property, or NULL, is no constant. */
+bool nqm_bsdf_is_texture(const nqm_bsdf_node *node);
+/** The filename of the texture r->at; NULL: refused. */
+const nqm_bsdf_node *nqm_bsdf_filename(nqm_bsdf_reading *r);
+/** Whether the file holds linear floats: OpenEXR, Radiance or PFM. */
+bool nqm_bsdf_is_float_image(const char *file);
+/** RGB of an image file. uv, wrap: as in nqm_map_node. */
+bool nqm_bsdf_image(nqm_bsdf_reading *r, const nqm_bsdf_node *file, const char *space, const double uv[2][3],
+                    nqm_map_wrap wrap, uint16_t *value_ret);
+/** An operation of a node and the number b; n: components. */
+uint16_t nqm_bsdf_compute(nqm_bsdf_reading *r, nqm_map_op op, size_t n, uint16_t a, double b);
+/** Let a key have the computed value. node: of the property, for messages. */
+bool nqm_bsdf_output(nqm_bsdf_reading *r, const nqm_bsdf_node *node, const char *key, uint16_t value);
+/** Let the normal be that of an RGB map. */
+bool nqm_bsdf_normal(nqm_bsdf_reading *r, const nqm_bsdf_node *node, uint16_t rgb);
 
 /** A conductor's index of refraction eta + i k, for the three channels. */
 typedef struct nqm_metal {

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
  * Reading of materials of glTF 2.0, as JSON (.gltf) and binary (.glb): metallic-roughness with KHR_materials_specular, _ior, _clearcoat and
- * _sheen. Meshes, images and everything else of the file are not read; the materials are parsed one by one, because the tree of a whole
- * file takes twenty times its bytes.
+ * _sheen. Meshes and everything else of the file are not read; the materials are parsed one by one, because the tree of a whole file
+ * takes twenty times its bytes. Textures are in gltf_textures.c.
  */
 #include "material/gltf.h"
 #include "io/io.h"
@@ -31,7 +31,7 @@ static const nqm_gltf_group *find_extension(const char *name) {
 
 /* ---- reading one material ---------------------------------------------------------------------------------------- */
 
-enum { PATH_SIZE = 256 };
+enum { PATH_SIZE = 256, MAX_TEXTURES = 16 };
 
 /** A property with its path in the material: "extensions.KHR_materials_ior.ior". */
 typedef struct property {
@@ -50,6 +50,9 @@ typedef struct reader {
     json_t *object;     /**< the present one */
     property gate;
     double alpha;
+    size_t n_textures;
+    property textures[MAX_TEXTURES]; /**< of the material that have an effect */
+    nqm_gltf_document document;
     nqm_status status; /**< of the reading of numbers */
     nqm_error *err;
 } reader;
@@ -62,13 +65,17 @@ static int64_t byte_of_property(const nqm_reading *r, const void *at) {
     return byte_of((const reader *)r, ((const property *)at)->path);
 }
 
+/* The path of a property as messages have it. */
+static const char *shown(const char *path) {
+    static const char prefix[] = "extensions.";
+    return strncmp(path, prefix, sizeof prefix - 1) == 0 ? path + sizeof prefix - 1 : path;
+}
+
 /* Refuse the material as "PROPERTY: REASON". `path` is that of the property in the material. */
 static bool refuse(reader *r, const char *path, const char *value, const char *reason) {
-    static const char prefix[] = "extensions.";
-    const char *shown = strncmp(path, prefix, sizeof prefix - 1) == 0 ? path + sizeof prefix - 1 : path;
     property at = {.value = NULL};
     snprintf(at.path, sizeof at.path, "%s", path);
-    return nqm_refuse(&r->reading, &at, "%.120s%s%s: %s", shown, *value ? " = " : "", value, reason);
+    return nqm_refuse(&r->reading, &at, "%.120s%s%s: %s", shown(path), *value ? " = " : "", value, reason);
 }
 
 static nqm_status fail_value(const reader *r, const char *path, const char *needed) {
@@ -122,8 +129,13 @@ bool nqm_gltf_read_base_color(nqm_reading *reading, const nqm_rule *rule, const 
 }
 
 bool nqm_gltf_read_texture(nqm_reading *reading, const nqm_rule *rule, const void *at) {
-    (void)rule;
-    return refuse((reader *)reading, ((const property *)at)->path, "", TEXTURE_REASON);
+    reader *r = (reader *)reading;
+    const property *p = at;
+    if (rule->why)
+        return refuse(r, p->path, "", rule->why);
+    if (r->n_textures < MAX_TEXTURES) /* there are fewer rules for textures */
+        r->textures[r->n_textures++] = *p;
+    return true;
 }
 
 bool nqm_gltf_read_occlusion(nqm_reading *reading, const nqm_rule *rule, const void *at) {
@@ -216,10 +228,44 @@ static nqm_status check_alpha(reader *r, const json_t *material) {
     return NQM_OK;
 }
 
+static void remark(reader *r, bool is_needed, const char *text) {
+    if (is_needed)
+        r->reading.shading.remark = text;
+}
+
+/* The textures of a material whose factors are read. There is one normal for all layers: that of the base. */
+static void add_textures(reader *r, const json_t *material) {
+    const json_t *mode = json_object_get(material, "alphaMode"), *base = json_object_get(material, "normalTexture");
+    const nqm_property *coat = nqm_shading_find(&r->reading.shading, "clearcoat");
+    bool has_coat = coat && coat->v[0] > 0;
+    nqm_textured *t = NULL;
+    r->document.has_other_set = false;
+    for (size_t i = 0; i < r->n_textures && !*r->reading.refusal; ++i) {
+        const property *p = &r->textures[i];
+        const char *dot = strrchr(p->path, '.'), *name = dot ? dot + 1 : p->path;
+        t = nqm_reading_textured(&r->reading, p, "%.120s: %s", shown(p->path), TEXTURE_REASON);
+        if (strcmp(name, "clearcoatNormalTexture") == 0) {
+            has_coat = false;
+            if (!json_equal(p->value, base))
+                refuse(r, p->path, "", "a coat with another normal map than normalTexture is not supported");
+        } else if (t && !nqm_gltf_add_texture(&r->document, name, p->value, &r->reading.shading, t))
+            refuse(r, p->path, "", r->document.why);
+        remark(r, mode && strcmp(name, "baseColorTexture") == 0 && strcmp(json_string_value(mode), "OPAQUE") != 0,
+               "the alpha of baseColorTexture is ignored: the surface is taken as opaque");
+    }
+    remark(r, r->document.has_other_set, "all sets of texture coordinates are taken as the same");
+    remark(r, base && has_coat, "the clear coat is taken to have the normal map of the base");
+    if (!*r->reading.refusal && t && !t->n_outputs && t->normal == NQM_NO_NODE) {
+        nqm_textured_free(t); /* the factors are 0 */
+        r->reading.textured = NULL;
+    }
+}
+
 static nqm_status read_material(reader *r, json_t *material, nqm_materials *materials) {
     const json_t *name = json_object_get(material, "name");
     r->reading = (nqm_reading){.source = &source, .shading = {.model = "gltf"}};
     r->alpha = 1;
+    r->n_textures = 0;
     if (!json_is_object(material))
         return fail_value(r, "", "an object as material");
     if (name && !json_is_string(name))
@@ -239,6 +285,7 @@ static nqm_status read_material(reader *r, json_t *material, nqm_materials *mate
     const nqm_property *ior = nqm_shading_find(&r->reading.shading, "ior");
     if (ior && (ior->v[0] < 0 || (ior->v[0] > 0 && ior->v[0] < 1)))
         refuse(r, "extensions.KHR_materials_ior.ior", "", "the index must be 0, or 1 or greater");
+    add_textures(r, material);
     const char *text = name ? json_string_value(name) : NULL;
     return nqm_reading_add(&r->reading, text, "glTF metallic-roughness", byte_of(r, ""), materials, r->err);
 }
@@ -270,6 +317,12 @@ static nqm_status find_chunk(const nqm_map *map, reader *r, nqm_error *err) {
                         n_chunk, (size_t)n_file - begin);
     r->source = (nqm_json_source){(const char *)d + begin, n_chunk};
     r->source_at = begin;
+    /* A binary chunk may follow. */
+    const size_t end = begin + n_chunk, bin = end + NQM_GLTF_CHUNK_HEADER;
+    if (bin <= n_file && nqm_load_u32(d + end + 4) == NQM_GLTF_BIN_CHUNK) {
+        r->document.bin_at = bin;
+        r->document.n_bin = nqm_smaller(nqm_load_u32(d + end), n_file - bin);
+    }
     return NQM_OK;
 }
 
@@ -355,6 +408,10 @@ static nqm_status parse(const reader *r, const char *text, size_t n, size_t at, 
 /* root: the outline of the file. */
 static nqm_status read_root(reader *r, const json_t *root, nqm_materials *materials) {
     r->at = nqm_json_begin(&r->source);
+    r->document.path = r->path;
+    r->document.source = r->source;
+    r->document.source_at = r->source_at;
+    r->document.root = r->at;
     nqm_status status = check_root(r, root);
     if (status != NQM_OK)
         return status;
@@ -392,6 +449,7 @@ static nqm_status gltf_read(const nqm_map *map, nqm_materials *materials, nqm_er
     nqm_free(outline);
     if (status == NQM_OK)
         status = read_root(&r, root, materials);
+    nqm_gltf_document_clear(&r.document);
     json_decref(root);
     return status;
 }

@@ -5,7 +5,9 @@
 #ifndef NQM_SRC_MATERIAL_GLTF_H
 #define NQM_SRC_MATERIAL_GLTF_H
 
+#include "io/json_where.h"
 #include "material/rules.h"
+#include <jansson.h>
 
 /** An object with properties: a JSON member of the material, or an extension. */
 typedef struct nqm_gltf_group {
@@ -21,12 +23,32 @@ extern const nqm_gltf_group nqm_gltf_extensions[NQM_GLTF_N_EXTENSIONS];
 /** Of baseColorFactor, of textures, and of occlusionTexture. */
 nqm_rule_read nqm_gltf_read_base_color, nqm_gltf_read_texture, nqm_gltf_read_occlusion;
 
+enum { NQM_GLTF_N_ARRAYS = 5 };
+/** The parts of a file that its textures refer to. */
+typedef struct nqm_gltf_document {
+    const char *path;
+    nqm_json_source source;
+    size_t source_at, root;            /**< of the JSON text in the file, and of the document in that */
+    size_t bin_at, n_bin;              /**< the binary chunk in the file */
+    json_t *arrays[NQM_GLTF_N_ARRAYS]; /**< those that are parsed */
+    size_t n_decoded;                  /**< bytes of images so far */
+    bool has_other_set;                /**< a texture that was added has texture coordinates of a set other than 0 */
+    char why[240];                     /**< why nqm_gltf_add_texture() failed */
+} nqm_gltf_document;
+
+/** Add the nodes of the texture `info`, a member `name` of a material or extension, to t. shading: the factors. */
+bool nqm_gltf_add_texture(nqm_gltf_document *d, const char *name, const json_t *info, const nqm_shading *shading,
+                          nqm_textured *t);
+/** Free what has been read. */
+void nqm_gltf_document_clear(nqm_gltf_document *d);
+
 /** Sizes and numbers of the container .glb. */
 enum {
     NQM_GLTF_GLB_HEADER = 12,
     NQM_GLTF_CHUNK_HEADER = 8,
     NQM_GLTF_GLB_MAGIC = 0x46546C67,
-    NQM_GLTF_JSON_CHUNK = 0x4E4F534A
+    NQM_GLTF_JSON_CHUNK = 0x4E4F534A,
+    NQM_GLTF_BIN_CHUNK = 0x004E4942
 };
 
 /** As nqm_material_format.write. */

@@ -18,7 +18,8 @@ const nqm_gltf_group nqm_gltf_members = {
     "the material",
     NULL,
     {{"emissiveFactor", nqm_rule_later, NULL, 3, 0, NULL, NULL, NULL},
-     TEXTURE("emissiveTexture", "emissiveFactor"),
+     {"emissiveTexture", nqm_gltf_read_texture, NULL, 0, 0, "light that the surface emits is not part of a BRDF",
+      "emissiveFactor", NULL},
      TEXTURE("normalTexture", NULL),
      {"occlusionTexture", nqm_gltf_read_occlusion, NULL, 0, 0, NULL, NULL, NULL},
      NQM_RULE_IGNORED("name extensions pbrMetallicRoughness alphaCutoff alphaMode doubleSided")}};

@@ -36,7 +36,8 @@ typedef enum nqm_map_op {
     NQM_MAP_RGB_TO_HSV, /**< as in MaterialX: 0..1 each */
     NQM_MAP_HSV_TO_RGB,
     NQM_MAP_TEXCOORD, /**< u, and v measured upwards from the lower edge, of the surface: two components */
-    NQM_MAP_NORMAL, /**< a tangent-space normal: 2 in[0] - 1, its x and y multiplied by in[1], normalised; y points up */
+    NQM_MAP_ANGLE,    /**< the angle from the x axis to (in[1], in[0]) in radians: atan2(in[0], in[1]) */
+    NQM_MAP_NORMAL, /**< a tangent-space normal: 2 in[0] - 1, its x and y multiplied by in[1], normalised; y points up; (0, 0, 1) where in[0] is black */
     NQM_MAP_OPS
 } nqm_map_op;
 

@@ -83,13 +83,14 @@ static double component(nqm_map_op op, double a, double b, double c, double d) {
     }
 }
 
-/* 2 a - 1 with x and y scaled, as a unit vector; (0, 0, 1) if it has no length. */
+/* 2 a - 1 with x and y scaled, as a unit vector; (0, 0, 1) if it has no length, or where a is black. */
 static void normal(const double a[4], const double scale[4], double out[4]) {
+    const bool has_value = a[0] != 0 || a[1] != 0 || a[2] != 0;
     for (size_t c = 0; c < 3; ++c)
         out[c] = (2 * a[c] - 1) * (c < 2 ? scale[c] : 1);
     const double length = sqrt(out[0] * out[0] + out[1] * out[1] + out[2] * out[2]);
     for (size_t c = 0; c < 3; ++c)
-        out[c] = length > 0 ? out[c] / length : c == 2;
+        out[c] = length > 0 && has_value ? out[c] / length : c == 2;
 }
 
 void nqm_map_node_value(const nqm_map_node *node, const double (*values)[4], double out[4]) {

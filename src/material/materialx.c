@@ -1,20 +1,16 @@
 /* SPDX-License-Identifier: MIT
  *
  * MaterialX documents (.mtlx, version 1.38 and 1.39; https://github.com/AcademySoftwareFoundation/MaterialX, MaterialX.Specification): the
- * materials whose surface shader is in materialx_surfaces.c, with constant inputs. Inputs may be connected to nodes `constant`
- * and `dot`, to outputs of node graphs and to inputs of the graph, as long as a number is at the end. Other documents
- * (xi:include), looks and geometry are not read.
+ * materials whose surface shader is in materialx_surfaces.c. Inputs may be connected to the nodes of materialx_nodes.c; where these
+ * read images, the material is textured. Other documents (xi:include), looks and geometry are not read.
  */
 #include "material/materialx.h"
 #include "io/xml.h"
-#include "material/color_space.h"
 #include "material/material.h"
 
 #include <math.h>
 
 typedef const nqm_xml_element element;
-
-enum { MAX_HOPS = 32 };
 
 /* Negative components down to this are rounding of a conversion to BT.709, and become 0. */
 static const double OUT_OF_GAMUT = -1e-3;
@@ -30,6 +26,9 @@ typedef struct reading {
     } * known;           /* (NQM_MAX_MATERIALS) */
     element *root, *material, *shader;
     const nqm_mtlx_surface *surface;
+    nqm_mtlx_graph graph;
+    element *coat_normal;      /* the input */
+    uint16_t coat_normal_node; /* NQM_NO_NODE: none, or 0, 0, 1 */
 } reading;
 
 /* ---- finding elements ---------------------------------------------------------------------------------------------- */
@@ -43,129 +42,64 @@ static element *find_child(const reading *r, element *parent, const char *catego
     return parent && name ? nqm_xml_find(&r->names, parent, category, name) : NULL;
 }
 
-/* An attribute of the element or of the nearest enclosing element that has it. */
-static const char *inherited(element *e, const char *attribute) {
-    const char *value = NULL;
-    for (; e && !value; e = e->parent)
-        value = nqm_xml_get(e, attribute);
-    return value;
-}
-
 /* ---- values -------------------------------------------------------------------------------------------------------- */
 
-static bool is_connected(element *e) {
-    return nqm_xml_get(e, "nodename") || nqm_xml_get(e, "nodegraph") || nqm_xml_get(e, "interfacename");
-}
-
-/* The element whose children an input or output may be connected to. Inputs of a node graph itself are connected
- * outside of it. */
-static element *scope_of(const reading *r, element *e) {
-    if (e->parent == r->root)
-        return r->root;
-    if (strcmp(e->parent->name, "nodegraph") == 0)
-        return strcmp(e->name, "output") == 0 ? e->parent : r->root;
-    return e->parent->parent;
-}
-
-/* What a connected node passes on unchanged: its input, or NULL (refused). */
-static element *pass_through(reading *r, const char *name, element *input, element *node) {
-    const char *node_name = nqm_xml_get(node, "name");
-    if (strcmp(node->name, "constant") == 0)
-        return find_child(r, node, "input", "value");
-    if (strcmp(node->name, "dot") == 0)
-        return find_child(r, node, "input", "in");
-    if (find_child(r, node, "input", "file"))
-        nqm_refuse(&r->reading, input, "%s reads the texture of node '%.60s'; only constants are read", name,
-                   node_name);
-    else
-        nqm_refuse(&r->reading, input, "%s is computed by node '%.60s' (%.40s); only constants are read", name,
-                   node_name, node->name);
-    return NULL;
-}
-
-/* What an input or output is connected to; NULL: nothing that the file has, or refused. */
-static element *hop(reading *r, const char *name, element *input, element *at) {
-    const char *node_name = nqm_xml_get(at, "nodename"), *graph_name = nqm_xml_get(at, "nodegraph");
-    const char *interface = nqm_xml_get(at, "interfacename"), *output = nqm_xml_get(at, "output");
-    if (interface)
-        return find_child(r, at->parent->parent, "input", interface);
-    if (graph_name)
-        return find_child(r, find_child(r, r->root, "nodegraph", graph_name), "output", output ? output : "out");
-    element *node = find_child(r, scope_of(r, at), NULL, node_name);
-    return node ? pass_through(r, name, input, node) : NULL;
-}
-
-/* The element that has the number: follow the connections of an input. NULL: refused; the name of the shader's input is for the
- * message. */
-static element *follow(reading *r, const char *name, element *input) {
-    element *at = input;
-    for (int n = 0; n < MAX_HOPS; ++n) {
-        if (!is_connected(at))
-            return at;
-        at = hop(r, name, input, at);
-        if (!at && !*r->reading.refusal)
-            nqm_refuse(&r->reading, input, "%s is connected to something that the file does not have", name);
-        if (!at)
-            return NULL;
-    }
-    nqm_refuse(&r->reading, input, "%s: more than %d connections in a row", name, MAX_HOPS);
-    return NULL;
-}
-
-/* Parse n numbers separated by commas. */
-static bool parse_numbers(const char *text, size_t n, double *v) {
-    for (size_t c = 0; c < n; ++c) {
-        text += strspn(text, " \t\n");
-        if (!nqm_parse_double(text, &text, &v[c]))
-            return false;
-        text += strspn(text, " \t\n");
-        if (*text != (c + 1 < n ? ',' : 0))
-            return false;
-        text += c + 1 < n;
-    }
-    return true;
-}
-
-/* Where an input and the constant that it is connected to name types, these are that of the definition; a flag may be boolean. */
+/* Where an input names a type, it is that of the definition; a flag may be boolean. */
 static bool has_type(element *e, const char *type) {
     const char *given = nqm_xml_get(e, "type");
     return !given || strcmp(given, type) == 0 || (strcmp(type, "color3") != 0 && strcmp(given, "boolean") == 0);
 }
 
 static bool has_value(element *e) {
-    return is_connected(e) || nqm_xml_get(e, "value");
+    return nqm_mtlx_is_connected(e) || nqm_xml_get(e, "value");
+}
+
+/* The node of an input of the shader; NQM_NO_NODE: refused. */
+static uint16_t read_node(reading *r, const nqm_rule *rule, element *input) {
+    if (!has_type(input, rule->type)) {
+        nqm_refuse(&r->reading, input, "%s is of type %s, not '%.40s'", rule->name, rule->type,
+                   nqm_xml_get(input, "type"));
+        return NQM_NO_NODE;
+    }
+    const uint16_t node = nqm_mtlx_read(&r->graph, input, rule->name, rule->type);
+    const size_t n = node == NQM_NO_NODE ? rule->n : r->graph.t->nodes[node].n;
+    if (n == rule->n)
+        return node;
+    nqm_refuse(&r->reading, input, "%s needs %zu components, and node '%.60s' has %zu", rule->name, rule->n,
+               r->graph.source ? nqm_xml_get(r->graph.source, "name") : "", n);
+    return NQM_NO_NODE;
+}
+
+static bool is_constant(const reading *r, uint16_t node) {
+    return r->graph.t->nodes[node].op == NQM_MAP_VALUE;
+}
+
+/* Why an input has no constant value. */
+static const char *describe(const reading *r, const nqm_rule *rule, char text[200]) {
+    element *node = r->graph.source;
+    const char *name = node ? nqm_xml_get(node, "name") : "";
+    if (!node || find_child(r, node, "input", "file"))
+        snprintf(text, 200, "%s reads the texture of node '%.60s'; only constants are read", rule->name, name);
+    else
+        snprintf(text, 200, "%s is computed by node '%.60s' (%.40s); only constants are read", rule->name, name,
+                 node->name);
+    return text;
 }
 
 /* The value of an input of the shader as 1 or 3 numbers; colours in linear BT.709. */
 static bool read_values(nqm_reading *base, const nqm_rule *rule, const void *property, double v[4], size_t *n) {
     reading *r = (reading *)base;
-    element *input = property;
-    const char *name = rule->name, *type = rule->type;
+    char text[200];
     *n = rule->n;
     v[0] = v[1] = v[2] = rule->value;
-    if (!has_value(input))
+    if (!has_value(property))
         return true;
-    element *at = follow(r, name, input);
-    if (!at)
+    const uint16_t node = read_node(r, rule, property);
+    if (node == NQM_NO_NODE)
         return false;
-    const char *text = nqm_xml_get(at, "value");
-    if (!text)
-        return nqm_refuse(base, input, "%s has no value", name);
-    if (!has_type(input, type) || !has_type(at, type))
-        return nqm_refuse(base, input, "%s is of type %s, not '%.40s'", name, type,
-                          nqm_xml_get(has_type(input, type) ? at : input, "type"));
-    if (is_text(nqm_xml_get(at, "type"), "boolean") && *n == 1 && (is_text(text, "true") || is_text(text, "false"))) {
-        v[0] = *text == 't';
-        return true;
-    }
-    if (!parse_numbers(text, *n, v))
-        return nqm_refuse(base, input, "%s needs %s, not '%.40s'", name, *n == 3 ? "three numbers" : "a number", text);
-    const char *space = inherited(at, "colorspace");
-    if (*n == 3 && !nqm_color_to_rec709(space, v))
-        return nqm_refuse(base, input, "%s is in the colour space '%.40s', which is not known", name, space);
-    for (size_t c = 0; c < *n; ++c)
-        if (!isfinite(v[c]))
-            return nqm_refuse(base, input, "%s is not finite", name);
+    if (!is_constant(r, node))
+        return nqm_refuse(base, property, "%s", describe(r, rule, text));
+    memcpy(v, r->graph.t->nodes[node].v, sizeof r->graph.t->nodes[node].v);
     return true;
 }
 
@@ -184,12 +118,20 @@ static const nqm_rule_source source = {.term = "input", .find = find_input, .rea
 /* ---- a material ---------------------------------------------------------------------------------------------------- */
 
 bool nqm_mtlx_read_key(nqm_reading *r, const nqm_rule *rule, const void *property) {
+    reading *all = (reading *)r;
     double v[4];
-    size_t n;
+    char text[200];
     if (!has_value(property))
         return true; /* the default, which is set */
-    if (!read_values(r, rule, property, v, &n))
+    const uint16_t node = read_node(all, rule, property);
+    if (node == NQM_NO_NODE)
         return false;
+    if (!is_constant(all, node)) {
+        nqm_map_output_set(all->graph.t, rule->key, node);
+        return nqm_reading_textured(r, property, "%s", describe(all, rule, text)) != NULL;
+    }
+    const size_t n = rule->n;
+    memcpy(v, all->graph.t->nodes[node].v, sizeof v);
     for (size_t c = 0; n == 3 && c < n; ++c) {
         if (v[c] < OUT_OF_GAMUT)
             return nqm_refuse(r, property, "%s is outside BT.709: %.4g %.4g %.4g", rule->name, v[0], v[1], v[2]);
@@ -201,12 +143,96 @@ bool nqm_mtlx_read_key(nqm_reading *r, const nqm_rule *rule, const void *propert
     return true;
 }
 
-bool nqm_mtlx_read_normal(nqm_reading *r, const nqm_rule *rule, const void *property) {
-    double v[3];
-    if (!has_value(property) || (!is_connected(property) && parse_numbers(nqm_xml_get(property, "value"), 3, v) &&
-                                 v[0] == 0 && v[1] == 0 && v[2] == 1))
+/* The node of a normal; 0, 0, 1 is NQM_NO_NODE. false: refused. UsdPreviewSurface takes the vector in the frame of the tangent, the
+ * other surfaces take what a node normalmap makes of it. */
+static bool read_normal(reading *r, const nqm_rule *rule, element *input, uint16_t *node_ret) {
+    const bool is_usd = is_text(r->surface->model, "usd-preview");
+    const double half[3] = {0.5, 0.5, 0.5}, one = 1;
+    nqm_textured *t = r->graph.t;
+    *node_ret = NQM_NO_NODE;
+    if (!has_value(input))
         return true;
-    return nqm_refuse(r, property, "%s changes the normal; a BRDF has one normal", rule->name);
+    uint16_t node = nqm_mtlx_read(&r->graph, input, rule->name, "vector3");
+    if (node == NQM_NO_NODE)
+        return false;
+    const nqm_map_node value = t->nodes[node];
+    if (value.op == NQM_MAP_VALUE && value.n == 3 && value.v[0] == 0 && value.v[1] == 0 && value.v[2] == 1)
+        return true;
+    if (value.n != 3 || value.op == NQM_MAP_VALUE || (!is_usd && value.op != NQM_MAP_NORMAL))
+        return nqm_refuse(&r->reading, input, "%s changes the normal, and not by a normal map", rule->name);
+    if (is_usd) {
+        const uint16_t halves = nqm_map_value(t, 3, half);
+        node = nqm_map_compute(t, NQM_MAP_MULTIPLY, 3, node, halves, NQM_NO_NODE);
+        node = nqm_map_compute(t, NQM_MAP_ADD, 3, node, halves, NQM_NO_NODE);
+        node = nqm_map_compute(t, NQM_MAP_NORMAL, 3, node, nqm_map_value(t, 1, &one), NQM_NO_NODE);
+    }
+    *node_ret = node;
+    return node != NQM_NO_NODE || nqm_refuse(&r->reading, input, "%s: its graph needs too many nodes", rule->name);
+}
+
+bool nqm_mtlx_read_normal(nqm_reading *base, const nqm_rule *rule, const void *property) {
+    reading *r = (reading *)base;
+    uint16_t node;
+    if (!read_normal(r, rule, property, &node))
+        return false;
+    r->graph.t->normal = node;
+    return node == NQM_NO_NODE ||
+           nqm_reading_textured(base, property, "%s changes the normal; a BRDF has one normal", rule->name) != NULL;
+}
+
+bool nqm_mtlx_read_coat_normal(nqm_reading *base, const nqm_rule *rule, const void *property) {
+    reading *r = (reading *)base;
+    r->coat_normal = property;
+    return read_normal(r, rule, property, &r->coat_normal_node);
+}
+
+/* A coat with a normal of its own is refused; one that is smooth on a base with a normal map is evaluated with that. */
+static bool check_coat_normal(reading *r) {
+    static const char *const weights[] = {"coat", "coat_weight", "clearcoat"};
+    const uint16_t base = r->graph.t->normal;
+    bool has_coat = false;
+    for (size_t i = 0; i < 3; ++i) {
+        const nqm_property *weight = nqm_shading_find(&r->reading.shading, weights[i]);
+        has_coat = has_coat || (weight && weight->v[0] > 0);
+        for (size_t k = 0; k < r->graph.t->n_outputs; ++k)
+            has_coat = has_coat || is_text(weights[i], r->graph.t->outputs[k].key);
+    }
+    if (r->coat_normal_node == base || !has_coat || is_text(r->surface->model, "usd-preview"))
+        return true;
+    if (r->coat_normal_node != NQM_NO_NODE)
+        return nqm_refuse(&r->reading, r->coat_normal, "%s changes the normal of the coat alone; a BRDF has one normal",
+                          nqm_xml_get(r->coat_normal, "name"));
+    nqm_mtlx_remark(&r->graph, "the coat, which is smooth in the file, has the normal map of the base");
+    return true;
+}
+
+/* Whether both inputs of the shader have the same value everywhere. */
+static bool is_same_color(reading *r, const char *a, const char *b) {
+    element *inputs[2] = {find_child(r, r->shader, "input", a), find_child(r, r->shader, "input", b)};
+    uint16_t nodes[2] = {NQM_NO_NODE, NQM_NO_NODE};
+    for (size_t i = 0; i < 2; ++i)
+        if (inputs[i] && has_value(inputs[i]))
+            nodes[i] = nqm_mtlx_read(&r->graph, inputs[i], i ? b : a, "color3");
+    return nodes[0] == nodes[1] && nodes[0] != NQM_NO_NODE;
+}
+
+bool nqm_mtlx_read_subsurface(nqm_reading *base, const nqm_rule *rule, const void *property) {
+    reading *r = (reading *)base;
+    const uint16_t node = has_value(property) ? read_node(r, rule, property) : NQM_NO_NODE;
+    if (node == NQM_NO_NODE || is_constant(r, node) || !is_same_color(r, "subsurface_color", "base_color"))
+        return nqm_rule_neutral(base, rule, property);
+    nqm_mtlx_remark(&r->graph, "light leaves the surface where it arrives: the map of the subsurface scattering, which "
+                               "has the color of the base, is ignored");
+    return true;
+}
+
+bool nqm_mtlx_read_emission(nqm_reading *base, const nqm_rule *rule, const void *property) {
+    reading *r = (reading *)base;
+    const uint16_t node = has_value(property) ? read_node(r, rule, property) : NQM_NO_NODE;
+    if (node == NQM_NO_NODE || is_constant(r, node))
+        return nqm_rule_neutral(base, rule, property);
+    nqm_mtlx_remark(&r->graph, "the map of the emission is ignored: emission is no part of a BRDF");
+    return true;
 }
 
 bool nqm_mtlx_read_tangent(nqm_reading *r, const nqm_rule *rule, const void *property) {
@@ -218,7 +244,7 @@ bool nqm_mtlx_read_tangent(nqm_reading *r, const nqm_rule *rule, const void *pro
 bool nqm_mtlx_read_occlusion(nqm_reading *r, const nqm_rule *rule, const void *property) {
     (void)rule;
     if (has_value(property))
-        r->shading.remark = NQM_OCCLUSION_REMARK;
+        nqm_mtlx_remark(&((reading *)r)->graph, NQM_OCCLUSION_REMARK);
     return true;
 }
 
@@ -255,7 +281,7 @@ static bool read_shader(reading *r) {
     bool ok = true;
     for (element *e = r->shader->first; e && ok; e = e->next)
         ok = strcmp(e->name, "input") != 0 || nqm_rules_apply(&r->reading, nqm_xml_get(e, "name"), e);
-    return ok;
+    return ok && check_coat_normal(r);
 }
 
 /* The node that a material's input `surfaceshader` is connected to; NULL: refused. */
@@ -281,7 +307,7 @@ static element *find_shader(reading *r) {
 
 static bool check_displacement(reading *r) {
     element *input = find_child(r, r->material, "input", "displacementshader");
-    return !input || !is_connected(input) ||
+    return !input || !nqm_mtlx_is_connected(input) ||
            nqm_refuse(&r->reading, input, "displacementshader is connected: displacement is not part of a BRDF");
 }
 
@@ -298,10 +324,14 @@ static nqm_index_key key_of_known(const void *value) {
 }
 
 /* Add a material whose shader an earlier one has, too. */
-static nqm_status add_again(nqm_material_info earlier, element *material, nqm_materials *materials, nqm_error *err) {
-    earlier.name = nqm_xml_get(material, "name");
-    earlier.byte_offset = earlier.spec ? material->byte_offset : earlier.byte_offset;
-    return nqm_materials_add(materials, &earlier, err);
+static nqm_status add_again(size_t i, element *material, nqm_materials *materials, nqm_error *err) {
+    nqm_material_info info = nqm_materials_get(materials, i);
+    info.name = nqm_xml_get(material, "name");
+    info.byte_offset = info.spec ? material->byte_offset : info.byte_offset;
+    const nqm_status status = nqm_materials_add(materials, &info, err);
+    if (status == NQM_OK && nqm_materials_textured(materials, i))
+        nqm_materials_share(materials, i);
+    return status;
 }
 
 /* `material` is a surfacematerial, or a shader that no material uses. */
@@ -309,13 +339,20 @@ static nqm_status add_material(reading *r, element *material, nqm_materials *mat
     const size_t number = nqm_materials_count(materials);
     r->material = material;
     r->reading = (nqm_reading){.source = &source};
+    r->graph.n_built = 0;
+    r->graph.depth = 0;
+    *r->graph.remark = 0;
+    r->coat_normal_node = NQM_NO_NODE;
     r->shader = strcmp(material->name, "surfacematerial") == 0 ? find_shader(r) : material;
     const bool has_shader = r->shader && check_displacement(r);
     const struct known_shader *known = has_shader ? nqm_index_find(&r->shaders, (nqm_index_key){r->shader, ""}) : NULL;
     if (known)
-        return add_again(nqm_materials_get(materials, known->material), material, materials, err);
-    if (has_shader)
-        read_shader(r);
+        return add_again(known->material, material, materials, err);
+    r->graph.t = r->reading.textured = nqm_textured_create();
+    if (!r->graph.t)
+        return nqm_fail_nomem(err, sizeof *r->graph.t);
+    if (has_shader && read_shader(r))
+        nqm_mtlx_prune(r->graph.t);
     nqm_status status =
         nqm_reading_add(&r->reading, nqm_xml_get(material, "name"), r->shader ? r->shader->name : material->name,
                         material->byte_offset, materials, err);
@@ -339,7 +376,7 @@ static nqm_status add_all(reading *r, nqm_materials *materials, nqm_error *err) 
     return status;
 }
 
-static nqm_status read_root(const nqm_xml *xml, nqm_materials *materials, nqm_error *err) {
+static nqm_status read_root(const nqm_xml *xml, const char *path, nqm_materials *materials, nqm_error *err) {
     reading *r;
     struct known_shader *known;
     nqm_status status =
@@ -348,6 +385,10 @@ static nqm_status read_root(const nqm_xml *xml, nqm_materials *materials, nqm_er
         return status;
     r->root = xml->root;
     r->known = known;
+    r->graph.path = path;
+    r->graph.names = &r->names;
+    r->graph.root = xml->root;
+    r->graph.reading = &r->reading;
     status = nqm_xml_names_create(xml, &r->names, err);
     if (status == NQM_OK)
         status = nqm_index_create(NQM_MAX_MATERIALS, key_of_known, &r->shaders, err);
@@ -387,7 +428,7 @@ static nqm_status read_materials(const nqm_map *map, nqm_materials *materials, n
             nqm_fail(err, NQM_ERR_FORMAT, xml.root->byte_offset, "%s: the root is <%.40s>, not <materialx> (byte %lld)",
                      map->path, xml.root->name, (long long)xml.root->byte_offset);
     if (status == NQM_OK)
-        status = read_root(&xml, materials, err);
+        status = read_root(&xml, map->path, materials, err);
     if (status == NQM_OK && nqm_materials_count(materials) == 0)
         status = fail_empty(map, xml.root, err);
     nqm_xml_free(&xml);

@@ -13,6 +13,10 @@
     { NAME, nqm_rule_neutral, NULL, NQM_KEY_N(TYPE), DEFAULT, WHY, NULL, TYPE }
 #define NORMAL(NAME)                                                                                                   \
     { NAME, nqm_mtlx_read_normal, NULL, 0, 0, NULL, NULL, NULL }
+#define COAT_NORMAL(NAME, COAT)                                                                                        \
+    { NAME, nqm_mtlx_read_coat_normal, NULL, 0, 0, NULL, COAT, NULL }
+#define EMISSION(NAME, TYPE)                                                                                           \
+    { NAME, nqm_mtlx_read_emission, NULL, NQM_KEY_N(TYPE), 0, emission, NULL, TYPE }
 #define TANGENT(NAME, ANISOTROPY)                                                                                      \
     { NAME, nqm_mtlx_read_tangent, NULL, 0, 0, NULL, ANISOTROPY, NULL }
 #define END                                                                                                            \
@@ -27,10 +31,10 @@ static const nqm_rule open_pbr[] = {
     NQM_OPEN_PBR_KEYS(KEY) NEUTRAL("transmission_weight", "float", 0, transmission),
     NEUTRAL("subsurface_weight", "float", 0, subsurface),
     NEUTRAL("thin_film_weight", "float", 0, thin_film),
-    NEUTRAL("emission_luminance", "float", 0, emission),
+    EMISSION("emission_luminance", "float"),
     NEUTRAL("geometry_opacity", "float", 1, opacity),
     NORMAL("geometry_normal"),
-    NORMAL("geometry_coat_normal"),
+    COAT_NORMAL("geometry_coat_normal", "coat_weight"),
     TANGENT("geometry_tangent", "specular_roughness_anisotropy"),
     TANGENT("geometry_coat_tangent", "coat_roughness_anisotropy"),
     NQM_RULE_IGNORED("transmission_color transmission_depth transmission_scatter "
@@ -43,12 +47,12 @@ static const nqm_rule open_pbr[] = {
 
 static const nqm_rule standard_surface[] = {
     NQM_STANDARD_SURFACE_KEYS(KEY) NEUTRAL("transmission", "float", 0, transmission),
-    NEUTRAL("subsurface", "float", 0, subsurface),
+    {"subsurface", nqm_mtlx_read_subsurface, NULL, 1, 0, subsurface, NULL, "float"},
     NEUTRAL("thin_film_thickness", "float", 0, thin_film),
-    NEUTRAL("emission", "float", 0, emission),
+    EMISSION("emission", "float"),
     NEUTRAL("opacity", "color3", 1, opacity),
     NORMAL("normal"),
-    NORMAL("coat_normal"),
+    COAT_NORMAL("coat_normal", "coat"),
     TANGENT("tangent", "specular_anisotropy coat_anisotropy"),
     NQM_RULE_IGNORED("transmission_color transmission_depth transmission_scatter "
                      "transmission_scatter_anisotropy transmission_dispersion transmission_extra_roughness "
@@ -61,9 +65,9 @@ static const nqm_rule gltf_pbr[] = {
     NQM_GLTF_KEYS(KEY) NEUTRAL("transmission", "float", 0, transmission),
     NEUTRAL("alpha_mode", "integer", 0, opacity),
     NEUTRAL("iridescence", "float", 0, thin_film),
-    NEUTRAL("emissive", "color3", 0, emission),
+    EMISSION("emissive", "color3"),
     NORMAL("normal"),
-    NORMAL("clearcoat_normal"),
+    COAT_NORMAL("clearcoat_normal", "clearcoat"),
     TANGENT("tangent", "anisotropy_strength"),
     {"occlusion", nqm_mtlx_read_occlusion, NULL, 0, 0, NULL, NULL, NULL},
     NQM_RULE_IGNORED("alpha alpha_cutoff iridescence_ior iridescence_thickness emissive_strength thickness "
@@ -72,7 +76,7 @@ static const nqm_rule gltf_pbr[] = {
 };
 
 static const nqm_rule usd_preview_surface[] = {
-    NQM_USD_PREVIEW_KEYS(KEY) NEUTRAL("emissiveColor", "color3", 0, emission),
+    NQM_USD_PREVIEW_KEYS(KEY) EMISSION("emissiveColor", "color3"),
     NEUTRAL("opacity", "float", 1, opacity),
     NEUTRAL("displacement", "float", 0, displacement),
     NORMAL("normal"),

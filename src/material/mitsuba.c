@@ -9,17 +9,110 @@
 #include <math.h>
 #include <strings.h>
 
+/* ---- textures ---------------------------------------------------------------------------------------------------- */
+
+static const nqm_bsdf_node *find_by_id(const nqm_bsdf_reading *r, const char *id) {
+    return nqm_index_find(r->ids, (nqm_index_key){NULL, id});
+}
+
+/* Apply a step of a transform after the steps before it. Only the rows and columns of u and v of a matrix have an effect. */
+static bool apply_step(nqm_bsdf_reading *r, const nqm_bsdf_node *node, double uv[2][3]) {
+    double v[16], step[2][3] = {{1, 0, 0}, {0, 1, 0}};
+    const size_t n = nqm_bsdf_parse(node->value, 16, v), n_columns = n == 16 ? 4 : 3;
+    if (strcmp(node->type, "matrix") == 0 && (n == 9 || n == 16)) {
+        for (size_t i = 0; i < 2; ++i)
+            for (size_t j = 0; j < 3; ++j)
+                step[i][j] = v[i * n_columns + (j == 2 ? n_columns - 1 : j)];
+    } else if (strcmp(node->type, "scale") == 0 && (n == 1 || n == 3)) {
+        step[0][0] = v[0];
+        step[1][1] = v[n == 3];
+    } else if (strcmp(node->type, "translate") == 0 && n == 3) {
+        step[0][2] = v[0];
+        step[1][2] = v[1];
+    } else if (strcmp(node->type, "rotate") == 0 && n == 4 && v[0] == 0 && v[1] == 0 && v[2] != 0) {
+        const double angle = copysign(v[3], v[2] * v[3]) * acos(-1) / 180;
+        step[0][0] = step[1][1] = cos(angle);
+        step[1][0] = sin(angle);
+        step[0][1] = -step[1][0];
+    } else
+        return nqm_refuse(&r->reading, node,
+                          "to_uv: the step '%.40s' with '%.40s' is not read; use scale, translate, rotate about z or a "
+                          "matrix of 9 or 16 numbers",
+                          node->type, node->value);
+    for (size_t j = 0; j < 3; ++j) {
+        const double u = uv[0][j], w = uv[1][j];
+        for (size_t i = 0; i < 2; ++i)
+            uv[i][j] = step[i][0] * u + step[i][1] * w + (j == 2 ? step[i][2] : 0);
+    }
+    return true;
+}
+
+/* Mitsuba's v is 0 in the first row of an image and its readers of meshes turn v over, so that it points downwards as that of
+ * nqm_map_node: to_uv is taken as it is. */
+static bool read_to_uv(nqm_bsdf_reading *r, double uv[2][3]) {
+    const nqm_bsdf_node *node = nqm_bsdf_find(r, "to_uv");
+    if (!node)
+        return true;
+    if (strcmp(node->type, "transform") != 0)
+        return nqm_refuse(&r->reading, node, "to_uv is no transform; it is read in XML only");
+    const size_t parent = (size_t)(node - r->nodes->list);
+    for (size_t i = nqm_bsdf_next(r->nodes, parent, parent + 1); i < r->nodes->n;
+         i = nqm_bsdf_next(r->nodes, parent, i + 1))
+        if (!apply_step(r, &r->nodes->list[i], uv))
+            return false;
+    return true;
+}
+
+/* RGB of the bitmap r->at. */
+static bool read_bitmap(nqm_bsdf_reading *r, uint16_t *value_ret) {
+    const nqm_bsdf_node *file = nqm_bsdf_filename(r);
+    double uv[2][3] = {{1, 0, 0}, {0, 1, 0}};
+    bool is_raw = false;
+    uint8_t wrap;
+    for (size_t i = nqm_bsdf_next(r->nodes, r->at, r->at + 1); i < r->nodes->n;
+         i = nqm_bsdf_next(r->nodes, r->at, i + 1))
+        if (!nqm_has_word("filename filter_type wrap_mode raw to_uv format accel", r->nodes->list[i].name, false))
+            return nqm_refuse(&r->reading, &r->nodes->list[i], "bitmap has no property '%.40s'",
+                              r->nodes->list[i].name);
+    if (!file || !nqm_bsdf_flag(r, "raw", &is_raw) || !nqm_bsdf_choice(r, "wrap_mode", "repeat mirror clamp", &wrap) ||
+        !read_to_uv(r, uv))
+        return false;
+    const char *space = is_raw || nqm_bsdf_is_float_image(file->value) ? "" : "srgb_texture";
+    return nqm_bsdf_image(r, file, space, uv, (nqm_map_wrap)wrap, value_ret);
+}
+
+/* The value of a texture, or of a reference to one, as n components: of a number Mitsuba takes the luminance. */
+static bool read_texture(nqm_bsdf_reading *r, const nqm_bsdf_node *node, size_t n, uint16_t *value_ret) {
+    const nqm_bsdf_node *texture = node->kind == NQM_BSDF_REF ? find_by_id(r, node->id) : node;
+    if (!texture || texture->kind != NQM_BSDF_TEXTURE)
+        return nqm_refuse(&r->reading, node, "%s refers to the object '%.40s', which is no texture of this file",
+                          node->name, node->id);
+    if (strcmp(texture->type, "bitmap") != 0)
+        return nqm_refuse(&r->reading, node, "%s is of type '%.40s'; of textures only bitmap is read", node->name,
+                          texture->type);
+    const size_t at = r->at;
+    nqm_textured *t = nqm_bsdf_textured(r, node);
+    r->at = (size_t)(texture - r->nodes->list);
+    const bool is_read = t && read_bitmap(r, value_ret);
+    r->at = at;
+    if (is_read && n == 1)
+        *value_ret = nqm_map_compute(t, NQM_MAP_LUMINANCE, 1, *value_ret, NQM_NO_NODE, NQM_NO_NODE);
+    return is_read;
+}
+
 /* ---- properties -------------------------------------------------------------------------------------------------- */
 
-/* Mitsuba clamps alpha so that the distribution is finite. */
+static bool set_or_map(nqm_reading *r, const nqm_rule *rule, const void *property) {
+    nqm_bsdf_reading *bsdf = (nqm_bsdf_reading *)r;
+    uint16_t value;
+    if (!nqm_bsdf_is_texture(property))
+        return nqm_rule_set(r, rule, property);
+    return read_texture(bsdf, property, rule->n, &value) && nqm_bsdf_output(bsdf, property, rule->key, value);
+}
+
+/* finish_alpha() sets it again: here it gets its place in the spec. */
 static bool read_alpha(nqm_reading *r, const nqm_rule *rule, const void *property) {
-    double v[4];
-    size_t n;
-    if (!nqm_bsdf_source.read(r, rule, property, v, &n))
-        return false;
-    v[0] = fmax(v[0], 1e-4);
-    nqm_shading_set(&r->shading, rule->key, 1, v);
-    return true;
+    return nqm_bsdf_is_texture(property) || nqm_rule_set(r, rule, property);
 }
 
 static bool read_distribution(nqm_reading *r, const nqm_rule *rule, const void *property) {
@@ -88,20 +181,36 @@ static bool read_ior(nqm_bsdf_reading *r, const char *name, double *v) {
 
 /* ---- plugins ----------------------------------------------------------------------------------------------------- */
 
+/* Mitsuba clamps alpha so that the distribution is finite. Its roughplastic integrates over the lobe of a constant alpha beforehand. */
 static bool finish_alpha(nqm_bsdf_reading *r, const nqm_bsdf_node *bsdf) {
-    double alpha[2] = {NAN, NAN};
-    if (!nqm_bsdf_numbers(r, "alpha_u", 1, &alpha[0]) || !nqm_bsdf_numbers(r, "alpha_v", 1, &alpha[1]))
-        return false;
-    if (isnan(alpha[0]) && isnan(alpha[1]))
-        return true;
-    if (isnan(alpha[0]) || isnan(alpha[1]))
+    const nqm_bsdf_node *common = nqm_bsdf_find(r, "alpha"),
+                        *nodes[] = {nqm_bsdf_find(r, "alpha_u"), nqm_bsdf_find(r, "alpha_v")}, *map = NULL;
+    double alpha[2] = {0};
+    uint16_t value[2] = {0};
+    if (!nodes[0] != !nodes[1])
         return nqm_refuse(&r->reading, bsdf, "only one of alpha_u and alpha_v is given");
-    if (nqm_shading_find(&r->reading.shading, "alpha"))
+    if (nodes[0] && common)
         return nqm_refuse(&r->reading, bsdf, "alpha is given as well as alpha_u and alpha_v");
-    for (size_t c = 0; c < 2; ++c)
+    for (size_t c = 0; c < 2 && (nodes[0] || common); ++c) {
+        nodes[c] = common ? common : nodes[c];
+        if (!nqm_bsdf_is_texture(nodes[c]) || strcmp(bsdf->type, "roughplastic") == 0) {
+            if (!nqm_bsdf_numbers(r, nodes[c]->name, 1, &alpha[c]))
+                return false;
+        } else if (!read_texture(r, map = nodes[c], 1, &value[c]))
+            return false;
         alpha[c] = fmax(alpha[c], 1e-4);
-    nqm_shading_set(&r->reading.shading, "alpha", alpha[0] == alpha[1] ? 1 : 2, alpha);
-    return true;
+    }
+    const size_t n = common || (!map && alpha[0] == alpha[1]) ? 1 : 2;
+    if (!map && nodes[0])
+        nqm_shading_set(&r->reading.shading, "alpha", n, alpha);
+    if (!map)
+        return true;
+    for (size_t c = 0; c < 2; ++c)
+        if (!nqm_bsdf_is_texture(nodes[c]))
+            value[c] = nqm_map_value(r->reading.textured, 1, &alpha[c]);
+    if (n == 2)
+        value[0] = nqm_map_compute(r->reading.textured, NQM_MAP_COMBINE, n, value[0], value[1], NQM_NO_NODE);
+    return nqm_bsdf_output(r, map, "alpha", nqm_bsdf_compute(r, NQM_MAP_MAXIMUM, n, value[0], 1e-4));
 }
 
 static bool finish_conductor(nqm_bsdf_reading *r, const nqm_bsdf_node *bsdf) {
@@ -113,7 +222,7 @@ static bool finish_conductor(nqm_bsdf_reading *r, const nqm_bsdf_node *bsdf) {
     if (!node || strcmp(node->value, "none") == 0)
         return true; /* eta = 0, k = 1: the defaults, a mirror */
     const nqm_metal *m = nqm_metal_find(node->value);
-    if (nqm_shading_find(shading, "eta") || nqm_shading_find(shading, "k"))
+    if (nqm_bsdf_find(r, "eta") || nqm_bsdf_find(r, "k"))
         return nqm_refuse(&r->reading, node, "material is given as well as eta or k");
     nqm_metal_names(names, sizeof names);
     if (!m)
@@ -147,14 +256,15 @@ static bool finish_diffuse(nqm_bsdf_reading *r, const nqm_bsdf_node *bsdf) {
 }
 
 #define NUMBER(NAME)                                                                                                   \
-    { .name = NAME, .read = nqm_rule_set, .key = NAME, .n = 1 }
+    { .name = NAME, .read = set_or_map, .key = NAME, .n = 1 }
 #define COLOUR(NAME, KEY)                                                                                              \
-    { .name = NAME, .read = nqm_rule_set, .key = KEY, .n = 3 }
+    { .name = NAME, .read = set_or_map, .key = KEY, .n = 3 }
 #define OWN(NAME, READ)                                                                                                \
     { .name = NAME, .read = READ, .key = NAME, .n = 1 }
 #define DELTA     "a smooth surface reflects into one direction only; only rough ones have a BRDF"
 #define TRANSMITS "transmission is not supported"
 #define LAYERED   "combinations of BSDFs and textures are not supported"
+#define NESTED    "twosided and normalmap are read around a BSDF of another type only"
 static const nqm_bsdf_plugin plugins[] = {
     {.type = "roughconductor",
      .model = "rough-conductor",
@@ -197,8 +307,8 @@ static const nqm_bsdf_plugin plugins[] = {
     {.type = "mask", .refusal = "opacity is not supported"},
     {.type = "blendbsdf", .refusal = LAYERED},
     {.type = "bumpmap", .refusal = LAYERED},
-    {.type = "normalmap", .refusal = LAYERED},
-    {.type = "twosided"},
+    {.type = "normalmap", .refusal = NESTED},
+    {.type = "twosided", .refusal = NESTED},
     {.type = NULL},
 };
 
@@ -215,20 +325,22 @@ const char *nqm_mitsuba_type_of(const char *model) {
 
 /* ---- materials --------------------------------------------------------------------------------------------------- */
 
-static nqm_index_key key_of_bsdf(const void *value) {
+static nqm_index_key key_of_node(const void *value) {
     return (nqm_index_key){NULL, ((const nqm_bsdf_node *)value)->id};
 }
 
-/* The BSDF inside a twosided one; nodes->n and a refusal when there is not exactly one. */
-static size_t unwrap(nqm_bsdf_reading *r, const nqm_index *ids, size_t at) {
+/* The BSDF inside a twosided or normalmap one; nodes->n and a refusal when there is not exactly one. */
+static size_t unwrap(nqm_bsdf_reading *r, size_t at) {
     const nqm_bsdf_nodes *nodes = r->nodes;
     size_t inner = nodes->n, n_inner = 0;
     for (size_t i = nqm_bsdf_next(nodes, at, at + 1); i < nodes->n; i = nqm_bsdf_next(nodes, at, i + 1)) {
         const nqm_bsdf_node *node = &nodes->list[i], *found = node;
-        if (node->kind != NQM_BSDF_BSDF && node->kind != NQM_BSDF_REF)
+        if ((node->kind != NQM_BSDF_BSDF && node->kind != NQM_BSDF_REF) || strcmp(node->name, "normalmap") == 0)
             continue;
         if (node->kind == NQM_BSDF_REF)
-            found = nqm_index_find(ids, (nqm_index_key){NULL, node->id});
+            found = find_by_id(r, node->id);
+        if (found && found->kind != NQM_BSDF_BSDF)
+            found = NULL;
         inner = found ? (size_t)(found - nodes->list) : nodes->n;
         ++n_inner;
         if (!found)
@@ -237,32 +349,49 @@ static size_t unwrap(nqm_bsdf_reading *r, const nqm_index *ids, size_t at) {
     if (n_inner != 1)
         nqm_refuse(&r->reading, &nodes->list[at],
                    n_inner ? "its two sides have different BSDFs" : "it contains no BSDF");
-    else if (inner < nodes->n && strcmp(nodes->list[inner].type, "twosided") == 0)
-        nqm_refuse(&r->reading, &nodes->list[at], "it contains another twosided BSDF");
+    else if (inner < nodes->n && strcmp(nodes->list[inner].type, nodes->list[at].type) == 0)
+        nqm_refuse(&r->reading, &nodes->list[at], "it contains another %s BSDF", nodes->list[at].type);
     return *r->reading.refusal ? nodes->n : inner;
 }
 
-static nqm_status add_material(const nqm_bsdf_nodes *nodes, const nqm_index *ids, size_t at, nqm_materials *materials,
-                               nqm_error *err) {
-    nqm_bsdf_reading r = {.reading = {.source = &nqm_bsdf_source}, .nodes = nodes};
-    const nqm_bsdf_node *outer = &nodes->list[at];
-    r.at = strcmp(outer->type, "twosided") == 0 ? unwrap(&r, ids, at) : at;
-    const nqm_bsdf_node *bsdf = r.at < nodes->n ? &nodes->list[r.at] : outer;
-    if (r.at < nodes->n)
-        nqm_bsdf_read(&r, plugins, bsdf->type);
-    return nqm_reading_add(&r.reading, *outer->id ? outer->id : bsdf->id, bsdf->type, outer->byte_offset, materials,
+/* The map of the normalmap r->at. */
+static bool read_normal(nqm_bsdf_reading *r) {
+    const nqm_bsdf_node *bsdf = &r->nodes->list[r->at], *node = nqm_bsdf_find(r, "normalmap");
+    uint16_t rgb;
+    if (!nqm_bsdf_is_texture(node))
+        return nqm_refuse(&r->reading, bsdf, "the texture normalmap is missing");
+    return nqm_reading_textured(&r->reading, bsdf, LAYERED) && read_texture(r, node, 3, &rgb) &&
+           nqm_bsdf_normal(r, node, rgb);
+}
+
+static nqm_status add_material(nqm_bsdf_reading *r, size_t at, nqm_materials *materials, nqm_error *err) {
+    static const char *const wrappers[] = {"twosided", "normalmap", "twosided"};
+    const nqm_bsdf_nodes *nodes = r->nodes;
+    const nqm_bsdf_node *outer = &nodes->list[at], *bsdf = outer;
+    r->at = at;
+    for (size_t i = 0; i < 3 && r->at < nodes->n; ++i) {
+        if (strcmp(nodes->list[r->at].type, wrappers[i]) == 0)
+            r->at = i == 1 && !read_normal(r) ? nodes->n : unwrap(r, r->at);
+        bsdf = r->at < nodes->n ? &nodes->list[r->at] : bsdf;
+    }
+    if (r->at < nodes->n)
+        nqm_bsdf_read(r, plugins, bsdf->type);
+    return nqm_reading_add(&r->reading, *outer->id ? outer->id : bsdf->id, bsdf->type, outer->byte_offset, materials,
                            err);
 }
 
-nqm_status nqm_mitsuba_translate(const nqm_bsdf_nodes *nodes, nqm_materials *materials, nqm_error *err) {
+nqm_status nqm_mitsuba_translate(const nqm_bsdf_nodes *nodes, const char *path, nqm_materials *materials,
+                                 nqm_error *err) {
     nqm_index ids;
-    nqm_status status = nqm_index_create(nodes->n, key_of_bsdf, &ids, err);
+    nqm_status status = nqm_index_create(nodes->n, key_of_node, &ids, err);
     for (size_t i = 0; status == NQM_OK && i < nodes->n; ++i)
-        if (nodes->list[i].kind == NQM_BSDF_BSDF)
+        if (nodes->list[i].kind == NQM_BSDF_BSDF || nodes->list[i].kind == NQM_BSDF_TEXTURE)
             nqm_index_add(&ids, &nodes->list[i]);
     for (size_t i = 0; status == NQM_OK && i < nodes->n; ++i)
         if (nodes->list[i].parent == NQM_BSDF_ROOT && nodes->list[i].kind == NQM_BSDF_BSDF)
-            status = add_material(nodes, &ids, i, materials, err);
+            status = add_material(
+                &(nqm_bsdf_reading){.reading = {.source = &nqm_bsdf_source}, .nodes = nodes, .path = path, .ids = &ids},
+                i, materials, err);
     nqm_index_free(&ids);
     return status;
 }

@@ -12,8 +12,9 @@
 bool nqm_mitsuba_is_bsdf(const char *type);
 /** The plugin of a shading model, or NULL. */
 const char *nqm_mitsuba_type_of(const char *model);
-/** Append a material for each BSDF that is not inside of another one. */
-NQM_MUST_CHECK nqm_status nqm_mitsuba_translate(const nqm_bsdf_nodes *nodes, nqm_materials *materials, nqm_error *err);
+/** Append a material for each BSDF that is not inside of another one. path: of the scene. */
+NQM_MUST_CHECK nqm_status nqm_mitsuba_translate(const nqm_bsdf_nodes *nodes, const char *path, nqm_materials *materials,
+                                                nqm_error *err);
 
 /** Write the BSDF as a JSON dictionary or as XML. */
 nqm_status nqm_mitsuba_write(size_t n, const nqm_named_shading *materials, const char *path, FILE *stream,

@@ -34,10 +34,18 @@ static void format_numbers(const json_t *value, char text[TEXT_SIZE]) {
 }
 
 static nqm_bsdf_kind kind_of_type(const char *type) {
-    static const nqm_bsdf_word kinds[] = {{"rgb", NQM_BSDF_RGB},           {"srgb", NQM_BSDF_RGB},
-                                          {"spectrum", NQM_BSDF_SPECTRUM}, {"uniform", NQM_BSDF_SPECTRUM},
-                                          {"regular", NQM_BSDF_SPECTRUM},  {"irregular", NQM_BSDF_SPECTRUM},
-                                          {"ref", NQM_BSDF_REF},           {NULL, NQM_BSDF_OTHER}};
+    static const nqm_bsdf_word kinds[] = {{"rgb", NQM_BSDF_RGB},
+                                          {"srgb", NQM_BSDF_RGB},
+                                          {"spectrum", NQM_BSDF_SPECTRUM},
+                                          {"uniform", NQM_BSDF_SPECTRUM},
+                                          {"regular", NQM_BSDF_SPECTRUM},
+                                          {"irregular", NQM_BSDF_SPECTRUM},
+                                          {"ref", NQM_BSDF_REF},
+                                          {"bitmap", NQM_BSDF_TEXTURE},
+                                          {"checkerboard", NQM_BSDF_TEXTURE},
+                                          {"mesh_attribute", NQM_BSDF_TEXTURE},
+                                          {"volume", NQM_BSDF_TEXTURE},
+                                          {NULL, NQM_BSDF_OTHER}};
     return nqm_mitsuba_is_bsdf(type) ? NQM_BSDF_BSDF : nqm_bsdf_kind_of(kinds, type);
 }
 
@@ -81,7 +89,8 @@ static nqm_status add_value(walk *w, const char *key, json_t *value, size_t pare
     const bool is_scene = strcmp(text_of(value, "type"), "scene") == 0;
     nqm_bsdf_node node = {.kind = kind_of(value), .parent = parent, .name = (char *)key, .byte_offset = -1};
     const size_t at = w->nodes.n;
-    const bool is_node = node.kind == NQM_BSDF_BSDF || parent != NQM_BSDF_ROOT;
+    const bool has_inner = node.kind == NQM_BSDF_BSDF || node.kind == NQM_BSDF_TEXTURE;
+    const bool is_node = has_inner || parent != NQM_BSDF_ROOT;
     if (depth == MAX_DEPTH)
         return nqm_fail(w->err, NQM_ERR_LIMIT, 0, "%s: objects are nested more than %d deep", w->path, MAX_DEPTH);
     if (is_node) {
@@ -89,7 +98,7 @@ static nqm_status add_value(walk *w, const char *key, json_t *value, size_t pare
         node.id = (char *)(*text_of(value, "id") ? text_of(value, "id") : id);
         node.value = (char *)value_of(value, text);
         nqm_status status = nqm_bsdf_add(&w->nodes, &node, w->path, w->err);
-        if (status != NQM_OK || node.kind != NQM_BSDF_BSDF)
+        if (status != NQM_OK || !has_inner)
             return status;
     }
     const char *inner_key;
@@ -149,7 +158,7 @@ static nqm_status read_json(const nqm_map *map, nqm_materials *materials, nqm_er
         status = add_value(&w, "", root, NQM_BSDF_ROOT, "", 0);
     json_decref(root);
     if (status == NQM_OK)
-        status = nqm_mitsuba_translate(&w.nodes, materials, err);
+        status = nqm_mitsuba_translate(&w.nodes, map->path, materials, err);
     nqm_bsdf_clear(&w.nodes);
     return status;
 }

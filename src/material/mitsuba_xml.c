@@ -1,17 +1,21 @@
 /* SPDX-License-Identifier: MIT
  *
- * Mitsuba 3 scenes in XML (mitsuba.readthedocs.io, "Scene XML file format"). Only BSDFs and what is inside them become nodes. A
- * value `$name` is replaced by that of the <default> of this name. Included files are not read.
+ * Mitsuba 3 scenes in XML (mitsuba.readthedocs.io, "Scene XML file format"). Only BSDFs, textures and what is inside them
+ * become nodes. A value `$name` is replaced by that of the <default> of this name. Included files are not read.
  */
 #include "io/xml.h"
 #include "material/mitsuba.h"
 
-static const nqm_bsdf_word kinds[] = {
-    {"bsdf", NQM_BSDF_BSDF},         {"float", NQM_BSDF_NUMBER},  {"integer", NQM_BSDF_NUMBER},
-    {"boolean", NQM_BSDF_BOOLEAN},   {"string", NQM_BSDF_STRING}, {"rgb", NQM_BSDF_RGB},
-    {"spectrum", NQM_BSDF_SPECTRUM}, {"ref", NQM_BSDF_REF},       {NULL, NQM_BSDF_OTHER}};
+static const nqm_bsdf_word kinds[] = {{"bsdf", NQM_BSDF_BSDF},         {"float", NQM_BSDF_NUMBER},
+                                      {"integer", NQM_BSDF_NUMBER},    {"boolean", NQM_BSDF_BOOLEAN},
+                                      {"string", NQM_BSDF_STRING},     {"rgb", NQM_BSDF_RGB},
+                                      {"spectrum", NQM_BSDF_SPECTRUM}, {"ref", NQM_BSDF_REF},
+                                      {"texture", NQM_BSDF_TEXTURE},   {NULL, NQM_BSDF_OTHER}};
 
-enum { MAX_DEFAULTS = 1000 }; /* each value is searched among them */
+enum {
+    MAX_DEFAULTS = 1000, /* each value is searched among them */
+    STEP_SIZE = 4 * 41 + 1
+};
 
 /* The walk through the elements of a scene. */
 typedef struct walk {
@@ -29,17 +33,35 @@ static char *value_of(const walk *w, const nqm_xml_element *element, const char 
     return (char *)text;
 }
 
+/* The numbers of a step of a transform, as text: "x y z", of a rotation "x y z angle". NULL: the element is none, or its value has them. */
+static char *step_of(const walk *w, const nqm_xml_element *element, char text[STEP_SIZE]) {
+    static const char *const attributes[] = {"x", "y", "z", "angle"};
+    const bool is_scale = strcmp(element->name, "scale") == 0, is_rotation = strcmp(element->name, "rotate") == 0;
+    size_t n = 0;
+    if ((!is_scale && !is_rotation && strcmp(element->name, "translate") != 0) || nqm_xml_get(element, "value"))
+        return NULL;
+    for (size_t i = 0; i < (is_rotation ? 4 : 3); ++i) {
+        const char *number = value_of(w, element, attributes[i]);
+        n += (size_t)snprintf(text + n, STEP_SIZE - n, "%.40s ", number ? number : is_scale ? "1" : "0");
+    }
+    return text;
+}
+
 /* Add the element and those inside it; parent: the node that contains them. The depth is limited by the XML reader. */
 static nqm_status add_element(walk *w, const nqm_xml_element *element, size_t parent) {
-    const nqm_bsdf_node node = {.kind = nqm_bsdf_kind_of(kinds, element->name),
-                                .parent = parent,
-                                .type = value_of(w, element, "type"),
-                                .name = value_of(w, element, "name"),
-                                .id = value_of(w, element, "id"),
-                                .value = value_of(w, element, "value"),
-                                .byte_offset = element->byte_offset};
+    char step[STEP_SIZE], *numbers = step_of(w, element, step);
+    nqm_bsdf_node node = {.kind = nqm_bsdf_kind_of(kinds, element->name),
+                          .parent = parent,
+                          .type = value_of(w, element, "type"),
+                          .name = value_of(w, element, "name"),
+                          .id = value_of(w, element, "id"),
+                          .value = numbers ? numbers : value_of(w, element, "value"),
+                          .byte_offset = element->byte_offset};
+    if (node.kind == NQM_BSDF_OTHER && !node.type)
+        node.type = (char *)element->name;
     const bool is_default = strcmp(element->name, "default") == 0;
-    const bool is_node = !is_default && (node.kind == NQM_BSDF_BSDF || parent != NQM_BSDF_ROOT);
+    const bool is_node =
+        !is_default && (node.kind == NQM_BSDF_BSDF || node.kind == NQM_BSDF_TEXTURE || parent != NQM_BSDF_ROOT);
     if (strcmp(element->name, "include") == 0)
         return nqm_fail(w->err, NQM_ERR_FORMAT, node.byte_offset,
                         "%s: included files (byte %lld) are not read; name the included file itself", w->path,
@@ -89,7 +111,7 @@ static nqm_status read_xml(const nqm_map *map, nqm_materials *materials, nqm_err
         status = add_element(&w, xml.root, NQM_BSDF_ROOT);
     nqm_xml_free(&xml);
     if (status == NQM_OK)
-        status = nqm_mitsuba_translate(&w.nodes, materials, err);
+        status = nqm_mitsuba_translate(&w.nodes, map->path, materials, err);
     nqm_bsdf_clear(&w.nodes);
     nqm_bsdf_clear(&w.defaults);
     return status;

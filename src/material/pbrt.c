@@ -5,17 +5,18 @@
  * Colours are those of the default colour space, linear sRGB. pbrt is a spectral renderer: eta and k given as "metal-Au-eta" are the
  * RGB values of metals.c.
  */
-#include "material/bsdf.h"
+#include "material/pbrt.h"
 
 #include <ctype.h>
 #include <math.h>
 
-enum { MAX_PARAMETERS = 32, MAX_BYTES = 256 << 20, MAX_TOKEN = 256 };
+enum { MAX_PARAMETERS = 32, MAX_BYTES = 256 << 20, MAX_TOKEN = NQM_PBRT_MAX_TOKEN };
 
 /* ---- tokens ------------------------------------------------------------------------------------------------------ */
 
 typedef struct scanner {
     const char *path, *text;
+    struct material *textures; /* all of the file so far, in one list */
     size_t n, at;
     const char *refusal;   /* why materials from here on are refused; NULL: they are not */
     int64_t byte_offset;   /* position of the last token */
@@ -79,6 +80,7 @@ enum { VALUES = 4 * (MAX_TOKEN + 3) }; /* characters of four values; no paramete
 
 /* A material that is being read: a BSDF node, then its parameters as nodes. */
 typedef struct material {
+    size_t at; /* the node that has the parameters which are being read */
     char name[MAX_TOKEN], type[MAX_TOKEN];
     int64_t byte_offset;
     bool is_named;
@@ -88,7 +90,7 @@ typedef struct material {
 static const nqm_bsdf_word kinds[] = {{"float", NQM_BSDF_NUMBER},      {"integer", NQM_BSDF_NUMBER},
                                       {"rgb", NQM_BSDF_TRIPLE},        {"string", NQM_BSDF_STRING},
                                       {"spectrum", NQM_BSDF_SPECTRUM}, {"bool", NQM_BSDF_BOOLEAN},
-                                      {NULL, NQM_BSDF_OTHER}};
+                                      {"texture", NQM_BSDF_TEXTURE},   {NULL, NQM_BSDF_OTHER}};
 
 /* Append one value, the last token, to the others; a string among numbers keeps its quotes and is no number. */
 static nqm_status add_value(scanner *s, nqm_bsdf_kind kind, char values[VALUES]) {
@@ -132,6 +134,7 @@ static nqm_status read_parameter(scanner *s, material *m) {
     declaration[blank] = 0;
     declaration[start + strcspn(declaration + start, " \t")] = 0;
     const nqm_bsdf_node node = {.kind = nqm_bsdf_kind_of(kinds, declaration),
+                                .parent = m->at,
                                 .type = declaration,
                                 .name = declaration + start,
                                 .value = values,
@@ -143,8 +146,8 @@ static nqm_status read_parameter(scanner *s, material *m) {
         snprintf(m->type, sizeof m->type, "%.*s", MAX_TOKEN - 1, values);
         return NQM_OK;
     }
-    if (m->nodes.n > MAX_PARAMETERS)
-        return fail(s, "a material with more than 32 parameters");
+    if (m->nodes.n - m->at > MAX_PARAMETERS)
+        return fail(s, "a material or texture with more than 32 parameters");
     return nqm_bsdf_add(&m->nodes, &node, s->path, s->err);
 }
 
@@ -166,34 +169,18 @@ static nqm_status read_parameters(scanner *s, material *m) {
 
 /* ---- materials to shadings --------------------------------------------------------------------------------------- */
 
-/* "metal-Au-eta" */
-static bool read_metal(nqm_bsdf_reading *r, const nqm_bsdf_node *node, double v[3]) {
-    char name[MAX_TOKEN] = "", names[300];
-    const char *part = node->name;
-    const size_t n = strlen(node->value), n_part = strlen(part);
-    if (n > 7 + n_part && n < sizeof name && strncmp(node->value, "metal-", 6) == 0 &&
-        node->value[n - n_part - 1] == '-' && strcmp(node->value + n - n_part, part) == 0)
-        memcpy(name, node->value + 6, n - 7 - n_part);
-    const nqm_metal *metal = nqm_metal_find(name);
-    nqm_metal_names(names, sizeof names);
-    if (!metal)
-        return nqm_refuse(&r->reading, node, "%s: the spectrum '%.40s' is not known; these metals are: %s", part,
-                          node->value, names);
-    memcpy(v, strcmp(part, "k") == 0 ? metal->k : metal->eta, 3 * sizeof *v);
-    return true;
-}
-
-/* A colour; `v` keeps its value when the parameter is not given. */
-static bool read_colour(nqm_bsdf_reading *r, const char *name, double v[3]) {
-    const nqm_bsdf_node *node = nqm_bsdf_find(r, name);
-    const bool is_spectrum = node && node->kind == NQM_BSDF_SPECTRUM;
-    if (is_spectrum && strcmp(name, "reflectance") != 0 && !strchr(node->value, ' '))
-        return read_metal(r, node, v);
-    if (is_spectrum)
-        return nqm_refuse(&r->reading, node, "%s is a spectrum by wavelength; only RGB is read", name);
-    if (node && node->kind == NQM_BSDF_NUMBER)
-        return nqm_refuse(&r->reading, node, "%s needs three numbers, \"rgb %s\" [ r g b ]", name, name);
-    return nqm_bsdf_numbers(r, name, 3, v);
+/* k = 2 sqrt(r / (1 - r)) of the map r. */
+static bool reflectance_map(nqm_bsdf_reading *r, const nqm_bsdf_node *node, double eta[3]) {
+    uint16_t value;
+    if (!nqm_pbrt_map(r, node, 3, &value))
+        return false;
+    nqm_textured *t = r->reading.textured;
+    value = nqm_bsdf_compute(r, NQM_MAP_MINIMUM, 3, nqm_bsdf_compute(r, NQM_MAP_MAXIMUM, 3, value, 0), 0.9999);
+    const uint16_t rest =
+        nqm_map_compute(t, NQM_MAP_SUBTRACT, 3, nqm_map_value(t, 1, &(double){1}), value, NQM_NO_NODE);
+    value = nqm_bsdf_compute(r, NQM_MAP_POWER, 3, nqm_map_compute(t, NQM_MAP_DIVIDE, 3, value, rest, NQM_NO_NODE), 0.5);
+    eta[0] = eta[1] = eta[2] = 1;
+    return nqm_bsdf_output(r, node, "k", nqm_bsdf_compute(r, NQM_MAP_MULTIPLY, 3, value, 2));
 }
 
 /* eta and k from a reflectance at normal incidence, as pbrt, which clamps r to 0.9999. */
@@ -204,7 +191,9 @@ static bool reflectance_index(nqm_bsdf_reading *r, double eta[3], double k[3]) {
         return true;
     if (nqm_bsdf_find(r, "eta") || nqm_bsdf_find(r, "k"))
         return nqm_refuse(&r->reading, node, "reflectance is given as well as eta or k");
-    if (!read_colour(r, "reflectance", reflectance))
+    if (nqm_bsdf_is_texture(node))
+        return reflectance_map(r, node, eta);
+    if (!nqm_pbrt_colour(r, "reflectance", reflectance))
         return false;
     for (size_t c = 0; c < 3; ++c) {
         const double clamped = fmin(fmax(reflectance[c], 0), 0.9999);
@@ -214,44 +203,80 @@ static bool reflectance_index(nqm_bsdf_reading *r, double eta[3], double k[3]) {
     return true;
 }
 
+/* The square of alpha where one of the roughnesses is a texture; texels that would be mirrors have the smallest lobe of the model. */
+static bool roughness_maps(nqm_bsdf_reading *r, const char *const names[2], const nqm_bsdf_node *map, bool remap) {
+    nqm_textured *t = nqm_bsdf_textured(r, map);
+    uint16_t value[2];
+    for (size_t c = 0; c < 2; ++c)
+        if (!t || !nqm_pbrt_operand(r, names[c], 1, 0, &value[c]))
+            return false;
+    const size_t n = value[0] == value[1] ? 1 : 2;
+    if (n == 2)
+        value[0] = nqm_map_compute(t, NQM_MAP_COMBINE, n, value[0], value[1], NQM_NO_NODE);
+    if (!remap)
+        value[0] = nqm_map_compute(t, NQM_MAP_MULTIPLY, n, value[0], value[0], NQM_NO_NODE);
+    return nqm_bsdf_output(r, map, "roughness", nqm_bsdf_compute(r, NQM_MAP_MAXIMUM, n, value[0], 1e-6));
+}
+
 /* Both directions; alpha is the square root. */
-static bool conductor_roughness(nqm_bsdf_reading *r, const nqm_bsdf_node *bsdf, double roughness[2]) {
-    static const char *const names[] = {"uroughness", "vroughness"};
-    double common = 0;
+static bool conductor_roughness(nqm_bsdf_reading *r, const nqm_bsdf_node *bsdf) {
+    const char *names[] = {"uroughness", "vroughness"};
+    double roughness[2];
     bool remap = true;
-    if (!nqm_bsdf_numbers(r, "roughness", 1, &common) || !nqm_bsdf_flag(r, "remaproughness", &remap))
+    if (!nqm_bsdf_flag(r, "remaproughness", &remap))
         return false;
+    for (size_t c = 0; c < 2; ++c)
+        names[c] = nqm_bsdf_find(r, names[c]) ? names[c] : "roughness";
+    for (size_t c = 0; c < 2; ++c)
+        if (nqm_bsdf_is_texture(nqm_bsdf_find(r, names[c])))
+            return roughness_maps(r, names, nqm_bsdf_find(r, names[c]), remap);
     for (size_t c = 0; c < 2; ++c) {
-        double v = common;
+        double v = 0;
         if (!nqm_bsdf_numbers(r, names[c], 1, &v))
             return false;
         if (v < 0)
             return nqm_refuse(&r->reading, bsdf, "the roughness is negative");
         roughness[c] = remap ? v : v * v;
     }
+    nqm_shading_set(&r->reading.shading, "roughness", roughness[0] == roughness[1] ? 1 : 2, roughness);
     return (roughness[0] >= 1e-6 && roughness[1] >= 1e-6) ||
            nqm_refuse(&r->reading, bsdf,
                       "a smooth surface reflects into one direction only; only rough ones have a BRDF");
 }
 
+/* A colour as nqm_pbrt_colour(), or a map of the key of this name. */
+static bool colour_or_map(nqm_bsdf_reading *r, const char *name, double v[3]) {
+    const nqm_bsdf_node *node = nqm_bsdf_find(r, name);
+    uint16_t value;
+    if (!nqm_bsdf_is_texture(node))
+        return nqm_pbrt_colour(r, name, v);
+    return nqm_pbrt_map(r, node, 3, &value) && nqm_bsdf_output(r, node, name, value);
+}
+
 static bool finish_conductor(nqm_bsdf_reading *r, const nqm_bsdf_node *bsdf) {
     const nqm_metal *copper = nqm_metal_find("Cu"); /* pbrt's default */
-    double roughness[2], eta[3], k[3];
+    double eta[3], k[3];
     memcpy(eta, copper->eta, sizeof eta);
     memcpy(k, copper->k, sizeof k);
-    if (!conductor_roughness(r, bsdf, roughness) || !read_colour(r, "eta", eta) || !read_colour(r, "k", k) ||
+    if (!conductor_roughness(r, bsdf) || !colour_or_map(r, "eta", eta) || !colour_or_map(r, "k", k) ||
         !reflectance_index(r, eta, k))
         return false;
-    nqm_shading_set(&r->reading.shading, "roughness", roughness[0] == roughness[1] ? 1 : 2, roughness);
     nqm_shading_set(&r->reading.shading, "eta", 3, eta);
     nqm_shading_set(&r->reading.shading, "k", 3, k);
     return true;
 }
 
 static bool finish_diffuse(nqm_bsdf_reading *r, const nqm_bsdf_node *bsdf) {
+    const nqm_bsdf_node *node = nqm_bsdf_find(r, "reflectance");
     double kd[3] = {0.5, 0.5, 0.5};
+    uint16_t value;
     (void)bsdf;
-    if (!read_colour(r, "reflectance", kd))
+    if (nqm_bsdf_is_texture(node))
+        return nqm_pbrt_map(r, node, 3, &value) &&
+               nqm_bsdf_output(
+                   r, node, "kd",
+                   nqm_bsdf_compute(r, NQM_MAP_MINIMUM, 3, nqm_bsdf_compute(r, NQM_MAP_MAXIMUM, 3, value, 0), 1));
+    if (!nqm_pbrt_colour(r, "reflectance", kd))
         return false;
     for (size_t c = 0; c < 3; ++c)
         kd[c] = fmin(fmax(kd[c], 0), 1); /* as pbrt */
@@ -260,19 +285,21 @@ static bool finish_diffuse(nqm_bsdf_reading *r, const nqm_bsdf_node *bsdf) {
 }
 
 #define DISPLACEMENT NQM_RULE_ZERO("displacement", "displacement is not part of a BRDF")
-#define WALKS        "pbrt evaluates layers by random walks; there is no formula"
-#define TRANSMITS    "transmission is not supported"
+#define NORMAL_MAP                                                                                                     \
+    { .name = "normalmap", .read = nqm_pbrt_normal_map }
+#define WALKS     "pbrt evaluates layers by random walks; there is no formula"
+#define TRANSMITS "transmission is not supported"
 static const nqm_bsdf_plugin types[] = {
     {.type = "conductor",
      .model = "pbrt-conductor",
      .finish = finish_conductor,
      .rules = {NQM_RULE_LATER("eta"), NQM_RULE_LATER("k"), NQM_RULE_LATER("reflectance"), NQM_RULE_LATER("roughness"),
-               NQM_RULE_LATER("uroughness"), NQM_RULE_LATER("vroughness"), NQM_RULE_LATER("remaproughness"),
+               NQM_RULE_LATER("uroughness"), NQM_RULE_LATER("vroughness"), NQM_RULE_LATER("remaproughness"), NORMAL_MAP,
                DISPLACEMENT}},
     {.type = "diffuse",
      .model = "lambert",
      .finish = finish_diffuse,
-     .rules = {NQM_RULE_LATER("reflectance"), DISPLACEMENT}},
+     .rules = {NQM_RULE_LATER("reflectance"), NORMAL_MAP, DISPLACEMENT}},
     {.type = "measured", .rules = {{.name = "filename", .read = nqm_bsdf_file}}},
     {.type = "coateddiffuse", .refusal = WALKS},
     {.type = "coatedconductor", .refusal = WALKS},
@@ -286,7 +313,8 @@ static const nqm_bsdf_plugin types[] = {
     {.type = NULL}};
 
 static nqm_status add_material(const scanner *s, const material *m, nqm_materials *materials) {
-    nqm_bsdf_reading r = {.reading = {.source = &nqm_bsdf_source}, .nodes = &m->nodes};
+    nqm_bsdf_reading r = {
+        .reading = {.source = &nqm_bsdf_source}, .nodes = &m->nodes, .path = s->path, .textures = &s->textures->nodes};
     if (s->refusal)
         nqm_refuse(&r.reading, m->nodes.list, "%s", s->refusal);
     else
@@ -313,12 +341,33 @@ static nqm_status read_material(scanner *s, bool is_named, material *m) {
     return read_parameters(s, m);
 }
 
+/* The class of a texture becomes the type of its node, its type the name. */
+static nqm_status read_texture_directive(scanner *s) {
+    nqm_bsdf_node node = {.kind = NQM_BSDF_TEXTURE, .parent = NQM_BSDF_ROOT, .byte_offset = s->byte_offset};
+    char words[3][MAX_TOKEN];
+    for (size_t i = 0; i < 3; ++i) {
+        nqm_status status = next(s);
+        if (status == NQM_OK && !s->is_quoted)
+            return fail(s, "Texture without its name, type and class");
+        if (status != NQM_OK)
+            return status;
+        memcpy(words[i], s->token, sizeof words[i]);
+    }
+    node.id = words[0];
+    node.name = words[1];
+    node.type = words[2];
+    s->textures->at = s->textures->nodes.n;
+    nqm_status status = nqm_bsdf_add(&s->textures->nodes, &node, s->path, s->err);
+    return status == NQM_OK ? read_parameters(s, s->textures) : status;
+}
+
 /* Directives that change what the parameters of later materials mean. They end with the enclosing attribute block, which is not
  * tracked: all materials after them are refused. */
 static nqm_status read_setting(scanner *s, const char *neutral, const char *refusal) {
     const scanner before = *s;
     nqm_status status = next(s);
-    if (status == NQM_OK && (strcmp(s->token, "material") == 0 || (neutral && strcmp(s->token, neutral) != 0)))
+    if (status == NQM_OK && (strcmp(s->token, "material") == 0 || strcmp(s->token, "texture") == 0 ||
+                             (neutral && strcmp(s->token, neutral) != 0)))
         s->refusal = refusal;
     if (!s->is_quoted) {
         const char *kept = s->refusal;
@@ -336,7 +385,9 @@ static nqm_status read_directive(scanner *s, material *m, nqm_materials *materia
     if (strcmp(s->token, "ColorSpace") == 0)
         return read_setting(s, "srgb", "the colour space is not srgb (directive ColorSpace)");
     if (strcmp(s->token, "Attribute") == 0)
-        return read_setting(s, NULL, "the directive Attribute changes the defaults of materials");
+        return read_setting(s, NULL, "the directive Attribute changes the defaults of materials or textures");
+    if (strcmp(s->token, "Texture") == 0)
+        return read_texture_directive(s);
     if (!is_named && strcmp(s->token, "Material") != 0)
         return NQM_OK;
     nqm_status status = read_material(s, is_named, m);
@@ -344,7 +395,9 @@ static nqm_status read_directive(scanner *s, material *m, nqm_materials *materia
 }
 
 static nqm_status read_pbrt(const nqm_map *map, nqm_materials *materials, nqm_error *err) {
-    scanner s = {.path = map->path, .text = (const char *)map->data, .n = map->n_bytes, .err = err};
+    material textures = {.name = ""};
+    scanner s = {
+        .path = map->path, .text = (const char *)map->data, .textures = &textures, .n = map->n_bytes, .err = err};
     if (map->n_bytes > MAX_BYTES)
         return nqm_fail(err, NQM_ERR_LIMIT, 0, "%s: a scene of %zu bytes (byte 0); at most %d are read", map->path,
                         map->n_bytes, MAX_BYTES);
@@ -357,6 +410,7 @@ static nqm_status read_pbrt(const nqm_map *map, nqm_materials *materials, nqm_er
             status = next(&s);
     }
     nqm_bsdf_clear(&m.nodes);
+    nqm_bsdf_clear(&textures.nodes);
     return status;
 }
 

@@ -18,9 +18,9 @@ bool nqm_refuse(nqm_reading *r, const void *property, const char *format, ...) {
 }
 
 nqm_textured *nqm_reading_textured(nqm_reading *r, const void *property, const char *format, ...) {
-    if (r->textured)
+    if (r->textured && *r->varies)
         return r->textured;
-    r->textured = nqm_textured_create();
+    r->textured = r->textured ? r->textured : nqm_textured_create();
     if (!r->textured) {
         nqm_refuse(r, property, "out of memory");
         return NULL;
@@ -118,11 +118,13 @@ bool nqm_rule_later(nqm_reading *r, const nqm_rule *rule, const void *property) 
 
 nqm_status nqm_reading_add(nqm_reading *r, const char *name, const char *surface, int64_t byte_offset,
                            nqm_materials *materials, nqm_error *err) {
-    const bool is_refused = *r->refusal, varies = !is_refused && r->textured;
+    const bool is_refused = *r->refusal, varies = !is_refused && r->textured && *r->varies;
     const bool has_spec = !is_refused && !varies && !r->file;
     char *spec = has_spec ? nqm_shading_spec(&r->shading) : NULL;
-    if (has_spec && !spec)
+    if (has_spec && !spec) {
+        nqm_textured_free(r->textured);
         return nqm_fail_nomem(err, sizeof r->shading);
+    }
     const nqm_material_info info = {.name = name,
                                     .surface = surface,
                                     .spec = is_refused || varies ? NULL
@@ -138,6 +140,7 @@ nqm_status nqm_reading_add(nqm_reading *r, const char *name, const char *surface
     nqm_status status = nqm_materials_add(materials, &info, err);
     if (status == NQM_OK && varies) {
         r->textured->shading = r->shading;
+        r->textured->shading.remark = NULL; /* it may belong to the reader; that of the list is a copy */
         nqm_materials_attach(materials, r->textured);
         r->textured = NULL;
     }

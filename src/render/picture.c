@@ -17,7 +17,7 @@ typedef struct rendering {
     const nqm_brdf *brdf;
     const nqm_lobe *lobe; /* of an anisotropic BRDF; NULL: it is isotropic */
     double *rgb_cdm2;     /* (n, 3) of the scene */
-    double *half[2];      /* the same for either half of the directions; NULL: not wanted */
+    size_t stride;        /* as of nqm_scene_store() */
     atomic_bool out_of_memory;
 } rendering;
 
@@ -73,38 +73,46 @@ static void reflect_bounce(const surface *s, const nqm_bounce *bounce, const dou
         sum[k] += f[k] * radiance[k] * (double)bounce->extent;
 }
 
-static void render_point(void *user, size_t i) {
-    rendering *r = user;
-    const nqm_scene *scene = r->scene;
+bool nqm_scene_reflect(const nqm_scene *scene, size_t i, const nqm_brdf *brdf, const nqm_lobe *lobe,
+                       double half[2][3]) {
     nqm_surface_point made_point;
     const nqm_surface_point *point = nqm_scene_point(scene, i, &made_point);
-    const surface s = {r->brdf, {point->grain[0], point->grain[1]}};
+    const surface s = {brdf, {point->grain[0], point->grain[1]}};
     nqm_incident made = {0};
-    double half[2][3] = {{0}};
-    const bool is_kept = scene->kept && !r->lobe;
-    if (!is_kept && !nqm_incident_make(scene, i, r->lobe, &made, NULL))
-        atomic_store(&r->out_of_memory, true);
+    const bool is_kept = scene->kept && !lobe;
+    memset(half, 0, 2 * sizeof *half);
+    if (!is_kept && !nqm_incident_make(scene, i, lobe, &made, NULL))
+        return false;
     const nqm_incident *incident = is_kept ? &scene->kept[i] : &made;
     reflect(&s, incident->n_first_rays, incident->ray, point->wo, half[0]);
     reflect(&s, incident->n_rays - incident->n_first_rays, incident->ray + incident->n_first_rays, point->wo, half[1]);
     for (size_t j = 0; j < incident->n_bounces; ++j)
         reflect_bounce(&s, &incident->bounce[j], point->wo, half[j >= incident->n_first_bounces]);
-    for (size_t k = 0; k < 3; ++k) {
-        r->rgb_cdm2[3 * i + k] = (half[0][k] + half[1][k]) * scene->exposure;
-        for (size_t h = 0; h < 2 && r->half[h]; ++h)
-            r->half[h][3 * i + k] = 2 * half[h][k] * scene->exposure;
-    }
     nqm_free(made.ray);
+    return true;
 }
 
-/* stride: from a picture to that of the first half, and from there to that of the second; 0: the picture only. */
+void nqm_scene_store(const nqm_scene *scene, size_t i, double half[2][3], double *rgb_cdm2, size_t stride) {
+    for (size_t k = 0; k < 3; ++k) {
+        rgb_cdm2[3 * i + k] = (half[0][k] + half[1][k]) * scene->exposure;
+        for (size_t h = 0; h < 2 && stride; ++h)
+            rgb_cdm2[(1 + h) * stride + 3 * i + k] = 2 * half[h][k] * scene->exposure;
+    }
+}
+
+static void render_point(void *user, size_t i) {
+    rendering *r = user;
+    double half[2][3];
+    if (!nqm_scene_reflect(r->scene, i, r->brdf, r->lobe, half))
+        atomic_store(&r->out_of_memory, true);
+    nqm_scene_store(r->scene, i, half, r->rgb_cdm2, r->stride);
+}
+
 static nqm_status render(const nqm_scene *scene, const nqm_brdf *brdf, nqm_ticker *ticker, double *rgb_cdm2,
                          size_t stride, nqm_error *err) {
     const bool is_anisotropic = nqm_brdf_anisotropy(brdf) > 0;
     const nqm_lobe lobe = is_anisotropic ? nqm_lobe_measure(brdf) : (nqm_lobe){.width = 0};
-    rendering r = {.scene = scene, .brdf = brdf, .lobe = is_anisotropic ? &lobe : NULL, .rgb_cdm2 = rgb_cdm2};
-    for (size_t h = 0; h < 2 && stride; ++h)
-        r.half[h] = rgb_cdm2 + (1 + h) * stride;
+    rendering r = {scene, brdf, .lobe = is_anisotropic ? &lobe : NULL, .rgb_cdm2 = rgb_cdm2, .stride = stride};
     if (nqm_parallel_ticking(ticker, "render", scene->seen.n, render_point, &r))
         return nqm_fail(err, NQM_ERR_CANCELLED, -1, "interrupted");
     if (atomic_load(&r.out_of_memory))

@@ -32,6 +32,33 @@ void nqm_scene_background(const nqm_scene *scene, size_t frame, double *rgb_cdm2
 /** Whether nqm_scene_render() makes the picture of this BRDF from a table of its values (nqm_table_picture). */
 bool nqm_scene_tabulates(const nqm_scene *scene, const nqm_brdf *brdf);
 
+/** Light that point i of a scene without parts reflects to the viewer, in the light's unit, by each half of its light directions.
+ *  lobe: of an anisotropic BRDF; NULL: it is isotropic. false: out of memory, half is 0. */
+bool nqm_scene_reflect(const nqm_scene *scene, size_t i, const nqm_brdf *brdf, const nqm_lobe *lobe, double half[2][3]);
+/** Write it to point i of a picture in cd/m2. stride: from the picture to that of the first half, and from there to that of the
+ *  second, in values; 0: the picture only. */
+void nqm_scene_store(const nqm_scene *scene, size_t i, double half[2][3], double *rgb_cdm2, size_t stride);
+
+/** BRDFs that vary over the surface. */
+typedef struct nqm_scene_surfaces {
+    /** Positions per point, whose mean radiance the point shows: 1 is the point itself, more are stratified over its footprint, a
+     *  square of the picture: its pixel, or in a scene without pixels the area that the point represents. */
+    size_t n_samples;
+    uint64_t seed; /**< of the positions */
+    /** The BRDF at texture coordinates (<nqm/render.h>), which the caller frees, and its unit normal: components along the tangent, the
+     *  bitangent (upwards) and the normal of the surface. Any thread; equal arguments give equal results. */
+    nqm_status (*open)(void *user, const double uv[2], nqm_brdf **brdf_ret, double normal[3], nqm_error *err);
+    void *user;
+} nqm_scene_surfaces;
+
+/** nqm_scene_render_halves() with a BRDF for each point. Light directions are placed by the normal of the BRDF. Fails with the error
+ *  of the first point that `open` refuses; NQM_ERR_ARG with interreflection. */
+NQM_MUST_CHECK nqm_status nqm_scene_render_each(const nqm_scene *scene, const nqm_scene_surfaces *surfaces,
+                                                double *rgb_cdm2, nqm_error *err);
+/** Texture coordinates of what the viewer sees beside point i, `offset` (2) to the right and up in sides of its footprint; the
+ *  surface is continued by its tangent plane. */
+void nqm_scene_texcoord(const nqm_scene *scene, size_t i, const double offset[2], double uv[2]);
+
 /* ---- light ------------------------------------------------------------------------------------------------------- */
 
 enum {

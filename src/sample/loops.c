@@ -159,10 +159,10 @@ typedef uint32_t lanes_of_bits __attribute__((vector_size(64)));
 enum { LANES = 16, VECTORS = NQM_SAMPLE_LANES / LANES };
 _Static_assert((int)LANES == (int)NQM_POINTS, "a vector of each block");
 
-/* The sum of all partial sums, by halves. */
-INLINE float add_lanes(lanes sum) {
+/* The sum of all partial sums, by halves. By a pointer: clang refuses arguments that are wider than the vectors of the baseline. */
+INLINE float add_lanes(const lanes *sum) {
     float half[LANES];
-    memcpy(half, &sum, sizeof half);
+    memcpy(half, sum, sizeof half);
     UNROLL for (size_t n = LANES / 2; n > 0; n /= 2) UNROLL for (size_t j = 0; j < n; ++j) half[j] += half[j + n];
     return half[0];
 }
@@ -176,8 +176,10 @@ void nqm_sample_sums(size_t n, const float *x, float *magnitudes, float *squares
             magnitude[v] += (lanes)((lanes_of_bits)a & 0x7fffffffu);
             square[v] += a * a;
         }
-    *magnitudes = add_lanes(magnitude[0] + magnitude[1]);
-    *squares = add_lanes(square[0] + square[1]);
+    magnitude[0] += magnitude[1];
+    square[0] += square[1];
+    *magnitudes = add_lanes(&magnitude[0]);
+    *squares = add_lanes(&square[0]);
 }
 
 enum { DOTS_AT_ONCE = 4 }; /* x is loaded once for them, and none waits for the latency of its own additions */

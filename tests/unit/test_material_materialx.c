@@ -140,7 +140,7 @@ static void refusals(void **state) {
                    "", "tangent turns the anisotropy");
     assert_refused("", "<input name=\"specular_anisotropy\" type=\"float\" value=\"much\"/>", "", "needs a number");
     assert_refused("", "<input name=\"specular_rotation\" type=\"float\" value=\"nan\"/>", "", "specular_rotation");
-    assert_refused("", "<input name=\"normal\" type=\"vector3\" nodename=\"n\"/>", "", "changes the normal");
+    assert_refused("", "<input name=\"normal\" type=\"vector3\" value=\"0,1,0\"/>", "", "changes the normal");
     assert_refused("", "<input name=\"no_such\" type=\"float\" value=\"1\"/>", "", "no input 'no_such'");
     assert_refused("", "<input name=\"base\" type=\"float\" value=\"1,2\"/>", "", "needs a number");
     assert_refused("", "<input name=\"base_color\" type=\"color3\" value=\"1,2\"/>", "", "needs three numbers");
@@ -148,8 +148,8 @@ static void refusals(void **state) {
     assert_refused("", "<input name=\"base\" type=\"float\" nodename=\"i\"/>",
                    "<image name=\"i\" type=\"float\"><input name=\"file\" type=\"filename\" value=\"a.png\"/></image>",
                    "base reads the texture");
-    assert_refused("", "<input name=\"base\" type=\"float\" nodename=\"m\"/>", "<multiply name=\"m\" type=\"float\"/>",
-                   "computed by node 'm' (multiply)");
+    assert_refused("", "<input name=\"base\" type=\"float\" nodename=\"m\"/>", "<noise2d name=\"m\" type=\"float\"/>",
+                   "computed by node 'm' (noise2d)");
     assert_refused("", "<input name=\"base\" type=\"float\" nodename=\"d\"/>",
                    "<dot name=\"d\" type=\"float\"><input name=\"in\" type=\"float\" nodename=\"d\"/></dot>",
                    "connections in a row");

@@ -4,6 +4,7 @@
  */
 #include "material/mitsuba.h"
 #include "support/check.h"
+#include "support/map_text.h"
 #include "support/material_text.h"
 #include "support/temp_file.h"
 
@@ -177,8 +178,8 @@ static void dictionaries(void **state) {
     expect_spec(" {\"reflectance\": [1e-1, 0.2, 0], \"type\" : \"diffuse\"}", "lambert:kd=0.1,0.2,0");
     expect_spec("{\"type\": \"roughconductor\", \"alpha\": 0.5, \"distribution\": \"ggx\", \"sample_visible\": true}",
                 "rough-conductor:alpha=0.5;distribution=1");
-    expect_refusal("{\"type\": \"diffuse\", \"reflectance\": {\"type\": \"bitmap\", \"filename\": \"a.png\"}}",
-                   "'bitmap'");
+    expect_map("{\"type\": \"diffuse\", \"reflectance\": {\"type\": \"bitmap\", \"filename\": \"a.png\"}}", 0,
+               "'bitmap'", "kd", "image(a.png srgb_texture repeat)");
     expect_refusal("{\"type\": \"diffuse\", \"reflectance\": {\"type\": \"irregular\", \"values\": \"1, 2\"}}",
                    "wavelength");
     expect_refusal("{\"type\": \"diffuse\", \"reflectance\": [1, 2]}", "one or three");
@@ -194,6 +195,116 @@ static void dictionaries(void **state) {
         assert_string_equal(nqm_materials_get(materials, i).spec, "lambert:kd=0.5");
     }
     nqm_materials_free(materials);
+}
+
+#define BITMAP(NAME, FILE, MORE)                                                                                       \
+    "<texture type=\"bitmap\" name=\"" NAME "\">" STRING("filename", FILE) MORE "</texture>"
+#define RAW          "<boolean name=\"raw\" value=\"true\"/>"
+#define TO_UV(STEPS) "<transform name=\"to_uv\">" STEPS "</transform>"
+
+static void textures_of_xml(void **state) {
+    (void)state;
+    expect_map(XML("diffuse", BITMAP("reflectance", "a.png", "")), 0, "reflectance is of type 'bitmap'", "kd",
+               "image(a.png srgb_texture repeat)");
+    expect_map(XML("diffuse", BITMAP("reflectance", "a.png", STRING("wrap_mode", "mirror") RAW)), 0, "bitmap", "kd",
+               "image(a.png mirror)");
+    expect_map(XML("diffuse", BITMAP("reflectance", "a.EXR", STRING("wrap_mode", "clamp"))), 0, "bitmap", "kd",
+               "image(a.EXR clamp)");
+    static const char rough[] = XML("principled", BITMAP("roughness", "r.png", RAW) BITMAP("base_color", "c.jpg", ""));
+    expect_map(rough, 0, "roughness is", "roughness", "luminance(image(r.png repeat))");
+    expect_map(rough, 0, "roughness is", "base_color", "image(c.jpg srgb_texture repeat)");
+    expect_map(XML("roughconductor", BITMAP("alpha", "r.png", RAW)), 0, "alpha is", "alpha",
+               "maximum(luminance(image(r.png repeat)), 0.0001)");
+    expect_map(XML("roughconductor", FLOAT("alpha_u", ".2") BITMAP("alpha_v", "r.png", RAW)), 0, "alpha_v is", "alpha",
+               "maximum(combine(0.2, luminance(image(r.png repeat))), 0.0001)");
+    expect_map(XML("roughconductor", FLOAT("alpha_v", "0") BITMAP("alpha_u", "r.png", RAW)), 0, "alpha_u is", "alpha",
+               "maximum(combine(luminance(image(r.png repeat)), 0.0001), 0.0001)");
+    static const char scene[] = "<scene>" BITMAP("", "no.png", "") "<texture type=\"bitmap\" id=\"t\">" STRING(
+        "filename", "x/a.png") "</texture><bsdf type=\"twosided\" id=\"m\"><bsdf type=\"diffuse\"><ref "
+                               "name=\"reflectance\" id=\"t\"/></bsdf></bsdf></scene>";
+    expect_map(scene, 0, "refers to the object 't'", "kd", "image(x/a.png srgb_texture repeat)");
+}
+
+static void normal_maps_of_xml(void **state) {
+    (void)state;
+    static const char normal[] = "normal(image(n.png repeat), 1)";
+    expect_map(XML("normalmap", BITMAP("normalmap", "n.png", RAW) XML("diffuse", "")), 0, "combinations", "normal",
+               normal);
+    expect_map(XML("twosided", XML("normalmap", BITMAP("normalmap", "n.png", RAW) XML("diffuse", ""))), 0,
+               "combinations", "normal", normal);
+    expect_map(XML("normalmap", BITMAP("normalmap", "n.png", RAW) XML("twosided", XML("diffuse", ""))), 0,
+               "combinations", "normal", normal);
+    static const char scene[] =
+        "<scene><bsdf type=\"normalmap\" id=\"a\"><ref name=\"normalmap\" id=\"t\"/><ref id=\"b\"/></bsdf>"
+        "<bsdf type=\"diffuse\" id=\"b\"/><texture type=\"bitmap\" id=\"t\">" STRING("filename", "n.png") RAW
+        "</texture></scene>";
+    expect_map(scene, 0, "combinations", "normal", normal);
+    expect_refusal(XML("normalmap", XML("diffuse", "")), "normalmap is missing");
+    expect_refusal(XML("normalmap", BITMAP("normalmap", "n.png", RAW)), "contains no BSDF");
+    expect_refusal(XML("normalmap", BITMAP("normalmap", "n.png", RAW) XML("plastic", "")), "smooth");
+    expect_refusal(XML("normalmap", BITMAP("normalmap", "n.png", RAW) XML("measured", STRING("filename", "a.bsdf"))),
+                   "measured BSDF with maps");
+    expect_refusal(XML("normalmap", BITMAP("normalmap", "n.png", RAW)
+                                        XML("normalmap", BITMAP("normalmap", "n.png", RAW) XML("diffuse", ""))),
+                   "another normalmap");
+    expect_refusal(XML("bumpmap", BITMAP("map", "n.png", RAW) XML("diffuse", "")), "combinations");
+}
+
+static void refused_textures(void **state) {
+    (void)state;
+    expect_refusal(XML("diffuse", "<texture type=\"checkerboard\" name=\"reflectance\"/>"), "'checkerboard'");
+    expect_refusal(XML("diffuse", "<texture type=\"volume\" name=\"reflectance\"/>"), "'volume'");
+    expect_refusal("{\"type\": \"diffuse\", \"reflectance\": {\"type\": \"mesh_attribute\"}}", "'mesh_attribute'");
+    expect_refusal(XML("diffuse", "<texture type=\"bitmap\" name=\"reflectance\"/>"), "no filename");
+    expect_refusal(XML("diffuse", BITMAP("reflectance", "a.png", STRING("wrap_mode", "black"))), "'black'");
+    expect_refusal(XML("diffuse", BITMAP("reflectance", "a.png", STRING("raw", "true"))), "true or false");
+    expect_refusal(XML("diffuse", BITMAP("reflectance", "a.png", FLOAT("scale", "2"))), "'scale'");
+    expect_refusal(XML("diffuse", BITMAP("reflectance", "a.png", TO_UV("<lookat/>"))), "'lookat'");
+    expect_refusal(XML("diffuse", BITMAP("reflectance", "a.png", TO_UV("<rotate x=\"1\" angle=\"9\"/>"))), "'rotate'");
+    expect_refusal(XML("diffuse", BITMAP("reflectance", "a.png", TO_UV("<matrix value=\"1 2 3\"/>"))), "'1 2 3'");
+    expect_refusal(XML("roughplastic", BITMAP("alpha", "a.png", "")), "only constants");
+    expect_refusal(XML("roughplastic", BITMAP("alpha_u", "a.png", "") FLOAT("alpha_v", ".1")), "only constants");
+    expect_refusal(XML("roughconductor", BITMAP("alpha_u", "a.png", "") FLOAT("alpha_v", "x")), "'x'");
+    expect_refusal(XML("roughconductor", BITMAP("eta", "a.png", "") STRING("material", "Au")), "eta or k");
+    expect_refusal(XML("principled", BITMAP("specular", "a.png", "")), "only constants");
+    expect_refusal(
+        "{\"type\": \"diffuse\", \"reflectance\": {\"type\": \"bitmap\", \"filename\": \"a\", \"to_uv\": [1, 0, 0]}}",
+        "XML only");
+    expect_refusal(XML("principled", BITMAP("spec_trans", "a.png", "")), "transmission");
+}
+
+/* src/textures/bitmap.cpp: the position is to_uv (u, v), and v = 0 is in the first row. */
+static void corners_of_bitmaps(void **state) {
+    (void)state;
+    static const char plain[] = XML("diffuse", BITMAP("reflectance", "a.png", ""));
+    expect_position(plain, 0, 0, 0, 0);
+    expect_position(plain, 0.25, 1, 0.25, 1);
+    expect_position(XML("diffuse", BITMAP("reflectance", "a.png", TO_UV("<scale x=\"2\" y=\"3\"/>"))), 1, 1, 2, 3);
+    expect_position(XML("diffuse", BITMAP("reflectance", "a.png", TO_UV("<scale value=\"2\"/>"))), 1, 1, 2, 2);
+    expect_position(XML("diffuse", BITMAP("reflectance", "a.png", TO_UV("<scale x=\"2\"/><translate y=\".5\"/>"))), 1,
+                    1, 2, 1.5);
+    expect_position(XML("diffuse", BITMAP("reflectance", "a.png", TO_UV("<translate x=\".5\"/><scale x=\"2\"/>"))), 1,
+                    1, 3, 1);
+    expect_position(XML("diffuse", BITMAP("reflectance", "a.png", TO_UV("<rotate z=\"1\" angle=\"90\"/>"))), 1, 0, 0,
+                    1);
+    expect_position(XML("diffuse", BITMAP("reflectance", "a.png", TO_UV("<rotate z=\"-1\" angle=\"90\"/>"))), 1, 0, 0,
+                    -1);
+    expect_position(
+        XML("diffuse", BITMAP("reflectance", "a.png", TO_UV("<matrix value=\"1 2 0 3 4 5 0 6 0 0 1 0 0 0 0 1\"/>"))),
+        10, 100, 213, 546);
+}
+
+static void textures_of_dictionaries(void **state) {
+    (void)state;
+    static const char scene[] = "{\"type\": \"scene\", \"tex\": {\"type\": \"bitmap\", \"filename\": \"a.png\", "
+                                "\"raw\": true}, \"m\": {\"type\": "
+                                "\"diffuse\", \"reflectance\": {\"type\": \"ref\", \"id\": \"tex\"}}, \"n\": "
+                                "{\"type\": \"normalmap\", \"normalmap\": "
+                                "{\"type\": \"bitmap\", \"raw\": true, \"filename\": \"n.png\"}, \"inner\": {\"type\": "
+                                "\"ref\", \"id\": \"m\"}}}";
+    expect_map(scene, 0, "refers to", "kd", "image(a.png repeat)");
+    expect_map(scene, 1, "combinations", "kd", "image(a.png repeat)");
+    expect_map(scene, 1, "combinations", "normal", "normal(image(n.png repeat), 1)");
 }
 
 static void damaged_files(void **state) {
@@ -259,6 +370,9 @@ static void no_memory(void **state) {
     expect_survives_no_memory(
         "<scene><default name=\"a\" value=\"1\"/><bsdf type=\"diffuse\" id=\"$a\"><float name=\"reflectance\" "
         "value=\"$a\"/></bsdf><bsdf type=\"mask\"/></scene>");
+    expect_survives_no_memory(XML("normalmap",
+                                  BITMAP("normalmap", "n.png", RAW)
+                                      XML("roughconductor", FLOAT("alpha_u", ".1") BITMAP("alpha_v", "a.png", ""))));
     expect_survives_no_memory(
         "{\"type\": \"scene\", \"a\": {\"type\": \"measured\", \"filename\": \"a\"}, \"b\": {\"type\": \"diffuse\"}}");
 }
@@ -273,6 +387,11 @@ int main(void) {
         cmocka_unit_test(metals_are_those_of_their_source),
         cmocka_unit_test(scenes),
         cmocka_unit_test(dictionaries),
+        cmocka_unit_test(textures_of_xml),
+        cmocka_unit_test(normal_maps_of_xml),
+        cmocka_unit_test(refused_textures),
+        cmocka_unit_test(corners_of_bitmaps),
+        cmocka_unit_test(textures_of_dictionaries),
         cmocka_unit_test(damaged_files),
         cmocka_unit_test(cut_files),
         cmocka_unit_test(files_go_there_and_back),

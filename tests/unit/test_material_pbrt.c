@@ -4,6 +4,7 @@
  */
 #include "material/mitsuba.h"
 #include "support/check.h"
+#include "support/map_text.h"
 #include "support/material_text.h"
 #include "support/temp_file.h"
 
@@ -84,8 +85,118 @@ static void scenes(void **state) {
     nqm_materials_free(materials);
 }
 
+#define IMAGE(NAME, TYPE, FILE, MORE)                                                                                  \
+    "Texture \"" NAME "\" \"" TYPE "\" \"imagemap\" \"string filename\" \"" FILE "\" " MORE " "
+#define DIFFUSE "Material \"diffuse\" \"texture reflectance\" \"t\" "
+#define ROUGH   "Material \"conductor\" \"texture roughness\" \"t\" "
+
+static void colour_textures(void **state) {
+    (void)state;
+    static const char a[] = "minimum(maximum(image(a.png srgb_texture repeat), 0), 1)";
+    expect_map(IMAGE("t", "spectrum", "a.png", "") DIFFUSE, 0, "reflectance is of type 'texture'", "kd", a);
+    expect_map(IMAGE("t", "float", "b.png", "") IMAGE("t", "spectrum", "a.png", "") DIFFUSE, 0, "", "kd", a);
+    expect_map(IMAGE("t", "spectrum", "a.png", "\"string encoding\" \"linear\" \"string wrap\" \"black\"") DIFFUSE, 0,
+               "", "kd", "minimum(maximum(image(a.png border), 0), 1)");
+    expect_map(IMAGE("t", "spectrum", "a.jpg", "\"string encoding\" \"linear\" \"string wrap\" \"clamp\"") DIFFUSE, 0,
+               "", "kd", "minimum(maximum(image(a.jpg srgb_texture clamp), 0), 1)"); /* as pbrt */
+    expect_map(IMAGE("t", "spectrum", "a.exr", "\"string encoding\" \"sRGB\"") DIFFUSE, 0, "", "kd",
+               "minimum(maximum(image(a.exr repeat), 0), 1)");
+    expect_map(IMAGE("t", "spectrum", "a.png",
+                     "\"string encoding\" \"gamma 2.5\" \"float scale\" 2 \"bool invert\" true") DIFFUSE,
+               0, "", "kd",
+               "minimum(maximum(maximum(subtract(1, multiply(power(image(a.png repeat), 2.5), 2)), 0), 0), 1)");
+    expect_map(
+        IMAGE("t", "spectrum", "a.png", "") "Material \"conductor\" \"float roughness\" .1 \"texture eta\" \"t\"", 0,
+        "eta is", "eta", "image(a.png srgb_texture repeat)");
+    expect_map(IMAGE("t", "spectrum", "a.exr",
+                     "") "Material \"conductor\" \"float roughness\" .1 \"texture reflectance\" \"t\"",
+               0, "reflectance is", "k",
+               "multiply(power(divide(minimum(maximum(image(a.exr repeat), 0), 0.9999), subtract(1, "
+               "minimum(maximum(image(a.exr repeat), 0), 0.9999))), 0.5), 2)");
+    expect_map("Material \"diffuse\" \"string normalmap\" \"n.png\"", 0, "normalmap", "normal",
+               "normal(image(n.png repeat), 1)");
+}
+
+#define MEAN                                                                                                           \
+    "multiply(add(add(channel(image(r.exr repeat) 0), channel(image(r.exr repeat) 1)), channel(image(r.exr repeat) "   \
+    "2)), 0.3333333333333333)"
+
+static void roughness_textures(void **state) {
+    (void)state;
+    expect_map(IMAGE("t", "float", "r.exr", "") ROUGH, 0, "roughness is", "roughness", "maximum(" MEAN ", 1e-06)");
+    expect_map(IMAGE("t", "float", "r.exr", "") ROUGH "\"bool remaproughness\" false", 0, "roughness is", "roughness",
+               "maximum(multiply(" MEAN ", " MEAN "), 1e-06)");
+    expect_map(IMAGE("t", "float", "r.exr", "") ROUGH "\"float vroughness\" .2", 0, "roughness is", "roughness",
+               "maximum(combine(" MEAN ", 0.2), 1e-06)");
+}
+
+static void computed_textures(void **state) {
+    (void)state;
+    expect_map(IMAGE("a", "spectrum", "a.exr", "")
+                   IMAGE("r", "float", "r.exr", "") "Texture \"t\" \"spectrum\" \"mix\" \"texture tex1\" \"a\" \"rgb "
+                                                    "tex2\" [ .1 .2 .3 ] \"texture amount\" "
+                                                    "\"r\" " DIFFUSE,
+               0, "", "kd", "minimum(maximum(mix(image(a.exr repeat), 0.1 0.2 0.3, " MEAN "), 0), 1)");
+    expect_map(IMAGE("a", "spectrum", "a.exr",
+                     "") "Texture \"t\" \"spectrum\" \"scale\" \"texture tex\" \"a\" \"float scale\" .5 " DIFFUSE,
+               0, "", "kd", "minimum(maximum(multiply(image(a.exr repeat), 0.5), 0), 1)");
+    expect_map("Texture \"t\" \"spectrum\" \"constant\" \"rgb value\" [ .1 .2 .3 ] " DIFFUSE, 0, "", "kd",
+               "minimum(maximum(0.1 0.2 0.3, 0), 1)");
+    expect_map("Texture \"t\" \"float\" \"mix\" " ROUGH, 0, "", "roughness", "maximum(mix(0, 1, 0.5), 1e-06)");
+}
+
+static void refused_textures(void **state) {
+    (void)state;
+    static const char *const cases[][2] = {
+        {DIFFUSE, "no spectrum texture 't'"},
+        {IMAGE("t", "float", "a.png", "") DIFFUSE, "no spectrum texture 't'"},
+        {IMAGE("t", "spectrum", "a.png", "") ROUGH, "no float texture 't'"},
+        {"Texture \"t\" \"spectrum\" \"scale\" \"texture tex\" \"t\" " DIFFUSE, "no spectrum texture 't'"},
+        {"Texture \"t\" \"spectrum\" \"marble\" " DIFFUSE, "'marble'"},
+        {"Texture \"t\" \"spectrum\" \"imagemap\" " DIFFUSE, "'t' has no filename"},
+        {"Texture \"t\" \"spectrum\" \"constant\" \"spectrum value\" [ 400 1 ] " DIFFUSE, "wavelength"},
+        {IMAGE("t", "spectrum", "a.png", "\"string mapping\" \"spherical\"") DIFFUSE, "'spherical'"},
+        {IMAGE("t", "spectrum", "a.png", "\"string wrap\" \"octahedralsphere\"") DIFFUSE, "'octahedralsphere'"},
+        {IMAGE("t", "spectrum", "a.png", "\"string encoding\" \"gamma -1\"") DIFFUSE, "'gamma -1'"},
+        {IMAGE("t", "spectrum", "a.png", "\"float scale\" [ 1 2 ]") DIFFUSE, "scale"},
+        {"Attribute \"texture\" \"float uscale\" 2 " IMAGE("t", "spectrum", "a.png", "") DIFFUSE, "textures"},
+        {"Material \"diffuse\" \"string normalmap\" \"\"", "normalmap"},
+        {IMAGE("t", "float", "a.png", "") "Material \"diffuse\" \"texture displacement\" \"t\"", "displacement"},
+        {IMAGE("t", "spectrum", "a.png", "") "Material \"coateddiffuse\" \"texture reflectance\" \"t\"", "random"},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i)
+        expect_refusal(cases[i][0], cases[i][1]);
+}
+
+/* Textures that name the one before twice: 2^40 paths. */
+static void nested_textures(void **state) {
+    (void)state;
+    char text[8000] = "Texture \"t0\" \"spectrum\" \"constant\" ";
+    for (int i = 1; i <= 40; ++i)
+        snprintf(text + strlen(text), sizeof text - strlen(text),
+                 "Texture \"t%d\" \"spectrum\" \"mix\" \"texture tex1\" \"t%d\" \"texture tex2\" \"t%d\" ", i, i - 1,
+                 i - 1);
+    strcat(text, "Material \"diffuse\" \"texture reflectance\" \"t40\"");
+    expect_refusal(text, "more than 256 textures");
+}
+
+/* src/pbrt/textures.cpp: st = (uscale u + udelta, vscale v + vdelta), then t = 1 - t, from the first row; pbrt's v is 1 - that of
+ * nqm. */
+static void corners_of_images(void **state) {
+    (void)state;
+    static const char plain[] = IMAGE("t", "spectrum", "a.png", "") DIFFUSE;
+    expect_position(plain, 0, 1, 0, 1); /* pbrt's (0, 0): the lower left corner */
+    expect_position(plain, 1, 0, 1, 0); /* (1, 1): the upper right one */
+    static const char moved[] =
+        IMAGE("t", "spectrum", "a.png",
+              "\"float uscale\" 2 \"float udelta\" .25 \"float vscale\" 3 \"float vdelta\" .125") DIFFUSE;
+    expect_position(moved, 0, 1, 0.25, 0.875);
+    expect_position(moved, 1, 0, 2.25, -2.125);
+}
+
 static void damaged_files(void **state) {
     (void)state;
+    expect_error("Texture \"a\" \"float\" Material \"diffuse\"", NQM_ERR_FORMAT, "without its name");
     expect_error("Material \"conductor", NQM_ERR_FORMAT, "closing quote (byte 9)");
     expect_error("Material", NQM_ERR_FORMAT, "not a material file");
     expect_error("Material ", NQM_ERR_FORMAT, "without the type");
@@ -108,6 +219,8 @@ static void files_go_there_and_back(void **state) {
 
 static void no_memory(void **state) {
     (void)state;
+    expect_survives_no_memory(IMAGE("t", "float", "a.png", "") ROUGH
+                              "\"rgb reflectance\" [ .1 .1 .1 ] \"string normalmap\" \"n.png\"");
     expect_survives_no_memory(
         "Material \"conductor\" \"float roughness\" 1 Material \"measured\" \"string filename\" \"a\" "
         "Material \"mix\"");
@@ -115,8 +228,18 @@ static void no_memory(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(conductors),    cmocka_unit_test(refused_materials),       cmocka_unit_test(scenes),
-        cmocka_unit_test(damaged_files), cmocka_unit_test(files_go_there_and_back), cmocka_unit_test(no_memory),
+        cmocka_unit_test(conductors),
+        cmocka_unit_test(refused_materials),
+        cmocka_unit_test(scenes),
+        cmocka_unit_test(colour_textures),
+        cmocka_unit_test(roughness_textures),
+        cmocka_unit_test(computed_textures),
+        cmocka_unit_test(refused_textures),
+        cmocka_unit_test(nested_textures),
+        cmocka_unit_test(corners_of_images),
+        cmocka_unit_test(damaged_files),
+        cmocka_unit_test(files_go_there_and_back),
+        cmocka_unit_test(no_memory),
     };
     return cmocka_run_group_tests(tests, make_temp_file, remove_temp_file);
 }

@@ -171,6 +171,10 @@ def main():
         write_doubles(f, "pixels_exr", picture)
         write_bytes(f, "file_exr_grey", exr(grey, "Y", np.float32, "zips"))
         write_doubles(f, "pixels_exr_grey", np.repeat(grey, 3, axis=2))
+        alpha = np.arange(WIDTH * HEIGHT).reshape(HEIGHT, WIDTH, 1) / 64
+        write_bytes(f, "file_exr_rgba", exr(np.concatenate([picture, alpha], -1), "RGBA", np.float16, "zip", origin=(1, 2)))
+        write_bytes(f, "file_exr_rgba_float", exr(np.concatenate([picture, alpha], -1), "RGBA", np.float32, "zips", tile=(8, 8)))
+        write_bytes(f, "file_exr_grey_alpha", exr(np.concatenate([grey, alpha], -1), "YA", np.float32, "zips"))
 
 
 main()

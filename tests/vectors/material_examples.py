@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: MIT
 """Which example materials of MaterialX and OpenPBR have a BRDF, by Python's XML reader and the definitions of the surfaces.
-material_examples.csv: file, material, surface, verdict ("accepted", or the first input that cannot be honoured).
+material_examples.csv: file, material, surface, verdict ("accepted", the first input that cannot be honoured, or of a material that is
+textured the first input that varies), textured (1 or 0).
 Usage: material_examples.py FOLDER, the folder materials of the shared data; without it the stored table stays."""
 import csv
 import pathlib
@@ -24,6 +25,9 @@ NEEDED = {
     "UsdPreviewSurface": "diffuseColor useSpecularWorkflow specularColor metallic roughness clearcoat ior",
     "disney_principled": "baseColor metallic roughness anisotropic specular sheen clearcoat",
 }
+# inputs that are ignored where they are maps, and nodes that are not evaluated
+IGNORED = "emissive emissiveColor emission subsurface"
+PROCEDURAL = {"position", "fractal3d"}
 # ACES AP1 (D60) to BT.709 (D65), Bradford
 AP1 = [[1.70505, -0.62179, -0.08326], [-0.13026, 1.14080, -0.01055], [-0.02400, -0.12897, 1.15297]]
 
@@ -32,26 +36,41 @@ def numbers(text):
     return [float(x) for x in text.split(",")]
 
 
-def verdict(shader, space, defaults):
+def is_procedural(root, i):
+    graph = next((e for e in root if e.get("name") == i.get("nodegraph")), [])
+    return any(e.tag in PROCEDURAL for e in graph)
+
+
+def verdict(root, shader, space, defaults):
+    """The first input that refuses the material or, if none does, varies; and whether it is textured."""
     kind = shader.tag
+    varies = None
     value = {i.get("name"): i.get("value", "") for i in shader.iter("input")}
     connected = lambda i: i.get("nodename") or i.get("nodegraph")
     for i in shader.iter("input"):
         name = i.get("name")
-        if "normal" in name and (connected(i) or numbers(i.get("value")) != [0, 0, 1]):
-            return name
+        if "normal" in name and connected(i):
+            varies = varies or name
+            continue
+        if "normal" in name and numbers(i.get("value")) != [0, 0, 1]:
+            return name, 0
+        if name in IGNORED.split() and connected(i):
+            continue
         if name in NEUTRAL[kind].split() and (connected(i) or numbers(i.get("value")) != numbers(defaults[kind][name])):
-            return name
+            return name, 0
         if "tangent" in name and any(numbers(v) != [0] for k, v in value.items() if "anisotrop" in k):
-            return name
+            return name, 0
         if not any(name.startswith(n) for n in NEEDED[kind].split()):
             continue
+        if connected(i) and is_procedural(root, i):
+            return name, 0
         if connected(i):
-            return name
+            varies = varies or name
+            continue
         if i.get("type") == "color3" and space == "acescg":
             if min(sum(m * x for m, x in zip(row, numbers(i.get("value")))) for row in AP1) < -1e-3:
-                return name
-    return "accepted"
+                return name, 0
+    return (varies, 1) if varies else ("accepted", 0)
 
 
 def defaults_of(folder):
@@ -73,11 +92,11 @@ def main(folder):
             target = next(i for i in material.iter("input") if i.get("name") == "surfaceshader").get("nodename")
             shader = next(e for e in root if e.get("name") == target)
             rows.append([f"{path.parent.name}/{path.name}", material.get("name"), shader.tag,
-                         verdict(shader, root.get("colorspace"), defaults)])
+                         *verdict(root, shader, root.get("colorspace"), defaults)])
         if not any(True for _ in root.iter("surfacematerial")):
-            rows.append([f"{path.parent.name}/{path.name}", "", "", "no material"])
+            rows.append([f"{path.parent.name}/{path.name}", "", "", "no material", 0])
     with open(pathlib.Path(__file__).with_suffix(".csv"), "w", newline="") as file:
-        file.write("# made by material_examples.py\nfile,material,surface,verdict\n")
+        file.write("# made by material_examples.py\nfile,material,surface,verdict,textured\n")
         csv.writer(file, lineterminator="\n").writerows(rows)
 
 

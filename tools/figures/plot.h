@@ -61,23 +61,27 @@ NQM_MUST_CHECK nqm_status nqm_plot_losses(const char *path, size_t n, const char
 NQM_MUST_CHECK nqm_status nqm_plot_directions(const char *path, const nqm_directions *directions,
                                               const nqm_plot_options *options, nqm_error *err);
 
+/** Where slices are taken. */
+typedef struct nqm_slice_angles {
+    double theta_d_rad, phi_d_rad; /**< of the slice over theta_h; theta_d 0 to below pi/2 */
+    double azimuth_rad;            /**< of all slices, from the tangent: for anisotropic BRDFs */
+} nqm_slice_angles;
+
 /**
  * Luminance of BRDFs: over theta_h, over theta_d in the mirror direction (theta_h = 0), as polar lobes for light at 45
  * degrees, and in the plane of incidence for light at 15, 45 and 70 degrees; axes of f_r are logarithmic.
  *
- * @param brdfs        (n), n 1 to 8
- * @param names        (n) for the legend; NULL, or NULL members: nqm_plot_brdf_name()
- * @param theta_d_rad  of the slice over theta_h, 0 to below pi/2
- * @param phi_d_rad    of the slice over theta_h
+ * @param brdfs  (n), n 1 to 8
+ * @param names  (n) for the legend; NULL, or NULL members: nqm_plot_brdf_name()
  */
 NQM_MUST_CHECK nqm_status nqm_plot_slices(const char *path, size_t n, const nqm_brdf *const *brdfs,
-                                          const char *const *names, double theta_d_rad, double phi_d_rad,
+                                          const char *const *names, const nqm_slice_angles *angles,
                                           const nqm_plot_options *options, nqm_error *err);
 /** What the drawing calls a BRDF: `given` up to 60 bytes; NULL: the file name without folder and ending, or the spec. */
 void nqm_plot_brdf_name(const nqm_brdf *brdf, const char *given, char name[64]);
 
-/** Where two BRDFs differ: a heat map over (theta_h, theta_d) of the mean absolute difference of log(f_r + 0.003) over phi_d
- *  and channels, as in NQM_METRIC_LOG_DIFF. It compares the BRDFs (reference, test); no model is involved. `names` as for
+/** Where two BRDFs differ: a heat map over (theta_h, theta_d) of the mean absolute difference of log(f_r + 0.003) over phi_d,
+ *  azimuths of anisotropic BRDFs, and channels, as in NQM_METRIC_LOG_DIFF. It compares the BRDFs (reference, test); no model is involved. `names` as for
  *  nqm_plot_slices(). */
 NQM_MUST_CHECK nqm_status nqm_plot_attribution(const char *path, const nqm_brdf *const brdfs[2],
                                                const char *const *names, const nqm_plot_options *options,

@@ -2,6 +2,7 @@
  *
  * Plots of several BRDFs: slices in half-vector coordinates, polar lobes, and the plane of incidence.
  */
+#include "brdf/brdf.h"
 #include "figures/sheet.h"
 #include "math/math.h"
 
@@ -14,7 +15,8 @@ enum { MAX_BRDFS = 8, N_POINTS = 361, N_PANELS = 6, OVER_THETA_H = 0, OVER_THETA
 static const double theta_i_rad[3] = {15 * NQM_PI / 180, 45 * NQM_PI / 180, 70 * NQM_PI / 180};
 
 typedef struct slicing {
-    double theta_d_rad, phi_d_rad; /* angles of the slice over theta_h */
+    nqm_slice_angles angles;
+    double turn[2]; /* sine and cosine of its azimuth */
     nqm_chart charts[N_PANELS];
     char titles[N_PANELS][80], names[MAX_BRDFS][64];
     nqm_series series[N_PANELS][MAX_BRDFS];
@@ -33,13 +35,17 @@ void nqm_plot_brdf_name(const nqm_brdf *brdf, const char *given, char name[64]) 
         snprintf(name, 64, "%.*s%s", (int)(n > 57 ? 57 : n), first, n > 57 ? "..." : "");
 }
 
-static double luminance(const nqm_brdf *brdf, bool half_diff, const double *at) {
+static double luminance(const nqm_brdf *brdf, const double *turn, bool half_diff, double *at) {
     double rgb[3];
     uint8_t flag;
-    if (half_diff)
-        nqm_brdf_eval_half_diff(brdf, 1, at, rgb, &flag);
-    else
-        nqm_brdf_eval(brdf, 1, at, at + 3, rgb, &flag);
+    if (half_diff) {
+        nqm_brdf_eval_turned(brdf, 1, at, turn, rgb, &flag);
+    } else {
+        double wi[3], wo[3];
+        nqm_turn3(turn, at, wi);
+        nqm_turn3(turn, at + 3, wo);
+        nqm_brdf_eval(brdf, 1, wi, wo, rgb, &flag);
+    }
     return nqm_has_value(flag) ? nqm_luminance(rgb) : (double)NAN;
 }
 
@@ -53,8 +59,8 @@ static bool locate(const slicing *s, size_t panel, double x_deg, double at[6]) {
     if (panel == OVER_THETA_H || panel == OVER_THETA_D) {
         bool over_h = panel == OVER_THETA_H;
         at[0] = over_h ? x : 0;
-        at[1] = over_h ? s->theta_d_rad : x;
-        at[2] = s->phi_d_rad;
+        at[1] = over_h ? s->angles.theta_d_rad : x;
+        at[2] = s->angles.phi_d_rad;
         return true;
     }
     nqm_spherical(light_of(panel), NQM_PI, at); /* the light is at the left, its mirror direction at the right */
@@ -70,7 +76,7 @@ static void evaluate(slicing *s, size_t panel, size_t n, const nqm_brdf *const *
         s->x[panel][i] = has_both_sides ? -89.5 + 179 * t : 89.5 * (panel == OVER_THETA_H ? t * t : t);
         bool half_diff = locate(s, panel, s->x[panel][i], at);
         for (size_t k = 0; k < n; ++k)
-            s->y[panel][k][i] = luminance(brdfs[k], half_diff, at);
+            s->y[panel][k][i] = luminance(brdfs[k], s->turn, half_diff, at);
     }
 }
 
@@ -84,8 +90,8 @@ static void describe(slicing *s, size_t panel) {
     bool has_both_sides = panel >= LOBES;
     double theta_i = has_both_sides ? light_of(panel) * deg : 0;
     if (panel == OVER_THETA_H)
-        snprintf(title, 80, NQM_THETA "_{d} = %.3g" NQM_DEG ", " NQM_PHI "_{d} = %.3g" NQM_DEG, s->theta_d_rad * deg,
-                 s->phi_d_rad * deg);
+        snprintf(title, 80, NQM_THETA "_{d} = %.3g" NQM_DEG ", " NQM_PHI "_{d} = %.3g" NQM_DEG,
+                 s->angles.theta_d_rad * deg, s->angles.phi_d_rad * deg);
     else if (panel == OVER_THETA_D)
         snprintf(title, 80, "mirror direction, " NQM_THETA "_{h} = 0");
     else
@@ -133,6 +139,13 @@ static bool is_visible(const slicing *s, size_t k) {
     return false;
 }
 
+static bool has_anisotropic(size_t n, const nqm_brdf *const *brdfs) {
+    for (size_t k = 0; k < n; ++k)
+        if (nqm_brdf_anisotropy(brdfs[k]) > 0)
+            return true;
+    return false;
+}
+
 static nqm_status slice(slicing *s, const char *path, size_t n, const nqm_brdf *const *brdfs,
                         const nqm_plot_options *options, nqm_error *err) {
     nqm_sheet_panel panels[N_PANELS];
@@ -164,10 +177,15 @@ static nqm_status slice(slicing *s, const char *path, size_t n, const nqm_brdf *
     if (status == NQM_OK && !n_visible)
         return nqm_fail(err, NQM_ERR_NUMERIC, -1, "%s: no BRDF has a value above 0 in any slice: nothing to draw",
                         path);
+    char note[200], azimuth[60] = "";
+    if (has_anisotropic(n, brdfs))
+        snprintf(azimuth, sizeof azimuth, "; %.3g" NQM_DEG " from the tangent", s->angles.azimuth_rad * 180 / NQM_PI);
+    snprintf(note, sizeof note,
+             "luminance of f_{r}, without the cosine; the light is at " NQM_THETA
+             "_{i} on the left (negative " NQM_THETA "_{o}), its mirror direction on the right%s",
+             azimuth);
     const nqm_sheet sheet = {.title = "Slices of BRDFs",
-                             .note = "luminance of f_{r}, without the cosine; the light is at " NQM_THETA
-                                     "_{i} on the left "
-                                     "(negative " NQM_THETA "_{o}), its mirror direction on the right",
+                             .note = note,
                              .width = 960,
                              .height = 640,
                              .n_rows = 2,
@@ -177,16 +195,18 @@ static nqm_status slice(slicing *s, const char *path, size_t n, const nqm_brdf *
 }
 
 nqm_status nqm_plot_slices(const char *path, size_t n, const nqm_brdf *const *brdfs, const char *const *names,
-                           double theta_d_rad, double phi_d_rad, const nqm_plot_options *options, nqm_error *err) {
+                           const nqm_slice_angles *angles, const nqm_plot_options *options, nqm_error *err) {
     if (n < 1 || n > MAX_BRDFS)
         return nqm_fail(err, NQM_ERR_ARG, -1, "%s: 1 to %d BRDFs can be drawn, not %zu", path, (int)MAX_BRDFS, n);
-    if (!(theta_d_rad >= 0 && theta_d_rad < NQM_PI / 2 && isfinite(phi_d_rad)))
+    if (!(angles->theta_d_rad >= 0 && angles->theta_d_rad < NQM_PI / 2 && isfinite(angles->phi_d_rad) &&
+          isfinite(angles->azimuth_rad)))
         return nqm_fail(err, NQM_ERR_ARG, -1, "%s: theta_d of slices must be 0 to below 90 degrees", path);
     slicing *s = nqm_alloc(1, sizeof *s);
     if (!s)
         return nqm_fail_nomem(err, sizeof *s);
-    s->theta_d_rad = theta_d_rad;
-    s->phi_d_rad = phi_d_rad;
+    s->angles = *angles;
+    s->turn[0] = sin(angles->azimuth_rad);
+    s->turn[1] = cos(angles->azimuth_rad);
     for (size_t k = 0; k < n; ++k)
         nqm_plot_brdf_name(brdfs[k], names ? names[k] : NULL, s->names[k]);
     nqm_status status = slice(s, path, n, brdfs, options, err);

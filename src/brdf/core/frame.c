@@ -75,16 +75,23 @@ static nqm_status create_rotated(const nqm_spec_values *values, const nqm_betwee
     return make((double[9]){c, s, 0, -s, c, 0, 0, 0, 1}, info->isotropic || angle == 0, state_ret, err);
 }
 
-/* The smallest rotation that takes the normal to the new one takes the tangent along. */
+/* The smallest rotation that takes the normal to the new one takes the tangent along: rows of its axes, for a new normal of polar angle
+ * asin(s) = acos(c) and azimuth atan2(y, x). */
+static void tilted_axes(double x, double y, double s, double c, double axes[9]) {
+    const double d = 1 - c;
+    const double rows[9] = {1 - d * x * x, -d * x * y, -s * x, -d * x * y, 1 - d * y * y, -s * y, s * x, s * y, c};
+    memcpy(axes, rows, sizeof rows);
+}
+
 static nqm_status create_tilted(const nqm_spec_values *values, const nqm_between_bases *bases, nqm_brdf_info *info,
                                 void **state_ret, nqm_error *err) {
     const double angle = DEGREE * values->v[DEG][0], azimuth = DEGREE * values->v[AZIMUTH][0];
-    const double x = cos(azimuth), y = sin(azimuth), s = sin(angle), c = cos(angle), d = 1 - c;
+    double axes[9];
     (void)bases;
     if (angle > 0)
         info->reciprocal = info->isotropic = 0;
-    return make((double[9]){1 - d * x * x, -d * x * y, -s * x, -d * x * y, 1 - d * y * y, -s * y, s * x, s * y, c},
-                angle == 0, state_ret, err);
+    tilted_axes(cos(azimuth), sin(azimuth), sin(angle), cos(angle), axes);
+    return make(axes, angle == 0, state_ret, err);
 }
 
 #define FRAME_CLASS(NAME)                                                                                              \
@@ -109,3 +116,19 @@ const nqm_spec_wrapper nqm_tilt_wrapper = {
     .class_ = FRAME_CLASS("tilt"),
     .create = create_tilted,
 };
+
+nqm_status nqm_brdf_tilt(nqm_brdf *of, const double *normal, nqm_brdf **brdf_ret, nqm_error *err) {
+    const double s = hypot(normal[0], normal[1]);
+    const nqm_brdf_info info = {.name = of->info.name,
+                                .isotropic = s > 0 ? 0 : of->info.isotropic,
+                                .reciprocal = s > 0 ? 0 : of->info.reciprocal};
+    double axes[9];
+    void *state;
+    tilted_axes(s > 0 ? normal[0] / s : 1, s > 0 ? normal[1] / s : 0, s, normal[2], axes);
+    *brdf_ret = NULL;
+    nqm_status status = make(axes, s == 0, &state, err);
+    if (status != NQM_OK)
+        return status;
+    *(nqm_between_bases *)state = (nqm_between_bases){.of = of};
+    return nqm_brdf_wrap(&nqm_tilt_wrapper.class_, state, &info, brdf_ret, err);
+}

@@ -3,8 +3,10 @@
  * nqm info - prints what a BRDF, model, dataset or material file contains; `nqm info list` prints the names of the presets.
  */
 #include "io/io.h"
+#include "nqm/textured.h"
 #include "nqm/tool.h"
 #include <nqm/material.h>
+#include <nqm/texture.h>
 
 #include <math.h>
 #include <string.h>
@@ -30,6 +32,21 @@ static int print_brdf(const char *argument, bool json) {
     return json ? print_document(members) : print_members(members);
 }
 
+/* A material with image maps, which are decoded. */
+static int print_texture(const char *argument, bool json) {
+    nqm_texture *texture;
+    nqm_error err = {0};
+    must(nqm_texture_open(argument, show_progress, NULL, &texture, &err), &err);
+    end_progress();
+    const nqm_texture_info info = nqm_texture_get_info(texture, NULL);
+    json_t *members =
+        json_pack("{s:s,s:o,s:s,s:I,s:I,s:I,s:I,s:s}", "kind", "texture", "name", json_name(info.name), "model",
+                  info.model, "width", (json_int_t)info.width, "height", (json_int_t)info.height, "n_images",
+                  (json_int_t)info.n_images, "n_bytes", (json_int_t)info.n_bytes, "varying", info.varying);
+    nqm_texture_free(texture);
+    return json ? print_document(members) : print_members(members);
+}
+
 /* Why a material cannot be opened: its refusal, or a value outside of its model's range, as a message in `err`. NULL: it can. */
 static const char *obstacle(const nqm_material_info *info, nqm_error *err) {
     nqm_brdf *brdf = NULL;
@@ -48,12 +65,12 @@ static int print_materials(const char *path, const nqm_materials *materials, boo
     for (size_t i = 0; i < nqm_materials_count(materials); ++i) {
         const nqm_material_info info = nqm_materials_get(materials, i);
         nqm_error err = {0};
-        const char *refusal = obstacle(&info, &err);
+        const char *refusal = info.n_maps ? NULL : obstacle(&info, &err);
         n_accepted += !refusal;
-        json_array_append_new(list, json_pack("{s:o,s:s,s:o,s:o,s:o,s:I}", "name", json_name(info.name), "surface",
+        json_array_append_new(list, json_pack("{s:o,s:s,s:o,s:o,s:I,s:o,s:I}", "name", json_name(info.name), "surface",
                                               info.surface, "spec", json_text(refusal ? NULL : info.spec), "refusal",
-                                              json_text(refusal), "remark", json_text(info.remark), "byte_offset",
-                                              (json_int_t)info.byte_offset));
+                                              json_text(refusal), "n_maps", (json_int_t)info.n_maps, "remark",
+                                              json_text(info.remark), "byte_offset", (json_int_t)info.byte_offset));
     }
     json_t *members = json_pack("{s:s,s:o,s:I,s:I}", "kind", "materials", "name", json_name(path), "n_materials",
                                 (json_int_t)json_array_size(list), "accepted", (json_int_t)n_accepted);
@@ -68,12 +85,17 @@ static int print_materials(const char *path, const nqm_materials *materials, boo
         const char *refusal = json_string_value(json_object_get(entry, "refusal"));
         const char *remark = json_string_value(json_object_get(entry, "remark"));
         const char *why = refusal ? refusal : remark;
-        printf("%s  %s  %s%s\n", shown(json_string_value(json_object_get(entry, "name"))),
+        const json_int_t n_maps = json_integer_value(json_object_get(entry, "n_maps"));
+        char maps[40] = "";
+        if (n_maps)
+            snprintf(maps, sizeof maps, "texture of %lld image%s%s", (long long)n_maps, n_maps > 1 ? "s" : "",
+                     why ? ": " : "");
+        printf("%s  %s  %s%s%s\n", shown(json_string_value(json_object_get(entry, "name"))),
                json_string_value(json_object_get(entry, "surface")),
-               refusal  ? "refused: "
-               : remark ? "accepted: "
-                        : "accepted",
-               why ? shown(why) : "");
+               refusal            ? "refused: "
+               : remark || n_maps ? "accepted: "
+                                  : "accepted",
+               maps, why ? shown(why) : "");
     }
     json_decref(list);
     return EXIT_OK;
@@ -197,5 +219,7 @@ int cmd_info(int argc, char **argv) {
     refuse_near_word(argv[0], "list");
     if (is_builtin(argv[0]))
         return print_model(argv[0], json);
+    if (is_textured(argv[0]))
+        return print_texture(argv[0], json);
     return looks_like_safetensors(argv[0]) ? print_file(argv[0], json) : print_file_of_brdfs(argv[0], json);
 }

@@ -47,6 +47,7 @@ static void check_label(label_run *run, uint64_t shrink) {
 static uint64_t shrink = 1;
 static label_run run;
 static scene_args scene;
+static view_args view;
 
 static const option options[] = {
     {"map", 0, OPTION_TEXT, &run.map, "FILE.png", "draw reference, test and their difference, one row per test", 0, 0},
@@ -59,6 +60,7 @@ static const option options[] = {
     {"json", 0, OPTION_FORMAT, &run.format, NULL, "print JSON", FORMAT_JSON, 0},
     {"csv", 0, OPTION_FORMAT, &run.format, NULL, "print CSV", FORMAT_CSV, 0},
     {"quiet", 'q', OPTION_FORMAT, &run.format, NULL, "print the JODs only, one per line", FORMAT_QUIET, 0},
+    OPTION_ROWS_VIEW(&view),
     OPTION_ROW_SIZE(&scene, "pixels of a frame, if it is to be a picture (with a figure: 256 for all frames together)"),
     {0}};
 
@@ -80,6 +82,7 @@ static const command cmd = {
 
 int cmd_label(int argc, char **argv) {
     scene = scene_args_begin();
+    view = view_args_begin();
     const int n_arguments = parse_arguments(&cmd, argc, argv);
     if (run.map || run.grid || run.keep)
         scene.side = 256;
@@ -87,6 +90,7 @@ int cmd_label(int argc, char **argv) {
     scene_args_end(&scene);
     run.adds_samples = !scene.scene.width && !given.n_points && !given.n_lights;
     run.scene_options = scene.scene;
+    run.view = view_of(&view);
     check_label(&run, shrink);
     const char **names = take_names(n_arguments, argv);
     read_items(&run, n_arguments, argv, names);

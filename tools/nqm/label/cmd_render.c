@@ -3,6 +3,7 @@
  * nqm render - pictures of a BRDF on a lit shape.
  */
 #include "nqm/label/scene.h"
+#include "nqm/textured.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -13,6 +14,7 @@ enum { PREVIEW_LIGHTS = 32 };
 typedef struct render_run {
     const char *brdf, *output;
     nqm_scene_options scene;
+    nqm_texture_view view; /* of a textured material */
     size_t supersample;
     backdrop backdrop;
     bool json, is_tabulated;
@@ -74,9 +76,14 @@ static void write_frames(const render_run *run, json_t *files) {
 
 static void run_render(render_run *run) {
     nqm_error err = {0};
+    nqm_texture *texture;
+    must(open_textured(run->brdf, &texture, &err), &err);
     must(nqm_scene_create(&run->scene, &run->made, &err), &err);
-    run->rgb_cdm2 = allocate(3 * nqm_scene_count(run->made), sizeof *run->rgb_cdm2);
-    must(render_brdf(run->made, run->brdf, false, run->rgb_cdm2, &run->is_tabulated, &err), &err);
+    run->rgb_cdm2 = allocate((texture ? 9 : 3) * nqm_scene_count(run->made), sizeof *run->rgb_cdm2);
+    must(texture ? nqm_texture_render(run->made, texture, &run->view, run->rgb_cdm2, &err)
+                 : render_brdf(run->made, run->brdf, false, run->rgb_cdm2, &run->is_tabulated, &err),
+         &err);
+    nqm_texture_free(texture);
     const canvas first = one_frame(&run->scene, 0);
     run->blank = run->picture = make_backdrop(run->made, &first, run->backdrop);
     if (run->scene.n_frames > 1)
@@ -100,6 +107,7 @@ static void run_render(render_run *run) {
 
 static render_run run;
 static scene_args scene;
+static view_args view;
 static const char *background;
 static bool quality;
 static uint64_t supersample;
@@ -112,6 +120,7 @@ static const option options[] = {
     {"quality", 0, OPTION_FLAG, &quality, NULL,
      "2 x 2 points per pixel and 96 light directions per point, instead of 1 and 32: ten times the work", 0, 0},
     {"json", 0, OPTION_FLAG, &run.json, NULL, "print JSON", 0, 0},
+    OPTION_ROWS_VIEW(&view),
     OPTION_ROW_SIZE(&scene, "pixels of a frame"),
     {0}};
 
@@ -133,6 +142,7 @@ static const command cmd = {
 
 int cmd_render(int argc, char **argv) {
     scene = scene_args_begin();
+    view = view_args_begin();
     scene.size = "256";
     static const char *const backdrops[] = {
         [BACKDROP_WHITE] = "white", [BACKDROP_BLACK] = "black", [BACKDROP_LIGHT] = "light", NULL};
@@ -146,6 +156,7 @@ int cmd_render(int argc, char **argv) {
     refuse_model_name(argv[0]);
     run.brdf = argv[0];
     run.scene = scene.scene;
+    run.view = view_of(&view);
     if (nqm_scene_is_standard(&run.scene))
         run.scene.light = "sun"; /* one picture rather than four */
     run.supersample = supersample ? (size_t)supersample : quality ? 2 : 1;

@@ -9,12 +9,43 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* Textures stay open for all rounds. The error of a test is stored in its item. */
+static void open_textures(label_run *run) {
+    for (size_t i = 0; i < run->n_items; ++i) {
+        label_item *item = &run->items[i];
+        const nqm_status status = open_textured(item->name, &item->texture, &item->err);
+        if (item->reference == i || status == NQM_ERR_CANCELLED)
+            must(status, &item->err);
+    }
+}
+
+/* Positions are those of the finest texture of the group, so that a reference and its tests have the same. */
+static nqm_texture_view view_of_group(const label_run *run, size_t reference) {
+    nqm_texture_view view = run->view;
+    double finest = 0;
+    for (size_t i = 0; i < run->n_items; ++i) {
+        if (run->items[i].reference != reference || !run->items[i].texture)
+            continue;
+        const nqm_texture_info info = nqm_texture_get_info(run->items[i].texture);
+        const double n_texels = (double)info.width * (double)info.height;
+        if (n_texels > finest)
+            view.beside = run->items[i].texture;
+        finest = fmax(finest, n_texels);
+    }
+    return view;
+}
+
 static nqm_status render_item(const label_run *run, label_item *item) {
     const double nan = (double)NAN;
     free(item->rgb_cdm2); /* picture of an earlier round */
     item->label = (nqm_label){nan, {nan, nan, nan}, nan, nan, 0};
     item->jod = nan;
+    if (item->err.status != NQM_OK)
+        return item->err.status;
     item->rgb_cdm2 = allocate(9 * nqm_scene_count(run->scene), sizeof *item->rgb_cdm2);
+    const nqm_texture_view view = view_of_group(run, item->reference);
+    if (item->texture)
+        return nqm_texture_render(run->scene, item->texture, &view, item->rgb_cdm2, &item->err);
     return render_brdf(run->scene, item->name, true, item->rgb_cdm2, &item->is_tabulated, &item->err);
 }
 
@@ -98,6 +129,9 @@ void make_labels(label_run *run) {
     run->scene_options.progress = show_label_progress;
     run->scene_options.progress_user = run;
     nqm_scene_options options = run->scene_options;
+    if (!run->view.n_samples)
+        run->view = nqm_texture_view_default();
+    open_textures(run);
     make_round(run, &options);
     for (size_t round = 1; run->adds_samples && round < MAX_ROUNDS && mark_uncertain(run, &options) > 0; ++round)
         make_round(run, &options);
@@ -105,8 +139,10 @@ void make_labels(label_run *run) {
 }
 
 void free_labels(label_run *run) {
-    for (size_t i = 0; i < run->n_items; ++i)
+    for (size_t i = 0; i < run->n_items; ++i) {
         free(run->items[i].rgb_cdm2);
+        nqm_texture_free(run->items[i].texture);
+    }
     free(run->items);
     nqm_scene_free(run->scene);
 }
@@ -132,6 +168,13 @@ static double mean_luminance(const label_run *run, const double *rgb_cdm2) {
     return sum;
 }
 
+static bool has_textures(const label_run *run) {
+    for (size_t i = 0; i < run->n_items; ++i)
+        if (run->items[i].texture)
+            return true;
+    return false;
+}
+
 json_t *json_labels(const label_run *run) {
     json_t *results = json_array();
     for (size_t i = 0; i < run->n_items; ++i) {
@@ -151,8 +194,13 @@ json_t *json_labels(const label_run *run) {
             json_object_set_new(result, "error", json_name(item->err.message));
         json_array_append_new(results, result);
     }
+    json_t *scene = json_scene(&run->scene_options);
+    if (has_textures(run)) {
+        json_object_set_new(scene, "tiles", json_real(run->view.tiles));
+        json_object_set_new(scene, "texels", json_integer((json_int_t)run->view.n_samples));
+    }
     return json_pack("{s:i,s:o,s:o,s:o,s:o}", "schema", 1, "tool", json_tool(), "reference",
-                     json_name(run->items[0].name), "scene", json_scene(&run->scene_options), "results", results);
+                     json_name(run->items[0].name), "scene", scene, "results", results);
 }
 
 static const char csv_columns[] = "test,delta_e_itp,jod,error";

@@ -6,15 +6,17 @@
 #define NQM_TOOL_LABEL_H
 
 #include "nqm/label/scene.h"
+#include "nqm/textured.h"
 
 /** A BRDF of the command line, in its order; a group begins with its reference. */
 typedef struct label_item {
-    const char *name;    /* the argument */
-    const char *shown;   /* name in results: the argument, or the NAME of NAME=BRDF */
-    size_t reference;    /* index of the group's reference (of itself for a reference) */
-    nqm_label label;     /* NaN for references and for tests that could not be rendered */
-    double jod;          /* JOD of the label; NaN as there */
-    double points_error; /* the part of label.error that the choice of points makes */
+    const char *name;     /* the argument */
+    const char *shown;    /* name in results: the argument, or the NAME of NAME=BRDF */
+    nqm_texture *texture; /* of a textured material; NULL: a BRDF */
+    size_t reference;     /* index of the group's reference (of itself for a reference) */
+    nqm_label label;      /* NaN for references and for tests that could not be rendered */
+    double jod;           /* JOD of the label; NaN as there */
+    double points_error;  /* the part of label.error that the choice of points makes */
     nqm_error err;
     bool is_done;      /* the label needs no more samples */
     bool is_tabulated; /* the picture was made from a table of the BRDF's values */
@@ -24,6 +26,7 @@ typedef struct label_item {
 typedef struct label_run {
     nqm_scene_options scene_options;
     nqm_scene *scene;
+    nqm_texture_view view; /* of textured materials */
     size_t n_items, n_groups, n_done;
     label_item *items;
     result_format format;

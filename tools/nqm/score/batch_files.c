@@ -6,6 +6,7 @@
 #include "nqm/score/batch.h"
 
 #include "brdf/brdf.h"
+#include "material/maps.h"
 #include <nqm/material.h>
 
 #include <stdlib.h>
@@ -64,12 +65,21 @@ static void add_latents(json_t *files, const char *path) {
         json_object_set_new(files, latents, json_null());
 }
 
-/* The measured files that the materials of a file name. */
+/* The images of a textured material. */
+static void add_images(json_t *files, const nqm_textured *textured) {
+    for (size_t i = 0; i < textured->n_images; ++i)
+        if (textured->images[i].path)
+            json_object_set_new(files, textured->images[i].path, json_null());
+}
+
+/* The measured files and images that the materials of a file name. */
 static void add_measured(json_t *files, const char *path) {
     const nqm_materials *materials =
         parsed_materials(path); /* NULL: another kind of file, or a broken one, which scoring reports */
     for (size_t i = 0; materials && i < nqm_materials_count(materials); ++i) {
         const nqm_material_info info = nqm_materials_get(materials, i);
+        if (nqm_materials_textured(materials, i))
+            add_images(files, nqm_materials_textured(materials, i));
         if (!info.spec || nqm_spec_probe(info.spec))
             continue;
         char *measured = nqm_path_beside(path, info.spec);

@@ -152,13 +152,27 @@ static bool load_results(batch_pieces *p, size_t piece) {
     return loaded;
 }
 
+/* The rows with a textured member; only the near score is kept. */
+static void score_piece_textures(batch_pieces *p, size_t n, const nqm_named_pair *pairs) {
+    const texture_terms terms = {.model = p->model};
+    kept_texture ref = {.name = NULL};
+    nqm_texture_result *t = allocate(1, sizeof *t);
+    for (size_t i = 0; i < n; ++i)
+        if (p->results[i].status != NQM_OK && has_texture(&pairs[i]))
+            score_texture(&terms, &pairs[i], &ref, t, &p->results[i], &p->errors[i]);
+    nqm_texture_free(ref.texture);
+    free(t);
+}
+
 static nqm_status score_piece(batch_pieces *p, size_t piece, nqm_error *err) {
     const size_t n = row_count(p, piece);
     p->current = p->n; /* until the results are complete */
     json_decref(p->files);
     p->files = identify_files(n, p->list->pair + first_row(p, piece)); /* before they are read */
-    const nqm_status status =
-        nqm_scorer_run_named(p->scorer, n, p->list->pair + first_row(p, piece), p->results, p->errors, err);
+    const nqm_named_pair *pairs = p->list->pair + first_row(p, piece);
+    const nqm_status status = nqm_scorer_run_named(p->scorer, n, pairs, p->results, p->errors, err);
+    if (status == NQM_OK)
+        score_piece_textures(p, n, pairs);
     if (status == NQM_OK)
         p->current = piece;
     return status;
@@ -239,10 +253,11 @@ static void hash_terms(const json_t *terms, size_t size, char identity[33]) {
 }
 
 void open_batch_pieces(const char *folder, const json_t *terms, const nqm_pair_list *list, nqm_scorer *scorer,
-                       batch_pieces *p) {
+                       const nqm_model *model, batch_pieces *p) {
     const size_t n_blocks = nqm_ceil_div(list->n_rows, NQM_SCORE_BLOCK);
     const size_t blocks_each = folder ? nqm_ceil_div(n_blocks, MAX_PIECES) : 1;
-    *p = (batch_pieces){.list = list, .scorer = scorer, .size = NQM_SCORE_BLOCK * (blocks_each ? blocks_each : 1)};
+    *p = (batch_pieces){
+        .list = list, .scorer = scorer, .model = model, .size = NQM_SCORE_BLOCK * (blocks_each ? blocks_each : 1)};
     p->n = p->current = nqm_ceil_div(list->n_rows, p->size);
     p->results = allocate(p->size, sizeof *p->results);
     p->errors = allocate(p->size, sizeof *p->errors);

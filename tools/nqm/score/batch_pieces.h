@@ -13,6 +13,7 @@
 typedef struct batch_pieces {
     const nqm_pair_list *list;
     nqm_scorer *scorer;
+    const nqm_model *model;    /* that of the scorer, for textures */
     char *folder;              /* absolute; NULL: no pieces, results are computed when they are needed */
     char identity[33];         /* hash of all that determines results: the beginning of the files' names */
     size_t size, n;            /* rows of a piece, number of pieces */
@@ -29,7 +30,7 @@ typedef struct batch_pieces {
  * @param terms   an object of scalars: all settings that determine results, the list and its root included
  */
 void open_batch_pieces(const char *folder, const json_t *terms, const nqm_pair_list *list, nqm_scorer *scorer,
-                       batch_pieces *pieces);
+                       const nqm_model *model, batch_pieces *pieces);
 /** Score all pieces together with the other processes of `r`. Returns when all files exist: an exit code, its error reported. */
 int share_batch_pieces(batch_pieces *pieces, ranks r);
 /** Results and errors of the rows from `row` to the end of its piece. Returns an exit code, its error reported. */

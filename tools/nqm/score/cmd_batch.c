@@ -240,7 +240,7 @@ static const char **expand_rows(batch_run *run, const batch_arguments *a) {
 static void open_outputs(batch_run *run, const batch_arguments *a, ranks *r) {
     const char *root = list_root(a->root, a->list);
     json_t *score = score_terms(run, root), *terms = output_terms(run, score, a->metrics);
-    open_batch_pieces(a->work, score, run->list, run->scorer, &run->pieces);
+    open_batch_pieces(a->work, score, run->list, run->scorer, run->form.model, &run->pieces);
     if (r->rank == 0) {
         run->junit = a->junit ? absolute_path(a->junit, "") : NULL;
         run->markdown = a->markdown ? absolute_path(a->markdown, "") : NULL;

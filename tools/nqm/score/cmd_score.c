@@ -74,7 +74,9 @@ static void print_text(const score_run *run) {
             has_similarity = has_similarity || *apart;
             print_phrases(phrases);
         }
-        if (run->exact && scored)
+        if (row->texture)
+            print_texture(row);
+        else if (run->exact && scored)
             print_exact(run, row);
     }
     if (n_scored == 0)
@@ -94,6 +96,8 @@ static void print_text(const score_run *run) {
 static void print_csv(const score_run *run) {
     printf("reference,test");
     print_csv_score_names(stdout, run->model, run->metrics);
+    if (has_textures(run))
+        print_csv_texture_names(stdout);
     puts(has_gate(&run->gate) ? ",gate,name,warnings,error" : ",name,warnings,error");
     for (size_t i = 0; i < run->n_rows; ++i) {
         const scored_pair *row = &run->rows[i];
@@ -101,6 +105,8 @@ static void print_csv(const score_run *run) {
         putchar(',');
         print_csv_text(stdout, row->pair.test);
         print_csv_score(stdout, run->model, run->metrics, &row->result);
+        if (has_textures(run))
+            print_csv_texture(stdout, row->texture);
         if (has_gate(&run->gate))
             printf(",%s", gate_mark(&run->gate, &row->result));
         putchar(',');
@@ -129,6 +135,19 @@ static void print_scores(const score_run *run) {
     print_remarks(run);
 }
 
+/* Say how many textures have worse texels than they may; whether there are any. */
+static bool report_worst(const score_run *run) {
+    size_t n = 0, n_failed = 0;
+    for (size_t i = 0; i < run->n_rows; ++i) {
+        n += run->rows[i].texture != NULL;
+        n_failed += run->rows[i].texture && run->rows[i].texture->worst < run->worst;
+    }
+    if (run->worst > 0)
+        report(EXIT_GATE, "%zu of %zu textures FAIL: JOD of the worst 5 %% of texels below %g", n_failed, n,
+               run->worst);
+    return n_failed > 0;
+}
+
 /* Say how many pairs fail, and how many are not equal. Returns the exit code. */
 static int apply_gate(const score_run *run) {
     size_t n_failed = 0;
@@ -137,7 +156,8 @@ static int apply_gate(const score_run *run) {
     if (has_gate(&run->gate))
         report_gate(&run->gate, n_failed, run->n_rows);
     const bool is_unequal = run->exact && report_unequal(run);
-    return n_failed || is_unequal ? EXIT_GATE : EXIT_OK;
+    const bool is_bad = report_worst(run);
+    return n_failed || is_unequal || is_bad ? EXIT_GATE : EXIT_OK;
 }
 
 /* ---- --samples --------------------------------------------------------------------------------------------------- */
@@ -200,9 +220,16 @@ static const option options[] = {
      "writes them); nothing is interpolated but complete grids",
      0, 0},
     {"exact", 0, OPTION_FLAG, &run.exact, NULL,
-     "compare the values, too: the largest relative difference, and where; exit code 1 above the tolerance", 0, 0},
+     "compare the values, too: the largest relative difference, and where; exit code 1 above the tolerance. Of "
+     "textures: "
+     "score every different pair of texels, not a selection",
+     0, 0},
     {"tolerance", 0, OPTION_NUMBER, &run.tolerance, "R", "--exact: relative difference of equal values", 0, 1},
     OPTION_ROWS_GATE(&run.gate),
+    {"fail-under-worst", 0, OPTION_NUMBER, &run.worst, "JOD",
+     "exit with 1 when the worst 5 % of the texels of a texture are below this", 0, 10},
+    {"map", 0, OPTION_TEXT, &run.map, "FILE.png|.exr", "of one textured TEST: Delta-E of its texels, as a picture", 0,
+     0},
     {"json", 0, OPTION_FORMAT, &run.format, NULL, "print JSON", FORMAT_JSON, 0},
     {"csv", 0, OPTION_FORMAT, &run.format, NULL, "print CSV", FORMAT_CSV, 0},
     {"quiet", 'q', OPTION_FORMAT, &run.format, NULL, "print the JODs only, one a line", FORMAT_QUIET, 0},
@@ -212,7 +239,8 @@ static const command cmd = {
     .usage = "REF TEST... [options]",
     .about = "Predict how good each TEST looks compared with REF, in JOD: 10 is no visible difference, and one less "
              "means that\n"
-             "75 % of people see that it is worse. REF and TEST are BRDF files (MERL, RGL, NBRDF), specs or presets;\n"
+             "75 % of people see that it is worse. REF and TEST are BRDF files (MERL, RGL, NBRDF), specs, presets,\n"
+             "or materials with image maps (doc/textures.md); "
              "NAME=TEST shows it under another name. A TEST that is a file of several materials means all of them, and "
              "for a REF\nof several materials those of the same names. REF is the ground truth: exchanged with a TEST, "
              "the score changes "
@@ -241,6 +269,8 @@ int cmd_score(int argc, char **argv) {
     check_reference(&run, argv[0]);
     if (is_samples)
         check_samples(&run, model, n_arguments, argv);
+    if (run.map && run.n_rows != 1)
+        stop(EXIT_USAGE, "--map draws one TEST, and there are %zu", run.n_rows);
     make_scores(&run);
     compare_rows(&run);
     print_scores(&run);

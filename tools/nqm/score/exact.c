@@ -19,7 +19,7 @@ void compare_rows(score_run *run) {
             nqm_brdf_free(ref);
             ref = NULL;
         }
-        if (row->err.status != NQM_OK)
+        if (row->err.status != NQM_OK || row->texture)
             continue;
         ref = ref ? ref : open_brdf(row->pair.ref);
         nqm_brdf *test = open_brdf(row->pair.test);

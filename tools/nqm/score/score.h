@@ -10,6 +10,7 @@
 #include "nqm/score/gate.h"
 #include "nqm/score/pair_list.h"
 #include "nqm/tool.h"
+#include <nqm/texture.h>
 
 /** A pair and its score. */
 typedef struct scored_pair {
@@ -17,6 +18,7 @@ typedef struct scored_pair {
     const char *name; /* printed name of the test */
     nqm_score_result result;
     nqm_error err;                  /* status NQM_OK: scored */
+    nqm_texture_result *texture;    /* of a pair with a textured material; NULL: of two BRDFs */
     size_t order;                   /* index in the arguments */
     nqm_brdf_difference difference; /* set by compare_rows() */
     /* set by rank_rows(): */
@@ -41,6 +43,8 @@ typedef struct score_run {
     score_gate gate; /* gate of `nqm score` */
     bool exact;      /* `nqm score` also compares values */
     double tolerance;
+    const char *map; /* file for the map of Delta-E of the texels; NULL: none */
+    double worst;    /* gate of the worst 5 % of texels, JOD; 0: none */
     size_t n_rows;
     scored_pair *rows;               /* (n_rows) */
     expansion expansion;             /* the texts of the rows */
@@ -102,6 +106,34 @@ json_t *json_scores(const score_run *run);
 enum { GRAIN_TEXT = 120 };
 /** What of the stretch of highlights an anisotropic pair changes, "; stretched ...; rotated by ..." or "". */
 char *describe_grain(const scored_pair *row, char text[GRAIN_TEXT]);
+
+/* ---- textured materials (textures.c) ----------------------------------------------------------------------------- */
+
+/** How textures are scored. */
+typedef struct texture_terms {
+    const nqm_model *model;
+    bool exact;      /* all texels */
+    const char *map; /* as in score_run */
+} texture_terms;
+/** A texture that stays open for further pairs; zeroed: none. Its name lives as long. */
+typedef struct kept_texture {
+    const char *name;
+    nqm_texture *texture;
+} kept_texture;
+/** Whether a member of a pair that has no score as one of BRDFs is a textured material. */
+bool has_texture(const nqm_named_pair *pair);
+/** Score such a pair; err->status is that of the result. Ctrl-C ends the run. */
+void score_texture(const texture_terms *terms, const nqm_named_pair *pair, kept_texture *ref, nqm_texture_result *t,
+                   nqm_score_result *result, nqm_error *err);
+/** The same for the rows of make_scores(). */
+void score_textures(score_run *run);
+/** Lines below the row of such a pair. */
+void print_texture(const scored_pair *row);
+json_t *json_texture(const scored_pair *row);
+/** Whether there is such a row; then CSVs have more columns, each after a comma. NULL: a row of BRDFs. */
+bool has_textures(const score_run *run);
+void print_csv_texture_names(FILE *out);
+void print_csv_texture(FILE *out, const nqm_texture_result *texture);
 
 /* ---- values (exact.c) -------------------------------------------------------------------------------------------- */
 

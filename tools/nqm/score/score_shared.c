@@ -109,9 +109,12 @@ void make_scores(score_run *run) {
     }
     end_progress();
     nqm_scorer_free(scorer);
+    score_textures(run);
 }
 
 void free_scores(score_run *run) {
+    for (size_t i = 0; i < run->n_rows; ++i)
+        free(run->rows[i].texture);
     free(run->rows);
     free_expansion(&run->expansion);
     nqm_model_free(run->model);
@@ -373,7 +376,9 @@ static json_t *row_json(const score_run *run, const scored_pair *row) {
             object, "stretched",
             json_pack("{s:[f,f],s:[f,f]}", "ratio", a.ratio, b.ratio, "azimuth_deg", a.azimuth_deg, b.azimuth_deg));
     }
-    if (run->exact && row->err.status == NQM_OK)
+    if (row->texture)
+        json_object_set_new(object, "texture", json_texture(row));
+    else if (run->exact && row->err.status == NQM_OK)
         json_object_set_new(object, "exact", json_exact(run, row));
     if (!has_reference_of(run->rows, &run->rows[run->n_rows - 1]))
         json_object_set_new(object, "reference", json_name(row->pair.ref));

@@ -12,7 +12,7 @@ enum { MAX_INPUTS = 8 };
 typedef struct plot_arguments {
     const char *output, *predictor;
     nqm_plot_options look;
-    double theta_d_deg, phi_d_deg;
+    double theta_d_deg, phi_d_deg, azimuth_deg;
     int n;
     char **inputs; /* (n) */
 } plot_arguments;
@@ -64,8 +64,10 @@ static nqm_status draw(const plot_arguments *a, int kind, const char *const *pat
         status = nqm_plot_network(a->output, model, &a->look, err);
         break;
     case SLICE:
-        status = nqm_plot_slices(a->output, (size_t)a->n, (const nqm_brdf *const *)brdfs, names,
-                                 a->theta_d_deg * degree, a->phi_d_deg * degree, &a->look, err);
+        status = nqm_plot_slices(
+            a->output, (size_t)a->n, (const nqm_brdf *const *)brdfs, names,
+            &(nqm_slice_angles){a->theta_d_deg * degree, a->phi_d_deg * degree, a->azimuth_deg * degree}, &a->look,
+            err);
         break;
     case ATTRIBUTION:
         status = nqm_plot_attribution(a->output, (const nqm_brdf *const *)brdfs, names, &a->look, err);
@@ -100,6 +102,8 @@ static const option options[] = {
     {"predictor", 0, OPTION_TEXT, &a.predictor, "NAME", "scatter: column to draw [default: the first model]", 0, 0},
     {"theta-d", 0, OPTION_NUMBER, &a.theta_d_deg, "DEG", "slice: theta_d of the slice over theta_h", 0, 89},
     {"phi-d", 0, OPTION_NUMBER, &a.phi_d_deg, "DEG", "slice: phi_d of the slice over theta_h", -360, 360},
+    {"azimuth", 0, OPTION_NUMBER, &a.azimuth_deg, "DEG", "slice: of the light from the tangent, for anisotropic BRDFs",
+     -360, 360},
     {"json", 0, OPTION_FLAG, &json, NULL, "print the kind and the file of the drawing as JSON", 0, 0},
     {0}};
 

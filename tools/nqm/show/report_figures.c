@@ -86,6 +86,8 @@ void put_slices(const report_page *page, size_t test, const char *alt) {
     const nqm_brdf *const brdfs[] = {page->run->brdfs[0], page->run->brdfs[test + 1]};
     static const char *const names[] = {"reference", "test"};
     nqm_error err = {0};
-    must(nqm_plot_slices(page->figure, 2, brdfs, names, 0, 1.5707963267948966, &look, &err), &err);
+    must(nqm_plot_slices(page->figure, 2, brdfs, names, &(nqm_slice_angles){.phi_d_rad = 1.5707963267948966}, &look,
+                         &err),
+         &err);
     embed(page, alt, (size_t)look.width, (size_t)look.height);
 }

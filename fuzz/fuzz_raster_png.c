@@ -1,0 +1,16 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Fuzz target: PNG pictures of maps.
+ */
+#include "fuzz.h"
+#include "support/pictures.h"
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t n_bytes) {
+    fuzz_raster(data, n_bytes);
+    return 0;
+}
+
+blob fuzz_seed(void) {
+    static const unsigned char pixels[5 * 3 * 3] = "a small picture with 45 bytes of pixels, here";
+    return make_png(5, 3, 3, 4, true, pixels);
+}

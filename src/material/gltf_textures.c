@@ -1,0 +1,335 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Textures of glTF 2.0 materials as nodes of maps.h, with KHR_texture_transform. The arrays of the file that they refer to are
+ * parsed when a material needs them.
+ */
+#include "io/io.h"
+#include "io/options_json.h"
+#include "material/gltf.h"
+
+#include <math.h>
+#include <stdarg.h>
+#include <stdlib.h>
+#include <strings.h>
+
+enum { TEXTURES, SAMPLERS, IMAGES, VIEWS, BUFFERS };
+static const char *const array_names[NQM_GLTF_N_ARRAYS] = {"textures", "samplers", "images", "bufferViews", "buffers"};
+static const char no_memory[] = "out of memory, or more than 64 images or 1024 operations";
+
+__attribute__((format(printf, 2, 3))) static bool fail(nqm_gltf_document *d, const char *format, ...) {
+    va_list arguments;
+    va_start(arguments, format);
+    vsnprintf(d->why, sizeof d->why, format, arguments);
+    va_end(arguments);
+    return false;
+}
+
+void nqm_gltf_document_clear(nqm_gltf_document *d) {
+    for (size_t i = 0; i < NQM_GLTF_N_ARRAYS; ++i)
+        json_decref(d->arrays[i]);
+}
+
+/* Element i of an array, which is parsed when it is first needed; of one that is damaged only the first use tells how. */
+static const json_t *element(nqm_gltf_document *d, size_t which, size_t i) {
+    json_t **array = &d->arrays[which];
+    if (!*array) {
+        const size_t at = nqm_json_path(&d->source, d->root, array_names[which]), end = nqm_json_end(&d->source, at);
+        const nqm_json_place place = {d->path, d->source.n, d->source_at + at};
+        nqm_error err = {0};
+        if (at != d->root && nqm_json_read(d->source.text + at, end - at, JSON_REJECT_DUPLICATES | JSON_DECODE_ANY,
+                                           &place, array, &err) != NQM_OK) {
+            *array = json_array();
+            fail(d, "%s", err.message);
+            return NULL;
+        }
+        *array = *array ? *array : json_array();
+    }
+    const json_t *value = json_array_get(*array, i);
+    if (!value)
+        fail(d, "%s[%zu] is missing; the file has %zu", array_names[which], i, json_array_size(*array));
+    return value;
+}
+
+/* An integer that is not negative. SIZE_MAX as fallback: the member must be there. */
+static bool read_size(nqm_gltf_document *d, const json_t *object, const char *key, size_t fallback, size_t *v) {
+    const json_t *value = json_object_get(object, key);
+    const bool is_valid = value ? json_is_integer(value) && json_integer_value(value) >= 0 : fallback != SIZE_MAX;
+    *v = value ? (size_t)json_integer_value(value) : fallback;
+    return is_valid || fail(d, "'%s' needs an integer of at least 0", key);
+}
+
+/* ---- images ------------------------------------------------------------------------------------------------------ */
+
+static bool is_data(const char *uri) {
+    return strncasecmp(uri, "data:", 5) == 0;
+}
+
+/* A base64 digit, or -1. */
+static int digit_of(char c) {
+    static const char digits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+    const char *found = c ? strchr(digits, c) : NULL;
+    return found ? (int)(found - digits) : -1;
+}
+
+/* Bytes first to first + *n of a data: URI; *n = SIZE_MAX: all of them, and *n receives how many these are. nqm_free() */
+static unsigned char *decode_data(nqm_gltf_document *d, const char *uri, size_t first, size_t *n) {
+    const char *comma = strchr(uri, ','), *code = comma ? comma + 1 : "";
+    size_t n_code = strlen(code);
+    if (!comma || comma - uri < 7 || strncasecmp(comma - 7, ";base64", 7) != 0) {
+        fail(d, "a data: URI that is not base64 is not read");
+        return NULL;
+    }
+    while (n_code && code[n_code - 1] == '=')
+        --n_code;
+    const size_t n_all = n_code / 4 * 3 + n_code % 4 * 3 / 4;
+    if (*n == SIZE_MAX)
+        *n = n_all;
+    if (first > n_all || *n > n_all - first || *n == 0) {
+        fail(d, "bytes %zu to %zu are not in the data: URI, which has %zu bytes", first, first + *n, n_all);
+        return NULL;
+    }
+    /* Images that many materials use are decoded for each of them. */
+    d->n_decoded += *n;
+    if (d->n_decoded > NQM_JSON_ROOM + 8 * d->source.n) {
+        fail(d, "the images in the JSON text, decoded for each material, take too much memory; store the file as .glb");
+        return NULL;
+    }
+    unsigned char *bytes = nqm_alloc(*n, 1);
+    for (size_t i = 0; bytes && i < *n; ++i) {
+        const char *pair = code + (first + i) / 3 * 4 + (first + i) % 3;
+        const int shift = 2 + 2 * (int)((first + i) % 3), high = digit_of(pair[0]), low = digit_of(pair[1]);
+        if (high < 0 || low < 0) {
+            fail(d, "byte %zu of the base64 text of a data: URI is no base64 digit", (size_t)(pair - code));
+            nqm_free(bytes);
+            return NULL;
+        }
+        bytes[i] = (unsigned char)(high << shift | low >> (6 - shift));
+    }
+    return bytes;
+}
+
+/* The file name of a URI, without percent-encoding; nqm_free(). */
+static char *decode_name(nqm_gltf_document *d, const char *uri) {
+    const char *colon = strchr(uri, ':');
+    char *name = nqm_strdup(uri), *end = name;
+    unsigned value;
+    if (colon && colon - uri > 1 && strcspn(uri, "/?#%") > (size_t)(colon - uri)) {
+        fail(d, "%.100s: only files on this computer are read; store the image next to %.60s", uri, d->path);
+        nqm_free(name);
+        return NULL;
+    }
+    for (const char *c = name; c && *c; ++c) {
+        const bool is_code =
+            *c == '%' && strspn(c + 1, "0123456789abcdefABCDEF") >= 2 && sscanf(c + 1, "%2x", &value) == 1;
+        *end++ = is_code && value ? (char)value : *c;
+        c += is_code && value ? 2 : 0;
+    }
+    if (name)
+        *end = 0;
+    return name;
+}
+
+/* The part of a buffer that an image is. */
+static bool read_view(nqm_gltf_document *d, const json_t *image, nqm_map_image *result) {
+    size_t view_i, buffer_i, at, n, n_buffer;
+    const json_t *view = read_size(d, image, "bufferView", SIZE_MAX, &view_i) ? element(d, VIEWS, view_i) : NULL;
+    if (!view || !read_size(d, view, "buffer", SIZE_MAX, &buffer_i) || !read_size(d, view, "byteOffset", 0, &at) ||
+        !read_size(d, view, "byteLength", SIZE_MAX, &n))
+        return false;
+    const json_t *buffer = element(d, BUFFERS, buffer_i);
+    if (!buffer || !read_size(d, buffer, "byteLength", SIZE_MAX, &n_buffer))
+        return false;
+    const char *uri = json_string_value(json_object_get(buffer, "uri"));
+    n_buffer = uri ? n_buffer : nqm_smaller(n_buffer, buffer_i == 0 ? d->n_bin : 0);
+    if (n == 0 || at > n_buffer || n > n_buffer - at)
+        return fail(d, "bufferViews[%zu]: %zu bytes at byte %zu are not in buffers[%zu], which has %zu bytes", view_i,
+                    n, at, buffer_i, n_buffer);
+    result->n_bytes = n;
+    if (uri && is_data(uri))
+        return (result->data = decode_data(d, uri, at, &result->n_bytes)) != NULL;
+    result->at = uri ? at : d->bin_at + at;
+    char *name = uri ? decode_name(d, uri) : NULL;
+    result->path = name ? nqm_path_beside(d->path, name) : uri ? NULL : nqm_strdup(d->path);
+    nqm_free(name);
+    return result->path != NULL;
+}
+
+static bool find_image(const nqm_textured *t, const char *name, const char *space, size_t *image_ret) {
+    for (*image_ret = 0; *image_ret < t->n_images; ++*image_ret)
+        if (strcmp(t->images[*image_ret].name, name) == 0 && strcmp(t->images[*image_ret].space, space) == 0)
+            return true;
+    return false;
+}
+
+static bool add_image(nqm_gltf_document *d, size_t i, const char *space, nqm_textured *t, size_t *image_ret) {
+    const json_t *image = element(d, IMAGES, i);
+    const char *uri = json_string_value(json_object_get(image, "uri"));
+    char text[512];
+    if (!image)
+        return false;
+    if (uri && !is_data(uri)) {
+        char *name = decode_name(d, uri);
+        const bool is_added = name && nqm_map_add_file(t, d->path, name, space, image_ret);
+        nqm_free(name);
+        return is_added;
+    }
+    snprintf(text, sizeof text, "images[%zu] of %.450s", i, d->path);
+    if (find_image(t, text, space, image_ret))
+        return true;
+    nqm_map_image result = {.n_bytes = SIZE_MAX};
+    snprintf(result.space, sizeof result.space, "%s", space);
+    if (uri ? !(result.data = decode_data(d, uri, 0, &result.n_bytes)) : !read_view(d, image, &result))
+        return false;
+    result.name = nqm_strdup(text);
+    return nqm_map_add_image(t, result, image_ret);
+}
+
+/* ---- textures ---------------------------------------------------------------------------------------------------- */
+
+/* The image of a texture, of which formats that are not read have a fallback in some files. */
+static bool read_source(nqm_gltf_document *d, const json_t *texture, size_t *source) {
+    static const char *const formats[] = {"KHR_texture_basisu", "EXT_texture_webp", "EXT_texture_avif",
+                                          "MSFT_texture_dds"};
+    static const char *const names[] = {"KTX2", "WebP", "AVIF", "DDS"};
+    if (json_object_get(texture, "source"))
+        return read_size(d, texture, "source", SIZE_MAX, source);
+    for (size_t i = 0; i < sizeof names / sizeof *names; ++i)
+        if (json_object_get(json_object_get(texture, "extensions"), formats[i]))
+            return fail(d, "the image is %s (%s), which is not read; convert it to PNG", names[i], formats[i]);
+    return fail(d, "the texture has no image ('source')");
+}
+
+static bool read_wrap(nqm_gltf_document *d, const json_t *texture, uint8_t wrap[2]) {
+    static const char *const keys[] = {"wrapS", "wrapT"};
+    enum { REPEAT = 10497, CLAMP_TO_EDGE = 33071, MIRRORED_REPEAT = 33648 };
+    size_t i, mode;
+    if (!json_object_get(texture, "sampler"))
+        return true;
+    const json_t *sampler = read_size(d, texture, "sampler", 0, &i) ? element(d, SAMPLERS, i) : NULL;
+    for (size_t k = 0; k < 2; ++k) {
+        if (!sampler || !read_size(d, sampler, keys[k], REPEAT, &mode))
+            return false;
+        if (mode != REPEAT && mode != CLAMP_TO_EDGE && mode != MIRRORED_REPEAT)
+            return fail(d, "samplers[%zu].%s is %zu; 10497, 33071 and 33648 are valid", i, keys[k], mode);
+        wrap[k] = mode == REPEAT ? NQM_MAP_REPEAT : mode == CLAMP_TO_EDGE ? NQM_MAP_CLAMP : NQM_MAP_MIRROR;
+    }
+    return true;
+}
+
+/* offset + rotation (scale uv). The rotation is that of the example in the specification, in which v points downwards. */
+static bool read_transform(nqm_gltf_document *d, const json_t *transform, double uv[2][3]) {
+    static const char *const keys[] = {"offset", "scale"};
+    const json_t *rotation = json_object_get(transform, "rotation");
+    double v[2][2] = {{0, 0}, {1, 1}};
+    for (size_t i = 0; i < 4; ++i) {
+        const json_t *list = json_object_get(transform, keys[i / 2]), *number = json_array_get(list, i % 2);
+        if (list && (json_array_size(list) != 2 || !json_is_number(number)))
+            return fail(d, "KHR_texture_transform.%s needs an array of 2 numbers", keys[i / 2]);
+        v[i / 2][i % 2] = list ? json_number_value(number) : v[i / 2][i % 2];
+    }
+    if (rotation && !json_is_number(rotation))
+        return fail(d, "KHR_texture_transform.rotation needs a number");
+    const double c = cos(json_number_value(rotation)), s = sin(json_number_value(rotation));
+    const double rows[2][3] = {{c * v[1][0], s * v[1][1], v[0][0]}, {-s * v[1][0], c * v[1][1], v[0][1]}};
+    memcpy(uv, rows, sizeof rows);
+    return true;
+}
+
+/* The node of an image with n channels. */
+static bool read_texture(nqm_gltf_document *d, const json_t *info, size_t n, const char *space, nqm_textured *t,
+                         uint16_t *node) {
+    const json_t *transform = json_object_get(json_object_get(info, "extensions"), "KHR_texture_transform");
+    double uv[2][3] = {{1, 0, 0}, {0, 1, 0}};
+    uint8_t wrap[2] = {NQM_MAP_REPEAT, NQM_MAP_REPEAT};
+    size_t i, source = 0, image, set;
+    const bool has_set = json_object_get(transform, "texCoord") != NULL;
+    if (!read_size(d, info, "index", SIZE_MAX, &i) || !read_size(d, has_set ? transform : info, "texCoord", 0, &set) ||
+        !read_transform(d, transform, uv))
+        return false;
+    const json_t *texture = element(d, TEXTURES, i);
+    if (!texture || !read_source(d, texture, &source) || !read_wrap(d, texture, wrap) ||
+        !add_image(d, source, space, t, &image))
+        return false;
+    d->has_other_set |= set > 0;
+    *node = nqm_map_image_at(t, image, n, uv, wrap);
+    return true;
+}
+
+/* The factor of a key: that of the file, or the default. false: 0, so that the texture has no effect. */
+static bool find_factor(const nqm_shading *shading, const char *key, double v[3]) {
+    const nqm_property *p = nqm_shading_find(shading, key);
+    for (size_t g = 0; g <= NQM_GLTF_N_EXTENSIONS && !p; ++g)
+        for (const nqm_rule *rule = (g ? &nqm_gltf_extensions[g - 1] : &nqm_gltf_core)->rules; rule->name; ++rule)
+            if (rule->key && strcmp(rule->key, key) == 0)
+                v[0] = v[1] = v[2] = rule->value;
+    if (p)
+        memcpy(v, p->v, sizeof p->v);
+    return v[0] != 0 || v[1] != 0 || v[2] != 0;
+}
+
+static const struct texture_use {
+    const char *texture, *key, *space;
+    size_t n, channel; /**< channels of the image, and the one that is used; SIZE_MAX: all */
+} uses[] = {{"baseColorTexture", "base_color", "srgb_texture", 3, SIZE_MAX},
+            {"metallicRoughnessTexture", "metallic", "", 3, 2},
+            {"metallicRoughnessTexture", "roughness", "", 3, 1},
+            {"specularTexture", "specular", "", 4, 3},
+            {"specularColorTexture", "specular_color", "srgb_texture", 3, SIZE_MAX},
+            {"clearcoatTexture", "clearcoat", "", 3, 0},
+            {"clearcoatRoughnessTexture", "clearcoat_roughness", "", 3, 1},
+            {"sheenColorTexture", "sheen_color", "srgb_texture", 3, SIZE_MAX},
+            {"sheenRoughnessTexture", "sheen_roughness", "", 4, 3},
+            {"anisotropyTexture", "anisotropy_strength", "", 3, 2}};
+
+/* Red and green are the direction of the anisotropy from -1 to 1, as a normal has them, which anisotropyRotation turns. */
+static uint16_t turn(nqm_textured *t, uint16_t image, const nqm_shading *shading) {
+    const double one = 1;
+    double rotation[3];
+    const uint16_t direction = nqm_map_compute(t, NQM_MAP_NORMAL, 3, image, nqm_map_value(t, 1, &one), 0);
+    const uint16_t angle =
+        nqm_map_compute(t, NQM_MAP_ANGLE, 1, nqm_map_channel(t, direction, 1), nqm_map_channel(t, direction, 0), 0);
+    find_factor(shading, "anisotropy_rotation", rotation);
+    return nqm_map_compute(t, NQM_MAP_ADD, 1, angle, nqm_map_value(t, 1, rotation), 0);
+}
+
+static bool add_normal(nqm_gltf_document *d, const json_t *info, nqm_textured *t) {
+    const json_t *number = json_object_get(info, "scale");
+    const double scale = number ? json_number_value(number) : 1;
+    uint16_t image;
+    if (number && !json_is_number(number))
+        return fail(d, "'scale' needs a number");
+    if (!read_texture(d, info, 3, "", t, &image))
+        return false;
+    t->normal = nqm_map_compute(t, NQM_MAP_NORMAL, 3, image, nqm_map_value(t, 1, &scale), 0);
+    return t->normal != NQM_NO_NODE;
+}
+
+bool nqm_gltf_add_texture(nqm_gltf_document *d, const char *name, const json_t *info, const nqm_shading *shading,
+                          nqm_textured *t) {
+    size_t index;
+    fail(d, "%s", no_memory);
+    if (!read_size(d, info, "index", SIZE_MAX, &index))
+        return false;
+    if (strcmp(name, "normalTexture") == 0)
+        return add_normal(d, info, t);
+    for (size_t i = 0; i < sizeof uses / sizeof *uses; ++i) {
+        const struct texture_use *use = &uses[i];
+        const bool is_color = use->channel == SIZE_MAX;
+        double factor[3];
+        uint16_t image, node;
+        if (strcmp(use->texture, name) != 0 || !find_factor(shading, use->key, factor))
+            continue;
+        if (!read_texture(d, info, use->n, use->space, t, &image))
+            return false;
+        node = is_color ? image : nqm_map_channel(t, image, use->channel);
+        if (factor[0] != 1 || factor[1] != 1 || factor[2] != 1)
+            node = nqm_map_compute(t, NQM_MAP_MULTIPLY, is_color ? 3 : 1, node,
+                                   nqm_map_value(t, is_color ? 3 : 1, factor), 0);
+        nqm_map_output_set(t, use->key, node);
+        if (strcmp(name, "anisotropyTexture") == 0)
+            nqm_map_output_set(t, "anisotropy_rotation", node = turn(t, image, shading));
+        if (node == NQM_NO_NODE)
+            return false;
+    }
+    return true;
+}

@@ -1,0 +1,411 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * MaterialX files with images and computed values: the value of each kind of node against NumPy, and the nodes and images of textured
+ * materials.
+ */
+#include "vectors/materialx_nodes_vectors.h"
+#include "base/memory_test.h"
+#include "material/maps.h"
+#include "support/check.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+enum { N_VALUES = sizeof node_values / sizeof *node_values };
+
+static nqm_status try_read(const char *text, nqm_materials **materials, nqm_error *err) {
+    const nqm_map map = {.data = (const unsigned char *)text, .n_bytes = strlen(text), .path = "folder/test.mtlx"};
+    return nqm_materials_read(&map, materials, err);
+}
+
+/* Read a document with a material M of a surface with these inputs, and other elements of the root. */
+static nqm_materials *read_surface(const char *surface, const char *attributes, const char *inputs,
+                                   const char *others) {
+    static char text[8000];
+    nqm_materials *materials;
+    nqm_error err = {0};
+    snprintf(text, sizeof text,
+             "<?xml version='1.0'?><materialx version='1.39'%s>%s<%s name='S' type='surfaceshader'>%s</%s>"
+             "<surfacematerial name='M' type='material'><input name='surfaceshader' type='surfaceshader' nodename='S'/>"
+             "</surfacematerial></materialx>",
+             attributes, others, surface, inputs, surface);
+    if (try_read(text, &materials, &err) != NQM_OK)
+        fail_msg("%s", err.message);
+    return materials;
+}
+
+static nqm_materials *read_parts(const char *attributes, const char *inputs, const char *others) {
+    return read_surface("standard_surface", attributes, inputs, others);
+}
+
+#define COLOR            "<input name='base_color' type='color3' nodename='n'/>"
+#define ROUGHNESS        "<input name='specular_roughness' type='float' nodename='n'/>"
+#define FILE_INPUT(NAME) "<input name='file' type='filename' value='" NAME "'/>"
+
+/* The only material is textured, for this reason. */
+static const nqm_textured *textured_of(const nqm_materials *materials, const char *why) {
+    const nqm_material_info info = nqm_materials_get(materials, 0);
+    const nqm_textured *t = nqm_materials_textured(materials, 0);
+    if (!t || !info.refusal || !strstr(info.refusal, why))
+        fail_msg("'%s' instead of '%s'", info.refusal ? info.refusal : info.spec, why);
+    return t;
+}
+
+static uint16_t output_of(const nqm_textured *t, const char *key) {
+    size_t i = 0;
+    while (i < t->n_outputs && strcmp(t->outputs[i].key, key) != 0)
+        ++i;
+    assert_true(i < t->n_outputs);
+    return t->outputs[i].node;
+}
+
+/* The value of a node where every image has this color. */
+static const double *value_with(const nqm_textured *t, uint16_t node, const double color[4]) {
+    static double values[NQM_MAX_MAP_NODES][4];
+    for (size_t i = 0; i <= node; ++i)
+        if (t->nodes[i].op == NQM_MAP_IMAGE)
+            for (size_t c = 0; c < 4; ++c)
+                values[i][c] = color[nqm_smaller(c, (size_t)t->nodes[i].n - 1)];
+        else
+            nqm_map_node_value(&t->nodes[i], (const double(*)[4])values, values[i]);
+    return values[node];
+}
+
+static void assert_refused(const char *inputs, const char *others, const char *part) {
+    nqm_materials *materials = read_parts("", inputs, others);
+    const nqm_material_info info = nqm_materials_get(materials, 0);
+    if (nqm_materials_textured(materials, 0) || !info.refusal || !strstr(info.refusal, part))
+        fail_msg("'%s' instead of '%s'", info.refusal ? info.refusal : info.spec, part);
+    nqm_materials_free(materials);
+}
+
+static void values(void **state) {
+    (void)state;
+    for (size_t i = 0; i < N_VALUES; ++i) {
+        nqm_materials *materials = read_parts("", COLOR, node_values[i].text);
+        const nqm_material_info info = nqm_materials_get(materials, 0);
+        nqm_shading shading;
+        if (!info.spec)
+            fail_msg("%s: %s", node_values[i].text, info.refusal);
+        assert_int_equal(nqm_shading_parse(info.spec, &shading, NULL), NQM_OK);
+        const double *v = nqm_shading_find(&shading, "base_color")->v;
+        for (size_t c = 0; c < 3; ++c)
+            if (!(fabs(v[c] - node_values[i].value[c]) < 1e-12))
+                fail_msg("%s: %.15g instead of %.15g", node_values[i].text, v[c], node_values[i].value[c]);
+        nqm_materials_free(materials);
+    }
+}
+
+/* Components beyond the last repeat it; what no node of MaterialX makes. */
+static void single_nodes(void **state) {
+    (void)state;
+    const double in[][4] = {{0.5, 0.25, 0.75, 0.75}, {-1, 2, 0, 0}, {0.5, 0.5, 0.5, 0.5}};
+    double v[4];
+    nqm_map_node_value(&(nqm_map_node){.op = NQM_MAP_ADD, .n = 2, .in = {0, 1}}, in, v);
+    assert_true(v[0] == -0.5 && v[1] == 2.25 && v[2] == 2.25 && v[3] == 2.25);
+    nqm_map_node_value(&(nqm_map_node){.op = NQM_MAP_LUMINANCE, .n = 3, .in = {0}}, in, v);
+    assert_near(v[0], 0.2126 * 0.5 + 0.7152 * 0.25 + 0.0722 * 0.75, 1e-15);
+    assert_true(v[2] == v[0]);
+    nqm_map_node_value(&(nqm_map_node){.op = NQM_MAP_POWER, .n = 1, .in = {1, 0}}, in, v);
+    assert_true(v[0] == 0); /* of a number below 0 */
+    nqm_map_node_value(&(nqm_map_node){.op = NQM_MAP_CHANNEL, .n = 1, .in = {0}, .v = {2}}, in, v);
+    assert_true(v[0] == 0.75 && v[3] == 0.75);
+    nqm_map_node_value(&(nqm_map_node){.op = NQM_MAP_NORMAL, .n = 3, .in = {0, 2}}, in, v);
+    assert_near(v[1] / v[2], -0.5, 1e-15); /* (0, -.5 * .5, .5) */
+    assert_near(v[1] * v[1] + v[2] * v[2], 1, 1e-15);
+    const double black[][4] = {{0, 0, 0, 0}, {1, 1, 1, 1}};
+    nqm_map_node_value(&(nqm_map_node){.op = NQM_MAP_NORMAL, .n = 3, .in = {0, 1}}, black, v);
+    assert_true(v[0] == 0 && v[1] == 0 && v[2] == 1);
+    nqm_map_node_value(&(nqm_map_node){.op = NQM_MAP_SMOOTHSTEP, .n = 1, .in = {1, 0, 0}}, in, v);
+    assert_true(v[0] == 0); /* both edges are the same */
+}
+
+static void images(void **state) {
+    (void)state;
+    const char *both = "<input name='base_color' type='color3' nodename='c'/>" ROUGHNESS;
+    nqm_materials *materials =
+        read_parts(" fileprefix='maps/' colorspace='acescg'", both,
+                   "<image name='c' type='color3'>" FILE_INPUT(
+                       "c.png") "</image><tiledimage name='n' type='float' fileprefix='other/'><input name='file' "
+                                "type='filename' value='r.png' colorspace='srgb_texture'/><input name='uvtiling' "
+                                "type='vector2' value='4,2'/><input name='uvoffset' type='vector2' "
+                                "value='.25,.5'/></tiledimage>");
+    const nqm_textured *t = textured_of(materials, "base_color reads the texture of node 'c'; only constants are read");
+    assert_int_equal(t->n_outputs, 2);
+    assert_int_equal(t->n_nodes, 2);
+    assert_int_equal(t->n_images, 2);
+    assert_true(t->normal == NQM_NO_NODE);
+    const nqm_map_node *c = &t->nodes[output_of(t, "base_color")], *n = &t->nodes[output_of(t, "specular_roughness")];
+    assert_true(c->op == NQM_MAP_IMAGE && c->n == 3 && n->op == NQM_MAP_IMAGE && n->n == 1);
+    assert_string_equal(t->images[c->image].path, "folder/maps/c.png");
+    assert_string_equal(t->images[c->image].space, "acescg");
+    assert_string_equal(t->images[n->image].path, "folder/other/r.png");
+    assert_string_equal(t->images[n->image].space, ""); /* a number is no color */
+    const double same[2][3] = {{1, 0, 0}, {0, 1, 0}};
+    /* x = 4 u - .25; with v upwards y = 2 v - .5, so downwards 1 - (2 (1 - v) - .5) */
+    const double tiled[2][3] = {{4, 0, -0.25}, {0, 2, -0.5}};
+    for (size_t i = 0; i < 6; ++i) {
+        assert_near(c->uv[i / 3][i % 3], same[i / 3][i % 3], 1e-15);
+        assert_near(n->uv[i / 3][i % 3], tiled[i / 3][i % 3], 1e-15);
+    }
+    assert_true(c->wrap[0] == NQM_MAP_REPEAT && c->wrap[1] == NQM_MAP_REPEAT);
+    assert_non_null(nqm_shading_find(&t->shading, "base")); /* with the constants */
+    nqm_materials_free(materials);
+}
+
+/* place2d of the specification and rotate2d of its implementations, in another way: by a point of the surface. */
+static void coordinates(void **state) {
+    (void)state;
+    const char *graph =
+        "<place2d name='p' type='vector2'><input name='texcoord' type='vector2' nodename='t'/><input name='pivot' "
+        "type='vector2' value='.5,.5'/><input name='scale' type='vector2' value='.5,2'/><input name='rotate' "
+        "type='float' value='30'/><input name='offset' type='vector2' value='.1,.2'/><input name='operationorder' "
+        "type='integer' value='%d'/></place2d><%s name='t' type='vector2'>%s</%s><image name='n' type='color3'>"
+        "<input name='texcoord' type='vector2' nodename='p'/><input name='uaddressmode' type='string' value='clamp'/>"
+        "<input name='vaddressmode' type='string' value='constant'/><input name='default' type='color3' "
+        "value='.1,.2,.3'/>" FILE_INPUT("a.png") "</image>";
+    char others[2000];
+    for (int order = 0; order < 2; ++order) {
+        snprintf(others, sizeof others, graph, order, order ? "texcoord" : "geompropvalue",
+                 order ? "" : "<input name='geomprop' type='string' value='UV0'/>",
+                 order ? "texcoord" : "geompropvalue");
+        nqm_materials *materials = read_parts("", COLOR, others);
+        const nqm_textured *t = textured_of(materials, "reads the texture of node 'n'");
+        const nqm_map_node *n = &t->nodes[output_of(t, "base_color")];
+        assert_int_equal(t->n_nodes, 1);
+        const double u = 0.3, v = 0.9, co = cos(acos(-1) / 6), si = 0.5, x = u - 0.5, y = (1 - v) - 0.5;
+        double s, q;
+        if (order) {
+            s = (co * (x - 0.1) + si * (y - 0.2)) / 0.5;
+            q = (co * (y - 0.2) - si * (x - 0.1)) / 2;
+        } else {
+            s = co * x / 0.5 + si * y / 2 - 0.1;
+            q = co * y / 2 - si * x / 0.5 - 0.2;
+        }
+        assert_near(n->uv[0][0] * u + n->uv[0][1] * v + n->uv[0][2], s + 0.5, 1e-14);
+        assert_near(n->uv[1][0] * u + n->uv[1][1] * v + n->uv[1][2], 1 - (q + 0.5), 1e-14);
+        assert_true(n->wrap[0] == NQM_MAP_CLAMP && n->wrap[1] == NQM_MAP_BORDER);
+        assert_true(n->v[0] == 0.1 && n->v[1] == 0.2 && n->v[2] == 0.3);
+        nqm_materials_free(materials);
+    }
+    assert_refused(
+        COLOR,
+        "<texcoord name='t' type='vector2'/><multiply name='p' type='vector2'><input name='in1' "
+        "type='vector2' nodename='t'/><input name='in2' type='vector2' nodename='t'/></multiply><image "
+        "name='n' type='color3'><input name='texcoord' type='vector2' nodename='p'/>" FILE_INPUT("a.png") "</image>",
+        "coordinates of node 'n' are no affine function");
+    assert_refused(COLOR,
+                   "<image name='t' type='vector2'>" FILE_INPUT(
+                       "b.png") "</image><image name='n' type='color3'><input name='texcoord' type='vector2' "
+                                "nodename='t'/>" FILE_INPUT("a.png") "</image>",
+                   "no affine function");
+}
+
+/* Computed values: shared nodes are evaluated once, outputs of graphs and of nodes are followed. */
+static void computed(void **state) {
+    (void)state;
+    const char *graph =
+        "<nodegraph name='G'><input name='k' type='float' value='.5'/><image name='i' type='color3'>" FILE_INPUT(
+            "a.png") "</image><separate3 name='s' type='multioutput'><input name='in' type='color3' nodename='i'/>"
+                     "</separate3><multiply name='m' type='float'><input name='in1' type='float' nodename='s' "
+                     "output='outg'/><input name='in2' type='float' interfacename='k'/></multiply><mix name='x' "
+                     "type='color3'><input name='bg' type='color3' nodename='i'/><input name='fg' type='color3' "
+                     "value='1,1,1'/><input name='mix' type='float' nodename='m'/></mix><output name='c' type='color3' "
+                     "nodename='x'/><output name='r' type='float' nodename='m'/></nodegraph>";
+    const char *inputs = "<input name='base_color' type='color3' nodegraph='G' output='c'/><input "
+                         "name='specular_roughness' type='float' nodegraph='G' output='r'/>";
+    const double color[4] = {0.2, 0.6, 0.9, 1};
+    nqm_materials *materials = read_parts("", inputs, graph);
+    const nqm_textured *t = textured_of(materials, "base_color is computed by node 'x' (mix); only constants are read");
+    assert_near(value_with(t, output_of(t, "specular_roughness"), color)[0], 0.3, 1e-15);
+    assert_near(value_with(t, output_of(t, "base_color"), color)[0], 0.2 + 0.8 * 0.3, 1e-15);
+    assert_near(value_with(t, output_of(t, "base_color"), color)[2], 0.9 + 0.1 * 0.3, 1e-15);
+    assert_int_equal(t->n_images, 1);
+    assert_int_equal(t->n_nodes, 6); /* image, channel, .5, product, 1 1 1, mix */
+    nqm_materials_free(materials);
+}
+
+static void usd_and_gltf(void **state) {
+    (void)state;
+    const double color[4] = {0.25, 0.5, 0.75, 1};
+    nqm_materials *materials = read_surface(
+        "UsdPreviewSurface", "",
+        "<input name='diffuseColor' type='color3' nodename='n' output='rgb'/><input name='roughness' type='float' "
+        "nodename='n' output='b'/><input name='normal' type='vector3' nodename='w' output='rgb'/>",
+        "<UsdPrimvarReader name='p' type='vector2'><input name='varname' type='string' value='st'/></UsdPrimvarReader>"
+        "<UsdUVTexture name='n' type='multioutput'><input name='st' type='vector2' nodename='p'/><input name='wrapS' "
+        "type='string' value='mirror'/><input name='wrapT' type='string' value='black'/><input name='scale' "
+        "type='color4' value='.5,1,1,1'/><input name='bias' type='color4' value='.1,0,0,0'/><input name='file' "
+        "type='filename' value='a.png'/><input name='sourceColorSpace' type='string' value='sRGB'/></UsdUVTexture>"
+        "<UsdUVTexture name='w' type='multioutput'><input name='scale' type='color4' value='2,2,2,2'/><input "
+        "name='bias' type='color4' value='-1,-1,-1,0'/>" FILE_INPUT("w.png") "</UsdUVTexture>");
+    const nqm_textured *t = textured_of(materials, "diffuseColor reads the texture of node 'n'");
+    assert_string_equal(t->images[0].space, "srgb_texture");
+    assert_near(value_with(t, output_of(t, "diffuseColor"), color)[0], 0.225, 1e-15);
+    assert_near(value_with(t, output_of(t, "roughness"), color)[0], 0.75, 1e-15);
+    const double *normal = value_with(t, t->normal, (double[]){0.5, 0.75, 1, 1});
+    assert_near(normal[0], 0, 1e-15);
+    assert_near(normal[1] / normal[2], 0.5, 1e-15);
+    nqm_materials_free(materials);
+
+    materials =
+        read_surface("gltf_pbr", "",
+                     "<input name='base_color' type='color3' nodename='n' output='outcolor'/><input name='emissive' "
+                     "type='color3' "
+                     "nodename='e'/><input name='occlusion' type='float' nodename='o'/><input name='normal' "
+                     "type='vector3' "
+                     "nodename='w'/>",
+                     "<gltf_colorimage name='n' type='multioutput'><input name='color' type='color4' "
+                     "value='.5,.5,.5,1'/><input "
+                     "name='offset' type='vector2' value='.1,.2'/><input name='scale' type='vector2' "
+                     "value='2,4'/>" FILE_INPUT("a.png") "</gltf_colorimage><gltf_image name='e' "
+                                                         "type='color3'>" FILE_INPUT(
+                                                             "e.png") "</gltf_image><gltf_normalmap name='w' "
+                                                                      "type='vector3'>" FILE_INPUT("w.png") "</"
+                                                                                                            "gltf_"
+                                                                                                            "normalmap"
+                                                                                                            ">");
+    t = textured_of(materials, "base_color reads the texture of node 'n'");
+    assert_int_equal(t->n_images, 2); /* without that of the emission */
+    assert_near(value_with(t, output_of(t, "base_color"), color)[2], 0.375, 1e-15);
+    const nqm_map_node *image = t->nodes;
+    while (image->op != NQM_MAP_IMAGE)
+        ++image;
+    /* as KHR_texture_transform: offset + scale (u, v), v downwards */
+    const double uv[2][3] = {{2, 0, 0.1}, {0, 4, 0.2}};
+    for (size_t i = 0; i < 6; ++i)
+        assert_near(image->uv[i / 3][i % 3], uv[i / 3][i % 3], 1e-14);
+    assert_int_equal(t->nodes[t->normal].op, NQM_MAP_NORMAL);
+    const char *remark = nqm_materials_get(materials, 0).remark;
+    assert_true(remark && strstr(remark, "occlusion") && strstr(remark, "emission"));
+    nqm_materials_free(materials);
+}
+
+#define NORMAL_MAP                                                                                                     \
+    "<normalmap name='w' type='vector3'><input name='in' type='vector3' nodename='v'/><input name='scale' "            \
+    "type='float' value='.5'/></normalmap><image name='v' type='vector3'>" FILE_INPUT("w.png") "</image>"
+
+static void normals(void **state) {
+    (void)state;
+    const char *normal = "<input name='normal' type='vector3' nodename='w'/>";
+    nqm_materials *materials = read_parts("", normal, NORMAL_MAP);
+    const nqm_textured *t = textured_of(materials, "normal changes the normal; a BRDF has one normal");
+    assert_null(nqm_materials_get(materials, 0).remark);
+    const double *v = value_with(t, t->normal, (double[]){1, 0.5, 1, 1});
+    assert_near(v[0] / v[2], 0.5, 1e-15);
+    nqm_materials_free(materials);
+    char inputs[500];
+    snprintf(inputs, sizeof inputs, "%s<input name='coat' type='float' value='1'/>", normal);
+    materials = read_parts("", inputs, NORMAL_MAP);
+    textured_of(materials, "changes the normal");
+    assert_non_null(strstr(nqm_materials_get(materials, 0).remark, "coat"));
+    nqm_materials_free(materials);
+    snprintf(inputs, sizeof inputs,
+             "%s<input name='coat' type='float' value='1'/><input name='coat_normal' type='vector3' nodename='w'/>",
+             normal);
+    materials = read_parts("", inputs, NORMAL_MAP);
+    textured_of(materials, "changes the normal");
+    assert_null(nqm_materials_get(materials, 0).remark);
+    nqm_materials_free(materials);
+    assert_refused("<input name='coat' type='float' value='1'/><input name='coat_normal' type='vector3' nodename='w'/>",
+                   NORMAL_MAP, "coat_normal changes the normal of the coat alone");
+    assert_refused("<input name='normal' type='vector3' nodename='v'/>", NORMAL_MAP, "not by a normal map");
+    assert_refused("<input name='normal' type='vector3' nodename='w'/>",
+                   "<normalmap name='w' type='vector3'><input name='space' type='string' value='object'/></normalmap>",
+                   "'w' (normalmap), which is not evaluated");
+}
+
+static void refusals(void **state) {
+    (void)state;
+    assert_refused(ROUGHNESS, "<fractal3d name='n' type='float'/>",
+                   "specular_roughness is computed by node 'n' (fractal3d), which is not evaluated");
+    assert_refused(ROUGHNESS, "<image name='n' type='float'/>", "node 'n', which names no file");
+    assert_refused(ROUGHNESS, "<image name='n' type='float'>" FILE_INPUT("a.[UDIM].png") "</image>",
+                   "depends on the geometry ('a.[UDIM].png')");
+    assert_refused(COLOR, "<image name='n' type='color3' colorspace='lin_odd'>" FILE_INPUT("a.png") "</image>",
+                   "'lin_odd'");
+    assert_refused(COLOR, "<image name='n' type='vector3'>" FILE_INPUT("a.png") "</image>",
+                   "base_color is of type color3, not 'vector3'");
+    assert_refused(COLOR, "<texcoord name='n' type='vector2'/>", "is of type color3, not 'vector2'");
+    assert_refused(
+        COLOR,
+        "<texcoord name='t' type='vector2'><input name='index' type='integer' value='1'/></texcoord><image "
+        "name='n' type='color3'><input name='texcoord' type='vector2' nodename='t'/>" FILE_INPUT("a.png") "</image>",
+        "'t' (texcoord), which is not evaluated");
+    assert_refused("<input name='opacity' type='color3' nodename='n'/>",
+                   "<image name='n' type='color3'>" FILE_INPUT("a.png") "</image>", "opacity reads the texture");
+    assert_refused("<input name='subsurface' type='float' nodename='n'/>",
+                   "<image name='n' type='float'>" FILE_INPUT("a.png") "</image>", "subsurface reads the texture");
+    assert_refused(ROUGHNESS,
+                   "<add name='n' type='float'><input name='in1' type='float' nodename='n'/><input "
+                   "name='in2' type='float' nodename='n'/></add>",
+                   "connections in a row");
+    assert_refused(ROUGHNESS,
+                   "<swizzle name='n' type='float'><input name='channels' type='string' value='q'/></swizzle>",
+                   "'q' are no channels");
+}
+
+/* Every sum has its predecessor twice: each is evaluated once. */
+static void shared_nodes(void **state) {
+    (void)state;
+    char others[7000] = "<image name='n0' type='float'>" FILE_INPUT("a.png") "</image>";
+    for (int i = 1; i < 50; ++i)
+        snprintf(
+            others + strlen(others), sizeof others - strlen(others),
+            "<add name='n%d' type='float'><input name='in1' nodename='n%d'/><input name='in2' nodename='n%d'/></add>",
+            i, i - 1, i - 1);
+    nqm_materials *materials = read_parts("", "<input name='specular_roughness' type='float' nodename='n49'/>", others);
+    const nqm_textured *t = textured_of(materials, "'n49' (add)");
+    assert_int_equal(t->n_nodes, 50);
+    nqm_materials_free(materials);
+}
+
+/* Two materials with one shader have the same maps. */
+static void shared_shaders(void **state) {
+    (void)state;
+    nqm_materials *materials;
+    const char *text = "<materialx><image name='n' type='color3'>" FILE_INPUT(
+        "a.png") "</image><standard_surface name='S' type='surfaceshader'>" COLOR
+                 "</standard_surface><surfacematerial name='A'><input name='surfaceshader' nodename='S'/>"
+                 "</surfacematerial><surfacematerial name='B'><input name='surfaceshader' nodename='S'/>"
+                 "</surfacematerial></materialx>";
+    assert_int_equal(try_read(text, &materials, NULL), NQM_OK);
+    assert_int_equal(nqm_materials_count(materials), 2);
+    assert_non_null(nqm_materials_textured(materials, 0));
+    assert_ptr_equal(nqm_materials_textured(materials, 0), nqm_materials_textured(materials, 1));
+    assert_string_equal(nqm_materials_get(materials, 1).name, "B");
+    nqm_materials_free(materials);
+}
+
+/* Every allocation fails once: no crash, no leak (under ASan); the material is refused or nothing is returned. */
+static void memory_runs_out(void **state) {
+    (void)state;
+    const char *text = "<materialx><standard_surface name='S' type='surfaceshader'>" COLOR
+                       "<input name='normal' type='vector3' nodename='w'/></standard_surface><image name='n' "
+                       "type='color3'>" FILE_INPUT("a.png") "</image>" NORMAL_MAP "</materialx>";
+    bool is_complete = false;
+    long n = 0;
+    for (; !is_complete && n < 200; ++n) {
+        nqm_materials *materials = NULL;
+        nqm_error err = {0};
+        nqm_alloc_fail_after(n);
+        const nqm_status status = try_read(text, &materials, &err);
+        nqm_alloc_fail_after(-1);
+        assert_true(status == NQM_OK || (status == NQM_ERR_NOMEM && !materials && err.message[0]));
+        is_complete = status == NQM_OK && nqm_materials_textured(materials, 0);
+        assert_true(status != NQM_OK || nqm_materials_get(materials, 0).refusal);
+        nqm_materials_free(materials);
+    }
+    assert_true(is_complete && n > 10);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(values),         cmocka_unit_test(single_nodes),    cmocka_unit_test(images),
+        cmocka_unit_test(coordinates),    cmocka_unit_test(computed),        cmocka_unit_test(usd_and_gltf),
+        cmocka_unit_test(normals),        cmocka_unit_test(refusals),        cmocka_unit_test(shared_nodes),
+        cmocka_unit_test(shared_shaders), cmocka_unit_test(memory_runs_out),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,220 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Pairs with a textured material in `nqm score` and its like: their scores, and what is said of them beside those of one BRDF.
+ */
+#include "figures/picture.h"
+#include "io/io.h"
+#include "nqm/score/score.h"
+#include "nqm/textured.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* ---- scores ------------------------------------------------------------------------------------------------------ */
+
+/* A map of Delta-E that is to be written: the picture's format follows from its name. */
+static void write_exr(const char *path, size_t width, size_t height, const float *delta_e) {
+    nqm_error err = {0};
+    nqm_image image = {width, height, allocate(3 * width * height, sizeof *image.rgb)};
+    for (size_t i = 0; i < 3 * width * height; ++i)
+        image.rgb[i] = delta_e[i / 3];
+    must(nqm_image_write_exr(path, &image, &err), &err);
+    free(image.rgb);
+}
+
+enum { FIGURE_SIDE = 1024 };
+
+/* Means over blocks, so that the picture fits on a screen: (*height, *width), free() it. */
+static double *shrink(size_t *width, size_t *height, const float *delta_e) {
+    const size_t step = nqm_ceil_div(nqm_larger(*width, *height), FIGURE_SIDE), w = nqm_ceil_div(*width, step),
+                 h = nqm_ceil_div(*height, step);
+    double *mean = allocate(w * h, sizeof *mean);
+    for (size_t y = 0; y < h; ++y)
+        for (size_t x = 0; x < w; ++x) {
+            const size_t right = nqm_smaller((x + 1) * step, *width), lower = nqm_smaller((y + 1) * step, *height);
+            for (size_t i = y * step; i < lower; ++i)
+                for (size_t j = x * step; j < right; ++j)
+                    mean[y * w + x] += (double)delta_e[i * *width + j];
+            mean[y * w + x] /= (double)((right - x * step) * (lower - y * step));
+        }
+    *width = w;
+    *height = h;
+    return mean;
+}
+
+static void write_map(const char *path, const nqm_texture_result *r, const float *delta_e) {
+    char caption[64];
+    nqm_error err = {0};
+    size_t width = r->width, height = r->height;
+    if (nqm_name_ends_in(path, ".exr")) {
+        write_exr(path, width, height, delta_e);
+        return;
+    }
+    double *mean = shrink(&width, &height, delta_e);
+    snprintf(caption, sizeof caption, "\u0394E %.1f \u00b7 JOD %.2f", r->delta_e, r->jod);
+    const nqm_panel panel = {.delta_e = mean, .caption = caption};
+    const nqm_figure figure = {.n_rows = 1, .n_columns = 1, .width = width, .height = height, .panels = &panel};
+    must(nqm_figure_write(path, &figure, &err), &err);
+    free(mean);
+}
+
+/* The result of a pair of textures as that of a pair of BRDFs. */
+static nqm_score_result result_of(const nqm_texture_result *t) {
+    nqm_score_result r = {.jod = t->jod,
+                          .delta_e = t->delta_e,
+                          .jod_low = t->jod_low,
+                          .jod_high = t->jod_high,
+                          .novelty = NAN,
+                          .parts = t->parts,
+                          .similarity = {NAN, NAN, NAN},
+                          .identical = t->n_different > 0 && t->delta_e == 0 && t->n_blame == 0};
+    for (int m = 0; m < NQM_METRIC_COUNT; ++m)
+        r.metrics[m] = NAN;
+    return r;
+}
+
+/* Open unless it is. */
+static nqm_status open_once(kept_texture *at, const char *name, nqm_error *err) {
+    if (at->name && strcmp(at->name, name) == 0)
+        return NQM_OK;
+    nqm_texture_free(at->texture);
+    *at = (kept_texture){.name = NULL};
+    const nqm_status status = nqm_texture_open(name, show_progress, NULL, &at->texture, err);
+    if (status == NQM_OK)
+        at->name = name;
+    return status;
+}
+
+static nqm_status compare(const texture_terms *terms, const nqm_texture *ref, const nqm_texture *test,
+                          nqm_texture_result *t, nqm_error *err) {
+    nqm_texture_options options = nqm_texture_options_default();
+    float *delta_e = NULL;
+    const nqm_texture_info size = nqm_texture_get_info(ref, test);
+    options.exact = terms->exact;
+    options.progress = show_progress;
+    if (terms->map)
+        delta_e = allocate(size.width * size.height, sizeof *delta_e);
+    const nqm_status status = nqm_texture_score(terms->model, ref, test, &options, t, delta_e, err);
+    if (status == NQM_OK && terms->map)
+        write_map(terms->map, t, delta_e);
+    free(delta_e);
+    return status;
+}
+
+void score_texture(const texture_terms *terms, const nqm_named_pair *pair, kept_texture *ref, nqm_texture_result *t,
+                   nqm_score_result *result, nqm_error *err) {
+    kept_texture test = {.name = NULL};
+    *err = (nqm_error){0};
+    nqm_status status = open_once(ref, pair->ref, err);
+    if (status == NQM_OK)
+        status = open_once(&test, pair->test, err);
+    if (status == NQM_OK)
+        status = compare(terms, ref->texture, test.texture, t, err);
+    end_progress();
+    nqm_texture_free(test.texture);
+    if (status == NQM_ERR_CANCELLED)
+        stop(EXIT_INTERRUPTED, "interrupted");
+    if (status == NQM_OK)
+        *result = result_of(t);
+    result->status = err->status = status;
+}
+
+bool has_texture(const nqm_named_pair *pair) {
+    return is_textured(pair->ref) || is_textured(pair->test);
+}
+
+void score_textures(score_run *run) {
+    kept_texture ref = {.name = NULL};
+    const texture_terms terms = {run->model, run->exact, run->map};
+    for (size_t i = 0; i < run->n_rows; ++i) {
+        scored_pair *row = &run->rows[i];
+        if (row->err.status == NQM_OK || !has_texture(&row->pair))
+            continue;
+        nqm_texture_result *t = allocate(1, sizeof *t);
+        score_texture(&terms, &row->pair, &ref, t, &row->result, &row->err);
+        row->texture = row->err.status == NQM_OK ? t : NULL;
+        free(row->texture ? NULL : t);
+    }
+    nqm_texture_free(ref.texture);
+}
+
+/* ---- text -------------------------------------------------------------------------------------------------------- */
+
+enum { MOST_BLAMED = 4 };
+static const double blameless = 9.95;
+
+static void print_blame(const nqm_texture_result *t) {
+    char text[600];
+    int n = 0;
+    for (size_t i = 0; i < nqm_smaller(t->n_blame, MOST_BLAMED) && (t->blame[i].jod < blameless || i == 0); ++i) {
+        const nqm_texture_blame *b = &t->blame[i];
+        n += snprintf(text + n, sizeof text - (size_t)n, "%s%s alone: %.2f%s%s%s", n ? "; " : "", b->key, b->jod,
+                      *b->mistake ? " (" : "", b->mistake, *b->mistake ? ")" : "");
+    }
+    if (n)
+        print_phrases(text);
+}
+
+void print_texture(const scored_pair *row) {
+    const nqm_texture_result *t = row->texture;
+    char text[300];
+    int n = snprintf(text, sizeof text, "texels: median %.2f, worst 5 %% below %.2f; %.1f %% below 9, %.1f %% below 8",
+                     t->median, t->worst, 100 * t->below[0], 100 * t->below[1]);
+    if (!isnan(t->far_jod[0]))
+        n += snprintf(text + n, sizeof text - (size_t)n, "; from afar %.2f [%.2f, %.2f]", t->far_jod[0], t->far_jod[1],
+                      t->far_jod[2]);
+    print_phrases(text);
+    print_blame(t);
+    if (t->error > 0) {
+        snprintf(text, sizeof text, "%zu of %zu different pairs of %zu x %zu texels, standard error %.3f", t->n_scored,
+                 t->n_different, t->width, t->height, t->error);
+        print_phrases(text);
+    }
+}
+
+/* ---- JSON and CSV ------------------------------------------------------------------------------------------------ */
+
+static json_t *json_blame(const nqm_texture_result *t) {
+    json_t *list = json_array();
+    for (size_t i = 0; i < t->n_blame; ++i)
+        json_array_append_new(list, json_pack("{s:s,s:o,s:o}", "property", t->blame[i].key, "jod",
+                                              json_number(t->blame[i].jod), "mistake",
+                                              *t->blame[i].mistake ? json_string(t->blame[i].mistake) : json_null()));
+    return list;
+}
+
+json_t *json_texture(const scored_pair *row) {
+    const nqm_texture_result *t = row->texture;
+    return json_pack("{s:[I,I],s:I,s:I,s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:o}", "texels", (json_int_t)t->width,
+                     (json_int_t)t->height, "different", (json_int_t)t->n_different, "scored", (json_int_t)t->n_scored,
+                     "error", json_number(t->error), "median_jod", json_number(t->median), "worst_jod",
+                     json_number(t->worst), "below_9", json_number(t->below[0]), "below_8", json_number(t->below[1]),
+                     "far_jod", json_number(t->far_jod[0]), "far_jod_low", json_number(t->far_jod[1]), "far_jod_high",
+                     json_number(t->far_jod[2]), "far_delta_e_itp", json_number(t->far_delta_e), "blame",
+                     json_blame(t));
+}
+
+bool has_textures(const score_run *run) {
+    for (size_t i = 0; i < run->n_rows; ++i)
+        if (run->rows[i].texture)
+            return true;
+    return false;
+}
+
+void print_csv_texture_names(FILE *out) {
+    fputs(",median_jod,worst_jod,below_9,below_8,far_jod,far_jod_low,far_jod_high,blame,blame_jod,mistake", out);
+}
+
+void print_csv_texture(FILE *out, const nqm_texture_result *t) {
+    const nqm_texture_result none = {
+        .median = NAN, .worst = NAN, .below = {NAN, NAN}, .far_jod = {NAN, NAN, NAN}, .n_blame = 0};
+    t = t ? t : &none;
+    print_csv_numbers(
+        out, 7, (double[]){t->median, t->worst, t->below[0], t->below[1], t->far_jod[0], t->far_jod[1], t->far_jod[2]});
+    fputc(',', out);
+    print_csv_text(out, t->n_blame ? t->blame[0].key : "");
+    print_csv_numbers(out, 1, (double[]){t->n_blame ? t->blame[0].jod : NAN});
+    fputc(',', out);
+    print_csv_text(out, t->n_blame ? t->blame[0].mistake : "");
+}
