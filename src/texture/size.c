@@ -50,9 +50,3 @@ size_t nqm_texture_tiles(const nqm_texture *ref, const nqm_texture *test, size_t
     *n_texels_ret = (size_t)fmin(fmax(ceil(e.n_texels / (double)n_tiles - 1e-6), 1), MAX_SIDE);
     return n_tiles;
 }
-
-void nqm_texture_size(const nqm_texture *ref, const nqm_texture *test, size_t *width_ret, size_t *height_ret) {
-    assert(ref && test && width_ret && height_ret);
-    (void)nqm_texture_tiles(ref, test, 0, width_ret);
-    (void)nqm_texture_tiles(ref, test, 1, height_ret);
-}

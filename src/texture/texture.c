@@ -95,7 +95,6 @@ static void describe(nqm_texture *t) {
     }
     t->info.name = t->name;
     t->info.varying = t->words;
-    nqm_texture_size(t, t, &t->info.width, &t->info.height);
 }
 
 /* Whether the material of a texel opens tells whether that of all does. */
@@ -120,9 +119,12 @@ static nqm_status finish(nqm_texture *t, nqm_ticker *ticker, nqm_error *err) {
     return status == NQM_OK ? check(t, err) : status;
 }
 
-nqm_texture_info nqm_texture_get_info(const nqm_texture *texture) {
+nqm_texture_info nqm_texture_get_info(const nqm_texture *texture, const nqm_texture *beside) {
     assert(texture);
-    return texture->info;
+    nqm_texture_info info = texture->info;
+    (void)nqm_texture_tiles(texture, beside ? beside : texture, 0, &info.width);
+    (void)nqm_texture_tiles(texture, beside ? beside : texture, 1, &info.height);
+    return info;
 }
 
 /* ---- opening ----------------------------------------------------------------------------------------------------- */

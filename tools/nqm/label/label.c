@@ -26,7 +26,7 @@ static nqm_texture_view view_of_group(const label_run *run, size_t reference) {
     for (size_t i = 0; i < run->n_items; ++i) {
         if (run->items[i].reference != reference || !run->items[i].texture)
             continue;
-        const nqm_texture_info info = nqm_texture_get_info(run->items[i].texture);
+        const nqm_texture_info info = nqm_texture_get_info(run->items[i].texture, NULL);
         const double n_texels = (double)info.width * (double)info.height;
         if (n_texels > finest)
             view.beside = run->items[i].texture;
