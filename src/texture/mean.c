@@ -95,19 +95,18 @@ static nqm_status make_mean(nqm_texture_job *job, size_t side, size_t n, const n
 
 /* A texel with the place of its normals in an order in which similar ones are near each other. */
 typedef struct candidate {
-    uint32_t place;
+    uint32_t place; /* of its normals, then of the whole pair */
     nqm_texel_choice choice;
 } candidate;
 
 static int compare_candidates(const void *a, const void *b) {
     const candidate *x = a, *y = b;
-    return x->place != y->place ? (x->place > y->place) - (x->place < y->place)
-                                : (x->choice.texel > y->choice.texel) - (x->choice.texel < y->choice.texel);
+    return (x->place > y->place) - (x->place < y->place);
 }
 
 /* Interleave bits of x and y of the reference's normal; of the test's, if only that one varies. */
 static uint32_t place_of(const nqm_texel_pair *pair, const float *const values[2], size_t i) {
-    enum { BITS = 5 };
+    enum { BITS = 4 };
     const size_t side = pair->side[0]->has_normal ? 0 : 1;
     double normal[3];
     uint32_t place = 0;
@@ -138,7 +137,8 @@ static nqm_status choose_tilted(nqm_texture_job *job, nqm_texel_choice *choices,
             texels[i] = all[first + i].texel;
         nqm_texel_pair_evaluate(&job->pair, m, texels, 0, job->workspace, values);
         for (size_t i = 0; i < m; ++i)
-            sorted[first + i] = (candidate){place_of(&job->pair, values, i), all[first + i]};
+            sorted[first + i] = (candidate){
+                place_of(&job->pair, values, i) * MAX_MEMBERS * N_CANDIDATES + (uint32_t)(first + i), all[first + i]};
     }
     qsort(sorted, n, sizeof *sorted, compare_candidates);
     *n_ret = nqm_smaller(n, MAX_MEMBERS);
