@@ -6,8 +6,10 @@
 #include "texture/score.h"
 
 #include <math.h>
+#include <stdlib.h>
 
-enum { MAX_MEMBERS = 256, MAX_TILTED = 64 /* each takes 15 times as long */ };
+/* Members of a mean; of those with normals, candidates for each, so that the members cover the normals evenly. */
+enum { MAX_MEMBERS = 256, N_CANDIDATES = 16 };
 
 /* A mean of BRDFs. */
 typedef struct mean {
@@ -91,15 +93,75 @@ static nqm_status make_mean(nqm_texture_job *job, size_t side, size_t n, const n
     return status;
 }
 
+/* A texel with the place of its normals in an order in which similar ones are near each other. */
+typedef struct candidate {
+    uint32_t place; /* of its normals, then of the whole pair */
+    nqm_texel_choice choice;
+} candidate;
+
+static int compare_candidates(const void *a, const void *b) {
+    const candidate *x = a, *y = b;
+    return (x->place > y->place) - (x->place < y->place);
+}
+
+/* Interleave bits of x and y of the reference's normal; of the test's, if only that one varies. */
+static uint32_t place_of(const nqm_texel_pair *pair, const float *const values[2], size_t i) {
+    enum { BITS = 4 };
+    const size_t side = pair->side[0]->has_normal ? 0 : 1;
+    double normal[3];
+    uint32_t place = 0;
+    nqm_texel_pair_normal(pair, side, values[side], i, normal);
+    for (int bit = BITS - 1; bit >= 0; --bit)
+        for (size_t c = 0; c < 2; ++c) /* roots: most normals are near (0, 0, 1) */
+            place = 2 * place +
+                    ((uint32_t)((copysign(sqrt(fabs(normal[c])), normal[c]) + 1) / 2 * ((1 << BITS) - 1)) >> bit & 1);
+    return place;
+}
+
+/* One of each N_CANDIDATES in the order of their normals. choices: (MAX_MEMBERS). */
+static nqm_status choose_tilted(nqm_texture_job *job, nqm_texel_choice *choices, size_t *n_ret, nqm_error *err) {
+    const uint64_t seed = job->options.seed + 1;
+    nqm_texel_choice *all;
+    candidate *sorted;
+    nqm_status status = nqm_alloc_arrays(NQM_ARRAYS({&all, MAX_MEMBERS * N_CANDIDATES, sizeof *all},
+                                                    {&sorted, MAX_MEMBERS * N_CANDIDATES, sizeof *sorted}),
+                                         err);
+    if (status != NQM_OK)
+        return status;
+    const size_t n = nqm_texels_choose(&job->groups, MAX_MEMBERS * N_CANDIDATES, true, seed, all);
+    for (size_t first = 0, m; first < n; first += m) {
+        uint32_t texels[NQM_TEXEL_BLOCK];
+        const float *values[2];
+        m = nqm_smaller(n - first, NQM_TEXEL_BLOCK);
+        for (size_t i = 0; i < m; ++i)
+            texels[i] = all[first + i].texel;
+        nqm_texel_pair_evaluate(&job->pair, m, texels, 0, job->workspace, values);
+        for (size_t i = 0; i < m; ++i)
+            sorted[first + i] = (candidate){
+                place_of(&job->pair, values, i) * MAX_MEMBERS * N_CANDIDATES + (uint32_t)(first + i), all[first + i]};
+    }
+    qsort(sorted, n, sizeof *sorted, compare_candidates);
+    *n_ret = nqm_smaller(n, MAX_MEMBERS);
+    for (size_t k = 0; k < *n_ret; ++k) {
+        const size_t begin = n * k / *n_ret, end = n * (k + 1) / *n_ret;
+        choices[k] = sorted[begin + nqm_hash_u64(seed, n + k) % (end - begin)].choice;
+        choices[k].weight = (double)(end - begin) / (double)n;
+    }
+    nqm_free(all);
+    return NQM_OK;
+}
+
 nqm_status nqm_texture_score_far(nqm_texture_job *job, nqm_texture_result *result, nqm_error *err) {
     nqm_texel_choice choices[MAX_MEMBERS];
     nqm_brdf *brdf[2] = {NULL, NULL};
     nqm_score_result score = {.status = NQM_OK};
-    const bool has_normals = job->pair.has_normals;
-    const size_t n = nqm_texels_choose(&job->groups, has_normals ? MAX_TILTED : MAX_MEMBERS, has_normals,
-                                       job->options.seed + 1, choices);
+    size_t n = 0;
     nqm_status status = NQM_OK;
-    if (nqm_tick(&job->ticker, "far", 0, 1))
+    if (job->pair.has_normals)
+        status = choose_tilted(job, choices, &n, err);
+    else
+        n = nqm_texels_choose(&job->groups, MAX_MEMBERS, false, job->options.seed + 1, choices);
+    if (status == NQM_OK && nqm_tick(&job->ticker, "far", 0, 1))
         status = nqm_fail(err, NQM_ERR_CANCELLED, -1, "cancelled");
     for (size_t s = 0; status == NQM_OK && s < 2; ++s)
         status = make_mean(job, s, n, choices, &brdf[s], err);
