@@ -115,9 +115,51 @@ static inline float interpolate(const nqm_texels *t, const nqm_map_node *node, c
     return y->weight > 0 ? row[0] + y->weight * (row[1] - row[0]) : row[0];
 }
 
+/* Texels themselves, of which the values begin at at[]: a loop for each type, without a branch. */
+static void copy_texels(const nqm_texels *t, size_t n_components, size_t n, const size_t *at, float *out) {
+    const nqm_raster *r = &t->raster;
+    for (size_t c = 0; c < n_components; ++c, out += BLOCK) {
+        const bool is_alpha = c == 3, is_grey = r->channels < 3, is_opaque = is_alpha && r->channels % 2 == 1;
+        const size_t channel = is_grey ? is_alpha : c;
+        const float *table = t->table ? t->table + (r->type == NQM_RASTER_U8 ? 256 : 65536) * is_alpha : NULL;
+        if (is_opaque)
+            for (size_t i = 0; i < n; ++i)
+                out[i] = 1;
+        else if (r->type == NQM_RASTER_U8)
+            for (size_t i = 0; i < n; ++i)
+                out[i] = table[((const uint8_t *)r->data)[at[i] + channel]];
+        else if (r->type == NQM_RASTER_U16)
+            for (size_t i = 0; i < n; ++i)
+                out[i] = table[((const uint16_t *)r->data)[at[i] + channel]];
+        else
+            for (size_t i = 0; i < n; ++i)
+                out[i] = ((const float *)r->data)[at[i] + channel];
+    }
+}
+
+/* Whether all positions are centres of texels: then their places. */
+static bool find_texels(const nqm_texels *t, const nqm_map_node *node, size_t n, const double *u, const double *v,
+                        size_t *at) {
+    const nqm_raster *r = &t->raster;
+    const double w = (double)r->width, h = (double)r->height, (*m)[3] = node->uv;
+    bool is_exact = !t->has_matrix;
+    for (size_t i = 0; is_exact && i < n; ++i) {
+        const taps x = find_taps((m[0][0] * u[i] + m[0][1] * v[i] + m[0][2]) * w, r->width, node->wrap[0]);
+        const taps y = find_taps((m[1][0] * u[i] + m[1][1] * v[i] + m[1][2]) * h, r->height, node->wrap[1]);
+        is_exact = x.weight <= 0 && y.weight <= 0 && x.at[0] >= 0 && y.at[0] >= 0;
+        at[i] = is_exact ? ((size_t)y.at[0] * r->width + (size_t)x.at[0]) * r->channels : 0;
+    }
+    return is_exact;
+}
+
 static void evaluate_image(const nqm_texels *t, const nqm_map_node *node, size_t n, const double *u, const double *v,
                            float *out) {
     const double w = (double)t->raster.width, h = (double)t->raster.height, (*m)[3] = node->uv;
+    size_t at[BLOCK];
+    if (find_texels(t, node, n, u, v, at)) {
+        copy_texels(t, node->n, n, at, out);
+        return;
+    }
     const size_t n_read = t->has_matrix ? nqm_larger(node->n, 3) : node->n;
     for (size_t i = 0; i < n; ++i) {
         const taps x = find_taps((m[0][0] * u[i] + m[0][1] * v[i] + m[0][2]) * w, t->raster.width, node->wrap[0]);

@@ -8,8 +8,8 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* Members of a mean; of those with normals, candidates for each, so that the members cover the normals evenly. */
-enum { MAX_MEMBERS = 256, N_CANDIDATES = 16 };
+/* Members of a mean; with normals, which take 15 times as long, and the texels from which these are chosen. */
+enum { MAX_MEMBERS = 256, MAX_TILTED = 128, N_CANDIDATES = 4096 };
 
 /* A mean of BRDFs. */
 typedef struct mean {
@@ -118,17 +118,16 @@ static uint32_t place_of(const nqm_texel_pair *pair, const float *const values[2
     return place;
 }
 
-/* One of each N_CANDIDATES in the order of their normals. choices: (MAX_MEMBERS). */
+/* Texels that cover the normals evenly. choices: (MAX_TILTED). */
 static nqm_status choose_tilted(nqm_texture_job *job, nqm_texel_choice *choices, size_t *n_ret, nqm_error *err) {
     const uint64_t seed = job->options.seed + 1;
     nqm_texel_choice *all;
     candidate *sorted;
-    nqm_status status = nqm_alloc_arrays(NQM_ARRAYS({&all, MAX_MEMBERS * N_CANDIDATES, sizeof *all},
-                                                    {&sorted, MAX_MEMBERS * N_CANDIDATES, sizeof *sorted}),
-                                         err);
+    nqm_status status =
+        nqm_alloc_arrays(NQM_ARRAYS({&all, N_CANDIDATES, sizeof *all}, {&sorted, N_CANDIDATES, sizeof *sorted}), err);
     if (status != NQM_OK)
         return status;
-    const size_t n = nqm_texels_choose(&job->groups, MAX_MEMBERS * N_CANDIDATES, true, seed, all);
+    const size_t n = nqm_texels_choose(&job->groups, N_CANDIDATES, true, seed, all);
     for (size_t first = 0, m; first < n; first += m) {
         uint32_t texels[NQM_TEXEL_BLOCK];
         const float *values[2];
@@ -137,11 +136,11 @@ static nqm_status choose_tilted(nqm_texture_job *job, nqm_texel_choice *choices,
             texels[i] = all[first + i].texel;
         nqm_texel_pair_evaluate(&job->pair, m, texels, 0, job->workspace, values);
         for (size_t i = 0; i < m; ++i)
-            sorted[first + i] = (candidate){
-                place_of(&job->pair, values, i) * MAX_MEMBERS * N_CANDIDATES + (uint32_t)(first + i), all[first + i]};
+            sorted[first + i] =
+                (candidate){place_of(&job->pair, values, i) * N_CANDIDATES + (uint32_t)(first + i), all[first + i]};
     }
     qsort(sorted, n, sizeof *sorted, compare_candidates);
-    *n_ret = nqm_smaller(n, MAX_MEMBERS);
+    *n_ret = nqm_smaller(n, MAX_TILTED);
     for (size_t k = 0; k < *n_ret; ++k) {
         const size_t begin = n * k / *n_ret, end = n * (k + 1) / *n_ret;
         choices[k] = sorted[begin + nqm_hash_u64(seed, n + k) % (end - begin)].choice;
@@ -155,6 +154,12 @@ nqm_status nqm_texture_score_far(nqm_texture_job *job, nqm_texture_result *resul
     nqm_texel_choice choices[MAX_MEMBERS];
     nqm_brdf *brdf[2] = {NULL, NULL};
     nqm_score_result score = {.status = NQM_OK};
+    if (nqm_texel_pair_is_equal(&job->pair)) {
+        result->far_jod[0] = 10;
+        result->far_jod[1] = result->far_jod[2] = job->model->interval ? 10 : NAN;
+        result->far_delta_e = 0;
+        return NQM_OK;
+    }
     size_t n = 0;
     nqm_status status = NQM_OK;
     if (job->pair.has_normals)

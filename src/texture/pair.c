@@ -85,6 +85,15 @@ bool nqm_texel_pair_tilts(const nqm_texel_pair *pair) {
     return tilts;
 }
 
+bool nqm_texel_pair_is_equal(const nqm_texel_pair *pair) {
+    bool is_equal = pair->is_same_model;
+    for (size_t d = 0; d < pair->n_dimensions; ++d)
+        is_equal = is_equal && pair->dimensions[d].kind == NQM_OF_REF;
+    for (size_t k = 0; k < pair->n_properties; ++k) /* two constants are a property only if they differ */
+        is_equal = is_equal && (pair->properties[k].at[0] >= 0 || pair->properties[k].at[1] >= 0);
+    return is_equal;
+}
+
 /* ---- values ------------------------------------------------------------------------------------------------------ */
 
 size_t nqm_texel_pair_workspace(const nqm_texel_pair *pair) {

@@ -58,6 +58,8 @@ void nqm_texel_pair_begin(const nqm_texture *ref, const nqm_texture *test, nqm_t
 NQM_MUST_CHECK nqm_status nqm_texel_pair_measure(nqm_texel_pair *pair, nqm_ticker *ticker, nqm_error *err);
 /** Whether the normals of both differ anywhere, of a measured pair. */
 bool nqm_texel_pair_tilts(const nqm_texel_pair *pair);
+/** Whether it has no difference at all. */
+bool nqm_texel_pair_is_equal(const nqm_texel_pair *pair);
 /** Divide the texels, into at most max_groups groups if is_exact is not set. 24 bytes a texel. */
 NQM_MUST_CHECK nqm_status nqm_texel_groups_find(const nqm_texel_pair *pair, size_t max_groups, bool is_exact,
                                                 nqm_ticker *ticker, nqm_texel_groups *groups_ret, nqm_error *err);
