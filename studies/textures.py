@@ -177,8 +177,8 @@ def run(*arguments):
 def judge_pair(row):
     pair = [row["reference"], row["test"]]
     score = run("score", *pair, "--json")["results"][0]
-    near = run("label", *pair, "--tiles", "8", "--texels", "1", "--json")["results"][0]
-    far = run("label", *pair, "--tiles", "64", "--texels", "64", "--json")["results"][0]
+    near = run("label", *pair, "--tiles", "8", "--texels", "1", "--points", "3072", "--lights", "128", "--json")["results"][0]
+    far = run("label", *pair, "--tiles", "1024", "--texels", "64", "--points", "1024", "--lights", "128", "--json")["results"][0]
     return score, near, far
 
 

@@ -79,6 +79,7 @@ typedef struct subject {
 
 typedef struct gallery {
     const nqm_azimuths *azimuths;
+    bool is_light; /* cd/m2 is wanted, not ITP */
     size_t n;
     subject *subjects;
 } gallery;
@@ -91,6 +92,10 @@ static size_t find(gallery *g, const char *name, const nqm_brdf *brdf) {
     return g->n++;
 }
 
+static nqm_transport points_of(const nqm_azimuths *a) {
+    return (nqm_transport){.n_points = a->model->n_slope_points, .points = a->model->slope_points};
+}
+
 static void show(void *user, size_t i) {
     const gallery *g = user;
     subject *s = &g->subjects[i];
@@ -98,8 +103,11 @@ static void show(void *user, size_t i) {
     if (s->name)
         s->status = nqm_brdf_open(s->name, &opened, NULL);
     if (s->status == NQM_OK &&
-        !nqm_azimuths_picture(g->azimuths->model, g->azimuths->totals, opened ? opened : s->brdf, s->itp))
+        !nqm_azimuths_light(g->azimuths->model, g->azimuths->totals, opened ? opened : s->brdf, s->itp))
         s->status = NQM_ERR_NOMEM;
+    const nqm_transport points = points_of(g->azimuths);
+    if (s->status == NQM_OK && !g->is_light)
+        nqm_transport_show(&points, s->itp, s->itp);
     nqm_brdf_free(opened);
 }
 
@@ -113,7 +121,7 @@ static double weight_of(double anisotropy) {
 
 /* The result keeps the metrics and counts of the model's own directions; people's similarity is not known. */
 static void take(const nqm_azimuths *a, const double *ref, const double *test, nqm_score_result *r) {
-    const nqm_transport points = {.n_points = a->model->n_slope_points, .points = a->model->slope_points};
+    const nqm_transport points = points_of(a);
     const nqm_label label = nqm_transport_label(&points, ref, test);
     const double w = a->owned ? weight_of(r->anisotropy) : 1, jod = nqm_curve_jod(&a->model->curve, label.delta_e);
     double low, high;
@@ -179,4 +187,51 @@ nqm_status nqm_azimuths_score(const nqm_azimuths *a, size_t n, const nqm_azimuth
     }
     nqm_free(g.subjects);
     return NQM_OK;
+}
+
+/* ---- means ------------------------------------------------------------------------------------------------------- */
+
+/* Fill mean (2, 3, n_points) with the light of both means. subjects: (2 n) references, then tests. */
+static nqm_status average(const nqm_azimuths *a, size_t n, const subject *subjects, const double *weights, double *mean,
+                          nqm_error *err) {
+    const size_t n_values = 3 * a->model->n_slope_points;
+    for (size_t i = 0; i < 2 * n; ++i) {
+        if (subjects[i].status != NQM_OK)
+            return nqm_fail(err, subjects[i].status, -1, "%.300s: %s", subjects[i].name,
+                            nqm_status_text(subjects[i].status));
+        for (size_t k = 0; k < n_values; ++k)
+            mean[i / n * n_values + k] += weights[i % n] * subjects[i].itp[k];
+    }
+    return NQM_OK;
+}
+
+nqm_status nqm_azimuths_score_means(const nqm_azimuths *a, size_t n, const nqm_named_pair *members,
+                                    const double *weights, nqm_ticker *ticker, nqm_score_result *result,
+                                    nqm_error *err) {
+    gallery g = {.azimuths = a, .is_light = true, .n = 2 * n};
+    double *light, *mean;
+    if (!a)
+        return nqm_fail(err, NQM_ERR_INCOMPATIBLE, -1, "the model has no estimate for leaning normals");
+    const size_t n_values = 3 * a->model->n_slope_points;
+    const nqm_transport points = points_of(a);
+    nqm_status status =
+        nqm_alloc_arrays(NQM_ARRAYS({&g.subjects, g.n, sizeof *g.subjects}, {&light, g.n, n_values * sizeof *light},
+                                    {&mean, 2, n_values * sizeof *mean}),
+                         err);
+    if (status != NQM_OK)
+        return status;
+    for (size_t i = 0; i < g.n; ++i)
+        g.subjects[i] = (subject){.name = i < n ? members[i].ref : members[i - n].test, .itp = light + i * n_values};
+    if (nqm_parallel_ticking(ticker, "far", g.n, show, &g))
+        status = nqm_fail(err, NQM_ERR_CANCELLED, -1, "cancelled");
+    if (status == NQM_OK)
+        status = average(a, n, g.subjects, weights, mean, err);
+    if (status == NQM_OK) {
+        for (size_t s = 0; s < 2; ++s)
+            nqm_transport_show(&points, mean + s * n_values, mean + s * n_values);
+        *result = (nqm_score_result){.anisotropy = 1};
+        take(a, mean, mean + n_values, result);
+    }
+    nqm_free(g.subjects);
+    return status;
 }

@@ -29,7 +29,16 @@ NQM_MUST_CHECK nqm_status nqm_azimuths_score(const nqm_azimuths *azimuths, size_
 
 /** The light of all slopes together: totals (3, n_slope_points). */
 void nqm_azimuths_totals(const nqm_model *model, float *totals);
-/** ITP of the points of a BRDF's picture, in units of Delta-E: itp (3, n_slope_points). false: out of memory. */
-bool nqm_azimuths_picture(const nqm_model *model, const float *totals, const nqm_brdf *brdf, double *itp);
+/** The light of the points of a BRDF's picture: rgb (3, n_slope_points) cd/m2. false: out of memory. */
+bool nqm_azimuths_light(const nqm_model *model, const float *totals, const nqm_brdf *brdf, double *rgb);
+/** The score of two means of BRDFs, as of pictures whose light is averaged: lobes of any width and lean, which one set of half vectors
+ *  could not have.
+ *
+ * @param members  (n) of the reference and of the test
+ * @param weights  (n) of both; their sum is 1
+ * @return NQM_ERR_INCOMPATIBLE: azimuths is NULL; the error of a BRDF that cannot be opened; NQM_ERR_CANCELLED */
+NQM_MUST_CHECK nqm_status nqm_azimuths_score_means(const nqm_azimuths *azimuths, size_t n,
+                                                   const nqm_named_pair *members, const double *weights,
+                                                   nqm_ticker *ticker, nqm_score_result *result, nqm_error *err);
 
 #endif

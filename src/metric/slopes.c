@@ -200,8 +200,7 @@ void nqm_azimuths_totals(const nqm_model *m, float *totals) {
             totals[i] += m->slopes[cell * n + i];
 }
 
-bool nqm_azimuths_picture(const nqm_model *m, const float *totals, const nqm_brdf *brdf, double *itp) {
-    const nqm_transport points = {.n_points = m->n_slope_points, .points = m->slope_points};
+bool nqm_azimuths_light(const nqm_model *m, const float *totals, const nqm_brdf *brdf, double *rgb) {
     const nqm_lobe lobe = nqm_lobe_measure(brdf);
     ring rings[MAX_RINGS] = {{0, 0, 0}};
     nodes made = {.n = 0};
@@ -213,8 +212,7 @@ bool nqm_azimuths_picture(const nqm_model *m, const float *totals, const nqm_brd
         return false;
     add_nodes(m, &lobe, n_rings, rings, &made);
     settle(m, totals, &made);
-    sum_nodes(m, brdf, &made, itp);
-    nqm_transport_show(&points, itp, itp);
+    sum_nodes(m, brdf, &made, rgb);
     nqm_free(made.slope);
     return true;
 }

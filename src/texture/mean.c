@@ -1,15 +1,16 @@
 /* SPDX-License-Identifier: MIT
  *
- * Far scores: the BRDFs of texels that are smaller than a pixel are averaged, each about its own normal (Filip et al. 2016). Both
- * materials are averaged over the same texels, a stratified sample.
+ * Far scores: the BRDFs of texels that are smaller than a pixel are averaged (Filip et al. 2016), each about its own normal. Both
+ * materials are averaged over the same texels, a stratified sample. With normals, the light of pictures is averaged.
  */
+#include "metric/azimuths.h"
 #include "texture/score.h"
 
 #include <math.h>
 #include <stdlib.h>
 
-/* Members of a mean; with normals, which take 15 times as long, and the texels from which these are chosen. */
-enum { MAX_MEMBERS = 256, MAX_TILTED = 128, N_CANDIDATES = 4096 };
+/* Members of a mean, and the texels from which those with normals are chosen. */
+enum { MAX_MEMBERS = NQM_TEXEL_BLOCK, N_CANDIDATES = 4096 };
 
 /* A mean of BRDFs. */
 typedef struct mean {
@@ -48,9 +49,7 @@ static const nqm_brdf_class mean_class = {
 /* Open the member of texel i of a block, or add its weight to that of the member before it, if that is equal. */
 static nqm_status add_member(const nqm_texel_pair *pair, size_t side, const float *values, size_t i, double weight,
                              mean *m, nqm_error *err) {
-    double normal[3];
-    nqm_texel_pair_normal(pair, side, values, i, normal);
-    char *spec = nqm_texture_tilt(nqm_texture_spec(pair->side[side], values + i, NQM_TEXEL_BLOCK), normal);
+    char *spec = nqm_texture_spec(pair->side[side], values + i, NQM_TEXEL_BLOCK);
     if (!spec)
         return nqm_fail_nomem(err, sizeof(nqm_shading));
     nqm_status status = NQM_OK;
@@ -118,7 +117,7 @@ static uint32_t place_of(const nqm_texel_pair *pair, const float *const values[2
     return place;
 }
 
-/* Texels that cover the normals evenly. choices: (MAX_TILTED). */
+/* Texels that cover the normals evenly. choices: (MAX_MEMBERS). */
 static nqm_status choose_tilted(nqm_texture_job *job, nqm_texel_choice *choices, size_t *n_ret, nqm_error *err) {
     const uint64_t seed = job->options.seed + 1;
     nqm_texel_choice *all;
@@ -140,7 +139,7 @@ static nqm_status choose_tilted(nqm_texture_job *job, nqm_texel_choice *choices,
                 (candidate){place_of(&job->pair, values, i) * N_CANDIDATES + (uint32_t)(first + i), all[first + i]};
     }
     qsort(sorted, n, sizeof *sorted, compare_candidates);
-    *n_ret = nqm_smaller(n, MAX_TILTED);
+    *n_ret = nqm_smaller(n, MAX_MEMBERS);
     for (size_t k = 0; k < *n_ret; ++k) {
         const size_t begin = n * k / *n_ret, end = n * (k + 1) / *n_ret;
         choices[k] = sorted[begin + nqm_hash_u64(seed, n + k) % (end - begin)].choice;
@@ -150,33 +149,79 @@ static nqm_status choose_tilted(nqm_texture_job *job, nqm_texel_choice *choices,
     return NQM_OK;
 }
 
-nqm_status nqm_texture_score_far(nqm_texture_job *job, nqm_texture_result *result, nqm_error *err) {
+/* The specs of the members, with their normals. */
+typedef struct tilted {
+    double weights[MAX_MEMBERS];
+    nqm_named_pair members[MAX_MEMBERS];
+    char *specs[2][MAX_MEMBERS];
+} tilted;
+
+static nqm_status tilt_members(nqm_texture_job *job, size_t n, const nqm_texel_choice *choices, tilted *t,
+                               nqm_error *err) {
+    uint32_t texels[MAX_MEMBERS];
+    const float *values[2];
+    for (size_t i = 0; i < n; ++i)
+        texels[i] = choices[i].texel;
+    nqm_texel_pair_evaluate(&job->pair, n, texels, 0, job->workspace, values);
+    for (size_t i = 0; i < n; ++i) {
+        for (size_t s = 0; s < 2; ++s) {
+            double normal[3];
+            nqm_texel_pair_normal(&job->pair, s, values[s], i, normal);
+            t->specs[s][i] =
+                nqm_texture_tilt(nqm_texture_spec(job->pair.side[s], values[s] + i, NQM_TEXEL_BLOCK), normal);
+            if (!t->specs[s][i])
+                return nqm_fail_nomem(err, sizeof(nqm_shading));
+        }
+        t->members[i] = (nqm_named_pair){t->specs[0][i], t->specs[1][i]};
+        t->weights[i] = choices[i].weight;
+    }
+    return NQM_OK;
+}
+
+static nqm_status score_tilted(nqm_texture_job *job, nqm_score_result *score, nqm_error *err) {
+    nqm_texel_choice choices[MAX_MEMBERS];
+    nqm_azimuths *azimuths = NULL;
+    size_t n = 0;
+    tilted *t = nqm_alloc(1, sizeof *t);
+    nqm_status status = t ? choose_tilted(job, choices, &n, err) : nqm_fail_nomem(err, sizeof *t);
+    if (status == NQM_OK)
+        status = tilt_members(job, n, choices, t, err);
+    if (status == NQM_OK)
+        status = nqm_azimuths_create(job->model, &azimuths, err);
+    if (status == NQM_OK)
+        status = nqm_azimuths_score_means(azimuths, n, t->members, t->weights, &job->ticker, score, err);
+    for (size_t i = 0; t && i < 2 * n; ++i)
+        nqm_free(t->specs[i / n][i % n]);
+    nqm_azimuths_free(azimuths);
+    nqm_free(t);
+    return status;
+}
+
+static nqm_status score_flat(nqm_texture_job *job, nqm_score_result *score, nqm_error *err) {
     nqm_texel_choice choices[MAX_MEMBERS];
     nqm_brdf *brdf[2] = {NULL, NULL};
-    nqm_score_result score = {.status = NQM_OK};
-    if (nqm_texel_pair_is_equal(&job->pair)) {
-        result->far_jod[0] = 10;
-        result->far_jod[1] = result->far_jod[2] = job->model->interval ? 10 : NAN;
-        result->far_delta_e = 0;
-        return NQM_OK;
-    }
-    size_t n = 0;
+    const size_t n = nqm_texels_choose(&job->groups, MAX_MEMBERS, false, job->options.seed + 1, choices);
     nqm_status status = NQM_OK;
-    if (job->pair.has_normals)
-        status = choose_tilted(job, choices, &n, err);
-    else
-        n = nqm_texels_choose(&job->groups, MAX_MEMBERS, false, job->options.seed + 1, choices);
-    if (status == NQM_OK && nqm_tick(&job->ticker, "far", 0, 1))
+    if (nqm_tick(&job->ticker, "far", 0, 1))
         status = nqm_fail(err, NQM_ERR_CANCELLED, -1, "cancelled");
     for (size_t s = 0; status == NQM_OK && s < 2; ++s)
         status = make_mean(job, s, n, choices, &brdf[s], err);
     if (status == NQM_OK)
-        status = nqm_scorer_run(job->scorer, brdf[0], 1, (const nqm_brdf *const *)&brdf[1], &score, err);
-    if (status == NQM_OK && score.status != NQM_OK)
-        status = nqm_fail(err, score.status, -1, "the mean BRDFs of %s and %s cannot be compared: %s",
-                          job->pair.side[0]->name, job->pair.side[1]->name, nqm_status_text(score.status));
+        status = nqm_scorer_run(job->scorer, brdf[0], 1, (const nqm_brdf *const *)&brdf[1], score, err);
+    if (status == NQM_OK && score->status != NQM_OK)
+        status = nqm_fail(err, score->status, -1, "the mean BRDFs of %s and %s cannot be compared: %s",
+                          job->pair.side[0]->name, job->pair.side[1]->name, nqm_status_text(score->status));
     for (size_t s = 0; s < 2; ++s)
         nqm_brdf_free(brdf[s]);
+    return status;
+}
+
+nqm_status nqm_texture_score_far(nqm_texture_job *job, nqm_texture_result *result, nqm_error *err) {
+    const double certain = job->model->interval ? 10 : NAN;
+    nqm_score_result score = {.jod = 10, .jod_low = certain, .jod_high = certain};
+    nqm_status status = NQM_OK;
+    if (!nqm_texel_pair_is_equal(&job->pair))
+        status = job->pair.has_normals ? score_tilted(job, &score, err) : score_flat(job, &score, err);
     result->far_jod[0] = score.jod;
     result->far_jod[1] = score.jod_low;
     result->far_jod[2] = score.jod_high;

@@ -80,7 +80,7 @@ static int show_label_progress(void *user, const char *stage, double done, doubl
  * samples of the kind, points or directions, that makes the error larger than that. */
 static size_t mark_uncertain(label_run *run, nqm_scene_options *options) {
     size_t n = 0;
-    bool points = false, lights = false;
+    bool points = false, lights = false, has_texture = false;
     static const double enough = 0.7; /* two parts of this size make an error of 1 */
     for (size_t i = 0; i < run->n_items; ++i)
         run->items[i].is_done = true;
@@ -91,13 +91,16 @@ static size_t mark_uncertain(label_run *run, nqm_scene_options *options) {
         if (item == reference || item->err.status != NQM_OK || !(excess > 1))
             continue;
         item->is_done = reference->is_done = false;
+        has_texture |= item->texture != NULL;
         const double share = item->points_error / l->error; /* the error is the root of the sum of two squares */
         points |= excess * share > enough;
         lights |= excess * sqrt(fmax(1 - share * share, 0)) > enough;
         ++n;
     }
     options->n_points *= points ? 2 : 1;
-    options->n_lights = nqm_scene_n_lights(options) * (lights ? 3 : 2); /* blur by few directions is in no error */
+    options->n_lights = nqm_scene_n_lights(options) * (lights        ? 3
+                                                       : has_texture ? 1
+                                                                     : 2); /* blur by few directions is in no error */
     return n;
 }
 

@@ -3,6 +3,7 @@
  * nqm score - predicts how good approximations look compared with their reference.
  */
 #include "nqm/score/score.h"
+#include "nqm/textured.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -189,7 +190,7 @@ static size_t describe_samples(const nqm_directions *directions, const char *pat
 
 /* Without a reference there are no results; of a file of several materials, each row has its own. */
 static void check_reference(const score_run *run, const char *path) {
-    if (strcmp(run->rows->pair.ref, path) != 0)
+    if (strcmp(run->rows->pair.ref, path) != 0 || is_textured(path))
         return;
     nqm_brdf_free(open_brdf(path));
 }
