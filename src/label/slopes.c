@@ -12,7 +12,7 @@
 
 #include <string.h>
 
-enum { N_LIGHTS = 8192 };
+enum { N_LIGHTS = 65536 };
 
 static const char *const slopes_card =
     "Estimate by light transport for any BRDF, anisotropic or not, without a network: the Delta-E ITP and JOD of"

@@ -51,14 +51,21 @@ typedef struct circle {
     double center[2], axes[4];
 } circle;
 
-/* Stretched and moved as the lobe is; far from it the circles become round about the normal. */
+/* 0 up to `from`, 1 from `to` on, even in the logarithm of t. */
+static double blend(double t, double from, double to) {
+    return fmin(fmax(log(t / from) / log(to / from), 0), 1);
+}
+
+/* Stretched and moved as the lobe is; far from it the circles become round about the normal. Centres move less than circles grow, so that
+ * circles do not cross. */
 static circle circle_at(const nqm_lobe *lobe, double t) {
     static const double round = 4;
+    const double moved = hypot(lobe->center[0], lobe->center[1]);
+    const double here = moved > 0 ? 1 - blend(t, 2 * moved, fmax(round, 6 * moved)) : 0;
     const double along = hypot(lobe->axes[0], lobe->axes[2]), c = lobe->axes[0] / along, s = lobe->axes[2] / along;
     const double from = fmin(3 * lobe->width, round * exp(-1.5 * fabs(log(along)) - 1));
-    const double far = fmin(fmax(log(t / from) / log(round / from), 0), 1), longer = t * pow(along, 1 - far);
-    const double shorter = t * t / longer;
-    return (circle){{(1 - far) * lobe->center[0], (1 - far) * lobe->center[1]},
+    const double longer = t * pow(along, 1 - blend(t, from, round)), shorter = t * t / longer;
+    return (circle){{here * lobe->center[0], here * lobe->center[1]},
                     {c * longer, -s * shorter, s * longer, c * shorter}};
 }
 
