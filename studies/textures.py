@@ -3,7 +3,8 @@
 """Pairs of textured materials with known distortions, for judging scores by labels and blame by what was changed:
 
     studies/textures.py make FOLDER --n 200 --seed 1     maps and FOLDER/pairs.csv, of the textures of ../shared/data/textured
-    studies/textures.py judge FOLDER                     scores and labels of the pairs, and how they agree
+    studies/textures.py label FOLDER                     their labels, which judge makes where they are missing
+    studies/textures.py judge FOLDER                     their scores, and how they agree with the labels
 
 Needs PIL (python3-pil) and NumPy. Maps are reduced to 1024 x 1024."""
 import argparse
@@ -174,12 +175,27 @@ def run(*arguments):
     return json.loads(done.stdout)
 
 
-def judge_pair(row):
+def label_pair(row):
+    """Near: every point shows one texel, and the texture is repeated 8 times, so that all of it is seen. Far: each shows the mean of 64
+    texels of anywhere."""
     pair = [row["reference"], row["test"]]
-    score = run("score", *pair, "--json")["results"][0]
-    near = run("label", *pair, "--tiles", "8", "--texels", "1", "--points", "3072", "--lights", "128", "--json")["results"][0]
-    far = run("label", *pair, "--tiles", "1024", "--texels", "64", "--points", "1024", "--lights", "128", "--json")["results"][0]
-    return score, near, far
+    near = run("label", *pair, "--tiles", "8", "--texels", "1", "--points", "3072", "--lights", "128", "--json")
+    far = run("label", *pair, "--tiles", "1024", "--texels", "64", "--points", "1024", "--lights", "128", "--json")
+    return {"near": near["results"][0], "far": far["results"][0]}
+
+
+def label(folder):
+    """Continues where an earlier run stopped. Returns the rows with their labels."""
+    path = folder / "labels.jsonl"
+    done = [json.loads(line) for line in path.open()] if path.exists() else []
+    rows = list(csv.DictReader(open(folder / "pairs.csv")))
+    with path.open("a") as out:
+        for row in rows[len(done) :]:
+            done.append({"row": row, **label_pair(row)})
+            out.write(json.dumps(done[-1]) + "\n")
+            out.flush()
+            print(f"{len(done)} of {len(rows)} labels", file=sys.stderr)
+    return done
 
 
 def ranks(values):
@@ -200,18 +216,10 @@ def interval(function, *columns, n=2000):
 
 
 def judge(folder):
-    """Near: every point shows one texel, and the texture is repeated 8 times, so that all of it is seen. Far: each shows the mean of 64
-    texels."""
-    path = folder / "judged.jsonl"
-    done = [json.loads(line) for line in path.open()] if path.exists() else []
-    rows = list(csv.DictReader(open(folder / "pairs.csv")))
-    with path.open("a") as out:
-        for i, row in enumerate(rows[len(done) :], len(done)):
-            score, near, far = judge_pair(row)
-            done.append({"row": row, "score": score, "near": near, "far": far})
-            out.write(json.dumps(done[-1]) + "\n")
-            out.flush()
-            print(f"{i + 1} of {len(rows)}: {row['kind']} near {score['jod']:.2f} label {near['jod']:.2f}", file=sys.stderr)
+    done = label(folder)
+    for i, d in enumerate(done):
+        d["score"] = run("score", d["row"]["reference"], d["row"]["test"], "--json")["results"][0]
+        print(f"{i + 1} of {len(done)}: {d['row']['kind']} near {d['score']['jod']:.2f} label {d['near']['jod']:.2f}", file=sys.stderr)
     show(done)
 
 
@@ -242,7 +250,7 @@ def show(done):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("what", choices=["make", "judge"])
+    parser.add_argument("what", choices=["make", "label", "judge"])
     parser.add_argument("folder", type=pathlib.Path)
     parser.add_argument("--n", type=int, default=200)
     parser.add_argument("--seed", type=int, default=1)
@@ -250,6 +258,8 @@ def main():
     args = parser.parse_args()
     if args.what == "make":
         make(args.folder, args.n, args.seed, args.data)
+    elif args.what == "label":
+        label(args.folder)
     else:
         judge(args.folder)
 
