@@ -134,14 +134,7 @@ INLINED void ggx_values(const ggx *self, size_t n, const double *wi, const doubl
     }
 }
 
-static void ggx_eval(const void *state, size_t n, const double *wi, const double *wo, double *rgb) {
-    ggx_values(state, n, wi, wo, rgb, NULL);
-}
-
-static void ggx_jacobian(const void *state, size_t n, const double *wi, const double *wo, double *rgb,
-                         double *jacobian) {
-    ggx_values(state, n, wi, wo, rgb, jacobian);
-}
+NQM_EVAL_AND_JACOBIAN(ggx, ggx_values, state)
 
 const nqm_analytic_model nqm_ggx_model = {
     .schema = {"ggx",
@@ -279,13 +272,7 @@ INLINED void lobe_values(lobe_kind kind, const lobe *self, size_t n, const doubl
 
 /** Define the model MODEL with the lobe function LOBE of N_SHAPE values; the variadic arguments are its keys after kd and ks. */
 #define LOBE_MODEL(MODEL, NAME, DOI, LOBE, PREPARE, N_SHAPE, ...)                                                      \
-    static void LOBE##_eval(const void *state, size_t n, const double *wi, const double *wo, double *rgb) {            \
-        lobe_values((lobe_kind){LOBE, N_SHAPE}, state, n, wi, wo, rgb, NULL);                                          \
-    }                                                                                                                  \
-    static void LOBE##_jacobian(const void *state, size_t n, const double *wi, const double *wo, double *rgb,          \
-                                double *jacobian) {                                                                    \
-        lobe_values((lobe_kind){LOBE, N_SHAPE}, state, n, wi, wo, rgb, jacobian);                                      \
-    }                                                                                                                  \
+    NQM_EVAL_AND_JACOBIAN(LOBE, lobe_values, (lobe_kind){LOBE, N_SHAPE}, state)                                        \
     const nqm_analytic_model MODEL = {                                                                                 \
         .schema = {NAME,                                                                                               \
                    sizeof((nqm_spec_key[]){LOBE_KEYS, __VA_ARGS__}) / sizeof(nqm_spec_key),                            \
