@@ -6,6 +6,7 @@
 #include "base/base.h"
 #include "base/memory_test.h"
 
+#include <stdarg.h>
 #include <stdatomic.h>
 #include <stdlib.h>
 #include <string.h>
@@ -115,11 +116,20 @@ char *nqm_strdup(const char *text) {
     return copy;
 }
 
+char *nqm_text(const char *format, ...) {
+    va_list args;
+    va_start(args, format);
+    const int length = vsnprintf(NULL, 0, format, args);
+    va_end(args);
+    char *text = length < 0 ? NULL : nqm_alloc((size_t)length + 1, 1);
+    va_start(args, format);
+    if (text)
+        vsnprintf(text, (size_t)length + 1, format, args);
+    va_end(args);
+    return text;
+}
+
 char *nqm_path_beside(const char *path, const char *name) {
     const char *slash = *name == '/' ? NULL : strrchr(path, '/');
-    const size_t n_folder = slash ? (size_t)(slash - path) + 1 : 0, n = n_folder + strlen(name) + 1;
-    char *beside = nqm_alloc(n, 1);
-    if (beside)
-        snprintf(beside, n, "%.*s%s", (int)n_folder, path, name);
-    return beside;
+    return nqm_text("%.*s%s", slash ? (int)(slash - path) + 1 : 0, path, name);
 }

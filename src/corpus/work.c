@@ -136,11 +136,7 @@ static char *strings_to_json(size_t n, char *const *strings) {
 
 /* The file of an unfinished unit; nqm_free() it. NULL: out of memory. */
 static char *progress_path(const nqm_corpus_unit *unit) {
-    const size_t n = strlen(unit->path) + sizeof ".progress";
-    char *path = nqm_alloc(n, 1);
-    if (path)
-        snprintf(path, n, "%s.progress", unit->path);
-    return path;
+    return nqm_text("%s.progress", unit->path);
 }
 
 static void remove_progress(const nqm_corpus_unit *unit) {
