@@ -7,7 +7,6 @@
 #include "math/math.h"
 
 #include <math.h>
-#include <string.h>
 
 enum { MAX_TERMS = 8 };
 

@@ -3,12 +3,10 @@
  * Scores of sampled pairs with their gradients by the samples of the test: forward through inputs, estimate and network, then
  * back through each of them. Pairs are processed in the tasks of compose.h.
  */
-#include "math/math.h"
 #include "metric/compose.h"
 #include "net/input_gradient.h"
 #include "sample/loops.h"
 
-#include <math.h>
 #include <string.h>
 
 struct nqm_gradients {

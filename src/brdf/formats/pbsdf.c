@@ -10,7 +10,6 @@
 #include "brdf/formats/grid.h"
 #include "io/io.h"
 #include "math/math.h"
-#include <math.h>
 
 /* Allocated as one block; nodes and weights follow the struct. */
 typedef struct pbsdf {
