@@ -299,15 +299,11 @@ static nqm_status check_shapes(const contents *c, nqm_error *err) {
     return NQM_OK;
 }
 
-static size_t count(const nqm_tensor *t) {
-    return t->n_bytes / sizeof(float);
-}
-
 /* Refuse values that are below `least` or not finite; `value` has the values of the tensor, in any order; NULL: it takes longer. */
 static nqm_status check_values(const contents *c, const nqm_tensor *t, float least, const float *value,
                                nqm_error *err) {
     const unsigned char *data = t->data, *end = data + t->n_bytes;
-    if (value && nqm_all_within(count(t), value, least))
+    if (value && nqm_all_within(nqm_tensor_count(t), value, least))
         return NQM_OK;
     while (data < end && nqm_load_f32(data) >= least && isfinite(nqm_load_f32(data)))
         data += sizeof(float);
@@ -325,7 +321,7 @@ static grid grid_of(const nqm_tensor *t, const float *value) {
 
 static nqm_status copy_floats(const contents *c, const nqm_tensor *t, float least, float *copy, grid *g,
                               nqm_error *err) {
-    nqm_copy_little_endian(count(t), sizeof *copy, t->data, copy);
+    nqm_copy_little_endian(nqm_tensor_count(t), sizeof *copy, t->data, copy);
     *g = grid_of(t, copy);
     return check_values(c, t, least, g->value, err);
 }
@@ -437,15 +433,16 @@ static nqm_status read_material(const nqm_tensor_file *file, contents *found, rg
         return status;
     const contents c = *found;
     const size_t n_slices = c.values->dims[0] * c.values->dims[1];
-    const size_t n_rgb = 3 * n_slices * c.values->dims[3] * c.values->dims[4], n_warp = count(c.vndf);
+    const size_t n_rgb = 3 * n_slices * c.values->dims[3] * c.values->dims[4], n_warp = nqm_tensor_count(c.vndf);
     float *theta, *phi, *ndf, *sigma, *vndf, *rgb;
     double *conditional, *marginal;
-    status = nqm_alloc_arrays(NQM_ARRAYS({m_ret, 1, sizeof(rgl)}, {&theta, count(c.theta_i), sizeof(float)},
-                                         {&phi, count(c.phi_i), sizeof(float)}, {&ndf, count(c.ndf), sizeof(float)},
-                                         {&sigma, count(c.sigma), sizeof(float)}, {&vndf, n_warp, sizeof(float)},
-                                         {&rgb, n_rgb, sizeof(float)}, {&conditional, n_warp, sizeof(double)},
-                                         {&marginal, n_slices * c.vndf->dims[2], sizeof(double)}),
-                              err);
+    status = nqm_alloc_arrays(
+        NQM_ARRAYS({m_ret, 1, sizeof(rgl)}, {&theta, nqm_tensor_count(c.theta_i), sizeof(float)},
+                   {&phi, nqm_tensor_count(c.phi_i), sizeof(float)}, {&ndf, nqm_tensor_count(c.ndf), sizeof(float)},
+                   {&sigma, nqm_tensor_count(c.sigma), sizeof(float)}, {&vndf, n_warp, sizeof(float)},
+                   {&rgb, n_rgb, sizeof(float)}, {&conditional, n_warp, sizeof(double)},
+                   {&marginal, n_slices * c.vndf->dims[2], sizeof(double)}),
+        err);
     if (status != NQM_OK)
         return status;
     rgl *m = *m_ret;
@@ -507,7 +504,8 @@ static nqm_status open_rgl(nqm_map *map, const nqm_tensor_file *file, nqm_illumi
     const nqm_brdf_info info = {.name = name,
                                 .source_doi = "10.1145/3272127.3275059",
                                 .layout = layout,
-                                .n_values = count(c.values) + count(c.vndf) + count(c.ndf) + count(c.sigma),
+                                .n_values = nqm_tensor_count(c.values) + nqm_tensor_count(c.vndf) +
+                                            nqm_tensor_count(c.ndf) + nqm_tensor_count(c.sigma),
                                 .isotropic = m->phi.width == 1};
     return nqm_brdf_wrap(&rgl_class, m, &info, brdf_ret, err);
 }
