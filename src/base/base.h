@@ -84,7 +84,7 @@ void *nqm_grow(void *block, size_t *max_n, size_t n, size_t size);
 /** A copy of a string, or NULL when out of memory; free with nqm_free(). */
 char *nqm_strdup(const char *text);
 /** As sprintf(), into a string of its own; likewise. */
-__attribute__((format(printf, 1, 2))) char *nqm_text(const char *format, ...);
+__attribute__((format(printf, 1, 2))) char *nqm_strdupf(const char *format, ...);
 /** The path of a file that the file `path` names: `name` in the same folder; an absolute `name` unchanged. NULL when out of memory;
  *  free with nqm_free(). */
 char *nqm_path_beside(const char *path, const char *name);

@@ -116,7 +116,7 @@ char *nqm_strdup(const char *text) {
     return copy;
 }
 
-char *nqm_text(const char *format, ...) {
+char *nqm_strdupf(const char *format, ...) {
     va_list args;
     va_start(args, format);
     const int length = vsnprintf(NULL, 0, format, args);
@@ -131,5 +131,5 @@ char *nqm_text(const char *format, ...) {
 
 char *nqm_path_beside(const char *path, const char *name) {
     const char *slash = *name == '/' ? NULL : strrchr(path, '/');
-    return nqm_text("%.*s%s", slash ? (int)(slash - path) + 1 : 0, path, name);
+    return nqm_strdupf("%.*s%s", slash ? (int)(slash - path) + 1 : 0, path, name);
 }

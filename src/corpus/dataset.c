@@ -80,7 +80,7 @@ static char *manifest_with_checksum(const char *manifest, const char *sha256) {
 }
 
 nqm_status nqm_corpus_manifest_open(const char *dataset_path, nqm_outfile *out_ret, nqm_error *err) {
-    char *path = nqm_text("%s.json", dataset_path);
+    char *path = nqm_strdupf("%s.json", dataset_path);
     if (!path)
         return nqm_fail_nomem(err, strlen(dataset_path));
     nqm_status status = nqm_outfile_open(path, out_ret, err);

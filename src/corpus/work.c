@@ -133,7 +133,7 @@ static char *strings_to_json(size_t n, char *const *strings) {
 
 /* The file of an unfinished unit; nqm_free() it. NULL: out of memory. */
 static char *progress_path(const nqm_corpus_unit *unit) {
-    return nqm_text("%s.progress", unit->path);
+    return nqm_strdupf("%s.progress", unit->path);
 }
 
 static void remove_progress(const nqm_corpus_unit *unit) {

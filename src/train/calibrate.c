@@ -51,7 +51,7 @@ char *nqm_card_with_interval(const char *card, const nqm_calibration *c, const c
     for (size_t i = 0; i < 3; ++i)
         nqm_format_double(percent[i], sizeof percent[i], round(1000 * shares[i]) / 10);
     nqm_format_double(width, sizeof width, round(100 * c->mean_width) / 100);
-    return nqm_text(
+    return nqm_strdupf(
         "%.*s%s\nThe 95 %% interval of a JOD was calibrated on %zu validation pairs of %zu materials, which the model "
         "was\n"
         "not trained on (dataset `%.64s`).\nWith each material left out in turn, it held %s %% of that material's "
@@ -195,7 +195,7 @@ nqm_status nqm_model_annotate(const nqm_model *model, const char *markdown, nqm_
     nqm_status status = nqm_model_copy(model, &copy, err);
     if (status != NQM_OK)
         return status;
-    status = replace_card(copy, nqm_text("%s%s%s", before, *before ? "\n" : "", markdown), err);
+    status = replace_card(copy, nqm_strdupf("%s%s%s", before, *before ? "\n" : "", markdown), err);
     if (status == NQM_OK)
         *model_ret = copy;
     else

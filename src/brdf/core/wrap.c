@@ -26,7 +26,7 @@ static char *canonical_spec(const nqm_spec_schema *schema, const nqm_spec_values
                             const nqm_between_bases *bases) {
     const char *of = spec_of(bases->of), *with = bases->with ? spec_of(bases->with) : "";
     char *own = nqm_spec_format(schema, values);
-    char *spec = own ? nqm_text("%s%s%s%s;of=%s", own, *with ? ";with=(" : "", with, *with ? ")" : "", of) : NULL;
+    char *spec = own ? nqm_strdupf("%s%s%s%s;of=%s", own, *with ? ";with=(" : "", with, *with ? ")" : "", of) : NULL;
     nqm_free(own);
     return spec;
 }

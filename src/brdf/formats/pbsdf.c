@@ -56,7 +56,7 @@ static nqm_status find_tensors(const nqm_tensor_file *file, contents *c, nqm_err
         if (!t)
             return nqm_fail(err, NQM_ERR_FORMAT, 0, "%s: has no tensor '%s' (byte 0)", c->path, needed[i].name);
         if (t->dtype != needed[i].dtype)
-            return nqm_tensor_fail(c->path, t, "has a type that is not that of a polarimetric material", err);
+            return nqm_brdf_fail_tensor(c->path, t, "has a type that is not that of a polarimetric material", err);
     }
     return NQM_OK;
 }
@@ -64,12 +64,13 @@ static nqm_status find_tensors(const nqm_tensor_file *file, contents *c, nqm_err
 static nqm_status check_shapes(const contents *c, nqm_error *err) {
     const size_t *dims = c->m->dims;
     if (c->m->n_dims != 6 || dims[4] != 4 || dims[5] != 4)
-        return nqm_tensor_fail(c->path, c->m, "does not have 4 x 4 matrices over four coordinates", err);
+        return nqm_brdf_fail_tensor(c->path, c->m, "does not have 4 x 4 matrices over four coordinates", err);
     if (dims[3] < 2 || dims[3] != nqm_tensor_count(c->wavelengths))
-        return nqm_tensor_fail(c->path, c->m, "does not have a matrix for each of two or more `wvls`", err);
+        return nqm_brdf_fail_tensor(c->path, c->m, "does not have a matrix for each of two or more `wvls`", err);
     for (size_t i = 0; i < N_AXES; ++i)
         if (dims[axes[i].dim] < axes[i].least || dims[axes[i].dim] != nqm_tensor_count(c->axis[i]))
-            return nqm_tensor_fail(c->path, c->axis[i], "does not have one angle for each matrix, or too few", err);
+            return nqm_brdf_fail_tensor(c->path, c->axis[i], "does not have one angle for each matrix, or too few",
+                                        err);
     return NQM_OK;
 }
 
@@ -80,11 +81,12 @@ static nqm_status read_axis(const contents *c, size_t i, double *node, nqm_error
     for (size_t k = 0; k < n; ++k) {
         node[k] = (double)nqm_load_f32(stored + k * sizeof(float));
         if (!(node[k] >= axes[i].low - slack && node[k] <= axes[i].high + slack) || (k && !(node[k] > node[k - 1])))
-            return nqm_tensor_fail(c->path, c->axis[i], "does not rise within the range of its angle, in radians", err);
+            return nqm_brdf_fail_tensor(c->path, c->axis[i], "does not rise within the range of its angle, in radians",
+                                        err);
     }
     return node[n - 1] - node[0] <= 2 * NQM_PI + slack
                ? NQM_OK
-               : nqm_tensor_fail(c->path, c->axis[i], "is longer than a turn", err);
+               : nqm_brdf_fail_tensor(c->path, c->axis[i], "is longer than a turn", err);
 }
 
 static nqm_status read_material(const contents *c, nqm_illuminant illuminant, pbsdf **p_ret, nqm_error *err) {
@@ -99,7 +101,7 @@ static nqm_status read_material(const contents *c, nqm_illuminant illuminant, pb
     for (size_t i = 0; status == NQM_OK && i < N_AXES; ++i)
         status = read_axis(c, i, node[i], err);
     if (status == NQM_OK)
-        status = nqm_tensor_weights(c->path, c->wavelengths, illuminant, weights, err);
+        status = nqm_brdf_tensor_weights(c->path, c->wavelengths, illuminant, weights, err);
     if (status != NQM_OK)
         return status;
     const size_t h_bytes = n_wavelengths * matrix_bytes, d_bytes = dims[2] * h_bytes;

@@ -248,7 +248,7 @@ typedef struct contents {
     nqm_illuminant illuminant;
 } contents;
 
-nqm_status nqm_tensor_fail(const char *path, const nqm_tensor *t, const char *fault, nqm_error *err) {
+nqm_status nqm_brdf_fail_tensor(const char *path, const nqm_tensor *t, const char *fault, nqm_error *err) {
     return nqm_fail(err, NQM_ERR_FORMAT, t->byte_offset, "%s: '%s' at byte %lld %s", path, t->name,
                     (long long)t->byte_offset, fault);
 }
@@ -259,7 +259,7 @@ static nqm_status find_tensor(const nqm_tensor_file *file, const contents *c, co
     if (!*t_ret)
         return nqm_fail(err, NQM_ERR_FORMAT, 0, "%s: has no tensor '%s' (byte 0)", c->path, name);
     if ((*t_ret)->dtype != NQM_F32 || (*t_ret)->n_dims != n_dims)
-        return nqm_tensor_fail(c->path, *t_ret, "has a type or shape that is not that of an RGL material", err);
+        return nqm_brdf_fail_tensor(c->path, *t_ret, "has a type or shape that is not that of an RGL material", err);
     return NQM_OK;
 }
 
@@ -282,20 +282,21 @@ static nqm_status check_shapes(const contents *c, nqm_error *err) {
     const nqm_tensor *grids[] = {c->ndf, c->sigma, c->vndf, c->values};
     for (size_t i = 0; i < 4; ++i)
         if (grids[i]->dims[grids[i]->n_dims - 1] < 2 || grids[i]->dims[grids[i]->n_dims - 2] < 2)
-            return nqm_tensor_fail(c->path, grids[i], "has fewer than 2 x 2 values", err);
+            return nqm_brdf_fail_tensor(c->path, grids[i], "has fewer than 2 x 2 values", err);
     const size_t n_phi = c->phi_i->dims[0], n_theta = c->theta_i->dims[0];
     if (n_phi < 1 || (c->wavelengths && c->wavelengths->dims[0] < 1))
-        return nqm_tensor_fail(c->path, n_phi < 1 ? c->phi_i : c->wavelengths, "is empty", err);
+        return nqm_brdf_fail_tensor(c->path, n_phi < 1 ? c->phi_i : c->wavelengths, "is empty", err);
     if (n_theta < 2)
-        return nqm_tensor_fail(c->path, c->theta_i, "has fewer than two angles", err);
+        return nqm_brdf_fail_tensor(c->path, c->theta_i, "has fewer than two angles", err);
     if (c->vndf->dims[0] != n_phi || c->vndf->dims[1] != n_theta)
-        return nqm_tensor_fail(c->path, c->vndf, "does not have one slice for each phi_i and theta_i", err);
+        return nqm_brdf_fail_tensor(c->path, c->vndf, "does not have one slice for each phi_i and theta_i", err);
     const size_t *dims = c->values->dims;
     if (dims[0] != n_phi || dims[1] != n_theta || dims[2] != (c->wavelengths ? c->wavelengths->dims[0] : 3))
-        return nqm_tensor_fail(c->path, c->values,
-                               c->wavelengths ? "does not have one value for each of `wavelengths`, phi_i and theta_i"
-                                              : "does not have three channels for each phi_i and theta_i",
-                               err);
+        return nqm_brdf_fail_tensor(c->path, c->values,
+                                    c->wavelengths
+                                        ? "does not have one value for each of `wavelengths`, phi_i and theta_i"
+                                        : "does not have three channels for each phi_i and theta_i",
+                                    err);
     return NQM_OK;
 }
 
@@ -355,8 +356,8 @@ static void convert_spectra(const nqm_tensor *t, const double *weights, float *r
         }
 }
 
-nqm_status nqm_tensor_weights(const char *path, const nqm_tensor *wavelengths, nqm_illuminant illuminant,
-                              double *weights, nqm_error *err) {
+nqm_status nqm_brdf_tensor_weights(const char *path, const nqm_tensor *wavelengths, nqm_illuminant illuminant,
+                                   double *weights, nqm_error *err) {
     const unsigned char *stored = wavelengths->data;
     const size_t size = nqm_dtype_size(wavelengths->dtype), n = wavelengths->n_bytes / size;
     float *nm = nqm_alloc(n, sizeof *nm);
@@ -369,13 +370,13 @@ nqm_status nqm_tensor_weights(const char *path, const nqm_tensor *wavelengths, n
         nqm_spectrum_weights(illuminant, n, nm, weights);
     nqm_free(nm);
     return visible ? NQM_OK
-                   : nqm_tensor_fail(path, wavelengths, "does not rise from at most 500 to at least 600 nm", err);
+                   : nqm_brdf_fail_tensor(path, wavelengths, "does not rise from at most 500 to at least 600 nm", err);
 }
 
 static nqm_status read_spectra(const contents *c, float *rgb, nqm_error *err) {
     const size_t n = c->wavelengths->dims[0];
     double *weights = nqm_alloc(3 * n, sizeof *weights);
-    nqm_status status = weights ? nqm_tensor_weights(c->path, c->wavelengths, c->illuminant, weights, err)
+    nqm_status status = weights ? nqm_brdf_tensor_weights(c->path, c->wavelengths, c->illuminant, weights, err)
                                 : nqm_fail_nomem(err, 3 * n * sizeof *weights);
     if (status == NQM_OK)
         status = check_values(c, c->values, -FLT_MAX, NULL, err);
@@ -411,7 +412,7 @@ static nqm_status read_angles(const contents *c, const nqm_tensor *t, float leas
     nqm_status status = copy_floats(c, t, least, angle, g, err);
     for (size_t k = 1; status == NQM_OK && k < g->width; ++k)
         if (!(angle[k] > angle[k - 1]))
-            status = nqm_tensor_fail(c->path, t, "does not rise", err);
+            status = nqm_brdf_fail_tensor(c->path, t, "does not rise", err);
     return status;
 }
 
@@ -421,7 +422,7 @@ static nqm_status find_images(const contents *c, rgl *m, nqm_error *err) {
     for (m->n_images = 1; m->n_images <= 4; m->n_images *= 2)
         if (fabs((double)m->n_images * range - 2 * NQM_PI) < PHI_SLACK)
             return NQM_OK;
-    return nqm_tensor_fail(c->path, c->phi_i, "does not cover 360, 180 or 90 degrees", err);
+    return nqm_brdf_fail_tensor(c->path, c->phi_i, "does not cover 360, 180 or 90 degrees", err);
 }
 
 /* `found` has the path and the illuminant; the tensors are added. */
@@ -465,7 +466,7 @@ static nqm_status read_material(const nqm_tensor_file *file, contents *found, rg
         status = copy_floats(&c, c.vndf, 0, vndf, &m->vndf, err);
     for (size_t k = 0; status == NQM_OK && k < n_slices; ++k)
         if (!(integrate_slice(m, k) >= FLT_MIN)) /* its inverse must be finite */
-            status = nqm_tensor_fail(c.path, c.vndf, "has a slice without any density", err);
+            status = nqm_brdf_fail_tensor(c.path, c.vndf, "has a slice without any density", err);
     const nqm_tensor *jacobian = nqm_tensor_file_find(file, "jacobian");
     m->jacobian = !jacobian || jacobian->n_bytes != 1 || *(const unsigned char *)jacobian->data != 0;
     return status;
