@@ -62,7 +62,7 @@ void *nqm_alloc(size_t n, size_t size);
 void nqm_free(void *block);
 /** One of several arrays that share a block. */
 typedef struct nqm_array {
-    void *pointer;  /**< address of a pointer variable; receives the array's address */
+    void *pointer;  /**< address of a pointer variable; receives the array's address. NULL: there is no such array */
     size_t n, size; /**< number of elements, and bytes per element */
 } nqm_array;
 /** Allocate zeroed, 64-byte aligned arrays in one block. The first array owns the block: nqm_free() of it frees all of

@@ -56,12 +56,16 @@ nqm_status nqm_alloc_arrays(size_t n_arrays, const nqm_array *arrays, nqm_error 
     unsigned char *at = NULL;
     bool ok = true;
     for (size_t i = 0; ok && i < n_arrays; ++i) {
+        if (!arrays[i].pointer)
+            continue;
         ok = nqm_mul_size(arrays[i].n, arrays[i].size, &n_array) && n_array <= SIZE_MAX / 2 - n_bytes;
         n_bytes += ok ? (n_array + ALIGNMENT - 1) / ALIGNMENT * ALIGNMENT : 0;
     }
     if (ok)
         at = nqm_alloc(n_bytes, 1);
     for (size_t i = 0; i < n_arrays; ++i) {
+        if (!arrays[i].pointer)
+            continue;
         memcpy(arrays[i].pointer, &at, sizeof at);
         if (at)
             at += (arrays[i].n * arrays[i].size + ALIGNMENT - 1) / ALIGNMENT * ALIGNMENT;

@@ -184,7 +184,7 @@ nqm_status nqm_evaluation_create(const nqm_dataset *dataset, size_t n_models, co
         NQM_ARRAYS({&ev, 1, sizeof *ev}, {&made.values, n_predictors, dataset->n_pairs * sizeof(double)},
                    {&made.predictions, n_models, dataset->n_pairs * sizeof *made.predictions},
                    {&made.labels, n_models, dataset->n_pairs * sizeof *made.labels},
-                   {&made.estimates, has_estimate ? dataset->n_pairs : 0, sizeof *made.estimates},
+                   {has_estimate ? &made.estimates : NULL, dataset->n_pairs, sizeof *made.estimates},
                    {&made.scalars, dataset->n_pairs, NQM_SCALAR_COUNT * sizeof(double)},
                    {&made.ref_class, dataset->n_refs, sizeof *made.ref_class},
                    {&made.unseen, dataset->n_kinds, sizeof *made.unseen},
@@ -192,8 +192,6 @@ nqm_status nqm_evaluation_create(const nqm_dataset *dataset, size_t n_models, co
         err);
     if (status != NQM_OK)
         return status;
-    if (!has_estimate)
-        made.estimates = NULL;
     *ev = made;
     status = begin(ev, err);
     if (status == NQM_OK)
