@@ -20,7 +20,7 @@ static void look_at(const nqm_dataset *d) {
             abort();
     }
     nqm_evaluation *ev;
-    nqm_status status = nqm_evaluation_create(d, 0, NULL, NULL, &ev, NULL);
+    nqm_status status = nqm_evaluation_create(d, 0, NULL, NULL, NULL, &ev, NULL);
     if (status != NQM_OK && n_chars < SIZE_MAX)
         abort();
     nqm_evaluation_free(ev);

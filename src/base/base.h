@@ -62,7 +62,7 @@ void *nqm_alloc(size_t n, size_t size);
 void nqm_free(void *block);
 /** One of several arrays that share a block. */
 typedef struct nqm_array {
-    void *pointer;  /**< address of a pointer variable; receives the array's address */
+    void *pointer;  /**< address of a pointer variable; receives the array's address. NULL: there is no such array */
     size_t n, size; /**< number of elements, and bytes per element */
 } nqm_array;
 /** Allocate zeroed, 64-byte aligned arrays in one block. The first array owns the block: nqm_free() of it frees all of
@@ -83,6 +83,8 @@ void nqm_free_pages(void *block, size_t n, size_t size);
 void *nqm_grow(void *block, size_t *max_n, size_t n, size_t size);
 /** A copy of a string, or NULL when out of memory; free with nqm_free(). */
 char *nqm_strdup(const char *text);
+/** As sprintf(), into a string of its own; likewise. */
+__attribute__((format(printf, 1, 2))) char *nqm_strdupf(const char *format, ...);
 /** The path of a file that the file `path` names: `name` in the same folder; an absolute `name` unchanged. NULL when out of memory;
  *  free with nqm_free(). */
 char *nqm_path_beside(const char *path, const char *name);

@@ -6,6 +6,7 @@
 #include "base/base.h"
 #include "base/memory_test.h"
 
+#include <stdarg.h>
 #include <stdatomic.h>
 #include <stdlib.h>
 #include <string.h>
@@ -55,12 +56,16 @@ nqm_status nqm_alloc_arrays(size_t n_arrays, const nqm_array *arrays, nqm_error 
     unsigned char *at = NULL;
     bool ok = true;
     for (size_t i = 0; ok && i < n_arrays; ++i) {
+        if (!arrays[i].pointer)
+            continue;
         ok = nqm_mul_size(arrays[i].n, arrays[i].size, &n_array) && n_array <= SIZE_MAX / 2 - n_bytes;
         n_bytes += ok ? (n_array + ALIGNMENT - 1) / ALIGNMENT * ALIGNMENT : 0;
     }
     if (ok)
         at = nqm_alloc(n_bytes, 1);
     for (size_t i = 0; i < n_arrays; ++i) {
+        if (!arrays[i].pointer)
+            continue;
         memcpy(arrays[i].pointer, &at, sizeof at);
         if (at)
             at += (arrays[i].n * arrays[i].size + ALIGNMENT - 1) / ALIGNMENT * ALIGNMENT;
@@ -115,11 +120,20 @@ char *nqm_strdup(const char *text) {
     return copy;
 }
 
+char *nqm_strdupf(const char *format, ...) {
+    va_list args;
+    va_start(args, format);
+    const int length = vsnprintf(NULL, 0, format, args);
+    va_end(args);
+    char *text = length < 0 ? NULL : nqm_alloc((size_t)length + 1, 1);
+    va_start(args, format);
+    if (text)
+        vsnprintf(text, (size_t)length + 1, format, args);
+    va_end(args);
+    return text;
+}
+
 char *nqm_path_beside(const char *path, const char *name) {
     const char *slash = *name == '/' ? NULL : strrchr(path, '/');
-    const size_t n_folder = slash ? (size_t)(slash - path) + 1 : 0, n = n_folder + strlen(name) + 1;
-    char *beside = nqm_alloc(n, 1);
-    if (beside)
-        snprintf(beside, n, "%.*s%s", (int)n_folder, path, name);
-    return beside;
+    return nqm_strdupf("%.*s%s", slash ? (int)(slash - path) + 1 : 0, path, name);
 }

@@ -6,7 +6,6 @@
 #include "base/names.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 /* ---- values ------------------------------------------------------------------------------------------------------ */

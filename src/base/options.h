@@ -62,6 +62,14 @@ typedef struct nqm_option_table {
  *  NQM_ERR_ARG: the recipe does not exist. */
 NQM_MUST_CHECK nqm_status nqm_options_begin(const nqm_option_table *table, const char *recipe, void *options,
                                             nqm_error *err);
+/** Define NAME##s_default(), which returns NAME##s with the defaults of NAME##_table; the variadic arguments initialise the fields that
+ *  the table does not describe. */
+#define NQM_OPTIONS_DEFAULT(NAME, ...)                                                                                 \
+    NAME##s NAME##s_default(void) {                                                                                    \
+        NAME##s options = {__VA_ARGS__};                                                                               \
+        (void)!nqm_options_begin(&NAME##_table, NULL, &options, NULL); /* cannot fail without a recipe */              \
+        return options;                                                                                                \
+    }
 /** Check all ranges. NQM_ERR_ARG: the message gives the first option outside its range, its value and the range. */
 NQM_MUST_CHECK nqm_status nqm_options_check(const nqm_option_table *table, const void *options, nqm_error *err);
 /** The row with this key; NULL when there is none. */

@@ -15,11 +15,7 @@
 /* A claim is a lock on a file next to the result. The system releases the locks of a process that ends in any way, so no
  * clock or heartbeat is needed. */
 static char *claim_path(const char *path) {
-    size_t n = strlen(path) + sizeof ".claim";
-    char *name = nqm_alloc(n, 1);
-    if (name)
-        snprintf(name, n, "%s.claim", path);
-    return name;
+    return nqm_strdupf("%s.claim", path);
 }
 
 nqm_status nqm_claim(const char *path, int *claim_ret, nqm_error *err) {

@@ -147,11 +147,7 @@ nqm_status nqm_brdf_find_companion(const char *path, const char *member, char **
 char *nqm_brdf_path_below(const char *path_or_spec, const char *root, size_t n_root) {
     if (n_root == 0 || *path_or_spec == '/' || nqm_spec_probe(path_or_spec))
         return nqm_strdup(path_or_spec);
-    size_t n = n_root + strlen(path_or_spec) + 2;
-    char *path = nqm_alloc(n, 1);
-    if (path)
-        snprintf(path, n, "%.*s/%s", (int)n_root, root, path_or_spec);
-    return path;
+    return nqm_strdupf("%.*s/%s", (int)n_root, root, path_or_spec);
 }
 
 nqm_status nqm_brdf_open_below(const char *path_or_spec, const char *root, nqm_brdf **brdf_ret, nqm_error *err) {

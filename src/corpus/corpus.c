@@ -33,11 +33,7 @@ static const nqm_option rows[] = {
 
 const nqm_option_table nqm_corpus_option_table = {rows, sizeof rows / sizeof *rows, NULL};
 
-nqm_corpus_options nqm_corpus_options_default(void) {
-    nqm_corpus_options options = {.scene = nqm_scene_options_default()};
-    (void)!nqm_options_begin(&nqm_corpus_option_table, NULL, &options, NULL); /* cannot fail without a recipe */
-    return options;
-}
+NQM_OPTIONS_DEFAULT(nqm_corpus_option, .scene = nqm_scene_options_default())
 
 /* ---- preparation ------------------------------------------------------------------------------------------------- */
 

@@ -80,11 +80,9 @@ static char *manifest_with_checksum(const char *manifest, const char *sha256) {
 }
 
 nqm_status nqm_corpus_manifest_open(const char *dataset_path, nqm_outfile *out_ret, nqm_error *err) {
-    size_t n = strlen(dataset_path) + sizeof ".json";
-    char *path = nqm_alloc(n, 1);
+    char *path = nqm_strdupf("%s.json", dataset_path);
     if (!path)
-        return nqm_fail_nomem(err, n);
-    snprintf(path, n, "%s.json", dataset_path);
+        return nqm_fail_nomem(err, strlen(dataset_path));
     nqm_status status = nqm_outfile_open(path, out_ret, err);
     nqm_free(path);
     return status;

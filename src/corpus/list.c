@@ -24,20 +24,13 @@ typedef struct kind {
     bool in_test, in_rest;
 } kind;
 
-static nqm_index_key key_of_ref(const void *value) {
-    return (nqm_index_key){.name = ((const nqm_corpus_ref *)value)->name};
+/* Of a reference, a group or a kind, which begin with their name. */
+static nqm_index_key key_of_name(const void *value) {
+    return (nqm_index_key){.name = *(const char *const *)value};
 }
 
 static nqm_index_key key_of_brdf(const void *value) {
     return (nqm_index_key){.name = ((const nqm_corpus_ref *)value)->brdf};
-}
-
-static nqm_index_key key_of_group(const void *value) {
-    return (nqm_index_key){.name = ((const nqm_corpus_group *)value)->name};
-}
-
-static nqm_index_key key_of_kind(const void *value) {
-    return (nqm_index_key){.name = ((const kind *)value)->name};
 }
 
 /* All references, groups and kinds of the list, in the order in which they occur. */
@@ -56,10 +49,10 @@ static nqm_status names_begin(size_t n, names *s, nqm_error *err) {
                                     {&s->kinds, n, sizeof *s->kinds}, {&s->ref_of, n, sizeof *s->ref_of}),
                          err);
     if (status == NQM_OK)
-        status = nqm_index_create(n, key_of_ref, &s->by_ref, err);
+        status = nqm_index_create(n, key_of_name, &s->by_ref, err);
     if (status == NQM_OK)
-        status = nqm_index_create(n, key_of_group, &s->by_group, err);
-    return status == NQM_OK ? nqm_index_create(n, key_of_kind, &s->by_kind, err) : status;
+        status = nqm_index_create(n, key_of_name, &s->by_group, err);
+    return status == NQM_OK ? nqm_index_create(n, key_of_name, &s->by_kind, err) : status;
 }
 
 static void names_end(names *s) {

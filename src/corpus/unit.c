@@ -4,7 +4,6 @@
  */
 #include "brdf/brdf.h"
 #include "corpus/corpus.h"
-#include "math/math.h"
 
 #include <math.h>
 #include <string.h>

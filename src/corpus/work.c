@@ -117,11 +117,8 @@ static void describe(const nqm_corpus_unit *unit, size_t n, nqm_tensor tensors[N
         {.name = "test_used", .dtype = NQM_U8, .n_dims = 2, .dims = {n_rows, n}, .data = unit->test_used},
         {.name = "label", .dtype = NQM_F64, .n_dims = 2, .dims = {n_rows, N_LABEL}, .data = unit->label}};
     memcpy(tensors, all, sizeof all);
-    for (size_t t = 0; t < N_TENSORS; ++t) {
-        tensors[t].n_bytes = nqm_dtype_size(tensors[t].dtype);
-        for (size_t k = 0; k < tensors[t].n_dims; ++k)
-            tensors[t].n_bytes *= tensors[t].dims[k];
-    }
+    for (size_t t = 0; t < N_TENSORS; ++t)
+        nqm_tensor_measure(&tensors[t]);
 }
 
 /* (n) strings as a JSON array, NULL as null; free() it. NULL: out of memory, or not UTF-8. */
@@ -136,11 +133,7 @@ static char *strings_to_json(size_t n, char *const *strings) {
 
 /* The file of an unfinished unit; nqm_free() it. NULL: out of memory. */
 static char *progress_path(const nqm_corpus_unit *unit) {
-    const size_t n = strlen(unit->path) + sizeof ".progress";
-    char *path = nqm_alloc(n, 1);
-    if (path)
-        snprintf(path, n, "%s.progress", unit->path);
-    return path;
+    return nqm_strdupf("%s.progress", unit->path);
 }
 
 static void remove_progress(const nqm_corpus_unit *unit) {

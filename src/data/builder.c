@@ -7,35 +7,22 @@
 
 #include <string.h>
 
+/* d is zeroed: the arrays that it does not have stay NULL. */
 static nqm_status allocate_arrays(const nqm_dataset_limits *l, nqm_dataset *d, nqm_error *err) {
     const size_t n = l->n_directions, r = l->max_refs, p = l->max_pairs;
-    const size_t n_samples = l->borrows_samples ? 0 : 1, n_masks = l->has_masks ? 1 : 0, n_parts = l->has_parts ? p : 0;
-    const size_t n_errors = l->has_errors ? p : 0;
-    const size_t n_transport = l->has_transport ? n : 0, n_points = l->has_transport ? NQM_TRANSPORT_POINTS : 0;
-    nqm_status status = nqm_alloc_arrays(
-        NQM_ARRAYS({&d->block, 0, 1}, {&d->ref_rgb, n_samples * r, 3 * n * sizeof *d->ref_rgb},
-                   {&d->test_rgb, n_samples * p, 3 * n * sizeof *d->test_rgb}, {&d->ref_used, n_masks * r, n},
-                   {&d->test_used, n_masks * p, n}, {&d->delta_e, p, sizeof *d->delta_e}, {&d->jod, p, sizeof *d->jod},
-                   {&d->parts, n_parts, NQM_LABEL_PARTS * sizeof *d->parts},
-                   {&d->delta_e_error, n_errors, sizeof *d->delta_e_error},
-                   {&d->transport, n_transport, 3 * NQM_TRANSPORT_POINTS * sizeof *d->transport},
-                   {&d->transport_points, n_points, 3 * sizeof *d->transport_points},
-                   {&d->pair_ref, p, sizeof *d->pair_ref}, {&d->pair_kind, p, sizeof *d->pair_kind},
-                   {&d->ref_group, r, sizeof *d->ref_group}, {&d->group_split, r, sizeof *d->group_split}),
+    return nqm_alloc_arrays(
+        NQM_ARRAYS(
+            {&d->block, 0, 1}, {l->borrows_samples ? NULL : &d->ref_rgb, r, 3 * n * sizeof *d->ref_rgb},
+            {l->borrows_samples ? NULL : &d->test_rgb, p, 3 * n * sizeof *d->test_rgb},
+            {l->has_masks ? &d->ref_used : NULL, r, n}, {l->has_masks ? &d->test_used : NULL, p, n},
+            {&d->delta_e, p, sizeof *d->delta_e}, {&d->jod, p, sizeof *d->jod},
+            {l->has_parts ? &d->parts : NULL, p, NQM_LABEL_PARTS * sizeof *d->parts},
+            {l->has_errors ? &d->delta_e_error : NULL, p, sizeof *d->delta_e_error},
+            {l->has_transport ? &d->transport : NULL, n, 3 * NQM_TRANSPORT_POINTS * sizeof *d->transport},
+            {l->has_transport ? &d->transport_points : NULL, NQM_TRANSPORT_POINTS, 3 * sizeof *d->transport_points},
+            {&d->pair_ref, p, sizeof *d->pair_ref}, {&d->pair_kind, p, sizeof *d->pair_kind},
+            {&d->ref_group, r, sizeof *d->ref_group}, {&d->group_split, r, sizeof *d->group_split}),
         err);
-    if (l->borrows_samples)
-        d->ref_rgb = d->test_rgb = NULL;
-    if (!l->has_masks)
-        d->ref_used = d->test_used = NULL;
-    if (!l->has_parts)
-        d->parts = NULL;
-    if (!l->has_errors)
-        d->delta_e_error = NULL;
-    if (!l->has_transport) {
-        d->transport = NULL;
-        d->transport_points = NULL;
-    }
-    return status;
 }
 
 nqm_status nqm_dataset_begin(const nqm_dataset_limits *limits, nqm_dataset_builder *builder_ret, nqm_error *err) {

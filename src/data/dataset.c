@@ -41,16 +41,13 @@ static const struct {
 nqm_tensor nqm_dataset_array(const nqm_dataset *d, size_t i) {
     const char *fields = (const char *)d;
     nqm_tensor t = {.name = arrays[i].name, .dtype = arrays[i].dtype, .n_dims = arrays[i].n_dims};
-    t.n_bytes = nqm_dtype_size(t.dtype);
     memcpy(&t.data, fields + arrays[i].offset, sizeof t.data);
     t.dims[0] = arrays[i].n_rows;
     if (!t.dims[0])
         memcpy(&t.dims[0], fields + arrays[i].n_offset, sizeof t.dims[0]);
-    for (size_t k = 0; k < t.n_dims; ++k) {
-        if (k > 0)
-            t.dims[k] = arrays[i].n_last && k + 1 == t.n_dims ? arrays[i].n_last : d->n_directions;
-        t.n_bytes *= t.dims[k];
-    }
+    for (size_t k = 1; k < t.n_dims; ++k)
+        t.dims[k] = arrays[i].n_last && k + 1 == t.n_dims ? arrays[i].n_last : d->n_directions;
+    nqm_tensor_measure(&t);
     return t;
 }
 
@@ -193,7 +190,7 @@ nqm_status nqm_dataset_hash(const nqm_dataset *d, char sha256_ret[65], nqm_error
     for (size_t i = 0; i < NQM_DATASET_ARRAYS; ++i) {
         const nqm_tensor t = nqm_dataset_array(d, i);
         if (t.data)
-            nqm_sha256_add_values(&sha, t.n_bytes / nqm_dtype_size(t.dtype), nqm_dtype_size(t.dtype), t.data);
+            nqm_sha256_add_values(&sha, nqm_tensor_count(&t), nqm_dtype_size(t.dtype), t.data);
     }
     nqm_sha256_end(&sha, sha256_ret);
     return NQM_OK;

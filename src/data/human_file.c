@@ -16,7 +16,7 @@ typedef struct entry {
     size_t row, slot; /* slot 1: test_b */
 } entry;
 
-/* A BRDF by its name, and its samples, which belong to the dataset; rgb NULL: not sampled yet. */
+/* A BRDF by its name, and its samples, which belong to the dataset. */
 typedef struct sampled {
     const char *name;
     const float *rgb;
@@ -32,7 +32,8 @@ typedef struct reader {
     entry *entries;    /* (n_entries) sorted */
     uint32_t *pair_of; /* (n_rows, n_slots) */
     size_t n_sampled;
-    sampled *sampled; /* (n_sampled) by name */
+    sampled *sampled;  /* (n_sampled) */
+    nqm_index by_name; /* of these */
     nqm_ticker ticker;
     nqm_error *err;
 } reader;
@@ -67,7 +68,8 @@ static nqm_status sort_entries(reader *r) {
     r->n_entries = a->n_rows * a->n_slots;
     r->entries = nqm_alloc(r->n_entries, sizeof *r->entries);
     r->pair_of = nqm_alloc(r->n_entries, sizeof *r->pair_of);
-    if (!r->entries || !r->pair_of)
+    r->sampled = nqm_alloc(2 * r->n_entries, sizeof *r->sampled);
+    if (!r->entries || !r->pair_of || !r->sampled)
         return nqm_fail_nomem(r->err, r->n_entries * sizeof(entry));
     for (size_t i = 0; i < r->n_entries; ++i) {
         size_t row = i / a->n_slots, slot = i % a->n_slots;
@@ -85,32 +87,15 @@ static nqm_status sort_entries(reader *r) {
 
 /* ---- samples ----------------------------------------------------------------------------------------------------- */
 
-static int compare_sampled(const void *x, const void *y) {
-    const sampled *a = x, *b = y;
-    return strcmp(a->name, b->name);
-}
-
-/* List the names of all BRDFs. */
-static nqm_status list_names(reader *r) {
-    r->sampled = nqm_alloc(2 * r->n_entries, sizeof *r->sampled);
-    if (!r->sampled)
-        return nqm_fail_nomem(r->err, 2 * r->n_entries * sizeof *r->sampled);
-    for (size_t i = 0; i < r->n_entries; ++i) {
-        r->sampled[2 * i].name = r->entries[i].ref;
-        r->sampled[2 * i + 1].name = r->entries[i].test;
-    }
-    qsort(r->sampled, 2 * r->n_entries, sizeof *r->sampled, compare_sampled);
-    for (size_t i = 0; i < 2 * r->n_entries; ++i)
-        if (i == 0 || compare_sampled(&r->sampled[i], &r->sampled[r->n_sampled - 1]) != 0)
-            r->sampled[r->n_sampled++] = r->sampled[i];
-    return NQM_OK;
+static nqm_index_key key_of_sampled(const void *value) {
+    return (nqm_index_key){.name = ((const sampled *)value)->name};
 }
 
 /* Sample a BRDF, unless it was sampled for another row. used (n_directions) receives 1 where it has a value, else 0. */
-static nqm_status sample_brdf(const reader *r, const char *name, size_t row, float *rgb, uint8_t *used) {
+static nqm_status sample_brdf(reader *r, const char *name, size_t row, float *rgb, uint8_t *used) {
     const nqm_dataset *d = r->builder.dataset;
-    sampled *known = bsearch(&(sampled){.name = name}, r->sampled, r->n_sampled, sizeof *r->sampled, compare_sampled);
-    if (known->rgb) {
+    const sampled *known = nqm_index_find(&r->by_name, (nqm_index_key){.name = name});
+    if (known) {
         memcpy(rgb, known->rgb, d->n_directions * 3 * sizeof *rgb);
         memcpy(used, known->used, d->n_directions);
         return NQM_OK;
@@ -123,11 +108,12 @@ static nqm_status sample_brdf(const reader *r, const char *name, size_t row, flo
     for (size_t i = 0; status == NQM_OK && i < d->n_directions; ++i)
         used[i] = nqm_has_value(used[i]);
     nqm_brdf_free(brdf);
-    known->rgb = status == NQM_OK ? rgb : NULL;
-    known->used = used;
-    return status == NQM_OK ? NQM_OK
-                            : nqm_fail(r->err, status, inner.byte_offset, "%s: row %zu: %.400s", r->answers.path,
-                                       row + 1, inner.message);
+    if (status != NQM_OK)
+        return nqm_fail(r->err, status, inner.byte_offset, "%s: row %zu: %.400s", r->answers.path, row + 1,
+                        inner.message);
+    r->sampled[r->n_sampled] = (sampled){name, rgb, used};
+    nqm_index_add(&r->by_name, &r->sampled[r->n_sampled++]);
+    return NQM_OK;
 }
 
 static nqm_status check_valid(const reader *r, const entry *e, const uint8_t *ref_used, const uint8_t *test_used) {
@@ -320,7 +306,7 @@ nqm_status nqm_human_load(const char *csv_path, const nqm_human_options *options
         status = sort_entries(&r);
     }
     if (status == NQM_OK)
-        status = list_names(&r);
+        status = nqm_index_create(2 * r.n_entries, key_of_sampled, &r.by_name, err);
     if (status == NQM_OK)
         status = build_dataset(&r);
     if (status == NQM_OK)
@@ -329,6 +315,7 @@ nqm_status nqm_human_load(const char *csv_path, const nqm_human_options *options
     nqm_free(r.entries);
     nqm_free(r.pair_of);
     nqm_free(r.sampled);
+    nqm_index_free(&r.by_name);
     nqm_csv_free(csv);
     if (status == NQM_OK)
         *human_ret = r.human;

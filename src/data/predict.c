@@ -21,10 +21,7 @@ static void compare_pair(void *user, size_t i) {
     const nqm_dataset *d = job->dataset;
     nqm_comparison *to = &job->to[i];
     const nqm_sample_pair samples = nqm_dataset_samples(d, job->pairs[i], job->used + i * d->n_directions);
-    const bool has_estimate = job->transport->light;
-    if (has_estimate)
-        nqm_transport_estimates(job->transport, 1, &samples, &to->estimate, NULL);
-    nqm_compare_samples(job->plan, &samples, has_estimate ? &to->estimate : NULL, to->metrics, to->scalars);
+    nqm_compare_samples(job->plan, job->transport, &samples, to->metrics, &to->estimate, to->scalars);
 }
 
 nqm_status nqm_dataset_compare(const nqm_dataset *d, const nqm_transport *transport, size_t n, const size_t *pairs,

@@ -4,7 +4,6 @@
  */
 #include "encode/sparse.h"
 #include "brdf/brdf.h"
-#include "math/math.h"
 
 #include <math.h>
 #include <string.h>

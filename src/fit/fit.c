@@ -7,7 +7,6 @@
 #include "math/math.h"
 
 #include <math.h>
-#include <string.h>
 
 enum { MAX_TERMS = 8 };
 
@@ -34,11 +33,7 @@ static const nqm_option rows[] = {
 
 const nqm_option_table nqm_fit_option_table = {rows, sizeof rows / sizeof *rows, NULL};
 
-nqm_fit_options nqm_fit_options_default(void) {
-    nqm_fit_options options = {0};
-    (void)!nqm_options_begin(&nqm_fit_option_table, NULL, &options, NULL); /* cannot fail without a recipe */
-    return options;
-}
+NQM_OPTIONS_DEFAULT(nqm_fit_option, 0)
 
 /* ---- models with a schema ----------------------------------------------------------------------------------------- */
 

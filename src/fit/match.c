@@ -26,10 +26,6 @@ typedef struct binding {
     nqm_fit_term terms[NQM_MATCH_MAX_TERMS];
 } binding;
 
-static const char *word_of(nqm_match_kind kind) {
-    return kind == NQM_MATCH_METRIC ? "nqm" : "transport";
-}
-
 static nqm_status bind_term(const setting *s, const nqm_match_term *term, binding *b, nqm_error *err) {
     nqm_fit_term *to = &b->terms[b->n++];
     *to = (nqm_fit_term){.weight = term->weight, .loss = term->loss};
@@ -39,14 +35,9 @@ static nqm_status bind_term(const setting *s, const nqm_match_term *term, bindin
     const nqm_model *model = is_metric ? s->loss->metric : s->loss->transport;
     nqm_match_visual *visual = is_metric ? &b->metric : &b->transport;
     if (!model)
-        return nqm_fail(err, NQM_ERR_ARG, -1, "the loss '%s' needs a model", word_of(term->kind));
+        return nqm_fail(err, NQM_ERR_ARG, -1, "the loss '%s' needs a model", is_metric ? "nqm" : "transport");
     to->visual = &visual->visual;
     return visual->scorer ? NQM_OK : nqm_match_visual_make(model, s->ref, visual, err);
-}
-
-static void release(binding *b) {
-    nqm_match_visual_free(&b->metric);
-    nqm_match_visual_free(&b->transport);
 }
 
 /* The status of a fit with visual losses: a NaN of theirs ends it, and their own reason replaces that of the fit. "auto" survives
@@ -116,7 +107,8 @@ static nqm_status fit_by(const setting *s, const nqm_fit_entry *entry, const nqm
         status = compare(judge, *brdf_ret, &report->difference, err);
     nqm_limit_threads(n_threads);
     nqm_match_visual_free(&transport);
-    release(&b);
+    nqm_match_visual_free(&b.metric);
+    nqm_match_visual_free(&b.transport);
     return status;
 }
 

@@ -23,7 +23,7 @@ typedef struct parts {
     const char *settings, *with, *of; /* NULL: there is none */
 } parts;
 
-/* free_parts() it. What is not of one of the forms is left to nqm_brdf_open(), which says what is wrong. */
+/* The caller frees p->text. What is not of one of the forms is left to nqm_brdf_open(), which says what is wrong. */
 static nqm_status split(const char *argument, parts *p, nqm_error *err) {
     *p = (parts){.text = nqm_strdup(argument), .wrapper = nqm_spec_wrapper_of(argument)};
     if (!p->text)
@@ -42,10 +42,6 @@ static nqm_status split(const char *argument, parts *p, nqm_error *err) {
     return NQM_OK;
 }
 
-static void free_parts(parts *p) {
-    nqm_free(p->text);
-}
-
 static nqm_status visit_at(const char *argument, size_t depth,
                            nqm_status (*visit)(void *user, const char *base, nqm_error *err), void *user,
                            nqm_error *err) {
@@ -59,7 +55,7 @@ static nqm_status visit_at(const char *argument, size_t depth,
         status = visit_at(p.with, depth + 1, visit, user, err);
     if (status == NQM_OK && p.form != BASE)
         status = visit_at(p.of, depth + 1, visit, user, err);
-    free_parts(&p);
+    nqm_free(p.text);
     return status;
 }
 
@@ -239,6 +235,6 @@ nqm_status nqm_fit_open(const char *argument, const nqm_fit_context *context_or_
             drop(of, is_lent);
         }
     }
-    free_parts(&p);
+    nqm_free(p.text);
     return status;
 }

@@ -6,7 +6,6 @@
  */
 #include "fit/fit.h"
 
-#include <math.h>
 #include <stdlib.h>
 
 static const nqm_fit_loss candidate_losses[] = {NQM_FIT_LOG, NQM_FIT_LOG_COS, NQM_FIT_RMS_CRWE, NQM_FIT_LOG_DIFF};

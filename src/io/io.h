@@ -30,6 +30,10 @@ typedef struct nqm_tensor {
     int64_t byte_offset; /* position of the data in the file */
 } nqm_tensor;
 
+/** Number of values. */
+size_t nqm_tensor_count(const nqm_tensor *tensor);
+/** Set n_bytes from the type and the shape; false: a size_t cannot hold it. */
+bool nqm_tensor_measure(nqm_tensor *tensor);
 /** A matrix (rows, cols), or for rows 0 a vector (cols), to be written. */
 nqm_tensor nqm_tensor_of(const char *name, nqm_dtype dtype, size_t rows, size_t cols, const void *data);
 

@@ -115,10 +115,8 @@ static nqm_status check_values(header *h, size_t at, const nqm_map *map, nqm_err
                         "numpy.ascontiguousarray(array)",
                         map->path);
     t->dtype = f32 ? NQM_F32 : NQM_F64;
-    t->n_bytes = nqm_dtype_size(t->dtype);
-    for (size_t i = 0; i < t->n_dims; ++i)
-        if (!nqm_mul_size(t->n_bytes, t->dims[i], &t->n_bytes))
-            return nqm_fail(err, NQM_ERR_FORMAT, 10, "%s: its shape is impossible (header at byte 10)", map->path);
+    if (!nqm_tensor_measure(t))
+        return nqm_fail(err, NQM_ERR_FORMAT, 10, "%s: its shape is impossible (header at byte 10)", map->path);
     const size_t n_present = map->n_bytes - at, first = nqm_smaller(n_present, t->n_bytes) + at;
     if (n_present != t->n_bytes)
         return nqm_fail(err, NQM_ERR_FORMAT, (int64_t)first,
@@ -163,7 +161,6 @@ nqm_status nqm_npy_write(const char *path, const nqm_tensor *tensor, nqm_error *
         return status;
     fwrite(head, 1, sizeof head, out.stream);
     fprintf(out.stream, "%-*s\n", (int)n_header - 1, text);
-    const size_t n_each = nqm_dtype_size(tensor->dtype);
-    nqm_write_values(out.stream, tensor->n_bytes / n_each, n_each, tensor->data);
+    nqm_write_values(out.stream, nqm_tensor_count(tensor), nqm_dtype_size(tensor->dtype), tensor->data);
     return nqm_outfile_commit(&out, err); /* checks the stream's error flag */
 }

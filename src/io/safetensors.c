@@ -42,26 +42,23 @@ size_t nqm_dtype_size(nqm_dtype dtype) {
 }
 
 nqm_tensor nqm_tensor_of(const char *name, nqm_dtype dtype, size_t rows, size_t cols, const void *data) {
-    nqm_tensor tensor = {.name = name, .dtype = dtype, .n_dims = 1, .dims = {cols}, .data = data};
-    tensor.n_bytes = (rows ? rows : 1) * cols * nqm_dtype_size(dtype);
-    if (rows) {
-        tensor.n_dims = 2;
-        tensor.dims[0] = rows;
-        tensor.dims[1] = cols;
-    }
+    nqm_tensor tensor = {.name = name, .dtype = dtype, .n_dims = rows ? 2 : 1, .data = data};
+    tensor.dims[0] = rows;
+    tensor.dims[rows ? 1 : 0] = cols;
+    nqm_tensor_measure(&tensor);
     return tensor;
 }
 
-static size_t n_values(const nqm_tensor *tensor) {
+size_t nqm_tensor_count(const nqm_tensor *tensor) {
     return tensor->n_bytes / dtypes[tensor->dtype].n_bytes;
 }
 
-static bool has_size(const nqm_tensor *tensor, size_t n_bytes) {
-    size_t n = dtypes[tensor->dtype].n_bytes;
+bool nqm_tensor_measure(nqm_tensor *tensor) {
+    tensor->n_bytes = dtypes[tensor->dtype].n_bytes;
     for (size_t i = 0; i < tensor->n_dims; ++i)
-        if (!nqm_mul_size(n, tensor->dims[i], &n))
+        if (!nqm_mul_size(tensor->n_bytes, tensor->dims[i], &tensor->n_bytes))
             return false;
-    return n == n_bytes;
+    return true;
 }
 
 static int compare(uint64_t a, uint64_t b) {
@@ -108,10 +105,9 @@ static nqm_status read_tensor(const place *at, const json_t *entry, const nqm_sa
         return bad_tensor(at, HEADER_AT, "its data_offsets are not two sizes");
     if (range[0] > range[1] || range[1] > st->n_bytes - data_at)
         return bad_tensor(at, (int64_t)st->n_bytes, "its data_offsets extend beyond the end of the file");
-    tensor->n_bytes = range[1] - range[0];
     tensor->data = st->data + data_at + range[0];
     tensor->byte_offset = (int64_t)(data_at + range[0]);
-    return has_size(tensor, tensor->n_bytes)
+    return nqm_tensor_measure(tensor) && tensor->n_bytes == range[1] - range[0]
                ? NQM_OK
                : bad_tensor(at, tensor->byte_offset, "its shape does not match its bytes");
 }
@@ -170,7 +166,7 @@ static nqm_status make_native(nqm_safetensors *st, nqm_error *err) {
     for (size_t i = 0; i < st->n_tensors; ++i) {
         nqm_tensor *t = &st->tensors[i];
         unsigned char *to = st->native + t->byte_offset;
-        nqm_copy_little_endian(n_values(t), nqm_dtype_size(t->dtype), t->data, to);
+        nqm_copy_little_endian(nqm_tensor_count(t), nqm_dtype_size(t->dtype), t->data, to);
         t->data = to;
     }
     return NQM_OK;
@@ -432,7 +428,7 @@ static unsigned char *make_front(const char *text, size_t n_tensors, const nqm_t
     memcpy(header, text, n_text);
     nqm_sha256_add(&sha, front, *n_front);
     for (size_t i = 0; i < n_tensors; ++i)
-        nqm_sha256_add_values(&sha, n_values(order[i]), nqm_dtype_size(order[i]->dtype), order[i]->data);
+        nqm_sha256_add_values(&sha, nqm_tensor_count(order[i]), nqm_dtype_size(order[i]->dtype), order[i]->data);
     nqm_sha256_end(&sha, hex);
     memcpy(header + find_digits(header, n_text, zeros), hex, SHA_DIGITS);
     return front;
@@ -450,7 +446,8 @@ nqm_status nqm_safetensors_write(const char *path, size_t n_tensors, const nqm_t
         return nqm_fail_nomem(err, n_tensors * sizeof *order);
     for (size_t i = 0; status == NQM_OK && i < n_tensors; ++i) {
         order[i] = &tensors[i];
-        if (order[i]->n_dims > NQM_MAX_DIMS || !has_size(order[i], order[i]->n_bytes))
+        nqm_tensor measured = *order[i];
+        if (measured.n_dims > NQM_MAX_DIMS || !nqm_tensor_measure(&measured) || measured.n_bytes != order[i]->n_bytes)
             status = nqm_fail(err, NQM_ERR_ARG, -1, "%s: tensor '%.64s': shape does not match its bytes", path,
                               order[i]->name);
     }
@@ -473,7 +470,7 @@ nqm_status nqm_safetensors_write(const char *path, size_t n_tensors, const nqm_t
         goto done;
     fwrite(front, 1, n_front, out.stream);
     for (size_t i = 0; i < n_tensors; ++i)
-        nqm_write_values(out.stream, n_values(order[i]), nqm_dtype_size(order[i]->dtype), order[i]->data);
+        nqm_write_values(out.stream, nqm_tensor_count(order[i]), nqm_dtype_size(order[i]->dtype), order[i]->data);
     status = nqm_outfile_commit(&out, err); /* checks the stream's error flag */
     if (status == NQM_OK && sha256_ret)
         memcpy(sha256_ret, hex, sizeof hex);

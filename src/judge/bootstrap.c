@@ -49,39 +49,38 @@ typedef struct shared {
     atomic_bool out_of_memory;
 } shared;
 
-static size_t find_levels(size_t n, const double *x, double *rank, size_t *order, uint32_t *level) {
-    nqm_ranks(n, x, rank, order);
+static size_t find_levels(size_t n, const double *x, nqm_indexed *order, uint32_t *level) {
+    nqm_sort_indexed(n, x, order);
     uint32_t at = 0;
     for (size_t k = 0; k < n; ++k) {
-        at += k > 0 && rank[order[k]] != rank[order[k - 1]];
-        level[order[k]] = at;
+        at += k > 0 && order[k].value != order[k - 1].value;
+        level[order[k].index] = at;
     }
     return (size_t)at + 1;
 }
 
 static nqm_status prepare(shared *s, nqm_error *err) {
     const nqm_judgement *j = s->b->judgement;
-    double *rank = NULL;
-    size_t *order;
     nqm_status status = nqm_alloc_arrays(NQM_ARRAYS({&s->level, 1 + j->n_predictors, j->n * sizeof *s->level},
                                                     {&s->n_levels, 1 + j->n_predictors, sizeof *s->n_levels},
                                                     {&s->order, j->n_predictors, j->n * sizeof *s->order},
                                                     {&s->group_of, j->n, sizeof *s->group_of}),
                                          err);
-    if (status == NQM_OK)
-        status = nqm_alloc_arrays(NQM_ARRAYS({&rank, j->n, sizeof *rank}, {&order, j->n, sizeof *order}), err);
     if (status != NQM_OK)
         return status;
+    nqm_indexed *order = nqm_alloc(j->n, sizeof *order);
+    if (!order)
+        return nqm_fail_nomem(err, j->n * sizeof *order);
     for (size_t g = 0; g < j->n_groups; ++g)
         for (size_t i = j->group_begin[g]; i < j->group_begin[g + 1]; ++i)
             s->group_of[i] = (uint32_t)g;
     for (size_t r = 0; r <= j->n_predictors; ++r) {
         const double *x = r ? j->prediction + (r - 1) * j->n : j->label;
-        s->n_levels[r] = find_levels(j->n, x, rank, order, s->level + r * j->n);
+        s->n_levels[r] = find_levels(j->n, x, order, s->level + r * j->n);
         for (size_t k = 0; r && k < j->n; ++k)
-            s->order[(r - 1) * j->n + k] = (uint32_t)order[k];
+            s->order[(r - 1) * j->n + k] = (uint32_t)order[k].index;
     }
-    nqm_free(rank);
+    nqm_free(order);
     return NQM_OK;
 }
 

@@ -5,7 +5,6 @@
 #include "judge/agreement.h"
 #include "judge/evaluate.h"
 #include "metric/metric.h"
-#include "model/model.h"
 
 #include <math.h>
 
@@ -23,9 +22,7 @@ static bool count(const nqm_evaluation *ev, size_t model, size_t pair, nqm_cover
     const nqm_dataset *d = nqm_evaluation_samples(ev, model);
     const size_t at = model * d->n_pairs + pair;
     double low, high, jod = ev->values[at], label = d->jod[pair];
-    const nqm_prediction prediction = {
-        .jod = jod, .novelty = ev->novelty[at], .spread = ev->spread[at], .bound = ev->bound[at]};
-    nqm_bounded_interval(ev->models[model], &prediction, &low, &high);
+    nqm_bounded_interval(ev->models[model], &ev->predictions[at], &low, &high);
     nqm_coverage_range *range = &c->ranges[range_of(jod)];
     const bool inside = label >= low && label <= high;
     c->inside.value += inside;

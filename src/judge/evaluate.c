@@ -31,11 +31,7 @@ static const nqm_option rows[] = {
 
 const nqm_option_table nqm_eval_option_table = {rows, sizeof rows / sizeof *rows, NULL};
 
-nqm_eval_options nqm_eval_options_default(void) {
-    nqm_eval_options options = {.jod_to = INFINITY};
-    (void)!nqm_options_begin(&nqm_eval_option_table, NULL, &options, NULL); /* cannot fail without a recipe */
-    return options;
-}
+NQM_OPTIONS_DEFAULT(nqm_eval_option, .jod_to = INFINITY)
 
 /* ---- predictors -------------------------------------------------------------------------------------------------- */
 
@@ -58,7 +54,7 @@ static nqm_status tick(void *user, size_t n, nqm_error *err) {
 
 static nqm_status predict_model(predict_run *run, size_t model, nqm_error *err) {
     const nqm_evaluation *ev = run->ev;
-    nqm_prediction *to = nqm_alloc(ev->dataset->n_pairs, sizeof *to);
+    nqm_prediction *to = ev->predictions + model * ev->dataset->n_pairs;
     const nqm_dataset_prediction prediction = {.dataset = nqm_evaluation_samples(ev, model),
                                                .model = ev->models[model],
                                                .precision = ev->precision,
@@ -67,18 +63,15 @@ static nqm_status predict_model(predict_run *run, size_t model, nqm_error *err) 
                                                .to = to,
                                                .batch_done = tick,
                                                .user = run};
-    const nqm_status status =
-        to ? nqm_dataset_predict(&prediction, err) : nqm_fail_nomem(err, ev->dataset->n_pairs * sizeof *to);
+    const nqm_status status = nqm_dataset_predict(&prediction, err);
     for (size_t i = 0; status == NQM_OK && i < run->n; ++i) {
-        const nqm_prediction *own = &to[run->pairs[i]];
+        nqm_prediction *own = &to[run->pairs[i]];
         const size_t at = model * ev->dataset->n_pairs + run->pairs[i];
-        ev->values[at] = run->apart && !isnan(own->similarity[0]) ? own->similarity[0] : own->jod;
-        ev->novelty[at] = own->novelty;
-        ev->spread[at] = own->spread;
-        ev->bound[at] = own->bound;
+        if (run->apart && !isnan(own->similarity[0]))
+            own->jod = own->similarity[0];
+        ev->values[at] = own->jod;
         ev->labels[at] = own->label;
     }
-    nqm_free(to);
     return status;
 }
 
@@ -156,7 +149,6 @@ static nqm_status begin(nqm_evaluation *ev, nqm_error *err) {
     const nqm_dataset *d = ev->dataset;
     const double nan = (double)NAN;
     fill(ev->n_predictors * d->n_pairs, ev->values, nan);
-    fill(ev->n_models * d->n_pairs, ev->novelty, nan);
     fill(NQM_SCALAR_COUNT * d->n_pairs, ev->scalars, nan);
     fill_labels(ev->n_models * d->n_pairs, ev->labels, nan);
     fill_labels(ev->estimates ? d->n_pairs : 0, ev->estimates, nan);
@@ -173,15 +165,10 @@ static nqm_status begin(nqm_evaluation *ev, nqm_error *err) {
 }
 
 nqm_status nqm_evaluation_create(const nqm_dataset *dataset, size_t n_models, const nqm_model *const *models,
-                                 const nqm_eval_options *options, nqm_evaluation **evaluation_ret, nqm_error *err) {
+                                 const nqm_dataset *const *datasets, const nqm_eval_options *options,
+                                 nqm_evaluation **evaluation_ret, nqm_error *err) {
     NQM_MAKE(err, evaluation_ret, dataset);
     NQM_REQUIRE_IF(n_models, err, models);
-    return nqm_evaluation_create_each(dataset, n_models, models, NULL, options, evaluation_ret, err);
-}
-
-nqm_status nqm_evaluation_create_each(const nqm_dataset *dataset, size_t n_models, const nqm_model *const *models,
-                                      const nqm_dataset *const *datasets, const nqm_eval_options *options,
-                                      nqm_evaluation **evaluation_ret, nqm_error *err) {
     nqm_eval_options o = options ? *options : nqm_eval_options_default();
     const bool has_estimate = dataset->transport;
     const size_t n_predictors = n_models + NQM_METRIC_COUNT + has_estimate;
@@ -195,11 +182,9 @@ nqm_status nqm_evaluation_create_each(const nqm_dataset *dataset, size_t n_model
     nqm_evaluation *ev;
     nqm_status status = nqm_alloc_arrays(
         NQM_ARRAYS({&ev, 1, sizeof *ev}, {&made.values, n_predictors, dataset->n_pairs * sizeof(double)},
-                   {&made.novelty, n_models, dataset->n_pairs * sizeof *made.novelty},
-                   {&made.spread, n_models, dataset->n_pairs * sizeof *made.spread},
-                   {&made.bound, n_models, dataset->n_pairs * sizeof *made.bound},
+                   {&made.predictions, n_models, dataset->n_pairs * sizeof *made.predictions},
                    {&made.labels, n_models, dataset->n_pairs * sizeof *made.labels},
-                   {&made.estimates, has_estimate ? dataset->n_pairs : 0, sizeof *made.estimates},
+                   {has_estimate ? &made.estimates : NULL, dataset->n_pairs, sizeof *made.estimates},
                    {&made.scalars, dataset->n_pairs, NQM_SCALAR_COUNT * sizeof(double)},
                    {&made.ref_class, dataset->n_refs, sizeof *made.ref_class},
                    {&made.unseen, dataset->n_kinds, sizeof *made.unseen},
@@ -207,8 +192,6 @@ nqm_status nqm_evaluation_create_each(const nqm_dataset *dataset, size_t n_model
         err);
     if (status != NQM_OK)
         return status;
-    if (!has_estimate)
-        made.estimates = NULL;
     *ev = made;
     status = begin(ev, err);
     if (status == NQM_OK)

@@ -8,6 +8,7 @@
 #include "base/options.h"
 #include "data/data.h"
 #include "judge/judge.h"
+#include "metric/metric.h"
 
 struct nqm_evaluation {
     const nqm_dataset *dataset;
@@ -17,10 +18,9 @@ struct nqm_evaluation {
     const nqm_model *const *models;
     nqm_split split;
     nqm_precision precision;
-    double *values;    /* (n_predictors, n_pairs of the dataset) NaN if not predicted */
-    double *novelty;   /* (n_models, n_pairs of the dataset) by nqm_model_novelty(); NaN likewise */
-    double *spread;    /* (n_models, n_pairs of the dataset) by nqm_model_spread(); undefined where not predicted */
-    double *bound;     /* (n_models, n_pairs of the dataset) by nqm_delta_e_bound() */
+    double *values; /* (n_predictors, n_pairs of the dataset) NaN if not predicted */
+    nqm_prediction
+        *predictions;  /* (n_models, n_pairs of the dataset) undefined where not predicted; `jod` as `values` */
     nqm_label *labels; /* (n_models, n_pairs of the dataset) with parts; NaN likewise, and if the model predicts none */
     nqm_label *estimates; /* (n_pairs of the dataset) by light transport; NaN likewise; NULL: there is no matrix */
     double *scalars;      /* (n_pairs of the dataset, NQM_SCALAR_COUNT) scalar features; NaN if not predicted */
@@ -34,13 +34,6 @@ struct nqm_evaluation {
 static inline const nqm_dataset *nqm_evaluation_samples(const nqm_evaluation *ev, size_t model) {
     return ev->datasets ? ev->datasets[model] : ev->dataset;
 }
-
-/** As nqm_evaluation_create() for models of different directions: datasets (n_models), which must outlive the evaluation, have the
- *  pairs of `dataset`, in its order, at the directions of each model. Metrics and the estimate are those of `dataset`. */
-NQM_MUST_CHECK nqm_status nqm_evaluation_create_each(const nqm_dataset *dataset, size_t n_models,
-                                                     const nqm_model *const *models, const nqm_dataset *const *datasets,
-                                                     const nqm_eval_options *options, nqm_evaluation **evaluation_ret,
-                                                     nqm_error *err);
 
 /** The pairs selected by options, sorted by material group; groups without such pairs are left out. */
 typedef struct nqm_selection {

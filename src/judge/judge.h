@@ -69,13 +69,17 @@ typedef struct nqm_evaluation nqm_evaluation;
  *
  * @param dataset  owned by the caller, as are the models: they must outlive the evaluation
  * @param models   (n_models); n_models 0: metrics only
+ * @param datasets (n_models) for models of different directions: the pairs of `dataset`, in its order, at the directions of
+ *                 each model; they must outlive the evaluation. Metrics and the estimate are those of `dataset`. NULL: all
+ *                 models have the directions of `dataset`
  * @param options  NULL: the defaults
  * @return NQM_ERR_INCOMPATIBLE (a model has other directions than the dataset, or no pair is left), NQM_ERR_NUMERIC,
  *         NQM_ERR_CANCELLED, NQM_ERR_NOMEM
  */
 NQM_MUST_CHECK nqm_status nqm_evaluation_create(const nqm_dataset *dataset, size_t n_models,
-                                                const nqm_model *const *models, const nqm_eval_options *options,
-                                                nqm_evaluation **evaluation_ret, nqm_error *err);
+                                                const nqm_model *const *models, const nqm_dataset *const *datasets,
+                                                const nqm_eval_options *options, nqm_evaluation **evaluation_ret,
+                                                nqm_error *err);
 /** Free an evaluation; NULL is allowed. */
 void nqm_evaluation_free(nqm_evaluation *evaluation);
 /** Number of predictors: n_models + NQM_METRIC_COUNT, and 1 more if the dataset has a transport matrix. */

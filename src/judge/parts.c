@@ -5,7 +5,6 @@
  */
 #include "judge/agreement.h"
 #include "judge/evaluate.h"
-#include "model/model.h"
 
 #include <math.h>
 

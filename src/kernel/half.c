@@ -39,9 +39,7 @@ __attribute__((target("avx,f16c"))) static void widen_by_instruction(size_t n, c
         _mm256_storeu_ps(x + i, _mm256_cvtph_ps(_mm_loadu_si128((const __m128i *)(const void *)(from + 2 * i))));
     widen_by_integers(n - i, from + 2 * i, x + i);
 }
-#endif
 
-#if defined __x86_64__
 static bool has_f16c(void) {
 #if defined __clang__ /* its version 14 cannot ask for f16c, which every processor with AVX2 has */
     return __builtin_cpu_supports("avx2");

@@ -73,8 +73,10 @@ typedef struct nqm_indexed {
 
 /** Compare two nqm_indexed by value, equal values by index, for qsort(). */
 int nqm_compare_indexed(const void *a, const void *b);
+/** The values x (n) in this order. */
+void nqm_sort_indexed(size_t n, const double *x, nqm_indexed *order);
 /** Ranks from 1, ties get their mean rank; x, rank: (n). `order` is scratch (n). */
-void nqm_ranks(size_t n, const double *x, double *rank, size_t *order);
+void nqm_ranks(size_t n, const double *x, double *rank, nqm_indexed *order);
 double nqm_mean(size_t n, const double *x);
 /** Pearson's r; NaN when x or y has no variance or contains NaN, or n < 2. */
 double nqm_pearson(size_t n, const double *x, const double *y);

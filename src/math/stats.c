@@ -4,8 +4,6 @@
  * tau (Kendall 1945, DOI 10.1093/biomet/33.3.239), computed in O(n log n) by the method of Knight (1966,
  * DOI 10.1080/01621459.1966.10480879).
  */
-/* NOLINTNEXTLINE(bugprone-reserved-identifier): the feature-test macro of the C library */
-#define _GNU_SOURCE /* qsort_r */
 #include "math/math.h"
 
 #include <math.h>
@@ -14,21 +12,20 @@
 
 /* ---- order ------------------------------------------------------------------------------------------------------- */
 
-static int compare_indices(const void *a, const void *b, void *values) {
-    double x = ((const double *)values)[*(const size_t *)a], y = ((const double *)values)[*(const size_t *)b];
-    return (x > y) - (x < y);
+void nqm_sort_indexed(size_t n, const double *x, nqm_indexed *order) {
+    for (size_t i = 0; i < n; ++i)
+        order[i] = (nqm_indexed){x[i], i};
+    qsort(order, n, sizeof *order, nqm_compare_indexed);
 }
 
-void nqm_ranks(size_t n, const double *x, double *rank, size_t *order) {
-    for (size_t i = 0; i < n; ++i)
-        order[i] = i;
-    qsort_r(order, n, sizeof *order, compare_indices, (void *)(uintptr_t)x);
+void nqm_ranks(size_t n, const double *x, double *rank, nqm_indexed *order) {
+    nqm_sort_indexed(n, x, order);
     for (size_t begin = 0, end; begin < n; begin = end) {
-        for (end = begin + 1; end < n && x[order[end]] == x[order[begin]];)
+        for (end = begin + 1; end < n && order[end].value == order[begin].value;)
             ++end;
         double mean_rank = 0.5 * ((double)begin + 1 + (double)end);
         for (size_t i = begin; i < end; ++i)
-            rank[order[i]] = mean_rank;
+            rank[order[i].index] = mean_rank;
     }
 }
 
@@ -92,7 +89,7 @@ double nqm_spearman(size_t n, const double *x, const double *y) {
     if (is_degenerate(n, x) || is_degenerate(n, y))
         return NAN;
     double *rank;
-    size_t *order;
+    nqm_indexed *order;
     if (nqm_alloc_arrays(NQM_ARRAYS({&rank, 2 * n, sizeof *rank}, {&order, n, sizeof *order}), NULL) != NQM_OK)
         return NAN;
     nqm_ranks(n, x, rank, order);

@@ -3,12 +3,10 @@
  * Scores of sampled pairs with their gradients by the samples of the test: forward through inputs, estimate and network, then
  * back through each of them. Pairs are processed in the tasks of compose.h.
  */
-#include "math/math.h"
 #include "metric/compose.h"
 #include "net/input_gradient.h"
 #include "sample/loops.h"
 
-#include <math.h>
 #include <string.h>
 
 struct nqm_gradients {
@@ -127,8 +125,8 @@ static void add_scalars_gradient(const gradient_job *job, size_t i, const float 
     double by_scalars[NQM_SCALAR_COUNT];
     nqm_scalars_whiten_back(&g->model->scalars, c->scalars + i * NQM_SCALAR_COUNT,
                             g->dx + i * c->stride + c->samples_width, by_scalars);
-    nqm_compare_gradient(&(nqm_compared_pair){c->plan, job->pairs[i], ref_root, test_root, &c->sums[i]}, NULL,
-                         by_scalars, out);
+    nqm_compare_gradient(&(nqm_compared_pair){c->plan, job->pairs[i], ref_root, test_root, &c->sums[i]}, by_scalars,
+                         out);
     if (g->transport.light)
         nqm_estimate_gradient(&c->estimate[i], by_scalars + NQM_SCALAR_ESTIMATE, &g->by_estimate[i]);
 }

@@ -74,13 +74,10 @@ typedef struct nqm_sum_plan nqm_sum_plan;
 NQM_MUST_CHECK nqm_status nqm_sum_plan_create(const nqm_directions *directions, nqm_sum_plan **plan_ret,
                                               nqm_error *err);
 void nqm_sum_plan_free(nqm_sum_plan *plan);
-/** Compute metrics (NQM_METRIC_COUNT) and scalar features (NQM_SCALAR_COUNT) of a pair; either may be NULL. estimate: by transport;
- *  NULL: none. They are NaN when no direction counts, and scalars are finite otherwise. */
-void nqm_compare_samples(const nqm_sum_plan *plan, const nqm_sample_pair *pair, const nqm_label *estimate,
-                         double *metrics, double *scalars);
-/** Estimate the label, if there is a matrix, and compute the scalar features. */
-void nqm_scalars_compute(const nqm_sum_plan *plan, const nqm_transport *transport, const nqm_sample_pair *pair,
-                         double *scalars);
+/** Compute metrics (NQM_METRIC_COUNT), the estimate of the label, if there is a matrix, and scalar features (NQM_SCALAR_COUNT) of a
+ *  pair; metrics and features may be NULL. They are NaN when no direction counts, and scalars are finite otherwise. */
+void nqm_compare_samples(const nqm_sum_plan *plan, const nqm_transport *transport, const nqm_sample_pair *pair,
+                         double *metrics, nqm_label *estimate, double *scalars);
 
 enum { NQM_PREDICT_BATCH = 512 };
 

@@ -111,19 +111,13 @@ void nqm_compare_finish(const nqm_pair_sums *sums, const nqm_label *estimate, do
         finish_scalars(&sums->scalars, own, estimate, scalars);
 }
 
-void nqm_compare_samples(const nqm_sum_plan *plan, const nqm_sample_pair *pair, const nqm_label *estimate,
-                         double *metrics, double *scalars) {
+void nqm_compare_samples(const nqm_sum_plan *plan, const nqm_transport *transport, const nqm_sample_pair *pair,
+                         double *metrics, nqm_label *estimate, double *scalars) {
     nqm_pair_sums sums;
-    nqm_compare_sums(plan, 1, pair, NULL, scalars != NULL, &sums);
-    nqm_compare_finish(&sums, estimate, metrics, scalars);
-}
-
-void nqm_scalars_compute(const nqm_sum_plan *plan, const nqm_transport *transport, const nqm_sample_pair *pair,
-                         double *scalars) {
-    nqm_label estimate;
     if (transport->light)
-        nqm_transport_estimates(transport, 1, pair, &estimate, NULL);
-    nqm_compare_samples(plan, pair, transport->light ? &estimate : NULL, NULL, scalars);
+        nqm_transport_estimates(transport, 1, pair, estimate, NULL);
+    nqm_compare_sums(plan, 1, pair, NULL, scalars != NULL, &sums);
+    nqm_compare_finish(&sums, transport->light ? estimate : NULL, metrics, scalars);
 }
 
 nqm_status nqm_metrics_compute(const nqm_directions *directions, const float *ref, const float *test,
@@ -132,7 +126,7 @@ nqm_status nqm_metrics_compute(const nqm_directions *directions, const float *re
     nqm_sum_plan *plan;
     const nqm_status status = nqm_sum_plan_create(directions, &plan, err);
     if (status == NQM_OK)
-        nqm_compare_samples(plan, &(nqm_sample_pair){ref, test, used}, NULL, metrics, NULL);
+        nqm_compare_samples(plan, &(nqm_transport){0}, &(nqm_sample_pair){ref, test, used}, metrics, NULL, NULL);
     nqm_sum_plan_free(plan);
     return status;
 }

@@ -102,21 +102,16 @@ static void whole_slopes(const nqm_scalar_sums *s, const double *w, nqm_scalar_s
     energy_slopes(s, w, by);
 }
 
-nqm_pair_sums nqm_sum_slopes(const nqm_pair_sums *sums, const double *metric_weights, const double *scalar_weights) {
+nqm_pair_sums nqm_sum_slopes(const nqm_pair_sums *sums, const double *scalar_weights) {
     nqm_pair_sums by = {0};
-    double metrics[NQM_METRIC_COUNT], weights[NQM_METRIC_COUNT];
+    double metrics[NQM_METRIC_COUNT], weights[NQM_METRIC_COUNT] = {0};
     if (!(sums->metrics.n > 0))
         return by;
     nqm_metric_sums_finish(&sums->metrics, metrics);
-    for (size_t m = 0; m < NQM_METRIC_COUNT; ++m) {
-        weights[m] = metric_weights ? metric_weights[m] : 0;
-        if (scalar_weights && m < NQM_SCALAR_RMS)
-            weights[m] += scalar_weights[NQM_SCALAR_METRICS + m] / (metrics[m] + NQM_LOG_METRIC_OFFSET);
-    }
+    for (size_t m = 0; m < NQM_SCALAR_RMS; ++m)
+        weights[m] += scalar_weights[NQM_SCALAR_METRICS + m] / (metrics[m] + NQM_LOG_METRIC_OFFSET);
     by.metrics = nqm_metric_slopes(&sums->metrics, weights);
-    if (scalar_weights) {
-        whole_slopes(&sums->scalars, scalar_weights, &by.scalars);
-        zone_slopes(&sums->scalars, scalar_weights, &by.scalars);
-    }
+    whole_slopes(&sums->scalars, scalar_weights, &by.scalars);
+    zone_slopes(&sums->scalars, scalar_weights, &by.scalars);
     return by;
 }

@@ -6,10 +6,10 @@
 #include "brdf/brdf.h"
 #include "brdf/formats/listed.h"
 #include "kernel/kernel.h"
+#include "math/math.h"
 #include "metric/azimuths.h"
 #include "metric/sample_cache.h"
 
-#include <float.h>
 #include <math.h>
 #include <string.h>
 
@@ -61,11 +61,7 @@ static const nqm_option rows[] = {
 
 const nqm_option_table nqm_score_option_table = {rows, sizeof rows / sizeof *rows, NULL};
 
-nqm_score_options nqm_score_options_default(void) {
-    nqm_score_options options = {0};
-    (void)!nqm_options_begin(&nqm_score_option_table, NULL, &options, NULL); /* cannot fail without a recipe */
-    return options;
-}
+NQM_OPTIONS_DEFAULT(nqm_score_option, 0)
 
 /* ---- memory ------------------------------------------------------------------------------------------------------ */
 
@@ -403,25 +399,15 @@ nqm_status nqm_scorer_run_named(nqm_scorer *scorer, size_t n_pairs, const nqm_na
 
 /* ---- samples of the caller --------------------------------------------------------------------------------------- */
 
-static bool are_samples(size_t n, const float *rgb) {
-    int n_wrong = 0;
-#pragma omp simd reduction(+ : n_wrong)
-    for (size_t i = 0; i < n; ++i)
-        n_wrong += !(rgb[i] >= 0) | !(rgb[i] <= FLT_MAX);
-    return n_wrong == 0;
-}
-
 static nqm_status check_samples(const nqm_model *model, size_t pair, const char *member, const float *rgb,
                                 nqm_error *err) {
     const size_t n = 3 * model->directions->n;
-    if (are_samples(n, rgb))
+    if (nqm_all_within(n, rgb, 0))
         return NQM_OK;
-    for (size_t i = 0; i < n; ++i)
-        if (!(rgb[i] >= 0 && rgb[i] <= FLT_MAX))
-            return nqm_fail(err, NQM_ERR_ARG, -1,
-                            "pair %zu: the %s is %g at direction %zu (from 0): samples must be finite and not negative",
-                            pair, member, (double)rgb[i], i / 3);
-    return NQM_OK;
+    const size_t i = nqm_first_outside(n, rgb, 0);
+    return nqm_fail(err, NQM_ERR_ARG, -1,
+                    "pair %zu: the %s is %g at direction %zu (from 0): samples must be finite and not negative", pair,
+                    member, (double)rgb[i], i / 3);
 }
 
 static nqm_status check_pairs(const nqm_model *model, size_t n, const nqm_sample_pair *pairs, nqm_error *err) {

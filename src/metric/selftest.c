@@ -13,7 +13,6 @@
 #include "selftest_golden.h" /* in presets/ */
 
 #include <math.h>
-#include <stdlib.h>
 
 typedef struct session {
     void (*report)(void *user, const char *name, int passed);

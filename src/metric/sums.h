@@ -90,9 +90,9 @@ void nqm_compare_finish(const nqm_pair_sums *sums, const nqm_label *estimate, do
 void nqm_compare_sums(const nqm_sum_plan *plan, size_t n, const nqm_sample_pair *pairs, const float *roots,
                       bool with_scalars, nqm_pair_sums *sums);
 
-/** The derivatives of weighted metrics (NQM_METRIC_COUNT) and scalar features (NQM_SCALAR_COUNT) by the sums of a pair; weights may
- *  be NULL: 0. Features from NQM_SCALAR_ESTIMATE are the caller's: their weights are ignored. */
-nqm_pair_sums nqm_sum_slopes(const nqm_pair_sums *sums, const double *metric_weights, const double *scalar_weights);
+/** The derivatives of weighted scalar features (NQM_SCALAR_COUNT) by the sums of a pair. Features from NQM_SCALAR_ESTIMATE are the
+ *  caller's: their weights are ignored. */
+nqm_pair_sums nqm_sum_slopes(const nqm_pair_sums *sums, const double *scalar_weights);
 
 /** What nqm_compare_gradient() needs of a pair. */
 typedef struct nqm_compared_pair {
@@ -102,7 +102,7 @@ typedef struct nqm_compared_pair {
     const nqm_pair_sums *sums;         /**< from nqm_compare_sums() */
 } nqm_compared_pair;
 /**
- * Add the derivatives of such weighted metrics and features by the samples of the test to gradient (n_directions, 3). Computed in
+ * Add the derivatives of such weighted features by the samples of the test to gradient (n_directions, 3). Computed in
  * float, within 1e-5 of the largest. Where a derivative does not exist:
  * - abs(x) and sqrt(x) at 0, norms at 0: 0, so that equal pairs have finite derivatives; towards it, slopes of roots fall linearly
  *   (NQM_SMALL_ROOT, NQM_SMALL_MEAN);
@@ -111,7 +111,6 @@ typedef struct nqm_compared_pair {
  * - test at 0: from the right.
  * They are 0 where a direction is not used.
  */
-void nqm_compare_gradient(const nqm_compared_pair *compared, const double *metric_weights, const double *scalar_weights,
-                          float *gradient);
+void nqm_compare_gradient(const nqm_compared_pair *compared, const double *scalar_weights, float *gradient);
 
 #endif

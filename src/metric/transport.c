@@ -6,7 +6,6 @@
  * (label/transport.c); models correct the estimate.
  */
 #include "kernel/kernel.h"
-#include "math/math.h"
 #include "metric/metric.h"
 #include "percept/percept.h"
 

@@ -9,7 +9,6 @@
 #include "sample/loops.h"
 
 #include <math.h>
-#include <string.h>
 
 void nqm_transport_show(const nqm_transport *t, const double *rgb, double *itp) {
     const size_t n = t->n_points;

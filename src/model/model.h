@@ -163,7 +163,6 @@ static inline size_t nqm_model_n_outputs(const struct nqm_model *model) {
 /** The quantities that outputs are trained to predict instead of the parts, so that small differences count and large ones
  *  do not dominate: asinh of shift and of 30 times contrast, logarithm of structure (raised to min_structure > 0). */
 void nqm_parts_to_targets(const double parts[NQM_LABEL_PARTS], double min_structure, double targets[NQM_LABEL_PARTS]);
-void nqm_parts_from_targets(const double targets[NQM_LABEL_PARTS], double parts[NQM_LABEL_PARTS]);
 /** Why the arrays of a transport matrix cannot be used; NULL: they can, or both are NULL. verify: false does not read
  *  `light`. */
 const char *nqm_transport_fault(const nqm_transport *transport, bool verify);

@@ -237,6 +237,7 @@ static nqm_status read_array(reader *r, const nqm_model_array *a, struct nqm_mod
 static nqm_status read_arrays(reader *r, struct nqm_model *model) {
     const nqm_tensor *interval = nqm_safetensors_find(r->st, "interval");
     const nqm_tensor *points = nqm_safetensors_find(r->st, "novelty.points");
+    const nqm_tensor *spread = nqm_safetensors_find(r->st, "interval.spread");
     const bool has[NQM_PART_COUNT] = {[NQM_PART_ALWAYS] = true,
                                       [NQM_PART_SCALARS] = model->scalar_names,
                                       [NQM_PART_INTERVAL] = model->calibration,
@@ -245,9 +246,8 @@ static nqm_status read_arrays(reader *r, struct nqm_model *model) {
                                       [NQM_PART_TRANSPORT] = nqm_safetensors_find(r->st, "transport") ||
                                                              nqm_safetensors_find(r->st, "transport.points"),
                                       [NQM_PART_SLOPES] = nqm_safetensors_find(r->st, "slopes"),
-                                      [NQM_PART_SPREAD] = nqm_safetensors_find(r->st, "interval.spread"),
+                                      [NQM_PART_SPREAD] = spread,
                                       [NQM_PART_SIMILARITY] = nqm_safetensors_find(r->st, "similarity")};
-    const nqm_tensor *spread = nqm_safetensors_find(r->st, "interval.spread");
     if (spread && !model->calibration)
         return refuse(r, spread, "needs an interval");
     if (interval && !model->calibration)

@@ -19,7 +19,7 @@ void nqm_parts_to_targets(const double parts[NQM_LABEL_PARTS], double min_struct
     targets[4] = log(fmax(parts[4], min_structure));
 }
 
-void nqm_parts_from_targets(const double targets[NQM_LABEL_PARTS], double parts[NQM_LABEL_PARTS]) {
+static void parts_from_targets(const double targets[NQM_LABEL_PARTS], double parts[NQM_LABEL_PARTS]) {
     for (size_t k = 0; k < 3; ++k)
         parts[k] = sinh(targets[k]);
     parts[3] = sinh(targets[3]) / contrast_unit;
@@ -80,7 +80,7 @@ nqm_label nqm_model_label(const struct nqm_model *model, const float *z, const n
     nqm_estimate_targets(estimate, targets);
     for (size_t k = 0; k < NQM_LABEL_PARTS; ++k)
         targets[1 + k] += target_of(&model->parts[k], (double)z[1 + k]);
-    nqm_parts_from_targets(targets + 1, parts);
+    parts_from_targets(targets + 1, parts);
     nqm_label_set_parts(&label, parts);
     (void)nqm_model_jod(model, (double)z[0], estimate, &label.delta_e);
     return label;

@@ -51,11 +51,7 @@ static const nqm_option rows[] = {
 
 const nqm_option_table nqm_directions_option_table = {rows, sizeof rows / sizeof *rows, NULL};
 
-nqm_directions_options nqm_directions_options_default(void) {
-    nqm_directions_options options = {0};
-    (void)!nqm_options_begin(&nqm_directions_option_table, NULL, &options, NULL); /* cannot fail without a recipe */
-    return options;
-}
+NQM_OPTIONS_DEFAULT(nqm_directions_option, 0)
 
 static double fraction(double x) {
     return x - floor(x);

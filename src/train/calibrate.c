@@ -43,19 +43,15 @@ static void find_section(const char *card, size_t *begin_ret, size_t *end_ret) {
 }
 
 char *nqm_card_with_interval(const char *card, const nqm_calibration *c, const char *dataset_sha256) {
-    enum { SECTION_BYTES = 1100, NUMBER_BYTES = 32 };
-    size_t begin, end, n_card = strlen(card), n = n_card + SECTION_BYTES;
+    enum { NUMBER_BYTES = 32 };
+    size_t begin, end;
     find_section(card, &begin, &end);
-    char *text = nqm_alloc(n, 1);
-    if (!text)
-        return NULL;
     char percent[3][NUMBER_BYTES], width[NUMBER_BYTES]; /* with a decimal point in any locale */
     const double shares[3] = {c->coverage, c->coverage_pairs, c->coverage_lowest};
     for (size_t i = 0; i < 3; ++i)
         nqm_format_double(percent[i], sizeof percent[i], round(1000 * shares[i]) / 10);
     nqm_format_double(width, sizeof width, round(100 * c->mean_width) / 100);
-    int n_written = snprintf(
-        text, n,
+    return nqm_strdupf(
         "%.*s%s\nThe 95 %% interval of a JOD was calibrated on %zu validation pairs of %zu materials, which the model "
         "was\n"
         "not trained on (dataset `%.64s`).\nWith each material left out in turn, it held %s %% of that material's "
@@ -64,11 +60,6 @@ char *nqm_card_with_interval(const char *card, const nqm_calibration *c, const c
         "about labels by rendering of\nmaterials and distortions like these, not about people.%s\n%s",
         (int)begin, card, section_head, c->n_pairs, c->n_materials, dataset_sha256, percent[0], percent[1], percent[2],
         width, c->novelty_growth > 0 ? novelty_note : "", card + end);
-    if (n_written < 0 || (size_t)n_written >= n) {
-        nqm_free(text);
-        return NULL;
-    }
-    return text;
 }
 
 nqm_status nqm_model_set_interval(struct nqm_model *model, const nqm_dataset *dataset, bool trained_on,
@@ -200,15 +191,11 @@ nqm_status nqm_model_calibrate(const nqm_model *model, const nqm_dataset *datase
 nqm_status nqm_model_annotate(const nqm_model *model, const char *markdown, nqm_model **model_ret, nqm_error *err) {
     NQM_MAKE(err, model_ret, model, markdown);
     const char *before = model->card ? model->card : "";
-    const size_t n = strlen(before) + strlen(markdown) + 2;
     nqm_model *copy;
     nqm_status status = nqm_model_copy(model, &copy, err);
     if (status != NQM_OK)
         return status;
-    char *card = nqm_alloc(n, 1);
-    if (card)
-        snprintf(card, n, "%s%s%s", before, *before ? "\n" : "", markdown);
-    status = replace_card(copy, card, err);
+    status = replace_card(copy, nqm_strdupf("%s%s%s", before, *before ? "\n" : "", markdown), err);
     if (status == NQM_OK)
         *model_ret = copy;
     else

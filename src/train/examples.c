@@ -195,7 +195,9 @@ static void example_scalars(void *user, size_t r) {
     nqm_features_restore(n, test_t, rho + n);
     /* only if the model gets it: predictions must compute the same features */
     const nqm_transport transport = e->estimate ? nqm_dataset_transport(e->dataset) : (nqm_transport){0};
-    nqm_scalars_compute(p->plan, &transport, &(nqm_sample_pair){rho, rho + n, used}, p->out + i * NQM_SCALAR_COUNT);
+    nqm_label estimate;
+    nqm_compare_samples(p->plan, &transport, &(nqm_sample_pair){rho, rho + n, used}, NULL, &estimate,
+                        p->out + i * NQM_SCALAR_COUNT);
 }
 
 /* Mean and standard deviation over the training examples. A constant feature gets the standard deviation 1, so that its

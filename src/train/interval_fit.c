@@ -185,9 +185,7 @@ static void find_scores(fit *f, size_t index) {
             f->score[i] = fmax(error / f->up[i], -error / f->down[i]);
         }
     }
-    for (size_t i = 0; i < f->r->n; ++i)
-        f->by_score[i] = (nqm_indexed){f->score[i], i};
-    qsort(f->by_score, f->r->n, sizeof *f->by_score, nqm_compare_indexed);
+    nqm_sort_indexed(f->r->n, f->score, f->by_score);
 }
 
 /* loss (n_groups) receives the mean interval score of each material, with the factor of the other materials. */
@@ -241,9 +239,8 @@ static void prepare(fit *f) {
         ++f->count[f->r->group[i]];
         f->y[i] = nqm_interval_y(f->r->predicted[i]);
         f->error[i] = nqm_interval_y(f->r->label[i]) - f->y[i];
-        f->sorted[i] = (nqm_indexed){f->y[i], i};
     }
-    qsort(f->sorted, f->r->n, sizeof *f->sorted, nqm_compare_indexed);
+    nqm_sort_indexed(f->r->n, f->y, f->sorted);
     for (size_t k = 0; growth_count(f) > 1 && k < growth_count(f); ++k) {
         find_scores(f, k);
         find_losses(f, f->loss + k * f->r->n_groups);

@@ -11,7 +11,6 @@
 #include "train/calibrate.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 /* State and buffers of one call of nqm_train(). */

@@ -39,7 +39,6 @@ SHARED = {
     "rays": "label render",
     "row": "kernel net",
     "sample": "metric sample",
-    "scalars": "metric model",
     "scene": "label render",
     "spread": "model render",
     "srgb": "figures material",

@@ -42,8 +42,10 @@ static inline void compute_scalars(const nqm_directions *at, const nqm_transport
                                    const float *test, const uint8_t *used, double *scalars) {
     const nqm_transport none = {0};
     nqm_sum_plan *plan;
+    nqm_label estimate;
     assert_int_equal(nqm_sum_plan_create(at, &plan, NULL), NQM_OK);
-    nqm_scalars_compute(plan, transport ? transport : &none, &(nqm_sample_pair){ref, test, used}, scalars);
+    nqm_compare_samples(plan, transport ? transport : &none, &(nqm_sample_pair){ref, test, used}, NULL, &estimate,
+                        scalars);
     nqm_sum_plan_free(plan);
 }
 

@@ -44,7 +44,7 @@ static nqm_human *must_load(const char *text) {
 
 static nqm_evaluation *evaluate(const nqm_human *human) {
     nqm_evaluation *ev;
-    assert_int_equal(nqm_evaluation_create(nqm_human_dataset(human), 0, NULL, NULL, &ev, NULL), NQM_OK);
+    assert_int_equal(nqm_evaluation_create(nqm_human_dataset(human), 0, NULL, NULL, NULL, &ev, NULL), NQM_OK);
     return ev;
 }
 

@@ -253,7 +253,7 @@ static nqm_model *train_small(const nqm_dataset *d, const char *recipe) {
 static nqm_status evaluate(const nqm_model *model, const nqm_dataset *d, const nqm_eval_options *o,
                            nqm_agreement *results, nqm_error *err) {
     nqm_evaluation *ev;
-    nqm_status status = nqm_evaluation_create(d, 1, &model, o, &ev, err);
+    nqm_status status = nqm_evaluation_create(d, 1, &model, NULL, o, &ev, err);
     if (status == NQM_OK)
         status = nqm_evaluation_judge(ev, o, results, err);
     nqm_evaluation_free(ev);
@@ -268,7 +268,7 @@ static void predictions_are_those_of_single_pairs(void **state) {
     nqm_eval_options o = nqm_eval_options_default();
     o.split = NQM_SPLIT_TEST;
     nqm_evaluation *ev;
-    assert_int_equal(nqm_evaluation_create(d, 2, (const nqm_model *const *)models, &o, &ev, NULL), NQM_OK);
+    assert_int_equal(nqm_evaluation_create(d, 2, (const nqm_model *const *)models, NULL, &o, &ev, NULL), NQM_OK);
     assert_string_equal(ev->names[1], "nqm");
     assert_string_equal(ev->names[2], "rmse");
     size_t n = 3 * d->n_directions;
@@ -334,7 +334,7 @@ static void check_contrasts(const nqm_model *model, const nqm_dataset *d, const 
                             const nqm_agreement *a) {
     nqm_evaluation *ev;
     nqm_contrast c[2] = {{.first = 0, .second = 1 + NQM_METRIC_LOG_DIFF}, {.first = 0, .second = 1}};
-    assert_int_equal(nqm_evaluation_create(d, 1, &model, o, &ev, NULL), NQM_OK);
+    assert_int_equal(nqm_evaluation_create(d, 1, &model, NULL, o, &ev, NULL), NQM_OK);
     assert_int_equal(nqm_evaluation_contrast(ev, o, 2, c, NULL), NQM_OK);
     for (size_t i = 0; i < 2; ++i) {
         assert_near(c[i].spearman.value, a[0].spearman.value - a[c[i].second].spearman.value, 1e-12);

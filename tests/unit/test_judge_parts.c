@@ -36,7 +36,7 @@ static int set_up(void **state) {
     models[1] = train_small(dataset, "paper");
     nqm_eval_options o = nqm_eval_options_default();
     o.split = NQM_SPLIT_TEST;
-    return nqm_evaluation_create(dataset, 2, (const nqm_model *const *)models, &o, &evaluation, NULL) != NQM_OK;
+    return nqm_evaluation_create(dataset, 2, (const nqm_model *const *)models, NULL, &o, &evaluation, NULL) != NQM_OK;
 }
 
 static int tear_down(void **state) {
@@ -135,7 +135,7 @@ static void parts_that_do_not_exist(void **state) {
     nqm_evaluation *ev;
     nqm_eval_options o = nqm_eval_options_default();
     o.n_bootstrap = 0;
-    assert_int_equal(nqm_evaluation_create(d, 1, (const nqm_model *const *)models, &o, &ev, NULL), NQM_OK);
+    assert_int_equal(nqm_evaluation_create(d, 1, (const nqm_model *const *)models, NULL, &o, &ev, NULL), NQM_OK);
     assert_int_equal(nqm_evaluation_count(ev), 1 + NQM_METRIC_COUNT);
     assert_int_equal(nqm_evaluation_judge_parts(ev, &o, 0, parts, NULL), NQM_ERR_INCOMPATIBLE);
     double *known = dataset->parts;

@@ -55,7 +55,7 @@ static void test_against_scipy(void **state) {
         const char *name = nqm_csv_text(expected, row, 0);
         size_t n = read_case(data, name);
         static double rank[MAX_POINTS];
-        static size_t order[MAX_POINTS];
+        static nqm_indexed order[MAX_POINTS];
         nqm_ranks(n, x, rank, order);
         for (size_t i = 0; i < n; ++i)
             assert_near(rank[i], expected_rank[i], 0);

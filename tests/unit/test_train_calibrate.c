@@ -284,7 +284,7 @@ static void labels_inside_are_counted(void **state) {
     nqm_coverage c, again;
     o.split = NQM_SPLIT_TEST;
     o.n_bootstrap = 100;
-    assert_int_equal(nqm_evaluation_create(dataset, 1, &model, &o, &ev, NULL), NQM_OK);
+    assert_int_equal(nqm_evaluation_create(dataset, 1, &model, NULL, &o, &ev, NULL), NQM_OK);
     assert_int_equal(nqm_evaluation_coverage(ev, &o, 0, &c, NULL), NQM_OK);
     const double *jod = nqm_evaluation_values(ev, 0);
     size_t n = 0, n_inside = 0, n_high = 0, n_ranges = 0;

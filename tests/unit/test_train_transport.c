@@ -192,11 +192,12 @@ static void novelty_by_the_models_matrix(void **state) {
         const nqm_transport transport = nqm_model_transport(model);
         nqm_evaluation *ev;
         assert_true(model->n_novelty > 0);
-        assert_int_equal(nqm_evaluation_create(toy, 1, (const nqm_model *const[]){model}, NULL, &ev, NULL), NQM_OK);
+        assert_int_equal(nqm_evaluation_create(toy, 1, (const nqm_model *const[]){model}, NULL, NULL, &ev, NULL),
+                         NQM_OK);
         for (size_t pair = 0; pair < toy->n_pairs; pair += 7) {
             double scalars[NQM_SCALAR_COUNT];
             compute_scalars(toy->directions, &transport, ref_of(pair), test_of(pair), NULL, scalars);
-            assert_near(ev->novelty[pair], nqm_model_novelty(model, scalars), 1e-12);
+            assert_near(ev->predictions[pair].novelty, nqm_model_novelty(model, scalars), 1e-12);
         }
         nqm_evaluation_free(ev);
         nqm_model_free(model);

@@ -84,7 +84,7 @@ static nqm_status add_material(nqm_dataset_builder *b, size_t ref, nqm_rng *rng,
 
 /* JODs from 10 to 0, uniform, in the order of Delta-E. */
 static nqm_status spread_jods(const nqm_dataset *d, double *jod, nqm_error *err) {
-    size_t *order = nqm_alloc(d->n_pairs, sizeof *order);
+    nqm_indexed *order = nqm_alloc(d->n_pairs, sizeof *order);
     if (!order)
         return nqm_fail_nomem(err, d->n_pairs * sizeof *order);
     nqm_ranks(d->n_pairs, d->delta_e, jod, order);

@@ -26,10 +26,7 @@ static char *canonical_spec(const nqm_spec_schema *schema, const nqm_spec_values
                             const nqm_between_bases *bases) {
     const char *of = spec_of(bases->of), *with = bases->with ? spec_of(bases->with) : "";
     char *own = nqm_spec_format(schema, values);
-    size_t n = own ? strlen(own) + strlen(with) + strlen(of) + sizeof ";with=();of=" : 0;
-    char *spec = own ? nqm_alloc(n, 1) : NULL;
-    if (spec)
-        snprintf(spec, n, "%s%s%s%s;of=%s", own, *with ? ";with=(" : "", with, *with ? ")" : "", of);
+    char *spec = own ? nqm_strdupf("%s%s%s%s;of=%s", own, *with ? ";with=(" : "", with, *with ? ")" : "", of) : NULL;
     nqm_free(own);
     return spec;
 }

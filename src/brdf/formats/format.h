@@ -52,6 +52,12 @@ struct nqm_tensor nqm_table_tensor(const nqm_brdf *brdf);
 /** The nodes of such a tensor; false: it has another shape. */
 bool nqm_table_size_of(const struct nqm_tensor *tensor, nqm_table_size *size);
 
+/** Fail with a fault of a tensor. */
+nqm_status nqm_brdf_fail_tensor(const char *path, const struct nqm_tensor *tensor, const char *fault, nqm_error *err);
+/** nqm_spectrum_weights() of `wavelengths` (n), NQM_F32 or NQM_U16, or the fault that makes them invisible. weights: (n, 3). */
+NQM_MUST_CHECK nqm_status nqm_brdf_tensor_weights(const char *path, const struct nqm_tensor *wavelengths,
+                                                  nqm_illuminant illuminant, double *weights, nqm_error *err);
+
 /** A polarimetric material in a file of tensors, which has a tensor "M"; nqm_rgl_format opens it. */
 struct nqm_tensor_file;
 NQM_MUST_CHECK nqm_status nqm_pbsdf_open(nqm_map *map, const struct nqm_tensor_file *file, nqm_illuminant illuminant,

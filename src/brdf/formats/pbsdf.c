@@ -10,7 +10,6 @@
 #include "brdf/formats/grid.h"
 #include "io/io.h"
 #include "math/math.h"
-#include <math.h>
 
 /* Allocated as one block; nodes and weights follow the struct. */
 typedef struct pbsdf {
@@ -42,15 +41,6 @@ typedef struct contents {
     const nqm_tensor *m, *wavelengths, *axis[N_AXES];
 } contents;
 
-static nqm_status fail_tensor(const contents *c, const nqm_tensor *t, const char *fault, nqm_error *err) {
-    return nqm_fail(err, NQM_ERR_FORMAT, t->byte_offset, "%s: '%s' at byte %lld %s", c->path, t->name,
-                    (long long)t->byte_offset, fault);
-}
-
-static size_t count(const nqm_tensor *t) {
-    return t->n_bytes / nqm_dtype_size(t->dtype);
-}
-
 static nqm_status find_tensors(const nqm_tensor_file *file, contents *c, nqm_error *err) {
     const struct {
         const char *name;
@@ -66,7 +56,7 @@ static nqm_status find_tensors(const nqm_tensor_file *file, contents *c, nqm_err
         if (!t)
             return nqm_fail(err, NQM_ERR_FORMAT, 0, "%s: has no tensor '%s' (byte 0)", c->path, needed[i].name);
         if (t->dtype != needed[i].dtype)
-            return fail_tensor(c, t, "has a type that is not that of a polarimetric material", err);
+            return nqm_brdf_fail_tensor(c->path, t, "has a type that is not that of a polarimetric material", err);
     }
     return NQM_OK;
 }
@@ -74,54 +64,44 @@ static nqm_status find_tensors(const nqm_tensor_file *file, contents *c, nqm_err
 static nqm_status check_shapes(const contents *c, nqm_error *err) {
     const size_t *dims = c->m->dims;
     if (c->m->n_dims != 6 || dims[4] != 4 || dims[5] != 4)
-        return fail_tensor(c, c->m, "does not have 4 x 4 matrices over four coordinates", err);
-    if (dims[3] < 2 || dims[3] != count(c->wavelengths))
-        return fail_tensor(c, c->m, "does not have a matrix for each of two or more `wvls`", err);
+        return nqm_brdf_fail_tensor(c->path, c->m, "does not have 4 x 4 matrices over four coordinates", err);
+    if (dims[3] < 2 || dims[3] != nqm_tensor_count(c->wavelengths))
+        return nqm_brdf_fail_tensor(c->path, c->m, "does not have a matrix for each of two or more `wvls`", err);
     for (size_t i = 0; i < N_AXES; ++i)
-        if (dims[axes[i].dim] < axes[i].least || dims[axes[i].dim] != count(c->axis[i]))
-            return fail_tensor(c, c->axis[i], "does not have one angle for each matrix, or too few", err);
+        if (dims[axes[i].dim] < axes[i].least || dims[axes[i].dim] != nqm_tensor_count(c->axis[i]))
+            return nqm_brdf_fail_tensor(c->path, c->axis[i], "does not have one angle for each matrix, or too few",
+                                        err);
     return NQM_OK;
 }
 
 static nqm_status read_axis(const contents *c, size_t i, double *node, nqm_error *err) {
     const double slack = 1e-3; /* tolerance for angles stored as rounded degrees */
     const unsigned char *stored = c->axis[i]->data;
-    const size_t n = count(c->axis[i]);
+    const size_t n = nqm_tensor_count(c->axis[i]);
     for (size_t k = 0; k < n; ++k) {
         node[k] = (double)nqm_load_f32(stored + k * sizeof(float));
         if (!(node[k] >= axes[i].low - slack && node[k] <= axes[i].high + slack) || (k && !(node[k] > node[k - 1])))
-            return fail_tensor(c, c->axis[i], "does not rise within the range of its angle, in radians", err);
+            return nqm_brdf_fail_tensor(c->path, c->axis[i], "does not rise within the range of its angle, in radians",
+                                        err);
     }
-    return node[n - 1] - node[0] <= 2 * NQM_PI + slack ? NQM_OK
-                                                       : fail_tensor(c, c->axis[i], "is longer than a turn", err);
-}
-
-static nqm_status read_weights(const contents *c, nqm_illuminant illuminant, double *weights, nqm_error *err) {
-    const size_t n = count(c->wavelengths);
-    float *nm = nqm_alloc(n, sizeof *nm);
-    if (!nm)
-        return nqm_fail_nomem(err, n * sizeof *nm);
-    for (size_t i = 0; i < n; ++i)
-        nm[i] = nqm_load_u16((const unsigned char *)c->wavelengths->data + i * sizeof(uint16_t));
-    const bool visible = nqm_spectrum_is_visible(n, nm);
-    if (visible)
-        nqm_spectrum_weights(illuminant, n, nm, weights);
-    nqm_free(nm);
-    return visible ? NQM_OK : fail_tensor(c, c->wavelengths, "does not rise from at most 500 to at least 600 nm", err);
+    return node[n - 1] - node[0] <= 2 * NQM_PI + slack
+               ? NQM_OK
+               : nqm_brdf_fail_tensor(c->path, c->axis[i], "is longer than a turn", err);
 }
 
 static nqm_status read_material(const contents *c, nqm_illuminant illuminant, pbsdf **p_ret, nqm_error *err) {
     const size_t *dims = c->m->dims, n_wavelengths = dims[3], matrix_bytes = MATRIX * sizeof(float);
     double *node[N_AXES], *weights;
-    nqm_status status = nqm_alloc_arrays(
-        NQM_ARRAYS({p_ret, 1, sizeof(pbsdf)}, {node, count(c->axis[0]), sizeof(double)},
-                   {node + 1, count(c->axis[1]), sizeof(double)}, {node + 2, count(c->axis[2]), sizeof(double)},
-                   {&weights, 3 * n_wavelengths, sizeof(double)}),
-        err);
+    nqm_status status =
+        nqm_alloc_arrays(NQM_ARRAYS({p_ret, 1, sizeof(pbsdf)}, {node, nqm_tensor_count(c->axis[0]), sizeof(double)},
+                                    {node + 1, nqm_tensor_count(c->axis[1]), sizeof(double)},
+                                    {node + 2, nqm_tensor_count(c->axis[2]), sizeof(double)},
+                                    {&weights, 3 * n_wavelengths, sizeof(double)}),
+                         err);
     for (size_t i = 0; status == NQM_OK && i < N_AXES; ++i)
         status = read_axis(c, i, node[i], err);
     if (status == NQM_OK)
-        status = read_weights(c, illuminant, weights, err);
+        status = nqm_brdf_tensor_weights(c->path, c->wavelengths, illuminant, weights, err);
     if (status != NQM_OK)
         return status;
     const size_t h_bytes = n_wavelengths * matrix_bytes, d_bytes = dims[2] * h_bytes;
@@ -156,8 +136,10 @@ nqm_status nqm_pbsdf_open(nqm_map *map, const nqm_tensor_file *file, nqm_illumin
              "%zu theta_h x %zu theta_d x %zu phi_d, %zu wavelengths %u to %u nm under illuminant %s, unpolarised",
              dims[2], dims[1], dims[0], dims[3], (unsigned)nqm_load_u16(nm),
              (unsigned)nqm_load_u16(nm + c.wavelengths->n_bytes - sizeof(uint16_t)), nqm_illuminant_name(illuminant));
-    const nqm_brdf_info info = {
-        .name = name, .source_doi = "10.1145/3386569.3392387", .layout = layout, .n_values = count(c.m) / MATRIX};
+    const nqm_brdf_info info = {.name = name,
+                                .source_doi = "10.1145/3386569.3392387",
+                                .layout = layout,
+                                .n_values = nqm_tensor_count(c.m) / MATRIX};
     nqm_map_expect(map, false);
     nqm_map_close_file(map);
     p->map = *map;

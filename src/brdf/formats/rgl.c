@@ -248,8 +248,8 @@ typedef struct contents {
     nqm_illuminant illuminant;
 } contents;
 
-static nqm_status fail_tensor(const contents *c, const nqm_tensor *t, const char *fault, nqm_error *err) {
-    return nqm_fail(err, NQM_ERR_FORMAT, t->byte_offset, "%s: '%s' at byte %lld %s", c->path, t->name,
+nqm_status nqm_brdf_fail_tensor(const char *path, const nqm_tensor *t, const char *fault, nqm_error *err) {
+    return nqm_fail(err, NQM_ERR_FORMAT, t->byte_offset, "%s: '%s' at byte %lld %s", path, t->name,
                     (long long)t->byte_offset, fault);
 }
 
@@ -259,7 +259,7 @@ static nqm_status find_tensor(const nqm_tensor_file *file, const contents *c, co
     if (!*t_ret)
         return nqm_fail(err, NQM_ERR_FORMAT, 0, "%s: has no tensor '%s' (byte 0)", c->path, name);
     if ((*t_ret)->dtype != NQM_F32 || (*t_ret)->n_dims != n_dims)
-        return fail_tensor(c, *t_ret, "has a type or shape that is not that of an RGL material", err);
+        return nqm_brdf_fail_tensor(c->path, *t_ret, "has a type or shape that is not that of an RGL material", err);
     return NQM_OK;
 }
 
@@ -282,35 +282,34 @@ static nqm_status check_shapes(const contents *c, nqm_error *err) {
     const nqm_tensor *grids[] = {c->ndf, c->sigma, c->vndf, c->values};
     for (size_t i = 0; i < 4; ++i)
         if (grids[i]->dims[grids[i]->n_dims - 1] < 2 || grids[i]->dims[grids[i]->n_dims - 2] < 2)
-            return fail_tensor(c, grids[i], "has fewer than 2 x 2 values", err);
+            return nqm_brdf_fail_tensor(c->path, grids[i], "has fewer than 2 x 2 values", err);
     const size_t n_phi = c->phi_i->dims[0], n_theta = c->theta_i->dims[0];
     if (n_phi < 1 || (c->wavelengths && c->wavelengths->dims[0] < 1))
-        return fail_tensor(c, n_phi < 1 ? c->phi_i : c->wavelengths, "is empty", err);
+        return nqm_brdf_fail_tensor(c->path, n_phi < 1 ? c->phi_i : c->wavelengths, "is empty", err);
     if (n_theta < 2)
-        return fail_tensor(c, c->theta_i, "has fewer than two angles", err);
+        return nqm_brdf_fail_tensor(c->path, c->theta_i, "has fewer than two angles", err);
     if (c->vndf->dims[0] != n_phi || c->vndf->dims[1] != n_theta)
-        return fail_tensor(c, c->vndf, "does not have one slice for each phi_i and theta_i", err);
+        return nqm_brdf_fail_tensor(c->path, c->vndf, "does not have one slice for each phi_i and theta_i", err);
     const size_t *dims = c->values->dims;
     if (dims[0] != n_phi || dims[1] != n_theta || dims[2] != (c->wavelengths ? c->wavelengths->dims[0] : 3))
-        return fail_tensor(c, c->values,
-                           c->wavelengths ? "does not have one value for each of `wavelengths`, phi_i and theta_i"
-                                          : "does not have three channels for each phi_i and theta_i",
-                           err);
+        return nqm_brdf_fail_tensor(c->path, c->values,
+                                    c->wavelengths
+                                        ? "does not have one value for each of `wavelengths`, phi_i and theta_i"
+                                        : "does not have three channels for each phi_i and theta_i",
+                                    err);
     return NQM_OK;
 }
 
-static size_t count(const nqm_tensor *t) {
-    return t->n_bytes / sizeof(float);
-}
-
-/* Refuse values that are below `least` or not finite; `value` has the values of the tensor, in any order. */
+/* Refuse values that are below `least` or not finite; `value` has the values of the tensor, in any order; NULL: it takes longer. */
 static nqm_status check_values(const contents *c, const nqm_tensor *t, float least, const float *value,
                                nqm_error *err) {
-    const unsigned char *data = t->data;
-    if (nqm_all_within(count(t), value, least))
+    const unsigned char *data = t->data, *end = data + t->n_bytes;
+    if (value && nqm_all_within(nqm_tensor_count(t), value, least))
         return NQM_OK;
-    while (nqm_load_f32(data) >= least && isfinite(nqm_load_f32(data)))
+    while (data < end && nqm_load_f32(data) >= least && isfinite(nqm_load_f32(data)))
         data += sizeof(float);
+    if (data == end)
+        return NQM_OK;
     long long at = t->byte_offset + (data - (const unsigned char *)t->data);
     return nqm_fail(err, NQM_ERR_FORMAT, at, "%s: '%s' contains %g at byte %lld", c->path, t->name,
                     (double)nqm_load_f32(data), at);
@@ -323,7 +322,7 @@ static grid grid_of(const nqm_tensor *t, const float *value) {
 
 static nqm_status copy_floats(const contents *c, const nqm_tensor *t, float least, float *copy, grid *g,
                               nqm_error *err) {
-    nqm_copy_little_endian(count(t), sizeof *copy, t->data, copy);
+    nqm_copy_little_endian(nqm_tensor_count(t), sizeof *copy, t->data, copy);
     *g = grid_of(t, copy);
     return check_values(c, t, least, g->value, err);
 }
@@ -357,34 +356,33 @@ static void convert_spectra(const nqm_tensor *t, const double *weights, float *r
         }
 }
 
-/* Refuse values of spectra that are not finite. */
-static nqm_status check_spectra(const contents *c, nqm_error *err) {
-    const unsigned char *data = c->values->data;
-    for (size_t i = 0; i < c->values->n_bytes; i += sizeof(float))
-        if (!isfinite(nqm_load_f32(data + i)))
-            return nqm_fail(err, NQM_ERR_FORMAT, c->values->byte_offset + (int64_t)i,
-                            "%s: 'spectra' contains %g at byte %lld", c->path, (double)nqm_load_f32(data + i),
-                            (long long)c->values->byte_offset + (long long)i);
-    return NQM_OK;
+nqm_status nqm_brdf_tensor_weights(const char *path, const nqm_tensor *wavelengths, nqm_illuminant illuminant,
+                                   double *weights, nqm_error *err) {
+    const unsigned char *stored = wavelengths->data;
+    const size_t size = nqm_dtype_size(wavelengths->dtype), n = wavelengths->n_bytes / size;
+    float *nm = nqm_alloc(n, sizeof *nm);
+    if (!nm)
+        return nqm_fail_nomem(err, n * sizeof *nm);
+    for (size_t i = 0; i < n; ++i, stored += size)
+        nm[i] = wavelengths->dtype == NQM_U16 ? (float)nqm_load_u16(stored) : nqm_load_f32(stored);
+    const bool visible = nqm_spectrum_is_visible(n, nm);
+    if (visible)
+        nqm_spectrum_weights(illuminant, n, nm, weights);
+    nqm_free(nm);
+    return visible ? NQM_OK
+                   : nqm_brdf_fail_tensor(path, wavelengths, "does not rise from at most 500 to at least 600 nm", err);
 }
 
 static nqm_status read_spectra(const contents *c, float *rgb, nqm_error *err) {
     const size_t n = c->wavelengths->dims[0];
-    float *nm;
-    double *weights;
-    nqm_status status = nqm_alloc_arrays(NQM_ARRAYS({&nm, n, sizeof *nm}, {&weights, 3 * n, sizeof *weights}), err);
-    if (status != NQM_OK)
-        return status;
-    nqm_copy_little_endian(n, sizeof *nm, c->wavelengths->data, nm);
-    if (!nqm_spectrum_is_visible(n, nm))
-        status = fail_tensor(c, c->wavelengths, "does not rise from at most 500 to at least 600 nm", err);
+    double *weights = nqm_alloc(3 * n, sizeof *weights);
+    nqm_status status = weights ? nqm_brdf_tensor_weights(c->path, c->wavelengths, c->illuminant, weights, err)
+                                : nqm_fail_nomem(err, 3 * n * sizeof *weights);
     if (status == NQM_OK)
-        status = check_spectra(c, err);
-    if (status == NQM_OK) {
-        nqm_spectrum_weights(c->illuminant, n, nm, weights);
+        status = check_values(c, c->values, -FLT_MAX, NULL, err);
+    if (status == NQM_OK)
         convert_spectra(c->values, weights, rgb);
-    }
-    nqm_free(nm);
+    nqm_free(weights);
     return status;
 }
 
@@ -414,7 +412,7 @@ static nqm_status read_angles(const contents *c, const nqm_tensor *t, float leas
     nqm_status status = copy_floats(c, t, least, angle, g, err);
     for (size_t k = 1; status == NQM_OK && k < g->width; ++k)
         if (!(angle[k] > angle[k - 1]))
-            status = fail_tensor(c, t, "does not rise", err);
+            status = nqm_brdf_fail_tensor(c->path, t, "does not rise", err);
     return status;
 }
 
@@ -424,7 +422,7 @@ static nqm_status find_images(const contents *c, rgl *m, nqm_error *err) {
     for (m->n_images = 1; m->n_images <= 4; m->n_images *= 2)
         if (fabs((double)m->n_images * range - 2 * NQM_PI) < PHI_SLACK)
             return NQM_OK;
-    return fail_tensor(c, c->phi_i, "does not cover 360, 180 or 90 degrees", err);
+    return nqm_brdf_fail_tensor(c->path, c->phi_i, "does not cover 360, 180 or 90 degrees", err);
 }
 
 /* `found` has the path and the illuminant; the tensors are added. */
@@ -436,15 +434,16 @@ static nqm_status read_material(const nqm_tensor_file *file, contents *found, rg
         return status;
     const contents c = *found;
     const size_t n_slices = c.values->dims[0] * c.values->dims[1];
-    const size_t n_rgb = 3 * n_slices * c.values->dims[3] * c.values->dims[4], n_warp = count(c.vndf);
+    const size_t n_rgb = 3 * n_slices * c.values->dims[3] * c.values->dims[4], n_warp = nqm_tensor_count(c.vndf);
     float *theta, *phi, *ndf, *sigma, *vndf, *rgb;
     double *conditional, *marginal;
-    status = nqm_alloc_arrays(NQM_ARRAYS({m_ret, 1, sizeof(rgl)}, {&theta, count(c.theta_i), sizeof(float)},
-                                         {&phi, count(c.phi_i), sizeof(float)}, {&ndf, count(c.ndf), sizeof(float)},
-                                         {&sigma, count(c.sigma), sizeof(float)}, {&vndf, n_warp, sizeof(float)},
-                                         {&rgb, n_rgb, sizeof(float)}, {&conditional, n_warp, sizeof(double)},
-                                         {&marginal, n_slices * c.vndf->dims[2], sizeof(double)}),
-                              err);
+    status = nqm_alloc_arrays(
+        NQM_ARRAYS({m_ret, 1, sizeof(rgl)}, {&theta, nqm_tensor_count(c.theta_i), sizeof(float)},
+                   {&phi, nqm_tensor_count(c.phi_i), sizeof(float)}, {&ndf, nqm_tensor_count(c.ndf), sizeof(float)},
+                   {&sigma, nqm_tensor_count(c.sigma), sizeof(float)}, {&vndf, n_warp, sizeof(float)},
+                   {&rgb, n_rgb, sizeof(float)}, {&conditional, n_warp, sizeof(double)},
+                   {&marginal, n_slices * c.vndf->dims[2], sizeof(double)}),
+        err);
     if (status != NQM_OK)
         return status;
     rgl *m = *m_ret;
@@ -467,7 +466,7 @@ static nqm_status read_material(const nqm_tensor_file *file, contents *found, rg
         status = copy_floats(&c, c.vndf, 0, vndf, &m->vndf, err);
     for (size_t k = 0; status == NQM_OK && k < n_slices; ++k)
         if (!(integrate_slice(m, k) >= FLT_MIN)) /* its inverse must be finite */
-            status = fail_tensor(&c, c.vndf, "has a slice without any density", err);
+            status = nqm_brdf_fail_tensor(c.path, c.vndf, "has a slice without any density", err);
     const nqm_tensor *jacobian = nqm_tensor_file_find(file, "jacobian");
     m->jacobian = !jacobian || jacobian->n_bytes != 1 || *(const unsigned char *)jacobian->data != 0;
     return status;
@@ -506,7 +505,8 @@ static nqm_status open_rgl(nqm_map *map, const nqm_tensor_file *file, nqm_illumi
     const nqm_brdf_info info = {.name = name,
                                 .source_doi = "10.1145/3272127.3275059",
                                 .layout = layout,
-                                .n_values = count(c.values) + count(c.vndf) + count(c.ndf) + count(c.sigma),
+                                .n_values = nqm_tensor_count(c.values) + nqm_tensor_count(c.vndf) +
+                                            nqm_tensor_count(c.ndf) + nqm_tensor_count(c.sigma),
                                 .isotropic = m->phi.width == 1};
     return nqm_brdf_wrap(&rgl_class, m, &info, brdf_ret, err);
 }

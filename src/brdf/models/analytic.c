@@ -134,14 +134,7 @@ INLINED void ggx_values(const ggx *self, size_t n, const double *wi, const doubl
     }
 }
 
-static void ggx_eval(const void *state, size_t n, const double *wi, const double *wo, double *rgb) {
-    ggx_values(state, n, wi, wo, rgb, NULL);
-}
-
-static void ggx_jacobian(const void *state, size_t n, const double *wi, const double *wo, double *rgb,
-                         double *jacobian) {
-    ggx_values(state, n, wi, wo, rgb, jacobian);
-}
+NQM_EVAL_AND_JACOBIAN(ggx, ggx_values, state)
 
 const nqm_analytic_model nqm_ggx_model = {
     .schema = {"ggx",
@@ -277,15 +270,13 @@ INLINED void lobe_values(lobe_kind kind, const lobe *self, size_t n, const doubl
         .name = "ks", .n = 3, .low = 0, .high = 1e6, .required = true                                                  \
     }
 
-/** Define the model MODEL with the lobe function LOBE of N_SHAPE values; the variadic arguments are its keys after kd and ks. */
-#define LOBE_MODEL(MODEL, NAME, DOI, LOBE, PREPARE, N_SHAPE, ...)                                                      \
-    static void LOBE##_eval(const void *state, size_t n, const double *wi, const double *wo, double *rgb) {            \
-        lobe_values((lobe_kind){LOBE, N_SHAPE}, state, n, wi, wo, rgb, NULL);                                          \
+/** Define the model MODEL with the lobe function LOBE of N_SHAPE values; MADE is its state for `values`, and the variadic arguments are
+ *  its keys after kd and ks. */
+#define LOBE_MODEL(MODEL, NAME, DOI, LOBE, MADE, N_SHAPE, ...)                                                         \
+    static void LOBE##_prepare(const nqm_spec_values *values, void *state) {                                           \
+        *(lobe *)state = MADE;                                                                                         \
     }                                                                                                                  \
-    static void LOBE##_jacobian(const void *state, size_t n, const double *wi, const double *wo, double *rgb,          \
-                                double *jacobian) {                                                                    \
-        lobe_values((lobe_kind){LOBE, N_SHAPE}, state, n, wi, wo, rgb, jacobian);                                      \
-    }                                                                                                                  \
+    NQM_EVAL_AND_JACOBIAN(LOBE, lobe_values, (lobe_kind){LOBE, N_SHAPE}, state)                                        \
     const nqm_analytic_model MODEL = {                                                                                 \
         .schema = {NAME,                                                                                               \
                    sizeof((nqm_spec_key[]){LOBE_KEYS, __VA_ARGS__}) / sizeof(nqm_spec_key),                            \
@@ -298,23 +289,23 @@ INLINED void lobe_values(lobe_kind kind, const lobe *self, size_t n, const doubl
                    .jacobian = LOBE##_jacobian,                                                                        \
                    .free = nqm_free},                                                                                  \
         .state_size = sizeof(lobe),                                                                                    \
-        .prepare = PREPARE,                                                                                            \
+        .prepare = LOBE##_prepare,                                                                                     \
     }
 
 /* ---- Ward -------------------------------------------------------------------------------------------------------- */
 
-static void ward_duer_prepare(const nqm_spec_values *values, void *state) {
+static lobe make_ward_duer(const nqm_spec_values *values) {
     const double *alpha = values->v[FIRST_SHAPE];
-    *(lobe *)state = make_lobe_of_width(values, 2, 1 / (4 * NQM_PI * alpha[0] * alpha[1]));
+    return make_lobe_of_width(values, 2, 1 / (4 * NQM_PI * alpha[0] * alpha[1]));
 }
 
 /* One division instead of a product with the factor: rounded as in earlier versions. */
-static void ward_prepare(const nqm_spec_values *values, void *state) {
+static lobe make_ward(const nqm_spec_values *values) {
     const double *alpha = values->v[FIRST_SHAPE];
-    lobe *self = state;
-    ward_duer_prepare(values, self);
+    lobe made = make_ward_duer(values);
     for (size_t c = 0; c < 3; ++c)
-        self->specular[c] = values->v[KS][c] / (4 * NQM_PI * alpha[0] * alpha[1]);
+        made.specular[c] = values->v[KS][c] / (4 * NQM_PI * alpha[0] * alpha[1]);
+    return made;
 }
 
 /* exp(-tan^2 theta_h (cos^2 phi_h / alpha_x^2 + sin^2 phi_h / alpha_y^2)) / divisor */
@@ -330,7 +321,7 @@ INLINED double ward(const double *shape, const double *wi, const double *wo, dou
     return ward_lobe(shape, sqrt(wi[2] * wo[2]), wi, wo, d);
 }
 
-LOBE_MODEL(nqm_ward_model, "ward", "10.1145/142920.134078", ward, ward_prepare, 2,
+LOBE_MODEL(nqm_ward_model, "ward", "10.1145/142920.134078", ward, make_ward(values), 2,
            {.name = "alpha", .n = 2, .low = 1e-4, .high = 10, .required = true});
 
 /* ---- Ward-Duer --------------------------------------------------------------------------------------------------- */
@@ -339,14 +330,10 @@ INLINED double ward_duer(const double *shape, const double *wi, const double *wo
     return ward_lobe(shape, wi[2] * wo[2], wi, wo, d);
 }
 
-LOBE_MODEL(nqm_ward_duer_model, "ward-duer", "10.1080/2151237X.2006.10129215", ward_duer, ward_duer_prepare, 2,
+LOBE_MODEL(nqm_ward_duer_model, "ward-duer", "10.1080/2151237X.2006.10129215", ward_duer, make_ward_duer(values), 2,
            {.name = "alpha", .n = 2, .low = 1e-4, .high = 10, .required = true});
 
 /* ---- Blinn-Phong ------------------------------------------------------------------------------------------------- */
-
-static void blinn_phong_prepare(const nqm_spec_values *values, void *state) {
-    *(lobe *)state = make_lobe_of_exponent(values, 1, 2, 2 * NQM_PI);
-}
 
 /* cos^n theta_h = (1 + tan^2 theta_h)^(-n / 2) */
 INLINED double blinn_phong(const double *shape, const double *wi, const double *wo, double *d) {
@@ -357,7 +344,8 @@ INLINED double blinn_phong(const double *shape, const double *wi, const double *
     return value;
 }
 
-LOBE_MODEL(nqm_blinn_phong_model, "blinn-phong", "10.1145/563858.563893", blinn_phong, blinn_phong_prepare, 1,
+LOBE_MODEL(nqm_blinn_phong_model, "blinn-phong", "10.1145/563858.563893", blinn_phong,
+           make_lobe_of_exponent(values, 1, 2, 2 * NQM_PI), 1,
            {.name = "n", .n = 1, .low = 0, .high = 1e8, .required = true});
 
 /* ---- Lafortune --------------------------------------------------------------------------------------------------- */
@@ -366,22 +354,22 @@ enum { CXY = FIRST_SHAPE, CZ, EXPONENT };
 
 /* Only the ratio of the coefficients matters: they are scaled so that the larger is 1. The shape of the larger is always 0,
  * so its derivatives are 0. */
-static void lafortune_prepare(const nqm_spec_values *values, void *state) {
+static lobe make_lafortune(const nqm_spec_values *values) {
     double cxy = values->v[CXY][0], cz = values->v[CZ][0], n = values->v[EXPONENT][0];
     double largest = fmax(-cxy, cz);
-    lobe *self = state;
-    *self = make_lobe(values, (n + 2) / (2 * NQM_PI));
-    self->shape[0] = (largest + cxy) / largest;
-    self->shape[1] = (largest - cz) / largest;
-    self->d_log_factor[EXPONENT - FIRST_SHAPE] = 1 / (n + 2);
-    self->d_shape[0][0] = self->d_shape[1][1] = 0;
+    lobe made = make_lobe(values, (n + 2) / (2 * NQM_PI));
+    made.shape[0] = (largest + cxy) / largest;
+    made.shape[1] = (largest - cz) / largest;
+    made.d_log_factor[EXPONENT - FIRST_SHAPE] = 1 / (n + 2);
+    made.d_shape[0][0] = made.d_shape[1][1] = 0;
     if (-cxy >= cz) { /* shape[1] = 1 + cz / cxy */
-        self->d_shape[1][0] = -cz / (cxy * cxy);
-        self->d_shape[1][1] = 1 / cxy;
+        made.d_shape[1][0] = -cz / (cxy * cxy);
+        made.d_shape[1][1] = 1 / cxy;
     } else { /* shape[0] = 1 + cxy / cz */
-        self->d_shape[0][0] = 1 / cz;
-        self->d_shape[0][1] = -cxy / (cz * cz);
+        made.d_shape[0][0] = 1 / cz;
+        made.d_shape[0][1] = -cxy / (cz * cz);
     }
+    return made;
 }
 
 /* The generalised cosine is cos(alpha) - a (-xy) - b z with a = 1 - |cxy|, b = 1 - cz (scaled), cos(alpha) between
@@ -403,7 +391,7 @@ INLINED double lafortune(const double *shape, const double *wi, const double *wo
     return value;
 }
 
-LOBE_MODEL(nqm_lafortune_model, "lafortune", "10.1145/258734.258801", lafortune, lafortune_prepare, 3,
+LOBE_MODEL(nqm_lafortune_model, "lafortune", "10.1145/258734.258801", lafortune, make_lafortune(values), 3,
            {.name = "cxy", .n = 1, .low = -10, .high = -0.01, .fallback = -1},
            {.name = "cz", .n = 1, .low = 0, .high = 10, .required = true},
            {.name = "n", .n = 1, .low = 0, .high = 1e8, .required = true});
@@ -450,9 +438,9 @@ INLINED double beckmann_lobe(half_angles h, double inverse_alpha2, reflectance f
     return value * f.value;
 }
 
-static void cook_torrance_prepare(const nqm_spec_values *values, void *state) {
+static lobe make_cook_torrance(const nqm_spec_values *values, double factor) {
     double alpha = values->v[FIRST_SHAPE][0];
-    *(lobe *)state = make_lobe_of_width(values, 1, 1 / (NQM_PI * NQM_PI) / (alpha * alpha));
+    return make_lobe_of_width(values, 1, factor / (alpha * alpha));
 }
 
 INLINED double cook_torrance(const double *shape, const double *wi, const double *wo, double *d) {
@@ -460,30 +448,23 @@ INLINED double cook_torrance(const double *shape, const double *wi, const double
     return beckmann_lobe(h, shape[0], schlick(shape[1], h.cos_d), wi, wo, d);
 }
 
-LOBE_MODEL(nqm_cook_torrance_model, "cook-torrance", "10.1145/357290.357293", cook_torrance, cook_torrance_prepare, 2,
+LOBE_MODEL(nqm_cook_torrance_model, "cook-torrance", "10.1145/357290.357293", cook_torrance,
+           make_cook_torrance(values, 1 / (NQM_PI * NQM_PI)), 2,
            {.name = "alpha", .n = 1, .low = 1e-4, .high = 10, .required = true},
            {.name = "f0", .n = 1, .low = 0, .high = 1, .required = true});
-
-/* The distribution of Cook and Torrance 1982 itself, which lacks 1 / pi. */
-static void low_cook_torrance_prepare(const nqm_spec_values *values, void *state) {
-    double alpha = values->v[FIRST_SHAPE][0];
-    *(lobe *)state = make_lobe_of_width(values, 1, 1 / NQM_PI / (alpha * alpha));
-}
 
 INLINED double low_cook_torrance(const double *shape, const double *wi, const double *wo, double *d) {
     half_angles h = half_angles_of(wi, wo);
     return beckmann_lobe(h, shape[0], dielectric(shape[1], h.cos_d), wi, wo, d);
 }
 
+/* The distribution is that of Cook and Torrance 1982 itself, which lacks 1 / pi. */
 LOBE_MODEL(nqm_low_cook_torrance_model, "low-cook-torrance", "10.1145/357290.357293", low_cook_torrance,
-           low_cook_torrance_prepare, 2, {.name = "alpha", .n = 1, .low = 1e-4, .high = 10, .required = true},
+           make_cook_torrance(values, 1 / NQM_PI), 2,
+           {.name = "alpha", .n = 1, .low = 1e-4, .high = 10, .required = true},
            {.name = "eta", .n = 1, .low = 1, .high = 1000, .required = true});
 
 /* ---- Ashikhmin-Shirley ------------------------------------------------------------------------------------------- */
-
-static void ashikhmin_prepare(const nqm_spec_values *values, void *state) {
-    *(lobe *)state = make_lobe_of_exponent(values, 2, 1, 8 * NQM_PI);
-}
 
 INLINED double ashikhmin_lobe(half_angles h, const double *shape, reflectance f, const double *wi, const double *wo,
                               double *d) {
@@ -502,7 +483,8 @@ INLINED double ashikhmin_shirley(const double *shape, const double *wi, const do
 }
 
 LOBE_MODEL(nqm_ashikhmin_shirley_model, "ashikhmin-shirley", "10.1080/10867651.2000.10487522", ashikhmin_shirley,
-           ashikhmin_prepare, 3, {.name = "n", .n = 2, .low = 0, .high = 1e8, .required = true},
+           make_lobe_of_exponent(values, 2, 1, 8 * NQM_PI), 3,
+           {.name = "n", .n = 2, .low = 0, .high = 1e8, .required = true},
            {.name = "f0", .n = 1, .low = 0, .high = 1, .required = true});
 
 INLINED double low_ashikhmin_shirley(const double *shape, const double *wi, const double *wo, double *d) {
@@ -511,19 +493,17 @@ INLINED double low_ashikhmin_shirley(const double *shape, const double *wi, cons
 }
 
 LOBE_MODEL(nqm_low_ashikhmin_shirley_model, "low-ashikhmin-shirley", "10.1080/10867651.2000.10487522",
-           low_ashikhmin_shirley, ashikhmin_prepare, 3, {.name = "n", .n = 2, .low = 0, .high = 1e8, .required = true},
+           low_ashikhmin_shirley, make_lobe_of_exponent(values, 2, 1, 8 * NQM_PI), 3,
+           {.name = "n", .n = 2, .low = 0, .high = 1e8, .required = true},
            {.name = "eta", .n = 1, .low = 1, .high = 1000, .required = true});
 
 /* ---- the two models of Low et al. -------------------------------------------------------------------------------- */
 
-static void prepare_abc(const nqm_spec_values *values, double factor, lobe *self) {
-    *self = make_lobe(values, factor);
-    self->shape[1] = -self->shape[1];
-    self->d_shape[1][1] = -1;
-}
-
-static void abc_prepare(const nqm_spec_values *values, void *state) {
-    prepare_abc(values, 1 / NQM_PI, state); /* the published amplitudes are for a model with this factor */
+static lobe make_abc(const nqm_spec_values *values, double factor) {
+    lobe made = make_lobe(values, factor);
+    made.shape[1] = -made.shape[1];
+    made.d_shape[1][1] = -1;
+    return made;
 }
 
 /* (1 + B x)^-C geometry f; the shape is B, -C, eta. */
@@ -551,11 +531,8 @@ INLINED double abc(const double *shape, const double *wi, const double *wo, doub
         .name = "eta", .n = 1, .low = 1, .high = 1000, .required = true                                                \
     }
 
-LOBE_MODEL(nqm_abc_model, "abc", "10.1145/2077341.2077350", abc, abc_prepare, 3, ABC_KEYS);
-
-static void smooth_prepare(const nqm_spec_values *values, void *state) {
-    prepare_abc(values, 1, state);
-}
+/* The published amplitudes are for a model with the factor 1 / pi. */
+LOBE_MODEL(nqm_abc_model, "abc", "10.1145/2077341.2077350", abc, make_abc(values, 1 / NQM_PI), 3, ABC_KEYS);
 
 /* In the plane of projected directions, the sum of both directions is the deviation from the mirror direction, and half
  * the length of their difference is the sine of the angle at which the Fresnel term is evaluated (equation 14). */
@@ -566,4 +543,4 @@ INLINED double smooth(const double *shape, const double *wi, const double *wo, d
     return abc_lobe(shape, deviation2, 1, dielectric(shape[2], cosine), d);
 }
 
-LOBE_MODEL(nqm_smooth_model, "smooth", "10.1145/2077341.2077350", smooth, smooth_prepare, 3, ABC_KEYS);
+LOBE_MODEL(nqm_smooth_model, "smooth", "10.1145/2077341.2077350", smooth, make_abc(values, 1), 3, ABC_KEYS);

@@ -145,14 +145,7 @@ INLINED void sgd_values(const sgd *self, size_t n, const double *wi, const doubl
     }
 }
 
-static void sgd_eval(const void *state, size_t n, const double *wi, const double *wo, double *rgb) {
-    sgd_values(state, n, wi, wo, rgb, NULL);
-}
-
-static void sgd_jacobian(const void *state, size_t n, const double *wi, const double *wo, double *rgb,
-                         double *jacobian) {
-    sgd_values(state, n, wi, wo, rgb, jacobian);
-}
+NQM_EVAL_AND_JACOBIAN(sgd, sgd_values, state)
 
 const nqm_analytic_model nqm_sgd_model = {
     .schema = {"sgd",

@@ -234,8 +234,8 @@ static void evaluate(eval_run *run, const eval_arguments *a, const nqm_eval_opti
         stop(EXIT_USAGE, "--by: choices have one table only");
     run->results = json_array();
     run->selections = json_object();
-    const nqm_status status = nqm_evaluation_create_each(
-        run->dataset, run->n_models, (const nqm_model *const *)run->models, run->datasets, o, &run->evaluation, &err);
+    const nqm_status status = nqm_evaluation_create(run->dataset, run->n_models, (const nqm_model *const *)run->models,
+                                                    run->datasets, o, &run->evaluation, &err);
     if (status == NQM_ERR_INCOMPATIBLE)
         stop_incompatible(run, o, err.message);
     must(status, &err);
