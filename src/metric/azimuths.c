@@ -73,7 +73,8 @@ void nqm_azimuths_free(nqm_azimuths *azimuths) {
 typedef struct subject {
     const char *name; /* NULL: */
     const nqm_brdf *brdf;
-    double *itp; /* its picture (3, n_points) */
+    size_t beside; /* subject with which it is compared, a reference; SIZE_MAX: it is one */
+    double *itp;   /* its picture (3, n_points) */
     nqm_status status;
 } subject;
 
@@ -84,12 +85,20 @@ typedef struct gallery {
     subject *subjects;
 } gallery;
 
-static size_t find(gallery *g, const char *name, const nqm_brdf *brdf) {
+static size_t find(gallery *g, const char *name, const nqm_brdf *brdf, size_t beside) {
     for (size_t i = 0; i < g->n; ++i)
-        if (name ? strcmp(g->subjects[i].name, name) == 0 : g->subjects[i].brdf == brdf)
+        if (g->subjects[i].beside == beside &&
+            (name ? strcmp(g->subjects[i].name, name) == 0 : g->subjects[i].brdf == brdf))
             return i;
-    g->subjects[g->n] = (subject){.name = name, .brdf = brdf};
+    g->subjects[g->n] = (subject){.name = name, .brdf = brdf, .beside = beside};
     return g->n++;
+}
+
+/* The BRDF of a subject; *opened receives it if it is to be freed. */
+static const nqm_brdf *open_subject(subject *s, const subject *of, nqm_brdf **opened) {
+    if (of->name && s->status == NQM_OK)
+        s->status = nqm_brdf_open(of->name, opened, NULL);
+    return of->name ? *opened : of->brdf;
 }
 
 static nqm_transport points_of(const nqm_azimuths *a) {
@@ -98,17 +107,17 @@ static nqm_transport points_of(const nqm_azimuths *a) {
 
 static void show(void *user, size_t i) {
     const gallery *g = user;
-    subject *s = &g->subjects[i];
-    nqm_brdf *opened = NULL;
-    if (s->name)
-        s->status = nqm_brdf_open(s->name, &opened, NULL);
-    if (s->status == NQM_OK &&
-        !nqm_azimuths_light(g->azimuths->model, g->azimuths->totals, opened ? opened : s->brdf, s->itp))
-        s->status = NQM_ERR_NOMEM;
     const nqm_transport points = points_of(g->azimuths);
+    subject *s = &g->subjects[i];
+    nqm_brdf *opened[2] = {NULL, NULL};
+    const nqm_brdf *brdf = open_subject(s, s, &opened[0]);
+    const nqm_brdf *beside = s->beside == SIZE_MAX ? NULL : open_subject(s, &g->subjects[s->beside], &opened[1]);
+    if (s->status == NQM_OK && !nqm_azimuths_light(g->azimuths->model, g->azimuths->totals, brdf, beside, s->itp))
+        s->status = NQM_ERR_NOMEM;
     if (s->status == NQM_OK && !g->is_light)
         nqm_transport_show(&points, s->itp, s->itp);
-    nqm_brdf_free(opened);
+    nqm_brdf_free(opened[0]);
+    nqm_brdf_free(opened[1]);
 }
 
 /* ---- scores ------------------------------------------------------------------------------------------------------ */
@@ -168,8 +177,8 @@ nqm_status nqm_azimuths_score(const nqm_azimuths *a, size_t n, const nqm_azimuth
     for (size_t i = 0; i < n; ++i)
         if (nqm_azimuths_needed(model, &results[i])) {
             const nqm_named_pair *named = pairs->named ? &pairs->named[i] : NULL;
-            place[i][0] = find(&g, named ? named->ref : NULL, pairs->ref);
-            place[i][1] = find(&g, named ? named->test : NULL, named ? NULL : pairs->tests[i]);
+            place[i][0] = find(&g, named ? named->ref : NULL, pairs->ref, SIZE_MAX);
+            place[i][1] = find(&g, named ? named->test : NULL, named ? NULL : pairs->tests[i], place[i][0]);
         }
     for (size_t i = 0; i < g.n; ++i)
         g.subjects[i].itp = itp + i * n_values;
@@ -237,7 +246,9 @@ nqm_status nqm_azimuths_score_means(const nqm_azimuths *a, size_t n, const nqm_n
     if (status != NQM_OK)
         return status;
     for (size_t i = 0; i < g.n; ++i)
-        g.subjects[i] = (subject){.name = i < n ? members[i].ref : members[i - n].test, .itp = light + i * n_values};
+        g.subjects[i] = (subject){.name = i < n ? members[i].ref : members[i - n].test,
+                                  .beside = i < n ? SIZE_MAX : i - n,
+                                  .itp = light + i * n_values};
     if (nqm_parallel_ticking(ticker, "far", g.n, show, &g))
         status = nqm_fail(err, NQM_ERR_CANCELLED, -1, "cancelled");
     for (size_t i = 0; status == NQM_OK && i < g.n; ++i)

@@ -31,6 +31,18 @@ typedef struct nodes {
     float *light; /* (n, 3, n_points) */
 } nodes;
 
+/* Whether nodes for one lobe suit the other, too: sizes and distance within a third. */
+static bool is_like(const nqm_lobe *a, const nqm_lobe *b) {
+    static const double most = 0.3;
+    const double apart = hypot(a->center[0] - b->center[0], a->center[1] - b->center[1]);
+    double turned = 0; /* of axes times its transpose: a round lobe has no direction */
+    for (size_t i = 0; i < 2; ++i)
+        for (size_t j = 0; j < 2; ++j)
+            turned = fmax(turned, fabs(a->axes[2 * i] * a->axes[2 * j] + a->axes[2 * i + 1] * a->axes[2 * j + 1] -
+                                       b->axes[2 * i] * b->axes[2 * j] - b->axes[2 * i + 1] * b->axes[2 * j + 1]));
+    return fabs(log(a->width / b->width)) < most && apart < most * a->width && turned < most;
+}
+
 /* Rings of a lobe; returns their number. n_nodes_ret: with the disc within them. */
 static size_t make_rings(const nqm_lobe *lobe, ring *rings, size_t *n_nodes_ret) {
     const double ratio = lobe->axes[0] * lobe->axes[0] + lobe->axes[2] * lobe->axes[2],
@@ -57,7 +69,7 @@ static double blend(double t, double from, double to) {
 }
 
 /* Stretched and moved as the lobe is; far from it the circles become round about the normal. Centres move less than circles grow, so that
- * circles do not cross. */
+ * circles do not cross. The stretch is symmetric: the axis of a nearly round lobe is a matter of chance, and turns no nodes. */
 static circle circle_at(const nqm_lobe *lobe, double t) {
     static const double round = 4;
     const double moved = hypot(lobe->center[0], lobe->center[1]);
@@ -66,7 +78,8 @@ static circle circle_at(const nqm_lobe *lobe, double t) {
     const double from = fmin(3 * lobe->width, round * exp(-1.5 * fabs(log(along)) - 1));
     const double longer = t * pow(along, 1 - blend(t, from, round)), shorter = t * t / longer;
     return (circle){{here * lobe->center[0], here * lobe->center[1]},
-                    {c * longer, -s * shorter, s * longer, c * shorter}};
+                    {c * c * longer + s * s * shorter, c * s * (longer - shorter), c * s * (longer - shorter),
+                     s * s * longer + c * c * shorter}};
 }
 
 static void slope_at(const circle *at, double x, double y, double slope[2]) {
@@ -207,8 +220,11 @@ void nqm_azimuths_totals(const nqm_model *m, float *totals) {
             totals[i] += m->slopes[cell * n + i];
 }
 
-bool nqm_azimuths_light(const nqm_model *m, const float *totals, const nqm_brdf *brdf, double *rgb) {
-    const nqm_lobe lobe = nqm_lobe_measure(brdf);
+bool nqm_azimuths_light(const nqm_model *m, const float *totals, const nqm_brdf *brdf, const nqm_brdf *beside,
+                        double *rgb) {
+    const nqm_lobe of_other = nqm_lobe_measure(beside ? beside : brdf),
+                   own = beside ? nqm_lobe_measure(brdf) : of_other;
+    const nqm_lobe lobe = is_like(&of_other, &own) ? of_other : own;
     ring rings[MAX_RINGS] = {{0, 0, 0}};
     nodes made = {.n = 0};
     size_t n_nodes;

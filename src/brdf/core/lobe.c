@@ -21,18 +21,18 @@ static double value_at(const nqm_brdf *brdf, double x, double y) {
     return nqm_luminance(rgb) * h[2] * h[2] * h[2] * h[2];
 }
 
-/* Climb to the peak from the brightest of a grid of slopes and of the normal of its frame, about which a lobe may be narrower than any
- * grid; the normal, unless the peak is brighter. Returns the value. */
+/* The normal of its frame, if that leans: the lobe there may be narrower than any grid. Else climb to the peak from the brightest of a
+ * grid of slopes; the normal, unless the peak is brighter. Returns the value. */
 static double find_peak(const nqm_brdf *brdf, double center[2]) {
     enum { GRID = 16 };
     static const double reach = 1, least_step = 1e-5, much = 1.1;
     const double at_normal = value_at(brdf, 0, 0);
-    double normal[3];
+    double normal[3], best = at_normal, x = 0, y = 0;
     nqm_brdf_frame_normal(brdf, normal);
-    double x = normal[0] / normal[2], y = normal[1] / normal[2], best = fmax(value_at(brdf, x, y), at_normal);
-    if (!(best > at_normal))
-        x = y = 0;
-    center[0] = center[1] = 0;
+    center[0] = normal[0] / normal[2];
+    center[1] = normal[1] / normal[2];
+    if (center[0] != 0 || center[1] != 0)
+        return value_at(brdf, center[0], center[1]);
     for (int i = -GRID; i <= GRID; ++i)
         for (int j = -GRID; j <= GRID; ++j) {
             const double value = value_at(brdf, reach * i / GRID, reach * j / GRID);
