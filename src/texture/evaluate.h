@@ -18,14 +18,13 @@ typedef struct nqm_texels {
     float matrix[3][3];
 } nqm_texels;
 
-/** A property that maps change. */
-typedef struct nqm_varying {
-    char key[48];
-    uint16_t node;
-    uint8_t n;        /* components of the property */
-    size_t at;        /* its first row among the values of a texel */
-    double low, high; /* its range */
-} nqm_varying;
+/** A property of the model. */
+typedef struct nqm_texture_property {
+    const nqm_spec_key *key;
+    double v[3];     /* its value where no map changes it */
+    uint16_t node;   /* NQM_NO_NODE: none does */
+    uint16_t row[3]; /* of each component among those of the nodes */
+} nqm_texture_property;
 
 /** See nqm_texture. Its shading has the constant properties. */
 struct nqm_texture {
@@ -35,42 +34,42 @@ struct nqm_texture {
     nqm_textured *owned;      /* one of both owns `maps` */
     const nqm_textured *maps; /* NULL: none */
     nqm_shading shading;
-    const nqm_spec_schema *schema; /* of the model; NULL with an argument */
-    nqm_texels *images;            /* (maps->n_images) */
-    double (*constants)[4];        /* (maps->n_nodes) of nodes that do not vary */
-    uint8_t *roles;                /* (maps->n_nodes) nqm_node_role */
-    uint16_t *rows;                /* (maps->n_nodes) the first row of each needed node in the workspace */
-    size_t n_rows, n_values;
-    size_t n_varying;
-    nqm_varying varying[NQM_MAX_PROPERTIES];
-    bool has_normal; /* the last three values are the normal */
+    nqm_texels *images;       /* (maps->n_images) */
+    double (*constants)[4];   /* (maps->n_nodes) of nodes that do not vary */
+    bool *varies;             /* (maps->n_nodes) */
+    uint16_t *rows, n_rows;   /* (maps->n_nodes) the first row of each node that is needed; NQM_NO_ROW: it is not */
+    uint16_t normal;          /* the node of the normal; NQM_NO_NODE: it does not vary */
+    const nqm_spec_key *keys; /* (n_properties) of the model; NULL with an argument */
+    size_t n_properties;
+    nqm_texture_property properties[NQM_SPEC_MAX_KEYS];
     char words[1024];
 };
 
-typedef enum nqm_node_role { NQM_NODE_VARIES = 1, NQM_NODE_NEEDED = 2 } nqm_node_role;
-
-enum { NQM_TEXEL_BLOCK = 256 };
+enum { NQM_TEXEL_BLOCK = 256, NQM_NO_ROW = 0xffff };
 
 /** Lay out the nodes that the outputs need; properties that do not vary become constants of the shading. */
 NQM_MUST_CHECK nqm_status nqm_texture_prepare(nqm_texture *t, nqm_error *err);
-/** Floats of the workspace of nqm_texture_evaluate(). */
-size_t nqm_texture_workspace(const nqm_texture *t);
-/** The values at n <= NQM_TEXEL_BLOCK positions, within the ranges of the model: (n_values, NQM_TEXEL_BLOCK), in the
- *  workspace. */
-const float *nqm_texture_evaluate(const nqm_texture *t, size_t n, const double *u, const double *v, float *workspace);
 /** Build the table or matrix of a decoded map, or decode its floats. NQM_ERR_FORMAT: no such colour space. */
 NQM_MUST_CHECK nqm_status nqm_texels_decode(nqm_texels *texels, const char *space, nqm_error *err);
 
-/** Texels along u (axis 0) or v of one period of both, and by how many such periods the surface is tiled. */
-size_t nqm_texture_tiles(const nqm_texture *ref, const nqm_texture *test, size_t axis, size_t *n_texels_ret);
-
-/** The spec of the texel with these values, one in every `stride` floats; nqm_free(). NULL: out of memory. */
-char *nqm_texture_spec(const nqm_texture *t, const float *values, size_t stride);
+/** The needed nodes at n <= NQM_TEXEL_BLOCK positions. rows: (n_rows, NQM_TEXEL_BLOCK) */
+void nqm_texture_evaluate(const nqm_texture *t, size_t n, const double *u, const double *v, float *rows);
+/** Component c of a property at position i of evaluated ones, within the range of the model; NaN becomes the least. */
+static inline double nqm_texture_value(const nqm_texture *t, size_t property, size_t c, const float *rows, size_t i) {
+    const nqm_texture_property *p = &t->properties[property];
+    if (p->node == NQM_NO_NODE)
+        return p->v[c];
+    const double x = (double)rows[(size_t)p->row[c] * NQM_TEXEL_BLOCK + i], low = p->key->low, high = p->key->high;
+    return x >= low ? x <= high ? x : high : low;
+}
+/** The normal there, a unit vector. Steeper ones than the steepest are that: the surface is seen. */
+void nqm_texture_normal(const nqm_texture *t, const float *rows, size_t i, double normal[3]);
+/** The spec of the material there, with another value of one property; NULL: of none. nqm_free(); NULL: out of memory. */
+char *nqm_texture_spec(const nqm_texture *t, const float *rows, size_t i, const nqm_property *changed);
 /** "tilt:...;of=SPEC" of a spec, which is freed, towards a unit vector; the spec itself where that is the normal. */
 char *nqm_texture_tilt(char *spec, const double normal[3]);
-/** The constant value of a property, or that of the model. */
-void nqm_texture_constant(const nqm_texture *t, const char *key, float v[3]);
-/** The key of the model; NULL: it has none of this name. */
-const nqm_spec_key *nqm_texture_key(const nqm_texture *t, const char *key);
+
+/** Texels along u (axis 0) or v of one period of both, and by how many such periods the surface is tiled. */
+size_t nqm_texture_tiles(const nqm_texture *ref, const nqm_texture *test, size_t axis, size_t *n_texels_ret);
 
 #endif

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Textured materials with their decoded maps: opened from files, made of arrays, and evaluated at one position.
+ * Textured materials with their decoded maps: opened from files or made of arrays, their size in texels, and the material of one
+ * position.
  */
 #include "texture/evaluate.h"
 
@@ -24,11 +25,114 @@ void nqm_texture_free(nqm_texture *t) {
 
 static nqm_texture *make(const char *name) {
     nqm_texture *t = nqm_alloc(1, sizeof *t);
-    if (t && !(t->name = nqm_strdup(name))) {
+    if (!t || !(t->name = nqm_strdup(name))) {
         nqm_free(t);
         return NULL;
     }
+    t->normal = NQM_NO_NODE;
     return t;
+}
+
+/* ---- what varies ------------------------------------------------------------------------------------------------- */
+
+/* Operands are earlier nodes. */
+static void find_varying(nqm_texture *t) {
+    for (size_t k = 0; k < t->maps->n_nodes; ++k) {
+        const nqm_map_node *node = &t->maps->nodes[k];
+        t->rows[k] = NQM_NO_ROW;
+        t->varies[k] = node->op == NQM_MAP_IMAGE || node->op == NQM_MAP_TEXCOORD;
+        for (size_t i = 0; i < nqm_map_operands(node->op, node->n); ++i)
+            t->varies[k] = t->varies[k] || t->varies[node->in[i]];
+        if (!t->varies[k])
+            nqm_map_node_value(node, (const double(*)[4])t->constants, t->constants[k]);
+    }
+}
+
+/* Give rows to nodes that outputs need, which have one already, and to those that these need. */
+static void lay_out(nqm_texture *t) {
+    for (size_t k = t->maps->n_nodes; k-- > 0;) {
+        const nqm_map_node *node = &t->maps->nodes[k];
+        if (t->rows[k] == NQM_NO_ROW)
+            continue;
+        t->rows[k] = t->n_rows;
+        t->n_rows = (uint16_t)(t->n_rows + node->n);
+        for (size_t i = 0; t->varies[k] && i < nqm_map_operands(node->op, node->n); ++i)
+            t->rows[node->in[i]] = 0;
+    }
+    for (size_t k = 0; k < t->n_properties; ++k) {
+        nqm_texture_property *p = &t->properties[k];
+        for (size_t c = 0; p->node != NQM_NO_NODE && c < 3; ++c)
+            p->row[c] = (uint16_t)(t->rows[p->node] + nqm_smaller(c, (size_t)t->maps->nodes[p->node].n - 1));
+    }
+}
+
+static void add_output(nqm_texture *t, const char *name, uint16_t node) {
+    const size_t used = strlen(t->words);
+    snprintf(t->words + used, sizeof t->words - used, "%s%s", used ? " " : "", name);
+    t->rows[node] = 0;
+}
+
+/* The properties of a model, with the values of the shading. */
+static void set_model(nqm_texture *t, const nqm_analytic_model *model) {
+    t->info.model = model->schema.model;
+    t->keys = model->schema.keys;
+    t->n_properties = model->schema.n_keys;
+    for (size_t k = 0; k < t->n_properties; ++k) {
+        nqm_texture_property *p = &t->properties[k];
+        const nqm_property *set = nqm_shading_find(&t->shading, t->keys[k].name);
+        *p = (nqm_texture_property){.key = &t->keys[k], .node = NQM_NO_NODE};
+        for (size_t c = 0; c < 3; ++c)
+            p->v[c] = set ? set->v[c] : p->key->fallback;
+    }
+}
+
+static size_t find_property(const nqm_texture *t, const char *name) {
+    size_t k = 0;
+    while (k < t->n_properties && strcmp(t->keys[k].name, name) != 0)
+        ++k;
+    return k;
+}
+
+static nqm_status set_output(nqm_texture *t, const nqm_map_output *output, nqm_error *err) {
+    const size_t k = find_property(t, output->key);
+    if (k == t->n_properties)
+        return nqm_fail(err, NQM_ERR_ARG, -1, "%s: the model '%s' has no property '%s' that a map can change", t->name,
+                        t->shading.model, output->key);
+    nqm_texture_property *p = &t->properties[k];
+    if (t->varies[output->node]) {
+        p->node = output->node;
+        add_output(t, output->key, output->node);
+        return NQM_OK;
+    }
+    nqm_shading_set(&t->shading, p->key->name, nqm_smaller(p->key->n, t->maps->nodes[output->node].n),
+                    t->constants[output->node]);
+    memcpy(p->v, nqm_shading_find(&t->shading, p->key->name)->v, sizeof p->v);
+    return NQM_OK;
+}
+
+nqm_status nqm_texture_prepare(nqm_texture *t, nqm_error *err) {
+    const char *name = t->maps->shading.model;
+    const nqm_analytic_model *model = nqm_analytic_model_find(name, strlen(name));
+    const size_t n = t->maps->n_nodes;
+    if (!model)
+        return nqm_fail(err, NQM_ERR_ARG, -1, "%s: there is no model '%s'", t->name, name);
+    nqm_status status = nqm_alloc_arrays(NQM_ARRAYS({&t->constants, n, sizeof *t->constants},
+                                                    {&t->varies, n, sizeof *t->varies}, {&t->rows, n, sizeof *t->rows}),
+                                         err);
+    if (status != NQM_OK)
+        return status;
+    t->shading = t->maps->shading;
+    set_model(t, model);
+    find_varying(t);
+    for (size_t i = 0; status == NQM_OK && i < t->maps->n_outputs; ++i)
+        status = set_output(t, &t->maps->outputs[i], err);
+    t->normal = t->maps->normal;
+    if (t->normal != NQM_NO_NODE && !t->varies[t->normal])
+        t->normal = NQM_NO_NODE;
+    if (t->normal != NQM_NO_NODE)
+        add_output(t, "normal", t->normal);
+    lay_out(t);
+    return status;
 }
 
 /* ---- maps of files ----------------------------------------------------------------------------------------------- */
@@ -66,7 +170,7 @@ static nqm_status decode_all(nqm_texture *t, nqm_ticker *ticker, nqm_error *err)
     nqm_status status = job ? NQM_OK : nqm_fail_nomem(err, sizeof *job);
     bool is_needed[NQM_MAX_MAP_IMAGES] = {false};
     for (size_t k = 0; k < t->maps->n_nodes; ++k)
-        if (t->maps->nodes[k].op == NQM_MAP_IMAGE && (t->roles[k] & NQM_NODE_NEEDED))
+        if (t->maps->nodes[k].op == NQM_MAP_IMAGE && t->rows[k] != NQM_NO_ROW)
             is_needed[t->maps->nodes[k].image] = true;
     if (!job)
         return status;
@@ -119,6 +223,52 @@ static nqm_status finish(nqm_texture *t, nqm_ticker *ticker, nqm_error *err) {
     return status == NQM_OK ? check(t, err) : status;
 }
 
+/* ---- size in texels ---------------------------------------------------------------------------------------------- */
+
+static size_t common_divisor(size_t a, size_t b) {
+    return b ? common_divisor(b, a % b) : a;
+}
+
+/* Along u (axis 0) or v: texels on the surface, and the number of equal tiles into which all maps divide it; 0: any. */
+typedef struct extent {
+    double n_texels;
+    size_t n_tiles;
+} extent;
+
+/* Tiles of an image that is repeated a whole number of times and not turned. */
+static size_t count_tiles(const nqm_map_node *node, size_t axis) {
+    const double times = fabs(node->uv[axis][axis]), nearest = nearbyint(times);
+    const bool is_turned = node->uv[0][1] != 0 || node->uv[1][0] != 0;
+    return node->wrap[axis] == NQM_MAP_REPEAT && !is_turned && nearest >= 1 && nearest < 1e6 &&
+                   fabs(times - nearest) < 1e-6
+               ? (size_t)nearest
+               : 1;
+}
+
+static void extend(const nqm_texture *t, size_t axis, extent *e) {
+    for (size_t k = 0; t->maps && k < t->maps->n_nodes; ++k) {
+        const nqm_map_node *node = &t->maps->nodes[k];
+        if (t->rows[k] == NQM_NO_ROW || (node->op != NQM_MAP_IMAGE && node->op != NQM_MAP_TEXCOORD))
+            continue;
+        e->n_tiles = common_divisor(e->n_tiles, node->op == NQM_MAP_IMAGE ? count_tiles(node, axis) : 1);
+        if (node->op == NQM_MAP_IMAGE) {
+            const nqm_raster *r = &t->images[node->image].raster;
+            e->n_texels = fmax(e->n_texels, fmax((double)r->width * fabs(node->uv[0][axis]),
+                                                 (double)r->height * fabs(node->uv[1][axis])));
+        }
+    }
+}
+
+size_t nqm_texture_tiles(const nqm_texture *ref, const nqm_texture *test, size_t axis, size_t *n_texels_ret) {
+    enum { MAX_SIDE = 8192 };
+    extent e = {0, 0};
+    extend(ref, axis, &e);
+    extend(test, axis, &e);
+    const size_t n_tiles = nqm_larger(e.n_tiles, 1);
+    *n_texels_ret = (size_t)fmin(fmax(ceil(e.n_texels / (double)n_tiles - 1e-6), 1), MAX_SIDE);
+    return n_tiles;
+}
+
 nqm_texture_info nqm_texture_get_info(const nqm_texture *texture, const nqm_texture *beside) {
     assert(texture);
     nqm_texture_info info = texture->info;
@@ -138,8 +288,7 @@ static nqm_status open_constant(nqm_texture *t, nqm_error *err) {
     const nqm_brdf_info info = nqm_brdf_get_info(brdf);
     const nqm_analytic_model *model = info.spec ? nqm_analytic_model_find(info.format, strlen(info.format)) : NULL;
     if (model && nqm_shading_parse(info.spec, &t->shading, NULL) == NQM_OK) {
-        t->schema = &model->schema;
-        t->info.model = model->schema.model;
+        set_model(t, model);
     } else {
         snprintf(t->shading.model, sizeof t->shading.model, "%s", info.format);
         t->info.model = t->shading.model;
@@ -178,8 +327,8 @@ nqm_status nqm_texture_open(const char *argument, nqm_progress_fn progress, void
 /* ---- from arrays ------------------------------------------------------------------------------------------------- */
 
 static nqm_status check_map(const nqm_texture *t, const nqm_texture_map *map, nqm_error *err) {
-    const nqm_spec_key *key = nqm_texture_key(t, map->key);
-    const size_t n = strcmp(map->key, "normal") == 0 ? 3 : key ? key->n : 0;
+    const size_t k = find_property(t, map->key), n_of_key = k < t->n_properties ? t->keys[k].n : 0;
+    const size_t n = strcmp(map->key, "normal") == 0 ? 3 : n_of_key;
     if (n == 0)
         return nqm_fail(err, NQM_ERR_ARG, -1, "the model '%s' has no property '%s' that a map can change",
                         t->owned->shading.model, map->key);
@@ -233,7 +382,8 @@ static nqm_status make_of_arrays(nqm_texture *t, const char *base, size_t n_maps
     if (status == NQM_OK && (!model || n_maps > NQM_MAX_MAP_IMAGES))
         status = model ? nqm_fail(err, NQM_ERR_LIMIT, -1, "%zu maps; there may be %d", n_maps, NQM_MAX_MAP_IMAGES)
                        : nqm_fail(err, NQM_ERR_ARG, -1, "%s: there is no model '%s'", base, name);
-    t->schema = model ? &model->schema : NULL;
+    if (model)
+        set_model(t, model);
     for (size_t i = 0; status == NQM_OK && i < n_maps; ++i)
         status = add_map(t, &maps[i], err);
     return status == NQM_OK ? finish(t, NULL, err) : status;
@@ -258,19 +408,49 @@ nqm_status nqm_texture_create(const char *base, size_t n_maps, const nqm_texture
 
 /* ---- one position ------------------------------------------------------------------------------------------------ */
 
+char *nqm_texture_spec(const nqm_texture *t, const float *rows, size_t i, const nqm_property *changed) {
+    nqm_shading shading = t->shading;
+    if (t->argument)
+        return nqm_strdup(t->argument);
+    for (size_t k = 0; k < t->n_properties; ++k) {
+        const nqm_texture_property *p = &t->properties[k];
+        const double v[3] = {nqm_texture_value(t, k, 0, rows, i), nqm_texture_value(t, k, 1, rows, i),
+                             nqm_texture_value(t, k, 2, rows, i)};
+        if (p->node != NQM_NO_NODE)
+            nqm_shading_set(&shading, p->key->name, p->key->n, v);
+    }
+    if (changed)
+        nqm_shading_set(&shading, changed->key, changed->n, changed->v);
+    return nqm_shading_spec(&shading);
+}
+
+char *nqm_texture_tilt(char *spec, const double normal[3]) {
+    enum { MORE = 100 };
+    const double sine = hypot(normal[0], normal[1]), degrees = atan2(sine, normal[2]) * 180 / NQM_PI;
+    if (!spec || degrees < 1e-3)
+        return spec;
+    char numbers[2][32], *tilted = nqm_alloc(strlen(spec) + MORE, 1);
+    if (tilted)
+        snprintf(tilted, strlen(spec) + MORE, "tilt:deg=%s;azimuth=%s;of=%s",
+                 nqm_format_double(numbers[0], sizeof numbers[0], fmin(degrees, 60)),
+                 nqm_format_double(numbers[1], sizeof numbers[1], atan2(normal[1], normal[0]) * 180 / NQM_PI), spec);
+    nqm_free(spec);
+    return tilted;
+}
+
 nqm_status nqm_texture_at(const nqm_texture *t, double u, double v, nqm_brdf **brdf_ret, double normal[3],
                           nqm_error *err) {
     const double at[2] = {u - floor(u), v - floor(v)};
-    float *workspace = nqm_alloc(nqm_texture_workspace(t), sizeof *workspace);
+    const size_t n = (size_t)t->n_rows * NQM_TEXEL_BLOCK;
+    float *rows = nqm_alloc(n, sizeof *rows);
     *brdf_ret = NULL;
-    if (!workspace)
-        return nqm_fail_nomem(err, nqm_texture_workspace(t) * sizeof *workspace);
-    const float *values = nqm_texture_evaluate(t, 1, &at[0], &at[1], workspace);
-    char *spec = nqm_texture_spec(t, values, NQM_TEXEL_BLOCK);
-    for (size_t c = 0; c < 3; ++c)
-        normal[c] = t->has_normal ? (double)values[(t->n_values - 3 + c) * NQM_TEXEL_BLOCK] : c == 2;
+    if (!rows)
+        return nqm_fail_nomem(err, n * sizeof *rows);
+    nqm_texture_evaluate(t, 1, &at[0], &at[1], rows);
+    nqm_texture_normal(t, rows, 0, normal);
+    char *spec = nqm_texture_spec(t, rows, 0, NULL);
     nqm_status status = spec ? nqm_brdf_open(spec, brdf_ret, err) : nqm_fail_nomem(err, sizeof(nqm_shading));
     nqm_free(spec);
-    nqm_free(workspace);
+    nqm_free(rows);
     return status;
 }
