@@ -149,9 +149,9 @@ nqm_status nqm_texture_blame_find(nqm_texture_job *job, nqm_texture_result *resu
     nqm_status status = NQM_OK;
     size_t n = nqm_texels_choose(&job->order, max_n, seed, samples);
     for (size_t k = 0; status == NQM_OK && k < job->side[0]->n_properties; ++k)
-        if (nqm_texels_differ(job, k))
+        if (nqm_texels_differ(job, NQM_DIFFERENCE, k))
             status = blame_one(job, (int)k, n, samples, result, err);
-    if (status == NQM_OK && job->tilts) {
+    if (status == NQM_OK && nqm_texels_differ(job, NQM_TILT, 0)) {
         n = nqm_texels_choose(&job->order, nqm_larger(n_texels / SHARE_TILTED, LEAST), seed, samples);
         status = blame_one(job, NQM_EXCHANGE_NORMAL, n, samples, result, err);
     }

@@ -9,8 +9,8 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* Members of a mean, and the texels from which those with normals are chosen: 2^BITS. */
-enum { MAX_MEMBERS = NQM_TEXEL_BLOCK, BITS = 12, N_CANDIDATES = 1 << BITS };
+/* Members of a mean, and the texels from which those with normals are chosen. */
+enum { MAX_MEMBERS = NQM_TEXEL_BLOCK, N_CANDIDATES = 4096 };
 
 /* A mean of BRDFs. */
 typedef struct mean {
@@ -124,31 +124,24 @@ static nqm_status score_flat(const members *m, nqm_score_result *score, nqm_erro
 
 /* ---- with normals ------------------------------------------------------------------------------------------------ */
 
-/* Texels in the order of their normals. */
-typedef struct candidates {
-    nqm_texture_job *job;
-    size_t n;
-    nqm_texel_sample samples[N_CANDIDATES];
-    uint64_t words[N_CANDIDATES], other[N_CANDIDATES];
-} candidates;
-
-/* Keys of the reference's normal, or of the test's if only that one varies: bits of x and y, interleaved. */
-static nqm_status add_candidates(void *user, size_t n, nqm_texel_sample *samples, const float *const rows[2],
-                                 nqm_error *err) {
-    enum { LEVEL_BITS = 4 };
-    candidates *all = user;
-    const size_t side = all->job->side[0]->normal != NQM_NO_NODE ? 0 : 1;
-    (void)samples, (void)err;
-    for (size_t i = 0; i < n; ++i, ++all->n) {
+/* Leave in delta_e the key by which texels are sorted: bits of x and y of the reference's normal, interleaved; of the test's if only
+ * that one varies. */
+static nqm_status find_keys(void *user, size_t n, nqm_texel_sample *samples, const float *const rows[2],
+                            nqm_error *err) {
+    enum { BITS = 4 };
+    const nqm_texture *const *t = ((const nqm_texture_job *)user)->side;
+    const size_t side = t[0]->normal != NQM_NO_NODE ? 0 : 1;
+    (void)err;
+    for (size_t i = 0; i < n; ++i) {
         double normal[3];
-        uint64_t key = 0;
-        nqm_texture_normal(all->job->side[side], rows[side], i, normal);
-        for (int bit = LEVEL_BITS - 1; bit >= 0; --bit)
+        unsigned key = 0;
+        nqm_texture_normal(t[side], rows[side], i, normal);
+        for (int bit = BITS - 1; bit >= 0; --bit)
             for (size_t c = 0; c < 2; ++c) { /* roots: most normals are near (0, 0, 1) */
                 const double x = copysign(sqrt(fabs(normal[c])), normal[c]);
-                key = 2 * key + ((uint64_t)((x + 1) / 2 * ((1 << LEVEL_BITS) - 1)) >> bit & 1);
+                key = 2 * key + ((unsigned)((x + 1) / 2 * ((1 << BITS) - 1)) >> bit & 1);
             }
-        all->words[all->n] = key << BITS | all->n;
+        samples[i].delta_e = key;
     }
     return NQM_OK;
 }
@@ -156,18 +149,17 @@ static nqm_status add_candidates(void *user, size_t n, nqm_texel_sample *samples
 /* Texels that cover the normals evenly. samples: (MAX_MEMBERS). */
 static nqm_status choose_tilted(nqm_texture_job *job, nqm_texel_sample *samples, size_t *n_ret, nqm_error *err) {
     const uint64_t seed = job->options.seed + 1;
-    nqm_texel_order runs = job->order, sorted = {.mask = N_CANDIDATES - 1};
-    candidates *all = nqm_alloc(1, sizeof *all);
+    nqm_texel_order runs = job->order;
+    nqm_texel_sample *all = nqm_alloc(N_CANDIDATES, sizeof *all);
     if (!all)
-        return nqm_fail_nomem(err, sizeof *all);
-    all->job = job;
+        return nqm_fail_nomem(err, N_CANDIDATES * sizeof *all);
     runs.begin = NULL;
-    sorted.n = nqm_texels_choose(&runs, N_CANDIDATES, seed, all->samples);
-    nqm_status status = nqm_texels_visit(job, NULL, sorted.n, all->samples, add_candidates, all, err);
-    sorted.words = nqm_texels_sort(sorted.n, all->words, all->other, BITS);
-    *n_ret = nqm_texels_choose(&sorted, MAX_MEMBERS, nqm_hash_u64(seed, 0), samples);
+    const size_t n = nqm_texels_choose(&runs, N_CANDIDATES, seed, all);
+    nqm_status status = nqm_texels_visit(job, NULL, n, all, find_keys, job, err);
+    qsort(all, n, sizeof *all, nqm_texels_compare_delta_e);
+    *n_ret = nqm_texels_choose(&(nqm_texel_order){.n = n}, MAX_MEMBERS, nqm_hash_u64(seed, 0), samples);
     for (size_t k = 0; k < *n_ret; ++k)
-        samples[k].texel = all->samples[samples[k].texel].texel;
+        samples[k].texel = all[samples[k].texel].texel;
     nqm_free(all);
     return status;
 }
@@ -206,8 +198,10 @@ static nqm_status score_means(nqm_texture_job *job, nqm_score_result *score, nqm
 
 nqm_status nqm_texture_score_far(nqm_texture_job *job, nqm_texture_result *result, nqm_error *err) {
     const double certain = job->model->interval ? 10 : NAN;
+    const bool is_equal = job->is_same_model && !nqm_texels_differ(job, NQM_DIFFERENCE, NQM_ANY_PROPERTY) &&
+                          !nqm_texels_differ(job, NQM_TILT, 0);
     nqm_score_result score = {.jod = 10, .jod_low = certain, .jod_high = certain};
-    nqm_status status = job->is_equal ? NQM_OK : score_means(job, &score, err);
+    nqm_status status = is_equal ? NQM_OK : score_means(job, &score, err);
     result->far_jod[0] = score.jod;
     result->far_jod[1] = score.jod_low;
     result->far_jod[2] = score.jod_high;

@@ -119,14 +119,14 @@ static double delta_e_of(const nqm_curve *curve, double jod) {
     return power > 0 ? fmin(pow(power, 1 / curve->b3), MOST) : MOST;
 }
 
-static int compare_samples(const void *a, const void *b) {
+int nqm_texels_compare_delta_e(const void *a, const void *b) {
     const double x = ((const nqm_texel_sample *)a)->delta_e, y = ((const nqm_texel_sample *)b)->delta_e;
     return (x > y) - (x < y);
 }
 
 /* Sorts the samples. */
 static void find_percentiles(size_t n, nqm_texel_sample *samples, nqm_texture_result *result) {
-    qsort(samples, n, sizeof *samples, compare_samples);
+    qsort(samples, n, sizeof *samples, nqm_texels_compare_delta_e);
     result->median = result->worst = samples[n - 1].jod;
     double sum = 0; /* of the weights of worse samples; 1e-9: they are rounded */
     for (size_t i = n; i-- > 0;) {

@@ -9,20 +9,23 @@
 #include "metric/metric.h"
 #include "texture/evaluate.h"
 
+#include <stdatomic.h>
+
 /** A number that tells pairs of texels apart: a component of the reference, of the test or, of the same model, their difference; or of the
  *  normal of the test in the frame of the reference's. Of colours the square roots are compared, whose steps are about equally
  *  visible. */
 typedef struct nqm_texel_column {
     enum { NQM_DIFFERENCE, NQM_TILT, NQM_OF_REF, NQM_OF_TEST } kind;
     size_t property, component;
-    float low, high;
+    float low, high;        /* at some texels */
+    atomic_bool is_nonzero; /* anywhere */
 } nqm_texel_column;
 
-enum { NQM_MAX_COLUMNS = 6 * NQM_SPEC_MAX_KEYS + 2 };
+enum { NQM_MAX_COLUMNS = 6 * NQM_SPEC_MAX_KEYS + 2, NQM_ANY_PROPERTY = NQM_SPEC_MAX_KEYS };
 
 /** Texels in an order in which similar pairs are near each other, so that a random one of each of equal runs is a stratified sample. */
 typedef struct nqm_texel_order {
-    uint64_t *words; /* (n) sorted: below the key the number of the texel, of which these are the bits: */
+    uint64_t *words; /* (n) sorted: a key above the number of the texel, of which these are the bits; NULL: by number */
     uint64_t mask;
     uint64_t *block; /* what is freed */
     size_t n, n_groups;
@@ -43,8 +46,8 @@ typedef struct nqm_texture_job {
     nqm_scorer *scorer;
     const nqm_texture *side[2];
     size_t width, height;
-    double period[2];                    /* what of the surface is compared, along u and v */
-    bool is_same_model, is_equal, tilts; /* equal: no column differs; tilts: the normals of both differ */
+    double period[2]; /* what of the surface is compared, along u and v */
+    bool is_same_model;
     size_t n_columns;
     nqm_texel_column columns[NQM_MAX_COLUMNS];
     nqm_texel_order order;
@@ -54,10 +57,8 @@ typedef struct nqm_texture_job {
 /** Compare the textures, and order their texels. 16 bytes a texel. */
 NQM_MUST_CHECK nqm_status nqm_texels_compare(nqm_texture_job *job, nqm_error *err);
 void nqm_texel_order_free(nqm_texel_order *order);
-/** Whether a property has different values, of the same model. */
-bool nqm_texels_differ(const nqm_texture_job *job, size_t property);
-/** Sort words by their bits from `bit` on, stably. other: (n); returns the array that is sorted, which is one of both. */
-uint64_t *nqm_texels_sort(size_t n, uint64_t *words, uint64_t *other, unsigned bit);
+/** Whether a property, of the same model, or the normal (NQM_TILT) differs anywhere. */
+bool nqm_texels_differ(const nqm_texture_job *job, int kind, size_t property);
 /** Choose a texel of each group, or of equal runs if these are more than max_n. samples: (max_n); returns how many. */
 size_t nqm_texels_choose(const nqm_texel_order *order, size_t max_n, uint64_t seed, nqm_texel_sample *samples);
 /** The first place of group or run k of n that were chosen. */
@@ -78,6 +79,8 @@ enum { NQM_EXCHANGE_ALL = -1, NQM_EXCHANGE_NORMAL = -2 };
  *  are added. */
 NQM_MUST_CHECK nqm_status nqm_texels_score(nqm_texture_job *job, const char *stage, int exchange, size_t n,
                                            nqm_texel_sample *samples, nqm_label *parts, nqm_error *err);
+/** Of two samples, for qsort(). */
+int nqm_texels_compare_delta_e(const void *a, const void *b);
 /** Fill the blame of the result, the worst first. */
 NQM_MUST_CHECK nqm_status nqm_texture_blame_find(nqm_texture_job *job, nqm_texture_result *result, nqm_error *err);
 /** Fill the far score of the result. */

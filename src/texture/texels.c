@@ -7,14 +7,17 @@
 
 #include <math.h>
 
-enum { BLOCK = NQM_TEXEL_BLOCK, LEVELS = 256 };
+enum { BLOCK = NQM_TEXEL_BLOCK, LEVELS = 256, TASK = 64 * BLOCK, N_MEASURED = 4096 };
 
 /* ---- columns ----------------------------------------------------------------------------------------------------- */
 
 static void add_column(nqm_texture_job *job, int kind, size_t property, size_t component) {
     nqm_texel_column *column = &job->columns[job->n_columns++];
-    *column = (nqm_texel_column){.property = property, .component = component};
     column->kind = kind;
+    column->property = property;
+    column->component = component;
+    column->low = INFINITY;
+    column->high = -INFINITY;
 }
 
 static bool varies(const nqm_texture *t, size_t property) {
@@ -47,15 +50,12 @@ static void find_columns(nqm_texture_job *job) {
         add_columns(job, NQM_OF_TEST, 1);
 }
 
-static bool is_difference(const nqm_texel_column *column) {
-    return column->kind == NQM_DIFFERENCE || column->kind == NQM_TILT;
-}
-
-bool nqm_texels_differ(const nqm_texture_job *job, size_t property) {
+bool nqm_texels_differ(const nqm_texture_job *job, int kind, size_t property) {
     bool differs = false;
     for (size_t k = 0; k < job->n_columns; ++k) {
         const nqm_texel_column *c = &job->columns[k];
-        differs = differs || (c->kind == NQM_DIFFERENCE && c->property == property && (c->low < 0 || c->high > 0));
+        const bool is_meant = (int)c->kind == kind && (property == NQM_ANY_PROPERTY || property == c->property);
+        differs = differs || (is_meant && atomic_load(&c->is_nonzero));
     }
     return differs;
 }
@@ -114,19 +114,6 @@ nqm_status nqm_texels_visit(nqm_texture_job *job, const char *stage, size_t n, n
     return status;
 }
 
-/* ---- a pass over texels ------------------------------------------------------------------------------------------ */
-
-/* Every `step` blocks one task visits n_blocks of them. */
-typedef struct pass {
-    const nqm_texture_job *job;
-    size_t n_tasks, step, n_blocks;
-    float (*ranges)[2];         /* (n_tasks, n_columns) low and high of each */
-    bool *failed;               /* (n_tasks) out of memory */
-    uint64_t *words;            /* (n texels) NULL: ranges are wanted only */
-    uint64_t (*spread)[LEVELS]; /* (n_columns) the bits of each level */
-    unsigned n_spread;          /* bits that levels have */
-} pass;
-
 static float root(double x) {
     return x > 0 ? sqrtf((float)x) : 0;
 }
@@ -144,121 +131,111 @@ static void fill(const nqm_texture_job *job, const nqm_texel_column *column, siz
         }
         return;
     }
-    const bool is_color = job->side[side]->keys[k].n == 3, subtracts = column->kind == NQM_DIFFERENCE;
+    const bool is_color = job->side[side]->keys[k].n == 3;
     for (size_t i = 0; i < n; ++i) {
         const double x = nqm_texture_value(job->side[side], k, c, rows[side], i);
-        const double y = subtracts ? nqm_texture_value(job->side[1], k, c, rows[1], i) : 0;
-        if (subtracts)
-            out[i] = (float)(y - x) / (x < y || x > y ? is_color ? root(x) + root(y) : 1 : 1);
-        else
+        if (column->kind != NQM_DIFFERENCE) {
             out[i] = is_color ? root(x) : (float)x;
+            continue;
+        }
+        const double y = nqm_texture_value(job->side[1], k, c, rows[1], i);
+        const float roots = is_color ? root(x) + root(y) : 1;
+        out[i] = (float)(y - x) / (roots > 0 ? roots : 1);
     }
 }
 
-static void measure(size_t n, const float *in, bool is_first, float range[2]) {
-    float low = is_first ? in[0] : range[0], high = is_first ? in[0] : range[1];
-    for (size_t i = 0; i < n; ++i) {
-        low = in[i] < low ? in[i] : low;
-        high = in[i] > high ? in[i] : high;
+/* Ranges at some texels; values beyond them count as their ends. */
+static nqm_status measure(void *user, size_t n, nqm_texel_sample *samples, const float *const rows[2], nqm_error *err) {
+    nqm_texture_job *job = user;
+    float values[2 * BLOCK]; /* a pair of tilts */
+    (void)samples, (void)err;
+    for (size_t k = 0; k < job->n_columns; ++k) {
+        nqm_texel_column *column = &job->columns[k];
+        float *v = values + (column->kind == NQM_TILT && column->component) * BLOCK;
+        fill(job, column, n, rows, v);
+        for (size_t i = 0; i < n; ++i) {
+            column->low = fminf(column->low, v[i]);
+            column->high = fmaxf(column->high, v[i]);
+        }
     }
-    range[0] = low;
-    range[1] = high;
+    return NQM_OK;
 }
 
-/* Of 256 within the range, which was measured at some texels. Differences are finer near 0. */
+/* ---- keys -------------------------------------------------------------------------------------------------------- */
+
+typedef struct keys {
+    nqm_texture_job *job;
+    uint64_t (*spread)[LEVELS]; /* (n_columns) the bits of each level */
+    unsigned n_spread;          /* how many these are; the others are of a hash */
+    atomic_bool has_failed;     /* out of memory */
+} keys;
+
+/* Deal bits to the columns, one each in turn, the highest of each first. */
+static void spread_levels(keys *s, unsigned n_bits) {
+    const nqm_texture_job *job = s->job;
+    for (int bit = 7; bit >= 0; --bit)
+        for (size_t k = 0; k < job->n_columns && s->n_spread < n_bits; ++k) {
+            if (job->columns[k].high <= job->columns[k].low)
+                continue;
+            ++s->n_spread;
+            for (size_t level = 0; level < LEVELS; ++level)
+                s->spread[k][level] |= (uint64_t)(level >> bit & 1) << (64 - s->n_spread);
+        }
+}
+
+/* Differences are finer near 0. */
 static size_t level_of(const nqm_texel_column *column, float v) {
     const float low = column->low, high = column->high, x = v < low ? low : v > high ? high : v;
-    if (!is_difference(column))
+    if (column->kind == NQM_OF_REF || column->kind == NQM_OF_TEST)
         return (size_t)((x - low) / (high - low) * 255.0f + 0.5f);
     const float most = fmaxf(fabsf(low), fabsf(high));
     return (size_t)(128 + (int)lrintf(copysignf(sqrtf(fabsf(x) / most), x) * 127));
 }
 
-static void make_words(const pass *p, size_t first, size_t n, const float *columns) {
-    uint64_t *words = p->words + first, hash[BLOCK] = {0};
-    const nqm_texture_job *job = p->job;
-    for (size_t k = 0; k < job->n_columns; ++k, columns += BLOCK) {
-        const bool is_spread = job->columns[k].high > job->columns[k].low;
-        for (size_t i = 0; i < n; ++i) {
-            uint32_t bits;
-            const float v = columns[i] + 0.0f; /* no -0 */
-            memcpy(&bits, &v, sizeof bits);
-            hash[i] = (hash[i] ^ (hash[i] >> 29) ^ bits) * NQM_GOLDEN;
-            if (is_spread)
-                words[i] |= p->spread[k][level_of(&job->columns[k], v)];
-        }
+/* Hashes are sums of multiples, to which values of 0 add nothing. */
+static void add_to_keys(const keys *s, size_t k, size_t n, const float *v, uint64_t *words, uint64_t *hashes) {
+    nqm_texel_column *column = &s->job->columns[k];
+    const uint64_t times = nqm_hash_u64(column->kind, 3 * column->property + column->component) | 1;
+    bool is_nonzero = false;
+    for (size_t i = 0; i < n; ++i) {
+        uint32_t bits;
+        const float x = v[i] + 0.0f; /* no -0 */
+        memcpy(&bits, &x, sizeof bits);
+        hashes[i] += bits * times;
+        is_nonzero = is_nonzero || bits != 0;
     }
-    for (size_t i = 0; i < n; ++i)
-        words[i] = ((words[i] | nqm_hash_mix(hash[i]) >> p->n_spread) & ~job->order.mask) | (first + i);
+    for (size_t i = 0; column->high > column->low && i < n; ++i)
+        words[i] |= s->spread[k][level_of(column, v[i])];
+    if (is_nonzero)
+        atomic_store(&column->is_nonzero, true);
 }
 
-static void visit_task(void *user, size_t task) {
-    const pass *p = user;
-    const nqm_texture_job *job = p->job;
-    const size_t n_values = workspace_size(job), n_columns = job->n_columns, begin = task * p->step * BLOCK;
-    const size_t end = nqm_smaller(begin + p->n_blocks * BLOCK, job->order.n);
-    float *workspace = nqm_alloc(n_values + n_columns * BLOCK, sizeof *workspace), *columns = workspace + n_values;
-    p->failed[task] = !workspace;
-    for (size_t first = begin, n; workspace && first < end; first += n) {
+static void make_keys(void *user, size_t task) {
+    keys *s = user;
+    const nqm_texture_job *job = s->job;
+    const size_t n_rows = workspace_size(job), end = nqm_smaller((task + 1) * TASK, job->order.n);
+    float *workspace = nqm_alloc(n_rows + job->n_columns * BLOCK, sizeof *workspace), *columns = workspace + n_rows;
+    if (!workspace)
+        atomic_store(&s->has_failed, true);
+    for (size_t first = task * TASK, n; workspace && first < end; first += n) {
         const float *rows[2];
+        uint64_t hashes[BLOCK] = {0}, *words = job->order.words + first;
         n = nqm_smaller(end - first, BLOCK);
         evaluate(job, n, NULL, first, workspace, rows);
-        for (size_t k = 0; k < n_columns; ++k)
+        for (size_t k = 0; k < job->n_columns; ++k) {
             fill(job, &job->columns[k], n, rows, columns + k * BLOCK);
-        for (size_t k = 0; k < n_columns; ++k)
-            measure(n, columns + k * BLOCK, first == begin, p->ranges[task * n_columns + k]);
-        if (p->words)
-            make_words(p, first, n, columns);
+            add_to_keys(s, k, n, columns + k * BLOCK, words, hashes);
+        }
+        for (size_t i = 0; i < n; ++i)
+            words[i] = ((words[i] | nqm_hash_mix(hashes[i]) >> s->n_spread) & ~job->order.mask) | (first + i);
     }
     nqm_free(workspace);
 }
 
-/* Visit texels, and give the columns the ranges there. */
-static nqm_status run(nqm_texture_job *job, pass *p, nqm_error *err) {
-    bool has_failed = false;
-    p->job = job;
-    p->n_tasks = nqm_ceil_div(job->order.n, p->step * BLOCK);
-    nqm_status status = nqm_alloc_arrays(NQM_ARRAYS({&p->ranges, p->n_tasks * job->n_columns, sizeof *p->ranges},
-                                                    {&p->failed, p->n_tasks, sizeof *p->failed}),
-                                         err);
-    if (status != NQM_OK)
-        return status;
-    if (nqm_parallel_ticking(&job->ticker, "texels", p->n_tasks, visit_task, p))
-        status = nqm_fail(err, NQM_ERR_CANCELLED, -1, "cancelled");
-    for (size_t i = 0; i < p->n_tasks; ++i)
-        has_failed = has_failed || p->failed[i];
-    if (status == NQM_OK && has_failed)
-        status = nqm_fail_nomem(err, workspace_size(job) * sizeof(float));
-    for (size_t k = 0; status == NQM_OK && k < job->n_columns; ++k) {
-        nqm_texel_column *column = &job->columns[k];
-        column->low = p->ranges[k][0];
-        column->high = p->ranges[k][1];
-        for (size_t i = 1; i < p->n_tasks; ++i) {
-            column->low = fminf(column->low, p->ranges[i * job->n_columns + k][0]);
-            column->high = fmaxf(column->high, p->ranges[i * job->n_columns + k][1]);
-        }
-    }
-    nqm_free(p->ranges);
-    return status;
-}
-
 /* ---- order ------------------------------------------------------------------------------------------------------- */
 
-/* Deal bits to the columns, one each in turn, the highest of each first. */
-static unsigned spread_levels(const nqm_texture_job *job, unsigned n_bits, uint64_t (*spread)[LEVELS]) {
-    unsigned n = 0;
-    for (int bit = 7; bit >= 0; --bit)
-        for (size_t k = 0; k < job->n_columns && n < n_bits; ++k) {
-            if (job->columns[k].high <= job->columns[k].low)
-                continue;
-            ++n;
-            for (size_t level = 0; level < LEVELS; ++level)
-                spread[k][level] |= (uint64_t)(level >> bit & 1) << (64 - n);
-        }
-    return n;
-}
-
-uint64_t *nqm_texels_sort(size_t n, uint64_t *words, uint64_t *other, unsigned bit) {
+/* Sort words by their bits from `bit` on, stably. other: (n); returns the array that is sorted, which is one of both. */
+static uint64_t *sort(size_t n, uint64_t *words, uint64_t *other, unsigned bit) {
     enum { BITS = 11, DIGITS = 1 << BITS };
     for (unsigned shift = bit; shift < 64; shift += BITS) {
         uint64_t *const swapped = words;
@@ -298,44 +275,38 @@ static nqm_status divide(nqm_texture_job *job, size_t max_groups, nqm_error *err
 static size_t most_groups(const nqm_texture_job *job) {
     enum { TILTED = 4, LEAST = 16 };
     const size_t n = job->options.n_texels;
-    return job->options.exact ? job->order.n : job->tilts ? nqm_larger(n / TILTED, LEAST) : n;
+    return job->options.exact ? job->order.n : nqm_texels_differ(job, NQM_TILT, 0) ? nqm_larger(n / TILTED, LEAST) : n;
 }
 
 nqm_status nqm_texels_compare(nqm_texture_job *job, nqm_error *err) {
-    enum {
-        N_MEASURED = 1024,
-        TASK = 64,
-        HASHED = 12
-    }; /* blocks from which ranges are, and of a task; least bits of a hash */
-    nqm_texel_order *o = &job->order;
-    uint64_t *other, (*spread)[LEVELS];
+    enum { HASHED = 12 }; /* least bits of a hash */
+    nqm_texel_order *o = &job->order, places;
+    keys s = {.job = job};
+    nqm_texel_sample *samples;
+    uint64_t *other;
     unsigned n_bits = 0;
     find_columns(job);
     o->n = job->width * job->height;
     while (o->n - 1 > o->mask)
         o->mask = 2 * o->mask + 1, ++n_bits;
-    pass some = {.step = nqm_ceil_div(nqm_ceil_div(o->n, BLOCK), N_MEASURED), .n_blocks = 1};
-    nqm_status status = run(job, &some, err);
-    if (status == NQM_OK)
-        status = nqm_alloc_arrays(NQM_ARRAYS({&o->words, o->n, sizeof *o->words}, {&other, o->n, sizeof *other},
-                                             {&spread, job->n_columns, sizeof *spread}),
-                                  err);
-    if (status != NQM_OK)
-        return status;
-    pass all = {.step = TASK, .n_blocks = TASK, .words = o->words, .spread = spread};
-    all.n_spread = job->options.exact ? 0 : spread_levels(job, 64 - n_bits - HASHED, spread);
-    status = run(job, &all, err);
-    job->is_equal = job->is_same_model;
-    for (size_t k = 0; k < job->n_columns; ++k) {
-        const nqm_texel_column *c = &job->columns[k];
-        const bool differs = is_difference(c) && (c->low < 0 || c->high > 0);
-        job->is_equal = job->is_equal && !differs;
-        job->tilts = job->tilts || (differs && c->kind == NQM_TILT);
-    }
-    if (status != NQM_OK)
-        return status;
+    places = *o;
+    nqm_status status = nqm_alloc_arrays(NQM_ARRAYS({&o->words, o->n, sizeof *o->words}, {&other, o->n, sizeof *other},
+                                                    {&s.spread, job->n_columns, sizeof *s.spread},
+                                                    {&samples, N_MEASURED, sizeof *samples}),
+                                         err);
     o->block = o->words;
-    o->words = nqm_texels_sort(o->n, o->words, other, n_bits);
+    if (status == NQM_OK)
+        status =
+            nqm_texels_visit(job, NULL, nqm_texels_choose(&places, N_MEASURED, 0, samples), samples, measure, job, err);
+    if (status != NQM_OK)
+        return status;
+    if (!job->options.exact)
+        spread_levels(&s, 64 - n_bits - HASHED);
+    if (nqm_parallel_ticking(&job->ticker, "texels", nqm_ceil_div(o->n, TASK), make_keys, &s))
+        return nqm_fail(err, NQM_ERR_CANCELLED, -1, "cancelled");
+    if (atomic_load(&s.has_failed))
+        return nqm_fail_nomem(err, workspace_size(job) * sizeof(float));
+    o->words = sort(o->n, o->words, other, n_bits);
     return divide(job, most_groups(job), err);
 }
 
@@ -355,8 +326,8 @@ size_t nqm_texels_choose(const nqm_texel_order *o, size_t max_n, uint64_t seed, 
     for (size_t k = 0; k < n; ++k) {
         const size_t begin = nqm_texels_begin(o, n, k), end = nqm_texels_begin(o, n, k + 1);
         const size_t at = begin + nqm_hash_u64(seed, k) % (end - begin);
-        samples[k] = (nqm_texel_sample){.texel = (uint32_t)(o->words[at] & o->mask),
-                                        .weight = (double)(end - begin) / (double)o->n};
+        samples[k].texel = (uint32_t)(o->words ? o->words[at] & o->mask : at);
+        samples[k].weight = (double)(end - begin) / (double)o->n;
     }
     return n;
 }
