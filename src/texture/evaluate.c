@@ -3,7 +3,7 @@
  * Nodes of textured materials at blocks of positions, as rows of floats: one row per component. Maps are interpolated bilinearly in
  * linear colour, and exact at the centres of their texels. Operations that are rare have no loop of their own.
  */
-#include "texture/evaluate.h"
+#include "texture/texture.h"
 
 #include "material/color_space.h"
 #include <math.h>

@@ -169,7 +169,7 @@ static nqm_status score_near(nqm_texture_job *job, nqm_texture_result *result, f
     nqm_status status = nqm_texels_score(job, "near", NQM_EXCHANGE_ALL, n, samples, &result->parts, err);
     for (size_t k = 0; status == NQM_OK && delta_e && k < n; ++k)
         for (size_t i = nqm_texels_begin(o, n, k); i < nqm_texels_begin(o, n, k + 1); ++i)
-            delta_e[o->words[i] & o->mask] = (float)samples[k].delta_e;
+            delta_e[o->texels[i]] = (float)samples[k].delta_e;
     if (status == NQM_OK) {
         find_means(job, n, samples, result);
         find_percentiles(n, samples, result);
@@ -229,7 +229,7 @@ nqm_status nqm_texture_score(const nqm_model *model, const nqm_texture *ref, con
     nqm_status status = score(job, &result, delta_e, err);
     if (status == NQM_OK)
         *result_ret = result;
-    nqm_texel_order_free(&job->order);
+    nqm_free(job->order.texels);
     nqm_scorer_free(job->scorer);
     nqm_free(job);
     return status;

@@ -7,7 +7,7 @@
 #define NQM_SRC_TEXTURE_SCORE_H
 
 #include "metric/metric.h"
-#include "texture/evaluate.h"
+#include "texture/texture.h"
 
 #include <stdatomic.h>
 
@@ -25,11 +25,9 @@ enum { NQM_MAX_COLUMNS = 6 * NQM_SPEC_MAX_KEYS + 2, NQM_ANY_PROPERTY = NQM_SPEC_
 
 /** Texels in an order in which similar pairs are near each other, so that a random one of each of equal runs is a stratified sample. */
 typedef struct nqm_texel_order {
-    uint64_t *words; /* (n) sorted: a key above the number of the texel, of which these are the bits; NULL: by number */
-    uint64_t mask;
-    uint64_t *block; /* what is freed */
+    uint32_t *texels; /* (n) owned; NULL: by number */
     size_t n, n_groups;
-    size_t *begin; /* (n_groups + 1) of groups of equal keys; NULL: of equal runs */
+    size_t *begin; /* (n_groups + 1) of groups of equal keys, in the same block; NULL: of equal runs */
 } nqm_texel_order;
 
 /** A texel that represents others, and its score. */
@@ -54,9 +52,8 @@ typedef struct nqm_texture_job {
     size_t n_different;
 } nqm_texture_job;
 
-/** Compare the textures, and order their texels. 16 bytes a texel. */
+/** Compare the textures, and order their texels. 4 bytes a texel, and 16 more meanwhile. */
 NQM_MUST_CHECK nqm_status nqm_texels_compare(nqm_texture_job *job, nqm_error *err);
-void nqm_texel_order_free(nqm_texel_order *order);
 /** Whether a property, of the same model, or the normal (NQM_TILT) differs anywhere. */
 bool nqm_texels_differ(const nqm_texture_job *job, int kind, size_t property);
 /** Choose a texel of each group, or of equal runs if these are more than max_n. samples: (max_n); returns how many. */

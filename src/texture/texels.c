@@ -7,7 +7,7 @@
 
 #include <math.h>
 
-enum { BLOCK = NQM_TEXEL_BLOCK, LEVELS = 256, TASK = 64 * BLOCK, N_MEASURED = 4096 };
+enum { BLOCK = NQM_TEXEL_BLOCK, LEVELS = 256, TASK = 64 * BLOCK, N_MEASURED = 1 << 14 };
 
 /* ---- columns ----------------------------------------------------------------------------------------------------- */
 
@@ -165,6 +165,8 @@ static nqm_status measure(void *user, size_t n, nqm_texel_sample *samples, const
 
 typedef struct keys {
     nqm_texture_job *job;
+    uint64_t *words; /* (n) a key above the number of the texel, of which these are the bits: */
+    uint64_t mask;
     uint64_t (*spread)[LEVELS]; /* (n_columns) the bits of each level */
     unsigned n_spread;          /* how many these are; the others are of a hash */
     atomic_bool has_failed;     /* out of memory */
@@ -219,7 +221,7 @@ static void make_keys(void *user, size_t task) {
         atomic_store(&s->has_failed, true);
     for (size_t first = task * TASK, n; workspace && first < end; first += n) {
         const float *rows[2];
-        uint64_t hashes[BLOCK] = {0}, *words = job->order.words + first;
+        uint64_t hashes[BLOCK] = {0}, *words = s->words + first;
         n = nqm_smaller(end - first, BLOCK);
         evaluate(job, n, NULL, first, workspace, rows);
         for (size_t k = 0; k < job->n_columns; ++k) {
@@ -227,7 +229,7 @@ static void make_keys(void *user, size_t task) {
             add_to_keys(s, k, n, columns + k * BLOCK, words, hashes);
         }
         for (size_t i = 0; i < n; ++i)
-            words[i] = ((words[i] | nqm_hash_mix(hashes[i]) >> s->n_spread) & ~job->order.mask) | (first + i);
+            words[i] = ((words[i] | nqm_hash_mix(hashes[i]) >> s->n_spread) & ~s->mask) | (first + i);
     }
     nqm_free(workspace);
 }
@@ -252,70 +254,73 @@ static uint64_t *sort(size_t n, uint64_t *words, uint64_t *other, unsigned bit) 
     return words;
 }
 
-/* Groups of equal keys, unless these are more than max_groups. */
-static nqm_status divide(nqm_texture_job *job, size_t max_groups, nqm_error *err) {
-    nqm_texel_order *o = &job->order;
-    job->n_different = 1;
-    for (size_t i = 1; i < o->n; ++i)
-        job->n_different += ((o->words[i] ^ o->words[i - 1]) & ~o->mask) != 0;
-    o->n_groups = nqm_smaller(job->n_different, max_groups);
-    if (job->n_different > max_groups)
-        return NQM_OK;
-    o->begin = nqm_alloc(o->n_groups + 1, sizeof *o->begin);
-    if (!o->begin)
-        return nqm_fail_nomem(err, (o->n_groups + 1) * sizeof *o->begin);
-    for (size_t i = 1, k = 0; i < o->n; ++i)
-        if ((o->words[i] ^ o->words[i - 1]) & ~o->mask)
-            o->begin[++k] = i;
-    o->begin[o->n_groups] = o->n;
-    return NQM_OK;
-}
-
 /* Where normals differ the pair is anisotropic, which takes 15 times as long: then a quarter as many texels are chosen. */
 static size_t most_groups(const nqm_texture_job *job) {
     enum { TILTED = 4, LEAST = 16 };
-    const size_t n = job->options.n_texels;
-    return job->options.exact ? job->order.n : nqm_texels_differ(job, NQM_TILT, 0) ? nqm_larger(n / TILTED, LEAST) : n;
+    const size_t n = job->options.n_texels, n_tilted = nqm_larger(n / TILTED, LEAST);
+    return job->options.exact ? job->order.n : nqm_texels_differ(job, NQM_TILT, 0) ? n_tilted : n;
+}
+
+/* Keep the texels of sorted words, and groups of equal keys unless these are too many. */
+static nqm_status divide(nqm_texture_job *job, const uint64_t *words, uint64_t mask, nqm_error *err) {
+    nqm_texel_order *o = &job->order;
+    const size_t max_groups = nqm_smaller(most_groups(job), o->n);
+    nqm_status status = nqm_alloc_arrays(
+        NQM_ARRAYS({&o->texels, o->n, sizeof *o->texels}, {&o->begin, max_groups + 1, sizeof *o->begin}), err);
+    if (status != NQM_OK)
+        return status;
+    for (size_t i = 0; i < o->n; ++i) {
+        const bool is_new = i == 0 || ((words[i] ^ words[i - 1]) & ~mask);
+        if (is_new && job->n_different++ < max_groups)
+            o->begin[job->n_different - 1] = i;
+        o->texels[i] = (uint32_t)(words[i] & mask);
+    }
+    o->n_groups = nqm_smaller(job->n_different, max_groups);
+    if (job->n_different > max_groups)
+        o->begin = NULL; /* part of the block of the texels */
+    else
+        o->begin[o->n_groups] = o->n;
+    return NQM_OK;
+}
+
+/* The order of the texels is by number at first. */
+static nqm_status find_order(nqm_texture_job *job, keys *s, uint64_t *other, nqm_error *err) {
+    enum { HASHED = 12 }; /* least bits of a hash */
+    const size_t n = job->order.n;
+    unsigned n_bits = 0;
+    while (n - 1 > s->mask) {
+        s->mask = 2 * s->mask + 1;
+        ++n_bits;
+    }
+    if (!job->options.exact)
+        spread_levels(s, 64 - n_bits - HASHED);
+    if (nqm_parallel_ticking(&job->ticker, "texels", nqm_ceil_div(n, TASK), make_keys, s))
+        return nqm_fail(err, NQM_ERR_CANCELLED, -1, "cancelled");
+    if (atomic_load(&s->has_failed))
+        return nqm_fail_nomem(err, workspace_size(job) * sizeof(float));
+    return divide(job, sort(n, s->words, other, n_bits), s->mask, err);
 }
 
 nqm_status nqm_texels_compare(nqm_texture_job *job, nqm_error *err) {
-    enum { HASHED = 12 }; /* least bits of a hash */
-    nqm_texel_order *o = &job->order, places;
+    const size_t n = job->width * job->height;
     keys s = {.job = job};
     nqm_texel_sample *samples;
     uint64_t *other;
-    unsigned n_bits = 0;
     find_columns(job);
-    o->n = job->width * job->height;
-    while (o->n - 1 > o->mask)
-        o->mask = 2 * o->mask + 1, ++n_bits;
-    places = *o;
-    nqm_status status = nqm_alloc_arrays(NQM_ARRAYS({&o->words, o->n, sizeof *o->words}, {&other, o->n, sizeof *other},
+    nqm_status status = nqm_alloc_arrays(NQM_ARRAYS({&s.words, n, sizeof *s.words}, {&other, n, sizeof *other},
                                                     {&s.spread, job->n_columns, sizeof *s.spread},
                                                     {&samples, N_MEASURED, sizeof *samples}),
                                          err);
-    o->block = o->words;
-    if (status == NQM_OK)
-        status =
-            nqm_texels_visit(job, NULL, nqm_texels_choose(&places, N_MEASURED, 0, samples), samples, measure, job, err);
     if (status != NQM_OK)
         return status;
-    if (!job->options.exact)
-        spread_levels(&s, 64 - n_bits - HASHED);
-    if (nqm_parallel_ticking(&job->ticker, "texels", nqm_ceil_div(o->n, TASK), make_keys, &s))
-        return nqm_fail(err, NQM_ERR_CANCELLED, -1, "cancelled");
-    if (atomic_load(&s.has_failed))
-        return nqm_fail_nomem(err, workspace_size(job) * sizeof(float));
-    o->words = sort(o->n, o->words, other, n_bits);
-    return divide(job, most_groups(job), err);
+    job->order.n = n;
+    const size_t n_measured = nqm_texels_choose(&job->order, N_MEASURED, 0, samples);
+    status = nqm_texels_visit(job, NULL, n_measured, samples, measure, job, err);
+    if (status == NQM_OK)
+        status = find_order(job, &s, other, err);
+    nqm_free(s.words);
+    return status;
 }
-
-void nqm_texel_order_free(nqm_texel_order *o) {
-    nqm_free(o->block);
-    nqm_free(o->begin);
-}
-
-/* ---- samples ----------------------------------------------------------------------------------------------------- */
 
 size_t nqm_texels_begin(const nqm_texel_order *o, size_t n, size_t k) {
     return o->begin && n == o->n_groups ? o->begin[k] : o->n * k / n;
@@ -326,7 +331,7 @@ size_t nqm_texels_choose(const nqm_texel_order *o, size_t max_n, uint64_t seed, 
     for (size_t k = 0; k < n; ++k) {
         const size_t begin = nqm_texels_begin(o, n, k), end = nqm_texels_begin(o, n, k + 1);
         const size_t at = begin + nqm_hash_u64(seed, k) % (end - begin);
-        samples[k].texel = (uint32_t)(o->words ? o->words[at] & o->mask : at);
+        samples[k].texel = o->texels ? o->texels[at] : (uint32_t)at;
         samples[k].weight = (double)(end - begin) / (double)o->n;
     }
     return n;

@@ -3,7 +3,7 @@
  * Textured materials with their decoded maps: opened from files or made of arrays, their size in texels, and the material of one
  * position.
  */
-#include "texture/evaluate.h"
+#include "texture/texture.h"
 
 #include <math.h>
 
@@ -31,6 +31,15 @@ static nqm_texture *make(const char *name) {
     }
     t->normal = NQM_NO_NODE;
     return t;
+}
+
+/* The end of what makes a texture. */
+static nqm_status keep(nqm_texture *t, nqm_status status, nqm_texture **texture_ret) {
+    if (status == NQM_OK)
+        *texture_ret = t;
+    else
+        nqm_texture_free(t);
+    return status;
 }
 
 /* ---- what varies ------------------------------------------------------------------------------------------------- */
@@ -72,18 +81,22 @@ static void add_output(nqm_texture *t, const char *name, uint16_t node) {
     t->rows[node] = 0;
 }
 
-/* The properties of a model, with the values of the shading. */
-static void set_model(nqm_texture *t, const nqm_analytic_model *model) {
-    t->info.model = model->schema.model;
+/* The properties of the model, with the values of its shading. */
+static nqm_status set_model(nqm_texture *t, const nqm_shading *shading, nqm_error *err) {
+    const nqm_analytic_model *model = nqm_analytic_model_find(shading->model, strlen(shading->model));
+    if (!model)
+        return nqm_fail(err, NQM_ERR_ARG, -1, "%s: there is no model '%s'", t->name, shading->model);
+    t->shading = *shading;
     t->keys = model->schema.keys;
     t->n_properties = model->schema.n_keys;
     for (size_t k = 0; k < t->n_properties; ++k) {
         nqm_texture_property *p = &t->properties[k];
-        const nqm_property *set = nqm_shading_find(&t->shading, t->keys[k].name);
+        const nqm_property *set = nqm_shading_find(shading, t->keys[k].name);
         *p = (nqm_texture_property){.key = &t->keys[k], .node = NQM_NO_NODE};
         for (size_t c = 0; c < 3; ++c)
             p->v[c] = set ? set->v[c] : p->key->fallback;
     }
+    return NQM_OK;
 }
 
 static size_t find_property(const nqm_texture *t, const char *name) {
@@ -111,18 +124,14 @@ static nqm_status set_output(nqm_texture *t, const nqm_map_output *output, nqm_e
 }
 
 nqm_status nqm_texture_prepare(nqm_texture *t, nqm_error *err) {
-    const char *name = t->maps->shading.model;
-    const nqm_analytic_model *model = nqm_analytic_model_find(name, strlen(name));
     const size_t n = t->maps->n_nodes;
-    if (!model)
-        return nqm_fail(err, NQM_ERR_ARG, -1, "%s: there is no model '%s'", t->name, name);
-    nqm_status status = nqm_alloc_arrays(NQM_ARRAYS({&t->constants, n, sizeof *t->constants},
-                                                    {&t->varies, n, sizeof *t->varies}, {&t->rows, n, sizeof *t->rows}),
-                                         err);
+    nqm_status status = set_model(t, &t->maps->shading, err);
+    if (status == NQM_OK)
+        status = nqm_alloc_arrays(NQM_ARRAYS({&t->constants, n, sizeof *t->constants},
+                                             {&t->varies, n, sizeof *t->varies}, {&t->rows, n, sizeof *t->rows}),
+                                  err);
     if (status != NQM_OK)
         return status;
-    t->shading = t->maps->shading;
-    set_model(t, model);
     find_varying(t);
     for (size_t i = 0; status == NQM_OK && i < t->maps->n_outputs; ++i)
         status = set_output(t, &t->maps->outputs[i], err);
@@ -139,8 +148,6 @@ nqm_status nqm_texture_prepare(nqm_texture *t, nqm_error *err) {
 
 typedef struct decode_job {
     nqm_texture *t;
-    size_t n;                          /* maps that are needed */
-    size_t needed[NQM_MAX_MAP_IMAGES]; /* (n) their numbers */
     nqm_error errors[NQM_MAX_MAP_IMAGES];
 } decode_job;
 
@@ -159,68 +166,48 @@ static nqm_status decode_map(const nqm_map_image *image, nqm_texels *texels, nqm
     return status == NQM_OK ? nqm_texels_decode(texels, image->space, err) : status;
 }
 
-static void decode_one(void *user, size_t i) {
+static void decode_one(void *user, size_t image) {
     decode_job *job = user;
-    const size_t k = job->needed[i];
-    job->errors[i].status = decode_map(&job->t->maps->images[k], &job->t->images[k], &job->errors[i]);
+    const nqm_texture *t = job->t;
+    bool is_needed = false;
+    for (size_t k = 0; k < t->maps->n_nodes; ++k) {
+        const nqm_map_node *node = &t->maps->nodes[k];
+        is_needed = is_needed || (node->op == NQM_MAP_IMAGE && node->image == image && t->rows[k] != NQM_NO_ROW);
+    }
+    if (is_needed)
+        job->errors[image].status = decode_map(&t->maps->images[image], &t->images[image], &job->errors[image]);
 }
 
 static nqm_status decode_all(nqm_texture *t, nqm_ticker *ticker, nqm_error *err) {
     decode_job *job = nqm_alloc(1, sizeof *job);
-    nqm_status status = job ? NQM_OK : nqm_fail_nomem(err, sizeof *job);
-    bool is_needed[NQM_MAX_MAP_IMAGES] = {false};
-    for (size_t k = 0; k < t->maps->n_nodes; ++k)
-        if (t->maps->nodes[k].op == NQM_MAP_IMAGE && t->rows[k] != NQM_NO_ROW)
-            is_needed[t->maps->nodes[k].image] = true;
-    if (!job)
-        return status;
+    nqm_status status = NQM_OK;
+    t->images = nqm_alloc(t->maps->n_images, sizeof *t->images);
+    if (!job || !t->images) {
+        nqm_free(job);
+        return nqm_fail_nomem(err, sizeof *job + t->maps->n_images * sizeof *t->images);
+    }
     job->t = t;
-    for (size_t i = 0; i < t->maps->n_images; ++i)
-        if (is_needed[i])
-            job->needed[job->n++] = i;
-    if (nqm_parallel_ticking(ticker, "maps", job->n, decode_one, job))
+    if (nqm_parallel_ticking(ticker, "maps", t->maps->n_images, decode_one, job))
         status = nqm_fail(err, NQM_ERR_CANCELLED, -1, "cancelled");
-    for (size_t i = 0; status == NQM_OK && i < job->n; ++i)
+    for (size_t i = 0; status == NQM_OK && i < t->maps->n_images; ++i)
         if ((status = job->errors[i].status) != NQM_OK)
             nqm_fail(err, status, job->errors[i].byte_offset, "the map '%s' of the material %s: %s",
-                     t->maps->images[job->needed[i]].name, t->name, job->errors[i].message);
+                     t->maps->images[i].name, t->name, job->errors[i].message);
     nqm_free(job);
     return status;
 }
 
-/* ---- facts ------------------------------------------------------------------------------------------------------- */
-
-static void describe(nqm_texture *t) {
-    for (size_t i = 0; t->maps && i < t->maps->n_images; ++i) {
-        static const size_t n_each[] = {[NQM_RASTER_U8] = 1, [NQM_RASTER_U16] = 2, [NQM_RASTER_F32] = 4};
-        const nqm_raster *r = &t->images[i].raster;
-        t->info.n_images += r->data != NULL;
-        t->info.n_bytes += r->width * r->height * r->channels * n_each[r->type];
-    }
-    t->info.name = t->name;
-    t->info.varying = t->words;
-}
-
-/* Whether the material of a texel opens tells whether that of all does. */
-static nqm_status check(const nqm_texture *t, nqm_error *err) {
+/* With its maps; decoded ones are there already. Whether the material of a texel opens tells whether that of all does. */
+static nqm_status finish(nqm_texture *t, nqm_ticker *ticker, nqm_error *err) {
     nqm_brdf *brdf = NULL;
     double normal[3];
-    nqm_status status = nqm_texture_at(t, 0.5, 0.5, &brdf, normal, err);
-    nqm_brdf_free(brdf);
-    return status;
-}
-
-/* With its maps; decoded ones are there already. */
-static nqm_status finish(nqm_texture *t, nqm_ticker *ticker, nqm_error *err) {
     nqm_status status = nqm_texture_prepare(t, err);
-    const bool is_decoded = t->images;
-    if (status == NQM_OK && !is_decoded && !(t->images = nqm_alloc(t->maps->n_images, sizeof *t->images)))
-        status = nqm_fail_nomem(err, t->maps->n_images * sizeof *t->images);
-    if (status == NQM_OK && !is_decoded)
+    if (status == NQM_OK && !t->images)
         status = decode_all(t, ticker, err);
     if (status == NQM_OK)
-        describe(t);
-    return status == NQM_OK ? check(t, err) : status;
+        status = nqm_texture_at(t, 0.5, 0.5, &brdf, normal, err);
+    nqm_brdf_free(brdf);
+    return status;
 }
 
 /* ---- size in texels ---------------------------------------------------------------------------------------------- */
@@ -228,12 +215,6 @@ static nqm_status finish(nqm_texture *t, nqm_ticker *ticker, nqm_error *err) {
 static size_t common_divisor(size_t a, size_t b) {
     return b ? common_divisor(b, a % b) : a;
 }
-
-/* Along u (axis 0) or v: texels on the surface, and the number of equal tiles into which all maps divide it; 0: any. */
-typedef struct extent {
-    double n_texels;
-    size_t n_tiles;
-} extent;
 
 /* Tiles of an image that is repeated a whole number of times and not turned. */
 static size_t count_tiles(const nqm_map_node *node, size_t axis) {
@@ -245,35 +226,39 @@ static size_t count_tiles(const nqm_map_node *node, size_t axis) {
                : 1;
 }
 
-static void extend(const nqm_texture *t, size_t axis, extent *e) {
-    for (size_t k = 0; t->maps && k < t->maps->n_nodes; ++k) {
-        const nqm_map_node *node = &t->maps->nodes[k];
-        if (t->rows[k] == NQM_NO_ROW || (node->op != NQM_MAP_IMAGE && node->op != NQM_MAP_TEXCOORD))
-            continue;
-        e->n_tiles = common_divisor(e->n_tiles, node->op == NQM_MAP_IMAGE ? count_tiles(node, axis) : 1);
-        if (node->op == NQM_MAP_IMAGE) {
-            const nqm_raster *r = &t->images[node->image].raster;
-            e->n_texels = fmax(e->n_texels, fmax((double)r->width * fabs(node->uv[0][axis]),
-                                                 (double)r->height * fabs(node->uv[1][axis])));
-        }
-    }
-}
-
 size_t nqm_texture_tiles(const nqm_texture *ref, const nqm_texture *test, size_t axis, size_t *n_texels_ret) {
     enum { MAX_SIDE = 8192 };
-    extent e = {0, 0};
-    extend(ref, axis, &e);
-    extend(test, axis, &e);
-    const size_t n_tiles = nqm_larger(e.n_tiles, 1);
-    *n_texels_ret = (size_t)fmin(fmax(ceil(e.n_texels / (double)n_tiles - 1e-6), 1), MAX_SIDE);
+    const nqm_texture *const each[2] = {ref, test};
+    size_t n_tiles = 0; /* equal ones into which all maps divide the surface; 0: any number */
+    double n = 0;
+    for (size_t s = 0; s < 2; ++s)
+        for (size_t k = 0; each[s]->maps && k < each[s]->maps->n_nodes; ++k) {
+            const nqm_map_node *node = &each[s]->maps->nodes[k];
+            const bool is_image = node->op == NQM_MAP_IMAGE;
+            if (each[s]->rows[k] == NQM_NO_ROW || (!is_image && node->op != NQM_MAP_TEXCOORD))
+                continue;
+            n_tiles = common_divisor(n_tiles, is_image ? count_tiles(node, axis) : 1);
+            const nqm_raster *r = is_image ? &each[s]->images[node->image].raster : NULL;
+            if (r)
+                n = fmax(n,
+                         fmax((double)r->width * fabs(node->uv[0][axis]), (double)r->height * fabs(node->uv[1][axis])));
+        }
+    n_tiles = nqm_larger(n_tiles, 1);
+    *n_texels_ret = (size_t)fmin(fmax(ceil(n / (double)n_tiles - 1e-6), 1), MAX_SIDE);
     return n_tiles;
 }
 
-nqm_texture_info nqm_texture_get_info(const nqm_texture *texture, const nqm_texture *beside) {
-    assert(texture);
-    nqm_texture_info info = texture->info;
-    (void)nqm_texture_tiles(texture, beside ? beside : texture, 0, &info.width);
-    (void)nqm_texture_tiles(texture, beside ? beside : texture, 1, &info.height);
+nqm_texture_info nqm_texture_get_info(const nqm_texture *t, const nqm_texture *beside) {
+    static const size_t n_each[] = {[NQM_RASTER_U8] = 1, [NQM_RASTER_U16] = 2, [NQM_RASTER_F32] = 4};
+    assert(t);
+    nqm_texture_info info = {.name = t->name, .model = t->shading.model, .varying = t->words};
+    (void)nqm_texture_tiles(t, beside ? beside : t, 0, &info.width);
+    (void)nqm_texture_tiles(t, beside ? beside : t, 1, &info.height);
+    for (size_t i = 0; t->images && i < t->maps->n_images; ++i) {
+        const nqm_raster *r = &t->images[i].raster;
+        info.n_images += r->data != NULL;
+        info.n_bytes += r->width * r->height * r->channels * n_each[r->type];
+    }
     return info;
 }
 
@@ -286,18 +271,14 @@ static nqm_status open_constant(nqm_texture *t, nqm_error *err) {
     if (status != NQM_OK)
         return status;
     const nqm_brdf_info info = nqm_brdf_get_info(brdf);
-    const nqm_analytic_model *model = info.spec ? nqm_analytic_model_find(info.format, strlen(info.format)) : NULL;
-    if (model && nqm_shading_parse(info.spec, &t->shading, NULL) == NQM_OK) {
-        set_model(t, model);
-    } else {
+    nqm_shading shading;
+    const bool has_spec = info.spec && nqm_shading_parse(info.spec, &shading, NULL) == NQM_OK;
+    if (!has_spec || set_model(t, &shading, NULL) != NQM_OK) {
         snprintf(t->shading.model, sizeof t->shading.model, "%s", info.format);
-        t->info.model = t->shading.model;
         t->argument = nqm_strdup(t->name);
         status = t->argument ? NQM_OK : nqm_fail_nomem(err, strlen(t->name) + 1);
     }
     nqm_brdf_free(brdf);
-    if (status == NQM_OK)
-        describe(t);
     return status;
 }
 
@@ -317,11 +298,7 @@ nqm_status nqm_texture_open(const char *argument, nqm_progress_fn progress, void
     t->maps = t->materials ? nqm_materials_textured(t->materials, index) : t->owned;
     if (status == NQM_OK)
         status = t->maps ? finish(t, &ticker, err) : open_constant(t, err);
-    if (status == NQM_OK)
-        *texture_ret = t;
-    else
-        nqm_texture_free(t);
-    return status;
+    return keep(t, status, texture_ret);
 }
 
 /* ---- from arrays ------------------------------------------------------------------------------------------------- */
@@ -349,19 +326,18 @@ static nqm_status add_map(nqm_texture *t, const nqm_texture_map *map, nqm_error 
     static const double uv[2][3] = {{1, 0, 0}, {0, 1, 0}};
     static const uint8_t repeat[2] = {NQM_MAP_REPEAT, NQM_MAP_REPEAT};
     const size_t n = map->height * map->width * map->channels;
-    nqm_status status = check_map(t, map, err);
-    if (status != NQM_OK)
-        return status;
-    size_t image;
     const nqm_map_image named = {.data = nqm_alloc(1, 1), .name = nqm_strdup(map->key)};
-    if (!nqm_map_add_image(t->owned, named, &image))
-        return nqm_fail_nomem(err, n * sizeof(float));
-    nqm_raster *raster = &t->images[image].raster;
-    *raster = (nqm_raster){map->width, map->height, map->channels, NQM_RASTER_F32, nqm_alloc(n, sizeof(float))};
-    const uint16_t node = nqm_map_image_at(t->owned, image, map->channels, uv, repeat);
-    if (!raster->data || node == NQM_NO_NODE)
-        return nqm_fail_nomem(err, n * sizeof(float));
-    memcpy(raster->data, map->values, n * sizeof(float));
+    size_t image = 0;
+    uint16_t node = NQM_NO_NODE;
+    float *values = nqm_alloc(n, sizeof *values);
+    if (nqm_map_add_image(t->owned, named, &image) && values)
+        node = nqm_map_image_at(t->owned, image, map->channels, uv, repeat);
+    if (node == NQM_NO_NODE) {
+        nqm_free(values);
+        return nqm_fail_nomem(err, n * sizeof *values);
+    }
+    memcpy(values, map->values, n * sizeof *values);
+    t->images[image].raster = (nqm_raster){map->width, map->height, map->channels, NQM_RASTER_F32, values};
     if (strcmp(map->key, "normal") == 0)
         t->owned->normal = node;
     else
@@ -369,23 +345,21 @@ static nqm_status add_map(nqm_texture *t, const nqm_texture_map *map, nqm_error 
     return NQM_OK;
 }
 
-static nqm_status make_of_arrays(nqm_texture *t, const char *base, size_t n_maps, const nqm_texture_map *maps,
-                                 nqm_error *err) {
-    t->owned = nqm_textured_create();
-    t->maps = t->owned;
-    t->images = t->owned ? nqm_alloc(nqm_smaller(n_maps, NQM_MAX_MAP_IMAGES), sizeof *t->images) : NULL;
-    if (!t->images)
+static nqm_status make_of_arrays(nqm_texture *t, size_t n_maps, const nqm_texture_map *maps, nqm_error *err) {
+    t->maps = t->owned = nqm_textured_create();
+    t->images = nqm_alloc(nqm_smaller(n_maps, NQM_MAX_MAP_IMAGES), sizeof *t->images);
+    if (!t->owned || !t->images)
         return nqm_fail_nomem(err, sizeof *t->owned);
-    nqm_status status = nqm_shading_parse(base, &t->owned->shading, err);
-    const char *name = t->owned->shading.model;
-    const nqm_analytic_model *model = nqm_analytic_model_find(name, strlen(name));
-    if (status == NQM_OK && (!model || n_maps > NQM_MAX_MAP_IMAGES))
-        status = model ? nqm_fail(err, NQM_ERR_LIMIT, -1, "%zu maps; there may be %d", n_maps, NQM_MAX_MAP_IMAGES)
-                       : nqm_fail(err, NQM_ERR_ARG, -1, "%s: there is no model '%s'", base, name);
-    if (model)
-        set_model(t, model);
-    for (size_t i = 0; status == NQM_OK && i < n_maps; ++i)
-        status = add_map(t, &maps[i], err);
+    nqm_status status = nqm_shading_parse(t->name, &t->owned->shading, err);
+    if (status == NQM_OK && n_maps > NQM_MAX_MAP_IMAGES)
+        status = nqm_fail(err, NQM_ERR_LIMIT, -1, "%zu maps; there may be %d", n_maps, NQM_MAX_MAP_IMAGES);
+    if (status == NQM_OK)
+        status = set_model(t, &t->owned->shading, err);
+    for (size_t i = 0; status == NQM_OK && i < n_maps; ++i) {
+        status = check_map(t, &maps[i], err);
+        if (status == NQM_OK)
+            status = add_map(t, &maps[i], err);
+    }
     return status == NQM_OK ? finish(t, NULL, err) : status;
 }
 
@@ -396,14 +370,7 @@ nqm_status nqm_texture_create(const char *base, size_t n_maps, const nqm_texture
     for (size_t i = 0; i < n_maps; ++i)
         NQM_REQUIRE(err, maps[i].key, maps[i].values);
     nqm_texture *t = make(base);
-    if (!t)
-        return nqm_fail_nomem(err, sizeof *t);
-    nqm_status status = make_of_arrays(t, base, n_maps, maps, err);
-    if (status == NQM_OK)
-        *texture_ret = t;
-    else
-        nqm_texture_free(t);
-    return status;
+    return keep(t, t ? make_of_arrays(t, n_maps, maps, err) : nqm_fail_nomem(err, sizeof *t), texture_ret);
 }
 
 /* ---- one position ------------------------------------------------------------------------------------------------ */

@@ -5,7 +5,7 @@
  */
 #include "io/raster.h"
 #include "support/check.h"
-#include "texture/evaluate.h"
+#include "texture/texture.h"
 
 #include <math.h>
 #include <string.h>
