@@ -180,24 +180,13 @@ static nqm_status score_near(nqm_texture_job *job, nqm_texture_result *result, f
 
 /* ---- score ------------------------------------------------------------------------------------------------------- */
 
-static nqm_status check(const nqm_texture_job *job, nqm_error *err) {
-    if (job->model->target != NQM_TARGET_LOG_DELTA_E)
-        return nqm_fail(err, NQM_ERR_ARG, -1, "model '%s' predicts no Delta-E, of which textures need the mean",
-                        job->model->id);
-    if (job->options.n_texels < 16 || job->options.n_texels > 1000000)
-        return nqm_fail(err, NQM_ERR_ARG, -1, "n_texels is %zu: 16 to 1000000 are allowed", job->options.n_texels);
-    return NQM_OK;
-}
-
 static nqm_status score(nqm_texture_job *job, nqm_texture_result *result, float *delta_e, nqm_error *err) {
     nqm_score_options options = nqm_score_options_default();
     options.metrics = 0;
-    size_t *const sizes[2] = {&job->width, &job->height};
     for (size_t axis = 0; axis < 2; ++axis)
-        job->period[axis] = 1 / (double)nqm_texture_tiles(job->side[0], job->side[1], axis, sizes[axis]);
-    nqm_status status = check(job, err);
-    if (status == NQM_OK)
-        status = nqm_scorer_create(job->model, &options, &job->scorer, err);
+        job->period[axis] =
+            1 / (double)nqm_texture_tiles(job->side[0], job->side[1], axis, axis ? &job->height : &job->width);
+    nqm_status status = nqm_scorer_create(job->model, &options, &job->scorer, err);
     if (status == NQM_OK)
         status = nqm_texels_compare(job, err);
     result->width = job->width;
@@ -217,13 +206,19 @@ nqm_status nqm_texture_score(const nqm_model *model, const nqm_texture *ref, con
                              const nqm_texture_options *options, nqm_texture_result *result_ret, float *delta_e,
                              nqm_error *err) {
     NQM_REQUIRE(err, model, ref, test, result_ret);
+    const nqm_texture_options o = options ? *options : nqm_texture_options_default();
     nqm_texture_result result = {.far_jod = {NAN, NAN, NAN}, .far_delta_e = NAN};
+    if (model->target != NQM_TARGET_LOG_DELTA_E)
+        return nqm_fail(err, NQM_ERR_ARG, -1, "model '%s' predicts no Delta-E, of which textures need the mean",
+                        model->id);
+    if (o.n_texels < 16 || o.n_texels > 1000000)
+        return nqm_fail(err, NQM_ERR_ARG, -1, "n_texels is %zu: 16 to 1000000 are allowed", o.n_texels);
     nqm_texture_job *job = nqm_alloc(1, sizeof *job);
     if (!job)
         return nqm_fail_nomem(err, sizeof *job);
     job->model = model;
-    job->options = options ? *options : nqm_texture_options_default();
-    job->ticker = (nqm_ticker){.fn = job->options.progress, .user = job->options.progress_user};
+    job->options = o;
+    job->ticker = (nqm_ticker){.fn = o.progress, .user = o.progress_user};
     job->side[0] = ref;
     job->side[1] = test;
     nqm_status status = score(job, &result, delta_e, err);
