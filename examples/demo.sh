@@ -29,4 +29,10 @@ set -- sgd:red-fabric sgd:chrome sgd:pink-fabric sgd:green-fabric
 run score "$@"
 run label "$@"
 echo
+echo "Materials with image maps: a rusty plate, and a copy with two classical mistakes."
+maps=$(mktemp -d)/maps
+python3 "$(dirname "$0")/maps.py" "$maps"
+run score "$maps/steel" "$maps/export" --map "$maps/difference.png"
+echo "Where they differ: $maps/difference.png"
+echo
 echo "Next: nqm score YOUR_REFERENCE YOUR_APPROXIMATION (MERL .binary, RGL .bsdf, NBRDF .h5, or a spec; nqm info list)"

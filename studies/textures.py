@@ -180,7 +180,7 @@ def label_pair(row):
     texels of anywhere."""
     pair = [row["reference"], row["test"]]
     near = run("label", *pair, "--tiles", "8", "--texels", "1", "--points", "3072", "--lights", "128", "--json")
-    far = run("label", *pair, "--tiles", "1024", "--texels", "64", "--points", "1024", "--lights", "128", "--json")
+    far = run("label", *pair, "--tiles", "1024", "--texels", "64", "--points", "512", "--lights", "128", "--json")
     return {"near": near["results"][0], "far": far["results"][0]}
 
 

@@ -39,7 +39,7 @@ NQM_API NQM_MUST_CHECK nqm_status nqm_rays_compare(const nqm_rays *rays, const d
 
 /* ---- textured materials ------------------------------------------------------------------------------------------ */
 
-/** How a texture lies on the shape, and how it is filtered. Take the defaults from nqm_texture_view_default(). */
+/** How a texture lies on the shape, and how it is filtered. Take the defaults from nqm_scene_texture_view_default(). */
 typedef struct nqm_texture_view {
     double tiles; /**< repeats of the texture coordinates 0 to 1 along u and v of the shape, to 10^6; default 1 */
     size_t
@@ -50,7 +50,7 @@ typedef struct nqm_texture_view {
     const nqm_texture *beside; /**< the other texture of the label: where its texels are finer, positions are their
                                     centres, so that both pictures have the same; default NULL: the own texels */
 } nqm_texture_view;
-NQM_API nqm_texture_view nqm_texture_view_default(void);
+NQM_API nqm_texture_view nqm_scene_texture_view_default(void);
 
 /** nqm_scene_render_halves() of a textured material; nqm_scene_compare_halves() makes labels of two pictures, which have the same
  *  positions if the views are equal. The far label, of textures that are smaller than a point, needs many tiles and samples: a metal
@@ -62,8 +62,9 @@ NQM_API nqm_texture_view nqm_texture_view_default(void);
  * @param rgb_cdm2  (3, n_points, 3)
  * @return NQM_ERR_ARG (the view is out of range; the scene has interreflection), NQM_ERR_NUMERIC, NQM_ERR_CANCELLED, NQM_ERR_NOMEM, or
  *         the error of a texel whose properties make no BRDF */
-NQM_API NQM_MUST_CHECK nqm_status nqm_texture_render(const nqm_scene *scene, const nqm_texture *texture,
-                                                     const nqm_texture_view *view, double *rgb_cdm2, nqm_error *err);
+NQM_API NQM_MUST_CHECK nqm_status nqm_scene_render_texture(const nqm_scene *scene, const nqm_texture *texture,
+                                                           const nqm_texture_view *view, double *rgb_cdm2,
+                                                           nqm_error *err);
 
 /* ---- light transport --------------------------------------------------------------------------------------------- */
 

@@ -78,7 +78,7 @@ class Material:
             arrays.append(array)
             at.key, (at.height, at.width, at.channels), at.values = key.encode(), array.shape, address(array)
         handle = c_void_p()
-        call(lib.nqm_texture_create, encode(base), len(maps), table, byref(handle))
+        call(lib.nqm_texture_create, encode(base if ":" in base else base + ":"), len(maps), table, byref(handle))
         return cls._own(handle)
 
     @property

@@ -108,7 +108,7 @@ NQM_MUST_CHECK nqm_status nqm_brdf_write_materials(size_t n, const char *const *
 /* ---- BRDFs of arrays and of other BRDFs --------------------------------------------------------------------------- */
 
 /** The normal of the frame of a BRDF that is turned or tilted, in that of the surface; else (0, 0, 1). */
-void nqm_frame_normal(const nqm_brdf *brdf, double normal[3]);
+void nqm_brdf_frame_normal(const nqm_brdf *brdf, double normal[3]);
 /** "tilt:" of a BRDF that outlives the result, with the normal (3), a unit vector with a positive third component. */
 NQM_MUST_CHECK nqm_status nqm_brdf_tilt(nqm_brdf *of, const double *normal, nqm_brdf **brdf_ret, nqm_error *err);
 

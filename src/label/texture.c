@@ -8,7 +8,7 @@
 
 #include <math.h>
 
-nqm_texture_view nqm_texture_view_default(void) {
+nqm_texture_view nqm_scene_texture_view_default(void) {
     return (nqm_texture_view){.tiles = 1, .n_samples = 4, .seed = 1};
 }
 
@@ -26,10 +26,10 @@ static nqm_status open_texel(void *user, const double uv[2], nqm_brdf **brdf_ret
     return nqm_texture_at(s->texture, at[0] - floor(at[0]), at[1] - floor(at[1]), brdf_ret, normal, err);
 }
 
-nqm_status nqm_texture_render(const nqm_scene *scene, const nqm_texture *texture, const nqm_texture_view *view,
-                              double *rgb_cdm2, nqm_error *err) {
+nqm_status nqm_scene_render_texture(const nqm_scene *scene, const nqm_texture *texture, const nqm_texture_view *view,
+                                    double *rgb_cdm2, nqm_error *err) {
     NQM_REQUIRE(err, scene, texture, rgb_cdm2);
-    const nqm_texture_view v = view ? *view : nqm_texture_view_default();
+    const nqm_texture_view v = view ? *view : nqm_scene_texture_view_default();
     if (!(v.tiles > 0 && v.tiles <= 1e6) || v.n_samples < 1 || v.n_samples > 4096)
         return nqm_fail(err, NQM_ERR_ARG, -1, "texture: tiles %g must be in (0, 10^6], samples %zu in [1, 4096]",
                         v.tiles, v.n_samples);

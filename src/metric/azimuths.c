@@ -120,23 +120,21 @@ static double weight_of(double anisotropy) {
 }
 
 /* The result keeps the metrics and counts of the model's own directions; people's similarity is not known. */
-static void take(const nqm_azimuths *a, const double *ref, const double *test, nqm_score_result *r) {
-    const nqm_transport points = points_of(a);
-    const nqm_label label = nqm_transport_label(&points, ref, test);
-    const double w = a->owned ? weight_of(r->anisotropy) : 1, jod = nqm_curve_jod(&a->model->curve, label.delta_e);
+static void take(const nqm_azimuths *a, const nqm_label *label, nqm_score_result *r) {
+    const double w = a->owned ? weight_of(r->anisotropy) : 1, jod = nqm_curve_jod(&a->model->curve, label->delta_e);
     double low, high;
     nqm_label mean = {.delta_e = 0};
-    r->identical = r->identical && label.delta_e == 0;
+    r->identical = r->identical && label->delta_e == 0;
     nqm_model_interval(a->model, jod, NAN, 0, &low, &high);
     if (r->identical)
         low = high = 10;
-    nqm_label_add(&mean, w, &label);
+    nqm_label_add(&mean, w, label);
     if (w < 1) { /* 0 NaN is NaN */
         nqm_label_add(&mean, 1 - w, &r->parts);
         low = w * low + (1 - w) * r->jod_low;
         high = w * high + (1 - w) * r->jod_high;
     }
-    r->delta_e = w < 1 ? w * label.delta_e + (1 - w) * r->delta_e : label.delta_e;
+    r->delta_e = w < 1 ? w * label->delta_e + (1 - w) * r->delta_e : label->delta_e;
     r->jod = w < 1 ? w * jod + (1 - w) * r->jod : jod;
     r->jod_low = low;
     r->jod_high = high;
@@ -180,10 +178,13 @@ nqm_status nqm_azimuths_score(const nqm_azimuths *a, size_t n, const nqm_azimuth
         if (!nqm_azimuths_needed(model, &results[i]))
             continue;
         const subject *ref = &g.subjects[place[i][0]], *test = &g.subjects[place[i][1]];
-        if (ref->status != NQM_OK || test->status != NQM_OK)
+        const nqm_transport points = points_of(a);
+        if (ref->status != NQM_OK || test->status != NQM_OK) {
             results[i] = nqm_no_score(ref->status != NQM_OK ? ref->status : test->status);
-        else
-            take(a, ref->itp, test->itp, &results[i]);
+        } else {
+            const nqm_label label = nqm_transport_label(&points, ref->itp, test->itp);
+            take(a, &label, &results[i]);
+        }
     }
     nqm_free(g.subjects);
     return NQM_OK;
@@ -191,18 +192,34 @@ nqm_status nqm_azimuths_score(const nqm_azimuths *a, size_t n, const nqm_azimuth
 
 /* ---- means ------------------------------------------------------------------------------------------------------- */
 
-/* Fill mean (2, 3, n_points) with the light of both means. subjects: (2 n) references, then tests. */
-static nqm_status average(const nqm_azimuths *a, size_t n, const subject *subjects, const double *weights, double *mean,
-                          nqm_error *err) {
-    const size_t n_values = 3 * a->model->n_slope_points;
-    for (size_t i = 0; i < 2 * n; ++i) {
-        if (subjects[i].status != NQM_OK)
-            return nqm_fail(err, subjects[i].status, -1, "%.300s: %s", subjects[i].name,
-                            nqm_status_text(subjects[i].status));
-        for (size_t k = 0; k < n_values; ++k)
-            mean[i / n * n_values + k] += weights[i % n] * subjects[i].itp[k];
+/* The label of the means over every `step`-th member from `first` on. subjects: (2 n) references, then tests; mean (2, 3, n_points) is
+ * workspace. */
+static nqm_label label_means(const gallery *g, const double *weights, size_t first, size_t step, double *mean) {
+    const nqm_transport points = points_of(g->azimuths);
+    const size_t n = g->n / 2, n_values = 3 * points.n_points;
+    double sum = 0;
+    memset(mean, 0, 2 * n_values * sizeof *mean);
+    for (size_t i = first; i < n; i += step)
+        sum += weights[i];
+    for (size_t s = 0; s < 2; ++s, mean += n_values) {
+        for (size_t i = first; i < n; i += step)
+            for (size_t k = 0; k < n_values; ++k)
+                mean[k] += weights[i] / sum * g->subjects[s * n + i].itp[k];
+        nqm_transport_show(&points, mean, mean);
     }
-    return NQM_OK;
+    return nqm_transport_label(&points, mean - 2 * n_values, mean - n_values);
+}
+
+/* Few members differ more than the means over all would: the square of their Delta-E has a part that is inverse to their number, which
+ * the halves show. */
+static nqm_label label_all(const gallery *g, const double *weights, double *mean) {
+    nqm_label label = label_means(g, weights, 0, 1, mean);
+    if (g->n < 4)
+        return label;
+    const nqm_label half[2] = {label_means(g, weights, 0, 2, mean), label_means(g, weights, 1, 2, mean)};
+    const double of_halves = (half[0].delta_e * half[0].delta_e + half[1].delta_e * half[1].delta_e) / 2;
+    label.delta_e = sqrt(fmax(2 * label.delta_e * label.delta_e - of_halves, 0));
+    return label;
 }
 
 nqm_status nqm_azimuths_score_means(const nqm_azimuths *a, size_t n, const nqm_named_pair *members,
@@ -213,7 +230,6 @@ nqm_status nqm_azimuths_score_means(const nqm_azimuths *a, size_t n, const nqm_n
     if (!a)
         return nqm_fail(err, NQM_ERR_INCOMPATIBLE, -1, "the model has no estimate for leaning normals");
     const size_t n_values = 3 * a->model->n_slope_points;
-    const nqm_transport points = points_of(a);
     nqm_status status =
         nqm_alloc_arrays(NQM_ARRAYS({&g.subjects, g.n, sizeof *g.subjects}, {&light, g.n, n_values * sizeof *light},
                                     {&mean, 2, n_values * sizeof *mean}),
@@ -224,13 +240,13 @@ nqm_status nqm_azimuths_score_means(const nqm_azimuths *a, size_t n, const nqm_n
         g.subjects[i] = (subject){.name = i < n ? members[i].ref : members[i - n].test, .itp = light + i * n_values};
     if (nqm_parallel_ticking(ticker, "far", g.n, show, &g))
         status = nqm_fail(err, NQM_ERR_CANCELLED, -1, "cancelled");
-    if (status == NQM_OK)
-        status = average(a, n, g.subjects, weights, mean, err);
+    for (size_t i = 0; status == NQM_OK && i < g.n; ++i)
+        if ((status = g.subjects[i].status) != NQM_OK)
+            nqm_fail(err, status, -1, "%.300s: %s", g.subjects[i].name, nqm_status_text(status));
     if (status == NQM_OK) {
-        for (size_t s = 0; s < 2; ++s)
-            nqm_transport_show(&points, mean + s * n_values, mean + s * n_values);
+        const nqm_label label = label_all(&g, weights, mean);
         *result = (nqm_score_result){.anisotropy = 1};
-        take(a, mean, mean + n_values, result);
+        take(a, &label, result);
     }
     nqm_free(g.subjects);
     return status;

@@ -3,7 +3,7 @@
 # examples/demo.sh (./dev demo) runs to its end and shows the far pairs with score, label and words.
 # shellcheck source=tests/support/cli.sh
 . "${NQM_SOURCE:?}/tests/support/cli.sh"
-sh "$NQM_SOURCE/examples/demo.sh" "$tool" >"$dir/demo" 2>"$dir/err" || fail "$(tail -n 3 "$dir/demo" "$dir/err")"
+TMPDIR=$dir sh "$NQM_SOURCE/examples/demo.sh" "$tool" >"$dir/demo" 2>"$dir/err" || fail "$(tail -n 3 "$dir/demo" "$dir/err")"
 far="sgd:red-fabric sgd:chrome sgd:pink-fabric sgd:green-fabric"
 for verb in score label; do
     awk -v wanted="\$ nqm $verb $far" '/^\$ nqm / { shown = $0 == wanted } shown' "$dir/demo" >"$dir/part"

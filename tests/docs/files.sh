@@ -31,6 +31,7 @@ cat >paints.mtlx <<END
   </surfacematerial>
 </materialx>
 END
+python3 "$NQM_SOURCE/examples/maps.py" .
 cat >bunny.ply <<END
 ply
 format ascii 1.0

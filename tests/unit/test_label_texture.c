@@ -26,7 +26,7 @@ static double *render_texture(const nqm_scene *scene, const nqm_texture *texture
     double *rgb = nqm_alloc(nqm_scene_count(scene), 9 * sizeof *rgb);
     nqm_error err = {0};
     assert_non_null(rgb);
-    if (nqm_texture_render(scene, texture, view, rgb, &err) != NQM_OK)
+    if (nqm_scene_render_texture(scene, texture, view, rgb, &err) != NQM_OK)
         fail_msg("%s", err.message);
     return rgb;
 }
@@ -133,7 +133,7 @@ static void test_constant_is_the_brdf(void **state) {
     (void)state;
     static const char *const specs[] = {"gltf:base_color=.5,.3,.1;roughness=.3",
                                         "gltf:metallic=1;roughness=.4;anisotropy_strength=.8"};
-    const nqm_texture_view views[] = {nqm_texture_view_default(), {.tiles = 3.5, .n_samples = 7}};
+    const nqm_texture_view views[] = {nqm_scene_texture_view_default(), {.tiles = 3.5, .n_samples = 7}};
     for (size_t k = 0; k < 4; ++k) {
         nqm_scene *scene = small_scene(k / 2 ? "blob" : "sphere", k == 3 ? 16 : 0);
         const char *spec = specs[k % 2];
@@ -318,12 +318,12 @@ static void test_refused_arguments(void **state) {
     o.n_points = 16;
     nqm_scene *scene = make_scene(&o);
     for (size_t i = 0; i < sizeof bad / sizeof *bad; ++i)
-        assert_int_equal(nqm_texture_render(scene, texture, &bad[i], rgb, NULL), NQM_ERR_ARG);
-    assert_int_equal(nqm_texture_render(scene, NULL, NULL, rgb, NULL), NQM_ERR_ARG);
+        assert_int_equal(nqm_scene_render_texture(scene, texture, &bad[i], rgb, NULL), NQM_ERR_ARG);
+    assert_int_equal(nqm_scene_render_texture(scene, NULL, NULL, rgb, NULL), NQM_ERR_ARG);
     nqm_scene_free(scene);
     o.interreflection = 1;
     scene = make_scene(&o);
-    assert_int_equal(nqm_texture_render(scene, texture, NULL, rgb, NULL), NQM_ERR_ARG);
+    assert_int_equal(nqm_scene_render_texture(scene, texture, NULL, rgb, NULL), NQM_ERR_ARG);
     nqm_scene_free(scene);
     nqm_texture_free(texture);
 }
@@ -343,7 +343,7 @@ static void test_cancel(void **state) {
     double *rgb = nqm_alloc(9 * o.n_points, sizeof *rgb);
     const nqm_texture_view view = {.tiles = 1, .n_samples = 64};
     assert_non_null(rgb);
-    assert_int_equal(nqm_texture_render(scene, texture, &view, rgb, NULL), NQM_ERR_CANCELLED);
+    assert_int_equal(nqm_scene_render_texture(scene, texture, &view, rgb, NULL), NQM_ERR_CANCELLED);
     nqm_free(rgb);
     nqm_texture_free(texture);
     nqm_scene_free(scene);
@@ -362,12 +362,12 @@ static void test_out_of_memory(void **state) {
     const nqm_texture_view view = {.tiles = 1, .n_samples = 1};
     const int limit = nqm_limit_threads(1);
     const long before = nqm_alloc_count();
-    assert_int_equal(nqm_texture_render(scene, texture, &view, rgb, NULL), NQM_OK);
+    assert_int_equal(nqm_scene_render_texture(scene, texture, &view, rgb, NULL), NQM_OK);
     const long n = nqm_alloc_count() - before;
     assert_true(n > 16);
     for (long k = 0; k < n; ++k) {
         nqm_alloc_fail_after(k);
-        assert_int_equal(nqm_texture_render(scene, texture, &view, rgb, NULL), NQM_ERR_NOMEM);
+        assert_int_equal(nqm_scene_render_texture(scene, texture, &view, rgb, NULL), NQM_ERR_NOMEM);
         nqm_alloc_fail_after(-1);
     }
     (void)nqm_limit_threads(limit);

@@ -256,6 +256,11 @@ static inline bool nqm_bench_has_precision(const nqm_bench *bench, nqm_precision
 NQM_MUST_CHECK nqm_status nqm_bench_pairs(size_t n_refs, const nqm_directions *directions, nqm_dataset **dataset_ret,
                                           nqm_error *err);
 
+/* ---- textures (textures.c) --------------------------------------------------------------------------------------- */
+
+/** Time the near score of two materials of 2048 x 2048 texels; the row's pairs are those of texels. */
+NQM_MUST_CHECK nqm_status nqm_bench_textures(nqm_bench *bench, const nqm_model *model, nqm_error *err);
+
 /* ---- oneDNN for comparison (onednn.c) ---------------------------------------------------------------------------- */
 
 /** C (m, n) = A (m, k) B (k, n) by oneDNN's matrix product primitive, in buffers of its own. */

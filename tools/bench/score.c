@@ -226,6 +226,8 @@ nqm_status nqm_bench_score(nqm_bench *bench, nqm_error *err) {
         status = nqm_model_builtin(id, &model, err);
         if (status == NQM_OK)
             status = bench_model(bench, model, id, err);
+        if (status == NQM_OK && strcmp(id, "default") == 0)
+            status = nqm_bench_textures(bench, model, err);
         nqm_model_free(model);
     }
     return status;

@@ -32,12 +32,12 @@ nqm_status open_textured(const char *argument, nqm_texture **texture_ret, nqm_er
 }
 
 view_args view_args_begin(void) {
-    const nqm_texture_view v = nqm_texture_view_default();
+    const nqm_texture_view v = nqm_scene_texture_view_default();
     return (view_args){(uint64_t)v.tiles, v.n_samples};
 }
 
 nqm_texture_view view_of(const view_args *args) {
-    nqm_texture_view v = nqm_texture_view_default();
+    nqm_texture_view v = nqm_scene_texture_view_default();
     v.tiles = (double)args->tiles;
     v.n_samples = (size_t)args->texels;
     return v;

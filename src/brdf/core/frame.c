@@ -117,14 +117,14 @@ const nqm_spec_wrapper nqm_tilt_wrapper = {
     .create = create_tilted,
 };
 
-void nqm_frame_normal(const nqm_brdf *brdf, double normal[3]) {
+void nqm_brdf_frame_normal(const nqm_brdf *brdf, double normal[3]) {
     double inner[3];
     normal[0] = normal[1] = 0;
     normal[2] = 1;
     if (brdf->class_->eval != frame_eval)
         return;
     const frame *self = brdf->self;
-    nqm_frame_normal(self->bases.of, inner);
+    nqm_brdf_frame_normal(self->bases.of, inner);
     for (size_t k = 0; k < 3; ++k)
         normal[k] = inner[0] * self->axes[k] + inner[1] * self->axes[3 + k] + inner[2] * self->axes[6 + k];
 }

@@ -28,7 +28,7 @@ static double find_peak(const nqm_brdf *brdf, double center[2]) {
     static const double reach = 1, least_step = 1e-5, much = 1.1;
     const double at_normal = value_at(brdf, 0, 0);
     double normal[3];
-    nqm_frame_normal(brdf, normal);
+    nqm_brdf_frame_normal(brdf, normal);
     double x = normal[0] / normal[2], y = normal[1] / normal[2], best = fmax(value_at(brdf, x, y), at_normal);
     if (!(best > at_normal))
         x = y = 0;

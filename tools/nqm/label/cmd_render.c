@@ -80,7 +80,7 @@ static void run_render(render_run *run) {
     must(open_textured(run->brdf, &texture, &err), &err);
     must(nqm_scene_create(&run->scene, &run->made, &err), &err);
     run->rgb_cdm2 = allocate((texture ? 9 : 3) * nqm_scene_count(run->made), sizeof *run->rgb_cdm2);
-    must(texture ? nqm_texture_render(run->made, texture, &run->view, run->rgb_cdm2, &err)
+    must(texture ? nqm_scene_render_texture(run->made, texture, &run->view, run->rgb_cdm2, &err)
                  : render_brdf(run->made, run->brdf, false, run->rgb_cdm2, &run->is_tabulated, &err),
          &err);
     nqm_texture_free(texture);

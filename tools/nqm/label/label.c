@@ -45,7 +45,7 @@ static nqm_status render_item(const label_run *run, label_item *item) {
     item->rgb_cdm2 = allocate(9 * nqm_scene_count(run->scene), sizeof *item->rgb_cdm2);
     const nqm_texture_view view = view_of_group(run, item->reference);
     if (item->texture)
-        return nqm_texture_render(run->scene, item->texture, &view, item->rgb_cdm2, &item->err);
+        return nqm_scene_render_texture(run->scene, item->texture, &view, item->rgb_cdm2, &item->err);
     return render_brdf(run->scene, item->name, true, item->rgb_cdm2, &item->is_tabulated, &item->err);
 }
 
@@ -133,7 +133,7 @@ void make_labels(label_run *run) {
     run->scene_options.progress_user = run;
     nqm_scene_options options = run->scene_options;
     if (!run->view.n_samples)
-        run->view = nqm_texture_view_default();
+        run->view = nqm_scene_texture_view_default();
     open_textures(run);
     make_round(run, &options);
     for (size_t round = 1; run->adds_samples && round < MAX_ROUNDS && mark_uncertain(run, &options) > 0; ++round)

@@ -23,20 +23,23 @@ static void write_exr(const char *path, size_t width, size_t height, const float
     free(image.rgb);
 }
 
-enum { FIGURE_SIDE = 1024 };
+enum { LEAST_SIDE = 512, MOST_SIDE = 1024 };
 
-/* Means over blocks, so that the picture fits on a screen: (*height, *width), free() it. */
-static double *shrink(size_t *width, size_t *height, const float *delta_e) {
-    const size_t step = nqm_ceil_div(nqm_larger(*width, *height), FIGURE_SIDE), w = nqm_ceil_div(*width, step),
-                 h = nqm_ceil_div(*height, step);
+/* Means over blocks of step x step texels, each as repeat x repeat pixels, so that the picture suits a screen: (*height, *width),
+ * free() it. */
+static double *resize(size_t *width, size_t *height, const float *delta_e) {
+    const size_t longer = nqm_larger(*width, *height), step = nqm_ceil_div(longer, MOST_SIDE);
+    const size_t repeat = nqm_larger(LEAST_SIDE / longer, 1), w = nqm_ceil_div(*width, step) * repeat,
+                 h = nqm_ceil_div(*height, step) * repeat;
     double *mean = allocate(w * h, sizeof *mean);
     for (size_t y = 0; y < h; ++y)
         for (size_t x = 0; x < w; ++x) {
-            const size_t right = nqm_smaller((x + 1) * step, *width), lower = nqm_smaller((y + 1) * step, *height);
-            for (size_t i = y * step; i < lower; ++i)
-                for (size_t j = x * step; j < right; ++j)
+            const size_t left = x / repeat * step, upper = y / repeat * step;
+            const size_t right = nqm_smaller(left + step, *width), lower = nqm_smaller(upper + step, *height);
+            for (size_t i = upper; i < lower; ++i)
+                for (size_t j = left; j < right; ++j)
                     mean[y * w + x] += (double)delta_e[i * *width + j];
-            mean[y * w + x] /= (double)((right - x * step) * (lower - y * step));
+            mean[y * w + x] /= (double)((right - left) * (lower - upper));
         }
     *width = w;
     *height = h;
@@ -51,7 +54,7 @@ static void write_map(const char *path, const nqm_texture_result *r, const float
         write_exr(path, width, height, delta_e);
         return;
     }
-    double *mean = shrink(&width, &height, delta_e);
+    double *mean = resize(&width, &height, delta_e);
     snprintf(caption, sizeof caption, "\u0394E %.1f \u00b7 JOD %.2f", r->delta_e, r->jod);
     const nqm_panel panel = {.delta_e = mean, .caption = caption};
     const nqm_figure figure = {.n_rows = 1, .n_columns = 1, .width = width, .height = height, .panels = &panel};
@@ -133,6 +136,8 @@ void score_textures(score_run *run) {
             continue;
         nqm_texture_result *t = allocate(1, sizeof *t);
         score_texture(&terms, &row->pair, &ref, t, &row->result, &row->err);
+        if (!ref.texture && run->ref_path && strcmp(run->ref_path, row->pair.ref) == 0)
+            stop_error(&row->err); /* the reference of all rows */
         row->texture = row->err.status == NQM_OK ? t : NULL;
         free(row->texture ? NULL : t);
     }

@@ -1,0 +1,53 @@
+#!/bin/sh
+# SPDX-License-Identifier: MIT
+# Materials with image maps in score, batch, rank, info and report: mistakes by name, gates, heat maps, lists, messages.
+# shellcheck source=tests/support/cli.sh
+. "${NQM_SOURCE:?}/tests/support/cli.sh"
+python3 "$NQM_SOURCE/examples/maps.py" "$dir"
+cd "$dir"
+
+run 0 score steel export --map heat.png
+for words in 'roughness is squared' 'green channel of the normal map is flipped' 'worst 5 %' 'from afar'; do
+    grep -q "$words" out || fail "no '$words' in: $(cat out)"
+done
+[ "$(head -c 4 heat.png | tail -c 3)" = PNG ] || fail "no heat map"
+run 0 score -q steel steel
+[ "$(cat out)" = 10.0000 ] || fail "a texture differs from itself: $(cat out)"
+run 0 score steel export half --json
+jod=$(number jod 1)
+for key in '"median_jod"' '"far_jod_low"' '"blame"' '"mistake": "roughness is squared"' '"property": "normal"'; do
+    grep -q "$key" out || fail "no $key in the JSON"
+done
+run 0 score steel export --csv
+head -1 out | grep -q 'median_jod,worst_jod,below_9,below_8,far_jod,.*blame,blame_jod,mistake' || fail "columns: $(head -1 out)"
+run 0 score steel half --map heat.exr -q
+[ -s heat.exr ] || fail "no heat map in OpenEXR"
+
+# Gates, and verbs that take lists.
+run 1 score steel export half --fail-under 9.5
+run 1 score steel export --fail-under-worst 8
+grep -q 'worst 5 % of texels below 8' err || fail "the gate is not named"
+run 0 score steel half --fail-under-worst 2
+printf 'reference,test\nsteel,export\nsgd:nickel,ward:nickel\n' >pairs.csv
+run 0 batch pairs.csv -o scores.csv
+awk -F, -v jod="$jod" 'NR == 2 { exit !($3 > jod - .001 && $3 < jod + .001) }' scores.csv || fail "batch: $(cat scores.csv)"
+run 0 rank steel export half
+grep -n half out | head -1 | grep -q '^[1-9]' || fail "rank: $(cat out)"
+awk '/half/ { half = NR } /export/ { export_ = NR } END { exit !(half < export_) }' out || fail "the better one is not first"
+
+# A texture beside a BRDF, maps one by one, and what info says.
+run 0 score -q 'maps:base_color=steel/steel_Color.png;roughness=.4;metallic=1' 'gltf:base_color=.56,.55,.53;roughness=.4'
+run 0 info steel --json
+grep -q '"varying": "base_color roughness metallic normal"' out || fail "info: $(cat out)"
+
+# Messages.
+refuses 3 "map 'gone.png'.*No such file" score 'maps:base_color=gone.png;model=gltf' steel
+printf 'DDS \174\0\0\0' >a.dds
+refuses 4 'DDS' score 'maps:base_color=a.dds;model=gltf' steel
+run 3 score steel 'maps:base_color=gone.png;model=gltf' half
+grep -q '^ *9\.[0-9]* .*half' out || fail "a test that fails stops the others"
+refuses 2 'no property .*shine\|shine' score 'maps:shine=steel/steel_Color.png;model=gltf' steel
+refuses 2 'draws one TEST' score steel export half --map heat.png
+refuses 2 '' fit steel --model ggx -o x.json
+run 2 score steel export --model paper
+grep -q "'paper' predicts no Delta-E" err || fail 'the model is not named'

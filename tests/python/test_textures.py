@@ -1,0 +1,75 @@
+# SPDX-License-Identifier: MIT
+"""Textured materials in Python: arrays and files, heat maps, blame, errors."""
+import json
+import subprocess
+import sys
+import tempfile
+import unittest
+from pathlib import Path
+
+import numpy as np
+
+import nqm
+from support import run_tool
+
+SOURCE = Path(__file__).resolve().parent.parent.parent
+
+
+def plate(side=32):
+    y, x = np.mgrid[:side, :side] / side
+    colour = np.stack([0.3 + 0.5 * x, 0.2 + 0.1 * y, 0.1 + 0 * x], axis=2)
+    normal = np.stack([0.1 * np.sin(6 * x), 0.1 * np.cos(6 * y), 1 + 0 * x], axis=2)
+    return {"base_color": colour, "roughness": 0.3 + 0.4 * y, "normal": normal}
+
+
+class Textures(unittest.TestCase):
+    def test_maps(self):
+        maps = plate()
+        test = dict(maps, roughness=maps["roughness"] ** 2)
+        s = nqm.score_maps(maps, test, heat=True, far=False)
+        self.assertEqual(s.blame[0].property, "roughness")
+        self.assertEqual(s.blame[0].mistake, "roughness is squared")
+        self.assertEqual(s.heat.shape, (32, 32))
+        self.assertAlmostEqual(float(s.heat.mean()), s.delta_e, delta=0.01 * s.delta_e)
+        self.assertTrue(s.jod_low <= s.jod <= s.jod_high < 10)
+        self.assertTrue(np.isnan(s.far_jod))
+        self.assertIn("JOD", str(s))
+
+    def test_same(self):
+        s = nqm.score_maps(plate(), plate())
+        self.assertEqual((s.jod, s.far_jod, s.delta_e, s.blame), (10, 10, 0, ()))
+
+    def test_constant(self):
+        """Maps of one value are the BRDF."""
+        s = nqm.score_maps({"roughness": np.full((4, 4), 0.2)}, "gltf:roughness=.5", exact=True)
+        self.assertAlmostEqual(s.jod, nqm.score("gltf:roughness=.2", "gltf:roughness=.5").jod, places=4)
+
+    def test_as_the_tool(self):
+        with tempfile.TemporaryDirectory() as folder:
+            subprocess.run([sys.executable, str(SOURCE / "examples/maps.py"), folder], check=True)
+            steel, export = folder + "/steel", folder + "/export"
+            row = json.loads(run_tool("score", steel, export, "--json"))["results"][0]
+            s = nqm.score_maps(steel, export)
+            self.assertEqual("%.9g" % s.jod, "%.9g" % row["jod"])
+            self.assertEqual("%.9g" % s.far_jod, "%.9g" % row["texture"]["far_jod"])
+            self.assertEqual([b.property for b in s.blame], [b["property"] for b in row["texture"]["blame"]])
+            info = nqm.Material.open(steel).info
+            self.assertEqual((info.width, info.height, info.n_images, info.model), (128, 128, 4, "gltf"))
+            self.assertEqual(info.varying, ("base_color", "roughness", "metallic", "normal"))
+
+    def test_errors(self):
+        with self.assertRaisesRegex(nqm.Error, "no property 'shine'"):
+            nqm.Material.from_maps({"shine": np.zeros((2, 2))})
+        with self.assertRaisesRegex(ValueError, "shape"):
+            nqm.Material.from_maps({"roughness": np.zeros(4)})
+        with self.assertRaises(nqm.Error):
+            nqm.Material.open("maps:base_color=gone.png")
+
+        def stop(stage, done, total):
+            raise KeyError("stop")
+        with self.assertRaisesRegex(KeyError, "stop"):
+            nqm.score_maps(plate(), {"roughness": np.random.default_rng(1).random((64, 64))}, progress=stop)
+
+
+if __name__ == "__main__":
+    unittest.main()
