@@ -285,7 +285,7 @@ static nqm_status divide(nqm_texture_job *job, const uint64_t *words, uint64_t m
 
 /* The order of the texels is by number at first. */
 static nqm_status find_order(nqm_texture_job *job, keys *s, uint64_t *other, nqm_error *err) {
-    enum { HASHED = 12 }; /* least bits of a hash */
+    enum { HASHED = 16 }; /* least bits of a hash */
     const size_t n = job->order.n;
     unsigned n_bits = 0;
     while (n - 1 > s->mask) {
