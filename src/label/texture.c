@@ -3,7 +3,7 @@
  * Pictures of textured materials, from which labels are made as from those of a BRDF.
  */
 #include "render/render.h"
-#include "texture/evaluate.h"
+#include "texture/texture.h"
 #include <nqm/label.h>
 
 #include <math.h>

@@ -15,154 +15,123 @@ static double square(double x) {
     return x * x;
 }
 
-static double invert(double x) {
-    return 1 - x;
-}
-
 static double encode_srgb(double x) {
     return x <= 0.0031308 ? 12.92 * x : 1.055 * pow(x, 1 / 2.4) - 0.055;
 }
 
-static double keep(double x) {
-    return x;
+static double invert(double x) {
+    return 1 - x;
 }
 
-/* What may have been done with the values of a map. The first is the right thing. */
+static double negate(double x) {
+    return -x;
+}
+
+/* What may have been done with the values of a map. Those without a function: */
+enum { NOTHING, EXCHANGED };
 static const struct {
-    double (*apply)(double x);
     const char *text;
-} mistakes[] = {{keep, ""},
-                {square, "%s is squared"},
-                {sqrt, "%s is the square root"},
-                {nqm_srgb_to_linear, "%s is decoded from sRGB"},
-                {encode_srgb, "%s is not decoded from sRGB"},
-                {invert, "%s is inverted"}};
-/* After these of the list, for lack of a function: */
-enum { N_MISTAKES = sizeof mistakes / sizeof *mistakes, EXCHANGED = N_MISTAKES, FLIPPED, N_RESIDUALS };
+    double (*apply)(double x);
+} mistakes[] = {[NOTHING] = {"", NULL},
+                [EXCHANGED] = {" are exchanged", NULL},
+                {" is squared", square},
+                {" is the square root", sqrt},
+                {" is decoded from sRGB", nqm_srgb_to_linear},
+                {" is not decoded from sRGB", encode_srgb},
+                {" is inverted", invert},
+                {" is flipped", negate}};
+enum { N_MISTAKES = sizeof mistakes / sizeof *mistakes, NO_PROPERTY = NQM_SPEC_MAX_KEYS };
 
-/* Mean absolute differences of a property, or of the normals, that each mistake leaves. */
-typedef struct residuals {
-    double of[N_RESIDUALS];
-} residuals;
+/* A property, or the normal, and what each mistake leaves of the difference. */
+typedef struct suspect {
+    const nqm_texture_job *job;
+    int exchange;
+    size_t partner; /* the property with which it may have been exchanged, or NO_PROPERTY */
+    double left[N_MISTAKES];
+} suspect;
 
-static bool is_key(const nqm_pair_property *p, const char *keys) {
-    return p->n == 1 && nqm_has_word(keys, p->key, false);
+static bool is_one_of(const nqm_spec_key *key, const char *names) {
+    return nqm_has_word(names, key->name, false);
 }
 
-/* The property with which this one may have been exchanged; NULL: none. */
-static const nqm_pair_property *find_partner(const nqm_texel_pair *pair, const nqm_pair_property *p) {
-    static const char metal[] = "metallic metalness base_metalness", rough[] = "roughness specular_roughness";
-    const char *wanted = is_key(p, metal) ? rough : is_key(p, rough) ? metal : "";
-    for (size_t k = 0; k < pair->n_properties; ++k)
-        if (is_key(&pair->properties[k], wanted))
-            return &pair->properties[k];
-    return NULL;
+static const char metal[] = "metallic metalness base_metalness", rough[] = "roughness specular_roughness";
+
+static size_t find_partner(const nqm_texture *t, int exchange) {
+    const nqm_spec_key *key = exchange < 0 ? NULL : &t->keys[exchange];
+    const char *wanted = !key ? "" : is_one_of(key, metal) ? rough : is_one_of(key, rough) ? metal : "";
+    for (size_t k = 0; k < t->n_properties; ++k)
+        if (is_one_of(&t->keys[k], wanted))
+            return k;
+    return NO_PROPERTY;
 }
 
-static void add_texel(const nqm_pair_property *p, const nqm_pair_property *partner, const float *const values[2],
-                      size_t i, double weight, residuals *r) {
-    for (size_t c = 0; c < p->n; ++c) {
-        const double x = (double)nqm_texel_pair_value(p, 0, values[0], c, i);
-        const double y = (double)nqm_texel_pair_value(p, 1, values[1], c, i);
-        for (size_t k = 0; k < N_MISTAKES; ++k)
-            r->of[k] += weight * fabs(y - mistakes[k].apply(x));
-        r->of[EXCHANGED] +=
-            weight * (partner ? fabs(y - (double)nqm_texel_pair_value(partner, 0, values[0], 0, i)) : 1);
+/* partner: NaN if there is none. A difference that a mistake cannot have becomes NaN. */
+static void compare(suspect *s, double weight, double ref, double test, double partner) {
+    for (size_t k = 0; k < N_MISTAKES; ++k)
+        s->left[k] += weight * fabs(test - (mistakes[k].apply ? mistakes[k].apply(ref)
+                                            : k == EXCHANGED  ? partner
+                                                              : ref));
+}
+
+static nqm_status compare_block(void *user, size_t n, nqm_texel_sample *samples, const float *const rows[2],
+                                nqm_error *err) {
+    suspect *s = user;
+    const nqm_texture *const *t = s->job->side;
+    (void)err;
+    for (size_t i = 0; i < n; ++i) {
+        const double weight = samples[i].weight;
+        double normal[2][3];
+        for (size_t side = 0; side < 2; ++side)
+            nqm_texture_normal(t[side], rows[side], i, normal[side]);
+        for (size_t c = 0; s->exchange >= 0 && c < t[0]->keys[s->exchange].n; ++c)
+            compare(s, weight, nqm_texture_value(t[0], (size_t)s->exchange, c, rows[0], i),
+                    nqm_texture_value(t[1], (size_t)s->exchange, c, rows[1], i),
+                    s->partner == NO_PROPERTY ? NAN : nqm_texture_value(t[0], s->partner, 0, rows[0], i));
+        if (s->exchange < 0)
+            compare(s, weight, normal[0][1], normal[1][1], NAN);
+        for (size_t k = 0; s->exchange < 0 && k < N_MISTAKES; ++k)
+            s->left[k] += weight * fabs(normal[1][0] - normal[0][0]);
     }
+    return NQM_OK;
 }
 
-static void add_normal(const nqm_texel_pair *pair, const float *const values[2], size_t i, double weight,
-                       residuals *r) {
-    double normal[2][3];
-    for (size_t s = 0; s < 2; ++s)
-        nqm_texel_pair_normal(pair, s, values[s], i, normal[s]);
-    const double x = fabs(normal[1][0] - normal[0][0]);
-    r->of[0] += weight * (x + fabs(normal[1][1] - normal[0][1]));
-    r->of[FLIPPED] += weight * (x + fabs(normal[1][1] + normal[0][1]));
-}
-
-static size_t find_least(const residuals *r, size_t begin, size_t end) {
-    size_t least = begin;
-    for (size_t k = begin; k < end; ++k)
-        least = r->of[k] < r->of[least] ? k : least;
-    return r->of[least] < 0.1 * r->of[0] ? least : 0;
+/* A property of which the reference has no map is no map that something was done with. */
+static nqm_status name_mistake(nqm_texture_job *job, int exchange, size_t n, nqm_texel_sample *samples,
+                               nqm_texture_blame *blame, nqm_error *err) {
+    const nqm_texture *t = job->side[0];
+    suspect s = {.job = job, .exchange = exchange, .partner = find_partner(t, exchange)};
+    nqm_status status = nqm_texels_visit(job, NULL, n, samples, compare_block, &s, err);
+    size_t least = NOTHING;
+    for (size_t k = 0; k < N_MISTAKES; ++k)
+        least = s.left[k] < s.left[least] ? k : least;
+    const bool has_map = exchange < 0 || t->properties[exchange].node != NQM_NO_NODE ||
+                         (least == EXCHANGED && t->properties[s.partner].node != NQM_NO_NODE);
+    if (status != NQM_OK || !has_map || !(s.left[least] < 0.1 * s.left[NOTHING]))
+        return status;
+    const char *key = exchange < 0 ? "the green channel of the normal map" : t->keys[exchange].name;
+    const char *other = least == EXCHANGED ? t->keys[s.partner].name : "";
+    const bool is_first = least != EXCHANGED || is_one_of(&t->keys[exchange], metal);
+    char text[160];
+    snprintf(text, sizeof text, "%s%s%s%s", is_first ? key : other, *other ? " and " : "", is_first ? other : key,
+             mistakes[least].text);
+    snprintf(blame->mistake, sizeof blame->mistake, "%.79s", text);
+    return NQM_OK;
 }
 
 /* ---- blame ------------------------------------------------------------------------------------------------------- */
 
-/* Texels at which properties are exchanged. */
-typedef struct sample {
-    size_t n;
-    nqm_texel_choice *choices;
-    nqm_texel_score *scores;
-} sample;
-
-static void find_residuals(nqm_texture_job *job, const sample *s, int property, residuals *r) {
-    const nqm_texel_pair *pair = &job->pair;
-    const nqm_pair_property *p = property >= 0 ? &pair->properties[property] : NULL;
-    const nqm_pair_property *partner = p ? find_partner(pair, p) : NULL;
-    for (size_t first = 0, n; first < s->n; first += n) {
-        uint32_t texels[NQM_TEXEL_BLOCK];
-        const float *values[2];
-        n = nqm_smaller(s->n - first, NQM_TEXEL_BLOCK);
-        for (size_t i = 0; i < n; ++i)
-            texels[i] = s->choices[first + i].texel;
-        nqm_texel_pair_evaluate(pair, n, texels, 0, job->workspace, values);
-        for (size_t i = 0; i < n; ++i)
-            if (p)
-                add_texel(p, partner, values, i, s->choices[first + i].weight, r);
-            else
-                add_normal(pair, values, i, s->choices[first + i].weight, r);
-    }
-}
-
-/* A property of which the reference has no map is no map that something was done with. */
-static void name_mistake(nqm_texture_job *job, const sample *s, int property, nqm_texture_blame *blame) {
-    const nqm_texel_pair *pair = &job->pair;
-    residuals r = {{0}};
-    find_residuals(job, s, property, &r);
-    if (property == NQM_EXCHANGE_NORMAL) {
-        if (find_least(&r, FLIPPED, N_RESIDUALS))
-            snprintf(blame->mistake, sizeof blame->mistake, "the green channel of the normal map is flipped");
-        return;
-    }
-    const nqm_pair_property *p = &pair->properties[property], *partner = find_partner(pair, p);
-    const size_t mistake = find_least(&r, 1, FLIPPED);
-    if (mistake == EXCHANGED && (p->at[0] >= 0 || partner->at[0] >= 0)) {
-        const bool is_first = strstr(p->key, "metal") != NULL;
-        snprintf(blame->mistake, sizeof blame->mistake, "%.30s and %.30s are exchanged",
-                 is_first ? p->key : partner->key, is_first ? partner->key : p->key);
-    } else if (mistake && mistake < N_MISTAKES && p->at[0] >= 0) {
-        const char *text = mistakes[mistake].text + 2; /* after the key */
-        snprintf(blame->mistake, sizeof blame->mistake, "%s%s", p->key, text);
-    }
-}
-
-static bool differs(const nqm_texel_pair *pair, size_t property) {
-    const nqm_pair_property *p = &pair->properties[property];
-    bool is_different = p->at[0] < 0 && p->at[1] < 0; /* two constants are a property only if they differ */
-    for (size_t d = 0; d < pair->n_dimensions; ++d)
-        is_different =
-            is_different || (pair->dimensions[d].kind == NQM_DIFFERENCE && pair->dimensions[d].property == property);
-    return is_different;
-}
-
-static nqm_status blame_one(nqm_texture_job *job, const sample *s, int property, nqm_texture_result *result,
-                            nqm_error *err) {
+static nqm_status blame_one(nqm_texture_job *job, int exchange, size_t n, nqm_texel_sample *samples,
+                            nqm_texture_result *result, nqm_error *err) {
     if (result->n_blame == NQM_TEXTURE_MAX_BLAME)
         return NQM_OK;
-    nqm_texture_blame *blame = &result->blame[result->n_blame];
+    nqm_texture_blame *blame = &result->blame[result->n_blame++];
     double delta_e = 0;
-    nqm_status status = nqm_texels_score(job, "blame", property, s->n, s->choices, s->scores, err);
-    if (status != NQM_OK)
-        return status;
-    for (size_t i = 0; i < s->n; ++i)
-        delta_e += s->choices[i].weight * s->scores[i].delta_e;
-    blame->jod = s->n == 1 ? s->scores->jod : nqm_curve_jod(&job->model->curve, delta_e);
-    snprintf(blame->key, sizeof blame->key, "%s", property < 0 ? "normal" : job->pair.properties[property].key);
-    name_mistake(job, s, property, blame);
-    ++result->n_blame;
-    return NQM_OK;
+    nqm_status status = nqm_texels_score(job, "blame", exchange, n, samples, NULL, err);
+    for (size_t i = 0; i < n; ++i)
+        delta_e += samples[i].weight * samples[i].delta_e;
+    blame->jod = n == 1 ? samples->jod : nqm_curve_jod(&job->model->curve, delta_e);
+    snprintf(blame->key, sizeof blame->key, "%s", exchange < 0 ? "normal" : job->side[0]->keys[exchange].name);
+    return status == NQM_OK ? name_mistake(job, exchange, n, samples, blame, err) : status;
 }
 
 static int compare_blame(const void *a, const void *b) {
@@ -172,22 +141,21 @@ static int compare_blame(const void *a, const void *b) {
 
 nqm_status nqm_texture_blame_find(nqm_texture_job *job, nqm_texture_result *result, nqm_error *err) {
     enum { SHARE = 8, SHARE_TILTED = 32, LEAST = 16 };
-    const size_t max_n = nqm_larger(job->options.n_texels / SHARE, LEAST);
-    sample s = {0};
-    nqm_status status =
-        nqm_alloc_arrays(NQM_ARRAYS({&s.choices, max_n, sizeof *s.choices}, {&s.scores, max_n, sizeof *s.scores}), err);
-    if (status != NQM_OK)
-        return status;
-    s.n = nqm_texels_choose(&job->groups, max_n, false, job->options.seed + 2, s.choices);
-    for (size_t k = 0; status == NQM_OK && k < job->pair.n_properties; ++k)
-        if (differs(&job->pair, k))
-            status = blame_one(job, &s, (int)k, result, err);
-    if (status == NQM_OK && nqm_texel_pair_tilts(&job->pair)) {
-        s.n = nqm_texels_choose(&job->groups, nqm_larger(job->options.n_texels / SHARE_TILTED, LEAST), false,
-                                job->options.seed + 2, s.choices);
-        status = blame_one(job, &s, NQM_EXCHANGE_NORMAL, result, err);
+    const size_t n_texels = job->options.n_texels, max_n = nqm_larger(n_texels / SHARE, LEAST);
+    const uint64_t seed = job->options.seed + 2;
+    nqm_texel_sample *samples = nqm_alloc(max_n, sizeof *samples);
+    if (!samples)
+        return nqm_fail_nomem(err, max_n * sizeof *samples);
+    nqm_status status = NQM_OK;
+    size_t n = nqm_texels_choose(&job->order, max_n, seed, samples);
+    for (size_t k = 0; status == NQM_OK && k < job->side[0]->n_properties; ++k)
+        if (nqm_texels_differ(job, NQM_DIFFERENCE, k))
+            status = blame_one(job, (int)k, n, samples, result, err);
+    if (status == NQM_OK && nqm_texels_differ(job, NQM_TILT, 0)) {
+        n = nqm_texels_choose(&job->order, nqm_larger(n_texels / SHARE_TILTED, LEAST), seed, samples);
+        status = blame_one(job, NQM_EXCHANGE_NORMAL, n, samples, result, err);
     }
     qsort(result->blame, result->n_blame, sizeof *result->blame, compare_blame);
-    nqm_free(s.choices);
+    nqm_free(samples);
     return status;
 }

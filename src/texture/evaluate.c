@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT
  *
- * Nodes of textured materials at blocks of positions, as rows of floats: one row per component. Nodes that do not vary are computed
- * once, in double. Maps are interpolated bilinearly in linear colour, and exact at the centres of their texels.
+ * Nodes of textured materials at blocks of positions, as rows of floats: one row per component. Maps are interpolated bilinearly in
+ * linear colour, and exact at the centres of their texels. Operations that are rare have no loop of their own.
  */
-#include "texture/evaluate.h"
+#include "texture/texture.h"
 
 #include "material/color_space.h"
 #include <math.h>
@@ -18,7 +18,12 @@ static double decode(const char *space, double v) {
     return nqm_color_to_rec709(space, rgb) ? rgb[0] : v;
 }
 
-static void find_matrix(nqm_texels *t, const char *space) {
+nqm_status nqm_texels_decode(nqm_texels *t, const char *space, nqm_error *err) {
+    const float most = 1e30f; /* infinities could not be interpolated */
+    const nqm_raster *r = &t->raster;
+    const size_t n_levels = r->type == NQM_RASTER_U8 ? 256 : 65536, n_colors = r->channels < 3 ? 1 : 3;
+    if (!nqm_color_to_rec709(space, (double[3]){0}))
+        return nqm_fail(err, NQM_ERR_FORMAT, -1, "no colour space '%s' is known", space);
     for (size_t from = 0; from < 3; ++from) {
         double rgb[3] = {from == 0, from == 1, from == 2};
         (void)nqm_color_to_rec709(space, rgb);
@@ -27,19 +32,13 @@ static void find_matrix(nqm_texels *t, const char *space) {
             t->has_matrix = t->has_matrix || rgb[to] != (from == to);
         }
     }
-}
-
-nqm_status nqm_texels_decode(nqm_texels *t, const char *space, nqm_error *err) {
-    nqm_raster *r = &t->raster;
-    const size_t n_levels = r->type == NQM_RASTER_U8 ? 256 : 65536, n_colors = r->channels < 3 ? 1 : 3;
-    if (!nqm_color_to_rec709(space, (double[3]){0}))
-        return nqm_fail(err, NQM_ERR_FORMAT, -1, "no colour space '%s' is known", space);
-    find_matrix(t, space);
     if (r->type == NQM_RASTER_F32) {
         float *v = r->data;
-        for (size_t i = 0; *space && i < r->width * r->height * r->channels; ++i)
-            if (i % r->channels < n_colors)
+        for (size_t i = 0; i < r->width * r->height * r->channels; ++i) {
+            v[i] = fminf(fmaxf(v[i], -most), most);
+            if (*space && i % r->channels < n_colors)
                 v[i] = (float)decode(space, (double)v[i]);
+        }
         return NQM_OK;
     }
     t->table = nqm_alloc(2 * n_levels, sizeof *t->table);
@@ -55,11 +54,17 @@ nqm_status nqm_texels_decode(nqm_texels *t, const char *space, nqm_error *err) {
 
 /* ---- images ------------------------------------------------------------------------------------------------------ */
 
-/* The two texels between which a position is, and the weight of the second. -1: beyond the border. */
-typedef struct taps {
-    int64_t at[2];
-    float weight;
-} taps;
+/* A block of positions that is being evaluated. */
+typedef struct block {
+    const nqm_texture *t;
+    size_t n;
+    const double *u, *v;
+    float *rows;
+    const nqm_map_node *placed; /* the image node whose places these are: */
+    int32_t at[4][BLOCK];       /* the texels around each position, by rows; -1: beyond the border */
+    float weight[2][BLOCK];     /* of the right and the lower ones */
+    bool is_between;            /* some weight is not 0 */
+} block;
 
 static inline int64_t wrap(int64_t i, int64_t n, uint8_t mode) {
     if (i >= 0 && i < n)
@@ -74,124 +79,97 @@ static inline int64_t wrap(int64_t i, int64_t n, uint8_t mode) {
     return i < n ? i : 2 * n - 1 - i;
 }
 
-/* position: in texels, a centre at each half. Within a thousandth of a centre its value is exact. */
-static inline taps find_taps(double position, size_t n, uint8_t mode) {
-    const double x = fabs(position) < 1e15 ? position - 0.5 : 0, snapped = floor(x + 1e-3), rest = x - snapped;
-    const int64_t first = (int64_t)snapped;
-    taps t = {{wrap(first, (int64_t)n, mode), 0}, rest < 1e-3 ? 0 : (float)rest};
-    t.at[1] = t.weight > 0 ? wrap(first + 1, (int64_t)n, mode) : t.at[0];
-    return t;
-}
-
-/* Component c of the texel of which the values begin at `at`. Grey repeats; a map without alpha is opaque. */
-static inline float component(const nqm_texels *t, size_t at, size_t c) {
-    const nqm_raster *r = &t->raster;
-    const bool is_alpha = c == 3, is_grey = r->channels < 3;
-    if (is_alpha && r->channels % 2 == 1)
-        return 1;
-    at += is_grey ? is_alpha : c;
-    switch (r->type) {
-    case NQM_RASTER_U8:
-        return t->table[256 * is_alpha + ((const uint8_t *)r->data)[at]];
-    case NQM_RASTER_U16:
-        return t->table[65536 * is_alpha + ((const uint16_t *)r->data)[at]];
-    default:
-        return ((const float *)r->data)[at];
+/* Centres of texels are at halves. Within a thousandth of a centre its value is exact. */
+static void find_places(block *b, const nqm_map_node *node) {
+    const nqm_raster *r = &b->t->images[node->image].raster;
+    const size_t size[2] = {r->width, r->height};
+    b->placed = node;
+    b->is_between = false;
+    for (size_t i = 0; i < b->n; ++i) {
+        int64_t at[2][2];
+        for (size_t axis = 0; axis < 2; ++axis) {
+            const double *m = node->uv[axis];
+            const double position = (m[0] * b->u[i] + m[1] * b->v[i] + m[2]) * (double)size[axis];
+            const double x = fabs(position) < 1e15 ? position - 0.5 : 0, first = floor(x + 1e-3), rest = x - first;
+            const bool is_between = rest >= 1e-3;
+            at[axis][0] = wrap((int64_t)first, (int64_t)size[axis], node->wrap[axis]);
+            at[axis][1] = is_between ? wrap((int64_t)first + 1, (int64_t)size[axis], node->wrap[axis]) : at[axis][0];
+            b->weight[axis][i] = is_between ? (float)rest : 0;
+            b->is_between = b->is_between || is_between;
+        }
+        for (size_t k = 0; k < 4; ++k) {
+            const int64_t x = at[0][k % 2], y = at[1][k / 2];
+            b->at[k][i] = x < 0 || y < 0 ? -1 : (int32_t)(y * (int64_t)size[0] + x);
+        }
     }
 }
 
-static inline float fetch(const nqm_texels *t, const nqm_map_node *node, int64_t x, int64_t y, size_t c) {
-    return x < 0 || y < 0 ? (float)node->v[c]
-                          : component(t, ((size_t)y * t->raster.width + (size_t)x) * t->raster.channels, c);
+static bool is_placed(const block *b, const nqm_map_node *node) {
+    const nqm_map_node *placed = b->placed;
+    const nqm_texels *images = b->t->images;
+    return placed && memcmp(placed->uv, node->uv, sizeof node->uv) == 0 &&
+           memcmp(placed->wrap, node->wrap, sizeof node->wrap) == 0 &&
+           images[placed->image].raster.width == images[node->image].raster.width &&
+           images[placed->image].raster.height == images[node->image].raster.height;
 }
 
-static inline float interpolate(const nqm_texels *t, const nqm_map_node *node, const taps *x, const taps *y, size_t c) {
-    float row[2] = {0, 0};
-    for (size_t k = 0; k < (y->weight > 0 ? 2 : 1); ++k) {
-        row[k] = fetch(t, node, x->at[0], y->at[k], c);
-        if (x->weight > 0)
-            row[k] += x->weight * (fetch(t, node, x->at[1], y->at[k], c) - row[k]);
-    }
-    return y->weight > 0 ? row[0] + y->weight * (row[1] - row[0]) : row[0];
-}
-
-/* Texels themselves, of which the values begin at at[]: a loop for each type, without a branch. */
-static void copy_texels(const nqm_texels *t, size_t n_components, size_t n, const size_t *at, float *out) {
+/* Component c of texels. Grey repeats; a map without alpha is opaque. */
+static void gather(const nqm_texels *t, size_t n, const int32_t *at, size_t c, float border, float *out) {
     const nqm_raster *r = &t->raster;
-    for (size_t c = 0; c < n_components; ++c, out += BLOCK) {
-        const bool is_alpha = c == 3, is_grey = r->channels < 3, is_opaque = is_alpha && r->channels % 2 == 1;
-        const size_t channel = is_grey ? is_alpha : c;
-        const float *table = t->table ? t->table + (r->type == NQM_RASTER_U8 ? 256 : 65536) * is_alpha : NULL;
-        if (is_opaque)
+    const bool is_alpha = c == 3, is_opaque = is_alpha && r->channels % 2 == 1;
+    const size_t step = r->channels, channel = is_opaque ? 0 : r->channels < 3 ? is_alpha : c;
+    const float *table = t->table ? t->table + (r->type == NQM_RASTER_U8 ? 256 : 65536) * is_alpha : NULL;
+    bool is_beyond = false;
+    if (r->type == NQM_RASTER_U8)
+        for (size_t i = 0; i < n; ++i)
+            out[i] = table[((const uint8_t *)r->data)[(at[i] < 0 ? 0 : (size_t)at[i]) * step + channel]];
+    else if (r->type == NQM_RASTER_U16)
+        for (size_t i = 0; i < n; ++i)
+            out[i] = table[((const uint16_t *)r->data)[(at[i] < 0 ? 0 : (size_t)at[i]) * step + channel]];
+    else
+        for (size_t i = 0; i < n; ++i)
+            out[i] = ((const float *)r->data)[(at[i] < 0 ? 0 : (size_t)at[i]) * step + channel];
+    for (size_t i = 0; i < n; ++i)
+        is_beyond = is_beyond || at[i] < 0;
+    for (size_t i = 0; (is_beyond || is_opaque) && i < n; ++i)
+        out[i] = at[i] < 0 ? border : is_opaque ? 1 : out[i];
+}
+
+static void evaluate_image(block *b, const nqm_map_node *node, float *out) {
+    const nqm_texels *t = &b->t->images[node->image];
+    const size_t n = b->n, n_read = t->has_matrix ? nqm_larger(node->n, 3) : node->n;
+    float read[4][BLOCK], around[3][BLOCK];
+    if (!is_placed(b, node))
+        find_places(b, node);
+    for (size_t c = 0; c < n_read; ++c) {
+        float *v = read[c];
+        const float border = (float)node->v[c];
+        gather(t, n, b->at[0], c, border, v);
+        for (size_t k = 0; b->is_between && k < 3; ++k)
+            gather(t, n, b->at[k + 1], c, border, around[k]);
+        for (size_t i = 0; b->is_between && i < n; ++i) {
+            const float right = b->weight[0][i], above = v[i] + right * (around[0][i] - v[i]);
+            v[i] = above + b->weight[1][i] * (around[1][i] + right * (around[2][i] - around[1][i]) - above);
+        }
+    }
+    for (size_t c = 0; c < node->n; ++c)
+        if (t->has_matrix && c < 3)
             for (size_t i = 0; i < n; ++i)
-                out[i] = 1;
-        else if (r->type == NQM_RASTER_U8)
-            for (size_t i = 0; i < n; ++i)
-                out[i] = table[((const uint8_t *)r->data)[at[i] + channel]];
-        else if (r->type == NQM_RASTER_U16)
-            for (size_t i = 0; i < n; ++i)
-                out[i] = table[((const uint16_t *)r->data)[at[i] + channel]];
+                out[c * BLOCK + i] =
+                    t->matrix[c][0] * read[0][i] + t->matrix[c][1] * read[1][i] + t->matrix[c][2] * read[2][i];
         else
-            for (size_t i = 0; i < n; ++i)
-                out[i] = ((const float *)r->data)[at[i] + channel];
-    }
-}
-
-/* Whether all positions are centres of texels: then their places. */
-static bool find_texels(const nqm_texels *t, const nqm_map_node *node, size_t n, const double *u, const double *v,
-                        size_t *at) {
-    const nqm_raster *r = &t->raster;
-    const double w = (double)r->width, h = (double)r->height, (*m)[3] = node->uv;
-    bool is_exact = !t->has_matrix;
-    for (size_t i = 0; is_exact && i < n; ++i) {
-        const taps x = find_taps((m[0][0] * u[i] + m[0][1] * v[i] + m[0][2]) * w, r->width, node->wrap[0]);
-        const taps y = find_taps((m[1][0] * u[i] + m[1][1] * v[i] + m[1][2]) * h, r->height, node->wrap[1]);
-        is_exact = x.weight <= 0 && y.weight <= 0 && x.at[0] >= 0 && y.at[0] >= 0;
-        at[i] = is_exact ? ((size_t)y.at[0] * r->width + (size_t)x.at[0]) * r->channels : 0;
-    }
-    return is_exact;
-}
-
-static void evaluate_image(const nqm_texels *t, const nqm_map_node *node, size_t n, const double *u, const double *v,
-                           float *out) {
-    const double w = (double)t->raster.width, h = (double)t->raster.height, (*m)[3] = node->uv;
-    size_t at[BLOCK];
-    if (find_texels(t, node, n, u, v, at)) {
-        copy_texels(t, node->n, n, at, out);
-        return;
-    }
-    const size_t n_read = t->has_matrix ? nqm_larger(node->n, 3) : node->n;
-    for (size_t i = 0; i < n; ++i) {
-        const taps x = find_taps((m[0][0] * u[i] + m[0][1] * v[i] + m[0][2]) * w, t->raster.width, node->wrap[0]);
-        const taps y = find_taps((m[1][0] * u[i] + m[1][1] * v[i] + m[1][2]) * h, t->raster.height, node->wrap[1]);
-        float value[4];
-        for (size_t c = 0; c < n_read; ++c)
-            value[c] = interpolate(t, node, &x, &y, c);
-        for (size_t c = 0; c < node->n; ++c)
-            out[c * BLOCK + i] = t->has_matrix && c < 3 ? t->matrix[c][0] * value[0] + t->matrix[c][1] * value[1] +
-                                                              t->matrix[c][2] * value[2]
-                                                        : value[c];
-    }
+            memcpy(out + c * BLOCK, read[c], n * sizeof *out);
 }
 
 /* ---- nodes ------------------------------------------------------------------------------------------------------- */
 
-/* A block of positions that is being evaluated. */
-typedef struct block {
-    const nqm_texture *t;
-    size_t n;
-    const double *u, *v;
-    float *workspace;
-} block;
-
-/* The row of component c of an operand, the last one of which repeats. */
+/* The row of component c of a node, the last one of which repeats. */
 static const float *row_of(const block *b, uint16_t node, size_t c) {
-    const size_t n = b->t->maps->nodes[node].n;
-    return b->workspace + (b->t->rows[node] + nqm_smaller(c, n - 1)) * BLOCK;
+    return b->rows + (b->t->rows[node] + nqm_smaller(c, (size_t)b->t->maps->nodes[node].n - 1)) * BLOCK;
 }
 
-/* Operations that have no loop of their own. */
-static void evaluate_each(const block *b, const nqm_map_node *node, size_t n_operands, float *out) {
+static void evaluate_each(const block *b, const nqm_map_node *node, float *out) {
+    const size_t n_operands = nqm_map_operands(node->op, node->n);
     double values[4][4], result[4] = {0};
     nqm_map_node local = *node;
     for (size_t k = 0; k < n_operands; ++k)
@@ -203,38 +181,6 @@ static void evaluate_each(const block *b, const nqm_map_node *node, size_t n_ope
         nqm_map_node_value(&local, (const double(*)[4])values, result);
         for (size_t c = 0; c < node->n; ++c)
             out[c * BLOCK + i] = (float)result[c];
-    }
-}
-
-NQM_FOR_EACH_VECTOR_WIDTH
-static void evaluate_row(nqm_map_op op, size_t n, const float *a, const float *b, const float *t, float *restrict out) {
-    switch (op) {
-    case NQM_MAP_ADD:
-        for (size_t i = 0; i < n; ++i)
-            out[i] = a[i] + b[i];
-        break;
-    case NQM_MAP_SUBTRACT:
-        for (size_t i = 0; i < n; ++i)
-            out[i] = a[i] - b[i];
-        break;
-    case NQM_MAP_MULTIPLY:
-        for (size_t i = 0; i < n; ++i)
-            out[i] = a[i] * b[i];
-        break;
-    case NQM_MAP_MINIMUM:
-        for (size_t i = 0; i < n; ++i)
-            out[i] = a[i] < b[i] ? a[i] : b[i];
-        break;
-    case NQM_MAP_MAXIMUM:
-        for (size_t i = 0; i < n; ++i)
-            out[i] = a[i] > b[i] ? a[i] : b[i];
-        break;
-    case NQM_MAP_MIX:
-        for (size_t i = 0; i < n; ++i)
-            out[i] = a[i] + (b[i] - a[i]) * t[i];
-        break;
-    default:
-        memcpy(out, a, n * sizeof *a);
     }
 }
 
@@ -250,18 +196,31 @@ static void evaluate_normal(const block *b, const nqm_map_node *node, float *out
     }
 }
 
-static void evaluate_node(const block *b, size_t k) {
-    const nqm_map_node *node = &b->t->maps->nodes[k];
-    float *out = b->workspace + b->t->rows[k] * BLOCK;
-    const bool varies = b->t->roles[k] & NQM_NODE_VARIES;
-    for (size_t c = 0; !varies && c < node->n; ++c)
+static void evaluate_component(const block *b, const nqm_map_node *node, size_t c, float *out) {
+    const bool picks = node->op == NQM_MAP_CHANNEL, combines = node->op == NQM_MAP_COMBINE;
+    const float *x = row_of(b, node->in[combines ? c : 0], picks ? (size_t)node->v[0] : combines ? 0 : c);
+    const float *y = picks || combines ? x : row_of(b, node->in[1], c);
+    if (node->op == NQM_MAP_ADD)
         for (size_t i = 0; i < b->n; ++i)
-            out[c * BLOCK + i] = (float)b->t->constants[k][c];
-    if (!varies)
+            out[i] = x[i] + y[i];
+    else if (node->op == NQM_MAP_MULTIPLY)
+        for (size_t i = 0; i < b->n; ++i)
+            out[i] = x[i] * y[i];
+    else
+        memcpy(out, x, b->n * sizeof *out);
+}
+
+static void evaluate_node(block *b, size_t k) {
+    const nqm_map_node *node = &b->t->maps->nodes[k];
+    float *out = b->rows + (size_t)b->t->rows[k] * BLOCK;
+    if (!b->t->varies[k]) {
+        for (size_t i = 0; i < node->n * (size_t)BLOCK; ++i)
+            out[i] = (float)b->t->constants[k][i / BLOCK];
         return;
+    }
     switch (node->op) {
     case NQM_MAP_IMAGE:
-        evaluate_image(&b->t->images[node->image], node, b->n, b->u, b->v, out);
+        evaluate_image(b, node, out);
         return;
     case NQM_MAP_TEXCOORD:
         for (size_t i = 0; i < b->n; ++i) {
@@ -273,71 +232,46 @@ static void evaluate_node(const block *b, size_t k) {
         evaluate_normal(b, node, out);
         return;
     case NQM_MAP_CHANNEL:
-        memcpy(out, row_of(b, node->in[0], (size_t)node->v[0]), b->n * sizeof *out);
-        return;
     case NQM_MAP_COMBINE:
-        for (size_t c = 0; c < node->n; ++c)
-            memcpy(out + c * BLOCK, row_of(b, node->in[c], 0), b->n * sizeof *out);
-        return;
     case NQM_MAP_ADD:
-    case NQM_MAP_SUBTRACT:
     case NQM_MAP_MULTIPLY:
-    case NQM_MAP_MINIMUM:
-    case NQM_MAP_MAXIMUM:
-    case NQM_MAP_MIX:
         for (size_t c = 0; c < node->n; ++c)
-            evaluate_row(node->op, b->n, row_of(b, node->in[0], c), row_of(b, node->in[1], c),
-                         node->op == NQM_MAP_MIX ? row_of(b, node->in[2], c) : NULL, out + c * BLOCK);
+            evaluate_component(b, node, c, out + c * BLOCK);
         return;
     default:
-        evaluate_each(b, node, nqm_map_operands(node->op, node->n), out);
+        evaluate_each(b, node, out);
     }
 }
 
-/* ---- values of texels -------------------------------------------------------------------------------------------- */
-
-size_t nqm_texture_workspace(const nqm_texture *t) {
-    return (t->n_rows + t->n_values) * BLOCK;
-}
-
-/* Steeper normals than this are the steepest: the surface is seen. */
-static void limit_normals(size_t n, float *x, float *y, float *z) {
-    const float least = 0.05f;
-    for (size_t i = 0; i < n; ++i) {
-        float length = sqrtf(x[i] * x[i] + y[i] * y[i] + z[i] * z[i]);
-        if (!(length > 0 && length < 1e30f))
-            x[i] = y[i] = 0, z[i] = length = 1;
-        if (z[i] < least * length) {
-            z[i] = least * length;
-            length = sqrtf(x[i] * x[i] + y[i] * y[i] + z[i] * z[i]);
-        }
-        x[i] /= length;
-        y[i] /= length;
-        z[i] /= length;
-    }
-}
-
-const float *nqm_texture_evaluate(const nqm_texture *t, size_t n, const double *u, const double *v, float *workspace) {
-    const block b = {t, n, u, v, workspace};
-    float *values = workspace + t->n_rows * BLOCK;
-    for (size_t k = 0; t->n_values && k < t->maps->n_nodes; ++k)
-        if (t->roles[k] & NQM_NODE_NEEDED)
+void nqm_texture_evaluate(const nqm_texture *t, size_t n, const double *u, const double *v, float *rows) {
+    block b;
+    b.t = t;
+    b.n = n;
+    b.u = u;
+    b.v = v;
+    b.rows = rows;
+    b.placed = NULL;
+    for (size_t k = 0; t->n_rows && k < t->maps->n_nodes; ++k)
+        if (t->rows[k] != NQM_NO_ROW)
             evaluate_node(&b, k);
-    for (size_t k = 0; k < t->n_varying; ++k) {
-        const nqm_varying *p = &t->varying[k];
-        const float low = (float)p->low, high = (float)p->high;
-        for (size_t c = 0; c < p->n; ++c) {
-            const float *in = row_of(&b, p->node, c);
-            float *out = values + (p->at + c) * BLOCK;
-            for (size_t i = 0; i < n; ++i) /* NaN becomes the least */
-                out[i] = in[i] >= low ? in[i] <= high ? in[i] : high : low;
-        }
+}
+
+void nqm_texture_normal(const nqm_texture *t, const float *rows, size_t i, double normal[3]) {
+    const double least = 0.05;
+    const size_t last = t->normal == NQM_NO_NODE ? 0 : (size_t)t->maps->nodes[t->normal].n - 1;
+    for (size_t c = 0; c < 3; ++c)
+        normal[c] = t->normal == NQM_NO_NODE
+                        ? c == 2
+                        : (double)rows[(t->rows[t->normal] + nqm_smaller(c, last)) * (size_t)BLOCK + i];
+    double length = sqrt(nqm_dot3(normal, normal));
+    if (!(length > 0 && length < 1e30)) {
+        normal[0] = normal[1] = 0;
+        normal[2] = length = 1;
     }
-    if (t->has_normal) {
-        float *out = values + (t->n_values - 3) * BLOCK;
-        for (size_t c = 0; c < 3; ++c)
-            memcpy(out + c * BLOCK, row_of(&b, t->maps->normal, c), n * sizeof *out);
-        limit_normals(n, out, out + BLOCK, out + 2 * BLOCK);
+    if (normal[2] < least * length) {
+        normal[2] = least * length;
+        length = sqrt(nqm_dot3(normal, normal));
     }
-    return values;
+    for (size_t c = 0; c < 3; ++c)
+        normal[c] /= length;
 }

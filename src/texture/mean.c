@@ -46,182 +46,162 @@ static void mean_free(void *state) {
 static const nqm_brdf_class mean_class = {
     .format = "mean", .anisotropic = true, .is_costly = true, .eval = mean_eval, .free = mean_free};
 
-/* Open the member of texel i of a block, or add its weight to that of the member before it, if that is equal. */
-static nqm_status add_member(const nqm_texel_pair *pair, size_t side, const float *values, size_t i, double weight,
-                             mean *m, nqm_error *err) {
-    char *spec = nqm_texture_spec(pair->side[side], values + i, NQM_TEXEL_BLOCK);
-    if (!spec)
-        return nqm_fail_nomem(err, sizeof(nqm_shading));
-    nqm_status status = NQM_OK;
-    if (m->n && strcmp(nqm_brdf_get_info(m->members[m->n - 1]).name, spec) == 0) {
-        m->weight[m->n - 1] += weight;
-    } else {
-        status = nqm_brdf_open(spec, &m->members[m->n], err);
-        if (status == NQM_OK)
-            m->weight[m->n++] = weight;
+/* ---- members ----------------------------------------------------------------------------------------------------- */
+
+/* The specs of texels, with their normals. */
+typedef struct members {
+    nqm_texture_job *job;
+    size_t n;
+    double weights[MAX_MEMBERS];
+    nqm_named_pair pairs[MAX_MEMBERS];
+    char *specs[2][MAX_MEMBERS];
+} members;
+
+static nqm_status add_members(void *user, size_t n, nqm_texel_sample *samples, const float *const rows[2],
+                              nqm_error *err) {
+    members *m = user;
+    for (size_t i = 0; i < n; ++i, ++m->n) {
+        for (size_t s = 0; s < 2; ++s) {
+            const nqm_texture *t = m->job->side[s];
+            double normal[3];
+            nqm_texture_normal(t, rows[s], i, normal);
+            m->specs[s][m->n] = nqm_texture_tilt(nqm_texture_spec(t, rows[s], i, NULL), normal);
+        }
+        m->pairs[m->n] = (nqm_named_pair){m->specs[0][m->n], m->specs[1][m->n]};
+        m->weights[m->n] = samples[i].weight;
+        if (!m->specs[0][m->n] || !m->specs[1][m->n])
+            return nqm_fail_nomem(err, sizeof(nqm_shading));
     }
-    nqm_free(spec);
-    return status;
+    return NQM_OK;
 }
 
-static nqm_status make_mean(nqm_texture_job *job, size_t side, size_t n, const nqm_texel_choice *choices,
-                            nqm_brdf **brdf_ret, nqm_error *err) {
-    uint32_t texels[MAX_MEMBERS];
-    const float *values[2];
+/* ---- without normals --------------------------------------------------------------------------------------------- */
+
+/* Of equal members that follow each other one is opened. */
+static nqm_status open_mean(const members *list, size_t side, nqm_brdf **brdf_ret, nqm_error *err) {
+    nqm_brdf_info info = {.name = list->job->side[side]->name, .reciprocal = 1, .isotropic = 1};
     mean *m = nqm_alloc(1, sizeof *m);
-    nqm_brdf_info info = {.name = job->pair.side[side]->name, .reciprocal = 1, .isotropic = 1};
     nqm_status status = m ? NQM_OK : nqm_fail_nomem(err, sizeof *m);
-    if (!m)
-        return status;
-    for (size_t i = 0; i < n; ++i)
-        texels[i] = choices[i].texel;
-    nqm_texel_pair_evaluate(&job->pair, n, texels, 0, job->workspace, values);
-    for (size_t i = 0; status == NQM_OK && i < n; ++i)
-        status = add_member(&job->pair, side, values[side], i, choices[i].weight, m, err);
-    if (status == NQM_OK && m->n == 1) {
+    char *const *specs = list->specs[side];
+    for (size_t i = 0; status == NQM_OK && i < list->n; ++i) {
+        if (i == 0 || strcmp(specs[i], specs[i - 1]) != 0)
+            status = nqm_brdf_open(specs[i], &m->members[m->n++], err);
+        m->weight[m->n - 1] += list->weights[i];
+    }
+    for (size_t k = 0; status == NQM_OK && k < m->n; ++k) {
+        const nqm_brdf_info member = nqm_brdf_get_info(m->members[k]);
+        info.isotropic = info.isotropic && member.isotropic;
+        info.reciprocal = info.reciprocal && member.reciprocal;
+    }
+    if (status == NQM_OK && m->n > 1)
+        return nqm_brdf_wrap(&mean_class, m, &info, brdf_ret, err);
+    if (status == NQM_OK) {
         *brdf_ret = m->members[0];
         m->n = 0;
     }
-    for (size_t k = 0; k < m->n; ++k) {
-        info.isotropic = info.isotropic && nqm_brdf_get_info(m->members[k]).isotropic;
-        info.reciprocal = info.reciprocal && nqm_brdf_get_info(m->members[k]).reciprocal;
-    }
-    if (status == NQM_OK && m->n)
-        return nqm_brdf_wrap(&mean_class, m, &info, brdf_ret, err);
-    mean_free(m);
+    if (m)
+        mean_free(m);
     return status;
 }
 
-/* A texel with the place of its normals in an order in which similar ones are near each other. */
-typedef struct candidate {
-    uint32_t place; /* of its normals, then of the whole pair */
-    nqm_texel_choice choice;
-} candidate;
-
-static int compare_candidates(const void *a, const void *b) {
-    const candidate *x = a, *y = b;
-    return (x->place > y->place) - (x->place < y->place);
-}
-
-/* Interleave bits of x and y of the reference's normal; of the test's, if only that one varies. */
-static uint32_t place_of(const nqm_texel_pair *pair, const float *const values[2], size_t i) {
-    enum { BITS = 4 };
-    const size_t side = pair->side[0]->has_normal ? 0 : 1;
-    double normal[3];
-    uint32_t place = 0;
-    nqm_texel_pair_normal(pair, side, values[side], i, normal);
-    for (int bit = BITS - 1; bit >= 0; --bit)
-        for (size_t c = 0; c < 2; ++c) /* roots: most normals are near (0, 0, 1) */
-            place = 2 * place +
-                    ((uint32_t)((copysign(sqrt(fabs(normal[c])), normal[c]) + 1) / 2 * ((1 << BITS) - 1)) >> bit & 1);
-    return place;
-}
-
-/* Texels that cover the normals evenly. choices: (MAX_MEMBERS). */
-static nqm_status choose_tilted(nqm_texture_job *job, nqm_texel_choice *choices, size_t *n_ret, nqm_error *err) {
-    const uint64_t seed = job->options.seed + 1;
-    nqm_texel_choice *all;
-    candidate *sorted;
-    nqm_status status =
-        nqm_alloc_arrays(NQM_ARRAYS({&all, N_CANDIDATES, sizeof *all}, {&sorted, N_CANDIDATES, sizeof *sorted}), err);
-    if (status != NQM_OK)
-        return status;
-    const size_t n = nqm_texels_choose(&job->groups, N_CANDIDATES, true, seed, all);
-    for (size_t first = 0, m; first < n; first += m) {
-        uint32_t texels[NQM_TEXEL_BLOCK];
-        const float *values[2];
-        m = nqm_smaller(n - first, NQM_TEXEL_BLOCK);
-        for (size_t i = 0; i < m; ++i)
-            texels[i] = all[first + i].texel;
-        nqm_texel_pair_evaluate(&job->pair, m, texels, 0, job->workspace, values);
-        for (size_t i = 0; i < m; ++i)
-            sorted[first + i] =
-                (candidate){place_of(&job->pair, values, i) * N_CANDIDATES + (uint32_t)(first + i), all[first + i]};
-    }
-    qsort(sorted, n, sizeof *sorted, compare_candidates);
-    *n_ret = nqm_smaller(n, MAX_MEMBERS);
-    for (size_t k = 0; k < *n_ret; ++k) {
-        const size_t begin = n * k / *n_ret, end = n * (k + 1) / *n_ret;
-        choices[k] = sorted[begin + nqm_hash_u64(seed, n + k) % (end - begin)].choice;
-        choices[k].weight = (double)(end - begin) / (double)n;
-    }
-    nqm_free(all);
-    return NQM_OK;
-}
-
-/* The specs of the members, with their normals. */
-typedef struct tilted {
-    double weights[MAX_MEMBERS];
-    nqm_named_pair members[MAX_MEMBERS];
-    char *specs[2][MAX_MEMBERS];
-} tilted;
-
-static nqm_status tilt_members(nqm_texture_job *job, size_t n, const nqm_texel_choice *choices, tilted *t,
-                               nqm_error *err) {
-    uint32_t texels[MAX_MEMBERS];
-    const float *values[2];
-    for (size_t i = 0; i < n; ++i)
-        texels[i] = choices[i].texel;
-    nqm_texel_pair_evaluate(&job->pair, n, texels, 0, job->workspace, values);
-    for (size_t i = 0; i < n; ++i) {
-        for (size_t s = 0; s < 2; ++s) {
-            double normal[3];
-            nqm_texel_pair_normal(&job->pair, s, values[s], i, normal);
-            t->specs[s][i] =
-                nqm_texture_tilt(nqm_texture_spec(job->pair.side[s], values[s] + i, NQM_TEXEL_BLOCK), normal);
-            if (!t->specs[s][i])
-                return nqm_fail_nomem(err, sizeof(nqm_shading));
-        }
-        t->members[i] = (nqm_named_pair){t->specs[0][i], t->specs[1][i]};
-        t->weights[i] = choices[i].weight;
-    }
-    return NQM_OK;
-}
-
-static nqm_status score_tilted(nqm_texture_job *job, nqm_score_result *score, nqm_error *err) {
-    nqm_texel_choice choices[MAX_MEMBERS];
-    nqm_azimuths *azimuths = NULL;
-    size_t n = 0;
-    tilted *t = nqm_alloc(1, sizeof *t);
-    nqm_status status = t ? choose_tilted(job, choices, &n, err) : nqm_fail_nomem(err, sizeof *t);
-    if (status == NQM_OK)
-        status = tilt_members(job, n, choices, t, err);
-    if (status == NQM_OK)
-        status = nqm_azimuths_create(job->model, &azimuths, err);
-    if (status == NQM_OK)
-        status = nqm_azimuths_score_means(azimuths, n, t->members, t->weights, &job->ticker, score, err);
-    for (size_t i = 0; t && i < 2 * n; ++i)
-        nqm_free(t->specs[i / n][i % n]);
-    nqm_azimuths_free(azimuths);
-    nqm_free(t);
-    return status;
-}
-
-static nqm_status score_flat(nqm_texture_job *job, nqm_score_result *score, nqm_error *err) {
-    nqm_texel_choice choices[MAX_MEMBERS];
+static nqm_status score_flat(const members *m, nqm_score_result *score, nqm_error *err) {
+    nqm_texture_job *job = m->job;
     nqm_brdf *brdf[2] = {NULL, NULL};
-    const size_t n = nqm_texels_choose(&job->groups, MAX_MEMBERS, false, job->options.seed + 1, choices);
     nqm_status status = NQM_OK;
     if (nqm_tick(&job->ticker, "far", 0, 1))
         status = nqm_fail(err, NQM_ERR_CANCELLED, -1, "cancelled");
     for (size_t s = 0; status == NQM_OK && s < 2; ++s)
-        status = make_mean(job, s, n, choices, &brdf[s], err);
+        status = open_mean(m, s, &brdf[s], err);
     if (status == NQM_OK)
         status = nqm_scorer_run(job->scorer, brdf[0], 1, (const nqm_brdf *const *)&brdf[1], score, err);
     if (status == NQM_OK && score->status != NQM_OK)
         status = nqm_fail(err, score->status, -1, "the mean BRDFs of %s and %s cannot be compared: %s",
-                          job->pair.side[0]->name, job->pair.side[1]->name, nqm_status_text(score->status));
+                          job->side[0]->name, job->side[1]->name, nqm_status_text(score->status));
     for (size_t s = 0; s < 2; ++s)
         nqm_brdf_free(brdf[s]);
     return status;
 }
 
+/* ---- with normals ------------------------------------------------------------------------------------------------ */
+
+/* Leave in delta_e the key by which texels are sorted: bits of x and y of the reference's normal, interleaved; of the test's if only
+ * that one varies. */
+static nqm_status find_keys(void *user, size_t n, nqm_texel_sample *samples, const float *const rows[2],
+                            nqm_error *err) {
+    enum { BITS = 4 };
+    const nqm_texture *const *t = ((const nqm_texture_job *)user)->side;
+    const size_t side = t[0]->normal != NQM_NO_NODE ? 0 : 1;
+    (void)err;
+    for (size_t i = 0; i < n; ++i) {
+        double normal[3];
+        unsigned key = 0;
+        nqm_texture_normal(t[side], rows[side], i, normal);
+        for (int bit = BITS - 1; bit >= 0; --bit)
+            for (size_t c = 0; c < 2; ++c) { /* roots: most normals are near (0, 0, 1) */
+                const double x = copysign(sqrt(fabs(normal[c])), normal[c]);
+                key = 2 * key + ((unsigned)((x + 1) / 2 * ((1 << BITS) - 1)) >> bit & 1);
+            }
+        samples[i].delta_e = key;
+    }
+    return NQM_OK;
+}
+
+/* Texels that cover the normals evenly. samples: (MAX_MEMBERS). */
+static nqm_status choose_tilted(nqm_texture_job *job, nqm_texel_sample *samples, size_t *n_ret, nqm_error *err) {
+    const uint64_t seed = job->options.seed + 1;
+    nqm_texel_order runs = job->order;
+    nqm_texel_sample *all = nqm_alloc(N_CANDIDATES, sizeof *all);
+    if (!all)
+        return nqm_fail_nomem(err, N_CANDIDATES * sizeof *all);
+    runs.begin = NULL;
+    const size_t n = nqm_texels_choose(&runs, N_CANDIDATES, seed, all);
+    nqm_status status = nqm_texels_visit(job, NULL, n, all, find_keys, job, err);
+    qsort(all, n, sizeof *all, nqm_texels_compare_delta_e);
+    *n_ret = nqm_texels_choose(&(nqm_texel_order){.n = n}, MAX_MEMBERS, nqm_hash_u64(seed, 0), samples);
+    for (size_t k = 0; k < *n_ret; ++k)
+        samples[k].texel = all[samples[k].texel].texel;
+    nqm_free(all);
+    return status;
+}
+
+static nqm_status score_tilted(const members *m, nqm_score_result *score, nqm_error *err) {
+    nqm_azimuths *azimuths = NULL;
+    nqm_status status = nqm_azimuths_create(m->job->model, &azimuths, err);
+    if (status == NQM_OK)
+        status = nqm_azimuths_score_means(azimuths, m->n, m->pairs, m->weights, &m->job->ticker, score, err);
+    nqm_azimuths_free(azimuths);
+    return status;
+}
+
+static nqm_status score_means(nqm_texture_job *job, nqm_score_result *score, nqm_error *err) {
+    const bool has_normals = job->side[0]->normal != NQM_NO_NODE || job->side[1]->normal != NQM_NO_NODE;
+    nqm_texel_sample samples[MAX_MEMBERS];
+    members *m = nqm_alloc(1, sizeof *m);
+    if (!m)
+        return nqm_fail_nomem(err, sizeof *m);
+    m->job = job;
+    size_t n = 0;
+    nqm_status status = NQM_OK;
+    if (has_normals)
+        status = choose_tilted(job, samples, &n, err);
+    else
+        n = nqm_texels_choose(&job->order, MAX_MEMBERS, job->options.seed + 1, samples);
+    if (status == NQM_OK)
+        status = nqm_texels_visit(job, NULL, n, samples, add_members, m, err);
+    if (status == NQM_OK)
+        status = has_normals ? score_tilted(m, score, err) : score_flat(m, score, err);
+    for (size_t i = 0; i < 2 * n; ++i)
+        nqm_free(m->specs[i / n][i % n]);
+    nqm_free(m);
+    return status;
+}
+
 nqm_status nqm_texture_score_far(nqm_texture_job *job, nqm_texture_result *result, nqm_error *err) {
     const double certain = job->model->interval ? 10 : NAN;
+    const bool is_equal = job->is_same_model && !nqm_texels_differ(job, NQM_DIFFERENCE, NQM_ANY_PROPERTY) &&
+                          !nqm_texels_differ(job, NQM_TILT, 0);
     nqm_score_result score = {.jod = 10, .jod_low = certain, .jod_high = certain};
-    nqm_status status = NQM_OK;
-    if (!nqm_texel_pair_is_equal(&job->pair))
-        status = job->pair.has_normals ? score_tilted(job, &score, err) : score_flat(job, &score, err);
+    nqm_status status = is_equal ? NQM_OK : score_means(job, &score, err);
     result->far_jod[0] = score.jod;
     result->far_jod[1] = score.jod_low;
     result->far_jod[2] = score.jod_high;

@@ -1,44 +1,83 @@
 /* SPDX-License-Identifier: MIT
  *
- * score.h - what the parts of the score of two textures share.
+ * score.h - what the parts of the score of two textures share: the texels of both beside each other, groups of pairs that are alike,
+ * and samples of them.
  */
 #ifndef NQM_SRC_TEXTURE_SCORE_H
 #define NQM_SRC_TEXTURE_SCORE_H
 
-#include "texture/texels.h"
+#include "metric/metric.h"
+#include "texture/texture.h"
 
-/** A texel that represents others. */
-typedef struct nqm_texel_choice {
+#include <stdatomic.h>
+
+/** A number that tells pairs of texels apart: a component of the reference, of the test or, of the same model, their difference; or of the
+ *  normal of the test in the frame of the reference's. Of colours the square roots are compared, whose steps are about equally
+ *  visible. */
+typedef struct nqm_texel_column {
+    enum { NQM_DIFFERENCE, NQM_TILT, NQM_OF_REF, NQM_OF_TEST } kind;
+    size_t property, component;
+    float low, high;        /* at some texels */
+    atomic_bool is_nonzero; /* anywhere */
+} nqm_texel_column;
+
+enum { NQM_MAX_COLUMNS = 6 * NQM_SPEC_MAX_KEYS + 2, NQM_ANY_PROPERTY = NQM_SPEC_MAX_KEYS };
+
+/** Texels in an order in which similar pairs are near each other, so that a random one of each of equal runs is a stratified sample. */
+typedef struct nqm_texel_order {
+    uint32_t *texels; /* (n) owned; NULL: by number */
+    size_t n, n_groups;
+    size_t *begin; /* (n_groups + 1) of groups of equal keys, in the same block; NULL: of equal runs */
+} nqm_texel_order;
+
+/** A texel that represents others, and its score. */
+typedef struct nqm_texel_sample {
     uint32_t texel;
     double weight; /* the sum of all is 1 */
-} nqm_texel_choice;
-
-/** The score of a texel pair. */
-typedef struct nqm_texel_score {
     double delta_e, jod, jod_low, jod_high;
-    nqm_label parts;
-} nqm_texel_score;
+} nqm_texel_sample;
 
 typedef struct nqm_texture_job {
     const nqm_model *model;
     nqm_texture_options options;
     nqm_ticker ticker;
-    nqm_texel_pair pair;
-    nqm_texel_groups groups;
     nqm_scorer *scorer;
-    float *workspace;
+    const nqm_texture *side[2];
+    size_t width, height;
+    double period[2]; /* what of the surface is compared, along u and v */
+    bool is_same_model;
+    size_t n_columns;
+    nqm_texel_column columns[NQM_MAX_COLUMNS];
+    nqm_texel_order order;
+    size_t n_different;
 } nqm_texture_job;
+
+/** Compare the textures, and order their texels. 4 bytes a texel, and 16 more meanwhile. */
+NQM_MUST_CHECK nqm_status nqm_texels_compare(nqm_texture_job *job, nqm_error *err);
+/** Whether a property, of the same model, or the normal (NQM_TILT) differs anywhere. */
+bool nqm_texels_differ(const nqm_texture_job *job, int kind, size_t property);
+/** Choose a texel of each group, or of equal runs if these are more than max_n. samples: (max_n); returns how many. */
+size_t nqm_texels_choose(const nqm_texel_order *order, size_t max_n, uint64_t seed, nqm_texel_sample *samples);
+/** The first place of group or run k of n that were chosen. */
+size_t nqm_texels_begin(const nqm_texel_order *order, size_t n, size_t k);
+
+/** Receives n <= NQM_TEXEL_BLOCK samples and the rows of both textures there. */
+typedef nqm_status nqm_texels_visitor(void *user, size_t n, nqm_texel_sample *samples, const float *const rows[2],
+                                      nqm_error *err);
+/** Visit all samples; stage, for progress; NULL: it cannot be cancelled. */
+NQM_MUST_CHECK nqm_status nqm_texels_visit(nqm_texture_job *job, const char *stage, size_t n, nqm_texel_sample *samples,
+                                           nqm_texels_visitor *visit, void *user, nqm_error *err);
+/** The normal of the test at visited texel i, in the frame of the reference's, which the smallest rotation from (0, 0, 1) turned. */
+void nqm_texels_tilt(const nqm_texture_job *job, const float *const rows[2], size_t i, double tilt[3]);
 
 /** What of the test the reference gets: a property by its number, or one of these. */
 enum { NQM_EXCHANGE_ALL = -1, NQM_EXCHANGE_NORMAL = -2 };
-
-/** Choose a texel of each group if there are at most max_n, or else of equal runs of the order of all; `of_runs`: always of these.
- *  choices: (max_n); returns how many. */
-size_t nqm_texels_choose(const nqm_texel_groups *groups, size_t max_n, bool of_runs, uint64_t seed,
-                         nqm_texel_choice *choices);
-/** Score the reference beside itself with what is exchanged, at n texels. stage: for progress. */
+/** Score the reference beside itself with what is exchanged. stage: for progress; parts: NULL, or a mean to which those of the samples
+ *  are added. */
 NQM_MUST_CHECK nqm_status nqm_texels_score(nqm_texture_job *job, const char *stage, int exchange, size_t n,
-                                           const nqm_texel_choice *choices, nqm_texel_score *scores, nqm_error *err);
+                                           nqm_texel_sample *samples, nqm_label *parts, nqm_error *err);
+/** Of two samples, for qsort(). */
+int nqm_texels_compare_delta_e(const void *a, const void *b);
 /** Fill the blame of the result, the worst first. */
 NQM_MUST_CHECK nqm_status nqm_texture_blame_find(nqm_texture_job *job, nqm_texture_result *result, nqm_error *err);
 /** Fill the far score of the result. */

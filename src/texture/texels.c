@@ -1,269 +1,338 @@
 /* SPDX-License-Identifier: MIT
  *
- * Which texel pairs are alike. Each pair gets a key of 64 bits: up to 8 bits of each dimension within its range, interleaved (Morton
- * 1966), or a hash of all bits. Sorted keys bring similar pairs together.
+ * Which texel pairs are alike. The key of a pair is made of the first bits of each column, interleaved (Morton 1966), and a hash of all
+ * bits: sorted keys bring similar pairs together, and equal ones are a group.
  */
-#include "texture/texels.h"
+#include "texture/score.h"
 
 #include <math.h>
 
-enum { BLOCK = NQM_TEXEL_BLOCK, CHUNK = NQM_TEXEL_CHUNK, LEVELS = 256 };
+enum { BLOCK = NQM_TEXEL_BLOCK, LEVELS = 256, TASK = 64 * BLOCK, N_MEASURED = 1 << 14 };
 
-/* A pass over all texels. */
-typedef struct pass {
-    nqm_texel_pair *pair;
-    float (*ranges)[2];               /* (n_chunks, n_dimensions) low and high; NULL: keys are wanted */
-    const uint64_t (*spread)[LEVELS]; /* (n_dimensions) the bits of each level; NULL: hashes */
-    uint64_t *keys;                   /* (n) */
-    uint8_t *failed;                  /* (n_chunks) out of memory */
-    void (*visit)(struct pass *p, size_t chunk, size_t first, size_t n, const float *dimensions);
-} pass;
+/* ---- columns ----------------------------------------------------------------------------------------------------- */
 
-/* ---- dimensions -------------------------------------------------------------------------------------------------- */
-
-/* A component of a property, as it is compared. */
-static void find_row(const nqm_pair_property *p, size_t side, const float *values, size_t c, size_t n, float *out) {
-    const float *in = p->at[side] < 0 ? NULL : values + ((size_t)p->at[side] + c) * BLOCK;
-    if (!in)
-        for (size_t i = 0; i < n; ++i)
-            out[i] = p->constant[side][c];
-    else
-        memcpy(out, in, n * sizeof *out);
-    for (size_t i = 0; p->n == 3 && i < n; ++i)
-        out[i] = sqrtf(out[i] > 0 ? out[i] : 0);
+static void add_column(nqm_texture_job *job, int kind, size_t property, size_t component) {
+    nqm_texel_column *column = &job->columns[job->n_columns++];
+    column->kind = kind;
+    column->property = property;
+    column->component = component;
+    column->low = INFINITY;
+    column->high = -INFINITY;
 }
 
-static void find_tilts(const nqm_texel_pair *pair, size_t n, const float *const values[2], float tilts[2][BLOCK]) {
+static bool varies(const nqm_texture *t, size_t property) {
+    return t->properties[property].node != NQM_NO_NODE;
+}
+
+/* Of properties that vary on this side or, of differences, that are not the same constant. */
+static void add_columns(nqm_texture_job *job, int kind, size_t side) {
+    const nqm_texture *const *t = job->side;
+    for (size_t k = 0; k < t[side]->n_properties; ++k) {
+        const bool is_wanted = kind != NQM_DIFFERENCE ? varies(t[side], k)
+                                                      : varies(t[0], k) || varies(t[1], k) ||
+                                                            memcmp(t[0]->properties[k].v, t[1]->properties[k].v,
+                                                                   sizeof t[0]->properties[k].v) != 0;
+        for (size_t c = 0; is_wanted && c < t[side]->keys[k].n; ++c)
+            add_column(job, kind, k, c);
+    }
+}
+
+/* The first bits of a key are those of the first columns. */
+static void find_columns(nqm_texture_job *job) {
+    job->is_same_model = job->side[0]->keys && job->side[0]->keys == job->side[1]->keys;
+    if (job->is_same_model)
+        add_columns(job, NQM_DIFFERENCE, 0);
+    for (size_t c = 0; c < 2; ++c)
+        if (job->side[0]->normal != NQM_NO_NODE || job->side[1]->normal != NQM_NO_NODE)
+            add_column(job, NQM_TILT, 0, c);
+    add_columns(job, NQM_OF_REF, 0);
+    if (!job->is_same_model)
+        add_columns(job, NQM_OF_TEST, 1);
+}
+
+bool nqm_texels_differ(const nqm_texture_job *job, int kind, size_t property) {
+    bool differs = false;
+    for (size_t k = 0; k < job->n_columns; ++k) {
+        const nqm_texel_column *c = &job->columns[k];
+        const bool is_meant = (int)c->kind == kind && (property == NQM_ANY_PROPERTY || property == c->property);
+        differs = differs || (is_meant && atomic_load(&c->is_nonzero));
+    }
+    return differs;
+}
+
+/* ---- values ------------------------------------------------------------------------------------------------------ */
+
+/* texels NULL: those from `first` on. */
+static void evaluate(const nqm_texture_job *job, size_t n, const nqm_texel_sample *samples, size_t first,
+                     float *workspace, const float *rows[2]) {
+    double u[BLOCK], v[BLOCK];
+    const double du = job->period[0] / (double)job->width, dv = job->period[1] / (double)job->height;
     for (size_t i = 0; i < n; ++i) {
-        double normal[2][3], tilt[3];
-        for (size_t s = 0; s < 2; ++s)
-            nqm_texel_pair_normal(pair, s, values[s], i, normal[s]);
-        nqm_texel_pair_tilt(normal[0], normal[1], tilt);
-        tilts[0][i] = (float)tilt[0];
-        tilts[1][i] = (float)tilt[1];
+        const size_t texel = samples ? samples[i].texel : first + i;
+        u[i] = ((double)(texel % job->width) + 0.5) * du;
+        v[i] = ((double)(texel / job->width) + 0.5) * dv;
+    }
+    float *const each[2] = {workspace, workspace + (size_t)job->side[0]->n_rows * BLOCK};
+    for (size_t s = 0; s < 2; ++s) {
+        nqm_texture_evaluate(job->side[s], n, u, v, each[s]);
+        rows[s] = each[s];
     }
 }
 
-/* Differences are of the same property; equal values give exactly 0. */
-static void find_dimensions(const nqm_texel_pair *pair, size_t n, const float *const values[2], float *out) {
-    float ref[BLOCK], tilts[2][BLOCK];
-    if (nqm_texel_pair_tilts(pair))
-        find_tilts(pair, n, values, tilts);
-    for (size_t k = 0; k < pair->n_dimensions; ++k, out += BLOCK) {
-        const nqm_pair_dimension *d = &pair->dimensions[k];
-        const nqm_pair_property *p = &pair->properties[d->property];
-        if (d->kind == NQM_NORMAL) {
-            memcpy(out, tilts[d->component], n * sizeof *out);
-            continue;
+static size_t workspace_size(const nqm_texture_job *job) {
+    return ((size_t)job->side[0]->n_rows + job->side[1]->n_rows) * BLOCK;
+}
+
+/* With the axis (-y, x, 0) of the rotation and 1 / (1 + z) in place of (1 - cos) / sin^2. Equal normals give (0, 0, 1) exactly. */
+void nqm_texels_tilt(const nqm_texture_job *job, const float *const rows[2], size_t i, double tilt[3]) {
+    double ref[3], test[3];
+    nqm_texture_normal(job->side[0], rows[0], i, ref);
+    nqm_texture_normal(job->side[1], rows[1], i, test);
+    const double x = ref[0], y = ref[1], z = ref[2], along = (x * test[0] + y * test[1]) / (1 + z);
+    const bool is_equal = memcmp(ref, test, sizeof ref) == 0;
+    tilt[0] = is_equal ? 0 : test[0] - x * along - x * test[2];
+    tilt[1] = is_equal ? 0 : test[1] - y * along - y * test[2];
+    tilt[2] = is_equal ? 1 : x * test[0] + y * test[1] + z * test[2];
+}
+
+nqm_status nqm_texels_visit(nqm_texture_job *job, const char *stage, size_t n, nqm_texel_sample *samples,
+                            nqm_texels_visitor *visit, void *user, nqm_error *err) {
+    const size_t size = workspace_size(job);
+    float *workspace = nqm_alloc(size, sizeof *workspace);
+    nqm_status status = workspace ? NQM_OK : nqm_fail_nomem(err, size * sizeof *workspace);
+    for (size_t first = 0, n_block; status == NQM_OK && first < n; first += n_block) {
+        const float *rows[2];
+        n_block = nqm_smaller(n - first, BLOCK);
+        if (stage && nqm_tick(&job->ticker, stage, (double)first, (double)n)) {
+            status = nqm_fail(err, NQM_ERR_CANCELLED, -1, "cancelled");
+        } else {
+            evaluate(job, n_block, samples + first, 0, workspace, rows);
+            status = visit(user, n_block, samples + first, rows, err);
         }
-        const size_t side = d->kind == NQM_OF_REF ? 0 : 1;
-        find_row(p, side, values[side], d->component, n, out);
-        if (d->kind != NQM_DIFFERENCE)
-            continue;
-        find_row(p, 0, values[0], d->component, n, ref);
-        for (size_t i = 0; i < n; ++i)
-            out[i] -= ref[i];
-    }
-}
-
-static void visit_chunk(void *user, size_t chunk) {
-    pass *p = user;
-    const nqm_texel_pair *pair = p->pair;
-    const size_t n_values = nqm_texel_pair_workspace(pair);
-    const size_t end = nqm_smaller((chunk + 1) * CHUNK, pair->n);
-    float *workspace = nqm_alloc(n_values + pair->n_dimensions * BLOCK, sizeof *workspace);
-    p->failed[chunk] = !workspace;
-    for (size_t first = chunk * CHUNK, n; workspace && first < end; first += n) {
-        const float *values[2];
-        n = nqm_smaller(end - first, BLOCK);
-        nqm_texel_pair_evaluate(pair, n, NULL, first, workspace, values);
-        find_dimensions(pair, n, values, workspace + n_values);
-        p->visit(p, chunk, first, n, workspace + n_values);
     }
     nqm_free(workspace);
-}
-
-static nqm_status run(pass *p, nqm_ticker *ticker, nqm_error *err) {
-    const size_t n_chunks = nqm_ceil_div(p->pair->n, CHUNK);
-    bool has_failed = false;
-    p->failed = nqm_alloc(n_chunks, 1);
-    if (!p->failed)
-        return nqm_fail_nomem(err, n_chunks);
-    const bool is_stopped = nqm_parallel_ticking(ticker, "texels", n_chunks, visit_chunk, p);
-    for (size_t i = 0; i < n_chunks; ++i)
-        has_failed = has_failed || p->failed[i];
-    nqm_free(p->failed);
-    if (is_stopped)
-        return nqm_fail(err, NQM_ERR_CANCELLED, -1, "cancelled");
-    return has_failed ? nqm_fail_nomem(err, nqm_texel_pair_workspace(p->pair) * sizeof(float)) : NQM_OK;
-}
-
-/* ---- ranges ------------------------------------------------------------------------------------------------------ */
-
-static void visit_ranges(pass *p, size_t chunk, size_t first, size_t n, const float *in) {
-    const size_t n_dimensions = p->pair->n_dimensions;
-    float(*range)[2] = p->ranges + chunk * n_dimensions;
-    for (size_t d = 0; d < n_dimensions; ++d, in += BLOCK) {
-        float low = first == chunk * CHUNK ? in[0] : range[d][0], high = first == chunk * CHUNK ? in[0] : range[d][1];
-        for (size_t i = 0; i < n; ++i) {
-            low = in[i] < low ? in[i] : low;
-            high = in[i] > high ? in[i] : high;
-        }
-        range[d][0] = low;
-        range[d][1] = high;
-    }
-}
-
-nqm_status nqm_texel_pair_measure(nqm_texel_pair *pair, nqm_ticker *ticker, nqm_error *err) {
-    const size_t n_chunks = nqm_ceil_div(pair->n, CHUNK), n = pair->n_dimensions;
-    pass p = {.pair = pair, .visit = visit_ranges, .ranges = nqm_alloc(n_chunks * n, sizeof *p.ranges)};
-    nqm_status status = p.ranges ? run(&p, ticker, err) : nqm_fail_nomem(err, n_chunks * n * sizeof *p.ranges);
-    pair->n_dimensions = 0;
-    for (size_t d = 0; status == NQM_OK && d < n; ++d) {
-        nqm_pair_dimension at = pair->dimensions[d];
-        at.low = p.ranges[d][0];
-        at.high = p.ranges[d][1];
-        for (size_t i = 1; i < n_chunks; ++i) {
-            at.low = fminf(at.low, p.ranges[i * n + d][0]);
-            at.high = fmaxf(at.high, p.ranges[i * n + d][1]);
-        }
-        /* A constant difference tells no texels apart, but is one. */
-        const bool is_difference = at.kind == NQM_DIFFERENCE || at.kind == NQM_NORMAL;
-        if (at.high > at.low || (is_difference && at.high != 0))
-            pair->dimensions[pair->n_dimensions++] = at;
-    }
-    nqm_free(p.ranges);
     return status;
+}
+
+static float root(double x) {
+    return x > 0 ? sqrtf((float)x) : 0;
+}
+
+/* Differences are 0 only of equal values. Both tilts are filled with the first. */
+static void fill(const nqm_texture_job *job, const nqm_texel_column *column, size_t n, const float *const rows[2],
+                 float *out) {
+    const size_t side = column->kind == NQM_OF_TEST, k = column->property, c = column->component;
+    if (column->kind == NQM_TILT) {
+        for (size_t i = 0; c == 0 && i < n; ++i) {
+            double tilt[3];
+            nqm_texels_tilt(job, rows, i, tilt);
+            out[i] = (float)tilt[0];
+            out[BLOCK + i] = (float)tilt[1];
+        }
+        return;
+    }
+    const bool is_color = job->side[side]->keys[k].n == 3;
+    for (size_t i = 0; i < n; ++i) {
+        const double x = nqm_texture_value(job->side[side], k, c, rows[side], i);
+        if (column->kind != NQM_DIFFERENCE) {
+            out[i] = is_color ? root(x) : (float)x;
+            continue;
+        }
+        const double y = nqm_texture_value(job->side[1], k, c, rows[1], i);
+        const float roots = is_color ? root(x) + root(y) : 1;
+        out[i] = (float)(y - x) / (roots > 0 ? roots : 1);
+    }
+}
+
+/* Ranges at some texels; values beyond them count as their ends. */
+static nqm_status measure(void *user, size_t n, nqm_texel_sample *samples, const float *const rows[2], nqm_error *err) {
+    nqm_texture_job *job = user;
+    float values[2 * BLOCK]; /* a pair of tilts */
+    (void)samples, (void)err;
+    for (size_t k = 0; k < job->n_columns; ++k) {
+        nqm_texel_column *column = &job->columns[k];
+        float *v = values + (column->kind == NQM_TILT && column->component) * BLOCK;
+        fill(job, column, n, rows, v);
+        for (size_t i = 0; i < n; ++i) {
+            column->low = fminf(column->low, v[i]);
+            column->high = fmaxf(column->high, v[i]);
+        }
+    }
+    return NQM_OK;
 }
 
 /* ---- keys -------------------------------------------------------------------------------------------------------- */
 
-/* Differences and normals are finer near 0. */
-static size_t level_of(const nqm_pair_dimension *d, float v) {
-    if (d->kind == NQM_OF_REF || d->kind == NQM_OF_TEST)
-        return d->high > d->low ? (size_t)((v - d->low) / (d->high - d->low) * 255.0f + 0.5f) : 0;
-    const float most = fmaxf(fabsf(d->low), fabsf(d->high)), part = most > 0 ? sqrtf(fabsf(v) / most) : 0;
-    return (size_t)(128 + (int)lrintf(copysignf(part, v) * 127));
-}
+typedef struct keys {
+    nqm_texture_job *job;
+    uint64_t *words; /* (n) a key above the number of the texel, of which these are the bits: */
+    uint64_t mask;
+    uint64_t (*spread)[LEVELS]; /* (n_columns) the bits of each level */
+    unsigned n_spread;          /* how many these are; the others are of a hash */
+    atomic_bool has_failed;     /* out of memory */
+} keys;
 
-/* Deal the 64 bits to the dimensions, one each in turn, the highest of each first. */
-static void spread_levels(const nqm_texel_pair *pair, uint64_t (*spread)[LEVELS]) {
-    size_t left = 64;
+/* Deal bits to the columns, one each in turn, the highest of each first. */
+static void spread_levels(keys *s, unsigned n_bits) {
+    const nqm_texture_job *job = s->job;
     for (int bit = 7; bit >= 0; --bit)
-        for (size_t d = 0; d < pair->n_dimensions && left; ++d) {
-            if (pair->dimensions[d].high == pair->dimensions[d].low)
+        for (size_t k = 0; k < job->n_columns && s->n_spread < n_bits; ++k) {
+            if (job->columns[k].high <= job->columns[k].low)
                 continue;
-            --left;
+            ++s->n_spread;
             for (size_t level = 0; level < LEVELS; ++level)
-                spread[d][level] |= (uint64_t)(level >> bit & 1) << left;
+                s->spread[k][level] |= (uint64_t)(level >> bit & 1) << (64 - s->n_spread);
         }
 }
 
-static void visit_keys(pass *p, size_t chunk, size_t first, size_t n, const float *in) {
-    uint64_t *keys = p->keys + first;
-    (void)chunk;
-    for (size_t d = 0; d < p->pair->n_dimensions; ++d, in += BLOCK)
-        for (size_t i = 0; i < n; ++i) {
-            uint32_t bits;
-            const float v = in[i] + 0.0f; /* no -0 */
-            memcpy(&bits, &v, sizeof bits);
-            if (p->spread)
-                keys[i] |= p->spread[d][level_of(&p->pair->dimensions[d], v)];
-            else
-                keys[i] = nqm_hash_mix(keys[i] + bits + NQM_GOLDEN);
-        }
+/* Differences are finer near 0. */
+static size_t level_of(const nqm_texel_column *column, float v) {
+    const float low = column->low, high = column->high, x = v < low ? low : v > high ? high : v;
+    if (column->kind == NQM_OF_REF || column->kind == NQM_OF_TEST)
+        return (size_t)((x - low) / (high - low) * 255.0f + 0.5f);
+    const float most = fmaxf(fabsf(low), fabsf(high));
+    return (size_t)(128 + (int)lrintf(copysignf(sqrtf(fabsf(x) / most), x) * 127));
 }
 
-/* Sort texels by their keys, stably, by 16 bits at a time; `other` are arrays of the same size. */
-static void sort(size_t n, uint64_t *keys, uint32_t *order, uint64_t *other_keys, uint32_t *other_order,
-                 uint32_t *count) {
-    enum { BITS = 16, DIGITS = 1 << BITS };
-    uint64_t *const sorted_keys = keys;
-    uint32_t *const sorted_order = order;
-    for (unsigned shift = 0; shift < 64; shift += BITS) {
-        memset(count, 0, DIGITS * sizeof *count);
+/* Hashes are sums of multiples, to which values of 0 add nothing. */
+static void add_to_keys(const keys *s, size_t k, size_t n, const float *v, uint64_t *words, uint64_t *hashes) {
+    nqm_texel_column *column = &s->job->columns[k];
+    const uint64_t times = nqm_hash_u64(column->kind, 3 * column->property + column->component) | 1;
+    bool is_nonzero = false;
+    for (size_t i = 0; i < n; ++i) {
+        uint32_t bits;
+        const float x = v[i] + 0.0f; /* no -0 */
+        memcpy(&bits, &x, sizeof bits);
+        hashes[i] += bits * times;
+        is_nonzero = is_nonzero || bits != 0;
+    }
+    for (size_t i = 0; column->high > column->low && i < n; ++i)
+        words[i] |= s->spread[k][level_of(column, v[i])];
+    if (is_nonzero)
+        atomic_store(&column->is_nonzero, true);
+}
+
+static void make_keys(void *user, size_t task) {
+    keys *s = user;
+    const nqm_texture_job *job = s->job;
+    const size_t n_rows = workspace_size(job), end = nqm_smaller((task + 1) * TASK, job->order.n);
+    float *workspace = nqm_alloc(n_rows + job->n_columns * BLOCK, sizeof *workspace), *columns = workspace + n_rows;
+    if (!workspace)
+        atomic_store(&s->has_failed, true);
+    for (size_t first = task * TASK, n; workspace && first < end; first += n) {
+        const float *rows[2];
+        uint64_t hashes[BLOCK] = {0}, *words = s->words + first;
+        n = nqm_smaller(end - first, BLOCK);
+        evaluate(job, n, NULL, first, workspace, rows);
+        for (size_t k = 0; k < job->n_columns; ++k) {
+            fill(job, &job->columns[k], n, rows, columns + k * BLOCK);
+            add_to_keys(s, k, n, columns + k * BLOCK, words, hashes);
+        }
         for (size_t i = 0; i < n; ++i)
-            ++count[keys[i] >> shift & (DIGITS - 1)];
-        if (count[keys[0] >> shift & (DIGITS - 1)] == n)
-            continue;
-        for (size_t k = 0, sum = 0, next; k < DIGITS; ++k, sum = next) {
-            next = sum + count[k];
-            count[k] = (uint32_t)sum;
-        }
-        for (size_t i = 0; i < n; ++i) {
-            const uint32_t to = count[keys[i] >> shift & (DIGITS - 1)]++;
-            other_keys[to] = keys[i];
-            other_order[to] = order[i];
-        }
-        uint64_t *const swapped_keys = keys;
-        uint32_t *const swapped_order = order;
-        keys = other_keys;
-        order = other_order;
-        other_keys = swapped_keys;
-        other_order = swapped_order;
+            words[i] = ((words[i] | nqm_hash_mix(hashes[i]) >> s->n_spread) & ~s->mask) | (first + i);
     }
-    if (keys != sorted_keys) {
-        memcpy(sorted_keys, keys, n * sizeof *keys);
-        memcpy(sorted_order, order, n * sizeof *order);
-    }
+    nqm_free(workspace);
 }
 
-/* ---- groups ------------------------------------------------------------------------------------------------------ */
+/* ---- order ------------------------------------------------------------------------------------------------------- */
 
-static nqm_status divide(size_t n, const uint64_t *keys, size_t max_groups, nqm_texel_groups *g, nqm_error *err) {
-    g->n_different = 1;
-    for (size_t i = 1; i < n; ++i)
-        g->n_different += keys[i] != keys[i - 1];
-    g->is_sample = g->n_different > max_groups;
-    g->n_groups = nqm_smaller(g->n_different, max_groups);
-    g->begin = nqm_alloc(g->n_groups + 1, sizeof *g->begin);
-    if (!g->begin)
-        return nqm_fail_nomem(err, (g->n_groups + 1) * sizeof *g->begin);
-    for (size_t k = 0; g->is_sample && k < g->n_groups; ++k)
-        g->begin[k] = n * k / g->n_groups;
-    for (size_t i = 1, k = 0; !g->is_sample && i < n; ++i)
-        if (keys[i] != keys[i - 1])
-            g->begin[++k] = i;
-    g->begin[g->n_groups] = n;
+/* Sort words by their bits from `bit` on, stably. other: (n); returns the array that is sorted, which is one of both. */
+static uint64_t *sort(size_t n, uint64_t *words, uint64_t *other, unsigned bit) {
+    enum { BITS = 11, DIGITS = 1 << BITS };
+    for (unsigned shift = bit; shift < 64; shift += BITS) {
+        uint64_t *const swapped = words;
+        size_t place[DIGITS + 1] = {0};
+        for (size_t i = 0; i < n; ++i)
+            ++place[(words[i] >> shift & (DIGITS - 1)) + 1];
+        for (size_t k = 0; k < DIGITS; ++k)
+            place[k + 1] += place[k];
+        for (size_t i = 0; i < n; ++i)
+            other[place[words[i] >> shift & (DIGITS - 1)]++] = words[i];
+        words = other;
+        other = swapped;
+    }
+    return words;
+}
+
+/* Where normals differ the pair is anisotropic, which takes 15 times as long: then a quarter as many texels are chosen. */
+static size_t most_groups(const nqm_texture_job *job) {
+    enum { TILTED = 4, LEAST = 16 };
+    const size_t n = job->options.n_texels, n_tilted = nqm_larger(n / TILTED, LEAST);
+    return job->options.exact ? job->order.n : nqm_texels_differ(job, NQM_TILT, 0) ? n_tilted : n;
+}
+
+/* Keep the texels of sorted words, and groups of equal keys unless these are too many. */
+static nqm_status divide(nqm_texture_job *job, const uint64_t *words, uint64_t mask, nqm_error *err) {
+    nqm_texel_order *o = &job->order;
+    const size_t max_groups = nqm_smaller(most_groups(job), o->n);
+    nqm_status status = nqm_alloc_arrays(
+        NQM_ARRAYS({&o->texels, o->n, sizeof *o->texels}, {&o->begin, max_groups + 1, sizeof *o->begin}), err);
+    if (status != NQM_OK)
+        return status;
+    for (size_t i = 0; i < o->n; ++i) {
+        const bool is_new = i == 0 || ((words[i] ^ words[i - 1]) & ~mask);
+        if (is_new && job->n_different++ < max_groups)
+            o->begin[job->n_different - 1] = i;
+        o->texels[i] = (uint32_t)(words[i] & mask);
+    }
+    o->n_groups = nqm_smaller(job->n_different, max_groups);
+    if (job->n_different > max_groups)
+        o->begin = NULL; /* part of the block of the texels */
+    else
+        o->begin[o->n_groups] = o->n;
     return NQM_OK;
 }
 
-nqm_status nqm_texel_groups_find(const nqm_texel_pair *pair, size_t max_groups, bool is_exact, nqm_ticker *ticker,
-                                 nqm_texel_groups *g, nqm_error *err) {
-    enum { DIGITS = 1 << 16 };
-    const size_t n = pair->n;
-    nqm_texel_pair copy = *pair;
-    uint64_t *keys[2], (*spread)[LEVELS];
-    uint32_t *other_order, *count;
-    *g = (nqm_texel_groups){.n = n};
-    g->order = nqm_alloc(n, sizeof *g->order);
-    nqm_status status = g->order ? NQM_OK : nqm_fail_nomem(err, n * sizeof *g->order);
-    if (status == NQM_OK)
-        status = nqm_alloc_arrays(NQM_ARRAYS({&keys[0], n, sizeof *keys[0]}, {&keys[1], n, sizeof *keys[1]},
-                                             {&other_order, n, sizeof *other_order}, {&count, DIGITS, sizeof *count},
-                                             {&spread, pair->n_dimensions, sizeof *spread}),
-                                  err);
-    if (status != NQM_OK) {
-        nqm_texel_groups_free(g);
-        return status;
+/* The order of the texels is by number at first. */
+static nqm_status find_order(nqm_texture_job *job, keys *s, uint64_t *other, nqm_error *err) {
+    enum { HASHED = 16 }; /* least bits of a hash */
+    const size_t n = job->order.n;
+    unsigned n_bits = 0;
+    while (n - 1 > s->mask) {
+        s->mask = 2 * s->mask + 1;
+        ++n_bits;
     }
-    spread_levels(pair, spread);
-    pass p = {.pair = &copy, .visit = visit_keys, .spread = is_exact ? NULL : spread, .keys = keys[0]};
-    status = run(&p, ticker, err);
-    for (size_t i = 0; i < n; ++i)
-        g->order[i] = (uint32_t)i;
-    if (status == NQM_OK) {
-        sort(n, keys[0], g->order, keys[1], other_order, count);
-        status = divide(n, keys[0], is_exact ? n : max_groups, g, err);
-    }
-    nqm_free(keys[0]);
+    if (!job->options.exact)
+        spread_levels(s, 64 - n_bits - HASHED);
+    if (nqm_parallel_ticking(&job->ticker, "texels", nqm_ceil_div(n, TASK), make_keys, s))
+        return nqm_fail(err, NQM_ERR_CANCELLED, -1, "cancelled");
+    if (atomic_load(&s->has_failed))
+        return nqm_fail_nomem(err, workspace_size(job) * sizeof(float));
+    return divide(job, sort(n, s->words, other, n_bits), s->mask, err);
+}
+
+nqm_status nqm_texels_compare(nqm_texture_job *job, nqm_error *err) {
+    const size_t n = job->width * job->height;
+    keys s = {.job = job};
+    nqm_texel_sample *samples;
+    uint64_t *other;
+    find_columns(job);
+    nqm_status status = nqm_alloc_arrays(NQM_ARRAYS({&s.words, n, sizeof *s.words}, {&other, n, sizeof *other},
+                                                    {&s.spread, job->n_columns, sizeof *s.spread},
+                                                    {&samples, N_MEASURED, sizeof *samples}),
+                                         err);
     if (status != NQM_OK)
-        nqm_texel_groups_free(g);
+        return status;
+    job->order.n = n;
+    const size_t n_measured = nqm_texels_choose(&job->order, N_MEASURED, 0, samples);
+    status = nqm_texels_visit(job, NULL, n_measured, samples, measure, job, err);
+    if (status == NQM_OK)
+        status = find_order(job, &s, other, err);
+    nqm_free(s.words);
     return status;
 }
 
-void nqm_texel_groups_free(nqm_texel_groups *g) {
-    nqm_free(g->order);
-    nqm_free(g->begin);
-    *g = (nqm_texel_groups){.n = 0};
+size_t nqm_texels_begin(const nqm_texel_order *o, size_t n, size_t k) {
+    return o->begin && n == o->n_groups ? o->begin[k] : o->n * k / n;
+}
+
+size_t nqm_texels_choose(const nqm_texel_order *o, size_t max_n, uint64_t seed, nqm_texel_sample *samples) {
+    const size_t n = o->begin && o->n_groups <= max_n ? o->n_groups : nqm_smaller(max_n, o->n);
+    for (size_t k = 0; k < n; ++k) {
+        const size_t begin = nqm_texels_begin(o, n, k), end = nqm_texels_begin(o, n, k + 1);
+        const size_t at = begin + nqm_hash_u64(seed, k) % (end - begin);
+        samples[k].texel = o->texels ? o->texels[at] : (uint32_t)at;
+        samples[k].weight = (double)(end - begin) / (double)o->n;
+    }
+    return n;
 }

@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: MIT
  *
- * Textured materials with their decoded maps: opened from files, made of arrays, and evaluated at one position.
+ * Textured materials with their decoded maps: opened from files or made of arrays, their size in texels, and the material of one
+ * position.
  */
-#include "texture/evaluate.h"
+#include "texture/texture.h"
 
 #include <math.h>
 
@@ -24,19 +25,129 @@ void nqm_texture_free(nqm_texture *t) {
 
 static nqm_texture *make(const char *name) {
     nqm_texture *t = nqm_alloc(1, sizeof *t);
-    if (t && !(t->name = nqm_strdup(name))) {
+    if (!t || !(t->name = nqm_strdup(name))) {
         nqm_free(t);
         return NULL;
     }
+    t->normal = NQM_NO_NODE;
     return t;
+}
+
+/* The end of what makes a texture. */
+static nqm_status keep(nqm_texture *t, nqm_status status, nqm_texture **texture_ret) {
+    if (status == NQM_OK)
+        *texture_ret = t;
+    else
+        nqm_texture_free(t);
+    return status;
+}
+
+/* ---- what varies ------------------------------------------------------------------------------------------------- */
+
+/* Operands are earlier nodes. */
+static void find_varying(nqm_texture *t) {
+    for (size_t k = 0; k < t->maps->n_nodes; ++k) {
+        const nqm_map_node *node = &t->maps->nodes[k];
+        t->rows[k] = NQM_NO_ROW;
+        t->varies[k] = node->op == NQM_MAP_IMAGE || node->op == NQM_MAP_TEXCOORD;
+        for (size_t i = 0; i < nqm_map_operands(node->op, node->n); ++i)
+            t->varies[k] = t->varies[k] || t->varies[node->in[i]];
+        if (!t->varies[k])
+            nqm_map_node_value(node, (const double(*)[4])t->constants, t->constants[k]);
+    }
+}
+
+/* Give rows to nodes that outputs need, which have one already, and to those that these need. */
+static void lay_out(nqm_texture *t) {
+    for (size_t k = t->maps->n_nodes; k-- > 0;) {
+        const nqm_map_node *node = &t->maps->nodes[k];
+        if (t->rows[k] == NQM_NO_ROW)
+            continue;
+        t->rows[k] = t->n_rows;
+        t->n_rows = (uint16_t)(t->n_rows + node->n);
+        for (size_t i = 0; t->varies[k] && i < nqm_map_operands(node->op, node->n); ++i)
+            t->rows[node->in[i]] = 0;
+    }
+    for (size_t k = 0; k < t->n_properties; ++k) {
+        nqm_texture_property *p = &t->properties[k];
+        for (size_t c = 0; p->node != NQM_NO_NODE && c < 3; ++c)
+            p->row[c] = (uint16_t)(t->rows[p->node] + nqm_smaller(c, (size_t)t->maps->nodes[p->node].n - 1));
+    }
+}
+
+static void add_output(nqm_texture *t, const char *name, uint16_t node) {
+    const size_t used = strlen(t->words);
+    snprintf(t->words + used, sizeof t->words - used, "%s%s", used ? " " : "", name);
+    t->rows[node] = 0;
+}
+
+/* The properties of the model, with the values of its shading. */
+static nqm_status set_model(nqm_texture *t, const nqm_shading *shading, nqm_error *err) {
+    const nqm_analytic_model *model = nqm_analytic_model_find(shading->model, strlen(shading->model));
+    if (!model)
+        return nqm_fail(err, NQM_ERR_ARG, -1, "%s: there is no model '%s'", t->name, shading->model);
+    t->shading = *shading;
+    t->keys = model->schema.keys;
+    t->n_properties = model->schema.n_keys;
+    for (size_t k = 0; k < t->n_properties; ++k) {
+        nqm_texture_property *p = &t->properties[k];
+        const nqm_property *set = nqm_shading_find(shading, t->keys[k].name);
+        *p = (nqm_texture_property){.key = &t->keys[k], .node = NQM_NO_NODE};
+        for (size_t c = 0; c < 3; ++c)
+            p->v[c] = set ? set->v[c] : p->key->fallback;
+    }
+    return NQM_OK;
+}
+
+static size_t find_property(const nqm_texture *t, const char *name) {
+    size_t k = 0;
+    while (k < t->n_properties && strcmp(t->keys[k].name, name) != 0)
+        ++k;
+    return k;
+}
+
+static nqm_status set_output(nqm_texture *t, const nqm_map_output *output, nqm_error *err) {
+    const size_t k = find_property(t, output->key);
+    if (k == t->n_properties)
+        return nqm_fail(err, NQM_ERR_ARG, -1, "%s: the model '%s' has no property '%s' that a map can change", t->name,
+                        t->shading.model, output->key);
+    nqm_texture_property *p = &t->properties[k];
+    if (t->varies[output->node]) {
+        p->node = output->node;
+        add_output(t, output->key, output->node);
+        return NQM_OK;
+    }
+    nqm_shading_set(&t->shading, p->key->name, nqm_smaller(p->key->n, t->maps->nodes[output->node].n),
+                    t->constants[output->node]);
+    memcpy(p->v, nqm_shading_find(&t->shading, p->key->name)->v, sizeof p->v);
+    return NQM_OK;
+}
+
+nqm_status nqm_texture_prepare(nqm_texture *t, nqm_error *err) {
+    const size_t n = t->maps->n_nodes;
+    nqm_status status = set_model(t, &t->maps->shading, err);
+    if (status == NQM_OK)
+        status = nqm_alloc_arrays(NQM_ARRAYS({&t->constants, n, sizeof *t->constants},
+                                             {&t->varies, n, sizeof *t->varies}, {&t->rows, n, sizeof *t->rows}),
+                                  err);
+    if (status != NQM_OK)
+        return status;
+    find_varying(t);
+    for (size_t i = 0; status == NQM_OK && i < t->maps->n_outputs; ++i)
+        status = set_output(t, &t->maps->outputs[i], err);
+    t->normal = t->maps->normal;
+    if (t->normal != NQM_NO_NODE && !t->varies[t->normal])
+        t->normal = NQM_NO_NODE;
+    if (t->normal != NQM_NO_NODE)
+        add_output(t, "normal", t->normal);
+    lay_out(t);
+    return status;
 }
 
 /* ---- maps of files ----------------------------------------------------------------------------------------------- */
 
 typedef struct decode_job {
     nqm_texture *t;
-    size_t n;                          /* maps that are needed */
-    size_t needed[NQM_MAX_MAP_IMAGES]; /* (n) their numbers */
     nqm_error errors[NQM_MAX_MAP_IMAGES];
 } decode_job;
 
@@ -55,75 +166,99 @@ static nqm_status decode_map(const nqm_map_image *image, nqm_texels *texels, nqm
     return status == NQM_OK ? nqm_texels_decode(texels, image->space, err) : status;
 }
 
-static void decode_one(void *user, size_t i) {
+static void decode_one(void *user, size_t image) {
     decode_job *job = user;
-    const size_t k = job->needed[i];
-    job->errors[i].status = decode_map(&job->t->maps->images[k], &job->t->images[k], &job->errors[i]);
+    const nqm_texture *t = job->t;
+    bool is_needed = false;
+    for (size_t k = 0; k < t->maps->n_nodes; ++k) {
+        const nqm_map_node *node = &t->maps->nodes[k];
+        is_needed = is_needed || (node->op == NQM_MAP_IMAGE && node->image == image && t->rows[k] != NQM_NO_ROW);
+    }
+    if (is_needed)
+        job->errors[image].status = decode_map(&t->maps->images[image], &t->images[image], &job->errors[image]);
 }
 
 static nqm_status decode_all(nqm_texture *t, nqm_ticker *ticker, nqm_error *err) {
     decode_job *job = nqm_alloc(1, sizeof *job);
-    nqm_status status = job ? NQM_OK : nqm_fail_nomem(err, sizeof *job);
-    bool is_needed[NQM_MAX_MAP_IMAGES] = {false};
-    for (size_t k = 0; k < t->maps->n_nodes; ++k)
-        if (t->maps->nodes[k].op == NQM_MAP_IMAGE && (t->roles[k] & NQM_NODE_NEEDED))
-            is_needed[t->maps->nodes[k].image] = true;
-    if (!job)
-        return status;
+    nqm_status status = NQM_OK;
+    t->images = nqm_alloc(t->maps->n_images, sizeof *t->images);
+    if (!job || !t->images) {
+        nqm_free(job);
+        return nqm_fail_nomem(err, sizeof *job + t->maps->n_images * sizeof *t->images);
+    }
     job->t = t;
-    for (size_t i = 0; i < t->maps->n_images; ++i)
-        if (is_needed[i])
-            job->needed[job->n++] = i;
-    if (nqm_parallel_ticking(ticker, "maps", job->n, decode_one, job))
+    if (nqm_parallel_ticking(ticker, "maps", t->maps->n_images, decode_one, job))
         status = nqm_fail(err, NQM_ERR_CANCELLED, -1, "cancelled");
-    for (size_t i = 0; status == NQM_OK && i < job->n; ++i)
+    for (size_t i = 0; status == NQM_OK && i < t->maps->n_images; ++i)
         if ((status = job->errors[i].status) != NQM_OK)
             nqm_fail(err, status, job->errors[i].byte_offset, "the map '%s' of the material %s: %s",
-                     t->maps->images[job->needed[i]].name, t->name, job->errors[i].message);
+                     t->maps->images[i].name, t->name, job->errors[i].message);
     nqm_free(job);
     return status;
 }
 
-/* ---- facts ------------------------------------------------------------------------------------------------------- */
-
-static void describe(nqm_texture *t) {
-    for (size_t i = 0; t->maps && i < t->maps->n_images; ++i) {
-        static const size_t n_each[] = {[NQM_RASTER_U8] = 1, [NQM_RASTER_U16] = 2, [NQM_RASTER_F32] = 4};
-        const nqm_raster *r = &t->images[i].raster;
-        t->info.n_images += r->data != NULL;
-        t->info.n_bytes += r->width * r->height * r->channels * n_each[r->type];
-    }
-    t->info.name = t->name;
-    t->info.varying = t->words;
-}
-
-/* Whether the material of a texel opens tells whether that of all does. */
-static nqm_status check(const nqm_texture *t, nqm_error *err) {
+/* With its maps; decoded ones are there already. Whether the material of a texel opens tells whether that of all does. */
+static nqm_status finish(nqm_texture *t, nqm_ticker *ticker, nqm_error *err) {
     nqm_brdf *brdf = NULL;
     double normal[3];
-    nqm_status status = nqm_texture_at(t, 0.5, 0.5, &brdf, normal, err);
+    nqm_status status = nqm_texture_prepare(t, err);
+    if (status == NQM_OK && !t->images)
+        status = decode_all(t, ticker, err);
+    if (status == NQM_OK)
+        status = nqm_texture_at(t, 0.5, 0.5, &brdf, normal, err);
     nqm_brdf_free(brdf);
     return status;
 }
 
-/* With its maps; decoded ones are there already. */
-static nqm_status finish(nqm_texture *t, nqm_ticker *ticker, nqm_error *err) {
-    nqm_status status = nqm_texture_prepare(t, err);
-    const bool is_decoded = t->images;
-    if (status == NQM_OK && !is_decoded && !(t->images = nqm_alloc(t->maps->n_images, sizeof *t->images)))
-        status = nqm_fail_nomem(err, t->maps->n_images * sizeof *t->images);
-    if (status == NQM_OK && !is_decoded)
-        status = decode_all(t, ticker, err);
-    if (status == NQM_OK)
-        describe(t);
-    return status == NQM_OK ? check(t, err) : status;
+/* ---- size in texels ---------------------------------------------------------------------------------------------- */
+
+static size_t common_divisor(size_t a, size_t b) {
+    return b ? common_divisor(b, a % b) : a;
 }
 
-nqm_texture_info nqm_texture_get_info(const nqm_texture *texture, const nqm_texture *beside) {
-    assert(texture);
-    nqm_texture_info info = texture->info;
-    (void)nqm_texture_tiles(texture, beside ? beside : texture, 0, &info.width);
-    (void)nqm_texture_tiles(texture, beside ? beside : texture, 1, &info.height);
+/* Tiles of an image that is repeated a whole number of times and not turned. */
+static size_t count_tiles(const nqm_map_node *node, size_t axis) {
+    const double times = fabs(node->uv[axis][axis]), nearest = nearbyint(times);
+    const bool is_turned = node->uv[0][1] != 0 || node->uv[1][0] != 0;
+    return node->wrap[axis] == NQM_MAP_REPEAT && !is_turned && nearest >= 1 && nearest < 1e6 &&
+                   fabs(times - nearest) < 1e-6
+               ? (size_t)nearest
+               : 1;
+}
+
+size_t nqm_texture_tiles(const nqm_texture *ref, const nqm_texture *test, size_t axis, size_t *n_texels_ret) {
+    enum { MAX_SIDE = 8192 };
+    const nqm_texture *const each[2] = {ref, test};
+    size_t n_tiles = 0; /* equal ones into which all maps divide the surface; 0: any number */
+    double n = 0;
+    for (size_t s = 0; s < 2; ++s)
+        for (size_t k = 0; each[s]->maps && k < each[s]->maps->n_nodes; ++k) {
+            const nqm_map_node *node = &each[s]->maps->nodes[k];
+            const bool is_image = node->op == NQM_MAP_IMAGE;
+            if (each[s]->rows[k] == NQM_NO_ROW || (!is_image && node->op != NQM_MAP_TEXCOORD))
+                continue;
+            n_tiles = common_divisor(n_tiles, is_image ? count_tiles(node, axis) : 1);
+            const nqm_raster *r = is_image ? &each[s]->images[node->image].raster : NULL;
+            if (r)
+                n = fmax(n,
+                         fmax((double)r->width * fabs(node->uv[0][axis]), (double)r->height * fabs(node->uv[1][axis])));
+        }
+    n_tiles = nqm_larger(n_tiles, 1);
+    *n_texels_ret = (size_t)fmin(fmax(ceil(n / (double)n_tiles - 1e-6), 1), MAX_SIDE);
+    return n_tiles;
+}
+
+nqm_texture_info nqm_texture_get_info(const nqm_texture *t, const nqm_texture *beside) {
+    static const size_t n_each[] = {[NQM_RASTER_U8] = 1, [NQM_RASTER_U16] = 2, [NQM_RASTER_F32] = 4};
+    assert(t);
+    nqm_texture_info info = {.name = t->name, .model = t->shading.model, .varying = t->words};
+    (void)nqm_texture_tiles(t, beside ? beside : t, 0, &info.width);
+    (void)nqm_texture_tiles(t, beside ? beside : t, 1, &info.height);
+    for (size_t i = 0; t->images && i < t->maps->n_images; ++i) {
+        const nqm_raster *r = &t->images[i].raster;
+        info.n_images += r->data != NULL;
+        info.n_bytes += r->width * r->height * r->channels * n_each[r->type];
+    }
     return info;
 }
 
@@ -136,19 +271,14 @@ static nqm_status open_constant(nqm_texture *t, nqm_error *err) {
     if (status != NQM_OK)
         return status;
     const nqm_brdf_info info = nqm_brdf_get_info(brdf);
-    const nqm_analytic_model *model = info.spec ? nqm_analytic_model_find(info.format, strlen(info.format)) : NULL;
-    if (model && nqm_shading_parse(info.spec, &t->shading, NULL) == NQM_OK) {
-        t->schema = &model->schema;
-        t->info.model = model->schema.model;
-    } else {
+    nqm_shading shading;
+    const bool has_spec = info.spec && nqm_shading_parse(info.spec, &shading, NULL) == NQM_OK;
+    if (!has_spec || set_model(t, &shading, NULL) != NQM_OK) {
         snprintf(t->shading.model, sizeof t->shading.model, "%s", info.format);
-        t->info.model = t->shading.model;
         t->argument = nqm_strdup(t->name);
         status = t->argument ? NQM_OK : nqm_fail_nomem(err, strlen(t->name) + 1);
     }
     nqm_brdf_free(brdf);
-    if (status == NQM_OK)
-        describe(t);
     return status;
 }
 
@@ -168,18 +298,14 @@ nqm_status nqm_texture_open(const char *argument, nqm_progress_fn progress, void
     t->maps = t->materials ? nqm_materials_textured(t->materials, index) : t->owned;
     if (status == NQM_OK)
         status = t->maps ? finish(t, &ticker, err) : open_constant(t, err);
-    if (status == NQM_OK)
-        *texture_ret = t;
-    else
-        nqm_texture_free(t);
-    return status;
+    return keep(t, status, texture_ret);
 }
 
 /* ---- from arrays ------------------------------------------------------------------------------------------------- */
 
 static nqm_status check_map(const nqm_texture *t, const nqm_texture_map *map, nqm_error *err) {
-    const nqm_spec_key *key = nqm_texture_key(t, map->key);
-    const size_t n = strcmp(map->key, "normal") == 0 ? 3 : key ? key->n : 0;
+    const size_t k = find_property(t, map->key), n_of_key = k < t->n_properties ? t->keys[k].n : 0;
+    const size_t n = strcmp(map->key, "normal") == 0 ? 3 : n_of_key;
     if (n == 0)
         return nqm_fail(err, NQM_ERR_ARG, -1, "the model '%s' has no property '%s' that a map can change",
                         t->owned->shading.model, map->key);
@@ -200,19 +326,18 @@ static nqm_status add_map(nqm_texture *t, const nqm_texture_map *map, nqm_error 
     static const double uv[2][3] = {{1, 0, 0}, {0, 1, 0}};
     static const uint8_t repeat[2] = {NQM_MAP_REPEAT, NQM_MAP_REPEAT};
     const size_t n = map->height * map->width * map->channels;
-    nqm_status status = check_map(t, map, err);
-    if (status != NQM_OK)
-        return status;
-    size_t image;
     const nqm_map_image named = {.data = nqm_alloc(1, 1), .name = nqm_strdup(map->key)};
-    if (!nqm_map_add_image(t->owned, named, &image))
-        return nqm_fail_nomem(err, n * sizeof(float));
-    nqm_raster *raster = &t->images[image].raster;
-    *raster = (nqm_raster){map->width, map->height, map->channels, NQM_RASTER_F32, nqm_alloc(n, sizeof(float))};
-    const uint16_t node = nqm_map_image_at(t->owned, image, map->channels, uv, repeat);
-    if (!raster->data || node == NQM_NO_NODE)
-        return nqm_fail_nomem(err, n * sizeof(float));
-    memcpy(raster->data, map->values, n * sizeof(float));
+    size_t image = 0;
+    uint16_t node = NQM_NO_NODE;
+    float *values = nqm_alloc(n, sizeof *values);
+    if (nqm_map_add_image(t->owned, named, &image) && values)
+        node = nqm_map_image_at(t->owned, image, map->channels, uv, repeat);
+    if (node == NQM_NO_NODE) {
+        nqm_free(values);
+        return nqm_fail_nomem(err, n * sizeof *values);
+    }
+    memcpy(values, map->values, n * sizeof *values);
+    t->images[image].raster = (nqm_raster){map->width, map->height, map->channels, NQM_RASTER_F32, values};
     if (strcmp(map->key, "normal") == 0)
         t->owned->normal = node;
     else
@@ -220,22 +345,21 @@ static nqm_status add_map(nqm_texture *t, const nqm_texture_map *map, nqm_error 
     return NQM_OK;
 }
 
-static nqm_status make_of_arrays(nqm_texture *t, const char *base, size_t n_maps, const nqm_texture_map *maps,
-                                 nqm_error *err) {
-    t->owned = nqm_textured_create();
-    t->maps = t->owned;
-    t->images = t->owned ? nqm_alloc(nqm_smaller(n_maps, NQM_MAX_MAP_IMAGES), sizeof *t->images) : NULL;
-    if (!t->images)
+static nqm_status make_of_arrays(nqm_texture *t, size_t n_maps, const nqm_texture_map *maps, nqm_error *err) {
+    t->maps = t->owned = nqm_textured_create();
+    t->images = nqm_alloc(nqm_smaller(n_maps, NQM_MAX_MAP_IMAGES), sizeof *t->images);
+    if (!t->owned || !t->images)
         return nqm_fail_nomem(err, sizeof *t->owned);
-    nqm_status status = nqm_shading_parse(base, &t->owned->shading, err);
-    const char *name = t->owned->shading.model;
-    const nqm_analytic_model *model = nqm_analytic_model_find(name, strlen(name));
-    if (status == NQM_OK && (!model || n_maps > NQM_MAX_MAP_IMAGES))
-        status = model ? nqm_fail(err, NQM_ERR_LIMIT, -1, "%zu maps; there may be %d", n_maps, NQM_MAX_MAP_IMAGES)
-                       : nqm_fail(err, NQM_ERR_ARG, -1, "%s: there is no model '%s'", base, name);
-    t->schema = model ? &model->schema : NULL;
-    for (size_t i = 0; status == NQM_OK && i < n_maps; ++i)
-        status = add_map(t, &maps[i], err);
+    nqm_status status = nqm_shading_parse(t->name, &t->owned->shading, err);
+    if (status == NQM_OK && n_maps > NQM_MAX_MAP_IMAGES)
+        status = nqm_fail(err, NQM_ERR_LIMIT, -1, "%zu maps; there may be %d", n_maps, NQM_MAX_MAP_IMAGES);
+    if (status == NQM_OK)
+        status = set_model(t, &t->owned->shading, err);
+    for (size_t i = 0; status == NQM_OK && i < n_maps; ++i) {
+        status = check_map(t, &maps[i], err);
+        if (status == NQM_OK)
+            status = add_map(t, &maps[i], err);
+    }
     return status == NQM_OK ? finish(t, NULL, err) : status;
 }
 
@@ -246,31 +370,54 @@ nqm_status nqm_texture_create(const char *base, size_t n_maps, const nqm_texture
     for (size_t i = 0; i < n_maps; ++i)
         NQM_REQUIRE(err, maps[i].key, maps[i].values);
     nqm_texture *t = make(base);
-    if (!t)
-        return nqm_fail_nomem(err, sizeof *t);
-    nqm_status status = make_of_arrays(t, base, n_maps, maps, err);
-    if (status == NQM_OK)
-        *texture_ret = t;
-    else
-        nqm_texture_free(t);
-    return status;
+    return keep(t, t ? make_of_arrays(t, n_maps, maps, err) : nqm_fail_nomem(err, sizeof *t), texture_ret);
 }
 
 /* ---- one position ------------------------------------------------------------------------------------------------ */
 
+char *nqm_texture_spec(const nqm_texture *t, const float *rows, size_t i, const nqm_property *changed) {
+    nqm_shading shading = t->shading;
+    if (t->argument)
+        return nqm_strdup(t->argument);
+    for (size_t k = 0; k < t->n_properties; ++k) {
+        const nqm_texture_property *p = &t->properties[k];
+        const double v[3] = {nqm_texture_value(t, k, 0, rows, i), nqm_texture_value(t, k, 1, rows, i),
+                             nqm_texture_value(t, k, 2, rows, i)};
+        if (p->node != NQM_NO_NODE)
+            nqm_shading_set(&shading, p->key->name, p->key->n, v);
+    }
+    if (changed)
+        nqm_shading_set(&shading, changed->key, changed->n, changed->v);
+    return nqm_shading_spec(&shading);
+}
+
+char *nqm_texture_tilt(char *spec, const double normal[3]) {
+    enum { MORE = 100 };
+    const double sine = hypot(normal[0], normal[1]), degrees = atan2(sine, normal[2]) * 180 / NQM_PI;
+    if (!spec || degrees < 1e-3)
+        return spec;
+    char numbers[2][32], *tilted = nqm_alloc(strlen(spec) + MORE, 1);
+    if (tilted)
+        snprintf(tilted, strlen(spec) + MORE, "tilt:deg=%s;azimuth=%s;of=%s",
+                 nqm_format_double(numbers[0], sizeof numbers[0], fmin(degrees, 60)),
+                 nqm_format_double(numbers[1], sizeof numbers[1], atan2(normal[1], normal[0]) * 180 / NQM_PI), spec);
+    nqm_free(spec);
+    return tilted;
+}
+
 nqm_status nqm_texture_at(const nqm_texture *t, double u, double v, nqm_brdf **brdf_ret, double normal[3],
                           nqm_error *err) {
     const double at[2] = {u - floor(u), v - floor(v)};
-    float *workspace = nqm_alloc(nqm_texture_workspace(t), sizeof *workspace);
+    const size_t n = (size_t)t->n_rows * NQM_TEXEL_BLOCK;
+    float *rows = nqm_alloc(n, sizeof *rows);
     *brdf_ret = NULL;
-    if (!workspace)
-        return nqm_fail_nomem(err, nqm_texture_workspace(t) * sizeof *workspace);
-    const float *values = nqm_texture_evaluate(t, 1, &at[0], &at[1], workspace);
-    char *spec = nqm_texture_spec(t, values, NQM_TEXEL_BLOCK);
-    for (size_t c = 0; c < 3; ++c)
-        normal[c] = t->has_normal ? (double)values[(t->n_values - 3 + c) * NQM_TEXEL_BLOCK] : c == 2;
+    if (!rows)
+        return nqm_fail_nomem(err, n * sizeof *rows);
+    nqm_texture_evaluate(t, 1, &at[0], &at[1], rows);
+    nqm_texture_normal(t, rows, 0, normal);
+    char *spec = nqm_texture_spec(t, rows, 0, NULL);
     nqm_status status = spec ? nqm_brdf_open(spec, brdf_ret, err) : nqm_fail_nomem(err, sizeof(nqm_shading));
     nqm_free(spec);
-    nqm_free(workspace);
+    nqm_free(rows);
     return status;
 }
