@@ -6,6 +6,7 @@
 #include "io/io.h"
 #include "io/options_json.h"
 #include "material/gltf.h"
+#include "material/materialx.h"
 
 #include <math.h>
 #include <stdarg.h>
@@ -29,20 +30,25 @@ void nqm_gltf_document_clear(nqm_gltf_document *d) {
         json_decref(d->arrays[i]);
 }
 
+nqm_status nqm_gltf_parse(const nqm_gltf_document *d, const char *text, size_t n, size_t at, json_t **value_ret,
+                          nqm_error *err) {
+    const nqm_json_place place = {d->path, d->source.n, d->source_at + at};
+    return nqm_json_read(text, n, JSON_REJECT_DUPLICATES | JSON_DECODE_ANY, &place, value_ret, err);
+}
+
 /* Element i of an array, which is parsed when it is first needed; of one that is damaged only the first use tells how. */
 static const json_t *element(nqm_gltf_document *d, size_t which, size_t i) {
     json_t **array = &d->arrays[which];
     if (!*array) {
         const size_t at = nqm_json_path(&d->source, d->root, array_names[which]), end = nqm_json_end(&d->source, at);
-        const nqm_json_place place = {d->path, d->source.n, d->source_at + at};
         nqm_error err = {0};
-        if (at != d->root && nqm_json_read(d->source.text + at, end - at, JSON_REJECT_DUPLICATES | JSON_DECODE_ANY,
-                                           &place, array, &err) != NQM_OK) {
-            *array = json_array();
+        const bool is_damaged =
+            at != d->root && nqm_gltf_parse(d, d->source.text + at, end - at, at, array, &err) != NQM_OK;
+        *array = *array ? *array : json_array();
+        if (is_damaged) {
             fail(d, "%s", err.message);
             return NULL;
         }
-        *array = *array ? *array : json_array();
     }
     const json_t *value = json_array_get(*array, i);
     if (!value)
@@ -154,13 +160,6 @@ static bool read_view(nqm_gltf_document *d, const json_t *image, nqm_map_image *
     return result->path != NULL;
 }
 
-static bool find_image(const nqm_textured *t, const char *name, const char *space, size_t *image_ret) {
-    for (*image_ret = 0; *image_ret < t->n_images; ++*image_ret)
-        if (strcmp(t->images[*image_ret].name, name) == 0 && strcmp(t->images[*image_ret].space, space) == 0)
-            return true;
-    return false;
-}
-
 static bool add_image(nqm_gltf_document *d, size_t i, const char *space, nqm_textured *t, size_t *image_ret) {
     const json_t *image = element(d, IMAGES, i);
     const char *uri = json_string_value(json_object_get(image, "uri"));
@@ -173,10 +172,8 @@ static bool add_image(nqm_gltf_document *d, size_t i, const char *space, nqm_tex
         nqm_free(name);
         return is_added;
     }
-    snprintf(text, sizeof text, "images[%zu] of %.450s", i, d->path);
-    if (find_image(t, text, space, image_ret))
-        return true;
     nqm_map_image result = {.n_bytes = SIZE_MAX};
+    snprintf(text, sizeof text, "images[%zu] of %.450s", i, d->path);
     snprintf(result.space, sizeof result.space, "%s", space);
     if (uri ? !(result.data = decode_data(d, uri, 0, &result.n_bytes)) : !read_view(d, image, &result))
         return false;
@@ -258,12 +255,9 @@ static bool read_texture(nqm_gltf_document *d, const json_t *info, size_t n, con
 /* The factor of a key: that of the file, or the default. false: 0, so that the texture has no effect. */
 static bool find_factor(const nqm_shading *shading, const char *key, double v[3]) {
     const nqm_property *p = nqm_shading_find(shading, key);
-    for (size_t g = 0; g <= NQM_GLTF_N_EXTENSIONS && !p; ++g)
-        for (const nqm_rule *rule = (g ? &nqm_gltf_extensions[g - 1] : &nqm_gltf_core)->rules; rule->name; ++rule)
-            if (rule->key && strcmp(rule->key, key) == 0)
-                v[0] = v[1] = v[2] = rule->value;
-    if (p)
-        memcpy(v, p->v, sizeof p->v);
+    const nqm_rule *input = nqm_rule_find(nqm_mtlx_find_surface("gltf")->inputs, key);
+    for (size_t c = 0; c < 3; ++c)
+        v[c] = p ? p->v[c] : input->value;
     return v[0] != 0 || v[1] != 0 || v[2] != 0;
 }
 
@@ -283,13 +277,11 @@ static const struct texture_use {
 
 /* Red and green are the direction of the anisotropy from -1 to 1, as a normal has them, which anisotropyRotation turns. */
 static uint16_t turn(nqm_textured *t, uint16_t image, const nqm_shading *shading) {
-    const double one = 1;
     double rotation[3];
-    const uint16_t direction = nqm_map_compute(t, NQM_MAP_NORMAL, 3, image, nqm_map_value(t, 1, &one), 0);
-    const uint16_t angle =
-        nqm_map_compute(t, NQM_MAP_ANGLE, 1, nqm_map_channel(t, direction, 1), nqm_map_channel(t, direction, 0), 0);
+    const uint16_t direction = nqm_map_with(t, NQM_MAP_NORMAL, 3, image, 1);
+    const uint16_t x = nqm_map_channel(t, direction, 0), y = nqm_map_channel(t, direction, 1);
     find_factor(shading, "anisotropy_rotation", rotation);
-    return nqm_map_compute(t, NQM_MAP_ADD, 1, angle, nqm_map_value(t, 1, rotation), 0);
+    return nqm_map_with(t, NQM_MAP_ADD, 1, nqm_map_compute(t, NQM_MAP_ANGLE, 1, y, x, 0), rotation[0]);
 }
 
 static bool add_normal(nqm_gltf_document *d, const json_t *info, nqm_textured *t) {
@@ -300,7 +292,7 @@ static bool add_normal(nqm_gltf_document *d, const json_t *info, nqm_textured *t
         return fail(d, "'scale' needs a number");
     if (!read_texture(d, info, 3, "", t, &image))
         return false;
-    t->normal = nqm_map_compute(t, NQM_MAP_NORMAL, 3, image, nqm_map_value(t, 1, &scale), 0);
+    t->normal = nqm_map_with(t, NQM_MAP_NORMAL, 3, image, scale);
     return t->normal != NQM_NO_NODE;
 }
 
@@ -314,17 +306,15 @@ bool nqm_gltf_add_texture(nqm_gltf_document *d, const char *name, const json_t *
         return add_normal(d, info, t);
     for (size_t i = 0; i < sizeof uses / sizeof *uses; ++i) {
         const struct texture_use *use = &uses[i];
-        const bool is_color = use->channel == SIZE_MAX;
+        const size_t n = use->channel == SIZE_MAX ? 3 : 1;
         double factor[3];
         uint16_t image, node;
         if (strcmp(use->texture, name) != 0 || !find_factor(shading, use->key, factor))
             continue;
         if (!read_texture(d, info, use->n, use->space, t, &image))
             return false;
-        node = is_color ? image : nqm_map_channel(t, image, use->channel);
-        if (factor[0] != 1 || factor[1] != 1 || factor[2] != 1)
-            node = nqm_map_compute(t, NQM_MAP_MULTIPLY, is_color ? 3 : 1, node,
-                                   nqm_map_value(t, is_color ? 3 : 1, factor), 0);
+        node = n == 3 ? image : nqm_map_channel(t, image, use->channel);
+        node = nqm_map_compute(t, NQM_MAP_MULTIPLY, n, node, nqm_map_value(t, n, factor), 0);
         nqm_map_output_set(t, use->key, node);
         if (strcmp(name, "anisotropyTexture") == 0)
             nqm_map_output_set(t, "anisotropy_rotation", node = turn(t, image, shading));

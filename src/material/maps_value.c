@@ -43,41 +43,12 @@ static double smoothstep(double x, double low, double high) {
     return t * t * (3 - 2 * t);
 }
 
-/* An operation of one value per component. */
+#define COMPONENT(NAME, N, VALUE)                                                                                      \
+    case NQM_MAP_##NAME:                                                                                               \
+        return VALUE;
 static double component(nqm_map_op op, double a, double b, double c, double d) {
     switch (op) {
-    case NQM_MAP_ADD:
-        return a + b;
-    case NQM_MAP_SUBTRACT:
-        return a - b;
-    case NQM_MAP_MULTIPLY:
-        return a * b;
-    case NQM_MAP_DIVIDE:
-        return b != 0 ? a / b : 0;
-    case NQM_MAP_POWER:
-        return pow(fmax(a, 0), b);
-    case NQM_MAP_MINIMUM:
-        return fmin(a, b);
-    case NQM_MAP_MAXIMUM:
-        return fmax(a, b);
-    case NQM_MAP_ABSOLUTE:
-        return fabs(a);
-    case NQM_MAP_FLOOR:
-        return floor(a);
-    case NQM_MAP_MODULO:
-        return b != 0 ? a - b * floor(a / b) : 0;
-    case NQM_MAP_SINE:
-        return sin(a);
-    case NQM_MAP_COSINE:
-        return cos(a);
-    case NQM_MAP_MIX:
-        return a + (b - a) * c;
-    case NQM_MAP_SMOOTHSTEP:
-        return smoothstep(a, b, c);
-    case NQM_MAP_IF_GREATER:
-        return a > b ? c : d;
-    case NQM_MAP_IF_EQUAL:
-        return a == b ? c : d;
+        NQM_MAP_COMPONENT_OPS(COMPONENT)
     default:
         return 0;
     }

@@ -50,6 +50,20 @@ void nqm_materials_free(nqm_materials *materials) {
     nqm_free(materials);
 }
 
+nqm_status nqm_copy_texts(size_t n, char **const *texts, nqm_error *err) {
+    enum { MAX_TEXTS = 5 };
+    nqm_array arrays[MAX_TEXTS] = {{.pointer = NULL}};
+    char *blocks[MAX_TEXTS];
+    assert(n <= MAX_TEXTS);
+    for (size_t i = 0; i < n; ++i)
+        arrays[i] = (nqm_array){&blocks[i], *texts[i] ? strlen(*texts[i]) + 1 : 0, 1};
+    nqm_status status = nqm_alloc_arrays(n, arrays, err);
+    for (size_t i = 0; i < n && status == NQM_OK; ++i)
+        if (*texts[i])
+            *texts[i] = memcpy(blocks[i], *texts[i], arrays[i].n);
+    return status;
+}
+
 nqm_status nqm_materials_add(nqm_materials *materials, const nqm_material_info *info, nqm_error *err) {
     nqm_material_info copy = *info;
     char number[32];
@@ -70,19 +84,10 @@ nqm_status nqm_materials_add(nqm_materials *materials, const nqm_material_info *
     materials->maps = maps;
     maps[materials->n] = (struct maps){.textured = NULL};
     const char **texts[] = {&copy.name, &copy.surface, &copy.spec, &copy.refusal, &copy.remark};
-    enum { N = sizeof texts / sizeof *texts };
-    nqm_array arrays[N];
-    char *blocks[N];
-    for (size_t i = 0; i < N; ++i)
-        arrays[i] = (nqm_array){&blocks[i], *texts[i] ? strlen(*texts[i]) + 1 : 0, 1};
-    nqm_status status = nqm_alloc_arrays(N, arrays, err);
-    if (status != NQM_OK)
-        return status;
-    for (size_t i = 0; i < N; ++i)
-        if (*texts[i])
-            *texts[i] = memcpy(blocks[i], *texts[i], arrays[i].n);
-    materials->list[materials->n++] = copy;
-    return NQM_OK;
+    nqm_status status = nqm_copy_texts(sizeof texts / sizeof *texts, (char **const *)texts, err);
+    if (status == NQM_OK)
+        materials->list[materials->n++] = copy;
+    return status;
 }
 
 const nqm_textured *nqm_materials_textured(const nqm_materials *materials, size_t i) {
@@ -203,15 +208,20 @@ bool nqm_material_probe_text(const nqm_map *map, size_t n_bytes, const char *wor
 
 /* ---- writing ----------------------------------------------------------------------------------------------------- */
 
-bool nqm_has_word(const char *words, const char *word, bool any_case) {
+size_t nqm_find_word(const char *words, const char *word, bool any_case) {
     const size_t n = strlen(word);
-    for (const char *at = words; *at; at += strspn(at, " ")) {
+    size_t number = 0;
+    for (const char *at = words; *at; at += strspn(at, " "), ++number) {
         const size_t n_at = strcspn(at, " ");
         if (n_at == n && (any_case ? strncasecmp(at, word, n) : strncmp(at, word, n)) == 0)
-            return true;
+            return number;
         at += n_at;
     }
-    return false;
+    return SIZE_MAX;
+}
+
+bool nqm_has_word(const char *words, const char *word, bool any_case) {
+    return nqm_find_word(words, word, any_case) != SIZE_MAX;
 }
 
 /* A format that writes the model to this path. */

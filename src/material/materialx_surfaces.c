@@ -99,3 +99,11 @@ const nqm_mtlx_surface nqm_mtlx_surfaces[NQM_MTLX_N_SURFACES] = {
     {"UsdPreviewSurface", "usd-preview", usd_preview_surface},
     {"disney_principled", "disney", disney},
 };
+
+const nqm_mtlx_surface *nqm_mtlx_find_surface(const char *name) {
+    size_t s = 0;
+    while (s < NQM_MTLX_N_SURFACES && strcmp(nqm_mtlx_surfaces[s].node, name) != 0 &&
+           strcmp(nqm_mtlx_surfaces[s].model, name) != 0)
+        ++s;
+    return s < NQM_MTLX_N_SURFACES ? &nqm_mtlx_surfaces[s] : NULL;
+}

@@ -34,39 +34,21 @@ static void format_numbers(const json_t *value, char text[TEXT_SIZE]) {
 }
 
 static nqm_bsdf_kind kind_of_type(const char *type) {
-    static const nqm_bsdf_word kinds[] = {{"rgb", NQM_BSDF_RGB},
-                                          {"srgb", NQM_BSDF_RGB},
-                                          {"spectrum", NQM_BSDF_SPECTRUM},
-                                          {"uniform", NQM_BSDF_SPECTRUM},
-                                          {"regular", NQM_BSDF_SPECTRUM},
-                                          {"irregular", NQM_BSDF_SPECTRUM},
+    static const nqm_bsdf_word kinds[] = {{"rgb srgb", NQM_BSDF_RGB},
+                                          {"spectrum uniform regular irregular", NQM_BSDF_SPECTRUM},
                                           {"ref", NQM_BSDF_REF},
-                                          {"bitmap", NQM_BSDF_TEXTURE},
-                                          {"checkerboard", NQM_BSDF_TEXTURE},
-                                          {"mesh_attribute", NQM_BSDF_TEXTURE},
-                                          {"volume", NQM_BSDF_TEXTURE},
+                                          {"bitmap checkerboard mesh_attribute volume", NQM_BSDF_TEXTURE},
                                           {NULL, NQM_BSDF_OTHER}};
     return nqm_mitsuba_is_bsdf(type) ? NQM_BSDF_BSDF : nqm_bsdf_kind_of(kinds, type);
 }
 
 static nqm_bsdf_kind kind_of(const json_t *value) {
-    switch (json_typeof(value)) {
-    case JSON_INTEGER:
-    case JSON_REAL:
-        return NQM_BSDF_NUMBER;
-    case JSON_TRUE:
-    case JSON_FALSE:
-        return NQM_BSDF_BOOLEAN;
-    case JSON_STRING:
-        return NQM_BSDF_STRING;
-    case JSON_ARRAY:
-        return NQM_BSDF_RGB;
-    case JSON_OBJECT:
-        return kind_of_type(text_of(value, "type"));
-    case JSON_NULL:
-        break;
-    }
-    return NQM_BSDF_OTHER;
+    return json_is_number(value)    ? NQM_BSDF_NUMBER
+           : json_is_boolean(value) ? NQM_BSDF_BOOLEAN
+           : json_is_string(value)  ? NQM_BSDF_STRING
+           : json_is_array(value)   ? NQM_BSDF_RGB
+           : json_is_object(value)  ? kind_of_type(text_of(value, "type"))
+                                    : NQM_BSDF_OTHER;
 }
 
 /* The value of a property, as text in `text` or in the JSON. */

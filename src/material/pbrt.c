@@ -87,10 +87,13 @@ typedef struct material {
     nqm_bsdf_nodes nodes;
 } material;
 
-static const nqm_bsdf_word kinds[] = {{"float", NQM_BSDF_NUMBER},      {"integer", NQM_BSDF_NUMBER},
-                                      {"rgb", NQM_BSDF_TRIPLE},        {"string", NQM_BSDF_STRING},
-                                      {"spectrum", NQM_BSDF_SPECTRUM}, {"bool", NQM_BSDF_BOOLEAN},
-                                      {"texture", NQM_BSDF_TEXTURE},   {NULL, NQM_BSDF_OTHER}};
+static const nqm_bsdf_word kinds[] = {{"float integer", NQM_BSDF_NUMBER},
+                                      {"rgb", NQM_BSDF_TRIPLE},
+                                      {"string", NQM_BSDF_STRING},
+                                      {"spectrum", NQM_BSDF_SPECTRUM},
+                                      {"bool", NQM_BSDF_BOOLEAN},
+                                      {"texture", NQM_BSDF_TEXTURE},
+                                      {NULL, NQM_BSDF_OTHER}};
 
 /* Append one value, the last token, to the others; a string among numbers keeps its quotes and is no number. */
 static nqm_status add_value(scanner *s, nqm_bsdf_kind kind, char values[VALUES]) {
@@ -169,119 +172,71 @@ static nqm_status read_parameters(scanner *s, material *m) {
 
 /* ---- materials to shadings --------------------------------------------------------------------------------------- */
 
-/* k = 2 sqrt(r / (1 - r)) of the map r. */
-static bool reflectance_map(nqm_bsdf_reading *r, const nqm_bsdf_node *node, double eta[3]) {
-    uint16_t value;
-    if (!nqm_pbrt_map(r, node, 3, &value))
-        return false;
-    nqm_textured *t = r->reading.textured;
-    value = nqm_bsdf_compute(r, NQM_MAP_MINIMUM, 3, nqm_bsdf_compute(r, NQM_MAP_MAXIMUM, 3, value, 0), 0.9999);
-    const uint16_t rest =
-        nqm_map_compute(t, NQM_MAP_SUBTRACT, 3, nqm_map_value(t, 1, &(double){1}), value, NQM_NO_NODE);
-    value = nqm_bsdf_compute(r, NQM_MAP_POWER, 3, nqm_map_compute(t, NQM_MAP_DIVIDE, 3, value, rest, NQM_NO_NODE), 0.5);
-    eta[0] = eta[1] = eta[2] = 1;
-    return nqm_bsdf_output(r, node, "k", nqm_bsdf_compute(r, NQM_MAP_MULTIPLY, 3, value, 2));
+/* A value clamped to 0 to `high`. */
+static uint16_t clamp(nqm_textured *t, uint16_t value, double high) {
+    return nqm_map_with(t, NQM_MAP_MINIMUM, 3, nqm_map_with(t, NQM_MAP_MAXIMUM, 3, value, 0), high);
 }
 
-/* eta and k from a reflectance at normal incidence, as pbrt, which clamps r to 0.9999. */
-static bool reflectance_index(nqm_bsdf_reading *r, double eta[3], double k[3]) {
-    const nqm_bsdf_node *node = nqm_bsdf_find(r, "reflectance");
-    double reflectance[3];
-    if (!node)
-        return true;
+/* eta = 1 and k = 2 sqrt(r / (1 - r)) of a reflectance r at normal incidence, as pbrt, which clamps r to 0.9999. */
+static bool reflectance_index(nqm_bsdf_reading *r, const nqm_bsdf_node *node) {
+    nqm_textured *t = r->reading.textured;
+    const double one[3] = {1, 1, 1};
+    uint16_t value;
     if (nqm_bsdf_find(r, "eta") || nqm_bsdf_find(r, "k"))
         return nqm_refuse(&r->reading, node, "reflectance is given as well as eta or k");
-    if (nqm_bsdf_is_texture(node))
-        return reflectance_map(r, node, eta);
-    if (!nqm_pbrt_colour(r, "reflectance", reflectance))
+    if (!nqm_pbrt_value(r, "reflectance", 3, NULL, &value))
         return false;
-    for (size_t c = 0; c < 3; ++c) {
-        const double clamped = fmin(fmax(reflectance[c], 0), 0.9999);
-        eta[c] = 1;
-        k[c] = 2 * sqrt(clamped / (1 - clamped));
-    }
-    return true;
+    value = clamp(t, value, 0.9999);
+    const uint16_t rest = nqm_map_compute(t, NQM_MAP_SUBTRACT, 3, nqm_map_number(t, 1), value, 0);
+    value = nqm_map_with(t, NQM_MAP_POWER, 3, nqm_map_compute(t, NQM_MAP_DIVIDE, 3, value, rest, 0), 0.5);
+    return nqm_bsdf_output(r, "eta", nqm_map_value(t, 3, one)) &&
+           nqm_bsdf_output(r, "k", nqm_map_with(t, NQM_MAP_MULTIPLY, 3, value, 2));
 }
 
-/* The square of alpha where one of the roughnesses is a texture; texels that would be mirrors have the smallest lobe of the model. */
-static bool roughness_maps(nqm_bsdf_reading *r, const char *const names[2], const nqm_bsdf_node *map, bool remap) {
-    nqm_textured *t = nqm_bsdf_textured(r, map);
-    uint16_t value[2];
-    for (size_t c = 0; c < 2; ++c)
-        if (!t || !nqm_pbrt_operand(r, names[c], 1, 0, &value[c]))
-            return false;
-    const size_t n = value[0] == value[1] ? 1 : 2;
-    if (n == 2)
-        value[0] = nqm_map_compute(t, NQM_MAP_COMBINE, n, value[0], value[1], NQM_NO_NODE);
-    if (!remap)
-        value[0] = nqm_map_compute(t, NQM_MAP_MULTIPLY, n, value[0], value[0], NQM_NO_NODE);
-    return nqm_bsdf_output(r, map, "roughness", nqm_bsdf_compute(r, NQM_MAP_MAXIMUM, n, value[0], 1e-6));
-}
-
-/* Both directions; alpha is the square root. */
+/* Both directions; alpha is the square root. Texels that would be mirrors have the smallest lobe of the model. */
 static bool conductor_roughness(nqm_bsdf_reading *r, const nqm_bsdf_node *bsdf) {
-    const char *names[] = {"uroughness", "vroughness"};
-    double roughness[2];
+    const char *const names[] = {"uroughness", "vroughness"};
+    const double zero = 0;
+    nqm_textured *t = r->reading.textured;
+    uint16_t value[2];
     bool remap = true;
     if (!nqm_bsdf_flag(r, "remaproughness", &remap))
         return false;
-    for (size_t c = 0; c < 2; ++c)
-        names[c] = nqm_bsdf_find(r, names[c]) ? names[c] : "roughness";
-    for (size_t c = 0; c < 2; ++c)
-        if (nqm_bsdf_is_texture(nqm_bsdf_find(r, names[c])))
-            return roughness_maps(r, names, nqm_bsdf_find(r, names[c]), remap);
     for (size_t c = 0; c < 2; ++c) {
-        double v = 0;
-        if (!nqm_bsdf_numbers(r, names[c], 1, &v))
+        if (!nqm_pbrt_value(r, nqm_bsdf_find(r, names[c]) ? names[c] : "roughness", 1, &zero, &value[c]))
             return false;
-        if (v < 0)
+        if (nqm_map_is_constant(t, value[c]) && t->nodes[value[c]].v[0] < 0)
             return nqm_refuse(&r->reading, bsdf, "the roughness is negative");
-        roughness[c] = remap ? v : v * v;
     }
-    nqm_shading_set(&r->reading.shading, "roughness", roughness[0] == roughness[1] ? 1 : 2, roughness);
-    return (roughness[0] >= 1e-6 && roughness[1] >= 1e-6) ||
-           nqm_refuse(&r->reading, bsdf,
-                      "a smooth surface reflects into one direction only; only rough ones have a BRDF");
-}
-
-/* A colour as nqm_pbrt_colour(), or a map of the key of this name. */
-static bool colour_or_map(nqm_bsdf_reading *r, const char *name, double v[3]) {
-    const nqm_bsdf_node *node = nqm_bsdf_find(r, name);
-    uint16_t value;
-    if (!nqm_bsdf_is_texture(node))
-        return nqm_pbrt_colour(r, name, v);
-    return nqm_pbrt_map(r, node, 3, &value) && nqm_bsdf_output(r, node, name, value);
+    const size_t n = value[0] == value[1] ? 1 : 2;
+    if (n == 2)
+        value[0] = nqm_map_compute(t, NQM_MAP_COMBINE, n, value[0], value[1], 0);
+    if (!remap)
+        value[0] = nqm_map_compute(t, NQM_MAP_MULTIPLY, n, value[0], value[0], 0);
+    if (nqm_map_is_constant(t, value[0]) && fmin(t->nodes[value[0]].v[0], t->nodes[value[0]].v[n - 1]) < 1e-6)
+        return nqm_refuse(&r->reading, bsdf,
+                          "a smooth surface reflects into one direction only; only rough ones have a BRDF");
+    return nqm_bsdf_output(r, "roughness", nqm_map_with(t, NQM_MAP_MAXIMUM, n, value[0], 1e-6));
 }
 
 static bool finish_conductor(nqm_bsdf_reading *r, const nqm_bsdf_node *bsdf) {
     const nqm_metal *copper = nqm_metal_find("Cu"); /* pbrt's default */
-    double eta[3], k[3];
-    memcpy(eta, copper->eta, sizeof eta);
-    memcpy(k, copper->k, sizeof k);
-    if (!conductor_roughness(r, bsdf) || !colour_or_map(r, "eta", eta) || !colour_or_map(r, "k", k) ||
-        !reflectance_index(r, eta, k))
+    const nqm_bsdf_node *reflectance = nqm_bsdf_find(r, "reflectance");
+    uint16_t eta, k;
+    if (!conductor_roughness(r, bsdf))
         return false;
-    nqm_shading_set(&r->reading.shading, "eta", 3, eta);
-    nqm_shading_set(&r->reading.shading, "k", 3, k);
-    return true;
+    if (reflectance)
+        return reflectance_index(r, reflectance);
+    return nqm_pbrt_value(r, "eta", 3, copper->eta, &eta) && nqm_bsdf_output(r, "eta", eta) &&
+           nqm_pbrt_value(r, "k", 3, copper->k, &k) && nqm_bsdf_output(r, "k", k);
 }
 
 static bool finish_diffuse(nqm_bsdf_reading *r, const nqm_bsdf_node *bsdf) {
-    const nqm_bsdf_node *node = nqm_bsdf_find(r, "reflectance");
-    double kd[3] = {0.5, 0.5, 0.5};
+    const double grey[3] = {0.5, 0.5, 0.5};
     uint16_t value;
     (void)bsdf;
-    if (nqm_bsdf_is_texture(node))
-        return nqm_pbrt_map(r, node, 3, &value) &&
-               nqm_bsdf_output(
-                   r, node, "kd",
-                   nqm_bsdf_compute(r, NQM_MAP_MINIMUM, 3, nqm_bsdf_compute(r, NQM_MAP_MAXIMUM, 3, value, 0), 1));
-    if (!nqm_pbrt_colour(r, "reflectance", kd))
-        return false;
-    for (size_t c = 0; c < 3; ++c)
-        kd[c] = fmin(fmax(kd[c], 0), 1); /* as pbrt */
-    nqm_shading_set(&r->reading.shading, "kd", 3, kd);
-    return true;
+    return nqm_pbrt_value(r, "reflectance", 3, grey, &value) &&
+           nqm_bsdf_output(r, "kd", clamp(r->reading.textured, value, 1)); /* as pbrt */
 }
 
 #define DISPLACEMENT NQM_RULE_ZERO("displacement", "displacement is not part of a BRDF")
@@ -301,11 +256,8 @@ static const nqm_bsdf_plugin types[] = {
      .finish = finish_diffuse,
      .rules = {NQM_RULE_LATER("reflectance"), NORMAL_MAP, DISPLACEMENT}},
     {.type = "measured", .rules = {{.name = "filename", .read = nqm_bsdf_file}}},
-    {.type = "coateddiffuse", .refusal = WALKS},
-    {.type = "coatedconductor", .refusal = WALKS},
-    {.type = "dielectric", .refusal = TRANSMITS},
-    {.type = "thindielectric", .refusal = TRANSMITS},
-    {.type = "diffusetransmission", .refusal = TRANSMITS},
+    {.type = "coateddiffuse coatedconductor", .refusal = WALKS},
+    {.type = "dielectric thindielectric diffusetransmission", .refusal = TRANSMITS},
     {.type = "subsurface", .refusal = "subsurface scattering is not supported"},
     {.type = "hair", .refusal = "hair has no BRDF of a surface"},
     {.type = "mix", .refusal = "mixtures of materials are not supported"},
@@ -317,7 +269,7 @@ static nqm_status add_material(const scanner *s, const material *m, nqm_material
         .reading = {.source = &nqm_bsdf_source}, .nodes = &m->nodes, .path = s->path, .textures = &s->textures->nodes};
     if (s->refusal)
         nqm_refuse(&r.reading, m->nodes.list, "%s", s->refusal);
-    else
+    else if (nqm_bsdf_begin(&r))
         nqm_bsdf_read(&r, types, m->type);
     return nqm_reading_add(&r.reading, m->name, m->type, m->byte_offset, materials, s->err);
 }

@@ -23,8 +23,8 @@ static bool read_metal(nqm_bsdf_reading *r, const nqm_bsdf_node *node, double v[
     return true;
 }
 
-/* A colour; `v` keeps its value when the parameter is not given. */
-bool nqm_pbrt_colour(nqm_bsdf_reading *r, const char *name, double v[3]) {
+/* A constant colour; `v` keeps its value when the parameter is not given. */
+static bool read_colour(nqm_bsdf_reading *r, const char *name, double v[3]) {
     const nqm_bsdf_node *node = nqm_bsdf_find(r, name);
     const bool is_spectrum = node && node->kind == NQM_BSDF_SPECTRUM;
     if (is_spectrum && strcmp(name, "reflectance") != 0 && !strchr(node->value, ' '))
@@ -44,33 +44,36 @@ static bool read_texture(nqm_bsdf_reading *r, size_t n, uint16_t *value_ret);
 
 /* The value of the texture that a parameter names. Floats (n = 1) and spectra (n = 3) have names of their own. */
 static bool read_named(nqm_bsdf_reading *r, const nqm_bsdf_node *parameter, size_t n, uint16_t *value_ret) {
-    const nqm_bsdf_reading before = {.nodes = r->nodes, .at = r->at};
-    const size_t end = r->nodes == r->textures ? r->at : r->textures->n; /* none contains itself */
+    const nqm_bsdf_nodes *nodes = r->nodes;
+    const size_t at = r->at, end = nodes == r->textures ? at : r->textures->n; /* none contains itself */
     const char *type = n == 3 ? "spectrum" : "float";
+    const nqm_bsdf_node *list = r->textures->list;
     size_t i = 0;
-    while (i < end && !(r->textures->list[i].parent == NQM_BSDF_ROOT && strcmp(r->textures->list[i].name, type) == 0 &&
-                        strcmp(r->textures->list[i].id, parameter->value) == 0))
+    while (i < end && !(list[i].parent == NQM_BSDF_ROOT && strcmp(list[i].name, type) == 0 &&
+                        strcmp(list[i].id, parameter->value) == 0))
         ++i;
     if (i == end)
         return nqm_refuse(&r->reading, parameter, "%s: there is no %s texture '%.40s' before it", parameter->name, type,
                           parameter->value);
     if (++r->n_textures > MAX_TEXTURES)
         return nqm_refuse(&r->reading, parameter, "%s: more than %d textures", parameter->name, MAX_TEXTURES);
+    nqm_bsdf_varies(r, parameter);
     r->nodes = r->textures;
     r->at = i;
     const bool is_read = read_texture(r, n, value_ret);
-    r->nodes = before.nodes;
-    r->at = before.at;
+    r->nodes = nodes;
+    r->at = at;
     return is_read;
 }
 
-/* The value of a parameter that is a texture or a constant; `missing`: when it is not given. */
-bool nqm_pbrt_operand(nqm_bsdf_reading *r, const char *name, size_t n, double missing, uint16_t *value_ret) {
+bool nqm_pbrt_value(nqm_bsdf_reading *r, const char *name, size_t n, const double *missing, uint16_t *value_ret) {
     const nqm_bsdf_node *node = nqm_bsdf_find(r, name);
-    double v[3] = {missing, missing, missing};
+    double v[3] = {0};
     if (nqm_bsdf_is_texture(node))
         return read_named(r, node, n, value_ret);
-    if (!(n == 3 ? nqm_pbrt_colour(r, name, v) : nqm_bsdf_numbers(r, name, 1, v)))
+    if (!node)
+        memcpy(v, missing, n * sizeof *v);
+    if (!(n == 3 ? read_colour(r, name, v) : nqm_bsdf_numbers(r, name, 1, v)))
         return false;
     *value_ret = nqm_map_value(r->reading.textured, n, v);
     return true;
@@ -93,14 +96,14 @@ static bool read_image(nqm_bsdf_reading *r, const nqm_bsdf_node *file, const cha
     if (!nqm_bsdf_image(r, file, is_srgb ? "srgb_texture" : "", uv, wrap, value_ret))
         return false;
     if (gamma != 1)
-        *value_ret = nqm_bsdf_compute(r, NQM_MAP_POWER, 3, *value_ret, gamma);
+        *value_ret = nqm_map_with(r->reading.textured, NQM_MAP_POWER, 3, *value_ret, gamma);
     return true;
 }
 
 /* pbrt's v points upwards, and the first row of an image is at v = 1: with v downwards, its t = 1 - (vscale (1 - v) + vdelta). */
 static bool read_mapping(nqm_bsdf_reading *r, double uv[2][3]) {
     double u[2] = {1, 0}, v[2] = {1, 0};
-    uint8_t mapping;
+    size_t mapping;
     if (!nqm_bsdf_choice(r, "mapping", "uv", &mapping) || !nqm_bsdf_numbers(r, "uscale", 1, &u[0]) ||
         !nqm_bsdf_numbers(r, "udelta", 1, &u[1]) || !nqm_bsdf_numbers(r, "vscale", 1, &v[0]) ||
         !nqm_bsdf_numbers(r, "vdelta", 1, &v[1]))
@@ -116,66 +119,56 @@ static bool read_imagemap(nqm_bsdf_reading *r, size_t n, uint16_t *value_ret) {
     nqm_textured *t = r->reading.textured;
     double uv[2][3], scale = 1;
     bool is_inverted = false;
-    uint8_t wrap;
+    size_t wrap;
     if (!file || !read_mapping(r, uv) || !nqm_bsdf_choice(r, "wrap", "repeat black clamp", &wrap) ||
         !nqm_bsdf_numbers(r, "scale", 1, &scale) || !nqm_bsdf_flag(r, "invert", &is_inverted) ||
         !read_image(r, file, encoding ? encoding->value : "sRGB", uv, wraps[wrap], value_ret))
         return false;
     uint16_t value = *value_ret;
     if (n == 1) {
-        const uint16_t red_green =
-            nqm_map_compute(t, NQM_MAP_ADD, 1, nqm_map_channel(t, value, 0), nqm_map_channel(t, value, 1), NQM_NO_NODE);
-        value = nqm_map_compute(t, NQM_MAP_ADD, 1, red_green, nqm_map_channel(t, value, 2), NQM_NO_NODE);
-        value = nqm_bsdf_compute(r, NQM_MAP_MULTIPLY, 1, value, 1.0 / 3);
+        value = nqm_map_channel(t, *value_ret, 0);
+        for (size_t c = 1; c < 3; ++c)
+            value = nqm_map_compute(t, NQM_MAP_ADD, 1, value, nqm_map_channel(t, *value_ret, c), 0);
+        value = nqm_map_with(t, NQM_MAP_MULTIPLY, 1, value, 1.0 / 3);
     }
-    if (scale != 1)
-        value = nqm_bsdf_compute(r, NQM_MAP_MULTIPLY, n, value, scale);
-    if (is_inverted)
-        value = nqm_bsdf_compute(
-            r, NQM_MAP_MAXIMUM, n,
-            nqm_map_compute(t, NQM_MAP_SUBTRACT, n, nqm_map_value(t, 1, &(double){1}), value, NQM_NO_NODE), 0);
+    value = nqm_map_with(t, NQM_MAP_MULTIPLY, n, value, scale);
+    if (is_inverted) {
+        value = nqm_map_compute(t, NQM_MAP_SUBTRACT, n, nqm_map_number(t, 1), value, 0);
+        value = nqm_map_with(t, NQM_MAP_MAXIMUM, n, value, 0);
+    }
     *value_ret = value;
     return true;
 }
 
-/* The texture r->at. */
+/* The texture r->at: an image, or an operation of other values. */
 static bool read_texture(nqm_bsdf_reading *r, size_t n, uint16_t *value_ret) {
+    static const double zero[3], one[3] = {1, 1, 1}, half = 0.5;
     const nqm_bsdf_node *texture = &r->nodes->list[r->at];
-    uint16_t a, b, amount;
+    const bool is_mix = strcmp(texture->type, "mix") == 0;
+    uint16_t a, b, amount = 0;
     if (strcmp(texture->type, "imagemap") == 0)
         return read_imagemap(r, n, value_ret);
     if (strcmp(texture->type, "constant") == 0)
-        return nqm_pbrt_operand(r, "value", n, 1, value_ret);
-    if (strcmp(texture->type, "scale") == 0) {
-        if (!nqm_pbrt_operand(r, "tex", n, 1, &a) || !nqm_pbrt_operand(r, "scale", 1, 1, &b))
-            return false;
-        *value_ret = nqm_map_compute(r->reading.textured, NQM_MAP_MULTIPLY, n, a, b, NQM_NO_NODE);
-        return true;
-    }
-    if (strcmp(texture->type, "mix") != 0)
+        return nqm_pbrt_value(r, "value", n, one, value_ret);
+    if (!is_mix && strcmp(texture->type, "scale") != 0)
         return nqm_refuse(&r->reading, texture,
                           "the texture '%.40s' is of class '%.40s'; imagemap, constant, scale and mix are read",
                           texture->id, texture->type);
-    if (!nqm_pbrt_operand(r, "tex1", n, 0, &a) || !nqm_pbrt_operand(r, "tex2", n, 1, &b) ||
-        !nqm_pbrt_operand(r, "amount", 1, 0.5, &amount))
+    if (is_mix ? !nqm_pbrt_value(r, "tex1", n, zero, &a) || !nqm_pbrt_value(r, "tex2", n, one, &b) ||
+                     !nqm_pbrt_value(r, "amount", 1, &half, &amount)
+               : !nqm_pbrt_value(r, "tex", n, one, &a) || !nqm_pbrt_value(r, "scale", 1, one, &b))
         return false;
-    *value_ret = nqm_map_compute(r->reading.textured, NQM_MAP_MIX, n, a, b, amount);
+    *value_ret = nqm_map_compute(r->reading.textured, is_mix ? NQM_MAP_MIX : NQM_MAP_MULTIPLY, n, a, b, amount);
     return true;
-}
-
-/* The value of a parameter of the material that is a texture. */
-bool nqm_pbrt_map(nqm_bsdf_reading *r, const nqm_bsdf_node *node, size_t n, uint16_t *value_ret) {
-    return nqm_bsdf_textured(r, node) && read_named(r, node, n, value_ret);
 }
 
 /* RGB of the file that the parameter names; it is repeated, and linear as far as pbrt allows that. */
 bool nqm_pbrt_normal_map(nqm_reading *r, const nqm_rule *rule, const void *property) {
-    static const double uv[2][3] = {{1, 0, 0}, {0, 1, 0}};
     nqm_bsdf_reading *bsdf = (nqm_bsdf_reading *)r;
     const nqm_bsdf_node *node = property;
     uint16_t rgb;
     if (node->kind != NQM_BSDF_STRING || !*node->value)
         return nqm_refuse(r, node, "%s needs the name of a file", rule->name);
     return nqm_reading_textured(r, node, "normalmap varies over the surface") &&
-           read_image(bsdf, node, "linear", uv, NQM_MAP_REPEAT, &rgb) && nqm_bsdf_normal(bsdf, node, rgb);
+           read_image(bsdf, node, "linear", NULL, NQM_MAP_REPEAT, &rgb) && nqm_bsdf_output(bsdf, "normal", rgb);
 }

@@ -18,7 +18,7 @@ bool nqm_refuse(nqm_reading *r, const void *property, const char *format, ...) {
 }
 
 nqm_textured *nqm_reading_textured(nqm_reading *r, const void *property, const char *format, ...) {
-    if (r->textured && *r->varies)
+    if (*r->varies)
         return r->textured;
     r->textured = r->textured ? r->textured : nqm_textured_create();
     if (!r->textured) {
@@ -118,18 +118,13 @@ bool nqm_rule_later(nqm_reading *r, const nqm_rule *rule, const void *property) 
 
 nqm_status nqm_reading_add(nqm_reading *r, const char *name, const char *surface, int64_t byte_offset,
                            nqm_materials *materials, nqm_error *err) {
-    const bool is_refused = *r->refusal, varies = !is_refused && r->textured && *r->varies;
-    const bool has_spec = !is_refused && !varies && !r->file;
-    char *spec = has_spec ? nqm_shading_spec(&r->shading) : NULL;
-    if (has_spec && !spec) {
-        nqm_textured_free(r->textured);
-        return nqm_fail_nomem(err, sizeof r->shading);
-    }
+    nqm_textured *t = r->textured;
+    const bool is_refused = *r->refusal, has_maps = t && (t->n_outputs || t->normal != NQM_NO_NODE);
+    const bool varies = !is_refused && has_maps, has_brdf = !is_refused && !varies;
+    char *spec = has_brdf && !r->file ? nqm_shading_spec(&r->shading) : NULL;
     const nqm_material_info info = {.name = name,
                                     .surface = surface,
-                                    .spec = is_refused || varies ? NULL
-                                            : has_spec           ? spec
-                                                                 : r->file,
+                                    .spec = has_brdf && r->file ? r->file : spec,
                                     .refusal = is_refused ? r->refusal
                                                : varies   ? r->varies
                                                           : NULL,
@@ -137,14 +132,15 @@ nqm_status nqm_reading_add(nqm_reading *r, const char *name, const char *surface
                                     .byte_offset = is_refused ? r->byte_offset
                                                    : varies   ? r->varies_at
                                                               : byte_offset};
-    nqm_status status = nqm_materials_add(materials, &info, err);
+    nqm_status status =
+        info.spec || info.refusal ? nqm_materials_add(materials, &info, err) : nqm_fail_nomem(err, sizeof r->shading);
     if (status == NQM_OK && varies) {
-        r->textured->shading = r->shading;
-        r->textured->shading.remark = NULL; /* it may belong to the reader; that of the list is a copy */
-        nqm_materials_attach(materials, r->textured);
-        r->textured = NULL;
-    }
-    nqm_textured_free(r->textured);
+        nqm_textured_prune(t);
+        t->shading = r->shading;
+        t->shading.remark = NULL; /* it may belong to the reader; that of the list is a copy */
+        nqm_materials_attach(materials, t);
+    } else
+        nqm_textured_free(t);
     r->textured = NULL;
     nqm_free(spec);
     return status;

@@ -61,13 +61,14 @@ struct nqm_reading {
     const nqm_rule *rules;
     const char *owner; /**< what has the properties, for messages */
     nqm_shading shading;
-    const char *file;       /**< of a measured material; NULL: the shading is the result */
-    char refusal[400];      /**< "": accepted */
-    int64_t byte_offset;    /**< of the refused property */
-    uint64_t given;         /**< bit i: rule i has been applied */
-    nqm_textured *textured; /**< what is computed from maps, owned; NULL: nothing so far */
-    char varies[400];       /**< with it: why the material has no BRDF */
-    int64_t varies_at;      /**< the position of that property */
+    const char *file;    /**< of a measured material; NULL: the shading is the result */
+    char refusal[400];   /**< "": accepted */
+    int64_t byte_offset; /**< of the refused property */
+    uint64_t given;      /**< bit i: rule i has been applied */
+    nqm_textured *
+        textured; /**< what is computed, owned; NULL: nothing so far. The material varies if that has outputs or a normal */
+    char varies[400];  /**< why it has no BRDF then */
+    int64_t varies_at; /**< the position of that property */
 };
 
 /** Refuse the material, unless it is refused already; false, so that readers can return it. */
