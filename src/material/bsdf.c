@@ -27,9 +27,13 @@ nqm_status nqm_bsdf_add(nqm_bsdf_nodes *nodes, const nqm_bsdf_node *node, const 
     return status;
 }
 
+void nqm_bsdf_cut(nqm_bsdf_nodes *nodes, size_t n) {
+    while (nodes->n > n)
+        nqm_free(nodes->list[--nodes->n].type); /* the first text owns the block */
+}
+
 void nqm_bsdf_clear(nqm_bsdf_nodes *nodes) {
-    for (size_t i = 0; i < nodes->n; ++i)
-        nqm_free(nodes->list[i].type); /* the first text owns the block */
+    nqm_bsdf_cut(nodes, 0);
     nqm_free(nodes->list);
     *nodes = (nqm_bsdf_nodes){.n = 0};
 }
@@ -165,8 +169,8 @@ bool nqm_bsdf_file(nqm_reading *r, const nqm_rule *rule, const void *property) {
 
 void nqm_bsdf_varies(nqm_bsdf_reading *r, const nqm_bsdf_node *node) {
     const bool is_reference = node->kind == NQM_BSDF_REF;
-    nqm_reading_textured(&r->reading, node, is_reference ? IS_REFERENCE : IS_PLUGIN, node->name,
-                         is_reference ? node->id : node->type);
+    nqm_vary(&r->reading, node, is_reference ? IS_REFERENCE : IS_PLUGIN, node->name,
+             is_reference ? node->id : node->type);
 }
 
 bool nqm_bsdf_is_texture(const nqm_bsdf_node *node) {
@@ -222,11 +226,6 @@ const nqm_bsdf_plugin *nqm_bsdf_find_plugin(const nqm_bsdf_plugin *plugins, cons
     return plugins->type ? plugins : NULL;
 }
 
-bool nqm_bsdf_begin(nqm_bsdf_reading *r) {
-    r->reading.textured = nqm_textured_create();
-    return r->reading.textured || nqm_refuse(&r->reading, &r->nodes->list[r->at], "out of memory");
-}
-
 bool nqm_bsdf_read(nqm_bsdf_reading *r, const nqm_bsdf_plugin *plugins, const char *type) {
     nqm_reading *reading = &r->reading;
     const nqm_bsdf_node *bsdf = &r->nodes->list[r->at], *property = NULL;
@@ -241,7 +240,7 @@ bool nqm_bsdf_read(nqm_bsdf_reading *r, const nqm_bsdf_plugin *plugins, const ch
     while ((property = nqm_bsdf_next(r->nodes, r->at, property)))
         if (!nqm_rules_apply(reading, property->name, property))
             return false;
-    if (!p->model && *reading->varies)
+    if (!p->model && *reading->varies.text)
         return nqm_refuse(reading, bsdf, "a measured BSDF with maps is not supported");
     if (!p->model && !reading->file)
         return nqm_refuse(reading, bsdf, "filename is missing");

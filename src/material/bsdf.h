@@ -50,6 +50,8 @@ typedef struct nqm_bsdf_nodes {
 /** Append a node; its texts are copied, NULL as "". NQM_ERR_LIMIT: more than 100000. */
 NQM_MUST_CHECK nqm_status nqm_bsdf_add(nqm_bsdf_nodes *nodes, const nqm_bsdf_node *node, const char *path,
                                        nqm_error *err);
+/** Remove all nodes from index n on. */
+void nqm_bsdf_cut(nqm_bsdf_nodes *nodes, size_t n);
 /** The list is empty then. */
 void nqm_bsdf_clear(nqm_bsdf_nodes *nodes);
 /** The child of `parent` after one of them, or after NULL the first one; NULL when there is none. */
@@ -59,11 +61,10 @@ const nqm_bsdf_node *nqm_bsdf_next(const nqm_bsdf_nodes *nodes, size_t parent, c
 typedef struct nqm_bsdf_reading {
     nqm_reading reading;
     const nqm_bsdf_nodes *nodes;
-    size_t at;                      /**< index of the BSDF, or of the texture inside of it that is being read */
-    const char *path;               /**< of the scene */
-    const nqm_index *ids;           /**< Mitsuba: BSDFs and textures by id */
-    const nqm_bsdf_nodes *textures; /**< pbrt: those before the material */
-    size_t n_textures;              /**< pbrt: how many have been evaluated for the material */
+    size_t at;            /**< index of the BSDF, or of the texture that is being read for it */
+    const char *path;     /**< of the scene */
+    const nqm_index *ids; /**< Mitsuba: BSDFs and textures by id */
+    size_t n_textures;    /**< pbrt: how many have been evaluated for the material */
 } nqm_bsdf_reading;
 
 /** Types of BSDFs. */
@@ -78,8 +79,6 @@ typedef struct nqm_bsdf_plugin {
 extern const nqm_rule_source nqm_bsdf_source;
 /** NULL: there is no plugin of that type. */
 const nqm_bsdf_plugin *nqm_bsdf_find_plugin(const nqm_bsdf_plugin *plugins, const char *type);
-/** Begin reading; r->reading.textured is empty then. false: out of memory, and the material is refused. */
-bool nqm_bsdf_begin(nqm_bsdf_reading *r);
 /** Read the BSDF `r->at` as one of these types; false: it is refused. */
 bool nqm_bsdf_read(nqm_bsdf_reading *r, const nqm_bsdf_plugin *plugins, const char *type);
 /** A property of the BSDF, or NULL. */

@@ -227,15 +227,15 @@ static void add_textures(reader *r, const json_t *material) {
     const nqm_property *coat = nqm_shading_find(&r->reading.shading, "clearcoat");
     bool has_coat = coat && coat->v[0] > 0;
     r->document.has_other_set = false;
-    for (size_t i = 0; i < r->n_textures && !*r->reading.refusal; ++i) {
+    for (size_t i = 0; i < r->n_textures && !*r->reading.refusal.text; ++i) {
         const property *p = &r->textures[i];
         const char *dot = strrchr(p->path, '.'), *name = dot ? dot + 1 : p->path;
-        nqm_textured *t = nqm_reading_textured(&r->reading, p, "%.120s: %s", shown(p->path), TEXTURE_REASON);
+        nqm_vary(&r->reading, p, "%.120s: %s", shown(p->path), TEXTURE_REASON);
         if (strcmp(name, "clearcoatNormalTexture") == 0) {
             has_coat = false;
             if (!json_equal(p->value, base))
                 refuse(r, p->path, "", "a coat with another normal map than normalTexture is not supported");
-        } else if (t && !nqm_gltf_add_texture(&r->document, name, p->value, &r->reading.shading, t))
+        } else if (!nqm_gltf_add_texture(&r->document, name, p->value, &r->reading))
             refuse(r, p->path, "", r->document.why);
         remark(r, mode && strcmp(name, "baseColorTexture") == 0 && strcmp(json_string_value(mode), "OPAQUE") != 0,
                "the alpha of baseColorTexture is ignored: the surface is taken as opaque");
@@ -246,7 +246,8 @@ static void add_textures(reader *r, const json_t *material) {
 
 static nqm_status read_material(reader *r, json_t *material, nqm_materials *materials) {
     const json_t *name = json_object_get(material, "name");
-    r->reading = (nqm_reading){.source = &source, .shading = {.model = "gltf"}};
+    const bool has_memory = nqm_reading_begin(&r->reading, &source);
+    strcpy(r->reading.shading.model, "gltf");
     r->alpha = 1;
     r->n_textures = 0;
     json_t *pbr = json_object_get(material, nqm_gltf_core.name), *list = json_object_get(material, "extensions");
@@ -261,12 +262,15 @@ static nqm_status read_material(reader *r, json_t *material, nqm_materials *mate
         read_extensions(r, list);
     check_emission(r, material);
     check_alpha(r, material);
-    if (r->status != NQM_OK)
+    if (r->status != NQM_OK) {
+        nqm_textured_free(r->reading.textured);
         return r->status;
+    }
     const nqm_property *ior = nqm_shading_find(&r->reading.shading, "ior");
     if (ior && (ior->v[0] < 0 || (ior->v[0] > 0 && ior->v[0] < 1)))
         refuse(r, "extensions.KHR_materials_ior.ior", "", "the index must be 0, or 1 or greater");
-    add_textures(r, material);
+    if (has_memory)
+        add_textures(r, material);
     return nqm_reading_add(&r->reading, json_string_value(name), SURFACE, byte_of(r, ""), materials, r->err);
 }
 

@@ -64,6 +64,11 @@ static bool read_size(nqm_gltf_document *d, const json_t *object, const char *ke
     return is_valid || fail(d, "'%s' needs an integer of at least 0", key);
 }
 
+/* The element that the index `key` of an object names; *i receives the index. NULL: fail() has been called. */
+static const json_t *element_of(nqm_gltf_document *d, const json_t *object, const char *key, size_t which, size_t *i) {
+    return read_size(d, object, key, SIZE_MAX, i) ? element(d, which, *i) : NULL;
+}
+
 /* ---- images ------------------------------------------------------------------------------------------------------ */
 
 static bool is_data(const char *uri) {
@@ -138,12 +143,10 @@ static char *decode_name(nqm_gltf_document *d, const char *uri) {
 /* The part of a buffer that an image is. */
 static bool read_view(nqm_gltf_document *d, const json_t *image, nqm_map_image *result) {
     size_t view_i, buffer_i, at, n, n_buffer;
-    const json_t *view = read_size(d, image, "bufferView", SIZE_MAX, &view_i) ? element(d, VIEWS, view_i) : NULL;
-    if (!view || !read_size(d, view, "buffer", SIZE_MAX, &buffer_i) || !read_size(d, view, "byteOffset", 0, &at) ||
-        !read_size(d, view, "byteLength", SIZE_MAX, &n))
-        return false;
-    const json_t *buffer = element(d, BUFFERS, buffer_i);
-    if (!buffer || !read_size(d, buffer, "byteLength", SIZE_MAX, &n_buffer))
+    const json_t *view = element_of(d, image, "bufferView", VIEWS, &view_i);
+    const json_t *buffer = view ? element_of(d, view, "buffer", BUFFERS, &buffer_i) : NULL;
+    if (!buffer || !read_size(d, view, "byteOffset", 0, &at) || !read_size(d, view, "byteLength", SIZE_MAX, &n) ||
+        !read_size(d, buffer, "byteLength", SIZE_MAX, &n_buffer))
         return false;
     const char *uri = json_string_value(json_object_get(buffer, "uri"));
     n_buffer = uri ? n_buffer : nqm_smaller(n_buffer, buffer_i == 0 ? d->n_bin : 0);
@@ -160,8 +163,26 @@ static bool read_view(nqm_gltf_document *d, const json_t *image, nqm_map_image *
     return result->path != NULL;
 }
 
-static bool add_image(nqm_gltf_document *d, size_t i, const char *space, nqm_textured *t, size_t *image_ret) {
-    const json_t *image = element(d, IMAGES, i);
+/* The image of a texture, of which formats that are not read have a fallback in some files. */
+static const json_t *find_image(nqm_gltf_document *d, const json_t *texture, size_t *i) {
+    static const char *const formats[][2] = {{"KHR_texture_basisu", "KTX2"},
+                                             {"EXT_texture_webp", "WebP"},
+                                             {"EXT_texture_avif", "AVIF"},
+                                             {"MSFT_texture_dds", "DDS"}};
+    const json_t *extensions = json_object_get(texture, "extensions");
+    if (json_object_get(texture, "source"))
+        return element_of(d, texture, "source", IMAGES, i);
+    fail(d, "the texture has no image ('source')");
+    for (size_t f = 0; f < sizeof formats / sizeof *formats; ++f)
+        if (json_object_get(extensions, formats[f][0]))
+            fail(d, "the image is %s (%s), which is not read; convert it to PNG", formats[f][1], formats[f][0]);
+    return NULL;
+}
+
+static bool add_image(nqm_gltf_document *d, const json_t *texture, const char *space, nqm_textured *t,
+                      size_t *image_ret) {
+    size_t i;
+    const json_t *image = find_image(d, texture, &i);
     const char *uri = json_string_value(json_object_get(image, "uri"));
     char text[512];
     if (!image)
@@ -183,26 +204,13 @@ static bool add_image(nqm_gltf_document *d, size_t i, const char *space, nqm_tex
 
 /* ---- textures ---------------------------------------------------------------------------------------------------- */
 
-/* The image of a texture, of which formats that are not read have a fallback in some files. */
-static bool read_source(nqm_gltf_document *d, const json_t *texture, size_t *source) {
-    static const char *const formats[] = {"KHR_texture_basisu", "EXT_texture_webp", "EXT_texture_avif",
-                                          "MSFT_texture_dds"};
-    static const char *const names[] = {"KTX2", "WebP", "AVIF", "DDS"};
-    if (json_object_get(texture, "source"))
-        return read_size(d, texture, "source", SIZE_MAX, source);
-    for (size_t i = 0; i < sizeof names / sizeof *names; ++i)
-        if (json_object_get(json_object_get(texture, "extensions"), formats[i]))
-            return fail(d, "the image is %s (%s), which is not read; convert it to PNG", names[i], formats[i]);
-    return fail(d, "the texture has no image ('source')");
-}
-
 static bool read_wrap(nqm_gltf_document *d, const json_t *texture, uint8_t wrap[2]) {
     static const char *const keys[] = {"wrapS", "wrapT"};
     enum { REPEAT = 10497, CLAMP_TO_EDGE = 33071, MIRRORED_REPEAT = 33648 };
     size_t i, mode;
     if (!json_object_get(texture, "sampler"))
         return true;
-    const json_t *sampler = read_size(d, texture, "sampler", 0, &i) ? element(d, SAMPLERS, i) : NULL;
+    const json_t *sampler = element_of(d, texture, "sampler", SAMPLERS, &i);
     for (size_t k = 0; k < 2; ++k) {
         if (!sampler || !read_size(d, sampler, keys[k], REPEAT, &mode))
             return false;
@@ -238,14 +246,11 @@ static bool read_texture(nqm_gltf_document *d, const json_t *info, size_t n, con
     const json_t *transform = json_object_get(json_object_get(info, "extensions"), "KHR_texture_transform");
     double uv[2][3] = {{1, 0, 0}, {0, 1, 0}};
     uint8_t wrap[2] = {NQM_MAP_REPEAT, NQM_MAP_REPEAT};
-    size_t i, source = 0, image, set;
+    size_t i, image, set;
+    const json_t *texture = element_of(d, info, "index", TEXTURES, &i);
     const bool has_set = json_object_get(transform, "texCoord") != NULL;
-    if (!read_size(d, info, "index", SIZE_MAX, &i) || !read_size(d, has_set ? transform : info, "texCoord", 0, &set) ||
-        !read_transform(d, transform, uv))
-        return false;
-    const json_t *texture = element(d, TEXTURES, i);
-    if (!texture || !read_source(d, texture, &source) || !read_wrap(d, texture, wrap) ||
-        !add_image(d, source, space, t, &image))
+    if (!texture || !read_size(d, has_set ? transform : info, "texCoord", 0, &set) ||
+        !read_transform(d, transform, uv) || !read_wrap(d, texture, wrap) || !add_image(d, texture, space, t, &image))
         return false;
     d->has_other_set |= set > 0;
     *node = nqm_map_image_at(t, image, n, uv, wrap);
@@ -296,8 +301,9 @@ static bool add_normal(nqm_gltf_document *d, const json_t *info, nqm_textured *t
     return t->normal != NQM_NO_NODE;
 }
 
-bool nqm_gltf_add_texture(nqm_gltf_document *d, const char *name, const json_t *info, const nqm_shading *shading,
-                          nqm_textured *t) {
+bool nqm_gltf_add_texture(nqm_gltf_document *d, const char *name, const json_t *info, nqm_reading *reading) {
+    const nqm_shading *shading = &reading->shading;
+    nqm_textured *t = reading->textured;
     size_t index;
     fail(d, "%s", no_memory);
     if (!read_size(d, info, "index", SIZE_MAX, &index))

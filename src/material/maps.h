@@ -144,9 +144,7 @@ bool nqm_maps_probe(const char *argument);
 
 /** The textured material i of a file; NULL: it is constant, or refused. */
 const nqm_textured *nqm_materials_textured(const nqm_materials *materials, size_t i);
-/** Give the last material its maps, which it owns. */
-void nqm_materials_attach(nqm_materials *materials, nqm_textured *textured);
-/** Let the last material have those of material i, which outlives it. */
-void nqm_materials_share(nqm_materials *materials, size_t i);
+/** Give the last material its maps, or NULL; is_owner: it frees them, else they are those of a material that outlives it. */
+void nqm_materials_attach(nqm_materials *materials, const nqm_textured *textured, bool is_owner);
 
 #endif

@@ -28,6 +28,7 @@ typedef struct reading {
     nqm_mtlx_graph graph;
     element *coat_normal;      /* the input */
     uint16_t coat_normal_node; /* NQM_NO_NODE: none, or 0, 0, 1 */
+    char why[200];             /* of describe() */
 } reading;
 
 /* ---- values -------------------------------------------------------------------------------------------------------- */
@@ -55,21 +56,18 @@ static uint16_t read_node(reading *r, const nqm_rule *rule, element *input) {
 }
 
 /* Why an input has no constant value. */
-static const char *describe(const reading *r, const nqm_rule *rule, char text[200]) {
+static const char *describe(reading *r, const nqm_rule *rule) {
     element *node = r->graph.source;
-    const char *name = node ? nqm_xml_get(node, "name") : "";
-    if (!node || nqm_mtlx_child(&r->graph, node, "input", "file"))
-        snprintf(text, 200, "%s reads the texture of node '%.60s'; only constants are read", rule->name, name);
-    else
-        snprintf(text, 200, "%s is computed by node '%.60s' (%.40s); only constants are read", rule->name, name,
-                 node->name);
-    return text;
+    const bool is_texture = !node || nqm_mtlx_child(&r->graph, node, "input", "file");
+    snprintf(r->why, sizeof r->why, "%s %s node '%.60s'%s%.40s%s; only constants are read", rule->name,
+             is_texture ? "reads the texture of" : "is computed by", node ? nqm_xml_get(node, "name") : "",
+             is_texture ? "" : " (", is_texture ? "" : node->name, is_texture ? "" : ")");
+    return r->why;
 }
 
 /* The value of an input of the shader as 1 or 3 numbers; colours in linear BT.709. */
 static bool read_values(nqm_reading *base, const nqm_rule *rule, const void *property, double v[4], size_t *n) {
     reading *r = (reading *)base;
-    char text[200];
     *n = rule->n;
     v[0] = v[1] = v[2] = rule->value;
     if (!nqm_mtlx_has_value(property))
@@ -78,7 +76,7 @@ static bool read_values(nqm_reading *base, const nqm_rule *rule, const void *pro
     if (node == NQM_NO_NODE)
         return false;
     if (!nqm_map_is_constant(r->graph.t, node))
-        return nqm_refuse(base, property, "%s", describe(r, rule, text));
+        return nqm_refuse(base, property, "%s", describe(r, rule));
     memcpy(v, r->graph.t->nodes[node].v, sizeof r->graph.t->nodes[node].v);
     return true;
 }
@@ -108,10 +106,9 @@ bool nqm_mtlx_read_key(nqm_reading *base, const nqm_rule *rule, const void *prop
     const uint16_t node = read_map(r, rule, property);
     double v[4];
     size_t n;
-    char text[200];
     if (node != NQM_NO_NODE) {
         nqm_map_output_set(r->graph.t, rule->key, node);
-        return nqm_reading_textured(base, property, "%s", describe(r, rule, text)) != NULL;
+        return nqm_vary(base, property, "%s", describe(r, rule));
     }
     if (!nqm_mtlx_has_value(property))
         return true; /* the default, which is set */
@@ -158,8 +155,7 @@ bool nqm_mtlx_read_normal(nqm_reading *base, const nqm_rule *rule, const void *p
     if (!read_normal(r, rule, property, &node))
         return false;
     r->graph.t->normal = node;
-    return node == NQM_NO_NODE ||
-           nqm_reading_textured(base, property, "%s changes the normal; a BRDF has one normal", rule->name) != NULL;
+    return node == NQM_NO_NODE || nqm_vary(base, property, "%s changes the normal; a BRDF has one normal", rule->name);
 }
 
 bool nqm_mtlx_read_coat_normal(nqm_reading *base, const nqm_rule *rule, const void *property) {
@@ -269,15 +265,9 @@ static element *find_shader(reading *r) {
         nqm_refuse(&r->reading, r->material, "it has no surface shader");
         return NULL;
     }
-    const char *graph = nqm_xml_get(input, "nodegraph"), *node = nqm_xml_get(input, "nodename");
-    element *scope = r->graph.root;
-    if (graph) {
-        const char *output = nqm_xml_get(input, "output");
-        scope = nqm_mtlx_child(&r->graph, r->graph.root, "nodegraph", graph);
-        element *end = nqm_mtlx_child(&r->graph, scope, "output", output ? output : "out");
-        node = end ? nqm_xml_get(end, "nodename") : NULL;
-    }
-    element *shader = node ? nqm_mtlx_child(&r->graph, scope, NULL, node) : NULL;
+    element *shader = nqm_mtlx_target(&r->graph, input);
+    if (shader && strcmp(shader->name, "output") == 0)
+        shader = nqm_mtlx_target(&r->graph, shader);
     if (!shader)
         nqm_refuse(&r->reading, input, "its surface shader is not in the file");
     return shader;
@@ -299,16 +289,17 @@ static nqm_status add_again(size_t i, element *material, nqm_materials *material
     info.name = nqm_xml_get(material, "name");
     info.byte_offset = info.spec ? material->byte_offset : info.byte_offset;
     const nqm_status status = nqm_materials_add(materials, &info, err);
-    if (status == NQM_OK && nqm_materials_textured(materials, i))
-        nqm_materials_share(materials, i);
+    if (status == NQM_OK)
+        nqm_materials_attach(materials, nqm_materials_textured(materials, i), false);
     return status;
 }
 
 /* `material` is a surfacematerial, or a shader that no material uses. */
 static nqm_status add_material(reading *r, element *material, nqm_materials *materials, nqm_error *err) {
     const size_t number = nqm_materials_count(materials);
+    const bool has_memory = nqm_reading_begin(&r->reading, &source);
+    r->graph.t = r->reading.textured;
     r->material = material;
-    r->reading = (nqm_reading){.source = &source};
     r->graph.n_built = 0;
     r->graph.depth = 0;
     *r->graph.remark = 0;
@@ -316,12 +307,11 @@ static nqm_status add_material(reading *r, element *material, nqm_materials *mat
     r->shader = strcmp(material->name, "surfacematerial") == 0 ? find_shader(r) : material;
     const bool has_shader = r->shader && check_displacement(r);
     const struct known_shader *known = has_shader ? nqm_index_find(&r->shaders, (nqm_index_key){r->shader, ""}) : NULL;
-    if (known)
+    if (known) {
+        nqm_textured_free(r->graph.t);
         return add_again(known->material, material, materials, err);
-    r->graph.t = r->reading.textured = nqm_textured_create();
-    if (!r->graph.t)
-        return nqm_fail_nomem(err, sizeof *r->graph.t);
-    if (has_shader)
+    }
+    if (has_shader && has_memory)
         read_shader(r);
     nqm_status status =
         nqm_reading_add(&r->reading, nqm_xml_get(material, "name"), r->shader ? r->shader->name : material->name,

@@ -23,13 +23,6 @@ const nqm_mtlx_surface *nqm_mtlx_find_surface(const char *node_or_model);
 nqm_rule_read nqm_mtlx_read_key, nqm_mtlx_read_normal, nqm_mtlx_read_coat_normal, nqm_mtlx_read_tangent,
     nqm_mtlx_read_occlusion, nqm_mtlx_read_emission, nqm_mtlx_read_subsurface;
 
-/** A node of the document and what it has become. */
-typedef struct nqm_mtlx_built {
-    const struct nqm_xml_element *node;
-    const char *output;
-    uint16_t value;
-} nqm_mtlx_built;
-
 /** The nodes that the inputs of one material are connected to. */
 typedef struct nqm_mtlx_graph {
     const char *path; /**< of the document */
@@ -38,7 +31,11 @@ typedef struct nqm_mtlx_graph {
     nqm_reading *reading; /**< receives why the material is refused */
     nqm_textured *t;      /**< receives the nodes */
     size_t n_built;
-    nqm_mtlx_built built[NQM_MAX_MAP_NODES];
+    struct nqm_mtlx_built {
+        const struct nqm_xml_element *node;
+        const char *output;
+        uint16_t value;
+    } built[NQM_MAX_MAP_NODES]; /**< nodes of the document and what they have become */
     char remark[400];
     /* of the input that is read: */
     const struct nqm_xml_element *input;
@@ -53,6 +50,8 @@ uint16_t nqm_mtlx_read(nqm_mtlx_graph *graph, const struct nqm_xml_element *inpu
 /** The first child with this name attribute; `kind` NULL: of any element. NULL: none, or `parent` or `name` is NULL. */
 const struct nqm_xml_element *nqm_mtlx_child(const nqm_mtlx_graph *graph, const struct nqm_xml_element *parent,
                                              const char *kind, const char *name);
+/** What an input or output is connected to: an input or output of a node graph, or a node; NULL: the file does not have it. */
+const struct nqm_xml_element *nqm_mtlx_target(const nqm_mtlx_graph *graph, const struct nqm_xml_element *e);
 bool nqm_mtlx_is_connected(const struct nqm_xml_element *e);
 /** Whether an input is connected or has a value itself. */
 bool nqm_mtlx_has_value(const struct nqm_xml_element *e);

@@ -24,15 +24,15 @@ typedef struct node_kind {
 } node_kind;
 
 /* MaterialX's rotate2d of a by b degrees: x cos + y sin, y cos - x sin. */
-#define ROTATE "bP*! cS! cC! axe*ayd*+ aye*axd*- }"
+#define ROTATE "bP*! cS! cC! axe*ayd*+ aye*axd*- &"
 #define UV     "texcoord=@"
 #define GLTF_UV                                                                                                        \
-    UV " pivot=0,1 scale=1,1 rotate=0 offset=0,0 operationorder=0", "1c/! 0d-! e01-1}*! ab-g/hDi-! ab-i-hDg/! f0kj>b+"
+    UV " pivot=0,1 scale=1,1 rotate=0 offset=0,0 operationorder=0", "1c/! 0d-! e01-1&*! ab-g/hDi-! ab-i-hDg/! f0kj>b+"
 
 static const node_kind kinds[] = {
     {"constant", "value=0", "a", 0, 0},
     {"dot convert separate2 separate3 separate4", "in=0", "a", 0, 0},
-    {"texcoord", UV, "a", 0, 0},
+    {"texcoord geompropvalue UsdPrimvarReader", UV, "a", 0, 0},
     {"add", "in1=0 in2=0", "ab+", 0, 0},
     {"subtract", "in1=0 in2=0", "ab-", 0, 0},
     {"multiply", "in1=0 in2=1", "ab*", 0, 0},
@@ -59,12 +59,15 @@ static const node_kind kinds[] = {
     {"contrast", "in=0 amount=1 pivot=0.5", "ac-b*c+", 0, 0},
     {"luminance", "in=0 lumacoeffs=0.2722287,0.6740818,0.0536895", "ab.", 0, 0},
     {"saturate", "in=0 amount=1 lumacoeffs=0.2722287,0.6740818,0.0536895", "ac.abM", 0, 0},
-    {"hsvadjust", "in=0 amount=0,1,1", "aR bx00{+ 1bybz{* H", 0, 0},
+    {"hsvadjust", "in=0 amount=0,1,1", "aR bx00&&+ 1bybz&&* H", 0, 0},
     {"rgbtohsv", "in=0", "aR", 0, 0},
     {"hsvtorgb", "in=0", "aH", 0, 0},
     {"ifgreater", "value1=1 value2=0 in1=0 in2=0", "abcd>", 0, 0},
     {"ifgreatereq", "value1=1 value2=0 in1=0 in2=0", "badc>", 0, 0},
     {"ifequal", "value1=0 value2=0 in1=0 in2=0", "abcd=", 0, 0},
+    {"combine2", "in1=0 in2=0", "ab&", 0, 0},
+    {"combine3", "in1=0 in2=0 in3=0", "abc&&", 0, 0},
+    {"combine4", "in1=0 in2=0 in3=0 in4=0", "abcd&&&", 0, 0},
     {"dotproduct", "in1=0 in2=0", "ab.", 0, 0},
     {"magnitude", "in=0", "aa.12/^", 0, 0},
     {"normalize", "in=0", "aaa.12/^/", 0, 0},
@@ -196,6 +199,15 @@ static uint16_t dot_product(nqm_textured *t, uint16_t a, uint16_t b) {
     return sum;
 }
 
+/* The components of a, then those of b: at most four. */
+static uint16_t join(nqm_textured *t, uint16_t a, uint16_t b) {
+    const size_t n_a = width(t, a), n = nqm_smaller(n_a + width(t, b), 4);
+    nqm_map_node result = {.op = NQM_MAP_COMBINE, .n = (uint8_t)n};
+    for (size_t c = 0; c < n; ++c)
+        result.in[c] = c < n_a ? nqm_map_channel(t, a, c) : nqm_map_channel(t, b, c - n_a);
+    return nqm_map_add(t, result);
+}
+
 /* An operation on the last values of the stack, which its result replaces. */
 static uint16_t run_operation(machine *m, char token) {
     static const struct {
@@ -209,7 +221,7 @@ static uint16_t run_operation(machine *m, char token) {
         {'_', NQM_MAP_FLOOR, 0},    {'S', NQM_MAP_SINE, 0},       {'C', NQM_MAP_COSINE, 0},
         {'M', NQM_MAP_MIX, 0},      {'T', NQM_MAP_SMOOTHSTEP, 0}, {'>', NQM_MAP_IF_GREATER, 0},
         {'=', NQM_MAP_IF_EQUAL, 0}, {'R', NQM_MAP_RGB_TO_HSV, 3}, {'H', NQM_MAP_HSV_TO_RGB, 3},
-        {'N', NQM_MAP_NORMAL, 3},   {'}', NQM_MAP_COMBINE, 2},    {'{', NQM_MAP_COMBINE, 3},
+        {'N', NQM_MAP_NORMAL, 3},
     };
     size_t o = 0, n = 1;
     while (operations[o].token != token)
@@ -238,11 +250,12 @@ static uint16_t run_token(machine *m, char token) {
         return nqm_map_number(m->t, 3.14159265358979323846 / 180);
     if (token >= 'x' && token <= 'z') /* a component */
         return nqm_map_channel(m->t, m->stack[--m->n_stack], (size_t)(token - 'x'));
-    if (token != '.' && token != 'D')
+    if (!strchr(".&D", token))
         return run_operation(m, token);
     const uint16_t *in = &m->stack[m->n_stack -= 2];
-    return token == '.' ? dot_product(m->t, in[0], in[1])
-                        : run(&(machine){.t = m->t, .n_operands = 2, .operand = {in[0], in[1]}}, ROTATE);
+    return token == '.'   ? dot_product(m->t, in[0], in[1])
+           : token == '&' ? join(m->t, in[0], in[1])
+                          : run(&(machine){.t = m->t, .n_operands = 2, .operand = {in[0], in[1]}}, ROTATE);
 }
 
 static uint16_t run(machine *m, const char *program) {
@@ -399,27 +412,9 @@ static uint16_t swizzle(graph *g, uint16_t node, const char *letters) {
     return result.n == 0 ? node : result.n == 1 ? result.in[0] : nqm_map_add(g->t, result);
 }
 
-/* Nodes of the inputs in1, in2, ..., of any number of components. */
-static uint16_t combine(graph *g, element *node) {
-    const machine m = read_operands(g, node, "in1=0 in2=0 in3=0 in4=0");
-    const size_t n_inputs = (size_t)(node->name[strlen("combine")] - '0');
-    nqm_map_node result = {.op = NQM_MAP_COMBINE};
-    for (size_t i = 0; i < n_inputs; ++i)
-        for (size_t c = 0; c < width(g->t, m.operand[i]) && result.n < 4; ++c)
-            result.in[result.n++] = nqm_map_channel(g->t, m.operand[i], c);
-    return nqm_map_add(g->t, result);
-}
-
 /* Nodes whose meaning depends on more than their operands. */
 static uint16_t build_channels(graph *g, element *node) {
     const bool is_swizzle = nqm_is_text(node->name, "swizzle");
-    if (nqm_has_word("combine2 combine3 combine4", node->name, false))
-        return combine(g, node);
-    if (nqm_has_word("geompropvalue UsdPrimvarReader", node->name, false)) {
-        const char *name = read_text(g, node, *node->name == 'g' ? "geomprop" : "varname");
-        if (name && nqm_has_word("UV0 st uv UVMap map1", name, false))
-            return nqm_map_add(g->t, (nqm_map_node){.op = NQM_MAP_TEXCOORD, .n = 2});
-    }
     if (is_swizzle || nqm_is_text(node->name, "extract")) {
         const machine m = read_operands(g, node, "in=0 index=0");
         if (is_swizzle)
@@ -433,7 +428,10 @@ static uint16_t build_channels(graph *g, element *node) {
 
 /* Inputs that change what a node of the table computes. */
 static bool is_evaluated(const graph *g, element *node) {
-    const char *index = read_text(g, node, "index");
+    const char *index = read_text(g, node, "index"), *property = read_text(g, node, "geomprop");
+    property = property ? property : read_text(g, node, "varname");
+    if (nqm_has_word("geompropvalue UsdPrimvarReader", node->name, false))
+        return property && nqm_has_word("UV0 st uv UVMap map1", property, false);
     if (nqm_is_text(node->name, "texcoord"))
         return !index || nqm_is_text(index, "0");
     return !nqm_is_text(node->name, "normalmap") ||
@@ -473,41 +471,42 @@ static uint16_t build_once(graph *g, element *node, const char *output) {
     const uint16_t value = build(g, node, output);
     if (value == NQM_NO_NODE || g->n_built == NQM_MAX_MAP_NODES)
         return REFUSE(g, "%s is not finite, or its graph needs more than %d nodes", g->name, NQM_MAX_MAP_NODES);
-    g->built[g->n_built++] = (nqm_mtlx_built){node, output, value};
+    g->built[g->n_built++] = (struct nqm_mtlx_built){node, output, value};
     return value;
 }
 
-/* The element whose children an input or output may be connected to. Inputs of a node graph itself are connected
- * outside of it. */
-static element *scope_of(const graph *g, element *e) {
-    if (e->parent == g->root)
-        return g->root;
-    if (strcmp(e->parent->name, "nodegraph") == 0)
-        return strcmp(e->name, "output") == 0 ? e->parent : g->root;
-    return e->parent->parent;
+element *nqm_mtlx_target(const graph *g, element *e) {
+    const char *graph_name = nqm_xml_get(e, "nodegraph"), *interface = nqm_xml_get(e, "interfacename");
+    const char *output = nqm_xml_get(e, "output");
+    const bool is_of_graph = strcmp(e->parent->name, "nodegraph") == 0, is_output = strcmp(e->name, "output") == 0;
+    /* inputs of a node graph itself are connected outside of it */
+    element *scope = e->parent == g->root || (is_of_graph && !is_output) ? g->root
+                     : is_of_graph                                       ? e->parent
+                                                                         : e->parent->parent;
+    if (interface)
+        return nqm_mtlx_child(g, e->parent->parent, NULL, interface);
+    if (graph_name)
+        return nqm_mtlx_child(g, nqm_mtlx_child(g, g->root, NULL, graph_name), NULL, output ? output : "out");
+    return nqm_mtlx_child(g, scope, NULL, nqm_xml_get(e, "nodename"));
 }
 
 static uint16_t follow(graph *g, element *e, const char *type) {
-    const char *graph_name = nqm_xml_get(e, "nodegraph"), *interface = nqm_xml_get(e, "interfacename");
     const char *output = nqm_xml_get(e, "output"), *channels = nqm_xml_get(e, "channels");
-    element *parent = graph_name ? nqm_mtlx_child(g, g->root, NULL, graph_name) : scope_of(g, e);
-    element *to = interface    ? nqm_mtlx_child(g, e->parent->parent, NULL, interface)
-                  : graph_name ? nqm_mtlx_child(g, parent, NULL, output ? output : "out")
-                               : nqm_mtlx_child(g, parent, NULL, nqm_xml_get(e, "nodename"));
+    element *to = nqm_mtlx_target(g, e);
     if (!to)
         return REFUSE(g, "%s is connected to something that the file does not have", g->name);
     const char *to_type = nqm_xml_get(to, "type");
     const bool differs = type && to_type && components(to_type) && !nqm_is_text(type, to_type) && !output && !channels;
     if (differs && (components(type) > 1 || components(to_type) > 1))
         return REFUSE(g, "%s is of type %s, not '%.40s'", g->name, type, to_type);
-    const uint16_t value =
-        interface || graph_name ? read(g, to, to_type ? to_type : type) : build_once(g, to, output ? output : "");
+    const bool is_node = !nqm_xml_get(e, "interfacename") && !nqm_xml_get(e, "nodegraph");
+    const uint16_t value = is_node ? build_once(g, to, output ? output : "") : read(g, to, to_type ? to_type : type);
     return channels ? swizzle(g, value, channels) : value;
 }
 
 static uint16_t read(graph *g, element *e, const char *type) {
     const char *own = nqm_xml_get(e, "type");
-    if (*g->reading->refusal)
+    if (*g->reading->refusal.text)
         return NQM_NO_NODE;
     if (!nqm_mtlx_is_connected(e))
         return read_constant(g, e, own ? own : type);

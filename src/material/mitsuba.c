@@ -338,14 +338,13 @@ static bool read_normal(nqm_bsdf_reading *r) {
     uint16_t rgb;
     if (!nqm_bsdf_is_texture(node))
         return nqm_refuse(&r->reading, bsdf, "the texture normalmap is missing");
-    return nqm_reading_textured(&r->reading, bsdf, LAYERED) && read_texture(r, node, 3, &rgb) &&
-           nqm_bsdf_output(r, "normal", rgb);
+    return nqm_vary(&r->reading, bsdf, LAYERED) && read_texture(r, node, 3, &rgb) && nqm_bsdf_output(r, "normal", rgb);
 }
 
 static nqm_status add_material(nqm_bsdf_reading *r, nqm_materials *materials, nqm_error *err) {
     static const char *const wrappers[] = {"twosided", "normalmap", "twosided"};
     const nqm_bsdf_node *outer = &r->nodes->list[r->at];
-    bool is_read = nqm_bsdf_begin(r);
+    bool is_read = nqm_reading_begin(&r->reading, &nqm_bsdf_source);
     for (size_t i = 0; i < 3 && is_read; ++i)
         if (strcmp(r->nodes->list[r->at].type, wrappers[i]) == 0)
             is_read = (i != 1 || read_normal(r)) && unwrap(r);
@@ -364,8 +363,7 @@ nqm_status nqm_mitsuba_translate(const nqm_bsdf_nodes *nodes, const char *path, 
         if (nodes->list[i].kind == NQM_BSDF_BSDF || nodes->list[i].kind == NQM_BSDF_TEXTURE)
             nqm_index_add(&ids, &nodes->list[i]);
     for (size_t i = 0; status == NQM_OK && i < nodes->n; ++i) {
-        nqm_bsdf_reading r = {
-            .reading = {.source = &nqm_bsdf_source}, .nodes = nodes, .at = i, .path = path, .ids = &ids};
+        nqm_bsdf_reading r = {.nodes = nodes, .at = i, .path = path, .ids = &ids};
         if (nodes->list[i].parent == NQM_BSDF_ROOT && nodes->list[i].kind == NQM_BSDF_BSDF)
             status = add_material(&r, materials, err);
     }
