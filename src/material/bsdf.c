@@ -72,25 +72,14 @@ static bool parse_hex(const char *text, double rgb[3]) {
 
 /* Fail for a node that holds no constant numbers. */
 static bool check_kind(nqm_reading *r, const nqm_bsdf_node *node) {
-    switch (node->kind) {
-    case NQM_BSDF_OTHER:
-    case NQM_BSDF_BSDF:
-    case NQM_BSDF_TEXTURE:
+    if (node->kind == NQM_BSDF_OTHER || node->kind == NQM_BSDF_BSDF || node->kind == NQM_BSDF_TEXTURE)
         return nqm_refuse(r, node, IS_PLUGIN, node->name, node->type);
-    case NQM_BSDF_REF:
+    if (node->kind == NQM_BSDF_REF)
         return nqm_refuse(r, node, IS_REFERENCE, node->name, node->id);
-    case NQM_BSDF_STRING:
-    case NQM_BSDF_BOOLEAN:
+    if (node->kind == NQM_BSDF_STRING || node->kind == NQM_BSDF_BOOLEAN)
         return nqm_refuse(r, node, "%s needs a number, not '%.40s'", node->name, node->value);
-    case NQM_BSDF_SPECTRUM:
-        if (!*node->value || strchr(node->value, ':'))
-            return nqm_refuse(r, node, "%s is a spectrum by wavelength; only constants and RGB are read", node->name);
-        break;
-    case NQM_BSDF_NUMBER:
-    case NQM_BSDF_RGB:
-    case NQM_BSDF_TRIPLE:
-        break;
-    }
+    if (node->kind == NQM_BSDF_SPECTRUM && (!*node->value || strchr(node->value, ':')))
+        return nqm_refuse(r, node, "%s is a spectrum by wavelength; only constants and RGB are read", node->name);
     return true;
 }
 

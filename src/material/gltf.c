@@ -142,15 +142,6 @@ bool nqm_gltf_read_occlusion(nqm_reading *reading, const nqm_rule *rule, const v
     return true;
 }
 
-static bool is_zero(const json_t *value) {
-    if (!json_is_array(value))
-        return json_is_number(value) && json_number_value(value) == 0;
-    size_t i = 0;
-    while (i < json_array_size(value) && is_zero(json_array_get(value, i)))
-        ++i;
-    return i == json_array_size(value);
-}
-
 static void read_object(reader *r, const nqm_gltf_group *group, const char *path, json_t *object) {
     char prefix[PATH_SIZE / 2];
     const char *name;
@@ -195,8 +186,8 @@ static void check_emission(reader *r, const json_t *material) {
         json_object_get(json_object_get(json_object_get(material, "extensions"), "KHR_materials_emissive_strength"),
                         "emissiveStrength");
     double v[3];
-    if (factor && read_numbers(r, "emissiveFactor", factor, 3, v) && !is_zero(factor) &&
-        !(strength && is_zero(strength)))
+    if (factor && read_numbers(r, "emissiveFactor", factor, 3, v) && (v[0] != 0 || v[1] != 0 || v[2] != 0) &&
+        !(json_is_number(strength) && json_number_value(strength) == 0))
         refuse(r, "emissiveFactor", "", "light that the surface emits is not part of a BRDF");
 }
 

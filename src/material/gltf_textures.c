@@ -82,41 +82,35 @@ static int digit_of(char c) {
     return found ? (int)(found - digits) : -1;
 }
 
-/* Bytes first to first + *n of a data: URI; *n = SIZE_MAX: all of them, and *n receives how many these are. nqm_free() */
-static unsigned char *decode_data(nqm_gltf_document *d, const char *uri, size_t first, size_t *n) {
+/* Decode bytes `at` to at + n_bytes of a data: URI for the image; n_bytes SIZE_MAX: all of them. */
+static bool decode_data(nqm_gltf_document *d, const char *uri, size_t at, size_t n_bytes, nqm_map_image *image) {
     const char *comma = strchr(uri, ','), *code = comma ? comma + 1 : "";
     size_t n_code = strlen(code);
-    if (!comma || comma - uri < 7 || strncasecmp(comma - 7, ";base64", 7) != 0) {
-        fail(d, "a data: URI that is not base64 is not read");
-        return NULL;
-    }
+    if (!comma || comma - uri < 7 || strncasecmp(comma - 7, ";base64", 7) != 0)
+        return fail(d, "a data: URI that is not base64 is not read");
     while (n_code && code[n_code - 1] == '=')
         --n_code;
-    const size_t n_all = n_code / 4 * 3 + n_code % 4 * 3 / 4;
-    if (*n == SIZE_MAX)
-        *n = n_all;
-    if (first > n_all || *n > n_all - first || *n == 0) {
-        fail(d, "bytes %zu to %zu are not in the data: URI, which has %zu bytes", first, first + *n, n_all);
-        return NULL;
-    }
+    const size_t n_all = n_code / 4 * 3 + n_code % 4 * 3 / 4, n = n_bytes == SIZE_MAX ? n_all : n_bytes;
+    if (at > n_all || n > n_all - at || n == 0)
+        return fail(d, "bytes %zu to %zu are not in the data: URI, which has %zu bytes", at, at + n, n_all);
     /* Images that many materials use are decoded for each of them. */
-    d->n_decoded += *n;
-    if (d->n_decoded > NQM_JSON_ROOM + 8 * d->source.n) {
-        fail(d, "the images in the JSON text, decoded for each material, take too much memory; store the file as .glb");
-        return NULL;
-    }
-    unsigned char *bytes = nqm_alloc(*n, 1);
-    for (size_t i = 0; bytes && i < *n; ++i) {
-        const char *pair = code + (first + i) / 3 * 4 + (first + i) % 3;
-        const int shift = 2 + 2 * (int)((first + i) % 3), high = digit_of(pair[0]), low = digit_of(pair[1]);
+    d->n_decoded += n;
+    if (d->n_decoded > NQM_JSON_ROOM + 8 * d->source.n)
+        return fail(d, "the images in the JSON text, decoded for each material, take too much memory; store the file "
+                       "as .glb");
+    unsigned char *bytes = nqm_alloc(n, 1);
+    for (size_t i = 0; bytes && i < n; ++i) {
+        const char *pair = code + (at + i) / 3 * 4 + (at + i) % 3;
+        const int shift = 2 + 2 * (int)((at + i) % 3), high = digit_of(pair[0]), low = digit_of(pair[1]);
         if (high < 0 || low < 0) {
-            fail(d, "byte %zu of the base64 text of a data: URI is no base64 digit", (size_t)(pair - code));
             nqm_free(bytes);
-            return NULL;
+            return fail(d, "byte %zu of the base64 text of a data: URI is no base64 digit", (size_t)(pair - code));
         }
         bytes[i] = (unsigned char)(high << shift | low >> (6 - shift));
     }
-    return bytes;
+    image->data = bytes;
+    image->n_bytes = n;
+    return bytes != NULL;
 }
 
 /* The file name of a URI, without percent-encoding; nqm_free(). */
@@ -153,9 +147,9 @@ static bool read_view(nqm_gltf_document *d, const json_t *image, nqm_map_image *
     if (n == 0 || at > n_buffer || n > n_buffer - at)
         return fail(d, "bufferViews[%zu]: %zu bytes at byte %zu are not in buffers[%zu], which has %zu bytes", view_i,
                     n, at, buffer_i, n_buffer);
-    result->n_bytes = n;
     if (uri && is_data(uri))
-        return (result->data = decode_data(d, uri, at, &result->n_bytes)) != NULL;
+        return decode_data(d, uri, at, n, result);
+    result->n_bytes = n;
     result->at = uri ? at : d->bin_at + at;
     char *name = uri ? decode_name(d, uri) : NULL;
     result->path = name ? nqm_path_beside(d->path, name) : uri ? NULL : nqm_strdup(d->path);
@@ -193,10 +187,10 @@ static bool add_image(nqm_gltf_document *d, const json_t *texture, const char *s
         nqm_free(name);
         return is_added;
     }
-    nqm_map_image result = {.n_bytes = SIZE_MAX};
+    nqm_map_image result = {.path = NULL};
     snprintf(text, sizeof text, "images[%zu] of %.450s", i, d->path);
     snprintf(result.space, sizeof result.space, "%s", space);
-    if (uri ? !(result.data = decode_data(d, uri, 0, &result.n_bytes)) : !read_view(d, image, &result))
+    if (uri ? !decode_data(d, uri, 0, SIZE_MAX, &result) : !read_view(d, image, &result))
         return false;
     result.name = nqm_strdup(text);
     return nqm_map_add_image(t, result, image_ret);

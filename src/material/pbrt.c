@@ -153,14 +153,12 @@ static nqm_status read_parameters(scanner *s, const nqm_bsdf_node *directive) {
     s->owner = s->nodes.n;
     nqm_status status = nqm_bsdf_add(&s->nodes, directive, s->path, s->err);
     while (status == NQM_OK) {
-        const scanner before = *s;
-        status = next(s);
-        if (status == NQM_OK && !s->is_quoted) {
-            *s = before;
-            return NQM_OK;
-        }
-        if (status == NQM_OK)
-            status = read_parameter(s);
+        scanner ahead = *s;
+        status = next(&ahead);
+        if (status != NQM_OK || !ahead.is_quoted)
+            break;
+        *s = ahead;
+        status = read_parameter(s);
     }
     return status;
 }
@@ -485,16 +483,13 @@ static nqm_status read_texture_directive(scanner *s) {
 /* Directives that change what the parameters of later materials mean. They end with the enclosing attribute block, which is not
  * tracked: all materials after them are refused. */
 static nqm_status read_setting(scanner *s, const char *neutral, const char *refusal) {
-    const scanner before = *s;
-    nqm_status status = next(s);
-    if (status == NQM_OK && (strcmp(s->token, "material") == 0 || strcmp(s->token, "texture") == 0 ||
-                             (neutral && strcmp(s->token, neutral) != 0)))
+    scanner ahead = *s;
+    nqm_status status = next(&ahead);
+    const bool is_other = neutral && strcmp(ahead.token, neutral) != 0;
+    if (ahead.is_quoted)
+        *s = ahead;
+    if (status == NQM_OK && (is_other || nqm_has_word("material texture", ahead.token, false)))
         s->refusal = refusal;
-    if (!s->is_quoted) {
-        const char *kept = s->refusal;
-        *s = before;
-        s->refusal = kept;
-    }
     return status;
 }
 
