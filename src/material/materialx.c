@@ -23,7 +23,7 @@ typedef struct reading {
         element *shader;
         size_t material; /* the first one that has it */
     } * known;           /* (NQM_MAX_MATERIALS) */
-    element *material, *shader;
+    element *shader;
     const nqm_mtlx_surface *surface;
     nqm_mtlx_graph graph;
     element *coat_normal;      /* the input */
@@ -69,9 +69,6 @@ static const char *describe(reading *r, const nqm_rule *rule) {
 static bool read_values(nqm_reading *base, const nqm_rule *rule, const void *property, double v[4], size_t *n) {
     reading *r = (reading *)base;
     *n = rule->n;
-    v[0] = v[1] = v[2] = rule->value;
-    if (!nqm_mtlx_has_value(property))
-        return true;
     const uint16_t node = read_node(r, rule, property);
     if (node == NQM_NO_NODE)
         return false;
@@ -81,9 +78,11 @@ static bool read_values(nqm_reading *base, const nqm_rule *rule, const void *pro
     return true;
 }
 
+/* Inputs without a value have the default. */
 static const void *find_input(nqm_reading *base, const char *name) {
     const reading *r = (const reading *)base;
-    return nqm_mtlx_child(&r->graph, r->shader, "input", name);
+    element *input = nqm_mtlx_child(&r->graph, r->shader, "input", name);
+    return input && nqm_mtlx_has_value(input) ? input : NULL;
 }
 
 static int64_t byte_of(const nqm_reading *base, const void *property) {
@@ -97,7 +96,7 @@ static const nqm_rule_source source = {.term = "input", .find = find_input, .rea
 
 /* The node of an input that is no constant; NQM_NO_NODE: it is one, or refused. */
 static uint16_t read_map(reading *r, const nqm_rule *rule, element *input) {
-    const uint16_t node = nqm_mtlx_has_value(input) ? read_node(r, rule, input) : NQM_NO_NODE;
+    const uint16_t node = read_node(r, rule, input);
     return nqm_map_is_constant(r->graph.t, node) ? NQM_NO_NODE : node;
 }
 
@@ -110,8 +109,6 @@ bool nqm_mtlx_read_key(nqm_reading *base, const nqm_rule *rule, const void *prop
         nqm_map_output_set(r->graph.t, rule->key, node);
         return nqm_vary(base, property, "%s", describe(r, rule));
     }
-    if (!nqm_mtlx_has_value(property))
-        return true; /* the default, which is set */
     if (!read_values(base, rule, property, v, &n))
         return false;
     for (size_t c = 0; n == 3 && c < n; ++c) {
@@ -131,8 +128,6 @@ static bool read_normal(reading *r, const nqm_rule *rule, element *input, uint16
     const bool is_usd = nqm_is_text(r->surface->model, "usd-preview");
     nqm_textured *t = r->graph.t;
     *node_ret = NQM_NO_NODE;
-    if (!nqm_mtlx_has_value(input))
-        return true;
     uint16_t node = nqm_mtlx_read(&r->graph, input, rule->name, "vector3");
     if (node == NQM_NO_NODE)
         return false;
@@ -186,13 +181,11 @@ static bool check_coat_normal(reading *r) {
 
 /* Whether both inputs of the shader have the same value everywhere. */
 static bool is_same_color(reading *r, const char *a, const char *b) {
-    element *inputs[2] = {nqm_mtlx_child(&r->graph, r->shader, "input", a),
-                          nqm_mtlx_child(&r->graph, r->shader, "input", b)};
-    uint16_t nodes[2] = {NQM_NO_NODE, NQM_NO_NODE};
-    for (size_t i = 0; i < 2; ++i)
-        if (inputs[i] && nqm_mtlx_has_value(inputs[i]))
-            nodes[i] = nqm_mtlx_read(&r->graph, inputs[i], i ? b : a, "color3");
-    return nodes[0] == nodes[1] && nodes[0] != NQM_NO_NODE;
+    element *inputs[2] = {find_input(&r->reading, a), find_input(&r->reading, b)};
+    if (!inputs[0] || !inputs[1])
+        return false;
+    const uint16_t node = nqm_mtlx_read(&r->graph, inputs[0], a, "color3");
+    return node != NQM_NO_NODE && node == nqm_mtlx_read(&r->graph, inputs[1], b, "color3");
 }
 
 bool nqm_mtlx_read_subsurface(nqm_reading *base, const nqm_rule *rule, const void *property) {
@@ -213,15 +206,13 @@ bool nqm_mtlx_read_emission(nqm_reading *base, const nqm_rule *rule, const void 
 }
 
 bool nqm_mtlx_read_tangent(nqm_reading *r, const nqm_rule *rule, const void *property) {
-    return !nqm_mtlx_has_value(property) ||
-           nqm_refuse(r, property, "%s turns the anisotropy (%s), which needs the tangent of the surface", rule->name,
+    return nqm_refuse(r, property, "%s turns the anisotropy (%s), which needs the tangent of the surface", rule->name,
                       rule->gate);
 }
 
 bool nqm_mtlx_read_occlusion(nqm_reading *r, const nqm_rule *rule, const void *property) {
-    (void)rule;
-    if (nqm_mtlx_has_value(property))
-        nqm_mtlx_remark(&((reading *)r)->graph, NQM_OCCLUSION_REMARK);
+    (void)rule, (void)property;
+    nqm_mtlx_remark(&((reading *)r)->graph, NQM_OCCLUSION_REMARK);
     return true;
 }
 
@@ -254,15 +245,16 @@ static bool read_shader(reading *r) {
     set_version(r);
     bool ok = true;
     for (element *e = r->shader->first; e && ok; e = e->next)
-        ok = strcmp(e->name, "input") != 0 || nqm_rules_apply(&r->reading, nqm_xml_get(e, "name"), e);
+        if (strcmp(e->name, "input") == 0 && nqm_mtlx_has_value(e))
+            ok = nqm_rules_apply(&r->reading, nqm_xml_get(e, "name"), e);
     return ok && check_coat_normal(r);
 }
 
 /* The node that a material's input `surfaceshader` is connected to; NULL: refused. */
-static element *find_shader(reading *r) {
-    element *input = nqm_mtlx_child(&r->graph, r->material, "input", "surfaceshader");
+static element *find_shader(reading *r, element *material) {
+    element *input = nqm_mtlx_child(&r->graph, material, "input", "surfaceshader");
     if (!input) {
-        nqm_refuse(&r->reading, r->material, "it has no surface shader");
+        nqm_refuse(&r->reading, material, "it has no surface shader");
         return NULL;
     }
     element *shader = nqm_mtlx_target(&r->graph, input);
@@ -273,8 +265,8 @@ static element *find_shader(reading *r) {
     return shader;
 }
 
-static bool check_displacement(reading *r) {
-    element *input = nqm_mtlx_child(&r->graph, r->material, "input", "displacementshader");
+static bool check_displacement(reading *r, element *material) {
+    element *input = nqm_mtlx_child(&r->graph, material, "input", "displacementshader");
     return !input || !nqm_mtlx_is_connected(input) ||
            nqm_refuse(&r->reading, input, "displacementshader is connected: displacement is not part of a BRDF");
 }
@@ -299,13 +291,12 @@ static nqm_status add_material(reading *r, element *material, nqm_materials *mat
     const size_t number = nqm_materials_count(materials);
     const bool has_memory = nqm_reading_begin(&r->reading, &source);
     r->graph.t = r->reading.textured;
-    r->material = material;
     r->graph.n_built = 0;
     r->graph.depth = 0;
     *r->graph.remark = 0;
     r->coat_normal_node = NQM_NO_NODE;
-    r->shader = strcmp(material->name, "surfacematerial") == 0 ? find_shader(r) : material;
-    const bool has_shader = r->shader && check_displacement(r);
+    r->shader = strcmp(material->name, "surfacematerial") == 0 ? find_shader(r, material) : material;
+    const bool has_shader = r->shader && check_displacement(r, material);
     const struct known_shader *known = has_shader ? nqm_index_find(&r->shaders, (nqm_index_key){r->shader, ""}) : NULL;
     if (known) {
         nqm_textured_free(r->graph.t);
