@@ -16,7 +16,7 @@ static const char LIST_PREFIX[] = "maps:";
 
 /* The inputs of the model of the material; those with a key are its keys. */
 static const nqm_rule *inputs_of(const nqm_textured *t) {
-    return nqm_mtlx_find_surface(t->shading.model)->inputs;
+    return nqm_mtlx_find_surface(NULL, t->shading.model)->inputs;
 }
 
 /* NULL: there is no such key. */
@@ -97,8 +97,7 @@ static nqm_status add_entry(nqm_textured *t, char *entry, nqm_error *err) {
 static nqm_status find_list_model(nqm_textured *t, const char *list, nqm_error *err) {
     const char *at = strncmp(list, "model=", 6) == 0 ? list - 1 : strstr(list, ";model="), *name = at ? at + 7 : "gltf";
     snprintf(t->shading.model, sizeof t->shading.model, "%.*s", (int)strcspn(name, ";"), name);
-    const nqm_mtlx_surface *surface = nqm_mtlx_find_surface(t->shading.model);
-    if (surface && strcmp(surface->model, t->shading.model) == 0)
+    if (nqm_mtlx_find_surface(NULL, t->shading.model))
         return NQM_OK;
     return nqm_fail(
         err, NQM_ERR_ARG, -1,

@@ -6,22 +6,20 @@
  */
 #include "material/gltf.h"
 #include "io/io.h"
-#include "io/json_where.h"
 #include "io/options_json.h"
 
 #include <limits.h>
-#include <stdarg.h>
 #include <strings.h>
 
 static const char SURFACE[] = "glTF metallic-roughness";
 static const char TEXTURE_REASON[] = "a texture varies over the surface, and a BRDF is that of one point";
 
 /** Extensions that a file may require without any consequence for its materials. */
-static const char *const harmless[] = {
-    "KHR_draco_mesh_compression", "KHR_mesh_quantization",  "EXT_meshopt_compression", "KHR_meshopt_compression",
-    "EXT_mesh_gpu_instancing",    "KHR_texture_basisu",     "KHR_texture_transform",   "EXT_texture_webp",
-    "EXT_texture_avif",           "MSFT_texture_dds",       "KHR_lights_punctual",     "EXT_lights_image_based",
-    "KHR_animation_pointer",      "KHR_materials_variants", "KHR_node_visibility",     "KHR_xmp_json_ld"};
+static const char harmless[] =
+    "KHR_draco_mesh_compression KHR_mesh_quantization EXT_meshopt_compression KHR_meshopt_compression "
+    "EXT_mesh_gpu_instancing KHR_texture_basisu KHR_texture_transform EXT_texture_webp EXT_texture_avif "
+    "MSFT_texture_dds KHR_lights_punctual EXT_lights_image_based KHR_animation_pointer KHR_materials_variants "
+    "KHR_node_visibility KHR_xmp_json_ld";
 
 static const nqm_gltf_group *find_extension(const char *name) {
     for (size_t i = 0; i < NQM_GLTF_N_EXTENSIONS; ++i)
@@ -323,11 +321,8 @@ static const char *unknown_requirement(const json_t *root) {
     size_t i;
     json_array_foreach(list, i, value) {
         const char *name = json_string_value(value);
-        size_t k = 0, n = sizeof harmless / sizeof *harmless;
-        while (name && k < n && strcmp(harmless[k], name) != 0)
-            ++k;
         /* extensions that a material refuses are named at the material */
-        if (name && k == n && !find_extension(name))
+        if (name && !nqm_has_word(harmless, name, false) && !find_extension(name))
             return name;
     }
     return NULL;

@@ -254,7 +254,7 @@ static bool read_texture(nqm_gltf_document *d, const json_t *info, size_t n, con
 /* The factor of a key: that of the file, or the default. false: 0, so that the texture has no effect. */
 static bool find_factor(const nqm_shading *shading, const char *key, double v[3]) {
     const nqm_property *p = nqm_shading_find(shading, key);
-    const nqm_rule *input = nqm_rule_find(nqm_mtlx_find_surface("gltf")->inputs, key);
+    const nqm_rule *input = nqm_rule_find(nqm_mtlx_find_surface(NULL, "gltf")->inputs, key);
     for (size_t c = 0; c < 3; ++c)
         v[c] = p ? p->v[c] : input->value;
     return v[0] != 0 || v[1] != 0 || v[2] != 0;

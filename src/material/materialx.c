@@ -18,11 +18,7 @@ static const double OUT_OF_GAMUT = -1e-3;
 /* What is read of a material. */
 typedef struct reading {
     nqm_reading reading;
-    nqm_index shaders; /* of `known` */
-    struct known_shader {
-        element *shader;
-        size_t material; /* the first one that has it */
-    } * known;           /* (NQM_MAX_MATERIALS) */
+    element *shaders[NQM_MAX_MATERIALS]; /* of the materials so far; NULL: none, or that of an earlier one */
     element *shader;
     const nqm_mtlx_surface *surface;
     nqm_mtlx_graph graph;
@@ -235,8 +231,8 @@ static void set_version(reading *r) {
 }
 
 static bool read_shader(reading *r) {
-    r->surface = nqm_mtlx_find_surface(r->shader->name);
-    if (!r->surface || strcmp(r->surface->node, r->shader->name) != 0)
+    r->surface = nqm_mtlx_find_surface(r->shader->name, NULL);
+    if (!r->surface)
         return nqm_refuse(&r->reading, r->shader,
                           "its surface shader is '%.40s', which is not one of those that are read", r->shader->name);
     r->reading.rules = r->surface->inputs;
@@ -271,10 +267,6 @@ static bool check_displacement(reading *r, element *material) {
            nqm_refuse(&r->reading, input, "displacementshader is connected: displacement is not part of a BRDF");
 }
 
-static nqm_index_key key_of_known(const void *value) {
-    return (nqm_index_key){((const struct known_shader *)value)->shader, ""};
-}
-
 /* Add a material whose shader an earlier one has, too. */
 static nqm_status add_again(size_t i, element *material, nqm_materials *materials, nqm_error *err) {
     nqm_material_info info = nqm_materials_get(materials, i);
@@ -297,20 +289,20 @@ static nqm_status add_material(reading *r, element *material, nqm_materials *mat
     r->coat_normal_node = NQM_NO_NODE;
     r->shader = strcmp(material->name, "surfacematerial") == 0 ? find_shader(r, material) : material;
     const bool has_shader = r->shader && check_displacement(r, material);
-    const struct known_shader *known = has_shader ? nqm_index_find(&r->shaders, (nqm_index_key){r->shader, ""}) : NULL;
-    if (known) {
+    size_t first = 0; /* the first material with this shader */
+    while (has_shader && first < number && r->shaders[first] != r->shader)
+        ++first;
+    if (has_shader && first < number) {
         nqm_textured_free(r->graph.t);
-        return add_again(known->material, material, materials, err);
+        return add_again(first, material, materials, err);
     }
     if (has_shader && has_memory)
         read_shader(r);
     nqm_status status =
         nqm_reading_add(&r->reading, nqm_xml_get(material, "name"), r->shader ? r->shader->name : material->name,
                         material->byte_offset, materials, err);
-    if (status == NQM_OK && has_shader) {
-        r->known[number] = (struct known_shader){r->shader, number};
-        nqm_index_add(&r->shaders, &r->known[number]);
-    }
+    if (status == NQM_OK && has_shader)
+        r->shaders[number] = r->shader;
     return status;
 }
 
@@ -322,29 +314,22 @@ static nqm_status add_all(reading *r, nqm_materials *materials, nqm_error *err) 
             status = add_material(r, e, materials, err);
     const bool has_none = nqm_materials_count(materials) == 0;
     for (element *e = r->graph.root->first; e && status == NQM_OK && has_none; e = e->next)
-        if (nqm_mtlx_find_surface(e->name))
+        if (nqm_mtlx_find_surface(e->name, NULL))
             status = add_material(r, e, materials, err);
     return status;
 }
 
 static nqm_status read_root(const nqm_xml *xml, const char *path, nqm_materials *materials, nqm_error *err) {
-    reading *r;
-    struct known_shader *known;
-    nqm_status status =
-        nqm_alloc_arrays(NQM_ARRAYS({&r, 1, sizeof *r}, {&known, NQM_MAX_MATERIALS, sizeof *known}), err);
-    if (status != NQM_OK)
-        return status;
-    r->known = known;
+    reading *r = nqm_alloc(1, sizeof *r);
+    if (!r)
+        return nqm_fail_nomem(err, sizeof *r);
     r->graph.path = path;
     r->graph.root = xml->root;
     r->graph.reading = &r->reading;
-    status = nqm_xml_names_create(xml, &r->graph.names, err);
-    if (status == NQM_OK)
-        status = nqm_index_create(NQM_MAX_MATERIALS, key_of_known, &r->shaders, err);
+    nqm_status status = nqm_xml_names_create(xml, &r->graph.names, err);
     if (status == NQM_OK)
         status = add_all(r, materials, err);
     nqm_index_free(&r->graph.names);
-    nqm_index_free(&r->shaders);
     nqm_free(r);
     return status;
 }
@@ -389,7 +374,7 @@ static nqm_status read_materials(const nqm_map *map, nqm_materials *materials, n
 static nqm_status write_material(const nqm_shading *shading, const char *name, const char *path, FILE *stream,
                                  nqm_error *err) {
     char numbers[100];
-    const nqm_mtlx_surface *surface = nqm_mtlx_find_surface(shading->model); /* one of those of the format */
+    const nqm_mtlx_surface *surface = nqm_mtlx_find_surface(NULL, shading->model); /* one of those of the format */
     fprintf(stream, "  <%s name=\"SR_%s\" type=\"surfaceshader\">\n", surface->node, name);
     for (size_t i = 0; i < shading->n; ++i) {
         const nqm_rule *input = nqm_rule_find(surface->inputs, shading->properties[i].key);

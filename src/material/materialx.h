@@ -15,8 +15,8 @@ typedef struct nqm_mtlx_surface {
 
 enum { NQM_MTLX_N_SURFACES = 5 };
 extern const nqm_mtlx_surface nqm_mtlx_surfaces[NQM_MTLX_N_SURFACES];
-/** The surface with this node or model; NULL: there is none. */
-const nqm_mtlx_surface *nqm_mtlx_find_surface(const char *node_or_model);
+/** The surface with this node or this model, one of which is NULL. NULL: there is none. */
+const nqm_mtlx_surface *nqm_mtlx_find_surface(const char *node, const char *model);
 
 /** A key of the shading; the normal, and that of the coat; a tangent, which is refused; occlusion; emission, and subsurface
  *  scattering of the color of the base, which are ignored if they are maps. */

@@ -100,10 +100,9 @@ const nqm_mtlx_surface nqm_mtlx_surfaces[NQM_MTLX_N_SURFACES] = {
     {"disney_principled", "disney", disney},
 };
 
-const nqm_mtlx_surface *nqm_mtlx_find_surface(const char *name) {
-    size_t s = 0;
-    while (s < NQM_MTLX_N_SURFACES && strcmp(nqm_mtlx_surfaces[s].node, name) != 0 &&
-           strcmp(nqm_mtlx_surfaces[s].model, name) != 0)
-        ++s;
-    return s < NQM_MTLX_N_SURFACES ? &nqm_mtlx_surfaces[s] : NULL;
+const nqm_mtlx_surface *nqm_mtlx_find_surface(const char *node, const char *model) {
+    for (size_t s = 0; s < NQM_MTLX_N_SURFACES; ++s)
+        if (nqm_is_text(node, nqm_mtlx_surfaces[s].node) || nqm_is_text(model, nqm_mtlx_surfaces[s].model))
+            return &nqm_mtlx_surfaces[s];
+    return NULL;
 }

@@ -32,8 +32,6 @@ bool nqm_vary(nqm_reading *r, const void *property, const char *format, ...) {
 
 bool nqm_reading_begin(nqm_reading *r, const nqm_rule_source *source) {
     *r = (nqm_reading){.source = source, .textured = nqm_textured_create()};
-    if (!r->textured)
-        strcpy(r->refusal.text, "out of memory");
     return r->textured != NULL;
 }
 
@@ -123,6 +121,8 @@ bool nqm_rule_later(nqm_reading *r, const nqm_rule *rule, const void *property) 
 nqm_status nqm_reading_add(nqm_reading *r, const char *name, const char *surface, int64_t byte_offset,
                            nqm_materials *materials, nqm_error *err) {
     nqm_textured *t = r->textured;
+    if (!t)
+        return nqm_fail_nomem(err, sizeof *t);
     const bool is_refused = *r->refusal.text, varies = !is_refused && (t->n_outputs || t->normal != NQM_NO_NODE);
     const bool has_brdf = !is_refused && !varies;
     const nqm_reason *reason = is_refused ? &r->refusal : &r->varies;

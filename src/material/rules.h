@@ -74,7 +74,7 @@ struct nqm_reading {
     nqm_reason refusal, varies;
 };
 
-/** Begin to read a material; false: memory is short, and the material is refused. */
+/** Begin to read a material; false: memory is short, and nqm_reading_add() will fail. */
 NQM_MUST_CHECK bool nqm_reading_begin(nqm_reading *r, const nqm_rule_source *source);
 /** Refuse the material, unless it is refused already; false, so that readers can return it. */
 __attribute__((format(printf, 3, 4))) bool nqm_refuse(nqm_reading *r, const void *property, const char *format, ...);
