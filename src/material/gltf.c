@@ -298,20 +298,16 @@ static nqm_status find_chunk(const nqm_map *map, nqm_gltf_document *document, nq
     return NQM_OK;
 }
 
-static bool has_suffix(const char *path, const char *suffix) {
-    const size_t n = strlen(path), n_suffix = strlen(suffix);
-    return n >= n_suffix && strcasecmp(path + n - n_suffix, suffix) == 0;
-}
-
 static bool gltf_probe(const nqm_map *map) {
     const size_t n = nqm_smaller(map->n_bytes, NQM_PROBE_BYTES);
+    const char *dot = strrchr(map->path, '.');
     size_t i = 0;
     if (is_glb(map))
         return true;
     while (i < n && memchr(" \t\r\n", map->data[i], 4))
         ++i;
     return i < n && map->data[i] == '{' &&
-           (has_suffix(map->path, ".gltf") || nqm_material_probe_text(map, n, "\"asset\"") ||
+           ((dot && strcasecmp(dot, ".gltf") == 0) || nqm_material_probe_text(map, n, "\"asset\"") ||
             nqm_material_probe_text(map, n, "\"pbrMetallicRoughness\""));
 }
 

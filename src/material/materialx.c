@@ -212,21 +212,18 @@ bool nqm_mtlx_read_occlusion(nqm_reading *r, const nqm_rule *rule, const void *p
     return true;
 }
 
+/* Version 1.0.0 of standard_surface has other defaults than the table. */
 static void set_defaults(reading *r) {
-    strcpy(r->reading.shading.model, r->surface->model);
+    const char *version = nqm_xml_get(r->shader, "version"), *definition = nqm_xml_get(r->shader, "nodedef");
+    nqm_shading *shading = &r->reading.shading;
+    strcpy(shading->model, r->surface->model);
     for (const nqm_rule *rule = r->surface->inputs; rule->name; ++rule)
         if (rule->key)
-            nqm_shading_set(&r->reading.shading, rule->key, rule->n, (double[]){rule->value, rule->value, rule->value});
-}
-
-/* Version 1.0.0 of standard_surface has other defaults. */
-static void set_version(reading *r) {
-    const char *version = nqm_xml_get(r->shader, "version"), *definition = nqm_xml_get(r->shader, "nodedef");
-    const double base = 0.8, white[3] = {1, 1, 1};
+            nqm_shading_set(shading, rule->key, rule->n, (double[]){rule->value, rule->value, rule->value});
     if (strcmp(r->surface->node, "standard_surface") == 0 &&
         (nqm_is_text(version, "1.0.0") || nqm_is_text(definition, "ND_standard_surface_surfaceshader_100"))) {
-        nqm_shading_set(&r->reading.shading, "base", 1, &base);
-        nqm_shading_set(&r->reading.shading, "base_color", 3, white);
+        nqm_shading_set(shading, "base", 1, (double[]){0.8});
+        nqm_shading_set(shading, "base_color", 3, (double[]){1, 1, 1});
     }
 }
 
@@ -238,7 +235,6 @@ static bool read_shader(reading *r) {
     r->reading.rules = r->surface->inputs;
     r->reading.owner = r->surface->node;
     set_defaults(r);
-    set_version(r);
     bool ok = true;
     for (element *e = r->shader->first; e && ok; e = e->next)
         if (strcmp(e->name, "input") == 0 && nqm_mtlx_has_value(e))
