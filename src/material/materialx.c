@@ -18,7 +18,11 @@ static const double OUT_OF_GAMUT = -1e-3;
 /* What is read of a material. */
 typedef struct reading {
     nqm_reading reading;
-    element *shaders[NQM_MAX_MATERIALS]; /* of the materials so far; NULL: none, or that of an earlier one */
+    nqm_index shaders; /* of `known` */
+    struct known_shader {
+        element *shader;
+        size_t material; /* the first one that has it */
+    } known[NQM_MAX_MATERIALS];
     element *shader;
     const nqm_mtlx_surface *surface;
     nqm_mtlx_graph graph;
@@ -263,6 +267,10 @@ static bool check_displacement(reading *r, element *material) {
            nqm_refuse(&r->reading, input, "displacementshader is connected: displacement is not part of a BRDF");
 }
 
+static nqm_index_key key_of_known(const void *value) {
+    return (nqm_index_key){((const struct known_shader *)value)->shader, ""};
+}
+
 /* Add a material whose shader an earlier one has, too. */
 static nqm_status add_again(size_t i, element *material, nqm_materials *materials, nqm_error *err) {
     nqm_material_info info = nqm_materials_get(materials, i);
@@ -285,20 +293,20 @@ static nqm_status add_material(reading *r, element *material, nqm_materials *mat
     r->coat_normal_node = NQM_NO_NODE;
     r->shader = strcmp(material->name, "surfacematerial") == 0 ? find_shader(r, material) : material;
     const bool has_shader = r->shader && check_displacement(r, material);
-    size_t first = 0; /* the first material with this shader */
-    while (has_shader && first < number && r->shaders[first] != r->shader)
-        ++first;
-    if (has_shader && first < number) {
+    const struct known_shader *known = has_shader ? nqm_index_find(&r->shaders, (nqm_index_key){r->shader, ""}) : NULL;
+    if (known) {
         nqm_textured_free(r->graph.t);
-        return add_again(first, material, materials, err);
+        return add_again(known->material, material, materials, err);
     }
     if (has_shader && has_memory)
         read_shader(r);
     nqm_status status =
         nqm_reading_add(&r->reading, nqm_xml_get(material, "name"), r->shader ? r->shader->name : material->name,
                         material->byte_offset, materials, err);
-    if (status == NQM_OK && has_shader)
-        r->shaders[number] = r->shader;
+    if (status == NQM_OK && has_shader) {
+        r->known[number] = (struct known_shader){r->shader, number};
+        nqm_index_add(&r->shaders, &r->known[number]);
+    }
     return status;
 }
 
@@ -324,8 +332,11 @@ static nqm_status read_root(const nqm_xml *xml, const char *path, nqm_materials 
     r->graph.reading = &r->reading;
     nqm_status status = nqm_xml_names_create(xml, &r->graph.names, err);
     if (status == NQM_OK)
+        status = nqm_index_create(NQM_MAX_MATERIALS, key_of_known, &r->shaders, err);
+    if (status == NQM_OK)
         status = add_all(r, materials, err);
     nqm_index_free(&r->graph.names);
+    nqm_index_free(&r->shaders);
     nqm_free(r);
     return status;
 }
