@@ -17,55 +17,43 @@ nqm_status nqm_bsdf_add(nqm_bsdf_nodes *nodes, const nqm_bsdf_node *node, const 
     if (!list)
         return nqm_fail_nomem(err, (nodes->n + 1) * sizeof *list);
     nodes->list = list;
-    nqm_bsdf_node copy = *node;
-    char **texts[] = {&copy.type, &copy.name, &copy.id, &copy.value};
-    enum { N = sizeof texts / sizeof *texts };
-    nqm_array arrays[N];
-    char *blocks[N];
-    for (size_t i = 0; i < N; ++i)
-        arrays[i] = (nqm_array){&blocks[i], *texts[i] ? strlen(*texts[i]) + 1 : 1, 1};
-    nqm_status status = nqm_alloc_arrays(N, arrays, err);
-    if (status != NQM_OK)
-        return status;
-    for (size_t i = 0; i < N; ++i)
-        *texts[i] = memcpy(blocks[i], *texts[i] ? *texts[i] : "", arrays[i].n);
-    nodes->list[nodes->n++] = copy;
-    return NQM_OK;
+    nqm_bsdf_node *copy = &list[nodes->n];
+    *copy = *node;
+    char **texts[] = {&copy->type, &copy->name, &copy->id, &copy->value};
+    for (size_t i = 0; i < sizeof texts / sizeof *texts; ++i)
+        *texts[i] = *texts[i] ? *texts[i] : "";
+    nqm_status status = nqm_copy_texts(sizeof texts / sizeof *texts, texts, err);
+    nodes->n += status == NQM_OK;
+    return status;
+}
+
+void nqm_bsdf_cut(nqm_bsdf_nodes *nodes, size_t n) {
+    while (nodes->n > n)
+        nqm_free(nodes->list[--nodes->n].type); /* the first text owns the block */
 }
 
 void nqm_bsdf_clear(nqm_bsdf_nodes *nodes) {
-    for (size_t i = 0; i < nodes->n; ++i)
-        nqm_free(nodes->list[i].type); /* the first text owns the block */
+    nqm_bsdf_cut(nodes, 0);
     nqm_free(nodes->list);
     *nodes = (nqm_bsdf_nodes){.n = 0};
 }
 
-size_t nqm_bsdf_next(const nqm_bsdf_nodes *nodes, size_t parent, size_t i) {
+const nqm_bsdf_node *nqm_bsdf_next(const nqm_bsdf_nodes *nodes, size_t parent, const nqm_bsdf_node *after) {
     /* A child comes after its parent, and the first node that is no descendant ends the search. */
-    for (; i < nodes->n && nodes->list[i].parent != NQM_BSDF_ROOT && nodes->list[i].parent >= parent; ++i)
+    for (size_t i = after ? (size_t)(after - nodes->list) + 1 : parent + 1;
+         i < nodes->n && nodes->list[i].parent != NQM_BSDF_ROOT && nodes->list[i].parent >= parent; ++i)
         if (nodes->list[i].parent == parent)
-            return i;
-    return nodes->n;
+            return &nodes->list[i];
+    return NULL;
 }
 
-nqm_bsdf_kind nqm_bsdf_kind_of(const nqm_bsdf_word *words, const char *word) {
-    while (words->word && strcmp(words->word, word) != 0)
-        ++words;
-    return words->word ? words->kind : NQM_BSDF_OTHER;
+nqm_bsdf_kind nqm_bsdf_kind_of(const nqm_bsdf_word *kinds, const char *word) {
+    while (kinds->words && !nqm_has_word(kinds->words, word, false))
+        ++kinds;
+    return kinds->words ? kinds->kind : NQM_BSDF_OTHER;
 }
 
 /* ---- values ------------------------------------------------------------------------------------------------------ */
-
-size_t nqm_bsdf_parse(const char *text, size_t max_n, double *v) {
-    static const char separators[] = " ,\t\r\n";
-    size_t n = 0;
-    for (text += strspn(text, separators); *text; text += strspn(text, separators)) {
-        if (n == max_n || !nqm_parse_double(text, &text, &v[n]) || (*text && !strchr(separators, *text)))
-            return 0;
-        ++n;
-    }
-    return n;
-}
 
 /* "#rrggbb" in the encoding of sRGB (IEC 61966-2-1) to linear values. */
 static bool parse_hex(const char *text, double rgb[3]) {
@@ -84,25 +72,14 @@ static bool parse_hex(const char *text, double rgb[3]) {
 
 /* Fail for a node that holds no constant numbers. */
 static bool check_kind(nqm_reading *r, const nqm_bsdf_node *node) {
-    switch (node->kind) {
-    case NQM_BSDF_OTHER:
-    case NQM_BSDF_BSDF:
-    case NQM_BSDF_TEXTURE:
+    if (node->kind == NQM_BSDF_OTHER || node->kind == NQM_BSDF_BSDF || node->kind == NQM_BSDF_TEXTURE)
         return nqm_refuse(r, node, IS_PLUGIN, node->name, node->type);
-    case NQM_BSDF_REF:
+    if (node->kind == NQM_BSDF_REF)
         return nqm_refuse(r, node, IS_REFERENCE, node->name, node->id);
-    case NQM_BSDF_STRING:
-    case NQM_BSDF_BOOLEAN:
+    if (node->kind == NQM_BSDF_STRING || node->kind == NQM_BSDF_BOOLEAN)
         return nqm_refuse(r, node, "%s needs a number, not '%.40s'", node->name, node->value);
-    case NQM_BSDF_SPECTRUM:
-        if (!*node->value || strchr(node->value, ':'))
-            return nqm_refuse(r, node, "%s is a spectrum by wavelength; only constants and RGB are read", node->name);
-        break;
-    case NQM_BSDF_NUMBER:
-    case NQM_BSDF_RGB:
-    case NQM_BSDF_TRIPLE:
-        break;
-    }
+    if (node->kind == NQM_BSDF_SPECTRUM && (!*node->value || strchr(node->value, ':')))
+        return nqm_refuse(r, node, "%s is a spectrum by wavelength; only constants and RGB are read", node->name);
     return true;
 }
 
@@ -111,7 +88,7 @@ static bool read_values(nqm_reading *r, const nqm_rule *rule, const void *proper
     const bool is_rgb = node->kind == NQM_BSDF_RGB, is_triple = node->kind == NQM_BSDF_TRIPLE;
     if (!check_kind(r, node))
         return false;
-    *n = is_rgb && parse_hex(node->value, v) ? 3 : nqm_bsdf_parse(node->value, 3, v);
+    *n = is_rgb && parse_hex(node->value, v) ? 3 : nqm_parse_numbers(node->value, 3, v);
     if (!(*n == 1 && !is_triple) && !(*n == 3 && (is_rgb || is_triple)))
         return nqm_refuse(r, node, "%s needs %s, not '%.40s'", node->name,
                           is_rgb      ? "one or three numbers"
@@ -134,11 +111,10 @@ const nqm_rule_source nqm_bsdf_source = {.term = "property", .read = read_values
 /* ---- a BSDF ------------------------------------------------------------------------------------------------------ */
 
 const nqm_bsdf_node *nqm_bsdf_find(const nqm_bsdf_reading *r, const char *name) {
-    for (size_t i = nqm_bsdf_next(r->nodes, r->at, r->at + 1); i < r->nodes->n;
-         i = nqm_bsdf_next(r->nodes, r->at, i + 1))
-        if (strcmp(r->nodes->list[i].name, name) == 0)
-            return &r->nodes->list[i];
-    return NULL;
+    const nqm_bsdf_node *node = NULL;
+    while ((node = nqm_bsdf_next(r->nodes, r->at, node)) && strcmp(node->name, name) != 0) {
+    }
+    return node;
 }
 
 bool nqm_bsdf_numbers(nqm_bsdf_reading *r, const char *name, size_t n, double *v) {
@@ -164,17 +140,11 @@ bool nqm_bsdf_flag(nqm_bsdf_reading *r, const char *name, bool *v) {
     return nqm_refuse(&r->reading, node, "%s needs true or false", name);
 }
 
-bool nqm_bsdf_choice(nqm_bsdf_reading *r, const char *name, const char *words, uint8_t *v) {
+bool nqm_bsdf_choice(nqm_bsdf_reading *r, const char *name, const char *words, size_t *v) {
     const nqm_bsdf_node *node = nqm_bsdf_find(r, name);
-    *v = 0;
-    if (!node)
-        return true;
-    if (node->kind != NQM_BSDF_STRING || strchr(node->value, ' ') || !nqm_has_word(words, node->value, false))
-        return nqm_refuse(&r->reading, node, "%s is '%.40s'; these are read: %s", name, node->value, words);
-    const size_t n = strlen(node->value);
-    for (const char *word = words; strncmp(word, node->value, n) != 0 || (word[n] && word[n] != ' '); ++*v)
-        word += strcspn(word, " ") + 1;
-    return true;
+    *v = node && node->kind == NQM_BSDF_STRING ? nqm_find_word(words, node->value, false) : node ? SIZE_MAX : 0;
+    return *v != SIZE_MAX ||
+           nqm_refuse(&r->reading, node, "%s is '%.40s'; these are read: %s", name, node->value, words);
 }
 
 bool nqm_bsdf_file(nqm_reading *r, const nqm_rule *rule, const void *property) {
@@ -186,9 +156,10 @@ bool nqm_bsdf_file(nqm_reading *r, const nqm_rule *rule, const void *property) {
 
 /* ---- maps -------------------------------------------------------------------------------------------------------- */
 
-nqm_textured *nqm_bsdf_textured(nqm_bsdf_reading *r, const nqm_bsdf_node *node) {
-    return node->kind == NQM_BSDF_REF ? nqm_reading_textured(&r->reading, node, IS_REFERENCE, node->name, node->id)
-                                      : nqm_reading_textured(&r->reading, node, IS_PLUGIN, node->name, node->type);
+void nqm_bsdf_varies(nqm_bsdf_reading *r, const nqm_bsdf_node *node) {
+    const bool is_reference = node->kind == NQM_BSDF_REF;
+    nqm_vary(&r->reading, node, is_reference ? IS_REFERENCE : IS_PLUGIN, node->name,
+             is_reference ? node->id : node->type);
 }
 
 bool nqm_bsdf_is_texture(const nqm_bsdf_node *node) {
@@ -209,50 +180,44 @@ bool nqm_bsdf_is_float_image(const char *file) {
     return dot && nqm_has_word(".exr .hdr .rgbe .pfm", dot, true);
 }
 
-/* The node exists, or the material is refused. */
-static bool check_value(nqm_bsdf_reading *r, const nqm_bsdf_node *node, uint16_t value) {
-    return value != NQM_NO_NODE ||
-           nqm_refuse(&r->reading, node, "%s: its textures need more than %d operations, or memory is short",
-                      node->name, NQM_MAX_MAP_NODES);
-}
-
 bool nqm_bsdf_image(nqm_bsdf_reading *r, const nqm_bsdf_node *file, const char *space, const double uv[2][3],
                     nqm_map_wrap wrap, uint16_t *value_ret) {
+    nqm_textured *t = r->reading.textured;
     size_t image;
-    if (!nqm_map_add_file(r->reading.textured, r->path, file->value, space, &image))
+    if (!nqm_map_add_file(t, r->path, file->value, space, &image))
         return nqm_refuse(&r->reading, file, "%s: more than %d images, or memory is short", file->value,
                           NQM_MAX_MAP_IMAGES);
-    *value_ret = nqm_map_image_at(r->reading.textured, image, 3, uv, (const uint8_t[2]){(uint8_t)wrap, (uint8_t)wrap});
-    return check_value(r, file, *value_ret);
+    *value_ret = nqm_map_image_at(t, image, 3, uv, (const uint8_t[2]){(uint8_t)wrap, (uint8_t)wrap});
+    return true;
 }
 
-uint16_t nqm_bsdf_compute(nqm_bsdf_reading *r, nqm_map_op op, size_t n, uint16_t a, double b) {
+bool nqm_bsdf_output(nqm_bsdf_reading *r, const char *key, uint16_t value) {
     nqm_textured *t = r->reading.textured;
-    return nqm_map_compute(t, op, n, a, nqm_map_value(t, 1, &b), NQM_NO_NODE);
-}
-
-bool nqm_bsdf_output(nqm_bsdf_reading *r, const nqm_bsdf_node *node, const char *key, uint16_t value) {
-    nqm_map_output_set(r->reading.textured, key, value);
-    return check_value(r, node, value);
-}
-
-bool nqm_bsdf_normal(nqm_bsdf_reading *r, const nqm_bsdf_node *node, uint16_t rgb) {
-    r->reading.textured->normal = nqm_bsdf_compute(r, NQM_MAP_NORMAL, 3, rgb, 1);
-    return check_value(r, node, r->reading.textured->normal);
+    const bool is_normal = strcmp(key, "normal") == 0;
+    if (is_normal)
+        t->normal = value = nqm_map_with(t, NQM_MAP_NORMAL, 3, value, 1);
+    if (value == NQM_NO_NODE)
+        return nqm_refuse(&r->reading, &r->nodes->list[r->at],
+                          "%s: it is not finite, its textures need more than %d operations, or memory is short", key,
+                          NQM_MAX_MAP_NODES);
+    if (nqm_map_is_constant(t, value))
+        nqm_shading_set(&r->reading.shading, key, t->nodes[value].n, t->nodes[value].v);
+    else if (!is_normal)
+        nqm_map_output_set(t, key, value);
+    return true;
 }
 
 /* ---- types ------------------------------------------------------------------------------------------------------- */
 
 const nqm_bsdf_plugin *nqm_bsdf_find_plugin(const nqm_bsdf_plugin *plugins, const char *type) {
-    for (const nqm_bsdf_plugin *p = plugins; p->type; ++p)
-        if (strcmp(p->type, type) == 0)
-            return p;
-    return NULL;
+    while (plugins->type && !nqm_has_word(plugins->type, type, false))
+        ++plugins;
+    return plugins->type ? plugins : NULL;
 }
 
 bool nqm_bsdf_read(nqm_bsdf_reading *r, const nqm_bsdf_plugin *plugins, const char *type) {
     nqm_reading *reading = &r->reading;
-    const nqm_bsdf_node *bsdf = &r->nodes->list[r->at];
+    const nqm_bsdf_node *bsdf = &r->nodes->list[r->at], *property = NULL;
     const nqm_bsdf_plugin *p = nqm_bsdf_find_plugin(plugins, type);
     if (!p)
         return nqm_refuse(reading, bsdf, "the type '%.40s' is not known", type);
@@ -261,11 +226,10 @@ bool nqm_bsdf_read(nqm_bsdf_reading *r, const nqm_bsdf_plugin *plugins, const ch
     reading->rules = p->rules;
     reading->owner = p->type;
     snprintf(reading->shading.model, sizeof reading->shading.model, "%s", p->model ? p->model : "");
-    for (size_t i = nqm_bsdf_next(r->nodes, r->at, r->at + 1); i < r->nodes->n;
-         i = nqm_bsdf_next(r->nodes, r->at, i + 1))
-        if (!nqm_rules_apply(reading, r->nodes->list[i].name, &r->nodes->list[i]))
+    while ((property = nqm_bsdf_next(r->nodes, r->at, property)))
+        if (!nqm_rules_apply(reading, property->name, property))
             return false;
-    if (!p->model && reading->textured)
+    if (!p->model && *reading->varies.text)
         return nqm_refuse(reading, bsdf, "a measured BSDF with maps is not supported");
     if (!p->model && !reading->file)
         return nqm_refuse(reading, bsdf, "filename is missing");

@@ -21,9 +21,9 @@ typedef enum nqm_bsdf_kind {
     NQM_BSDF_OTHER,   /**< other plugins, and steps of a transform */
 } nqm_bsdf_kind;
 
-/** The kinds that words of a format stand for; NULL ends a list. */
+/** The kind that words of a format, separated by blanks, stand for; NULL ends a list. */
 typedef struct nqm_bsdf_word {
-    const char *word;
+    const char *words;
     nqm_bsdf_kind kind;
 } nqm_bsdf_word;
 /** NQM_BSDF_OTHER: the word is not in the list. */
@@ -50,27 +50,28 @@ typedef struct nqm_bsdf_nodes {
 /** Append a node; its texts are copied, NULL as "". NQM_ERR_LIMIT: more than 100000. */
 NQM_MUST_CHECK nqm_status nqm_bsdf_add(nqm_bsdf_nodes *nodes, const nqm_bsdf_node *node, const char *path,
                                        nqm_error *err);
+/** Remove all nodes from index n on. */
+void nqm_bsdf_cut(nqm_bsdf_nodes *nodes, size_t n);
 /** The list is empty then. */
 void nqm_bsdf_clear(nqm_bsdf_nodes *nodes);
-/** The next child of `parent` from index `i` on; nodes->n when there is none. */
-size_t nqm_bsdf_next(const nqm_bsdf_nodes *nodes, size_t parent, size_t i);
+/** The child of `parent` after one of them, or after NULL the first one; NULL when there is none. */
+const nqm_bsdf_node *nqm_bsdf_next(const nqm_bsdf_nodes *nodes, size_t parent, const nqm_bsdf_node *after);
 
 /** A BSDF that is being read. Properties are nodes. */
 typedef struct nqm_bsdf_reading {
     nqm_reading reading;
     const nqm_bsdf_nodes *nodes;
-    size_t at;                      /**< index of the BSDF, or of the texture inside of it that is being read */
-    const char *path;               /**< of the scene */
-    const nqm_index *ids;           /**< Mitsuba: BSDFs and textures by id */
-    const nqm_bsdf_nodes *textures; /**< pbrt: those before the material */
-    size_t n_textures;              /**< pbrt: how many have been evaluated for the material */
+    size_t at;            /**< index of the BSDF, or of the texture that is being read for it */
+    const char *path;     /**< of the scene */
+    const nqm_index *ids; /**< Mitsuba: BSDFs and textures by id */
+    size_t n_textures;    /**< pbrt: how many have been evaluated for the material */
 } nqm_bsdf_reading;
 
-/** A type of BSDF. */
+/** Types of BSDFs. */
 typedef struct nqm_bsdf_plugin {
-    const char *type;                                               /**< NULL ends a list */
-    const char *refusal;                                            /**< NULL: the plugin is read */
-    const char *model;                                              /**< of the shading; NULL: a measured file */
+    const char *type;    /**< one, or several that are refused; NULL ends a list */
+    const char *refusal; /**< NULL: the plugin is read */
+    const char *model;   /**< of the shading; NULL: a measured file */
     bool (*finish)(nqm_bsdf_reading *r, const nqm_bsdf_node *bsdf); /**< after the properties, or NULL */
     nqm_rule rules[20];
 } nqm_bsdf_plugin;
@@ -82,34 +83,28 @@ const nqm_bsdf_plugin *nqm_bsdf_find_plugin(const nqm_bsdf_plugin *plugins, cons
 bool nqm_bsdf_read(nqm_bsdf_reading *r, const nqm_bsdf_plugin *plugins, const char *type);
 /** A property of the BSDF, or NULL. */
 const nqm_bsdf_node *nqm_bsdf_find(const nqm_bsdf_reading *r, const char *name);
-/** Numbers separated by blanks or commas. Returns their count, 0 when there is anything else or more than max_n. */
-size_t nqm_bsdf_parse(const char *text, size_t max_n, double *v);
 /** A number, or n = 3 numbers; the values stay when the property is not given. false: refused. */
 bool nqm_bsdf_numbers(nqm_bsdf_reading *r, const char *name, size_t n, double *v);
 /** "true" or "false", likewise. */
 bool nqm_bsdf_flag(nqm_bsdf_reading *r, const char *name, bool *v);
 /** A string that is one of `words`, which blanks separate: its number, or 0 when the property is not given. */
-bool nqm_bsdf_choice(nqm_bsdf_reading *r, const char *name, const char *words, uint8_t *v);
+bool nqm_bsdf_choice(nqm_bsdf_reading *r, const char *name, const char *words, size_t *v);
 /** The text of a property that names a measured file. */
 nqm_rule_read nqm_bsdf_file;
 
-/** The maps of the material; the first call records that the property `node` is no constant. NULL: refused. */
-nqm_textured *nqm_bsdf_textured(nqm_bsdf_reading *r, const nqm_bsdf_node *node);
+/** Record that the property `node` is no constant, if it is the first one. */
+void nqm_bsdf_varies(nqm_bsdf_reading *r, const nqm_bsdf_node *node);
 /** Whether a property, or NULL, is no constant. */
 bool nqm_bsdf_is_texture(const nqm_bsdf_node *node);
 /** The filename of the texture r->at; NULL: refused. */
 const nqm_bsdf_node *nqm_bsdf_filename(nqm_bsdf_reading *r);
 /** Whether the file holds linear floats: OpenEXR, Radiance or PFM. */
 bool nqm_bsdf_is_float_image(const char *file);
-/** RGB of an image file. uv, wrap: as in nqm_map_node. */
+/** RGB of an image file. uv as in nqm_map_node, or NULL; wrap: along both axes. */
 bool nqm_bsdf_image(nqm_bsdf_reading *r, const nqm_bsdf_node *file, const char *space, const double uv[2][3],
                     nqm_map_wrap wrap, uint16_t *value_ret);
-/** An operation of a node and the number b; n: components. */
-uint16_t nqm_bsdf_compute(nqm_bsdf_reading *r, nqm_map_op op, size_t n, uint16_t a, double b);
-/** Let a key have the computed value. node: of the property, for messages. */
-bool nqm_bsdf_output(nqm_bsdf_reading *r, const nqm_bsdf_node *node, const char *key, uint16_t value);
-/** Let the normal be that of an RGB map. */
-bool nqm_bsdf_normal(nqm_bsdf_reading *r, const nqm_bsdf_node *node, uint16_t rgb);
+/** Let a key have the value of a node, or "normal" that of an RGB map. */
+bool nqm_bsdf_output(nqm_bsdf_reading *r, const char *key, uint16_t value);
 
 /** A conductor's index of refraction eta + i k, for the three channels. */
 typedef struct nqm_metal {

@@ -3,8 +3,7 @@
  * Textured materials that are no file of a renderer: a list of maps ("maps:base_color=a.png;roughness=b.png;model=gltf"), and a folder
  * whose maps are found by the names that Poly Haven, ambientCG and MatSynth give them.
  */
-#include "material/maps.h"
-#include "material/surface_keys.h"
+#include "material/materialx.h"
 
 #include <ctype.h>
 #include <dirent.h>
@@ -12,99 +11,63 @@
 #include <strings.h>
 
 static const char LIST_PREFIX[] = "maps:";
-/** "k.png:dx": the green channel of a normal map points down, as in Direct3D. */
-static const char DOWNWARDS[] = "dx";
 
 /* ---- keys -------------------------------------------------------------------------------------------------------- */
 
-typedef struct map_key {
-    const char *name;
-    size_t n;
-} map_key;
-#define KEY_ROW(INDEX, NAME, TYPE, ...) {NAME, NQM_KEY_N(TYPE)},
-static const struct map_model {
-    const char *name;
-    map_key keys[NQM_MAX_PROPERTIES];
-} models[] = {{"gltf", {NQM_GLTF_KEYS(KEY_ROW)}},
-              {"open-pbr", {NQM_OPEN_PBR_KEYS(KEY_ROW)}},
-              {"standard-surface", {NQM_STANDARD_SURFACE_KEYS(KEY_ROW)}},
-              {"usd-preview", {NQM_USD_PREVIEW_KEYS(KEY_ROW)}},
-              {"disney", {NQM_DISNEY_KEYS(KEY_ROW)}}};
-enum { N_MODELS = sizeof models / sizeof *models };
-
-static const struct map_model *find_model(const char *name) {
-    for (size_t i = 0; i < N_MODELS; ++i)
-        if (strcmp(models[i].name, name) == 0)
-            return &models[i];
-    return NULL;
+/* The inputs of the model of the material; those with a key are its keys. */
+static const nqm_rule *inputs_of(const nqm_textured *t) {
+    return nqm_mtlx_find_surface(NULL, t->shading.model)->inputs;
 }
 
-static const map_key *find_key(const nqm_textured *t, const char *name) {
-    const map_key *key = find_model(t->shading.model)->keys;
-    while (key->name && strcmp(key->name, name) != 0)
-        ++key;
-    return key->name ? key : NULL;
+/* NULL: there is no such key. */
+static const nqm_rule *find_key(const nqm_textured *t, const char *name) {
+    const nqm_rule *key = nqm_rule_find(inputs_of(t), name);
+    return key && key->key ? key : NULL;
 }
 
 static nqm_status fail_key(const nqm_textured *t, const char *entry, nqm_error *err) {
     char names[700] = "";
     size_t used = 0;
-    for (const map_key *key = find_model(t->shading.model)->keys; key->name && used < sizeof names; ++key)
-        used += (size_t)snprintf(names + used, sizeof names - used, "%s, ", key->name);
+    for (const nqm_rule *input = inputs_of(t); input->name && used < sizeof names; ++input)
+        if (input->key)
+            used += (size_t)snprintf(names + used, sizeof names - used, "%s, ", input->key);
     return nqm_fail(err, NQM_ERR_ARG, -1, "%s%.60s: no such key; there are: %snormal, model", LIST_PREFIX, entry,
                     names);
 }
 
 /* ---- one map ----------------------------------------------------------------------------------------------------- */
 
-/* Let a key, or the normal with its y downwards or not, have the values of a file. channel: of those keys that have one value. */
-static nqm_status add_map(nqm_textured *t, const map_key *key, const char *from, const char *file, size_t channel,
+/* Let a key, or NULL: the normal, have the values of a file. channel: of those keys that have one value; of the normal 1: its y points
+ * downwards. */
+static nqm_status add_map(nqm_textured *t, const nqm_rule *key, const char *from, const char *file, size_t channel,
                           nqm_error *err) {
-    static const double uv[2][3] = {{1, 0, 0}, {0, 1, 0}}, one = 1, down[3] = {1, -1, 1}, shift[3] = {0, 1, 0};
-    static const uint8_t wrap[2] = {NQM_MAP_REPEAT, NQM_MAP_REPEAT};
     const char *dot = strrchr(file, '.');
     const bool is_coded = key && key->n == 3 && !(dot && strcasecmp(dot, ".exr") == 0);
     size_t image;
     if (!nqm_map_add_file(t, from, file, is_coded ? "srgb_texture" : "", &image))
         return nqm_fail(err, NQM_ERR_NOMEM, -1, "%s: out of memory, or more than %d maps", file, NQM_MAX_MAP_IMAGES);
-    uint16_t node = nqm_map_image_at(t, image, channel == 3 ? 4 : 3, uv, wrap);
+    uint16_t node = nqm_map_image_at(t, image, channel == 3 ? 4 : 3, NULL, NULL);
     if (key) {
         node = key->n == 1 ? nqm_map_channel(t, node, channel) : node;
-        nqm_map_output_set(t, key->name, node);
+        nqm_map_output_set(t, key->key, node);
     } else {
-        if (channel)
-            node = nqm_map_compute(t, NQM_MAP_ADD, 3,
-                                   nqm_map_compute(t, NQM_MAP_MULTIPLY, 3, node, nqm_map_value(t, 3, down), 0),
-                                   nqm_map_value(t, 3, shift), 0);
-        t->normal = node = nqm_map_compute(t, NQM_MAP_NORMAL, 3, node, nqm_map_value(t, 1, &one), 0);
+        const double scale[2] = {1, channel ? -1 : 1};
+        t->normal = node = nqm_map_compute(t, NQM_MAP_NORMAL, 3, node, nqm_map_value(t, 2, scale), 0);
     }
     return node == NQM_NO_NODE ? nqm_fail_nomem(err, sizeof *t->nodes) : NQM_OK;
 }
 
 /* ---- lists ------------------------------------------------------------------------------------------------------- */
 
-/* "0.5" or "1,0.5,0": 1 to 3 numbers; 0: the text is something else. */
-static size_t read_constants(const char *text, double v[3]) {
-    size_t n = 0;
-    while (n < 3 && nqm_parse_double(text, &text, &v[n])) {
-        ++n;
-        if (!*text)
-            return n;
-        if (*text++ != ',')
-            return 0;
-    }
-    return 0;
-}
-
-/* The channel that ends the text, "orm.png:g", which is removed. Of a normal 1 for DOWNWARDS. */
+/* The channel that ends the text, "orm.png:g", which is removed. Of a normal 1 for "n.png:dx": its green channel points down, as in
+ * Direct3D. */
 static size_t read_channel(char *text, bool is_normal) {
-    static const char channels[] = "rgba";
     char *colon = strrchr(text, ':');
-    const bool is_down = is_normal && colon && strcmp(colon + 1, DOWNWARDS) == 0;
-    const char *channel = !is_normal && colon && colon[1] && !colon[2] ? strchr(channels, colon[1]) : NULL;
-    if (is_down || channel)
-        *colon = 0;
-    return is_down ? 1 : channel ? (size_t)(channel - channels) : 0;
+    const size_t channel = colon ? nqm_find_word(is_normal ? "dx" : "r g b a", colon + 1, false) : SIZE_MAX;
+    if (channel == SIZE_MAX)
+        return 0;
+    *colon = 0;
+    return is_normal ? 1 : channel;
 }
 
 static nqm_status add_entry(nqm_textured *t, char *entry, nqm_error *err) {
@@ -113,13 +76,13 @@ static nqm_status add_entry(nqm_textured *t, char *entry, nqm_error *err) {
         return nqm_fail(err, NQM_ERR_ARG, -1, "%s%.100s: needs KEY=FILE or KEY=NUMBER", LIST_PREFIX, entry);
     *value++ = 0;
     const bool is_normal = strcmp(entry, "normal") == 0;
-    const map_key *key = is_normal ? NULL : find_key(t, entry);
+    const nqm_rule *key = is_normal ? NULL : find_key(t, entry);
     double v[3];
     if (strcmp(entry, "model") == 0)
         return NQM_OK; /* read before the others */
     if (!is_normal && !key)
         return fail_key(t, entry, err);
-    const size_t n = read_constants(value, v);
+    const size_t n = nqm_parse_numbers(value, 3, v);
     if (n && (is_normal || (n != 1 && n != key->n)))
         return nqm_fail(err, NQM_ERR_ARG, -1, "%s%s=%.60s: needs a file%s", LIST_PREFIX, entry, value,
                         is_normal     ? ""
@@ -134,7 +97,7 @@ static nqm_status add_entry(nqm_textured *t, char *entry, nqm_error *err) {
 static nqm_status find_list_model(nqm_textured *t, const char *list, nqm_error *err) {
     const char *at = strncmp(list, "model=", 6) == 0 ? list - 1 : strstr(list, ";model="), *name = at ? at + 7 : "gltf";
     snprintf(t->shading.model, sizeof t->shading.model, "%.*s", (int)strcspn(name, ";"), name);
-    if (find_model(t->shading.model))
+    if (nqm_mtlx_find_surface(NULL, t->shading.model))
         return NQM_OK;
     return nqm_fail(
         err, NQM_ERR_ARG, -1,
@@ -158,19 +121,18 @@ static nqm_status read_list(nqm_textured *t, const char *list, nqm_error *err) {
 
 /* ---- folders ----------------------------------------------------------------------------------------------------- */
 
-/* What the name of a map ends with. Of several maps of a key those of the lowest rank are meant. */
+/* What the names of the maps of a key end with, at these sites. Rows of one key: the first one that is there is meant. */
 static const struct map_name {
     const char *endings, *key;
     size_t channel;
-    int rank;
-} map_names[] = {{"color basecolor base_color albedo", "base_color", 0, 0},
-                 {"diff diffuse", "base_color", 0, 1},
-                 {"roughness rough", "roughness", 0, 0},
-                 {"metallic metalness metal", "metallic", 0, 0},
-                 {"arm orm", "roughness", 1, 1},
-                 {"arm orm", "metallic", 2, 1},
-                 {"normal normalgl normal_gl nor_gl", "normal", 0, 0},
-                 {"normaldx normal_dx nor_dx", "normal", 1, 1}};
+} map_names[] = {{"color basecolor base_color albedo", "base_color", 0},
+                 {"diff diffuse", "base_color", 0},
+                 {"roughness rough", "roughness", 0},
+                 {"arm orm", "roughness", 1},
+                 {"metallic metalness metal", "metallic", 0},
+                 {"arm orm", "metallic", 2},
+                 {"normal normalgl normal_gl nor_gl", "normal", 0},
+                 {"normaldx normal_dx nor_dx", "normal", 1}};
 enum { N_NAMES = sizeof map_names / sizeof *map_names };
 
 /* "_" and the name of a file in lower case, with '_' for '-' and blanks, without its extension and resolution. false: no picture. */
@@ -187,35 +149,32 @@ static bool simplify(const char *file, char *name, size_t n_name) {
     return true;
 }
 
-static bool is_named(const char *name, const struct map_name *map) {
-    for (const char *end = strchr(name, '_'); end; end = strchr(end + 1, '_'))
-        if (nqm_has_word(map->endings, end + 1, false))
-            return true;
-    return false;
+static bool is_named(const char *file, const struct map_name *map) {
+    char name[300];
+    const char *end = simplify(file, name, sizeof name) ? strchr(name, '_') : NULL;
+    while (end && !nqm_has_word(map->endings, end + 1, false))
+        end = strchr(end + 1, '_');
+    return end != NULL;
 }
 
 static nqm_status add_found(nqm_textured *t, const char *from, struct dirent **files, int n, nqm_error *err) {
-    const struct map_name *chosen[N_NAMES] = {NULL};
-    const char *found[N_NAMES] = {NULL};
-    char name[300];
     nqm_status status = NQM_OK;
-    for (int f = 0; f < n; ++f)
-        for (size_t k = 0; k < N_NAMES && simplify(files[f]->d_name, name, sizeof name); ++k) {
-            size_t slot = 0; /* the first row of the same key */
-            while (strcmp(map_names[slot].key, map_names[k].key) != 0)
-                ++slot;
-            if (!is_named(name, &map_names[k]) || (chosen[slot] && chosen[slot]->rank < map_names[k].rank))
+    const char *done = ""; /* the key of the last map */
+    for (const struct map_name *map = map_names; map < map_names + N_NAMES && status == NQM_OK; ++map) {
+        const char *found = NULL;
+        for (int f = 0; f < n && strcmp(done, map->key) != 0; ++f) {
+            if (!is_named(files[f]->d_name, map))
                 continue;
-            if (chosen[slot] && chosen[slot]->rank == map_names[k].rank)
+            if (found)
                 return nqm_fail(err, NQM_ERR_ARG, -1, "%s: two maps of %s: %.80s and %.80s; say which: %s%s=%.80s;...",
-                                from, map_names[k].key, found[slot], files[f]->d_name, LIST_PREFIX, map_names[k].key,
-                                files[f]->d_name);
-            chosen[slot] = &map_names[k];
-            found[slot] = files[f]->d_name;
+                                from, map->key, found, files[f]->d_name, LIST_PREFIX, map->key, files[f]->d_name);
+            found = files[f]->d_name;
         }
-    for (size_t k = 0; k < N_NAMES && status == NQM_OK; ++k)
-        if (found[k])
-            status = add_map(t, find_key(t, chosen[k]->key), from, found[k], chosen[k]->channel, err);
+        if (found) {
+            done = map->key;
+            status = add_map(t, find_key(t, map->key), from, found, map->channel, err);
+        }
+    }
     return status;
 }
 
@@ -223,7 +182,6 @@ static nqm_status read_folder(nqm_textured *t, const char *path, nqm_error *err)
     const double zero = 0;
     struct dirent **files;
     char from[4096];
-    bool has_metal = false;
     strcpy(t->shading.model, "gltf");
     const int n =
         snprintf(from, sizeof from, "%s/", path) < (int)sizeof from ? scandir(path, &files, NULL, alphasort) : -1;
@@ -238,6 +196,7 @@ static nqm_status read_folder(nqm_textured *t, const char *path, nqm_error *err)
                           "%s: no file of this folder is named like a map (..._color.png, ..._diff_2k.jpg, "
                           "..._roughness.png, ..._normalgl.png); list them: %sbase_color=FILE;roughness=FILE",
                           path, LIST_PREFIX);
+    bool has_metal = false;
     for (size_t i = 0; i < t->n_outputs; ++i)
         has_metal |= strcmp(t->outputs[i].key, "metallic") == 0;
     if (!has_metal) /* the default of the model is metal */

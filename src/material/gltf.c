@@ -6,21 +6,20 @@
  */
 #include "material/gltf.h"
 #include "io/io.h"
-#include "io/json_where.h"
 #include "io/options_json.h"
 
 #include <limits.h>
-#include <stdarg.h>
 #include <strings.h>
 
+static const char SURFACE[] = "glTF metallic-roughness";
 static const char TEXTURE_REASON[] = "a texture varies over the surface, and a BRDF is that of one point";
 
 /** Extensions that a file may require without any consequence for its materials. */
-static const char *const harmless[] = {
-    "KHR_draco_mesh_compression", "KHR_mesh_quantization",  "EXT_meshopt_compression", "KHR_meshopt_compression",
-    "EXT_mesh_gpu_instancing",    "KHR_texture_basisu",     "KHR_texture_transform",   "EXT_texture_webp",
-    "EXT_texture_avif",           "MSFT_texture_dds",       "KHR_lights_punctual",     "EXT_lights_image_based",
-    "KHR_animation_pointer",      "KHR_materials_variants", "KHR_node_visibility",     "KHR_xmp_json_ld"};
+static const char harmless[] =
+    "KHR_draco_mesh_compression KHR_mesh_quantization EXT_meshopt_compression KHR_meshopt_compression "
+    "EXT_mesh_gpu_instancing KHR_texture_basisu KHR_texture_transform EXT_texture_webp EXT_texture_avif "
+    "MSFT_texture_dds KHR_lights_punctual EXT_lights_image_based KHR_animation_pointer KHR_materials_variants "
+    "KHR_node_visibility KHR_xmp_json_ld";
 
 static const nqm_gltf_group *find_extension(const char *name) {
     for (size_t i = 0; i < NQM_GLTF_N_EXTENSIONS; ++i)
@@ -42,9 +41,7 @@ typedef struct property {
 /** The state of reading; a refusal ends the reading of one material, a failure that of the file. */
 typedef struct reader {
     nqm_reading reading;
-    const char *path;
-    nqm_json_source source;
-    size_t source_at;   /**< of the JSON text in the file */
+    nqm_gltf_document document;
     size_t at;          /**< of the document or material in the JSON text; SIZE_MAX: none */
     const char *prefix; /**< of the paths of properties of the present object, with a dot at its end */
     json_t *object;     /**< the present one */
@@ -52,13 +49,12 @@ typedef struct reader {
     double alpha;
     size_t n_textures;
     property textures[MAX_TEXTURES]; /**< of the material that have an effect */
-    nqm_gltf_document document;
-    nqm_status status; /**< of the reading of numbers */
+    nqm_status status;               /**< of the reading of numbers */
     nqm_error *err;
 } reader;
 
 static int64_t byte_of(const reader *r, const char *path) {
-    return (int64_t)(r->source_at + nqm_json_path(&r->source, r->at, path));
+    return (int64_t)(r->document.source_at + nqm_json_path(&r->document.source, r->at, path));
 }
 
 static int64_t byte_of_property(const nqm_reading *r, const void *at) {
@@ -78,14 +74,17 @@ static bool refuse(reader *r, const char *path, const char *value, const char *r
     return nqm_refuse(&r->reading, &at, "%.120s%s%s: %s", shown(path), *value ? " = " : "", value, reason);
 }
 
-static nqm_status fail_value(const reader *r, const char *path, const char *needed) {
+/* The file is damaged: the status is that of the first failure. */
+static bool fail_value(reader *r, const char *path, const char *needed) {
     const int64_t byte = byte_of(r, path);
-    return nqm_fail(r->err, NQM_ERR_FORMAT, byte, "%s: byte %lld: %.120s needs %s", r->path, (long long)byte, path,
-                    needed);
+    if (r->status == NQM_OK)
+        r->status = nqm_fail(r->err, NQM_ERR_FORMAT, byte, "%s: byte %lld: %.120s needs %s", r->document.path,
+                             (long long)byte, path, needed);
+    return false;
 }
 
 /* v: (n) */
-static nqm_status read_numbers(const reader *r, const char *path, const json_t *value, size_t n, double *v) {
+static bool read_numbers(reader *r, const char *path, const json_t *value, size_t n, double *v) {
     static const char *const needed[] = {"", "a number", "", "an array of 3 numbers", "an array of 4 numbers"};
     bool is_valid = n == 1 || json_array_size(value) == n;
     for (size_t i = 0; is_valid && i < n; ++i) {
@@ -93,16 +92,13 @@ static nqm_status read_numbers(const reader *r, const char *path, const json_t *
         is_valid = json_is_number(number);
         v[i] = json_number_value(number);
     }
-    return is_valid ? NQM_OK : fail_value(r, path, needed[n]);
+    return is_valid || fail_value(r, path, needed[n]);
 }
 
 static bool read_values(nqm_reading *reading, const nqm_rule *rule, const void *at, double v[4], size_t *n) {
-    reader *r = (reader *)reading;
     const property *p = at;
     *n = rule->n;
-    if (r->status == NQM_OK)
-        r->status = read_numbers(r, p->path, p->value, rule->n, v);
-    return r->status == NQM_OK;
+    return read_numbers((reader *)reading, p->path, p->value, rule->n, v);
 }
 
 /* Of a layer: the factor, which gates its textures. */
@@ -144,21 +140,12 @@ bool nqm_gltf_read_occlusion(nqm_reading *reading, const nqm_rule *rule, const v
     return true;
 }
 
-static bool is_zero(const json_t *value) {
-    if (!json_is_array(value))
-        return json_is_number(value) && json_number_value(value) == 0;
-    size_t i = 0;
-    while (i < json_array_size(value) && is_zero(json_array_get(value, i)))
-        ++i;
-    return i == json_array_size(value);
-}
-
-static nqm_status read_object(reader *r, const nqm_gltf_group *group, const char *path, json_t *object) {
+static void read_object(reader *r, const nqm_gltf_group *group, const char *path, json_t *object) {
     char prefix[PATH_SIZE / 2];
     const char *name;
     json_t *value;
     if (!json_is_object(object))
-        return fail_value(r, path, "an object");
+        fail_value(r, path, "an object");
     snprintf(prefix, sizeof prefix, "%.120s%s", path, *path ? "." : "");
     r->prefix = prefix;
     r->object = object;
@@ -170,62 +157,52 @@ static nqm_status read_object(reader *r, const nqm_gltf_group *group, const char
         snprintf(p.path, sizeof p.path, "%s%.100s", prefix, name);
         const bool is_free =
             strcmp(name, "extras") == 0 || (strcmp(name, "extensions") == 0 && json_object_size(p.value) == 0);
-        if (!is_free)
+        if (!is_free && r->status == NQM_OK)
             nqm_rules_apply(&r->reading, name, &p);
-        if (r->status != NQM_OK)
-            return r->status;
     }
-    return NQM_OK;
 }
 
-static nqm_status read_extensions(reader *r, json_t *list) {
+static void read_extensions(reader *r, json_t *list) {
     const char *name;
     json_t *object;
     char path[PATH_SIZE];
     if (!json_is_object(list))
-        return fail_value(r, "extensions", "an object");
+        fail_value(r, "extensions", "an object");
     json_object_foreach(list, name, object) {
         const nqm_gltf_group *extension = find_extension(name);
-        nqm_status status = NQM_OK;
         snprintf(path, sizeof path, "extensions.%.100s", name);
         if (extension && !extension->refusal)
-            status = read_object(r, extension, path, object);
+            read_object(r, extension, path, object);
         else
             refuse(r, path, "", extension ? extension->refusal : "this extension is not known");
-        if (status != NQM_OK)
-            return status;
     }
-    return NQM_OK;
 }
 
-static nqm_status check_emission(reader *r, const json_t *material) {
+static void check_emission(reader *r, const json_t *material) {
     const json_t *factor = json_object_get(material, "emissiveFactor");
     const json_t *strength =
         json_object_get(json_object_get(json_object_get(material, "extensions"), "KHR_materials_emissive_strength"),
                         "emissiveStrength");
     double v[3];
-    nqm_status status = factor ? read_numbers(r, "emissiveFactor", factor, 3, v) : NQM_OK;
-    if (status == NQM_OK && factor && !is_zero(factor) && !(strength && is_zero(strength)))
+    if (factor && read_numbers(r, "emissiveFactor", factor, 3, v) && (v[0] != 0 || v[1] != 0 || v[2] != 0) &&
+        !(json_is_number(strength) && json_number_value(strength) == 0))
         refuse(r, "emissiveFactor", "", "light that the surface emits is not part of a BRDF");
-    return status;
 }
 
 /* The mode is unknown, or the surface is not opaque in it. */
-static nqm_status check_alpha(reader *r, const json_t *material) {
+static void check_alpha(reader *r, const json_t *material) {
     const json_t *mode = json_object_get(material, "alphaMode"), *limit = json_object_get(material, "alphaCutoff");
     const char *text = mode ? json_string_value(mode) : "OPAQUE";
     double cutoff = 0.5;
-    nqm_status status = limit ? read_numbers(r, "alphaCutoff", limit, 1, &cutoff) : NQM_OK;
-    if (status != NQM_OK)
-        return status;
-    if (!text || (strcmp(text, "OPAQUE") != 0 && strcmp(text, "MASK") != 0 && strcmp(text, "BLEND") != 0))
-        return fail_value(r, "alphaMode", "\"OPAQUE\", \"MASK\" or \"BLEND\"");
-    if (strcmp(text, "BLEND") == 0 && r->alpha < 1)
+    if (limit && !read_numbers(r, "alphaCutoff", limit, 1, &cutoff))
+        return;
+    if (!text || !nqm_has_word("OPAQUE MASK BLEND", text, false))
+        fail_value(r, "alphaMode", "\"OPAQUE\", \"MASK\" or \"BLEND\"");
+    else if (strcmp(text, "BLEND") == 0 && r->alpha < 1)
         refuse(r, "alphaMode", text,
                "the alpha of baseColorFactor is below 1, and a transparent surface has more than a BRDF");
-    if (strcmp(text, "MASK") == 0 && r->alpha < cutoff)
+    else if (strcmp(text, "MASK") == 0 && r->alpha < cutoff)
         refuse(r, "alphaMode", text, "the alpha of baseColorFactor is below alphaCutoff: the surface is invisible");
-    return NQM_OK;
 }
 
 static void remark(reader *r, bool is_needed, const char *text) {
@@ -238,56 +215,52 @@ static void add_textures(reader *r, const json_t *material) {
     const json_t *mode = json_object_get(material, "alphaMode"), *base = json_object_get(material, "normalTexture");
     const nqm_property *coat = nqm_shading_find(&r->reading.shading, "clearcoat");
     bool has_coat = coat && coat->v[0] > 0;
-    nqm_textured *t = NULL;
     r->document.has_other_set = false;
-    for (size_t i = 0; i < r->n_textures && !*r->reading.refusal; ++i) {
+    for (size_t i = 0; i < r->n_textures && !*r->reading.refusal.text; ++i) {
         const property *p = &r->textures[i];
         const char *dot = strrchr(p->path, '.'), *name = dot ? dot + 1 : p->path;
-        t = nqm_reading_textured(&r->reading, p, "%.120s: %s", shown(p->path), TEXTURE_REASON);
+        nqm_vary(&r->reading, p, "%.120s: %s", shown(p->path), TEXTURE_REASON);
         if (strcmp(name, "clearcoatNormalTexture") == 0) {
             has_coat = false;
             if (!json_equal(p->value, base))
                 refuse(r, p->path, "", "a coat with another normal map than normalTexture is not supported");
-        } else if (t && !nqm_gltf_add_texture(&r->document, name, p->value, &r->reading.shading, t))
+        } else if (!nqm_gltf_add_texture(&r->document, name, p->value, &r->reading))
             refuse(r, p->path, "", r->document.why);
         remark(r, mode && strcmp(name, "baseColorTexture") == 0 && strcmp(json_string_value(mode), "OPAQUE") != 0,
                "the alpha of baseColorTexture is ignored: the surface is taken as opaque");
     }
     remark(r, r->document.has_other_set, "all sets of texture coordinates are taken as the same");
     remark(r, base && has_coat, "the clear coat is taken to have the normal map of the base");
-    if (!*r->reading.refusal && t && !t->n_outputs && t->normal == NQM_NO_NODE) {
-        nqm_textured_free(t); /* the factors are 0 */
-        r->reading.textured = NULL;
-    }
 }
 
 static nqm_status read_material(reader *r, json_t *material, nqm_materials *materials) {
     const json_t *name = json_object_get(material, "name");
-    r->reading = (nqm_reading){.source = &source, .shading = {.model = "gltf"}};
+    const bool has_memory = nqm_reading_begin(&r->reading, &source);
+    strcpy(r->reading.shading.model, "gltf");
     r->alpha = 1;
     r->n_textures = 0;
-    if (!json_is_object(material))
-        return fail_value(r, "", "an object as material");
-    if (name && !json_is_string(name))
-        return fail_value(r, "name", "a string");
     json_t *pbr = json_object_get(material, nqm_gltf_core.name), *list = json_object_get(material, "extensions");
-    nqm_status status = read_object(r, &nqm_gltf_members, "", material);
-    if (status == NQM_OK && pbr)
-        status = read_object(r, &nqm_gltf_core, nqm_gltf_core.name, pbr);
-    if (status == NQM_OK && list)
-        status = read_extensions(r, list);
-    if (status == NQM_OK)
-        status = check_emission(r, material);
-    if (status == NQM_OK)
-        status = check_alpha(r, material);
-    if (status != NQM_OK)
-        return status;
+    if (!json_is_object(material))
+        fail_value(r, "", "an object as material");
+    if (name && !json_is_string(name))
+        fail_value(r, "name", "a string");
+    read_object(r, &nqm_gltf_members, "", material);
+    if (pbr)
+        read_object(r, &nqm_gltf_core, nqm_gltf_core.name, pbr);
+    if (list)
+        read_extensions(r, list);
+    check_emission(r, material);
+    check_alpha(r, material);
+    if (r->status != NQM_OK) {
+        nqm_textured_free(r->reading.textured);
+        return r->status;
+    }
     const nqm_property *ior = nqm_shading_find(&r->reading.shading, "ior");
     if (ior && (ior->v[0] < 0 || (ior->v[0] > 0 && ior->v[0] < 1)))
         refuse(r, "extensions.KHR_materials_ior.ior", "", "the index must be 0, or 1 or greater");
-    add_textures(r, material);
-    const char *text = name ? json_string_value(name) : NULL;
-    return nqm_reading_add(&r->reading, text, "glTF metallic-roughness", byte_of(r, ""), materials, r->err);
+    if (has_memory)
+        add_textures(r, material);
+    return nqm_reading_add(&r->reading, json_string_value(name), SURFACE, byte_of(r, ""), materials, r->err);
 }
 
 /* ---- reading the file -------------------------------------------------------------------------------------------- */
@@ -297,7 +270,7 @@ static bool is_glb(const nqm_map *map) {
 }
 
 /* The JSON text of a binary file. */
-static nqm_status find_chunk(const nqm_map *map, reader *r, nqm_error *err) {
+static nqm_status find_chunk(const nqm_map *map, nqm_gltf_document *document, nqm_error *err) {
     const unsigned char *d = map->data;
     const size_t begin = NQM_GLTF_GLB_HEADER + NQM_GLTF_CHUNK_HEADER;
     if (map->n_bytes < begin)
@@ -315,31 +288,26 @@ static nqm_status find_chunk(const nqm_map *map, reader *r, nqm_error *err) {
     if (n_chunk > n_file - begin)
         return nqm_fail(err, NQM_ERR_FORMAT, 12, "%s: byte 12: a chunk of %u bytes, and %zu bytes follow", map->path,
                         n_chunk, (size_t)n_file - begin);
-    r->source = (nqm_json_source){(const char *)d + begin, n_chunk};
-    r->source_at = begin;
-    /* A binary chunk may follow. */
-    const size_t end = begin + n_chunk, bin = end + NQM_GLTF_CHUNK_HEADER;
+    document->source = (nqm_json_source){(const char *)d + begin, n_chunk};
+    document->source_at = begin;
+    const size_t end = begin + n_chunk, bin = end + NQM_GLTF_CHUNK_HEADER; /* a binary chunk may follow */
     if (bin <= n_file && nqm_load_u32(d + end + 4) == NQM_GLTF_BIN_CHUNK) {
-        r->document.bin_at = bin;
-        r->document.n_bin = nqm_smaller(nqm_load_u32(d + end), n_file - bin);
+        document->bin_at = bin;
+        document->n_bin = nqm_smaller(nqm_load_u32(d + end), n_file - bin);
     }
     return NQM_OK;
 }
 
-static bool has_suffix(const char *path, const char *suffix) {
-    const size_t n = strlen(path), n_suffix = strlen(suffix);
-    return n >= n_suffix && strcasecmp(path + n - n_suffix, suffix) == 0;
-}
-
 static bool gltf_probe(const nqm_map *map) {
     const size_t n = nqm_smaller(map->n_bytes, NQM_PROBE_BYTES);
+    const char *dot = strrchr(map->path, '.');
     size_t i = 0;
     if (is_glb(map))
         return true;
     while (i < n && memchr(" \t\r\n", map->data[i], 4))
         ++i;
     return i < n && map->data[i] == '{' &&
-           (has_suffix(map->path, ".gltf") || nqm_material_probe_text(map, n, "\"asset\"") ||
+           ((dot && strcasecmp(dot, ".gltf") == 0) || nqm_material_probe_text(map, n, "\"asset\"") ||
             nqm_material_probe_text(map, n, "\"pbrMetallicRoughness\""));
 }
 
@@ -349,11 +317,8 @@ static const char *unknown_requirement(const json_t *root) {
     size_t i;
     json_array_foreach(list, i, value) {
         const char *name = json_string_value(value);
-        size_t k = 0, n = sizeof harmless / sizeof *harmless;
-        while (name && k < n && strcmp(harmless[k], name) != 0)
-            ++k;
         /* extensions that a material refuses are named at the material */
-        if (name && k == n && !find_extension(name))
+        if (name && !nqm_has_word(harmless, name, false) && !find_extension(name))
             return name;
     }
     return NULL;
@@ -366,25 +331,26 @@ static bool is_version_2(const char *version, int max_minor) {
     return is_valid && minor <= max_minor;
 }
 
-static nqm_status check_root(const reader *r, const json_t *root) {
-    const json_t *asset = json_object_get(root, "asset"), *min_version = json_object_get(asset, "minVersion");
-    const char *version = json_string_value(json_object_get(asset, "version"));
+static nqm_status check_root(reader *r, const json_t *root) {
+    const json_t *asset = json_object_get(root, "asset"), *minimum = json_object_get(asset, "minVersion");
+    const char *version = json_string_value(json_object_get(asset, "version")), *path = r->document.path;
+    const char *min_version = json_is_string(minimum) ? json_string_value(minimum) : "no string";
+    const json_t *materials = json_object_get(root, "materials");
     const int64_t byte = byte_of(r, "asset.version");
+    const long long at = (long long)byte;
     if (!version)
         return nqm_fail(r->err, NQM_ERR_FORMAT, byte, "%s: byte %lld: this JSON has no asset.version and is no glTF",
-                        r->path, (long long)byte);
+                        path, at);
     if (!is_version_2(version, INT_MAX))
-        return nqm_fail(r->err, NQM_ERR_FORMAT, byte, "%s: byte %lld: glTF %.20s; only glTF 2 is read", r->path,
-                        (long long)byte, version);
-    if (min_version && !(json_is_string(min_version) && is_version_2(json_string_value(min_version), 0)))
+        return nqm_fail(r->err, NQM_ERR_FORMAT, byte, "%s: byte %lld: glTF %.20s; only glTF 2 is read", path, at,
+                        version);
+    if (minimum && !is_version_2(min_version, 0))
         return nqm_fail(r->err, NQM_ERR_FORMAT, byte,
                         "%s: byte %lld: asset.minVersion is '%.20s'; a reader of glTF 2.0 must refuse such a file",
-                        r->path, (long long)byte,
-                        json_is_string(min_version) ? json_string_value(min_version) : "no string");
-    const json_t *materials = json_object_get(root, "materials");
+                        path, at, min_version);
     if (materials && !json_is_array(materials))
-        return fail_value(r, "materials", "an array");
-    return NQM_OK;
+        fail_value(r, "materials", "an array");
+    return r->status;
 }
 
 /* Refuse a material because of an extension that the file requires. at: of the list of these in the JSON text. */
@@ -393,59 +359,51 @@ static nqm_status refuse_required(const reader *r, const char *required, size_t 
     char refusal[160];
     snprintf(refusal, sizeof refusal, "extensionsRequired: %.80s is not known", required);
     const nqm_material_info info = {.name = json_string_value(json_object_get(material, "name")),
-                                    .surface = "glTF metallic-roughness",
+                                    .surface = SURFACE,
                                     .refusal = refusal,
-                                    .byte_offset = (int64_t)(r->source_at + at)};
+                                    .byte_offset = (int64_t)(r->document.source_at + at)};
     return nqm_materials_add(materials, &info, r->err);
-}
-
-/* Parse n bytes of text, which are at byte `at` of the source or a part of it with the same positions. */
-static nqm_status parse(const reader *r, const char *text, size_t n, size_t at, json_t **value_ret) {
-    const nqm_json_place place = {r->path, r->source.n, r->source_at + at};
-    return nqm_json_read(text, n, JSON_REJECT_DUPLICATES | JSON_DECODE_ANY, &place, value_ret, r->err);
 }
 
 /* root: the outline of the file. */
 static nqm_status read_root(reader *r, const json_t *root, nqm_materials *materials) {
-    r->at = nqm_json_begin(&r->source);
-    r->document.path = r->path;
-    r->document.source = r->source;
-    r->document.source_at = r->source_at;
-    r->document.root = r->at;
+    nqm_gltf_document *d = &r->document;
+    r->at = d->root = nqm_json_begin(&d->source);
     nqm_status status = check_root(r, root);
     if (status != NQM_OK)
         return status;
     const char *required = unknown_requirement(root);
-    const size_t required_at = nqm_json_path(&r->source, r->at, "extensionsRequired");
+    const size_t required_at = nqm_json_path(&d->source, d->root, "extensionsRequired");
     const size_t n = json_array_size(json_object_get(root, "materials"));
-    r->at = nqm_json_first(&r->source, nqm_json_path(&r->source, r->at, "materials"));
+    r->at = nqm_json_first(&d->source, nqm_json_path(&d->source, d->root, "materials"));
     if (n && r->at == SIZE_MAX)
-        return nqm_fail(r->err, NQM_ERR_FORMAT, (int64_t)r->source_at,
-                        "%s: byte %zu: the key \"materials\" is written with escapes", r->path, r->source_at);
+        return nqm_fail(r->err, NQM_ERR_FORMAT, (int64_t)d->source_at,
+                        "%s: byte %zu: the key \"materials\" is written with escapes", d->path, d->source_at);
     for (size_t i = 0; i < n && status == NQM_OK; ++i) {
         const size_t at = r->at;
         json_t *material;
-        status = parse(r, r->source.text + at, nqm_json_end(&r->source, at) - at, at, &material);
+        status = nqm_gltf_parse(d, d->source.text + at, nqm_json_end(&d->source, at) - at, at, &material, r->err);
         if (status == NQM_OK)
             status = required ? refuse_required(r, required, required_at, material, materials)
                               : read_material(r, material, materials);
         json_decref(material);
-        r->at = nqm_json_next(&r->source, at);
+        r->at = nqm_json_next(&d->source, at);
     }
     return status;
 }
 
 static nqm_status gltf_read(const nqm_map *map, nqm_materials *materials, nqm_error *err) {
-    reader r = {.path = map->path, .source = {(const char *)map->data, map->n_bytes}, .err = err};
-    nqm_status status = is_glb(map) ? find_chunk(map, &r, err) : NQM_OK;
+    reader r = {.document = {.path = map->path, .source = {(const char *)map->data, map->n_bytes}}, .err = err};
+    nqm_status status = is_glb(map) ? find_chunk(map, &r.document, err) : NQM_OK;
     if (status != NQM_OK)
         return status;
     json_t *root;
-    char *outline = nqm_alloc(r.source.n + 1, 1);
+    const size_t n = r.document.source.n;
+    char *outline = nqm_alloc(n + 1, 1);
     if (!outline)
-        return nqm_fail_nomem(err, r.source.n);
-    nqm_json_outline(&r.source, outline);
-    status = parse(&r, outline, r.source.n, 0, &root);
+        return nqm_fail_nomem(err, n);
+    nqm_json_outline(&r.document.source, outline);
+    status = nqm_gltf_parse(&r.document, outline, n, 0, &root, err);
     nqm_free(outline);
     if (status == NQM_OK)
         status = read_root(&r, root, materials);

@@ -36,9 +36,11 @@ typedef struct nqm_gltf_document {
     char why[240];                     /**< why nqm_gltf_add_texture() failed */
 } nqm_gltf_document;
 
-/** Add the nodes of the texture `info`, a member `name` of a material or extension, to t. shading: the factors. */
-bool nqm_gltf_add_texture(nqm_gltf_document *d, const char *name, const json_t *info, const nqm_shading *shading,
-                          nqm_textured *t);
+/** Parse n bytes of text, which are at byte `at` of the source or a part of it with the same positions. */
+NQM_MUST_CHECK nqm_status nqm_gltf_parse(const nqm_gltf_document *d, const char *text, size_t n, size_t at,
+                                         json_t **value_ret, nqm_error *err);
+/** Add the nodes of the texture `info`, a member `name` of a material or extension, to the maps; the shading has the factors. */
+bool nqm_gltf_add_texture(nqm_gltf_document *d, const char *name, const json_t *info, nqm_reading *reading);
 /** Free what has been read. */
 void nqm_gltf_document_clear(nqm_gltf_document *d);
 

@@ -6,6 +6,7 @@
 #include "io/io.h"
 #include "io/options_json.h"
 #include "material/gltf.h"
+#include "material/materialx.h"
 
 #include <math.h>
 #include <stdarg.h>
@@ -29,20 +30,25 @@ void nqm_gltf_document_clear(nqm_gltf_document *d) {
         json_decref(d->arrays[i]);
 }
 
+nqm_status nqm_gltf_parse(const nqm_gltf_document *d, const char *text, size_t n, size_t at, json_t **value_ret,
+                          nqm_error *err) {
+    const nqm_json_place place = {d->path, d->source.n, d->source_at + at};
+    return nqm_json_read(text, n, JSON_REJECT_DUPLICATES | JSON_DECODE_ANY, &place, value_ret, err);
+}
+
 /* Element i of an array, which is parsed when it is first needed; of one that is damaged only the first use tells how. */
 static const json_t *element(nqm_gltf_document *d, size_t which, size_t i) {
     json_t **array = &d->arrays[which];
     if (!*array) {
         const size_t at = nqm_json_path(&d->source, d->root, array_names[which]), end = nqm_json_end(&d->source, at);
-        const nqm_json_place place = {d->path, d->source.n, d->source_at + at};
         nqm_error err = {0};
-        if (at != d->root && nqm_json_read(d->source.text + at, end - at, JSON_REJECT_DUPLICATES | JSON_DECODE_ANY,
-                                           &place, array, &err) != NQM_OK) {
-            *array = json_array();
+        const bool is_damaged =
+            at != d->root && nqm_gltf_parse(d, d->source.text + at, end - at, at, array, &err) != NQM_OK;
+        *array = *array ? *array : json_array();
+        if (is_damaged) {
             fail(d, "%s", err.message);
             return NULL;
         }
-        *array = *array ? *array : json_array();
     }
     const json_t *value = json_array_get(*array, i);
     if (!value)
@@ -58,6 +64,11 @@ static bool read_size(nqm_gltf_document *d, const json_t *object, const char *ke
     return is_valid || fail(d, "'%s' needs an integer of at least 0", key);
 }
 
+/* The element that the index `key` of an object names; *i receives the index. NULL: fail() has been called. */
+static const json_t *element_of(nqm_gltf_document *d, const json_t *object, const char *key, size_t which, size_t *i) {
+    return read_size(d, object, key, SIZE_MAX, i) ? element(d, which, *i) : NULL;
+}
+
 /* ---- images ------------------------------------------------------------------------------------------------------ */
 
 static bool is_data(const char *uri) {
@@ -71,41 +82,35 @@ static int digit_of(char c) {
     return found ? (int)(found - digits) : -1;
 }
 
-/* Bytes first to first + *n of a data: URI; *n = SIZE_MAX: all of them, and *n receives how many these are. nqm_free() */
-static unsigned char *decode_data(nqm_gltf_document *d, const char *uri, size_t first, size_t *n) {
+/* Decode bytes `at` to at + n_bytes of a data: URI for the image; n_bytes SIZE_MAX: all of them. */
+static bool decode_data(nqm_gltf_document *d, const char *uri, size_t at, size_t n_bytes, nqm_map_image *image) {
     const char *comma = strchr(uri, ','), *code = comma ? comma + 1 : "";
     size_t n_code = strlen(code);
-    if (!comma || comma - uri < 7 || strncasecmp(comma - 7, ";base64", 7) != 0) {
-        fail(d, "a data: URI that is not base64 is not read");
-        return NULL;
-    }
+    if (!comma || comma - uri < 7 || strncasecmp(comma - 7, ";base64", 7) != 0)
+        return fail(d, "a data: URI that is not base64 is not read");
     while (n_code && code[n_code - 1] == '=')
         --n_code;
-    const size_t n_all = n_code / 4 * 3 + n_code % 4 * 3 / 4;
-    if (*n == SIZE_MAX)
-        *n = n_all;
-    if (first > n_all || *n > n_all - first || *n == 0) {
-        fail(d, "bytes %zu to %zu are not in the data: URI, which has %zu bytes", first, first + *n, n_all);
-        return NULL;
-    }
+    const size_t n_all = n_code / 4 * 3 + n_code % 4 * 3 / 4, n = n_bytes == SIZE_MAX ? n_all : n_bytes;
+    if (at > n_all || n > n_all - at || n == 0)
+        return fail(d, "bytes %zu to %zu are not in the data: URI, which has %zu bytes", at, at + n, n_all);
     /* Images that many materials use are decoded for each of them. */
-    d->n_decoded += *n;
-    if (d->n_decoded > NQM_JSON_ROOM + 8 * d->source.n) {
-        fail(d, "the images in the JSON text, decoded for each material, take too much memory; store the file as .glb");
-        return NULL;
-    }
-    unsigned char *bytes = nqm_alloc(*n, 1);
-    for (size_t i = 0; bytes && i < *n; ++i) {
-        const char *pair = code + (first + i) / 3 * 4 + (first + i) % 3;
-        const int shift = 2 + 2 * (int)((first + i) % 3), high = digit_of(pair[0]), low = digit_of(pair[1]);
+    d->n_decoded += n;
+    if (d->n_decoded > NQM_JSON_ROOM + 8 * d->source.n)
+        return fail(d, "the images in the JSON text, decoded for each material, take too much memory; store the file "
+                       "as .glb");
+    unsigned char *bytes = nqm_alloc(n, 1);
+    for (size_t i = 0; bytes && i < n; ++i) {
+        const char *pair = code + (at + i) / 3 * 4 + (at + i) % 3;
+        const int shift = 2 + 2 * (int)((at + i) % 3), high = digit_of(pair[0]), low = digit_of(pair[1]);
         if (high < 0 || low < 0) {
-            fail(d, "byte %zu of the base64 text of a data: URI is no base64 digit", (size_t)(pair - code));
             nqm_free(bytes);
-            return NULL;
+            return fail(d, "byte %zu of the base64 text of a data: URI is no base64 digit", (size_t)(pair - code));
         }
         bytes[i] = (unsigned char)(high << shift | low >> (6 - shift));
     }
-    return bytes;
+    image->data = bytes;
+    image->n_bytes = n;
+    return bytes != NULL;
 }
 
 /* The file name of a URI, without percent-encoding; nqm_free(). */
@@ -132,21 +137,19 @@ static char *decode_name(nqm_gltf_document *d, const char *uri) {
 /* The part of a buffer that an image is. */
 static bool read_view(nqm_gltf_document *d, const json_t *image, nqm_map_image *result) {
     size_t view_i, buffer_i, at, n, n_buffer;
-    const json_t *view = read_size(d, image, "bufferView", SIZE_MAX, &view_i) ? element(d, VIEWS, view_i) : NULL;
-    if (!view || !read_size(d, view, "buffer", SIZE_MAX, &buffer_i) || !read_size(d, view, "byteOffset", 0, &at) ||
-        !read_size(d, view, "byteLength", SIZE_MAX, &n))
-        return false;
-    const json_t *buffer = element(d, BUFFERS, buffer_i);
-    if (!buffer || !read_size(d, buffer, "byteLength", SIZE_MAX, &n_buffer))
+    const json_t *view = element_of(d, image, "bufferView", VIEWS, &view_i);
+    const json_t *buffer = view ? element_of(d, view, "buffer", BUFFERS, &buffer_i) : NULL;
+    if (!buffer || !read_size(d, view, "byteOffset", 0, &at) || !read_size(d, view, "byteLength", SIZE_MAX, &n) ||
+        !read_size(d, buffer, "byteLength", SIZE_MAX, &n_buffer))
         return false;
     const char *uri = json_string_value(json_object_get(buffer, "uri"));
     n_buffer = uri ? n_buffer : nqm_smaller(n_buffer, buffer_i == 0 ? d->n_bin : 0);
     if (n == 0 || at > n_buffer || n > n_buffer - at)
         return fail(d, "bufferViews[%zu]: %zu bytes at byte %zu are not in buffers[%zu], which has %zu bytes", view_i,
                     n, at, buffer_i, n_buffer);
-    result->n_bytes = n;
     if (uri && is_data(uri))
-        return (result->data = decode_data(d, uri, at, &result->n_bytes)) != NULL;
+        return decode_data(d, uri, at, n, result);
+    result->n_bytes = n;
     result->at = uri ? at : d->bin_at + at;
     char *name = uri ? decode_name(d, uri) : NULL;
     result->path = name ? nqm_path_beside(d->path, name) : uri ? NULL : nqm_strdup(d->path);
@@ -154,15 +157,26 @@ static bool read_view(nqm_gltf_document *d, const json_t *image, nqm_map_image *
     return result->path != NULL;
 }
 
-static bool find_image(const nqm_textured *t, const char *name, const char *space, size_t *image_ret) {
-    for (*image_ret = 0; *image_ret < t->n_images; ++*image_ret)
-        if (strcmp(t->images[*image_ret].name, name) == 0 && strcmp(t->images[*image_ret].space, space) == 0)
-            return true;
-    return false;
+/* The image of a texture, of which formats that are not read have a fallback in some files. */
+static const json_t *find_image(nqm_gltf_document *d, const json_t *texture, size_t *i) {
+    static const char *const formats[][2] = {{"KHR_texture_basisu", "KTX2"},
+                                             {"EXT_texture_webp", "WebP"},
+                                             {"EXT_texture_avif", "AVIF"},
+                                             {"MSFT_texture_dds", "DDS"}};
+    const json_t *extensions = json_object_get(texture, "extensions");
+    if (json_object_get(texture, "source"))
+        return element_of(d, texture, "source", IMAGES, i);
+    fail(d, "the texture has no image ('source')");
+    for (size_t f = 0; f < sizeof formats / sizeof *formats; ++f)
+        if (json_object_get(extensions, formats[f][0]))
+            fail(d, "the image is %s (%s), which is not read; convert it to PNG", formats[f][1], formats[f][0]);
+    return NULL;
 }
 
-static bool add_image(nqm_gltf_document *d, size_t i, const char *space, nqm_textured *t, size_t *image_ret) {
-    const json_t *image = element(d, IMAGES, i);
+static bool add_image(nqm_gltf_document *d, const json_t *texture, const char *space, nqm_textured *t,
+                      size_t *image_ret) {
+    size_t i;
+    const json_t *image = find_image(d, texture, &i);
     const char *uri = json_string_value(json_object_get(image, "uri"));
     char text[512];
     if (!image)
@@ -173,12 +187,10 @@ static bool add_image(nqm_gltf_document *d, size_t i, const char *space, nqm_tex
         nqm_free(name);
         return is_added;
     }
+    nqm_map_image result = {.path = NULL};
     snprintf(text, sizeof text, "images[%zu] of %.450s", i, d->path);
-    if (find_image(t, text, space, image_ret))
-        return true;
-    nqm_map_image result = {.n_bytes = SIZE_MAX};
     snprintf(result.space, sizeof result.space, "%s", space);
-    if (uri ? !(result.data = decode_data(d, uri, 0, &result.n_bytes)) : !read_view(d, image, &result))
+    if (uri ? !decode_data(d, uri, 0, SIZE_MAX, &result) : !read_view(d, image, &result))
         return false;
     result.name = nqm_strdup(text);
     return nqm_map_add_image(t, result, image_ret);
@@ -186,26 +198,13 @@ static bool add_image(nqm_gltf_document *d, size_t i, const char *space, nqm_tex
 
 /* ---- textures ---------------------------------------------------------------------------------------------------- */
 
-/* The image of a texture, of which formats that are not read have a fallback in some files. */
-static bool read_source(nqm_gltf_document *d, const json_t *texture, size_t *source) {
-    static const char *const formats[] = {"KHR_texture_basisu", "EXT_texture_webp", "EXT_texture_avif",
-                                          "MSFT_texture_dds"};
-    static const char *const names[] = {"KTX2", "WebP", "AVIF", "DDS"};
-    if (json_object_get(texture, "source"))
-        return read_size(d, texture, "source", SIZE_MAX, source);
-    for (size_t i = 0; i < sizeof names / sizeof *names; ++i)
-        if (json_object_get(json_object_get(texture, "extensions"), formats[i]))
-            return fail(d, "the image is %s (%s), which is not read; convert it to PNG", names[i], formats[i]);
-    return fail(d, "the texture has no image ('source')");
-}
-
 static bool read_wrap(nqm_gltf_document *d, const json_t *texture, uint8_t wrap[2]) {
     static const char *const keys[] = {"wrapS", "wrapT"};
     enum { REPEAT = 10497, CLAMP_TO_EDGE = 33071, MIRRORED_REPEAT = 33648 };
     size_t i, mode;
     if (!json_object_get(texture, "sampler"))
         return true;
-    const json_t *sampler = read_size(d, texture, "sampler", 0, &i) ? element(d, SAMPLERS, i) : NULL;
+    const json_t *sampler = element_of(d, texture, "sampler", SAMPLERS, &i);
     for (size_t k = 0; k < 2; ++k) {
         if (!sampler || !read_size(d, sampler, keys[k], REPEAT, &mode))
             return false;
@@ -241,14 +240,11 @@ static bool read_texture(nqm_gltf_document *d, const json_t *info, size_t n, con
     const json_t *transform = json_object_get(json_object_get(info, "extensions"), "KHR_texture_transform");
     double uv[2][3] = {{1, 0, 0}, {0, 1, 0}};
     uint8_t wrap[2] = {NQM_MAP_REPEAT, NQM_MAP_REPEAT};
-    size_t i, source = 0, image, set;
+    size_t i, image, set;
+    const json_t *texture = element_of(d, info, "index", TEXTURES, &i);
     const bool has_set = json_object_get(transform, "texCoord") != NULL;
-    if (!read_size(d, info, "index", SIZE_MAX, &i) || !read_size(d, has_set ? transform : info, "texCoord", 0, &set) ||
-        !read_transform(d, transform, uv))
-        return false;
-    const json_t *texture = element(d, TEXTURES, i);
-    if (!texture || !read_source(d, texture, &source) || !read_wrap(d, texture, wrap) ||
-        !add_image(d, source, space, t, &image))
+    if (!texture || !read_size(d, has_set ? transform : info, "texCoord", 0, &set) ||
+        !read_transform(d, transform, uv) || !read_wrap(d, texture, wrap) || !add_image(d, texture, space, t, &image))
         return false;
     d->has_other_set |= set > 0;
     *node = nqm_map_image_at(t, image, n, uv, wrap);
@@ -258,12 +254,9 @@ static bool read_texture(nqm_gltf_document *d, const json_t *info, size_t n, con
 /* The factor of a key: that of the file, or the default. false: 0, so that the texture has no effect. */
 static bool find_factor(const nqm_shading *shading, const char *key, double v[3]) {
     const nqm_property *p = nqm_shading_find(shading, key);
-    for (size_t g = 0; g <= NQM_GLTF_N_EXTENSIONS && !p; ++g)
-        for (const nqm_rule *rule = (g ? &nqm_gltf_extensions[g - 1] : &nqm_gltf_core)->rules; rule->name; ++rule)
-            if (rule->key && strcmp(rule->key, key) == 0)
-                v[0] = v[1] = v[2] = rule->value;
-    if (p)
-        memcpy(v, p->v, sizeof p->v);
+    const nqm_rule *input = nqm_rule_find(nqm_mtlx_find_surface(NULL, "gltf")->inputs, key);
+    for (size_t c = 0; c < 3; ++c)
+        v[c] = p ? p->v[c] : input->value;
     return v[0] != 0 || v[1] != 0 || v[2] != 0;
 }
 
@@ -283,13 +276,11 @@ static const struct texture_use {
 
 /* Red and green are the direction of the anisotropy from -1 to 1, as a normal has them, which anisotropyRotation turns. */
 static uint16_t turn(nqm_textured *t, uint16_t image, const nqm_shading *shading) {
-    const double one = 1;
     double rotation[3];
-    const uint16_t direction = nqm_map_compute(t, NQM_MAP_NORMAL, 3, image, nqm_map_value(t, 1, &one), 0);
-    const uint16_t angle =
-        nqm_map_compute(t, NQM_MAP_ANGLE, 1, nqm_map_channel(t, direction, 1), nqm_map_channel(t, direction, 0), 0);
+    const uint16_t direction = nqm_map_with(t, NQM_MAP_NORMAL, 3, image, 1);
+    const uint16_t x = nqm_map_channel(t, direction, 0), y = nqm_map_channel(t, direction, 1);
     find_factor(shading, "anisotropy_rotation", rotation);
-    return nqm_map_compute(t, NQM_MAP_ADD, 1, angle, nqm_map_value(t, 1, rotation), 0);
+    return nqm_map_with(t, NQM_MAP_ADD, 1, nqm_map_compute(t, NQM_MAP_ANGLE, 1, y, x, 0), rotation[0]);
 }
 
 static bool add_normal(nqm_gltf_document *d, const json_t *info, nqm_textured *t) {
@@ -300,12 +291,13 @@ static bool add_normal(nqm_gltf_document *d, const json_t *info, nqm_textured *t
         return fail(d, "'scale' needs a number");
     if (!read_texture(d, info, 3, "", t, &image))
         return false;
-    t->normal = nqm_map_compute(t, NQM_MAP_NORMAL, 3, image, nqm_map_value(t, 1, &scale), 0);
+    t->normal = nqm_map_with(t, NQM_MAP_NORMAL, 3, image, scale);
     return t->normal != NQM_NO_NODE;
 }
 
-bool nqm_gltf_add_texture(nqm_gltf_document *d, const char *name, const json_t *info, const nqm_shading *shading,
-                          nqm_textured *t) {
+bool nqm_gltf_add_texture(nqm_gltf_document *d, const char *name, const json_t *info, nqm_reading *reading) {
+    const nqm_shading *shading = &reading->shading;
+    nqm_textured *t = reading->textured;
     size_t index;
     fail(d, "%s", no_memory);
     if (!read_size(d, info, "index", SIZE_MAX, &index))
@@ -314,17 +306,15 @@ bool nqm_gltf_add_texture(nqm_gltf_document *d, const char *name, const json_t *
         return add_normal(d, info, t);
     for (size_t i = 0; i < sizeof uses / sizeof *uses; ++i) {
         const struct texture_use *use = &uses[i];
-        const bool is_color = use->channel == SIZE_MAX;
+        const size_t n = use->channel == SIZE_MAX ? 3 : 1;
         double factor[3];
         uint16_t image, node;
         if (strcmp(use->texture, name) != 0 || !find_factor(shading, use->key, factor))
             continue;
         if (!read_texture(d, info, use->n, use->space, t, &image))
             return false;
-        node = is_color ? image : nqm_map_channel(t, image, use->channel);
-        if (factor[0] != 1 || factor[1] != 1 || factor[2] != 1)
-            node = nqm_map_compute(t, NQM_MAP_MULTIPLY, is_color ? 3 : 1, node,
-                                   nqm_map_value(t, is_color ? 3 : 1, factor), 0);
+        node = n == 3 ? image : nqm_map_channel(t, image, use->channel);
+        node = nqm_map_compute(t, NQM_MAP_MULTIPLY, n, node, nqm_map_value(t, n, factor), 0);
         nqm_map_output_set(t, use->key, node);
         if (strcmp(name, "anisotropyTexture") == 0)
             nqm_map_output_set(t, "anisotropy_rotation", node = turn(t, image, shading));

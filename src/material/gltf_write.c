@@ -20,15 +20,14 @@ static nqm_property value_of(const nqm_shading *shading, const nqm_rule *p) {
     return value;
 }
 
-static bool is_default(const nqm_shading *shading, const nqm_rule *p) {
-    const nqm_property value = value_of(shading, p);
-    return value.v[0] == p->value && value.v[1] == p->value && value.v[2] == p->value;
-}
-
-static bool is_needed(const nqm_shading *shading, const nqm_gltf_group *group) {
-    for (const nqm_rule *p = group->rules; p->name && p->key; ++p)
-        if (!is_default(shading, p))
-            return true;
+/* A value of one of n materials differs from the default. */
+static bool is_needed(size_t n, const nqm_named_shading *materials, const nqm_gltf_group *group) {
+    for (size_t i = 0; i < n; ++i)
+        for (const nqm_rule *p = group->rules; p->name && p->key; ++p) {
+            const nqm_property value = value_of(&materials[i].shading, p);
+            if (value.v[0] != p->value || value.v[1] != p->value || value.v[2] != p->value)
+                return true;
+        }
     return false;
 }
 
@@ -46,31 +45,24 @@ static void write_layer(FILE *stream, const nqm_shading *shading, const nqm_gltf
     fprintf(stream, "\n%s}", indent);
 }
 
-static void write_material(FILE *stream, const nqm_shading *shading, const char *name) {
+static void write_material(FILE *stream, const nqm_named_shading *material) {
     const char *separator = ",\n      \"extensions\": {\n";
-    fprintf(stream, "    {\n      \"name\": \"%s\",\n", name);
-    write_layer(stream, shading, &nqm_gltf_core, "      ");
+    fprintf(stream, "    {\n      \"name\": \"%s\",\n", material->name);
+    write_layer(stream, &material->shading, &nqm_gltf_core, "      ");
     for (size_t i = 0; i < NQM_GLTF_N_EXTENSIONS; ++i)
-        if (is_needed(shading, &nqm_gltf_extensions[i])) {
+        if (is_needed(1, material, &nqm_gltf_extensions[i])) {
             fputs(separator, stream);
-            write_layer(stream, shading, &nqm_gltf_extensions[i], "        ");
+            write_layer(stream, &material->shading, &nqm_gltf_extensions[i], "        ");
             separator = ",\n";
         }
     fprintf(stream, "%s\n    }", strcmp(separator, ",\n") == 0 ? "\n      }" : "");
-}
-
-static bool is_needed_by_any(size_t n, const nqm_named_shading *materials, const nqm_gltf_group *group) {
-    for (size_t i = 0; i < n; ++i)
-        if (is_needed(&materials[i].shading, group))
-            return true;
-    return false;
 }
 
 static void write_document(FILE *stream, size_t n, const nqm_named_shading *materials) {
     const char *separator = "";
     fprintf(stream, "{\n  \"asset\": {\"version\": \"2.0\", \"generator\": \"nqm %s\"},\n", nqm_version());
     for (size_t i = 0; i < NQM_GLTF_N_EXTENSIONS; ++i)
-        if (is_needed_by_any(n, materials, &nqm_gltf_extensions[i])) {
+        if (is_needed(n, materials, &nqm_gltf_extensions[i])) {
             fprintf(stream, "%s\"%s\"", *separator ? separator : "  \"extensionsUsed\": [",
                     nqm_gltf_extensions[i].name);
             separator = ", ";
@@ -78,7 +70,7 @@ static void write_document(FILE *stream, size_t n, const nqm_named_shading *mate
     fprintf(stream, "%s  \"materials\": [\n", *separator ? "],\n" : "");
     for (size_t i = 0; i < n; ++i) {
         fputs(i ? ",\n" : "", stream);
-        write_material(stream, &materials[i].shading, materials[i].name);
+        write_material(stream, &materials[i]);
     }
     fputs("\n  ]\n}\n", stream);
 }

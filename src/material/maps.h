@@ -9,34 +9,39 @@
 
 #include "material/material.h"
 
+/** The operations of one value per component: X(NAME, number of operands, what it computes of these, a to d). */
+#define NQM_MAP_COMPONENT_OPS(X)                                                                                       \
+    X(ADD, 2, a + b)                                                                                                   \
+    X(SUBTRACT, 2, a - b)                                                                                              \
+    X(MULTIPLY, 2, (a * b))                                                                                            \
+    X(DIVIDE, 2, b != 0 ? a / b : 0)                                                                                   \
+    X(POWER, 2, pow(fmax(a, 0), b))                                                                                    \
+    X(MINIMUM, 2, fmin(a, b))                                                                                          \
+    X(MAXIMUM, 2, fmax(a, b))                                                                                          \
+    X(ABSOLUTE, 1, fabs(a))                                                                                            \
+    X(FLOOR, 1, floor(a))                                                                                              \
+    X(MODULO, 2, b != 0 ? a - b * floor(a / b) : 0)                                                                    \
+    X(SINE, 1, sin(a))                                                                                                 \
+    X(COSINE, 1, cos(a))                                                                                               \
+    X(ANGLE, 2, atan2(a, b))                                                                                           \
+    X(MIX, 3, a + (b - a) * c)                                                                                         \
+    X(SMOOTHSTEP, 3, smoothstep(a, b, c))                                                                              \
+    X(IF_GREATER, 4, a > b ? c : d)                                                                                    \
+    X(IF_EQUAL, 4, a == b ? c : d)
+#define NQM_MAP_OP_NAME(NAME, N_OPERANDS, VALUE) NQM_MAP_##NAME,
+
 /** What a node computes. A value has 1 to 4 components. Where operations of one value per component get values of different numbers
  *  of components, the shorter repeats its last one. Operands: in[0], in[1], ... */
 typedef enum nqm_map_op {
     NQM_MAP_VALUE, /**< the constant v */
     NQM_MAP_IMAGE, /**< `image` at the texture coordinates, in its colour space; missing channels of grey images repeat it */
-    NQM_MAP_ADD,        /**< in[0] + in[1] */
-    NQM_MAP_SUBTRACT,   /**< in[0] - in[1] */
-    NQM_MAP_MULTIPLY,   /**< in[0] in[1] */
-    NQM_MAP_DIVIDE,     /**< in[0] / in[1]; 0 where in[1] is 0 */
-    NQM_MAP_POWER,      /**< max(in[0], 0) to the power of in[1] */
-    NQM_MAP_MINIMUM,    /**< of in[0] and in[1] */
-    NQM_MAP_MAXIMUM,    /**< of in[0] and in[1] */
-    NQM_MAP_ABSOLUTE,   /**< |in[0]| */
-    NQM_MAP_FLOOR,      /**< the largest integer that is at most in[0] */
-    NQM_MAP_MODULO,     /**< in[0] - in[1] floor(in[0] / in[1]); 0 where in[1] is 0 */
-    NQM_MAP_SINE,       /**< of in[0] in radians */
-    NQM_MAP_COSINE,     /**< of in[0] in radians */
-    NQM_MAP_MIX,        /**< in[0] + (in[1] - in[0]) in[2] */
-    NQM_MAP_SMOOTHSTEP, /**< t^2 (3 - 2 t), t = (in[0] - in[1]) / (in[2] - in[1]) clamped to 0..1 */
-    NQM_MAP_IF_GREATER, /**< in[2] where in[0] > in[1], elsewhere in[3] */
-    NQM_MAP_IF_EQUAL,   /**< in[2] where in[0] = in[1], elsewhere in[3] */
-    NQM_MAP_CHANNEL,    /**< component (size_t)v[0] of in[0]: one component */
-    NQM_MAP_COMBINE,    /**< the first components of in[0], in[1], ... as one value of n components */
-    NQM_MAP_LUMINANCE,  /**< of RGB in[0] with BT.709 primaries, n times */
-    NQM_MAP_RGB_TO_HSV, /**< as in MaterialX: 0..1 each */
+    NQM_MAP_CHANNEL, /**< component (size_t)v[0] of in[0]: one component */
+    NQM_MAP_COMPONENT_OPS(NQM_MAP_OP_NAME)
+        NQM_MAP_COMBINE, /**< the first components of in[0], in[1], ... as one value of n components */
+    NQM_MAP_LUMINANCE,   /**< of RGB in[0] with BT.709 primaries, n times */
+    NQM_MAP_RGB_TO_HSV,  /**< as in MaterialX: 0..1 each */
     NQM_MAP_HSV_TO_RGB,
     NQM_MAP_TEXCOORD, /**< u, and v measured upwards from the lower edge, of the surface: two components */
-    NQM_MAP_ANGLE,    /**< the angle from the x axis to (in[1], in[0]) in radians: atan2(in[0], in[1]) */
     NQM_MAP_NORMAL, /**< a tangent-space normal: 2 in[0] - 1, its x and y multiplied by in[1], normalised; y points up; (0, 0, 1) where in[0] is black */
     NQM_MAP_OPS
 } nqm_map_op;
@@ -98,14 +103,23 @@ typedef struct nqm_textured {
 nqm_textured *nqm_textured_create(void);
 /** Free; NULL is allowed. */
 void nqm_textured_free(nqm_textured *textured);
+/** Remove nodes and files that no output needs. */
+void nqm_textured_prune(nqm_textured *textured);
 
-/** Append a node, or find the equal one that is there already. NQM_NO_NODE: out of memory, or more than NQM_MAX_MAP_NODES; then, and
- *  where an operand is NQM_NO_NODE, this is the result of all that follows, so that readers need to check the last node only. */
+/** Append a node, or find the equal one that is there already. Constants are computed at once, and a factor of 1 or a sum with 0
+ *  is its first operand. NQM_NO_NODE: out of memory, more than NQM_MAX_MAP_NODES, or a constant that is not finite; then, and where an
+ *  operand is NQM_NO_NODE, this is the result of all that follows, so that readers need to check the last node only. */
 uint16_t nqm_map_add(nqm_textured *t, nqm_map_node node);
 /** A constant of n components. */
 uint16_t nqm_map_value(nqm_textured *t, size_t n, const double *v);
-/** A node with up to three operands; operands that the operation does not have are NQM_NO_NODE. n: components of the value. */
+/** A constant number. */
+uint16_t nqm_map_number(nqm_textured *t, double v);
+/** A node with up to three operands; others are ignored. n: components of the value. */
 uint16_t nqm_map_compute(nqm_textured *t, nqm_map_op op, size_t n, uint16_t a, uint16_t b, uint16_t c);
+/** A node whose second operand is a number. */
+uint16_t nqm_map_with(nqm_textured *t, nqm_map_op op, size_t n, uint16_t a, double b);
+/** Whether the node is a constant. */
+bool nqm_map_is_constant(const nqm_textured *t, uint16_t node);
 /** How many operands a node with this operation and n components has. */
 size_t nqm_map_operands(nqm_map_op op, size_t n);
 /** The value of a node at one position, also beyond its n components, where it repeats the last one.
@@ -113,7 +127,7 @@ size_t nqm_map_operands(nqm_map_op op, size_t n);
 void nqm_map_node_value(const nqm_map_node *node, const double (*values)[4], double out[4]);
 /** Component c of a node; the node itself if it has only one. */
 uint16_t nqm_map_channel(nqm_textured *t, uint16_t of, size_t c);
-/** An image, of n channels. uv, wrap: as in nqm_map_node. */
+/** An image, of n channels. uv, wrap: as in nqm_map_node; NULL: the positions of the surface, repeated. */
 uint16_t nqm_map_image_at(nqm_textured *t, size_t image, size_t n, const double uv[2][3], const uint8_t wrap[2]);
 /** Add an image of a file named by the material file `from`, or find it; name is relative to its folder, or absolute. false: out of
  *  memory, or more than NQM_MAX_MAP_IMAGES. */
@@ -130,9 +144,7 @@ bool nqm_maps_probe(const char *argument);
 
 /** The textured material i of a file; NULL: it is constant, or refused. */
 const nqm_textured *nqm_materials_textured(const nqm_materials *materials, size_t i);
-/** Give the last material its maps, which it owns. */
-void nqm_materials_attach(nqm_materials *materials, nqm_textured *textured);
-/** Let the last material have those of material i, which outlives it. */
-void nqm_materials_share(nqm_materials *materials, size_t i);
+/** Give the last material its maps, or NULL; is_owner: it frees them, else they are those of a material that outlives it. */
+void nqm_materials_attach(nqm_materials *materials, const nqm_textured *textured, bool is_owner);
 
 #endif

@@ -12,13 +12,12 @@
 struct nqm_materials {
     const char *path; /* while the file is read, for messages */
     size_t n, max_n;
-    nqm_material_info *list; /* (n); each name owns a block with the other texts */
-    size_t *by_name;         /* (n) their numbers in the order of the names, when the file is read */
-    struct maps {
+    struct entry {
+        nqm_material_info info;       /* each name owns a block with the other texts */
         const nqm_textured *textured; /* NULL: none */
-        bool is_owned;
-    } * maps; /* (n) */
-    size_t max_maps;
+        bool is_owner;
+    } * list;        /* (n) */
+    size_t *by_name; /* (n) their numbers in the order of the names, when the file is read */
 };
 
 #define POINTER_TO(NAME) &(NAME),
@@ -33,21 +32,34 @@ size_t nqm_materials_count(const nqm_materials *materials) {
 
 nqm_material_info nqm_materials_get(const nqm_materials *materials, size_t i) {
     assert(materials);
-    return materials->list[i];
+    return materials->list[i].info;
 }
 
 void nqm_materials_free(nqm_materials *materials) {
     if (!materials)
         return;
     for (size_t i = 0; i < materials->n; ++i) {
-        nqm_free((char *)materials->list[i].name);
-        if (materials->maps[i].is_owned)
-            nqm_textured_free((nqm_textured *)materials->maps[i].textured);
+        nqm_free((char *)materials->list[i].info.name);
+        if (materials->list[i].is_owner)
+            nqm_textured_free((nqm_textured *)materials->list[i].textured);
     }
     nqm_free(materials->list);
-    nqm_free(materials->maps);
     nqm_free(materials->by_name);
     nqm_free(materials);
+}
+
+nqm_status nqm_copy_texts(size_t n, char **const *texts, nqm_error *err) {
+    enum { MAX_TEXTS = 5 };
+    nqm_array arrays[MAX_TEXTS] = {{.pointer = NULL}};
+    char *blocks[MAX_TEXTS];
+    assert(n <= MAX_TEXTS);
+    for (size_t i = 0; i < n; ++i)
+        arrays[i] = (nqm_array){&blocks[i], *texts[i] ? strlen(*texts[i]) + 1 : 0, 1};
+    nqm_status status = nqm_alloc_arrays(n, arrays, err);
+    for (size_t i = 0; i < n && status == NQM_OK; ++i)
+        if (*texts[i])
+            *texts[i] = memcpy(blocks[i], *texts[i], arrays[i].n);
+    return status;
 }
 
 nqm_status nqm_materials_add(nqm_materials *materials, const nqm_material_info *info, nqm_error *err) {
@@ -60,55 +72,39 @@ nqm_status nqm_materials_add(nqm_materials *materials, const nqm_material_info *
         snprintf(number, sizeof number, "material%zu", materials->n + 1);
         copy.name = number;
     }
-    nqm_material_info *list = nqm_grow(materials->list, &materials->max_n, materials->n + 1, sizeof *list);
+    struct entry *list = nqm_grow(materials->list, &materials->max_n, materials->n + 1, sizeof *list);
     if (!list)
         return nqm_fail_nomem(err, (materials->n + 1) * sizeof *list);
     materials->list = list;
-    struct maps *maps = nqm_grow(materials->maps, &materials->max_maps, materials->n + 1, sizeof *maps);
-    if (!maps)
-        return nqm_fail_nomem(err, (materials->n + 1) * sizeof *maps);
-    materials->maps = maps;
-    maps[materials->n] = (struct maps){.textured = NULL};
     const char **texts[] = {&copy.name, &copy.surface, &copy.spec, &copy.refusal, &copy.remark};
-    enum { N = sizeof texts / sizeof *texts };
-    nqm_array arrays[N];
-    char *blocks[N];
-    for (size_t i = 0; i < N; ++i)
-        arrays[i] = (nqm_array){&blocks[i], *texts[i] ? strlen(*texts[i]) + 1 : 0, 1};
-    nqm_status status = nqm_alloc_arrays(N, arrays, err);
-    if (status != NQM_OK)
-        return status;
-    for (size_t i = 0; i < N; ++i)
-        if (*texts[i])
-            *texts[i] = memcpy(blocks[i], *texts[i], arrays[i].n);
-    materials->list[materials->n++] = copy;
-    return NQM_OK;
+    nqm_status status = nqm_copy_texts(sizeof texts / sizeof *texts, (char **const *)texts, err);
+    if (status == NQM_OK)
+        list[materials->n++] = (struct entry){.info = copy};
+    return status;
 }
 
 const nqm_textured *nqm_materials_textured(const nqm_materials *materials, size_t i) {
-    return materials->maps[i].textured;
+    return materials->list[i].textured;
 }
 
-void nqm_materials_attach(nqm_materials *materials, nqm_textured *textured) {
-    materials->maps[materials->n - 1] = (struct maps){textured, true};
-    materials->list[materials->n - 1].n_maps = textured->n_images;
-}
-
-void nqm_materials_share(nqm_materials *materials, size_t i) {
-    materials->maps[materials->n - 1] = (struct maps){materials->maps[i].textured, false};
+void nqm_materials_attach(nqm_materials *materials, const nqm_textured *textured, bool is_owner) {
+    struct entry *last = &materials->list[materials->n - 1];
+    last->textured = textured;
+    last->is_owner = is_owner;
+    last->info.n_maps = textured ? textured->n_images : 0;
 }
 
 /* ---- by name ----------------------------------------------------------------------------------------------------- */
 
 /* qsort() has no argument for the list: entries point to it. Equal names in the order of the file, which is that of the entries. */
 static int compare_names(const void *a, const void *b) {
-    const nqm_material_info *x = *(const nqm_material_info *const *)a, *y = *(const nqm_material_info *const *)b;
-    const int order = strcmp(x->name, y->name);
+    const struct entry *x = *(const struct entry *const *)a, *y = *(const struct entry *const *)b;
+    const int order = strcmp(x->info.name, y->info.name);
     return order ? order : (x > y) - (x < y);
 }
 
 static nqm_status sort_names(nqm_materials *m, nqm_error *err) {
-    const nqm_material_info **sorted = nqm_alloc(m->n, sizeof *sorted);
+    const struct entry **sorted = nqm_alloc(m->n, sizeof *sorted);
     m->by_name = nqm_alloc(m->n, sizeof *m->by_name);
     if (!sorted || !m->by_name) {
         nqm_free(sorted);
@@ -127,12 +123,12 @@ const size_t *nqm_materials_named(const nqm_materials *m, const char *name, size
     size_t low = 0, high = m->n;
     while (low < high) {
         const size_t middle = low + (high - low) / 2;
-        if (strcmp(m->list[m->by_name[middle]].name, name) < 0)
+        if (strcmp(m->list[m->by_name[middle]].info.name, name) < 0)
             low = middle + 1;
         else
             high = middle;
     }
-    while (high < m->n && strcmp(m->list[m->by_name[high]].name, name) == 0)
+    while (high < m->n && strcmp(m->list[m->by_name[high]].info.name, name) == 0)
         ++high;
     *n_ret = high - low;
     return m->by_name + low;
@@ -203,15 +199,20 @@ bool nqm_material_probe_text(const nqm_map *map, size_t n_bytes, const char *wor
 
 /* ---- writing ----------------------------------------------------------------------------------------------------- */
 
-bool nqm_has_word(const char *words, const char *word, bool any_case) {
+size_t nqm_find_word(const char *words, const char *word, bool any_case) {
     const size_t n = strlen(word);
-    for (const char *at = words; *at; at += strspn(at, " ")) {
+    size_t number = 0;
+    for (const char *at = words; *at; at += strspn(at, " "), ++number) {
         const size_t n_at = strcspn(at, " ");
         if (n_at == n && (any_case ? strncasecmp(at, word, n) : strncmp(at, word, n)) == 0)
-            return true;
+            return number;
         at += n_at;
     }
-    return false;
+    return SIZE_MAX;
+}
+
+bool nqm_has_word(const char *words, const char *word, bool any_case) {
+    return nqm_find_word(words, word, any_case) != SIZE_MAX;
 }
 
 /* A format that writes the model to this path. */

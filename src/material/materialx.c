@@ -18,29 +18,18 @@ static const double OUT_OF_GAMUT = -1e-3;
 /* What is read of a material. */
 typedef struct reading {
     nqm_reading reading;
-    nqm_index names;
     nqm_index shaders; /* of `known` */
     struct known_shader {
         element *shader;
         size_t material; /* the first one that has it */
-    } * known;           /* (NQM_MAX_MATERIALS) */
-    element *root, *material, *shader;
+    } known[NQM_MAX_MATERIALS];
+    element *shader;
     const nqm_mtlx_surface *surface;
     nqm_mtlx_graph graph;
     element *coat_normal;      /* the input */
     uint16_t coat_normal_node; /* NQM_NO_NODE: none, or 0, 0, 1 */
+    char why[200];             /* of describe() */
 } reading;
-
-/* ---- finding elements ---------------------------------------------------------------------------------------------- */
-
-static bool is_text(const char *a, const char *b) {
-    return a && strcmp(a, b) == 0;
-}
-
-/* The first child with this name attribute; `category` NULL: of any element. */
-static element *find_child(const reading *r, element *parent, const char *category, const char *name) {
-    return parent && name ? nqm_xml_find(&r->names, parent, category, name) : NULL;
-}
 
 /* ---- values -------------------------------------------------------------------------------------------------------- */
 
@@ -48,10 +37,6 @@ static element *find_child(const reading *r, element *parent, const char *catego
 static bool has_type(element *e, const char *type) {
     const char *given = nqm_xml_get(e, "type");
     return !given || strcmp(given, type) == 0 || (strcmp(type, "color3") != 0 && strcmp(given, "boolean") == 0);
-}
-
-static bool has_value(element *e) {
-    return nqm_mtlx_is_connected(e) || nqm_xml_get(e, "value");
 }
 
 /* The node of an input of the shader; NQM_NO_NODE: refused. */
@@ -70,42 +55,34 @@ static uint16_t read_node(reading *r, const nqm_rule *rule, element *input) {
     return NQM_NO_NODE;
 }
 
-static bool is_constant(const reading *r, uint16_t node) {
-    return r->graph.t->nodes[node].op == NQM_MAP_VALUE;
-}
-
 /* Why an input has no constant value. */
-static const char *describe(const reading *r, const nqm_rule *rule, char text[200]) {
+static const char *describe(reading *r, const nqm_rule *rule) {
     element *node = r->graph.source;
-    const char *name = node ? nqm_xml_get(node, "name") : "";
-    if (!node || find_child(r, node, "input", "file"))
-        snprintf(text, 200, "%s reads the texture of node '%.60s'; only constants are read", rule->name, name);
-    else
-        snprintf(text, 200, "%s is computed by node '%.60s' (%.40s); only constants are read", rule->name, name,
-                 node->name);
-    return text;
+    const bool is_texture = !node || nqm_mtlx_child(&r->graph, node, "input", "file");
+    snprintf(r->why, sizeof r->why, "%s %s node '%.60s'%s%.40s%s; only constants are read", rule->name,
+             is_texture ? "reads the texture of" : "is computed by", node ? nqm_xml_get(node, "name") : "",
+             is_texture ? "" : " (", is_texture ? "" : node->name, is_texture ? "" : ")");
+    return r->why;
 }
 
 /* The value of an input of the shader as 1 or 3 numbers; colours in linear BT.709. */
 static bool read_values(nqm_reading *base, const nqm_rule *rule, const void *property, double v[4], size_t *n) {
     reading *r = (reading *)base;
-    char text[200];
     *n = rule->n;
-    v[0] = v[1] = v[2] = rule->value;
-    if (!has_value(property))
-        return true;
     const uint16_t node = read_node(r, rule, property);
     if (node == NQM_NO_NODE)
         return false;
-    if (!is_constant(r, node))
-        return nqm_refuse(base, property, "%s", describe(r, rule, text));
+    if (!nqm_map_is_constant(r->graph.t, node))
+        return nqm_refuse(base, property, "%s", describe(r, rule));
     memcpy(v, r->graph.t->nodes[node].v, sizeof r->graph.t->nodes[node].v);
     return true;
 }
 
+/* Inputs without a value have the default. */
 static const void *find_input(nqm_reading *base, const char *name) {
     const reading *r = (const reading *)base;
-    return find_child(r, r->shader, "input", name);
+    element *input = nqm_mtlx_child(&r->graph, r->shader, "input", name);
+    return input && nqm_mtlx_has_value(input) ? input : NULL;
 }
 
 static int64_t byte_of(const nqm_reading *base, const void *property) {
@@ -117,41 +94,40 @@ static const nqm_rule_source source = {.term = "input", .find = find_input, .rea
 
 /* ---- a material ---------------------------------------------------------------------------------------------------- */
 
-bool nqm_mtlx_read_key(nqm_reading *r, const nqm_rule *rule, const void *property) {
-    reading *all = (reading *)r;
+/* The node of an input that is no constant; NQM_NO_NODE: it is one, or refused. */
+static uint16_t read_map(reading *r, const nqm_rule *rule, element *input) {
+    const uint16_t node = read_node(r, rule, input);
+    return nqm_map_is_constant(r->graph.t, node) ? NQM_NO_NODE : node;
+}
+
+bool nqm_mtlx_read_key(nqm_reading *base, const nqm_rule *rule, const void *property) {
+    reading *r = (reading *)base;
+    const uint16_t node = read_map(r, rule, property);
     double v[4];
-    char text[200];
-    if (!has_value(property))
-        return true; /* the default, which is set */
-    const uint16_t node = read_node(all, rule, property);
-    if (node == NQM_NO_NODE)
-        return false;
-    if (!is_constant(all, node)) {
-        nqm_map_output_set(all->graph.t, rule->key, node);
-        return nqm_reading_textured(r, property, "%s", describe(all, rule, text)) != NULL;
+    size_t n;
+    if (node != NQM_NO_NODE) {
+        nqm_map_output_set(r->graph.t, rule->key, node);
+        return nqm_vary(base, property, "%s", describe(r, rule));
     }
-    const size_t n = rule->n;
-    memcpy(v, all->graph.t->nodes[node].v, sizeof v);
+    if (!read_values(base, rule, property, v, &n))
+        return false;
     for (size_t c = 0; n == 3 && c < n; ++c) {
         if (v[c] < OUT_OF_GAMUT)
-            return nqm_refuse(r, property, "%s is outside BT.709: %.4g %.4g %.4g", rule->name, v[0], v[1], v[2]);
+            return nqm_refuse(base, property, "%s is outside BT.709: %.4g %.4g %.4g", rule->name, v[0], v[1], v[2]);
         v[c] = fmax(v[c], 0);
     }
-    if (!(v[0] > 0) && is_text(rule->name, "specular_ior")) /* of OpenPBR; MaterialX's velvet has specular_IOR 0 */
-        return nqm_refuse(r, property, "%s is %.4g; an index of refraction is above 0", rule->name, v[0]);
-    nqm_shading_set(&r->shading, rule->key, n, v);
+    if (!(v[0] > 0) && nqm_is_text(rule->name, "specular_ior")) /* of OpenPBR; MaterialX's velvet has specular_IOR 0 */
+        return nqm_refuse(base, property, "%s is %.4g; an index of refraction is above 0", rule->name, v[0]);
+    nqm_shading_set(&base->shading, rule->key, n, v);
     return true;
 }
 
 /* The node of a normal; 0, 0, 1 is NQM_NO_NODE. false: refused. UsdPreviewSurface takes the vector in the frame of the tangent, the
  * other surfaces take what a node normalmap makes of it. */
 static bool read_normal(reading *r, const nqm_rule *rule, element *input, uint16_t *node_ret) {
-    const bool is_usd = is_text(r->surface->model, "usd-preview");
-    const double half[3] = {0.5, 0.5, 0.5}, one = 1;
+    const bool is_usd = nqm_is_text(r->surface->model, "usd-preview");
     nqm_textured *t = r->graph.t;
     *node_ret = NQM_NO_NODE;
-    if (!has_value(input))
-        return true;
     uint16_t node = nqm_mtlx_read(&r->graph, input, rule->name, "vector3");
     if (node == NQM_NO_NODE)
         return false;
@@ -161,10 +137,8 @@ static bool read_normal(reading *r, const nqm_rule *rule, element *input, uint16
     if (value.n != 3 || value.op == NQM_MAP_VALUE || (!is_usd && value.op != NQM_MAP_NORMAL))
         return nqm_refuse(&r->reading, input, "%s changes the normal, and not by a normal map", rule->name);
     if (is_usd) {
-        const uint16_t halves = nqm_map_value(t, 3, half);
-        node = nqm_map_compute(t, NQM_MAP_MULTIPLY, 3, node, halves, NQM_NO_NODE);
-        node = nqm_map_compute(t, NQM_MAP_ADD, 3, node, halves, NQM_NO_NODE);
-        node = nqm_map_compute(t, NQM_MAP_NORMAL, 3, node, nqm_map_value(t, 1, &one), NQM_NO_NODE);
+        node = nqm_map_with(t, NQM_MAP_ADD, 3, nqm_map_with(t, NQM_MAP_MULTIPLY, 3, node, 0.5), 0.5);
+        node = nqm_map_with(t, NQM_MAP_NORMAL, 3, node, 1);
     }
     *node_ret = node;
     return node != NQM_NO_NODE || nqm_refuse(&r->reading, input, "%s: its graph needs too many nodes", rule->name);
@@ -176,8 +150,7 @@ bool nqm_mtlx_read_normal(nqm_reading *base, const nqm_rule *rule, const void *p
     if (!read_normal(r, rule, property, &node))
         return false;
     r->graph.t->normal = node;
-    return node == NQM_NO_NODE ||
-           nqm_reading_textured(base, property, "%s changes the normal; a BRDF has one normal", rule->name) != NULL;
+    return node == NQM_NO_NODE || nqm_vary(base, property, "%s changes the normal; a BRDF has one normal", rule->name);
 }
 
 bool nqm_mtlx_read_coat_normal(nqm_reading *base, const nqm_rule *rule, const void *property) {
@@ -195,9 +168,9 @@ static bool check_coat_normal(reading *r) {
         const nqm_property *weight = nqm_shading_find(&r->reading.shading, weights[i]);
         has_coat = has_coat || (weight && weight->v[0] > 0);
         for (size_t k = 0; k < r->graph.t->n_outputs; ++k)
-            has_coat = has_coat || is_text(weights[i], r->graph.t->outputs[k].key);
+            has_coat = has_coat || nqm_is_text(weights[i], r->graph.t->outputs[k].key);
     }
-    if (r->coat_normal_node == base || !has_coat || is_text(r->surface->model, "usd-preview"))
+    if (r->coat_normal_node == base || !has_coat || nqm_is_text(r->surface->model, "usd-preview"))
         return true;
     if (r->coat_normal_node != NQM_NO_NODE)
         return nqm_refuse(&r->reading, r->coat_normal, "%s changes the normal of the coat alone; a BRDF has one normal",
@@ -208,18 +181,16 @@ static bool check_coat_normal(reading *r) {
 
 /* Whether both inputs of the shader have the same value everywhere. */
 static bool is_same_color(reading *r, const char *a, const char *b) {
-    element *inputs[2] = {find_child(r, r->shader, "input", a), find_child(r, r->shader, "input", b)};
-    uint16_t nodes[2] = {NQM_NO_NODE, NQM_NO_NODE};
-    for (size_t i = 0; i < 2; ++i)
-        if (inputs[i] && has_value(inputs[i]))
-            nodes[i] = nqm_mtlx_read(&r->graph, inputs[i], i ? b : a, "color3");
-    return nodes[0] == nodes[1] && nodes[0] != NQM_NO_NODE;
+    element *inputs[2] = {find_input(&r->reading, a), find_input(&r->reading, b)};
+    if (!inputs[0] || !inputs[1])
+        return false;
+    const uint16_t node = nqm_mtlx_read(&r->graph, inputs[0], a, "color3");
+    return node != NQM_NO_NODE && node == nqm_mtlx_read(&r->graph, inputs[1], b, "color3");
 }
 
 bool nqm_mtlx_read_subsurface(nqm_reading *base, const nqm_rule *rule, const void *property) {
     reading *r = (reading *)base;
-    const uint16_t node = has_value(property) ? read_node(r, rule, property) : NQM_NO_NODE;
-    if (node == NQM_NO_NODE || is_constant(r, node) || !is_same_color(r, "subsurface_color", "base_color"))
+    if (read_map(r, rule, property) == NQM_NO_NODE || !is_same_color(r, "subsurface_color", "base_color"))
         return nqm_rule_neutral(base, rule, property);
     nqm_mtlx_remark(&r->graph, "light leaves the surface where it arrives: the map of the subsurface scattering, which "
                                "has the color of the base, is ignored");
@@ -228,95 +199,72 @@ bool nqm_mtlx_read_subsurface(nqm_reading *base, const nqm_rule *rule, const voi
 
 bool nqm_mtlx_read_emission(nqm_reading *base, const nqm_rule *rule, const void *property) {
     reading *r = (reading *)base;
-    const uint16_t node = has_value(property) ? read_node(r, rule, property) : NQM_NO_NODE;
-    if (node == NQM_NO_NODE || is_constant(r, node))
+    if (read_map(r, rule, property) == NQM_NO_NODE)
         return nqm_rule_neutral(base, rule, property);
     nqm_mtlx_remark(&r->graph, "the map of the emission is ignored: emission is no part of a BRDF");
     return true;
 }
 
 bool nqm_mtlx_read_tangent(nqm_reading *r, const nqm_rule *rule, const void *property) {
-    return !has_value(property) ||
-           nqm_refuse(r, property, "%s turns the anisotropy (%s), which needs the tangent of the surface", rule->name,
+    return nqm_refuse(r, property, "%s turns the anisotropy (%s), which needs the tangent of the surface", rule->name,
                       rule->gate);
 }
 
 bool nqm_mtlx_read_occlusion(nqm_reading *r, const nqm_rule *rule, const void *property) {
-    (void)rule;
-    if (has_value(property))
-        nqm_mtlx_remark(&((reading *)r)->graph, NQM_OCCLUSION_REMARK);
+    (void)rule, (void)property;
+    nqm_mtlx_remark(&((reading *)r)->graph, NQM_OCCLUSION_REMARK);
     return true;
 }
 
+/* Version 1.0.0 of standard_surface has other defaults than the table. */
 static void set_defaults(reading *r) {
-    strcpy(r->reading.shading.model, r->surface->model);
+    const char *version = nqm_xml_get(r->shader, "version"), *definition = nqm_xml_get(r->shader, "nodedef");
+    nqm_shading *shading = &r->reading.shading;
+    strcpy(shading->model, r->surface->model);
     for (const nqm_rule *rule = r->surface->inputs; rule->name; ++rule)
         if (rule->key)
-            nqm_shading_set(&r->reading.shading, rule->key, rule->n, (double[]){rule->value, rule->value, rule->value});
-}
-
-/* Version 1.0.0 of standard_surface has other defaults. */
-static void set_version(reading *r) {
-    const char *version = nqm_xml_get(r->shader, "version"), *definition = nqm_xml_get(r->shader, "nodedef");
-    const double base = 0.8, white[3] = {1, 1, 1};
+            nqm_shading_set(shading, rule->key, rule->n, (double[]){rule->value, rule->value, rule->value});
     if (strcmp(r->surface->node, "standard_surface") == 0 &&
-        (is_text(version, "1.0.0") || is_text(definition, "ND_standard_surface_surfaceshader_100"))) {
-        nqm_shading_set(&r->reading.shading, "base", 1, &base);
-        nqm_shading_set(&r->reading.shading, "base_color", 3, white);
+        (nqm_is_text(version, "1.0.0") || nqm_is_text(definition, "ND_standard_surface_surfaceshader_100"))) {
+        nqm_shading_set(shading, "base", 1, (double[]){0.8});
+        nqm_shading_set(shading, "base_color", 3, (double[]){1, 1, 1});
     }
 }
 
 static bool read_shader(reading *r) {
-    size_t s = 0;
-    while (s < NQM_MTLX_N_SURFACES && strcmp(nqm_mtlx_surfaces[s].node, r->shader->name) != 0)
-        ++s;
-    if (s == NQM_MTLX_N_SURFACES)
+    r->surface = nqm_mtlx_find_surface(r->shader->name, NULL);
+    if (!r->surface)
         return nqm_refuse(&r->reading, r->shader,
                           "its surface shader is '%.40s', which is not one of those that are read", r->shader->name);
-    r->surface = &nqm_mtlx_surfaces[s];
     r->reading.rules = r->surface->inputs;
     r->reading.owner = r->surface->node;
     set_defaults(r);
-    set_version(r);
     bool ok = true;
     for (element *e = r->shader->first; e && ok; e = e->next)
-        ok = strcmp(e->name, "input") != 0 || nqm_rules_apply(&r->reading, nqm_xml_get(e, "name"), e);
+        if (strcmp(e->name, "input") == 0 && nqm_mtlx_has_value(e))
+            ok = nqm_rules_apply(&r->reading, nqm_xml_get(e, "name"), e);
     return ok && check_coat_normal(r);
 }
 
 /* The node that a material's input `surfaceshader` is connected to; NULL: refused. */
-static element *find_shader(reading *r) {
-    element *input = find_child(r, r->material, "input", "surfaceshader");
+static element *find_shader(reading *r, element *material) {
+    element *input = nqm_mtlx_child(&r->graph, material, "input", "surfaceshader");
     if (!input) {
-        nqm_refuse(&r->reading, r->material, "it has no surface shader");
+        nqm_refuse(&r->reading, material, "it has no surface shader");
         return NULL;
     }
-    const char *graph = nqm_xml_get(input, "nodegraph"), *node = nqm_xml_get(input, "nodename");
-    element *scope = r->root;
-    if (graph) {
-        const char *output = nqm_xml_get(input, "output");
-        scope = find_child(r, r->root, "nodegraph", graph);
-        element *end = find_child(r, scope, "output", output ? output : "out");
-        node = end ? nqm_xml_get(end, "nodename") : NULL;
-    }
-    element *shader = node ? find_child(r, scope, NULL, node) : NULL;
+    element *shader = nqm_mtlx_target(&r->graph, input);
+    if (shader && strcmp(shader->name, "output") == 0)
+        shader = nqm_mtlx_target(&r->graph, shader);
     if (!shader)
         nqm_refuse(&r->reading, input, "its surface shader is not in the file");
     return shader;
 }
 
-static bool check_displacement(reading *r) {
-    element *input = find_child(r, r->material, "input", "displacementshader");
+static bool check_displacement(reading *r, element *material) {
+    element *input = nqm_mtlx_child(&r->graph, material, "input", "displacementshader");
     return !input || !nqm_mtlx_is_connected(input) ||
            nqm_refuse(&r->reading, input, "displacementshader is connected: displacement is not part of a BRDF");
-}
-
-/* Whether an element of the root is a surface shader of the table. */
-static bool is_shader(element *e) {
-    for (size_t s = 0; s < NQM_MTLX_N_SURFACES; ++s)
-        if (strcmp(e->name, nqm_mtlx_surfaces[s].node) == 0)
-            return true;
-    return false;
 }
 
 static nqm_index_key key_of_known(const void *value) {
@@ -329,30 +277,29 @@ static nqm_status add_again(size_t i, element *material, nqm_materials *material
     info.name = nqm_xml_get(material, "name");
     info.byte_offset = info.spec ? material->byte_offset : info.byte_offset;
     const nqm_status status = nqm_materials_add(materials, &info, err);
-    if (status == NQM_OK && nqm_materials_textured(materials, i))
-        nqm_materials_share(materials, i);
+    if (status == NQM_OK)
+        nqm_materials_attach(materials, nqm_materials_textured(materials, i), false);
     return status;
 }
 
 /* `material` is a surfacematerial, or a shader that no material uses. */
 static nqm_status add_material(reading *r, element *material, nqm_materials *materials, nqm_error *err) {
     const size_t number = nqm_materials_count(materials);
-    r->material = material;
-    r->reading = (nqm_reading){.source = &source};
+    const bool has_memory = nqm_reading_begin(&r->reading, &source);
+    r->graph.t = r->reading.textured;
     r->graph.n_built = 0;
     r->graph.depth = 0;
     *r->graph.remark = 0;
     r->coat_normal_node = NQM_NO_NODE;
-    r->shader = strcmp(material->name, "surfacematerial") == 0 ? find_shader(r) : material;
-    const bool has_shader = r->shader && check_displacement(r);
+    r->shader = strcmp(material->name, "surfacematerial") == 0 ? find_shader(r, material) : material;
+    const bool has_shader = r->shader && check_displacement(r, material);
     const struct known_shader *known = has_shader ? nqm_index_find(&r->shaders, (nqm_index_key){r->shader, ""}) : NULL;
-    if (known)
+    if (known) {
+        nqm_textured_free(r->graph.t);
         return add_again(known->material, material, materials, err);
-    r->graph.t = r->reading.textured = nqm_textured_create();
-    if (!r->graph.t)
-        return nqm_fail_nomem(err, sizeof *r->graph.t);
-    if (has_shader && read_shader(r))
-        nqm_mtlx_prune(r->graph.t);
+    }
+    if (has_shader && has_memory)
+        read_shader(r);
     nqm_status status =
         nqm_reading_add(&r->reading, nqm_xml_get(material, "name"), r->shader ? r->shader->name : material->name,
                         material->byte_offset, materials, err);
@@ -366,35 +313,29 @@ static nqm_status add_material(reading *r, element *material, nqm_materials *mat
 /* The surfacematerials, or the shaders if there are none. */
 static nqm_status add_all(reading *r, nqm_materials *materials, nqm_error *err) {
     nqm_status status = NQM_OK;
-    for (element *e = r->root->first; e && status == NQM_OK; e = e->next)
+    for (element *e = r->graph.root->first; e && status == NQM_OK; e = e->next)
         if (strcmp(e->name, "surfacematerial") == 0)
             status = add_material(r, e, materials, err);
     const bool has_none = nqm_materials_count(materials) == 0;
-    for (element *e = r->root->first; e && status == NQM_OK && has_none; e = e->next)
-        if (is_shader(e))
+    for (element *e = r->graph.root->first; e && status == NQM_OK && has_none; e = e->next)
+        if (nqm_mtlx_find_surface(e->name, NULL))
             status = add_material(r, e, materials, err);
     return status;
 }
 
 static nqm_status read_root(const nqm_xml *xml, const char *path, nqm_materials *materials, nqm_error *err) {
-    reading *r;
-    struct known_shader *known;
-    nqm_status status =
-        nqm_alloc_arrays(NQM_ARRAYS({&r, 1, sizeof *r}, {&known, NQM_MAX_MATERIALS, sizeof *known}), err);
-    if (status != NQM_OK)
-        return status;
-    r->root = xml->root;
-    r->known = known;
+    reading *r = nqm_alloc(1, sizeof *r);
+    if (!r)
+        return nqm_fail_nomem(err, sizeof *r);
     r->graph.path = path;
-    r->graph.names = &r->names;
     r->graph.root = xml->root;
     r->graph.reading = &r->reading;
-    status = nqm_xml_names_create(xml, &r->names, err);
+    nqm_status status = nqm_xml_names_create(xml, &r->graph.names, err);
     if (status == NQM_OK)
         status = nqm_index_create(NQM_MAX_MATERIALS, key_of_known, &r->shaders, err);
     if (status == NQM_OK)
         status = add_all(r, materials, err);
-    nqm_index_free(&r->names);
+    nqm_index_free(&r->graph.names);
     nqm_index_free(&r->shaders);
     nqm_free(r);
     return status;
@@ -440,10 +381,7 @@ static nqm_status read_materials(const nqm_map *map, nqm_materials *materials, n
 static nqm_status write_material(const nqm_shading *shading, const char *name, const char *path, FILE *stream,
                                  nqm_error *err) {
     char numbers[100];
-    size_t s = 0;
-    while (strcmp(nqm_mtlx_surfaces[s].model, shading->model) != 0) /* one of those of the format */
-        ++s;
-    const nqm_mtlx_surface *surface = &nqm_mtlx_surfaces[s];
+    const nqm_mtlx_surface *surface = nqm_mtlx_find_surface(NULL, shading->model); /* one of those of the format */
     fprintf(stream, "  <%s name=\"SR_%s\" type=\"surfaceshader\">\n", surface->node, name);
     for (size_t i = 0; i < shading->n; ++i) {
         const nqm_rule *input = nqm_rule_find(surface->inputs, shading->properties[i].key);

@@ -15,28 +15,27 @@ typedef struct nqm_mtlx_surface {
 
 enum { NQM_MTLX_N_SURFACES = 5 };
 extern const nqm_mtlx_surface nqm_mtlx_surfaces[NQM_MTLX_N_SURFACES];
+/** The surface with this node or this model, one of which is NULL. NULL: there is none. */
+const nqm_mtlx_surface *nqm_mtlx_find_surface(const char *node, const char *model);
 
 /** A key of the shading; the normal, and that of the coat; a tangent, which is refused; occlusion; emission, and subsurface
  *  scattering of the color of the base, which are ignored if they are maps. */
 nqm_rule_read nqm_mtlx_read_key, nqm_mtlx_read_normal, nqm_mtlx_read_coat_normal, nqm_mtlx_read_tangent,
     nqm_mtlx_read_occlusion, nqm_mtlx_read_emission, nqm_mtlx_read_subsurface;
 
-/** A node of the document and what it has become. */
-typedef struct nqm_mtlx_built {
-    const struct nqm_xml_element *node;
-    const char *output;
-    uint16_t value;
-} nqm_mtlx_built;
-
 /** The nodes that the inputs of one material are connected to. */
 typedef struct nqm_mtlx_graph {
     const char *path; /**< of the document */
-    const nqm_index *names;
+    nqm_index names;
     const struct nqm_xml_element *root;
     nqm_reading *reading; /**< receives why the material is refused */
     nqm_textured *t;      /**< receives the nodes */
     size_t n_built;
-    nqm_mtlx_built built[NQM_MAX_MAP_NODES];
+    struct nqm_mtlx_built {
+        const struct nqm_xml_element *node;
+        const char *output;
+        uint16_t value;
+    } built[NQM_MAX_MAP_NODES]; /**< nodes of the document and what they have become */
     char remark[400];
     /* of the input that is read: */
     const struct nqm_xml_element *input;
@@ -48,12 +47,19 @@ typedef struct nqm_mtlx_graph {
 /** The node that computes an input: a constant where nothing varies. NQM_NO_NODE: refused. name: for messages; type: if the input
  *  names none. */
 uint16_t nqm_mtlx_read(nqm_mtlx_graph *graph, const struct nqm_xml_element *input, const char *name, const char *type);
+/** The first child with this name attribute; `kind` NULL: of any element. NULL: none, or `parent` or `name` is NULL. */
+const struct nqm_xml_element *nqm_mtlx_child(const nqm_mtlx_graph *graph, const struct nqm_xml_element *parent,
+                                             const char *kind, const char *name);
+/** What an input or output is connected to: an input or output of a node graph, or a node; NULL: the file does not have it. */
+const struct nqm_xml_element *nqm_mtlx_target(const nqm_mtlx_graph *graph, const struct nqm_xml_element *e);
 bool nqm_mtlx_is_connected(const struct nqm_xml_element *e);
-/** Parse n numbers that commas separate. */
-bool nqm_mtlx_parse_numbers(const char *text, size_t n, double *v);
+/** Whether an input is connected or has a value itself. */
+bool nqm_mtlx_has_value(const struct nqm_xml_element *e);
+/** false for NULL. */
+static inline bool nqm_is_text(const char *a, const char *b) {
+    return a && strcmp(a, b) == 0;
+}
 /** Add to the remark on the material. */
 void nqm_mtlx_remark(nqm_mtlx_graph *graph, const char *text);
-/** Remove nodes and files that no output needs. */
-void nqm_mtlx_prune(nqm_textured *textured);
 
 #endif

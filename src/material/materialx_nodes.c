@@ -19,18 +19,20 @@ enum { MAX_HOPS = 64, MAX_OPERANDS = 16 };
  * Polish notation: digits are constants, `!` makes an operand of the result so far, and run_token() has the operations. */
 typedef struct node_kind {
     const char *name, *operands, *program;
-    /* Of a node that reads an image: its texture coordinates; the program computes with the image as its operand a. */
+    /* Of a node that reads an image, which is I in the program: its texture coordinates. */
     const char *uv_operands, *uv_program;
 } node_kind;
 
-#define UV "texcoord=@"
+/* MaterialX's rotate2d of a by b degrees: x cos + y sin, y cos - x sin. */
+#define ROTATE "bP*! cS! cC! axe*ayd*+ aye*axd*- &"
+#define UV     "texcoord=@"
 #define GLTF_UV                                                                                                        \
-    UV " pivot=0,1 scale=1,1 rotate=0 offset=0,0 operationorder=0", "1c/! 0d-! e01-1}*! ab-g/hDi-! ab-i-hDg/! f0kj>b+"
+    UV " pivot=0,1 scale=1,1 rotate=0 offset=0,0 operationorder=0", "1c/! 0d-! e01-1&*! ab-g/hDi-! ab-i-hDg/! f0kj>b+"
 
 static const node_kind kinds[] = {
     {"constant", "value=0", "a", 0, 0},
     {"dot convert separate2 separate3 separate4", "in=0", "a", 0, 0},
-    {"texcoord", UV, "a", 0, 0},
+    {"texcoord geompropvalue UsdPrimvarReader", UV, "a", 0, 0},
     {"add", "in1=0 in2=0", "ab+", 0, 0},
     {"subtract", "in1=0 in2=0", "ab-", 0, 0},
     {"multiply", "in1=0 in2=1", "ab*", 0, 0},
@@ -57,12 +59,15 @@ static const node_kind kinds[] = {
     {"contrast", "in=0 amount=1 pivot=0.5", "ac-b*c+", 0, 0},
     {"luminance", "in=0 lumacoeffs=0.2722287,0.6740818,0.0536895", "ab.", 0, 0},
     {"saturate", "in=0 amount=1 lumacoeffs=0.2722287,0.6740818,0.0536895", "ac.abM", 0, 0},
-    {"hsvadjust", "in=0 amount=0,1,1", "aR bx00{+ 1bybz{* H", 0, 0},
+    {"hsvadjust", "in=0 amount=0,1,1", "aR bx00&&+ 1bybz&&* H", 0, 0},
     {"rgbtohsv", "in=0", "aR", 0, 0},
     {"hsvtorgb", "in=0", "aH", 0, 0},
     {"ifgreater", "value1=1 value2=0 in1=0 in2=0", "abcd>", 0, 0},
     {"ifgreatereq", "value1=1 value2=0 in1=0 in2=0", "badc>", 0, 0},
     {"ifequal", "value1=0 value2=0 in1=0 in2=0", "abcd=", 0, 0},
+    {"combine2", "in1=0 in2=0", "ab&", 0, 0},
+    {"combine3", "in1=0 in2=0 in3=0", "abc&&", 0, 0},
+    {"combine4", "in1=0 in2=0 in3=0 in4=0", "abcd&&&", 0, 0},
     {"dotproduct", "in1=0 in2=0", "ab.", 0, 0},
     {"magnitude", "in=0", "aa.12/^", 0, 0},
     {"normalize", "in=0", "aaa.12/^/", 0, 0},
@@ -70,25 +75,21 @@ static const node_kind kinds[] = {
     {"rotate2d", "in=0,0 amount=0", "abD", 0, 0},
     {"place2d", UV " pivot=0,0 scale=1,1 rotate=0 offset=0,0 operationorder=0", "ab-c/dDe-! ab-e-dDc/! f0hg>b+", 0, 0},
     {"UsdTransform2d", "in=0,0 rotation=0 scale=1,1 translation=0,0", "ac*0b-Dd+", 0, 0},
-    {"image", "", "a", UV, "a"},
-    {"tiledimage", "", "a", UV " uvtiling=1,1 uvoffset=0,0 realworldimagesize=1,1 realworldtilesize=1,1", "ab*c-d/e*"},
-    {"hextiledimage", "", "a", UV " tiling=1,1", "ab*"},
-    {"gltf_image", "factor=1", "ab*", GLTF_UV},
-    {"gltf_colorimage", "color=1 geomcolor=1", "ab*c*", GLTF_UV},
-    {"gltf_normalmap", "", "a1N", GLTF_UV},
-    {"UsdUVTexture", "scale=1 bias=0", "ab*c+", "st=@", "a"},
+    {"image", "", "I", UV, "a"},
+    {"tiledimage", "", "I", UV " uvtiling=1,1 uvoffset=0,0 realworldimagesize=1,1 realworldtilesize=1,1", "ab*c-d/e*"},
+    {"hextiledimage", "", "I", UV " tiling=1,1", "ab*"},
+    {"gltf_image", "factor=1", "Ia*", GLTF_UV},
+    {"gltf_colorimage", "color=1 geomcolor=1", "Ia*b*", GLTF_UV},
+    {"gltf_normalmap", "", "I1N", GLTF_UV},
+    {"UsdUVTexture", "scale=1 bias=0", "Ia*b+", "st=@", "a"},
 };
 
-static bool is_text(const char *a, const char *b) {
-    return a && strcmp(a, b) == 0;
+element *nqm_mtlx_child(const graph *g, element *parent, const char *kind, const char *name) {
+    return parent && name ? nqm_xml_find(&g->names, parent, kind, name) : NULL;
 }
 
-static element *find_child(const graph *g, element *parent, const char *name) {
-    return parent && name ? nqm_xml_find(g->names, parent, NULL, name) : NULL;
-}
-
-static element *find_input(const graph *g, element *node, const char *name) {
-    return nqm_xml_find(g->names, node, "input", name);
+static const char *name_of(element *node) {
+    return nqm_xml_get(node, "name");
 }
 
 static const char *inherited(element *e, const char *attribute) {
@@ -100,6 +101,10 @@ static const char *inherited(element *e, const char *attribute) {
 
 bool nqm_mtlx_is_connected(element *e) {
     return nqm_xml_get(e, "nodename") || nqm_xml_get(e, "nodegraph") || nqm_xml_get(e, "interfacename");
+}
+
+bool nqm_mtlx_has_value(element *e) {
+    return nqm_mtlx_is_connected(e) || nqm_xml_get(e, "value");
 }
 
 #define REFUSE(G, ...) (nqm_refuse((G)->reading, (G)->input, __VA_ARGS__), (uint16_t)NQM_NO_NODE)
@@ -116,10 +121,10 @@ static size_t components(const char *type) {
 }
 
 static bool is_color(const char *type) {
-    return is_text(type, "color3") || is_text(type, "color4");
+    return nqm_is_text(type, "color3") || nqm_is_text(type, "color4");
 }
 
-bool nqm_mtlx_parse_numbers(const char *text, size_t n, double *v) {
+static bool parse_numbers(const char *text, size_t n, double *v) {
     for (size_t c = 0; c < n; ++c) {
         text += strspn(text, " \t\n");
         if (!nqm_parse_double(text, &text, &v[c]))
@@ -144,9 +149,9 @@ static uint16_t read_constant(graph *g, element *e, const char *type) {
         return REFUSE(g, "%s has the type '%.40s', which is not read", name, type ? type : "");
     if (!text)
         return REFUSE(g, "%s has no value", name);
-    if (is_text(type, "boolean") && (is_text(text, "true") || is_text(text, "false")))
+    if (nqm_is_text(type, "boolean") && (nqm_is_text(text, "true") || nqm_is_text(text, "false")))
         v[0] = *text == 't';
-    else if (!nqm_mtlx_parse_numbers(text, n, v))
+    else if (!parse_numbers(text, n, v))
         return REFUSE(g, "%s needs %s, not '%.40s'", name, counts[n], text);
     if (is_color(type) && !nqm_color_to_rec709(space, v))
         return REFUSE(g, "%s is in the colour space '%.40s', which is not known", name, space);
@@ -160,92 +165,47 @@ static uint16_t read_constant(graph *g, element *e, const char *type) {
 
 /* The operands and results of a program. */
 typedef struct machine {
-    graph *g;
+    nqm_textured *t;
     size_t n_operands, n_stack;
-    uint16_t operand[MAX_OPERANDS], stack[MAX_OPERANDS];
+    uint16_t operand[MAX_OPERANDS], stack[MAX_OPERANDS], image;
 } machine;
 
-static size_t width(const graph *g, uint16_t node) {
-    return node == NQM_NO_NODE ? 1 : g->t->nodes[node].n;
-}
-
-/* in[0] * 1 or in[0] + 0, as of the unused scale and bias of an image. */
-static bool is_neutral(const graph *g, nqm_map_op op, size_t n, const uint16_t *in) {
-    if ((op != NQM_MAP_MULTIPLY && op != NQM_MAP_ADD) || in[1] == NQM_NO_NODE || width(g, in[0]) != n)
-        return false;
-    const nqm_map_node *second = &g->t->nodes[in[1]];
-    bool is = second->op == NQM_MAP_VALUE;
-    for (size_t c = 0; c < second->n; ++c)
-        is = is && second->v[c] == (op == NQM_MAP_MULTIPLY);
-    return is;
-}
-
-/* A node, or its value if all operands are constants. */
-static uint16_t compute(graph *g, nqm_map_op op, size_t n, const uint16_t *in) {
-    nqm_map_node node = {.op = op, .n = (uint8_t)n}, folded = node;
-    double values[4][4], v[4];
-    if (is_neutral(g, op, n, in))
-        return in[0];
-    const size_t n_in = nqm_map_operands(op, n);
-    bool is_constant = true;
-    for (size_t i = 0; i < n_in; ++i) {
-        const nqm_map_node *operand = in[i] == NQM_NO_NODE ? NULL : &g->t->nodes[in[i]];
-        node.in[i] = in[i];
-        folded.in[i] = (uint16_t)i;
-        is_constant = is_constant && operand && operand->op == NQM_MAP_VALUE;
-        if (is_constant)
-            nqm_map_node_value(operand, NULL, values[i]);
-    }
-    if (!is_constant)
-        return nqm_map_add(g->t, node);
-    nqm_map_node_value(&folded, (const double(*)[4])values, v);
-    for (size_t c = 0; c < n; ++c)
-        if (!isfinite(v[c]))
-            return REFUSE(g, "%s is not finite", g->name);
-    return nqm_map_value(g->t, n, v);
-}
-
-static uint16_t channel(graph *g, uint16_t node, size_t c) {
-    if (node == NQM_NO_NODE || g->t->nodes[node].op != NQM_MAP_VALUE)
-        return nqm_map_channel(g->t, node, c);
-    return nqm_map_value(g->t, 1, &g->t->nodes[node].v[nqm_smaller(c, width(g, node) - 1)]);
+static size_t width(const nqm_textured *t, uint16_t node) {
+    return node == NQM_NO_NODE ? 1 : t->nodes[node].n;
 }
 
 /* The value with n components: a number is repeated, others are cut, or continued as MaterialX's node convert does. */
-static uint16_t resize(graph *g, uint16_t node, size_t n) {
-    const size_t have = width(g, node);
-    uint16_t in[4];
+static uint16_t resize(nqm_textured *t, uint16_t node, size_t n) {
+    const size_t have = width(t, node);
+    nqm_map_node result = {.op = NQM_MAP_COMBINE, .n = (uint8_t)n};
     if (have == n || node == NQM_NO_NODE)
         return node;
-    if (g->t->nodes[node].op == NQM_MAP_IMAGE && have == 4 && n == 3) {
-        nqm_map_node image = g->t->nodes[node];
-        image.n = 3;
-        return nqm_map_add(g->t, image);
+    if (t->nodes[node].op == NQM_MAP_IMAGE && have == 4 && n == 3) {
+        result = t->nodes[node];
+        result.n = 3;
+        return nqm_map_add(t, result);
     }
     for (size_t c = 0; c < n; ++c)
-        in[c] = c < have || have == 1 ? channel(g, node, c) : nqm_map_value(g->t, 1, (double[]){c == 3});
-    return n == 1 ? in[0] : compute(g, NQM_MAP_COMBINE, n, in);
+        result.in[c] = c < have || have == 1 ? nqm_map_channel(t, node, c) : nqm_map_number(t, c == 3);
+    return n == 1 ? result.in[0] : nqm_map_add(t, result);
 }
 
-static uint16_t dot_product(graph *g, uint16_t a, uint16_t b) {
-    const size_t n = nqm_larger(width(g, a), width(g, b));
-    const uint16_t product = compute(g, NQM_MAP_MULTIPLY, n, (uint16_t[]){a, b});
-    uint16_t sum = channel(g, product, 0);
+static uint16_t dot_product(nqm_textured *t, uint16_t a, uint16_t b) {
+    const size_t n = nqm_larger(width(t, a), width(t, b));
+    const uint16_t product = nqm_map_compute(t, NQM_MAP_MULTIPLY, n, a, b, 0);
+    uint16_t sum = nqm_map_channel(t, product, 0);
     for (size_t c = 1; c < n; ++c)
-        sum = compute(g, NQM_MAP_ADD, 1, (uint16_t[]){sum, channel(g, product, c)});
+        sum = nqm_map_compute(t, NQM_MAP_ADD, 1, sum, nqm_map_channel(t, product, c), 0);
     return sum;
 }
 
-/* MaterialX's rotate2d: x' = cos x + sin y, y' = cos y - sin x. */
-static uint16_t rotate(graph *g, uint16_t vector, uint16_t degrees) {
-    static const double per_degree = 3.14159265358979323846 / 180;
-    const uint16_t angle = compute(g, NQM_MAP_MULTIPLY, 1, (uint16_t[]){degrees, nqm_map_value(g->t, 1, &per_degree)});
-    const uint16_t s = compute(g, NQM_MAP_SINE, 1, &angle), c = compute(g, NQM_MAP_COSINE, 1, &angle);
-    const uint16_t minus_s = compute(g, NQM_MAP_SUBTRACT, 1, (uint16_t[]){nqm_map_value(g->t, 1, (double[]){0}), s});
-    const uint16_t xs[2] = {c, s}, ys[2] = {minus_s, c};
-    return compute(g, NQM_MAP_COMBINE, 2,
-                   (uint16_t[]){dot_product(g, vector, compute(g, NQM_MAP_COMBINE, 2, xs)),
-                                dot_product(g, vector, compute(g, NQM_MAP_COMBINE, 2, ys))});
+/* The components of a, then those of b: at most four. */
+static uint16_t join(nqm_textured *t, uint16_t a, uint16_t b) {
+    const size_t n_a = width(t, a), n = nqm_smaller(n_a + width(t, b), 4);
+    nqm_map_node result = {.op = NQM_MAP_COMBINE, .n = (uint8_t)n};
+    for (size_t c = 0; c < n; ++c)
+        result.in[c] = c < n_a ? nqm_map_channel(t, a, c) : nqm_map_channel(t, b, c - n_a);
+    return nqm_map_add(t, result);
 }
 
 /* An operation on the last values of the stack, which its result replaces. */
@@ -261,46 +221,52 @@ static uint16_t run_operation(machine *m, char token) {
         {'_', NQM_MAP_FLOOR, 0},    {'S', NQM_MAP_SINE, 0},       {'C', NQM_MAP_COSINE, 0},
         {'M', NQM_MAP_MIX, 0},      {'T', NQM_MAP_SMOOTHSTEP, 0}, {'>', NQM_MAP_IF_GREATER, 0},
         {'=', NQM_MAP_IF_EQUAL, 0}, {'R', NQM_MAP_RGB_TO_HSV, 3}, {'H', NQM_MAP_HSV_TO_RGB, 3},
-        {'N', NQM_MAP_NORMAL, 3},   {'}', NQM_MAP_COMBINE, 2},    {'{', NQM_MAP_COMBINE, 3},
+        {'N', NQM_MAP_NORMAL, 3},
     };
     size_t o = 0, n = 1;
     while (operations[o].token != token)
         ++o;
     const size_t n_in = nqm_map_operands(operations[o].op, operations[o].n);
-    const uint16_t *in = &m->stack[m->n_stack -= n_in];
-    for (size_t i = 0; i < n_in; ++i)
-        n = nqm_larger(n, width(m->g, in[i]));
-    return compute(m->g, operations[o].op, operations[o].n ? operations[o].n : n, in);
+    nqm_map_node node = {.op = operations[o].op};
+    m->n_stack -= n_in;
+    for (size_t i = 0; i < n_in; ++i) {
+        node.in[i] = m->stack[m->n_stack + i];
+        n = nqm_larger(n, width(m->t, node.in[i]));
+    }
+    node.n = (uint8_t)(operations[o].n ? operations[o].n : n);
+    return nqm_map_add(m->t, node);
 }
 
+static uint16_t run(machine *m, const char *program);
+
 static uint16_t run_token(machine *m, char token) {
-    const double digit = token - '0';
     if (token >= 'a' && token <= 'p')
         return m->operand[token - 'a'];
     if (token >= '0' && token <= '9')
-        return nqm_map_value(m->g->t, 1, &digit);
-    if (token >= 'x' && token <= 'z') { /* a component */
-        m->n_stack -= 1;
-        return channel(m->g, m->stack[m->n_stack], (size_t)(token - 'x'));
-    }
-    if (token == '.' || token == 'D') {
-        const uint16_t *in = &m->stack[m->n_stack -= 2];
-        return token == '.' ? dot_product(m->g, in[0], in[1]) : rotate(m->g, in[0], in[1]);
-    }
-    return run_operation(m, token);
+        return nqm_map_number(m->t, token - '0');
+    if (token == 'I')
+        return m->image;
+    if (token == 'P')
+        return nqm_map_number(m->t, 3.14159265358979323846 / 180);
+    if (token >= 'x' && token <= 'z') /* a component */
+        return nqm_map_channel(m->t, m->stack[--m->n_stack], (size_t)(token - 'x'));
+    if (!strchr(".&D", token))
+        return run_operation(m, token);
+    const uint16_t *in = &m->stack[m->n_stack -= 2];
+    return token == '.'   ? dot_product(m->t, in[0], in[1])
+           : token == '&' ? join(m->t, in[0], in[1])
+                          : run(&(machine){.t = m->t, .n_operands = 2, .operand = {in[0], in[1]}}, ROTATE);
 }
 
 static uint16_t run(machine *m, const char *program) {
     m->n_stack = 0;
     for (; *program; ++program) {
-        if (*program == ' ')
-            continue;
-        if (*program == '!') {
+        if (*program == '!')
             m->operand[m->n_operands++] = m->stack[--m->n_stack];
-            continue;
+        else if (*program != ' ') {
+            const uint16_t result = run_token(m, *program);
+            m->stack[m->n_stack++] = result;
         }
-        const uint16_t result = run_token(m, *program);
-        m->stack[m->n_stack++] = result;
     }
     return m->stack[0];
 }
@@ -310,7 +276,8 @@ static uint16_t run(machine *m, const char *program) {
 static uint16_t read(graph *g, element *e, const char *type);
 
 /* The operands of a program, from the inputs of a node or their defaults. */
-static void read_operands(machine *m, element *node, const char *operands) {
+static machine read_operands(graph *g, element *node, const char *operands) {
+    machine m = {.t = g->t};
     for (size_t n; *operands; operands += n + strspn(operands + n, " ")) {
         char text[80], *value;
         double v[4];
@@ -318,42 +285,44 @@ static void read_operands(machine *m, element *node, const char *operands) {
         snprintf(text, sizeof text, "%.*s", (int)n, operands);
         value = strchr(text, '=');
         *value++ = 0;
-        element *input = find_input(m->g, node, text);
-        size_t n_values = 1;
-        for (const char *c = value; *c; ++c)
-            n_values += *c == ',';
-        if (input && (nqm_mtlx_is_connected(input) || nqm_xml_get(input, "value")))
-            m->operand[m->n_operands++] = read(m->g, input, nqm_xml_get(node, "type"));
+        element *input = nqm_mtlx_child(g, node, "input", text);
+        if (input && nqm_mtlx_has_value(input))
+            m.operand[m.n_operands++] = read(g, input, nqm_xml_get(node, "type"));
         else if (*value == '@')
-            m->operand[m->n_operands++] = nqm_map_add(m->g->t, (nqm_map_node){.op = NQM_MAP_TEXCOORD, .n = 2});
-        else if (nqm_mtlx_parse_numbers(value, n_values, v))
-            m->operand[m->n_operands++] = nqm_map_value(m->g->t, n_values, v);
+            m.operand[m.n_operands++] = nqm_map_add(g->t, (nqm_map_node){.op = NQM_MAP_TEXCOORD, .n = 2});
+        else
+            m.operand[m.n_operands++] = nqm_map_value(g->t, nqm_parse_numbers(value, 4, v), v);
     }
+    return m;
 }
 
-/* The text of an input that has no number; of_ret: the element that has it. NULL: none. */
-static const char *read_text(const graph *g, element *node, const char *name, element **of_ret) {
-    element *e = find_input(g, node, name);
+/* The element that has the text of an input; NULL: none. */
+static element *find_text(const graph *g, element *node, const char *name) {
+    element *e = nqm_mtlx_child(g, node, "input", name);
     for (int hops = 0; e && nqm_xml_get(e, "interfacename") && hops < MAX_HOPS; ++hops)
-        e = find_child(g, e->parent->parent, nqm_xml_get(e, "interfacename"));
-    if (of_ret)
-        *of_ret = e;
+        e = nqm_mtlx_child(g, e->parent->parent, NULL, nqm_xml_get(e, "interfacename"));
+    return e;
+}
+
+static const char *read_text(const graph *g, element *node, const char *name) {
+    element *e = find_text(g, node, name);
     return e ? nqm_xml_get(e, "value") : NULL;
 }
 
 /* The position in an image of a position on the surface, if that is affine: from three positions, tried at two others. Values of
  * images must make no difference. */
-static bool find_affine(const graph *g, uint16_t uv, double affine[2][3]) {
+static bool find_affine(const nqm_textured *t, uint16_t uv, double affine[2][3]) {
     static const double positions[5][3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0.37, -1.61, 0.8}, {-2.3, 5.7, 0.35}};
     double values[NQM_MAX_MAP_NODES][4];
     for (size_t p = 0; p < 5; ++p) {
-        const double *at = positions[p], edge[4] = {at[0], at[1], at[1], at[1]},
-                     color[4] = {at[2], at[2], at[2], at[2]};
-        for (size_t i = 0; i <= uv; ++i)
-            if (g->t->nodes[i].op == NQM_MAP_TEXCOORD || g->t->nodes[i].op == NQM_MAP_IMAGE)
-                memcpy(values[i], g->t->nodes[i].op == NQM_MAP_IMAGE ? color : edge, sizeof values[i]);
-            else
-                nqm_map_node_value(&g->t->nodes[i], (const double(*)[4])values, values[i]);
+        const double *at = positions[p];
+        for (size_t i = 0; i <= uv; ++i) {
+            const bool is_image = t->nodes[i].op == NQM_MAP_IMAGE;
+            for (size_t c = 0; c < 4; ++c)
+                values[i][c] = at[is_image ? 2 : c > 0];
+            if (!is_image && t->nodes[i].op != NQM_MAP_TEXCOORD)
+                nqm_map_node_value(&t->nodes[i], (const double(*)[4])values, values[i]);
+        }
         for (size_t c = 0; c < 2; ++c) {
             const double value = values[uv][c], *a = affine[c];
             if (p < 3)
@@ -366,29 +335,26 @@ static bool find_affine(const graph *g, uint16_t uv, double affine[2][3]) {
 }
 
 static uint8_t read_wrap(const graph *g, element *node, const char *name, const char *usd_name) {
-    const char *mode = read_text(g, node, name, NULL);
-    mode = mode ? mode : read_text(g, node, usd_name, NULL);
-    return is_text(mode, "clamp")                                ? NQM_MAP_CLAMP
-           : is_text(mode, "mirror")                             ? NQM_MAP_MIRROR
-           : is_text(mode, "constant") || is_text(mode, "black") ? NQM_MAP_BORDER
-                                                                 : NQM_MAP_REPEAT;
+    const char *mode = read_text(g, node, name);
+    mode = mode ? mode : read_text(g, node, usd_name);
+    const size_t found = mode ? nqm_find_word("periodic mirror clamp constant black", mode, false) : SIZE_MAX;
+    return found == SIZE_MAX ? NQM_MAP_REPEAT : (uint8_t)nqm_smaller(found, NQM_MAP_BORDER);
 }
 
 /* The file of an image, with its colour space; false: refused. */
 static bool read_file(graph *g, element *node, const char *type, size_t *image_ret) {
-    element *e;
+    element *e = find_text(g, node, "file");
     char path[4096];
-    const char *file = read_text(g, node, "file", &e), *node_name = nqm_xml_get(node, "name");
+    const char *file = e ? nqm_xml_get(e, "value") : NULL, *source = read_text(g, node, "sourceColorSpace");
     if (!file || !*file)
-        return nqm_refuse(g->reading, g->input, "%s reads node '%.60s', which names no file", g->name, node_name);
+        return nqm_refuse(g->reading, g->input, "%s reads node '%.60s', which names no file", g->name, name_of(node));
     if (strpbrk(file, "<[{"))
         return nqm_refuse(g->reading, g->input,
                           "%s: the file of node '%.60s' depends on the geometry ('%.80s'), which is not read", g->name,
-                          node_name, file);
+                          name_of(node), file);
     const char *prefix = inherited(e, "fileprefix"), *space = is_color(type) ? inherited(e, "colorspace") : NULL;
-    const char *source = read_text(g, node, "sourceColorSpace", NULL);
-    if (source && !is_text(source, "auto"))
-        space = is_text(source, "sRGB") ? "srgb_texture" : NULL;
+    if (source && !nqm_is_text(source, "auto"))
+        space = nqm_is_text(source, "sRGB") ? "srgb_texture" : NULL;
     if (!nqm_color_to_rec709(space, (double[3]){0}))
         return nqm_refuse(g->reading, g->input, "%s is in the colour space '%.40s', which is not known", g->name,
                           space);
@@ -399,21 +365,19 @@ static bool read_file(graph *g, element *node, const char *type, size_t *image_r
 }
 
 static uint16_t read_image(graph *g, const node_kind *kind, element *node) {
-    const char *type = nqm_xml_get(node, "type");
-    const bool has_alpha = is_text(kind->name, "gltf_colorimage") || is_text(kind->name, "UsdUVTexture");
-    machine m = {.g = g}, border = {.g = g};
+    const bool is_usd = nqm_is_text(kind->name, "UsdUVTexture");
+    const char *type = is_usd || nqm_is_text(kind->name, "gltf_colorimage") ? "color4" : nqm_xml_get(node, "type");
+    machine m = read_operands(g, node, kind->uv_operands);
+    const uint16_t uv = run(&m, kind->uv_program);
     size_t image;
     double a[2][3];
-    type = has_alpha ? "color4" : type;
-    read_operands(&m, node, kind->uv_operands);
-    const uint16_t uv = run(&m, kind->uv_program);
     if (uv == NQM_NO_NODE || !read_file(g, node, type, &image))
         return NQM_NO_NODE;
-    if (width(g, uv) != 2 || !find_affine(g, uv, a))
+    if (width(g->t, uv) != 2 || !find_affine(g->t, uv, a))
         return REFUSE(g, "%s: the texture coordinates of node '%.60s' are no affine function of those of the surface",
-                      g->name, nqm_xml_get(node, "name"));
+                      g->name, name_of(node));
     if (components(type) == 0)
-        return REFUSE(g, "%s: node '%.60s' has no type that is read", g->name, nqm_xml_get(node, "name"));
+        return REFUSE(g, "%s: node '%.60s' has no type that is read", g->name, name_of(node));
     nqm_map_node result = {
         .op = NQM_MAP_IMAGE,
         .n = (uint8_t)components(type),
@@ -422,14 +386,12 @@ static uint16_t read_image(graph *g, const node_kind *kind, element *node) {
         /* v of the document is measured upwards, that of the node downwards, both on the surface and in the image */
         .uv = {{a[0][0], -a[0][1], a[0][2] + a[0][1]}, {-a[1][0], a[1][1], 1 - a[1][1] - a[1][2]}}};
     if (result.wrap[0] == NQM_MAP_BORDER || result.wrap[1] == NQM_MAP_BORDER) {
-        read_operands(&border, node, is_text(kind->name, "UsdUVTexture") ? "fallback=0,0,0,1" : "default=0");
-        const uint16_t outside = border.operand[0];
-        if (outside == NQM_NO_NODE || g->t->nodes[outside].op != NQM_MAP_VALUE)
-            return REFUSE(g, "%s: the value of node '%.60s' beyond its image is no constant", g->name,
-                          nqm_xml_get(node, "name"));
+        const uint16_t outside = read_operands(g, node, is_usd ? "fallback=0,0,0,1" : "default=0").operand[0];
+        if (!nqm_map_is_constant(g->t, outside))
+            return REFUSE(g, "%s: the value of node '%.60s' beyond its image is no constant", g->name, name_of(node));
         nqm_map_node_value(&g->t->nodes[outside], NULL, result.v);
     }
-    if (is_text(kind->name, "hextiledimage"))
+    if (nqm_is_text(kind->name, "hextiledimage"))
         nqm_mtlx_remark(g, "hextiledimage repeats its image without the random offsets of the tiles: the texels are "
                            "the same, their order is not");
     return nqm_map_add(g->t, result);
@@ -437,84 +399,66 @@ static uint16_t read_image(graph *g, const node_kind *kind, element *node) {
 
 /* One or more channels by their letters. */
 static uint16_t swizzle(graph *g, uint16_t node, const char *letters) {
-    uint16_t in[4] = {0};
-    size_t n = 0;
-    for (; letters && letters[n] && n < 4; ++n) {
-        static const char names[] = "rgbaxyzw";
-        const char *found = strchr(names, letters[n]);
-        const double digit = letters[n] - '0';
-        if (!found && digit != 0 && digit != 1)
+    static const char names[] = "rgbaxyzw01";
+    nqm_map_node result = {.op = NQM_MAP_COMBINE};
+    for (; letters && letters[result.n] && result.n < 4; ++result.n) {
+        const char *found = strchr(names, letters[result.n]);
+        const size_t c = found ? (size_t)(found - names) : 0;
+        if (!found)
             return REFUSE(g, "%s: '%.40s' are no channels", g->name, letters);
-        in[n] = found ? channel(g, node, nqm_smaller((size_t)(found - names) % 4, width(g, node) - 1))
-                      : nqm_map_value(g->t, 1, &digit);
+        result.in[result.n] = c < 8 ? nqm_map_channel(g->t, node, nqm_smaller(c % 4, width(g->t, node) - 1))
+                                    : nqm_map_number(g->t, (double)(c - 8));
     }
-    return n == 0 ? node : n == 1 ? in[0] : compute(g, NQM_MAP_COMBINE, n, in);
-}
-
-/* Nodes of the inputs in1, in2, ..., of any number of components. */
-static uint16_t combine(graph *g, element *node) {
-    machine m = {.g = g};
-    uint16_t in[4];
-    size_t n = 0;
-    read_operands(&m, node, "in1=0 in2=0 in3=0 in4=0");
-    const size_t n_inputs = (size_t)(node->name[strlen("combine")] - '0');
-    for (size_t i = 0; i < n_inputs; ++i)
-        for (size_t c = 0; c < width(g, m.operand[i]) && n < 4; ++c)
-            in[n++] = channel(g, m.operand[i], c);
-    return compute(g, NQM_MAP_COMBINE, n, in);
+    return result.n == 0 ? node : result.n == 1 ? result.in[0] : nqm_map_add(g->t, result);
 }
 
 /* Nodes whose meaning depends on more than their operands. */
 static uint16_t build_channels(graph *g, element *node) {
-    machine m = {.g = g};
-    if (nqm_has_word("combine2 combine3 combine4", node->name, false))
-        return combine(g, node);
-    if (nqm_has_word("geompropvalue UsdPrimvarReader", node->name, false)) {
-        const char *name = read_text(g, node, *node->name == 'g' ? "geomprop" : "varname", NULL);
-        if (name && nqm_has_word("UV0 st uv UVMap map1", name, false))
-            return nqm_map_add(g->t, (nqm_map_node){.op = NQM_MAP_TEXCOORD, .n = 2});
+    const bool is_swizzle = nqm_is_text(node->name, "swizzle");
+    if (is_swizzle || nqm_is_text(node->name, "extract")) {
+        const machine m = read_operands(g, node, "in=0 index=0");
+        if (is_swizzle)
+            return swizzle(g, m.operand[0], read_text(g, node, "channels"));
+        if (nqm_map_is_constant(g->t, m.operand[1]))
+            return nqm_map_channel(g->t, m.operand[0], (size_t)fmin(fmax(g->t->nodes[m.operand[1]].v[0], 0), 3));
     }
-    if (nqm_has_word("extract swizzle", node->name, false)) {
-        read_operands(&m, node, "in=0 index=0");
-        if (*node->name == 's')
-            return swizzle(g, m.operand[0], read_text(g, node, "channels", NULL));
-        if (m.operand[1] != NQM_NO_NODE && g->t->nodes[m.operand[1]].op == NQM_MAP_VALUE)
-            return channel(g, m.operand[0], (size_t)fmin(fmax(g->t->nodes[m.operand[1]].v[0], 0), 3));
-    }
-    return REFUSE(g, "%s is computed by node '%.60s' (%.40s), which is not evaluated", g->name,
-                  nqm_xml_get(node, "name"), node->name);
+    return REFUSE(g, "%s is computed by node '%.60s' (%.40s), which is not evaluated", g->name, name_of(node),
+                  node->name);
 }
 
 /* Inputs that change what a node of the table computes. */
 static bool is_evaluated(const graph *g, element *node) {
-    const char *index = read_text(g, node, "index", NULL), *space = read_text(g, node, "space", NULL);
-    if (is_text(node->name, "texcoord"))
-        return !index || is_text(index, "0");
-    return !is_text(node->name, "normalmap") || (!find_input(g, node, "tangent") && !find_input(g, node, "bitangent") &&
-                                                 !find_input(g, node, "normal") && !is_text(space, "object"));
+    const char *index = read_text(g, node, "index"), *property = read_text(g, node, "geomprop");
+    property = property ? property : read_text(g, node, "varname");
+    if (nqm_has_word("geompropvalue UsdPrimvarReader", node->name, false))
+        return property && nqm_has_word("UV0 st uv UVMap map1", property, false);
+    if (nqm_is_text(node->name, "texcoord"))
+        return !index || nqm_is_text(index, "0");
+    return !nqm_is_text(node->name, "normalmap") ||
+           (!nqm_mtlx_child(g, node, "input", "tangent") && !nqm_mtlx_child(g, node, "input", "bitangent") &&
+            !nqm_mtlx_child(g, node, "input", "normal") && !nqm_is_text(read_text(g, node, "space"), "object"));
 }
 
 /* The value of an output of a node. */
 static uint16_t build(graph *g, element *node, const char *output) {
-    size_t k = 0, n = components(nqm_xml_get(node, "type"));
-    const size_t n_kinds = sizeof kinds / sizeof *kinds;
+    const size_t n = components(nqm_xml_get(node, "type")), n_kinds = sizeof kinds / sizeof *kinds;
+    size_t k = 0;
     while (k < n_kinds && !nqm_has_word(kinds[k].name, node->name, false))
         ++k;
-    machine m = {.g = g};
     uint16_t result;
     if (k == n_kinds || !is_evaluated(g, node)) {
         result = build_channels(g, node);
     } else {
-        if (kinds[k].uv_program)
-            m.operand[m.n_operands++] = read_image(g, &kinds[k], node);
-        read_operands(&m, node, kinds[k].operands);
+        const uint16_t image = kinds[k].uv_program ? read_image(g, &kinds[k], node) : NQM_NO_NODE;
+        machine m = read_operands(g, node, kinds[k].operands);
+        m.image = image;
         result = run(&m, kinds[k].program);
     }
-    result = n ? resize(g, result, n) : result;
-    if (!*output || (n > 0 && !is_text(node->name, "UsdUVTexture")))
+    result = n ? resize(g->t, result, n) : result;
+    if (!*output || (n > 0 && !nqm_is_text(node->name, "UsdUVTexture")))
         return result;
     return nqm_has_word("outcolor rgb", output, false)
-               ? resize(g, result, 3)
+               ? resize(g->t, result, 3)
                : swizzle(g, result, output + (strncmp(output, "out", 3) == 0 ? 3 : 0));
 }
 
@@ -526,42 +470,43 @@ static uint16_t build_once(graph *g, element *node, const char *output) {
             return g->built[i].value;
     const uint16_t value = build(g, node, output);
     if (value == NQM_NO_NODE || g->n_built == NQM_MAX_MAP_NODES)
-        return REFUSE(g, "%s: its graph needs more than %d nodes", g->name, NQM_MAX_MAP_NODES);
-    g->built[g->n_built++] = (nqm_mtlx_built){node, output, value};
+        return REFUSE(g, "%s is not finite, or its graph needs more than %d nodes", g->name, NQM_MAX_MAP_NODES);
+    g->built[g->n_built++] = (struct nqm_mtlx_built){node, output, value};
     return value;
 }
 
-/* The element whose children an input or output may be connected to. Inputs of a node graph itself are connected
- * outside of it. */
-static element *scope_of(const graph *g, element *e) {
-    if (e->parent == g->root)
-        return g->root;
-    if (strcmp(e->parent->name, "nodegraph") == 0)
-        return strcmp(e->name, "output") == 0 ? e->parent : g->root;
-    return e->parent->parent;
+element *nqm_mtlx_target(const graph *g, element *e) {
+    const char *graph_name = nqm_xml_get(e, "nodegraph"), *interface = nqm_xml_get(e, "interfacename");
+    const char *output = nqm_xml_get(e, "output");
+    const bool is_of_graph = strcmp(e->parent->name, "nodegraph") == 0, is_output = strcmp(e->name, "output") == 0;
+    /* inputs of a node graph itself are connected outside of it */
+    element *scope = e->parent == g->root || (is_of_graph && !is_output) ? g->root
+                     : is_of_graph                                       ? e->parent
+                                                                         : e->parent->parent;
+    if (interface)
+        return nqm_mtlx_child(g, e->parent->parent, NULL, interface);
+    if (graph_name)
+        return nqm_mtlx_child(g, nqm_mtlx_child(g, g->root, NULL, graph_name), NULL, output ? output : "out");
+    return nqm_mtlx_child(g, scope, NULL, nqm_xml_get(e, "nodename"));
 }
 
 static uint16_t follow(graph *g, element *e, const char *type) {
-    const char *graph_name = nqm_xml_get(e, "nodegraph"), *interface = nqm_xml_get(e, "interfacename");
     const char *output = nqm_xml_get(e, "output"), *channels = nqm_xml_get(e, "channels");
-    element *parent = graph_name ? find_child(g, g->root, graph_name) : scope_of(g, e);
-    element *to = interface    ? find_child(g, e->parent->parent, interface)
-                  : graph_name ? find_child(g, parent, output ? output : "out")
-                               : find_child(g, parent, nqm_xml_get(e, "nodename"));
+    element *to = nqm_mtlx_target(g, e);
     if (!to)
         return REFUSE(g, "%s is connected to something that the file does not have", g->name);
     const char *to_type = nqm_xml_get(to, "type");
-    const bool differs = type && to_type && components(to_type) && !is_text(type, to_type) && !output && !channels;
+    const bool differs = type && to_type && components(to_type) && !nqm_is_text(type, to_type) && !output && !channels;
     if (differs && (components(type) > 1 || components(to_type) > 1))
         return REFUSE(g, "%s is of type %s, not '%.40s'", g->name, type, to_type);
-    const uint16_t value =
-        interface || graph_name ? read(g, to, to_type ? to_type : type) : build_once(g, to, output ? output : "");
+    const bool is_node = !nqm_xml_get(e, "interfacename") && !nqm_xml_get(e, "nodegraph");
+    const uint16_t value = is_node ? build_once(g, to, output ? output : "") : read(g, to, to_type ? to_type : type);
     return channels ? swizzle(g, value, channels) : value;
 }
 
 static uint16_t read(graph *g, element *e, const char *type) {
     const char *own = nqm_xml_get(e, "type");
-    if (*g->reading->refusal)
+    if (*g->reading->refusal.text)
         return NQM_NO_NODE;
     if (!nqm_mtlx_is_connected(e))
         return read_constant(g, e, own ? own : type);
@@ -577,7 +522,10 @@ uint16_t nqm_mtlx_read(graph *g, element *input, const char *name, const char *t
     g->input = input;
     g->name = name;
     g->source = NULL;
-    return read(g, input, type);
+    const uint16_t value = read(g, input, type);
+    if (value == NQM_NO_NODE)
+        return REFUSE(g, "%s: out of memory", name);
+    return value;
 }
 
 void nqm_mtlx_remark(graph *g, const char *text) {
@@ -585,42 +533,4 @@ void nqm_mtlx_remark(graph *g, const char *text) {
     if (!strstr(g->remark, text))
         snprintf(g->remark + n, sizeof g->remark - n, "%s%s", n ? "; " : "", text);
     g->reading->shading.remark = g->remark;
-}
-
-void nqm_mtlx_prune(nqm_textured *t) {
-    bool is_used[NQM_MAX_MAP_NODES] = {false}, is_seen[NQM_MAX_MAP_IMAGES] = {false};
-    uint16_t number[NQM_MAX_MAP_NODES], image_number[NQM_MAX_MAP_IMAGES];
-    size_t n = 0, n_images = 0;
-    for (size_t i = t->n_nodes; i-- > 0;) {
-        is_used[i] = is_used[i] || i == t->normal;
-        for (size_t k = 0; k < t->n_outputs; ++k)
-            is_used[i] = is_used[i] || i == t->outputs[k].node;
-        for (size_t k = 0; is_used[i] && k < nqm_map_operands(t->nodes[i].op, t->nodes[i].n); ++k)
-            is_used[t->nodes[i].in[k]] = true;
-        if (is_used[i] && t->nodes[i].op == NQM_MAP_IMAGE)
-            is_seen[t->nodes[i].image] = true;
-    }
-    for (size_t i = 0; i < t->n_images; ++i) {
-        image_number[i] = (uint16_t)n_images;
-        if (is_seen[i]) {
-            t->images[n_images++] = t->images[i];
-            continue;
-        }
-        nqm_free(t->images[i].path);
-        nqm_free(t->images[i].name);
-    }
-    for (size_t i = 0; i < t->n_nodes; ++i) {
-        nqm_map_node node = t->nodes[i];
-        for (size_t k = 0; k < nqm_map_operands(node.op, node.n); ++k)
-            node.in[k] = number[node.in[k]];
-        node.image = node.op == NQM_MAP_IMAGE ? image_number[node.image] : 0;
-        number[i] = (uint16_t)n;
-        if (is_used[i])
-            t->nodes[n++] = node;
-    }
-    for (size_t i = 0; i < t->n_outputs; ++i)
-        t->outputs[i].node = number[t->outputs[i].node];
-    t->normal = t->normal == NQM_NO_NODE ? NQM_NO_NODE : number[t->normal];
-    t->n_nodes = n;
-    t->n_images = n_images;
 }

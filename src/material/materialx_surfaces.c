@@ -9,18 +9,18 @@
 #define FIRST(X, ...) X
 #define KEY(INDEX, NAME, TYPE, LOW, HIGH, ...)                                                                         \
     {NAME, nqm_mtlx_read_key, NAME, NQM_KEY_N(TYPE), FIRST(__VA_ARGS__, 0), NULL, NULL, TYPE},
-#define NEUTRAL(NAME, TYPE, DEFAULT, WHY)                                                                              \
-    { NAME, nqm_rule_neutral, NULL, NQM_KEY_N(TYPE), DEFAULT, WHY, NULL, TYPE }
-#define NORMAL(NAME)                                                                                                   \
-    { NAME, nqm_mtlx_read_normal, NULL, 0, 0, NULL, NULL, NULL }
-#define COAT_NORMAL(NAME, COAT)                                                                                        \
-    { NAME, nqm_mtlx_read_coat_normal, NULL, 0, 0, NULL, COAT, NULL }
-#define EMISSION(NAME, TYPE)                                                                                           \
-    { NAME, nqm_mtlx_read_emission, NULL, NQM_KEY_N(TYPE), 0, emission, NULL, TYPE }
-#define TANGENT(NAME, ANISOTROPY)                                                                                      \
-    { NAME, nqm_mtlx_read_tangent, NULL, 0, 0, NULL, ANISOTROPY, NULL }
+#define VALUE(NAME, READ, TYPE, DEFAULT, WHY)                                                                          \
+    { NAME, READ, NULL, NQM_KEY_N(TYPE), DEFAULT, WHY, NULL, TYPE }
+#define NEUTRAL(NAME, TYPE, DEFAULT, WHY) VALUE(NAME, nqm_rule_neutral, TYPE, DEFAULT, WHY)
+#define EMISSION(NAME, TYPE)              VALUE(NAME, nqm_mtlx_read_emission, TYPE, 0, emission)
+#define VECTOR(NAME, READ, GATE)                                                                                       \
+    { .name = NAME, .read = READ, .gate = GATE }
+#define NORMAL(NAME)              VECTOR(NAME, nqm_mtlx_read_normal, NULL)
+#define COAT_NORMAL(NAME, COAT)   VECTOR(NAME, nqm_mtlx_read_coat_normal, COAT)
+#define TANGENT(NAME, ANISOTROPY) VECTOR(NAME, nqm_mtlx_read_tangent, ANISOTROPY)
+#define OCCLUSION                 VECTOR("occlusion", nqm_mtlx_read_occlusion, NULL)
 #define END                                                                                                            \
-    { NULL, NULL, NULL, 0, 0, NULL, NULL, NULL }
+    { .name = NULL }
 
 #define NOT_PART " is not part of these BRDFs"
 static const char transmission[] = "transmission" NOT_PART, subsurface[] = "subsurface scattering" NOT_PART,
@@ -47,7 +47,7 @@ static const nqm_rule open_pbr[] = {
 
 static const nqm_rule standard_surface[] = {
     NQM_STANDARD_SURFACE_KEYS(KEY) NEUTRAL("transmission", "float", 0, transmission),
-    {"subsurface", nqm_mtlx_read_subsurface, NULL, 1, 0, subsurface, NULL, "float"},
+    VALUE("subsurface", nqm_mtlx_read_subsurface, "float", 0, subsurface),
     NEUTRAL("thin_film_thickness", "float", 0, thin_film),
     EMISSION("emission", "float"),
     NEUTRAL("opacity", "color3", 1, opacity),
@@ -69,7 +69,7 @@ static const nqm_rule gltf_pbr[] = {
     NORMAL("normal"),
     COAT_NORMAL("clearcoat_normal", "clearcoat"),
     TANGENT("tangent", "anisotropy_strength"),
-    {"occlusion", nqm_mtlx_read_occlusion, NULL, 0, 0, NULL, NULL, NULL},
+    OCCLUSION,
     NQM_RULE_IGNORED("alpha alpha_cutoff iridescence_ior iridescence_thickness emissive_strength thickness "
                      "attenuation_distance attenuation_color dispersion"),
     END,
@@ -81,7 +81,7 @@ static const nqm_rule usd_preview_surface[] = {
     NEUTRAL("displacement", "float", 0, displacement),
     NORMAL("normal"),
     NQM_RULE_IGNORED("opacityMode opacityThreshold"),
-    {"occlusion", nqm_mtlx_read_occlusion, NULL, 0, 0, NULL, NULL, NULL},
+    OCCLUSION,
     END,
 };
 
@@ -99,3 +99,10 @@ const nqm_mtlx_surface nqm_mtlx_surfaces[NQM_MTLX_N_SURFACES] = {
     {"UsdPreviewSurface", "usd-preview", usd_preview_surface},
     {"disney_principled", "disney", disney},
 };
+
+const nqm_mtlx_surface *nqm_mtlx_find_surface(const char *node, const char *model) {
+    for (size_t s = 0; s < NQM_MTLX_N_SURFACES; ++s)
+        if (nqm_is_text(node, nqm_mtlx_surfaces[s].node) || nqm_is_text(model, nqm_mtlx_surfaces[s].model))
+            return &nqm_mtlx_surfaces[s];
+    return NULL;
+}

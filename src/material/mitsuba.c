@@ -18,7 +18,7 @@ static const nqm_bsdf_node *find_by_id(const nqm_bsdf_reading *r, const char *id
 /* Apply a step of a transform after the steps before it. Only the rows and columns of u and v of a matrix have an effect. */
 static bool apply_step(nqm_bsdf_reading *r, const nqm_bsdf_node *node, double uv[2][3]) {
     double v[16], step[2][3] = {{1, 0, 0}, {0, 1, 0}};
-    const size_t n = nqm_bsdf_parse(node->value, 16, v), n_columns = n == 16 ? 4 : 3;
+    const size_t n = nqm_parse_numbers(node->value, 16, v), n_columns = n == 16 ? 4 : 3;
     if (strcmp(node->type, "matrix") == 0 && (n == 9 || n == 16)) {
         for (size_t i = 0; i < 2; ++i)
             for (size_t j = 0; j < 3; ++j)
@@ -55,25 +55,21 @@ static bool read_to_uv(nqm_bsdf_reading *r, double uv[2][3]) {
         return true;
     if (strcmp(node->type, "transform") != 0)
         return nqm_refuse(&r->reading, node, "to_uv is no transform; it is read in XML only");
-    const size_t parent = (size_t)(node - r->nodes->list);
-    for (size_t i = nqm_bsdf_next(r->nodes, parent, parent + 1); i < r->nodes->n;
-         i = nqm_bsdf_next(r->nodes, parent, i + 1))
-        if (!apply_step(r, &r->nodes->list[i], uv))
+    for (const nqm_bsdf_node *step = NULL; (step = nqm_bsdf_next(r->nodes, (size_t)(node - r->nodes->list), step));)
+        if (!apply_step(r, step, uv))
             return false;
     return true;
 }
 
 /* RGB of the bitmap r->at. */
 static bool read_bitmap(nqm_bsdf_reading *r, uint16_t *value_ret) {
-    const nqm_bsdf_node *file = nqm_bsdf_filename(r);
+    const nqm_bsdf_node *file = nqm_bsdf_filename(r), *property = NULL;
     double uv[2][3] = {{1, 0, 0}, {0, 1, 0}};
     bool is_raw = false;
-    uint8_t wrap;
-    for (size_t i = nqm_bsdf_next(r->nodes, r->at, r->at + 1); i < r->nodes->n;
-         i = nqm_bsdf_next(r->nodes, r->at, i + 1))
-        if (!nqm_has_word("filename filter_type wrap_mode raw to_uv format accel", r->nodes->list[i].name, false))
-            return nqm_refuse(&r->reading, &r->nodes->list[i], "bitmap has no property '%.40s'",
-                              r->nodes->list[i].name);
+    size_t wrap;
+    while ((property = nqm_bsdf_next(r->nodes, r->at, property)))
+        if (!nqm_has_word("filename filter_type wrap_mode raw to_uv format accel", property->name, false))
+            return nqm_refuse(&r->reading, property, "bitmap has no property '%.40s'", property->name);
     if (!file || !nqm_bsdf_flag(r, "raw", &is_raw) || !nqm_bsdf_choice(r, "wrap_mode", "repeat mirror clamp", &wrap) ||
         !read_to_uv(r, uv))
         return false;
@@ -91,12 +87,12 @@ static bool read_texture(nqm_bsdf_reading *r, const nqm_bsdf_node *node, size_t 
         return nqm_refuse(&r->reading, node, "%s is of type '%.40s'; of textures only bitmap is read", node->name,
                           texture->type);
     const size_t at = r->at;
-    nqm_textured *t = nqm_bsdf_textured(r, node);
+    nqm_bsdf_varies(r, node);
     r->at = (size_t)(texture - r->nodes->list);
-    const bool is_read = t && read_bitmap(r, value_ret);
+    const bool is_read = read_bitmap(r, value_ret);
     r->at = at;
     if (is_read && n == 1)
-        *value_ret = nqm_map_compute(t, NQM_MAP_LUMINANCE, 1, *value_ret, NQM_NO_NODE, NQM_NO_NODE);
+        *value_ret = nqm_map_compute(r->reading.textured, NQM_MAP_LUMINANCE, 1, *value_ret, 0, 0);
     return is_read;
 }
 
@@ -107,7 +103,7 @@ static bool set_or_map(nqm_reading *r, const nqm_rule *rule, const void *propert
     uint16_t value;
     if (!nqm_bsdf_is_texture(property))
         return nqm_rule_set(r, rule, property);
-    return read_texture(bsdf, property, rule->n, &value) && nqm_bsdf_output(bsdf, property, rule->key, value);
+    return read_texture(bsdf, property, rule->n, &value) && nqm_bsdf_output(bsdf, rule->key, value);
 }
 
 /* finish_alpha() sets it again: here it gets its place in the spec. */
@@ -184,33 +180,29 @@ static bool read_ior(nqm_bsdf_reading *r, const char *name, double *v) {
 /* Mitsuba clamps alpha so that the distribution is finite. Its roughplastic integrates over the lobe of a constant alpha beforehand. */
 static bool finish_alpha(nqm_bsdf_reading *r, const nqm_bsdf_node *bsdf) {
     const nqm_bsdf_node *common = nqm_bsdf_find(r, "alpha"),
-                        *nodes[] = {nqm_bsdf_find(r, "alpha_u"), nqm_bsdf_find(r, "alpha_v")}, *map = NULL;
-    double alpha[2] = {0};
-    uint16_t value[2] = {0};
+                        *nodes[] = {nqm_bsdf_find(r, "alpha_u"), nqm_bsdf_find(r, "alpha_v")};
+    nqm_textured *t = r->reading.textured;
+    uint16_t value[2];
     if (!nodes[0] != !nodes[1])
         return nqm_refuse(&r->reading, bsdf, "only one of alpha_u and alpha_v is given");
     if (nodes[0] && common)
         return nqm_refuse(&r->reading, bsdf, "alpha is given as well as alpha_u and alpha_v");
     for (size_t c = 0; c < 2 && (nodes[0] || common); ++c) {
-        nodes[c] = common ? common : nodes[c];
-        if (!nqm_bsdf_is_texture(nodes[c]) || strcmp(bsdf->type, "roughplastic") == 0) {
-            if (!nqm_bsdf_numbers(r, nodes[c]->name, 1, &alpha[c]))
+        const nqm_bsdf_node *node = common ? common : nodes[c];
+        double alpha = 0;
+        if (nqm_bsdf_is_texture(node) && strcmp(bsdf->type, "roughplastic") != 0) {
+            if (!read_texture(r, node, 1, &value[c]))
                 return false;
-        } else if (!read_texture(r, map = nodes[c], 1, &value[c]))
+        } else if (nqm_bsdf_numbers(r, node->name, 1, &alpha))
+            value[c] = nqm_map_number(t, fmax(alpha, 1e-4));
+        else
             return false;
-        alpha[c] = fmax(alpha[c], 1e-4);
     }
-    const size_t n = common || (!map && alpha[0] == alpha[1]) ? 1 : 2;
-    if (!map && nodes[0])
-        nqm_shading_set(&r->reading.shading, "alpha", n, alpha);
-    if (!map)
+    if (!nodes[0] && !common)
         return true;
-    for (size_t c = 0; c < 2; ++c)
-        if (!nqm_bsdf_is_texture(nodes[c]))
-            value[c] = nqm_map_value(r->reading.textured, 1, &alpha[c]);
-    if (n == 2)
-        value[0] = nqm_map_compute(r->reading.textured, NQM_MAP_COMBINE, n, value[0], value[1], NQM_NO_NODE);
-    return nqm_bsdf_output(r, map, "alpha", nqm_bsdf_compute(r, NQM_MAP_MAXIMUM, n, value[0], 1e-4));
+    const size_t n = value[0] == value[1] ? 1 : 2;
+    value[0] = n == 2 ? nqm_map_compute(t, NQM_MAP_COMBINE, 2, value[0], value[1], 0) : value[0];
+    return nqm_bsdf_output(r, "alpha", nqm_map_with(t, NQM_MAP_MAXIMUM, n, value[0], 1e-4));
 }
 
 static bool finish_conductor(nqm_bsdf_reading *r, const nqm_bsdf_node *bsdf) {
@@ -291,24 +283,15 @@ static const nqm_bsdf_plugin plugins[] = {
                    "main_specular_sampling_rate clearcoat_sampling_rate diffuse_reflectance_sampling_rate")}},
     {.type = "diffuse", .model = "lambert", .finish = finish_diffuse, .rules = {COLOUR("reflectance", "kd")}},
     {.type = "measured", .rules = {OWN("filename", nqm_bsdf_file)}},
-    {.type = "conductor", .refusal = DELTA},
-    {.type = "plastic", .refusal = DELTA},
-    {.type = "dielectric", .refusal = DELTA},
-    {.type = "thindielectric", .refusal = DELTA},
-    {.type = "roughdielectric", .refusal = TRANSMITS},
-    {.type = "principledthin", .refusal = TRANSMITS},
+    {.type = "conductor plastic dielectric thindielectric", .refusal = DELTA},
+    {.type = "roughdielectric principledthin", .refusal = TRANSMITS},
     {.type = "hair", .refusal = "hair has no BRDF of a surface"},
-    {.type = "pplastic", .refusal = "polarised materials are not supported"},
-    {.type = "measured_polarized", .refusal = "polarised materials are not supported"},
-    {.type = "polarizer", .refusal = "polarised materials are not supported"},
-    {.type = "retarder", .refusal = "polarised materials are not supported"},
-    {.type = "circular", .refusal = "polarised materials are not supported"},
+    {.type = "pplastic measured_polarized polarizer retarder circular",
+     .refusal = "polarised materials are not supported"},
     {.type = "null", .refusal = "it reflects nothing"},
     {.type = "mask", .refusal = "opacity is not supported"},
-    {.type = "blendbsdf", .refusal = LAYERED},
-    {.type = "bumpmap", .refusal = LAYERED},
-    {.type = "normalmap", .refusal = NESTED},
-    {.type = "twosided", .refusal = NESTED},
+    {.type = "blendbsdf bumpmap", .refusal = LAYERED},
+    {.type = "normalmap twosided", .refusal = NESTED},
     {.type = NULL},
 };
 
@@ -329,29 +312,24 @@ static nqm_index_key key_of_node(const void *value) {
     return (nqm_index_key){NULL, ((const nqm_bsdf_node *)value)->id};
 }
 
-/* The BSDF inside a twosided or normalmap one; nodes->n and a refusal when there is not exactly one. */
-static size_t unwrap(nqm_bsdf_reading *r, size_t at) {
-    const nqm_bsdf_nodes *nodes = r->nodes;
-    size_t inner = nodes->n, n_inner = 0;
-    for (size_t i = nqm_bsdf_next(nodes, at, at + 1); i < nodes->n; i = nqm_bsdf_next(nodes, at, i + 1)) {
-        const nqm_bsdf_node *node = &nodes->list[i], *found = node;
+/* Go from the twosided or normalmap BSDF r->at to the one inside; false: there is not exactly one. */
+static bool unwrap(nqm_bsdf_reading *r) {
+    const nqm_bsdf_node *outer = &r->nodes->list[r->at], *inner = NULL;
+    size_t n_inner = 0;
+    for (const nqm_bsdf_node *node = NULL; (node = nqm_bsdf_next(r->nodes, r->at, node));) {
         if ((node->kind != NQM_BSDF_BSDF && node->kind != NQM_BSDF_REF) || strcmp(node->name, "normalmap") == 0)
             continue;
-        if (node->kind == NQM_BSDF_REF)
-            found = find_by_id(r, node->id);
-        if (found && found->kind != NQM_BSDF_BSDF)
-            found = NULL;
-        inner = found ? (size_t)(found - nodes->list) : nodes->n;
+        inner = node->kind == NQM_BSDF_REF ? find_by_id(r, node->id) : node;
+        if (!inner || inner->kind != NQM_BSDF_BSDF)
+            return nqm_refuse(&r->reading, node, "there is no BSDF '%.40s' in this file", node->id);
         ++n_inner;
-        if (!found)
-            nqm_refuse(&r->reading, node, "there is no BSDF '%.40s' in this file", node->id);
     }
     if (n_inner != 1)
-        nqm_refuse(&r->reading, &nodes->list[at],
-                   n_inner ? "its two sides have different BSDFs" : "it contains no BSDF");
-    else if (inner < nodes->n && strcmp(nodes->list[inner].type, nodes->list[at].type) == 0)
-        nqm_refuse(&r->reading, &nodes->list[at], "it contains another %s BSDF", nodes->list[at].type);
-    return *r->reading.refusal ? nodes->n : inner;
+        return nqm_refuse(&r->reading, outer, n_inner ? "its two sides have different BSDFs" : "it contains no BSDF");
+    if (strcmp(inner->type, outer->type) == 0)
+        return nqm_refuse(&r->reading, outer, "it contains another %s BSDF", outer->type);
+    r->at = (size_t)(inner - r->nodes->list);
+    return true;
 }
 
 /* The map of the normalmap r->at. */
@@ -360,21 +338,18 @@ static bool read_normal(nqm_bsdf_reading *r) {
     uint16_t rgb;
     if (!nqm_bsdf_is_texture(node))
         return nqm_refuse(&r->reading, bsdf, "the texture normalmap is missing");
-    return nqm_reading_textured(&r->reading, bsdf, LAYERED) && read_texture(r, node, 3, &rgb) &&
-           nqm_bsdf_normal(r, node, rgb);
+    return nqm_vary(&r->reading, bsdf, LAYERED) && read_texture(r, node, 3, &rgb) && nqm_bsdf_output(r, "normal", rgb);
 }
 
-static nqm_status add_material(nqm_bsdf_reading *r, size_t at, nqm_materials *materials, nqm_error *err) {
+static nqm_status add_material(nqm_bsdf_reading *r, nqm_materials *materials, nqm_error *err) {
     static const char *const wrappers[] = {"twosided", "normalmap", "twosided"};
-    const nqm_bsdf_nodes *nodes = r->nodes;
-    const nqm_bsdf_node *outer = &nodes->list[at], *bsdf = outer;
-    r->at = at;
-    for (size_t i = 0; i < 3 && r->at < nodes->n; ++i) {
-        if (strcmp(nodes->list[r->at].type, wrappers[i]) == 0)
-            r->at = i == 1 && !read_normal(r) ? nodes->n : unwrap(r, r->at);
-        bsdf = r->at < nodes->n ? &nodes->list[r->at] : bsdf;
-    }
-    if (r->at < nodes->n)
+    const nqm_bsdf_node *outer = &r->nodes->list[r->at];
+    bool is_read = nqm_reading_begin(&r->reading, &nqm_bsdf_source);
+    for (size_t i = 0; i < 3 && is_read; ++i)
+        if (strcmp(r->nodes->list[r->at].type, wrappers[i]) == 0)
+            is_read = (i != 1 || read_normal(r)) && unwrap(r);
+    const nqm_bsdf_node *bsdf = &r->nodes->list[r->at];
+    if (is_read)
         nqm_bsdf_read(r, plugins, bsdf->type);
     return nqm_reading_add(&r->reading, *outer->id ? outer->id : bsdf->id, bsdf->type, outer->byte_offset, materials,
                            err);
@@ -387,11 +362,11 @@ nqm_status nqm_mitsuba_translate(const nqm_bsdf_nodes *nodes, const char *path, 
     for (size_t i = 0; status == NQM_OK && i < nodes->n; ++i)
         if (nodes->list[i].kind == NQM_BSDF_BSDF || nodes->list[i].kind == NQM_BSDF_TEXTURE)
             nqm_index_add(&ids, &nodes->list[i]);
-    for (size_t i = 0; status == NQM_OK && i < nodes->n; ++i)
+    for (size_t i = 0; status == NQM_OK && i < nodes->n; ++i) {
+        nqm_bsdf_reading r = {.nodes = nodes, .at = i, .path = path, .ids = &ids};
         if (nodes->list[i].parent == NQM_BSDF_ROOT && nodes->list[i].kind == NQM_BSDF_BSDF)
-            status = add_material(
-                &(nqm_bsdf_reading){.reading = {.source = &nqm_bsdf_source}, .nodes = nodes, .path = path, .ids = &ids},
-                i, materials, err);
+            status = add_material(&r, materials, err);
+    }
     nqm_index_free(&ids);
     return status;
 }

@@ -33,40 +33,18 @@ static void format_numbers(const json_t *value, char text[TEXT_SIZE]) {
     nqm_format_doubles(text, TEXT_SIZE, is_good ? n : 0, v, " ");
 }
 
-static nqm_bsdf_kind kind_of_type(const char *type) {
-    static const nqm_bsdf_word kinds[] = {{"rgb", NQM_BSDF_RGB},
-                                          {"srgb", NQM_BSDF_RGB},
-                                          {"spectrum", NQM_BSDF_SPECTRUM},
-                                          {"uniform", NQM_BSDF_SPECTRUM},
-                                          {"regular", NQM_BSDF_SPECTRUM},
-                                          {"irregular", NQM_BSDF_SPECTRUM},
-                                          {"ref", NQM_BSDF_REF},
-                                          {"bitmap", NQM_BSDF_TEXTURE},
-                                          {"checkerboard", NQM_BSDF_TEXTURE},
-                                          {"mesh_attribute", NQM_BSDF_TEXTURE},
-                                          {"volume", NQM_BSDF_TEXTURE},
-                                          {NULL, NQM_BSDF_OTHER}};
-    return nqm_mitsuba_is_bsdf(type) ? NQM_BSDF_BSDF : nqm_bsdf_kind_of(kinds, type);
-}
-
 static nqm_bsdf_kind kind_of(const json_t *value) {
-    switch (json_typeof(value)) {
-    case JSON_INTEGER:
-    case JSON_REAL:
-        return NQM_BSDF_NUMBER;
-    case JSON_TRUE:
-    case JSON_FALSE:
-        return NQM_BSDF_BOOLEAN;
-    case JSON_STRING:
-        return NQM_BSDF_STRING;
-    case JSON_ARRAY:
-        return NQM_BSDF_RGB;
-    case JSON_OBJECT:
-        return kind_of_type(text_of(value, "type"));
-    case JSON_NULL:
-        break;
-    }
-    return NQM_BSDF_OTHER;
+    static const nqm_bsdf_word kinds[] = {{"rgb srgb", NQM_BSDF_RGB},
+                                          {"spectrum uniform regular irregular", NQM_BSDF_SPECTRUM},
+                                          {"ref", NQM_BSDF_REF},
+                                          {"bitmap checkerboard mesh_attribute volume", NQM_BSDF_TEXTURE},
+                                          {NULL, NQM_BSDF_OTHER}};
+    return json_is_number(value)                         ? NQM_BSDF_NUMBER
+           : json_is_boolean(value)                      ? NQM_BSDF_BOOLEAN
+           : json_is_string(value)                       ? NQM_BSDF_STRING
+           : json_is_array(value)                        ? NQM_BSDF_RGB
+           : nqm_mitsuba_is_bsdf(text_of(value, "type")) ? NQM_BSDF_BSDF
+                                                         : nqm_bsdf_kind_of(kinds, text_of(value, "type"));
 }
 
 /* The value of a property, as text in `text` or in the JSON. */
@@ -140,20 +118,16 @@ static bool probe(const nqm_map *map) {
     return false;
 }
 
-static nqm_status load(const nqm_map *map, json_t **root_ret, nqm_error *err) {
-    const size_t skip = map->n_bytes >= 3 && memcmp(map->data, "\xef\xbb\xbf", 3) == 0 ? 3 : 0;
-    const nqm_json_place place = {map->path, map->n_bytes, skip};
-    if (map->n_bytes > MAX_BYTES)
-        return nqm_fail(err, NQM_ERR_LIMIT, 0, "%s: %zu bytes of JSON (byte 0); at most %d are read", map->path,
-                        map->n_bytes, MAX_BYTES);
-    return nqm_json_read((const char *)map->data + skip, map->n_bytes - skip, JSON_REJECT_DUPLICATES, &place, root_ret,
-                         err);
-}
-
 static nqm_status read_json(const nqm_map *map, nqm_materials *materials, nqm_error *err) {
+    const char *text = (const char *)map->data;
+    const size_t n = map->n_bytes, skip = n >= 3 && memcmp(text, "\xef\xbb\xbf", 3) == 0 ? 3 : 0;
     walk w = {.path = map->path, .err = err};
     json_t *root = NULL;
-    nqm_status status = load(map, &root, err);
+    if (n > MAX_BYTES)
+        return nqm_fail(err, NQM_ERR_LIMIT, 0, "%s: %zu bytes of JSON (byte 0); at most %d are read", map->path, n,
+                        MAX_BYTES);
+    nqm_status status =
+        nqm_json_read(text + skip, n - skip, JSON_REJECT_DUPLICATES, &(nqm_json_place){map->path, n, skip}, &root, err);
     if (status == NQM_OK)
         status = add_value(&w, "", root, NQM_BSDF_ROOT, "", 0);
     json_decref(root);

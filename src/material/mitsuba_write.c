@@ -20,70 +20,44 @@ static const struct {
 };
 enum { N_RENAMED = sizeof renamed / sizeof *renamed };
 
-/* One property as it is written. */
-typedef struct written {
-    const char *name;
-    const char *word; /* NULL: the value is of numbers */
-    bool is_boolean;
-    size_t n;
-    char text[100]; /* the numbers, separated by ", " */
-} written;
+/* A property with its text, which is one word or numbers separated by ", "; tag: of the XML element. */
+static void write_value(FILE *stream, bool is_json, const char *tag, const char *name, const char *text) {
+    const bool is_color = strcmp(tag, "rgb") == 0, is_string = strcmp(tag, "string") == 0;
+    if (is_json)
+        fprintf(stream, ",\n    \"%s\": %s%s%s", name,
+                is_color    ? "{\"type\": \"rgb\", \"value\": ["
+                : is_string ? "\""
+                            : "",
+                text,
+                is_color    ? "]}"
+                : is_string ? "\""
+                            : "");
+    else
+        fprintf(stream, "        <%s name=\"%s\" value=\"%s\"/>\n", tag, name, text);
+}
 
-static written describe(const nqm_shading *shading, const nqm_property *p) {
-    written w = {.name = p->key, .n = p->n};
+/* Two numbers are those along u and v. */
+static void write_property(FILE *stream, bool is_json, const char *model, const nqm_property *p) {
+    const char *name = p->key, *word = NULL;
+    char text[100], name_of_one[sizeof p->key + 2];
     for (size_t i = 0; i < N_RENAMED; ++i)
-        if (strcmp(renamed[i].model, shading->model) == 0 && strcmp(renamed[i].key, p->key) == 0) {
-            w.name = renamed[i].name;
-            w.word = renamed[i].words[p->v[0] != 0];
-            w.is_boolean = w.word && strcmp(renamed[i].words[0], "false") == 0;
+        if (strcmp(renamed[i].model, model) == 0 && strcmp(renamed[i].key, p->key) == 0) {
+            name = renamed[i].name;
+            word = renamed[i].words[p->v[0] != 0];
         }
-    nqm_format_doubles(w.text, sizeof w.text, p->n, p->v, ", ");
-    return w;
-}
-
-/* The shading with alpha_u and alpha_v in place of an alpha of two numbers. */
-static nqm_shading split(const nqm_shading *shading) {
-    nqm_shading result = *shading;
-    result.n = 0;
-    for (size_t i = 0; i < shading->n; ++i) {
-        const nqm_property *p = &shading->properties[i];
-        char key[sizeof p->key];
-        for (size_t c = 0; p->n == 2 && c < 2; ++c) {
-            snprintf(key, sizeof key, "%.40s_%c", p->key, c ? 'v' : 'u');
-            nqm_shading_set(&result, key, 1, &p->v[c]);
-        }
-        if (p->n != 2)
-            nqm_shading_set(&result, p->key, p->n, p->v);
+    const bool is_flag = word && nqm_has_word("false true", word, false);
+    if (strcmp(name, "int_ior") == 0)
+        write_value(stream, is_json, "float", "ext_ior", is_json ? "1.0" : "1");
+    for (size_t c = 0; c < (p->n == 2 ? 2 : 1); ++c) {
+        snprintf(name_of_one, sizeof name_of_one, "%s%s", name, p->n != 2 ? "" : c ? "_v" : "_u");
+        nqm_format_doubles(text, sizeof text, p->n == 2 ? 1 : p->n, p->v + c, ", ");
+        write_value(stream, is_json,
+                    is_flag     ? "boolean"
+                    : word      ? "string"
+                    : p->n == 3 ? "rgb"
+                                : "float",
+                    name_of_one, word ? word : text);
     }
-    return result;
-}
-
-static void write_xml(const nqm_shading *shading, const char *name, FILE *stream) {
-    fprintf(stream, "    <bsdf type=\"%s\" id=\"%s\">\n", nqm_mitsuba_type_of(shading->model), name);
-    for (size_t i = 0; i < shading->n; ++i) {
-        const written w = describe(shading, &shading->properties[i]);
-        const char *tag = w.word ? w.is_boolean ? "boolean" : "string" : w.n == 3 ? "rgb" : "float";
-        if (strcmp(w.name, "int_ior") == 0)
-            fprintf(stream, "        <float name=\"ext_ior\" value=\"1\"/>\n");
-        fprintf(stream, "        <%s name=\"%s\" value=\"%s\"/>\n", tag, w.name, w.word ? w.word : w.text);
-    }
-    fprintf(stream, "    </bsdf>\n");
-}
-
-static void write_json(const nqm_shading *shading, const char *name, FILE *stream) {
-    fprintf(stream, ",\n  \"%s\": {\n    \"type\": \"%s\"", name, nqm_mitsuba_type_of(shading->model));
-    for (size_t i = 0; i < shading->n; ++i) {
-        const written w = describe(shading, &shading->properties[i]);
-        const char *quote = w.word && !w.is_boolean ? "\"" : "";
-        if (strcmp(w.name, "int_ior") == 0)
-            fprintf(stream, ",\n    \"ext_ior\": 1.0");
-        fprintf(stream, ",\n    \"%s\": ", w.name);
-        if (!w.word && w.n == 3)
-            fprintf(stream, "{\"type\": \"rgb\", \"value\": [%s]}", w.text);
-        else
-            fprintf(stream, "%s%s%s", quote, w.word ? w.word : w.text, quote);
-    }
-    fprintf(stream, "\n  }");
 }
 
 nqm_status nqm_mitsuba_write(size_t n, const nqm_named_shading *materials, const char *path, FILE *stream,
@@ -93,8 +67,15 @@ nqm_status nqm_mitsuba_write(size_t n, const nqm_named_shading *materials, const
     fputs(is_json ? "{\n  \"type\": \"scene\"" : "<scene version=\"3.0.0\">\n", stream);
     (void)err;
     for (size_t i = 0; i < n; ++i) {
-        const nqm_shading shading = split(&materials[i].shading);
-        (is_json ? write_json : write_xml)(&shading, materials[i].name, stream);
+        const nqm_shading *shading = &materials[i].shading;
+        const char *type = nqm_mitsuba_type_of(shading->model), *name = materials[i].name;
+        if (is_json)
+            fprintf(stream, ",\n  \"%s\": {\n    \"type\": \"%s\"", name, type);
+        else
+            fprintf(stream, "    <bsdf type=\"%s\" id=\"%s\">\n", type, name);
+        for (size_t k = 0; k < shading->n; ++k)
+            write_property(stream, is_json, shading->model, &shading->properties[k]);
+        fputs(is_json ? "\n  }" : "    </bsdf>\n", stream);
     }
     fputs(is_json ? "\n}\n" : "</scene>\n", stream);
     return NQM_OK;

@@ -6,11 +6,11 @@
 #include "io/xml.h"
 #include "material/mitsuba.h"
 
-static const nqm_bsdf_word kinds[] = {{"bsdf", NQM_BSDF_BSDF},         {"float", NQM_BSDF_NUMBER},
-                                      {"integer", NQM_BSDF_NUMBER},    {"boolean", NQM_BSDF_BOOLEAN},
-                                      {"string", NQM_BSDF_STRING},     {"rgb", NQM_BSDF_RGB},
-                                      {"spectrum", NQM_BSDF_SPECTRUM}, {"ref", NQM_BSDF_REF},
-                                      {"texture", NQM_BSDF_TEXTURE},   {NULL, NQM_BSDF_OTHER}};
+static const nqm_bsdf_word kinds[] = {{"bsdf", NQM_BSDF_BSDF},         {"float integer", NQM_BSDF_NUMBER},
+                                      {"boolean", NQM_BSDF_BOOLEAN},   {"string", NQM_BSDF_STRING},
+                                      {"rgb", NQM_BSDF_RGB},           {"ref", NQM_BSDF_REF},
+                                      {"spectrum", NQM_BSDF_SPECTRUM}, {"texture", NQM_BSDF_TEXTURE},
+                                      {NULL, NQM_BSDF_OTHER}};
 
 enum {
     MAX_DEFAULTS = 1000, /* each value is searched among them */

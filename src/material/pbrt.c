@@ -1,23 +1,26 @@
 /* SPDX-License-Identifier: MIT
  *
  * pbrt-v4 scenes (pbrt.org/fileformat-v4): the materials of the directives Material and MakeNamedMaterial; other directives are
- * skipped. `conductor`, `diffuse` and `measured` are read; coated materials are not, because pbrt evaluates them by random walks.
- * Colours are those of the default colour space, linear sRGB. pbrt is a spectral renderer: eta and k given as "metal-Au-eta" are the
- * RGB values of metals.c.
+ * skipped. `conductor`, `diffuse` and `measured` are read, with textures of the classes imagemap, constant, scale and mix; coated
+ * materials are not, because pbrt evaluates them by random walks. Colours are those of the default colour space, linear sRGB. pbrt is
+ * a spectral renderer: eta and k given as "metal-Au-eta" are the RGB values of metals.c.
  */
-#include "material/pbrt.h"
+#include "material/bsdf.h"
 
 #include <ctype.h>
 #include <math.h>
 
-enum { MAX_PARAMETERS = 32, MAX_BYTES = 256 << 20, MAX_TOKEN = NQM_PBRT_MAX_TOKEN };
+enum { MAX_PARAMETERS = 32, MAX_BYTES = 256 << 20, MAX_TOKEN = 256 };
 
 /* ---- tokens ------------------------------------------------------------------------------------------------------ */
 
 typedef struct scanner {
     const char *path, *text;
-    struct material *textures; /* all of the file so far, in one list */
     size_t n, at;
+    nqm_bsdf_nodes nodes;  /* the textures so far, then the material that is being read, each with its parameters */
+    size_t owner;          /* the one of these that has the parameters which are being read */
+    char type[MAX_TOKEN];  /* of the material */
+    bool is_named;         /* the type of the material is one of its parameters */
     const char *refusal;   /* why materials from here on are refused; NULL: they are not */
     int64_t byte_offset;   /* position of the last token */
     char token[MAX_TOKEN]; /* without its quotes */
@@ -78,19 +81,13 @@ static nqm_status next(scanner *s) {
 
 enum { VALUES = 4 * (MAX_TOKEN + 3) }; /* characters of four values; no parameter that is read has more than three */
 
-/* A material that is being read: a BSDF node, then its parameters as nodes. */
-typedef struct material {
-    size_t at; /* the node that has the parameters which are being read */
-    char name[MAX_TOKEN], type[MAX_TOKEN];
-    int64_t byte_offset;
-    bool is_named;
-    nqm_bsdf_nodes nodes;
-} material;
-
-static const nqm_bsdf_word kinds[] = {{"float", NQM_BSDF_NUMBER},      {"integer", NQM_BSDF_NUMBER},
-                                      {"rgb", NQM_BSDF_TRIPLE},        {"string", NQM_BSDF_STRING},
-                                      {"spectrum", NQM_BSDF_SPECTRUM}, {"bool", NQM_BSDF_BOOLEAN},
-                                      {"texture", NQM_BSDF_TEXTURE},   {NULL, NQM_BSDF_OTHER}};
+static const nqm_bsdf_word kinds[] = {{"float integer", NQM_BSDF_NUMBER},
+                                      {"rgb", NQM_BSDF_TRIPLE},
+                                      {"string", NQM_BSDF_STRING},
+                                      {"spectrum", NQM_BSDF_SPECTRUM},
+                                      {"bool", NQM_BSDF_BOOLEAN},
+                                      {"texture", NQM_BSDF_TEXTURE},
+                                      {NULL, NQM_BSDF_OTHER}};
 
 /* Append one value, the last token, to the others; a string among numbers keeps its quotes and is no number. */
 static nqm_status add_value(scanner *s, nqm_bsdf_kind kind, char values[VALUES]) {
@@ -125,7 +122,7 @@ static nqm_status read_values(scanner *s, nqm_bsdf_kind kind, char values[VALUES
 }
 
 /* Read a parameter, whose declaration "type name" is the last token. The first string "type" of a named material is its type. */
-static nqm_status read_parameter(scanner *s, material *m) {
+static nqm_status read_parameter(scanner *s) {
     const size_t blank = strcspn(s->token, " \t"), start = blank + strspn(s->token + blank, " \t");
     char declaration[MAX_TOKEN], values[VALUES];
     memcpy(declaration, s->token, sizeof declaration);
@@ -134,7 +131,7 @@ static nqm_status read_parameter(scanner *s, material *m) {
     declaration[blank] = 0;
     declaration[start + strcspn(declaration + start, " \t")] = 0;
     const nqm_bsdf_node node = {.kind = nqm_bsdf_kind_of(kinds, declaration),
-                                .parent = m->at,
+                                .parent = s->owner,
                                 .type = declaration,
                                 .name = declaration + start,
                                 .value = values,
@@ -142,151 +139,270 @@ static nqm_status read_parameter(scanner *s, material *m) {
     nqm_status status = read_values(s, node.kind, values);
     if (status != NQM_OK)
         return status;
-    if (m->is_named && !*m->type && node.kind == NQM_BSDF_STRING && strcmp(node.name, "type") == 0) {
-        snprintf(m->type, sizeof m->type, "%.*s", MAX_TOKEN - 1, values);
+    if (s->is_named && !*s->type && node.kind == NQM_BSDF_STRING && strcmp(node.name, "type") == 0) {
+        snprintf(s->type, sizeof s->type, "%.*s", MAX_TOKEN - 1, values);
         return NQM_OK;
     }
-    if (m->nodes.n - m->at > MAX_PARAMETERS)
+    if (s->nodes.n - s->owner > MAX_PARAMETERS)
         return fail(s, "a material or texture with more than 32 parameters");
-    return nqm_bsdf_add(&m->nodes, &node, s->path, s->err);
+    return nqm_bsdf_add(&s->nodes, &node, s->path, s->err);
 }
 
-/* Read the parameters of a directive. The scanner stops before the next directive. */
-static nqm_status read_parameters(scanner *s, material *m) {
-    for (;;) {
-        const scanner before = *s;
-        nqm_status status = next(s);
-        if (status == NQM_OK && !s->is_quoted) {
-            *s = before;
-            return NQM_OK;
-        }
-        if (status == NQM_OK)
-            status = read_parameter(s, m);
-        if (status != NQM_OK)
-            return status;
+/* Add the node of a directive, and its parameters. The scanner stops before the next directive. */
+static nqm_status read_parameters(scanner *s, const nqm_bsdf_node *directive) {
+    s->owner = s->nodes.n;
+    nqm_status status = nqm_bsdf_add(&s->nodes, directive, s->path, s->err);
+    while (status == NQM_OK) {
+        scanner ahead = *s;
+        status = next(&ahead);
+        if (status != NQM_OK || !ahead.is_quoted)
+            break;
+        *s = ahead;
+        status = read_parameter(s);
     }
+    return status;
+}
+
+/* ---- colours ----------------------------------------------------------------------------------------------------- */
+
+/* "metal-Au-eta" */
+static bool read_metal(nqm_bsdf_reading *r, const nqm_bsdf_node *node, double v[3]) {
+    char name[MAX_TOKEN] = "", names[300];
+    const char *part = node->name;
+    const size_t n = strlen(node->value), n_part = strlen(part);
+    if (n > 7 + n_part && n < sizeof name && strncmp(node->value, "metal-", 6) == 0 &&
+        node->value[n - n_part - 1] == '-' && strcmp(node->value + n - n_part, part) == 0)
+        memcpy(name, node->value + 6, n - 7 - n_part);
+    const nqm_metal *metal = nqm_metal_find(name);
+    nqm_metal_names(names, sizeof names);
+    if (!metal)
+        return nqm_refuse(&r->reading, node, "%s: the spectrum '%.40s' is not known; these metals are: %s", part,
+                          node->value, names);
+    memcpy(v, strcmp(part, "k") == 0 ? metal->k : metal->eta, 3 * sizeof *v);
+    return true;
+}
+
+/* A constant colour; `v` keeps its value when the parameter is not given. */
+static bool read_colour(nqm_bsdf_reading *r, const char *name, double v[3]) {
+    const nqm_bsdf_node *node = nqm_bsdf_find(r, name);
+    const bool is_spectrum = node && node->kind == NQM_BSDF_SPECTRUM;
+    if (is_spectrum && strcmp(name, "reflectance") != 0 && !strchr(node->value, ' '))
+        return read_metal(r, node, v);
+    if (is_spectrum)
+        return nqm_refuse(&r->reading, node, "%s is a spectrum by wavelength; only RGB is read", name);
+    if (node && node->kind == NQM_BSDF_NUMBER)
+        return nqm_refuse(&r->reading, node, "%s needs three numbers, \"rgb %s\" [ r g b ]", name, name);
+    return nqm_bsdf_numbers(r, name, 3, v);
+}
+
+/* ---- textures ---------------------------------------------------------------------------------------------------- */
+
+enum { MAX_TEXTURES = 256 }; /* a mix of mixes of the same two textures names them exponentially often */
+
+static bool read_texture(nqm_bsdf_reading *r, size_t n, uint16_t *value_ret);
+
+/* The value of the texture that a parameter names. Floats (n = 1) and spectra (n = 3) have names of their own. */
+static bool read_named(nqm_bsdf_reading *r, const nqm_bsdf_node *parameter, size_t n, uint16_t *value_ret) {
+    const nqm_bsdf_node *list = r->nodes->list;
+    const size_t at = r->at;
+    const char *type = n == 3 ? "spectrum" : "float";
+    size_t i = 0;
+    while (i < at && !(list[i].parent == NQM_BSDF_ROOT && strcmp(list[i].name, type) == 0 &&
+                       strcmp(list[i].id, parameter->value) == 0))
+        ++i;
+    if (i == at)
+        return nqm_refuse(&r->reading, parameter, "%s: there is no %s texture '%.40s' before it", parameter->name, type,
+                          parameter->value);
+    if (++r->n_textures > MAX_TEXTURES)
+        return nqm_refuse(&r->reading, parameter, "%s: more than %d textures", parameter->name, MAX_TEXTURES);
+    nqm_bsdf_varies(r, parameter);
+    r->at = i;
+    const bool is_read = read_texture(r, n, value_ret);
+    r->at = at;
+    return is_read;
+}
+
+/* The value of a parameter that is a constant, a metal or a texture: n = 1 of type float, 3 of type spectrum. missing (n): when it is
+ * not given. */
+static bool read_value(nqm_bsdf_reading *r, const char *name, size_t n, const double *missing, uint16_t *value_ret) {
+    const nqm_bsdf_node *node = nqm_bsdf_find(r, name);
+    double v[3] = {0};
+    if (nqm_bsdf_is_texture(node))
+        return read_named(r, node, n, value_ret);
+    if (!node)
+        memcpy(v, missing, n * sizeof *v);
+    if (!(n == 3 ? read_colour(r, name, v) : nqm_bsdf_numbers(r, name, 1, v)))
+        return false;
+    *value_ret = nqm_map_value(r->reading.textured, n, v);
+    return true;
+}
+
+/* The image, decoded: pbrt uses `encoding` for PNG only, and that of sRGB for other images of 8 bits. */
+static bool read_image(nqm_bsdf_reading *r, const nqm_bsdf_node *file, const char *encoding, const double uv[2][3],
+                       nqm_map_wrap wrap, uint16_t *value_ret) {
+    const char *dot = strrchr(file->value, '.'), *end;
+    double gamma = 1;
+    if (nqm_bsdf_is_float_image(file->value))
+        encoding = "linear";
+    else if (!dot || !nqm_has_word(".png", dot, true))
+        encoding = "sRGB";
+    const bool is_srgb = strcmp(encoding, "sRGB") == 0;
+    if (!is_srgb && strcmp(encoding, "linear") != 0 &&
+        (strncmp(encoding, "gamma ", 6) != 0 || !nqm_parse_double(encoding + 6, &end, &gamma) || *end || gamma <= 0))
+        return nqm_refuse(&r->reading, file, "encoding '%.40s' is not read; use sRGB, linear or gamma with a number",
+                          encoding);
+    if (!nqm_bsdf_image(r, file, is_srgb ? "srgb_texture" : "", uv, wrap, value_ret))
+        return false;
+    if (gamma != 1)
+        *value_ret = nqm_map_with(r->reading.textured, NQM_MAP_POWER, 3, *value_ret, gamma);
+    return true;
+}
+
+/* pbrt's v points upwards, and the first row of an image is at v = 1: with v downwards, its t = 1 - (vscale (1 - v) + vdelta). */
+static bool read_mapping(nqm_bsdf_reading *r, double uv[2][3]) {
+    double u[2] = {1, 0}, v[2] = {1, 0};
+    size_t mapping;
+    if (!nqm_bsdf_choice(r, "mapping", "uv", &mapping) || !nqm_bsdf_numbers(r, "uscale", 1, &u[0]) ||
+        !nqm_bsdf_numbers(r, "udelta", 1, &u[1]) || !nqm_bsdf_numbers(r, "vscale", 1, &v[0]) ||
+        !nqm_bsdf_numbers(r, "vdelta", 1, &v[1]))
+        return false;
+    memcpy(uv, (const double[2][3]){{u[0], 0, u[1]}, {0, v[0], 1 - v[0] - v[1]}}, 6 * sizeof **uv);
+    return true;
+}
+
+/* The imagemap r->at; a number is the mean of RGB. */
+static bool read_imagemap(nqm_bsdf_reading *r, size_t n, uint16_t *value_ret) {
+    static const nqm_map_wrap wraps[] = {NQM_MAP_REPEAT, NQM_MAP_BORDER, NQM_MAP_CLAMP};
+    const nqm_bsdf_node *file = nqm_bsdf_filename(r), *encoding = nqm_bsdf_find(r, "encoding");
+    nqm_textured *t = r->reading.textured;
+    double uv[2][3], scale = 1;
+    bool is_inverted = false;
+    size_t wrap;
+    if (!file || !read_mapping(r, uv) || !nqm_bsdf_choice(r, "wrap", "repeat black clamp", &wrap) ||
+        !nqm_bsdf_numbers(r, "scale", 1, &scale) || !nqm_bsdf_flag(r, "invert", &is_inverted) ||
+        !read_image(r, file, encoding ? encoding->value : "sRGB", uv, wraps[wrap], value_ret))
+        return false;
+    uint16_t value = *value_ret;
+    if (n == 1) {
+        value = nqm_map_channel(t, *value_ret, 0);
+        for (size_t c = 1; c < 3; ++c)
+            value = nqm_map_compute(t, NQM_MAP_ADD, 1, value, nqm_map_channel(t, *value_ret, c), 0);
+        value = nqm_map_with(t, NQM_MAP_MULTIPLY, 1, value, 1.0 / 3);
+    }
+    value = nqm_map_with(t, NQM_MAP_MULTIPLY, n, value, scale);
+    if (is_inverted) {
+        value = nqm_map_compute(t, NQM_MAP_SUBTRACT, n, nqm_map_number(t, 1), value, 0);
+        value = nqm_map_with(t, NQM_MAP_MAXIMUM, n, value, 0);
+    }
+    *value_ret = value;
+    return true;
+}
+
+/* The texture r->at: an image, or an operation of other values. */
+static bool read_texture(nqm_bsdf_reading *r, size_t n, uint16_t *value_ret) {
+    static const double zero[3], one[3] = {1, 1, 1}, half = 0.5;
+    const nqm_bsdf_node *texture = &r->nodes->list[r->at];
+    const bool is_mix = strcmp(texture->type, "mix") == 0;
+    uint16_t a, b, amount = 0;
+    if (strcmp(texture->type, "imagemap") == 0)
+        return read_imagemap(r, n, value_ret);
+    if (strcmp(texture->type, "constant") == 0)
+        return read_value(r, "value", n, one, value_ret);
+    if (!is_mix && strcmp(texture->type, "scale") != 0)
+        return nqm_refuse(&r->reading, texture,
+                          "the texture '%.40s' is of class '%.40s'; imagemap, constant, scale and mix are read",
+                          texture->id, texture->type);
+    if (is_mix ? !read_value(r, "tex1", n, zero, &a) || !read_value(r, "tex2", n, one, &b) ||
+                     !read_value(r, "amount", 1, &half, &amount)
+               : !read_value(r, "tex", n, one, &a) || !read_value(r, "scale", 1, one, &b))
+        return false;
+    *value_ret = nqm_map_compute(r->reading.textured, is_mix ? NQM_MAP_MIX : NQM_MAP_MULTIPLY, n, a, b, amount);
+    return true;
+}
+
+/* RGB of the file that the parameter names; it is repeated, and linear as far as pbrt allows that. */
+static bool read_normal_map(nqm_reading *r, const nqm_rule *rule, const void *property) {
+    nqm_bsdf_reading *bsdf = (nqm_bsdf_reading *)r;
+    const nqm_bsdf_node *node = property;
+    uint16_t rgb;
+    if (node->kind != NQM_BSDF_STRING || !*node->value)
+        return nqm_refuse(r, node, "%s needs the name of a file", rule->name);
+    return nqm_vary(r, node, "normalmap varies over the surface") &&
+           read_image(bsdf, node, "linear", NULL, NQM_MAP_REPEAT, &rgb) && nqm_bsdf_output(bsdf, "normal", rgb);
 }
 
 /* ---- materials to shadings --------------------------------------------------------------------------------------- */
 
-/* k = 2 sqrt(r / (1 - r)) of the map r. */
-static bool reflectance_map(nqm_bsdf_reading *r, const nqm_bsdf_node *node, double eta[3]) {
-    uint16_t value;
-    if (!nqm_pbrt_map(r, node, 3, &value))
-        return false;
-    nqm_textured *t = r->reading.textured;
-    value = nqm_bsdf_compute(r, NQM_MAP_MINIMUM, 3, nqm_bsdf_compute(r, NQM_MAP_MAXIMUM, 3, value, 0), 0.9999);
-    const uint16_t rest =
-        nqm_map_compute(t, NQM_MAP_SUBTRACT, 3, nqm_map_value(t, 1, &(double){1}), value, NQM_NO_NODE);
-    value = nqm_bsdf_compute(r, NQM_MAP_POWER, 3, nqm_map_compute(t, NQM_MAP_DIVIDE, 3, value, rest, NQM_NO_NODE), 0.5);
-    eta[0] = eta[1] = eta[2] = 1;
-    return nqm_bsdf_output(r, node, "k", nqm_bsdf_compute(r, NQM_MAP_MULTIPLY, 3, value, 2));
+/* A value clamped to 0 to `high`. */
+static uint16_t clamp(nqm_textured *t, uint16_t value, double high) {
+    return nqm_map_with(t, NQM_MAP_MINIMUM, 3, nqm_map_with(t, NQM_MAP_MAXIMUM, 3, value, 0), high);
 }
 
-/* eta and k from a reflectance at normal incidence, as pbrt, which clamps r to 0.9999. */
-static bool reflectance_index(nqm_bsdf_reading *r, double eta[3], double k[3]) {
-    const nqm_bsdf_node *node = nqm_bsdf_find(r, "reflectance");
-    double reflectance[3];
-    if (!node)
-        return true;
+/* eta = 1 and k = 2 sqrt(r / (1 - r)) of a reflectance r at normal incidence, as pbrt, which clamps r to 0.9999. */
+static bool reflectance_index(nqm_bsdf_reading *r, const nqm_bsdf_node *node) {
+    nqm_textured *t = r->reading.textured;
+    const double one[3] = {1, 1, 1};
+    uint16_t value;
     if (nqm_bsdf_find(r, "eta") || nqm_bsdf_find(r, "k"))
         return nqm_refuse(&r->reading, node, "reflectance is given as well as eta or k");
-    if (nqm_bsdf_is_texture(node))
-        return reflectance_map(r, node, eta);
-    if (!nqm_pbrt_colour(r, "reflectance", reflectance))
+    if (!read_value(r, "reflectance", 3, NULL, &value))
         return false;
-    for (size_t c = 0; c < 3; ++c) {
-        const double clamped = fmin(fmax(reflectance[c], 0), 0.9999);
-        eta[c] = 1;
-        k[c] = 2 * sqrt(clamped / (1 - clamped));
-    }
-    return true;
+    value = clamp(t, value, 0.9999);
+    const uint16_t rest = nqm_map_compute(t, NQM_MAP_SUBTRACT, 3, nqm_map_number(t, 1), value, 0);
+    value = nqm_map_with(t, NQM_MAP_POWER, 3, nqm_map_compute(t, NQM_MAP_DIVIDE, 3, value, rest, 0), 0.5);
+    return nqm_bsdf_output(r, "eta", nqm_map_value(t, 3, one)) &&
+           nqm_bsdf_output(r, "k", nqm_map_with(t, NQM_MAP_MULTIPLY, 3, value, 2));
 }
 
-/* The square of alpha where one of the roughnesses is a texture; texels that would be mirrors have the smallest lobe of the model. */
-static bool roughness_maps(nqm_bsdf_reading *r, const char *const names[2], const nqm_bsdf_node *map, bool remap) {
-    nqm_textured *t = nqm_bsdf_textured(r, map);
-    uint16_t value[2];
-    for (size_t c = 0; c < 2; ++c)
-        if (!t || !nqm_pbrt_operand(r, names[c], 1, 0, &value[c]))
-            return false;
-    const size_t n = value[0] == value[1] ? 1 : 2;
-    if (n == 2)
-        value[0] = nqm_map_compute(t, NQM_MAP_COMBINE, n, value[0], value[1], NQM_NO_NODE);
-    if (!remap)
-        value[0] = nqm_map_compute(t, NQM_MAP_MULTIPLY, n, value[0], value[0], NQM_NO_NODE);
-    return nqm_bsdf_output(r, map, "roughness", nqm_bsdf_compute(r, NQM_MAP_MAXIMUM, n, value[0], 1e-6));
-}
-
-/* Both directions; alpha is the square root. */
+/* Both directions; alpha is the square root. Texels that would be mirrors have the smallest lobe of the model. */
 static bool conductor_roughness(nqm_bsdf_reading *r, const nqm_bsdf_node *bsdf) {
-    const char *names[] = {"uroughness", "vroughness"};
-    double roughness[2];
+    const char *const names[] = {"uroughness", "vroughness"};
+    const double zero = 0;
+    nqm_textured *t = r->reading.textured;
+    uint16_t value[2];
     bool remap = true;
     if (!nqm_bsdf_flag(r, "remaproughness", &remap))
         return false;
-    for (size_t c = 0; c < 2; ++c)
-        names[c] = nqm_bsdf_find(r, names[c]) ? names[c] : "roughness";
-    for (size_t c = 0; c < 2; ++c)
-        if (nqm_bsdf_is_texture(nqm_bsdf_find(r, names[c])))
-            return roughness_maps(r, names, nqm_bsdf_find(r, names[c]), remap);
     for (size_t c = 0; c < 2; ++c) {
-        double v = 0;
-        if (!nqm_bsdf_numbers(r, names[c], 1, &v))
+        if (!read_value(r, nqm_bsdf_find(r, names[c]) ? names[c] : "roughness", 1, &zero, &value[c]))
             return false;
-        if (v < 0)
+        if (nqm_map_is_constant(t, value[c]) && t->nodes[value[c]].v[0] < 0)
             return nqm_refuse(&r->reading, bsdf, "the roughness is negative");
-        roughness[c] = remap ? v : v * v;
     }
-    nqm_shading_set(&r->reading.shading, "roughness", roughness[0] == roughness[1] ? 1 : 2, roughness);
-    return (roughness[0] >= 1e-6 && roughness[1] >= 1e-6) ||
-           nqm_refuse(&r->reading, bsdf,
-                      "a smooth surface reflects into one direction only; only rough ones have a BRDF");
-}
-
-/* A colour as nqm_pbrt_colour(), or a map of the key of this name. */
-static bool colour_or_map(nqm_bsdf_reading *r, const char *name, double v[3]) {
-    const nqm_bsdf_node *node = nqm_bsdf_find(r, name);
-    uint16_t value;
-    if (!nqm_bsdf_is_texture(node))
-        return nqm_pbrt_colour(r, name, v);
-    return nqm_pbrt_map(r, node, 3, &value) && nqm_bsdf_output(r, node, name, value);
+    const size_t n = value[0] == value[1] ? 1 : 2;
+    if (n == 2)
+        value[0] = nqm_map_compute(t, NQM_MAP_COMBINE, n, value[0], value[1], 0);
+    if (!remap)
+        value[0] = nqm_map_compute(t, NQM_MAP_MULTIPLY, n, value[0], value[0], 0);
+    if (nqm_map_is_constant(t, value[0]) && fmin(t->nodes[value[0]].v[0], t->nodes[value[0]].v[n - 1]) < 1e-6)
+        return nqm_refuse(&r->reading, bsdf,
+                          "a smooth surface reflects into one direction only; only rough ones have a BRDF");
+    return nqm_bsdf_output(r, "roughness", nqm_map_with(t, NQM_MAP_MAXIMUM, n, value[0], 1e-6));
 }
 
 static bool finish_conductor(nqm_bsdf_reading *r, const nqm_bsdf_node *bsdf) {
     const nqm_metal *copper = nqm_metal_find("Cu"); /* pbrt's default */
-    double eta[3], k[3];
-    memcpy(eta, copper->eta, sizeof eta);
-    memcpy(k, copper->k, sizeof k);
-    if (!conductor_roughness(r, bsdf) || !colour_or_map(r, "eta", eta) || !colour_or_map(r, "k", k) ||
-        !reflectance_index(r, eta, k))
+    const nqm_bsdf_node *reflectance = nqm_bsdf_find(r, "reflectance");
+    uint16_t eta, k;
+    if (!conductor_roughness(r, bsdf))
         return false;
-    nqm_shading_set(&r->reading.shading, "eta", 3, eta);
-    nqm_shading_set(&r->reading.shading, "k", 3, k);
-    return true;
+    if (reflectance)
+        return reflectance_index(r, reflectance);
+    return read_value(r, "eta", 3, copper->eta, &eta) && nqm_bsdf_output(r, "eta", eta) &&
+           read_value(r, "k", 3, copper->k, &k) && nqm_bsdf_output(r, "k", k);
 }
 
 static bool finish_diffuse(nqm_bsdf_reading *r, const nqm_bsdf_node *bsdf) {
-    const nqm_bsdf_node *node = nqm_bsdf_find(r, "reflectance");
-    double kd[3] = {0.5, 0.5, 0.5};
+    const double grey[3] = {0.5, 0.5, 0.5};
     uint16_t value;
     (void)bsdf;
-    if (nqm_bsdf_is_texture(node))
-        return nqm_pbrt_map(r, node, 3, &value) &&
-               nqm_bsdf_output(
-                   r, node, "kd",
-                   nqm_bsdf_compute(r, NQM_MAP_MINIMUM, 3, nqm_bsdf_compute(r, NQM_MAP_MAXIMUM, 3, value, 0), 1));
-    if (!nqm_pbrt_colour(r, "reflectance", kd))
-        return false;
-    for (size_t c = 0; c < 3; ++c)
-        kd[c] = fmin(fmax(kd[c], 0), 1); /* as pbrt */
-    nqm_shading_set(&r->reading.shading, "kd", 3, kd);
-    return true;
+    return read_value(r, "reflectance", 3, grey, &value) &&
+           nqm_bsdf_output(r, "kd", clamp(r->reading.textured, value, 1)); /* as pbrt */
 }
 
 #define DISPLACEMENT NQM_RULE_ZERO("displacement", "displacement is not part of a BRDF")
 #define NORMAL_MAP                                                                                                     \
-    { .name = "normalmap", .read = nqm_pbrt_normal_map }
+    { .name = "normalmap", .read = read_normal_map }
 #define WALKS     "pbrt evaluates layers by random walks; there is no formula"
 #define TRANSMITS "transmission is not supported"
 static const nqm_bsdf_plugin types[] = {
@@ -301,50 +417,57 @@ static const nqm_bsdf_plugin types[] = {
      .finish = finish_diffuse,
      .rules = {NQM_RULE_LATER("reflectance"), NORMAL_MAP, DISPLACEMENT}},
     {.type = "measured", .rules = {{.name = "filename", .read = nqm_bsdf_file}}},
-    {.type = "coateddiffuse", .refusal = WALKS},
-    {.type = "coatedconductor", .refusal = WALKS},
-    {.type = "dielectric", .refusal = TRANSMITS},
-    {.type = "thindielectric", .refusal = TRANSMITS},
-    {.type = "diffusetransmission", .refusal = TRANSMITS},
+    {.type = "coateddiffuse coatedconductor", .refusal = WALKS},
+    {.type = "dielectric thindielectric diffusetransmission", .refusal = TRANSMITS},
     {.type = "subsurface", .refusal = "subsurface scattering is not supported"},
     {.type = "hair", .refusal = "hair has no BRDF of a surface"},
     {.type = "mix", .refusal = "mixtures of materials are not supported"},
     {.type = "interface", .refusal = "it reflects nothing"},
     {.type = NULL}};
 
-static nqm_status add_material(const scanner *s, const material *m, nqm_materials *materials) {
-    nqm_bsdf_reading r = {
-        .reading = {.source = &nqm_bsdf_source}, .nodes = &m->nodes, .path = s->path, .textures = &s->textures->nodes};
+static nqm_status add_material(const scanner *s, nqm_materials *materials) {
+    nqm_bsdf_reading r = {.nodes = &s->nodes, .at = s->owner, .path = s->path};
+    const bool has_memory = nqm_reading_begin(&r.reading, &nqm_bsdf_source);
+    const nqm_bsdf_node *material = &s->nodes.list[s->owner];
     if (s->refusal)
-        nqm_refuse(&r.reading, m->nodes.list, "%s", s->refusal);
-    else
-        nqm_bsdf_read(&r, types, m->type);
-    return nqm_reading_add(&r.reading, m->name, m->type, m->byte_offset, materials, s->err);
+        nqm_refuse(&r.reading, material, "%s", s->refusal);
+    else if (has_memory)
+        nqm_bsdf_read(&r, types, s->type);
+    return nqm_reading_add(&r.reading, material->id, s->type, material->byte_offset, materials, s->err);
 }
 
 /* ---- scenes ------------------------------------------------------------------------------------------------------ */
 
 /* The type of a material is a string parameter of a named one, the word after the directive of others. */
-static nqm_status read_material(scanner *s, bool is_named, material *m) {
-    const nqm_bsdf_node bsdf = {.parent = NQM_BSDF_ROOT, .byte_offset = s->byte_offset};
-    nqm_bsdf_clear(&m->nodes);
-    *m = (material){.byte_offset = s->byte_offset, .is_named = is_named};
+static nqm_status read_material(scanner *s, bool is_named, nqm_materials *materials) {
+    nqm_bsdf_node material = {.parent = NQM_BSDF_ROOT, .byte_offset = s->byte_offset};
+    char name[MAX_TOKEN];
     nqm_status status = next(s);
     if (status == NQM_OK && !s->is_quoted)
         return fail(s, is_named ? "MakeNamedMaterial without the name of a material"
                                 : "Material without the type of a material");
-    if (status == NQM_OK)
-        status = nqm_bsdf_add(&m->nodes, &bsdf, s->path, s->err);
     if (status != NQM_OK)
         return status;
-    strcpy(is_named ? m->name : m->type, s->token);
-    return read_parameters(s, m);
+    s->is_named = is_named;
+    strcpy(s->type, is_named ? "" : s->token);
+    strcpy(name, is_named ? s->token : "");
+    material.id = name;
+    status = read_parameters(s, &material);
+    if (status == NQM_OK)
+        status = add_material(s, materials);
+    nqm_bsdf_cut(&s->nodes, s->owner);
+    return status;
 }
 
 /* The class of a texture becomes the type of its node, its type the name. */
 static nqm_status read_texture_directive(scanner *s) {
-    nqm_bsdf_node node = {.kind = NQM_BSDF_TEXTURE, .parent = NQM_BSDF_ROOT, .byte_offset = s->byte_offset};
     char words[3][MAX_TOKEN];
+    const nqm_bsdf_node texture = {.kind = NQM_BSDF_TEXTURE,
+                                   .parent = NQM_BSDF_ROOT,
+                                   .byte_offset = s->byte_offset,
+                                   .id = words[0],
+                                   .name = words[1],
+                                   .type = words[2]};
     for (size_t i = 0; i < 3; ++i) {
         nqm_status status = next(s);
         if (status == NQM_OK && !s->is_quoted)
@@ -353,32 +476,25 @@ static nqm_status read_texture_directive(scanner *s) {
             return status;
         memcpy(words[i], s->token, sizeof words[i]);
     }
-    node.id = words[0];
-    node.name = words[1];
-    node.type = words[2];
-    s->textures->at = s->textures->nodes.n;
-    nqm_status status = nqm_bsdf_add(&s->textures->nodes, &node, s->path, s->err);
-    return status == NQM_OK ? read_parameters(s, s->textures) : status;
+    s->is_named = false;
+    return read_parameters(s, &texture);
 }
 
 /* Directives that change what the parameters of later materials mean. They end with the enclosing attribute block, which is not
  * tracked: all materials after them are refused. */
 static nqm_status read_setting(scanner *s, const char *neutral, const char *refusal) {
-    const scanner before = *s;
-    nqm_status status = next(s);
-    if (status == NQM_OK && (strcmp(s->token, "material") == 0 || strcmp(s->token, "texture") == 0 ||
-                             (neutral && strcmp(s->token, neutral) != 0)))
+    scanner ahead = *s;
+    nqm_status status = next(&ahead);
+    const bool is_other = neutral && strcmp(ahead.token, neutral) != 0;
+    if (ahead.is_quoted)
+        *s = ahead;
+    if (status == NQM_OK && (is_other || nqm_has_word("material texture", ahead.token, false)))
         s->refusal = refusal;
-    if (!s->is_quoted) {
-        const char *kept = s->refusal;
-        *s = before;
-        s->refusal = kept;
-    }
     return status;
 }
 
-/* Read the directive that is the last token. m: scratch. */
-static nqm_status read_directive(scanner *s, material *m, nqm_materials *materials) {
+/* Read the directive that is the last token. */
+static nqm_status read_directive(scanner *s, nqm_materials *materials) {
     const bool is_named = strcmp(s->token, "MakeNamedMaterial") == 0;
     if (strcmp(s->token, "Include") == 0 || strcmp(s->token, "Import") == 0)
         return fail(s, "included files are not read; name the included file itself");
@@ -388,29 +504,22 @@ static nqm_status read_directive(scanner *s, material *m, nqm_materials *materia
         return read_setting(s, NULL, "the directive Attribute changes the defaults of materials or textures");
     if (strcmp(s->token, "Texture") == 0)
         return read_texture_directive(s);
-    if (!is_named && strcmp(s->token, "Material") != 0)
-        return NQM_OK;
-    nqm_status status = read_material(s, is_named, m);
-    return status == NQM_OK ? add_material(s, m, materials) : status;
+    return is_named || strcmp(s->token, "Material") == 0 ? read_material(s, is_named, materials) : NQM_OK;
 }
 
 static nqm_status read_pbrt(const nqm_map *map, nqm_materials *materials, nqm_error *err) {
-    material textures = {.name = ""};
-    scanner s = {
-        .path = map->path, .text = (const char *)map->data, .textures = &textures, .n = map->n_bytes, .err = err};
+    scanner s = {.path = map->path, .text = (const char *)map->data, .n = map->n_bytes, .err = err};
     if (map->n_bytes > MAX_BYTES)
         return nqm_fail(err, NQM_ERR_LIMIT, 0, "%s: a scene of %zu bytes (byte 0); at most %d are read", map->path,
                         map->n_bytes, MAX_BYTES);
-    material m = {.name = ""}; /* the last one */
     nqm_status status = next(&s);
     while (status == NQM_OK && (s.is_quoted || *s.token)) {
         if (!s.is_quoted)
-            status = read_directive(&s, &m, materials);
+            status = read_directive(&s, materials);
         if (status == NQM_OK)
             status = next(&s);
     }
-    nqm_bsdf_clear(&m.nodes);
-    nqm_bsdf_clear(&textures.nodes);
+    nqm_bsdf_clear(&s.nodes);
     return status;
 }
 

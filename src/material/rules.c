@@ -6,31 +6,33 @@
 
 #include <stdarg.h>
 
+static void give_reason(nqm_reading *r, nqm_reason *reason, const void *property, const char *format,
+                        va_list arguments) {
+    if (*reason->text)
+        return;
+    vsnprintf(reason->text, sizeof reason->text, format, arguments);
+    reason->byte_offset = r->source->byte_of(r, property);
+}
+
 bool nqm_refuse(nqm_reading *r, const void *property, const char *format, ...) {
-    if (*r->refusal)
-        return false;
     va_list arguments;
     va_start(arguments, format);
-    vsnprintf(r->refusal, sizeof r->refusal, format, arguments);
+    give_reason(r, &r->refusal, property, format, arguments);
     va_end(arguments);
-    r->byte_offset = r->source->byte_of(r, property);
     return false;
 }
 
-nqm_textured *nqm_reading_textured(nqm_reading *r, const void *property, const char *format, ...) {
-    if (r->textured && *r->varies)
-        return r->textured;
-    r->textured = r->textured ? r->textured : nqm_textured_create();
-    if (!r->textured) {
-        nqm_refuse(r, property, "out of memory");
-        return NULL;
-    }
+bool nqm_vary(nqm_reading *r, const void *property, const char *format, ...) {
     va_list arguments;
     va_start(arguments, format);
-    vsnprintf(r->varies, sizeof r->varies, format, arguments);
+    give_reason(r, &r->varies, property, format, arguments);
     va_end(arguments);
-    r->varies_at = r->source->byte_of(r, property);
-    return r->textured;
+    return true;
+}
+
+bool nqm_reading_begin(nqm_reading *r, const nqm_rule_source *source) {
+    *r = (nqm_reading){.source = source, .textured = nqm_textured_create()};
+    return r->textured != NULL;
 }
 
 const nqm_rule *nqm_rule_find(const nqm_rule *rules, const char *name) {
@@ -87,15 +89,15 @@ bool nqm_rule_set(nqm_reading *r, const nqm_rule *rule, const void *property) {
 }
 
 bool nqm_rule_neutral(nqm_reading *r, const nqm_rule *rule, const void *property) {
-    const size_t n_before = strlen(r->refusal);
+    const size_t n_before = strlen(r->refusal.text);
     const bool shows = r->source->shows_owner;
     char number[32];
     double v[4];
     size_t n;
     if (!r->source->read(r, rule, property, v, &n)) {
-        const size_t n_refusal = strlen(r->refusal);
+        const size_t n_refusal = strlen(r->refusal.text);
         if (n_refusal > n_before)
-            snprintf(r->refusal + n_refusal, sizeof r->refusal - n_refusal, " (%s)", rule->why);
+            snprintf(r->refusal.text + n_refusal, sizeof r->refusal.text - n_refusal, " (%s)", rule->why);
         return false;
     }
     for (size_t c = 0; c < n; ++c)
@@ -118,33 +120,28 @@ bool nqm_rule_later(nqm_reading *r, const nqm_rule *rule, const void *property) 
 
 nqm_status nqm_reading_add(nqm_reading *r, const char *name, const char *surface, int64_t byte_offset,
                            nqm_materials *materials, nqm_error *err) {
-    const bool is_refused = *r->refusal, varies = !is_refused && r->textured && *r->varies;
-    const bool has_spec = !is_refused && !varies && !r->file;
-    char *spec = has_spec ? nqm_shading_spec(&r->shading) : NULL;
-    if (has_spec && !spec) {
-        nqm_textured_free(r->textured);
-        return nqm_fail_nomem(err, sizeof r->shading);
-    }
+    nqm_textured *t = r->textured;
+    if (!t)
+        return nqm_fail_nomem(err, sizeof *t);
+    const bool is_refused = *r->refusal.text, varies = !is_refused && (t->n_outputs || t->normal != NQM_NO_NODE);
+    const bool has_brdf = !is_refused && !varies;
+    const nqm_reason *reason = is_refused ? &r->refusal : &r->varies;
+    char *spec = has_brdf && !r->file ? nqm_shading_spec(&r->shading) : NULL;
     const nqm_material_info info = {.name = name,
                                     .surface = surface,
-                                    .spec = is_refused || varies ? NULL
-                                            : has_spec           ? spec
-                                                                 : r->file,
-                                    .refusal = is_refused ? r->refusal
-                                               : varies   ? r->varies
-                                                          : NULL,
+                                    .spec = has_brdf && r->file ? r->file : spec,
+                                    .refusal = has_brdf ? NULL : reason->text,
                                     .remark = is_refused || r->file ? NULL : r->shading.remark,
-                                    .byte_offset = is_refused ? r->byte_offset
-                                                   : varies   ? r->varies_at
-                                                              : byte_offset};
-    nqm_status status = nqm_materials_add(materials, &info, err);
+                                    .byte_offset = has_brdf ? byte_offset : reason->byte_offset};
+    nqm_status status =
+        info.spec || info.refusal ? nqm_materials_add(materials, &info, err) : nqm_fail_nomem(err, sizeof r->shading);
     if (status == NQM_OK && varies) {
-        r->textured->shading = r->shading;
-        r->textured->shading.remark = NULL; /* it may belong to the reader; that of the list is a copy */
-        nqm_materials_attach(materials, r->textured);
-        r->textured = NULL;
-    }
-    nqm_textured_free(r->textured);
+        nqm_textured_prune(t);
+        t->shading = r->shading;
+        t->shading.remark = NULL; /* it may belong to the reader; that of the list is a copy */
+        nqm_materials_attach(materials, t, true);
+    } else
+        nqm_textured_free(t);
     r->textured = NULL;
     nqm_free(spec);
     return status;

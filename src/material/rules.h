@@ -55,27 +55,31 @@ typedef struct nqm_rule_source {
     int64_t (*byte_of)(const nqm_reading *r, const void *property);
 } nqm_rule_source;
 
+/** Why a material is refused, or has no BRDF; "": it is not. */
+typedef struct nqm_reason {
+    char text[400];
+    int64_t byte_offset; /**< of the property */
+} nqm_reason;
+
 /** A material that is being read: its shading or file, or why it is refused. Formats begin a struct of their own with it. */
 struct nqm_reading {
     const nqm_rule_source *source;
     const nqm_rule *rules;
     const char *owner; /**< what has the properties, for messages */
     nqm_shading shading;
-    const char *file;       /**< of a measured material; NULL: the shading is the result */
-    char refusal[400];      /**< "": accepted */
-    int64_t byte_offset;    /**< of the refused property */
-    uint64_t given;         /**< bit i: rule i has been applied */
-    nqm_textured *textured; /**< what is computed from maps, owned; NULL: nothing so far */
-    char varies[400];       /**< with it: why the material has no BRDF */
-    int64_t varies_at;      /**< the position of that property */
+    const char *file; /**< of a measured material; NULL: the shading is the result */
+    uint64_t given;   /**< bit i: rule i has been applied */
+    nqm_textured
+        *textured; /**< what is computed; the material varies over the surface if that has outputs or a normal */
+    nqm_reason refusal, varies;
 };
 
+/** Begin to read a material; false: memory is short, and nqm_reading_add() will fail. */
+NQM_MUST_CHECK bool nqm_reading_begin(nqm_reading *r, const nqm_rule_source *source);
 /** Refuse the material, unless it is refused already; false, so that readers can return it. */
 __attribute__((format(printf, 3, 4))) bool nqm_refuse(nqm_reading *r, const void *property, const char *format, ...);
-/** The maps of the material, to which a reader adds what it found: the first call says, as nqm_refuse() does, which property varies
- *  over the surface, so that the material has no BRDF. NULL: out of memory; the material is refused. */
-__attribute__((format(printf, 3, 4))) nqm_textured *nqm_reading_textured(nqm_reading *r, const void *property,
-                                                                         const char *format, ...);
+/** Say, if it is the first one, which property varies over the surface, so that the material has no BRDF; true. */
+__attribute__((format(printf, 3, 4))) bool nqm_vary(nqm_reading *r, const void *property, const char *format, ...);
 /** Apply the rule for a property; false: the material is refused. */
 bool nqm_rules_apply(nqm_reading *r, const char *name, const void *property);
 /** The rule for a name, or NULL. */

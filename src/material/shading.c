@@ -41,6 +41,17 @@ char *nqm_shading_spec(const nqm_shading *shading) {
     return text;
 }
 
+size_t nqm_parse_numbers(const char *text, size_t max_n, double *v) {
+    static const char separators[] = " ,\t\r\n";
+    size_t n = 0;
+    for (text += strspn(text, separators); *text; text += strspn(text, separators)) {
+        if (n == max_n || !nqm_parse_double(text, &text, &v[n]) || (*text && !strchr(separators, *text)))
+            return 0;
+        ++n;
+    }
+    return n;
+}
+
 static nqm_status fail_text(const char *spec, nqm_error *err) {
     return nqm_fail(err, NQM_ERR_ARG, -1, "%.200s: not a spec of a shading model (MODEL:key=value;...)", spec);
 }

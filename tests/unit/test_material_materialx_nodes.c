@@ -109,6 +109,8 @@ static void single_nodes(void **state) {
     assert_true(v[2] == v[0]);
     nqm_map_node_value(&(nqm_map_node){.op = NQM_MAP_POWER, .n = 1, .in = {1, 0}}, in, v);
     assert_true(v[0] == 0); /* of a number below 0 */
+    nqm_map_node_value(&(nqm_map_node){.op = NQM_MAP_ANGLE, .n = 1, .in = {0, 1}}, in, v);
+    assert_near(v[0], atan2(0.5, -1), 1e-15);
     nqm_map_node_value(&(nqm_map_node){.op = NQM_MAP_CHANNEL, .n = 1, .in = {0}, .v = {2}}, in, v);
     assert_true(v[0] == 0.75 && v[3] == 0.75);
     nqm_map_node_value(&(nqm_map_node){.op = NQM_MAP_NORMAL, .n = 3, .in = {0, 2}}, in, v);

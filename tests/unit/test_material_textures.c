@@ -43,7 +43,7 @@ static void compute(const nqm_map_node *node, double (*values)[4], double *v) {
             v[c] = atan2(a[c], b[c]);
             break;
         case NQM_MAP_NORMAL:
-            v[c] = (2 * a[c] - 1) * (c < 2 ? b[0] : 1);
+            v[c] = (2 * a[c] - 1) * (c < 2 ? b[c] : 1);
             break;
         default:
             fail_msg("operation %d", (int)node->op);
