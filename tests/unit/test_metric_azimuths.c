@@ -48,7 +48,10 @@ static void pictures_are_those_of_the_scene(void **state) {
                  {brushed, turned, 0.5},
                  {"ggx:alpha=.001;f0=.9", "ggx:alpha=.001;f0=.8", 0.05},
                  {"ggx:alpha=.01,.05;f0=.9", "ggx:alpha=.02;f0=.9", 0.1},
-                 {plain, "tilt:deg=5;azimuth=40;of=ggx:kd=.1;ks=1;alpha=.15;f0=.9,.6,.3", 0.8}};
+                 {plain, "tilt:deg=5;azimuth=40;of=ggx:kd=.1;ks=1;alpha=.15;f0=.9,.6,.3", 1.8},
+                 {"ggx:alpha=.001;f0=.9", "tilt:deg=.5;azimuth=30;of=ggx:alpha=.001;f0=.9", 0.5},
+                 {"tilt:deg=20;azimuth=30;of=gltf:base_color=.6,.58,.5;metallic=0;roughness=.4",
+                  "tilt:deg=20;azimuth=30;of=gltf:base_color=.59,.575,.49;metallic=0;roughness=.4", 0.05}};
     nqm_scene_options o = studio_scene();
     nqm_model *model = make_model();
     o.n_points = 64;
