@@ -13,7 +13,7 @@ static void check_maps(const nqm_textured *t) {
     for (size_t i = 0; i < t->n_nodes; ++i) {
         const nqm_map_node *node = &t->nodes[i];
         must(node->op < NQM_MAP_OPS && node->n >= 1 && node->n <= 4);
-        for (size_t k = 0; k < nqm_map_operands(node->op, node->n); ++k)
+        for (size_t k = 0; k < nqm_graph_operands(node->op, node->n); ++k)
             must(node->in[k] < i);
         must(node->op != NQM_MAP_IMAGE || node->image < t->n_images);
         for (size_t c = 0; c < 6; ++c)

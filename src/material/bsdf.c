@@ -22,7 +22,7 @@ nqm_status nqm_bsdf_add(nqm_bsdf_nodes *nodes, const nqm_bsdf_node *node, const 
     char **texts[] = {&copy->type, &copy->name, &copy->id, &copy->value};
     for (size_t i = 0; i < sizeof texts / sizeof *texts; ++i)
         *texts[i] = *texts[i] ? *texts[i] : "";
-    nqm_status status = nqm_copy_texts(sizeof texts / sizeof *texts, texts, err);
+    nqm_status status = nqm_texts_copy(sizeof texts / sizeof *texts, texts, err);
     nodes->n += status == NQM_OK;
     return status;
 }
@@ -48,7 +48,7 @@ const nqm_bsdf_node *nqm_bsdf_next(const nqm_bsdf_nodes *nodes, size_t parent, c
 }
 
 nqm_bsdf_kind nqm_bsdf_kind_of(const nqm_bsdf_word *kinds, const char *word) {
-    while (kinds->words && !nqm_has_word(kinds->words, word, false))
+    while (kinds->words && !nqm_words_have(kinds->words, word, false))
         ++kinds;
     return kinds->words ? kinds->kind : NQM_BSDF_OTHER;
 }
@@ -177,17 +177,17 @@ const nqm_bsdf_node *nqm_bsdf_filename(nqm_bsdf_reading *r) {
 
 bool nqm_bsdf_is_float_image(const char *file) {
     const char *dot = strrchr(file, '.');
-    return dot && nqm_has_word(".exr .hdr .rgbe .pfm", dot, true);
+    return dot && nqm_words_have(".exr .hdr .rgbe .pfm", dot, true);
 }
 
 bool nqm_bsdf_image(nqm_bsdf_reading *r, const nqm_bsdf_node *file, const char *space, const double uv[2][3],
                     nqm_map_wrap wrap, uint16_t *value_ret) {
     nqm_textured *t = r->reading.textured;
     size_t image;
-    if (!nqm_map_add_file(t, r->path, file->value, space, &image))
+    if (!nqm_graph_add_file(t, r->path, file->value, space, &image))
         return nqm_refuse(&r->reading, file, "%s: more than %d images, or memory is short", file->value,
                           NQM_MAX_MAP_IMAGES);
-    *value_ret = nqm_map_image_at(t, image, 3, uv, (const uint8_t[2]){(uint8_t)wrap, (uint8_t)wrap});
+    *value_ret = nqm_graph_image_at(t, image, 3, uv, (const uint8_t[2]){(uint8_t)wrap, (uint8_t)wrap});
     return true;
 }
 
@@ -195,22 +195,22 @@ bool nqm_bsdf_output(nqm_bsdf_reading *r, const char *key, uint16_t value) {
     nqm_textured *t = r->reading.textured;
     const bool is_normal = strcmp(key, "normal") == 0;
     if (is_normal)
-        t->normal = value = nqm_map_with(t, NQM_MAP_NORMAL, 3, value, 1);
+        t->normal = value = nqm_graph_with(t, NQM_MAP_NORMAL, 3, value, 1);
     if (value == NQM_NO_NODE)
         return nqm_refuse(&r->reading, &r->nodes->list[r->at],
                           "%s: it is not finite, its textures need more than %d operations, or memory is short", key,
                           NQM_MAX_MAP_NODES);
-    if (nqm_map_is_constant(t, value))
+    if (nqm_graph_is_constant(t, value))
         nqm_shading_set(&r->reading.shading, key, t->nodes[value].n, t->nodes[value].v);
     else if (!is_normal)
-        nqm_map_output_set(t, key, value);
+        nqm_graph_output_set(t, key, value);
     return true;
 }
 
 /* ---- types ------------------------------------------------------------------------------------------------------- */
 
 const nqm_bsdf_plugin *nqm_bsdf_find_plugin(const nqm_bsdf_plugin *plugins, const char *type) {
-    while (plugins->type && !nqm_has_word(plugins->type, type, false))
+    while (plugins->type && !nqm_words_have(plugins->type, type, false))
         ++plugins;
     return plugins->type ? plugins : NULL;
 }

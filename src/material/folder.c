@@ -44,15 +44,15 @@ static nqm_status add_map(nqm_textured *t, const nqm_rule *key, const char *from
     const char *dot = strrchr(file, '.');
     const bool is_coded = key && key->n == 3 && !(dot && strcasecmp(dot, ".exr") == 0);
     size_t image;
-    if (!nqm_map_add_file(t, from, file, is_coded ? "srgb_texture" : "", &image))
+    if (!nqm_graph_add_file(t, from, file, is_coded ? "srgb_texture" : "", &image))
         return nqm_fail(err, NQM_ERR_NOMEM, -1, "%s: out of memory, or more than %d maps", file, NQM_MAX_MAP_IMAGES);
-    uint16_t node = nqm_map_image_at(t, image, channel == 3 ? 4 : 3, NULL, NULL);
+    uint16_t node = nqm_graph_image_at(t, image, channel == 3 ? 4 : 3, NULL, NULL);
     if (key) {
-        node = key->n == 1 ? nqm_map_channel(t, node, channel) : node;
-        nqm_map_output_set(t, key->key, node);
+        node = key->n == 1 ? nqm_graph_channel(t, node, channel) : node;
+        nqm_graph_output_set(t, key->key, node);
     } else {
         const double scale[2] = {1, channel ? -1 : 1};
-        t->normal = node = nqm_map_compute(t, NQM_MAP_NORMAL, 3, node, nqm_map_value(t, 2, scale), 0);
+        t->normal = node = nqm_graph_compute(t, NQM_MAP_NORMAL, 3, node, nqm_graph_value(t, 2, scale), 0);
     }
     return node == NQM_NO_NODE ? nqm_fail_nomem(err, sizeof *t->nodes) : NQM_OK;
 }
@@ -138,7 +138,7 @@ enum { N_NAMES = sizeof map_names / sizeof *map_names };
 /* "_" and the name of a file in lower case, with '_' for '-' and blanks, without its extension and resolution. false: no picture. */
 static bool simplify(const char *file, char *name, size_t n_name) {
     const char *dot = strrchr(file, '.');
-    if (!dot || !nqm_has_word("png jpg jpeg exr", dot + 1, true))
+    if (!dot || !nqm_words_have("png jpg jpeg exr", dot + 1, true))
         return false;
     snprintf(name, n_name, "_%.*s", (int)(dot - file), file);
     for (char *c = name; *c; ++c)
@@ -152,7 +152,7 @@ static bool simplify(const char *file, char *name, size_t n_name) {
 static bool is_named(const char *file, const struct map_name *map) {
     char name[300];
     const char *end = simplify(file, name, sizeof name) ? strchr(name, '_') : NULL;
-    while (end && !nqm_has_word(map->endings, end + 1, false))
+    while (end && !nqm_words_have(map->endings, end + 1, false))
         end = strchr(end + 1, '_');
     return end != NULL;
 }

@@ -183,7 +183,7 @@ static bool add_image(nqm_gltf_document *d, const json_t *texture, const char *s
         return false;
     if (uri && !is_data(uri)) {
         char *name = decode_name(d, uri);
-        const bool is_added = name && nqm_map_add_file(t, d->path, name, space, image_ret);
+        const bool is_added = name && nqm_graph_add_file(t, d->path, name, space, image_ret);
         nqm_free(name);
         return is_added;
     }
@@ -193,7 +193,7 @@ static bool add_image(nqm_gltf_document *d, const json_t *texture, const char *s
     if (uri ? !decode_data(d, uri, 0, SIZE_MAX, &result) : !read_view(d, image, &result))
         return false;
     result.name = nqm_strdup(text);
-    return nqm_map_add_image(t, result, image_ret);
+    return nqm_graph_add_image(t, result, image_ret);
 }
 
 /* ---- textures ---------------------------------------------------------------------------------------------------- */
@@ -247,7 +247,7 @@ static bool read_texture(nqm_gltf_document *d, const json_t *info, size_t n, con
         !read_transform(d, transform, uv) || !read_wrap(d, texture, wrap) || !add_image(d, texture, space, t, &image))
         return false;
     d->has_other_set |= set > 0;
-    *node = nqm_map_image_at(t, image, n, uv, wrap);
+    *node = nqm_graph_image_at(t, image, n, uv, wrap);
     return true;
 }
 
@@ -277,10 +277,10 @@ static const struct texture_use {
 /* Red and green are the direction of the anisotropy from -1 to 1, as a normal has them, which anisotropyRotation turns. */
 static uint16_t turn(nqm_textured *t, uint16_t image, const nqm_shading *shading) {
     double rotation[3];
-    const uint16_t direction = nqm_map_with(t, NQM_MAP_NORMAL, 3, image, 1);
-    const uint16_t x = nqm_map_channel(t, direction, 0), y = nqm_map_channel(t, direction, 1);
+    const uint16_t direction = nqm_graph_with(t, NQM_MAP_NORMAL, 3, image, 1);
+    const uint16_t x = nqm_graph_channel(t, direction, 0), y = nqm_graph_channel(t, direction, 1);
     find_factor(shading, "anisotropy_rotation", rotation);
-    return nqm_map_with(t, NQM_MAP_ADD, 1, nqm_map_compute(t, NQM_MAP_ANGLE, 1, y, x, 0), rotation[0]);
+    return nqm_graph_with(t, NQM_MAP_ADD, 1, nqm_graph_compute(t, NQM_MAP_ANGLE, 1, y, x, 0), rotation[0]);
 }
 
 static bool add_normal(nqm_gltf_document *d, const json_t *info, nqm_textured *t) {
@@ -291,7 +291,7 @@ static bool add_normal(nqm_gltf_document *d, const json_t *info, nqm_textured *t
         return fail(d, "'scale' needs a number");
     if (!read_texture(d, info, 3, "", t, &image))
         return false;
-    t->normal = nqm_map_with(t, NQM_MAP_NORMAL, 3, image, scale);
+    t->normal = nqm_graph_with(t, NQM_MAP_NORMAL, 3, image, scale);
     return t->normal != NQM_NO_NODE;
 }
 
@@ -313,11 +313,11 @@ bool nqm_gltf_add_texture(nqm_gltf_document *d, const char *name, const json_t *
             continue;
         if (!read_texture(d, info, use->n, use->space, t, &image))
             return false;
-        node = n == 3 ? image : nqm_map_channel(t, image, use->channel);
-        node = nqm_map_compute(t, NQM_MAP_MULTIPLY, n, node, nqm_map_value(t, n, factor), 0);
-        nqm_map_output_set(t, use->key, node);
+        node = n == 3 ? image : nqm_graph_channel(t, image, use->channel);
+        node = nqm_graph_compute(t, NQM_MAP_MULTIPLY, n, node, nqm_graph_value(t, n, factor), 0);
+        nqm_graph_output_set(t, use->key, node);
         if (strcmp(name, "anisotropyTexture") == 0)
-            nqm_map_output_set(t, "anisotropy_rotation", node = turn(t, image, shading));
+            nqm_graph_output_set(t, "anisotropy_rotation", node = turn(t, image, shading));
         if (node == NQM_NO_NODE)
             return false;
     }

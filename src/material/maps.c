@@ -39,7 +39,7 @@ void nqm_textured_prune(nqm_textured *t) {
     for (size_t i = 0; i < t->n_outputs; ++i)
         is_used[t->outputs[i].node] = true;
     for (size_t i = t->n_nodes; i-- > 0;) {
-        for (size_t k = 0; is_used[i] && k < nqm_map_operands(t->nodes[i].op, t->nodes[i].n); ++k)
+        for (size_t k = 0; is_used[i] && k < nqm_graph_operands(t->nodes[i].op, t->nodes[i].n); ++k)
             is_used[t->nodes[i].in[k]] = true;
         if (is_used[i] && t->nodes[i].op == NQM_MAP_IMAGE)
             is_seen[t->nodes[i].image] = true;
@@ -56,7 +56,7 @@ void nqm_textured_prune(nqm_textured *t) {
         number[i] = (uint16_t)n;
         if (!is_used[i])
             continue;
-        for (size_t k = 0; k < nqm_map_operands(node.op, node.n); ++k)
+        for (size_t k = 0; k < nqm_graph_operands(node.op, node.n); ++k)
             node.in[k] = number[node.in[k]];
         node.image = node.op == NQM_MAP_IMAGE ? image_number[node.image] : 0;
         t->nodes[n++] = node;
@@ -71,7 +71,7 @@ void nqm_textured_prune(nqm_textured *t) {
 /* ---- nodes ------------------------------------------------------------------------------------------------------- */
 
 #define N_OPERANDS(NAME, N, VALUE) [NQM_MAP_##NAME] = N,
-size_t nqm_map_operands(nqm_map_op op, size_t n) {
+size_t nqm_graph_operands(nqm_map_op op, size_t n) {
     static const unsigned char counts[NQM_MAP_OPS] = {
         NQM_MAP_COMPONENT_OPS(N_OPERANDS)[NQM_MAP_CHANNEL] = 1, [NQM_MAP_LUMINANCE] = 1, [NQM_MAP_RGB_TO_HSV] = 1,
         [NQM_MAP_HSV_TO_RGB] = 1, [NQM_MAP_NORMAL] = 2};
@@ -97,7 +97,7 @@ static uint16_t append(nqm_textured *t, const nqm_map_node *node) {
     return (uint16_t)t->n_nodes++;
 }
 
-bool nqm_map_is_constant(const nqm_textured *t, uint16_t node) {
+bool nqm_graph_is_constant(const nqm_textured *t, uint16_t node) {
     return node != NQM_NO_NODE && t->nodes[node].op == NQM_MAP_VALUE;
 }
 
@@ -113,63 +113,63 @@ static bool is_neutral(const nqm_textured *t, const nqm_map_node *node) {
     return is;
 }
 
-uint16_t nqm_map_add(nqm_textured *t, nqm_map_node node) {
-    const size_t n_operands = nqm_map_operands(node.op, node.n);
+uint16_t nqm_graph_add(nqm_textured *t, nqm_map_node node) {
+    const size_t n_operands = nqm_graph_operands(node.op, node.n);
     nqm_map_node local = node;
     double values[4][4], v[4];
     bool is_constant = n_operands > 0, is_finite = true;
     for (size_t i = 0; i < n_operands; ++i) {
         if (node.in[i] == NQM_NO_NODE)
             return NQM_NO_NODE;
-        is_constant = is_constant && nqm_map_is_constant(t, node.in[i]);
+        is_constant = is_constant && nqm_graph_is_constant(t, node.in[i]);
         if (is_constant)
-            nqm_map_node_value(&t->nodes[node.in[i]], NULL, values[i]);
+            nqm_graph_node_value(&t->nodes[node.in[i]], NULL, values[i]);
         local.in[i] = (uint16_t)i;
     }
     for (size_t i = n_operands; i < 4; ++i)
         node.in[i] = 0;
     if (!is_constant)
         return n_operands && is_neutral(t, &node) ? node.in[0] : append(t, &node);
-    nqm_map_node_value(&local, (const double(*)[4])values, v);
+    nqm_graph_node_value(&local, (const double(*)[4])values, v);
     for (size_t c = 0; c < node.n; ++c)
         is_finite = is_finite && isfinite(v[c]);
-    return is_finite ? nqm_map_value(t, node.n, v) : NQM_NO_NODE;
+    return is_finite ? nqm_graph_value(t, node.n, v) : NQM_NO_NODE;
 }
 
-uint16_t nqm_map_value(nqm_textured *t, size_t n, const double *v) {
+uint16_t nqm_graph_value(nqm_textured *t, size_t n, const double *v) {
     nqm_map_node node = {.op = NQM_MAP_VALUE, .n = (uint8_t)n};
     memcpy(node.v, v, n * sizeof *v);
     return append(t, &node);
 }
 
-uint16_t nqm_map_number(nqm_textured *t, double v) {
-    return nqm_map_value(t, 1, &v);
+uint16_t nqm_graph_number(nqm_textured *t, double v) {
+    return nqm_graph_value(t, 1, &v);
 }
 
-uint16_t nqm_map_compute(nqm_textured *t, nqm_map_op op, size_t n, uint16_t a, uint16_t b, uint16_t c) {
-    return nqm_map_add(t, (nqm_map_node){.op = op, .n = (uint8_t)n, .in = {a, b, c}});
+uint16_t nqm_graph_compute(nqm_textured *t, nqm_map_op op, size_t n, uint16_t a, uint16_t b, uint16_t c) {
+    return nqm_graph_add(t, (nqm_map_node){.op = op, .n = (uint8_t)n, .in = {a, b, c}});
 }
 
-uint16_t nqm_map_with(nqm_textured *t, nqm_map_op op, size_t n, uint16_t a, double b) {
-    return nqm_map_compute(t, op, n, a, nqm_map_number(t, b), 0);
+uint16_t nqm_graph_with(nqm_textured *t, nqm_map_op op, size_t n, uint16_t a, double b) {
+    return nqm_graph_compute(t, op, n, a, nqm_graph_number(t, b), 0);
 }
 
-uint16_t nqm_map_channel(nqm_textured *t, uint16_t of, size_t c) {
+uint16_t nqm_graph_channel(nqm_textured *t, uint16_t of, size_t c) {
     if (of == NQM_NO_NODE || t->nodes[of].n == 1)
         return of;
-    return nqm_map_add(t, (nqm_map_node){.op = NQM_MAP_CHANNEL, .n = 1, .in = {of}, .v = {(double)c}});
+    return nqm_graph_add(t, (nqm_map_node){.op = NQM_MAP_CHANNEL, .n = 1, .in = {of}, .v = {(double)c}});
 }
 
-uint16_t nqm_map_image_at(nqm_textured *t, size_t image, size_t n, const double uv[2][3], const uint8_t wrap[2]) {
+uint16_t nqm_graph_image_at(nqm_textured *t, size_t image, size_t n, const double uv[2][3], const uint8_t wrap[2]) {
     nqm_map_node node = {.op = NQM_MAP_IMAGE, .n = (uint8_t)n, .image = (uint16_t)image, .uv = {{1, 0, 0}, {0, 1, 0}}};
     if (uv)
         memcpy(node.uv, uv, sizeof node.uv);
     if (wrap)
         memcpy(node.wrap, wrap, sizeof node.wrap);
-    return nqm_map_add(t, node);
+    return nqm_graph_add(t, node);
 }
 
-void nqm_map_output_set(nqm_textured *t, const char *key, uint16_t node) {
+void nqm_graph_output_set(nqm_textured *t, const char *key, uint16_t node) {
     size_t i = 0;
     while (i < t->n_outputs && strcmp(t->outputs[i].key, key) != 0)
         ++i;
@@ -182,10 +182,10 @@ void nqm_map_output_set(nqm_textured *t, const char *key, uint16_t node) {
 
 /* ---- images ------------------------------------------------------------------------------------------------------ */
 
-bool nqm_map_add_file(nqm_textured *t, const char *from, const char *name, const char *space, size_t *image_ret) {
+bool nqm_graph_add_file(nqm_textured *t, const char *from, const char *name, const char *space, size_t *image_ret) {
     nqm_map_image image = {.path = nqm_path_beside(from, name), .name = nqm_strdup(name)};
     snprintf(image.space, sizeof image.space, "%s", space ? space : "");
-    return nqm_map_add_image(t, image, image_ret);
+    return nqm_graph_add_image(t, image, image_ret);
 }
 
 /* The same file, or the same part of one: names of images inside of a file tell which one it is. */
@@ -194,7 +194,7 @@ static bool is_same_image(const nqm_map_image *a, const nqm_map_image *b) {
            strcmp(a->name, b->name) == 0 && strcmp(a->space, b->space) == 0;
 }
 
-bool nqm_map_add_image(nqm_textured *t, nqm_map_image image, size_t *image_ret) {
+bool nqm_graph_add_image(nqm_textured *t, nqm_map_image image, size_t *image_ret) {
     const bool is_whole = image.name && (image.path || image.data);
     size_t i = 0;
     while (is_whole && i < t->n_images && !is_same_image(&t->images[i], &image))
@@ -271,9 +271,9 @@ static void normal(const double a[4], const double scale[4], double out[4]) {
         out[c] = length > 0 && has_value ? out[c] / length : c == 2;
 }
 
-void nqm_map_node_value(const nqm_map_node *node, const double (*values)[4], double out[4]) {
+void nqm_graph_node_value(const nqm_map_node *node, const double (*values)[4], double out[4]) {
     static const double zero[4];
-    const size_t n_operands = nqm_map_operands(node->op, node->n), n = node->n;
+    const size_t n_operands = nqm_graph_operands(node->op, node->n), n = node->n;
     const double *in[4] = {zero, zero, zero, zero};
     for (size_t i = 0; i < n_operands; ++i)
         in[i] = values[node->in[i]];

@@ -109,33 +109,33 @@ void nqm_textured_prune(nqm_textured *textured);
 /** Append a node, or find the equal one that is there already. Constants are computed at once, and a factor of 1 or a sum with 0
  *  is its first operand. NQM_NO_NODE: out of memory, more than NQM_MAX_MAP_NODES, or a constant that is not finite; then, and where an
  *  operand is NQM_NO_NODE, this is the result of all that follows, so that readers need to check the last node only. */
-uint16_t nqm_map_add(nqm_textured *t, nqm_map_node node);
+uint16_t nqm_graph_add(nqm_textured *t, nqm_map_node node);
 /** A constant of n components. */
-uint16_t nqm_map_value(nqm_textured *t, size_t n, const double *v);
+uint16_t nqm_graph_value(nqm_textured *t, size_t n, const double *v);
 /** A constant number. */
-uint16_t nqm_map_number(nqm_textured *t, double v);
+uint16_t nqm_graph_number(nqm_textured *t, double v);
 /** A node with up to three operands; others are ignored. n: components of the value. */
-uint16_t nqm_map_compute(nqm_textured *t, nqm_map_op op, size_t n, uint16_t a, uint16_t b, uint16_t c);
+uint16_t nqm_graph_compute(nqm_textured *t, nqm_map_op op, size_t n, uint16_t a, uint16_t b, uint16_t c);
 /** A node whose second operand is a number. */
-uint16_t nqm_map_with(nqm_textured *t, nqm_map_op op, size_t n, uint16_t a, double b);
+uint16_t nqm_graph_with(nqm_textured *t, nqm_map_op op, size_t n, uint16_t a, double b);
 /** Whether the node is a constant. */
-bool nqm_map_is_constant(const nqm_textured *t, uint16_t node);
+bool nqm_graph_is_constant(const nqm_textured *t, uint16_t node);
 /** How many operands a node with this operation and n components has. */
-size_t nqm_map_operands(nqm_map_op op, size_t n);
+size_t nqm_graph_operands(nqm_map_op op, size_t n);
 /** The value of a node at one position, also beyond its n components, where it repeats the last one.
  *  values (4 each): of the earlier nodes, repeated likewise. The caller evaluates NQM_MAP_IMAGE and NQM_MAP_TEXCOORD itself. */
-void nqm_map_node_value(const nqm_map_node *node, const double (*values)[4], double out[4]);
+void nqm_graph_node_value(const nqm_map_node *node, const double (*values)[4], double out[4]);
 /** Component c of a node; the node itself if it has only one. */
-uint16_t nqm_map_channel(nqm_textured *t, uint16_t of, size_t c);
+uint16_t nqm_graph_channel(nqm_textured *t, uint16_t of, size_t c);
 /** An image, of n channels. uv, wrap: as in nqm_map_node; NULL: the positions of the surface, repeated. */
-uint16_t nqm_map_image_at(nqm_textured *t, size_t image, size_t n, const double uv[2][3], const uint8_t wrap[2]);
+uint16_t nqm_graph_image_at(nqm_textured *t, size_t image, size_t n, const double uv[2][3], const uint8_t wrap[2]);
 /** Add an image of a file named by the material file `from`, or find it; name is relative to its folder, or absolute. false: out of
  *  memory, or more than NQM_MAX_MAP_IMAGES. */
-bool nqm_map_add_file(nqm_textured *t, const char *from, const char *name, const char *space, size_t *image_ret);
+bool nqm_graph_add_file(nqm_textured *t, const char *from, const char *name, const char *space, size_t *image_ret);
 /** Add any image; takes its path, data and name, also on failure. A NULL of what it needs is a failure. */
-bool nqm_map_add_image(nqm_textured *t, nqm_map_image image, size_t *image_ret);
+bool nqm_graph_add_image(nqm_textured *t, nqm_map_image image, size_t *image_ret);
 /** Let a key have the value of a node. */
-void nqm_map_output_set(nqm_textured *t, const char *key, uint16_t node);
+void nqm_graph_output_set(nqm_textured *t, const char *key, uint16_t node);
 
 /** A folder of maps, or "maps:base_color=a.png;roughness=b.png;model=gltf". NQM_ERR_ARG, NQM_ERR_IO, NQM_ERR_NOMEM */
 NQM_MUST_CHECK nqm_status nqm_maps_open(const char *folder_or_spec, nqm_textured **textured_ret, nqm_error *err);

@@ -48,7 +48,7 @@ void nqm_materials_free(nqm_materials *materials) {
     nqm_free(materials);
 }
 
-nqm_status nqm_copy_texts(size_t n, char **const *texts, nqm_error *err) {
+nqm_status nqm_texts_copy(size_t n, char **const *texts, nqm_error *err) {
     enum { MAX_TEXTS = 5 };
     nqm_array arrays[MAX_TEXTS] = {{.pointer = NULL}};
     char *blocks[MAX_TEXTS];
@@ -77,7 +77,7 @@ nqm_status nqm_materials_add(nqm_materials *materials, const nqm_material_info *
         return nqm_fail_nomem(err, (materials->n + 1) * sizeof *list);
     materials->list = list;
     const char **texts[] = {&copy.name, &copy.surface, &copy.spec, &copy.refusal, &copy.remark};
-    nqm_status status = nqm_copy_texts(sizeof texts / sizeof *texts, (char **const *)texts, err);
+    nqm_status status = nqm_texts_copy(sizeof texts / sizeof *texts, (char **const *)texts, err);
     if (status == NQM_OK)
         list[materials->n++] = (struct entry){.info = copy};
     return status;
@@ -211,7 +211,7 @@ size_t nqm_find_word(const char *words, const char *word, bool any_case) {
     return SIZE_MAX;
 }
 
-bool nqm_has_word(const char *words, const char *word, bool any_case) {
+bool nqm_words_have(const char *words, const char *word, bool any_case) {
     return nqm_find_word(words, word, any_case) != SIZE_MAX;
 }
 
@@ -222,7 +222,7 @@ static nqm_status select_format(const char *model, const char *path, const nqm_m
     char all[512] = "";
     size_t used = 0;
     for (const nqm_material_format *const *f = formats; *f; ++f) {
-        if (dot && nqm_has_word((*f)->extensions, dot, true) && nqm_has_word((*f)->models, model, false)) {
+        if (dot && nqm_words_have((*f)->extensions, dot, true) && nqm_words_have((*f)->models, model, false)) {
             *format_ret = *f;
             return NQM_OK;
         }

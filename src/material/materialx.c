@@ -72,7 +72,7 @@ static bool read_values(nqm_reading *base, const nqm_rule *rule, const void *pro
     const uint16_t node = read_node(r, rule, property);
     if (node == NQM_NO_NODE)
         return false;
-    if (!nqm_map_is_constant(r->graph.t, node))
+    if (!nqm_graph_is_constant(r->graph.t, node))
         return nqm_refuse(base, property, "%s", describe(r, rule));
     memcpy(v, r->graph.t->nodes[node].v, sizeof r->graph.t->nodes[node].v);
     return true;
@@ -97,7 +97,7 @@ static const nqm_rule_source source = {.term = "input", .find = find_input, .rea
 /* The node of an input that is no constant; NQM_NO_NODE: it is one, or refused. */
 static uint16_t read_map(reading *r, const nqm_rule *rule, element *input) {
     const uint16_t node = read_node(r, rule, input);
-    return nqm_map_is_constant(r->graph.t, node) ? NQM_NO_NODE : node;
+    return nqm_graph_is_constant(r->graph.t, node) ? NQM_NO_NODE : node;
 }
 
 bool nqm_mtlx_read_key(nqm_reading *base, const nqm_rule *rule, const void *property) {
@@ -106,7 +106,7 @@ bool nqm_mtlx_read_key(nqm_reading *base, const nqm_rule *rule, const void *prop
     double v[4];
     size_t n;
     if (node != NQM_NO_NODE) {
-        nqm_map_output_set(r->graph.t, rule->key, node);
+        nqm_graph_output_set(r->graph.t, rule->key, node);
         return nqm_vary(base, property, "%s", describe(r, rule));
     }
     if (!read_values(base, rule, property, v, &n))
@@ -116,7 +116,8 @@ bool nqm_mtlx_read_key(nqm_reading *base, const nqm_rule *rule, const void *prop
             return nqm_refuse(base, property, "%s is outside BT.709: %.4g %.4g %.4g", rule->name, v[0], v[1], v[2]);
         v[c] = fmax(v[c], 0);
     }
-    if (!(v[0] > 0) && nqm_is_text(rule->name, "specular_ior")) /* of OpenPBR; MaterialX's velvet has specular_IOR 0 */
+    if (!(v[0] > 0) &&
+        nqm_texts_equal(rule->name, "specular_ior")) /* of OpenPBR; MaterialX's velvet has specular_IOR 0 */
         return nqm_refuse(base, property, "%s is %.4g; an index of refraction is above 0", rule->name, v[0]);
     nqm_shading_set(&base->shading, rule->key, n, v);
     return true;
@@ -125,7 +126,7 @@ bool nqm_mtlx_read_key(nqm_reading *base, const nqm_rule *rule, const void *prop
 /* The node of a normal; 0, 0, 1 is NQM_NO_NODE. false: refused. UsdPreviewSurface takes the vector in the frame of the tangent, the
  * other surfaces take what a node normalmap makes of it. */
 static bool read_normal(reading *r, const nqm_rule *rule, element *input, uint16_t *node_ret) {
-    const bool is_usd = nqm_is_text(r->surface->model, "usd-preview");
+    const bool is_usd = nqm_texts_equal(r->surface->model, "usd-preview");
     nqm_textured *t = r->graph.t;
     *node_ret = NQM_NO_NODE;
     uint16_t node = nqm_mtlx_read(&r->graph, input, rule->name, "vector3");
@@ -137,8 +138,8 @@ static bool read_normal(reading *r, const nqm_rule *rule, element *input, uint16
     if (value.n != 3 || value.op == NQM_MAP_VALUE || (!is_usd && value.op != NQM_MAP_NORMAL))
         return nqm_refuse(&r->reading, input, "%s changes the normal, and not by a normal map", rule->name);
     if (is_usd) {
-        node = nqm_map_with(t, NQM_MAP_ADD, 3, nqm_map_with(t, NQM_MAP_MULTIPLY, 3, node, 0.5), 0.5);
-        node = nqm_map_with(t, NQM_MAP_NORMAL, 3, node, 1);
+        node = nqm_graph_with(t, NQM_MAP_ADD, 3, nqm_graph_with(t, NQM_MAP_MULTIPLY, 3, node, 0.5), 0.5);
+        node = nqm_graph_with(t, NQM_MAP_NORMAL, 3, node, 1);
     }
     *node_ret = node;
     return node != NQM_NO_NODE || nqm_refuse(&r->reading, input, "%s: its graph needs too many nodes", rule->name);
@@ -168,9 +169,9 @@ static bool check_coat_normal(reading *r) {
         const nqm_property *weight = nqm_shading_find(&r->reading.shading, weights[i]);
         has_coat = has_coat || (weight && weight->v[0] > 0);
         for (size_t k = 0; k < r->graph.t->n_outputs; ++k)
-            has_coat = has_coat || nqm_is_text(weights[i], r->graph.t->outputs[k].key);
+            has_coat = has_coat || nqm_texts_equal(weights[i], r->graph.t->outputs[k].key);
     }
-    if (r->coat_normal_node == base || !has_coat || nqm_is_text(r->surface->model, "usd-preview"))
+    if (r->coat_normal_node == base || !has_coat || nqm_texts_equal(r->surface->model, "usd-preview"))
         return true;
     if (r->coat_normal_node != NQM_NO_NODE)
         return nqm_refuse(&r->reading, r->coat_normal, "%s changes the normal of the coat alone; a BRDF has one normal",
@@ -225,7 +226,7 @@ static void set_defaults(reading *r) {
         if (rule->key)
             nqm_shading_set(shading, rule->key, rule->n, (double[]){rule->value, rule->value, rule->value});
     if (strcmp(r->surface->node, "standard_surface") == 0 &&
-        (nqm_is_text(version, "1.0.0") || nqm_is_text(definition, "ND_standard_surface_surfaceshader_100"))) {
+        (nqm_texts_equal(version, "1.0.0") || nqm_texts_equal(definition, "ND_standard_surface_surfaceshader_100"))) {
         nqm_shading_set(shading, "base", 1, (double[]){0.8});
         nqm_shading_set(shading, "base_color", 3, (double[]){1, 1, 1});
     }

@@ -56,7 +56,7 @@ bool nqm_mtlx_is_connected(const struct nqm_xml_element *e);
 /** Whether an input is connected or has a value itself. */
 bool nqm_mtlx_has_value(const struct nqm_xml_element *e);
 /** false for NULL. */
-static inline bool nqm_is_text(const char *a, const char *b) {
+static inline bool nqm_texts_equal(const char *a, const char *b) {
     return a && strcmp(a, b) == 0;
 }
 /** Add to the remark on the material. */

@@ -115,13 +115,13 @@ bool nqm_mtlx_has_value(element *e) {
 static size_t components(const char *type) {
     static const char *const names[] = {"float integer boolean", "vector2", "color3 vector3", "color4 vector4"};
     for (size_t n = 0; type && n < 4; ++n)
-        if (nqm_has_word(names[n], type, false))
+        if (nqm_words_have(names[n], type, false))
             return n + 1;
     return 0;
 }
 
 static bool is_color(const char *type) {
-    return nqm_is_text(type, "color3") || nqm_is_text(type, "color4");
+    return nqm_texts_equal(type, "color3") || nqm_texts_equal(type, "color4");
 }
 
 static bool parse_numbers(const char *text, size_t n, double *v) {
@@ -149,7 +149,7 @@ static uint16_t read_constant(graph *g, element *e, const char *type) {
         return REFUSE(g, "%s has the type '%.40s', which is not read", name, type ? type : "");
     if (!text)
         return REFUSE(g, "%s has no value", name);
-    if (nqm_is_text(type, "boolean") && (nqm_is_text(text, "true") || nqm_is_text(text, "false")))
+    if (nqm_texts_equal(type, "boolean") && (nqm_texts_equal(text, "true") || nqm_texts_equal(text, "false")))
         v[0] = *text == 't';
     else if (!parse_numbers(text, n, v))
         return REFUSE(g, "%s needs %s, not '%.40s'", name, counts[n], text);
@@ -158,7 +158,7 @@ static uint16_t read_constant(graph *g, element *e, const char *type) {
     for (size_t c = 0; c < n; ++c)
         if (!isfinite(v[c]))
             return REFUSE(g, "%s is not finite", name);
-    return nqm_map_value(g->t, n, v);
+    return nqm_graph_value(g->t, n, v);
 }
 
 /* ---- programs ------------------------------------------------------------------------------------------------------ */
@@ -183,19 +183,19 @@ static uint16_t resize(nqm_textured *t, uint16_t node, size_t n) {
     if (t->nodes[node].op == NQM_MAP_IMAGE && have == 4 && n == 3) {
         result = t->nodes[node];
         result.n = 3;
-        return nqm_map_add(t, result);
+        return nqm_graph_add(t, result);
     }
     for (size_t c = 0; c < n; ++c)
-        result.in[c] = c < have || have == 1 ? nqm_map_channel(t, node, c) : nqm_map_number(t, c == 3);
-    return n == 1 ? result.in[0] : nqm_map_add(t, result);
+        result.in[c] = c < have || have == 1 ? nqm_graph_channel(t, node, c) : nqm_graph_number(t, c == 3);
+    return n == 1 ? result.in[0] : nqm_graph_add(t, result);
 }
 
 static uint16_t dot_product(nqm_textured *t, uint16_t a, uint16_t b) {
     const size_t n = nqm_larger(width(t, a), width(t, b));
-    const uint16_t product = nqm_map_compute(t, NQM_MAP_MULTIPLY, n, a, b, 0);
-    uint16_t sum = nqm_map_channel(t, product, 0);
+    const uint16_t product = nqm_graph_compute(t, NQM_MAP_MULTIPLY, n, a, b, 0);
+    uint16_t sum = nqm_graph_channel(t, product, 0);
     for (size_t c = 1; c < n; ++c)
-        sum = nqm_map_compute(t, NQM_MAP_ADD, 1, sum, nqm_map_channel(t, product, c), 0);
+        sum = nqm_graph_compute(t, NQM_MAP_ADD, 1, sum, nqm_graph_channel(t, product, c), 0);
     return sum;
 }
 
@@ -204,8 +204,8 @@ static uint16_t join(nqm_textured *t, uint16_t a, uint16_t b) {
     const size_t n_a = width(t, a), n = nqm_smaller(n_a + width(t, b), 4);
     nqm_map_node result = {.op = NQM_MAP_COMBINE, .n = (uint8_t)n};
     for (size_t c = 0; c < n; ++c)
-        result.in[c] = c < n_a ? nqm_map_channel(t, a, c) : nqm_map_channel(t, b, c - n_a);
-    return nqm_map_add(t, result);
+        result.in[c] = c < n_a ? nqm_graph_channel(t, a, c) : nqm_graph_channel(t, b, c - n_a);
+    return nqm_graph_add(t, result);
 }
 
 /* An operation on the last values of the stack, which its result replaces. */
@@ -226,7 +226,7 @@ static uint16_t run_operation(machine *m, char token) {
     size_t o = 0, n = 1;
     while (operations[o].token != token)
         ++o;
-    const size_t n_in = nqm_map_operands(operations[o].op, operations[o].n);
+    const size_t n_in = nqm_graph_operands(operations[o].op, operations[o].n);
     nqm_map_node node = {.op = operations[o].op};
     m->n_stack -= n_in;
     for (size_t i = 0; i < n_in; ++i) {
@@ -234,7 +234,7 @@ static uint16_t run_operation(machine *m, char token) {
         n = nqm_larger(n, width(m->t, node.in[i]));
     }
     node.n = (uint8_t)(operations[o].n ? operations[o].n : n);
-    return nqm_map_add(m->t, node);
+    return nqm_graph_add(m->t, node);
 }
 
 static uint16_t run(machine *m, const char *program);
@@ -243,13 +243,13 @@ static uint16_t run_token(machine *m, char token) {
     if (token >= 'a' && token <= 'p')
         return m->operand[token - 'a'];
     if (token >= '0' && token <= '9')
-        return nqm_map_number(m->t, token - '0');
+        return nqm_graph_number(m->t, token - '0');
     if (token == 'I')
         return m->image;
     if (token == 'P')
-        return nqm_map_number(m->t, 3.14159265358979323846 / 180);
+        return nqm_graph_number(m->t, 3.14159265358979323846 / 180);
     if (token >= 'x' && token <= 'z') /* a component */
-        return nqm_map_channel(m->t, m->stack[--m->n_stack], (size_t)(token - 'x'));
+        return nqm_graph_channel(m->t, m->stack[--m->n_stack], (size_t)(token - 'x'));
     if (!strchr(".&D", token))
         return run_operation(m, token);
     const uint16_t *in = &m->stack[m->n_stack -= 2];
@@ -289,9 +289,9 @@ static machine read_operands(graph *g, element *node, const char *operands) {
         if (input && nqm_mtlx_has_value(input))
             m.operand[m.n_operands++] = read(g, input, nqm_xml_get(node, "type"));
         else if (*value == '@')
-            m.operand[m.n_operands++] = nqm_map_add(g->t, (nqm_map_node){.op = NQM_MAP_TEXCOORD, .n = 2});
+            m.operand[m.n_operands++] = nqm_graph_add(g->t, (nqm_map_node){.op = NQM_MAP_TEXCOORD, .n = 2});
         else
-            m.operand[m.n_operands++] = nqm_map_value(g->t, nqm_parse_numbers(value, 4, v), v);
+            m.operand[m.n_operands++] = nqm_graph_value(g->t, nqm_parse_numbers(value, 4, v), v);
     }
     return m;
 }
@@ -321,7 +321,7 @@ static bool find_affine(const nqm_textured *t, uint16_t uv, double affine[2][3])
             for (size_t c = 0; c < 4; ++c)
                 values[i][c] = at[is_image ? 2 : c > 0];
             if (!is_image && t->nodes[i].op != NQM_MAP_TEXCOORD)
-                nqm_map_node_value(&t->nodes[i], (const double(*)[4])values, values[i]);
+                nqm_graph_node_value(&t->nodes[i], (const double(*)[4])values, values[i]);
         }
         for (size_t c = 0; c < 2; ++c) {
             const double value = values[uv][c], *a = affine[c];
@@ -353,20 +353,20 @@ static bool read_file(graph *g, element *node, const char *type, size_t *image_r
                           "%s: the file of node '%.60s' depends on the geometry ('%.80s'), which is not read", g->name,
                           name_of(node), file);
     const char *prefix = inherited(e, "fileprefix"), *space = is_color(type) ? inherited(e, "colorspace") : NULL;
-    if (source && !nqm_is_text(source, "auto"))
-        space = nqm_is_text(source, "sRGB") ? "srgb_texture" : NULL;
+    if (source && !nqm_texts_equal(source, "auto"))
+        space = nqm_texts_equal(source, "sRGB") ? "srgb_texture" : NULL;
     if (!nqm_color_to_rec709(space, (double[3]){0}))
         return nqm_refuse(g->reading, g->input, "%s is in the colour space '%.40s', which is not known", g->name,
                           space);
     const int n_path = snprintf(path, sizeof path, "%s%s", prefix ? prefix : "", file);
-    return (n_path < (int)sizeof path && nqm_map_add_file(g->t, g->path, path, space, image_ret)) ||
+    return (n_path < (int)sizeof path && nqm_graph_add_file(g->t, g->path, path, space, image_ret)) ||
            nqm_refuse(g->reading, g->input, "%s: its graph has more than %d images, or a name that is too long",
                       g->name, NQM_MAX_MAP_IMAGES);
 }
 
 static uint16_t read_image(graph *g, const node_kind *kind, element *node) {
-    const bool is_usd = nqm_is_text(kind->name, "UsdUVTexture");
-    const char *type = is_usd || nqm_is_text(kind->name, "gltf_colorimage") ? "color4" : nqm_xml_get(node, "type");
+    const bool is_usd = nqm_texts_equal(kind->name, "UsdUVTexture");
+    const char *type = is_usd || nqm_texts_equal(kind->name, "gltf_colorimage") ? "color4" : nqm_xml_get(node, "type");
     machine m = read_operands(g, node, kind->uv_operands);
     const uint16_t uv = run(&m, kind->uv_program);
     size_t image;
@@ -387,14 +387,14 @@ static uint16_t read_image(graph *g, const node_kind *kind, element *node) {
         .uv = {{a[0][0], -a[0][1], a[0][2] + a[0][1]}, {-a[1][0], a[1][1], 1 - a[1][1] - a[1][2]}}};
     if (result.wrap[0] == NQM_MAP_BORDER || result.wrap[1] == NQM_MAP_BORDER) {
         const uint16_t outside = read_operands(g, node, is_usd ? "fallback=0,0,0,1" : "default=0").operand[0];
-        if (!nqm_map_is_constant(g->t, outside))
+        if (!nqm_graph_is_constant(g->t, outside))
             return REFUSE(g, "%s: the value of node '%.60s' beyond its image is no constant", g->name, name_of(node));
-        nqm_map_node_value(&g->t->nodes[outside], NULL, result.v);
+        nqm_graph_node_value(&g->t->nodes[outside], NULL, result.v);
     }
-    if (nqm_is_text(kind->name, "hextiledimage"))
+    if (nqm_texts_equal(kind->name, "hextiledimage"))
         nqm_mtlx_remark(g, "hextiledimage repeats its image without the random offsets of the tiles: the texels are "
                            "the same, their order is not");
-    return nqm_map_add(g->t, result);
+    return nqm_graph_add(g->t, result);
 }
 
 /* One or more channels by their letters. */
@@ -406,21 +406,21 @@ static uint16_t swizzle(graph *g, uint16_t node, const char *letters) {
         const size_t c = found ? (size_t)(found - names) : 0;
         if (!found)
             return REFUSE(g, "%s: '%.40s' are no channels", g->name, letters);
-        result.in[result.n] = c < 8 ? nqm_map_channel(g->t, node, nqm_smaller(c % 4, width(g->t, node) - 1))
-                                    : nqm_map_number(g->t, (double)(c - 8));
+        result.in[result.n] = c < 8 ? nqm_graph_channel(g->t, node, nqm_smaller(c % 4, width(g->t, node) - 1))
+                                    : nqm_graph_number(g->t, (double)(c - 8));
     }
-    return result.n == 0 ? node : result.n == 1 ? result.in[0] : nqm_map_add(g->t, result);
+    return result.n == 0 ? node : result.n == 1 ? result.in[0] : nqm_graph_add(g->t, result);
 }
 
 /* Nodes whose meaning depends on more than their operands. */
 static uint16_t build_channels(graph *g, element *node) {
-    const bool is_swizzle = nqm_is_text(node->name, "swizzle");
-    if (is_swizzle || nqm_is_text(node->name, "extract")) {
+    const bool is_swizzle = nqm_texts_equal(node->name, "swizzle");
+    if (is_swizzle || nqm_texts_equal(node->name, "extract")) {
         const machine m = read_operands(g, node, "in=0 index=0");
         if (is_swizzle)
             return swizzle(g, m.operand[0], read_text(g, node, "channels"));
-        if (nqm_map_is_constant(g->t, m.operand[1]))
-            return nqm_map_channel(g->t, m.operand[0], (size_t)fmin(fmax(g->t->nodes[m.operand[1]].v[0], 0), 3));
+        if (nqm_graph_is_constant(g->t, m.operand[1]))
+            return nqm_graph_channel(g->t, m.operand[0], (size_t)fmin(fmax(g->t->nodes[m.operand[1]].v[0], 0), 3));
     }
     return REFUSE(g, "%s is computed by node '%.60s' (%.40s), which is not evaluated", g->name, name_of(node),
                   node->name);
@@ -430,20 +430,20 @@ static uint16_t build_channels(graph *g, element *node) {
 static bool is_evaluated(const graph *g, element *node) {
     const char *index = read_text(g, node, "index"), *property = read_text(g, node, "geomprop");
     property = property ? property : read_text(g, node, "varname");
-    if (nqm_has_word("geompropvalue UsdPrimvarReader", node->name, false))
-        return property && nqm_has_word("UV0 st uv UVMap map1", property, false);
-    if (nqm_is_text(node->name, "texcoord"))
-        return !index || nqm_is_text(index, "0");
-    return !nqm_is_text(node->name, "normalmap") ||
+    if (nqm_words_have("geompropvalue UsdPrimvarReader", node->name, false))
+        return property && nqm_words_have("UV0 st uv UVMap map1", property, false);
+    if (nqm_texts_equal(node->name, "texcoord"))
+        return !index || nqm_texts_equal(index, "0");
+    return !nqm_texts_equal(node->name, "normalmap") ||
            (!nqm_mtlx_child(g, node, "input", "tangent") && !nqm_mtlx_child(g, node, "input", "bitangent") &&
-            !nqm_mtlx_child(g, node, "input", "normal") && !nqm_is_text(read_text(g, node, "space"), "object"));
+            !nqm_mtlx_child(g, node, "input", "normal") && !nqm_texts_equal(read_text(g, node, "space"), "object"));
 }
 
 /* The value of an output of a node. */
 static uint16_t build(graph *g, element *node, const char *output) {
     const size_t n = components(nqm_xml_get(node, "type")), n_kinds = sizeof kinds / sizeof *kinds;
     size_t k = 0;
-    while (k < n_kinds && !nqm_has_word(kinds[k].name, node->name, false))
+    while (k < n_kinds && !nqm_words_have(kinds[k].name, node->name, false))
         ++k;
     uint16_t result;
     if (k == n_kinds || !is_evaluated(g, node)) {
@@ -455,15 +455,15 @@ static uint16_t build(graph *g, element *node, const char *output) {
         result = run(&m, kinds[k].program);
     }
     result = n ? resize(g->t, result, n) : result;
-    if (!*output || (n > 0 && !nqm_is_text(node->name, "UsdUVTexture")))
+    if (!*output || (n > 0 && !nqm_texts_equal(node->name, "UsdUVTexture")))
         return result;
-    return nqm_has_word("outcolor rgb", output, false)
+    return nqm_words_have("outcolor rgb", output, false)
                ? resize(g->t, result, 3)
                : swizzle(g, result, output + (strncmp(output, "out", 3) == 0 ? 3 : 0));
 }
 
 static uint16_t build_once(graph *g, element *node, const char *output) {
-    if (!g->source && !nqm_has_word("constant dot", node->name, false))
+    if (!g->source && !nqm_words_have("constant dot", node->name, false))
         g->source = node;
     for (size_t i = 0; i < g->n_built; ++i)
         if (g->built[i].node == node && strcmp(g->built[i].output, output) == 0)
@@ -496,7 +496,8 @@ static uint16_t follow(graph *g, element *e, const char *type) {
     if (!to)
         return REFUSE(g, "%s is connected to something that the file does not have", g->name);
     const char *to_type = nqm_xml_get(to, "type");
-    const bool differs = type && to_type && components(to_type) && !nqm_is_text(type, to_type) && !output && !channels;
+    const bool differs =
+        type && to_type && components(to_type) && !nqm_texts_equal(type, to_type) && !output && !channels;
     if (differs && (components(type) > 1 || components(to_type) > 1))
         return REFUSE(g, "%s is of type %s, not '%.40s'", g->name, type, to_type);
     const bool is_node = !nqm_xml_get(e, "interfacename") && !nqm_xml_get(e, "nodegraph");

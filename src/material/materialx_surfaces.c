@@ -102,7 +102,7 @@ const nqm_mtlx_surface nqm_mtlx_surfaces[NQM_MTLX_N_SURFACES] = {
 
 const nqm_mtlx_surface *nqm_mtlx_find_surface(const char *node, const char *model) {
     for (size_t s = 0; s < NQM_MTLX_N_SURFACES; ++s)
-        if (nqm_is_text(node, nqm_mtlx_surfaces[s].node) || nqm_is_text(model, nqm_mtlx_surfaces[s].model))
+        if (nqm_texts_equal(node, nqm_mtlx_surfaces[s].node) || nqm_texts_equal(model, nqm_mtlx_surfaces[s].model))
             return &nqm_mtlx_surfaces[s];
     return NULL;
 }

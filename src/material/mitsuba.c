@@ -68,7 +68,7 @@ static bool read_bitmap(nqm_bsdf_reading *r, uint16_t *value_ret) {
     bool is_raw = false;
     size_t wrap;
     while ((property = nqm_bsdf_next(r->nodes, r->at, property)))
-        if (!nqm_has_word("filename filter_type wrap_mode raw to_uv format accel", property->name, false))
+        if (!nqm_words_have("filename filter_type wrap_mode raw to_uv format accel", property->name, false))
             return nqm_refuse(&r->reading, property, "bitmap has no property '%.40s'", property->name);
     if (!file || !nqm_bsdf_flag(r, "raw", &is_raw) || !nqm_bsdf_choice(r, "wrap_mode", "repeat mirror clamp", &wrap) ||
         !read_to_uv(r, uv))
@@ -92,7 +92,7 @@ static bool read_texture(nqm_bsdf_reading *r, const nqm_bsdf_node *node, size_t 
     const bool is_read = read_bitmap(r, value_ret);
     r->at = at;
     if (is_read && n == 1)
-        *value_ret = nqm_map_compute(r->reading.textured, NQM_MAP_LUMINANCE, 1, *value_ret, 0, 0);
+        *value_ret = nqm_graph_compute(r->reading.textured, NQM_MAP_LUMINANCE, 1, *value_ret, 0, 0);
     return is_read;
 }
 
@@ -194,15 +194,15 @@ static bool finish_alpha(nqm_bsdf_reading *r, const nqm_bsdf_node *bsdf) {
             if (!read_texture(r, node, 1, &value[c]))
                 return false;
         } else if (nqm_bsdf_numbers(r, node->name, 1, &alpha))
-            value[c] = nqm_map_number(t, fmax(alpha, 1e-4));
+            value[c] = nqm_graph_number(t, fmax(alpha, 1e-4));
         else
             return false;
     }
     if (!nodes[0] && !common)
         return true;
     const size_t n = value[0] == value[1] ? 1 : 2;
-    value[0] = n == 2 ? nqm_map_compute(t, NQM_MAP_COMBINE, 2, value[0], value[1], 0) : value[0];
-    return nqm_bsdf_output(r, "alpha", nqm_map_with(t, NQM_MAP_MAXIMUM, n, value[0], 1e-4));
+    value[0] = n == 2 ? nqm_graph_compute(t, NQM_MAP_COMBINE, 2, value[0], value[1], 0) : value[0];
+    return nqm_bsdf_output(r, "alpha", nqm_graph_with(t, NQM_MAP_MAXIMUM, n, value[0], 1e-4));
 }
 
 static bool finish_conductor(nqm_bsdf_reading *r, const nqm_bsdf_node *bsdf) {

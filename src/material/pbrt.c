@@ -233,7 +233,7 @@ static bool read_value(nqm_bsdf_reading *r, const char *name, size_t n, const do
         memcpy(v, missing, n * sizeof *v);
     if (!(n == 3 ? read_colour(r, name, v) : nqm_bsdf_numbers(r, name, 1, v)))
         return false;
-    *value_ret = nqm_map_value(r->reading.textured, n, v);
+    *value_ret = nqm_graph_value(r->reading.textured, n, v);
     return true;
 }
 
@@ -244,7 +244,7 @@ static bool read_image(nqm_bsdf_reading *r, const nqm_bsdf_node *file, const cha
     double gamma = 1;
     if (nqm_bsdf_is_float_image(file->value))
         encoding = "linear";
-    else if (!dot || !nqm_has_word(".png", dot, true))
+    else if (!dot || !nqm_words_have(".png", dot, true))
         encoding = "sRGB";
     const bool is_srgb = strcmp(encoding, "sRGB") == 0;
     if (!is_srgb && strcmp(encoding, "linear") != 0 &&
@@ -254,7 +254,7 @@ static bool read_image(nqm_bsdf_reading *r, const nqm_bsdf_node *file, const cha
     if (!nqm_bsdf_image(r, file, is_srgb ? "srgb_texture" : "", uv, wrap, value_ret))
         return false;
     if (gamma != 1)
-        *value_ret = nqm_map_with(r->reading.textured, NQM_MAP_POWER, 3, *value_ret, gamma);
+        *value_ret = nqm_graph_with(r->reading.textured, NQM_MAP_POWER, 3, *value_ret, gamma);
     return true;
 }
 
@@ -284,15 +284,15 @@ static bool read_imagemap(nqm_bsdf_reading *r, size_t n, uint16_t *value_ret) {
         return false;
     uint16_t value = *value_ret;
     if (n == 1) {
-        value = nqm_map_channel(t, *value_ret, 0);
+        value = nqm_graph_channel(t, *value_ret, 0);
         for (size_t c = 1; c < 3; ++c)
-            value = nqm_map_compute(t, NQM_MAP_ADD, 1, value, nqm_map_channel(t, *value_ret, c), 0);
-        value = nqm_map_with(t, NQM_MAP_MULTIPLY, 1, value, 1.0 / 3);
+            value = nqm_graph_compute(t, NQM_MAP_ADD, 1, value, nqm_graph_channel(t, *value_ret, c), 0);
+        value = nqm_graph_with(t, NQM_MAP_MULTIPLY, 1, value, 1.0 / 3);
     }
-    value = nqm_map_with(t, NQM_MAP_MULTIPLY, n, value, scale);
+    value = nqm_graph_with(t, NQM_MAP_MULTIPLY, n, value, scale);
     if (is_inverted) {
-        value = nqm_map_compute(t, NQM_MAP_SUBTRACT, n, nqm_map_number(t, 1), value, 0);
-        value = nqm_map_with(t, NQM_MAP_MAXIMUM, n, value, 0);
+        value = nqm_graph_compute(t, NQM_MAP_SUBTRACT, n, nqm_graph_number(t, 1), value, 0);
+        value = nqm_graph_with(t, NQM_MAP_MAXIMUM, n, value, 0);
     }
     *value_ret = value;
     return true;
@@ -316,7 +316,7 @@ static bool read_texture(nqm_bsdf_reading *r, size_t n, uint16_t *value_ret) {
                      !read_value(r, "amount", 1, &half, &amount)
                : !read_value(r, "tex", n, one, &a) || !read_value(r, "scale", 1, one, &b))
         return false;
-    *value_ret = nqm_map_compute(r->reading.textured, is_mix ? NQM_MAP_MIX : NQM_MAP_MULTIPLY, n, a, b, amount);
+    *value_ret = nqm_graph_compute(r->reading.textured, is_mix ? NQM_MAP_MIX : NQM_MAP_MULTIPLY, n, a, b, amount);
     return true;
 }
 
@@ -335,7 +335,7 @@ static bool read_normal_map(nqm_reading *r, const nqm_rule *rule, const void *pr
 
 /* A value clamped to 0 to `high`. */
 static uint16_t clamp(nqm_textured *t, uint16_t value, double high) {
-    return nqm_map_with(t, NQM_MAP_MINIMUM, 3, nqm_map_with(t, NQM_MAP_MAXIMUM, 3, value, 0), high);
+    return nqm_graph_with(t, NQM_MAP_MINIMUM, 3, nqm_graph_with(t, NQM_MAP_MAXIMUM, 3, value, 0), high);
 }
 
 /* eta = 1 and k = 2 sqrt(r / (1 - r)) of a reflectance r at normal incidence, as pbrt, which clamps r to 0.9999. */
@@ -348,10 +348,10 @@ static bool reflectance_index(nqm_bsdf_reading *r, const nqm_bsdf_node *node) {
     if (!read_value(r, "reflectance", 3, NULL, &value))
         return false;
     value = clamp(t, value, 0.9999);
-    const uint16_t rest = nqm_map_compute(t, NQM_MAP_SUBTRACT, 3, nqm_map_number(t, 1), value, 0);
-    value = nqm_map_with(t, NQM_MAP_POWER, 3, nqm_map_compute(t, NQM_MAP_DIVIDE, 3, value, rest, 0), 0.5);
-    return nqm_bsdf_output(r, "eta", nqm_map_value(t, 3, one)) &&
-           nqm_bsdf_output(r, "k", nqm_map_with(t, NQM_MAP_MULTIPLY, 3, value, 2));
+    const uint16_t rest = nqm_graph_compute(t, NQM_MAP_SUBTRACT, 3, nqm_graph_number(t, 1), value, 0);
+    value = nqm_graph_with(t, NQM_MAP_POWER, 3, nqm_graph_compute(t, NQM_MAP_DIVIDE, 3, value, rest, 0), 0.5);
+    return nqm_bsdf_output(r, "eta", nqm_graph_value(t, 3, one)) &&
+           nqm_bsdf_output(r, "k", nqm_graph_with(t, NQM_MAP_MULTIPLY, 3, value, 2));
 }
 
 /* Both directions; alpha is the square root. Texels that would be mirrors have the smallest lobe of the model. */
@@ -366,18 +366,18 @@ static bool conductor_roughness(nqm_bsdf_reading *r, const nqm_bsdf_node *bsdf) 
     for (size_t c = 0; c < 2; ++c) {
         if (!read_value(r, nqm_bsdf_find(r, names[c]) ? names[c] : "roughness", 1, &zero, &value[c]))
             return false;
-        if (nqm_map_is_constant(t, value[c]) && t->nodes[value[c]].v[0] < 0)
+        if (nqm_graph_is_constant(t, value[c]) && t->nodes[value[c]].v[0] < 0)
             return nqm_refuse(&r->reading, bsdf, "the roughness is negative");
     }
     const size_t n = value[0] == value[1] ? 1 : 2;
     if (n == 2)
-        value[0] = nqm_map_compute(t, NQM_MAP_COMBINE, n, value[0], value[1], 0);
+        value[0] = nqm_graph_compute(t, NQM_MAP_COMBINE, n, value[0], value[1], 0);
     if (!remap)
-        value[0] = nqm_map_compute(t, NQM_MAP_MULTIPLY, n, value[0], value[0], 0);
-    if (nqm_map_is_constant(t, value[0]) && fmin(t->nodes[value[0]].v[0], t->nodes[value[0]].v[n - 1]) < 1e-6)
+        value[0] = nqm_graph_compute(t, NQM_MAP_MULTIPLY, n, value[0], value[0], 0);
+    if (nqm_graph_is_constant(t, value[0]) && fmin(t->nodes[value[0]].v[0], t->nodes[value[0]].v[n - 1]) < 1e-6)
         return nqm_refuse(&r->reading, bsdf,
                           "a smooth surface reflects into one direction only; only rough ones have a BRDF");
-    return nqm_bsdf_output(r, "roughness", nqm_map_with(t, NQM_MAP_MAXIMUM, n, value[0], 1e-6));
+    return nqm_bsdf_output(r, "roughness", nqm_graph_with(t, NQM_MAP_MAXIMUM, n, value[0], 1e-6));
 }
 
 static bool finish_conductor(nqm_bsdf_reading *r, const nqm_bsdf_node *bsdf) {
@@ -488,7 +488,7 @@ static nqm_status read_setting(scanner *s, const char *neutral, const char *refu
     const bool is_other = neutral && strcmp(ahead.token, neutral) != 0;
     if (ahead.is_quoted)
         *s = ahead;
-    if (status == NQM_OK && (is_other || nqm_has_word("material texture", ahead.token, false)))
+    if (status == NQM_OK && (is_other || nqm_words_have("material texture", ahead.token, false)))
         s->refusal = refusal;
     return status;
 }

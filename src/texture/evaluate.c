@@ -169,7 +169,7 @@ static const float *row_of(const block *b, uint16_t node, size_t c) {
 }
 
 static void evaluate_each(const block *b, const nqm_map_node *node, float *out) {
-    const size_t n_operands = nqm_map_operands(node->op, node->n);
+    const size_t n_operands = nqm_graph_operands(node->op, node->n);
     double values[4][4], result[4] = {0};
     nqm_map_node local = *node;
     for (size_t k = 0; k < n_operands; ++k)
@@ -178,7 +178,7 @@ static void evaluate_each(const block *b, const nqm_map_node *node, float *out) 
         for (size_t k = 0; k < n_operands; ++k)
             for (size_t c = 0; c < 4; ++c)
                 values[k][c] = (double)row_of(b, node->in[k], c)[i];
-        nqm_map_node_value(&local, (const double(*)[4])values, result);
+        nqm_graph_node_value(&local, (const double(*)[4])values, result);
         for (size_t c = 0; c < node->n; ++c)
             out[c * BLOCK + i] = (float)result[c];
     }

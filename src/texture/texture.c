@@ -50,10 +50,10 @@ static void find_varying(nqm_texture *t) {
         const nqm_map_node *node = &t->maps->nodes[k];
         t->rows[k] = NQM_NO_ROW;
         t->varies[k] = node->op == NQM_MAP_IMAGE || node->op == NQM_MAP_TEXCOORD;
-        for (size_t i = 0; i < nqm_map_operands(node->op, node->n); ++i)
+        for (size_t i = 0; i < nqm_graph_operands(node->op, node->n); ++i)
             t->varies[k] = t->varies[k] || t->varies[node->in[i]];
         if (!t->varies[k])
-            nqm_map_node_value(node, (const double(*)[4])t->constants, t->constants[k]);
+            nqm_graph_node_value(node, (const double(*)[4])t->constants, t->constants[k]);
     }
 }
 
@@ -65,7 +65,7 @@ static void lay_out(nqm_texture *t) {
             continue;
         t->rows[k] = t->n_rows;
         t->n_rows = (uint16_t)(t->n_rows + node->n);
-        for (size_t i = 0; t->varies[k] && i < nqm_map_operands(node->op, node->n); ++i)
+        for (size_t i = 0; t->varies[k] && i < nqm_graph_operands(node->op, node->n); ++i)
             t->rows[node->in[i]] = 0;
     }
     for (size_t k = 0; k < t->n_properties; ++k) {
@@ -330,8 +330,8 @@ static nqm_status add_map(nqm_texture *t, const nqm_texture_map *map, nqm_error 
     size_t image = 0;
     uint16_t node = NQM_NO_NODE;
     float *values = nqm_alloc(n, sizeof *values);
-    if (nqm_map_add_image(t->owned, named, &image) && values)
-        node = nqm_map_image_at(t->owned, image, map->channels, uv, repeat);
+    if (nqm_graph_add_image(t->owned, named, &image) && values)
+        node = nqm_graph_image_at(t->owned, image, map->channels, uv, repeat);
     if (node == NQM_NO_NODE) {
         nqm_free(values);
         return nqm_fail_nomem(err, n * sizeof *values);
@@ -341,7 +341,7 @@ static nqm_status add_map(nqm_texture *t, const nqm_texture_map *map, nqm_error 
     if (strcmp(map->key, "normal") == 0)
         t->owned->normal = node;
     else
-        nqm_map_output_set(t->owned, map->key, node);
+        nqm_graph_output_set(t->owned, map->key, node);
     return NQM_OK;
 }
 

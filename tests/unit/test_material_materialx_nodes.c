@@ -68,7 +68,7 @@ static const double *value_with(const nqm_textured *t, uint16_t node, const doub
             for (size_t c = 0; c < 4; ++c)
                 values[i][c] = color[nqm_smaller(c, (size_t)t->nodes[i].n - 1)];
         else
-            nqm_map_node_value(&t->nodes[i], (const double(*)[4])values, values[i]);
+            nqm_graph_node_value(&t->nodes[i], (const double(*)[4])values, values[i]);
     return values[node];
 }
 
@@ -102,24 +102,24 @@ static void single_nodes(void **state) {
     (void)state;
     const double in[][4] = {{0.5, 0.25, 0.75, 0.75}, {-1, 2, 0, 0}, {0.5, 0.5, 0.5, 0.5}};
     double v[4];
-    nqm_map_node_value(&(nqm_map_node){.op = NQM_MAP_ADD, .n = 2, .in = {0, 1}}, in, v);
+    nqm_graph_node_value(&(nqm_map_node){.op = NQM_MAP_ADD, .n = 2, .in = {0, 1}}, in, v);
     assert_true(v[0] == -0.5 && v[1] == 2.25 && v[2] == 2.25 && v[3] == 2.25);
-    nqm_map_node_value(&(nqm_map_node){.op = NQM_MAP_LUMINANCE, .n = 3, .in = {0}}, in, v);
+    nqm_graph_node_value(&(nqm_map_node){.op = NQM_MAP_LUMINANCE, .n = 3, .in = {0}}, in, v);
     assert_near(v[0], 0.2126 * 0.5 + 0.7152 * 0.25 + 0.0722 * 0.75, 1e-15);
     assert_true(v[2] == v[0]);
-    nqm_map_node_value(&(nqm_map_node){.op = NQM_MAP_POWER, .n = 1, .in = {1, 0}}, in, v);
+    nqm_graph_node_value(&(nqm_map_node){.op = NQM_MAP_POWER, .n = 1, .in = {1, 0}}, in, v);
     assert_true(v[0] == 0); /* of a number below 0 */
-    nqm_map_node_value(&(nqm_map_node){.op = NQM_MAP_ANGLE, .n = 1, .in = {0, 1}}, in, v);
+    nqm_graph_node_value(&(nqm_map_node){.op = NQM_MAP_ANGLE, .n = 1, .in = {0, 1}}, in, v);
     assert_near(v[0], atan2(0.5, -1), 1e-15);
-    nqm_map_node_value(&(nqm_map_node){.op = NQM_MAP_CHANNEL, .n = 1, .in = {0}, .v = {2}}, in, v);
+    nqm_graph_node_value(&(nqm_map_node){.op = NQM_MAP_CHANNEL, .n = 1, .in = {0}, .v = {2}}, in, v);
     assert_true(v[0] == 0.75 && v[3] == 0.75);
-    nqm_map_node_value(&(nqm_map_node){.op = NQM_MAP_NORMAL, .n = 3, .in = {0, 2}}, in, v);
+    nqm_graph_node_value(&(nqm_map_node){.op = NQM_MAP_NORMAL, .n = 3, .in = {0, 2}}, in, v);
     assert_near(v[1] / v[2], -0.5, 1e-15); /* (0, -.5 * .5, .5) */
     assert_near(v[1] * v[1] + v[2] * v[2], 1, 1e-15);
     const double black[][4] = {{0, 0, 0, 0}, {1, 1, 1, 1}};
-    nqm_map_node_value(&(nqm_map_node){.op = NQM_MAP_NORMAL, .n = 3, .in = {0, 1}}, black, v);
+    nqm_graph_node_value(&(nqm_map_node){.op = NQM_MAP_NORMAL, .n = 3, .in = {0, 1}}, black, v);
     assert_true(v[0] == 0 && v[1] == 0 && v[2] == 1);
-    nqm_map_node_value(&(nqm_map_node){.op = NQM_MAP_SMOOTHSTEP, .n = 1, .in = {1, 0, 0}}, in, v);
+    nqm_graph_node_value(&(nqm_map_node){.op = NQM_MAP_SMOOTHSTEP, .n = 1, .in = {1, 0, 0}}, in, v);
     assert_true(v[0] == 0); /* both edges are the same */
 }
 

@@ -103,13 +103,13 @@ static void operations_are_those_of_the_reference(void **state) {
         const double uv[2][3] = {{1, 0, 0}, {0, 1, 0}}, scale[3] = {0.7, 0.3, 0.5};
         size_t image;
         assert_true(
-            nqm_map_add_image(maps, (nqm_map_image){.data = nqm_alloc(1, 1), .name = nqm_strdup("map")}, &image));
-        const uint16_t in = nqm_map_image_at(maps, image, 3, uv, repeat), constant = nqm_map_value(maps, 3, scale);
-        const uint16_t sum = nqm_map_compute(maps, NQM_MAP_MULTIPLY, 3, in, in, NQM_NO_NODE);
+            nqm_graph_add_image(maps, (nqm_map_image){.data = nqm_alloc(1, 1), .name = nqm_strdup("map")}, &image));
+        const uint16_t in = nqm_graph_image_at(maps, image, 3, uv, repeat), constant = nqm_graph_value(maps, 3, scale);
+        const uint16_t sum = nqm_graph_compute(maps, NQM_MAP_MULTIPLY, 3, in, in, NQM_NO_NODE);
         nqm_map_node node = {.op = (nqm_map_op)op, .n = op == NQM_MAP_CHANNEL ? 1 : 3, .v = {1}};
         node.in[0] = in, node.in[1] = constant, node.in[2] = sum, node.in[3] = constant;
-        const uint16_t last = nqm_map_add(maps, node);
-        nqm_map_output_set(maps, "base_color", last);
+        const uint16_t last = nqm_graph_add(maps, node);
+        nqm_graph_output_set(maps, "base_color", last);
         snprintf(maps->shading.model, sizeof maps->shading.model, "gltf");
         nqm_texture other = {.name = t->name, .owned = maps, .maps = maps, .images = t->images};
         assert_int_equal(nqm_texture_prepare(&other, NULL), NQM_OK);
@@ -120,7 +120,7 @@ static void operations_are_those_of_the_reference(void **state) {
             values[sum][c] = (double)0.2f * (double)0.2f;
             values[constant][c] = scale[c < 3 ? c : 2];
         }
-        nqm_map_node_value(&node, (const double(*)[4])values, out);
+        nqm_graph_node_value(&node, (const double(*)[4])values, out);
         for (size_t c = 0; c < 3; ++c)
             assert_near(value_at(&other, 0.5, 0.25, (size_t)other.rows[last] + (node.n == 3 ? c : 0)), out[c], 1e-6);
         nqm_free(other.constants);
