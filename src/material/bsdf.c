@@ -48,7 +48,7 @@ const nqm_bsdf_node *nqm_bsdf_next(const nqm_bsdf_nodes *nodes, size_t parent, c
 }
 
 nqm_bsdf_kind nqm_bsdf_kind_of(const nqm_bsdf_word *kinds, const char *word) {
-    while (kinds->words && !nqm_words_have(kinds->words, word, false))
+    while (kinds->words && !nqm_contains_word(kinds->words, word, false))
         ++kinds;
     return kinds->words ? kinds->kind : NQM_BSDF_OTHER;
 }
@@ -177,7 +177,7 @@ const nqm_bsdf_node *nqm_bsdf_filename(nqm_bsdf_reading *r) {
 
 bool nqm_bsdf_is_float_image(const char *file) {
     const char *dot = strrchr(file, '.');
-    return dot && nqm_words_have(".exr .hdr .rgbe .pfm", dot, true);
+    return dot && nqm_contains_word(".exr .hdr .rgbe .pfm", dot, true);
 }
 
 bool nqm_bsdf_image(nqm_bsdf_reading *r, const nqm_bsdf_node *file, const char *space, const double uv[2][3],
@@ -210,7 +210,7 @@ bool nqm_bsdf_output(nqm_bsdf_reading *r, const char *key, uint16_t value) {
 /* ---- types ------------------------------------------------------------------------------------------------------- */
 
 const nqm_bsdf_plugin *nqm_bsdf_find_plugin(const nqm_bsdf_plugin *plugins, const char *type) {
-    while (plugins->type && !nqm_words_have(plugins->type, type, false))
+    while (plugins->type && !nqm_contains_word(plugins->type, type, false))
         ++plugins;
     return plugins->type ? plugins : NULL;
 }

@@ -138,7 +138,7 @@ enum { N_NAMES = sizeof map_names / sizeof *map_names };
 /* "_" and the name of a file in lower case, with '_' for '-' and blanks, without its extension and resolution. false: no picture. */
 static bool simplify(const char *file, char *name, size_t n_name) {
     const char *dot = strrchr(file, '.');
-    if (!dot || !nqm_words_have("png jpg jpeg exr", dot + 1, true))
+    if (!dot || !nqm_contains_word("png jpg jpeg exr", dot + 1, true))
         return false;
     snprintf(name, n_name, "_%.*s", (int)(dot - file), file);
     for (char *c = name; *c; ++c)
@@ -152,7 +152,7 @@ static bool simplify(const char *file, char *name, size_t n_name) {
 static bool is_named(const char *file, const struct map_name *map) {
     char name[300];
     const char *end = simplify(file, name, sizeof name) ? strchr(name, '_') : NULL;
-    while (end && !nqm_words_have(map->endings, end + 1, false))
+    while (end && !nqm_contains_word(map->endings, end + 1, false))
         end = strchr(end + 1, '_');
     return end != NULL;
 }

@@ -196,7 +196,7 @@ static void check_alpha(reader *r, const json_t *material) {
     double cutoff = 0.5;
     if (limit && !read_numbers(r, "alphaCutoff", limit, 1, &cutoff))
         return;
-    if (!text || !nqm_words_have("OPAQUE MASK BLEND", text, false))
+    if (!text || !nqm_contains_word("OPAQUE MASK BLEND", text, false))
         fail_value(r, "alphaMode", "\"OPAQUE\", \"MASK\" or \"BLEND\"");
     else if (strcmp(text, "BLEND") == 0 && r->alpha < 1)
         refuse(r, "alphaMode", text,
@@ -318,7 +318,7 @@ static const char *unknown_requirement(const json_t *root) {
     json_array_foreach(list, i, value) {
         const char *name = json_string_value(value);
         /* extensions that a material refuses are named at the material */
-        if (name && !nqm_words_have(harmless, name, false) && !find_extension(name))
+        if (name && !nqm_contains_word(harmless, name, false) && !find_extension(name))
             return name;
     }
     return NULL;

@@ -211,7 +211,7 @@ size_t nqm_find_word(const char *words, const char *word, bool any_case) {
     return SIZE_MAX;
 }
 
-bool nqm_words_have(const char *words, const char *word, bool any_case) {
+bool nqm_contains_word(const char *words, const char *word, bool any_case) {
     return nqm_find_word(words, word, any_case) != SIZE_MAX;
 }
 
@@ -222,7 +222,7 @@ static nqm_status select_format(const char *model, const char *path, const nqm_m
     char all[512] = "";
     size_t used = 0;
     for (const nqm_material_format *const *f = formats; *f; ++f) {
-        if (dot && nqm_words_have((*f)->extensions, dot, true) && nqm_words_have((*f)->models, model, false)) {
+        if (dot && nqm_contains_word((*f)->extensions, dot, true) && nqm_contains_word((*f)->models, model, false)) {
             *format_ret = *f;
             return NQM_OK;
         }

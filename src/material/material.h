@@ -85,7 +85,7 @@ NQM_MUST_CHECK nqm_status nqm_texts_copy(size_t n, char **const *texts, nqm_erro
 /** The number of `word` among the words of `words`, which blanks separate; SIZE_MAX: it is none of them. */
 size_t nqm_find_word(const char *words, const char *word, bool any_case);
 /** Whether it is one of them. */
-bool nqm_words_have(const char *words, const char *word, bool any_case);
+bool nqm_contains_word(const char *words, const char *word, bool any_case);
 /** For probes: whether a text is among the first n_bytes. */
 bool nqm_material_probe_text(const nqm_map *map, size_t n_bytes, const char *text);
 /** true when a format recognises the file. */

@@ -115,7 +115,7 @@ bool nqm_mtlx_has_value(element *e) {
 static size_t components(const char *type) {
     static const char *const names[] = {"float integer boolean", "vector2", "color3 vector3", "color4 vector4"};
     for (size_t n = 0; type && n < 4; ++n)
-        if (nqm_words_have(names[n], type, false))
+        if (nqm_contains_word(names[n], type, false))
             return n + 1;
     return 0;
 }
@@ -430,8 +430,8 @@ static uint16_t build_channels(graph *g, element *node) {
 static bool is_evaluated(const graph *g, element *node) {
     const char *index = read_text(g, node, "index"), *property = read_text(g, node, "geomprop");
     property = property ? property : read_text(g, node, "varname");
-    if (nqm_words_have("geompropvalue UsdPrimvarReader", node->name, false))
-        return property && nqm_words_have("UV0 st uv UVMap map1", property, false);
+    if (nqm_contains_word("geompropvalue UsdPrimvarReader", node->name, false))
+        return property && nqm_contains_word("UV0 st uv UVMap map1", property, false);
     if (nqm_texts_equal(node->name, "texcoord"))
         return !index || nqm_texts_equal(index, "0");
     return !nqm_texts_equal(node->name, "normalmap") ||
@@ -443,7 +443,7 @@ static bool is_evaluated(const graph *g, element *node) {
 static uint16_t build(graph *g, element *node, const char *output) {
     const size_t n = components(nqm_xml_get(node, "type")), n_kinds = sizeof kinds / sizeof *kinds;
     size_t k = 0;
-    while (k < n_kinds && !nqm_words_have(kinds[k].name, node->name, false))
+    while (k < n_kinds && !nqm_contains_word(kinds[k].name, node->name, false))
         ++k;
     uint16_t result;
     if (k == n_kinds || !is_evaluated(g, node)) {
@@ -457,13 +457,13 @@ static uint16_t build(graph *g, element *node, const char *output) {
     result = n ? resize(g->t, result, n) : result;
     if (!*output || (n > 0 && !nqm_texts_equal(node->name, "UsdUVTexture")))
         return result;
-    return nqm_words_have("outcolor rgb", output, false)
+    return nqm_contains_word("outcolor rgb", output, false)
                ? resize(g->t, result, 3)
                : swizzle(g, result, output + (strncmp(output, "out", 3) == 0 ? 3 : 0));
 }
 
 static uint16_t build_once(graph *g, element *node, const char *output) {
-    if (!g->source && !nqm_words_have("constant dot", node->name, false))
+    if (!g->source && !nqm_contains_word("constant dot", node->name, false))
         g->source = node;
     for (size_t i = 0; i < g->n_built; ++i)
         if (g->built[i].node == node && strcmp(g->built[i].output, output) == 0)

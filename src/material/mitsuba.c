@@ -68,7 +68,7 @@ static bool read_bitmap(nqm_bsdf_reading *r, uint16_t *value_ret) {
     bool is_raw = false;
     size_t wrap;
     while ((property = nqm_bsdf_next(r->nodes, r->at, property)))
-        if (!nqm_words_have("filename filter_type wrap_mode raw to_uv format accel", property->name, false))
+        if (!nqm_contains_word("filename filter_type wrap_mode raw to_uv format accel", property->name, false))
             return nqm_refuse(&r->reading, property, "bitmap has no property '%.40s'", property->name);
     if (!file || !nqm_bsdf_flag(r, "raw", &is_raw) || !nqm_bsdf_choice(r, "wrap_mode", "repeat mirror clamp", &wrap) ||
         !read_to_uv(r, uv))

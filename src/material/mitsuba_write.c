@@ -45,7 +45,7 @@ static void write_property(FILE *stream, bool is_json, const char *model, const 
             name = renamed[i].name;
             word = renamed[i].words[p->v[0] != 0];
         }
-    const bool is_flag = word && nqm_words_have("false true", word, false);
+    const bool is_flag = word && nqm_contains_word("false true", word, false);
     if (strcmp(name, "int_ior") == 0)
         write_value(stream, is_json, "float", "ext_ior", is_json ? "1.0" : "1");
     for (size_t c = 0; c < (p->n == 2 ? 2 : 1); ++c) {

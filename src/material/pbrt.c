@@ -244,7 +244,7 @@ static bool read_image(nqm_bsdf_reading *r, const nqm_bsdf_node *file, const cha
     double gamma = 1;
     if (nqm_bsdf_is_float_image(file->value))
         encoding = "linear";
-    else if (!dot || !nqm_words_have(".png", dot, true))
+    else if (!dot || !nqm_contains_word(".png", dot, true))
         encoding = "sRGB";
     const bool is_srgb = strcmp(encoding, "sRGB") == 0;
     if (!is_srgb && strcmp(encoding, "linear") != 0 &&
@@ -488,7 +488,7 @@ static nqm_status read_setting(scanner *s, const char *neutral, const char *refu
     const bool is_other = neutral && strcmp(ahead.token, neutral) != 0;
     if (ahead.is_quoted)
         *s = ahead;
-    if (status == NQM_OK && (is_other || nqm_words_have("material texture", ahead.token, false)))
+    if (status == NQM_OK && (is_other || nqm_contains_word("material texture", ahead.token, false)))
         s->refusal = refusal;
     return status;
 }

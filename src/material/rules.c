@@ -37,7 +37,7 @@ bool nqm_reading_begin(nqm_reading *r, const nqm_rule_source *source) {
 
 const nqm_rule *nqm_rule_find(const nqm_rule *rules, const char *name) {
     for (const nqm_rule *rule = rules; name && rule->name; ++rule)
-        if (nqm_words_have(rule->name, name, false))
+        if (nqm_contains_word(rule->name, name, false))
             return rule;
     return NULL;
 }

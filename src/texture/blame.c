@@ -51,7 +51,7 @@ typedef struct suspect {
 } suspect;
 
 static bool is_one_of(const nqm_spec_key *key, const char *names) {
-    return nqm_words_have(names, key->name, false);
+    return nqm_contains_word(names, key->name, false);
 }
 
 static const char metal[] = "metallic metalness base_metalness", rough[] = "roughness specular_roughness";
