@@ -12,6 +12,7 @@ GROUPS = (("Scores", ("score", "score_many", "batch", "expand_pairs", "score_sam
           ("BRDFs", ("BRDF", "BRDFInfo", "CheckReport", "compare", "Difference", "presets", "materials", "MaterialInfo", "table_nodes",
                      "half_diff_to_directions", "directions_to_half_diff", "Directions")),
           ("Metrics and models", ("Metric", "metrics", "Model", "ModelInfo", "models")),
+          ("Textures", ("score_maps", "MapScore", "Blame", "Material", "MapsInfo")),
           ("Fits", ("fit", "Fit", "fit_models")),
           ("Rendering", ("label", "Label", "render", "srgb", "Scene", "Rays")),
           ("Datasets", ("Dataset",)),
