@@ -192,7 +192,7 @@ static nqm_status read_folder(nqm_textured *t, const char *path, nqm_error *err)
         free(files[i]);
     free(files);
     if (status == NQM_OK && !t->n_images)
-        status = nqm_fail(err, NQM_ERR_ARG, -1,
+        status = nqm_fail(err, NQM_ERR_IO, -1,
                           "%s: no file of this folder is named like a map (..._color.png, ..._diff_2k.jpg, "
                           "..._roughness.png, ..._normalgl.png); list them: %sbase_color=FILE;roughness=FILE",
                           path, LIST_PREFIX);

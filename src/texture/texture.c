@@ -249,8 +249,8 @@ size_t nqm_texture_tiles(const nqm_texture *ref, const nqm_texture *test, size_t
 }
 
 nqm_texture_info nqm_texture_get_info(const nqm_texture *t, const nqm_texture *beside) {
-    static const size_t n_each[] = {[NQM_RASTER_U8] = 1, [NQM_RASTER_U16] = 2, [NQM_RASTER_F32] = 4};
     assert(t);
+    static const size_t n_each[] = {[NQM_RASTER_U8] = 1, [NQM_RASTER_U16] = 2, [NQM_RASTER_F32] = 4};
     nqm_texture_info info = {.name = t->name, .model = t->shading.model, .varying = t->words};
     (void)nqm_texture_tiles(t, beside ? beside : t, 0, &info.width);
     (void)nqm_texture_tiles(t, beside ? beside : t, 1, &info.height);
