@@ -223,6 +223,22 @@ def judge(folder):
     show(done)
 
 
+def files_of(argument):
+    return dict(part.split("=") for part in argument[len("maps:") :].split(";") if not part.startswith("model="))
+
+
+def map_rmse(row):
+    """The control: root mean square difference of all maps, as bytes; a map that one lacks differs by 128."""
+    ref, test, squares = files_of(row["reference"]), files_of(row["test"]), []
+    for key in sorted({*ref, *test}):
+        if key in ref and key in test:
+            a, b = (np.asarray(Image.open(m[key]).convert("RGB").resize((SIDE, SIDE), Image.BILINEAR), float) for m in (ref, test))
+            squares.append(((a - b) ** 2).mean())
+        else:
+            squares.append(128.0**2)
+    return float(np.sqrt(np.mean(squares)))
+
+
 def mean_error(a, b):
     return float(np.abs(np.asarray(a) - np.asarray(b)).mean())
 
@@ -234,6 +250,9 @@ def show(done):
     for name, a, b in (("near", near, label), ("far", far, far_label)):
         low, high = interval(spearman, a, b)
         print(f"{name}: n {len(a)}, Spearman {spearman(a, b):.3f} [{low:.3f}, {high:.3f}], mean error {mean_error(a, b):.3f}")
+    rmse = [-map_rmse(d["row"]) for d in done]
+    low, high = interval(spearman, rmse, label)
+    print(f"control, RMSE of the maps with near: Spearman {spearman(rmse, label):.3f} [{low:.3f}, {high:.3f}]")
     print(f"inside: {100 * np.mean(inside):.1f} %")
     for kind in KINDS:
         of = [i for i, d in enumerate(done) if d["row"]["kind"] == kind]

@@ -11,6 +11,7 @@ for words in 'roughness is squared' 'green channel of the normal map is flipped'
     grep -q "$words" out || fail "no '$words' in: $(cat out)"
 done
 [ "$(head -c 4 heat.png | tail -c 3)" = PNG ] || fail "no heat map"
+run 0 score half 'maps:base_color=half/steel_Color.png;roughness=.4' --exact
 run 0 score -q steel steel
 [ "$(cat out)" = 10.0000 ] || fail "a texture differs from itself: $(cat out)"
 run 0 score steel export half --json
