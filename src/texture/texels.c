@@ -62,7 +62,7 @@ bool nqm_texels_differ(const nqm_texture_job *job, int kind, size_t property) {
 
 /* ---- values ------------------------------------------------------------------------------------------------------ */
 
-/* texels NULL: those from `first` on. */
+/* samples NULL: the texels from `first` on. */
 static void evaluate(const nqm_texture_job *job, size_t n, const nqm_texel_sample *samples, size_t first,
                      float *workspace, const float *rows[2]) {
     double u[BLOCK], v[BLOCK];

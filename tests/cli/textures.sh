@@ -49,6 +49,10 @@ run 3 score steel 'maps:base_color=gone.png;model=gltf' half
 grep -q '^ *9\.[0-9]* .*half' out || fail "a test that fails stops the others"
 refuses 2 'no property .*shine\|shine' score 'maps:shine=steel/steel_Color.png;model=gltf' steel
 refuses 2 'draws one TEST' score steel export half --map heat.png
-refuses 2 '' fit steel --model ggx -o x.json
+for rest in 'fit steel --model ggx' 'check steel' 'sample steel' 'translate steel --to gltf -o x.gltf' 'report steel export -o x.html'; do
+    # shellcheck disable=SC2086 # words
+    run 3 $rest
+    grep -q 'image maps' err || fail "$rest does not say why: $(cat err)"
+done
 run 2 score steel export --model paper
 grep -q "'paper' predicts no Delta-E" err || fail 'the model is not named'

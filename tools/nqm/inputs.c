@@ -7,6 +7,7 @@
 #include "brdf/formats/listed.h"
 #include "fit/match.h"
 #include "fit/open.h"
+#include "nqm/textured.h"
 #include "nqm/tool.h"
 #include "render/render.h"
 
@@ -111,7 +112,7 @@ nqm_brdf *open_brdf(const char *argument) {
     nqm_brdf *brdf;
     nqm_error err = {0};
     refuse_model_name(argument);
-    must(nqm_fit_open(argument, NULL, &brdf, &err), &err);
+    must(explain_texture(argument, nqm_fit_open(argument, NULL, &brdf, &err), &err), &err);
     return brdf;
 }
 

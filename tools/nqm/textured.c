@@ -26,6 +26,16 @@ bool is_textured(const char *argument) {
     return nqm_maps_probe(argument) || (n_found == 1 && nqm_materials_get(materials, first).n_maps > 0);
 }
 
+nqm_status explain_texture(const char *argument, nqm_status status, nqm_error *err) {
+    if (status != NQM_OK && is_textured(argument))
+        snprintf(err->message, sizeof err->message,
+                 "%.300s: a material with image maps; this verb needs the BRDF of one point. score, batch, rank, info, "
+                 "label "
+                 "and render take textures (doc/textures.md)",
+                 argument);
+    return status;
+}
+
 nqm_status open_textured(const char *argument, nqm_texture **texture_ret, nqm_error *err) {
     *texture_ret = NULL;
     return is_textured(argument) ? nqm_texture_open(argument, show_progress, NULL, texture_ret, err) : NQM_OK;

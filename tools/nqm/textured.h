@@ -10,6 +10,8 @@
 
 /** Whether an argument is a folder or list of maps, or a material of a file with image maps. No image is read. */
 bool is_textured(const char *argument);
+/** Where a BRDF cannot be opened because the argument is such, let the error say so. Returns the status. */
+nqm_status explain_texture(const char *argument, nqm_status status, nqm_error *err);
 /** Open such an argument, with progress; NULL and NQM_OK: it is not textured. nqm_texture_free() it. */
 nqm_status open_textured(const char *argument, nqm_texture **texture_ret, nqm_error *err);
 

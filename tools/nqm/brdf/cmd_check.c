@@ -2,6 +2,7 @@
  *
  * nqm check - checks whether a BRDF is physically plausible: reciprocity, energy conservation and positivity.
  */
+#include "nqm/textured.h"
 #include "nqm/tool.h"
 
 #include <math.h>
@@ -142,7 +143,7 @@ static int check_one(const char *argument, uint64_t seed, json_t *results) {
     nqm_brdf *brdf;
     nqm_error err = {0};
     nqm_brdf_check_report r;
-    nqm_status status = nqm_brdf_open(argument, &brdf, &err);
+    nqm_status status = explain_texture(argument, nqm_brdf_open(argument, &brdf, &err), &err);
     if (status == NQM_OK)
         status = nqm_brdf_check(brdf, seed, &r, &err);
     const verdict v = status == NQM_OK ? judge(brdf, &r) : (verdict){.is_merl = false};

@@ -9,6 +9,7 @@
 #include "nqm/fit/translate.h"
 #include "nqm/score/gate.h"
 #include "nqm/show/report.h"
+#include "nqm/textured.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -243,7 +244,7 @@ static nqm_status fit_item(const translation *t, item *it, nqm_error *err) {
     nqm_brdf *ref = NULL, *brdf = NULL;
     nqm_fit_options fit = t->fit;
     const double begin = nqm_clock_s();
-    nqm_status status = nqm_brdf_open(it->argument, &ref, err);
+    nqm_status status = explain_texture(it->argument, nqm_brdf_open(it->argument, &ref, err), err);
     if (status != NQM_OK)
         return status;
     const char *spec = nqm_brdf_get_info(ref).spec;
