@@ -27,6 +27,10 @@ metal='open-pbr:base_metalness=1;base_color=.9,.62,.35;specular_roughness=.4'
 brushed="$metal;specular_roughness_anisotropy=.8"
 "$nqm" label "$brushed" "rotate:deg=90;of=$brushed" "$metal" --size 256 --shrink 2 \
     --columns "along the tangent,across,isotropic" --grid "$gallery/brushed.png"
+python3 "$(dirname "$0")/../../examples/maps.py" "$work"
+"$nqm" score "$work/steel" "$work/export" --map "$gallery/texels.png" -q
+"$nqm" label "reference=$work/steel" "test=$work/export" --tiles 2 --shape sphere --light interior --size 256 --lights 96 -q \
+    --map "$gallery/textures.png"
 if [ -n "$corpus" ]; then
     "$nqm" eval "$corpus" --split validation --pairs "$work/pairs.csv" --json >"$work/eval.json"
     draw bars 1.5 bars "$work/eval.json"
