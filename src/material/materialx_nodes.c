@@ -341,6 +341,23 @@ static uint8_t read_wrap(const graph *g, element *node, const char *name, const 
     return found == SIZE_MAX ? NQM_MAP_REPEAT : (uint8_t)nqm_smaller(found, NQM_MAP_BORDER);
 }
 
+/* Documents name files by where they are in their library, "../../../Images/wood.jpg", which MaterialX finds by a list of folders: one
+ * that is not there is looked for without "../". The name as it is given if there is none. */
+static const char *find_file(const graph *g, const char *name) {
+    for (const char *at = name; *at;) {
+        char *path = nqm_path_beside(g->path, at);
+        struct stat about;
+        const bool is_there = path && stat(path, &about) == 0;
+        nqm_free(path);
+        if (is_there)
+            return at;
+        if (strncmp(at, "../", 3) != 0)
+            break;
+        at += 3;
+    }
+    return name;
+}
+
 /* The file of an image, with its colour space; false: refused. */
 static bool read_file(graph *g, element *node, const char *type, size_t *image_ret) {
     element *e = find_text(g, node, "file");
@@ -359,7 +376,7 @@ static bool read_file(graph *g, element *node, const char *type, size_t *image_r
         return nqm_refuse(g->reading, g->input, "%s is in the colour space '%.40s', which is not known", g->name,
                           space);
     const int n_path = snprintf(path, sizeof path, "%s%s", prefix ? prefix : "", file);
-    return (n_path < (int)sizeof path && nqm_graph_add_file(g->t, g->path, path, space, image_ret)) ||
+    return (n_path < (int)sizeof path && nqm_graph_add_file(g->t, g->path, find_file(g, path), space, image_ret)) ||
            nqm_refuse(g->reading, g->input, "%s: its graph has more than %d images, or a name that is too long",
                       g->name, NQM_MAX_MAP_IMAGES);
 }

@@ -41,6 +41,21 @@ run 0 score -q 'maps:base_color=steel/steel_Color.png;roughness=.4;metallic=1' '
 run 0 info steel --json
 grep -q '"varying": "base_color roughness metallic normal"' out || fail "info: $(cat out)"
 
+# A path of MaterialX that leads out of the folder is looked for without its "../".
+cat >plate.mtlx <<END
+<?xml version="1.0"?>
+<materialx version="1.39">
+  <image name="i" type="color3"><input name="file" type="filename" value="../../../gone/../steel/steel_Color.png" colorspace="srgb_texture"/></image>
+  <image name="j" type="float"><input name="file" type="filename" value="../../../steel/steel_Roughness.png"/></image>
+  <gltf_pbr name="s" type="surfaceshader"><input name="base_color" type="color3" nodename="i"/><input name="roughness" type="float" nodename="j"/></gltf_pbr>
+  <surfacematerial name="m" type="material"><input name="surfaceshader" type="surfaceshader" nodename="s"/></surfacematerial>
+</materialx>
+END
+sed 's,gone/../steel,steel,' plate.mtlx >found.mtlx
+run 0 score -q found.mtlx 'maps:base_color=steel/steel_Color.png;roughness=steel/steel_Roughness.png;metallic=1'
+[ "$(cat out)" = 10.0000 ] || fail "MaterialX and a list of the same maps: $(cat out)"
+refuses 3 'steel_Color.png.*No such file' score plate.mtlx steel
+
 # Messages.
 refuses 3 "map 'gone.png'.*No such file" score 'maps:base_color=gone.png;model=gltf' steel
 printf 'DDS \174\0\0\0' >a.dds
