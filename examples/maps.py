@@ -3,7 +3,7 @@
 """Make maps of a rusty steel plate for the pages and the demo: FOLDER/steel (as ambientCG names them), FOLDER/export, where the
 roughness is squared and the green channel of the normal map is flipped, and FOLDER/half, of half the size. The standard library only.
 
-usage: maps.py FOLDER"""
+usage: maps.py FOLDER [SIDE]      SIDE: texels, even; 128"""
 import math
 import os
 import random
@@ -11,7 +11,7 @@ import struct
 import sys
 import zlib
 
-SIDE = 128
+SIDE = int(sys.argv[2]) if len(sys.argv) > 2 else 128
 
 
 def write_png(path, n, rows):

@@ -3,7 +3,7 @@
 # Materials with image maps in score, batch, rank, info and report: mistakes by name, gates, heat maps, lists, messages.
 # shellcheck source=tests/support/cli.sh
 . "${NQM_SOURCE:?}/tests/support/cli.sh"
-python3 "$NQM_SOURCE/examples/maps.py" "$dir"
+python3 "$NQM_SOURCE/examples/maps.py" "$dir" 8 # few texels: with normals each takes 6 ms, and much more in builds with checks
 cd "$dir"
 
 run 0 score steel export --map heat.png
@@ -61,7 +61,7 @@ refuses 3 "map 'gone.png'.*No such file" score 'maps:base_color=gone.png;model=g
 printf 'DDS \174\0\0\0' >a.dds
 refuses 4 'DDS' score 'maps:base_color=a.dds;model=gltf' steel
 run 3 score steel 'maps:base_color=gone.png;model=gltf' half
-grep -q '^ *9\.[0-9]* .*half' out || fail "a test that fails stops the others"
+grep -q "^ *[0-9.]* .*half" out || fail "a test that fails stops the others"
 refuses 2 'no property .*shine\|shine' score 'maps:shine=steel/steel_Color.png;model=gltf' steel
 refuses 2 'draws one TEST' score steel export half --map heat.png
 for rest in 'fit steel --model ggx' 'check steel' 'sample steel' 'translate steel --to gltf -o x.gltf' 'report steel export -o x.html'; do

@@ -46,7 +46,7 @@ class Textures(unittest.TestCase):
 
     def test_as_the_tool(self):
         with tempfile.TemporaryDirectory() as folder:
-            subprocess.run([sys.executable, str(SOURCE / "examples/maps.py"), folder], check=True)
+            subprocess.run([sys.executable, str(SOURCE / "examples/maps.py"), folder, "16"], check=True)
             steel, export = folder + "/steel", folder + "/export"
             row = json.loads(run_tool("score", steel, export, "--json"))["results"][0]
             s = nqm.score_maps(steel, export)
@@ -54,7 +54,7 @@ class Textures(unittest.TestCase):
             self.assertEqual("%.9g" % s.far_jod, "%.9g" % row["texture"]["far_jod"])
             self.assertEqual([b.property for b in s.blame], [b["property"] for b in row["texture"]["blame"]])
             info = nqm.Material.open(steel).info
-            self.assertEqual((info.width, info.height, info.n_images, info.model), (128, 128, 4, "gltf"))
+            self.assertEqual((info.width, info.height, info.n_images, info.model), (16, 16, 4, "gltf"))
             self.assertEqual(info.varying, ("base_color", "roughness", "metallic", "normal"))
 
     def test_errors(self):
