@@ -344,16 +344,15 @@ static uint8_t read_wrap(const graph *g, element *node, const char *name, const 
 /* Documents name files by where they are in their library, "../../../Images/wood.jpg", which MaterialX finds by a list of folders: one
  * that is not there is looked for without "../". The name as it is given if there is none. */
 static const char *find_file(const graph *g, const char *name) {
-    for (const char *at = name; *at;) {
-        char *path = nqm_path_beside(g->path, at);
+    for (const char *at = name; strncmp(at, "../", 3) == 0;) {
         struct stat about;
-        const bool is_there = path && stat(path, &about) == 0;
-        nqm_free(path);
-        if (is_there)
-            return at;
-        if (strncmp(at, "../", 3) != 0)
-            break;
         at += 3;
+        char *whole = nqm_path_beside(g->path, name), *path = nqm_path_beside(g->path, at);
+        const bool is_whole = !whole || stat(whole, &about) == 0, is_there = path && stat(path, &about) == 0;
+        nqm_free(whole);
+        nqm_free(path);
+        if (is_whole || is_there)
+            return is_whole ? name : at;
     }
     return name;
 }

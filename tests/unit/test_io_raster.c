@@ -59,7 +59,7 @@ static void refused(blob b, nqm_status expected, const char *words) {
 static unsigned packed(const unsigned char *row, size_t i, unsigned bits) {
     if (bits == 16)
         return (unsigned)row[2 * i] << 8 | row[2 * i + 1];
-    return row[i * bits / 8] >> (8 - bits - i * bits % 8) & ((1u << bits) - 1);
+    return (unsigned)(row[i * bits / 8] >> (8 - bits - i * bits % 8)) & ((1u << bits) - 1);
 }
 
 /* The value of channel k of a pixel that nqm_raster_decode() must return. */
