@@ -73,7 +73,9 @@ void nqm_azimuths_free(nqm_azimuths *azimuths) {
 typedef struct subject {
     const char *name; /* NULL: */
     const nqm_brdf *brdf;
+    nqm_brdf *opened;
     size_t beside; /* subject with which it is compared, a reference; SIZE_MAX: it is one */
+    nqm_lobe lobe; /* zeroed without a BRDF: like none */
     double *itp;   /* its picture (3, n_points) */
     nqm_status status;
 } subject;
@@ -94,30 +96,51 @@ static size_t find(gallery *g, const char *name, const nqm_brdf *brdf, size_t be
     return g->n++;
 }
 
-/* The BRDF of a subject; *opened receives it if it is to be freed. */
-static const nqm_brdf *open_subject(subject *s, const subject *of, nqm_brdf **opened) {
-    if (of->name && s->status == NQM_OK)
-        s->status = nqm_brdf_open(of->name, opened, NULL);
-    return of->name ? *opened : of->brdf;
-}
-
 static nqm_transport points_of(const nqm_azimuths *a) {
     return (nqm_transport){.n_points = a->model->n_slope_points, .points = a->model->slope_points};
+}
+
+/* Whether half vectors for one lobe suit the other, too: sizes and distance within a third. With the same ones the sun falls to the same
+ * ones, so that BRDFs which hardly differ have pictures that do. */
+static bool is_like(const nqm_lobe *a, const nqm_lobe *b) {
+    static const double most = 0.3;
+    const double apart = hypot(a->center[0] - b->center[0], a->center[1] - b->center[1]);
+    double turned = 0; /* of axes times its transpose: a round lobe has no direction */
+    for (size_t i = 0; i < 2; ++i)
+        for (size_t j = 0; j < 2; ++j)
+            turned = fmax(turned, fabs(a->axes[2 * i] * a->axes[2 * j] + a->axes[2 * i + 1] * a->axes[2 * j + 1] -
+                                       b->axes[2 * i] * b->axes[2 * j] - b->axes[2 * i + 1] * b->axes[2 * j + 1]));
+    return fabs(log(a->width / b->width)) < most && apart < most * a->width && turned < most;
+}
+
+static void measure(void *user, size_t i) {
+    subject *s = &((const gallery *)user)->subjects[i];
+    if (s->name)
+        s->status = nqm_brdf_open(s->name, &s->opened, NULL);
+    s->brdf = s->name ? s->opened : s->brdf;
+    if (s->status == NQM_OK)
+        s->lobe = nqm_lobe_measure(s->brdf);
 }
 
 static void show(void *user, size_t i) {
     const gallery *g = user;
     const nqm_transport points = points_of(g->azimuths);
     subject *s = &g->subjects[i];
-    nqm_brdf *opened[2] = {NULL, NULL};
-    const nqm_brdf *brdf = open_subject(s, s, &opened[0]);
-    const nqm_brdf *beside = s->beside == SIZE_MAX ? NULL : open_subject(s, &g->subjects[s->beside], &opened[1]);
-    if (s->status == NQM_OK && !nqm_azimuths_light(g->azimuths->model, g->azimuths->totals, brdf, beside, s->itp))
+    const subject *ref = s->beside == SIZE_MAX ? s : &g->subjects[s->beside];
+    const nqm_lobe *lobe = is_like(&ref->lobe, &s->lobe) ? &ref->lobe : &s->lobe;
+    if (s->status == NQM_OK && !nqm_azimuths_light(g->azimuths->model, g->azimuths->totals, s->brdf, lobe, s->itp))
         s->status = NQM_ERR_NOMEM;
     if (s->status == NQM_OK && !g->is_light)
         nqm_transport_show(&points, s->itp, s->itp);
-    nqm_brdf_free(opened[0]);
-    nqm_brdf_free(opened[1]);
+}
+
+/* Make the pictures of all subjects; false: cancelled. */
+static bool show_all(gallery *g, nqm_ticker *ticker) {
+    nqm_parallel_for(g->n, measure, g);
+    const bool is_stopped = nqm_parallel_ticking(ticker, "far", g->n, show, g);
+    for (size_t i = 0; i < g->n; ++i)
+        nqm_brdf_free(g->subjects[i].opened);
+    return !is_stopped;
 }
 
 /* ---- scores ------------------------------------------------------------------------------------------------------ */
@@ -182,7 +205,7 @@ nqm_status nqm_azimuths_score(const nqm_azimuths *a, size_t n, const nqm_azimuth
         }
     for (size_t i = 0; i < g.n; ++i)
         g.subjects[i].itp = itp + i * n_values;
-    nqm_parallel_for(g.n, show, &g);
+    (void)show_all(&g, NULL);
     for (size_t i = 0; i < n; ++i) {
         if (!nqm_azimuths_needed(model, &results[i]))
             continue;
@@ -249,7 +272,7 @@ nqm_status nqm_azimuths_score_means(const nqm_azimuths *a, size_t n, const nqm_n
         g.subjects[i] = (subject){.name = i < n ? members[i].ref : members[i - n].test,
                                   .beside = i < n ? SIZE_MAX : i - n,
                                   .itp = light + i * n_values};
-    if (nqm_parallel_ticking(ticker, "far", g.n, show, &g))
+    if (!show_all(&g, ticker))
         status = nqm_fail(err, NQM_ERR_CANCELLED, -1, "cancelled");
     for (size_t i = 0; status == NQM_OK && i < g.n; ++i)
         if ((status = g.subjects[i].status) != NQM_OK)

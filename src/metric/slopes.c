@@ -31,18 +31,6 @@ typedef struct nodes {
     float *light; /* (n, 3, n_points) */
 } nodes;
 
-/* Whether nodes for one lobe suit the other, too: sizes and distance within a third. */
-static bool is_like(const nqm_lobe *a, const nqm_lobe *b) {
-    static const double most = 0.3;
-    const double apart = hypot(a->center[0] - b->center[0], a->center[1] - b->center[1]);
-    double turned = 0; /* of axes times its transpose: a round lobe has no direction */
-    for (size_t i = 0; i < 2; ++i)
-        for (size_t j = 0; j < 2; ++j)
-            turned = fmax(turned, fabs(a->axes[2 * i] * a->axes[2 * j] + a->axes[2 * i + 1] * a->axes[2 * j + 1] -
-                                       b->axes[2 * i] * b->axes[2 * j] - b->axes[2 * i + 1] * b->axes[2 * j + 1]));
-    return fabs(log(a->width / b->width)) < most && apart < most * a->width && turned < most;
-}
-
 /* Rings of a lobe; returns their number. n_nodes_ret: with the disc within them. */
 static size_t make_rings(const nqm_lobe *lobe, ring *rings, size_t *n_nodes_ret) {
     const double ratio = lobe->axes[0] * lobe->axes[0] + lobe->axes[2] * lobe->axes[2],
@@ -220,20 +208,17 @@ void nqm_azimuths_totals(const nqm_model *m, float *totals) {
             totals[i] += m->slopes[cell * n + i];
 }
 
-bool nqm_azimuths_light(const nqm_model *m, const float *totals, const nqm_brdf *brdf, const nqm_brdf *beside,
+bool nqm_azimuths_light(const nqm_model *m, const float *totals, const nqm_brdf *brdf, const nqm_lobe *lobe,
                         double *rgb) {
-    const nqm_lobe of_other = nqm_lobe_measure(beside ? beside : brdf),
-                   own = beside ? nqm_lobe_measure(brdf) : of_other;
-    const nqm_lobe lobe = is_like(&of_other, &own) ? of_other : own;
     ring rings[MAX_RINGS] = {{0, 0, 0}};
     nodes made = {.n = 0};
     size_t n_nodes;
-    const size_t n_rings = make_rings(&lobe, rings, &n_nodes);
+    const size_t n_rings = make_rings(lobe, rings, &n_nodes);
     if (nqm_alloc_arrays(NQM_ARRAYS({&made.slope, n_nodes, sizeof *made.slope},
                                     {&made.light, n_nodes + 2, 3 * m->n_slope_points * sizeof *made.light}),
                          NULL) != NQM_OK)
         return false;
-    add_nodes(m, &lobe, n_rings, rings, &made);
+    add_nodes(m, lobe, n_rings, rings, &made);
     settle(m, totals, &made);
     sum_nodes(m, brdf, &made, rgb);
     nqm_free(made.slope);
