@@ -2,9 +2,9 @@
  *
  * Pictures of textured materials, from which labels are made as from those of a BRDF.
  */
-#include "render/render.h"
 #include "texture/texture.h"
-#include <nqm/label.h>
+#include "label/textured.h"
+#include "render/render.h"
 
 #include <math.h>
 

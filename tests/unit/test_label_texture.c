@@ -4,6 +4,7 @@
  * where it is not, and against `tilt:` where its normal leans.
  */
 #include "base/memory_test.h"
+#include "label/textured.h"
 #include "math/math.h"
 #include "support/check.h"
 #include "support/scenes.h"

@@ -5,8 +5,8 @@
 #ifndef NQM_TOOL_TEXTURED_H
 #define NQM_TOOL_TEXTURED_H
 
+#include "label/textured.h"
 #include "nqm/tool.h"
-#include <nqm/label.h>
 
 /** Whether an argument is a folder or list of maps, or a material of a file with image maps. No image is read. */
 bool is_textured(const char *argument);
