@@ -1,12 +1,13 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""Write the tables of presets from the published fits: make.py FOLDER
+"""Write the tables of presets from the published fits: make.py FOLDER; or `physical` from the database: make.py materials.json
 
 FOLDER holds the lists of Ngan et al. 2005, Low et al. 2012 and Bagher et al. 2012 in the notation of BBM
 (github.com/bsdfbenchmark/bbm, folder fits): one line a material,
-`NAME = Aggregate(Lambertian(albedo = [...]), MODEL(key = value, ...))`. The tables are written beside this script. Needs nothing
-but Python 3.
+`NAME = Aggregate(Lambertian(albedo = [...]), MODEL(key = value, ...))`. materials.json is that of
+github.com/AntonPalmqvist/physically-based-api. The tables are written beside this script. Needs nothing but Python 3.
 """
+import json
 import pathlib
 import re
 import sys
@@ -46,13 +47,17 @@ def rgb(*keys):
 
 def write_table(source, here, table, model, comment, columns, row, file):
     fits = read_fits(source / file)
-    lines = [f"Model {model}. {len(fits)} MERL materials.", *comment.splitlines(),
-             "Formula and units of the columns: doc/brdf.md. Made by make.py."]
+    rows = {name: row(*parameters) for name, parameters in fits.items()}
+    write_rows(here, table, model, f"{len(fits)} MERL materials", comment, columns, rows)
+
+
+def write_rows(here, table, model, what, comment, columns, rows):
+    lines = [f"Model {model}. {what}.", *comment.splitlines(), "Formula and units of the columns: doc/brdf.md. Made by make.py."]
     with (here / f"{table}.csv").open("w") as out:
         out.write("".join(f"# {line}\n" for line in lines))
         out.write(",".join(["name", *columns]) + "\n")
-        for name in sorted(fits):
-            out.write(",".join([name] + [f"{x:.6g}" for x in row(*fits[name])]) + "\n")
+        for name in sorted(rows):
+            out.write(",".join([name] + [f"{x:.6g}" for x in rows[name]]) + "\n")
 
 
 def sgd_row(diffuse, specular):
@@ -69,8 +74,34 @@ def lobe_row(colour_scale, amplitude, keys):
     return row
 
 
+PHYSICAL = ("Physically Based, physicallybased.info, by Anton Palmqvist (CC0 1.0), as of {updated}.\n"
+            "Metals have the colours of normal and of almost grazing incidence (F82) of the database. What a material\n"
+            "transmits is left out; what scatters below its surface is diffuse.")
+
+
+def linear(colors):
+    return next(c["color"] for c in colors if c["colorSpace"] == "srgb-linear")
+
+
+def physical_row(material):
+    f82 = [c["color"] for c in material.get("specularColor", []) if "F82" in c["format"]]
+    specular = linear(f82[0]) if f82 and material["metalness"] else [1, 1, 1]
+    return [1 - material.get("transmission", 0), *linear(material["color"]), material["metalness"], *specular,
+            material["roughness"], material.get("ior", 1.5)]
+
+
+def write_physical(file, here):
+    database = json.loads(file.read_text())
+    rows = {re.sub(r"\W+", "-", m["name"].lower()).strip("-"): physical_row(m) for m in database["data"]}
+    columns = ["base_weight", *rgb("base_color"), "base_metalness", *rgb("specular_color"), "specular_roughness", "specular_ior"]
+    write_rows(here, "physical", "open-pbr", f"{len(rows)} materials", PHYSICAL.format(**database["header"]), columns, rows)
+
+
 def main():
     source, here = pathlib.Path(sys.argv[1]), pathlib.Path(__file__).resolve().parent
+    if source.is_file():
+        write_physical(source, here)
+        return
     write_table(source, here, "sgd", "sgd", BAGHER,
                 rgb("kd", "ks", "alpha", "p", "f0", "f1", "K", "lambda", "c", "k", "theta0"), sgd_row, "bagher_sgd.fit")
     # table: its columns behind kd and ks, and what the list calls them

@@ -8,11 +8,11 @@ has() { grep -q -- "$1" "$dir/out" || fail "no '$1' in: $(cat "$dir/out")"; }
 complains() { grep -q -- "$1" "$dir/err" || fail "no '$1' in: $(cat "$dir/err")"; }
 
 run 0 info list
-[ "$(wc -l <"$dir/out")" = 1216 ] || fail "presets: $(wc -l <"$dir/out")"
+[ "$(wc -l <"$dir/out")" = 1326 ] || fail "presets: $(wc -l <"$dir/out")"
 [ "$(grep -c '^sgd:' "$dir/out")" = 100 ] || fail "sgd presets"
 [ "$(grep -c '^ward:' "$dir/out")" = 86 ] || fail "ward presets"
 run 0 info list --json
-[ "$(grep -c '"material"' "$dir/out")" = 1216 ] || fail "presets in JSON"
+[ "$(grep -c '"material"' "$dir/out")" = 1326 ] || fail "presets in JSON"
 
 run 0 info sgd:nickel
 has 'format *sgd'

@@ -159,6 +159,7 @@ static const struct {
     {"low-ashikhmin-shirley-e1", "low-ashikhmin-shirley", "10.1145/2077341.2077350", 100, 9},
     {"abc", "abc", "10.1145/2077341.2077350", 100, 9},
     {"smooth", "smooth", "10.1145/2077341.2077350", 100, 9},
+    {"physical", "open-pbr", "", 110, 26},
 };
 enum { N_TABLES = sizeof tables / sizeof *tables };
 
@@ -196,6 +197,10 @@ static void test_presets(void **state) {
 /* Parameters as printed in the publications (Ngan's: green and blue times the colour scale). */
 static void test_published_numbers(void **state) {
     (void)state;
+    nqm_brdf *gold = open_brdf("open-pbr:base_color=1.059,.773,.307;base_metalness=1;specular_color=.971,1.018,.994;"
+                               "specular_roughness=0;specular_ior=1.5");
+    assert_spec("physical:gold", nqm_brdf_get_info(gold).spec);
+    nqm_brdf_free(gold);
     assert_spec("ward:nickel", "ward:kd=0.0221,0.02047,0.017762;ks=0.204,0.1771,0.157036;alpha=0.0432");
     assert_spec("blinn-phong:blue-acrylic",
                 "blinn-phong:kd=0.0147,0.03818,0.10624;ks=0.0016,0.0013225,0.00117694;n=13700");

@@ -51,17 +51,13 @@ const nqm_preset_table *nqm_preset_table_find(const char *name, size_t n_name) {
     return NULL;
 }
 
-/* The text of a material's row after "NAME,"; NULL when there is no such row. */
-static const char *row_of(const char *table, const char *material) {
-    size_t n = strlen(material);
-    bool below_header = false;
+/* The text of a row after "NAME,", of the header with the name "name"; NULL: there is no such row. */
+static const char *row_of(const char *table, const char *name) {
+    const size_t n = strlen(name);
     for (const char *line = table; line; line = strchr(line, '\n')) {
         line += *line == '\n';
-        if (*line == '#')
-            continue;
-        if (below_header && n && strncmp(line, material, n) == 0 && line[n] == ',')
+        if (n && strncmp(line, name, n) == 0 && line[n] == ',')
             return line + n + 1;
-        below_header = true;
     }
     return NULL;
 }
@@ -118,23 +114,30 @@ static nqm_status fail_unknown(const char *table, const char *material, nqm_erro
                     material, near_names);
 }
 
+/* "kd=.1,.2,.3;alpha=.05". Columns have the names of keys; those of a colour end in _r, _g and _b. */
+static void write_settings(const char *header, const char *row, char *text, size_t n_text) {
+    size_t used = 0;
+    for (const char *separator = ""; used < n_text; separator = ";") {
+        const size_t n_name = strcspn(header, ",\n"), n_value = strcspn(row, ",\n");
+        const bool is_color = n_name > 2 && header[n_name - 2] == '_' && strchr("rgb", header[n_name - 1]);
+        if (is_color && header[n_name - 1] != 'r')
+            used += (size_t)snprintf(text + used, n_text - used, ",%.*s", (int)n_value, row);
+        else
+            used += (size_t)snprintf(text + used, n_text - used, "%s%.*s=%.*s", separator, (int)(n_name - 2 * is_color),
+                                     header, (int)n_value, row);
+        if (header[n_name] != ',')
+            return;
+        header += n_name + 1;
+        row += n_value + (row[n_value] == ',');
+    }
+}
+
 nqm_status nqm_preset_find(const nqm_preset_table *table, const nqm_spec_schema *schema, const char *material,
                            nqm_spec_values *values, nqm_error *err) {
-    const char *text = row_of(table->text, material);
-    if (!text)
+    char settings[1024];
+    const char *row = row_of(table->text, material), *header = row_of(table->text, "name");
+    if (!row || row == header)
         return fail_unknown(table->name, material, err);
-    *values = (nqm_spec_values){.given = UINT64_MAX};
-    for (size_t k = 0; k < schema->n_keys; ++k) {
-        double *v = values->v[k];
-        const size_t n = schema->keys[k].n == 3 ? 3 : 1; /* the tables are of isotropic materials */
-        for (size_t c = 0; c < n; ++c) {
-            if (!nqm_parse_double(text, &text, &v[c]))
-                return nqm_fail(err, NQM_ERR_FORMAT, -1, "%s:%s: a number is missing in the table", table->name,
-                                material);
-            text += *text == ',';
-        }
-        if (n == 1)
-            v[1] = v[2] = v[0];
-    }
-    return NQM_OK;
+    write_settings(header, row, settings, sizeof settings);
+    return nqm_spec_parse(schema, settings, values, err);
 }
