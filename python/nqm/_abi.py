@@ -275,6 +275,7 @@ FUNCTIONS = {
     "nqm_directions_id": (c_char_p, [c_void_p]),
     "nqm_sample": (c_int, [c_void_p, c_void_p, c_int, c_void_p, c_void_p, POINTER(SampleReport), _error]),
     "nqm_model_load": (c_int, [c_char_p, _handle, _error]),
+    "nqm_model_save": (c_int, [c_void_p, c_char_p, _error]),
     "nqm_model_builtin": (c_int, [c_char_p, _handle, _error]),
     "nqm_model_builtin_count": (c_size_t, []),
     "nqm_model_builtin_name": (c_char_p, [c_size_t]),

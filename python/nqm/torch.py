@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: MIT
-"""Losses and scores as functions of PyTorch, differentiable by the values of the test.
+"""Losses and scores for PyTorch, differentiable by the values of the test.
 
 A training needs `Loss`: Delta-E of pictures at fresh directions in every step. `jod` and `delta_e` are the scores of a model, which
 looks at the same directions every time: right for judging, but a training learns these by heart. Values are f_r in 1/sr, (n, 3), on any
-device; the library computes on the processor. There is no gradient by the reference.
+device; the library computes on the processor, without a gradient by the reference. `Metric` computes scores in PyTorch itself.
 """
 from __future__ import annotations
 
@@ -16,8 +16,9 @@ from ._abi import lib
 from ._brdf import BRDF
 from ._scene import Rays, Scene
 from ._score import ModelLike, Scorer
+from ._torch_metric import Metric
 
-__all__ = ["JOD", "jod", "delta_e", "RayLoss", "Loss", "directions"]
+__all__ = ["Metric", "JOD", "jod", "delta_e", "RayLoss", "Loss", "directions"]
 
 
 @functools.lru_cache(maxsize=8)
