@@ -335,7 +335,7 @@ FUNCTIONS = {
 def _candidates() -> Iterator[str]:
     """Paths and names of the library, best first."""
     package = Path(__file__).resolve().parent
-    folders = [package, package.parent, package.parent.parent / "build"]
+    folders = [package / "lib", package, package.parent, package.parent.parent / "build"]
     folders += [p / lib for p in package.parents for lib in ("lib", "lib64") if "lib" in package.parts]
     folders.append(Path(sys.prefix) / "lib")
     tool = shutil.which("nqm")
