@@ -74,14 +74,14 @@ typedef struct nqm_model_info {
     double jod_min, jod_max;     /**< the range that the output can take */
     const nqm_directions *directions;
     const char
-        *calibration; /**< JSON: what the intervals were calibrated on and cover (doc/files.md); "": no intervals */
+        *calibration; /**< JSON: what the intervals were calibrated on and cover (doc/model-format.md); "": no intervals */
     /* The interval of a predicted JOD Q, with y(Q) = ln((Q + 0.001) / (10.001 - Q)): y(Q) - w d(Q) to y(Q) + w u(Q), where d and u
      * are from a table, and w = exp(g v + a ln(1 + |y(Q) - y(E)| / 0.1) + b max(0, P - 8) / 10), with the novelty v, the JOD E
      * estimated by light transport, the scalar feature P = ref_peak and the growths g, a, b >= 0. Both half-widths are at least
      * 1.96 standard errors of labels near Q. doc/evaluation.md says how all are fitted. */
 } nqm_model_info;
 
-/** Load a model file (safetensors; doc/files.md). Checks names, shapes, finiteness and the SHA-256.
+/** Load a model file (safetensors; doc/model-format.md). Checks names, shapes, finiteness and the SHA-256.
  *  NQM_ERR_IO, NQM_ERR_FORMAT (not safetensors), NQM_ERR_MODEL (checksum, tensors), NQM_ERR_NOMEM. */
 NQM_API NQM_MUST_CHECK nqm_status nqm_model_load(const char *path, nqm_model **model_ret, nqm_error *err);
 /** A model from the n_bytes of a model file in memory, which are copied: they may be freed afterwards. The checks and errors of

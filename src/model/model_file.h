@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * model_file.h - what a model file contains, for its reader, its writer and copies of models; doc/files.md has the format.
+ * model_file.h - what a model file contains, for its reader, its writer and copies of models; doc/model-format.md has the format.
  */
 #ifndef NQM_SRC_MODEL_FILE_H
 #define NQM_SRC_MODEL_FILE_H

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * The tables of a model file's content, and its writer: safetensors with the tensors and metadata that doc/files.md
+ * The tables of a model file's content, and its writer: safetensors with the tensors and metadata that doc/model-format.md
  * describes.
  */
 #include "kernel/half.h"
