@@ -92,7 +92,7 @@ def entry(level, name, node):
 def main():
     found = {}
     for name in sorted(os.listdir(PACKAGE)):
-        if name.endswith(".py") and name not in ("torch.py", "__main__.py"):
+        if name.endswith(".py") and name not in ("torch.py", "_torch_metric.py", "dask.py", "__main__.py"):
             for node in parse(name).body:
                 if isinstance(node, (ast.FunctionDef, ast.ClassDef)) and not is_marked(node, "overload"):
                     found[node.name] = node
@@ -110,11 +110,12 @@ def main():
         print("## %s\n" % title)
         for name in names:
             print("\n".join(entry("###", "nqm." + name, found[name])))
-    torch = parse("torch.py")
-    print("## PyTorch\n\n%s\n" % markdown(ast.get_docstring(torch)))
-    for node in torch.body:
-        if isinstance(node, (ast.FunctionDef, ast.ClassDef)) and not node.name.startswith("_") and not is_shortcut(node):
-            print("\n".join(entry("###", "nqm.torch." + node.name, node)))
+    for title, name, files in (("PyTorch", "torch", ("torch.py", "_torch_metric.py")), ("Dask", "dask", ("dask.py",))):
+        trees = [parse(file) for file in files]
+        print("## %s\n\n%s\n" % (title, markdown(ast.get_docstring(trees[0]))))
+        for node in (n for tree in trees for n in tree.body):
+            if isinstance(node, (ast.FunctionDef, ast.ClassDef)) and not node.name.startswith("_") and not is_shortcut(node):
+                print("\n".join(entry("###", "nqm.%s.%s" % (name, node.name), node)))
 
 
 main()
