@@ -45,8 +45,8 @@ run cmake --build "$folder/obj" --target nqm_full nqm_tool
 cp -r python "$folder/python"
 cp LICENSE "$folder/python"
 rm -rf "$folder/python/build" "$folder/python"/*.egg-info
-(cd "$folder/python" && run python3 -c 'import setuptools; setuptools.setup()' -q sdist -d .. bdist_wheel -d pure)
-run python3 -m wheel unpack -d "$folder/unpacked" "$folder/python/pure"/*.whl
+(cd "$folder/python" && run /usr/bin/python3 -c 'import setuptools; setuptools.setup()' -q sdist -d .. bdist_wheel -d pure)
+run /usr/bin/python3 -m wheel unpack -d "$folder/unpacked" "$folder/python/pure"/*.whl
 mkdir -p "$site/nqm/lib" "$site/nqm/bin" "$info/licenses" "$site/nqm-$version.data/scripts"
 cp "$folder/obj/nqm" "$site/nqm/bin/"
 cp -L "$folder/obj/libnqm-full.so.0" "$folder/obj"/libnqm-models.so.*[0-9] "$embree" "$site/nqm/lib/"
@@ -59,6 +59,10 @@ ldd "$site/nqm/bin/nqm" "$site/nqm/lib"/* | awk '$3 ~ /^\// { print $3 }' | sort
     cp -L "$path" "$site/nqm/lib/libnqm-${name#lib}"
     package=$(dpkg-query -S "*/$(basename "$(readlink -f "$path")")" | head -n 1 | cut -d: -f1)
     cp "/usr/share/doc/$package/copyright" "$info/licenses/$package"
+done
+# Debian's files of copyright refer to these for the texts.
+grep -hoE '/usr/share/common-licenses/[A-Za-z0-9.+-]*[A-Za-z0-9]' "$info/licenses"/* | sort -u | while read -r path; do
+    cp "$path" "$info/licenses/common-$(basename "$path")"
 done
 chmod 755 "$site/nqm/bin/nqm" "$site/nqm/lib"/*
 for file in "$site/nqm/bin/nqm" "$site/nqm/lib"/*; do
@@ -80,6 +84,6 @@ END
 glibc=$(objdump -T "$site/nqm/bin/nqm" "$site/nqm/lib"/* | grep -o 'GLIBC_[0-9.]*' | sort -Vu | tail -n 1)
 tag=py3-none-manylinux_$(echo "${glibc#GLIBC_}" | tr . _)_$(uname -m)
 sed -i "s/^Root-Is-Purelib:.*/Root-Is-Purelib: false/; s/^Tag:.*/Tag: $tag/" "$info/WHEEL"
-run python3 -m wheel pack -d "$folder" "$site"
-NQM_SOURCE=$PWD python3 tests/python/test_wheel.py
+run /usr/bin/python3 -m wheel pack -d "$folder" "$site"
+NQM_SOURCE=$PWD /usr/bin/python3 tests/python/test_wheel.py
 ls -l "$folder"/*.whl "$folder"/*.tar.gz

@@ -73,8 +73,8 @@ typedef struct nqm_model_info {
     const size_t *layer_sizes;   /**< (n_layers + 1) widths, input first */
     double jod_min, jod_max;     /**< the range that the output can take */
     const nqm_directions *directions;
-    const char
-        *calibration; /**< JSON: what the intervals were calibrated on and cover (doc/model-format.md); "": no intervals */
+    const char *
+        calibration; /**< JSON: what the intervals were calibrated on and cover (doc/model-format.md); "": no intervals */
     /* The interval of a predicted JOD Q, with y(Q) = ln((Q + 0.001) / (10.001 - Q)): y(Q) - w d(Q) to y(Q) + w u(Q), where d and u
      * are from a table, and w = exp(g v + a ln(1 + |y(Q) - y(E)| / 0.1) + b max(0, P - 8) / 10), with the novelty v, the JOD E
      * estimated by light transport, the scalar feature P = ref_peak and the growths g, a, b >= 0. Both half-widths are at least

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: MIT
 """nqm.torch.Metric against NumPy (tests/vectors/metric.py, in double) and the C library (in float), its derivatives, torch.compile and ONNX.
 Skipped without torch. NQM_DOCS=full: 1,000 pairs."""
+import contextlib
 import csv
 import importlib.util
 import io
@@ -20,7 +21,7 @@ import torch  # noqa: E402
 sys.path.insert(0, os.environ["NQM_SOURCE"] + "/tests/vectors")
 import metric as specification  # noqa: E402
 
-N_PAIRS = 1000 if os.environ.get("NQM_DOCS") == "full" else 40
+N_PAIRS = 1000 if os.environ.get("NQM_DOCS") == "full" else 20
 
 
 def pairs_of(name, n, seed=1):
@@ -142,6 +143,21 @@ class Derivatives(unittest.TestCase):
                 second, = torch.autograd.grad((gradient * torch.linspace(0, 1, len(leaf))[:, None]).sum(), leaf)
                 self.assertTrue(gradient.isfinite().all() and second.isfinite().all())
         self.assertEqual(nqm.torch.Metric()(ref[0], ref[0]).item(), 10)
+
+
+class Example(unittest.TestCase):
+    def test_fits(self):
+        """The GGX of examples/fit_torch.py is that of nqm, and its network is trained."""
+        sys.path.insert(0, os.environ["NQM_SOURCE"] + "/examples")
+        import fit_torch
+
+        metric = nqm.torch.Metric(dtype=torch.float64)
+        parameters = torch.tensor([-2., -3, -1.5, 0, -.2, .1, -1.2, -2], dtype=torch.float64)
+        ours = fit_torch.ggx(parameters, metric.wi, metric.wo).numpy()
+        np.testing.assert_allclose(ours, nqm.BRDF.open(fit_torch.spec(parameters)).eval(metric.wi.numpy(), metric.wo.numpy()), rtol=1e-5)
+        with contextlib.redirect_stdout(io.StringIO()) as printed:
+            fit_torch.train_network(nqm.BRDF.open("sgd:nickel"), torch.tensor(ours), 2)
+        self.assertRegex(printed.getvalue(), r"step +2: \d\.\d\d JOD")
 
 
 class Compiled(unittest.TestCase):

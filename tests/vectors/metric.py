@@ -195,7 +195,7 @@ def main():
         file.write(f"# made by metric.py: numpy {np.__version__}, Python {sys.version.split()[0]}\n")
         columns = [f"{of}_{name}" for of in ("ref", "test") for name in names]
         file.write(",".join([*columns, "left_out", "default_delta_e", "default_jod", "transport_delta_e", "transport_jod", "paper_jod"]) + "\n")
-        for i, (ref, test) in enumerate(pairs(40)):
+        for i, (ref, test) in enumerate(pairs(24)):
             row, left_out = [*ref, *test], 0 if i % 3 else 11  # each 11th direction, from the first on; 0: none
             for t, metadata in opened.values():
                 degrees = t["directions_deg"]
