@@ -81,6 +81,7 @@ import importlib.util, os, sys
 tool = os.path.join(os.path.dirname(importlib.util.find_spec("nqm").origin), "bin", "nqm")
 os.execv(tool, [tool, *sys.argv[1:]])
 END
+chmod 755 "$site/nqm-$version.data/scripts/nqm"
 glibc=$(objdump -T "$site/nqm/bin/nqm" "$site/nqm/lib"/* | grep -o 'GLIBC_[0-9.]*' | sort -Vu | tail -n 1)
 tag=py3-none-manylinux_$(echo "${glibc#GLIBC_}" | tr . _)_$(uname -m)
 sed -i "s/^Root-Is-Purelib:.*/Root-Is-Purelib: false/; s/^Tag:.*/Tag: $tag/" "$info/WHEEL"

@@ -25,7 +25,7 @@ for release in "$@"; do
     }
     mount -t proc proc "$root/$release/proc" 2>/dev/null || echo "without /proc"
     cp build/wheel/*.whl python/notebook.py python/tutorial.ipynb "$root/$release/root"
-    inside 'apt-get update -qq; apt-get install -y -qq --no-install-recommends python3-venv python3-numpy >/dev/null 2>&1; echo "a Debian $(cat /etc/debian_version), $(python3 --version), packages of development: $(dpkg-query -W "*-dev" 2>/dev/null | wc -l)"'
+    inside 'apt-get update -qq; apt-get install -y -qq --no-install-recommends python3-venv python3-numpy >/dev/null 2>&1; echo "a Debian $(cat /etc/debian_version), $(python3 --version), packages of development: $(dpkg -l "*-dev" 2>/dev/null | grep -c ^ii)"'
     inside 'python3 -m venv --system-site-packages venv && time pip install -q --no-index ./nqm-*.whl && ls -l venv/bin/nqm'
     inside 'time nqm score sgd:nickel ward:nickel'
     inside 'nqm --help | head -n 5'

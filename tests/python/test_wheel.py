@@ -67,7 +67,8 @@ class Wheel(unittest.TestCase):
 
     def test_contents(self):
         self.assertLessEqual(os.path.getsize(WHEELS[0]), 25e6)
-        self.assertTrue(self.modes["nqm/bin/nqm"] & 0o111)
+        programs = [mode for name, mode in self.modes.items() if name.endswith(("nqm/bin/nqm", "data/scripts/nqm"))]
+        self.assertEqual([mode & 0o777 for mode in programs], [0o755, 0o755])
         bundled = {n for n in map(os.path.basename, self.libraries) if not re.match(r"libnqm-(full|models)\.", n)}
         self.assertEqual(sum(not name.startswith("common-") for name in os.listdir(self.info("licenses"))), len(bundled))
         for name in glob.glob(self.folder.name + "/nqm/**", recursive=True):
