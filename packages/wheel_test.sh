@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: MIT
 # Install the wheel of build/wheel in a bare Debian 12 and a bare Debian 13 (debootstrap; folders that are removed afterwards), which have
 # only Python, pip and NumPy, and use it as a new user would. Prints what is typed and answered. Needs root and a mirror.
+# shellcheck disable=SC2016 # the shell in the root expands what is quoted here
 # usage: packages/wheel_test.sh [RELEASE...]   (after ./dev wheel, from the folder of ./dev; NQM_MIRROR: another mirror)
 set -eu
 [ $# -gt 0 ] || set -- bookworm trixie

@@ -24,7 +24,7 @@ class Install(unittest.TestCase):
 
     def test_prefix(self):
         for package, library in (("lib/python3/dist-packages", "lib"), ("lib/python3/dist-packages", "lib/x86_64-linux-gnu"),
-                                 ("local/lib/python3.11/site-packages", "lib")):
+                                 ("local/lib/python3.11/site-packages", "lib"), ("venv/site-packages", "venv/site-packages/nqm/lib")):
             prefix = tempfile.mkdtemp(dir=self.folder)
             shutil.copytree(SOURCE + "/python/nqm", "%s/%s/nqm" % (prefix, package))
             os.makedirs("%s/%s" % (prefix, library), exist_ok=True)
