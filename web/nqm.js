@@ -89,9 +89,81 @@ export async function start(code, models) {
     await unpackModels(models, (name) => call("web_model_bytes", [name], (p) => new Uint8Array(exports.memory.buffer, p)));
 
     const MODELS = ["default", "transport"];
+    const modelNumber = (name) => {
+        if (!MODELS.includes(name)) throw new NqmError({error: `there is no model '${name}': here are ${MODELS.join(", ")}`, status: -5, byte: -1});
+        return MODELS.indexOf(name);
+    };
+    const doubles = (p, n) => new Float64Array(exports.memory.buffer, p, n).slice();
+
+    class BRDF {
+        constructor(info, key) {
+            Object.assign(this, info);
+            this.key = key;
+        }
+        /** f_r (n, 3) at pairs of unit vectors wi, wo (n, 3); NaN where there is no value. */
+        eval(wi, wo) {
+            const n = wi.length / 3, block = exports.web_alloc(n * 73 || 1), rgb = block + 48 * n, flag = rgb + 24 * n;
+            if (!block) throw new NqmError({error: "out of memory", status: -6, byte: -1});
+            new Float64Array(exports.memory.buffer, block, 3 * n).set(wi);
+            new Float64Array(exports.memory.buffer, block + 24 * n, 3 * n).set(wo);
+            exports.web_eval(this.id, n, block, block + 24 * n, rgb, flag);
+            const values = doubles(rgb, 3 * n), flags = new Uint8Array(exports.memory.buffer, flag, n);
+            for (let i = 0; i < 3 * n; ++i) if (flags[Math.floor(i / 3)] === 2) values[i] = NaN;
+            exports.web_free(block);
+            return values;
+        }
+        close() {
+            if (this.id >= 0) exports.web_close(this.id);
+            if (this.key !== undefined) callbacks.delete(this.key);
+            this.id = -1;
+        }
+    }
+
+    let nextKey = 1;
     const nqm = {
-        files, exports, onProgress: null,
-        scoreMany: (pairs, model = "default") => json("web_score_names", MODELS.indexOf(model), JSON.stringify(pairs)),
+        files, exports, BRDF, onProgress: null,
+        ...json("web_names"),
+        /** Open a path of `files` or a spec. */
+        open: (name) => new BRDF(json("web_open", name)),
+        /** A BRDF from a function of (n, wi, wo, rgb), arrays (n, 3), of which it fills the last. */
+        fromFunction(evaluate, name = "function") {
+            callbacks.set(nextKey, evaluate);
+            return new BRDF(json("web_function", nextKey, name), nextKey++);
+        },
+        /** The materials of a file: name, surface, spec or refusal. */
+        materials: (path) => json("web_materials", path),
+        /** The score of a test of a reference: BRDFs, or paths and specs. */
+        score(ref, test, model = "default") {
+            const number = modelNumber(model);
+            if (typeof ref === "string" && typeof test === "string") {
+                const [score] = json("web_score_names", number, JSON.stringify([[ref, test]]));
+                if (score.error !== undefined) throw new NqmError(score);
+                return score;
+            }
+            const opened = [], use = (x) => (typeof x === "string" ? opened[opened.push(nqm.open(x)) - 1] : x);
+            try {
+                return json("web_score", number, use(ref).id, use(test).id);
+            } finally {
+                opened.forEach((brdf) => brdf.close());
+            }
+        },
+        /** Scores of [reference, test] pairs of paths and specs; a pair that fails has `error` instead. */
+        scoreMany: (pairs, model = "default") => json("web_score_names", modelNumber(model), JSON.stringify(pairs)),
+        /** theta_h, theta_d, phi_d in degrees of the directions at which BRDFs are compared: (n, 3). */
+        directions: () => doubles(exports.web_directions(), 3 * exports.web_direction_count()),
+        slices: (brdf, phi = 0) => doubles(exports.web_slices(brdf.id, phi), 4 * 181 * 3),
+        differenceMap: (ref, test) => doubles(exports.web_difference_map(ref.id, test.id), 60 * 90),
+        costs: (ref, test) => json("web_costs", ref.id, test.id),
+        /** A picture of a lit sphere, RGBA (size, size, 4). member: 0 reference, 1 test, for difference(). */
+        render(brdf, member = 0, {light = "studio", size = 160, turn = 0} = {}) {
+            const p = call("web_render", [brdf.id, member, light, size, turn], (x) => x);
+            if (!p) throw new NqmError(json("web_failure"));
+            return new Uint8ClampedArray(exports.memory.buffer, p, 4 * size * size).slice();
+        },
+        /** Delta-E ITP between the last pictures of reference and test, of this size. */
+        difference: (size, end = 20) => new Uint8ClampedArray(exports.memory.buffer, exports.web_difference(end), 4 * size * size).slice(),
+        /** Fit a shading model, write it to `path` in files, and score the file: {spec, score, dropped, selected}. */
+        translate: (brdf, target, name, path) => json("web_translate", brdf.id, target, name, path),
     };
     return nqm;
 }
