@@ -2,6 +2,7 @@
 //
 // nqm for JavaScript: `load()` gives an object with the functions of the Python package. index.d.ts has their types.
 import {makeWasi} from "./wasi.js";
+import {inflate} from "./zip.js";
 
 /** A failure, with the sentence of the command line. status: nqm_status; byte: position in the file, or -1. */
 export class NqmError extends Error {
@@ -13,12 +14,7 @@ export class NqmError extends Error {
     }
 }
 
-async function inflate(data) {
-    const stream = new Blob([data]).stream().pipeThrough(new DecompressionStream("deflate-raw"));
-    return new Uint8Array(await new Response(stream).arrayBuffer());
-}
-
-// Undo web/pack.py: `packed` is a line of JSON and a deflate stream; `place(name)` is the memory of a model file.
+// Undo web/pack_models.py: `packed` is a line of JSON and a deflate stream; `place(name)` is the memory of a model file.
 async function unpackModels(packed, place) {
     const newline = packed.indexOf(10);
     const index = JSON.parse(new TextDecoder().decode(packed.subarray(0, newline)));
@@ -155,8 +151,8 @@ export async function start(code, models) {
         differenceMap: (ref, test) => doubles(exports.web_difference_map(ref.id, test.id), 60 * 90),
         costs: (ref, test) => json("web_costs", ref.id, test.id),
         /** A picture of a lit sphere, RGBA (size, size, 4). member: 0 reference, 1 test, for difference(). */
-        render(brdf, member = 0, {light = "studio", size = 160, turn = 0} = {}) {
-            const p = call("web_render", [brdf.id, member, light, size, turn], (x) => x);
+        render(brdf, member = 0, {light = "studio", size = 160, supersample = 2, turn = 0} = {}) {
+            const p = call("web_render", [brdf.id, member, light, size, supersample, turn], (x) => x);
             if (!p) throw new NqmError(json("web_failure"));
             return new Uint8ClampedArray(exports.memory.buffer, p, 4 * size * size).slice();
         },

@@ -362,17 +362,18 @@ const char *EXPORT(web_costs)(int ref, int test) {
 
 /* ---- pictures ---------------------------------------------------------------------------------------------------- */
 
-enum { SUPERSAMPLE = 2, TURNED = 512 };
+enum { N_STAGES = 4 }; /* one for each light, and one for a light that turns */
 
-static struct {
+static struct stage {
     nqm_scene *scene;
     char light[32];
-    size_t size; /* pixels of the picture; the scene has SUPERSAMPLE times as many */
+    size_t size, supersample; /* pixels of the picture; the scene has `supersample` times as many */
     double turn_deg;
     double *rgb_cdm2[2]; /* (n_points, 3) of reference and test */
     double *delta_e;     /* (n_points) */
     unsigned char *pixels; /* (size, size, 4) */
-} stage;
+} stages[N_STAGES], *current;
+static nqm_error failure;
 
 /* A built-in light that is turned about the vertical, as a file. */
 static nqm_status write_turned_light(const char *name, double turn_deg, const char *path, nqm_error *err) {
@@ -391,41 +392,51 @@ static nqm_status write_turned_light(const char *name, double turn_deg, const ch
     return status;
 }
 
-static nqm_status set_stage(const char *light, size_t size, double turn_deg, nqm_error *err) {
-    if (stage.scene && strcmp(stage.light, light) == 0 && stage.size == size && stage.turn_deg == turn_deg)
-        return NQM_OK;
+/* Fewer cells of light and directions than in labels: the browser draws while people wait. */
+static nqm_status fill_stage(struct stage *s, nqm_error *err) {
     static const char path[] = "turned-light.hdr";
     nqm_scene_options options = nqm_scene_options_default();
-    nqm_scene_free(stage.scene);
-    nqm_free(stage.rgb_cdm2[0]);
-    memset(&stage, 0, sizeof stage);
-    nqm_status status = turn_deg != 0 ? write_turned_light(light, turn_deg, path, err) : NQM_OK;
-    options.light = turn_deg != 0 ? path : light;
+    nqm_status status = s->turn_deg != 0 ? write_turned_light(s->light, s->turn_deg, path, err) : NQM_OK;
+    options.light = s->turn_deg != 0 ? path : s->light;
     options.shape = "sphere";
-    options.width = options.height = SUPERSAMPLE * size;
-    options.n_lights = 48;
+    options.width = options.height = s->supersample * s->size;
+    options.n_lights = 32;
+    options.light_width = 96;
     options.shadows = 0;
     if (status == NQM_OK)
-        status = nqm_scene_create(&options, &stage.scene, err);
-    const size_t n = status == NQM_OK ? nqm_scene_count(stage.scene) : 0;
+        status = nqm_scene_create(&options, &s->scene, err);
+    const size_t n = status == NQM_OK ? nqm_scene_count(s->scene) : 0;
     if (status == NQM_OK)
-        status = nqm_alloc_arrays(NQM_ARRAYS({&stage.rgb_cdm2[0], 3 * n, sizeof(double)}, {&stage.rgb_cdm2[1], 3 * n, sizeof(double)},
-                                             {&stage.delta_e, n, sizeof(double)}, {&stage.pixels, 4 * size * size, 1}),
+        status = nqm_alloc_arrays(NQM_ARRAYS({&s->rgb_cdm2[0], 3 * n, sizeof(double)}, {&s->rgb_cdm2[1], 3 * n, sizeof(double)},
+                                             {&s->delta_e, n, sizeof(double)}, {&s->pixels, 4 * s->size * s->size, 1}),
                                   err);
-    stage.size = size;
-    stage.turn_deg = turn_deg;
-    snprintf(stage.light, sizeof stage.light, "%s", light);
     return status;
 }
 
+/* Set `current` to the stage of these arguments. */
+static nqm_status set_stage(const char *light, size_t size, size_t supersample, double turn_deg, nqm_error *err) {
+    static const char *const lights[] = {"studio", "overcast", "sun"};
+    size_t place = N_STAGES - 1;
+    for (size_t i = 0; turn_deg == 0 && i < sizeof lights / sizeof *lights; ++i)
+        place = strcmp(lights[i], light) == 0 ? i : place;
+    current = &stages[place];
+    if (current->scene && strcmp(current->light, light) == 0 && current->size == size && current->supersample == supersample &&
+        current->turn_deg == turn_deg)
+        return NQM_OK;
+    nqm_scene_free(current->scene);
+    nqm_free(current->rgb_cdm2[0]);
+    *current = (struct stage){.size = size, .supersample = supersample, .turn_deg = turn_deg};
+    snprintf(current->light, sizeof current->light, "%s", light);
+    return fill_stage(current, err);
+}
+
 /* Average the points of each pixel: colours of a picture, or of a map up to `end`; alpha: how much of the pixel the sphere covers. */
-static const unsigned char *pixels_of(const double *rgb_cdm2, const double *delta_e, double end) {
-    const size_t n = nqm_scene_count(stage.scene), *pixel = nqm_scene_pixels(stage.scene), size = stage.size;
+static const unsigned char *pixels_of(const struct stage *s, const double *rgb_cdm2, const double *delta_e, double end) {
+    const size_t n = nqm_scene_count(s->scene), *pixel = nqm_scene_pixels(s->scene), size = s->size, width = s->supersample * size;
     const nqm_tone tone = nqm_tone_default();
     double *sum = nqm_alloc(size * size, 4 * sizeof *sum);
     for (size_t i = 0; sum && i < n; ++i) {
-        const size_t row = pixel[i] / (SUPERSAMPLE * size) / SUPERSAMPLE, column = pixel[i] % (SUPERSAMPLE * size) / SUPERSAMPLE;
-        double *to = sum + 4 * (row * size + column), rgb[3];
+        double *to = sum + 4 * (pixel[i] / width / s->supersample * size + pixel[i] % width / s->supersample), rgb[3];
         if (delta_e)
             nqm_viridis(delta_e[i] / end, rgb);
         for (size_t k = 0; k < 3; ++k)
@@ -434,21 +445,19 @@ static const unsigned char *pixels_of(const double *rgb_cdm2, const double *delt
     }
     for (size_t i = 0; sum && i < size * size; ++i) {
         for (size_t k = 0; k < 3; ++k)
-            stage.pixels[4 * i + k] = nqm_srgb_byte(sum[4 * i + k] / fmax(sum[4 * i + 3], 1));
-        stage.pixels[4 * i + 3] = (unsigned char)lround(255 * sum[4 * i + 3] / (SUPERSAMPLE * SUPERSAMPLE));
+            s->pixels[4 * i + k] = nqm_srgb_byte(sum[4 * i + k] / fmax(sum[4 * i + 3], 1));
+        s->pixels[4 * i + 3] = (unsigned char)lround(255 * sum[4 * i + 3] / (double)(s->supersample * s->supersample));
     }
     nqm_free(sum);
-    return stage.pixels;
+    return s->pixels;
 }
 
-/* Render BRDF `id` as reference (member 0) or test (1): size x size pixels of RGBA. NULL and web_failure() if that fails. */
-static nqm_error failure;
-
-const unsigned char *EXPORT(web_render)(int id, int member, const char *light, size_t size, double turn_deg) {
-    nqm_status status = set_stage(light, size, turn_deg, &failure);
+/* Render BRDF `id` as reference (member 0) or test (1): RGBA (size, size, 4). NULL and web_failure() if that fails. */
+const unsigned char *EXPORT(web_render)(int id, int member, const char *light, size_t size, size_t supersample, double turn_deg) {
+    nqm_status status = set_stage(light, size, supersample, turn_deg, &failure);
     if (status == NQM_OK)
-        status = nqm_scene_render(stage.scene, brdfs[id], stage.rgb_cdm2[member], &failure);
-    return status == NQM_OK ? pixels_of(stage.rgb_cdm2[member], NULL, 1) : NULL;
+        status = nqm_scene_render(current->scene, brdfs[id], current->rgb_cdm2[member], &failure);
+    return status == NQM_OK ? pixels_of(current, current->rgb_cdm2[member], NULL, 1) : NULL;
 }
 
 const char *EXPORT(web_failure)(void) {
@@ -457,8 +466,8 @@ const char *EXPORT(web_failure)(void) {
 
 /* The Delta-E ITP between the pictures that were rendered last, from 0 to `end` in viridis. */
 const unsigned char *EXPORT(web_difference)(double end) {
-    nqm_scene_delta_e_map(stage.scene, stage.rgb_cdm2[0], stage.rgb_cdm2[1], stage.delta_e);
-    return pixels_of(NULL, stage.delta_e, end);
+    nqm_scene_delta_e_map(current->scene, current->rgb_cdm2[0], current->rgb_cdm2[1], current->delta_e);
+    return pixels_of(current, NULL, current->delta_e, end);
 }
 
 /* ---- translations ------------------------------------------------------------------------------------------------ */
