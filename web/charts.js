@@ -56,15 +56,15 @@ export function drawSlices(host, [ref, test]) {
         const series = [ref, test].map((f) => Float64Array.from({length: N}, (_, i) => luminance(f, 3 * (k * N + i))));
         const values = series.flatMap((s) => [...s]).filter((x) => x > 0).sort((a, b) => a - b);
         const high = Math.ceil(Math.log10(values[values.length - 1] ?? 1) + 0.05), low = Math.max(Math.floor(Math.log10(values[Math.floor(values.length / 50)] ?? 0.1)), high - 7);
-        const x = (i) => LEFT + ((W - LEFT - 4) * i) / (N - 1), y = (value) => TOP + ((H - TOP - BOTTOM) * (high - Math.log10(value))) / (high - low);
+        const x = (i) => LEFT + ((W - LEFT - 12) * i) / (N - 1), y = (value) => TOP + ((H - TOP - BOTTOM) * (high - Math.log10(value))) / (high - low);
         const picture = svg("svg", {viewBox: `0 0 ${W} ${H}`, role: "img", "aria-label": `${title}: luminance of both BRDFs`});
         picture.append(svg("text", {x: LEFT, y: 13, "font-weight": 600}, title));
         for (let p = low; p <= high; p += Math.ceil((high - low) / 4)) {
-            picture.append(svg("path", {class: "axis", d: `M${LEFT} ${y(10 ** p)}H${W - 4}`}));
+            picture.append(svg("path", {class: "axis", d: `M${LEFT} ${y(10 ** p)}H${W - 12}`}));
             picture.append(svg("text", {x: LEFT - 5, y: y(10 ** p) + 4, "text-anchor": "end"}, p < -2 || p > 3 ? `1e${p}` : String(10 ** p)));
         }
         for (const tick of k ? [0, 30, 60, 90, 120, 150, 180] : [0, 5, 20, 45, 90])
-            picture.append(svg("text", {x: k ? x(tick) : LEFT + (W - LEFT - 4) * Math.sqrt(tick / 90), y: H - 9, "text-anchor": "middle"}, `${k ? tick - 90 : tick}°`));
+            picture.append(svg("text", {x: k ? x(tick) : LEFT + (W - LEFT - 12) * Math.sqrt(tick / 90), y: H - 9, "text-anchor": "middle"}, `${k ? tick - 90 : tick}°`));
         series.forEach((s, member) => {
             let d = "", pen = "M";
             s.forEach((value, i) => {

@@ -7,7 +7,7 @@ import {candidates, readFiles, readPaste} from "./files.js";
 import {complete, interval, jod2, makeHash, markdown, people, quote, readHash} from "./text.js";
 
 const $ = (id) => document.getElementById(id);
-const EXAMPLE = {ref: "sgd:nickel", test: "ggx:kd=0.012,0.011,0.009;f0=0.62,0.56,0.47;alpha=0.11"};
+const EXAMPLE = {ref: "sgd:gold-metallic-paint", test: "gltf:base_color=0.0046,0,0;metallic=0;roughness=0.444;ior=5;specular=0.41;specular_color=1,0.703,0.222"};
 const EXAMPLE_GLSL = `::begin parameters
 float roughness 0.02 1 0.33
 color baseColor 0.62 0.56 0.47
@@ -65,7 +65,7 @@ const slots = Object.fromEntries(["ref", "test"].map((member) => [member, {
     members: document.querySelector(`[data-member="${member}"] .members`), select: $(`${member}-members`), materials: [],
 }]));
 const dropped = []; // arguments of the table
-let score = null, turn = 0, costly = 0, shaderText = "";
+let score = null, turn = 0, shaderText = "";
 
 function showFault(message) {
     $("fault").hidden = !message;
@@ -76,7 +76,8 @@ function describe(member, info) {
     const {about, input} = slots[member];
     input.setAttribute("aria-invalid", "false");
     about.textContent = !info ? "" : info.format === "callback" ? "GLSL" : [info.format, info.isotropic ? "" : "not isotropic by construction", info.spec && info.spec !== info.name ? info.spec : info.layout]
-        .filter(Boolean).join(" · ").slice(0, 220);
+        .filter(Boolean).join(" · ");
+    about.title = about.textContent;
 }
 
 // ---- the score ------------------------------------------------------------------------------------------------------
@@ -121,7 +122,7 @@ async function setPair(change) {
     if (hash !== location.hash) history.replaceState(null, "", hash);
     showShare();
     await showDetails(mine);
-    drawPictures(mine);
+    drawPictures();
 }
 
 // A link has the spec of a material file; a measured file cannot be in it.
@@ -136,7 +137,7 @@ function showScore(found) {
     $("verdict").textContent = found ? found.verdict : chosen.ref && chosen.test ? "No score" : "Choose two materials";
     $("words").textContent = found ? (found.words || "") : "";
     $("people").textContent = !found ? "" : found.identical ? "Both are equal at all directions that are compared."
-        : `${people(found.prefer_reference)} of people would say that the reference looks better. ΔE ITP ${found.delta_e === null ? "–" : found.delta_e.toFixed(1)}${found.apart[0] === null ? "" : `; seen apart ${jod2(found.apart[0])} JOD`}${found.anisotropy > 0 ? "; anisotropic" : ""}.`;
+        : `${people(found.prefer_reference).replace(/^./, (c) => c.toUpperCase())} of people would say that the reference looks better. ΔE ITP ${found.delta_e === null ? "–" : found.delta_e.toFixed(1)}${found.apart[0] === null ? "" : `; seen apart ${jod2(found.apart[0])} JOD`}${found.anisotropy > 0 ? "; anisotropic" : ""}.`;
     $("remarks").replaceChildren(...(found?.remarks ?? []).map((text) => make("li", {}, text)));
     drawScale($("scale"), found);
     if (found) {
@@ -157,13 +158,31 @@ async function showDetails(mine) {
 
 // ---- pictures -------------------------------------------------------------------------------------------------------
 
-const SIZE = 200, TURN_SIZE = 112, STEP = 10;
+const SIZE = 180, PREVIEW = 64, TURN_SIZE = 80, STEP = 10, FRAME_MS = 70;
 let drawing = false, wanted = false;
+const frames = new Map(); // of the pair and light that turn now, by angle
 
-function paint(id, pixels, size) {
-    const canvas = $(id);
-    canvas.width = canvas.height = size;
-    canvas.getContext("2d").putImageData(new ImageData(pixels, size, size), 0, 0);
+function paint(images, size, end) {
+    ["picture-ref", "picture-test", "picture-difference"].forEach((id, i) => {
+        const canvas = $(id);
+        canvas.width = canvas.height = size;
+        canvas.getContext("2d").putImageData(new ImageData(images[i], size, size), 0, 0);
+    });
+    $("difference-end").textContent = end;
+}
+
+const isTurning = () => $("turn").getAttribute("aria-pressed") === "true";
+
+/** Frames are kept: the second revolution is smooth. */
+async function drawTurned(light) {
+    const pair = `${chosen.ref} ${chosen.test} ${light}`, begin = performance.now();
+    if (frames.pair !== pair) frames.clear();
+    frames.pair = pair;
+    turn = (turn + STEP) % 360;
+    if (!frames.has(turn)) frames.set(turn, await artist.call("pictures", chosen.ref, chosen.test, {light, size: TURN_SIZE, supersample: 1, turn: turn || 360}));
+    const {images, end} = frames.get(turn);
+    paint(images, TURN_SIZE, end);
+    await new Promise((resolve) => setTimeout(resolve, Math.max(FRAME_MS - (performance.now() - begin), 0)));
 }
 
 /** Draw the pair that is chosen now; a request during a drawing is done after it. */
@@ -173,20 +192,19 @@ async function drawPictures() {
     drawing = true;
     while (wanted) {
         wanted = false;
-        const turning = $("turn").getAttribute("aria-pressed") === "true", light = document.querySelector("[name=light]:checked").value;
-        const sizes = turning ? [TURN_SIZE] : [64, SIZE];
-        for (const size of sizes) {
-            if (wanted) break;
-            try {
-                const images = await artist.call("pictures", chosen.ref, chosen.test, {light, size, supersample: turning || size < 100 ? 1 : 2, turn: turning ? turn || STEP : 0}, 20);
-                ["picture-ref", "picture-test", "picture-difference"].forEach((id, i) => paint(id, images[i], size));
-            } catch (error) {
-                if (!wanted) showFault(error.message);
+        const light = document.querySelector("[name=light]:checked").value;
+        try {
+            if (isTurning()) {
+                await drawTurned(light);
+                wanted = true;
+                continue;
             }
-        }
-        if (turning) {
-            turn = (turn + STEP) % 360;
-            wanted = true;
+            for (const size of [PREVIEW, SIZE]) {
+                const {images, end} = await artist.call("pictures", chosen.ref, chosen.test, {light, size, supersample: 1});
+                if (!wanted) paint(images, size, end);
+            }
+        } catch (error) {
+            if (!wanted) showFault(error.message);
         }
     }
     drawing = false;
@@ -229,11 +247,9 @@ function setUpCombo(member) {
     input.addEventListener("input", () => {
         open();
         clearTimeout(timer);
-        timer = setTimeout(() => {
-            if (input.value && !/[:=;,]$/.test(input.value) && (isSpec(input.value) || !input.value.includes(":"))) {
-                if (isSpec(input.value)) setPair({[member]: input.value});
-            }
-        }, 200);
+        // A spec is scored while it is typed, when its last key has a value.
+        timer = setTimeout(() => (names.presets.includes(input.value) || (isSpec(input.value) && /[:;][^:;=]+=[^:;=]*[\w.)]$/.test(input.value))) &&
+            setPair({[member]: input.value}), 200);
     });
     input.addEventListener("focus", () => input.select());
     input.addEventListener("blur", close);
@@ -345,7 +361,7 @@ function setUpFiles() {
     addEventListener("paste", (event) => {
         const member = slotOf(event.target), text = event.clipboardData.getData("text/plain");
         if (event.clipboardData.files.length) take(event.clipboardData, member);
-        else if (!text || event.target.id === "glsl" || (member && !readPaste(text).file && !readPaste(text).glsl)) return;
+        else if (!text || event.target.id === "glsl" || (event.target.matches?.("input") && readPaste(text).spec !== undefined)) return;
         else takeText(text, member);
         event.preventDefault();
     });
@@ -492,8 +508,7 @@ async function begin() {
     $("split").addEventListener("input", () => $("compare").style.setProperty("--split", `${$("split").value}%`));
     document.querySelectorAll("[name=light]").forEach((input) => input.addEventListener("change", drawPictures));
     $("turn").addEventListener("click", () => {
-        const on = $("turn").getAttribute("aria-pressed") !== "true";
-        $("turn").setAttribute("aria-pressed", String(on));
+        $("turn").setAttribute("aria-pressed", String(!isTurning()));
         drawPictures();
     });
     $("translate").addEventListener("click", translate);

@@ -45,9 +45,9 @@ function decode(text) {
 
 const calls = {
     async start(text) {
-        const data = decode(text), size = new DataView(data.buffer).getUint32(0, true);
-        const code = await WebAssembly.compile(await inflate(data.subarray(4, 4 + size)));
-        nqm = await start(code, data.subarray(4 + size));
+        const data = decode(text), [nCode, nModels] = new Uint32Array(data.buffer, 0, 2), end = 8 + nCode;
+        const code = await WebAssembly.compile(await inflate(data.subarray(8, end)));
+        nqm = await start(code, data.subarray(end, end + nModels));
         const {presets, models, targets, version} = nqm;
         return {presets, models, targets, version};
     },
@@ -76,9 +76,9 @@ const calls = {
         map: nqm.differenceMap(use(ref), use(test)),
         costs: nqm.costs(use(ref), use(test)),
     }),
-    pictures(ref, test, options, end) {
-        const images = [nqm.render(use(ref), 0, options), nqm.render(use(test), 1, options)];
-        return end ? [...images, nqm.difference(options.size, end)] : images;
+    pictures(ref, test, options) {
+        const images = [nqm.render(use(ref), 0, options), nqm.render(use(test), 1, options)], {pixels, end} = nqm.difference(options.size);
+        return {images: [...images, pixels], end};
     },
     translate(ref, target, name, path, id) {
         nqm.onProgress = (done) => postMessage({id, progress: done});

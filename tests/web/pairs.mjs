@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// pairs.mjs N: a CSV with N pairs of specs, the same each time: presets with presets, with distorted copies and with analytic and
+// pairs.mjs - pairs of specs, the same each time: presets with presets, with distorted copies and with analytic and
 // shading models, a tenth of them anisotropic.
 let state = 20240607;
 const random = () => (state = (Math.imul(state, 1664525) + 1013904223) >>> 0) / 2 ** 32;
@@ -27,5 +27,13 @@ export function makePairs(n) {
         return [ref, of(tests)(ref)];
     });
 }
-if (process.argv[1]?.endsWith("pairs.mjs"))
-    console.log(["reference,test", ...makePairs(Number(process.argv[2])).map((pair) => pair.map((x) => `"${x}"`).join(","))].join("\n"));
+
+/** The list for `nqm batch`. */
+export const listText = (pairs) => ["reference,test", ...pairs.map((pair) => pair.map((x) => `"${x}"`).join(","))].join("\n") + "\n";
+
+/** [[jod, low, high]] of the CSV that it writes. */
+export function readJods(csv) {
+    const fields = (line) => [...line.matchAll(/("([^"]*)"|[^,]*)(,|$)/g)].map(([, plain, quoted]) => quoted ?? plain);
+    const [header, ...rows] = csv.trim().split("\n").map(fields), at = ["jod", "jod_low", "jod_high"].map((name) => header.indexOf(name));
+    return rows.map((row) => at.map((i) => Number(row[i])));
+}

@@ -17,6 +17,7 @@
 #include <math.h>
 #include <nqm/nqm.h>
 #include <stdlib.h>
+#include <unistd.h>
 
 #define EXPORT(NAME) __attribute__((export_name(#NAME))) NAME
 
@@ -386,6 +387,7 @@ static nqm_status write_turned_light(const char *name, double turn_deg, const ch
     const size_t shift = (size_t)lround(turn_deg / 360 * (double)image.width) % image.width;
     for (size_t i = 0; turned.rgb && i < image.width * image.height; ++i)
         memcpy(turned.rgb + 3 * i, image.rgb + 3 * (i / image.width * image.width + (i + shift) % image.width), 3 * sizeof *image.rgb);
+    unlink(path); /* files in memory have no permissions, and so look write-protected */
     status = turned.rgb ? nqm_image_write_hdr(path, &turned, err) : nqm_fail_nomem(err, image.width * image.height * 3 * sizeof *image.rgb);
     nqm_free(image.rgb);
     nqm_free(turned.rgb);
@@ -400,7 +402,7 @@ static nqm_status fill_stage(struct stage *s, nqm_error *err) {
     options.light = s->turn_deg != 0 ? path : s->light;
     options.shape = "sphere";
     options.width = options.height = s->supersample * s->size;
-    options.n_lights = 32;
+    options.n_lights = 48;
     options.light_width = 96;
     options.shadows = 0;
     if (status == NQM_OK)
@@ -464,10 +466,18 @@ const char *EXPORT(web_failure)(void) {
     return reply(error_json(&failure));
 }
 
-/* The Delta-E ITP between the pictures that were rendered last, from 0 to `end` in viridis. */
-const unsigned char *EXPORT(web_difference)(double end) {
+/* The Delta-E ITP between the pictures that were rendered last, from 0 to web_difference_end() in viridis. */
+static double difference_end = 1;
+
+const unsigned char *EXPORT(web_difference)(void) {
     nqm_scene_delta_e_map(current->scene, current->rgb_cdm2[0], current->rgb_cdm2[1], current->delta_e);
-    return pixels_of(current, NULL, current->delta_e, end);
+    const double *maps[1] = {current->delta_e};
+    const nqm_status status = nqm_map_scale(1, maps, nqm_scene_count(current->scene), &difference_end, &failure);
+    return status == NQM_OK ? pixels_of(current, NULL, current->delta_e, difference_end) : NULL;
+}
+
+double EXPORT(web_difference_end)(void) {
+    return difference_end;
 }
 
 /* ---- translations ------------------------------------------------------------------------------------------------ */
@@ -495,6 +505,7 @@ const char *EXPORT(web_translate)(int ref, const char *target, const char *name,
     const nqm_match_loss loss = {"auto", models[0].model, models[1].model, NULL};
     status = nqm_match(brdfs[ref], model, &loss, &fit, &report, NULL, &err);
     nqm_free(copy);
+    unlink(path);
     if (status == NQM_OK)
         status = nqm_material_write(report.fit.spec, name, path, &err);
     if (status == NQM_OK)
