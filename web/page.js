@@ -87,7 +87,12 @@ let round = 0; // of the last change; older answers are dropped
 /** Use these arguments and score them. */
 async function setPair(change) {
     Object.assign(chosen, change);
-    for (const member of ["ref", "test"]) if (document.activeElement !== slots[member].input) slots[member].input.value = chosen[member];
+    for (const member of ["ref", "test"]) {
+        const {input, select, members} = slots[member];
+        if (document.activeElement !== input) input.value = chosen[member];
+        if ([...select.options].some(({value}) => value === chosen[member])) select.value = chosen[member];
+        else members.hidden = true;
+    }
     const mine = ++round;
     showFault(null);
     document.querySelector(".result").classList.add("stale");
@@ -162,11 +167,19 @@ const SIZE = 180, PREVIEW = 64, TURN_SIZE = 80, STEP = 10, FRAME_MS = 70;
 let drawing = false, wanted = false;
 const frames = new Map(); // of the pair and light that turn now, by angle
 
+// Enlarged and cut out by a smooth circle: the pixels at the edge of the sphere are only in or out.
 function paint(images, size, end) {
+    const small = new OffscreenCanvas(size, size), full = 360, middle = 4 * size * (size >> 1);
+    let opaque = 0;
+    for (let x = 0; x < size; ++x) opaque += images[0][middle + 4 * x + 3] > 127;
     ["picture-ref", "picture-test", "picture-difference"].forEach((id, i) => {
-        const canvas = $(id);
-        canvas.width = canvas.height = size;
-        canvas.getContext("2d").putImageData(new ImageData(images[i], size, size), 0, 0);
+        const context = Object.assign($(id), {width: full, height: full}).getContext("2d");
+        small.getContext("2d").putImageData(new ImageData(images[i], size, size), 0, 0);
+        context.imageSmoothingQuality = "high";
+        context.beginPath();
+        context.arc(full / 2, full / 2, (full * (opaque - 1.6)) / size / 2, 0, 7);
+        context.clip();
+        context.drawImage(small, 0, 0, full, full);
     });
     $("difference-end").textContent = end;
 }
@@ -200,6 +213,7 @@ async function drawPictures() {
                 continue;
             }
             for (const size of [PREVIEW, SIZE]) {
+                if (wanted) break;
                 const {images, end} = await artist.call("pictures", chosen.ref, chosen.test, {light, size, supersample: 1});
                 if (!wanted) paint(images, size, end);
             }
@@ -313,8 +327,8 @@ const isExample = (member) => chosen[member] === EXAMPLE[member];
 
 function showMembers(member, found) {
     const {members, select} = slots[member];
-    members.hidden = found.length < 2;
     select.replaceChildren(...found.map(({argument, label}) => make("option", {value: argument}, label)));
+    members.hidden = found.length < 2;
 }
 
 async function takeText(text, member) {
@@ -426,19 +440,23 @@ async function translate() {
 
 // ---- sharing --------------------------------------------------------------------------------------------------------
 
+const isShader = () => Object.values(chosen).some((name) => name.startsWith("glsl:"));
 const shareTexts = {
-    link: () => location.href,
-    command: () => `nqm score ${quote(chosen.ref)} ${quote(chosen.test)}`,
+    link: () => (isShader() || !Object.values(readHash(location.hash) ?? {"": ""}).every(isSpec) ? null : location.href),
+    command: () => (isShader() ? null : `nqm score ${quote(chosen.ref)} ${quote(chosen.test)}`),
     markdown: () => markdown(rows.length ? rows : [{...chosen, score}]),
 };
+const shareFaults = {link: "A link holds specs: measured files and shaders are only on this page.", command: "The command line reads no shaders."};
 
 function showShare() {
-    $("share").textContent = shareTexts.command();
+    $("share").textContent = shareTexts.command() ?? shareFaults.command;
 }
 
 async function copy(kind) {
     const text = shareTexts[kind]();
-    $("share").textContent = text;
+    $("share").textContent = text ?? shareFaults[kind];
+    $("copied").textContent = "";
+    if (!text) return;
     try {
         await navigator.clipboard.writeText(text);
         $("copied").textContent = "Copied.";
