@@ -47,7 +47,7 @@ fetch_all() {
 }
 
 sources=${NQM_WEB_SOURCES:-$out/sources}
-[ -d "$sources/expat" ] && [ -d "$sources/jansson" ] && [ -d "$sources/zlib" ] || fetch_all
+if ! { [ -d "$sources/expat" ] && [ -d "$sources/jansson" ] && [ -d "$sources/zlib" ]; }; then fetch_all; fi
 mkdir -p "$out/npm"
 models_stamp=$out/models.bin
 if [ ! -e "$models_stamp" ] || [ -n "$(find web/pack_models.py models -newer "$models_stamp" -name '*.safetensors' -o -newer "$models_stamp" -name pack_models.py)" ]; then

@@ -33,12 +33,12 @@ const place = (jod) => 600 * (1 - ((10 - jod) / 10) ** 0.6);
 
 /** The scale from 0 to 10 with the words of the command line, the interval and the JOD. */
 export function drawScale(host, score) {
-    const picture = svg("svg", {viewBox: "0 0 600 58"});
+    const picture = svg("svg", {viewBox: "0 0 600 62"});
     const zones = [[0, 6, "very different"], [6, 8, "clearly visible"], [8, 9, "visible"], [9, 9.5, "hardly"], [9.5, 10, "practically the same"]];
     const shades = ["0.10", "0.16", "0.24", "0.34", "0.48"];
     zones.forEach(([low, high], i) =>
         picture.append(svg("rect", {x: place(low) + 1, y: 20, width: place(high) - place(low) - 2, height: 12, rx: 3, fill: "var(--accent)", opacity: shades[i]})));
-    for (const jod of [0, 6, 8, 9, 9.5, 10]) picture.append(svg("text", {x: place(jod), y: 48, "text-anchor": jod === 0 ? "start" : jod === 10 ? "end" : "middle"}, String(jod)));
+    for (const jod of [0, 6, 8, 9, 9.5, 10]) picture.append(svg("text", {x: place(jod), y: 54, "text-anchor": jod === 0 ? "start" : jod === 10 ? "end" : "middle"}, String(jod)));
     if (score) {
         if (score.low !== null) picture.append(svg("rect", {x: place(score.low), y: 17, width: Math.max(place(score.high) - place(score.low), 2), height: 18, rx: 4, fill: "var(--test)", opacity: 0.35}));
         picture.append(svg("rect", {x: place(score.jod) - 2, y: 10, width: 4, height: 32, rx: 2, fill: "var(--test)"}));

@@ -30,7 +30,9 @@ vec3 BRDF(vec3 L, vec3 N, vec3 V, vec3 X, vec3 Y) {
 // ---- workers --------------------------------------------------------------------------------------------------------
 
 class Caller {
-    constructor(url) {
+    /** Starts at the first call. */
+    constructor(url, data) {
+        this.data = data;
         this.worker = new Worker(url);
         this.waiting = new Map();
         this.next = 1;
@@ -43,10 +45,19 @@ class Caller {
         };
         this.worker.onerror = (event) => showFault(`The worker of the page failed: ${event.message}`);
     }
+    start() {
+        this.started ??= this.send(undefined, "start", [this.data]);
+        this.data = undefined;
+        return this.started;
+    }
     call(fn, ...args) {
         return this.callWith(undefined, fn, ...args);
     }
-    callWith(onProgress, fn, ...args) {
+    async callWith(onProgress, fn, ...args) {
+        await this.start();
+        return this.send(onProgress, fn, args);
+    }
+    send(onProgress, fn, args) {
         return new Promise((resolve, reject) => {
             this.waiting.set(this.next, {resolve, reject, onProgress});
             this.worker.postMessage({id: this.next++, fn, args});
@@ -542,15 +553,13 @@ async function begin() {
     });
     document.querySelectorAll("[data-copy]").forEach((button) => button.addEventListener("click", () => copy(button.dataset.copy)));
     addEventListener("hashchange", () => readHash(location.hash) && setPair(readHash(location.hash)));
-    scorer = new Caller(url);
+    scorer = new Caller(url, data);
+    artist = new Caller(url, data);
     try {
-        names = await scorer.call("start", data);
+        names = await scorer.start();
     } catch (error) {
         return showFault(`nqm does not start in this browser: ${error.message}`);
     }
-    artist = new Caller(url);
-    const started = artist.call("start", data);
-    artist.call = ((call) => async (...args) => (await started, call.apply(artist, args)))(artist.call);
     $("target").replaceChildren(...names.targets.filter((name) => !["openpbr", "usd"].includes(name)).map((name) => make("option", {}, name)));
     $("about").append(` nqm ${names.version}, model “default”, ${names.presets.length} presets.`);
     await setPair(readHash(location.hash) ?? EXAMPLE);

@@ -6,7 +6,8 @@
 
 static nqm_status refuse(nqm_brdf **brdf_ret, nqm_error *err) {
     *brdf_ret = NULL;
-    return nqm_fail(err, NQM_ERR_MODEL, -1, "this build has no networks and dictionaries to fit; the command nqm has them");
+    return nqm_fail(err, NQM_ERR_MODEL, -1,
+                    "this build has no networks and dictionaries to fit; the command nqm has them");
 }
 
 nqm_status nqm_encode_nbrdf(const nqm_brdf *ref, const nqm_encode_options *options, nqm_encode_report *report,

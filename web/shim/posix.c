@@ -34,7 +34,8 @@ nqm_status nqm_zip_read(const nqm_map *map, const char *member, size_t max_bytes
                         size_t *n_bytes_ret, nqm_error *err) {
     (void)max_bytes;
     *data_ret = NULL, *n_bytes_ret = 0;
-    return nqm_fail(err, NQM_ERR_FORMAT, 0, "%s: '%s' is not read from an archive here (byte 0); drop the archive on the page", map->path,
+    return nqm_fail(err, NQM_ERR_FORMAT, 0,
+                    "%s: '%s' is not read from an archive here (byte 0); drop the archive on the page", map->path,
                     member);
 }
 
@@ -58,8 +59,10 @@ nqm_status nqm_raster_decode_png(const nqm_map *map, bool header_only, nqm_raste
     enum { HEAD = 19 };
     if (map->n_bytes < HEAD || memcmp(map->data + 4, "raw", 3) != 0)
         return nqm_fail(err, NQM_ERR_FORMAT, 0, "%s: the browser cannot decode this picture (byte 0)", map->path);
-    *raster = (nqm_raster){nqm_load_u32(map->data + 7), nqm_load_u32(map->data + 11), nqm_load_u32(map->data + 15), NQM_RASTER_U8, NULL};
-    if (raster->channels < 1 || raster->channels > 4 || map->n_bytes - HEAD != raster->width * raster->height * raster->channels)
+    *raster = (nqm_raster){nqm_load_u32(map->data + 7), nqm_load_u32(map->data + 11), nqm_load_u32(map->data + 15),
+                           NQM_RASTER_U8, NULL};
+    if (raster->channels < 1 || raster->channels > 4 ||
+        map->n_bytes - HEAD != raster->width * raster->height * raster->channels)
         return nqm_fail(err, NQM_ERR_FORMAT, 7, "%s: the size of the decoded picture is wrong (byte 7)", map->path);
     nqm_status status = nqm_raster_begin(map, 1, header_only, raster, err);
     if (status == NQM_OK && !header_only)

@@ -5,8 +5,9 @@
 #ifndef NQM_WEB_PTHREAD_H
 #define NQM_WEB_PTHREAD_H
 #include <sys/types.h>
-#define PTHREAD_MUTEX_INITIALIZER {0}
-#define PTHREAD_ONCE_INIT         0
+#define PTHREAD_MUTEX_INITIALIZER                                                                                      \
+    { 0 }
+#define PTHREAD_ONCE_INIT 0
 static inline int pthread_mutex_init(pthread_mutex_t *m, const void *attributes) {
     (void)m, (void)attributes;
     return 0;

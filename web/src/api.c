@@ -33,7 +33,8 @@ static const char *reply(json_t *json) {
 }
 
 static json_t *error_json(const nqm_error *err) {
-    return json_pack("{s:s,s:i,s:I}", "error", err->message, "status", err->status, "byte", (json_int_t)err->byte_offset);
+    return json_pack("{s:s,s:i,s:I}", "error", err->message, "status", err->status, "byte",
+                     (json_int_t)err->byte_offset);
 }
 
 static json_t *number(double x) {
@@ -87,9 +88,10 @@ static nqm_brdf *brdfs[MAX_BRDFS];
 
 static json_t *info_json(int id) {
     const nqm_brdf_info i = nqm_brdf_get_info(brdfs[id]);
-    return json_pack("{s:i,s:o,s:o,s:o,s:o,s:o,s:I,s:I,s:b,s:b}", "id", id, "format", text(i.format), "name", text(i.name), "spec",
-                     text(i.spec), "doi", text(i.source_doi), "layout", text(i.layout), "n_values", (json_int_t)i.n_values, "n_bytes",
-                     (json_int_t)i.n_bytes, "reciprocal", i.reciprocal, "isotropic", i.isotropic);
+    return json_pack("{s:i,s:o,s:o,s:o,s:o,s:o,s:I,s:I,s:b,s:b}", "id", id, "format", text(i.format), "name",
+                     text(i.name), "spec", text(i.spec), "doi", text(i.source_doi), "layout", text(i.layout),
+                     "n_values", (json_int_t)i.n_values, "n_bytes", (json_int_t)i.n_bytes, "reciprocal", i.reciprocal,
+                     "isotropic", i.isotropic);
 }
 
 static nqm_status find_place(int *id_ret, nqm_error *err) {
@@ -115,8 +117,8 @@ void EXPORT(web_close)(int id) {
 }
 
 /* JavaScript's function `key` at n pairs of directions, (n, 3) each. */
-__attribute__((import_module("env"), import_name("web_call"))) void web_call(int key, int n, const double *wi, const double *wo,
-                                                                            double *rgb);
+__attribute__((import_module("env"), import_name("web_call"))) void web_call(int key, int n, const double *wi,
+                                                                             const double *wo, double *rgb);
 /* Returns nonzero to stop. */
 __attribute__((import_module("env"), import_name("web_progress"))) int web_progress(double done);
 
@@ -159,9 +161,9 @@ static json_t *model_keys(const nqm_spec_schema *schema) {
     json_t *keys = json_array();
     for (size_t k = 0; k < schema->n_keys; ++k) {
         const nqm_spec_key *key = &schema->keys[k];
-        json_array_append_new(keys, json_pack("{s:s,s:I,s:o,s:o,s:o,s:b}", "name", key->name, "n", (json_int_t)key->n, "low",
-                                              number(key->low), "high", number(key->high), "fallback", number(key->fallback), "required",
-                                              key->required));
+        json_array_append_new(keys, json_pack("{s:s,s:I,s:o,s:o,s:o,s:b}", "name", key->name, "n", (json_int_t)key->n,
+                                              "low", number(key->low), "high", number(key->high), "fallback",
+                                              number(key->fallback), "required", key->required));
     }
     return keys;
 }
@@ -175,11 +177,12 @@ const char *EXPORT(web_names)(void) {
     for (size_t i = 0; i < nqm_brdf_preset_count(); ++i)
         json_array_append_new(presets, json_string(nqm_brdf_preset_name(i)));
     for (size_t i = 0; i < sizeof analytic / sizeof *analytic; ++i)
-        json_array_append_new(schemas,
-                              json_pack("{s:s,s:o}", "name", analytic[i]->schema.model, "keys", model_keys(&analytic[i]->schema)));
+        json_array_append_new(schemas, json_pack("{s:s,s:o}", "name", analytic[i]->schema.model, "keys",
+                                                 model_keys(&analytic[i]->schema)));
     for (const char *const *name = target_names(); *name; ++name)
         json_array_append_new(targets, json_string(*name));
-    return reply(json_pack("{s:o,s:o,s:o,s:s}", "presets", presets, "models", schemas, "targets", targets, "version", nqm_version()));
+    return reply(json_pack("{s:o,s:o,s:o,s:s}", "presets", presets, "models", schemas, "targets", targets, "version",
+                           nqm_version()));
 }
 
 const char *EXPORT(web_materials)(const char *path) {
@@ -190,9 +193,10 @@ const char *EXPORT(web_materials)(const char *path) {
     json_t *list = json_array();
     for (size_t i = 0; i < nqm_materials_count(materials); ++i) {
         const nqm_material_info m = nqm_materials_get(materials, i);
-        json_array_append_new(list, json_pack("{s:o,s:o,s:o,s:o,s:o,s:I,s:I}", "name", text(m.name), "surface", text(m.surface), "spec",
-                                              text(m.spec), "refusal", text(m.refusal), "remark", text(m.remark), "n_maps",
-                                              (json_int_t)m.n_maps, "byte", (json_int_t)m.byte_offset));
+        json_array_append_new(list, json_pack("{s:o,s:o,s:o,s:o,s:o,s:I,s:I}", "name", text(m.name), "surface",
+                                              text(m.surface), "spec", text(m.spec), "refusal", text(m.refusal),
+                                              "remark", text(m.remark), "n_maps", (json_int_t)m.n_maps, "byte",
+                                              (json_int_t)m.byte_offset));
     }
     nqm_materials_free(materials);
     return reply(list);
@@ -213,12 +217,13 @@ static json_t *score_json(const char *ref, const char *test, const nqm_score_res
     const remark_terms terms = {.n_directions = nqm_directions_count(nqm_model_get_info(models[0].model).directions)};
     return json_pack("{s:s,s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:s,s:[ooo],s:o,s:o,s:[ooo],s:o,s:b,s:o,s:I}", "verdict",
                      verdict_words(r, verdict), "prefer_reference", number(preference_share(r)), "remarks",
-                     json_remarks(&terms, ref, test, r), "jod", number(r->jod), "low",
-                     number(r->jod_low), "high", number(r->jod_high), "delta_e", number(r->delta_e), "novelty", number(r->novelty),
-                     "words", words, "shift", number(r->parts.shift[0]), number(r->parts.shift[1]), number(r->parts.shift[2]),
+                     json_remarks(&terms, ref, test, r), "jod", number(r->jod), "low", number(r->jod_low), "high",
+                     number(r->jod_high), "delta_e", number(r->delta_e), "novelty", number(r->novelty), "words", words,
+                     "shift", number(r->parts.shift[0]), number(r->parts.shift[1]), number(r->parts.shift[2]),
                      "contrast", number(r->parts.contrast), "structure", number(r->parts.structure), "apart",
                      number(r->similarity[0]), number(r->similarity[1]), number(r->similarity[2]), "anisotropy",
-                     number(r->anisotropy), "identical", r->identical, "metrics", metrics, "n_valid", (json_int_t)r->n_valid);
+                     number(r->anisotropy), "identical", r->identical, "metrics", metrics, "n_valid",
+                     (json_int_t)r->n_valid);
 }
 
 /* pairs: an array of [reference, test], each a path or spec. The result is an array of scores and errors. */
@@ -234,7 +239,8 @@ const char *EXPORT(web_score_names)(int model, const char *pairs) {
         status = nqm_fail_nomem(&err, n * sizeof *results);
     for (size_t i = 0; status == NQM_OK && i < n; ++i) {
         json_t *pair = json_array_get(list, i);
-        named[i] = (nqm_named_pair){json_string_value(json_array_get(pair, 0)), json_string_value(json_array_get(pair, 1))};
+        named[i] =
+            (nqm_named_pair){json_string_value(json_array_get(pair, 0)), json_string_value(json_array_get(pair, 1))};
     }
     if (status == NQM_OK)
         status = nqm_scorer_run_named(models[model].scorer, n, named, results, errors, &err);
@@ -260,7 +266,8 @@ const char *EXPORT(web_score)(int model, int ref, int test) {
     if (status == NQM_OK)
         status = nqm_scorer_run(models[model].scorer, brdfs[ref], 1, &tests, &r, &err);
     if (status == NQM_OK && r.status != NQM_OK)
-        status = nqm_fail(&err, r.status, -1, "%s: both BRDFs have a value at too few directions", nqm_brdf_get_info(brdfs[test]).name);
+        status = nqm_fail(&err, r.status, -1, "%s: both BRDFs have a value at too few directions",
+                          nqm_brdf_get_info(brdfs[test]).name);
     return reply(status == NQM_OK
                      ? score_json(nqm_brdf_get_info(brdfs[ref]).name, nqm_brdf_get_info(brdfs[test]).name, &r, &err)
                      : error_json(&err));
@@ -328,8 +335,8 @@ const char *EXPORT(web_costs)(int ref, int test) {
     float *a = NULL, *b, *gradient;
     double *cost, sum = 0, value;
     if (status == NQM_OK)
-        status = nqm_alloc_arrays(NQM_ARRAYS({&a, 3 * n, sizeof *a}, {&b, 3 * n, sizeof *b}, {&gradient, 3 * n, sizeof *gradient},
-                                             {&cost, n, sizeof *cost}),
+        status = nqm_alloc_arrays(NQM_ARRAYS({&a, 3 * n, sizeof *a}, {&b, 3 * n, sizeof *b},
+                                             {&gradient, 3 * n, sizeof *gradient}, {&cost, n, sizeof *cost}),
                                   &err);
     nqm_sample_report report;
     if (status == NQM_OK)
@@ -337,7 +344,8 @@ const char *EXPORT(web_costs)(int ref, int test) {
     if (status == NQM_OK)
         status = nqm_sample(brdfs[test], directions, NQM_INVALID_NEAREST, b, NULL, &report, &err);
     if (status == NQM_OK)
-        status = nqm_score_grad(models[0].scorer, NQM_SCORE_DELTA_E, 1, &(nqm_sample_pair){a, b, NULL}, &value, gradient, &err);
+        status = nqm_score_grad(models[0].scorer, NQM_SCORE_DELTA_E, 1, &(nqm_sample_pair){a, b, NULL}, &value,
+                                gradient, &err);
     json_t *rows = json_array();
     for (size_t i = 0; status == NQM_OK && i < n; ++i) {
         for (size_t k = 3 * i; k < 3 * i + 3; ++k)
@@ -370,8 +378,8 @@ static struct stage {
     char light[32];
     size_t size, supersample; /* pixels of the picture; the scene has `supersample` times as many */
     double turn_deg;
-    double *rgb_cdm2[2]; /* (n_points, 3) of reference and test */
-    double *delta_e;     /* (n_points) */
+    double *rgb_cdm2[2];   /* (n_points, 3) of reference and test */
+    double *delta_e;       /* (n_points) */
     unsigned char *pixels; /* (size, size, 4) */
 } stages[N_STAGES], *current;
 static nqm_error failure;
@@ -386,9 +394,11 @@ static nqm_status write_turned_light(const char *name, double turn_deg, const ch
     turned.rgb = nqm_alloc(image.width * image.height, 3 * sizeof *image.rgb);
     const size_t shift = (size_t)lround(turn_deg / 360 * (double)image.width) % image.width;
     for (size_t i = 0; turned.rgb && i < image.width * image.height; ++i)
-        memcpy(turned.rgb + 3 * i, image.rgb + 3 * (i / image.width * image.width + (i + shift) % image.width), 3 * sizeof *image.rgb);
+        memcpy(turned.rgb + 3 * i, image.rgb + 3 * (i / image.width * image.width + (i + shift) % image.width),
+               3 * sizeof *image.rgb);
     unlink(path); /* files in memory have no permissions, and so look write-protected */
-    status = turned.rgb ? nqm_image_write_hdr(path, &turned, err) : nqm_fail_nomem(err, image.width * image.height * 3 * sizeof *image.rgb);
+    status = turned.rgb ? nqm_image_write_hdr(path, &turned, err)
+                        : nqm_fail_nomem(err, image.width * image.height * 3 * sizeof *image.rgb);
     nqm_free(image.rgb);
     nqm_free(turned.rgb);
     return status;
@@ -409,8 +419,9 @@ static nqm_status fill_stage(struct stage *s, nqm_error *err) {
         status = nqm_scene_create(&options, &s->scene, err);
     const size_t n = status == NQM_OK ? nqm_scene_count(s->scene) : 0;
     if (status == NQM_OK)
-        status = nqm_alloc_arrays(NQM_ARRAYS({&s->rgb_cdm2[0], 3 * n, sizeof(double)}, {&s->rgb_cdm2[1], 3 * n, sizeof(double)},
-                                             {&s->delta_e, n, sizeof(double)}, {&s->pixels, 4 * s->size * s->size, 1}),
+        status = nqm_alloc_arrays(NQM_ARRAYS({&s->rgb_cdm2[0], 3 * n, sizeof(double)},
+                                             {&s->rgb_cdm2[1], 3 * n, sizeof(double)}, {&s->delta_e, n, sizeof(double)},
+                                             {&s->pixels, 4 * s->size * s->size, 1}),
                                   err);
     return status;
 }
@@ -422,8 +433,8 @@ static nqm_status set_stage(const char *light, size_t size, size_t supersample, 
     for (size_t i = 0; turn_deg == 0 && i < sizeof lights / sizeof *lights; ++i)
         place = strcmp(lights[i], light) == 0 ? i : place;
     current = &stages[place];
-    if (current->scene && strcmp(current->light, light) == 0 && current->size == size && current->supersample == supersample &&
-        current->turn_deg == turn_deg)
+    if (current->scene && strcmp(current->light, light) == 0 && current->size == size &&
+        current->supersample == supersample && current->turn_deg == turn_deg)
         return NQM_OK;
     nqm_scene_free(current->scene);
     nqm_free(current->rgb_cdm2[0]);
@@ -433,8 +444,10 @@ static nqm_status set_stage(const char *light, size_t size, size_t supersample, 
 }
 
 /* Average the points of each pixel: colours of a picture, or of a map up to `end`; alpha: how much of the pixel the sphere covers. */
-static const unsigned char *pixels_of(const struct stage *s, const double *rgb_cdm2, const double *delta_e, double end) {
-    const size_t n = nqm_scene_count(s->scene), *pixel = nqm_scene_pixels(s->scene), size = s->size, width = s->supersample * size;
+static const unsigned char *pixels_of(const struct stage *s, const double *rgb_cdm2, const double *delta_e,
+                                      double end) {
+    const size_t n = nqm_scene_count(s->scene), *pixel = nqm_scene_pixels(s->scene), size = s->size,
+                 width = s->supersample * size;
     const nqm_tone tone = nqm_tone_default();
     double *sum = nqm_alloc(size * size, 4 * sizeof *sum);
     for (size_t i = 0; sum && i < n; ++i) {
@@ -455,7 +468,8 @@ static const unsigned char *pixels_of(const struct stage *s, const double *rgb_c
 }
 
 /* Render BRDF `id` as reference (member 0) or test (1): RGBA (size, size, 4). NULL and web_failure() if that fails. */
-const unsigned char *EXPORT(web_render)(int id, int member, const char *light, size_t size, size_t supersample, double turn_deg) {
+const unsigned char *EXPORT(web_render)(int id, int member, const char *light, size_t size, size_t supersample,
+                                        double turn_deg) {
     nqm_status status = set_stage(light, size, supersample, turn_deg, &failure);
     if (status == NQM_OK)
         status = nqm_scene_render(current->scene, brdfs[id], current->rgb_cdm2[member], &failure);
@@ -513,9 +527,10 @@ const char *EXPORT(web_translate)(int ref, const char *target, const char *name,
     test = written;
     if (status == NQM_OK)
         status = nqm_scorer_run(models[0].scorer, brdfs[ref], 1, &test, &r, &err);
-    json_t *json = status != NQM_OK ? error_json(&err)
-                                    : json_pack("{s:s,s:s,s:s,s:o}", "spec", report.fit.spec, "selected", report.selected, "dropped",
-                                                dropped, "score", score_json("reference", path, &r, &err));
+    json_t *json = status != NQM_OK
+                       ? error_json(&err)
+                       : json_pack("{s:s,s:s,s:s,s:o}", "spec", report.fit.spec, "selected", report.selected, "dropped",
+                                   dropped, "score", score_json("reference", path, &r, &err));
     nqm_brdf_free(written);
     return reply(json);
 }
