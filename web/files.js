@@ -49,6 +49,12 @@ export function candidates(files) {
     return rest.length ? rest : files.map(([path]) => path);
 }
 
+/** The folders of files that are all pictures: textured materials. [] if there are other files, or pictures outside of folders. */
+export function mapFolders(files) {
+    const folders = new Set(files.map(([path]) => path.slice(0, Math.max(path.lastIndexOf("/"), 0))));
+    return files.every(([path]) => /.\/[^/]*\.(png|jpe?g)$/i.test(path)) ? [...folders] : [];
+}
+
 /** What a pasted text is: {glsl}, {file: [path, bytes]} or {spec}. */
 export function readPaste(text) {
     const trimmed = text.trim();

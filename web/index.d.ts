@@ -64,6 +64,26 @@ export interface Material {
     byte: number;
 }
 
+export interface TextureScore {
+    far: number | null;
+    /** JOD of the median texel, and of the 5 % with the largest Delta-E */
+    median: number;
+    worst: number;
+    /** share of texels below JOD 9 */
+    below9: number;
+    width: number;
+    height: number;
+    n_scored: number;
+    /** near score with one property of the test alone, worst first, and a known mistake or "" */
+    blame: {key: string; jod: number; mistake: string}[];
+    /** Delta-E of the texels in viridis from 0 to end, RGBA */
+    heat: {width: number; height: number; pixels: Uint8ClampedArray};
+    end: number;
+}
+
+/** A picture that the caller has decoded, RGBA (height, width, 4), as a file for `files`. */
+export function rawPicture(width: number, height: number, pixels: Uint8Array | Uint8ClampedArray): Uint8Array;
+
 export interface Key { name: string; n: number; low: number; high: number; fallback: number | null; required: boolean }
 
 export type Light = "studio" | "overcast" | "sun";
@@ -84,6 +104,8 @@ export interface Nqm {
     materials(path: string): Material[];
     score(ref: BRDF | string, test: BRDF | string, model?: "default" | "transport"): Score;
     scoreMany(pairs: [string, string][], model?: "default" | "transport"): (Score | Failure)[];
+    /** near score of two materials of which one at least has image maps. PNG and JPEG maps must be in `files` as rawPicture() */
+    scoreTextures(ref: string, test: string): Score & {texture: TextureScore};
     /** theta_h, theta_d, phi_d in degrees (n, 3) of the directions at which BRDFs are compared */
     directions(): Float64Array;
     /** f_r (4, 181, 3): around the mirror direction, and in the plane of incidence with the light at 10, 45 and 75 degrees */

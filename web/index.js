@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
 // The module for node and for bundlers: load() reads nqm.wasm and nqm.models next to this file.
-import {NqmError, start} from "./nqm.js";
+import {NqmError, rawPicture, start} from "./nqm.js";
 
 async function read(name) {
     const url = new URL(name, import.meta.url);
@@ -15,4 +15,4 @@ export async function load() {
     const [code, models] = await Promise.all([read("nqm.wasm"), read("nqm.models")]);
     return start(await WebAssembly.compile(code), models);
 }
-export {NqmError};
+export {NqmError, rawPicture};

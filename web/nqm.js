@@ -14,6 +14,23 @@ export class NqmError extends Error {
     }
 }
 
+/** A decoded picture as a file of nqm: pixels RGBA (height, width, 4). Grey pictures become one channel, opaque ones three. */
+export function rawPicture(width, height, pixels) {
+    let isGrey = true, isOpaque = true;
+    for (let i = 0; i < pixels.length; i += 4) {
+        isGrey &&= pixels[i] === pixels[i + 1] && pixels[i] === pixels[i + 2];
+        isOpaque &&= pixels[i + 3] === 255;
+    }
+    const channels = (isGrey ? 1 : 3) + (isOpaque ? 0 : 1), file = new Uint8Array(19 + width * height * channels);
+    file.set([0x89, 0x50, 0x4e, 0x47, 0x72, 0x61, 0x77]);
+    [width, height, channels].forEach((x, i) => new DataView(file.buffer).setUint32(7 + 4 * i, x, true));
+    for (let i = 0, at = 19; i < pixels.length; i += 4) {
+        for (let k = 0; k < (isGrey ? 1 : 3); ++k) file[at++] = pixels[i + k];
+        if (!isOpaque) file[at++] = pixels[i + 3];
+    }
+    return file;
+}
+
 // Undo web/pack_models.py: `packed` is a line of JSON and a deflate stream; `place(name)` is the memory of a model file.
 async function unpackModels(packed, place) {
     const newline = packed.indexOf(10);
@@ -145,6 +162,12 @@ export async function start(code, models) {
         },
         /** Scores of [reference, test] pairs of paths and specs; a pair that fails has `error` instead. */
         scoreMany: (pairs, model = "default") => json("web_score_names", modelNumber(model), JSON.stringify(pairs)),
+        /** The near score of materials with image maps; PNG and JPEG files must be decoded (rawPicture). */
+        scoreTextures(ref, test) {
+            const score = json("web_score_textures", ref, test), {heat_width: width, heat_height: height, ...texture} = score.texture;
+            const pixels = new Uint8ClampedArray(exports.memory.buffer, exports.web_heat(), 4 * width * height).slice();
+            return {...score, texture: {...texture, heat: {width, height, pixels}}};
+        },
         /** theta_h, theta_d, phi_d in degrees of the directions at which BRDFs are compared: (n, 3). */
         directions: () => doubles(exports.web_directions(), 3 * exports.web_direction_count()),
         slices: (brdf, phi = 0) => doubles(exports.web_slices(brdf.id, phi), 4 * 181 * 3),

@@ -3,7 +3,7 @@
 // The page: two materials, their score, pictures and maps; translations, shaders, and a table of more than two. Everything is computed in two
 // workers: one scores, one draws and fits, so that scores never wait for pictures.
 import {drawMap, drawParts, drawScale, drawSlices, make} from "./charts.js";
-import {candidates, readFiles, readPaste} from "./files.js";
+import {candidates, mapFolders, readFiles, readPaste} from "./files.js";
 import {complete, interval, jod2, makeHash, markdown, people, quote, readHash} from "./text.js";
 
 const $ = (id) => document.getElementById(id);
@@ -75,6 +75,7 @@ const slots = Object.fromEntries(["ref", "test"].map((member) => [member, {
     root: document.querySelector(`[data-member="${member}"]`), input: $(`${member}-input`), list: $(`${member}-list`), about: $(`${member}-about`),
     members: document.querySelector(`[data-member="${member}"] .members`), select: $(`${member}-members`), materials: [],
 }]));
+const textured = new Set(); // arguments of materials with image maps
 const dropped = []; // arguments of the table
 let score = null, turn = 0, shaderText = "";
 
@@ -114,7 +115,7 @@ async function setPair(change) {
             continue;
         }
         try {
-            infos[member] = await scorer.call("open", chosen[member]);
+            infos[member] = textured.has(chosen[member]) ? {name: chosen[member], format: "image maps", isotropic: true} : await scorer.call("open", chosen[member]);
             if (mine !== round) return;
             describe(member, infos[member]);
         } catch (error) {
@@ -126,7 +127,7 @@ async function setPair(change) {
     }
     if (!infos.ref || !infos.test) return showScore(null);
     try {
-        const found = await scorer.call("score", chosen.ref, chosen.test);
+        const found = await scorer.call(isTextured() ? "scoreTextures" : "score", chosen.ref, chosen.test);
         if (mine !== round) return;
         showScore(found);
     } catch (error) {
@@ -137,9 +138,24 @@ async function setPair(change) {
     const hash = makeHash(linkable(infos.ref), linkable(infos.test));
     if (hash !== location.hash) history.replaceState(null, "", hash);
     showShare();
+    document.body.classList.toggle("textured", isTextured());
+    if (isTextured()) return drawHeat(score.texture);
     await showDetails(mine);
     drawPictures();
 }
+
+const isTextured = () => textured.has(chosen.ref) || textured.has(chosen.test);
+
+function drawHeat({heat: {width, height, pixels}, end}) {
+    Object.assign($("picture-difference"), {width, height}).getContext("2d").putImageData(new ImageData(pixels, width, height), 0, 0);
+    $("difference-end").textContent = end.toPrecision(2);
+}
+
+/** What is said of a pair with image maps. */
+const textureRemarks = ({far, worst, below9, width, height, n_scored, blame}) => [
+    `${width} × ${height} texels, ${n_scored} pairs of them scored; the worst 5 % have ${jod2(worst)} JOD at most, ${(100 * below9).toFixed(0)} % are below 9`,
+    ...(far === null ? [] : [`from far away: ${jod2(far)} JOD`]),
+    ...blame.filter(({jod}) => jod < 9.995).map(({key, jod, mistake}) => `${key} alone: ${jod2(jod)} JOD${mistake ? ` (${mistake})` : ""}`)];
 
 // A link has the spec of a material file; a measured file cannot be in it.
 const linkable = ({name, spec}) => (spec && !isSpec(name) ? spec : name);
@@ -154,7 +170,7 @@ function showScore(found) {
     $("words").textContent = found ? (found.words || "") : "";
     $("people").textContent = !found ? "" : found.identical ? "Both are equal at all directions that are compared."
         : `${people(found.prefer_reference).replace(/^./, (c) => c.toUpperCase())} of people would say that the reference looks better. ΔE ITP ${found.delta_e === null ? "–" : found.delta_e.toFixed(1)}${found.apart[0] === null ? "" : `; seen apart ${jod2(found.apart[0])} JOD`}${found.anisotropy > 0 ? "; anisotropic" : ""}.`;
-    $("remarks").replaceChildren(...(found?.remarks ?? []).map((text) => make("li", {}, text)));
+    $("remarks").replaceChildren(...(found?.texture ? textureRemarks(found.texture) : found?.remarks ?? []).map((text) => make("li", {}, text)));
     drawScale($("scale"), found);
     if (found) {
         drawParts($("parts"), found);
@@ -301,7 +317,11 @@ function setUpCombo(member) {
 async function listMaterials(path) {
     try {
         const materials = await scorer.call("materials", path);
-        return materials.map(({name, refusal, n_maps}) => ({argument: materials.length > 1 ? `${path}:${name}` : path, label: name, refusal: refusal && `${path}: ${name}: ${refusal}`, n_maps}));
+        return materials.map(({name, refusal, n_maps}) => {
+            const argument = materials.length > 1 ? `${path}:${name}` : path;
+            if (n_maps) textured.add(argument);
+            return {argument, label: name, refusal: !n_maps && refusal && `${path}: ${name}: ${refusal}`};
+        });
     } catch (error) {
         try {
             await scorer.call("open", path);
@@ -317,7 +337,12 @@ async function addFiles(files, member) {
     if (!files.length) return;
     await both("addFiles", files);
     const found = [], refused = [];
-    for (const path of candidates(files)) for (const item of await listMaterials(path)) (item.refusal ? refused : found).push(item);
+    const folders = mapFolders(files);
+    for (const folder of folders) {
+        textured.add(folder);
+        found.push({argument: folder, label: folder, refusal: null});
+    }
+    for (const path of folders.length ? [] : candidates(files)) for (const item of await listMaterials(path)) (item.refusal ? refused : found).push(item);
     if (refused.length) showFault(refused.map(({refusal}) => refusal).join("\n"));
     if (!found.length) return;
     const fault = $("fault").textContent;
@@ -331,7 +356,8 @@ async function addFiles(files, member) {
         await setPair({ref: found[0].argument, test: found[1].argument});
     }
     if (refused.length) showFault(fault);
-    if (found.length > 2 || (dropped.length && !member)) addRows(found.map(({argument}) => argument));
+    const plain = found.map(({argument}) => argument).filter((argument) => !textured.has(argument));
+    if (plain.length > 2 || (dropped.length && !member)) addRows(plain);
 }
 
 const isExample = (member) => chosen[member] === EXAMPLE[member];

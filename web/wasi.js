@@ -12,7 +12,7 @@ export function makeWasi(files, memory, print) {
     const view = () => new DataView(memory().buffer);
     const bytes = () => new Uint8Array(memory().buffer);
     const text = (p, n) => new TextDecoder().decode(bytes().slice(p, p + n));
-    const tidy = (path) => path.split("/").filter((x) => x && x !== ".").join("/");
+    const tidy = (path) => path.split("/").reduce((parts, x) => (x === ".." ? parts.slice(0, -1) : x && x !== "." ? [...parts, x] : parts), []).join("/");
     const isFolder = (path) => !path || [...files.keys()].some((name) => name.startsWith(path + "/"));
     const inode = (path) => [...path].reduce((h, c) => (h * 33n + BigInt(c.codePointAt(0))) & 0xffffffffffffn, 5381n);
 

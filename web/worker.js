@@ -3,7 +3,7 @@
 // The worker of the page: nqm, called by messages {id, fn, args} and answered by {id, value} or {id, error}. web/pack_page.py puts the
 // modules that it imports before it.
 import {makeGlsl} from "./glsl.js";
-import {start} from "./nqm.js";
+import {rawPicture, start} from "./nqm.js";
 import {inflate} from "./zip.js";
 
 const MAX_OPEN = 128;
@@ -43,6 +43,19 @@ function decode(text) {
     return new Uint8Array(words.buffer, 0, 2 * n);
 }
 
+/** Maps of materials are decoded by the browser, without colour management; a picture that it cannot decode stays as it is. */
+async function decodePicture(path, data) {
+    if (!/\.(png|jpe?g)$/i.test(path)) return data;
+    try {
+        const bitmap = await createImageBitmap(new Blob([data]), {colorSpaceConversion: "none", premultiplyAlpha: "none"});
+        const context = new OffscreenCanvas(bitmap.width, bitmap.height).getContext("2d");
+        context.drawImage(bitmap, 0, 0);
+        return rawPicture(bitmap.width, bitmap.height, context.getImageData(0, 0, bitmap.width, bitmap.height).data);
+    } catch {
+        return data;
+    }
+}
+
 const calls = {
     async start(text) {
         const data = decode(text), [nCode, nModels] = new Uint32Array(data.buffer, 0, 2), end = 8 + nCode;
@@ -51,14 +64,15 @@ const calls = {
         const {presets, models, targets, version} = nqm;
         return {presets, models, targets, version};
     },
-    addFiles(list) {
-        for (const [path, data] of list) nqm.files.set(path, data);
+    async addFiles(list) {
+        for (const [path, data] of list) nqm.files.set(path, await decodePicture(path, data));
         forget((name) => list.some(([path]) => name.includes(path)));
     },
     open(name) {
         const {format, spec, layout, isotropic} = use(name);
         return {name, format, spec, layout, isotropic};
     },
+    scoreTextures: (ref, test) => nqm.scoreTextures(ref, test),
     materials: (path) => nqm.materials(path),
     score: (ref, test) => (ref + test).includes("glsl:") ? nqm.score(use(ref), use(test)) : nqm.score(ref, test),
     scoreMany(pairs) {

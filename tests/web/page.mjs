@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: MIT
-// page.mjs PAGE NQM CHROMIUM [FOLDER] - the page in a headless browser from file:// without network, each of its functions. FOLDER receives
-// pictures of the screen.
+// page.mjs PAGE NQM CHROMIUM [FOLDER [TEST...]] - the page in a headless browser from file:// without network, each of its functions. FOLDER receives
+// pictures of the screen; '': none. TEST: only these.
 import assert from "node:assert/strict";
 import {execFileSync} from "node:child_process";
-import {mkdtempSync, rmSync, writeFileSync} from "node:fs";
+import {mkdtempSync, readdirSync, readFileSync, rmSync, writeFileSync} from "node:fs";
 import {tmpdir} from "node:os";
 import {join} from "node:path";
-import {pathToFileURL} from "node:url";
+import {fileURLToPath, pathToFileURL} from "node:url";
 import {startBrowser} from "./browser.mjs";
 import {listText, makePairs, readJods} from "./pairs.mjs";
 
-const [, , page, tool, chromium, shots] = process.argv;
+const [, , page, tool, chromium, shots, ...only] = process.argv;
 const url = pathToFileURL(page).href, browser = await startBrowser(chromium);
 const {evaluate, until} = browser, text = (id) => evaluate(`document.getElementById("${id}").textContent`);
 const jodOf = (...args) => Number(execFileSync(tool, ["score", "-q", ...args], {stdio: ["ignore", "pipe", "ignore"]}));
@@ -152,6 +152,17 @@ const tests = {
         await expectPair(ref, test);
         await shot("table");
     },
+    async textures() {
+        const folder = mkdtempSync(join(tmpdir(), "nqm-page-"));
+        execFileSync("python3", [fileURLToPath(new URL("../../examples/maps.py", import.meta.url)), folder, "32"]);
+        const files = ["steel", "export"].flatMap((name) => readdirSync(join(folder, name)).map((x) => [`${name}/${x}`, readFileSync(join(folder, name, x)).toString("base64")]));
+        await evaluate(`addFiles(${JSON.stringify(files)}.map(([path, text]) => [path, Uint8Array.from(atob(text), (c) => c.charCodeAt(0))]))`);
+        await expectPair("steel", "export", jodOf(join(folder, "steel"), join(folder, "export")));
+        assert.match(await text("remarks"), /roughness alone: .*roughness is squared/);
+        if (shots) writeFileSync(join(shots, "textures.png"), await browser.shot());
+        rmSync(folder, {recursive: true});
+        await evaluate("setPair({ref: 'sgd:nickel', test: 'ward:nickel'})");
+    },
     async turning() {
         await until("!drawing", 300);
         const pixels = "document.getElementById('picture-ref').toDataURL()";
@@ -203,6 +214,7 @@ let failed = 0;
 try {
     for (const [name, test] of Object.entries(tests)) {
         const begin = Date.now();
+        if (only.length && !only.includes(name)) continue;
         try {
             await test();
             console.log(`ok ${name} (${((Date.now() - begin) / 1000).toFixed(1)} s)`);

@@ -16,6 +16,7 @@
 #include <jansson.h>
 #include <math.h>
 #include <nqm/nqm.h>
+#include <nqm/texture.h>
 #include <stdlib.h>
 #include <unistd.h>
 
@@ -271,6 +272,93 @@ const char *EXPORT(web_score)(int model, int ref, int test) {
     return reply(status == NQM_OK
                      ? score_json(nqm_brdf_get_info(brdfs[ref]).name, nqm_brdf_get_info(brdfs[test]).name, &r, &err)
                      : error_json(&err));
+}
+
+/* ---- materials with image maps ------------------------------------------------------------------------------------ */
+
+enum { HEAT = 256 }; /* pixels of a side of the map, at most */
+
+static unsigned char heat[HEAT * HEAT * 4];
+static size_t heat_width, heat_height;
+
+/* Draw the Delta-E of the texels from 0 to `end`, the largest texel of each pixel. */
+static void draw_heat(const float *delta_e, size_t width, size_t height, double end) {
+    const size_t step = nqm_ceil_div(nqm_larger(width, height), HEAT);
+    heat_width = nqm_ceil_div(width, step), heat_height = nqm_ceil_div(height, step);
+    for (size_t i = 0; i < heat_width * heat_height; ++i) {
+        double most = 0, rgb[3];
+        for (size_t k = 0; k < step * step; ++k) {
+            const size_t y = i / heat_width * step + k / step, x = i % heat_width * step + k % step;
+            if (y < height && x < width)
+                most = fmax(most, (double)delta_e[y * width + x]);
+        }
+        nqm_viridis(most / end, rgb);
+        for (size_t c = 0; c < 3; ++c)
+            heat[4 * i + c] = nqm_srgb_byte(rgb[c]);
+        heat[4 * i + 3] = 255;
+    }
+}
+
+const unsigned char *EXPORT(web_heat)(void) {
+    return heat;
+}
+
+static json_t *texture_json(const nqm_texture_result *r, double end) {
+    json_t *blame = json_array();
+    for (size_t i = 0; i < r->n_blame; ++i)
+        json_array_append_new(blame, json_pack("{s:s,s:o,s:s}", "key", r->blame[i].key, "jod", number(r->blame[i].jod),
+                                               "mistake", r->blame[i].mistake));
+    return json_pack("{s:o,s:o,s:o,s:o,s:I,s:I,s:I,s:I,s:I,s:f,s:o}", "far", number(r->far_jod[0]), "median",
+                     number(r->median), "worst", number(r->worst), "below9", number(r->below[0]), "width",
+                     (json_int_t)r->width, "height", (json_int_t)r->height, "n_scored", (json_int_t)r->n_scored,
+                     "heat_width", (json_int_t)heat_width, "heat_height", (json_int_t)heat_height, "end", end, "blame",
+                     blame);
+}
+
+static nqm_status compare_textures(const nqm_texture *ref, const nqm_texture *test, nqm_texture_result *result,
+                                   double *end, nqm_error *err) {
+    const nqm_texture_info info = nqm_texture_get_info(ref, test);
+    float *delta_e = nqm_alloc(info.width * info.height, sizeof *delta_e);
+    if (!delta_e)
+        return nqm_fail_nomem(err, info.width * info.height * sizeof *delta_e);
+    const nqm_status status = nqm_texture_score(models[0].model, ref, test, NULL, result, delta_e, err);
+    for (size_t i = 0; status == NQM_OK && i < info.width * info.height; ++i)
+        *end = fmax(*end, (double)delta_e[i]);
+    if (status == NQM_OK)
+        draw_heat(delta_e, info.width, info.height, *end);
+    nqm_free(delta_e);
+    return status;
+}
+
+/* The near score of two materials of which one at least has image maps, with `texture`: far score, worst texels, blame. */
+const char *EXPORT(web_score_textures)(const char *ref_name, const char *test_name) {
+    nqm_error err = {0};
+    nqm_texture *ref = NULL, *test = NULL;
+    static nqm_texture_result result_of_texture;
+    double end = 1;
+    nqm_status status = use_model(0, &err);
+    if (status == NQM_OK)
+        status = nqm_texture_open(ref_name, NULL, NULL, &ref, &err);
+    if (status == NQM_OK)
+        status = nqm_texture_open(test_name, NULL, NULL, &test, &err);
+    if (status == NQM_OK)
+        status = compare_textures(ref, test, &result_of_texture, &end, &err);
+    nqm_texture_free(ref);
+    nqm_texture_free(test);
+    if (status != NQM_OK)
+        return reply(error_json(&err));
+    const nqm_texture_result *t = &result_of_texture;
+    nqm_score_result r = {.jod = t->jod,
+                          .jod_low = t->jod_low,
+                          .jod_high = t->jod_high,
+                          .delta_e = t->delta_e,
+                          .novelty = NAN,
+                          .parts = t->parts,
+                          .similarity = {NAN, NAN, NAN}};
+    r.identical = t->delta_e == 0;
+    json_t *json = score_json(ref_name, test_name, &r, &err);
+    json_object_set_new(json, "texture", texture_json(t, end));
+    return reply(json);
 }
 
 /* ---- where two BRDFs differ -------------------------------------------------------------------------------------- */
