@@ -148,7 +148,7 @@ const isTextured = () => textured.has(chosen.ref) || textured.has(chosen.test);
 
 function drawHeat({heat: {width, height, pixels}, end}) {
     Object.assign($("picture-difference"), {width, height}).getContext("2d").putImageData(new ImageData(pixels, width, height), 0, 0);
-    $("difference-end").textContent = end.toPrecision(2);
+    $("difference-end").textContent = end < 10 ? end.toPrecision(2) : Math.round(end);
 }
 
 /** What is said of a pair with image maps. */

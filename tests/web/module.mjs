@@ -10,7 +10,7 @@ import {pathToFileURL} from "node:url";
 import {listText, makePairs, readJods} from "./pairs.mjs";
 
 const [, , folder, tool] = process.argv;
-const {load, NqmError} = await import(pathToFileURL(join(folder, "index.js")).href);
+const {load, NqmError, rawPicture} = await import(pathToFileURL(join(folder, "index.js")).href);
 const temporary = mkdtempSync(join(tmpdir(), "nqm-module-"));
 
 function scores(nqm) {
@@ -63,8 +63,13 @@ function functions(nqm) {
     assert.equal(mine.format, "callback");
     const value = lambert.eval([0, 0, 1], [0, 0.6, 0.8]);
     assert(value.every((x) => Math.abs(x - 0.3 / Math.PI) < 1e-12));
+    nqm.files.set("maps/roughness.png", rawPicture(2, 1, Uint8Array.of(60, 60, 60, 255, 200, 200, 200, 255)));
+    nqm.files.set("same/roughness.png", nqm.files.get("maps/roughness.png"));
+    const same = nqm.scoreTextures("maps", "same");
+    assert(same.jod === 10 && same.texture.heat.width === 2 && same.texture.heat.pixels.length === 8);
+    assert(nqm.scoreTextures("maps", "gltf:roughness=0.5").texture.worst < 9);
     assert.equal(nqm.directions().length, 3 * 1872);
-    assert.equal(nqm.presets.length, 1216);
+    assert(nqm.presets.length >= 1216 && nqm.presets.includes("sgd:nickel"));
     assert(nqm.models.find(({name}) => name === "ggx").keys.some(({name}) => name === "alpha"));
     assert(nqm.slices(lambert).filter(isFinite).every((x) => Math.abs(x - 0.3 / Math.PI) < 1e-12));
     assert(nqm.differenceMap(lambert, mine).filter(isFinite).every((x) => x < 1e-12));
@@ -94,8 +99,9 @@ function functions(nqm) {
     mine.close();
 }
 
-// Every name of the types is there.
+// Every name of the types is there, and the version is that of the library.
 function types(nqm) {
+    assert.equal(JSON.parse(readFileSync(join(folder, "package.json"), "utf8")).version, nqm.version);
     const text = readFileSync(join(folder, "index.d.ts"), "utf8"), body = text.slice(text.indexOf("interface Nqm {"));
     for (const [, name] of body.slice(0, body.indexOf("\n}")).matchAll(/^ {4}(?:readonly )?(\w+)[(:]/gm)) assert(name in nqm, name);
 }

@@ -315,13 +315,13 @@ static json_t *texture_json(const nqm_texture_result *r, double end) {
                      blame);
 }
 
-static nqm_status compare_textures(const nqm_texture *ref, const nqm_texture *test, nqm_texture_result *result,
+static nqm_status compare_textures(const nqm_texture *ref, const nqm_texture *test, nqm_texture_result *found,
                                    double *end, nqm_error *err) {
     const nqm_texture_info info = nqm_texture_get_info(ref, test);
     float *delta_e = nqm_alloc(info.width * info.height, sizeof *delta_e);
     if (!delta_e)
         return nqm_fail_nomem(err, info.width * info.height * sizeof *delta_e);
-    const nqm_status status = nqm_texture_score(models[0].model, ref, test, NULL, result, delta_e, err);
+    const nqm_status status = nqm_texture_score(models[0].model, ref, test, NULL, found, delta_e, err);
     for (size_t i = 0; status == NQM_OK && i < info.width * info.height; ++i)
         *end = fmax(*end, (double)delta_e[i]);
     if (status == NQM_OK)
