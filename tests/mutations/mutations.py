@@ -208,7 +208,7 @@ MUTATIONS = [
     ("src/math/stats.c", "return z + (z3 + z) / (4 * freedom)", "return z + (z3 + z) / (40 * freedom)", "test_math_stats"),
     ("src/train/interval_fit.c", "2 / (1 - level) * outside", "2 * (1 - level) * outside", "test_train_interval"),
     ("src/train/interval_fit.c", "(high - low + 2 / (1 - level) * outside)", "(2 / (1 - level) * outside)", "test_train_interval"),
-    ("tools/nqm/talk.c", "if (jod >= 9.5)", "if (jod > 9.5)", "test_tool_verdicts"),
+    ("tools/nqm/score/score_shared.c", "if (jod >= 9.5)", "if (jod > 9.5)", "test_tool_verdicts"),
     ("tools/nqm/score/gate.c", "(result->jod < gate->jod ||", "(result->jod <= gate->jod ||", "test_tool_verdicts"),
     ("src/base/number.c", "const int n_unused = 64 - 8 * type.n_bytes;", "const int n_unused = 64 - 9 * type.n_bytes;", "test_base"),
     ("tools/nqm/score/expand.c", "strcmp(ref.refusal, test.refusal) == 0", "strcmp(ref.refusal, test.refusal) != 0", "cli.libraries"),

@@ -442,13 +442,3 @@ void print_phrases(const char *text) {
     }
     printf("%*s%s\n", INDENT, "", text);
 }
-
-const char *jod_words(double jod) {
-    if (jod >= 9.5)
-        return "practically the same";
-    if (jod >= 9)
-        return "hardly visible";
-    if (jod >= 8)
-        return "visible";
-    return jod >= 6 ? "clearly visible" : "very different";
-}

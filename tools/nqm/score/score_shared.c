@@ -307,6 +307,16 @@ double preference_share(const nqm_score_result *result) {
     return result->identical ? 0.5 : nqm_jod_preference(fmax(10, result->jod), result->jod);
 }
 
+const char *jod_words(double jod) {
+    if (jod >= 9.5)
+        return "practically the same";
+    if (jod >= 9)
+        return "hardly visible";
+    if (jod >= 8)
+        return "visible";
+    return jod >= 6 ? "clearly visible" : "very different";
+}
+
 const char *verdict_words(const nqm_score_result *result, char text[VERDICT_TEXT]) {
     if (result->status != NQM_OK)
         return "";

@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: MIT
+// module.mjs MODULE NQM - the module in node: the same JODs as the command `nqm` over 500 pairs, the same sentences for bad files, and each
+// function of index.d.ts.
+import assert from "node:assert/strict";
+import {execFileSync, spawnSync} from "node:child_process";
+import {mkdtempSync, readFileSync, rmSync, writeFileSync} from "node:fs";
+import {tmpdir} from "node:os";
+import {join} from "node:path";
+import {pathToFileURL} from "node:url";
+import {listText, makePairs, readJods} from "./pairs.mjs";
+
+const [, , folder, tool] = process.argv;
+const {load, NqmError, rawPicture} = await import(pathToFileURL(join(folder, "index.js")).href);
+const temporary = mkdtempSync(join(tmpdir(), "nqm-module-"));
+
+function scores(nqm) {
+    const pairs = makePairs(500), list = join(temporary, "pairs.csv");
+    writeFileSync(list, listText(pairs));
+    const expected = readJods(execFileSync(tool, ["batch", list], {encoding: "utf8", maxBuffer: 1 << 28}));
+    const found = nqm.scoreMany(pairs);
+    let worst = 0;
+    found.forEach((score, i) => {
+        assert.equal(score.error, undefined, pairs[i].join(" "));
+        ["jod", "low", "high"].forEach((key, k) => {
+            worst = Math.max(worst, Math.abs(score[key] - expected[i][k]));
+        });
+    });
+    console.log(`largest difference from nqm batch over ${pairs.length} pairs: ${worst.toExponential(2)} JOD`);
+    assert(worst < 1e-4);
+    const [ref, test] = pairs[0];
+    assert.deepEqual(nqm.score(ref, test), found[0]);
+    assert.deepEqual(nqm.score(nqm.open(ref), nqm.open(test)), found[0]);
+    assert(Math.abs(nqm.score(ref, test, "transport").jod - Number(execFileSync(tool, ["score", ref, test, "-q", "--model", "transport"]))) < 2e-4);
+}
+
+// The same sentence as on the command line, for files of the same name.
+function sentences(nqm) {
+    const files = {
+        "cut.mtlx": "<materialx version=\"1.38\"><a></materialx>",
+        "cut.gltf": "{\"asset\": {\"version\": \"2.0\"}, \"materials\": [",
+        "empty.binary": "",
+        "words.txt": "neither a material nor a BRDF",
+        "glass.pbrt": "WorldBegin\nMakeNamedMaterial \"glass\" \"string type\" \"dielectric\"\n",
+        "short.binary": Buffer.from([90, 0, 0, 0, 90, 0, 0, 0, 180, 0, 0, 0, 1, 2, 3]),
+    };
+    for (const [name, content] of Object.entries(files)) {
+        writeFileSync(join(temporary, name), content);
+        nqm.files.set(name, new Uint8Array(Buffer.from(content)));
+    }
+    for (const name of [...Object.keys(files), "missing.gltf", "wrd:nickel", "ggx:alpha=-2", "nickle"]) {
+        const {stderr} = spawnSync(tool, ["score", "-q", "sgd:nickel", name], {cwd: temporary, encoding: "utf8"});
+        assert.throws(() => nqm.score("sgd:nickel", name), (error) => {
+            assert(error instanceof NqmError && error.status < 0);
+            assert(stderr.includes(error.message), `${name}: '${error.message}' is not in '${stderr}'`);
+            return true;
+        }, name);
+    }
+}
+
+function functions(nqm) {
+    const lambert = nqm.open("lambert:kd=0.3"), mine = nqm.fromFunction((n, wi, wo, rgb) => rgb.fill(0.3 / Math.PI), "mine");
+    assert.equal(nqm.score(lambert, mine).jod, 10);
+    assert.equal(mine.format, "callback");
+    const value = lambert.eval([0, 0, 1], [0, 0.6, 0.8]);
+    assert(value.every((x) => Math.abs(x - 0.3 / Math.PI) < 1e-12));
+    nqm.files.set("maps/roughness.png", rawPicture(2, 1, Uint8Array.of(60, 60, 60, 255, 200, 200, 200, 255)));
+    nqm.files.set("same/roughness.png", nqm.files.get("maps/roughness.png"));
+    const same = nqm.scoreTextures("maps", "same");
+    assert(same.jod === 10 && same.texture.heat.width === 2 && same.texture.heat.pixels.length === 8);
+    assert(nqm.scoreTextures("maps", "gltf:roughness=0.5").texture.worst < 9);
+    assert.equal(nqm.directions().length, 3 * 1872);
+    assert(nqm.presets.length >= 1216 && nqm.presets.includes("sgd:nickel"));
+    assert(nqm.models.find(({name}) => name === "ggx").keys.some(({name}) => name === "alpha"));
+    assert(nqm.slices(lambert).filter(isFinite).every((x) => Math.abs(x - 0.3 / Math.PI) < 1e-12));
+    assert(nqm.differenceMap(lambert, mine).filter(isFinite).every((x) => x < 1e-12));
+    const nickel = nqm.open("sgd:nickel"), costs = nqm.costs(nickel, lambert);
+    assert(costs.length === 12 && costs[0][3] >= costs[11][3] && costs[11][3] > 0);
+
+    const size = 24, options = {light: "overcast", size, supersample: 1}, picture = nqm.render(lambert, 0, options);
+    assert(picture[4 * (12 * size + 12) + 3] === 255 && picture[3] === 0); // the sphere, and the corner beside it
+    assert.deepEqual(nqm.render(mine, 1, options), picture);
+    assert(nqm.difference(size).end === 1);
+    nqm.render(nickel, 1, options);
+    assert(nqm.difference(size).end > 1);
+    assert.notDeepEqual(nqm.render(nickel, 0, {...options, light: "sun", turn: 90}), nqm.render(nickel, 0, {...options, light: "sun", turn: 180}));
+
+    let ticks = 0;
+    nqm.onProgress = () => void ++ticks;
+    const paint = nqm.open("open-pbr:base_color=.8,.3,.1;coat_weight=1"), {spec, score} = nqm.translate(paint, "gltf", "paint", "paint.gltf");
+    assert(score.jod > 9.5 && spec.startsWith("gltf:") && ticks > 0);
+    const [material] = nqm.materials("paint.gltf");
+    assert(material.name === "paint" && material.refusal === null);
+    writeFileSync(join(temporary, "paint.gltf"), nqm.files.get("paint.gltf"));
+    const jod = Number(execFileSync(tool, ["score", "-q", "open-pbr:base_color=.8,.3,.1;coat_weight=1", join(temporary, "paint.gltf")]));
+    assert(Math.abs(jod - score.jod) < 2e-4);
+    nqm.onProgress = () => false;
+    assert.throws(() => nqm.translate(nickel, "gltf", "a", "a.gltf"), {status: -9});
+    assert.throws(() => nqm.score("sgd:nickel", "ward:nickel", "paper"), NqmError);
+    mine.close();
+}
+
+// Every name of the types is there, and the version is that of the library.
+function types(nqm) {
+    assert.equal(JSON.parse(readFileSync(join(folder, "package.json"), "utf8")).version, nqm.version);
+    const text = readFileSync(join(folder, "index.d.ts"), "utf8"), body = text.slice(text.indexOf("interface Nqm {"));
+    for (const [, name] of body.slice(0, body.indexOf("\n}")).matchAll(/^ {4}(?:readonly )?(\w+)[(:]/gm)) assert(name in nqm, name);
+}
+
+try {
+    const nqm = await load();
+    types(nqm);
+    scores(nqm);
+    sentences(nqm);
+    functions(nqm);
+} finally {
+    rmSync(temporary, {recursive: true});
+}
