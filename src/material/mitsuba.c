@@ -281,6 +281,20 @@ static const nqm_bsdf_plugin plugins[] = {
                NQM_RULE_ZERO("spec_trans", TRANSMITS),
                NQM_RULE_IGNORED(
                    "main_specular_sampling_rate clearcoat_sampling_rate diffuse_reflectance_sampling_rate")}},
+    /* Blender's, as doc/blender.py writes it */
+    {.type = "blender-principled",
+     .model = "blender-principled",
+     .rules = {COLOUR("base_color", "base_color"), NUMBER("metallic"), NUMBER("roughness"), NUMBER("ior"),
+               NUMBER("diffuse_roughness"), NUMBER("specular_ior_level"), COLOUR("specular_tint", "specular_tint"),
+               NUMBER("anisotropic"), NUMBER("anisotropic_rotation"), NUMBER("coat_weight"), NUMBER("coat_roughness"),
+               NUMBER("coat_ior"), COLOUR("coat_tint", "coat_tint"), NUMBER("sheen_weight"), NUMBER("sheen_roughness"),
+               COLOUR("sheen_tint", "sheen_tint"), NUMBER("thin_film_thickness"), NUMBER("thin_film_ior"),
+               NUMBER("multiscatter"), NQM_RULE_ZERO("transmission_weight", TRANSMITS),
+               NQM_RULE_ZERO("subsurface_weight", "subsurface scattering is not supported"),
+               NQM_RULE_ZERO("emission_strength", "emission is not part of a BRDF"),
+               {.name = "alpha", .read = nqm_rule_neutral, .n = 1, .value = 1, .why = "opacity is not supported"},
+               NQM_RULE_IGNORED("subsurface_radius subsurface_scale subsurface_ior subsurface_anisotropy "
+                                "emission_color")}},
     {.type = "diffuse", .model = "lambert", .finish = finish_diffuse, .rules = {COLOUR("reflectance", "kd")}},
     {.type = "measured", .rules = {OWN("filename", nqm_bsdf_file)}},
     {.type = "conductor plastic dielectric thindielectric", .refusal = DELTA},

@@ -424,4 +424,5 @@ def main():
             write_rows(out, model, KEYS[model][0], {**KEYS[model][1], **extra}, 25)
 
 
-main()
+if __name__ == "__main__":
+    main()

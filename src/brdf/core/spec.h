@@ -129,7 +129,8 @@ void nqm_spec_jacobian(const void *self, size_t n, const double *wi, const doubl
     X(nqm_usd_preview_model)                                                                                           \
     X(nqm_standard_surface_model)                                                                                      \
     X(nqm_disney_model)                                                                                                \
-    X(nqm_principled_model)
+    X(nqm_principled_model)                                                                                            \
+    X(nqm_blender_model)
 
 #define NQM_DECLARE_MODEL(NAME) extern const nqm_analytic_model NAME;
 NQM_ANALYTIC_MODELS(NQM_DECLARE_MODEL)

@@ -135,7 +135,8 @@ INLINED closure dielectric_bsdf(const geometry *g, microfacet m, double weight, 
     double fresnel[3] = {single, single, single};
     closure result;
     if (is_film(film))
-        film_on_index(*film, g->cos_d, (const double[3]){ior, ior, ior}, (const double[3]){0}, fresnel);
+        film_on_index(&film_rules_materialx, *film, g->cos_d, (const double[3]){ior, ior, ior}, (const double[3]){0},
+                      fresnel);
     for (size_t c = 0; c < 3; ++c) {
         const double compensation = 1 + fresnel[c] * m.scatter;
         const double albedo = (m.albedo[0] * f0_of_ior(ior) + m.albedo[1]) * compensation;
@@ -182,7 +183,7 @@ INLINED closure conductor_bsdf(const geometry *g, microfacet m, const double *io
     closure result = {.pass = {0}};
     double covered[3];
     if (is_film(film))
-        film_on_index(*film, g->cos_d, ior, extinction, covered);
+        film_on_index(&film_rules_materialx, *film, g->cos_d, ior, extinction, covered);
     for (size_t c = 0; c < 3; ++c) {
         const double fresnel = is_film(film) ? covered[c] : fresnel_conductor(ior[c], extinction[c], g->cos_d);
         result.f[c] = m.f * fresnel * (1 + fresnel * m.scatter);
@@ -218,20 +219,30 @@ INLINED double fujii_g(double cosine) {
     return s * (acos(fmin(1, cosine)) - s * cosine) + 2.0 / 3 * (s * cosine * (1 + s + s * s) / (1 + s) - s);
 }
 
-/** Energy-preserving Oren-Nayar (Portsmouth, Kutz and Hill 2025, https://jcgt.org/published/0014/01/06/). 1 - E, which vanishes
- *  with the roughness, is divided by it in closed form. */
-INLINED closure eon_bsdf(const geometry *g, double weight, const double *color, double roughness) {
+/** Energy-preserving Oren-Nayar (Portsmouth, Kutz and Hill 2025, https://jcgt.org/published/0014/01/06/): single and multiple
+ *  scattering, and the mean albedo of the former. 1 - E, which vanishes with the roughness, is divided by it in closed form. */
+typedef struct eon_terms {
+    double single, multiple, mean;
+} eon_terms;
+
+INLINED eon_terms eon_terms_of(const geometry *g, double roughness) {
     const double c1 = 0.5 - 2 / (3 * NQM_PI), c2 = 2.0 / 3 - 28 / (15 * NQM_PI);
-    const double a = 1 / (1 + c1 * roughness), mean = a * (1 + c2 * roughness);
-    const double single = a * (1 + roughness * retro_reflection(g, 1));
-    double multiple = 0;
+    const double a = 1 / (1 + c1 * roughness);
+    eon_terms t = {.single = a * (1 + roughness * retro_reflection(g, 1)), .mean = a * (1 + c2 * roughness)};
     if (roughness > 0)
-        multiple = roughness * a * (c1 - fujii_g(g->cos_i) / NQM_PI) * (c1 - fujii_g(g->cos_o) / NQM_PI) / (c1 - c2);
+        t.multiple = roughness * a * (c1 - fujii_g(g->cos_i) / NQM_PI) * (c1 - fujii_g(g->cos_o) / NQM_PI) / (c1 - c2);
+    return t;
+}
+
+INLINED double eon_bounced(const eon_terms *t, double color) {
+    return color * color * t->mean / (1 - color * (1 - t->mean));
+}
+
+INLINED closure eon_bsdf(const geometry *g, double weight, const double *color, double roughness) {
+    const eon_terms t = eon_terms_of(g, roughness);
     closure result = {.pass = {0}};
-    for (size_t c = 0; c < 3; ++c) {
-        const double bounced = color[c] * color[c] * mean / (1 - color[c] * (1 - mean));
-        result.f[c] = weight * (color[c] * single + bounced * multiple) / NQM_PI;
-    }
+    for (size_t c = 0; c < 3; ++c)
+        result.f[c] = weight * (color[c] * t.single + eon_bounced(&t, color[c]) * t.multiple) / NQM_PI;
     return result;
 }
 

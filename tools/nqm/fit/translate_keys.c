@@ -19,6 +19,7 @@ static const translate_target targets[] = {
     {"usd", "usd-preview", ".mtlx"},
     {"disney", "disney", ".mtlx"},
     {"principled", "principled", ".xml"},
+    {"blender", "blender-principled", ".json"},
     {"rough-conductor", "rough-conductor", ".xml"},
     {"rough-plastic", "rough-plastic", ".xml"},
     {"pbrt-conductor", "pbrt-conductor", ".pbrt"},
@@ -82,6 +83,11 @@ static void get_meaning(const char *name, char meaning[MEANING]) {
         {"coatanisotropy", "clearcoatanisotropy"},
         {"coatrotation", "clearcoatrotation"},
         {"spectint", "speculartint"},
+        {"coattint", "clearcoatcolor"},
+        {"anisotropicrotation", "rotation"},
+        {"iridescence", "thinfilmweight"},
+        {"iridescenceior", "thinfilmior"},
+        {"iridescencethickness", "thinfilmthickness"},
     };
     size_t n = 0;
     for (; *name && n < MEANING - 1; ++name)
