@@ -16,6 +16,7 @@ typedef nqm_xml_element element;
 
 /* ---- tokens -------------------------------------------------------------------------------------------------------- */
 
+/* After a failure, only the end of the file follows. */
 typedef struct scanner {
     const char *path, *text;
     size_t n, at, token_at;
@@ -23,11 +24,16 @@ typedef struct scanner {
     char token[MAX_TEXT]; /* without its quotes; cut if it is longer */
     nqm_xml prims; /* <Shader name="tex"> with properties <color3f name="inputs:scale" value="..."> and child prims */
     size_t max_elements;
+    nqm_status status;
     nqm_error *err;
 } scanner;
 
-static nqm_status fail(const scanner *s, const char *what) {
-    return nqm_fail(s->err, NQM_ERR_FORMAT, (int64_t)s->token_at, "%s: %s (byte %zu)", s->path, what, s->token_at);
+static void fail(scanner *s, const char *what) {
+    if (s->status == NQM_OK)
+        s->status =
+            nqm_fail(s->err, NQM_ERR_FORMAT, (int64_t)s->token_at, "%s: %s (byte %zu)", s->path, what, s->token_at);
+    s->at = s->n;
+    s->kind = 0;
 }
 
 static bool begins(const scanner *s, const char *text) {
@@ -35,84 +41,77 @@ static bool begins(const scanner *s, const char *text) {
 }
 
 static void skip_blanks(scanner *s) {
-    while (s->at < s->n) {
-        if (begins(s, "/*")) {
-            while (s->at < s->n && !begins(s, "*/"))
-                ++s->at;
-            s->at = nqm_smaller(s->at + 2, s->n);
-        } else if (s->text[s->at] == '#' || begins(s, "//")) {
+    while (s->at < s->n && (isspace((unsigned char)s->text[s->at]) || s->text[s->at] == '#'))
+        if (s->text[s->at++] == '#')
             while (s->at < s->n && s->text[s->at] != '\n')
                 ++s->at;
-        } else if (isspace((unsigned char)s->text[s->at]))
-            ++s->at;
-        else
-            break;
-    }
 }
 
-/* Text between quotes that have been read up to its first character. */
-static nqm_status read_quoted(scanner *s, const char *quote) {
+/* Text between quotes, of which the first has been read. */
+static void read_quoted(scanner *s, const char *quote) {
     size_t n = 0;
     for (; s->at < s->n && !begins(s, quote); ++s->at) {
-        const bool is_escape = *quote != '@' && s->text[s->at] == '\\' && s->at + 1 < s->n;
-        s->at += is_escape;
+        s->at += *quote != '@' && s->text[s->at] == '\\' && s->at + 1 < s->n;
         if (n + 1 < sizeof s->token)
             s->token[n++] = s->text[s->at];
     }
     s->token[n] = 0;
-    if (s->at >= s->n)
-        return fail(s, "a string, asset or path without its end");
-    s->at += strlen(quote);
-    return memchr(s->token, 0, n) ? fail(s, "a byte 0 inside of a string") : NQM_OK;
+    if (s->at >= s->n || memchr(s->token, 0, n))
+        fail(s, "a string, asset or path without its end, or with a byte 0");
+    else
+        s->at += strlen(quote);
 }
 
 static bool is_word(char c) {
     return isalnum((unsigned char)c) || (c && strchr("_:.+-|", c)) || (unsigned char)c >= 0x80;
 }
 
-static nqm_status next(scanner *s) {
+static void next(scanner *s) {
     static const char *const quotes[] = {"\"\"\"", "'''", "\"", "'", "@@@", "@", "<"};
     size_t n = 0;
     skip_blanks(s);
     s->token_at = s->at;
-    s->token[0] = 0;
-    s->kind = 0;
-    if (s->at == s->n)
-        return NQM_OK;
+    s->token[0] = s->kind = 0;
     for (size_t i = 0; i < sizeof quotes / sizeof *quotes; ++i)
         if (begins(s, quotes[i])) {
             s->kind = *quotes[i] == '\'' || *quotes[i] == '"' ? 's' : *quotes[i];
             s->at += strlen(quotes[i]);
-            return read_quoted(s, *quotes[i] == '<' ? ">" : quotes[i]);
+            read_quoted(s, *quotes[i] == '<' ? ">" : quotes[i]);
+            return;
         }
+    if (s->at == s->n)
+        return;
     s->kind = is_word(s->text[s->at]) ? 'w' : s->text[s->at++];
     if (s->kind == 0)
-        return fail(s, "a byte 0");
+        fail(s, "a byte 0");
     for (; s->kind == 'w' && s->at < s->n && is_word(s->text[s->at]); ++s->at)
         if (n + 1 < sizeof s->token)
             s->token[n++] = s->text[s->at];
     s->token[n] = 0;
-    return NQM_OK;
 }
 
 static bool is_token(const scanner *s, const char *words) {
     return s->kind == 'w' && nqm_contains_word(words, s->token, false);
 }
 
+static bool is_bracket(const scanner *s, const char *brackets) {
+    return s->kind && strchr(brackets, s->kind);
+}
+
 /* Go to the end of the bracket that is the token. text: what is inside, "" if that is long. Of metadata that `words` name, found
  * receives the last value that is a string, or else the name. */
-static nqm_status skip_brackets(scanner *s, char *text, const char *words, char *found) {
+static void skip_brackets(scanner *s, char *text, const char *words, char *found) {
     const size_t first = s->at;
     bool is_named = false;
     for (size_t depth = 1; depth;) {
-        nqm_status status = next(s);
-        if (status != NQM_OK)
-            return status;
-        if (s->kind == 0)
-            return fail(s, "a bracket without its end");
-        depth += strchr("([{", s->kind) != NULL;
-        depth -= strchr(")]}", s->kind) != NULL;
-        is_named = s->kind == 'w' ? words && nqm_contains_word(words, s->token, false) : is_named;
+        next(s);
+        if (s->kind == 0) {
+            fail(s, "a bracket without its end");
+            return;
+        }
+        depth += is_bracket(s, "([{");
+        depth -= is_bracket(s, ")]}");
+        is_named = s->kind == 'w' ? words && is_token(s, words) : is_named;
         if (is_named && (s->kind == 'w' || s->kind == 's'))
             strcpy(found, s->token);
     }
@@ -121,135 +120,125 @@ static nqm_status skip_brackets(scanner *s, char *text, const char *words, char 
         memcpy(text, s->text + first, n);
         text[n] = 0;
     }
-    return NQM_OK;
 }
 
 /* Go on to the next token, and if that is a bracket of metadata, beyond it. */
-static nqm_status next_beyond(scanner *s, const char *words, char *found) {
-    nqm_status status = next(s);
-    if (status == NQM_OK && s->kind == '(')
-        status = skip_brackets(s, NULL, words, found);
-    else
-        return status;
-    return status == NQM_OK ? next(s) : status;
+static void next_beyond(scanner *s, const char *words, char *found) {
+    next(s);
+    if (s->kind == '(') {
+        skip_brackets(s, NULL, words, found);
+        next(s);
+    }
 }
+
+/* ---- prims --------------------------------------------------------------------------------------------------------- */
 
 static bool is_output(const char *name) {
     return strncmp(name, "outputs:", 8) == 0;
 }
 
-/* ---- prims --------------------------------------------------------------------------------------------------------- */
-
-/* NULL: the file has too many, or there is no memory; *status says so. */
-static element *append(scanner *s, element *parent, const char *name, const char *const *attributes, size_t at,
-                       nqm_status *status) {
+/* NULL: the file has too many, or there is no memory. */
+static element *append(scanner *s, element *parent, const char *name, const char *const *attributes, size_t at) {
     element *e = NULL;
-    if (s->prims.n_elements == s->max_elements)
-        *status = nqm_fail(s->err, NQM_ERR_LIMIT, (int64_t)at, "%s: more than %zu prims and inputs (byte %zu)", s->path,
-                           s->max_elements, at);
-    else if (!(e = nqm_xml_append(&s->prims, parent, name, attributes, (int64_t)at)))
-        *status = nqm_fail_nomem(s->err, sizeof *e);
+    if (s->status == NQM_OK && s->prims.n_elements == s->max_elements)
+        s->status = nqm_fail(s->err, NQM_ERR_LIMIT, (int64_t)at, "%s: more than %zu prims and inputs (byte %zu)",
+                             s->path, s->max_elements, at);
+    if (s->status == NQM_OK && !(e = nqm_xml_append(&s->prims, parent, name, attributes, (int64_t)at)))
+        s->status = nqm_fail_nomem(s->err, sizeof *e);
+    if (!e)
+        fail(s, "");
     return e;
 }
 
 /* "color3f inputs:a.connect = </M/t.outputs:rgb> (metadata)", of which the type is the token; stops at the token after it. */
-static nqm_status read_property(scanner *s, element *prim, size_t at) {
-    static const char *const forms[] = {"value", "connect", "timeSamples"};
-    char type[MAX_TEXT], name[MAX_TEXT] = "", value[MAX_TEXT] = "", space[MAX_TEXT] = "";
+static void read_property(scanner *s, element *prim) {
+    char type[MAX_TEXT], name[MAX_TEXT], value[MAX_TEXT] = "", space[MAX_TEXT] = "";
+    const size_t at = s->token_at;
     strcpy(type, s->token);
-    nqm_status status = next(s);
-    while (status == NQM_OK && s->kind && strchr("[]", s->kind))
-        status = next(s);
-    if (status == NQM_OK && s->kind != 'w')
-        return fail(s, "a property without its name");
-    if (status == NQM_OK)
-        strcpy(name, s->token);
-    if (status == NQM_OK && (status = next_beyond(s, "colorSpace", space)) == NQM_OK && s->kind == '=') {
-        status = next(s);
-        strcpy(value, s->token);
-        if (status == NQM_OK && s->kind && strchr("([{", s->kind))
-            status = skip_brackets(s, value, NULL, NULL);
-        if (status == NQM_OK)
-            status = next_beyond(s, "colorSpace", space);
+    do
+        next(s);
+    while (is_bracket(s, "[]"));
+    if (s->kind != 'w') {
+        fail(s, "a property without its name");
+        return;
     }
-    char *dot = strrchr(name, '.');
-    size_t form = 0;
-    for (size_t i = 1; dot && i < 3; ++i)
-        form = strcmp(dot + 1, forms[i]) == 0 ? i : form;
-    if (dot)
+    strcpy(name, s->token);
+    next_beyond(s, "colorSpace", space);
+    if (s->kind == '=') {
+        next(s);
+        strcpy(value, s->token);
+        if (is_bracket(s, "([{"))
+            skip_brackets(s, value, NULL, NULL);
+        next_beyond(s, "colorSpace", space);
+    }
+    char *dot = strrchr(name, '.'), *form = "value";
+    if (dot) {
+        form = strcmp(dot, ".connect") == 0 ? "connect" : "times";
         *dot = 0;
-    const bool is_input = strncmp(name, "inputs:", 7) == 0, is_other = is_output(name) || strcmp(name, "info:id") == 0;
-    const char *const attributes[] = {"name", name, forms[form], value, "space", space, NULL};
-    if (status == NQM_OK && ((is_input && *value) || is_other) &&
+    }
+    const bool is_input = strncmp(name, "inputs:", 7) == 0 && *value; /* others are declared only */
+    const char *const attributes[] = {"name", name, form, value, "space", space, NULL};
+    if ((is_input || is_output(name) || strcmp(name, "info:id") == 0) &&
         nqm_contains_word("Material Shader NodeGraph", prim->name, false))
-        append(s, prim, type, attributes, at, &status);
-    return status;
+        append(s, prim, type, attributes, at);
 }
 
-static nqm_status read_prim(scanner *s, element *parent, size_t depth);
+static void read_prim(scanner *s, element *parent, size_t depth);
 
 /* The statements between braces; stops at the last brace. The prims of variants are not read. */
-static nqm_status read_body(scanner *s, element *prim, size_t depth) {
-    nqm_status status = next(s);
-    while (status == NQM_OK && s->kind != '}') {
-        const size_t at = s->token_at;
-        while (status == NQM_OK && is_token(s, "custom uniform varying prepend append add delete"))
-            status = next(s);
-        if (status != NQM_OK)
-            break;
+static void read_body(scanner *s, element *prim, size_t depth) {
+    next(s);
+    while (s->kind != '}') {
+        while (is_token(s, "custom uniform varying prepend append add delete"))
+            next(s);
         if (is_token(s, "def over class"))
-            status = read_prim(s, prim, depth);
-        else if (is_token(s, "variantSet"))
-            while ((status = next(s)) == NQM_OK && s->kind && s->kind != '{') {
-            }
-        else if (s->kind == 'w') {
-            status = read_property(s, prim, at);
+            read_prim(s, prim, depth);
+        else if (is_token(s, "variantSet")) {
+            while (s->kind && s->kind != '{')
+                next(s);
+            skip_brackets(s, NULL, NULL, NULL);
+        } else if (s->kind == 'w') {
+            read_property(s, prim);
             continue;
-        } else if (s->kind != ';')
-            return fail(s, "neither a prim nor a property");
-        if (status == NQM_OK && s->kind == '{')
-            status = skip_brackets(s, NULL, NULL, NULL);
-        if (status == NQM_OK)
-            status = next(s);
+        } else if (s->kind != ';') {
+            fail(s, "neither a prim nor a property");
+            return;
+        }
+        next(s);
     }
-    return status;
 }
 
 /* "def Shader "name" (metadata) { ... }", of which the first word is the token; stops at its last brace. */
-static nqm_status read_prim(scanner *s, element *parent, size_t depth) {
+static void read_prim(scanner *s, element *parent, size_t depth) {
     const bool is_def = is_token(s, "def");
     const size_t at = s->token_at;
-    char type[MAX_TEXT] = "prim", name[MAX_TEXT] = "", composed[MAX_TEXT] = "";
-    nqm_status status = next(s);
-    if (status == NQM_OK && s->kind == 'w') {
+    char type[MAX_TEXT] = "prim", name[MAX_TEXT], composed[MAX_TEXT] = "";
+    next(s);
+    if (s->kind == 'w') {
         strcpy(type, s->token);
-        status = next(s);
+        next(s);
     }
-    if (status == NQM_OK && s->kind != 's')
-        return fail(s, "a prim without its name");
-    if (status == NQM_OK)
-        strcpy(name, s->token);
-    if (status == NQM_OK)
-        status = next_beyond(s, "references payload inherits specializes variants", composed);
-    if (status == NQM_OK && s->kind != '{')
-        return fail(s, "a prim without its body");
-    if (status == NQM_OK && depth == MAX_DEPTH)
-        return nqm_fail(s->err, NQM_ERR_LIMIT, (int64_t)at, "%s: prims are nested more than %d deep (byte %zu)",
-                        s->path, MAX_DEPTH, at);
+    if (s->kind != 's')
+        fail(s, "a prim without its name");
+    strcpy(name, s->token);
+    next_beyond(s, "references payload inherits specializes variants", composed);
+    if (s->kind != '{')
+        fail(s, "a prim without its body");
+    if (depth == MAX_DEPTH)
+        fail(s, "prims that are nested more than 60 deep");
     const char *const attributes[] = {"name", name, "composed", composed, NULL};
-    element *prim = status == NQM_OK ? append(s, parent, is_def ? type : "over", attributes, at, &status) : NULL;
-    return prim ? read_body(s, prim, depth + 1) : status;
+    element *prim = append(s, parent, is_def ? type : "over", attributes, at);
+    if (prim)
+        read_body(s, prim, depth + 1);
 }
 
-static nqm_status read_layer(scanner *s) {
-    nqm_status status = NQM_OK;
-    element *root = append(s, NULL, "layer", (const char *const[]){NULL}, 0, &status);
-    while (status == NQM_OK && (status = next(s)) == NQM_OK && s->kind)
+static void read_layer(scanner *s) {
+    element *root = append(s, NULL, "layer", (const char *const[]){NULL}, 0);
+    for (next(s); s->kind; next(s))
         if (s->kind == '(')
-            status = skip_brackets(s, NULL, NULL, NULL);
+            skip_brackets(s, NULL, NULL, NULL);
         else if (is_token(s, "def over class"))
-            status = read_prim(s, root, 0);
-    return status;
+            read_prim(s, root, 0);
 }
 
 /* ---- the document of MaterialX --------------------------------------------------------------------------------------- */
@@ -304,20 +293,13 @@ static const element *follow(const writer *w, const element *property) {
 }
 
 static const char *type_of(const char *usd) {
-    static const char *const types[][2] = {{"float half double", "float"},
-                                           {"int", "integer"},
-                                           {"bool", "boolean"},
-                                           {"string token", "string"},
-                                           {"asset", "filename"},
-                                           {"float2 half2 double2 texCoord2f texCoord2h texCoord2d", "vector2"},
-                                           {"color3f color3h color3d", "color3"},
-                                           {"float3 half3 double3 vector3f normal3f point3f", "vector3"},
-                                           {"color4f color4h color4d", "color4"},
-                                           {"float4 half4 double4", "vector4"}};
-    for (size_t i = 0; i < sizeof types / sizeof *types; ++i)
-        if (nqm_contains_word(types[i][0], usd, false))
-            return types[i][1];
-    return usd;
+    static const char *const types[] = {"float",   "float",    "integer", "boolean", "string",
+                                        "string",  "filename", "vector2", "vector2", "color3",
+                                        "vector3", "vector3",  "vector3", "color4",  "vector4"};
+    const size_t i = nqm_find_word("float double int bool string token asset float2 texCoord2f color3f float3 vector3f "
+                                   "normal3f color4f float4",
+                                   usd, false);
+    return i == SIZE_MAX ? usd : types[i];
 }
 
 /* The space of an image: of its metadata; UsdUVTexture takes pictures of 8 bits as sRGB unless it says something else. */
@@ -334,44 +316,34 @@ static const char *space_of(const char *node, const element *property, const cha
 static void add_input(writer *w, element *shader, const element *property) {
     const element *to = follow(w, property);
     const char *name = nqm_xml_get(property, "name") + strlen("inputs:"), *type = type_of(property->name);
-    const bool is_connected = !to || is_of_shader(to);
-    const char *value = is_connected ? NULL : nqm_xml_get(to, "value"), *output = "";
+    const char *value = to && !is_of_shader(to) ? nqm_xml_get(to, "value") : NULL;
     char path[MAX_TEXT] = "";
-    if (to && is_connected) {
+    const char *output = to ? nqm_xml_get(to, "name") + strlen("outputs:") : "";
+    if (to && is_of_shader(to))
         path_of(w, to->parent, path);
-        output = nqm_xml_get(to, "name") + strlen("outputs:");
-    } else if (!is_connected && !value) {
+    else if (to && !value)
         type = "value that varies with time"; /* which the reader refuses by this name */
-        value = "";
-    }
-    const char *space = !value || strcmp(type, "filename") != 0 ? NULL : space_of(shader->name, property, value);
-    const char *const attributes[] = {"name",
-                                      name,
-                                      "type",
-                                      type,
-                                      value ? "value" : "nodename",
-                                      value ? value : path,
-                                      value ? "colorspace" : "output",
-                                      value                        ? (space ? space : "lin_rec709")
-                                      : strcmp(output, "out") == 0 ? ""
-                                                                   : output,
-                                      NULL};
-    w->has_memory &= nqm_xml_append(&w->document, shader, "input", attributes, property->byte_offset) != NULL;
+    const bool is_file = value && strcmp(type, "filename") == 0;
+    const char *space = is_file ? space_of(shader->name, property, value) : "lin_rec709";
+    const char *const constant[] = {"name", name, "type", type, "value", value, "colorspace", space, NULL};
+    const char *const connected[] = {
+        "name", name, "type", type, "nodename", path, "output", strcmp(output, "out") == 0 ? "" : output, NULL};
+    w->has_memory &=
+        nqm_xml_append(&w->document, shader, "input", value ? constant : connected, property->byte_offset) != NULL;
 }
 
 /* "image" of "ND_image_color3", "standard_surface" of "ND_standard_surface_surfaceshader_100". */
 static void node_of(const char *id, char node[MAX_TEXT]) {
-    static const char *const endings[] = {"float",         "color3",  "color4",  "vector2", "vector3",
-                                          "vector4",       "integer", "boolean", "string",  "filename",
-                                          "surfaceshader", "1",       "2",       "3"};
+    static const char *const endings[] = {"float",   "color3", "color4",   "vector",        "integer",
+                                          "boolean", "string", "filename", "surfaceshader", "1"};
+    enum { N = sizeof endings / sizeof *endings };
     snprintf(node, MAX_TEXT, "%s", strncmp(id, "ND_", 3) == 0 ? id + 3 : id);
-    for (char *last; (last = strrchr(node, '_'));) {
+    for (char *last; (last = strrchr(node, '_')); *last = 0) {
         size_t i = 0;
-        while (i < sizeof endings / sizeof *endings && strncmp(last + 1, endings[i], strlen(endings[i])) != 0)
+        while (i < N && strncmp(last + 1, endings[i], strlen(endings[i])) != 0)
             ++i;
-        if (i == sizeof endings / sizeof *endings)
+        if (i == N)
             return;
-        *last = 0;
     }
 }
 
@@ -399,12 +371,13 @@ static nqm_status add_material(writer *w, const element *prim) {
                                              {"outputs:surface", "surfaceshader"},
                                              {"outputs:displacement", "displacementshader"}};
     const char *name = nqm_xml_get(prim, "name"), *composed = nqm_xml_get(prim, "composed");
-    char path[MAX_TEXT], refusal[200];
-    bool has_surface = false;
-    snprintf(refusal, sizeof refusal,
-             "it is composed of other prims or layers (%.40s): write one layer by 'usdcat --flatten'", composed);
     const nqm_material_info info = {
-        .name = name, .surface = prim->name, .refusal = refusal, .byte_offset = prim->byte_offset};
+        .name = name,
+        .surface = prim->name,
+        .refusal = "it is composed of other prims or layers: write one layer by 'usdcat --flatten'",
+        .byte_offset = prim->byte_offset};
+    char path[MAX_TEXT];
+    bool has_surface = false;
     if (*composed)
         return nqm_materials_add(w->materials, &info, w->s->err);
     element *material = nqm_xml_append(&w->document, w->document.root, "surfacematerial",
@@ -441,14 +414,12 @@ static nqm_status add_prims(writer *w, const element *prim) {
 static nqm_status translate(const scanner *s, nqm_materials *materials) {
     writer w = {.s = s, .materials = materials};
     nqm_status status = nqm_xml_names_create(&s->prims, &w.names, s->err);
-    if (status == NQM_OK) {
-        w.has_memory = nqm_xml_append(&w.document, NULL, "materialx", (const char *const[]){NULL}, 0) != NULL;
-        status = w.has_memory ? add_prims(&w, s->prims.root) : NQM_OK;
-    }
-    if (status == NQM_OK && !w.has_memory)
-        status = nqm_fail_nomem(s->err, s->n);
+    w.has_memory = nqm_xml_append(&w.document, NULL, "materialx", (const char *const[]){NULL}, 0) != NULL;
+    if (status == NQM_OK && w.has_memory)
+        status = add_prims(&w, s->prims.root);
     if (status == NQM_OK)
-        status = nqm_mtlx_read_document(&w.document, s->path, materials, s->err);
+        status = w.has_memory ? nqm_mtlx_read_document(&w.document, s->path, materials, s->err)
+                              : nqm_fail_nomem(s->err, s->n);
     nqm_index_free(&w.names);
     nqm_xml_free(&w.document);
     return status;
@@ -456,50 +427,39 @@ static nqm_status translate(const scanner *s, nqm_materials *materials) {
 
 /* ---- a file -------------------------------------------------------------------------------------------------------- */
 
-/* The first file of a package is a layer, and its name is at byte 30. */
-static bool is_package(const nqm_map *map) {
+/* Why a file is not read, "" if it is text; NULL: it is another file. The first file of a package is named at its byte 30. */
+static const char *fault_of(const nqm_map *map) {
     const char *text = (const char *)map->data;
-    if (map->n_bytes < 30 || memcmp(text, "PK\3\4", 4) != 0)
-        return false;
-    const size_t n = (size_t)map->data[26] | (size_t)map->data[27] << 8;
-    return n > 5 && n <= map->n_bytes - 30 && memcmp(text + 30 + n - 5, ".usd", 4) == 0;
-}
-
-static bool is_crate(const nqm_map *map) {
-    return map->n_bytes >= 8 && memcmp(map->data, "PXR-USDC", 8) == 0;
+    const size_t n = map->n_bytes, n_name = n < 30 ? 0 : (size_t)map->data[26] | (size_t)map->data[27] << 8;
+    if (n >= 8 && memcmp(text, "PXR-USDC", 8) == 0)
+        return "a binary layer of USD (crate, byte 0); write it as text: usdcat IN.usdc -o OUT.usda";
+    if (n_name > 5 && n_name <= n - 30 && memcmp(text, "PK\3\4", 4) == 0 && memcmp(text + 25 + n_name, ".usd", 4) == 0)
+        return "a package of USD (byte 0); unpack it by unzip, and write its layer as text: usdcat IN.usdc -o OUT.usda";
+    return n < 6 || memcmp(text, "#usda ", 6) != 0 ? NULL
+           : n > NQM_XML_MAX_BYTES                 ? "more than 64 MB of USD (byte 0), the most that are read"
+                                                   : "";
 }
 
 static bool probe(const nqm_map *map) {
-    return (map->n_bytes >= 6 && memcmp(map->data, "#usda ", 6) == 0) || is_crate(map) || is_package(map);
+    return fault_of(map) != NULL;
 }
 
 static nqm_status read_usda(const nqm_map *map, nqm_materials *materials, nqm_error *err) {
     scanner s = {.path = map->path, .text = (const char *)map->data, .n = map->n_bytes, .err = err};
+    const char *fault = fault_of(map);
     s.max_elements = NQM_XML_FREE_ELEMENTS + s.n / NQM_XML_BYTES_PER_ELEMENT;
-    if (is_crate(map))
-        return nqm_fail(err, NQM_ERR_FORMAT, 0,
-                        "%s: a binary layer of USD (crate, byte 0); write it as text: usdcat IN.usdc -o OUT.usda",
-                        s.path);
-    if (is_package(map))
-        return nqm_fail(
-            err, NQM_ERR_FORMAT, 0,
-            "%s: a package of USD (byte 0); unpack it by unzip, and write its layer as text: usdcat IN.usdc -o "
-            "OUT.usda",
-            s.path);
-    if (s.n > NQM_XML_MAX_BYTES)
-        return nqm_fail(err, NQM_ERR_LIMIT, 0, "%s: %zu bytes of USD (byte 0); at most %d are read", s.path, s.n,
-                        NQM_XML_MAX_BYTES);
-    nqm_status status = read_layer(&s);
-    if (status == NQM_OK)
-        status = translate(&s, materials);
-    if (status == NQM_OK && nqm_materials_count(materials) == 0)
-        status =
-            nqm_fail(err, NQM_ERR_FORMAT, 0,
-                     "%s: no Material in this layer (byte 0); materials of other layers that it names are not read: "
-                     "usdcat --flatten IN -o OUT.usda",
-                     s.path);
+    if (*fault)
+        return nqm_fail(err, NQM_ERR_FORMAT, 0, "%s: %s", s.path, fault);
+    read_layer(&s);
+    if (s.status == NQM_OK)
+        s.status = translate(&s, materials);
+    if (s.status == NQM_OK && nqm_materials_count(materials) == 0)
+        s.status = nqm_fail(err, NQM_ERR_FORMAT, 0,
+                            "%s: no Material in this layer (byte 0); materials of other layers are not read: usdcat "
+                            "--flatten IN -o OUT.usda",
+                            s.path);
     nqm_xml_free(&s.prims);
-    return status;
+    return s.status;
 }
 
 const nqm_material_format nqm_usd_format = {

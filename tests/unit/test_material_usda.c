@@ -36,7 +36,7 @@ static void check_key(const char *text, const char *key, size_t n, double r, dou
 static void constants_are_keys(void **state) {
     (void)state;
     check_key(PREVIEW("color3f inputs:diffuseColor = (0.5, 0.25, 1) (doc = \"(\")"), "diffuseColor", 3, 0.5, 0.25, 1);
-    check_key(PREVIEW("/* float inputs:roughness = 1 */ float inputs:roughness = .75 # more"), "roughness", 1, .75, .75,
+    check_key(PREVIEW("# float inputs:roughness = 1\n float inputs:roughness = .75 # more"), "roughness", 1, .75, .75,
               .75);
     check_key(PREVIEW("custom float inputs:roughness.connect = </Looks/m.inputs:wide>"), "roughness", 1, .25, .25, .25);
     check_key(PREVIEW("float inputs:roughness"), "roughness", 1, .5, .5, .5); /* declared, without a value */

@@ -12,12 +12,13 @@ import pathlib
 import numpy as np
 
 N = 192  # points of the quadrature along each axis
+T = ((np.arange(N) + 0.5) / N)[:, None]
+MASS = np.repeat(3 * T**2 / N**2, N, axis=1)  # of the points, which are dense where normals are steep
 
 
 def visible(rough, mu):
-    """Weight G2 / G1 and cosine between viewer and normal at points that are uniform in the space of samples."""
-    u = (np.arange(N) + 0.5) / N
-    r, phi = np.sqrt(u)[:, None], 2 * np.pi * u[None, :]
+    """G2 / G1, cosine between viewer and normal, and whether light comes from above, at points of the space of samples."""
+    r, phi = np.sqrt(1 - T**3), 2 * np.pi * T.T
     a = rough**2
     v = np.array([a * np.sqrt(1 - mu * mu), 0, mu])
     v /= np.linalg.norm(v)
@@ -53,7 +54,7 @@ def main():
     rows = []
     means = []
     for i in range(32):
-        e = lambda mu: visible(node(i, 32), mu)[0].mean()
+        e = lambda mu: (MASS * visible(node(i, 32), mu)[0]).sum()
         rows.append([e(node(j, 32)) for j in range(32)])
         means.append(sum(w * (x + 1) / 2 * e((x + 1) / 2) for x, w in zip(gx, gw)))
     rows.append(means)
@@ -62,7 +63,7 @@ def main():
         root = node(k, 16, 0.99)**2
         eta, f0 = (1 + min(root, 0.99**0.5)) / (1 - min(root, 0.99**0.5)), min(root**2, 0.99)
         for i in range(16):
-            rows.append([(np.clip((fresnel(c, eta) - f0) / (1 - f0), 0, 1) * up).mean() for c, up in parts[i]])
+            rows.append([(MASS * np.clip((fresnel(c, eta) - f0) / (1 - f0), 0, 1) * up).sum() for c, up in parts[i]])
     out = pathlib.Path(__file__).parent / "../../presets/principled_energy.txt"
     with open(out, "w") as f:
         f.write("# Albedos of GGX lobes as Cycles uses them, by tests/vectors/principled_energy.py, which explains them: 32 rows of E and one "
