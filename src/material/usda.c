@@ -10,7 +10,7 @@
 
 #include <ctype.h>
 
-enum { MAX_DEPTH = 60, MAX_TEXT = 1024, MAX_HOPS = 64 };
+enum { MAX_DEPTH = 60, MAX_TEXT = 1024, MAX_PATH = 256, MAX_HOPS = 64 };
 
 typedef nqm_xml_element element;
 
@@ -265,15 +265,17 @@ static const element *find(const writer *w, const char *path) {
     return e && dot ? nqm_xml_find(&w->names, e, NULL, dot + 1) : e;
 }
 
-/* The path of a prim. */
-static void path_of(const writer *w, const element *prim, char path[MAX_TEXT]) {
+/* The path of a prim; "" if it is long. */
+static void path_of(const writer *w, const element *prim, char path[MAX_PATH]) {
     const element *chain[MAX_DEPTH + 2];
     size_t n = 0, used = 0;
     for (; prim != w->s->prims.root; prim = prim->parent)
         chain[n++] = prim;
     *path = 0;
-    while (n-- && used < MAX_TEXT)
-        used += (size_t)snprintf(path + used, MAX_TEXT - used, "/%s", nqm_xml_get(chain[n], "name"));
+    while (n-- && used < MAX_PATH)
+        used += (size_t)snprintf(path + used, MAX_PATH - used, "/%s", nqm_xml_get(chain[n], "name"));
+    if (used >= MAX_PATH)
+        *path = 0;
 }
 
 /* Whether it is the output of a shader. */
@@ -317,7 +319,7 @@ static void add_input(writer *w, element *shader, const element *property) {
     const element *to = follow(w, property);
     const char *name = nqm_xml_get(property, "name") + strlen("inputs:"), *type = type_of(property->name);
     const char *value = to && !is_of_shader(to) ? nqm_xml_get(to, "value") : NULL;
-    char path[MAX_TEXT] = "";
+    char path[MAX_PATH] = "";
     const char *output = to ? nqm_xml_get(to, "name") + strlen("outputs:") : "";
     if (to && is_of_shader(to))
         path_of(w, to->parent, path);
@@ -350,7 +352,7 @@ static void node_of(const char *id, char node[MAX_TEXT]) {
 static void add_shader(writer *w, const element *prim) {
     const element *id = nqm_xml_find(&w->names, prim, NULL, "info:id");
     const char *type = NULL, *definition = id && nqm_xml_get(id, "value") ? nqm_xml_get(id, "value") : "shader";
-    char path[MAX_TEXT], node[MAX_TEXT];
+    char path[MAX_PATH], node[MAX_TEXT];
     path_of(w, prim, path);
     node_of(definition, node);
     for (const element *e = prim->first; e; e = e->next)
@@ -376,7 +378,7 @@ static nqm_status add_material(writer *w, const element *prim) {
         .surface = prim->name,
         .refusal = "it is composed of other prims or layers: write one layer by 'usdcat --flatten'",
         .byte_offset = prim->byte_offset};
-    char path[MAX_TEXT];
+    char path[MAX_PATH];
     bool has_surface = false;
     if (*composed)
         return nqm_materials_add(w->materials, &info, w->s->err);
@@ -447,7 +449,7 @@ static bool probe(const nqm_map *map) {
 static nqm_status read_usda(const nqm_map *map, nqm_materials *materials, nqm_error *err) {
     scanner s = {.path = map->path, .text = (const char *)map->data, .n = map->n_bytes, .err = err};
     const char *fault = fault_of(map);
-    s.max_elements = NQM_XML_FREE_ELEMENTS + s.n / NQM_XML_BYTES_PER_ELEMENT;
+    s.max_elements = (NQM_XML_FREE_ELEMENTS + s.n / NQM_XML_BYTES_PER_ELEMENT) / 2; /* there are two trees */
     if (*fault)
         return nqm_fail(err, NQM_ERR_FORMAT, 0, "%s: %s", s.path, fault);
     read_layer(&s);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * pbrt's coateddiffuse against a million random walks a pair (tests/vectors/shading_coated.py), and limits that have a closed form.
+ * pbrt's coateddiffuse against 200,000 random walks a pair (tests/vectors/shading_coated.py), and limits that have a closed form.
  */
 #include "support/check.h"
 #include "support/temp_file.h"

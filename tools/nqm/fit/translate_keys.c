@@ -85,7 +85,8 @@ static void get_meaning(const char *name, char meaning[MEANING]) {
         {"spectint", "speculartint"},
         {"coattint", "clearcoatcolor"},
         {"anisotropicrotation", "rotation"},
-        {"iridescence", "thinfilmweight"},
+        {"iridescence", "thinfilm"},
+        {"thinfilmweight", "thinfilm"},
         {"iridescenceior", "thinfilmior"},
         {"iridescencethickness", "thinfilmthickness"},
     };
@@ -126,6 +127,29 @@ static void convert(const nqm_property *p, const nqm_spec_key *key, double v[3])
         v[c] = fmin(fmax(p->n > 1 && p->n == key->n ? p->v[c] : mean, key->low), key->high);
 }
 
+static const nqm_property *find_meaning(const nqm_shading *shading, const char *meaning) {
+    for (size_t i = 0; i < shading->n; ++i)
+        if (means_same(shading->properties[i].key, meaning))
+            return &shading->properties[i];
+    return NULL;
+}
+
+/* Thin films: open-pbr has micrometres, others have nm; some have no weight, and are without a film at a thickness of 0. */
+static void copy_film(const nqm_shading *from, nqm_shading *to) {
+    const nqm_property *thickness = find_meaning(from, "thinfilmthickness"), *weight = find_meaning(from, "thinfilm");
+    const nqm_spec_schema *schema = schema_of(to->model);
+    double nm = thickness ? thickness->v[0] : 0;
+    nm *= strcmp(from->model, "open-pbr") == 0 ? 1000 : 1;
+    const double amount = weight ? weight->v[0] : nm > 0;
+    for (size_t k = 0; thickness && k < schema->n_keys; ++k) {
+        const double scaled = strcmp(to->model, "open-pbr") == 0 ? nm / 1000 : amount > 0 ? nm : 0;
+        if (means_same(schema->keys[k].name, "thinfilmthickness"))
+            nqm_shading_set(to, schema->keys[k].name, 1, &scaled);
+        else if (means_same(schema->keys[k].name, "thinfilm"))
+            nqm_shading_set(to, schema->keys[k].name, 1, &amount);
+    }
+}
+
 char *copy_keys(const char *spec, const char *model) {
     nqm_shading from, to = {.n = 0};
     const nqm_spec_schema *schema = schema_of(model);
@@ -143,8 +167,10 @@ char *copy_keys(const char *spec, const char *model) {
             convert(p, key, v);
             nqm_shading_set(&to, key->name, key->n, v);
         }
-    if (!is_same)
+    if (!is_same) {
         copy_anisotropy(&from, &to);
+        copy_film(&from, &to);
+    }
     char *copy = to.n ? nqm_shading_spec(&to) : NULL;
     nqm_brdf *brdf = NULL;
     if (copy &&
@@ -163,6 +189,7 @@ static bool has_counterpart(const nqm_spec_schema *schema, const char *key) {
     static const char *const forms[][2] = {{"base", "basecolor"},
                                            {"sheen", "sheencolor"},
                                            {"sheencolor", "sheen"},
+                                           {"thinfilm", "thinfilmthickness"},
                                            {"clearcoatgloss", "clearcoatroughness"},
                                            {"clearcoatroughness", "clearcoatgloss"},
                                            {"roughness", "alpha"},
@@ -183,10 +210,10 @@ static bool has_counterpart(const nqm_spec_schema *schema, const char *key) {
 
 /* Whether a property belongs to a layer whose weight is 0. */
 static bool is_inactive(const nqm_shading *shading, const char *key) {
-    static const char *const layers[] = {"clearcoat", "sheen"};
+    static const char *const layers[] = {"clearcoat", "sheen", "thinfilm"};
     char meaning[MEANING], weight[MEANING];
     get_meaning(key, meaning);
-    for (size_t l = 0; l < 2; ++l) {
+    for (size_t l = 0; l < 3; ++l) {
         if (strncmp(meaning, layers[l], strlen(layers[l])) != 0)
             continue;
         for (size_t i = 0; i < shading->n; ++i) {
