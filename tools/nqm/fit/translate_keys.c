@@ -134,19 +134,28 @@ static const nqm_property *find_meaning(const nqm_shading *shading, const char *
     return NULL;
 }
 
-/* Thin films: open-pbr has micrometres, others have nm; some have no weight, and are without a film at a thickness of 0. */
+static bool is_of_film(const char *key) {
+    char meaning[MEANING];
+    get_meaning(key, meaning);
+    return strncmp(meaning, "thinfilm", 8) == 0;
+}
+
+/* A thin film: open-pbr has micrometres, others have nm; where there is no weight, a thickness of 0 means none. Fits keep its values. */
 static void copy_film(const nqm_shading *from, nqm_shading *to) {
     const nqm_property *thickness = find_meaning(from, "thinfilmthickness"), *weight = find_meaning(from, "thinfilm");
+    const nqm_property *ior = find_meaning(from, "thinfilmior");
     const nqm_spec_schema *schema = schema_of(to->model);
-    double nm = thickness ? thickness->v[0] : 0;
-    nm *= strcmp(from->model, "open-pbr") == 0 ? 1000 : 1;
-    const double amount = weight ? weight->v[0] : nm > 0;
-    for (size_t k = 0; thickness && k < schema->n_keys; ++k) {
-        const double scaled = strcmp(to->model, "open-pbr") == 0 ? nm / 1000 : amount > 0 ? nm : 0;
-        if (means_same(schema->keys[k].name, "thinfilmthickness"))
-            nqm_shading_set(to, schema->keys[k].name, 1, &scaled);
-        else if (means_same(schema->keys[k].name, "thinfilm"))
-            nqm_shading_set(to, schema->keys[k].name, 1, &amount);
+    const double unit =
+        (strcmp(from->model, "open-pbr") == 0 ? 1000 : 1) / (strcmp(to->model, "open-pbr") == 0 ? 1000.0 : 1);
+    const double amount = weight ? weight->v[0] : 1;
+    for (size_t k = 0; thickness && ior && amount * thickness->v[0] > 0 && k < schema->n_keys; ++k) {
+        const char *key = schema->keys[k].name;
+        const double scaled = unit == 1 ? thickness->v[0] : thickness->v[0] * unit;
+        if (is_of_film(key))
+            nqm_shading_set(to, key, 1,
+                            means_same(key, "thinfilm")            ? &amount
+                            : means_same(key, "thinfilmthickness") ? &scaled
+                                                                   : ior->v);
     }
 }
 
@@ -162,15 +171,15 @@ char *copy_keys(const char *spec, const char *model) {
             const nqm_spec_key *key = &schema->keys[k];
             const nqm_property *p = &from.properties[i];
             double v[3];
-            if (is_same ? strcmp(p->key, key->name) != 0 : key->whole || !means_same(p->key, key->name))
+            if (is_of_film(key->name) ||
+                (is_same ? strcmp(p->key, key->name) != 0 : key->whole || !means_same(p->key, key->name)))
                 continue;
             convert(p, key, v);
             nqm_shading_set(&to, key->name, key->n, v);
         }
-    if (!is_same) {
+    if (!is_same)
         copy_anisotropy(&from, &to);
-        copy_film(&from, &to);
-    }
+    copy_film(&from, &to);
     char *copy = to.n ? nqm_shading_spec(&to) : NULL;
     nqm_brdf *brdf = NULL;
     if (copy &&
