@@ -102,21 +102,20 @@ static bool is_bracket(const scanner *s, const char *brackets) {
  * receives the last value that is a string, or else the name. */
 static void skip_brackets(scanner *s, char *text, const char *words, char *found) {
     const size_t first = s->at;
+    size_t depth = 1;
     bool is_named = false;
-    for (size_t depth = 1; depth;) {
+    do {
         next(s);
-        if (s->kind == 0) {
-            fail(s, "a bracket without its end");
-            return;
-        }
         depth += is_bracket(s, "([{");
         depth -= is_bracket(s, ")]}");
         is_named = s->kind == 'w' ? words && is_token(s, words) : is_named;
         if (is_named && (s->kind == 'w' || s->kind == 's'))
             strcpy(found, s->token);
-    }
+    } while (depth && s->kind);
     const size_t n = s->token_at - first;
-    if (text && n < MAX_TEXT) {
+    if (depth)
+        fail(s, "a bracket without its end");
+    else if (text && n < MAX_TEXT) {
         memcpy(text, s->text + first, n);
         text[n] = 0;
     }
@@ -158,10 +157,8 @@ static void read_property(scanner *s, element *prim) {
     do
         next(s);
     while (is_bracket(s, "[]"));
-    if (s->kind != 'w') {
+    if (s->kind != 'w')
         fail(s, "a property without its name");
-        return;
-    }
     strcpy(name, s->token);
     next_beyond(s, "colorSpace", space);
     if (s->kind == '=') {
@@ -188,24 +185,25 @@ static void read_prim(scanner *s, element *parent, size_t depth);
 /* The statements between braces; stops at the last brace. The prims of variants are not read. */
 static void read_body(scanner *s, element *prim, size_t depth) {
     next(s);
-    while (s->kind != '}') {
+    while (s->kind && s->kind != '}') {
         while (is_token(s, "custom uniform varying prepend append add delete"))
             next(s);
+        if (s->kind == 'w' && !is_token(s, "def over class variantSet")) {
+            read_property(s, prim);
+            continue;
+        }
         if (is_token(s, "def over class"))
             read_prim(s, prim, depth);
-        else if (is_token(s, "variantSet")) {
+        else if (s->kind == 'w') {
             while (s->kind && s->kind != '{')
                 next(s);
             skip_brackets(s, NULL, NULL, NULL);
-        } else if (s->kind == 'w') {
-            read_property(s, prim);
-            continue;
-        } else if (s->kind != ';') {
+        } else if (s->kind != ';')
             fail(s, "neither a prim nor a property");
-            return;
-        }
         next(s);
     }
+    if (s->kind == 0)
+        fail(s, "a prim without its end");
 }
 
 /* "def Shader "name" (metadata) { ... }", of which the first word is the token; stops at its last brace. */
@@ -250,6 +248,12 @@ typedef struct writer {
     nqm_materials *materials;
     bool has_memory;
 } writer;
+
+static element *put(writer *w, element *parent, const char *name, const char *const *attributes, int64_t byte_offset) {
+    element *e = w->has_memory ? nqm_xml_append(&w->document, parent, name, attributes, byte_offset) : NULL;
+    w->has_memory = e != NULL;
+    return e;
+}
 
 /* The prim or property of "/Looks/M/tex.outputs:rgb"; NULL: there is none. */
 static const element *find(const writer *w, const char *path) {
@@ -360,8 +364,7 @@ static void add_shader(writer *w, const element *prim) {
             type = type ? "multioutput" : strcmp(e->name, "token") == 0 ? "surfaceshader" : type_of(e->name);
     const bool is_typed = type && strcmp(node, "UsdUVTexture") != 0;
     const char *const attributes[] = {"name", path, "nodedef", definition, is_typed ? "type" : NULL, type, NULL};
-    element *shader = nqm_xml_append(&w->document, w->document.root, node, attributes, prim->byte_offset);
-    w->has_memory &= shader != NULL;
+    element *shader = put(w, w->document.root, node, attributes, prim->byte_offset);
     for (const element *e = prim->first; e && w->has_memory; e = e->next)
         if (strncmp(nqm_xml_get(e, "name"), "inputs:", 7) == 0)
             add_input(w, shader, e);
@@ -382,9 +385,8 @@ static nqm_status add_material(writer *w, const element *prim) {
     bool has_surface = false;
     if (*composed)
         return nqm_materials_add(w->materials, &info, w->s->err);
-    element *material = nqm_xml_append(&w->document, w->document.root, "surfacematerial",
-                                       (const char *const[]){"name", name, NULL}, prim->byte_offset);
-    w->has_memory &= material != NULL;
+    element *material =
+        put(w, w->document.root, "surfacematerial", (const char *const[]){"name", name, NULL}, prim->byte_offset);
     for (size_t i = 0; i < 3 && material; ++i) {
         const element *output = nqm_xml_find(&w->names, prim, NULL, outputs[i][0]);
         const char *connected = output ? nqm_xml_get(output, "connect") : NULL;
@@ -396,7 +398,7 @@ static nqm_status add_material(writer *w, const element *prim) {
         if (to)
             path_of(w, to->parent, path);
         const char *const attributes[] = {"name", outputs[i][1], "nodename", path, NULL};
-        w->has_memory &= nqm_xml_append(&w->document, material, "input", attributes, output->byte_offset) != NULL;
+        put(w, material, "input", attributes, output->byte_offset);
     }
     return NQM_OK;
 }
@@ -414,10 +416,9 @@ static nqm_status add_prims(writer *w, const element *prim) {
 }
 
 static nqm_status translate(const scanner *s, nqm_materials *materials) {
-    writer w = {.s = s, .materials = materials};
+    writer w = {.s = s, .materials = materials, .has_memory = true};
     nqm_status status = nqm_xml_names_create(&s->prims, &w.names, s->err);
-    w.has_memory = nqm_xml_append(&w.document, NULL, "materialx", (const char *const[]){NULL}, 0) != NULL;
-    if (status == NQM_OK && w.has_memory)
+    if (status == NQM_OK && put(&w, NULL, "materialx", (const char *const[]){NULL}, 0))
         status = add_prims(&w, s->prims.root);
     if (status == NQM_OK)
         status = w.has_memory ? nqm_mtlx_read_document(&w.document, s->path, materials, s->err)

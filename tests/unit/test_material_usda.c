@@ -118,6 +118,7 @@ static void damaged_files(void **state) {
     (void)state;
     static const char whole[] = PREVIEW("color3f inputs:diffuseColor = (0.5, 0.25, 1) asset inputs:a = @x@");
     static const char *const cases[][2] = {{HEAD "def Scope \"a\" { (", "neither a prim nor a property"},
+                                           {HEAD "def Scope \"a\" { ", "without its end"},
                                            {HEAD "def Scope { }", "without its name"},
                                            {HEAD "def Scope \"a\"", "without its body"},
                                            {HEAD "def Scope \"a\" { float 'x' }", "without its name"},
