@@ -9,8 +9,8 @@ add_custom_command(OUTPUT ${presets_c}
   DEPENDS ${preset_tables} ${CMAKE_CURRENT_SOURCE_DIR}/cmake/embed_text.cmake VERBATIM)
 list(APPEND NQM_GENERATED_SOURCES ${presets_c})
 
-# The tables of the models rough-plastic and gltf and those of metals, as generated/NAME_table.h.
-foreach(name rough_plastic sheen_albedo metals)
+# The tables of the models rough-plastic, gltf and blender-principled and those of metals, as generated/NAME_table.h.
+foreach(name rough_plastic sheen_albedo principled_energy metals)
   set(table ${CMAKE_CURRENT_SOURCE_DIR}/presets/${name}.txt)
   set(table_h ${CMAKE_BINARY_DIR}/generated/${name}_table.h)
   add_custom_command(OUTPUT ${table_h}

@@ -8,7 +8,8 @@
 #include <string.h>
 
 #define POINTER_TO(NAME) &(NAME),
-static const nqm_analytic_model *const models[] = {NQM_ANALYTIC_MODELS(POINTER_TO) NQM_SHADING_MODELS(POINTER_TO) NULL};
+static const nqm_analytic_model *const models[] = {NQM_ANALYTIC_MODELS(POINTER_TO) NQM_SHADING_MODELS(POINTER_TO)
+                                                       NQM_SLOW_MODELS(POINTER_TO) NULL};
 
 static const nqm_spec_wrapper *const wrappers[] = {&nqm_perturb_wrapper, &nqm_between_wrapper, &nqm_rotate_wrapper,
                                                    &nqm_tilt_wrapper, NULL};

@@ -157,6 +157,8 @@ void nqm_fit_slopes(const nqm_fit_space *space, const nqm_spec_values *values, s
 nqm_fit_parameter nqm_fit_describe(const nqm_spec_schema *schema, size_t key);
 /** The default of a key; of required keys, that of other models. */
 double nqm_fit_default(const nqm_spec_key *key);
+/** Whether fits keep the value of the start: whole numbers, anisotropy, thin films. */
+bool nqm_fit_is_kept(const nqm_spec_key *key);
 /** Whether a key is the amount of a layer over the base, 0 by default: a clear coat, sheen. */
 bool nqm_fit_is_layer(const nqm_spec_key *key);
 /** The keys that generic starts set in the base. */

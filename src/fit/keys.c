@@ -38,6 +38,11 @@ static bool is_width(const char *name) {
     return contains(name, "rough") || strcmp(name, "alpha") == 0;
 }
 
+/* Films make f_r oscillate with their thickness: no fit finds it. */
+bool nqm_fit_is_kept(const nqm_spec_key *key) {
+    return key->whole || key->turns || contains(key->name, "film") || contains(key->name, "iridescence");
+}
+
 bool nqm_fit_is_layer(const nqm_spec_key *key) {
     static const char *const names[] = {"clearcoat", "coat",       "coatweight", "sheen",
                                         "fuzz",      "fuzzweight", "sheencolor", "sheenweight"};

@@ -44,7 +44,7 @@ static nqm_fit_parameter describe(const nqm_fit_entry *entry, size_t k) {
 static void add_key(nqm_fit_space *space, size_t k, double ratio) {
     const nqm_spec_key *key = &space->model->schema.keys[k];
     nqm_fit_parameter p = describe(space->entry, k);
-    if (key->whole || key->turns || !(p.low < p.high))
+    if (nqm_fit_is_kept(key) || !(p.low < p.high))
         return;
     if (key->n == 2)
         p.channel = NQM_FIT_ALL_CHANNELS; /* fits keep the anisotropy of their start */
@@ -116,9 +116,8 @@ nqm_status nqm_fit_space_make(const nqm_fit_entry *entry, const nqm_fit_options 
     nqm_status status = options->start ? parse(entry->model, options->start, &start, err) : NQM_OK;
     for (size_t k = 0; status == NQM_OK && k < schema->n_keys; ++k) {
         for (size_t c = 0; c < 3; ++c)
-            space->defaults.v[k][c] = options->start && (schema->keys[k].whole || schema->keys[k].turns)
-                                          ? start.v[k][c]
-                                          : nqm_fit_default(&schema->keys[k]);
+            space->defaults.v[k][c] =
+                options->start && nqm_fit_is_kept(&schema->keys[k]) ? start.v[k][c] : nqm_fit_default(&schema->keys[k]);
         add_key(space, k, options->start && schema->keys[k].n == 2 ? start.v[k][1] / start.v[k][0] : 1);
     }
     for (size_t b = 0; status == NQM_OK && b < options->n_bounds; ++b)

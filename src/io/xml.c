@@ -10,7 +10,7 @@ typedef struct reader {
     XML_Parser parser;
     nqm_xml *xml;
     nqm_xml_element *open; /* the innermost element that is not closed yet */
-    size_t depth, n_elements, max_elements;
+    size_t depth, max_elements;
     const char *path;
     nqm_status status;
     nqm_error *err;
@@ -49,7 +49,7 @@ static void *take(nqm_xml *xml, size_t n) {
     return at;
 }
 
-/* Allocate an element, its attributes and all their texts as one block. `attributes`: names and values, then NULL. */
+/* Allocate an element, its attributes and all their texts as one block. */
 static nqm_xml_element *make_element(nqm_xml *xml, const char *name, const char *const *attributes) {
     size_t n = 0, n_text = strlen(name) + 1;
     for (; attributes[2 * n]; ++n)
@@ -71,6 +71,25 @@ static nqm_xml_element *make_element(nqm_xml *xml, const char *name, const char 
     return element;
 }
 
+nqm_xml_element *nqm_xml_append(nqm_xml *xml, nqm_xml_element *parent, const char *name, const char *const *attributes,
+                                int64_t byte_offset) {
+    nqm_xml_element *element = make_element(xml, name, attributes);
+    if (!element)
+        return NULL;
+    ++xml->n_elements;
+    element->byte_offset = byte_offset;
+    element->parent = parent;
+    if (!parent)
+        xml->root = element;
+    else if (parent->last)
+        parent->last->next = element;
+    else
+        parent->first = element;
+    if (parent)
+        parent->last = element;
+    return element;
+}
+
 static void on_start(void *user, const char *name, const char **attributes) {
     reader *self = user;
     if (self->status != NQM_OK)
@@ -81,28 +100,18 @@ static void on_start(void *user, const char *name, const char **attributes) {
                       self->path, NQM_XML_MAX_DEPTH, (long long)byte_of(self)));
         return;
     }
-    if (self->n_elements++ == self->max_elements) {
+    if (self->xml->n_elements == self->max_elements) {
         stop(self, nqm_fail(self->err, NQM_ERR_LIMIT, byte_of(self),
                             "%s: more than %zu elements at byte %lld, the limit for a file of this size", self->path,
                             self->max_elements, (long long)byte_of(self)));
         return;
     }
-    nqm_xml_element *element = make_element(self->xml, name, (const char *const *)attributes);
-    if (!element) {
+    nqm_xml_element *element =
+        nqm_xml_append(self->xml, self->open, name, (const char *const *)attributes, byte_of(self));
+    if (!element)
         stop(self, nqm_fail_nomem(self->err, sizeof *element));
-        return;
-    }
-    element->byte_offset = byte_of(self);
-    element->parent = self->open;
-    if (!self->open)
-        self->xml->root = element;
-    else if (self->open->last)
-        self->open->last->next = element;
     else
-        self->open->first = element;
-    if (self->open)
-        self->open->last = element;
-    self->open = element;
+        self->open = element;
 }
 
 static void on_end(void *user, const char *name) {
@@ -156,7 +165,6 @@ nqm_status nqm_xml_parse(const void *data, size_t n_bytes, const char *path, nqm
     XML_SetParamEntityParsing(self.parser, XML_PARAM_ENTITY_PARSING_NEVER);
     nqm_status status = parse(&self, data, n_bytes);
     XML_ParserFree(self.parser);
-    xml_ret->n_elements = self.n_elements;
     if (status != NQM_OK)
         nqm_xml_free(xml_ret);
     return status;

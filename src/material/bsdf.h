@@ -73,7 +73,7 @@ typedef struct nqm_bsdf_plugin {
     const char *refusal; /**< NULL: the plugin is read */
     const char *model;   /**< of the shading; NULL: a measured file */
     bool (*finish)(nqm_bsdf_reading *r, const nqm_bsdf_node *bsdf); /**< after the properties, or NULL */
-    nqm_rule rules[20];
+    nqm_rule rules[26];
 } nqm_bsdf_plugin;
 
 extern const nqm_rule_source nqm_bsdf_source;

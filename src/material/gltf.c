@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Reading of materials of glTF 2.0, as JSON (.gltf) and binary (.glb): metallic-roughness with KHR_materials_specular, _ior, _clearcoat and
- * _sheen. Meshes and everything else of the file are not read; the materials are parsed one by one, because the tree of a whole file
+ * Reading of materials of glTF 2.0, as JSON (.gltf) and binary (.glb): metallic-roughness with KHR_materials_specular, _ior, _anisotropy,
+ * _iridescence, _clearcoat and _sheen. Meshes and everything else of the file are not read; the materials are parsed one by one, because the tree of a whole file
  * takes twenty times its bytes. Textures are in gltf_textures.c.
  */
 #include "material/gltf.h"
@@ -140,6 +140,12 @@ bool nqm_gltf_read_occlusion(nqm_reading *reading, const nqm_rule *rule, const v
     return true;
 }
 
+bool nqm_gltf_read_minimum(nqm_reading *reading, const nqm_rule *rule, const void *at) {
+    const property *p = at;
+    reader *r = (reader *)reading;
+    return read_numbers(r, p->path, p->value, rule->n, &r->document.film_minimum);
+}
+
 static void read_object(reader *r, const nqm_gltf_group *group, const char *path, json_t *object) {
     char prefix[PATH_SIZE / 2];
     const char *name;
@@ -239,6 +245,7 @@ static nqm_status read_material(reader *r, json_t *material, nqm_materials *mate
     strcpy(r->reading.shading.model, "gltf");
     r->alpha = 1;
     r->n_textures = 0;
+    r->document.film_minimum = 100;
     json_t *pbr = json_object_get(material, nqm_gltf_core.name), *list = json_object_get(material, "extensions");
     if (!json_is_object(material))
         fail_value(r, "", "an object as material");

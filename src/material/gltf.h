@@ -20,8 +20,8 @@ typedef struct nqm_gltf_group {
 extern const nqm_gltf_group nqm_gltf_members, nqm_gltf_core;
 enum { NQM_GLTF_N_EXTENSIONS = 13 };
 extern const nqm_gltf_group nqm_gltf_extensions[NQM_GLTF_N_EXTENSIONS];
-/** Of baseColorFactor, of textures, and of occlusionTexture. */
-nqm_rule_read nqm_gltf_read_base_color, nqm_gltf_read_texture, nqm_gltf_read_occlusion;
+/** Of baseColorFactor, of textures, of occlusionTexture, and of iridescenceThicknessMinimum. */
+nqm_rule_read nqm_gltf_read_base_color, nqm_gltf_read_texture, nqm_gltf_read_occlusion, nqm_gltf_read_minimum;
 
 enum { NQM_GLTF_N_ARRAYS = 5 };
 /** The parts of a file that its textures refer to. */
@@ -31,6 +31,7 @@ typedef struct nqm_gltf_document {
     size_t source_at, root;            /**< of the JSON text in the file, and of the document in that */
     size_t bin_at, n_bin;              /**< the binary chunk in the file */
     json_t *arrays[NQM_GLTF_N_ARRAYS]; /**< those that are parsed */
+    double film_minimum;               /**< iridescenceThicknessMinimum of the material */
     size_t n_decoded;                  /**< bytes of images so far */
     bool has_other_set;                /**< a texture that was added has texture coordinates of a set other than 0 */
     char why[240];                     /**< why nqm_gltf_add_texture() failed */

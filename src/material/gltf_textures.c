@@ -272,7 +272,8 @@ static const struct texture_use {
             {"clearcoatRoughnessTexture", "clearcoat_roughness", "", 3, 1},
             {"sheenColorTexture", "sheen_color", "srgb_texture", 3, SIZE_MAX},
             {"sheenRoughnessTexture", "sheen_roughness", "", 4, 3},
-            {"anisotropyTexture", "anisotropy_strength", "", 3, 2}};
+            {"anisotropyTexture", "anisotropy_strength", "", 3, 2},
+            {"iridescenceTexture", "iridescence", "", 3, 0}};
 
 /* Red and green are the direction of the anisotropy from -1 to 1, as a normal has them, which anisotropyRotation turns. */
 static uint16_t turn(nqm_textured *t, uint16_t image, const nqm_shading *shading) {
@@ -295,6 +296,21 @@ static bool add_normal(nqm_gltf_document *d, const json_t *info, nqm_textured *t
     return t->normal != NQM_NO_NODE;
 }
 
+/* Green is between both thicknesses. */
+static bool add_thickness(nqm_gltf_document *d, const json_t *info, const nqm_shading *shading, nqm_textured *t) {
+    static const char key[] = "iridescence_thickness";
+    double maximum[3];
+    uint16_t image;
+    find_factor(shading, key, maximum);
+    if (!read_texture(d, info, 3, "", t, &image))
+        return false;
+    uint16_t node = nqm_graph_channel(t, image, 1);
+    node = nqm_graph_with(t, NQM_MAP_MULTIPLY, 1, node, maximum[0] - d->film_minimum);
+    node = nqm_graph_with(t, NQM_MAP_ADD, 1, node, d->film_minimum);
+    nqm_graph_output_set(t, key, node);
+    return node != NQM_NO_NODE;
+}
+
 bool nqm_gltf_add_texture(nqm_gltf_document *d, const char *name, const json_t *info, nqm_reading *reading) {
     const nqm_shading *shading = &reading->shading;
     nqm_textured *t = reading->textured;
@@ -304,6 +320,8 @@ bool nqm_gltf_add_texture(nqm_gltf_document *d, const char *name, const json_t *
         return false;
     if (strcmp(name, "normalTexture") == 0)
         return add_normal(d, info, t);
+    if (strcmp(name, "iridescenceThicknessTexture") == 0)
+        return add_thickness(d, info, shading, t);
     for (size_t i = 0; i < sizeof uses / sizeof *uses; ++i) {
         const struct texture_use *use = &uses[i];
         const size_t n = use->channel == SIZE_MAX ? 3 : 1;

@@ -226,7 +226,7 @@ static nqm_status select_format(const char *model, const char *path, const nqm_m
             *format_ret = *f;
             return NQM_OK;
         }
-        if (used < sizeof all)
+        if (used < sizeof all && *(*f)->models)
             used += (size_t)snprintf(all + used, sizeof all - used, "%s%s (%s)", f == formats ? "" : "; ",
                                      (*f)->extensions, (*f)->models);
     }

@@ -73,6 +73,7 @@ typedef struct nqm_material_format {
     X(nqm_mitsuba_xml_format)                                                                                          \
     X(nqm_gltf_format)                                                                                                 \
     X(nqm_materialx_format)                                                                                            \
+    X(nqm_usd_format)                                                                                                  \
     X(nqm_mitsuba_json_format)                                                                                         \
     X(nqm_pbrt_format)
 #define NQM_DECLARE_FORMAT(NAME) extern const nqm_material_format NAME;

@@ -217,7 +217,7 @@ bool nqm_mtlx_read_occlusion(nqm_reading *r, const nqm_rule *rule, const void *p
     return true;
 }
 
-/* Version 1.0.0 of standard_surface has other defaults than the table. */
+/* Version 1.0.0 of standard_surface, and the film of gltf_pbr, have other defaults than the table. */
 static void set_defaults(reading *r) {
     const char *version = nqm_xml_get(r->shader, "version"), *definition = nqm_xml_get(r->shader, "nodedef");
     nqm_shading *shading = &r->reading.shading;
@@ -225,6 +225,8 @@ static void set_defaults(reading *r) {
     for (const nqm_rule *rule = r->surface->inputs; rule->name; ++rule)
         if (rule->key)
             nqm_shading_set(shading, rule->key, rule->n, (double[]){rule->value, rule->value, rule->value});
+    if (strcmp(r->surface->node, "gltf_pbr") == 0)
+        nqm_shading_set(shading, "iridescence_thickness", 1, (double[]){100});
     if (strcmp(r->surface->node, "standard_surface") == 0 &&
         (nqm_texts_equal(version, "1.0.0") || nqm_texts_equal(definition, "ND_standard_surface_surfaceshader_100"))) {
         nqm_shading_set(shading, "base", 1, (double[]){0.8});
@@ -324,7 +326,7 @@ static nqm_status add_all(reading *r, nqm_materials *materials, nqm_error *err) 
     return status;
 }
 
-static nqm_status read_root(const nqm_xml *xml, const char *path, nqm_materials *materials, nqm_error *err) {
+nqm_status nqm_mtlx_read_document(const nqm_xml *xml, const char *path, nqm_materials *materials, nqm_error *err) {
     reading *r = nqm_alloc(1, sizeof *r);
     if (!r)
         return nqm_fail_nomem(err, sizeof *r);
@@ -370,7 +372,7 @@ static nqm_status read_materials(const nqm_map *map, nqm_materials *materials, n
             nqm_fail(err, NQM_ERR_FORMAT, xml.root->byte_offset, "%s: the root is <%.40s>, not <materialx> (byte %lld)",
                      map->path, xml.root->name, (long long)xml.root->byte_offset);
     if (status == NQM_OK)
-        status = read_root(&xml, map->path, materials, err);
+        status = nqm_mtlx_read_document(&xml, map->path, materials, err);
     if (status == NQM_OK && nqm_materials_count(materials) == 0)
         status = fail_empty(map, xml.root, err);
     nqm_xml_free(&xml);

@@ -55,6 +55,10 @@ const struct nqm_xml_element *nqm_mtlx_target(const nqm_mtlx_graph *graph, const
 bool nqm_mtlx_is_connected(const struct nqm_xml_element *e);
 /** Whether an input is connected or has a value itself. */
 bool nqm_mtlx_has_value(const struct nqm_xml_element *e);
+/** Append the materials of a document. path: of its file. */
+struct nqm_xml;
+NQM_MUST_CHECK nqm_status nqm_mtlx_read_document(const struct nqm_xml *xml, const char *path, nqm_materials *materials,
+                                                 nqm_error *err);
 /** false for NULL. */
 static inline bool nqm_texts_equal(const char *a, const char *b) {
     return a && strcmp(a, b) == 0;

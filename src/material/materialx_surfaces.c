@@ -24,13 +24,12 @@
 
 #define NOT_PART " is not part of these BRDFs"
 static const char transmission[] = "transmission" NOT_PART, subsurface[] = "subsurface scattering" NOT_PART,
-                  thin_film[] = "a thin film" NOT_PART, emission[] = "emission" NOT_PART,
-                  opacity[] = "opacity" NOT_PART, displacement[] = "displacement" NOT_PART;
+                  emission[] = "emission" NOT_PART, opacity[] = "opacity" NOT_PART,
+                  displacement[] = "displacement" NOT_PART;
 
 static const nqm_rule open_pbr[] = {
     NQM_OPEN_PBR_KEYS(KEY) NEUTRAL("transmission_weight", "float", 0, transmission),
     NEUTRAL("subsurface_weight", "float", 0, subsurface),
-    NEUTRAL("thin_film_weight", "float", 0, thin_film),
     EMISSION("emission_luminance", "float"),
     NEUTRAL("geometry_opacity", "float", 1, opacity),
     NORMAL("geometry_normal"),
@@ -40,7 +39,7 @@ static const nqm_rule open_pbr[] = {
     NQM_RULE_IGNORED("transmission_color transmission_depth transmission_scatter "
                      "transmission_scatter_anisotropy transmission_dispersion_scale "
                      "transmission_dispersion_abbe_number subsurface_color subsurface_radius "
-                     "subsurface_radius_scale subsurface_scatter_anisotropy thin_film_thickness thin_film_ior "
+                     "subsurface_radius_scale subsurface_scatter_anisotropy "
                      "emission_color geometry_thin_walled"),
     END,
 };
@@ -48,7 +47,6 @@ static const nqm_rule open_pbr[] = {
 static const nqm_rule standard_surface[] = {
     NQM_STANDARD_SURFACE_KEYS(KEY) NEUTRAL("transmission", "float", 0, transmission),
     VALUE("subsurface", nqm_mtlx_read_subsurface, "float", 0, subsurface),
-    NEUTRAL("thin_film_thickness", "float", 0, thin_film),
     EMISSION("emission", "float"),
     NEUTRAL("opacity", "color3", 1, opacity),
     NORMAL("normal"),
@@ -56,7 +54,7 @@ static const nqm_rule standard_surface[] = {
     TANGENT("tangent", "specular_anisotropy coat_anisotropy"),
     NQM_RULE_IGNORED("transmission_color transmission_depth transmission_scatter "
                      "transmission_scatter_anisotropy transmission_dispersion transmission_extra_roughness "
-                     "subsurface_color subsurface_radius subsurface_scale subsurface_anisotropy thin_film_IOR "
+                     "subsurface_color subsurface_radius subsurface_scale subsurface_anisotropy "
                      "emission_color thin_walled"),
     END,
 };
@@ -64,13 +62,12 @@ static const nqm_rule standard_surface[] = {
 static const nqm_rule gltf_pbr[] = {
     NQM_GLTF_KEYS(KEY) NEUTRAL("transmission", "float", 0, transmission),
     NEUTRAL("alpha_mode", "integer", 0, opacity),
-    NEUTRAL("iridescence", "float", 0, thin_film),
     EMISSION("emissive", "color3"),
     NORMAL("normal"),
     COAT_NORMAL("clearcoat_normal", "clearcoat"),
     TANGENT("tangent", "anisotropy_strength"),
     OCCLUSION,
-    NQM_RULE_IGNORED("alpha alpha_cutoff iridescence_ior iridescence_thickness emissive_strength thickness "
+    NQM_RULE_IGNORED("alpha alpha_cutoff emissive_strength thickness "
                      "attenuation_distance attenuation_color dispersion"),
     END,
 };

@@ -140,7 +140,7 @@ static nqm_status read_json(const nqm_map *map, nqm_materials *materials, nqm_er
 const nqm_material_format nqm_mitsuba_json_format = {
     .name = "Mitsuba JSON",
     .extensions = ".json",
-    .models = "rough-conductor rough-plastic principled lambert",
+    .models = "rough-conductor rough-plastic principled lambert blender-principled",
     .probe = probe,
     .read = read_json,
     .write = nqm_mitsuba_write,

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
  * pbrt-v4 scenes (pbrt.org/fileformat-v4): the materials of the directives Material and MakeNamedMaterial; other directives are
- * skipped. `conductor`, `diffuse` and `measured` are read, with textures of the classes imagemap, constant, scale and mix; coated
- * materials are not, because pbrt evaluates them by random walks. Colours are those of the default colour space, linear sRGB. pbrt is
+ * skipped. `conductor`, `diffuse`, `coateddiffuse` and `measured` are read, with textures of the classes imagemap, constant, scale and mix. Colours are those of the default colour space, linear sRGB. pbrt is
  * a spectral renderer: eta and k given as "metal-Au-eta" are the RGB values of metals.c.
  */
 #include "material/bsdf.h"
@@ -400,10 +399,24 @@ static bool finish_diffuse(nqm_bsdf_reading *r, const nqm_bsdf_node *bsdf) {
            nqm_bsdf_output(r, "kd", clamp(r->reading.textured, value, 1)); /* as pbrt */
 }
 
+static bool finish_coated(nqm_bsdf_reading *r, const nqm_bsdf_node *bsdf) {
+    const double grey[3] = {0.5, 0.5, 0.5};
+    uint16_t value;
+    if (!conductor_roughness(r, bsdf) || !read_value(r, "reflectance", 3, grey, &value))
+        return false;
+    const nqm_property *roughness = nqm_shading_find(&r->reading.shading, "roughness");
+    if (roughness && roughness->n == 2)
+        return nqm_refuse(&r->reading, bsdf, "uroughness and vroughness differ; the coat is read with one roughness");
+    return nqm_bsdf_output(r, "reflectance", clamp(r->reading.textured, value, 1));
+}
+
+#define NUMBER(NAME)                                                                                                   \
+    { .name = NAME, .read = nqm_rule_set, .key = NAME, .n = 1 }
 #define DISPLACEMENT NQM_RULE_ZERO("displacement", "displacement is not part of a BRDF")
 #define NORMAL_MAP                                                                                                     \
     { .name = "normalmap", .read = read_normal_map }
-#define WALKS     "pbrt evaluates layers by random walks; there is no formula"
+#define WALKS                                                                                                          \
+    "pbrt evaluates a coat on a rough metal by random walks, for which there is no table; coateddiffuse is read"
 #define TRANSMITS "transmission is not supported"
 static const nqm_bsdf_plugin types[] = {
     {.type = "conductor",
@@ -417,7 +430,22 @@ static const nqm_bsdf_plugin types[] = {
      .finish = finish_diffuse,
      .rules = {NQM_RULE_LATER("reflectance"), NORMAL_MAP, DISPLACEMENT}},
     {.type = "measured", .rules = {{.name = "filename", .read = nqm_bsdf_file}}},
-    {.type = "coateddiffuse coatedconductor", .refusal = WALKS},
+    {.type = "coateddiffuse",
+     .model = "pbrt-coated-diffuse",
+     .finish = finish_coated,
+     .rules = {NQM_RULE_LATER("reflectance"),
+               NQM_RULE_LATER("roughness"),
+               NQM_RULE_LATER("uroughness"),
+               NQM_RULE_LATER("vroughness"),
+               NQM_RULE_LATER("remaproughness"),
+               NUMBER("eta"),
+               NUMBER("thickness"),
+               NUMBER("maxdepth"),
+               {.name = "albedo", .read = nqm_rule_neutral, .n = 3, .why = "a medium that scatters is not supported"},
+               NQM_RULE_IGNORED("g nsamples"),
+               NORMAL_MAP,
+               DISPLACEMENT}},
+    {.type = "coatedconductor", .refusal = WALKS},
     {.type = "dielectric thindielectric diffusetransmission", .refusal = TRANSMITS},
     {.type = "subsurface", .refusal = "subsurface scattering is not supported"},
     {.type = "hair", .refusal = "hair has no BRDF of a surface"},
@@ -544,15 +572,21 @@ static bool probe(const nqm_map *map) {
 /* ---- writing ----------------------------------------------------------------------------------------------------- */
 
 static void write_material(const nqm_shading *shading, const char *name, FILE *stream) {
-    const bool is_diffuse = strcmp(shading->model, "lambert") == 0;
+    const bool is_diffuse = strcmp(shading->model, "lambert") == 0, is_coated = strstr(shading->model, "coated");
     char numbers[100];
     fprintf(stream, "MakeNamedMaterial \"%s\"\n    \"string type\" \"%s\"\n", name,
-            is_diffuse ? "diffuse" : "conductor");
+            is_diffuse  ? "diffuse"
+            : is_coated ? "coateddiffuse"
+                        : "conductor");
     for (size_t i = 0; i < shading->n; ++i) {
         const nqm_property *p = &shading->properties[i];
-        const bool is_number = strcmp(p->key, "roughness") == 0, is_pair = p->n == 2;
+        const bool is_number = is_coated ? strcmp(p->key, "reflectance") != 0 : strcmp(p->key, "roughness") == 0;
+        const bool is_pair = p->n == 2;
         for (size_t c = 0; c < (is_pair ? 2 : 1); ++c)
-            fprintf(stream, "    \"%s %s%s\" [ %s ]\n", is_number ? "float" : "rgb",
+            fprintf(stream, "    \"%s %s%s\" [ %s ]\n",
+                    !is_number                        ? "rgb"
+                    : strcmp(p->key, "maxdepth") == 0 ? "integer"
+                                                      : "float",
                     !is_pair ? ""
                     : c      ? "v"
                              : "u",
@@ -573,7 +607,7 @@ static nqm_status write_pbrt(size_t n, const nqm_named_shading *materials, const
 const nqm_material_format nqm_pbrt_format = {
     .name = "pbrt-v4",
     .extensions = ".pbrt",
-    .models = "pbrt-conductor lambert",
+    .models = "pbrt-conductor lambert pbrt-coated-diffuse",
     .probe = probe,
     .read = read_pbrt,
     .write = write_pbrt,

@@ -30,7 +30,10 @@
     X(COAT_ROUGHNESS, "coat_roughness", "float", 0, 1, 0)                      \
     X(COAT_ANISOTROPY, "coat_roughness_anisotropy", "float", 0, 1, 0, .turns = true) \
     X(COAT_IOR, "coat_ior", "float", 0.01, 100, 1.6)                           \
-    X(COAT_DARKENING, "coat_darkening", "float", 0, 1, 1)
+    X(COAT_DARKENING, "coat_darkening", "float", 0, 1, 1)                      \
+    X(THIN_FILM_WEIGHT, "thin_film_weight", "float", 0, 1, 0)                  \
+    X(THIN_FILM_THICKNESS, "thin_film_thickness", "float", 0, 1000, 0.5)       \
+    X(THIN_FILM_IOR, "thin_film_ior", "float", 0, 100, 1.4)
 
 #define NQM_STANDARD_SURFACE_KEYS(X)                                           \
     X(BASE, "base", "float", 0, 1, 1)                                          \
@@ -53,7 +56,9 @@
     X(COAT_ROTATION, "coat_rotation", "float", -1000, 1000, 0, .turns = true) \
     X(COAT_IOR, "coat_IOR", "float", 0, 100, 1.5)                              \
     X(COAT_AFFECT_COLOR, "coat_affect_color", "float", 0, 1, 0)                \
-    X(COAT_AFFECT_ROUGHNESS, "coat_affect_roughness", "float", 0, 1, 0)
+    X(COAT_AFFECT_ROUGHNESS, "coat_affect_roughness", "float", 0, 1, 0)        \
+    X(THIN_FILM_THICKNESS, "thin_film_thickness", "float", 0, 1000000, 0)      \
+    X(THIN_FILM_IOR, "thin_film_IOR", "float", 0, 100, 1.5)
 
 #define NQM_GLTF_KEYS(X)                                                       \
     X(BASE_COLOR, "base_color", "color3", 0, 1, 1)                             \
@@ -67,7 +72,10 @@
     X(CLEARCOAT, "clearcoat", "float", 0, 1, 0)                                \
     X(CLEARCOAT_ROUGHNESS, "clearcoat_roughness", "float", 0, 1, 0)            \
     X(SHEEN_COLOR, "sheen_color", "color3", 0, 1, 0)                           \
-    X(SHEEN_ROUGHNESS, "sheen_roughness", "float", 0, 1, 0)
+    X(SHEEN_ROUGHNESS, "sheen_roughness", "float", 0, 1, 0)              \
+    X(IRIDESCENCE, "iridescence", "float", 0, 1, 0)                            \
+    X(IRIDESCENCE_IOR, "iridescence_ior", "float", 0, 100, 1.3)                \
+    X(IRIDESCENCE_THICKNESS, "iridescence_thickness", "float", 0, 1000000, 400)
 
 #define NQM_USD_PREVIEW_KEYS(X)                                                \
     X(DIFFUSE_COLOR, "diffuseColor", "color3", 0, 1, 0.18)                     \

@@ -29,6 +29,10 @@ done
 "$tool" translate 'rough-conductor:alpha=.1,.3;distribution=1' --to open-pbr --samples 200 >"$dir/out"
 grep -q anisotropy "$dir/out" && fail "anisotropy in the wrong direction: $(cat "$dir/out")"
 
+# Thin films are copied, in nm.
+"$tool" translate 'open-pbr:base_metalness=1;thin_film_weight=.5;thin_film_thickness=.3;thin_film_ior=1.8' --to gltf --samples 200 >"$dir/out"
+grep -q 'iridescence=0.5;iridescence_ior=1.8;iridescence_thickness=300' "$dir/out" || fail "a thin film: $(cat "$dir/out")"
+
 # What is scored is the file, not the spec that was written.
 ln -s /dev/null "$dir/nothing.gltf"
 refuses 3 'nothing.gltf: is not a regular file' translate "$red" --to gltf -o "$dir/nothing.gltf" --samples 300

@@ -27,6 +27,16 @@ static void conductors(void **state) {
     expect_spec("Material \"diffuse\" \"rgb reflectance\" [-1 0.5 2]", "lambert:kd=0,0.5,1");
 }
 
+static void coats(void **state) {
+    (void)state;
+    expect_spec("Material \"coateddiffuse\" \"float roughness\" .2 \"rgb albedo\" [ 0 0 0 ] \"integer nsamples\" 4",
+                "pbrt-coated-diffuse:roughness=0.2;reflectance=0.5,0.5,0.5");
+    expect_spec("Material \"coateddiffuse\" \"float roughness\" .5 \"bool remaproughness\" false \"float eta\" 1.7 "
+                "\"rgb reflectance\" [ .1 .2 .3 ] \"float thickness\" 0.5 \"integer maxdepth\" 20",
+                "pbrt-coated-diffuse:eta=1.7;thickness=0.5;maxdepth=20;roughness=0.25;reflectance=0.1,0.2,0.3");
+    expect_same("pbrt-coated-diffuse:roughness=.123;reflectance=.1,.2,.3;eta=1.4;thickness=.02;maxdepth=7", "pbrt");
+}
+
 static void refused_materials(void **state) {
     (void)state;
     static const char *const cases[][2] = {
@@ -53,7 +63,9 @@ static void refused_materials(void **state) {
         {"Material \"diffuse\" \"rgb reflectance\" [ true false true ]", "three numbers"},
         {"Material \"diffuse\" \"rgb reflectance\" [ \".1\" \".2\" \".3\" ]", "three numbers"},
         {"MakeNamedMaterial \"a\" \"string type\" \"diffuse\" \"string type\" \"conductor\"", "type"},
-        {"Material \"coateddiffuse\"", "random walks"},
+        {"Material \"coateddiffuse\"", "smooth"},
+        {"Material \"coateddiffuse\" \"float roughness\" .1 \"rgb albedo\" [ .5 .5 .5 ]", "scatters"},
+        {"Material \"coateddiffuse\" \"float uroughness\" .1 \"float vroughness\" .2", "one roughness"},
         {"Material \"coatedconductor\"", "random walks"},
         {"Material \"dielectric\"", "transmission"},
         {"Material \"mix\" \"string materials\" [ \"a\" \"b\" ]", "mixtures"},
@@ -163,7 +175,7 @@ static void refused_textures(void **state) {
         {"Attribute \"texture\" \"float uscale\" 2 " IMAGE("t", "spectrum", "a.png", "") DIFFUSE, "textures"},
         {"Material \"diffuse\" \"string normalmap\" \"\"", "normalmap"},
         {IMAGE("t", "float", "a.png", "") "Material \"diffuse\" \"texture displacement\" \"t\"", "displacement"},
-        {IMAGE("t", "spectrum", "a.png", "") "Material \"coateddiffuse\" \"texture reflectance\" \"t\"", "random"},
+        {IMAGE("t", "spectrum", "a.png", "") "Material \"coatedconductor\" \"texture reflectance\" \"t\"", "random"},
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i)
         expect_refusal(cases[i][0], cases[i][1]);
@@ -229,17 +241,12 @@ static void no_memory(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(conductors),
-        cmocka_unit_test(refused_materials),
-        cmocka_unit_test(scenes),
-        cmocka_unit_test(colour_textures),
-        cmocka_unit_test(roughness_textures),
-        cmocka_unit_test(computed_textures),
-        cmocka_unit_test(refused_textures),
-        cmocka_unit_test(nested_textures),
-        cmocka_unit_test(corners_of_images),
-        cmocka_unit_test(damaged_files),
-        cmocka_unit_test(files_go_there_and_back),
+        cmocka_unit_test(conductors),        cmocka_unit_test(coats),
+        cmocka_unit_test(refused_materials), cmocka_unit_test(scenes),
+        cmocka_unit_test(colour_textures),   cmocka_unit_test(roughness_textures),
+        cmocka_unit_test(computed_textures), cmocka_unit_test(refused_textures),
+        cmocka_unit_test(nested_textures),   cmocka_unit_test(corners_of_images),
+        cmocka_unit_test(damaged_files),     cmocka_unit_test(files_go_there_and_back),
         cmocka_unit_test(no_memory),
     };
     return cmocka_run_group_tests(tests, make_temp_file, remove_temp_file);

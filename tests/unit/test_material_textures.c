@@ -173,7 +173,9 @@ static void layers_have_textures(void **state) {
         "{\"index\": 0}}, \"KHR_materials_sheen\": {\"sheenColorFactor\": [1, 1, 1], \"sheenRoughnessFactor\": 0.5, "
         "\"sheenColorTexture\": {\"index\": 0}, \"sheenRoughnessTexture\": {\"index\": 0}}, "
         "\"KHR_materials_anisotropy\": {\"anisotropyStrength\": 0.8, \"anisotropyRotation\": 0.1, "
-        "\"anisotropyTexture\": {\"index\": 0}}}",
+        "\"anisotropyTexture\": {\"index\": 0}}, \"KHR_materials_iridescence\": {\"iridescenceFactor\": 0.5, "
+        "\"iridescenceThicknessMinimum\": 200, \"iridescenceTexture\": {\"index\": 0}, "
+        "\"iridescenceThicknessTexture\": {\"index\": 0}}}",
         usual);
     const nqm_textured *t = maps_of(materials);
     check_output(t, "specular", 0.4, -1, -1);
@@ -184,6 +186,8 @@ static void layers_have_textures(void **state) {
     check_output(t, "sheen_roughness", 0.2, -1, -1);
     check_output(t, "anisotropy_strength", 0.6, -1, -1);
     check_output(t, "anisotropy_rotation", acos(-1) + 0.1, -1, -1);
+    check_output(t, "iridescence", 0.125, -1, -1);
+    check_output(t, "iridescence_thickness", 300, -1, -1);
     nqm_materials_free(materials);
 }
 

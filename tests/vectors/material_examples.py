@@ -10,18 +10,17 @@ import xml.etree.ElementTree
 
 # inputs that must keep the defaults of the definition
 NEUTRAL = {
-    "open_pbr_surface": "transmission_weight subsurface_weight thin_film_weight "
-                        "emission_luminance geometry_opacity",
-    "standard_surface": "transmission subsurface thin_film_thickness emission opacity",
-    "gltf_pbr": "transmission alpha_mode iridescence emissive",
+    "open_pbr_surface": "transmission_weight subsurface_weight emission_luminance geometry_opacity",
+    "standard_surface": "transmission subsurface emission opacity",
+    "gltf_pbr": "transmission alpha_mode emissive",
     "UsdPreviewSurface": "emissiveColor opacity displacement",
     "disney_principled": "specTrans subsurface",
 }
 # inputs that a BRDF needs as numbers, by the beginning of their names
 NEEDED = {
-    "open_pbr_surface": "base_ specular_ fuzz_ coat_",
-    "standard_surface": "base diffuse_ metalness specular sheen coat",
-    "gltf_pbr": "base_color metallic roughness ior specular clearcoat sheen_ anisotropy",
+    "open_pbr_surface": "base_ specular_ fuzz_ coat_ thin_film_",
+    "standard_surface": "base diffuse_ metalness specular sheen coat thin_film",
+    "gltf_pbr": "base_color metallic roughness ior specular clearcoat sheen_ anisotropy iridescence",
     "UsdPreviewSurface": "diffuseColor useSpecularWorkflow specularColor metallic roughness clearcoat ior",
     "disney_principled": "baseColor metallic roughness anisotropic specular sheen clearcoat",
 }

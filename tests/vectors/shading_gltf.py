@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: MIT
 """The material of glTF 2.0 from its specification: Appendix B (as of December 2025, with height-correlated shadowing),
-KHR_materials_specular, _ior, _anisotropy, _sheen and _clearcoat, in 80-bit floats from angles. The albedo of the sheen is that of
+KHR_materials_specular, _ior, _anisotropy, _iridescence, _sheen and _clearcoat, in 80-bit floats from angles. The albedo of the sheen is that of
 presets/sheen_albedo.txt (made by sheen_albedo.py), interpolated here by Lagrange's and Hermite's formulas.
 shading_gltf.csv: spec, wi, wo, r, g, b."""
 import csv
@@ -78,6 +78,40 @@ def sheen_albedo(theta, roughness):
     return min(1, max(0, interpolate(interpolate(TABLE, 31 * roughness), 31 * numpy.sqrt(numpy.cos(theta)))))
 
 
+def eval_sensitivity(opd, shift):
+    """RGB; opd in nm."""
+    phase = 2 * pi * opd * real("1e-9")
+    val, pos, var = (numpy.array(v.split(), real) for v in ("5.4856e-13 4.4201e-13 5.2481e-13",
+                                                            "1.6810e+06 1.7953e+06 2.2084e+06",
+                                                            "4.3278e+09 9.3046e+09 6.6121e+09"))
+    xyz = val * numpy.sqrt(2 * pi * var) * numpy.cos(pos * phase + shift) * numpy.exp(-phase**2 * var)
+    more = real("4.5282e+09")
+    xyz[0] += (real("9.7470e-14") * numpy.sqrt(2 * pi * more) * numpy.cos(real("2.2399e+06") * phase + shift[0]) *
+               numpy.exp(-more * phase**2))
+    matrix = numpy.array(["3.2404542 -1.5371385 -0.4985314".split(), "-0.9692660 1.8760108 0.0415560".split(),
+                          "0.0556434 -0.2040259 1.0572252".split()], real)
+    return matrix @ (xyz / real("1.0685e-7"))
+
+
+def iridescent_fresnel(n, thickness, f0, cos1):
+    """Of KHR_materials_iridescence, with the sample viewer's clamp of f0."""
+    cos2 = 1 - (1 - cos1**2) / n**2
+    if cos2 < 0:
+        return numpy.ones(3, real)
+    cos2 = numpy.sqrt(cos2)
+    root = numpy.sqrt(numpy.clip(f0, 0, real("0.9999")))
+    base = (1 + root) / (1 - root)
+    r12 = schlick(((n - 1) / (n + 1))**2, 1, cos1)
+    r23 = schlick(((base - n) / (base + n))**2, 1, cos2)
+    phi = pi - (pi if n < 1 else 0) + numpy.where(base < n, pi, 0)
+    r123 = numpy.clip(r12 * r23, real("1e-5"), real("0.9999"))
+    rs = (1 - r12)**2 * r23 / (1 - r123)
+    total = r12 + rs
+    for m in (1, 2):
+        total = total + (rs - 1 + r12) * numpy.sqrt(r123)**m * 2 * eval_sensitivity(m * 2 * n * thickness * cos2, m * phi)
+    return numpy.maximum(total, 0)
+
+
 def gltf(wi, wo, m):
     ti, to, th, td = geometry(wi, wo)
     m = {k: numpy.array(v, real) for k, v in m.items()}
@@ -87,8 +121,13 @@ def gltf(wi, wo, m):
     lobe = ggx(ti, to, th, m["roughness"])
     if "anisotropy_strength" in m:
         lobe = anisotropic_ggx(wi, wo, m["roughness"], m["anisotropy_strength"], m["anisotropy_rotation"])
+    metal = schlick(m["base_color"], 1, numpy.cos(td))
+    if m.get("iridescence", 0) > 0:
+        on = lambda base: iridescent_fresnel(m["iridescence_ior"], m["iridescence_thickness"], base, numpy.cos(td))
+        f = f + m["iridescence"] * (on(f0) - f)
+        metal = metal + m["iridescence"] * (on(m["base_color"]) - metal)
     dielectric = f * lobe + (1 - f.max()) * m["base_color"] / pi
-    metal = schlick(m["base_color"], 1, numpy.cos(td)) * lobe
+    metal = metal * lobe
     material = (1 - m["metallic"]) * dielectric + m["metallic"] * metal
     if m["sheen_color"].max() > 0:
         r = max(m["sheen_roughness"], real("1e-3"))
@@ -156,6 +195,13 @@ def materials(rng):
                  anisotropy_strength=float(rng.uniform(0, 1)), anisotropy_rotation=float(rng.uniform(0, 2 * numpy.pi)))
         if i % 5 == 0:
             m.update(clearcoat=0.7, clearcoat_roughness=0.2, sheen_color=[.2, .3, .4], sheen_roughness=0.5)
+        yield m, list(m)
+    for i in range(24):
+        m = dict(DEFAULTS, metallic=(i % 3) / 2, base_color=rng.uniform(0.02, 1, 3), roughness=float(rng.uniform(0.1, 1)),
+                 ior=float(rng.uniform(1, 2.5)), specular=float(rng.uniform(0, 1)), iridescence=float(rng.uniform(0, 1)),
+                 iridescence_ior=float(rng.uniform(1, 2.5)), iridescence_thickness=float(rng.uniform(50, 1200)))
+        if i % 4 == 0:
+            m.update(base_color=[1, 1, 1], iridescence=1)
         yield m, list(m)
 
 

@@ -95,9 +95,66 @@ def compensation(p, a, fresnel):
     return 1 + fresnel * (1 - e) / e
 
 
-def dielectric(p, weight, tint, ior, a):
+# ---- thin films, from the complex amplitudes of both polarisations ---------------------------------------------------
+
+CMF = [("5.4856e-13", "1.6810e6", "4.3278e9"), ("4.4201e-13", "1.7953e6", "9.3046e9"), ("5.2481e-13", "2.2084e6", "6.6121e9"),
+       ("9.7470e-14", "2.2399e6", "4.5282e9")]
+
+
+def sensitivity(path, shift):
+    w = 2 * pi * path
+    lobe = [real(v) * sqrt(2 * pi * real(s)) * cos(real(m) * w + shift[k % 3]) * exp(-real(s) * w**2)
+            for k, (v, m, s) in enumerate(CMF)]
+    return numpy.array([lobe[0] + lobe[3], lobe[1], lobe[2]]) / real("1.0685e-7")
+
+
+def amplitudes(n1, n2, c1):
+    """r_s, r_p and the cosine beyond; complex indices."""
+    n1, n2, c1 = (numpy.asarray(x, numpy.clongdouble) for x in (n1, n2, c1))
+    c2 = sqrt(1 - (n1 / n2)**2 * (1 - c1**2))
+    return (n1 * c1 - n2 * c2) / (n1 * c1 + n2 * c2), (n2 * c1 - n1 * c2) / (n2 * c1 + n1 * c2), c2
+
+
+def airy(c, film, substrate):
+    """substrate(cosine inside, index of the film): reflectances (3) and phases (3) of s and p."""
+    thickness, n = film[0] * real("1e-9"), maximum(film[1], 1)
+    rs, rp, inside = amplitudes(1, n, c)
+    inside = inside.real
+    total = numpy.zeros(3, real)
+    for r12, (r23, phase) in zip((rs.real, rp.real), substrate(inside, n)):
+        phase = phase + (0 if r12 < 0 else pi)  # r21 = -r12
+        top, t = r12**2, 1 - r12**2
+        rs_ = t**2 * r23 / (1 - top * r23)
+        total += top + rs_
+        for m in (1, 2):
+            total += 2 * (rs_ - t) * sqrt(top * r23)**m * sensitivity(m * 2 * n * inside * thickness, m * phase)
+    matrix = numpy.array([["2.3706743", "-0.9000405", "-0.4706338"], ["-0.5138850", "1.4253036", "0.0885814"],
+                          ["0.0052982", "-0.0146949", "1.0093968"]]).astype(real)
+    return one(matrix @ (total / 2))
+
+
+def on_index(eta, kappa):
+    def reflect(c, n):
+        s, p, _ = amplitudes(n, eta + 1j * kappa, c)
+        return [(abs(r)**2, numpy.angle(r)) for r in (s, p)]
+    return reflect
+
+
+def on_schlick(f0, f82, f90):
+    def reflect(c, n):
+        root = sqrt(minimum(maximum(f0, real("0.01")), real("0.99")))
+        f = one(schlick_factor(f0, f82, f90, c))
+        # the specification counts phases from another origin: s of film to air is pi there, and 0 in amplitudes
+        phase = numpy.where((1 + root) / (1 - root) < n, pi, 0)
+        return [(f, phase + pi), (f, phase)]
+    return reflect
+
+
+def dielectric(p, weight, tint, ior, a, film=None):
     c = cos(p.d)
-    if ior**2 + c**2 < 1:
+    if film:
+        f = airy(c, film, on_index(ior * white, 0 * white))
+    elif ior**2 + c**2 < 1:
         f = real(1)
     else:
         g = sqrt(ior**2 + c**2 - 1)
@@ -108,23 +165,28 @@ def dielectric(p, weight, tint, ior, a):
     return weight * ggx(p, a) * f * comp * tint, (1 - weight * (k0 * f0 + k90) * comp) * white
 
 
-def schlick(p, weight, color0, color82, a, color90=white):
+def schlick_factor(color0, color82, color90, c):
     ct = 1 / real(7)
     dip = (color0 + (color90 - color0) * (1 - ct)**5) * (1 - color82) / (ct * (1 - ct)**6)
-    f = color0 + (color90 - color0) * (1 - cos(p.d))**5 - dip * cos(p.d) * (1 - cos(p.d))**6
-    f = maximum(f, 0)
+    return color0 + (color90 - color0) * (1 - c)**5 - dip * c * (1 - c)**6
+
+
+def schlick(p, weight, color0, color82, a, color90=white, film=None):
+    f = maximum(schlick_factor(color0, color82, color90, cos(p.d)), 0)
+    if film:
+        f = airy(cos(p.d), film, on_schlick(color0, color82, color90))
     k0, k90 = ggx_albedo(p, a)
     comp = compensation(p, a, f)
     return weight * ggx(p, a) * f * comp, (1 - weight * numpy.mean((k0 * color0 + k90 * color90) * comp)) * white
 
 
-def conductor(p, eta, kappa, a):
+def conductor(p, eta, kappa, a, film=None):
     s2, c = sin(p.d)**2, cos(p.d)
     ab = sqrt((eta**2 - kappa**2 - s2)**2 + 4 * eta**2 * kappa**2)
     q = sqrt(maximum(0, (ab + eta**2 - kappa**2 - s2) / 2))
     rs = (ab - 2 * q * c + c**2) / (ab + 2 * q * c + c**2)
     rp = rs * (c**2 * ab - 2 * q * c * s2 + s2**2) / (c**2 * ab + 2 * q * c * s2 + s2**2)
-    f = (rs + rp) / 2
+    f = airy(c, film, on_index(eta, kappa)) if film else (rs + rp) / 2
     return ggx(p, a) * f * compensation(p, a, f), 0 * white
 
 
@@ -213,8 +275,14 @@ def open_pbr(p, v):
     eta = lerp(v.specular_ior, ratio if ratio > 1 else 1 / ratio, v.coat_weight)
     e = numpy.sign(eta - 1) * sqrt(minimum(v.specular_weight * ((eta - 1) / (eta + 1))**2, real("0.99999")))
     diffuse = eon(p, v.base_weight, v.base_color, v.base_diffuse_roughness)
-    base = layer(dielectric(p, 1, v.specular_color, (1 + e) / (1 - e), rough), diffuse)
+    film = (v.thin_film_thickness * 1000, v.thin_film_ior)
+    top = dielectric(p, 1, v.specular_color, (1 + e) / (1 - e), rough)
     metal = schlick(p, v.specular_weight, v.base_color * v.base_weight, v.specular_color, rough)
+    if v.thin_film_weight > 0:
+        top = mix(top, dielectric(p, 1, v.specular_color, (1 + e) / (1 - e), rough, film), v.thin_film_weight)
+        metal = mix(metal, schlick(p, v.specular_weight, v.base_color * v.base_weight, v.specular_color, rough, film=film),
+                    v.thin_film_weight)
+    base = layer(top, diffuse)
     base = mix(base, metal, v.base_metalness)
     f0 = ((v.coat_ior - 1) / (v.coat_ior + 1))**2
     k = 1 - (1 - f0) / v.coat_ior**2
@@ -231,9 +299,10 @@ def standard_surface(p, v):
                                  v.specular_anisotropy, v.specular_rotation)
     diffuse = oren_nayar(p, v.base, v.base_color**(1 + v.coat * v.coat_affect_color), v.diffuse_roughness)
     base = layer(conty_kulla(p, v.sheen, v.sheen_color, v.sheen_roughness), diffuse)
-    base = layer(dielectric(p, v.specular, v.specular_color, v.specular_IOR, rough), base)
+    film = (v.thin_film_thickness, v.thin_film_IOR) if v.thin_film_thickness > 0 else None
+    base = layer(dielectric(p, v.specular, v.specular_color, v.specular_IOR, rough, film), base)
     eta, kappa = artistic_ior(v.base_color * v.base, v.specular_color * v.specular)
-    base = times(mix(base, conductor(p, eta, kappa, rough), v.metalness), lerp(white, v.coat_color, v.coat))
+    base = times(mix(base, conductor(p, eta, kappa, rough, film), v.metalness), lerp(white, v.coat_color, v.coat))
     coat = roughness_anisotropy(v.coat_roughness, v.coat_anisotropy, v.coat_rotation)
     return layer(dielectric(p, v.coat, white, v.coat_IOR, coat), base)[0]
 
@@ -291,13 +360,19 @@ ANISOTROPY = {
 }
 
 
+FILM = {
+    "open-pbr": {"thin_film_weight": (1, 0, 1), "thin_film_thickness": (1, 0.05, 1), "thin_film_ior": (1, 1, 2.5)},
+    "standard-surface": {"thin_film_thickness": (1, 50, 1200), "thin_film_IOR": (1, 1, 2.5)},
+}
+
+
 class Values:
     pass
 
 
 def draw(keys):
     values, text = Values(), []
-    for extra in ANISOTROPY.values():
+    for extra in (*ANISOTROPY.values(), *FILM.values()):
         for name in extra:
             setattr(values, name, real(0))
     for name, (n, low, high) in keys.items():
@@ -325,8 +400,8 @@ def near_mirror(wo):
     return w / numpy.linalg.norm(w)
 
 
-def write_rows(out, model, function, keys):
-    for _ in range(60):
+def write_rows(out, model, function, keys, n=60):
+    for _ in range(n):
         values, text = draw(keys)
         for k in range(2):
             wo = direction()
@@ -345,6 +420,9 @@ def main():
             write_rows(out, model, function, keys)
         for model, extra in ANISOTROPY.items():
             write_rows(out, model, KEYS[model][0], {**KEYS[model][1], **extra})
+        for model, extra in FILM.items():
+            write_rows(out, model, KEYS[model][0], {**KEYS[model][1], **extra}, 25)
 
 
-main()
+if __name__ == "__main__":
+    main()

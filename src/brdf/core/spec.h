@@ -129,11 +129,15 @@ void nqm_spec_jacobian(const void *self, size_t n, const double *wi, const doubl
     X(nqm_usd_preview_model)                                                                                           \
     X(nqm_standard_surface_model)                                                                                      \
     X(nqm_disney_model)                                                                                                \
-    X(nqm_principled_model)
+    X(nqm_principled_model)                                                                                            \
+    X(nqm_blender_model)
+/** Models whose opening takes milliseconds, so that nothing is fitted to them. Likewise. */
+#define NQM_SLOW_MODELS(X) X(nqm_coated_model)
 
 #define NQM_DECLARE_MODEL(NAME) extern const nqm_analytic_model NAME;
 NQM_ANALYTIC_MODELS(NQM_DECLARE_MODEL)
 NQM_SHADING_MODELS(NQM_DECLARE_MODEL)
+NQM_SLOW_MODELS(NQM_DECLARE_MODEL)
 
 /** An analytic model, preset or BRDF made of others from a spec: nqm_spec_probe(spec) is true. `name` is that of its
  *  information; `open` opens the BRDFs that a wrapper names. */

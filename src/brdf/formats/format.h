@@ -42,8 +42,8 @@ typedef struct nqm_brdf_format {
     X(nqm_nps_format)                                                                                                  \
     X(nqm_utia_format)                                                                                                 \
     X(nqm_saved_format)                                                                                                \
-    X(nqm_nbrdf_zip_format)                                                                                            \
-    X(nqm_material_file_format)
+    X(nqm_material_file_format)                                                                                        \
+    X(nqm_nbrdf_zip_format)
 #define NQM_DECLARE_BRDF_FORMAT(NAME) extern const nqm_brdf_format NAME;
 NQM_BRDF_FORMATS(NQM_DECLARE_BRDF_FORMAT)
 

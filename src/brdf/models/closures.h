@@ -12,7 +12,7 @@
 #define NQM_SRC_BRDF_CLOSURES_H
 
 #include "brdf/core/spec.h"
-#include "brdf/models/microfacet.h"
+#include "brdf/models/thin_film.h"
 
 /** Roughnesses below sqrt of this are rendered with it; GLSL has 1e-6, where 500 directions never meet the lobe. */
 static const double MIN_ALPHA = 1e-4;
@@ -124,12 +124,23 @@ INLINED microfacet microfacet_of(const geometry *g, const lobe_shape *lobe) {
     return m;
 }
 
-INLINED closure dielectric_bsdf(const geometry *g, microfacet m, double weight, const double *tint, double ior) {
-    const double fresnel = fresnel_dielectric(ior, g->cos_d), compensation = 1 + fresnel * m.scatter;
-    const double albedo = (m.albedo[0] * f0_of_ior(ior) + m.albedo[1]) * compensation;
+INLINED bool is_film(const thin_film *film) {
+    return film && film->thickness > 0;
+}
+
+/** film: on the surface, or NULL. The albedo is that without it, as in GLSL. */
+INLINED closure dielectric_bsdf(const geometry *g, microfacet m, double weight, const double *tint, double ior,
+                                const thin_film *film) {
+    const double single = is_film(film) ? 0 : fresnel_dielectric(ior, g->cos_d);
+    double fresnel[3] = {single, single, single};
     closure result;
+    if (is_film(film))
+        film_on_index(&film_rules_materialx, *film, g->cos_d, (const double[3]){ior, ior, ior}, (const double[3]){0},
+                      fresnel);
     for (size_t c = 0; c < 3; ++c) {
-        result.f[c] = weight * m.f * fresnel * compensation * tint[c];
+        const double compensation = 1 + fresnel[c] * m.scatter;
+        const double albedo = (m.albedo[0] * f0_of_ior(ior) + m.albedo[1]) * compensation;
+        result.f[c] = weight * m.f * fresnel[c] * compensation * tint[c];
         result.pass[c] = 1 - weight * albedo;
     }
     return result;
@@ -137,11 +148,14 @@ INLINED closure dielectric_bsdf(const geometry *g, microfacet m, double weight, 
 
 /** The exponent is 5. */
 INLINED closure generalized_schlick_bsdf(const geometry *g, microfacet m, double weight, const double *color0,
-                                         const double *color82, const double *color90) {
-    double albedo = 0;
+                                         const double *color82, const double *color90, const thin_film *film) {
+    double albedo = 0, covered[3];
     closure result;
+    if (is_film(film))
+        film_on_schlick(*film, g->cos_d, color0, color82, color90, covered);
     for (size_t c = 0; c < 3; ++c) {
-        const double fresnel = fmax(0, schlick_f82(color0[c], color82[c], color90[c], g->cos_d));
+        const double fresnel =
+            is_film(film) ? covered[c] : fmax(0, schlick_f82(color0[c], color82[c], color90[c], g->cos_d));
         const double compensation = 1 + fresnel * m.scatter;
         albedo += (m.albedo[0] * color0[c] + m.albedo[1] * color90[c]) * compensation / 3;
         result.f[c] = weight * m.f * fresnel * compensation;
@@ -153,7 +167,7 @@ INLINED closure generalized_schlick_bsdf(const geometry *g, microfacet m, double
 
 INLINED closure schlick_bsdf(const geometry *g, microfacet m, double weight, const double *color0,
                              const double *color82) {
-    return generalized_schlick_bsdf(g, m, weight, color0, color82, WHITE);
+    return generalized_schlick_bsdf(g, m, weight, color0, color82, WHITE, NULL);
 }
 
 /** The node artistic_ior, Gulbrandsen 2014 (https://jcgt.org/published/0003/04/03/); the reflectivity ends at 0.99 as in GLSL. */
@@ -164,10 +178,14 @@ INLINED void artistic_ior(double reflectivity, double edge, double *ior, double 
     *extinction = sqrt(fmax(0, (up * up * r - down * down) / (1 - r)));
 }
 
-INLINED closure conductor_bsdf(const geometry *g, microfacet m, const double *ior, const double *extinction) {
+INLINED closure conductor_bsdf(const geometry *g, microfacet m, const double *ior, const double *extinction,
+                               const thin_film *film) {
     closure result = {.pass = {0}};
+    double covered[3];
+    if (is_film(film))
+        film_on_index(&film_rules_materialx, *film, g->cos_d, ior, extinction, covered);
     for (size_t c = 0; c < 3; ++c) {
-        const double fresnel = fresnel_conductor(ior[c], extinction[c], g->cos_d);
+        const double fresnel = is_film(film) ? covered[c] : fresnel_conductor(ior[c], extinction[c], g->cos_d);
         result.f[c] = m.f * fresnel * (1 + fresnel * m.scatter);
     }
     return result;
@@ -201,20 +219,30 @@ INLINED double fujii_g(double cosine) {
     return s * (acos(fmin(1, cosine)) - s * cosine) + 2.0 / 3 * (s * cosine * (1 + s + s * s) / (1 + s) - s);
 }
 
-/** Energy-preserving Oren-Nayar (Portsmouth, Kutz and Hill 2025, https://jcgt.org/published/0014/01/06/). 1 - E, which vanishes
- *  with the roughness, is divided by it in closed form. */
-INLINED closure eon_bsdf(const geometry *g, double weight, const double *color, double roughness) {
+/** Energy-preserving Oren-Nayar (Portsmouth, Kutz and Hill 2025, https://jcgt.org/published/0014/01/06/): single and multiple
+ *  scattering, and the mean albedo of the former. 1 - E, which vanishes with the roughness, is divided by it in closed form. */
+typedef struct eon_terms {
+    double single, multiple, mean;
+} eon_terms;
+
+INLINED eon_terms eon_terms_of(const geometry *g, double roughness) {
     const double c1 = 0.5 - 2 / (3 * NQM_PI), c2 = 2.0 / 3 - 28 / (15 * NQM_PI);
-    const double a = 1 / (1 + c1 * roughness), mean = a * (1 + c2 * roughness);
-    const double single = a * (1 + roughness * retro_reflection(g, 1));
-    double multiple = 0;
+    const double a = 1 / (1 + c1 * roughness);
+    eon_terms t = {.single = a * (1 + roughness * retro_reflection(g, 1)), .mean = a * (1 + c2 * roughness)};
     if (roughness > 0)
-        multiple = roughness * a * (c1 - fujii_g(g->cos_i) / NQM_PI) * (c1 - fujii_g(g->cos_o) / NQM_PI) / (c1 - c2);
+        t.multiple = roughness * a * (c1 - fujii_g(g->cos_i) / NQM_PI) * (c1 - fujii_g(g->cos_o) / NQM_PI) / (c1 - c2);
+    return t;
+}
+
+INLINED double eon_bounced(const eon_terms *t, double color) {
+    return color * color * t->mean / (1 - color * (1 - t->mean));
+}
+
+INLINED closure eon_bsdf(const geometry *g, double weight, const double *color, double roughness) {
+    const eon_terms t = eon_terms_of(g, roughness);
     closure result = {.pass = {0}};
-    for (size_t c = 0; c < 3; ++c) {
-        const double bounced = color[c] * color[c] * mean / (1 - color[c] * (1 - mean));
-        result.f[c] = weight * (color[c] * single + bounced * multiple) / NQM_PI;
-    }
+    for (size_t c = 0; c < 3; ++c)
+        result.f[c] = weight * (color[c] * t.single + eon_bounced(&t, color[c]) * t.multiple) / NQM_PI;
     return result;
 }
 

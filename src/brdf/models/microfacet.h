@@ -179,16 +179,24 @@ static inline double fresnel_dielectric(double eta, double cosine) {
     return 0.5 * a * a * (1 + b * b);
 }
 
-/** Reflectance of unpolarised light at a conductor of index eta + i k, from air; exact, Born and Wolf, Principles of Optics,
- *  14.4. */
-static inline double fresnel_conductor(double eta, double k, double cosine) {
+/** Reflectances of light that is polarised at right angles (s) and parallel (p) to the plane of incidence, at a conductor of index
+ *  eta + i k relative to the outside; exact, Born and Wolf, Principles of Optics, 14.4. sp: (2) */
+static inline void fresnel_polarised(double eta, double k, double cosine, double *sp) {
     double cos2 = cosine * cosine, sin2 = 1 - cos2, eta2 = eta * eta, k2 = k * k;
     double t = eta2 - k2 - sin2;
     double a2_b2 = sqrt(t * t + 4 * eta2 * k2);
     double a = sqrt(fmax(0, 0.5 * (a2_b2 + t)));
     double rs = (a2_b2 + cos2 - 2 * a * cosine) / (a2_b2 + cos2 + 2 * a * cosine);
     double p = cos2 * a2_b2 + sin2 * sin2, q = 2 * a * cosine * sin2;
-    return 0.5 * (rs + rs * ((p - q) / (p + q)));
+    sp[0] = rs;
+    sp[1] = rs * ((p - q) / (p + q));
+}
+
+/** The same for unpolarised light. */
+static inline double fresnel_conductor(double eta, double k, double cosine) {
+    double sp[2];
+    fresnel_polarised(eta, k, cosine, sp);
+    return 0.5 * (sp[0] + sp[1]);
 }
 
 /** Schlick's factor with the tint f82 at 82 degrees (cosine 1/7), relative to Schlick's own value there: Kutz, Hasan and

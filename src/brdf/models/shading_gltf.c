@@ -2,14 +2,14 @@
  *
  * `gltf`, the material of glTF 2.0: metallic-roughness as in Appendix B of the specification (with the height-correlated shadowing that it
  * has since December 2025), and its extensions KHR_materials_specular, KHR_materials_ior, KHR_materials_anisotropy,
- * KHR_materials_sheen and KHR_materials_clearcoat, layered in this order.
+ * KHR_materials_iridescence, KHR_materials_sheen and KHR_materials_clearcoat, layered in this order.
  *
  * Not reciprocal: the Fresnel factor of the clear coat depends on the viewer only. Specular and diffuse reflection share the light by
  * the Fresnel factor of the half vector, which can reflect more light than arrives at grazing angles. The specification says
  * so, and has no compensation for multiple scattering.
  */
 #include "brdf/core/spec.h"
-#include "brdf/models/microfacet.h"
+#include "brdf/models/thin_film.h"
 #include "sheen_albedo_table.h" /* generated from presets/sheen_albedo.txt */
 
 enum { NQM_GLTF_KEYS(NQM_KEY_INDEX) N_KEYS };
@@ -116,17 +116,32 @@ static void gltf_prepare(const nqm_spec_values *values, void *state) {
     sheen_prepare(&self->sheen, values->v[SHEEN_COLOR], values->v[SHEEN_ROUGHNESS][0]);
 }
 
+/** Mix the factor of a film on a surface of reflectance f0 (3) into the factor f (3). */
+static void add_film(const gltf *self, double strength, double cosine, const double *f0, double *f) {
+    const double(*v)[3] = self->spec.values.v;
+    double covered[3];
+    film_on_gltf(&(thin_film){v[IRIDESCENCE_THICKNESS][0], v[IRIDESCENCE_IOR][0]}, cosine, f0, covered);
+    for (size_t c = 0; c < 3; ++c)
+        f[c] = mix(f[c], covered[c], strength);
+}
+
 /** Metallic-roughness without layers. */
 static void base_material(const gltf *self, const half_angles *h, const double *wi, const double *wo, double *rgb) {
     const pair_widths a = turned_pair_widths(&self->base, wi, wo);
     const double lobe = correlated_ggx(h->tan2_h, wi[2], wo[2], a), (*v)[3] = self->spec.values.v;
-    double f[3];
-    for (size_t c = 0; c < 3; ++c)
+    const double strength = v[IRIDESCENCE][0], *color = v[BASE_COLOR];
+    double f[3], metal[3];
+    for (size_t c = 0; c < 3; ++c) {
         f[c] = schlick_between(self->f0[c], self->f90, h->cos_d);
+        metal[c] = schlick_factor(color[c], h->cos_d);
+    }
+    if (strength > 0 && v[IRIDESCENCE_THICKNESS][0] > 0) {
+        add_film(self, strength, h->cos_d, self->f0, f);
+        add_film(self, strength, h->cos_d, color, metal);
+    }
     const double left = 1 - fmax(f[0], fmax(f[1], f[2]));
     for (size_t c = 0; c < 3; ++c)
-        rgb[c] = mix(f[c] * lobe + left * self->diffuse[c], schlick_factor(v[BASE_COLOR][c], h->cos_d) * lobe,
-                     v[METALLIC][0]);
+        rgb[c] = mix(f[c] * lobe + left * self->diffuse[c], metal[c] * lobe, v[METALLIC][0]);
 }
 
 static void gltf_eval(const void *state, size_t n, const double *wi, const double *wo, double *rgb) {

@@ -59,21 +59,45 @@ static void prepare(const nqm_spec_values *values, void *state) {
     }
 }
 
+/* The graph mixes lobes with and without the film. */
+static thin_film film_of(const open_pbr *self) {
+    return (thin_film){1000 * self->spec.values.v[THIN_FILM_THICKNESS][0], self->spec.values.v[THIN_FILM_IOR][0]};
+}
+
+static closure dielectric(const open_pbr *self, const geometry *g, microfacet m) {
+    const double(*v)[3] = self->spec.values.v, weight = v[THIN_FILM_WEIGHT][0];
+    const thin_film film = film_of(self);
+    closure result = dielectric_bsdf(g, m, 1, v[SPECULAR_COLOR], self->ior, NULL);
+    if (weight > 0)
+        result = closure_mix(dielectric_bsdf(g, m, 1, v[SPECULAR_COLOR], self->ior, &film), result, weight);
+    return result;
+}
+
+static closure metal(const open_pbr *self, const geometry *g, microfacet m) {
+    const double(*v)[3] = self->spec.values.v, amount = v[SPECULAR_WEIGHT][0], weight = v[THIN_FILM_WEIGHT][0];
+    const thin_film film = film_of(self);
+    closure result = schlick_bsdf(g, m, amount, self->metal, v[SPECULAR_COLOR]);
+    if (weight > 0) {
+        const closure on = generalized_schlick_bsdf(g, m, amount, self->metal, v[SPECULAR_COLOR], WHITE, &film);
+        result = closure_mix(on, result, weight);
+    }
+    return result;
+}
+
 static closure evaluate(const void *state, const geometry *g) {
     const open_pbr *self = state;
     const double(*v)[3] = self->spec.values.v, metalness = v[BASE_METALNESS][0];
     const microfacet m = microfacet_of(g, &self->base);
     closure result = eon_bsdf(g, v[BASE_WEIGHT][0], v[BASE_COLOR], v[BASE_DIFFUSE_ROUGHNESS][0]);
     if (metalness < 1)
-        result = closure_layer(dielectric_bsdf(g, m, 1, v[SPECULAR_COLOR], self->ior), result);
+        result = closure_layer(dielectric(self, g, m), result);
     if (metalness > 0)
-        result =
-            closure_mix(schlick_bsdf(g, m, v[SPECULAR_WEIGHT][0], self->metal, v[SPECULAR_COLOR]), result, metalness);
+        result = closure_mix(metal(self, g, m), result, metalness);
     if (v[COAT_WEIGHT][0] > 0) {
         for (size_t c = 0; c < 3; ++c)
             result.f[c] *= self->under_coat[c];
         const microfacet coat = microfacet_of(g, &self->coat);
-        result = closure_layer(dielectric_bsdf(g, coat, v[COAT_WEIGHT][0], WHITE, v[COAT_IOR][0]), result);
+        result = closure_layer(dielectric_bsdf(g, coat, v[COAT_WEIGHT][0], WHITE, v[COAT_IOR][0], NULL), result);
     }
     if (v[FUZZ_WEIGHT][0] > 0)
         result = closure_layer(zeltner_sheen(g, v[FUZZ_WEIGHT][0], v[FUZZ_COLOR], v[FUZZ_ROUGHNESS][0]), result);

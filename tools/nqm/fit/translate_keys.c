@@ -19,6 +19,7 @@ static const translate_target targets[] = {
     {"usd", "usd-preview", ".mtlx"},
     {"disney", "disney", ".mtlx"},
     {"principled", "principled", ".xml"},
+    {"blender", "blender-principled", ".json"},
     {"rough-conductor", "rough-conductor", ".xml"},
     {"rough-plastic", "rough-plastic", ".xml"},
     {"pbrt-conductor", "pbrt-conductor", ".pbrt"},
@@ -82,6 +83,12 @@ static void get_meaning(const char *name, char meaning[MEANING]) {
         {"coatanisotropy", "clearcoatanisotropy"},
         {"coatrotation", "clearcoatrotation"},
         {"spectint", "speculartint"},
+        {"coattint", "clearcoatcolor"},
+        {"anisotropicrotation", "rotation"},
+        {"iridescence", "thinfilm"},
+        {"thinfilmweight", "thinfilm"},
+        {"iridescenceior", "thinfilmior"},
+        {"iridescencethickness", "thinfilmthickness"},
     };
     size_t n = 0;
     for (; *name && n < MEANING - 1; ++name)
@@ -120,6 +127,38 @@ static void convert(const nqm_property *p, const nqm_spec_key *key, double v[3])
         v[c] = fmin(fmax(p->n > 1 && p->n == key->n ? p->v[c] : mean, key->low), key->high);
 }
 
+static const nqm_property *find_meaning(const nqm_shading *shading, const char *meaning) {
+    for (size_t i = 0; i < shading->n; ++i)
+        if (means_same(shading->properties[i].key, meaning))
+            return &shading->properties[i];
+    return NULL;
+}
+
+static bool is_of_film(const char *key) {
+    char meaning[MEANING];
+    get_meaning(key, meaning);
+    return strncmp(meaning, "thinfilm", 8) == 0;
+}
+
+/* A thin film: open-pbr has micrometres, others have nm; where there is no weight, a thickness of 0 means none. Fits keep its values. */
+static void copy_film(const nqm_shading *from, nqm_shading *to) {
+    const nqm_property *thickness = find_meaning(from, "thinfilmthickness"), *weight = find_meaning(from, "thinfilm");
+    const nqm_property *ior = find_meaning(from, "thinfilmior");
+    const nqm_spec_schema *schema = schema_of(to->model);
+    const double unit =
+        (strcmp(from->model, "open-pbr") == 0 ? 1000 : 1) / (strcmp(to->model, "open-pbr") == 0 ? 1000.0 : 1);
+    const double amount = weight ? weight->v[0] : 1;
+    for (size_t k = 0; thickness && ior && amount * thickness->v[0] > 0 && k < schema->n_keys; ++k) {
+        const char *key = schema->keys[k].name;
+        const double scaled = unit == 1 ? thickness->v[0] : thickness->v[0] * unit;
+        if (is_of_film(key))
+            nqm_shading_set(to, key, 1,
+                            means_same(key, "thinfilm")            ? &amount
+                            : means_same(key, "thinfilmthickness") ? &scaled
+                                                                   : ior->v);
+    }
+}
+
 char *copy_keys(const char *spec, const char *model) {
     nqm_shading from, to = {.n = 0};
     const nqm_spec_schema *schema = schema_of(model);
@@ -132,13 +171,15 @@ char *copy_keys(const char *spec, const char *model) {
             const nqm_spec_key *key = &schema->keys[k];
             const nqm_property *p = &from.properties[i];
             double v[3];
-            if (is_same ? strcmp(p->key, key->name) != 0 : key->whole || !means_same(p->key, key->name))
+            if (is_of_film(key->name) ||
+                (is_same ? strcmp(p->key, key->name) != 0 : key->whole || !means_same(p->key, key->name)))
                 continue;
             convert(p, key, v);
             nqm_shading_set(&to, key->name, key->n, v);
         }
     if (!is_same)
         copy_anisotropy(&from, &to);
+    copy_film(&from, &to);
     char *copy = to.n ? nqm_shading_spec(&to) : NULL;
     nqm_brdf *brdf = NULL;
     if (copy &&
@@ -157,6 +198,7 @@ static bool has_counterpart(const nqm_spec_schema *schema, const char *key) {
     static const char *const forms[][2] = {{"base", "basecolor"},
                                            {"sheen", "sheencolor"},
                                            {"sheencolor", "sheen"},
+                                           {"thinfilm", "thinfilmthickness"},
                                            {"clearcoatgloss", "clearcoatroughness"},
                                            {"clearcoatroughness", "clearcoatgloss"},
                                            {"roughness", "alpha"},
@@ -177,10 +219,10 @@ static bool has_counterpart(const nqm_spec_schema *schema, const char *key) {
 
 /* Whether a property belongs to a layer whose weight is 0. */
 static bool is_inactive(const nqm_shading *shading, const char *key) {
-    static const char *const layers[] = {"clearcoat", "sheen"};
+    static const char *const layers[] = {"clearcoat", "sheen", "thinfilm"};
     char meaning[MEANING], weight[MEANING];
     get_meaning(key, meaning);
-    for (size_t l = 0; l < 2; ++l) {
+    for (size_t l = 0; l < 3; ++l) {
         if (strncmp(meaning, layers[l], strlen(layers[l])) != 0)
             continue;
         for (size_t i = 0; i < shading->n; ++i) {

@@ -1,0 +1,83 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Blender's Principled BSDF against an evaluation in 80-bit floats (tests/vectors/shading_blender.py), the energy of its lobes, and the
+ * files of doc/blender.py.
+ */
+#include "support/check.h"
+#include "support/map_text.h"
+#include "support/material_text.h"
+#include "support/temp_file.h"
+
+#include <math.h>
+
+static void values_are_those_of_cycles(void **state) {
+    (void)state;
+    nqm_csv *csv;
+    assert_int_equal(nqm_csv_load(test_vector("shading_blender.csv"), &csv, NULL), NQM_OK);
+    assert_true(nqm_csv_rows(csv) == 160);
+    for (size_t row = 0; row < nqm_csv_rows(csv); ++row) {
+        nqm_brdf *brdf = open_brdf(nqm_csv_text(csv, row, 0));
+        double v[9], rgb[3];
+        for (int k = 0; k < 9; ++k)
+            v[k] = csv_number(csv, row, k + 1);
+        nqm_brdf_eval(brdf, 1, v, v + 3, rgb, NULL);
+        for (int c = 0; c < 3; ++c)
+            assert_near(rgb[c], v[6 + c], 1e-9 * fabs(v[6 + c]) + 1e-13);
+        nqm_brdf_free(brdf);
+    }
+    nqm_csv_free(csv);
+}
+
+/* A white furnace: Cycles reflects what arrives, within the errors of its tables and of the layers. */
+static void white_reflects_everything(void **state) {
+    (void)state;
+    static const char *const specs[] = {"base_color=1", "base_color=1;metallic=1;roughness=1",
+                                        "base_color=1;roughness=.3;coat_weight=1;coat_roughness=.5"};
+    for (size_t i = 0; i < 3; ++i)
+        for (double cosine = 0.3; cosine < 1; cosine += 0.3) {
+            double albedo[3];
+            char spec[120];
+            snprintf(spec, sizeof spec, "blender-principled:%s", specs[i]);
+            nqm_brdf *brdf = open_brdf(spec);
+            enum { N = 96 };
+            double sum = 0;
+            for (int k = 0; k < N * N; ++k) {
+                const double cos2 = (k / N + 0.5) / N, phi = (k % N + 0.5) / N * acos(-1), r = sqrt(1 - cos2);
+                const double wi[3] = {r * cos(phi), r * sin(phi), sqrt(cos2)};
+                const double wo[3] = {sqrt(1 - cosine * cosine), 0, cosine};
+                nqm_brdf_eval(brdf, 1, wi, wo, albedo, NULL);
+                sum += albedo[1] * acos(-1) / (N * N);
+            }
+            assert_near(sum, 1, 0.02);
+            nqm_brdf_free(brdf);
+        }
+}
+
+static void files_are_read_and_written(void **state) {
+    (void)state;
+    expect_spec(
+        "{\"type\": \"scene\", \"Gold\": {\"type\": \"blender-principled\", \"multiscatter\": 1.0, \"base_color\": "
+        "{\"type\": \"rgb\", \"value\": [1, 0.5, 0.25]}, \"metallic\": 1.0, \"alpha\": 1.0, \"subsurface_radius\": "
+        "{\"type\": \"rgb\", \"value\": [1, 0.2, 0.1]}, \"emission_strength\": 0.0}}",
+        "blender-principled:multiscatter=1;base_color=1,0.5,0.25;metallic=1");
+    expect_refusal("{\"type\": \"blender-principled\", \"transmission_weight\": 0.5}", "transmission");
+    expect_refusal("{\"type\": \"blender-principled\", \"subsurface_weight\": 0.5}", "subsurface");
+    expect_refusal("{\"type\": \"blender-principled\", \"emission_strength\": 1}", "emission");
+    expect_refusal("{\"type\": \"blender-principled\", \"alpha\": 0.5}", "opacity");
+    expect_refusal("{\"type\": \"blender-principled\", \"normal\": {\"type\": \"node NORMAL_MAP\"}}", "normal");
+    expect_refusal("{\"type\": \"blender-principled\", \"roughness\": {\"type\": \"node MATH\"}}", "node MATH");
+    expect_map("{\"type\": \"blender-principled\", \"base_color\": {\"type\": \"bitmap\", \"filename\": \"a.png\"}}", 0,
+               "base_color", "base_color", "image(a.png srgb_texture repeat)");
+    expect_same("blender-principled:base_color=.1,.2,.3;roughness=.37;sheen_weight=.2;thin_film_thickness=312.5;"
+                "anisotropic=.5;anisotropic_rotation=.1;multiscatter=0",
+                "json");
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(values_are_those_of_cycles),
+        cmocka_unit_test(white_reflects_everything),
+        cmocka_unit_test(files_are_read_and_written),
+    };
+    return cmocka_run_group_tests(tests, make_temp_file, remove_temp_file);
+}
