@@ -293,6 +293,7 @@ static const option options[] = {
     {"sort", 0, OPTION_TEXT, &a.sort, "WORD", "order of the rows: list, worst or best", 0, 0},
     {"worst", 0, OPTION_COUNT, &run.n_worst, "N", "write the N worst rows only, worst first; 0: all", 0, 1e15},
     OPTION_ROWS_MODEL(&a.model),
+    OPTION_ROW_IGNORE,
     {"metrics", 0, OPTION_TEXT, &a.metrics, "LIST", "scalar metrics to add: all, or names with commas", 0, 0},
     {"root", 0, OPTION_TEXT, &a.root, "DIR", "folder of relative paths in the list (default: the list's folder)", 0, 0},
     {"cache", 0, OPTION_COUNT, &cache_mb, "MB", "memory for BRDFs that may be needed again", 0, 1 << 20},

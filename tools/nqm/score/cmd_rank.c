@@ -176,6 +176,7 @@ static const char *model = "default", *list_path, *root, *by = "jod";
 static const option options[] = {
     {"list", 'l', OPTION_TEXT, &list_path, "LIST", "pairs from a list as `nqm batch` takes it, - for stdin", 0, 0},
     OPTION_ROWS_MODEL(&model),
+    OPTION_ROW_IGNORE,
     {"by", 0, OPTION_TEXT, &by, "WORD", "jod (seen beside each other) or similarity (seen apart)", 0, 0},
     {"root", 0, OPTION_TEXT, &root, "DIR", "folder of relative paths in the list (default: the list's folder)", 0, 0},
     {"json", 0, OPTION_FORMAT, &run.format, NULL, "print JSON", FORMAT_JSON, 0},
