@@ -111,8 +111,8 @@ static nqm_status open_material(const char *path, const nqm_materials *materials
         info = nqm_materials_reflecting(materials, index, argument->ignored);
     if (status == NQM_OK && info.refusal) {
         const char *way_out = info.ignorable && info.reflection ? info.ignorable : "";
-        status = nqm_fail(err, NQM_ERR_FORMAT, info.byte_offset, "%s: the material '%s' (%s%s) is refused: %s%s%s", path,
-                          info.name, info.surface, byte_text(info.byte_offset, byte), info.refusal,
+        status = nqm_fail(err, NQM_ERR_FORMAT, info.byte_offset, "%s: the material '%s' (%s%s) is refused: %s%s%s",
+                          path, info.name, info.surface, byte_text(info.byte_offset, byte), info.refusal,
                           *way_out ? "; what of it reflects is taken with --ignore " : "", way_out);
     }
     if (status == NQM_OK)

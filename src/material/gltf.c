@@ -78,7 +78,8 @@ static bool refuse(reader *r, const char *path, const char *value, const char *r
 static bool set_aside(reader *r, unsigned ignorable, const char *path, const char *value, const char *reason) {
     property at = {.value = NULL};
     snprintf(at.path, sizeof at.path, "%s", path);
-    return nqm_set_aside(&r->reading, ignorable, &at, "%.120s%s%s: %s", shown(path), *value ? " = " : "", value, reason);
+    return nqm_set_aside(&r->reading, ignorable, &at, "%.120s%s%s: %s", shown(path), *value ? " = " : "", value,
+                         reason);
 }
 
 /* The file is damaged: the status is that of the first failure. */

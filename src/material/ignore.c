@@ -78,9 +78,7 @@ static nqm_map_output *find_output(nqm_textured *t, const char *key) {
 static uint16_t node_of(nqm_reading *r, const char *key, double value) {
     const nqm_map_output *output = find_output(r->textured, key);
     const nqm_property *p = nqm_shading_find(&r->shading, key);
-    return output ? output->node
-           : p    ? nqm_graph_value(r->textured, p->n, p->v)
-                  : nqm_graph_number(r->textured, value);
+    return output ? output->node : p ? nqm_graph_value(r->textured, p->n, p->v) : nqm_graph_number(r->textured, value);
 }
 
 static void set_key(nqm_reading *r, const char *key, uint16_t node) {
@@ -104,7 +102,8 @@ static void scale(nqm_reading *r, const char *key, size_t n, double value, uint1
 static uint16_t rest_of(nqm_reading *r, const struct parts *p, uint16_t weight, uint16_t *share) {
     nqm_textured *t = r->textured;
     const uint16_t one = nqm_graph_number(t, 1), metal = node_of(r, p->metal, p->default_metal);
-    *share = nqm_graph_compute(t, NQM_MAP_MULTIPLY, 1, nqm_graph_compute(t, NQM_MAP_SUBTRACT, 1, one, metal, 0), weight, 0);
+    *share =
+        nqm_graph_compute(t, NQM_MAP_MULTIPLY, 1, nqm_graph_compute(t, NQM_MAP_SUBTRACT, 1, one, metal, 0), weight, 0);
     return nqm_graph_compute(t, NQM_MAP_SUBTRACT, 1, one, *share, 0);
 }
 

@@ -40,7 +40,8 @@ nqm_material_info nqm_materials_get(const nqm_materials *materials, size_t i) {
 /* Whether properties other than the ignored ones refuse the material. */
 static bool is_refused(const nqm_material_info *info, unsigned ignored) {
     unsigned needed = 0;
-    return info->ignorable && nqm_ignore_parse(info->ignorable, strlen(info->ignorable), &needed) && (needed & ~ignored);
+    return info->ignorable && nqm_ignore_parse(info->ignorable, strlen(info->ignorable), &needed) &&
+           (needed & ~ignored);
 }
 
 nqm_material_info nqm_materials_reflecting(const nqm_materials *materials, size_t i, unsigned ignored) {
@@ -93,8 +94,8 @@ nqm_status nqm_materials_add(nqm_materials *materials, const nqm_material_info *
     if (!list)
         return nqm_fail_nomem(err, (materials->n + 1) * sizeof *list);
     materials->list = list;
-    const char **texts[] = {&copy.name, &copy.surface, &copy.spec, &copy.refusal, &copy.remark,
-                            &copy.ignorable, &copy.reflection};
+    const char **texts[] = {&copy.name,   &copy.surface,   &copy.spec,      &copy.refusal,
+                            &copy.remark, &copy.ignorable, &copy.reflection};
     nqm_status status = nqm_texts_copy(sizeof texts / sizeof *texts, (char **const *)texts, err);
     if (status == NQM_OK)
         list[materials->n++] = (struct entry){.info = copy};

@@ -13,8 +13,7 @@
     { NAME, READ, NULL, NQM_KEY_N(TYPE), DEFAULT, WHY, NULL, TYPE, IGNORABLE, IS_WEIGHT }
 #define NEUTRAL(NAME, TYPE, DEFAULT, WHY) VALUE(NAME, nqm_rule_neutral, TYPE, DEFAULT, WHY, 0, false)
 #define OPACITY(NAME, TYPE, DEFAULT)      VALUE(NAME, nqm_rule_neutral, TYPE, DEFAULT, opacity, NQM_IGNORE_OPACITY, false)
-#define TRANSMISSION(NAME)                                                                                             \
-    VALUE(NAME, nqm_rule_neutral, "float", 0, transmission, NQM_IGNORE_TRANSMISSION, true)
+#define TRANSMISSION(NAME)                VALUE(NAME, nqm_rule_neutral, "float", 0, transmission, NQM_IGNORE_TRANSMISSION, true)
 #define SUBSURFACE(NAME, READ, IS_WEIGHT) VALUE(NAME, READ, "float", 0, subsurface, NQM_IGNORE_SUBSURFACE, IS_WEIGHT)
 #define EMISSION(NAME, TYPE)              VALUE(NAME, nqm_mtlx_read_emission, TYPE, 0, emission, NQM_IGNORE_EMISSION, false)
 #define VECTOR(NAME, READ, GATE)                                                                                       \

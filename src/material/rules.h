@@ -24,8 +24,10 @@ struct nqm_rule {
     const char *why;  /**< nqm_rule_neutral(): why other values are refused */
     const char *gate; /**< the property has no effect where those of these names are 0; NULL: it always has */
     const char *type; /**< of the values in the file, in formats that name it */
-    unsigned ignorable; /**< nqm_rule_neutral(): what other values mean, NQM_IGNORE_...; the material is refused unless that is ignored */
-    bool is_weight;     /**< of the transmission or subsurface scattering, which takes the place of the diffuse reflection */
+    unsigned
+        ignorable; /**< nqm_rule_neutral(): what other values mean, NQM_IGNORE_...; the material is refused unless that is ignored */
+    bool
+        is_weight; /**< of the transmission or subsurface scattering, which takes the place of the diffuse reflection */
 };
 
 /** Set the key of the shading. */

@@ -28,7 +28,10 @@ static void expect_reflection(const char *text, const char *words, const char *c
     const nqm_material_info info = nqm_materials_get(materials, 0);
     unsigned set;
     if (!info.ignorable || strcmp(info.ignorable, words) != 0)
-        fail_msg("%s: ignorable: %s", words, info.ignorable ? info.ignorable : info.refusal ? info.refusal : "accepted");
+        fail_msg("%s: ignorable: %s", words,
+                 info.ignorable ? info.ignorable
+                 : info.refusal ? info.refusal
+                                : "accepted");
     assert_non_null(info.refusal);
     assert_null(info.spec);
     assert_true(nqm_ignore_parse(words, strlen(words), &set));
@@ -51,8 +54,8 @@ static void test_transmission(void **state) {
     EXPECT(SURFACE("standard_surface", IN("transmission", "float", "0.5") IN("base", "float", "1")
                                            IN("metalness", "float", "1") IN("sheen", "float", "0.5")),
            "transmission", ":base=1", "sheen=0.5");
-    EXPECT(SURFACE("standard_surface", IN("transmission", "float", "0.5") IN("base", "float", "1")
-                                           IN("sheen", "float", "0.5")),
+    EXPECT(SURFACE("standard_surface",
+                   IN("transmission", "float", "0.5") IN("base", "float", "1") IN("sheen", "float", "0.5")),
            "transmission", ":base=0.5", "sheen=0.25");
     EXPECT(SURFACE("gltf_pbr", IN("transmission", "float", "0.75") IN("metallic", "float", "0")
                                    IN("base_color", "color3", "0.8, 0.4, 0.2")),
@@ -64,9 +67,10 @@ static void test_transmission(void **state) {
            "\"KHR_materials_volume\":{\"thicknessFactor\":1},"
            "\"KHR_materials_diffuse_transmission\":{\"diffuseTransmissionFactor\":0.5}}}]}",
            "transmission", "base_color=0.25");
-    EXPECT("{\"asset\":{\"version\":\"2.0\"},\"materials\":[{\"pbrMetallicRoughness\":{\"baseColorFactor\":[1,1,1,0.5]},"
-           "\"alphaMode\":\"BLEND\",\"emissiveFactor\":[1,0,0]}]}",
-           "emission,opacity", "base_color=1");
+    EXPECT(
+        "{\"asset\":{\"version\":\"2.0\"},\"materials\":[{\"pbrMetallicRoughness\":{\"baseColorFactor\":[1,1,1,0.5]},"
+        "\"alphaMode\":\"BLEND\",\"emissiveFactor\":[1,0,0]}]}",
+        "emission,opacity", "base_color=1");
     EXPECT("<scene version='3.0.0'><bsdf type='principled' id='a'><float name='spec_trans' value='0.5'/>"
            "<rgb name='base_color' value='0.4 0.2 0.1'/></bsdf></scene>",
            "transmission", "base_color=0.2,0.1,0.05");

@@ -6,7 +6,6 @@
 
 #include "material/maps.h"
 
-
 bool is_textured(const char *argument) {
     nqm_material_info info;
     return nqm_maps_probe(argument) || (find_material(argument, &info) && info.n_maps > 0);

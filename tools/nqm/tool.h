@@ -75,8 +75,10 @@ typedef struct option_words {
 /** --ignore: what of materials is left out; NULL: nothing. parse_arguments() applies reflecting() to all arguments. */
 extern const char *ignored_words;
 #define OPTION_ROW_IGNORE                                                                                              \
-    {"ignore", 0, OPTION_TEXT, &ignored_words, "LIST",                                                                 \
-     "take what reflects of materials that do more: any of transmission,subsurface,emission,opacity", 0, 0}
+    {                                                                                                                  \
+        "ignore", 0, OPTION_TEXT, &ignored_words, "LIST",                                                              \
+            "take what reflects of materials that do more: any of transmission,subsurface,emission,opacity", 0, 0      \
+    }
 
 /** A verb; its name is that of set_verb(). */
 typedef struct command {
@@ -327,6 +329,8 @@ int cmd_calibrate(int argc, char **argv);
 int cmd_check(int argc, char **argv);
 int cmd_convert(int argc, char **argv);
 int cmd_dataset(int argc, char **argv);
+int cmd_dedup(int argc, char **argv);
+int cmd_diff(int argc, char **argv);
 int cmd_directions(int argc, char **argv);
 int cmd_doctor(int argc, char **argv);
 int cmd_eval(int argc, char **argv);
@@ -336,6 +340,7 @@ int cmd_info(int argc, char **argv);
 int cmd_label(int argc, char **argv);
 int cmd_learn(int argc, char **argv);
 int cmd_models(int argc, char **argv);
+int cmd_nearest(int argc, char **argv);
 int cmd_plot(int argc, char **argv);
 int cmd_rank(int argc, char **argv);
 int cmd_regress(int argc, char **argv);

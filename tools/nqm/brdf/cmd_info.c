@@ -68,11 +68,11 @@ static int print_materials(const char *path, const nqm_materials *materials, boo
         nqm_error err = {0};
         const char *refusal = info.n_maps ? NULL : obstacle(&info, &err);
         n_accepted += !refusal;
-        json_array_append_new(list, json_pack("{s:o,s:s,s:o,s:o,s:I,s:o,s:I,s:o}", "name", json_name(info.name), "surface",
-                                              info.surface, "spec", json_text(refusal ? NULL : info.spec), "refusal",
-                                              json_text(refusal), "n_maps", (json_int_t)info.n_maps, "remark",
-                                              json_text(info.remark), "byte_offset", (json_int_t)info.byte_offset, "ignorable",
-                                              json_text(info.ignorable)));
+        json_array_append_new(list, json_pack("{s:o,s:s,s:o,s:o,s:I,s:o,s:I,s:o}", "name", json_name(info.name),
+                                              "surface", info.surface, "spec", json_text(refusal ? NULL : info.spec),
+                                              "refusal", json_text(refusal), "n_maps", (json_int_t)info.n_maps,
+                                              "remark", json_text(info.remark), "byte_offset",
+                                              (json_int_t)info.byte_offset, "ignorable", json_text(info.ignorable)));
     }
     json_t *members = json_pack("{s:s,s:o,s:I,s:I}", "kind", "materials", "name", json_name(path), "n_materials",
                                 (json_int_t)json_array_size(list), "accepted", (json_int_t)n_accepted);
@@ -86,7 +86,8 @@ static int print_materials(const char *path, const nqm_materials *materials, boo
     json_array_foreach(list, i, entry) {
         const char *refusal = json_string_value(json_object_get(entry, "refusal"));
         const char *remark = json_string_value(json_object_get(entry, "remark"));
-        const char *why = refusal ? refusal : remark, *ignorable = json_string_value(json_object_get(entry, "ignorable"));
+        const char *why = refusal ? refusal : remark,
+                   *ignorable = json_string_value(json_object_get(entry, "ignorable"));
         const json_int_t n_maps = json_integer_value(json_object_get(entry, "n_maps"));
         char maps[40] = "";
         if (n_maps)

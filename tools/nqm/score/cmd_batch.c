@@ -135,16 +135,6 @@ static int score_rows(batch_run *run) {
     return EXIT_OK;
 }
 
-static void write_summary(const batch_summary *summary, const char *path,
-                          void (*print)(const batch_summary *summary, FILE *out)) {
-    output_file out;
-    if (!path)
-        return;
-    open_output(path, &out);
-    print(summary, out.stream);
-    close_output(&out);
-}
-
 /* Close the output, report how many rows are written or failed, and return the exit code. */
 static int settle(batch_run *run, int exit_code) {
     const batch_progress done = run->out.done;
@@ -158,8 +148,8 @@ static int settle(batch_run *run, int exit_code) {
     if (run->n_worst)
         summary.n_shown = nqm_smaller(summary.n_rows, (size_t)run->n_worst);
     if (exit_code == EXIT_OK) {
-        write_summary(&summary, run->junit, print_batch_junit);
-        write_summary(&summary, run->markdown, print_batch_markdown);
+        write_batch_summary(&summary, run->junit, print_batch_junit);
+        write_batch_summary(&summary, run->markdown, print_batch_markdown);
     }
     if (is_complete && run->is_sorted) {
         size_t *best = run->is_best ? order_batch_rows(summary.n_rows, summary.notes, true) : NULL;

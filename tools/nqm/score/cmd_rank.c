@@ -156,7 +156,7 @@ static void print_ranking_json(const score_run *run) {
     print_document(json_pack("{s:o,s:o}", "model", model_json(run->model, run->options.precision), "results", results));
 }
 
-static void print_ranking(const score_run *run) {
+void print_ranking(const score_run *run) {
     if (run->format == FORMAT_JSON)
         print_ranking_json(run);
     else if (run->format == FORMAT_CSV)

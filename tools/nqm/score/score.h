@@ -150,5 +150,7 @@ bool report_unequal(const score_run *run);
 
 /** Sort the rows by reference, then best first, those without a score last, and rank them. */
 void rank_rows(score_run *run, bool by_similarity);
+/** Print them as `nqm rank` does. */
+void print_ranking(const score_run *run);
 
 #endif
