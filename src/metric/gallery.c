@@ -75,8 +75,11 @@ void nqm_gallery_free(nqm_gallery *gallery) {
     nqm_free(gallery);
 }
 
-const float *nqm_gallery_pictures(const nqm_gallery *g, size_t *n_floats) {
-    *n_floats = 3 * g->transport.n_points;
+size_t nqm_gallery_size(const nqm_model *model) {
+    return 3 * nqm_model_transport(model).n_points;
+}
+
+const float *nqm_gallery_pictures(const nqm_gallery *g) {
     return g->pictures;
 }
 

@@ -22,7 +22,7 @@ typedef struct versions {
     bool *is_partner;   /* (new.n) */
     size_t n_pairs;     /* rows of the run */
     size_t *old_of_row; /* (n_pairs) */
-    char **changes;     /* (n_pairs) properties as text: "roughness 0.3 -> 0.4, ior 1.5 -> 1.4" */
+    json_t **changes;   /* (n_pairs) of list_changes() */
     size_t n_renamed;
 } versions;
 
@@ -133,54 +133,63 @@ static void pair_looks(void) {
 
 /* ---- properties -------------------------------------------------------------------------------------------------- */
 
-static void format_property(const nqm_property *p, char *text, size_t n_text) {
-    size_t n = p ? p->n : 0;
-    while (p && n > 1 && p->v[n - 1] == p->v[0])
-        --n;
-    if (p)
-        nqm_format_doubles(text, n_text, n == 1 ? 1 : p->n, p->v, ",");
-    else
-        snprintf(text, n_text, "default");
+static json_t *json_property(const nqm_property *p) {
+    json_t *list = json_array();
+    for (size_t c = 0; p && c < p->n; ++c)
+        json_array_append_new(list, json_number(p->v[c]));
+    if (p && p->n > 1)
+        return list;
+    json_t *one = p ? json_incref(json_array_get(list, 0)) : json_null();
+    json_decref(list);
+    return one;
 }
 
-/* Append "KEY OLD -> NEW" where the values differ; `new` has none: each pair of keys is met once. */
-static void add_change(const nqm_property *old, const nqm_property *new, FILE *to, bool *is_first) {
-    char before[120], after[120];
-    format_property(old, before, sizeof before);
-    format_property(new, after, sizeof after);
-    if (strcmp(before, after) == 0)
-        return;
-    fprintf(to, "%s%s %s -> %s", *is_first ? "" : "; ", old ? old->key : new->key, before, after);
-    *is_first = false;
+static bool is_same(const nqm_property *a, const nqm_property *b) {
+    bool same = a && b;
+    for (size_t c = 0; same && c < 3; ++c) /* values after the last repeat it */
+        same = a->v[c] == b->v[c];
+    return same;
 }
 
-/* What changed between two materials as text; free() it. */
-static char *describe_changes(const char *old_argument, const char *new_argument) {
-    nqm_material_info info[2] = {{.spec = NULL}, {.spec = NULL}};
-    nqm_shading *shading = allocate(2, sizeof *shading);
-    bool has_both = find_material(old_argument, &info[0]) && info[0].spec &&
-                    nqm_shading_parse(info[0].spec, &shading[0], NULL) == NQM_OK,
-         is_first = true;
-    has_both = has_both && find_material(new_argument, &info[1]) && info[1].spec &&
-               nqm_shading_parse(info[1].spec, &shading[1], NULL) == NQM_OK;
-    char *text;
-    size_t n_text;
-    FILE *to = open_memstream(&text, &n_text);
-    if (!to)
-        stop(EXIT_LIMIT, "out of memory");
-    if (has_both && strcmp(shading[0].model, shading[1].model) != 0) {
-        fprintf(to, "model %s -> %s", shading[0].model, shading[1].model);
-    } else if (has_both) {
-        for (size_t k = 0; k < shading[0].n; ++k)
-            add_change(&shading[0].properties[k], nqm_shading_find(&shading[1], shading[0].properties[k].key), to,
-                       &is_first);
-        for (size_t k = 0; k < shading[1].n; ++k)
-            if (!nqm_shading_find(&shading[0], shading[1].properties[k].key))
-                add_change(NULL, &shading[1].properties[k], to, &is_first);
+static void add_change(json_t *to, const char *key, json_t *old, json_t *new) {
+    json_array_append_new(to, json_pack("{s:s,s:o,s:o}", "property", key, "old", old, "new", new));
+}
+
+static bool read_shading(const char *argument, nqm_shading *shading) {
+    nqm_material_info info = {.spec = NULL};
+    return find_material(argument, &info) && info.spec && nqm_shading_parse(info.spec, shading, NULL) == NQM_OK;
+}
+
+/* The properties that changed between two materials; null: the file has no value, so that it is the default of the model. */
+static json_t *list_changes(const char *old_argument, const char *new_argument) {
+    nqm_shading *old = allocate(2, sizeof *old), *new = old + 1;
+    json_t *list = json_array();
+    if (!read_shading(old_argument, old) || !read_shading(new_argument, new)) {
+        free(old);
+        return list;
     }
-    fclose(to);
-    free(shading);
-    return text;
+    const bool is_other = strcmp(old->model, new->model) != 0;
+    if (is_other)
+        add_change(list, "model", json_string(old->model), json_string(new->model));
+    for (size_t k = 0; !is_other && k < old->n; ++k) {
+        const nqm_property *p = &old->properties[k], *q = nqm_shading_find(new, p->key);
+        if (!is_same(p, q))
+            add_change(list, p->key, json_property(p), json_property(q));
+    }
+    for (size_t k = 0; !is_other && k < new->n; ++k)
+        if (!nqm_shading_find(old, new->properties[k].key))
+            add_change(list, new->properties[k].key, json_null(), json_property(&new->properties[k]));
+    free(old);
+    return list;
+}
+
+static void print_value(const json_t *value, FILE *to) {
+    for (size_t c = 0; c < json_array_size(value); ++c)
+        fprintf(to, "%s%.4g", c ? "," : "", json_number_value(json_array_get(value, c)));
+    if (json_is_number(value))
+        fprintf(to, "%.4g", json_number_value(value));
+    else if (!json_is_array(value))
+        fputs(json_is_string(value) ? json_string_value(value) : "default", to);
 }
 
 /* ---- rows -------------------------------------------------------------------------------------------------------- */
@@ -212,7 +221,7 @@ static void score_versions(void) {
     v.changes = allocate(n, sizeof *v.changes);
     for (size_t i = 0; i < n; ++i) {
         v.old_of_row[i] = old_of_pair[run.rows[i].order];
-        v.changes[i] = describe_changes(run.rows[i].pair.ref, run.rows[i].pair.test);
+        v.changes[i] = list_changes(run.rows[i].pair.ref, run.rows[i].pair.test);
     }
     free(pairs);
     free(names);
@@ -235,7 +244,8 @@ static bool is_skipped(size_t row) {
 /* Whether a row is worth a line: the material looks or is called different, or a property changed that is not seen. */
 static bool is_changed(size_t row) {
     const scored_pair *r = &run.rows[row];
-    return !is_skipped(row) && (r->err.status != NQM_OK || !r->result.identical || *v.changes[row] || is_renamed(row));
+    return !is_skipped(row) &&
+           (r->err.status != NQM_OK || !r->result.identical || json_array_size(v.changes[row]) || is_renamed(row));
 }
 
 static size_t count_changed(void) {
@@ -268,18 +278,26 @@ static void print_added(void *word, const char *key) {
 }
 
 /* What changed of a row: words of its look, properties, the old name. free() it. */
-static char *describe_row(size_t i, bool with_words) {
+static char *describe_row(size_t i) {
     const scored_pair *row = &run.rows[i];
     char words[NQM_LABEL_TEXT] = "", *text;
     size_t n;
     FILE *to = open_memstream(&text, &n);
     if (!to)
         stop(EXIT_LIMIT, "out of memory");
-    if (with_words && row->err.status == NQM_OK && !row->result.identical && !isnan(row->result.parts.structure))
+    if (row->err.status == NQM_OK && !row->result.identical && !isnan(row->result.parts.structure))
         nqm_label_describe(&row->result.parts, words);
-    fprintf(to, "%s%s%s", words, *words && *v.changes[i] ? "; " : "", v.changes[i]);
+    fputs(words, to);
+    json_t *change;
+    size_t k;
+    json_array_foreach(v.changes[i], k, change) {
+        fprintf(to, "%s%s ", k ? ", " : *words ? "; " : "", json_string_value(json_object_get(change, "property")));
+        print_value(json_object_get(change, "old"), to);
+        fputs(" -> ", to);
+        print_value(json_object_get(change, "new"), to);
+    }
     if (is_renamed(i))
-        fprintf(to, "%swas %s", *words || *v.changes[i] ? "; " : "", shown(old_key(i)));
+        fprintf(to, "%swas %s", *words || k ? "; " : "", shown(old_key(i)));
     fclose(to);
     return text;
 }
@@ -296,7 +314,7 @@ static void print_text(void) {
         print_jod(row, is_calibrated);
         printf("  %s  %s\n", shown(row->name),
                row->err.status == NQM_OK ? verdict_words(&row->result, verdict) : "no score");
-        char *text = describe_row(i, true);
+        char *text = describe_row(i);
         if (*text)
             print_phrases(text);
         free(text);
@@ -315,7 +333,7 @@ static void print_diff_json(void) {
     size_t i;
     json_array_foreach(json_object_get(document, "results"), i, row) {
         json_object_set_new(row, "changed", json_boolean(is_changed(i)));
-        json_object_set_new(row, "properties", json_name(v.changes[i]));
+        json_object_set(row, "properties", v.changes[i]);
         json_object_set_new(row, "was", is_renamed(i) ? json_name(old_key(i)) : json_null());
     }
     each_single(true, append_key, added);
@@ -340,7 +358,7 @@ static void write_summaries(void) {
     }
     for (size_t i = 0; i < n; ++i) {
         notes[i] = make_batch_note(&form, i, &run.rows[i].result, &run.rows[i].err);
-        char *text = describe_row(i, true), *remark = notes[i].remark;
+        char *text = describe_row(i), *remark = notes[i].remark;
         const size_t n_text = strlen(text) + (remark ? strlen(remark) : 0) + 3;
         notes[i].remark = allocate(n_text, 1);
         snprintf(notes[i].remark, n_text, "%s%s%s", text, remark && *text ? "; " : "", remark ? remark : "");
@@ -349,7 +367,7 @@ static void write_summaries(void) {
     }
     const batch_output done = {.done = {.n_rows = n}, .notes = notes};
     batch_summary summary = make_batch_summary(&form, new_path, &done);
-    summary.n_shown = count_changed();
+    summary.n_shown = count_changed() + summary.n_skipped;
     write_batch_summary(&summary, junit, print_batch_junit);
     write_batch_summary(&summary, markdown, print_batch_markdown);
     for (size_t i = 0; i < n; ++i)
@@ -421,7 +439,7 @@ static int conclude(void) {
 
 static void free_versions(void) {
     for (size_t i = 0; i < v.n_pairs; ++i)
-        free(v.changes[i]);
+        json_decref(v.changes[i]);
     free(v.changes);
     free(v.old_of_row);
     free(v.partner);

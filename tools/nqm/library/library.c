@@ -154,47 +154,7 @@ static void identify(const library *of, const nqm_model *model, char hash[65]) {
     nqm_sha256_end(&sha, hash);
 }
 
-/* Use the pictures of the index file; false: there is none that fits. */
-static bool read_index(library *of, const nqm_model *model, const char *path, const char *hash) {
-    nqm_safetensors *st = NULL;
-    nqm_gallery *none;
-    size_t n_floats;
-    nqm_error err = {0};
-    must(nqm_gallery_create(model, 0, NULL, &none, &err), &err);
-    nqm_gallery_pictures(none, &n_floats);
-    nqm_gallery_free(none);
-    if (!is_file(path) || nqm_map_open_own(path, &of->index, NULL) != NQM_OK)
-        return false;
-    const nqm_tensor *t = NULL;
-    if (nqm_safetensors_parse(of->index.data, of->index.n_bytes, path, &st, NULL) == NQM_OK)
-        t = nqm_safetensors_find(st, "pictures");
-    const char *stored = t ? nqm_safetensors_meta(st, "library") : NULL;
-    const bool fits = stored && strcmp(stored, hash) == 0 && t->dtype == NQM_F32 && t->n_dims == 2 &&
-                      t->dims[0] == of->n && t->dims[1] == n_floats && (uintptr_t)t->data % sizeof(float) == 0;
-    if (fits)
-        must(nqm_gallery_create(model, of->n, t->data, &of->gallery, &err), &err);
-    of->block = fits ? nqm_safetensors_take(st) : NULL;
-    nqm_safetensors_free(st);
-    if (!fits)
-        nqm_map_close(&of->index);
-    return fits;
-}
-
-static void write_index(const library *of, const char *path, const char *hash) {
-    size_t n_floats;
-    nqm_error err = {0};
-    const float *pictures = nqm_gallery_pictures(of->gallery, &n_floats);
-    nqm_tensor tensor = {
-        .name = "pictures", .dtype = NQM_F32, .n_dims = 2, .dims = {of->n, n_floats}, .data = pictures};
-    if (!nqm_tensor_measure(&tensor))
-        stop(EXIT_LIMIT, "%s: %zu pictures are too many", path, of->n);
-    const nqm_meta meta[] = {{"format", "nqm-index"}, {"library", hash}};
-    must(nqm_safetensors_write(path, 1, &tensor, 2, meta, NULL, &err), &err);
-}
-
-/* ---- pictures ---------------------------------------------------------------------------------------------------- */
-
-/* Remove those that are left out. Returns how many. */
+/* Remove the members that are left out. Returns how many. */
 static size_t compact(library *of) {
     size_t n = 0;
     for (size_t i = 0; i < of->n; ++i) {
@@ -210,33 +170,104 @@ static size_t compact(library *of) {
     return n_removed;
 }
 
-/* Draw the members. Returns how many have no values. */
-static size_t draw_all(library *of, nqm_scorer *scorer, nqm_gallery *gallery) {
-    enum { BLOCK = NQM_SCORE_BLOCK, MOST_SHOWN = 5 };
-    size_t n_failed = 0;
+/* The tensors of an index: which members have no values (n), and the pictures of the others (n_kept, n_floats). */
+static const char tensor_names[2][12] = {"left_out", "pictures"};
+
+/* Whether a tensor has this type and shape; n_columns 0: one dimension. */
+static bool has_shape(const nqm_tensor *t, nqm_dtype dtype, size_t n_rows, size_t n_columns) {
+    return t && t->dtype == dtype && t->n_dims == 1 + (n_columns > 0) && t->dims[0] == n_rows &&
+           (!n_columns || (t->dims[1] == n_columns && (uintptr_t)t->data % sizeof(float) == 0));
+}
+
+/* Use the pictures of the parsed file; false: they are not those of this library. */
+static bool take_pictures(library *of, const nqm_model *model, const nqm_safetensors *st, const char *hash) {
+    const nqm_tensor *left_out = nqm_safetensors_find(st, tensor_names[0]),
+                     *pictures = nqm_safetensors_find(st, tensor_names[1]);
+    const char *stored = nqm_safetensors_meta(st, "library");
+    nqm_error err = {0};
+    size_t n_kept = 0;
+    if (!stored || strcmp(stored, hash) != 0 || !has_shape(left_out, NQM_U8, of->n, 0))
+        return false;
+    for (size_t i = 0; i < of->n; ++i)
+        n_kept += !((const uint8_t *)left_out->data)[i];
+    if (!has_shape(pictures, NQM_F32, n_kept, nqm_gallery_size(model)) || !nqm_tensor_all_finite(pictures))
+        return false;
+    for (size_t i = 0; i < of->n; ++i)
+        of->members[i].is_left_out = ((const uint8_t *)left_out->data)[i];
+    must(nqm_gallery_create(model, n_kept, pictures->data, &of->gallery, &err), &err);
+    return true;
+}
+
+static bool read_index(library *of, const nqm_model *model, const char *path, const char *hash) {
+    nqm_safetensors *st = NULL;
+    if (!is_file(path) || nqm_map_open_own(path, &of->index, NULL) != NQM_OK)
+        return false;
+    const bool fits = nqm_safetensors_parse(of->index.data, of->index.n_bytes, path, &st, NULL) == NQM_OK &&
+                      take_pictures(of, model, st, hash);
+    of->block = fits ? nqm_safetensors_take(st) : NULL;
+    nqm_safetensors_free(st);
+    if (!fits)
+        nqm_map_close(&of->index);
+    return fits;
+}
+
+static void write_index(const library *of, const nqm_model *model, size_t n_kept, const char *path, const char *hash) {
+    nqm_error err = {0};
+    uint8_t *left_out = allocate(of->n, 1);
+    for (size_t i = 0; i < of->n; ++i)
+        left_out[i] = of->members[i].is_left_out;
+    nqm_tensor tensors[] = {{.name = tensor_names[0], .dtype = NQM_U8, .n_dims = 1, .dims = {of->n}, .data = left_out},
+                            {.name = tensor_names[1],
+                             .dtype = NQM_F32,
+                             .n_dims = 2,
+                             .dims = {n_kept, nqm_gallery_size(model)},
+                             .data = nqm_gallery_pictures(of->gallery)}};
+    const nqm_meta meta[] = {{"format", "nqm-index"}, {"library", hash}};
+    if (!nqm_tensor_measure(&tensors[0]) || !nqm_tensor_measure(&tensors[1]))
+        stop(EXIT_LIMIT, "%s: %zu pictures are too many", path, n_kept);
+    must(nqm_safetensors_write(path, 2, tensors, 2, meta, NULL, &err), &err);
+    free(left_out);
+}
+
+/* ---- pictures ---------------------------------------------------------------------------------------------------- */
+
+/* Draw n members; those without values are left out, and the others drawn again without them. Returns how many are drawn. */
+static size_t draw_block(library *of, nqm_scorer *scorer, size_t begin, size_t n, size_t first, size_t *n_failed) {
+    enum { MOST_SHOWN = 5 };
+    const char *names[NQM_SCORE_BLOCK];
+    nqm_error errors[NQM_SCORE_BLOCK], err = {0};
+    size_t n_good = 0;
+    for (size_t i = 0; i < n; ++i)
+        names[i] = of->members[begin + i].argument;
+    must(nqm_scorer_draw(scorer, n, names, of->gallery, first, errors, &err), &err);
+    for (size_t i = 0; i < n; ++i) {
+        of->members[begin + i].is_left_out = errors[i].status != NQM_OK;
+        if (errors[i].status == NQM_OK)
+            names[n_good++] = names[i];
+        else if ((*n_failed)++ < MOST_SHOWN)
+            report_error(&errors[i]);
+    }
+    if (n_good < n) /* their samples are in the cache */
+        must(nqm_scorer_draw(scorer, n_good, names, of->gallery, first, errors, &err), &err);
+    return n_good;
+}
+
+/* Returns how many members have pictures. */
+static size_t draw_all(library *of, const nqm_model *model, nqm_scorer *scorer) {
+    size_t n_failed = 0, n_drawn = 0;
+    nqm_error err = {0};
+    must(nqm_gallery_create(model, of->n, NULL, &of->gallery, &err), &err);
     for (size_t begin = 0, n; begin < of->n; begin += n) {
-        const char *names[BLOCK];
-        nqm_error errors[BLOCK], err = {0};
-        n = nqm_smaller(of->n - begin, BLOCK);
+        n = nqm_smaller(of->n - begin, NQM_SCORE_BLOCK);
         if (show_progress(NULL, "sample", (double)begin, (double)of->n))
             stop(EXIT_INTERRUPTED, "interrupted");
-        for (size_t i = 0; i < n; ++i)
-            names[i] = of->members[begin + i].argument;
-        must(nqm_scorer_draw(scorer, n, names, gallery, begin, errors, &err), &err);
-        for (size_t i = 0; i < n; ++i) {
-            of->members[begin + i].is_left_out = errors[i].status != NQM_OK;
-            if (errors[i].status != NQM_OK && n_failed++ < MOST_SHOWN)
-                report_error(&errors[i]);
-        }
+        n_drawn += draw_block(of, scorer, begin, n, n_drawn, &n_failed);
     }
     end_progress();
-    if (n_failed > MOST_SHOWN)
-        report(EXIT_PARTIAL, "%zu more materials are left out", n_failed - MOST_SHOWN);
-    return n_failed;
+    return n_drawn;
 }
 
 size_t draw_library(library *of, const nqm_model *model, nqm_scorer *scorer, const char *index) {
-    nqm_error err = {0};
     char hash[65] = "";
     const size_t n_textured = compact(of);
     if (n_textured)
@@ -244,18 +275,15 @@ size_t draw_library(library *of, const nqm_model *model, nqm_scorer *scorer, con
                n_textured, n_textured > 1 ? "s are" : " is");
     if (index)
         identify(of, model, hash);
-    if (index && read_index(of, model, index, hash))
-        return 0;
-    must(nqm_gallery_create(model, of->n, NULL, &of->gallery, &err), &err);
-    const size_t n_failed = draw_all(of, scorer, of->gallery);
-    if (n_failed) { /* once more without them; most samples are in the cache */
-        compact(of);
-        nqm_gallery_free(of->gallery);
-        must(nqm_gallery_create(model, of->n, NULL, &of->gallery, &err), &err);
-        draw_all(of, scorer, of->gallery);
-    } else if (index) {
-        write_index(of, index, hash);
+    if (!index || !read_index(of, model, index, hash)) {
+        const size_t n_drawn = draw_all(of, model, scorer);
+        if (index)
+            write_index(of, model, n_drawn, index, hash);
     }
+    const size_t n_failed = compact(of);
+    if (n_failed)
+        report(EXIT_PARTIAL, "%s: %zu of %zu materials have no values and are left out", of->path, n_failed,
+               of->n + n_failed);
     return n_failed;
 }
 
