@@ -430,8 +430,8 @@ static int conclude(void) {
         exit_code = exit_code == EXIT_OK ? code : exit_code;
     }
     if (n_skipped)
-        report(EXIT_OK, "%zu materials are refused in both versions for the same reason; `nqm info` says why",
-               n_skipped);
+        report(EXIT_OK, "%zu material%s refused in both versions for the same reason; `nqm info` says why", n_skipped,
+               n_skipped > 1 ? "s are" : " is");
     if (has_gate(&run.gate))
         report_gate(&run.gate, n_failed, run.n_rows);
     return exit_code == EXIT_OK && n_failed ? EXIT_GATE : exit_code;
