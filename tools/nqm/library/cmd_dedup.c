@@ -110,7 +110,6 @@ static const option options[] = {
     OPTION_ROWS_MODEL(&model),
     OPTION_ROW_IGNORE,
     {"json", 0, OPTION_FORMAT, &run.format, NULL, "print JSON", FORMAT_JSON, 0},
-    {"csv", 0, OPTION_FORMAT, &run.format, NULL, "print CSV", FORMAT_CSV, 0},
     {0}};
 
 static const command cmd = {
@@ -174,19 +173,6 @@ static void write_map(const char *path) {
     close_output(&out);
 }
 
-static void print_csv(void) {
-    fputs("old,new", stdout);
-    print_csv_score_names(stdout, run.model, run.metrics);
-    putchar('\n');
-    for (size_t i = 0; i < run.n_rows; ++i) {
-        print_csv_text(stdout, run.rows[i].pair.ref);
-        putchar(',');
-        print_csv_text(stdout, run.rows[i].pair.test);
-        print_csv_score(stdout, run.model, run.metrics, &run.rows[i].result);
-        putchar('\n');
-    }
-}
-
 static void print_text(const library *of) {
     const bool is_calibrated = *nqm_model_get_info(run.model).calibration;
     char words[NQM_LABEL_TEXT];
@@ -204,9 +190,7 @@ static void print_text(const library *of) {
 }
 
 static void print_results(const library *of) {
-    if (run.format == FORMAT_CSV) {
-        print_csv();
-    } else if (run.format == FORMAT_JSON) {
+    if (run.format == FORMAT_JSON) {
         run.ref_path = of->path;
         json_t *document = json_scores(&run), *row;
         size_t i;
@@ -233,8 +217,7 @@ int cmd_dedup(int argc, char **argv) {
     parse_arguments(&cmd, argc, argv);
     run.model = open_model(model);
     must(nqm_scorer_create(run.model, &run.options, &scorer, &err), &err);
-    list_library(argv[0], &of);
-    const size_t n_failed = draw_library(&of, run.model, scorer, NULL);
+    draw_library(argv[0], run.model, scorer, NULL, &of);
     size_t n = find_near_pairs(&of, jod, &pairs);
     n = confirm(&of, scorer, jod, pairs, n);
     nqm_scorer_free(scorer);
@@ -249,7 +232,8 @@ int cmd_dedup(int argc, char **argv) {
     free(kept);
     free(g.begin);
     free(g.to);
-    free_library(&of);
     free_scores(&run);
+    const size_t n_failed = of.n_failed;
+    free_library(&of);
     return exit_code == EXIT_OK && n_failed ? EXIT_PARTIAL : exit_code;
 }

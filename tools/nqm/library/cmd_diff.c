@@ -434,6 +434,8 @@ static int conclude(void) {
                n_skipped > 1 ? "s are" : " is");
     if (has_gate(&run.gate))
         report_gate(&run.gate, n_failed, run.n_rows);
+    if (exit_code == EXIT_OK && v.old.n_failed + v.new.n_failed > 0)
+        exit_code = EXIT_PARTIAL;
     return exit_code == EXIT_OK && n_failed ? EXIT_GATE : exit_code;
 }
 

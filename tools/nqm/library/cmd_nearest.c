@@ -106,8 +106,7 @@ int cmd_nearest(int argc, char **argv) {
     must(nqm_scorer_draw(scorer, 1, (const char *const[]){argv[0]}, one.gallery, 0, &err, &err), &err);
     if (err.status != NQM_OK)
         stop_error(&err);
-    list_library(among, &of);
-    const size_t n_failed = draw_library(&of, run.model, scorer, index_path);
+    draw_library(among, run.model, scorer, index_path, &of);
     nqm_scorer_free(scorer);
     size_t n = nqm_larger(LEAST_SCORED, 4 * (size_t)n_shown);
     candidate *candidates = find_candidates(one.gallery, &of, &n);
@@ -117,8 +116,9 @@ int cmd_nearest(int argc, char **argv) {
     print_ranking(&run);
     const int exit_code = report_faults(&run);
     free(candidates);
-    free_library(&of);
     free_library(&one);
     free_scores(&run);
+    const size_t n_failed = of.n_failed;
+    free_library(&of);
     return exit_code == EXIT_OK && n_failed ? EXIT_PARTIAL : exit_code;
 }

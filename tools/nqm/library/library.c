@@ -55,10 +55,9 @@ static void add_materials(library *to, const char *path, const nqm_materials *ma
     }
 }
 
-/* Files that are no material files are BRDFs if they have such a name. */
-static bool is_brdf_name(const char *path) {
+static bool ends_with(const char *path, const char *extensions) {
     const char *dot = strrchr(path, '.');
-    return dot && nqm_contains_word(".binary .bsdf .npy .safetensors .h5 .mat", dot, true);
+    return dot && nqm_contains_word(extensions, dot, true);
 }
 
 static void add_file(library *to, const char *path, const char *key, bool is_only) {
@@ -66,12 +65,18 @@ static void add_file(library *to, const char *path, const char *key, bool is_onl
     nqm_error err = {0};
     if (nqm_materials_open(path, &materials, &err) == NQM_OK)
         add_materials(to, path, materials, is_only ? "" : key);
-    else if (is_brdf_name(path))
+    else if (ends_with(path, ".binary .bsdf .npy .safetensors .h5 .mat"))
         add_member(to, copy_text(path), copy_text(key), false);
     else if (is_only)
         stop_error(&err);
+    else if (ends_with(path, ".mtlx .gltf .glb .pbrt")) { /* damaged; others of a folder need not be materials */
+        report_error(&err);
+        ++to->n_failed;
+    }
     nqm_materials_free(materials);
 }
+
+/* ---- files ------------------------------------------------------------------------------------------------------- */
 
 static nqm_names found; /* paths of the folder that is walked */
 
@@ -86,35 +91,51 @@ static int compare_texts(const void *a, const void *b) {
     return strcmp(*(const char *const *)a, *(const char *const *)b);
 }
 
-static void add_folder(library *to, const char *path) {
-    const size_t n_before = to->n, n_path = strlen(path);
+/* The files of a library in the order of their paths; "/dev/null" has none. free() both. */
+typedef struct file_list {
+    size_t n;
+    const char **paths; /* (n) */
+    nqm_names text;
+} file_list;
+
+static file_list list_files(const char *path) {
     found = (nqm_names){0};
-    if (nftw(path, note_file, 16, FTW_PHYS) != 0)
+    if (!is_folder(path) && strcmp(path, "/dev/null") != 0 && nqm_names_add(&found, path, strlen(path), NULL) != NQM_OK)
+        stop(EXIT_LIMIT, "out of memory");
+    if (is_folder(path) && nftw(path, note_file, 16, FTW_PHYS) != 0)
         stop(interrupted() ? EXIT_INTERRUPTED : EXIT_OPEN, "%s: the folder cannot be read", path);
-    const char **paths = allocate(found.n, sizeof *paths);
-    for (size_t i = 0; i < found.n; ++i)
-        paths[i] = nqm_name(&found, i);
-    qsort(paths, found.n, sizeof *paths, compare_texts);
-    for (size_t i = 0; i < found.n; ++i) {
-        const char *key = paths[i] + n_path;
-        if (show_progress(NULL, "read", (double)i, (double)found.n))
+    file_list files = {found.n, allocate(found.n, sizeof *files.paths), found};
+    for (size_t i = 0; i < files.n; ++i)
+        files.paths[i] = nqm_name(&found, i);
+    qsort(files.paths, files.n, sizeof *files.paths, compare_texts);
+    return files;
+}
+
+static void free_files(file_list *files) {
+    free(files->paths);
+    nqm_names_free(&files->text);
+}
+
+static void add_files(library *to, const file_list *files) {
+    const bool is_only = !is_folder(to->path);
+    const char *slash = strrchr(to->path, '/');
+    const size_t n_key = is_only ? (slash ? (size_t)(slash - to->path) : 0) : strlen(to->path);
+    for (size_t i = 0; i < files->n; ++i) {
+        const char *key = files->paths[i] + n_key;
+        if (show_progress(NULL, "read", (double)i, (double)files->n))
             stop(EXIT_INTERRUPTED, "interrupted");
-        add_file(to, paths[i], key + strspn(key, "/"), false);
+        add_file(to, files->paths[i], key + strspn(key, "/"), is_only);
     }
     end_progress();
-    free(paths);
-    nqm_names_free(&found);
-    if (to->n == n_before)
-        stop(EXIT_OPEN, "%s: this folder has no file of materials or BRDFs", path);
+    if (to->n == 0 && !is_only)
+        stop(EXIT_OPEN, "%s: this folder has no file of materials or BRDFs", to->path);
 }
 
 void list_library(const char *path, library *to) {
     to->path = path;
-    const char *slash = strrchr(path, '/');
-    if (is_folder(path))
-        add_folder(to, path);
-    else if (strcmp(path, "/dev/null") != 0)
-        add_file(to, path, slash ? slash + 1 : path, true);
+    file_list files = list_files(path);
+    add_files(to, &files);
+    free_files(&files);
 }
 
 void free_library(library *of) {
@@ -131,25 +152,21 @@ void free_library(library *of) {
 
 /* ---- the index --------------------------------------------------------------------------------------------------- */
 
-/* What pictures depend on: the model, and path, size and time of each file. */
-static void identify(const library *of, const nqm_model *model, char hash[65]) {
+/* What an index depends on: the model, what is ignored, and path, size and time of each file. */
+static void identify(const file_list *files, const nqm_model *model, char hash[65]) {
+    const unsigned char ignored = (unsigned char)ignored_set();
     nqm_sha256 sha;
     if (!nqm_sha256_begin(&sha))
         stop(EXIT_LIMIT, "out of memory");
     nqm_sha256_add(&sha, nqm_model_get_info(model).sha256, 64);
-    for (size_t i = 0; i < of->n; ++i) {
-        const char *argument = of->members[i].argument, *name = member_name(argument);
-        unsigned ignored;
-        char *path = copy_text(argument + nqm_ignore_prefix(argument, &ignored));
+    nqm_sha256_add(&sha, &ignored, 1);
+    for (size_t i = 0; i < files->n; ++i) {
         struct stat st = {0};
-        if (name)
-            path[strlen(path) - strlen(name) - 1] = 0;
-        (void)!stat(path, &st);
-        nqm_sha256_add(&sha, argument, strlen(argument) + 1);
+        (void)!stat(files->paths[i], &st);
+        nqm_sha256_add(&sha, files->paths[i], strlen(files->paths[i]) + 1);
         nqm_sha256_add_values(
             &sha, 3, sizeof(int64_t),
             (int64_t[]){(int64_t)st.st_size, (int64_t)st.st_mtim.tv_sec, (int64_t)st.st_mtim.tv_nsec});
-        free(path);
     }
     nqm_sha256_end(&sha, hash);
 }
@@ -170,31 +187,37 @@ static size_t compact(library *of) {
     return n_removed;
 }
 
-/* The tensors of an index: which members have no values (n), and the pictures of the others (n_kept, n_floats). */
-static const char tensor_names[2][12] = {"left_out", "pictures"};
+/* The tensors of an index: arguments and keys of the members with values, each with a NUL; and their pictures. */
+enum { NAMES, PICTURES, N_TENSORS };
+static const char *const tensor_names[N_TENSORS] = {"names", "pictures"};
 
-/* Whether a tensor has this type and shape; n_columns 0: one dimension. */
-static bool has_shape(const nqm_tensor *t, nqm_dtype dtype, size_t n_rows, size_t n_columns) {
-    return t && t->dtype == dtype && t->n_dims == 1 + (n_columns > 0) && t->dims[0] == n_rows &&
-           (!n_columns || (t->dims[1] == n_columns && (uintptr_t)t->data % sizeof(float) == 0));
+/* The members of an index. Returns whether the text has two names for each of n. */
+static bool take_members(library *of, const nqm_tensor *names, size_t n) {
+    const char *at = names->data, *end = at + names->n_bytes;
+    for (size_t i = 0; i < n; ++i) {
+        const char *middle = memchr(at, 0, (size_t)(end - at));
+        const char *last = middle ? memchr(middle + 1, 0, (size_t)(end - middle - 1)) : NULL;
+        if (!last)
+            return false;
+        add_member(of, copy_text(at), copy_text(middle + 1), false);
+        at = last + 1;
+    }
+    return at == end;
 }
 
-/* Use the pictures of the parsed file; false: they are not those of this library. */
-static bool take_pictures(library *of, const nqm_model *model, const nqm_safetensors *st, const char *hash) {
-    const nqm_tensor *left_out = nqm_safetensors_find(st, tensor_names[0]),
-                     *pictures = nqm_safetensors_find(st, tensor_names[1]);
-    const char *stored = nqm_safetensors_meta(st, "library");
+/* Use the members and pictures of a parsed index; false: they are not those of these files. */
+static bool take_index(library *of, const nqm_model *model, const nqm_safetensors *st, const char *hash) {
+    const nqm_tensor *names = nqm_safetensors_find(st, tensor_names[NAMES]),
+                     *pictures = nqm_safetensors_find(st, tensor_names[PICTURES]);
+    const char *stored = nqm_safetensors_meta(st, "library"), *failed = nqm_safetensors_meta(st, "failed");
     nqm_error err = {0};
-    size_t n_kept = 0;
-    if (!stored || strcmp(stored, hash) != 0 || !has_shape(left_out, NQM_U8, of->n, 0))
+    if (!stored || strcmp(stored, hash) != 0 || !failed || !names || names->dtype != NQM_U8 || !pictures ||
+        pictures->dtype != NQM_F32 || pictures->n_dims != 2 || pictures->dims[1] != nqm_gallery_size(model) ||
+        (uintptr_t)pictures->data % sizeof(float) != 0 || !nqm_tensor_all_finite(pictures) ||
+        !take_members(of, names, pictures->dims[0]))
         return false;
-    for (size_t i = 0; i < of->n; ++i)
-        n_kept += !((const uint8_t *)left_out->data)[i];
-    if (!has_shape(pictures, NQM_F32, n_kept, nqm_gallery_size(model)) || !nqm_tensor_all_finite(pictures))
-        return false;
-    for (size_t i = 0; i < of->n; ++i)
-        of->members[i].is_left_out = ((const uint8_t *)left_out->data)[i];
-    must(nqm_gallery_create(model, n_kept, pictures->data, &of->gallery, &err), &err);
+    of->n_failed = strtoul(failed, NULL, 10);
+    must(nqm_gallery_create(model, of->n, pictures->data, &of->gallery, &err), &err);
     return true;
 }
 
@@ -203,36 +226,45 @@ static bool read_index(library *of, const nqm_model *model, const char *path, co
     if (!is_file(path) || nqm_map_open_own(path, &of->index, NULL) != NQM_OK)
         return false;
     const bool fits = nqm_safetensors_parse(of->index.data, of->index.n_bytes, path, &st, NULL) == NQM_OK &&
-                      take_pictures(of, model, st, hash);
+                      take_index(of, model, st, hash);
     of->block = fits ? nqm_safetensors_take(st) : NULL;
     nqm_safetensors_free(st);
-    if (!fits)
-        nqm_map_close(&of->index);
+    if (!fits) {
+        const char *folder = of->path;
+        free_library(of);
+        of->path = folder;
+    }
     return fits;
 }
 
-static void write_index(const library *of, const nqm_model *model, size_t n_kept, const char *path, const char *hash) {
+static void write_index(const library *of, const nqm_model *model, const char *path, const char *hash) {
+    char *text, failed[24];
+    size_t n_text;
     nqm_error err = {0};
-    uint8_t *left_out = allocate(of->n, 1);
-    for (size_t i = 0; i < of->n; ++i)
-        left_out[i] = of->members[i].is_left_out;
-    nqm_tensor tensors[] = {{.name = tensor_names[0], .dtype = NQM_U8, .n_dims = 1, .dims = {of->n}, .data = left_out},
-                            {.name = tensor_names[1],
-                             .dtype = NQM_F32,
-                             .n_dims = 2,
-                             .dims = {n_kept, nqm_gallery_size(model)},
-                             .data = nqm_gallery_pictures(of->gallery)}};
-    const nqm_meta meta[] = {{"format", "nqm-index"}, {"library", hash}};
-    if (!nqm_tensor_measure(&tensors[0]) || !nqm_tensor_measure(&tensors[1]))
-        stop(EXIT_LIMIT, "%s: %zu pictures are too many", path, n_kept);
-    must(nqm_safetensors_write(path, 2, tensors, 2, meta, NULL, &err), &err);
-    free(left_out);
+    FILE *names = open_memstream(&text, &n_text);
+    for (size_t i = 0; names && i < of->n; ++i)
+        fprintf(names, "%s%c%s%c", of->members[i].argument, 0, of->members[i].key, 0);
+    if (!names || fclose(names) != 0)
+        stop(EXIT_LIMIT, "out of memory");
+    snprintf(failed, sizeof failed, "%zu", of->n_failed);
+    nqm_tensor tensors[N_TENSORS] = {
+        {.name = tensor_names[NAMES], .dtype = NQM_U8, .n_dims = 1, .dims = {n_text}, .data = text},
+        {.name = tensor_names[PICTURES],
+         .dtype = NQM_F32,
+         .n_dims = 2,
+         .dims = {of->n, nqm_gallery_size(model)},
+         .data = nqm_gallery_pictures(of->gallery)}};
+    const nqm_meta meta[] = {{"format", "nqm-index"}, {"library", hash}, {"failed", failed}};
+    if (!nqm_tensor_measure(&tensors[NAMES]) || !nqm_tensor_measure(&tensors[PICTURES]))
+        stop(EXIT_LIMIT, "%s: %zu pictures are too many", path, of->n);
+    must(nqm_safetensors_write(path, N_TENSORS, tensors, sizeof meta / sizeof *meta, meta, NULL, &err), &err);
+    free(text);
 }
 
 /* ---- pictures ---------------------------------------------------------------------------------------------------- */
 
 /* Draw n members; those without values are left out, and the others drawn again without them. Returns how many are drawn. */
-static size_t draw_block(library *of, nqm_scorer *scorer, size_t begin, size_t n, size_t first, size_t *n_failed) {
+static size_t draw_block(library *of, nqm_scorer *scorer, size_t begin, size_t n, size_t first) {
     enum { MOST_SHOWN = 5 };
     const char *names[NQM_SCORE_BLOCK];
     nqm_error errors[NQM_SCORE_BLOCK], err = {0};
@@ -244,7 +276,7 @@ static size_t draw_block(library *of, nqm_scorer *scorer, size_t begin, size_t n
         of->members[begin + i].is_left_out = errors[i].status != NQM_OK;
         if (errors[i].status == NQM_OK)
             names[n_good++] = names[i];
-        else if ((*n_failed)++ < MOST_SHOWN)
+        else if (of->n_failed++ < MOST_SHOWN)
             report_error(&errors[i]);
     }
     if (n_good < n) /* their samples are in the cache */
@@ -252,39 +284,40 @@ static size_t draw_block(library *of, nqm_scorer *scorer, size_t begin, size_t n
     return n_good;
 }
 
-/* Returns how many members have pictures. */
-static size_t draw_all(library *of, const nqm_model *model, nqm_scorer *scorer) {
-    size_t n_failed = 0, n_drawn = 0;
+static void draw_all(library *of, const nqm_model *model, nqm_scorer *scorer) {
+    size_t n_drawn = 0;
     nqm_error err = {0};
     must(nqm_gallery_create(model, of->n, NULL, &of->gallery, &err), &err);
     for (size_t begin = 0, n; begin < of->n; begin += n) {
         n = nqm_smaller(of->n - begin, NQM_SCORE_BLOCK);
         if (show_progress(NULL, "sample", (double)begin, (double)of->n))
             stop(EXIT_INTERRUPTED, "interrupted");
-        n_drawn += draw_block(of, scorer, begin, n, n_drawn, &n_failed);
+        n_drawn += draw_block(of, scorer, begin, n, n_drawn);
     }
     end_progress();
-    return n_drawn;
+    compact(of);
 }
 
-size_t draw_library(library *of, const nqm_model *model, nqm_scorer *scorer, const char *index) {
+void draw_library(const char *path, const nqm_model *model, nqm_scorer *scorer, const char *index, library *to) {
     char hash[65] = "";
-    const size_t n_textured = compact(of);
-    if (n_textured)
-        report(EXIT_OK, "%s: %zu textured material%s left out: `nqm score` and `nqm diff` compare them", of->path,
-               n_textured, n_textured > 1 ? "s are" : " is");
+    to->path = path;
+    file_list files = list_files(path);
     if (index)
-        identify(of, model, hash);
-    if (!index || !read_index(of, model, index, hash)) {
-        const size_t n_drawn = draw_all(of, model, scorer);
+        identify(&files, model, hash);
+    if (!index || !read_index(to, model, index, hash)) {
+        add_files(to, &files);
+        const size_t n_textured = compact(to);
+        if (n_textured)
+            report(EXIT_OK, "%s: %zu textured material%s left out: `nqm score` and `nqm diff` compare them", path,
+                   n_textured, n_textured > 1 ? "s are" : " is");
+        draw_all(to, model, scorer);
         if (index)
-            write_index(of, model, n_drawn, index, hash);
+            write_index(to, model, index, hash);
     }
-    const size_t n_failed = compact(of);
-    if (n_failed)
-        report(EXIT_PARTIAL, "%s: %zu of %zu materials have no values and are left out", of->path, n_failed,
-               of->n + n_failed);
-    return n_failed;
+    free_files(&files);
+    if (to->n_failed)
+        report(EXIT_PARTIAL, "%s: %zu of %zu materials have no values and are left out", path, to->n_failed,
+               to->n + to->n_failed);
 }
 
 /* ---- pairs ------------------------------------------------------------------------------------------------------- */

@@ -19,6 +19,7 @@ typedef struct library {
     const char *path;
     size_t n, max_n;
     member *members;      /* (n) in the order of the paths, then of the file */
+    size_t n_failed;      /* members that were left out because they have no values */
     nqm_gallery *gallery; /* of draw_library() */
     nqm_map index;        /* file of the pictures; zeroed: the gallery has them */
     unsigned char *block; /* of the pictures, where the bytes of the file have another order; NULL: none */
@@ -27,10 +28,9 @@ typedef struct library {
 /** Append the materials of a file, or of all files of a folder and its folders; "/dev/null" has none. Stops when a file cannot be read, and
  *  when there is none in a folder. */
 void list_library(const char *path, library *to);
-/** Sample all members and draw their pictures, with progress. Textured members, and those without values, are removed from the library and
- *  reported. Returns how many have no values. index: a
- *  file that keeps the pictures, which is written unless it fits; NULL: none. */
-size_t draw_library(library *of, const nqm_model *model, nqm_scorer *scorer, const char *index);
+/** List the members, sample them and draw their pictures, with progress. Textured ones are left out, and those without values, which
+ *  are reported. index: a file that keeps names and pictures, and is written unless it fits the files; NULL: none. */
+void draw_library(const char *path, const nqm_model *model, nqm_scorer *scorer, const char *index, library *to);
 void free_library(library *of);
 
 /** A pair of members, and its estimated JOD. */
