@@ -74,3 +74,14 @@ END
     run 0 score map.gltf:pane map.gltf:wall --ignore transmission --csv
     grep -q ',identical,' out || fail "the map keeps half: $(cat out)"
 fi
+
+# The materials of physicallybased.info as three shading models (shared data): of 132 pairs at least 128 have a score.
+data=${NQM_DATA:-$NQM_SOURCE/../shared/data}/materials/physicallybased
+[ -d "$data" ] || exit 0
+for file in "$data"/PB_OPBR_*.mtlx; do
+    name=${file##*PB_OPBR_}
+    printf '%s\n' "PB_OPBR_$name,PB_GLTF_$name" "PB_OPBR_$name,PB_SS_$name"
+done | sed '1i reference,test' >physical.csv
+"$tool" batch physical.csv --root "$data" --keep-going --ignore $all -o scores.csv 2>err || true
+n=$(awk -F, 'NR > 1 && $3 != ""' scores.csv | wc -l)
+[ "$n" -ge 128 ] || fail "$n of 132 pairs have a score"

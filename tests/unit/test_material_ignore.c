@@ -10,6 +10,7 @@
 #include "support/material_text.h"
 #include "support/temp_file.h"
 
+#include <math.h>
 #include <nqm/brdf.h>
 #include <nqm/texture.h>
 #include <stdio.h>
@@ -100,6 +101,41 @@ static void test_subsurface(void **state) {
            "subsurface", "baseColor=0.5");
 }
 
+/* f_r of what of the material reflects, at a few pairs of directions. */
+enum { PAIRS = 4 };
+static void evaluate(const char *text, double rgb[3 * PAIRS]) {
+    static const double wi[3 * PAIRS] = {0, 0, 1, 0.6, 0, 0.8, -0.48, 0.64, 0.6, 0.96, 0, 0.28};
+    static const double wo[3 * PAIRS] = {0, 0.6, 0.8, 0, 0, 1, 0.6, 0, 0.8, -0.6, 0, 0.8};
+    nqm_materials *materials = open_text(text);
+    nqm_brdf *brdf = open_brdf(nqm_materials_reflecting(materials, 0, ~0U).spec);
+    nqm_brdf_eval(brdf, PAIRS, wi, wo, rgb, NULL);
+    nqm_brdf_free(brdf);
+    nqm_materials_free(materials);
+}
+
+/* In the node graphs, a mixture of BSDFs of weights 1 - t and t: its f_r is linear in t, from that without transmission to that with nothing
+ * but transmission below the specular reflection. */
+static void expect_linear(const char *none, const char *part, const char *all, double t) {
+    double f[3][3 * PAIRS];
+    evaluate(none, f[0]);
+    evaluate(part, f[1]);
+    evaluate(all, f[2]);
+    for (size_t i = 0; i < 3 * PAIRS; ++i)
+        assert_true(fabs(f[1][i] - (1 - t) * f[0][i] - t * f[2][i]) < 1e-12 && f[0][i] > f[2][i]);
+}
+#define LINEAR(NODE, KEY, INPUTS)                                                                                      \
+    expect_linear(SURFACE(NODE, INPUTS), SURFACE(NODE, INPUTS IN(KEY, "float", "0.25")),                               \
+                  SURFACE(NODE, INPUTS IN(KEY, "float", "1")), 0.25)
+
+static void test_mixture(void **state) {
+    (void)state;
+    LINEAR("open_pbr_surface", "transmission_weight", IN("base_color", "color3", "0.7, 0.5, 0.3"));
+    LINEAR("standard_surface", "transmission",
+           IN("base_color", "color3", "0.7, 0.5, 0.3") IN("diffuse_roughness", "float", "0.5"));
+    LINEAR("gltf_pbr", "transmission", IN("base_color", "color3", "0.7, 0.5, 0.3") IN("metallic", "float", "0"));
+    LINEAR("disney_principled", "specTrans", IN("baseColor", "color3", "0.7, 0.5, 0.3"));
+}
+
 static void test_others(void **state) {
     (void)state;
     EXPECT(SURFACE("open_pbr_surface", IN("emission_luminance", "float", "10") IN("geometry_opacity", "float", "0.5")),
@@ -166,7 +202,8 @@ static void test_arguments(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(test_transmission), cmocka_unit_test(test_subsurface),
-                                       cmocka_unit_test(test_others),       cmocka_unit_test(test_maps),
-                                       cmocka_unit_test(test_prefix),       cmocka_unit_test(test_arguments)};
+                                       cmocka_unit_test(test_mixture),      cmocka_unit_test(test_others),
+                                       cmocka_unit_test(test_maps),         cmocka_unit_test(test_prefix),
+                                       cmocka_unit_test(test_arguments)};
     return cmocka_run_group_tests(tests, make_temp_file, remove_temp_file);
 }

@@ -399,7 +399,7 @@ static const command cmd = {
         "/dev/null.\n"
         "git can call it for its differences (doc/ci.md): the seven arguments of GIT_EXTERNAL_DIFF are understood.",
     .example = "nqm diff old.gltf new.gltf\nnqm diff before/materials materials --fail-under 9 --junit junit.xml\n"
-               "git config diff.nqm.command 'nqm diff' && echo '*.mtlx diff=nqm' >>.gitattributes",
+               "nqm diff scene.glb /dev/null --json",
     .options = options,
     .table = &nqm_score_option_table,
     .table_target = &run.options,
