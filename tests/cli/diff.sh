@@ -47,6 +47,8 @@ sed 's/"lone"/"lone", "pbrMetallicRoughness": {"roughnessFactor": 0.5}/' lone.gl
 sed 's/lone/only/' one.gltf >other.gltf
 run 0 diff lone.gltf other.gltf
 grep -q 'roughness default -> 0.5' out && grep -q 'was lone' out || fail "files of one material: $(cat out)"
+run 0 diff old.gltf new.gltf --model paper
+grep -q '^1 changed, 2 added, 2 removed, 1 unchanged$' out || fail "renamed ones need pictures: $(cat out)"
 run 3 diff missing.gltf new.gltf
 refuses 2 '7 arguments' diff a b c
 

@@ -23,7 +23,6 @@ typedef struct versions {
     size_t n_pairs;     /* rows of the run */
     size_t *old_of_row; /* (n_pairs) */
     json_t **changes;   /* (n_pairs) of list_changes() */
-    size_t n_renamed;
 } versions;
 
 static score_run run;
@@ -83,6 +82,8 @@ static library take_single(const library *of, const size_t *partner, const bool 
     for (size_t i = 0; i < single.n; ++i) {
         const char *name = single.members[i].argument;
         nqm_error fault;
+        if (show_progress(NULL, "sample", (double)i, (double)single.n))
+            stop(EXIT_INTERRUPTED, "interrupted");
         must(nqm_scorer_draw(scorer, 1, &name, single.gallery, i, &fault, &err), &err);
         single.members[i].is_left_out = fault.status != NQM_OK;
     }
@@ -95,7 +96,7 @@ static void pair_looks(void) {
     size_t n_paired = 0;
     for (size_t i = 0; i < v.old.n; ++i)
         n_paired += v.partner[i] != SIZE_MAX;
-    if (n_paired == v.old.n || n_paired == v.new.n)
+    if (n_paired == v.old.n || n_paired == v.new.n || nqm_gallery_size(run.model) == 0)
         return;
     size_t *old_from = allocate(v.old.n, sizeof *old_from), *new_from = allocate(v.new.n, sizeof *new_from);
     nqm_scorer *scorer;
@@ -104,8 +105,12 @@ static void pair_looks(void) {
     library old = take_single(&v.old, v.partner, NULL, scorer, old_from);
     library new = take_single(&v.new, NULL, v.is_partner, scorer, new_from);
     float *jod = allocate(new.n, sizeof *jod);
-    for (size_t i = 0; i < old.n && !old.members[i].is_left_out; ++i) {
+    for (size_t i = 0; i < old.n; ++i) {
         size_t best = SIZE_MAX;
+        if (show_progress(NULL, "compare", (double)i, (double)old.n))
+            stop(EXIT_INTERRUPTED, "interrupted");
+        if (old.members[i].is_left_out)
+            continue;
         nqm_gallery_jods(old.gallery, i, new.gallery, 0, new.n, false, jod);
         for (size_t k = 0; k < new.n; ++k)
             if (!new.members[k].is_left_out && !v.is_partner[new_from[k]] && (best == SIZE_MAX || jod[k] > jod[best]))
@@ -119,8 +124,8 @@ static void pair_looks(void) {
             continue;
         v.partner[old_from[i]] = new_from[best];
         v.is_partner[new_from[best]] = true;
-        ++v.n_renamed;
     }
+    end_progress();
     free(jod);
     free(old_from);
     free(new_from);
