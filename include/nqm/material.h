@@ -4,8 +4,9 @@
  *
  * nqm_brdf_open() opens a material as "FILE" or, in a file of several, as "FILE:NAME". A material becomes the spec of a shading
  * model, whose keys are the properties of the file (doc/materials.md). A material with a property that the spec does not
- * have, such as transmission, is refused, and the refusal names the property. One with image maps has no BRDF either, but it is
- * a texture (<nqm/texture.h>).
+ * have, such as transmission, is refused, and the refusal names the property. "ignore:WORDS:FILE:NAME" opens what of it reflects; WORDS
+ * are some of transmission, subsurface, emission and opacity, separated by commas. A material with image maps has no BRDF either, but
+ * it is a texture (<nqm/texture.h>).
  */
 #ifndef NQM_MATERIAL_H
 #define NQM_MATERIAL_H
@@ -28,8 +29,12 @@ typedef struct nqm_material_info {
     const char *refusal; /**< the property that cannot be honoured, and why; NULL: the material is accepted */
     size_t
         n_maps; /**< image maps of a material that nqm_texture_open() takes; 0: none. `refusal` has the property that varies */
-    const char *remark;  /**< a property that is left out because it is no part of a BRDF; NULL: none */
-    int64_t byte_offset; /**< position of the material or of the refused property in the file; -1: unknown */
+    const char *remark;    /**< a property that is left out because it is no part of a BRDF; NULL: none */
+    int64_t byte_offset;   /**< position of the material or of the refused property in the file; -1: unknown */
+    const char *ignorable; /**< what the surface does besides reflecting, if the material is refused for that alone:
+                                "transmission,opacity"; nqm_brdf_open() takes "ignore:transmission,opacity:FILE:NAME". NULL: not so */
+    const char
+        *reflection; /**< spec of what reflects when that is ignored; NULL: as `ignorable`, or image maps change it */
 } nqm_material_info;
 
 /**

@@ -200,7 +200,8 @@ class DatasetPair(Structure):
 class MaterialInfo(Structure):
     _c_name_ = "nqm_material_info"
     _fields_ = [("name", c_char_p), ("surface", c_char_p), ("spec", c_char_p), ("refusal", c_char_p),
-                ("n_maps", c_size_t), ("remark", c_char_p), ("byte_offset", c_int64)]
+                ("n_maps", c_size_t), ("remark", c_char_p), ("byte_offset", c_int64), ("ignorable", c_char_p),
+                ("reflection", c_char_p)]
 
 
 class TextureInfo(Structure):

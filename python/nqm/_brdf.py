@@ -11,7 +11,7 @@ import numpy as np
 
 from . import _abi
 from ._abi import lib
-from ._call import (PathLike, ProgressLike, Watch, address, call, choice, decode, encode, own_handle, progress_callback,
+from ._call import (PathLike, ProgressLike, Watch, address, call, choice, decode, encode, ignoring, own_handle, progress_callback,
                     triples)
 
 #: A function of Python code that evaluates a BRDF: `wi`, `wo` (n, 3) to f_r (n, 3).
@@ -141,15 +141,19 @@ class BRDF:
         return brdf
 
     @classmethod
-    def open(cls, path_or_spec: PathLike) -> "BRDF":
+    def open(cls, path_or_spec: PathLike, *, ignore: Optional[str] = None) -> "BRDF":
         """Open a BRDF from a file, a spec (`"ggx:kd=.2,.1,.05;alpha=.1"`) or a preset (`"sgd:nickel"`). doc/brdf.md lists the
         specs, doc/files.md the files.
+
+        Args:
+            ignore: of a material that does more than reflect, take what reflects: any of transmission, subsurface, emission and
+                opacity, separated by commas; None: such a material is an error
 
         Raises:
             Error: the file is missing or malformed (`byte` is the position), or the spec is wrong
         """
         handle = c_void_p()
-        call(lib.nqm_brdf_open, encode(path_or_spec), byref(handle))
+        call(lib.nqm_brdf_open, ignoring(path_or_spec, ignore), byref(handle))
         return cls._own(handle)
 
     @classmethod
@@ -330,6 +334,9 @@ class MaterialInfo:
         n_maps: image maps of a material that `Material.open` takes; 0: none
         remark: a property that is left out because it is no part of a BRDF; None: there is none
         byte: of the material or of the refused property in the file; None: unknown
+        ignorable: what the surface does besides reflecting, if the material is refused for that alone: the `ignore` that
+            `BRDF.open` needs; None: not so
+        reflection: the spec of what reflects then; None: as `ignorable`, or image maps change it
     """
 
     name: str
@@ -339,6 +346,8 @@ class MaterialInfo:
     n_maps: int
     remark: Optional[str]
     byte: Optional[int]
+    ignorable: Optional[str]
+    reflection: Optional[str]
 
 
 def materials(path: PathLike) -> Tuple[MaterialInfo, ...]:
@@ -348,7 +357,8 @@ def materials(path: PathLike) -> Tuple[MaterialInfo, ...]:
     try:
         rows = [lib.nqm_materials_get(handle, i) for i in range(lib.nqm_materials_count(handle))]
         return tuple(MaterialInfo(decode(r.name) or "", decode(r.surface) or "", decode(r.spec), decode(r.refusal),
-                                  r.n_maps, decode(r.remark), r.byte_offset if r.byte_offset >= 0 else None) for r in rows)
+                                  r.n_maps, decode(r.remark), r.byte_offset if r.byte_offset >= 0 else None,
+                                  decode(r.ignorable), decode(r.reflection)) for r in rows)
     finally:
         lib.nqm_materials_free(handle)
 

@@ -231,6 +231,11 @@ def encode(text: PathLike) -> bytes:
     return data
 
 
+def ignoring(path: PathLike, ignore: Optional[str]) -> bytes:
+    """The argument that opens what reflects of a material."""
+    return encode(path) if ignore is None else b"ignore:" + encode(ignore) + b":" + encode(path)
+
+
 def decode(text: Optional[bytes]) -> Optional[str]:
     return None if text is None else os.fsdecode(text)
 

@@ -10,7 +10,7 @@ from typing import Any, List, Mapping, Optional, Tuple, Union
 import numpy as np
 
 from ._abi import TextureMap, TextureResult, lib
-from ._call import PathLike, ProgressLike, Watch, address, call, encode, own_handle, progress_callback
+from ._call import PathLike, ProgressLike, Watch, address, call, encode, ignoring, own_handle, progress_callback
 from ._score import ModelLike, Parts, as_model, parts_of
 
 
@@ -51,12 +51,12 @@ class Material:
         return material
 
     @classmethod
-    def open(cls, path: PathLike, *, progress: ProgressLike = None) -> "Material":
+    def open(cls, path: PathLike, *, ignore: Optional[str] = None, progress: ProgressLike = None) -> "Material":
         """From "FILE" or "FILE:MATERIAL", a folder of maps, or "maps:base_color=a.png;roughness=b.png"; any BRDF is a material that
-        does not vary."""
+        does not vary. ignore: as for `BRDF.open`."""
         handle, own = c_void_p(), Watch()
         watcher = progress_callback(progress, (), own)
-        call(lib.nqm_texture_open, encode(path), watcher, None, byref(handle), own=own)
+        call(lib.nqm_texture_open, ignoring(path, ignore), watcher, None, byref(handle), own=own)
         return cls._own(handle)
 
     @classmethod

@@ -107,9 +107,14 @@ static nqm_status open_material(const char *path, const nqm_materials *materials
     char byte[40];
     size_t index;
     nqm_status status = select_material(path, materials, argument->member, &index, &info, err);
-    if (status == NQM_OK && info.refusal)
-        status = nqm_fail(err, NQM_ERR_FORMAT, info.byte_offset, "%s: the material '%s' (%s%s) is refused: %s", path,
-                          info.name, info.surface, byte_text(info.byte_offset, byte), info.refusal);
+    if (status == NQM_OK)
+        info = nqm_materials_reflecting(materials, index, argument->ignored);
+    if (status == NQM_OK && info.refusal) {
+        const char *way_out = info.ignorable && info.reflection ? info.ignorable : "";
+        status = nqm_fail(err, NQM_ERR_FORMAT, info.byte_offset, "%s: the material '%s' (%s%s) is refused: %s%s%s",
+                          path, info.name, info.surface, byte_text(info.byte_offset, byte), info.refusal,
+                          *way_out ? "; what of it reflects is taken with --ignore " : "", way_out);
+    }
     if (status == NQM_OK)
         status = nqm_spec_probe(info.spec) ? open_spec(path, &info, argument, brdf_ret, err)
                                            : open_measured(path, info.spec, argument->open, brdf_ret, err);
@@ -118,6 +123,8 @@ static nqm_status open_material(const char *path, const nqm_materials *materials
 
 nqm_status nqm_brdf_find_textured(const char *argument, nqm_materials **materials_ret, size_t *index_ret,
                                   nqm_error *err) {
+    unsigned ignored;
+    argument += nqm_ignore_prefix(argument, &ignored);
     const bool is_spec = nqm_spec_probe(argument), is_path = access(argument, F_OK) == 0;
     const char *colon = is_spec || is_path ? NULL : strrchr(argument, ':');
     nqm_materials *materials = NULL;
@@ -136,7 +143,7 @@ nqm_status nqm_brdf_find_textured(const char *argument, nqm_materials **material
         status = nqm_materials_read(&map, &materials, err);
         if (status == NQM_OK)
             status = select_material(path, materials, colon ? colon + 1 : NULL, index_ret, &info, err);
-        if (status == NQM_OK && nqm_materials_textured(materials, *index_ret)) {
+        if (status == NQM_OK && nqm_materials_maps(materials, *index_ret, ignored)) {
             *materials_ret = materials;
             materials = NULL;
         }
@@ -192,6 +199,8 @@ static nqm_material_file *read_kept(const char *path, size_t n_path) {
 }
 
 const nqm_material_file *nqm_material_file_find(nqm_material_file **list, const char *name) {
+    unsigned ignored;
+    name += nqm_ignore_prefix(name, &ignored);
     const char *colon = nqm_spec_probe(name) || access(name, F_OK) == 0 ? NULL : strrchr(name, ':');
     if (!colon)
         return NULL;
@@ -213,7 +222,8 @@ const nqm_material_file *nqm_material_file_find(nqm_material_file **list, const 
 
 nqm_status nqm_material_file_open(const nqm_material_file *file, const char *name, nqm_brdf **brdf_ret,
                                   nqm_error *err) {
-    const nqm_brdf_argument argument = {name, strrchr(name, ':') + 1, nqm_brdf_open_argument};
+    nqm_brdf_argument argument = {.name = name, .member = strrchr(name, ':') + 1, .open = nqm_brdf_open_argument};
+    (void)nqm_ignore_prefix(name, &argument.ignored);
     *brdf_ret = NULL;
     return open_material(file->path, file->materials, &argument, brdf_ret, err);
 }

@@ -109,9 +109,16 @@ static nqm_status fail_missing(const char *path_or_spec, nqm_error *err) {
 
 nqm_status nqm_brdf_open_argument(const char *path_or_spec, const char *name, nqm_brdf **brdf_ret, nqm_error *err) {
     *brdf_ret = NULL;
+    nqm_brdf_argument argument = {.name = name, .open = nqm_brdf_open_argument};
+    const size_t n_prefix = nqm_ignore_prefix(path_or_spec, &argument.ignored);
+    path_or_spec += n_prefix;
+    if (n_prefix && !argument.ignored)
+        return nqm_fail(err, NQM_ERR_ARG, -1,
+                        "%.300s: after 'ignore:', give some of transmission, subsurface, emission and opacity, "
+                        "separated by commas, and a colon",
+                        name);
     if (nqm_spec_probe(path_or_spec))
         return nqm_spec_open(path_or_spec, name, nqm_brdf_open_argument, brdf_ret, err);
-    nqm_brdf_argument argument = {.name = name, .open = nqm_brdf_open_argument};
     if (find_fault(path_or_spec) == 0)
         return open_file(path_or_spec, &argument, brdf_ret, err);
     const char *colon = strrchr(path_or_spec, ':');
@@ -145,9 +152,11 @@ nqm_status nqm_brdf_find_companion(const char *path, const char *member, char **
 }
 
 char *nqm_brdf_path_below(const char *path_or_spec, const char *root, size_t n_root) {
-    if (n_root == 0 || *path_or_spec == '/' || nqm_spec_probe(path_or_spec))
+    unsigned ignored;
+    const size_t n = nqm_ignore_prefix(path_or_spec, &ignored);
+    if (n_root == 0 || path_or_spec[n] == '/' || nqm_spec_probe(path_or_spec))
         return nqm_strdup(path_or_spec);
-    return nqm_strdupf("%.*s/%s", (int)n_root, root, path_or_spec);
+    return nqm_strdupf("%.*s%.*s/%s", (int)n, path_or_spec, (int)n_root, root, path_or_spec + n);
 }
 
 nqm_status nqm_brdf_open_below(const char *path_or_spec, const char *root, nqm_brdf **brdf_ret, nqm_error *err) {

@@ -74,6 +74,14 @@ static bool refuse(reader *r, const char *path, const char *value, const char *r
     return nqm_refuse(&r->reading, &at, "%.120s%s%s: %s", shown(path), *value ? " = " : "", value, reason);
 }
 
+/* The same, unless `ignorable` is ignored. */
+static bool set_aside(reader *r, unsigned ignorable, const char *path, const char *value, const char *reason) {
+    property at = {.value = NULL};
+    snprintf(at.path, sizeof at.path, "%s", path);
+    return nqm_set_aside(&r->reading, ignorable, &at, "%.120s%s%s: %s", shown(path), *value ? " = " : "", value,
+                         reason);
+}
+
 /* The file is damaged: the status is that of the first failure. */
 static bool fail_value(reader *r, const char *path, const char *needed) {
     const int64_t byte = byte_of(r, path);
@@ -128,7 +136,7 @@ bool nqm_gltf_read_texture(nqm_reading *reading, const nqm_rule *rule, const voi
     reader *r = (reader *)reading;
     const property *p = at;
     if (rule->why)
-        return refuse(r, p->path, "", rule->why);
+        return set_aside(r, rule->ignorable, p->path, "", rule->why);
     if (r->n_textures < MAX_TEXTURES) /* there are fewer rules for textures */
         r->textures[r->n_textures++] = *p;
     return true;
@@ -192,7 +200,7 @@ static void check_emission(reader *r, const json_t *material) {
     double v[3];
     if (factor && read_numbers(r, "emissiveFactor", factor, 3, v) && (v[0] != 0 || v[1] != 0 || v[2] != 0) &&
         !(json_is_number(strength) && json_number_value(strength) == 0))
-        refuse(r, "emissiveFactor", "", "light that the surface emits is not part of a BRDF");
+        set_aside(r, NQM_IGNORE_EMISSION, "emissiveFactor", "", "light that the surface emits is not part of a BRDF");
 }
 
 /* The mode is unknown, or the surface is not opaque in it. */
@@ -205,10 +213,11 @@ static void check_alpha(reader *r, const json_t *material) {
     if (!text || !nqm_contains_word("OPAQUE MASK BLEND", text, false))
         fail_value(r, "alphaMode", "\"OPAQUE\", \"MASK\" or \"BLEND\"");
     else if (strcmp(text, "BLEND") == 0 && r->alpha < 1)
-        refuse(r, "alphaMode", text,
-               "the alpha of baseColorFactor is below 1, and a transparent surface has more than a BRDF");
+        set_aside(r, NQM_IGNORE_OPACITY, "alphaMode", text,
+                  "the alpha of baseColorFactor is below 1, and a transparent surface has more than a BRDF");
     else if (strcmp(text, "MASK") == 0 && r->alpha < cutoff)
-        refuse(r, "alphaMode", text, "the alpha of baseColorFactor is below alphaCutoff: the surface is invisible");
+        set_aside(r, NQM_IGNORE_OPACITY, "alphaMode", text,
+                  "the alpha of baseColorFactor is below alphaCutoff: the surface is invisible");
 }
 
 static void remark(reader *r, bool is_needed, const char *text) {

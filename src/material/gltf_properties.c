@@ -5,11 +5,11 @@
 #include "material/gltf.h"
 
 #define NUMBER(NAME, KEY, DEFAULT)                                                                                     \
-    { NAME, nqm_rule_set, KEY, 1, DEFAULT, NULL, NULL, NULL }
+    { NAME, nqm_rule_set, KEY, 1, DEFAULT, NULL, NULL, NULL, 0, false }
 #define COLOR(NAME, KEY, DEFAULT)                                                                                      \
-    { NAME, nqm_rule_set, KEY, 3, DEFAULT, NULL, NULL, NULL }
+    { NAME, nqm_rule_set, KEY, 3, DEFAULT, NULL, NULL, NULL, 0, false }
 #define TEXTURE(NAME, FACTOR)                                                                                          \
-    { NAME, nqm_gltf_read_texture, NULL, 0, 0, NULL, FACTOR, NULL }
+    { NAME, nqm_gltf_read_texture, NULL, 0, 0, NULL, FACTOR, NULL, 0, false }
 
 static const char through[] = "light that passes through the surface is not part of a BRDF";
 
@@ -17,18 +17,18 @@ static const char through[] = "light that passes through the surface is not part
 const nqm_gltf_group nqm_gltf_members = {
     "the material",
     NULL,
-    {{"emissiveFactor", nqm_rule_later, NULL, 3, 0, NULL, NULL, NULL},
+    {{"emissiveFactor", nqm_rule_later, NULL, 3, 0, NULL, NULL, NULL, 0, false},
      {"emissiveTexture", nqm_gltf_read_texture, NULL, 0, 0, "light that the surface emits is not part of a BRDF",
-      "emissiveFactor", NULL},
+      "emissiveFactor", NULL, NQM_IGNORE_EMISSION, false},
      TEXTURE("normalTexture", NULL),
-     {"occlusionTexture", nqm_gltf_read_occlusion, NULL, 0, 0, NULL, NULL, NULL},
+     {"occlusionTexture", nqm_gltf_read_occlusion, NULL, 0, 0, NULL, NULL, NULL, 0, false},
      NQM_RULE_IGNORED("name extensions pbrMetallicRoughness alphaCutoff alphaMode doubleSided")}};
 
 const nqm_gltf_group nqm_gltf_core = {
     "pbrMetallicRoughness",
     NULL,
     {NUMBER("metallicFactor", "metallic", 1),
-     {"baseColorFactor", nqm_gltf_read_base_color, "base_color", 4, 1, NULL, NULL, NULL},
+     {"baseColorFactor", nqm_gltf_read_base_color, "base_color", 4, 1, NULL, NULL, NULL, 0, false},
      NUMBER("roughnessFactor", "roughness", 1),
      TEXTURE("baseColorTexture", NULL),
      TEXTURE("metallicRoughnessTexture", NULL)}};
@@ -50,15 +50,16 @@ const nqm_gltf_group nqm_gltf_extensions[NQM_GLTF_N_EXTENSIONS] = {
       TEXTURE("sheenColorTexture", "sheenColorFactor"), TEXTURE("sheenRoughnessTexture", "sheenColorFactor")}},
     {"KHR_materials_transmission",
      NULL,
-     {NQM_RULE_ZERO("transmissionFactor", through), NQM_RULE_IGNORED("transmissionTexture")}},
+     {NQM_RULE_WEIGHT("transmissionFactor", through, NQM_IGNORE_TRANSMISSION),
+      NQM_RULE_IGNORED("transmissionTexture")}},
     {"KHR_materials_diffuse_transmission",
      NULL,
-     {NQM_RULE_ZERO("diffuseTransmissionFactor", through),
+     {NQM_RULE_WEIGHT("diffuseTransmissionFactor", through, NQM_IGNORE_TRANSMISSION),
       NQM_RULE_IGNORED("diffuseTransmissionTexture diffuseTransmissionColorFactor "
                        "diffuseTransmissionColorTexture")}},
     {"KHR_materials_volume",
      NULL,
-     {NQM_RULE_ZERO("thicknessFactor", "light that enters a volume is not part of a BRDF"),
+     {NQM_RULE_ASIDE("thicknessFactor", "light that enters a volume is not part of a BRDF", NQM_IGNORE_TRANSMISSION),
       NQM_RULE_IGNORED("thicknessTexture attenuationDistance attenuationColor")}},
     {"KHR_materials_anisotropy",
      NULL,
@@ -72,7 +73,9 @@ const nqm_gltf_group nqm_gltf_extensions[NQM_GLTF_N_EXTENSIONS] = {
       {"iridescenceThicknessMinimum", nqm_gltf_read_minimum, NULL, 1, 100, NULL, NULL, NULL},
       TEXTURE("iridescenceTexture", "iridescenceFactor"),
       TEXTURE("iridescenceThicknessTexture", "iridescenceFactor")}},
-    {"KHR_materials_dispersion", NULL, {NQM_RULE_ZERO("dispersion", "dispersion is not part of a BRDF in RGB")}},
+    {"KHR_materials_dispersion",
+     NULL,
+     {NQM_RULE_ASIDE("dispersion", "dispersion is not part of a BRDF in RGB", NQM_IGNORE_TRANSMISSION)}},
     {"KHR_materials_emissive_strength", NULL, {NQM_RULE_IGNORED("emissiveStrength")}},
     {.name = "KHR_materials_unlit", .refusal = "a surface without lighting has no BRDF"},
     {.name = "KHR_materials_pbrSpecularGlossiness",

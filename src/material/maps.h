@@ -142,8 +142,9 @@ NQM_MUST_CHECK nqm_status nqm_maps_open(const char *folder_or_spec, nqm_textured
 /** Whether it is one: begins with "maps:", or is a folder. */
 bool nqm_maps_probe(const char *argument);
 
-/** The textured material i of a file; NULL: it is constant, or refused. */
+/** The textured material i of a file; NULL: it is constant, or refused. The same with some properties left out (NQM_IGNORE_...). */
 const nqm_textured *nqm_materials_textured(const nqm_materials *materials, size_t i);
+const nqm_textured *nqm_materials_maps(const nqm_materials *materials, size_t i, unsigned ignored);
 /** Give the last material its maps, or NULL; is_owner: it frees them, else they are those of a material that outlives it. */
 void nqm_materials_attach(nqm_materials *materials, const nqm_textured *textured, bool is_owner);
 

@@ -32,7 +32,25 @@ size_t nqm_materials_count(const nqm_materials *materials) {
 
 nqm_material_info nqm_materials_get(const nqm_materials *materials, size_t i) {
     assert(materials);
-    return materials->list[i].info;
+    nqm_material_info info = materials->list[i].info;
+    info.n_maps = info.ignorable ? 0 : info.n_maps;
+    return info;
+}
+
+/* Whether properties other than the ignored ones refuse the material. */
+static bool is_refused(const nqm_material_info *info, unsigned ignored) {
+    unsigned needed = 0;
+    return info->ignorable && nqm_ignore_parse(info->ignorable, strlen(info->ignorable), &needed) &&
+           (needed & ~ignored);
+}
+
+nqm_material_info nqm_materials_reflecting(const nqm_materials *materials, size_t i, unsigned ignored) {
+    nqm_material_info info = materials->list[i].info;
+    if (!info.ignorable || is_refused(&info, ignored))
+        return nqm_materials_get(materials, i);
+    info.spec = info.reflection;
+    info.refusal = info.spec ? NULL : "image maps change it over the surface, and a BRDF is that of one point";
+    return info;
 }
 
 void nqm_materials_free(nqm_materials *materials) {
@@ -49,7 +67,7 @@ void nqm_materials_free(nqm_materials *materials) {
 }
 
 nqm_status nqm_texts_copy(size_t n, char **const *texts, nqm_error *err) {
-    enum { MAX_TEXTS = 5 };
+    enum { MAX_TEXTS = 7 };
     nqm_array arrays[MAX_TEXTS] = {{.pointer = NULL}};
     char *blocks[MAX_TEXTS];
     assert(n <= MAX_TEXTS);
@@ -76,7 +94,8 @@ nqm_status nqm_materials_add(nqm_materials *materials, const nqm_material_info *
     if (!list)
         return nqm_fail_nomem(err, (materials->n + 1) * sizeof *list);
     materials->list = list;
-    const char **texts[] = {&copy.name, &copy.surface, &copy.spec, &copy.refusal, &copy.remark};
+    const char **texts[] = {&copy.name,   &copy.surface,   &copy.spec,      &copy.refusal,
+                            &copy.remark, &copy.ignorable, &copy.reflection};
     nqm_status status = nqm_texts_copy(sizeof texts / sizeof *texts, (char **const *)texts, err);
     if (status == NQM_OK)
         list[materials->n++] = (struct entry){.info = copy};
@@ -84,7 +103,11 @@ nqm_status nqm_materials_add(nqm_materials *materials, const nqm_material_info *
 }
 
 const nqm_textured *nqm_materials_textured(const nqm_materials *materials, size_t i) {
-    return materials->list[i].textured;
+    return nqm_materials_maps(materials, i, 0);
+}
+
+const nqm_textured *nqm_materials_maps(const nqm_materials *materials, size_t i, unsigned ignored) {
+    return is_refused(&materials->list[i].info, ignored) ? NULL : materials->list[i].textured;
 }
 
 void nqm_materials_attach(nqm_materials *materials, const nqm_textured *textured, bool is_owner) {

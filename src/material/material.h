@@ -55,6 +55,23 @@ enum { NQM_MAX_MATERIALS = 1 << 14 };
 /** Append a material, at most NQM_MAX_MATERIALS; the texts are copied, "" and NULL in `name` become "materialN". One of spec and refusal is NULL. */
 NQM_MUST_CHECK nqm_status nqm_materials_add(nqm_materials *materials, const nqm_material_info *info, nqm_error *err);
 
+/** What a surface does besides reflecting, as a set of bits. */
+enum {
+    NQM_IGNORE_TRANSMISSION = 1,
+    NQM_IGNORE_SUBSURFACE = 2,
+    NQM_IGNORE_EMISSION = 4,
+    NQM_IGNORE_OPACITY = 8,
+    NQM_IGNORE_SIZE = 48 /**< of a text with all words */
+};
+/** The words of a set, "transmission,opacity". Returns text. */
+const char *nqm_ignore_words(unsigned set, char text[NQM_IGNORE_SIZE]);
+/** The set of n characters of words; false: one of them is no such word, or there is none. */
+bool nqm_ignore_parse(const char *words, size_t n, unsigned *set_ret);
+/** Length of "ignore:WORDS:" at the beginning of an argument, 0: it does not begin so; *set_ret: 0 if the words are wrong. */
+size_t nqm_ignore_prefix(const char *argument, unsigned *set_ret);
+/** nqm_materials_get() with the properties of a set ignored: no refusal where they are all that is ignorable. */
+nqm_material_info nqm_materials_reflecting(const nqm_materials *materials, size_t i, unsigned ignored);
+
 /** One file format. */
 typedef struct nqm_material_format {
     const char *name;       /**< "MaterialX" */
@@ -81,7 +98,7 @@ NQM_MATERIAL_FORMATS(NQM_DECLARE_FORMAT)
 
 /** Numbers separated by blanks or commas. Returns their count, 0 when there is anything else or more than max_n. */
 size_t nqm_parse_numbers(const char *text, size_t max_n, double *v);
-/** Replace up to 5 texts by copies in one block, which the first one owns; NULL remains. Unchanged on failure. */
+/** Replace up to 7 texts by copies in one block, which the first one owns; NULL remains. Unchanged on failure. */
 NQM_MUST_CHECK nqm_status nqm_texts_copy(size_t n, char **const *texts, nqm_error *err);
 /** The number of `word` among the words of `words`, which blanks separate; SIZE_MAX: it is none of them. */
 size_t nqm_find_word(const char *words, const char *word, bool any_case);

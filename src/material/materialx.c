@@ -90,7 +90,12 @@ static int64_t byte_of(const nqm_reading *base, const void *property) {
     return ((element *)property)->byte_offset;
 }
 
-static const nqm_rule_source source = {.term = "input", .find = find_input, .read = read_values, .byte_of = byte_of};
+static uint16_t node_of(nqm_reading *base, const nqm_rule *rule, const void *property) {
+    return read_node((reading *)base, rule, property);
+}
+
+static const nqm_rule_source source = {
+    .term = "input", .find = find_input, .read = read_values, .node = node_of, .byte_of = byte_of};
 
 /* ---- a material ---------------------------------------------------------------------------------------------------- */
 
@@ -234,6 +239,28 @@ static void set_defaults(reading *r) {
     }
 }
 
+/* The albedo of subsurface scattering; of a sheet, the part of it that returns to the side of the light. */
+static bool read_subsurface_color(reading *r) {
+    const bool is_open = nqm_texts_equal(r->surface->model, "open-pbr");
+    const nqm_rule color = {.name = "subsurface_color", .n = 3, .type = "color3"};
+    const nqm_rule thin = {.name = is_open ? "geometry_thin_walled" : "thin_walled", .n = 1, .type = "boolean"};
+    const nqm_rule forward = {.name = "subsurface_scatter_anisotropy", .n = 1, .type = "float"};
+    const void *given = find_input(&r->reading, color.name), *sheet = find_input(&r->reading, thin.name);
+    const void *scatter = find_input(&r->reading, forward.name);
+    double v[4] = {0}, g[4] = {0};
+    size_t n;
+    uint16_t node = nqm_graph_number(r->graph.t, is_open ? 0.8 : 1);
+    if (given && (node = read_node(r, &color, given)) == NQM_NO_NODE)
+        return false;
+    if ((sheet && !read_values(&r->reading, &thin, sheet, v, &n)) ||
+        (v[0] != 0 && is_open && scatter && !read_values(&r->reading, &forward, scatter, g, &n)))
+        return false;
+    if (v[0] != 0)
+        node = nqm_graph_with(r->graph.t, NQM_MAP_MULTIPLY, 3, node, is_open ? (1 - g[0]) / 2 : 0);
+    r->reading.subsurface_color = node;
+    return true;
+}
+
 static bool read_shader(reading *r) {
     r->surface = nqm_mtlx_find_surface(r->shader->name, NULL);
     if (!r->surface)
@@ -246,6 +273,8 @@ static bool read_shader(reading *r) {
     for (element *e = r->shader->first; e && ok; e = e->next)
         if (strcmp(e->name, "input") == 0 && nqm_mtlx_has_value(e))
             ok = nqm_rules_apply(&r->reading, nqm_xml_get(e, "name"), e);
+    if (ok && r->reading.weights[1] != NQM_NO_NODE)
+        ok = read_subsurface_color(r);
     return ok && check_coat_normal(r);
 }
 
@@ -281,7 +310,7 @@ static nqm_status add_again(size_t i, element *material, nqm_materials *material
     info.byte_offset = info.spec ? material->byte_offset : info.byte_offset;
     const nqm_status status = nqm_materials_add(materials, &info, err);
     if (status == NQM_OK)
-        nqm_materials_attach(materials, nqm_materials_textured(materials, i), false);
+        nqm_materials_attach(materials, nqm_materials_maps(materials, i, ~0U), false);
     return status;
 }
 

@@ -8,11 +8,14 @@
 
 #define FIRST(X, ...) X
 #define KEY(INDEX, NAME, TYPE, LOW, HIGH, ...)                                                                         \
-    {NAME, nqm_mtlx_read_key, NAME, NQM_KEY_N(TYPE), FIRST(__VA_ARGS__, 0), NULL, NULL, TYPE},
-#define VALUE(NAME, READ, TYPE, DEFAULT, WHY)                                                                          \
-    { NAME, READ, NULL, NQM_KEY_N(TYPE), DEFAULT, WHY, NULL, TYPE }
-#define NEUTRAL(NAME, TYPE, DEFAULT, WHY) VALUE(NAME, nqm_rule_neutral, TYPE, DEFAULT, WHY)
-#define EMISSION(NAME, TYPE)              VALUE(NAME, nqm_mtlx_read_emission, TYPE, 0, emission)
+    {NAME, nqm_mtlx_read_key, NAME, NQM_KEY_N(TYPE), FIRST(__VA_ARGS__, 0), NULL, NULL, TYPE, 0, false},
+#define VALUE(NAME, READ, TYPE, DEFAULT, WHY, IGNORABLE, IS_WEIGHT)                                                    \
+    { NAME, READ, NULL, NQM_KEY_N(TYPE), DEFAULT, WHY, NULL, TYPE, IGNORABLE, IS_WEIGHT }
+#define NEUTRAL(NAME, TYPE, DEFAULT, WHY) VALUE(NAME, nqm_rule_neutral, TYPE, DEFAULT, WHY, 0, false)
+#define OPACITY(NAME, TYPE, DEFAULT)      VALUE(NAME, nqm_rule_neutral, TYPE, DEFAULT, opacity, NQM_IGNORE_OPACITY, false)
+#define TRANSMISSION(NAME)                VALUE(NAME, nqm_rule_neutral, "float", 0, transmission, NQM_IGNORE_TRANSMISSION, true)
+#define SUBSURFACE(NAME, READ, IS_WEIGHT) VALUE(NAME, READ, "float", 0, subsurface, NQM_IGNORE_SUBSURFACE, IS_WEIGHT)
+#define EMISSION(NAME, TYPE)              VALUE(NAME, nqm_mtlx_read_emission, TYPE, 0, emission, NQM_IGNORE_EMISSION, false)
 #define VECTOR(NAME, READ, GATE)                                                                                       \
     { .name = NAME, .read = READ, .gate = GATE }
 #define NORMAL(NAME)              VECTOR(NAME, nqm_mtlx_read_normal, NULL)
@@ -28,10 +31,10 @@ static const char transmission[] = "transmission" NOT_PART, subsurface[] = "subs
                   displacement[] = "displacement" NOT_PART;
 
 static const nqm_rule open_pbr[] = {
-    NQM_OPEN_PBR_KEYS(KEY) NEUTRAL("transmission_weight", "float", 0, transmission),
-    NEUTRAL("subsurface_weight", "float", 0, subsurface),
+    NQM_OPEN_PBR_KEYS(KEY) TRANSMISSION("transmission_weight"),
+    SUBSURFACE("subsurface_weight", nqm_rule_neutral, true),
     EMISSION("emission_luminance", "float"),
-    NEUTRAL("geometry_opacity", "float", 1, opacity),
+    OPACITY("geometry_opacity", "float", 1),
     NORMAL("geometry_normal"),
     COAT_NORMAL("geometry_coat_normal", "coat_weight"),
     TANGENT("geometry_tangent", "specular_roughness_anisotropy"),
@@ -45,10 +48,10 @@ static const nqm_rule open_pbr[] = {
 };
 
 static const nqm_rule standard_surface[] = {
-    NQM_STANDARD_SURFACE_KEYS(KEY) NEUTRAL("transmission", "float", 0, transmission),
-    VALUE("subsurface", nqm_mtlx_read_subsurface, "float", 0, subsurface),
+    NQM_STANDARD_SURFACE_KEYS(KEY) TRANSMISSION("transmission"),
+    SUBSURFACE("subsurface", nqm_mtlx_read_subsurface, true),
     EMISSION("emission", "float"),
-    NEUTRAL("opacity", "color3", 1, opacity),
+    OPACITY("opacity", "color3", 1),
     NORMAL("normal"),
     COAT_NORMAL("coat_normal", "coat"),
     TANGENT("tangent", "specular_anisotropy coat_anisotropy"),
@@ -60,8 +63,8 @@ static const nqm_rule standard_surface[] = {
 };
 
 static const nqm_rule gltf_pbr[] = {
-    NQM_GLTF_KEYS(KEY) NEUTRAL("transmission", "float", 0, transmission),
-    NEUTRAL("alpha_mode", "integer", 0, opacity),
+    NQM_GLTF_KEYS(KEY) TRANSMISSION("transmission"),
+    OPACITY("alpha_mode", "integer", 0),
     EMISSION("emissive", "color3"),
     NORMAL("normal"),
     COAT_NORMAL("clearcoat_normal", "clearcoat"),
@@ -74,7 +77,7 @@ static const nqm_rule gltf_pbr[] = {
 
 static const nqm_rule usd_preview_surface[] = {
     NQM_USD_PREVIEW_KEYS(KEY) EMISSION("emissiveColor", "color3"),
-    NEUTRAL("opacity", "float", 1, opacity),
+    OPACITY("opacity", "float", 1),
     NEUTRAL("displacement", "float", 0, displacement),
     NORMAL("normal"),
     NQM_RULE_IGNORED("opacityMode opacityThreshold"),
@@ -83,8 +86,8 @@ static const nqm_rule usd_preview_surface[] = {
 };
 
 static const nqm_rule disney[] = {
-    NQM_DISNEY_KEYS(KEY) NEUTRAL("specTrans", "float", 0, transmission),
-    NEUTRAL("subsurface", "float", 0, subsurface),
+    NQM_DISNEY_KEYS(KEY) TRANSMISSION("specTrans"),
+    SUBSURFACE("subsurface", nqm_rule_neutral, false),
     NQM_RULE_IGNORED("ior subsurfaceDistance"),
     END,
 };

@@ -278,7 +278,7 @@ static const nqm_bsdf_plugin plugins[] = {
      .rules = {COLOUR("base_color", "base_color"), NUMBER("roughness"), NUMBER("anisotropic"), NUMBER("metallic"),
                OWN("eta", read_eta), OWN("specular", read_specular), NUMBER("spec_tint"), NUMBER("sheen"),
                NUMBER("sheen_tint"), NUMBER("flatness"), NUMBER("clearcoat"), NUMBER("clearcoat_gloss"),
-               NQM_RULE_ZERO("spec_trans", TRANSMITS),
+               NQM_RULE_WEIGHT("spec_trans", TRANSMITS, NQM_IGNORE_TRANSMISSION),
                NQM_RULE_IGNORED(
                    "main_specular_sampling_rate clearcoat_sampling_rate diffuse_reflectance_sampling_rate")}},
     /* Blender's, as doc/blender.py writes it */

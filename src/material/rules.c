@@ -30,8 +30,20 @@ bool nqm_vary(nqm_reading *r, const void *property, const char *format, ...) {
     return true;
 }
 
+bool nqm_set_aside(nqm_reading *r, unsigned ignorable, const void *property, const char *format, ...) {
+    va_list arguments;
+    va_start(arguments, format);
+    give_reason(r, &r->aside, property, format, arguments);
+    va_end(arguments);
+    r->ignorable |= ignorable;
+    return true;
+}
+
 bool nqm_reading_begin(nqm_reading *r, const nqm_rule_source *source) {
-    *r = (nqm_reading){.source = source, .textured = nqm_textured_create()};
+    *r = (nqm_reading){.source = source,
+                       .textured = nqm_textured_create(),
+                       .weights = {NQM_NO_NODE, NQM_NO_NODE},
+                       .subsurface_color = NQM_NO_NODE};
     return r->textured != NULL;
 }
 
@@ -88,22 +100,46 @@ bool nqm_rule_set(nqm_reading *r, const nqm_rule *rule, const void *property) {
     return true;
 }
 
+/* The weight of transmission or subsurface scattering; two of one kind leave what each leaves of the other. */
+static bool add_weight(nqm_reading *r, const nqm_rule *rule, const void *property, uint16_t node) {
+    uint16_t *weight = &r->weights[rule->ignorable == NQM_IGNORE_SUBSURFACE];
+    if (*weight != NQM_NO_NODE)
+        node = nqm_graph_compute(r->textured, NQM_MAP_MIX, 1, *weight, nqm_graph_number(r->textured, 1), node);
+    *weight = node;
+    return node != NQM_NO_NODE || nqm_refuse(r, property, "%s: %s", rule->name, rule->why);
+}
+
+/* A property that is no constant: where maps are read, it can be ignored. */
+static bool neutral_map(nqm_reading *r, const nqm_rule *rule, const void *property) {
+    nqm_reason reason = r->refusal;
+    if (!*reason.text)
+        return false; /* the file is damaged */
+    r->refusal = (nqm_reason){.byte_offset = 0};
+    const uint16_t node = rule->ignorable && r->source->node ? r->source->node(r, rule, property) : NQM_NO_NODE;
+    r->refusal = (nqm_reason){.byte_offset = 0};
+    if (node == NQM_NO_NODE)
+        return nqm_refuse(r, property, "%.300s (%s)", reason.text, rule->why);
+    nqm_set_aside(r, rule->ignorable, property, "%.300s (%s)", reason.text, rule->why);
+    return !rule->is_weight || add_weight(r, rule, property, node);
+}
+
 bool nqm_rule_neutral(nqm_reading *r, const nqm_rule *rule, const void *property) {
-    const size_t n_before = strlen(r->refusal.text);
-    const bool shows = r->source->shows_owner;
+    const bool shows = r->source->shows_owner, was_refused = *r->refusal.text;
+    const char *owner = shows ? r->owner : "", *dot = shows ? "." : "";
     char number[32];
     double v[4];
     size_t n;
-    if (!r->source->read(r, rule, property, v, &n)) {
-        const size_t n_refusal = strlen(r->refusal.text);
-        if (n_refusal > n_before)
-            snprintf(r->refusal.text + n_refusal, sizeof r->refusal.text - n_refusal, " (%s)", rule->why);
-        return false;
+    if (!r->source->read(r, rule, property, v, &n))
+        return !was_refused && neutral_map(r, rule, property);
+    for (size_t c = 0; c < n; ++c) {
+        if (v[c] == rule->value)
+            continue;
+        nqm_format_double(number, sizeof number, v[c]);
+        if (!rule->ignorable)
+            return nqm_refuse(r, property, "%s%s%s is %s: %s", owner, dot, rule->name, number, rule->why);
+        nqm_set_aside(r, rule->ignorable, property, "%s%s%s is %s: %s", owner, dot, rule->name, number, rule->why);
+        return !rule->is_weight || add_weight(r, rule, property, nqm_graph_value(r->textured, 1, v));
     }
-    for (size_t c = 0; c < n; ++c)
-        if (v[c] != rule->value)
-            return nqm_refuse(r, property, "%s%s%s is %s: %s", shows ? r->owner : "", shows ? "." : "", rule->name,
-                              nqm_format_double(number, sizeof number, v[c]), rule->why);
     return true;
 }
 
@@ -123,16 +159,21 @@ nqm_status nqm_reading_add(nqm_reading *r, const char *name, const char *surface
     nqm_textured *t = r->textured;
     if (!t)
         return nqm_fail_nomem(err, sizeof *t);
+    if (!*r->refusal.text && r->ignorable)
+        nqm_reading_reflect(r);
     const bool is_refused = *r->refusal.text, varies = !is_refused && (t->n_outputs || t->normal != NQM_NO_NODE);
-    const bool has_brdf = !is_refused && !varies;
-    const nqm_reason *reason = is_refused ? &r->refusal : &r->varies;
-    char *spec = has_brdf && !r->file ? nqm_shading_spec(&r->shading) : NULL;
+    const bool has_brdf = !is_refused && !varies, is_aside = !is_refused && r->ignorable;
+    const nqm_reason *reason = is_refused ? &r->refusal : is_aside ? &r->aside : &r->varies;
+    char *spec = has_brdf && !r->file ? nqm_shading_spec(&r->shading) : NULL, words[NQM_IGNORE_SIZE];
+    const char *brdf = has_brdf && r->file ? r->file : spec;
     const nqm_material_info info = {.name = name,
                                     .surface = surface,
-                                    .spec = has_brdf && r->file ? r->file : spec,
-                                    .refusal = has_brdf ? NULL : reason->text,
+                                    .spec = is_aside ? NULL : brdf,
+                                    .refusal = has_brdf && !is_aside ? NULL : reason->text,
                                     .remark = is_refused || r->file ? NULL : r->shading.remark,
-                                    .byte_offset = has_brdf ? byte_offset : reason->byte_offset};
+                                    .byte_offset = has_brdf && !is_aside ? byte_offset : reason->byte_offset,
+                                    .ignorable = is_aside ? nqm_ignore_words(r->ignorable, words) : NULL,
+                                    .reflection = is_aside ? brdf : NULL};
     nqm_status status =
         info.spec || info.refusal ? nqm_materials_add(materials, &info, err) : nqm_fail_nomem(err, sizeof r->shading);
     if (status == NQM_OK && varies) {

@@ -24,6 +24,10 @@ struct nqm_rule {
     const char *why;  /**< nqm_rule_neutral(): why other values are refused */
     const char *gate; /**< the property has no effect where those of these names are 0; NULL: it always has */
     const char *type; /**< of the values in the file, in formats that name it */
+    unsigned
+        ignorable; /**< nqm_rule_neutral(): what other values mean, NQM_IGNORE_...; the material is refused unless that is ignored */
+    bool
+        is_weight; /**< of the transmission or subsurface scattering, which takes the place of the diffuse reflection */
 };
 
 /** Set the key of the shading. */
@@ -42,6 +46,10 @@ nqm_rule_read nqm_rule_later;
     { .name = (NAME), .read = nqm_rule_later }
 #define NQM_RULE_ZERO(NAME, WHY)                                                                                       \
     { .name = (NAME), .read = nqm_rule_neutral, .n = 1, .why = (WHY) }
+#define NQM_RULE_WEIGHT(NAME, WHY, IGNORABLE)                                                                          \
+    { .name = (NAME), .read = nqm_rule_neutral, .n = 1, .why = (WHY), .ignorable = (IGNORABLE), .is_weight = true }
+#define NQM_RULE_ASIDE(NAME, WHY, IGNORABLE)                                                                           \
+    { .name = (NAME), .read = nqm_rule_neutral, .n = 1, .why = (WHY), .ignorable = (IGNORABLE) }
 
 /** What a file format implements. */
 typedef struct nqm_rule_source {
@@ -51,6 +59,8 @@ typedef struct nqm_rule_source {
     const void *(*find)(nqm_reading *r, const char *name);
     /** The numbers of a property: *n is rule->n, or 1 if the format allows a number for a colour. false: refused. */
     bool (*read)(nqm_reading *r, const nqm_rule *rule, const void *property, double v[4], size_t *n);
+    /** The node of a property, or NQM_NO_NODE; NULL: its properties are constant. */
+    uint16_t (*node)(nqm_reading *r, const nqm_rule *rule, const void *property);
     /** The position of a property in the file. */
     int64_t (*byte_of)(const nqm_reading *r, const void *property);
 } nqm_rule_source;
@@ -72,6 +82,10 @@ struct nqm_reading {
     nqm_textured
         *textured; /**< what is computed; the material varies over the surface if that has outputs or a normal */
     nqm_reason refusal, varies;
+    unsigned ignorable;        /**< NQM_IGNORE_... of properties that refuse the material unless they are ignored */
+    nqm_reason aside;          /**< the first of these */
+    uint16_t weights[2];       /**< nodes of the weights of transmission and subsurface scattering; NQM_NO_NODE: none */
+    uint16_t subsurface_color; /**< albedo of the subsurface scattering; NQM_NO_NODE: that of the base */
 };
 
 /** Begin to read a material; false: memory is short, and nqm_reading_add() will fail. */
@@ -80,6 +94,11 @@ NQM_MUST_CHECK bool nqm_reading_begin(nqm_reading *r, const nqm_rule_source *sou
 __attribute__((format(printf, 3, 4))) bool nqm_refuse(nqm_reading *r, const void *property, const char *format, ...);
 /** Say, if it is the first one, which property varies over the surface, so that the material has no BRDF; true. */
 __attribute__((format(printf, 3, 4))) bool nqm_vary(nqm_reading *r, const void *property, const char *format, ...);
+/** Say which property refuses the material unless `ignorable` is ignored; true. */
+__attribute__((format(printf, 4, 5))) bool nqm_set_aside(nqm_reading *r, unsigned ignorable, const void *property,
+                                                         const char *format, ...);
+/** Let the diffuse reflection of the shading and its maps be what transmission and subsurface scattering leave of it (ignore.c). */
+void nqm_reading_reflect(nqm_reading *r);
 /** Apply the rule for a property; false: the material is refused. */
 bool nqm_rules_apply(nqm_reading *r, const char *name, const void *property);
 /** The rule for a name, or NULL. */

@@ -69,6 +69,28 @@ void nqm_transport_light_gradient(const nqm_transport *transport, const nqm_labe
 void nqm_transport_gradient(const nqm_transport *transport, size_t n, const nqm_sample_pair *pairs,
                             const float *by_light, float *gradient);
 
+/** Pictures of n BRDFs by the transport matrix of a model, of which any two are compared without their samples. */
+typedef struct nqm_gallery nqm_gallery;
+/** pictures: those of another gallery of the model, which must outlive this one; NULL: they are drawn, first all 0. NQM_ERR_MODEL (the
+ *  model, which must outlive it, has no transport matrix), NQM_ERR_NOMEM. */
+NQM_MUST_CHECK nqm_status nqm_gallery_create(const nqm_model *model, size_t n, const float *pictures,
+                                             nqm_gallery **gallery_ret, nqm_error *err);
+void nqm_gallery_free(nqm_gallery *gallery);
+/** Floats of a picture. */
+size_t nqm_gallery_size(const nqm_model *model);
+/** The pictures (n, nqm_gallery_size()). */
+const float *nqm_gallery_pictures(const nqm_gallery *gallery);
+/** Draw pictures [first, first + n) on all threads. samples: (n) of the directions of the model (n_directions, 3). */
+void nqm_gallery_draw(nqm_gallery *gallery, size_t first, size_t n, const float *const *samples);
+/** Estimate the JODs (n) of picture a next to pictures [first, first + n) of a gallery of the same model, or, if they are seen apart, upper
+ *  bounds of the similarity: the difference of the samples on a log scale is not known. Any thread. */
+void nqm_gallery_jods(const nqm_gallery *gallery, size_t a, const nqm_gallery *with, size_t first, size_t n,
+                      bool is_apart, float *jod);
+/** Open, sample and draw n <= 2 NQM_SCORE_BLOCK BRDFs as pictures [first, first + n); the samples stay in the cache of the scorer. errors
+ *  (n): of BRDFs that cannot be sampled, whose pictures mean nothing; else NQM_OK. Returns NQM_OK or NQM_ERR_NOMEM. */
+NQM_MUST_CHECK nqm_status nqm_scorer_draw(nqm_scorer *scorer, size_t n, const char *const *names, nqm_gallery *gallery,
+                                          size_t first, nqm_error *errors, nqm_error *err);
+
 /** What depends only on the directions in sums over them, for many pairs. The directions must outlive it. Any thread. */
 typedef struct nqm_sum_plan nqm_sum_plan;
 NQM_MUST_CHECK nqm_status nqm_sum_plan_create(const nqm_directions *directions, nqm_sum_plan **plan_ret,

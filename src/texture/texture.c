@@ -295,7 +295,7 @@ nqm_status nqm_texture_open(const char *argument, nqm_progress_fn progress, void
         status = nqm_maps_open(argument, &t->owned, err);
     else
         status = nqm_brdf_find_textured(argument, &t->materials, &index, err);
-    t->maps = t->materials ? nqm_materials_textured(t->materials, index) : t->owned;
+    t->maps = t->materials ? nqm_materials_maps(t->materials, index, ~0U) : t->owned;
     if (status == NQM_OK)
         status = t->maps ? finish(t, &ticker, err) : open_constant(t, err);
     return keep(t, status, texture_ret);

@@ -31,6 +31,13 @@ cat >paints.mtlx <<END
   </surfacematerial>
 </materialx>
 END
+cat >glass.gltf <<END
+{"asset": {"version": "2.0"}, "materials": [
+{"name": "bottle", "pbrMetallicRoughness": {"metallicFactor": 0, "baseColorFactor": [0.2, 0.5, 0.3, 1]},
+ "extensions": {"KHR_materials_transmission": {"transmissionFactor": 0.9}}},
+{"name": "window", "pbrMetallicRoughness": {"metallicFactor": 0, "baseColorFactor": [1, 1, 1, 0.1]}, "alphaMode": "BLEND",
+ "extensions": {"KHR_materials_transmission": {"transmissionFactor": 1}}}]}
+END
 python3 "$NQM_SOURCE/examples/maps.py" .
 cat >bunny.ply <<END
 ply

@@ -178,7 +178,7 @@ MUTATIONS = [
     ("src/material/materialx.c", "v[c] = fmax(v[c], 0);", "v[c] = fabs(v[c]);", "test_material_materialx"),
     ("src/material/materialx.c", "if (!(v[0] > 0) &&", "if (!(v[0] >= 0) &&", "test_material_materialx"),
     ("src/material/surface_keys.h", 'X(FUZZ_ROUGHNESS, "fuzz_roughness", "float", 0, 1, 0.5)', 'X(FUZZ_ROUGHNESS, "fuzz_roughness", "float", 0, 1, 0.3)', "test_material_definitions"),
-    ("src/material/rules.c", "if (v[c] != rule->value)", "if (v[0] != rule->value)", "test_material_materialx"),
+    ("src/material/rules.c", "if (v[c] == rule->value)", "if (v[0] == rule->value)", "test_material_materialx"),
     ("src/material/rules.c", "(rule->gate && is_off(r, rule->gate))", "(rule->gate != NULL)", "test_material_materialx"),
     ("src/material/rules.c", "r->given |= bit;", "r->given = bit >> 1;", "test_material_materialx test_material_pbrt"),
     ("presets/metals.txt", "Rh: 2.5857954933, 1.8601866068, 1.5544279524", "Rh: 2.5857954933, 1.8061866068, 1.5544279524", "test_material_mitsuba"),

@@ -210,6 +210,24 @@ class Metrics(unittest.TestCase):
                 nqm.batch(folder + "/other.csv")
             self.assertEqual(caught.exception.code, 4)
 
+    def test_ignored(self):
+        with tempfile.TemporaryDirectory() as folder:
+            path = folder + "/glass.gltf"
+            with open(path, "w") as file:
+                json.dump({"asset": {"version": "2.0"}, "materials": [{
+                    "name": "glass", "pbrMetallicRoughness": {"metallicFactor": 0},
+                    "extensions": {"KHR_materials_transmission": {"transmissionFactor": 0.5}}}]}, file)
+            (material,) = nqm.materials(path)
+            self.assertEqual((material.spec, material.ignorable), (None, "transmission"))
+            self.assertIn("base_color=0.5", material.reflection)
+            with self.assertRaisesRegex(nqm.Error, "--ignore transmission"):
+                nqm.BRDF.open(path)
+            brdf = nqm.BRDF.open(path, ignore="transmission,opacity")
+            self.assertEqual(nqm.score(brdf, "ignore:transmission:" + path).jod, 10)
+            self.assertEqual(nqm.Material.open(path, ignore="transmission").info.model, "gltf")
+            with self.assertRaises(nqm.Error):
+                nqm.BRDF.open(path, ignore="glass")
+
     def test_batch_of_materials(self):
         with tempfile.TemporaryDirectory() as folder:
             old, new = folder + "/old.gltf", folder + "/new.gltf"

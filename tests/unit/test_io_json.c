@@ -133,6 +133,7 @@ static void no_list_of_sizes_lacks_one(void **state) {
 static void no_remark_of_the_tool_is_missing(void **state) {
     (void)state;
     const remark_terms terms = {.n_directions = 10};
+    const nqm_named_pair pair = {"ref", "test"};
     const nqm_score_result result = {.n_clamped[0] = 1, .n_invalid[1] = 2, .novelty = 2, .jod_high = 1};
     int code = EXIT_LIMIT;
     for (long n = 0; code == EXIT_LIMIT; ++n) {
@@ -141,7 +142,7 @@ static void no_remark_of_the_tool_is_missing(void **state) {
         if (child == 0) {
             stop_without_json_memory();
             countdown = n;
-            _exit(json_array_size(json_remarks(&terms, "ref", "test", &result)) == 3 ? EXIT_OK : EXIT_FAILURE);
+            _exit(json_array_size(json_remarks(&terms, &pair, "ref", "test", &result)) == 3 ? EXIT_OK : EXIT_FAILURE);
         }
         int state_of_child;
         assert_int_equal(waitpid(child, &state_of_child, 0), child);

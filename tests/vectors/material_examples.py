@@ -16,6 +16,9 @@ NEUTRAL = {
     "UsdPreviewSurface": "emissiveColor opacity displacement",
     "disney_principled": "specTrans subsurface",
 }
+# those among them that refuse a material only if it is not ignored (--ignore): others are named first
+IGNORABLE = "transmission subsurface emission emissive emissiveColor opacity alpha_mode specTrans " \
+            "transmission_weight subsurface_weight emission_luminance geometry_opacity"
 # inputs that a BRDF needs as numbers, by the beginning of their names
 NEEDED = {
     "open_pbr_surface": "base_ specular_ fuzz_ coat_ thin_film_",
@@ -43,7 +46,7 @@ def is_procedural(root, i):
 def verdict(root, shader, space, defaults):
     """The first input that refuses the material or, if none does, varies; and whether it is textured."""
     kind = shader.tag
-    varies = None
+    varies = aside = None
     value = {i.get("name"): i.get("value", "") for i in shader.iter("input")}
     connected = lambda i: i.get("nodename") or i.get("nodegraph")
     for i in shader.iter("input"):
@@ -56,7 +59,9 @@ def verdict(root, shader, space, defaults):
         if name in IGNORED.split() and connected(i):
             continue
         if name in NEUTRAL[kind].split() and (connected(i) or numbers(i.get("value")) != numbers(defaults[kind][name])):
-            return name, 0
+            if name not in IGNORABLE.split():
+                return name, 0
+            aside = aside or name
         if "tangent" in name and any(numbers(v) != [0] for k, v in value.items() if "anisotrop" in k):
             return name, 0
         if not any(name.startswith(n) for n in NEEDED[kind].split()):
@@ -69,6 +74,8 @@ def verdict(root, shader, space, defaults):
         if i.get("type") == "color3" and space == "acescg":
             if min(sum(m * x for m, x in zip(row, numbers(i.get("value")))) for row in AP1) < -1e-3:
                 return name, 0
+    if aside:
+        return aside, 0
     return (varies, 1) if varies else ("accepted", 0)
 
 

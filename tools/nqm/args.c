@@ -4,6 +4,7 @@
  * them.
  */
 #include "base/names.h"
+#include "metric/metric.h"
 #include "nqm/help.h"
 
 #include <stdlib.h>
@@ -171,6 +172,18 @@ size_t choose_first(const command *cmd, const char *word) {
     stop(EXIT_USAGE, "there is no '%s'%s; choose one of: %s", word, nearest.advice, known);
 }
 
+/* Verbs that score say what is ignored in their remarks. */
+static void take_reflections(const command *cmd, int n, char **argv) {
+    for (int i = 0; ignored_words && i < n; ++i) {
+        const char *argument = reflecting(argv[i]);
+        char text[200];
+        if (argument != argv[i] && cmd->table != &nqm_score_option_table &&
+            describe_ignored(argument + name_length(argument) + (name_length(argument) > 0), text, sizeof text))
+            report(EXIT_OK, "%s: %s", argv[i], text);
+        argv[i] = (char *)(uintptr_t)argument;
+    }
+}
+
 int parse_arguments(const command *cmd, int argc, char **argv) {
     if (help_printer_now)
         help_printer_now(cmd);
@@ -220,5 +233,6 @@ int parse_arguments(const command *cmd, int argc, char **argv) {
         usage_error(cmd, "too many arguments, beginning with: ", argv[max]);
     check_needed(cmd);
     check_outputs(cmd);
+    take_reflections(cmd, n, argv);
     return n;
 }

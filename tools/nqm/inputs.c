@@ -7,6 +7,7 @@
 #include "brdf/formats/listed.h"
 #include "fit/match.h"
 #include "fit/open.h"
+#include "material/material.h"
 #include "nqm/textured.h"
 #include "nqm/tool.h"
 #include "render/render.h"
@@ -216,6 +217,8 @@ bool is_file(const char *path) {
 }
 
 const char *member_name(const char *argument) {
+    unsigned ignored;
+    argument += nqm_ignore_prefix(argument, &ignored);
     const char *colon = is_file(argument) || nqm_spec_probe(argument) ? NULL : strrchr(argument, ':');
     return colon ? colon + 1 : NULL;
 }
@@ -251,6 +254,61 @@ const nqm_materials *parsed_materials(const char *path) {
     last[0] = *other;
     *other = first;
     return last[0].materials;
+}
+
+/* ---- what materials do besides reflecting ------------------------------------------------------------------------ */
+
+const char *ignored_words;
+
+bool find_material(const char *argument, nqm_material_info *info) {
+    static const size_t only[] = {0};
+    unsigned ignored;
+    argument += nqm_ignore_prefix(argument, &ignored);
+    const char *name = member_name(argument);
+    char *path = strndup(argument, name ? (size_t)(name - argument) - 1 : strlen(argument));
+    if (!path)
+        stop(EXIT_LIMIT, "out of memory");
+    const nqm_materials *materials = is_file(path) ? parsed_materials(path) : NULL;
+    size_t n = materials && nqm_materials_count(materials) == 1;
+    const size_t *found = materials && name ? nqm_materials_named(materials, name, &n) : only;
+    free(path);
+    if (n == 1)
+        *info = nqm_materials_reflecting(materials, found[0], ignored);
+    return n == 1;
+}
+
+unsigned ignored_set(void) {
+    unsigned ignored = 0;
+    if (ignored_words && !nqm_ignore_parse(ignored_words, strlen(ignored_words), &ignored))
+        stop(EXIT_USAGE, "--ignore is a list with commas of transmission, subsurface, emission and opacity, not '%s'",
+             ignored_words);
+    return ignored;
+}
+
+const char *reflecting(const char *argument) {
+    unsigned needed;
+    nqm_material_info info;
+    const unsigned ignored = ignored_set();
+    if (!ignored)
+        return argument;
+    const size_t n_name = name_length(argument), at = n_name ? n_name + 1 : 0;
+    if (nqm_spec_probe(argument + at) || nqm_ignore_prefix(argument + at, &needed) ||
+        !find_material(argument + at, &info) || !info.ignorable ||
+        !nqm_ignore_parse(info.ignorable, strlen(info.ignorable), &needed) || (needed & ~ignored))
+        return argument;
+    const size_t n = strlen(argument) + strlen("ignore::") + strlen(info.ignorable) + 1;
+    char *text = allocate(n, 1);
+    snprintf(text, n, "%.*signore:%s:%s", (int)at, argument, info.ignorable, argument + at);
+    return text;
+}
+
+bool describe_ignored(const char *argument, char *text, size_t n) {
+    char words[NQM_IGNORE_SIZE];
+    unsigned ignored;
+    if (!nqm_ignore_prefix(argument, &ignored))
+        return false;
+    snprintf(text, n, "only what reflects is taken: %s ignored", nqm_ignore_words(ignored, words));
+    return true;
 }
 
 bool is_folder(const char *path) {

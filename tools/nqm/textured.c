@@ -6,24 +6,9 @@
 
 #include "material/maps.h"
 
-#include <stdlib.h>
-#include <string.h>
-
 bool is_textured(const char *argument) {
-    const char *name = member_name(argument);
-    char *path = strdup(argument);
-    if (!path)
-        stop(EXIT_LIMIT, "out of memory");
-    if (name)
-        path[name - argument - 1] = 0;
-    const nqm_materials *materials = is_file(path) ? parsed_materials(path) : NULL;
-    size_t n_found = materials && nqm_materials_count(materials) == 1, first = 0;
-    if (materials && name) {
-        const size_t *found = nqm_materials_named(materials, name, &n_found);
-        first = n_found == 1 ? found[0] : 0;
-    }
-    free(path);
-    return nqm_maps_probe(argument) || (n_found == 1 && nqm_materials_get(materials, first).n_maps > 0);
+    nqm_material_info info;
+    return nqm_maps_probe(argument) || (find_material(argument, &info) && info.n_maps > 0);
 }
 
 nqm_status explain_texture(const char *argument, nqm_status status, nqm_error *err) {

@@ -72,6 +72,14 @@ typedef struct option_words {
         "metric", 0, OPTION_TEXT, (target), "MODEL", "the same; a scalar metric is no model (score --metrics)", 0, 0   \
     }
 
+/** --ignore: what of materials is left out; NULL: nothing. parse_arguments() applies reflecting() to all arguments. */
+extern const char *ignored_words;
+#define OPTION_ROW_IGNORE                                                                                              \
+    {                                                                                                                  \
+        "ignore", 0, OPTION_TEXT, &ignored_words, "LIST",                                                              \
+            "take what reflects of materials that do more: any of transmission,subsurface,emission,opacity", 0, 0      \
+    }
+
 /** A verb; its name is that of set_verb(). */
 typedef struct command {
     const char *usage;   /* after the name: "REF TEST... [options]" */
@@ -139,6 +147,15 @@ bool is_folder(const char *path);
 bool is_file(const char *path);
 /** NAME of an argument "FILE:NAME"; NULL: it has none. */
 const char *member_name(const char *argument);
+/** The material of an argument "FILE" or "FILE:NAME", with what "ignore:WORDS:" before it ignores; false: it is none. */
+bool find_material(const char *argument, nqm_material_info *info);
+/** NQM_IGNORE_... of --ignore; stops at other words. */
+unsigned ignored_set(void);
+/** The argument, or the name before it, with "ignore:WORDS:" before its file if it is a material that --ignore makes a BRDF or texture of;
+ *  valid to the end of the program. */
+const char *reflecting(const char *argument);
+/** What such a prefix means, for people; false: the argument has none. */
+bool describe_ignored(const char *argument, char *text, size_t n);
 /** The materials of a file of several materials; NULL: the argument is another BRDF, or no file. Free with nqm_materials_free(). */
 nqm_materials *open_library(const char *argument);
 /** The materials of a file; NULL: it is another file, or a damaged one. They are valid until the second next call with another path. */
@@ -312,6 +329,8 @@ int cmd_calibrate(int argc, char **argv);
 int cmd_check(int argc, char **argv);
 int cmd_convert(int argc, char **argv);
 int cmd_dataset(int argc, char **argv);
+int cmd_dedup(int argc, char **argv);
+int cmd_diff(int argc, char **argv);
 int cmd_directions(int argc, char **argv);
 int cmd_doctor(int argc, char **argv);
 int cmd_eval(int argc, char **argv);
@@ -321,6 +340,7 @@ int cmd_info(int argc, char **argv);
 int cmd_label(int argc, char **argv);
 int cmd_learn(int argc, char **argv);
 int cmd_models(int argc, char **argv);
+int cmd_nearest(int argc, char **argv);
 int cmd_plot(int argc, char **argv);
 int cmd_rank(int argc, char **argv);
 int cmd_regress(int argc, char **argv);

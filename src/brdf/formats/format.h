@@ -12,6 +12,7 @@ typedef struct nqm_brdf_argument {
     const char *name;      /**< the whole argument, which becomes the name of the BRDF */
     const char *member;    /**< MEMBER: which of several BRDFs, or a setting of the reader; NULL: "FILE" */
     nqm_brdf_opener *open; /**< opens another BRDF that the file names */
+    unsigned ignored;      /**< of a material: NQM_IGNORE_... */
 } nqm_brdf_argument;
 
 /** The opener of nqm_brdf_open(): `name` becomes the name of the BRDF. */

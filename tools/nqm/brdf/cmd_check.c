@@ -165,7 +165,8 @@ static int check_one(const char *argument, uint64_t seed, json_t *results) {
 static bool json;
 static uint64_t seed = 1;
 
-static const option options[] = {{"json", 0, OPTION_FLAG, &json, NULL, "print JSON", 0, 0},
+static const option options[] = {OPTION_ROW_IGNORE,
+                                 {"json", 0, OPTION_FLAG, &json, NULL, "print JSON", 0, 0},
                                  {"seed", 0, OPTION_COUNT, &seed, "N", "seed of the random directions", 0, 0},
                                  {0}};
 

@@ -23,6 +23,7 @@ static const option options[] = {
      "merl",
      0, 0},
     {"json", 0, OPTION_FLAG, &json, NULL, "print JSON", 0, 0},
+    OPTION_ROW_IGNORE,
     {0}};
 
 static const command cmd = {

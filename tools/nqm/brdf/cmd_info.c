@@ -3,6 +3,7 @@
  * nqm info - prints what a BRDF, model, dataset or material file contains; `nqm info list` prints the names of the presets.
  */
 #include "io/io.h"
+#include "material/material.h"
 #include "nqm/textured.h"
 #include "nqm/tool.h"
 #include <nqm/material.h>
@@ -63,14 +64,15 @@ static int print_materials(const char *path, const nqm_materials *materials, boo
     json_t *list = json_array();
     size_t n_accepted = 0;
     for (size_t i = 0; i < nqm_materials_count(materials); ++i) {
-        const nqm_material_info info = nqm_materials_get(materials, i);
+        const nqm_material_info info = nqm_materials_reflecting(materials, i, ignored_set());
         nqm_error err = {0};
         const char *refusal = info.n_maps ? NULL : obstacle(&info, &err);
         n_accepted += !refusal;
-        json_array_append_new(list, json_pack("{s:o,s:s,s:o,s:o,s:I,s:o,s:I}", "name", json_name(info.name), "surface",
-                                              info.surface, "spec", json_text(refusal ? NULL : info.spec), "refusal",
-                                              json_text(refusal), "n_maps", (json_int_t)info.n_maps, "remark",
-                                              json_text(info.remark), "byte_offset", (json_int_t)info.byte_offset));
+        json_array_append_new(list, json_pack("{s:o,s:s,s:o,s:o,s:I,s:o,s:I,s:o}", "name", json_name(info.name),
+                                              "surface", info.surface, "spec", json_text(refusal ? NULL : info.spec),
+                                              "refusal", json_text(refusal), "n_maps", (json_int_t)info.n_maps,
+                                              "remark", json_text(info.remark), "byte_offset",
+                                              (json_int_t)info.byte_offset, "ignorable", json_text(info.ignorable)));
     }
     json_t *members = json_pack("{s:s,s:o,s:I,s:I}", "kind", "materials", "name", json_name(path), "n_materials",
                                 (json_int_t)json_array_size(list), "accepted", (json_int_t)n_accepted);
@@ -84,18 +86,20 @@ static int print_materials(const char *path, const nqm_materials *materials, boo
     json_array_foreach(list, i, entry) {
         const char *refusal = json_string_value(json_object_get(entry, "refusal"));
         const char *remark = json_string_value(json_object_get(entry, "remark"));
-        const char *why = refusal ? refusal : remark;
+        const char *why = refusal ? refusal : remark,
+                   *ignorable = json_string_value(json_object_get(entry, "ignorable"));
         const json_int_t n_maps = json_integer_value(json_object_get(entry, "n_maps"));
         char maps[40] = "";
         if (n_maps)
             snprintf(maps, sizeof maps, "texture of %lld image%s%s", (long long)n_maps, n_maps > 1 ? "s" : "",
                      why ? ": " : "");
-        printf("%s  %s  %s%s%s\n", shown(json_string_value(json_object_get(entry, "name"))),
+        printf("%s  %s  %s%s%s%s%s%s\n", shown(json_string_value(json_object_get(entry, "name"))),
                json_string_value(json_object_get(entry, "surface")),
                refusal            ? "refused: "
                : remark || n_maps ? "accepted: "
                                   : "accepted",
-               maps, why ? shown(why) : "");
+               maps, why ? shown(why) : "", ignorable ? refusal ? "; accepted with --ignore " : ": without " : "",
+               ignorable ? ignorable : "", ignorable && !refusal ? ", only what reflects" : "");
     }
     json_decref(list);
     return EXIT_OK;
@@ -192,7 +196,7 @@ static int print_presets(const char *word, bool json) {
 
 static bool json;
 
-static const option options[] = {{"json", 0, OPTION_FLAG, &json, NULL, "print JSON", 0, 0}, {0}};
+static const option options[] = {OPTION_ROW_IGNORE, {"json", 0, OPTION_FLAG, &json, NULL, "print JSON", 0, 0}, {0}};
 
 static const command cmd = {
     .usage = "FILE|SPEC|list [WORD] [options]",

@@ -82,6 +82,7 @@ static const option options[] = {
      "write a MAT v5 file in the authors' layout instead: r, g, b, random_locations", 0, 0},
     {"csv", 0, OPTION_FORMAT, &format, NULL, "print CSV (this is the default)", FORMAT_CSV, 0},
     {"json", 0, OPTION_FORMAT, &format, NULL, "print JSON", FORMAT_JSON, 0},
+    OPTION_ROW_IGNORE,
     {0}};
 
 static const command cmd = {

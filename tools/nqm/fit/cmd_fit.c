@@ -324,6 +324,7 @@ static const option options[] = {
     {"verbose", 0, OPTION_FLAG, &verbose, NULL, "print all results of each fit", 0, 0},
     {"quiet", 'q', OPTION_FLAG, &quiet, NULL, "print specs and paths only", 0, 0},
     {"json", 0, OPTION_FLAG, &json, NULL, "print the result as JSON", 0, 0},
+    OPTION_ROW_IGNORE,
     {0}};
 
 static const command cmd = {

@@ -57,8 +57,9 @@ static void add_item(translation *t, const char *file, const char *material) {
     item *it = &t->items[t->n++];
     const int used = material ? snprintf(it->argument, MAX_TEXT, "%s:%s", file, material)
                               : snprintf(it->argument, MAX_TEXT, "%s", file);
-    if (used < 0 || used >= MAX_TEXT)
+    if (used < 0 || used >= MAX_TEXT || strlen(reflecting(it->argument)) >= MAX_TEXT)
         stop(EXIT_USAGE, "%.80s...: the argument is too long", file);
+    strcpy(it->argument, reflecting(it->argument));
 }
 
 /* A file with several materials becomes an item for each of them. */
@@ -390,6 +391,7 @@ static const option options[] = {
     {"report", 0, OPTION_TEXT, &page, "FILE.html", "write a page with pictures, of one material", 0, 0},
     OPTION_ROWS_GATE(&t.gate),
     {"json", 0, OPTION_FLAG, &json, NULL, "print the result as JSON", 0, 0},
+    OPTION_ROW_IGNORE,
     {0}};
 
 static option_words target_words[] = {{"to", NULL}, {0}};

@@ -62,6 +62,7 @@ static const option options[] = {
     {"quiet", 'q', OPTION_FORMAT, &run.format, NULL, "print the JODs only, one per line", FORMAT_QUIET, 0},
     OPTION_ROWS_VIEW(&view),
     OPTION_ROW_SIZE(&scene, "pixels of a frame, if it is to be a picture (with a figure: 256 for all frames together)"),
+    OPTION_ROW_IGNORE,
     {0}};
 
 static const command cmd = {

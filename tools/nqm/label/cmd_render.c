@@ -122,6 +122,7 @@ static const option options[] = {
     {"json", 0, OPTION_FLAG, &run.json, NULL, "print JSON", 0, 0},
     OPTION_ROWS_VIEW(&view),
     OPTION_ROW_SIZE(&scene, "pixels of a frame"),
+    OPTION_ROW_IGNORE,
     {0}};
 
 static const command cmd = {

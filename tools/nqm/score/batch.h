@@ -131,5 +131,8 @@ batch_summary make_batch_summary(const batch_form *form, const char *list_name, 
 void print_batch_junit(const batch_summary *summary, FILE *out);
 /** A table in Markdown, worst first. */
 void print_batch_markdown(const batch_summary *summary, FILE *out);
+/** Write one of them to a file; path NULL: nothing. */
+void write_batch_summary(const batch_summary *summary, const char *path,
+                         void (*print)(const batch_summary *summary, FILE *out));
 
 #endif

@@ -78,8 +78,8 @@ static void add_measured(json_t *files, const char *path) {
         parsed_materials(path); /* NULL: another kind of file, or a broken one, which scoring reports */
     for (size_t i = 0; materials && i < nqm_materials_count(materials); ++i) {
         const nqm_material_info info = nqm_materials_get(materials, i);
-        if (nqm_materials_textured(materials, i))
-            add_images(files, nqm_materials_textured(materials, i));
+        if (nqm_materials_maps(materials, i, ~0U))
+            add_images(files, nqm_materials_maps(materials, i, ~0U));
         if (!info.spec || nqm_spec_probe(info.spec))
             continue;
         char *measured = nqm_path_beside(path, info.spec);
@@ -93,6 +93,10 @@ static void add_measured(json_t *files, const char *path) {
 /* The file of an argument: all of it, or what is before the last colon. */
 static void add_path(json_t *files, const char *argument, size_t n) {
     char path[4096];
+    unsigned ignored;
+    const size_t n_prefix = nqm_ignore_prefix(argument, &ignored);
+    argument += n_prefix;
+    n -= nqm_smaller(n, n_prefix);
     if (n == 0 || n >= sizeof path)
         return;
     memcpy(path, argument, n);

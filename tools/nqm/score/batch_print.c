@@ -166,7 +166,7 @@ void print_batch_head(const batch_form *form, FILE *out) {
 
 void print_batch_row(const batch_form *form, FILE *out, size_t row, const nqm_score_result *result,
                      const nqm_error *err) {
-    json_t *warnings = json_remarks(&form->terms, "reference", "test", result);
+    json_t *warnings = json_remarks(&form->terms, &form->list->pair[row], "reference", "test", result);
     if (form->format == BATCH_CSV)
         print_csv_row(form, out, row, result, err, warnings);
     else
@@ -191,7 +191,7 @@ batch_note make_batch_note(const batch_form *form, size_t row, const nqm_score_r
     batch_note note = {r->jod, r->jod_low, r->jod_high, r->delta_e, r->novelty, .is_identical = r->identical};
     note.is_scored = r->status == NQM_OK;
     note.is_skipped = !note.is_scored && has_same_refusal(&form->list->pair[row]);
-    json_t *remarks = json_remarks(&form->terms, "reference", "test", r);
+    json_t *remarks = json_remarks(&form->terms, &form->list->pair[row], "reference", "test", r);
     if (!note.is_scored)
         note.remark = strdup(err->message);
     else if (json_array_size(remarks))

@@ -107,8 +107,8 @@ static void put_case(const batch_form *form, FILE *out, size_t row, const batch_
 
 void print_batch_junit(const batch_summary *s, FILE *out) {
     fputs("<?xml version='1.0' encoding='UTF-8'?>\n", out);
-    html(out, "<testsuites name='nqm batch' tests='%zu' failures='%zu' errors='%zu' skipped='%zu'>\n", s->n_rows,
-         s->n_gated, s->n_unscored, s->n_skipped);
+    html(out, "<testsuites name='nqm %s' tests='%zu' failures='%zu' errors='%zu' skipped='%zu'>\n", verb_name(),
+         s->n_rows, s->n_gated, s->n_unscored, s->n_skipped);
     html(out, "<testsuite name='%s' tests='%zu' failures='%zu' errors='%zu' skipped='%zu'>\n", s->list_name, s->n_rows,
          s->n_gated, s->n_unscored, s->n_skipped);
     put_properties(s->form, out);
@@ -178,4 +178,14 @@ void print_batch_markdown(const batch_summary *s, FILE *out) {
         put_row(s->form, out, s->order[i], &s->notes[s->order[i]]);
     if (s->n_shown < s->n_rows)
         fprintf(out, "\n%zu more pairs are not shown.\n", s->n_rows - s->n_shown);
+}
+
+void write_batch_summary(const batch_summary *summary, const char *path,
+                         void (*print)(const batch_summary *summary, FILE *out)) {
+    output_file out;
+    if (!path)
+        return;
+    open_output(path, &out);
+    print(summary, out.stream);
+    close_output(&out);
 }

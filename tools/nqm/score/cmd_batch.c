@@ -61,12 +61,12 @@ static void choose_order(batch_run *run, const char *word) {
 static json_t *score_terms(const batch_run *run, const char *root) {
     nqm_model_info info = nqm_model_get_info(run->form.model);
     char *folder = realpath(root ? root : ".", NULL);
-    json_t *terms =
-        json_pack("{s:s,s:s,s:I,s:s,s:o,s:s,s:f,s:s,s:s}", "version of nqm", nqm_version(), "list", run->list->sha256,
-                  "number of materials in its files", (json_int_t)run->list->n_rows, "model", info.sha256, "--root",
-                  json_name(folder ? folder : ""), "--invalid", nqm_invalid_words[run->options.invalid], "--min-valid",
-                  run->options.min_valid_fraction, "--precision", nqm_precision_name(run->options.precision),
-                  "--metrics", run->options.metrics ? "any" : "none");
+    json_t *terms = json_pack("{s:s,s:s,s:I,s:s,s:o,s:s,s:f,s:s,s:s,s:s}", "version of nqm", nqm_version(), "list",
+                              run->list->sha256, "number of materials in its files", (json_int_t)run->list->n_rows,
+                              "model", info.sha256, "--root", json_name(folder ? folder : ""), "--invalid",
+                              nqm_invalid_words[run->options.invalid], "--min-valid", run->options.min_valid_fraction,
+                              "--precision", nqm_precision_name(run->options.precision), "--metrics",
+                              run->options.metrics ? "any" : "none", "--ignore", ignored_words ? ignored_words : "");
     free(folder);
     return terms;
 }
@@ -135,16 +135,6 @@ static int score_rows(batch_run *run) {
     return EXIT_OK;
 }
 
-static void write_summary(const batch_summary *summary, const char *path,
-                          void (*print)(const batch_summary *summary, FILE *out)) {
-    output_file out;
-    if (!path)
-        return;
-    open_output(path, &out);
-    print(summary, out.stream);
-    close_output(&out);
-}
-
 /* Close the output, report how many rows are written or failed, and return the exit code. */
 static int settle(batch_run *run, int exit_code) {
     const batch_progress done = run->out.done;
@@ -158,8 +148,8 @@ static int settle(batch_run *run, int exit_code) {
     if (run->n_worst)
         summary.n_shown = nqm_smaller(summary.n_rows, (size_t)run->n_worst);
     if (exit_code == EXIT_OK) {
-        write_summary(&summary, run->junit, print_batch_junit);
-        write_summary(&summary, run->markdown, print_batch_markdown);
+        write_batch_summary(&summary, run->junit, print_batch_junit);
+        write_batch_summary(&summary, run->markdown, print_batch_markdown);
     }
     if (is_complete && run->is_sorted) {
         size_t *best = run->is_best ? order_batch_rows(summary.n_rows, summary.notes, true) : NULL;
@@ -293,6 +283,7 @@ static const option options[] = {
     {"sort", 0, OPTION_TEXT, &a.sort, "WORD", "order of the rows: list, worst or best", 0, 0},
     {"worst", 0, OPTION_COUNT, &run.n_worst, "N", "write the N worst rows only, worst first; 0: all", 0, 1e15},
     OPTION_ROWS_MODEL(&a.model),
+    OPTION_ROW_IGNORE,
     {"metrics", 0, OPTION_TEXT, &a.metrics, "LIST", "scalar metrics to add: all, or names with commas", 0, 0},
     {"root", 0, OPTION_TEXT, &a.root, "DIR", "folder of relative paths in the list (default: the list's folder)", 0, 0},
     {"cache", 0, OPTION_COUNT, &cache_mb, "MB", "memory for BRDFs that may be needed again", 0, 1 << 20},

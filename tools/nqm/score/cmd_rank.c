@@ -156,7 +156,7 @@ static void print_ranking_json(const score_run *run) {
     print_document(json_pack("{s:o,s:o}", "model", model_json(run->model, run->options.precision), "results", results));
 }
 
-static void print_ranking(const score_run *run) {
+void print_ranking(const score_run *run) {
     if (run->format == FORMAT_JSON)
         print_ranking_json(run);
     else if (run->format == FORMAT_CSV)
@@ -176,6 +176,7 @@ static const char *model = "default", *list_path, *root, *by = "jod";
 static const option options[] = {
     {"list", 'l', OPTION_TEXT, &list_path, "LIST", "pairs from a list as `nqm batch` takes it, - for stdin", 0, 0},
     OPTION_ROWS_MODEL(&model),
+    OPTION_ROW_IGNORE,
     {"by", 0, OPTION_TEXT, &by, "WORD", "jod (seen beside each other) or similarity (seen apart)", 0, 0},
     {"root", 0, OPTION_TEXT, &root, "DIR", "folder of relative paths in the list (default: the list's folder)", 0, 0},
     {"json", 0, OPTION_FORMAT, &run.format, NULL, "print JSON", FORMAT_JSON, 0},

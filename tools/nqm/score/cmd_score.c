@@ -16,7 +16,7 @@ static void print_remarks(const score_run *run) {
         const scored_pair *row = &run->rows[i];
         if (i && !has_reference_of(row, row - 1))
             ref = row->pair.ref;
-        json_t *remarks = json_remarks(&run->terms, ref, row->name, &row->result);
+        json_t *remarks = json_remarks(&run->terms, &row->pair, ref, row->name, &row->result);
         for (size_t k = 0; k < json_array_size(remarks); ++k)
             report(EXIT_OK, "%s", json_string_value(json_array_get(remarks, k)));
         if (row->err.status == NQM_OK || json_array_size(remarks))
@@ -113,7 +113,7 @@ static void print_csv(const score_run *run) {
         putchar(',');
         print_csv_text(stdout, row->name);
         putchar(',');
-        json_t *remarks = json_remarks(&run->terms, "reference", "test", &row->result);
+        json_t *remarks = json_remarks(&run->terms, &row->pair, "reference", "test", &row->result);
         print_csv_remarks(stdout, remarks);
         json_decref(remarks);
         putchar(',');
@@ -214,6 +214,7 @@ static const char *metrics, *model = "default";
 
 static const option options[] = {
     OPTION_ROWS_MODEL(&model),
+    OPTION_ROW_IGNORE,
     {"metrics", 0, OPTION_TEXT, &metrics, "LIST", "scalar metrics to add: all, or names with commas (rmse,log_diff)", 0,
      0},
     {"samples", 0, OPTION_FLAG, &is_samples, NULL,

@@ -22,7 +22,12 @@ static void add_pair(expansion *e, nqm_named_pair pair, const char *name, size_t
     if (!grown)
         stop(EXIT_LIMIT, "out of memory");
     e->pairs = grown;
-    e->pairs[e->n++] = (expanded_pair){pair, name, origin, is_made};
+    const nqm_named_pair taken = {reflecting(pair.ref), reflecting(pair.test)};
+    if (is_made && taken.ref != pair.ref)
+        free((void *)(uintptr_t)pair.ref);
+    if (is_made && taken.test != pair.test)
+        free((void *)(uintptr_t)pair.test);
+    e->pairs[e->n++] = (expanded_pair){taken, name, origin, is_made};
 }
 
 static bool has_material(const nqm_materials *library, const char *name) {
@@ -99,22 +104,6 @@ void free_expanded_list(expanded_list *x) {
 }
 
 /* ---- refusals ---------------------------------------------------------------------------------------------------- */
-
-/* The material of an argument "FILE" or "FILE:NAME"; false: it is none. */
-static bool find_material(const char *argument, nqm_material_info *info) {
-    const char *name = member_name(argument);
-    char *path = strndup(argument, name ? (size_t)(name - argument) - 1 : strlen(argument));
-    if (!path)
-        stop(EXIT_LIMIT, "out of memory");
-    const nqm_materials *materials = parsed_materials(path);
-    size_t n = materials && nqm_materials_count(materials) == 1;
-    static const size_t only[] = {0};
-    const size_t *found = materials && name ? nqm_materials_named(materials, name, &n) : only;
-    free(path);
-    if (n)
-        *info = nqm_materials_get(materials, found[0]);
-    return n > 0;
-}
 
 bool has_same_refusal(const nqm_named_pair *pair) {
     nqm_material_info ref, test;

@@ -74,9 +74,10 @@ void free_scores(score_run *run);
 /** Report the errors of the rows. Returns the exit code of the first. */
 int report_faults(const score_run *run);
 
-/** A JSON array of remarks on negative, missing and unusual values of a scored pair, which name the BRDFs `ref` (NULL: no
- *  remarks about the reference) and `test`. Empty for a pair without a score. */
-json_t *json_remarks(const remark_terms *terms, const char *ref, const char *test, const nqm_score_result *r);
+/** A JSON array of remarks on what of a scored pair is ignored, and on negative, missing and unusual values, which name the BRDFs `ref`
+ *  (NULL: no remarks about the reference) and `test`. Empty for a pair without a score. */
+json_t *json_remarks(const remark_terms *terms, const nqm_named_pair *pair, const char *ref, const char *test,
+                     const nqm_score_result *r);
 /** Parse --metrics: names and "all", separated by commas. chosen: (NQM_METRIC_COUNT) */
 void choose_metrics(const char *text, bool *chosen);
 /** The "model" member of results: id, sha256, parameters, and the precision unless it is f32. */
@@ -149,5 +150,7 @@ bool report_unequal(const score_run *run);
 
 /** Sort the rows by reference, then best first, those without a score last, and rank them. */
 void rank_rows(score_run *run, bool by_similarity);
+/** Print them as `nqm rank` does. */
+void print_ranking(const score_run *run);
 
 #endif

@@ -169,13 +169,18 @@ static void add_suspicions(json_t *remarks, const char *test, const nqm_score_re
                    r->suspect_cosine > 0 ? "times" : "divided by");
 }
 
-json_t *json_remarks(const remark_terms *terms, const char *ref, const char *test, const nqm_score_result *r) {
+json_t *json_remarks(const remark_terms *terms, const nqm_named_pair *pair, const char *ref, const char *test,
+                     const nqm_score_result *r) {
     json_t *remarks = json_array();
-    char distance[400];
+    char distance[400], ignored[200];
     if (ref && describe_distance(ref, r->distance_deg, sizeof distance, distance))
         add_remark(remarks, "%s", distance);
     if (r->status != NQM_OK)
         return remarks;
+    if (ref && describe_ignored(pair->ref, ignored, sizeof ignored))
+        add_remark(remarks, "%s: %s", ref, ignored);
+    if (describe_ignored(pair->test, ignored, sizeof ignored))
+        add_remark(remarks, "%s: %s", test, ignored);
     if (ref)
         add_counts(remarks, terms, ref, r, 0);
     add_counts(remarks, terms, test, r, 1);
@@ -374,7 +379,7 @@ static json_t *row_json(const score_run *run, const scored_pair *row) {
         json_number(r->jod_high), "delta_e_itp", json_number(r->delta_e), "novelty", json_number(r->novelty),
         "identical", r->status == NQM_OK ? json_boolean(r->identical) : json_null(), "n_valid",
         r->status == NQM_OK ? json_integer((json_int_t)r->n_valid) : json_null(), "verdict", verdict_words(r, verdict),
-        "metrics", metrics, "warnings", json_remarks(&run->terms, "reference", "test", r));
+        "metrics", metrics, "warnings", json_remarks(&run->terms, &row->pair, "reference", "test", r));
     if (has_gate(&run->gate) && row->err.status == NQM_OK)
         json_object_set_new(object, "gate", json_string(gate_mark(&run->gate, r)));
     if (!isnan(r->parts.structure))

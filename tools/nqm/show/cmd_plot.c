@@ -105,6 +105,7 @@ static const option options[] = {
     {"azimuth", 0, OPTION_NUMBER, &a.azimuth_deg, "DEG", "slice: of the light from the tangent, for anisotropic BRDFs",
      -360, 360},
     {"json", 0, OPTION_FLAG, &json, NULL, "print the kind and the file of the drawing as JSON", 0, 0},
+    OPTION_ROW_IGNORE,
     {0}};
 
 static const command cmd = {

@@ -48,6 +48,7 @@ static const option options[] = {
     {"shrink", 0, OPTION_COUNT, &shrink, "N", "average N x N rendered pixels into one", 1, 16},
     {"json", 0, OPTION_FLAG, &json, NULL, "print the scores, as `nqm score --json`", 0, 0},
     OPTION_ROW_SIZE(&scene, "pixels of a frame (400 for all frames together)"),
+    OPTION_ROW_IGNORE,
     {0}};
 
 static const command cmd = {

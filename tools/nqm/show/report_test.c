@@ -120,7 +120,7 @@ static void put_values(const report_page *page, const scored_pair *row) {
     put_counts(out, "Reference", r, 0);
     put_counts(out, "Test", r, 1);
     html(out, "</tbody></table>\n");
-    json_t *remarks = json_remarks(&scores->terms, "reference", "test", r);
+    json_t *remarks = json_remarks(&scores->terms, &row->pair, "reference", "test", r);
     if (json_array_size(remarks))
         html(out, "<ul class='warnings'>\n");
     for (size_t i = 0; i < json_array_size(remarks); ++i)

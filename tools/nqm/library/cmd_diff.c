@@ -1,0 +1,486 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * nqm diff - two versions of the materials of a file or folder: pairs of the same name, and of names that only one version has those that
+ * look the same; how each pair looks, and which properties changed. Also as a program that git calls for its differences.
+ */
+#include "material/material.h"
+#include "nqm/library/library.h"
+#include "nqm/score/batch.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum {
+    GIT_ARGUMENTS = 7
+}; /* path, old file, its hash and mode, new file, its hash and mode (git, GIT_EXTERNAL_DIFF) */
+
+/* The versions and what became of their members. */
+typedef struct versions {
+    library old, new;
+    size_t *partner;    /* (old.n) number of the new one; SIZE_MAX: it is gone */
+    bool *is_partner;   /* (new.n) */
+    size_t n_pairs;     /* rows of the run */
+    size_t *old_of_row; /* (n_pairs) */
+    json_t **changes;   /* (n_pairs) of list_changes() */
+} versions;
+
+static score_run run;
+static versions v;
+static const char *model = "default", *junit, *markdown;
+static char *old_path, *new_path;
+
+/* ---- pairs ------------------------------------------------------------------------------------------------------- */
+
+static const library *sorted;
+
+static int by_key(const void *a, const void *b) {
+    return strcmp(sorted->members[*(const size_t *)a].key, sorted->members[*(const size_t *)b].key);
+}
+
+static void pair_names(void) {
+    if (v.old.n == 1 && v.new.n == 1 && !is_folder(v.old.path)) { /* files of one material, whatever it is called */
+        v.partner[0] = 0;
+        v.is_partner[0] = true;
+        return;
+    }
+    size_t *order = allocate(v.new.n, sizeof *order);
+    for (size_t i = 0; i < v.new.n; ++i)
+        order[i] = i;
+    sorted = &v.new;
+    qsort(order, v.new.n, sizeof *order, by_key);
+    for (size_t i = 0; i < v.old.n; ++i) {
+        size_t low = 0, high = v.new.n;
+        while (low < high) {
+            const size_t middle = low + (high - low) / 2;
+            if (strcmp(v.new.members[order[middle]].key, v.old.members[i].key) < 0)
+                low = middle + 1;
+            else
+                high = middle;
+        }
+        const bool is_same = low < v.new.n &&strcmp(v.new.members[order[low]].key, v.old.members[i].key) == 0;
+        v.partner[i] = is_same && !v.is_partner[order[low]] ? order[low] : SIZE_MAX;
+        if (v.partner[i] != SIZE_MAX)
+            v.is_partner[order[low]] = true;
+    }
+    free(order);
+}
+
+/* The members of a version without a partner, with pictures. from (n) receives their numbers. */
+static library take_single(const library *of, const size_t *partner, const bool *is_partner, nqm_scorer *scorer,
+                           size_t *from) {
+    library single = {.path = of->path, .members = nqm_alloc(of->n ? of->n : 1, sizeof(member))};
+    nqm_error err = {0};
+    if (!single.members)
+        stop(EXIT_LIMIT, "out of memory");
+    for (size_t i = 0; i < of->n; ++i)
+        if (!(partner ? partner[i] != SIZE_MAX : is_partner[i]) && !of->members[i].is_left_out) {
+            from[single.n] = i;
+            single.members[single.n++] = of->members[i];
+        }
+    must(nqm_gallery_create(run.model, single.n, NULL, &single.gallery, &err), &err);
+    for (size_t i = 0; i < single.n; ++i) {
+        const char *name = single.members[i].argument;
+        nqm_error fault;
+        if (show_progress(NULL, "sample", (double)i, (double)single.n))
+            stop(EXIT_INTERRUPTED, "interrupted");
+        must(nqm_scorer_draw(scorer, 1, &name, single.gallery, i, &fault, &err), &err);
+        single.members[i].is_left_out = fault.status != NQM_OK;
+    }
+    return single;
+}
+
+/* Of names that only one version has, those that look the same are the same material: the best estimates first, confirmed by score. */
+static void pair_looks(void) {
+    static const double same = 9.5;
+    size_t n_paired = 0;
+    for (size_t i = 0; i < v.old.n; ++i)
+        n_paired += v.partner[i] != SIZE_MAX;
+    if (n_paired == v.old.n || n_paired == v.new.n || nqm_gallery_size(run.model) == 0)
+        return;
+    size_t *old_from = allocate(v.old.n, sizeof *old_from), *new_from = allocate(v.new.n, sizeof *new_from);
+    nqm_scorer *scorer;
+    nqm_error err = {0};
+    must(nqm_scorer_create(run.model, &run.options, &scorer, &err), &err);
+    library old = take_single(&v.old, v.partner, NULL, scorer, old_from);
+    library new = take_single(&v.new, NULL, v.is_partner, scorer, new_from);
+    float *jod = allocate(new.n, sizeof *jod);
+    for (size_t i = 0; i < old.n; ++i) {
+        size_t best = SIZE_MAX;
+        if (show_progress(NULL, "compare", (double)i, (double)old.n))
+            stop(EXIT_INTERRUPTED, "interrupted");
+        if (old.members[i].is_left_out)
+            continue;
+        nqm_gallery_jods(old.gallery, i, new.gallery, 0, new.n, false, jod);
+        for (size_t k = 0; k < new.n; ++k)
+            if (!new.members[k].is_left_out && !v.is_partner[new_from[k]] && (best == SIZE_MAX || jod[k] > jod[best]))
+                best = k;
+        if (best == SIZE_MAX || (double)jod[best] < least_estimate(same))
+            continue;
+        const nqm_named_pair pair = {old.members[i].argument, new.members[best].argument};
+        nqm_score_result r;
+        must(nqm_scorer_run_named(scorer, 1, &pair, &r, NULL, &err), &err);
+        if (!(r.jod >= same))
+            continue;
+        v.partner[old_from[i]] = new_from[best];
+        v.is_partner[new_from[best]] = true;
+    }
+    end_progress();
+    free(jod);
+    free(old_from);
+    free(new_from);
+    nqm_gallery_free(old.gallery); /* the texts are those of the versions */
+    nqm_gallery_free(new.gallery);
+    nqm_free(old.members);
+    nqm_free(new.members);
+    nqm_scorer_free(scorer);
+}
+
+/* ---- properties -------------------------------------------------------------------------------------------------- */
+
+static json_t *json_property(const nqm_property *p) {
+    json_t *list = json_array();
+    for (size_t c = 0; p && c < p->n; ++c)
+        json_array_append_new(list, json_number(p->v[c]));
+    if (p && p->n > 1)
+        return list;
+    json_t *one = p ? json_incref(json_array_get(list, 0)) : json_null();
+    json_decref(list);
+    return one;
+}
+
+static bool is_same(const nqm_property *a, const nqm_property *b) {
+    bool same = a && b;
+    for (size_t c = 0; same && c < 3; ++c) /* values after the last repeat it */
+        same = a->v[c] == b->v[c];
+    return same;
+}
+
+static void add_change(json_t *to, const char *key, json_t *old, json_t *new) {
+    json_array_append_new(to, json_pack("{s:s,s:o,s:o}", "property", key, "old", old, "new", new));
+}
+
+static bool read_shading(const char *argument, nqm_shading *shading) {
+    nqm_material_info info = {.spec = NULL};
+    return find_material(argument, &info) && info.spec && nqm_shading_parse(info.spec, shading, NULL) == NQM_OK;
+}
+
+/* The properties that changed between two materials; null: the file has no value, so that it is the default of the model. */
+static json_t *list_changes(const char *old_argument, const char *new_argument) {
+    nqm_shading *old = allocate(2, sizeof *old), *new = old + 1;
+    json_t *list = json_array();
+    if (!read_shading(old_argument, old) || !read_shading(new_argument, new)) {
+        free(old);
+        return list;
+    }
+    const bool is_other = strcmp(old->model, new->model) != 0;
+    if (is_other)
+        add_change(list, "model", json_string(old->model), json_string(new->model));
+    for (size_t k = 0; !is_other && k < old->n; ++k) {
+        const nqm_property *p = &old->properties[k], *q = nqm_shading_find(new, p->key);
+        if (!is_same(p, q))
+            add_change(list, p->key, json_property(p), json_property(q));
+    }
+    for (size_t k = 0; !is_other && k < new->n; ++k)
+        if (!nqm_shading_find(old, new->properties[k].key))
+            add_change(list, new->properties[k].key, json_null(), json_property(&new->properties[k]));
+    free(old);
+    return list;
+}
+
+static void print_value(const json_t *value, FILE *to) {
+    for (size_t c = 0; c < json_array_size(value); ++c)
+        fprintf(to, "%s%.4g", c ? "," : "", json_number_value(json_array_get(value, c)));
+    if (json_is_number(value))
+        fprintf(to, "%.4g", json_number_value(value));
+    else if (!json_is_array(value))
+        fputs(json_is_string(value) ? json_string_value(value) : "default", to);
+}
+
+/* ---- rows -------------------------------------------------------------------------------------------------------- */
+
+static int worst_first(const void *a, const void *b) {
+    const scored_pair *x = a, *y = b;
+    const bool has_x = x->err.status == NQM_OK, has_y = y->err.status == NQM_OK;
+    if (has_x != has_y)
+        return has_x ? 1 : -1;
+    if (has_x && x->result.jod != y->result.jod)
+        return x->result.jod < y->result.jod ? -1 : 1;
+    return x->order < y->order ? -1 : 1;
+}
+
+static void score_versions(void) {
+    nqm_named_pair *pairs = allocate(v.old.n, sizeof *pairs);
+    const char **names = allocate(v.old.n, sizeof *names);
+    size_t n = 0, *old_of_pair = allocate(v.old.n, sizeof *old_of_pair);
+    for (size_t i = 0; i < v.old.n; ++i)
+        if (v.partner[i] != SIZE_MAX) {
+            pairs[n] = (nqm_named_pair){v.old.members[i].argument, v.new.members[v.partner[i]].argument};
+            names[n] = v.new.members[v.partner[i]].key;
+            old_of_pair[n++] = i;
+        }
+    score_rows(&run, n, pairs, names);
+    qsort(run.rows, n, sizeof *run.rows, worst_first);
+    v.n_pairs = n;
+    v.old_of_row = allocate(n, sizeof *v.old_of_row);
+    v.changes = allocate(n, sizeof *v.changes);
+    for (size_t i = 0; i < n; ++i) {
+        v.old_of_row[i] = old_of_pair[run.rows[i].order];
+        v.changes[i] = list_changes(run.rows[i].pair.ref, run.rows[i].pair.test);
+    }
+    free(pairs);
+    free(names);
+    free(old_of_pair);
+}
+
+static const char *old_key(size_t row) {
+    return v.old.members[v.old_of_row[row]].key;
+}
+
+static bool is_renamed(size_t row) {
+    return strcmp(old_key(row), run.rows[row].name) != 0;
+}
+
+/* Both versions are refused for the same property, value and reason. */
+static bool is_skipped(size_t row) {
+    return run.rows[row].err.status != NQM_OK && has_same_refusal(&run.rows[row].pair);
+}
+
+/* Whether a row is worth a line: the material looks or is called different, or a property changed that is not seen. */
+static bool is_changed(size_t row) {
+    const scored_pair *r = &run.rows[row];
+    return !is_skipped(row) &&
+           (r->err.status != NQM_OK || !r->result.identical || json_array_size(v.changes[row]) || is_renamed(row));
+}
+
+static size_t count_changed(void) {
+    size_t n = 0;
+    for (size_t i = 0; i < v.n_pairs; ++i)
+        n += is_changed(i);
+    return n;
+}
+
+/* ---- output ------------------------------------------------------------------------------------------------------ */
+
+/* Call print with each member that only one version has. */
+static size_t each_single(bool is_added, void (*print)(void *user, const char *key), void *user) {
+    const library *of = is_added ? &v.new : &v.old;
+    size_t n = 0;
+    for (size_t i = 0; i < of->n; ++i)
+        if (is_added ? !v.is_partner[i] : v.partner[i] == SIZE_MAX) {
+            print(user, of->members[i].key);
+            ++n;
+        }
+    return n;
+}
+
+static void append_key(void *list, const char *key) {
+    json_array_append_new(list, json_name(key));
+}
+
+static void print_added(void *word, const char *key) {
+    printf("  %-7s %s\n", (const char *)word, shown(key));
+}
+
+/* What changed of a row: words of its look, properties, the old name. free() it. */
+static char *describe_row(size_t i) {
+    const scored_pair *row = &run.rows[i];
+    char words[NQM_LABEL_TEXT] = "", *text;
+    size_t n;
+    FILE *to = open_memstream(&text, &n);
+    if (!to)
+        stop(EXIT_LIMIT, "out of memory");
+    if (row->err.status == NQM_OK && !row->result.identical && !isnan(row->result.parts.structure))
+        nqm_label_describe(&row->result.parts, words);
+    fputs(words, to);
+    json_t *change;
+    size_t k;
+    json_array_foreach(v.changes[i], k, change) {
+        fprintf(to, "%s%s ", k ? ", " : *words ? "; " : "", json_string_value(json_object_get(change, "property")));
+        print_value(json_object_get(change, "old"), to);
+        fputs(" -> ", to);
+        print_value(json_object_get(change, "new"), to);
+    }
+    if (is_renamed(i))
+        fprintf(to, "%swas %s", *words || k ? "; " : "", shown(old_key(i)));
+    fclose(to);
+    return text;
+}
+
+static void print_text(void) {
+    const bool is_calibrated = *nqm_model_get_info(run.model).calibration;
+    char verdict[VERDICT_TEXT];
+    printf("old    %s\nnew    %s\nmodel  %s\n\n", shown(old_path), shown(new_path),
+           shown(nqm_model_get_info(run.model).id));
+    for (size_t i = 0; i < v.n_pairs; ++i) {
+        const scored_pair *row = &run.rows[i];
+        if (!is_changed(i))
+            continue;
+        print_jod(row, is_calibrated);
+        printf("  %s  %s\n", shown(row->name),
+               row->err.status == NQM_OK ? verdict_words(&row->result, verdict) : "no score");
+        char *text = describe_row(i);
+        if (*text)
+            print_phrases(text);
+        free(text);
+        if (row->texture)
+            print_texture(row);
+    }
+    const size_t n_added = each_single(true, print_added, (void *)(uintptr_t) "added");
+    const size_t n_removed = each_single(false, print_added, (void *)(uintptr_t) "removed");
+    printf("%s%zu changed, %zu added, %zu removed, %zu unchanged\n", count_changed() + n_added + n_removed ? "\n" : "",
+           count_changed(), n_added, n_removed, v.n_pairs - count_changed());
+}
+
+static void print_diff_json(void) {
+    run.ref_path = old_path;
+    json_t *document = json_scores(&run), *row, *added = json_array(), *removed = json_array();
+    size_t i;
+    json_array_foreach(json_object_get(document, "results"), i, row) {
+        json_object_set_new(row, "changed", json_boolean(is_changed(i)));
+        json_object_set(row, "properties", v.changes[i]);
+        json_object_set_new(row, "was", is_renamed(i) ? json_name(old_key(i)) : json_null());
+    }
+    each_single(true, append_key, added);
+    each_single(false, append_key, removed);
+    json_object_set_new(document, "new", json_name(new_path));
+    json_object_set_new(document, "added", added);
+    json_object_set_new(document, "removed", removed);
+    print_json(document);
+}
+
+/* The summary files of `nqm batch`, of the same rows. */
+static void write_summaries(void) {
+    const size_t n = v.n_pairs;
+    nqm_named_pair *pairs = allocate(n, sizeof *pairs);
+    const char **names = allocate(n, sizeof *names);
+    batch_note *notes = allocate(n, sizeof *notes);
+    nqm_pair_list list = {.n_rows = n, .pair = pairs};
+    const batch_form form = {.list = &list, .names = names, .model = run.model, .gate = run.gate, .terms = run.terms};
+    for (size_t i = 0; i < n; ++i) {
+        pairs[i] = run.rows[i].pair;
+        names[i] = run.rows[i].name;
+    }
+    for (size_t i = 0; i < n; ++i) {
+        notes[i] = make_batch_note(&form, i, &run.rows[i].result, &run.rows[i].err);
+        char *text = describe_row(i), *remark = notes[i].remark;
+        const size_t n_text = strlen(text) + (remark ? strlen(remark) : 0) + 3;
+        notes[i].remark = allocate(n_text, 1);
+        snprintf(notes[i].remark, n_text, "%s%s%s", text, remark && *text ? "; " : "", remark ? remark : "");
+        free(text);
+        free(remark);
+    }
+    const batch_output done = {.done = {.n_rows = n}, .notes = notes};
+    batch_summary summary = make_batch_summary(&form, new_path, &done);
+    summary.n_shown = count_changed() + summary.n_skipped;
+    write_batch_summary(&summary, junit, print_batch_junit);
+    write_batch_summary(&summary, markdown, print_batch_markdown);
+    for (size_t i = 0; i < n; ++i)
+        free(notes[i].remark);
+    free(summary.order);
+    free(notes);
+    free(names);
+    free(pairs);
+}
+
+/* ---- the verb ---------------------------------------------------------------------------------------------------- */
+
+static const option options[] = {
+    OPTION_ROWS_GATE(&run.gate),
+    {"junit", 0, OPTION_TEXT, &junit, "FILE.xml", "also write a JUnit report: one test case per material", 0, 0},
+    {"markdown", 0, OPTION_TEXT, &markdown, "FILE.md", "also write a table in Markdown, worst first", 0, 0},
+    OPTION_ROWS_MODEL(&model),
+    OPTION_ROW_IGNORE,
+    {"json", 0, OPTION_FORMAT, &run.format, NULL, "print JSON", FORMAT_JSON, 0},
+    {"quiet", 'q', OPTION_FORMAT, &run.format, NULL, "print the names of changed materials only", FORMAT_QUIET, 0},
+    {0}};
+
+static const command cmd = {
+    .usage = "OLD NEW [options]",
+    .about =
+        "How the materials of a file or folder changed: pairs of the same name, worst first, with JOD, words and the "
+        "properties\n"
+        "that changed; added and removed ones; and renamed ones, which look the same (JOD 9.5). OLD or NEW may be "
+        "/dev/null.\n"
+        "git can call it for its differences (doc/ci.md): the seven arguments of GIT_EXTERNAL_DIFF are understood.",
+    .example = "nqm diff old.gltf new.gltf\nnqm diff before/materials materials --fail-under 9 --junit junit.xml\n"
+               "nqm diff scene.glb /dev/null --json",
+    .options = options,
+    .table = &nqm_score_option_table,
+    .table_target = &run.options,
+    .min_arguments = 2,
+    .max_arguments = GIT_ARGUMENTS,
+};
+
+static void print_results(void) {
+    if (run.format == FORMAT_JSON)
+        print_diff_json();
+    else if (run.format == FORMAT_TEXT)
+        print_text();
+    for (size_t i = 0; run.format == FORMAT_QUIET && i < v.n_pairs; ++i)
+        if (is_changed(i))
+            puts(shown(run.rows[i].name));
+}
+
+/* Report faults and the gate. Returns the exit code. */
+static int conclude(void) {
+    int exit_code = EXIT_OK;
+    size_t n_failed = 0, n_skipped = 0;
+    for (size_t i = 0; i < run.n_rows; ++i) {
+        n_failed += fails_gate(&run.gate, &run.rows[i].result);
+        n_skipped += is_skipped(i);
+        if (run.rows[i].err.status == NQM_OK || is_skipped(i))
+            continue;
+        const int code = report_error(&run.rows[i].err);
+        exit_code = exit_code == EXIT_OK ? code : exit_code;
+    }
+    if (n_skipped)
+        report(EXIT_OK, "%zu material%s refused in both versions for the same reason; `nqm info` says why", n_skipped,
+               n_skipped > 1 ? "s are" : " is");
+    if (has_gate(&run.gate))
+        report_gate(&run.gate, n_failed, run.n_rows);
+    if (exit_code == EXIT_OK && v.old.n_failed + v.new.n_failed > 0)
+        exit_code = EXIT_PARTIAL;
+    return exit_code == EXIT_OK && n_failed ? EXIT_GATE : exit_code;
+}
+
+static void free_versions(void) {
+    for (size_t i = 0; i < v.n_pairs; ++i)
+        json_decref(v.changes[i]);
+    free(v.changes);
+    free(v.old_of_row);
+    free(v.partner);
+    free(v.is_partner);
+    free_library(&v.old);
+    free_library(&v.new);
+}
+
+int cmd_diff(int argc, char **argv) {
+    run.options = nqm_score_options_default();
+    run.options.metrics = 0;
+    const int n_arguments = parse_arguments(&cmd, argc, argv);
+    if (n_arguments != 2 && n_arguments != GIT_ARGUMENTS)
+        stop(EXIT_USAGE, "give two files or folders, or the %d arguments of GIT_EXTERNAL_DIFF", GIT_ARGUMENTS);
+    const bool is_git = n_arguments == GIT_ARGUMENTS;
+    old_path = argv[is_git ? 1 : 0];
+    new_path = argv[is_git ? 4 : 1];
+    run.model = open_model(model);
+    check_gate(&run.gate, run.model);
+    list_library(old_path, &v.old);
+    list_library(new_path, &v.new);
+    v.partner = allocate(v.old.n, sizeof *v.partner);
+    v.is_partner = allocate(v.new.n, sizeof *v.is_partner);
+    if (is_git) { /* the files are copies without the name of the path */
+        old_path = new_path = argv[0];
+    }
+    pair_names();
+    pair_looks();
+    score_versions();
+    print_results();
+    if (junit || markdown)
+        write_summaries();
+    const int exit_code = conclude();
+    free_versions();
+    free_scores(&run);
+    return is_git ? EXIT_OK : exit_code; /* git stops at another one */
+}

@@ -1,0 +1,124 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * nqm nearest - the materials of a library that look most like one: those with the best estimates by pictures are scored and ranked.
+ */
+#include "nqm/library/library.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+static score_run run;
+static const char *model = "default", *among, *index_path;
+static bool is_apart;
+static uint64_t n_shown = 10;
+
+/* An estimate, and the number of its member. */
+typedef struct candidate {
+    float jod;
+    size_t i;
+} candidate;
+
+static int by_estimate(const void *a, const void *b) {
+    const candidate *x = a, *y = b;
+    if (x->jod != y->jod)
+        return x->jod > y->jod ? -1 : 1;
+    return x->i < y->i ? -1 : 1;
+}
+
+typedef struct scan_job {
+    const nqm_gallery *one; /* picture 0 is that of the material; the others are those of the library */
+    const library *among;
+    float *jod; /* (n) */
+} scan_job;
+
+enum { BLOCK = 1024 };
+
+static void scan(void *user, size_t block) {
+    const scan_job *job = user;
+    const size_t first = block * BLOCK, n = nqm_smaller(job->among->n - first, BLOCK);
+    nqm_gallery_jods(job->one, 0, job->among->gallery, first, n, is_apart, job->jod + first);
+}
+
+/* The members with the best estimates, n of them at most. free() it. */
+static candidate *find_candidates(const nqm_gallery *one, const library *of, size_t *n) {
+    scan_job job = {one, of, allocate(of->n, sizeof *job.jod)};
+    candidate *all = allocate(of->n, sizeof *all);
+    nqm_parallel_for(nqm_ceil_div(of->n, BLOCK), scan, &job);
+    for (size_t i = 0; i < of->n; ++i)
+        all[i] = (candidate){job.jod[i], i};
+    qsort(all, of->n, sizeof *all, by_estimate);
+    free(job.jod);
+    *n = nqm_smaller(*n, of->n);
+    return all;
+}
+
+static void score_candidates(const char *to, const library *of, const candidate *candidates, size_t n) {
+    nqm_named_pair *pairs = allocate(n, sizeof *pairs);
+    const char **names = allocate(n, sizeof *names);
+    for (size_t i = 0; i < n; ++i) {
+        const member *m = &of->members[candidates[i].i];
+        pairs[i] = (nqm_named_pair){to, m->argument};
+        names[i] = m->argument;
+    }
+    score_rows(&run, n, pairs, names);
+    free(pairs);
+    free(names);
+}
+
+static const option options[] = {
+    {"among", 0, OPTION_NEEDED, &among, "WHERE", "folder, or file of several materials", 0, 0},
+    {"number", 'n', OPTION_COUNT, &n_shown, "N", "how many to print", 1, 1000},
+    {"apart", 0, OPTION_FLAG, &is_apart, NULL, "by the similarity to people who do not see both at once", 0, 0},
+    {"index", 0, OPTION_TEXT, &index_path, "FILE.index", "keep the pictures of WHERE here for later runs", 0, 0},
+    OPTION_ROWS_MODEL(&model),
+    OPTION_ROW_IGNORE,
+    {"json", 0, OPTION_FORMAT, &run.format, NULL, "print JSON", FORMAT_JSON, 0},
+    {"csv", 0, OPTION_FORMAT, &run.format, NULL, "print CSV", FORMAT_CSV, 0},
+    {"quiet", 'q', OPTION_FORMAT, &run.format, NULL, "print the names only, most alike first", FORMAT_QUIET, 0},
+    {0}};
+
+static const command cmd = {
+    .usage = "BRDF --among WHERE [options]",
+    .about = "The materials of a folder or file that look most like BRDF, with their scores as of `nqm rank`. All are "
+             "compared "
+             "by\npictures, and the best are scored. With --index a later run opens none but these.",
+    .example =
+        "nqm nearest sgd:nickel --among metals\nnqm nearest 'lambert:kd=.5,.2,.1' --among library.glb --apart -n 3",
+    .options = options,
+    .table = &nqm_score_option_table,
+    .table_target = &run.options,
+    .min_arguments = 1,
+};
+
+int cmd_nearest(int argc, char **argv) {
+    enum { LEAST_SCORED = 128 };
+    library of = {.path = NULL}, one = {.path = NULL};
+    nqm_scorer *scorer;
+    nqm_error err = {0};
+    run.options = nqm_score_options_default();
+    run.options.metrics = 0;
+    parse_arguments(&cmd, argc, argv);
+    refuse_model_name(argv[0]);
+    run.model = open_model(model);
+    must(nqm_scorer_create(run.model, &run.options, &scorer, &err), &err);
+    must(nqm_gallery_create(run.model, 1, NULL, &one.gallery, &err), &err);
+    must(nqm_scorer_draw(scorer, 1, (const char *const[]){argv[0]}, one.gallery, 0, &err, &err), &err);
+    if (err.status != NQM_OK)
+        stop_error(&err);
+    draw_library(among, run.model, scorer, index_path, &of);
+    nqm_scorer_free(scorer);
+    size_t n = nqm_larger(LEAST_SCORED, 4 * (size_t)n_shown);
+    candidate *candidates = find_candidates(one.gallery, &of, &n);
+    score_candidates(argv[0], &of, candidates, n);
+    rank_rows(&run, is_apart);
+    run.n_rows = nqm_smaller(run.n_rows, (size_t)n_shown);
+    print_ranking(&run);
+    const int exit_code = report_faults(&run);
+    free(candidates);
+    free_library(&one);
+    free_scores(&run);
+    const size_t n_failed = of.n_failed;
+    free_library(&of);
+    return exit_code == EXIT_OK && n_failed ? EXIT_PARTIAL : exit_code;
+}

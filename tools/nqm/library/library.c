@@ -1,0 +1,400 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * The implementation of library.h.
+ */
+#include "nqm/library/library.h"
+
+#include "base/names.h"
+#include "io/io.h"
+#include "material/maps.h"
+#include "model/model.h"
+
+#include <ftw.h>
+#include <stdatomic.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+
+/* ---- the list ---------------------------------------------------------------------------------------------------- */
+
+static char *copy_text(const char *text) {
+    char *copy = strdup(text);
+    if (!copy)
+        stop(EXIT_LIMIT, "out of memory");
+    return copy;
+}
+
+static void add_member(library *to, char *argument, char *key, bool is_left_out) {
+    member *grown = nqm_grow(to->members, &to->max_n, to->n + 1, sizeof *grown);
+    if (!grown)
+        stop(EXIT_LIMIT, "out of memory");
+    to->members = grown;
+    to->members[to->n++] = (member){argument, key, is_left_out};
+}
+
+/* "A:B", or one of them where the other is "". */
+static char *join(const char *a, const char *b) {
+    char *text = allocate(strlen(a) + strlen(b) + 2, 1);
+    sprintf(text, "%s%s%s", a, *a && *b ? ":" : "", b);
+    return text;
+}
+
+/* key: what the names of its materials begin with; "": nothing. */
+static void add_materials(library *to, const char *path, const nqm_materials *materials, const char *key) {
+    const size_t n = nqm_materials_count(materials);
+    for (size_t i = 0; i < n; ++i) {
+        const nqm_material_info info = nqm_materials_reflecting(materials, i, ignored_set());
+        char *argument = join(path, n > 1 ? info.name : "");
+        if (info.ignorable && (info.spec || info.n_maps)) {
+            char *plain = argument, prefix[NQM_IGNORE_SIZE + 10];
+            snprintf(prefix, sizeof prefix, "ignore:%s", info.ignorable);
+            argument = join(prefix, plain);
+            free(plain);
+        }
+        add_member(to, argument, join(key, n > 1 || !*key ? info.name : ""), info.n_maps > 0);
+    }
+}
+
+static bool ends_with(const char *path, const char *extensions) {
+    const char *dot = strrchr(path, '.');
+    return dot && nqm_contains_word(extensions, dot, true);
+}
+
+static void add_file(library *to, const char *path, const char *key, bool is_only) {
+    nqm_materials *materials = NULL;
+    nqm_error err = {0};
+    if (nqm_materials_open(path, &materials, &err) == NQM_OK)
+        add_materials(to, path, materials, is_only ? "" : key);
+    else if (ends_with(path, ".binary .bsdf .npy .safetensors .h5 .mat"))
+        add_member(to, copy_text(path), copy_text(key), false);
+    else if (is_only)
+        stop_error(&err);
+    else if (ends_with(path, ".mtlx .gltf .glb .pbrt")) { /* damaged; others of a folder need not be materials */
+        report_error(&err);
+        ++to->n_failed;
+    }
+    nqm_materials_free(materials);
+}
+
+/* ---- files ------------------------------------------------------------------------------------------------------- */
+
+static nqm_names found; /* paths of the folder that is walked */
+
+static int note_file(const char *path, const struct stat *st, int type, struct FTW *at) {
+    (void)st;
+    if (type == FTW_F && path[at->base] != '.' && nqm_names_add(&found, path, strlen(path), NULL) != NQM_OK)
+        stop(EXIT_LIMIT, "out of memory");
+    return interrupted();
+}
+
+static int compare_texts(const void *a, const void *b) {
+    return strcmp(*(const char *const *)a, *(const char *const *)b);
+}
+
+/* The files of a library in the order of their paths; "/dev/null" has none. free() both. */
+typedef struct file_list {
+    size_t n;
+    const char **paths; /* (n) */
+    nqm_names text;
+} file_list;
+
+static file_list list_files(const char *path) {
+    found = (nqm_names){0};
+    if (!is_folder(path) && strcmp(path, "/dev/null") != 0 && nqm_names_add(&found, path, strlen(path), NULL) != NQM_OK)
+        stop(EXIT_LIMIT, "out of memory");
+    if (is_folder(path) && nftw(path, note_file, 16, FTW_PHYS) != 0)
+        stop(interrupted() ? EXIT_INTERRUPTED : EXIT_OPEN, "%s: the folder cannot be read", path);
+    file_list files = {found.n, allocate(found.n, sizeof *files.paths), found};
+    for (size_t i = 0; i < files.n; ++i)
+        files.paths[i] = nqm_name(&found, i);
+    qsort(files.paths, files.n, sizeof *files.paths, compare_texts);
+    return files;
+}
+
+static void free_files(file_list *files) {
+    free(files->paths);
+    nqm_names_free(&files->text);
+}
+
+static void add_files(library *to, const file_list *files) {
+    const bool is_only = !is_folder(to->path);
+    const char *slash = strrchr(to->path, '/');
+    const size_t n_key = is_only ? (slash ? (size_t)(slash - to->path) : 0) : strlen(to->path);
+    for (size_t i = 0; i < files->n; ++i) {
+        const char *key = files->paths[i] + n_key;
+        if (show_progress(NULL, "read", (double)i, (double)files->n))
+            stop(EXIT_INTERRUPTED, "interrupted");
+        add_file(to, files->paths[i], key + strspn(key, "/"), is_only);
+    }
+    end_progress();
+    if (to->n == 0 && !is_only)
+        stop(EXIT_OPEN, "%s: this folder has no file of materials or BRDFs", to->path);
+}
+
+void list_library(const char *path, library *to) {
+    to->path = path;
+    file_list files = list_files(path);
+    add_files(to, &files);
+    free_files(&files);
+}
+
+void free_library(library *of) {
+    for (size_t i = 0; i < of->n; ++i) {
+        free(of->members[i].argument);
+        free(of->members[i].key);
+    }
+    nqm_free(of->members);
+    nqm_gallery_free(of->gallery);
+    nqm_map_close(&of->index);
+    nqm_free(of->block);
+    *of = (library){.path = NULL};
+}
+
+/* ---- the index --------------------------------------------------------------------------------------------------- */
+
+/* What an index depends on: the model, what is ignored, and path, size and time of each file. */
+static void identify(const file_list *files, const nqm_model *model, char hash[65]) {
+    const unsigned char ignored = (unsigned char)ignored_set();
+    nqm_sha256 sha;
+    if (!nqm_sha256_begin(&sha))
+        stop(EXIT_LIMIT, "out of memory");
+    nqm_sha256_add(&sha, nqm_model_get_info(model).sha256, 64);
+    nqm_sha256_add(&sha, &ignored, 1);
+    for (size_t i = 0; i < files->n; ++i) {
+        struct stat st = {0};
+        (void)!stat(files->paths[i], &st);
+        nqm_sha256_add(&sha, files->paths[i], strlen(files->paths[i]) + 1);
+        nqm_sha256_add_values(
+            &sha, 3, sizeof(int64_t),
+            (int64_t[]){(int64_t)st.st_size, (int64_t)st.st_mtim.tv_sec, (int64_t)st.st_mtim.tv_nsec});
+    }
+    nqm_sha256_end(&sha, hash);
+}
+
+/* Remove the members that are left out. Returns how many. */
+static size_t compact(library *of) {
+    size_t n = 0;
+    for (size_t i = 0; i < of->n; ++i) {
+        if (of->members[i].is_left_out) {
+            free(of->members[i].argument);
+            free(of->members[i].key);
+        } else {
+            of->members[n++] = of->members[i];
+        }
+    }
+    const size_t n_removed = of->n - n;
+    of->n = n;
+    return n_removed;
+}
+
+/* The tensors of an index: arguments and keys of the members with values, each with a NUL; and their pictures. */
+enum { NAMES, PICTURES, N_TENSORS };
+static const char *const tensor_names[N_TENSORS] = {"names", "pictures"};
+
+/* The members of an index. Returns whether the text has two names for each of n. */
+static bool take_members(library *of, const nqm_tensor *names, size_t n) {
+    const char *at = names->data, *end = at + names->n_bytes;
+    for (size_t i = 0; i < n; ++i) {
+        const char *middle = memchr(at, 0, (size_t)(end - at));
+        const char *last = middle ? memchr(middle + 1, 0, (size_t)(end - middle - 1)) : NULL;
+        if (!last)
+            return false;
+        add_member(of, copy_text(at), copy_text(middle + 1), false);
+        at = last + 1;
+    }
+    return at == end;
+}
+
+/* Use the members and pictures of a parsed index; false: they are not those of these files. */
+static bool take_index(library *of, const nqm_model *model, const nqm_safetensors *st, const char *hash) {
+    const nqm_tensor *names = nqm_safetensors_find(st, tensor_names[NAMES]),
+                     *pictures = nqm_safetensors_find(st, tensor_names[PICTURES]);
+    const char *stored = nqm_safetensors_meta(st, "library"), *failed = nqm_safetensors_meta(st, "failed");
+    nqm_error err = {0};
+    if (!stored || strcmp(stored, hash) != 0 || !failed || !names || names->dtype != NQM_U8 || !pictures ||
+        pictures->dtype != NQM_F32 || pictures->n_dims != 2 || pictures->dims[1] != nqm_gallery_size(model) ||
+        (uintptr_t)pictures->data % sizeof(float) != 0 || !nqm_tensor_all_finite(pictures) ||
+        !take_members(of, names, pictures->dims[0]))
+        return false;
+    of->n_failed = strtoul(failed, NULL, 10);
+    must(nqm_gallery_create(model, of->n, pictures->data, &of->gallery, &err), &err);
+    return true;
+}
+
+static bool read_index(library *of, const nqm_model *model, const char *path, const char *hash) {
+    nqm_safetensors *st = NULL;
+    if (!is_file(path) || nqm_map_open_own(path, &of->index, NULL) != NQM_OK)
+        return false;
+    const bool fits = nqm_safetensors_parse(of->index.data, of->index.n_bytes, path, &st, NULL) == NQM_OK &&
+                      take_index(of, model, st, hash);
+    of->block = fits ? nqm_safetensors_take(st) : NULL;
+    nqm_safetensors_free(st);
+    if (!fits) {
+        const char *folder = of->path;
+        free_library(of);
+        of->path = folder;
+    }
+    return fits;
+}
+
+static void write_index(const library *of, const nqm_model *model, const char *path, const char *hash) {
+    char *text, failed[24];
+    size_t n_text;
+    nqm_error err = {0};
+    FILE *names = open_memstream(&text, &n_text);
+    for (size_t i = 0; names && i < of->n; ++i)
+        fprintf(names, "%s%c%s%c", of->members[i].argument, 0, of->members[i].key, 0);
+    if (!names || fclose(names) != 0)
+        stop(EXIT_LIMIT, "out of memory");
+    snprintf(failed, sizeof failed, "%zu", of->n_failed);
+    nqm_tensor tensors[N_TENSORS] = {
+        {.name = tensor_names[NAMES], .dtype = NQM_U8, .n_dims = 1, .dims = {n_text}, .data = text},
+        {.name = tensor_names[PICTURES],
+         .dtype = NQM_F32,
+         .n_dims = 2,
+         .dims = {of->n, nqm_gallery_size(model)},
+         .data = nqm_gallery_pictures(of->gallery)}};
+    const nqm_meta meta[] = {{"format", "nqm-index"}, {"library", hash}, {"failed", failed}};
+    if (!nqm_tensor_measure(&tensors[NAMES]) || !nqm_tensor_measure(&tensors[PICTURES]))
+        stop(EXIT_LIMIT, "%s: %zu pictures are too many", path, of->n);
+    must(nqm_safetensors_write(path, N_TENSORS, tensors, sizeof meta / sizeof *meta, meta, NULL, &err), &err);
+    free(text);
+}
+
+/* ---- pictures ---------------------------------------------------------------------------------------------------- */
+
+/* Draw n members; those without values are left out, and the others drawn again without them. Returns how many are drawn. */
+static size_t draw_block(library *of, nqm_scorer *scorer, size_t begin, size_t n, size_t first) {
+    enum { MOST_SHOWN = 5 };
+    const char *names[NQM_SCORE_BLOCK];
+    nqm_error errors[NQM_SCORE_BLOCK], err = {0};
+    size_t n_good = 0;
+    for (size_t i = 0; i < n; ++i)
+        names[i] = of->members[begin + i].argument;
+    must(nqm_scorer_draw(scorer, n, names, of->gallery, first, errors, &err), &err);
+    for (size_t i = 0; i < n; ++i) {
+        of->members[begin + i].is_left_out = errors[i].status != NQM_OK;
+        if (errors[i].status == NQM_OK)
+            names[n_good++] = names[i];
+        else if (of->n_failed++ < MOST_SHOWN)
+            report_error(&errors[i]);
+    }
+    if (n_good < n) /* their samples are in the cache */
+        must(nqm_scorer_draw(scorer, n_good, names, of->gallery, first, errors, &err), &err);
+    return n_good;
+}
+
+static void draw_all(library *of, const nqm_model *model, nqm_scorer *scorer) {
+    size_t n_drawn = 0;
+    nqm_error err = {0};
+    must(nqm_gallery_create(model, of->n, NULL, &of->gallery, &err), &err);
+    for (size_t begin = 0, n; begin < of->n; begin += n) {
+        n = nqm_smaller(of->n - begin, NQM_SCORE_BLOCK);
+        if (show_progress(NULL, "sample", (double)begin, (double)of->n))
+            stop(EXIT_INTERRUPTED, "interrupted");
+        n_drawn += draw_block(of, scorer, begin, n, n_drawn);
+    }
+    end_progress();
+    compact(of);
+}
+
+void draw_library(const char *path, const nqm_model *model, nqm_scorer *scorer, const char *index, library *to) {
+    char hash[65] = "";
+    to->path = path;
+    file_list files = list_files(path);
+    if (index)
+        identify(&files, model, hash);
+    if (!index || !read_index(to, model, index, hash)) {
+        add_files(to, &files);
+        const size_t n_textured = compact(to);
+        if (n_textured)
+            report(EXIT_OK, "%s: %zu textured material%s left out: `nqm score` and `nqm diff` compare them", path,
+                   n_textured, n_textured > 1 ? "s are" : " is");
+        draw_all(to, model, scorer);
+        if (index)
+            write_index(to, model, index, hash);
+    }
+    free_files(&files);
+    if (to->n_failed)
+        report(EXIT_PARTIAL, "%s: %zu of %zu materials have no values and are left out", path, to->n_failed,
+               to->n + to->n_failed);
+}
+
+/* ---- pairs ------------------------------------------------------------------------------------------------------- */
+
+/* The network corrects the Delta-E of estimates: of 152 pairs of glTF materials with a JOD above 9 by at most 4 %. */
+double least_estimate(double jod) {
+    static const double factor = 2;
+    const nqm_curve *curve = &nqm_curve_published;
+    double low = 0, high = 1000;
+    for (int i = 0; i < 60; ++i) {
+        const double middle = 0.5 * (low + high);
+        *(nqm_curve_jod(curve, middle) > jod ? &low : &high) = middle;
+    }
+    return nqm_curve_jod(curve, factor * high);
+}
+
+typedef struct row_job {
+    const library *of;
+    double least;
+    near_pair **rows;     /* (n) */
+    size_t *n_rows;       /* (n) */
+    atomic_bool is_short; /* of memory */
+} row_job;
+
+static void find_row(void *user, size_t a) {
+    row_job *job = user;
+    enum { BLOCK = 1024 };
+    float jod[BLOCK];
+    size_t max_n = 0;
+    for (size_t begin = a + 1, n; begin < job->of->n; begin += n) {
+        n = nqm_smaller(job->of->n - begin, BLOCK);
+        nqm_gallery_jods(job->of->gallery, a, job->of->gallery, begin, n, false, jod);
+        for (size_t i = 0; i < n; ++i) {
+            if ((double)jod[i] < job->least)
+                continue;
+            near_pair *grown = nqm_grow(job->rows[a], &max_n, job->n_rows[a] + 1, sizeof *grown);
+            if (!grown) {
+                job->is_short = true;
+                return;
+            }
+            job->rows[a] = grown;
+            grown[job->n_rows[a]++] = (near_pair){a, begin + i, jod[i]};
+        }
+    }
+}
+
+size_t find_near_pairs(const library *of, double jod, near_pair **pairs) {
+    row_job job = {.of = of, .least = least_estimate(jod)};
+    job.rows = allocate(of->n, sizeof *job.rows);
+    job.n_rows = allocate(of->n, sizeof *job.n_rows);
+    nqm_ticker ticker = {.fn = show_progress};
+    if (nqm_parallel_ticking(&ticker, "compare", of->n, find_row, &job))
+        stop(EXIT_INTERRUPTED, "interrupted");
+    if (job.is_short)
+        stop(EXIT_LIMIT, "out of memory");
+    size_t n = 0;
+    for (size_t a = 0; a < of->n; ++a)
+        n += job.n_rows[a];
+    *pairs = allocate(n, sizeof **pairs);
+    n = 0;
+    for (size_t a = 0; a < of->n; ++a) {
+        if (job.n_rows[a])
+            memcpy(*pairs + n, job.rows[a], job.n_rows[a] * sizeof **pairs);
+        n += job.n_rows[a];
+        nqm_free(job.rows[a]);
+    }
+    free(job.rows);
+    free(job.n_rows);
+    end_progress();
+    return n;
+}
+
+void score_rows(score_run *run, size_t n, const nqm_named_pair *pairs, const char *const *names) {
+    free(run->rows);
+    run->n_rows = n;
+    run->rows = allocate(n, sizeof *run->rows);
+    for (size_t i = 0; i < n; ++i)
+        run->rows[i] = (scored_pair){.pair = pairs[i], .name = names[i]};
+    make_scores(run);
+}

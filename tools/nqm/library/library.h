@@ -1,0 +1,49 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * library.h - many materials at once, for `nqm diff`, `nqm dedup` and `nqm nearest`: the materials of files and folders, and a picture of
+ * each, by which those that may look alike are found before they are scored.
+ */
+#ifndef NQM_TOOL_LIBRARY_H
+#define NQM_TOOL_LIBRARY_H
+
+#include "nqm/score/score.h"
+
+/** A material, or a BRDF file. */
+typedef struct member {
+    char *argument;   /* of nqm_brdf_open() */
+    char *key;        /* its name in the library: "gold", or in a folder "metals/a.gltf:gold" */
+    bool is_left_out; /* textured or, once it is sampled, without values */
+} member;
+
+typedef struct library {
+    const char *path;
+    size_t n, max_n;
+    member *members;      /* (n) in the order of the paths, then of the file */
+    size_t n_failed;      /* members that were left out because they have no values */
+    nqm_gallery *gallery; /* of draw_library() */
+    nqm_map index;        /* file of the pictures; zeroed: the gallery has them */
+    unsigned char *block; /* of the pictures, where the bytes of the file have another order; NULL: none */
+} library;
+
+/** Append the materials of a file, or of all files of a folder and its folders; "/dev/null" has none. Stops when a file cannot be read, and
+ *  when there is none in a folder. */
+void list_library(const char *path, library *to);
+/** List the members, sample them and draw their pictures, with progress. Textured ones are left out, and those without values, which
+ *  are reported. index: a file that keeps names and pictures, and is written unless it fits the files; NULL: none. */
+void draw_library(const char *path, const nqm_model *model, nqm_scorer *scorer, const char *index, library *to);
+void free_library(library *of);
+
+/** A pair of members, and its estimated JOD. */
+typedef struct near_pair {
+    size_t a, b;
+    float jod;
+} near_pair;
+/** Pairs a < b that may have this JOD. *pairs: free(). Returns how many. */
+size_t find_near_pairs(const library *of, double jod, near_pair **pairs);
+/** The least estimate of pairs that may have a JOD. */
+double least_estimate(double jod);
+
+/** Replace the rows of a run by n pairs of arguments with names (n) of the tests, and score them. The texts must outlive it. */
+void score_rows(score_run *run, size_t n, const nqm_named_pair *pairs, const char *const *names);
+
+#endif
