@@ -213,9 +213,6 @@ NQM_MUST_CHECK nqm_status nqm_image_alloc(const nqm_map *map, uint64_t width, ui
  *  become 0). */
 NQM_MUST_CHECK nqm_status nqm_image_write_exr(const char *path, const nqm_image *image, nqm_error *err);
 NQM_MUST_CHECK nqm_status nqm_image_write_hdr(const char *path, const nqm_image *image, nqm_error *err);
-/** Write sRGB bytes, rgb (height, width, 3), as PNG. */
-NQM_MUST_CHECK nqm_status nqm_image_write_png(const char *path, size_t width, size_t height, const unsigned char *rgb,
-                                              nqm_error *err);
 
 /* ---- triangle meshes --------------------------------------------------------------------------------------------- */
 

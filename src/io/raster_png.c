@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * PNG pictures with libpng. Reading: all kinds, with the values of the file. Writing: 8-bit RGB with an sRGB chunk, at the highest
+ * PNG pictures with libpng. Reading: all kinds, with the values of the file. Writing: 8-bit RGB, or RGB and alpha, at the highest
  * compression level.
  */
 #include "io/raster_decoders.h"
@@ -109,8 +109,8 @@ nqm_status nqm_raster_decode_png(const nqm_map *map, bool header_only, nqm_raste
 
 typedef struct png_output {
     FILE *stream;
-    size_t width, height;
-    const unsigned char *rgb; /* (height, width, 3) */
+    const nqm_raster *raster;
+    bool is_srgb;
     char message[MESSAGE_SIZE];
     bool failed;
 } png_output;
@@ -123,22 +123,24 @@ static void write_png(png_structp png, png_infop info, png_output *o) {
     }
     png_init_io(png, o->stream);
     png_set_compression_level(png, 9);
-    png_set_IHDR(png, info, (png_uint_32)o->width, (png_uint_32)o->height, 8, PNG_COLOR_TYPE_RGB, PNG_INTERLACE_NONE,
+    const nqm_raster *r = o->raster;
+    png_set_IHDR(png, info, (png_uint_32)r->width, (png_uint_32)r->height, 8,
+                 r->channels == 4 ? PNG_COLOR_TYPE_RGB_ALPHA : PNG_COLOR_TYPE_RGB, PNG_INTERLACE_NONE,
                  PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
-    png_set_sRGB(png, info, PNG_sRGB_INTENT_PERCEPTUAL);
+    if (o->is_srgb)
+        png_set_sRGB(png, info, PNG_sRGB_INTENT_PERCEPTUAL);
     png_write_info(png, info);
-    for (size_t y = 0; y < o->height; ++y)
-        png_write_row(png, o->rgb + 3 * o->width * y);
+    for (size_t y = 0; y < r->height; ++y)
+        png_write_row(png, (const unsigned char *)r->data + r->channels * r->width * y);
     png_write_end(png, NULL);
 }
 
-nqm_status nqm_image_write_png(const char *path, size_t width, size_t height, const unsigned char *rgb,
-                               nqm_error *err) {
+nqm_status nqm_raster_write_png(const char *path, const nqm_raster *raster, bool is_srgb, nqm_error *err) {
     nqm_outfile out;
     nqm_status status = nqm_outfile_open(path, &out, err);
     if (status != NQM_OK)
         return status;
-    png_output o = {.stream = out.stream, .width = width, .height = height, .rgb = rgb, .message = "out of memory"};
+    png_output o = {.stream = out.stream, .raster = raster, .is_srgb = is_srgb, .message = "out of memory"};
     png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, o.message, on_error, on_warning);
     png_infop info = png ? png_create_info_struct(png) : NULL;
     if (info)

@@ -45,6 +45,14 @@ bool nqm_gltf_add_texture(nqm_gltf_document *d, const char *name, const json_t *
 /** Free what has been read. */
 void nqm_gltf_document_clear(nqm_gltf_document *d);
 
+/** A property that a channel of a texture has. */
+typedef struct nqm_gltf_use {
+    const char *texture, *key, *space;
+    size_t n, channel; /**< channels of the image, and the one that is used; SIZE_MAX: all */
+} nqm_gltf_use;
+enum { NQM_GLTF_N_USES = 11 };
+extern const nqm_gltf_use nqm_gltf_uses[NQM_GLTF_N_USES];
+
 /** Sizes and numbers of the container .glb. */
 enum {
     NQM_GLTF_GLB_HEADER = 12,

@@ -260,20 +260,18 @@ static bool find_factor(const nqm_shading *shading, const char *key, double v[3]
     return v[0] != 0 || v[1] != 0 || v[2] != 0;
 }
 
-static const struct texture_use {
-    const char *texture, *key, *space;
-    size_t n, channel; /**< channels of the image, and the one that is used; SIZE_MAX: all */
-} uses[] = {{"baseColorTexture", "base_color", "srgb_texture", 3, SIZE_MAX},
-            {"metallicRoughnessTexture", "metallic", "", 3, 2},
-            {"metallicRoughnessTexture", "roughness", "", 3, 1},
-            {"specularTexture", "specular", "", 4, 3},
-            {"specularColorTexture", "specular_color", "srgb_texture", 3, SIZE_MAX},
-            {"clearcoatTexture", "clearcoat", "", 3, 0},
-            {"clearcoatRoughnessTexture", "clearcoat_roughness", "", 3, 1},
-            {"sheenColorTexture", "sheen_color", "srgb_texture", 3, SIZE_MAX},
-            {"sheenRoughnessTexture", "sheen_roughness", "", 4, 3},
-            {"anisotropyTexture", "anisotropy_strength", "", 3, 2},
-            {"iridescenceTexture", "iridescence", "", 3, 0}};
+const nqm_gltf_use nqm_gltf_uses[NQM_GLTF_N_USES] = {
+    {"baseColorTexture", "base_color", "srgb_texture", 3, SIZE_MAX},
+    {"metallicRoughnessTexture", "metallic", "", 3, 2},
+    {"metallicRoughnessTexture", "roughness", "", 3, 1},
+    {"specularTexture", "specular", "", 4, 3},
+    {"specularColorTexture", "specular_color", "srgb_texture", 3, SIZE_MAX},
+    {"clearcoatTexture", "clearcoat", "", 3, 0},
+    {"clearcoatRoughnessTexture", "clearcoat_roughness", "", 3, 1},
+    {"sheenColorTexture", "sheen_color", "srgb_texture", 3, SIZE_MAX},
+    {"sheenRoughnessTexture", "sheen_roughness", "", 4, 3},
+    {"anisotropyTexture", "anisotropy_strength", "", 3, 2},
+    {"iridescenceTexture", "iridescence", "", 3, 0}};
 
 /* Red and green are the direction of the anisotropy from -1 to 1, as a normal has them, which anisotropyRotation turns. */
 static uint16_t turn(nqm_textured *t, uint16_t image, const nqm_shading *shading) {
@@ -322,8 +320,8 @@ bool nqm_gltf_add_texture(nqm_gltf_document *d, const char *name, const json_t *
         return add_normal(d, info, t);
     if (strcmp(name, "iridescenceThicknessTexture") == 0)
         return add_thickness(d, info, shading, t);
-    for (size_t i = 0; i < sizeof uses / sizeof *uses; ++i) {
-        const struct texture_use *use = &uses[i];
+    for (size_t i = 0; i < NQM_GLTF_N_USES; ++i) {
+        const nqm_gltf_use *use = &nqm_gltf_uses[i];
         const size_t n = use->channel == SIZE_MAX ? 3 : 1;
         double factor[3];
         uint16_t image, node;

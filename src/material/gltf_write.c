@@ -20,10 +20,22 @@ static nqm_property value_of(const nqm_shading *shading, const nqm_rule *p) {
     return value;
 }
 
-/* A value of one of n materials differs from the default. */
+/* The map of a texture; n_maps: there is none. */
+static size_t find_map(const nqm_named_shading *material, const char *texture) {
+    size_t k = 0;
+    while (k < material->n_maps && strcmp(material->maps[k].texture, texture) != 0)
+        ++k;
+    return k;
+}
+
+/* A value of one of n materials differs from the default, or has a map. */
 static bool is_needed(size_t n, const nqm_named_shading *materials, const nqm_gltf_group *group) {
     for (size_t i = 0; i < n; ++i)
-        for (const nqm_rule *p = group->rules; p->name && p->key; ++p) {
+        for (const nqm_rule *p = group->rules; p->name; ++p) {
+            if (find_map(&materials[i], p->name) < materials[i].n_maps)
+                return true;
+            if (!p->key)
+                continue;
             const nqm_property value = value_of(&materials[i].shading, p);
             if (value.v[0] != p->value || value.v[1] != p->value || value.v[2] != p->value)
                 return true;
@@ -31,35 +43,73 @@ static bool is_needed(size_t n, const nqm_named_shading *materials, const nqm_gl
     return false;
 }
 
-/* "NAME": {properties}, with `indent` in front of each line. */
-static void write_layer(FILE *stream, const nqm_shading *shading, const nqm_gltf_group *group, const char *indent) {
+/* `"NAME": {texture}`, if the material has it; its number is that of all maps of earlier materials and of this one before it. */
+static void write_texture(FILE *stream, const nqm_named_shading *material, size_t first, const char *name,
+                          const char *separator) {
+    const size_t k = find_map(material, name), *tiles = material->tiles;
+    if (k == material->n_maps)
+        return;
+    fprintf(stream, "%s\"%s\": {\"index\": %zu", separator, name, first + k);
+    if (tiles[0] > 1 || tiles[1] > 1)
+        fprintf(stream, ", \"extensions\": {\"KHR_texture_transform\": {\"scale\": [%zu, %zu]}}", tiles[0], tiles[1]);
+    fputc('}', stream);
+}
+
+/* "NAME": {properties}, with `indent` in front of each line. first: as in write_texture(). */
+static void write_layer(FILE *stream, const nqm_named_shading *material, size_t first, const nqm_gltf_group *group,
+                        const char *indent) {
+    char separator[32];
     char numbers[100];
     fprintf(stream, "%s\"%s\": {", indent, group->name);
     for (const nqm_rule *p = group->rules; p->name && p->key; ++p) {
-        const nqm_property value = value_of(shading, p);
+        const nqm_property value = value_of(&material->shading, p);
         const bool is_array = value.n > 1;
         fprintf(stream, "%s\n%s  \"%s\": %s%s%s%s", p == group->rules ? "" : ",", indent, p->name, is_array ? "[" : "",
                 nqm_format_doubles(numbers, sizeof numbers, value.n, value.v, ", "), p->n == 4 ? ", 1" : "",
                 is_array ? "]" : "");
     }
+    snprintf(separator, sizeof separator, ",\n%s  ", indent);
+    for (const nqm_rule *p = group->rules; p->name; ++p)
+        write_texture(stream, material, first, p->name, separator);
     fprintf(stream, "\n%s}", indent);
 }
 
-static void write_material(FILE *stream, const nqm_named_shading *material) {
+static void write_material(FILE *stream, const nqm_named_shading *material, size_t first) {
     const char *separator = ",\n      \"extensions\": {\n";
     fprintf(stream, "    {\n      \"name\": \"%s\",\n", material->name);
-    write_layer(stream, &material->shading, &nqm_gltf_core, "      ");
+    write_layer(stream, material, first, &nqm_gltf_core, "      ");
+    write_texture(stream, material, first, "normalTexture", ",\n      ");
     for (size_t i = 0; i < NQM_GLTF_N_EXTENSIONS; ++i)
         if (is_needed(1, material, &nqm_gltf_extensions[i])) {
             fputs(separator, stream);
-            write_layer(stream, &material->shading, &nqm_gltf_extensions[i], "        ");
+            write_layer(stream, material, first, &nqm_gltf_extensions[i], "        ");
             separator = ",\n";
         }
     fprintf(stream, "%s\n    }", strcmp(separator, ",\n") == 0 ? "\n      }" : "");
 }
 
+/* The images of all maps, and a texture of each. */
+static void write_images(FILE *stream, size_t n, const nqm_named_shading *materials) {
+    size_t n_maps = 0;
+    for (size_t i = 0; i < n; ++i)
+        for (size_t k = 0; k < materials[i].n_maps; ++k) {
+            json_t *file = json_string(materials[i].maps[k].file);
+            char *text = json_dumps(file, JSON_ENCODE_ANY | JSON_ENSURE_ASCII);
+            fprintf(stream, "%s    {\"uri\": %s}", n_maps++ ? ",\n" : ",\n  \"images\": [\n", text ? text : "\"\"");
+            free(text);
+            json_decref(file);
+        }
+    for (size_t k = 0; k < n_maps; ++k)
+        fprintf(stream, "%s{\"source\": %zu}", k ? ", " : "\n  ],\n  \"textures\": [", k);
+    fputs(n_maps ? "]" : "", stream);
+}
+
 static void write_document(FILE *stream, size_t n, const nqm_named_shading *materials) {
     const char *separator = "";
+    size_t n_maps = 0;
+    bool is_tiled = false;
+    for (size_t i = 0; i < n; ++i)
+        is_tiled = is_tiled || (materials[i].n_maps && (materials[i].tiles[0] > 1 || materials[i].tiles[1] > 1));
     fprintf(stream, "{\n  \"asset\": {\"version\": \"2.0\", \"generator\": \"nqm %s\"},\n", nqm_version());
     for (size_t i = 0; i < NQM_GLTF_N_EXTENSIONS; ++i)
         if (is_needed(n, materials, &nqm_gltf_extensions[i])) {
@@ -67,12 +117,19 @@ static void write_document(FILE *stream, size_t n, const nqm_named_shading *mate
                     nqm_gltf_extensions[i].name);
             separator = ", ";
         }
+    if (is_tiled) {
+        fprintf(stream, "%s\"KHR_texture_transform\"", *separator ? separator : "  \"extensionsUsed\": [");
+        separator = ", ";
+    }
     fprintf(stream, "%s  \"materials\": [\n", *separator ? "],\n" : "");
     for (size_t i = 0; i < n; ++i) {
         fputs(i ? ",\n" : "", stream);
-        write_material(stream, &materials[i]);
+        write_material(stream, &materials[i], n_maps);
+        n_maps += materials[i].n_maps;
     }
-    fputs("\n  ]\n}\n", stream);
+    fputs("\n  ]", stream);
+    write_images(stream, n, materials);
+    fputs("\n}\n", stream);
 }
 
 /* The container begins with the size of the document, which is written to memory first. */

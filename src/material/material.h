@@ -39,10 +39,18 @@ const nqm_property *nqm_shading_find(const nqm_shading *shading, const char *key
 char *nqm_shading_spec(const nqm_shading *shading);
 /** From a canonical spec. NQM_ERR_ARG: not of the form MODEL:key=value;... */
 NQM_MUST_CHECK nqm_status nqm_shading_parse(const char *spec, nqm_shading *shading, nqm_error *err);
+/** An image map of a written glTF material. */
+typedef struct nqm_written_map {
+    const char *texture; /**< "baseColorTexture" */
+    char file[256];      /**< name of the image, in the folder of the material file */
+} nqm_written_map;
 /** A shading and its name in a file: letters, digits and '_'. */
 typedef struct nqm_named_shading {
     nqm_shading shading;
     char name[64];
+    size_t n_maps; /**< whose values are multiplied by those of the shading */
+    nqm_written_map maps[12];
+    size_t tiles[2]; /**< how often the maps are repeated along u and v */
 } nqm_named_shading;
 /** Write a material file with n > 0 shadings, which have the keys and values of one model. Names become valid and different ones. See
  *  nqm_material_write(). */

@@ -4,6 +4,7 @@
  */
 #include "figures/sheet.h"
 #include "io/io.h"
+#include "io/raster.h"
 #include "math/math.h"
 
 #include <math.h>
@@ -91,7 +92,8 @@ static nqm_status write_png(const char *path, const nqm_picture *p, size_t super
     if (!rgb)
         return nqm_fail_nomem(err, 3 * n);
     nqm_picture_bytes(p, supersample, tone, rgb);
-    nqm_status status = nqm_image_write_png(path, p->width / supersample, p->height / supersample, rgb, err);
+    const nqm_raster raster = {p->width / supersample, p->height / supersample, 3, NQM_RASTER_U8, rgb};
+    nqm_status status = nqm_raster_write_png(path, &raster, true, err);
     nqm_free(rgb);
     return status;
 }

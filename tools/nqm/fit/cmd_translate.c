@@ -8,6 +8,7 @@
 #include "material/material.h"
 #include "nqm/fit/translate.h"
 #include "nqm/score/gate.h"
+#include "nqm/score/score.h"
 #include "nqm/show/report.h"
 #include "nqm/textured.h"
 
@@ -29,6 +30,8 @@ typedef struct item {
     nqm_error err;           /* status NQM_OK: translated */
     nqm_match_report match;
     nqm_score_result score, transport;
+    bool is_textured;
+    double far_jod; /* of a texture */
     double seconds;
 } item;
 
@@ -144,7 +147,8 @@ static void print_item(const translation *t, const item *it) {
     printf("JOD %5.2f", it->score.jod);
     if (!isnan(it->score.jod_low))
         printf(" [%.2f, %.2f]", it->score.jod_low, it->score.jod_high);
-    printf("  transport %5.2f  %s -> %s", it->transport.jod, shown(it->argument),
+    printf("  %s %5.2f  %s -> %s", it->is_textured ? "from afar" : "transport",
+           it->is_textured ? it->far_jod : it->transport.jod, shown(it->argument),
            shown(it->written[0] ? it->written : it->match.fit.spec));
     if (it->dropped[0])
         printf("  dropped: %s", it->dropped);
@@ -164,6 +168,8 @@ static json_t *item_json(const translation *t, const item *it) {
                             json_number(it->score.jod_low), "jod_high", json_number(it->score.jod_high),
                             "transport_jod", json_number(it->transport.jod), "dropped", json_name(it->dropped),
                             "selected", json_name(it->match.selected), "seconds", json_number(it->seconds));
+    if (it->is_textured)
+        json_object_set_new(row, "far_jod", json_number(it->far_jod));
     if (has_gate(&t->gate))
         json_object_set_new(row, "pass", json_boolean(!fails_gate(&t->gate, &it->score)));
     return row;
@@ -245,7 +251,7 @@ static nqm_status fit_item(const translation *t, item *it, nqm_error *err) {
     nqm_brdf *ref = NULL, *brdf = NULL;
     nqm_fit_options fit = t->fit;
     const double begin = nqm_clock_s();
-    nqm_status status = explain_texture(it->argument, nqm_brdf_open(it->argument, &ref, err), err);
+    nqm_status status = nqm_brdf_open(it->argument, &ref, err);
     if (status != NQM_OK)
         return status;
     const char *spec = nqm_brdf_get_info(ref).spec;
@@ -258,6 +264,39 @@ static nqm_status fit_item(const translation *t, item *it, nqm_error *err) {
     nqm_brdf_free(ref);
     nqm_brdf_free(brdf);
     return status;
+}
+
+/* The name in a file of its own: "paints_red"; in one of all materials: "red". */
+static void name_in_file(const translation *t, const item *it, char *name, size_t n_name) {
+    const char *material = member_name(it->argument);
+    if (t->n > 1 && t->path && material)
+        snprintf(name, n_name, "%s", material);
+    else
+        short_stem(it->argument, name, n_name);
+}
+
+/* Fit, write and score a material with image maps. */
+static nqm_status translate_maps(const translation *t, item *it, nqm_error *err) {
+    char name[64];
+    texture_translation maps = {
+        .argument = it->argument, .path = it->path, .name = name, .loss = &t->loss, .fit = &t->fit};
+    const double begin = nqm_clock_s();
+    if (t->path && t->n > 1)
+        return nqm_fail(err, NQM_ERR_ARG, -1, "a material with image maps needs a file of its own: -d FOLDER");
+    nqm_status status = check_texture_target(t->target->model, it->path, err);
+    name_in_file(t, it, name, sizeof name);
+    if (status == NQM_OK)
+        status = translate_texture(&maps, err);
+    if (status != NQM_OK)
+        return status;
+    it->score = result_of_textures(&maps.score);
+    it->transport = (nqm_score_result){.jod = NAN};
+    it->far_jod = maps.score.far_jod[0];
+    it->seconds = nqm_clock_s() - begin;
+    snprintf(it->match.fit.spec, sizeof it->match.fit.spec, "%s", maps.spec);
+    snprintf(it->dropped, sizeof it->dropped, "%s", maps.dropped);
+    snprintf(it->written, sizeof it->written, "%s", it->path);
+    return NQM_OK;
 }
 
 /* What was written, or the spec. */
@@ -274,15 +313,6 @@ static nqm_status score_item(const translation *t, item *it, nqm_error *err) {
     nqm_brdf_free(ref);
     nqm_brdf_free(brdf);
     return status;
-}
-
-/* The name in a file of its own: "paints_red"; in one of all materials: "red". */
-static void name_in_file(const translation *t, const item *it, char *name, size_t n_name) {
-    const char *material = member_name(it->argument);
-    if (t->n > 1 && t->path && material)
-        snprintf(name, n_name, "%s", material);
-    else
-        short_stem(it->argument, name, n_name);
 }
 
 /* Write n items that are fitted into the file of the first; a file of several is opened by the names that they got. */
@@ -319,7 +349,7 @@ static void take_failure(const translation *t, item *it, const nqm_error *err) {
 
 static void finish_item(const translation *t, item *it, bool with_rows) {
     nqm_error err = {0};
-    if (it->err.status == NQM_OK && score_item(t, it, &err) != NQM_OK)
+    if (it->err.status == NQM_OK && !it->is_textured && score_item(t, it, &err) != NQM_OK)
         take_failure(t, it, &err);
     end_progress();
     if (with_rows)
@@ -345,8 +375,9 @@ static void translate_all(translation *t, bool with_rows) {
         item *it = &t->items[i];
         nqm_error err = {0};
         note_progress("%s (%zu of %zu)", shown(it->argument), i + 1, t->n);
-        nqm_status status = fit_item(t, it, &err);
-        if (status == NQM_OK && it->path[0] && !in_one)
+        it->is_textured = is_textured(it->argument);
+        nqm_status status = it->is_textured ? translate_maps(t, it, &err) : fit_item(t, it, &err);
+        if (status == NQM_OK && !it->is_textured && it->path[0] && !in_one)
             status = write_items(t, 1, &it, &err);
         if (status != NQM_OK)
             take_failure(t, it, &err);

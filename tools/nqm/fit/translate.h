@@ -5,8 +5,11 @@
 #ifndef NQM_TOOL_TRANSLATE_H
 #define NQM_TOOL_TRANSLATE_H
 
+#include "brdf/core/spec.h"
 #include "material/material.h"
 #include "nqm/tool.h"
+#include <nqm/match.h>
+#include <nqm/texture.h>
 
 /** What --to names. */
 typedef struct translate_target {
@@ -24,6 +27,11 @@ bool is_shading_model(const char *model);
 /** A spec of the shading model `model` with the keys that mean the same in `spec`, a canonical spec of a shading model, moved into
  *  their ranges; free() it. NULL: `spec` is NULL or of another model, nothing is shared, or what is shared is no spec without other keys. */
 char *copy_keys(const char *spec, const char *model);
+/** The key that means the same as one of another model; n_keys: none. */
+size_t find_same_key(const nqm_spec_key *key, size_t n_keys, const nqm_spec_key *keys);
+/** The values of a property for a key: a number for all channels of a colour, the mean of a colour or of two widths for a number; moved
+ *  into its range. */
+void convert_values(const nqm_property *p, const nqm_spec_key *key, double v[3]);
 /** The keys of such a spec with other values than their defaults that have no counterpart in `model`, separated by ", ". Keys
  *  of layers with weight 0 do not count. */
 void list_dropped(const char *spec, const char *model, char *text, size_t n_text);
@@ -33,5 +41,19 @@ void list_dropped(const char *spec, const char *model, char *text, size_t n_text
 void copy_anisotropy(const nqm_shading *from, nqm_shading *to);
 /** Whether a shading model has anisotropic lobes, and may turn them. */
 bool can_be_anisotropic(const char *model, bool turned);
+
+/** The translation of a textured material to glTF. */
+typedef struct texture_translation {
+    const char *argument, *path; /* the file; maps are written beside it as PATH without ending, "_", texture, ".png" */
+    const char *name;            /* of the material in the file */
+    const nqm_match_loss *loss;
+    const nqm_fit_options *fit;
+    /* results: */
+    char dropped[300], spec[2048]; /* spec: of what does not vary */
+    nqm_texture_result score;      /* of what was written, by the metric of the loss */
+} texture_translation;
+/** Whether maps can be written to such a file as this model. */
+nqm_status check_texture_target(const char *model, const char *path, nqm_error *err);
+nqm_status translate_texture(texture_translation *t, nqm_error *err);
 
 #endif

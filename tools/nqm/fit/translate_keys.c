@@ -113,6 +113,13 @@ static const nqm_spec_schema *schema_of(const char *model) {
     return &nqm_analytic_model_find(model, strlen(model))->schema;
 }
 
+size_t find_same_key(const nqm_spec_key *key, size_t n_keys, const nqm_spec_key *keys) {
+    size_t k = 0;
+    while (k < n_keys && !means_same(keys[k].name, key->name))
+        ++k;
+    return k;
+}
+
 /* The properties of a canonical spec of a shading model; false: it is none. */
 static bool read_spec(const char *spec, nqm_shading *shading) {
     return spec && nqm_shading_parse(spec, shading, NULL) == NQM_OK && is_shading_model(shading->model);
@@ -120,8 +127,7 @@ static bool read_spec(const char *spec, nqm_shading *shading) {
 
 /* ---- the start ---------------------------------------------------------------------------------------------------- */
 
-/* The values of a property for a key: a number for all channels of a colour, the mean of a colour or of two widths for a number. */
-static void convert(const nqm_property *p, const nqm_spec_key *key, double v[3]) {
+void convert_values(const nqm_property *p, const nqm_spec_key *key, double v[3]) {
     const double mean = p->n == 2 ? sqrt(p->v[0] * p->v[1]) : (p->v[0] + p->v[1] + p->v[2]) / 3;
     for (size_t c = 0; c < 3; ++c)
         v[c] = fmin(fmax(p->n > 1 && p->n == key->n ? p->v[c] : mean, key->low), key->high);
@@ -174,7 +180,7 @@ char *copy_keys(const char *spec, const char *model) {
             if (is_of_film(key->name) ||
                 (is_same ? strcmp(p->key, key->name) != 0 : key->whole || !means_same(p->key, key->name)))
                 continue;
-            convert(p, key, v);
+            convert_values(p, key, v);
             nqm_shading_set(&to, key->name, key->n, v);
         }
     if (!is_same)

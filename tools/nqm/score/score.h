@@ -121,6 +121,8 @@ typedef struct kept_texture {
     const char *name;
     nqm_texture *texture;
 } kept_texture;
+/** The result of a pair of textures as that of a pair of BRDFs. */
+nqm_score_result result_of_textures(const nqm_texture_result *t);
 /** Whether a member of a pair that has no score as one of BRDFs is a textured material. */
 bool has_texture(const nqm_named_pair *pair);
 /** Score such a pair; err->status is that of the result. Ctrl-C ends the run. */

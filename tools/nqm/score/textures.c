@@ -62,8 +62,7 @@ static void write_map(const char *path, const nqm_texture_result *r, const float
     free(mean);
 }
 
-/* The result of a pair of textures as that of a pair of BRDFs. */
-static nqm_score_result result_of(const nqm_texture_result *t) {
+nqm_score_result result_of_textures(const nqm_texture_result *t) {
     nqm_score_result r = {.jod = t->jod,
                           .delta_e = t->delta_e,
                           .jod_low = t->jod_low,
@@ -119,7 +118,7 @@ void score_texture(const texture_terms *terms, const nqm_named_pair *pair, kept_
     if (status == NQM_ERR_CANCELLED)
         stop(EXIT_INTERRUPTED, "interrupted");
     if (status == NQM_OK)
-        *result = result_of(t);
+        *result = result_of_textures(t);
     result->status = err->status = status;
 }
 
