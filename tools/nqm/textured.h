@@ -7,6 +7,7 @@
 
 #include "label/textured.h"
 #include "nqm/tool.h"
+#include "texture/texture.h"
 
 /** Whether an argument is a folder or list of maps, or a material of a file with image maps. No image is read. */
 bool is_textured(const char *argument);
@@ -14,6 +15,15 @@ bool is_textured(const char *argument);
 nqm_status explain_texture(const char *argument, nqm_status status, nqm_error *err);
 /** Open such an argument, with progress; NULL and NQM_OK: it is not textured. nqm_texture_free() it. */
 nqm_status open_textured(const char *argument, nqm_texture **texture_ret, nqm_error *err);
+
+/** Receives the values of a texture at evaluated position i, and writes a texel of so many bytes as the picture has channels. */
+typedef void texel_writer(void *user, const float *rows, size_t i, unsigned char *out);
+/** Write texels at the centres of the pixels of one period of the texture, of which tiles[0] x tiles[1] are its whole. picture: of
+ *  bytes, with width, height and channels; receives pixels, nqm_raster_clear() it. */
+nqm_status write_texels(const nqm_texture *texture, const size_t tiles[2], texel_writer *write, void *user,
+                        nqm_raster *picture, nqm_error *err);
+/** 0 to 1 as a byte. */
+unsigned char byte_of(double v);
 
 /** Options of verbs that make pictures. */
 typedef struct view_args {

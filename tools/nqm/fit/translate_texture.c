@@ -8,13 +8,14 @@
 #include "io/raster.h"
 #include "material/gltf.h"
 #include "nqm/fit/translate.h"
+#include "nqm/textured.h"
 #include "texture/score.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <strings.h>
 
-enum { N_FITS = 16, MAX_VARYING = 24, USES = NQM_GLTF_N_USES, BLOCK = NQM_TEXEL_BLOCK };
+enum { N_FITS = 16, MAX_VARYING = 24, USES = NQM_GLTF_N_USES };
 
 /* A texel that is fitted. */
 typedef struct fitted_texel {
@@ -228,9 +229,6 @@ static nqm_status fit_all(texture_run *run, nqm_error *err) {
 typedef struct map_job {
     const texture_run *run;
     const char *texture;
-    size_t tiles[2];
-    nqm_raster raster;
-    atomic_bool has_failed;
 } map_job;
 
 /* The weight of the correction of each fit, where the properties are `at`. */
@@ -246,11 +244,8 @@ static void find_weights(const texture_run *run, const double *at, double *weigh
         weights[k] /= all;
 }
 
-static unsigned char byte_of(double v) {
-    return (unsigned char)(fmin(fmax(v, 0), 1) * 255 + 0.5);
-}
-
-static void fill_texel(const map_job *job, const float *rows, size_t i, unsigned char *out) {
+static void fill_texel(void *user, const float *rows, size_t i, unsigned char *out) {
+    const map_job *job = user;
     const texture_run *run = job->run;
     double at[MAX_VARYING], weights[N_FITS], v[3];
     find_place(run, rows, i, at);
@@ -274,54 +269,14 @@ static void fill_texel(const map_job *job, const float *rows, size_t i, unsigned
         out[c] = byte_of((v[c] + 1) / 2);
 }
 
-static void fill_row(void *user, size_t y) {
-    map_job *job = user;
-    const nqm_texture *ref = job->run->ref;
-    const nqm_raster *r = &job->raster;
-    double u[BLOCK], v[BLOCK];
-    float *rows = nqm_alloc((size_t)ref->n_rows * BLOCK, sizeof *rows);
-    if (!rows)
-        atomic_store(&job->has_failed, true);
-    for (size_t first = 0, n; rows && first < r->width; first += n) {
-        n = nqm_smaller(r->width - first, BLOCK);
-        for (size_t i = 0; i < n; ++i) {
-            u[i] = ((double)(first + i) + 0.5) / (double)(r->width * job->tiles[0]);
-            v[i] = ((double)y + 0.5) / (double)(r->height * job->tiles[1]);
-        }
-        nqm_texture_evaluate(ref, n, u, v, rows);
-        for (size_t i = 0; i < n; ++i)
-            fill_texel(job, rows, i, (unsigned char *)r->data + r->channels * (y * r->width + first + i));
-    }
-    nqm_free(rows);
-}
-
-static nqm_status write_map(map_job *job, size_t channels, const char *path, nqm_error *err) {
-    nqm_raster *r = &job->raster;
-    nqm_ticker ticker = {.fn = show_progress};
-    const size_t n = r->width * r->height * channels;
-    const bool is_srgb = job->texture && strstr(job->texture, "Color");
-    r->channels = channels;
-    r->data = nqm_alloc(n, 1);
-    if (!r->data)
-        return nqm_fail_nomem(err, n);
-    memset(r->data, 255, n); /* a property without a map has the factor alone */
-    nqm_status status = NQM_OK;
-    if (nqm_parallel_ticking(&ticker, "maps", r->height, fill_row, job))
-        status = nqm_fail(err, NQM_ERR_CANCELLED, -1, "cancelled");
-    else if (atomic_load(&job->has_failed))
-        status = nqm_fail_nomem(err, n);
-    if (status == NQM_OK)
-        status = nqm_raster_write_png(path, r, is_srgb, err);
-    nqm_raster_clear(r);
-    return status;
-}
-
 /* The map of a texture, beside the file. */
 static nqm_status add_map(const texture_run *run, const char *texture, size_t channels, nqm_named_shading *m,
                           nqm_error *err) {
     const char *path = run->t->path, *slash = strrchr(path, '/'), *name = slash ? slash + 1 : path;
     const size_t n_folder = (size_t)(name - path), n_stem = (size_t)(strrchr(name, '.') - name);
-    map_job job = {.run = run, .texture = strcmp(texture, "normalTexture") == 0 ? NULL : texture};
+    const bool is_normal = strcmp(texture, "normalTexture") == 0;
+    map_job job = {run, is_normal ? NULL : texture};
+    nqm_raster r = {.channels = channels};
     nqm_written_map *map = &m->maps[m->n_maps++];
     char whole[4096];
     map->texture = texture;
@@ -329,9 +284,12 @@ static nqm_status add_map(const texture_run *run, const char *texture, size_t ch
              (int)(strlen(texture) - strlen("Texture")), texture);
     snprintf(whole, sizeof whole, "%.*s%s", (int)n_folder, path, map->file);
     for (size_t axis = 0; axis < 2; ++axis)
-        m->tiles[axis] = job.tiles[axis] =
-            nqm_texture_tiles(run->ref, run->ref, axis, axis ? &job.raster.height : &job.raster.width);
-    return write_map(&job, channels, whole, err);
+        m->tiles[axis] = nqm_texture_tiles(run->ref, run->ref, axis, axis ? &r.height : &r.width);
+    nqm_status status = write_texels(run->ref, m->tiles, fill_texel, &job, &r, err);
+    if (status == NQM_OK)
+        status = nqm_raster_write_png(whole, &r, strstr(texture, "Color") != NULL, err);
+    nqm_raster_clear(&r);
+    return status;
 }
 
 static nqm_status write_all(const texture_run *run, nqm_error *err) {

@@ -159,7 +159,7 @@ static void score_piece_textures(batch_pieces *p, size_t n, const nqm_named_pair
     nqm_texture_result *t = allocate(1, sizeof *t);
     for (size_t i = 0; i < n; ++i)
         if (p->results[i].status != NQM_OK && has_texture(&pairs[i]))
-            score_texture(&terms, &pairs[i], &ref, t, &p->results[i], &p->errors[i]);
+            score_texture(&terms, &pairs[i], &ref, t, &p->results[i], NULL, &p->errors[i]);
     nqm_texture_free(ref.texture);
     free(t);
 }

@@ -19,6 +19,7 @@ typedef struct scored_pair {
     nqm_score_result result;
     nqm_error err;                  /* status NQM_OK: scored */
     nqm_texture_result *texture;    /* of a pair with a textured material; NULL: of two BRDFs */
+    float *heat;                    /* (height, width) Delta-E of the texels, with keep_heat; owned */
     size_t order;                   /* index in the arguments */
     nqm_brdf_difference difference; /* set by compare_rows() */
     /* set by rank_rows(): */
@@ -43,6 +44,7 @@ typedef struct score_run {
     score_gate gate; /* gate of `nqm score` */
     bool exact;      /* `nqm score` also compares values */
     double tolerance;
+    bool keep_heat;
     const char *map; /* file for the map of Delta-E of the texels; NULL: none */
     double worst;    /* gate of the worst 5 % of texels, JOD; 0: none */
     size_t n_rows;
@@ -114,7 +116,7 @@ char *describe_grain(const scored_pair *row, char text[GRAIN_TEXT]);
 typedef struct texture_terms {
     const nqm_model *model;
     bool exact;      /* all texels */
-    const char *map; /* as in score_run */
+    bool keep_heat;
 } texture_terms;
 /** A texture that stays open for further pairs; zeroed: none. Its name lives as long. */
 typedef struct kept_texture {
@@ -125,9 +127,12 @@ typedef struct kept_texture {
 nqm_score_result result_of_textures(const nqm_texture_result *t);
 /** Whether a member of a pair that has no score as one of BRDFs is a textured material. */
 bool has_texture(const nqm_named_pair *pair);
-/** Score such a pair; err->status is that of the result. Ctrl-C ends the run. */
+/** Score such a pair; err->status is that of the result. heat: receives the Delta-E of the texels if the terms want it; free() it.
+ *  Ctrl-C ends the run. */
 void score_texture(const texture_terms *terms, const nqm_named_pair *pair, kept_texture *ref, nqm_texture_result *t,
-                   nqm_score_result *result, nqm_error *err);
+                   nqm_score_result *result, float **heat, nqm_error *err);
+/** Write the map of Delta-E as a picture with a scale, or as OpenEXR. */
+void write_heat(const char *path, const nqm_texture_result *t, const float *heat);
 /** The same for the rows of make_scores(). */
 void score_textures(score_run *run);
 /** Lines below the row of such a pair. */

@@ -113,8 +113,10 @@ void make_scores(score_run *run) {
 }
 
 void free_scores(score_run *run) {
-    for (size_t i = 0; i < run->n_rows; ++i)
+    for (size_t i = 0; i < run->n_rows; ++i) {
         free(run->rows[i].texture);
+        free(run->rows[i].heat);
+    }
     free(run->rows);
     free_expansion(&run->expansion);
     nqm_model_free(run->model);

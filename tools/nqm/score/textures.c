@@ -46,7 +46,7 @@ static double *resize(size_t *width, size_t *height, const float *delta_e) {
     return mean;
 }
 
-static void write_map(const char *path, const nqm_texture_result *r, const float *delta_e) {
+void write_heat(const char *path, const nqm_texture_result *r, const float *delta_e) {
     char caption[64];
     nqm_error err = {0};
     size_t width = r->width, height = r->height;
@@ -89,30 +89,25 @@ static nqm_status open_once(kept_texture *at, const char *name, nqm_error *err) 
 }
 
 static nqm_status compare(const texture_terms *terms, const nqm_texture *ref, const nqm_texture *test,
-                          nqm_texture_result *t, nqm_error *err) {
+                          nqm_texture_result *t, float **heat, nqm_error *err) {
     nqm_texture_options options = nqm_texture_options_default();
-    float *delta_e = NULL;
     const nqm_texture_info size = nqm_texture_get_info(ref, test);
     options.exact = terms->exact;
     options.progress = show_progress;
-    if (terms->map)
-        delta_e = allocate(size.width * size.height, sizeof *delta_e);
-    const nqm_status status = nqm_texture_score(terms->model, ref, test, &options, t, delta_e, err);
-    if (status == NQM_OK && terms->map)
-        write_map(terms->map, t, delta_e);
-    free(delta_e);
-    return status;
+    if (terms->keep_heat)
+        *heat = allocate(size.width * size.height, sizeof **heat);
+    return nqm_texture_score(terms->model, ref, test, &options, t, terms->keep_heat ? *heat : NULL, err);
 }
 
 void score_texture(const texture_terms *terms, const nqm_named_pair *pair, kept_texture *ref, nqm_texture_result *t,
-                   nqm_score_result *result, nqm_error *err) {
+                   nqm_score_result *result, float **heat, nqm_error *err) {
     kept_texture test = {.name = NULL};
     *err = (nqm_error){0};
     nqm_status status = open_once(ref, pair->ref, err);
     if (status == NQM_OK)
         status = open_once(&test, pair->test, err);
     if (status == NQM_OK)
-        status = compare(terms, ref->texture, test.texture, t, err);
+        status = compare(terms, ref->texture, test.texture, t, heat, err);
     end_progress();
     nqm_texture_free(test.texture);
     if (status == NQM_ERR_CANCELLED)
@@ -128,13 +123,15 @@ bool has_texture(const nqm_named_pair *pair) {
 
 void score_textures(score_run *run) {
     kept_texture ref = {.name = NULL};
-    const texture_terms terms = {run->model, run->exact, run->map};
+    const texture_terms terms = {run->model, run->exact, run->map || run->keep_heat};
     for (size_t i = 0; i < run->n_rows; ++i) {
         scored_pair *row = &run->rows[i];
         if (row->err.status == NQM_OK || !has_texture(&row->pair))
             continue;
         nqm_texture_result *t = allocate(1, sizeof *t);
-        score_texture(&terms, &row->pair, &ref, t, &row->result, &row->err);
+        score_texture(&terms, &row->pair, &ref, t, &row->result, &row->heat, &row->err);
+        if (run->map && row->err.status == NQM_OK)
+            write_heat(run->map, t, row->heat);
         if (!ref.texture && run->ref_path && strcmp(run->ref_path, row->pair.ref) == 0)
             stop_error(&row->err); /* the reference of all rows */
         row->texture = row->err.status == NQM_OK ? t : NULL;

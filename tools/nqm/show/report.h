@@ -54,6 +54,9 @@ void write_report(const report_run *run, FILE *out, char *figure);
 /** The section of the test at a place (from 0) in the ranking. */
 void put_test(const report_page *page, size_t place);
 
+/** What a section has of textured materials: the map of Delta-E, near and far scores, blame, and pictures of the maps. */
+void put_texture(const report_page *page, const scored_pair *row);
+
 /** Allocate the buffers for drawing, and free them. */
 void begin_figures(report_page *page);
 void end_figures(report_page *page);

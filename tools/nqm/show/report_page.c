@@ -176,8 +176,16 @@ static void put_guide(const report_page *page) {
 
 /* ---- provenance -------------------------------------------------------------------------------------------------- */
 
-static void put_brdf(FILE *out, const char *term, const nqm_brdf *brdf) {
-    nqm_brdf_info info = nqm_brdf_get_info(brdf);
+static void put_material(const report_page *page, const char *term, size_t item) {
+    FILE *out = page->out;
+    if (page->run->labels.items[item].texture) {
+        const nqm_texture_info texture = nqm_texture_get_info(page->run->labels.items[item].texture, NULL);
+        html(out,
+             "<dt>%s</dt><dd><span class='name'>%s</span> \xe2\x80\x93 %s, %zu \xc3\x97 %zu texels, maps of %s</dd>\n",
+             term, texture.name, texture.model, texture.width, texture.height, texture.varying);
+        return;
+    }
+    const nqm_brdf_info info = nqm_brdf_get_info(page->run->brdfs[item]);
     html(out, "<dt>%s</dt><dd><span class='name'>%s</span> \xe2\x80\x93 %s, %s", term, info.name, info.format,
          info.layout);
     if (info.source_doi)
@@ -219,9 +227,9 @@ static void put_provenance(const report_page *page) {
          nqm_version(), info.id, prefix, scores->terms.n_directions, nqm_directions_id(info.directions));
     put_scene(page);
     html(out, "%s%s.</p>\n<dl>\n", page->run->date ? "; " : "", page->run->date ? page->run->date : "");
-    put_brdf(out, "Reference", page->run->brdfs[0]);
+    put_material(page, "Reference", 0);
     for (size_t i = 0; i < count_tests(page); ++i)
-        put_brdf(out, "Test", page->run->brdfs[row_at(page, i)->order + 1]);
+        put_material(page, "Test", row_at(page, i)->order + 1);
     html(out,
          "<dt>Model</dt><dd>%s, recipe %s, %zu parameters, SHA-256 <span class='hash'>%s</span></dd>\n"
          "<dt>Directions without a value</dt><dd>%s</dd>\n</dl>\n"

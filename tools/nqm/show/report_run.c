@@ -59,7 +59,10 @@ static void write_page(const report_run *run, const output_file *out) {
 
 void make_report(report_run *run, int n_arguments, char **arguments, const char *const *names, output_file *out) {
     choose_metrics("all", run->scores.metrics);
-    run->brdfs = open_brdfs(n_arguments, arguments);
+    run->brdfs = allocate((size_t)n_arguments, sizeof *run->brdfs);
+    for (int i = 0; i < n_arguments; ++i)
+        run->brdfs[i] = is_textured(arguments[i]) ? NULL : open_brdf(arguments[i]);
+    run->scores.keep_heat = true;
     set_pairs(&run->scores, n_arguments, arguments, names);
     make_scores(&run->scores);
     check_results(run);

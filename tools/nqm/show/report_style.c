@@ -63,6 +63,7 @@ const char report_style[] =
     "figcaption{margin-top:.4rem;line-height:1.4}\n"
     ".triple{display:grid;grid-template-columns:repeat(3,minmax(0,1fr));gap:1rem;margin:1rem 0 1.5rem}\n"
     ".two{display:grid;grid-template-columns:minmax(0,1fr) minmax(0,1.12fr);gap:1.75rem;align-items:start}\n"
+    ".maps{display:grid;grid-template-columns:repeat(auto-fill,minmax(7rem,1fr));gap:1rem;margin:.5rem 0 1rem}\n"
     ".scale{display:block;margin-top:.4rem}\n"
     ".scale img{height:.6rem}\n"
     ".ticks{display:flex;justify-content:space-between;color:var(--ink)}\n"

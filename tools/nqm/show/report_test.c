@@ -159,6 +159,9 @@ void put_test(const report_page *page, size_t place) {
     put_words(page->out, &row->result, &item_of(page, row->order)->label);
     put_pictures(page, row->order);
     put_parts(page->out, &row->result, &item_of(page, row->order)->label);
-    put_differences(page, row->order, row);
+    if (row->texture)
+        put_texture(page, row);
+    else
+        put_differences(page, row->order, row);
     html(page->out, "</section>\n");
 }
