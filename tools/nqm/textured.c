@@ -18,17 +18,35 @@ bool is_textured(const char *argument) {
 
 nqm_status explain_texture(const char *argument, nqm_status status, nqm_error *err) {
     if (status != NQM_OK && is_textured(argument))
-        snprintf(err->message, sizeof err->message,
-                 "%.300s: a material with image maps; this verb needs the BRDF of one point. score, batch, rank, info, "
-                 "label "
-                 "and render take textures (doc/textures.md)",
-                 argument);
+        snprintf(
+            err->message, sizeof err->message,
+            "%.300s: a material with image maps; this verb needs the BRDF of one point. score, batch, rank, report, "
+            "info, check, label, render and translate take textures (doc/textures.md)",
+            argument);
     return status;
 }
 
 nqm_status open_textured(const char *argument, nqm_texture **texture_ret, nqm_error *err) {
     *texture_ret = NULL;
     return is_textured(argument) ? nqm_texture_open(argument, show_progress, NULL, texture_ret, err) : NQM_OK;
+}
+
+/* ---- texels ------------------------------------------------------------------------------------------------------ */
+
+nqm_status visit_texels(const nqm_texture *texture, size_t max_n, nqm_texels_visitor *visit, void *user,
+                        nqm_error *err) {
+    nqm_texel_sample *samples = allocate(max_n, sizeof *samples);
+    nqm_texture_job job = {.options = nqm_texture_options_default(), .side = {texture, texture}};
+    for (size_t axis = 0; axis < 2; ++axis)
+        job.period[axis] = 1 / (double)nqm_texture_tiles(texture, texture, axis, axis ? &job.height : &job.width);
+    nqm_status status = nqm_texels_compare(&job, err);
+    if (status == NQM_OK) {
+        const size_t n = nqm_texels_choose(&job.order, max_n, 1, samples);
+        status = nqm_texels_visit(&job, NULL, n, samples, visit, user, err);
+    }
+    nqm_free(job.order.texels);
+    free(samples);
+    return status;
 }
 
 /* ---- pictures of maps -------------------------------------------------------------------------------------------- */

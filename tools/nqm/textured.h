@@ -7,7 +7,7 @@
 
 #include "label/textured.h"
 #include "nqm/tool.h"
-#include "texture/texture.h"
+#include "texture/score.h"
 
 /** Whether an argument is a folder or list of maps, or a material of a file with image maps. No image is read. */
 bool is_textured(const char *argument);
@@ -15,6 +15,10 @@ bool is_textured(const char *argument);
 nqm_status explain_texture(const char *argument, nqm_status status, nqm_error *err);
 /** Open such an argument, with progress; NULL and NQM_OK: it is not textured. nqm_texture_free() it. */
 nqm_status open_textured(const char *argument, nqm_texture **texture_ret, nqm_error *err);
+
+/** Choose at most max_n texels that represent all, those of equal runs of similar ones, and visit them; rows[0] has their values. */
+nqm_status visit_texels(const nqm_texture *texture, size_t max_n, nqm_texels_visitor *visit, void *user,
+                        nqm_error *err);
 
 /** Receives the values of a texture at evaluated position i, and writes a texel of so many bytes as the picture has channels. */
 typedef void texel_writer(void *user, const float *rows, size_t i, unsigned char *out);

@@ -2,8 +2,7 @@
  *
  * nqm check - checks whether a BRDF is physically plausible: reciprocity, energy conservation and positivity.
  */
-#include "nqm/textured.h"
-#include "nqm/tool.h"
+#include "nqm/brdf/check.h"
 
 #include <math.h>
 #include <string.h>
@@ -100,9 +99,10 @@ static void print_measured(const verdict *v) {
            r->n_clamped, r->n_pairs, percent(r->n_clamped, r->n_pairs));
 }
 
-static void print_text(const char *name, const verdict *v) {
+/* words: what follows the verdict on the same line. */
+static void print_text(const char *name, const verdict *v, const char *words) {
     const nqm_brdf_check_report *r = &v->report;
-    printf("%s: %s\n", shown(name), !passes(v) ? "NOT PLAUSIBLE" : v->too_dark ? "suspicious" : "plausible");
+    printf("%s: %s%s\n", shown(name), !passes(v) ? "NOT PLAUSIBLE" : v->too_dark ? "suspicious" : "plausible", words);
     if (v->is_empty)
         puts("  energy, reciprocity, positivity: unknown, there are no values");
     else
@@ -138,12 +138,89 @@ static json_t *to_json(const char *name, const verdict *v) {
     return item;
 }
 
+/* ---- textures ---------------------------------------------------------------------------------------------------- */
+
+/* Whether a is the worse: one that fails, then the one that reflects most. */
+static bool is_worse(const verdict *a, const verdict *b) {
+    return passes(a) != passes(b) ? passes(b) : a->largest_albedo > b->largest_albedo;
+}
+
+/* The verdict on the worst of some texels; *n_failed of these fail. */
+static nqm_status judge_texels(const checked_texels *texels, uint64_t seed, verdict *worst, size_t *worst_ret,
+                               size_t *n_failed, nqm_error *err) {
+    nqm_status status = NQM_OK;
+    *worst_ret = *n_failed = 0;
+    for (size_t i = 0; status == NQM_OK && i < texels->n; ++i) {
+        nqm_brdf *brdf = NULL;
+        nqm_brdf_check_report r;
+        status = nqm_brdf_open(texels->specs[i], &brdf, err);
+        if (status == NQM_OK)
+            status = nqm_brdf_check(brdf, seed, &r, err);
+        if (status == NQM_OK && show_progress(NULL, "texels", (double)i, (double)texels->n))
+            status = nqm_fail(err, NQM_ERR_CANCELLED, -1, "cancelled");
+        const verdict v = status == NQM_OK ? judge(brdf, &r) : (verdict){.is_merl = false};
+        nqm_brdf_free(brdf);
+        *n_failed += status == NQM_OK && !passes(&v);
+        if (i == 0 || is_worse(&v, worst)) {
+            *worst = v;
+            *worst_ret = i;
+        }
+    }
+    return status;
+}
+
+static void print_texture(const char *argument, const checked_texels *texels, const verdict *v, size_t worst,
+                          size_t n_failed, const json_t *remarks) {
+    char words[160];
+    snprintf(words, sizeof words, "; %zu of %zu texels fail, the worst is (%zu, %zu):", n_failed, texels->n,
+             texels->at[worst] % texels->width, texels->at[worst] / texels->width);
+    print_text(argument, v, words);
+    for (size_t i = 0; i < json_array_size(remarks); ++i)
+        printf("  maps         suspicious: %s\n", json_string_value(json_array_get(remarks, i)));
+}
+
+/* As check_one(), of a material with image maps. */
+static int check_texture(const char *argument, uint64_t seed, json_t *results) {
+    checked_texels texels = {0};
+    verdict worst = {.is_merl = false};
+    size_t i = 0, n_failed = 0;
+    nqm_texture *texture;
+    json_t *remarks = NULL;
+    nqm_error err = {0};
+    nqm_status status = open_textured(argument, &texture, &err);
+    if (status == NQM_OK)
+        status = choose_checked_texels(texture, &texels, &err);
+    if (status == NQM_OK)
+        status = judge_texels(&texels, seed, &worst, &i, &n_failed, &err);
+    if (status == NQM_OK)
+        status = suspect_maps(texture, &remarks, &err);
+    end_progress();
+    nqm_texture_free(texture);
+    for (size_t k = 0; k < texels.n; ++k)
+        nqm_free(texels.specs[k]);
+    if (status == NQM_OK && results) {
+        json_t *item = to_json(argument, &worst);
+        json_object_set_new(item, "texels",
+                            json_pack("{s:I,s:I,s:[I,I],s:O}", "checked", (json_int_t)texels.n, "failed",
+                                      (json_int_t)n_failed, "worst", (json_int_t)(texels.at[i] % texels.width),
+                                      (json_int_t)(texels.at[i] / texels.width), "remarks", remarks));
+        json_array_append_new(results, item);
+    } else if (status == NQM_OK)
+        print_texture(argument, &texels, &worst, i, n_failed, remarks);
+    json_decref(remarks);
+    return status != NQM_OK ? report_error(&err) : passes(&worst) ? EXIT_OK : EXIT_GATE;
+}
+
+/* ---- the verb's arguments ---------------------------------------------------------------------------------------- */
+
 /* Check and print one BRDF; results NULL: as text. Returns its exit code. */
 static int check_one(const char *argument, uint64_t seed, json_t *results) {
     nqm_brdf *brdf;
     nqm_error err = {0};
     nqm_brdf_check_report r;
-    nqm_status status = explain_texture(argument, nqm_brdf_open(argument, &brdf, &err), &err);
+    if (is_textured(argument))
+        return check_texture(argument, seed, results);
+    nqm_status status = nqm_brdf_open(argument, &brdf, &err);
     if (status == NQM_OK)
         status = nqm_brdf_check(brdf, seed, &r, &err);
     const verdict v = status == NQM_OK ? judge(brdf, &r) : (verdict){.is_merl = false};
@@ -156,7 +233,7 @@ static int check_one(const char *argument, uint64_t seed, json_t *results) {
     if (results)
         json_array_append_new(results, to_json(argument, &v));
     else
-        print_text(argument, &v);
+        print_text(argument, &v, "");
     return passes(&v) ? EXIT_OK : EXIT_GATE;
 }
 
@@ -176,7 +253,8 @@ static const command cmd = {
         "Is a BRDF physically plausible? Measures energy conservation (the share of light that is reflected, for\n"
         "light at 0 to 75 degrees), reciprocity and positivity. Exit code 1 when a BRDF reflects more than 102 %\n"
         "of the light, has no value for more than half of the directions, or no positive value but negative ones.\n"
-        "A list of measured directions is tested at these directions; its energy is unknown.",
+        "A list of measured directions is tested at these directions; its energy is unknown. Of a material with image\n"
+        "maps, 32 texels that represent all are tested, and suspicious maps are named.",
     .example = "nqm check sgd:nickel material.binary\nnqm check 'lambert:kd=1.1' --json",
     .options = options,
     .min_arguments = 1,

@@ -9,7 +9,6 @@
 #include "material/gltf.h"
 #include "nqm/fit/translate.h"
 #include "nqm/textured.h"
-#include "texture/score.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -114,21 +113,6 @@ static nqm_status add_texels(void *user, size_t n, nqm_texel_sample *samples, co
             drop(run->t, key);
     }
     return NQM_OK;
-}
-
-/* Texels that represent all: those of equal runs of similar ones. */
-static nqm_status choose_texels(texture_run *run, nqm_error *err) {
-    nqm_texel_sample samples[N_FITS];
-    nqm_texture_job job = {.options = nqm_texture_options_default(), .side = {run->ref, run->ref}};
-    for (size_t axis = 0; axis < 2; ++axis)
-        job.period[axis] = 1 / (double)nqm_texture_tiles(run->ref, run->ref, axis, axis ? &job.height : &job.width);
-    nqm_status status = nqm_texels_compare(&job, err);
-    if (status == NQM_OK) {
-        const size_t n = nqm_texels_choose(&job.order, N_FITS, 1, samples);
-        status = nqm_texels_visit(&job, NULL, n, samples, add_texels, run, err);
-    }
-    nqm_free(job.order.texels);
-    return status;
 }
 
 /* ---- fits -------------------------------------------------------------------------------------------------------- */
@@ -338,7 +322,7 @@ nqm_status translate_texture(texture_translation *t, nqm_error *err) {
     run->schema = &nqm_analytic_model_find(model, strlen(model))->schema;
     if (status == NQM_OK) {
         find_maps(run);
-        status = choose_texels(run, err);
+        status = visit_texels(ref, N_FITS, add_texels, run, err);
     }
     if (status == NQM_OK)
         status = fit_all(run, err);

@@ -35,6 +35,7 @@ static uint64_t shrink = 1;
 static const char *output, *model = "default", *invalid = "drop";
 static report_run run;
 static scene_args scene;
+static view_args view;
 
 static const option options[] = {
     {"output", 'o', OPTION_NEEDED, &output, "FILE.html|.htm", "the page", 0, 0},
@@ -47,7 +48,8 @@ static const option options[] = {
      "smallest fraction of valid directions of a pair", 0, 1},
     {"shrink", 0, OPTION_COUNT, &shrink, "N", "average N x N rendered pixels into one", 1, 16},
     {"json", 0, OPTION_FLAG, &json, NULL, "print the scores, as `nqm score --json`", 0, 0},
-    OPTION_ROW_SIZE(&scene, "pixels of a frame (400 for all frames together)"),
+    OPTION_ROWS_VIEW(&view),
+    OPTION_ROW_SIZE(&scene, "pixels of a frame (400 for all frames together; 200 with a textured material)"),
     OPTION_ROW_IGNORE,
     {0}};
 
@@ -71,8 +73,13 @@ int cmd_report(int argc, char **argv) {
     run = (report_run){.scores = {.options = nqm_score_options_default()}};
     scene = scene_args_begin();
     char date[DATE_SIZE];
-    scene.side = 400; /* sharp on paper */
+    view = view_args_begin();
+    view.texels = 1; /* each texel with a normal has light directions of its own */
     const int n_arguments = parse_arguments(&cmd, argc, argv);
+    scene.side = 400; /* sharp on paper */
+    for (int i = 0; i < n_arguments; ++i)
+        scene.side = is_textured(argv[i]) ? 200 : scene.side;
+    run.labels.view = view_of(&view);
     set_option(&nqm_score_option_table, "invalid", &run.scores.options, invalid);
     scene_args_end(&scene);
     run.labels.scene_options = scene.scene;

@@ -82,9 +82,12 @@ void write_fit_page(const char *title, int n_arguments, char **arguments, const 
                     output_file *out) {
     report_run run = {.title = title, .scores = {.options = nqm_score_options_default()}, .labels = {.shrink = 1}};
     scene_args scene = scene_args_begin();
-    scene.side = 256;
+    const bool has_maps = is_textured(arguments[0]);
+    scene.side = has_maps ? 128 : 256;
     scene_args_end(&scene);
     run.labels.scene_options = scene.scene;
+    run.labels.view = nqm_scene_texture_view_default();
+    run.labels.view.n_samples = has_maps ? 1 : run.labels.view.n_samples;
     run.scores.model = open_model(metric);
     make_report(&run, n_arguments, arguments, names, out);
     free_report(&run);

@@ -22,7 +22,7 @@ static void put_scores(FILE *out, const nqm_texture_result *t) {
     char text[100];
     html(out, "<table class='metrics'><caption>Over the texels</caption>\n<thead><tr><th scope='col'>Score</th>"
               "<th scope='col' class='n'>JOD</th><th scope='col'></th></tr></thead>\n<tbody>\n");
-    snprintf(text, sizeof text, "the mean of %zu x %zu texels is seen", t->width, t->height);
+    snprintf(text, sizeof text, "the texels are seen: mean of %zu x %zu", t->width, t->height);
     put_row(out, "near", t->jod, text);
     snprintf(text, sizeof text, "the texture is smaller than a pixel (%.2f to %.2f)", t->far_jod[1], t->far_jod[2]);
     put_row(out, "from afar", t->far_jod[0], isnan(t->far_jod[1]) ? "the texture is smaller than a pixel" : text);
