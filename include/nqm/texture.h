@@ -63,10 +63,14 @@ NQM_API nqm_texture_info nqm_texture_get_info(const nqm_texture *texture, const 
 /** How nqm_texture_score() works. Take the defaults from nqm_texture_options_default(). */
 typedef struct nqm_texture_options {
     int exact; /**< 1: every different pair of texels is scored; default 0: at most n_texels, drawn evenly from all */
-    size_t n_texels;          /**< 16 to 10^6; default 2048 */
-    int blame;                /**< 1: each map is exchanged alone; default 1 */
-    int far;                  /**< 1: the far score too; default 1 */
-    uint64_t seed;            /**< of the choice of texels; default 1 */
+    size_t n_texels; /**< 16 to 10^6; default 2048 */
+    size_t
+        texels_per_pixel; /**< along each side of the pixels whose BRDFs, means over their texels, are compared, 1 to 16384;
+                                   then 256 pixels (48 where normals vary) are drawn, and n_texels and exact do not count;
+                                   default 1: the texels are compared */
+    int blame;            /**< 1: each map is exchanged alone; default 1 */
+    int far;              /**< 1: the far score too; default 1 */
+    uint64_t seed;        /**< of the choice of texels; default 1 */
     nqm_progress_fn progress; /**< NULL (default): silent */
     void *progress_user;
 } nqm_texture_options;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * Far scores: the BRDFs of texels that are smaller than a pixel are averaged (Filip et al. 2016), each about its own normal. Both
+ * Scores of means: from afar, and of pixels with several texels. The BRDFs of texels that are smaller than a pixel are averaged (Filip et al. 2016), each about its own normal. Both
  * materials are averaged over the same texels, a stratified sample. With normals, the light of pictures is averaged.
  */
 #include "metric/azimuths.h"
@@ -164,44 +164,96 @@ static nqm_status choose_tilted(nqm_texture_job *job, nqm_texel_sample *samples,
     return status;
 }
 
-static nqm_status score_tilted(const members *m, nqm_score_result *score, nqm_error *err) {
-    nqm_azimuths *azimuths = NULL;
-    nqm_status status = nqm_azimuths_create(m->job->model, &azimuths, err);
-    if (status == NQM_OK)
-        status = nqm_azimuths_score_means(azimuths, m->n, m->pairs, m->weights, &m->job->ticker, score, err);
-    nqm_azimuths_free(azimuths);
-    return status;
+static bool has_normals(const nqm_texture_job *job) {
+    return job->side[0]->normal != NQM_NO_NODE || job->side[1]->normal != NQM_NO_NODE;
 }
 
-static nqm_status score_means(nqm_texture_job *job, nqm_score_result *score, nqm_error *err) {
-    const bool has_normals = job->side[0]->normal != NQM_NO_NODE || job->side[1]->normal != NQM_NO_NODE;
-    nqm_texel_sample samples[MAX_MEMBERS];
+/* The score of the means over texels. azimuths: NULL without normals. */
+static nqm_status score_mean(nqm_texture_job *job, const nqm_azimuths *azimuths, size_t n, nqm_texel_sample *samples,
+                             nqm_score_result *score, nqm_error *err) {
+    const double certain = job->model->interval ? 10 : NAN;
     members *m = nqm_alloc(1, sizeof *m);
     if (!m)
         return nqm_fail_nomem(err, sizeof *m);
     m->job = job;
-    size_t n = 0;
-    nqm_status status = NQM_OK;
-    if (has_normals)
-        status = choose_tilted(job, samples, &n, err);
-    else
-        n = nqm_texels_choose(&job->order, MAX_MEMBERS, job->options.seed + 1, samples);
-    if (status == NQM_OK)
-        status = nqm_texels_visit(job, NULL, n, samples, add_members, m, err);
-    if (status == NQM_OK)
-        status = has_normals ? score_tilted(m, score, err) : score_flat(m, score, err);
+    bool is_equal = true;
+    nqm_status status = nqm_texels_visit(job, NULL, n, samples, add_members, m, err);
+    for (size_t i = 0; status == NQM_OK && i < n; ++i)
+        is_equal = is_equal && strcmp(m->specs[0][i], m->specs[1][i]) == 0;
+    *score = (nqm_score_result){.jod = 10, .jod_low = certain, .jod_high = certain};
+    if (status == NQM_OK && !is_equal && azimuths)
+        status = nqm_azimuths_score_means(azimuths, m->n, m->pairs, m->weights, &job->ticker, score, err);
+    else if (status == NQM_OK && !is_equal)
+        status = score_flat(m, score, err);
     for (size_t i = 0; i < 2 * n; ++i)
         nqm_free(m->specs[i / n][i % n]);
     nqm_free(m);
     return status;
 }
 
+static nqm_status score_means(nqm_texture_job *job, nqm_score_result *score, nqm_error *err) {
+    nqm_texel_sample samples[MAX_MEMBERS];
+    nqm_azimuths *azimuths = NULL;
+    size_t n = 0;
+    nqm_status status = NQM_OK;
+    if (has_normals(job))
+        status = nqm_azimuths_create(job->model, &azimuths, err);
+    if (status == NQM_OK && has_normals(job))
+        status = choose_tilted(job, samples, &n, err);
+    else
+        n = nqm_texels_choose(&job->order, MAX_MEMBERS, job->options.seed + 1, samples);
+    if (status == NQM_OK)
+        status = score_mean(job, azimuths, n, samples, score, err);
+    nqm_azimuths_free(azimuths);
+    return status;
+}
+
+/* ---- pixels ------------------------------------------------------------------------------------------------------ */
+
+/* Texels of the pixel that contains a texel: all, or one in each of the cells of a grid. chosen: (MAX_MEMBERS). */
+static size_t choose_in_pixel(const nqm_texture_job *job, size_t texel, size_t max_side, nqm_texel_sample *chosen) {
+    const size_t side = job->options.texels_per_pixel;
+    const size_t x = texel % job->width / side * side, y = texel / job->width / side * side;
+    const size_t width = nqm_smaller(side, job->width - x), height = nqm_smaller(side, job->height - y);
+    const size_t n_x = nqm_smaller(width, max_side), n_y = nqm_smaller(height, max_side), n = n_x * n_y;
+    for (size_t k = 0; k < n; ++k) {
+        const size_t i = k % n_x, j = k / n_x, left = i * width / n_x, upper = j * height / n_y;
+        const uint64_t random = nqm_hash_u64(job->options.seed + texel, k);
+        const size_t at_x = x + left + random % ((i + 1) * width / n_x - left);
+        const size_t at_y = y + upper + (random >> 32) % ((j + 1) * height / n_y - upper);
+        chosen[k] = (nqm_texel_sample){.texel = (uint32_t)(at_y * job->width + at_x), .weight = 1 / (double)n};
+    }
+    return n;
+}
+
+nqm_status nqm_pixels_score(nqm_texture_job *job, size_t n, nqm_texel_sample *samples, nqm_label *parts,
+                            nqm_error *err) {
+    enum { SIDE = 16, SIDE_TILTED = 6 };
+    nqm_texel_sample chosen[MAX_MEMBERS];
+    nqm_azimuths *azimuths = NULL;
+    nqm_status status = has_normals(job) ? nqm_azimuths_create(job->model, &azimuths, err) : NQM_OK;
+    for (size_t k = 0; status == NQM_OK && k < n; ++k) {
+        nqm_score_result r;
+        if (nqm_tick(&job->ticker, "pixels", (double)k, (double)n)) {
+            status = nqm_fail(err, NQM_ERR_CANCELLED, -1, "cancelled");
+            break;
+        }
+        const size_t n_chosen = choose_in_pixel(job, samples[k].texel, azimuths ? SIDE_TILTED : SIDE, chosen);
+        status = score_mean(job, azimuths, n_chosen, chosen, &r, err);
+        samples[k].delta_e = r.delta_e;
+        samples[k].jod = r.jod;
+        samples[k].jod_low = r.jod_low;
+        samples[k].jod_high = r.jod_high;
+        if (status == NQM_OK)
+            nqm_label_add(parts, samples[k].weight, &r.parts);
+    }
+    nqm_azimuths_free(azimuths);
+    return status;
+}
+
 nqm_status nqm_texture_score_far(nqm_texture_job *job, nqm_texture_result *result, nqm_error *err) {
-    const double certain = job->model->interval ? 10 : NAN;
-    const bool is_equal = job->is_same_model && !nqm_texels_differ(job, NQM_DIFFERENCE, NQM_ANY_PROPERTY) &&
-                          !nqm_texels_differ(job, NQM_TILT, 0);
-    nqm_score_result score = {.jod = 10, .jod_low = certain, .jod_high = certain};
-    nqm_status status = is_equal ? NQM_OK : score_means(job, &score, err);
+    nqm_score_result score = {.jod = NAN};
+    nqm_status status = score_means(job, &score, err);
     result->far_jod[0] = score.jod;
     result->far_jod[1] = score.jod_low;
     result->far_jod[2] = score.jod_high;

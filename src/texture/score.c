@@ -12,7 +12,7 @@ enum { BLOCK = NQM_TEXEL_BLOCK };
 _Static_assert((int)BLOCK == (int)NQM_SCORE_BLOCK, "texels are scored in blocks");
 
 nqm_texture_options nqm_texture_options_default(void) {
-    return (nqm_texture_options){.n_texels = 2048, .blame = 1, .far = 1, .seed = 1};
+    return (nqm_texture_options){.n_texels = 2048, .texels_per_pixel = 1, .blame = 1, .far = 1, .seed = 1};
 }
 
 /* ---- pairs ------------------------------------------------------------------------------------------------------- */
@@ -166,7 +166,9 @@ static nqm_status score_near(nqm_texture_job *job, nqm_texture_result *result, f
     if (!samples)
         return nqm_fail_nomem(err, o->n_groups * sizeof *samples);
     const size_t n = nqm_texels_choose(o, o->n_groups, job->options.seed, samples);
-    nqm_status status = nqm_texels_score(job, "near", NQM_EXCHANGE_ALL, n, samples, &result->parts, err);
+    nqm_status status = job->options.texels_per_pixel > 1
+                            ? nqm_pixels_score(job, n, samples, &result->parts, err)
+                            : nqm_texels_score(job, "near", NQM_EXCHANGE_ALL, n, samples, &result->parts, err);
     for (size_t k = 0; status == NQM_OK && delta_e && k < n; ++k)
         for (size_t i = nqm_texels_begin(o, n, k); i < nqm_texels_begin(o, n, k + 1); ++i)
             delta_e[o->texels[i]] = (float)samples[k].delta_e;
@@ -181,6 +183,8 @@ static nqm_status score_near(nqm_texture_job *job, nqm_texture_result *result, f
 /* ---- score ------------------------------------------------------------------------------------------------------- */
 
 static nqm_status score(nqm_texture_job *job, nqm_texture_result *result, float *delta_e, nqm_error *err) {
+    enum { N_PIXELS = 256, N_PIXELS_TILTED = 48 };
+    const bool has_normals = job->side[0]->normal != NQM_NO_NODE || job->side[1]->normal != NQM_NO_NODE;
     nqm_score_options options = nqm_score_options_default();
     options.metrics = 0;
     for (size_t axis = 0; axis < 2; ++axis)
@@ -189,13 +193,17 @@ static nqm_status score(nqm_texture_job *job, nqm_texture_result *result, float 
     nqm_status status = nqm_scorer_create(job->model, &options, &job->scorer, err);
     if (status == NQM_OK)
         status = nqm_texels_compare(job, err);
+    if (status == NQM_OK && job->options.texels_per_pixel > 1) {
+        job->order.begin = NULL; /* runs, one pixel of each */
+        job->order.n_groups = nqm_smaller(job->order.n, has_normals ? N_PIXELS_TILTED : N_PIXELS);
+    }
     result->width = job->width;
     result->height = job->height;
     result->n_different = job->n_different;
     result->n_scored = job->order.n_groups;
     if (status == NQM_OK)
         status = score_near(job, result, delta_e, err);
-    if (status == NQM_OK && job->options.blame && job->is_same_model)
+    if (status == NQM_OK && job->options.blame && job->is_same_model && job->options.texels_per_pixel == 1)
         status = nqm_texture_blame_find(job, result, err);
     if (status == NQM_OK && job->options.far)
         status = nqm_texture_score_far(job, result, err);
@@ -213,6 +221,9 @@ nqm_status nqm_texture_score(const nqm_model *model, const nqm_texture *ref, con
                         model->id);
     if (o.n_texels < 16 || o.n_texels > 1000000)
         return nqm_fail(err, NQM_ERR_ARG, -1, "n_texels is %zu: 16 to 1000000 are allowed", o.n_texels);
+    if (o.texels_per_pixel < 1 || o.texels_per_pixel > NQM_RASTER_MAX_SIDE)
+        return nqm_fail(err, NQM_ERR_ARG, -1, "texels_per_pixel is %zu: 1 to %d are allowed", o.texels_per_pixel,
+                        (int)NQM_RASTER_MAX_SIDE);
     nqm_texture_job *job = nqm_alloc(1, sizeof *job);
     if (!job)
         return nqm_fail_nomem(err, sizeof *job);

@@ -80,6 +80,9 @@ NQM_MUST_CHECK nqm_status nqm_texels_score(nqm_texture_job *job, const char *sta
 int nqm_texels_compare_delta_e(const void *a, const void *b);
 /** Fill the blame of the result, the worst first. */
 NQM_MUST_CHECK nqm_status nqm_texture_blame_find(nqm_texture_job *job, nqm_texture_result *result, nqm_error *err);
+/** Score pixels of options.texels_per_pixel texels along each side, those that contain the samples; parts as in nqm_texels_score(). */
+NQM_MUST_CHECK nqm_status nqm_pixels_score(nqm_texture_job *job, size_t n, nqm_texel_sample *samples, nqm_label *parts,
+                                           nqm_error *err);
 /** Fill the far score of the result. */
 NQM_MUST_CHECK nqm_status nqm_texture_score_far(nqm_texture_job *job, nqm_texture_result *result, nqm_error *err);
 

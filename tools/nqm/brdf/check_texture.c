@@ -39,20 +39,19 @@ typedef struct part {
     float low[N_VALUES], high[N_VALUES]; /* of each component of each property */
 } part;
 
-static nqm_status read_part(part *p, nqm_error *err) {
+/* is_spread: of the whole texture, in place of neighbours. */
+static nqm_status read_part(part *p, bool is_spread, nqm_error *err) {
     enum { BLOCK = NQM_TEXEL_BLOCK };
     size_t n_all[2];
     double u[BLOCK], v[BLOCK], normal[3];
-    const double du = 1 / (double)nqm_texture_tiles(p->texture, p->texture, 0, &n_all[0]) / (double)n_all[0];
-    const double dv = 1 / (double)nqm_texture_tiles(p->texture, p->texture, 1, &n_all[1]) / (double)n_all[1];
+    const size_t tiles[2] = {nqm_texture_tiles(p->texture, p->texture, 0, &n_all[0]),
+                             nqm_texture_tiles(p->texture, p->texture, 1, &n_all[1])};
     p->width = nqm_smaller(n_all[0], MAX_SIDE);
     p->height = nqm_smaller(n_all[1], MAX_SIDE);
-    p->slope = allocate(2 * p->width * p->height, sizeof *p->slope);
+    const double du = 1 / (double)(tiles[0] * (is_spread ? p->width : n_all[0]));
+    const double dv = 1 / (double)(tiles[1] * (is_spread ? p->height : n_all[1]));
+    p->slope = p->slope ? p->slope : allocate(2 * p->width * p->height, sizeof *p->slope);
     float *rows = allocate((size_t)p->texture->n_rows * BLOCK, sizeof *rows);
-    for (size_t k = 0; k < N_VALUES; ++k) {
-        p->low[k] = INFINITY;
-        p->high[k] = -INFINITY;
-    }
     for (size_t first = 0, n; first < p->width * p->height; first += n) {
         n = nqm_smaller(p->width * p->height - first, BLOCK);
         if (show_progress(NULL, "maps", (double)first, (double)(p->width * p->height)))
@@ -100,15 +99,20 @@ static void suspect_normals(const part *p, json_t *remarks) {
 
 nqm_status suspect_maps(const nqm_texture *texture, json_t **remarks_ret, nqm_error *err) {
     part p = {.texture = texture};
-    const nqm_status status = read_part(&p, err);
+    for (size_t k = 0; k < N_VALUES; ++k) {
+        p.low[k] = INFINITY;
+        p.high[k] = -INFINITY;
+    }
+    nqm_status status = read_part(&p, true, err);
+    if (status == NQM_OK)
+        status = read_part(&p, false, err);
     json_t *remarks = json_array();
     for (size_t k = 0; status == NQM_OK && k < texture->n_properties; ++k) {
         bool varies = false;
         for (size_t c = 0; c < texture->keys[k].n; ++c)
             varies = varies || p.low[3 * k + c] < p.high[3 * k + c];
         if (texture->properties[k].node != NQM_NO_NODE && !varies)
-            json_array_append_new(remarks, json_sprintf("the map of %s is constant%s", texture->keys[k].name,
-                                                        p.width == MAX_SIDE ? " in its first 1024 texels" : ""));
+            json_array_append_new(remarks, json_sprintf("the map of %s is constant", texture->keys[k].name));
     }
     if (status == NQM_OK && texture->normal != NQM_NO_NODE)
         suspect_normals(&p, remarks);

@@ -21,6 +21,7 @@ typedef struct batch_form {
     const nqm_model *model;
     nqm_precision precision;
     bool metrics[NQM_METRIC_COUNT]; /* metrics to write */
+    bool has_textures;              /* columns of textures, too */
     score_gate gate;
     remark_terms terms;
 } batch_form;
@@ -44,7 +45,7 @@ void check_batch_columns(const batch_form *form);
 /** Print the text before the rows; a row, which is the columns of the list and the result; the text after the rows. */
 void print_batch_head(const batch_form *form, FILE *out);
 void print_batch_row(const batch_form *form, FILE *out, size_t row, const nqm_score_result *result,
-                     const nqm_error *err);
+                     const texture_numbers *texture, const nqm_error *err);
 void print_batch_tail(const batch_form *form, FILE *out);
 /** The text before each row but the first. */
 const char *batch_separator(const batch_form *form);

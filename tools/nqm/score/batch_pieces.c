@@ -36,10 +36,10 @@ _Static_assert(offsetof(nqm_score_result, suspect_cosine) - offsetof(nqm_score_r
                    3 * sizeof(double),
                "the last run");
 
-/* status, identical, doubles, counts */
-enum { N_COLUMNS = 2 + N_DOUBLES + N_COUNTS };
+/* status, identical, doubles, counts, of textures */
+enum { N_RESULT = 2 + N_DOUBLES + N_COUNTS, N_COLUMNS = N_RESULT + TEXTURE_NUMBERS };
 
-static void pack(const nqm_score_result *r, double row[N_COLUMNS]) {
+static void pack(const nqm_score_result *r, double row[N_RESULT]) {
     double *to = row;
     *to++ = r->status;
     *to++ = r->identical;
@@ -49,7 +49,7 @@ static void pack(const nqm_score_result *r, double row[N_COLUMNS]) {
         *to++ = (double)(&r->n_valid)[i];
 }
 
-static void unpack(const double row[N_COLUMNS], nqm_score_result *r) {
+static void unpack(const double row[N_RESULT], nqm_score_result *r) {
     const double *from = row;
     r->status = (nqm_status)*from++;
     r->identical = (int)*from++;
@@ -89,8 +89,10 @@ static nqm_status save(const batch_pieces *p, size_t piece, nqm_error *err) {
     char path[MAX_PATH];
     const size_t n = row_count(p, piece);
     double *rows = allocate(n, N_COLUMNS * sizeof *rows);
-    for (size_t i = 0; i < n; ++i)
+    for (size_t i = 0; i < n; ++i) {
         pack(&p->results[i], rows + i * N_COLUMNS);
+        memcpy(rows + i * N_COLUMNS + N_RESULT, p->textures[i].v, sizeof p->textures[i].v);
+    }
     char *messages = messages_json(n, p->results, p->errors), *files = json_dumps(p->files, JSON_COMPACT);
     if (!files)
         stop(EXIT_LIMIT, "out of memory");
@@ -115,6 +117,7 @@ static bool take_results(batch_pieces *p, size_t n, const nqm_safetensors *st) {
         double row[N_COLUMNS];
         memcpy(row, (const char *)tensor->data + i * sizeof row, sizeof row);
         unpack(row, &p->results[i]);
+        memcpy(p->textures[i].v, row + N_RESULT, sizeof p->textures[i].v);
         const char *message = json_string_value(json_array_get(messages, i));
         p->errors[i] = (nqm_error){.status = p->results[i].status, .byte_offset = -1};
         snprintf(p->errors[i].message, sizeof p->errors[i].message, "%s", message ? message : "");
@@ -152,14 +155,17 @@ static bool load_results(batch_pieces *p, size_t piece) {
     return loaded;
 }
 
-/* The rows with a textured member; only the near score is kept. */
+/* The rows with a textured member. */
 static void score_piece_textures(batch_pieces *p, size_t n, const nqm_named_pair *pairs) {
-    const texture_terms terms = {.model = p->model};
+    const texture_terms terms = {.model = p->model, .near_only = p->near_only};
     kept_texture ref = {.name = NULL};
     nqm_texture_result *t = allocate(1, sizeof *t);
-    for (size_t i = 0; i < n; ++i)
-        if (p->results[i].status != NQM_OK && has_texture(&pairs[i]))
+    for (size_t i = 0; i < n; ++i) {
+        const bool is_needed = p->results[i].status != NQM_OK && has_texture(&pairs[i]);
+        if (is_needed)
             score_texture(&terms, &pairs[i], &ref, t, &p->results[i], NULL, &p->errors[i]);
+        p->textures[i] = texture_numbers_of(is_needed && p->results[i].status == NQM_OK ? t : NULL);
+    }
     nqm_texture_free(ref.texture);
     free(t);
 }
@@ -243,7 +249,7 @@ static void hash_terms(const json_t *terms, size_t size, char identity[33]) {
     nqm_sha256 sha;
     if (!text || !nqm_sha256_begin(&sha))
         stop(EXIT_LIMIT, "out of memory");
-    static const char layout[] = "nqm batch piece 4";
+    static const char layout[] = "nqm batch piece 5";
     nqm_sha256_add(&sha, layout, sizeof layout);
     nqm_sha256_add_values(&sha, 1, sizeof size, &size);
     nqm_sha256_add(&sha, text, strlen(text));
@@ -261,6 +267,7 @@ void open_batch_pieces(const char *folder, const json_t *terms, const nqm_pair_l
     p->n = p->current = nqm_ceil_div(list->n_rows, p->size);
     p->results = allocate(p->size, sizeof *p->results);
     p->errors = allocate(p->size, sizeof *p->errors);
+    p->textures = allocate(p->size, sizeof *p->textures);
     if (!folder)
         return;
     if (mkdir(folder, 0777) != 0 && !is_folder(folder))
@@ -269,17 +276,15 @@ void open_batch_pieces(const char *folder, const json_t *terms, const nqm_pair_l
     hash_terms(terms, p->size, p->identity);
 }
 
-int get_batch_results(batch_pieces *p, size_t row, size_t *n_ret, const nqm_score_result **results,
-                      const nqm_error **errors) {
+int get_batch_results(batch_pieces *p, size_t row, size_t *n_ret, size_t *at) {
     nqm_error err = {0};
-    const size_t piece = row / p->size, at = row - first_row(p, piece);
+    const size_t piece = row / p->size;
     if (p->current != piece && load_results(p, piece))
         p->current = piece;
     if (p->current != piece && score_piece(p, piece, &err) != NQM_OK)
         return report_error(&err);
-    *n_ret = row_count(p, piece) - at;
-    *results = p->results + at;
-    *errors = p->errors + at;
+    *at = row - first_row(p, piece);
+    *n_ret = row_count(p, piece) - *at;
     return EXIT_OK;
 }
 
@@ -293,5 +298,6 @@ void close_batch_pieces(batch_pieces *p) {
     free(p->folder);
     free(p->results);
     free(p->errors);
+    free(p->textures);
     json_decref(p->files);
 }

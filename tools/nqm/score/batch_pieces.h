@@ -18,7 +18,9 @@ typedef struct batch_pieces {
     char identity[33];         /* hash of all that determines results: the beginning of the files' names */
     size_t size, n;            /* rows of a piece, number of pieces */
     size_t current;            /* the piece whose results are below, n: none */
+    bool near_only;            /* of textures */
     nqm_score_result *results; /* (size) */
+    texture_numbers *textures; /* (size) NaN: not of a texture */
     nqm_error *errors;         /* (size) */
     json_t *files;             /* files that these results depend on, from identify_files(); owned */
 } batch_pieces;
@@ -33,9 +35,9 @@ void open_batch_pieces(const char *folder, const json_t *terms, const nqm_pair_l
                        const nqm_model *model, batch_pieces *pieces);
 /** Score all pieces together with the other processes of `r`. Returns when all files exist: an exit code, its error reported. */
 int share_batch_pieces(batch_pieces *pieces, ranks r);
-/** Results and errors of the rows from `row` to the end of its piece. Returns an exit code, its error reported. */
-int get_batch_results(batch_pieces *pieces, size_t row, size_t *n_ret, const nqm_score_result **results,
-                      const nqm_error **errors);
+/** Have results, textures and errors of the rows from `row` to the end of its piece: n of them from *at of these arrays on. Returns an exit
+ *  code, its error reported. */
+int get_batch_results(batch_pieces *pieces, size_t row, size_t *n_ret, size_t *at);
 /** Remove the file of the piece with a row, so that a later run scores it again. */
 void forget_batch_piece(batch_pieces *pieces, size_t row);
 void close_batch_pieces(batch_pieces *pieces);

@@ -19,6 +19,9 @@ static bool is_added(const batch_form *form, const char *name) {
             return true;
     if (has_gate(&form->gate) && strcmp(name, "gate") == 0)
         return true;
+    for (size_t i = 0; form->has_textures && i < TEXTURE_NUMBERS; ++i)
+        if (strcmp(name, texture_columns[i]) == 0)
+            return true;
     if (nqm_model_has_parts(form->model)) {
         for (size_t i = 0; i < LABEL_COLUMNS; ++i)
             if (strcmp(name, label_columns[i]) == 0)
@@ -51,11 +54,13 @@ static void print_csv_head(const batch_form *form, FILE *out) {
         print_csv_text(out, form->list->column[i]);
     }
     print_csv_score_names(out, form->model, form->metrics);
+    for (size_t i = 0; form->has_textures && i < TEXTURE_NUMBERS; ++i)
+        fprintf(out, ",%s", texture_columns[i]);
     fputs(has_gate(&form->gate) ? ",gate,warnings,error\n" : ",warnings,error\n", out);
 }
 
 static void print_csv_row(const batch_form *form, FILE *out, size_t row, const nqm_score_result *r,
-                          const nqm_error *err, const json_t *warnings) {
+                          const texture_numbers *texture, const nqm_error *err, const json_t *warnings) {
     const nqm_pair_list *list = form->list;
     const size_t n_cells = nqm_pair_list_cells(list, row);
     for (size_t column = 0; column < list->n_columns; ++column) {
@@ -69,6 +74,8 @@ static void print_csv_row(const batch_form *form, FILE *out, size_t row, const n
         }
     }
     print_csv_score(out, form->model, form->metrics, r);
+    if (form->has_textures)
+        print_csv_numbers(out, TEXTURE_NUMBERS, texture->v);
     if (has_gate(&form->gate))
         fprintf(out, ",%s", gate_mark(&form->gate, r));
     fputc(',', out);
@@ -110,7 +117,7 @@ static void print_json_cells(const batch_form *form, FILE *out, size_t row) {
 }
 
 static void print_json_row(const batch_form *form, FILE *out, size_t row, const nqm_score_result *r,
-                           const nqm_error *err, json_t *warnings) {
+                           const texture_numbers *texture, const nqm_error *err, json_t *warnings) {
     char verdict[VERDICT_TEXT];
     fputc('{', out);
     print_json_cells(form, out, row);
@@ -119,6 +126,8 @@ static void print_json_row(const batch_form *form, FILE *out, size_t row, const 
     print_json_number(out, ",", "jod_high", r->jod_high);
     print_json_number(out, ",", "delta_e_itp", r->delta_e);
     print_json_number(out, ",", "novelty", r->novelty);
+    for (size_t i = 0; form->has_textures && i < TEXTURE_NUMBERS; ++i)
+        print_json_number(out, ",", texture_columns[i], texture->v[i]);
     if (r->status == NQM_OK)
         fprintf(out, ",\"identical\":%s,\"n_valid\":%zu", r->identical ? "true" : "false", r->n_valid);
     else
@@ -165,12 +174,12 @@ void print_batch_head(const batch_form *form, FILE *out) {
 }
 
 void print_batch_row(const batch_form *form, FILE *out, size_t row, const nqm_score_result *result,
-                     const nqm_error *err) {
+                     const texture_numbers *texture, const nqm_error *err) {
     json_t *warnings = json_remarks(&form->terms, &form->list->pair[row], "reference", "test", result);
     if (form->format == BATCH_CSV)
-        print_csv_row(form, out, row, result, err, warnings);
+        print_csv_row(form, out, row, result, texture, err, warnings);
     else
-        print_json_row(form, out, row, result, err, warnings);
+        print_json_row(form, out, row, result, texture, err, warnings);
     if (form->format == BATCH_JSON_LINES)
         fputc('\n', out);
     json_decref(warnings);

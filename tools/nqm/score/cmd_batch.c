@@ -61,12 +61,13 @@ static void choose_order(batch_run *run, const char *word) {
 static json_t *score_terms(const batch_run *run, const char *root) {
     nqm_model_info info = nqm_model_get_info(run->form.model);
     char *folder = realpath(root ? root : ".", NULL);
-    json_t *terms = json_pack("{s:s,s:s,s:I,s:s,s:o,s:s,s:f,s:s,s:s,s:s}", "version of nqm", nqm_version(), "list",
+    json_t *terms = json_pack("{s:s,s:s,s:I,s:s,s:o,s:s,s:f,s:s,s:s,s:s,s:b}", "version of nqm", nqm_version(), "list",
                               run->list->sha256, "number of materials in its files", (json_int_t)run->list->n_rows,
                               "model", info.sha256, "--root", json_name(folder ? folder : ""), "--invalid",
                               nqm_invalid_words[run->options.invalid], "--min-valid", run->options.min_valid_fraction,
                               "--precision", nqm_precision_name(run->options.precision), "--metrics",
-                              run->options.metrics ? "any" : "none", "--ignore", ignored_words ? ignored_words : "");
+                              run->options.metrics ? "any" : "none", "--ignore", ignored_words ? ignored_words : "",
+                              "--textures", (int)run->form.has_textures);
     free(folder);
     return terms;
 }
@@ -90,8 +91,9 @@ static int show_speed(const batch_run *run) {
 
 /* Write the n rows of a block that begins at row `begin`, or those before the first failed row unless --keep-going is
  * given. Rows whose materials are refused alike do not count as failed. */
-static void write_block(batch_run *run, size_t begin, size_t n, const nqm_score_result *results,
-                        const nqm_error *errors) {
+static void write_block(batch_run *run, size_t begin, size_t n, size_t at) {
+    const nqm_score_result *results = run->pieces.results + at;
+    const nqm_error *errors = run->pieces.errors + at;
     batch_progress done = run->out.done;
     for (size_t i = 0; i < n; ++i) {
         const size_t row = begin + i;
@@ -104,7 +106,7 @@ static void write_block(batch_run *run, size_t begin, size_t n, const nqm_score_
         }
         fputs(row ? batch_separator(&run->form) : "", run->out.rows);
         const off_t start = ftello(run->out.rows);
-        print_batch_row(&run->form, run->out.rows, row, &results[i], &errors[i]);
+        print_batch_row(&run->form, run->out.rows, row, &results[i], &run->pieces.textures[at + i], &errors[i]);
         note->n_text = (size_t)(ftello(run->out.rows) - start);
         done.n_failed += is_failed;
         ++done.n_rows;
@@ -117,19 +119,17 @@ static int score_rows(batch_run *run) {
         if (show_speed(run) || interrupted())
             return EXIT_INTERRUPTED;
         const size_t begin = run->out.done.n_rows;
-        const nqm_score_result *results;
-        const nqm_error *errors;
-        size_t n;
-        const int exit_code = get_batch_results(&run->pieces, begin, &n, &results, &errors);
+        size_t n, at;
+        const int exit_code = get_batch_results(&run->pieces, begin, &n, &at);
         if (exit_code != EXIT_OK)
             return exit_code;
         run->out.files = json_incref(run->pieces.files);
-        write_block(run, begin, n, results, errors);
+        write_block(run, begin, n, at);
         const size_t failed = run->out.done.n_rows - begin;
         if (failed < n) {
             forget_batch_piece(&run->pieces, begin + failed);
-            return report(exit_code_of(results[failed].status), "row %zu: %s", begin + failed + 1,
-                          errors[failed].message);
+            return report(exit_code_of(run->pieces.results[at + failed].status), "row %zu: %s", begin + failed + 1,
+                          run->pieces.errors[at + failed].message);
         }
     }
     return EXIT_OK;
@@ -231,6 +231,7 @@ static void open_outputs(batch_run *run, const batch_arguments *a, ranks *r) {
     const char *root = list_root(a->root, a->list);
     json_t *score = score_terms(run, root), *terms = output_terms(run, score, a->metrics);
     open_batch_pieces(a->work, score, run->list, run->scorer, run->form.model, &run->pieces);
+    run->pieces.near_only = !run->form.has_textures;
     if (r->rank == 0) {
         run->junit = a->junit ? absolute_path(a->junit, "") : NULL;
         run->markdown = a->markdown ? absolute_path(a->markdown, "") : NULL;
@@ -284,6 +285,10 @@ static const option options[] = {
     {"worst", 0, OPTION_COUNT, &run.n_worst, "N", "write the N worst rows only, worst first; 0: all", 0, 1e15},
     OPTION_ROWS_MODEL(&a.model),
     OPTION_ROW_IGNORE,
+    {"textures", 0, OPTION_FLAG, &run.form.has_textures, NULL,
+     "of pairs with image maps, the columns median_jod, worst_jod, below_9, below_8, far_jod, far_jod_low and "
+     "far_jod_high, too",
+     0, 0},
     {"metrics", 0, OPTION_TEXT, &a.metrics, "LIST", "scalar metrics to add: all, or names with commas", 0, 0},
     {"root", 0, OPTION_TEXT, &a.root, "DIR", "folder of relative paths in the list (default: the list's folder)", 0, 0},
     {"cache", 0, OPTION_COUNT, &cache_mb, "MB", "memory for BRDFs that may be needed again", 0, 1 << 20},

@@ -223,6 +223,7 @@ int cmd_rank(int argc, char **argv) {
         names = take_names(n_arguments, argv);
         set_pairs(&run, n_arguments, argv, names);
     }
+    run.near_only = true;
     make_scores(&run);
     for (size_t i = 0; by_similarity && i < run.n_rows; ++i)
         if (has_score(&run.rows[i]) && isnan(run.rows[i].result.similarity[0]))

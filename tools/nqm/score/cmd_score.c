@@ -208,7 +208,7 @@ static void check_samples(const score_run *run, const char *model, int n, char *
 
 /* ---- the verb ---------------------------------------------------------------------------------------------------- */
 
-static score_run run = {.tolerance = 1e-4};
+static score_run run = {.tolerance = 1e-4, .texels_per_pixel = 1};
 static bool is_samples;
 static const char *metrics, *model = "default";
 
@@ -230,6 +230,8 @@ static const option options[] = {
     OPTION_ROWS_GATE(&run.gate),
     {"fail-under-worst", 0, OPTION_NUMBER, &run.worst, "JOD",
      "exit with 1 when the worst 5 % of the texels of a texture are below this", 0, 10},
+    {"texels-per-pixel", 0, OPTION_COUNT, &run.texels_per_pixel, "N",
+     "of textures: as they are seen from where a pixel has N x N texels", 1, 16384},
     {"map", 0, OPTION_TEXT, &run.map, "FILE.png|.exr", "of one textured TEST: Delta-E of its texels, as a picture", 0,
      0},
     {"json", 0, OPTION_FORMAT, &run.format, NULL, "print JSON", FORMAT_JSON, 0},

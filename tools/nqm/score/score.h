@@ -44,7 +44,8 @@ typedef struct score_run {
     score_gate gate; /* gate of `nqm score` */
     bool exact;      /* `nqm score` also compares values */
     double tolerance;
-    bool keep_heat;
+    bool keep_heat, near_only; /* of textures */
+    uint64_t texels_per_pixel;
     const char *map; /* file for the map of Delta-E of the texels; NULL: none */
     double worst;    /* gate of the worst 5 % of texels, JOD; 0: none */
     size_t n_rows;
@@ -115,8 +116,9 @@ char *describe_grain(const scored_pair *row, char text[GRAIN_TEXT]);
 /** How textures are scored. */
 typedef struct texture_terms {
     const nqm_model *model;
-    bool exact;      /* all texels */
-    bool keep_heat;
+    bool exact; /* all texels */
+    bool keep_heat, near_only;
+    size_t texels_per_pixel; /* 0: 1 */
 } texture_terms;
 /** A texture that stays open for further pairs; zeroed: none. Its name lives as long. */
 typedef struct kept_texture {
@@ -140,6 +142,14 @@ void print_texture(const scored_pair *row);
 json_t *json_texture(const scored_pair *row);
 /** Whether there is such a row; then CSVs have more columns, each after a comma. NULL: a row of BRDFs. */
 bool has_textures(const score_run *run);
+/** What of such a score fits in columns: median_jod, worst_jod, below_9, below_8, far_jod, far_jod_low, far_jod_high. */
+enum { TEXTURE_NUMBERS = 7 };
+typedef struct texture_numbers {
+    double v[TEXTURE_NUMBERS];
+} texture_numbers;
+extern const char *const texture_columns[TEXTURE_NUMBERS];
+/** NULL: NaN. */
+texture_numbers texture_numbers_of(const nqm_texture_result *texture);
 void print_csv_texture_names(FILE *out);
 void print_csv_texture(FILE *out, const nqm_texture_result *texture);
 

@@ -93,6 +93,8 @@ static nqm_status compare(const texture_terms *terms, const nqm_texture *ref, co
     nqm_texture_options options = nqm_texture_options_default();
     const nqm_texture_info size = nqm_texture_get_info(ref, test);
     options.exact = terms->exact;
+    options.far = options.blame = !terms->near_only;
+    options.texels_per_pixel = nqm_larger(terms->texels_per_pixel, 1);
     options.progress = show_progress;
     if (terms->keep_heat)
         *heat = allocate(size.width * size.height, sizeof **heat);
@@ -123,7 +125,8 @@ bool has_texture(const nqm_named_pair *pair) {
 
 void score_textures(score_run *run) {
     kept_texture ref = {.name = NULL};
-    const texture_terms terms = {run->model, run->exact, run->map || run->keep_heat};
+    const texture_terms terms = {run->model, run->exact, run->map || run->keep_heat, run->near_only,
+                                 (size_t)run->texels_per_pixel};
     for (size_t i = 0; i < run->n_rows; ++i) {
         scored_pair *row = &run->rows[i];
         if (row->err.status == NQM_OK || !has_texture(&row->pair))
@@ -203,19 +206,29 @@ bool has_textures(const score_run *run) {
     return false;
 }
 
+const char *const texture_columns[TEXTURE_NUMBERS] = {"median_jod", "worst_jod",   "below_9",     "below_8",
+                                                      "far_jod",    "far_jod_low", "far_jod_high"};
+
+texture_numbers texture_numbers_of(const nqm_texture_result *t) {
+    static const nqm_texture_result none = {
+        .median = NAN, .worst = NAN, .below = {NAN, NAN}, .far_jod = {NAN, NAN, NAN}};
+    t = t ? t : &none;
+    return (texture_numbers){
+        {t->median, t->worst, t->below[0], t->below[1], t->far_jod[0], t->far_jod[1], t->far_jod[2]}};
+}
+
 void print_csv_texture_names(FILE *out) {
-    fputs(",median_jod,worst_jod,below_9,below_8,far_jod,far_jod_low,far_jod_high,blame,blame_jod,mistake", out);
+    for (size_t i = 0; i < TEXTURE_NUMBERS; ++i)
+        fprintf(out, ",%s", texture_columns[i]);
+    fputs(",blame,blame_jod,mistake", out);
 }
 
 void print_csv_texture(FILE *out, const nqm_texture_result *t) {
-    const nqm_texture_result none = {
-        .median = NAN, .worst = NAN, .below = {NAN, NAN}, .far_jod = {NAN, NAN, NAN}, .n_blame = 0};
-    t = t ? t : &none;
-    print_csv_numbers(
-        out, 7, (double[]){t->median, t->worst, t->below[0], t->below[1], t->far_jod[0], t->far_jod[1], t->far_jod[2]});
+    const nqm_texture_blame *worst = t && t->n_blame ? t->blame : NULL;
+    print_csv_numbers(out, TEXTURE_NUMBERS, texture_numbers_of(t).v);
     fputc(',', out);
-    print_csv_text(out, t->n_blame ? t->blame[0].key : "");
-    print_csv_numbers(out, 1, (double[]){t->n_blame ? t->blame[0].jod : NAN});
+    print_csv_text(out, worst ? worst->key : "");
+    print_csv_numbers(out, 1, (double[]){worst ? worst->jod : NAN});
     fputc(',', out);
-    print_csv_text(out, t->n_blame ? t->blame[0].mistake : "");
+    print_csv_text(out, worst ? worst->mistake : "");
 }
