@@ -39,10 +39,10 @@ static bool make_pair(scoring *s, size_t i, const float *const rows[2]) {
         for (size_t c = 0; c < 3; ++c)
             changed.v[c] = nqm_texture_value(t[1], k, c, rows[1], i);
     }
-    const size_t side = s->exchange == NQM_EXCHANGE_ALL ? 1 : 0;
+    const size_t side = s->exchange == NQM_EXCHANGE_ALL || s->exchange == NQM_EXCHANGE_FLAT;
     s->ref[i] = nqm_texture_spec(t[0], rows[0], i, NULL);
     s->test[i] = nqm_texture_spec(t[side], rows[side], i, changed.n ? &changed : NULL);
-    if (s->exchange < 0) {
+    if (s->exchange == NQM_EXCHANGE_ALL || s->exchange == NQM_EXCHANGE_NORMAL) {
         double tilt[3];
         nqm_texels_tilt(s->job, rows, i, tilt);
         s->test[i] = nqm_texture_tilt(s->test[i], tilt);
@@ -145,7 +145,8 @@ static void find_percentiles(size_t n, nqm_texel_sample *samples, nqm_texture_re
 static void find_means(const nqm_texture_job *job, size_t n, const nqm_texel_sample *samples,
                        nqm_texture_result *result) {
     const nqm_curve *curve = &job->model->curve;
-    double low = 0, high = 0, squares = 0;
+    double low = job->correction, high = job->correction, squares = 0;
+    result->delta_e = job->correction;
     for (size_t i = 0; i < n; ++i) {
         const double step = i ? samples[i].delta_e - samples[i - 1].delta_e : 0;
         squares += step * step / 2;
@@ -153,7 +154,8 @@ static void find_means(const nqm_texture_job *job, size_t n, const nqm_texel_sam
         low += samples[i].weight * delta_e_of(curve, samples[i].jod_low);
         high += samples[i].weight * delta_e_of(curve, samples[i].jod_high);
     }
-    const double error = job->order.begin ? 0 : sqrt(squares / (double)(n - 1) / (double)n), spread = 1.96 * error;
+    const double of_runs = job->order.begin ? 0 : sqrt(squares / (double)(n - 1) / (double)n);
+    const double error = job->error > 0 ? job->error : of_runs, spread = 1.96 * error;
     result->jod = n == 1 ? samples->jod : nqm_curve_jod(curve, result->delta_e);
     result->error = error * fabs(nqm_curve_slope(curve, result->delta_e));
     result->jod_low = n == 1 ? samples->jod_low : isnan(low) ? low : nqm_curve_jod(curve, low + spread);
@@ -161,6 +163,7 @@ static void find_means(const nqm_texture_job *job, size_t n, const nqm_texel_sam
 }
 
 static nqm_status score_near(nqm_texture_job *job, nqm_texture_result *result, float *delta_e, nqm_error *err) {
+    const double enough = 0.01; /* JOD, so that 95 % of errors are below .02 */
     const nqm_texel_order *o = &job->order;
     nqm_texel_sample *samples = nqm_alloc(o->n_groups, sizeof *samples);
     if (!samples)
@@ -169,6 +172,8 @@ static nqm_status score_near(nqm_texture_job *job, nqm_texture_result *result, f
     nqm_status status = job->options.texels_per_pixel > 1
                             ? nqm_pixels_score(job, n, samples, &result->parts, err)
                             : nqm_texels_score(job, "near", NQM_EXCHANGE_ALL, n, samples, &result->parts, err);
+    if (status == NQM_OK && !o->begin && job->options.texels_per_pixel == 1 && nqm_texels_differ(job, NQM_TILT, 0))
+        status = nqm_texels_correct(job, n, samples, err);
     for (size_t k = 0; status == NQM_OK && delta_e && k < n; ++k)
         for (size_t i = nqm_texels_begin(o, n, k); i < nqm_texels_begin(o, n, k + 1); ++i)
             delta_e[o->texels[i]] = (float)samples[k].delta_e;
@@ -177,6 +182,13 @@ static nqm_status score_near(nqm_texture_job *job, nqm_texture_result *result, f
         find_percentiles(n, samples, result);
     }
     nqm_free(samples);
+    const size_t n_more = nqm_smaller(job->options.n_texels, o->n);
+    if (status == NQM_OK && job->error > 0 && result->error > enough && n < n_more) {
+        job->order.n_groups = n_more;
+        result->parts = (nqm_label){0};
+        memset(result->below, 0, sizeof result->below);
+        return score_near(job, result, delta_e, err);
+    }
     return status;
 }
 
@@ -200,9 +212,9 @@ static nqm_status score(nqm_texture_job *job, nqm_texture_result *result, float 
     result->width = job->width;
     result->height = job->height;
     result->n_different = job->n_different;
-    result->n_scored = job->order.n_groups;
     if (status == NQM_OK)
         status = score_near(job, result, delta_e, err);
+    result->n_scored = job->order.n_groups;
     if (status == NQM_OK && job->options.blame && job->is_same_model && job->options.texels_per_pixel == 1)
         status = nqm_texture_blame_find(job, result, err);
     if (status == NQM_OK && job->options.far)

@@ -50,6 +50,7 @@ typedef struct nqm_texture_job {
     nqm_texel_column columns[NQM_MAX_COLUMNS];
     nqm_texel_order order;
     size_t n_different;
+    double correction, error; /* of the mean Delta-E, by nqm_texels_correct(); the error is 0 without */
 } nqm_texture_job;
 
 /** Compare the textures, and order their texels. 4 bytes a texel, and 16 more meanwhile. */
@@ -70,12 +71,15 @@ NQM_MUST_CHECK nqm_status nqm_texels_visit(nqm_texture_job *job, const char *sta
 /** The normal of the test at visited texel i, in the frame of the reference's, which the smallest rotation from (0, 0, 1) turned. */
 void nqm_texels_tilt(const nqm_texture_job *job, const float *const rows[2], size_t i, double tilt[3]);
 
-/** What of the test the reference gets: a property by its number, or one of these. */
-enum { NQM_EXCHANGE_ALL = -1, NQM_EXCHANGE_NORMAL = -2 };
+/** What of the test the reference gets: a property by its number, or one of these. FLAT: all but the normal. */
+enum { NQM_EXCHANGE_ALL = -1, NQM_EXCHANGE_NORMAL = -2, NQM_EXCHANGE_FLAT = -3 };
 /** Score the reference beside itself with what is exchanged. stage: for progress; parts: NULL, or a mean to which those of the samples
  *  are added. */
 NQM_MUST_CHECK nqm_status nqm_texels_score(nqm_texture_job *job, const char *stage, int exchange, size_t n,
                                            nqm_texel_sample *samples, nqm_label *parts, nqm_error *err);
+/** Set the correction of the mean Delta-E of n samples of runs, whose normals differ, and its standard error. */
+NQM_MUST_CHECK nqm_status nqm_texels_correct(nqm_texture_job *job, size_t n, const nqm_texel_sample *samples,
+                                             nqm_error *err);
 /** Of two samples, for qsort(). */
 int nqm_texels_compare_delta_e(const void *a, const void *b);
 /** Fill the blame of the result, the worst first. */
