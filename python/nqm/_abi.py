@@ -217,8 +217,8 @@ class TextureMap(Structure):
 
 class TextureOptions(Structure):
     _c_name_ = "nqm_texture_options"
-    _fields_ = [("exact", c_int), ("n_texels", c_size_t), ("blame", c_int), ("far", c_int), ("seed", c_uint64),
-                ("progress", Progress), ("progress_user", c_void_p)]
+    _fields_ = [("exact", c_int), ("n_texels", c_size_t), ("texels_per_pixel", c_size_t), ("blame", c_int), ("far", c_int),
+                ("seed", c_uint64), ("progress", Progress), ("progress_user", c_void_p)]
 
 
 class TextureBlame(Structure):
@@ -231,7 +231,7 @@ class TextureResult(Structure):
     _fields_ = [("jod", c_double), ("jod_low", c_double), ("jod_high", c_double), ("delta_e", c_double), ("error", c_double),
                 ("parts", CLabel), ("median", c_double), ("worst", c_double), ("below", c_double * 2), ("far_jod", c_double * 3),
                 ("far_delta_e", c_double), ("width", c_size_t), ("height", c_size_t), ("n_different", c_size_t),
-                ("n_scored", c_size_t), ("n_blame", c_size_t), ("blame", TextureBlame * 32)]
+                ("n_scored", c_size_t), ("texels_per_pixel", c_size_t), ("n_blame", c_size_t), ("blame", TextureBlame * 32)]
 
 
 STRUCTS = [CError, BrdfCallbacks, BrdfInfo, BrdfCheckReport, BrdfDifference, DirectionsOptions, SampleReport, ModelInfo, MetricInfo, CLabel,

@@ -170,7 +170,8 @@ def _score_of(r: TextureResult, heat: Optional[np.ndarray]) -> MapScore:
 
 
 def score_maps(ref: MaterialLike, test: MaterialLike, *, model: ModelLike = "default", exact: bool = False, texels: int = 2048,
-               blame: bool = True, far: bool = True, heat: bool = False, seed: int = 1, progress: ProgressLike = None) -> MapScore:
+               texels_per_pixel: int = 1, blame: bool = True, far: bool = True, heat: bool = False, seed: int = 1,
+               progress: ProgressLike = None) -> MapScore:
     """Score a textured material beside its reference.
 
     Args:
@@ -179,7 +180,8 @@ def score_maps(ref: MaterialLike, test: MaterialLike, *, model: ModelLike = "def
         model: a model that predicts Delta-E
         exact: score every different pair of texels
         texels: otherwise at most so many, drawn evenly
-        blame: exchange each map alone, too
+        texels_per_pixel: compare the means over so many texels along each side of a pixel, of 256 pixels (48 with normals)
+        blame: exchange each map alone, too; not of pixels
         far: the far score, too
         heat: the Delta-E of each texel, too
         seed: of the choice of texels
@@ -188,6 +190,7 @@ def score_maps(ref: MaterialLike, test: MaterialLike, *, model: ModelLike = "def
     a, b, own, result = as_material(ref), as_material(test), Watch(), TextureResult()
     options = lib.nqm_texture_options_default()
     options.exact, options.n_texels, options.blame, options.far, options.seed = exact, texels, blame, far, seed
+    options.texels_per_pixel = texels_per_pixel
     options.progress = progress_callback(progress, (), own)
     size = lib.nqm_texture_get_info(a._handle, b._handle)
     picture = np.empty((size.height, size.width), np.float32) if heat else None

@@ -209,6 +209,7 @@ static nqm_status score(nqm_texture_job *job, nqm_texture_result *result, float 
         job->order.begin = NULL; /* runs, one pixel of each */
         job->order.n_groups = nqm_smaller(job->order.n, has_normals ? N_PIXELS_TILTED : N_PIXELS);
     }
+    result->texels_per_pixel = job->options.texels_per_pixel;
     result->width = job->width;
     result->height = job->height;
     result->n_different = job->n_different;

@@ -109,8 +109,7 @@ nqm_status nqm_surface_write_png(const char *path, cairo_surface_t *surface, nqm
         for (size_t k = 0; k < 3; ++k)
             rgb[3 * i + k] = (unsigned char)(pixel >> (16 - 8 * k));
     }
-    nqm_status status =
-        nqm_raster_write_png(path, &(nqm_raster){width, height, 3, NQM_RASTER_U8, rgb}, true, err);
+    nqm_status status = nqm_raster_write_png(path, &(nqm_raster){width, height, 3, NQM_RASTER_U8, rgb}, true, err);
     nqm_free(rgb);
     return status;
 }

@@ -57,6 +57,10 @@ NQM_MUST_CHECK nqm_status nqm_plot_predictions(const char *path, const char *pai
 NQM_MUST_CHECK nqm_status nqm_plot_losses(const char *path, size_t n, const char *const *log_csv,
                                           const nqm_plot_options *options, nqm_error *err);
 
+/** JOD over size, a line for each map: scores_csv is the output of `nqm batch` of a list with columns map and size. */
+NQM_MUST_CHECK nqm_status nqm_plot_sizes(const char *path, const char *scores_csv, const nqm_plot_options *options,
+                                         nqm_error *err);
+
 /** Directions in half-vector coordinates: theta_d and phi_d over theta_h (paper, figure 1b). */
 NQM_MUST_CHECK nqm_status nqm_plot_directions(const char *path, const nqm_directions *directions,
                                               const nqm_plot_options *options, nqm_error *err);

@@ -162,19 +162,24 @@ static void print_blame(const nqm_texture_result *t) {
 
 void print_texture(const scored_pair *row) {
     const nqm_texture_result *t = row->texture;
-    char text[300];
-    int n = snprintf(text, sizeof text, "texels: median %.2f, worst 5 %% below %.2f; %.1f %% below 9, %.1f %% below 8",
-                     t->median, t->worst, 100 * t->below[0], 100 * t->below[1]);
+    char text[300], unit[80] = "texels";
+    const size_t side = t->texels_per_pixel;
+    if (side > 1)
+        snprintf(unit, sizeof unit, "pixels of %zu x %zu texels", side, side);
+    int n = snprintf(text, sizeof text, "%s: median %.2f, worst 5 %% below %.2f; %.1f %% below 9, %.1f %% below 8",
+                     unit, t->median, t->worst, 100 * t->below[0], 100 * t->below[1]);
     if (!isnan(t->far_jod[0]))
         n += snprintf(text + n, sizeof text - (size_t)n, "; from afar %.2f [%.2f, %.2f]", t->far_jod[0], t->far_jod[1],
                       t->far_jod[2]);
     print_phrases(text);
     print_blame(t);
-    if (t->error > 0) {
+    if (t->error > 0 && side > 1)
+        snprintf(text, sizeof text, "%zu pixels, standard error %.3f", t->n_scored, t->error);
+    else
         snprintf(text, sizeof text, "%zu of %zu different pairs of %zu x %zu texels, standard error %.3f", t->n_scored,
                  t->n_different, t->width, t->height, t->error);
+    if (t->error > 0)
         print_phrases(text);
-    }
 }
 
 /* ---- JSON and CSV ------------------------------------------------------------------------------------------------ */
@@ -190,13 +195,13 @@ static json_t *json_blame(const nqm_texture_result *t) {
 
 json_t *json_texture(const scored_pair *row) {
     const nqm_texture_result *t = row->texture;
-    return json_pack("{s:[I,I],s:I,s:I,s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:o}", "texels", (json_int_t)t->width,
+    return json_pack("{s:[I,I],s:I,s:I,s:I,s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:o}", "texels", (json_int_t)t->width,
                      (json_int_t)t->height, "different", (json_int_t)t->n_different, "scored", (json_int_t)t->n_scored,
-                     "error", json_number(t->error), "median_jod", json_number(t->median), "worst_jod",
-                     json_number(t->worst), "below_9", json_number(t->below[0]), "below_8", json_number(t->below[1]),
-                     "far_jod", json_number(t->far_jod[0]), "far_jod_low", json_number(t->far_jod[1]), "far_jod_high",
-                     json_number(t->far_jod[2]), "far_delta_e_itp", json_number(t->far_delta_e), "blame",
-                     json_blame(t));
+                     "texels_per_pixel", (json_int_t)t->texels_per_pixel, "error", json_number(t->error), "median_jod",
+                     json_number(t->median), "worst_jod", json_number(t->worst), "below_9", json_number(t->below[0]),
+                     "below_8", json_number(t->below[1]), "far_jod", json_number(t->far_jod[0]), "far_jod_low",
+                     json_number(t->far_jod[1]), "far_jod_high", json_number(t->far_jod[2]), "far_delta_e_itp",
+                     json_number(t->far_delta_e), "blame", json_blame(t));
 }
 
 bool has_textures(const score_run *run) {

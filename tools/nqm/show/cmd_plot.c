@@ -17,7 +17,7 @@ typedef struct plot_arguments {
     char **inputs; /* (n) */
 } plot_arguments;
 
-enum { CURVE, BARS, SCATTER, LOSS, DIRECTIONS, SLICE, ATTRIBUTION, NETWORK };
+enum { CURVE, BARS, SCATTER, LOSS, DIRECTIONS, SLICE, ATTRIBUTION, NETWORK, SIZES };
 static const choice drawings[] = {
     [CURVE] = {"curve", "LABELS.csv", "JOD against Delta-E ITP, with the fitted curve"},
     [BARS] = {"bars", "EVAL.json",
@@ -28,11 +28,13 @@ static const choice drawings[] = {
     [SLICE] = {"slice", "BRDF...", "slices and polar lobes of up to 8 BRDFs"},
     [ATTRIBUTION] = {"attribution", "REF TEST", "where two BRDFs differ, over (theta_h, theta_d)"},
     [NETWORK] = {"network", "[MODEL]", "the layers of a model"},
+    [SIZES] = {"sizes", "SCORES.csv", "JOD over the column size, a line for each map, from `nqm batch`"},
     {0}};
 static const struct {
     int min, max;
-} n_inputs[] = {[CURVE] = {1, 1},      [BARS] = {1, 1},           [SCATTER] = {1, 1},     [LOSS] = {1, MAX_INPUTS},
-                [DIRECTIONS] = {0, 1}, [SLICE] = {1, MAX_INPUTS}, [ATTRIBUTION] = {2, 2}, [NETWORK] = {0, 1}};
+} n_inputs[] = {[CURVE] = {1, 1},         [BARS] = {1, 1},       [SCATTER] = {1, 1},
+                [LOSS] = {1, MAX_INPUTS}, [DIRECTIONS] = {0, 1}, [SLICE] = {1, MAX_INPUTS},
+                [ATTRIBUTION] = {2, 2},   [NETWORK] = {0, 1},    [SIZES] = {1, 1}};
 
 /* Open what a drawing of this kind needs, and draw. */
 static nqm_status draw(const plot_arguments *a, int kind, const char *const *paths, nqm_error *err) {
@@ -62,6 +64,9 @@ static nqm_status draw(const plot_arguments *a, int kind, const char *const *pat
         break;
     case NETWORK:
         status = nqm_plot_network(a->output, model, &a->look, err);
+        break;
+    case SIZES:
+        status = nqm_plot_sizes(a->output, paths[0], &a->look, err);
         break;
     case SLICE:
         status = nqm_plot_slices(
