@@ -29,6 +29,8 @@ brushed="$metal;specular_roughness_anisotropy=.8"
     --columns "along the tangent,across,isotropic" --grid "$gallery/brushed.png"
 python3 "$(dirname "$0")/../../examples/maps.py" "$work"
 "$nqm" score "$work/steel" "$work/export" --map "$gallery/texels.png" -q
+(cd "$work" && python3 "$gallery/../../studies/texture_sizes.py" steel sizes && "$nqm" batch sizes/sizes.csv --root . -o scores.csv)
+draw sizes 1.25 sizes "$work/scores.csv"
 "$nqm" label "reference=$work/steel" "test=$work/export" --tiles 2 --shape sphere --light interior --size 256 --lights 96 -q \
     --map "$gallery/textures.png"
 if [ -n "$corpus" ]; then

@@ -92,13 +92,28 @@ static void copy_value(const texture_run *run, size_t use, const float *rows, si
     convert_values(&p, run->key[use], v);
 }
 
+/* The canonical spec of a texel, with all keys; NULL: an error. */
+static char *make_spec(const texture_run *run, const float *rows, size_t i, nqm_error *err) {
+    char *spec = nqm_texture_spec(run->ref, rows, i, NULL), *canonical = NULL;
+    nqm_brdf *brdf = NULL;
+    if (spec && nqm_brdf_open(spec, &brdf, err) == NQM_OK)
+        canonical = nqm_strdup(nqm_brdf_get_info(brdf).spec);
+    else if (!spec)
+        (void)nqm_fail_nomem(err, sizeof(nqm_shading));
+    nqm_brdf_free(brdf);
+    nqm_free(spec);
+    return canonical;
+}
+
 static nqm_status add_texels(void *user, size_t n, nqm_texel_sample *samples, const float *const rows[2],
                              nqm_error *err) {
     texture_run *run = user;
     for (size_t i = 0; i < n; ++i) {
         fitted_texel *f = &run->fitted[run->n++];
         f->weight = samples[i].weight;
-        f->spec = nqm_texture_spec(run->ref, rows[0], i, NULL);
+        f->spec = make_spec(run, rows[0], i, err);
+        if (!f->spec)
+            return err->status;
         f->copy = copy_keys(f->spec, run->schema->model);
         find_place(run, rows[0], i, f->at);
         for (size_t u = 0; u < USES; ++u)
