@@ -72,6 +72,8 @@ draw directions directions "$dir/model.safetensors"
 draw slice slice sgd:nickel ward:nickel lambert:kd=0,0,0
 draw attribution attribution sgd:nickel ward:nickel
 draw network network "$dir/model.safetensors"
+printf 'map,kind,size,jod\nroughness,a,.5,9.2\nroughness,b,2,9.9\nroughness,c,4,9.8\nnormal,a,1,9\n' >"$dir/sizes.csv"
+draw sizes sizes "$dir/sizes.csv"
 
 # The drawing depends on the input; equal BRDFs can also be drawn.
 { [ "$(grep -c '<symbol' "$dir/slice.svg")" -gt 10 ] && [ "$(grep -c '<symbol' "$dir/slice.svg")" -lt 150 ]; } ||

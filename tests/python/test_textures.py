@@ -44,6 +44,11 @@ class Textures(unittest.TestCase):
         s = nqm.score_maps({"roughness": np.full((4, 4), 0.2)}, "gltf:roughness=.5", exact=True)
         self.assertAlmostEqual(s.jod, nqm.score("gltf:roughness=.2", "gltf:roughness=.5").jod, places=4)
 
+    def test_pixels(self):
+        maps = {"roughness": np.full((4, 4), 0.2)}
+        s = nqm.score_maps(maps, "gltf:roughness=.5", texels_per_pixel=2, far=False)
+        self.assertAlmostEqual(s.jod, nqm.score("gltf:roughness=.2", "gltf:roughness=.5").jod, places=3)
+
     def test_as_the_tool(self):
         with tempfile.TemporaryDirectory() as folder:
             subprocess.run([sys.executable, str(SOURCE / "examples/maps.py"), folder, "16"], check=True)

@@ -152,6 +152,55 @@ static void halves_are_averaged(void **state) {
     assert_near(r.far_jod[0], far.jod, 1e-3);
 }
 
+/* Pixels of equal texels are these, and a pixel of all texels is seen from afar. */
+static void pixels_are_between_near_and_far(void **state) {
+    (void)state;
+    const float ref[8] = {.25f, .25f, .25f, .25f, .25f, .25f, .25f, .25f};
+    const float test[8] = {.25f, .25f, .5f, .5f, .25f, .25f, .5f, .5f};
+    nqm_texture_result r[3];
+    for (size_t k = 0; k < 3; ++k) {
+        nqm_texture_options options = options_of(0, 1);
+        options.texels_per_pixel = (size_t)1 << k;
+        r[k] = score(make_of(4, 2, NULL, ref, NULL, NULL), make_of(4, 2, NULL, test, NULL, NULL), &options, NULL);
+        assert_int_equal(r[k].texels_per_pixel, 1 << k);
+    }
+    assert_near(r[1].delta_e, r[0].delta_e, 1e-9);
+    assert_near(r[2].jod, r[0].far_jod[0], 1e-3);
+    /* With normals: two texels that lean to opposite sides by 20 degrees beside one that does not. */
+    const float lean[6] = {.342f, 0, .94f, -.342f, 0, .94f}, flat[6] = {0, 0, 1, 0, 0, 1};
+    nqm_texture_options options = options_of(0, 1);
+    options.texels_per_pixel = 2;
+    const nqm_texture_result t =
+        score(make_of(2, 1, NULL, NULL, NULL, flat), make_of(2, 1, NULL, NULL, NULL, lean), &options, NULL);
+    assert_near(t.jod, t.far_jod[0], 0.02);
+}
+
+/* Few texels with other normals and the regression, beside all texels. */
+static void regression_is_within_its_error(void **state) {
+    (void)state;
+    enum { FEW = 8 };
+    float test[3 * N], small[2][3 * FEW * FEW], roughness[FEW * FEW];
+    for (size_t i = 0; i < 3 * N; ++i)
+        test[i] = i % 3 == 1 ? -normals[i] : normals[i];
+    for (size_t i = 0; i < (size_t)FEW * FEW; ++i) {
+        const size_t at = i / FEW * 4 * SIDE + i % FEW * 4;
+        roughness[i] = rough[at];
+        memcpy(&small[0][3 * i], &normals[3 * at], 3 * sizeof(float));
+        memcpy(&small[1][3 * i], &test[3 * at], 3 * sizeof(float));
+    }
+    nqm_texture_result r[2];
+    for (int exact = 0; exact < 2; ++exact) {
+        nqm_texture_options options = options_of(0, 0);
+        options.exact = exact;
+        options.n_texels = 32;
+        r[exact] = score(make_of(FEW, FEW, NULL, roughness, NULL, small[0]),
+                         make_of(FEW, FEW, NULL, roughness, NULL, small[1]), &options, NULL);
+    }
+    assert_true(r[0].error > 0 && r[0].n_scored == 32 && r[1].error == 0);
+    assert_near(r[0].jod, r[1].jod, fmax(3 * r[0].error, 0.02));
+    assert_true(r[0].error < 0.5);
+}
+
 static void order_does_not_matter(void **state) {
     (void)state;
     float test[N], moved[2][N];
@@ -389,6 +438,9 @@ static void options_are_checked(void **state) {
     nqm_texture_result result;
     options.n_texels = 15;
     assert_int_equal(nqm_texture_score(model, t, t, &options, &result, NULL, NULL), NQM_ERR_ARG);
+    options.n_texels = 16;
+    options.texels_per_pixel = 0;
+    assert_int_equal(nqm_texture_score(model, t, t, &options, &result, NULL, NULL), NQM_ERR_ARG);
     nqm_texture_free(t);
 }
 
@@ -396,6 +448,8 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(constants_have_the_score_of_their_brdfs),
         cmocka_unit_test(halves_are_averaged),
+        cmocka_unit_test(pixels_are_between_near_and_far),
+        cmocka_unit_test(regression_is_within_its_error),
         cmocka_unit_test(order_does_not_matter),
         cmocka_unit_test(samples_are_within_their_error),
         cmocka_unit_test(equal_materials_are_perfect),
