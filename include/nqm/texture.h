@@ -99,11 +99,11 @@ typedef struct nqm_texture_result {
     double far_jod[3]; /**< JOD of the mean BRDFs, with the spread of their normals, and both ends of its interval; NaN:
                                         not wanted */
     double far_delta_e;
-    size_t width, height; /**< texels that are compared */
-    size_t n_different;   /**< different pairs among them, as far as they are told apart */
-    size_t n_scored;      /**< pairs that were scored, of texels or of pixels */
+    size_t width, height;    /**< texels that are compared */
+    size_t n_different;      /**< different pairs among them, as far as they are told apart */
+    size_t n_scored;         /**< pairs that were scored, of texels or of pixels */
     size_t texels_per_pixel; /**< that of the options */
-    size_t n_blame;       /**< worst first; 0: the materials have different models */
+    size_t n_blame;          /**< worst first; 0: the materials have different models */
     nqm_texture_blame blame[NQM_TEXTURE_MAX_BLAME];
 } nqm_texture_result;
 
