@@ -70,6 +70,12 @@ grep -q 'export: plausible; 0 of .* texels fail' out || fail "check: $(cat out)"
 "$tool" check "maps:base_color=1.5,1.5,1.5;roughness=steel/steel_Roughness.png;metallic=0" --json >out 2>err || :
 grep -q '"checked"' out || grep -q base_color err || fail "check as JSON: $(cat out err)"
 
+# A report has the maps, the heat map and the scores of textures.
+run 0 report "$flat" 'gltf:roughness=.5' -o page.html --size 16
+for words in 'Over the texels' 'from afar' 'Map of Delta-E ITP of the texels' 'Maps of the reference' 'roughness alone' '8 × 8 texels, maps of'; do
+    grep -q "$words" page.html || fail "no '$words' in the report"
+done
+
 # A translation is written with its maps, which are packed as glTF has them, and is scored.
 surface='base_color=steel/steel_Color.png;metalness=steel/steel_Metalness.png;specular_roughness=steel/steel_Roughness.png'
 run 0 translate "maps:$surface;normal=steel/steel_NormalGL.png;coat=.5;model=standard-surface" --to gltf -o new.gltf --loss log --samples 200
