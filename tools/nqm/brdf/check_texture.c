@@ -54,8 +54,10 @@ static nqm_status read_part(part *p, bool is_spread, nqm_error *err) {
     float *rows = allocate((size_t)p->texture->n_rows * BLOCK, sizeof *rows);
     for (size_t first = 0, n; first < p->width * p->height; first += n) {
         n = nqm_smaller(p->width * p->height - first, BLOCK);
-        if (show_progress(NULL, "maps", (double)first, (double)(p->width * p->height)))
-            return free(rows), nqm_fail(err, NQM_ERR_CANCELLED, -1, "cancelled");
+        if (show_progress(NULL, "maps", (double)first, (double)(p->width * p->height))) {
+            free(rows);
+            return nqm_fail(err, NQM_ERR_CANCELLED, -1, "cancelled");
+        }
         for (size_t i = 0; i < n; ++i) {
             u[i] = ((double)((first + i) % p->width) + 0.5) * du;
             v[i] = ((double)((first + i) / p->width) + 0.5) * dv;
