@@ -253,6 +253,8 @@ static bool finish_diffuse(nqm_bsdf_reading *r, const nqm_bsdf_node *bsdf) {
     { .name = NAME, .read = set_or_map, .key = KEY, .n = 3 }
 #define OWN(NAME, READ)                                                                                                \
     { .name = NAME, .read = READ, .key = NAME, .n = 1 }
+#define OPAQUE(NAME)                                                                                                   \
+    { .name = NAME, .read = nqm_rule_neutral, .n = 1, .value = 1, .why = "opacity is not supported" }
 #define DELTA     "a smooth surface reflects into one direction only; only rough ones have a BRDF"
 #define TRANSMITS "transmission is not supported"
 #define LAYERED   "combinations of BSDFs and textures are not supported"
@@ -306,7 +308,7 @@ static const nqm_bsdf_plugin plugins[] = {
                NQM_RULE_ZERO("transmission_weight", TRANSMITS),
                NQM_RULE_ZERO("subsurface_weight", "subsurface scattering is not supported"),
                NQM_RULE_ZERO("emission_strength", "emission is not part of a BRDF"),
-               {.name = "alpha", .read = nqm_rule_neutral, .n = 1, .value = 1, .why = "opacity is not supported"},
+               OPAQUE("alpha"),
                NQM_RULE_IGNORED("subsurface_radius subsurface_scale subsurface_ior subsurface_anisotropy "
                                 "emission_color")}},
     {.type = "diffuse", .model = "lambert", .finish = finish_diffuse, .rules = {COLOUR("reflectance", "kd")}},
