@@ -107,8 +107,8 @@ static void put_case(const batch_form *form, FILE *out, size_t row, const batch_
 
 void print_batch_junit(const batch_summary *s, FILE *out) {
     fputs("<?xml version='1.0' encoding='UTF-8'?>\n", out);
-    html(out, "<testsuites name='nqm batch' tests='%zu' failures='%zu' errors='%zu' skipped='%zu'>\n", s->n_rows,
-         s->n_gated, s->n_unscored, s->n_skipped);
+    html(out, "<testsuites name='nqm %s' tests='%zu' failures='%zu' errors='%zu' skipped='%zu'>\n", verb_name(),
+         s->n_rows, s->n_gated, s->n_unscored, s->n_skipped);
     html(out, "<testsuite name='%s' tests='%zu' failures='%zu' errors='%zu' skipped='%zu'>\n", s->list_name, s->n_rows,
          s->n_gated, s->n_unscored, s->n_skipped);
     put_properties(s->form, out);
