@@ -19,6 +19,8 @@
 #define NQM_MISTAKES(X)                                                                                                \
     X(HALF_NOT_NORMALISED, "the half vector is not normalised")                                                        \
     X(HALF_AVERAGED, "the half vector is (light + viewer) / 2, not normalised")                                        \
+    X(HALF_IN_COMPONENTS, "the half vector is not normalised, in a distribution of its components")                    \
+    X(HALF_AVERAGED_IN_COMPONENTS, "the half vector is (light + viewer) / 2, in a distribution of its components")     \
     X(FRESNEL_LEFT_OUT, "the Fresnel factor is left out (1)")                                                          \
     X(FRESNEL_CONSTANT, "the Fresnel factor is that of normal incidence at every angle")                               \
     X(FRESNEL_AT_VIEWER, "the Fresnel factor has the angle of normal and viewer, not of half vector and viewer")       \
@@ -50,6 +52,7 @@
     X(DIFFUSE_OF_METAL, "the dielectric or diffuse part is not multiplied by 1 - metallic")                            \
     X(INTERNAL_REFLECTION, "the internal reflection of the base is left out")                                          \
     X(ETA_SQUARED, "1 / eta^2 of the diffuse part is left out")                                                        \
+    X(SHEEN_ALPHA, "alpha of the sheen is its roughness, not squared")                                                 \
     X(SHEEN_NOT_SCALED, "the layers below the sheen or fuzz are not scaled by its albedo")                             \
     X(SHEEN_VISIBILITY, "the shadowing of the sheen is 1 / (4 (cos + cos - cos cos))")                                 \
     X(COAT_NOT_REDUCING, "the layers below the clear coat are not multiplied by what it lets through (1 - F)")         \

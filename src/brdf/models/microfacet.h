@@ -33,6 +33,8 @@ static inline half_angles half_angles_of(const double *wi, const double *wo) {
         const double length = MISTAKEN(HALF_AVERAGED) ? 1 : 2, cos_h = fmin(1, 0.5 * length * z);
         h = (half_angles){1 / (cos_h * cos_h) - 1, fmin(1, length * h.cos_d * h.cos_d)};
     }
+    if (MISTAKEN(HALF_IN_COMPONENTS) || MISTAKEN(HALF_AVERAGED_IN_COMPONENTS))
+        h.cos_d = fmin(1, (MISTAKEN(HALF_IN_COMPONENTS) ? 2 : 1) * h.cos_d * h.cos_d);
     if (MISTAKEN(FRESNEL_CONSTANT))
         h.cos_d = 1;
     if (MISTAKEN(FRESNEL_AT_VIEWER) || MISTAKEN(FRESNEL_AT_LIGHT))
@@ -80,8 +82,8 @@ static inline pair_widths equal_widths(double alpha2) {
     return (pair_widths){alpha2, 1, alpha2, alpha2};
 }
 
-/** Isotropic lobes keep their bits. */
-static inline pair_widths pair_widths_of(widths a, const double *wi, const double *wo) {
+/** Isotropic lobes keep their bits. The third components are not used. */
+static inline pair_widths widths_in_frame(widths a, const double *wi, const double *wo) {
     if (a.x2 == a.y2)
         return equal_widths(a.x2);
     if (MISTAKEN(AXES_EXCHANGED))
@@ -93,6 +95,20 @@ static inline pair_widths pair_widths_of(widths a, const double *wi, const doubl
                          .density = h2 / sqrt(a.x2 * a.y2),
                          .i2 = along(azimuth_of(wi[0], wi[1]), a.x2, a.y2),
                          .o2 = along(azimuth_of(wo[0], wo[1]), a.x2, a.y2)};
+}
+
+/** D of the components of h is divided by the fourth power of its length, which is not 1. */
+static inline pair_widths mistaken_density(pair_widths a, const double *wi, const double *wo) {
+    const double length2 = 2 * (1 + wi[0] * wo[0] + wi[1] * wo[1] + wi[2] * wo[2]);
+    if (MISTAKEN(HALF_IN_COMPONENTS))
+        a.density /= length2 * length2;
+    if (MISTAKEN(HALF_AVERAGED_IN_COMPONENTS))
+        a.density *= 16 / (length2 * length2);
+    return a;
+}
+
+static inline pair_widths pair_widths_of(widths a, const double *wi, const double *wo) {
+    return mistaken_density(widths_in_frame(a, wi, wo), wi, wo);
 }
 
 /** Widths of a tangent that is turned about the normal. */
@@ -107,11 +123,11 @@ static inline turned_widths turned_widths_of(double x2, double y2, double turn_r
 
 static inline pair_widths turned_pair_widths(const turned_widths *t, const double *wi, const double *wo) {
     if (t->widths.x2 == t->widths.y2)
-        return equal_widths(t->widths.x2);
+        return mistaken_density(equal_widths(t->widths.x2), wi, wo);
     const double c = t->cos_turn, s = t->sin_turn;
     const double in[2] = {c * wi[0] + s * wi[1], c * wi[1] - s * wi[0]};
     const double out[2] = {c * wo[0] + s * wo[1], c * wo[1] - s * wo[0]};
-    return pair_widths_of(t->widths, in, out);
+    return mistaken_density(widths_in_frame(t->widths, in, out), wi, wo);
 }
 
 /* ---- GGX: Walter, Marschner, Li and Torrance 2007, DOI 10.2312/EGWR/EGSR07/195-206 --------------------------------- */

@@ -78,7 +78,7 @@ static void sheen_prepare(sheen *self, const double *color, double roughness) {
     if (self->max_color == 0)
         return;
     roughness = fmax(roughness, MIN_SHEEN_ROUGHNESS);
-    const double alpha = roughness * roughness;
+    const double alpha = MISTAKEN(SHEEN_ALPHA) ? roughness : roughness * roughness;
     self->inverse_alpha = 1 / alpha;
     for (size_t k = 0; k < 5; ++k)
         self->shape[k] = mix(rough[k], smooth[k], (1 - alpha) * (1 - alpha));

@@ -71,8 +71,8 @@ static nqm_spec_values base_of(const nqm_spec_schema *schema) {
     for (size_t k = 0; k < schema->n_keys; ++k) {
         double low, high;
         range_of(schema, k, &low, &high);
-        const double v = nqm_fit_default(&schema->keys[k]);
-        set_equal(&values, k, is_width_key(&schema->keys[k]) ? fmin(fmax(v, low > 0 ? fmax(low, 0.2) : low), high) : v);
+        const double v = is_width_key(&schema->keys[k]) ? low + (high - low) / 3 : nqm_fit_default(&schema->keys[k]);
+        set_equal(&values, k, nqm_round_digits(v, 2));
         if (schema->keys[k].required && schema->keys[k].n == 3)
             set_key(schema, &values, k, 0.1);
     }
@@ -95,6 +95,13 @@ static void add_set(conform_kit *kit, const nqm_spec_values *values) {
         kit->sets[kit->n_sets++].values = *values;
 }
 
+/* A rotation shows on anisotropic lobes only. */
+static void set_amounts(const nqm_spec_schema *schema, nqm_spec_values *values) {
+    for (size_t k = 0; k < schema->n_keys; ++k)
+        if (schema->keys[k].turns && schema->keys[k].low == 0)
+            set_key(schema, values, k, 0.8);
+}
+
 /* Sweep a key: of a dielectric, and once of a metal. */
 static void add_sweep(conform_kit *kit, const nqm_spec_values *base, size_t k) {
     const nqm_spec_schema *schema = &kit->model->schema;
@@ -108,6 +115,8 @@ static void add_sweep(conform_kit *kit, const nqm_spec_values *base, size_t k) {
             set_equal(&values, metal, 1);
         if (layer != k)
             set_equal(&values, layer, 1);
+        if (schema->keys[k].low < 0)
+            set_amounts(schema, &values);
         set_key(schema, &values, k, at[i]);
         add_set(kit, &values);
     }

@@ -116,8 +116,8 @@ float *run_command(const conform_kit *kit, const char *line) {
             stop(EXIT_INTERRUPTED, "interrupted");
         }
     if (!WIFEXITED(status) || WEXITSTATUS(status) != 0)
-        stop(EXIT_INCOMPATIBLE, "the command '%s' ended with %s %d", line,
-             WIFEXITED(status) ? "exit code" : "signal", WIFEXITED(status) ? WEXITSTATUS(status) : WTERMSIG(status));
+        stop(EXIT_INCOMPATIBLE, "the command '%s' ended with %s %d", line, WIFEXITED(status) ? "exit code" : "signal",
+             WIFEXITED(status) ? WEXITSTATUS(status) : WTERMSIG(status));
     snprintf(path, sizeof path, "/dev/fd/%d", fileno(out));
     float *values = read_file(kit, path, "the output of the command");
     fclose(in);
