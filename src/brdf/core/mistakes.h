@@ -112,9 +112,13 @@ void nqm_mistaken_eval(const struct nqm_analytic_model *model, const struct nqm_
 extern _Thread_local nqm_mistakes nqm_mistakes_made;
 
 #ifdef NQM_WITH_MISTAKES
-#define MISTAKEN(NAME) (nqm_mistakes_made >> NQM_MISTAKE_##NAME & 1)
+#define MISTAKEN(NAME)               (nqm_mistakes_made >> NQM_MISTAKE_##NAME & 1)
+#define IF_MISTAKEN(...)             __VA_ARGS__
+#define TIMES_MISTAKE(VALUE, FACTOR) ((VALUE) * (FACTOR))
 #else
 #define MISTAKEN(NAME) 0
+#define IF_MISTAKEN(...)
+#define TIMES_MISTAKE(VALUE, FACTOR) (VALUE)
 #endif
 
 #endif

@@ -53,6 +53,7 @@ INLINED closure closure_layer(closure top, closure base) {
 }
 
 /** The same of the specular part over the diffuse one, and of the clear coat over both. */
+#ifdef NQM_WITH_MISTAKES
 INLINED closure specular_layer(closure top, closure base) {
     if (MISTAKEN(DIFFUSE_NOT_REDUCED))
         memcpy(top.pass, WHITE, sizeof top.pass);
@@ -64,6 +65,10 @@ INLINED closure coat_layer(closure top, closure base) {
         memcpy(top.pass, WHITE, sizeof top.pass);
     return closure_layer(top, base);
 }
+#else
+#define specular_layer closure_layer
+#define coat_layer     closure_layer
+#endif
 
 /** `a` with weight w, `b` with 1 - w. */
 INLINED closure closure_mix(closure a, closure b, double w) {
@@ -234,7 +239,7 @@ INLINED closure eon_bsdf(const geometry *g, double weight, const double *color, 
 /** The diffuse component of Burley 2012. */
 INLINED closure burley_bsdf(const geometry *g, double weight, const double *color, double roughness) {
     const double f90 = 0.5 + 2 * roughness * g->cos_d * g->cos_d;
-    const double factor = mix(1, f90, power5(1 - g->cos_i)) * mix(1, f90, power5(1 - g->cos_o));
+    const double factor = plain_schlick(1, f90, g->cos_i) * plain_schlick(1, f90, g->cos_o);
     return diffuse_closure(weight, color, MISTAKEN(DIFFUSE_LAMBERT) ? 1 : factor);
 }
 

@@ -23,24 +23,35 @@ typedef struct half_angles {
     double tan2_h, cos_d;
 } half_angles;
 
+#ifdef NQM_WITH_MISTAKES
+/* 1 / |h|^4 of the pair that is evaluated: what D of the components of an h of another length is multiplied by. */
+static _Thread_local double mistaken_components;
+
+static inline half_angles mistaken_half(half_angles h, const double *wi, const double *wo) {
+    const bool is_long =
+        MISTAKEN(HALF_NOT_NORMALISED) || MISTAKEN(HALF_IN_COMPONENTS); /* 2 cos theta_d; else half of it */
+    const double length = is_long ? 2 : 1, cos_h = fmin(1, 0.5 * length * (wi[2] + wo[2]));
+    const double cos_d = h.cos_d, half = length * cos_d;
+    mistaken_components = 1 / (half * half * half * half);
+    if (MISTAKEN(HALF_NOT_NORMALISED) || MISTAKEN(HALF_AVERAGED))
+        h.tan2_h = 1 / (cos_h * cos_h) - 1;
+    if (is_long || MISTAKEN(HALF_AVERAGED) || MISTAKEN(HALF_AVERAGED_IN_COMPONENTS))
+        h.cos_d = fmin(1, half * cos_d);
+    h.cos_d = MISTAKEN(FRESNEL_CONSTANT)    ? 1
+              : MISTAKEN(FRESNEL_AT_VIEWER) ? wo[2]
+              : MISTAKEN(FRESNEL_AT_LIGHT)  ? wi[2]
+              : MISTAKEN(FRESNEL_AT_HALF)   ? 1 / sqrt(1 + h.tan2_h)
+                                            : h.cos_d;
+    return h;
+}
+#endif
+
 /* Inlined: otherwise the simple lobes take twice the time. */
 static inline half_angles half_angles_of(const double *wi, const double *wo) {
     double x = wi[0] + wo[0], y = wi[1] + wo[1], z = wi[2] + wo[2];
     double xy = x * x + y * y;
     half_angles h = {.tan2_h = xy / (z * z), .cos_d = fmin(1, 0.5 * sqrt(xy + z * z))};
-    if (MISTAKEN(HALF_NOT_NORMALISED) ||
-        MISTAKEN(HALF_AVERAGED)) { /* the length is not 1 but 2 or 1 times cos theta_d */
-        const double length = MISTAKEN(HALF_AVERAGED) ? 1 : 2, cos_h = fmin(1, 0.5 * length * z);
-        h = (half_angles){1 / (cos_h * cos_h) - 1, fmin(1, length * h.cos_d * h.cos_d)};
-    }
-    if (MISTAKEN(HALF_IN_COMPONENTS) || MISTAKEN(HALF_AVERAGED_IN_COMPONENTS))
-        h.cos_d = fmin(1, (MISTAKEN(HALF_IN_COMPONENTS) ? 2 : 1) * h.cos_d * h.cos_d);
-    if (MISTAKEN(FRESNEL_CONSTANT))
-        h.cos_d = 1;
-    if (MISTAKEN(FRESNEL_AT_VIEWER) || MISTAKEN(FRESNEL_AT_LIGHT))
-        h.cos_d = MISTAKEN(FRESNEL_AT_LIGHT) ? wi[2] : wo[2];
-    if (MISTAKEN(FRESNEL_AT_HALF))
-        h.cos_d = 1 / sqrt(1 + h.tan2_h);
+    IF_MISTAKEN(h = mistaken_half(h, wi, wo);)
     return h;
 }
 
@@ -82,8 +93,8 @@ static inline pair_widths equal_widths(double alpha2) {
     return (pair_widths){alpha2, 1, alpha2, alpha2};
 }
 
-/** Isotropic lobes keep their bits. The third components are not used. */
-static inline pair_widths widths_in_frame(widths a, const double *wi, const double *wo) {
+/** Isotropic lobes keep their bits. */
+static inline pair_widths pair_widths_of(widths a, const double *wi, const double *wo) {
     if (a.x2 == a.y2)
         return equal_widths(a.x2);
     if (MISTAKEN(AXES_EXCHANGED))
@@ -95,20 +106,6 @@ static inline pair_widths widths_in_frame(widths a, const double *wi, const doub
                          .density = h2 / sqrt(a.x2 * a.y2),
                          .i2 = along(azimuth_of(wi[0], wi[1]), a.x2, a.y2),
                          .o2 = along(azimuth_of(wo[0], wo[1]), a.x2, a.y2)};
-}
-
-/** D of the components of h is divided by the fourth power of its length, which is not 1. */
-static inline pair_widths mistaken_density(pair_widths a, const double *wi, const double *wo) {
-    const double length2 = 2 * (1 + wi[0] * wo[0] + wi[1] * wo[1] + wi[2] * wo[2]);
-    if (MISTAKEN(HALF_IN_COMPONENTS))
-        a.density /= length2 * length2;
-    if (MISTAKEN(HALF_AVERAGED_IN_COMPONENTS))
-        a.density *= 16 / (length2 * length2);
-    return a;
-}
-
-static inline pair_widths pair_widths_of(widths a, const double *wi, const double *wo) {
-    return mistaken_density(widths_in_frame(a, wi, wo), wi, wo);
 }
 
 /** Widths of a tangent that is turned about the normal. */
@@ -123,11 +120,11 @@ static inline turned_widths turned_widths_of(double x2, double y2, double turn_r
 
 static inline pair_widths turned_pair_widths(const turned_widths *t, const double *wi, const double *wo) {
     if (t->widths.x2 == t->widths.y2)
-        return mistaken_density(equal_widths(t->widths.x2), wi, wo);
+        return equal_widths(t->widths.x2);
     const double c = t->cos_turn, s = t->sin_turn;
     const double in[2] = {c * wi[0] + s * wi[1], c * wi[1] - s * wi[0]};
     const double out[2] = {c * wo[0] + s * wo[1], c * wo[1] - s * wo[0]};
-    return mistaken_density(widths_in_frame(t->widths, in, out), wi, wo);
+    return pair_widths_of(t->widths, in, out);
 }
 
 /* ---- GGX: Walter, Marschner, Li and Torrance 2007, DOI 10.2312/EGWR/EGSR07/195-206 --------------------------------- */
@@ -154,6 +151,9 @@ static inline double ggx_visibility(double cosine, double alpha2) {
     return 1 / (cosine + sqrt(cos2 + alpha2 * (1 - cos2)));
 }
 
+#ifdef NQM_WITH_MISTAKES
+static inline double beckmann_g1(double cosine, double alpha2);
+
 /** Widths of the shadowing that a mistake changes. */
 static inline pair_widths mistaken_widths(pair_widths a) {
     if (MISTAKEN(SHADOWING_ALPHA))
@@ -170,14 +170,15 @@ static inline double visibility_mistake(double v, double g_i, double g_o, double
                      ko = MISTAKEN(SHADOWING_SCHLICK) ? o / 2 : ki;
         return 0.25 / ((cos_i * (1 - ki) + ki) * (cos_o * (1 - ko) + ko)) / v;
     }
-    return MISTAKEN(SHADOWING_LEFT_OUT)      ? whole / v
-           : MISTAKEN(SHADOWING_SEPARABLE)   ? whole * g_i * g_o / v
-           : MISTAKEN(SHADOWING_CORRELATED)  ? whole / (1 / g_i + 1 / g_o - 1) / v
-           : MISTAKEN(FOUR_COSINES_LEFT_OUT) ? 1 / whole
-           : MISTAKEN(FOUR_COSINES_TWICE)    ? whole
-           : MISTAKEN(FOUR_LEFT_OUT)         ? 4
-           : MISTAKEN(FOUR_IS_PI)            ? 4 / NQM_PI
-                                             : 1;
+    return MISTAKEN(SHADOWING_LEFT_OUT)                                            ? whole / v
+           : MISTAKEN(SHADOWING_SEPARABLE)                                         ? whole * g_i * g_o / v
+           : MISTAKEN(SHADOWING_CORRELATED)                                        ? whole / (1 / g_i + 1 / g_o - 1) / v
+           : MISTAKEN(FOUR_COSINES_LEFT_OUT)                                       ? 1 / whole
+           : MISTAKEN(FOUR_COSINES_TWICE)                                          ? whole
+           : MISTAKEN(FOUR_LEFT_OUT)                                               ? 4
+           : MISTAKEN(FOUR_IS_PI)                                                  ? 4 / NQM_PI
+           : MISTAKEN(HALF_IN_COMPONENTS) || MISTAKEN(HALF_AVERAGED_IN_COMPONENTS) ? mistaken_components
+                                                                                   : 1;
 }
 
 static inline double ggx_mistake(double v, double cos_i, double cos_o, pair_widths a) {
@@ -185,19 +186,27 @@ static inline double ggx_mistake(double v, double cos_i, double cos_o, pair_widt
                               cos_i, cos_o, a);
 }
 
+static inline double beckmann_mistake(double cos_i, double cos_o, pair_widths a) {
+    const double i = beckmann_g1(cos_i, a.i2), o = beckmann_g1(cos_o, a.o2);
+    return visibility_mistake(i * o / (4 * cos_i * cos_o), i, o, cos_i, cos_o, a);
+}
+#endif
+
 /** D G / (4 cos cos) with height-correlated shadowing: Heitz 2014, equation 99. */
 static inline double correlated_ggx(double tan2_h, double cos_i, double cos_o, pair_widths a) {
-    a = mistaken_widths(a);
+    IF_MISTAKEN(a = mistaken_widths(a);)
     double i = cos_i * sqrt(cos_o * cos_o + a.o2 * (1 - cos_o * cos_o));
     double o = cos_o * sqrt(cos_i * cos_i + a.i2 * (1 - cos_i * cos_i));
-    return ggx_distribution(tan2_h, a.h2) * a.density * (0.5 / (i + o)) * ggx_mistake(0.5 / (i + o), cos_i, cos_o, a);
+    return TIMES_MISTAKE(ggx_distribution(tan2_h, a.h2) * a.density * (0.5 / (i + o)),
+                         ggx_mistake(0.5 / (i + o), cos_i, cos_o, a));
 }
 
 /** D G1 G1 / (4 cos cos). */
 static inline double separable_ggx(double tan2_h, double cos_i, double cos_o, pair_widths a) {
-    a = mistaken_widths(a);
-    return ggx_distribution(tan2_h, a.h2) * a.density * ggx_visibility(cos_i, a.i2) * ggx_visibility(cos_o, a.o2) *
-           ggx_mistake(ggx_visibility(cos_i, a.i2) * ggx_visibility(cos_o, a.o2), cos_i, cos_o, a);
+    IF_MISTAKEN(a = mistaken_widths(a);)
+    return TIMES_MISTAKE(ggx_distribution(tan2_h, a.h2) * a.density * ggx_visibility(cos_i, a.i2) *
+                             ggx_visibility(cos_o, a.o2),
+                         ggx_mistake(ggx_visibility(cos_i, a.i2) * ggx_visibility(cos_o, a.o2), cos_i, cos_o, a));
 }
 
 /* ---- Beckmann: the same paper -------------------------------------------------------------------------------------- */
@@ -221,16 +230,12 @@ static inline double beckmann_g1(double cosine, double alpha2) {
     return (3.535 * a + 2.181 * a2) / (1 + 2.276 * a + 2.577 * a2);
 }
 
-static inline double beckmann_mistake(double cos_i, double cos_o, pair_widths a) {
-    const double i = beckmann_g1(cos_i, a.i2), o = beckmann_g1(cos_o, a.o2);
-    return visibility_mistake(i * o / (4 * cos_i * cos_o), i, o, cos_i, cos_o, a);
-}
-
 /** D G1 G1 / (4 cos cos). */
 static inline double separable_beckmann(double tan2_h, double cos_i, double cos_o, pair_widths a) {
-    a = mistaken_widths(a);
-    return beckmann_distribution(tan2_h, a.h2) * a.density * beckmann_g1(cos_i, a.i2) * beckmann_g1(cos_o, a.o2) /
-           (4 * cos_i * cos_o) * beckmann_mistake(cos_i, cos_o, a);
+    IF_MISTAKEN(a = mistaken_widths(a);)
+    return TIMES_MISTAKE(beckmann_distribution(tan2_h, a.h2) * a.density * beckmann_g1(cos_i, a.i2) *
+                             beckmann_g1(cos_o, a.o2) / (4 * cos_i * cos_o),
+                         beckmann_mistake(cos_i, cos_o, a));
 }
 
 /* ---- Fresnel factors --------------------------------------------------------------------------------------------- */
@@ -257,12 +262,12 @@ static inline double schlick_factor(double f0, double cosine) {
 }
 
 static inline double plain_schlick(double f0, double f90, double cosine) {
-    return f0 + ((MISTAKEN(F90_ONE) ? 1 : f90) - f0) * power5(1 - cosine);
+    return f0 + (f90 - f0) * power5(1 - cosine);
 }
 
 /** Schlick's factor with the colours f0 at normal and f90 at grazing incidence. */
 static inline double schlick_between(double f0, double f90, double cosine) {
-    return fresnel_mistake(plain_schlick(f0, f90, cosine));
+    return fresnel_mistake(plain_schlick(f0, MISTAKEN(F90_ONE) ? 1 : f90, cosine));
 }
 
 /** Reflectance of unpolarised light at a dielectric, eta = n_transmitted / n_incident; 1 at total reflection. The form of
@@ -296,6 +301,7 @@ static inline double fresnel_conductor(double eta, double k, double cosine) {
  *  Edmondson 2021, "Novel aspects of the Adobe Standard Material". */
 static inline double schlick_f82(double f0, double f82, double f90, double cosine) {
     const double at = 1.0 / 7, m = 1 - at;
+    IF_MISTAKEN(f90 = MISTAKEN(F90_ONE) ? 1 : f90;)
     double schlick_82 = plain_schlick(f0, f90, at);
     double b = schlick_82 * (1 - f82) / (at * m * power5(m));
     double c = 1 - cosine;
