@@ -135,8 +135,12 @@ MISTAKES = [
     ("^roughness is inverted", 'roughness, metallic, base = m["roughness"]', 'roughness, metallic, base = 1 - m["roughness"]'),
     ("sheen_color is ignored", "color = sheen + color * scaling", "pass"),
     ("clearcoat is ignored", "color = mix(color, coat, coat_weight)", "pass"),
-    ("metallic is ignored", "metal = schlick(base, 1, v_h) * specular", "metal = dielectric"),
+    ("metallic is taken as 0", "metal = schlick(base, 1, v_h) * specular", "metal = dielectric"),
     ("4 of 1 / .4 cos cos. is left out", "return 0.5 / (l[2] * lv", "return 2 / (l[2] * lv"),
+    ("roughness is squared twice.*1 - F|1 - F.*roughness is squared twice", "alpha = roughness * roughness", "alpha = (roughness * roughness)**2",
+     "kept = 1 - fresnel.max(axis=0)", "kept = 1"),
+    ("pi.*anisotropy_rotation is flipped|rotation is flipped.*pi", "c * d[0] + s * d[1], c * d[1] - s * d[0]",
+     "c * d[0] - s * d[1], c * d[1] + s * d[0]", "diffuse = base / PI", "diffuse = base"),
     ("pi cos cos", "return 0.5 / (l[2] * lv", "return 2 / PI / (l[2] * lv"),
 ]
 

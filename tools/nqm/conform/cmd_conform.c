@@ -73,7 +73,7 @@ static void compare(conform_result *r, const char *name, const float *values) {
     make_rows(r, name, results);
     bool passes = true;
     for (size_t set = 0; set < kit->n_sets; ++set)
-        passes = passes && results[set].jod >= 9.99;
+        passes = passes && results[set].jod >= conform_pass;
     r->n_named = passes ? 0 : find_suspects(kit, values, N_NAMED, r->named, &r->none);
     for (size_t i = 0; i < r->n_named; ++i) {
         score_values(kit, scorer, values, &r->named[i], results);

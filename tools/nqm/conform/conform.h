@@ -86,17 +86,19 @@ typedef struct suspect_targets {
 /** left (targets->n, n) receives what remains of each target by each suspect. */
 void compare_suspects(const conform_kit *kit, size_t n, const suspect *suspects, const suspect_targets *targets,
                       double *left);
-/** The suspects that explain the values best, first the best; suspects with equal values are one. found (n_found) receives them, and
- *  the number that is returned; `none` what remains without a mistake. Where one leaves a difference, two are tried. */
+/** The suspects that explain the values best, first the best; suspects with equal values are one, and those that leave
+ *  nine tenths of the difference are none. found (n_found) receives them; their number is returned; `none`: what remains without a mistake. Where one leaves a difference, two are tried. */
 size_t find_suspects(const conform_kit *kit, const float *values, size_t n_found, suspect *found, double *none);
 
 /* ---- results (conform_print.c) ----------------------------------------------------------------------------------- */
 
 enum { N_NAMED = 3 };
+/** The JOD from which on a set passes: the rest is rounding. */
+static const double conform_pass = 9.99;
 typedef struct conform_result {
     const conform_kit *kit;
     score_run run; /* a row for each set, in their order */
-    double none;   /* as suspect.left, without a mistake */
+    double none;   /* as suspect.left, without a mistake; 0: all sets pass */
     size_t n_named;
     suspect named[N_NAMED];
     size_t n_shown; /* sets in tables */

@@ -42,13 +42,9 @@ void score_values(const conform_kit *kit, nqm_scorer *scorer, const float *value
 
 /* ---- the likely mistake ------------------------------------------------------------------------------------------ */
 
-static bool is_none(const suspect *s) {
-    return !s->mistakes && !s->n_changes;
-}
-
 /* Whether a mistake explains half of the difference or more. */
 static bool is_named(const conform_result *r) {
-    return r->n_named && !is_none(&r->named[0]) && r->named[0].left < 0.5 * r->none;
+    return r->n_named && r->named[0].left < 0.5 * r->none;
 }
 
 static double lowest_jod(const conform_result *r) {
@@ -58,22 +54,24 @@ static double lowest_jod(const conform_result *r) {
     return jod;
 }
 
-/* One line: a mistake, what JOD the worst set has with it, and how much of the difference remains. */
+/* A mistake, what JOD the worst set has with it, and how much of the difference remains. */
 static void put_suspect(FILE *out, const conform_result *r, const suspect *s) {
-    fprintf(out, "%s: lowest JOD %.2f, %.2g %% of the difference remains", is_none(s) ? "(no mistake)" : s->text,
-            s->lowest, r->none > 0 ? 100 * s->left / r->none : 0);
+    fprintf(out, "%s (with it: lowest JOD %.2f, and %.1f %% of the difference remains)", s->text, s->lowest,
+            100 * s->left / r->none);
 }
 
 static void put_mistakes(FILE *out, const conform_result *r, const char *between) {
     if (!r->n_named) {
-        fputs("No difference that a mistake has to explain.\n", out);
+        fputs(r->none > 0 ? "No mistake of the list explains the difference.\n"
+                          : "No difference that a mistake has to explain.\n",
+              out);
         return;
     }
     fputs(is_named(r) ? "Likely mistake: " : "No mistake of the list explains most of the difference. The nearest: ",
           out);
-    put_suspect(out, r, &r->named[0]);
-    for (size_t i = 1; i < r->n_named; ++i) {
-        fprintf(out, "%s%s", between, i == 1 ? "Next: " : "");
+    for (size_t i = 0; i < r->n_named; ++i) {
+        fputs(i == 0 ? "" : i == 1 ? between : "; ", out);
+        fputs(i == 1 ? "Next: " : "", out);
         put_suspect(out, r, &r->named[i]);
     }
     fputc('\n', out);
@@ -84,7 +82,7 @@ static json_t *json_mistakes(const conform_result *r) {
     for (size_t i = 0; i < r->n_named; ++i)
         json_array_append_new(list, json_pack("{s:s,s:o,s:o}", "mistake", r->named[i].text, "lowest_jod",
                                               json_number(r->named[i].lowest), "remaining",
-                                              json_number(r->none > 0 ? r->named[i].left / r->none : 0)));
+                                              json_number(r->named[i].left / r->none)));
     return list;
 }
 
@@ -128,11 +126,11 @@ static void free_summary(set_summary *s) {
 }
 
 static void print_text(const conform_result *r, const set_summary *s) {
-    char verdict[VERDICT_TEXT];
+    char verdict[VERDICT_TEXT], words[NQM_LABEL_TEXT];
     const score_run *run = &r->run;
     size_t n_passed = 0;
     for (size_t i = 0; i < run->n_rows; ++i)
-        n_passed += run->rows[i].result.jod >= 9.99;
+        n_passed += run->rows[i].result.jod >= conform_pass;
     printf("values     %s\nmodel      %s, %zu sets of %zu directions\n\n    JOD  %s%-20s  %sset\n",
            shown(run->ref_name), shown(run->ref_path), run->n_rows, r->kit->n_directions, "[95 %]          ", "verdict",
            has_gate(&run->gate) ? "gate  " : "");
@@ -143,11 +141,14 @@ static void print_text(const conform_result *r, const set_summary *s) {
         if (has_gate(&run->gate))
             printf("  %-4s", gate_mark(&run->gate, &row->result));
         printf("  %s\n", row->name);
+        if (row->err.status == NQM_OK && !isnan(row->result.parts.structure))
+            print_phrases(nqm_label_describe(&row->result.parts, words));
         print_phrases(row->pair.ref);
     }
     if (s->summary.n_shown < run->n_rows)
         printf("  ... %zu more sets\n", run->n_rows - s->summary.n_shown);
-    printf("\n%zu of %zu sets pass: JOD 9.99 or more. Lowest JOD %.2f.\n", n_passed, run->n_rows, lowest_jod(r));
+    printf("\n%zu of %zu sets pass: JOD %g or more. Lowest JOD %.2f.\n", n_passed, run->n_rows, conform_pass,
+           lowest_jod(r));
     put_mistakes(stdout, r, "\n");
 }
 
@@ -178,7 +179,7 @@ void print_conform(const conform_result *r) {
     if (r->run.format == FORMAT_CSV)
         print_csv(r);
     else if (r->run.format == FORMAT_QUIET)
-        puts(is_named(r) ? r->named[0].text : r->n_named ? "unknown" : "none");
+        puts(is_named(r) ? r->named[0].text : r->none > 0 ? "unknown" : "none");
     if (r->run.format != FORMAT_TEXT)
         return;
     set_summary s;

@@ -87,12 +87,20 @@ static nqm_spec_values base_of(const nqm_spec_schema *schema) {
 
 /* ---- sets -------------------------------------------------------------------------------------------------------- */
 
+/* Add a set, in which the keys of layers that are off have their defaults. */
 static void add_set(conform_kit *kit, const nqm_spec_values *values) {
+    const nqm_spec_schema *schema = &kit->model->schema;
+    nqm_spec_values kept = *values;
+    for (size_t k = 0; k < schema->n_keys; ++k) {
+        const double *amount = kept.v[nqm_fit_describe(schema, k).layer];
+        if (!amount[0] && !amount[1] && !amount[2] && amount != kept.v[k])
+            set_equal(&kept, k, schema->keys[k].fallback);
+    }
     for (size_t s = 0; s < kit->n_sets; ++s)
-        if (memcmp(kit->sets[s].values.v, values->v, sizeof values->v) == 0)
+        if (memcmp(kit->sets[s].values.v, kept.v, sizeof kept.v) == 0)
             return;
     if (kit->n_sets < KIT_MAX_SETS)
-        kit->sets[kit->n_sets++].values = *values;
+        kit->sets[kit->n_sets++].values = kept;
 }
 
 /* A rotation shows on anisotropic lobes only. */

@@ -84,7 +84,7 @@ int prove_kit(const conform_kit *kit, result_format format) {
         if (rank)
             json_array_append_new(missed, json_string(list[t].text));
     }
-    const bool passes = lowest >= 9.99 && 10 * n_first >= 9 * n_seen && 100 * n_three >= 98 * n_seen;
+    const bool passes = lowest >= conform_pass && 10 * n_first >= 9 * n_seen && 100 * n_three >= 98 * n_seen;
     json_t *document =
         json_pack("{s:s,s:I,s:I,s:o,s:I,s:I,s:I,s:o,s:b}", "model", kit->model->schema.model, "sets",
                   (json_int_t)kit->n_sets, "directions", (json_int_t)kit->n_directions, "lowest_jod",

@@ -10,8 +10,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { IGNORED, SQUARED, ROOT, DECODED, NOT_DECODED, INVERTED, FLIPPED, N_PROPERTY_MISTAKES };
-static const nqm_property_mistake property_mistakes[] = {[IGNORED] = {" is ignored", NULL}, NQM_PROPERTY_MISTAKES};
+enum { IGNORED, ABSENT, SQUARED, ROOT, DECODED, NOT_DECODED, INVERTED, FLIPPED, N_PROPERTY_MISTAKES };
+static const nqm_property_mistake property_mistakes[] = {[IGNORED] = {" is ignored (its default is used)", NULL},
+                                                         [ABSENT] = {" is taken as 0", NULL},
+                                                         NQM_PROPERTY_MISTAKES};
 
 /* ---- the list ---------------------------------------------------------------------------------------------------- */
 
@@ -20,6 +22,8 @@ static bool is_possible(const nqm_spec_key *key, size_t how) {
     switch (how) {
     case IGNORED:
         return !key->required;
+    case ABSENT:
+        return key->n == 1 && key->low <= 0 && key->fallback != 0 && !key->whole && !is_width_key(key);
     case SQUARED:
     case ROOT:
         return is_width_key(key) || is_amount;
@@ -37,7 +41,6 @@ static const char *text_of(const conform_kit *kit, size_t k, size_t how) {
     const bool is_squared = strstr(kit->model->schema.keys[k].name, "oughness") && kit->model->schema.keys[k].n == 1;
     return is_squared && how == SQUARED ? " is squared twice"
            : is_squared && how == ROOT  ? " is not squared"
-           : how == IGNORED             ? " is ignored (its default is used)"
                                         : property_mistakes[how].text;
 }
 
@@ -70,7 +73,9 @@ static nqm_spec_values changed_values(const conform_kit *kit, const kit_set *set
         const nqm_spec_key *key = &kit->model->schema.keys[k];
         double (*apply)(double) = property_mistakes[s->change[i].how].apply;
         for (size_t c = 0; c < 3; ++c)
-            values.v[k][c] = apply ? fmin(fmax(apply(values.v[k][c]), key->low), key->high) : key->fallback;
+            values.v[k][c] = apply                        ? fmin(fmax(apply(values.v[k][c]), key->low), key->high)
+                             : s->change[i].how == ABSENT ? 0
+                                                          : key->fallback;
     }
     return values;
 }
@@ -210,15 +215,16 @@ static bool are_equal(const conform_kit *kit, const suspect *a, const suspect *b
     return left[1] < 1e-5;
 }
 
-static size_t keep_different(const conform_kit *kit, size_t n, const suspect *list, size_t n_found, suspect *found) {
+/* Those of the sorted ones that leave less than `most`. */
+static size_t keep_different(const conform_kit *kit, const suspect *list, double most, size_t n_found, suspect *found) {
     size_t kept = 0;
-    for (size_t s = 0; s < n && kept < n_found; ++s) {
+    for (size_t s = 0; list[s].left < most && kept < n_found; ++s) {
         size_t k = 0;
         while (k < kept && !are_equal(kit, &found[k], &list[s]))
             ++k;
         if (k == kept)
             found[kept++] = list[s];
-        else if (found[k].mistakes | found[k].n_changes) {
+        else {
             const size_t at = strlen(found[k].text);
             snprintf(found[k].text + at, SUSPECT_TEXT - at, "; or %s", list[s].text);
         }
@@ -259,7 +265,7 @@ size_t find_suspects(const conform_kit *kit, const float *values, size_t n_found
             pairs = swap;
         }
     }
-    const size_t kept = keep_different(kit, n, list, n_found, found);
+    const size_t kept = keep_different(kit, list, 0.9 * *none, n_found, found);
     free(pairs);
     free(list);
     return kept;
