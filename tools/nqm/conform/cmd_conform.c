@@ -98,7 +98,7 @@ static const choice models[] = {{"gltf", "[VALUES]", "glTF 2.0 with specular, io
                                 {"pbrt-conductor", "[VALUES]", "pbrt-v4's conductor"},
                                 {0}};
 
-static const char *rows, *shader, *shell, *junit, *markdown;
+static const char *keys, *rows, *shader, *shell, *junit, *markdown;
 static bool is_self;
 static uint64_t n_worst = 10;
 static conform_result result;
@@ -108,6 +108,9 @@ static const option options[] = {
     {"shader", 0, OPTION_TEXT, &shader, "FILE.glsl|.hlsl|.h", "write the kit as arrays, with the loop over them", 0, 0},
     {"command", 'c', OPTION_TEXT, &shell, "COMMAND",
      "instead of VALUES: a command of the shell that reads the rows and prints r,g,b", 0, 0},
+    {"keys", 'k', OPTION_TEXT, &keys, "LIST",
+     "parameters that the shader has, with commas; the others keep their defaults. Of the kit and of its VALUES alike",
+     0, 0},
     {"self", 0, OPTION_FLAG, &is_self, NULL, "prove the kit: nqm's own values, and those of each mistake", 0, 0},
     {"worst", 0, OPTION_COUNT, &n_worst, "N", "sets to print; 0: all", 0, KIT_MAX_SETS},
     OPTION_ROWS_GATE(&result.run.gate),
@@ -144,7 +147,7 @@ static void check_usage(int n_arguments) {
 int cmd_conform(int argc, char **argv) {
     const int n_arguments = parse_arguments(&cmd, argc, argv);
     check_usage(n_arguments);
-    conform_kit *kit = make_kit(argv[0]);
+    conform_kit *kit = make_kit(argv[0], keys);
     int exit_code = EXIT_OK;
     if (rows)
         write_rows(kit, rows);

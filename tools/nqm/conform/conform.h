@@ -30,11 +30,12 @@ typedef struct conform_kit {
     nqm_model *metric; /* the model that scores, whose directions these are */
     size_t n_directions, n_sets;
     double *wi[KIT_TURNS], *wo[KIT_TURNS]; /* (n_directions, 3) turned */
+    uint64_t keys;                         /* bit k: sets have values of key k; else its default */
     kit_set sets[KIT_MAX_SETS];
 } conform_kit;
 
-/** Make the kit of a shading model; free with free_kit(). */
-conform_kit *make_kit(const char *model);
+/** Make the kit of a shading model; keys: names with commas of those that the shader has, NULL: all. Free with free_kit(). */
+conform_kit *make_kit(const char *model, const char *keys);
 void free_kit(conform_kit *kit);
 /** Whether a key sets the width of a lobe: roughness, alpha, gloss. */
 bool is_width_key(const nqm_spec_key *key);

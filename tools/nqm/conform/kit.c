@@ -87,13 +87,32 @@ static nqm_spec_values base_of(const nqm_spec_schema *schema) {
 
 /* ---- sets -------------------------------------------------------------------------------------------------------- */
 
-/* Add a set, in which the keys of layers that are off have their defaults. */
+/* The keys of a list with commas; required ones are always among them. */
+static uint64_t choose_keys(const nqm_spec_schema *schema, const char *list) {
+    uint64_t keys = list ? 0 : UINT64_MAX;
+    for (size_t k = 0; k < schema->n_keys; ++k)
+        keys |= (uint64_t)schema->keys[k].required << k;
+    for (const char *word = list; word && *word;) {
+        const size_t n = strcspn(word, ",");
+        size_t k = 0;
+        while (k < schema->n_keys && !(strlen(schema->keys[k].name) == n && memcmp(schema->keys[k].name, word, n) == 0))
+            ++k;
+        if (k == schema->n_keys)
+            stop(EXIT_USAGE, "--keys: %s has no '%.*s'; `nqm conform %s --directions -` has all in its first line",
+                 schema->model, (int)n, word, schema->model);
+        keys |= (uint64_t)1 << k;
+        word += n + (word[n] == ',');
+    }
+    return keys;
+}
+
+/* Add a set, in which other keys and those of layers that are off have their defaults. */
 static void add_set(conform_kit *kit, const nqm_spec_values *values) {
     const nqm_spec_schema *schema = &kit->model->schema;
     nqm_spec_values kept = *values;
     for (size_t k = 0; k < schema->n_keys; ++k) {
         const double *amount = kept.v[nqm_fit_describe(schema, k).layer];
-        if (!amount[0] && !amount[1] && !amount[2] && amount != kept.v[k])
+        if (!(kit->keys >> k & 1) || (!amount[0] && !amount[1] && !amount[2] && amount != kept.v[k]))
             set_equal(&kept, k, schema->keys[k].fallback);
     }
     for (size_t s = 0; s < kit->n_sets; ++s)
@@ -181,10 +200,11 @@ static void turn_directions(conform_kit *kit, const nqm_directions *directions) 
     }
 }
 
-conform_kit *make_kit(const char *model) {
+conform_kit *make_kit(const char *model, const char *keys) {
     enum { N_RANDOM = 24, N_LEAST = 64 };
     conform_kit *kit = allocate(1, sizeof *kit);
     kit->model = nqm_analytic_model_find(model, strlen(model));
+    kit->keys = choose_keys(&kit->model->schema, keys);
     kit->metric = open_model(NULL);
     const nqm_directions *directions = nqm_model_get_info(kit->metric).directions;
     kit->n_directions = nqm_directions_count(directions);
@@ -195,7 +215,7 @@ conform_kit *make_kit(const char *model) {
         add_sweep(kit, &base, k);
     nqm_rng rng = nqm_rng_make(1, 0);
     const size_t n = nqm_smaller(nqm_larger(kit->n_sets + N_RANDOM, N_LEAST), KIT_MAX_SETS);
-    while (kit->n_sets < n)
+    for (size_t i = 0; kit->n_sets < n && i < 100 * n; ++i) /* few keys may not have as many sets */
         add_random(kit, &base, &rng);
     finish_sets(kit);
     return kit;
