@@ -214,7 +214,7 @@ conform_kit *make_kit(const char *model, const char *keys) {
     for (size_t k = 0; k < kit->model->schema.n_keys; ++k)
         add_sweep(kit, &base, k);
     nqm_rng rng = nqm_rng_make(1, 0);
-    const size_t n = nqm_smaller(nqm_larger(kit->n_sets + N_RANDOM, N_LEAST), KIT_MAX_SETS);
+    const size_t n = nqm_smaller(nqm_larger(kit->n_sets + N_RANDOM, keys ? 0 : N_LEAST), KIT_MAX_SETS);
     for (size_t i = 0; kit->n_sets < n && i < 100 * n; ++i) /* few keys may not have as many sets */
         add_random(kit, &base, &rng);
     finish_sets(kit);
