@@ -127,9 +127,26 @@ static inline pair_widths turned_pair_widths(const turned_widths *t, const doubl
     return pair_widths_of(t->widths, in, out);
 }
 
-/* ---- GGX: Walter, Marschner, Li and Torrance 2007, DOI 10.2312/EGWR/EGSR07/195-206 --------------------------------- */
+/* ---- Beckmann: Walter, Marschner, Li and Torrance 2007, DOI 10.2312/EGWR/EGSR07/195-206 ---------------------------- */
 
-static inline double beckmann_distribution(double tan2_h, double alpha2);
+/** D(h), in 1/sr; alpha2 is alpha^2. */
+static inline double beckmann_distribution(double tan2_h, double alpha2) {
+    double sec2_h = 1 + tan2_h;
+    if (MISTAKEN(DISTRIBUTION_WITHOUT_PI))
+        return exp(-tan2_h / alpha2) * sec2_h * sec2_h / alpha2;
+    return exp(-tan2_h / alpha2) * sec2_h * sec2_h / (NQM_PI * alpha2);
+}
+
+/** The rational approximation of Smith's G1, which is 1 where alpha tan theta < 1 / 1.6. */
+static inline double beckmann_g1(double cosine, double alpha2) {
+    double cos2 = cosine * cosine, a2 = cos2 / (alpha2 * (1 - cos2));
+    if (!(a2 < 1.6 * 1.6))
+        return 1;
+    double a = sqrt(a2);
+    return (3.535 * a + 2.181 * a2) / (1 + 2.276 * a + 2.577 * a2);
+}
+
+/* ---- GGX: the same paper ------------------------------------------------------------------------------------------- */
 
 /** D(h), in 1/sr; alpha2 is alpha^2. */
 static inline double ggx_distribution(double tan2_h, double alpha2) {
@@ -152,8 +169,6 @@ static inline double ggx_visibility(double cosine, double alpha2) {
 }
 
 #ifdef NQM_WITH_MISTAKES
-static inline double beckmann_g1(double cosine, double alpha2);
-
 /** Widths of the shadowing that a mistake changes. */
 static inline pair_widths mistaken_widths(pair_widths a) {
     if (MISTAKEN(SHADOWING_ALPHA))
@@ -209,30 +224,12 @@ static inline double separable_ggx(double tan2_h, double cos_i, double cos_o, pa
                          ggx_mistake(ggx_visibility(cos_i, a.i2) * ggx_visibility(cos_o, a.o2), cos_i, cos_o, a));
 }
 
-/* ---- Beckmann: the same paper -------------------------------------------------------------------------------------- */
-
-/** D(h), in 1/sr; alpha2 is alpha^2. */
-static inline double beckmann_distribution(double tan2_h, double alpha2) {
-    double sec2_h = 1 + tan2_h;
-    if (MISTAKEN(DISTRIBUTION_GGX))
-        return ggx_distribution(tan2_h, alpha2);
-    if (MISTAKEN(DISTRIBUTION_WITHOUT_PI))
-        return exp(-tan2_h / alpha2) * sec2_h * sec2_h / alpha2;
-    return exp(-tan2_h / alpha2) * sec2_h * sec2_h / (NQM_PI * alpha2);
-}
-
-/** The rational approximation of Smith's G1, which is 1 where alpha tan theta < 1 / 1.6. */
-static inline double beckmann_g1(double cosine, double alpha2) {
-    double cos2 = cosine * cosine, a2 = cos2 / (alpha2 * (1 - cos2));
-    if (!(a2 < 1.6 * 1.6))
-        return 1;
-    double a = sqrt(a2);
-    return (3.535 * a + 2.181 * a2) / (1 + 2.276 * a + 2.577 * a2);
-}
-
 /** D G1 G1 / (4 cos cos). */
 static inline double separable_beckmann(double tan2_h, double cos_i, double cos_o, pair_widths a) {
     IF_MISTAKEN(a = mistaken_widths(a);)
+    if (MISTAKEN(DISTRIBUTION_GGX))
+        return ggx_distribution(tan2_h, a.h2) * a.density * beckmann_g1(cos_i, a.i2) * beckmann_g1(cos_o, a.o2) /
+               (4 * cos_i * cos_o);
     return TIMES_MISTAKE(beckmann_distribution(tan2_h, a.h2) * a.density * beckmann_g1(cos_i, a.i2) *
                              beckmann_g1(cos_o, a.o2) / (4 * cos_i * cos_o),
                          beckmann_mistake(cos_i, cos_o, a));

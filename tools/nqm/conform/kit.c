@@ -106,13 +106,21 @@ static uint64_t choose_keys(const nqm_spec_schema *schema, const char *list) {
     return keys;
 }
 
-/* Add a set, in which other keys and those of layers that are off have their defaults. */
-static void add_set(conform_kit *kit, const nqm_spec_values *values) {
+/* Whether a key describes a layer that is off. Shaders evaluate such layers, too: their widths are not 0, where that divides by 0. */
+static bool is_idle(const nqm_spec_schema *schema, const nqm_spec_values *values, size_t k) {
+    const size_t layer = nqm_fit_describe(schema, k).layer;
+    const double *amount = values->v[layer];
+    return layer != k && !amount[0] && !amount[1] && !amount[2];
+}
+
+/* Add a set, in which idle keys have their values of the base, and keys that the shader lacks their defaults. */
+static void add_set(conform_kit *kit, const nqm_spec_values *base, const nqm_spec_values *values) {
     const nqm_spec_schema *schema = &kit->model->schema;
     nqm_spec_values kept = *values;
     for (size_t k = 0; k < schema->n_keys; ++k) {
-        const double *amount = kept.v[nqm_fit_describe(schema, k).layer];
-        if (!(kit->keys >> k & 1) || (!amount[0] && !amount[1] && !amount[2] && amount != kept.v[k]))
+        if (is_idle(schema, &kept, k))
+            memcpy(kept.v[k], base->v[k], sizeof kept.v[k]);
+        if (!(kit->keys >> k & 1))
             set_equal(&kept, k, schema->keys[k].fallback);
     }
     for (size_t s = 0; s < kit->n_sets; ++s)
@@ -145,7 +153,7 @@ static void add_sweep(conform_kit *kit, const nqm_spec_values *base, size_t k) {
         if (schema->keys[k].low < 0)
             set_amounts(schema, &values);
         set_key(schema, &values, k, at[i]);
-        add_set(kit, &values);
+        add_set(kit, base, &values);
     }
 }
 
@@ -158,7 +166,7 @@ static void add_random(conform_kit *kit, const nqm_spec_values *base, nqm_rng *r
         if (kind > at_base)
             set_key(schema, &values, k, kind > 0.9 ? 1 : kind > 0.8 ? 0 : t);
     }
-    add_set(kit, &values);
+    add_set(kit, base, &values);
 }
 
 /* Turn anisotropic sets in turn, mark what differs from the defaults, and write the specs. */
@@ -169,7 +177,7 @@ static void finish_sets(conform_kit *kit) {
         kit_set *set = &kit->sets[s];
         for (size_t k = 0; k < schema->n_keys; ++k) {
             const nqm_spec_key *key = &schema->keys[k];
-            for (size_t c = 0; c < key->n; ++c)
+            for (size_t c = 0; c < key->n && !is_idle(schema, &set->values, k); ++c)
                 if (key->required || set->values.v[k][c] != key->fallback)
                     set->values.given |= (uint64_t)1 << k;
         }
@@ -210,7 +218,7 @@ conform_kit *make_kit(const char *model, const char *keys) {
     kit->n_directions = nqm_directions_count(directions);
     turn_directions(kit, directions);
     const nqm_spec_values base = base_of(&kit->model->schema);
-    add_set(kit, &base);
+    add_set(kit, &base, &base);
     for (size_t k = 0; k < kit->model->schema.n_keys; ++k)
         add_sweep(kit, &base, k);
     nqm_rng rng = nqm_rng_make(1, 0);

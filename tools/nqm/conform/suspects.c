@@ -3,7 +3,6 @@
  * Which mistake explains the values of a shader? Suspects are mistakes in the formulas of the model (brdf/core/mistakes.h) and
  * wrong values of its parameters, which follow from the schema. Each is evaluated and compared with the values.
  */
-#include "math/values.h"
 #include "nqm/conform/conform.h"
 
 #include <math.h>
@@ -127,7 +126,7 @@ static void free_directions(kept_directions *kept) {
 /* log(f_r + 0.003); NaN remains. */
 static void take_logs(size_t n, float *values) {
     for (size_t i = 0; i < n; ++i)
-        values[i] = logf((values[i] < 0 ? 0 : values[i]) + (float)NQM_DARK);
+        values[i] = logf((values[i] < 0 ? 0 : values[i]) + 0.003F);
 }
 
 static void evaluate(const conform_kit *kit, const kept_directions *kept, size_t n_kept, size_t set, const suspect *s,
@@ -216,9 +215,10 @@ static bool are_equal(const conform_kit *kit, const suspect *a, const suspect *b
 }
 
 /* Those of the sorted ones that leave less than `most`. */
-static size_t keep_different(const conform_kit *kit, const suspect *list, double most, size_t n_found, suspect *found) {
+static size_t keep_different(const conform_kit *kit, size_t n, const suspect *list, double most, size_t n_found,
+                             suspect *found) {
     size_t kept = 0;
-    for (size_t s = 0; list[s].left < most && kept < n_found; ++s) {
+    for (size_t s = 0; s < n && list[s].left < most && kept < n_found; ++s) {
         size_t k = 0;
         while (k < kept && !are_equal(kit, &found[k], &list[s]))
             ++k;
@@ -259,13 +259,12 @@ size_t find_suspects(const conform_kit *kit, const float *values, size_t n_found
     if (list[0].left > noise && list[0].left < *none) {
         add_to_each(n, pairs, &list[0]);
         sort_suspects(kit, values, n, pairs);
-        if (pairs[0].left < explained * list[0].left) {
-            suspect *swap = list;
-            list = pairs;
-            pairs = swap;
+        if (pairs[0].left < explained * list[0].left) { /* first, before the single ones */
+            memmove(list + 1, list, (n - 1) * sizeof *list);
+            list[0] = pairs[0];
         }
     }
-    const size_t kept = keep_different(kit, list, 0.9 * *none, n_found, found);
+    const size_t kept = keep_different(kit, n, list, 0.9 * *none, n_found, found);
     free(pairs);
     free(list);
     return kept;
