@@ -6,17 +6,8 @@
 
 #include "brdf/core/spec.h"
 
-_Thread_local nqm_mistakes nqm_mistakes_made;
-
 #define TWIN_OF(NAME) {&(NAME), &(NAME##_mistaken)},
 static const nqm_analytic_model *const twins[][2] = {NQM_SHADING_MODELS(TWIN_OF)};
-
-#define WORDS_OF(NAME, WORDS) WORDS,
-static const char *const words[] = {NQM_MISTAKES(WORDS_OF)};
-
-const char *nqm_mistake_words(size_t mistake) {
-    return words[mistake];
-}
 
 static bool is_in(nqm_mistakes mistakes, int mistake) {
     return mistakes >> mistake & 1;
