@@ -176,28 +176,28 @@ def load_kit(path):
     return m, triple("light", "xyz"), triple("viewer", "xyz")
 
 
-def conform(tool, folder, values):
+def conform(tool, model, folder, values):
     np.save(folder / "values.npy", values)
-    out = subprocess.run([tool, "conform", "gltf", str(folder / "values.npy"), "--json"], stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+    out = subprocess.run([tool, "conform", model, str(folder / "values.npy"), "--json"], stdout=subprocess.PIPE, stderr=subprocess.PIPE)
     assert out.returncode in (0, 5), out.stderr.decode()  # 5: sets that are NaN, as a GGX of alpha 0 gives
     result = json.loads(out.stdout)
     return result["lowest_jod"], result["mistakes"], out.returncode
 
 
-def main():
-    tool, numbers = sys.argv[1], [int(n) for n in sys.argv[2:]] or range(len(MISTAKES) + 1)
+def main(model, shader, mistakes):
+    tool, numbers = sys.argv[1], [int(n) for n in sys.argv[2:]] or range(len(mistakes) + 1)
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)
-        subprocess.run([tool, "conform", "gltf", "--directions", str(folder / "kit.csv")], check=True, stderr=subprocess.PIPE)
+        subprocess.run([tool, "conform", model, "--directions", str(folder / "kit.csv")], check=True, stderr=subprocess.PIPE)
         kit = load_kit(folder / "kit.csv")
         ranks = []
         for number in numbers:
-            expected, *edits = MISTAKES[number - 1] if number else ("",)
-            source = SHADER
+            expected, *edits = mistakes[number - 1] if number else ("",)
+            source = shader
             for old, new in zip(edits[::2], edits[1::2]):
                 assert old in source, old
                 source = source.replace(old, new)
-            jod, found, exit_code = conform(tool, folder, evaluate(source, kit))
+            jod, found, exit_code = conform(tool, model, folder, evaluate(source, kit))
             if not number:
                 print(f"right: lowest JOD {jod:.4f}, {len(found)} mistakes")
                 assert jod >= 9.99 and not found and not exit_code
@@ -212,4 +212,4 @@ def main():
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(main("gltf", SHADER, MISTAKES))

@@ -74,7 +74,11 @@ static void compare(conform_result *r, const char *name, const float *values) {
     bool passes = true;
     for (size_t set = 0; set < kit->n_sets; ++set)
         passes = passes && results[set].jod >= conform_pass;
-    r->n_named = passes ? 0 : find_suspects(kit, values, N_NAMED, r->named, &r->none);
+    r->n_named = find_suspects(kit, values, N_NAMED, r->named, &r->none);
+    if (passes && !is_named(r)) { /* rounding */
+        r->n_named = 0;
+        r->none = 0;
+    }
     for (size_t i = 0; i < r->n_named; ++i) {
         score_values(kit, scorer, values, &r->named[i], results);
         r->named[i].lowest = 10;

@@ -88,7 +88,8 @@ typedef struct suspect_targets {
 void compare_suspects(const conform_kit *kit, size_t n, const suspect *suspects, const suspect_targets *targets,
                       double *left);
 /** The suspects that explain the values best, first the best; suspects with equal values are one, and those that leave
- *  nine tenths of the difference are none. found (n_found) receives them; their number is returned; `none`: what remains without a mistake. Where one leaves a difference, two are tried. */
+ *  nine tenths of the difference are none. found (n_found) receives them; their number is returned; `none`: what
+ *  remains without a mistake. 0: values differ by no more than float32 does. Where one leaves a difference, two are tried. */
 size_t find_suspects(const conform_kit *kit, const float *values, size_t n_found, suspect *found, double *none);
 
 /* ---- results (conform_print.c) ----------------------------------------------------------------------------------- */
@@ -108,6 +109,8 @@ typedef struct conform_result {
 /** Score values, (n_sets, n_directions, 3), against suspect `s`; results (n_sets). */
 void score_values(const conform_kit *kit, nqm_scorer *scorer, const float *values, const suspect *s,
                   nqm_score_result *results);
+/** Whether a mistake explains half of the difference or more. */
+bool is_named(const conform_result *r);
 void print_conform(const conform_result *r);
 /** Write JUnit and Markdown where a path is given. */
 void write_conform_reports(const conform_result *r, const char *junit, const char *markdown);

@@ -42,8 +42,7 @@ void score_values(const conform_kit *kit, nqm_scorer *scorer, const float *value
 
 /* ---- the likely mistake ------------------------------------------------------------------------------------------ */
 
-/* Whether a mistake explains half of the difference or more. */
-static bool is_named(const conform_result *r) {
+bool is_named(const conform_result *r) {
     return r->n_named && r->named[0].left < 0.5 * r->none;
 }
 
@@ -67,7 +66,8 @@ static void put_mistakes(FILE *out, const conform_result *r, const char *between
               out);
         return;
     }
-    fputs(is_named(r) ? "Likely mistake: " : "No mistake of the list explains most of the difference. The nearest: ",
+    fputs(is_named(r) ? lowest_jod(r) < conform_pass ? "Likely mistake: " : "Likely mistake, which is not visible: "
+                      : "No mistake of the list explains most of the difference. The nearest: ",
           out);
     for (size_t i = 0; i < r->n_named; ++i) {
         fputs(i == 0 ? "" : i == 1 ? between : "; ", out);

@@ -110,7 +110,7 @@ static uint64_t choose_keys(const nqm_spec_schema *schema, const char *list) {
 static bool is_idle(const nqm_spec_schema *schema, const nqm_spec_values *values, size_t k) {
     const size_t layer = nqm_fit_describe(schema, k).layer;
     const double *amount = values->v[layer];
-    return layer != k && !amount[0] && !amount[1] && !amount[2];
+    return layer != k && amount[0] == 0 && amount[1] == 0 && amount[2] == 0;
 }
 
 /* Add a set, in which idle keys have their values of the base, and keys that the shader lacks their defaults. */

@@ -256,7 +256,9 @@ size_t find_suspects(const conform_kit *kit, const float *values, size_t n_found
     for (size_t s = 0; s < n; ++s)
         if (!list[s].mistakes && !list[s].n_changes)
             *none = list[s].left;
-    if (list[0].left > noise && list[0].left < *none) {
+    if (*none <= noise)
+        n = 0;
+    else if (list[0].left > noise && list[0].left < *none) {
         add_to_each(n, pairs, &list[0]);
         sort_suspects(kit, values, n, pairs);
         if (pairs[0].left < explained * list[0].left) { /* first, before the single ones */
