@@ -13,12 +13,10 @@
 
 enum { N = 40 };
 
+#define GLTF_LAYERS ";specular=.7;clearcoat=.6;clearcoat_roughness=.3;sheen_color=.4,.2,.6;sheen_roughness=.5"
 static const char *const specs[] = {
-    "gltf:base_color=.8,.3,.1;metallic=.5;roughness=.4;anisotropy_strength=.6;specular=.7;clearcoat=.6;clearcoat_"
-    "roughness=.3;"
-    "sheen_color=.4,.2,.6;sheen_roughness=.5",
-    "open-pbr:base_color=.8,.3,.1;base_metalness=.4;specular_roughness=.4;coat_weight=.6;coat_roughness=.3;fuzz_weight="
-    ".5",
+    ("gltf:base_color=.8,.3,.1;metallic=.5;roughness=.4;anisotropy_strength=.6" GLTF_LAYERS),
+    "open-pbr:base_color=.8,.3,.1;base_metalness=.4;specular_roughness=.4;coat_weight=.6;fuzz_weight=.5",
     "standard-surface:base_color=.8,.3,.1;metalness=.4;specular_roughness=.4;sheen=.5;coat=.6;coat_roughness=.3",
     "usd-preview:diffuseColor=.8,.3,.1;metallic=.4;roughness=.4;clearcoat=.6;clearcoatRoughness=.3",
     "disney:baseColor=.8,.3,.1;metallic=.4;roughness=.4;sheen=.5;clearcoat=.6;clearcoatGloss=.6",

@@ -121,7 +121,6 @@ static const option options[] = {
     {"junit", 0, OPTION_TEXT, &junit, "FILE.xml", "also write a JUnit report: one test case per set", 0, 0},
     {"markdown", 0, OPTION_TEXT, &markdown, "FILE.md", "also write a table in Markdown, worst first; -: stdout", 0, 0},
     {"json", 0, OPTION_FORMAT, &result.run.format, NULL, "print JSON", FORMAT_JSON, 0},
-    {"csv", 0, OPTION_FORMAT, &result.run.format, NULL, "print CSV, a row for each set", FORMAT_CSV, 0},
     {"quiet", 'q', OPTION_FORMAT, &result.run.format, NULL, "print the likely mistake only, or none", FORMAT_QUIET, 0},
     {0}};
 

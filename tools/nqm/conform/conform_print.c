@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * Results of `nqm conform`: the sets, worst first, and the likely mistake; the same as JSON, CSV, JUnit and Markdown by the writers of
+ * Results of `nqm conform`: the sets, worst first, and the likely mistake; the same as JSON, JUnit and Markdown by the writers of
  * `nqm score` and `nqm batch`.
  */
 #include "nqm/conform/conform.h"
@@ -152,22 +152,6 @@ static void print_text(const conform_result *r, const set_summary *s) {
     put_mistakes(stdout, r, "\n");
 }
 
-static void print_csv(const conform_result *r) {
-    const bool metrics[NQM_METRIC_COUNT] = {false};
-    fputs("set,reference", stdout);
-    print_csv_score_names(stdout, r->run.model, metrics);
-    fputs(",error\n", stdout);
-    for (size_t i = 0; i < r->run.n_rows; ++i) {
-        const scored_pair *row = &r->run.rows[i];
-        printf("%zu,", i + 1);
-        print_csv_text(stdout, row->pair.ref);
-        print_csv_score(stdout, r->run.model, metrics, &row->result);
-        putchar(',');
-        print_csv_text(stdout, row->err.status == NQM_OK ? "" : row->err.message);
-        putchar('\n');
-    }
-}
-
 void print_conform(const conform_result *r) {
     if (r->run.format == FORMAT_JSON) {
         json_t *document = json_scores(&r->run);
@@ -176,9 +160,7 @@ void print_conform(const conform_result *r) {
         print_json(document);
         return;
     }
-    if (r->run.format == FORMAT_CSV)
-        print_csv(r);
-    else if (r->run.format == FORMAT_QUIET)
+    if (r->run.format == FORMAT_QUIET)
         puts(is_named(r) ? r->named[0].text : r->none > 0 ? "unknown" : "none");
     if (r->run.format != FORMAT_TEXT)
         return;
