@@ -60,3 +60,10 @@ refuses 4 'bad.csv.*line 5' conform gltf bad.csv --keys $keys
 refuses 5 "ended with exit code 3" conform gltf --command 'exit 3' --keys $keys
 refuses 5 "the output of the command has 1 values" conform gltf --command 'echo r,g,b; echo 1,2,3' --keys $keys
 refuses 3 'missing.csv' conform gltf missing.csv
+
+# ---- Ctrl-C ends the command, too
+"$tool" conform gltf --command 'sleep 60 & echo $! >pid; wait' 2>err &
+until_written pid
+ctrl_c
+sleep 0.5
+! grep -q '^State:.*[RSD] ' "/proc/$(cat pid)/status" 2>/dev/null || fail "the command runs on"

@@ -11,6 +11,7 @@
 #include <string.h>
 #include <strings.h>
 #include <sys/wait.h>
+#include <time.h>
 #include <unistd.h>
 
 static size_t count_rows(const conform_kit *kit) {
@@ -18,7 +19,8 @@ static size_t count_rows(const conform_kit *kit) {
 }
 
 static _Noreturn void stop_count(const conform_kit *kit, const char *name, size_t n) {
-    stop(EXIT_INCOMPATIBLE, "%s has %zu values, and the kit has %zu rows: %zu sets of %zu directions", name, n,
+    stop(EXIT_INCOMPATIBLE,
+         "%s has %zu values, and the kit has %zu rows: %zu sets of %zu directions; give the same --keys", name, n,
          count_rows(kit), kit->n_sets, kit->n_directions);
 }
 
@@ -89,8 +91,11 @@ float *read_values(const conform_kit *kit, const char *path) {
 
 static pid_t start(const char *line, FILE *in, FILE *out) {
     const pid_t child = fork();
+    if (child > 0)
+        setpgid(child, child);
     if (child != 0)
         return child;
+    setpgid(0, 0); /* Ctrl-C ends all that the shell has started */
     dup2(fileno(in), STDIN_FILENO);
     dup2(fileno(out), STDOUT_FILENO);
     execl("/bin/sh", "sh", "-c", line, (char *)NULL);
@@ -110,11 +115,13 @@ float *run_command(const conform_kit *kit, const char *line) {
     const pid_t child = start(line, in, out);
     if (child < 0)
         stop(EXIT_LIMIT, "the command cannot be started: %s", strerror(errno));
-    while (waitpid(child, &status, 0) < 0)
-        if (interrupted()) {
-            kill(child, SIGTERM);
-            stop(EXIT_INTERRUPTED, "interrupted");
-        }
+    while (waitpid(child, &status, WNOHANG) == 0) { /* any thread may get the signal of Ctrl-C */
+        if (interrupted())
+            kill(-child, SIGTERM);
+        nanosleep(&(struct timespec){.tv_nsec = 10000000}, NULL);
+    }
+    if (interrupted())
+        stop(EXIT_INTERRUPTED, "interrupted");
     if (!WIFEXITED(status) || WEXITSTATUS(status) != 0)
         stop(EXIT_INCOMPATIBLE, "the command '%s' ended with %s %d", line, WIFEXITED(status) ? "exit code" : "signal",
              WIFEXITED(status) ? WEXITSTATUS(status) : WTERMSIG(status));
