@@ -12,6 +12,10 @@ double nqm_srgb_to_linear(double v) {
     return v <= 0.04045 ? v / 12.92 : pow((v + 0.055) / 1.055, 2.4);
 }
 
+double nqm_linear_to_srgb(double v) {
+    return v <= 0.0031308 ? 12.92 * v : 1.055 * pow(v, 1 / 2.4) - 0.055;
+}
+
 typedef const double matrix[3][3];
 static matrix ap1 = {{1.705050992658, -0.621792120657, -0.083258872001},
                      {-0.130256417507, 1.140804736575, -0.010548319068},

@@ -12,5 +12,7 @@
 bool nqm_color_to_rec709(const char *space, double *rgb);
 /** The component with sRGB's curve to linear (IEC 61966-2-1). */
 double nqm_srgb_to_linear(double v);
+/** The inverse. */
+double nqm_linear_to_srgb(double v);
 
 #endif

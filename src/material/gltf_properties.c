@@ -70,7 +70,7 @@ const nqm_gltf_group nqm_gltf_extensions[NQM_GLTF_N_EXTENSIONS] = {
      {NUMBER("iridescenceFactor", "iridescence", 0),
       NUMBER("iridescenceIor", "iridescence_ior", 1.3),
       NUMBER("iridescenceThicknessMaximum", "iridescence_thickness", 400),
-      {"iridescenceThicknessMinimum", nqm_gltf_read_minimum, NULL, 1, 100, NULL, NULL, NULL},
+      {"iridescenceThicknessMinimum", nqm_gltf_read_minimum, NULL, 1, 100, NULL, NULL, NULL, 0, false},
       TEXTURE("iridescenceTexture", "iridescenceFactor"),
       TEXTURE("iridescenceThicknessTexture", "iridescenceFactor")}},
     {"KHR_materials_dispersion",

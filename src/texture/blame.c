@@ -5,41 +5,16 @@
  */
 #include "texture/score.h"
 
-#include "material/color_space.h"
+#include "brdf/core/mistakes.h"
 #include <math.h>
 #include <stdlib.h>
 
 /* ---- mistakes ---------------------------------------------------------------------------------------------------- */
 
-static double square(double x) {
-    return x * x;
-}
-
-static double encode_srgb(double x) {
-    return x <= 0.0031308 ? 12.92 * x : 1.055 * pow(x, 1 / 2.4) - 0.055;
-}
-
-static double invert(double x) {
-    return 1 - x;
-}
-
-static double negate(double x) {
-    return -x;
-}
-
 /* What may have been done with the values of a map. Those without a function: */
 enum { NOTHING, EXCHANGED };
-static const struct {
-    const char *text;
-    double (*apply)(double x);
-} mistakes[] = {[NOTHING] = {"", NULL},
-                [EXCHANGED] = {" are exchanged", NULL},
-                {" is squared", square},
-                {" is the square root", sqrt},
-                {" is decoded from sRGB", nqm_srgb_to_linear},
-                {" is not decoded from sRGB", encode_srgb},
-                {" is inverted", invert},
-                {" is flipped", negate}};
+static const nqm_property_mistake mistakes[] = {
+    [NOTHING] = {"", NULL}, [EXCHANGED] = {" are exchanged", NULL}, NQM_PROPERTY_MISTAKES};
 enum { N_MISTAKES = sizeof mistakes / sizeof *mistakes, NO_PROPERTY = NQM_SPEC_MAX_KEYS };
 
 /* A property, or the normal, and what each mistake leaves of the difference. */

@@ -34,6 +34,9 @@ MUTATIONS = [
     ("src/brdf/formats/rgl.c", "p->v_i = azimuth_to_unit(tangent, i);", "p->v_i = 0.5;", "test_brdf_rgl"),
     ("src/brdf/formats/scattered.c", "(turns ? hypot(real, imaginary_i + imaginary_o) : real)", "hypot(real, imaginary_i + imaginary_o)", "test_brdf_listed"),
     ("src/brdf/formats/listed.c", "static const double noise = 0.1;", "static const double noise = 0.01;", "test_brdf_listed"),
+    # ---- mistakes of shaders
+    ("src/brdf/models/microfacet.h", "whole * g_i * g_o / v", "whole * g_i * g_i / v", "test_brdf_mistakes"),
+    ("src/brdf/mistakes.c", "NQM_MISTAKE_CHANNELS_REVERSED) ? 2 - c : c", "NQM_MISTAKE_CHANNELS_REVERSED) ? 1 : c", "test_brdf_mistakes"),
     # ---- analytic BRDFs
     ("src/brdf/models/analytic.c", "self->f[c] = values->v[0][c] / NQM_PI;", "self->f[c] = values->v[0][c];", "test_brdf_analytic"),
     ("src/brdf/models/analytic.c", "return ward_lobe(shape, sqrt(wi[2] * wo[2]), wi, wo, d);", "return ward_lobe(shape, wi[2] * wo[2], wi, wo, d);", "test_brdf_analytic"),

@@ -327,6 +327,7 @@ int cmd_batch(int argc, char **argv);
 int cmd_bench(int argc, char **argv);
 int cmd_calibrate(int argc, char **argv);
 int cmd_check(int argc, char **argv);
+int cmd_conform(int argc, char **argv);
 int cmd_convert(int argc, char **argv);
 int cmd_dataset(int argc, char **argv);
 int cmd_dedup(int argc, char **argv);

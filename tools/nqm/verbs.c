@@ -18,6 +18,7 @@ const verb verbs[] = {
     {"check", cmd_check, "test reciprocity, energy conservation and positivity of a BRDF"},
     {"sample", cmd_sample, "evaluate f_r of a BRDF at a list of directions, as CSV"},
     {"directions", cmd_directions, "make or print sampling directions"},
+    {"conform", cmd_conform, "test a shader against its specification, and name its mistake"},
     {"convert", cmd_convert, "write a BRDF as a table, MERL .binary"},
     {"fit", cmd_fit, "fit an analytic model, a network or a table to a BRDF"},
     {"translate", cmd_translate, "write materials as another renderer's materials, and say what is lost"},

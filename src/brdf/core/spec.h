@@ -90,9 +90,14 @@ void nqm_spec_jacobian(const void *self, size_t n, const double *wi, const doubl
      .high = (HIGH),                                                                                                   \
      .whole = sizeof(TYPE) == sizeof "integer",                                                                        \
      .fallback = __VA_ARGS__},
-/** Define a shading model with such a list; IS_RECIPROCAL: 0 or 1. */
+/** Define a shading model with such a list; IS_RECIPROCAL: 0 or 1. Its mistaken twin (core/mistakes.h) has another name. */
+#ifdef NQM_WITH_MISTAKES
+#define NQM_SHADING_NAME(MODEL) MODEL##_mistaken
+#else
+#define NQM_SHADING_NAME(MODEL) MODEL
+#endif
 #define NQM_SHADING_MODEL(MODEL, NAME, KEYS, STATE, PREPARE, EVAL, IS_RECIPROCAL)                                      \
-    const nqm_analytic_model MODEL = {                                                                                 \
+    const nqm_analytic_model NQM_SHADING_NAME(MODEL) = {                                                               \
         .schema = {NAME, sizeof((nqm_spec_key[]){KEYS(NQM_KEY_ROW)}) / sizeof(nqm_spec_key), {KEYS(NQM_KEY_ROW)}},     \
         .class_ = {.format = NAME,                                                                                     \
                    .anisotropic = true,                                                                                \
@@ -135,9 +140,11 @@ void nqm_spec_jacobian(const void *self, size_t n, const double *wi, const doubl
 #define NQM_SLOW_MODELS(X) X(nqm_coated_model)
 
 #define NQM_DECLARE_MODEL(NAME) extern const nqm_analytic_model NAME;
+#define NQM_DECLARE_TWIN(NAME)  extern const nqm_analytic_model NAME##_mistaken;
 NQM_ANALYTIC_MODELS(NQM_DECLARE_MODEL)
 NQM_SHADING_MODELS(NQM_DECLARE_MODEL)
 NQM_SLOW_MODELS(NQM_DECLARE_MODEL)
+NQM_SHADING_MODELS(NQM_DECLARE_TWIN)
 
 /** An analytic model, preset or BRDF made of others from a spec: nqm_spec_probe(spec) is true. `name` is that of its
  *  information; `open` opens the BRDFs that a wrapper names. */

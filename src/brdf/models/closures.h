@@ -52,10 +52,28 @@ INLINED closure closure_layer(closure top, closure base) {
     return top;
 }
 
+/** The same of the specular part over the diffuse one, and of the clear coat over both. */
+#ifdef NQM_WITH_MISTAKES
+INLINED closure specular_layer(closure top, closure base) {
+    if (MISTAKEN(DIFFUSE_NOT_REDUCED))
+        memcpy(top.pass, WHITE, sizeof top.pass);
+    return closure_layer(top, base);
+}
+
+INLINED closure coat_layer(closure top, closure base) {
+    if (MISTAKEN(COAT_NOT_REDUCING))
+        memcpy(top.pass, WHITE, sizeof top.pass);
+    return closure_layer(top, base);
+}
+#else
+#define specular_layer closure_layer
+#define coat_layer     closure_layer
+#endif
+
 /** `a` with weight w, `b` with 1 - w. */
 INLINED closure closure_mix(closure a, closure b, double w) {
     for (size_t c = 0; c < 3; ++c) {
-        a.f[c] = w * a.f[c] + (1 - w) * b.f[c];
+        a.f[c] = w * a.f[c] + (MISTAKEN(DIFFUSE_OF_METAL) ? 1 : 1 - w) * b.f[c];
         a.pass[c] = w * a.pass[c] + (1 - w) * b.pass[c];
     }
     return a;
@@ -120,7 +138,7 @@ INLINED microfacet microfacet_of(const geometry *g, const lobe_shape *lobe) {
     microfacet m = {.f = correlated_ggx(g->tan2_h, g->cos_i, g->cos_o, a),
                     .albedo = {clamp01(sum[0] / sum[2]), clamp01(sum[1] / sum[3])}};
     double e = m.albedo[0] + m.albedo[1];
-    m.scatter = (1 - e) / e;
+    m.scatter = MISTAKEN(COMPENSATION_LEFT_OUT) ? 0 : (1 - e) / e;
     return m;
 }
 
@@ -202,7 +220,7 @@ INLINED double retro_reflection(const geometry *g, double below) {
 INLINED closure diffuse_closure(double weight, const double *color, double factor) {
     closure result = {.pass = {0}};
     for (size_t c = 0; c < 3; ++c)
-        result.f[c] = weight * color[c] * factor / NQM_PI;
+        result.f[c] = weight * color[c] * factor / DIFFUSE_PI;
     return result;
 }
 
@@ -242,15 +260,15 @@ INLINED closure eon_bsdf(const geometry *g, double weight, const double *color, 
     const eon_terms t = eon_terms_of(g, roughness);
     closure result = {.pass = {0}};
     for (size_t c = 0; c < 3; ++c)
-        result.f[c] = weight * (color[c] * t.single + eon_bounced(&t, color[c]) * t.multiple) / NQM_PI;
+        result.f[c] = weight * (color[c] * t.single + eon_bounced(&t, color[c]) * t.multiple) / DIFFUSE_PI;
     return result;
 }
 
 /** The diffuse component of Burley 2012. */
 INLINED closure burley_bsdf(const geometry *g, double weight, const double *color, double roughness) {
     const double f90 = 0.5 + 2 * roughness * g->cos_d * g->cos_d;
-    const double factor = schlick_between(1, f90, g->cos_i) * schlick_between(1, f90, g->cos_o);
-    return diffuse_closure(weight, color, factor);
+    const double factor = plain_schlick(1, f90, g->cos_i) * plain_schlick(1, f90, g->cos_o);
+    return diffuse_closure(weight, color, MISTAKEN(DIFFUSE_LAMBERT) ? 1 : factor);
 }
 
 /* ---- sheen ------------------------------------------------------------------------------------------------------- */
@@ -259,7 +277,7 @@ INLINED closure sheen_closure(double weight, const double *color, double f, doub
     closure result;
     for (size_t c = 0; c < 3; ++c) {
         result.f[c] = weight * color[c] * f;
-        result.pass[c] = 1 - weight * albedo;
+        result.pass[c] = MISTAKEN(SHEEN_NOT_SCALED) ? 1 : 1 - weight * albedo;
     }
     return result;
 }

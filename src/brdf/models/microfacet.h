@@ -7,9 +7,13 @@
 #ifndef NQM_SRC_BRDF_MICROFACET_H
 #define NQM_SRC_BRDF_MICROFACET_H
 
+#include "brdf/core/mistakes.h"
 #include "math/math.h"
 
 #include <math.h>
+
+/** Of diffuse parts. */
+#define DIFFUSE_PI (MISTAKEN(DIFFUSE_WITHOUT_PI) ? 1 : NQM_PI)
 
 /* ---- half vector ------------------------------------------------------------------------------------------------- */
 
@@ -19,11 +23,36 @@ typedef struct half_angles {
     double tan2_h, cos_d;
 } half_angles;
 
+#ifdef NQM_WITH_MISTAKES
+/* 1 / |h|^4 of the pair that is evaluated: what D of the components of an h of another length is multiplied by. */
+static _Thread_local double mistaken_components;
+
+static inline half_angles mistaken_half(half_angles h, const double *wi, const double *wo) {
+    const bool is_long =
+        MISTAKEN(HALF_NOT_NORMALISED) || MISTAKEN(HALF_IN_COMPONENTS); /* 2 cos theta_d; else half of it */
+    const double length = is_long ? 2 : 1, cos_h = fmin(1, 0.5 * length * (wi[2] + wo[2]));
+    const double cos_d = h.cos_d, half = length * cos_d;
+    mistaken_components = 1 / (half * half * half * half);
+    if (MISTAKEN(HALF_NOT_NORMALISED) || MISTAKEN(HALF_AVERAGED))
+        h.tan2_h = 1 / (cos_h * cos_h) - 1;
+    if (is_long || MISTAKEN(HALF_AVERAGED) || MISTAKEN(HALF_AVERAGED_IN_COMPONENTS))
+        h.cos_d = fmin(1, half * cos_d);
+    h.cos_d = MISTAKEN(FRESNEL_CONSTANT)    ? 1
+              : MISTAKEN(FRESNEL_AT_VIEWER) ? wo[2]
+              : MISTAKEN(FRESNEL_AT_LIGHT)  ? wi[2]
+              : MISTAKEN(FRESNEL_AT_HALF)   ? 1 / sqrt(1 + h.tan2_h)
+                                            : h.cos_d;
+    return h;
+}
+#endif
+
 /* Inlined: otherwise the simple lobes take twice the time. */
 static inline half_angles half_angles_of(const double *wi, const double *wo) {
     double x = wi[0] + wo[0], y = wi[1] + wo[1], z = wi[2] + wo[2];
     double xy = x * x + y * y;
-    return (half_angles){.tan2_h = xy / (z * z), .cos_d = fmin(1, 0.5 * sqrt(xy + z * z))};
+    half_angles h = {.tan2_h = xy / (z * z), .cos_d = fmin(1, 0.5 * sqrt(xy + z * z))};
+    IF_MISTAKEN(h = mistaken_half(h, wi, wo);)
+    return h;
 }
 
 /* ---- anisotropy: Heitz 2014, equation 80 (https://jcgt.org/published/0003/02/03/) ---------------------------------- */
@@ -68,7 +97,11 @@ static inline pair_widths equal_widths(double alpha2) {
 static inline pair_widths pair_widths_of(widths a, const double *wi, const double *wo) {
     if (a.x2 == a.y2)
         return equal_widths(a.x2);
+    if (MISTAKEN(AXES_EXCHANGED))
+        a = (widths){a.y2, a.x2};
     double h2 = 1 / along(half_azimuth(wi, wo), 1 / a.x2, 1 / a.y2);
+    if (MISTAKEN(SHADOWING_ISOTROPIC))
+        return (pair_widths){h2, h2 / sqrt(a.x2 * a.y2), sqrt(a.x2 * a.y2), sqrt(a.x2 * a.y2)};
     return (pair_widths){.h2 = h2,
                          .density = h2 / sqrt(a.x2 * a.y2),
                          .i2 = along(azimuth_of(wi[0], wi[1]), a.x2, a.y2),
@@ -94,39 +127,13 @@ static inline pair_widths turned_pair_widths(const turned_widths *t, const doubl
     return pair_widths_of(t->widths, in, out);
 }
 
-/* ---- GGX: Walter, Marschner, Li and Torrance 2007, DOI 10.2312/EGWR/EGSR07/195-206 --------------------------------- */
-
-/** D(h), in 1/sr; alpha2 is alpha^2. */
-static inline double ggx_distribution(double tan2_h, double alpha2) {
-    double sec2_h = 1 + tan2_h;
-    double spread = (1 + tan2_h / alpha2) / sec2_h; /* cos^2 theta_h (1 + tan^2 theta_h / alpha^2) */
-    return 1 / (NQM_PI * alpha2 * spread * spread);
-}
-
-/** Smith's G1 = 2 cos / (cos + sqrt(cos^2 + alpha^2 sin^2)), divided by 2 cos: D times this for light and viewer is the lobe with
- *  separable shadowing, D G1 G1 / (4 cos cos). */
-static inline double ggx_visibility(double cosine, double alpha2) {
-    double cos2 = cosine * cosine;
-    return 1 / (cosine + sqrt(cos2 + alpha2 * (1 - cos2)));
-}
-
-/** D G / (4 cos cos) with height-correlated shadowing: Heitz 2014, equation 99. */
-static inline double correlated_ggx(double tan2_h, double cos_i, double cos_o, pair_widths a) {
-    double i = cos_i * sqrt(cos_o * cos_o + a.o2 * (1 - cos_o * cos_o));
-    double o = cos_o * sqrt(cos_i * cos_i + a.i2 * (1 - cos_i * cos_i));
-    return ggx_distribution(tan2_h, a.h2) * a.density * (0.5 / (i + o));
-}
-
-/** D G1 G1 / (4 cos cos). */
-static inline double separable_ggx(double tan2_h, double cos_i, double cos_o, pair_widths a) {
-    return ggx_distribution(tan2_h, a.h2) * a.density * ggx_visibility(cos_i, a.i2) * ggx_visibility(cos_o, a.o2);
-}
-
-/* ---- Beckmann: the same paper -------------------------------------------------------------------------------------- */
+/* ---- Beckmann: Walter, Marschner, Li and Torrance 2007, DOI 10.2312/EGWR/EGSR07/195-206 ---------------------------- */
 
 /** D(h), in 1/sr; alpha2 is alpha^2. */
 static inline double beckmann_distribution(double tan2_h, double alpha2) {
     double sec2_h = 1 + tan2_h;
+    if (MISTAKEN(DISTRIBUTION_WITHOUT_PI))
+        return exp(-tan2_h / alpha2) * sec2_h * sec2_h / alpha2;
     return exp(-tan2_h / alpha2) * sec2_h * sec2_h / (NQM_PI * alpha2);
 }
 
@@ -139,10 +146,93 @@ static inline double beckmann_g1(double cosine, double alpha2) {
     return (3.535 * a + 2.181 * a2) / (1 + 2.276 * a + 2.577 * a2);
 }
 
+/* ---- GGX: the same paper ------------------------------------------------------------------------------------------- */
+
+/** D(h), in 1/sr; alpha2 is alpha^2. */
+static inline double ggx_distribution(double tan2_h, double alpha2) {
+    double sec2_h = 1 + tan2_h;
+    double spread = (1 + tan2_h / alpha2) / sec2_h; /* cos^2 theta_h (1 + tan^2 theta_h / alpha^2) */
+    if (MISTAKEN(DISTRIBUTION_BECKMANN))
+        return beckmann_distribution(tan2_h, alpha2);
+    if (MISTAKEN(DISTRIBUTION_WITHOUT_PI))
+        return 1 / (alpha2 * spread * spread);
+    if (MISTAKEN(DISTRIBUTION_NOT_SQUARED))
+        return 1 / (NQM_PI * alpha2 * spread);
+    return 1 / (NQM_PI * alpha2 * spread * spread);
+}
+
+/** Smith's G1 = 2 cos / (cos + sqrt(cos^2 + alpha^2 sin^2)), divided by 2 cos: D times this for light and viewer is the lobe with
+ *  separable shadowing, D G1 G1 / (4 cos cos). */
+static inline double ggx_visibility(double cosine, double alpha2) {
+    double cos2 = cosine * cosine;
+    return 1 / (cosine + sqrt(cos2 + alpha2 * (1 - cos2)));
+}
+
+#ifdef NQM_WITH_MISTAKES
+/** Widths of the shadowing that a mistake changes. */
+static inline pair_widths mistaken_widths(pair_widths a) {
+    if (MISTAKEN(SHADOWING_ALPHA))
+        a.i2 = sqrt(a.i2), a.o2 = sqrt(a.o2);
+    return a;
+}
+
+/** The factor by which a mistake changes v = G / (4 cos cos); 1: there is none. g_i, g_o: Smith's G1. */
+static inline double visibility_mistake(double v, double g_i, double g_o, double cos_i, double cos_o, pair_widths a) {
+    const double whole = 1 / (4 * cos_i * cos_o);
+    if (MISTAKEN(SHADOWING_SCHLICK) || MISTAKEN(SHADOWING_POINT_LIGHTS)) {
+        const double i = sqrt(a.i2), o = sqrt(a.o2), r = 1 + sqrt(sqrt(i * o));
+        const double ki = MISTAKEN(SHADOWING_SCHLICK) ? i / 2 : r * r / 8,
+                     ko = MISTAKEN(SHADOWING_SCHLICK) ? o / 2 : ki;
+        return 0.25 / ((cos_i * (1 - ki) + ki) * (cos_o * (1 - ko) + ko)) / v;
+    }
+    return MISTAKEN(SHADOWING_LEFT_OUT)                                            ? whole / v
+           : MISTAKEN(SHADOWING_SEPARABLE)                                         ? whole * g_i * g_o / v
+           : MISTAKEN(SHADOWING_CORRELATED)                                        ? whole / (1 / g_i + 1 / g_o - 1) / v
+           : MISTAKEN(FOUR_COSINES_LEFT_OUT)                                       ? 1 / whole
+           : MISTAKEN(FOUR_COSINES_TWICE)                                          ? whole
+           : MISTAKEN(FOUR_LEFT_OUT)                                               ? 4
+           : MISTAKEN(FOUR_IS_PI)                                                  ? 4 / NQM_PI
+           : MISTAKEN(HALF_IN_COMPONENTS) || MISTAKEN(HALF_AVERAGED_IN_COMPONENTS) ? mistaken_components
+                                                                                   : 1;
+}
+
+static inline double ggx_mistake(double v, double cos_i, double cos_o, pair_widths a) {
+    return visibility_mistake(v, 2 * cos_i * ggx_visibility(cos_i, a.i2), 2 * cos_o * ggx_visibility(cos_o, a.o2),
+                              cos_i, cos_o, a);
+}
+
+static inline double beckmann_mistake(double cos_i, double cos_o, pair_widths a) {
+    const double i = beckmann_g1(cos_i, a.i2), o = beckmann_g1(cos_o, a.o2);
+    return visibility_mistake(i * o / (4 * cos_i * cos_o), i, o, cos_i, cos_o, a);
+}
+#endif
+
+/** D G / (4 cos cos) with height-correlated shadowing: Heitz 2014, equation 99. */
+static inline double correlated_ggx(double tan2_h, double cos_i, double cos_o, pair_widths a) {
+    IF_MISTAKEN(a = mistaken_widths(a);)
+    double i = cos_i * sqrt(cos_o * cos_o + a.o2 * (1 - cos_o * cos_o));
+    double o = cos_o * sqrt(cos_i * cos_i + a.i2 * (1 - cos_i * cos_i));
+    return TIMES_MISTAKE(ggx_distribution(tan2_h, a.h2) * a.density * (0.5 / (i + o)),
+                         ggx_mistake(0.5 / (i + o), cos_i, cos_o, a));
+}
+
+/** D G1 G1 / (4 cos cos). */
+static inline double separable_ggx(double tan2_h, double cos_i, double cos_o, pair_widths a) {
+    IF_MISTAKEN(a = mistaken_widths(a);)
+    return TIMES_MISTAKE(ggx_distribution(tan2_h, a.h2) * a.density * ggx_visibility(cos_i, a.i2) *
+                             ggx_visibility(cos_o, a.o2),
+                         ggx_mistake(ggx_visibility(cos_i, a.i2) * ggx_visibility(cos_o, a.o2), cos_i, cos_o, a));
+}
+
 /** D G1 G1 / (4 cos cos). */
 static inline double separable_beckmann(double tan2_h, double cos_i, double cos_o, pair_widths a) {
-    return beckmann_distribution(tan2_h, a.h2) * a.density * beckmann_g1(cos_i, a.i2) * beckmann_g1(cos_o, a.o2) /
-           (4 * cos_i * cos_o);
+    IF_MISTAKEN(a = mistaken_widths(a);)
+    if (MISTAKEN(DISTRIBUTION_GGX))
+        return ggx_distribution(tan2_h, a.h2) * a.density * beckmann_g1(cos_i, a.i2) * beckmann_g1(cos_o, a.o2) /
+               (4 * cos_i * cos_o);
+    return TIMES_MISTAKE(beckmann_distribution(tan2_h, a.h2) * a.density * beckmann_g1(cos_i, a.i2) *
+                             beckmann_g1(cos_o, a.o2) / (4 * cos_i * cos_o),
+                         beckmann_mistake(cos_i, cos_o, a));
 }
 
 /* ---- Fresnel factors --------------------------------------------------------------------------------------------- */
@@ -157,26 +247,37 @@ static inline double power5(double x) {
     return x2 * x2 * x;
 }
 
+/** Of every Fresnel factor. */
+static inline double fresnel_mistake(double f) {
+    return MISTAKEN(FRESNEL_LEFT_OUT) ? 1 : MISTAKEN(FRESNEL_TWICE) ? f * f : f;
+}
+
 /** Schlick 1994 (DOI 10.1111/1467-8659.1330233). */
 static inline double schlick_factor(double f0, double cosine) {
     double m = 1 - cosine;
-    return f0 + (1 - f0) * m * m * m * m * m;
+    return fresnel_mistake(f0 + (1 - f0) * m * m * m * m * m);
+}
+
+static inline double plain_schlick(double f0, double f90, double cosine) {
+    return f0 + (f90 - f0) * power5(1 - cosine);
 }
 
 /** Schlick's factor with the colours f0 at normal and f90 at grazing incidence. */
 static inline double schlick_between(double f0, double f90, double cosine) {
-    return f0 + (f90 - f0) * power5(1 - cosine);
+    return fresnel_mistake(plain_schlick(f0, MISTAKEN(F90_ONE) ? 1 : f90, cosine));
 }
 
 /** Reflectance of unpolarised light at a dielectric, eta = n_transmitted / n_incident; 1 at total reflection. The form of
  *  Cook and Torrance 1982 (DOI 10.1145/357290.357293). */
 static inline double fresnel_dielectric(double eta, double cosine) {
+    if (MISTAKEN(FRESNEL_SCHLICK))
+        return schlick_factor((eta - 1) * (eta - 1) / ((eta + 1) * (eta + 1)), cosine);
     double g2 = eta * eta + cosine * cosine - 1;
     if (g2 < 0)
         return 1;
     double g = sqrt(g2);
     double a = (g - cosine) / (g + cosine), b = ((g + cosine) * cosine - 1) / ((g - cosine) * cosine + 1);
-    return 0.5 * a * a * (1 + b * b);
+    return fresnel_mistake(0.5 * a * a * (1 + b * b));
 }
 
 /** Reflectances of light that is polarised at right angles (s) and parallel (p) to the plane of incidence, at a conductor of index
@@ -195,18 +296,21 @@ static inline void fresnel_polarised(double eta, double k, double cosine, double
 /** The same for unpolarised light. */
 static inline double fresnel_conductor(double eta, double k, double cosine) {
     double sp[2];
+    if (MISTAKEN(FRESNEL_SCHLICK))
+        return schlick_factor(((eta - 1) * (eta - 1) + k * k) / ((eta + 1) * (eta + 1) + k * k), cosine);
     fresnel_polarised(eta, k, cosine, sp);
-    return 0.5 * (sp[0] + sp[1]);
+    return fresnel_mistake(0.5 * (sp[0] + sp[1]));
 }
 
 /** Schlick's factor with the tint f82 at 82 degrees (cosine 1/7), relative to Schlick's own value there: Kutz, Hasan and
  *  Edmondson 2021, "Novel aspects of the Adobe Standard Material". */
 static inline double schlick_f82(double f0, double f82, double f90, double cosine) {
     const double at = 1.0 / 7, m = 1 - at;
-    double schlick_82 = schlick_between(f0, f90, at);
+    IF_MISTAKEN(f90 = MISTAKEN(F90_ONE) ? 1 : f90;)
+    double schlick_82 = plain_schlick(f0, f90, at);
     double b = schlick_82 * (1 - f82) / (at * m * power5(m));
     double c = 1 - cosine;
-    return schlick_between(f0, f90, cosine) - b * cosine * c * power5(c);
+    return fresnel_mistake(plain_schlick(f0, f90, cosine) - b * cosine * c * power5(c));
 }
 
 #endif

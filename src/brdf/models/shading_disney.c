@@ -38,10 +38,10 @@ static closure evaluate(const void *state, const geometry *g) {
     closure result = burley_bsdf(g, 1 - metallic, v[BASE_COLOR], v[ROUGHNESS][0]);
     if (sheen > 0)
         result = closure_layer(conty_kulla_sheen(g, sheen, self->sheen_color, SHEEN_ROUGHNESS), result);
-    result = closure_layer(schlick_bsdf(g, m, 0.08 * v[SPECULAR][0], self->specular_color, WHITE), result);
+    result = specular_layer(schlick_bsdf(g, m, 0.08 * v[SPECULAR][0], self->specular_color, WHITE), result);
     result = closure_mix(schlick_bsdf(g, m, 1, v[BASE_COLOR], WHITE), result, metallic);
     if (coat > 0)
-        result = closure_layer(schlick_bsdf(g, microfacet_of(g, &self->coat), coat, WHITE, WHITE), result);
+        result = coat_layer(schlick_bsdf(g, microfacet_of(g, &self->coat), coat, WHITE, WHITE), result);
     return result;
 }
 

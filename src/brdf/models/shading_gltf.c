@@ -78,7 +78,7 @@ static void sheen_prepare(sheen *self, const double *color, double roughness) {
     if (self->max_color == 0)
         return;
     roughness = fmax(roughness, MIN_SHEEN_ROUGHNESS);
-    const double alpha = roughness * roughness;
+    const double alpha = MISTAKEN(SHEEN_ALPHA) ? roughness : roughness * roughness;
     self->inverse_alpha = 1 / alpha;
     for (size_t k = 0; k < 5; ++k)
         self->shape[k] = mix(rough[k], smooth[k], (1 - alpha) * (1 - alpha));
@@ -92,8 +92,11 @@ static void add_sheen(const sheen *self, const half_angles *h, double cos_i, dou
     const double sin_h = sqrt(h->tan2_h / (1 + h->tan2_h));
     const double distribution = (2 + self->inverse_alpha) * pow(sin_h, self->inverse_alpha) / (2 * NQM_PI);
     const double shadowing = 1 + (sheen_shadowing(self, cos_i) + sheen_shadowing(self, cos_o));
-    const double lobe = distribution / (shadowing * 4 * (cos_i * cos_o));
-    const double passed = 1 - self->max_color * fmax(sheen_albedo(self, cos_i), sheen_albedo(self, cos_o));
+    const double lobe = distribution / (MISTAKEN(SHEEN_VISIBILITY) ? 4 * (cos_i + cos_o - cos_i * cos_o)
+                                                                   : shadowing * 4 * (cos_i * cos_o));
+    const double passed = MISTAKEN(SHEEN_NOT_SCALED)
+                              ? 1
+                              : 1 - self->max_color * fmax(sheen_albedo(self, cos_i), sheen_albedo(self, cos_o));
     for (size_t c = 0; c < 3; ++c)
         rgb[c] = self->color[c] * lobe + passed * rgb[c];
 }
@@ -107,7 +110,7 @@ static void gltf_prepare(const nqm_spec_values *values, void *state) {
     const double coat_alpha = fmax(MIN_ALPHA, values->v[CLEARCOAT_ROUGHNESS][0] * values->v[CLEARCOAT_ROUGHNESS][0]);
     const double strength = values->v[ANISOTROPY_STRENGTH][0], along = mix(alpha, 1, strength * strength);
     for (size_t c = 0; c < 3; ++c) {
-        self->diffuse[c] = values->v[BASE_COLOR][c] / NQM_PI;
+        self->diffuse[c] = values->v[BASE_COLOR][c] / DIFFUSE_PI;
         self->f0[c] = fmin(1, r * r * values->v[SPECULAR_COLOR][c]) * specular;
     }
     self->f90 = specular;
@@ -139,9 +142,11 @@ static void base_material(const gltf *self, const half_angles *h, const double *
         add_film(self, strength, h->cos_d, self->f0, f);
         add_film(self, strength, h->cos_d, color, metal);
     }
-    const double left = 1 - fmax(f[0], fmax(f[1], f[2]));
+    const double left = MISTAKEN(DIFFUSE_NOT_REDUCED) ? 1 : 1 - fmax(f[0], fmax(f[1], f[2]));
     for (size_t c = 0; c < 3; ++c)
         rgb[c] = mix(f[c] * lobe + left * self->diffuse[c], metal[c] * lobe, v[METALLIC][0]);
+    for (size_t c = 0; c < 3 && MISTAKEN(DIFFUSE_OF_METAL); ++c)
+        rgb[c] += v[METALLIC][0] * left * self->diffuse[c];
 }
 
 static void gltf_eval(const void *state, size_t n, const double *wi, const double *wo, double *rgb) {
@@ -155,9 +160,11 @@ static void gltf_eval(const void *state, size_t n, const double *wi, const doubl
             add_sheen(&self->sheen, &h, cos_i, cos_o, rgb + 3 * i);
         if (clearcoat > 0) {
             const double lobe = correlated_ggx(h.tan2_h, cos_i, cos_o, equal_widths(self->coat_alpha2));
-            const double weight = clearcoat * schlick_factor(COAT_F0, cos_o);
+            const double cosine = MISTAKEN(COAT_FRESNEL_AT_HALF) ? h.cos_d : cos_o;
+            const double weight = clearcoat * schlick_factor(COAT_F0, cosine);
             for (size_t c = 0; c < 3; ++c)
-                rgb[3 * i + c] = mix(rgb[3 * i + c], lobe, weight);
+                rgb[3 * i + c] =
+                    MISTAKEN(COAT_NOT_REDUCING) ? rgb[3 * i + c] + weight * lobe : mix(rgb[3 * i + c], lobe, weight);
         }
     }
 }

@@ -90,14 +90,14 @@ static closure evaluate(const void *state, const geometry *g) {
     const microfacet m = microfacet_of(g, &self->base);
     closure result = eon_bsdf(g, v[BASE_WEIGHT][0], v[BASE_COLOR], v[BASE_DIFFUSE_ROUGHNESS][0]);
     if (metalness < 1)
-        result = closure_layer(dielectric(self, g, m), result);
+        result = specular_layer(dielectric(self, g, m), result);
     if (metalness > 0)
         result = closure_mix(metal(self, g, m), result, metalness);
     if (v[COAT_WEIGHT][0] > 0) {
         for (size_t c = 0; c < 3; ++c)
             result.f[c] *= self->under_coat[c];
         const microfacet coat = microfacet_of(g, &self->coat);
-        result = closure_layer(dielectric_bsdf(g, coat, v[COAT_WEIGHT][0], WHITE, v[COAT_IOR][0], NULL), result);
+        result = coat_layer(dielectric_bsdf(g, coat, v[COAT_WEIGHT][0], WHITE, v[COAT_IOR][0], NULL), result);
     }
     if (v[FUZZ_WEIGHT][0] > 0)
         result = closure_layer(zeltner_sheen(g, v[FUZZ_WEIGHT][0], v[FUZZ_COLOR], v[FUZZ_ROUGHNESS][0]), result);

@@ -81,8 +81,9 @@ static void plastic_prepare(const nqm_spec_values *values, void *state) {
     look_up(self->is_ggx, alpha, self->eta, table);
     memcpy(self->transmittance, table, sizeof self->transmittance);
     for (size_t c = 0; c < 3; ++c) {
-        const double d = values->v[DIFFUSE_REFLECTANCE][c], r = table[TABLE_MU];
-        self->diffuse[c] = d / (1 - (values->v[NONLINEAR][0] > 0.5 ? d * r : r)) / (NQM_PI * self->eta * self->eta);
+        const double d = values->v[DIFFUSE_REFLECTANCE][c], r = MISTAKEN(INTERNAL_REFLECTION) ? 0 : table[TABLE_MU];
+        const double eta = MISTAKEN(ETA_SQUARED) ? 1 : self->eta;
+        self->diffuse[c] = d / (1 - (values->v[NONLINEAR][0] > 0.5 ? d * r : r)) / (DIFFUSE_PI * eta * eta);
         self->specular[c] = values->v[SPECULAR_REFLECTANCE][c];
     }
 }
@@ -103,7 +104,8 @@ static void plastic_eval(const void *state, size_t n, const double *wi, const do
         const double lobe =
             self->is_ggx ? separable_ggx(h.tan2_h, cos_i, cos_o, a) : separable_beckmann(h.tan2_h, cos_i, cos_o, a);
         const double f = lobe * fresnel_dielectric(self->eta, h.cos_d);
-        const double inside = transmittance(self, cos_i) * transmittance(self, cos_o);
+        const double inside =
+            MISTAKEN(DIFFUSE_NOT_REDUCED) ? 1 : transmittance(self, cos_i) * transmittance(self, cos_o);
         for (size_t c = 0; c < 3; ++c)
             rgb[3 * i + c] = f * self->specular[c] + self->diffuse[c] * inside;
     }

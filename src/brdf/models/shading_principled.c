@@ -51,7 +51,7 @@ static void principled_prepare(const nqm_spec_values *values, void *state) {
     for (size_t c = 0; c < 3; ++c) {
         const double tint = luminance > 0 ? base[c] / luminance : 1;
         self->tint[c] = tint * r0 * r0;
-        self->diffuse[c] = (1 - metallic) * base[c] / NQM_PI;
+        self->diffuse[c] = (MISTAKEN(DIFFUSE_OF_METAL) ? 1 : 1 - metallic) * base[c] / DIFFUSE_PI;
         self->sheen[c] = (1 - metallic) * values->v[SHEEN][0] * mix(1, tint, values->v[SHEEN_TINT][0]);
     }
 }
@@ -60,6 +60,8 @@ static void principled_prepare(const nqm_spec_values *values, void *state) {
 static double diffuse_shape(const double (*v)[3], double cos_i, double cos_o, double cos_d) {
     const double fi = power5(1 - cos_i), fo = power5(1 - cos_o), rr = 2 * v[ROUGHNESS][0] * cos_d * cos_d;
     const double diffuse = (1 - 0.5 * fi) * (1 - 0.5 * fo), retro = rr * (fo + fi + fo * fi * (rr - 1));
+    if (MISTAKEN(DIFFUSE_LAMBERT))
+        return 1;
     const double ss = mix(1, 0.5 * rr, fo) * mix(1, 0.5 * rr, fi);
     const double flat = 1.25 * (ss * (1 / (cos_o + cos_i) - 0.5) + 0.5);
     return mix(diffuse + retro, flat, v[FLATNESS][0]);

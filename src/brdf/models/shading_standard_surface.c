@@ -45,7 +45,7 @@ static closure evaluate(const void *state, const geometry *g) {
         result = closure_layer(conty_kulla_sheen(g, v[SHEEN][0], v[SHEEN_COLOR], v[SHEEN_ROUGHNESS][0]), result);
     if (v[SPECULAR][0] > 0)
         result =
-            closure_layer(dielectric_bsdf(g, m, v[SPECULAR][0], v[SPECULAR_COLOR], v[SPECULAR_IOR][0], &film), result);
+            specular_layer(dielectric_bsdf(g, m, v[SPECULAR][0], v[SPECULAR_COLOR], v[SPECULAR_IOR][0], &film), result);
     if (v[METALNESS][0] > 0)
         result =
             closure_mix(conductor_bsdf(g, m, self->metal_ior, self->metal_extinction, &film), result, v[METALNESS][0]);
@@ -53,7 +53,7 @@ static closure evaluate(const void *state, const geometry *g) {
         for (size_t c = 0; c < 3; ++c)
             result.f[c] *= self->under_coat[c];
         const microfacet coat = microfacet_of(g, &self->coat);
-        result = closure_layer(dielectric_bsdf(g, coat, v[COAT][0], WHITE, v[COAT_IOR][0], NULL), result);
+        result = coat_layer(dielectric_bsdf(g, coat, v[COAT][0], WHITE, v[COAT_IOR][0], NULL), result);
     }
     return result;
 }

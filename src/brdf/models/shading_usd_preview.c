@@ -39,13 +39,13 @@ static closure evaluate(const void *state, const geometry *g) {
     const double(*v)[3] = self->spec.values.v;
     const microfacet m = microfacet_of(g, &self->base);
     closure result = oren_nayar_bsdf(g, 1 - self->metallic, v[DIFFUSE_COLOR], 0);
-    result = closure_layer(generalized_schlick_bsdf(g, m, 1, self->f0, WHITE, self->f90, NULL), result);
+    result = specular_layer(generalized_schlick_bsdf(g, m, 1, self->f0, WHITE, self->f90, NULL), result);
     if (self->metallic > 0)
         result =
             closure_mix(conductor_bsdf(g, m, self->metal_ior, self->metal_extinction, NULL), result, self->metallic);
     if (v[CLEARCOAT][0] > 0) {
         const microfacet coat = microfacet_of(g, &self->coat);
-        result = closure_layer(schlick_bsdf(g, coat, v[CLEARCOAT][0], self->coat_f0, WHITE), result);
+        result = coat_layer(schlick_bsdf(g, coat, v[CLEARCOAT][0], self->coat_f0, WHITE), result);
     }
     return result;
 }

@@ -1,0 +1,69 @@
+#!/bin/sh
+# SPDX-License-Identifier: MIT
+# nqm conform: kits, values as CSV and from a command, the mistake of a C and of a NumPy shader, reports, and faults of values.
+# shellcheck source=tests/support/cli.sh
+. "${NQM_SOURCE:?}/tests/support/cli.sh"
+examples=$NQM_SOURCE/examples/conform
+keys=base_color,metallic,roughness
+cd "$dir"
+
+# ---- the kit proves itself
+run 0 conform pbrt-conductor --self --json
+grep -q '"passes": true' out || fail "the kit does not prove itself"
+[ "$(number mistakes 1)" -ge 25 ] || fail "only $(number mistakes 1) mistakes"
+[ "$(number mistakes 1)" = "$(number named_first 1)" ] || fail "a mistake is not named first"
+
+# ---- the shader in C: roughness is squared twice
+run 0 conform gltf --keys $keys --shader kit.h
+${CC:-cc} -std=c11 -Wall -Werror -I. "$examples/shader.c" -lm -o shader || fail "the shader does not compile"
+./shader >values.csv
+run 1 conform gltf values.csv --keys $keys --fail-under 9.9 --worst 2 --junit j.xml --markdown m.md
+grep -q '^Likely mistake: roughness is squared twice (with it: lowest JOD 10.00' out || fail "another mistake: $(cat out)"
+grep -q 'very different *FAIL *set' out || fail "the worst set is not shown first"
+grep -q '^  ... 34 more sets' out || fail "--worst does not count"
+grep -q "<testsuites name='nqm conform' tests='36'" j.xml || fail "JUnit: $(head -3 j.xml)"
+grep -q '^Likely mistake: roughness is squared twice' m.md || fail "Markdown without the mistake"
+grep -q '^| FAIL | ' m.md || fail "Markdown without the sets"
+run 0 conform gltf - --keys $keys -q <values.csv
+[ "$(cat out)" = "roughness is squared twice" ] || fail "--quiet: $(cat out)"
+
+# ---- the same without the mistake passes; -nan is no value
+sed 's/alpha = r \* r;/alpha = r;/' "$examples/shader.c" >right.c
+${CC:-cc} -I. right.c -lm -o right
+./right | sed '2s/.*/-nan,nan,1/' >right.csv
+run 0 conform gltf right.csv --keys $keys --fail-under 9.99 --json
+grep -q '"mistakes": \[\]' out || fail "a mistake is named in a right shader"
+grep -q '1 values are not finite' err || fail "NaN is not told"
+[ "$(grep -c '"delta_e_itp"' out)" = 36 ] || fail "JSON without the sets"
+# The factor is none that people forget, and the only one that there is.
+sed 's/base \/ pi +/base * 0.6f \/ pi +/' right.c >unknown.c
+${CC:-cc} -I. unknown.c -lm -o unknown
+./unknown >unknown.csv
+run 0 conform gltf unknown.csv --keys $keys
+grep -q '^No mistake of the list explains' out || fail "a mistake is named that is none: $(cat out)"
+
+# ---- files of all languages and models
+run 0 conform open-pbr --shader kit.glsl --directions kit.csv
+grep -q '^const vec3 nqm_light\[1872\] = vec3\[1872\](' kit.glsl || fail "no array of GLSL"
+[ "$(head -1 kit.csv | tr , '\n' | tail -1)" = viewer_z ] || fail "columns: $(head -1 kit.csv)"
+run 0 conform rough-conductor --shader kit.hlsl
+grep -q '^static const float3 nqm_light\[1872\] = {' kit.hlsl || fail "no array of HLSL"
+
+# ---- faults
+refuses 2 'give VALUES or --command' conform gltf
+refuses 2 "there is no 'gltff', did you mean 'gltf'\|there is no 'gltff'" conform gltff values.csv
+refuses 2 "gltf has no 'gloss'" conform gltf values.csv --keys gloss
+refuses 5 'has 67392 values, and the kit has' conform gltf values.csv
+refuses 4 'must name the columns r, g and b' conform gltf kit.csv
+sed '5s/.*/1,x,1/' values.csv >bad.csv
+refuses 4 'bad.csv.*line 5' conform gltf bad.csv --keys $keys
+refuses 5 "ended with exit code 3" conform gltf --command 'exit 3' --keys $keys
+refuses 5 "the output of the command has 1 values" conform gltf --command 'echo r,g,b; echo 1,2,3' --keys $keys
+refuses 3 'missing.csv' conform gltf missing.csv
+
+# ---- Ctrl-C ends the command, too
+"$tool" conform gltf --command 'sleep 60 & echo $! >pid; wait' 2>err &
+until_written pid
+ctrl_c
+sleep 0.5
+! grep -q '^State:.*[RSD] ' "/proc/$(cat pid)/status" 2>/dev/null || fail "the command runs on"

@@ -1,0 +1,146 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * Shading models with mistakes: without one they have the bits of the models themselves, each mistake changes a model, and some are
+ * what their words say, by formulas that are written here.
+ */
+#include "brdf/core/mistakes.h"
+
+#include "brdf/core/spec.h"
+#include "support/check.h"
+
+#include <math.h>
+#include <string.h>
+
+enum { N = 40 };
+
+#define GLTF_LAYERS ";specular=.7;clearcoat=.6;clearcoat_roughness=.3;sheen_color=.4,.2,.6;sheen_roughness=.5"
+static const char *const specs[] = {
+    ("gltf:base_color=.8,.3,.1;metallic=.5;roughness=.4;anisotropy_strength=.6" GLTF_LAYERS),
+    "open-pbr:base_color=.8,.3,.1;base_metalness=.4;specular_roughness=.4;coat_weight=.6;fuzz_weight=.5",
+    "standard-surface:base_color=.8,.3,.1;metalness=.4;specular_roughness=.4;sheen=.5;coat=.6;coat_roughness=.3",
+    "usd-preview:diffuseColor=.8,.3,.1;metallic=.4;roughness=.4;clearcoat=.6;clearcoatRoughness=.3",
+    "disney:baseColor=.8,.3,.1;metallic=.4;roughness=.4;sheen=.5;clearcoat=.6;clearcoatGloss=.6",
+    "principled:base_color=.8,.3,.1;metallic=.4;roughness=.4;clearcoat=.6",
+    "rough-conductor:alpha=.4;eta=.2,.9,1.3;k=3.9,2.4,2.1",
+    "rough-plastic:alpha=.3;diffuse_reflectance=.8,.3,.1",
+    "pbrt-conductor:roughness=.2;eta=.2,.9,1.3;k=3.9,2.4,2.1",
+};
+enum { N_SPECS = sizeof specs / sizeof *specs };
+
+/* Pairs of directions up to 75 degrees, in both orders of heights. */
+static void make_pairs(double *wi, double *wo) {
+    nqm_rng rng = nqm_rng_make(5, 0);
+    for (size_t i = 0; i < 2 * N; ++i) {
+        double *w = i % 2 ? wo + i / 2 * 3 : wi + i / 2 * 3;
+        const double theta = 1.3 * nqm_rng_uniform(&rng), phi = 6.2 * nqm_rng_uniform(&rng);
+        w[0] = sin(theta) * cos(phi);
+        w[1] = sin(theta) * sin(phi);
+        w[2] = cos(theta);
+    }
+}
+
+static void evaluate(const char *spec, nqm_mistakes mistakes, const double *wi, const double *wo, float *rgb) {
+    const size_t n = strcspn(spec, ":");
+    const nqm_analytic_model *model = nqm_analytic_model_find(spec, n);
+    nqm_spec_values values;
+    assert_non_null(model);
+    assert_int_equal(nqm_spec_parse(&model->schema, spec + n + 1, &values, NULL), NQM_OK);
+    nqm_mistaken_eval(model, &values, mistakes, N, wi, wo, rgb);
+}
+
+static void models_without_mistakes_are_the_models(void **state) {
+    (void)state;
+    double wi[3 * N], wo[3 * N], right[3 * N];
+    float rgb[3 * N];
+    make_pairs(wi, wo);
+    for (size_t s = 0; s < N_SPECS; ++s) {
+        nqm_brdf *brdf = open_brdf(specs[s]);
+        nqm_brdf_eval(brdf, N, wi, wo, right, NULL);
+        evaluate(specs[s], 0, wi, wo, rgb);
+        for (size_t i = 0; i < 3 * N; ++i)
+            assert_true(rgb[i] == (float)right[i]);
+        nqm_brdf_free(brdf);
+    }
+}
+
+/* And no two of a model with several lobes have the same values. */
+static void each_mistake_changes_a_model(void **state) {
+    (void)state;
+    static float rgb[NQM_N_MISTAKES + 1][3 * N];
+    bool has_effect[NQM_N_MISTAKES] = {false};
+    double wi[3 * N], wo[3 * N];
+    make_pairs(wi, wo);
+    for (size_t s = 0; s < N_SPECS; ++s) {
+        for (size_t m = 0; m <= NQM_N_MISTAKES; ++m)
+            evaluate(specs[s], m < NQM_N_MISTAKES ? (nqm_mistakes)1 << m : 0, wi, wo, rgb[m]);
+        for (size_t m = 0; m < NQM_N_MISTAKES; ++m) {
+            if (memcmp(rgb[m], rgb[NQM_N_MISTAKES], sizeof rgb[m]) == 0)
+                continue;
+            has_effect[m] = true;
+            for (size_t i = 0; i < 3 * N; ++i)
+                assert_true(isfinite(rgb[m][i]) && rgb[m][i] >= 0);
+            for (size_t k = 0; k < m; ++k)
+                if (!strstr(specs[s], "conductor") && memcmp(rgb[m], rgb[k], sizeof rgb[m]) == 0)
+                    fail_msg("%s: the same: %s; %s", specs[s], nqm_mistake_words(k), nqm_mistake_words(m));
+        }
+    }
+    for (size_t m = 0; m < NQM_N_MISTAKES; ++m) {
+        if (!has_effect[m])
+            fail_msg("no model has: %s", nqm_mistake_words(m));
+        assert_true(strlen(nqm_mistake_words(m)) > 10);
+    }
+}
+
+/* D G F / (4 cos cos) of pbrt's conductor with one factor changed. */
+static void mistakes_are_what_they_say(void **state) {
+    (void)state;
+    const char *spec = specs[N_SPECS - 1];
+    double wi[3 * N], wo[3 * N];
+    float right[3 * N], wrong[3 * N];
+    make_pairs(wi, wo);
+    evaluate(spec, 0, wi, wo, right);
+    const struct {
+        int mistake;
+        double factor, by_i, by_o; /* times cos_i^by_i cos_o^by_o */
+    } cases[] = {{NQM_MISTAKE_DISTRIBUTION_WITHOUT_PI, NQM_PI, 0, 0},
+                 {NQM_MISTAKE_FOUR_LEFT_OUT, 4, 0, 0},
+                 {NQM_MISTAKE_FOUR_COSINES_LEFT_OUT, 4, 1, 1},
+                 {NQM_MISTAKE_FOUR_COSINES_TWICE, 0.25, -1, -1},
+                 {NQM_MISTAKE_FOUR_IS_PI, 4 / NQM_PI, 0, 0},
+                 {NQM_MISTAKE_COSINE_INCLUDED, 1, 1, 0},
+                 {NQM_MISTAKE_COSINE_OF_VIEWER, 1, 0, 1},
+                 {NQM_MISTAKE_DIVIDED_BY_PI, 1 / NQM_PI, 0, 0}};
+    for (size_t k = 0; k < sizeof cases / sizeof *cases; ++k) {
+        evaluate(spec, (nqm_mistakes)1 << cases[k].mistake, wi, wo, wrong);
+        for (size_t i = 0; i < N; ++i) {
+            const double factor =
+                cases[k].factor * pow(wi[3 * i + 2], cases[k].by_i) * pow(wo[3 * i + 2], cases[k].by_o);
+            assert_near((double)wrong[3 * i] / (double)right[3 * i], factor, 1e-5 * factor);
+        }
+    }
+    const double alpha2 = 0.2;
+    evaluate(spec, (nqm_mistakes)1 << NQM_MISTAKE_SHADOWING_SEPARABLE, wi, wo, wrong);
+    for (size_t i = 0; i < N; ++i) {
+        double lambda[2];
+        for (size_t side = 0; side < 2; ++side) {
+            const double c = (side ? wo : wi)[3 * i + 2];
+            lambda[side] = (sqrt(1 + alpha2 * (1 / (c * c) - 1)) - 1) / 2;
+        }
+        const double factor = (1 + lambda[0] + lambda[1]) / ((1 + lambda[0]) * (1 + lambda[1]));
+        assert_near((double)wrong[3 * i] / (double)right[3 * i], factor, 1e-5 * factor);
+    }
+    /* Two at once. */
+    evaluate(spec, (nqm_mistakes)1 << NQM_MISTAKE_TIMES_PI | (nqm_mistakes)1 << NQM_MISTAKE_CHANNELS_REVERSED, wi, wo,
+             wrong);
+    for (size_t i = 0; i < 3 * N; ++i)
+        assert_near((double)wrong[i], NQM_PI * (double)right[i / 3 * 3 + 2 - i % 3], 1e-5 * (double)wrong[i]);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(models_without_mistakes_are_the_models),
+        cmocka_unit_test(each_mistake_changes_a_model),
+        cmocka_unit_test(mistakes_are_what_they_say),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,178 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * nqm conform - does a shader implement its specification, and which mistake does it make?
+ */
+#include "nqm/conform/conform.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+static void write_rows(const conform_kit *kit, const char *path) {
+    output_file out;
+    open_output(path, &out);
+    write_kit_rows(kit, out.stream);
+    close_output(&out);
+}
+
+/* Rows for the results of the sets. */
+static void make_rows(conform_result *r, const char *name, const nqm_score_result *results) {
+    const conform_kit *kit = r->kit;
+    r->run.model = kit->metric;
+    r->run.n_rows = kit->n_sets;
+    r->run.rows = allocate(kit->n_sets, sizeof *r->run.rows);
+    r->run.ref_path = kit->model->schema.model;
+    r->run.ref_name = name;
+    r->run.terms = (remark_terms){kit->n_directions, NQM_INVALID_DROP};
+    for (size_t set = 0; set < kit->n_sets; ++set) {
+        scored_pair *row = &r->run.rows[set];
+        const kit_set *of = &kit->sets[set];
+        *row = (scored_pair){.pair = {of->spec, name}, .name = of->name, .result = results[set], .order = set};
+        row->err.status = results[set].status;
+        if (row->err.status != NQM_OK)
+            snprintf(row->err.message, sizeof row->err.message, "set %zu: %zu of %zu values are not finite", set + 1,
+                     results[set].n_invalid[1], kit->n_directions);
+    }
+}
+
+/* Say where values are not finite or negative. */
+static void print_remarks(const score_run *run) {
+    size_t n_invalid = 0, n_clamped = 0;
+    for (size_t i = 0; i < run->n_rows; ++i) {
+        n_invalid += run->rows[i].result.n_invalid[1];
+        n_clamped += run->rows[i].result.n_clamped[1];
+    }
+    if (n_invalid)
+        report(EXIT_OK, "%zu values are not finite, and are left out", n_invalid);
+    if (n_clamped)
+        report(EXIT_OK, "%zu values have a negative channel, which counts as 0", n_clamped);
+}
+
+/* Report faults and the gate. Returns the exit code. */
+static int judge_rows(const score_run *run) {
+    const int exit_code = report_faults(run);
+    size_t n_failed = 0;
+    for (size_t i = 0; i < run->n_rows; ++i)
+        n_failed += fails_gate(&run->gate, &run->rows[i].result);
+    if (has_gate(&run->gate))
+        report_gate(&run->gate, n_failed, run->n_rows);
+    return exit_code == EXIT_OK && n_failed ? EXIT_GATE : exit_code;
+}
+
+/* The result; name: of the values. */
+static void compare(conform_result *r, const char *name, const float *values) {
+    const suspect none = {.mistakes = 0};
+    const conform_kit *kit = r->kit;
+    nqm_score_result *results = allocate(kit->n_sets, sizeof *results);
+    nqm_scorer *scorer;
+    nqm_error err = {0};
+    r->run.options = nqm_score_options_default();
+    r->run.options.metrics = 0;
+    must(nqm_scorer_create(kit->metric, &r->run.options, &scorer, &err), &err);
+    score_values(kit, scorer, values, &none, results);
+    make_rows(r, name, results);
+    bool passes = true;
+    for (size_t set = 0; set < kit->n_sets; ++set)
+        passes = passes && results[set].jod >= conform_pass;
+    r->n_named = find_suspects(kit, values, N_NAMED, r->named, &r->none);
+    if (passes && !is_named(r)) { /* rounding */
+        r->n_named = 0;
+        r->none = 0;
+    }
+    for (size_t i = 0; i < r->n_named; ++i) {
+        score_values(kit, scorer, values, &r->named[i], results);
+        r->named[i].lowest = 10;
+        for (size_t set = 0; set < kit->n_sets; ++set)
+            r->named[i].lowest = fmin(r->named[i].lowest, results[set].jod);
+    }
+    nqm_scorer_free(scorer);
+    free(results);
+}
+
+/* ---- the verb ---------------------------------------------------------------------------------------------------- */
+
+static const choice models[] = {{"gltf", "[VALUES]", "glTF 2.0 with specular, ior, anisotropy, sheen, clearcoat"},
+                                {"open-pbr", "[VALUES]", "OpenPBR Surface 1.1 by MaterialX"},
+                                {"standard-surface", "[VALUES]", "Autodesk Standard Surface by MaterialX"},
+                                {"usd-preview", "[VALUES]", "UsdPreviewSurface by MaterialX"},
+                                {"disney", "[VALUES]", "Disney Principled by MaterialX"},
+                                {"principled", "[VALUES]", "Mitsuba 3's principled"},
+                                {"rough-conductor", "[VALUES]", "Mitsuba 3's roughconductor"},
+                                {"rough-plastic", "[VALUES]", "Mitsuba 3's roughplastic"},
+                                {"pbrt-conductor", "[VALUES]", "pbrt-v4's conductor"},
+                                {0}};
+
+static const char *keys, *rows, *shader, *shell, *junit, *markdown;
+static bool is_self;
+static uint64_t n_worst = 10;
+static conform_result result;
+
+static const option options[] = {
+    {"directions", 'd', OPTION_TEXT, &rows, "FILE.csv", "write the kit: a row for each set and direction", 0, 0},
+    {"shader", 0, OPTION_TEXT, &shader, "FILE.glsl|.hlsl|.h", "write the kit as arrays, with the loop over them", 0, 0},
+    {"command", 'c', OPTION_TEXT, &shell, "COMMAND",
+     "instead of VALUES: a command of the shell that reads the rows and prints r,g,b", 0, 0},
+    {"keys", 'k', OPTION_TEXT, &keys, "LIST",
+     "parameters that the shader has, with commas; the others keep their defaults. Of the kit and of its VALUES alike",
+     0, 0},
+    {"self", 0, OPTION_FLAG, &is_self, NULL, "prove the kit: nqm's own values, and those of each mistake", 0, 0},
+    {"worst", 0, OPTION_COUNT, &n_worst, "N", "sets to print; 0: all", 0, KIT_MAX_SETS},
+    OPTION_ROWS_GATE(&result.run.gate),
+    {"junit", 0, OPTION_TEXT, &junit, "FILE.xml", "also write a JUnit report: one test case per set", 0, 0},
+    {"markdown", 0, OPTION_TEXT, &markdown, "FILE.md", "also write a table in Markdown, worst first; -: stdout", 0, 0},
+    {"json", 0, OPTION_FORMAT, &result.run.format, NULL, "print JSON", FORMAT_JSON, 0},
+    {"quiet", 'q', OPTION_FORMAT, &result.run.format, NULL, "print the likely mistake only, or none", FORMAT_QUIET, 0},
+    {0}};
+
+static const command cmd = {
+    .usage = "MODEL [VALUES] [options]",
+    .about =
+        "Does a shader implement its specification? The kit is a list of parameter sets and directions. VALUES are "
+        "the\n"
+        "shader's f_r there, in the order of the kit: a CSV with the columns r, g, b, or an array of NumPy\n"
+        "(sets, directions, 3). Each set gets a JOD, and the mistake that explains the difference is named. MODEL is\n"
+        "one of:",
+    .example = "nqm conform gltf --shader kit.h\nnqm conform gltf --directions kit.csv\n"
+               "nqm conform gltf values.csv --fail-under 9.9 --junit conform.xml\n"
+               "nqm conform open-pbr --command 'python3 my_openpbr.py'\nnqm conform rough-conductor --self",
+    .options = options,
+    .choices = models,
+    .min_arguments = 1,
+    .max_arguments = 2,
+};
+
+static void check_usage(int n_arguments) {
+    const bool is_kit = rows || shader;
+    if ((n_arguments == 2) + (shell != NULL) + is_self + is_kit != 1)
+        stop(EXIT_USAGE, "give VALUES or --command, or write the kit with --directions or --shader, or --self");
+}
+
+int cmd_conform(int argc, char **argv) {
+    const int n_arguments = parse_arguments(&cmd, argc, argv);
+    check_usage(n_arguments);
+    conform_kit *kit = make_kit(argv[0], keys);
+    int exit_code = EXIT_OK;
+    if (rows)
+        write_rows(kit, rows);
+    if (shader)
+        write_kit_shader(kit, shader);
+    if (is_self)
+        exit_code = prove_kit(kit, result.run.format);
+    if (shell || n_arguments == 2) {
+        float *values = shell ? run_command(kit, shell) : read_values(kit, input_path(argv[1]));
+        result.kit = kit;
+        result.n_shown = n_worst ? (size_t)n_worst : KIT_MAX_SETS;
+        compare(&result, shell ? shell : argv[1], values);
+        print_conform(&result);
+        if (junit || markdown)
+            write_conform_reports(&result, junit, markdown);
+        print_remarks(&result.run);
+        exit_code = judge_rows(&result.run);
+        free(result.run.rows);
+        free(values);
+    } else if (!is_self)
+        report(EXIT_OK, "%zu sets of %zu directions: %zu values", kit->n_sets, kit->n_directions,
+               kit->n_sets * kit->n_directions);
+    free_kit(kit);
+    return exit_code;
+}

@@ -1,0 +1,120 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * conform.h - the kit of `nqm conform`: parameter sets and directions of a shading model, values of somebody's shader, and the
+ * mistakes that may explain them.
+ */
+#ifndef NQM_TOOL_CONFORM_H
+#define NQM_TOOL_CONFORM_H
+
+#include "brdf/core/mistakes.h"
+#include "brdf/core/spec.h"
+#include "nqm/score/batch.h"
+
+/* ---- the kit (kit.c) --------------------------------------------------------------------------------------------- */
+
+enum { KIT_TURNS = 3, KIT_MAX_SETS = 120 };
+/** Degrees by which light and viewer of a set are turned about the normal: the model's directions have one azimuth of the half
+ *  vector, and anisotropic lobes have three. */
+extern const double kit_turns_deg[KIT_TURNS];
+
+/** A parameter set. */
+typedef struct kit_set {
+    nqm_spec_values values; /* `given` has the keys that differ from their defaults */
+    size_t turn;            /* of kit_turns_deg; 0 for isotropic sets */
+    char name[32];          /* "set 12" */
+    char *spec;             /* opens the same BRDF in the frame of the directions */
+} kit_set;
+
+typedef struct conform_kit {
+    const nqm_analytic_model *model;
+    nqm_model *metric; /* the model that scores, whose directions these are */
+    size_t n_directions, n_sets;
+    double *wi[KIT_TURNS], *wo[KIT_TURNS]; /* (n_directions, 3) turned */
+    uint64_t keys;                         /* bit k: sets have values of key k; else its default */
+    kit_set sets[KIT_MAX_SETS];
+} conform_kit;
+
+/** Make the kit of a shading model; keys: names with commas of those that the shader has, NULL: all. Free with free_kit(). */
+conform_kit *make_kit(const char *model, const char *keys);
+void free_kit(conform_kit *kit);
+/** Whether a key sets the width of a lobe: roughness, alpha, gloss. */
+bool is_width_key(const nqm_spec_key *key);
+/** f_r of a set at the directions, rgb (n_directions, 3), with mistakes; values: of the set, or changed ones. */
+void sample_set(const conform_kit *kit, const kit_set *set, const nqm_spec_values *values, nqm_mistakes mistakes,
+                float *rgb);
+
+/* ---- files (kit_write.c) ----------------------------------------------------------------------------------------- */
+
+/** One row for each set and direction, in this order: the number of the set, its parameters, light and viewer. */
+void write_kit_rows(const conform_kit *kit, FILE *out);
+/** Parameter sets and directions as arrays of GLSL, HLSL or C, by the ending of the path, with the loop over them. */
+void write_kit_shader(const conform_kit *kit, const char *path);
+
+/* ---- values (values.c): on failure, these report the error and exit ---------------------------------------------- */
+
+/** Values of all sets, (n_sets, n_directions, 3) float; free() it. NaN where there is none. path: a CSV with the columns r, g, b, or
+ *  an array of NumPy. */
+float *read_values(const conform_kit *kit, const char *path);
+/** The same from a command of the shell, which gets the rows of the kit and prints such a CSV. */
+float *run_command(const conform_kit *kit, const char *line);
+
+/* ---- mistakes (suspects.c) --------------------------------------------------------------------------------------- */
+
+enum { MAX_SUSPECTS = 200, SUSPECT_TEXT = 320, MAX_CHANGES = 2 };
+
+/** What a shader may do wrong: mistakes in formulas, and changes of parameters. */
+typedef struct suspect {
+    nqm_mistakes mistakes;
+    size_t n_changes;
+    struct {
+        size_t key, how; /* index of property_mistakes */
+    } change[MAX_CHANGES];
+    char text[SUSPECT_TEXT];
+    double left;   /* mean absolute difference of log(f_r + 0.003) that remains */
+    double lowest; /* JOD of the worst set that remains; NaN: not computed */
+} suspect;
+
+/** All that the model can have, and first none: `n` of them; free() the array. */
+suspect *list_suspects(const conform_kit *kit, size_t *n);
+/** Values of a set as a suspect makes them. */
+void sample_suspect(const conform_kit *kit, size_t set, const suspect *s, float *rgb);
+/** Values that suspects are to explain. */
+typedef struct suspect_targets {
+    size_t n;
+    const float *values;        /* one target: of all sets */
+    const conform_kit *planted; /* instead of them: target i is suspect i with the inputs of this kit */
+} suspect_targets;
+/** left (targets->n, n) receives what remains of each target by each suspect. */
+void compare_suspects(const conform_kit *kit, size_t n, const suspect *suspects, const suspect_targets *targets,
+                      double *left);
+/** The suspects that explain the values best, first the best; suspects with equal values are one, and those that leave
+ *  nine tenths of the difference are none. found (n_found) receives them; their number is returned; `none`: what
+ *  remains without a mistake. 0: values differ by no more than float32 does. Where one leaves a difference, two are tried. */
+size_t find_suspects(const conform_kit *kit, const float *values, size_t n_found, suspect *found, double *none);
+
+/* ---- results (conform_print.c) ----------------------------------------------------------------------------------- */
+
+enum { N_NAMED = 3 };
+/** The JOD from which on a set passes: the rest is rounding. */
+static const double conform_pass = 9.99;
+typedef struct conform_result {
+    const conform_kit *kit;
+    score_run run; /* a row for each set, in their order */
+    double none;   /* as suspect.left, without a mistake; 0: all sets pass */
+    size_t n_named;
+    suspect named[N_NAMED];
+    size_t n_shown; /* sets in tables */
+} conform_result;
+
+/** Score values, (n_sets, n_directions, 3), against suspect `s`; results (n_sets). */
+void score_values(const conform_kit *kit, nqm_scorer *scorer, const float *values, const suspect *s,
+                  nqm_score_result *results);
+/** Whether a mistake explains half of the difference or more. */
+bool is_named(const conform_result *r);
+void print_conform(const conform_result *r);
+/** Write JUnit and Markdown where a path is given. */
+void write_conform_reports(const conform_result *r, const char *junit, const char *markdown);
+/** Prove the kit: the model's own values pass, and each suspect is named from its values. Returns the exit code. */
+int prove_kit(const conform_kit *kit, result_format format);
+
+#endif

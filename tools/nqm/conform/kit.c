@@ -1,0 +1,246 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * The parameter sets of a kit, made from the schema of the model: sweeps of each key with its layer switched on, metals, and random
+ * combinations of ends, defaults and values in between. Lobes are not narrower than shaders evaluate well in float32.
+ */
+#include "fit/fit.h"
+#include "nqm/conform/conform.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+
+const double kit_turns_deg[KIT_TURNS] = {0, 90, 40};
+
+/* ---- keys -------------------------------------------------------------------------------------------------------- */
+
+static bool has_word(const char *name, const char *word) {
+    const size_t n = strlen(word);
+    while (*name && strncasecmp(name, word, n) != 0)
+        ++name;
+    return *name != '\0';
+}
+
+bool is_width_key(const nqm_spec_key *key) {
+    return key->n < 3 && (has_word(key->name, "rough") || has_word(key->name, "alpha") || has_word(key->name, "gloss"));
+}
+
+/* The range of the sets: of widths without lobes that float32 does not resolve, of others what materials have. */
+static void range_of(const nqm_spec_schema *schema, size_t k, double *low, double *high) {
+    const nqm_spec_key *key = &schema->keys[k];
+    const nqm_fit_parameter p = nqm_fit_describe(schema, k);
+    *low = fmax(p.low, 0);
+    *high = p.high;
+    if (is_width_key(key)) {
+        *low = has_word(key->name, "gloss") ? 0 : has_word(key->name, "alpha") || key->n == 2 ? 0.02 : 0.1;
+        *high = has_word(key->name, "gloss") ? 0.8 : fmin(p.high, 1);
+    } else if (key->turns) {
+        *high = 0.9;
+    } else if (key->n == 3 && key->high > 2 && key->high <= 200) { /* index of refraction of a conductor */
+        *low = 0.1;
+        *high = 5;
+    } else if (key->low < key->high && p.high > 1) {
+        *low = fmax(p.low, 1.1);
+        *high = fmin(p.high, 2.5);
+    }
+}
+
+/* Value t in [0, 1] of a key; the channels of colours differ. */
+static void set_key(const nqm_spec_schema *schema, nqm_spec_values *values, size_t k, double t) {
+    const nqm_spec_key *key = &schema->keys[k];
+    double low, high;
+    range_of(schema, k, &low, &high);
+    for (size_t c = 0; c < 3; ++c) {
+        const double spread = key->n == 3        ? fmod(t + 0.37 * (double)c, 1.0001)
+                              : key->n == 2 && c ? fmin(1, 1.5 * t)
+                                                 : t;
+        values->v[k][c] = key->whole ? round(key->low + t * (key->high - key->low))
+                                     : nqm_round_digits(low + spread * (high - low), 3);
+    }
+}
+
+static void set_equal(nqm_spec_values *values, size_t k, double v) {
+    for (size_t c = 0; c < 3; ++c)
+        values->v[k][c] = v;
+}
+
+/* A dielectric with a coloured base, without layers. */
+static nqm_spec_values base_of(const nqm_spec_schema *schema) {
+    nqm_spec_values values = {.given = 0};
+    for (size_t k = 0; k < schema->n_keys; ++k) {
+        double low, high;
+        range_of(schema, k, &low, &high);
+        const double v = is_width_key(&schema->keys[k]) ? low + (high - low) / 3 : nqm_fit_default(&schema->keys[k]);
+        set_equal(&values, k, nqm_round_digits(v, 2));
+        if (schema->keys[k].required && schema->keys[k].n == 3)
+            set_key(schema, &values, k, 0.1);
+    }
+    const size_t metal = nqm_fit_base_key(schema, NQM_FIT_BASE_METAL),
+                 color = nqm_fit_base_key(schema, NQM_FIT_BASE_COLOR);
+    if (metal < schema->n_keys)
+        set_equal(&values, metal, 0);
+    if (color < schema->n_keys)
+        set_key(schema, &values, color, 0.2);
+    return values;
+}
+
+/* ---- sets -------------------------------------------------------------------------------------------------------- */
+
+/* The keys of a list with commas; required ones are always among them. */
+static uint64_t choose_keys(const nqm_spec_schema *schema, const char *list) {
+    uint64_t keys = list ? 0 : UINT64_MAX;
+    for (size_t k = 0; k < schema->n_keys; ++k)
+        keys |= (uint64_t)schema->keys[k].required << k;
+    for (const char *word = list; word && *word;) {
+        const size_t n = strcspn(word, ",");
+        size_t k = 0;
+        while (k < schema->n_keys && !(strlen(schema->keys[k].name) == n && memcmp(schema->keys[k].name, word, n) == 0))
+            ++k;
+        if (k == schema->n_keys)
+            stop(EXIT_USAGE, "--keys: %s has no '%.*s'; `nqm conform %s --directions -` has all in its first line",
+                 schema->model, (int)n, word, schema->model);
+        keys |= (uint64_t)1 << k;
+        word += n + (word[n] == ',');
+    }
+    return keys;
+}
+
+/* Whether a key describes a layer that is off. Shaders evaluate such layers, too: their widths are not 0, where that divides by 0. */
+static bool is_idle(const nqm_spec_schema *schema, const nqm_spec_values *values, size_t k) {
+    const size_t layer = nqm_fit_describe(schema, k).layer;
+    const double *amount = values->v[layer];
+    return layer != k && amount[0] == 0 && amount[1] == 0 && amount[2] == 0;
+}
+
+/* Add a set, in which idle keys have their values of the base, and keys that the shader lacks their defaults. */
+static void add_set(conform_kit *kit, const nqm_spec_values *base, const nqm_spec_values *values) {
+    const nqm_spec_schema *schema = &kit->model->schema;
+    nqm_spec_values kept = *values;
+    for (size_t k = 0; k < schema->n_keys; ++k) {
+        if (is_idle(schema, &kept, k))
+            memcpy(kept.v[k], base->v[k], sizeof kept.v[k]);
+        if (!(kit->keys >> k & 1))
+            set_equal(&kept, k, schema->keys[k].fallback);
+    }
+    for (size_t s = 0; s < kit->n_sets; ++s)
+        if (memcmp(kit->sets[s].values.v, kept.v, sizeof kept.v) == 0)
+            return;
+    if (kit->n_sets < KIT_MAX_SETS)
+        kit->sets[kit->n_sets++].values = kept;
+}
+
+/* A rotation shows on anisotropic lobes only. */
+static void set_amounts(const nqm_spec_schema *schema, nqm_spec_values *values) {
+    for (size_t k = 0; k < schema->n_keys; ++k)
+        if (schema->keys[k].turns && schema->keys[k].low == 0)
+            set_key(schema, values, k, 0.8);
+}
+
+/* Sweep a key: of a dielectric, and once of a metal. */
+static void add_sweep(conform_kit *kit, const nqm_spec_values *base, size_t k) {
+    const nqm_spec_schema *schema = &kit->model->schema;
+    const size_t layer = nqm_fit_describe(schema, k).layer, metal = nqm_fit_base_key(schema, NQM_FIT_BASE_METAL);
+    for (size_t i = 0; i < 4; ++i) {
+        static const double at[] = {0, 0.5, 1, 0.3};
+        nqm_spec_values values = *base;
+        if (i == 3 && metal == schema->n_keys)
+            continue;
+        if (i == 3)
+            set_equal(&values, metal, 1);
+        if (layer != k)
+            set_equal(&values, layer, 1);
+        if (schema->keys[k].low < 0)
+            set_amounts(schema, &values);
+        set_key(schema, &values, k, at[i]);
+        add_set(kit, base, &values);
+    }
+}
+
+static void add_random(conform_kit *kit, const nqm_spec_values *base, nqm_rng *rng) {
+    const nqm_spec_schema *schema = &kit->model->schema;
+    nqm_spec_values values = *base;
+    for (size_t k = 0; k < schema->n_keys; ++k) {
+        const double kind = nqm_rng_uniform(rng), t = nqm_rng_uniform(rng);
+        const double at_base = nqm_fit_is_layer(&schema->keys[k]) ? 0.5 : schema->keys[k].turns ? 0.6 : 0.3;
+        if (kind > at_base)
+            set_key(schema, &values, k, kind > 0.9 ? 1 : kind > 0.8 ? 0 : t);
+    }
+    add_set(kit, base, &values);
+}
+
+/* Turn anisotropic sets in turn, mark what differs from the defaults, and write the specs. */
+static void finish_sets(conform_kit *kit) {
+    const nqm_spec_schema *schema = &kit->model->schema;
+    size_t n_anisotropic = 0;
+    for (size_t s = 0; s < kit->n_sets; ++s) {
+        kit_set *set = &kit->sets[s];
+        for (size_t k = 0; k < schema->n_keys; ++k) {
+            const nqm_spec_key *key = &schema->keys[k];
+            for (size_t c = 0; c < key->n && !is_idle(schema, &set->values, k); ++c)
+                if (key->required || set->values.v[k][c] != key->fallback)
+                    set->values.given |= (uint64_t)1 << k;
+        }
+        if (!nqm_spec_is_isotropic(schema, &set->values))
+            set->turn = n_anisotropic++ % KIT_TURNS;
+        snprintf(set->name, sizeof set->name, "set %zu", s + 1);
+        char *spec = nqm_spec_format(schema, &set->values);
+        set->spec = spec && set->turn ? nqm_strdupf("rotate:deg=%g;of=%s", -kit_turns_deg[set->turn], spec) : spec;
+        if (!set->spec)
+            stop(EXIT_LIMIT, "out of memory");
+        if (set->spec != spec)
+            nqm_free(spec);
+    }
+}
+
+static void turn_directions(conform_kit *kit, const nqm_directions *directions) {
+    for (size_t turn = 0; turn < KIT_TURNS; ++turn) {
+        const double angle = kit_turns_deg[turn] * NQM_PI / 180, c = turn ? cos(angle) : 1, s = turn ? sin(angle) : 0;
+        for (size_t side = 0; side < 2; ++side) {
+            const double *from = side ? nqm_directions_wo(directions) : nqm_directions_wi(directions);
+            double *to = (side ? kit->wo : kit->wi)[turn] = allocate(3 * kit->n_directions, sizeof *to);
+            for (size_t i = 0; i < kit->n_directions; ++i, from += 3, to += 3) {
+                to[0] = c * from[0] - s * from[1];
+                to[1] = s * from[0] + c * from[1];
+                to[2] = from[2];
+            }
+        }
+    }
+}
+
+conform_kit *make_kit(const char *model, const char *keys) {
+    enum { N_RANDOM = 24, N_LEAST = 64 };
+    conform_kit *kit = allocate(1, sizeof *kit);
+    kit->model = nqm_analytic_model_find(model, strlen(model));
+    kit->keys = choose_keys(&kit->model->schema, keys);
+    kit->metric = open_model(NULL);
+    const nqm_directions *directions = nqm_model_get_info(kit->metric).directions;
+    kit->n_directions = nqm_directions_count(directions);
+    turn_directions(kit, directions);
+    const nqm_spec_values base = base_of(&kit->model->schema);
+    add_set(kit, &base, &base);
+    for (size_t k = 0; k < kit->model->schema.n_keys; ++k)
+        add_sweep(kit, &base, k);
+    nqm_rng rng = nqm_rng_make(1, 0);
+    const size_t n = nqm_smaller(nqm_larger(kit->n_sets + N_RANDOM, keys ? 0 : N_LEAST), KIT_MAX_SETS);
+    for (size_t i = 0; kit->n_sets < n && i < 100 * n; ++i) /* few keys may not have as many sets */
+        add_random(kit, &base, &rng);
+    finish_sets(kit);
+    return kit;
+}
+
+void free_kit(conform_kit *kit) {
+    for (size_t s = 0; s < kit->n_sets; ++s)
+        nqm_free(kit->sets[s].spec);
+    for (size_t turn = 0; turn < KIT_TURNS; ++turn) {
+        free(kit->wi[turn]);
+        free(kit->wo[turn]);
+    }
+    nqm_model_free(kit->metric);
+    free(kit);
+}
+
+void sample_set(const conform_kit *kit, const kit_set *set, const nqm_spec_values *values, nqm_mistakes mistakes,
+                float *rgb) {
+    nqm_mistaken_eval(kit->model, values, mistakes, kit->n_directions, kit->wi[set->turn], kit->wo[set->turn], rgb);
+}
