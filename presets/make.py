@@ -87,13 +87,22 @@ def physical_row(material):
     f82 = [c["color"] for c in material.get("specularColor", []) if "F82" in c["format"]]
     specular = linear(f82[0]) if f82 and material["metalness"] else [1, 1, 1]
     return [1 - material.get("transmission", 0), *linear(material["color"]), material["metalness"], *specular,
-            material["roughness"], material.get("ior", 1.5)]
+            material["roughness"], material.get("ior", 1.5), *film_of(material)]
+
+
+def film_of(material):
+    """Weight, thickness in micrometres (typical, or the middle of its range) and index of refraction."""
+    range_nm = material.get("thinFilmThickness")
+    if not range_nm:
+        return 0, 0.5, 1.4
+    return 1, (range_nm[2] if len(range_nm) > 2 else sum(range_nm) / 2) / 1000, material["thinFilmIor"]
 
 
 def write_physical(file, here):
     database = json.loads(file.read_text())
     rows = {re.sub(r"\W+", "-", m["name"].lower()).strip("-"): physical_row(m) for m in database["data"]}
-    columns = ["base_weight", *rgb("base_color"), "base_metalness", *rgb("specular_color"), "specular_roughness", "specular_ior"]
+    columns = ["base_weight", *rgb("base_color"), "base_metalness", *rgb("specular_color"), "specular_roughness", "specular_ior",
+               "thin_film_weight", "thin_film_thickness", "thin_film_ior"]
     write_rows(here, "physical", "open-pbr", f"{len(rows)} materials", PHYSICAL.format(**database["header"]), columns, rows)
 
 

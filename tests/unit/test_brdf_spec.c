@@ -159,7 +159,7 @@ static const struct {
     {"low-ashikhmin-shirley-e1", "low-ashikhmin-shirley", "10.1145/2077341.2077350", 100, 9},
     {"abc", "abc", "10.1145/2077341.2077350", 100, 9},
     {"smooth", "smooth", "10.1145/2077341.2077350", 100, 9},
-    {"physical", "open-pbr", "", 110, 26},
+    {"physical", "open-pbr", "", 110, 29},
 };
 enum { N_TABLES = sizeof tables / sizeof *tables };
 
