@@ -252,7 +252,7 @@ json_t *json_label_parts(const nqm_label *label, const double *similarity);
 enum { LABEL_COLUMNS = 6 };
 extern const char *const label_columns[LABEL_COLUMNS], similarity_column[];
 void print_csv_label(FILE *out, const nqm_label *label, const double *similarity);
-/** A JOD below 10 in words; the table is in doc/cli.md. */
+/** A JOD below 10 in words (score/score_shared.c); the table is in doc/cli.md. */
 const char *jod_words(double jod);
 /** Print phrases with commas or semicolons below a row of a table, on lines of at most 80 columns. */
 void print_phrases(const char *text);
