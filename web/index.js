@@ -12,7 +12,7 @@ async function read(name) {
 
 /** Start nqm. */
 export async function load() {
-    const [code, models] = await Promise.all([read("nqm.wasm"), read("nqm.models")]);
-    return start(await WebAssembly.compile(code), models);
+    const code = read("nqm.wasm").then((bytes) => WebAssembly.compile(bytes));
+    return start(code, await read("nqm.models"));
 }
 export {NqmError, rawPicture};

@@ -31,11 +31,14 @@ export function rawPicture(width, height, pixels) {
     return file;
 }
 
-// Undo web/pack_models.py: `packed` is a line of JSON and a deflate stream; `place(name)` is the memory of a model file.
-async function unpackModels(packed, place) {
+// Undo web/pack_models.py: `packed` is a line of JSON and a deflate stream.
+function readModels(packed) {
     const newline = packed.indexOf(10);
-    const index = JSON.parse(new TextDecoder().decode(packed.subarray(0, newline)));
-    const stream = await inflate(packed.subarray(newline + 1));
+    return {index: JSON.parse(new TextDecoder().decode(packed.subarray(0, newline))), stream: inflate(packed.subarray(newline + 1))};
+}
+
+/** place(name): the memory of a model file. */
+function unpackModels(index, stream, place) {
     const models = index.map(({name}) => place(name));
     let at = 0;
     index.forEach(({n, parts}, m) => {
@@ -58,8 +61,9 @@ async function unpackModels(packed, place) {
     });
 }
 
-/** Start nqm. code: WebAssembly.Module; models: bytes of nqm.models. */
+/** Start nqm. code: WebAssembly.Module or a promise of it; models: bytes of nqm.models. */
 export async function start(code, models) {
+    const {index, stream} = readModels(models); // is inflated while the code is compiled
     const files = new Map();
     const callbacks = new Map(); // key: (n, wi, wo, rgb) => void
     let exports;
@@ -71,7 +75,7 @@ export async function start(code, models) {
         },
         web_progress: (done) => (nqm.onProgress ? Number(nqm.onProgress(done) === false) : 0),
     };
-    const instance = await WebAssembly.instantiate(code, {wasi_snapshot_preview1: wasi, env});
+    const instance = await WebAssembly.instantiate(await code, {wasi_snapshot_preview1: wasi, env});
     exports = instance.exports;
     exports._initialize();
 
@@ -99,7 +103,7 @@ export async function start(code, models) {
         if (value && value.error !== undefined) throw new NqmError(value);
         return value;
     }
-    await unpackModels(models, (name) => call("web_model_bytes", [name], (p) => new Uint8Array(exports.memory.buffer, p)));
+    unpackModels(index, await stream, (name) => call("web_model_bytes", [name], (p) => new Uint8Array(exports.memory.buffer, p)));
 
     const MODELS = ["default", "transport"];
     const modelNumber = (name) => {

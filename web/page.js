@@ -66,7 +66,11 @@ class Caller {
 }
 
 let scorer, artist, names = {presets: [], models: [], targets: []};
-const both = (fn, ...args) => Promise.all([scorer.call(fn, ...args), artist.call(fn, ...args)]);
+/** For both workers, which answer calls in their order; only the scorer is waited for. */
+function both(fn, ...args) {
+    artist.call(fn, ...args).catch(() => {});
+    return scorer.call(fn, ...args);
+}
 
 // ---- state ----------------------------------------------------------------------------------------------------------
 
@@ -239,7 +243,7 @@ async function drawPictures() {
                 wanted = true;
                 continue;
             }
-            for (const size of [PREVIEW, SIZE]) {
+            for (const size of isShader() ? [PREVIEW] : [PREVIEW, SIZE]) { // a shader is called for each point
                 if (wanted) break;
                 const {images, end} = await artist.call("pictures", chosen.ref, chosen.test, {light, size, supersample: 1});
                 if (!wanted) paint(images, size, end);
@@ -511,7 +515,7 @@ async function useGlsl(text) {
     $("glsl").value = text;
     $("glsl-fault").hidden = true;
     try {
-        const [parameters] = await both("glsl", SHADER, text);
+        const parameters = await both("glsl", SHADER, text);
         if (text !== shaderText) showSliders(parameters);
         else await both("setGlsl", SHADER, sliderValues());
         shaderText = text;

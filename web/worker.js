@@ -59,7 +59,7 @@ async function decodePicture(path, data) {
 const calls = {
     async start(text) {
         const data = decode(text), [nCode, nModels] = new Uint32Array(data.buffer, 0, 2), end = 8 + nCode;
-        const code = await WebAssembly.compile(await inflate(data.subarray(8, end)));
+        const code = inflate(data.subarray(8, end)).then((bytes) => WebAssembly.compile(bytes));
         nqm = await start(code, data.subarray(end, end + nModels));
         const {presets, models, targets, version} = nqm;
         return {presets, models, targets, version};

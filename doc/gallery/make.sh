@@ -45,4 +45,6 @@ if command -v chromium >/dev/null 2>&1; then
     "$nqm" report sgd:nickel 'perturb:gloss=0.9;of=sgd:nickel' abc:nickel ward:nickel -o "$work/report.html"
     chromium --headless --no-sandbox --disable-gpu --no-first-run --user-data-dir="$work/profile" --hide-scrollbars \
         --force-device-scale-factor=0.8 --window-size=1040,1695 --screenshot="$gallery/report.png" "file://$work/report.html"
+    page=$gallery/../../build-web/nqm.html
+    [ ! -e "$page" ] || node "$gallery/../../tests/web/shots.mjs" "$page" chromium "$gallery"
 fi

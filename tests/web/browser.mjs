@@ -76,9 +76,13 @@ export async function startBrowser(path) {
         async close() {
             child.removeAllListeners("exit");
             const gone = new Promise((resolve) => child.on("exit", resolve));
-            child.kill();
+            send("Browser.close", {}, null).catch(() => child.kill());
             await gone;
-            rmSync(profile, {recursive: true, force: true, maxRetries: 10});
+            try {
+                rmSync(profile, {recursive: true, force: true, maxRetries: 20, retryDelay: 100});
+            } catch {
+                // a process of the browser is still writing: the folder is in /tmp
+            }
         },
     };
     return browser;
