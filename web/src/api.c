@@ -218,13 +218,13 @@ static json_t *score_json(const char *ref, const char *test, const nqm_score_res
     const remark_terms terms = {.n_directions = nqm_directions_count(nqm_model_get_info(models[0].model).directions)};
     return json_pack("{s:s,s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:s,s:[ooo],s:o,s:o,s:[ooo],s:o,s:b,s:o,s:I}", "verdict",
                      verdict_words(r, verdict), "prefer_reference", number(preference_share(r)), "remarks",
-                     json_remarks(&terms, ref, test, r), "jod", number(r->jod), "low", number(r->jod_low), "high",
-                     number(r->jod_high), "delta_e", number(r->delta_e), "novelty", number(r->novelty), "words", words,
-                     "shift", number(r->parts.shift[0]), number(r->parts.shift[1]), number(r->parts.shift[2]),
-                     "contrast", number(r->parts.contrast), "structure", number(r->parts.structure), "apart",
-                     number(r->similarity[0]), number(r->similarity[1]), number(r->similarity[2]), "anisotropy",
-                     number(r->anisotropy), "identical", r->identical, "metrics", metrics, "n_valid",
-                     (json_int_t)r->n_valid);
+                     json_remarks(&terms, &(nqm_named_pair){ref, test}, ref, test, r), "jod", number(r->jod), "low",
+                     number(r->jod_low), "high", number(r->jod_high), "delta_e", number(r->delta_e), "novelty",
+                     number(r->novelty), "words", words, "shift", number(r->parts.shift[0]), number(r->parts.shift[1]),
+                     number(r->parts.shift[2]), "contrast", number(r->parts.contrast), "structure",
+                     number(r->parts.structure), "apart", number(r->similarity[0]), number(r->similarity[1]),
+                     number(r->similarity[2]), "anisotropy", number(r->anisotropy), "identical", r->identical,
+                     "metrics", metrics, "n_valid", (json_int_t)r->n_valid);
 }
 
 /* pairs: an array of [reference, test], each a path or spec. The result is an array of scores and errors. */
