@@ -249,7 +249,7 @@ typedef struct nqm_fit_run {
     nqm_error *err;
 } nqm_fit_run;
 
-enum { NQM_FIT_MAX_POINTS = 4 };
+enum { NQM_FIT_MAX_POINTS = 4, NQM_FIT_N_WIDTHS = 3 }; /* widths: of a start of a shading model */
 /** Least-squares fits under the target's loss from the starts of the model: points (NQM_FIT_MAX_POINTS) receives n of them,
  *  the smallest loss first. */
 NQM_MUST_CHECK nqm_status nqm_fit_search(nqm_fit_run *run, nqm_fit_point *points, size_t *n);

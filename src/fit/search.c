@@ -77,9 +77,20 @@ static void insert(nqm_fit_point *best, size_t *n, size_t n_max, const nqm_fit_p
     *n = nqm_smaller(*n + 1, n_max);
 }
 
-/* Number of starts that are refined: more if those of an analytic model differ in more than the width. */
+/* Number of starts that are refined: more if those of an analytic model differ in more than the width; of shading models all, of which
+ * two are kept. */
 static size_t n_kept(const nqm_fit_entry *entry) {
-    return entry->n_start > 2 ? NQM_FIT_MAX_POINTS : 2;
+    return entry->n_start > 2 || entry->n_shape == 0 ? NQM_FIT_MAX_POINTS : 2;
+}
+
+/* Of shading models, the best of the dielectric and of the metallic starts: few directions do not tell mirrors apart. */
+static void keep_both(nqm_fit_point *points, size_t *n, size_t first_metal) {
+    size_t k = 1;
+    while (k < *n && (points[k].start >= first_metal) == (points->start >= first_metal))
+        ++k;
+    if (k < *n)
+        points[1] = points[k];
+    *n = nqm_smaller(*n, 2);
 }
 
 /* The best of the starts: analytic models with the best albedos, shading models after a few steps. */
@@ -103,6 +114,8 @@ static nqm_status scan_starts(nqm_fit_run *run, const nqm_fit_target *target, nq
         if (status == NQM_OK)
             insert(points, n, n_kept(run->space.entry), &point);
     }
+    if (!is_analytic)
+        keep_both(points, n, n_given + NQM_FIT_N_WIDTHS);
     return status;
 }
 

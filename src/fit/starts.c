@@ -32,17 +32,16 @@ static void start_layer(const nqm_fit_space *space, size_t layer, nqm_spec_value
 
 bool nqm_fit_start(const nqm_fit_space *space, size_t i, size_t n_widths, const double *diffuse, const double *albedo,
                    nqm_spec_values *values) {
-    static const double widths[] = {0.1, 0.3, 0.6};
-    enum { N_WIDTHS = sizeof widths / sizeof *widths };
+    static const double widths[NQM_FIT_N_WIDTHS] = {0.1, 0.3, 0.6};
     const nqm_spec_schema *schema = &space->model->schema;
     const size_t width = nqm_fit_base_key(schema, NQM_FIT_BASE_WIDTH);
     const size_t metal = nqm_fit_base_key(schema, NQM_FIT_BASE_METAL);
-    const bool is_metallic = i / N_WIDTHS == 1;
+    const bool is_metallic = i / NQM_FIT_N_WIDTHS == 1;
     if (space->entry->n_shape)
         return start_analytic(space, i, n_widths, values);
-    if (i >= N_WIDTHS * (metal < schema->n_keys ? 2 : 1))
+    if (i >= NQM_FIT_N_WIDTHS * (metal < schema->n_keys ? 2 : 1))
         return false;
-    double r = widths[i % N_WIDTHS];
+    double r = widths[i % NQM_FIT_N_WIDTHS];
     if (width < schema->n_keys && strcmp(schema->keys[width].name, "alpha") == 0)
         r *= r;
     *values = space->defaults;
