@@ -5,8 +5,8 @@
 usage: studies/translations.py MATERIALS OUT.csv [--only-page]
 
 MATERIALS is the folder of the examples: `definitions` with MaterialX's graphs, `openpbr` and `materialx` with .mtlx files, and
-`physicallybased` with the published exports of physicallybased.info. OUT.csv gets a row for each pair as it is labelled (`nqm label`, standard
-scenes); a second run continues it. Kinds of rows: `nqm` (nqm translate), `graph` (MaterialX's translation graphs), `export` (a published file
+`physicallybased` with the published exports of physicallybased.info. OUT.csv gets a row for each pair as it is judged, by `nqm label` (standard
+scenes), approximations by `nqm score`; a second run continues it. Kinds of rows: `nqm` (nqm translate), `graph` (MaterialX's translation graphs), `export` (a published file
 beside the published OpenPBR file), and approximations, which change keys of OpenPBR. The page is written at the end. The tool is
 NQM_TOOL, default build/nqm. Python's standard library only."""
 import csv
@@ -24,16 +24,18 @@ GRAPHS = ("gltf", "standard-surface", "usd-preview")
 PAGE = os.path.join(os.path.dirname(__file__), "../doc/translations.md")
 IGNORED = "--ignore=transmission,subsurface,emission,opacity"
 
-# What renderers leave out: its name, the keys of OpenPBR that say so, and where it matters.
+# What renderers leave out: what a material is given to have it, the keys of OpenPBR that leave it out, and of which materials.
 APPROXIMATIONS = {
-    "no colour at grazing angles of metals (edge tint)": ({"specular_color": "1"}, lambda v: v["base_metalness"] > 0),
-    "Lambert for Oren and Nayar": ({"base_diffuse_roughness": "0"}, lambda v: v["base_diffuse_roughness"] > 0),
-    "no fuzz": ({"fuzz_weight": "0"}, lambda v: v["fuzz_weight"] > 0),
-    "no darkening below the coat": ({"coat_darkening": "0"}, lambda v: v["coat_weight"] > 0),
-    "no coat": ({"coat_weight": "0"}, lambda v: v["coat_weight"] > 0),
-    "an index of refraction of 1.5": ({"specular_ior": "1.5"}, lambda v: v["base_metalness"] < 1),
-    "no thin film": ({"thin_film_weight": "0"}, lambda v: v.get("thin_film_weight", 0) > 0),
-    "isotropic": ({"specular_roughness_anisotropy": "0"}, lambda v: v["specular_roughness_anisotropy"] > 0),
+    "the thin film, where there is one": ({}, {"thin_film_weight": "0"}, lambda v: v["thin_film_weight"] > 0),
+    "the colour of metals at grazing angles (edge tint)": ({}, {"specular_color": "1"}, lambda v: v["base_metalness"] > 0),
+    "the index of refraction (1.5 instead)": ({}, {"specular_ior": "1.5"}, lambda v: v["base_metalness"] < 1),
+    "Oren and Nayar's roughness of 1 (Lambert)": ({"base_diffuse_roughness": "1"}, {"base_diffuse_roughness": "0"},
+                                                  lambda v: v["base_metalness"] < 1 and v["base_weight"] > 0),
+    "a fuzz of weight .5": ({"fuzz_weight": "0.5"}, {"fuzz_weight": "0"}, lambda v: True),
+    "the darkening below a clear coat": ({"coat_weight": "1"}, {"coat_darkening": "0"}, lambda v: True),
+    "a clear coat": ({"coat_weight": "1"}, {"coat_weight": "0"}, lambda v: True),
+    "an anisotropy of .5": ({"specular_roughness_anisotropy": "0.5"}, {"specular_roughness_anisotropy": "0"},
+                            lambda v: v["specular_roughness"] >= 0.2),
 }
 
 
@@ -84,9 +86,10 @@ def pairs(materials):
             name = os.path.basename(reference)[len("PB_OPBR_"):-len(".mtlx")]
             yield name, "export", target, spec_of(reference), lambda t=test: spec_of(t)
     for name, spec in specs.items():
-        for what, (changes, matters) in APPROXIMATIONS.items():
-            if set(changes) <= set(keys_of(spec)) and matters(keys_of(spec)):
-                yield name, what, "open-pbr", spec, lambda s=spec, c=changes: changed(s, c)
+        for what, (added, removed, matters) in APPROXIMATIONS.items():
+            if name.startswith("physical:") and matters(keys_of(spec)):
+                reference = changed(spec, added)
+                yield name, what, "open-pbr", reference, lambda s=reference, c=removed: changed(s, c)
     for target in TARGETS:
         for name, spec in specs.items():
             yield name, "nqm", target, spec, lambda s=spec, t=target: translated(s, t)
@@ -97,10 +100,10 @@ def pairs(materials):
 COLUMNS = ("material", "kind", "target", "jod", "delta_e", "words", "reference", "test")
 
 
-def label(reference, test):
+def judge(kind, reference, test):
     if reference == test:
         return {"jod": 10, "delta_e": 0, "words": ""}
-    text = run(TOOL, "label", reference, test, "--json")
+    text = run(TOOL, "score" if kind in APPROXIMATIONS else "label", reference, test, "--json")
     if not text:
         return None
     result = json.loads(text)["results"][0]
@@ -119,7 +122,7 @@ def make_rows(materials, out):
             if (material, kind, target) in done:
                 continue
             test = make() if reference else None
-            row = label(reference, test) if test else None
+            row = judge(kind, reference, test) if test else None
             if row:
                 writer.writerow({"material": material, "kind": kind, "target": target, **row, "reference": reference, "test": test})
                 stream.flush()

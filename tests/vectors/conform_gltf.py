@@ -176,19 +176,21 @@ def load_kit(path):
     return m, triple("light", "xyz"), triple("viewer", "xyz")
 
 
-def conform(tool, model, folder, values):
+def conform(command, folder, values):
     np.save(folder / "values.npy", values)
-    out = subprocess.run([tool, "conform", model, str(folder / "values.npy"), "--json"], stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+    out = subprocess.run([*command, str(folder / "values.npy"), "--json"], stdout=subprocess.PIPE, stderr=subprocess.PIPE)
     assert out.returncode in (0, 5), out.stderr.decode()  # 5: sets that are NaN, as a GGX of alpha 0 gives
     result = json.loads(out.stdout)
     return result["lowest_jod"], result["mistakes"], out.returncode
 
 
-def main(model, shader, mistakes):
+def main(model, shader, mistakes, keys=None):
+    """keys: the parameters that the shader has; None: all."""
     tool, numbers = sys.argv[1], [int(n) for n in sys.argv[2:]] or range(len(mistakes) + 1)
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)
-        subprocess.run([tool, "conform", model, "--directions", str(folder / "kit.csv")], check=True, stderr=subprocess.PIPE)
+        command = [tool, "conform", model, *(["--keys", keys] if keys else [])]
+        subprocess.run([*command, "--directions", str(folder / "kit.csv")], check=True, stderr=subprocess.PIPE)
         kit = load_kit(folder / "kit.csv")
         ranks = []
         for number in numbers:
@@ -197,7 +199,7 @@ def main(model, shader, mistakes):
             for old, new in zip(edits[::2], edits[1::2]):
                 assert old in source, old
                 source = source.replace(old, new)
-            jod, found, exit_code = conform(tool, model, folder, evaluate(source, kit))
+            jod, found, exit_code = conform(command, folder, evaluate(source, kit))
             if not number:
                 print(f"right: lowest JOD {jod:.4f}, {len(found)} mistakes")
                 assert jod >= 9.99 and not found and not exit_code
@@ -212,4 +214,5 @@ def main(model, shader, mistakes):
 
 
 if __name__ == "__main__":
-    sys.exit(main("gltf", SHADER, MISTAKES))
+    sys.exit(main("gltf", SHADER, MISTAKES, "base_color,metallic,roughness,anisotropy_strength,anisotropy_rotation,ior,specular,"
+                  "specular_color,clearcoat,clearcoat_roughness,sheen_color,sheen_roughness"))
