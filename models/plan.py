@@ -46,7 +46,7 @@ class Nqm:
         here = os.path.dirname(os.path.abspath(__file__))
         self.tool = os.path.abspath(os.environ.get("NQM_TOOL", os.path.join(here, "..", "build", "nqm")))
         self.root = root
-        self.presets = self.run("info", "list").stdout.split()
+        self.presets = [p for p in self.run("info", "list").stdout.split() if not p.startswith("physical:")]  # of MERL
 
     def run(self, *arguments):
         return subprocess.run([self.tool, *arguments], cwd=self.root, check=False, capture_output=True, text=True)
