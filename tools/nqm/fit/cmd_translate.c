@@ -60,9 +60,13 @@ static void add_item(translation *t, const char *file, const char *material) {
     item *it = &t->items[t->n++];
     const int used = material ? snprintf(it->argument, MAX_TEXT, "%s:%s", file, material)
                               : snprintf(it->argument, MAX_TEXT, "%s", file);
-    if (used < 0 || used >= MAX_TEXT || strlen(reflecting(it->argument)) >= MAX_TEXT)
+    const char *taken = used < 0 || used >= MAX_TEXT ? NULL : reflecting(it->argument);
+    if (!taken || strlen(taken) >= MAX_TEXT)
         stop(EXIT_USAGE, "%.80s...: the argument is too long", file);
-    strcpy(it->argument, reflecting(it->argument));
+    if (taken != it->argument) {
+        strcpy(it->argument, taken);
+        free((void *)(uintptr_t)taken);
+    }
 }
 
 /* A file with several materials becomes an item for each of them. */

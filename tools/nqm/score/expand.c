@@ -17,17 +17,26 @@ static char *member(const char *file, const char *name) {
     return text;
 }
 
+/* "ignore:...:FILE" with --ignore, which is owned. */
+static void reflect(const char **argument, bool *is_owned) {
+    const char *taken = reflecting(*argument);
+    if (taken == *argument)
+        return;
+    if (*is_owned)
+        free((void *)(uintptr_t)*argument);
+    *argument = taken;
+    *is_owned = true;
+}
+
 static void add_pair(expansion *e, nqm_named_pair pair, const char *name, size_t origin, bool is_made) {
     expanded_pair *grown = nqm_grow(e->pairs, &e->max_n, e->n + 1, sizeof *grown);
     if (!grown)
         stop(EXIT_LIMIT, "out of memory");
     e->pairs = grown;
-    const nqm_named_pair taken = {reflecting(pair.ref), reflecting(pair.test)};
-    if (is_made && taken.ref != pair.ref)
-        free((void *)(uintptr_t)pair.ref);
-    if (is_made && taken.test != pair.test)
-        free((void *)(uintptr_t)pair.test);
-    e->pairs[e->n++] = (expanded_pair){taken, name, origin, is_made};
+    expanded_pair *added = &e->pairs[e->n++];
+    *added = (expanded_pair){pair, name, origin, is_made, {is_made, is_made}};
+    reflect(&added->pair.ref, &added->is_owned[0]);
+    reflect(&added->pair.test, &added->is_owned[1]);
 }
 
 static bool has_material(const nqm_materials *library, const char *name) {
@@ -48,10 +57,10 @@ static void add_materials(expansion *e, const nqm_named_pair *pair, const char *
     for (size_t i = 0; i < nqm_materials_count(named); ++i) {
         const char *material = nqm_materials_get(named, i).name;
         char *test_member = member(pair->test, material);
-        add_pair(e, (nqm_named_pair){ref ? member(pair->ref, material) : strdup(pair->ref), test_member},
-                 name ? member(name, material) : NULL, origin, true);
-        if (!e->pairs[e->n - 1].pair.ref)
+        char *ref_member = ref ? member(pair->ref, material) : strdup(pair->ref);
+        if (!ref_member)
             stop(EXIT_LIMIT, "out of memory");
+        add_pair(e, (nqm_named_pair){ref_member, test_member}, name ? member(name, material) : NULL, origin, true);
     }
     for (size_t i = 0; ref && i < nqm_materials_count(test); ++i)
         if (!has_material(ref, nqm_materials_get(test, i).name))
@@ -71,12 +80,15 @@ void expand_pairs(size_t n, const nqm_named_pair *pairs, const char *const *name
 }
 
 void free_expansion(expansion *e) {
-    for (size_t i = 0; i < e->n; ++i)
-        if (e->pairs[i].is_made) {
-            free((void *)(uintptr_t)e->pairs[i].pair.ref);
-            free((void *)(uintptr_t)e->pairs[i].pair.test);
-            free((void *)(uintptr_t)e->pairs[i].name);
-        }
+    for (size_t i = 0; i < e->n; ++i) {
+        const expanded_pair *p = &e->pairs[i];
+        if (p->is_owned[0])
+            free((void *)(uintptr_t)p->pair.ref);
+        if (p->is_owned[1])
+            free((void *)(uintptr_t)p->pair.test);
+        if (p->is_made)
+            free((void *)(uintptr_t)p->name);
+    }
     nqm_free(e->pairs);
     *e = (expansion){0};
 }

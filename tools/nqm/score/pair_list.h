@@ -24,6 +24,7 @@ typedef struct expanded_pair {
     const char *name; /* name of the test; NULL: none */
     size_t origin;    /* index of the pair that it stands for */
     bool is_made;     /* the texts are owned: "FILE:NAME", "FILE:NAME", "NAME:NAME" */
+    bool is_owned[2]; /* ref and test: also "ignore:...:FILE" */
 } expanded_pair;
 
 enum { NQM_LIST_MAX_COLUMNS = 1024 }; /**< limit of the columns; JSON Lines: of the distinct member names of all rows */
