@@ -13,8 +13,8 @@ chmod 755 "$root"
 # inside COMMAND: run a command of a new user, show it and what it prints.
 inside() {
     printf '\n# %s\n' "$1"
-    chroot "$root/$release" /usr/bin/env -i PATH=/root/venv/bin:/usr/sbin:/usr/bin:/sbin:/bin HOME=/root LC_ALL=C.UTF-8 \
-        DEBIAN_FRONTEND=noninteractive bash -c "cd /root && $1" 2>&1 || {
+    chroot "$root/$release" /usr/bin/env -i PATH=/home/venv/bin:/usr/sbin:/usr/bin:/sbin:/bin HOME=/home LC_ALL=C.UTF-8 \
+        DEBIAN_FRONTEND=noninteractive bash -c "cd /home && $1" 2>&1 || {
         echo "exit code $?"
         failed=1
     }
@@ -25,7 +25,7 @@ for release in "$@"; do
         exit 1
     }
     mount -t proc proc "$root/$release/proc" 2>/dev/null || echo "without /proc"
-    cp build/wheel/*.whl python/notebook.py python/tutorial.ipynb "$root/$release/root"
+    cp build/wheel/*.whl python/notebook.py python/tutorial.ipynb "$root/$release/home"
     inside 'apt-get update -qq; apt-get install -y -qq --no-install-recommends python3-venv python3-numpy >/dev/null 2>&1; echo "a Debian $(cat /etc/debian_version), $(python3 --version), packages of development: $(dpkg -l "*-dev" 2>/dev/null | grep -c ^ii)"'
     inside 'python3 -m venv --system-site-packages venv && time pip install -q --no-index ./nqm-*.whl && ls -l venv/bin/nqm'
     inside 'time nqm score sgd:nickel ward:nickel'
