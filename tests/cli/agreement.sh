@@ -74,7 +74,7 @@ printf 'reference,test,encoding,delta_e\n/nowhere,fit,ward,1\nlambert:,lambert:,
 refused 3 nowhere
 
 data=${NQM_DATA:-$NQM_SOURCE/../shared/data}
-[ -d "$data/rgl" ] && [ -z "${NQM_SANITIZE:-}" ] || exit 0
+[ -d "$data/rgl" ] && [ -z "${NQM_SANITIZE:-}" ] || skip_rest agreement_of_measured_files
 sh "$NQM_SOURCE/studies/agreement.sh" "$data" --points 256 --lights 192 >"$dir/table"
 awk -F'|' '$2 ~ /ward/ { split($4, s, " "); if (s[1] >= 0.5) ++good } $2 ~ /ggx/ { split($4, s, " "); if (s[1] >= 0.3) ++good }
     /^nbrdf below/ { split($0, w, " "); if (w[7] >= 21 && w[9] == 23) ++good }

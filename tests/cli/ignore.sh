@@ -77,7 +77,7 @@ fi
 
 # The materials of physicallybased.info as three shading models (shared data): of 132 pairs at least 128 have a score.
 data=${NQM_DATA:-$NQM_SOURCE/../shared/data}/materials/physicallybased
-[ -d "$data" ] || exit 0
+[ -d "$data" ] || skip_rest ignore_physicallybased
 for file in "$data"/PB_OPBR_*.mtlx; do
     name=${file##*PB_OPBR_}
     printf '%s\n' "PB_OPBR_$name,PB_GLTF_$name" "PB_OPBR_$name,PB_SS_$name"

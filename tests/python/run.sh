@@ -18,4 +18,4 @@ if [ -n "${NQM_SANITIZE:-}" ]; then
     export LD_PRELOAD
     export ASAN_OPTIONS="detect_leaks=0:${ASAN_OPTIONS:-}"
 fi
-exec "$python" "$@"
+exec "$python" "$@" -v # names what is skipped
