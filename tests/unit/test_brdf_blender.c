@@ -12,20 +12,7 @@
 
 static void values_are_those_of_cycles(void **state) {
     (void)state;
-    nqm_csv *csv;
-    assert_int_equal(nqm_csv_load(test_vector("shading_blender.csv"), &csv, NULL), NQM_OK);
-    assert_true(nqm_csv_rows(csv) == 160);
-    for (size_t row = 0; row < nqm_csv_rows(csv); ++row) {
-        nqm_brdf *brdf = open_brdf(nqm_csv_text(csv, row, 0));
-        double v[9], rgb[3];
-        for (int k = 0; k < 9; ++k)
-            v[k] = csv_number(csv, row, k + 1);
-        nqm_brdf_eval(brdf, 1, v, v + 3, rgb, NULL);
-        for (int c = 0; c < 3; ++c)
-            assert_near(rgb[c], v[6 + c], 1e-9 * fabs(v[6 + c]) + 1e-13);
-        nqm_brdf_free(brdf);
-    }
-    nqm_csv_free(csv);
+    check_vectors("shading_blender.csv", 160);
 }
 
 /* A white furnace: Cycles reflects what arrives, within the errors of its tables and of the layers. */
