@@ -37,6 +37,14 @@ double nqm_curve_slope(const nqm_curve *curve, double delta_e) {
     return isfinite(both) ? -10 / both * curve->b1 * curve->b3 * pow(delta_e, curve->b3 - 1) : 0;
 }
 
+double nqm_curve_delta_e(const nqm_curve *curve, double jod) {
+    enum { MOST = 1000 };
+    if (!(jod < 10))
+        return jod >= 10 ? 0 : NAN;
+    const double power = -log(fmax(jod, 1e-9) / (10 - jod)) / curve->b1 - curve->b2;
+    return power > 0 ? fmin(pow(power, 1 / curve->b3), MOST) : MOST;
+}
+
 enum { MAX_SCORES = 100000000 }; /* cminpack counts in int */
 
 typedef struct scores {

@@ -110,15 +110,6 @@ nqm_status nqm_texels_score(nqm_texture_job *job, const char *stage, int exchang
 
 /* ---- summary ----------------------------------------------------------------------------------------------------- */
 
-/* The inverse of nqm_curve_jod(). The worst JODs of a model lie beyond the largest Delta-E that colours have. */
-static double delta_e_of(const nqm_curve *curve, double jod) {
-    enum { MOST = 1000 };
-    if (!(jod < 10))
-        return jod >= 10 ? 0 : NAN;
-    const double power = -log(fmax(jod, 1e-9) / (10 - jod)) / curve->b1 - curve->b2;
-    return power > 0 ? fmin(pow(power, 1 / curve->b3), MOST) : MOST;
-}
-
 int nqm_texels_compare_delta_e(const void *a, const void *b) {
     const double x = ((const nqm_texel_sample *)a)->delta_e, y = ((const nqm_texel_sample *)b)->delta_e;
     return (x > y) - (x < y);
@@ -151,8 +142,8 @@ static void find_means(const nqm_texture_job *job, size_t n, const nqm_texel_sam
         const double step = i ? samples[i].delta_e - samples[i - 1].delta_e : 0;
         squares += step * step / 2;
         result->delta_e += samples[i].weight * samples[i].delta_e;
-        low += samples[i].weight * delta_e_of(curve, samples[i].jod_low);
-        high += samples[i].weight * delta_e_of(curve, samples[i].jod_high);
+        low += samples[i].weight * nqm_curve_delta_e(curve, samples[i].jod_low);
+        high += samples[i].weight * nqm_curve_delta_e(curve, samples[i].jod_high);
     }
     const double of_runs = job->order.begin ? 0 : sqrt(squares / (double)(n - 1) / (double)n);
     const double error = job->error > 0 ? job->error : of_runs, spread = 1.96 * error;

@@ -82,23 +82,6 @@ const char *test_vector(const char *name) {
     return path;
 }
 
-void check_vectors(const char *name, size_t n_rows) {
-    nqm_csv *csv;
-    assert_int_equal(nqm_csv_load(test_vector(name), &csv, NULL), NQM_OK);
-    assert_int_equal(nqm_csv_rows(csv), n_rows);
-    for (size_t row = 0; row < n_rows; ++row) {
-        nqm_brdf *brdf = open_brdf(nqm_csv_text(csv, row, 0));
-        double v[9], rgb[3];
-        for (int k = 0; k < 9; ++k)
-            v[k] = csv_number(csv, row, k + 1);
-        nqm_brdf_eval(brdf, 1, v, v + 3, rgb, NULL);
-        for (int c = 0; c < 3; ++c)
-            assert_near(rgb[c], v[6 + c], 1e-9 * fabs(v[6 + c]) + 1e-13);
-        nqm_brdf_free(brdf);
-    }
-    nqm_csv_free(csv);
-}
-
 float *random_block(nqm_rng *rng, size_t n) {
     float *block = nqm_alloc(n, sizeof *block);
     for (size_t i = 0; i < n; ++i)

@@ -48,7 +48,5 @@ const char *shared_data(const char *relative_path);
 
 /** The path of a file of tests/vectors. Valid until the next call. */
 const char *test_vector(const char *name);
-/** Compare BRDFs with a table of tests/vectors of n_rows: spec; wi (3), wo (3), rgb (3), which are met within 1e-9. */
-void check_vectors(const char *name, size_t n_rows);
 
 #endif

@@ -7,8 +7,8 @@
 
 #include "support/check.h"
 
-/** A file of tests/vectors with the columns spec, wi, wo, r, g, b; at least 100 rows. */
-void check_shading_vectors(const char *name, double relative_tolerance);
+/** A file of tests/vectors with n_rows and the columns spec, wi, wo, r, g, b, which are met within both tolerances together. */
+void check_shading_vectors(const char *name, size_t n_rows, double relative, double absolute);
 /** f_r(wi, wo) = f_r(wo, wi) to rounding, at 200 random pairs. */
 void check_shading_reciprocity(const char *spec);
 int is_shading_reciprocal(const char *spec);

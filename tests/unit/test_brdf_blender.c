@@ -3,16 +3,16 @@
  * Blender's Principled BSDF against an evaluation in 80-bit floats (tests/vectors/shading_blender.py), the energy of its lobes, and the
  * files of doc/blender.py.
  */
-#include "support/check.h"
 #include "support/map_text.h"
 #include "support/material_text.h"
+#include "support/shading.h"
 #include "support/temp_file.h"
 
 #include <math.h>
 
 static void values_are_those_of_cycles(void **state) {
     (void)state;
-    check_vectors("shading_blender.csv", 160);
+    check_shading_vectors("shading_blender.csv", 160, 1e-9, 1e-15);
 }
 
 /* A white furnace: Cycles reflects what arrives, within the errors of its tables and of the layers. */

@@ -5,14 +5,14 @@
  */
 #include "io/io.h"
 #include "math/math.h"
-#include "support/check.h"
+#include "support/shading.h"
 #include <nqm/brdf.h>
 
 #include <math.h>
 
 static void test_node_graphs(void **state) {
     (void)state;
-    check_vectors("shading_materialx.csv", 940);
+    check_shading_vectors("shading_materialx.csv", 940, 1e-9, 1e-13);
 }
 
 /* The integral over lights at a fixed viewer, which is the albedo that layers use. */
