@@ -35,7 +35,7 @@ class Pages(unittest.TestCase):
         examples = doctest.DocTestParser().get_doctest(text, names, name, name, 0)
         self.assertTrue(examples.examples)
         output = []
-        doctest.DocTestRunner(Close(), optionflags=doctest.ELLIPSIS).run(examples, out=output.append)
+        doctest.DocTestRunner(Close(), verbose=False, optionflags=doctest.ELLIPSIS).run(examples, out=output.append)
         self.assertEqual("".join(output), "")
 
     def test_page(self):
