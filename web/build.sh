@@ -1,8 +1,8 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
 # ./dev web: build-web/nqm.html, one file that works without network, and the module build-web/npm (nqm.js, nqm.wasm, nqm.models, types).
-# expat, jansson and zlib come from Debian's source packages, which are fetched once into build-web/sources; NQM_WEB_SOURCES names a folder that
-# has them already (expat/, jansson/, zlib/).
+# expat, jansson, OpenEXR and zlib come from Debian's source packages, which are fetched once into build-web/sources; NQM_WEB_SOURCES names a
+# folder that has them already (expat/, jansson/, openexr/, zlib/).
 set -eu
 cd "$(dirname "$0")/.."
 out=$PWD/build-web
@@ -30,7 +30,7 @@ fetch() {
         fi
     done
     cat "$out/apt/log" >&2
-    say "the sources of $1 cannot be fetched; unpack them to a folder and set NQM_WEB_SOURCES (folders expat, jansson, zlib)"
+    say "the sources of $1 cannot be fetched; unpack them to a folder and set NQM_WEB_SOURCES (folders expat, jansson, openexr, zlib)"
     exit 1
 }
 
@@ -43,11 +43,14 @@ fetch_all() {
     apt_private apt-get -qq update >&2 || true
     fetch expat expat
     fetch jansson jansson
+    fetch openexr openexr
     fetch zlib zlib
 }
 
 sources=${NQM_WEB_SOURCES:-$out/sources}
-if ! { [ -d "$sources/expat" ] && [ -d "$sources/jansson" ] && [ -d "$sources/zlib" ]; }; then fetch_all; fi
+for name in expat jansson openexr zlib; do
+    [ -d "$sources/$name" ] || { fetch_all && break; }
+done
 mkdir -p "$out/npm"
 models_stamp=$out/models.bin
 if [ ! -e "$models_stamp" ] || [ -n "$(find web/pack_models.py models -newer "$models_stamp" -name '*.safetensors' -o -newer "$models_stamp" -name pack_models.py)" ]; then

@@ -1,18 +1,20 @@
 # SPDX-License-Identifier: MIT
 # nqm.wasm: the scoring chain, fits and small pictures for the page and the module of web/. Included by CMakeLists.txt instead of its
-# libraries. NQM_WEB_SOURCES has the sources of expat, jansson and zlib, which web/build.sh unpacks there.
+# libraries. NQM_WEB_SOURCES has the sources of expat, jansson, OpenEXR and zlib, which
+# web/build.sh unpacks there.
 include(cmake/presets.cmake)
 set(CMAKE_POSITION_INDEPENDENT_CODE OFF)
 set(web ${CMAKE_CURRENT_SOURCE_DIR}/web)
 file(GLOB expat ${NQM_WEB_SOURCES}/expat/expat/lib/xmlparse.c ${NQM_WEB_SOURCES}/expat/expat/lib/xmlrole.c
   ${NQM_WEB_SOURCES}/expat/expat/lib/xmltok.c)
 file(GLOB jansson ${NQM_WEB_SOURCES}/jansson/src/*.c)
-foreach(name adler32 crc32 inflate inffast inftrees zutil deflate trees)
+foreach(name adler32 crc32 inflate inffast inftrees zutil deflate trees uncompr)
   list(APPEND zlib ${NQM_WEB_SOURCES}/zlib/${name}.c)
 endforeach()
-add_library(nqm_web_parsers STATIC ${expat} ${jansson} ${zlib})
+file(GLOB openexr ${NQM_WEB_SOURCES}/openexr/src/lib/OpenEXRCore/*.c)
+add_library(nqm_web_parsers STATIC ${expat} ${jansson} ${openexr} ${zlib})
 target_include_directories(nqm_web_parsers PUBLIC ${web}/shim ${NQM_WEB_SOURCES}/expat/expat/lib ${NQM_WEB_SOURCES}/jansson/src
-  ${NQM_WEB_SOURCES}/zlib)
+  ${NQM_WEB_SOURCES}/openexr/src/lib/OpenEXRCore ${NQM_WEB_SOURCES}/zlib)
 target_compile_definitions(nqm_web_parsers PRIVATE HAVE_EXPAT_CONFIG_H HAVE_CONFIG_H)
 target_compile_options(nqm_web_parsers PRIVATE -w -Wno-error)
 
@@ -23,7 +25,7 @@ foreach(room base math kernel io material brdf net percept sample model metric t
 endforeach()
 # What web/shim replaces, and what a page does not need.
 list(FILTER nqm_sources EXCLUDE REGEX
-  "/(base/(library|lock|shared_work|sha256)|io/(zip|mesh.*|raster_[a-z]+)|kernel/(build_info|isa_a.*)|render/tracer_embree)[.]c$")
+  "/(base/(library|lock|shared_work|sha256)|io/(zip|mesh.*|raster_(png|jpeg))|kernel/(build_info|isa_a.*)|render/tracer_embree)[.]c$")
 list(APPEND nqm_sources tools/figures/axis.c tools/figures/picture.c tools/nqm/fit/translate_anisotropy.c
   tools/nqm/fit/translate_keys.c tools/nqm/score/score_shared.c tools/nqm/inputs.c)
 file(GLOB shims CONFIGURE_DEPENDS ${web}/shim/*.c ${web}/src/*.c)

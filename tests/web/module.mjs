@@ -3,7 +3,7 @@
 // function of index.d.ts.
 import assert from "node:assert/strict";
 import {execFileSync, spawnSync} from "node:child_process";
-import {mkdtempSync, readFileSync, rmSync, writeFileSync} from "node:fs";
+import {mkdirSync, mkdtempSync, readFileSync, rmSync, writeFileSync} from "node:fs";
 import {tmpdir} from "node:os";
 import {join} from "node:path";
 import {pathToFileURL} from "node:url";
@@ -68,6 +68,12 @@ function functions(nqm) {
     const same = nqm.scoreTextures("maps", "same");
     assert(same.jod === 10 && same.texture.heat.width === 2 && same.texture.heat.pixels.length === 8);
     assert(nqm.scoreTextures("maps", "gltf:roughness=0.5").texture.worst < 9);
+    mkdirSync(join(temporary, "exr"));
+    const exr = join(temporary, "exr/base_color.exr"), plain = "gltf:base_color=0.4,0.4,0.4;roughness=0.5";
+    execFileSync(tool, ["render", "lambert:kd=0.5,0.4,0.3", "--size", "16", "-o", exr]);
+    nqm.files.set("exr/base_color.exr", readFileSync(exr));
+    const textured = Number(execFileSync(tool, ["score", "-q", join(temporary, "exr"), plain]));
+    assert(Math.abs(nqm.scoreTextures("exr", plain).jod - textured) < 1e-3);
     assert.equal(nqm.directions().length, 3 * 1872);
     assert(nqm.presets.length >= 1216 && nqm.presets.includes("sgd:nickel"));
     assert(nqm.models.find(({name}) => name === "ggx").keys.some(({name}) => name === "alpha"));

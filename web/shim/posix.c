@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * mmap() by copying, and what a page does not have: processes, archives, meshes, and the decoders of pictures, which the browser
- * decodes.
+ * mmap() by copying, and what a page does not have: processes, archives, meshes, and the decoders of PNG and JPEG, which
+ * the browser decodes.
  */
 #include "io/io.h"
 #include "io/raster_decoders.h"
@@ -73,11 +73,6 @@ nqm_status nqm_raster_decode_png(const nqm_map *map, bool header_only, nqm_raste
 nqm_status nqm_raster_decode_jpeg(const nqm_map *map, bool header_only, nqm_raster *raster, nqm_error *err) {
     (void)header_only, (void)raster;
     return nqm_fail(err, NQM_ERR_FORMAT, 0, "%s: the browser cannot decode this picture (byte 0)", map->path);
-}
-
-nqm_status nqm_raster_decode_exr(const nqm_map *map, bool header_only, nqm_raster *raster, nqm_error *err) {
-    (void)header_only, (void)raster;
-    return nqm_fail(err, NQM_ERR_FORMAT, 0, "%s: OpenEXR is not read here: convert it to PNG (byte 0)", map->path);
 }
 
 /* expat's hash salt. */
