@@ -15,7 +15,7 @@ from support import run_tool
 SOURCE = Path(__file__).resolve().parent.parent.parent
 
 
-def plate(side=32):
+def plate(side=16):
     y, x = np.mgrid[:side, :side] / side
     colour = np.stack([0.3 + 0.5 * x, 0.2 + 0.1 * y, 0.1 + 0 * x], axis=2)
     normal = np.stack([0.1 * np.sin(6 * x), 0.1 * np.cos(6 * y), 1 + 0 * x], axis=2)
@@ -29,7 +29,7 @@ class Textures(unittest.TestCase):
         s = nqm.score_maps(maps, test, heat=True, far=False)
         self.assertEqual(s.blame[0].property, "roughness")
         self.assertEqual(s.blame[0].mistake, "roughness is squared")
-        self.assertEqual(s.heat.shape, (32, 32))
+        self.assertEqual(s.heat.shape, (16, 16))
         self.assertAlmostEqual(float(s.heat.mean()), s.delta_e, delta=0.01 * s.delta_e)
         self.assertTrue(s.jod_low <= s.jod <= s.jod_high < 10)
         self.assertTrue(np.isnan(s.far_jod))

@@ -256,7 +256,7 @@ static void test_normal_is_tilt(void **state) {
     static const char *const bases[] = {"gltf:base_color=.6,.4,.2;roughness=.35;metallic=1",
                                         "gltf:base_color=.6,.4,.2;roughness=.5;anisotropy_strength=.7;metallic=1"};
     nqm_scene_options o = studio_scene();
-    o.n_points = 1024;
+    o.n_points = 256;
     o.n_lights = 512;
     nqm_scene *scene = make_scene(&o);
     for (size_t k = 0; k < 4; ++k) {

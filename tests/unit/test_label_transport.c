@@ -14,7 +14,7 @@
 #include <omp.h>
 #include <string.h>
 
-enum { POINTS = NQM_TRANSPORT_POINTS, MAX_DIRECTIONS = 2000 };
+enum { POINTS = NQM_TRANSPORT_POINTS, MAX_DIRECTIONS = 2000, N_LIGHTS = 256 };
 
 static const char white[] = "lambert:kd=.8,.5,.2", satin[] = "ggx:kd=.2,.15,.1;ks=1,1,1;alpha=.4;f0=.04",
                   glossy[] = "ggx:kd=.2,.15,.1;ks=1,1,1;alpha=.2;f0=.04";
@@ -35,15 +35,15 @@ static nqm_scene_options scene_of(const char *light, const char *shape) {
     o.light = light;
     o.shape = nqm_tracer_version() || !shape ? shape : "sphere";
     o.n_points = POINTS;
-    o.n_lights = 1024; /* as transport.c */
+    o.n_lights = 1024; /* as transport.c has for a corpus */
     return o;
 }
 
-/* The matrix is of the scene of a corpus with another number of points. */
-static void make(const nqm_scene_options *o) {
+/* The matrix is of the scene of a corpus with another number of points; fewer lights than a corpus has. */
+static void make(const nqm_scene_options *o, size_t n_lights) {
     nqm_scene_options scene = *o;
     scene.n_points = 300;
-    scene.n_lights = 0; /* the default of matrices */
+    scene.n_lights = n_lights;
     assert_int_equal(nqm_node_grid_directions(&f.directions, NULL), NQM_OK);
     assert_true(nqm_directions_count(f.directions) <= MAX_DIRECTIONS);
     f.scene = make_scene(o);
@@ -100,7 +100,7 @@ static void check_label(const char *ref, const char *test, double tolerance) {
 static void a_sphere(void **state) {
     (void)state;
     const nqm_scene_options o = scene_of("studio", "sphere");
-    make(&o);
+    make(&o, N_LIGHTS);
     for (size_t i = 0; i < POINTS; ++i) {
         assert_near(f.points[3 * i], 1.0 / POINTS, 1e-15);
         assert_true(f.points[3 * i + 1] == 0 && f.points[3 * i + 2] == o.peak_cdm2);
@@ -120,7 +120,7 @@ static void a_mesh_in_eight_views(void **state) {
     o.n_frames = 8;
     o.peak_cdm2 = 500;
     o.interreflection = 1; /* the matrix has none */
-    make(&o);
+    make(&o, N_LIGHTS);
     nqm_scene_free(f.scene);
     o.interreflection = 0;
     f.scene = make_scene(&o);
@@ -141,7 +141,7 @@ static void the_standard_set(void **state) {
     if (!nqm_tracer_version())
         skip();
     const nqm_scene_options o = scene_of(NULL, NULL);
-    make(&o);
+    make(&o, N_LIGHTS);
     double sum[NQM_STANDARD_SCENES] = {0};
     for (size_t i = 0; i < POINTS; ++i) {
         const double number = f.points[3 * i + 1];
@@ -159,12 +159,12 @@ static void the_same_bits_on_any_threads(void **state) {
     (void)state;
     const nqm_scene_options o = scene_of("sun", "sphere");
     omp_set_num_threads(1);
-    make(&o);
+    make(&o, 64);
     float *before = nqm_alloc(MAX_DIRECTIONS * 3 * POINTS, sizeof *before);
     memcpy(before, f.light, sizeof f.light);
     drop();
     omp_set_num_threads(2);
-    make(&o);
+    make(&o, 64);
     assert_memory_equal(f.light, before, sizeof f.light);
     drop();
     nqm_free(before);

@@ -74,7 +74,7 @@ static void assert_same_scores(const nqm_model *a, const nqm_model *b) {
 static void files_and_copies(void **state) {
     (void)state;
     const nqm_scene_options o = studio_scene();
-    nqm_model *model = make_model(&o, 160), *loaded, *copy;
+    nqm_model *model = make_model(&o, 32), *loaded, *copy;
     assert_int_equal(nqm_model_save(model, temp_file, NULL), NQM_OK);
     assert_int_equal(nqm_model_load(temp_file, &loaded, NULL), NQM_OK);
     assert_int_equal(nqm_model_copy(loaded, &copy, NULL), NQM_OK);
@@ -94,7 +94,9 @@ static void the_standard_scenes(void **state) {
     (void)state;
     if (!nqm_tracer_version())
         skip();
-    nqm_model *few = make_model(NULL, 128), *many = make_model(NULL, 512);
+    nqm_scene_options o = nqm_scene_options_default();
+    o.n_lights = 128;
+    nqm_model *few = make_model(&o, 128), *many = make_model(&o, 512);
     assert_relative(score_specs(few, white, grey).delta_e, score_specs(many, white, grey).delta_e, 0.05);
     nqm_model_free(few);
     nqm_model_free(many);

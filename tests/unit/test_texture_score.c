@@ -315,7 +315,7 @@ static float decode(float x) {
 static void mistakes_are_named(void **state) {
     (void)state;
     nqm_texture_options options = options_of(1, 0);
-    options.n_texels = 512;
+    options.n_texels = 128;
     static const char *const texts[] = {"roughness is squared", "roughness is the square root",
                                         "roughness is decoded from sRGB", "roughness is inverted", ""};
     float test[3 * N];
@@ -339,7 +339,7 @@ static void mistakes_are_named(void **state) {
     assert_string_equal(r.blame[1].mistake, "metallic and roughness are exchanged");
     for (size_t i = 0; i < 3 * N; ++i)
         test[i] = i % 3 == 1 ? -normals[i] : normals[i];
-    options.n_texels = 64; /* other normals take 20 times as long */
+    options.n_texels = 32; /* other normals take 20 times as long */
     r = score(make(colors, rough, metal, normals), make(colors, rough, metal, test), &options, NULL);
     check_blame(&r, "normal", "the green channel of the normal map is flipped");
     assert_int_equal(r.n_blame, 1);
@@ -367,7 +367,7 @@ static void threads_give_the_same(void **state) {
     (void)state;
     float test[3 * N];
     nqm_texture_options options = options_of(1, 1);
-    options.n_texels = 32;
+    options.n_texels = 8;
     nqm_texture_result r[2];
     for (size_t i = 0; i < 3 * N; ++i)
         test[i] = normals[i] * (i % 3 == 0 ? 0.8f : 1);
@@ -401,7 +401,7 @@ static void callers_can_stop(void **state) {
         nqm_texture *ref = make(NULL, rough, NULL, NULL), *test = make(NULL, metal, NULL, normal);
         nqm_texture_options options = options_of(1, 1);
         nqm_texture_result result = {.jod = -1};
-        options.n_texels = 16;
+        options.n_texels = 4;
         options.progress = stop;
         options.progress_user = stages[k % 4];
         assert_int_equal(nqm_texture_score(model, ref, test, &options, &result, NULL, NULL), NQM_ERR_CANCELLED);
