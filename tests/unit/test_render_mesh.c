@@ -18,7 +18,7 @@
 #include <string.h>
 #include <unistd.h>
 #ifdef __SANITIZE_ADDRESS__
-#include <sanitizer/allocator_interface.h>
+size_t __sanitizer_get_current_allocated_bytes(void); /* GCC of Debian 12 comes without the header of it */
 #endif
 
 /* ---- files and scenes -------------------------------------------------------------------------------------------- */

@@ -367,7 +367,7 @@ static void threads_give_the_same(void **state) {
     (void)state;
     float test[3 * N];
     nqm_texture_options options = options_of(1, 1);
-    options.n_texels = 8;
+    options.n_texels = 16;
     nqm_texture_result r[2];
     for (size_t i = 0; i < 3 * N; ++i)
         test[i] = normals[i] * (i % 3 == 0 ? 0.8f : 1);
@@ -401,7 +401,7 @@ static void callers_can_stop(void **state) {
         nqm_texture *ref = make(NULL, rough, NULL, NULL), *test = make(NULL, metal, NULL, normal);
         nqm_texture_options options = options_of(1, 1);
         nqm_texture_result result = {.jod = -1};
-        options.n_texels = 4;
+        options.n_texels = 16;
         options.progress = stop;
         options.progress_user = stages[k % 4];
         assert_int_equal(nqm_texture_score(model, ref, test, &options, &result, NULL, NULL), NQM_ERR_CANCELLED);
