@@ -42,9 +42,8 @@ typedef struct coated {
     double alpha[2], alpha2[2]; /* of the layers */
     bool is_smooth[2];
     double eta, gap, n_orders;
-    double disk[N_WALKS][3]; /* a spiral that covers the unit disk */
-    double reflectance[N_REFLECTANCES]
-                      [3]; /* of the conductor inside the coat, at cosines (j / (N_REFLECTANCES - 1))^2 */
+    double disk[N_WALKS][3];               /* a spiral that covers the unit disk */
+    double reflectance[N_REFLECTANCES][3]; /* of the conductor in the coat, at cosines (j / (N_REFLECTANCES - 1))^2 */
 } coated;
 
 /* A walk: vertex 0 is outside, each next one follows an event, transmission first, then reflections by the conductor and the interface. */
@@ -56,52 +55,27 @@ typedef struct vertex {
     double others;        /* densities of the other ways to sample the path so far: for the balance heuristic */
 } vertex;
 
-/* Smith's Lambda. */
-static double lambda(double alpha2, double cosine) {
-    return 0.5 * (sqrt(mix(cosine * cosine, 1, alpha2)) / cosine - 1);
-}
-
-static void look_up(const coated *self, double cosine, double *f) {
-    const double x = sqrt(fmin(cosine, 1)) * (N_REFLECTANCES - 1);
-    const size_t i = x < N_REFLECTANCES - 2 ? (size_t)x : N_REFLECTANCES - 2;
-    for (size_t c = 0; c < 3; ++c)
-        f[c] = mix(self->reflectance[i][c], self->reflectance[i + 1][c], x - (double)i);
-}
-
 /* Fresnel factors inside the coat. */
 static void fresnel_inside(const coated *self, layer at, double cosine, double *f) {
-    if (at == CONDUCTOR)
-        look_up(self, cosine, f);
-    else
-        f[0] = f[1] = f[2] = fresnel_dielectric(1 / self->eta, cosine);
+    const double x = sqrt(fmin(cosine, 1)) * (N_REFLECTANCES - 1);
+    const size_t i = x < N_REFLECTANCES - 2 ? (size_t)x : N_REFLECTANCES - 2;
+    const double interface = at == INTERFACE ? fresnel_dielectric(1 / self->eta, cosine) : 0;
+    for (size_t c = 0; c < 3; ++c)
+        f[c] = at == INTERFACE ? interface : mix(self->reflectance[i][c], self->reflectance[i + 1][c], x - (double)i);
 }
 
 static void set_direction(const coated *self, double x, double y, double z, vertex *v) {
     v->d[0] = x;
     v->d[1] = y;
     v->d[2] = z;
-    v->lambda[INTERFACE] = lambda(self->alpha2[INTERFACE], z);
-    v->lambda[CONDUCTOR] = lambda(self->alpha2[CONDUCTOR], z);
+    v->lambda[INTERFACE] = smith_lambda(self->alpha2[INTERFACE], z);
+    v->lambda[CONDUCTOR] = smith_lambda(self->alpha2[CONDUCTOR], z);
 }
 
 /* D(h). */
 static double distribution(double alpha2, double h_z) {
     const double z2 = h_z * h_z, spread = 1 - z2 + alpha2 * z2;
     return alpha2 / (NQM_PI * spread * spread);
-}
-
-/* The visible normal of w at a point of the disk of Heitz 2018 (https://jcgt.org/published/0007/04/01/). */
-static void visible_normal(double alpha, const double *w, const double *point, double *h) {
-    const double x = alpha * w[0], y = alpha * w[1], xy2 = x * x + y * y, xy = sqrt(xy2);
-    const double scale = 1 / sqrt(xy2 + w[2] * w[2]), vz = w[2] * scale, v = xy * scale;
-    const double turn = xy > 1e-12 ? 1 / xy : 0, cos_turn = xy > 1e-12 ? x * turn : 1, sin_turn = y * turn;
-    const double along_disk = mix(point[2], point[1], 0.5 * (1 + vz));
-    const double up = sqrt(fmax(0, point[2] * point[2] - along_disk * along_disk));
-    const double out = alpha * (up * v - along_disk * vz), side = alpha * point[0];
-    const double z = fmax(1e-6, up * vz + along_disk * v), norm = 1 / sqrt(out * out + side * side + z * z);
-    h[0] = norm * (out * cos_turn - side * sin_turn);
-    h[1] = norm * (out * sin_turn + side * cos_turn);
-    h[2] = norm * z;
 }
 
 /* The densities of a transmission and the product that both have, from D and the cosines with the normal, outside and inside. */
@@ -119,7 +93,7 @@ static bool enter(const coated *self, const double *point, vertex *v) {
     const double alpha2 = self->alpha2[INTERFACE], *w = v[0].d, eta = self->eta;
     double h[3] = {0, 0, 1};
     if (!is_smooth)
-        visible_normal(self->alpha[INTERFACE], w, point, h);
+        ggx_visible_normal(self->alpha[INTERFACE], w, point, h);
     const double c = fmin(1, nqm_dot3(w, h)), refracted = sqrt(fmax(0, 1 - (1 - c * c) / (eta * eta)));
     const double k = c / eta - refracted, z = w[2] / eta - k * h[2];
     if (c <= 0 || z <= 1e-9)
@@ -142,7 +116,7 @@ static bool reflect(const coated *self, layer at, const double *point, vertex *v
     const double *w = v[0].d;
     double h[3] = {0, 0, 1}, f[3];
     if (!self->is_smooth[at])
-        visible_normal(self->alpha[at], w, point, h);
+        ggx_visible_normal(self->alpha[at], w, point, h);
     const double c = fmin(1, nqm_dot3(w, h)), z = 2 * c * h[2] - w[2];
     if (c <= 0 || z <= 1e-9)
         return false;
@@ -163,9 +137,12 @@ static bool reflect(const coated *self, layer at, const double *point, vertex *v
     return true;
 }
 
-/* Walk from v[0]; returns the number of vertices that follow. first: the multiple of the walk's number of which the points are. */
-static size_t walk(const coated *self, size_t number, size_t first, vertex *v) {
+/* Walk from a direction outside; returns the number of vertices after it. first: the multiple of the walk's number of which the points
+ * are. */
+static size_t walk(const coated *self, const double *w, size_t number, size_t first, vertex *v) {
     size_t n = 0, at = number * first % N_WALKS;
+    v[0] = (vertex){.throughput = {1, 1, 1}};
+    set_direction(self, w[0], w[1], w[2], v);
     while (n < MAX_VERTEX &&
            (n ? reflect(self, n % 2 ? CONDUCTOR : INTERFACE, self->disk[at], v + n) : enter(self, self->disk[at], v))) {
         ++n;
@@ -217,28 +194,21 @@ static void connect_inside(const coated *self, layer at, const vertex *o, const 
         sum[c] += weight * f[c] * o->throughput[c] * i->throughput[c];
 }
 
-/* The walks from one direction. */
+/* The walks from the viewer. */
 typedef struct walks {
     vertex v[N_WALKS][MAX_VERTEX + 1];
     size_t n[N_WALKS]; /* vertices after the first */
 } walks;
 
-static void set_walks(const coated *self, double x, double y, double z, size_t first, walks *all) {
-    for (size_t number = 0; number < N_WALKS; ++number) {
-        vertex *v = all->v[number];
-        *v = (vertex){.throughput = {1, 1, 1}};
-        set_direction(self, x, y, z, v);
-        all->n[number] = walk(self, number, first, v);
-    }
-}
-
-/* Sums over all walks of the viewer and the light by the number of reflections by the conductor. */
-static void sum_orders(const coated *self, const walks *from_o, const walks *from_i, double sums[N_ORDERS][3]) {
+/* Sums over all walks by the number of reflections by the conductor. */
+static void sum_orders(const coated *self, const walks *viewer, const double *wi, double sums[N_ORDERS][3]) {
+    vertex i[MAX_VERTEX + 1];
     memset(sums, 0, N_ORDERS * sizeof *sums);
     for (size_t number = 0; number < N_WALKS; ++number) {
-        const vertex *o = from_o->v[number], *i = from_i->v[number];
-        for (size_t n = 0; n <= from_o->n[number]; ++n)
-            for (size_t m = n % 2; m <= from_i->n[number] && n + m <= MAX_VERTEX; m += 2) {
+        const vertex *o = viewer->v[number];
+        const size_t n_i = walk(self, wi, number, GENERATOR, i);
+        for (size_t n = 0; n <= viewer->n[number]; ++n)
+            for (size_t m = n % 2; m <= n_i && n + m <= MAX_VERTEX; m += 2) {
                 const layer at = n % 2 ? CONDUCTOR : INTERFACE;
                 if (n + m == 0 || self->is_smooth[at])
                     continue;
@@ -255,7 +225,7 @@ static void sum_orders(const coated *self, const walks *from_o, const walks *fro
 static void mirror(const coated *self, double max_depth, double cosine, double *rgb) {
     const double top = fresnel_dielectric(self->eta, cosine), n = floor(max_depth / 2);
     const double refracted = sqrt(1 - (1 - cosine * cosine) / (self->eta * self->eta));
-    look_up(self, refracted, rgb);
+    fresnel_inside(self, CONDUCTOR, refracted, rgb);
     for (size_t c = 0; c < 3; ++c) {
         const double down = rgb[c] * exp(-2 * self->gap / refracted);
         rgb[c] = top + (1 - top) * (1 - top) * down * (1 - pow(top * down, n)) / (1 - top * down);
@@ -300,32 +270,35 @@ static void coated_prepare(const nqm_spec_values *values, void *state) {
     }
 }
 
-/* The light's walks where the viewer is in the plane y = 0 and the light at y >= 0: isotropic, and without a handedness. */
-static void set_light(const coated *self, const double *wi, const double *wo, walks *from_i) {
+/* The light where the viewer is in the plane y = 0, and the light at y >= 0: isotropic, and without a handedness. */
+static void turn_light(const double *wi, const double *wo, double *turned) {
     const double *w = hypot(wo[0], wo[1]) > 1e-9 ? wo : wi, length = hypot(w[0], w[1]);
     const double x = length > 0 ? w[0] / length : 1, y = length > 0 ? w[1] / length : 0;
-    set_walks(self, wi[0] * x + wi[1] * y, fabs(wi[1] * x - wi[0] * y), wi[2], GENERATOR, from_i);
+    turned[0] = wi[0] * x + wi[1] * y;
+    turned[1] = fabs(wi[1] * x - wi[0] * y);
+    turned[2] = wi[2];
 }
 
 static void coated_eval(const void *state, size_t n, const double *wi, const double *wo, double *rgb) {
     const coated *self = state;
-    walks from_o, from_i;
-    double viewer = -1, sums[N_ORDERS][3];
-    for (; n--; wi += 3, wo += 3, rgb += 3) {
+    const bool is_mirror = self->is_smooth[INTERFACE] && self->is_smooth[CONDUCTOR];
+    walks viewer;
+    double turned[3], sums[N_ORDERS][3];
+    for (size_t k = 0; k < n; ++k, wi += 3, wo += 3, rgb += 3) {
         const half_angles h = half_angles_of(wi, wo);
         const double lobe = correlated_ggx(h.tan2_h, wi[2], wo[2], equal_widths(self->alpha2[INTERFACE]));
-        mirror(self, self->spec.values.v[MAX_DEPTH][0], h.cos_d, rgb);
+        if (!is_mirror && (k == 0 || wo[2] != wo[-1])) /* renderers evaluate many lights for one viewer */
+            for (size_t j = 0; j < N_WALKS; ++j)
+                viewer.n[j] =
+                    walk(self, (const double[]){sqrt(fmax(0, 1 - wo[2] * wo[2])), 0, wo[2]}, j, 1, viewer.v[j]);
+        if (is_mirror) {
+            mirror(self, self->spec.values.v[MAX_DEPTH][0], h.cos_d, rgb);
+        } else {
+            turn_light(wi, wo, turned);
+            sum_orders(self, &viewer, turned, sums);
+        }
         for (size_t c = 0; c < 3; ++c)
-            rgb[c] *= lobe;
-        if (self->is_smooth[INTERFACE] && self->is_smooth[CONDUCTOR])
-            continue;
-        if (wo[2] != viewer) /* renderers evaluate many lights for one viewer */
-            set_walks(self, sqrt(fmax(0, 1 - wo[2] * wo[2])), 0, wo[2], 1, &from_o);
-        viewer = wo[2];
-        set_light(self, wi, wo, &from_i);
-        sum_orders(self, &from_o, &from_i, sums);
-        for (size_t c = 0; c < 3; ++c)
-            rgb[c] = lobe * fresnel_dielectric(self->eta, h.cos_d) + series(self, sums, c);
+            rgb[c] = is_mirror ? lobe * rgb[c] : lobe * fresnel_dielectric(self->eta, h.cos_d) + series(self, sums, c);
     }
 }
 
