@@ -2,12 +2,14 @@
  *
  * `pbrt-coated-conductor` is pbrt-v4's `coatedconductor` (Pharr, Jakob and Humphreys, Physically Based Rendering, 4th edition, 14.3): a
  * conductor under a dielectric interface with an absorbing gap; either can be smooth. The value is the mean of pbrt's random walks
- * (LayeredBxDF::f), estimated by walks that are the same for all pairs of directions: N_WALKS from the viewer, each with one from the light,
- * on the points of a lattice. Every pair of vertices of both walks is connected, and the paths of equal length are weighted by the
- * balance heuristic. Paths with N_ORDERS and fewer reflections by the conductor are summed, longer ones extrapolated.
+ * (LayeredBxDF::f), estimated from N_WALKS pairs of walks, one from the viewer and one from the light, on the points of a lattice. The
+ * points are the same for all directions. All vertices of a pair are connected, and equally long paths are weighted by the balance
+ * heuristic (Veach 1997, chapter 10). Paths with up to N_ORDERS reflections by the conductor are summed, longer ones extrapolated.
+ * Error: the value differs by 0.3 to 2.8 % (rms over the directions of scores, for 12 materials; 10 % at 1 in 100) from that of 2,039
+ * walks; the JOD between both is 9.95 or better.
  *
- * pbrt's two strategies for the last reflection have weights that do not sum to one (shading_coated.c); that sum is a factor of the path
- * here, and the model is not reciprocal. Mirrors are lobes of the smallest roughness, 1e-6. Without a medium that scatters, isotropic.
+ * pbrt's two strategies for the last reflection have weights that do not sum to one (shading_coated.c). Their sum is a factor of each path
+ * here; it makes the model not reciprocal. Mirrors are lobes of the smallest roughness, 1e-6. Without a medium that scatters, isotropic.
  */
 #include "brdf/core/spec.h"
 #include "brdf/models/microfacet.h"
@@ -27,8 +29,8 @@
 enum { KEYS(NQM_KEY_INDEX) };
 
 enum {
-    N_WALKS = 61,  /* prime */
-    GENERATOR = 6, /* of the lattice; the one with the smallest error for 16 materials */
+    N_WALKS = 61,  /* a prime, for the lattice */
+    GENERATOR = 6, /* of the lattice; has the smallest error for 16 materials */
     N_ORDERS = 3,  /* reflections by the conductor */
     MAX_VERTEX = 2 * N_ORDERS,
     N_REFLECTANCES = 128
@@ -238,7 +240,7 @@ static double series(const coated *self, const double sums[N_ORDERS][3], size_t 
     for (size_t k = 0; k < N_ORDERS && (double)k < self->n_orders; ++k)
         sum += sums[k][c];
     const double last = sums[N_ORDERS - 1][c], before = sums[N_ORDERS - 2][c], n = self->n_orders - N_ORDERS;
-    const double ratio = last < 0.95 * before ? last / before : last > 0 ? 0.95 : 0;
+    const double ratio = last > 0 ? fmin(last / before, 0.95) : 0;
     if (n > 0)
         sum += last * ratio * (1 - pow(ratio, n)) / (1 - ratio);
     return sum / (N_WALKS * self->eta * self->eta);
@@ -257,10 +259,10 @@ static void coated_prepare(const nqm_spec_values *values, void *state) {
     self->gap = v[THICKNESS][0];
     self->n_orders = floor((v[MAX_DEPTH][0] + 1) / 2);
     for (size_t j = 0; j < N_REFLECTANCES; ++j) {
-        const double x = (double)j / (N_REFLECTANCES - 1);
+        const double x = (double)j / (N_REFLECTANCES - 1), cosine = fmin(fmax(x * x, 1e-9), 1 - 1e-12); /* no 0 / 0 */
         for (size_t c = 0; c < 3; ++c)
             self->reflectance[j][c] =
-                fresnel_conductor(v[CONDUCTOR_ETA][c] / self->eta, v[CONDUCTOR_K][c] / self->eta, x * x);
+                fmax(0, fresnel_conductor(v[CONDUCTOR_ETA][c] / self->eta, v[CONDUCTOR_K][c] / self->eta, cosine));
     }
     for (size_t j = 0; j < N_WALKS; ++j) {
         const double r = sqrt(((double)j + 0.5) / N_WALKS), turn = NQM_PI * (sqrt(5) - 1) * (double)j; /* golden */
