@@ -185,9 +185,10 @@ static inline void ggx_visible_normal(double alpha, const double *w, const doubl
     const double scale = 1 / sqrt(xy2 + w[2] * w[2]), vz = w[2] * scale, v = xy * scale;
     const double turn = xy > 1e-12 ? 1 / xy : 0, cos_turn = xy > 1e-12 ? x * turn : 1, sin_turn = y * turn;
     const double along_disk = mix(point[2], point[1], 0.5 * (1 + vz));
-    const double up = sqrt(fmax(0, point[2] * point[2] - along_disk * along_disk));
+    const double up2 = point[2] * point[2] - along_disk * along_disk, up = sqrt(up2 > 0 ? up2 : 0);
     const double out = alpha * (up * v - along_disk * vz), side = alpha * point[0];
-    const double z = fmax(1e-6, up * vz + along_disk * v), norm = 1 / sqrt(out * out + side * side + z * z);
+    const double height = up * vz + along_disk * v, z = height > 1e-6 ? height : 1e-6,
+                 norm = 1 / sqrt(out * out + side * side + z * z);
     h[0] = norm * (out * cos_turn - side * sin_turn);
     h[1] = norm * (out * sin_turn + side * cos_turn);
     h[2] = norm * z;

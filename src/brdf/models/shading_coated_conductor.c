@@ -59,7 +59,7 @@ typedef struct vertex {
 
 /* Fresnel factors inside the coat. */
 static void fresnel_inside(const coated *self, layer at, double cosine, double *f) {
-    const double x = sqrt(fmin(cosine, 1)) * (N_REFLECTANCES - 1);
+    const double x = sqrt(cosine) * (N_REFLECTANCES - 1);
     const size_t i = x < N_REFLECTANCES - 2 ? (size_t)x : N_REFLECTANCES - 2;
     const double interface = at == INTERFACE ? fresnel_dielectric(1 / self->eta, cosine) : 0;
     for (size_t c = 0; c < 3; ++c)
@@ -92,15 +92,15 @@ static double transmission(const coated *self, double d, const double *cosines, 
 /* Let v[1] be what is transmitted of v[0]. */
 static bool enter(const coated *self, const double *point, vertex *v) {
     const bool is_smooth = self->is_smooth[INTERFACE];
-    const double alpha2 = self->alpha2[INTERFACE], *w = v[0].d, eta = self->eta;
+    const double alpha2 = self->alpha2[INTERFACE], *w = v[0].d, eta = self->eta, ratio = 1 / eta;
     double h[3] = {0, 0, 1};
     if (!is_smooth)
         ggx_visible_normal(self->alpha[INTERFACE], w, point, h);
-    const double c = fmin(1, nqm_dot3(w, h)), refracted = sqrt(fmax(0, 1 - (1 - c * c) / (eta * eta)));
-    const double k = c / eta - refracted, z = w[2] / eta - k * h[2];
+    const double c = nqm_dot3(w, h), refracted = sqrt(1 - (1 - c * c) * ratio * ratio);
+    const double k = c * ratio - refracted, z = w[2] * ratio - k * h[2];
     if (c <= 0 || z <= 1e-9)
         return false;
-    set_direction(self, w[0] / eta - k * h[0], w[1] / eta - k * h[1], z, &v[1]);
+    set_direction(self, w[0] * ratio - k * h[0], w[1] * ratio - k * h[1], z, &v[1]);
     double weight = (1 - fresnel_dielectric(eta, c)) * exp(-self->gap / z);
     v[1].forward = v[1].back = v[1].others = 0;
     if (!is_smooth) {
@@ -119,7 +119,7 @@ static bool reflect(const coated *self, layer at, const double *point, vertex *v
     double h[3] = {0, 0, 1}, f[3];
     if (!self->is_smooth[at])
         ggx_visible_normal(self->alpha[at], w, point, h);
-    const double c = fmin(1, nqm_dot3(w, h)), z = 2 * c * h[2] - w[2];
+    const double c = nqm_dot3(w, h), z = 2 * c * h[2] - w[2];
     if (c <= 0 || z <= 1e-9)
         return false;
     set_direction(self, 2 * c * h[0] - w[0], 2 * c * h[1] - w[1], z, &v[1]);
