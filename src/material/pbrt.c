@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
  * pbrt-v4 scenes (pbrt.org/fileformat-v4): the materials of the directives Material and MakeNamedMaterial; other directives are
- * skipped. `conductor`, `diffuse`, `coateddiffuse` and `measured` are read, with textures of the classes imagemap, constant, scale and mix. Colours are those of the default colour space, linear sRGB. pbrt is
- * a spectral renderer: eta and k given as "metal-Au-eta" are the RGB values of metals.c.
+ * skipped. `conductor`, `diffuse`, `coateddiffuse`, `coatedconductor` and `measured` are read, with textures of the classes imagemap, constant,
+ * scale and mix. Colours are those of the default colour space, linear sRGB. pbrt is a spectral renderer: eta and k given as "metal-Au-eta" are the RGB values of metals.c.
  */
 #include "material/bsdf.h"
 
@@ -164,10 +164,10 @@ static nqm_status read_parameters(scanner *s, const nqm_bsdf_node *directive) {
 
 /* ---- colours ----------------------------------------------------------------------------------------------------- */
 
-/* "metal-Au-eta" */
+/* "metal-Au-eta", of "eta" or "conductor.eta" */
 static bool read_metal(nqm_bsdf_reading *r, const nqm_bsdf_node *node, double v[3]) {
     char name[MAX_TOKEN] = "", names[300];
-    const char *part = node->name;
+    const char *dot = strrchr(node->name, '.'), *part = dot ? dot + 1 : node->name;
     const size_t n = strlen(node->value), n_part = strlen(part);
     if (n > 7 + n_part && n < sizeof name && strncmp(node->value, "metal-", 6) == 0 &&
         node->value[n - n_part - 1] == '-' && strcmp(node->value + n - n_part, part) == 0)
@@ -175,7 +175,7 @@ static bool read_metal(nqm_bsdf_reading *r, const nqm_bsdf_node *node, double v[
     const nqm_metal *metal = nqm_metal_find(name);
     nqm_metal_names(names, sizeof names);
     if (!metal)
-        return nqm_refuse(&r->reading, node, "%s: the spectrum '%.40s' is not known; these metals are: %s", part,
+        return nqm_refuse(&r->reading, node, "%s: the spectrum '%.40s' is not known; these metals are: %s", node->name,
                           node->value, names);
     memcpy(v, strcmp(part, "k") == 0 ? metal->k : metal->eta, 3 * sizeof *v);
     return true;
@@ -337,25 +337,40 @@ static uint16_t clamp(nqm_textured *t, uint16_t value, double high) {
     return nqm_graph_with(t, NQM_MAP_MINIMUM, 3, nqm_graph_with(t, NQM_MAP_MAXIMUM, 3, value, 0), high);
 }
 
+/* A conductor's parameters by their names in pbrt, which are the keys of the models, and a coat's interface. */
+typedef struct surface {
+    const char *roughness[3]; /* in both directions, along u, along v */
+    const char *eta, *k;
+    bool can_be_smooth;
+} surface;
+static const surface bare = {{"roughness", "uroughness", "vroughness"}, "eta", "k", false},
+                     interface = {{"interface.roughness", "interface.uroughness", "interface.vroughness"},
+                                  NULL,
+                                  NULL,
+                                  true},
+                     coated = {{"conductor.roughness", "conductor.uroughness", "conductor.vroughness"},
+                               "conductor.eta",
+                               "conductor.k",
+                               true};
+
 /* eta = 1 and k = 2 sqrt(r / (1 - r)) of a reflectance r at normal incidence, as pbrt, which clamps r to 0.9999. */
-static bool reflectance_index(nqm_bsdf_reading *r, const nqm_bsdf_node *node) {
+static bool reflectance_index(nqm_bsdf_reading *r, const surface *s, const nqm_bsdf_node *node) {
     nqm_textured *t = r->reading.textured;
     const double one[3] = {1, 1, 1};
     uint16_t value;
-    if (nqm_bsdf_find(r, "eta") || nqm_bsdf_find(r, "k"))
+    if (nqm_bsdf_find(r, s->eta) || nqm_bsdf_find(r, s->k))
         return nqm_refuse(&r->reading, node, "reflectance is given as well as eta or k");
     if (!read_value(r, "reflectance", 3, NULL, &value))
         return false;
     value = clamp(t, value, 0.9999);
     const uint16_t rest = nqm_graph_compute(t, NQM_MAP_SUBTRACT, 3, nqm_graph_number(t, 1), value, 0);
     value = nqm_graph_with(t, NQM_MAP_POWER, 3, nqm_graph_compute(t, NQM_MAP_DIVIDE, 3, value, rest, 0), 0.5);
-    return nqm_bsdf_output(r, "eta", nqm_graph_value(t, 3, one)) &&
-           nqm_bsdf_output(r, "k", nqm_graph_with(t, NQM_MAP_MULTIPLY, 3, value, 2));
+    return nqm_bsdf_output(r, s->eta, nqm_graph_value(t, 3, one)) &&
+           nqm_bsdf_output(r, s->k, nqm_graph_with(t, NQM_MAP_MULTIPLY, 3, value, 2));
 }
 
 /* Both directions; alpha is the square root. Texels that would be mirrors have the smallest lobe of the model. */
-static bool conductor_roughness(nqm_bsdf_reading *r, const nqm_bsdf_node *bsdf) {
-    const char *const names[] = {"uroughness", "vroughness"};
+static bool read_roughness(nqm_bsdf_reading *r, const surface *s, const nqm_bsdf_node *bsdf) {
     const double zero = 0;
     nqm_textured *t = r->reading.textured;
     uint16_t value[2];
@@ -363,7 +378,7 @@ static bool conductor_roughness(nqm_bsdf_reading *r, const nqm_bsdf_node *bsdf) 
     if (!nqm_bsdf_flag(r, "remaproughness", &remap))
         return false;
     for (size_t c = 0; c < 2; ++c) {
-        if (!read_value(r, nqm_bsdf_find(r, names[c]) ? names[c] : "roughness", 1, &zero, &value[c]))
+        if (!read_value(r, s->roughness[nqm_bsdf_find(r, s->roughness[c + 1]) ? c + 1 : 0], 1, &zero, &value[c]))
             return false;
         if (nqm_graph_is_constant(t, value[c]) && t->nodes[value[c]].v[0] < 0)
             return nqm_refuse(&r->reading, bsdf, "the roughness is negative");
@@ -373,22 +388,26 @@ static bool conductor_roughness(nqm_bsdf_reading *r, const nqm_bsdf_node *bsdf) 
         value[0] = nqm_graph_compute(t, NQM_MAP_COMBINE, n, value[0], value[1], 0);
     if (!remap)
         value[0] = nqm_graph_compute(t, NQM_MAP_MULTIPLY, n, value[0], value[0], 0);
+    if (s->can_be_smooth)
+        return nqm_bsdf_output(r, s->roughness[0], value[0]);
     if (nqm_graph_is_constant(t, value[0]) && fmin(t->nodes[value[0]].v[0], t->nodes[value[0]].v[n - 1]) < 1e-6)
         return nqm_refuse(&r->reading, bsdf,
                           "a smooth surface reflects into one direction only; only rough ones have a BRDF");
-    return nqm_bsdf_output(r, "roughness", nqm_graph_with(t, NQM_MAP_MAXIMUM, n, value[0], 1e-6));
+    return nqm_bsdf_output(r, s->roughness[0], nqm_graph_with(t, NQM_MAP_MAXIMUM, n, value[0], 1e-6));
 }
 
-static bool finish_conductor(nqm_bsdf_reading *r, const nqm_bsdf_node *bsdf) {
+static bool read_index(nqm_bsdf_reading *r, const surface *s) {
     const nqm_metal *copper = nqm_metal_find("Cu"); /* pbrt's default */
     const nqm_bsdf_node *reflectance = nqm_bsdf_find(r, "reflectance");
     uint16_t eta, k;
-    if (!conductor_roughness(r, bsdf))
-        return false;
     if (reflectance)
-        return reflectance_index(r, reflectance);
-    return read_value(r, "eta", 3, copper->eta, &eta) && nqm_bsdf_output(r, "eta", eta) &&
-           read_value(r, "k", 3, copper->k, &k) && nqm_bsdf_output(r, "k", k);
+        return reflectance_index(r, s, reflectance);
+    return read_value(r, s->eta, 3, copper->eta, &eta) && nqm_bsdf_output(r, s->eta, eta) &&
+           read_value(r, s->k, 3, copper->k, &k) && nqm_bsdf_output(r, s->k, k);
+}
+
+static bool finish_conductor(nqm_bsdf_reading *r, const nqm_bsdf_node *bsdf) {
+    return read_roughness(r, &bare, bsdf) && read_index(r, &bare);
 }
 
 static bool finish_diffuse(nqm_bsdf_reading *r, const nqm_bsdf_node *bsdf) {
@@ -399,15 +418,26 @@ static bool finish_diffuse(nqm_bsdf_reading *r, const nqm_bsdf_node *bsdf) {
            nqm_bsdf_output(r, "kd", clamp(r->reading.textured, value, 1)); /* as pbrt */
 }
 
-static bool finish_coated(nqm_bsdf_reading *r, const nqm_bsdf_node *bsdf) {
+/* Of layers of a coated material. */
+static bool read_one_roughness(nqm_bsdf_reading *r, const surface *s, const nqm_bsdf_node *bsdf) {
+    if (!read_roughness(r, s, bsdf))
+        return false;
+    const nqm_property *roughness = nqm_shading_find(&r->reading.shading, s->roughness[0]);
+    if (roughness && roughness->n == 2)
+        return nqm_refuse(&r->reading, bsdf, "%s and %s differ; the coat is read with one roughness", s->roughness[1],
+                          s->roughness[2]);
+    return true;
+}
+
+static bool finish_coated_conductor(nqm_bsdf_reading *r, const nqm_bsdf_node *bsdf) {
+    return read_one_roughness(r, &interface, bsdf) && read_one_roughness(r, &coated, bsdf) && read_index(r, &coated);
+}
+
+static bool finish_coated_diffuse(nqm_bsdf_reading *r, const nqm_bsdf_node *bsdf) {
     const double grey[3] = {0.5, 0.5, 0.5};
     uint16_t value;
-    if (!conductor_roughness(r, bsdf) || !read_value(r, "reflectance", 3, grey, &value))
-        return false;
-    const nqm_property *roughness = nqm_shading_find(&r->reading.shading, "roughness");
-    if (roughness && roughness->n == 2)
-        return nqm_refuse(&r->reading, bsdf, "uroughness and vroughness differ; the coat is read with one roughness");
-    return nqm_bsdf_output(r, "reflectance", clamp(r->reading.textured, value, 1));
+    return read_one_roughness(r, &bare, bsdf) && read_value(r, "reflectance", 3, grey, &value) &&
+           nqm_bsdf_output(r, "reflectance", clamp(r->reading.textured, value, 1));
 }
 
 #define NUMBER(NAME)                                                                                                   \
@@ -415,8 +445,8 @@ static bool finish_coated(nqm_bsdf_reading *r, const nqm_bsdf_node *bsdf) {
 #define DISPLACEMENT NQM_RULE_ZERO("displacement", "displacement is not part of a BRDF")
 #define NORMAL_MAP                                                                                                     \
     { .name = "normalmap", .read = read_normal_map }
-#define WALKS                                                                                                          \
-    "pbrt evaluates a coat on a rough metal by random walks, for which there is no table; coateddiffuse is read"
+#define MEDIUM                                                                                                         \
+    { .name = "albedo", .read = nqm_rule_neutral, .n = 3, .why = "a medium that scatters is not supported" }
 #define TRANSMITS "transmission is not supported"
 static const nqm_bsdf_plugin types[] = {
     {.type = "conductor",
@@ -432,20 +462,19 @@ static const nqm_bsdf_plugin types[] = {
     {.type = "measured", .rules = {{.name = "filename", .read = nqm_bsdf_file}}},
     {.type = "coateddiffuse",
      .model = "pbrt-coated-diffuse",
-     .finish = finish_coated,
-     .rules = {NQM_RULE_LATER("reflectance"),
-               NQM_RULE_LATER("roughness"),
-               NQM_RULE_LATER("uroughness"),
-               NQM_RULE_LATER("vroughness"),
-               NQM_RULE_LATER("remaproughness"),
-               NUMBER("eta"),
-               NUMBER("thickness"),
-               NUMBER("maxdepth"),
-               {.name = "albedo", .read = nqm_rule_neutral, .n = 3, .why = "a medium that scatters is not supported"},
-               NQM_RULE_IGNORED("g nsamples"),
-               NORMAL_MAP,
-               DISPLACEMENT}},
-    {.type = "coatedconductor", .refusal = WALKS},
+     .finish = finish_coated_diffuse,
+     .rules = {NQM_RULE_LATER("reflectance"), NQM_RULE_LATER("roughness"), NQM_RULE_LATER("uroughness"),
+               NQM_RULE_LATER("vroughness"), NQM_RULE_LATER("remaproughness"), NUMBER("eta"), NUMBER("thickness"),
+               NUMBER("maxdepth"), MEDIUM, NQM_RULE_IGNORED("g nsamples"), NORMAL_MAP, DISPLACEMENT}},
+    {.type = "coatedconductor",
+     .model = "pbrt-coated-conductor",
+     .finish = finish_coated_conductor,
+     .rules = {NQM_RULE_LATER("interface.roughness"), NQM_RULE_LATER("interface.uroughness"),
+               NQM_RULE_LATER("interface.vroughness"), NQM_RULE_LATER("conductor.roughness"),
+               NQM_RULE_LATER("conductor.uroughness"), NQM_RULE_LATER("conductor.vroughness"),
+               NQM_RULE_LATER("conductor.eta"), NQM_RULE_LATER("conductor.k"), NQM_RULE_LATER("reflectance"),
+               NQM_RULE_LATER("remaproughness"), NUMBER("interface.eta"), NUMBER("thickness"), NUMBER("maxdepth"),
+               MEDIUM, NQM_RULE_IGNORED("g nsamples"), NORMAL_MAP, DISPLACEMENT}},
     {.type = "dielectric thindielectric diffusetransmission", .refusal = TRANSMITS},
     {.type = "subsurface", .refusal = "subsurface scattering is not supported"},
     {.type = "hair", .refusal = "hair has no BRDF of a surface"},
@@ -572,26 +601,27 @@ static bool probe(const nqm_map *map) {
 /* ---- writing ----------------------------------------------------------------------------------------------------- */
 
 static void write_material(const nqm_shading *shading, const char *name, FILE *stream) {
-    const bool is_diffuse = strcmp(shading->model, "lambert") == 0, is_coated = strstr(shading->model, "coated");
+    static const char *const written[][3] = {/* model, type, and its colours */
+                                             {"lambert", "diffuse", "kd"},
+                                             {"pbrt-conductor", "conductor", "eta k"},
+                                             {"pbrt-coated-diffuse", "coateddiffuse", "reflectance"},
+                                             {"pbrt-coated-conductor", "coatedconductor", "conductor.eta conductor.k"}};
     char numbers[100];
-    fprintf(stream, "MakeNamedMaterial \"%s\"\n    \"string type\" \"%s\"\n", name,
-            is_diffuse  ? "diffuse"
-            : is_coated ? "coateddiffuse"
-                        : "conductor");
+    size_t at = 0;
+    while (strcmp(written[at][0], shading->model) != 0)
+        ++at;
+    fprintf(stream, "MakeNamedMaterial \"%s\"\n    \"string type\" \"%s\"\n", name, written[at][1]);
     for (size_t i = 0; i < shading->n; ++i) {
         const nqm_property *p = &shading->properties[i];
-        const bool is_number = is_coated ? strcmp(p->key, "reflectance") != 0 : strcmp(p->key, "roughness") == 0;
-        const bool is_pair = p->n == 2;
+        const bool is_colour = nqm_contains_word(written[at][2], p->key, false), is_pair = p->n == 2;
+        const char *type = is_colour ? "rgb" : strcmp(p->key, "maxdepth") == 0 ? "integer" : "float";
         for (size_t c = 0; c < (is_pair ? 2 : 1); ++c)
-            fprintf(stream, "    \"%s %s%s\" [ %s ]\n",
-                    !is_number                        ? "rgb"
-                    : strcmp(p->key, "maxdepth") == 0 ? "integer"
-                                                      : "float",
+            fprintf(stream, "    \"%s %s%s\" [ %s ]\n", type,
                     !is_pair ? ""
                     : c      ? "v"
                              : "u",
-                    is_diffuse ? "reflectance" : p->key,
-                    nqm_format_doubles(numbers, sizeof numbers, is_number ? 1 : 3, p->v + c, " "));
+                    at == 0 ? "reflectance" : p->key,
+                    nqm_format_doubles(numbers, sizeof numbers, is_colour ? 3 : 1, p->v + c, " "));
     }
 }
 
@@ -607,7 +637,7 @@ static nqm_status write_pbrt(size_t n, const nqm_named_shading *materials, const
 const nqm_material_format nqm_pbrt_format = {
     .name = "pbrt-v4",
     .extensions = ".pbrt",
-    .models = "pbrt-conductor lambert pbrt-coated-diffuse",
+    .models = "pbrt-conductor lambert pbrt-coated-diffuse pbrt-coated-conductor",
     .probe = probe,
     .read = read_pbrt,
     .write = write_pbrt,

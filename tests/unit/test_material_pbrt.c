@@ -37,6 +37,34 @@ static void coats(void **state) {
     expect_same("pbrt-coated-diffuse:roughness=.123;reflectance=.1,.2,.3;eta=1.4;thickness=.02;maxdepth=7", "pbrt");
 }
 
+static void coated_conductors(void **state) {
+    (void)state;
+    static const char copper[] = "conductor.eta=0.200437697,0.9240334304,1.1022119527;"
+                                 "conductor.k=3.9129485033,2.4528477015,2.1421879552";
+    char spec[300];
+    snprintf(spec, sizeof spec, "pbrt-coated-conductor:interface.roughness=0;conductor.roughness=0;%s", copper);
+    expect_spec("Material \"coatedconductor\"", spec);
+    snprintf(spec, sizeof spec,
+             "pbrt-coated-conductor:interface.eta=1.7;thickness=0.5;maxdepth=20;"
+             "interface.roughness=0.25;conductor.roughness=0.0625;%s",
+             copper);
+    expect_spec("Material \"coatedconductor\" \"float interface.roughness\" .5 \"float conductor.roughness\" .25 "
+                "\"bool remaproughness\" false \"float interface.eta\" 1.7 \"float thickness\" 0.5 "
+                "\"integer maxdepth\" 20 \"float g\" .5 \"integer nsamples\" 4 \"rgb albedo\" [ 0 0 0 ]",
+                spec);
+    expect_spec("Material \"coatedconductor\" \"float interface.uroughness\" .1 \"float interface.vroughness\" .1 "
+                "\"float conductor.roughness\" .2 \"rgb conductor.eta\" [ 1 2 3 ] "
+                "\"spectrum conductor.k\" \"metal-Al-k\"",
+                "pbrt-coated-conductor:interface.roughness=0.1;conductor.roughness=0.2;conductor.eta=1,2,3;"
+                "conductor.k=9.2238691996,6.2695232477,4.8370012281");
+    expect_spec("Material \"coatedconductor\" \"rgb reflectance\" [0 0.5 0.8] \"float conductor.roughness\" 0.1",
+                "pbrt-coated-conductor:interface.roughness=0;conductor.roughness=0.1;conductor.eta=1,1,1;"
+                "conductor.k=0,2,4");
+    expect_same("pbrt-coated-conductor:interface.roughness=.123;interface.eta=1.4;conductor.roughness=0;"
+                "conductor.eta=.1,.2,.3;conductor.k=3;thickness=.02;maxdepth=7",
+                "pbrt");
+}
+
 static void refused_materials(void **state) {
     (void)state;
     static const char *const cases[][2] = {
@@ -66,7 +94,14 @@ static void refused_materials(void **state) {
         {"Material \"coateddiffuse\"", "smooth"},
         {"Material \"coateddiffuse\" \"float roughness\" .1 \"rgb albedo\" [ .5 .5 .5 ]", "scatters"},
         {"Material \"coateddiffuse\" \"float uroughness\" .1 \"float vroughness\" .2", "one roughness"},
-        {"Material \"coatedconductor\"", "random walks"},
+        {"Material \"coatedconductor\" \"rgb albedo\" .5", "three numbers"},
+        {"Material \"coatedconductor\" \"rgb albedo\" [ 0 0 .5 ]", "scatters"},
+        {"Material \"coatedconductor\" \"float interface.uroughness\" .1", "interface.uroughness and"},
+        {"Material \"coatedconductor\" \"float conductor.vroughness\" .1", "conductor.vroughness differ"},
+        {"Material \"coatedconductor\" \"float conductor.roughness\" -.1", "negative"},
+        {"Material \"coatedconductor\" \"float roughness\" .1", "has no"},
+        {"Material \"coatedconductor\" \"rgb reflectance\" [ 1 1 1 ] \"rgb conductor.k\" [ 1 1 1 ]", "as well as"},
+        {"Material \"coatedconductor\" \"spectrum conductor.eta\" \"metal-Au-k\"", "not known"},
         {"Material \"dielectric\"", "transmission"},
         {"Material \"mix\" \"string materials\" [ \"a\" \"b\" ]", "mixtures"},
         {"Material \"uber\"", "not known"},
@@ -138,6 +173,8 @@ static void roughness_textures(void **state) {
     expect_map(IMAGE("t", "float", "r.exr", "") ROUGH, 0, "roughness is", "roughness", "maximum(" MEAN ", 1e-06)");
     expect_map(IMAGE("t", "float", "r.exr", "") ROUGH "\"bool remaproughness\" false", 0, "roughness is", "roughness",
                "maximum(multiply(" MEAN ", " MEAN "), 1e-06)");
+    expect_map(IMAGE("t", "float", "r.exr", "") "Material \"coatedconductor\" \"texture conductor.roughness\" \"t\"", 0,
+               "conductor.roughness is", "conductor.roughness", MEAN);
     expect_map(IMAGE("t", "float", "r.exr", "") ROUGH "\"float vroughness\" .2", 0, "roughness is", "roughness",
                "maximum(combine(" MEAN ", 0.2), 1e-06)");
 }
@@ -175,7 +212,7 @@ static void refused_textures(void **state) {
         {"Attribute \"texture\" \"float uscale\" 2 " IMAGE("t", "spectrum", "a.png", "") DIFFUSE, "textures"},
         {"Material \"diffuse\" \"string normalmap\" \"\"", "normalmap"},
         {IMAGE("t", "float", "a.png", "") "Material \"diffuse\" \"texture displacement\" \"t\"", "displacement"},
-        {IMAGE("t", "spectrum", "a.png", "") "Material \"coatedconductor\" \"texture reflectance\" \"t\"", "random"},
+        {IMAGE("t", "float", "a.png", "") "Material \"coatedconductor\" \"texture thickness\" \"t\"", "thickness"},
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i)
         expect_refusal(cases[i][0], cases[i][1]);
@@ -241,12 +278,19 @@ static void no_memory(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(conductors),        cmocka_unit_test(coats),
-        cmocka_unit_test(refused_materials), cmocka_unit_test(scenes),
-        cmocka_unit_test(colour_textures),   cmocka_unit_test(roughness_textures),
-        cmocka_unit_test(computed_textures), cmocka_unit_test(refused_textures),
-        cmocka_unit_test(nested_textures),   cmocka_unit_test(corners_of_images),
-        cmocka_unit_test(damaged_files),     cmocka_unit_test(files_go_there_and_back),
+        cmocka_unit_test(conductors),
+        cmocka_unit_test(coats),
+        cmocka_unit_test(coated_conductors),
+        cmocka_unit_test(refused_materials),
+        cmocka_unit_test(scenes),
+        cmocka_unit_test(colour_textures),
+        cmocka_unit_test(roughness_textures),
+        cmocka_unit_test(computed_textures),
+        cmocka_unit_test(refused_textures),
+        cmocka_unit_test(nested_textures),
+        cmocka_unit_test(corners_of_images),
+        cmocka_unit_test(damaged_files),
+        cmocka_unit_test(files_go_there_and_back),
         cmocka_unit_test(no_memory),
     };
     return cmocka_run_group_tests(tests, make_temp_file, remove_temp_file);

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: MIT
 """pbrt-v4's coateddiffuse by its own random walk (LayeredBxDF::f of src/pbrt/bxdfs.h, with its two strategies and their weights, and
-Russian roulette), 200,000 walks a pair, isotropic, without a medium that scatters.
+Russian roulette), 200,000 walks a pair, isotropic, without a medium that scatters. shading_coated_conductor.py has its functions too.
 shading_coated.csv: spec, wi, wo, r, g, b, and the standard error of each. Usage: python3 shading_coated.py (2 minutes)"""
 import csv
 import pathlib
@@ -145,4 +145,5 @@ def main():
                 out.writerow([spec, *map(float, wi), *map(float, wo), *(float(f"{x:.8g}") for x in (*mean, *error))])
 
 
-main()
+if __name__ == "__main__":
+    main()

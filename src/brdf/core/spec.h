@@ -136,8 +136,8 @@ void nqm_spec_jacobian(const void *self, size_t n, const double *wi, const doubl
     X(nqm_disney_model)                                                                                                \
     X(nqm_principled_model)                                                                                            \
     X(nqm_blender_model)
-/** Models whose opening takes milliseconds, so that nothing is fitted to them. Likewise. */
-#define NQM_SLOW_MODELS(X) X(nqm_coated_model)
+/** Models whose opening or evaluation is so slow that nothing is fitted to them. Likewise. */
+#define NQM_SLOW_MODELS(X) X(nqm_coated_model) X(nqm_coated_conductor_model)
 
 #define NQM_DECLARE_MODEL(NAME) extern const nqm_analytic_model NAME;
 #define NQM_DECLARE_TWIN(NAME)  extern const nqm_analytic_model NAME##_mistaken;

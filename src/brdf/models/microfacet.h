@@ -15,6 +15,11 @@
 /** Of diffuse parts. */
 #define DIFFUSE_PI (MISTAKEN(DIFFUSE_WITHOUT_PI) ? 1 : NQM_PI)
 
+/** a with weight 1 - t, b with t. */
+static inline double mix(double a, double b, double t) {
+    return a + (b - a) * t;
+}
+
 /* ---- half vector ------------------------------------------------------------------------------------------------- */
 
 /* Angles of the half vector, computed without normalising it: |wi + wo| = 2 cos theta_d. There is no cancellation near
@@ -168,6 +173,27 @@ static inline double ggx_visibility(double cosine, double alpha2) {
     return 1 / (cosine + sqrt(cos2 + alpha2 * (1 - cos2)));
 }
 
+/** Smith's Lambda. */
+static inline double smith_lambda(double alpha2, double cosine) {
+    return 0.5 * (sqrt(mix(cosine * cosine, 1, alpha2)) / cosine - 1);
+}
+
+/** The visible normal of w at a point (x, y, sqrt(1 - x^2)) of the disk of Heitz 2018 (https://jcgt.org/published/0007/04/01/), whose x
+ *  is across w. */
+static inline void ggx_visible_normal(double alpha, const double *w, const double *point, double *h) {
+    const double x = alpha * w[0], y = alpha * w[1], xy2 = x * x + y * y, xy = sqrt(xy2);
+    const double scale = 1 / sqrt(xy2 + w[2] * w[2]), vz = w[2] * scale, v = xy * scale;
+    const double turn = xy > 1e-12 ? 1 / xy : 0, cos_turn = xy > 1e-12 ? x * turn : 1, sin_turn = y * turn;
+    const double along_disk = mix(point[2], point[1], 0.5 * (1 + vz));
+    const double up2 = point[2] * point[2] - along_disk * along_disk, up = sqrt(up2 > 0 ? up2 : 0);
+    const double out = alpha * (up * v - along_disk * vz), side = alpha * point[0];
+    const double height = up * vz + along_disk * v, z = height > 1e-6 ? height : 1e-6,
+                 norm = 1 / sqrt(out * out + side * side + z * z);
+    h[0] = norm * (out * cos_turn - side * sin_turn);
+    h[1] = norm * (out * sin_turn + side * cos_turn);
+    h[2] = norm * z;
+}
+
 #ifdef NQM_WITH_MISTAKES
 /** Widths of the shadowing that a mistake changes. */
 static inline pair_widths mistaken_widths(pair_widths a) {
@@ -236,11 +262,6 @@ static inline double separable_beckmann(double tan2_h, double cos_i, double cos_
 }
 
 /* ---- Fresnel factors --------------------------------------------------------------------------------------------- */
-
-/** a with weight 1 - t, b with t. */
-static inline double mix(double a, double b, double t) {
-    return a + (b - a) * t;
-}
 
 static inline double power5(double x) {
     double x2 = x * x;

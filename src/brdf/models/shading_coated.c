@@ -31,31 +31,14 @@ typedef struct coated {
     double enter[N_COSINES], leave[N_COSINES]; /* T and X at cosines (j / (N_COSINES - 1))^2 */
 } coated;
 
-/* Smith's Lambda. */
-static double lambda(double alpha2, double cosine) {
-    return 0.5 * (sqrt(1 + alpha2 * (1 / (cosine * cosine) - 1)) - 1);
-}
-
-/* The visible normal of a direction in the plane y = 0 at a point of the disk of Heitz 2018 (https://jcgt.org/published/0007/04/01/). */
-static void visible_normal(double alpha, const double *wo, double radius, double turn, double *h) {
-    const double length = hypot(alpha * wo[0], wo[2]), vx = alpha * wo[0] / length, vz = wo[2] / length;
-    const double across = radius * cos(turn), s = 0.5 * (1 + vz);
-    const double along_disk = (1 - s) * sqrt(1 - across * across) + s * radius * sin(turn);
-    const double up = sqrt(fmax(0, 1 - across * across - along_disk * along_disk));
-    const double x = alpha * (up * vx - along_disk * vz), y = alpha * across, z = fmax(0, up * vz + along_disk * vx);
-    const double norm = sqrt(x * x + y * y + z * z);
-    h[0] = x / norm;
-    h[2] = z / norm;
-}
-
 typedef enum way { ENTER, LEAVE, RETURN } way;
 
 /* The sum of the weights of both strategies for light of this cosine, refracted to -z by a normal with this cosine and height. */
 static double weights(double alpha2, double eta, double cosine, double c, double refracted, double z, double h_z) {
     const double d = ggx_distribution(1 / (h_z * h_z) - 1, alpha2), jacobian = c / eta - refracted;
     const double common = d * c * refracted / (jacobian * jacobian), base = z / NQM_PI;
-    const double inside = common / (cosine * (1 + lambda(alpha2, cosine)));
-    const double outside = common / (eta * eta * z * (1 + lambda(alpha2, z)));
+    const double inside = common / (cosine * (1 + smith_lambda(alpha2, cosine)));
+    const double outside = common / (eta * eta * z * (1 + smith_lambda(alpha2, z)));
     return inside * inside / (inside * inside + base * base) + base * base / (base * base + outside * outside);
 }
 
@@ -63,22 +46,23 @@ static double weights(double alpha2, double eta, double cosine, double c, double
  * interface relative to the side of the light. */
 static double pass(const nqm_spec_values *values, double cosine, double eta, way leg) {
     const double alpha2 = values->v[ROUGHNESS][0], alpha = sqrt(alpha2), gap = values->v[THICKNESS][0];
-    const double wo[3] = {sqrt(fmax(0, 1 - cosine * cosine)), 0, cosine}, hidden = 1 + lambda(alpha2, cosine);
+    const double wo[3] = {sqrt(fmax(0, 1 - cosine * cosine)), 0, cosine}, hidden = 1 + smith_lambda(alpha2, cosine);
     double sum = 0;
     for (size_t i = 0; i < N_RADII; ++i)
         for (size_t j = 0; j < N_AZIMUTHS; ++j) {
             /* dense at the edge, where normals are steep; azimuths of one half */
             const double t = ((double)i + 0.5) / N_RADII, turn = NQM_PI * (((double)j + 0.5) / N_AZIMUTHS - 0.5);
+            const double r = sqrt(1 - t * t * t), across = r * cos(turn);
             double h[3];
-            visible_normal(alpha, wo, sqrt(1 - t * t * t), turn, h);
+            ggx_visible_normal(alpha, wo, (const double[]){across, r * sin(turn), sqrt(1 - across * across)}, h);
             const double c = fmin(1, wo[0] * h[0] + wo[2] * h[2]), f = fresnel_dielectric(eta, c);
             const double refracted = sqrt(fmax(0, 1 - (1 - c * c) / (eta * eta)));
             const double z = leg == RETURN ? 2 * c * h[2] - cosine : cosine / eta - (c / eta - refracted) * h[2];
             if (z <= 0)
                 continue;
             const double weight = leg == LEAVE ? weights(alpha2, eta, cosine, c, refracted, z, h[2]) : 1;
-            sum += 3 * t * t * (leg == RETURN ? f : 1 - f) * hidden / (hidden + lambda(alpha2, z)) * exp(-gap / z) *
-                   weight;
+            sum += 3 * t * t * (leg == RETURN ? f : 1 - f) * hidden / (hidden + smith_lambda(alpha2, z)) *
+                   exp(-gap / z) * weight;
         }
     return sum / (N_RADII * N_AZIMUTHS);
 }
