@@ -373,9 +373,13 @@ static bool conductor_roughness(nqm_bsdf_reading *r, const nqm_bsdf_node *bsdf) 
         value[0] = nqm_graph_compute(t, NQM_MAP_COMBINE, n, value[0], value[1], 0);
     if (!remap)
         value[0] = nqm_graph_compute(t, NQM_MAP_MULTIPLY, n, value[0], value[0], 0);
-    if (nqm_graph_is_constant(t, value[0]) && fmin(t->nodes[value[0]].v[0], t->nodes[value[0]].v[n - 1]) < 1e-6)
-        return nqm_refuse(&r->reading, bsdf,
-                          "a smooth surface reflects into one direction only; only rough ones have a BRDF");
+    const bool is_dielectric = strstr(r->reading.owner, "dielectric");
+    if (nqm_graph_is_constant(t, value[0]) && fmin(t->nodes[value[0]].v[0], t->nodes[value[0]].v[n - 1]) < 1e-6) {
+        r->reading.shading.remark = NQM_BSDF_SMOOTH;
+        if (!is_dielectric)
+            return nqm_refuse(&r->reading, bsdf,
+                              "a smooth surface reflects into one direction only; only rough ones have a BRDF");
+    }
     return nqm_bsdf_output(r, "roughness", nqm_graph_with(t, NQM_MAP_MAXIMUM, n, value[0], 1e-6));
 }
 
@@ -389,6 +393,27 @@ static bool finish_conductor(nqm_bsdf_reading *r, const nqm_bsdf_node *bsdf) {
         return reflectance_index(r, reflectance);
     return read_value(r, "eta", 3, copper->eta, &eta) && nqm_bsdf_output(r, "eta", eta) &&
            read_value(r, "k", 3, copper->k, &k) && nqm_bsdf_output(r, "k", k);
+}
+
+/* Glasses: Schott's index at the line d. pbrt renders their dispersion. */
+static const struct {
+    const char *name;
+    double eta;
+} glasses[] = {{"glass-BK7", 1.5168}, {"glass-BAF10", 1.67003}, {"glass-FK51A", 1.48656}, {"glass-LASF9", 1.85025},
+               {"glass-F5", 1.6727},  {"glass-F10", 1.72825},   {"glass-F11", 1.78472}};
+
+/* What the interface reflects; a pane has no roughness. */
+static bool finish_dielectric(nqm_bsdf_reading *r, const nqm_bsdf_node *bsdf) {
+    const nqm_bsdf_node *node = nqm_bsdf_find(r, "eta");
+    const bool is_thin = strcmp(r->reading.owner, "thindielectric") == 0;
+    double eta = 1.5;
+    bool is_glass = false;
+    for (size_t i = 0; node && !is_glass && i < sizeof glasses / sizeof *glasses; ++i)
+        if ((is_glass = strcmp(node->value, glasses[i].name) == 0))
+            eta = glasses[i].eta;
+    if (!is_glass && !nqm_bsdf_numbers(r, "eta", 1, &eta))
+        return false;
+    return conductor_roughness(r, bsdf) && nqm_bsdf_interface(r, bsdf, eta, is_thin);
 }
 
 static bool finish_diffuse(nqm_bsdf_reading *r, const nqm_bsdf_node *bsdf) {
@@ -417,7 +442,6 @@ static bool finish_coated(nqm_bsdf_reading *r, const nqm_bsdf_node *bsdf) {
     { .name = "normalmap", .read = read_normal_map }
 #define WALKS                                                                                                          \
     "pbrt evaluates a coat on a rough metal by random walks, for which there is no table; coateddiffuse is read"
-#define TRANSMITS "transmission is not supported"
 static const nqm_bsdf_plugin types[] = {
     {.type = "conductor",
      .model = "pbrt-conductor",
@@ -446,7 +470,16 @@ static const nqm_bsdf_plugin types[] = {
                NORMAL_MAP,
                DISPLACEMENT}},
     {.type = "coatedconductor", .refusal = WALKS},
-    {.type = "dielectric thindielectric diffusetransmission", .refusal = TRANSMITS},
+    {.type = "dielectric",
+     .model = "pbrt-conductor",
+     .finish = finish_dielectric,
+     .rules = {NQM_RULE_LATER("eta"), NQM_RULE_LATER("roughness"), NQM_RULE_LATER("uroughness"),
+               NQM_RULE_LATER("vroughness"), NQM_RULE_LATER("remaproughness"), NORMAL_MAP, DISPLACEMENT}},
+    {.type = "thindielectric",
+     .model = "pbrt-conductor",
+     .finish = finish_dielectric,
+     .rules = {NQM_RULE_LATER("eta"), NORMAL_MAP, DISPLACEMENT}},
+    {.type = "diffusetransmission", .refusal = "transmission is not supported"},
     {.type = "subsurface", .refusal = "subsurface scattering is not supported"},
     {.type = "hair", .refusal = "hair has no BRDF of a surface"},
     {.type = "mix", .refusal = "mixtures of materials are not supported"},
