@@ -8,8 +8,8 @@ MATERIALS is the folder of the examples: `definitions` with MaterialX's graphs, 
 `physicallybased` with the published exports of physicallybased.info. OUT.csv gets a row for each pair as it is judged; a second run
 continues it. Kinds of rows: `export` (a published file beside the published OpenPBR file), `nqm` (nqm translate), `graph` (MaterialX's
 translation graphs), and approximations. All pairs are judged by `nqm score`; exports, translations that score below 9 and a tenth of the
-others, by a hash of their names, also by `nqm label` (standard scenes). The tables are written at the end, and doc/gallery/translations.png with
---pictures. The tool is NQM_TOOL, default build/nqm. Python's standard library only."""
+others, by a hash of their names, also by `nqm label` (standard scenes). The tables are written at the end, and doc/gallery/translations.png.
+The tool is NQM_TOOL, default build/nqm. Python's standard library only."""
 import collections
 import csv
 import glob
@@ -29,6 +29,7 @@ METALS, PLASTICS = ("rough-conductor", "pbrt-conductor"), ("rough-plastic",)
 METALNESS = {"open-pbr": "base_metalness", "standard-surface": "metalness"}  # "metallic" in the others
 FOLDER = os.path.dirname(os.path.abspath(__file__))
 PAGE = os.path.join(FOLDER, "../doc/translations.md")
+PICTURE = os.path.join(FOLDER, "../doc/gallery/translations.png")
 IGNORED = "--ignore=transmission,subsurface,emission,opacity"
 CHUNK = 12  # pairs judged together: what an interrupted run makes again
 
@@ -229,38 +230,93 @@ def make_rows(materials, out):
 # ---- page -----------------------------------------------------------------------------------------------------------
 
 
-def summary(rows):
-    """n, median, mean with its interval over materials, share below 9, and the worst three."""
-    jods = sorted((r["jod"], r["material"]) for r in rows)
-    values = [j for j, _ in jods]
-    low, high = interval([[v] for v in values])
-    worst = ", ".join(f"{name} {jod:.2f}" for jod, name in jods[:3] if jod < 9.95)
-    below = 100 * sum(v < 9 for v in values) / len(values)
-    return (f"{len(values)} | {statistics.median(values):.2f} | {statistics.mean(values):.2f} [{low:.2f}, {high:.2f}] | {below:.0f} % | "
-            f"{worst or '-'}")
+def short(name):
+    return name.split(":")[-1].split("/")[-1].removeprefix("open_pbr_")
 
 
-HEAD = "| n | median | mean [95 %] | below 9 | worst |\n"
-RULE = "|---|---|---|---|---|---|\n"
+def worst_of(rows, n=1, key="score"):
+    """By the label where there is one."""
+    some = sorted(rows, key=lambda r: r["jod"] if r["jod"] is not None else r["score"])[:n]
+    return ", ".join(f"{short(r['material'])} {r['score'] if r['jod'] is None else r['jod']:.2f}" for r in some if r["score"] < 9.95) or "-"
 
 
-def table(title, groups):
-    return title + HEAD + RULE + "".join(f"| {name} | {summary(rows)} |\n" for name, rows in groups if rows)
+def below(rows, key):
+    return f"{100 * sum(r[key] < 9 for r in rows) / len(rows):.0f} %"
+
+
+def table(*rows):
+    """Of tuples; the first one has the titles."""
+    lines = ["| " + " | ".join(map(str, row)) + " |" for row in rows]
+    return "\n".join([lines[0], "|" + "---|" * len(rows[0]), *lines[1:]]) + "\n"
+
+
+def matrix(some):
+    """Medians and worst cases of nqm translate, between all models."""
+    targets = ALL + METALS + PLASTICS
+    lines = []
+    for source in (*GRAPHS, "gltf", "usd-preview", "disney"):
+        cells = [some("nqm", t, source) for t in targets]
+        n = max(map(len, cells))
+        lines.append((f"`{source}` ({n})", *(f"{statistics.median(r['score'] for r in c):.2f}, {min(r['score'] for r in c):.1f}"
+                                             if c else "" for c in cells)))
+    return table(("from, to", *(f"`{t}`" for t in targets)), *lines)
+
+
+def against_graphs(some):
+    lines = []
+    for source, targets in GRAPHS.items():
+        for target in targets:
+            rows = {k: {r["material"]: r for r in some(k, target, source)} for k in ("nqm", "graph")}
+            both = sorted(set(rows["nqm"]) & set(rows["graph"]))
+            fits, graphs = ([rows[k][m] for m in both] for k in ("nqm", "graph"))
+            if not both:
+                continue
+            low, high = interval([[f["score"] - g["score"]] for f, g in zip(fits, graphs)])
+            lines.append((f"`{source}` to `{target}`", len(both), *(f"{statistics.median(r['score'] for r in k):.2f}" for k in (fits, graphs)),
+                          f"{statistics.mean(f['score'] - g['score'] for f, g in zip(fits, graphs)):+.2f} [{low:+.2f}, {high:+.2f}]",
+                          below(fits, "score"), below(graphs, "score"), worst_of(fits), worst_of(graphs)))
+    return table(("from OpenPBR or Standard Surface", "n", "median: nqm", "graph", "mean difference [95 %]", "below 9: nqm", "graph",
+                  "worst: nqm", "graph"), *lines)
+
+
+def summaries(title, groups, key):
+    lines = []
+    for name, rows in groups:
+        values = [r[key] for r in rows]
+        low, high = interval([[v] for v in values])
+        lines.append((name, len(rows), f"{statistics.median(values):.2f}", f"{statistics.mean(values):.2f} [{low:.2f}, {high:.2f}]",
+                      below(rows, key), worst_of(rows, 2)))
+    return table((title, "n", "median", "mean [95 %]", "below 9", "worst"), *lines)
+
+
+def check(rows):
+    """How far the scores are from the labels, where both are known."""
+    lines = []
+    for name, kinds in (("`nqm translate`", ("nqm",)), ("graphs", ("graph",)), ("exports", ("export",)), ("approximations", APPROXIMATIONS)):
+        errors = [r["score"] - r["jod"] for r in rows if r["kind"] in kinds and r["jod"] is not None]
+        inside = [r["low"] <= r["jod"] <= r["high"] for r in rows if r["kind"] in kinds and r["jod"] is not None]
+        if errors:
+            lines.append((name, len(errors), f"{statistics.mean(map(abs, errors)):.3f}", f"{statistics.mean(errors):+.3f}",
+                          f"{100 * statistics.mean(inside):.0f} %"))
+    return table(("labelled pairs", "n", "mean error of the score", "mean difference", "labels inside the interval"), *lines)
 
 
 def page(rows):
-    def some(kind, target=None):
-        return [r for r in rows if r["kind"] == kind and target in (None, r["target"])]
+    def some(kind, target=None, source=None):
+        return [r for r in rows if r["kind"] == kind and target in (None, r["target"]) and source in (None, r["source"])]
 
-    exports = [(f"to `{t}`", some("export", t)) for t in GRAPHS[:2]]
-    translations = [(f"to `{t}`, {'`nqm translate`' if k == 'nqm' else 'graph'}", some(k, t)) for t in TARGETS for k in ("nqm", "graph")]
-    approximations = sorted(((name, some(name)) for name in APPROXIMATIONS), key=lambda g: statistics.mean([r["jod"] for r in g[1]] or [10]))
-    wrong = sorted((r for r in rows if r["kind"] == "export" and r["jod"] < 9), key=lambda r: r["jod"])
-    text = open(PAGE, encoding="utf-8").read() if os.path.exists(PAGE) else ""
-    parts = {"translations": table("| from OpenPBR ", translations), "exports": table("| published export ", exports),
-             "approximations": table("| left out ", approximations),
-             "wrong": "| export | JOD | it looks |\n|---|---|---|\n" +
-                      "".join(f"| {r['material']} to `{r['target']}` | {r['jod']:.2f} | {r['words']} |\n" for r in wrong)}
+    approximated = sorted(((name, some(name)) for name in APPROXIMATIONS if some(name)),
+                          key=lambda g: statistics.mean(r["score"] for r in g[1]))
+    labelled = [r for r in some("export") if r["jod"] is not None]
+    equal = [{**r, "jod": r["score"]} for r in some("export") if r["jod"] is None]
+    wrong = sorted((r for r in labelled if r["jod"] < 9.5), key=lambda r: r["jod"])
+    parts = {"matrix": matrix(some), "graphs": against_graphs(some), "check": check(rows),
+             "exports": summaries("published export", [(f"to `{t}`", [r for r in labelled + equal if r["target"] == t])
+                                                       for t in ("gltf", "standard-surface")], "jod"),
+             "wrong": table(("export", "JOD", "it looks"), *((f"{r['material']} to `{r['target']}`", f"{r['jod']:.2f}", r["words"])
+                                                             for r in wrong)),
+             "approximations": summaries("left out", approximated, "score")}
+    text = open(PAGE, encoding="utf-8").read()
     for name, part in parts.items():
         begin, end = f"<!-- {name} -->\n", f"<!-- end of {name} -->"
         before, _, rest = text.partition(begin)
@@ -269,16 +325,32 @@ def page(rows):
     return text
 
 
+def draw(rows):
+    """The worst labelled pairs of each kind, one of a material: the reference on the left."""
+    arguments, titles = [], []
+    for kinds, n in (("export", 3), ("nqm", 3), ("graph", 2)):
+        seen = set()
+        for r in sorted((r for r in rows if r["kind"] == kinds and r["jod"] is not None), key=lambda r: r["jod"]):
+            if len(seen) < n and r["material"] not in seen:
+                seen.add(r["material"])
+                arguments += ["+"] * bool(arguments) + [r["reference"], r["test"]]
+                titles.append(f"{short(r['material'])} to {r['target']} ({kinds})")
+    subprocess.run([TOOL, "label", *arguments, "--grid", PICTURE, "--size", "160", "--rows", ",".join(titles),
+                    "--columns", "original,translation"], stdout=subprocess.DEVNULL, check=True)
+
+
 def main():
     arguments = [a for a in sys.argv[1:] if not a.startswith("--")]
     if len(arguments) != 2:
         sys.exit(__doc__)
     if "--only-page" not in sys.argv:
         make_rows(*arguments)
-    rows = [{**r, "jod": float(r["jod"])} for r in csv.DictReader(open(arguments[1], encoding="utf-8"))]
-    with open(PAGE + ".new", "w", encoding="utf-8") as stream:
-        stream.write(page(rows))
-    os.replace(PAGE + ".new", PAGE)
+    numbers = ("score", "low", "high", "jod")
+    rows = [{**r, **{k: float(r[k]) if r[k] else None for k in numbers}} for r in csv.DictReader(open(arguments[1], encoding="utf-8"))]
+    text = page(rows)
+    with open(PAGE, "w", encoding="utf-8") as stream:
+        stream.write(text)
+    draw(rows)
 
 
 if __name__ == "__main__":

@@ -216,6 +216,8 @@ bool nqm_bsdf_output(nqm_bsdf_reading *r, const char *key, uint16_t value) {
 bool nqm_bsdf_interface(nqm_bsdf_reading *r, const nqm_bsdf_node *bsdf, double eta, bool is_thin) {
     nqm_textured *t = r->reading.textured;
     double k = 0;
+    if (!(eta > 0 && eta <= 20))
+        return nqm_refuse(&r->reading, bsdf, "the index of refraction is %.4g; the model's range is 0 to 20", eta);
     if (is_thin) {
         const double one = (eta - 1) * (eta - 1) / ((eta + 1) * (eta + 1)), both = 2 * one / (1 + one);
         eta = 1.08;

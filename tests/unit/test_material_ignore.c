@@ -164,9 +164,10 @@ static void test_interfaces(void **state) {
     EXPECT("Material \"thindielectric\" \"float eta\" 1.5", "transmission", "roughness=1e-06;" PANE);
     expect_refusal(SCENE(BSDF("dielectric", "<string name='int_ior' value='cheese'/>")), "cheese");
     expect_refusal(SCENE(BSDF("dielectric", FLOAT("alpha", ".1"))), "alpha");
-    expect_refusal(SCENE(BSDF("dielectric", FLOAT("ext_ior", "0"))), "not finite");
+    expect_refusal(SCENE(BSDF("dielectric", FLOAT("ext_ior", "0"))), "refraction is inf");
     expect_refusal("Material \"dielectric\" \"spectrum eta\" \"glass-X\"", "glass-X");
     expect_refusal("Material \"dielectric\" \"float vroughness\" -1", "negative");
+    expect_refusal("Material \"dielectric\" \"float eta\" -1.5", "refraction is -1.5");
     expect_refusal("Material \"thindielectric\" \"float roughness\" .1", "roughness");
 }
 
