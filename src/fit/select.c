@@ -24,7 +24,7 @@ typedef struct selection {
     nqm_fit_term judge_term;
     nqm_fit_objective *judge;
     size_t n;
-    candidate list[MAX_STARTS * N_LOSSES + MAX_POLISHED];
+    candidate list[MAX_STARTS * N_LOSSES + 2 * NQM_FIT_N_WIDTHS + MAX_POLISHED];
 } selection;
 
 static bool is_analytic(const selection *s) {
@@ -55,6 +55,17 @@ static nqm_status make_candidates(selection *s, size_t n, const nqm_fit_point *p
             status = add(s, &point, loss, false);
     }
     nqm_free(thin.wi);
+    return status;
+}
+
+/* The starts of a shading model as they are: the few directions that see the lobe of a mirror may lead all fits away from it. */
+static nqm_status add_starts(selection *s) {
+    nqm_fit_run *run = &s->run;
+    nqm_fit_point point = {.loss = 0};
+    double diffuse[3], albedo[3];
+    nqm_status status = nqm_fit_measure_albedos(run->ref, &run->target, diffuse, albedo, run->err);
+    for (size_t i = 0; status == NQM_OK && nqm_fit_start(&run->space, i, 0, diffuse, albedo, &point.values); ++i)
+        status = add(s, &point, NQM_FIT_LOG, false);
     return status;
 }
 
@@ -125,6 +136,8 @@ nqm_status nqm_fit_select(const nqm_brdf *ref, const nqm_fit_entry *entry, const
         status = nqm_fit_search(&s->run, points, &n);
     if (status == NQM_OK)
         status = make_candidates(s, nqm_smaller(n, is_analytic(s) ? 1 : MAX_STARTS), points);
+    if (status == NQM_OK && !is_analytic(s))
+        status = add_starts(s);
     if (status == NQM_OK)
         status = polish_best(s);
     if (status == NQM_OK)
