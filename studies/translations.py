@@ -107,9 +107,9 @@ APPROXIMATIONS = {
 
 
 def sources(materials):
-    """{name: canonical spec}: presets, examples, and each third of the published exports. Of equal specs the first."""
+    """{name: canonical spec}: presets, examples, and each sixth of the published exports. Of equal specs the first."""
     names = [(p, p) for p in run(TOOL, "info", "list", "physical:").split()]
-    for pattern, step in (("materialx/*", 1), ("openpbr/*", 1), ("physicallybased/PB_GLTF_*", 3), ("physicallybased/PB_SS_*", 3)):
+    for pattern, step in (("materialx/*", 1), ("openpbr/*", 1), ("physicallybased/PB_GLTF_*", 6), ("physicallybased/PB_SS_*", 6)):
         names += [(name_of(p).removesuffix(".mtlx"), p) for p in sorted(glob.glob(os.path.join(materials, pattern + ".mtlx")))[::step]]
     specs = {}
     for name, argument in names:
@@ -231,7 +231,7 @@ def make_rows(materials, out):
 
 
 def short(name):
-    return name.split(":")[-1].split("/")[-1].removeprefix("open_pbr_")
+    return name.split(":")[-1].split("/")[-1].removeprefix("open_pbr_").removeprefix("standard_surface_")
 
 
 def worst_of(rows, n=1, key="score"):
@@ -326,16 +326,16 @@ def page(rows):
 
 
 def draw(rows):
-    """The worst labelled pairs of each kind, one of a material: the reference on the left."""
+    """The worst labelled pairs of each kind, one of a material, on a sphere: the reference on the left."""
     arguments, titles = [], []
-    for kinds, n in (("export", 3), ("nqm", 3), ("graph", 2)):
+    for kinds, n in (("export", 2), ("nqm", 2), ("graph", 2)):
         seen = set()
         for r in sorted((r for r in rows if r["kind"] == kinds and r["jod"] is not None), key=lambda r: r["jod"]):
-            if len(seen) < n and r["material"] not in seen:
-                seen.add(r["material"])
+            if len(seen) < n and short(r["material"]) not in seen:
+                seen.add(short(r["material"]))
                 arguments += ["+"] * bool(arguments) + [r["reference"], r["test"]]
-                titles.append(f"{short(r['material'])} to {r['target']} ({kinds})")
-    subprocess.run([TOOL, "label", *arguments, "--grid", PICTURE, "--size", "160", "--rows", ",".join(titles),
+                titles.append(f"{short(r['material'])} ({kinds})")
+    subprocess.run([TOOL, "label", *arguments, "--grid", PICTURE, "--shape", "sphere", "--light", "interior", "--size", "128", "--rows", ",".join(titles),
                     "--columns", "original,translation"], stdout=subprocess.DEVNULL, check=True)
 
 

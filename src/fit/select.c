@@ -15,7 +15,7 @@ typedef struct candidate {
     nqm_fit_point point;
     double difference; /* by the judge */
     nqm_fit_loss loss;
-    bool polished;
+    bool polished, is_start;
 } candidate;
 
 typedef struct selection {
@@ -24,7 +24,7 @@ typedef struct selection {
     nqm_fit_term judge_term;
     nqm_fit_objective *judge;
     size_t n;
-    candidate list[MAX_STARTS * N_LOSSES + 2 * NQM_FIT_N_WIDTHS + MAX_POLISHED];
+    candidate list[MAX_STARTS * N_LOSSES + 2 * NQM_FIT_N_WIDTHS + MAX_POLISHED + 1];
 } selection;
 
 static bool is_analytic(const selection *s) {
@@ -65,7 +65,8 @@ static nqm_status add_starts(selection *s) {
     double diffuse[3], albedo[3];
     nqm_status status = nqm_fit_measure_albedos(run->ref, &run->target, diffuse, albedo, run->err);
     for (size_t i = 0; status == NQM_OK && nqm_fit_start(&run->space, i, 0, diffuse, albedo, &point.values); ++i)
-        status = add(s, &point, NQM_FIT_LOG, false);
+        if ((status = add(s, &point, NQM_FIT_LOG, false)) == NQM_OK)
+            s->list[s->n - 1].is_start = true;
     return status;
 }
 
@@ -94,6 +95,11 @@ static nqm_status polish_best(selection *s) {
     const size_t n_polished = is_analytic(s) ? MAX_POLISHED : 1;
     for (size_t i = 0; status == NQM_OK && i < n_polished && best > exact && s->list[i].difference < hopeless * best;
          ++i)
+        status = polish(s, &s->list[i]);
+    size_t i = 0; /* if that was a start, which may lead nowhere: the best fit, too */
+    while (i < s->n && s->list[i].is_start)
+        ++i;
+    if (status == NQM_OK && i > 0 && i < s->n && best > exact)
         status = polish(s, &s->list[i]);
     qsort(s->list, s->n, sizeof *s->list, compare_candidates);
     return status;
