@@ -180,9 +180,12 @@ def join(model, values):
     return f"{model}:" + ";".join(f"{k}=" + ",".join(repr(x) for x in (v if len(set(v)) > 1 else v[:1])) for k, v in values.items())
 
 
+FILM = ("iridescence_ior", "iridescence_thickness")
+
+
 def limit(model, key, values, note):
     """Colours and weights of glTF and USD end at 1; nothing is negative."""
-    high = 1 if model in ("gltf", "usd-preview") and key not in ("ior", "specular_color") else math.inf
+    high = 1 if model in ("gltf", "usd-preview") and key not in ("ior", "specular_color", *FILM) else math.inf
     limited = tuple(min(max(v, 0.0), high) for v in values)
     if limited != values:
         note(f"{model}: {key} = {values} becomes {limited}")

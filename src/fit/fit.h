@@ -174,6 +174,9 @@ double nqm_fit_layer_width(const nqm_spec_schema *schema, size_t layer);
  *  defaults. diffuse: (3) base colour of a dielectric; albedo: (3) that of a metal. false: there are only i. */
 bool nqm_fit_start(const nqm_fit_space *space, size_t i, size_t n_widths, const double *diffuse, const double *albedo,
                    nqm_spec_values *values);
+/** The two colours of nqm_fit_start(): that of a Lambert BRDF with the median f_r of the target, and the albedo at normal incidence. */
+NQM_MUST_CHECK nqm_status nqm_fit_measure_albedos(const nqm_brdf *ref, const nqm_fit_target *target, double *diffuse,
+                                                  double *albedo, nqm_error *err);
 /** Turn on layer i, such as a clear coat, with a typical width; rough: over a base three times as rough. false: there are only
  *  i. */
 bool nqm_fit_add_layer(const nqm_fit_space *space, size_t i, bool rough, nqm_spec_values *values);

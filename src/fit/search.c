@@ -49,8 +49,8 @@ static nqm_status try_layers(nqm_fit_run *run, const nqm_fit_target *target, nqm
 /* ---- starts ------------------------------------------------------------------------------------------------------- */
 
 /* The albedo at normal incidence, and that of a Lambert BRDF with the median f_r. */
-static nqm_status measure_albedos(const nqm_brdf *ref, const nqm_fit_target *target, double *diffuse, double *albedo,
-                                  nqm_error *err) {
+nqm_status nqm_fit_measure_albedos(const nqm_brdf *ref, const nqm_fit_target *target, double *diffuse, double *albedo,
+                                   nqm_error *err) {
     double *values = nqm_alloc(target->n, sizeof *values);
     if (!values)
         return nqm_fail_nomem(err, target->n * sizeof *values);
@@ -99,7 +99,8 @@ static nqm_status scan_starts(nqm_fit_run *run, const nqm_fit_target *target, nq
     const bool is_analytic = run->space.entry->n_shape > 0;
     const size_t n_given = run->options->start != NULL;
     double diffuse[3], albedo[3];
-    nqm_status status = is_analytic ? NQM_OK : measure_albedos(run->ref, &run->target, diffuse, albedo, run->err);
+    nqm_status status =
+        is_analytic ? NQM_OK : nqm_fit_measure_albedos(run->ref, &run->target, diffuse, albedo, run->err);
     *n = 0;
     for (size_t i = 0; status == NQM_OK; ++i) {
         nqm_fit_point point = {.start = i};

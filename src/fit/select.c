@@ -15,7 +15,7 @@ typedef struct candidate {
     nqm_fit_point point;
     double difference; /* by the judge */
     nqm_fit_loss loss;
-    bool polished;
+    bool polished, is_start;
 } candidate;
 
 typedef struct selection {
@@ -24,7 +24,7 @@ typedef struct selection {
     nqm_fit_term judge_term;
     nqm_fit_objective *judge;
     size_t n;
-    candidate list[MAX_STARTS * N_LOSSES + MAX_POLISHED];
+    candidate list[MAX_STARTS * N_LOSSES + 2 * NQM_FIT_N_WIDTHS + MAX_POLISHED + 1];
 } selection;
 
 static bool is_analytic(const selection *s) {
@@ -58,6 +58,18 @@ static nqm_status make_candidates(selection *s, size_t n, const nqm_fit_point *p
     return status;
 }
 
+/* The starts of a shading model as they are: the few directions that see the lobe of a mirror may lead all fits away from it. */
+static nqm_status add_starts(selection *s) {
+    nqm_fit_run *run = &s->run;
+    nqm_fit_point point = {.loss = 0};
+    double diffuse[3], albedo[3];
+    nqm_status status = nqm_fit_measure_albedos(run->ref, &run->target, diffuse, albedo, run->err);
+    for (size_t i = 0; status == NQM_OK && nqm_fit_start(&run->space, i, 0, diffuse, albedo, &point.values); ++i)
+        if ((status = add(s, &point, NQM_FIT_LOG, false)) == NQM_OK)
+            s->list[s->n - 1].is_start = true;
+    return status;
+}
+
 static int compare_candidates(const void *a, const void *b) {
     const candidate *x = a, *y = b;
     if (x->difference != y->difference)
@@ -83,6 +95,11 @@ static nqm_status polish_best(selection *s) {
     const size_t n_polished = is_analytic(s) ? MAX_POLISHED : 1;
     for (size_t i = 0; status == NQM_OK && i < n_polished && best > exact && s->list[i].difference < hopeless * best;
          ++i)
+        status = polish(s, &s->list[i]);
+    size_t i = 0; /* if that was a start, which may lead nowhere: the best fit, too */
+    while (i < s->n && s->list[i].is_start)
+        ++i;
+    if (status == NQM_OK && i > 0 && i < s->n && best > exact)
         status = polish(s, &s->list[i]);
     qsort(s->list, s->n, sizeof *s->list, compare_candidates);
     return status;
@@ -125,6 +142,8 @@ nqm_status nqm_fit_select(const nqm_brdf *ref, const nqm_fit_entry *entry, const
         status = nqm_fit_search(&s->run, points, &n);
     if (status == NQM_OK)
         status = make_candidates(s, nqm_smaller(n, is_analytic(s) ? 1 : MAX_STARTS), points);
+    if (status == NQM_OK && !is_analytic(s))
+        status = add_starts(s);
     if (status == NQM_OK)
         status = polish_best(s);
     if (status == NQM_OK)

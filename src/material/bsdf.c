@@ -5,6 +5,8 @@
 #include "material/bsdf.h"
 #include "material/color_space.h"
 
+#include <math.h>
+
 /* ---- nodes ------------------------------------------------------------------------------------------------------- */
 
 enum { MAX_NODES = 100 * 1000 };
@@ -205,6 +207,24 @@ bool nqm_bsdf_output(nqm_bsdf_reading *r, const char *key, uint16_t value) {
     else if (!is_normal)
         nqm_graph_output_set(t, key, value);
     return true;
+}
+
+/* ---- interfaces -------------------------------------------------------------------------------------------------- */
+
+/* Without absorption the Fresnel factor of conductors is that of dielectrics. The faces of a pane reflect 2 R / (1 + R), with light that
+ * is reflected between them: that of an absorbing index differs by at most 12 % for eta from 1.33 to 3, and not at normal incidence. */
+bool nqm_bsdf_interface(nqm_bsdf_reading *r, const nqm_bsdf_node *bsdf, double eta, bool is_thin) {
+    nqm_textured *t = r->reading.textured;
+    double k = 0;
+    if (!(eta > 0 && eta <= 20))
+        return nqm_refuse(&r->reading, bsdf, "the index of refraction is %.4g; the model's range is 0 to 20", eta);
+    if (is_thin) {
+        const double one = (eta - 1) * (eta - 1) / ((eta + 1) * (eta + 1)), both = 2 * one / (1 + one);
+        eta = 1.08;
+        k = sqrt(fmax(0, (both * (eta + 1) * (eta + 1) - (eta - 1) * (eta - 1)) / (1 - both)));
+    }
+    return nqm_set_aside(&r->reading, NQM_IGNORE_TRANSMISSION, bsdf, "transmission is not supported") &&
+           nqm_bsdf_output(r, "eta", nqm_graph_number(t, eta)) && nqm_bsdf_output(r, "k", nqm_graph_number(t, k));
 }
 
 /* ---- types ------------------------------------------------------------------------------------------------------- */

@@ -59,6 +59,7 @@ static const struct parts {
     {"gltf", NULL, "base_color", "metallic", NULL, NULL, 1, 1},
     {"disney", NULL, "baseColor", "metallic", NULL, "sheen", 0.16, 0},
     {"principled", NULL, "base_color", "metallic", NULL, NULL, 0.5, 0},
+    {"blender-principled", NULL, "base_color", "metallic", NULL, NULL, 0.8, 0},
 };
 
 static const struct parts *find_parts(const char *model) {

@@ -239,6 +239,19 @@ static bool finish_plastic(nqm_bsdf_reading *r, const nqm_bsdf_node *bsdf) {
     return true;
 }
 
+/* The interface; a smooth one has an alpha of 0, which becomes the narrowest lobe. */
+static bool finish_dielectric(nqm_bsdf_reading *r, const nqm_bsdf_node *bsdf) {
+    const bool is_rough = strcmp(bsdf->type, "roughdielectric") == 0;
+    double inside = 1.5046, outside = 1.000277;
+    if (!read_ior(r, "int_ior", &inside) || !read_ior(r, "ext_ior", &outside) || (is_rough && !finish_alpha(r, bsdf)))
+        return false;
+    if (!is_rough) {
+        nqm_shading_set(&r->reading.shading, "alpha", 1, &(double){1e-4});
+        r->reading.shading.remark = NQM_BSDF_SMOOTH;
+    }
+    return nqm_bsdf_interface(r, bsdf, inside / outside, strcmp(bsdf->type, "thindielectric") == 0);
+}
+
 static bool finish_diffuse(nqm_bsdf_reading *r, const nqm_bsdf_node *bsdf) {
     const double grey = 0.5; /* Mitsuba's default; the key is required */
     (void)bsdf;
@@ -254,11 +267,14 @@ static bool finish_diffuse(nqm_bsdf_reading *r, const nqm_bsdf_node *bsdf) {
 #define OWN(NAME, READ)                                                                                                \
     { .name = NAME, .read = READ, .key = NAME, .n = 1 }
 #define OPAQUE(NAME)                                                                                                   \
-    { .name = NAME, .read = nqm_rule_neutral, .n = 1, .value = 1, .why = "opacity is not supported" }
+    { .name = NAME, .read = nqm_rule_neutral, .n = 1, .value = 1, .why = MASKED, .ignorable = NQM_IGNORE_OPACITY }
+#define MASKED    "opacity is not supported"
+#define EMITS     "emission is not part of a BRDF"
+#define SCATTERS  "subsurface scattering is not supported"
 #define DELTA     "a smooth surface reflects into one direction only; only rough ones have a BRDF"
 #define TRANSMITS "transmission is not supported"
 #define LAYERED   "combinations of BSDFs and textures are not supported"
-#define NESTED    "twosided and normalmap are read around a BSDF of another type only"
+#define NESTED    "mask, twosided and normalmap are read around a BSDF of another type only"
 static const nqm_bsdf_plugin plugins[] = {
     {.type = "roughconductor",
      .model = "rough-conductor",
@@ -305,23 +321,34 @@ static const nqm_bsdf_plugin plugins[] = {
                NUMBER("thin_film_thickness"),
                NUMBER("thin_film_ior"),
                NUMBER("multiscatter"),
-               NQM_RULE_ZERO("transmission_weight", TRANSMITS),
-               NQM_RULE_ZERO("subsurface_weight", "subsurface scattering is not supported"),
-               NQM_RULE_ZERO("emission_strength", "emission is not part of a BRDF"),
+               NQM_RULE_WEIGHT("transmission_weight", TRANSMITS, NQM_IGNORE_TRANSMISSION),
+               NQM_RULE_ASIDE("subsurface_weight", SCATTERS, NQM_IGNORE_SUBSURFACE), /* of the base colour */
+               NQM_RULE_ASIDE("emission_strength", EMITS, NQM_IGNORE_EMISSION),
                OPAQUE("alpha"),
                NQM_RULE_IGNORED("subsurface_radius subsurface_scale subsurface_ior subsurface_anisotropy "
                                 "emission_color")}},
     {.type = "diffuse", .model = "lambert", .finish = finish_diffuse, .rules = {COLOUR("reflectance", "kd")}},
     {.type = "measured", .rules = {OWN("filename", nqm_bsdf_file)}},
-    {.type = "conductor plastic dielectric thindielectric", .refusal = DELTA},
-    {.type = "roughdielectric principledthin", .refusal = TRANSMITS},
+    {.type = "roughdielectric",
+     .model = "rough-conductor",
+     .finish = finish_dielectric,
+     .rules = {OWN("alpha", read_alpha), NQM_RULE_LATER("alpha_u"), NQM_RULE_LATER("alpha_v"),
+               OWN("distribution", read_distribution), NQM_RULE_LATER("int_ior"), NQM_RULE_LATER("ext_ior"),
+               COLOUR("specular_reflectance", "specular_reflectance"),
+               NQM_RULE_IGNORED("specular_transmittance sample_visible")}},
+    {.type = "dielectric thindielectric",
+     .model = "rough-conductor",
+     .finish = finish_dielectric,
+     .rules = {NQM_RULE_LATER("int_ior"), NQM_RULE_LATER("ext_ior"),
+               COLOUR("specular_reflectance", "specular_reflectance"), NQM_RULE_IGNORED("specular_transmittance")}},
+    {.type = "conductor plastic", .refusal = DELTA},
+    {.type = "principledthin", .refusal = TRANSMITS},
     {.type = "hair", .refusal = "hair has no BRDF of a surface"},
     {.type = "pplastic measured_polarized polarizer retarder circular",
      .refusal = "polarised materials are not supported"},
     {.type = "null", .refusal = "it reflects nothing"},
-    {.type = "mask", .refusal = "opacity is not supported"},
     {.type = "blendbsdf bumpmap", .refusal = LAYERED},
-    {.type = "normalmap twosided", .refusal = NESTED},
+    {.type = "mask normalmap twosided", .refusal = NESTED},
     {.type = NULL},
 };
 
@@ -342,12 +369,13 @@ static nqm_index_key key_of_node(const void *value) {
     return (nqm_index_key){NULL, ((const nqm_bsdf_node *)value)->id};
 }
 
-/* Go from the twosided or normalmap BSDF r->at to the one inside; false: there is not exactly one. */
+/* Go from the mask, twosided or normalmap BSDF r->at to the one inside; false: there is not exactly one. */
 static bool unwrap(nqm_bsdf_reading *r) {
     const nqm_bsdf_node *outer = &r->nodes->list[r->at], *inner = NULL;
     size_t n_inner = 0;
     for (const nqm_bsdf_node *node = NULL; (node = nqm_bsdf_next(r->nodes, r->at, node));) {
-        if ((node->kind != NQM_BSDF_BSDF && node->kind != NQM_BSDF_REF) || strcmp(node->name, "normalmap") == 0)
+        if ((node->kind != NQM_BSDF_BSDF && node->kind != NQM_BSDF_REF) ||
+            nqm_contains_word("normalmap opacity", node->name, false))
             continue;
         inner = node->kind == NQM_BSDF_REF ? find_by_id(r, node->id) : node;
         if (!inner || inner->kind != NQM_BSDF_BSDF)
@@ -371,13 +399,23 @@ static bool read_normal(nqm_bsdf_reading *r) {
     return nqm_vary(&r->reading, bsdf, LAYERED) && read_texture(r, node, 3, &rgb) && nqm_bsdf_output(r, "normal", rgb);
 }
 
+/* The opacity of the mask r->at: 0.5 by default, or a map. */
+static bool read_mask(nqm_bsdf_reading *r) {
+    double opacity = 0.5;
+    if (nqm_bsdf_is_texture(nqm_bsdf_find(r, "opacity")))
+        opacity = 0;
+    else if (!nqm_bsdf_numbers(r, "opacity", 1, &opacity))
+        return false;
+    return opacity == 1 || nqm_set_aside(&r->reading, NQM_IGNORE_OPACITY, &r->nodes->list[r->at], MASKED);
+}
+
 static nqm_status add_material(nqm_bsdf_reading *r, nqm_materials *materials, nqm_error *err) {
-    static const char *const wrappers[] = {"twosided", "normalmap", "twosided"};
+    static const char *const wrappers[] = {"mask", "twosided", "normalmap", "twosided"};
     const nqm_bsdf_node *outer = &r->nodes->list[r->at];
     bool is_read = nqm_reading_begin(&r->reading, &nqm_bsdf_source);
-    for (size_t i = 0; i < 3 && is_read; ++i)
+    for (size_t i = 0; i < sizeof wrappers / sizeof *wrappers && is_read; ++i)
         if (strcmp(r->nodes->list[r->at].type, wrappers[i]) == 0)
-            is_read = (i != 1 || read_normal(r)) && unwrap(r);
+            is_read = (i != 0 || read_mask(r)) && (i != 2 || read_normal(r)) && unwrap(r);
     const nqm_bsdf_node *bsdf = &r->nodes->list[r->at];
     if (is_read)
         nqm_bsdf_read(r, plugins, bsdf->type);

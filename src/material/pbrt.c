@@ -341,17 +341,14 @@ static uint16_t clamp(nqm_textured *t, uint16_t value, double high) {
 typedef struct surface {
     const char *roughness[3]; /* in both directions, along u, along v */
     const char *eta, *k;
-    bool can_be_smooth;
+    enum { SMOOTH_IS_REFUSED, SMOOTH_IS_REMARKED, SMOOTH_IS_MODELLED } smooth;
 } surface;
-static const surface bare = {{"roughness", "uroughness", "vroughness"}, "eta", "k", false},
-                     interface = {{"interface.roughness", "interface.uroughness", "interface.vroughness"},
-                                  NULL,
-                                  NULL,
-                                  true},
-                     coated = {{"conductor.roughness", "conductor.uroughness", "conductor.vroughness"},
-                               "conductor.eta",
-                               "conductor.k",
-                               true};
+#define ROUGHNESS(prefix)                                                                                              \
+    { prefix "roughness", prefix "uroughness", prefix "vroughness" }
+static const surface bare = {ROUGHNESS(""), "eta", "k", SMOOTH_IS_REFUSED},
+                     glass = {ROUGHNESS(""), .smooth = SMOOTH_IS_REMARKED},
+                     interface = {ROUGHNESS("interface."), .smooth = SMOOTH_IS_MODELLED},
+                     coated = {ROUGHNESS("conductor."), "conductor.eta", "conductor.k", SMOOTH_IS_MODELLED};
 
 /* eta = 1 and k = 2 sqrt(r / (1 - r)) of a reflectance r at normal incidence, as pbrt, which clamps r to 0.9999. */
 static bool reflectance_index(nqm_bsdf_reading *r, const surface *s, const nqm_bsdf_node *node) {
@@ -388,11 +385,14 @@ static bool read_roughness(nqm_bsdf_reading *r, const surface *s, const nqm_bsdf
         value[0] = nqm_graph_compute(t, NQM_MAP_COMBINE, n, value[0], value[1], 0);
     if (!remap)
         value[0] = nqm_graph_compute(t, NQM_MAP_MULTIPLY, n, value[0], value[0], 0);
-    if (s->can_be_smooth)
+    if (s->smooth == SMOOTH_IS_MODELLED)
         return nqm_bsdf_output(r, s->roughness[0], value[0]);
-    if (nqm_graph_is_constant(t, value[0]) && fmin(t->nodes[value[0]].v[0], t->nodes[value[0]].v[n - 1]) < 1e-6)
-        return nqm_refuse(&r->reading, bsdf,
-                          "a smooth surface reflects into one direction only; only rough ones have a BRDF");
+    if (nqm_graph_is_constant(t, value[0]) && fmin(t->nodes[value[0]].v[0], t->nodes[value[0]].v[n - 1]) < 1e-6) {
+        r->reading.shading.remark = NQM_BSDF_SMOOTH;
+        if (s->smooth == SMOOTH_IS_REFUSED)
+            return nqm_refuse(&r->reading, bsdf,
+                              "a smooth surface reflects into one direction only; only rough ones have a BRDF");
+    }
     return nqm_bsdf_output(r, s->roughness[0], nqm_graph_with(t, NQM_MAP_MAXIMUM, n, value[0], 1e-6));
 }
 
@@ -408,6 +408,27 @@ static bool read_index(nqm_bsdf_reading *r, const surface *s) {
 
 static bool finish_conductor(nqm_bsdf_reading *r, const nqm_bsdf_node *bsdf) {
     return read_roughness(r, &bare, bsdf) && read_index(r, &bare);
+}
+
+/* Glasses: Schott's index at the line d. pbrt renders their dispersion. */
+static const struct {
+    const char *name;
+    double eta;
+} glasses[] = {{"glass-BK7", 1.5168}, {"glass-BAF10", 1.67003}, {"glass-FK51A", 1.48656}, {"glass-LASF9", 1.85025},
+               {"glass-F5", 1.6727},  {"glass-F10", 1.72825},   {"glass-F11", 1.78472}};
+
+/* What the interface reflects; a pane has no roughness. */
+static bool finish_dielectric(nqm_bsdf_reading *r, const nqm_bsdf_node *bsdf) {
+    const nqm_bsdf_node *node = nqm_bsdf_find(r, "eta");
+    const bool is_thin = strcmp(r->reading.owner, "thindielectric") == 0;
+    double eta = 1.5;
+    bool is_glass = false;
+    for (size_t i = 0; node && !is_glass && i < sizeof glasses / sizeof *glasses; ++i)
+        if ((is_glass = strcmp(node->value, glasses[i].name) == 0))
+            eta = glasses[i].eta;
+    if (!is_glass && !nqm_bsdf_numbers(r, "eta", 1, &eta))
+        return false;
+    return read_roughness(r, &glass, bsdf) && nqm_bsdf_interface(r, bsdf, eta, is_thin);
 }
 
 static bool finish_diffuse(nqm_bsdf_reading *r, const nqm_bsdf_node *bsdf) {
@@ -447,7 +468,6 @@ static bool finish_coated_diffuse(nqm_bsdf_reading *r, const nqm_bsdf_node *bsdf
     { .name = "normalmap", .read = read_normal_map }
 #define MEDIUM                                                                                                         \
     { .name = "albedo", .read = nqm_rule_neutral, .n = 3, .why = "a medium that scatters is not supported" }
-#define TRANSMITS "transmission is not supported"
 static const nqm_bsdf_plugin types[] = {
     {.type = "conductor",
      .model = "pbrt-conductor",
@@ -475,7 +495,16 @@ static const nqm_bsdf_plugin types[] = {
                NQM_RULE_LATER("conductor.eta"), NQM_RULE_LATER("conductor.k"), NQM_RULE_LATER("reflectance"),
                NQM_RULE_LATER("remaproughness"), NUMBER("interface.eta"), NUMBER("thickness"), NUMBER("maxdepth"),
                MEDIUM, NQM_RULE_IGNORED("g nsamples"), NORMAL_MAP, DISPLACEMENT}},
-    {.type = "dielectric thindielectric diffusetransmission", .refusal = TRANSMITS},
+    {.type = "dielectric",
+     .model = "pbrt-conductor",
+     .finish = finish_dielectric,
+     .rules = {NQM_RULE_LATER("eta"), NQM_RULE_LATER("roughness"), NQM_RULE_LATER("uroughness"),
+               NQM_RULE_LATER("vroughness"), NQM_RULE_LATER("remaproughness"), NORMAL_MAP, DISPLACEMENT}},
+    {.type = "thindielectric",
+     .model = "pbrt-conductor",
+     .finish = finish_dielectric,
+     .rules = {NQM_RULE_LATER("eta"), NORMAL_MAP, DISPLACEMENT}},
+    {.type = "diffusetransmission", .refusal = "transmission is not supported"},
     {.type = "subsurface", .refusal = "subsurface scattering is not supported"},
     {.type = "hair", .refusal = "hair has no BRDF of a surface"},
     {.type = "mix", .refusal = "mixtures of materials are not supported"},

@@ -307,6 +307,15 @@ static void auto_is_the_best_of_its_candidates(void **state) {
 }
 
 /* Candidates whose polish diverges lose; the best of the others wins. */
+/* Few directions see a mirror: its fits by values leave it, and the start itself is the best candidate (silver: 10.00 JOD instead of 3.13,
+ * honey: 10.00 instead of 3.93); or the best start leads nowhere (diamond: 6.67 without the fit behind it). */
+static void auto_finds_mirrors(void **state) {
+    (void)state;
+    assert_true(match("physical:silver", "principled", "auto", NULL).difference < 0.5);
+    assert_true(match("physical:honey-liquid", "principled", "auto", NULL).difference < 0.5);
+    assert_true(match("physical:diamond", "rough-plastic", "auto", NULL).difference < 0.5);
+}
+
 static void auto_survives_candidates_that_fail(void **state) {
     (void)state;
     nqm_match_report best = match("sgd:red-plastic", "ggx", "auto:1e308*transport+1e308*log", NULL);
@@ -482,6 +491,7 @@ int main(void) {
         cmocka_unit_test(a_loss_between_values_is_that_of_fit),
         cmocka_unit_test(perceptual_losses_lower_the_difference),
         cmocka_unit_test(auto_is_the_best_of_its_candidates),
+        cmocka_unit_test(auto_finds_mirrors),
         cmocka_unit_test(auto_survives_candidates_that_fail),
         cmocka_unit_test(auto_simplifies_what_is_not_seen),
         cmocka_unit_test(threads_do_not_change_the_result),

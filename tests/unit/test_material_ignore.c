@@ -144,6 +144,71 @@ static void test_others(void **state) {
     expect_refusal(SURFACE("UsdPreviewSurface", MAP("opacity") IN("displacement", "float", "1")), "displacement");
 }
 
+#define BSDF(TYPE, PROPERTIES) "<bsdf type='" TYPE "' id='a'>" PROPERTIES "</bsdf>"
+#define SCENE(BSDFS)           "<scene version='3.0.0'>" BSDFS "</scene>"
+#define FLOAT(NAME, VALUE)     "<float name='" NAME "' value='" VALUE "'/>"
+#define PANE                   "eta=1.08;k=0.5946427498" /* by NumPy */
+
+static void test_interfaces(void **state) {
+    (void)state;
+    EXPECT(SCENE(BSDF("roughdielectric",
+                      FLOAT("alpha_u", ".2") FLOAT("alpha_v", ".3") FLOAT("int_ior", "1.5") FLOAT("ext_ior", "1")
+                          FLOAT("specular_reflectance", ".5") FLOAT("specular_transmittance", "0"))),
+           "transmission", "rough-conductor:", "alpha=0.2,0.3;eta=1.5;k=0", "specular_reflectance=0.5");
+    EXPECT(SCENE(BSDF("dielectric", "<string name='int_ior' value='diamond'/>" FLOAT("ext_ior", "1"))), "transmission",
+           "rough-conductor:alpha=0.0001;", "eta=2.419;k=0");
+    EXPECT(SCENE(BSDF("thindielectric", FLOAT("int_ior", "1.5") FLOAT("ext_ior", "1"))), "transmission", PANE);
+    EXPECT("Material \"dielectric\" \"float roughness\" .09 \"spectrum eta\" \"glass-F11\"", "transmission",
+           "pbrt-conductor:roughness=0.09;eta=1.78472;k=0");
+    EXPECT("Material \"dielectric\"", "transmission", "pbrt-conductor:roughness=1e-06;eta=1.5;k=0");
+    EXPECT("Material \"thindielectric\" \"float eta\" 1.5", "transmission", "roughness=1e-06;" PANE);
+    expect_refusal(SCENE(BSDF("dielectric", "<string name='int_ior' value='cheese'/>")), "cheese");
+    expect_refusal(SCENE(BSDF("dielectric", FLOAT("alpha", ".1"))), "alpha");
+    expect_refusal(SCENE(BSDF("dielectric", FLOAT("ext_ior", "0"))), "refraction is inf");
+    expect_refusal("Material \"dielectric\" \"spectrum eta\" \"glass-X\"", "glass-X");
+    expect_refusal("Material \"dielectric\" \"float vroughness\" -1", "negative");
+    expect_refusal("Material \"dielectric\" \"float eta\" -1.5", "refraction is -1.5");
+    expect_refusal("Material \"thindielectric\" \"float roughness\" .1", "roughness");
+}
+
+/* The interface reflects as that of `rough-plastic`, whose Fresnel factor has a formula of its own; a pane as both faces of it. */
+static void test_reflectances(void **state) {
+    (void)state;
+    static const char *const specs[] = {"rough-plastic:alpha=.3;eta=1.5;diffuse_reflectance=0",
+                                        "rough-conductor:alpha=.3;eta=1.5;k=0", "rough-conductor:alpha=.3;" PANE,
+                                        "rough-conductor:alpha=.3" /* of reflectance 1 */};
+    const double wi[] = {0, 0, 1, 0.6, 0, 0.8, 0.8, 0, 0.6, 0.96, 0, 0.28};
+    const double wo[] = {0, 0, 1, -0.6, 0, 0.8, -0.8, 0, 0.6, -0.96, 0, 0.28};
+    double f[4][12];
+    for (size_t i = 0; i < 4; ++i) {
+        nqm_brdf *brdf = open_brdf(specs[i]);
+        nqm_brdf_eval(brdf, 4, wi, wo, f[i], NULL);
+        nqm_brdf_free(brdf);
+    }
+    for (size_t i = 0; i < 12; ++i) {
+        const double one = f[1][i] / f[3][i], both = 2 * one / (1 + one), error = f[2][i] / f[3][i] / both - 1;
+        assert_true(fabs(f[1][i] / f[0][i] - 1) < 1e-9);
+        assert_true(fabs(error) < (i < 3 ? 1e-9 : 0.12));
+    }
+    assert_true(fabs(f[1][0] / f[3][0] - 0.04) < 1e-12);
+}
+
+static void test_masks(void **state) {
+    (void)state;
+#define MASK(OPACITY)                                                                                                  \
+    SCENE("<bsdf type='mask' id='m'>" OPACITY "<bsdf type='twosided'>" BSDF("diffuse", "") "</bsdf></bsdf>")
+    EXPECT(MASK(""), "opacity", "lambert:kd=0.5");
+    EXPECT(MASK("<texture name='opacity' type='bitmap'><string name='filename' value='a.png'/></texture>"), "opacity",
+           "lambert:kd=0.5");
+    expect_spec(MASK(FLOAT("opacity", "1")), "lambert:kd=0.5");
+    expect_refusal(MASK("<string name='opacity' value='x'/>"), "opacity");
+    expect_refusal(SCENE("<bsdf type='mask'/>"), "contains no BSDF");
+    EXPECT(SCENE("<bsdf type='mask' id='m'>" BSDF("roughdielectric", "") "</bsdf>"), "transmission,opacity", "k=0");
+    EXPECT("{\"type\": \"blender-principled\", \"transmission_weight\": 0.5, \"alpha\": 0.5, \"emission_strength\": 1, "
+           "\"subsurface_weight\": 1, \"base_color\": {\"type\": \"rgb\", \"value\": [0.8, 0.4, 0.2]}}",
+           "transmission,subsurface,emission,opacity", "base_color=0.4,0.2,0.1");
+}
+
 static void test_maps(void **state) {
     (void)state;
     static const char text[] = SURFACE("gltf_pbr", MAP("transmission") IN("metallic", "float", "0")
@@ -203,7 +268,8 @@ static void test_arguments(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(test_transmission), cmocka_unit_test(test_subsurface),
                                        cmocka_unit_test(test_mixture),      cmocka_unit_test(test_others),
-                                       cmocka_unit_test(test_maps),         cmocka_unit_test(test_prefix),
-                                       cmocka_unit_test(test_arguments)};
+                                       cmocka_unit_test(test_interfaces),   cmocka_unit_test(test_reflectances),
+                                       cmocka_unit_test(test_masks),        cmocka_unit_test(test_maps),
+                                       cmocka_unit_test(test_prefix),       cmocka_unit_test(test_arguments)};
     return cmocka_run_group_tests(tests, make_temp_file, remove_temp_file);
 }

@@ -370,6 +370,7 @@ static void no_memory(void **state) {
     expect_survives_no_memory(
         "<scene><default name=\"a\" value=\"1\"/><bsdf type=\"diffuse\" id=\"$a\"><float name=\"reflectance\" "
         "value=\"$a\"/></bsdf><bsdf type=\"mask\"/></scene>");
+    expect_survives_no_memory(XML("mask", BITMAP("opacity", "a.png", RAW) XML("roughdielectric", "")));
     expect_survives_no_memory(XML("normalmap",
                                   BITMAP("normalmap", "n.png", RAW)
                                       XML("roughconductor", FLOAT("alpha_u", ".1") BITMAP("alpha_v", "a.png", ""))));
