@@ -186,7 +186,7 @@ MUTATIONS = [
     ("src/material/rules.c", "r->given |= bit;", "r->given = bit >> 1;", "test_material_materialx test_material_pbrt"),
     ("presets/metals.txt", "Rh: 2.5857954933, 1.8601866068, 1.5544279524", "Rh: 2.5857954933, 1.8061866068, 1.5544279524", "test_material_mitsuba"),
     ("src/material/mitsuba.c", '{"pet", 1.575}', '{"pet", 1.557}', "test_material_mitsuba"),
-    ("src/material/mitsuba.c", "outside = 1.000277;", "outside = 1;", "test_material_mitsuba"),
+    ("src/material/mitsuba.c", "inside = 1.49, outside = 1.000277;", "inside = 1.49, outside = 1;", "test_material_mitsuba"),
     ("src/material/gltf.c", "if (n_chunk > n_file - begin)", "if (n_chunk > map->n_bytes - begin)", "test_material_gltf"),
     ("src/material/gltf.c", "if (n_file < begin || n_file > map->n_bytes)", "if (n_file > map->n_bytes)", "test_material_gltf"),
     ("src/material/gltf.c", 'if (strcmp(text, "MASK") == 0 && r->alpha < cutoff)', 'if (strcmp(text, "MASK") == 0 && r->alpha <= cutoff)', "test_material_gltf"),
