@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
 // The page: two materials, their score, pictures and maps; translations, shaders, and a table of more than two. Everything is computed in two
-// workers: one scores, one draws and fits, so that scores never wait for pictures.
+// workers: one scores, one draws and fits, so that scores never wait for pictures. Both score a table.
 import {drawMap, drawParts, drawScale, drawSlices, make} from "./charts.js";
 import {candidates, mapFolders, readFiles, readPaste} from "./files.js";
 import {complete, interval, jod2, makeHash, markdown, people, quote, readHash} from "./text.js";
@@ -436,14 +436,19 @@ async function addRows(list) {
     rows = [];
     shown = SHOWN;
     $("table").hidden = false;
-    for (let i = 0; i < pairs.length && mine === batch; i += 128) {
-        const part = pairs.slice(i, i + 128), scores = await scorer.call("scoreMany", part);
-        if (mine !== batch) return;
-        rows.push(...scores.map((found, k) => ({ref: part[k][0], test: part[k][1], score: found})));
-        rows.sort((a, b) => (a.score.jod ?? -1) - (b.score.jod ?? -1));
-        $("table-about").textContent = `${dropped.length} materials, ${rows.length} of ${pairs.length} pairs`;
-        showRows();
-    }
+    let next = 0;
+    const work = async (worker) => {
+        while (next < pairs.length && mine === batch) {
+            const part = pairs.slice(next, (next += 64)), scores = await worker.call("scoreMany", part);
+            if (mine !== batch) return;
+            rows.push(...scores.map((found, k) => ({ref: part[k][0], test: part[k][1], score: found})));
+            rows.sort((a, b) => (a.score.jod ?? -1) - (b.score.jod ?? -1));
+            $("table-about").textContent = `${dropped.length} materials, ${rows.length} of ${pairs.length} pairs`;
+            showRows();
+        }
+    };
+    await Promise.all([work(scorer), work(artist)]);
+    if (mine !== batch) return;
     $("table-about").textContent = `${dropped.length} materials, ${pairs.length} pairs, ${((performance.now() - begin) / 1000).toFixed(1)} s`;
     document.body.dataset.pairs = pairs.length;
     showShare();
