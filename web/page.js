@@ -29,13 +29,21 @@ vec3 BRDF(vec3 L, vec3 N, vec3 V, vec3 X, vec3 Y) {
 
 // ---- workers --------------------------------------------------------------------------------------------------------
 
+const parsed = new Promise((resolve) => addEventListener("DOMContentLoaded", resolve)); // the page, with the data at its end
+
 class Caller {
-    /** Starts at the first call. */
-    constructor(url, data) {
-        this.data = data;
-        this.worker = new Worker(url);
+    constructor(url) {
+        this.url = url;
         this.waiting = new Map();
         this.next = 1;
+    }
+    /** At the first call. */
+    start() {
+        this.started ??= this.begin();
+        return this.started;
+    }
+    async begin() {
+        this.worker = new Worker(this.url);
         this.worker.onmessage = ({data: {id, value, error, progress}}) => {
             const call = this.waiting.get(id);
             if (progress !== undefined) return call.onProgress?.(progress);
@@ -44,11 +52,8 @@ class Caller {
             else call.resolve(value);
         };
         this.worker.onerror = (event) => showFault(`The worker of the page failed: ${event.message}`);
-    }
-    start() {
-        this.started ??= this.send(undefined, "start", [this.data]);
-        this.data = undefined;
-        return this.started;
+        await parsed;
+        return this.send(undefined, "start", [$("data").textContent]);
     }
     call(fn, ...args) {
         return this.callWith(undefined, fn, ...args);
@@ -564,7 +569,7 @@ async function begin() {
     performance.mark("nqm-begin");
     drawScale($("scale"), null);
     $("glsl").value = EXAMPLE_GLSL;
-    const url = URL.createObjectURL(new Blob([$("worker").textContent], {type: "text/javascript"})), data = $("data").textContent;
+    const url = URL.createObjectURL(new Blob([$("worker").textContent], {type: "text/javascript"}));
     setUpCombo("ref");
     setUpCombo("test");
     setUpFiles();
@@ -588,8 +593,8 @@ async function begin() {
     });
     document.querySelectorAll("[data-copy]").forEach((button) => button.addEventListener("click", () => copy(button.dataset.copy)));
     addEventListener("hashchange", () => readHash(location.hash) && setPair(readHash(location.hash)));
-    scorer = new Caller(url, data);
-    artist = new Caller(url, data);
+    scorer = new Caller(url);
+    artist = new Caller(url);
     try {
         names = await scorer.start();
     } catch (error) {
