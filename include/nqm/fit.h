@@ -129,7 +129,7 @@ NQM_API int nqm_fit_model_has(const char *name, const char *key);
  * high fixes it). The spec of the result leaves out keys with their default.
  *
  * Of an anisotropic reference, keys with two values are both free, along the axes of its lobe: the result is then a `rotate:` of the
- * model, by the azimuth of the lobe. A start or a visual term keeps them tied.
+ * model, by the azimuth of the lobe. A start keeps them tied.
  *
  * @param options   NULL: the defaults. `loss`, `terms`, `bounds` and all about starts apply to analytic models; networks and sparse codes
  *                  have their own losses (doc/encodings.md). "nbrdf" trains on 16 times `n_directions` directions, up to the

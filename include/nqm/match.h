@@ -27,7 +27,8 @@ extern "C" {
  * a fit has seen these directions. nqm_fit_options.start is one of the starts.
  * A reference with values at fewer than 90 % of the directions of `transport`, as a grid of a goniometer that ends at 80
  * degrees or a list whose rows are more than a degree away, is fitted by "ma_crwe" alone, which `selected` says. `transport`
- * and not `scene` compares lists.
+ * and not `scene` compares lists. Of an anisotropic reference, "transport" is Delta-E on other rays of `scene`; without a scene it is
+ * refused, and "auto" fits by "ma_crwe" alone.
  * A shading model is fitted at half of the directions, and its result is simplified (nqm_fit_options.simplify).
  */
 typedef struct nqm_match_loss {

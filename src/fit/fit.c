@@ -72,17 +72,11 @@ static bool has_visual(const nqm_fit_run *run) {
 }
 
 /* Fit the widths along the axes of the lobe, whose azimuth is measured. */
-static nqm_status turn_reference(nqm_fit_run *run) {
+static void turn_model(nqm_fit_run *run) {
     const nqm_lobe lobe = nqm_lobe_measure(run->ref);
-    const nqm_between_bases bases = {.of = (nqm_brdf *)(uintptr_t)run->ref};
-    char settings[40];
     run->turn_deg = floor(atan2(lobe.axes[2], lobe.axes[0]) * (180 / NQM_PI) * 100 + 0.5) / 100;
-    if (run->turn_deg == 0)
-        return NQM_OK;
-    snprintf(settings, sizeof settings, "deg=%g", -run->turn_deg);
-    const nqm_status status = nqm_wrapper_make(&nqm_rotate_wrapper, settings, &bases, &run->turned, run->err);
-    run->ref = status == NQM_OK ? run->turned : run->ref;
-    return status;
+    run->space.turn[0] = sin(-run->turn_deg * (NQM_PI / 180));
+    run->space.turn[1] = cos(-run->turn_deg * (NQM_PI / 180));
 }
 
 nqm_status nqm_fit_begin(nqm_fit_run *run, const nqm_brdf *ref, const nqm_fit_entry *entry,
@@ -97,10 +91,10 @@ nqm_status nqm_fit_begin(nqm_fit_run *run, const nqm_brdf *ref, const nqm_fit_en
     nqm_status status = check_terms(options, err);
     if (status == NQM_OK)
         status = nqm_fit_space_make(entry, options, &run->space, err);
-    if (status == NQM_OK && !options->start && !has_visual(run) && nqm_brdf_anisotropy(ref) > 0)
+    if (status == NQM_OK && !options->start && nqm_brdf_anisotropy(ref) > 0)
         run->is_turned = nqm_fit_split(&run->space);
-    if (status == NQM_OK && run->is_turned)
-        status = turn_reference(run);
+    if (run->is_turned)
+        turn_model(run);
     if (status == NQM_OK)
         status = nqm_fit_target_make(run->ref, &first, &run->target, err);
     if (status == NQM_OK)
@@ -110,7 +104,6 @@ nqm_status nqm_fit_begin(nqm_fit_run *run, const nqm_brdf *ref, const nqm_fit_en
 
 void nqm_fit_end(nqm_fit_run *run) {
     nqm_fit_objective_free(run->objective);
-    nqm_brdf_free(run->turned);
     nqm_free(run->target.wi);
 }
 
@@ -118,7 +111,8 @@ nqm_status nqm_fit_write_report(nqm_fit_run *run, nqm_fit_point *point, nqm_fit_
     report->n_directions = run->target.n;
     report->best_start = point->start;
     report->n_numbers = run->space.n + run->is_turned;
-    const int n = run->turned ? snprintf(report->spec, sizeof report->spec, "rotate:deg=%g;of=", run->turn_deg) : 0;
+    const int n =
+        run->turn_deg != 0 ? snprintf(report->spec, sizeof report->spec, "rotate:deg=%g;of=", run->turn_deg) : 0;
     return nqm_fit_write_spec(&run->space, &point->values, report->spec + n, sizeof report->spec - (size_t)n, run->err);
 }
 

@@ -109,6 +109,7 @@ typedef struct nqm_fit_parameter {
 typedef struct nqm_fit_space {
     const nqm_fit_entry *entry;
     const nqm_analytic_model *model;
+    double turn[2];           /* sine and cosine of the turn (nqm_turn3) into the axes of the model */
     nqm_spec_values defaults; /* with the values of fixed keys */
     size_t n;                 /* free parameters */
     nqm_fit_parameter parameters[NQM_FIT_MAX_FREE];
@@ -144,7 +145,7 @@ void nqm_fit_set(const nqm_fit_space *space, nqm_spec_values *values, size_t key
 /** Fix a key at the value it has: its parameters leave the space. */
 void nqm_fit_fix(nqm_fit_space *space, size_t key);
 
-/** f_r in 1/sr: rgb (n, 3); zeros below the horizon. */
+/** f_r in 1/sr: rgb (n, 3); zeros below the horizon. The model is turned by `turn` of the space. */
 void nqm_fit_eval(const nqm_fit_space *space, const nqm_spec_values *values, size_t n, const double *wi,
                   const double *wo, double *rgb);
 /** columns (space->n, n, 3): derivatives of f_r by the coordinates; rgb (n, 3) is f_r of the values. */
@@ -238,8 +239,7 @@ NQM_MUST_CHECK nqm_status nqm_fit_descend(nqm_fit_objective *objective, const nq
 /** One fit: what all its stages share. */
 typedef struct nqm_fit_run {
     const nqm_brdf *ref;
-    nqm_brdf *turned; /* an anisotropic reference in the axes of its lobe, then also `ref`; NULL: none */
-    bool is_turned;
+    bool is_turned;  /* the model is in the axes of the reference's lobe */
     double turn_deg; /* the result is turned by it */
     const nqm_fit_options *options;
     nqm_fit_space space;

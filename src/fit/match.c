@@ -8,6 +8,8 @@
 
 #include <math.h>
 
+enum { N_RAYS = 32768, FEW_RAYS = 8192 }; /* of a judge; of a term, which an optimiser evaluates often */
+
 /* ---- one fit ----------------------------------------------------------------------------------------------------- */
 
 /* Arguments of all fits of a match. */
@@ -37,7 +39,11 @@ static nqm_status bind_term(const setting *s, const nqm_match_term *term, bindin
     if (!model)
         return nqm_fail(err, NQM_ERR_ARG, -1, "the loss '%s' needs a model", is_metric ? "nqm" : "transport");
     to->visual = &visual->visual;
-    return visual->scorer ? NQM_OK : nqm_match_visual_make(model, s->ref, visual, err);
+    if (visual->visual.n)
+        return NQM_OK;
+    if (!is_metric && s->loss->scene && nqm_brdf_anisotropy(s->ref) > 0) /* whose rays see all azimuths */
+        return nqm_match_rays_make(s->loss->scene, s->ref, FEW_RAYS, s->options.seed + 1, visual, err);
+    return nqm_match_visual_make(model, s->ref, visual, err);
 }
 
 /* The status of a fit with visual losses: a NaN of theirs ends it, and their own reason replaces that of the fit. "auto" survives
@@ -167,14 +173,14 @@ nqm_status nqm_match(const nqm_brdf *ref, const char *model, const nqm_match_los
     if (status == NQM_OK)
         status = nqm_fit_entry_find(model, &entry, err);
     if (status == NQM_OK && sum.is_auto && loss->transport && !entry->encode &&
-        (!is_covered(ref, loss->transport) || nqm_brdf_anisotropy(ref) > 0)) {
+        (!is_covered(ref, loss->transport) || (!loss->scene && nqm_brdf_anisotropy(ref) > 0))) {
         s.loss = &values;
         status = nqm_match_parse(values.text, &sum, err);
         snprintf(report.selected, sizeof report.selected, "%s", nqm_match_uncovered);
     }
     /* A list has values at its own directions only, not on rays. */
     if (status == NQM_OK && s.loss->scene && !entry->encode && !nqm_scattered_rows(ref, NULL, NULL)) {
-        status = nqm_match_rays_make(loss->scene, ref, s.options.seed, &judge, err);
+        status = nqm_match_rays_make(loss->scene, ref, N_RAYS, s.options.seed, &judge, err);
         s.judge = &judge;
     }
     if (status == NQM_OK)

@@ -51,9 +51,9 @@ typedef struct nqm_match_visual {
 /** NQM_ERR_INCOMPATIBLE: too few directions have a value, or the reference is anisotropic. Free it also after a failure. */
 NQM_MUST_CHECK nqm_status nqm_match_visual_make(const nqm_model *model, const nqm_brdf *ref, nqm_match_visual *visual,
                                                 nqm_error *err);
-/** Delta-E on random rays of a scene, which judges fits: no step of an optimiser has seen these directions. Free it also after a
- *  failure. */
-NQM_MUST_CHECK nqm_status nqm_match_rays_make(const nqm_scene *scene, const nqm_brdf *ref, uint64_t seed,
+/** Delta-E on n random rays of a scene. It judges fits, by a seed of which no step of an optimiser has seen the rays, and is the loss
+ *  'transport' of anisotropic references. Free it also after a failure. */
+NQM_MUST_CHECK nqm_status nqm_match_rays_make(const nqm_scene *scene, const nqm_brdf *ref, size_t n, uint64_t seed,
                                               nqm_match_visual *visual, nqm_error *err);
 void nqm_match_visual_free(nqm_match_visual *visual);
 

@@ -85,11 +85,10 @@ static double compare_rays(void *user, const double *rgb, double *gradient) {
     return nqm_rays_compare(&v->rays, v->ref_rgb, rgb, &label, gradient, &v->failure) == NQM_OK ? label.delta_e : NAN;
 }
 
-nqm_status nqm_match_rays_make(const nqm_scene *scene, const nqm_brdf *ref, uint64_t seed, nqm_match_visual *v,
-                               nqm_error *err) {
-    enum { N_RAYS = 32768 };
+nqm_status nqm_match_rays_make(const nqm_scene *scene, const nqm_brdf *ref, size_t n, uint64_t seed,
+                               nqm_match_visual *v, nqm_error *err) {
     *v = (nqm_match_visual){.scorer = NULL};
-    nqm_status status = nqm_rays_draw(scene, N_RAYS, seed, &v->rays, err);
+    nqm_status status = nqm_rays_draw(scene, n, seed, &v->rays, err);
     if (status != NQM_OK)
         return status;
     const nqm_rays *rays = &v->rays;

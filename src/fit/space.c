@@ -3,6 +3,7 @@
  * The free parameters of a model: bounds, the scale of the search, specs; f_r and its derivatives at their values.
  */
 #include "fit/fit.h"
+#include "math/math.h"
 
 #include <math.h>
 #include <stddef.h>
@@ -112,7 +113,7 @@ nqm_status nqm_fit_space_make(const nqm_fit_entry *entry, const nqm_fit_options 
                               nqm_error *err) {
     const nqm_spec_schema *schema = &entry->model->schema;
     nqm_spec_values start;
-    *space = (nqm_fit_space){.entry = entry, .model = entry->model, .defaults = {.given = UINT64_MAX}};
+    *space = (nqm_fit_space){.entry = entry, .model = entry->model, .turn = {0, 1}, .defaults = {.given = UINT64_MAX}};
     nqm_status status = options->start ? parse(entry->model, options->start, &start, err) : NQM_OK;
     for (size_t k = 0; status == NQM_OK && k < schema->n_keys; ++k) {
         for (size_t c = 0; c < 3; ++c)
@@ -247,21 +248,35 @@ static void prepare(const nqm_fit_space *space, const nqm_spec_values *values, v
     space->model->prepare(values, state);
 }
 
-/* The end of the run of pairs above the horizon that begins at `i`; i: it is below. */
+enum { CHUNK = 64 };
+
+/* The end of the run of at most CHUNK pairs above the horizon that begins at `i`; i: it is below. */
 static size_t end_of_run(size_t i, size_t n, const double *wi, const double *wo) {
-    while (i < n && wi[3 * i + 2] > 0 && wo[3 * i + 2] > 0)
+    const size_t most = nqm_smaller(n, i + CHUNK);
+    while (i < most && wi[3 * i + 2] > 0 && wo[3 * i + 2] > 0)
         ++i;
     return i;
+}
+
+/* n directions in the axes of the model: themselves, or `turned`. */
+static const double *in_axes(const nqm_fit_space *space, size_t n, const double *w, double *turned) {
+    if (space->turn[0] == 0)
+        return w;
+    for (size_t i = 0; i < n; ++i)
+        nqm_turn3(space->turn, w + 3 * i, turned + 3 * i);
+    return turned;
 }
 
 void nqm_fit_eval(const nqm_fit_space *space, const nqm_spec_values *values, size_t n, const double *wi,
                   const double *wo, double *rgb) {
     _Alignas(max_align_t) char state[NQM_SPEC_MAX_STATE];
+    double turned[2][CHUNK * 3];
     prepare(space, values, state);
     for (size_t i = 0, end; i < n; i = end) {
         end = end_of_run(i, n, wi, wo);
         if (end > i)
-            space->model->class_.eval(state, end - i, wi + 3 * i, wo + 3 * i, rgb + 3 * i);
+            space->model->class_.eval(state, end - i, in_axes(space, end - i, wi + 3 * i, turned[0]),
+                                      in_axes(space, end - i, wo + 3 * i, turned[1]), rgb + 3 * i);
         else
             memset(rgb + 3 * end++, 0, 3 * sizeof *rgb);
     }
@@ -334,19 +349,20 @@ static void difference(const nqm_fit_space *space, const nqm_spec_values *values
 
 void nqm_fit_slopes(const nqm_fit_space *space, const nqm_spec_values *values, size_t n, const double *wi,
                     const double *wo, const double *rgb, double *columns) {
-    enum { CHUNK = 64, MAX_COLUMNS = 16 };
+    enum { MAX_COLUMNS = 16 };
     if (space->model->class_.jacobian == nqm_spec_jacobian) {
         difference(space, values, n, wi, wo, rgb, columns);
         return;
     }
     _Alignas(max_align_t) char state[NQM_SPEC_MAX_STATE];
-    double jacobian[CHUNK * 3 * MAX_COLUMNS], unused[CHUNK * 3];
+    double jacobian[CHUNK * 3 * MAX_COLUMNS], unused[CHUNK * 3], turned[2][CHUNK * 3];
     prepare(space, values, state);
     for (size_t i = 0, end; i < n; i = end) {
-        end = end_of_run(i, nqm_smaller(n, i + CHUNK), wi, wo);
+        end = end_of_run(i, n, wi, wo);
         memset(jacobian, 0, sizeof jacobian);
         if (end > i)
-            space->model->class_.jacobian(state, end - i, wi + 3 * i, wo + 3 * i, unused, jacobian);
+            space->model->class_.jacobian(state, end - i, in_axes(space, end - i, wi + 3 * i, turned[0]),
+                                          in_axes(space, end - i, wo + 3 * i, turned[1]), unused, jacobian);
         chain(space, values, jacobian, i, nqm_larger(end - i, 1), n, columns);
         end = nqm_larger(end, i + 1);
     }

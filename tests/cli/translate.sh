@@ -28,6 +28,13 @@ done
 # The wider direction of this one is across the tangent, where OpenPBR cannot have it.
 "$tool" translate 'rough-conductor:alpha=.1,.3;distribution=1' --to open-pbr --samples 200 >"$dir/out"
 grep -q anisotropy "$dir/out" && fail "anisotropy in the wrong direction: $(cat "$dir/out")"
+# A lobe without such keys is measured.
+"$tool" translate 'rotate:deg=30;of=ggx:kd=.1;ks=.3;alpha=.4,.1;f0=.5' --to blender --samples 500 -o "$dir/turned.json" >"$dir/out"
+grep -q '^JOD *\(10.00\|9.9\)' "$dir/out" || fail "a measured lobe: $(cat "$dir/out")"
+grep -q '"anisotropic_rotation": 0.08' "$dir/turned.json" || fail "its azimuth: $(cat "$dir/turned.json")"
+# A model without anisotropy is not worse by a fit than by the keys.
+"$tool" translate 'open-pbr:base_color=.912,.914,.92;base_metalness=1;specular_roughness=.2;specular_roughness_anisotropy=.9' --to usd --samples 500 >"$dir/out"
+grep -q '^JOD *8.[3-9]' "$dir/out" || fail "brushed metal without anisotropy: $(cat "$dir/out")"
 
 # Thin films are copied, in nm.
 "$tool" translate 'open-pbr:base_metalness=1;thin_film_weight=.5;thin_film_thickness=.3;thin_film_ior=1.8' --to gltf --samples 200 >"$dir/out"

@@ -452,6 +452,13 @@ static void a_scene_judges_on_directions_of_its_own(void **state) {
         assert_relative(best.difference, label_specs(judge, "sgd:red-plastic", best.fit.spec).delta_e, 0.1);
         assert_true(best.difference <= match("sgd:red-plastic", models[k], "log", NULL).difference);
     }
+    /* Its rays see all azimuths: a turned model is polished on them, and judged by others. */
+    static const char turned[] = "rotate:deg=33;of=ggx:kd=0.1,0.05,0.02;ks=0.5;alpha=0.4,0.15";
+    const nqm_match_report exact = match(turned, "ggx", "auto", NULL), ward = match(turned, "ward", "auto", NULL);
+    assert_true(exact.difference < 1e-2); /* the azimuth is measured to 0.02 degrees */
+    assert_true(ward.difference == ward.fit.loss);
+    assert_relative(ward.difference, label_specs(judge, turned, ward.fit.spec).delta_e, 0.1);
+    assert_true(ward.difference <= match(turned, "ward", "ma_crwe", NULL).difference);
     threads_do_not_change_the_result(state);
     memory_runs_out(state);
     missing_values_are_left_out(state);

@@ -251,6 +251,23 @@ static void write_page(const translation *t, const char *metric, output_file *ou
 
 /* ---- one translation ---------------------------------------------------------------------------------------------- */
 
+/* Where a model cannot have the look of the reference, values and rays may lead a fit past what its keys say. */
+static nqm_status keep_better(const translation *t, item *it, const nqm_brdf *ref, const nqm_brdf *fit,
+                              nqm_error *err) {
+    nqm_brdf *copy;
+    nqm_score_result result[2];
+    nqm_status status = nqm_brdf_open(it->copy, &copy, err);
+    const nqm_brdf *tests[] = {fit, copy};
+    if (status == NQM_OK)
+        status = nqm_scorer_run(t->scorer, ref, 2, tests, result, err);
+    if (status == NQM_OK && result[1].jod > result[0].jod) {
+        snprintf(it->match.fit.spec, sizeof it->match.fit.spec, "%s", it->copy);
+        snprintf(it->match.selected, sizeof it->match.selected, "the keys of both models");
+    }
+    nqm_brdf_free(copy);
+    return status;
+}
+
 static nqm_status fit_item(const translation *t, item *it, nqm_error *err) {
     nqm_brdf *ref = NULL, *brdf = NULL;
     nqm_fit_options fit = t->fit;
@@ -261,9 +278,13 @@ static nqm_status fit_item(const translation *t, item *it, nqm_error *err) {
     const char *spec = nqm_brdf_get_info(ref).spec;
     list_dropped(spec, t->target->model, it->dropped, sizeof it->dropped);
     it->copy = copy_keys(spec, t->target->model);
+    char *lobe = it->copy ? NULL : measure_anisotropy(ref, t->target->model);
     if (strncmp(t->loss.text, "auto", 4) == 0)
-        fit.start = it->copy; /* other losses would begin there only */
+        fit.start = lobe ? lobe : it->copy; /* other losses would begin there only */
     status = nqm_match(ref, t->target->model, &t->loss, &fit, &it->match, &brdf, err);
+    free(lobe);
+    if (status == NQM_OK && it->copy)
+        status = keep_better(t, it, ref, brdf, err);
     it->seconds = nqm_clock_s() - begin;
     nqm_brdf_free(ref);
     nqm_brdf_free(brdf);

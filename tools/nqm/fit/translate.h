@@ -39,6 +39,8 @@ void list_dropped(const char *spec, const char *model, char *text, size_t n_text
 /** Set the keys of `to` so that the lobe of its base has the anisotropy of that of `from`, which is a canonical spec; keys that say how are
  *  0 where the model of `to` cannot have it. */
 void copy_anisotropy(const nqm_shading *from, nqm_shading *to);
+/** A spec with the anisotropy of the lobe of a BRDF; free() it. NULL: it is isotropic, or the model has no anisotropic lobes. */
+char *measure_anisotropy(const nqm_brdf *ref, const char *model);
 /** Whether a shading model has anisotropic lobes, and may turn them. */
 bool can_be_anisotropic(const char *model, bool turned);
 

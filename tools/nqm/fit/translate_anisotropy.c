@@ -2,6 +2,7 @@
  *
  * The anisotropic lobe of the base of one shading model in the keys of another: models name its widths differently.
  */
+#include "brdf/brdf.h"
 #include "brdf/core/spec.h"
 #include "nqm/fit/translate.h"
 
@@ -22,6 +23,7 @@ static const anisotropy anisotropies[] = {
     {"gltf", "roughness", "anisotropy_strength", 0, "anisotropy_rotation", 1},
     {"disney", "roughness", "anisotropic", 1, NULL, 0},
     {"principled", "roughness", "anisotropic", 0.9, NULL, 0},
+    {"blender-principled", "roughness", "anisotropic", 0.9, "anisotropic_rotation", 2 * NQM_PI},
     {"rough-conductor", "alpha", NULL, 0, NULL, 0},
     {"pbrt-conductor", "roughness", NULL, 0, NULL, 0},
 };
@@ -113,12 +115,8 @@ static void write_lobe(nqm_shading *to, const anisotropy *a, lobe l) {
         set_number(to, a->rotation, l.turn / a->turn);
 }
 
-void copy_anisotropy(const nqm_shading *from, nqm_shading *to) {
-    const anisotropy *source = find_anisotropy(from->model), *target = find_anisotropy(to->model);
-    if (!target)
-        return;
-    const lobe l = source ? read_lobe(from, source) : (lobe){.ratio = 1};
-    /* A lobe that a model cannot turn where it belongs is nearer to an isotropic one. */
+/* A lobe that a model cannot turn where it belongs is nearer to an isotropic one. */
+static void place_lobe(nqm_shading *to, const anisotropy *target, lobe l) {
     const bool fits = target->rotation || fabs(cos(2 * l.turn)) > 0.5;
     if (l.ratio < 1 && fits && (target->rotation || !target->amount || cos(2 * l.turn) > 0)) {
         write_lobe(to, target, l);
@@ -128,4 +126,24 @@ void copy_anisotropy(const nqm_shading *from, nqm_shading *to) {
         set_number(to, target->amount, 0);
     if (target->rotation)
         set_number(to, target->rotation, 0);
+}
+
+void copy_anisotropy(const nqm_shading *from, nqm_shading *to) {
+    const anisotropy *source = find_anisotropy(from->model), *target = find_anisotropy(to->model);
+    if (target)
+        place_lobe(to, target, source ? read_lobe(from, source) : (lobe){.ratio = 1});
+}
+
+char *measure_anisotropy(const nqm_brdf *ref, const char *model) {
+    const double half = sqrt(sqrt(2) - 1); /* slope at which GGX of width 1 has fallen to a half */
+    const anisotropy *target = find_anisotropy(model);
+    if (!target || !(nqm_brdf_anisotropy(ref) > 0))
+        return NULL;
+    const nqm_lobe found = nqm_lobe_measure(ref);
+    const double longer = hypot(found.axes[0], found.axes[2]);
+    const double turn = floor(atan2(found.axes[2], found.axes[0]) * 1e4 + 0.5) / 1e4;
+    nqm_shading to = {.n = 0};
+    snprintf(to.model, sizeof to.model, "%s", model);
+    place_lobe(&to, target, (lobe){found.width / half, 1 / (longer * longer), turn});
+    return to.n ? nqm_shading_spec(&to) : NULL;
 }

@@ -128,7 +128,7 @@ static bool read_spec(const char *spec, nqm_shading *shading) {
 /* ---- the start ---------------------------------------------------------------------------------------------------- */
 
 void convert_values(const nqm_property *p, const nqm_spec_key *key, double v[3]) {
-    const double mean = p->n == 2 ? sqrt(p->v[0] * p->v[1]) : (p->v[0] + p->v[1] + p->v[2]) / 3;
+    const double mean = p->n == 1 ? p->v[0] : p->n == 2 ? sqrt(p->v[0] * p->v[1]) : (p->v[0] + p->v[1] + p->v[2]) / 3;
     for (size_t c = 0; c < 3; ++c)
         v[c] = fmin(fmax(p->n > 1 && p->n == key->n ? p->v[c] : mean, key->low), key->high);
 }
