@@ -6,6 +6,7 @@ import csv
 import importlib.util
 import io
 import os
+import re
 import shutil
 import sys
 import unittest
@@ -54,6 +55,17 @@ class Values(unittest.TestCase):
                 self.assertLess(np.max(np.abs(found - expected) / unit), limit, (column, dtype))
             by_library, _ = nqm.score_grad(ref, test, of=of, used=used, model=name)
             self.assertLess(np.max(np.abs(by_library - expected) / unit), 2e-5, column)
+
+    def test_page(self):
+        """The last column of the table in doc/web.md."""
+        with open(os.environ["NQM_SOURCE"] + "/doc/web.md", encoding="utf-8") as file:
+            rows = re.findall(r"^\| `(\S+)` \| `(\S+)` \| (\S+) \| \S+ \| (\S+) \|$", file.read(), re.M)
+        self.assertGreaterEqual(len(rows), 5)
+        metric = nqm.torch.Metric()
+        for ref, test, score, value in rows:
+            samples = [torch.as_tensor(nqm.BRDF.open(name).eval(metric.wi.numpy(), metric.wo.numpy())) for name in (ref, test)]
+            self.assertAlmostEqual(nqm.score(ref, test).jod, float(score), delta=1e-5)
+            self.assertAlmostEqual(metric(*samples).item(), float(value), delta=2e-5)
 
     def test_pairs(self):
         for name in specification.MODELS:

@@ -33,6 +33,17 @@ function scores(nqm) {
     assert(Math.abs(nqm.score(ref, test, "transport").jod - Number(execFileSync(tool, ["score", ref, test, "-q", "--model", "transport"]))) < 2e-4);
 }
 
+/** The table of doc/web.md: the columns of the command and of this module. */
+function table(nqm) {
+    const page = readFileSync(new URL("../../doc/web.md", import.meta.url), "utf8");
+    const rows = [...page.matchAll(/^\| `(\S+)` \| `(\S+)` \| (\S+) \| (\S+) \|/gm)];
+    assert(rows.length >= 5);
+    for (const [, ref, test, byTool, here] of rows) {
+        const {results: [{jod}]} = JSON.parse(execFileSync(tool, ["score", ref, test, "--json"], {encoding: "utf8"}));
+        assert(Math.abs(jod - byTool) < 2e-5 && Math.abs(nqm.score(ref, test).jod - here) < 2e-5, `${ref} ${test}`);
+    }
+}
+
 // The same sentence as on the command line, for files of the same name.
 function sentences(nqm) {
     const files = {
@@ -116,6 +127,7 @@ try {
     const nqm = await load();
     types(nqm);
     scores(nqm);
+    table(nqm);
     sentences(nqm);
     functions(nqm);
 } finally {
