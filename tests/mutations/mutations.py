@@ -218,7 +218,7 @@ MUTATIONS = [
     ("src/material/material.c", "is_taken(i, materials, name)", "is_taken(0, materials, name)", "cli.translate"),
     ("src/judge/evaluate.h", "ev->datasets ? ev->datasets[model] : ev->dataset", "ev->datasets ? ev->datasets[0] : ev->dataset", "cli.eval_human"),
     ("tools/nqm/fit/cmd_translate.c", "nqm_brdf_open(it->written[0] ? it->written : it->match.fit.spec, &brdf, err);", "nqm_brdf_open(it->match.fit.spec, &brdf, err);", "cli.translate"),
-    ("tools/nqm/fit/cmd_translate.c", "fit.start = it->copy; /* other losses would begin there only */", "fit.start = NULL; /* other losses would begin there only */", "cli.translate"),
+    ("tools/nqm/fit/cmd_translate.c", "fit.start = lobe ? lobe : it->copy;", "fit.start = it->copy;", "cli.translate"),
     ("tools/nqm/fit/cmd_translate.c", "n += t->items[i].err.status == NQM_OK && fails_gate(&t->gate, &t->items[i].score);", "n += fails_gate(&t->gate, &t->items[i].score);", "cli.translate"),
     ("tools/nqm/fit/cmd_translate.c", "return n_refused ? EXIT_PARTIAL : n_failed ? EXIT_GATE : EXIT_OK;", "return n_failed ? EXIT_GATE : n_refused ? EXIT_PARTIAL : EXIT_OK;", "cli.translate"),
     ("tools/nqm/score/cmd_batch.c", "done.n_failed += is_failed;", "done.n_failed += 1;", "cli.batch"),
