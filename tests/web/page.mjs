@@ -140,11 +140,12 @@ const tests = {
         assert.match(await text("share"), /^\| JOD .*\n\| ---: .*\n\| \d\.\d\d \| \[.*\] \| `sgd:nickel` \|/);
     },
     async table() {
+        await until("document.body.dataset.pictures === `${chosen.ref} ${chosen.test}`", 300);
         const specs = Array.from({length: 60}, (_, i) => `gltf:base_color=.${1 + (i % 9)},.5,.2;roughness=0.${20 + i}`);
-        await evaluate("window.gaps = 0, window.last = performance.now(), (function tick() { gaps = Math.max(gaps, performance.now() - last); last = performance.now(); requestAnimationFrame(tick); })()");
+        await evaluate("window.longest = 0, new PerformanceObserver((list) => list.getEntries().forEach(({duration}) => longest = Math.max(longest, duration))).observe({entryTypes: ['longtask']})");
         await evaluate(`addRows(${JSON.stringify(specs)})`);
         assert.equal(await evaluate("document.body.dataset.pairs"), "1770");
-        console.log("60 materials:", await text("table-about"), "longest frame", Math.round(await evaluate("gaps")), "ms");
+        console.log("60 materials:", await text("table-about"), "longest task of the page", Math.round(await evaluate("longest")), "ms");
         const jods = await evaluate("rows.map(({score}) => score.jod)");
         assert(jods.length === 1770 && jods.every((jod, i) => i === 0 || jods[i - 1] <= jod));
         const [ref, test] = await evaluate("[rows[0].ref, rows[0].test]");
