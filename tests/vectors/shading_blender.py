@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Blender's Principled BSDF from Cycles' description of it (svm/closure.h, closure/bsdf_microfacet.h, bsdf_oren_nayar.h, bsdf_util.h), in
-80-bit floats and angles; tables: ../../presets/principled_energy.txt. The sheen is shading_materialx.zeltner.
+80-bit floats and angles; tables: ../../presets/principled_energy.txt, sheen_ltc.txt. cycles_principled.py has what Cycles itself renders.
 shading_blender.csv: spec, wi, wo, r, g, b."""
 import csv
 import pathlib
@@ -13,8 +13,9 @@ from shading_materialx import Pair, cos, exp, lerp, maximum, minimum, one, pi, r
 SEED = 41
 rng = numpy.random.default_rng(SEED)
 HERE = pathlib.Path(__file__).parent
-NUMBERS = [[int(x) for x in line.split(",")] for line in open(HERE / "../../presets/principled_energy.txt")
-           if not line.startswith("#")]
+NUMBERS, LTC = ([[int(x) for x in line.split(",")] for line in open(HERE / "../../presets" / name) if not line.startswith("#")]
+                for name in ("principled_energy.txt", "sheen_ltc.txt"))
+SHEEN = numpy.array(LTC, real).reshape(3, 32, 32) / 50000
 E = numpy.array(NUMBERS[:32], real) / 10000
 E_MEAN = numpy.array(NUMBERS[32], real) / 10000
 S = numpy.array(NUMBERS[33:], real).reshape(16, 16, 16) / 10000
@@ -107,19 +108,17 @@ def principled(p, v):
     multi = v["multiscatter"] > 0
     weight, total, mu, cd = white.copy(), numpy.zeros(3, real), p.wo[2], cos(p.d)
     if v["sheen_weight"] > 0:
-        sheen, passed = mx.zeltner(p, real(1), white, v["sheen_roughness"])
+        albedo, a, b = (table(t, maximum(v["sheen_roughness"], real("0.001")), mu) for t in SHEEN)
+        sheen, passed = mx.transformed_sheen(p, real(1), white, albedo, a, -b)
         w = v["sheen_weight"] * v["sheen_tint"] * weight
         total = total + w * sheen
         weight = layering(w * (1 - passed), weight)
     if v["coat_weight"] > 0:
         ior = v["coat_ior"]
-        lobe = Lobe(p, v["coat_roughness"]**2, v["coat_roughness"]**2, real(0), True)
-        scale, darkening = lobe.scale_and_weight(mean_fresnel(ior) * white)
-        w = v["coat_weight"] * weight * darkening
-        total = total + w * scale * lobe.f * fresnel(cd, ior)
-        s = table(S, sqrt((ior - 1) / (ior + 1)), lobe.rough, mu)
-        estimate = lerp(f0_of(ior), 1, s) if ior > 1 else 0
-        weight = layering(w * estimate, weight)
+        lobe = Lobe(p, v["coat_roughness"]**2, v["coat_roughness"]**2, real(0), False)
+        w = v["coat_weight"] * weight
+        total = total + w * lobe.f * fresnel(cd, ior)
+        weight = layering(w * fresnel(mu, ior), weight)
         depth = 1 / sqrt(1 - (1 - mu**2) / ior**2)
         weight = weight * lerp(white, v["coat_tint"]**depth, v["coat_weight"])
     aspect = sqrt(1 - real("0.9") * v["anisotropic"])

@@ -246,6 +246,10 @@ def zeltner(p, weight, color, r):
     albedo = exp(-((x - m) / s)**2 / 2) / (s * sqrt(2 * pi)) + o
     a = (k("2.58126") * x + k("0.813703") * y) * y / (1 + k("0.310327") * x**2 + k("2.60994") * x * y)
     b = sqrt(1 - x) * (y - 1) * y**3 / (k("0.0000254053") + k("1.71228") * x - k("1.71506") * x * y + k("1.34174") * y**2)
+    return transformed_sheen(p, weight, color, albedo, a, b)
+
+
+def transformed_sheen(p, weight, color, albedo, a, b):
     w = numpy.array([sin(p.i) * cos(p.phi), sin(p.i) * sin(p.phi), cos(p.i)])
     w = numpy.array([[a, 0, b], [0, a, 0], [0, 0, 1]]) @ w
     norm = sqrt(w @ w)

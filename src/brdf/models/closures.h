@@ -294,22 +294,27 @@ INLINED closure conty_kulla_sheen(const geometry *g, double weight, const double
     return sheen_closure(weight, color, f, clamp01(p / q));
 }
 
-/** Zeltner, Burley and Chiang 2022: a clamped cosine, linearly transformed in the plane of the viewer. */
+/** Zeltner, Burley and Chiang 2022: a clamped cosine, linearly transformed by a and b in the plane of the viewer. */
+INLINED closure transformed_sheen(const geometry *g, double weight, const double *color, double albedo, double a,
+                                  double b) {
+    const double x = g->cos_o, sin_o = sqrt(fmax(0, 1 - x * x)), sin2_i = fmax(0, 1 - g->cos_i * g->cos_i);
+    const double light_x = sin_o > 0 ? (g->cos_io - g->cos_i * x) / sin_o : 0; /* b = 0 where it matters not */
+    const double u = a * light_x + b * g->cos_i;
+    const double norm2 = u * u + a * a * fmax(0, sin2_i - light_x * light_x) + g->cos_i * g->cos_i;
+    return sheen_closure(weight, color, albedo * a * a / (NQM_PI * norm2 * norm2), albedo);
+}
+
+/** With the fits of MaterialX. */
 INLINED closure zeltner_sheen(const geometry *g, double weight, const double *color, double roughness) {
     const double x = g->cos_o, y = fmin(fmax(roughness, 0.01), 1);
     const double s = y * (0.0206607 + 1.58491 * y) / (0.0379424 + y * (1.32227 + y));
     const double m = y * (-0.193854 + y * (-1.14885 + y * (1.7932 - 0.95943 * y * y))) / (0.046391 + y);
     const double o = y * (0.000654023 + (-0.0207818 + 0.119681 * y) * y) / (1.26264 + y * (-1.92021 + y));
     const double away = (x - m) / s, albedo = exp(-0.5 * away * away) / (s * sqrt(2 * NQM_PI)) + o;
-
     const double a = (2.58126 * x + 0.813703 * y) * y / (1 + 0.310327 * x * x + 2.60994 * x * y);
     const double b =
         sqrt(fmax(0, 1 - x)) * (y - 1) * y * y * y / (0.0000254053 + 1.71228 * x - 1.71506 * x * y + 1.34174 * y * y);
-    const double sin_o = sqrt(fmax(0, 1 - x * x)), sin2_i = fmax(0, 1 - g->cos_i * g->cos_i);
-    const double light_x = sin_o > 0 ? (g->cos_io - g->cos_i * x) / sin_o : 0; /* b = 0 where it matters not */
-    const double u = a * light_x + b * g->cos_i;
-    const double norm2 = u * u + a * a * fmax(0, sin2_i - light_x * light_x) + g->cos_i * g->cos_i;
-    return sheen_closure(weight, color, albedo * a * a / (NQM_PI * norm2 * norm2), albedo);
+    return transformed_sheen(g, weight, color, albedo, a, b);
 }
 
 /** Define a shading model whose value at one pair of directions is evaluate() of its file. */

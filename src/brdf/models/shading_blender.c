@@ -5,11 +5,12 @@
  * diffuse base. A layer takes the albedo for the viewer from the weight of all below it. Diffuse roughness is that of 4.3, the thin
  * film that of 4.2, on dielectrics only, with the Gaussians of thin_film.h.
  *
- * Cycles keeps the energy of its lobes by tables, which presets/principled_energy.txt has as converged integrals. The sheen of Zeltner
- * et al. is MaterialX's rational fit in place of Cycles' table of 3,072 numbers, which the paper's authors publish.
+ * Cycles keeps the energy of its lobes by tables, which presets/principled_energy.txt has as converged integrals. Its table of the sheen
+ * of Zeltner et al. is presets/sheen_ltc.txt, measured from its pictures.
  */
 #include "brdf/models/closures.h"
 #include "principled_energy_table.h" /* generated from presets/principled_energy.txt */
+#include "sheen_ltc_table.h"         /* generated from presets/sheen_ltc.txt */
 
 /* clang-format off */
 #define KEYS(X)                                                                \
@@ -45,7 +46,9 @@ typedef struct ggx_lobe {
 
 typedef struct blender {
     nqm_spec_state spec;
-    ggx_lobe base, coat;
+    ggx_lobe base;
+    turned_widths coat;
+    double sheen[3][N_E];      /* albedo, a and -b at the cosine of the viewer */
     double f0, specular_f0[3]; /* of the dielectric, without and with tint */
 } blender;
 
@@ -70,8 +73,8 @@ static void prepare_lobe(ggx_lobe *lobe, double x, double y, double turn_rad, do
     const double roughness = sqrt(sqrt(ax * ay));
     double t, u;
     size_t i = place(N_E, roughness, &t);
-    const uint16_t *e = energy_table + i * N_E, *mean = energy_table + N_E * N_E + i,
-                   *s = energy_table + (N_E + 1) * N_E;
+    const uint16_t *e = principled_energy + i * N_E, *mean = principled_energy + N_E * N_E + i,
+                   *s = principled_energy + (N_E + 1) * N_E;
     *lobe = (ggx_lobe){.widths = turned_widths_of(ax * ax, ay * ay, turn_rad), .eta = eta};
     lobe->e_mean = 1e-4 * mix(mean[0], mean[1], t);
     for (size_t j = 0; j < N_E; ++j)
@@ -82,6 +85,16 @@ static void prepare_lobe(ggx_lobe *lobe, double x, double y, double turn_rad, do
         const uint16_t *a = s + (z * N_S + i) * N_S + j, *b = a + N_S * N_S;
         lobe->s[j] = 1e-4 * mix(mix(a[0], a[N_S], t), mix(b[0], b[N_S], t), u);
     }
+}
+
+static void prepare_sheen(blender *self, double roughness) {
+    double t;
+    const size_t i = place(N_E, fmax(roughness, 1e-3), &t);
+    for (size_t k = 0; k < 3; ++k)
+        for (size_t j = 0; j < N_E; ++j) {
+            const uint16_t *at = sheen_ltc + (k * N_E + i) * N_E + j;
+            self->sheen[k][j] = mix(at[0], at[N_E], t) / 50000;
+        }
 }
 
 /* ---- reflectances ------------------------------------------------------------------------------------------------- */
@@ -154,8 +167,11 @@ static void add_lobe(stack *s, const ggx_lobe *lobe, double amount, const double
     }
 }
 
-static void add_sheen(stack *s, const double (*v)[3]) {
-    const closure sheen = zeltner_sheen(s->g, 1, WHITE, v[SHEEN_ROUGHNESS][0]);
+static void add_sheen(stack *s, const blender *self) {
+    const double(*v)[3] = self->spec.values.v;
+    const double cos_o = s->g->cos_o;
+    const closure sheen = transformed_sheen(s->g, 1, WHITE, look_up(self->sheen[0], N_E, cos_o),
+                                            look_up(self->sheen[1], N_E, cos_o), -look_up(self->sheen[2], N_E, cos_o));
     double albedo[3];
     for (size_t c = 0; c < 3; ++c) {
         const double amount = v[SHEEN_WEIGHT][0] * v[SHEEN_TINT][c];
@@ -165,19 +181,16 @@ static void add_sheen(stack *s, const double (*v)[3]) {
     cover(s, albedo);
 }
 
-/* The coat has its energy compensated always. Its colour is absorbed along the viewer's refracted ray. */
+/* The coat has no energy compensation; its albedo is that of a smooth one. Its colour is absorbed along the viewer's refracted ray. */
 static void add_coat(stack *s, const blender *self) {
-    const double(*v)[3] = self->spec.values.v, amount = v[COAT_WEIGHT][0], ior = self->coat.eta, cos_o = s->g->cos_o;
-    const double fresnel = fresnel_dielectric(ior, s->g->cos_d), mean = mean_fresnel(ior);
-    const double seen = mix(f0_of_ior(ior), 1, look_up(self->coat.s, N_S, cos_o)) * (ior > 1);
+    const double(*v)[3] = self->spec.values.v, amount = v[COAT_WEIGHT][0], ior = v[COAT_IOR][0], cos_o = s->g->cos_o;
+    const double fresnel = fresnel_dielectric(ior, s->g->cos_d), albedo = amount * fresnel_dielectric(ior, cos_o);
     const double depth = 1 / sqrt(1 - (1 - cos_o * cos_o) / (ior * ior));
-    const bool is_compensated = s->is_compensated;
-    double albedo[3] = {seen, seen, seen};
-    s->is_compensated = true;
-    add_lobe(s, &self->coat, amount, (const double[3]){fresnel, fresnel, fresnel}, (const double[3]){mean, mean, mean},
-             albedo);
-    s->is_compensated = is_compensated;
-    cover(s, albedo);
+    const double f =
+        fresnel * correlated_ggx(s->g->tan2_h, s->g->cos_i, cos_o, turned_pair_widths(&self->coat, s->g->wi, s->g->wo));
+    for (size_t c = 0; c < 3; ++c)
+        s->f[c] += amount * s->weight[c] * f;
+    cover(s, (const double[3]){albedo, albedo, albedo});
     for (size_t c = 0; c < 3; ++c)
         s->weight[c] *= mix(1, pow(v[COAT_TINT][c], depth), amount);
 }
@@ -217,7 +230,7 @@ static void prepare(const nqm_spec_values *values, void *state) {
     blender *self = state;
     const double(*v)[3] = values->v, roughness2 = v[ROUGHNESS][0] * v[ROUGHNESS][0], ior = v[IOR][0];
     const double aspect = sqrt(1 - 0.9 * v[ANISOTROPIC][0]), level = v[SPECULAR_IOR_LEVEL][0];
-    const double coat2 = v[COAT_ROUGHNESS][0] * v[COAT_ROUGHNESS][0];
+    const double coat2 = fmin(fmax(v[COAT_ROUGHNESS][0] * v[COAT_ROUGHNESS][0], MIN_ALPHA), 1);
     double eta = ior;
     self->f0 = f0_of_ior(ior);
     if (level != 0.5) {
@@ -228,7 +241,8 @@ static void prepare(const nqm_spec_values *values, void *state) {
     for (size_t c = 0; c < 3; ++c)
         self->specular_f0[c] = clamp01(self->f0 * v[SPECULAR_TINT][c]);
     prepare_lobe(&self->base, roughness2 / aspect, roughness2 * aspect, 2 * NQM_PI * v[ANISOTROPIC_ROTATION][0], eta);
-    prepare_lobe(&self->coat, coat2, coat2, 0, v[COAT_IOR][0]);
+    prepare_sheen(self, v[SHEEN_ROUGHNESS][0]);
+    self->coat = turned_widths_of(coat2 * coat2, coat2 * coat2, 0);
 }
 
 static closure evaluate(const void *state, const geometry *g) {
@@ -238,7 +252,7 @@ static closure evaluate(const void *state, const geometry *g) {
     stack s = {.g = g, .is_compensated = v[MULTISCATTER][0] > 0.5, .weight = {1, 1, 1}};
     closure result = {.pass = {0}};
     if (v[SHEEN_WEIGHT][0] > 0)
-        add_sheen(&s, v);
+        add_sheen(&s, self);
     if (v[COAT_WEIGHT][0] > 0)
         add_coat(&s, self);
     if (v[METALLIC][0] > 0)
