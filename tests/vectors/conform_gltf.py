@@ -100,6 +100,7 @@ MISTAKES = [
     ("Fresnel factor is left out", "schlick(f0, f90, v_h)", "np.ones_like(f0 * v_h)", "schlick(base, 1, v_h)", "1"),
     ("F90", 'f90 = m["specular"]', "f90 = 1"),
     ("diffuse part is not multiplied by what", "kept = 1 - fresnel.max(axis=0)", "kept = 1"),
+    ("F of each channel", "kept = 1 - fresnel.max(axis=0)", "kept = 1 - fresnel"),
     ("diffuse part lacks 1 / pi", "diffuse = base / PI", "diffuse = base"),
     ("1 - metallic", "metal = schlick(base, 1, v_h) * specular", "metal = schlick(base, 1, v_h) * specular + kept * diffuse"),
     ("base_color is decoded", 'base = m["roughness"], m["metallic"], m["base_color"]',

@@ -48,6 +48,7 @@
     X(COMPENSATION_LEFT_OUT, "the energy compensation of rough lobes is left out")                                     \
     X(DIFFUSE_WITHOUT_PI, "the diffuse part lacks 1 / pi")                                                             \
     X(DIFFUSE_NOT_REDUCED, "the diffuse part is not multiplied by what the specular part lets through (1 - F)")        \
+    X(DIFFUSE_BY_CHANNEL, "the diffuse part is multiplied by 1 - F of each channel, not of the largest one")           \
     X(DIFFUSE_LAMBERT, "the diffuse part is Lambert's, not Burley's")                                                  \
     X(DIFFUSE_OF_METAL, "the dielectric or diffuse part is not multiplied by 1 - metallic")                            \
     X(INTERNAL_REFLECTION, "the internal reflection of the base is left out")                                          \

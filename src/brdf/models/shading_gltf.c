@@ -142,11 +142,13 @@ static void base_material(const gltf *self, const half_angles *h, const double *
         add_film(self, strength, h->cos_d, self->f0, f);
         add_film(self, strength, h->cos_d, color, metal);
     }
-    const double left = MISTAKEN(DIFFUSE_NOT_REDUCED) ? 1 : 1 - fmax(f[0], fmax(f[1], f[2]));
-    for (size_t c = 0; c < 3; ++c)
+    const double most = fmax(f[0], fmax(f[1], f[2]));
+    for (size_t c = 0; c < 3; ++c) {
+        const double left = MISTAKEN(DIFFUSE_NOT_REDUCED) ? 1 : 1 - (MISTAKEN(DIFFUSE_BY_CHANNEL) ? f[c] : most);
         rgb[c] = mix(f[c] * lobe + left * self->diffuse[c], metal[c] * lobe, v[METALLIC][0]);
-    for (size_t c = 0; c < 3 && MISTAKEN(DIFFUSE_OF_METAL); ++c)
-        rgb[c] += v[METALLIC][0] * left * self->diffuse[c];
+        if (MISTAKEN(DIFFUSE_OF_METAL))
+            rgb[c] += v[METALLIC][0] * left * self->diffuse[c];
+    }
 }
 
 static void gltf_eval(const void *state, size_t n, const double *wi, const double *wo, double *rgb) {

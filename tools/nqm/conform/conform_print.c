@@ -42,15 +42,17 @@ void score_values(const conform_kit *kit, nqm_scorer *scorer, const float *value
 
 /* ---- the likely mistake ------------------------------------------------------------------------------------------ */
 
-bool is_named(const conform_result *r) {
-    return r->n_named && r->named[0].left < 0.5 * r->none;
-}
-
 static double lowest_jod(const conform_result *r) {
     double jod = 10;
     for (size_t i = 0; i < r->run.n_rows; ++i)
         jod = fmin(jod, r->run.rows[i].result.jod); /* without NaN */
     return jod;
+}
+
+/* It leaves less than half of the difference, or none that is visible. */
+bool is_named(const conform_result *r) {
+    return r->n_named &&
+           (r->named[0].left < 0.5 * r->none || (lowest_jod(r) < conform_pass && r->named[0].lowest >= conform_pass));
 }
 
 /* A mistake, what JOD the worst set has with it, and how much of the difference remains. */
