@@ -431,12 +431,32 @@ static bool finish_dielectric(nqm_bsdf_reading *r, const nqm_bsdf_node *bsdf) {
     return read_roughness(r, &glass, bsdf) && nqm_bsdf_interface(r, bsdf, eta, is_thin);
 }
 
-static bool finish_diffuse(nqm_bsdf_reading *r, const nqm_bsdf_node *bsdf) {
-    const double grey[3] = {0.5, 0.5, 0.5};
+/* The surface of what scatters below it. */
+static bool finish_subsurface(nqm_bsdf_reading *r, const nqm_bsdf_node *bsdf) {
+    nqm_textured *t = r->reading.textured;
+    double eta = 1.33;
+    return nqm_set_aside(&r->reading, NQM_IGNORE_SUBSURFACE, bsdf, "subsurface scattering is not supported") &&
+           nqm_bsdf_numbers(r, "eta", 1, &eta) && read_roughness(r, &glass, bsdf) &&
+           nqm_bsdf_output(r, "eta", nqm_graph_number(t, eta)) && nqm_bsdf_output(r, "k", nqm_graph_number(t, 0));
+}
+
+static bool set_albedo(nqm_bsdf_reading *r, double grey, double scale) {
+    nqm_textured *t = r->reading.textured;
+    const double albedo[3] = {grey, grey, grey};
     uint16_t value;
+    return read_value(r, "reflectance", 3, albedo, &value) &&
+           nqm_bsdf_output(r, "kd", clamp(t, nqm_graph_with(t, NQM_MAP_MULTIPLY, 3, value, scale), 1)); /* as pbrt */
+}
+
+static bool finish_diffuse(nqm_bsdf_reading *r, const nqm_bsdf_node *bsdf) {
     (void)bsdf;
-    return read_value(r, "reflectance", 3, grey, &value) &&
-           nqm_bsdf_output(r, "kd", clamp(r->reading.textured, value, 1)); /* as pbrt */
+    return set_albedo(r, 0.5, 1);
+}
+
+static bool finish_diffuse_transmission(nqm_bsdf_reading *r, const nqm_bsdf_node *bsdf) {
+    double scale = 1;
+    return nqm_set_aside(&r->reading, NQM_IGNORE_TRANSMISSION, bsdf, "transmission is not supported") &&
+           nqm_bsdf_numbers(r, "scale", 1, &scale) && set_albedo(r, 0.25, scale);
 }
 
 /* Of layers of a coated material. */
@@ -504,8 +524,17 @@ static const nqm_bsdf_plugin types[] = {
      .model = "pbrt-conductor",
      .finish = finish_dielectric,
      .rules = {NQM_RULE_LATER("eta"), NORMAL_MAP, DISPLACEMENT}},
-    {.type = "diffusetransmission", .refusal = "transmission is not supported"},
-    {.type = "subsurface", .refusal = "subsurface scattering is not supported"},
+    {.type = "diffusetransmission",
+     .model = "lambert",
+     .finish = finish_diffuse_transmission,
+     .rules = {NQM_RULE_LATER("reflectance"), NQM_RULE_LATER("scale"), NQM_RULE_IGNORED("transmittance"), NORMAL_MAP,
+               DISPLACEMENT}},
+    {.type = "subsurface",
+     .model = "pbrt-conductor",
+     .finish = finish_subsurface,
+     .rules = {NQM_RULE_LATER("eta"), NQM_RULE_LATER("roughness"), NQM_RULE_LATER("uroughness"),
+               NQM_RULE_LATER("vroughness"), NQM_RULE_LATER("remaproughness"),
+               NQM_RULE_IGNORED("reflectance mfp name sigma_a sigma_s scale g"), NORMAL_MAP, DISPLACEMENT}},
     {.type = "hair", .refusal = "hair has no BRDF of a surface"},
     {.type = "mix", .refusal = "mixtures of materials are not supported"},
     {.type = "interface", .refusal = "it reflects nothing"},

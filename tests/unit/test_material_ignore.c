@@ -162,6 +162,10 @@ static void test_interfaces(void **state) {
            "pbrt-conductor:roughness=0.09;eta=1.78472;k=0");
     EXPECT("Material \"dielectric\"", "transmission", "pbrt-conductor:roughness=1e-06;eta=1.5;k=0");
     EXPECT("Material \"thindielectric\" \"float eta\" 1.5", "transmission", "roughness=1e-06;" PANE);
+    EXPECT("Material \"subsurface\" \"float roughness\" .09 \"rgb mfp\" [1 2 3]", "subsurface",
+           "pbrt-conductor:roughness=0.09;eta=1.33;k=0");
+    EXPECT("Material \"diffusetransmission\" \"rgb reflectance\" [.2 .4 .6] \"float scale\" .5", "transmission",
+           "lambert:kd=0.1,0.2,0.3");
     expect_refusal(SCENE(BSDF("dielectric", "<string name='int_ior' value='cheese'/>")), "cheese");
     expect_refusal(SCENE(BSDF("dielectric", FLOAT("alpha", ".1"))), "alpha");
     expect_refusal(SCENE(BSDF("dielectric", FLOAT("ext_ior", "0"))), "refraction is inf");
