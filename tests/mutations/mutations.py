@@ -193,7 +193,7 @@ MUTATIONS = [
     ("src/material/gltf.c", "double cutoff = 0.5;", "double cutoff = 0;", "test_material_gltf"),
     ("src/material/gltf.c", "(ior->v[0] > 0 && ior->v[0] < 1)", "(ior->v[0] >= 0 && ior->v[0] < 1)", "test_material_gltf"),
     ("src/material/pbrt.c", "value = clamp(t, value, 0.9999);", "value = clamp(t, value, 0.999);", "test_material_pbrt"),
-    ("src/material/pbrt.c", "clamp(r->reading.textured, value, 1)); /* as pbrt */", "clamp(r->reading.textured, value, 9)); /* as pbrt */", "test_material_pbrt"),
+    ("src/material/pbrt.c", "clamp(t, nqm_graph_with(t, NQM_MAP_MULTIPLY, 3, value, scale), 1)); /* as pbrt */", "clamp(t, nqm_graph_with(t, NQM_MAP_MULTIPLY, 3, value, scale), 9)); /* as pbrt */", "test_material_pbrt"),
     ("src/metric/compose.c", "pairs[run].ref == pairs[0].ref)", "pairs[run].ref != pairs[0].test)", "test_metric_scorer test_metric_transport"),
     ("src/metric/gradient.c", "if (i == first || job->pairs[i].ref != job->pairs[i - 1].ref)", "if (i == first)", "test_metric_score_gradient"),
     ("src/metric/sample_cache.c", "while (cache->oldest && cache->n_bytes > max_bytes)", "while (cache->oldest && cache->n_bytes > 2 * max_bytes)", "test_metric_batch"),
