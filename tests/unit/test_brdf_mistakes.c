@@ -13,7 +13,8 @@
 
 enum { N = 40 };
 
-#define GLTF_LAYERS ";specular=.7;clearcoat=.6;clearcoat_roughness=.3;sheen_color=.4,.2,.6;sheen_roughness=.5"
+#define GLTF_LAYERS                                                                                                    \
+    ";specular=.7;specular_color=1,.6,.3;clearcoat=.6;clearcoat_roughness=.3;sheen_color=.4,.2,.6;sheen_roughness=.5"
 static const char *const specs[] = {
     ("gltf:base_color=.8,.3,.1;metallic=.5;roughness=.4;anisotropy_strength=.6" GLTF_LAYERS),
     "open-pbr:base_color=.8,.3,.1;base_metalness=.4;specular_roughness=.4;coat_weight=.6;fuzz_weight=.5",
