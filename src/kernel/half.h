@@ -5,9 +5,7 @@
 #ifndef NQM_SRC_KERNEL_HALF_H
 #define NQM_SRC_KERNEL_HALF_H
 
-#include <stdbool.h>
-#include <stddef.h>
-#include <stdint.h>
+#include "base/base.h"
 
 /** n finite binary16 values at any address to floats, exactly. */
 void nqm_half_to_float(size_t n, const void *half, float *x);

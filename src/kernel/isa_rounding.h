@@ -31,10 +31,19 @@ static void round_tile(const float *x, uint32_t *words) {
         round_pair(NQM_PANEL, x, x + NQM_PANEL, NQM_PANEL, 0, words + i * NQM_PANEL);
 }
 
-/* bytes (n) = x per_scale + zero, to nearest, at most 255. */
-static inline void quantise(size_t n, const float *x, float per_scale, float zero, unsigned char *bytes) {
+/* The range of the bytes includes 0, which is exact. */
+static nqm_byte_scale quantise_row(size_t n, const float *x, uint32_t *words) {
     const float round_magic = 0x1.8p23f; /* adding it leaves the nearest integer in the low bits */
     const int32_t most = 0x4b400000 + 255;
+    unsigned char *bytes = (unsigned char *)words;
+    float low = 0, high = 0;
+#pragma omp simd reduction(min : low) reduction(max : high)
+    for (size_t i = 0; i < n; ++i) {
+        low = x[i] < low ? x[i] : low;
+        high = x[i] > high ? x[i] : high;
+    }
+    const nqm_byte_scale by = nqm_byte_scale_of(low, high);
+    const float per_scale = 1 / by.scale, zero = (float)by.zero;
 #pragma omp simd
     for (size_t i = 0; i < n; ++i) {
         float shifted = x[i] * per_scale + zero + round_magic;
@@ -42,30 +51,6 @@ static inline void quantise(size_t n, const float *x, float per_scale, float zer
         memcpy(&bits, &shifted, sizeof bits);
         bytes[i] = (unsigned char)(bits < most ? bits : most);
     }
-}
-
-/* The range of the bytes includes 0, which is exact. */
-static nqm_byte_scale quantise_row(size_t n, const float *x, uint32_t *words) {
-    enum { AT_ONCE = 64 };
-    /* Two independent chains of minima and maxima over halves that overlap, so that no scalar loop is left over. */
-    const size_t rounded = (n / 2 + 16) / 16 * 16, half = rounded < n ? rounded : n, other = n - half;
-    float low = 0, high = 0, low2 = 0, high2 = 0;
-#pragma omp simd reduction(min : low, low2) reduction(max : high, high2)
-    for (size_t i = 0; i < half; ++i) {
-        low = x[i] < low ? x[i] : low;
-        high = x[i] > high ? x[i] : high;
-        low2 = x[other + i] < low2 ? x[other + i] : low2;
-        high2 = x[other + i] > high2 ? x[other + i] : high2;
-    }
-    const nqm_byte_scale by = nqm_byte_scale_of(low < low2 ? low : low2, high > high2 ? high : high2);
-    const float per_scale = 1 / by.scale, zero = (float)by.zero;
-    unsigned char *bytes = (unsigned char *)words;
-    const size_t left = n % AT_ONCE;
-    quantise(n - left, x, per_scale, zero, bytes);
-    if (n > AT_ONCE) /* the last 64, some of them again: faster than a scalar loop over the rest */
-        quantise(AT_ONCE, x + n - AT_ONCE, per_scale, zero, bytes + n - AT_ONCE);
-    else
-        quantise(left, x + n - left, per_scale, zero, bytes + n - left);
     memset(bytes + n, 0, -n & 3); /* fill the last word */
     return by;
 }

@@ -59,49 +59,20 @@ typedef struct predict_job {
     size_t n, n_at_once; /* pairs, and those per task */
 } predict_job;
 
-static void estimate(const predict_job *job, size_t first, size_t n) {
-    const nqm_transport t = nqm_model_transport(job->predictor->model);
-    if (t.light)
-        nqm_transport_estimates(&t, n, job->pairs + first, job->predictor->inputs->estimate + first,
-                                job->predictor->inputs->looks + first);
-}
-
-/* What follows the estimates of pairs [first, first + n). */
-static void finish(const predict_job *job, size_t first, size_t n) {
+/* A task's pairs: estimates, inputs and novelty. */
+static void run_task(void *user, size_t task) {
+    const predict_job *job = user;
     const nqm_composer *c = job->predictor->inputs;
+    const nqm_transport t = nqm_model_transport(c->model);
+    const size_t first = task * job->n_at_once, n = nqm_smaller(job->n_at_once, job->n - first);
     const bool with_scalars = nqm_model_n_scalars(c->model) > 0;
+    if (t.light)
+        nqm_transport_estimates(&t, n, job->pairs + first, c->estimate + first, c->looks + first);
+    nqm_compose_samples(c, task, first, n, job->pairs + first, job->metrics);
     nqm_compose_scalars(c, first, n, job->metrics);
     for (size_t i = first; i < first + n; ++i)
         job->to[i].novelty =
             with_scalars ? nqm_model_novelty(c->model, c->scalars + i * NQM_SCALAR_COUNT) : (double)NAN;
-}
-
-static void run_task(void *user, size_t task) {
-    const predict_job *job = user;
-    const size_t first = task * job->n_at_once, n = nqm_smaller(job->n_at_once, job->n - first);
-    estimate(job, first, n);
-    nqm_compose_samples(job->predictor->inputs, task, first, n, job->pairs + first, job->metrics);
-    finish(job, first, n);
-}
-
-/* Half of the work of a single pair. */
-static void run_half(void *user, size_t half) {
-    const predict_job *job = user;
-    if (half == 0)
-        estimate(job, 0, 1);
-    else
-        nqm_compose_samples(job->predictor->inputs, 0, 0, 1, job->pairs, job->metrics);
-}
-
-/* A single pair: two threads, if both have enough to do. */
-static void run_one(predict_job *job) {
-    const nqm_model *m = job->predictor->model;
-    if (m->transport) {
-        nqm_parallel_for(2, run_half, job);
-        finish(job, 0, 1);
-    } else {
-        run_task(job, 0);
-    }
 }
 
 /* ---- prediction -------------------------------------------------------------------------------------------------- */
@@ -150,10 +121,7 @@ void nqm_predictor_run(nqm_predictor *p, size_t n, const nqm_sample_pair *pairs,
     if (n == 0)
         return;
     predict_job job = {p, pairs, to, metrics, n, nqm_composer_task(p->inputs, n)};
-    if (n == 1)
-        run_one(&job);
-    else
-        nqm_parallel_for(nqm_ceil_div(n, job.n_at_once), run_task, &job);
+    nqm_parallel_for(nqm_ceil_div(n, job.n_at_once), run_task, &job);
     if (p->work)
         nqm_inference_run(p->work, n, p->inputs->x, p->inputs->stride, p->z);
     for (size_t i = 0; i < n; ++i)

@@ -5,8 +5,8 @@
  * everything between them in double. The gradient of close pairs depends on small differences of light: they have pictures of
  * their own, to which the reference's is added.
  */
+#include "kernel/kernel.h"
 #include "metric/metric.h"
-#include "sample/loops.h"
 
 #include <math.h>
 
@@ -134,11 +134,10 @@ void nqm_transport_light_gradient(const nqm_transport *t, const nqm_label *weigh
 void nqm_transport_gradient(const nqm_transport *t, size_t n, const nqm_sample_pair *pairs, const float *by_light,
                             float *gradient) {
     const size_t n_points = t->n_points, n_values = 3 * t->n_directions;
-    float sums[NQM_COMPARE_MAX];
-    for (size_t k = 0; k < n_values; ++k) { /* each row of the matrix is read once for all pairs */
-        nqm_sample_dots(n_points, t->light + k * n_points, n, by_light + k % 3 * n_points, 3 * n_points, sums);
+    const nqm_kernels *kernels = nqm_kernels_get();
+    for (size_t k = 0; k < n_values; ++k) /* each row of the matrix is read once for all pairs */
         for (size_t i = 0; i < n; ++i)
             if (!pairs[i].used || pairs[i].used[k / 3])
-                gradient[i * n_values + k] += sums[i];
-    }
+                gradient[i * n_values + k] +=
+                    kernels->dot(n_points, t->light + k * n_points, by_light + (3 * i + k % 3) * n_points);
 }

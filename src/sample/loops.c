@@ -111,19 +111,14 @@ void nqm_sample_logs(size_t n, const float *rho, float *roots, float *t) {
     sample_log_stretch(n - i, rho + i, roots + i, t + i);
 }
 
-/* n <= NQM_WHITEN_PERIOD; inlined with the constant NQM_WHITEN_PERIOD, it needs no loop. */
-INLINE void whiten_stretch(size_t n, const float *mean, const float *scale, const float *t, float *x) {
-#pragma omp simd
-    for (size_t i = 0; i < n; ++i)
-        x[i] = (t[i] - mean[i]) * scale[i];
-}
-
 NQM_FOR_EACH_VECTOR_WIDTH
 void nqm_sample_whiten(size_t n, const float *mean, const float *scale, const float *t, float *x) {
-    size_t i = 0;
-    for (; i + NQM_WHITEN_PERIOD <= n; i += NQM_WHITEN_PERIOD)
-        whiten_stretch(NQM_WHITEN_PERIOD, mean, scale, t + i, x + i);
-    whiten_stretch(n - i, mean, scale, t + i, x + i);
+    for (size_t m; n > 0; n -= m, t += m, x += m) {
+        m = nqm_smaller(n, NQM_WHITEN_PERIOD);
+#pragma omp simd
+        for (size_t i = 0; i < m; ++i)
+            x[i] = (t[i] - mean[i]) * scale[i];
+    }
 }
 
 NQM_FOR_EACH_VECTOR_WIDTH
@@ -180,41 +175,6 @@ void nqm_sample_sums(size_t n, const float *x, float *magnitudes, float *squares
     square[0] += square[1];
     *magnitudes = add_lanes(&magnitude[0]);
     *squares = add_lanes(&square[0]);
-}
-
-enum { DOTS_AT_ONCE = 4 }; /* x is loaded once for them, and none waits for the latency of its own additions */
-typedef float four __attribute__((vector_size(16)));
-
-/* The four sums of the partial sums of x: a step of each sum takes one step for all. */
-INLINE four add_four(const lanes *x) {
-    four quarter[DOTS_AT_ONCE];
-    UNROLL for (size_t k = 0; k < DOTS_AT_ONCE; ++k) {
-        four part[LANES / 4];
-        memcpy(part, &x[k], sizeof part);
-        quarter[k] = (part[0] + part[1]) + (part[2] + part[3]);
-    }
-    const four a = quarter[0], b = quarter[1], c = quarter[2], d = quarter[3];
-    const four ab = __builtin_shufflevector(a, b, 0, 4, 1, 5) + __builtin_shufflevector(a, b, 2, 6, 3, 7);
-    const four cd = __builtin_shufflevector(c, d, 0, 4, 1, 5) + __builtin_shufflevector(c, d, 2, 6, 3, 7);
-    return __builtin_shufflevector(ab, cd, 0, 1, 4, 5) + __builtin_shufflevector(ab, cd, 2, 3, 6, 7);
-}
-
-INLINE void some_dots(size_t n, const float *x, size_t n_y, const float *y, size_t stride, float *sums) {
-    lanes sum[DOTS_AT_ONCE] = {{0}};
-    for (size_t i = 0; i < n; i += LANES)
-        UNROLL for (size_t k = 0; k < n_y; ++k) sum[k] +=
-            *(const lanes *)(x + i) * *(const lanes *)(y + k * stride + i);
-    const four all = add_four(sum);
-    memcpy(sums, &all, n_y * sizeof *sums);
-}
-
-NQM_FOR_EACH_VECTOR_WIDTH
-void nqm_sample_dots(size_t n, const float *x, size_t n_y, const float *y, size_t stride, float *sums) {
-    size_t k = 0;
-    for (; k + DOTS_AT_ONCE <= n_y; k += DOTS_AT_ONCE)
-        some_dots(n, x, DOTS_AT_ONCE, y + k * stride, stride, sums + k);
-    for (; k < n_y; ++k)
-        some_dots(n, x, 1, y + k * stride, stride, sums + k);
 }
 
 NQM_FOR_EACH_VECTOR_WIDTH

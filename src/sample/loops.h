@@ -27,8 +27,6 @@ void nqm_sample_differences(size_t n, float s, const float *a, const float *b, f
 enum { NQM_SAMPLE_LANES = 32 };
 /** The sums of |x| and of x^2 over n floats, a multiple of NQM_SAMPLE_LANES. */
 void nqm_sample_sums(size_t n, const float *x, float *magnitudes, float *squares);
-/** sums[i] = the sum of x y_i over n floats, a multiple of NQM_SAMPLE_LANES, for n_y rows y_i, `stride` floats apart. */
-void nqm_sample_dots(size_t n, const float *x, size_t n_y, const float *y, size_t stride, float *sums);
 /** Period of the whitening's mean and scale, floats: a multiple of the three channels and of every vector width. */
 enum { NQM_WHITEN_PERIOD = 48 };
 /** x = (t - mean) scale for n floats; x may be t. mean and scale are (NQM_WHITEN_PERIOD) and repeat. */

@@ -13,7 +13,6 @@ static const sample_loops chosen = {
     .limit = nqm_sample_limit,
     .differences = nqm_sample_differences,
     .sums = nqm_sample_sums,
-    .dots = nqm_sample_dots,
     .whiten = nqm_sample_whiten,
     .nearest = nqm_sample_nearest,
 };

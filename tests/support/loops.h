@@ -17,7 +17,6 @@ typedef struct sample_loops {
     void (*limit)(size_t n, float limit, const float *x, float *y);
     void (*differences)(size_t n, float s, const float *a, const float *b, float *difference, float *magnitude);
     void (*sums)(size_t n, const float *x, float *magnitudes, float *squares);
-    void (*dots)(size_t n, const float *x, size_t n_y, const float *y, size_t stride, float *sums);
     void (*whiten)(size_t n, const float *mean, const float *scale, const float *t, float *x);
     float (*nearest)(size_t n, size_t n_blocks, const float *points, const float *y);
 } sample_loops;

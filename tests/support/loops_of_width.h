@@ -14,7 +14,6 @@
 #define nqm_sample_limit            OF_WIDTH(nqm_sample_limit)
 #define nqm_sample_differences      OF_WIDTH(nqm_sample_differences)
 #define nqm_sample_sums             OF_WIDTH(nqm_sample_sums)
-#define nqm_sample_dots             OF_WIDTH(nqm_sample_dots)
 #define nqm_sample_whiten           OF_WIDTH(nqm_sample_whiten)
 #define nqm_sample_nearest          OF_WIDTH(nqm_sample_nearest)
 
@@ -28,7 +27,6 @@ const sample_loops OF_WIDTH(loops) = {
     .limit = nqm_sample_limit,
     .differences = nqm_sample_differences,
     .sums = nqm_sample_sums,
-    .dots = nqm_sample_dots,
     .whiten = nqm_sample_whiten,
     .nearest = nqm_sample_nearest,
 };

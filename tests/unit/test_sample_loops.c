@@ -176,32 +176,6 @@ static void sums_of_magnitudes(void **state) {
     }
 }
 
-/* Sums of several rows at once have the bits of each alone. */
-static void dots(void **state) {
-    (void)state;
-    enum { ROWS = 7, N_X = 5 * NQM_SAMPLE_LANES, STRIDE = N_X + 9 };
-    nqm_rng rng = nqm_rng_make(seed, 14);
-    float *x = random_block(&rng, N_X), *y = random_block(&rng, (ROWS - 1) * STRIDE + N_X), first[ROWS] = {0};
-    for (size_t k = 0; sample_loops_at(k); ++k)
-        for (size_t n_y = 1; n_y <= ROWS; ++n_y) {
-            float sums[ROWS];
-            sample_loops_at(k)->dots(N_X, x, n_y, y, STRIDE, sums);
-            for (size_t row = 0; row < n_y; ++row) {
-                double expected = 0, size = 0;
-                for (size_t i = 0; i < N_X; ++i) {
-                    expected += (double)x[i] * (double)y[row * STRIDE + i];
-                    size += fabs((double)x[i] * (double)y[row * STRIDE + i]);
-                }
-                assert_near((double)sums[row], expected, 1e-6 * size);
-                if (k == 0 && row + 1 == n_y)
-                    first[row] = sums[row];
-                assert_true(sums[row] == first[row]);
-            }
-        }
-    nqm_free(x);
-    nqm_free(y);
-}
-
 static void scaled_logs(void **state) {
     (void)state;
     static float t[N], first[N], actual[N];
@@ -263,7 +237,6 @@ int main(void) {
         cmocka_unit_test(root_differences),
         cmocka_unit_test(sums_of_magnitudes),
         cmocka_unit_test(nearest_points),
-        cmocka_unit_test(dots),
         cmocka_unit_test(scaled_logs),
         cmocka_unit_test(whitening),
     };
