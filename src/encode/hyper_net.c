@@ -170,7 +170,7 @@ static void store_tiles(void *user, size_t strip, size_t n_strips, size_t panel,
 static nqm_columns columns_of(size_t rows, size_t n, size_t width, const float *x, float *groups) {
     for (size_t i = 0; i < rows; ++i)
         nqm_columns_copy(n, x + i * n, width, rows * width, groups + i * width);
-    return (nqm_columns){.data = groups, .step = rows * width, .ld = width};
+    return (nqm_columns){.data = groups, .step = rows * width};
 }
 
 /* dz (rows, n_out): gradient with respect to x W + b. Writes the gradients with respect to W and b. */

@@ -232,7 +232,7 @@ static void amx_gradient_bf16(const nqm_tile_gradient *g) {
     begin(&s);
     for (size_t first = 0; first < g->words; first += GRADIENT_WORDS) {
         const size_t words = nqm_smaller(g->words - first, GRADIENT_WORDS);
-        nqm_transpose_words(words, NQM_PANEL, (const uint32_t *)g->right + first * g->ld_right, g->ld_right, right,
+        nqm_transpose_words(words, NQM_PANEL, (const uint32_t *)g->right + first * NQM_PANEL, NQM_PANEL, right,
                             GRADIENT_STRIDE);
         for (size_t strip = 0; strip < g->n_strips; ++strip) {
             for (size_t i = 0; first == 0 && i < NQM_PREFETCH * TILE; i += LINE)
@@ -243,10 +243,10 @@ static void amx_gradient_bf16(const nqm_tile_gradient *g) {
                                 .words = words,
                                 .add = first > 0,
                                 .a = right,
-                                .b = (const uint32_t *)g->left + strip * g->step + first * g->ld_left,
+                                .b = (const uint32_t *)g->left + strip * g->step + first * NQM_STRIP,
                                 .c = (uint32_t *)(void *)(g->c + strip * TILE),
                                 .lda = GRADIENT_STRIDE,
-                                .ldb = g->ld_left,
+                                .ldb = NQM_STRIP,
                                 .ldc = NQM_STRIP});
         }
     }

@@ -72,9 +72,9 @@ enum { NQM_PREFETCH = 3 };
 typedef struct nqm_tile_gradient {
     size_t n_strips;
     size_t words;      /**< rows: of the batch, or pairs of them in NQM_PRECISION_BF16 */
-    const void *left;  /**< strips (words, NQM_STRIP), `step` words from strip to strip, ld_left from row to row */
-    const void *right; /**< (words, NQM_PANEL), ld_right words from row to row */
-    size_t step, ld_left, ld_right;
+    const void *left;  /**< strips (words, NQM_STRIP), `step` words from strip to strip */
+    const void *right; /**< (words, NQM_PANEL) */
+    size_t step;
     float *c;
     const float *prefetch[NQM_PREFETCH]; /**< each like c: will be read next; c if there is nothing */
 } nqm_tile_gradient;

@@ -16,33 +16,20 @@ enum {
     ROWS_AT_ONCE = 16 * NQM_STRIP,
     BLOCKS_PER_THREAD = 8, /* at least, so that threads end at about the same time */
     PANELS_OF_ROW = 4,     /* at most, of a block with a single row */
-    CACHE_LINE = 64,       /* bytes */
 
     /* Strips of a gradient that are multiplied with all panels before the next: those of 512 rows take 288 KB of the L2 cache. Enough for
      * the sink to read its own arrays in long runs. */
     STRIPS_AT_ONCE = 12
 };
 
-/* ---- caches ------------------------------------------------------------------------------------------------------- */
+/* Bytes of this processor's L2 cache; 0: not known. */
+static size_t l2_bytes;
 
-/* Sizes in bytes of this processor's caches; 0: not known. */
-typedef struct caches {
-    size_t l1, l2;
-} caches;
-
-static caches found_caches;
-
-static void find_caches(void) {
+static void find_l2(void) {
 #ifdef _SC_LEVEL2_CACHE_SIZE
-    const long l1 = sysconf(_SC_LEVEL1_DCACHE_SIZE), l2 = sysconf(_SC_LEVEL2_CACHE_SIZE);
-    found_caches = (caches){l1 > 0 ? (size_t)l1 : 0, l2 > 0 ? (size_t)l2 : 0};
+    const long n = sysconf(_SC_LEVEL2_CACHE_SIZE);
+    l2_bytes = n > 0 ? (size_t)n : 0;
 #endif
-}
-
-static caches own_caches(void) {
-    static pthread_once_t once = PTHREAD_ONCE_INIT;
-    pthread_once(&once, find_caches);
-    return found_caches;
 }
 
 /* ---- products ---------------------------------------------------------------------------------------------------- */
@@ -58,7 +45,9 @@ typedef struct cut {
 
 static cut cut_product(const nqm_panels *b, size_t m) {
     const size_t rows = (b->precision == NQM_PRECISION_F32 ? 2 : 8) * NQM_STRIP, row_bytes = 4 * b->words;
-    const size_t usable = own_caches().l2 / 8 * 5; /* what remains is for C and for others */
+    static pthread_once_t once = PTHREAD_ONCE_INIT;
+    pthread_once(&once, find_l2);
+    const size_t usable = l2_bytes / 8 * 5; /* what remains is for C and for others */
     const size_t fitting = usable > rows * row_bytes ? (usable - rows * row_bytes) / (NQM_PANEL * row_bytes) : 0;
     const size_t n_down = nqm_ceil_div(m, ROWS_AT_ONCE);
     const size_t fair = n_down * b->n_panels / (BLOCKS_PER_THREAD * (size_t)omp_get_max_threads());
@@ -106,20 +95,8 @@ void nqm_multiply(const nqm_panels *b, size_t m, const void *a, size_t lda, bool
 
 /* ---- weight gradients --------------------------------------------------------------------------------------------- */
 
-/* Whether a line of each of m rows fits into the L1 cache beside the other factor. */
-static bool lines_fit(size_t m) {
-    return m <= own_caches().l1 / 4 * 3 / CACHE_LINE;
-}
-
-nqm_columns nqm_columns_of(nqm_precision precision, size_t width, size_t m, size_t n) {
-    if (precision == NQM_PRECISION_F32 && width == NQM_STRIP && lines_fit(m))
-        return (nqm_columns){.step = width, .ld = nqm_row_stride(n)};
-    return (nqm_columns){.step = nqm_row_stride(width * nqm_words(precision, m)), .ld = width};
-}
-
-size_t nqm_columns_size(nqm_precision precision, size_t width, size_t m, size_t n) {
-    const nqm_columns columns = nqm_columns_of(precision, width, m, n);
-    return columns.step == width ? m * columns.ld : nqm_ceil_div(n, width) * columns.step;
+size_t nqm_columns_step(nqm_precision precision, size_t width, size_t m) {
+    return nqm_row_stride(width * nqm_words(precision, m));
 }
 
 /* Inlined with a constant width: a copy is a few instructions. */
@@ -152,9 +129,7 @@ void nqm_gradient_run(const nqm_gradient *g) {
                                   .words = words,
                                   .left = (const uint32_t *)g->x.data + first * g->x.step,
                                   .step = g->x.step,
-                                  .ld_left = g->x.ld,
                                   .right = (const uint32_t *)g->z.data + panel * g->z.step,
-                                  .ld_right = g->z.ld,
                                   .c = tiles,
                                   .prefetch = {tiles, tiles, tiles}};
         if (g->prefetch)

@@ -71,22 +71,17 @@ static inline size_t nqm_row_stride(size_t n) {
 typedef void (*nqm_tile_sink)(void *user, size_t strip, size_t n_strips, size_t panel, const float *tiles);
 
 /** A factor of a weight gradient: columns of activations in groups of NQM_STRIP or NQM_PANEL, the last group filled up with
- *  zeros. Floats may be plain rows (step = columns of a group). In NQM_PRECISION_BF16 a word holds two rows of a column
- *  (round_pair() of kernel.h), with 0 for a missing last row. */
+ *  zeros. A row of a group follows the one before it. In NQM_PRECISION_BF16 a word holds two rows of a column (round_pair() of
+ *  kernel.h), with 0 for a missing last row. */
 typedef struct nqm_columns {
     const void *data;
     size_t step; /**< words from one group to the next */
-    size_t ld;   /**< words from row to row: an odd number of cache lines or the width of a group is fastest */
 } nqm_columns;
 
-/** The fastest layout for columns (m, n) in groups of `width`; data is NULL. Each group is contiguous, unless they are floats in groups
- *  of NQM_STRIP and a cache line of every row fits into the L1 cache: then rows of nqm_row_stride(n) floats (step = width) are as fast,
- *  and need no copy. Results have the same bits in both. */
-nqm_columns nqm_columns_of(nqm_precision precision, size_t width, size_t m, size_t n);
-/** Copy a row (n) to the groups of such a layout in NQM_PRECISION_F32; to: the row of the first group. */
+/** The fastest step for m rows in groups of `width`. */
+size_t nqm_columns_step(nqm_precision precision, size_t width, size_t m);
+/** Copy a row (n) to such groups in NQM_PRECISION_F32; to: the row of the first group. */
 void nqm_columns_copy(size_t n, const float *x, size_t width, size_t step, float *to);
-/** Its size in words. */
-size_t nqm_columns_size(nqm_precision precision, size_t width, size_t m, size_t n);
 
 /** X^T Z of x (m, k) and z (m, n): the gradient of weights (k, n) for a batch of m rows. Tiles are passed to `sink` as they
  *  are finished, so that the gradient need not be stored. */

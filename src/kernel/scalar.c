@@ -84,7 +84,7 @@ static void gradient(const nqm_tile_gradient *g, word_product product) {
     for (size_t i = 0; i < g->n_strips * NQM_STRIP; ++i) {
         const uint32_t *left = (const uint32_t *)g->left + i / NQM_STRIP * g->step + i % NQM_STRIP;
         for (size_t j = 0; j < NQM_PANEL; ++j)
-            g->c[i * NQM_PANEL + j] = (float)sum_words(g->words, left, g->ld_left, right + j, g->ld_right, product);
+            g->c[i * NQM_PANEL + j] = (float)sum_words(g->words, left, NQM_STRIP, right + j, NQM_PANEL, product);
     }
 }
 

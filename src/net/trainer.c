@@ -25,8 +25,9 @@ static uint32_t *next_words(nqm_trainer *t, size_t n) {
     return (uint32_t *)next_floats(t, n);
 }
 
+/* Words of the columns of a matrix. */
 static uint32_t *next_columns(nqm_trainer *t, size_t n, size_t width) {
-    return next_words(t, nqm_columns_size(t->options.precision, width, t->options.max_batch, n));
+    return next_words(t, nqm_ceil_div(n, width) * nqm_columns_step(t->options.precision, width, t->options.max_batch));
 }
 
 /* A matrix without memory of its own. */
@@ -36,7 +37,7 @@ static nqm_batch_matrix matrix_of(const nqm_trainer *t, size_t n, size_t width) 
                               .rows = t->rows,
                               .ld_rows = nqm_row_stride(nqm_words(t->options.precision, n)),
                               .width = width,
-                              .columns = nqm_columns_of(t->options.precision, width, t->options.max_batch, n)};
+                              .step = nqm_columns_step(t->options.precision, width, t->options.max_batch)};
 }
 
 /* The input of a layer. */
@@ -46,16 +47,13 @@ static void set_input(nqm_trainer *t, size_t n, nqm_batch_matrix *m) {
     m->x = next_floats(t, (is_rounded(t) ? 2 * t->n_threads : t->options.max_batch) * m->ld);
     if (!is_rounded(t))
         m->rows = (uint32_t *)m->x;
-    if (m->columns.ld == m->ld) /* rows of x */
-        m->columns.data = m->x;
-    else
-        m->columns.data = m->copied_columns = next_columns(t, n, NQM_STRIP);
+    m->columns = next_columns(t, n, NQM_STRIP);
 }
 
 /* The gradient of a layer's product. */
 static void set_gradient(nqm_trainer *t, size_t n, nqm_batch_matrix *m) {
     *m = matrix_of(t, n, NQM_PANEL);
-    m->columns.data = m->copied_columns = t->dz_columns;
+    m->columns = t->dz_columns;
     m->x = is_rounded(t) ? t->dz : next_floats(t, t->options.max_batch * m->ld);
     if (!is_rounded(t))
         m->rows = (uint32_t *)m->x;
@@ -251,15 +249,13 @@ static float *row_at(const nqm_batch_matrix *m, size_t i) {
 void nqm_trainer_rows_done(const nqm_trainer *t, const nqm_batch_matrix *m, size_t first, size_t n, const float *x) {
     const nqm_kernels *kernels = nqm_kernels_get();
     if (!is_rounded(t)) {
-        for (size_t i = 0; m->copied_columns && i < n; ++i)
-            nqm_columns_copy(m->n, x + i * m->ld, m->width, m->columns.step,
-                             (float *)m->copied_columns + (first + i) * m->width);
+        for (size_t i = 0; i < n; ++i)
+            nqm_columns_copy(m->n, x + i * m->ld, m->width, m->step, (float *)m->columns + (first + i) * m->width);
         return;
     }
     for (size_t i = 0; i < n; ++i)
         kernels->round_row(m->n, x + i * m->ld, m->rows + (first + i) * m->ld_rows);
-    kernels->round_pair(m->n, x, n == 2 ? x + m->ld : t->zeros, m->width, m->columns.step,
-                        m->copied_columns + first / 2 * m->width);
+    kernels->round_pair(m->n, x, n == 2 ? x + m->ld : t->zeros, m->width, m->step, m->columns + first / 2 * m->width);
 }
 
 /* ---- forward ----------------------------------------------------------------------------------------------------- */

@@ -53,8 +53,8 @@ static void step_weights(const nqm_trainer *t, layer_step *s, size_t batch, cons
                                      .m = batch,
                                      .k = x->n,
                                      .n = dz->n,
-                                     .x = x->columns,
-                                     .z = dz->columns,
+                                     .x = {x->columns, x->step},
+                                     .z = {dz->columns, dz->step},
                                      .sink = step_tiles,
                                      .prefetch = prefetch_for_step,
                                      .user = s});

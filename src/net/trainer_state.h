@@ -21,7 +21,7 @@ typedef struct nqm_layer_values {
 } nqm_layer_values;
 
 /** A matrix (batch, n) of activations or of gradients, in the forms that products read: rows are the left factor of a product, columns
- *  a factor of a weight gradient. In NQM_PRECISION_F32 the rows are x, and so are the columns where nqm_columns_of() says so. */
+ *  a factor of a weight gradient. In NQM_PRECISION_F32 the rows are x. */
 typedef struct nqm_batch_matrix {
     size_t n, ld;     /**< floats from row to row of x; zeros from n to ld */
     float *x;         /**< (max_batch, ld); if it is a buffer: (threads, 2, ld) */
@@ -29,8 +29,8 @@ typedef struct nqm_batch_matrix {
     uint32_t *rows;   /**< (max_batch, ld_rows) words */
     size_t ld_rows;   /**< words */
     size_t width; /**< columns of a group: NQM_STRIP for the input of a layer, NQM_PANEL for the product's gradient */
-    nqm_columns columns;      /**< views copied_columns or x */
-    uint32_t *copied_columns; /**< (groups, columns.step) words; NULL: columns views x */
+    uint32_t *columns; /**< (groups, step) words */
+    size_t step;
 } nqm_batch_matrix;
 
 /** A hidden layer and its activations for a batch. */

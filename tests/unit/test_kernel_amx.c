@@ -386,8 +386,6 @@ static void check_gradient(nqm_rng *rng, size_t n_strips, size_t words) {
                            .left = left.at,
                            .right = right.at,
                            .step = step,
-                           .ld_left = NQM_STRIP,
-                           .ld_right = NQM_PANEL,
                            .c = to,
                            .prefetch = {to, to, to}};
     under_test->gradient[NQM_PRECISION_BF16](&g);
@@ -435,14 +433,8 @@ static void configuration_is_restored(void **state) {
                                                                        .lda = WORDS,
                                                                        .ldc = NQM_PANEL});
             else
-                under_test->gradient[NQM_PRECISION_BF16](&(nqm_tile_gradient){.n_strips = 1,
-                                                                              .words = WORDS,
-                                                                              .left = a.at,
-                                                                              .right = a.at,
-                                                                              .ld_left = NQM_STRIP,
-                                                                              .ld_right = NQM_PANEL,
-                                                                              .c = to,
-                                                                              .prefetch = {to, to, to}});
+                under_test->gradient[NQM_PRECISION_BF16](&(nqm_tile_gradient){
+                    .n_strips = 1, .words = WORDS, .left = a.at, .right = a.at, .c = to, .prefetch = {to, to, to}});
             amx_configuration(&after);
             assert_memory_equal(&after, &callers[i], sizeof after);
         }

@@ -377,10 +377,10 @@ static nqm_columns factor_of(nqm_precision precision, size_t m, size_t n, size_t
             nqm_kernels_get()->round_pair(n, row, 2 * u + 1 < m ? row + n : zeros, width, words * width,
                                           data + u * width);
         else
-            memcpy(data + u * n_groups * width, row, n * sizeof *row);
+            nqm_columns_copy(n, row, width, words * width, (float *)data + u * width);
     }
     nqm_free(zeros);
-    return rounded ? (nqm_columns){data, words * width, width} : (nqm_columns){data, width, n_groups * width};
+    return (nqm_columns){data, words * width};
 }
 
 static float *gradient_of(const nqm_kernels *kernels, nqm_precision precision, const size_t size[3], const float *x,

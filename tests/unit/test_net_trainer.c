@@ -172,26 +172,6 @@ static void same_bits_for_any_threads(void **state) {
     assert_equal_and_free(&one, &two);
 }
 
-/* Weight gradients read rows of a small batch, and copies of a large one. */
-static void same_bits_in_both_layouts(void **state) {
-    (void)state;
-    enum { MANY = 8192 }; /* rows: more lines than an L1 cache has */
-    const nqm_columns rows = nqm_columns_of(NQM_PRECISION_F32, NQM_STRIP, 1, medium.sizes[0]),
-                      groups = nqm_columns_of(NQM_PRECISION_F32, NQM_STRIP, MANY, medium.sizes[0]);
-    if (rows.step != NQM_STRIP)
-        skip(); /* the size of the L1 cache is not known */
-    assert_int_not_equal(groups.step, NQM_STRIP);
-    outcome of[2];
-    for (size_t i = 0; i < 2; ++i) {
-        trainee t = make_trainee_of(medium, 150, &(nqm_trainer_options){.max_batch = i ? MANY : 150});
-        for (uint64_t step = 0; step < 3; ++step)
-            train_step(&t, step);
-        of[i] = outcome_of(&t);
-        free_trainee(&t);
-    }
-    assert_equal_and_free(&of[0], &of[1]);
-}
-
 #if defined __x86_64__
 /* AVX2 and AVX-512 do the same operations on each element. */
 static void same_bits_on_wider_vectors(void **state) {
@@ -420,7 +400,6 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(gradients_by_differences),
         cmocka_unit_test(same_bits_for_any_threads),
-        cmocka_unit_test(same_bits_in_both_layouts),
 #if defined __x86_64__
         cmocka_unit_test(same_bits_on_wider_vectors),
 #endif

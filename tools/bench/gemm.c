@@ -45,11 +45,9 @@ static void keep_tiles(void *user, size_t strip, size_t n_strips, size_t panel, 
            n_strips * NQM_STRIP * NQM_PANEL * sizeof *tiles);
 }
 
-/* A factor (k, n) of a weight gradient, in the layout of training. */
-static nqm_columns columns_of(const job *j, size_t n, size_t width, const uint32_t *data) {
-    nqm_columns columns = nqm_columns_of(j->precision, width, j->k, n);
-    columns.data = data;
-    return columns;
+/* Words from one group of columns of a factor (k, n) of a weight gradient to the next. */
+static size_t step_of(const job *j, size_t width) {
+    return nqm_columns_step(j->precision, width, j->k);
 }
 
 static void run_gradient(void *user) {
@@ -59,8 +57,8 @@ static void run_gradient(void *user) {
                                      .m = j->k,
                                      .k = j->m,
                                      .n = j->n,
-                                     .x = columns_of(j, j->m, NQM_STRIP, j->rows),
-                                     .z = columns_of(j, j->n, NQM_PANEL, j->rows_right),
+                                     .x = {j->rows, step_of(j, NQM_STRIP)},
+                                     .z = {j->rows_right, step_of(j, NQM_PANEL)},
                                      .sink = keep_tiles,
                                      .user = j});
 }
@@ -100,13 +98,13 @@ static void free_job(job *j) {
 }
 
 static void fill_columns(const job *j, size_t n, size_t width, const float *x, uint32_t *to) {
-    const nqm_columns columns = columns_of(j, n, width, to);
+    const size_t step = step_of(j, width);
     for (size_t i = 0; i < j->k; i += 2)
         if (j->precision == NQM_PRECISION_BF16)
-            nqm_kernels_get()->round_pair(n, x + i * n, x + (i + 1) * n, width, columns.step, to + i / 2 * width);
+            nqm_kernels_get()->round_pair(n, x + i * n, x + (i + 1) * n, width, step, to + i / 2 * width);
         else {
-            nqm_columns_copy(n, x + i * n, width, columns.step, (float *)to + i * columns.ld);
-            nqm_columns_copy(n, x + (i + 1) * n, width, columns.step, (float *)to + (i + 1) * columns.ld);
+            nqm_columns_copy(n, x + i * n, width, step, (float *)to + i * width);
+            nqm_columns_copy(n, x + (i + 1) * n, width, step, (float *)to + (i + 1) * width);
         }
 }
 
@@ -119,8 +117,8 @@ static nqm_status make_job(job *j, nqm_error *err) {
     if (status != NQM_OK)
         return status;
     const size_t n_rows =
-        gradient ? nqm_columns_size(j->precision, NQM_STRIP, j->k, j->m) : j->m * nqm_row_stride(j->panels.words);
-    const size_t n_right = gradient ? nqm_columns_size(j->precision, NQM_PANEL, j->k, j->n) : 0;
+        gradient ? nqm_ceil_div(j->m, NQM_STRIP) * step_of(j, NQM_STRIP) : j->m * nqm_row_stride(j->panels.words);
+    const size_t n_right = gradient ? nqm_ceil_div(j->n, NQM_PANEL) * step_of(j, NQM_PANEL) : 0;
     status = nqm_alloc_arrays(NQM_ARRAYS({&j->x, j->m * j->k, sizeof *j->x}, {&j->w, j->n * j->k, sizeof *j->w},
                                          {&j->c, j->m * nqm_row_stride(j->n), sizeof *j->c},
                                          {&j->rows, n_rows, sizeof *j->rows},
