@@ -364,45 +364,32 @@ static nqm_error explain(const nqm_scorer *s, nqm_cached *const *entry, const ch
     return why;
 }
 
-static nqm_status open_cache(nqm_scorer *s, nqm_error *err) {
-    return s->cache ? NQM_OK : nqm_sample_cache_create(s->model, s->options.invalid, sample_member, &s->cache, err);
-}
-
-nqm_status nqm_scorer_draw(nqm_scorer *s, size_t n, const char *const *names, nqm_gallery *gallery, size_t first,
-                           nqm_error *errors, nqm_error *err) {
-    nqm_cached *entry[2 * NQM_SCORE_BLOCK] = {NULL};
-    const float *samples[2 * NQM_SCORE_BLOCK];
-    nqm_status status = open_cache(s, err);
+/* Find or sample n named BRDFs; entry (n) receives their cache entries. */
+static nqm_status look_up(nqm_scorer *s, size_t n, const char *const *names, nqm_cached **entry, nqm_error *err) {
+    nqm_status status =
+        s->cache ? NQM_OK : nqm_sample_cache_create(s->model, s->options.invalid, sample_member, &s->cache, err);
     for (size_t i = 0; status == NQM_OK && i < n; ++i) {
         entry[i] = nqm_sample_cache_get(s->cache, names[i]);
         if (!entry[i])
             status = nqm_fail_nomem(err, 3 * s->model->directions->n * sizeof(float));
     }
-    if (status == NQM_OK)
-        status = nqm_sample_cache_fill(s->cache, n, entry, err);
+    return status == NQM_OK ? nqm_sample_cache_fill(s->cache, n, entry, err) : status;
+}
+
+nqm_status nqm_scorer_draw(nqm_scorer *s, size_t n, const char *const *names, nqm_gallery *gallery, size_t first,
+                           nqm_error *errors, nqm_error *err) {
+    nqm_cached *entry[2 * NQM_SCORE_BLOCK];
+    const float *samples[2 * NQM_SCORE_BLOCK];
+    nqm_status status = look_up(s, n, names, entry, err);
     if (status != NQM_OK)
         return status;
     for (size_t i = 0; i < n; ++i) {
         samples[i] = entry[i]->rgb;
         errors[i] = entry[i]->err;
-        errors[i].status = entry[i]->member.status;
     }
     nqm_gallery_draw(gallery, first, n, samples);
     nqm_sample_cache_trim(s->cache, s->options.cache_bytes);
     return NQM_OK;
-}
-
-/* Find or sample the BRDFs of n pairs and copy them to s->member; entry (n, 2) receives the cache entries. */
-static nqm_status look_up(nqm_scorer *s, size_t n, const nqm_named_pair *pairs, nqm_cached **entry, nqm_error *err) {
-    for (size_t i = 0; i < 2 * n; ++i) {
-        entry[i] = nqm_sample_cache_get(s->cache, i % 2 ? pairs[i / 2].test : pairs[i / 2].ref);
-        if (!entry[i])
-            return nqm_fail_nomem(err, 3 * s->model->directions->n * sizeof(float));
-    }
-    nqm_status status = nqm_sample_cache_fill(s->cache, 2 * n, entry, err);
-    for (size_t i = 0; status == NQM_OK && i < 2 * n; ++i)
-        s->member[i] = entry[i]->member;
-    return status;
 }
 
 nqm_status nqm_scorer_run_named(nqm_scorer *scorer, size_t n_pairs, const nqm_named_pair *pairs,
@@ -410,17 +397,21 @@ nqm_status nqm_scorer_run_named(nqm_scorer *scorer, size_t n_pairs, const nqm_na
     NQM_REQUIRE(err, scorer);
     NQM_REQUIRE_IF(n_pairs, err, pairs, results);
     nqm_cached *entry[2 * NQM_SCORE_BLOCK];
+    const char *names[2 * NQM_SCORE_BLOCK];
     nqm_status status = n_pairs ? reserve(scorer, n_pairs, false, err) : NQM_OK;
-    if (status == NQM_OK)
-        status = open_cache(scorer, err);
     for (size_t begin = 0, n; status == NQM_OK && begin < n_pairs; begin += n) {
         n = nqm_smaller(n_pairs - begin, NQM_SCORE_BLOCK);
-        status = look_up(scorer, n, pairs + begin, entry, err);
+        for (size_t i = 0; i < 2 * n; ++i)
+            names[i] = i % 2 ? pairs[begin + i / 2].test : pairs[begin + i / 2].ref;
+        status = look_up(scorer, 2 * n, names, entry, err);
+        for (size_t i = 0; status == NQM_OK && i < 2 * n; ++i)
+            scorer->member[i] = entry[i]->member;
         if (status == NQM_OK)
             status = score_block(scorer, n, &(nqm_azimuth_pairs){.named = pairs + begin}, results + begin, err);
         for (size_t i = 0; status == NQM_OK && errors && i < n; ++i)
             errors[begin + i] = explain(scorer, entry + 2 * i, pairs[begin + i].test, &results[begin + i]);
-        nqm_sample_cache_trim(scorer->cache, scorer->options.cache_bytes);
+        if (scorer->cache)
+            nqm_sample_cache_trim(scorer->cache, scorer->options.cache_bytes);
     }
     return status;
 }

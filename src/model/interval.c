@@ -23,15 +23,10 @@ const char *nqm_interval_table_fault(size_t n, const double *table) {
 
 /* Index of the last row, other than the final one, whose JOD is at most `jod`; 0 if there is none. */
 static size_t find_row(size_t n, const double *table, double jod) {
-    size_t low = 0, high = n - 1;
-    while (high - low > 1) {
-        size_t middle = (low + high) / 2;
-        if (table[3 * middle] <= jod)
-            low = middle;
-        else
-            high = middle;
-    }
-    return low;
+    size_t row = 0;
+    while (row + 2 < n && table[3 * (row + 1)] <= jod)
+        ++row;
+    return row;
 }
 
 void nqm_interval_at(size_t n, const double *table, double jod, double *low_ret, double *high_ret) {

@@ -118,12 +118,11 @@ void nqm_estimate_gradient(const nqm_label *estimate, const double *weights, nqm
 }
 
 static nqm_input_groups input_groups(const struct nqm_model *model) {
-    nqm_input_groups inputs = {.n_groups = model->features.layout == NQM_LAYOUT_REF_TEST ? 2 : 3,
-                               .n_scalars = nqm_model_n_scalars(model),
-                               .test_itself = model->features.layout == NQM_LAYOUT_REF_TEST};
-    for (size_t i = 0; i < inputs.n_groups; ++i)
-        inputs.width[i] = 3 * model->directions->n;
-    return inputs;
+    const bool test_itself = model->features.layout == NQM_LAYOUT_REF_TEST;
+    return (nqm_input_groups){.n_groups = test_itself ? 2 : 3,
+                              .width = 3 * model->directions->n,
+                              .n_scalars = nqm_model_n_scalars(model),
+                              .test_itself = test_itself};
 }
 
 static pthread_mutex_t inference_lock = PTHREAD_MUTEX_INITIALIZER; /* locked while the network of any model is packed */

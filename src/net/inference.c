@@ -7,10 +7,7 @@
 
 #include <string.h>
 
-enum {
-    MAX_SEGMENTS = NQM_MAX_INPUT_GROUPS + 1,
-    MIN_PARALLEL = 1 << 17 /* floats that are rounded or activated; below, waking a thread costs more than it saves */
-};
+enum { MAX_SEGMENTS = NQM_MAX_INPUT_GROUPS + 1 };
 
 /* Consecutive inputs of a layer that share a precision and a scale. A layer's product is the sum over its segments. */
 typedef struct segment {
@@ -98,11 +95,11 @@ static nqm_status add_first_segments(hidden_layer *layer, const nqm_params *para
     const nqm_weights w = {params->layer[0].w, params->layer[0].half, params->shape.sizes[0]};
     size_t first = 0;
     nqm_status status = NQM_OK;
-    for (size_t i = 0; status == NQM_OK && i < inputs->n_groups; first += inputs->width[i++])
+    for (size_t i = 0; status == NQM_OK && i < inputs->n_groups; first += inputs->width, ++i)
         if (i == 0 && inputs->test_itself && precision != NQM_PRECISION_F32)
-            status = add_sum_of_groups(layer, w, inputs->width[i], precision, err);
+            status = add_sum_of_groups(layer, w, inputs->width, precision, err);
         else
-            status = add_segment(layer, nqm_weights_at(w, 0, first), first, inputs->width[i], precision, err);
+            status = add_segment(layer, nqm_weights_at(w, 0, first), first, inputs->width, precision, err);
     if (status == NQM_OK && inputs->n_scalars)
         status = add_segment(layer, nqm_weights_at(w, 0, first), first, inputs->n_scalars, NQM_PRECISION_F32, err);
     return status;
@@ -214,7 +211,7 @@ static void multiply(const nqm_inference_work *work, const nqm_panels *b, left_r
         return;
     }
     nqm_multiply(b, a.n, a.words, a.stride, false, work->sums, stride);
-#pragma omp parallel for schedule(static) if (a.n * b->n >= MIN_PARALLEL)
+#pragma omp parallel for schedule(static) if (a.n * b->n >= NQM_MIN_PARALLEL)
     for (size_t i = 0; i < a.n; ++i)
         for (size_t p = 0; p < b->n_panels; ++p) {
             const nqm_byte_columns columns = nqm_panel_columns(b, p);
@@ -261,7 +258,7 @@ static void find_references(nqm_inference_work *work, const rows *in) {
 static void multiply_references(nqm_inference_work *work, const rows *in) {
     const nqm_panels *panels = ref_panels(work->net);
     find_references(work, in);
-#pragma omp parallel for schedule(static) if (work->n_refs * panels->k >= MIN_PARALLEL)
+#pragma omp parallel for schedule(static) if (work->n_refs * panels->k >= NQM_MIN_PARALLEL)
     for (size_t i = 0; i < work->n_refs; ++i)
         round_inputs(panels, in->x + work->ref_row[i] * in->ldx, work->ref + i * work->ref_stride, &work->ref_scale[i]);
     multiply(work, panels, (left_rows){work->n_refs, work->ref, work->ref_stride, work->ref_scale}, false,
@@ -338,13 +335,13 @@ void nqm_inference_run(nqm_inference_work *work, size_t n, const float *x, size_
     if (n == 0)
         return;
     multiply_references(work, &all);
-#pragma omp parallel for schedule(static) if (n * net->layer[0].n_words >= MIN_PARALLEL)
+#pragma omp parallel for schedule(static) if (n * net->layer[0].n_words >= NQM_MIN_PARALLEL)
     for (size_t i = 0; i < n; ++i)
         round_segments(work, 0, i, x + i * ldx);
     for (size_t l = 0; l < net->n_layers; ++l) {
         float *y = work->y[l % 2];
         multiply_layer(work, l, &in, y);
-#pragma omp parallel for schedule(static) if (n * net->layer[l].n_out >= MIN_PARALLEL)
+#pragma omp parallel for schedule(static) if (n * net->layer[l].n_out >= NQM_MIN_PARALLEL)
         for (size_t i = 0; i < n; ++i)
             finish_row(work, l, i, y + i * work->stride, z + i * net->n_outputs);
         in = (rows){n, y, work->stride};

@@ -18,10 +18,9 @@ enum { NQM_MAX_INPUT_GROUPS = 3 };
 /** The inputs of a network in their order: groups of samples, each with a range of values of its own, then scalar features.
  *  The first group is the reference. */
 typedef struct nqm_input_groups {
-    size_t n_groups,
-        width[NQM_MAX_INPUT_GROUPS]; /**< at least two groups; the first two are equally wide if test_itself */
-    size_t n_scalars;                /**< stay float in every precision: few, and of wide range */
-    bool test_itself;                /**< group 1 holds the test's samples, not their difference from the reference */
+    size_t n_groups, width; /**< at least two groups of so many samples */
+    size_t n_scalars;       /**< stay float in every precision: few, and of wide range */
+    bool test_itself;       /**< group 1 holds the test's samples, not their difference from the reference */
 } nqm_input_groups;
 
 /** A network prepared for inference; may be used by several threads at once. */

@@ -8,8 +8,6 @@
 
 #include <string.h>
 
-enum { ROWS = 16 }; /* of a task */
-
 typedef struct layer {
     size_t in, out;
     nqm_panels forward, backward; /* W^T and W */
@@ -87,46 +85,35 @@ void nqm_gradient_net_free(nqm_gradient_net *net) {
 
 /* ---- passes ------------------------------------------------------------------------------------------------------ */
 
-/* A hidden layer of all rows. */
-typedef struct layer_job {
-    nqm_gradient_net *net;
-    size_t l;
-} layer_job;
-
-static void hidden_rows(void *user, size_t piece) {
-    const layer_job *job = user;
-    const nqm_gradient_net *w = job->net;
-    const nqm_layer *p = &w->params->layer[job->l];
-    for (size_t i = piece * ROWS; i < w->n && i < (piece + 1) * ROWS; ++i)
-        nqm_kernels_get()->hidden_row(&(nqm_hidden_row){.n = w->layer[job->l].out,
+/* Hidden layer l of all rows. */
+static void hidden_forward(nqm_gradient_net *w, size_t l) {
+    const nqm_layer *p = &w->params->layer[l];
+#pragma omp parallel for schedule(static) if (w->n * w->layer[l].out >= NQM_MIN_PARALLEL)
+    for (size_t i = 0; i < w->n; ++i)
+        nqm_kernels_get()->hidden_row(&(nqm_hidden_row){.n = w->layer[l].out,
                                                         .bias = p->b,
                                                         .gamma = p->gamma,
                                                         .beta = p->beta,
-                                                        .x = w->xhat[job->l] + i * w->stride,
+                                                        .x = w->xhat[l] + i * w->stride,
                                                         .y = w->y + i * w->stride,
-                                                        .slope = w->slope[job->l] + i * w->stride,
-                                                        .rstd = w->rstd[job->l] + i});
+                                                        .slope = w->slope[l] + i * w->stride,
+                                                        .rstd = w->rstd[l] + i});
 }
 
-static void hidden_rows_back(void *user, size_t piece) {
-    const layer_job *job = user;
-    const nqm_gradient_net *w = job->net;
-    for (size_t i = piece * ROWS; i < w->n && i < (piece + 1) * ROWS; ++i) {
+static void hidden_back(nqm_gradient_net *w, size_t l) {
+#pragma omp parallel for schedule(static) if (w->n * w->layer[l].out >= NQM_MIN_PARALLEL)
+    for (size_t i = 0; i < w->n; ++i) {
         float *discarded = w->discarded + i * w->stride;
-        nqm_kernels_get()->hidden_row_back(&(nqm_hidden_row_back){.n = w->layer[job->l].out,
-                                                                  .gamma = w->params->layer[job->l].gamma,
-                                                                  .xhat = w->xhat[job->l] + i * w->stride,
-                                                                  .slope = w->slope[job->l] + i * w->stride,
-                                                                  .rstd = w->rstd[job->l][i],
+        nqm_kernels_get()->hidden_row_back(&(nqm_hidden_row_back){.n = w->layer[l].out,
+                                                                  .gamma = w->params->layer[l].gamma,
+                                                                  .xhat = w->xhat[l] + i * w->stride,
+                                                                  .slope = w->slope[l] + i * w->stride,
+                                                                  .rstd = w->rstd[l][i],
                                                                   .dy = w->dy + i * w->stride,
                                                                   .dbias = discarded,
                                                                   .dgamma = discarded,
                                                                   .dbeta = discarded});
     }
-}
-
-static size_t n_pieces(size_t n) {
-    return nqm_ceil_div(n, ROWS);
 }
 
 /* Rows [first, first + n) of all panels of floats. */
@@ -167,12 +154,11 @@ void nqm_gradient_forward(nqm_gradient_net *w, size_t n, const float *x, float *
     const size_t n_last = w->layer[w->n_hidden - 1].out, n_outputs = w->params->shape.sizes[w->n_hidden + 1];
     w->n = n;
     for (size_t l = 0; l < w->n_hidden; ++l) {
-        layer_job job = {w, l};
         if (l == 0)
             multiply_inputs(w, n, x);
         else
             nqm_multiply(&w->layer[l].forward, n, w->y, w->stride, false, w->xhat[l], w->stride);
-        nqm_parallel_for(n_pieces(n), hidden_rows, &job);
+        hidden_forward(w, l);
     }
     for (size_t i = 0; i < n * n_outputs; ++i) {
         const size_t o = i % n_outputs;
@@ -190,8 +176,7 @@ void nqm_gradient_backward(nqm_gradient_net *w, size_t n, const float *dz, float
                 dy[k] += dz[i * n_outputs + o] * output->w[o * n_last + k];
     }
     for (size_t l = w->n_hidden; l-- > 0;) {
-        layer_job job = {w, l};
-        nqm_parallel_for(n_pieces(n), hidden_rows_back, &job);
+        hidden_back(w, l);
         if (l == 0) {
             const size_t first = w->n_ref / NQM_PANEL; /* panels before hold columns of the reference only */
             const nqm_panels needed = panels_from(w->layer[0].backward, first);

@@ -155,10 +155,8 @@ nqm_status nqm_directions_save_csv(const nqm_directions *directions, const char 
         return status;
     fprintf(out.stream, "%s,%s,%s\n", column_names[0], column_names[1], column_names[2]);
     for (size_t i = 0; i < directions->n; ++i) {
-        char text[3][32];
-        for (size_t k = 0; k < 3; ++k)
-            nqm_format_double(text[k], sizeof text[k], directions->degrees[3 * i + k]);
-        fprintf(out.stream, "%s,%s,%s\n", text[0], text[1], text[2]);
+        char text[100];
+        fprintf(out.stream, "%s\n", nqm_format_doubles(text, sizeof text, 3, directions->degrees + 3 * i, ","));
     }
     return nqm_outfile_commit(&out, err);
 }

@@ -161,27 +161,25 @@ nqm_status nqm_directions_create(const nqm_directions_options *options, size_t n
     if (o->grid)
         return nqm_node_grid_directions(directions_ret, err);
     size_t m = n_refs ? (size_t)ceil((double)o->n * o->oversampling) : o->n;
-    candidate *candidates = nqm_alloc(m, sizeof *candidates);
-    double *degrees = nqm_alloc(o->n, 3 * sizeof *degrees);
-    if (!candidates || !degrees) {
-        status = nqm_fail_nomem(err, m * sizeof *candidates);
-        goto done;
-    }
+    candidate *candidates;
+    double *degrees;
+    status =
+        nqm_alloc_arrays(NQM_ARRAYS({&candidates, m, sizeof *candidates}, {&degrees, o->n, 3 * sizeof *degrees}), err);
+    if (status != NQM_OK)
+        return status;
     make_candidates(o, m, candidates);
     qsort(candidates, m, sizeof *candidates, compare_angles);
-    if (n_refs) {
+    if (n_refs)
         status = measure_significance(o, n_refs, refs, m, candidates, err);
-        if (status != NQM_OK)
-            goto done;
+    if (n_refs && status == NQM_OK) {
         draw(o->seed, o->n, m, candidates);
         qsort(candidates, o->n, sizeof *candidates, compare_angles);
     }
     for (size_t i = 0; i < o->n; ++i)
         for (size_t k = 0; k < 3; ++k)
             degrees[3 * i + k] = candidates[i].hd_deg[k];
-    status = nqm_directions_from_degrees(o->n, degrees, directions_ret, err);
-done:
+    if (status == NQM_OK)
+        status = nqm_directions_from_degrees(o->n, degrees, directions_ret, err);
     nqm_free(candidates);
-    nqm_free(degrees);
     return status;
 }

@@ -164,10 +164,6 @@ static nqm_status choose_tilted(nqm_texture_job *job, nqm_texel_sample *samples,
     return status;
 }
 
-static bool has_normals(const nqm_texture_job *job) {
-    return job->side[0]->normal != NQM_NO_NODE || job->side[1]->normal != NQM_NO_NODE;
-}
-
 /* The score of the means over texels. azimuths: NULL without normals. */
 static nqm_status score_mean(nqm_texture_job *job, const nqm_azimuths *azimuths, size_t n, nqm_texel_sample *samples,
                              nqm_score_result *score, nqm_error *err) {
@@ -195,10 +191,8 @@ static nqm_status score_means(nqm_texture_job *job, nqm_score_result *score, nqm
     nqm_texel_sample samples[MAX_MEMBERS];
     nqm_azimuths *azimuths = NULL;
     size_t n = 0;
-    nqm_status status = NQM_OK;
-    if (has_normals(job))
-        status = nqm_azimuths_create(job->model, &azimuths, err);
-    if (status == NQM_OK && has_normals(job))
+    nqm_status status = job->has_normals ? nqm_azimuths_create(job->model, &azimuths, err) : NQM_OK;
+    if (status == NQM_OK && job->has_normals)
         status = choose_tilted(job, samples, &n, err);
     else
         n = nqm_texels_choose(&job->order, MAX_MEMBERS, job->options.seed + 1, samples);
@@ -231,7 +225,7 @@ nqm_status nqm_pixels_score(nqm_texture_job *job, size_t n, nqm_texel_sample *sa
     enum { SIDE = 16, SIDE_TILTED = 6 };
     nqm_texel_sample chosen[MAX_MEMBERS];
     nqm_azimuths *azimuths = NULL;
-    nqm_status status = has_normals(job) ? nqm_azimuths_create(job->model, &azimuths, err) : NQM_OK;
+    nqm_status status = job->has_normals ? nqm_azimuths_create(job->model, &azimuths, err) : NQM_OK;
     for (size_t k = 0; status == NQM_OK && k < n; ++k) {
         nqm_score_result r;
         if (nqm_tick(&job->ticker, "pixels", (double)k, (double)n)) {

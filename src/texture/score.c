@@ -187,7 +187,6 @@ static nqm_status score_near(nqm_texture_job *job, nqm_texture_result *result, f
 
 static nqm_status score(nqm_texture_job *job, nqm_texture_result *result, float *delta_e, nqm_error *err) {
     enum { N_PIXELS = 256, N_PIXELS_TILTED = 48 };
-    const bool has_normals = job->side[0]->normal != NQM_NO_NODE || job->side[1]->normal != NQM_NO_NODE;
     nqm_score_options options = nqm_score_options_default();
     options.metrics = 0;
     for (size_t axis = 0; axis < 2; ++axis)
@@ -198,7 +197,7 @@ static nqm_status score(nqm_texture_job *job, nqm_texture_result *result, float 
         status = nqm_texels_compare(job, err);
     if (status == NQM_OK && job->options.texels_per_pixel > 1) {
         job->order.begin = NULL; /* runs, one pixel of each */
-        job->order.n_groups = nqm_smaller(job->order.n, has_normals ? N_PIXELS_TILTED : N_PIXELS);
+        job->order.n_groups = nqm_smaller(job->order.n, job->has_normals ? N_PIXELS_TILTED : N_PIXELS);
     }
     result->texels_per_pixel = job->options.texels_per_pixel;
     result->width = job->width;
@@ -236,6 +235,7 @@ nqm_status nqm_texture_score(const nqm_model *model, const nqm_texture *ref, con
     job->ticker = (nqm_ticker){.fn = o.progress, .user = o.progress_user};
     job->side[0] = ref;
     job->side[1] = test;
+    job->has_normals = ref->normal != NQM_NO_NODE || test->normal != NQM_NO_NODE;
     nqm_status status = score(job, &result, delta_e, err);
     if (status == NQM_OK)
         *result_ret = result;

@@ -21,7 +21,7 @@ typedef struct nqm_texel_column {
     atomic_bool is_nonzero; /* anywhere */
 } nqm_texel_column;
 
-enum { NQM_MAX_COLUMNS = 6 * NQM_SPEC_MAX_KEYS + 2, NQM_ANY_PROPERTY = NQM_SPEC_MAX_KEYS };
+enum { NQM_MAX_COLUMNS = 6 * NQM_SPEC_MAX_KEYS + 2 };
 
 /** Texels in an order in which similar pairs are near each other, so that a random one of each of equal runs is a stratified sample. */
 typedef struct nqm_texel_order {
@@ -44,8 +44,8 @@ typedef struct nqm_texture_job {
     nqm_scorer *scorer;
     const nqm_texture *side[2];
     size_t width, height;
-    double period[2]; /* what of the surface is compared, along u and v */
-    bool is_same_model;
+    double period[2];                /* what of the surface is compared, along u and v */
+    bool is_same_model, has_normals; /* has_normals: those of a texture vary */
     size_t n_columns;
     nqm_texel_column columns[NQM_MAX_COLUMNS];
     nqm_texel_order order;

@@ -42,9 +42,8 @@ static void find_columns(nqm_texture_job *job) {
     job->is_same_model = job->side[0]->keys && job->side[0]->keys == job->side[1]->keys;
     if (job->is_same_model)
         add_columns(job, NQM_DIFFERENCE, 0);
-    for (size_t c = 0; c < 2; ++c)
-        if (job->side[0]->normal != NQM_NO_NODE || job->side[1]->normal != NQM_NO_NODE)
-            add_column(job, NQM_TILT, 0, c);
+    for (size_t c = 0; job->has_normals && c < 2; ++c)
+        add_column(job, NQM_TILT, 0, c);
     add_columns(job, NQM_OF_REF, 0);
     if (!job->is_same_model)
         add_columns(job, NQM_OF_TEST, 1);
@@ -54,8 +53,7 @@ bool nqm_texels_differ(const nqm_texture_job *job, int kind, size_t property) {
     bool differs = false;
     for (size_t k = 0; k < job->n_columns; ++k) {
         const nqm_texel_column *c = &job->columns[k];
-        const bool is_meant = (int)c->kind == kind && (property == NQM_ANY_PROPERTY || property == c->property);
-        differs = differs || (is_meant && atomic_load(&c->is_nonzero));
+        differs = differs || ((int)c->kind == kind && c->property == property && atomic_load(&c->is_nonzero));
     }
     return differs;
 }

@@ -24,7 +24,7 @@ enum {
     ROWS = 199
 }; /* more than the 192 rows of a block */
 
-static nqm_input_groups inputs = {3, {GROUP, GROUP, GROUP}, N_SCALARS, false};
+static nqm_input_groups inputs = {3, GROUP, N_SCALARS, false};
 static const uint64_t seed = 11;
 
 static nqm_params params;
