@@ -135,7 +135,6 @@ static void NAME(product)(const nqm_product *p) {
 }
 
 #ifdef STRIDED
-/* At most two rows need the whole panel at once: the few sums of a narrower tile wait for each other's latency. */
 static void strided_product(const nqm_strided_product *p) {
     NAME(tile)
     t = {.vectors = TILE_VECTORS,
@@ -148,14 +147,6 @@ static void strided_product(const nqm_strided_product *p) {
          .c = p->c,
          .ldc = p->ldc,
          .add = p->add};
-    if (p->m <= 2 && 2 * PANEL_VECTORS <= TILE_SUMS) {
-        t.vectors = PANEL_VECTORS;
-        if (p->m == 1)
-            NAME(multiply_some)(t, 0, 1);
-        else
-            NAME(multiply_some)(t, 0, 2);
-        return;
-    }
     for (size_t column = 0; column < NQM_PANEL; column += TILE_COLUMNS) {
         NAME(multiply_rows)(t, p->m);
         t.b += TILE_COLUMNS;
