@@ -21,15 +21,13 @@ typedef struct hidden_layer {
     size_t n_out, n_segments;
     bool differences; /* segment 1 multiplies its inputs minus those of segment 0 */
     segment segment[MAX_SEGMENTS];
-    size_t n_words;                   /* 32-bit words of a row of all rounded segments */
-    const float *bias, *gamma, *beta; /* (n_out) borrowed */
+    size_t n_words; /* 32-bit words of a row of all rounded segments */
 } hidden_layer;
 
 struct nqm_inference_net {
-    size_t n_layers; /* hidden layers, at least one */
+    const nqm_params *params;   /* borrowed */
+    size_t n_layers, n_outputs; /* n_layers: hidden ones, at least one */
     hidden_layer layer[NQM_NET_MAX_LAYERS];
-    size_t n_outputs;
-    const float *output, *output_bias; /* (n_outputs, n_out of the last hidden layer), (n_outputs): borrowed */
 };
 
 /* Rows of max_batch; strides in floats or 32-bit words. Views into the block that begins with this struct. */
@@ -90,9 +88,8 @@ static nqm_status add_sum_of_groups(hidden_layer *layer, nqm_weights w, size_t n
     return status;
 }
 
-static nqm_status add_first_segments(hidden_layer *layer, const nqm_params *params, const nqm_input_groups *inputs,
+static nqm_status add_first_segments(hidden_layer *layer, nqm_weights w, const nqm_input_groups *inputs,
                                      nqm_precision precision, nqm_error *err) {
-    const nqm_weights w = {params->layer[0].w, params->layer[0].half, params->shape.sizes[0]};
     size_t first = 0;
     nqm_status status = NQM_OK;
     for (size_t i = 0; status == NQM_OK && i < inputs->n_groups; first += inputs->width, ++i)
@@ -109,18 +106,15 @@ static nqm_status add_layers(nqm_inference_net *net, const nqm_params *params, c
                              nqm_precision precision, nqm_error *err) {
     const nqm_net_shape *shape = &params->shape;
     nqm_status status = NQM_OK;
+    net->params = params;
     net->n_layers = shape->n_layers - 1;
     net->n_outputs = shape->sizes[shape->n_layers];
-    net->output = params->layer[net->n_layers].w;
-    net->output_bias = params->layer[net->n_layers].b;
     for (size_t l = 0; status == NQM_OK && l < net->n_layers; ++l) {
-        const nqm_layer *from = &params->layer[l];
         const size_t n_in = shape->sizes[l];
-        hidden_layer *layer = &net->layer[l];
-        *layer =
-            (hidden_layer){.n_out = shape->sizes[l + 1], .bias = from->b, .gamma = from->gamma, .beta = from->beta};
-        status = l == 0 ? add_first_segments(layer, params, inputs, precision, err)
-                        : add_segment(layer, (nqm_weights){from->w, from->half, n_in}, 0, n_in, precision, err);
+        const nqm_weights w = {params->layer[l].w, params->layer[l].half, n_in};
+        net->layer[l].n_out = shape->sizes[l + 1];
+        status = l == 0 ? add_first_segments(&net->layer[l], w, inputs, precision, err)
+                        : add_segment(&net->layer[l], w, 0, n_in, precision, err);
     }
     return status;
 }
@@ -318,14 +312,15 @@ static void multiply_layer(const nqm_inference_work *work, size_t l, const rows 
 static void finish_row(const nqm_inference_work *work, size_t l, size_t i, float *y, float *z) {
     const nqm_inference_net *net = work->net;
     const nqm_kernels *kernels = nqm_kernels_get();
-    const hidden_layer *layer = &net->layer[l];
-    kernels->hidden_row(&(nqm_hidden_row){
-        .n = layer->n_out, .bias = layer->bias, .gamma = layer->gamma, .beta = layer->beta, .x = y, .y = y});
+    const nqm_layer *layer = &net->params->layer[l], *output = &net->params->layer[net->n_layers];
+    const size_t n = net->layer[l].n_out;
+    kernels->hidden_row(
+        &(nqm_hidden_row){.n = n, .bias = layer->b, .gamma = layer->gamma, .beta = layer->beta, .x = y, .y = y});
     if (l + 1 < net->n_layers)
         round_segments(work, l + 1, i, y);
     else
         for (size_t o = 0; o < net->n_outputs; ++o)
-            z[o] = kernels->dot(layer->n_out, net->output + o * layer->n_out, y) + net->output_bias[o];
+            z[o] = kernels->dot(n, output->w + o * n, y) + output->b[o];
 }
 
 void nqm_inference_run(nqm_inference_work *work, size_t n, const float *x, size_t ldx, float *z) {

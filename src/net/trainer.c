@@ -4,7 +4,6 @@
  */
 #include "net/trainer_state.h"
 
-#include <omp.h>
 #include <string.h>
 
 static bool is_rounded(const nqm_trainer *t) {
@@ -43,8 +42,7 @@ static nqm_batch_matrix matrix_of(const nqm_trainer *t, size_t n, size_t width) 
 /* The input of a layer. */
 static void set_input(nqm_trainer *t, size_t n, nqm_batch_matrix *m) {
     *m = matrix_of(t, n, NQM_STRIP);
-    m->x_is_buffer = is_rounded(t);
-    m->x = next_floats(t, (is_rounded(t) ? 2 * t->n_threads : t->options.max_batch) * m->ld);
+    m->x = next_floats(t, t->options.max_batch * m->ld);
     if (!is_rounded(t))
         m->rows = (uint32_t *)m->x;
     m->columns = next_columns(t, n, NQM_STRIP);
@@ -140,7 +138,6 @@ nqm_status nqm_trainer_create(const nqm_net_shape *shape, const nqm_trainer_opti
     t->shape = *shape;
     t->options = *options;
     t->n_hidden = shape->n_layers - 1;
-    t->n_threads = (size_t)omp_get_max_threads();
     set_views(t);
     t->block = nqm_alloc_pages(t->n_block, sizeof *t->block);
     if (t->block)
@@ -241,12 +238,8 @@ uint64_t nqm_trainer_steps(const nqm_trainer *t) {
 
 /* ---- rows of a batch --------------------------------------------------------------------------------------------- */
 
-/* The floats of row i. A buffer stays in the thread's L1 cache until it is rounded. */
-static float *row_at(const nqm_batch_matrix *m, size_t i) {
-    return m->x + (m->x_is_buffer ? 2 * (size_t)omp_get_thread_num() + i % 2 : i) * m->ld;
-}
-
-void nqm_trainer_rows_done(const nqm_trainer *t, const nqm_batch_matrix *m, size_t first, size_t n, const float *x) {
+void nqm_trainer_rows_done(const nqm_trainer *t, const nqm_batch_matrix *m, size_t first, size_t n) {
+    const float *x = m->x + first * m->ld;
     const nqm_kernels *kernels = nqm_kernels_get();
     if (!is_rounded(t)) {
         for (size_t i = 0; i < n; ++i)
@@ -261,7 +254,7 @@ void nqm_trainer_rows_done(const nqm_trainer *t, const nqm_batch_matrix *m, size
 /* ---- forward ----------------------------------------------------------------------------------------------------- */
 
 float *nqm_trainer_input(nqm_trainer *t, size_t i) {
-    return row_at(&t->input, i);
+    return t->input.x + i * t->input.ld;
 }
 
 void nqm_dropout_of_row(const nqm_dropout *dropout, size_t layer, size_t row, size_t n, nqm_hidden_row *r) {
@@ -278,7 +271,7 @@ static nqm_hidden_row hidden_row_at(const nqm_trainer *t, size_t l, size_t row, 
                         .gamma = layer->stored[NQM_VALUE].vector[NQM_GAMMA],
                         .beta = layer->stored[NQM_VALUE].vector[NQM_BETA],
                         .x = layer->xhat + row * layer->ld,
-                        .y = row_at(&layer->y, row),
+                        .y = layer->y.x + row * layer->y.ld,
                         .slope = layer->slope + row * layer->ld,
                         .rstd = layer->rstd + row};
     if (dropout && dropout->p > 0)
@@ -304,12 +297,12 @@ static void hidden_forward(nqm_trainer *t, size_t l, size_t batch, const nqm_dro
                     kernels->dot(output->n, w + o * output->n, r.y) + w[output->n_outputs * output->n + o];
         }
         if (l + 1 < t->n_hidden)
-            nqm_trainer_rows_done(t, &layer->y, first, n, row_at(&layer->y, first));
+            nqm_trainer_rows_done(t, &layer->y, first, n);
     }
 }
 
 void nqm_trainer_inputs_done(nqm_trainer *t, size_t first, size_t n) {
-    nqm_trainer_rows_done(t, &t->input, first, n, row_at(&t->input, first));
+    nqm_trainer_rows_done(t, &t->input, first, n);
 }
 
 void nqm_trainer_forward(nqm_trainer *t, size_t batch, const nqm_dropout *dropout, float *z) {

@@ -20,7 +20,7 @@
 #include "kernel/kernel.h"
 #include "net/net.h"
 
-/** Belongs to one thread at a time; works on at most as many threads as OpenMP had when it was created. */
+/** Belongs to one thread at a time; a call works on all of OpenMP's threads. */
 typedef struct nqm_trainer nqm_trainer;
 
 typedef struct nqm_trainer_options {
@@ -40,11 +40,10 @@ void nqm_trainer_store(const nqm_trainer *trainer, nqm_params *params, nqm_adam 
 /** Steps taken so far. */
 uint64_t nqm_trainer_steps(const nqm_trainer *trainer);
 
-/** (sizes[0]) receives row i of the next batch's input. Valid for the calling thread until it asks for a row of another pair
- *  (2 k, 2 k + 1). */
+/** (sizes[0]) receives row i of the next batch's input. */
 float *nqm_trainer_input(nqm_trainer *trainer, size_t i);
-/** Rows [first, first + n) of the input are complete; call it for all rows before nqm_trainer_forward(), on the thread that
- *  filled them. first is even; n is 2, or 1 for the last row of an odd number. */
+/** Rows [first, first + n) of the input are complete; call it for all rows before nqm_trainer_forward(). first is even; n is 2, or 1 for
+ *  the last row of an odd number. Any thread. */
 void nqm_trainer_inputs_done(nqm_trainer *trainer, size_t first, size_t n);
 /** z (batch, outputs) receives the output layer's values before the sigmoid. dropout NULL: none. */
 void nqm_trainer_forward(nqm_trainer *trainer, size_t batch, const nqm_dropout *dropout, float *z);

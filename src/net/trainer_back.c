@@ -66,7 +66,7 @@ static void step_weights(const nqm_trainer *t, layer_step *s, size_t batch, cons
 static void dz_row_done(const nqm_trainer *t, const nqm_trainer_layer *layer, size_t row, size_t end) {
     const size_t first = row / 2 * 2;
     if (row > first || row + 1 == end)
-        nqm_trainer_rows_done(t, &layer->dz, first, row - first + 1, layer->dz.x + first * layer->dz.ld);
+        nqm_trainer_rows_done(t, &layer->dz, first, row - first + 1);
 }
 
 /* Add the sums (n_blocks, n) of all blocks to those of the first. */

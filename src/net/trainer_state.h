@@ -23,12 +23,11 @@ typedef struct nqm_layer_values {
 /** A matrix (batch, n) of activations or of gradients, in the forms that products read: rows are the left factor of a product, columns
  *  a factor of a weight gradient. In NQM_PRECISION_F32 the rows are x. */
 typedef struct nqm_batch_matrix {
-    size_t n, ld;     /**< floats from row to row of x; zeros from n to ld */
-    float *x;         /**< (max_batch, ld); if it is a buffer: (threads, 2, ld) */
-    bool x_is_buffer; /**< x holds only the two rows that each thread is computing: rows and columns are complete */
-    uint32_t *rows;   /**< (max_batch, ld_rows) words */
-    size_t ld_rows;   /**< words */
-    size_t width; /**< columns of a group: NQM_STRIP for the input of a layer, NQM_PANEL for the product's gradient */
+    size_t n, ld;   /**< floats from row to row of x; zeros from n to ld */
+    float *x;       /**< (max_batch, ld) */
+    uint32_t *rows; /**< (max_batch, ld_rows) words */
+    size_t ld_rows; /**< words */
+    size_t width;   /**< columns of a group: NQM_STRIP for the input of a layer, NQM_PANEL for the product's gradient */
     uint32_t *columns; /**< (groups, step) words */
     size_t step;
 } nqm_batch_matrix;
@@ -55,7 +54,7 @@ typedef struct nqm_trainer_output {
 
 struct nqm_trainer {
     float *block; /**< (n_block) floats and 32-bit words: all arrays below except panels are views into it */
-    size_t n_block, n_threads;
+    size_t n_block;
     nqm_net_shape shape;
     nqm_trainer_options options;
     nqm_batch_matrix input;
@@ -78,9 +77,7 @@ static inline size_t nqm_row_blocks(size_t batch) {
     return (batch + NQM_ROW_BLOCK - 1) / NQM_ROW_BLOCK;
 }
 
-/** Copy rows [first, first + n) of a matrix, n <= 2, from x (n, m->ld) to its rows and columns, as far as these are not x. first is
- *  even. */
-void nqm_trainer_rows_done(const nqm_trainer *trainer, const nqm_batch_matrix *m, size_t first, size_t n,
-                           const float *x);
+/** Copy rows [first, first + n) of a matrix, n <= 2, from x to its rows and columns, as far as these are not x. first is even. */
+void nqm_trainer_rows_done(const nqm_trainer *trainer, const nqm_batch_matrix *m, size_t first, size_t n);
 
 #endif
