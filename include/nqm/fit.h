@@ -128,8 +128,9 @@ NQM_API int nqm_fit_model_has(const char *name, const char *key);
  * (coat, sheen) where they help; whole-number keys keep the value of `start` or their default; `bounds` apply to any key (low =
  * high fixes it). The spec of the result leaves out keys with their default.
  *
- * Of an anisotropic reference, keys with two values are both free, along the axes of its lobe: the result is then a `rotate:` of the
- * model, by the azimuth of the lobe. A start keeps them tied.
+ * Of an anisotropic reference, keys with two values are both free, along the axes of its lobe, and keys of anisotropy have the values of
+ * the lobe, which is measured; the result is a `rotate:` of the model, by the azimuth of the lobe, unless a key of the model says that. A
+ * start keeps its own anisotropy.
  *
  * @param options   NULL: the defaults. `loss`, `terms`, `bounds` and all about starts apply to analytic models; networks and sparse codes
  *                  have their own losses (doc/encodings.md). "nbrdf" trains on 16 times `n_directions` directions, up to the

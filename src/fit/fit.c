@@ -4,6 +4,7 @@
  */
 #include "fit/fit.h"
 #include "brdf/core/spec.h"
+#include "fit/anisotropy.h"
 #include "math/math.h"
 
 #include <math.h>
@@ -71,12 +72,30 @@ static bool has_visual(const nqm_fit_run *run) {
     return has;
 }
 
-/* Fit the widths along the axes of the lobe, whose azimuth is measured. */
+/* Fit along the axes of the lobe, whose azimuth is measured. */
 static void turn_model(nqm_fit_run *run) {
     const nqm_lobe lobe = nqm_lobe_measure(run->ref);
+    run->is_turned = true;
     run->turn_deg = floor(atan2(lobe.axes[2], lobe.axes[0]) * (180 / NQM_PI) * 100 + 0.5) / 100;
     run->space.turn[0] = sin(-run->turn_deg * (NQM_PI / 180));
     run->space.turn[1] = cos(-run->turn_deg * (NQM_PI / 180));
+}
+
+/* Without a start, keys with two values are both free, and keys of anisotropy, which fits keep, have the values of the lobe. A model that
+ * cannot turn its lobe is turned. */
+static nqm_status make_space(nqm_fit_run *run, const nqm_fit_entry *entry) {
+    nqm_fit_options options = *run->options;
+    const char *model = entry->model->schema.model;
+    const bool is_measured = !options.start, turns = nqm_fit_can_be_anisotropic(model, true);
+    char *lobe = is_measured ? nqm_fit_measure_anisotropy(run->ref, model, !turns) : NULL;
+    if (lobe)
+        options.start = lobe;
+    nqm_status status = nqm_fit_space_make(entry, &options, &run->space, run->err);
+    if (status == NQM_OK && is_measured && nqm_brdf_anisotropy(run->ref) > 0 &&
+        (nqm_fit_split(&run->space) || (lobe && !turns)))
+        turn_model(run);
+    nqm_free(lobe);
+    return status;
 }
 
 nqm_status nqm_fit_begin(nqm_fit_run *run, const nqm_brdf *ref, const nqm_fit_entry *entry,
@@ -90,11 +109,7 @@ nqm_status nqm_fit_begin(nqm_fit_run *run, const nqm_brdf *ref, const nqm_fit_en
     first.loss = loss;
     nqm_status status = check_terms(options, err);
     if (status == NQM_OK)
-        status = nqm_fit_space_make(entry, options, &run->space, err);
-    if (status == NQM_OK && !options->start && nqm_brdf_anisotropy(ref) > 0)
-        run->is_turned = nqm_fit_split(&run->space);
-    if (run->is_turned)
-        turn_model(run);
+        status = make_space(run, entry);
     if (status == NQM_OK)
         status = nqm_fit_target_make(run->ref, &first, &run->target, err);
     if (status == NQM_OK)

@@ -72,6 +72,7 @@ bool nqm_fit_split(nqm_fit_space *space) {
         nqm_fit_parameter *p = &space->parameters[i];
         if (space->model->schema.keys[p->key].n != 2 || p->channel != NQM_FIT_ALL_CHANNELS)
             continue;
+        p->ratio = 1;
         memmove(p + 1, p, (space->n++ - i) * sizeof *p);
         p[0].channel = 0;
         p[1].channel = 1;

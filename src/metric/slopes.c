@@ -13,9 +13,9 @@
 #include <string.h>
 
 /* Rings have these steps of the logarithm and these numbers of nodes: few within a lobe so narrow that light is constant in it, and more
- * where light varies. Nodes beyond a wide slope take up what the sum of all lacks to the light of the point. */
-enum { AROUND = 14, NARROW_AROUND = 4, MAX_RINGS = 64, BLOCK = 256 };
-static const double step_of_light = 0.35, step_of_lobe = 0.5, narrow_slope = 0.02, wide_slope = 0.3;
+ * where light varies, fewer of them for a member of a mean, in which errors of quadrature average out. Nodes beyond a wide slope take up what the sum of all lacks to the light of the point. */
+enum { AROUND = 14, MEMBER_AROUND = 8, NARROW_AROUND = 4, MAX_RINGS = 64, BLOCK = 256 };
+static const double step_of_light = 0.35, step_of_lobe = 0.5, narrow_slope = 0.02;
 /* Parts of a node, as fine as the cells of the light. */
 enum { PARTS_ALONG = 3, PARTS_AROUND = 4 };
 
@@ -27,12 +27,19 @@ typedef struct ring {
 /* The nodes of a BRDF. */
 typedef struct nodes {
     size_t n;
-    double (*slope)[2];
-    float *light; /* (n, 3, n_points) */
+    double (*half)[3]; /* unit vectors */
+    float *light;      /* (n, 3, n_points) */
 } nodes;
 
+static void set_half(const double slope[2], double half[3]) {
+    half[0] = slope[0];
+    half[1] = slope[1];
+    half[2] = 1;
+    nqm_normalize3(half);
+}
+
 /* Rings of a lobe; returns their number. n_nodes_ret: with the disc within them. */
-static size_t make_rings(const nqm_lobe *lobe, ring *rings, size_t *n_nodes_ret) {
+static size_t make_rings(const nqm_lobe *lobe, size_t n_around, ring *rings, size_t *n_nodes_ret) {
     const double ratio = lobe->axes[0] * lobe->axes[0] + lobe->axes[2] * lobe->axes[2],
                  longer = sqrt(fmax(ratio, 1 / ratio));
     size_t n = 0;
@@ -40,7 +47,7 @@ static size_t make_rings(const nqm_lobe *lobe, ring *rings, size_t *n_nodes_ret)
     for (double t = lobe->width / 8; t < NQM_SLOPE_MOST && n < MAX_RINGS; t = rings[n++].outer) {
         const bool is_narrow = t * longer < narrow_slope;
         rings[n] = (ring){t, fmin(t * exp(is_narrow ? step_of_lobe : step_of_light), NQM_SLOPE_MOST),
-                          is_narrow ? NARROW_AROUND : AROUND};
+                          is_narrow ? NARROW_AROUND : n_around};
         *n_nodes_ret += rings[n].n_nodes;
     }
     return n;
@@ -77,7 +84,7 @@ static void slope_at(const circle *at, double x, double y, double slope[2]) {
 
 /* Add the light of an area around a slope. */
 static void add_light(const nqm_model *m, const double slope[2], double area, float *light) {
-    if (!(hypot(slope[0], slope[1]) < NQM_SLOPE_MOST))
+    if (!(slope[0] * slope[0] + slope[1] * slope[1] < NQM_SLOPE_MOST * NQM_SLOPE_MOST))
         return;
     const size_t cell = nqm_slope_cell(slope[0], slope[1]), n = 3 * m->n_slope_points;
     const float share = (float)(area / nqm_slope_area(cell)), *from = m->slopes + cell * n;
@@ -119,10 +126,11 @@ static double part_at(const ring_circles *circles, size_t i, double phi, double 
 static void add_node(const nqm_model *m, const ring *r, const ring_circles *circles, double phi, nodes *to) {
     const double step = log(r->outer / r->inner), angle = 2 * NQM_PI / (double)r->n_nodes;
     const double share = step / sinh(step) * step / PARTS_ALONG * angle / PARTS_AROUND;
-    slope_at(&circles->middle, cos(phi), sin(phi), to->slope[to->n]);
+    double slope[2];
+    slope_at(&circles->middle, cos(phi), sin(phi), slope);
+    set_half(slope, to->half[to->n]);
     for (size_t i = 0; i < PARTS_ALONG; ++i)
         for (size_t j = 0; j < PARTS_AROUND; ++j) {
-            double slope[2];
             const double area = part_at(circles, i, phi + angle * (((double)j + 0.5) / PARTS_AROUND - 0.5), slope);
             add_light(m, slope, share * area, to->light + to->n * 3 * m->n_slope_points);
         }
@@ -131,8 +139,8 @@ static void add_node(const nqm_model *m, const ring *r, const ring_circles *circ
 
 static void add_nodes(const nqm_model *m, const nqm_lobe *lobe, size_t n_rings, const ring *rings, nodes *to) {
     ring_circles circles;
-    memcpy(to->slope[0], lobe->center, sizeof lobe->center);
-    add_light(m, to->slope[0], NQM_PI * rings[0].inner * rings[0].inner, to->light);
+    set_half(lobe->center, to->half[0]);
+    add_light(m, lobe->center, NQM_PI * rings[0].inner * rings[0].inner, to->light);
     to->n = 1;
     for (size_t k = 0; k < n_rings; ++k) {
         make_circles(lobe, &rings[k], &circles);
@@ -142,17 +150,9 @@ static void add_nodes(const nqm_model *m, const nqm_lobe *lobe, size_t n_rings, 
     }
 }
 
-/* Reflect wo at the half vector of a slope. */
-static void reflect(const double slope[2], const double *wo, double *wi) {
-    double h[3] = {slope[0], slope[1], 1};
-    nqm_normalize3(h);
-    const double d = nqm_dot3(wo, h);
-    for (size_t k = 0; k < 3; ++k)
-        wi[k] = 2 * d * h[k] - wo[k];
-}
-
 static bool is_wide(const nodes *of, size_t k) {
-    return hypot(of->slope[k][0], of->slope[k][1]) > wide_slope;
+    static const double wide_slope = 0.3;
+    return of->half[k][2] * of->half[k][2] * (1 + wide_slope * wide_slope) < 1;
 }
 
 /* Let the wide nodes have the light that all lack: totals (3, n_points). Nodes below the horizon have none. Two rows of `light` follow
@@ -162,11 +162,12 @@ static void settle(const nqm_model *m, const float *totals, nodes *to) {
     float *all = to->light + to->n * n, *wide = all + n;
     for (size_t k = 0; k < to->n; ++k) {
         float *light = to->light + k * n;
+        const double *h = to->half[k];
         for (size_t p = 0; p < n_points; ++p) {
-            double wi[3];
-            reflect(to->slope[k], m->slope_wo + 3 * p, wi);
-            for (size_t c = 0; c < 3 && !(wi[2] > 0); ++c)
-                light[c * n_points + p] = 0;
+            const double *wo = m->slope_wo + 3 * p;
+            const float lit = 2 * nqm_dot3(wo, h) * h[2] > wo[2];
+            for (size_t c = 0; c < 3; ++c)
+                light[c * n_points + p] *= lit;
         }
         for (size_t i = 0; i < n; ++i)
             all[i] += light[i];
@@ -180,24 +181,30 @@ static void settle(const nqm_model *m, const float *totals, nodes *to) {
             to->light[k * n + i] *= wide[i];
 }
 
+/* Add the reflection of one node at `count` points to rgb (3, n_points). */
+static void add_reflection(const nqm_model *m, const nqm_brdf *brdf, const double h[3], const float *light,
+                           size_t first, size_t count, double *rgb) {
+    const double *wo = m->slope_wo + 3 * first;
+    double wi[3 * BLOCK], f[3 * BLOCK];
+    for (size_t i = 0; i < count; ++i) {
+        const double d = 2 * nqm_dot3(wo + 3 * i, h);
+        for (size_t k = 0; k < 3; ++k)
+            wi[3 * i + k] = d * h[k] - wo[3 * i + k];
+    }
+    nqm_brdf_eval(brdf, count, wi, wo, f, NULL);
+    for (size_t c = 0; c < 3; ++c)
+        for (size_t i = 0; i < count; ++i)
+            rgb[c * m->n_slope_points + first + i] += f[3 * i + c] * (double)light[c * m->n_slope_points + first + i];
+}
+
 /* rgb (3, n_points): the sum over the nodes. */
 static void sum_nodes(const nqm_model *m, const nqm_brdf *brdf, const nodes *from, double *rgb) {
-    const size_t n_points = m->n_slope_points, n = from->n * n_points;
-    double wi[3 * BLOCK], wo[3 * BLOCK], f[3 * BLOCK];
+    const size_t n_points = m->n_slope_points;
     memset(rgb, 0, 3 * n_points * sizeof *rgb);
-    for (size_t first = 0, count; first < n; first += count) {
-        count = nqm_smaller(n - first, BLOCK);
-        for (size_t i = 0; i < count; ++i) {
-            const size_t node = (first + i) / n_points, point = (first + i) % n_points;
-            memcpy(wo + 3 * i, m->slope_wo + 3 * point, 3 * sizeof *wo);
-            reflect(from->slope[node], wo + 3 * i, wi + 3 * i);
-        }
-        nqm_brdf_eval(brdf, count, wi, wo, f, NULL);
-        for (size_t i = 0; i < 3 * count; ++i) {
-            const size_t node = (first + i / 3) / n_points, point = (first + i / 3) % n_points, at = i % 3 * n_points;
-            rgb[at + point] += f[i] * (double)from->light[node * 3 * n_points + at + point];
-        }
-    }
+    for (size_t k = 0; k < from->n; ++k)
+        for (size_t first = 0; first < n_points; first += BLOCK)
+            add_reflection(m, brdf, from->half[k], from->light + k * 3 * n_points, first,
+                           nqm_smaller(n_points - first, BLOCK), rgb);
 }
 
 void nqm_azimuths_totals(const nqm_model *m, float *totals) {
@@ -209,18 +216,18 @@ void nqm_azimuths_totals(const nqm_model *m, float *totals) {
 }
 
 bool nqm_azimuths_light(const nqm_model *m, const float *totals, const nqm_brdf *brdf, const nqm_lobe *lobe,
-                        double *rgb) {
+                        bool is_member, double *rgb) {
     ring rings[MAX_RINGS] = {{0, 0, 0}};
     nodes made = {.n = 0};
     size_t n_nodes;
-    const size_t n_rings = make_rings(lobe, rings, &n_nodes);
-    if (nqm_alloc_arrays(NQM_ARRAYS({&made.slope, n_nodes, sizeof *made.slope},
+    const size_t n_rings = make_rings(lobe, is_member ? MEMBER_AROUND : AROUND, rings, &n_nodes);
+    if (nqm_alloc_arrays(NQM_ARRAYS({&made.half, n_nodes, sizeof *made.half},
                                     {&made.light, n_nodes + 2, 3 * m->n_slope_points * sizeof *made.light}),
                          NULL) != NQM_OK)
         return false;
     add_nodes(m, lobe, n_rings, rings, &made);
     settle(m, totals, &made);
     sum_nodes(m, brdf, &made, rgb);
-    nqm_free(made.slope);
+    nqm_free(made.half);
     return true;
 }

@@ -173,8 +173,8 @@ static nqm_status score_near(nqm_texture_job *job, nqm_texture_result *result, f
         find_percentiles(n, samples, result);
     }
     nqm_free(samples);
-    const size_t n_more = nqm_smaller(job->options.n_texels, o->n);
-    if (status == NQM_OK && job->error > 0 && result->error > enough && n < n_more) {
+    const size_t n_more = job->options.texels_per_pixel > 1 ? n : nqm_smaller(job->options.n_texels, o->n);
+    if (status == NQM_OK && result->error > enough && n < n_more) {
         job->order.n_groups = n_more;
         result->parts = (nqm_label){0};
         memset(result->below, 0, sizeof result->below);
@@ -186,7 +186,7 @@ static nqm_status score_near(nqm_texture_job *job, nqm_texture_result *result, f
 /* ---- score ------------------------------------------------------------------------------------------------------- */
 
 static nqm_status score(nqm_texture_job *job, nqm_texture_result *result, float *delta_e, nqm_error *err) {
-    enum { N_PIXELS = 256, N_PIXELS_TILTED = 48 };
+    enum { N_PIXELS = 256, N_PIXELS_TILTED = 48, LEAST = 16 };
     nqm_score_options options = nqm_score_options_default();
     options.metrics = 0;
     for (size_t axis = 0; axis < 2; ++axis)
@@ -198,6 +198,8 @@ static nqm_status score(nqm_texture_job *job, nqm_texture_result *result, float 
     if (status == NQM_OK && job->options.texels_per_pixel > 1) {
         job->order.begin = NULL; /* runs, one pixel of each */
         job->order.n_groups = nqm_smaller(job->order.n, job->has_normals ? N_PIXELS_TILTED : N_PIXELS);
+    } else if (status == NQM_OK && !job->order.begin) { /* half, unless their error is too large */
+        job->order.n_groups = nqm_smaller(job->order.n_groups, nqm_larger(job->options.n_texels / 2, LEAST));
     }
     result->texels_per_pixel = job->options.texels_per_pixel;
     result->width = job->width;

@@ -5,6 +5,8 @@
 #include "fit/fit.h"
 #include "support/check.h"
 
+#include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 static nqm_fit_report fit(const char *ref_spec, const char *model) {
@@ -39,6 +41,28 @@ static void models_are_recovered(void **state) {
     }
 }
 
+/* The number that follows a text in a spec. */
+static double value_after(const nqm_fit_report *report, const char *text) {
+    const char *at = strstr(report->spec, text);
+    if (!at)
+        fail_msg("%s is not in %s", text, report->spec);
+    return strtod(at + strlen(text), NULL);
+}
+
+/* Shading models have the anisotropy of the measured lobe, and are turned if they cannot turn it themselves. */
+static void shading_models(void **state) {
+    (void)state;
+    static const char gold[] =
+        "gltf:base_color=0.9,0.6,0.3;metallic=1;roughness=0.3;anisotropy_strength=0.6;anisotropy_rotation=0.5";
+    const nqm_fit_report same = fit(gold, "gltf"), turned = fit(gold, "open-pbr"), isotropic = fit(gold, "usd-preview");
+    assert_true(fabs(value_after(&same, "anisotropy_strength=") - 0.6) < 0.03);
+    assert_true(fabs(value_after(&same, "anisotropy_rotation=") - 0.5) < 0.03);
+    assert_true(fabs(value_after(&turned, "rotate:deg=") - 28.65) < 1);
+    assert_true(fabs(value_after(&turned, "specular_roughness_anisotropy=") - 0.79) < 0.03);
+    assert_true(same.loss < 0.3 * isotropic.loss && turned.loss < 0.3 * isotropic.loss);
+    assert_true(strncmp(isotropic.spec, "usd-preview:", 12) == 0);
+}
+
 static void models_of_one_width(void **state) {
     (void)state;
     assert_true(strncmp(fit("ggx:kd=0.1;ks=1;alpha=0.1,0.4;f0=0.9", "blinn-phong").spec, "blinn-phong:", 12) == 0);
@@ -46,6 +70,7 @@ static void models_of_one_width(void **state) {
 }
 
 int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(models_are_recovered), cmocka_unit_test(models_of_one_width)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(models_are_recovered), cmocka_unit_test(shading_models),
+                                       cmocka_unit_test(models_of_one_width)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -18,8 +18,8 @@ static double spread_by_error(const char *ref, const char *test) {
         nqm_scene_options o = nqm_scene_options_default();
         o.light = "studio";
         o.shape = "blob";
-        o.n_points = 1024;
-        o.n_lights = 512;
+        o.n_points = 512;
+        o.n_lights = 192;
         o.seed = seed;
         nqm_scene *scene = make_scene(&o);
         double *a = render_spec(scene, ref), *b = render_spec(scene, test);

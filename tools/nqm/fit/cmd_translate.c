@@ -4,6 +4,7 @@
  * written. With --fail-under it is a gate.
  */
 #include "brdf/brdf.h"
+#include "fit/anisotropy.h"
 #include "fit/match.h"
 #include "material/material.h"
 #include "nqm/fit/translate.h"
@@ -278,11 +279,11 @@ static nqm_status fit_item(const translation *t, item *it, nqm_error *err) {
     const char *spec = nqm_brdf_get_info(ref).spec;
     list_dropped(spec, t->target->model, it->dropped, sizeof it->dropped);
     it->copy = copy_keys(spec, t->target->model);
-    char *lobe = it->copy ? NULL : measure_anisotropy(ref, t->target->model);
+    char *lobe = it->copy ? NULL : nqm_fit_measure_anisotropy(ref, t->target->model, false);
     if (strncmp(t->loss.text, "auto", 4) == 0)
         fit.start = lobe ? lobe : it->copy; /* other losses would begin there only */
     status = nqm_match(ref, t->target->model, &t->loss, &fit, &it->match, &brdf, err);
-    free(lobe);
+    nqm_free(lobe);
     if (status == NQM_OK && it->copy)
         status = keep_better(t, it, ref, brdf, err);
     it->seconds = nqm_clock_s() - begin;

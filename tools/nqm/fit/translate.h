@@ -36,14 +36,6 @@ void convert_values(const nqm_property *p, const nqm_spec_key *key, double v[3])
  *  of layers with weight 0 do not count. */
 void list_dropped(const char *spec, const char *model, char *text, size_t n_text);
 
-/** Set the keys of `to` so that the lobe of its base has the anisotropy of that of `from`, which is a canonical spec; keys that say how are
- *  0 where the model of `to` cannot have it. */
-void copy_anisotropy(const nqm_shading *from, nqm_shading *to);
-/** A spec with the anisotropy of the lobe of a BRDF; free() it. NULL: it is isotropic, or the model has no anisotropic lobes. */
-char *measure_anisotropy(const nqm_brdf *ref, const char *model);
-/** Whether a shading model has anisotropic lobes, and may turn them. */
-bool can_be_anisotropic(const char *model, bool turned);
-
 /** The translation of a textured material to glTF. */
 typedef struct texture_translation {
     const char *argument, *path; /* the file; maps are written beside it as PATH without ending, "_", texture, ".png" */

@@ -3,6 +3,7 @@
  * The keys that two shading models share: names that mean the same in different file formats.
  */
 #include "brdf/core/spec.h"
+#include "fit/anisotropy.h"
 #include "material/material.h"
 #include "nqm/fit/translate.h"
 
@@ -184,7 +185,7 @@ char *copy_keys(const char *spec, const char *model) {
             nqm_shading_set(&to, key->name, key->n, v);
         }
     if (!is_same)
-        copy_anisotropy(&from, &to);
+        nqm_fit_copy_anisotropy(&from, &to);
     copy_film(&from, &to);
     char *copy = to.n ? nqm_shading_spec(&to) : NULL;
     nqm_brdf *brdf = NULL;
@@ -212,7 +213,7 @@ static bool has_counterpart(const nqm_spec_schema *schema, const char *key) {
                                            {"eta", "ior"},
                                            {"ior", "eta"}};
     if (means_same(key, "anisotropy") || means_same(key, "rotation"))
-        return can_be_anisotropic(schema->model, means_same(key, "rotation"));
+        return nqm_fit_can_be_anisotropic(schema->model, means_same(key, "rotation"));
     for (size_t k = 0; k < schema->n_keys; ++k) {
         if (means_same(schema->keys[k].name, key))
             return true;

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT
  *
- * The anisotropic lobe of the base of one shading model in the keys of another: models name its widths differently.
+ * The anisotropic lobe of the base of shading models: each names its widths and its azimuth differently.
  */
+#include "fit/anisotropy.h"
 #include "brdf/brdf.h"
 #include "brdf/core/spec.h"
-#include "nqm/fit/translate.h"
 
 #include <math.h>
 #include <string.h>
@@ -36,7 +36,7 @@ static const anisotropy *find_anisotropy(const char *model) {
     return NULL;
 }
 
-bool can_be_anisotropic(const char *model, bool turned) {
+bool nqm_fit_can_be_anisotropic(const char *model, bool turned) {
     const anisotropy *a = find_anisotropy(model);
     return a && (!turned || a->rotation);
 }
@@ -128,20 +128,20 @@ static void place_lobe(nqm_shading *to, const anisotropy *target, lobe l) {
         set_number(to, target->rotation, 0);
 }
 
-void copy_anisotropy(const nqm_shading *from, nqm_shading *to) {
+void nqm_fit_copy_anisotropy(const nqm_shading *from, nqm_shading *to) {
     const anisotropy *source = find_anisotropy(from->model), *target = find_anisotropy(to->model);
     if (target)
         place_lobe(to, target, source ? read_lobe(from, source) : (lobe){.ratio = 1});
 }
 
-char *measure_anisotropy(const nqm_brdf *ref, const char *model) {
+char *nqm_fit_measure_anisotropy(const nqm_brdf *ref, const char *model, bool is_turned) {
     const double half = sqrt(sqrt(2) - 1); /* slope at which GGX of width 1 has fallen to a half */
     const anisotropy *target = find_anisotropy(model);
     if (!target || !(nqm_brdf_anisotropy(ref) > 0))
         return NULL;
     const nqm_lobe found = nqm_lobe_measure(ref);
     const double longer = hypot(found.axes[0], found.axes[2]);
-    const double turn = floor(atan2(found.axes[2], found.axes[0]) * 1e4 + 0.5) / 1e4;
+    const double turn = is_turned ? 0 : floor(atan2(found.axes[2], found.axes[0]) * 1e4 + 0.5) / 1e4;
     nqm_shading to = {.n = 0};
     snprintf(to.model, sizeof to.model, "%s", model);
     place_lobe(&to, target, (lobe){found.width / half, 1 / (longer * longer), turn});
