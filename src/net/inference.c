@@ -236,9 +236,7 @@ typedef struct rows {
 /* Number the references of a call: a row with the same reference inputs as the row before has the same number. */
 static void find_references(nqm_inference_work *work, const rows *in) {
     const size_t n_bytes = ref_panels(work->net)->k * sizeof *in->x;
-    const nqm_kernels *kernels = nqm_kernels_get();
-    const float *before = work->kept_kernels == kernels ? work->kept_ref : NULL;
-    work->kept_kernels = kernels;
+    const float *before = work->kept_kernels == nqm_kernels_get() ? work->kept_ref : NULL;
     work->n_refs = 0;
     for (size_t i = 0; i < in->n; ++i) {
         const float *x = in->x + i * in->ldx;
@@ -267,6 +265,7 @@ static void keep_reference(nqm_inference_work *work, const rows *in) {
         return;
     memcpy(work->kept_ref, in->x + (in->n - 1) * in->ldx, ref_panels(work->net)->k * sizeof *in->x);
     memcpy(work->partial, work->partial + work->n_refs * work->stride, work->stride * sizeof *work->partial);
+    work->kept_kernels = nqm_kernels_get();
 }
 
 /* ---- layers ------------------------------------------------------------------------------------------------------ */
