@@ -12,7 +12,7 @@
 #include <unistd.h>
 
 enum {
-    MIN_PARALLEL = 1 << 22, /* multiply-adds; below, waking a thread costs more than it saves */
+    MIN_PARALLEL = 1 << 18, /* multiply-adds; below, waking a thread costs more than it saves */
     ROWS_AT_ONCE = 16 * NQM_STRIP,
     BLOCKS_PER_THREAD = 8, /* at least, so that threads end at about the same time */
     PANELS_OF_ROW = 4,     /* at most, of a block with a single row */
@@ -69,6 +69,14 @@ static void multiply_block(const nqm_kernels *kernels, nqm_precision precision, 
         part.c = (uint32_t *)p->c + row * p->ldc; /* float or int32_t */
         kernels->product[precision](&part);
     }
+}
+
+size_t nqm_panels_of_block(const nqm_panels *b, size_t m) {
+    return cut_product(b, m).panels;
+}
+
+void nqm_multiply_block(const nqm_kernels *kernels, const nqm_panels *b, const nqm_product *p) {
+    multiply_block(kernels, b->precision, p, cut_product(b, p->m).rows);
 }
 
 void nqm_multiply(const nqm_panels *b, size_t m, const void *a, size_t lda, bool add, void *c, size_t ldc) {

@@ -32,8 +32,10 @@ typedef struct nqm_panels {
 NQM_MUST_CHECK nqm_status nqm_panels_create(nqm_precision precision, size_t k, size_t n, nqm_panels *panels_ret,
                                             nqm_error *err);
 void nqm_panels_free(nqm_panels *panels);
-/** Fill panels of (k, n) from the transpose of w (n, k). */
+/** Fill panels of (k, n) from the transpose of w (n, k), on all threads. */
 void nqm_panels_pack(nqm_panels *panels, nqm_weights w);
+/** One panel (k, NQM_PANEL) of floats from the transpose of w (width, k); zeros beyond width. */
+void nqm_pack_panel(size_t width, size_t k, nqm_weights w, float *panel);
 /** The inverse of nqm_panels_pack() for NQM_PRECISION_F32. */
 void nqm_panels_unpack(const nqm_panels *panels, float *w, size_t ldw);
 /** to (n, k) = the transpose of from (k, n); from is NQM_PRECISION_F32, to is _F32 or _BF16. */
@@ -59,6 +61,12 @@ static inline nqm_byte_columns nqm_panel_columns(const nqm_panels *panels, size_
  * @param c    (m, b->n_panels NQM_PANEL) float, or int32_t for NQM_PRECISION_INT8; ldc elements from row to row
  */
 void nqm_multiply(const nqm_panels *b, size_t m, const void *a, size_t lda, bool add, void *c, size_t ldc);
+
+/** A block of such a product, of some rows and some panels of b (or copies of these), for callers that distribute blocks to threads
+ *  themselves. */
+void nqm_multiply_block(const nqm_kernels *kernels, const nqm_panels *b, const nqm_product *p);
+/** Panels of a block of a product of m rows: so many that the rows are read from beyond the L2 cache less often. */
+size_t nqm_panels_of_block(const nqm_panels *b, size_t m);
 
 /** Floats or words from row to row for rows of n: whole panels, and an odd number of cache lines, so that the rows of a tile
  *  are not stored in the same few sets of a cache. */

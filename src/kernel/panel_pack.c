@@ -8,6 +8,8 @@
 #include <math.h>
 #include <string.h>
 
+enum { MIN_PARALLEL = 65536 }; /* elements; below, waking a thread costs more than it saves */
+
 /* Rows of NQM_PANEL words of the whole block; for each panel of bytes, scale and sum are one more row each. */
 static size_t n_rows(const nqm_panels *panels) {
     return panels->n_panels * (panels->stride + (panels->precision == NQM_PRECISION_INT8 ? 2 : 0));
@@ -114,6 +116,7 @@ static void pack(nqm_precision precision, size_t width, size_t k, nqm_weights w,
 }
 
 void nqm_panels_pack(nqm_panels *panels, nqm_weights w) {
+#pragma omp parallel for schedule(dynamic, 1) if (panels->n * panels->k > MIN_PARALLEL)
     for (size_t p = 0; p < panels->n_panels; ++p) {
         const size_t first = p * NQM_PANEL, width = nqm_smaller(panels->n - first, NQM_PANEL);
         const nqm_weights rows = nqm_weights_at(w, first, 0);
@@ -125,6 +128,12 @@ void nqm_panels_pack(nqm_panels *panels, nqm_weights w) {
         if (panels->precision == NQM_PRECISION_INT8)
             memcpy(panels->sum + first, sum, width * sizeof *sum);
     }
+}
+
+void nqm_pack_panel(size_t width, size_t k, nqm_weights w, float *panel) {
+    if (width < NQM_PANEL)
+        memset(panel, 0, k * NQM_PANEL * sizeof *panel);
+    pack(NQM_PRECISION_F32, width, k, w, (uint32_t *)(void *)panel, NULL, NULL);
 }
 
 void nqm_panels_unpack(const nqm_panels *panels, float *w, size_t ldw) {

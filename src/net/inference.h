@@ -26,8 +26,9 @@ typedef struct nqm_input_groups {
 /** A network prepared for inference; may be used by several threads at once. */
 typedef struct nqm_inference_net nqm_inference_net;
 
-/** Pack `params` in a precision. `params` is borrowed and must outlive the network: biases, LayerNorm and
- *  the output layer are used in place. NQM_ERR_NOMEM. */
+/** Pack `params` in a precision, on all threads. `params` is borrowed and must outlive the network: biases, LayerNorm and
+ *  the output layer are used in place, and NQM_PRECISION_F32 packs its weights only at the second call of
+ *  nqm_inference_run(). NQM_ERR_NOMEM. */
 NQM_MUST_CHECK nqm_status nqm_inference_net_create(const nqm_params *params, const nqm_input_groups *inputs,
                                                    nqm_precision precision, nqm_inference_net **net_ret,
                                                    nqm_error *err);

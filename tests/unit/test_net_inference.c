@@ -1,11 +1,12 @@
 /* SPDX-License-Identifier: MIT
  *
  * Inference: against plain loops in double, in each precision; equal bits for any batch size and number of threads,
- * with and without common references; weights are packed once per model; failing allocations.
+ * with and without common references, before and after packing; weights are packed once per model; failing allocations.
  */
 #include "base/memory_test.h"
 #include "kernel/kernel.h"
 #include "model/model.h"
+#include "net/inference_state.h"
 #include "support/check.h"
 #include "support/double_network.h"
 #include "support/tables.h"
@@ -153,6 +154,69 @@ static void the_same_bits(void **state) {
     use_chosen_kernels();
 }
 
+/* The first call, with at most 192 rows, packs a panel at a time. */
+static void the_same_bits_before_packing(void **state) {
+    (void)state;
+    static const size_t batches[] = {1, 2, 13, 40, 192};
+    const int threads = omp_get_max_threads();
+    static float all[ROWS], z[ROWS];
+    for (size_t t = 0; every_table(t); ++t)
+        for (int precision = 0; precision < NQM_PRECISION_COUNT; ++precision) {
+            nqm_kernels_use(every_table(t));
+            session packed = begin((nqm_precision)precision);
+            run(&packed, ROWS, all);
+            assert_true(packed.net->is_packed); /* at the first call: it has more than 192 rows */
+            for (size_t b = 0; b < sizeof batches / sizeof *batches; ++b) {
+                session fresh = begin((nqm_precision)precision);
+                omp_set_num_threads((int)(b + t) % 2 + 1);
+                nqm_inference_run(fresh.work, batches[b], x, STRIDE, z);
+                assert_true(fresh.net->is_packed == (precision != NQM_PRECISION_F32));
+                assert_memory_equal(z, all, batches[b] * sizeof *z);
+                run(&fresh, batches[b], z);
+                assert_memory_equal(z, all, sizeof z);
+                assert_true(fresh.net->is_packed);
+                end(&fresh);
+            }
+            omp_set_num_threads(threads);
+            end(&packed);
+        }
+    use_chosen_kernels();
+}
+
+enum { FEW = 20 };
+
+static void *run_thrice(void *net) {
+    nqm_inference_work *work;
+    float *z = nqm_alloc(FEW, sizeof *z);
+    if (!z || nqm_inference_work_create(net, FEW, &work, NULL) != NQM_OK)
+        return NULL;
+    for (size_t i = 0; i < 3; ++i)
+        nqm_inference_run(work, FEW, x, STRIDE, z);
+    nqm_inference_work_free(work);
+    return z;
+}
+
+/* Some calls read weights that are not packed while another call packs them. */
+static void packing_during_other_calls(void **state) {
+    (void)state;
+    enum { N_THREADS = 6 };
+    pthread_t thread[N_THREADS];
+    void *z[N_THREADS];
+    session s = begin(NQM_PRECISION_F32);
+    for (size_t i = 0; i < N_THREADS; ++i)
+        assert_int_equal(pthread_create(&thread[i], NULL, run_thrice, s.net), 0);
+    for (size_t i = 0; i < N_THREADS; ++i)
+        assert_int_equal(pthread_join(thread[i], &z[i]), 0);
+    assert_true(s.net->is_packed);
+    float *after = run_thrice(s.net);
+    for (size_t i = 0; i < N_THREADS; ++i) {
+        assert_memory_equal(z[i], after, FEW * sizeof *after);
+        nqm_free(z[i]);
+    }
+    nqm_free(after);
+    end(&s);
+}
+
 /* The kept reference is not used with other kernels than those that computed its partial product. */
 static void kernels_change(void **state) {
     (void)state;
@@ -224,8 +288,12 @@ static void out_of_memory(void **state) {
 int main(void) {
     printf("seed %llu\n", (unsigned long long)seed);
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(outputs_by_the_formulas), cmocka_unit_test(the_same_bits),
-        cmocka_unit_test(kernels_change),          cmocka_unit_test(packed_once),
+        cmocka_unit_test(outputs_by_the_formulas),
+        cmocka_unit_test(the_same_bits),
+        cmocka_unit_test(the_same_bits_before_packing),
+        cmocka_unit_test(packing_during_other_calls),
+        cmocka_unit_test(kernels_change),
+        cmocka_unit_test(packed_once),
         cmocka_unit_test(out_of_memory),
     };
     return cmocka_run_group_tests(tests, setup, teardown);
