@@ -59,7 +59,7 @@ static nqm_status add_first_segments(nqm_inference_layer *layer, const nqm_param
     range next = {0};
     nqm_status status = NQM_OK;
     for (size_t i = 0; status == NQM_OK && i < inputs->n_groups; ++i, next.first += next.n) {
-        next.n = inputs->width[i];
+        next.n = inputs->width;
         if (i == 0 && inputs->test_itself && !later)
             status = add_sum_of_groups(layer, w, next.n, precision, err);
         else
