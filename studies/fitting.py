@@ -164,18 +164,18 @@ def failed(judged, refs, model, losses):
 
 def print_fits(judged, refs, title, model):
     groups = [material for _, material, *_ in refs]
-    lost = failed(judged, refs, model, LOSSES, "")
+    lost = failed(judged, refs, model, LOSSES)
     print(f"\n{title}, {model}: {len(refs)} references of {len(set(groups))} materials")
     print(f"{'loss':24s} {'paper light':>12s} {'unseen':>7s} {'JOD unseen [95 %]':>22s} {'colour':>7s} {'redder':>7s} {'failed':>7s}"
           f" {'s':>5s}")
     for loss in LOSSES:
-        jod, low, high = bootstrap(judged.column("jod", refs, model, loss, "", UNSEEN), groups)
-        print(f"{loss:24s} {np.mean(judged.column('delta_e', refs, model, loss, '', ['paper'])):12.2f}"
-              f" {np.mean(judged.column('delta_e', refs, model, loss, '', UNSEEN)):7.2f} {jod:8.3f} [{low:.2f}, {high:.2f}]"
-              f" {np.mean(judged.column('colour', refs, model, loss, '', UNSEEN)):7.2f}"
-              f" {np.mean(judged.column('shift_p', refs, model, loss, '', UNSEEN)):+7.2f} {100 * np.mean(lost[loss]):6.1f}%"
-              f" {np.median([float(judged.fits[(name, model, loss, '')][1]) for name, *_ in refs]):5.2f}")
-    jods = {loss: np.array(judged.column("jod", refs, model, loss, "", UNSEEN)) for loss in LOSSES}
+        jod, low, high = bootstrap(judged.column("jod", refs, model, loss, UNSEEN), groups)
+        print(f"{loss:24s} {np.mean(judged.column('delta_e', refs, model, loss, ['paper'])):12.2f}"
+              f" {np.mean(judged.column('delta_e', refs, model, loss, UNSEEN)):7.2f} {jod:8.3f} [{low:.2f}, {high:.2f}]"
+              f" {np.mean(judged.column('colour', refs, model, loss, UNSEEN)):7.2f}"
+              f" {np.mean(judged.column('shift_p', refs, model, loss, UNSEEN)):+7.2f} {100 * np.mean(lost[loss]):6.1f}%"
+              f" {np.median([float(judged.fits[(name, model, loss)][1]) for name, *_ in refs]):5.2f}")
+    jods = {loss: np.array(judged.column("jod", refs, model, loss, UNSEEN)) for loss in LOSSES}
     best = max(CLASSICAL, key=lambda loss: jods[loss].mean())
     for loss, than in (("nqm", best), ("transport", best), ("auto", best), ("auto", "nqm"), ("auto", "transport")):
         print("%s less %s, JOD under the unseen lights: %+.3f [%+.3f, %+.3f]" % (

@@ -82,7 +82,7 @@ typedef struct subject {
 
 typedef struct gallery {
     const nqm_azimuths *azimuths;
-    bool is_mean; /* of which these are members: cd/m2 is wanted, not ITP */
+    bool is_light; /* cd/m2 is wanted, not ITP */
     size_t n;
     subject *subjects;
 } gallery;
@@ -128,10 +128,9 @@ static void show(void *user, size_t i) {
     subject *s = &g->subjects[i];
     const subject *ref = s->beside == SIZE_MAX ? s : &g->subjects[s->beside];
     const nqm_lobe *lobe = is_like(&ref->lobe, &s->lobe) ? &ref->lobe : &s->lobe;
-    if (s->status == NQM_OK &&
-        !nqm_azimuths_light(g->azimuths->model, g->azimuths->totals, s->brdf, lobe, g->is_mean, s->itp))
+    if (s->status == NQM_OK && !nqm_azimuths_light(g->azimuths->model, g->azimuths->totals, s->brdf, lobe, s->itp))
         s->status = NQM_ERR_NOMEM;
-    if (s->status == NQM_OK && !g->is_mean)
+    if (s->status == NQM_OK && !g->is_light)
         nqm_transport_show(&points, s->itp, s->itp);
 }
 
@@ -258,7 +257,7 @@ static nqm_label label_all(const gallery *g, const double *weights, double *mean
 nqm_status nqm_azimuths_score_means(const nqm_azimuths *a, size_t n, const nqm_named_pair *members,
                                     const double *weights, nqm_ticker *ticker, nqm_score_result *result,
                                     nqm_error *err) {
-    gallery g = {.azimuths = a, .is_mean = true, .n = 2 * n};
+    gallery g = {.azimuths = a, .is_light = true, .n = 2 * n};
     double *light, *mean;
     if (!a)
         return nqm_fail(err, NQM_ERR_INCOMPATIBLE, -1, "the model has no estimate for leaning normals");

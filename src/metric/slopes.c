@@ -13,8 +13,8 @@
 #include <string.h>
 
 /* Rings have these steps of the logarithm and these numbers of nodes: few within a lobe so narrow that light is constant in it, and more
- * where light varies, fewer of them for a member of a mean, in which errors of quadrature average out. Nodes beyond a wide slope take up what the sum of all lacks to the light of the point. */
-enum { AROUND = 14, MEMBER_AROUND = 8, NARROW_AROUND = 4, MAX_RINGS = 64, BLOCK = 256 };
+ * where light varies. Nodes beyond a wide slope take up what the sum of all lacks to the light of the point. */
+enum { AROUND = 14, NARROW_AROUND = 4, MAX_RINGS = 64, BLOCK = 256 };
 static const double step_of_light = 0.35, step_of_lobe = 0.5, narrow_slope = 0.02;
 /* Parts of a node, as fine as the cells of the light. */
 enum { PARTS_ALONG = 3, PARTS_AROUND = 4 };
@@ -39,7 +39,7 @@ static void set_half(const double slope[2], double half[3]) {
 }
 
 /* Rings of a lobe; returns their number. n_nodes_ret: with the disc within them. */
-static size_t make_rings(const nqm_lobe *lobe, size_t n_around, ring *rings, size_t *n_nodes_ret) {
+static size_t make_rings(const nqm_lobe *lobe, ring *rings, size_t *n_nodes_ret) {
     const double ratio = lobe->axes[0] * lobe->axes[0] + lobe->axes[2] * lobe->axes[2],
                  longer = sqrt(fmax(ratio, 1 / ratio));
     size_t n = 0;
@@ -47,7 +47,7 @@ static size_t make_rings(const nqm_lobe *lobe, size_t n_around, ring *rings, siz
     for (double t = lobe->width / 8; t < NQM_SLOPE_MOST && n < MAX_RINGS; t = rings[n++].outer) {
         const bool is_narrow = t * longer < narrow_slope;
         rings[n] = (ring){t, fmin(t * exp(is_narrow ? step_of_lobe : step_of_light), NQM_SLOPE_MOST),
-                          is_narrow ? NARROW_AROUND : n_around};
+                          is_narrow ? NARROW_AROUND : AROUND};
         *n_nodes_ret += rings[n].n_nodes;
     }
     return n;
@@ -216,11 +216,11 @@ void nqm_azimuths_totals(const nqm_model *m, float *totals) {
 }
 
 bool nqm_azimuths_light(const nqm_model *m, const float *totals, const nqm_brdf *brdf, const nqm_lobe *lobe,
-                        bool is_member, double *rgb) {
+                        double *rgb) {
     ring rings[MAX_RINGS] = {{0, 0, 0}};
     nodes made = {.n = 0};
     size_t n_nodes;
-    const size_t n_rings = make_rings(lobe, is_member ? MEMBER_AROUND : AROUND, rings, &n_nodes);
+    const size_t n_rings = make_rings(lobe, rings, &n_nodes);
     if (nqm_alloc_arrays(NQM_ARRAYS({&made.half, n_nodes, sizeof *made.half},
                                     {&made.light, n_nodes + 2, 3 * m->n_slope_points * sizeof *made.light}),
                          NULL) != NQM_OK)
