@@ -123,16 +123,16 @@ typedef struct microfacet {
 INLINED microfacet microfacet_of(const geometry *g, const lobe_shape *lobe) {
     const double x = g->cos_o, y = lobe->mean, x2 = x * x, y2 = y * y;
     const double terms[9] = {1, x, y, x * y, x2, y2, x2 * y, x * y2, x2 * y2};
-    static const double fit[4][9] = {
-        {0.1003, -0.6303, 9.748, -2.038, 29.34, -8.245, -26.44, 19.99, -5.448},
-        {0.9345, -2.323, 2.229, -3.748, 1.424, -0.7684, 1.436, 0.2913, 0.6286},
-        {1, -1.765, 8.263, 11.53, 28.96, -7.507, -36.11, 15.86, 33.37},
-        {1, 0.2281, 15.94, -55.83, 13.08, 41.26, 54.9, 300.2, -285.1},
+    static const double fit[9][4] = {
+        /* two numerators, two denominators */
+        {0.1003, 0.9345, 1, 1},          {-0.6303, -2.323, -1.765, 0.2281}, {9.748, 2.229, 8.263, 15.94},
+        {-2.038, -3.748, 11.53, -55.83}, {29.34, 1.424, 28.96, 13.08},      {-8.245, -0.7684, -7.507, 41.26},
+        {-26.44, 1.436, -36.11, 54.9},   {19.99, 0.2913, 15.86, 300.2},     {-5.448, 0.6286, 33.37, -285.1},
     };
     double sum[4] = {0};
-    for (size_t r = 0; r < 4; ++r)
-        for (size_t t = 0; t < 9; ++t)
-            sum[r] += fit[r][t] * terms[t];
+    for (size_t t = 0; t < 9; ++t)
+        for (size_t r = 0; r < 4; ++r)
+            sum[r] += fit[t][r] * terms[t];
     pair_widths a = turned_pair_widths(&lobe->widths, g->wi, g->wo);
     a.i2 = a.o2 = lobe->xy;
     microfacet m = {.f = correlated_ggx(g->tan2_h, g->cos_i, g->cos_o, a),
