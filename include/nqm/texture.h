@@ -63,7 +63,7 @@ NQM_API nqm_texture_info nqm_texture_get_info(const nqm_texture *texture, const 
 /** How nqm_texture_score() works. Take the defaults from nqm_texture_options_default(). */
 typedef struct nqm_texture_options {
     int exact; /**< 1: every different pair of texels is scored; default 0: at most n_texels, drawn evenly from all */
-    size_t n_texels; /**< 16 to 10^6; default 2048 */
+    size_t n_texels; /**< 16 to 10^6; default 2048. Half as many (a quarter where normals differ) if their error is below .01 JOD */
     size_t
         texels_per_pixel; /**< along each side of the pixels whose BRDFs, means over their texels, are compared, 1 to 16384;
                                    then 256 pixels (48 where normals vary) are drawn, and n_texels and exact do not count;
