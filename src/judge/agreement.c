@@ -112,7 +112,8 @@ static void fill_agreement(const nqm_bootstrap *b, size_t predictor, nqm_agreeme
     double statistics[NQM_STATISTIC_COUNT];
     *a = (nqm_agreement){.n = j->n, .n_materials = j->n_groups};
     a->n_ordered = plain_statistics(b, predictor, statistics);
-    statistics[NQM_STATISTIC_KENDALL] = nqm_kendall(j->n, j->prediction + predictor * j->n, j->label);
+    if (!j->without_kendall)
+        statistics[NQM_STATISTIC_KENDALL] = nqm_kendall(j->n, j->prediction + predictor * j->n, j->label);
     for (int f = 0; f < NQM_STATISTIC_COUNT; ++f) {
         nqm_estimate *estimate = estimate_of(a, f);
         estimate->value = statistics[f];
@@ -126,18 +127,6 @@ nqm_status nqm_judge(const nqm_judgement *j, size_t n_bootstrap, uint64_t seed, 
     nqm_status status = begin(&b, err);
     for (size_t p = 0; status == NQM_OK && p < j->n_predictors; ++p)
         fill_agreement(&b, p, &results[p]);
-    nqm_free(b.sums);
-    return status;
-}
-
-nqm_status nqm_judge_spearman(const nqm_judgement *j, size_t n_bootstrap, uint64_t seed, nqm_estimate *spearman,
-                              nqm_error *err) {
-    nqm_bootstrap b = {.judgement = j, .seed = seed, .n_resamples = n_bootstrap, .without_kendall = true};
-    nqm_status status = begin(&b, err);
-    for (size_t p = 0; status == NQM_OK && p < j->n_predictors; ++p) {
-        spearman[p].value = nqm_spearman(j->n, j->prediction + p * j->n, j->label);
-        nqm_interval95(b.n_resamples, resampled(&b, p, NQM_STATISTIC_SPEARMAN), spearman[p].ci95);
-    }
     nqm_free(b.sums);
     return status;
 }
@@ -177,7 +166,7 @@ static void fill_contrast(const nqm_bootstrap *b, nqm_contrast *c) {
 
 nqm_status nqm_judge_contrasts(const nqm_judgement *j, size_t n_bootstrap, uint64_t seed, size_t n_contrasts,
                                nqm_contrast *contrasts, nqm_error *err) {
-    nqm_bootstrap b = {.judgement = j, .seed = seed, .n_resamples = n_bootstrap, .without_kendall = true};
+    nqm_bootstrap b = {.judgement = j, .seed = seed, .n_resamples = n_bootstrap};
     nqm_status status = begin(&b, err);
     for (size_t i = 0; status == NQM_OK && i < n_contrasts; ++i)
         fill_contrast(&b, &contrasts[i]);

@@ -19,6 +19,7 @@ typedef struct nqm_judgement {
     const double *label;       /* (n) */
     const double *prediction;  /* (n_predictors, n) finite */
     double order_margin;       /* two pairs of a group have an order if their labels differ by more than this; >= 0 */
+    bool without_kendall;      /* skip Kendall (NaN), the slowest statistic */
 } nqm_judgement;
 
 /** Compute results (n_predictors), except name and flags. The intervals are the 2.5 and 97.5 percentiles over
@@ -31,10 +32,6 @@ NQM_MUST_CHECK nqm_status nqm_judge(const nqm_judgement *judgement, size_t n_boo
  * nqm_judge() for this seed. */
 NQM_MUST_CHECK nqm_status nqm_judge_contrasts(const nqm_judgement *judgement, size_t n_bootstrap, uint64_t seed,
                                               size_t n_contrasts, nqm_contrast *contrasts, nqm_error *err);
-
-/** Compute only `spearman` (n_predictors) of the results of nqm_judge(), with the same resamples. */
-NQM_MUST_CHECK nqm_status nqm_judge_spearman(const nqm_judgement *judgement, size_t n_bootstrap, uint64_t seed,
-                                             nqm_estimate *spearman, nqm_error *err);
 
 /** Set the flags best_of_family and best_baseline of metrics (NQM_METRIC_COUNT) according to `spearman`. */
 void nqm_mark_best(nqm_agreement *metrics);
@@ -87,10 +84,9 @@ typedef struct nqm_bootstrap {
     const nqm_judgement *judgement;
     uint64_t seed;
     size_t n_resamples;
-    bool without_kendall; /* skip Kendall (NaN), the slowest statistic */
-    double *sums;         /* (n_predictors, n_groups, NQM_SUM_COUNT); owns the block of all three */
-    double *statistics;   /* (n_predictors, NQM_STATISTIC_COUNT, n_resamples) */
-    double *scratch;      /* (n_resamples) */
+    double *sums;       /* (n_predictors, n_groups, NQM_SUM_COUNT); owns the block of all three */
+    double *statistics; /* (n_predictors, NQM_STATISTIC_COUNT, n_resamples) */
+    double *scratch;    /* (n_resamples) */
 } nqm_bootstrap;
 
 /** Draw resample `index`: sets weight (n_groups) to how often each group is drawn. */

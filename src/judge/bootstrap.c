@@ -204,7 +204,7 @@ static void fill_resample(shared *sh, size_t index, resample *s) {
         double statistics[NQM_STATISTIC_COUNT];
         resample_sums(sh, s, p, statistics);
         statistics[NQM_STATISTIC_SPEARMAN] = resample_spearman(sh, s, p + 1);
-        if (!b->without_kendall)
+        if (!j->without_kendall)
             statistics[NQM_STATISTIC_KENDALL] = resample_kendall(sh, s, p);
         for (size_t f = 0; f < NQM_STATISTIC_COUNT; ++f)
             b->statistics[(p * NQM_STATISTIC_COUNT + f) * b->n_resamples + index] = statistics[f];

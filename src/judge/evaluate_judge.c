@@ -97,6 +97,7 @@ nqm_status nqm_evaluation_contrast(const nqm_evaluation *evaluation, const nqm_e
             return nqm_fail(err, NQM_ERR_ARG, -1, "contrast %zu: there are %zu predictors", i,
                             evaluation->n_predictors);
     nqm_status status = begin(evaluation, &o, &c, &j, err);
+    j.without_kendall = true;
     if (status == NQM_OK)
         status = nqm_judge_contrasts(&j, o.n_bootstrap, o.seed, n_contrasts, contrasts, err);
     release(&c);

@@ -85,26 +85,27 @@ static nqm_status judge_part(const work *w, const nqm_eval_options *o, size_t pa
                              .n_predictors = 1 + p->n_scalars + (w->ev->estimates != NULL),
                              .group_begin = w->pairs.group_begin,
                              .label = w->label,
-                             .prediction = w->prediction};
-    nqm_estimate spearman[MAX_PREDICTORS];
+                             .prediction = w->prediction,
+                             .without_kendall = true};
+    nqm_agreement by[MAX_PREDICTORS];
     collect(w, part_index);
-    nqm_status status = nqm_judge_spearman(&j, o->n_bootstrap, o->seed, spearman, err);
+    nqm_status status = nqm_judge(&j, o->n_bootstrap, o->seed, by, err);
     if (status != NQM_OK)
         return status;
     size_t best = 1;
     for (size_t k = 2; k <= p->n_scalars; ++k)
-        if (isnan(spearman[best].value) || spearman[k].value > spearman[best].value)
+        if (isnan(by[best].spearman.value) || by[k].spearman.value > by[best].spearman.value)
             best = k;
     *result = (nqm_part_agreement){.part = p->name,
                                    .n = j.n,
                                    .n_materials = j.n_groups,
-                                   .model = spearman[0],
+                                   .model = by[0].spearman,
                                    .estimate = {NAN, {NAN, NAN}},
-                                   .scalar = spearman[best],
+                                   .scalar = by[best].spearman,
                                    .scalar_name = nqm_scalar_name(p->scalars[best - 1])};
     count_signs(w, p, result);
     if (w->ev->estimates)
-        result->estimate = spearman[1 + p->n_scalars];
+        result->estimate = by[1 + p->n_scalars].spearman;
     return NQM_OK;
 }
 
