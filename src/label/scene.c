@@ -64,8 +64,6 @@ static nqm_label compare_one(const nqm_scene *scene, const double *ref_cdm2, con
 
 nqm_label nqm_scene_compare(const nqm_scene *scene, const double *ref_cdm2, const double *test_cdm2) {
     assert(scene && ref_cdm2 && test_cdm2);
-    if (scene->n_parts == 0)
-        return compare_one(scene, ref_cdm2, test_cdm2);
     nqm_label mean = {.delta_e = 0};
     for (size_t p = 0; p < scene->n_parts; ++p) {
         const nqm_label label = compare_one(scene->parts[p], ref_cdm2, test_cdm2);

@@ -59,15 +59,13 @@ nqm_status nqm_lit_points(const nqm_scene_options *scene_options, size_t n_point
     nqm_status status = nqm_scene_create(&options, &scene, err);
     if (status != NQM_OK)
         return status;
-    const nqm_scene *const *parts =
-        scene->n_parts ? (const nqm_scene *const *)scene->parts : (const nqm_scene *const *)&scene;
-    size_t n_parts = scene->n_parts ? scene->n_parts : 1, first = 0;
     if (nqm_scene_count(scene) != n_points)
         status = nqm_fail(err, NQM_ERR_ARG, -1, "scene: %zu points instead of %zu", nqm_scene_count(scene), n_points);
-    for (size_t s = 0; status == NQM_OK && s < n_parts; ++s) {
-        scene_job job = {parts[s], s, first, fill, user, points};
-        nqm_parallel_for(parts[s]->seen.n, visit_point, &job);
-        first += parts[s]->seen.n;
+    for (size_t s = 0, first = 0; status == NQM_OK && s < scene->n_parts; ++s) {
+        const nqm_scene *part = scene->parts[s];
+        scene_job job = {part, s, first, fill, user, points};
+        nqm_parallel_for(part->seen.n, visit_point, &job);
+        first += part->seen.n;
     }
     nqm_scene_free(scene);
     return status;

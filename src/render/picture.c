@@ -132,18 +132,18 @@ bool nqm_scene_tabulates(const nqm_scene *scene, const nqm_brdf *brdf) {
 static nqm_status render_all(const nqm_scene *scene, const nqm_brdf *brdf, double *rgb_cdm2, size_t stride,
                              nqm_error *err) {
     const nqm_scene_options *o = &scene->options;
-    nqm_ticker whole = {.fn = o->progress, .user = o->progress_user};
+    nqm_status status = NQM_OK;
     if (nqm_scene_tabulates(scene, brdf)) {
+        nqm_ticker whole = {.fn = o->progress, .user = o->progress_user};
         nqm_brdf *table;
         nqm_status made = nqm_brdf_tabulate(brdf, nqm_table_picture, &whole, &table, err);
         made = made == NQM_OK ? render_all(scene, table, rgb_cdm2, stride, err) : made;
         nqm_brdf_free(table);
         return made;
     }
-    nqm_status status = scene->n_parts ? NQM_OK : render(scene, brdf, &whole, rgb_cdm2, stride, err);
     for (size_t p = 0; status == NQM_OK && p < scene->n_parts; ++p) {
-        nqm_scene_part place = {o, p};
-        nqm_ticker ticker = {.fn = o->progress ? nqm_scene_part_progress : NULL, .user = &place};
+        nqm_scene_part place = {o, p, scene->n_parts};
+        nqm_ticker ticker = nqm_scene_part_ticker(&place);
         status = render(scene->parts[p], brdf, &ticker, rgb_cdm2, stride, err);
         rgb_cdm2 += 3 * scene->parts[p]->seen.n;
     }
@@ -161,8 +161,7 @@ nqm_status nqm_scene_render_halves(const nqm_scene *scene, const nqm_brdf *brdf,
 }
 
 void nqm_scene_background(const nqm_scene *scene, size_t frame, double *rgb_cdm2) {
-    if (scene->n_parts > 0)
-        scene = scene->parts[frame / scene->options.n_frames];
+    scene = scene->parts[frame / scene->options.n_frames];
     const double half = tan(NQM_PI / 6); /* 60 degrees high */
     double height = (double)scene->options.height, width = (double)scene->options.width, axes[9];
     nqm_view_axes(scene->options.elevation_rad, axes);

@@ -92,17 +92,16 @@ static bool draw(drawing *d, nqm_rays *rays) {
 /* Points of each scene for n rays of the whole set. The noise of a point makes Delta-E larger, which more directions per point
  * reduce; fewer points make it vary more between draws. Both errors vanish with growing n. */
 static size_t n_points_of(const nqm_scene *scene, size_t n) {
-    const size_t n_parts = scene->n_parts ? scene->n_parts : 1;
     const double n_lights = fmax(0.5 * sqrt((double)n), MIN_LIGHTS);
-    size_t n_points = (size_t)((double)(n / n_parts) / n_lights);
-    for (size_t p = 0; p < n_parts; ++p)
-        n_points = nqm_smaller(n_points, (scene->n_parts ? scene->parts[p] : scene)->seen.n);
+    size_t n_points = (size_t)((double)(n / scene->n_parts) / n_lights);
+    for (size_t p = 0; p < scene->n_parts; ++p)
+        n_points = nqm_smaller(n_points, scene->parts[p]->seen.n);
     return n_points ? n_points : 1;
 }
 
 nqm_status nqm_rays_draw(const nqm_scene *scene, size_t n, uint64_t seed, nqm_rays *rays_ret, nqm_error *err) {
     NQM_REQUIRE(err, scene, rays_ret);
-    drawing d = {.n_parts = scene->n_parts ? scene->n_parts : 1, .n_points = n_points_of(scene, n)};
+    drawing d = {.n_parts = scene->n_parts, .n_points = n_points_of(scene, n)};
     const size_t n_points = d.n_parts * d.n_points, n_lights = n / n_points;
     nqm_rays rays = {.n = 0};
     *rays_ret = rays;
@@ -118,7 +117,7 @@ nqm_status nqm_rays_draw(const nqm_scene *scene, size_t n, uint64_t seed, nqm_ra
         status = nqm_alloc_arrays(
             NQM_ARRAYS({&d.points, n_points, sizeof *d.points}, {&d.sphere, n_points, sizeof *d.sphere}), err);
     for (size_t p = 0; p < d.n_parts && status == NQM_OK; ++p) {
-        d.parts[p] = scene->n_parts ? *scene->parts[p] : *scene;
+        d.parts[p] = *scene->parts[p];
         d.parts[p].options.n_lights = n_lights;
         d.parts[p].options.interreflection = 0;
         d.parts[p].options.seed = nqm_hash_u64(seed, p);

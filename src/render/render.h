@@ -230,11 +230,11 @@ typedef struct nqm_incident {
 
 enum { NQM_STANDARD_SCENES = 4 };
 
-/** One scene, or several: then the points of the parts follow each other, and of the fields below `parts` only options, weight
- *  and pixel are used. */
+/** One scene, which is its only part, or several: then the points of the parts follow each other, and of the fields below `parts` only
+ *  weight and pixel are used. */
 struct nqm_scene {
     nqm_scene_options options; /* n_lights and n_frames filled in; strings NULL */
-    size_t n_parts;            /* 0: one scene */
+    size_t n_parts;            /* at least 1 */
     nqm_scene *parts[NQM_STANDARD_SCENES];
     nqm_light light;
     nqm_shape shape;
@@ -243,16 +243,16 @@ struct nqm_scene {
     double exposure;    /* cd/m2 for one unit of the light */
 };
 
-/** Point i, stored or computed into `made`. Not for a scene with parts. */
+/** Point i, stored or computed into `made`. Not for a scene of several parts. */
 const nqm_surface_point *nqm_scene_point(const nqm_scene *scene, size_t i, nqm_surface_point *made);
 
-/** Place of a scene in the standard set, and the options of the set. */
+/** Place of a scene among n parts, and the options of the whole. */
 typedef struct nqm_scene_part {
     const nqm_scene_options *options;
-    size_t index;
+    size_t index, n;
 } nqm_scene_part;
-/** A progress callback for one scene of the set: its user is an nqm_scene_part; reports percent of the set. */
-int nqm_scene_part_progress(void *user, const char *stage, double done, double total);
+/** A ticker of the callback of the options, which reports percent of all parts if there are several. */
+nqm_ticker nqm_scene_part_ticker(nqm_scene_part *part);
 
 /** Incident light of point i, from directions for a lobe as in nqm_choose_directions(); free with
  *  nqm_free(incident->ray). irradiance: (3) without shadows; may be NULL. false: out of memory. */

@@ -187,6 +187,8 @@ static nqm_status light_points(nqm_scene *scene, const nqm_scene_options *o, nqm
 }
 
 static nqm_status fill_scene(nqm_scene *scene, const nqm_scene_options *o, nqm_error *err) {
+    scene->n_parts = 1;
+    scene->parts[0] = scene;
     scene->options = *o;
     scene->options.light = scene->options.shape = NULL;
     scene->options.n_lights = nqm_scene_n_lights(o);
@@ -238,10 +240,16 @@ static nqm_status join_parts(nqm_scene *scene, nqm_error *err) {
     return status;
 }
 
-int nqm_scene_part_progress(void *user, const char *stage, double done, double total) {
+static int report_part(void *user, const char *stage, double done, double total) {
     const nqm_scene_part *part = user;
     const nqm_scene_options *o = part->options;
-    return o->progress(o->progress_user, stage, 100 * ((double)part->index + done / total) / NQM_STANDARD_SCENES, 100);
+    if (part->n == 1)
+        return o->progress(o->progress_user, stage, done, total);
+    return o->progress(o->progress_user, stage, 100 * ((double)part->index + done / total) / (double)part->n, 100);
+}
+
+nqm_ticker nqm_scene_part_ticker(nqm_scene_part *part) {
+    return (nqm_ticker){.fn = part->options->progress ? report_part : NULL, .user = part};
 }
 
 static nqm_status fill_parts(nqm_scene *scene, const nqm_scene_options *o, nqm_error *err) {
@@ -253,11 +261,10 @@ static nqm_status fill_parts(nqm_scene *scene, const nqm_scene_options *o, nqm_e
         part.light = standard[p].light;
         part.shape = standard[p].shape;
         part.n_points = (o->n_points + p) / NQM_STANDARD_SCENES;
-        nqm_scene_part place = {o, p};
-        if (o->progress) {
-            part.progress = nqm_scene_part_progress;
-            part.progress_user = &place;
-        }
+        nqm_scene_part place = {o, p, NQM_STANDARD_SCENES};
+        const nqm_ticker ticker = nqm_scene_part_ticker(&place);
+        part.progress = ticker.fn;
+        part.progress_user = ticker.user;
         status = nqm_scene_create(&part, &scene->parts[p], err);
         scene->n_parts += status == NQM_OK;
     }
@@ -294,7 +301,7 @@ void nqm_scene_free(nqm_scene *scene) {
     nqm_free(scene->seen.block);
     nqm_shape_clear(&scene->shape);
     nqm_free(scene->light.rgb);
-    for (size_t i = 0; i < scene->n_parts; ++i)
+    for (size_t i = 0; i < scene->n_parts && scene->parts[i] != scene; ++i)
         nqm_scene_free(scene->parts[i]);
     nqm_free(scene);
 }

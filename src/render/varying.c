@@ -134,11 +134,10 @@ nqm_status nqm_scene_render_each(const nqm_scene *scene, const nqm_scene_surface
     rendering r = {.scene = scene, .surfaces = surfaces, .rgb_cdm2 = rgb_cdm2, .stride = 3 * scene->seen.n};
     if (o->interreflection)
         return nqm_fail(err, NQM_ERR_ARG, -1, "a textured material has no picture with interreflection: leave it out");
-    nqm_ticker whole = {.fn = o->progress, .user = o->progress_user};
-    nqm_status status = scene->n_parts ? NQM_OK : render(&r, &whole, err);
+    nqm_status status = NQM_OK;
     for (size_t p = 0; status == NQM_OK && p < scene->n_parts; ++p) {
-        nqm_scene_part place = {o, p};
-        nqm_ticker ticker = {.fn = o->progress ? nqm_scene_part_progress : NULL, .user = &place};
+        nqm_scene_part place = {o, p, scene->n_parts};
+        nqm_ticker ticker = nqm_scene_part_ticker(&place);
         r.scene = scene->parts[p];
         status = render(&r, &ticker, err);
         r.rgb_cdm2 += 3 * r.scene->seen.n;
