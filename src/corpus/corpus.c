@@ -43,25 +43,24 @@ static bool is_mesh(const char *shape) {
 
 /* The scene is made before the units; later its pictures are made on many threads, and the corpus reports its own progress. */
 static int scene_progress(void *user, const char *stage, double done, double total) {
-    const nqm_corpus_context *context = user;
-    const nqm_corpus_options *options = context->options;
-    if (context->step)
-        return context->step(context->step_user, 0);
+    const nqm_corpus *corpus = user;
+    const nqm_corpus_options *options = corpus->options;
+    if (corpus->step)
+        return corpus->step(corpus->step_user, 0);
     return options->progress ? options->progress(options->progress_user, stage, done, total) : 0;
 }
 
 static nqm_status make_scene(nqm_corpus *c, nqm_error *err) {
-    nqm_scene_options scene = c->context.options->scene;
+    nqm_scene_options scene = c->options->scene;
     nqm_status status = NQM_OK;
     scene.progress = scene_progress;
-    scene.progress_user = &c->context;
+    scene.progress_user = c;
     if (scene.light && !nqm_light_is_builtin(scene.light))
-        status = nqm_corpus_hash_file(scene.light, NULL, c->context.light_sha256, err);
+        status = nqm_corpus_hash_file(scene.light, NULL, c->light_sha256, err);
     if (status == NQM_OK && is_mesh(scene.shape))
-        status = nqm_corpus_hash_file(scene.shape, NULL, c->context.shape_sha256, err);
+        status = nqm_corpus_hash_file(scene.shape, NULL, c->shape_sha256, err);
     if (status == NQM_OK)
         status = nqm_scene_create(&scene, &c->scene, err);
-    c->context.scene = c->scene;
     return status;
 }
 
@@ -75,7 +74,7 @@ static nqm_status hash_encoders(nqm_corpus *c, nqm_error *err) {
         if (!nqm_sha256_begin(&sha))
             return nqm_fail_nomem(err, sizeof sha);
         nqm_sha256_add(&sha, bytes, n_bytes);
-        nqm_sha256_end(&sha, c->context.encoder_sha256[k]);
+        nqm_sha256_end(&sha, c->encoder_sha256[k]);
     }
     return NQM_OK;
 }
@@ -122,8 +121,8 @@ static nqm_status make_arrays(nqm_corpus *c, nqm_error *err) {
 
 static nqm_status make_paths(nqm_corpus *c, nqm_error *err) {
     nqm_status status = NQM_OK;
-    for (size_t i = 0; status == NQM_OK && c->context.options->checkpoint && i < c->n_units; ++i)
-        status = nqm_corpus_unit_path(&c->context, &c->units[i], &c->units[i].path, err);
+    for (size_t i = 0; status == NQM_OK && c->options->checkpoint && i < c->n_units; ++i)
+        status = nqm_corpus_unit_path(c, &c->units[i], &c->units[i].path, err);
     return status;
 }
 
@@ -136,7 +135,7 @@ static void free_corpus(nqm_corpus *c) {
         nqm_free(c->units[i].path);
     nqm_free(c->units);
     nqm_free(c->ref_rgb);
-    nqm_corpus_cache_free(c->context.cache);
+    nqm_corpus_cache_free(c->cache);
     nqm_scene_free(c->scene);
     nqm_corpus_list_free(&c->list);
 }
@@ -165,12 +164,12 @@ static nqm_status check_output(const nqm_corpus_options *options, const char *pa
 }
 
 static nqm_status prepare(nqm_corpus *c, size_t n, const nqm_corpus_pair *pairs, nqm_error *err) {
-    const nqm_corpus_options *options = c->context.options;
+    const nqm_corpus_options *options = c->options;
     nqm_status status = nqm_corpus_list_make(n, pairs, options, &c->list, err);
     if (status == NQM_OK)
         status = nqm_corpus_hash_refs(&c->list, err);
     if (status == NQM_OK)
-        status = nqm_corpus_cache_create(c->list.n_refs, &c->context.cache, err);
+        status = nqm_corpus_cache_create(c->list.n_refs, &c->cache, err);
     if (status == NQM_OK)
         status = make_units(c, err);
     if (status == NQM_OK)
@@ -186,11 +185,8 @@ nqm_status nqm_corpus_build(size_t n, const nqm_corpus_pair *pairs, const nqm_di
                             const nqm_corpus_options *options_or_null, const char *path, nqm_error *err) {
     NQM_REQUIRE(err, pairs, directions, path);
     nqm_corpus_options options = options_or_null ? *options_or_null : nqm_corpus_options_default();
-    nqm_corpus c = {.n_directions = nqm_directions_count(directions)};
+    nqm_corpus c = {.options = &options, .directions = directions, .n_directions = nqm_directions_count(directions)};
     size_t n_name, n_kept;
-    c.context.options = &options;
-    c.context.directions = directions;
-    c.context.list = &c.list;
     nqm_status status = nqm_options_check(&nqm_corpus_option_table, &options, err);
     if (status == NQM_OK)
         status = nqm_corpus_parse_keep(options.keep, &n_name, &n_kept, err);

@@ -72,22 +72,20 @@ typedef struct nqm_corpus_view {
     double *picture; /* (3, n_points, 3) of nqm_scene_render_halves() */
 } nqm_corpus_view;
 
-typedef struct nqm_corpus_context nqm_corpus_context;
+typedef struct nqm_corpus nqm_corpus;
 
-NQM_MUST_CHECK nqm_status nqm_corpus_view_alloc(const nqm_corpus_context *context, nqm_corpus_view *view,
-                                                nqm_error *err);
+NQM_MUST_CHECK nqm_status nqm_corpus_view_alloc(const nqm_corpus *corpus, nqm_corpus_view *view, nqm_error *err);
 void nqm_corpus_view_free(nqm_corpus_view *view);
 /** Sample and render view->brdf. */
-NQM_MUST_CHECK nqm_status nqm_corpus_view_fill(const nqm_corpus_context *context, nqm_corpus_view *view,
-                                               nqm_error *err);
+NQM_MUST_CHECK nqm_status nqm_corpus_view_fill(const nqm_corpus *corpus, nqm_corpus_view *view, nqm_error *err);
 
 /** The views of all references, each made when it is first needed. */
 typedef struct nqm_corpus_cache nqm_corpus_cache;
 NQM_MUST_CHECK nqm_status nqm_corpus_cache_create(size_t n_refs, nqm_corpus_cache **cache_ret, nqm_error *err);
 void nqm_corpus_cache_free(nqm_corpus_cache *cache);
-/** The view of a reference; owned by the context's cache. Any thread. A failure is kept. */
-NQM_MUST_CHECK nqm_status nqm_corpus_cached(const nqm_corpus_context *context, size_t ref,
-                                            const nqm_corpus_view **view_ret, nqm_error *err);
+/** The view of a reference; owned by the cache of the corpus. Any thread. A failure is kept. */
+NQM_MUST_CHECK nqm_status nqm_corpus_cached(const nqm_corpus *corpus, size_t ref, const nqm_corpus_view **view_ret,
+                                            nqm_error *err);
 
 /** A fit, or why it failed. */
 typedef struct nqm_corpus_fit {
@@ -103,28 +101,14 @@ typedef struct nqm_corpus_fits {
 } nqm_corpus_fits;
 void nqm_corpus_fits_free(nqm_corpus_fits *fits);
 
-/** Open an argument of the list. *is_lent_ret: the result belongs to the context's cache or to `fits`. fits NULL: references are
+/** Open an argument of the list. *is_lent_ret: the result belongs to the cache of the corpus or to `fits`. fits NULL: references are
  *  opened too, not taken from the cache. */
-NQM_MUST_CHECK nqm_status nqm_corpus_open(const nqm_corpus_context *context, nqm_corpus_fits *fits,
-                                          const char *argument, nqm_brdf **brdf_ret, bool *is_lent_ret, nqm_error *err);
+NQM_MUST_CHECK nqm_status nqm_corpus_open(const nqm_corpus *corpus, nqm_corpus_fits *fits, const char *argument,
+                                          nqm_brdf **brdf_ret, bool *is_lent_ret, nqm_error *err);
 /** The reference that this argument is; NULL: none. */
 const nqm_corpus_ref *nqm_corpus_ref_of(const nqm_corpus_list *list, const char *argument);
 
 /* ---- units of work (unit.c, work.c, run.c) ------------------------------------------------------------------------ */
-
-/** Data shared by all units. */
-struct nqm_corpus_context {
-    nqm_corpus_list *list;
-    const nqm_corpus_options *options;
-    const nqm_directions *directions;
-    const nqm_scene *scene;
-    nqm_corpus_cache *cache;
-    char light_sha256[65];                   /* "" for built-in lights */
-    char shape_sha256[65];                   /* of a mesh file; "" for built-in shapes */
-    char encoder_sha256[2][65];              /* of nqm_corpus_encoders; "": not in this build */
-    bool (*step)(void *user, size_t n_rows); /* called with finished rows, 0 within one; any thread; true: stop */
-    void *step_user;
-};
 
 /** The names of the learned encoders. */
 extern const char *const nqm_corpus_encoders[2];
@@ -147,12 +131,11 @@ typedef struct nqm_corpus_unit {
 } nqm_corpus_unit;
 
 /** Label the rows. The error of a pair is stored as its failure; cancellation and lack of memory are errors of the call. */
-NQM_MUST_CHECK nqm_status nqm_corpus_unit_make(const nqm_corpus_context *context, nqm_corpus_unit *unit,
-                                               nqm_error *err);
+NQM_MUST_CHECK nqm_status nqm_corpus_unit_make(const nqm_corpus *corpus, nqm_corpus_unit *unit, nqm_error *err);
 
 /** Path of the work file of a unit; its name is a hash of everything that determines the result. nqm_free() it. */
-NQM_MUST_CHECK nqm_status nqm_corpus_unit_path(const nqm_corpus_context *context, const nqm_corpus_unit *unit,
-                                               char **path_ret, nqm_error *err);
+NQM_MUST_CHECK nqm_status nqm_corpus_unit_path(const nqm_corpus *corpus, const nqm_corpus_unit *unit, char **path_ret,
+                                               nqm_error *err);
 /** Load the finished unit from unit->path; false: no such file, or a damaged one (the unit is made again). */
 bool nqm_corpus_unit_load(size_t n_directions, nqm_corpus_unit *unit);
 /** Save the first n_done rows: to unit->path if they are all, otherwise to the file of an unfinished unit, unit->path +
@@ -164,19 +147,27 @@ size_t nqm_corpus_unit_resume(size_t n_directions, nqm_corpus_unit *unit);
 
 /* ---- a corpus ---------------------------------------------------------------------------------------------------- */
 
-/** A corpus. The units have views into its arrays, which are one block owned by ref_rgb. */
-typedef struct nqm_corpus {
-    nqm_corpus_context context;
+/** A corpus. What units share comes first; they have views into the arrays, which are one block owned by ref_rgb. */
+struct nqm_corpus {
+    const nqm_corpus_options *options;
+    const nqm_directions *directions;
+    size_t n_directions;
     nqm_corpus_list list;
     nqm_scene *scene;
-    size_t n_units, n_directions;
+    nqm_corpus_cache *cache;
+    char light_sha256[65];                   /* "" for built-in lights */
+    char shape_sha256[65];                   /* of a mesh file; "" for built-in shapes */
+    char encoder_sha256[2][65];              /* of nqm_corpus_encoders; "": not in this build */
+    bool (*step)(void *user, size_t n_rows); /* called with finished rows, 0 within one; any thread; true: stop */
+    void *step_user;
+    size_t n_units;
     nqm_corpus_unit *units; /* (n_units) in the order of the rows */
     float *ref_rgb, *test_rgb;
     uint8_t *ref_used, *test_used; /* (n_units, n), (n_rows, n) */
     nqm_label *label;              /* (n_rows) */
     char **names, **failures;      /* (n_rows) */
     uint8_t *kept;                 /* (n_rows) whether the row is a pair of the dataset */
-} nqm_corpus;
+};
 
 /** Make all units on all threads, together with other processes that share the checkpoint folder. */
 NQM_MUST_CHECK nqm_status nqm_corpus_run(nqm_corpus *corpus, nqm_error *err);

@@ -107,11 +107,11 @@ enum { BETTER_POINTS = 2 };
 
 nqm_status nqm_corpus_write(nqm_corpus *c, const char *path, nqm_error *err) {
     bool has_matrix; /* only the nodes of the grid have one */
-    const nqm_status checked = nqm_node_grid_check(c->context.directions, &has_matrix, err);
+    const nqm_status checked = nqm_node_grid_check(c->directions, &has_matrix, err);
     if (checked != NQM_OK)
         return checked;
     const nqm_dataset_limits limits = {.n_directions = c->n_directions,
-                                       .directions_deg = nqm_directions_degrees(c->context.directions),
+                                       .directions_deg = nqm_directions_degrees(c->directions),
                                        .max_refs = c->list.n_refs,
                                        .max_pairs = c->list.n_rows,
                                        .has_parts = true,
@@ -120,7 +120,7 @@ nqm_status nqm_corpus_write(nqm_corpus *c, const char *path, nqm_error *err) {
                                        .borrows_samples = true};
     nqm_dataset_builder b;
     nqm_dataset *dataset = NULL;
-    nqm_scene_options scene = c->context.options->scene;
+    nqm_scene_options scene = c->options->scene;
     scene.n_lights = 0; /* the default of matrices, not that of the labels */
     scene.seed = BETTER_POINTS;
     char sha256[65], *manifest = nqm_corpus_manifest(c);

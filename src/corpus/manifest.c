@@ -26,14 +26,11 @@ static json_t *file_json(const char *name, const char *sha256) {
                    : json_pack("{s:s}", "built_in", name);
 }
 
-static json_t *scene_json(const nqm_corpus_context *context) {
-    const nqm_scene_options *scene = &context->options->scene;
+static json_t *scene_json(const nqm_corpus *corpus) {
+    const nqm_scene_options *scene = &corpus->options->scene;
     const double degrees = 180 / NQM_PI;
-    json_t *light = file_json(scene->light ? scene->light : scene->shape ? "sun" : "standard", context->light_sha256);
-    json_t *shape = file_json(scene->shape   ? scene->shape
-                              : scene->light ? "sphere"
-                                             : "standard",
-                              context->shape_sha256);
+    json_t *light = file_json(scene->light ? scene->light : scene->shape ? "sun" : "standard", corpus->light_sha256);
+    json_t *shape = file_json(scene->shape ? scene->shape : scene->light ? "sphere" : "standard", corpus->shape_sha256);
     return json_pack("{s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:f,s:f,s:o,s:b,s:b,s:f,s:f,s:o}", "light", light, "light_width",
                      count(scene->light_width), "shape", shape, "width", count(scene->width), "height",
                      count(scene->height), "points", count(scene->width ? 0 : scene->n_points), "frames",
@@ -43,11 +40,11 @@ static json_t *scene_json(const nqm_corpus_context *context) {
                      "peak_cdm2", scene->peak_cdm2, "seed", count(scene->seed));
 }
 
-static json_t *encoders_json(const nqm_corpus_context *context) {
+static json_t *encoders_json(const nqm_corpus *corpus) {
     json_t *encoders = json_object();
     for (size_t k = 0; k < 2; ++k)
         json_object_set_new(encoders, nqm_corpus_encoders[k],
-                            *context->encoder_sha256[k] ? json_string(context->encoder_sha256[k]) : json_null());
+                            *corpus->encoder_sha256[k] ? json_string(corpus->encoder_sha256[k]) : json_null());
     return encoders;
 }
 
@@ -162,18 +159,17 @@ static json_t *labels_json(void) {
 
 /* json_pack() fails if any part is NULL. */
 char *nqm_corpus_manifest(const nqm_corpus *c) {
-    const nqm_corpus_options *options = c->context.options;
+    const nqm_corpus_options *options = c->options;
     json_t *kinds = json_object(), *families = json_object(), *splits = json_object(), *sources = json_object();
     count_kinds(c, kinds, families);
     json_t *references = references_json(c, splits, sources);
-    json_t *root =
-        json_pack("{s:i,s:{s:s,s:s},s:s,s:o,s:s?,s:b,s:o,s:o,s:s,s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:o}", "schema", 3, "tool",
-                  "name", "nqm", "version", nqm_version(), "part",
-                  options->part == NQM_CORPUS_TEST ? "test" : "train,validation", "labels", labels_json(), "keep",
-                  options->keep, "anisotropic", options->anisotropic, "scene", scene_json(&c->context), "encoders",
-                  encoders_json(&c->context), "directions", nqm_directions_id(c->context.directions), "splits", splits,
-                  "sources", sources, "families", families, "kinds", kinds, "unseen_kinds", unseen_json(&c->list),
-                  "other_materials", others_json(c), "failures", failures_json(c), "references", references);
+    json_t *root = json_pack(
+        "{s:i,s:{s:s,s:s},s:s,s:o,s:s?,s:b,s:o,s:o,s:s,s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:o}", "schema", 3, "tool", "name",
+        "nqm", "version", nqm_version(), "part", options->part == NQM_CORPUS_TEST ? "test" : "train,validation",
+        "labels", labels_json(), "keep", options->keep, "anisotropic", options->anisotropic, "scene", scene_json(c),
+        "encoders", encoders_json(c), "directions", nqm_directions_id(c->directions), "splits", splits, "sources",
+        sources, "families", families, "kinds", kinds, "unseen_kinds", unseen_json(&c->list), "other_materials",
+        others_json(c), "failures", failures_json(c), "references", references);
     char *text = root ? json_dumps(root, JSON_INDENT(1) | JSON_REAL_PRECISION(17)) : NULL;
     json_decref(root);
     char *copy = text ? nqm_strdup(text) : NULL;

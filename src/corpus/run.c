@@ -51,7 +51,7 @@ static bool load(void *user, size_t item) {
 static nqm_status make(void *user, size_t i, nqm_error *err) {
     run *r = user;
     nqm_corpus_unit *unit = &r->corpus->units[i];
-    nqm_status status = nqm_corpus_unit_make(&r->corpus->context, unit, err);
+    nqm_status status = nqm_corpus_unit_make(r->corpus, unit, err);
     if (status == NQM_OK && unit->path)
         status = nqm_corpus_unit_save(r->corpus->n_directions, unit, unit->n_rows, err);
     if (status != NQM_OK)
@@ -71,7 +71,7 @@ static void make_order(run *r) {
 }
 
 nqm_status nqm_corpus_run(nqm_corpus *corpus, nqm_error *err) {
-    const nqm_corpus_options *options = corpus->context.options;
+    const nqm_corpus_options *options = corpus->options;
     run r = {.corpus = corpus,
              .caller = pthread_self(),
              .order = nqm_alloc(corpus->n_units, sizeof *r.order),
@@ -79,8 +79,8 @@ nqm_status nqm_corpus_run(nqm_corpus *corpus, nqm_error *err) {
     if (!r.order)
         return nqm_fail_nomem(err, corpus->n_units * sizeof *r.order);
     make_order(&r);
-    corpus->context.step = advance;
-    corpus->context.step_user = &r;
+    corpus->step = advance;
+    corpus->step_user = &r;
     const nqm_shared_work work = {.n = corpus->n_units,
                                   .order = r.order,
                                   .user = &r,

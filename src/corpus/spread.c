@@ -86,7 +86,7 @@ static nqm_status select_of(nqm_corpus *c, const nqm_corpus_ref *ref, const sele
     size_t n = 0;
     for (size_t row = ref->first_row; row < ref->first_row + ref->n_rows; ++row) {
         const char *name = c->list.rows[row].family;
-        if (strlen(name) != s->n_name || strncmp(name, c->context.options->keep, s->n_name) != 0)
+        if (strlen(name) != s->n_name || strncmp(name, c->options->keep, s->n_name) != 0)
             continue;
         s->jod[n] = c->failures[row] ? NAN : nqm_curve_jod(&curve, c->label[row].delta_e);
         s->index[n++] = row;
@@ -100,7 +100,7 @@ static nqm_status select_of(nqm_corpus *c, const nqm_corpus_ref *ref, const sele
 nqm_status nqm_corpus_select(nqm_corpus *c, nqm_error *err) {
     selection s = {0};
     const size_t n = c->list.n_rows;
-    nqm_status status = nqm_corpus_parse_keep(c->context.options->keep, &s.n_name, &s.n_kept, err);
+    nqm_status status = nqm_corpus_parse_keep(c->options->keep, &s.n_name, &s.n_kept, err);
     for (size_t row = 0; row < n; ++row)
         c->kept[row] = !c->failures[row];
     if (status != NQM_OK || s.n_name == 0)

@@ -10,7 +10,7 @@
 
 /* State of making a unit. */
 typedef struct job {
-    const nqm_corpus_context *context;
+    const nqm_corpus *corpus;
     nqm_corpus_unit *unit;
     size_t n;                   /* directions */
     const nqm_corpus_view *ref; /* NULL: it cannot be opened */
@@ -34,7 +34,7 @@ static char *name_of(const char *argument, const nqm_brdf *brdf) {
 
 static nqm_status label_with(job *j, size_t row, const nqm_corpus_view *test, nqm_error *err) {
     nqm_corpus_unit *unit = j->unit;
-    const nqm_label label = nqm_scene_compare_halves(j->context->scene, j->ref->picture, test->picture);
+    const nqm_label label = nqm_scene_compare_halves(j->corpus->scene, j->ref->picture, test->picture);
     if (!isfinite(label.delta_e))
         return nqm_fail(err, NQM_ERR_NUMERIC, -1, "Delta-E is not finite");
     unit->label[row] = label;
@@ -44,18 +44,18 @@ static nqm_status label_with(job *j, size_t row, const nqm_corpus_view *test, nq
 }
 
 static nqm_status label_row(job *j, size_t row, nqm_error *err) {
-    const char *argument = j->context->list->rows[j->unit->first_row + row].test;
-    const nqm_corpus_ref *other = nqm_corpus_ref_of(j->context->list, argument);
+    const char *argument = j->corpus->list.rows[j->unit->first_row + row].test;
+    const nqm_corpus_ref *other = nqm_corpus_ref_of(&j->corpus->list, argument);
     const nqm_corpus_view *view = &j->made;
     bool is_lent = true;
     if (!j->ref) {
         *err = j->ref_fault;
         return err->status;
     }
-    nqm_status status = other ? nqm_corpus_cached(j->context, (size_t)(other - j->context->list->refs), &view, err)
-                              : nqm_corpus_open(j->context, &j->fits, argument, &j->made.brdf, &is_lent, err);
+    nqm_status status = other ? nqm_corpus_cached(j->corpus, (size_t)(other - j->corpus->list.refs), &view, err)
+                              : nqm_corpus_open(j->corpus, &j->fits, argument, &j->made.brdf, &is_lent, err);
     if (status == NQM_OK && !other)
-        status = nqm_corpus_view_fill(j->context, &j->made, err);
+        status = nqm_corpus_view_fill(j->corpus, &j->made, err);
     if (status == NQM_OK)
         status = label_with(j, row, view, err);
     if (status == NQM_OK)
@@ -72,7 +72,7 @@ static nqm_status make_row(job *j, size_t row) {
     nqm_status status = label_row(j, row, &err);
     if (status != NQM_OK && !is_fatal(status)) {
         unit->failures[row] = nqm_strdup(*err.message ? err.message : nqm_status_text(status));
-        unit->names[row] = nqm_strdup(j->context->list->rows[unit->first_row + row].test);
+        unit->names[row] = nqm_strdup(j->corpus->list.rows[unit->first_row + row].test);
         status = unit->failures[row] ? NQM_OK : NQM_ERR_NOMEM;
     }
     if (status == NQM_OK && !unit->names[row])
@@ -104,14 +104,14 @@ static nqm_status make_rows(job *j, size_t *n_done) {
         *n_done += status == NQM_OK;
         if (status == NQM_OK)
             status = save_rows(j, row + 1, false, j->err);
-        if (status == NQM_OK && j->context->step(j->context->step_user, 1))
+        if (status == NQM_OK && j->corpus->step(j->corpus->step_user, 1))
             status = nqm_fail(j->err, NQM_ERR_CANCELLED, -1, "corpus: stopped");
     }
     return status;
 }
 
 static nqm_status open_ref(job *j) {
-    nqm_status status = nqm_corpus_cached(j->context, j->unit->ref, &j->ref, &j->ref_fault);
+    nqm_status status = nqm_corpus_cached(j->corpus, j->unit->ref, &j->ref, &j->ref_fault);
     if (status != NQM_OK) {
         j->ref = NULL;
         if (is_fatal(status) && j->err)
@@ -123,14 +123,14 @@ static nqm_status open_ref(job *j) {
     return NQM_OK;
 }
 
-nqm_status nqm_corpus_unit_make(const nqm_corpus_context *context, nqm_corpus_unit *unit, nqm_error *err) {
-    job j = {.context = context, .unit = unit, .n = nqm_directions_count(context->directions), .err = err};
+nqm_status nqm_corpus_unit_make(const nqm_corpus *corpus, nqm_corpus_unit *unit, nqm_error *err) {
+    job j = {.corpus = corpus, .unit = unit, .n = corpus->n_directions, .err = err};
     nqm_status status = open_ref(&j);
     if (status == NQM_OK)
-        status = nqm_corpus_view_alloc(context, &j.made, err);
+        status = nqm_corpus_view_alloc(corpus, &j.made, err);
     if (status == NQM_OK) {
         size_t n_done = unit->path ? nqm_corpus_unit_resume(j.n, unit) : 0;
-        context->step(context->step_user, n_done);
+        corpus->step(corpus->step_user, n_done);
         status = make_rows(&j, &n_done);
         if (status == NQM_ERR_CANCELLED)
             (void)!save_rows(&j, n_done, true, NULL); /* a failure costs the next run this time only */

@@ -10,8 +10,8 @@
 #include <pthread.h>
 #include <string.h>
 
-nqm_status nqm_corpus_view_alloc(const nqm_corpus_context *context, nqm_corpus_view *view, nqm_error *err) {
-    size_t n = nqm_directions_count(context->directions), n_points = nqm_scene_count(context->scene);
+nqm_status nqm_corpus_view_alloc(const nqm_corpus *corpus, nqm_corpus_view *view, nqm_error *err) {
+    size_t n = corpus->n_directions, n_points = nqm_scene_count(corpus->scene);
     return nqm_alloc_arrays(NQM_ARRAYS({&view->rgb, n, 3 * sizeof *view->rgb}, {&view->used, n, 1},
                                        {&view->picture, n_points, 9 * sizeof *view->picture}),
                             err);
@@ -22,29 +22,28 @@ void nqm_corpus_view_free(nqm_corpus_view *view) {
     nqm_free(view->rgb);
 }
 
-nqm_status nqm_corpus_view_fill(const nqm_corpus_context *context, nqm_corpus_view *view, nqm_error *err) {
-    size_t n = nqm_directions_count(context->directions);
-    if (!context->options->anisotropic && nqm_brdf_anisotropy(view->brdf) > 0)
+nqm_status nqm_corpus_view_fill(const nqm_corpus *corpus, nqm_corpus_view *view, nqm_error *err) {
+    if (!corpus->options->anisotropic && nqm_brdf_anisotropy(view->brdf) > 0)
         return nqm_fail(err, NQM_ERR_INCOMPATIBLE, -1,
                         "%s: anisotropic, and samples have one azimuth: the option 'anisotropic' is missing",
                         nqm_brdf_get_info(view->brdf).name);
-    nqm_status status = nqm_sample(view->brdf, context->directions, NQM_INVALID_DROP, view->rgb, view->used, NULL, err);
-    for (size_t i = 0; status == NQM_OK && i < n; ++i)
+    nqm_status status = nqm_sample(view->brdf, corpus->directions, NQM_INVALID_DROP, view->rgb, view->used, NULL, err);
+    for (size_t i = 0; status == NQM_OK && i < corpus->n_directions; ++i)
         view->used[i] = nqm_has_value(view->used[i]);
-    return status == NQM_OK ? nqm_scene_render_halves(context->scene, view->brdf, view->picture, err) : status;
+    return status == NQM_OK ? nqm_scene_render_halves(corpus->scene, view->brdf, view->picture, err) : status;
 }
 
 /* ---- opening ----------------------------------------------------------------------------------------------------- */
 
 typedef struct opening {
-    const nqm_corpus_context *context;
+    const nqm_corpus *corpus;
     nqm_corpus_fits *fits; /* NULL: references are opened, not taken from the cache */
 } opening;
 
 static int ask(void *user, const char *stage, double done, double total) {
-    const nqm_corpus_context *context = user;
+    const nqm_corpus *corpus = user;
     (void)stage, (void)done, (void)total;
-    return context->step(context->step_user, 0);
+    return corpus->step(corpus->step_user, 0);
 }
 
 static bool begins_with(const char *text, const char *prefix) {
@@ -52,15 +51,14 @@ static bool begins_with(const char *text, const char *prefix) {
 }
 
 /* A file, preset or spec. Decoders of neural processes become tables, because dozens of copies are rendered. */
-static nqm_status open_leaf(const nqm_corpus_context *context, const char *argument, nqm_brdf **brdf_ret,
-                            nqm_error *err) {
-    nqm_ticker ticker = {.fn = ask, .user = (void *)context};
+static nqm_status open_leaf(const nqm_corpus *corpus, const char *argument, nqm_brdf **brdf_ret, nqm_error *err) {
+    nqm_ticker ticker = {.fn = ask, .user = (void *)corpus};
     nqm_brdf *form;
     *brdf_ret = NULL;
-    nqm_status status = nqm_brdf_open_below(argument, context->list->root, &form, err);
+    nqm_status status = nqm_brdf_open_below(argument, corpus->list.root, &form, err);
     if (status != NQM_OK)
         return status;
-    if (!form->class_->is_costly || context->options->scene.exact) {
+    if (!form->class_->is_costly || corpus->options->scene.exact) {
         *brdf_ret = form;
         return NQM_OK;
     }
@@ -72,13 +70,12 @@ static nqm_status open_leaf(const nqm_corpus_context *context, const char *argum
 static nqm_status open_any(void *user, const char *argument, nqm_brdf **brdf_ret, bool *is_lent_ret, nqm_error *err);
 
 static nqm_status open_nested(const opening *o, const char *argument, nqm_brdf **brdf_ret, nqm_error *err) {
-    const nqm_directions *directions = o->context->directions;
     const nqm_fit_context context = {.open = open_any,
                                      .user = (void *)o,
-                                     .n_own = nqm_directions_count(directions),
-                                     .own_deg = nqm_directions_degrees(directions),
+                                     .n_own = o->corpus->n_directions,
+                                     .own_deg = nqm_directions_degrees(o->corpus->directions),
                                      .progress = ask,
-                                     .progress_user = (void *)o->context};
+                                     .progress_user = (void *)o->corpus};
     return nqm_fit_open(argument, &context, brdf_ret, err);
 }
 
@@ -116,12 +113,12 @@ static nqm_status open_fit(const opening *o, const char *argument, nqm_brdf **br
 
 static nqm_status open_any(void *user, const char *argument, nqm_brdf **brdf_ret, bool *is_lent_ret, nqm_error *err) {
     const opening *o = user;
-    const nqm_corpus_ref *ref = o->fits ? nqm_corpus_ref_of(o->context->list, argument) : NULL;
+    const nqm_corpus_ref *ref = o->fits ? nqm_corpus_ref_of(&o->corpus->list, argument) : NULL;
     *is_lent_ret = true;
     *brdf_ret = NULL;
     if (ref) {
         const nqm_corpus_view *view;
-        nqm_status status = nqm_corpus_cached(o->context, (size_t)(ref - o->context->list->refs), &view, err);
+        nqm_status status = nqm_corpus_cached(o->corpus, (size_t)(ref - o->corpus->list.refs), &view, err);
         *brdf_ret = status == NQM_OK ? view->brdf : NULL;
         return status;
     }
@@ -130,12 +127,12 @@ static nqm_status open_any(void *user, const char *argument, nqm_brdf **brdf_ret
     *is_lent_ret = false;
     if (begins_with(argument, "fit:") || nqm_spec_wrapper_of(argument))
         return open_nested(o, argument, brdf_ret, err);
-    return open_leaf(o->context, argument, brdf_ret, err);
+    return open_leaf(o->corpus, argument, brdf_ret, err);
 }
 
-nqm_status nqm_corpus_open(const nqm_corpus_context *context, nqm_corpus_fits *fits, const char *argument,
-                           nqm_brdf **brdf_ret, bool *is_lent_ret, nqm_error *err) {
-    opening o = {context, fits};
+nqm_status nqm_corpus_open(const nqm_corpus *corpus, nqm_corpus_fits *fits, const char *argument, nqm_brdf **brdf_ret,
+                           bool *is_lent_ret, nqm_error *err) {
+    opening o = {corpus, fits};
     return open_any(&o, argument, brdf_ret, is_lent_ret, err);
 }
 
@@ -190,13 +187,13 @@ void nqm_corpus_cache_free(nqm_corpus_cache *cache) {
     nqm_free(cache);
 }
 
-static nqm_status make_view(const nqm_corpus_context *context, size_t ref, nqm_corpus_view *view, nqm_error *err) {
+static nqm_status make_view(const nqm_corpus *corpus, size_t ref, nqm_corpus_view *view, nqm_error *err) {
     bool is_lent;
-    nqm_status status = nqm_corpus_view_alloc(context, view, err);
+    nqm_status status = nqm_corpus_view_alloc(corpus, view, err);
     if (status == NQM_OK)
-        status = nqm_corpus_open(context, NULL, context->list->refs[ref].brdf, &view->brdf, &is_lent, err);
+        status = nqm_corpus_open(corpus, NULL, corpus->list.refs[ref].brdf, &view->brdf, &is_lent, err);
     if (status == NQM_OK)
-        status = nqm_corpus_view_fill(context, view, err);
+        status = nqm_corpus_view_fill(corpus, view, err);
     if (status != NQM_OK) {
         nqm_corpus_view_free(view);
         *view = (nqm_corpus_view){0};
@@ -204,13 +201,12 @@ static nqm_status make_view(const nqm_corpus_context *context, size_t ref, nqm_c
     return status;
 }
 
-nqm_status nqm_corpus_cached(const nqm_corpus_context *context, size_t ref, const nqm_corpus_view **view_ret,
-                             nqm_error *err) {
-    slot *s = &context->cache->slots[ref];
+nqm_status nqm_corpus_cached(const nqm_corpus *corpus, size_t ref, const nqm_corpus_view **view_ret, nqm_error *err) {
+    slot *s = &corpus->cache->slots[ref];
     pthread_mutex_lock(&s->mutex);
     if (!s->is_tried) {
         s->fault = (nqm_error){0};
-        s->fault.status = make_view(context, ref, &s->view, &s->fault);
+        s->fault.status = make_view(corpus, ref, &s->view, &s->fault);
         s->is_tried = s->fault.status != NQM_ERR_CANCELLED && s->fault.status != NQM_ERR_NOMEM;
     }
     const nqm_error fault = s->fault;

@@ -20,13 +20,13 @@ static void hash_text(nqm_sha256 *sha, const char *text) {
     nqm_sha256_add(sha, text, strlen(text) + 1);
 }
 
-static void hash_context(nqm_sha256 *sha, const nqm_corpus_context *context) {
-    const nqm_scene_options *scene = &context->options->scene;
+static void hash_corpus(nqm_sha256 *sha, const nqm_corpus *corpus) {
+    const nqm_scene_options *scene = &corpus->options->scene;
     hash_text(sha, "nqm corpus work file 6");
     hash_text(sha, nqm_version());
-    hash_text(sha, nqm_directions_id(context->directions));
-    hash_text(sha, *context->light_sha256 ? context->light_sha256 : scene->light ? scene->light : "");
-    hash_text(sha, *context->shape_sha256 ? context->shape_sha256 : scene->shape ? scene->shape : "");
+    hash_text(sha, nqm_directions_id(corpus->directions));
+    hash_text(sha, *corpus->light_sha256 ? corpus->light_sha256 : scene->light ? scene->light : "");
+    hash_text(sha, *corpus->shape_sha256 ? corpus->shape_sha256 : scene->shape ? scene->shape : "");
     const uint64_t counts[] = {
         scene->width,       scene->height, scene->n_points,     nqm_scene_n_frames(scene),  nqm_scene_n_lights(scene),
         scene->light_width, scene->seed,   scene->shadows != 0, scene->interreflection != 0};
@@ -35,10 +35,10 @@ static void hash_context(nqm_sha256 *sha, const nqm_corpus_context *context) {
     nqm_sha256_add_values(sha, sizeof numbers / sizeof *numbers, sizeof *numbers, numbers);
     if (scene->exact)
         hash_text(sha, "exact");
-    if (context->options->anisotropic)
+    if (corpus->options->anisotropic)
         hash_text(sha, "anisotropic");
     for (size_t k = 0; k < 2; ++k)
-        hash_text(sha, context->encoder_sha256[k]);
+        hash_text(sha, corpus->encoder_sha256[k]);
 }
 
 typedef struct hashing {
@@ -76,9 +76,9 @@ static nqm_status hash_argument(hashing *h, const char *argument, nqm_error *err
     return status == NQM_ERR_NOMEM ? status : NQM_OK; /* others are failures of the pair */
 }
 
-nqm_status nqm_corpus_unit_path(const nqm_corpus_context *context, const nqm_corpus_unit *unit, char **path_ret,
+nqm_status nqm_corpus_unit_path(const nqm_corpus *corpus, const nqm_corpus_unit *unit, char **path_ret,
                                 nqm_error *err) {
-    const char *folder = context->options->checkpoint;
+    const char *folder = corpus->options->checkpoint;
     size_t n = strlen(folder) + 80;
     *path_ret = NULL;
     nqm_sha256 sha;
@@ -87,12 +87,12 @@ nqm_status nqm_corpus_unit_path(const nqm_corpus_context *context, const nqm_cor
         nqm_free(path);
         return nqm_fail_nomem(err, n);
     }
-    hashing h = {&sha, context->list};
-    hash_context(&sha, context);
-    hash_text(&sha, context->list->refs[unit->ref].name);
-    nqm_status status = hash_argument(&h, context->list->refs[unit->ref].brdf, err);
+    hashing h = {&sha, &corpus->list};
+    hash_corpus(&sha, corpus);
+    hash_text(&sha, corpus->list.refs[unit->ref].name);
+    nqm_status status = hash_argument(&h, corpus->list.refs[unit->ref].brdf, err);
     for (size_t i = 0; status == NQM_OK && i < unit->n_rows; ++i)
-        status = hash_argument(&h, context->list->rows[unit->first_row + i].test, err);
+        status = hash_argument(&h, corpus->list.rows[unit->first_row + i].test, err);
     nqm_sha256_end(&sha, hex);
     if (status != NQM_OK) {
         nqm_free(path);

@@ -224,10 +224,8 @@ static void an_interrupted_corpus_goes_on(void **state) {
 
 /* A unit of which the first rows are made, saved and loaded. */
 typedef struct making {
-    nqm_corpus_context context;
+    nqm_corpus corpus;
     nqm_corpus_options options;
-    nqm_corpus_list list;
-    nqm_scene *scene;
     nqm_directions *directions;
     nqm_corpus_unit unit;
     size_t n_done, stop, resumed; /* resumed: rows of the first call */
@@ -243,17 +241,16 @@ static bool count_rows(void *user, size_t n) {
 
 static void begin_making(making *m, const char *path, size_t stop) {
     *m = (making){.options = small_scene(), .directions = directions(), .stop = stop, .resumed = SIZE_MAX};
-    assert_int_equal(nqm_corpus_list_make(N_PAIRS, pairs, &m->options, &m->list, NULL), NQM_OK);
-    m->scene = make_scene(&m->options.scene);
-    m->context = (nqm_corpus_context){.list = &m->list,
-                                      .options = &m->options,
-                                      .directions = m->directions,
-                                      .scene = m->scene,
-                                      .step = count_rows,
-                                      .step_user = m};
-    assert_int_equal(nqm_corpus_cache_create(m->list.n_refs, &m->context.cache, NULL), NQM_OK);
+    m->corpus = (nqm_corpus){.options = &m->options,
+                             .directions = m->directions,
+                             .n_directions = 50,
+                             .scene = make_scene(&m->options.scene),
+                             .step = count_rows,
+                             .step_user = m};
+    assert_int_equal(nqm_corpus_list_make(N_PAIRS, pairs, &m->options, &m->corpus.list, NULL), NQM_OK);
+    assert_int_equal(nqm_corpus_cache_create(m->corpus.list.n_refs, &m->corpus.cache, NULL), NQM_OK);
     nqm_corpus_unit *u = &m->unit;
-    u->n_rows = m->list.refs[0].n_rows;
+    u->n_rows = m->corpus.list.refs[0].n_rows;
     u->path = (char *)(uintptr_t)path;
     assert_int_equal(
         nqm_alloc_arrays(NQM_ARRAYS({&u->ref_rgb, 50, 3 * sizeof(float)}, {&u->ref_used, 50, 1},
@@ -271,9 +268,9 @@ static void end_making(making *m) {
         nqm_free(m->unit.failures[t]);
     }
     nqm_free(m->unit.ref_rgb);
-    nqm_corpus_cache_free(m->context.cache);
-    nqm_scene_free(m->scene);
-    nqm_corpus_list_free(&m->list);
+    nqm_corpus_cache_free(m->corpus.cache);
+    nqm_scene_free(m->corpus.scene);
+    nqm_corpus_list_free(&m->corpus.list);
     nqm_directions_free(m->directions);
 }
 
@@ -284,13 +281,13 @@ static void an_interrupted_unit_goes_on_where_it_stopped(void **state) {
     snprintf(progress, sizeof progress, "%s.progress", path);
     making whole, parts;
     begin_making(&whole, NULL, SIZE_MAX);
-    assert_int_equal(nqm_corpus_unit_make(&whole.context, &whole.unit, NULL), NQM_OK);
+    assert_int_equal(nqm_corpus_unit_make(&whole.corpus, &whole.unit, NULL), NQM_OK);
     const size_t n = whole.unit.n_rows;
     assert_int_equal(n, N_TRAINING - 2);
     assert_int_equal(whole.n_done, n);
     for (size_t done = 0; done < n; done += 3) {
         begin_making(&parts, path, done + 3);
-        assert_int_equal(nqm_corpus_unit_make(&parts.context, &parts.unit, NULL),
+        assert_int_equal(nqm_corpus_unit_make(&parts.corpus, &parts.unit, NULL),
                          done + 3 < n ? NQM_ERR_CANCELLED : NQM_OK);
         assert_int_equal(parts.resumed, done);
         if (done + 3 < n) {
@@ -327,20 +324,20 @@ static void fits_are_shared(void **state) {
     nqm_brdf *brdf[2];
     bool is_lent;
     for (size_t i = 0; i < 2; ++i) {
-        assert_int_equal(nqm_corpus_open(&m.context, &fits, pairs[0].test, &brdf[i], &is_lent, NULL), NQM_OK);
+        assert_int_equal(nqm_corpus_open(&m.corpus, &fits, pairs[0].test, &brdf[i], &is_lent, NULL), NQM_OK);
         assert_true(is_lent);
     }
     assert_ptr_equal(brdf[0], brdf[1]);
     assert_int_equal(fits.n, 1);
-    assert_int_equal(nqm_corpus_open(&m.context, &fits, pairs[1].test, &brdf[1], &is_lent, NULL), NQM_OK);
+    assert_int_equal(nqm_corpus_open(&m.corpus, &fits, pairs[1].test, &brdf[1], &is_lent, NULL), NQM_OK);
     assert_false(is_lent);
     assert_int_equal(fits.n, 1);
     nqm_brdf_free(brdf[1]);
-    assert_int_equal(nqm_corpus_open(&m.context, &fits, "sgd:brass", &brdf[1], &is_lent, NULL), NQM_OK);
+    assert_int_equal(nqm_corpus_open(&m.corpus, &fits, "sgd:brass", &brdf[1], &is_lent, NULL), NQM_OK);
     assert_true(is_lent);            /* a reference of the list */
     for (size_t i = 0; i < 2; ++i) { /* the failure too */
         nqm_error err = {0};
-        assert_int_equal(nqm_corpus_open(&m.context, &fits, pairs[6].test, &brdf[0], &is_lent, &err), NQM_ERR_ARG);
+        assert_int_equal(nqm_corpus_open(&m.corpus, &fits, pairs[6].test, &brdf[0], &is_lent, &err), NQM_ERR_ARG);
         assert_non_null(strstr(err.message, "nothing"));
     }
     assert_int_equal(fits.n, 2);
