@@ -62,14 +62,20 @@ static void names_end(names *s) {
     nqm_index_free(&s->by_kind);
 }
 
-static nqm_status add_group(names *s, const char *name, nqm_split split, size_t *group_ret, nqm_error *err) {
-    const nqm_corpus_group *found = nqm_index_find(&s->by_group, (nqm_index_key){.name = name});
+/* The index of the element with the name of element *n, which is kept as one more if there is none. */
+static size_t intern(nqm_index *index, const void *elements, size_t n_each, size_t *n) {
+    const char *first = elements, *last = first + *n * n_each, *found = nqm_index_find(index, key_of_name(last));
     if (!found) {
-        s->groups[s->n_groups] = (nqm_corpus_group){name, split};
-        nqm_index_add(&s->by_group, &s->groups[s->n_groups]);
-        found = &s->groups[s->n_groups++];
+        nqm_index_add(index, last);
+        ++*n;
     }
-    *group_ret = (size_t)(found - s->groups);
+    return (size_t)((found ? found : last) - first) / n_each;
+}
+
+static nqm_status add_group(names *s, const char *name, nqm_split split, size_t *group_ret, nqm_error *err) {
+    s->groups[s->n_groups] = (nqm_corpus_group){name, split};
+    *group_ret = intern(&s->by_group, s->groups, sizeof *s->groups, &s->n_groups);
+    const nqm_corpus_group *found = &s->groups[*group_ret];
     return found->split == split ? NQM_OK
                                  : nqm_fail(err, NQM_ERR_ARG, -1,
                                             "group '%s' is in '%s' and in '%s'; all forms of a material belong to one "
@@ -84,13 +90,8 @@ static nqm_status add_ref(names *s, size_t i, const nqm_corpus_pair *pair, nqm_e
     nqm_status status = add_group(s, text_or(pair->group, ref->name), pair->split, &ref->group, err);
     if (status != NQM_OK)
         return status;
-    const nqm_corpus_ref *found = nqm_index_find(&s->by_ref, (nqm_index_key){.name = ref->name});
-    if (!found) {
-        nqm_index_add(&s->by_ref, ref);
-        found = ref;
-        ++s->n_refs;
-    }
-    s->ref_of[i] = (size_t)(found - s->refs);
+    s->ref_of[i] = intern(&s->by_ref, s->refs, sizeof *s->refs, &s->n_refs);
+    const nqm_corpus_ref *found = &s->refs[s->ref_of[i]];
     if (strcmp(found->brdf, ref->brdf) != 0 || found->group != ref->group || strcmp(found->source, ref->source) != 0)
         return nqm_fail(err, NQM_ERR_ARG, -1, "pair %zu: the name '%s' has two references, groups or sources", i + 1,
                         ref->name);
@@ -98,15 +99,8 @@ static nqm_status add_ref(names *s, size_t i, const nqm_corpus_pair *pair, nqm_e
 }
 
 static void add_kind(names *s, const nqm_corpus_pair *pair) {
-    kind *one = &s->kinds[s->n_kinds];
-    one->name = text_or(pair->kind, "pair");
-    const kind *found = nqm_index_find(&s->by_kind, (nqm_index_key){.name = one->name});
-    if (!found) {
-        nqm_index_add(&s->by_kind, one);
-        ++s->n_kinds;
-    } else {
-        one = &s->kinds[found - s->kinds];
-    }
+    s->kinds[s->n_kinds].name = text_or(pair->kind, "pair");
+    kind *one = &s->kinds[intern(&s->by_kind, s->kinds, sizeof *s->kinds, &s->n_kinds)];
     if (pair->split == NQM_SPLIT_TEST)
         one->in_test = true;
     else

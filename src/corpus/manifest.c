@@ -50,12 +50,16 @@ static json_t *encoders_json(const nqm_corpus *corpus) {
 
 /* ---- counts ------------------------------------------------------------------------------------------------------ */
 
-/* The object `name` in an object, created if missing. */
-static json_t *member(json_t *object, const char *name) {
+/* The member `name` of an object, created as `made` if missing. */
+static json_t *member_or(json_t *object, const char *name, json_t *made) {
     json_t *found = json_object_get(object, name);
-    if (!found && json_object_set_new(object, name, json_object()) == 0)
-        found = json_object_get(object, name);
-    return found;
+    if (found)
+        json_decref(made);
+    return found || json_object_set_new(object, name, made) != 0 ? found : made;
+}
+
+static json_t *member(json_t *object, const char *name) {
+    return member_or(object, name, json_object());
 }
 
 static void add(json_t *object, const char *key, size_t n) {
@@ -106,12 +110,9 @@ static json_t *failures_json(const nqm_corpus *c) {
         if (!c->failures[i])
             continue;
         json_t *kind = member(failures, row->kind);
-        if (!json_object_get(kind, "message"))
-            json_object_set_new(kind, "message", json_string(c->failures[i]));
-        json_t *pairs = json_object_get(kind, "tests");
-        if (!pairs && json_object_set_new(kind, "tests", json_array()) == 0)
-            pairs = json_object_get(kind, "tests");
-        json_array_append_new(pairs, json_pack("[s,s]", c->list.refs[row->ref].name, row->test));
+        member_or(kind, "message", json_string(c->failures[i]));
+        json_array_append_new(member_or(kind, "tests", json_array()),
+                              json_pack("[s,s]", c->list.refs[row->ref].name, row->test));
         add(kind, "pairs", 1);
     }
     return failures;
