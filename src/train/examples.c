@@ -350,18 +350,6 @@ static size_t example_of(const gather_job *job, size_t r) {
     return job->index ? job->index[r] : job->first + r;
 }
 
-/* Prefetch the samples of row r while the previous row is processed, because their order in memory is random. */
-static void prefetch_row(const gather_job *job, size_t r) {
-    enum { LINE = 16 };
-    const nqm_examples *e = job->e;
-    const float *ref_t, *test_t;
-    find_unscaled(e, &e->rows.row[row_of(e, example_of(job, r))], &ref_t, &test_t);
-    for (size_t k = 0; k < n_columns(e); k += LINE) {
-        __builtin_prefetch(ref_t + k);
-        __builtin_prefetch(test_t + k);
-    }
-}
-
 /* The parts of a label that change their sign when reference and test are exchanged: the shifts and the contrast. */
 enum { N_SIGNED_PARTS = 4 };
 
@@ -389,8 +377,6 @@ static void gather_rows(void *user, size_t i) {
     const gather_job *job = user;
     const size_t first = ROWS_AT_ONCE * i, end = nqm_smaller(first + ROWS_AT_ONCE, job->n);
     for (size_t r = first; r < end; ++r) {
-        if (r + 1 < end)
-            prefetch_row(job, r + 1);
         gather_row(job, r);
         if (r % 2 || r + 1 == end)
             nqm_trainer_inputs_done(job->trainer, r / 2 * 2, 1 + r % 2);
