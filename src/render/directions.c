@@ -36,7 +36,6 @@ typedef struct sampler {
     double reach;           /* a little more than the sine of half the diagonal of a cell */
     double *across;         /* (width) across() of all columns */
     float *across_float;    /* (width) the same */
-    float *most_across;     /* (width / LANES) its maxima over these columns */
     double *rows;           /* (height + 1) cumulative importance of the rows, from 0; owns the block of the arrays */
     double *cells;          /* (width + 1) cumulative importance of the cells of `row` */
     double *importance;     /* (width) that of a row */
@@ -54,7 +53,6 @@ static bool open_sampler(const nqm_light *light, const nqm_surface_point *point,
     return nqm_alloc_arrays(
                NQM_ARRAYS({&s->rows, light->height + 1, sizeof(double)}, {&s->cells, light->width + 1, sizeof(double)},
                           {&s->across, light->width, sizeof(double)}, {&s->across_float, light->width, sizeof(float)},
-                          {&s->most_across, light->width, sizeof(float)},
                           {&s->importance, light->width, sizeof(double)}, {&s->wide, n_directions, sizeof(double)}),
                NULL) == NQM_OK;
 }
@@ -99,8 +97,6 @@ static void sum_row(const sampler *s, size_t y, double *sum) {
     lanes lane[4] = {0};
     for (size_t x = 0; x < light->width / LANES; ++x) {
         const lanes *summand = (const lanes *)light->summand + 4 * (y * light->width / LANES + x);
-        if (base + slope * s->most_across[x] <= -reach)
-            continue; /* below the horizon */
         const lanes cosine = base + slope * ((const lanes *)s->across_float)[x], high = (lanes){0} + reach;
         const masks is_high = cosine > reach;
         const lanes raised = (lanes)(((masks)cosine & is_high) | ((masks)high & ~is_high));
@@ -120,20 +116,14 @@ static void sum_row(const sampler *s, size_t y, double *sum) {
 /* Sum the map over the hemisphere: cumulative importance of the rows, and the irradiance. */
 static void gather_light(sampler *s, double *irradiance) {
     const nqm_light *light = s->light;
-    const double *normal = s->point->frame + 6;
     for (size_t x = 0; x < light->width; ++x) {
-        float *most = s->most_across + x / LANES, value;
         s->across[x] = across(s, x);
-        s->across_float[x] = value = (float)s->across[x];
-        *most = x % LANES && *most > value ? *most : value;
+        s->across_float[x] = (float)s->across[x];
     }
-    double most = hypot(normal[0], normal[2]);
     irradiance[0] = irradiance[1] = irradiance[2] = 0;
     for (size_t y = 0; y < light->height; ++y) {
-        double sum[4] = {0};
-        if (light->polar[2 * y] * most + light->polar[2 * y + 1] * normal[1] >
-            -2 * s->reach) /* otherwise the row is below the horizon */
-            sum_row(s, y, sum);
+        double sum[4];
+        sum_row(s, y, sum);
         s->rows[y + 1] = s->rows[y] + sum[0];
         for (size_t k = 0; k < 3; ++k)
             irradiance[k] += sum[k + 1];
