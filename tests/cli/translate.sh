@@ -46,7 +46,7 @@ refuses 3 'nothing.gltf: is not a regular file' translate "$red" --to gltf -o "$
 
 # A file for each material of a list; one is refused, which does not stop the others; the last line counts.
 code=0
-"$tool" translate "$dir/red.glb" nowhere.mtlx --to usd -d "$dir/usd" --samples 300 >"$dir/out" 2>&1 || code=$?
+"$tool" translate "$dir/red.glb" nowhere.mtlx --to usd -d "$dir/usd" --samples 300 --loss log >"$dir/out" 2>&1 || code=$?
 [ "$code" = 9 ] || fail "exit code $code of a refusal: $(cat "$dir/out")"
 [ "$(tail -1 "$dir/out")" = "2 materials, 1 refused" ] || fail "summary: $(tail -1 "$dir/out")"
 [ "$(ls "$dir/usd")" = red.mtlx ] || fail "files: $(ls "$dir/usd")"
@@ -58,7 +58,7 @@ code=0
 [ "$code" = 1 ] || fail "exit code $code of the gate"
 grep -q '"dropped": "base_color, metallic, sheen_color"' "$dir/json" || fail "dropped: $(cat "$dir/json")"
 code=0
-"$tool" translate "$red" nowhere.mtlx --to rough-conductor --samples 300 --fail-under 9.99 >"$dir/out" 2>&1 || code=$?
+"$tool" translate "$red" nowhere.mtlx --to rough-conductor --samples 300 --loss log --fail-under 9.99 >"$dir/out" 2>&1 || code=$?
 [ "$code" = 9 ] || fail "exit code $code of a refusal and the gate"
 [ "$(tail -1 "$dir/out")" = "2 materials, 1 failed (JOD below 9.99), 1 refused" ] || fail "summary: $(tail -1 "$dir/out")"
 for key in model input output spec jod jod_low jod_high transport_jod selected seconds pass failed refused; do
@@ -69,7 +69,7 @@ done
 refuses 2 "--to needs gltf, .*, not 'maya'" translate "$red" --to maya
 refuses 2 'no file of this name' translate "$red" --to gltf -o "$dir/red.pbrt"
 mkdir "$dir/same"
-"$tool" translate "$red" --to gltf -o "$dir/same/red.gltf" >/dev/null 2>&1 || fail "a material to replace"
+"$tool" translate "$red" --to gltf --samples 300 --loss log -o "$dir/same/red.gltf" >/dev/null 2>&1 || fail "a material to replace"
 cp "$dir/same/red.gltf" "$dir/same.before"
 refuses 2 'would replace an input' translate "$dir/same/red.gltf" --to gltf -o "$dir/same/red.gltf"
 refuses 2 'would replace an input' translate "$dir/same/red.gltf" --to gltf -d "$dir/same"
@@ -103,7 +103,7 @@ cat >two.mtlx <<'XML'
 </materialx>
 XML
 for target in gltf.gltf gltf.glb gltf.mtlx rough-conductor.xml rough-conductor.json pbrt-conductor.pbrt; do
-    run 9 translate two.mtlx glass.mtlx two.mtlx:one --to ${target%.*} -o all.${target#*.} --samples 300 2>/dev/null
+    run 9 translate two.mtlx glass.mtlx two.mtlx:one --to ${target%.*} -o all.${target#*.} --samples 300 --loss log 2>/dev/null
     for pair in one:one two:two one:one_2; do
         jod=$("$tool" score two.mtlx:${pair%:*} all.${target#*.}:${pair#*:} --csv 2>/dev/null | awk -F, 'NR == 2 {printf "%.2f", $3}')
         grep -q "^JOD  *$jod.* two.mtlx:${pair%:*} -> all.${target#*.}:${pair#*:}\($\|  dropped\)" out ||
