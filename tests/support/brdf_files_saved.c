@@ -42,7 +42,7 @@ static const char *format_of(saved_kind kind) {
 }
 
 blob make_saved(saved_kind kind) {
-    static const char path[] = "make_saved.tmp";
+    const char *path = scratch_path("saved.safetensors"); /* tests run beside each other in one folder */
     nqm_tensor t[8] = {{.name = "rgb", .n_dims = 4, .dims = {4, 3, 5, 3}}};
     float values[N_VALUES];
     const double numbers[21] = {0};
