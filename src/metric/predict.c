@@ -127,3 +127,16 @@ void nqm_predictor_run(nqm_predictor *p, size_t n, const nqm_sample_pair *pairs,
     for (size_t i = 0; i < n; ++i)
         conclude(&job, i);
 }
+nqm_score_result nqm_no_score(nqm_status status) {
+    nqm_score_result result = {.status = status,
+                               .jod = NAN,
+                               .delta_e = NAN,
+                               .jod_low = NAN,
+                               .jod_high = NAN,
+                               .novelty = NAN,
+                               .parts = {NAN, {NAN, NAN, NAN}, NAN, NAN},
+                               .similarity = {NAN, NAN, NAN}};
+    for (size_t m = 0; m < NQM_METRIC_COUNT; ++m)
+        result.metrics[m] = NAN;
+    return result;
+}

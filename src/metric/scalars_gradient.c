@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
  * Derivatives of metrics and scalar features by the sums over directions from which they are computed: reverse-mode differentiation
- * of scalars.c by hand. sums_float.c continues to the samples. Derivatives have the type of what they are derivatives by.
+ * of scalars.c by hand. sums.c continues to the samples. Derivatives have the type of what they are derivatives by.
  */
 #include "math/math.h"
 #include "metric/sums.h"
@@ -102,7 +102,9 @@ static void whole_slopes(const nqm_scalar_sums *s, const double *w, nqm_scalar_s
     energy_slopes(s, w, by);
 }
 
-nqm_pair_sums nqm_sum_slopes(const nqm_pair_sums *sums, const double *scalar_weights) {
+/* The derivatives of weighted scalar features (NQM_SCALAR_COUNT) by the sums of a pair. Features from NQM_SCALAR_ESTIMATE are the caller's:
+ * their weights are ignored. */
+static nqm_pair_sums sum_slopes(const nqm_pair_sums *sums, const double *scalar_weights) {
     nqm_pair_sums by = {0};
     double metrics[NQM_METRIC_COUNT], weights[NQM_METRIC_COUNT] = {0};
     if (!(sums->metrics.n > 0))
@@ -114,4 +116,9 @@ nqm_pair_sums nqm_sum_slopes(const nqm_pair_sums *sums, const double *scalar_wei
     whole_slopes(&sums->scalars, scalar_weights, &by.scalars);
     zone_slopes(&sums->scalars, scalar_weights, &by.scalars);
     return by;
+}
+
+void nqm_compare_gradient(const nqm_compared_pair *p, const double *scalar_weights, float *gradient) {
+    const nqm_pair_sums sums = nqm_exact_sums(p);
+    nqm_sums_gradient(p, sum_slopes(&sums, scalar_weights), gradient);
 }

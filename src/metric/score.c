@@ -119,20 +119,6 @@ void nqm_scorer_free(nqm_scorer *scorer) {
 
 /* ---- comparison -------------------------------------------------------------------------------------------------- */
 
-nqm_score_result nqm_no_score(nqm_status status) {
-    nqm_score_result result = {.status = status,
-                               .jod = NAN,
-                               .delta_e = NAN,
-                               .jod_low = NAN,
-                               .jod_high = NAN,
-                               .novelty = NAN,
-                               .parts = {NAN, {NAN, NAN, NAN}, NAN, NAN},
-                               .similarity = {NAN, NAN, NAN}};
-    for (size_t m = 0; m < NQM_METRIC_COUNT; ++m)
-        result.metrics[m] = NAN;
-    return result;
-}
-
 static size_t count_unusual(const nqm_model *model, const float *rgb) {
     float limit[3]; /* limits in reflectance: the transform is monotone, so the samples need not be transformed */
     for (size_t k = 0; k < 3; ++k) {

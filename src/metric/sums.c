@@ -445,7 +445,6 @@ static void add_value_slopes(way_back *w, const nqm_metric_sums *by) {
     }
 }
 
-/* Sums of reflectance in double: derivatives of opponent channels depend on small differences of them. */
 static void sum_light(const nqm_sum_plan *plan, const nqm_sample_pair *pair, nqm_scalar_sums *to) {
     for (size_t i = 0; i < plan->directions->n; ++i) {
         nqm_light_sum *cell = &to->cell[plan->cell[i]], *weighted = &to->weighted;
@@ -459,24 +458,21 @@ static void sum_light(const nqm_sum_plan *plan, const nqm_sample_pair *pair, nqm
     }
 }
 
-/* The derivatives by the sums of a pair. */
-static nqm_pair_sums slopes_of(const nqm_compared_pair *p, const double *scalar_weights) {
+nqm_pair_sums nqm_exact_sums(const nqm_compared_pair *p) {
     nqm_pair_sums sums = *p->sums;
     for (size_t i = 0; i <= NQM_CELLS; ++i) {
         nqm_light_sum *light = i < NQM_CELLS ? &sums.scalars.cell[i] : &sums.scalars.weighted;
         *light = (nqm_light_sum){.n = light->n};
     }
     sum_light(p->plan, &p->pair, &sums.scalars);
-    nqm_pair_sums by = nqm_sum_slopes(&sums, scalar_weights);
-    by.metrics.squares[NQM_SCALE_LOG_F] += by.scalars.squares;
-    return by;
+    return sums;
 }
 
-void nqm_compare_gradient(const nqm_compared_pair *p, const double *scalar_weights, float *gradient) {
+void nqm_sums_gradient(const nqm_compared_pair *p, nqm_pair_sums by, float *gradient) {
     const nqm_sum_plan *plan = p->plan;
     const uint8_t *used = used_of(plan, &p->pair);
     way_back w = {.used = NULL};
-    nqm_pair_sums by = slopes_of(p, scalar_weights);
+    by.metrics.squares[NQM_SCALE_LOG_F] += by.scalars.squares;
     for (size_t first = 0; first < plan->directions->n; first += STRETCH) {
         w.s = stretch_at(plan, first);
         w.used = used ? used + first : NULL;

@@ -90,10 +90,6 @@ void nqm_compare_finish(const nqm_pair_sums *sums, const nqm_label *estimate, do
 void nqm_compare_sums(const nqm_sum_plan *plan, size_t n, const nqm_sample_pair *pairs, const float *roots,
                       bool with_scalars, nqm_pair_sums *sums);
 
-/** The derivatives of weighted scalar features (NQM_SCALAR_COUNT) by the sums of a pair. Features from NQM_SCALAR_ESTIMATE are the
- *  caller's: their weights are ignored. */
-nqm_pair_sums nqm_sum_slopes(const nqm_pair_sums *sums, const double *scalar_weights);
-
 /** What nqm_compare_gradient() needs of a pair. */
 typedef struct nqm_compared_pair {
     const nqm_sum_plan *plan;
@@ -101,9 +97,13 @@ typedef struct nqm_compared_pair {
     const float *ref_root, *test_root; /**< (n_directions, 3) cube roots */
     const nqm_pair_sums *sums;         /**< from nqm_compare_sums() */
 } nqm_compared_pair;
+/** The sums of the pair with those of reflectance in double: derivatives of opponent channels depend on small differences of them. */
+nqm_pair_sums nqm_exact_sums(const nqm_compared_pair *compared);
+/** The way back from derivatives by the sums to those by the samples of the test: as nqm_compare_gradient(). */
+void nqm_sums_gradient(const nqm_compared_pair *compared, nqm_pair_sums by, float *gradient);
 /**
- * Add the derivatives of such weighted features by the samples of the test to gradient (n_directions, 3). Computed in
- * float, within 1e-5 of the largest. Where a derivative does not exist:
+ * Add the derivatives of weighted scalar features (scalar_weights: NQM_SCALAR_COUNT; those from NQM_SCALAR_ESTIMATE on are ignored) by the
+ * samples of the test to gradient (n_directions, 3). Computed in float, within 1e-5 of the largest. Where a derivative does not exist:
  * - abs(x) and sqrt(x) at 0, norms at 0: 0, so that equal pairs have finite derivatives; towards it, slopes of roots fall linearly
  *   (NQM_SMALL_ROOT, NQM_SMALL_MEAN);
  * - a maximum: that of the first direction that attains it;

@@ -30,6 +30,39 @@ static int metric_width(int m) {
     return n > 9 ? n : 9;
 }
 
+/* The line of a test, and those below it that say what differs. */
+static void print_row(const score_run *run, const scored_pair *row, bool calibrated, int n_verdict) {
+    const nqm_score_result *r = &row->result;
+    const bool scored = row->err.status == NQM_OK;
+    char verdict[VERDICT_TEXT];
+    print_jod(row, calibrated);
+    if (scored)
+        printf("  %8.0f %%  %-*s", 100 * preference_share(r), n_verdict, verdict_words(r, verdict));
+    else
+        printf("  %10s  %-*s", "-", n_verdict, "no score");
+    for (int m = 0; m < NQM_METRIC_COUNT; ++m) {
+        if (run->metrics[m] && scored)
+            printf("  %*.4g", metric_width(m), r->metrics[m]);
+        else if (run->metrics[m])
+            printf("  %*s", metric_width(m), "-");
+    }
+    if (has_gate(&run->gate))
+        printf("  %-4s", gate_mark(&run->gate, r));
+    printf("  %s\n", shown(row->name));
+    if (scored && !isnan(r->parts.structure)) {
+        char words[NQM_LABEL_TEXT], phrases[NQM_LABEL_TEXT + GRAIN_TEXT + 80], grain[GRAIN_TEXT], apart[40] = "";
+        if (!isnan(r->similarity[0]))
+            snprintf(apart, sizeof apart, "; seen apart %.2f", r->similarity[0]);
+        snprintf(phrases, sizeof phrases, "%s%s%s%s", nqm_label_describe(&r->parts, words), apart,
+                 r->anisotropy > 0 ? "; anisotropic" : "", r->anisotropy > 0 ? describe_grain(row, grain) : "");
+        print_phrases(phrases);
+    }
+    if (row->texture)
+        print_texture(row);
+    else if (run->exact && scored)
+        print_exact(run, row);
+}
+
 static void print_text(const score_run *run) {
     const nqm_model_info info = nqm_model_get_info(run->model);
     const bool calibrated = *info.calibration;
@@ -50,35 +83,9 @@ static void print_text(const score_run *run) {
     for (size_t i = 0; i < run->n_rows; ++i) {
         const scored_pair *row = &run->rows[i];
         const nqm_score_result *r = &row->result;
-        const bool scored = row->err.status == NQM_OK;
-        n_scored += scored;
-        print_jod(row, calibrated);
-        if (scored)
-            printf("  %8.0f %%  %-*s", 100 * preference_share(r), n_verdict, verdict_words(r, verdict));
-        else
-            printf("  %10s  %-*s", "-", n_verdict, "no score");
-        for (int m = 0; m < NQM_METRIC_COUNT; ++m) {
-            if (run->metrics[m] && scored)
-                printf("  %*.4g", metric_width(m), r->metrics[m]);
-            else if (run->metrics[m])
-                printf("  %*s", metric_width(m), "-");
-        }
-        if (has_gate(&run->gate))
-            printf("  %-4s", gate_mark(&run->gate, r));
-        printf("  %s\n", shown(row->name));
-        if (scored && !isnan(r->parts.structure)) {
-            char words[NQM_LABEL_TEXT], phrases[NQM_LABEL_TEXT + GRAIN_TEXT + 80], grain[GRAIN_TEXT], apart[40] = "";
-            if (!isnan(r->similarity[0]))
-                snprintf(apart, sizeof apart, "; seen apart %.2f", r->similarity[0]);
-            snprintf(phrases, sizeof phrases, "%s%s%s%s", nqm_label_describe(&r->parts, words), apart,
-                     r->anisotropy > 0 ? "; anisotropic" : "", r->anisotropy > 0 ? describe_grain(row, grain) : "");
-            has_similarity = has_similarity || *apart;
-            print_phrases(phrases);
-        }
-        if (row->texture)
-            print_texture(row);
-        else if (run->exact && scored)
-            print_exact(run, row);
+        n_scored += row->err.status == NQM_OK;
+        has_similarity |= !isnan(r->parts.structure) && !isnan(r->similarity[0]);
+        print_row(run, row, calibrated, n_verdict);
     }
     if (n_scored == 0)
         return;
