@@ -16,7 +16,10 @@ def counts(build):
     """{room: {"line": [run, all], "branch": [..]}} of the rooms of src/ and tools/."""
     command = ["gcovr", "--root", str(ROOT), "--object-directory", build, "--filter", str(ROOT / "src"), "--filter", str(ROOT / "tools"),
                "--exclude-unreachable-branches", "--gcov-ignore-parse-errors", "--json-summary", "-j", "2", build]
-    files = json.loads(subprocess.run(command, check=True, stdout=subprocess.PIPE, cwd=ROOT).stdout)["files"]
+    ran = subprocess.run(command, capture_output=True, text=True, cwd=ROOT)
+    if ran.returncode:
+        sys.exit(ran.stderr)
+    files = json.loads(ran.stdout)["files"]  # stderr names branches with negative counts, where threads met
     rooms = collections.defaultdict(lambda: {kind: [0, 0] for kind in LEAST})
     for file in files:
         parts = pathlib.PurePath(file["filename"]).parts

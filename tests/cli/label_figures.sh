@@ -23,7 +23,7 @@ label 0 sgd:nickel ward:nickel sgd:nickel sgd:nickel sgd:nickel --size 32 --map 
 # shellcheck disable=SC2046
 set -- $(png_size "$dir/one.png") $(png_size "$dir/four.png")
 { [ "$1" -gt 96 ] && [ "$1" = "$3" ] && [ "$4" -gt "$2" ]; } || fail "sizes of the figures: $*"
-OMP_NUM_THREADS=1 "$tool" label sgd:nickel ward:nickel --size 32 --map "$dir/again.png" -q >/dev/null
+OMP_NUM_THREADS=2 "$tool" label sgd:nickel ward:nickel --size 32 --map "$dir/again.png" -q >/dev/null
 cmp "$dir/one.png" "$dir/again.png" || fail "the number of threads changes the figure"
 label 0 sgd:nickel ward:nickel --size 32 --shrink 2 --map "$dir/small.png"
 # shellcheck disable=SC2046

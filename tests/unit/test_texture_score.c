@@ -263,7 +263,8 @@ static void equal_materials_are_perfect(void **state) {
 static void equal_normals_change_nothing(void **state) {
     (void)state;
     float test[N];
-    const nqm_texture_options options = options_of(1, 0);
+    nqm_texture_options options = options_of(1, 0);
+    options.n_texels = 128;
     for (size_t i = 0; i < N; ++i)
         test[i] = rough[i] * 0.8f;
     const nqm_texture_result flat = score(make(NULL, rough, NULL, NULL), make(NULL, test, NULL, NULL), &options, NULL);
@@ -347,7 +348,8 @@ static void mistakes_are_named(void **state) {
 
 static void the_worst_map_is_first(void **state) {
     (void)state;
-    const nqm_texture_options options = options_of(1, 0);
+    nqm_texture_options options = options_of(1, 0);
+    options.n_texels = 128;
     float test[2][3 * N];
     for (size_t i = 0; i < 3 * N; ++i)
         test[0][i] = colors[i] * 0.98f;
@@ -375,7 +377,8 @@ static void threads_give_the_same(void **state) {
     for (int k = 0; k < 2; ++k) {
         nqm_limit_threads(k + 1);
         memset(&r[k], 0, sizeof r[k]);
-        r[k] = score(make(colors, rough, NULL, normals), make(colors, metal, NULL, test), &options, NULL);
+        r[k] = score(make_of(8, 8, colors, rough, NULL, normals), make_of(8, 8, colors, metal, NULL, test), &options,
+                     NULL);
     }
     nqm_limit_threads(before);
     assert_true(r[0].jod == r[1].jod && r[0].delta_e == r[1].delta_e && r[0].error == r[1].error);
