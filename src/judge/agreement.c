@@ -74,12 +74,10 @@ static double *resampled(const nqm_bootstrap *b, size_t predictor, int statistic
 /* Statistics of the original pairs, without resampling. Returns the number of pairs of tests with an order. */
 static size_t plain_statistics(const nqm_bootstrap *b, size_t predictor, double statistics[NQM_STATISTIC_COUNT]) {
     const nqm_judgement *j = b->judgement;
-    double total[NQM_SUM_COUNT] = {0};
-    for (size_t i = 0; i < j->n_groups * NQM_SUM_COUNT; ++i)
-        total[i % NQM_SUM_COUNT] += b->sums[predictor * j->n_groups * NQM_SUM_COUNT + i];
-    nqm_statistics_of_sums(total, statistics);
+    const double *sums = b->sums + predictor * j->n_groups * NQM_SUM_COUNT;
+    const double n_ordered = nqm_statistics_of_sums(j->n_groups, sums, NULL, statistics);
     statistics[NQM_STATISTIC_SPEARMAN] = nqm_spearman(j->n, j->prediction + predictor * j->n, j->label);
-    return (size_t)total[NQM_SUM_ORDERED];
+    return (size_t)n_ordered;
 }
 
 size_t nqm_bootstrap_count(size_t n_groups, size_t n_bootstrap) {

@@ -55,12 +55,14 @@ static void sort_pairs(const nqm_evaluation *ev, const nqm_eval_options *o, nqm_
     s->group_begin[s->n_groups] = s->n;
 }
 
-nqm_status nqm_selection_create(const nqm_evaluation *ev, const nqm_eval_options *options, nqm_selection *s,
-                                nqm_error *err) {
+nqm_status nqm_selection_create(const nqm_evaluation *ev, const nqm_eval_options *options, size_t n_predictors,
+                                nqm_selection *s, nqm_error *err) {
+    const size_t n_pairs = ev->dataset->n_pairs;
     *s = (nqm_selection){0};
     nqm_status status =
         nqm_alloc_arrays(NQM_ARRAYS({&s->group_begin, ev->dataset->n_groups + 2, sizeof *s->group_begin},
-                                    {&s->pairs, ev->dataset->n_pairs, sizeof *s->pairs}),
+                                    {&s->pairs, n_pairs, sizeof *s->pairs}, {&s->label, n_pairs, sizeof *s->label},
+                                    {&s->prediction, n_predictors, n_pairs * sizeof *s->prediction}),
                          err);
     if (status != NQM_OK)
         return status;
