@@ -212,9 +212,8 @@ nqm_status nqm_csv_load(const char *path, nqm_csv **csv_ret, nqm_error *err) {
     *csv_ret = NULL;
     nqm_map map;
     nqm_status status = nqm_map_open(path, &map, err);
-    if (status != NQM_OK)
-        return status;
-    status = nqm_csv_parse((const char *)map.data, map.n_bytes, path, csv_ret, err);
+    if (status == NQM_OK)
+        status = nqm_csv_parse((const char *)map.data, map.n_bytes, path, csv_ret, err);
     nqm_map_close(&map);
     return status;
 }

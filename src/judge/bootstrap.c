@@ -69,16 +69,15 @@ static size_t find_levels(size_t n, const double *x, nqm_indexed *order, uint32_
 
 static nqm_status prepare(shared *s, nqm_error *err) {
     const nqm_judgement *j = s->b->judgement;
-    nqm_status status = nqm_alloc_arrays(NQM_ARRAYS({&s->level, 1 + j->n_predictors, j->n * sizeof *s->level},
-                                                    {&s->n_levels, 1 + j->n_predictors, sizeof *s->n_levels},
-                                                    {&s->order, j->n_predictors, j->n * sizeof *s->order},
-                                                    {&s->group_of, j->n, sizeof *s->group_of}),
-                                         err);
+    nqm_indexed *order; /* (n) scratch */
+    nqm_status status =
+        nqm_alloc_arrays(NQM_ARRAYS({&s->level, 1 + j->n_predictors, j->n * sizeof *s->level},
+                                    {&s->n_levels, 1 + j->n_predictors, sizeof *s->n_levels},
+                                    {&s->order, j->n_predictors, j->n * sizeof *s->order},
+                                    {&s->group_of, j->n, sizeof *s->group_of}, {&order, j->n, sizeof *order}),
+                         err);
     if (status != NQM_OK)
         return status;
-    nqm_indexed *order = nqm_alloc(j->n, sizeof *order);
-    if (!order)
-        return nqm_fail_nomem(err, j->n * sizeof *order);
     for (size_t g = 0; g < j->n_groups; ++g)
         for (size_t i = j->group_begin[g]; i < j->group_begin[g + 1]; ++i)
             s->group_of[i] = (uint32_t)g;
@@ -88,7 +87,6 @@ static nqm_status prepare(shared *s, nqm_error *err) {
         for (size_t k = 0; r && k < j->n; ++k)
             s->order[(r - 1) * j->n + k] = (uint32_t)order[k].index;
     }
-    nqm_free(order);
     return NQM_OK;
 }
 

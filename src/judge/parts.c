@@ -33,13 +33,6 @@ static double part_of(const nqm_label *label, size_t part_index) {
     return part_index < NQM_LABEL_PARTS ? values[part_index] : nqm_label_adapted_jod(label);
 }
 
-/* The label of a pair, without its Delta-E. */
-static nqm_label label_of(const nqm_dataset *d, size_t pair) {
-    nqm_label label = {.delta_e = NAN};
-    nqm_label_set_parts(&label, d->parts + pair * NQM_LABEL_PARTS);
-    return label;
-}
-
 /* What is judged: the model, its controls, and last, if the dataset has it, the estimate. */
 typedef struct work {
     const nqm_evaluation *ev;
@@ -53,7 +46,8 @@ static void collect(const work *w, size_t part_index) {
     const size_t n = w->s.n;
     for (size_t i = 0; i < n; ++i) {
         const size_t pair = w->s.pairs[i];
-        const nqm_label label = label_of(ev->dataset, pair);
+        nqm_label label = {.delta_e = NAN}; /* not used */
+        nqm_label_set_parts(&label, ev->dataset->parts + pair * NQM_LABEL_PARTS);
         w->s.label[i] = part_of(&label, part_index);
         w->s.prediction[i] = part_of(&w->model[pair], part_index);
         for (size_t k = 0; k < p->n_scalars; ++k)
