@@ -59,23 +59,22 @@ static bool next_record(scanner *s) {
     return false;
 }
 
-/* NUL-terminate the unquoted field at the cursor and move the cursor to the separator after it. */
-static void cut_plain(scanner *s, char *separator) {
+/* Move the cursor from an unquoted field to the separator after it; returns the end of the field. */
+static size_t pass_plain(scanner *s) {
     size_t end = s->at;
     for (; s->at < s->n && s->text[s->at] != s->separator && s->text[s->at] != '\n'; ++s->at)
         if (!at_blank(s))
             end = s->at + 1;
-    *separator = s->text[s->at];
-    s->text[end] = '\0';
+    return end;
 }
 
-/* Unquote the field at the cursor, which is after the opening quote. false when the closing quote is missing, or when
+/* The same for a field that it unquotes, with the cursor after the opening quote. SIZE_MAX when the closing quote is missing, or when
  * anything but blanks is between it and the next separator. */
-static bool cut_quoted(scanner *s, char *separator) {
+static size_t pass_quoted(scanner *s) {
     size_t end = s->at;
     for (;; ++s->at) {
         if (s->at >= s->n)
-            return false;
+            return SIZE_MAX;
         char c = s->text[s->at];
         if (c == '"' && s->text[++s->at] != '"')
             break;
@@ -83,9 +82,7 @@ static bool cut_quoted(scanner *s, char *separator) {
         s->text[end++] = c;
     }
     skip_blanks(s);
-    *separator = s->text[s->at];
-    s->text[end] = '\0';
-    return s->at >= s->n || *separator == s->separator || *separator == '\n';
+    return s->at >= s->n || s->text[s->at] == s->separator || s->text[s->at] == '\n' ? end : SIZE_MAX;
 }
 
 /* Split one record into fields and append their offsets at csv->field[*n_fields]. */
@@ -98,11 +95,12 @@ static nqm_status cut_record(nqm_csv *csv, scanner *s, size_t *n_fields, nqm_err
         bool quoted = s->at < s->n && s->text[s->at] == '"';
         size_t at = s->at += quoted;
         csv->field[(*n_fields)++] = (uint32_t)at;
-        if (!quoted)
-            cut_plain(s, &separator);
-        else if (!cut_quoted(s, &separator))
+        const size_t end = quoted ? pass_quoted(s) : pass_plain(s);
+        if (end == SIZE_MAX)
             return nqm_fail(err, NQM_ERR_FORMAT, (int64_t)at,
                             "%s: line %zu, byte %zu: a quoted field does not end properly", csv->name, line, at);
+        separator = s->text[s->at];
+        s->text[end] = '\0';
         if (s->at < s->n)
             ++s->at;
     } while (separator == s->separator);

@@ -206,11 +206,6 @@ void nqm_evaluation_free(nqm_evaluation *ev) {
     nqm_free(ev); /* one block */
 }
 
-size_t nqm_evaluation_count(const nqm_evaluation *ev) {
-    assert(ev);
-    return ev->n_predictors;
-}
-
 const nqm_label *nqm_evaluation_labels(const nqm_evaluation *ev, size_t i) {
     assert(ev);
     if (i < ev->n_models)
@@ -221,9 +216,4 @@ const nqm_label *nqm_evaluation_labels(const nqm_evaluation *ev, size_t i) {
 const double *nqm_evaluation_values(const nqm_evaluation *ev, size_t i) {
     assert(ev);
     return ev->values + i * ev->dataset->n_pairs;
-}
-
-const double *nqm_evaluation_scalars(const nqm_evaluation *ev, size_t pair) {
-    assert(ev);
-    return ev->scalars + pair * NQM_SCALAR_COUNT;
 }

@@ -14,7 +14,8 @@ struct nqm_evaluation {
     const nqm_dataset *dataset;
     const nqm_dataset *const
         *datasets; /* (n_models) the same pairs at the directions of each model; NULL: `dataset` has them */
-    size_t n_models, n_predictors;
+    size_t n_models;
+    size_t n_predictors; /* n_models + NQM_METRIC_COUNT, and 1 more if the dataset has a transport matrix */
     const nqm_model *const *models;
     nqm_split split;
     nqm_precision precision;
