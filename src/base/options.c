@@ -150,16 +150,14 @@ static bool parse_number(const nqm_option *o, const char *text, const char **end
 
 static bool parse_list(const nqm_option *o, const char *text, size_t *list) {
     size_t n = 0;
-    for (;;) {
+    do {
         double value;
         if (n == o->max_sizes || !parse_number(o, text, &text, &value))
             return false;
         list[++n] = (size_t)value;
-        if (*text == '\0')
-            break;
-        if (*text++ != ',')
-            return false;
-    }
+    } while (*text == ',' && ++text);
+    if (*text)
+        return false;
     list[0] = n;
     return true;
 }
