@@ -18,7 +18,6 @@ struct nqm_csv {
     uint32_t *field; /* (1 + n_rows, n_columns) offset of each field in text; row 0 is the header */
     uint32_t *line;  /* (1 + n_rows) line of the file in which a record begins, from 1 */
     size_t n_columns, n_records;
-    char separator;
 };
 
 typedef struct scanner {
@@ -144,19 +143,6 @@ static char find_separator(const char *text, size_t n_bytes) {
     return has_semicolon ? ';' : has_tab ? '\t' : ',';
 }
 
-static nqm_status cut_all(nqm_csv *csv, size_t n_bytes, nqm_error *err) {
-    scanner s = begin_scan(csv->text, n_bytes, csv->separator);
-    size_t n_fields = 0;
-    while (next_record(&s)) {
-        nqm_status status = cut_record(csv, &s, &n_fields, err);
-        if (status != NQM_OK)
-            return status;
-    }
-    if (csv->n_records == 0)
-        return nqm_fail(err, NQM_ERR_FORMAT, 0, "%s: no header line: the file is empty", csv->name);
-    return NQM_OK;
-}
-
 /* Upper bounds of the numbers of records and fields. Blank lines are not counted, so that each record has two bytes. */
 static void count_fields(const char *text, size_t n_bytes, char separator, size_t *n_records, size_t *n_fields) {
     size_t n_separators = 0, n_lines = 1;
@@ -194,11 +180,15 @@ nqm_status nqm_csv_parse(const char *text, size_t n_bytes, const char *name, nqm
     if (status != NQM_OK)
         return status;
     *csv = arrays;
-    csv->separator = separator;
     memcpy(csv->name, name, n_name);
     if (n_bytes)
         memcpy(csv->text, text, n_bytes);
-    status = cut_all(csv, n_bytes, err);
+    scanner s = begin_scan(csv->text, n_bytes, separator);
+    n_fields = 0;
+    while (status == NQM_OK && next_record(&s))
+        status = cut_record(csv, &s, &n_fields, err);
+    if (status == NQM_OK && csv->n_records == 0)
+        status = nqm_fail(err, NQM_ERR_FORMAT, 0, "%s: no header line: the file is empty", name);
     if (status == NQM_OK)
         *csv_ret = csv;
     else
