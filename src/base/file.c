@@ -23,34 +23,23 @@ static nqm_status open_map(const char *path, bool keep, bool is_input, nqm_map *
     int fd = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK); /* O_NONBLOCK: opening a FIFO must not block */
     if (fd < 0)
         return nqm_fail(err, NQM_ERR_IO, -1, "%s: %s", path, strerror(errno));
-    nqm_status status = NQM_OK;
     struct stat st;
-    if (fstat(fd, &st) != 0) {
-        status = nqm_fail(err, NQM_ERR_IO, -1, "%s: %s", path, strerror(errno));
-    } else if (S_ISDIR(st.st_mode)) {
-        status = nqm_fail(err, NQM_ERR_IO, -1, "%s: is a directory, a file is needed", path);
-    } else if (!S_ISREG(st.st_mode)) {
-        status = nqm_fail(err, NQM_ERR_IO, -1, "%s: is not a regular file", path);
-    } else if (is_input) {
-        status = nqm_role_input(&st, path, err);
-    }
-    if (status == NQM_OK && st.st_size > 0) {
-        void *data = mmap(NULL, (size_t)st.st_size, PROT_READ, MAP_PRIVATE, fd, 0);
-        if (data == MAP_FAILED) {
-            status = nqm_fail(err, NQM_ERR_IO, -1, "%s: %s", path, strerror(errno));
-        } else {
-            map_ret->data = data;
-            map_ret->n_bytes = (size_t)st.st_size;
-        }
-    }
+    const char *fault = fstat(fd, &st) != 0    ? strerror(errno)
+                        : S_ISDIR(st.st_mode)  ? "is a directory, a file is needed"
+                        : !S_ISREG(st.st_mode) ? "is not a regular file"
+                                               : NULL;
+    nqm_status status = !fault && is_input ? nqm_role_input(&st, path, err) : NQM_OK;
+    void *data = NULL;
+    if (!fault && status == NQM_OK && st.st_size > 0)
+        data = mmap(NULL, (size_t)st.st_size, PROT_READ, MAP_PRIVATE, fd, 0);
+    if (data == MAP_FAILED)
+        fault = strerror(errno);
+    if (fault)
+        status = nqm_fail(err, NQM_ERR_IO, -1, "%s: %s", path, fault);
     if (status == NQM_OK)
-        map_ret->path = path;
-    if (status == NQM_OK && keep && map_ret->data) {
-        map_ret->has_fd = true;
-        map_ret->fd = fd;
-    } else {
+        *map_ret = (nqm_map){data, data ? (size_t)st.st_size : 0, path, keep && data, fd};
+    if (!map_ret->has_fd)
         close(fd);
-    }
     return status;
 }
 

@@ -16,14 +16,6 @@
 /* Bytes. Pieces with a smaller gap are fetched in one request: a request costs as much as reading a few more pages. */
 enum { MAX_GAP = 8192 };
 
-static void copy_mapped(const nqm_map *map, const nqm_piece *piece, size_t n_each) {
-    bool inside = piece->offset <= map->n_bytes && n_each <= map->n_bytes - piece->offset;
-    if (inside)
-        memcpy(piece->out, map->data + piece->offset, n_each);
-    else
-        memset(piece->out, 0xff, n_each);
-}
-
 /* Read the pieces up to the first one that is not in the page cache; returns the number of pieces read. */
 static size_t read_present(int fd, size_t n, const nqm_piece *pieces, size_t n_each) {
     for (size_t i = 0; i < n; ++i) {
@@ -49,22 +41,20 @@ static void announce(int fd, size_t n, const nqm_piece *pieces, size_t n_each) {
     }
 }
 
-static void read_waiting(int fd, const nqm_piece *piece, size_t n_each) {
-    if (pread(fd, piece->out, n_each, (off_t)piece->offset) != (ssize_t)n_each)
-        memset(piece->out, 0xff, n_each);
-}
-
 void nqm_map_gather(const nqm_map *map, size_t n, nqm_piece *pieces, size_t n_each) {
-    if (!map->has_fd) {
-        for (size_t i = 0; i < n; ++i)
-            copy_mapped(map, &pieces[i], n_each);
+    for (size_t i = 0; !map->has_fd && i < n; ++i)
+        if (pieces[i].offset <= map->n_bytes && n_each <= map->n_bytes - pieces[i].offset)
+            memcpy(pieces[i].out, map->data + pieces[i].offset, n_each);
+        else
+            memset(pieces[i].out, 0xff, n_each);
+    if (!map->has_fd)
         return;
-    }
     (void)posix_fadvise(map->fd, 0, 0, POSIX_FADV_RANDOM); /* no read-ahead beyond the requested pieces */
     size_t n_read = read_present(map->fd, n, pieces, n_each);
     pieces += n_read, n -= n_read;
     qsort(pieces, n, sizeof *pieces, by_offset);
     announce(map->fd, n, pieces, n_each);
     for (size_t i = 0; i < n; ++i)
-        read_waiting(map->fd, &pieces[i], n_each);
+        if (pread(map->fd, pieces[i].out, n_each, (off_t)pieces[i].offset) != (ssize_t)n_each)
+            memset(pieces[i].out, 0xff, n_each);
 }

@@ -19,10 +19,9 @@ void nqm_lock_hook(void (*hook)(void)) {
 
 static void call_lock_hook(void) {
     void (*hook)(void) = lock_hook;
-    if (!hook)
-        return;
     lock_hook = NULL;
-    hook();
+    if (hook)
+        hook();
 }
 
 static int open_or_create(const char *path, bool *existed_ret) {

@@ -150,16 +150,14 @@ static bool parse_number(const nqm_option *o, const char *text, const char **end
 
 static bool parse_list(const nqm_option *o, const char *text, size_t *list) {
     size_t n = 0;
-    for (;;) {
+    do {
         double value;
         if (n == o->max_sizes || !parse_number(o, text, &text, &value))
             return false;
         list[++n] = (size_t)value;
-        if (*text == '\0')
-            break;
-        if (*text++ != ',')
-            return false;
-    }
+    } while (*text == ',' && ++text);
+    if (*text)
+        return false;
     list[0] = n;
     return true;
 }
@@ -175,16 +173,14 @@ nqm_status nqm_option_set(const nqm_option *o, void *options, const char *text, 
     }
     if (o->kind == NQM_OPTION_SIZES) {
         is_good = parse_list(o, text, field);
+    } else if (o->words) {
+        value = find_word(o, text);
+        is_good = value >= 0;
     } else {
-        if (o->words) {
-            value = find_word(o, text);
-            is_good = value >= 0;
-        } else {
-            is_good = parse_number(o, text, &end, &value) && *end == '\0';
-        }
-        if (is_good)
-            store_number(o, field, value);
+        is_good = parse_number(o, text, &end, &value) && *end == '\0';
     }
+    if (is_good && o->kind != NQM_OPTION_SIZES)
+        store_number(o, field, value);
     if (is_good)
         return NQM_OK;
     char name[NQM_OPTION_TEXT_MAX], allowed[NQM_OPTION_TEXT_MAX];
@@ -224,13 +220,8 @@ nqm_status nqm_options_begin(const nqm_option_table *t, const char *recipe, void
     return status;
 }
 
-static nqm_status fail_range(const nqm_option *o, double value, nqm_error *err) {
-    char allowed[NQM_OPTION_TEXT_MAX];
-    return nqm_fail(err, NQM_ERR_ARG, -1, "option %s is %g; it must be %s", o->key, value,
-                    nqm_option_allowed(o, allowed));
-}
-
 nqm_status nqm_options_check(const nqm_option_table *t, const void *options, nqm_error *err) {
+    char allowed[NQM_OPTION_TEXT_MAX];
     for (size_t i = 0; i < t->n; ++i) {
         const nqm_option *o = &t->rows[i];
         const size_t *list = field_of(o, options);
@@ -243,7 +234,8 @@ nqm_status nqm_options_check(const nqm_option_table *t, const void *options, nqm
         for (size_t k = 0; k < (is_list ? list[0] : 1); ++k) {
             const double value = number_at(o, list + (is_list ? k + 1 : 0));
             if (!is_valid(o, value))
-                return fail_range(o, value, err);
+                return nqm_fail(err, NQM_ERR_ARG, -1, "option %s is %g; it must be %s", o->key, value,
+                                nqm_option_allowed(o, allowed));
         }
     }
     return NQM_OK;

@@ -131,22 +131,16 @@ static void work_on(void *user, size_t i) {
         visit(r, item_at(r->work, i), true);
 }
 
-static void work_on_all(run *r) {
-    if (!r->work->one_at_a_time) {
-        nqm_parallel_for(r->work->n, work_on, r);
-        return;
-    }
-    for (size_t i = 0; i < r->work->n && !is_stopped(r); ++i)
-        work_on(r, i);
-}
-
 nqm_status nqm_shared_work_run(const nqm_shared_work *work, nqm_error *err) {
     run r = {.work = work, .err = err, .state = nqm_alloc(work->n + 1, sizeof *r.state)};
     if (!r.state)
         return nqm_fail_nomem(err, work->n * sizeof *r.state);
     pthread_mutex_init(&r.mutex, NULL);
     for (;;) {
-        work_on_all(&r);
+        if (!work->one_at_a_time)
+            nqm_parallel_for(work->n, work_on, &r);
+        for (size_t i = 0; work->one_at_a_time && i < work->n && !is_stopped(&r); ++i)
+            work_on(&r, i);
         if (atomic_load(&r.n_done) == work->n || is_stopped(&r))
             break;
         nanosleep(&(struct timespec){.tv_nsec = 200000000}, NULL); /* wait for the other processes */

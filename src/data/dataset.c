@@ -147,14 +147,10 @@ static nqm_status check_labels(const nqm_dataset *d, const char *name, nqm_error
     return NQM_OK;
 }
 
-static nqm_status check_transport(const nqm_dataset *d, const char *name, nqm_error *err) {
-    const nqm_transport transport = nqm_dataset_transport(d);
-    const char *fault = nqm_transport_fault(&transport, true);
-    return fault ? nqm_fail(err, NQM_ERR_FORMAT, -1, "%s: %s", name, fault) : NQM_OK;
-}
-
 nqm_status nqm_dataset_validate(const nqm_dataset *d, const char *name, nqm_error *err) {
     size_t n_columns = 3 * d->n_directions;
+    const nqm_transport transport = nqm_dataset_transport(d);
+    const char *fault = NULL;
     nqm_status status = check_counts(d, name, err);
     if (status == NQM_OK)
         status = check_indices(d->n_pairs, d->pair_ref, d->n_refs, "pair_ref", name, err);
@@ -164,8 +160,8 @@ nqm_status nqm_dataset_validate(const nqm_dataset *d, const char *name, nqm_erro
         status = check_indices(d->n_refs, d->ref_group, d->n_groups, "ref_group", name, err);
     if (status == NQM_OK)
         status = check_labels(d, name, err);
-    if (status == NQM_OK)
-        status = check_transport(d, name, err);
+    if (status == NQM_OK && (fault = nqm_transport_fault(&transport, true)))
+        status = nqm_fail(err, NQM_ERR_FORMAT, -1, "%s: %s", name, fault);
     if (status == NQM_OK)
         status = check_used(d->n_refs * d->n_directions, d->ref_used, "ref_used", name, err);
     if (status == NQM_OK)

@@ -37,16 +37,12 @@ static size_t material_length(const char *name) {
     return digits && digits + 1 < n && name[n - 1 - digits] == '_' ? n - 1 - digits : n;
 }
 
-/* True for the encodings that the authors give at levels 0 to 2, of which 0 is the finest. */
-static bool has_levels(const char *model) {
-    return strcmp(model, "sbrdf") == 0 || strcmp(model, "hbrdf") == 0;
-}
-
-/* The kind of a row is its encoding, with the level if it has levels: "ward", "sbrdf.0", "sbrdf.2". */
+/* The kind of a row is its encoding, with the level if it has levels: "ward", "sbrdf.0", "sbrdf.2". The authors give two encodings at
+ * levels 0 to 2, of which 0 is the finest. */
 static nqm_status find_kind(reader *r, size_t row, uint32_t *kind_ret, nqm_error *err) {
     char kind[64];
     const char *model = nqm_csv_text(r->csv, row, r->model), *level = nqm_csv_text(r->csv, row, r->level);
-    bool plain = strcmp(level, "0") == 0 && !has_levels(model);
+    bool plain = strcmp(level, "0") == 0 && strcmp(model, "sbrdf") != 0 && strcmp(model, "hbrdf") != 0;
     snprintf(kind, sizeof kind, "%.40s%s%.20s", model, plain ? "" : ".", plain ? "" : level);
     return nqm_dataset_add_kind(&r->builder, kind, "encoding", kind_ret, err);
 }

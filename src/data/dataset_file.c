@@ -13,22 +13,15 @@ static const char format_name[] = "nqm-dataset", schema[] = "1";
 
 /* ---- reading ----------------------------------------------------------------------------------------------------- */
 
-/* Set a count from the first dimension of `tensor`, which has one row per item. */
-static nqm_status read_count(const nqm_safetensors *st, const char *tensor, size_t *n_ret, const char *name,
-                             nqm_error *err) {
-    const nqm_tensor *t = nqm_safetensors_find(st, tensor);
-    *n_ret = t && t->n_dims ? t->dims[0] : 0;
-    return t && t->n_dims ? NQM_OK
-                          : nqm_fail(err, NQM_ERR_FORMAT, -1, "%s: the dataset has no tensor '%s'", name, tensor);
+static nqm_status fail_missing(const char *name, const char *tensor, nqm_error *err) {
+    return nqm_fail(err, NQM_ERR_FORMAT, -1, "%s: the dataset has no tensor '%s'", name, tensor);
 }
 
 /* Point the i-th array into the file. */
 static nqm_status read_array(const nqm_safetensors *st, nqm_dataset *d, size_t i, const char *name, nqm_error *err) {
     const nqm_tensor like = nqm_dataset_array(d, i), *t = nqm_safetensors_find(st, like.name);
-    if (!t && nqm_dataset_array_is_optional(i))
-        return NQM_OK;
     if (!t)
-        return nqm_fail(err, NQM_ERR_FORMAT, -1, "%s: the dataset has no tensor '%s'", name, like.name);
+        return nqm_dataset_array_is_optional(i) ? NQM_OK : fail_missing(name, like.name, err);
     if (t->dtype != like.dtype || t->n_dims != like.n_dims ||
         memcmp(t->dims, like.dims, like.n_dims * sizeof *t->dims) != 0)
         return nqm_fail(err, NQM_ERR_FORMAT, t->byte_offset,
@@ -43,6 +36,7 @@ static nqm_status read_array(const nqm_safetensors *st, nqm_dataset *d, size_t i
 }
 
 static nqm_status read_arrays(const nqm_safetensors *st, nqm_dataset *d, const char *name, nqm_error *err) {
+    /* Counts are the first dimensions of tensors with one row per item. */
     const struct {
         const char *tensor;
         size_t *n;
@@ -51,8 +45,12 @@ static nqm_status read_arrays(const nqm_safetensors *st, nqm_dataset *d, const c
                   {"test_rgb", &d->n_pairs},
                   {"group_split", &d->n_groups}};
     nqm_status status = NQM_OK;
-    for (size_t i = 0; status == NQM_OK && i < sizeof counts / sizeof counts[0]; ++i)
-        status = read_count(st, counts[i].tensor, counts[i].n, name, err);
+    for (size_t i = 0; i < sizeof counts / sizeof counts[0]; ++i) {
+        const nqm_tensor *t = nqm_safetensors_find(st, counts[i].tensor);
+        if (!t || !t->n_dims)
+            return fail_missing(name, counts[i].tensor, err);
+        *counts[i].n = t->dims[0];
+    }
     for (size_t i = 0; status == NQM_OK && i < NQM_DATASET_ARRAYS; ++i)
         status = read_array(st, d, i, name, err);
     return status;

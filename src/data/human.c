@@ -23,11 +23,6 @@ void nqm_human_free(nqm_human *human) {
     nqm_free(human);
 }
 
-const nqm_dataset *nqm_human_dataset(const nqm_human *human) {
-    assert(human);
-    return human->dataset;
-}
-
 /* ---- ceilings ---------------------------------------------------------------------------------------------------- */
 
 /* Number of the n people with the same choice who agree with the majority of all other people: n - 1 with the same

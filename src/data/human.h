@@ -68,14 +68,6 @@ typedef struct nqm_human_info {
 } nqm_human_info;
 nqm_human_info nqm_human_get_info(const nqm_human *human);
 
-/**
- * The pairs as a dataset of test pairs for nqm_evaluation_create(), valid until `human` is freed. Scores: one pair per row, whose
- * `jod` is the score (a distance: times -1), to be judged by nqm_evaluation_judge(); errors in JOD are given for NQM_HUMAN_JOD
- * only, and ranges of JOD do not apply otherwise. Choices: the distinct pairs, whose `jod` is NaN; judge them with
- * nqm_human_judge_choices().
- */
-const nqm_dataset *nqm_human_dataset(const nqm_human *human);
-
 /** Choices between two tests of a reference: how many people found test a (n_a) or b (n_b) more similar to it. */
 typedef struct nqm_triplet {
     uint32_t group;
@@ -87,6 +79,9 @@ struct nqm_human {
     nqm_human_kind kind;
     size_t n_rows;  /* rows of the CSV */
     double ceiling; /* of nqm_human_info for scores */
+    /** The pairs as a dataset of test pairs for nqm_evaluation_create(). Scores: one pair per row, whose `jod` is the score (a
+     *  distance: times -1), to be judged by nqm_evaluation_judge(); errors in JOD are given for NQM_HUMAN_JOD only, and ranges of JOD do
+     *  not apply otherwise. Choices: the distinct pairs, whose `jod` is NaN; judge them with nqm_human_judge_choices(). */
     nqm_dataset *dataset;
     size_t n_triplets;
     nqm_triplet *triplets; /* (n_triplets) distinct triplets, sorted by group */

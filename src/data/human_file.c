@@ -29,7 +29,7 @@ typedef struct reader {
     nqm_answers answers;
     const nqm_human_options *options;
     size_t n_entries, n_refs, n_pairs;
-    entry *entries;    /* (n_entries) sorted */
+    entry *entries;    /* (n_entries) sorted; owns the block of all three arrays */
     uint32_t *pair_of; /* (n_rows, n_slots) */
     size_t n_sampled;
     sampled *sampled;  /* (n_sampled) */
@@ -66,11 +66,12 @@ static bool begins_pair(const reader *r, size_t i) {
 static nqm_status sort_entries(reader *r) {
     const nqm_answers *a = &r->answers;
     r->n_entries = a->n_rows * a->n_slots;
-    r->entries = nqm_alloc(r->n_entries, sizeof *r->entries);
-    r->pair_of = nqm_alloc(r->n_entries, sizeof *r->pair_of);
-    r->sampled = nqm_alloc(2 * r->n_entries, sizeof *r->sampled);
-    if (!r->entries || !r->pair_of || !r->sampled)
-        return nqm_fail_nomem(r->err, r->n_entries * sizeof(entry));
+    const nqm_status status = nqm_alloc_arrays(NQM_ARRAYS({&r->entries, r->n_entries, sizeof *r->entries},
+                                                          {&r->pair_of, r->n_entries, sizeof *r->pair_of},
+                                                          {&r->sampled, 2 * r->n_entries, sizeof *r->sampled}),
+                                               r->err);
+    if (status != NQM_OK)
+        return status;
     for (size_t i = 0; i < r->n_entries; ++i) {
         size_t row = i / a->n_slots, slot = i % a->n_slots;
         r->entries[i] =
@@ -141,7 +142,7 @@ static nqm_status add_reference(reader *r, size_t first) {
     nqm_dataset *d = r->builder.dataset;
     uint32_t group = 0;
     for (size_t i = first + 1; i < r->n_entries && !begins_ref(r, i); ++i)
-        if (strcmp(material_of(r, &r->entries[i]), material_of(r, e)) != 0 && r->answers.material >= 0)
+        if (strcmp(material_of(r, &r->entries[i]), name) != 0)
             return nqm_fail(r->err, NQM_ERR_INCOMPATIBLE, -1,
                             "%s: row %zu: the reference '%.100s' is of material '%.60s' here, and '%.60s' in row %zu",
                             r->answers.path, r->entries[i].row + 1, e->ref, material_of(r, &r->entries[i]), name,
@@ -150,30 +151,26 @@ static nqm_status add_reference(reader *r, size_t first) {
     nqm_status status = nqm_dataset_add_group(&r->builder, name, strlen(name), NQM_SPLIT_TEST, &group, r->err);
     if (status == NQM_OK)
         status = nqm_dataset_add_reference(&r->builder, e->ref, group, r->err);
-    return status == NQM_OK ? sample_brdf(r, e->ref, e->row, r->builder.dataset->ref_rgb + 3 * n * ref,
-                                          r->builder.dataset->ref_used + n * ref)
-                            : status;
+    return status == NQM_OK ? sample_brdf(r, e->ref, e->row, d->ref_rgb + 3 * n * ref, d->ref_used + n * ref) : status;
 }
 
 static nqm_status add_pair(reader *r, size_t i) {
     const entry *e = &r->entries[i];
+    const nqm_answers *a = &r->answers;
     const nqm_dataset *d = r->builder.dataset;
     const size_t n = d->n_directions, ref = d->n_refs - 1;
-    const double value = r->answers.n_slots == 1 ? r->answers.values[e->row] : (double)NAN;
-    float *rgb = r->builder.dataset->test_rgb + 3 * n * d->n_pairs;
-    uint8_t *used = r->builder.dataset->test_used + n * d->n_pairs;
+    const double value = a->n_slots == 1 ? a->values[e->row] : (double)NAN;
+    const char *kind_name = a->test_kind >= 0 ? nqm_csv_text(a->csv, e->row, a->test_kind) : "human";
+    uint8_t *used = d->test_used + n * d->n_pairs;
     uint32_t kind = 0;
-    nqm_status status = sample_brdf(r, e->test, e->row, rgb, used);
+    nqm_status status = sample_brdf(r, e->test, e->row, d->test_rgb + 3 * n * d->n_pairs, used);
     if (status == NQM_OK)
-        status = check_valid(r, e, r->builder.dataset->ref_used + n * ref, used);
+        status = check_valid(r, e, d->ref_used + n * ref, used);
     if (status == NQM_OK)
-        status = nqm_dataset_add_kind(
-            &r->builder,
-            r->answers.test_kind >= 0 ? nqm_csv_text(r->answers.csv, e->row, r->answers.test_kind) : "human", NULL,
-            &kind, r->err);
+        status = nqm_dataset_add_kind(&r->builder, kind_name, NULL, &kind, r->err);
     if (status == NQM_OK)
         status = nqm_dataset_add_pair(&r->builder, (uint32_t)ref, e->test, kind, (double)NAN,
-                                      r->answers.kind == NQM_HUMAN_DISTANCE ? -value : value, r->err);
+                                      a->kind == NQM_HUMAN_DISTANCE ? -value : value, r->err);
     if (status == NQM_OK && nqm_tick(&r->ticker, "sample", (double)d->n_pairs, (double)r->n_pairs))
         status = nqm_fail(r->err, NQM_ERR_CANCELLED, -1, "interrupted");
     return status;
@@ -313,8 +310,6 @@ nqm_status nqm_human_load(const char *csv_path, const nqm_human_options *options
         status = r.answers.kind == NQM_HUMAN_CHOICE ? gather_triplets(&r) : find_ceiling(&r);
     nqm_free(r.answers.values);
     nqm_free(r.entries);
-    nqm_free(r.pair_of);
-    nqm_free(r.sampled);
     nqm_index_free(&r.by_name);
     nqm_csv_free(csv);
     if (status == NQM_OK)

@@ -66,35 +66,32 @@ static nqm_status predict_batch(const nqm_dataset_prediction *p, nqm_predictor *
 }
 
 /* Models for anisotropic BRDFs have no use for samples: the BRDFs are opened by their names. */
-static nqm_status predict_named(const nqm_dataset_prediction *p, nqm_scorer *scorer, size_t n, const size_t *pairs,
-                                nqm_error *err) {
+static nqm_status predict_named(const nqm_dataset_prediction *p, nqm_error *err) {
     nqm_named_pair named[NQM_SCORE_BLOCK];
     nqm_score_result results[NQM_SCORE_BLOCK];
     nqm_error why[NQM_SCORE_BLOCK];
-    for (size_t i = 0; i < n; ++i) {
-        const nqm_dataset_pair pair = nqm_dataset_get_pair(p->dataset, pairs[i]);
-        named[i] = (nqm_named_pair){pair.ref, pair.test};
-    }
-    nqm_status status = nqm_scorer_run_named(scorer, n, named, results, why, err);
-    for (size_t i = 0; status == NQM_OK && i < n; ++i) {
-        if (results[i].status != NQM_OK)
-            return nqm_fail(err, why[i].status, -1, "pair %zu: %s", pairs[i], why[i].message);
-        p->to[pairs[i]] = (nqm_prediction){.jod = results[i].jod,
-                                           .delta_e = results[i].delta_e,
-                                           .bound = INFINITY,
-                                           .novelty = NAN,
-                                           .label = results[i].parts,
-                                           .similarity = {NAN, NAN, NAN}};
-    }
-    return status == NQM_OK && p->batch_done ? p->batch_done(p->user, n, err) : status;
-}
-
-static nqm_status predict_all_named(const nqm_dataset_prediction *p, nqm_error *err) {
     nqm_scorer *scorer;
     nqm_status status = nqm_scorer_create(p->model, NULL, &scorer, err);
     for (size_t first = 0, n; status == NQM_OK && first < p->n; first += n) {
+        const size_t *pairs = p->pairs + first;
         n = nqm_smaller(p->n - first, NQM_SCORE_BLOCK);
-        status = predict_named(p, scorer, n, p->pairs + first, err);
+        for (size_t i = 0; i < n; ++i) {
+            const nqm_dataset_pair pair = nqm_dataset_get_pair(p->dataset, pairs[i]);
+            named[i] = (nqm_named_pair){pair.ref, pair.test};
+        }
+        status = nqm_scorer_run_named(scorer, n, named, results, why, err);
+        for (size_t i = 0; status == NQM_OK && i < n; ++i) {
+            if (results[i].status != NQM_OK)
+                status = nqm_fail(err, why[i].status, -1, "pair %zu: %s", pairs[i], why[i].message);
+            p->to[pairs[i]] = (nqm_prediction){.jod = results[i].jod,
+                                               .delta_e = results[i].delta_e,
+                                               .bound = INFINITY,
+                                               .novelty = NAN,
+                                               .label = results[i].parts,
+                                               .similarity = {NAN, NAN, NAN}};
+        }
+        if (status == NQM_OK && p->batch_done)
+            status = p->batch_done(p->user, n, err);
     }
     nqm_scorer_free(scorer);
     return status;
@@ -105,7 +102,7 @@ nqm_status nqm_dataset_predict(const nqm_dataset_prediction *p, nqm_error *err) 
     const nqm_model *m = p->model;
     nqm_predictor *predictor = NULL;
     if (m->slopes)
-        return predict_all_named(p, err);
+        return predict_named(p, err);
     const nqm_status isotropic = nqm_dataset_check_isotropic(d, err);
     if (isotropic != NQM_OK)
         return isotropic;

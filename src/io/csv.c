@@ -18,7 +18,6 @@ struct nqm_csv {
     uint32_t *field; /* (1 + n_rows, n_columns) offset of each field in text; row 0 is the header */
     uint32_t *line;  /* (1 + n_rows) line of the file in which a record begins, from 1 */
     size_t n_columns, n_records;
-    char separator;
 };
 
 typedef struct scanner {
@@ -59,23 +58,22 @@ static bool next_record(scanner *s) {
     return false;
 }
 
-/* NUL-terminate the unquoted field at the cursor and move the cursor to the separator after it. */
-static void cut_plain(scanner *s, char *separator) {
+/* Move the cursor from an unquoted field to the separator after it; returns the end of the field. */
+static size_t pass_plain(scanner *s) {
     size_t end = s->at;
     for (; s->at < s->n && s->text[s->at] != s->separator && s->text[s->at] != '\n'; ++s->at)
         if (!at_blank(s))
             end = s->at + 1;
-    *separator = s->text[s->at];
-    s->text[end] = '\0';
+    return end;
 }
 
-/* Unquote the field at the cursor, which is after the opening quote. false when the closing quote is missing, or when
+/* The same for a field that it unquotes, with the cursor after the opening quote. SIZE_MAX when the closing quote is missing, or when
  * anything but blanks is between it and the next separator. */
-static bool cut_quoted(scanner *s, char *separator) {
+static size_t pass_quoted(scanner *s) {
     size_t end = s->at;
     for (;; ++s->at) {
         if (s->at >= s->n)
-            return false;
+            return SIZE_MAX;
         char c = s->text[s->at];
         if (c == '"' && s->text[++s->at] != '"')
             break;
@@ -83,9 +81,7 @@ static bool cut_quoted(scanner *s, char *separator) {
         s->text[end++] = c;
     }
     skip_blanks(s);
-    *separator = s->text[s->at];
-    s->text[end] = '\0';
-    return s->at >= s->n || *separator == s->separator || *separator == '\n';
+    return s->at >= s->n || s->text[s->at] == s->separator || s->text[s->at] == '\n' ? end : SIZE_MAX;
 }
 
 /* Split one record into fields and append their offsets at csv->field[*n_fields]. */
@@ -98,11 +94,12 @@ static nqm_status cut_record(nqm_csv *csv, scanner *s, size_t *n_fields, nqm_err
         bool quoted = s->at < s->n && s->text[s->at] == '"';
         size_t at = s->at += quoted;
         csv->field[(*n_fields)++] = (uint32_t)at;
-        if (!quoted)
-            cut_plain(s, &separator);
-        else if (!cut_quoted(s, &separator))
+        const size_t end = quoted ? pass_quoted(s) : pass_plain(s);
+        if (end == SIZE_MAX)
             return nqm_fail(err, NQM_ERR_FORMAT, (int64_t)at,
                             "%s: line %zu, byte %zu: a quoted field does not end properly", csv->name, line, at);
+        separator = s->text[s->at];
+        s->text[end] = '\0';
         if (s->at < s->n)
             ++s->at;
     } while (separator == s->separator);
@@ -146,19 +143,6 @@ static char find_separator(const char *text, size_t n_bytes) {
     return has_semicolon ? ';' : has_tab ? '\t' : ',';
 }
 
-static nqm_status cut_all(nqm_csv *csv, size_t n_bytes, nqm_error *err) {
-    scanner s = begin_scan(csv->text, n_bytes, csv->separator);
-    size_t n_fields = 0;
-    while (next_record(&s)) {
-        nqm_status status = cut_record(csv, &s, &n_fields, err);
-        if (status != NQM_OK)
-            return status;
-    }
-    if (csv->n_records == 0)
-        return nqm_fail(err, NQM_ERR_FORMAT, 0, "%s: no header line: the file is empty", csv->name);
-    return NQM_OK;
-}
-
 /* Upper bounds of the numbers of records and fields. Blank lines are not counted, so that each record has two bytes. */
 static void count_fields(const char *text, size_t n_bytes, char separator, size_t *n_records, size_t *n_fields) {
     size_t n_separators = 0, n_lines = 1;
@@ -196,11 +180,15 @@ nqm_status nqm_csv_parse(const char *text, size_t n_bytes, const char *name, nqm
     if (status != NQM_OK)
         return status;
     *csv = arrays;
-    csv->separator = separator;
     memcpy(csv->name, name, n_name);
     if (n_bytes)
         memcpy(csv->text, text, n_bytes);
-    status = cut_all(csv, n_bytes, err);
+    scanner s = begin_scan(csv->text, n_bytes, separator);
+    n_fields = 0;
+    while (status == NQM_OK && next_record(&s))
+        status = cut_record(csv, &s, &n_fields, err);
+    if (status == NQM_OK && csv->n_records == 0)
+        status = nqm_fail(err, NQM_ERR_FORMAT, 0, "%s: no header line: the file is empty", name);
     if (status == NQM_OK)
         *csv_ret = csv;
     else
@@ -212,9 +200,8 @@ nqm_status nqm_csv_load(const char *path, nqm_csv **csv_ret, nqm_error *err) {
     *csv_ret = NULL;
     nqm_map map;
     nqm_status status = nqm_map_open(path, &map, err);
-    if (status != NQM_OK)
-        return status;
-    status = nqm_csv_parse((const char *)map.data, map.n_bytes, path, csv_ret, err);
+    if (status == NQM_OK)
+        status = nqm_csv_parse((const char *)map.data, map.n_bytes, path, csv_ret, err);
     nqm_map_close(&map);
     return status;
 }

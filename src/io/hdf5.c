@@ -25,20 +25,19 @@ static const unsigned char *bytes_at(const nqm_hdf5 *f, uint64_t address, uint64
 
 nqm_status nqm_hdf5_open(const unsigned char *data, size_t n_bytes, const char *name, nqm_hdf5 *f, nqm_error *err) {
     static const unsigned char signature[8] = {0x89, 'H', 'D', 'F', '\r', '\n', 0x1a, '\n'};
-    const unsigned char *p = data;
     *f = (nqm_hdf5){.data = data, .n_bytes = n_bytes, .name = name};
-    if (n_bytes < 100 || memcmp(p, signature, sizeof signature) != 0)
+    if (n_bytes < 100 || memcmp(data, signature, sizeof signature) != 0)
         return nqm_fail(err, NQM_ERR_FORMAT, 0, "%s: byte 0 begins no complete HDF5 superblock", name);
-    unsigned version = p[8];
+    unsigned version = data[8];
     if (version > 1)
         return nqm_fail(
             err, NQM_ERR_FORMAT, 8,
             "%s: superblock version %u (byte 8) is not read, only 0 and 1, which h5py and Keras write by default", name,
             version);
-    if (p[13] != 8 || p[14] != 8)
+    if (data[13] != 8 || data[14] != 8)
         return nqm_fail(err, NQM_ERR_FORMAT, 13, "%s: addresses and lengths must have 8 bytes (byte 13)", name);
     size_t base_at = version == 0 ? 24 : 28; /* version 1 has four additional bytes before this field */
-    uint64_t base = nqm_load_u64(p + base_at), end = nqm_load_u64(p + base_at + 16);
+    uint64_t base = nqm_load_u64(data + base_at), end = nqm_load_u64(data + base_at + 16);
     if (base != 0)
         return nqm_fail(err, NQM_ERR_FORMAT, (int64_t)base_at, "%s: the base address at byte %zu is not 0", name,
                         base_at);
@@ -46,7 +45,7 @@ nqm_status nqm_hdf5_open(const unsigned char *data, size_t n_bytes, const char *
         return nqm_fail(err, NQM_ERR_FORMAT, (int64_t)n_bytes,
                         "%s: ends at byte %zu, but its superblock claims %llu bytes (byte %zu)", name, n_bytes,
                         (unsigned long long)end, base_at + 16);
-    f->root = nqm_load_u64(p + base_at + 40);
+    f->root = nqm_load_u64(data + base_at + 40);
     return NQM_OK;
 }
 

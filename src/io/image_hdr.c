@@ -41,19 +41,6 @@ static nqm_status read_line(hdr_file *file, char *line, size_t n_line) {
     return NQM_OK;
 }
 
-static nqm_status read_header(hdr_file *file) {
-    char line[128];
-    nqm_status status = read_line(file, line, sizeof line);
-    if (status == NQM_OK && strcmp(line, "#?RADIANCE") != 0 && strcmp(line, "#?RGBE") != 0)
-        return fail_at(file, "the first line is neither #?RADIANCE nor #?RGBE");
-    while (status == NQM_OK && line[0]) {
-        status = read_line(file, line, sizeof line);
-        if (status == NQM_OK && strncmp(line, "FORMAT=", 7) == 0 && strcmp(line + 7, "32-bit_rle_rgbe") != 0)
-            return fail_at(file, "only FORMAT=32-bit_rle_rgbe is read");
-    }
-    return status;
-}
-
 /* Parse `prefix` and a decimal number of at most 10 digits; returns the rest of the text, or NULL. */
 static const char *parse_size(const char *text, const char *prefix, uint64_t *value) {
     size_t n = strlen(prefix), n_digits = 0;
@@ -65,9 +52,19 @@ static const char *parse_size(const char *text, const char *prefix, uint64_t *va
     return n_digits ? text : NULL;
 }
 
-static nqm_status read_resolution(hdr_file *file, uint64_t *width, uint64_t *height) {
-    char line[64];
+/* Read the header and the size line after it. */
+static nqm_status read_header(hdr_file *file, uint64_t *width, uint64_t *height) {
+    char line[128];
     nqm_status status = read_line(file, line, sizeof line);
+    if (status == NQM_OK && strcmp(line, "#?RADIANCE") != 0 && strcmp(line, "#?RGBE") != 0)
+        return fail_at(file, "the first line is neither #?RADIANCE nor #?RGBE");
+    while (status == NQM_OK && line[0]) {
+        status = read_line(file, line, sizeof line);
+        if (status == NQM_OK && strncmp(line, "FORMAT=", 7) == 0 && strcmp(line + 7, "32-bit_rle_rgbe") != 0)
+            return fail_at(file, "only FORMAT=32-bit_rle_rgbe is read");
+    }
+    if (status == NQM_OK)
+        status = read_line(file, line, sizeof line);
     if (status != NQM_OK)
         return status;
     const char *rest = parse_size(line, "-Y ", height);
@@ -132,9 +129,7 @@ static nqm_status read_row(hdr_file *file, unsigned char *row, size_t width) {
 nqm_status nqm_image_decode_hdr(const nqm_map *map, nqm_image *image, nqm_error *err) {
     hdr_file file = {.map = map, .err = err};
     uint64_t width = 0, height = 0;
-    nqm_status status = read_header(&file);
-    if (status == NQM_OK)
-        status = read_resolution(&file, &width, &height);
+    nqm_status status = read_header(&file, &width, &height);
     if (status == NQM_OK)
         status = nqm_image_alloc(map, width, height, max_pixels_per_byte, image, err);
     if (status != NQM_OK)

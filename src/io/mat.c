@@ -300,12 +300,12 @@ static void put_variable(FILE *stream, const nqm_mat_variable *v) {
     size_t n_padded = (n_name + 7) / 8 * 8;
     const uint32_t rows = (uint32_t)v->rows, cols = (uint32_t)v->cols;
     const uint32_t n_matrix = (uint32_t)(16 + 16 + 8 + n_padded + 8 + n_data);
-    const uint32_t matrix_flags[] = {TYPE_MATRIX, n_matrix, TYPE_UINT32, 8, CLASS_DOUBLE, 0};
-    const uint32_t size_name[] = {TYPE_INT32, 8, rows, cols, TYPE_INT8, (uint32_t)n_name};
+    /* The matrix, its flags, its dimensions, and the tag of its name. */
+    const uint32_t head[] = {TYPE_MATRIX, n_matrix, TYPE_UINT32, 8,    CLASS_DOUBLE, 0,
+                             TYPE_INT32,  8,        rows,        cols, TYPE_INT8,    (uint32_t)n_name};
     const uint32_t values[] = {TYPE_DOUBLE, (uint32_t)n_data};
     static const char zeros[8];
-    nqm_write_values(stream, sizeof matrix_flags / sizeof *matrix_flags, sizeof *matrix_flags, matrix_flags);
-    nqm_write_values(stream, 6, sizeof *size_name, size_name);
+    nqm_write_values(stream, sizeof head / sizeof *head, sizeof *head, head);
     fwrite(v->name, 1, n_name, stream);
     fwrite(zeros, 1, n_padded - n_name, stream);
     nqm_write_values(stream, 2, sizeof *values, values);

@@ -66,13 +66,11 @@ static nqm_status read_corner(obj_file *obj, const char *word, nqm_fan *fan) {
     nqm_mesh_reader *r = obj->r;
     const char *text = word;
     int64_t index, texture;
-    uint32_t vertex, normal = none;
-    if (!parse_index(&text, &index))
-        return nqm_mesh_fail(r, "'%.20s' is no corner of a face", word);
-    if (!resolve(index, r->vertices.n, &vertex))
+    uint32_t vertex = none, normal = none;
+    bool good = parse_index(&text, &index);
+    if (good && !resolve(index, r->vertices.n, &vertex))
         return nqm_mesh_fail(r, "corner '%.20s': there are %zu vertices so far", word, r->vertices.n);
-    bool good = true;
-    if (*text == '/') {
+    if (good && *text == '/') {
         ++text;
         good = *text == '/' || parse_index(&text, &texture);
         if (good && *text == '/') {

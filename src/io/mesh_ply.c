@@ -205,27 +205,24 @@ static nqm_status next_value(ply_file *ply, nqm_number_type type, double *value)
     return NQM_OK;
 }
 
-static nqm_status read_corner(ply_file *ply, nqm_number_type type, nqm_fan *fan) {
-    double index = 0;
-    nqm_status status = next_value(ply, type, &index);
-    if (status != NQM_OK)
-        return status;
-    if (!(index >= 0 && index < (double)ply->n_vertices && index == floor(index)))
-        return nqm_mesh_fail(ply->r, "a face names vertex %g of %llu", index, (unsigned long long)ply->n_vertices);
-    return nqm_fan_add(ply->r, fan, (uint32_t)index, 0, NULL);
-}
-
 static nqm_status read_list(ply_file *ply, const ply_property *p) {
-    double count = 0;
+    const bool is_face = p->role == ROLE_CORNERS;
+    double count = 0, index = 0;
     nqm_status status = next_value(ply, p->count_type, &count);
     if (status != NQM_OK)
         return status;
-    double least = p->role == ROLE_CORNERS ? 3 : 0, most = (double)(ply->r->map->n_bytes - ply->r->position);
+    double least = is_face ? 3 : 0, most = (double)(ply->r->map->n_bytes - ply->r->position);
     if (!(count >= least && count <= most && count == floor(count)))
-        return nqm_mesh_fail(ply->r, p->role == ROLE_CORNERS ? "a face has %g corners" : "a list has %g values", count);
+        return nqm_mesh_fail(ply->r, is_face ? "a face has %g corners" : "a list has %g values", count);
     nqm_fan fan = {0};
-    for (size_t i = 0; status == NQM_OK && i < (size_t)count; ++i)
-        status = p->role == ROLE_CORNERS ? read_corner(ply, p->type, &fan) : next_value(ply, p->type, NULL);
+    for (size_t i = 0; status == NQM_OK && i < (size_t)count; ++i) {
+        status = next_value(ply, p->type, is_face ? &index : NULL);
+        if (status != NQM_OK || !is_face)
+            continue;
+        if (!(index >= 0 && index < (double)ply->n_vertices && index == floor(index)))
+            return nqm_mesh_fail(ply->r, "a face names vertex %g of %llu", index, (unsigned long long)ply->n_vertices);
+        status = nqm_fan_add(ply->r, &fan, (uint32_t)index, 0, NULL);
+    }
     return status;
 }
 

@@ -263,25 +263,22 @@ static bool write_header(exr_file *o, const nqm_raster *raster) {
     return ok && good(exr_write_header(o->context));
 }
 
-static bool write_chunk(exr_file *o, const nqm_raster *raster, exr_chunk_info_t *chunk, int32_t y) {
-    exr_encode_pipeline_t pipeline = EXR_ENCODE_PIPELINE_INITIALIZER;
-    if (!good(exr_encoding_initialize(o->context, 0, chunk, &pipeline)))
-        return false;
-    for (int i = 0; i < pipeline.channel_count; ++i) {
-        exr_coding_channel_info_t *channel = &pipeline.channels[i];
-        set_channel(channel, raster, (size_t)y * raster->width, find_channel(channel->channel_name, 3));
-    }
-    bool ok = good(exr_encoding_choose_default_routines(o->context, 0, &pipeline)) &&
-              good(exr_encoding_run(o->context, 0, &pipeline));
-    return good(exr_encoding_destroy(o->context, &pipeline)) && ok;
-}
-
 static bool write_chunks(exr_file *o, const nqm_raster *raster) {
     int32_t n_lines = 0;
     bool ok = good(exr_get_scanlines_per_chunk(o->context, 0, &n_lines)) && n_lines > 0;
     for (int32_t y = 0; ok && y < (int32_t)raster->height; y += n_lines) {
         exr_chunk_info_t chunk;
-        ok = good(exr_write_scanline_chunk_info(o->context, 0, y, &chunk)) && write_chunk(o, raster, &chunk, y);
+        exr_encode_pipeline_t pipeline = EXR_ENCODE_PIPELINE_INITIALIZER;
+        if (!good(exr_write_scanline_chunk_info(o->context, 0, y, &chunk)) ||
+            !good(exr_encoding_initialize(o->context, 0, &chunk, &pipeline)))
+            return false;
+        for (int i = 0; i < pipeline.channel_count; ++i) {
+            exr_coding_channel_info_t *channel = &pipeline.channels[i];
+            set_channel(channel, raster, (size_t)y * raster->width, find_channel(channel->channel_name, 3));
+        }
+        ok = good(exr_encoding_choose_default_routines(o->context, 0, &pipeline)) &&
+             good(exr_encoding_run(o->context, 0, &pipeline));
+        ok = good(exr_encoding_destroy(o->context, &pipeline)) && ok;
     }
     return ok;
 }

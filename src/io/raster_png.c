@@ -42,6 +42,7 @@ static void on_read(png_structp png, png_bytep out, size_t n) {
     file->position += n;
 }
 
+/* Read the header, and choose the conversions of the pixels. */
 static nqm_status read_header(png_structp png, png_infop info, png_file *file) {
     png_set_user_limits(png, PNG_UINT_31_MAX, PNG_UINT_31_MAX); /* nqm_raster_begin() limits the size */
     /* Profiles, texts and gamma, which are not used, are skipped. */
@@ -54,13 +55,7 @@ static nqm_status read_header(png_structp png, png_infop info, png_file *file) {
                                  .channels = channels,
                                  .type = bits == 16 ? NQM_RASTER_U16 : NQM_RASTER_U8};
     const double bits_per_pixel = (double)(bits * png_get_channels(png, info));
-    return nqm_raster_begin(file->map, NQM_DEFLATE_MAX * 8 / bits_per_pixel, file->header_only, file->raster,
-                            file->err);
-}
-
-static void set_conversions(png_structp png, png_infop info) {
-    const int bits = png_get_bit_depth(png, info);
-    if (png_get_color_type(png, info) == PNG_COLOR_TYPE_PALETTE) {
+    if (is_palette) {
         png_set_palette_to_rgb(png);
         png_set_strip_alpha(png); /* of the palette */
     } else if (bits < 8) {
@@ -68,6 +63,8 @@ static void set_conversions(png_structp png, png_infop info) {
     }
     if (bits == 16 && !NQM_BIG_ENDIAN)
         png_set_swap(png);
+    return nqm_raster_begin(file->map, NQM_DEFLATE_MAX * 8 / bits_per_pixel, file->header_only, file->raster,
+                            file->err);
 }
 
 /* All calls that libpng may leave by longjmp(). Values that are needed after the jump are members of `file`, not local
@@ -81,7 +78,6 @@ static void read_png(png_structp png, png_infop info, png_file *file) {
     file->status = read_header(png, info, file);
     if (file->status != NQM_OK || file->header_only)
         return;
-    set_conversions(png, info);
     const int n_passes = png_set_interlace_handling(png);
     png_read_update_info(png, info);
     const size_t row_size = png_get_rowbytes(png, info);

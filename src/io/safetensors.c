@@ -67,15 +67,9 @@ static int compare(uint64_t a, uint64_t b) {
 
 /* ---- reading ----------------------------------------------------------------------------------------------------- */
 
-/* Context of messages. */
-typedef struct place {
-    const char *file;
-    const char *tensor;
-    nqm_error *err;
-} place;
-
-static nqm_status bad_tensor(const place *at, int64_t byte, const char *what) {
-    return nqm_fail(at->err, NQM_ERR_FORMAT, byte, "%s: tensor '%.64s': %s (byte %lld)", at->file, at->tensor, what,
+static nqm_status fail_tensor(const nqm_safetensors *st, const char *name, int64_t byte, const char *what,
+                              nqm_error *err) {
+    return nqm_fail(err, NQM_ERR_FORMAT, byte, "%s: tensor '%.64s': %s (byte %lld)", st->name, name, what,
                     (long long)byte);
 }
 
@@ -91,25 +85,26 @@ static bool read_sizes(const json_t *list, size_t n_max, size_t *n_ret, size_t *
     return ok;
 }
 
-static nqm_status read_tensor(const place *at, const json_t *entry, const nqm_safetensors *st, nqm_tensor *tensor) {
+static nqm_status read_tensor(const nqm_safetensors *st, const char *name, const json_t *entry, nqm_tensor *tensor,
+                              nqm_error *err) {
     const char *dtype = json_string_value(json_object_get(entry, "dtype"));
     size_t n, range[2], type = 0, data_at = HEADER_AT + st->n_header;
     while (dtype && type < N_DTYPES && strcmp(dtype, dtypes[type].name) != 0)
         ++type;
     if (!dtype || type == N_DTYPES)
-        return bad_tensor(at, HEADER_AT, "its dtype is none of F16, F32, F64, I32, I64, U8, U16, U32");
-    *tensor = (nqm_tensor){.name = at->tensor, .dtype = (nqm_dtype)type};
+        return fail_tensor(st, name, HEADER_AT, "its dtype is none of F16, F32, F64, I32, I64, U8, U16, U32", err);
+    *tensor = (nqm_tensor){.name = name, .dtype = (nqm_dtype)type};
     if (!read_sizes(json_object_get(entry, "shape"), NQM_MAX_DIMS, &tensor->n_dims, tensor->dims))
-        return bad_tensor(at, HEADER_AT, "its shape is not a list of at most 6 sizes");
+        return fail_tensor(st, name, HEADER_AT, "its shape is not a list of at most 6 sizes", err);
     if (!read_sizes(json_object_get(entry, "data_offsets"), 2, &n, range) || n != 2)
-        return bad_tensor(at, HEADER_AT, "its data_offsets are not two sizes");
+        return fail_tensor(st, name, HEADER_AT, "its data_offsets are not two sizes", err);
     if (range[0] > range[1] || range[1] > st->n_bytes - data_at)
-        return bad_tensor(at, (int64_t)st->n_bytes, "its data_offsets extend beyond the end of the file");
+        return fail_tensor(st, name, (int64_t)st->n_bytes, "its data_offsets extend beyond the end of the file", err);
     tensor->data = st->data + data_at + range[0];
     tensor->byte_offset = (int64_t)(data_at + range[0]);
     return nqm_tensor_measure(tensor) && tensor->n_bytes == range[1] - range[0]
                ? NQM_OK
-               : bad_tensor(at, tensor->byte_offset, "its shape does not match its bytes");
+               : fail_tensor(st, name, tensor->byte_offset, "its shape does not match its bytes", err);
 }
 
 static int by_position(const void *a, const void *b) {
@@ -126,9 +121,9 @@ static nqm_status check_contiguous(const nqm_safetensors *st, const nqm_tensor *
     qsort(order, st->n_tensors, sizeof *order, by_position);
     int64_t next = (int64_t)(HEADER_AT + st->n_header);
     for (size_t i = 0; i < st->n_tensors; ++i) {
-        const place at = {st->name, order[i]->name, err};
         if (order[i]->byte_offset != next)
-            return bad_tensor(&at, next, order[i]->byte_offset < next ? "overlaps another" : "leaves a gap before it");
+            return fail_tensor(st, order[i]->name, next,
+                               order[i]->byte_offset < next ? "overlaps another" : "leaves a gap before it", err);
         next += (int64_t)order[i]->n_bytes;
     }
     return next == (int64_t)st->n_bytes
@@ -149,8 +144,7 @@ static nqm_status read_entries(nqm_safetensors *st, nqm_error *err) {
                             key);
     }
     json_object_foreach(st->root, key, value) {
-        const place at = {st->name, key, err};
-        nqm_status status = value == st->meta ? NQM_OK : read_tensor(&at, value, st, &st->tensors[st->n_tensors]);
+        nqm_status status = value == st->meta ? NQM_OK : read_tensor(st, key, value, &st->tensors[st->n_tensors], err);
         if (status != NQM_OK)
             return status;
         st->n_tensors += value != st->meta;
@@ -176,14 +170,12 @@ nqm_status nqm_safetensors_parse(const unsigned char *data, size_t n_bytes, cons
                                  nqm_error *err) {
     *st_ret = NULL;
     const char *kind = nqm_file_kind(data, n_bytes);
-    if (n_bytes < HEADER_AT && kind)
+    const uint64_t n_header = n_bytes < HEADER_AT ? UINT64_MAX : nqm_load_u64(data);
+    if (n_header > n_bytes && kind && (n_bytes <= HEADER_AT || data[HEADER_AT] != '{'))
         return nqm_fail(err, NQM_ERR_FORMAT, 0, "%s: not a safetensors file: it begins like %s (byte 0)", name, kind);
     if (n_bytes < HEADER_AT)
         return nqm_fail(err, NQM_ERR_FORMAT, (int64_t)n_bytes, "%s: not a safetensors file: it %s (byte %zu)", name,
                         n_bytes ? "ends in its header's length" : "is empty", n_bytes);
-    uint64_t n_header = nqm_load_u64(data);
-    if (n_header > n_bytes && kind && (n_bytes == HEADER_AT || data[HEADER_AT] != '{'))
-        return nqm_fail(err, NQM_ERR_FORMAT, 0, "%s: not a safetensors file: it begins like %s (byte 0)", name, kind);
     if (n_header > MAX_HEADER || n_header > n_bytes - HEADER_AT)
         return nqm_fail(err, NQM_ERR_FORMAT, 0,
                         "%s: not a safetensors file, or cut off: a header of %llu bytes in a file of %zu (byte 0)",
@@ -278,30 +270,28 @@ const char *nqm_safetensors_meta(const nqm_safetensors *st, const char *key) {
     return json_string_value(json_object_get(st->meta, key));
 }
 
-bool nqm_tensor_all_finite(const nqm_tensor *tensor) {
-    const unsigned char *p = tensor->data;
-    if (tensor->dtype == NQM_F64) {
-        for (size_t i = 0; i < tensor->n_bytes; i += 8) {
-            double value;
-            memcpy(&value, p + i, sizeof value);
-            if (!isfinite(value))
-                return false;
-        }
-        return true;
-    }
-    uint32_t largest = 0; /* magnitude as bits: infinities and NaN have the largest exponent */
-    if (tensor->dtype == NQM_F16) {
-        for (size_t i = !NQM_BIG_ENDIAN; i < tensor->n_bytes; i += 2) /* the byte with the exponent */
-            largest = (p[i] & 0x7fu) > largest ? p[i] & 0x7fu : largest;
-        return largest < 0x7c;
-    }
-    for (size_t i = 0; tensor->dtype == NQM_F32 && i < tensor->n_bytes; i += 4) {
+/* The largest magnitude, as bits, of the words that begin every `step` bytes. Infinities and NaN have the largest exponent. */
+static inline uint32_t largest_word(const unsigned char *p, size_t n_bytes, size_t step) {
+    uint32_t largest = 0;
+    for (size_t i = 0; i < n_bytes; i += step) {
         uint32_t bits;
         memcpy(&bits, p + i, sizeof bits);
         bits &= 0x7fffffff;
         largest = bits > largest ? bits : largest;
     }
-    return largest < 0x7f800000;
+    return largest;
+}
+
+bool nqm_tensor_all_finite(const nqm_tensor *tensor) {
+    const unsigned char *p = tensor->data;
+    unsigned largest = 0;
+    if (tensor->dtype == NQM_F64) /* the half with the exponent */
+        return largest_word(p + (NQM_BIG_ENDIAN ? 0 : 4), tensor->n_bytes, 8) < 0x7ff00000;
+    if (tensor->dtype == NQM_F32)
+        return largest_word(p, tensor->n_bytes, 4) < 0x7f800000;
+    for (size_t i = !NQM_BIG_ENDIAN; tensor->dtype == NQM_F16 && i < tensor->n_bytes; i += 2) /* likewise the byte */
+        largest = (p[i] & 0x7fu) > largest ? p[i] & 0x7fu : largest;
+    return largest < 0x7c;
 }
 
 /* ---- checksum ---------------------------------------------------------------------------------------------------- */
@@ -378,13 +368,12 @@ static json_t *tensor_entry(const nqm_tensor *tensor, size_t begin) {
 
 static json_t *meta_object(size_t n_meta, const nqm_meta *meta) {
     json_t *object = json_object();
-    for (size_t i = 0; i < n_meta; ++i)
-        if (json_object_get(object, meta[i].key) || strcmp(meta[i].key, "sha256") == 0 ||
-            json_object_set_new(object, meta[i].key, json_string(meta[i].value)) != 0)
-            goto fail;
-    if (json_object_set_new(object, "sha256", json_string(zeros)) == 0)
+    bool good = true;
+    for (size_t i = 0; good && i < n_meta; ++i)
+        good = !json_object_get(object, meta[i].key) && strcmp(meta[i].key, "sha256") != 0 &&
+               json_object_set_new(object, meta[i].key, json_string(meta[i].value)) == 0;
+    if (good && json_object_set_new(object, "sha256", json_string(zeros)) == 0)
         return object;
-fail:
     json_decref(object);
     return NULL;
 }

@@ -45,30 +45,25 @@ static nqm_status fail_short(const cursor *c, nqm_error *err) {
                     c->file, c->n_bytes);
 }
 
-/** Element types, indexed by the type codes of the container. */
-typedef struct element_type {
-    size_t size;
-    int dtype; /* an nqm_dtype, or -1: not supported */
-} element_type;
-
-static const element_type element_types[] = {{0, -1},      {1, NQM_U8},  {1, -1},      {2, NQM_U16},
-                                             {2, -1},      {4, NQM_U32}, {4, NQM_I32}, {8, -1},
-                                             {8, NQM_I64}, {2, -1},      {4, NQM_F32}, {8, NQM_F64}};
+/* Element types, indexed by the type codes of the container: the nqm_dtype, or one of the same size. */
+static const struct {
+    nqm_dtype dtype;
+    bool readable;
+} element_types[] = {{NQM_U8, false},  {NQM_U8, true},   {NQM_U8, false}, {NQM_U16, true},
+                     {NQM_U16, false}, {NQM_U32, true},  {NQM_I32, true}, {NQM_I64, false},
+                     {NQM_I64, true},  {NQM_F16, false}, {NQM_F32, true}, {NQM_F64, true}};
 enum { N_TYPES = sizeof element_types / sizeof *element_types };
 
 /* Check that a field's data are inside the file, and set its size and pointer. */
-static nqm_status check_extent(const cursor *c, nqm_tensor *t, size_t element_size, nqm_error *err) {
-    size_t n_bytes = element_size;
-    for (size_t i = 0; i < t->n_dims; ++i)
-        if (!nqm_mul_size(n_bytes, t->dims[i], &n_bytes))
-            return nqm_fail(err, NQM_ERR_FORMAT, (int64_t)c->at, "%s: the shape of '%s' before byte %zu is impossible",
-                            c->file, t->name, c->at);
-    uint64_t offset = (uint64_t)t->byte_offset;
-    if (offset > c->n_bytes || n_bytes > c->n_bytes - offset)
+static nqm_status check_extent(const cursor *c, nqm_tensor *t, nqm_error *err) {
+    const uint64_t offset = (uint64_t)t->byte_offset;
+    if (!nqm_tensor_measure(t))
+        return nqm_fail(err, NQM_ERR_FORMAT, (int64_t)c->at, "%s: the shape of '%s' before byte %zu is impossible",
+                        c->file, t->name, c->at);
+    if (offset > c->n_bytes || t->n_bytes > c->n_bytes - offset)
         return nqm_fail(err, NQM_ERR_FORMAT, (int64_t)c->n_bytes,
                         "%s: ends at byte %zu, but '%s' has %zu bytes from byte %llu on", c->file, c->n_bytes, t->name,
-                        n_bytes, (unsigned long long)offset);
-    t->n_bytes = n_bytes;
+                        t->n_bytes, (unsigned long long)offset);
     t->data = c->data + offset;
     return NQM_OK;
 }
@@ -96,10 +91,9 @@ static nqm_status read_field(cursor *c, field *f, nqm_error *err) {
         return fail_short(c, err);
     for (size_t i = 0; i < t->n_dims; ++i)
         t->dims[i] = (size_t)nqm_load_u64(dims + 8 * i);
-    f->readable = element_types[type].dtype >= 0;
-    if (f->readable)
-        t->dtype = (nqm_dtype)element_types[type].dtype;
-    return check_extent(c, t, element_types[type].size, err);
+    f->readable = element_types[type].readable;
+    t->dtype = element_types[type].dtype;
+    return check_extent(c, t, err);
 }
 
 nqm_status nqm_tensor_file_parse(const unsigned char *data, size_t n_bytes, const char *name,

@@ -94,24 +94,16 @@ static void on_start(void *user, const char *name, const char **attributes) {
     reader *self = user;
     if (self->status != NQM_OK)
         return;
-    if (++self->depth > NQM_XML_MAX_DEPTH) {
-        stop(self,
-             nqm_fail(self->err, NQM_ERR_LIMIT, byte_of(self), "%s: elements are nested more than %d deep at byte %lld",
-                      self->path, NQM_XML_MAX_DEPTH, (long long)byte_of(self)));
-        return;
-    }
-    if (self->xml->n_elements == self->max_elements) {
-        stop(self, nqm_fail(self->err, NQM_ERR_LIMIT, byte_of(self),
+    const int64_t byte = byte_of(self);
+    if (++self->depth > NQM_XML_MAX_DEPTH)
+        stop(self, nqm_fail(self->err, NQM_ERR_LIMIT, byte, "%s: elements are nested more than %d deep at byte %lld",
+                            self->path, NQM_XML_MAX_DEPTH, (long long)byte));
+    else if (self->xml->n_elements == self->max_elements)
+        stop(self, nqm_fail(self->err, NQM_ERR_LIMIT, byte,
                             "%s: more than %zu elements at byte %lld, the limit for a file of this size", self->path,
-                            self->max_elements, (long long)byte_of(self)));
-        return;
-    }
-    nqm_xml_element *element =
-        nqm_xml_append(self->xml, self->open, name, (const char *const *)attributes, byte_of(self));
-    if (!element)
-        stop(self, nqm_fail_nomem(self->err, sizeof *element));
-    else
-        self->open = element;
+                            self->max_elements, (long long)byte));
+    else if (!(self->open = nqm_xml_append(self->xml, self->open, name, (const char *const *)attributes, byte)))
+        stop(self, nqm_fail_nomem(self->err, sizeof *self->open));
 }
 
 static void on_end(void *user, const char *name) {

@@ -45,11 +45,6 @@ static zip_uint64_t member_count(const archive *a) {
     return n > 0 ? (zip_uint64_t)n : 0;
 }
 
-static bool has_suffix(const char *name, const char *suffix) {
-    size_t n_name = strlen(name), n_suffix = strlen(suffix);
-    return n_name > n_suffix && strcmp(name + n_name - n_suffix, suffix) == 0;
-}
-
 nqm_status nqm_zip_examples(const nqm_map *map, const char *suffix, char *text, size_t n_text, nqm_error *err) {
     enum { N_SHOWN = 4 };
     archive a;
@@ -60,10 +55,10 @@ nqm_status nqm_zip_examples(const nqm_map *map, const char *suffix, char *text, 
     text[0] = 0;
     for (zip_uint64_t i = 0, n = member_count(&a); i < n; ++i) {
         const char *name = base_name(&a, i);
-        if (!has_suffix(name, suffix) || n_found++ >= N_SHOWN)
+        const size_t n_name = strlen(name), n_suffix = strlen(suffix);
+        if (n_name <= n_suffix || strcmp(name + n_name - n_suffix, suffix) != 0 || n_found++ >= N_SHOWN)
             continue;
-        int length = (int)(strlen(name) - strlen(suffix));
-        int n_put = snprintf(text + used, n_text - used, "%s%.*s", used ? ", " : "", length, name);
+        int n_put = snprintf(text + used, n_text - used, "%s%.*s", used ? ", " : "", (int)(n_name - n_suffix), name);
         used = n_put > 0 && (size_t)n_put < n_text - used ? used + (size_t)n_put : strlen(text);
     }
     if (n_found > N_SHOWN)

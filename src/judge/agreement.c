@@ -74,12 +74,10 @@ static double *resampled(const nqm_bootstrap *b, size_t predictor, int statistic
 /* Statistics of the original pairs, without resampling. Returns the number of pairs of tests with an order. */
 static size_t plain_statistics(const nqm_bootstrap *b, size_t predictor, double statistics[NQM_STATISTIC_COUNT]) {
     const nqm_judgement *j = b->judgement;
-    double total[NQM_SUM_COUNT] = {0};
-    for (size_t i = 0; i < j->n_groups * NQM_SUM_COUNT; ++i)
-        total[i % NQM_SUM_COUNT] += b->sums[predictor * j->n_groups * NQM_SUM_COUNT + i];
-    nqm_statistics_of_sums(total, statistics);
+    const double *sums = b->sums + predictor * j->n_groups * NQM_SUM_COUNT;
+    const double n_ordered = nqm_statistics_of_sums(j->n_groups, sums, NULL, statistics);
     statistics[NQM_STATISTIC_SPEARMAN] = nqm_spearman(j->n, j->prediction + predictor * j->n, j->label);
-    return (size_t)total[NQM_SUM_ORDERED];
+    return (size_t)n_ordered;
 }
 
 size_t nqm_bootstrap_count(size_t n_groups, size_t n_bootstrap) {
@@ -95,29 +93,24 @@ void nqm_interval95(size_t n, double *x, double ci95[2]) {
     ci95[1] = nqm_quantile(n_numbers, x, 0.975);
 }
 
-static nqm_estimate *estimate_of(nqm_agreement *a, int statistic) {
-    nqm_estimate *const all[NQM_STATISTIC_COUNT] = {[NQM_STATISTIC_SPEARMAN] = &a->spearman,
-                                                    [NQM_STATISTIC_BY_GROUP] = &a->spearman_mean_by_material,
-                                                    [NQM_STATISTIC_PEARSON] = &a->pearson,
-                                                    [NQM_STATISTIC_KENDALL] = &a->kendall,
-                                                    [NQM_STATISTIC_MAE] = &a->mae,
-                                                    [NQM_STATISTIC_RMSE] = &a->rmse,
-                                                    [NQM_STATISTIC_R2] = &a->r2,
-                                                    [NQM_STATISTIC_ORDER] = &a->order};
-    return all[statistic];
-}
-
 static void fill_agreement(const nqm_bootstrap *b, size_t predictor, nqm_agreement *a) {
     const nqm_judgement *j = b->judgement;
     double statistics[NQM_STATISTIC_COUNT];
+    nqm_estimate *const estimates[NQM_STATISTIC_COUNT] = {[NQM_STATISTIC_SPEARMAN] = &a->spearman,
+                                                          [NQM_STATISTIC_BY_GROUP] = &a->spearman_mean_by_material,
+                                                          [NQM_STATISTIC_PEARSON] = &a->pearson,
+                                                          [NQM_STATISTIC_KENDALL] = &a->kendall,
+                                                          [NQM_STATISTIC_MAE] = &a->mae,
+                                                          [NQM_STATISTIC_RMSE] = &a->rmse,
+                                                          [NQM_STATISTIC_R2] = &a->r2,
+                                                          [NQM_STATISTIC_ORDER] = &a->order};
     *a = (nqm_agreement){.n = j->n, .n_materials = j->n_groups};
     a->n_ordered = plain_statistics(b, predictor, statistics);
     if (!j->without_kendall)
         statistics[NQM_STATISTIC_KENDALL] = nqm_kendall(j->n, j->prediction + predictor * j->n, j->label);
     for (int f = 0; f < NQM_STATISTIC_COUNT; ++f) {
-        nqm_estimate *estimate = estimate_of(a, f);
-        estimate->value = statistics[f];
-        nqm_interval95(b->n_resamples, resampled(b, predictor, f), estimate->ci95);
+        estimates[f]->value = statistics[f];
+        nqm_interval95(b->n_resamples, resampled(b, predictor, f), estimates[f]->ci95);
     }
 }
 

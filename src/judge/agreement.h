@@ -76,8 +76,10 @@ enum {
 };
 
 /** Compute all statistics except NQM_STATISTIC_SPEARMAN and NQM_STATISTIC_KENDALL, which become NaN, from sums
- *  (NQM_SUM_COUNT) over groups. NaN if a statistic is undefined. */
-void nqm_statistics_of_sums(const double *sums, double statistics[NQM_STATISTIC_COUNT]);
+ *  (n_groups, NQM_SUM_COUNT); weight (n_groups): how often each group counts; NULL: once. NaN if a statistic is undefined.
+ *  Returns the total of NQM_SUM_ORDERED. */
+double nqm_statistics_of_sums(size_t n_groups, const double *sums, const double *weight,
+                              double statistics[NQM_STATISTIC_COUNT]);
 
 /** Resampling of one judgement. */
 typedef struct nqm_bootstrap {

@@ -22,7 +22,14 @@ static double deviation(double n, double sum, double squares) {
     return d > rounding * squares ? d : 0;
 }
 
-void nqm_statistics_of_sums(const double *s, double statistics[NQM_STATISTIC_COUNT]) {
+double nqm_statistics_of_sums(size_t n_groups, const double *sums, const double *weight,
+                              double statistics[NQM_STATISTIC_COUNT]) {
+    double s[NQM_SUM_COUNT] = {0};
+    for (size_t g = 0; g < n_groups; ++g) {
+        const double times = weight ? weight[g] : 1;
+        for (size_t i = 0; times > 0 && i < NQM_SUM_COUNT; ++i)
+            s[i] += times * sums[g * NQM_SUM_COUNT + i];
+    }
     double n = s[NQM_SUM_N];
     double xx = deviation(n, s[NQM_SUM_X], s[NQM_SUM_XX]), yy = deviation(n, s[NQM_SUM_Y], s[NQM_SUM_YY]);
     double xy = s[NQM_SUM_XY] - s[NQM_SUM_X] * s[NQM_SUM_Y] / n;
@@ -34,6 +41,7 @@ void nqm_statistics_of_sums(const double *s, double statistics[NQM_STATISTIC_COU
     statistics[NQM_STATISTIC_RMSE] = sqrt(s[NQM_SUM_SQUARED_ERROR] / n);
     statistics[NQM_STATISTIC_R2] = yy > 0 ? 1 - s[NQM_SUM_SQUARED_ERROR] / yy : NAN;
     statistics[NQM_STATISTIC_ORDER] = s[NQM_SUM_ORDERED] > 0 ? s[NQM_SUM_RIGHT] / s[NQM_SUM_ORDERED] : NAN;
+    return s[NQM_SUM_ORDERED];
 }
 
 /* ---- sort order of the values ------------------------------------------------------------------------------------ */
@@ -61,16 +69,15 @@ static size_t find_levels(size_t n, const double *x, nqm_indexed *order, uint32_
 
 static nqm_status prepare(shared *s, nqm_error *err) {
     const nqm_judgement *j = s->b->judgement;
-    nqm_status status = nqm_alloc_arrays(NQM_ARRAYS({&s->level, 1 + j->n_predictors, j->n * sizeof *s->level},
-                                                    {&s->n_levels, 1 + j->n_predictors, sizeof *s->n_levels},
-                                                    {&s->order, j->n_predictors, j->n * sizeof *s->order},
-                                                    {&s->group_of, j->n, sizeof *s->group_of}),
-                                         err);
+    nqm_indexed *order; /* (n) scratch */
+    nqm_status status =
+        nqm_alloc_arrays(NQM_ARRAYS({&s->level, 1 + j->n_predictors, j->n * sizeof *s->level},
+                                    {&s->n_levels, 1 + j->n_predictors, sizeof *s->n_levels},
+                                    {&s->order, j->n_predictors, j->n * sizeof *s->order},
+                                    {&s->group_of, j->n, sizeof *s->group_of}, {&order, j->n, sizeof *order}),
+                         err);
     if (status != NQM_OK)
         return status;
-    nqm_indexed *order = nqm_alloc(j->n, sizeof *order);
-    if (!order)
-        return nqm_fail_nomem(err, j->n * sizeof *order);
     for (size_t g = 0; g < j->n_groups; ++g)
         for (size_t i = j->group_begin[g]; i < j->group_begin[g + 1]; ++i)
             s->group_of[i] = (uint32_t)g;
@@ -80,7 +87,6 @@ static nqm_status prepare(shared *s, nqm_error *err) {
         for (size_t k = 0; r && k < j->n; ++k)
             s->order[(r - 1) * j->n + k] = (uint32_t)order[k].index;
     }
-    nqm_free(order);
     return NQM_OK;
 }
 
@@ -171,18 +177,6 @@ static double resample_kendall(const shared *sh, const resample *s, size_t predi
     return untied > 0 && s->label_untied > 0 ? in_order / sqrt(untied) / sqrt(s->label_untied) : NAN;
 }
 
-/* Statistics of one predictor other than Spearman and Kendall. */
-static void resample_sums(const shared *sh, const resample *s, size_t predictor,
-                          double statistics[NQM_STATISTIC_COUNT]) {
-    const size_t n_groups = sh->b->judgement->n_groups;
-    const double *sums = sh->b->sums + predictor * n_groups * NQM_SUM_COUNT;
-    double total[NQM_SUM_COUNT] = {0};
-    for (size_t g = 0; g < n_groups; ++g)
-        for (size_t i = 0; s->weight[g] > 0 && i < NQM_SUM_COUNT; ++i)
-            total[i] += s->weight[g] * sums[g * NQM_SUM_COUNT + i];
-    nqm_statistics_of_sums(total, statistics);
-}
-
 void nqm_bootstrap_draw(uint64_t seed, size_t index, size_t n_groups, double *weight) {
     nqm_rng rng = nqm_rng_make(seed, index);
     memset(weight, 0, n_groups * sizeof *weight);
@@ -202,7 +196,7 @@ static void fill_resample(shared *sh, size_t index, resample *s) {
         s->label_untied -= pairs_among(s->level_weight[k]);
     for (size_t p = 0; p < j->n_predictors; ++p) {
         double statistics[NQM_STATISTIC_COUNT];
-        resample_sums(sh, s, p, statistics);
+        nqm_statistics_of_sums(j->n_groups, b->sums + p * j->n_groups * NQM_SUM_COUNT, s->weight, statistics);
         statistics[NQM_STATISTIC_SPEARMAN] = resample_spearman(sh, s, p + 1);
         if (!j->without_kendall)
             statistics[NQM_STATISTIC_KENDALL] = resample_kendall(sh, s, p);

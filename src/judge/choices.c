@@ -30,11 +30,6 @@ static double prefers_a(const nqm_evaluation *ev, size_t predictor, const nqm_tr
     return better > 0 ? 1 : better < 0 ? 0 : 0.5;
 }
 
-static double met_by(const nqm_evaluation *ev, size_t predictor, const nqm_triplet *t) {
-    double a = prefers_a(ev, predictor, t);
-    return a * t->n_a + (1 - a) * t->n_b;
-}
-
 static double majority_share(const tally *w, size_t predictor) {
     double n = 0, met = 0;
     for (size_t i = 0; i < w->human->n_triplets; ++i) {
@@ -57,14 +52,6 @@ static double share_of(const tally *w, size_t predictor, const double *weight) {
         choices += times * w->choices[g];
     }
     return met / choices;
-}
-
-static void resample(tally *w, uint64_t seed) {
-    for (size_t i = 0; i < w->n_resamples; ++i) {
-        nqm_bootstrap_draw(seed, i, w->n_groups, w->weight);
-        for (size_t p = 0; p < w->ev->n_predictors; ++p)
-            w->share[p * w->n_resamples + i] = share_of(w, p, w->weight);
-    }
 }
 
 static nqm_status check(const nqm_human *human, const nqm_evaluation *ev, nqm_error *err) {
@@ -95,8 +82,10 @@ static nqm_status begin(tally *w, const nqm_eval_options *options, nqm_error *er
     for (size_t i = 0; i < w->human->n_triplets; ++i) {
         const nqm_triplet *t = &w->human->triplets[i];
         w->choices[t->group] += t->n_a + t->n_b;
-        for (size_t p = 0; p < n_predictors; ++p)
-            w->met[t->group * n_predictors + p] += met_by(w->ev, p, t);
+        for (size_t p = 0; p < n_predictors; ++p) {
+            const double a = prefers_a(w->ev, p, t);
+            w->met[t->group * n_predictors + p] += a * t->n_a + (1 - a) * t->n_b;
+        }
     }
     for (size_t g = 0; g < n_groups; ++g)
         if (w->choices[g] > 0) { /* leave out the groups without choices */
@@ -104,7 +93,11 @@ static nqm_status begin(tally *w, const nqm_eval_options *options, nqm_error *er
             memmove(w->met + w->n_groups++ * n_predictors, w->met + g * n_predictors, n_predictors * sizeof *w->met);
         }
     w->n_resamples = nqm_bootstrap_count(w->n_groups, o.n_bootstrap);
-    resample(w, o.seed);
+    for (size_t i = 0; i < w->n_resamples; ++i) {
+        nqm_bootstrap_draw(o.seed, i, w->n_groups, w->weight);
+        for (size_t p = 0; p < n_predictors; ++p)
+            w->share[p * w->n_resamples + i] = share_of(w, p, w->weight);
+    }
     return NQM_OK;
 }
 

@@ -93,22 +93,16 @@ nqm_status nqm_evaluation_coverage(const nqm_evaluation *evaluation, const nqm_e
     if (evaluation->dataset->order_only)
         return nqm_fail(err, NQM_ERR_INCOMPATIBLE, -1, "the labels are no JOD");
     nqm_selection s;
-    double *inside;
-    nqm_status status = nqm_selection_create(evaluation, &o, &s, err);
+    nqm_status status = nqm_selection_create(evaluation, &o, 1, &s, err);
     if (status != NQM_OK)
         return status;
-    inside = nqm_alloc(s.n_groups, sizeof *inside);
-    if (!inside) {
-        status = nqm_fail_nomem(err, s.n_groups * sizeof *inside);
-    } else {
-        *coverage_ret = (nqm_coverage){.n = s.n, .n_materials = s.n_groups};
-        for (size_t g = 0; g < s.n_groups; ++g)
-            for (size_t k = s.group_begin[g]; k < s.group_begin[g + 1]; ++k)
-                inside[g] += count(evaluation, model, s.pairs[k], coverage_ret);
-        finish(evaluation->dataset, &s, inside, coverage_ret);
-        status = resample(&s, nqm_bootstrap_count(s.n_groups, o.n_bootstrap), o.seed, inside, coverage_ret, err);
-    }
-    nqm_free(inside);
+    double *inside = s.prediction; /* (n_groups), each of which has a pair */
+    *coverage_ret = (nqm_coverage){.n = s.n, .n_materials = s.n_groups};
+    for (size_t g = 0; g < s.n_groups; ++g)
+        for (size_t k = s.group_begin[g]; k < s.group_begin[g + 1]; ++k)
+            inside[g] += count(evaluation, model, s.pairs[k], coverage_ret);
+    finish(evaluation->dataset, &s, inside, coverage_ret);
+    status = resample(&s, nqm_bootstrap_count(s.n_groups, o.n_bootstrap), o.seed, inside, coverage_ret, err);
     nqm_selection_free(&s);
     return status;
 }

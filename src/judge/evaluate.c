@@ -134,24 +134,23 @@ static nqm_status predict_all(nqm_evaluation *ev, const nqm_eval_options *o, nqm
     return status;
 }
 
-static void fill(size_t n, double *values, double value) {
+static void clear(size_t n, double *values) {
     for (size_t i = 0; i < n; ++i)
-        values[i] = value;
+        values[i] = NAN;
 }
 
-static void fill_labels(size_t n, nqm_label *labels, double value) {
+static void clear_labels(size_t n, nqm_label *labels) {
     for (size_t i = 0; i < n; ++i)
-        labels[i] = (nqm_label){value, {value, value, value}, value, value, 0};
+        labels[i] = (nqm_label){NAN, {NAN, NAN, NAN}, NAN, NAN, 0};
 }
 
 /* Nothing is predicted yet. */
 static nqm_status begin(nqm_evaluation *ev, nqm_error *err) {
     const nqm_dataset *d = ev->dataset;
-    const double nan = (double)NAN;
-    fill(ev->n_predictors * d->n_pairs, ev->values, nan);
-    fill(NQM_SCALAR_COUNT * d->n_pairs, ev->scalars, nan);
-    fill_labels(ev->n_models * d->n_pairs, ev->labels, nan);
-    fill_labels(ev->estimates ? d->n_pairs : 0, ev->estimates, nan);
+    clear(ev->n_predictors * d->n_pairs, ev->values);
+    clear(NQM_SCALAR_COUNT * d->n_pairs, ev->scalars);
+    clear_labels(ev->n_models * d->n_pairs, ev->labels);
+    clear_labels(ev->estimates ? d->n_pairs : 0, ev->estimates);
     for (size_t i = 0; i < d->n_refs; ++i)
         ev->ref_class[i] = nqm_dataset_ref_class(d, i);
     const nqm_status status = nqm_dataset_unseen_kinds(d, ev->unseen, err);
@@ -207,11 +206,6 @@ void nqm_evaluation_free(nqm_evaluation *ev) {
     nqm_free(ev); /* one block */
 }
 
-size_t nqm_evaluation_count(const nqm_evaluation *ev) {
-    assert(ev);
-    return ev->n_predictors;
-}
-
 const nqm_label *nqm_evaluation_labels(const nqm_evaluation *ev, size_t i) {
     assert(ev);
     if (i < ev->n_models)
@@ -222,9 +216,4 @@ const nqm_label *nqm_evaluation_labels(const nqm_evaluation *ev, size_t i) {
 const double *nqm_evaluation_values(const nqm_evaluation *ev, size_t i) {
     assert(ev);
     return ev->values + i * ev->dataset->n_pairs;
-}
-
-const double *nqm_evaluation_scalars(const nqm_evaluation *ev, size_t pair) {
-    assert(ev);
-    return ev->scalars + pair * NQM_SCALAR_COUNT;
 }

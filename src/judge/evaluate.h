@@ -14,7 +14,8 @@ struct nqm_evaluation {
     const nqm_dataset *dataset;
     const nqm_dataset *const
         *datasets; /* (n_models) the same pairs at the directions of each model; NULL: `dataset` has them */
-    size_t n_models, n_predictors;
+    size_t n_models;
+    size_t n_predictors; /* n_models + NQM_METRIC_COUNT, and 1 more if the dataset has a transport matrix */
     const nqm_model *const *models;
     nqm_split split;
     nqm_precision precision;
@@ -38,13 +39,16 @@ static inline const nqm_dataset *nqm_evaluation_samples(const nqm_evaluation *ev
 /** The pairs selected by options, sorted by material group; groups without such pairs are left out. */
 typedef struct nqm_selection {
     size_t n, n_groups;
-    size_t *group_begin; /* (n_groups + 1) pairs of group g: [group_begin[g], group_begin[g + 1]) */
-    size_t *pairs;       /* (n) */
+    size_t *
+        group_begin; /* (n_groups + 1) pairs of group g: [group_begin[g], group_begin[g + 1]); owns the block of all arrays */
+    size_t *pairs;      /* (n) */
+    double *label;      /* (n), for the caller to fill */
+    double *prediction; /* (n_predictors, n), likewise */
 } nqm_selection;
 
-/** Select pairs. NQM_ERR_INCOMPATIBLE: no pair matches; NQM_ERR_NOMEM. */
+/** Select pairs, with room for n_predictors. NQM_ERR_INCOMPATIBLE: no pair matches; NQM_ERR_NOMEM. */
 NQM_MUST_CHECK nqm_status nqm_selection_create(const nqm_evaluation *evaluation, const nqm_eval_options *options,
-                                               nqm_selection *selection_ret, nqm_error *err);
+                                               size_t n_predictors, nqm_selection *selection_ret, nqm_error *err);
 void nqm_selection_free(nqm_selection *selection);
 
 static inline bool nqm_evaluation_in_split(const nqm_dataset *d, size_t pair, nqm_split split) {

@@ -10,10 +10,6 @@ static bool is(const char *required, const char *value) {
     return !required || strcmp(required, value) == 0;
 }
 
-static bool in_range(const nqm_dataset *d, const nqm_eval_options *o, size_t pair) {
-    return d->order_only || (d->jod[pair] >= o->jod_from && d->jod[pair] < o->jod_to);
-}
-
 /* See nqm_eval_options.subset. */
 static bool in_subset(const nqm_evaluation *ev, const char *subset, size_t kind) {
     const char *family = nqm_dataset_get_kind(ev->dataset, kind).family;
@@ -31,8 +27,8 @@ static bool selected(const nqm_evaluation *ev, const nqm_eval_options *o, size_t
     const nqm_dataset *d = ev->dataset;
     const nqm_dataset_kind kind = nqm_dataset_get_kind(d, d->pair_kind[pair]);
     return nqm_evaluation_in_split(d, pair, o->split) && nqm_evaluation_in_split(d, pair, ev->split) &&
-           in_range(d, o, pair) && is(o->kind, kind.name) && is(o->family, kind.family) &&
-           in_subset(ev, o->subset, d->pair_kind[pair]) &&
+           (d->order_only || (d->jod[pair] >= o->jod_from && d->jod[pair] < o->jod_to)) && is(o->kind, kind.name) &&
+           is(o->family, kind.family) && in_subset(ev, o->subset, d->pair_kind[pair]) &&
            is(o->source, nqm_dataset_ref_source(d, d->pair_ref[pair])) &&
            is(o->material_class, nqm_material_class_name(ev->ref_class[d->pair_ref[pair]]));
 }
@@ -55,12 +51,14 @@ static void sort_pairs(const nqm_evaluation *ev, const nqm_eval_options *o, nqm_
     s->group_begin[s->n_groups] = s->n;
 }
 
-nqm_status nqm_selection_create(const nqm_evaluation *ev, const nqm_eval_options *options, nqm_selection *s,
-                                nqm_error *err) {
+nqm_status nqm_selection_create(const nqm_evaluation *ev, const nqm_eval_options *options, size_t n_predictors,
+                                nqm_selection *s, nqm_error *err) {
+    const size_t n_pairs = ev->dataset->n_pairs;
     *s = (nqm_selection){0};
     nqm_status status =
         nqm_alloc_arrays(NQM_ARRAYS({&s->group_begin, ev->dataset->n_groups + 2, sizeof *s->group_begin},
-                                    {&s->pairs, ev->dataset->n_pairs, sizeof *s->pairs}),
+                                    {&s->pairs, n_pairs, sizeof *s->pairs}, {&s->label, n_pairs, sizeof *s->label},
+                                    {&s->prediction, n_predictors, n_pairs * sizeof *s->prediction}),
                          err);
     if (status != NQM_OK)
         return status;

@@ -82,22 +82,18 @@ NQM_MUST_CHECK nqm_status nqm_evaluation_create(const nqm_dataset *dataset, size
                                                 nqm_error *err);
 /** Free an evaluation; NULL is allowed. */
 void nqm_evaluation_free(nqm_evaluation *evaluation);
-/** Number of predictors: n_models + NQM_METRIC_COUNT, and 1 more if the dataset has a transport matrix. */
-size_t nqm_evaluation_count(const nqm_evaluation *evaluation);
 /** (n_pairs of the dataset) labels with parts by predictor i: a model that predicts parts, or the estimate; NULL for others. NaN
  *  for pairs outside the split. Owned by the evaluation. */
 const nqm_label *nqm_evaluation_labels(const nqm_evaluation *evaluation, size_t i);
 /** (n_pairs of the dataset) predictions of predictor i: JOD of a model or the estimate, distance of a metric; NaN for pairs
  *  outside the split. Owned by the evaluation. */
 const double *nqm_evaluation_values(const nqm_evaluation *evaluation, size_t i);
-/** (NQM_SCALAR_COUNT) the scalar features of a pair; NaN outside the split. Owned by the evaluation. */
-const double *nqm_evaluation_scalars(const nqm_evaluation *evaluation, size_t pair);
 
 /**
  * Judge every predictor on the pairs that `options` selects. All predictors see the same resamples.
  *
  * @param options  NULL: the defaults
- * @param results  (nqm_evaluation_count())
+ * @param results  (n_predictors of the evaluation)
  * @return NQM_ERR_ARG (order_margin), NQM_ERR_INCOMPATIBLE (no pair is left), NQM_ERR_NOMEM
  */
 NQM_MUST_CHECK nqm_status nqm_evaluation_judge(const nqm_evaluation *evaluation, const nqm_eval_options *options,
@@ -196,10 +192,10 @@ typedef struct nqm_choice_agreement {
 } nqm_choice_agreement;
 
 /**
- * Judge every predictor of an evaluation of nqm_human_dataset() on the choices.
+ * Judge every predictor of an evaluation of human->dataset on the choices.
  *
  * @param options  n_bootstrap and seed are used; NULL: the defaults
- * @param results  (nqm_evaluation_count())
+ * @param results  (n_predictors of the evaluation)
  * @return NQM_ERR_ARG (scores, or an evaluation of another dataset), NQM_ERR_NOMEM
  */
 NQM_MUST_CHECK nqm_status nqm_human_judge_choices(const nqm_human *human, const nqm_evaluation *evaluation,

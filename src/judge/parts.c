@@ -33,43 +33,36 @@ static double part_of(const nqm_label *label, size_t part_index) {
     return part_index < NQM_LABEL_PARTS ? values[part_index] : nqm_label_adapted_jod(label);
 }
 
-/* The label of a pair, without its Delta-E. */
-static nqm_label label_of(const nqm_dataset *d, size_t pair) {
-    nqm_label label = {.delta_e = NAN};
-    nqm_label_set_parts(&label, d->parts + pair * NQM_LABEL_PARTS);
-    return label;
-}
-
 /* What is judged: the model, its controls, and last, if the dataset has it, the estimate. */
 typedef struct work {
     const nqm_evaluation *ev;
     const nqm_label *model;
-    nqm_selection pairs;
-    double *label, *prediction; /* (n), (MAX_PREDICTORS, n) */
+    nqm_selection s;
 } work;
 
 static void collect(const work *w, size_t part_index) {
     const nqm_evaluation *ev = w->ev;
     const part *p = &parts[part_index];
-    const size_t n = w->pairs.n;
+    const size_t n = w->s.n;
     for (size_t i = 0; i < n; ++i) {
-        const size_t pair = w->pairs.pairs[i];
-        const nqm_label label = label_of(ev->dataset, pair);
-        w->label[i] = part_of(&label, part_index);
-        w->prediction[i] = part_of(&w->model[pair], part_index);
+        const size_t pair = w->s.pairs[i];
+        nqm_label label = {.delta_e = NAN}; /* not used */
+        nqm_label_set_parts(&label, ev->dataset->parts + pair * NQM_LABEL_PARTS);
+        w->s.label[i] = part_of(&label, part_index);
+        w->s.prediction[i] = part_of(&w->model[pair], part_index);
         for (size_t k = 0; k < p->n_scalars; ++k)
-            w->prediction[(1 + k) * n + i] = p->sign * ev->scalars[pair * NQM_SCALAR_COUNT + p->scalars[k]];
+            w->s.prediction[(1 + k) * n + i] = p->sign * ev->scalars[pair * NQM_SCALAR_COUNT + p->scalars[k]];
         if (ev->estimates)
-            w->prediction[(1 + p->n_scalars) * n + i] = part_of(&ev->estimates[pair], part_index);
+            w->s.prediction[(1 + p->n_scalars) * n + i] = part_of(&ev->estimates[pair], part_index);
     }
 }
 
 /* nqm_part_agreement.n_plain and .same_sign, of the labels and the model's predictions that collect() stored. */
 static void count_signs(const work *w, const part *p, nqm_part_agreement *result) {
     size_t n_same = 0;
-    for (size_t i = 0; i < w->pairs.n; ++i) {
-        const double predicted = w->label[i] < 0 ? -w->prediction[i] : w->prediction[i];
-        if (fabs(w->label[i]) <= p->plain)
+    for (size_t i = 0; i < w->s.n; ++i) {
+        const double predicted = w->s.label[i] < 0 ? -w->s.prediction[i] : w->s.prediction[i];
+        if (fabs(w->s.label[i]) <= p->plain)
             continue;
         ++result->n_plain;
         n_same += predicted > 0 && predicted >= p->noticed;
@@ -80,12 +73,12 @@ static void count_signs(const work *w, const part *p, nqm_part_agreement *result
 static nqm_status judge_part(const work *w, const nqm_eval_options *o, size_t part_index, nqm_part_agreement *result,
                              nqm_error *err) {
     const part *p = &parts[part_index];
-    const nqm_judgement j = {.n = w->pairs.n,
-                             .n_groups = w->pairs.n_groups,
+    const nqm_judgement j = {.n = w->s.n,
+                             .n_groups = w->s.n_groups,
                              .n_predictors = 1 + p->n_scalars + (w->ev->estimates != NULL),
-                             .group_begin = w->pairs.group_begin,
-                             .label = w->label,
-                             .prediction = w->prediction,
+                             .group_begin = w->s.group_begin,
+                             .label = w->s.label,
+                             .prediction = w->s.prediction,
                              .without_kendall = true};
     nqm_agreement by[MAX_PREDICTORS];
     collect(w, part_index);
@@ -119,15 +112,9 @@ nqm_status nqm_evaluation_judge_parts(const nqm_evaluation *evaluation, const nq
         return nqm_fail(err, NQM_ERR_ARG, -1, "predictor %zu is no model with parts", model);
     if (!evaluation->dataset->parts)
         return nqm_fail(err, NQM_ERR_INCOMPATIBLE, -1, "the labels of the dataset have no parts");
-    nqm_status status = nqm_selection_create(evaluation, &o, &w.pairs, err);
-    if (status != NQM_OK)
-        return status;
-    status = nqm_alloc_arrays(NQM_ARRAYS({&w.label, w.pairs.n, sizeof *w.label},
-                                         {&w.prediction, MAX_PREDICTORS, w.pairs.n * sizeof *w.prediction}),
-                              err);
+    nqm_status status = nqm_selection_create(evaluation, &o, MAX_PREDICTORS, &w.s, err);
     for (size_t i = 0; status == NQM_OK && i < NQM_EVAL_PARTS; ++i)
         status = judge_part(&w, &o, i, &results[i], err);
-    nqm_free(w.label);
-    nqm_selection_free(&w.pairs);
+    nqm_selection_free(&w.s);
     return status;
 }

@@ -217,13 +217,6 @@ static void amx_product_int8(const nqm_product *p) {
     multiply_panels(NQM_PRECISION_INT8, p);
 }
 
-/* c (NQM_STRIP, NQM_PANEL) = its transpose, which is in its place. */
-static void transpose_tile(float *c) {
-    uint32_t tile[NQM_PANEL * NQM_STRIP];
-    memcpy(tile, c, sizeof tile);
-    nqm_transpose_words(NQM_PANEL, NQM_STRIP, tile, NQM_STRIP, (uint32_t *)(void *)c, NQM_PANEL);
-}
-
 /* The transposed tiles are right^T left: strips have the layout of a right factor, and `right` is transposed once for all. */
 static void amx_gradient_bf16(const nqm_tile_gradient *g) {
     enum { TILE = NQM_STRIP * NQM_PANEL };
@@ -251,8 +244,12 @@ static void amx_gradient_bf16(const nqm_tile_gradient *g) {
         }
     }
     end(&s);
-    for (size_t strip = 0; strip < g->n_strips; ++strip)
-        transpose_tile(g->c + strip * TILE);
+    for (size_t strip = 0; strip < g->n_strips; ++strip) { /* each in its place */
+        uint32_t tile[TILE];
+        memcpy(tile, g->c + strip * TILE, sizeof tile);
+        nqm_transpose_words(NQM_PANEL, NQM_STRIP, tile, NQM_STRIP, (uint32_t *)(void *)(g->c + strip * TILE),
+                            NQM_PANEL);
+    }
 }
 
 /* The kernels of `base` with these products. */

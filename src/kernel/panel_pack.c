@@ -144,25 +144,21 @@ void nqm_panels_unpack(const nqm_panels *panels, float *w, size_t ldw) {
     }
 }
 
-/* Transpose rows [first, first + 4) of panel j of `from`. Panels are filled up with zeros, so that whole 4 x 4 blocks can be
- * moved. */
-static void transpose_four(const nqm_panels *from, nqm_panels *to, size_t first, size_t j) {
-    const uint32_t *rows = nqm_panel_at(from, j) + first * NQM_PANEL;
-    const size_t n_words = NQM_PANEL >> to->precision, last = nqm_smaller(to->stride - j * n_words, n_words);
-    uint32_t *words = nqm_panel_at(to, first / NQM_PANEL) + j * n_words * NQM_PANEL + first % NQM_PANEL;
-    uint32_t rounded[4 * NQM_PANEL / 2];
-    if (to->precision == NQM_PRECISION_BF16) {
-        nqm_kernels_get()->round_row((size_t)4 * NQM_PANEL, (const float *)rows, rounded);
-        rows = rounded;
-    }
-    for (size_t u = 0; u < last; u += 4) /* n_words and NQM_STRIP are multiples of 4 */
-        nqm_transpose_4x4(rows + u, n_words, words + u * NQM_PANEL, NQM_PANEL);
-}
-
+/* Panels are filled up with zeros, so that whole 4 x 4 blocks can be moved. */
 void nqm_panels_transpose_rows(const nqm_panels *from, nqm_panels *to, size_t first, size_t n, size_t panel) {
     const size_t end = nqm_smaller(first + n, to->n_panels * NQM_PANEL); /* rows beyond are 0 */
-    for (size_t row = first; row < end; row += 4)
-        transpose_four(from, to, row, panel);
+    const size_t n_words = NQM_PANEL >> to->precision, last = nqm_smaller(to->stride - panel * n_words, n_words);
+    for (size_t row = first; row < end; row += 4) {
+        const uint32_t *rows = nqm_panel_at(from, panel) + row * NQM_PANEL;
+        uint32_t *words = nqm_panel_at(to, row / NQM_PANEL) + panel * n_words * NQM_PANEL + row % NQM_PANEL;
+        uint32_t rounded[4 * NQM_PANEL / 2];
+        if (to->precision == NQM_PRECISION_BF16) {
+            nqm_kernels_get()->round_row((size_t)4 * NQM_PANEL, (const float *)rows, rounded);
+            rows = rounded;
+        }
+        for (size_t u = 0; u < last; u += 4) /* n_words and NQM_STRIP are multiples of 4 */
+            nqm_transpose_4x4(rows + u, n_words, words + u * NQM_PANEL, NQM_PANEL);
+    }
 }
 
 void nqm_panels_transpose(const nqm_panels *from, nqm_panels *to) {

@@ -44,7 +44,7 @@ static nqm_human *must_load(const char *text) {
 
 static nqm_evaluation *evaluate(const nqm_human *human) {
     nqm_evaluation *ev;
-    assert_int_equal(nqm_evaluation_create(nqm_human_dataset(human), 0, NULL, NULL, NULL, &ev, NULL), NQM_OK);
+    assert_int_equal(nqm_evaluation_create(human->dataset, 0, NULL, NULL, NULL, &ev, NULL), NQM_OK);
     return ev;
 }
 
@@ -71,7 +71,7 @@ static void scores_become_a_dataset(void **state) {
     nqm_human_info info = nqm_human_get_info(human);
     assert_true(info.kind == NQM_HUMAN_SCORE && info.n_rows == 6 && info.n_refs == 3 && info.n_groups == 2);
     assert_true(info.n_triplets == 0 && isnan(info.ceiling_other_people));
-    const nqm_dataset *d = nqm_human_dataset(human);
+    const nqm_dataset *d = human->dataset;
     assert_int_equal(nqm_dataset_get_info(d).n_pairs_in[NQM_SPLIT_TEST], 6);
     assert_int_equal(nqm_dataset_get_info(d).n_kinds, 4);
     nqm_evaluation *ev = evaluate(human);
@@ -175,7 +175,7 @@ static void choices_are_added_up(void **state) {
     /* Agreement with the majority of the other people. 13 to 3: 13 agree. 3 to 1: three agree. 2 to 2: nobody agrees,
      * because each faces 1 against 2. */
     assert_near(info.ceiling_other_people, (13 + 3 + 3) / 28.0, 1e-12);
-    assert_int_equal(nqm_dataset_get_info(nqm_human_dataset(human)).n_pairs, 3 + 2 + 2 + 2);
+    assert_int_equal(nqm_dataset_get_info(human->dataset).n_pairs, 3 + 2 + 2 + 2);
     nqm_human_free(human);
 }
 

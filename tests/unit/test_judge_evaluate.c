@@ -288,7 +288,7 @@ static void predictions_are_those_of_single_pairs(void **state) {
                 assert_near(value, i < 2 ? jod : metrics[i - 2], 1e-5);
         }
         for (size_t i = 0; i < NQM_SCALAR_COUNT; ++i) {
-            double value = nqm_evaluation_scalars(ev, pair)[i];
+            double value = ev->scalars[pair * NQM_SCALAR_COUNT + i];
             assert_true(in_test ? value == scalars[i] : isnan(value));
         }
     }

@@ -63,7 +63,7 @@ static double spearman_of(size_t part, const nqm_label *labels, size_t scalar, d
         if (nqm_dataset_pair_split(dataset, i) == NQM_SPLIT_TEST) {
             nqm_label label = {0};
             nqm_label_set_parts(&label, dataset->parts + i * NQM_LABEL_PARTS);
-            x[n] = labels ? part_of(&labels[i], part) : sign * nqm_evaluation_scalars(evaluation, i)[scalar];
+            x[n] = labels ? part_of(&labels[i], part) : sign * evaluation->scalars[i * NQM_SCALAR_COUNT + scalar];
             y[n++] = part_of(&label, part);
         }
     const double rho = nqm_spearman(n, x, y);
@@ -136,7 +136,7 @@ static void parts_that_do_not_exist(void **state) {
     nqm_eval_options o = nqm_eval_options_default();
     o.n_bootstrap = 0;
     assert_int_equal(nqm_evaluation_create(d, 1, (const nqm_model *const *)models, NULL, &o, &ev, NULL), NQM_OK);
-    assert_int_equal(nqm_evaluation_count(ev), 1 + NQM_METRIC_COUNT);
+    assert_int_equal(ev->n_predictors, 1 + NQM_METRIC_COUNT);
     assert_int_equal(nqm_evaluation_judge_parts(ev, &o, 0, parts, NULL), NQM_ERR_INCOMPATIBLE);
     double *known = dataset->parts;
     d->parts = known; /* for parts without a matrix */
@@ -152,7 +152,7 @@ static void estimate_is_a_predictor(void **state) {
     (void)state;
     const size_t estimate = 2 + NQM_METRIC_COUNT, n = 3 * dataset->n_directions;
     const nqm_transport transport = nqm_dataset_transport(dataset);
-    assert_int_equal(nqm_evaluation_count(evaluation), estimate + 1);
+    assert_int_equal(evaluation->n_predictors, estimate + 1);
     assert_non_null(nqm_evaluation_labels(evaluation, 0));
     assert_null(nqm_evaluation_labels(evaluation, 1));
     assert_null(nqm_evaluation_labels(evaluation, 2));

@@ -176,11 +176,11 @@ static void open_human(eval_run *run, const char *root) {
         const size_t first = first_alike(run, i);
         if (first == i)
             run->humans[i] = load_human(run, root, run->models[i]);
-        run->datasets[i] = nqm_human_dataset(run->humans[first]);
+        run->datasets[i] = run->humans[first]->dataset;
     }
     run->human = run->n_models ? run->humans[0] : load_human(run, root, NULL);
     const nqm_human_kind kind = nqm_human_get_info(run->human).kind;
-    run->dataset = nqm_human_dataset(run->human);
+    run->dataset = run->human->dataset;
     run->is_jod = kind == NQM_HUMAN_JOD;
     run->is_choice = kind == NQM_HUMAN_CHOICE;
 }
@@ -239,7 +239,7 @@ static void evaluate(eval_run *run, const eval_arguments *a, const nqm_eval_opti
     if (status == NQM_ERR_INCOMPATIBLE)
         stop_incompatible(run, o, err.message);
     must(status, &err);
-    run->n_predictors = nqm_evaluation_count(run->evaluation);
+    run->n_predictors = run->evaluation->n_predictors;
     if (run->is_choice)
         judge_choices(run, o, run->results);
     else

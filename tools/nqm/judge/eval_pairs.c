@@ -55,7 +55,7 @@ static void write_pair(const eval_run *run, size_t pair, FILE *out) {
     write_text(out, p.family);
     write_text(out, p.material_class);
     for (size_t i = 0; i < NQM_SCALAR_COUNT; ++i)
-        write_number(out, nqm_evaluation_scalars(run->evaluation, pair)[i]);
+        write_number(out, run->evaluation->scalars[pair * NQM_SCALAR_COUNT + i]);
     if (run->dataset->parts) {
         nqm_label label = {.delta_e = p.delta_e};
         nqm_label_set_parts(&label, run->dataset->parts + pair * NQM_LABEL_PARTS);
