@@ -142,7 +142,7 @@ static void free_corpus(nqm_corpus *c) {
 
 /* ---- entry ------------------------------------------------------------------------------------------------------- */
 
-static nqm_status make_folder(const char *folder, nqm_error *err) {
+static nqm_status ensure_folder(const char *folder, nqm_error *err) {
     struct stat st;
     if (!folder || mkdir(folder, 0777) == 0 || (stat(folder, &st) == 0 && S_ISDIR(st.st_mode)))
         return NQM_OK;
@@ -193,7 +193,7 @@ nqm_status nqm_corpus_build(size_t n, const nqm_corpus_pair *pairs, const nqm_di
     if (status == NQM_OK)
         status = check_output(&options, path, err);
     if (status == NQM_OK)
-        status = make_folder(options.checkpoint, err);
+        status = ensure_folder(options.checkpoint, err);
     if (status == NQM_OK)
         status = prepare(&c, n, pairs, err);
     if (status == NQM_OK)

@@ -39,7 +39,7 @@ static bool accept(header *h, char c) {
 }
 
 /* A quoted text; false: none, or longer than fits. */
-static bool read_text(header *h, char *text, size_t n_text) {
+static bool read_string(header *h, char *text, size_t n_text) {
     const char quote = peek(h);
     if (quote != '\'' && quote != '"')
         return false;
@@ -88,9 +88,9 @@ static bool read_dictionary(header *h) {
     if (!accept(h, '{'))
         return false;
     while (!accept(h, '}')) {
-        if (!read_text(h, key, sizeof key) || !accept(h, ':'))
+        if (!read_string(h, key, sizeof key) || !accept(h, ':'))
             return false;
-        bool right = strcmp(key, "descr") == 0           ? !h->descr[0] && read_text(h, h->descr, sizeof h->descr)
+        bool right = strcmp(key, "descr") == 0           ? !h->descr[0] && read_string(h, h->descr, sizeof h->descr)
                      : strcmp(key, "fortran_order") == 0 ? !h->order[0] && read_word(h, h->order, sizeof h->order)
                      : strcmp(key, "shape") == 0         ? !h->has_shape && read_shape(h)
                                                          : false;

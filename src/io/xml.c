@@ -16,7 +16,7 @@ typedef struct reader {
     nqm_error *err;
 } reader;
 
-static void stop(reader *self, nqm_status status) {
+static void give_up(reader *self, nqm_status status) {
     self->status = status;
     XML_StopParser(self->parser, XML_FALSE);
 }
@@ -96,14 +96,14 @@ static void on_start(void *user, const char *name, const char **attributes) {
         return;
     const int64_t byte = byte_of(self);
     if (++self->depth > NQM_XML_MAX_DEPTH)
-        stop(self, nqm_fail(self->err, NQM_ERR_LIMIT, byte, "%s: elements are nested more than %d deep at byte %lld",
-                            self->path, NQM_XML_MAX_DEPTH, (long long)byte));
+        give_up(self, nqm_fail(self->err, NQM_ERR_LIMIT, byte, "%s: elements are nested more than %d deep at byte %lld",
+                               self->path, NQM_XML_MAX_DEPTH, (long long)byte));
     else if (self->xml->n_elements == self->max_elements)
-        stop(self, nqm_fail(self->err, NQM_ERR_LIMIT, byte,
-                            "%s: more than %zu elements at byte %lld, the limit for a file of this size", self->path,
-                            self->max_elements, (long long)byte));
+        give_up(self, nqm_fail(self->err, NQM_ERR_LIMIT, byte,
+                               "%s: more than %zu elements at byte %lld, the limit for a file of this size", self->path,
+                               self->max_elements, (long long)byte));
     else if (!(self->open = nqm_xml_append(self->xml, self->open, name, (const char *const *)attributes, byte)))
-        stop(self, nqm_fail_nomem(self->err, sizeof *self->open));
+        give_up(self, nqm_fail_nomem(self->err, sizeof *self->open));
 }
 
 static void on_end(void *user, const char *name) {
@@ -119,9 +119,9 @@ static void on_doctype(void *user, const char *name, const char *sysid, const ch
     reader *self = user;
     (void)name, (void)sysid, (void)pubid, (void)has_internal_subset;
     if (self->status == NQM_OK)
-        stop(self, nqm_fail(self->err, NQM_ERR_FORMAT, byte_of(self),
-                            "%s: document type declarations (byte %lld) are not read; remove it", self->path,
-                            (long long)byte_of(self)));
+        give_up(self, nqm_fail(self->err, NQM_ERR_FORMAT, byte_of(self),
+                               "%s: document type declarations (byte %lld) are not read; remove it", self->path,
+                               (long long)byte_of(self)));
 }
 
 static nqm_status parse(reader *self, const char *data, size_t n_bytes) {

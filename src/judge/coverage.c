@@ -17,7 +17,7 @@ static size_t range_of(double jod) {
     return i;
 }
 
-/* Whether a label is inside its interval; adds to the sums, which finish() converts to fractions and means. */
+/* Whether a label is inside its interval; adds to the sums, which conclude() converts to fractions and means. */
 static bool count(const nqm_evaluation *ev, size_t model, size_t pair, nqm_coverage *c) {
     const nqm_dataset *d = nqm_evaluation_samples(ev, model);
     const size_t at = model * d->n_pairs + pair;
@@ -35,7 +35,7 @@ static bool count(const nqm_evaluation *ev, size_t model, size_t pair, nqm_cover
     return inside;
 }
 
-static void finish(const nqm_dataset *d, const nqm_selection *s, const double *inside, nqm_coverage *c) {
+static void conclude(const nqm_dataset *d, const nqm_selection *s, const double *inside, nqm_coverage *c) {
     c->lowest = INFINITY;
     for (size_t g = 0; g < s->n_groups; ++g) {
         double share = inside[g] / (double)(s->group_begin[g + 1] - s->group_begin[g]);
@@ -101,7 +101,7 @@ nqm_status nqm_evaluation_coverage(const nqm_evaluation *evaluation, const nqm_e
     for (size_t g = 0; g < s.n_groups; ++g)
         for (size_t k = s.group_begin[g]; k < s.group_begin[g + 1]; ++k)
             inside[g] += count(evaluation, model, s.pairs[k], coverage_ret);
-    finish(evaluation->dataset, &s, inside, coverage_ret);
+    conclude(evaluation->dataset, &s, inside, coverage_ret);
     status = resample(&s, nqm_bootstrap_count(s.n_groups, o.n_bootstrap), o.seed, inside, coverage_ret, err);
     nqm_selection_free(&s);
     return status;

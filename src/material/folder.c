@@ -149,7 +149,7 @@ static bool simplify(const char *file, char *name, size_t n_name) {
     return true;
 }
 
-static bool is_named(const char *file, const struct map_name *map) {
+static bool is_map_of(const char *file, const struct map_name *map) {
     char name[300];
     const char *end = simplify(file, name, sizeof name) ? strchr(name, '_') : NULL;
     while (end && !nqm_contains_word(map->endings, end + 1, false))
@@ -163,7 +163,7 @@ static nqm_status add_found(nqm_textured *t, const char *from, struct dirent **f
     for (const struct map_name *map = map_names; map < map_names + N_NAMES && status == NQM_OK; ++map) {
         const char *found = NULL;
         for (int f = 0; f < n && strcmp(done, map->key) != 0; ++f) {
-            if (!is_named(files[f]->d_name, map))
+            if (!is_map_of(files[f]->d_name, map))
                 continue;
             if (found)
                 return nqm_fail(err, NQM_ERR_ARG, -1, "%s: two maps of %s: %.80s and %.80s; say which: %s%s=%.80s;...",

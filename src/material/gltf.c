@@ -62,7 +62,7 @@ static int64_t byte_of_property(const nqm_reading *r, const void *at) {
 }
 
 /* The path of a property as messages have it. */
-static const char *shown(const char *path) {
+static const char *shown_path(const char *path) {
     static const char prefix[] = "extensions.";
     return strncmp(path, prefix, sizeof prefix - 1) == 0 ? path + sizeof prefix - 1 : path;
 }
@@ -71,14 +71,14 @@ static const char *shown(const char *path) {
 static bool refuse(reader *r, const char *path, const char *value, const char *reason) {
     property at = {.value = NULL};
     snprintf(at.path, sizeof at.path, "%s", path);
-    return nqm_refuse(&r->reading, &at, "%.120s%s%s: %s", shown(path), *value ? " = " : "", value, reason);
+    return nqm_refuse(&r->reading, &at, "%.120s%s%s: %s", shown_path(path), *value ? " = " : "", value, reason);
 }
 
 /* The same, unless `ignorable` is ignored. */
 static bool set_aside(reader *r, unsigned ignorable, const char *path, const char *value, const char *reason) {
     property at = {.value = NULL};
     snprintf(at.path, sizeof at.path, "%s", path);
-    return nqm_set_aside(&r->reading, ignorable, &at, "%.120s%s%s: %s", shown(path), *value ? " = " : "", value,
+    return nqm_set_aside(&r->reading, ignorable, &at, "%.120s%s%s: %s", shown_path(path), *value ? " = " : "", value,
                          reason);
 }
 
@@ -234,7 +234,7 @@ static void add_textures(reader *r, const json_t *material) {
     for (size_t i = 0; i < r->n_textures && !*r->reading.refusal.text; ++i) {
         const property *p = &r->textures[i];
         const char *dot = strrchr(p->path, '.'), *name = dot ? dot + 1 : p->path;
-        nqm_vary(&r->reading, p, "%.120s: %s", shown(p->path), TEXTURE_REASON);
+        nqm_vary(&r->reading, p, "%.120s: %s", shown_path(p->path), TEXTURE_REASON);
         if (strcmp(name, "clearcoatNormalTexture") == 0) {
             has_coat = false;
             if (!json_equal(p->value, base))

@@ -304,7 +304,7 @@ static element *find_text(const graph *g, element *node, const char *name) {
     return e;
 }
 
-static const char *read_text(const graph *g, element *node, const char *name) {
+static const char *text_of_input(const graph *g, element *node, const char *name) {
     element *e = find_text(g, node, name);
     return e ? nqm_xml_get(e, "value") : NULL;
 }
@@ -335,8 +335,8 @@ static bool find_affine(const nqm_textured *t, uint16_t uv, double affine[2][3])
 }
 
 static uint8_t read_wrap(const graph *g, element *node, const char *name, const char *usd_name) {
-    const char *mode = read_text(g, node, name);
-    mode = mode ? mode : read_text(g, node, usd_name);
+    const char *mode = text_of_input(g, node, name);
+    mode = mode ? mode : text_of_input(g, node, usd_name);
     const size_t found = mode ? nqm_find_word("periodic mirror clamp constant black", mode, false) : SIZE_MAX;
     return found == SIZE_MAX ? NQM_MAP_REPEAT : (uint8_t)nqm_smaller(found, NQM_MAP_BORDER);
 }
@@ -361,7 +361,7 @@ static const char *find_file(const graph *g, const char *name) {
 static bool read_file(graph *g, element *node, const char *type, size_t *image_ret) {
     element *e = find_text(g, node, "file");
     char path[4096];
-    const char *file = e ? nqm_xml_get(e, "value") : NULL, *source = read_text(g, node, "sourceColorSpace");
+    const char *file = e ? nqm_xml_get(e, "value") : NULL, *source = text_of_input(g, node, "sourceColorSpace");
     if (!file || !*file)
         return nqm_refuse(g->reading, g->input, "%s reads node '%.60s', which names no file", g->name, name_of(node));
     if (strpbrk(file, "<[{"))
@@ -434,7 +434,7 @@ static uint16_t build_channels(graph *g, element *node) {
     if (is_swizzle || nqm_texts_equal(node->name, "extract")) {
         const machine m = read_operands(g, node, "in=0 index=0");
         if (is_swizzle)
-            return swizzle(g, m.operand[0], read_text(g, node, "channels"));
+            return swizzle(g, m.operand[0], text_of_input(g, node, "channels"));
         if (nqm_graph_is_constant(g->t, m.operand[1]))
             return nqm_graph_channel(g->t, m.operand[0], (size_t)fmin(fmax(g->t->nodes[m.operand[1]].v[0], 0), 3));
     }
@@ -444,15 +444,15 @@ static uint16_t build_channels(graph *g, element *node) {
 
 /* Inputs that change what a node of the table computes. */
 static bool is_evaluated(const graph *g, element *node) {
-    const char *index = read_text(g, node, "index"), *property = read_text(g, node, "geomprop");
-    property = property ? property : read_text(g, node, "varname");
+    const char *index = text_of_input(g, node, "index"), *property = text_of_input(g, node, "geomprop");
+    property = property ? property : text_of_input(g, node, "varname");
     if (nqm_contains_word("geompropvalue UsdPrimvarReader", node->name, false))
         return property && nqm_contains_word("UV0 st uv UVMap map1", property, false);
     if (nqm_texts_equal(node->name, "texcoord"))
         return !index || nqm_texts_equal(index, "0");
     return !nqm_texts_equal(node->name, "normalmap") ||
            (!nqm_mtlx_child(g, node, "input", "tangent") && !nqm_mtlx_child(g, node, "input", "bitangent") &&
-            !nqm_mtlx_child(g, node, "input", "normal") && !nqm_texts_equal(read_text(g, node, "space"), "object"));
+            !nqm_mtlx_child(g, node, "input", "normal") && !nqm_texts_equal(text_of_input(g, node, "space"), "object"));
 }
 
 /* The value of an output of a node. */

@@ -198,7 +198,7 @@ static nqm_status decode_all(nqm_texture *t, nqm_ticker *ticker, nqm_error *err)
 }
 
 /* With its maps; decoded ones are there already. Whether the material of a texel opens tells whether that of all does. */
-static nqm_status finish(nqm_texture *t, nqm_ticker *ticker, nqm_error *err) {
+static nqm_status complete(nqm_texture *t, nqm_ticker *ticker, nqm_error *err) {
     nqm_brdf *brdf = NULL;
     double normal[3];
     nqm_status status = nqm_texture_prepare(t, err);
@@ -297,7 +297,7 @@ nqm_status nqm_texture_open(const char *argument, nqm_progress_fn progress, void
         status = nqm_brdf_find_textured(argument, &t->materials, &index, err);
     t->maps = t->materials ? nqm_materials_maps(t->materials, index, ~0U) : t->owned;
     if (status == NQM_OK)
-        status = t->maps ? finish(t, &ticker, err) : open_constant(t, err);
+        status = t->maps ? complete(t, &ticker, err) : open_constant(t, err);
     return keep(t, status, texture_ret);
 }
 
@@ -360,7 +360,7 @@ static nqm_status make_of_arrays(nqm_texture *t, size_t n_maps, const nqm_textur
         if (status == NQM_OK)
             status = add_map(t, &maps[i], err);
     }
-    return status == NQM_OK ? finish(t, NULL, err) : status;
+    return status == NQM_OK ? complete(t, NULL, err) : status;
 }
 
 nqm_status nqm_texture_create(const char *base, size_t n_maps, const nqm_texture_map *maps, nqm_texture **texture_ret,

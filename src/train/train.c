@@ -273,7 +273,7 @@ static nqm_status name_model(const run *r, struct nqm_model *m, const nqm_train_
     return ok ? NQM_OK : nqm_fail_nomem(err, 0);
 }
 
-static nqm_status finish(run *r, nqm_train_report *report, nqm_model **model_ret, nqm_error *err) {
+static nqm_status conclude(run *r, nqm_train_report *report, nqm_model **model_ret, nqm_error *err) {
     struct nqm_model *m = nqm_alloc(1, sizeof *m);
     float *z = nqm_alloc(r->examples.rows.n_validation, r->examples.n_outputs * sizeof *z);
     nqm_status status = m && z ? NQM_OK : nqm_fail_nomem(err, sizeof *m);
@@ -326,7 +326,7 @@ nqm_status nqm_train(const nqm_dataset *dataset, const nqm_train_options *option
         status = run_epochs(&r, err);
     }
     if (status == NQM_OK)
-        status = finish(&r, &report, model_ret, err);
+        status = conclude(&r, &report, model_ret, err);
     release(&r);
     report.seconds = nqm_clock_s() - begin_s;
     if (status == NQM_OK && report_ret)

@@ -95,7 +95,7 @@ nqm_status write_texels(const nqm_texture *texture, const size_t tiles[2], texel
     return atomic_load(&job.has_failed) ? nqm_fail_nomem(err, n) : NQM_OK;
 }
 
-unsigned char byte_of(double v) {
+unsigned char unit_byte(double v) {
     return (unsigned char)(fmin(fmax(v, 0), 1) * 255 + 0.5);
 }
 

@@ -27,7 +27,7 @@ typedef void texel_writer(void *user, const float *rows, size_t i, unsigned char
 nqm_status write_texels(const nqm_texture *texture, const size_t tiles[2], texel_writer *write, void *user,
                         nqm_raster *picture, nqm_error *err);
 /** 0 to 1 as a byte. */
-unsigned char byte_of(double v);
+unsigned char unit_byte(double v);
 
 /** Options of verbs that make pictures. */
 typedef struct view_args {

@@ -1,22 +1,23 @@
 /* SPDX-License-Identifier: MIT
  *
- * mmap() by copying, and what a page does not have: processes, archives, meshes, and the decoders of PNG and JPEG, which
- * the browser decodes.
+ * mmap() by copying, and what else of POSIX a page does not have.
  */
-#include "io/io.h"
-#include "io/raster_decoders.h"
-
+#include <stdlib.h>
+#include <string.h>
 #include <sys/mman.h>
 #include <unistd.h>
 
 void *mmap(void *address, size_t n_bytes, int protection, int flags, int fd, off_t offset) {
     (void)address, (void)protection;
-    unsigned char *block = nqm_alloc(n_bytes, 1);
+    const size_t n_block = (n_bytes + 63) / 64 * 64;
+    unsigned char *block = aligned_alloc(64, n_block);
     size_t at = 0;
+    if (block)
+        memset(block, 0, n_block);
     while (block && !(flags & MAP_ANONYMOUS) && at < n_bytes) {
         const ssize_t n = pread(fd, block + at, n_bytes - at, offset + (off_t)at);
         if (n <= 0) {
-            nqm_free(block);
+            free(block);
             return MAP_FAILED;
         }
         at += (size_t)n;
@@ -26,61 +27,12 @@ void *mmap(void *address, size_t n_bytes, int protection, int flags, int fd, off
 
 int munmap(void *address, size_t n_bytes) {
     (void)n_bytes;
-    nqm_free(address);
+    free(address);
     return 0;
-}
-
-nqm_status nqm_zip_read(const nqm_map *map, const char *member, size_t max_bytes, unsigned char **data_ret,
-                        size_t *n_bytes_ret, nqm_error *err) {
-    (void)max_bytes;
-    *data_ret = NULL, *n_bytes_ret = 0;
-    return nqm_fail(err, NQM_ERR_FORMAT, 0,
-                    "%s: '%s' is not read from an archive here (byte 0); drop the archive on the page", map->path,
-                    member);
-}
-
-nqm_status nqm_zip_examples(const nqm_map *map, const char *suffix, char *text, size_t n_text, nqm_error *err) {
-    (void)map, (void)suffix, (void)n_text, (void)err;
-    *text = 0;
-    return NQM_OK;
-}
-
-void nqm_mesh_free(nqm_mesh *mesh) {
-    (void)mesh;
-}
-
-nqm_status nqm_mesh_load(const char *path, nqm_mesh *mesh_ret, nqm_error *err) {
-    *mesh_ret = (nqm_mesh){0};
-    return nqm_fail(err, NQM_ERR_FORMAT, 0, "%s: meshes are not read here (byte 0)", path);
-}
-
-/* The page stores decoded pictures as "\x89PNGraw", width, height and channels in 4 bytes each, and the bytes of the pixels. */
-nqm_status nqm_raster_decode_png(const nqm_map *map, bool header_only, nqm_raster *raster, nqm_error *err) {
-    enum { HEAD = 19 };
-    if (map->n_bytes < HEAD || memcmp(map->data + 4, "raw", 3) != 0)
-        return nqm_fail(err, NQM_ERR_FORMAT, 0, "%s: the browser cannot decode this picture (byte 0)", map->path);
-    *raster = (nqm_raster){nqm_load_u32(map->data + 7), nqm_load_u32(map->data + 11), nqm_load_u32(map->data + 15),
-                           NQM_RASTER_U8, NULL};
-    if (raster->channels < 1 || raster->channels > 4 ||
-        map->n_bytes - HEAD != raster->width * raster->height * raster->channels)
-        return nqm_fail(err, NQM_ERR_FORMAT, 7, "%s: the size of the decoded picture is wrong (byte 7)", map->path);
-    nqm_status status = nqm_raster_begin(map, 1, header_only, raster, err);
-    if (status == NQM_OK && !header_only)
-        memcpy(raster->data, map->data + HEAD, map->n_bytes - HEAD);
-    return status;
-}
-
-nqm_status nqm_raster_decode_jpeg(const nqm_map *map, bool header_only, nqm_raster *raster, nqm_error *err) {
-    (void)header_only, (void)raster;
-    return nqm_fail(err, NQM_ERR_FORMAT, 0, "%s: the browser cannot decode this picture (byte 0)", map->path);
 }
 
 /* expat's hash salt. */
 int getpid(void);
 int getpid(void) {
     return 1;
-}
-
-const char *nqm_build_info(void) {
-    return "WebAssembly, 128-bit SIMD";
 }

@@ -24,6 +24,30 @@ static void pbsdf_free(void *self) {
 
 static const nqm_brdf_class pbsdf_class = {.format = "pbsdf", .eval_half_diff = nqm_grid_eval, .free = pbsdf_free};
 
+/* ---- tensors ------------------------------------------------------------------------------------------------------ */
+
+nqm_status nqm_brdf_fail_tensor(const char *path, const nqm_tensor *t, const char *fault, nqm_error *err) {
+    return nqm_fail(err, NQM_ERR_FORMAT, t->byte_offset, "%s: '%s' at byte %lld %s", path, t->name,
+                    (long long)t->byte_offset, fault);
+}
+
+nqm_status nqm_brdf_tensor_weights(const char *path, const nqm_tensor *wavelengths, nqm_illuminant illuminant,
+                                   double *weights, nqm_error *err) {
+    const unsigned char *stored = wavelengths->data;
+    const size_t size = nqm_dtype_size(wavelengths->dtype), n = wavelengths->n_bytes / size;
+    float *nm = nqm_alloc(n, sizeof *nm);
+    if (!nm)
+        return nqm_fail_nomem(err, n * sizeof *nm);
+    for (size_t i = 0; i < n; ++i, stored += size)
+        nm[i] = wavelengths->dtype == NQM_U16 ? (float)nqm_load_u16(stored) : nqm_load_f32(stored);
+    const bool visible = nqm_spectrum_is_visible(n, nm);
+    if (visible)
+        nqm_spectrum_weights(illuminant, n, nm, weights);
+    nqm_free(nm);
+    return visible ? NQM_OK
+                   : nqm_brdf_fail_tensor(path, wavelengths, "does not rise from at most 500 to at least 600 nm", err);
+}
+
 /* ---- reading ----------------------------------------------------------------------------------------------------- */
 
 enum { N_AXES = 3, MATRIX = 16 }; /* axes of M: theta_h, theta_d, phi_d; elements of a matrix */

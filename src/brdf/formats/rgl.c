@@ -248,11 +248,6 @@ typedef struct contents {
     nqm_illuminant illuminant;
 } contents;
 
-nqm_status nqm_brdf_fail_tensor(const char *path, const nqm_tensor *t, const char *fault, nqm_error *err) {
-    return nqm_fail(err, NQM_ERR_FORMAT, t->byte_offset, "%s: '%s' at byte %lld %s", path, t->name,
-                    (long long)t->byte_offset, fault);
-}
-
 static nqm_status find_tensor(const nqm_tensor_file *file, const contents *c, const char *name, size_t n_dims,
                               const nqm_tensor **t_ret, nqm_error *err) {
     *t_ret = nqm_tensor_file_find(file, name);
@@ -354,23 +349,6 @@ static void convert_spectra(const nqm_tensor *t, const double *weights, float *r
             for (size_t c = 0; c < 3; ++c)
                 rgb[c] = (float)fmin(fmax(sum[c], (double)-FLT_MAX), (double)FLT_MAX);
         }
-}
-
-nqm_status nqm_brdf_tensor_weights(const char *path, const nqm_tensor *wavelengths, nqm_illuminant illuminant,
-                                   double *weights, nqm_error *err) {
-    const unsigned char *stored = wavelengths->data;
-    const size_t size = nqm_dtype_size(wavelengths->dtype), n = wavelengths->n_bytes / size;
-    float *nm = nqm_alloc(n, sizeof *nm);
-    if (!nm)
-        return nqm_fail_nomem(err, n * sizeof *nm);
-    for (size_t i = 0; i < n; ++i, stored += size)
-        nm[i] = wavelengths->dtype == NQM_U16 ? (float)nqm_load_u16(stored) : nqm_load_f32(stored);
-    const bool visible = nqm_spectrum_is_visible(n, nm);
-    if (visible)
-        nqm_spectrum_weights(illuminant, n, nm, weights);
-    nqm_free(nm);
-    return visible ? NQM_OK
-                   : nqm_brdf_fail_tensor(path, wavelengths, "does not rise from at most 500 to at least 600 nm", err);
 }
 
 static nqm_status read_spectra(const contents *c, float *rgb, nqm_error *err) {

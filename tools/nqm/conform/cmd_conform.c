@@ -159,7 +159,7 @@ int cmd_conform(int argc, char **argv) {
     if (is_self)
         exit_code = prove_kit(kit, result.run.format);
     if (shell || n_arguments == 2) {
-        float *values = shell ? run_command(kit, shell) : read_values(kit, input_path(argv[1]));
+        float *values = shell ? run_command(kit, shell) : read_results(kit, input_path(argv[1]));
         result.kit = kit;
         result.n_shown = n_worst ? (size_t)n_worst : KIT_MAX_SETS;
         compare(&result, shell ? shell : argv[1], values);

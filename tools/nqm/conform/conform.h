@@ -54,7 +54,7 @@ void write_kit_shader(const conform_kit *kit, const char *path);
 
 /** Values of all sets, (n_sets, n_directions, 3) float; free() it. NaN where there is none. path: a CSV with the columns r, g, b, or
  *  an array of NumPy. */
-float *read_values(const conform_kit *kit, const char *path);
+float *read_results(const conform_kit *kit, const char *path);
 /** The same from a command of the shell, which gets the rows of the kit and prints such a CSV. */
 float *run_command(const conform_kit *kit, const char *line);
 

@@ -82,7 +82,7 @@ static float *read_file(const conform_kit *kit, const char *path, const char *na
     return values;
 }
 
-float *read_values(const conform_kit *kit, const char *path) {
+float *read_results(const conform_kit *kit, const char *path) {
     const char *stream = stream_name(path, &(size_t){0});
     return read_file(kit, path, *stream ? stream : path);
 }

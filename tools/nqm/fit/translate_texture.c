@@ -259,13 +259,13 @@ static void fill_texel(void *user, const float *rows, size_t i, unsigned char *o
             for (size_t k = 0; k < run->n; ++k)
                 x += weights[k] * run->fitted[k].change[u][c];
             x = fmin(fmax(x, run->key[u]->low), run->key[u]->high);
-            out[use->channel == SIZE_MAX ? c : use->channel] = *use->space ? nqm_srgb_byte(x) : byte_of(x);
+            out[use->channel == SIZE_MAX ? c : use->channel] = *use->space ? nqm_srgb_byte(x) : unit_byte(x);
         }
     }
     if (!job->texture)
         nqm_texture_normal(run->ref, rows, i, v);
     for (size_t c = 0; !job->texture && c < 3; ++c)
-        out[c] = byte_of((v[c] + 1) / 2);
+        out[c] = unit_byte((v[c] + 1) / 2);
 }
 
 /* The map of a texture, beside the file. */

@@ -51,11 +51,11 @@ static void write_texel(void *user, const float *rows, size_t i, unsigned char *
     nqm_texture_normal(t, rows, i, normal);
     for (size_t c = 0; c < 3; ++c)
         if (m->property == NORMAL)
-            out[c] = byte_of((normal[c] + 1) / 2);
+            out[c] = unit_byte((normal[c] + 1) / 2);
         else if (t->keys[m->property].n == 3)
             out[c] = nqm_srgb_byte(nqm_texture_value(t, m->property, c, rows, i));
         else
-            out[c] = byte_of(nqm_texture_value(t, m->property, 0, rows, i));
+            out[c] = unit_byte(nqm_texture_value(t, m->property, 0, rows, i));
 }
 
 static void put_map_of(const report_page *page, const nqm_texture *texture, size_t property) {

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * Mapped files as copies, aligned to 64 bytes (shim/mman.c).
+ * Mapped files as copies, aligned to 64 bytes (shim/posix.c).
  */
 #ifndef NQM_WEB_SYS_MMAN_H
 #define NQM_WEB_SYS_MMAN_H
