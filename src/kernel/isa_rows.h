@@ -264,3 +264,22 @@ static void hidden_row_back(const nqm_hidden_row_back *r) {
         dbias[i] += g[i];
     }
 }
+
+/* The table of an instruction set. */
+#define NQM_DEFINE_KERNELS(SUFFIX, NAME)                                                                               \
+    const nqm_kernels nqm_kernels_##SUFFIX = {                                                                         \
+        .name = (NAME),                                                                                                \
+        .product = {product_f32, product_bf16, product_int8},                                                          \
+        .strided_product = strided_product,                                                                            \
+        .gradient = {gradient_f32, gradient_bf16, NULL},                                                               \
+        .hidden_row = hidden_row,                                                                                      \
+        .dot = dot,                                                                                                    \
+        .hidden_row_back = hidden_row_back,                                                                            \
+        .gelu = gelu,                                                                                                  \
+        .round_row = round_row,                                                                                        \
+        .round_pair = round_pair,                                                                                      \
+        .round_tile = round_tile,                                                                                      \
+        .quantise_row = quantise_row,                                                                                  \
+        .dequantise = dequantise,                                                                                      \
+        .adam = adam,                                                                                                  \
+    }

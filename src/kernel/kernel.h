@@ -172,25 +172,6 @@ typedef struct nqm_kernels {
     void (*adam)(size_t n, const nqm_adam_rate *rate, const float *grad, float *m, float *v, float *param);
 } nqm_kernels;
 
-/** Define a table from the functions of its file, which have the names of the members. */
-#define NQM_DEFINE_KERNELS(SUFFIX, NAME)                                                                               \
-    const nqm_kernels nqm_kernels_##SUFFIX = {                                                                         \
-        .name = (NAME),                                                                                                \
-        .product = {product_f32, product_bf16, product_int8},                                                          \
-        .strided_product = strided_product,                                                                            \
-        .gradient = {gradient_f32, gradient_bf16, NULL},                                                               \
-        .hidden_row = hidden_row,                                                                                      \
-        .dot = dot,                                                                                                    \
-        .hidden_row_back = hidden_row_back,                                                                            \
-        .gelu = gelu,                                                                                                  \
-        .round_row = round_row,                                                                                        \
-        .round_pair = round_pair,                                                                                      \
-        .round_tile = round_tile,                                                                                      \
-        .quantise_row = quantise_row,                                                                                  \
-        .dequantise = dequantise,                                                                                      \
-        .adam = adam,                                                                                                  \
-    }
-
 /** Plain loops; products are summed in double and rounded once. Defines the results. */
 extern const nqm_kernels nqm_kernels_scalar;
 /** Vectors of 16 bytes, for every machine of the build's target: SSE2, NEON. */

@@ -220,4 +220,19 @@ static void adam(size_t n, const nqm_adam_rate *rate, const float *grad, float *
     }
 }
 
-NQM_DEFINE_KERNELS(scalar, "scalar");
+const nqm_kernels nqm_kernels_scalar = {
+    .name = "scalar",
+    .product = {product_f32, product_bf16, product_int8},
+    .strided_product = strided_product,
+    .gradient = {gradient_f32, gradient_bf16, NULL},
+    .dot = dot,
+    .hidden_row = hidden_row,
+    .hidden_row_back = hidden_row_back,
+    .gelu = gelu,
+    .round_row = round_row,
+    .round_pair = round_pair,
+    .round_tile = round_tile,
+    .quantise_row = quantise_row,
+    .dequantise = dequantise,
+    .adam = adam,
+};
