@@ -18,23 +18,6 @@ typedef struct found {
     bool is_flag, is_off;
 } found;
 
-nqm_option own_row(const command *cmd, const option *o) {
-    const option_words *w = cmd->words;
-    while (w && w->name && strcmp(w->name, o->name) != 0)
-        ++w;
-    static const nqm_option_kind kinds[] = {
-        [OPTION_FLAG] = NQM_OPTION_BOOL,     [OPTION_TEXT] = NQM_OPTION_TEXT, [OPTION_NEEDED] = NQM_OPTION_TEXT,
-        [OPTION_NUMBER] = NQM_OPTION_DOUBLE, [OPTION_COUNT] = NQM_OPTION_U64, [OPTION_FORMAT] = NQM_OPTION_BOOL};
-    return (nqm_option){.name = o->name,
-                        .off_name = "",
-                        .metavar = o->metavar,
-                        .help = o->help,
-                        .kind = kinds[o->kind],
-                        .min = kinds[o->kind] == NQM_OPTION_BOOL ? 0 : o->min, /* its value, for a format */
-                        .max = o->max,
-                        .words = w ? w->words : NULL};
-}
-
 static found own_option(const command *cmd, const option *o) {
     const nqm_option row = own_row(cmd, o);
     return (found){.row = row, .target = o->target, .own = o, .is_flag = row.kind == NQM_OPTION_BOOL};

@@ -37,6 +37,23 @@ static void append_values(row_text *t, const nqm_option *o, const void *target) 
         append(t, " [default: %s]", text);
 }
 
+nqm_option own_row(const command *cmd, const option *o) {
+    const option_words *w = cmd->words;
+    while (w && w->name && strcmp(w->name, o->name) != 0)
+        ++w;
+    static const nqm_option_kind kinds[] = {
+        [OPTION_FLAG] = NQM_OPTION_BOOL,     [OPTION_TEXT] = NQM_OPTION_TEXT, [OPTION_NEEDED] = NQM_OPTION_TEXT,
+        [OPTION_NUMBER] = NQM_OPTION_DOUBLE, [OPTION_COUNT] = NQM_OPTION_U64, [OPTION_FORMAT] = NQM_OPTION_BOOL};
+    return (nqm_option){.name = o->name,
+                        .off_name = "",
+                        .metavar = o->metavar,
+                        .help = o->help,
+                        .kind = kinds[o->kind],
+                        .min = kinds[o->kind] == NQM_OPTION_BOOL ? 0 : o->min, /* its value, for a format */
+                        .max = o->max,
+                        .words = w ? w->words : NULL};
+}
+
 static void call_for(const nqm_option *o, char letter, const void *target, help_row_fn *fn, void *user) {
     row_text t = {.n = 0};
     char name[NQM_OPTION_TEXT_MAX], off[NQM_OPTION_TEXT_MAX + 3];
