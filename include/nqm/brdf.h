@@ -168,10 +168,9 @@ NQM_API void nqm_brdf_eval(const nqm_brdf *brdf, size_t n, const double *wi, con
 NQM_API void nqm_brdf_eval_half_diff(const nqm_brdf *brdf, size_t n, const double *hd, double *rgb, uint8_t *flag);
 
 /**
- * Evaluate f_r of an analytic model (a spec or a preset of one) and its exact derivatives by its parameters: the values of the
- * keys in the order of nqm_brdf_info.spec, three for an RGB key (red, green, blue) and two for a key with two values (x, y), also where
- * the spec has one number for all.
- * Their number, n_parameters, is nqm_brdf_info.n_values.
+ * Evaluate f_r of an analytic model (a spec or a preset of one) and its exact derivatives by its parameters: the values
+ * of the keys in the order of nqm_brdf_info.spec, three for an RGB key (red, green, blue) and two for a key with two
+ * values (x, y), also where the spec has one number for all. Their number, n_parameters, is nqm_brdf_info.n_values.
  *
  * A channel depends only on its own value of an RGB key; the entries of the other two are 0. All entries are 0 below the
  * horizon, in a channel that was negative and is replaced by 0, and in all channels when one is not finite. At a kink the
@@ -257,8 +256,8 @@ typedef struct nqm_brdf_check_report {
      *  value in both orders. */
     double reciprocity_median;
     double reciprocity_p95; /**< 95th percentile of the same */
-    /** Mean of |f - f turned| / mean (luminance) over pairs of all widths of lobes and random turns about the normal; 0 if isotropic by
-     *  construction, or below 1e-5; at most 2; NaN: no pair has a value. */
+    /** Mean of |f - f turned| / mean (luminance) over pairs of all widths of lobes and random turns about the normal; 0
+     *  if isotropic by construction, or below 1e-5; at most 2; NaN: no pair has a value. */
     double anisotropy;
     /** Largest directional-hemispherical albedo, theta_i 0 to 75 degrees, per channel; NaN: unknown. */
     double albedo_max[3];
@@ -291,11 +290,11 @@ typedef struct nqm_brdf_difference {
 } nqm_brdf_difference;
 
 /**
- * Compare the values of two BRDFs: whether a formula is implemented as it is specified, which a score cannot tell, because people may
- * not see the difference.
+ * Compare the values of two BRDFs: whether a formula is implemented as it is specified, which a score cannot tell,
+ * because people may not see the difference.
  *
- * Both are evaluated at 8192 random pairs of directions, half of them near the mirror direction, with polar angles up to 89 degrees,
- * and at the directions of lists.
+ * Both are evaluated at 8192 random pairs of directions, half of them near the mirror direction, with polar angles up
+ * to 89 degrees, and at the directions of lists.
  *
  * @param tolerance  largest relative difference of equal values, 0 or more
  * @param seed       of the pairs; the same seed gives the same answer

@@ -18,7 +18,8 @@ typedef enum nqm_corpus_part {
     NQM_CORPUS_TEST          /**< test */
 } nqm_corpus_part;
 
-/** A pair to label. BRDFs are arguments of nqm_brdf_open(), or `fit:` specs (doc/brdf.md). A text that is NULL or "" has its default. */
+/** A pair to label. BRDFs are arguments of nqm_brdf_open(), or `fit:` specs (doc/brdf.md). A text that is NULL or ""
+ *  has its default. */
 typedef struct nqm_corpus_pair {
     const char *reference, *test;
     const char *name; /**< of the reference; default `reference`. A name has one reference, group and source */
@@ -53,9 +54,10 @@ typedef struct nqm_corpus_options {
 NQM_API nqm_corpus_options nqm_corpus_options_default(void);
 
 /**
- * Label a list of pairs by rendering and write them as a dataset file. Pairs of a reference share its samples and pictures and their
- * fits. Pairs that cannot be opened, fitted or rendered are left out and listed in the manifest ("failures"). The manifest is stored
- * in the file and, with the dataset's checksum, in PATH.json. The bytes are the same for any number of threads and processes.
+ * Label a list of pairs by rendering and write them as a dataset file. Pairs of a reference share its samples and
+ * pictures and their fits. Pairs that cannot be opened, fitted or rendered are left out and listed in the manifest
+ * ("failures"). The manifest is stored in the file and, with the dataset's checksum, in PATH.json. The bytes are the
+ * same for any number of threads and processes.
  *
  * @param pairs       (n), borrowed during the call; those of other splits than options->part are left out
  * @param directions  sampling directions

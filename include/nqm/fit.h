@@ -61,8 +61,8 @@ typedef struct nqm_fit_options {
         *terms;     /**< (n_terms) of analytic models: their sum replaces `loss`; owned by the caller; default
                                   NULL */
     size_t n_terms; /**< 0 to 8; default 0 */
-    /** Direction pairs, 200 to 1000000; default 6000. Analytic and shading models are fitted to a list of measured directions at all of
-     *  these, and to a goniometer's grid at its nodes. */
+    /** Direction pairs, 200 to 1000000; default 6000. Analytic and shading models are fitted to a list of measured
+     *  directions at all of these, and to a goniometer's grid at its nodes. */
     size_t n_directions;
     double max_polar_rad; /**< largest polar angle of both directions, 0.1 to 89.9 degrees; default 80 degrees */
     double
@@ -128,9 +128,9 @@ NQM_API int nqm_fit_model_has(const char *name, const char *key);
  * (coat, sheen) where they help; whole-number keys keep the value of `start` or their default; `bounds` apply to any key (low =
  * high fixes it). The spec of the result leaves out keys with their default.
  *
- * Of an anisotropic reference, keys with two values are both free, along the axes of its lobe, and keys of anisotropy have the values of
- * the lobe, which is measured; the result is a `rotate:` of the model, by the azimuth of the lobe, unless a key of the model says that. A
- * start keeps its own anisotropy.
+ * Of an anisotropic reference, keys with two values are both free, along the axes of its lobe, and keys of anisotropy
+ * have the values of the lobe, which is measured; the result is a `rotate:` of the model, by the azimuth of the lobe,
+ * unless a key of the model says that. A start keeps its own anisotropy.
  *
  * @param options   NULL: the defaults. `loss`, `terms`, `bounds` and all about starts apply to analytic models; networks and sparse codes
  *                  have their own losses (doc/encodings.md). "nbrdf" trains on 16 times `n_directions` directions, up to the

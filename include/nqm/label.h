@@ -19,9 +19,10 @@ extern "C" {
  *  nqm_scene_weights(). label.error is the standard error by the choice of the points, measured between groups of them of two
  *  sizes; where the pictures are smooth, it may be overstated by a factor of four. */
 NQM_API nqm_label nqm_scene_compare(const nqm_scene *scene, const double *ref_cdm2, const double *test_cdm2);
-/** The same for pictures of nqm_scene_render_halves(), (3, n_points, 3) each. Noise of the light directions adds to Delta-E, which is
- *  a mean of absolute values: the label is extrapolated from halves and whole to the label without this noise, and half of the
- *  extrapolation counts as error. This is the label of `nqm label` and of corpora. Equal pictures have exactly 0. */
+/** The same for pictures of nqm_scene_render_halves(), (3, n_points, 3) each. Noise of the light directions adds to
+ *  Delta-E, which is a mean of absolute values: the label is extrapolated from halves and whole to the label without
+ *  this noise, and half of the extrapolation counts as error. This is the label of `nqm label` and of corpora. Equal
+ *  pictures have exactly 0. */
 NQM_API nqm_label nqm_scene_compare_halves(const nqm_scene *scene, const double *ref_cdm2, const double *test_cdm2);
 /** Delta-E ITP of each point: delta_e (n_points). */
 NQM_API void nqm_scene_delta_e_map(const nqm_scene *scene, const double *ref_cdm2, const double *test_cdm2,
@@ -39,11 +40,12 @@ NQM_API NQM_MUST_CHECK nqm_status nqm_rays_compare(const nqm_rays *rays, const d
 /* ---- light transport --------------------------------------------------------------------------------------------- */
 
 /**
- * Make a model without a network that estimates labels in a scene by light transport: with fixed light, the radiance of every
- * point is linear in the BRDF (precomputed radiance transfer: Sloan et al. 2002, DOI 10.1145/566654.566612), so a matrix makes
- * pictures of few points from samples. The model predicts labels with parts and has no intervals; nqm_model_save() writes it.
- * The directions are the nodes of a grid (nqm_directions_options.grid). More points make it more exact, larger (16.6 KB each) and slower;
- * doc/labels.md has the errors. The built-in model "transport" has the standard scenes.
+ * Make a model without a network that estimates labels in a scene by light transport: with fixed light, the radiance of
+ * every point is linear in the BRDF (precomputed radiance transfer: Sloan et al. 2002, DOI 10.1145/566654.566612), so a
+ * matrix makes pictures of few points from samples. The model predicts labels with parts and has no intervals;
+ * nqm_model_save() writes it. The directions are the nodes of a grid (nqm_directions_options.grid). More points make it
+ * more exact, larger (16.6 KB each) and slower; doc/labels.md has the errors. The built-in model "transport" has the
+ * standard scenes.
  *
  * @param scene       NULL: the defaults, the standard scenes; its pixels, points and interreflection are not used, and n_lights 0
  *                    stands for 1024
@@ -54,9 +56,10 @@ NQM_API NQM_MUST_CHECK nqm_status nqm_rays_compare(const nqm_rays *rays, const d
 NQM_API NQM_MUST_CHECK nqm_status nqm_transport_create(const nqm_scene_options *scene, size_t n_points, const char *id,
                                                        nqm_model **model_ret, nqm_error *err);
 
-/** The same for anisotropic BRDFs: how much light each point receives by the slope of the half vector. BRDFs are evaluated at half vectors
- *  that are placed by their lobe, so that lobes of any width, shape and lean are right; samples at fixed directions have no score.
- *  The built-in model "anisotropic" has the standard scenes. 4 to 4096 points of 22 KB each. */
+/** The same for anisotropic BRDFs: how much light each point receives by the slope of the half vector. BRDFs are
+ *  evaluated at half vectors that are placed by their lobe, so that lobes of any width, shape and lean are right;
+ *  samples at fixed directions have no score. The built-in model "anisotropic" has the standard scenes. 4 to 4096
+ *  points of 22 KB each. */
 NQM_API NQM_MUST_CHECK nqm_status nqm_slopes_create(const nqm_scene_options *scene, size_t n_points, const char *id,
                                                     nqm_model **model_ret, nqm_error *err);
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * nqm/match.h - fits that look right: analytic and shading models fitted by the predicted difference of pictures, by distances of BRDF
- * values, or by sums of both. In libnqm-full only. Any thread.
+ * nqm/match.h - fits that look right: analytic and shading models fitted by the predicted difference of pictures, by
+ * distances of BRDF values, or by sums of both. In libnqm-full only. Any thread.
  */
 #ifndef NQM_MATCH_H
 #define NQM_MATCH_H
@@ -21,15 +21,15 @@ extern "C" {
  *  - "transport": the same of `transport`;
  *  - the losses of nqm_fit_loss: "log", "rmse", ..., "log_diff".
  *
- * "auto" or "auto:SUM" selects in two stages (after Bieron and Peers 2020, DOI 10.1111/cgf.14052): fits under the losses
- * "log", "log-cos", "rms_crwe" and "log_diff" are candidates, each (of shading models the best) is polished by SUM
- * (default: "100*ma_crwe+transport"), and of all the one with the smallest Delta-E on rays of `scene` is the result: no step of
- * a fit has seen these directions. nqm_fit_options.start is one of the starts.
- * A reference with values at fewer than 90 % of the directions of `transport`, as a grid of a goniometer that ends at 80
- * degrees or a list whose rows are more than a degree away, is fitted by "ma_crwe" alone, which `selected` says. `transport`
- * and not `scene` compares lists. Of an anisotropic reference, "transport" is Delta-E on other rays of `scene`; without a scene it is
- * refused, and "auto" fits by "ma_crwe" alone.
- * A shading model is fitted at half of the directions, and its result is simplified (nqm_fit_options.simplify).
+ * "auto" or "auto:SUM" selects in two stages (after Bieron and Peers 2020, DOI 10.1111/cgf.14052): fits under the
+ * losses "log", "log-cos", "rms_crwe" and "log_diff" are candidates, each (of shading models the best) is polished by
+ * SUM (default: "100*ma_crwe+transport"), and of all the one with the smallest Delta-E on rays of `scene` is the
+ * result: no step of a fit has seen these directions. nqm_fit_options.start is one of the starts. A reference with
+ * values at fewer than 90 % of the directions of `transport`, as a grid of a goniometer that ends at 80 degrees or a
+ * list whose rows are more than a degree away, is fitted by "ma_crwe" alone, which `selected` says. `transport` and not
+ * `scene` compares lists. Of an anisotropic reference, "transport" is Delta-E on other rays of `scene`; without a scene
+ * it is refused, and "auto" fits by "ma_crwe" alone. A shading model is fitted at half of the directions, and its
+ * result is simplified (nqm_fit_options.simplify).
  */
 typedef struct nqm_match_loss {
     const char *text;

@@ -215,12 +215,13 @@ typedef enum nqm_score_quantity {
  * the estimate by light transport. They are computed in float, whatever the precision of the scorer: components are within 1e-5 of
  * the largest component of a pair's gradient, and values agree with those of nqm_scorer_run_samples() within 0.001 JOD.
  *
- * Where a function has no derivative, the gradient is that of one side, always finite: 0 at equal samples whose magnitude
- * counts, for unused directions, for scalar features and pixels that are clamped; of several equal maxima the first counts; roots
- * of an f_r below 1e-6 1/sr have the derivative at 1e-6; scalar features that are roots of differences have slopes that fall to 0
- * linearly where log luminances differ by less than 0.003 and root mean squares are below 0.005, so that samples which differ by
- * rounding only have no part; scalar features of luminances from 1e15 on have none. Models that predict Delta-E give equal pairs a gradient of 0, and pairs
- * that hardly differ that of the bound on their score, which is 0 except at the sample with the largest ratio.
+ * Where a function has no derivative, the gradient is that of one side, always finite: 0 at equal samples whose
+ * magnitude counts, for unused directions, for scalar features and pixels that are clamped; of several equal maxima the
+ * first counts; roots of an f_r below 1e-6 1/sr have the derivative at 1e-6; scalar features that are roots of
+ * differences have slopes that fall to 0 linearly where log luminances differ by less than 0.003 and root mean squares
+ * are below 0.005, so that samples which differ by rounding only have no part; scalar features of luminances from 1e15
+ * on have none. Models that predict Delta-E give equal pairs a gradient of 0, and pairs that hardly differ that of the
+ * bound on their score, which is 0 except at the sample with the largest ratio.
  *
  * @param pairs      (n_pairs) any number
  * @param values     (n_pairs) receives the scores

@@ -57,8 +57,8 @@ typedef struct nqm_label {
 
 /** JOD of people who adapt to most of an overall change of light or colour: nqm_curve_default() at the root mean square
  *  Delta-E ITP that remains after 85 % of the shift is subtracted, sqrt(structure^2 + (0.15 |shift|)^2). Indices of
- *  colour constancy in natural scenes are 0.8 to 0.9 (Foster 2011, DOI 10.1016/j.visres.2010.09.006). Not fitted to answers of people:
- *  nqm_score_result.similarity is. NaN if a part is NaN. */
+ *  colour constancy in natural scenes are 0.8 to 0.9 (Foster 2011, DOI 10.1016/j.visres.2010.09.006). Not fitted to
+ *  answers of people: nqm_score_result.similarity is. NaN if a part is NaN. */
 NQM_API double nqm_label_adapted_jod(const nqm_label *label);
 /** Standard error of nqm_curve_default() at delta_e: half of the change of the JOD from delta_e - error to delta_e + error. */
 NQM_API double nqm_label_jod_error(const nqm_label *label);

@@ -3,8 +3,8 @@
  * nqm/texture.h - scores of materials whose properties vary over a surface by image maps: near, where the texels are seen, and far,
  * where they are smaller than a pixel; which map is to blame.
  *
- * Delta-E ITP of a picture is a mean over its pixels, so the Delta-E of two textured materials that are seen from near is the mean over
- * the texels of the Delta-E of both BRDFs there (doc/textures.md).
+ * Delta-E ITP of a picture is a mean over its pixels, so the Delta-E of two textured materials that are seen from near
+ * is the mean over the texels of the Delta-E of both BRDFs there (doc/textures.md).
  */
 #ifndef NQM_TEXTURE_H
 #define NQM_TEXTURE_H
@@ -32,9 +32,9 @@ typedef struct nqm_texture_info {
 } nqm_texture_info;
 
 /**
- * Open a textured material and decode its maps: "FILE" or "FILE:MATERIAL" of a renderer's material file (<nqm/material.h>); a folder
- * of maps, or "maps:base_color=a.png;roughness=b.png;model=gltf" (doc/textures.md). Any other argument of nqm_brdf_open() is a
- * texture of one texel.
+ * Open a textured material and decode its maps: "FILE" or "FILE:MATERIAL" of a renderer's material file
+ * (<nqm/material.h>); a folder of maps, or "maps:base_color=a.png;roughness=b.png;model=gltf" (doc/textures.md). Any
+ * other argument of nqm_brdf_open() is a texture of one texel.
  *
  * @param progress  called while maps are decoded; NULL: silent
  * @return NQM_ERR_ARG, NQM_ERR_IO (a map is missing; the message names map and material), NQM_ERR_FORMAT (malformed, refused, or a map
@@ -63,7 +63,8 @@ NQM_API nqm_texture_info nqm_texture_get_info(const nqm_texture *texture, const 
 /** How nqm_texture_score() works. Take the defaults from nqm_texture_options_default(). */
 typedef struct nqm_texture_options {
     int exact; /**< 1: every different pair of texels is scored; default 0: at most n_texels, drawn evenly from all */
-    size_t n_texels; /**< 16 to 10^6; default 2048. Half as many (a quarter where normals differ) if their error is below .01 JOD */
+    size_t
+        n_texels; /**< 16 to 10^6; default 2048. Half as many (a quarter where normals differ) if their error is below .01 JOD */
     size_t
         texels_per_pixel; /**< along each side of the pixels whose BRDFs, means over their texels, are compared, 1 to 16384;
                                    then 256 pixels (48 where normals vary) are drawn, and n_texels and exact do not count;

@@ -112,7 +112,8 @@ typedef struct nqm_map {
     int fd;
 } nqm_map;
 
-/** The kind of a file is told from this many bytes at most, so that the time until a file is refused does not depend on its size. */
+/** The kind of a file is told from this many bytes at most, so that the time until a file is refused does not depend on
+ *  its size. */
 enum { NQM_PROBE_BYTES = 1 << 20 };
 
 /** A short byte range of a file, and the buffer that receives it. */
@@ -183,10 +184,10 @@ void nqm_role_forget(const struct stat *st);
 /** Whether the open file still has this path: after a lock was waited for or taken, another process may have removed or
  *  replaced the file. */
 bool nqm_is_file_at(int fd, const char *path);
-/** Open a file for reading and appending, create it if it does not exist, and lock it; the system releases the lock of a process
- *  that ends in any way. If the file was deleted or replaced before it was locked, the new one is opened. *fd_ret: the descriptor,
- *  whose closing releases the lock, or -1 if another process holds the lock. *existed_ret: the file was there before. On file systems
- *  without locks the file is opened without one. */
+/** Open a file for reading and appending, create it if it does not exist, and lock it; the system releases the lock of
+ *  a process that ends in any way. If the file was deleted or replaced before it was locked, the new one is opened.
+ *  *fd_ret: the descriptor, whose closing releases the lock, or -1 if another process holds the lock. *existed_ret: the
+ *  file was there before. On file systems without locks the file is opened without one. */
 NQM_MUST_CHECK nqm_status nqm_lock_open(const char *path, int *fd_ret, bool *existed_ret, nqm_error *err);
 
 /* ---- little-endian values at any alignment ----------------------------------------------------------------------- */

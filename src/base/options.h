@@ -62,8 +62,8 @@ typedef struct nqm_option_table {
  *  NQM_ERR_ARG: the recipe does not exist. */
 NQM_MUST_CHECK nqm_status nqm_options_begin(const nqm_option_table *table, const char *recipe, void *options,
                                             nqm_error *err);
-/** Define NAME##s_default(), which returns NAME##s with the defaults of NAME##_table; the variadic arguments initialise the fields that
- *  the table does not describe. */
+/** Define NAME##s_default(), which returns NAME##s with the defaults of NAME##_table; the variadic arguments initialise
+ *  the fields that the table does not describe. */
 #define NQM_OPTIONS_DEFAULT(NAME, ...)                                                                                 \
     NAME##s NAME##s_default(void) {                                                                                    \
         NAME##s options = {__VA_ARGS__};                                                                               \

@@ -2,8 +2,9 @@
  *
  * brdf.h - the vtable that every BRDF implements, BRDFs made of arrays and of other BRDFs, and their files.
  *
- * core/brdf.c contains what is common to all: clamping and flagging of values, conversion of coordinates, information. A file format
- * is a file of formats/ with one struct (formats/format.h), a model is one of models/ (core/spec.h). open.c and specs.c list them.
+ * core/brdf.c contains what is common to all: clamping and flagging of values, conversion of coordinates, information.
+ * A file format is a file of formats/ with one struct (formats/format.h), a model is one of models/ (core/spec.h).
+ * open.c and specs.c list them.
  */
 #ifndef NQM_SRC_BRDF_H
 #define NQM_SRC_BRDF_H
@@ -31,8 +32,9 @@ typedef struct nqm_brdf_class {
     /** Instead of it, for BRDFs that may be anisotropic. turn: (n, 2) sine and cosine of phi_h; NULL: 0. */
     void (*eval_turned)(const void *self, size_t n, const double *hd, const double *turn, double *rgb);
 
-    /** As eval for at most 64 pairs, and the derivatives: jacobian (n, 3, info.n_values), zero on entry, receives d channel / d parameter in the
-     * entries that are not 0. rgb has the bits of eval. NULL: the format has no parameters. */
+    /** As eval for at most 64 pairs, and the derivatives: jacobian (n, 3, info.n_values), zero on entry, receives d
+     *  channel / d parameter in the entries that are not 0. rgb has the bits of eval. NULL: the format has no
+     *  parameters. */
     void (*jacobian)(const void *self, size_t n, const double *wi, const double *wo, double *rgb, double *jacobian);
 
     /** Release `self`. */
@@ -58,8 +60,8 @@ void nqm_brdf_eval_turned(const nqm_brdf *brdf, size_t n, const double *hd, cons
 /** nqm_brdf_check_report.anisotropy; 0 without an evaluation if the BRDF is isotropic by construction. Takes 1,024 evaluations. */
 double nqm_brdf_anisotropy(const nqm_brdf *brdf);
 
-/** Where a lobe of half vectors is, and its shape: a circle of radius `width` about 0 becomes, by center + axes * (x, y), the ellipse of
- *  slopes h.xy / h.z at which it has fallen to a half. The determinant of `axes` is 1. */
+/** Where a lobe of half vectors is, and its shape: a circle of radius `width` about 0 becomes, by center + axes * (x,
+ *  y), the ellipse of slopes h.xy / h.z at which it has fallen to a half. The determinant of `axes` is 1. */
 typedef struct nqm_lobe {
     double center[2];
     double axes[4]; /* (2, 2) */
@@ -118,8 +120,8 @@ nqm_status nqm_nbrdf_create(const float *weights, const char *name, nqm_brdf **b
 /** The weights of a BRDF whose format is "nbrdf", in that order; valid until it is freed. */
 const float *nqm_nbrdf_weights(const nqm_brdf *brdf);
 
-/** Nodes of a table. nqm_brdf_tabulate(): n_d n_p is at most NQM_TABLE_SLICE; n_phi_h = 0 stands for 1, or for NQM_TABLE_PHI_H if the
- *  BRDF is not isotropic by construction. */
+/** Nodes of a table. nqm_brdf_tabulate(): n_d n_p is at most NQM_TABLE_SLICE; n_phi_h = 0 stands for 1, or for
+ *  NQM_TABLE_PHI_H if the BRDF is not isotropic by construction. */
 typedef struct nqm_table_size {
     size_t n_h, n_d, n_p, n_phi_h; /**< of theta_h, theta_d, phi_d, phi_h; isotropic tables have one phi_h */
 } nqm_table_size;
@@ -145,8 +147,8 @@ void nqm_table_node(size_t n_h, size_t n_d, size_t n_p, size_t h, size_t d, size
 /** The values of a BRDF whose format is "table"; valid until it is freed. */
 const float *nqm_table_values(const nqm_brdf *brdf, nqm_table_size *size);
 
-/** Cut "SETTINGS;of=OF", or with has_with "SETTINGS;with=(WITH);of=OF", of a spec that wraps other BRDFs after its prefix: the settings
- *  end where the rest begins. false: another form; the text is as it was. */
+/** Cut "SETTINGS;of=OF", or with has_with "SETTINGS;with=(WITH);of=OF", of a spec that wraps other BRDFs after its
+ *  prefix: the settings end where the rest begins. false: another form; the text is as it was. */
 bool nqm_wrapper_cut(char *text, bool has_with, const char **with, const char **of);
 
 typedef struct nqm_between_bases {
@@ -167,8 +169,8 @@ NQM_MUST_CHECK nqm_status nqm_brdf_tabulate(const nqm_brdf *brdf, nqm_table_size
 
 /** A material file that stays parsed, so that each of its materials costs no more than itself. */
 typedef struct nqm_material_file nqm_material_file;
-/** The file of "FILE:MATERIAL", which is read unless it is in the list, and becomes the first of the list. NULL: the name is of another
- *  kind, or there is no memory. */
+/** The file of "FILE:MATERIAL", which is read unless it is in the list, and becomes the first of the list. NULL: the
+ *  name is of another kind, or there is no memory. */
 const nqm_material_file *nqm_material_file_find(nqm_material_file **list, const char *name);
 /** As nqm_brdf_open(), of a name with which the file was found. Any thread. */
 NQM_MUST_CHECK nqm_status nqm_material_file_open(const nqm_material_file *file, const char *name, nqm_brdf **brdf_ret,

@@ -101,8 +101,8 @@ typedef struct nqm_corpus_fits {
 } nqm_corpus_fits;
 void nqm_corpus_fits_free(nqm_corpus_fits *fits);
 
-/** Open an argument of the list. *is_lent_ret: the result belongs to the cache of the corpus or to `fits`. fits NULL: references are
- *  opened too, not taken from the cache. */
+/** Open an argument of the list. *is_lent_ret: the result belongs to the cache of the corpus or to `fits`. fits NULL:
+ *  references are opened too, not taken from the cache. */
 NQM_MUST_CHECK nqm_status nqm_corpus_open(const nqm_corpus *corpus, nqm_corpus_fits *fits, const char *argument,
                                           nqm_brdf **brdf_ret, bool *is_lent_ret, nqm_error *err);
 /** The reference that this argument is; NULL: none. */

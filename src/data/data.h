@@ -139,7 +139,8 @@ NQM_MUST_CHECK nqm_status nqm_dataset_unseen_kinds(const nqm_dataset *dataset, b
 /** NQM_ERR_INCOMPATIBLE: the samples are of one azimuth of anisotropic BRDFs, which a model cannot be made of. */
 NQM_MUST_CHECK nqm_status nqm_dataset_check_isotropic(const nqm_dataset *dataset, nqm_error *err);
 
-/** Set the manifest (NULL: none), is_anisotropic, and ref_sources from it; these stay empty if it does not list the references. NQM_ERR_NOMEM. */
+/** Set the manifest (NULL: none), is_anisotropic, and ref_sources from it; these stay empty if it does not list the
+ *  references. NQM_ERR_NOMEM. */
 NQM_MUST_CHECK nqm_status nqm_dataset_set_manifest(nqm_dataset *dataset, const char *manifest, nqm_error *err);
 /** The source of a reference: see nqm_dataset_pair; "" if unknown. */
 const char *nqm_dataset_ref_source(const nqm_dataset *dataset, size_t ref);

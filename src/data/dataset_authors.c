@@ -37,8 +37,8 @@ static size_t material_length(const char *name) {
     return digits && digits + 1 < n && name[n - 1 - digits] == '_' ? n - 1 - digits : n;
 }
 
-/* The kind of a row is its encoding, with the level if it has levels: "ward", "sbrdf.0", "sbrdf.2". The authors give two encodings at
- * levels 0 to 2, of which 0 is the finest. */
+/* The kind of a row is its encoding, with the level if it has levels: "ward", "sbrdf.0", "sbrdf.2". The authors give
+ * two encodings at levels 0 to 2, of which 0 is the finest. */
 static nqm_status find_kind(reader *r, size_t row, uint32_t *kind_ret, nqm_error *err) {
     char kind[64];
     const char *model = nqm_csv_text(r->csv, row, r->model), *level = nqm_csv_text(r->csv, row, r->level);

@@ -79,9 +79,10 @@ struct nqm_human {
     nqm_human_kind kind;
     size_t n_rows;  /* rows of the CSV */
     double ceiling; /* of nqm_human_info for scores */
-    /** The pairs as a dataset of test pairs for nqm_evaluation_create(). Scores: one pair per row, whose `jod` is the score (a
-     *  distance: times -1), to be judged by nqm_evaluation_judge(); errors in JOD are given for NQM_HUMAN_JOD only, and ranges of JOD do
-     *  not apply otherwise. Choices: the distinct pairs, whose `jod` is NaN; judge them with nqm_human_judge_choices(). */
+    /** The pairs as a dataset of test pairs for nqm_evaluation_create(). Scores: one pair per row, whose `jod` is the
+     *  score (a distance: times -1), to be judged by nqm_evaluation_judge(); errors in JOD are given for NQM_HUMAN_JOD
+     *  only, and ranges of JOD do not apply otherwise. Choices: the distinct pairs, whose `jod` is NaN; judge them with
+     *  nqm_human_judge_choices(). */
     nqm_dataset *dataset;
     size_t n_triplets;
     nqm_triplet *triplets; /* (n_triplets) distinct triplets, sorted by group */

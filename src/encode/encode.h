@@ -85,8 +85,8 @@ typedef struct nqm_encoder_source {
 NQM_MUST_CHECK nqm_status nqm_encoder_write(const char *path, const nqm_encoder_source *source, size_t n_tensors,
                                             const nqm_tensor *tensors, nqm_error *err);
 
-/** Parse such a file; NQM_ERR_MODEL if data is NULL (nqm_encoder_bytes() found none), and unless it is of this kind, its checksum is correct and all values are finite. `name` is
- *  for messages. Free with nqm_safetensors_free(). */
+/** Parse such a file; NQM_ERR_MODEL if data is NULL (nqm_encoder_bytes() found none), and unless it is of this kind,
+ *  its checksum is correct and all values are finite. `name` is for messages. Free with nqm_safetensors_free(). */
 NQM_MUST_CHECK nqm_status nqm_encoder_parse(const unsigned char *data, size_t n_bytes, const char *name,
                                             const char *kind, nqm_safetensors **st_ret, nqm_error *err);
 

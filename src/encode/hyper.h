@@ -75,7 +75,8 @@ void nqm_hyper_backward(const nqm_hyper *hyper, nqm_hyper_pass *pass, const floa
 void nqm_hyper_place(const double *hd, float *feature);
 /** Features of a value rgb (3): feature (6). */
 void nqm_hyper_value(const float *rgb, float *feature);
-/** Draw n samples of `ref` with theta_h = 90 degrees u^2 and polar angles up to 80 degrees: hd, rgb (n, 3). NQM_ERR_INCOMPATIBLE if most directions have no value. */
+/** Draw n samples of `ref` with theta_h = 90 degrees u^2 and polar angles up to 80 degrees: hd, rgb (n, 3).
+ *  NQM_ERR_INCOMPATIBLE if most directions have no value. */
 NQM_MUST_CHECK nqm_status nqm_hyper_sample(const nqm_brdf *ref, size_t n, nqm_rng *rng, double *hd, double *rgb,
                                            nqm_error *err);
 

@@ -11,8 +11,8 @@
 
 /** Whether a shading model has anisotropic lobes, and may turn them. */
 bool nqm_fit_can_be_anisotropic(const char *model, bool turned);
-/** Set the keys of `to` so that the lobe of its base has the anisotropy of that of `from`, which is a canonical spec; keys that say how are
- *  0 where the model of `to` cannot have it. */
+/** Set the keys of `to` so that the lobe of its base has the anisotropy of that of `from`, which is a canonical spec;
+ *  keys that say how are 0 where the model of `to` cannot have it. */
 void nqm_fit_copy_anisotropy(const nqm_shading *from, nqm_shading *to);
 /** A spec with the anisotropy of the lobe of a BRDF, along the axes of the model if that is turned by other means; nqm_free() it.
  *  NULL: the BRDF is isotropic, or the model has no anisotropic lobes. */

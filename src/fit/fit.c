@@ -81,8 +81,8 @@ static void turn_model(nqm_fit_run *run) {
     run->space.turn[1] = cos(-run->turn_deg * (NQM_PI / 180));
 }
 
-/* Without a start, keys with two values are both free, and keys of anisotropy, which fits keep, have the values of the lobe. A model that
- * cannot turn its lobe is turned. */
+/* Without a start, keys with two values are both free, and keys of anisotropy, which fits keep, have the values of the
+ * lobe. A model that cannot turn its lobe is turned. */
 static nqm_status make_space(nqm_fit_run *run, const nqm_fit_entry *entry) {
     nqm_fit_options options = *run->options;
     const char *model = entry->model->schema.model;

@@ -122,8 +122,8 @@ typedef struct nqm_fit_point {
     size_t start;
 } nqm_fit_point;
 
-/** Keys of whole numbers and of anisotropy are fixed at the values of options->start, or at their defaults; bounds of the options apply.
- *  NQM_ERR_ARG: a bound of an unknown key or outside its range, or a start of another model. */
+/** Keys of whole numbers and of anisotropy are fixed at the values of options->start, or at their defaults; bounds of
+ *  the options apply. NQM_ERR_ARG: a bound of an unknown key or outside its range, or a start of another model. */
 NQM_MUST_CHECK nqm_status nqm_fit_space_make(const nqm_fit_entry *entry, const nqm_fit_options *options,
                                              nqm_fit_space *space, nqm_error *err);
 /** Free both values of keys with two, which are otherwise tied. Returns whether there are any. */
@@ -175,7 +175,8 @@ double nqm_fit_layer_width(const nqm_spec_schema *schema, size_t layer);
  *  defaults. diffuse: (3) base colour of a dielectric; albedo: (3) that of a metal. false: there are only i. */
 bool nqm_fit_start(const nqm_fit_space *space, size_t i, size_t n_widths, const double *diffuse, const double *albedo,
                    nqm_spec_values *values);
-/** The two colours of nqm_fit_start(): that of a Lambert BRDF with the median f_r of the target, and the albedo at normal incidence. */
+/** The two colours of nqm_fit_start(): that of a Lambert BRDF with the median f_r of the target, and the albedo at
+ *  normal incidence. */
 NQM_MUST_CHECK nqm_status nqm_fit_measure_albedos(const nqm_brdf *ref, const nqm_fit_target *target, double *diffuse,
                                                   double *albedo, nqm_error *err);
 /** Turn on layer i, such as a clear coat, with a typical width; rough: over a base three times as rough. false: there are only

@@ -33,8 +33,8 @@ extern const char *const nqm_match_uncovered;
 /** NQM_ERR_ARG names the word at fault. */
 NQM_MUST_CHECK nqm_status nqm_match_parse(const char *text, nqm_match_sum *sum, nqm_error *err);
 
-/** A difference from one reference, as a loss of a fit: a metric, or Delta-E on rays of a scene. Used by one thread at a time; it must
- *  not be moved. */
+/** A difference from one reference, as a loss of a fit: a metric, or Delta-E on rays of a scene. Used by one thread at
+ *  a time; it must not be moved. */
 typedef struct nqm_match_visual {
     nqm_fit_visual visual;
     nqm_error failure; /* of the last evaluation */
@@ -51,8 +51,8 @@ typedef struct nqm_match_visual {
 /** NQM_ERR_INCOMPATIBLE: too few directions have a value, or the reference is anisotropic. Free it also after a failure. */
 NQM_MUST_CHECK nqm_status nqm_match_visual_make(const nqm_model *model, const nqm_brdf *ref, nqm_match_visual *visual,
                                                 nqm_error *err);
-/** Delta-E on n random rays of a scene. It judges fits, by a seed of which no step of an optimiser has seen the rays, and is the loss
- *  'transport' of anisotropic references. Free it also after a failure. */
+/** Delta-E on n random rays of a scene. It judges fits, by a seed of which no step of an optimiser has seen the rays,
+ *  and is the loss 'transport' of anisotropic references. Free it also after a failure. */
 NQM_MUST_CHECK nqm_status nqm_match_rays_make(const nqm_scene *scene, const nqm_brdf *ref, size_t n, uint64_t seed,
                                               nqm_match_visual *visual, nqm_error *err);
 void nqm_match_visual_free(nqm_match_visual *visual);

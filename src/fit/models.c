@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: MIT
  *
- * The models of nqm_fit(): analytic models, encodings, shading models. An analytic model has its nonlinear parameters with the
- * range of the search, and its starting points. All start from the same widths alpha of a lobe exp(-tan^2 theta_h / alpha^2), converted
- * to the model's own parameters by equal curvature at the mirror direction; other parameters start from a few values each.
+ * The models of nqm_fit(): analytic models, encodings, shading models. An analytic model has its nonlinear parameters
+ * with the range of the search, and its starting points. All start from the same widths alpha of a lobe exp(-tan^2
+ * theta_h / alpha^2), converted to the model's own parameters by equal curvature at the mirror direction; other
+ * parameters start from a few values each.
  */
 #include "brdf/core/spec.h"
 #include "fit/fit.h"

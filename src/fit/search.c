@@ -77,8 +77,8 @@ static void insert(nqm_fit_point *best, size_t *n, size_t n_max, const nqm_fit_p
     *n = nqm_smaller(*n + 1, n_max);
 }
 
-/* Number of starts that are refined: more if those of an analytic model differ in more than the width; of shading models all, of which
- * two are kept. */
+/* Number of starts that are refined: more if those of an analytic model differ in more than the width; of shading
+ * models all, of which two are kept. */
 static size_t n_kept(const nqm_fit_entry *entry) {
     return entry->n_start > 2 || entry->n_shape == 0 ? NQM_FIT_MAX_POINTS : 2;
 }

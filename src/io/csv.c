@@ -67,8 +67,8 @@ static size_t pass_plain(scanner *s) {
     return end;
 }
 
-/* The same for a field that it unquotes, with the cursor after the opening quote. SIZE_MAX when the closing quote is missing, or when
- * anything but blanks is between it and the next separator. */
+/* The same for a field that it unquotes, with the cursor after the opening quote. SIZE_MAX when the closing quote is
+ * missing, or when anything but blanks is between it and the next separator. */
 static size_t pass_quoted(scanner *s) {
     size_t end = s->at;
     for (;; ++s->at) {

@@ -90,9 +90,9 @@ const nqm_tensor *nqm_tensor_file_find(const nqm_tensor_file *file, const char *
 
 /* ---- JSON -------------------------------------------------------------------------------------------------------- */
 
-/** Fail with NQM_ERR_LIMIT if the tree of the text, read by jansson, would take more than NQM_JSON_ROOM bytes and eight times n_file,
- *  the size of the file with the text. To be called before the text is parsed. name, byte: of the file, and the text's place in it, for
- *  messages. */
+/** Fail with NQM_ERR_LIMIT if the tree of the text, read by jansson, would take more than NQM_JSON_ROOM bytes and eight
+ *  times n_file, the size of the file with the text. To be called before the text is parsed. name, byte: of the file,
+ *  and the text's place in it, for messages. */
 NQM_MUST_CHECK nqm_status nqm_json_check(const char *text, size_t n_bytes, size_t n_file, const char *name, size_t byte,
                                          nqm_error *err);
 enum { NQM_JSON_ROOM = 512 << 10 };
@@ -101,9 +101,10 @@ enum { NQM_JSON_ROOM = 512 << 10 };
 
 typedef struct nqm_csv nqm_csv;
 enum { NQM_CSV_MAX_COLUMNS = 1 << 14 };
-/** Read a whole CSV (RFC 4180 quoting, LF or CRLF, '#' lines and blank lines skipped, blanks around
- *  unquoted fields dropped; separated by commas, or by ';' or tabs if the header has no comma outside of quotes). Every row must have as many fields as the header.
- *  Takes at most seven times the bytes of the file. NQM_ERR_LIMIT: more than NQM_CSV_MAX_COLUMNS columns, or 4 GiB. */
+/** Read a whole CSV (RFC 4180 quoting, LF or CRLF, '#' lines and blank lines skipped, blanks around unquoted fields
+ *  dropped; separated by commas, or by ';' or tabs if the header has no comma outside of quotes). Every row must have
+ *  as many fields as the header. Takes at most seven times the bytes of the file. NQM_ERR_LIMIT: more than
+ *  NQM_CSV_MAX_COLUMNS columns, or 4 GiB. */
 NQM_MUST_CHECK nqm_status nqm_csv_load(const char *path, nqm_csv **csv_ret, nqm_error *err);
 /** The same from memory; `name` is for messages. */
 NQM_MUST_CHECK nqm_status nqm_csv_parse(const char *text, size_t n_bytes, const char *name, nqm_csv **csv_ret,

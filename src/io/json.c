@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * JSON texts and memory. jansson has no limit of its own, and its tree takes up to 100 times the bytes of a text that consists of empty
- * arrays. When an allocation fails it leaves out a character or a value, or fails without a reason.
+ * JSON texts and memory. jansson has no limit of its own, and its tree takes up to 100 times the bytes of a text that
+ * consists of empty arrays. When an allocation fails it leaves out a character or a value, or fails without a reason.
  */
 #include "io/io.h"
 #include "io/options_json.h"

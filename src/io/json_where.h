@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * json_where.h - byte positions in a JSON text, which jansson does not keep, for messages and for reading a text in parts. The text must
- * be valid JSON, except for nqm_json_outline().
+ * json_where.h - byte positions in a JSON text, which jansson does not keep, for messages and for reading a text in
+ * parts. The text must be valid JSON, except for nqm_json_outline().
  */
 #ifndef NQM_SRC_IO_JSON_WHERE_H
 #define NQM_SRC_IO_JSON_WHERE_H
@@ -21,8 +21,8 @@ size_t nqm_json_first(const nqm_json_source *json, size_t at);
 size_t nqm_json_next(const nqm_json_source *json, size_t at);
 /** The end of the value at `at`. */
 size_t nqm_json_end(const nqm_json_source *json, size_t at);
-/** Copy the text to outline (n bytes), where each array and object inside a member of the root is 0 and blanks: the same positions, but
- *  a small tree. */
+/** Copy the text to outline (n bytes), where each array and object inside a member of the root is 0 and blanks: the
+ *  same positions, but a small tree. */
 void nqm_json_outline(const nqm_json_source *json, char *outline);
 /** Follow a path of member names with dots ("extensions.KHR_materials_ior"), as far as it goes. */
 size_t nqm_json_path(const nqm_json_source *json, size_t at, const char *path);

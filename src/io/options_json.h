@@ -23,11 +23,13 @@ typedef struct nqm_json_place {
     const char *name;
     size_t n_file, byte;
 } nqm_json_place;
-/** json_loadb(), which alone would take a failed allocation for a damaged text, or leave out a character. NQM_ERR_FORMAT: the caller
- *  knows where the text is, and `why` (NULL allowed) says what is wrong; NQM_ERR_NOMEM. json_decref(); NULL on failure. */
+/** json_loadb(), which alone would take a failed allocation for a damaged text, or leave out a character.
+ *  NQM_ERR_FORMAT: the caller knows where the text is, and `why` (NULL allowed) says what is wrong; NQM_ERR_NOMEM.
+ *  json_decref(); NULL on failure. */
 NQM_MUST_CHECK nqm_status nqm_json_load(const char *text, size_t n_bytes, size_t flags, json_t **json_ret,
                                         json_error_t *why, nqm_error *err);
-/** The same for a text at a byte of the file `name`, which has n_file bytes, after nqm_json_check(); messages say where it is wrong. */
+/** The same for a text at a byte of the file `name`, which has n_file bytes, after nqm_json_check(); messages say where
+ *  it is wrong. */
 NQM_MUST_CHECK nqm_status nqm_json_read(const char *text, size_t n_bytes, size_t flags, const nqm_json_place *at,
                                         json_t **json_ret, nqm_error *err);
 /** The same for a text that may be missing: *json_ret is NULL for NULL and for what is no JSON. NQM_ERR_NOMEM. */

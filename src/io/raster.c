@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Decodes pictures as they are stored: selects the decoder by the first bytes, checks sizes, and refuses floats that are not finite.
+ * Decodes pictures as they are stored: selects the decoder by the first bytes, checks sizes, and refuses floats that
+ * are not finite.
  */
 #include "io/raster.h"
 

@@ -20,9 +20,10 @@ typedef struct nqm_raster {
 
 enum { NQM_RASTER_MAX_SIDE = 16384 };
 
-/** Decode a picture of any of these formats, which is recognised by its first bytes; palettes become RGB, grey pictures of fewer than
- *  8 bits 8 bits. `name` is for messages. Other formats of pictures (KTX2, DDS, WebP, ...) are named in the message.
- *  NQM_ERR_FORMAT, NQM_ERR_LIMIT (a side above NQM_RASTER_MAX_SIDE), NQM_ERR_NOMEM; raster_ret is empty then. */
+/** Decode a picture of any of these formats, which is recognised by its first bytes; palettes become RGB, grey pictures
+ *  of fewer than 8 bits 8 bits. `name` is for messages. Other formats of pictures (KTX2, DDS, WebP, ...) are named in
+ *  the message. NQM_ERR_FORMAT, NQM_ERR_LIMIT (a side above NQM_RASTER_MAX_SIDE), NQM_ERR_NOMEM; raster_ret is empty
+ *  then. */
 NQM_MUST_CHECK nqm_status nqm_raster_decode(const unsigned char *data, size_t n_bytes, const char *name,
                                             nqm_raster *raster_ret, nqm_error *err);
 /** Width and height from the header, without decoding. */

@@ -55,9 +55,9 @@ static void on_error(exr_const_context_t context, exr_result_t code, const char 
     snprintf(file->message, sizeof file->message, "%s", message);
 }
 
-/* Where a picture with `channels` channels stores the channel of this name; SIZE_MAX: nowhere. Four channels are decoded in an order that
- * OpenEXRCore leaves to its general loop, and restore_order() follows: its fast loops for four channels of half, in the order of the file
- * and in the reverse, store them the wrong way round (3.1.5). */
+/* Where a picture with `channels` channels stores the channel of this name; SIZE_MAX: nowhere. Four channels are
+ * decoded in an order that OpenEXRCore leaves to its general loop, and restore_order() follows: its fast loops for four
+ * channels of half, in the order of the file and in the reverse, store them the wrong way round (3.1.5). */
 static size_t find_channel(const char *name, size_t channels) {
     static const char *const names[] = {"", "Y", "YA", "RGB", "GRBA"};
     const char *place = strlen(name) == 1 ? strchr(names[channels], *name) : NULL;
@@ -96,8 +96,8 @@ static int64_t on_size(exr_const_context_t context, void *user) {
     return (int64_t)((exr_file *)user)->map->n_bytes;
 }
 
-/* OpenEXRCore accepts a compressed chunk that ends early and leaves the rest of its buffer as it was. Filled with NaN, missing pixels
- * are refused as not finite instead of being whatever the memory held. */
+/* OpenEXRCore accepts a compressed chunk that ends early and leaves the rest of its buffer as it was. Filled with NaN,
+ * missing pixels are refused as not finite instead of being whatever the memory held. */
 static void *limited_malloc(size_t n) {
     void *block = n <= MAX_ALLOCATION ? malloc(n) : NULL;
     return block ? memset(block, 0xff, n) : NULL;

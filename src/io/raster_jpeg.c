@@ -12,8 +12,8 @@
 /* A block of 8 x 8 values takes at least one bit with Huffman codes; arithmetic codes have no such bound. */
 static const double max_pixels_per_byte = 8 * 64;
 
-/* libjpeg goes through all coefficients once in every scan. Encoders write 10; each of 3 components has 64 coefficients, most of which
- * share a scan. */
+/* libjpeg goes through all coefficients once in every scan. Encoders write 10; each of 3 components has 64
+ * coefficients, most of which share a scan. */
 enum { MAX_SCANS = 100 };
 
 typedef struct jpeg_input {

@@ -33,13 +33,14 @@ enum { NQM_XML_MAX_DEPTH = 64, NQM_XML_MAX_BYTES = 64 << 20 };
 /** More elements than this and one for every 20 bytes are refused, so that memory is at most ten times the file, or 12 MB. */
 enum { NQM_XML_FREE_ELEMENTS = 1 << 16, NQM_XML_BYTES_PER_ELEMENT = 20 };
 
-/** Parse a document. NQM_ERR_FORMAT: not well-formed, or with a document type; NQM_ERR_LIMIT: more than NQM_XML_MAX_BYTES, too many elements, or
- *  elements nested more deeply than NQM_XML_MAX_DEPTH. `path` is for messages. On failure *xml_ret is empty. */
+/** Parse a document. NQM_ERR_FORMAT: not well-formed, or with a document type; NQM_ERR_LIMIT: more than
+ *  NQM_XML_MAX_BYTES, too many elements, or elements nested more deeply than NQM_XML_MAX_DEPTH. `path` is for messages.
+ *  On failure *xml_ret is empty. */
 NQM_MUST_CHECK nqm_status nqm_xml_parse(const void *data, size_t n_bytes, const char *path, nqm_xml *xml_ret,
                                         nqm_error *err);
 void nqm_xml_free(nqm_xml *xml);
-/** Append a child to `parent`, or the root (NULL), of a document that is made from another format. attributes: names and values, then
- *  NULL; texts are copied. NULL: out of memory. */
+/** Append a child to `parent`, or the root (NULL), of a document that is made from another format. attributes: names
+ *  and values, then NULL; texts are copied. NULL: out of memory. */
 nqm_xml_element *nqm_xml_append(nqm_xml *xml, nqm_xml_element *parent, const char *name, const char *const *attributes,
                                 int64_t byte_offset);
 /** The value of an attribute; NULL: the element does not have it. */

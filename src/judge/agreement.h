@@ -38,8 +38,9 @@ void nqm_mark_best(nqm_agreement *metrics);
 
 /** 2.5 and 97.5 percentiles of x (n), ignoring NaN; reorders x. */
 void nqm_interval95(size_t n, double *x, double ci95[2]);
-/** The number of resamples to draw: n_bootstrap, or 0 with fewer than 4 groups. A resample is n times the same group with probability
- *  n^-n for each group; where this exceeds 2.5 %, the ends of the interval would be statistics of single groups. */
+/** The number of resamples to draw: n_bootstrap, or 0 with fewer than 4 groups. A resample is n times the same group
+ *  with probability n^-n for each group; where this exceeds 2.5 %, the ends of the interval would be statistics of
+ *  single groups. */
 size_t nqm_bootstrap_count(size_t n_groups, size_t n_bootstrap);
 /** Statistics of first - second over resamples (n, NaN ignored). value: difference without resampling; scratch (n). */
 nqm_difference nqm_difference_of(double value, size_t n, const double *first, const double *second, double *scratch);

@@ -32,8 +32,8 @@ void nqm_readout_set(const nqm_readout *r, nqm_model *model) {
 
 /* ---- fit --------------------------------------------------------------------------------------------------------- */
 
-/* Improve one weight, by a Newton step with a curvature that does not vanish; z (n) are the differences of distances. Returns by how
- * much it changed. */
+/* Improve one weight, by a Newton step with a curvature that does not vanish; z (n) are the differences of distances.
+ * Returns by how much it changed. */
 static double improve(const fit_work *w, const double *times, double total, size_t k, double *weight, double *z) {
     double slope = 2 * ridge / total * weight[k], curvature = 2 * ridge / total;
     for (size_t i = 0; i < w->n; ++i) {
@@ -87,7 +87,8 @@ static void count(const fit_work *w, const nqm_triplet *t, int score, double bet
     w->met[t->group * SCORES + (size_t)score] += a * t->n_a + (1 - a) * t->n_b;
 }
 
-/* Judge each fold of the groups by weights that are fitted to the others, and both scores of the model. times: (n_groups) scratch. */
+/* Judge each fold of the groups by weights that are fitted to the others, and both scores of the model. times:
+ * (n_groups) scratch. */
 static void cross_validate(const fit_work *w, const double *all, double *times, double *z) {
     for (size_t fold = 0; fold < FOLDS; ++fold) {
         double weight[NQM_APART];

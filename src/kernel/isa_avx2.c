@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Kernels for x86-64 with AVX2 and FMA: 16 registers of 32 bytes, 12 of which hold sums. A tile is as wide as a panel, so that panels
- * are read in order: caches fetch every second line of one much later.
+ * Kernels for x86-64 with AVX2 and FMA: 16 registers of 32 bytes, 12 of which hold sums. A tile is as wide as a panel,
+ * so that panels are read in order: caches fetch every second line of one much later.
  */
 #if defined __x86_64__
 #include <immintrin.h>

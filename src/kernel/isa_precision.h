@@ -108,7 +108,8 @@ INLINE void NAME(multiply_panel)(const nqm_product *p, const WORD *b, NUMBER *c)
      p->m);
 }
 
-/* One row times n neighbouring panels from b on. Bound by memory bandwidth: several panels at once keep enough accumulators busy. */
+/* One row times n neighbouring panels from b on. Bound by memory bandwidth: several panels at once keep enough
+ * accumulators busy. */
 INLINE void NAME(multiply_row)(size_t n, const nqm_product *p, const WORD *restrict b, NUMBER *restrict c) {
     const WORD *restrict a = p->a;
     SUM sum[ROW_PANELS * PANEL_VECTORS];

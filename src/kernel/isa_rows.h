@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: MIT
  *
- * isa_rows.h - Adam, rounding and the rows of hidden layers for one instruction set: loops that compilers vectorise, included by each file
- * isa_*.c after isa_products.h. Every instruction set gives the same bits: multiply-adds are fused by name only
- * (nqm_multiply_add()), nothing is reordered, and a row always has GROUP partial sums, whatever the vector width.
+ * isa_rows.h - Adam, rounding and the rows of hidden layers for one instruction set: loops that compilers vectorise,
+ * included by each file isa_*.c after isa_products.h. Every instruction set gives the same bits: multiply-adds are
+ * fused by name only (nqm_multiply_add()), nothing is reordered, and a row always has GROUP partial sums, whatever the
+ * vector width.
  */
 #include "kernel/gelu.h"
 #include "kernel/kernel.h"

@@ -17,8 +17,8 @@ enum {
     BLOCKS_PER_THREAD = 8, /* at least, so that threads end at about the same time */
     PANELS_OF_ROW = 4,     /* at most, of a block with a single row */
 
-    /* Strips of a gradient that are multiplied with all panels before the next: those of 512 rows take 288 KB of the L2 cache. Enough for
-     * the sink to read its own arrays in long runs. */
+    /* Strips of a gradient that are multiplied with all panels before the next: those of 512 rows take 288 KB of the L2
+     * cache. Enough for the sink to read its own arrays in long runs. */
     STRIPS_AT_ONCE = 12
 };
 

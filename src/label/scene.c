@@ -19,7 +19,8 @@ static void see(const nqm_scene *scene, const double *rgb_cdm2, double *itp) {
         itp[k] *= NQM_ITP_UNIT;
 }
 
-/* The points are dealt out to MANY interleaved groups, each of which estimates the label, and so does each of FEW unions of them. */
+/* The points are dealt out to MANY interleaved groups, each of which estimates the label, and so does each of FEW
+ * unions of them. */
 enum { FEW = 4, MANY = 16 };
 
 /* Standard deviation of the estimates of n groups. sum, weight (n): Delta-E times weight, and weights; groups without points are
@@ -31,8 +32,9 @@ static double spread_of(size_t n, const double *sum, const double *weight, doubl
     return sqrt(squares / (double)(n - 1));
 }
 
-/* Standard error of the mean over all points. It falls as n^-p with the number of points: p is 1 where the difference is smooth over
- * the picture, since points are evenly spread, and 1/2 where it is small spots. The groups of both sizes show p. */
+/* Standard error of the mean over all points. It falls as n^-p with the number of points: p is 1 where the difference
+ * is smooth over the picture, since points are evenly spread, and 1/2 where it is small spots. The groups of both sizes
+ * show p. */
 static double points_error(const double sum[MANY], const double weight[MANY], double mean) {
     double union_sum[FEW] = {0}, union_weight[FEW] = {0};
     for (size_t g = 0; g < MANY; ++g) {

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT
  *
- * The transport matrix of a scene: few points of the scene's pictures as linear functions of the samples of a BRDF at the nodes of a
- * grid (sample/node_grid.h). Every light direction of a point is a half vector and a difference vector; the BRDF there is interpolated
- * between nodes, so the light from there is distributed to these. The matrix of a corpus is stored in its dataset; a matrix with
- * its directions is also a model without a network.
+ * The transport matrix of a scene: few points of the scene's pictures as linear functions of the samples of a BRDF at
+ * the nodes of a grid (sample/node_grid.h). Every light direction of a point is a half vector and a difference vector;
+ * the BRDF there is interpolated between nodes, so the light from there is distributed to these. The matrix of a corpus
+ * is stored in its dataset; a matrix with its directions is also a model without a network.
  */
 #include "label/label.h"
 #include "math/math.h"

@@ -211,8 +211,9 @@ bool nqm_bsdf_output(nqm_bsdf_reading *r, const char *key, uint16_t value) {
 
 /* ---- interfaces -------------------------------------------------------------------------------------------------- */
 
-/* Without absorption the Fresnel factor of conductors is that of dielectrics. The faces of a pane reflect 2 R / (1 + R), with light that
- * is reflected between them: that of an absorbing index differs by at most 12 % for eta from 1.33 to 3, and not at normal incidence. */
+/* Without absorption the Fresnel factor of conductors is that of dielectrics. The faces of a pane reflect 2 R / (1 +
+ * R), with light that is reflected between them: that of an absorbing index differs by at most 12 % for eta from 1.33
+ * to 3, and not at normal incidence. */
 bool nqm_bsdf_interface(nqm_bsdf_reading *r, const nqm_bsdf_node *bsdf, double eta, bool is_thin) {
     nqm_textured *t = r->reading.textured;
     double k = 0;

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * bsdf.h - what Mitsuba 3 and pbrt-v4 share: BSDFs with typed properties as a list of nodes, their reading by rules, and the indices of
- * metals by name.
+ * bsdf.h - what Mitsuba 3 and pbrt-v4 share: BSDFs with typed properties as a list of nodes, their reading by rules,
+ * and the indices of metals by name.
  */
 #ifndef NQM_SRC_MATERIAL_BSDF_H
 #define NQM_SRC_MATERIAL_BSDF_H
@@ -107,8 +107,8 @@ bool nqm_bsdf_image(nqm_bsdf_reading *r, const nqm_bsdf_node *file, const char *
 bool nqm_bsdf_output(nqm_bsdf_reading *r, const char *key, uint16_t value);
 
 #define NQM_BSDF_SMOOTH "a smooth interface is taken as the narrowest lobe of the model"
-/** Let the conductor that is being read, except for its lobe, be what the interface of a dielectric, or both faces of a thin pane of it,
- *  reflect: the material is refused unless transmission is ignored. false: refused. */
+/** Let the conductor that is being read, except for its lobe, be what the interface of a dielectric, or both faces of a
+ *  thin pane of it, reflect: the material is refused unless transmission is ignored. false: refused. */
 bool nqm_bsdf_interface(nqm_bsdf_reading *r, const nqm_bsdf_node *bsdf, double eta, bool is_thin);
 
 /** A conductor's index of refraction eta + i k, for the three channels. */

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
- * Textured materials that are no file of a renderer: a list of maps ("maps:base_color=a.png;roughness=b.png;model=gltf"), and a folder
- * whose maps are found by the names that Poly Haven, ambientCG and MatSynth give them.
+ * Textured materials that are no file of a renderer: a list of maps
+ * ("maps:base_color=a.png;roughness=b.png;model=gltf"), and a folder whose maps are found by the names that Poly Haven,
+ * ambientCG and MatSynth give them.
  */
 #include "material/materialx.h"
 
@@ -37,8 +38,8 @@ static nqm_status fail_key(const nqm_textured *t, const char *entry, nqm_error *
 
 /* ---- one map ----------------------------------------------------------------------------------------------------- */
 
-/* Let a key, or NULL: the normal, have the values of a file. channel: of those keys that have one value; of the normal 1: its y points
- * downwards. */
+/* Let a key, or NULL: the normal, have the values of a file. channel: of those keys that have one value; of the normal
+ * 1: its y points downwards. */
 static nqm_status add_map(nqm_textured *t, const nqm_rule *key, const char *from, const char *file, size_t channel,
                           nqm_error *err) {
     const char *dot = strrchr(file, '.');
@@ -135,7 +136,8 @@ static const struct map_name {
                  {"normaldx normal_dx nor_dx", "normal", 1}};
 enum { N_NAMES = sizeof map_names / sizeof *map_names };
 
-/* "_" and the name of a file in lower case, with '_' for '-' and blanks, without its extension and resolution. false: no picture. */
+/* "_" and the name of a file in lower case, with '_' for '-' and blanks, without its extension and resolution. false:
+ * no picture. */
 static bool simplify(const char *file, char *name, size_t n_name) {
     const char *dot = strrchr(file, '.');
     if (!dot || !nqm_contains_word("png jpg jpeg exr", dot + 1, true))

@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: MIT
  *
- * Reading of materials of glTF 2.0, as JSON (.gltf) and binary (.glb): metallic-roughness with KHR_materials_specular, _ior, _anisotropy,
- * _iridescence, _clearcoat and _sheen. Meshes and everything else of the file are not read; the materials are parsed one by one, because the tree of a whole file
- * takes twenty times its bytes. Textures are in gltf_textures.c.
+ * Reading of materials of glTF 2.0, as JSON (.gltf) and binary (.glb): metallic-roughness with KHR_materials_specular,
+ * _ior, _anisotropy, _iridescence, _clearcoat and _sheen. Meshes and everything else of the file are not read; the
+ * materials are parsed one by one, because the tree of a whole file takes twenty times its bytes. Textures are in
+ * gltf_textures.c.
  */
 #include "material/gltf.h"
 #include "io/io.h"

@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: MIT
  *
- * What of a material reflects, when its transmission, subsurface scattering, emission or opacity is ignored: "ignore:WORDS:FILE:NAME".
- * Emission and opacity are left out. The surface shaders mix transmission, and before it subsurface scattering, with the diffuse
- * reflection of the part that is no metal (the node graphs of MaterialX's definitions; KHR_materials_transmission); so the diffuse
- * reflection keeps 1 - transmission, and subsurface scattering becomes diffuse reflection with the albedo that its specification names.
+ * What of a material reflects, when its transmission, subsurface scattering, emission or opacity is ignored:
+ * "ignore:WORDS:FILE:NAME". Emission and opacity are left out. The surface shaders mix transmission, and before it
+ * subsurface scattering, with the diffuse reflection of the part that is no metal (the node graphs of MaterialX's
+ * definitions; KHR_materials_transmission); so the diffuse reflection keeps 1 - transmission, and subsurface scattering
+ * becomes diffuse reflection with the albedo that its specification names.
  */
 #include "material/rules.h"
 
@@ -108,8 +109,8 @@ static uint16_t rest_of(nqm_reading *r, const struct parts *p, uint16_t weight, 
     return nqm_graph_compute(t, NQM_MAP_SUBTRACT, 1, one, *share, 0);
 }
 
-/* The diffuse reflection has the color mix(weight color, subsurface color). Between 0 and 1 of the subsurface scattering this is exact
- * for Lambertian reflection, and where the part that is a metal is 0 or 1. */
+/* The diffuse reflection has the color mix(weight color, subsurface color). Between 0 and 1 of the subsurface
+ * scattering this is exact for Lambertian reflection, and where the part that is a metal is 0 or 1. */
 static void add_subsurface(nqm_reading *r, const struct parts *p) {
     nqm_textured *t = r->textured;
     uint16_t share;

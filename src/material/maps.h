@@ -106,9 +106,10 @@ void nqm_textured_free(nqm_textured *textured);
 /** Remove nodes and files that no output needs. */
 void nqm_textured_prune(nqm_textured *textured);
 
-/** Append a node, or find the equal one that is there already. Constants are computed at once, and a factor of 1 or a sum with 0
- *  is its first operand. NQM_NO_NODE: out of memory, more than NQM_MAX_MAP_NODES, or a constant that is not finite; then, and where an
- *  operand is NQM_NO_NODE, this is the result of all that follows, so that readers need to check the last node only. */
+/** Append a node, or find the equal one that is there already. Constants are computed at once, and a factor of 1 or a
+ *  sum with 0 is its first operand. NQM_NO_NODE: out of memory, more than NQM_MAX_MAP_NODES, or a constant that is not
+ *  finite; then, and where an operand is NQM_NO_NODE, this is the result of all that follows, so that readers need to
+ *  check the last node only. */
 uint16_t nqm_graph_add(nqm_textured *t, nqm_map_node node);
 /** A constant of n components. */
 uint16_t nqm_graph_value(nqm_textured *t, size_t n, const double *v);

@@ -52,15 +52,16 @@ typedef struct nqm_named_shading {
     nqm_written_map maps[12];
     size_t tiles[2]; /**< how often the maps are repeated along u and v */
 } nqm_named_shading;
-/** Write a material file with n > 0 shadings, which have the keys and values of one model. Names become valid and different ones. See
- *  nqm_material_write(). */
+/** Write a material file with n > 0 shadings, which have the keys and values of one model. Names become valid and
+ *  different ones. See nqm_material_write(). */
 NQM_MUST_CHECK nqm_status nqm_shadings_write(size_t n, nqm_named_shading *materials, const char *path, nqm_error *err);
 
 /** The numbers of the materials of that name, in the order of the file, and how many these are. */
 const size_t *nqm_materials_named(const nqm_materials *materials, const char *name, size_t *n_ret);
 
 enum { NQM_MAX_MATERIALS = 1 << 14 };
-/** Append a material, at most NQM_MAX_MATERIALS; the texts are copied, "" and NULL in `name` become "materialN". One of spec and refusal is NULL. */
+/** Append a material, at most NQM_MAX_MATERIALS; the texts are copied, "" and NULL in `name` become "materialN". One of
+ *  spec and refusal is NULL. */
 NQM_MUST_CHECK nqm_status nqm_materials_add(nqm_materials *materials, const nqm_material_info *info, nqm_error *err);
 
 /** What a surface does besides reflecting, as a set of bits. */

@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: MIT
  *
- * MaterialX documents (.mtlx, version 1.38 and 1.39; https://github.com/AcademySoftwareFoundation/MaterialX, MaterialX.Specification): the
- * materials whose surface shader is in materialx_surfaces.c. Inputs may be connected to the nodes of materialx_nodes.c; where these
- * read images, the material is textured. Other documents (xi:include), looks and geometry are not read.
+ * MaterialX documents (.mtlx, version 1.38 and 1.39; https://github.com/AcademySoftwareFoundation/MaterialX,
+ * MaterialX.Specification): the materials whose surface shader is in materialx_surfaces.c. Inputs may be connected to
+ * the nodes of materialx_nodes.c; where these read images, the material is textured. Other documents (xi:include),
+ * looks and geometry are not read.
  */
 #include "material/materialx.h"
 #include "io/xml.h"

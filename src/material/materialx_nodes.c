@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: MIT
  *
- * The nodes of MaterialX documents (MaterialX.StandardNodes; libraries/stdlib, libraries/bxdf) as nodes of maps.h: what each computes
- * is a short program in the table below. Nodes with constant operands become constants at once. Texture coordinates may be computed
- * by any nodes, as long as the result is affine: it becomes part of the image. A node that is not in the table refuses the material.
+ * The nodes of MaterialX documents (MaterialX.StandardNodes; libraries/stdlib, libraries/bxdf) as nodes of maps.h: what
+ * each computes is a short program in the table below. Nodes with constant operands become constants at once. Texture
+ * coordinates may be computed by any nodes, as long as the result is affine: it becomes part of the image. A node that
+ * is not in the table refuses the material.
  */
 #include "io/xml.h"
 #include "material/color_space.h"
@@ -15,8 +16,9 @@ typedef nqm_mtlx_graph graph;
 
 enum { MAX_HOPS = 64, MAX_OPERANDS = 16 };
 
-/* Nodes of these names. Operands are named with their defaults ("@": the texture coordinates), and are a, b, ... in the program, which is in reverse
- * Polish notation: digits are constants, `!` makes an operand of the result so far, and run_token() has the operations. */
+/* Nodes of these names. Operands are named with their defaults ("@": the texture coordinates), and are a, b, ... in the
+ * program, which is in reverse Polish notation: digits are constants, `!` makes an operand of the result so far, and
+ * run_token() has the operations. */
 typedef struct node_kind {
     const char *name, *operands, *program;
     /* Of a node that reads an image, which is I in the program: its texture coordinates. */
@@ -341,8 +343,8 @@ static uint8_t read_wrap(const graph *g, element *node, const char *name, const 
     return found == SIZE_MAX ? NQM_MAP_REPEAT : (uint8_t)nqm_smaller(found, NQM_MAP_BORDER);
 }
 
-/* Documents name files by where they are in their library, "../../../Images/wood.jpg", which MaterialX finds by a list of folders: one
- * that is not there is looked for without "../". The name as it is given if there is none. */
+/* Documents name files by where they are in their library, "../../../Images/wood.jpg", which MaterialX finds by a list
+ * of folders: one that is not there is looked for without "../". The name as it is given if there is none. */
 static const char *find_file(const graph *g, const char *name) {
     for (const char *at = name; strncmp(at, "../", 3) == 0;) {
         struct stat about;

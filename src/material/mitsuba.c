@@ -177,7 +177,8 @@ static bool read_ior(nqm_bsdf_reading *r, const char *name, double *v) {
 
 /* ---- plugins ----------------------------------------------------------------------------------------------------- */
 
-/* Mitsuba clamps alpha so that the distribution is finite. Its roughplastic integrates over the lobe of a constant alpha beforehand. */
+/* Mitsuba clamps alpha so that the distribution is finite. Its roughplastic integrates over the lobe of a constant
+ * alpha beforehand. */
 static bool finish_alpha(nqm_bsdf_reading *r, const nqm_bsdf_node *bsdf) {
     const nqm_bsdf_node *common = nqm_bsdf_find(r, "alpha"),
                         *nodes[] = {nqm_bsdf_find(r, "alpha_u"), nqm_bsdf_find(r, "alpha_v")};

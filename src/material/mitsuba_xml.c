@@ -33,7 +33,8 @@ static char *value_of(const walk *w, const nqm_xml_element *element, const char 
     return (char *)text;
 }
 
-/* The numbers of a step of a transform, as text: "x y z", of a rotation "x y z angle". NULL: the element is none, or its value has them. */
+/* The numbers of a step of a transform, as text: "x y z", of a rotation "x y z angle". NULL: the element is none, or
+ * its value has them. */
 static char *step_of(const walk *w, const nqm_xml_element *element, char text[STEP_SIZE]) {
     static const char *const attributes[] = {"x", "y", "z", "angle"};
     const bool is_scale = strcmp(element->name, "scale") == 0, is_rotation = strcmp(element->name, "rotate") == 0;

@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: MIT
  *
- * pbrt-v4 scenes (pbrt.org/fileformat-v4): the materials of the directives Material and MakeNamedMaterial; other directives are
- * skipped. `conductor`, `diffuse`, `coateddiffuse`, `coatedconductor` and `measured` are read, with textures of the classes imagemap, constant,
- * scale and mix. Colours are those of the default colour space, linear sRGB. pbrt is a spectral renderer: eta and k given as "metal-Au-eta" are the RGB values of metals.c.
+ * pbrt-v4 scenes (pbrt.org/fileformat-v4): the materials of the directives Material and MakeNamedMaterial; other
+ * directives are skipped. `conductor`, `diffuse`, `coateddiffuse`, `coatedconductor` and `measured` are read, with
+ * textures of the classes imagemap, constant, scale and mix. Colours are those of the default colour space, linear
+ * sRGB. pbrt is a spectral renderer: eta and k given as "metal-Au-eta" are the RGB values of metals.c.
  */
 #include "material/bsdf.h"
 
@@ -221,8 +222,8 @@ static bool read_named(nqm_bsdf_reading *r, const nqm_bsdf_node *parameter, size
     return is_read;
 }
 
-/* The value of a parameter that is a constant, a metal or a texture: n = 1 of type float, 3 of type spectrum. missing (n): when it is
- * not given. */
+/* The value of a parameter that is a constant, a metal or a texture: n = 1 of type float, 3 of type spectrum. missing
+ * (n): when it is not given. */
 static bool read_value(nqm_bsdf_reading *r, const char *name, size_t n, const double *missing, uint16_t *value_ret) {
     const nqm_bsdf_node *node = nqm_bsdf_find(r, name);
     double v[3] = {0};

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
- * rules.h - how the properties of a material in a file become those of a shading. Each shading model of each file format has a list with
- * one rule for each property that a file may give; any other property refuses the material. What differs between the formats is how
- * a property is found and its numbers are read: nqm_rule_source.
+ * rules.h - how the properties of a material in a file become those of a shading. Each shading model of each file
+ * format has a list with one rule for each property that a file may give; any other property refuses the material. What
+ * differs between the formats is how a property is found and its numbers are read: nqm_rule_source.
  */
 #ifndef NQM_SRC_MATERIAL_RULES_H
 #define NQM_SRC_MATERIAL_RULES_H
@@ -103,8 +103,8 @@ void nqm_reading_reflect(nqm_reading *r);
 bool nqm_rules_apply(nqm_reading *r, const char *name, const void *property);
 /** The rule for a name, or NULL. */
 const nqm_rule *nqm_rule_find(const nqm_rule *rules, const char *name);
-/** Append what has been read: the shading, with the maps, the file or the refusal. byte_offset: of a material that is accepted. Takes
- *  the maps; a reading that is given up frees them by nqm_textured_free(). */
+/** Append what has been read: the shading, with the maps, the file or the refusal. byte_offset: of a material that is
+ *  accepted. Takes the maps; a reading that is given up frees them by nqm_textured_free(). */
 NQM_MUST_CHECK nqm_status nqm_reading_add(nqm_reading *r, const char *name, const char *surface, int64_t byte_offset,
                                           nqm_materials *materials, nqm_error *err);
 

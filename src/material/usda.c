@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT
  *
- * USD as text (.usda; openusd.org, "USDA File Format Specification" and UsdShade): materials with a UsdPreviewSurface or the shaders of
- * MaterialX ("ND_standard_surface_surfaceshader"). The prims become a document of MaterialX, whose reader does the rest, textures
- * included. One layer is read, without composition. Binary layers (crate, .usdc) and packages (.usdz) are recognised, to say
- * what to do with them.
+ * USD as text (.usda; openusd.org, "USDA File Format Specification" and UsdShade): materials with a UsdPreviewSurface
+ * or the shaders of MaterialX ("ND_standard_surface_surfaceshader"). The prims become a document of MaterialX, whose
+ * reader does the rest, textures included. One layer is read, without composition. Binary layers (crate, .usdc) and
+ * packages (.usdz) are recognised, to say what to do with them.
  */
 #include "io/xml.h"
 #include "material/materialx.h"

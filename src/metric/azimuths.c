@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
- * Pairs with an anisotropic BRDF. The directions of the models "default" and "transport" have one azimuth, which is enough for isotropic
- * BRDFs; the model "anisotropic" makes small pictures of any BRDF (metric/slopes.c). So the former hand such pairs to the latter;
- * where the anisotropy is slight, the score is between both, and continuous.
+ * Pairs with an anisotropic BRDF. The directions of the models "default" and "transport" have one azimuth, which is
+ * enough for isotropic BRDFs; the model "anisotropic" makes small pictures of any BRDF (metric/slopes.c). So the former
+ * hand such pairs to the latter; where the anisotropy is slight, the score is between both, and continuous.
  */
 #include "metric/azimuths.h"
 #include "brdf/brdf.h"
@@ -100,8 +100,8 @@ static nqm_transport points_of(const nqm_azimuths *a) {
     return (nqm_transport){.n_points = a->model->n_slope_points, .points = a->model->slope_points};
 }
 
-/* Whether half vectors for one lobe suit the other, too: sizes and distance within a third. With the same ones the sun falls to the same
- * ones, so that BRDFs which hardly differ have pictures that do. */
+/* Whether half vectors for one lobe suit the other, too: sizes and distance within a third. With the same ones the sun
+ * falls to the same ones, so that BRDFs which hardly differ have pictures that do. */
 static bool is_like(const nqm_lobe *a, const nqm_lobe *b) {
     static const double most = 0.3;
     const double apart = hypot(a->center[0] - b->center[0], a->center[1] - b->center[1]);
@@ -224,8 +224,8 @@ nqm_status nqm_azimuths_score(const nqm_azimuths *a, size_t n, const nqm_azimuth
 
 /* ---- means ------------------------------------------------------------------------------------------------------- */
 
-/* The label of the means over every `step`-th member from `first` on. subjects: (2 n) references, then tests; mean (2, 3, n_points) is
- * workspace. */
+/* The label of the means over every `step`-th member from `first` on. subjects: (2 n) references, then tests; mean (2,
+ * 3, n_points) is workspace. */
 static nqm_label label_means(const gallery *g, const double *weights, size_t first, size_t step, double *mean) {
     const nqm_transport points = points_of(g->azimuths);
     const size_t n = g->n / 2, n_values = 3 * points.n_points;
@@ -242,8 +242,8 @@ static nqm_label label_means(const gallery *g, const double *weights, size_t fir
     return nqm_transport_label(&points, mean - 2 * n_values, mean - n_values);
 }
 
-/* Few members differ more than the means over all would: the square of their Delta-E has a part that is inverse to their number, which
- * the halves show. */
+/* Few members differ more than the means over all would: the square of their Delta-E has a part that is inverse to
+ * their number, which the halves show. */
 static nqm_label label_all(const gallery *g, const double *weights, double *mean) {
     nqm_label label = label_means(g, weights, 0, 1, mean);
     if (g->n < 4)

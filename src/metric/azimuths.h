@@ -30,7 +30,8 @@ NQM_MUST_CHECK nqm_status nqm_azimuths_score(const nqm_azimuths *azimuths, size_
 
 /** The light of all slopes together: totals (3, n_slope_points). */
 void nqm_azimuths_totals(const nqm_model *model, float *totals);
-/** The light of the points of a BRDF's picture, by half vectors that suit a lobe: rgb (3, n_slope_points) cd/m2. false: out of memory. */
+/** The light of the points of a BRDF's picture, by half vectors that suit a lobe: rgb (3, n_slope_points) cd/m2. false:
+ *  out of memory. */
 bool nqm_azimuths_light(const nqm_model *model, const float *totals, const nqm_brdf *brdf, const nqm_lobe *lobe,
                         double *rgb);
 /** The score of two means of BRDFs, as of pictures whose light is averaged: lobes of any width and lean, which one set of half vectors

@@ -19,8 +19,8 @@ static float ratio_of(float ref, float test) {
     return a > b ? a / b : b / a;
 }
 
-/* The largest ratio of the members in any channel of any direction that is used, or the first that reaches `enough`; *at receives its
- * index. */
+/* The largest ratio of the members in any channel of any direction that is used, or the first that reaches `enough`;
+ * *at receives its index. */
 static float worst_ratio(size_t n_directions, const nqm_sample_pair *p, float enough, size_t *at) {
     float worst = 1;
     *at = 0;

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * From sampled pairs to the inputs of a model's network, for scores and for gradients: transformed samples, sums over the directions,
- * and from these and the estimated labels the metrics and scalar features.
+ * From sampled pairs to the inputs of a model's network, for scores and for gradients: transformed samples, sums over
+ * the directions, and from these and the estimated labels the metrics and scalar features.
  */
 #include "metric/compose.h"
 #include "kernel/panel.h"

@@ -34,8 +34,9 @@ size_t nqm_composer_task(const nqm_composer *composer, size_t n);
 /** The cube roots of a task's reference and tests. */
 float *nqm_composer_root(const nqm_composer *composer, size_t task);
 
-/** Compute what does not depend on the estimate of pairs [first, first + n) of the batch: bound, inputs from samples, and sums if
- *  there are scalar features, a transport matrix or with_metrics. pairs: (n); consecutive ones with the same `ref` pointer share the work on it. */
+/** Compute what does not depend on the estimate of pairs [first, first + n) of the batch: bound, inputs from samples,
+ *  and sums if there are scalar features, a transport matrix or with_metrics. pairs: (n); consecutive ones with the
+ *  same `ref` pointer share the work on it. */
 void nqm_compose_samples(const nqm_composer *composer, size_t task, size_t first, size_t n,
                          const nqm_sample_pair *pairs, bool with_metrics);
 /** Compute the scalar features and inputs of the same pairs from sums and estimates, and metrics (batch, NQM_METRIC_COUNT) unless

@@ -13,8 +13,9 @@
 /** Pairs that are computed together, pictures of them (reference, test and difference), and points of these. */
 enum { NQM_COMPARE_MAX = 16, NQM_TRANSPORT_MAX = 3 * NQM_COMPARE_MAX, NQM_TRANSPORT_BLOCK = 128 };
 
-/** Everything below takes pairs sampled at the directions of a model or dataset as nqm_sample_pair: f_r >= 0, and where `used` is 0 the
- *  direction is dropped. Consecutive pairs with the same `ref` pointer share the work that depends only on the reference. */
+/** Everything below takes pairs sampled at the directions of a model or dataset as nqm_sample_pair: f_r >= 0, and where
+ *  `used` is 0 the direction is dropped. Consecutive pairs with the same `ref` pointer share the work that depends only
+ *  on the reference. */
 
 /** A picture that a transport matrix makes of samples; where a direction is dropped, the test has the values of the reference. */
 typedef struct nqm_transport_picture {
@@ -47,16 +48,17 @@ double nqm_look_distance(const nqm_look_sums *ref, const nqm_look_sums *test, do
 /** The similarity of materials that are seen apart and both ends of its interval, JOD, by the weights of the model. */
 void nqm_similarity(const nqm_model *model, const double apart[NQM_APART], double similarity[3]);
 
-/** What the gradient of an estimate needs of a pair, (3, n_points) each: ITP of both pictures on the display, in units of Delta-E, and
- *  the light of the test in cd/m2. Pairs that share a reference may share `ref`. */
+/** What the gradient of an estimate needs of a pair, (3, n_points) each: ITP of both pictures on the display, in units
+ *  of Delta-E, and the light of the test in cd/m2. Pairs that share a reference may share `ref`. */
 typedef struct nqm_seen_pair {
     double *ref, *test, *light;
 } nqm_seen_pair;
-/** Compute them of n pairs, at most NQM_COMPARE_MAX: as nqm_transport_estimates(), but with a smooth PQ signal, and with the accuracy of
- *  float relative to the difference of the pictures. */
+/** Compute them of n pairs, at most NQM_COMPARE_MAX: as nqm_transport_estimates(), but with a smooth PQ signal, and
+ *  with the accuracy of float relative to the difference of the pictures. */
 void nqm_transport_see(const nqm_transport *transport, size_t n, const nqm_sample_pair *pairs,
                        const nqm_seen_pair *seen);
-/** itp (3, n_points) of rgb, which may be the same array. Only points and n_points of the transport are used, here and in the next two. */
+/** itp (3, n_points) of rgb, which may be the same array. Only points and n_points of the transport are used, here and
+ *  in the next two. */
 void nqm_transport_show(const nqm_transport *transport, const double *rgb, double *itp);
 /** The label of two such pictures. */
 nqm_label nqm_transport_label(const nqm_transport *transport, const double *ref, const double *test);
@@ -71,8 +73,8 @@ void nqm_transport_gradient(const nqm_transport *transport, size_t n, const nqm_
 
 /** Pictures of n BRDFs by the transport matrix of a model, of which any two are compared without their samples. */
 typedef struct nqm_gallery nqm_gallery;
-/** pictures: those of another gallery of the model, which must outlive this one; NULL: they are drawn, first all 0. NQM_ERR_MODEL (the
- *  model, which must outlive it, has no transport matrix), NQM_ERR_NOMEM. */
+/** pictures: those of another gallery of the model, which must outlive this one; NULL: they are drawn, first all 0.
+ *  NQM_ERR_MODEL (the model, which must outlive it, has no transport matrix), NQM_ERR_NOMEM. */
 NQM_MUST_CHECK nqm_status nqm_gallery_create(const nqm_model *model, size_t n, const float *pictures,
                                              nqm_gallery **gallery_ret, nqm_error *err);
 void nqm_gallery_free(nqm_gallery *gallery);
@@ -82,12 +84,14 @@ size_t nqm_gallery_size(const nqm_model *model);
 const float *nqm_gallery_pictures(const nqm_gallery *gallery);
 /** Draw pictures [first, first + n) on all threads. samples: (n) of the directions of the model (n_directions, 3). */
 void nqm_gallery_draw(nqm_gallery *gallery, size_t first, size_t n, const float *const *samples);
-/** Estimate the JODs (n) of picture a next to pictures [first, first + n) of a gallery of the same model, or, if they are seen apart, upper
- *  bounds of the similarity: the difference of the samples on a log scale is not known. Any thread. */
+/** Estimate the JODs (n) of picture a next to pictures [first, first + n) of a gallery of the same model, or, if they
+ *  are seen apart, upper bounds of the similarity: the difference of the samples on a log scale is not known. Any
+ *  thread. */
 void nqm_gallery_jods(const nqm_gallery *gallery, size_t a, const nqm_gallery *with, size_t first, size_t n,
                       bool is_apart, float *jod);
-/** Open, sample and draw n <= 2 NQM_SCORE_BLOCK BRDFs as pictures [first, first + n); the samples stay in the cache of the scorer. errors
- *  (n): of BRDFs that cannot be sampled, whose pictures mean nothing; else NQM_OK. Returns NQM_OK or NQM_ERR_NOMEM. */
+/** Open, sample and draw n <= 2 NQM_SCORE_BLOCK BRDFs as pictures [first, first + n); the samples stay in the cache of
+ *  the scorer. errors (n): of BRDFs that cannot be sampled, whose pictures mean nothing; else NQM_OK. Returns NQM_OK or
+ *  NQM_ERR_NOMEM. */
 NQM_MUST_CHECK nqm_status nqm_scorer_draw(nqm_scorer *scorer, size_t n, const char *const *names, nqm_gallery *gallery,
                                           size_t first, nqm_error *errors, nqm_error *err);
 

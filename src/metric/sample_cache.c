@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
  * LRU cache of sampled BRDFs: a hash table, and a doubly linked list of its entries in order of last use. A BRDF is
- * closed as soon as it is sampled, because the samples of 500 directions take 7 KB, and a measured table 35 MB. The last material files
- * stay parsed: each of their materials is an entry.
+ * closed as soon as it is sampled, because the samples of 500 directions take 7 KB, and a measured table 35 MB. The
+ * last material files stay parsed: each of their materials is an entry.
  */
 #include "metric/sample_cache.h"
 

@@ -37,8 +37,8 @@ void nqm_sample_cache_free(nqm_sample_cache *cache);
 /** Find or create the entry of a name and mark it as the most recently used; NULL when out of memory. The entry is
  *  valid until the next nqm_sample_cache_trim(). */
 nqm_cached *nqm_sample_cache_get(nqm_sample_cache *cache, const char *name);
-/** Open and sample, on all threads, those of n <= 2 NQM_SCORE_BLOCK entries that are not sampled yet. Returns NQM_OK or NQM_ERR_NOMEM; other
- *  failures are recorded in the entries. */
+/** Open and sample, on all threads, those of n <= 2 NQM_SCORE_BLOCK entries that are not sampled yet. Returns NQM_OK or
+ *  NQM_ERR_NOMEM; other failures are recorded in the entries. */
 NQM_MUST_CHECK nqm_status nqm_sample_cache_fill(nqm_sample_cache *cache, size_t n, nqm_cached *const *entries,
                                                 nqm_error *err);
 /** Free the least recently used entries until the rest takes at most `max_bytes`. */

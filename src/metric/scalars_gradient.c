@@ -102,8 +102,8 @@ static void whole_slopes(const nqm_scalar_sums *s, const double *w, nqm_scalar_s
     energy_slopes(s, w, by);
 }
 
-/* The derivatives of weighted scalar features (NQM_SCALAR_COUNT) by the sums of a pair. Features from NQM_SCALAR_ESTIMATE are the caller's:
- * their weights are ignored. */
+/* The derivatives of weighted scalar features (NQM_SCALAR_COUNT) by the sums of a pair. Features from
+ * NQM_SCALAR_ESTIMATE are the caller's: their weights are ignored. */
 static nqm_pair_sums sum_slopes(const nqm_pair_sums *sums, const double *scalar_weights) {
     nqm_pair_sums by = {0};
     double metrics[NQM_METRIC_COUNT], weights[NQM_METRIC_COUNT] = {0};

@@ -8,8 +8,9 @@
 
 #include <math.h>
 
-/* Weights of the components, in units of Delta-E: constants fitted to the answers of Lagunas et al. 2019 ("which of two materials is
- * more like the reference", DOI 10.1145/3306346.3323036; answers under GPL-2.0, of which nothing but these numbers is here). */
+/* Weights of the components, in units of Delta-E: constants fitted to the answers of Lagunas et al. 2019 ("which of two
+ * materials is more like the reference", DOI 10.1145/3306346.3323036; answers under GPL-2.0, of which nothing but these
+ * numbers is here). */
 static const double of_structure = 0.1133, /* root mean square Delta-E without the shift */
     of_peaks = 27.81,                      /* log of the 4-norm of I less its mean: how far highlights stand out */
     of_skew = 3.523,                       /* third moment of I: few bright places or few dark ones */

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT
  *
- * Small pictures of any BRDF, of models for anisotropic ones: every point receives a known light by the slope of the half vector
- * (label/slopes.c). The BRDF is evaluated at half vectors that are placed by its lobe: a disc and rings that are even in the logarithm
- * of the slope, in which lobes are smooth, stretched and moved as the lobe is; far from it they become round, so that they cover all
- * slopes. Each stands for the light of its surroundings.
+ * Small pictures of any BRDF, of models for anisotropic ones: every point receives a known light by the slope of the
+ * half vector (label/slopes.c). The BRDF is evaluated at half vectors that are placed by its lobe: a disc and rings
+ * that are even in the logarithm of the slope, in which lobes are smooth, stretched and moved as the lobe is; far from
+ * it they become round, so that they cover all slopes. Each stands for the light of its surroundings.
  */
 #include "brdf/brdf.h"
 #include "math/math.h"
@@ -12,8 +12,9 @@
 #include <math.h>
 #include <string.h>
 
-/* Rings have these steps of the logarithm and these numbers of nodes: few within a lobe so narrow that light is constant in it, and more
- * where light varies. Nodes beyond a wide slope take up what the sum of all lacks to the light of the point. */
+/* Rings have these steps of the logarithm and these numbers of nodes: few within a lobe so narrow that light is
+ * constant in it, and more where light varies. Nodes beyond a wide slope take up what the sum of all lacks to the light
+ * of the point. */
 enum { AROUND = 14, NARROW_AROUND = 4, MAX_RINGS = 64, BLOCK = 256 };
 static const double step_of_light = 0.35, step_of_lobe = 0.5, narrow_slope = 0.02;
 /* Parts of a node, as fine as the cells of the light. */
@@ -63,8 +64,9 @@ static double blend(double t, double from, double to) {
     return fmin(fmax(log(t / from) / log(to / from), 0), 1);
 }
 
-/* Stretched and moved as the lobe is; far from it the circles become round about the normal. Centres move less than circles grow, so that
- * circles do not cross. The stretch is symmetric: the axis of a nearly round lobe is a matter of chance, and turns no nodes. */
+/* Stretched and moved as the lobe is; far from it the circles become round about the normal. Centres move less than
+ * circles grow, so that circles do not cross. The stretch is symmetric: the axis of a nearly round lobe is a matter of
+ * chance, and turns no nodes. */
 static circle circle_at(const nqm_lobe *lobe, double t) {
     static const double round = 4;
     const double moved = hypot(lobe->center[0], lobe->center[1]);
@@ -155,8 +157,8 @@ static bool is_wide(const nodes *of, size_t k) {
     return of->half[k][2] * of->half[k][2] * (1 + wide_slope * wide_slope) < 1;
 }
 
-/* Let the wide nodes have the light that all lack: totals (3, n_points). Nodes below the horizon have none. Two rows of `light` follow
- * those of the nodes, for the sums. */
+/* Let the wide nodes have the light that all lack: totals (3, n_points). Nodes below the horizon have none. Two rows of
+ * `light` follow those of the nodes, for the sums. */
 static void settle(const nqm_model *m, const float *totals, nodes *to) {
     const size_t n_points = m->n_slope_points, n = 3 * n_points;
     float *all = to->light + to->n * n, *wide = all + n;

@@ -1,11 +1,12 @@
 /* SPDX-License-Identifier: MIT
  *
- * Sums over the directions of pairs, and the way back from derivatives by sums to samples, in float. Each difference of logarithms is the
- * logarithm of a quotient, which takes half of the time and keeps the relative precision of small differences.
+ * Sums over the directions of pairs, and the way back from derivatives by sums to samples, in float. Each difference of
+ * logarithms is the logarithm of a quotient, which takes half of the time and keeps the relative precision of small
+ * differences.
  *
- * An image averages reflectance over many directions, so that random differences between directions are less visible than systematic
- * ones. Therefore some features compare sums over zones of directions, others single directions. A direction that is not used is one where
- * both members are 0: all differences are 0 there, and so are all scales.
+ * An image averages reflectance over many directions, so that random differences between directions are less visible
+ * than systematic ones. Therefore some features compare sums over zones of directions, others single directions. A
+ * direction that is not used is one where both members are 0: all differences are 0 there, and so are all scales.
  */
 #include "metric/sums.h"
 #include "kernel/kernel.h"
@@ -368,8 +369,8 @@ void nqm_compare_sums(const nqm_sum_plan *plan, size_t n, const nqm_sample_pair 
 
 /* ---- derivatives ------------------------------------------------------------------------------------------------- */
 
-/* Derivative by log luminance of one direction. by->max_l becomes 0 where it is used up: the first direction that attains the maximum
- * takes it. */
+/* Derivative by log luminance of one direction. by->max_l becomes 0 where it is used up: the first direction that
+ * attains the maximum takes it. */
 static double by_log_luminance(const nqm_scalar_sums *s, double l, size_t zone, double grazing, nqm_scalar_sums *by) {
     const double sign = (l > 0) - (l < 0), large = fmax(fabs(l), NQM_SMALL_ROOT);
     double slope = by->l + 2 * l * (by->l2 + by->zone_l2[zone]) + 4 * l * l * l * by->l4;

@@ -73,8 +73,8 @@ nqm_light_ratio nqm_light_contrast(const nqm_light_sum *sum);
 /** The sum of n parts. */
 nqm_light_sum nqm_lights_join(const nqm_light_sum *parts, size_t n);
 
-/** Distances of which the similarity is a weighted sum, in units of Delta-E: Delta-E, lengths of the shift in I and in T and P, contrast
- *  times 30, structure, and the built-in distance. estimate, looks: of nqm_transport_estimates(). */
+/** Distances of which the similarity is a weighted sum, in units of Delta-E: Delta-E, lengths of the shift in I and in
+ *  T and P, contrast times 30, structure, and the built-in distance. estimate, looks: of nqm_transport_estimates(). */
 void nqm_apart_distances(const nqm_label *estimate, double looks, const nqm_metric_sums *sums, double apart[NQM_APART]);
 
 /** Compute metrics (NQM_METRIC_COUNT) and scalar features (NQM_SCALAR_COUNT) from them; either may be NULL. estimate: by transport;
@@ -97,13 +97,15 @@ typedef struct nqm_compared_pair {
     const float *ref_root, *test_root; /**< (n_directions, 3) cube roots */
     const nqm_pair_sums *sums;         /**< from nqm_compare_sums() */
 } nqm_compared_pair;
-/** The sums of the pair with those of reflectance in double: derivatives of opponent channels depend on small differences of them. */
+/** The sums of the pair with those of reflectance in double: derivatives of opponent channels depend on small
+ *  differences of them. */
 nqm_pair_sums nqm_exact_sums(const nqm_compared_pair *compared);
 /** The way back from derivatives by the sums to those by the samples of the test: as nqm_compare_gradient(). */
 void nqm_sums_gradient(const nqm_compared_pair *compared, nqm_pair_sums by, float *gradient);
 /**
- * Add the derivatives of weighted scalar features (scalar_weights: NQM_SCALAR_COUNT; those from NQM_SCALAR_ESTIMATE on are ignored) by the
- * samples of the test to gradient (n_directions, 3). Computed in float, within 1e-5 of the largest. Where a derivative does not exist:
+ * Add the derivatives of weighted scalar features (scalar_weights: NQM_SCALAR_COUNT; those from NQM_SCALAR_ESTIMATE on
+ * are ignored) by the samples of the test to gradient (n_directions, 3). Computed in float, within 1e-5 of the largest.
+ * Where a derivative does not exist:
  * - abs(x) and sqrt(x) at 0, norms at 0: 0, so that equal pairs have finite derivatives; towards it, slopes of roots fall linearly
  *   (NQM_SMALL_ROOT, NQM_SMALL_MEAN);
  * - a maximum: that of the first direction that attains it;

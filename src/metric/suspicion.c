@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Suspicions about a bad score: values of another scale, or with the cosine, are often a fault of a file. The ratio of the test to its
- * reference is then about the same at all directions, or is a cosine.
+ * Suspicions about a bad score: values of another scale, or with the cosine, are often a fault of a file. The ratio of
+ * the test to its reference is then about the same at all directions, or is a cosine.
  */
 #include "metric/metric.h"
 
@@ -11,8 +11,8 @@
 /* Medians and quartiles of this many directions say as much as those of all. Most pairs are cleared by the few. */
 enum { FEW = 64, MANY = 1024 };
 
-/* Median and interquartile range of log(test / ref) less `sign` log(cos(theta_o)), in green, at n directions, as far as both are above 0;
- * NaN where fewer than four are. */
+/* Median and interquartile range of log(test / ref) less `sign` log(cos(theta_o)), in green, at n directions, as far as
+ * both are above 0; NaN where fewer than four are. */
 static void log_ratio(const nqm_directions *d, const float *ref, const float *test, size_t n, double sign,
                       double range[2]) {
     double ratio[MANY];

@@ -86,9 +86,9 @@ struct nqm_model {
     double *interval; /* (n_interval, 3) predicted JOD, both ends of its 95 % interval, columns ascending; NULL: none */
     float *transport; /* as `light` in nqm_transport; NULL: none */
     double *transport_points; /* as `points` in nqm_transport; NULL: none */
-    /* Light that each point receives by the slope of the half vector, of models for anisotropic BRDFs; NULL: none. cd/m2 times cosine
-     * times solid angle, (NQM_SLOPE_CELLS, 3, n_slope_points); points as in nqm_transport; unit vectors to the viewer in the axes
-     * of the surface (n_slope_points, 3). */
+    /* Light that each point receives by the slope of the half vector, of models for anisotropic BRDFs; NULL: none.
+     * cd/m2 times cosine times solid angle, (NQM_SLOPE_CELLS, 3, n_slope_points); points as in nqm_transport; unit
+     * vectors to the viewer in the axes of the surface (n_slope_points, 3). */
     float *slopes;
     double *slope_points, *slope_wo;
     float *novelty_points; /* (n_novelty, scalars.n, NQM_NOVELTY_BLOCK) of nqm_novelty_features() */

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
- * Reads a model (doc/model-format.md) from a file, from memory or from the library. A missing or surplus tensor, a wrong type or shape, a value that is not finite or
- * a wrong checksum is an error; for a tensor the message gives its name.
+ * Reads a model (doc/model-format.md) from a file, from memory or from the library. A missing or surplus tensor, a
+ * wrong type or shape, a value that is not finite or a wrong checksum is an error; for a tensor the message gives its
+ * name.
  */
 #include "base/embedded.h"
 #include "base/names.h"

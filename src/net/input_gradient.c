@@ -131,7 +131,8 @@ static nqm_panels panels_from(nqm_panels panels, size_t first) {
     return panels;
 }
 
-/* The product of layer 0. A fit scores one pair at a time, always with the same reference, and reading weights takes most of its time. */
+/* The product of layer 0. A fit scores one pair at a time, always with the same reference, and reading weights takes
+ * most of its time. */
 static void multiply_inputs(nqm_gradient_net *w, size_t n, const float *x) {
     const layer *first = &w->layer[0];
     const size_t n_ref = w->n_ref, ldx = nqm_row_stride(first->in);

@@ -8,13 +8,13 @@
 
 #include "net/net.h"
 
-/** A network with its weights packed for both directions, and the activations of a batch. Belongs to one thread at a time; a call works
- *  on all of OpenMP's threads. */
+/** A network with its weights packed for both directions, and the activations of a batch. Belongs to one thread at a
+ *  time; a call works on all of OpenMP's threads. */
 typedef struct nqm_gradient_net nqm_gradient_net;
 
-/** For at most max_batch rows. `params` is borrowed and must outlive the network. The first n_ref inputs, at least 1 and not all, are
- *  the reference's: the gradient by them is not computed, and successive calls with one row and the same reference compute their
- *  contribution to the first layer once. NQM_ERR_NOMEM. */
+/** For at most max_batch rows. `params` is borrowed and must outlive the network. The first n_ref inputs, at least 1
+ *  and not all, are the reference's: the gradient by them is not computed, and successive calls with one row and the
+ *  same reference compute their contribution to the first layer once. NQM_ERR_NOMEM. */
 NQM_MUST_CHECK nqm_status nqm_gradient_net_create(const nqm_params *params, size_t n_ref, size_t max_batch,
                                                   nqm_gradient_net **net_ret, nqm_error *err);
 void nqm_gradient_net_free(nqm_gradient_net *net);

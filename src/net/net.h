@@ -38,7 +38,8 @@ typedef struct nqm_params {
     nqm_layer layer[NQM_NET_MAX_LAYERS];
 } nqm_params;
 
-/** NQM_ERR_ARG when a width (1..2^24) or the number of layers is out of range, or there are more than NQM_NET_MAX_OUTPUTS outputs. */
+/** NQM_ERR_ARG when a width (1..2^24) or the number of layers is out of range, or there are more than
+ *  NQM_NET_MAX_OUTPUTS outputs. */
 NQM_MUST_CHECK nqm_status nqm_net_shape_check(const nqm_net_shape *shape, nqm_error *err);
 
 enum { NQM_MIN_PARALLEL = 1 << 17 }; /**< floats; for fewer, waking a thread costs more than it saves */

@@ -42,8 +42,8 @@ uint64_t nqm_trainer_steps(const nqm_trainer *trainer);
 
 /** (sizes[0]) receives row i of the next batch's input. */
 float *nqm_trainer_input(nqm_trainer *trainer, size_t i);
-/** Rows [first, first + n) of the input are complete; call it for all rows before nqm_trainer_forward(). first is even; n is 2, or 1 for
- *  the last row of an odd number. Any thread. */
+/** Rows [first, first + n) of the input are complete; call it for all rows before nqm_trainer_forward(). first is even;
+ *  n is 2, or 1 for the last row of an odd number. Any thread. */
 void nqm_trainer_inputs_done(nqm_trainer *trainer, size_t first, size_t n);
 /** z (batch, outputs) receives the output layer's values before the sigmoid. dropout NULL: none. */
 void nqm_trainer_forward(nqm_trainer *trainer, size_t batch, const nqm_dropout *dropout, float *z);

@@ -20,8 +20,8 @@ typedef struct nqm_layer_values {
     float *vector[NQM_VECTORS];
 } nqm_layer_values;
 
-/** A matrix (batch, n) of activations or of gradients, in the forms that products read: rows are the left factor of a product, columns
- *  a factor of a weight gradient. In NQM_PRECISION_F32 the rows are x. */
+/** A matrix (batch, n) of activations or of gradients, in the forms that products read: rows are the left factor of a
+ *  product, columns a factor of a weight gradient. In NQM_PRECISION_F32 the rows are x. */
 typedef struct nqm_batch_matrix {
     size_t n, ld;   /**< floats from row to row of x; zeros from n to ld */
     float *x;       /**< (max_batch, ld) */

@@ -28,7 +28,8 @@ void nqm_rgb_gradient(const double *rgb_cdm2, const double *by_itp, double *by_r
 void nqm_lms_from_rgb(const double *rgb_cdm2, double *lms);
 void nqm_itp_from_pq_lms(const double *pq_lms, double *itp);
 
-/** The inverse of nqm_curve_jod(); at most 1000, because the worst JODs of a model lie beyond the largest Delta-E that colours have. */
+/** The inverse of nqm_curve_jod(); at most 1000, because the worst JODs of a model lie beyond the largest Delta-E that
+ *  colours have. */
 double nqm_curve_delta_e(const nqm_curve *curve, double jod);
 /** The derivative of nqm_curve_jod(); 0 for a Delta-E of 0 or less. */
 double nqm_curve_slope(const nqm_curve *curve, double delta_e);

@@ -1,12 +1,13 @@
 /* SPDX-License-Identifier: MIT
  *
  * The light directions of one surface point: multiple importance sampling with the balance heuristic (Veach and Guibas
- * 1995, DOI 10.1145/218380.218498) over the light map times the cosine, a spiral of half vectors about the normal, and the
- * cosine. The spiral is what makes lobes of any width right without knowledge of the BRDF: its directions are evenly spaced in the
- * logarithm of tan(theta_h), in which a lobe of any width has the same smooth shape, and the midpoint rule converges exponentially
- * for smooth integrands (Trefethen and Weideman 2014, DOI 10.1137/130932132). They are denser where the light map resolves a lobe, and
- * continue to perfect mirrors, within whose lobes the light is constant. The azimuth advances by the golden angle. For anisotropic BRDFs
- * the spiral is stretched as their lobes are (render/lobe.c).
+ * 1995, DOI 10.1145/218380.218498) over the light map times the cosine, a spiral of half vectors about the normal, and
+ * the cosine. The spiral is what makes lobes of any width right without knowledge of the BRDF: its directions are
+ * evenly spaced in the logarithm of tan(theta_h), in which a lobe of any width has the same smooth shape, and the
+ * midpoint rule converges exponentially for smooth integrands (Trefethen and Weideman 2014, DOI 10.1137/130932132).
+ * They are denser where the light map resolves a lobe, and continue to perfect mirrors, within whose lobes the light is
+ * constant. The azimuth advances by the golden angle. For anisotropic BRDFs the spiral is stretched as their lobes are
+ * (render/lobe.c).
  */
 #include "math/math.h"
 #include "render/render.h"
@@ -16,8 +17,9 @@
 
 enum { SPIRAL = 0, LIGHT, COSINE, N_TECHNIQUES };
 
-/* The spiral has the density (1 / (t + core) + 1 / (t + knee)) dt / range in t = tan(theta_h), up to t = most_tan: logarithmic, twice as
- * dense where the light varies over a lobe, and fading out below the narrowest lobe of any model, whose width is 0.0001. */
+/* The spiral has the density (1 / (t + core) + 1 / (t + knee)) dt / range in t = tan(theta_h), up to t = most_tan:
+ * logarithmic, twice as dense where the light varies over a lobe, and fading out below the narrowest lobe of any model,
+ * whose width is 0.0001. */
 static const double core = 3e-6, knee = 2e-3, most_tan = 8;
 
 static double spiral_range(void) {
@@ -238,7 +240,8 @@ static void sample(sampler *s, size_t technique, double u, double v, double *wi)
 }
 
 /* Correct the sum of the weights to the exact irradiance: this removes the noise common to all surfaces (1 % at 384
- * directions). Directions that only the spiral makes keep their weights, so that narrow lobes do not receive noise of the whole sky. */
+ * directions). Directions that only the spiral makes keep their weights, so that narrow lobes do not receive noise of
+ * the whole sky. */
 static void calibrate(const double *wide, nqm_direction_set *set) {
     double sum[3] = {0}, movable[3] = {0};
     for (size_t i = 0; i < 3 * set->n_used; ++i) {

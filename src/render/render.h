@@ -45,14 +45,15 @@ typedef struct nqm_scene_surfaces {
      *  square of the picture: its pixel, or in a scene without pixels the area that the point represents. */
     size_t n_samples;
     uint64_t seed; /**< of the positions */
-    /** The BRDF at texture coordinates (<nqm/render.h>), which the caller frees, and its unit normal: components along the tangent, the
-     *  bitangent (upwards) and the normal of the surface. Any thread; equal arguments give equal results. */
+    /** The BRDF at texture coordinates (<nqm/render.h>), which the caller frees, and its unit normal: components along
+     *  the tangent, the bitangent (upwards) and the normal of the surface. Any thread; equal arguments give equal
+     *  results. */
     nqm_status (*open)(void *user, const double uv[2], nqm_brdf **brdf_ret, double normal[3], nqm_error *err);
     void *user;
 } nqm_scene_surfaces;
 
-/** nqm_scene_render_halves() with a BRDF for each point. Light directions are placed by the normal of the BRDF. Fails with the error
- *  of the first point that `open` refuses; NQM_ERR_ARG with interreflection. */
+/** nqm_scene_render_halves() with a BRDF for each point. Light directions are placed by the normal of the BRDF. Fails
+ *  with the error of the first point that `open` refuses; NQM_ERR_ARG with interreflection. */
 NQM_MUST_CHECK nqm_status nqm_scene_render_each(const nqm_scene *scene, const nqm_scene_surfaces *surfaces,
                                                 double *rgb_cdm2, nqm_error *err);
 /** Texture coordinates of what the viewer sees beside point i, `offset` (2) to the right and up in sides of its footprint; the
@@ -140,9 +141,9 @@ NQM_MUST_CHECK nqm_status nqm_blob_create(nqm_mesh *mesh_ret, nqm_error *err);
 
 /* ---- points ------------------------------------------------------------------------------------------------------ */
 
-/** One visible point of the shape with its local frame: third axis the normal, wo in the plane of first and third. Anisotropic BRDFs
- *  are evaluated in the axes of the surface, whose first is the tangent. It is horizontal, as on a turned workpiece: cross(up, normal),
- *  and the x axis where the normal is vertical; smooth elsewhere. */
+/** One visible point of the shape with its local frame: third axis the normal, wo in the plane of first and third.
+ *  Anisotropic BRDFs are evaluated in the axes of the surface, whose first is the tangent. It is horizontal, as on a
+ *  turned workpiece: cross(up, normal), and the x axis where the normal is vertical; smooth elsewhere. */
 typedef struct nqm_surface_point {
     double frame[9];  /* (3, 3) rows: the axes, in world axes */
     double grain[2];  /* sine and cosine of the turn (nqm_turn3) from the frame to the axes of the surface */
@@ -230,8 +231,8 @@ typedef struct nqm_incident {
 
 enum { NQM_STANDARD_SCENES = 4 };
 
-/** One scene, which is its only part, or several: then the points of the parts follow each other, and of the fields below `parts` only
- *  weight and pixel are used. */
+/** One scene, which is its only part, or several: then the points of the parts follow each other, and of the fields
+ *  below `parts` only weight and pixel are used. */
 struct nqm_scene {
     nqm_scene_options options; /* n_lights and n_frames filled in; strings NULL */
     size_t n_parts;            /* at least 1 */

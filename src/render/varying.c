@@ -10,8 +10,9 @@
 
 /* ---- texture coordinates ------------------------------------------------------------------------------------------- */
 
-/* Side of the square of the picture that a point represents, in units of its position. Points of the spread sphere have no position:
- * their normals are on a sphere of radius 1. The points of a mesh cover about a disc of nine tenths of the picture. */
+/* Side of the square of the picture that a point represents, in units of its position. Points of the spread sphere have
+ * no position: their normals are on a sphere of radius 1. The points of a mesh cover about a disc of nine tenths of the
+ * picture. */
 static double footprint_side(const nqm_scene *scene, size_t i) {
     const nqm_scene_options *o = &scene->options;
     if (scene->seen.pixel)

@@ -16,8 +16,8 @@ void nqm_sample_scale(size_t n, float k1, const float *t, float *scaled);
 /** ratio = log((y + offset) / (x + offset)) for n values, offset (n) from 1e-6 to 1e30: within 3e-7 relative from -0.28 to 0.28,
  *  otherwise absolute or relative, whichever is more; 0 where x = y. */
 void nqm_sample_log_ratios(size_t n, const float *offset, const float *x, const float *y, float *ratio);
-/** difference = scale (cbrt(y) - cbrt(x)) for n values up to 1e30 and their cube roots from nqm_sample_logs(): within 2e-6 relative,
- *  even for close values, and 1e-10 scale. */
+/** difference = scale (cbrt(y) - cbrt(x)) for n values up to 1e30 and their cube roots from nqm_sample_logs(): within
+ *  2e-6 relative, even for close values, and 1e-10 scale. */
 void nqm_sample_root_differences(size_t n, const float *scale, const float *x, const float *y, const float *root_x,
                                  const float *root_y, float *difference);
 /** y = x, but at most `limit`, for n floats. */

@@ -19,8 +19,8 @@
 /* From `narrowest` on, steps of a factor wide_step; at `visible`, which a light map begins to resolve, they become shorter. */
 static const double narrowest = 2e-5, visible = 2e-3, widest = 80 * NQM_PI / 180, max_polar = 85 * NQM_PI / 180;
 
-/* Theta_d relative to its largest value at the same theta_h and phi_d. Before the nodes comes the first one again, seen from the other
- * side: (-theta_d, phi_d) is the direction (theta_d, phi_d + pi). */
+/* Theta_d relative to its largest value at the same theta_h and phi_d. Before the nodes comes the first one again, seen
+ * from the other side: (-theta_d, phi_d) is the direction (theta_d, phi_d + pi). */
 static const double part_of_d[1 + NQM_GRID_D] = {-0.12, 0.12, 0.4, 0.65, 0.84, 0.95, 1};
 static const double narrow_step = 1.9, wide_step = 1.25;
 

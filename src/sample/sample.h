@@ -43,9 +43,9 @@ size_t nqm_features_width(nqm_layout layout, size_t n_directions);
 void nqm_features_compose(const nqm_features *features, size_t n_directions, const float *ref_t, const float *test_t,
                           const uint8_t *used, float *x);
 
-/** Set `gradient` (n_directions, 3) to that of sum dx x by the test's f_r, whose cube roots are `root`; other arguments as above, x and
- *  dx as the network has them. 0 where `used` is 0, or a difference of samples is 0 whose magnitude counts. The transform has no
- *  derivative at 0: below NQM_LEAST_F, the value there. */
+/** Set `gradient` (n_directions, 3) to that of sum dx x by the test's f_r, whose cube roots are `root`; other arguments
+ *  as above, x and dx as the network has them. 0 where `used` is 0, or a difference of samples is 0 whose magnitude
+ *  counts. The transform has no derivative at 0: below NQM_LEAST_F, the value there. */
 void nqm_features_gradient(const nqm_features *features, size_t n_directions, const float *root, const uint8_t *used,
                            const float *x, const float *dx, float *gradient);
 #define NQM_LEAST_F 1e-6 /**< 1/sr */

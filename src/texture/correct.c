@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
- * The mean Delta-E of texels whose normals differ, from few of them: by a regression on what is cheap to know of many (Cochran 1977,
- * Sampling Techniques, chapter 12, double sampling): the Delta-E with equal normals, and the angle between the normals.
+ * The mean Delta-E of texels whose normals differ, from few of them: by a regression on what is cheap to know of many
+ * (Cochran 1977, Sampling Techniques, chapter 12, double sampling): the Delta-E with equal normals, and the angle
+ * between the normals.
  */
 #include "texture/score.h"
 
@@ -60,8 +61,8 @@ static void find_slopes(size_t n, const nqm_texel_sample *y, const covariates *x
     slope[1] = is_regular ? (xx * zy - xz * xy) / determinant : xx > 0 || zz <= 0 ? 0 : zy / zz;
 }
 
-/* The variance of the mean of a stratified sample by the steps between neighbours; *mean receives that mean. y NULL: of the regression,
- * else of its residuals. */
+/* The variance of the mean of a stratified sample by the steps between neighbours; *mean receives that mean. y NULL: of
+ * the regression, else of its residuals. */
 static double variance(size_t n, const nqm_texel_sample *y, const covariates *x, const double slope[2], double *mean) {
     double sum = 0, squares = 0, last = 0;
     for (size_t i = 0; i < n; ++i) {

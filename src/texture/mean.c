@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
- * Scores of means: from afar, and of pixels with several texels. The BRDFs of texels that are smaller than a pixel are averaged (Filip et al. 2016), each about its own normal. Both
- * materials are averaged over the same texels, a stratified sample. With normals, the light of pictures is averaged.
+ * Scores of means: from afar, and of pixels with several texels. The BRDFs of texels that are smaller than a pixel are
+ * averaged (Filip et al. 2016), each about its own normal. Both materials are averaged over the same texels, a
+ * stratified sample. With normals, the light of pictures is averaged.
  */
 #include "metric/azimuths.h"
 #include "texture/score.h"
@@ -124,8 +125,8 @@ static nqm_status score_flat(const members *m, nqm_score_result *score, nqm_erro
 
 /* ---- with normals ------------------------------------------------------------------------------------------------ */
 
-/* Leave in delta_e the key by which texels are sorted: bits of x and y of the reference's normal, interleaved; of the test's if only
- * that one varies. */
+/* Leave in delta_e the key by which texels are sorted: bits of x and y of the reference's normal, interleaved; of the
+ * test's if only that one varies. */
 static nqm_status find_keys(void *user, size_t n, nqm_texel_sample *samples, const float *const rows[2],
                             nqm_error *err) {
     enum { BITS = 4 };

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * score.h - what the parts of the score of two textures share: the texels of both beside each other, groups of pairs that are alike,
- * and samples of them.
+ * score.h - what the parts of the score of two textures share: the texels of both beside each other, groups of pairs
+ * that are alike, and samples of them.
  */
 #ifndef NQM_SRC_TEXTURE_SCORE_H
 #define NQM_SRC_TEXTURE_SCORE_H
@@ -11,9 +11,9 @@
 
 #include <stdatomic.h>
 
-/** A number that tells pairs of texels apart: a component of the reference, of the test or, of the same model, their difference; or of the
- *  normal of the test in the frame of the reference's. Of colours the square roots are compared, whose steps are about equally
- *  visible. */
+/** A number that tells pairs of texels apart: a component of the reference, of the test or, of the same model, their
+ *  difference; or of the normal of the test in the frame of the reference's. Of colours the square roots are compared,
+ *  whose steps are about equally visible. */
 typedef struct nqm_texel_column {
     enum { NQM_DIFFERENCE, NQM_TILT, NQM_OF_REF, NQM_OF_TEST } kind;
     size_t property, component;
@@ -23,7 +23,8 @@ typedef struct nqm_texel_column {
 
 enum { NQM_MAX_COLUMNS = 6 * NQM_SPEC_MAX_KEYS + 2 };
 
-/** Texels in an order in which similar pairs are near each other, so that a random one of each of equal runs is a stratified sample. */
+/** Texels in an order in which similar pairs are near each other, so that a random one of each of equal runs is a
+ *  stratified sample. */
 typedef struct nqm_texel_order {
     uint32_t *texels; /* (n) owned; NULL: by number */
     size_t n, n_groups;
@@ -68,13 +69,14 @@ typedef nqm_status nqm_texels_visitor(void *user, size_t n, nqm_texel_sample *sa
 /** Visit all samples; stage, for progress; NULL: it cannot be cancelled. */
 NQM_MUST_CHECK nqm_status nqm_texels_visit(nqm_texture_job *job, const char *stage, size_t n, nqm_texel_sample *samples,
                                            nqm_texels_visitor *visit, void *user, nqm_error *err);
-/** The normal of the test at visited texel i, in the frame of the reference's, which the smallest rotation from (0, 0, 1) turned. */
+/** The normal of the test at visited texel i, in the frame of the reference's, which the smallest rotation from (0, 0,
+ *  1) turned. */
 void nqm_texels_tilt(const nqm_texture_job *job, const float *const rows[2], size_t i, double tilt[3]);
 
 /** What of the test the reference gets: a property by its number, or one of these. FLAT: all but the normal. */
 enum { NQM_EXCHANGE_ALL = -1, NQM_EXCHANGE_NORMAL = -2, NQM_EXCHANGE_FLAT = -3 };
-/** Score the reference beside itself with what is exchanged. stage: for progress; parts: NULL, or a mean to which those of the samples
- *  are added. */
+/** Score the reference beside itself with what is exchanged. stage: for progress; parts: NULL, or a mean to which those
+ *  of the samples are added. */
 NQM_MUST_CHECK nqm_status nqm_texels_score(nqm_texture_job *job, const char *stage, int exchange, size_t n,
                                            nqm_texel_sample *samples, nqm_label *parts, nqm_error *err);
 /** Set the correction of the mean Delta-E of n samples of runs, whose normals differ, and its standard error. */
@@ -84,7 +86,8 @@ NQM_MUST_CHECK nqm_status nqm_texels_correct(nqm_texture_job *job, size_t n, con
 int nqm_texels_compare_delta_e(const void *a, const void *b);
 /** Fill the blame of the result, the worst first. */
 NQM_MUST_CHECK nqm_status nqm_texture_blame_find(nqm_texture_job *job, nqm_texture_result *result, nqm_error *err);
-/** Score pixels of options.texels_per_pixel texels along each side, those that contain the samples; parts as in nqm_texels_score(). */
+/** Score pixels of options.texels_per_pixel texels along each side, those that contain the samples; parts as in
+ *  nqm_texels_score(). */
 NQM_MUST_CHECK nqm_status nqm_pixels_score(nqm_texture_job *job, size_t n, nqm_texel_sample *samples, nqm_label *parts,
                                            nqm_error *err);
 /** Fill the far score of the result. */

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Which texel pairs are alike. The key of a pair is made of the first bits of each column, interleaved (Morton 1966), and a hash of all
- * bits: sorted keys bring similar pairs together, and equal ones are a group.
+ * Which texel pairs are alike. The key of a pair is made of the first bits of each column, interleaved (Morton 1966),
+ * and a hash of all bits: sorted keys bring similar pairs together, and equal ones are a group.
  */
 #include "texture/score.h"
 

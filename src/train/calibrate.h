@@ -62,9 +62,9 @@ enum { NQM_NOVELTY_MAX_POINTS = 2048 };
  * scalar features, or if there are fewer training pairs than NQM_NOVELTY_BLOCK.
  */
 NQM_MUST_CHECK nqm_status nqm_novelty_choose(struct nqm_model *model, const nqm_dataset *dataset, nqm_error *err);
-/** Compute `spread` and the novelty of pairs of a dataset (`predicted` is set), and set the model's novelty_unit so that 5 % of them are above 1. The novelty
- *  becomes NULL if the model has no points, or if the unit would be 0; then the points are removed. Both become NULL if the model
- *  has no scalar features. */
+/** Compute `spread` and the novelty of pairs of a dataset (`predicted` is set), and set the model's novelty_unit so
+ *  that 5 % of them are above 1. The novelty becomes NULL if the model has no points, or if the unit would be 0; then
+ *  the points are removed. Both become NULL if the model has no scalar features. */
 NQM_MUST_CHECK nqm_status nqm_novelty_measure(struct nqm_model *model, const nqm_dataset *dataset,
                                               nqm_residuals *residuals, nqm_error *err);
 

@@ -89,8 +89,8 @@ typedef struct nqm_examples {
 NQM_MUST_CHECK nqm_status nqm_examples_create(const nqm_dataset *dataset, const nqm_train_options *options,
                                               size_t max_batch, nqm_examples *examples_ret, nqm_error *err);
 void nqm_examples_free(nqm_examples *examples);
-/** Gather the inputs of n <= max_batch examples into a trainer, and their targets (n, n_outputs): of the training examples index[0..n),
- *  or, if that is NULL, of the validation examples [first, first + n). */
+/** Gather the inputs of n <= max_batch examples into a trainer, and their targets (n, n_outputs): of the training
+ *  examples index[0..n), or, if that is NULL, of the validation examples [first, first + n). */
 void nqm_examples_gather(const nqm_examples *examples, size_t n, const size_t *index, size_t first,
                          nqm_trainer *trainer, float *target);
 

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
  * check.h - shared by the unit tests: comparison of doubles (cmocka compares only floats), values of CSV files, BRDFs
- * that must open, the kernels in use, and paths of the stored vectors and the shared data. Includes cmocka and the headers that it needs.
+ * that must open, the kernels in use, and paths of the stored vectors and the shared data. Includes cmocka and the
+ * headers that it needs.
  */
 #ifndef NQM_TESTS_CHECK_H
 #define NQM_TESTS_CHECK_H
@@ -36,7 +37,8 @@ void use_chosen_kernels(void);
 
 /** Open a BRDF; on failure the test fails with the library's message. */
 nqm_brdf *open_brdf(const char *argument);
-/** Compare with values before negative ones become 0, within tolerance (1 + |value|), and the flags; returns how many are clamped. */
+/** Compare with values before negative ones become 0, within tolerance (1 + |value|), and the flags; returns how many
+ *  are clamped. */
 size_t check_brdf_values(const nqm_brdf *brdf, size_t n, const double (*pair)[6], const double (*value)[3],
                          double tolerance);
 /** The `free` function of BRDF classes that own no memory. */

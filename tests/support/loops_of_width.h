@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * loops_of_width.h - compiles sample/loops.c for the width of vectors that the including file has chosen by a pragma, with names that
- * end in WIDTH, and makes the table of its functions.
+ * loops_of_width.h - compiles sample/loops.c for the width of vectors that the including file has chosen by a pragma,
+ * with names that end in WIDTH, and makes the table of its functions.
  */
 #define PASTE(name, width)  name##_##width
 #define EXPAND(name, width) PASTE(name, width)

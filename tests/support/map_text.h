@@ -7,8 +7,8 @@
 
 #include "material/maps.h"
 
-/** The material i of the text is textured, has no BRDF for a reason that contains `reason`, and the key (or "normal") has this value:
- *  "multiply(image(a.png srgb_texture repeat), 2)". */
+/** The material i of the text is textured, has no BRDF for a reason that contains `reason`, and the key (or "normal")
+ *  has this value: "multiply(image(a.png srgb_texture repeat), 2)". */
 void expect_map(const char *text, size_t i, const char *reason, const char *key, const char *value);
 /** The only image of the only material of the text is at (x, y) from its upper left corner where the surface has (u, v), v
  *  downwards. */

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
  * open_files - reads lines "KIND<tab>FILE" from standard input, opens each file with the reader of its kind, and writes
- * "CODE<tab>MESSAGE" for each: the exit code that the tool would end with, 0 for a file that was accepted. The kind `spec` is a file
- * with the text of a BRDF argument. A BRDF is also evaluated, and must give finite values.
+ * "CODE<tab>MESSAGE" for each: the exit code that the tool would end with, 0 for a file that was accepted. The kind
+ * `spec` is a file with the text of a BRDF argument. A BRDF is also evaluated, and must give finite values.
  */
 #include "data/human.h"
 #include "encode/encode.h"

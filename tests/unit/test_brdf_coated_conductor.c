@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * pbrt's coatedconductor against 400,000 random walks a pair (tests/vectors/shading_coated_conductor.py), symmetries, and limits that
- * have a closed form.
+ * pbrt's coatedconductor against 400,000 random walks a pair (tests/vectors/shading_coated_conductor.py), symmetries,
+ * and limits that have a closed form.
  */
 #include "support/check.h"
 #include "support/temp_file.h"

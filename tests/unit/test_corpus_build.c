@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Datasets of pairs: labels are those of single pairs, pairs that fail are named, fits are shared, interrupted work continues, other
- * files in the work folder are not used.
+ * Datasets of pairs: labels are those of single pairs, pairs that fail are named, fits are shared, interrupted work
+ * continues, other files in the work folder are not used.
  */
 #include "corpus/corpus.h"
 #include "data/data.h"

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
- * The encodings hyper-*: more samples and a finer latent vector give a better network, and the number of threads does not change the bits. Their
- * learning reduces the loss, is determined by its seed, can be stopped, and fails for a BRDF without values.
+ * The encodings hyper-*: more samples and a finer latent vector give a better network, and the number of threads does
+ * not change the bits. Their learning reduces the loss, is determined by its seed, can be stopped, and fails for a BRDF
+ * without values.
  */
 #include "brdf/brdf.h"
 #include "encode/hyper.h"

@@ -307,8 +307,9 @@ static void auto_is_the_best_of_its_candidates(void **state) {
 }
 
 /* Candidates whose polish diverges lose; the best of the others wins. */
-/* Few directions see a mirror: its fits by values leave it, and the start itself is the best candidate (silver: 10.00 JOD instead of 3.13,
- * honey: 10.00 instead of 3.93); or the best start leads nowhere (diamond: 6.67 without the fit behind it). */
+/* Few directions see a mirror: its fits by values leave it, and the start itself is the best candidate (silver: 10.00
+ * JOD instead of 3.13, honey: 10.00 instead of 3.93); or the best start leads nowhere (diamond: 6.67 without the fit
+ * behind it). */
 static void auto_finds_mirrors(void **state) {
     (void)state;
     assert_true(match("physical:silver", "principled", "auto", NULL).difference < 0.5);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Each allocation of jansson fails once while a text is read or written: reader or writer says so; none reads or writes another text,
- * or blames it. The tool ends.
+ * Each allocation of jansson fails once while a text is read or written: reader or writer says so; none reads or writes
+ * another text, or blames it. The tool ends.
  */
 #include "io/io.h"
 #include "io/options_json.h"

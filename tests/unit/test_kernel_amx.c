@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT
  *
- * The kernels by tile registers (kernel/amx_products.h) over their emulation: the instructions by hand-computed values; products and
- * weight gradients of every tail against the plain loops, with buffers that end at an unreadable page; the same bits however a
- * product is cut and for any number of threads; the caller's tile configuration after a call. Then the same of the processor's own
- * instructions, if it has them.
+ * The kernels by tile registers (kernel/amx_products.h) over their emulation: the instructions by hand-computed values;
+ * products and weight gradients of every tail against the plain loops, with buffers that end at an unreadable page; the
+ * same bits however a product is cut and for any number of threads; the caller's tile configuration after a call. Then
+ * the same of the processor's own instructions, if it has them.
  */
 #include "kernel/panel.h"
 #include "support/amx_emulated.h"

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * The standard error of a label by the choice of points: that of smooth pictures, and of pictures that differ in small spots, against
- * the spread of the labels of several seeds.
+ * The standard error of a label by the choice of points: that of smooth pictures, and of pictures that differ in small
+ * spots, against the spread of the labels of several seeds.
  */
 #include "support/check.h"
 #include "support/scenes.h"

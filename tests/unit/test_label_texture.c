@@ -82,7 +82,8 @@ static void test_texcoord_of_spheres(void **state) {
     }
 }
 
-/* The tangent is the direction of growing u, the bitangent that of falling v: steps to the right and up in the middle of the picture. */
+/* The tangent is the direction of growing u, the bitangent that of falling v: steps to the right and up in the middle
+ * of the picture. */
 static void test_texcoord_directions(void **state) {
     (void)state;
     nqm_scene *scene = small_scene("sphere", 33);

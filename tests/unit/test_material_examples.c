@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
- * The example materials of MaterialX and OpenPBR (shared data): accepted, or refused for the first input that an independent reader
- * of the files names (tests/vectors/material_examples.py). Accepted ones open, and reflect not much more than white; textured ones have maps.
+ * The example materials of MaterialX and OpenPBR (shared data): accepted, or refused for the first input that an
+ * independent reader of the files names (tests/vectors/material_examples.py). Accepted ones open, and reflect not much
+ * more than white; textured ones have maps.
  */
 #include "material/maps.h"
 #include "support/check.h"

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
- * Materials that do more than reflect: what of them reflects, which properties must be ignored for that, and the prefix "ignore:".
- * Expected values follow from the node graphs of MaterialX's definitions by hand: the diffuse reflection keeps 1 - transmission, metals
- * all of theirs.
+ * Materials that do more than reflect: what of them reflects, which properties must be ignored for that, and the prefix
+ * "ignore:". Expected values follow from the node graphs of MaterialX's definitions by hand: the diffuse reflection
+ * keeps 1 - transmission, metals all of theirs.
  */
 #include "material/maps.h"
 #include "support/check.h"
@@ -113,8 +113,8 @@ static void evaluate(const char *text, double rgb[3 * PAIRS]) {
     nqm_materials_free(materials);
 }
 
-/* In the node graphs, a mixture of BSDFs of weights 1 - t and t: its f_r is linear in t, from that without transmission to that with nothing
- * but transmission below the specular reflection. */
+/* In the node graphs, a mixture of BSDFs of weights 1 - t and t: its f_r is linear in t, from that without transmission
+ * to that with nothing but transmission below the specular reflection. */
 static void expect_linear(const char *none, const char *part, const char *all, double t) {
     double f[3][3 * PAIRS];
     evaluate(none, f[0]);

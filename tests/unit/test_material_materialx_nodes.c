@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * MaterialX files with images and computed values: the value of each kind of node against NumPy, and the nodes and images of textured
- * materials.
+ * MaterialX files with images and computed values: the value of each kind of node against NumPy, and the nodes and
+ * images of textured materials.
  */
 #include "base/memory_test.h"
 #include "material/maps.h"

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Textures of glTF as nodes and images, and folders and lists of maps: values of the nodes for an image of one colour, positions in the
- * image, bytes of embedded images, and what is refused.
+ * Textures of glTF as nodes and images, and folders and lists of maps: values of the nodes for an image of one colour,
+ * positions in the image, bytes of embedded images, and what is refused.
  */
 #include "base/base.h"
 #include "base/memory_test.h"

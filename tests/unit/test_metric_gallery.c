@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Pictures of many BRDFs: the JODs of pairs are those of a model without a network, those of materials that are seen apart are upper
- * bounds, and neither depends on the threads or on what is drawn with a picture.
+ * Pictures of many BRDFs: the JODs of pairs are those of a model without a network, those of materials that are seen
+ * apart are upper bounds, and neither depends on the threads or on what is drawn with a picture.
  */
 #include "metric/metric.h"
 #include "support/check.h"

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Textures at positions: exact at the centres of texels and bilinear between them, ways to continue beyond edges, every operation as
- * its scalar reference, colour spaces, tiles, normals; facts and messages of textures that are opened.
+ * Textures at positions: exact at the centres of texels and bilinear between them, ways to continue beyond edges, every
+ * operation as its scalar reference, colour spaces, tiles, normals; facts and messages of textures that are opened.
  */
 #include "io/raster.h"
 #include "support/check.h"

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Scores of textures: means of the scores of their texels, whatever their order and the number of threads; samples within their error;
- * far scores; blame and mistakes by name; cancelling and lack of memory.
+ * Scores of textures: means of the scores of their texels, whatever their order and the number of threads; samples
+ * within their error; far scores; blame and mistakes by name; cancelling and lack of memory.
  */
 #include "base/memory_test.h"
 #include "metric/metric.h"

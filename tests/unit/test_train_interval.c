@@ -215,8 +215,8 @@ static void intervals_grow_with_novelty(void **state) {
     assert_true(inside[0] > 0.94 && inside[1] > 0.9);
 }
 
-/* A quarter of the pairs is novel, and one pair in 40 has its label far away. Coverage allows that: widths are least without a growth,
- * which pays 40 times the distance of these labels from the interval. */
+/* A quarter of the pairs is novel, and one pair in 40 has its label far away. Coverage allows that: widths are least
+ * without a growth, which pays 40 times the distance of these labels from the interval. */
 static void labels_outside_count_by_their_distance(void **state) {
     (void)state;
     double table[3 * NQM_INTERVAL_ROWS];
@@ -386,8 +386,8 @@ static void the_margin_is_students(void **state) {
     assert_near(mean_margin, 0.0137, 0.0015);
 }
 
-/* A material that no other resembles: without it the factor is small, and it is outside. With it the factor must include most of it:
- * 23 of 24 materials are not enough. */
+/* A material that no other resembles: without it the factor is small, and it is outside. With it the factor must
+ * include most of it: 23 of 24 materials are not enough. */
 static void coverage_leaves_the_material_out(void **state) {
     (void)state;
     nqm_rng rng = nqm_rng_make(14, 0);

@@ -48,9 +48,9 @@ void nqm_viridis(double t, double *rgb);
 void nqm_picture_bytes(const nqm_picture *picture, size_t supersample, const nqm_tone *tone, unsigned char *rgb);
 
 /**
- * Write a picture in the format of the file name: ".exr" (OpenEXR, float) and ".hdr" (Radiance RGBE, 1 % precision) contain
- * cd/m2, ".png" is tone-mapped; a map can be written as ".png" only. Blocks of `supersample` x `supersample` pixels are averaged: in cd/m2 or, for PNG, after
- * tone mapping, so that edges of highlights are smooth.
+ * Write a picture in the format of the file name: ".exr" (OpenEXR, float) and ".hdr" (Radiance RGBE, 1 % precision)
+ * contain cd/m2, ".png" is tone-mapped; a map can be written as ".png" only. Blocks of `supersample` x `supersample`
+ * pixels are averaged: in cd/m2 or, for PNG, after tone mapping, so that edges of highlights are smooth.
  *
  * @param supersample  1 to 16; divides width and height
  * @param tone         for PNG; NULL: the default

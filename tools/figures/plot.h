@@ -84,9 +84,9 @@ NQM_MUST_CHECK nqm_status nqm_plot_slices(const char *path, size_t n, const nqm_
 /** What the drawing calls a BRDF: `given` up to 60 bytes; NULL: the file name without folder and ending, or the spec. */
 void nqm_plot_brdf_name(const nqm_brdf *brdf, const char *given, char name[64]);
 
-/** Where two BRDFs differ: a heat map over (theta_h, theta_d) of the mean absolute difference of log(f_r + 0.003) over phi_d,
- *  azimuths of anisotropic BRDFs, and channels, as in NQM_METRIC_LOG_DIFF. It compares the BRDFs (reference, test); no model is involved. `names` as for
- *  nqm_plot_slices(). */
+/** Where two BRDFs differ: a heat map over (theta_h, theta_d) of the mean absolute difference of log(f_r + 0.003) over
+ *  phi_d, azimuths of anisotropic BRDFs, and channels, as in NQM_METRIC_LOG_DIFF. It compares the BRDFs (reference,
+ *  test); no model is involved. `names` as for nqm_plot_slices(). */
 NQM_MUST_CHECK nqm_status nqm_plot_attribution(const char *path, const nqm_brdf *const brdfs[2],
                                                const char *const *names, const nqm_plot_options *options,
                                                nqm_error *err);

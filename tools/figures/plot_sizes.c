@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Plot of what `nqm batch` says of a list with the columns `map` and `size`: JOD over size, and for each map a line of the best JOD up
- * to each size, for rows in the order of their sizes.
+ * Plot of what `nqm batch` says of a list with the columns `map` and `size`: JOD over size, and for each map a line of
+ * the best JOD up to each size, for rows in the order of their sizes.
  */
 #include "figures/plot_shared.h"
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Options from tables, which drive parsing, ranges, defaults and help (help.c). Options may be anywhere among the arguments; `--` ends
- * them.
+ * Options from tables, which drive parsing, ranges, defaults and help (help.c). Options may be anywhere among the
+ * arguments; `--` ends them.
  */
 #include "base/names.h"
 #include "metric/metric.h"
@@ -107,8 +107,8 @@ static const char *output_of(const option *o) {
     return o->metavar && strncmp(o->metavar, "FILE.", 5) == 0 ? *(const char **)o->target : NULL;
 }
 
-/* Before the work: outputs have names of their kind, can be written, and are different files. Opening an input notices that an output
- * would replace it (nqm_roles_enforce()). */
+/* Before the work: outputs have names of their kind, can be written, and are different files. Opening an input notices
+ * that an output would replace it (nqm_roles_enforce()). */
 static void check_outputs(const command *cmd) {
     for (const option *o = cmd->options; o->name; ++o) {
         const char *path = output_of(o);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Completions of bash, zsh and fish. Where nothing else is known, they complete names of presets, which `nqm info list` prints, and of
- * files.
+ * Completions of bash, zsh and fish. Where nothing else is known, they complete names of presets, which `nqm info list`
+ * prints, and of files.
  */
 #include "nqm/help.h"
 

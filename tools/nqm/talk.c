@@ -123,9 +123,9 @@ int finish(int exit_code) {
 
 /* ---- Ctrl-C ------------------------------------------------------------------------------------------------------ */
 
-/* Verbs stop where they ask interrupted(), or where a progress callback says so. Work that does not ask in time is ended here. A verb
- * that saves work for a later run has more time: on a busy machine until it has had this much processor time, unless the process
- * waits for input. */
+/* Verbs stop where they ask interrupted(), or where a progress callback says so. Work that does not ask in time is
+ * ended here. A verb that saves work for a later run has more time: on a busy machine until it has had this much
+ * processor time, unless the process waits for input. */
 static const double grace_s = 0.3, saving_s = 0.7, saving_processor_s = 0.6, waiting_processor_s = 0.002;
 static double interrupt_s, interrupt_processor_s;
 static volatile sig_atomic_t saves_work;

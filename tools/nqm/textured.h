@@ -16,7 +16,8 @@ nqm_status explain_texture(const char *argument, nqm_status status, nqm_error *e
 /** Open such an argument, with progress; NULL and NQM_OK: it is not textured. nqm_texture_free() it. */
 nqm_status open_textured(const char *argument, nqm_texture **texture_ret, nqm_error *err);
 
-/** Choose at most max_n texels that represent all, those of equal runs of similar ones, and visit them; rows[0] has their values. */
+/** Choose at most max_n texels that represent all, those of equal runs of similar ones, and visit them; rows[0] has
+ *  their values. */
 nqm_status visit_texels(const nqm_texture *texture, size_t max_n, nqm_texels_visitor *visit, void *user,
                         nqm_error *err);
 

@@ -134,7 +134,8 @@ typedef struct named_brdf {
     size_t group, row; /* row: of a list, from 1; 0: an argument */
     const char *reference, *name;
 } named_brdf;
-/** Stop at a name with control characters, and at equal ones; sorts them. list: the name of the list that has them; NULL: arguments. */
+/** Stop at a name with control characters, and at equal ones; sorts them. list: the name of the list that has them;
+ *  NULL: arguments. */
 void check_names(size_t n, named_brdf *names, const char *list);
 /** Cut the names off n arguments "NAME=BRDF", which then are the BRDFs. Returns (n) names, NULL where there is none; free() it. A
  *  name with control characters is refused, and one that two BRDFs of a reference ("+" separates references) have; so are the names
@@ -151,14 +152,15 @@ const char *member_name(const char *argument);
 bool find_material(const char *argument, nqm_material_info *info);
 /** NQM_IGNORE_... of --ignore; stops at other words. */
 unsigned ignored_set(void);
-/** The argument, or the name before it, with "ignore:WORDS:" before its file if it is a material that --ignore makes a BRDF or texture of;
- *  valid to the end of the program. */
+/** The argument, or the name before it, with "ignore:WORDS:" before its file if it is a material that --ignore makes a
+ *  BRDF or texture of; valid to the end of the program. */
 const char *reflecting(const char *argument);
 /** What such a prefix means, for people; false: the argument has none. */
 bool describe_ignored(const char *argument, char *text, size_t n);
 /** The materials of a file of several materials; NULL: the argument is another BRDF, or no file. Free with nqm_materials_free(). */
 nqm_materials *open_library(const char *argument);
-/** The materials of a file; NULL: it is another file, or a damaged one. They are valid until the second next call with another path. */
+/** The materials of a file; NULL: it is another file, or a damaged one. They are valid until the second next call with
+ *  another path. */
 const nqm_materials *parsed_materials(const char *path);
 /** The folder at which relative paths of a list start: `root`, which must exist; NULL: the folder of the list, or the working
  *  folder for standard input and other lists that are not regular files. NULL: the working folder. Valid until the next call. */
@@ -170,7 +172,8 @@ char *read_text(const char *path);
 /** Open directions from a CSV, a model file or a built-in model; NULL: those of the built-in model "default", or generated
  *  default ones if there is no such model. */
 nqm_directions *open_directions(const char *name_or_path);
-/** Whether the rows of a list are more than 0.1 degrees from a model's directions: text (n) says how far. apart_deg: median, 95 %. */
+/** Whether the rows of a list are more than 0.1 degrees from a model's directions: text (n) says how far. apart_deg:
+ *  median, 95 %. */
 bool describe_distance(const char *argument, const double apart_deg[2], size_t n, char *text);
 /** Say how far the rows of a list of measured directions are from those of a model, where it is more than 0.1 degrees. */
 void report_distance(const char *argument, const nqm_brdf *brdf, const nqm_directions *directions);
@@ -289,8 +292,8 @@ void require_output(const char *path);
 void require_named_output(const char *name, const char *path, const char *endings);
 /** Whether two outputs are one file, however their paths are spelt; never for "-" and devices. */
 bool is_same_output(const char *a, const char *b);
-/** A usage error for the path of a folder that does not exist and has one of the endings, ".csv|.json". contents: what is written to it,
- *  "the results of several models". */
+/** A usage error for the path of a folder that does not exist and has one of the endings, ".csv|.json". contents: what
+ *  is written to it, "the results of several models". */
 void require_folder_name(const char *name, const char *path, const char *endings, const char *contents);
 /** Close, and rename to the final name; a zeroed file is allowed. On failure, report the error and exit. */
 void close_output(output_file *out);

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
- * A BRDF in another frame: turned about its normal (rotate), or with a normal that leans (tilt). A tilted BRDF is what renderers make of
- * a normal map: the surface still has the cosine of its own normal, so that light and viewer may not be exchanged.
+ * A BRDF in another frame: turned about its normal (rotate), or with a normal that leans (tilt). A tilted BRDF is what
+ * renderers make of a normal map: the surface still has the cosine of its own normal, so that light and viewer may not
+ * be exchanged.
  */
 #include "brdf/core/spec.h"
 
@@ -75,8 +76,8 @@ static nqm_status create_rotated(const nqm_spec_values *values, const nqm_betwee
     return make((double[9]){c, s, 0, -s, c, 0, 0, 0, 1}, info->isotropic || angle == 0, state_ret, err);
 }
 
-/* The smallest rotation that takes the normal to the new one takes the tangent along: rows of its axes, for a new normal of polar angle
- * asin(s) = acos(c) and azimuth atan2(y, x). */
+/* The smallest rotation that takes the normal to the new one takes the tangent along: rows of its axes, for a new
+ * normal of polar angle asin(s) = acos(c) and azimuth atan2(y, x). */
 static void tilted_axes(double x, double y, double s, double c, double axes[9]) {
     const double d = 1 - c;
     const double rows[9] = {1 - d * x * x, -d * x * y, -s * x, -d * x * y, 1 - d * y * y, -s * y, s * x, s * y, c};

@@ -2,9 +2,10 @@
  *
  * mistakes.h - frequent mistakes of shaders, which `nqm conform` finds by comparing values with those of mistaken models.
  *
- * Formulas are written once: the building blocks of models/ ask MISTAKEN(NAME) where people go wrong. The constant 0 in the
- * models of the library, which compile to the same code as without it. models/shading_*.c are compiled a second time with
- * NQM_WITH_MISTAKES, where it reads a set of mistakes. Wrong values of parameters need no such place: callers change the parameters.
+ * Formulas are written once: the building blocks of models/ ask MISTAKEN(NAME) where people go wrong. The constant 0 in
+ * the models of the library, which compile to the same code as without it. models/shading_*.c are compiled a second
+ * time with NQM_WITH_MISTAKES, where it reads a set of mistakes. Wrong values of parameters need no such place: callers
+ * change the parameters.
  */
 #ifndef NQM_SRC_BRDF_MISTAKES_H
 #define NQM_SRC_BRDF_MISTAKES_H

@@ -50,7 +50,8 @@ bool nqm_spec_is_isotropic(const nqm_spec_schema *schema, const nqm_spec_values 
 /** For functions that models call for values and for values with derivatives: when inlined, a constant NULL for the
  *  derivatives removes their code. */
 #define INLINED static inline __attribute__((always_inline))
-/** Define NAME_eval() and NAME_jacobian() from such a function VALUES; the variadic arguments are its first ones, of which `state` is one. */
+/** Define NAME_eval() and NAME_jacobian() from such a function VALUES; the variadic arguments are its first ones, of
+ *  which `state` is one. */
 #define NQM_EVAL_AND_JACOBIAN(NAME, VALUES, ...)                                                                       \
     static void NAME##_eval(const void *state, size_t n, const double *wi, const double *wo, double *rgb) {            \
         VALUES(__VA_ARGS__, n, wi, wo, rgb, NULL);                                                                     \

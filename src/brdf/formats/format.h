@@ -23,8 +23,8 @@ NQM_MUST_CHECK nqm_status nqm_brdf_open_argument(const char *path_or_spec, const
 typedef struct nqm_brdf_format {
     const char *files;  /**< for messages: ".npy"; NULL: its files have nothing that a reader would recognise */
     bool takes_members; /**< otherwise open() is called without a member only */
-    /** true when the first bytes look like the format, also those of a short or damaged file, so that the message of open() can name
-     *  the fault. The file is not empty. */
+    /** true when the first bytes look like the format, also those of a short or damaged file, so that the message of
+     *  open() can name the fault. The file is not empty. */
     bool (*probe)(const nqm_map *map);
     /** `map` has the bytes of the whole file; a BRDF that keeps it zeroes *map. The caller sets info.n_bytes, if it is 0. Without
      *  a member that it needs, it fails with NQM_ERR_ARG and examples. */

@@ -19,8 +19,8 @@ typedef struct nqm_grid {
     const double *weights;             /**< (n_channels, 3): channel c of f_r is the sum of weights[3 k + c] value k */
 } nqm_grid;
 
-/** f_r of an nqm_grid at hd (n, 3). Nodes with a NaN are excluded from the interpolation; NaN where all neighbours are, and beyond the first and
- *  last theta_h and theta_d unless it extrapolates. */
+/** f_r of an nqm_grid at hd (n, 3). Nodes with a NaN are excluded from the interpolation; NaN where all neighbours are,
+ *  and beyond the first and last theta_h and theta_d unless it extrapolates. */
 void nqm_grid_eval(const void *grid, size_t n, const double *hd, double *rgb);
 
 #endif

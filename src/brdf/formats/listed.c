@@ -1,11 +1,12 @@
 /* SPDX-License-Identifier: MIT
  *
- * CSV files of directions and values, as `nqm sample --csv` writes them. Rows that are the complete product of some theta_h, theta_d
- * and phi_d are a grid, between whose nodes f_r is linear in the angles; any other rows are scattered directions (scattered.c).
- * phi_d in [0, 180] degrees throughout means a reciprocal BRDF; otherwise it is the azimuth of the light over a full turn. Rows may
- * also give the polar angles and azimuths of light and viewer; light and viewer are then never exchanged, and a grid is one of
- * theta_i, theta_o and phi = phi_o - phi_i, as goniometers measure it: rows of a theta of 0 may be given once for all phi, and up to a
- * quarter of the other rows may be missing. If pairs recur at other phi_i with other values the list is anisotropic, and no grid.
+ * CSV files of directions and values, as `nqm sample --csv` writes them. Rows that are the complete product of some
+ * theta_h, theta_d and phi_d are a grid, between whose nodes f_r is linear in the angles; any other rows are scattered
+ * directions (scattered.c). phi_d in [0, 180] degrees throughout means a reciprocal BRDF; otherwise it is the azimuth
+ * of the light over a full turn. Rows may also give the polar angles and azimuths of light and viewer; light and viewer
+ * are then never exchanged, and a grid is one of theta_i, theta_o and phi = phi_o - phi_i, as goniometers measure it:
+ * rows of a theta of 0 may be given once for all phi, and up to a quarter of the other rows may be missing. If pairs
+ * recur at other phi_i with other values the list is anisotropic, and no grid.
  */
 #include "brdf/formats/listed.h"
 
@@ -196,8 +197,8 @@ static nqm_status find_anisotropy(nqm_list *l, nqm_error *err) {
     return NQM_OK;
 }
 
-/* Radians read as degrees: all directions are near the normal, and no azimuth is large. (A fine scan near the normal in one plane is
- * no such list: its azimuths are 0.) */
+/* Radians read as degrees: all directions are near the normal, and no azimuth is large. (A fine scan near the normal in
+ * one plane is no such list: its azimuths are 0.) */
 static nqm_status refuse_radians(const nqm_list *l, nqm_error *err) {
     double theta = 0, phi = 0;
     for (size_t i = 0; i < l->n; ++i) {
@@ -290,7 +291,8 @@ static bool is_above_horizon(const double *hd) {
     return fmin(wi[2], wo[2]) > 1e-9;
 }
 
-/* Store each row at its node; false when two rows have the same one. value: (product of g->n, 3) float32; filled: one per node, zero. */
+/* Store each row at its node; false when two rows have the same one. value: (product of g->n, 3) float32; filled: one
+ * per node, zero. */
 static bool fill(const nqm_grid *g, const nqm_list *l, unsigned char *value, unsigned char *filled) {
     for (size_t i = 0; i < l->n; ++i) {
         const nqm_listed *row = &l->rows[i];
@@ -305,7 +307,8 @@ static bool fill(const nqm_grid *g, const nqm_list *l, unsigned char *value, uns
     return true;
 }
 
-/* Give nodes without a row the value at another phi where the azimuth means nothing, and none elsewhere; returns the number of those. */
+/* Give nodes without a row the value at another phi where the azimuth means nothing, and none elsewhere; returns the
+ * number of those. */
 static size_t fill_rest(const nqm_grid *g, unsigned char *value, const unsigned char *filled) {
     const size_t n_phi = g->n[2], n_bytes = 3 * sizeof(float);
     size_t n_missing = 0;
@@ -328,8 +331,8 @@ static size_t fill_rest(const nqm_grid *g, unsigned char *value, const unsigned 
     return n_missing;
 }
 
-/* Whether the n_product nodes are those of a goniometer, of whose rows some are missing. The limits keep a list that happens to share
- * angles from being a grid, and the memory below ten times the file. */
+/* Whether the n_product nodes are those of a goniometer, of whose rows some are missing. The limits keep a list that
+ * happens to share angles from being a grid, and the memory below ten times the file. */
 static bool is_nearly_complete(const nqm_list *l, const nqm_grid *g) {
     size_t n = 0, n_nodes = 0;
     const size_t n_i = g->n[0] - (g->node[0][0] <= 0), n_o = g->n[1] - (g->node[1][0] <= 0);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * listed.h - a BRDF as a list of directions and values: a CSV with the columns theta_h, theta_d, phi_d (degrees), r, g, b, or with both
- * directions. "FILE:DEGREES" sets the tolerance of a list that is no complete grid.
+ * listed.h - a BRDF as a list of directions and values: a CSV with the columns theta_h, theta_d, phi_d (degrees), r, g,
+ * b, or with both directions. "FILE:DEGREES" sets the tolerance of a list that is no complete grid.
  */
 #ifndef NQM_SRC_BRDF_LISTED_H
 #define NQM_SRC_BRDF_LISTED_H
@@ -26,10 +26,10 @@ typedef struct nqm_list {
     bool is_anisotropic; /* their azimuths count; only if has_pairs */
 } nqm_list;
 
-/** A BRDF with values only within `tolerance` (radians) of the listed directions: the value of the nearest one. The distance of two
- *  pairs is the root of the summed squares of the angles (as chords) between their lights and between their viewers, of an isotropic
- *  list after the rotation about the normal that makes it smallest. Rows without a value or below the horizon are ignored. The rows are
- *  copied. NQM_ERR_FORMAT: no row is left. */
+/** A BRDF with values only within `tolerance` (radians) of the listed directions: the value of the nearest one. The
+ *  distance of two pairs is the root of the summed squares of the angles (as chords) between their lights and between
+ *  their viewers, of an isotropic list after the rotation about the normal that makes it smallest. Rows without a value
+ *  or below the horizon are ignored. The rows are copied. NQM_ERR_FORMAT: no row is left. */
 NQM_MUST_CHECK nqm_status nqm_scattered_create(const nqm_list *list, double tolerance, const char *name,
                                                nqm_brdf **brdf_ret, nqm_error *err);
 

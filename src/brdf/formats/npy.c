@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Tables in half-vector coordinates as arrays of NumPy: float32 or float64 of shape (n_theta_h, n_theta_d, n_phi_d, 3) or (n_theta_h,
- * n_theta_d, n_phi_d, n_phi_h, 3), at the nodes of nqm_table_create().
+ * Tables in half-vector coordinates as arrays of NumPy: float32 or float64 of shape (n_theta_h, n_theta_d, n_phi_d, 3)
+ * or (n_theta_h, n_theta_d, n_phi_d, n_phi_h, 3), at the nodes of nqm_table_create().
  */
 #include "brdf/formats/format.h"
 

@@ -6,9 +6,9 @@
  * coordinates go through the marginal and conditional integrals of the visible-normal density, and the result is looked
  * up bilinearly.
  *
- * Azimuths of half vectors count from omega_i in isotropic files, and from the tangent in those with more than two phi_i, as in the
- * authors' loader and Mitsuba 3. These phi_i cover a turn, half a turn (f_r does not change when the sample is turned by 180 degrees) or
- * a quarter (f_r is symmetric about both axes).
+ * Azimuths of half vectors count from omega_i in isotropic files, and from the tangent in those with more than two
+ * phi_i, as in the authors' loader and Mitsuba 3. These phi_i cover a turn, half a turn (f_r does not change when the
+ * sample is turned by 180 degrees) or a quarter (f_r is symmetric about both axes).
  *
  * Directions: the file's omega_i (its angles theta_i) is taken as the viewer and its omega_o as the light, as renderers
  * do and as the published NBRDFs of these materials were trained; the stored cos(theta_o) is then the light's and is
@@ -372,7 +372,8 @@ static nqm_status read_values(const contents *c, float *rgb, nqm_error *err) {
     return check_values(c, c->values, -FLT_MAX, rgb, err);
 }
 
-/* Fill the integrals of slice k by the trapezoidal rule, which is exact for bilinear densities; returns that over the whole slice. */
+/* Fill the integrals of slice k by the trapezoidal rule, which is exact for bilinear densities; returns that over the
+ * whole slice. */
 static double integrate_slice(rgl *m, size_t k) {
     const size_t width = m->vndf.width, height = m->vndf.height;
     const float *density = m->vndf.value + k * height * width;

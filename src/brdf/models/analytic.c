@@ -198,7 +198,8 @@ static lobe make_lobe_of_width(const nqm_spec_values *values, size_t n_first, do
     return made;
 }
 
-/** The same of exponents n of cos theta_h; the shape has -n / 2, and the factor is the geometric mean of n + offset, over divisor. */
+/** The same of exponents n of cos theta_h; the shape has -n / 2, and the factor is the geometric mean of n + offset,
+ *  over divisor. */
 static lobe make_lobe_of_exponent(const nqm_spec_values *values, size_t n_first, double offset, double divisor) {
     const double *n = values->v[FIRST_SHAPE];
     lobe made = make_lobe(values, sqrt((n[0] + offset) * (n[1] + offset)) / divisor);
@@ -270,8 +271,8 @@ INLINED void lobe_values(lobe_kind kind, const lobe *self, size_t n, const doubl
         .name = "ks", .n = 3, .low = 0, .high = 1e6, .required = true                                                  \
     }
 
-/** Define the model MODEL with the lobe function LOBE of N_SHAPE values; MADE is its state for `values`, and the variadic arguments are
- *  its keys after kd and ks. */
+/** Define the model MODEL with the lobe function LOBE of N_SHAPE values; MADE is its state for `values`, and the
+ *  variadic arguments are its keys after kd and ks. */
 #define LOBE_MODEL(MODEL, NAME, DOI, LOBE, MADE, N_SHAPE, ...)                                                         \
     static void LOBE##_prepare(const nqm_spec_values *values, void *state) {                                           \
         *(lobe *)state = MADE;                                                                                         \

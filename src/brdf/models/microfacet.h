@@ -178,8 +178,8 @@ static inline double smith_lambda(double alpha2, double cosine) {
     return 0.5 * (sqrt(mix(cosine * cosine, 1, alpha2)) / cosine - 1);
 }
 
-/** The visible normal of w at a point (x, y, sqrt(1 - x^2)) of the disk of Heitz 2018 (https://jcgt.org/published/0007/04/01/), whose x
- *  is across w. */
+/** The visible normal of w at a point (x, y, sqrt(1 - x^2)) of the disk of Heitz 2018
+ *  (https://jcgt.org/published/0007/04/01/), whose x is across w. */
 static inline void ggx_visible_normal(double alpha, const double *w, const double *point, double *h) {
     const double x = alpha * w[0], y = alpha * w[1], xy2 = x * x + y * y, xy = sqrt(xy2);
     const double scale = 1 / sqrt(xy2 + w[2] * w[2]), vz = w[2] * scale, v = xy * scale;

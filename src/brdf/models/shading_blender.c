@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: MIT
  *
- * `blender-principled` is the Principled BSDF of Blender 4 (version 2 of the node) as its renderer Cycles evaluates it at one point
- * (intern/cycles/kernel/svm/closure.h, closure/bsdf_microfacet.h): sheen over coat over a mixture of metal and of a dielectric over a
- * diffuse base. A layer takes the albedo for the viewer from the weight of all below it. Diffuse roughness is that of 4.3, the thin
- * film that of 4.2, on dielectrics only, with the Gaussians of thin_film.h.
+ * `blender-principled` is the Principled BSDF of Blender 4 (version 2 of the node) as its renderer Cycles evaluates it
+ * at one point (intern/cycles/kernel/svm/closure.h, closure/bsdf_microfacet.h): sheen over coat over a mixture of metal
+ * and of a dielectric over a diffuse base. A layer takes the albedo for the viewer from the weight of all below it.
+ * Diffuse roughness is that of 4.3, the thin film that of 4.2, on dielectrics only, with the Gaussians of thin_film.h.
  *
- * Cycles keeps the energy of its lobes by tables, which presets/principled_energy.txt has as converged integrals. Its table of the sheen
- * of Zeltner et al. is presets/sheen_ltc.txt, measured from its pictures.
+ * Cycles keeps the energy of its lobes by tables, which presets/principled_energy.txt has as converged integrals. Its
+ * table of the sheen of Zeltner et al. is presets/sheen_ltc.txt, measured from its pictures.
  */
 #include "brdf/models/closures.h"
 #include "principled_energy_table.h" /* generated from presets/principled_energy.txt */
@@ -151,8 +151,8 @@ static void cover(stack *s, const double *albedo) {
         s->weight[c] *= clamp01(1 - largest);
 }
 
-/* Add a lobe with a factor, its mean over the hemisphere, and its mean for the viewer. estimate (3) receives the albedo; NULL: metal, which
- * covers nothing. */
+/* Add a lobe with a factor, its mean over the hemisphere, and its mean for the viewer. estimate (3) receives the
+ * albedo; NULL: metal, which covers nothing. */
 static void add_lobe(stack *s, const ggx_lobe *lobe, double amount, const double *factor, const double *mean,
                      double *estimate) {
     const geometry *g = s->g;
@@ -181,7 +181,8 @@ static void add_sheen(stack *s, const blender *self) {
     cover(s, albedo);
 }
 
-/* The coat has no energy compensation; its albedo is that of a smooth one. Its colour is absorbed along the viewer's refracted ray. */
+/* The coat has no energy compensation; its albedo is that of a smooth one. Its colour is absorbed along the viewer's
+ * refracted ray. */
 static void add_coat(stack *s, const blender *self) {
     const double(*v)[3] = self->spec.values.v, amount = v[COAT_WEIGHT][0], ior = v[COAT_IOR][0], cos_o = s->g->cos_o;
     const double fresnel = fresnel_dielectric(ior, s->g->cos_d), albedo = amount * fresnel_dielectric(ior, cos_o);

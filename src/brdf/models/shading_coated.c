@@ -1,14 +1,16 @@
 /* SPDX-License-Identifier: MIT
  *
- * `pbrt-coated-diffuse` is pbrt-v4's `coateddiffuse` (Pharr, Jakob and Humphreys, Physically Based Rendering, 4th edition, 14.3): a diffuse base
- * under a rough dielectric interface with an absorbing gap. pbrt estimates its value by random walks; this is their mean,
+ * `pbrt-coated-diffuse` is pbrt-v4's `coateddiffuse` (Pharr, Jakob and Humphreys, Physically Based Rendering, 4th
+ * edition, 14.3): a diffuse base under a rough dielectric interface with an absorbing gap. pbrt estimates its value by
+ * random walks; this is their mean,
  *
  *   f = F D G / (4 cos cos) + d / (pi eta^2) T(cos_o) X(cos_i) (1 + d r + (d r)^2 + ...),   one term for two of `maxdepth`,
  *
- * with the transmittance T of interface and gap, and the fraction r of diffuse light that returns to the base. X is T with the weights of
- * the two strategies by which pbrt finds the light (LayeredBxDF::f): they are made of densities on different sides of the interface, and
- * do not sum to one, so that pbrt's value is up to a third larger than T T, and not reciprocal. Opening integrates T and X, for tables,
- * and r over the visible normals. Without a medium that scatters, and isotropic.
+ * with the transmittance T of interface and gap, and the fraction r of diffuse light that returns to the base. X is T
+ * with the weights of the two strategies by which pbrt finds the light (LayeredBxDF::f): they are made of densities on
+ * different sides of the interface, and do not sum to one, so that pbrt's value is up to a third larger than T T, and
+ * not reciprocal. Opening integrates T and X, for tables, and r over the visible normals. Without a medium that
+ * scatters, and isotropic.
  */
 #include "brdf/core/spec.h"
 #include "brdf/models/microfacet.h"
@@ -42,8 +44,8 @@ static double weights(double alpha2, double eta, double cosine, double c, double
     return inside * inside / (inside * inside + base * base) + base * base / (base * base + outside * outside);
 }
 
-/* The mean over the visible normals of what goes on through the interface, or is reflected by it, and across the gap; eta: beyond the
- * interface relative to the side of the light. */
+/* The mean over the visible normals of what goes on through the interface, or is reflected by it, and across the gap;
+ * eta: beyond the interface relative to the side of the light. */
 static double pass(const nqm_spec_values *values, double cosine, double eta, way leg) {
     const double alpha2 = values->v[ROUGHNESS][0], alpha = sqrt(alpha2), gap = values->v[THICKNESS][0];
     const double wo[3] = {sqrt(fmax(0, 1 - cosine * cosine)), 0, cosine}, hidden = 1 + smith_lambda(alpha2, cosine);

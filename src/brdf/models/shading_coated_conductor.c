@@ -1,15 +1,17 @@
 /* SPDX-License-Identifier: MIT
  *
- * `pbrt-coated-conductor` is pbrt-v4's `coatedconductor` (Pharr, Jakob and Humphreys, Physically Based Rendering, 4th edition, 14.3): a
- * conductor under a dielectric interface with an absorbing gap; either can be smooth. The value is the mean of pbrt's random walks
- * (LayeredBxDF::f), estimated from N_WALKS pairs of walks, one from the viewer and one from the light, on the points of a lattice. The
- * points are the same for all directions. All vertices of a pair are connected, and equally long paths are weighted by the balance
- * heuristic (Veach 1997, chapter 10). Paths with up to N_ORDERS reflections by the conductor are summed, longer ones extrapolated.
- * Error: the value differs by 0.3 to 2.8 % (rms over the directions of scores, for 12 materials; 10 % at 1 in 100) from that of 2,039
- * walks; the JOD between both is 9.95 or better.
+ * `pbrt-coated-conductor` is pbrt-v4's `coatedconductor` (Pharr, Jakob and Humphreys, Physically Based Rendering, 4th
+ * edition, 14.3): a conductor under a dielectric interface with an absorbing gap; either can be smooth. The value is
+ * the mean of pbrt's random walks (LayeredBxDF::f), estimated from N_WALKS pairs of walks, one from the viewer and one
+ * from the light, on the points of a lattice. The points are the same for all directions. All vertices of a pair are
+ * connected, and equally long paths are weighted by the balance heuristic (Veach 1997, chapter 10). Paths with up to
+ * N_ORDERS reflections by the conductor are summed, longer ones extrapolated. Error: the value differs by 0.3 to 2.8 %
+ * (rms over the directions of scores, for 12 materials; 10 % at 1 in 100) from that of 2,039 walks; the JOD between
+ * both is 9.95 or better.
  *
- * pbrt's two strategies for the last reflection have weights that do not sum to one (shading_coated.c). Their sum is a factor of each path
- * here; it makes the model not reciprocal. Mirrors are lobes of the smallest roughness, 1e-6. Without a medium that scatters, isotropic.
+ * pbrt's two strategies for the last reflection have weights that do not sum to one (shading_coated.c). Their sum is a
+ * factor of each path here; it makes the model not reciprocal. Mirrors are lobes of the smallest roughness, 1e-6.
+ * Without a medium that scatters, isotropic.
  */
 #include "brdf/core/spec.h"
 #include "brdf/models/microfacet.h"
@@ -48,7 +50,8 @@ typedef struct coated {
     double reflectance[N_REFLECTANCES][3]; /* of the conductor in the coat, at cosines (j / (N_REFLECTANCES - 1))^2 */
 } coated;
 
-/* A walk: vertex 0 is outside, each next one follows an event, transmission first, then reflections by the conductor and the interface. */
+/* A walk: vertex 0 is outside, each next one follows an event, transmission first, then reflections by the conductor
+ * and the interface. */
 typedef struct vertex {
     double d[3];          /* away from the event before, or towards the next; z > 0 */
     double lambda[2];     /* Smith's Lambda for the distributions of the layers */
@@ -139,8 +142,8 @@ static bool reflect(const coated *self, layer at, const double *point, vertex *v
     return true;
 }
 
-/* Walk from a direction outside; returns the number of vertices after it. first: the multiple of the walk's number of which the points
- * are. */
+/* Walk from a direction outside; returns the number of vertices after it. first: the multiple of the walk's number of
+ * which the points are. */
 static size_t walk(const coated *self, const double *w, size_t number, size_t first, vertex *v) {
     size_t n = 0, at = number * first % N_WALKS;
     v[0] = (vertex){.throughput = {1, 1, 1}};
@@ -223,7 +226,8 @@ static void sum_orders(const coated *self, const walks *viewer, const double *wi
     }
 }
 
-/* What the coat and the conductor below reflect as one mirror; pbrt follows `maxdepth` events, of which the last leaves the coat. */
+/* What the coat and the conductor below reflect as one mirror; pbrt follows `maxdepth` events, of which the last leaves
+ * the coat. */
 static void mirror(const coated *self, double max_depth, double cosine, double *rgb) {
     const double top = fresnel_dielectric(self->eta, cosine), n = floor(max_depth / 2);
     const double refracted = sqrt(1 - (1 - cosine * cosine) / (self->eta * self->eta));

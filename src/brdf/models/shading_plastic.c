@@ -4,10 +4,10 @@
  *
  *   f = specular F D G / (4 cos cos) + d / (pi eta^2) T(cos_i) T(cos_o),   d = diffuse / (1 - R), or diffuse / (1 - R diffuse)
  *
- * with Beckmann or GGX and separable shadowing (Walter et al. 2007, DOI 10.2312/EGWR/EGSR07/195-206); the second form of d, `nonlinear`,
- * has the colour shift of light that is reflected inside several times. T and R come from a table of Mitsuba's integrals
- * (presets/rough_plastic.txt). As in Mitsuba, T is linear between 64 cosines. Mitsuba's own quadrature is coarser: with GGX and eta = 1.5
- * its T differs from the table by up to 0.0005 and its R by 0.0001.
+ * with Beckmann or GGX and separable shadowing (Walter et al. 2007, DOI 10.2312/EGWR/EGSR07/195-206); the second form
+ * of d, `nonlinear`, has the colour shift of light that is reflected inside several times. T and R come from a table of
+ * Mitsuba's integrals (presets/rough_plastic.txt). As in Mitsuba, T is linear between 64 cosines. Mitsuba's own
+ * quadrature is coarser: with GGX and eta = 1.5 its T differs from the table by up to 0.0005 and its R by 0.0001.
  */
 #include "brdf/core/spec.h"
 #include "brdf/models/microfacet.h"

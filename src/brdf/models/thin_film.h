@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: MIT
  *
- * thin_film.h - the reflectance of a thin film on a surface: Belcour and Barla 2017, "A Practical Extension to Microfacet Theory for the
- * Modeling of Varying Iridescence" (DOI 10.1145/3072959.3073620), with the colour matching functions as Gaussians. The outside is vacuum.
- * MaterialX, glTF and Blender use the same sum with other reflectances below the film, and turn it into RGB in other ways.
+ * thin_film.h - the reflectance of a thin film on a surface: Belcour and Barla 2017, "A Practical Extension to
+ * Microfacet Theory for the Modeling of Varying Iridescence" (DOI 10.1145/3072959.3073620), with the colour matching
+ * functions as Gaussians. The outside is vacuum. MaterialX, glTF and Blender use the same sum with other reflectances
+ * below the film, and turn it into RGB in other ways.
  */
 #ifndef NQM_SRC_BRDF_THIN_FILM_H
 #define NQM_SRC_BRDF_THIN_FILM_H
@@ -121,7 +122,8 @@ static inline void film_on_index(const film_rules *rules, thin_film film, double
     film_polarised(rules, &film, cosine, light, (const double(*)[3])bottom, (const double(*)[3])phase, rgb);
 }
 
-/** On a surface with Schlick's factor and its colours (3) at 0, 82 and 90 degrees. GLSL halves the factor, against the specification. */
+/** On a surface with Schlick's factor and its colours (3) at 0, 82 and 90 degrees. GLSL halves the factor, against the
+ *  specification. */
 static inline void film_on_schlick(thin_film film, double cosine, const double *f0, const double *f82,
                                    const double *f90, double *rgb) {
     film.ior = fmax(film.ior, 1);

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
- * Preloaded into the programs of ../amx.sh, for what its emulated processor and its kernel lack: the permission to use tile registers;
- * the instruction STTILECFG, which Bochs 3.0 does not know; and tile registers of each thread, which a real-time priority replaces:
- * no thread takes the place of another while it uses them.
+ * Preloaded into the programs of ../amx.sh, for what its emulated processor and its kernel lack: the permission to use
+ * tile registers; the instruction STTILECFG, which Bochs 3.0 does not know; and tile registers of each thread, which a
+ * real-time priority replaces: no thread takes the place of another while it uses them.
  */
 #define _GNU_SOURCE
 #include <dlfcn.h>

@@ -52,8 +52,8 @@ void write_kit_shader(const conform_kit *kit, const char *path);
 
 /* ---- values (values.c): on failure, these report the error and exit ---------------------------------------------- */
 
-/** Values of all sets, (n_sets, n_directions, 3) float; free() it. NaN where there is none. path: a CSV with the columns r, g, b, or
- *  an array of NumPy. */
+/** Values of all sets, (n_sets, n_directions, 3) float; free() it. NaN where there is none. path: a CSV with the
+ *  columns r, g, b, or an array of NumPy. */
 float *read_results(const conform_kit *kit, const char *path);
 /** The same from a command of the shell, which gets the rows of the kit and prints such a CSV. */
 float *run_command(const conform_kit *kit, const char *line);

@@ -106,7 +106,8 @@ static uint64_t choose_keys(const nqm_spec_schema *schema, const char *list) {
     return keys;
 }
 
-/* Whether a key describes a layer that is off. Shaders evaluate such layers, too: their widths are not 0, where that divides by 0. */
+/* Whether a key describes a layer that is off. Shaders evaluate such layers, too: their widths are not 0, where that
+ * divides by 0. */
 static bool is_idle(const nqm_spec_schema *schema, const nqm_spec_values *values, size_t k) {
     const size_t layer = nqm_fit_describe(schema, k).layer;
     const double *amount = values->v[layer];

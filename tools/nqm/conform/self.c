@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * `nqm conform MODEL --self`: the model's own values, from directions and parameters in float32 as a shader gets them, pass; and each
- * mistake is named from its values.
+ * `nqm conform MODEL --self`: the model's own values, from directions and parameters in float32 as a shader gets them,
+ * pass; and each mistake is named from its values.
  */
 #include "nqm/conform/conform.h"
 

@@ -24,13 +24,14 @@ const translate_target *find_target(const char *word);
 
 /** Whether a model is one of nqm_fit_shading(). */
 bool is_shading_model(const char *model);
-/** A spec of the shading model `model` with the keys that mean the same in `spec`, a canonical spec of a shading model, moved into
- *  their ranges; free() it. NULL: `spec` is NULL or of another model, nothing is shared, or what is shared is no spec without other keys. */
+/** A spec of the shading model `model` with the keys that mean the same in `spec`, a canonical spec of a shading model,
+ *  moved into their ranges; free() it. NULL: `spec` is NULL or of another model, nothing is shared, or what is shared
+ *  is no spec without other keys. */
 char *copy_keys(const char *spec, const char *model);
 /** The key that means the same as one of another model; n_keys: none. */
 size_t find_same_key(const nqm_spec_key *key, size_t n_keys, const nqm_spec_key *keys);
-/** The values of a property for a key: a number for all channels of a colour, the mean of a colour or of two widths for a number; moved
- *  into its range. */
+/** The values of a property for a key: a number for all channels of a colour, the mean of a colour or of two widths for
+ *  a number; moved into its range. */
 void convert_values(const nqm_property *p, const nqm_spec_key *key, double v[3]);
 /** The keys of such a spec with other values than their defaults that have no counterpart in `model`, separated by ", ". Keys
  *  of layers with weight 0 do not count. */

@@ -147,7 +147,8 @@ static bool is_of_film(const char *key) {
     return strncmp(meaning, "thinfilm", 8) == 0;
 }
 
-/* A thin film: open-pbr has micrometres, others have nm; where there is no weight, a thickness of 0 means none. Fits keep its values. */
+/* A thin film: open-pbr has micrometres, others have nm; where there is no weight, a thickness of 0 means none. Fits
+ * keep its values. */
 static void copy_film(const nqm_shading *from, nqm_shading *to) {
     const nqm_property *thickness = find_meaning(from, "thinfilmthickness"), *weight = find_meaning(from, "thinfilm");
     const nqm_property *ior = find_meaning(from, "thinfilmior");

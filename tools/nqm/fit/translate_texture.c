@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: MIT
  *
- * Translation of textured materials to glTF with maps. Keys that both models share are copied texel by texel. What that leaves is found by
- * fits to a few texels, spread over all: each texel gets the mean of their corrections, weighted by how near its properties are (Shepard
- * 1968). Keys without a map have one value: copied, or that of a fit of all keys to the middle texel, whichever lets the fits end better.
+ * Translation of textured materials to glTF with maps. Keys that both models share are copied texel by texel. What that
+ * leaves is found by fits to a few texels, spread over all: each texel gets the mean of their corrections, weighted by
+ * how near its properties are (Shepard 1968). Keys without a map have one value: copied, or that of a fit of all keys
+ * to the middle texel, whichever lets the fits end better.
  */
 #include "figures/picture.h"
 #include "io/raster.h"

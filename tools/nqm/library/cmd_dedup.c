@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
- * nqm dedup - clusters of materials of a library that look like one of them. Pairs whose pictures are alike are scored in both orders;
- * the materials with the most look-alikes are kept first, so that each other one looks like the one that is kept for it, by its own score.
+ * nqm dedup - clusters of materials of a library that look like one of them. Pairs whose pictures are alike are scored
+ * in both orders; the materials with the most look-alikes are kept first, so that each other one looks like the one
+ * that is kept for it, by its own score.
  */
 
 #include "figures/picture.h"

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
- * nqm diff - two versions of the materials of a file or folder: pairs of the same name, and of names that only one version has those that
- * look the same; how each pair looks, and which properties changed. Also as a program that git calls for its differences.
+ * nqm diff - two versions of the materials of a file or folder: pairs of the same name, and of names that only one
+ * version has those that look the same; how each pair looks, and which properties changed. Also as a program that git
+ * calls for its differences.
  */
 #include "material/material.h"
 #include "nqm/library/library.h"
@@ -90,7 +91,8 @@ static library take_single(const library *of, const size_t *partner, const bool 
     return single;
 }
 
-/* Of names that only one version has, those that look the same are the same material: the best estimates first, confirmed by score. */
+/* Of names that only one version has, those that look the same are the same material: the best estimates first,
+ * confirmed by score. */
 static void pair_looks(void) {
     static const double same = 9.5;
     size_t n_paired = 0;

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * nqm nearest - the materials of a library that look most like one: those with the best estimates by pictures are scored and ranked.
+ * nqm nearest - the materials of a library that look most like one: those with the best estimates by pictures are
+ * scored and ranked.
  */
 #include "nqm/library/library.h"
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * library.h - many materials at once, for `nqm diff`, `nqm dedup` and `nqm nearest`: the materials of files and folders, and a picture of
- * each, by which those that may look alike are found before they are scored.
+ * library.h - many materials at once, for `nqm diff`, `nqm dedup` and `nqm nearest`: the materials of files and
+ * folders, and a picture of each, by which those that may look alike are found before they are scored.
  */
 #ifndef NQM_TOOL_LIBRARY_H
 #define NQM_TOOL_LIBRARY_H
@@ -25,11 +25,12 @@ typedef struct library {
     unsigned char *block; /* of the pictures, where the bytes of the file have another order; NULL: none */
 } library;
 
-/** Append the materials of a file, or of all files of a folder and its folders; "/dev/null" has none. Stops when a file cannot be read, and
- *  when there is none in a folder. */
+/** Append the materials of a file, or of all files of a folder and its folders; "/dev/null" has none. Stops when a file
+ *  cannot be read, and when there is none in a folder. */
 void list_library(const char *path, library *to);
-/** List the members, sample them and draw their pictures, with progress. Textured ones are left out, and those without values, which
- *  are reported. index: a file that keeps names and pictures, and is written unless it fits the files; NULL: none. */
+/** List the members, sample them and draw their pictures, with progress. Textured ones are left out, and those without
+ *  values, which are reported. index: a file that keeps names and pictures, and is written unless it fits the files;
+ *  NULL: none. */
 void draw_library(const char *path, const nqm_model *model, nqm_scorer *scorer, const char *index, library *to);
 void free_library(library *of);
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * batch.h - the results of `nqm batch` as text, the unfinished output file that a later run can resume, and what is made of all rows
- * at the end: the sorted file, JUnit XML, Markdown.
+ * batch.h - the results of `nqm batch` as text, the unfinished output file that a later run can resume, and what is
+ * made of all rows at the end: the sorted file, JUnit XML, Markdown.
  */
 #ifndef NQM_TOOL_BATCH_H
 #define NQM_TOOL_BATCH_H
@@ -101,8 +101,8 @@ bool open_batch_output(const batch_request *request, batch_output *out);
 bool take_over_batch_output(const batch_request *request, batch_output *out);
 /** Report an error and exit if a file that the rows of the interrupted run depend on has changed. */
 void check_batch_files(const batch_output *out);
-/** Write the text of out->rows, which are complete rows whose notes and files are set, and record in the journal that the file is valid up to
- *  here. */
+/** Write the text of out->rows, which are complete rows whose notes and files are set, and record in the journal that
+ *  the file is valid up to here. */
 void append_batch_output(batch_output *out, const batch_progress *done);
 /** Close. is_complete: write the text of out->rows and rename the file to its final name; otherwise FILE.part remains for a
  *  later run. */

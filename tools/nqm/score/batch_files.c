@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
- * The files that rows of `nqm batch` depend on: their paths with an identity, which is the SHA-256 of the contents of a small file, so
- * that it does not change when the file is copied, and size and time of a large one, which is not read completely.
+ * The files that rows of `nqm batch` depend on: their paths with an identity, which is the SHA-256 of the contents of a
+ * small file, so that it does not change when the file is copied, and size and time of a large one, which is not read
+ * completely.
  */
 #include "nqm/score/batch.h"
 

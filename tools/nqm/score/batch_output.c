@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT
  *
  * Output of `nqm batch`. The rows of a file are written to FILE.part first. FILE.part.journal begins with the terms of
- * the run; after every block, a line with the number of rows, of failed rows and of bytes so far, the SHA-256 of the block and
- * its notes, and the notes of its rows and the files that they depend on as JSON is appended. A killed run leaves both files. A run with --resume checks terms and hashes, truncates FILE.part to
- * the last checkpoint of the journal, and continues, so that the finished file is identical to that of an uninterrupted
- * run.
+ * the run; after every block, a line with the number of rows, of failed rows and of bytes so far, the SHA-256 of the
+ * block and its notes, and the notes of its rows and the files that they depend on as JSON is appended. A killed run
+ * leaves both files. A run with --resume checks terms and hashes, truncates FILE.part to the last checkpoint of the
+ * journal, and continues, so that the finished file is identical to that of an uninterrupted run.
  */
 #include "nqm/score/batch.h"
 

@@ -35,8 +35,8 @@ void open_batch_pieces(const char *folder, const json_t *terms, const nqm_pair_l
                        const nqm_model *model, batch_pieces *pieces);
 /** Score all pieces together with the other processes of `r`. Returns when all files exist: an exit code, its error reported. */
 int share_batch_pieces(batch_pieces *pieces, ranks r);
-/** Have results, textures and errors of the rows from `row` to the end of its piece: n of them from *at of these arrays on. Returns an exit
- *  code, its error reported. */
+/** Have results, textures and errors of the rows from `row` to the end of its piece: n of them from *at of these arrays
+ *  on. Returns an exit code, its error reported. */
 int get_batch_results(batch_pieces *pieces, size_t row, size_t *n_ret, size_t *at);
 /** Remove the file of the piece with a row, so that a later run scores it again. */
 void forget_batch_piece(batch_pieces *pieces, size_t row);

@@ -57,8 +57,8 @@ typedef struct score_run {
 
 /* ---- shared (score_shared.c) ------------------------------------------------------------------------------------- */
 
-/** Rows for the pairs of arguments[0] with each of the others, expanded (expand.h). names: (n_arguments) to print, NULL where the argument itself is
- *  to be printed; NULL: there are none. */
+/** Rows for the pairs of arguments[0] with each of the others, expanded (expand.h). names: (n_arguments) to print, NULL
+ *  where the argument itself is to be printed; NULL: there are none. */
 void set_pairs(score_run *run, int n_arguments, char **arguments, const char *const *names);
 /** The same for the pairs of a list; names: (n_rows) of the tests, NULL where there is none. */
 void set_list_pairs(score_run *run, const nqm_pair_list *list, const char *const *names);
@@ -77,8 +77,8 @@ void free_scores(score_run *run);
 /** Report the errors of the rows. Returns the exit code of the first. */
 int report_faults(const score_run *run);
 
-/** A JSON array of remarks on what of a scored pair is ignored, and on negative, missing and unusual values, which name the BRDFs `ref`
- *  (NULL: no remarks about the reference) and `test`. Empty for a pair without a score. */
+/** A JSON array of remarks on what of a scored pair is ignored, and on negative, missing and unusual values, which name
+ *  the BRDFs `ref` (NULL: no remarks about the reference) and `test`. Empty for a pair without a score. */
 json_t *json_remarks(const remark_terms *terms, const nqm_named_pair *pair, const char *ref, const char *test,
                      const nqm_score_result *r);
 /** Parse --metrics: names and "all", separated by commas. chosen: (NQM_METRIC_COUNT) */
@@ -90,7 +90,8 @@ json_t *model_json(const nqm_model *model, nqm_precision precision);
  *  predicts none. */
 void print_csv_part_names(FILE *out, const nqm_model *model);
 void print_csv_parts(FILE *out, const nqm_model *model, const nqm_score_result *result);
-/** Columns of results, likewise: jod, jod_low, jod_high, delta_e_itp, identical, n_valid, novelty, verdict, the parts, and metrics. */
+/** Columns of results, likewise: jod, jod_low, jod_high, delta_e_itp, identical, n_valid, novelty, verdict, the parts,
+ *  and metrics. */
 void print_csv_score_names(FILE *out, const nqm_model *model, const bool *metrics);
 void print_csv_score(FILE *out, const nqm_model *model, const bool *metrics, const nqm_score_result *result);
 /** "  8.93  [8.71, 9.15]", the interval only if the model is calibrated; dashes for a pair without a score. */

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
- * The style sheet of a report for screen, phone (below 44 rem) and paper, which is A4 or Letter; screens may be dark. The contrast of
- * text is at least 7. Pictures keep their colours and their white ground everywhere: they show materials.
+ * The style sheet of a report for screen, phone (below 44 rem) and paper, which is A4 or Letter; screens may be dark.
+ * The contrast of text is at least 7. Pictures keep their colours and their white ground everywhere: they show
+ * materials.
  */
 #include "nqm/show/report.h"
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * What a section of a report has of textured materials: the map of Delta-E of the texels, scores from near and from afar, which map is to
- * blame, and small pictures of the maps.
+ * What a section of a report has of textured materials: the map of Delta-E of the texels, scores from near and from
+ * afar, which map is to blame, and small pictures of the maps.
  */
 #include "figures/picture.h"
 #include "nqm/show/report.h"
