@@ -21,7 +21,7 @@ typedef enum nqm_split { NQM_SPLIT_TRAIN = 0, NQM_SPLIT_VALIDATION, NQM_SPLIT_TE
 /** Facts about a dataset; pointers are valid until it is freed. */
 typedef struct nqm_dataset_info {
     size_t n_directions, n_refs, n_groups, n_pairs;
-    size_t n_kinds;       /**< kinds of distortion: nqm_dataset_get_kind() */
+    size_t n_kinds;       /**< kinds of distortion */
     size_t n_pairs_in[3]; /**< pairs in each split, before augmentation */
     const char *sha256;   /**< SHA-256 of the file; of the content for the authors' layout and for people's answers */
     const char *manifest; /**< JSON: how it was made; "" if unknown */
@@ -52,32 +52,21 @@ NQM_API void nqm_dataset_free(nqm_dataset *dataset);
 /** Facts about `dataset`. */
 NQM_API nqm_dataset_info nqm_dataset_get_info(const nqm_dataset *dataset);
 
-/** A kind of distortion. */
-typedef struct nqm_dataset_kind {
-    const char *name; /**< "ggx", "noise", ... */
-    const char
-        *family; /**< in corpora of this program: "encoding" (own fits), "published" (published parameters of the same
-                             material), "form" (other representations of the same material), "perturbation", "composed" (two
-                             perturbations, or one of an encoding), "far" (BRDFs that really differ), "rounding"; in the
-                             authors' layout: "encoding"; "" if unknown */
-} nqm_dataset_kind;
-/** Kind i in [0, n_kinds); both members are NULL beyond. */
-NQM_API nqm_dataset_kind nqm_dataset_get_kind(const nqm_dataset *dataset, size_t i);
-
-enum { NQM_MATERIAL_CLASS_COUNT = 9 };
-/** The i-th class of reference materials: "matte grey", "matte coloured", "satin grey", ..., "mirror-like coloured",
- *  "unclassified"; static storage; NULL beyond. Over directions with theta_d below 60 degrees, a material is satin, glossy or
- *  mirror-like when its luminance (geometric mean) at theta_h below 3 degrees is 3, 20, 200 times that at 25 degrees and
- *  more; it is coloured when one channel of the mean f_r of the latter differs by more than a factor exp(0.4) from the geometric
- *  mean of the three. Unclassified: no direction in one of these zones. */
-NQM_API const char *nqm_material_class_name(size_t i);
-
 /** One pair; strings are valid until the dataset is freed. */
 typedef struct nqm_dataset_pair {
-    const char *ref, *group;    /**< the reference and its material group */
-    const char *test;           /**< a spec, or a name */
-    const char *kind, *family;  /**< as in nqm_dataset_kind */
-    const char *material_class; /**< class of the reference material: a nqm_material_class_name() */
+    const char *ref, *group; /**< the reference and its material group */
+    const char *test;        /**< a spec, or a name */
+    const char *kind;        /**< of distortion: "ggx", "noise", ... */
+    /** In corpora of this program: "encoding" (own fits), "published" (published parameters of the same material), "form"
+     *  (other representations of the same material), "perturbation", "composed" (two perturbations, or one of an
+     *  encoding), "far" (BRDFs that really differ), "rounding"; in the authors' layout: "encoding"; "" if unknown. */
+    const char *family;
+    /** Class of the reference material: "matte grey", "matte coloured", "satin grey", ..., "mirror-like coloured",
+     *  "unclassified". Over directions with theta_d below 60 degrees, a material is satin, glossy or mirror-like when its
+     *  luminance (geometric mean) at theta_h below 3 degrees is 3, 20, 200 times that at 25 degrees and more; it is
+     *  coloured when one channel of the mean f_r of the latter differs by more than a factor exp(0.4) from the geometric
+     *  mean of the three. Unclassified: no direction in one of these zones. */
+    const char *material_class;
     /** Where the reference comes from: "measured", "neural", "analytic" (of the corpus's sources rgl and merl, nbrdf and nps, sgd;
      *  also with a suffix, as in "rgl-..."), or another source by its own name, as "renderer" and "mirror"; "" if the manifest
      *  does not say it. */

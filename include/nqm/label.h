@@ -49,19 +49,16 @@ NQM_API NQM_MUST_CHECK nqm_status nqm_rays_compare(const nqm_rays *rays, const d
  *
  * @param scene       NULL: the defaults, the standard scenes; its pixels, points and interreflection are not used, and n_lights 0
  *                    stands for 1024
- * @param n_points    of all scenes together: a multiple of 32 up to 4096
+ * @param anisotropic  nonzero: a model for anisotropic BRDFs, too, of how much light each point receives by the slope of
+ *                    the half vector. BRDFs are evaluated at half vectors that are placed by their lobe, so that lobes
+ *                    of any width, shape and lean are right; samples at fixed directions have no score. The built-in
+ *                    model "anisotropic" has the standard scenes
+ * @param n_points    of all scenes together: a multiple of 32 up to 4096; anisotropic: 4 to 4096 of 22 KB each
  * @param id          of the model; copied
  * @return NQM_ERR_ARG (an option or n_points is out of range), NQM_ERR_IO, NQM_ERR_FORMAT (light or shape), NQM_ERR_NOMEM
  */
-NQM_API NQM_MUST_CHECK nqm_status nqm_transport_create(const nqm_scene_options *scene, size_t n_points, const char *id,
-                                                       nqm_model **model_ret, nqm_error *err);
-
-/** The same for anisotropic BRDFs: how much light each point receives by the slope of the half vector. BRDFs are
- *  evaluated at half vectors that are placed by their lobe, so that lobes of any width, shape and lean are right;
- *  samples at fixed directions have no score. The built-in model "anisotropic" has the standard scenes. 4 to 4096
- *  points of 22 KB each. */
-NQM_API NQM_MUST_CHECK nqm_status nqm_slopes_create(const nqm_scene_options *scene, size_t n_points, const char *id,
-                                                    nqm_model **model_ret, nqm_error *err);
+NQM_API NQM_MUST_CHECK nqm_status nqm_transport_create(const nqm_scene_options *scene, int anisotropic, size_t n_points,
+                                                       const char *id, nqm_model **model_ret, nqm_error *err);
 
 #ifdef __cplusplus
 }

@@ -54,9 +54,6 @@ typedef enum nqm_scalar {
     NQM_SCALAR_COUNT = NQM_SCALAR_ESTIMATE + 6
 } nqm_scalar;
 
-/** "log_rmse", ..., "ref_colour"; static storage; NULL for an i that is too large. */
-NQM_API const char *nqm_scalar_name(size_t i);
-
 /** A trained network with everything it needs: directions, whitening, output range, card. */
 typedef struct nqm_model nqm_model;
 

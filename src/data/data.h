@@ -145,6 +145,16 @@ NQM_MUST_CHECK nqm_status nqm_dataset_set_manifest(nqm_dataset *dataset, const c
 /** The source of a reference: see nqm_dataset_pair; "" if unknown. */
 const char *nqm_dataset_ref_source(const nqm_dataset *dataset, size_t ref);
 
+/** A kind of distortion, as in nqm_dataset_pair. */
+typedef struct nqm_dataset_kind {
+    const char *name, *family;
+} nqm_dataset_kind;
+/** Kind i in [0, n_kinds); both members are NULL beyond. */
+nqm_dataset_kind nqm_dataset_get_kind(const nqm_dataset *dataset, size_t i);
+
+enum { NQM_MATERIAL_CLASS_COUNT = 9 };
+/** The i-th class of reference materials; static storage; NULL beyond. */
+const char *nqm_material_class_name(size_t i);
 /** The material class of a reference: an index for nqm_material_class_name(). */
 size_t nqm_dataset_ref_class(const nqm_dataset *dataset, size_t ref);
 

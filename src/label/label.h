@@ -29,7 +29,8 @@ void nqm_lit_ray(const nqm_lit_point *point, size_t j, double *wi, double *light
 NQM_MUST_CHECK nqm_status nqm_transport_fill(const nqm_scene_options *scene, size_t n_points, float *light,
                                              double *points, nqm_error *err);
 
-/** Complete a model without a network: texts, constants and golden scores. */
-NQM_MUST_CHECK nqm_status nqm_untrained_finish(nqm_model *model, const char *id, const char *card, nqm_error *err);
+/** Compute the light of a scene by slopes, as the members of a model. Shadows count, interreflection does not. */
+NQM_MUST_CHECK nqm_status nqm_slopes_fill(const nqm_scene_options *scene, size_t n_points, nqm_model *model,
+                                          nqm_error *err);
 
 #endif

@@ -14,11 +14,6 @@
 
 enum { N_LIGHTS = 65536 };
 
-static const char *const slopes_card =
-    "Estimate by light transport for any BRDF, anisotropic or not, without a network: the Delta-E ITP and JOD of"
-    "\npictures of few points, whose light is known by the slope of the half vector. The BRDF is evaluated at half"
-    "\nvectors placed by its lobe. Nothing was trained.\n";
-
 /* Every point writes its own columns. */
 static void fill_point(void *user, const nqm_lit_point *point) {
     nqm_model *m = user;
@@ -34,7 +29,7 @@ static void fill_point(void *user, const nqm_lit_point *point) {
     }
 }
 
-static nqm_status fill(nqm_model *m, const nqm_scene_options *scene, size_t n_points, nqm_error *err) {
+nqm_status nqm_slopes_fill(const nqm_scene_options *scene, size_t n_points, nqm_model *m, nqm_error *err) {
     m->slopes = nqm_alloc((size_t)NQM_SLOPE_CELLS, 3 * n_points * sizeof *m->slopes);
     m->slope_points = nqm_alloc(n_points, 3 * sizeof *m->slope_points);
     m->slope_wo = nqm_alloc(n_points, 3 * sizeof *m->slope_wo);
@@ -43,23 +38,4 @@ static nqm_status fill(nqm_model *m, const nqm_scene_options *scene, size_t n_po
     m->n_slopes = NQM_SLOPE_CELLS;
     m->n_slope_points = m->n_slope_wo = n_points;
     return nqm_lit_points(scene, n_points, N_LIGHTS, fill_point, m, m->slope_points, err);
-}
-
-nqm_status nqm_slopes_create(const nqm_scene_options *scene, size_t n_points, const char *id, nqm_model **model_ret,
-                             nqm_error *err) {
-    NQM_MAKE(err, model_ret, id);
-    if (n_points < NQM_STANDARD_SCENES || n_points > NQM_TRANSPORT_MAX_POINTS)
-        return nqm_fail(err, NQM_ERR_ARG, -1, "points: %zu; 4 to %d are possible", n_points, NQM_TRANSPORT_MAX_POINTS);
-    nqm_model *m = nqm_alloc(1, sizeof *m);
-    const nqm_scene_options options = scene ? *scene : nqm_scene_options_default();
-    nqm_status status = m ? fill(m, &options, n_points, err) : nqm_fail_nomem(err, sizeof *m);
-    if (status == NQM_OK)
-        status = nqm_node_grid_directions(&m->directions, err); /* of metrics and counts */
-    if (status == NQM_OK)
-        status = nqm_untrained_finish(m, id, slopes_card, err);
-    if (status == NQM_OK)
-        *model_ret = m;
-    else
-        nqm_model_free(m);
-    return status;
 }

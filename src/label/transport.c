@@ -106,6 +106,11 @@ static const char *const default_card = "Estimate by light transport, without a 
                                         "pictures of few points that a matrix makes of\n"
                                         "the samples. It has no intervals: nothing was trained or calibrated.\n";
 
+static const char *const slopes_card =
+    "Estimate by light transport for any BRDF, anisotropic or not, without a network: the Delta-E ITP and JOD of"
+    "\npictures of few points, whose light is known by the slope of the half vector. The BRDF is evaluated at half"
+    "\nvectors placed by its lobe. Nothing was trained.\n";
+
 static nqm_status set_texts(nqm_model *m, const char *id, const char *card, nqm_error *err) {
     struct {
         char **to;
@@ -131,37 +136,42 @@ static void set_constants(nqm_model *m) {
         m->features.std[k] = 1;
 }
 
-nqm_status nqm_untrained_finish(nqm_model *m, const char *id, const char *card, nqm_error *err) {
-    nqm_status status = set_texts(m, id, card, err);
+static nqm_status fill_matrix(const nqm_scene_options *scene, size_t n_points, nqm_model *m, nqm_error *err) {
+    const size_t n = nqm_node_grid_make().n;
+    float *light;
+    double *points;
+    nqm_status status = nqm_alloc_arrays(
+        NQM_ARRAYS({&light, n, 3 * n_points * sizeof *light}, {&points, n_points, 3 * sizeof *points}), err);
     if (status != NQM_OK)
         return status;
-    set_constants(m);
-    return nqm_golden_make(m, &m->golden, err);
+    status = nqm_transport_fill(scene, n_points, light, points, err);
+    if (status == NQM_OK)
+        status = nqm_model_set_transport(m, &(nqm_transport){n, n_points, light, points}, err);
+    nqm_free(light);
+    return status;
 }
 
-nqm_status nqm_transport_create(const nqm_scene_options *scene, size_t n_points, const char *id, nqm_model **model_ret,
-                                nqm_error *err) {
+nqm_status nqm_transport_create(const nqm_scene_options *scene, int anisotropic, size_t n_points, const char *id,
+                                nqm_model **model_ret, nqm_error *err) {
     NQM_MAKE(err, model_ret, id);
     const nqm_scene_options options = scene ? *scene : nqm_scene_options_default();
-    const nqm_node_grid grid = nqm_node_grid_make();
-    const size_t n = grid.n;
-    if (n_points == 0 || n_points % NQM_TRANSPORT_STEP || n_points > NQM_TRANSPORT_MAX_POINTS)
+    if (anisotropic && (n_points < NQM_STANDARD_SCENES || n_points > NQM_TRANSPORT_MAX_POINTS))
+        return nqm_fail(err, NQM_ERR_ARG, -1, "points: %zu; 4 to %d are possible", n_points, NQM_TRANSPORT_MAX_POINTS);
+    if (!anisotropic && (n_points == 0 || n_points % NQM_TRANSPORT_STEP || n_points > NQM_TRANSPORT_MAX_POINTS))
         return nqm_fail(err, NQM_ERR_ARG, -1, "points: %zu is no multiple of %d up to %d", n_points, NQM_TRANSPORT_STEP,
                         NQM_TRANSPORT_MAX_POINTS);
     nqm_model *m = nqm_alloc(1, sizeof *m);
-    float *light = nqm_alloc(n, 3 * n_points * sizeof *light);
-    double *points = nqm_alloc(n_points, 3 * sizeof *points);
-    nqm_status status = m && light && points ? NQM_OK : nqm_fail_nomem(err, n * 3 * n_points * sizeof *light);
+    nqm_status status = !m            ? nqm_fail_nomem(err, sizeof *m)
+                        : anisotropic ? nqm_slopes_fill(&options, n_points, m, err)
+                                      : fill_matrix(&options, n_points, m, err);
     if (status == NQM_OK)
-        status = nqm_transport_fill(&options, n_points, light, points, err);
+        status = nqm_node_grid_directions(&m->directions, err); /* with slopes: of metrics and counts */
     if (status == NQM_OK)
-        status = nqm_model_set_transport(m, &(nqm_transport){n, n_points, light, points}, err);
-    if (status == NQM_OK)
-        status = nqm_node_grid_directions(&m->directions, err);
-    if (status == NQM_OK)
-        status = nqm_untrained_finish(m, id, default_card, err);
-    nqm_free(light);
-    nqm_free(points);
+        status = set_texts(m, id, anisotropic ? slopes_card : default_card, err);
+    if (status == NQM_OK) {
+        set_constants(m);
+        status = nqm_golden_make(m, &m->golden, err);
+    }
     if (status == NQM_OK)
         *model_ret = m;
     else

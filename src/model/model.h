@@ -117,6 +117,8 @@ NQM_MUST_CHECK nqm_status nqm_model_parse(const unsigned char *data, size_t n_by
                                           struct nqm_model **model_ret, nqm_error *err);
 /** The words of nqm_layout and of nqm_target, NULL-terminated. */
 extern const char *const nqm_layout_words[], *const nqm_target_words[];
+/** "log_rmse", ..., "ref_colour"; static storage; NULL for an i that is too large. */
+const char *nqm_scalar_name(size_t i);
 /** Number of scalar features in the model's input. */
 static inline size_t nqm_model_n_scalars(const struct nqm_model *model) {
     return model->scalars.n;

@@ -30,7 +30,7 @@ static int open_models(void **state) {
     scene.light = "studio";
     assert_int_equal(nqm_model_builtin("default", &metric, NULL), NQM_OK);
     assert_int_equal(nqm_model_builtin("paper", &paper, NULL), NQM_OK);
-    assert_int_equal(nqm_transport_create(&scene, 64, "test", &transport, NULL), NQM_OK);
+    assert_int_equal(nqm_transport_create(&scene, 0, 64, "test", &transport, NULL), NQM_OK);
     return 0;
 }
 

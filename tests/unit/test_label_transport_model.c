@@ -20,7 +20,7 @@ static const char white[] = "lambert:kd=.8,.5,.2", grey[] = "lambert:kd=.5,.5,.5
 static nqm_model *make_model(const nqm_scene_options *o, size_t n_points) {
     nqm_model *model;
     nqm_error err = {0};
-    if (nqm_transport_create(o, n_points, "mine", &model, &err) != NQM_OK)
+    if (nqm_transport_create(o, 0, n_points, "mine", &model, &err) != NQM_OK)
         fail_msg("%s", err.message);
     return model;
 }
@@ -105,7 +105,7 @@ static void the_standard_scenes(void **state) {
 static void refuse(nqm_scene_options o, size_t n_points, nqm_status status, const char *words) {
     nqm_model *model;
     nqm_error err = {0};
-    assert_int_equal(nqm_transport_create(&o, n_points, "mine", &model, &err), status);
+    assert_int_equal(nqm_transport_create(&o, 0, n_points, "mine", &model, &err), status);
     assert_null(model);
     if (!strstr(err.message, words))
         fail_msg("'%s' lacks '%s'", err.message, words);
@@ -133,7 +133,7 @@ static void out_of_memory(void **state) {
     for (long n = 0; !model; n += 1 + n / 20) {
         nqm_alloc_fail_after(n);
         nqm_error err = {0};
-        const nqm_status status = nqm_transport_create(&o, 32, "mine", &model, &err);
+        const nqm_status status = nqm_transport_create(&o, 0, 32, "mine", &model, &err);
         nqm_alloc_fail_after(-1);
         if (status != NQM_OK && status != NQM_ERR_NOMEM)
             fail_msg("allocation %ld: %s", n, err.message);

@@ -23,7 +23,7 @@ static nqm_model *make_model(void) {
     const nqm_scene_options o = studio_scene();
     nqm_model *model;
     nqm_error err = {0};
-    if (nqm_slopes_create(&o, 64, "mine", &model, &err) != NQM_OK)
+    if (nqm_transport_create(&o, 1, 64, "mine", &model, &err) != NQM_OK)
         fail_msg("%s", err.message);
     return model;
 }
@@ -105,7 +105,7 @@ static void memory_runs_out(void **state) {
         nqm_model *model = NULL;
         nqm_error err = {0};
         nqm_alloc_fail_after(n);
-        status = nqm_slopes_create(&o, 8, "mine", &model, &err);
+        status = nqm_transport_create(&o, 1, 8, "mine", &model, &err);
         nqm_alloc_fail_after(-1);
         assert_true(status == NQM_OK || (status == NQM_ERR_NOMEM && !model));
         nqm_model_free(model);
@@ -177,7 +177,7 @@ static void names_do_not_make_a_model_of_the_standard_scenes(void **state) {
     nqm_model *model = builtin("transport"), *file, *other;
     assert_int_equal(nqm_model_save(model, temp_file, NULL), NQM_OK);
     assert_int_equal(nqm_model_load(temp_file, &file, NULL), NQM_OK);
-    assert_int_equal(nqm_transport_create(&o, 64, "transport", &other, NULL), NQM_OK);
+    assert_int_equal(nqm_transport_create(&o, 0, 64, "transport", &other, NULL), NQM_OK);
     assert_true(score_specs(file, brushed, turned).jod == score_specs(model, brushed, turned).jod);
     assert_int_equal(score_specs(other, brushed, turned).status, NQM_ERR_INCOMPATIBLE);
     assert_int_equal(score_specs(other, plain, plain).status, NQM_OK);

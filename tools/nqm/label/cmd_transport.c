@@ -57,7 +57,7 @@ int cmd_transport(int argc, char **argv) {
     const size_t n_points = scene.scene.n_points ? scene.scene.n_points : usual;
     nqm_model *model;
     nqm_error err = {0};
-    must((slopes ? nqm_slopes_create : nqm_transport_create)(&scene.scene, n_points, name, &model, &err), &err);
+    must(nqm_transport_create(&scene.scene, slopes, n_points, name, &model, &err), &err);
     must(nqm_model_save(model, output_path(path), &err), &err);
     if (json)
         print_document(written_model(path, model));
