@@ -16,7 +16,7 @@
 /** What a format implements. `self` is its own immutable state. All functions are thread-safe. */
 typedef struct nqm_brdf_class {
     const char *format; /**< short name, as in nqm_brdf_info.format */
-    int reciprocal;     /**< 1: by construction; 0: what nqm_brdf_wrap() is told */
+    int reciprocal;     /**< 1: always; 0: the caller of nqm_brdf_wrap() says it */
     bool anisotropic;   /**< 1: f_r may depend on the azimuth, unless nqm_brdf_wrap() is told that it does not */
     bool is_costly;     /**< a pair takes 10 us or more: many pictures or points are made from a table */
 

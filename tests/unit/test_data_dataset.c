@@ -86,7 +86,7 @@ static void families_may_be_missing(void **state) {
     nqm_dataset_free(d);
 }
 
-/* Nor have they errors of labels; then the hash of the content is that of a file without the array. */
+/* Datasets of older builds have no errors of labels: the hash of their content is that of a file without the array. */
 static void errors_may_be_missing(void **state) {
     (void)state;
     nqm_dataset old = *toy, *d;

@@ -371,7 +371,7 @@ typedef struct step_case {
     direction to;
 } step_case;
 
-/* Glossier copies of four materials are equal to them, but for rounding, at half of the directions. */
+/* The tests are glossier copies of four materials, which equal them, but for rounding, at half of the directions. */
 static void check_steps(const char *gloss, size_t n, const step_case *cases) {
     static const char *const names[] = {"nickel", "alum-bronze", "gold-metallic-paint", "chrome"};
     nqm_model *m;

@@ -20,7 +20,7 @@
 
 enum { N_DIRECTIONS = 4, MAX_TENSORS = 40 };
 
-/* Whether the models here have a network, scalar features, a transport matrix; points of that. */
+/* What the models of these tests have; n_points: of the transport matrix. */
 static bool with_network = true, with_scalars, with_transport;
 enum { MAX_POINTS = 3 * NQM_TRANSPORT_POINTS };
 static size_t n_points = NQM_TRANSPORT_POINTS;

@@ -84,7 +84,7 @@ extern const char *ignored_words;
 typedef struct command {
     const char *usage;   /* after the name: "REF TEST... [options]" */
     const char *about;   /* a paragraph; ends without newline */
-    const char *example; /* full commands for a shell, one per line; indented lines continue one */
+    const char *example; /* complete shell commands, one per line; an indented line continues the previous one */
     const option *options;
     const choice *choices;         /* words of the first argument, any other is refused; NULL: none */
     bool has_verbs;                /* they are the verbs of the tool */

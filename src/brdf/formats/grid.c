@@ -67,7 +67,8 @@ static void interpolate(const nqm_grid *g, const span *s, double *rgb) {
         for (size_t c = 0; c < 3; ++c)
             sum[c] += weight * at_node[c];
     }
-    for (size_t c = 0; c < 3; ++c) /* at a node without a value, rounding errors are no weights of its neighbours */
+    /* A total of about 0: only rounding errors gave the neighbours of a node without a value a weight. */
+    for (size_t c = 0; c < 3; ++c)
         rgb[c] = total > 1e-6 ? sum[c] / total : NAN;
 }
 
