@@ -116,7 +116,6 @@ refuses 2 "wrad: there is no such file, model or preset (did you mean 'ward'?)" 
 refuses 2 "nickle: there is no such file, model or preset (did you mean 'nickel'?)" info nickle
 refuses 3 "nowhere: No such file" info nowhere
 # A wrong first word is named before what is missing, and before outputs.
-refuses 2 "no 'shwo' (did you mean 'show'?)" models shwo default -o "$dir/no/x"
 refuses 2 "no 'sprase' (did you mean 'sparse'?)" learn sprase
 refuses 2 "no 'mkae' (did you mean 'make'?)" transport mkae
 # Models and BRDFs in each other's place, and models nearly.
@@ -198,7 +197,7 @@ misnamed x.jpg -o render sgd:nickel
 misnamed x.jpg -o plot slice sgd:nickel
 misnamed x.mat -o directions
 misnamed x.csv -o transport make
-misnamed x.md -o models annotate default notes.md
+misnamed x.md -o info default --notes notes.md
 misnamed x.csv -o bench gemm
 refuses 2 "x.gif: no file of this name holds a material" translate sgd:nickel --to gltf -o "$dir/x.gif"
 refuses 2 "json: '$dir/x.csv' names another kind" batch list.csv --json -o "$dir/x.csv"
