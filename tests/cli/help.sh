@@ -56,7 +56,7 @@ if command -v bash >/dev/null; then
     completes "score" sc
     completes "--min-valid" score a b --min-v
     completes "drop" score --invalid d
-    completes "bf16" score --precision = bf
+    completes "bf16" train --precision = bf
     completes "slice" plot sl
     completes "man markdown" help --format ma
     completes "" score nickel.bin
