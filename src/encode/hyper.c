@@ -42,25 +42,20 @@ static nqm_status measure_loss(const float *weights, size_t n, const double *hd,
     return NQM_OK;
 }
 
-nqm_status nqm_encode_hyper(const nqm_brdf *ref, const nqm_encode_options *options, nqm_encode_report *report,
-                            nqm_brdf **brdf_ret, nqm_error *err) {
-    size_t n_read = options->n, n = n_read > options->n_directions ? n_read : options->n_directions;
+nqm_status nqm_hyper_encode_brdf(nqm_hyper *hyper, const nqm_brdf *ref, const nqm_encode_options *options,
+                                 nqm_encode_report *report, nqm_brdf **brdf_ret, nqm_error *err) {
+    size_t n_read = options->n, n = nqm_larger(n_read, options->n_directions);
     float weights[NQM_NBRDF_WEIGHTS];
-    nqm_hyper hyper = {0};
     /* An encoding with fewer samples reads a subset of those of one with more. */
     nqm_rng rng = nqm_rng_make(options->seed, 0), check = nqm_rng_make(options->seed, 1);
     double *hd = nqm_alloc(n, 6 * sizeof *hd);
     if (!hd)
         return nqm_fail_nomem(err, 6 * n * sizeof *hd);
-    size_t n_bytes = 0;
-    const unsigned char *bytes = nqm_encoder_bytes("hyper", &n_bytes);
-    nqm_status status = nqm_hyper_read(bytes, n_bytes, "built-in hypernetwork", &hyper, err);
     double *rgb = hd + 3 * n;
+    nqm_status status = nqm_hyper_sample(ref, n_read, &rng, hd, rgb, err);
+    hyper->step = options->step;
     if (status == NQM_OK)
-        status = nqm_hyper_sample(ref, n_read, &rng, hd, rgb, err);
-    hyper.step = options->step;
-    if (status == NQM_OK)
-        status = nqm_hyper_encode(&hyper, n_read, hd, rgb, weights, err);
+        status = nqm_hyper_encode(hyper, n_read, hd, rgb, weights, err);
     if (status == NQM_OK)
         status = nqm_hyper_sample(ref, options->n_directions, &check, hd, rgb, err);
     if (status == NQM_OK)
@@ -71,7 +66,18 @@ nqm_status nqm_encode_hyper(const nqm_brdf *ref, const nqm_encode_options *optio
         report->n_directions = options->n_directions;
         report->n_numbers = NQM_NBRDF_WEIGHTS;
     }
-    nqm_free(hyper.block);
     nqm_free(hd);
+    return status;
+}
+
+nqm_status nqm_encode_hyper(const nqm_brdf *ref, const nqm_encode_options *options, nqm_encode_report *report,
+                            nqm_brdf **brdf_ret, nqm_error *err) {
+    nqm_hyper hyper;
+    size_t n_bytes = 0;
+    const unsigned char *bytes = nqm_encoder_bytes("hyper", &n_bytes);
+    nqm_status status = nqm_hyper_read(bytes, n_bytes, "built-in hypernetwork", &hyper, err);
+    if (status == NQM_OK)
+        status = nqm_hyper_encode_brdf(&hyper, ref, options, report, brdf_ret, err);
+    nqm_free(hyper.block);
     return status;
 }

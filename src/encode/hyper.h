@@ -117,5 +117,9 @@ NQM_MUST_CHECK nqm_status nqm_hyper_read(const unsigned char *data, size_t n_byt
 /** Predict the NBRDF of n samples hd, rgb (n, 3): weights (NQM_NBRDF_WEIGHTS). */
 NQM_MUST_CHECK nqm_status nqm_hyper_encode(const nqm_hyper *hyper, size_t n, const double *hd, const double *rgb,
                                            float *weights, nqm_error *err);
+/** nqm_encode_hyper() by this network; sets its step. */
+NQM_MUST_CHECK nqm_status nqm_hyper_encode_brdf(nqm_hyper *hyper, const nqm_brdf *ref,
+                                                const nqm_encode_options *options, nqm_encode_report *report,
+                                                nqm_brdf **brdf_ret, nqm_error *err);
 
 #endif
