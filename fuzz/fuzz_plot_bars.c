@@ -7,7 +7,7 @@
 
 #include <unistd.h>
 
-int LLVMFuzzerTestOneInput(const uint8_t *data, size_t n_bytes) {
+static int run_one(const uint8_t *data, size_t n_bytes) {
     char path[FUZZ_PATH];
     nqm_error err = {0};
     const int fd = fuzz_file(data, n_bytes, path);
@@ -17,7 +17,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t n_bytes) {
     return 0;
 }
 
-blob fuzz_seed(void) {
+static blob make_seed(void) {
     static const char text[] =
         "{\"dataset\":{\"split\":\"test\"},\"human\":{\"kind\":\"choice\",\"choices\":9,\"triplets\":3,\"materials\":2,"
         "\"ceiling\":0.9},\"results\":[{\"name\":\"default\",\"n\":4,\"n_materials\":2,\"spearman\":0.9,\"ci95\":[0.8,"
@@ -26,3 +26,5 @@ blob fuzz_seed(void) {
         "{\"name\":\"mse\",\"spearman\":-0.2,\"agreement\":0.5,\"ci95\":[0.4,0.6]}]}";
     return blob_of(sizeof text - 1, text);
 }
+
+FUZZ_TARGET(run_one, make_seed)

@@ -27,7 +27,7 @@ static void plot_curve(const char *path) {
     nqm_points_free(&scores);
 }
 
-int LLVMFuzzerTestOneInput(const uint8_t *data, size_t n_bytes) {
+static int run_one(const uint8_t *data, size_t n_bytes) {
     char path[FUZZ_PATH];
     nqm_error err = {0};
     const int fd = fuzz_file(data, n_bytes, path);
@@ -40,9 +40,11 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t n_bytes) {
     return 0;
 }
 
-blob fuzz_seed(void) {
+static blob make_seed(void) {
     static const char text[] = "epoch,train_loss,validation_loss,lr_first,jod,default,family,DeltaE,JOD,model\n"
                                "1,.5,.6,1e-3,9,8.5,noise,5,9.4,ward\n2,.25,.4,1e-3,7,7.5,gloss,20,7.3,ggx\n"
                                "3,.125,.3,5e-4,2,3,noise,60,4.1,ward\n4,.1,.31,5e-4,5,4.5,tint,100,2.9,ggx\n";
     return blob_of(sizeof text - 1, text);
 }
+
+FUZZ_TARGET(run_one, make_seed)

@@ -35,8 +35,7 @@ static const char *labels(const nqm_axis *axis, size_t n_most) {
 
 #define MINUS "\xe2\x88\x92"
 
-static void linear(void **state) {
-    (void)state;
+TEST(linear) {
     nqm_axis axis = held(NQM_LINEAR, 0.3, 9.1, 6);
     assert_string_equal(labels(&axis, 6), "0 2 4 6 8 10");
     axis = held(NQM_LINEAR, -0.17, 0.52, 8);
@@ -58,8 +57,7 @@ static void linear(void **state) {
     }
 }
 
-static void logarithmic(void **state) {
-    (void)state;
+TEST(logarithmic) {
     nqm_axis axis = held(NQM_LOG, 0.0013, 870, 6);
     assert_near(axis.min, 0.001, 1e-12);
     assert_near(axis.max, 1000, 1e-9);
@@ -88,8 +86,7 @@ static void logarithmic(void **state) {
         }
 }
 
-static void square_root(void **state) {
-    (void)state;
+TEST(square_root) {
     nqm_axis axis = {.scale = NQM_SQRT, .min = 0, .max = 90};
     assert_string_equal(labels(&axis, 5), "0 1 2 5 10 20 30 45 60 75 90");
     assert_near(nqm_axis_place(&axis, 22.5), 0.5, 1e-12);
@@ -97,8 +94,7 @@ static void square_root(void **state) {
 }
 
 /* The ends of an axis are finite and its ticks few, whatever numbers a file has. */
-static void largest_and_smallest(void **state) {
-    (void)state;
+TEST(largest_and_smallest) {
     static const double numbers[] = {-DBL_MAX, -1e300, 5e-324, DBL_MIN, 1e-300, 1, 1e300, DBL_MAX};
     enum { N = sizeof numbers / sizeof *numbers };
     for (int scale = NQM_LINEAR; scale <= NQM_SQRT; ++scale)
@@ -112,8 +108,7 @@ static void largest_and_smallest(void **state) {
     assert_true(isnan(nqm_axis_place(&axis, DBL_MAX)));
 }
 
-static void padded(void **state) {
-    (void)state;
+TEST(padded) {
     nqm_axis axis = held(NQM_LINEAR, 0, 10, 10);
     nqm_axis_pad(&axis, 0.2, 10);
     assert_near(axis.min, -0.2, 1e-12);
@@ -131,12 +126,4 @@ static void padded(void **state) {
     axis = held(NQM_LOG, 1e-300, 1e300, 6);
     nqm_axis_pad(&axis, 1e-300, 1e300);
     assert_true(nqm_axis_place(&axis, 1e-300) > 0 && nqm_axis_place(&axis, 1e300) < 1);
-}
-
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(linear), cmocka_unit_test(logarithmic),          cmocka_unit_test(square_root),
-        cmocka_unit_test(padded), cmocka_unit_test(largest_and_smallest),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
 }
