@@ -52,7 +52,7 @@ END
 learn() {
     [ ! -f "$here/encoders/$1.safetensors" ] || return 0
     # shellcheck disable=SC2046 # arguments without blanks
-    (cd "$data" && "$nqm" learn "$1" $(training "" "rgl nbrdf nps sgd") -o "$here/encoders/$1.safetensors")
+    (cd "$data" && PYTHONPATH="$here/../python" python3 "$here/../studies/learn.py" "$1" $(training "" "rgl nbrdf nps sgd") -o "$here/encoders/$1.safetensors")
     new_encoders=yes
 }
 new_encoders=
