@@ -48,7 +48,7 @@ END
 }
 
 # learn KIND: make the dictionary or hypernetwork of the encodings KIND-* from training materials only; the file names
-# them relative to DATA.
+# them relative to DATA. Needs NumPy and the library (cmake --build build --target nqm_full).
 learn() {
     [ ! -f "$here/encoders/$1.safetensors" ] || return 0
     # shellcheck disable=SC2046 # arguments without blanks
