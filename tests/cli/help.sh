@@ -117,12 +117,11 @@ refuses 2 "nickle: there is no such file, model or preset (did you mean 'nickel'
 refuses 3 "nowhere: No such file" info nowhere
 # A wrong first word is named before what is missing, and before outputs.
 refuses 2 "no 'shwo' (did you mean 'show'?)" models shwo default -o "$dir/no/x"
-refuses 2 "no 'sprase' (did you mean 'sparse'?)" learn sprase
 refuses 2 "no 'mkae' (did you mean 'make'?)" transport mkae
 # Models and BRDFs in each other's place, and models nearly.
 for verb in "score sgd:nickel" "rank sgd:nickel" "label sgd:nickel" "report -o $dir/x.html sgd:nickel" check sample \
     "convert -o $dir/x.binary" fit "translate --to gltf" "render -o $dir/x.png" "plot -o $dir/x.svg slice" \
-    "plot -o $dir/x.svg attribution sgd:nickel" "learn sparse -o $dir/x.safetensors" directions; do
+    "plot -o $dir/x.svg attribution sgd:nickel" directions; do
     # shellcheck disable=SC2086
     refuses 2 "'default' is a model, not a BRDF: models belong to --model" $verb default
 done
@@ -189,7 +188,6 @@ misnamed x.json -o calibrate default corpus.safetensors
 misnamed x.csv -o fit sgd:nickel
 misnamed x.pdf --report fit sgd:nickel
 misnamed x.pdf --report translate sgd:nickel --to gltf
-misnamed x.bin -o learn sparse sgd:nickel
 misnamed x.xlsx --pairs eval corpus.safetensors
 misnamed x.pdf -o report sgd:nickel ward:nickel
 misnamed x.jpg --map label sgd:nickel ward:nickel

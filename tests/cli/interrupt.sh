@@ -47,7 +47,6 @@ stops dataset - dataset "$in/pairs.csv" --directions "$in/directions.csv" -o cor
 stops dataset-work groups/ dataset "$in/pairs.csv" --directions "$in/directions.csv" \
     -o corpus.safetensors --work groups
 stops train - train "$in/toy.safetensors" -o trained.safetensors --epochs 10000
-stops learn - learn sparse sgd:nickel sgd:green-plastic --steps 1000000 -o learned.safetensors
 stops batch scores.csv.part batch "$in/list.csv" -o scores.csv
 stops batch-work '\(scores.csv.part\|pieces/\)' batch "$in/list.csv" -o scores.csv --work pieces
 stops eval - eval "$in/toy.safetensors" --model none --bootstrap 1000000

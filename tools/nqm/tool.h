@@ -342,7 +342,6 @@ int cmd_fit(int argc, char **argv);
 int cmd_help(int argc, char **argv);
 int cmd_info(int argc, char **argv);
 int cmd_label(int argc, char **argv);
-int cmd_learn(int argc, char **argv);
 int cmd_models(int argc, char **argv);
 int cmd_nearest(int argc, char **argv);
 int cmd_plot(int argc, char **argv);

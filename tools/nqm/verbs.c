@@ -22,7 +22,6 @@ const verb verbs[] = {
     {"convert", cmd_convert, "write a BRDF as a table, MERL .binary"},
     {"fit", cmd_fit, "fit an analytic model, a network or a table to a BRDF"},
     {"translate", cmd_translate, "write materials as another renderer's materials, and say what is lost"},
-    {"learn", cmd_learn, "train the dictionary or hypernetwork that an encoding needs"},
     {"render", cmd_render, "render pictures of a BRDF on a lit shape"},
     {"label", cmd_label, "compute Delta-E ITP and JOD of pairs by rendering"},
     {"dataset", cmd_dataset, "make a training corpus from a list of materials"},
