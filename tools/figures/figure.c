@@ -71,9 +71,8 @@ nqm_status nqm_figure_write(const char *path, const nqm_figure *f, nqm_error *er
         return nqm_fail(err, NQM_ERR_LIMIT, -1, "%s: a figure of %zu x %zu pixels; at most %d a side", path,
                         sheet.width, sheet.height, (int)MAX_SIDE);
     unsigned char *panel_rgb;
-    nqm_status status = nqm_alloc_arrays(NQM_ARRAYS({&sheet.data, sheet.width * sheet.height, 3},
-                                                    {&panel_rgb, f->width * f->height, 3}),
-                                         err);
+    nqm_status status = nqm_alloc_arrays(
+        NQM_ARRAYS({&sheet.data, sheet.width * sheet.height, 3}, {&panel_rgb, f->width * f->height, 3}), err);
     if (status != NQM_OK)
         return status;
     draw(&sheet, f, supersample, panel_rgb);

@@ -26,9 +26,8 @@ static void make_line(void) {
     snprintf(line, sizeof line,
              "Embree %s%s, oneDNN %d.%d.%d for benchmarks, libjpeg-turbo %s, libpng %s, OpenEXR %d.%d.%d, no "
              "MPI library",
-             embree ? embree : "off", embree ? " when needed" : "", DNNL_VERSION_MAJOR,
-             DNNL_VERSION_MINOR, DNNL_VERSION_PATCH, TEXT_OF(LIBJPEG_TURBO_VERSION), png_get_libpng_ver(NULL), major,
-             minor, patch);
+             embree ? embree : "off", embree ? " when needed" : "", DNNL_VERSION_MAJOR, DNNL_VERSION_MINOR,
+             DNNL_VERSION_PATCH, TEXT_OF(LIBJPEG_TURBO_VERSION), png_get_libpng_ver(NULL), major, minor, patch);
 }
 
 const char *tool_build_info(void) {

@@ -199,14 +199,14 @@ static json_t *json_blame(const nqm_texture_result *t) {
 
 json_t *json_texture(const scored_pair *row) {
     const nqm_texture_result *t = row->texture;
-    return json_pack("{s:[I,I],s:I,s:I,s:I,s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:o*}", "texels", (json_int_t)t->width,
-                     (json_int_t)t->height, "different", (json_int_t)t->n_different, "scored", (json_int_t)t->n_scored,
-                     "texels_per_pixel", (json_int_t)t->texels_per_pixel, "error", json_number(t->error), "median_jod",
-                     json_number(t->median), "worst_jod", json_number(t->worst), "below_9", json_number(t->below[0]),
-                     "below_8", json_number(t->below[1]), "far_jod", json_number(t->far_jod[0]), "far_jod_low",
-                     json_number(t->far_jod[1]), "far_jod_high", json_number(t->far_jod[2]), "far_delta_e_itp",
-                     json_number(t->far_delta_e), "blame", json_blame(t), "delta_e_max",
-                     isnan(row->heat_max) ? NULL : json_number(row->heat_max));
+    return json_pack("{s:[I,I],s:I,s:I,s:I,s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:o*}", "texels",
+                     (json_int_t)t->width, (json_int_t)t->height, "different", (json_int_t)t->n_different, "scored",
+                     (json_int_t)t->n_scored, "texels_per_pixel", (json_int_t)t->texels_per_pixel, "error",
+                     json_number(t->error), "median_jod", json_number(t->median), "worst_jod", json_number(t->worst),
+                     "below_9", json_number(t->below[0]), "below_8", json_number(t->below[1]), "far_jod",
+                     json_number(t->far_jod[0]), "far_jod_low", json_number(t->far_jod[1]), "far_jod_high",
+                     json_number(t->far_jod[2]), "far_delta_e_itp", json_number(t->far_delta_e), "blame", json_blame(t),
+                     "delta_e_max", isnan(row->heat_max) ? NULL : json_number(row->heat_max));
 }
 
 bool has_textures(const score_run *run) {
