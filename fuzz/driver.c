@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: MIT
  *
- * main() for fuzz targets built without libFuzzer. It runs the valid input, truncations of it, and random mutations of
- * it with a fixed seed and a limited number. With arguments it runs these files instead (a crash from libFuzzer).
- * With libFuzzer (NQM_FUZZ), whose main() runs the inputs, this file only adds `--seed FILE`, which writes the valid input.
+ * The program of all fuzz targets: `nqm-fuzz fuzz_spec` runs the valid input of one target, truncations of it, and random
+ * mutations of it with a fixed seed and a limited number; `nqm-fuzz fuzz_spec FILE...` runs these files instead (a crash from
+ * libFuzzer). With libFuzzer (NQM_FUZZ), whose main() runs the inputs, the name of the target comes first as well, and
+ * `nqm-fuzz fuzz_spec --seed FILE` writes the valid input.
  */
 #include "fuzz.h"
 
@@ -11,14 +12,50 @@
 #include <stdlib.h>
 #include <string.h>
 
+enum { MAX_TARGETS = 64 };
+
+static struct fuzz_target {
+    const char *file;
+    int (*run)(const uint8_t *data, size_t n_bytes);
+    blob (*seed)(void);
+} targets[MAX_TARGETS], target;
+static size_t n_targets;
+
+void fuzz_add(const char *file, int (*run)(const uint8_t *data, size_t n_bytes), blob (*seed)(void)) {
+    if (n_targets == MAX_TARGETS)
+        abort();
+    const char *slash = strrchr(file, '/');
+    targets[n_targets++] = (struct fuzz_target){slash ? slash + 1 : file, run, seed};
+}
+
+/* Select the target whose file is named `name`.c. Exits if there is none. */
+static void select_target(const char *name) {
+    for (size_t i = 0; name && i < n_targets; ++i)
+        if (strncmp(targets[i].file, name, strlen(name)) == 0 && strcmp(targets[i].file + strlen(name), ".c") == 0) {
+            target = targets[i];
+            return;
+        }
+    fprintf(stderr, "usage: nqm-fuzz TARGET [FILE...], where TARGET is a file of fuzz/, for example fuzz_spec\n");
+    exit(2);
+}
+
 #ifdef NQM_FUZZ
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t n_bytes);
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t n_bytes) {
+    return target.run(data, n_bytes);
+}
+
 int LLVMFuzzerInitialize(int *argc, char ***argv);
-/* libFuzzer calls it before it reads the arguments. */
+/* libFuzzer calls it before it reads the arguments, from which the name of the target is taken out. */
 int LLVMFuzzerInitialize(int *argc, char ***argv) {
-    if (*argc == 3 && strcmp((*argv)[1], "--seed") == 0) {
-        blob_put(fuzz_seed(), (*argv)[2]);
+    select_target((*argv)[1]);
+    if (*argc == 4 && strcmp((*argv)[2], "--seed") == 0) {
+        blob_put(target.seed(), (*argv)[3]);
         exit(0);
     }
+    for (int i = 1; i < *argc; ++i)
+        (*argv)[i] = (*argv)[i + 1];
+    --*argc;
     return 0;
 }
 #else
@@ -55,7 +92,7 @@ static void run_one(const unsigned char *data, size_t n_bytes) {
     if (!copy)
         abort();
     memcpy(copy, data, n_bytes);
-    LLVMFuzzerTestOneInput(copy, n_bytes);
+    target.run(copy, n_bytes);
     free(copy);
 }
 
@@ -79,13 +116,14 @@ static void run_around(const blob *seed) {
 }
 
 int main(int argc, char **argv) {
-    for (int i = 1; i < argc; ++i) {
+    select_target(argv[1]);
+    for (int i = 2; i < argc; ++i) {
         blob b = blob_load(argv[i]);
         run_one(b.data, b.n_bytes);
         blob_free(&b);
     }
-    if (argc == 1) {
-        blob seed = fuzz_seed();
+    if (argc == 2) {
+        blob seed = target.seed();
         run_around(&seed);
         blob_free(&seed);
     }

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * fuzz.h - shared by the fuzz targets. Each target implements LLVMFuzzerTestOneInput(), and fuzz_seed() for driver.c.
+ * fuzz.h - shared by the fuzz targets, which are all in one program (driver.c). Each file fuzz_NAME.c is one target.
  */
 #ifndef NQM_FUZZ_H
 #define NQM_FUZZ_H
@@ -10,11 +10,17 @@
 #include <stdlib.h>
 #include <string.h>
 
-/** Run one input. The target aborts when a property that must hold for any bytes is violated. */
-int LLVMFuzzerTestOneInput(const uint8_t *data, size_t n_bytes);
-
-/** A valid input to start from. */
-blob fuzz_seed(void);
+/**
+ * The target of this file.
+ *
+ * @param run   runs one input; it aborts when a property that must hold for any bytes is violated, and returns 0
+ * @param seed  makes a valid input to start from
+ */
+#define FUZZ_TARGET(run, seed)                                                                                         \
+    __attribute__((constructor)) static void register_target(void) {                                                   \
+        fuzz_add(__FILE__, run, seed);                                                                                 \
+    }
+void fuzz_add(const char *file, int (*run)(const uint8_t *data, size_t n_bytes), blob (*seed)(void));
 
 /** Abort unless a property holds. */
 static inline void must(bool holds) {

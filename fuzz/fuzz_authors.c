@@ -27,7 +27,7 @@ static const char *make_folder(void) {
     return root;
 }
 
-int LLVMFuzzerTestOneInput(const uint8_t *data, size_t n_bytes) {
+static int run_one(const uint8_t *data, size_t n_bytes) {
     static const char *root;
     char path[FUZZ_PATH];
     nqm_dataset *dataset;
@@ -46,8 +46,10 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t n_bytes) {
     return 0;
 }
 
-blob fuzz_seed(void) {
+static blob make_seed(void) {
     static const char text[] =
         "material,model,level,DeltaE,JOD,class\na_1,ward,0,5,9.4,metal\na_2,sbrdf,2,60,4.1,metal\n";
     return blob_of(sizeof text - 1, text);
 }
+
+FUZZ_TARGET(run_one, make_seed)

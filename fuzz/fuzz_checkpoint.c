@@ -27,7 +27,7 @@ static nqm_train_options options_at(const char *path) {
     return options;
 }
 
-int LLVMFuzzerTestOneInput(const uint8_t *data, size_t n_bytes) {
+static int run_one(const uint8_t *data, size_t n_bytes) {
     static nqm_training t;
     char path[FUZZ_PATH];
     nqm_error err = {0};
@@ -45,7 +45,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t n_bytes) {
     return 0;
 }
 
-blob fuzz_seed(void) {
+static blob make_seed(void) {
     nqm_training t = make_training();
     const nqm_train_options options = options_at(scratch_path("checkpoint"));
     must(nqm_checkpoint_write(&t, &options, "dataset", NULL) == NQM_OK);
@@ -53,3 +53,5 @@ blob fuzz_seed(void) {
     nqm_free(t.params.block);
     return blob_load(options.run.checkpoint);
 }
+
+FUZZ_TARGET(run_one, make_seed)

@@ -42,7 +42,7 @@ static void read_points(const char *path) {
     nqm_points_free(&points);
 }
 
-int LLVMFuzzerTestOneInput(const uint8_t *data, size_t n_bytes) {
+static int run_one(const uint8_t *data, size_t n_bytes) {
     char path[FUZZ_PATH];
     const int fd = fuzz_file(data, n_bytes, path);
     read_directions(path);
@@ -51,7 +51,9 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t n_bytes) {
     return 0;
 }
 
-blob fuzz_seed(void) {
+static blob make_seed(void) {
     static const char text[] = "theta_h,theta_d,phi_d,group\n0,0,0,a\n20.5,40,-90,b\n90,90,360,a\n";
     return blob_of(sizeof text - 1, text);
 }
+
+FUZZ_TARGET(run_one, make_seed)

@@ -52,7 +52,7 @@ static void check_fields(const nqm_csv *csv, const nqm_csv *back, size_t n_bytes
         }
 }
 
-int LLVMFuzzerTestOneInput(const uint8_t *data, size_t n_bytes) {
+static int run_one(const uint8_t *data, size_t n_bytes) {
     nqm_csv *csv, *back;
     nqm_error err = {0};
     if (nqm_csv_parse((const char *)data, n_bytes, "fuzz", &csv, &err) != NQM_OK) {
@@ -69,9 +69,11 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t n_bytes) {
     return 0;
 }
 
-blob fuzz_seed(void) {
+static blob make_seed(void) {
     static const char text[] =
         "\xef\xbb\xbf# made up\nname, JOD ,\"Delta, E\"\r\nfelt,9.5,-1e-3\n\n\"two\nlines\",\"say "
         "\"\"so\"\"\",.5\nleaf,,\" 7 \"";
     return blob_of(sizeof text - 1, text);
 }
+
+FUZZ_TARGET(run_one, make_seed)

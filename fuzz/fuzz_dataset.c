@@ -26,7 +26,7 @@ static void look_at(const nqm_dataset *d) {
     nqm_evaluation_free(ev);
 }
 
-int LLVMFuzzerTestOneInput(const uint8_t *data, size_t n_bytes) {
+static int run_one(const uint8_t *data, size_t n_bytes) {
     void *block; /* aligned like a mapped file, so that tensors are aligned */
     if (posix_memalign(&block, 64, n_bytes + 1) != 0)
         abort();
@@ -45,7 +45,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t n_bytes) {
     return 0;
 }
 
-blob fuzz_seed(void) {
+static blob make_seed(void) {
     toy_options o = {.n_directions = 2,
                      .n_groups = 3,
                      .pairs_per_ref = 1,
@@ -60,3 +60,5 @@ blob fuzz_seed(void) {
     nqm_dataset_free(d);
     return blob_load(path);
 }
+
+FUZZ_TARGET(run_one, make_seed)

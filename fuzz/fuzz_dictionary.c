@@ -23,7 +23,7 @@ static void code(const nqm_sparse_dictionary *dictionary) {
     nqm_brdf_free(ref);
 }
 
-int LLVMFuzzerTestOneInput(const uint8_t *data, size_t n_bytes) {
+static int run_one(const uint8_t *data, size_t n_bytes) {
     nqm_sparse_dictionary *dictionary;
     nqm_error err = {0};
     blob b = fuzz_with_checksum(data, n_bytes);
@@ -37,7 +37,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t n_bytes) {
     return 0;
 }
 
-blob fuzz_seed(void) {
+static blob make_seed(void) {
     static const char path[] = "fuzz_dictionary.tmp";
     static const char *const names[] = {"sgd:nickel"};
     nqm_learn_options options = nqm_learn_options_default();
@@ -51,3 +51,5 @@ blob fuzz_seed(void) {
     unlink(path);
     return b;
 }
+
+FUZZ_TARGET(run_one, make_seed)

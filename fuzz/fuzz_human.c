@@ -22,7 +22,7 @@ static void look_at(const nqm_answers *a) {
     must(a->n_slots == 1 || sum > 0);
 }
 
-int LLVMFuzzerTestOneInput(const uint8_t *data, size_t n_bytes) {
+static int run_one(const uint8_t *data, size_t n_bytes) {
     nqm_csv *csv;
     nqm_answers answers;
     nqm_error err = {0};
@@ -38,8 +38,10 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t n_bytes) {
     return 0;
 }
 
-blob fuzz_seed(void) {
+static blob make_seed(void) {
     static const char text[] = "reference,test_a,test_b,n_a,n_b,material\nsgd:nickel,ward:nickel,sgd:brass,8,2,metal\n"
                                "lambert:kd=.5,lambert:kd=.6,lambert:kd=.9,3,1,grey\n";
     return blob_of(sizeof text - 1, text);
 }
+
+FUZZ_TARGET(run_one, make_seed)

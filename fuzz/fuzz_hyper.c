@@ -10,7 +10,7 @@
 #include <stdlib.h>
 #include <unistd.h>
 
-int LLVMFuzzerTestOneInput(const uint8_t *data, size_t n_bytes) {
+static int run_one(const uint8_t *data, size_t n_bytes) {
     static const double hd[6] = {0.1, 0.2, 0.3, 1, 0.1, 2}, rgb[6] = {1, 2, 3, 0, 0, 1e5};
     float weights[NQM_NBRDF_WEIGHTS];
     nqm_hyper hyper;
@@ -26,7 +26,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t n_bytes) {
     return 0;
 }
 
-blob fuzz_seed(void) {
+static blob make_seed(void) {
     static const char path[] = "fuzz_hyper.tmp", *const names[] = {"sgd:nickel"};
     const nqm_hyper_shape shape = {{1, 1, 1, 1, 1, NQM_NBRDF_WEIGHTS}};
     const float mean[NQM_NBRDF_WEIGHTS] = {0};
@@ -42,3 +42,5 @@ blob fuzz_seed(void) {
     unlink(path);
     return b;
 }
+
+FUZZ_TARGET(run_one, make_seed)

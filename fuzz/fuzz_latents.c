@@ -8,7 +8,7 @@
 #include <nqm/brdf.h>
 #include <stdio.h>
 
-int LLVMFuzzerTestOneInput(const uint8_t *data, size_t n_bytes) {
+static int run_one(const uint8_t *data, size_t n_bytes) {
     static char argument[300];
     if (!argument[0]) {
         blob_put(make_nps_decoder(), scratch_path("decoder.bin"));
@@ -31,6 +31,8 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t n_bytes) {
     return 0;
 }
 
-blob fuzz_seed(void) {
+static blob make_seed(void) {
     return make_nps_latents();
 }
+
+FUZZ_TARGET(run_one, make_seed)

@@ -6,7 +6,7 @@
 #include "fuzz.h"
 #include "material/maps.h"
 
-int LLVMFuzzerTestOneInput(const uint8_t *data, size_t n_bytes) {
+static int run_one(const uint8_t *data, size_t n_bytes) {
     char *text = malloc(n_bytes + 6);
     nqm_textured *t = NULL;
     nqm_error err = {0};
@@ -23,7 +23,9 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t n_bytes) {
     return 0;
 }
 
-blob fuzz_seed(void) {
+static blob make_seed(void) {
     static const char text[] = "base_color=a.png;roughness=b.png:g;metallic=0.5;normal=c.exr:dx;model=gltf;ior=1.5";
     return blob_of(sizeof text - 1, text);
 }
+
+FUZZ_TARGET(run_one, make_seed)

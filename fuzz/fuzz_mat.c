@@ -12,7 +12,7 @@
 #include <unistd.h>
 #include <zlib.h>
 
-int LLVMFuzzerTestOneInput(const uint8_t *data, size_t n_bytes) {
+static int run_one(const uint8_t *data, size_t n_bytes) {
     char path[FUZZ_PATH];
     const int fd = fuzz_file(data, n_bytes, path);
     nqm_mat *mat;
@@ -40,7 +40,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t n_bytes) {
 }
 
 /* Samples at 7 directions as they are saved, with the first variable compressed. */
-blob fuzz_seed(void) {
+static blob make_seed(void) {
     enum { N = 7, FIRST = 128, TAG = 8, COMPRESSED = 15 }; /* offset of the first variable; bytes of type and size */
     static const float rgb[3 * N] = {0.5, 1, 1.5};
     const char *path = scratch_path("seed.mat");
@@ -66,3 +66,5 @@ blob fuzz_seed(void) {
     blob_free(&plain);
     return b;
 }
+
+FUZZ_TARGET(run_one, make_seed)

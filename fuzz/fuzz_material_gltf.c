@@ -44,7 +44,7 @@ static void read_bytes(const uint8_t *data, size_t n_bytes) {
     nqm_materials_free(materials);
 }
 
-int LLVMFuzzerTestOneInput(const uint8_t *data, size_t n_bytes) {
+static int run_one(const uint8_t *data, size_t n_bytes) {
     enum { HEADER = 20 };
     blob glb = {.data = malloc(HEADER + n_bytes), .n_bytes = HEADER + n_bytes};
     must(glb.data != NULL);
@@ -61,7 +61,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t n_bytes) {
     return 0;
 }
 
-blob fuzz_seed(void) {
+static blob make_seed(void) {
     static const char text[] =
         "{\"asset\":{\"version\":\"2.0\"},\"extensionsRequired\":[],\"materials\":[{\"name\":\"a\",\"alphaMode\":"
         "\"MASK\",\"pbrMetallicRoughness\":{\"baseColorFactor\":[1,5e-1,0,1],\"metallicFactor\":0,\"roughnessFactor\":"
@@ -78,3 +78,5 @@ blob fuzz_seed(void) {
         "\"byteOffset\":1}],\"buffers\":[{\"byteLength\":3,\"uri\":\"data:;base64,MDEy\"}]}";
     return blob_of(sizeof text - 1, text);
 }
+
+FUZZ_TARGET(run_one, make_seed)

@@ -4,12 +4,12 @@
  */
 #include "fuzz.h"
 
-int LLVMFuzzerTestOneInput(const uint8_t *data, size_t n_bytes) {
+static int run_one(const uint8_t *data, size_t n_bytes) {
     fuzz_material(data, n_bytes);
     return 0;
 }
 
-blob fuzz_seed(void) {
+static blob make_seed(void) {
     static const char text[] =
         "{\"type\": \"scene\", \"gold\": {\"type\": \"twosided\", \"inner\": {\"type\": \"roughconductor\", "
         "\"alpha\": 0.1, \"eta\": {\"type\": \"rgb\", \"value\": [0.1, 0.4, 1.4]}, \"k\": {\"type\": "
@@ -18,3 +18,5 @@ blob fuzz_seed(void) {
         "\"bitmap\", \"filename\": \"a\", \"to_uv\": [1, 0, 0]}}}";
     return blob_of(sizeof text - 1, text);
 }
+
+FUZZ_TARGET(run_one, make_seed)

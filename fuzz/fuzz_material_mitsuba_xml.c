@@ -4,12 +4,12 @@
  */
 #include "fuzz.h"
 
-int LLVMFuzzerTestOneInput(const uint8_t *data, size_t n_bytes) {
+static int run_one(const uint8_t *data, size_t n_bytes) {
     fuzz_material(data, n_bytes);
     return 0;
 }
 
-blob fuzz_seed(void) {
+static blob make_seed(void) {
     static const char text[] =
         "<scene version=\"3.0.0\"><default name=\"a\" value=\".1\"/><bsdf type=\"twosided\" id=\"x\">"
         "<bsdf type=\"roughconductor\"><float name=\"alpha\" value=\"$a\"/><string name=\"material\" "
@@ -19,3 +19,5 @@ blob fuzz_seed(void) {
         "type=\"diffuse\"><ref name=\"reflectance\" id=\"t\"/></bsdf></bsdf></scene>";
     return blob_of(sizeof text - 1, text);
 }
+
+FUZZ_TARGET(run_one, make_seed)

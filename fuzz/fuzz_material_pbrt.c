@@ -4,12 +4,12 @@
  */
 #include "fuzz.h"
 
-int LLVMFuzzerTestOneInput(const uint8_t *data, size_t n_bytes) {
+static int run_one(const uint8_t *data, size_t n_bytes) {
     fuzz_material(data, n_bytes);
     return 0;
 }
 
-blob fuzz_seed(void) {
+static blob make_seed(void) {
     static const char text[] =
         "LookAt 0 0 5 0 0 0 0 1 0 # camera\nMaterial \"conductor\" \"float roughness\" [ 0.2 ] \"rgb eta\" [ .1 "
         ".4 1.4 ] \"spectrum k\" \"metal-Au-k\"\nMakeNamedMaterial \"a\" \"string type\" \"diffuse\" \"rgb "
@@ -19,3 +19,5 @@ blob fuzz_seed(void) {
         ".3\nMaterial \"diffuse\" \"texture reflectance\" \"m\" \"string normalmap\" \"n.png\"\n";
     return blob_of(sizeof text - 1, text);
 }
+
+FUZZ_TARGET(run_one, make_seed)

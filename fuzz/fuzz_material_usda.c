@@ -4,12 +4,12 @@
  */
 #include "fuzz.h"
 
-int LLVMFuzzerTestOneInput(const uint8_t *data, size_t n_bytes) {
+static int run_one(const uint8_t *data, size_t n_bytes) {
     fuzz_material(data, n_bytes);
     return 0;
 }
 
-blob fuzz_seed(void) {
+static blob make_seed(void) {
     static const char text[] =
         "#usda 1.0\n( doc = \"\"\"x\"\"\" )\ndef Scope \"L\" {\n def Material \"m\" (kind = 'a') {\n  float inputs:w = "
         ".25\n"
@@ -26,3 +26,5 @@ blob fuzz_seed(void) {
         " float x.timeSamples = { 0: 1 }\n}\n";
     return blob_of(sizeof text - 1, text);
 }
+
+FUZZ_TARGET(run_one, make_seed)

@@ -28,7 +28,7 @@ static void check_maps(const nqm_textured *t) {
     must(t->normal == NQM_NO_NODE || t->nodes[t->normal].op == NQM_MAP_NORMAL);
 }
 
-int LLVMFuzzerTestOneInput(const uint8_t *data, size_t n_bytes) {
+static int run_one(const uint8_t *data, size_t n_bytes) {
     const nqm_map map = {.data = data, .n_bytes = n_bytes, .path = "fuzz.mtlx"};
     nqm_materials *materials = NULL;
     nqm_error err = {0};
@@ -52,7 +52,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t n_bytes) {
     return 0;
 }
 
-blob fuzz_seed(void) {
+static blob make_seed(void) {
     static const char text[] =
         "<?xml version=\"1.0\"?>\n<materialx version=\"1.39\" colorspace=\"acescg\">\n"
         "<nodegraph name=\"g\"><input name=\"i\" type=\"float\" value=\".5\"/><constant name=\"c\" type=\"float\">"
@@ -79,3 +79,5 @@ blob fuzz_seed(void) {
         "<input name=\"surfaceshader\" type=\"surfaceshader\" nodename=\"s\"/></surfacematerial>\n</materialx>\n";
     return blob_of(sizeof text - 1, text);
 }
+
+FUZZ_TARGET(run_one, make_seed)

@@ -5,13 +5,15 @@
  */
 #include "fuzz.h"
 
-int LLVMFuzzerTestOneInput(const uint8_t *data, size_t n_bytes) {
+static int run_one(const uint8_t *data, size_t n_bytes) {
     fuzz_brdf(data, n_bytes, n_bytes % 2 ? MERL_BYTES : n_bytes, "");
     return 0;
 }
 
-blob fuzz_seed(void) {
+static blob make_seed(void) {
     blob b = make_merl();
     b.n_bytes = 1001;
     return b;
 }
+
+FUZZ_TARGET(run_one, make_seed)

@@ -8,12 +8,12 @@
 #include <stdlib.h>
 #include <string.h>
 
-int LLVMFuzzerTestOneInput(const uint8_t *data, size_t n_bytes) {
+static int run_one(const uint8_t *data, size_t n_bytes) {
     fuzz_mesh(data, n_bytes);
     return 0;
 }
 
-blob fuzz_seed(void) {
+static blob make_seed(void) {
     static const char text[] = "ply\nformat binary_little_endian 1.0\ncomment x\nelement vertex 4\nproperty float x\n"
                                "property float y\nproperty float z\nproperty uchar red\nelement face 2\n"
                                "property list uchar int vertex_indices\nproperty list uchar short more\nend_header\n"
@@ -23,3 +23,5 @@ blob fuzz_seed(void) {
                                "\4\0\0\0\0\1\0\0\0\2\0\0\0\3\0\0\0\2\1\2\3\4";
     return blob_of(sizeof text - 1, text);
 }
+
+FUZZ_TARGET(run_one, make_seed)

@@ -5,12 +5,12 @@
 #include "fuzz.h"
 #include "model/model.h"
 
-int LLVMFuzzerTestOneInput(const uint8_t *data, size_t n_bytes) {
+static int run_one(const uint8_t *data, size_t n_bytes) {
     fuzz_model(data, n_bytes);
     return 0;
 }
 
-blob fuzz_seed(void) {
+static blob make_seed(void) {
     static const double interval[6] = {0, 0, 1, 10, 9, 10};
     struct nqm_model *model = fuzz_model_make();
     const nqm_net_shape shape = {2, {6 * model->directions->n + NQM_SCALAR_COUNT, 3, 1}};
@@ -31,3 +31,5 @@ blob fuzz_seed(void) {
         model->scalars.std[i] = 1;
     return fuzz_model_save(model);
 }
+
+FUZZ_TARGET(run_one, make_seed)

@@ -6,11 +6,13 @@
 
 #include "vectors/npy_vectors.h"
 
-int LLVMFuzzerTestOneInput(const uint8_t *data, size_t n_bytes) {
+static int run_one(const uint8_t *data, size_t n_bytes) {
     fuzz_brdf(data, n_bytes, n_bytes, "");
     return 0;
 }
 
-blob fuzz_seed(void) {
+static blob make_seed(void) {
     return blob_of(sizeof npy_turned, (const char *)npy_turned);
 }
+
+FUZZ_TARGET(run_one, make_seed)

@@ -8,7 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-int LLVMFuzzerTestOneInput(const uint8_t *data, size_t n_bytes) {
+static int run_one(const uint8_t *data, size_t n_bytes) {
     nqm_pair_list *list;
     nqm_error err = {0};
     if (nqm_pair_list_parse((const char *)data, n_bytes, "fuzz", &list, &err) != NQM_OK) {
@@ -31,8 +31,10 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t n_bytes) {
     return 0;
 }
 
-blob fuzz_seed(void) {
+static blob make_seed(void) {
     static const char text[] = "{\"reference\":\"a\",\"test\":\"b,c\",\"x\":[1,{\"y\":null}]}\n"
                                "{\"test\":\"caf\\u00e9\",\"z\":8.25,\"reference\":\"d\"}\n";
     return blob_of(sizeof text - 1, text);
 }
+
+FUZZ_TARGET(run_one, make_seed)

@@ -5,12 +5,14 @@
 #include "fuzz.h"
 #include "support/pictures.h"
 
-int LLVMFuzzerTestOneInput(const uint8_t *data, size_t n_bytes) {
+static int run_one(const uint8_t *data, size_t n_bytes) {
     fuzz_raster(data, n_bytes);
     return 0;
 }
 
-blob fuzz_seed(void) {
+static blob make_seed(void) {
     static const unsigned char pixels[5 * 3 * 3] = "a small picture with 45 bytes of pixels, here";
     return make_png(5, 3, 3, 4, true, pixels);
 }
+
+FUZZ_TARGET(run_one, make_seed)

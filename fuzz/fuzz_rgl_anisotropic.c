@@ -4,11 +4,13 @@
  */
 #include "fuzz.h"
 
-int LLVMFuzzerTestOneInput(const uint8_t *data, size_t n_bytes) {
+static int run_one(const uint8_t *data, size_t n_bytes) {
     fuzz_brdf(data, n_bytes, n_bytes, "");
     return 0;
 }
 
-blob fuzz_seed(void) {
+static blob make_seed(void) {
     return make_anisotropic_rgl(4, false, NULL);
 }
+
+FUZZ_TARGET(run_one, make_seed)

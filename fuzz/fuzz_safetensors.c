@@ -8,7 +8,7 @@
 #include <stdlib.h>
 #include <unistd.h>
 
-int LLVMFuzzerTestOneInput(const uint8_t *data, size_t n_bytes) {
+static int run_one(const uint8_t *data, size_t n_bytes) {
     nqm_safetensors *st;
     nqm_error err = {0};
     if (nqm_safetensors_parse(data, n_bytes, "fuzz", &st, &err) != NQM_OK) {
@@ -33,7 +33,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t n_bytes) {
     return 0;
 }
 
-blob fuzz_seed(void) {
+static blob make_seed(void) {
     static const char path[] = "fuzz_safetensors.tmp";
     static const double numbers[12] = {1, 2, 3};
     const nqm_tensor tensors[] = {
@@ -47,3 +47,5 @@ blob fuzz_seed(void) {
     unlink(path);
     return b;
 }
+
+FUZZ_TARGET(run_one, make_seed)

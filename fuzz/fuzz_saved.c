@@ -5,13 +5,15 @@
  */
 #include "fuzz.h"
 
-int LLVMFuzzerTestOneInput(const uint8_t *data, size_t n_bytes) {
+static int run_one(const uint8_t *data, size_t n_bytes) {
     blob b = fuzz_with_checksum(data, n_bytes);
     fuzz_brdf(b.data, b.n_bytes, b.n_bytes, "");
     blob_free(&b);
     return 0;
 }
 
-blob fuzz_seed(void) {
+static blob make_seed(void) {
     return make_saved(SAVED_TABLE);
 }
+
+FUZZ_TARGET(run_one, make_seed)

@@ -10,7 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-int LLVMFuzzerTestOneInput(const uint8_t *data, size_t n_bytes) {
+static int run_one(const uint8_t *data, size_t n_bytes) {
     char *text = calloc(n_bytes + 1, 1);
     if (!text)
         abort();
@@ -41,7 +41,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t n_bytes) {
     return 0;
 }
 
-blob fuzz_seed(void) {
+static blob make_seed(void) {
     static const char spec[] = "perturb:gloss=.8;tint=1.1,1,1;noise=.1;seed=2;cells=4;of=between:t=.3;with=(lambert:kd="
                                ".2);of=tilt:deg=5;azimuth=90;of=ggx:kd=.2,.1,.05;ks=1;"
                                "alpha=.1,.4;f0=.04";
@@ -51,3 +51,5 @@ blob fuzz_seed(void) {
     memcpy(b.data, spec, b.n_bytes);
     return b;
 }
+
+FUZZ_TARGET(run_one, make_seed)

@@ -4,15 +4,17 @@
  */
 #include "fuzz.h"
 
-int LLVMFuzzerTestOneInput(const uint8_t *data, size_t n_bytes) {
+static int run_one(const uint8_t *data, size_t n_bytes) {
     fuzz_brdf(data, n_bytes, n_bytes, "");
     fuzz_brdf(data, n_bytes, n_bytes, ":steel");
     return 0;
 }
 
-blob fuzz_seed(void) {
+static blob make_seed(void) {
     blob network = make_nbrdf(NBRDF_VALID);
     blob b = make_zip("folder/steel.h5", &network);
     blob_free(&network);
     return b;
 }
+
+FUZZ_TARGET(run_one, make_seed)

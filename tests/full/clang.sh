@@ -10,7 +10,7 @@ command -v clang >/dev/null || {
 }
 [ -f build-clang/build.ninja ] || cmake -S . -B build-clang -G Ninja -DCMAKE_C_COMPILER=clang -DNQM_WERROR=ON \
     -DCMAKE_BUILD_TYPE=Debug -DCMAKE_C_FLAGS_DEBUG=-O2 >/dev/null
-cmake --build build-clang --target nqm_tool unit fuzz >build-clang/build.log || {
+cmake --build build-clang --target nqm_tool unit nqm-fuzz >build-clang/build.log || {
     tail -n 40 build-clang/build.log
     exit 1
 }

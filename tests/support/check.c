@@ -35,7 +35,7 @@ __attribute__((constructor)) void use_chosen_kernels(void) {
     }
 }
 
-nqm_brdf *open_brdf(const char *argument) {
+nqm_brdf *must_open(const char *argument) {
     nqm_brdf *brdf;
     nqm_error err = {0};
     if (nqm_brdf_open(argument, &brdf, &err) != NQM_OK)

@@ -7,13 +7,8 @@
 #ifndef NQM_TESTS_CHECK_H
 #define NQM_TESTS_CHECK_H
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
 #include "io/io.h"
-#include <cmocka.h>
+#include "support/test.h"
 #include <nqm/brdf.h>
 
 /** |actual - expected| <= tolerance; fails for NaN. */
@@ -36,7 +31,7 @@ double csv_number(const nqm_csv *csv, size_t row, int column);
 void use_chosen_kernels(void);
 
 /** Open a BRDF; on failure the test fails with the library's message. */
-nqm_brdf *open_brdf(const char *argument);
+nqm_brdf *must_open(const char *argument);
 /** Compare with values before negative ones become 0, within tolerance (1 + |value|), and the flags; returns how many
  *  are clamped. */
 size_t check_brdf_values(const nqm_brdf *brdf, size_t n, const double (*pair)[6], const double (*value)[3],

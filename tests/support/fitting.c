@@ -13,7 +13,7 @@
 nqm_fit_report fit_spec(const char *spec, const char *model, const nqm_fit_options *options) {
     nqm_error err = {0};
     nqm_fit_report report;
-    nqm_brdf *ref = open_brdf(spec);
+    nqm_brdf *ref = must_open(spec);
     if (nqm_fit(ref, model, options, &report, NULL, &err) != NQM_OK)
         fail_msg("%s: %s", spec, err.message);
     nqm_brdf_free(ref);
@@ -21,7 +21,7 @@ nqm_fit_report fit_spec(const char *spec, const char *model, const nqm_fit_optio
 }
 
 double loss_of_spec(const nqm_fit_target *target, const char *spec) {
-    nqm_brdf *brdf = open_brdf(spec);
+    nqm_brdf *brdf = must_open(spec);
     double *rgb = nqm_alloc(target->n, 3 * sizeof *rgb);
     assert_non_null(rgb);
     nqm_brdf_eval(brdf, target->n, target->wi, target->wo, rgb, NULL);
@@ -33,7 +33,7 @@ double loss_of_spec(const nqm_fit_target *target, const char *spec) {
 
 nqm_fit_report fit_from_random(const char *spec, const char *model, const nqm_fit_options *options, size_t n) {
     nqm_fit_report best = {.loss = INFINITY};
-    nqm_brdf *ref = open_brdf(spec);
+    nqm_brdf *ref = must_open(spec);
     for (size_t seed = 0; seed < n; ++seed) {
         char start[512];
         nqm_fit_options from = *options;

@@ -60,11 +60,11 @@ void expect_same(const char *argument, const char *extension) {
     char path[300], with_name[320];
     snprintf(path, sizeof path, "%s.%s", temp_file, extension);
     snprintf(with_name, sizeof with_name, "%s:some_name", path);
-    nqm_brdf *brdf = open_brdf(argument);
+    nqm_brdf *brdf = must_open(argument);
     nqm_error err = {0};
     if (nqm_material_write(nqm_brdf_get_info(brdf).spec, "some name", path, &err) != NQM_OK)
         fail_msg("%s", err.message);
-    nqm_brdf *back = open_brdf(with_name);
+    nqm_brdf *back = must_open(with_name);
     assert_string_equal(nqm_brdf_get_info(back).spec, nqm_brdf_get_info(brdf).spec);
     nqm_brdf_free(back);
     nqm_brdf_free(brdf);

@@ -22,7 +22,7 @@ double *render_scene(const nqm_scene *scene, const nqm_brdf *brdf) {
 }
 
 double *render_spec(const nqm_scene *scene, const char *spec) {
-    nqm_brdf *brdf = open_brdf(spec);
+    nqm_brdf *brdf = must_open(spec);
     double *rgb = render_scene(scene, brdf);
     nqm_brdf_free(brdf);
     return rgb;
@@ -44,7 +44,7 @@ nqm_scene_options studio_scene(void) {
 }
 
 nqm_score_result score_specs(const nqm_model *model, const char *ref_spec, const char *test_spec) {
-    nqm_brdf *ref = open_brdf(ref_spec), *test = open_brdf(test_spec);
+    nqm_brdf *ref = must_open(ref_spec), *test = must_open(test_spec);
     const nqm_brdf *tests[] = {test};
     nqm_score_result result;
     assert_int_equal(nqm_score(model, ref, 1, tests, NULL, &result, NULL), NQM_OK);

@@ -10,7 +10,7 @@ void check_shading_vectors(const char *name, size_t n_rows, double relative, dou
     assert_int_equal(nqm_csv_load(test_vector(name), &csv, NULL), NQM_OK);
     assert_int_equal(nqm_csv_rows(csv), n_rows);
     for (size_t row = 0; row < n_rows; ++row) {
-        nqm_brdf *brdf = open_brdf(nqm_csv_text(csv, row, 0));
+        nqm_brdf *brdf = must_open(nqm_csv_text(csv, row, 0));
         double v[9], rgb[3];
         for (int k = 0; k < 9; ++k)
             v[k] = csv_number(csv, row, k + 1);
@@ -30,7 +30,7 @@ static void random_direction(nqm_rng *rng, double *w) {
 }
 
 int is_shading_reciprocal(const char *spec) {
-    nqm_brdf *brdf = open_brdf(spec);
+    nqm_brdf *brdf = must_open(spec);
     nqm_rng rng = nqm_rng_make(14, 0);
     int reciprocal = 1;
     for (int i = 0; i < 200; ++i) {
@@ -52,7 +52,7 @@ void check_shading_reciprocity(const char *spec) {
 
 double shading_albedo(const char *spec, double theta) {
     enum { N = 120 }; /* midpoints in cosine squared and azimuth */
-    nqm_brdf *brdf = open_brdf(spec);
+    nqm_brdf *brdf = must_open(spec);
     const double wi[3] = {sin(theta), 0, cos(theta)};
     double sum[3] = {0};
     for (size_t i = 0; i < N * N; ++i) {

@@ -6,24 +6,20 @@
  */
 #include "base/library.h"
 #include "base/memory_test.h"
+#include "support/test.h"
 
 #include <errno.h>
 #include <fcntl.h>
 #include <locale.h>
 #include <math.h>
-#include <setjmp.h>
 #include <signal.h>
-#include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include <cmocka.h>
-
-static void test_alloc_refuses_overflow(void **state) {
-    (void)state;
+TEST(test_alloc_refuses_overflow) {
     assert_null(nqm_alloc(SIZE_MAX / 2, 4));
     assert_null(nqm_alloc(SIZE_MAX, 1));
     unsigned char *block = nqm_alloc(100, 3);
@@ -34,8 +30,7 @@ static void test_alloc_refuses_overflow(void **state) {
     nqm_free(block);
 }
 
-static void test_alloc_fails_when_told(void **state) {
-    (void)state;
+TEST(test_alloc_fails_when_told) {
     nqm_alloc_fail_after(1);
     void *first = nqm_alloc(1, 1), *second = nqm_alloc(1, 1), *third = nqm_alloc(1, 1);
     nqm_alloc_fail_after(-1);
@@ -46,8 +41,7 @@ static void test_alloc_fails_when_told(void **state) {
     nqm_free(third);
 }
 
-static void test_libraries_when_needed(void **state) {
-    (void)state;
+TEST(test_libraries_when_needed) {
     const char *const names[] = {"cos", "sqrt"}, *const missing[] = {"cos", "nqm_no_such_function"};
     struct {
         double (*cosine)(double), (*root)(double);
@@ -93,8 +87,7 @@ static void assert_content(const char *path, const char *text) {
     nqm_map_close(&map);
 }
 
-static void test_outfile_appears_only_when_complete(void **state) {
-    (void)state;
+TEST(test_outfile_appears_only_when_complete) {
     char path[256];
     path_in_folder(path, sizeof path, "out.txt");
     write_text(path, "old");
@@ -134,8 +127,7 @@ static bool exists(const char *path, const char *suffix) {
     return access(name, F_OK) == 0;
 }
 
-static void test_outfile_removes_those_of_killed_processes(void **state) {
-    (void)state;
+TEST(test_outfile_removes_those_of_killed_processes) {
     char path[256], other[256];
     path_in_folder(path, sizeof path, "killed.txt");
     path_in_folder(other, sizeof other, "killed.txt2");
@@ -157,8 +149,7 @@ static void test_outfile_removes_those_of_killed_processes(void **state) {
     unlink(path);
 }
 
-static void test_outfiles_vanish_with_the_process(void **state) {
-    (void)state;
+TEST(test_outfiles_vanish_with_the_process) {
     char path[256], other[256];
     path_in_folder(path, sizeof path, "vanish.txt");
     path_in_folder(other, sizeof other, "finished.txt");
@@ -174,8 +165,7 @@ static void test_outfiles_vanish_with_the_process(void **state) {
     unlink(other);
 }
 
-static void test_outfile_in_missing_folder(void **state) {
-    (void)state;
+TEST(test_outfile_in_missing_folder) {
     char path[256];
     path_in_folder(path, sizeof path, "no/such/folder/out.txt");
     nqm_outfile out;
@@ -186,8 +176,7 @@ static void test_outfile_in_missing_folder(void **state) {
 }
 
 /* Renaming a file over a device would replace the device, which root is allowed to do. */
-static void test_outfile_writes_pipes_in_place(void **state) {
-    (void)state;
+TEST(test_outfile_writes_pipes_in_place) {
     char path[256], text[8] = "";
     path_in_folder(path, sizeof path, "pipe");
     assert_int_equal(mkfifo(path, 0600), 0);
@@ -207,8 +196,7 @@ static void test_outfile_writes_pipes_in_place(void **state) {
     unlink(path);
 }
 
-static void test_outfile_keeps_permissions_and_links(void **state) {
-    (void)state;
+TEST(test_outfile_keeps_permissions_and_links) {
     char path[256], link_path[256];
     struct stat st;
     nqm_outfile out;
@@ -229,8 +217,7 @@ static void test_outfile_keeps_permissions_and_links(void **state) {
 }
 
 /* Last, because roles are kept until the process ends. */
-static void test_inputs_are_not_replaced(void **state) {
-    (void)state;
+TEST(test_inputs_are_not_replaced) {
     char path[256], other[256];
     nqm_map map;
     nqm_outfile out, late;
@@ -259,8 +246,7 @@ static void test_inputs_are_not_replaced(void **state) {
     unlink(path);
 }
 
-static void test_map_refuses_what_is_no_file(void **state) {
-    (void)state;
+TEST(test_map_refuses_what_is_no_file) {
     nqm_map map;
     nqm_error err = {0};
     assert_int_equal(nqm_map_open(folder, &map, &err), NQM_ERR_IO);
@@ -275,8 +261,7 @@ static void test_map_refuses_what_is_no_file(void **state) {
     unlink(path);
 }
 
-static void test_numbers_survive_any_locale(void **state) {
-    (void)state;
+TEST(test_numbers_survive_any_locale) {
     /* A locale with decimal commas, if installed; the round trip must be exact in any locale. */
     (void)(setlocale(LC_ALL, "de_DE.UTF-8") || setlocale(LC_ALL, "fr_FR.UTF-8"));
     const double values[] = {0.1, 1.0 / 3.0, -2.5e-300, 6.02214076e23, 0, 123456789012345678.0};
@@ -298,8 +283,7 @@ static void test_numbers_survive_any_locale(void **state) {
     assert_false(nqm_parse_double("1e999", &end, &v));
 }
 
-static void test_endian(void **state) {
-    (void)state;
+TEST(test_endian) {
     const unsigned char bytes[] = {0, 0x01, 0x02, 0x03, 0x04, 0x05, 0x06, 0xf0, 0x3f};
     assert_int_equal(nqm_load_u16(bytes + 1), 0x0201);
     assert_int_equal(nqm_load_u32(bytes + 1), 0x04030201);
@@ -333,8 +317,7 @@ static void test_endian(void **state) {
         assert_true(nqm_load_integer(written + 8 * i, 8, false) == values[i]);
 }
 
-static void test_xoshiro_against_its_authors(void **state) {
-    (void)state;
+TEST(test_xoshiro_against_its_authors) {
     /* The first outputs of the authors' xoshiro256starstar.c from state 1, 2, 3, 4, as in rand_xoshiro's tests. */
     nqm_rng rng = {{1, 2, 3, 4}};
     const uint64_t expected[] = {11520u, 0u, 1509978240u, 1215971899390074240u};
@@ -342,8 +325,7 @@ static void test_xoshiro_against_its_authors(void **state) {
         assert_true(nqm_rng_u64(&rng) == expected[i]);
 }
 
-static void test_rng_moments(void **state) {
-    (void)state;
+TEST(test_rng_moments) {
     enum { N = 200000 };
     nqm_rng rng = nqm_rng_make(7, 3);
     double mean = 0, square = 0, uniform = 0;
@@ -363,8 +345,7 @@ static void test_rng_moments(void **state) {
 }
 
 /* n = 3/4 of 2^64: without rejection the lowest third would be drawn half of the time. */
-static void test_below_has_no_bias(void **state) {
-    (void)state;
+TEST(test_below_has_no_bias) {
     enum { N = 10000 };
     nqm_rng rng = nqm_rng_make(9, 0);
     int n_low = 0;
@@ -373,8 +354,7 @@ static void test_below_has_no_bias(void **state) {
     assert_true(fabs(n_low / (double)N - 1 / 3.0) < 5 * sqrt(2.0 / 9 / N));
 }
 
-static void test_shuffle_is_a_permutation(void **state) {
-    (void)state;
+TEST(test_shuffle_is_a_permutation) {
     size_t idx[100], seen[100] = {0}, moved = 0;
     for (size_t i = 0; i < 100; ++i)
         idx[i] = i;
@@ -389,8 +369,7 @@ static void test_shuffle_is_a_permutation(void **state) {
     assert_true(moved > 80);
 }
 
-static void test_sha256(void **state) {
-    (void)state;
+TEST(test_sha256) {
     nqm_sha256 sha;
     char hex[65];
     assert_true(nqm_sha256_begin(&sha));
@@ -404,8 +383,7 @@ static void mark(void *user, size_t i) {
     ((unsigned char *)user)[i]++;
 }
 
-static void test_parallel_for_visits_each_once(void **state) {
-    (void)state;
+TEST(test_parallel_for_visits_each_once) {
     unsigned char seen[1000] = {0};
     nqm_parallel_for(1000, mark, seen);
     for (int i = 0; i < 1000; ++i)
@@ -419,8 +397,7 @@ static int count_and_stop(void *user, const char *stage, double done, double tot
     return ++*(int *)user >= 1;
 }
 
-static void test_ticker(void **state) {
-    (void)state;
+TEST(test_ticker) {
     int calls = 0;
     nqm_ticker ticker = {.fn = count_and_stop, .user = &calls};
     double begin_s = nqm_clock_s();
@@ -434,15 +411,13 @@ static void test_ticker(void **state) {
     assert_false(nqm_tick(&silent, "work", 1, 1));
 }
 
-static void test_keyed_hash_equals_hash(void **state) {
-    (void)state;
+TEST(test_keyed_hash_equals_hash) {
     uint64_t key = nqm_hash_key(42);
     for (uint64_t i = 0; i < 9; ++i)
         assert_true(nqm_hash_mix(key + (1001 + i) * NQM_GOLDEN) == nqm_hash_u64(42, 1000 + i));
 }
 
-static void test_errors(void **state) {
-    (void)state;
+TEST(test_errors) {
     nqm_error err = {0};
     assert_int_equal(nqm_fail(&err, NQM_ERR_FORMAT, 12, "%s: bad", "f"), NQM_ERR_FORMAT);
     assert_string_equal(err.message, "f: bad");
@@ -452,30 +427,4 @@ static void test_errors(void **state) {
         assert_string_not_equal(nqm_status_text((nqm_status)s), "unknown status");
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_alloc_refuses_overflow),
-        cmocka_unit_test(test_alloc_fails_when_told),
-        cmocka_unit_test(test_outfile_appears_only_when_complete),
-        cmocka_unit_test(test_outfiles_vanish_with_the_process),
-        cmocka_unit_test(test_outfile_removes_those_of_killed_processes),
-        cmocka_unit_test(test_outfile_in_missing_folder),
-        cmocka_unit_test(test_outfile_writes_pipes_in_place),
-        cmocka_unit_test(test_map_refuses_what_is_no_file),
-        cmocka_unit_test(test_numbers_survive_any_locale),
-        cmocka_unit_test(test_endian),
-        cmocka_unit_test(test_xoshiro_against_its_authors),
-        cmocka_unit_test(test_rng_moments),
-        cmocka_unit_test(test_below_has_no_bias),
-        cmocka_unit_test(test_shuffle_is_a_permutation),
-        cmocka_unit_test(test_keyed_hash_equals_hash),
-        cmocka_unit_test(test_sha256),
-        cmocka_unit_test(test_parallel_for_visits_each_once),
-        cmocka_unit_test(test_ticker),
-        cmocka_unit_test(test_errors),
-        cmocka_unit_test(test_libraries_when_needed),
-        cmocka_unit_test(test_outfile_keeps_permissions_and_links),
-        cmocka_unit_test(test_inputs_are_not_replaced),
-    };
-    return cmocka_run_group_tests(tests, make_folder, remove_folder);
-}
+TEST_FILE(make_folder, remove_folder)

@@ -59,8 +59,7 @@ static void check_gathered(const nqm_map *map) {
             assert_int_equal(out[i][k], byte_at(offset[i] + k));
 }
 
-static void gathers_from_disk_and_memory(void **state) {
-    (void)state;
+TEST(gathers_from_disk_and_memory) {
     nqm_map map;
     drop_from_memory();
     assert_int_equal(nqm_map_open_sparse(temp_file, &map, NULL), NQM_OK);
@@ -79,8 +78,7 @@ static void gathers_from_disk_and_memory(void **state) {
 }
 
 /* Gather from memory that does not begin at a page boundary. */
-static void gathers_at_any_alignment(void **state) {
-    (void)state;
+TEST(gathers_at_any_alignment) {
     unsigned char *data = malloc(N_BYTES + 3);
     assert_non_null(data);
     for (size_t i = 0; i < N_BYTES; ++i)
@@ -100,8 +98,7 @@ static void assert_past_end(const nqm_map *map, size_t offset) {
         assert_int_equal(out[1][k], byte_at(100 + k));
 }
 
-static void says_what_is_past_the_end(void **state) {
-    (void)state;
+TEST(says_what_is_past_the_end) {
     nqm_map map;
     assert_int_equal(nqm_map_open_sparse(temp_file, &map, NULL), NQM_OK);
     const size_t offsets[] = {N_BYTES - N_EACH + 1, N_BYTES, N_BYTES + 10000};
@@ -119,9 +116,4 @@ static void says_what_is_past_the_end(void **state) {
     nqm_map_close(&map);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(gathers_from_disk_and_memory),
-                                       cmocka_unit_test(gathers_at_any_alignment),
-                                       cmocka_unit_test(says_what_is_past_the_end)};
-    return cmocka_run_group_tests_name("base_gather", tests, make_file, remove_temp_file);
-}
+TEST_FILE(make_file, remove_temp_file)

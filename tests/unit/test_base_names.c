@@ -17,8 +17,7 @@ static const char *advice(const char *wanted) {
     return nearest.advice;
 }
 
-static void misspelt_names_are_near(void **state) {
-    (void)state;
+TEST(misspelt_names_are_near) {
     assert_string_equal(advice("scroe"), " (did you mean 'score'?)"); /* exchanged */
     assert_string_equal(advice("scor"), " (did you mean 'score'?)");  /* too short */
     assert_string_equal(advice("rannk"), " (did you mean 'rank'?)");  /* too long */
@@ -29,16 +28,9 @@ static void misspelt_names_are_near(void **state) {
                         " (did you mean 'the-longest-name-has-forty-characters--!'?)");
 }
 
-static void other_names_are_not(void **state) {
-    (void)state;
+TEST(other_names_are_not) {
     assert_string_equal(advice("xyzzy"), "");
     assert_string_equal(advice(""), "");
     assert_string_equal(advice("drwa"), ""); /* 'ward' needs more than one change */
     assert_string_equal(advice("a name that is far longer than any word of the tool may be"), "");
-}
-
-int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(misspelt_names_are_near),
-                                       cmocka_unit_test(other_names_are_not)};
-    return cmocka_run_group_tests(tests, NULL, NULL);
 }

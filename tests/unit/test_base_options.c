@@ -51,8 +51,7 @@ static nqm_status set(paint *p, const char *name, const char *text, nqm_error *e
     return nqm_option_set(o, p, text, err);
 }
 
-static void defaults(void **state) {
-    (void)state;
+TEST(defaults) {
     paint matte = begin("matte"), shiny = begin("shiny"), first = begin(NULL);
     assert_memory_equal(&matte, &first, sizeof matte);
     assert_near(matte.gloss, 0.1, 0);
@@ -66,8 +65,7 @@ static void defaults(void **state) {
     assert_non_null(strstr(err.message, "'satin'; give matte or shiny"));
 }
 
-static void from_text(void **state) {
-    (void)state;
+TEST(from_text) {
     paint p = begin("matte");
     nqm_error err = {0};
     const char *const good[][2] = {{"gloss-level", "1"}, {"layers", "9"}, {"seed", "12345678901"}, {"state", "wet"},
@@ -92,8 +90,7 @@ static void from_text(void **state) {
                         "colour needs red, dark_green, light_blue or rusty, not 'rustu' (did you mean 'rusty'?)");
 }
 
-static void ranges(void **state) {
-    (void)state;
+TEST(ranges) {
     nqm_error err = {0};
     paint p = begin("matte");
     p.gloss = NAN;
@@ -107,8 +104,7 @@ static void ranges(void **state) {
     assert_int_equal(nqm_options_check(&table, &p, NULL), NQM_ERR_ARG);
 }
 
-static void names(void **state) {
-    (void)state;
+TEST(names) {
     bool is_off = false;
     assert_ptr_equal(nqm_option_by_name(&table, "no-metal=", 8, &is_off), &rows[3]);
     assert_true(is_off);
@@ -118,8 +114,7 @@ static void names(void **state) {
     assert_null(nqm_option_by_key(&table, "state"));
 }
 
-static void as_json(void **state) {
-    (void)state;
+TEST(as_json) {
     paint p = begin("shiny");
     json_t *json = nqm_json_from_options(&table, &p);
     char *text = json_dumps(json, JSON_COMPACT | JSON_REAL_PRECISION(9));
@@ -132,12 +127,4 @@ static void as_json(void **state) {
     json = nqm_json_from_options(&table, &p);
     assert_string_equal(json_string_value(json_object_get(json, "seed")), "18446744073709551615");
     json_decref(json);
-}
-
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(defaults), cmocka_unit_test(from_text), cmocka_unit_test(ranges),
-        cmocka_unit_test(names),    cmocka_unit_test(as_json),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -35,8 +35,7 @@ static const char *in_folder(const char *name) {
     return path;
 }
 
-static void claims_exclude(void **state) {
-    (void)state;
+TEST(claims_exclude) {
     char path[128];
     int first, second;
     snprintf(path, sizeof path, "%s", in_folder("claimed"));
@@ -77,8 +76,7 @@ static void replace_locked(void) {
 }
 
 /* A lock on a deleted file would exclude nobody. */
-static void locks_are_on_the_file_of_the_path(void **state) {
-    (void)state;
+TEST(locks_are_on_the_file_of_the_path) {
     int fd, second;
     bool existed;
     char path[128];
@@ -163,8 +161,7 @@ static nqm_status run_job(job *j, bool one_at_a_time, size_t first, nqm_error *e
     return nqm_shared_work_run(&work, err);
 }
 
-static void alone(void **state) {
-    (void)state;
+TEST(alone) {
     for (int one_at_a_time = 0; one_at_a_time < 2; ++one_at_a_time) {
         job j = make_job(one_at_a_time ? "single" : "threads");
         assert_int_equal(run_job(&j, one_at_a_time, 5, NULL), NQM_OK);
@@ -185,8 +182,7 @@ static void alone(void **state) {
 }
 
 /* Two processes; the second is killed in its third item, or not at all. Each item is made once. */
-static void two_processes(void **state) {
-    (void)state;
+TEST(two_processes) {
     for (int killed = 0; killed < 2; ++killed) {
         job j = make_job(killed ? "killed" : "two");
         pid_t child = fork();
@@ -204,8 +200,7 @@ static void two_processes(void **state) {
     }
 }
 
-static void failures_and_stops(void **state) {
-    (void)state;
+TEST(failures_and_stops) {
     nqm_limit_threads(2); /* fewer than items */
     for (int one_at_a_time = 0; one_at_a_time < 2; ++one_at_a_time) {
         nqm_error err = {0};
@@ -223,9 +218,4 @@ static void failures_and_stops(void **state) {
     }
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(claims_exclude),
-                                       cmocka_unit_test(locks_are_on_the_file_of_the_path), cmocka_unit_test(alone),
-                                       cmocka_unit_test(two_processes), cmocka_unit_test(failures_and_stops)};
-    return cmocka_run_group_tests(tests, make_folder, remove_folder);
-}
+TEST_FILE(make_folder, remove_folder)

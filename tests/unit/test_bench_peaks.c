@@ -17,8 +17,7 @@ static nqm_bench *tiny(void) {
     return bench;
 }
 
-static void test_every_unit_has_a_peak(void **state) {
-    (void)state;
+TEST(test_every_unit_has_a_peak) {
     nqm_bench *bench = tiny();
     size_t n_available = 0, n_metered = 0;
     for (const nqm_bench_unit *unit = nqm_bench_units; unit->name; ++unit)
@@ -32,8 +31,7 @@ static void test_every_unit_has_a_peak(void **state) {
 }
 
 /* The peak of a precision is that of the quickest unit: not of the one whose name has the precision. */
-static void test_the_quickest_unit_counts(void **state) {
-    (void)state;
+TEST(test_the_quickest_unit_counts) {
     static const nqm_bench_unit f32 = {.name = "f32", .precision = NQM_PRECISION_F32},
                                 slow_bf16 = {.name = "bf16", .precision = NQM_PRECISION_BF16},
                                 tiles = {.name = "tiles", .precision = NQM_PRECISION_BF16},
@@ -51,8 +49,7 @@ static void test_the_quickest_unit_counts(void **state) {
     assert_int_equal(nqm_bench_peak_meter(&bench, NQM_PRECISION_INT8), 3);
 }
 
-static void test_reading(void **state) {
-    (void)state;
+TEST(test_reading) {
     nqm_bench *bench = tiny();
     int meter = nqm_bench_read_meter(bench, 100000, 1);
     assert_true(bench->meter[meter].best > 0 && isfinite(bench->meter[meter].best));
@@ -90,8 +87,7 @@ static double number(const nqm_bench_row *row, const char *key) {
 
 /* A run that takes 10 times as long must have more seconds, a lower rate, and a lower fraction of its limit. Rows keep
  * the order of the contenders. The factor of 10 tolerates the load of other programs. */
-static void test_race(void **state) {
-    (void)state;
+TEST(test_race) {
     nqm_bench *bench = tiny();
     size_t n_short = 0, n_long = 0;
     bench->options.rounds = 8; /* on a busy machine, most short runs are interrupted */
@@ -127,8 +123,7 @@ static void test_race(void **state) {
 }
 
 /* Every key is unique, and every member of a row belongs to one field. */
-static void test_fields(void **state) {
-    (void)state;
+TEST(test_fields) {
     size_t n_bytes = 0;
     for (const nqm_bench_field *f = nqm_bench_fields; f->key; ++f) {
         n_bytes += f->kind == NQM_BENCH_PRECISION ? 8 : sizeof(double); /* the int is padded */
@@ -143,8 +138,7 @@ static int stop(void *user, const char *stage, double done, double total) {
     return 1;
 }
 
-static void test_refusals(void **state) {
-    (void)state;
+TEST(test_refusals) {
     nqm_bench *bench;
     nqm_error err = {0};
     nqm_bench_options options = nqm_bench_options_default();
@@ -161,14 +155,4 @@ static void test_refusals(void **state) {
     assert_int_equal(nqm_bench_gemm(bench, &err), NQM_ERR_CANCELLED);
     nqm_bench_free(bench);
     nqm_bench_free(NULL);
-}
-
-int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_every_unit_has_a_peak),
-                                       cmocka_unit_test(test_the_quickest_unit_counts),
-                                       cmocka_unit_test(test_reading),
-                                       cmocka_unit_test(test_race),
-                                       cmocka_unit_test(test_fields),
-                                       cmocka_unit_test(test_refusals)};
-    return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -14,13 +14,12 @@
 #include <stdlib.h>
 #include <string.h>
 
-static void test_published_formulas(void **state) {
-    (void)state;
+TEST(test_published_formulas) {
     nqm_csv *csv;
     assert_int_equal(nqm_csv_load(test_vector("analytic.csv"), &csv, NULL), NQM_OK);
     assert_true(nqm_csv_rows(csv) >= 880);
     for (size_t row = 0; row < nqm_csv_rows(csv); ++row) {
-        nqm_brdf *brdf = open_brdf(nqm_csv_text(csv, row, 0));
+        nqm_brdf *brdf = must_open(nqm_csv_text(csv, row, 0));
         const bool is_model = nqm_brdf_get_info(brdf).n_values > 0;
         double v[9], rgb[3], swapped[3];
         uint8_t flag;
@@ -61,7 +60,7 @@ static void assert_same(const char *spec, const char *other, double tolerance) {
     const char *const specs[] = {spec, other};
     draw_random_pairs(wi, wo);
     for (size_t k = 0; k < 2; ++k) {
-        nqm_brdf *brdf = open_brdf(specs[k]);
+        nqm_brdf *brdf = must_open(specs[k]);
         double hd[3 * N_RANDOM];
         for (size_t i = 0; i < N_RANDOM; ++i)
             nqm_half_diff_from_pair(wi + 3 * i, wo + 3 * i, hd + 3 * i);
@@ -73,8 +72,7 @@ static void assert_same(const char *spec, const char *other, double tolerance) {
         assert_near(values[0][i], values[1][i], tolerance * fabs(values[1][i]));
 }
 
-static void test_equal_widths(void **state) {
-    (void)state;
+TEST(test_equal_widths) {
     assert_same("ggx:kd=.1;alpha=.123,.123;f0=.9", "ggx:kd=.1;alpha=.123;f0=.9", 0);
     assert_same("ward:ks=.3;alpha=.0123,.0123", "ward:ks=.3;alpha=.0123", 0);
     assert_same("ward-duer:ks=.3;alpha=.3,.3", "ward-duer:ks=.3;alpha=.3", 0);
@@ -87,8 +85,7 @@ static void test_equal_widths(void **state) {
 #define X "ggx:kd=.1;alpha=.1,.4"
 #define Y "ggx:kd=.1;alpha=.4,.1"
 
-static void test_turning(void **state) {
-    (void)state;
+TEST(test_turning) {
     assert_same("rotate:deg=77;of=sgd:nickel", "sgd:nickel", 0);
     assert_same("rotate:deg=77;of=perturb:gloss=.7;of=sgd:nickel", "perturb:gloss=.7;of=sgd:nickel", 0);
     assert_same("tilt:deg=0;azimuth=40;of=" X, X, 0);
@@ -105,8 +102,7 @@ static void test_turning(void **state) {
                 "rotate:deg=30;of=between:t=.3;log=1;with=(" X ");of=" Y, 1e-11);
 }
 
-static void test_facts(void **state) {
-    (void)state;
+TEST(test_facts) {
     static const struct {
         const char *spec;
         int isotropic, reciprocal;
@@ -126,7 +122,7 @@ static void test_facts(void **state) {
                  {"between:t=.5;with=(" X ");of=abc:nickel", 0, 1},
                  {"between:t=.5;with=(sgd:nickel);of=tilt:deg=3;of=abc:nickel", 0, 0}};
     for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
-        nqm_brdf *brdf = open_brdf(cases[i].spec);
+        nqm_brdf *brdf = must_open(cases[i].spec);
         assert_int_equal(nqm_brdf_get_info(brdf).isotropic, cases[i].isotropic);
         assert_int_equal(nqm_brdf_get_info(brdf).reciprocal, cases[i].reciprocal);
         assert_true((nqm_brdf_anisotropy(brdf) > 0) == !cases[i].isotropic);
@@ -141,8 +137,7 @@ static void no_value(void *user, size_t n, const double *wi, const double *wo, d
         rgb[i] = NAN;
 }
 
-static void test_missing_values(void **state) {
-    (void)state;
+TEST(test_missing_values) {
     static const char *const settings[][2] = {{"rotate:", "deg=30"}, {"tilt:", "deg=5"}, {"tilt:", "deg=0"}};
     nqm_brdf *empty, *brdf;
     const double hd[3] = {0.1, 0.7, 1}, up[3] = {0, 0, 1};
@@ -162,9 +157,8 @@ static void test_missing_values(void **state) {
 }
 
 /* Pairs with a direction below or on the horizon give zero and the flag NQM_VALUE_HORIZON. */
-static void test_horizon(void **state) {
-    (void)state;
-    nqm_brdf *brdf = open_brdf("ggx:kd=.5;alpha=.1");
+TEST(test_horizon) {
+    nqm_brdf *brdf = must_open("ggx:kd=.5;alpha=.1");
     const double up[3] = {0, 0, 1}, down[3] = {0, 0.6, -0.8}, level[3] = {1, 0, 0};
     const double *pairs[][2] = {{up, down}, {down, up}, {up, level}, {down, down}};
     for (size_t i = 0; i < 4; ++i) {
@@ -200,7 +194,7 @@ static double compare_with_nps(const char *preset, const double *hd, double *rat
     char path[5000];
     const char *decoder = shared_data("nps/nps_decoder_f32le.bin");
     snprintf(path, sizeof path, "%s:%s", decoder, strchr(preset, ':') + 1);
-    nqm_brdf *a = open_brdf(preset), *b = open_brdf(path);
+    nqm_brdf *a = must_open(preset), *b = must_open(path);
     nqm_brdf_eval_half_diff(a, N_PAIRS, hd, ours, NULL);
     nqm_brdf_eval_half_diff(b, N_PAIRS, hd, theirs, NULL);
     nqm_brdf_free(a);
@@ -217,8 +211,7 @@ static double compare_with_nps(const char *preset, const double *hd, double *rat
     return difference[3 * N_PAIRS / 2];
 }
 
-static void test_sgd_presets_are_the_measurements(void **state) {
-    (void)state;
+TEST(test_sgd_presets_are_the_measurements) {
     if (!shared_data("nps/nps_decoder_f32le.bin"))
         skip();
     static const char *const matte[] = {
@@ -239,8 +232,7 @@ static void test_sgd_presets_are_the_measurements(void **state) {
 
 /* Ngan's fits have MERL's colours only with the colour scale that presets/make.py applies; Low's have them as printed.
  * A missing constant factor (1 / pi, 1 / 4) would change the level (doc/brdf.md shows the peaks of the whole table). */
-static void test_presets_have_the_colours(void **state) {
-    (void)state;
+TEST(test_presets_have_the_colours) {
     if (!shared_data("nps/nps_decoder_f32le.bin"))
         skip();
     static const char *const tables[] = {"ward",
@@ -267,18 +259,4 @@ static void test_presets_have_the_colours(void **state) {
         assert_near(ratio[1] / ratio[0], 1, 0.12);
         assert_near(ratio[2] / ratio[0], 1, 0.12);
     }
-}
-
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_published_formulas),
-        cmocka_unit_test(test_equal_widths),
-        cmocka_unit_test(test_turning),
-        cmocka_unit_test(test_facts),
-        cmocka_unit_test(test_missing_values),
-        cmocka_unit_test(test_horizon),
-        cmocka_unit_test(test_sgd_presets_are_the_measurements),
-        cmocka_unit_test(test_presets_have_the_colours),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
 }

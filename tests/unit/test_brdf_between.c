@@ -17,13 +17,12 @@ static const double places[][3] = {{0, 0, 0}, {0.01, 0.2, 0.3}, {0.2, 0.5, 1.5},
 enum { N_PLACES = sizeof places / sizeof *places };
 
 static void values_of(const char *spec, double rgb[3 * N_PLACES]) {
-    nqm_brdf *brdf = open_brdf(spec);
+    nqm_brdf *brdf = must_open(spec);
     nqm_brdf_eval_half_diff(brdf, N_PLACES, places[0], rgb, NULL);
     nqm_brdf_free(brdf);
 }
 
-static void means_are_those_of_both(void **state) {
-    (void)state;
+TEST(means_are_those_of_both) {
     double of[3 * N_PLACES], with[3 * N_PLACES], rgb[3 * N_PLACES];
     values_of(metal, of);
     values_of(matte, with);
@@ -42,12 +41,11 @@ static void means_are_those_of_both(void **state) {
 }
 
 /* The order of light and viewer is that of both. */
-static void orders_are_kept(void **state) {
-    (void)state;
+TEST(orders_are_kept) {
     static const char coated[] = "gltf:metallic=0;roughness=.5;clearcoat=1;clearcoat_roughness=.3";
     char spec[256];
     snprintf(spec, sizeof spec, "between:t=.25;with=(%s);of=%s", coated, matte);
-    nqm_brdf *a = open_brdf(matte), *b = open_brdf(coated), *mixed = open_brdf(spec);
+    nqm_brdf *a = must_open(matte), *b = must_open(coated), *mixed = must_open(spec);
     const double near_wi[3] = {0.1, 0.2, sqrt(0.95)}, far_wo[3] = {-0.9, 0.3, sqrt(0.1)};
     double of[3], with[2][3], rgb[2][3];
     for (int order = 0; order < 2; ++order) {
@@ -65,8 +63,7 @@ static void orders_are_kept(void **state) {
     nqm_brdf_free(mixed);
 }
 
-static void specs_open_again(void **state) {
-    (void)state;
+TEST(specs_open_again) {
     static const struct {
         const char *text, *canonical;
     } cases[] = {
@@ -80,7 +77,7 @@ static void specs_open_again(void **state) {
          "perturb:scale=2;of=between:t=0.5;with=(lambert:kd=0.1);of=lambert:kd=0.2"},
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
-        nqm_brdf *brdf = open_brdf(cases[i].text);
+        nqm_brdf *brdf = must_open(cases[i].text);
         nqm_brdf_info info = nqm_brdf_get_info(brdf);
         double once[3 * N_PLACES], again[3 * N_PLACES];
         assert_string_equal(info.name, cases[i].text);
@@ -94,8 +91,7 @@ static void specs_open_again(void **state) {
     }
 }
 
-static void mistakes_are_named(void **state) {
-    (void)state;
+TEST(mistakes_are_named) {
     static const struct {
         const char *spec, *word;
         nqm_status status;
@@ -124,17 +120,16 @@ static void mistakes_are_named(void **state) {
 }
 
 /* No value where one of the two has none. */
-static void gaps_of_both(void **state) {
-    (void)state;
+TEST(gaps_of_both) {
     char spec[2][4096];
     const char *path = scratch_path("gaps.binary");
     blob_put(make_merl(), path);
     snprintf(spec[0], sizeof spec[0], "between:t=.5;with=(%s);of=lambert:kd=.1", path);
     snprintf(spec[1], sizeof spec[1], "between:t=.5;with=(lambert:kd=.1);of=%s", path);
-    nqm_brdf *base = open_brdf(path);
+    nqm_brdf *base = must_open(path);
     size_t n_gaps = 0;
     for (int k = 0; k < 2; ++k) {
-        nqm_brdf *between = open_brdf(spec[k]);
+        nqm_brdf *between = must_open(spec[k]);
         for (int i = 1; i < 80; ++i) {
             const double hd[3] = {i * NQM_PI / 180, NQM_PI / 4, NQM_PI / 2};
             double rgb[6];
@@ -150,8 +145,7 @@ static void gaps_of_both(void **state) {
     nqm_brdf_free(base);
 }
 
-static void memory_runs_out(void **state) {
-    (void)state;
+TEST(memory_runs_out) {
     nqm_status status = NQM_ERR_NOMEM;
     long n = 0;
     for (; status == NQM_ERR_NOMEM; ++n) {
@@ -166,16 +160,4 @@ static void memory_runs_out(void **state) {
     }
     assert_int_equal(status, NQM_OK);
     assert_true(n > 10);
-}
-
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(means_are_those_of_both),
-        cmocka_unit_test(orders_are_kept),
-        cmocka_unit_test(specs_open_again),
-        cmocka_unit_test(mistakes_are_named),
-        cmocka_unit_test(gaps_of_both),
-        cmocka_unit_test(memory_runs_out),
-    };
-    return cmocka_run_group_tests_name("brdf: between two others", tests, NULL, NULL);
 }

@@ -7,23 +7,21 @@
 #include "support/material_text.h"
 #include "support/shading.h"
 #include "support/temp_file.h"
+#include "support/test.h"
 
 #include <math.h>
 
-static void values_are_those_of_the_formulas(void **state) {
-    (void)state;
+TEST(values_are_those_of_the_formulas) {
     check_shading_vectors("shading_blender.csv", 160, 1e-9, 1e-15);
 }
 
 /* It has floats, and its tables other samples. */
-static void values_are_those_of_cycles(void **state) {
-    (void)state;
+TEST(values_are_those_of_cycles) {
     check_shading_vectors("cycles_principled.csv", 330, 1e-4, 2e-5);
 }
 
 /* A white furnace: Cycles reflects what arrives, within the errors of its tables and of the layers. A rough coat loses light. */
-static void white_reflects_everything(void **state) {
-    (void)state;
+TEST(white_reflects_everything) {
     static const char *const specs[] = {"base_color=1", "base_color=1;metallic=1;roughness=1",
                                         "base_color=1;roughness=.3;coat_weight=1;coat_roughness=.2"};
     for (size_t i = 0; i < 3; ++i)
@@ -31,7 +29,7 @@ static void white_reflects_everything(void **state) {
             double albedo[3];
             char spec[120];
             snprintf(spec, sizeof spec, "blender-principled:%s", specs[i]);
-            nqm_brdf *brdf = open_brdf(spec);
+            nqm_brdf *brdf = must_open(spec);
             enum { N = 96 };
             double sum = 0;
             for (int k = 0; k < N * N; ++k) {
@@ -46,8 +44,7 @@ static void white_reflects_everything(void **state) {
         }
 }
 
-static void files_are_read_and_written(void **state) {
-    (void)state;
+TEST(files_are_read_and_written) {
     expect_spec(
         "{\"type\": \"scene\", \"Gold\": {\"type\": \"blender-principled\", \"multiscatter\": 1.0, \"base_color\": "
         "{\"type\": \"rgb\", \"value\": [1, 0.5, 0.25]}, \"metallic\": 1.0, \"alpha\": 1.0, \"subsurface_radius\": "
@@ -66,12 +63,4 @@ static void files_are_read_and_written(void **state) {
                 "json");
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(values_are_those_of_the_formulas),
-        cmocka_unit_test(values_are_those_of_cycles),
-        cmocka_unit_test(white_reflects_everything),
-        cmocka_unit_test(files_are_read_and_written),
-    };
-    return cmocka_run_group_tests(tests, make_temp_file, remove_temp_file);
-}
+TEST_FILE(make_temp_file, remove_temp_file)

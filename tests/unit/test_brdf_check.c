@@ -12,13 +12,12 @@
 #include <string.h>
 
 static void albedo_of(const char *spec, double theta_deg, uint64_t seed, double *rgb) {
-    nqm_brdf *brdf = open_brdf(spec);
+    nqm_brdf *brdf = must_open(spec);
     nqm_brdf_albedo(brdf, theta_deg * NQM_PI / 180, seed, rgb);
     nqm_brdf_free(brdf);
 }
 
-static void test_lambert_is_exact(void **state) {
-    (void)state;
+TEST(test_lambert_is_exact) {
     for (uint64_t seed = 0; seed < 20; ++seed)
         for (int theta = 0; theta <= 85; theta += 17) {
             double rgb[3];
@@ -29,8 +28,7 @@ static void test_lambert_is_exact(void **state) {
         }
 }
 
-static void test_against_quadrature(void **state) {
-    (void)state;
+TEST(test_against_quadrature) {
     nqm_csv *csv;
     assert_int_equal(nqm_csv_load(test_vector("analytic_albedo.csv"), &csv, NULL), NQM_OK);
     assert_true(nqm_csv_rows(csv) == 13);
@@ -48,8 +46,7 @@ static void test_against_quadrature(void **state) {
 }
 
 /* Toward alpha = 0 a GGX lobe with f0 = 1 becomes a mirror. The narrowest is 0.006 degrees wide. */
-static void test_sharpest_lobes(void **state) {
-    (void)state;
+TEST(test_sharpest_lobes) {
     static const char *const specs[] = {"ggx:f0=1;alpha=0.0001", "ggx:f0=1;alpha=0.0007", "ggx:f0=1;alpha=0.003",
                                         "ggx:f0=1;alpha=0.01"};
     for (size_t i = 0; i < sizeof specs / sizeof *specs; ++i)
@@ -73,9 +70,8 @@ static void check_of(nqm_brdf *brdf, uint64_t seed, nqm_brdf_check_report *repor
     assert_int_equal(nqm_brdf_check(brdf, seed, report, &err), NQM_OK);
 }
 
-static void test_plausible_brdf(void **state) {
-    (void)state;
-    nqm_brdf *brdf = open_brdf("ggx:kd=.3,.2,.1;ks=1;alpha=.05;f0=.04");
+TEST(test_plausible_brdf) {
+    nqm_brdf *brdf = must_open("ggx:kd=.3,.2,.1;ks=1;alpha=.05;f0=.04");
     nqm_brdf_check_report a, b;
     check_of(brdf, 1, &a);
     check_of(brdf, 1, &b);
@@ -103,8 +99,7 @@ static void eval_one_sided(const void *self, size_t n, const double *wi, const d
         rgb[3 * i] = rgb[3 * i + 1] = rgb[3 * i + 2] = wi[3 * i + 2] > wo[3 * i + 2] ? 0.3 : 0.1;
 }
 
-static void test_asymmetry_is_measured(void **state) {
-    (void)state;
+TEST(test_asymmetry_is_measured) {
     static const nqm_brdf_class one_sided = {.format = "test", .eval = eval_one_sided, .free = free_nothing};
     nqm_brdf *brdf = wrap(&one_sided);
     nqm_brdf_check_report r;
@@ -123,8 +118,7 @@ static void eval_faulty(const void *self, size_t n, const double *wi, const doub
     }
 }
 
-static void test_faults_are_counted(void **state) {
-    (void)state;
+TEST(test_faults_are_counted) {
     static const nqm_brdf_class faulty = {.format = "test", .eval = eval_faulty, .free = free_nothing};
     nqm_brdf *brdf = wrap(&faulty);
     nqm_brdf_check_report r;
@@ -143,8 +137,7 @@ static void eval_black(const void *self, size_t n, const double *wi, const doubl
     memset(rgb, 0, 3 * n * sizeof *rgb);
 }
 
-static void test_black(void **state) {
-    (void)state;
+TEST(test_black) {
     static const nqm_brdf_class black = {.format = "test", .eval = eval_black, .free = free_nothing};
     nqm_brdf *brdf = wrap(&black);
     nqm_brdf_check_report r;
@@ -154,12 +147,11 @@ static void test_black(void **state) {
     nqm_brdf_free(brdf);
 }
 
-static void test_largest_difference(void **state) {
-    (void)state;
+TEST(test_largest_difference) {
     nqm_brdf_difference d;
     nqm_error err = {0};
-    nqm_brdf *ref = open_brdf("ggx:kd=.3,.2,.1;ks=1;alpha=.05;f0=.04"), *brighter, *hole;
-    brighter = open_brdf("perturb:scale=1.25;of=ggx:kd=.3,.2,.1;ks=1;alpha=.05;f0=.04");
+    nqm_brdf *ref = must_open("ggx:kd=.3,.2,.1;ks=1;alpha=.05;f0=.04"), *brighter, *hole;
+    brighter = must_open("perturb:scale=1.25;of=ggx:kd=.3,.2,.1;ks=1;alpha=.05;f0=.04");
     const nqm_brdf_callbacks nothing = {.eval = lose_grazing, .user = ref};
     assert_int_equal(nqm_brdf_create(&nothing, &hole, &err), NQM_OK);
     assert_int_equal(nqm_brdf_compare(ref, ref, 0, 1, &d, &err), NQM_OK);
@@ -179,14 +171,4 @@ static void test_largest_difference(void **state) {
     nqm_brdf_free(hole);
     nqm_brdf_free(brighter);
     nqm_brdf_free(ref);
-}
-
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_largest_difference), cmocka_unit_test(test_lambert_is_exact),
-        cmocka_unit_test(test_against_quadrature), cmocka_unit_test(test_sharpest_lobes),
-        cmocka_unit_test(test_plausible_brdf),     cmocka_unit_test(test_asymmetry_is_measured),
-        cmocka_unit_test(test_faults_are_counted), cmocka_unit_test(test_black),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -12,7 +12,7 @@
 #define METAL "conductor.eta=.2,.9,1.5;conductor.k=3.9,2.4,1.2;"
 
 static void eval_spec(const char *spec, const double *wi, const double *wo, double *rgb) {
-    nqm_brdf *brdf = open_brdf(spec);
+    nqm_brdf *brdf = must_open(spec);
     nqm_brdf_eval(brdf, 1, wi, wo, rgb, NULL);
     nqm_brdf_free(brdf);
 }
@@ -33,8 +33,7 @@ static double fresnel(double eta, double c) {
 }
 
 /* Smooth interfaces: the vectors lack their mirror, which has a roughness of 1e-6 here. Mirrors: a reflectance. */
-static void values_are_means_of_random_walks(void **state) {
-    (void)state;
+TEST(values_are_means_of_random_walks) {
     nqm_csv *csv;
     double largest = 0, squares = 0;
     assert_int_equal(nqm_csv_load(test_vector("shading_coated_conductor.csv"), &csv, NULL), NQM_OK);
@@ -63,10 +62,9 @@ static void values_are_means_of_random_walks(void **state) {
 }
 
 /* Rotations and reflections of a pair change nothing but rounding, at the normal too. */
-static void values_are_isotropic(void **state) {
-    (void)state;
+TEST(values_are_isotropic) {
     static const double pairs[][6] = {{0.6, 0, 0.8, -0.28, 0.3, 0}, {0, 0, 1, 0.6, 0, 0.8}, {0.6, 0, 0.8, 0, 0, 1}};
-    nqm_brdf *brdf = open_brdf("pbrt-coated-conductor:" METAL "interface.roughness=.1;conductor.roughness=.2");
+    nqm_brdf *brdf = must_open("pbrt-coated-conductor:" METAL "interface.roughness=.1;conductor.roughness=.2");
     for (size_t k = 0; k < 3; ++k) {
         const double *p = pairs[k];
         double first[3], rgb[3], wi[3] = {p[0], p[1], p[2]}, wo[3] = {p[3], p[4], sqrt(1 - p[3] * p[3] - p[4] * p[4])};
@@ -84,11 +82,10 @@ static void values_are_isotropic(void **state) {
 }
 
 /* Values do not depend on what else is evaluated with them. */
-static void values_are_repeated(void **state) {
-    (void)state;
+TEST(values_are_repeated) {
     static const double wi[9] = {0.6, 0, 0.8, 0, 0.6, 0.8, 0, 0, 1}, wo[9] = {0, 0.6, 0.8, 0, 0.6, 0.8, 0.6, 0, 0.8};
     double all[9], one[3];
-    nqm_brdf *brdf = open_brdf("pbrt-coated-conductor:" METAL "interface.roughness=.1;conductor.roughness=.2");
+    nqm_brdf *brdf = must_open("pbrt-coated-conductor:" METAL "interface.roughness=.1;conductor.roughness=.2");
     nqm_brdf_eval(brdf, 3, wi, wo, all, NULL);
     for (size_t k = 0; k < 3; ++k) {
         nqm_brdf_eval(brdf, 1, wi + 3 * k, wo + 3 * k, one, NULL);
@@ -99,8 +96,7 @@ static void values_are_repeated(void **state) {
 
 /* A gap that absorbs everything leaves the interface; below a smooth interface, the first order is the conductor's value for the
  * refracted directions. */
-static void limits_are_known(void **state) {
-    (void)state;
+TEST(limits_are_known) {
     static const double wi[3] = {0.6, 0, 0.8}, wo[3] = {-0.28, 0, 0.96};
     const double ti[3] = {0.4, 0, sqrt(1 - 0.4 * 0.4)}, to[3] = {-0.28 / 1.5, 0, sqrt(1 - 0.28 * 0.28 / 2.25)};
     double coat[3], metal[3];
@@ -116,14 +112,4 @@ static void limits_are_known(void **state) {
     const double mirror = lobe(1e-6, wi, wo) * fresnel(1.5, sqrt(0.32 * 0.32 + 1.76 * 1.76) / 2);
     for (int c = 0; c < 3; ++c)
         assert_near(coat[c], through * metal[c] + mirror, 1e-4 * coat[c]);
-}
-
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(values_are_means_of_random_walks),
-        cmocka_unit_test(values_are_isotropic),
-        cmocka_unit_test(values_are_repeated),
-        cmocka_unit_test(limits_are_known),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
 }

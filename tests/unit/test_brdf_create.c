@@ -38,7 +38,7 @@ static nqm_brdf *create(const nqm_brdf_callbacks *callbacks) {
 
 static void same_score(nqm_brdf *by_spec, nqm_brdf *by_callback) {
     nqm_model *model;
-    nqm_brdf *test = open_brdf("ggx:kd=.3;ks=.5;alpha=.2;f0=.04");
+    nqm_brdf *test = must_open("ggx:kd=.3;ks=.5;alpha=.2;f0=.04");
     nqm_score_result expected, result;
     assert_int_equal(make_tiny_model(30, &model, NULL), NQM_OK);
     assert_int_equal(nqm_score(model, by_spec, 1, (const nqm_brdf *const[]){test}, NULL, &expected, NULL), NQM_OK);
@@ -52,10 +52,9 @@ static void same_score(nqm_brdf *by_spec, nqm_brdf *by_callback) {
     nqm_model_free(model);
 }
 
-static void scores_like_the_spec(void **state) {
-    (void)state;
+TEST(scores_like_the_spec) {
     double kd[3] = {0.5, 0.25, 0.75};
-    nqm_brdf *lambert = open_brdf("lambert:kd=.5,.25,.75"), *ggx = open_brdf("ggx:kd=.1;ks=1;alpha=.05;f0=.5");
+    nqm_brdf *lambert = must_open("lambert:kd=.5,.25,.75"), *ggx = must_open("ggx:kd=.1;ks=1;alpha=.05;f0=.5");
     nqm_brdf *mine[] = {
         create(&(nqm_brdf_callbacks){.eval = eval_lambert, .user = kd, .name = "mine", .reciprocal = 1}),
         create(&(nqm_brdf_callbacks){.eval = eval_of_brdf, .user = ggx, .serialize = 1})};
@@ -85,8 +84,7 @@ static void eval_faulty(void *user, size_t n, const double *wi, const double *wo
     }
 }
 
-static void flags_like_loaders(void **state) {
-    (void)state;
+TEST(flags_like_loaders) {
     static const double wi[] = {.6, 0, .8, -.6, 0, .8, 0, .6, .8, 0, -.6, .8, 0, .6, -.8}, up[] = {0, 0, 1};
     static const uint8_t expected[] = {NQM_VALUE_OK, NQM_VALUE_CLAMPED, NQM_VALUE_INVALID, NQM_VALUE_INVALID,
                                        NQM_VALUE_HORIZON};
@@ -129,8 +127,7 @@ static void *evaluate_many(void *brdf) {
     return brdf;
 }
 
-static void two_threads(void **state) {
-    (void)state;
+TEST(two_threads) {
     for (int serialize = 0; serialize < 2; ++serialize) {
         counter c = {0};
         nqm_brdf *brdf = create(&(nqm_brdf_callbacks){.eval = eval_counting, .user = &c, .serialize = serialize});
@@ -154,8 +151,7 @@ static void count_free(void *user) {
     ++*(int *)user;
 }
 
-static void user_is_freed_once(void **state) {
-    (void)state;
+TEST(user_is_freed_once) {
     int n_freed = 0;
     const nqm_brdf_callbacks good = {.eval = eval_of_brdf, .free = count_free, .user = &n_freed};
     nqm_brdf *brdf = (nqm_brdf *)&n_freed;
@@ -184,8 +180,7 @@ static void fill(float *rgb) {
     rgb[3 * 40] = NAN;
 }
 
-static void table_equals_saved_table(void **state) {
-    (void)state;
+TEST(table_equals_saved_table) {
     float rgb[3 * N];
     fill(rgb);
     nqm_brdf *table;
@@ -193,7 +188,7 @@ static void table_equals_saved_table(void **state) {
     memset(rgb, 0, sizeof rgb); /* the table must own a copy */
     const char *path = scratch_path("table.safetensors");
     assert_int_equal(nqm_brdf_save(table, path, NULL), NQM_OK);
-    nqm_brdf *again = open_brdf(path);
+    nqm_brdf *again = must_open(path);
     assert_string_equal(nqm_brdf_get_info(table).format, "table");
     assert_string_equal(nqm_brdf_get_info(table).name, "table");
     assert_string_equal(nqm_brdf_get_info(again).layout, nqm_brdf_get_info(table).layout);
@@ -222,8 +217,7 @@ static void refuse_table(size_t h, size_t d, size_t p, const float *rgb, nqm_sta
         fail_msg("message: %s", err.message);
 }
 
-static void bad_tables(void **state) {
-    (void)state;
+TEST(bad_tables) {
     float rgb[3 * N];
     fill(rgb);
     nqm_brdf *brdf = (nqm_brdf *)rgb;
@@ -252,16 +246,4 @@ static void bad_tables(void **state) {
         assert_int_equal(status, NQM_ERR_NOMEM);
         assert_null(brdf);
     }
-}
-
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(scores_like_the_spec),
-        cmocka_unit_test(flags_like_loaders),
-        cmocka_unit_test(two_threads),
-        cmocka_unit_test(user_is_freed_once),
-        cmocka_unit_test(table_equals_saved_table),
-        cmocka_unit_test(bad_tables),
-    };
-    return cmocka_run_group_tests_name("brdf_create", tests, NULL, NULL);
 }

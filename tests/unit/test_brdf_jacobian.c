@@ -54,7 +54,7 @@ static nqm_brdf *open_values(const nqm_spec_schema *schema, const nqm_spec_value
             copy.v[k][1] = copy.v[k][2] = copy.v[k][0];
     char *spec = nqm_spec_format(schema, &copy);
     assert_non_null(spec);
-    nqm_brdf *brdf = open_brdf(spec);
+    nqm_brdf *brdf = must_open(spec);
     nqm_free(spec);
     return brdf;
 }
@@ -137,8 +137,7 @@ static void check_rows(const nqm_spec_schema *schema, const nqm_spec_values *val
     nqm_brdf_free(brdf);
 }
 
-static void test_central_differences(void **state) {
-    (void)state;
+TEST(test_central_differences) {
     static double wi[3 * N_PAIRS], wo[3 * N_PAIRS];
     nqm_rng rng = nqm_rng_make(13, 0);
     for (const nqm_analytic_model *const *model = models; *model; ++model)
@@ -154,7 +153,7 @@ static void test_central_differences(void **state) {
 /* The Jacobian (3, *n_ret) of one pair; valid until the next call. */
 static const double *jacobian_at(const char *spec, const double *wi, const double *wo, double *rgb, size_t *n_ret) {
     static double jacobian[3 * MAX_PARAMETERS];
-    nqm_brdf *brdf = open_brdf(spec);
+    nqm_brdf *brdf = must_open(spec);
     *n_ret = nqm_brdf_get_info(brdf).n_values;
     assert_int_equal(nqm_brdf_jacobian(brdf, 1, wi, wo, rgb, jacobian, NULL), NQM_OK);
     for (size_t i = 0; i < 3 * *n_ret; ++i)
@@ -170,8 +169,7 @@ static void direction(double theta, int sign, double *w) {
     w[2] = cos(theta);
 }
 
-static void test_lafortune_branches(void **state) {
-    (void)state;
+TEST(test_lafortune_branches) {
     double wi[3], wo[3], rgb[3];
     size_t n;
     direction(1.2, 1, wi);
@@ -192,8 +190,7 @@ static void test_lafortune_branches(void **state) {
     assert_true(fabs(on_tie[6] - j[6]) > 0.1 * fabs(j[6])); /* the other branch differs */
 }
 
-static void test_eta_of_one_at_grazing(void **state) {
-    (void)state;
+TEST(test_eta_of_one_at_grazing) {
     static const char *const specs[] = {"low-cook-torrance:ks=.2;alpha=.3;eta=1", "abc:ks=.2;B=10;C=1;eta=1",
                                         "low-ashikhmin-shirley:ks=.2;n=10;eta=1", "smooth:ks=.2;B=10;C=1;eta=1"};
     double wi[3], wo[3], rgb[3];
@@ -208,8 +205,7 @@ static void test_eta_of_one_at_grazing(void **state) {
 
 #define SGD "sgd:kd=.1;ks=.4;alpha=.1;p=.6;K=9;lambda=2;c=.9;k=3"
 
-static void test_sgd_branches(void **state) {
-    (void)state;
+TEST(test_sgd_branches) {
     enum { LAMBDA = 3 * 7, N = 33 };
     double wi[3], wo[3], rgb[3];
     size_t n;
@@ -235,8 +231,7 @@ static void test_sgd_branches(void **state) {
 }
 
 /* Parameters at the ends of their ranges give finite derivatives. */
-static void test_ends_of_ranges(void **state) {
-    (void)state;
+TEST(test_ends_of_ranges) {
     static const char *const specs[] = {
         "lambert:kd=0",
         "ggx:ks=0;alpha=1e-4;f0=0",
@@ -273,8 +268,7 @@ static void test_ends_of_ranges(void **state) {
 }
 
 /* Many pairs in one call, some below the horizon: each row is that of the pair alone. */
-static void test_horizon_between_pairs(void **state) {
-    (void)state;
+TEST(test_horizon_between_pairs) {
     static double wi[3 * N_PAIRS], wo[3 * N_PAIRS], rgb[3 * N_PAIRS], jacobian[3 * 11 * N_PAIRS];
     const char *spec = "ggx:kd=.1,.2,.3;ks=.5;alpha=.2;f0=.1,.2,.4";
     nqm_rng rng = nqm_rng_make(15, 0);
@@ -284,7 +278,7 @@ static void test_horizon_between_pairs(void **state) {
         wo[3 * below[k] + 2] *= k % 2 ? 0 : -1;
     memset(rgb, 1, sizeof rgb);
     memset(jacobian, 1, sizeof jacobian);
-    nqm_brdf *brdf = open_brdf(spec);
+    nqm_brdf *brdf = must_open(spec);
     assert_int_equal(nqm_brdf_jacobian(brdf, N_PAIRS, wi, wo, rgb, jacobian, NULL), NQM_OK);
     for (size_t i = 0; i < N_PAIRS; ++i) {
         double rgb_of_one[3];
@@ -301,8 +295,7 @@ static void test_horizon_between_pairs(void **state) {
 
 /* ---- which BRDFs have parameters --------------------------------------------------------------------------------- */
 
-static void test_parameter_counts(void **state) {
-    (void)state;
+TEST(test_parameter_counts) {
     static const struct {
         const char *spec;
         size_t n;
@@ -319,7 +312,7 @@ static void test_parameter_counts(void **state) {
     for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
         double rgb[3], jacobian[3 * MAX_PARAMETERS];
         nqm_error err;
-        nqm_brdf *brdf = open_brdf(cases[i].spec);
+        nqm_brdf *brdf = must_open(cases[i].spec);
         if (cases[i].n)
             assert_int_equal(nqm_brdf_get_info(brdf).n_values, cases[i].n);
         nqm_status status = nqm_brdf_jacobian(brdf, 1, up, up, rgb, jacobian, &err);
@@ -365,8 +358,7 @@ static const nqm_analytic_model sample = {
     .prepare = sample_prepare,
 };
 
-static void test_differences(void **state) {
-    (void)state;
+TEST(test_differences) {
     enum { N = 3, COLUMNS = 7 };
     const double at[] = {0, 0.3, 1};
     double wi[3 * N] = {0, 0, 1, 0.6, 0, 0.8, 0.8, 0, 0.6}, rgb[3 * N];
@@ -385,21 +377,9 @@ static void test_differences(void **state) {
     }
 }
 
-static void test_what_makes_anisotropic(void **state) {
-    (void)state;
+TEST(test_what_makes_anisotropic) {
     const nqm_spec_schema *schema = &sample.schema;
     assert_true(nqm_spec_is_isotropic(schema, &(nqm_spec_values){.v = {{1}, {1, 2, 3}, {2, 2, 2}}}));
     assert_false(nqm_spec_is_isotropic(schema, &(nqm_spec_values){.v = {{1}, {1, 2, 3}, {2, 3, 3}}}));
     assert_false(nqm_spec_is_isotropic(schema, &(nqm_spec_values){.v = {{1}, {1, 2, 3}, {2, 2, 2}, {-0.5}}}));
-}
-
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_central_differences),    cmocka_unit_test(test_lafortune_branches),
-        cmocka_unit_test(test_eta_of_one_at_grazing),  cmocka_unit_test(test_sgd_branches),
-        cmocka_unit_test(test_ends_of_ranges),         cmocka_unit_test(test_horizon_between_pairs),
-        cmocka_unit_test(test_parameter_counts),       cmocka_unit_test(test_differences),
-        cmocka_unit_test(test_what_makes_anisotropic),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
 }

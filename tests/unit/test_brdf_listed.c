@@ -41,7 +41,7 @@ static const char *save(const csv *file) {
 static nqm_brdf *open_ok(const char *path, const char *suffix) {
     char argument[4200];
     snprintf(argument, sizeof argument, "%s%s", path, suffix);
-    return open_brdf(argument);
+    return must_open(argument);
 }
 
 static double plane(double theta_h, double theta_d) {
@@ -54,8 +54,7 @@ static double hat(double phi) {
     return x < 1 ? x : 1.5 - 0.5 * x;
 }
 
-static void grids_are_interpolated(void **state) {
-    (void)state;
+TEST(grids_are_interpolated) {
     static const double theta_h[] = {0, 3, 20, 45, 80, 90}, theta_d[] = {0, 10, 25, 80, 85};
     csv file = {.n = 0};
     add(&file, "# measured\n\n%s", header);
@@ -96,8 +95,7 @@ static void grids_are_interpolated(void **state) {
 }
 
 /* With phi_d beyond 180 degrees the light's side counts; nodes at both ends of the turn are one. */
-static void full_turns_are_not_reciprocal(void **state) {
-    (void)state;
+TEST(full_turns_are_not_reciprocal) {
     csv file = {.n = 0};
     add(&file, "%s", header);
     for (int p = -180; p <= 180; p += 90)
@@ -153,8 +151,7 @@ static void raise_angle(double *w, double angle) {
     w[2] = cos(theta);
 }
 
-static void scattered_directions_are_found(void **state) {
-    (void)state;
+TEST(scattered_directions_are_found) {
     double list[N][3];
     for (int full_turn = 0; full_turn < 2; ++full_turn) {
         nqm_brdf *brdf = open_ok(save_scattered(list, full_turn), ":0.2");
@@ -187,8 +184,7 @@ static void scattered_directions_are_found(void **state) {
 }
 
 /* Azimuths of light and viewer: any rotation about the normal is the same pair; light and viewer are not exchanged. */
-static void lights_and_viewers_are_read(void **state) {
-    (void)state;
+TEST(lights_and_viewers_are_read) {
     csv file = {.n = 0};
     add(&file, "r,g,b,theta_i,phi_i,theta_o,phi_o\n1,2,3,30,0,40,150\n4,5,6,10,-20,60,340\n");
     nqm_brdf *brdf = open_ok(save(&file), "");
@@ -233,8 +229,7 @@ static bool eval_goniometer(const nqm_brdf *brdf, double theta_i, double theta_o
     return nqm_has_value(flag);
 }
 
-static void goniometer_grids_are_interpolated(void **state) {
-    (void)state;
+TEST(goniometer_grids_are_interpolated) {
     double rgb[3];
     for (int turn = 0; turn < 3; ++turn) { /* half a turn to either side, and a full one */
         nqm_brdf *brdf = turn == 0   ? open_goniometer(0, 180, 30)
@@ -282,8 +277,7 @@ static nqm_brdf *open_sparse_goniometer(int first_phi, int normal_phi, int every
     return open_ok(save(&file), suffix);
 }
 
-static void goniometer_grids_may_lack_rows(void **state) {
-    (void)state;
+TEST(goniometer_grids_may_lack_rows) {
     static const struct {
         int first_phi, normal_phi, every;
         const char *missing;
@@ -331,8 +325,7 @@ static nqm_brdf *open_turned(double contrast, const char *suffix) {
 }
 
 /* Pairs that recur at other azimuths with other values keep them; without other values, or with those of noise, they do not. */
-static void azimuths_of_anisotropic_lists_are_kept(void **state) {
-    (void)state;
+TEST(azimuths_of_anisotropic_lists_are_kept) {
     static const double contrast[] = {0, 0.1, 0.3};
     for (size_t k = 0; k < sizeof contrast / sizeof *contrast; ++k) {
         nqm_brdf *brdf = open_turned(contrast[k], "");
@@ -381,8 +374,7 @@ static const char *save_scan(double phi_step) {
     return save(&file);
 }
 
-static void radians_are_refused(void **state) {
-    (void)state;
+TEST(radians_are_refused) {
     nqm_error err = {0};
     nqm_brdf *brdf = open_ok(save_scan(0), ""); /* degrees: a highlight in one plane */
     nqm_brdf_free(brdf);
@@ -407,8 +399,7 @@ static void expect_refused(const char *text, const char *suffix, nqm_status stat
         fail_msg("message: %s (%s)", err.message, at);
 }
 
-static void refuses_unfit_lists(void **state) {
-    (void)state;
+TEST(refuses_unfit_lists) {
     static const char grid[] = "theta_h,theta_d,phi_d,r,g,b\n0,0,0,1,1,1\n0,9,0,1,1,1\n9,0,0,1,1,1\n9,9,0,1,1,1\n";
     expect_refused("theta_h,theta_d,phi_d,r,g\n1,2,3,4,5\n", "", NQM_ERR_FORMAT, "no column 'b'");
     expect_refused("theta_i,phi_i,theta_o,phi_o,r,g\n1,2,3,4,5,6\n", "", NQM_ERR_FORMAT, "no column 'b'");
@@ -435,17 +426,4 @@ static void refuses_unfit_lists(void **state) {
         assert_int_equal(nqm_brdf_open(path, &brdf, NULL), NQM_ERR_NOMEM);
         nqm_alloc_fail_after(-1);
     }
-}
-
-int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(grids_are_interpolated),
-                                       cmocka_unit_test(full_turns_are_not_reciprocal),
-                                       cmocka_unit_test(scattered_directions_are_found),
-                                       cmocka_unit_test(lights_and_viewers_are_read),
-                                       cmocka_unit_test(goniometer_grids_are_interpolated),
-                                       cmocka_unit_test(goniometer_grids_may_lack_rows),
-                                       cmocka_unit_test(azimuths_of_anisotropic_lists_are_kept),
-                                       cmocka_unit_test(radians_are_refused),
-                                       cmocka_unit_test(refuses_unfit_lists)};
-    return cmocka_run_group_tests_name("brdf_listed", tests, NULL, NULL);
 }

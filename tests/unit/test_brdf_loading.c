@@ -39,13 +39,12 @@ static void scatter_directions(size_t n, double *hd) {
 /* ---- MERL -------------------------------------------------------------------------------------------------------- */
 
 /* So many that the table is loaded into memory: in one call, again, and one by one in reverse order. */
-static void gives_the_same_to_early_and_late(void **state) {
-    (void)state;
+TEST(gives_the_same_to_early_and_late) {
     enum { N = 3000 };
     static double hd[3 * N], at_once[3 * N], single[3 * N], again[3 * N];
     uint8_t flag[N], flag_single[N];
     scatter_directions(N, hd);
-    nqm_brdf *table = open_brdf(merl_path()), *other = open_brdf(merl_path());
+    nqm_brdf *table = must_open(merl_path()), *other = must_open(merl_path());
     nqm_brdf_eval_half_diff(table, N, hd, at_once, flag);
     nqm_brdf_eval_half_diff(table, N, hd, again, NULL);
     for (size_t i = N; i-- > 0;)
@@ -84,8 +83,7 @@ static bool drop_from_memory(const char *path) {
     return told && count_resident(path, &n_pages) < n_pages / 100;
 }
 
-static void loads_only_what_a_sampling_needs(void **state) {
-    (void)state;
+TEST(loads_only_what_a_sampling_needs) {
     enum { N = 500 };
     const char *path = merl_path();
     if (!drop_from_memory(path))
@@ -94,7 +92,7 @@ static void loads_only_what_a_sampling_needs(void **state) {
     options.n = N;
     nqm_directions *directions;
     assert_int_equal(nqm_directions_create(&options, 0, NULL, &directions, NULL), NQM_OK);
-    nqm_brdf *table = open_brdf(path);
+    nqm_brdf *table = must_open(path);
     float rgb[3 * N];
     size_t n_pages, n_opened = count_resident(path, &n_pages);
     assert_true(n_opened <= 40); /* the header, a few cells, and pages read ahead */
@@ -108,8 +106,7 @@ static void loads_only_what_a_sampling_needs(void **state) {
 }
 
 /* Tables keep their files open, but not so many that the process runs out of file descriptors. */
-static void leaves_files_to_others(void **state) {
-    (void)state;
+TEST(leaves_files_to_others) {
     enum { N_TABLES = 300, N = 30 };
     static nqm_brdf *tables[N_TABLES];
     double hd[3 * N], first[3 * N], last[3 * N];
@@ -120,7 +117,7 @@ static void leaves_files_to_others(void **state) {
     limit.rlim_cur = 290;
     assert_int_equal(setrlimit(RLIMIT_NOFILE, &limit), 0);
     for (size_t i = 0; i < N_TABLES; ++i)
-        tables[i] = open_brdf(merl_path());
+        tables[i] = must_open(merl_path());
     scatter_directions(N, hd);
     nqm_brdf_eval_half_diff(tables[0], N, hd, first, NULL);
     nqm_brdf_eval_half_diff(tables[N_TABLES - 1], N, hd, last, NULL);
@@ -131,15 +128,14 @@ static void leaves_files_to_others(void **state) {
 
 /* ---- RGL --------------------------------------------------------------------------------------------------------- */
 
-static void reads_tensors_at_any_byte(void **state) {
-    (void)state;
+TEST(reads_tensors_at_any_byte) {
     enum { N = 200 };
     double hd[3 * N], aligned[3 * N], shifted[3 * N];
     scatter_directions(N, hd);
     for (size_t shift = 0; shift < 6; ++shift) {
         const char *path = scratch_path("shifted.bsdf");
         blob_put(make_shifted_rgl(shift), path);
-        nqm_brdf *brdf = open_brdf(path);
+        nqm_brdf *brdf = must_open(path);
         assert_int_equal(unlink(path), 0); /* open files stay readable */
         nqm_brdf_eval_half_diff(brdf, N, hd, shift ? shifted : aligned, NULL);
         if (shift)
@@ -150,8 +146,7 @@ static void reads_tensors_at_any_byte(void **state) {
 
 /* ---- names in lists ---------------------------------------------------------------------------------------------- */
 
-static void relative_paths_start_at_the_root(void **state) {
-    (void)state;
+TEST(relative_paths_start_at_the_root) {
     static const struct {
         const char *name, *root, *path;
     } cases[] = {{"a/b.binary", "data", "data/a/b.binary"},
@@ -174,8 +169,7 @@ static void relative_paths_start_at_the_root(void **state) {
     assert_null(brdf);
 }
 
-static void companions_are_in_the_folder_of_the_file(void **state) {
-    (void)state;
+TEST(companions_are_in_the_folder_of_the_file) {
     static const struct {
         const char *path, *name, *beside;
     } cases[] = {{"data/m.xml", "a.bsdf", "data/a.bsdf"},
@@ -204,12 +198,4 @@ static void companions_are_in_the_folder_of_the_file(void **state) {
     assert_null(companion);
     assert_int_equal(nqm_brdf_find_companion(merl_path(), NULL, &companion, NULL), NQM_OK);
     assert_null(companion);
-}
-
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(gives_the_same_to_early_and_late), cmocka_unit_test(loads_only_what_a_sampling_needs),
-        cmocka_unit_test(leaves_files_to_others),           cmocka_unit_test(reads_tensors_at_any_byte),
-        cmocka_unit_test(relative_paths_start_at_the_root), cmocka_unit_test(companions_are_in_the_folder_of_the_file)};
-    return cmocka_run_group_tests_name("brdf_loading", tests, NULL, NULL);
 }

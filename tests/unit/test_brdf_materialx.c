@@ -6,12 +6,12 @@
 #include "io/io.h"
 #include "math/math.h"
 #include "support/shading.h"
+#include "support/test.h"
 #include <nqm/brdf.h>
 
 #include <math.h>
 
-static void test_node_graphs(void **state) {
-    (void)state;
+TEST(test_node_graphs) {
     check_shading_vectors("shading_materialx.csv", 940, 1e-9, 1e-13);
 }
 
@@ -32,8 +32,7 @@ static double albedo_of(const nqm_brdf *brdf, double theta_o) {
 }
 
 /* No light is made, within the error of the fits of directional albedos and of Schlick's factor in them. */
-static void test_energy(void **state) {
-    (void)state;
+TEST(test_energy) {
     static const char *const specs[] = {
         "open-pbr:base_color=1;specular_roughness=.4",
         "open-pbr:base_color=1;specular_roughness=1;base_diffuse_roughness=1",
@@ -50,7 +49,7 @@ static void test_energy(void **state) {
         "usd-preview:diffuseColor=1;useSpecularWorkflow=1;specularColor=.5,.3,.2",
     };
     for (size_t i = 0; i < sizeof specs / sizeof *specs; ++i) {
-        nqm_brdf *brdf = open_brdf(specs[i]);
+        nqm_brdf *brdf = must_open(specs[i]);
         for (double theta = 0.1; theta < 1.4; theta += 0.3) {
             const double albedo = albedo_of(brdf, theta);
             if (!(albedo < 1.04))
@@ -61,9 +60,8 @@ static void test_energy(void **state) {
 }
 
 /* At roughness 0 the energy-preserving model of Oren and Nayar is Lambert's. */
-static void test_lambert(void **state) {
-    (void)state;
-    nqm_brdf *brdf = open_brdf("open-pbr:base_color=.5;specular_weight=0;specular_ior=1");
+TEST(test_lambert) {
+    nqm_brdf *brdf = must_open("open-pbr:base_color=.5;specular_weight=0;specular_ior=1");
     const double wi[3] = {0.6, 0, 0.8}, wo[3] = {0, 0.6, 0.8};
     double rgb[3];
     nqm_brdf_eval(brdf, 1, wi, wo, rgb, NULL);
@@ -72,8 +70,7 @@ static void test_lambert(void **state) {
 }
 
 /* Keys of anisotropy: those that are 0 or equal are isotropic; values outside of their range are refused. */
-static void test_anisotropy(void **state) {
-    (void)state;
+TEST(test_anisotropy) {
     static const struct {
         const char *spec;
         int isotropic;
@@ -100,7 +97,7 @@ static void test_anisotropy(void **state) {
                                          "rough-plastic:alpha=.1,.2",
                                          "pbrt-conductor:roughness=.2,0;eta=1;k=2"};
     for (size_t i = 0; i < sizeof specs / sizeof *specs; ++i) {
-        nqm_brdf *brdf = open_brdf(specs[i].spec);
+        nqm_brdf *brdf = must_open(specs[i].spec);
         assert_int_equal(nqm_brdf_get_info(brdf).isotropic, specs[i].isotropic);
         nqm_brdf_free(brdf);
     }
@@ -111,10 +108,9 @@ static void test_anisotropy(void **state) {
 }
 
 /* A rotation of Standard Surface turns the material clockwise. */
-static void test_rotation(void **state) {
-    (void)state;
-    nqm_brdf *turned = open_brdf("standard-surface:metalness=1;specular_anisotropy=.7;specular_rotation=.0625");
-    nqm_brdf *plain = open_brdf("standard-surface:metalness=1;specular_anisotropy=.7");
+TEST(test_rotation) {
+    nqm_brdf *turned = must_open("standard-surface:metalness=1;specular_anisotropy=.7;specular_rotation=.0625");
+    nqm_brdf *plain = must_open("standard-surface:metalness=1;specular_anisotropy=.7");
     const double turn[2] = {-sin(NQM_PI / 8), cos(NQM_PI / 8)}, wi[3] = {0.48, 0.36, 0.8}, wo[3] = {-0.6, 0, 0.8};
     double in[3], out[3], a[3], b[3];
     nqm_turn3(turn, wi, in);
@@ -126,12 +122,4 @@ static void test_rotation(void **state) {
     assert_true(fabs(a[0] - b[0]) > 0.01 * a[0]);
     nqm_brdf_free(turned);
     nqm_brdf_free(plain);
-}
-
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_node_graphs), cmocka_unit_test(test_energy),   cmocka_unit_test(test_lambert),
-        cmocka_unit_test(test_anisotropy),  cmocka_unit_test(test_rotation),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -38,8 +38,7 @@ static bool above_horizon(const double *hd) {
     return cos(hd[0]) * cos(hd[1]) - fabs(sin(hd[0]) * sin(hd[1]) * cos(hd[2])) > 1e-9;
 }
 
-static void reads_the_nearest_cell(void **state) {
-    (void)state;
+TEST(reads_the_nearest_cell) {
     const uint64_t seed = 11;
     print_message("seed %d\n", (int)seed);
     nqm_brdf *brdf = open_table();
@@ -69,8 +68,7 @@ static void reads_the_nearest_cell(void **state) {
 }
 
 /* The limits of the angles, and phi_d beyond pi. */
-static void reads_at_the_edges(void **state) {
-    (void)state;
+TEST(reads_at_the_edges) {
     nqm_brdf *brdf = open_table();
     enum { N = 5 };
     const double hd[N][3] = {{0, 0, 0}, {0, 0, pi}, {0.3, 0.2, 1 + pi}, {0.3, 0.2, 1 - 4 * pi}, {0, pi / 2, 0}};
@@ -86,8 +84,7 @@ static void reads_at_the_edges(void **state) {
     nqm_brdf_free(brdf);
 }
 
-static void tells_about_itself(void **state) {
-    (void)state;
+TEST(tells_about_itself) {
     nqm_brdf *brdf = open_table();
     nqm_brdf_info info = nqm_brdf_get_info(brdf);
     assert_string_equal(info.format, "merl");
@@ -116,8 +113,7 @@ static void expect_refused(const char *path, nqm_status status, int64_t byte_off
     assert_non_null(strstr(err.message, words));
 }
 
-static void refuses_broken_tables(void **state) {
-    (void)state;
+TEST(refuses_broken_tables) {
     const char *path = scratch_path("broken.binary");
     blob valid = make_merl(), head = valid;
     head.n_bytes = 1000;
@@ -139,8 +135,7 @@ static void refuses_broken_tables(void **state) {
     blob_free(&valid);
 }
 
-static void refuses_a_table_without_numbers(void **state) {
-    (void)state;
+TEST(refuses_a_table_without_numbers) {
     const char *path = scratch_path("nan.binary");
     blob b = make_merl();
     memset(b.data + 12, 0xff, b.n_bytes - 12); /* all bits set is a NaN */
@@ -149,8 +144,7 @@ static void refuses_a_table_without_numbers(void **state) {
 }
 
 /* A file with single cells that are not finite can be opened; those cells are flagged as invalid. */
-static void flags_cells_that_are_not_finite(void **state) {
-    (void)state;
+TEST(flags_cells_that_are_not_finite) {
     const char *path = scratch_path("hole.binary");
     blob b = make_merl();
     nqm_store_f64(b.data + 12 + 8 * (90 * 90 * 180), (double)NAN); /* green of cell 0 */
@@ -172,8 +166,7 @@ static void flags_cells_that_are_not_finite(void **state) {
 /* ---- 360 phi_d --------------------------------------------------------------------------------------------------- */
 
 /* Exchanging light and viewer adds 180 degrees to phi_d; a table of 360 has its own cells there. */
-static void distinguishes_light_and_viewer(void **state) {
-    (void)state;
+TEST(distinguishes_light_and_viewer) {
     const uint64_t seed = 12;
     print_message("seed %d\n", (int)seed);
     const char *path = scratch_path("full.binary");
@@ -253,8 +246,7 @@ static int count_ticks(void *user, const char *stage, double done, double total)
     return ++t->n == t->stop_at;
 }
 
-static void writes_what_it_reads(void **state) {
-    (void)state;
+TEST(writes_what_it_reads) {
     const char *path = scratch_path("written.binary");
     nqm_brdf *network = open_network(), *table;
     ticks t = {0};
@@ -286,8 +278,7 @@ static void writes_what_it_reads(void **state) {
     nqm_brdf_free(network);
 }
 
-static void stops_and_leaves_nothing(void **state) {
-    (void)state;
+TEST(stops_and_leaves_nothing) {
     const char *path = scratch_path("cancelled.binary");
     nqm_brdf *network = open_network();
     ticks t = {.stop_at = 1};
@@ -300,17 +291,4 @@ static void stops_and_leaves_nothing(void **state) {
     assert_int_equal(nqm_brdf_write(network, NQM_TABLE_MERL, path, NULL, NULL, &err), NQM_ERR_NOMEM);
     nqm_alloc_fail_after(-1);
     nqm_brdf_free(network);
-}
-
-int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(reads_the_nearest_cell),
-                                       cmocka_unit_test(reads_at_the_edges),
-                                       cmocka_unit_test(tells_about_itself),
-                                       cmocka_unit_test(refuses_broken_tables),
-                                       cmocka_unit_test(refuses_a_table_without_numbers),
-                                       cmocka_unit_test(flags_cells_that_are_not_finite),
-                                       cmocka_unit_test(distinguishes_light_and_viewer),
-                                       cmocka_unit_test(writes_what_it_reads),
-                                       cmocka_unit_test(stops_and_leaves_nothing)};
-    return cmocka_run_group_tests_name("brdf_merl", tests, NULL, NULL);
 }

@@ -49,13 +49,12 @@ static void evaluate(const char *spec, nqm_mistakes mistakes, const double *wi, 
     nqm_mistaken_eval(model, &values, mistakes, N, wi, wo, rgb);
 }
 
-static void models_without_mistakes_are_the_models(void **state) {
-    (void)state;
+TEST(models_without_mistakes_are_the_models) {
     double wi[3 * N], wo[3 * N], right[3 * N];
     float rgb[3 * N];
     make_pairs(wi, wo);
     for (size_t s = 0; s < N_SPECS; ++s) {
-        nqm_brdf *brdf = open_brdf(specs[s]);
+        nqm_brdf *brdf = must_open(specs[s]);
         nqm_brdf_eval(brdf, N, wi, wo, right, NULL);
         evaluate(specs[s], 0, wi, wo, rgb);
         for (size_t i = 0; i < 3 * N; ++i)
@@ -65,8 +64,7 @@ static void models_without_mistakes_are_the_models(void **state) {
 }
 
 /* And no two of a model with several lobes have the same values. */
-static void each_mistake_changes_a_model(void **state) {
-    (void)state;
+TEST(each_mistake_changes_a_model) {
     static float rgb[NQM_N_MISTAKES + 1][3 * N];
     bool has_effect[NQM_N_MISTAKES] = {false};
     double wi[3 * N], wo[3 * N];
@@ -93,8 +91,7 @@ static void each_mistake_changes_a_model(void **state) {
 }
 
 /* D G F / (4 cos cos) of pbrt's conductor with one factor changed. */
-static void mistakes_are_what_they_say(void **state) {
-    (void)state;
+TEST(mistakes_are_what_they_say) {
     const char *spec = specs[N_SPECS - 1];
     double wi[3 * N], wo[3 * N];
     float right[3 * N], wrong[3 * N];
@@ -135,13 +132,4 @@ static void mistakes_are_what_they_say(void **state) {
              wrong);
     for (size_t i = 0; i < 3 * N; ++i)
         assert_near((double)wrong[i], NQM_PI * (double)right[i / 3 * 3 + 2 - i % 3], 1e-5 * (double)wrong[i]);
-}
-
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(models_without_mistakes_are_the_models),
-        cmocka_unit_test(each_mistake_changes_a_model),
-        cmocka_unit_test(mistakes_are_what_they_say),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
 }

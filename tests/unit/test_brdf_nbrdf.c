@@ -44,8 +44,7 @@ static void compare(nqm_brdf *brdf, const double (*expected)[3], double toleranc
     nqm_brdf_free(brdf);
 }
 
-static void network_agrees_with_numpy(void **state) {
-    (void)state;
+TEST(network_agrees_with_numpy) {
     const char *path = scratch_path("network.h5");
     blob_put(make_nbrdf(NBRDF_VALID), path);
     nqm_brdf *brdf = open_ok(path);
@@ -57,8 +56,7 @@ static void network_agrees_with_numpy(void **state) {
     compare(brdf, nbrdf_vector, 1e-12);
 }
 
-static void network_comes_out_of_a_zip(void **state) {
-    (void)state;
+TEST(network_comes_out_of_a_zip) {
     const char *path = scratch_path("archive.zip");
     char argument[400];
     blob network = make_nbrdf(NBRDF_VALID);
@@ -80,8 +78,7 @@ static nqm_error expect(const char *argument, nqm_status status, const char *wor
     return err;
 }
 
-static void zip_faults_are_told(void **state) {
-    (void)state;
+TEST(zip_faults_are_told) {
     const char *path = scratch_path("archive.zip");
     char argument[400];
     blob network = make_nbrdf(NBRDF_VALID), zip = make_zip("steel.h5", &network);
@@ -111,8 +108,7 @@ static void zip_faults_are_told(void **state) {
     blob_free(&network);
 }
 
-static void refuses_a_member_that_is_too_large(void **state) {
-    (void)state;
+TEST(refuses_a_member_that_is_too_large) {
     const char *path = scratch_path("archive.zip");
     char argument[400];
     const char *large_path = scratch_path("large.h5");
@@ -136,8 +132,7 @@ static void refuses_a_member_that_is_too_large(void **state) {
     nqm_free(data);
 }
 
-static void refuses_broken_networks(void **state) {
-    (void)state;
+TEST(refuses_broken_networks) {
     static const char *const words[NBRDF_KINDS] = {[NBRDF_MISSING] = "missing",
                                                    [NBRDF_SHAPE] = "shape",
                                                    [NBRDF_DOUBLE] = "float32",
@@ -159,8 +154,7 @@ static void refuses_broken_networks(void **state) {
     }
 }
 
-static void refuses_truncated_files(void **state) {
-    (void)state;
+TEST(refuses_truncated_files) {
     blob b = make_nbrdf(NBRDF_VALID);
     const char *path = scratch_path("short.h5");
     for (size_t n = 0; n < b.n_bytes; n += n < 100 ? 1 : 29) {
@@ -172,8 +166,7 @@ static void refuses_truncated_files(void **state) {
     blob_free(&b);
 }
 
-static void refuses_odd_superblocks(void **state) {
-    (void)state;
+TEST(refuses_odd_superblocks) {
     static const struct {
         size_t at;
         unsigned char value;
@@ -187,8 +180,7 @@ static void refuses_odd_superblocks(void **state) {
     }
 }
 
-static void processes_agree_with_numpy(void **state) {
-    (void)state;
+TEST(processes_agree_with_numpy) {
     const char *path = scratch_path("decoder.bin");
     char argument[400];
     blob_put(make_nps_decoder(), path);
@@ -202,8 +194,7 @@ static void processes_agree_with_numpy(void **state) {
     compare(brdf, nps_vector, 1e-4); /* seven layers in float32 */
 }
 
-static void process_faults_are_told(void **state) {
-    (void)state;
+TEST(process_faults_are_told) {
     const char *path = scratch_path("decoder.bin"), *latents = scratch_path("nps_latents.csv");
     char argument[400];
     blob decoder = make_nps_decoder();
@@ -225,8 +216,7 @@ static void process_faults_are_told(void **state) {
     expect(argument, NQM_ERR_FORMAT, "neither a zip nor a decoder");
 }
 
-static void survives_failing_allocations(void **state) {
-    (void)state;
+TEST(survives_failing_allocations) {
     char arguments[2][400];
     blob network = make_nbrdf(NBRDF_VALID);
     blob_put(make_zip("steel.h5", &network), scratch_path("archive.zip"));
@@ -249,14 +239,4 @@ static void survives_failing_allocations(void **state) {
         assert_int_equal(status, NQM_OK);
         assert_true(n > 4);
     }
-}
-
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(network_agrees_with_numpy), cmocka_unit_test(network_comes_out_of_a_zip),
-        cmocka_unit_test(zip_faults_are_told),       cmocka_unit_test(refuses_a_member_that_is_too_large),
-        cmocka_unit_test(refuses_broken_networks),   cmocka_unit_test(refuses_truncated_files),
-        cmocka_unit_test(refuses_odd_superblocks),   cmocka_unit_test(processes_agree_with_numpy),
-        cmocka_unit_test(process_faults_are_told),   cmocka_unit_test(survives_failing_allocations)};
-    return cmocka_run_group_tests_name("brdf_nbrdf", tests, NULL, NULL);
 }

@@ -32,8 +32,7 @@ static nqm_brdf *open_ok(const char *path) {
     return brdf;
 }
 
-static void agrees_with_numpy(void **state) {
-    (void)state;
+TEST(agrees_with_numpy) {
     for (int k = 0; k < 2; ++k) {
         const char *path = k ? save(sizeof npy_f8, npy_f8) : save(sizeof npy_f4, npy_f4);
         nqm_brdf *brdf = open_ok(path);
@@ -52,8 +51,7 @@ static void agrees_with_numpy(void **state) {
     }
 }
 
-static void agrees_with_numpy_at_any_azimuth(void **state) {
-    (void)state;
+TEST(agrees_with_numpy_at_any_azimuth) {
     nqm_brdf *brdf = open_ok(save(sizeof npy_turned, npy_turned));
     for (size_t i = 0; i < N_POINTS; ++i) {
         const double *v = npy_turned_vector[i];
@@ -85,8 +83,7 @@ static void expect_refused(const char *path, int64_t byte_offset, const char *wo
         fail_msg("message: %s (%s)", err.message, at);
 }
 
-static void refuses_other_arrays(void **state) {
-    (void)state;
+TEST(refuses_other_arrays) {
     expect_refused(save(sizeof npy_fortran, npy_fortran), 10, "Fortran order");
     expect_refused(save(sizeof npy_big, npy_big), 10, "'>f4'");
     expect_refused(save(sizeof npy_integer, npy_integer), 10, "'<i4'");
@@ -108,8 +105,7 @@ static void refuses_other_arrays(void **state) {
 }
 
 /* A table is written with the same values, and any other BRDF as its table. */
-static void writes_what_it_reads(void **state) {
-    (void)state;
+TEST(writes_what_it_reads) {
     const char *path = save(sizeof npy_f4, npy_f4), *copy = scratch_path("copy.npy");
     nqm_table_size size, again_size;
     nqm_brdf *brdf = open_ok(path);
@@ -139,11 +135,4 @@ static void writes_what_it_reads(void **state) {
     assert_int_equal(nqm_brdf_write(brdf, NQM_TABLE_NPY, "/nowhere/x.npy", NULL, NULL, NULL), NQM_ERR_IO);
     nqm_brdf_free(again);
     nqm_brdf_free(brdf);
-}
-
-int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(agrees_with_numpy),
-                                       cmocka_unit_test(agrees_with_numpy_at_any_azimuth),
-                                       cmocka_unit_test(refuses_other_arrays), cmocka_unit_test(writes_what_it_reads)};
-    return cmocka_run_group_tests_name("brdf_npy", tests, NULL, NULL);
 }

@@ -41,8 +41,7 @@ static void expect_format(const char *argument, const char *format) {
 }
 
 /* The format is detected from the content, not from the name. */
-static void finds_formats_by_bytes(void **state) {
-    (void)state;
+TEST(finds_formats_by_bytes) {
     const char *path = scratch_path("file.txt");
     blob_put(make_rgl(NULL), path);
     expect_format(path, "rgl");
@@ -53,8 +52,7 @@ static void finds_formats_by_bytes(void **state) {
     expect_format("lambert:kd=.5", "lambert");
 }
 
-static void refuses_what_is_no_brdf(void **state) {
-    (void)state;
+TEST(refuses_what_is_no_brdf) {
     const char *path = scratch_path("file.binary");
     expect(path, NQM_ERR_IO, path);
     expect("/tmp", NQM_ERR_IO, "directory");
@@ -75,8 +73,7 @@ static void refuses_what_is_no_brdf(void **state) {
 }
 
 /* A colon separates a member only if the part before it is a file and the whole argument is not. */
-static void splits_at_the_last_colon(void **state) {
-    (void)state;
+TEST(splits_at_the_last_colon) {
     const char *path = scratch_path("a:b.bsdf");
     char argument[400];
     blob_put(make_rgl(NULL), path);
@@ -144,8 +141,7 @@ static void draw_pairs(double *wi, double *wo) {
     }
 }
 
-static void clamps_and_flags(void **state) {
-    (void)state;
+TEST(clamps_and_flags) {
     static double wi[3 * N], wo[3 * N], rgb[3 * N], unflagged[3 * N];
     static uint8_t flag[N];
     size_t n_most = 0, n_of[4] = {0};
@@ -176,8 +172,7 @@ static void clamps_and_flags(void **state) {
 }
 
 /* Half-vector coordinates distinguish light and viewer for phi_d in [0, 2 pi). */
-static void evaluates_half_vector_coordinates(void **state) {
-    (void)state;
+TEST(evaluates_half_vector_coordinates) {
     size_t n_most = 0;
     nqm_brdf *brdf = open_ramp(&n_most);
     static double hd[3 * N], wi[3 * N], wo[3 * N], rgb[3 * N], expected[3 * N];
@@ -205,8 +200,7 @@ static void evaluates_half_vector_coordinates(void **state) {
 }
 
 /* self is freed exactly once, also on failure. */
-static void wrap_owns_self(void **state) {
-    (void)state;
+TEST(wrap_owns_self) {
     size_t n_most = 0;
     n_freed = 0;
     nqm_brdf_free(open_ramp(&n_most));
@@ -220,12 +214,4 @@ static void wrap_owns_self(void **state) {
     assert_null(brdf);
     assert_int_equal(n_freed, 2);
     nqm_brdf_free(NULL);
-}
-
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(finds_formats_by_bytes),   cmocka_unit_test(refuses_what_is_no_brdf),
-        cmocka_unit_test(splits_at_the_last_colon), cmocka_unit_test(clamps_and_flags),
-        cmocka_unit_test(wrap_owns_self),           cmocka_unit_test(evaluates_half_vector_coordinates)};
-    return cmocka_run_group_tests_name("brdf_open", tests, NULL, NULL);
 }

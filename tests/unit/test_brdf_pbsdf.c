@@ -21,11 +21,10 @@ static const char *save(blob b) {
 static nqm_brdf *open_under(const char *path, const char *suffix) {
     char argument[4200];
     snprintf(argument, sizeof argument, "%s%s", path, suffix);
-    return open_brdf(argument);
+    return must_open(argument);
 }
 
-static void agrees_with_numpy(void **state) {
-    (void)state;
+TEST(agrees_with_numpy) {
     const char *path = save(make_pbsdf(NULL));
     for (int k = 0; k < 2; ++k) {
         nqm_brdf *brdf = open_under(path, k ? ":D65" : "");
@@ -65,8 +64,7 @@ static void expect_refused(blob b, const char *words) {
         fail_msg("message: %s (%s)", err.message, at);
 }
 
-static void refuses_unfit_tensors(void **state) {
-    (void)state;
+TEST(refuses_unfit_tensors) {
     static const char *const needed[] = {"theta_h", "theta_d", "phi_d", "wvls"};
     static const float falling[5] = {0, 0.5F, 0.25F, 1, 1.5F}, degrees[4] = {0, 30, 60, 90};
     static const float infrared[5] = {700, 750, 800, 850, 900};
@@ -82,9 +80,4 @@ static void refuses_unfit_tensors(void **state) {
     expect_refused(make_pbsdf(&(rgl_change){"M", false, 10, 6, {6, 4, 5, 5, 4, 3}, NULL}), "4 x 4");
     expect_refused(make_pbsdf(&(rgl_change){"M", false, 10, 5, {6, 4, 5, 5, 16}, NULL}), "4 x 4");
     expect_refused(make_pbsdf(&(rgl_change){"M", false, 1, 6, {6, 4, 5, 5, 4, 4}, NULL}), "type");
-}
-
-int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(agrees_with_numpy), cmocka_unit_test(refuses_unfit_tensors)};
-    return cmocka_run_group_tests_name("brdf_pbsdf", tests, NULL, NULL);
 }

@@ -16,7 +16,7 @@ static const char glossy[] = "ggx:kd=.2,.1,.05;ks=1;alpha=.05;f0=.5,.4,.3";
 
 /* The value at (theta_h, theta_d, phi_d) in degrees. */
 static void value_at(const char *spec, double theta_h, double theta_d, double phi_d, double *rgb) {
-    nqm_brdf *brdf = open_brdf(spec);
+    nqm_brdf *brdf = must_open(spec);
     const double hd[3] = {theta_h * degree, theta_d * degree, phi_d * degree};
     nqm_brdf_eval_half_diff(brdf, 1, hd, rgb, NULL);
     nqm_brdf_free(brdf);
@@ -32,8 +32,7 @@ static void perturbed_at(const char *settings, const char *base, const double *p
 static const double places[][3] = {{0, 0, 0}, {0.5, 10, 20}, {3, 30, 90}, {12, 60, 45}, {35, 20, 130}, {5, 80, 90}};
 enum { N_PLACES = sizeof places / sizeof *places };
 
-static void test_colour_settings(void **state) {
-    (void)state;
+TEST(test_colour_settings) {
     for (size_t i = 0; i < N_PLACES; ++i) {
         double base[3], rgb[3];
         value_at(glossy, places[i][0], places[i][1], places[i][2], base);
@@ -70,8 +69,7 @@ static double half_width(const char *spec) {
     return from;
 }
 
-static void test_gloss_scales_the_width(void **state) {
-    (void)state;
+TEST(test_gloss_scales_the_width) {
     char spec[256];
     double width = half_width(glossy);
     static const double gloss[] = {0.5, 0.8, 1.25, 2, 4};
@@ -85,8 +83,7 @@ static void test_gloss_scales_the_width(void **state) {
     assert_memory_equal(top, rgb, sizeof top); /* the height is unchanged */
 }
 
-static void test_shift_moves_the_lobe(void **state) {
-    (void)state;
+TEST(test_shift_moves_the_lobe) {
     double base[3], rgb[3];
     perturbed_at("shift=4", glossy, (const double[3]){4, 20, 90}, rgb);
     value_at(glossy, 0, 20, 90, base);
@@ -98,8 +95,7 @@ static void test_shift_moves_the_lobe(void **state) {
     assert_relative(rgb[1], base[1], 1e-9);
 }
 
-static void test_peak_and_fresnel(void **state) {
-    (void)state;
+TEST(test_peak_and_fresnel) {
     double base[3], off[3], rgb[3];
     const double place[3] = {1, 40, 90}; /* light and viewer reach the horizon at theta_h = 90 degrees */
     value_at(glossy, 1, 40, 90, base);
@@ -120,10 +116,9 @@ static void test_peak_and_fresnel(void **state) {
     }
 }
 
-static void test_mix_keeps_the_albedo(void **state) {
-    (void)state;
+TEST(test_mix_keeps_the_albedo) {
     double base[3], rgb[3], half[3];
-    nqm_brdf *brdf = open_brdf(glossy);
+    nqm_brdf *brdf = must_open(glossy);
     nqm_brdf_albedo(brdf, 45 * degree, 1, base);
     nqm_brdf_free(brdf);
     perturbed_at("mix=1", glossy, places[3], rgb);
@@ -135,8 +130,7 @@ static void test_mix_keeps_the_albedo(void **state) {
         assert_relative(half[c], 0.5 * (rgb[c] + base[c]), 1e-12);
 }
 
-static void test_quantise(void **state) {
-    (void)state;
+TEST(test_quantise) {
     for (size_t i = 0; i < N_PLACES; ++i) {
         double base[3], rgb[3];
         value_at(glossy, places[i][0], places[i][1], places[i][2], base);
@@ -152,8 +146,7 @@ static void test_quantise(void **state) {
     assert_true(rgb[0] == 0);
 }
 
-static void test_rounding(void **state) {
-    (void)state;
+TEST(test_rounding) {
     for (size_t i = 0; i < N_PLACES; ++i) {
         double base[3], rgb[3];
         value_at(glossy, places[i][0], places[i][1], places[i][2], base);
@@ -184,8 +177,7 @@ static void test_rounding(void **state) {
 
 /* No channel exceeds the given fraction of the maximum over mirror directions, at theta_d = 60 degrees for this
  * lobe. */
-static void test_clamp(void **state) {
-    (void)state;
+TEST(test_clamp) {
     double top[3];
     value_at(glossy, 0, 60, 0, top);
     for (size_t i = 0; i < N_PLACES; ++i) {
@@ -203,8 +195,7 @@ static void test_clamp(void **state) {
     assert_relative(rgb[2], 0.01 / NQM_PI, 1e-12);
 }
 
-static void test_ripple(void **state) {
-    (void)state;
+TEST(test_ripple) {
     double base[3], rgb[3];
     for (size_t i = 0; i < N_PLACES; ++i) {
         value_at(glossy, places[i][0], places[i][1], places[i][2], base);
@@ -217,8 +208,7 @@ static void test_ripple(void **state) {
 
 /* A rotation by 120 degrees permutes the channels; any rotation preserves the sum, the distance from grey, and
  * greys. */
-static void test_hue(void **state) {
-    (void)state;
+TEST(test_hue) {
     static const char base[] = "lambert:kd=.5,.4,.3", grey[] = "lambert:kd=.3";
     double rgb[3];
     perturbed_at("hue=120", base, places[1], rgb);
@@ -245,7 +235,7 @@ static void test_hue(void **state) {
 /* The Gaussian mean over the plane of half vectors by brute force: (x, y) = theta_h (cos, sin), 400 x 400 points. */
 static double blur(const char *spec, double centre_deg, double sigma_deg) {
     enum { N = 400 };
-    nqm_brdf *brdf = open_brdf(spec);
+    nqm_brdf *brdf = must_open(spec);
     double sum = 0, weights = 0;
     for (int i = 0; i < N; ++i)
         for (int j = 0; j < N; ++j) {
@@ -260,8 +250,7 @@ static double blur(const char *spec, double centre_deg, double sigma_deg) {
     return sum / weights;
 }
 
-static void test_smooth_is_a_blur(void **state) {
-    (void)state;
+TEST(test_smooth_is_a_blur) {
     static const double centres[] = {0, 1, 3, 8};
     for (size_t i = 0; i < sizeof centres / sizeof *centres; ++i) {
         double rgb[3];
@@ -287,7 +276,7 @@ static void random_place(nqm_rng *rng, double *hd) {
 }
 
 static void log_noise(const char *spec, size_t n, double *z) {
-    nqm_brdf *brdf = open_brdf(spec);
+    nqm_brdf *brdf = must_open(spec);
     nqm_rng rng = nqm_rng_make(9, 0);
     for (size_t i = 0; i < n; ++i) {
         double hd[3], rgb[3];
@@ -301,8 +290,7 @@ static void log_noise(const char *spec, size_t n, double *z) {
 
 /* The noise in log f_r has mean 0 and deviation sigma, is proportional to sigma, and differs between seeds and
  * channels. */
-static void test_noise(void **state) {
-    (void)state;
+TEST(test_noise) {
     enum { N = 4000 };
     static double a[3 * N], b[3 * N], other[3 * N];
     log_noise("perturb:noise=.1;seed=4;cells=24;of=lambert:kd=1", N, a);
@@ -323,9 +311,8 @@ static void test_noise(void **state) {
 }
 
 /* The noise is continuous, also where phi_d wraps and where phi_d is undefined. */
-static void test_noise_is_continuous(void **state) {
-    (void)state;
-    nqm_brdf *brdf = open_brdf("perturb:noise=.5;of=lambert:kd=1");
+TEST(test_noise_is_continuous) {
+    nqm_brdf *brdf = must_open("perturb:noise=.5;of=lambert:kd=1");
     static const double pairs[][2][3] = {{{0.3, 0.7, 1e-6}, {0.3, 0.7, NQM_PI - 1e-6}},
                                          {{1e-9, 0.7, 0.2}, {1e-9, 0.7, 2}},
                                          {{0.4, 1e-9, 0.2}, {0.4, 1e-9, 2}}};
@@ -365,14 +352,13 @@ static const char *const all_settings[] = {"gloss=.05",
 
 /* Every pair above the horizon has a finite, non-negative value, which is the same when light and viewer are
  * exchanged. */
-static void test_all_settings_are_sane(void **state) {
-    (void)state;
+TEST(test_all_settings_are_sane) {
     const uint64_t seed = 12;
     print_message("seed %d\n", (int)seed);
     for (size_t s = 0; s < sizeof all_settings / sizeof *all_settings; ++s) {
         char spec[512];
         snprintf(spec, sizeof spec, "perturb:%s;of=ward:kd=.2;ks=.3,.2,.1;alpha=.02", all_settings[s]);
-        nqm_brdf *brdf = open_brdf(spec);
+        nqm_brdf *brdf = must_open(spec);
         nqm_rng rng = nqm_rng_make(seed, s);
         assert_int_equal(nqm_brdf_get_info(brdf).reciprocal, 1);
         for (int i = 0; i < 500; ++i) {
@@ -399,7 +385,7 @@ static void check_ratio(const char *settings, const char *base, double (*expecte
                         double x) {
     char spec[512];
     snprintf(spec, sizeof spec, "perturb:%s;of=%s", settings, base);
-    nqm_brdf *plain = open_brdf(base), *changed = open_brdf(spec);
+    nqm_brdf *plain = must_open(base), *changed = must_open(spec);
     nqm_rng rng = nqm_rng_make(14, 0);
     for (int i = 0; i < 500; ++i) {
         double hd[3], wi[3], wo[3], rgb[2][3];
@@ -430,8 +416,7 @@ static double by_theta_d(const double *hd, double x) {
 }
 
 /* Settings that do not move directions keep the order of light and viewer of a base that is not reciprocal. */
-static void test_order_of_light_and_viewer(void **state) {
-    (void)state;
+TEST(test_order_of_light_and_viewer) {
     static const char *const bases[] = {
         "gltf:base_color=.8,.3,.1;metallic=0;roughness=.5;clearcoat=1;clearcoat_roughness=.3",
         "standard-surface:coat=1;coat_roughness=.2;specular_roughness=.4",
@@ -447,22 +432,21 @@ static void test_order_of_light_and_viewer(void **state) {
         check_ratio("fresnel=3", bases[i], by_theta_d, 3);
         check_ratio("lopsided=.2", bases[i], by_azimuth, 0.2);
         check_ratio("lopsided=-.3", bases[i], by_azimuth, -0.3);
-        nqm_brdf *brdf = open_brdf(bases[i]);
+        nqm_brdf *brdf = must_open(bases[i]);
         assert_int_equal(nqm_brdf_get_info(brdf).reciprocal, 0);
         nqm_brdf_free(brdf);
     }
     check_ratio("lopsided=.2", glossy, by_azimuth, 0.2);
-    nqm_brdf *brdf = open_brdf("perturb:lopsided=.2;of=lambert:kd=.5");
+    nqm_brdf *brdf = must_open("perturb:lopsided=.2;of=lambert:kd=.5");
     assert_int_equal(nqm_brdf_get_info(brdf).reciprocal, 0);
     nqm_brdf_free(brdf);
 }
 
 /* The result does not depend on the order of the pairs or on the batch size. */
-static void test_batches(void **state) {
-    (void)state;
+TEST(test_batches) {
     enum { N = 1000 };
     static double hd[3 * N], together[3 * N];
-    nqm_brdf *brdf = open_brdf("perturb:smooth=2;noise=.3;peak=2;of=ward:kd=.1;ks=.1;alpha=.1");
+    nqm_brdf *brdf = must_open("perturb:smooth=2;noise=.3;peak=2;of=ward:kd=.1;ks=.1;alpha=.1");
     nqm_rng rng = nqm_rng_make(2, 0);
     for (size_t i = 0; i < N; ++i)
         random_place(&rng, hd + 3 * i);
@@ -475,8 +459,7 @@ static void test_batches(void **state) {
     nqm_brdf_free(brdf);
 }
 
-static void test_nesting(void **state) {
-    (void)state;
+TEST(test_nesting) {
     double base[3], rgb[3];
     value_at("lambert:kd=.5", 1, 10, 0, base);
     value_at("perturb:scale=2;of=perturb:tint=1,.5,1;of=lambert:kd=.5", 1, 10, 0, rgb);
@@ -495,16 +478,15 @@ static void test_nesting(void **state) {
 
 /* Where the base has no value, the result has none; `smooth` averages the neighbours with a value. The table has no
  * value where the sum of its theta_h and theta_d cell indices exceeds a limit. */
-static void test_gaps_of_the_base(void **state) {
-    (void)state;
+TEST(test_gaps_of_the_base) {
     char spec[4096];
     const char *path = scratch_path("gaps.binary");
     blob_put(make_merl(), path);
-    nqm_brdf *base = open_brdf(path);
+    nqm_brdf *base = must_open(path);
     snprintf(spec, sizeof spec, "perturb:scale=2;of=%s", path);
-    nqm_brdf *scaled = open_brdf(spec);
+    nqm_brdf *scaled = must_open(spec);
     snprintf(spec, sizeof spec, "perturb:smooth=10;of=%s", path);
-    nqm_brdf *smooth = open_brdf(spec);
+    nqm_brdf *smooth = must_open(spec);
     size_t n_gaps = 0, n_bridged = 0;
     for (int theta_h = 1; theta_h < 80; ++theta_h) {
         const double hd[3] = {theta_h * degree, 45 * degree, 90 * degree};
@@ -523,28 +505,4 @@ static void test_gaps_of_the_base(void **state) {
     nqm_brdf_free(base);
     nqm_brdf_free(scaled);
     nqm_brdf_free(smooth);
-}
-
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_colour_settings),
-        cmocka_unit_test(test_gloss_scales_the_width),
-        cmocka_unit_test(test_shift_moves_the_lobe),
-        cmocka_unit_test(test_peak_and_fresnel),
-        cmocka_unit_test(test_mix_keeps_the_albedo),
-        cmocka_unit_test(test_quantise),
-        cmocka_unit_test(test_rounding),
-        cmocka_unit_test(test_clamp),
-        cmocka_unit_test(test_ripple),
-        cmocka_unit_test(test_hue),
-        cmocka_unit_test(test_smooth_is_a_blur),
-        cmocka_unit_test(test_noise),
-        cmocka_unit_test(test_noise_is_continuous),
-        cmocka_unit_test(test_all_settings_are_sane),
-        cmocka_unit_test(test_order_of_light_and_viewer),
-        cmocka_unit_test(test_batches),
-        cmocka_unit_test(test_nesting),
-        cmocka_unit_test(test_gaps_of_the_base),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -22,8 +22,7 @@ static const char *save(blob b) {
     return blob_put(b, scratch_path("material.bsdf"));
 }
 
-static void agrees_with_numpy(void **state) {
-    (void)state;
+TEST(agrees_with_numpy) {
     nqm_brdf *brdf;
     assert_int_equal(nqm_brdf_open(save(make_rgl(NULL)), &brdf, NULL), NQM_OK);
     const size_t n_clamped = check_brdf_values(brdf, N_PAIRS, pair_vector, rgl_vector, 1e-11);
@@ -38,8 +37,7 @@ static void agrees_with_numpy(void **state) {
 }
 
 /* Several phi_i: over a turn, and over a half and a quarter of it by symmetry; also spectra. */
-static void anisotropic_files_agree_with_numpy(void **state) {
-    (void)state;
+TEST(anisotropic_files_agree_with_numpy) {
     static const struct {
         size_t reduction;
         bool is_spectral;
@@ -57,7 +55,7 @@ static void anisotropic_files_agree_with_numpy(void **state) {
         snprintf(argument, sizeof argument, "%s%s",
                  save(make_anisotropic_rgl(cases[k].reduction, cases[k].is_spectral, NULL)),
                  cases[k].is_spectral ? ":D65" : "");
-        nqm_brdf *brdf = open_brdf(argument);
+        nqm_brdf *brdf = must_open(argument);
         /* The first four are at the edges of the symmetries, where these data jump. */
         check_brdf_values(brdf, N_PAIRS - 4, pair_vector + 4, cases[k].vector + 4, tolerance);
         assert_string_equal(nqm_brdf_get_info(brdf).layout, cases[k].layout);
@@ -67,8 +65,7 @@ static void anisotropic_files_agree_with_numpy(void **state) {
 }
 
 /* Rotation about the normal does not change the value; half-vector coordinates distinguish light and viewer. */
-static void is_isotropic(void **state) {
-    (void)state;
+TEST(is_isotropic) {
     nqm_brdf *brdf;
     assert_int_equal(nqm_brdf_open(save(make_rgl(NULL)), &brdf, NULL), NQM_OK);
     assert_int_equal(nqm_brdf_get_info(brdf).isotropic, 1);
@@ -98,8 +95,7 @@ static void is_isotropic(void **state) {
 }
 
 /* Spectra become RGB under the illuminant that the argument names, E by default. */
-static void converts_spectra(void **state) {
-    (void)state;
+TEST(converts_spectra) {
     const char *path = save(make_spectral_rgl(NULL));
     const struct {
         const char *suffix, *layout;
@@ -128,8 +124,7 @@ static void converts_spectra(void **state) {
 }
 
 /* Equal values at all wavelengths are grey under both illuminants, also with the 195 wavelengths of the database. */
-static void keeps_white(void **state) {
-    (void)state;
+TEST(keeps_white) {
     enum { MOST = 195 };
     for (size_t n = 2; n <= MOST; n = n == 2 ? 5 : n == 5 ? MOST : MOST + 1)
         for (int k = 0; k < 2; ++k) {
@@ -164,8 +159,7 @@ static void expect_refused(blob b, const char *words) {
         fail_msg("message: %s (%s)", err.message, at);
 }
 
-static void refuses_unfit_spectra(void **state) {
-    (void)state;
+TEST(refuses_unfit_spectra) {
     static float bad[1260];
     static const float micrometres[9] = {0.36F, 0.42F, 0.45F, 0.5F, 0.54F, 0.58F, 0.62F, 0.7F, 1};
     expect_refused(make_spectral_rgl(&(rgl_change){.name = "wavelengths", .omit = true}),
@@ -184,8 +178,7 @@ static void refuses_unfit_spectra(void **state) {
                    "'spectra' contains nan");
 }
 
-static void refuses_unfit_tensors(void **state) {
-    (void)state;
+TEST(refuses_unfit_tensors) {
     static const char *const needed[] = {"phi_i", "theta_i", "sigma", "ndf", "vndf", "rgb"};
     for (size_t i = 0; i < sizeof needed / sizeof *needed; ++i) {
         expect_refused(make_rgl(&(rgl_change){.name = needed[i], .omit = true}), "has no tensor");
@@ -212,8 +205,7 @@ static void refuses_unfit_tensors(void **state) {
                    "7 dim");
 }
 
-static void refuses_unfit_numbers(void **state) {
-    (void)state;
+TEST(refuses_unfit_numbers) {
     static const float falling[4] = {0, 1.1F, 0.6F, 1.5F};
     static const float flat_sigma[4] = {1, 1, 0, 1}, negative_ndf[4] = {1, 1, 1, -1};
     static const float no_density[4 * 4] = {1, 1, 1, 1, 1, 1, 1, 1};
@@ -237,8 +229,7 @@ static blob with_byte(size_t at, unsigned char value) {
     return b;
 }
 
-static void refuses_a_broken_container(void **state) {
-    (void)state;
+TEST(refuses_a_broken_container) {
     expect_refused(with_byte(5, 'X'), "byte 0");
     expect_refused(with_byte(12, 2), "version 2");
     expect_refused(with_byte(16, 1), "65545 fields");
@@ -259,8 +250,7 @@ static void refuses_a_broken_container(void **state) {
     expect_refused(b, "impossible");
 }
 
-static void refuses_truncated_files(void **state) {
-    (void)state;
+TEST(refuses_truncated_files) {
     const char *path = scratch_path("short.bsdf");
     for (int k = 0; k < 2; ++k) {
         blob b = k ? make_anisotropic_rgl(4, false, NULL) : make_rgl(NULL);
@@ -277,8 +267,7 @@ static void refuses_truncated_files(void **state) {
     }
 }
 
-static void survives_failing_allocations(void **state) {
-    (void)state;
+TEST(survives_failing_allocations) {
     const char *path = save(make_rgl(NULL));
     nqm_status status = NQM_ERR_NOMEM;
     int n = 0;
@@ -292,19 +281,4 @@ static void survives_failing_allocations(void **state) {
     }
     assert_int_equal(status, NQM_OK);
     assert_int_equal(n, 4); /* every allocation has failed once */
-}
-
-int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(converts_spectra),
-                                       cmocka_unit_test(keeps_white),
-                                       cmocka_unit_test(refuses_unfit_spectra),
-                                       cmocka_unit_test(agrees_with_numpy),
-                                       cmocka_unit_test(anisotropic_files_agree_with_numpy),
-                                       cmocka_unit_test(is_isotropic),
-                                       cmocka_unit_test(refuses_unfit_tensors),
-                                       cmocka_unit_test(refuses_unfit_numbers),
-                                       cmocka_unit_test(refuses_a_broken_container),
-                                       cmocka_unit_test(refuses_truncated_files),
-                                       cmocka_unit_test(survives_failing_allocations)};
-    return cmocka_run_group_tests_name("brdf_rgl", tests, NULL, NULL);
 }

@@ -49,8 +49,7 @@ static void check_material(const char *file_name) {
     nqm_brdf_free(brdf);
 }
 
-static void all_are_plausible(void **state) {
-    (void)state;
+TEST(all_are_plausible) {
     DIR *d = opendir(folder);
     assert_non_null(d);
     size_t n = 0;
@@ -95,8 +94,7 @@ static double median_difference(const nqm_brdf *measured, const nqm_brdf *networ
     return difference[n / 2];
 }
 
-static void well_kept_ones_agree_with_their_networks(void **state) {
-    (void)state;
+TEST(well_kept_ones_agree_with_their_networks) {
     for (size_t i = 0; i < N_WELL_KEPT; ++i) {
         nqm_brdf *measured = open_ok("%s/%s.bsdf", folder, well_kept[i]);
         nqm_brdf *network = open_ok("%s:%s", archive, well_kept[i]);
@@ -108,16 +106,16 @@ static void well_kept_ones_agree_with_their_networks(void **state) {
     }
 }
 
-int main(void) {
+static bool has_data(void) {
     const char *path = shared_data("rgl");
     if (!path)
-        return 77;
+        return false;
     snprintf(folder, sizeof folder, "%s", path);
     path = shared_data("nbrdf/rgl-isotropic_nbrdf.zip");
     if (!path)
-        return 77;
+        return false;
     snprintf(archive, sizeof archive, "%s", path);
-    const struct CMUnitTest tests[] = {cmocka_unit_test(all_are_plausible),
-                                       cmocka_unit_test(well_kept_ones_agree_with_their_networks)};
-    return cmocka_run_group_tests_name("brdf_rgl_data", tests, NULL, NULL);
+    return true;
 }
+
+TEST_FILE_NEEDS(has_data)

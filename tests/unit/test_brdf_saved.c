@@ -31,7 +31,7 @@ static void goes_round(const nqm_brdf *brdf, const char *format) {
     nqm_error err = {0};
     if (nqm_brdf_save(brdf, path, &err) != NQM_OK)
         fail_msg("%s", err.message);
-    nqm_brdf *read = open_brdf(path);
+    nqm_brdf *read = must_open(path);
     nqm_brdf_info info = nqm_brdf_get_info(read), of_source = nqm_brdf_get_info(brdf);
     assert_string_equal(info.format, format);
     assert_string_equal(info.name, path);
@@ -42,17 +42,15 @@ static void goes_round(const nqm_brdf *brdf, const char *format) {
     nqm_brdf_free(read);
 }
 
-static void networks_go_round(void **state) {
-    (void)state;
+TEST(networks_go_round) {
     const char *path = scratch_path("network.h5");
     blob_put(make_nbrdf(NBRDF_VALID), path);
-    nqm_brdf *brdf = open_brdf(path);
+    nqm_brdf *brdf = must_open(path);
     goes_round(brdf, "nbrdf");
     nqm_brdf_free(brdf);
 }
 
-static void tables_go_round(void **state) {
-    (void)state;
+TEST(tables_go_round) {
     enum { H = 7, D = 5, P = 4 };
     float rgb[H * D * P * 3];
     for (uint32_t i = 0; i < H * D * P * 3; ++i)
@@ -65,13 +63,12 @@ static void tables_go_round(void **state) {
 }
 
 /* The layout in the documentation, written without nqm_brdf_save(). */
-static void files_mean_what_is_documented(void **state) {
-    (void)state;
+TEST(files_mean_what_is_documented) {
     const char *path = scratch_path("made.safetensors");
     double hd[3], rgb[3];
     uint8_t flag;
     blob_put(make_saved(SAVED_TABLE), path);
-    nqm_brdf *table = open_brdf(path);
+    nqm_brdf *table = must_open(path);
     nqm_table_node(4, 3, 5, 1, 0, 2, hd); /* node (1 * 3 + 0) * 5 + 2 */
     nqm_brdf_eval_half_diff(table, 1, hd, rgb, &flag);
     for (uint32_t c = 0; c < 3; ++c)
@@ -83,7 +80,7 @@ static void files_mean_what_is_documented(void **state) {
         assert_near(rgb[c], noise(3 * 35 + c, 9), 1e-6);
     nqm_brdf_free(table);
     blob_put(make_saved(SAVED_NETWORK), path);
-    nqm_brdf *network = open_brdf(path), *made;
+    nqm_brdf *network = must_open(path), *made;
     float weights[NQM_NBRDF_WEIGHTS];
     for (uint32_t i = 0; i < NQM_NBRDF_WEIGHTS; ++i)
         weights[i] = (float)noise(i, 9) - 0.5f;
@@ -93,17 +90,15 @@ static void files_mean_what_is_documented(void **state) {
     nqm_brdf_free(network);
 }
 
-static void others_are_not_saved(void **state) {
-    (void)state;
+TEST(others_are_not_saved) {
     nqm_error err = {0};
-    nqm_brdf *brdf = open_brdf("lambert:kd=0.5");
+    nqm_brdf *brdf = must_open("lambert:kd=0.5");
     assert_int_equal(nqm_brdf_save(brdf, scratch_path("none.safetensors"), &err), NQM_ERR_ARG);
     assert_non_null(strstr(err.message, "lambert"));
     nqm_brdf_free(brdf);
 }
 
-static void faults_are_told(void **state) {
-    (void)state;
+TEST(faults_are_told) {
     static const char *const words[SAVED_KINDS] = {
         [SAVED_MISSING] = "'layers.2.bias' is missing",
         [SAVED_EXTRA] = "more tensors",
@@ -131,8 +126,7 @@ static void faults_are_told(void **state) {
     }
 }
 
-static void cut_files_are_refused(void **state) {
-    (void)state;
+TEST(cut_files_are_refused) {
     const char *path = scratch_path("cut.safetensors");
     blob whole = make_saved(SAVED_TABLE);
     for (size_t n = 1; n < whole.n_bytes; n += 7) {
@@ -144,8 +138,7 @@ static void cut_files_are_refused(void **state) {
     blob_free(&whole);
 }
 
-static void survives_failing_allocations(void **state) {
-    (void)state;
+TEST(survives_failing_allocations) {
     static const saved_kind kinds[] = {SAVED_NETWORK, SAVED_TABLE};
     const char *path = scratch_path("memory.safetensors");
     for (size_t k = 0; k < 2; ++k) {
@@ -161,17 +154,4 @@ static void survives_failing_allocations(void **state) {
             nqm_brdf_free(brdf);
         }
     }
-}
-
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(networks_go_round),
-        cmocka_unit_test(tables_go_round),
-        cmocka_unit_test(others_are_not_saved),
-        cmocka_unit_test(files_mean_what_is_documented),
-        cmocka_unit_test(faults_are_told),
-        cmocka_unit_test(cut_files_are_refused),
-        cmocka_unit_test(survives_failing_allocations),
-    };
-    return cmocka_run_group_tests_name("brdf_saved", tests, NULL, NULL);
 }

@@ -9,21 +9,18 @@
 
 #include <math.h>
 
-static void gltf_is_its_specification(void **state) {
-    (void)state;
+TEST(gltf_is_its_specification) {
     check_shading_vectors("shading_gltf.csv", 632, 1e-9, 1e-15);
 }
 
-static void gltf_is_reciprocal_without_clear_coat(void **state) {
-    (void)state;
+TEST(gltf_is_reciprocal_without_clear_coat) {
     check_shading_reciprocity(
         "gltf:base_color=.8,.2,.1;metallic=.3;roughness=.4;sheen_color=.5,.2,.6;sheen_roughness=.3");
     assert_int_equal(is_shading_reciprocal("gltf:metallic=0;clearcoat=1"), 0);
 }
 
 /* E = 1 - what the sheen lets pass of a white base. */
-static void sheen_keeps_the_light_that_it_reflects(void **state) {
-    (void)state;
+TEST(sheen_keeps_the_light_that_it_reflects) {
     nqm_csv *csv;
     assert_int_equal(nqm_csv_load(test_vector("sheen_albedo.csv"), &csv, NULL), NQM_OK);
     for (size_t row = 0; row < nqm_csv_rows(csv); ++row) {
@@ -33,7 +30,7 @@ static void sheen_keeps_the_light_that_it_reflects(void **state) {
             char spec[200];
             snprintf(spec, sizeof spec, "gltf:metallic=0;base_color=%d;specular=0;sheen_color=%d;sheen_roughness=%s",
                      i != 1, i != 0, nqm_csv_text(csv, row, 0));
-            nqm_brdf *brdf = open_brdf(spec);
+            nqm_brdf *brdf = must_open(spec);
             nqm_brdf_eval(brdf, 1, w, w, value, NULL);
             f[i] = value[0];
             nqm_brdf_free(brdf);
@@ -44,8 +41,7 @@ static void sheen_keeps_the_light_that_it_reflects(void **state) {
 }
 
 /* Not at grazing angles, where the specification itself says that its Fresnel mix gains light. */
-static void albedos_are_plausible(void **state) {
-    (void)state;
+TEST(albedos_are_plausible) {
     static const char *const specs[] = {"gltf:roughness=.4", "gltf:metallic=0;roughness=.5",
                                         "gltf:metallic=0;roughness=.5;clearcoat=1;clearcoat_roughness=.3",
                                         "gltf:metallic=0;roughness=.7;sheen_color=1;sheen_roughness=.6",
@@ -53,14 +49,4 @@ static void albedos_are_plausible(void **state) {
     for (size_t i = 0; i < sizeof specs / sizeof *specs; ++i)
         for (double theta = 0; theta < 1; theta += 0.3)
             assert_near(shading_albedo(specs[i], theta), 0.93, 0.08);
-}
-
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(gltf_is_its_specification),
-        cmocka_unit_test(gltf_is_reciprocal_without_clear_coat),
-        cmocka_unit_test(sheen_keeps_the_light_that_it_reflects),
-        cmocka_unit_test(albedos_are_plausible),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -14,7 +14,7 @@ static void compare_with(const char *vectors, double tolerance) {
     assert_int_equal(nqm_csv_load(test_vector(vectors), &csv, NULL), NQM_OK);
     assert_true(nqm_csv_rows(csv) >= 100);
     for (size_t row = 0; row < nqm_csv_rows(csv); ++row) {
-        nqm_brdf *brdf = open_brdf(nqm_csv_text(csv, row, 0));
+        nqm_brdf *brdf = must_open(nqm_csv_text(csv, row, 0));
         double v[9], rgb[3], swapped[3];
         for (int k = 0; k < 9; ++k)
             v[k] = csv_number(csv, row, k + 1);
@@ -29,28 +29,24 @@ static void compare_with(const char *vectors, double tolerance) {
     nqm_csv_free(csv);
 }
 
-static void conductors_have_the_documented_values(void **state) {
-    (void)state;
+TEST(conductors_have_the_documented_values) {
     compare_with("shading_conductor.csv", 1e-8);
 }
 
-static void principled_has_the_documented_values(void **state) {
-    (void)state;
+TEST(principled_has_the_documented_values) {
     compare_with("shading_principled.csv", 1e-8);
 }
 
 /* The table's error is part of the difference. */
-static void plastics_have_the_documented_values(void **state) {
-    (void)state;
+TEST(plastics_have_the_documented_values) {
     compare_with("shading_plastic.csv", 1e-4);
 }
 
 /* Mitsuba does not evaluate the main lobe where its dielectric reflects nothing. */
-static void principled_without_a_main_lobe(void **state) {
-    (void)state;
+TEST(principled_without_a_main_lobe) {
     const double up[3] = {0, 0, 1};
     double rgb[3];
-    nqm_brdf *brdf = open_brdf("principled:metallic=1;eta=1");
+    nqm_brdf *brdf = must_open("principled:metallic=1;eta=1");
     nqm_brdf_eval(brdf, 1, up, up, rgb, NULL);
     assert_true(rgb[0] == 0);
     nqm_brdf_free(brdf);
@@ -72,8 +68,7 @@ static double albedo(const nqm_brdf *brdf, double theta_i) {
     return fmax(sum[0], fmax(sum[1], sum[2]));
 }
 
-static void nothing_reflects_more_than_it_receives(void **state) {
-    (void)state;
+TEST(nothing_reflects_more_than_it_receives) {
     static const char *const specs[] = {"rough-conductor:alpha=.3",
                                         "rough-conductor:alpha=.3;distribution=1",
                                         "rough-conductor:alpha=.8",
@@ -83,20 +78,11 @@ static void nothing_reflects_more_than_it_receives(void **state) {
                                         "rough-plastic:diffuse_reflectance=1;alpha=.2",
                                         "rough-plastic:diffuse_reflectance=1;alpha=.5;distribution=1;eta=2"};
     for (size_t i = 0; i < sizeof specs / sizeof *specs; ++i) {
-        nqm_brdf *brdf = open_brdf(specs[i]);
+        nqm_brdf *brdf = must_open(specs[i]);
         for (double theta = 0; theta < 1.5; theta += 0.35) {
             const double a = albedo(brdf, theta);
             assert_true(a <= 1.001 && a > 0.2);
         }
         nqm_brdf_free(brdf);
     }
-}
-
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(conductors_have_the_documented_values),  cmocka_unit_test(plastics_have_the_documented_values),
-        cmocka_unit_test(principled_has_the_documented_values),   cmocka_unit_test(principled_without_a_main_lobe),
-        cmocka_unit_test(nothing_reflects_more_than_it_receives),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -11,14 +11,13 @@
 #include <string.h>
 
 static void assert_spec(const char *text, const char *canonical) {
-    nqm_brdf *brdf = open_brdf(text);
+    nqm_brdf *brdf = must_open(text);
     assert_string_equal(nqm_brdf_get_info(brdf).spec, canonical);
     assert_string_equal(nqm_brdf_get_info(brdf).name, text);
     nqm_brdf_free(brdf);
 }
 
-static void test_defaults_and_single_values(void **state) {
-    (void)state;
+TEST(test_defaults_and_single_values) {
     assert_spec("lambert:kd=.5", "lambert:kd=0.5");
     assert_spec("lambert:kd=.5,.25,5e-1;", "lambert:kd=0.5,0.25,0.5");
     assert_spec("ggx:alpha=0.25", "ggx:kd=0;ks=1;alpha=0.25;f0=0.04");
@@ -33,8 +32,7 @@ static void test_defaults_and_single_values(void **state) {
 }
 
 /* Every invalid spec gives NQM_ERR_ARG and a message that contains these words. */
-static void test_mistakes(void **state) {
-    (void)state;
+TEST(test_mistakes) {
     static const struct {
         const char *spec, *words[2];
     } mistakes[] = {
@@ -95,8 +93,7 @@ static void test_mistakes(void **state) {
     }
 }
 
-static void test_long_nonsense(void **state) {
-    (void)state;
+TEST(test_long_nonsense) {
     char spec[4096] = "ggx:";
     memset(spec + 4, 'a', sizeof spec - 5);
     nqm_brdf *brdf;
@@ -112,7 +109,7 @@ static void test_long_nonsense(void **state) {
 
 /* The canonical form of `name` opens a BRDF with the same canonical form and the same values. */
 static void assert_reopens(const char *name) {
-    nqm_brdf *brdf = open_brdf(name), *again = open_brdf(nqm_brdf_get_info(brdf).spec);
+    nqm_brdf *brdf = must_open(name), *again = must_open(nqm_brdf_get_info(brdf).spec);
     assert_string_equal(nqm_brdf_get_info(brdf).spec, nqm_brdf_get_info(again).spec);
     nqm_rng rng = nqm_rng_make(1, 0);
     for (int i = 0; i < 20; ++i) {
@@ -126,8 +123,7 @@ static void assert_reopens(const char *name) {
     nqm_brdf_free(again);
 }
 
-static void test_canonical_form_reopens(void **state) {
-    (void)state;
+TEST(test_canonical_form_reopens) {
     const uint64_t seed = 17;
     print_message("seed %d\n", (int)seed);
     nqm_rng rng = nqm_rng_make(seed, 0);
@@ -170,8 +166,7 @@ static size_t table_of(const char *preset) {
     return t;
 }
 
-static void test_presets(void **state) {
-    (void)state;
+TEST(test_presets) {
     size_t n = nqm_brdf_preset_count(), n_found[N_TABLES] = {0};
     for (size_t i = 0; i < n; ++i) {
         const char *name = nqm_brdf_preset_name(i);
@@ -181,7 +176,7 @@ static void test_presets(void **state) {
         ++n_found[t];
         for (size_t j = 0; j < i; ++j)
             assert_string_not_equal(name, nqm_brdf_preset_name(j));
-        nqm_brdf *brdf = open_brdf(name);
+        nqm_brdf *brdf = must_open(name);
         nqm_brdf_info info = nqm_brdf_get_info(brdf);
         assert_string_equal(info.name, name);
         assert_string_equal(info.format, tables[t].model);
@@ -195,9 +190,8 @@ static void test_presets(void **state) {
 }
 
 /* Parameters as printed in the publications (Ngan's: green and blue times the colour scale). */
-static void test_published_numbers(void **state) {
-    (void)state;
-    nqm_brdf *gold = open_brdf("open-pbr:base_color=1.059,.773,.307;base_metalness=1;specular_color=.971,1.018,.994;"
+TEST(test_published_numbers) {
+    nqm_brdf *gold = must_open("open-pbr:base_color=1.059,.773,.307;base_metalness=1;specular_color=.971,1.018,.994;"
                                "specular_roughness=0;specular_ior=1.5");
     assert_spec("physical:gold", nqm_brdf_get_info(gold).spec);
     nqm_brdf_free(gold);
@@ -216,8 +210,7 @@ static void test_published_numbers(void **state) {
 }
 
 /* Strings composed of pieces of specs: each opens and can be evaluated, or is refused with a message. */
-static void test_random_texts(void **state) {
-    (void)state;
+TEST(test_random_texts) {
     static const char *const pieces[] = {"ggx:",
                                          "ward:",
                                          "lambert:",
@@ -283,24 +276,9 @@ static void test_random_texts(void **state) {
     assert_true(n_opened > 100);
 }
 
-static void test_decimal_comma_locale(void **state) {
-    (void)state;
+TEST(test_decimal_comma_locale) {
     if (!setlocale(LC_ALL, "de_DE.UTF-8"))
         skip();
     assert_spec("lambert:kd=.5,.25,.125", "lambert:kd=0.5,0.25,0.125");
     setlocale(LC_ALL, "C");
-}
-
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_defaults_and_single_values),
-        cmocka_unit_test(test_mistakes),
-        cmocka_unit_test(test_long_nonsense),
-        cmocka_unit_test(test_canonical_form_reopens),
-        cmocka_unit_test(test_presets),
-        cmocka_unit_test(test_published_numbers),
-        cmocka_unit_test(test_random_texts),
-        cmocka_unit_test(test_decimal_comma_locale),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -30,8 +30,7 @@ static void raw(const nqm_brdf *brdf, double theta_h, double theta_d, double phi
     brdf->class_->eval_turned(brdf->self, 1, (double[3]){theta_h, theta_d, phi_d}, NULL, rgb);
 }
 
-static void nodes_keep_their_values(void **state) {
-    (void)state;
+TEST(nodes_keep_their_values) {
     float values[3 * N];
     for (uint32_t i = 0; i < 3 * N; ++i)
         values[i] = (float)noise(i, 1);
@@ -57,8 +56,7 @@ static void nodes_keep_their_values(void **state) {
 }
 
 /* The three channels are linear in sqrt(theta_h), in theta_d, and in phi_d up to the last node. */
-static void linear_between_nodes(void **state) {
-    (void)state;
+TEST(linear_between_nodes) {
     float values[3 * N];
     for (size_t i = 0; i < N; ++i) {
         size_t h, d, p;
@@ -78,8 +76,7 @@ static void linear_between_nodes(void **state) {
     nqm_brdf_free(brdf);
 }
 
-static void phi_closes_on_itself(void **state) {
-    (void)state;
+TEST(phi_closes_on_itself) {
     float values[3 * N];
     for (uint32_t i = 0; i < 3 * N; ++i)
         values[i] = (float)noise(i, 1);
@@ -105,8 +102,7 @@ static void phi_closes_on_itself(void **state) {
     nqm_brdf_free(brdf);
 }
 
-static void missing_values_are_left_out(void **state) {
-    (void)state;
+TEST(missing_values_are_left_out) {
     float values[3 * N];
     for (uint32_t i = 0; i < 3 * N; ++i)
         values[i] = (float)noise(i, 1) + 1;
@@ -128,8 +124,7 @@ static void missing_values_are_left_out(void **state) {
     nqm_brdf_free(brdf);
 }
 
-static void sizes_have_limits(void **state) {
-    (void)state;
+TEST(sizes_have_limits) {
     static const size_t bad[][3] = {{1, 2, 1}, {2, 1, 1}, {2, 2, 0}, {4096, 4096, 2}, {SIZE_MAX, SIZE_MAX, 2}};
     static const size_t bad_phi_h[] = {0, SIZE_MAX, 1 << 23};
     float values[12] = {0};
@@ -167,8 +162,7 @@ static bool turned_pair(const double *hd, double phi_h, double *wi, double *wo) 
 }
 
 /* With phi_h: nodes keep their values for directions, and phi_h is linear and periodic between them. */
-static void phi_h_is_an_axis(void **state) {
-    (void)state;
+TEST(phi_h_is_an_axis) {
     static float values[3 * TURNED];
     for (uint32_t i = 0; i < 3 * TURNED; ++i)
         values[i] = (float)noise(i, 1);
@@ -219,8 +213,7 @@ static void brushed(void *user, size_t n, const double *wi, const double *wo, do
 }
 
 /* An anisotropic BRDF becomes a table with phi_h, which a file keeps; MERL tables are refused. Others have no phi_h. */
-static void anisotropic_brdfs_get_phi_h(void **state) {
-    (void)state;
+TEST(anisotropic_brdfs_get_phi_h) {
     static double turn = 0.5;
     const char *path = scratch_path("brushed.npy"), *saved = scratch_path("brushed.safetensors");
     nqm_brdf *brdf, *table;
@@ -230,11 +223,11 @@ static void anisotropic_brdfs_get_phi_h(void **state) {
     assert_non_null(strstr(err.message, "is anisotropic"));
     assert_int_equal(nqm_brdf_write(brdf, NQM_TABLE_MERL_360, scratch_path("x.binary"), NULL, NULL, NULL), NQM_ERR_ARG);
     assert_int_equal(nqm_brdf_write(brdf, NQM_TABLE_NPY, path, NULL, NULL, NULL), NQM_OK);
-    table = open_brdf(path);
+    table = must_open(path);
     assert_string_equal(nqm_brdf_get_info(table).layout, "90x46x24x48 nodes");
     assert_true(nqm_brdf_get_info(table).n_bytes < 64 << 20);
     assert_int_equal(nqm_brdf_save(table, saved, NULL), NQM_OK);
-    nqm_brdf *again = open_brdf(saved);
+    nqm_brdf *again = must_open(saved);
     nqm_rng rng = nqm_rng_make(1, 0);
     for (int i = 0; i < 2000; ++i) {
         const double hd[3] = {0.8 * nqm_rng_uniform(&rng), 0.6 * nqm_rng_uniform(&rng), 7 * nqm_rng_uniform(&rng)};
@@ -252,21 +245,11 @@ static void anisotropic_brdfs_get_phi_h(void **state) {
     nqm_brdf_free(brdf);
     assert_int_equal(nqm_brdf_create(&(nqm_brdf_callbacks){.eval = brushed}, &brdf, NULL), NQM_OK);
     assert_int_equal(nqm_brdf_write(brdf, NQM_TABLE_NPY, path, NULL, NULL, NULL), NQM_OK);
-    table = open_brdf(path);
+    table = must_open(path);
     assert_string_equal(nqm_brdf_get_info(table).layout, "90x46x24 nodes");
     nqm_brdf_free(table);
     assert_int_equal(nqm_brdf_tabulate(brdf, (nqm_table_size){4, 3, 2, 0}, NULL, &table, NULL), NQM_OK);
     assert_string_equal(nqm_brdf_get_info(table).layout, "4x3x2x48 nodes"); /* not known to be isotropic */
     nqm_brdf_free(table);
     nqm_brdf_free(brdf);
-}
-
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(nodes_keep_their_values),     cmocka_unit_test(linear_between_nodes),
-        cmocka_unit_test(phi_closes_on_itself),        cmocka_unit_test(missing_values_are_left_out),
-        cmocka_unit_test(sizes_have_limits),           cmocka_unit_test(phi_h_is_an_axis),
-        cmocka_unit_test(anisotropic_brdfs_get_phi_h),
-    };
-    return cmocka_run_group_tests_name("brdf_table", tests, NULL, NULL);
 }

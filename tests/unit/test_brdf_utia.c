@@ -20,9 +20,8 @@ static const char *save(blob b) {
     return blob_put(b, scratch_path("material.bin"));
 }
 
-static void agrees_with_numpy(void **state) {
-    (void)state;
-    nqm_brdf *brdf = open_brdf(save(make_utia()));
+TEST(agrees_with_numpy) {
+    nqm_brdf *brdf = must_open(save(make_utia()));
     assert_true(check_brdf_values(brdf, N_PAIRS, pair_vector, utia_vector, 1e-7) > 3);
     const nqm_brdf_info info = nqm_brdf_get_info(brdf);
     assert_string_equal(info.format, "utia");
@@ -37,8 +36,7 @@ static void agrees_with_numpy(void **state) {
 }
 
 /* A turn of the sample by a step of the azimuths moves the values of the file. */
-static void azimuths_count_from_the_tangent(void **state) {
-    (void)state;
+TEST(azimuths_count_from_the_tangent) {
     blob b = make_utia(), turned = {.data = blob_load(save(make_utia())).data, .n_bytes = UTIA_BYTES};
     const size_t n = 48;
     for (size_t i = 0; i < UTIA_BYTES / 8; ++i) {
@@ -46,8 +44,8 @@ static void azimuths_count_from_the_tangent(void **state) {
         const size_t to = ((rest * n + (pi + 4) % n) * 6 + tv) * n + (pv + 4) % n;
         memcpy(turned.data + 8 * to, b.data + 8 * i, 8);
     }
-    nqm_brdf *first = open_brdf(save(b));
-    nqm_brdf *second = open_brdf(save(turned));
+    nqm_brdf *first = must_open(save(b));
+    nqm_brdf *second = must_open(save(turned));
     for (size_t i = 4; i < N_PAIRS; ++i) {
         double a[3], c[3], w[6];
         for (size_t k = 0; k < 6; k += 3) { /* by 30 degrees */
@@ -74,8 +72,7 @@ static void expect_refused(blob b, int64_t at, const char *words) {
         fail_msg("byte %lld: %s", (long long)err.byte_offset, err.message);
 }
 
-static void refuses_other_files(void **state) {
-    (void)state;
+TEST(refuses_other_files) {
     static const double bad[] = {NAN, INFINITY, -1e300};
     for (size_t i = 0; i < sizeof bad / sizeof *bad; ++i) {
         blob b = make_utia();
@@ -101,11 +98,4 @@ static void refuses_other_files(void **state) {
         assert_int_equal(nqm_brdf_open(path, &brdf, NULL), NQM_ERR_NOMEM);
         nqm_alloc_fail_after(-1);
     }
-}
-
-int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(agrees_with_numpy),
-                                       cmocka_unit_test(azimuths_count_from_the_tangent),
-                                       cmocka_unit_test(refuses_other_files)};
-    return cmocka_run_group_tests_name("brdf_utia", tests, NULL, NULL);
 }

@@ -81,8 +81,7 @@ static double label_of(const nqm_scene *scene, const char *ref, const char *test
     return label.delta_e;
 }
 
-static void labels_are_those_of_single_pairs(void **state) {
-    (void)state;
+TEST(labels_are_those_of_single_pairs) {
     const nqm_corpus_options options = small_scene();
     nqm_dataset *d = build(&options, "training.safetensors");
     const nqm_dataset_info info = nqm_dataset_get_info(d);
@@ -108,8 +107,7 @@ static void labels_are_those_of_single_pairs(void **state) {
 }
 
 /* Samples have one azimuth: such pairs must be wanted, and no model is made of, or judged by, their samples. */
-static void anisotropic_pairs_are_labelled_when_wanted(void **state) {
-    (void)state;
+TEST(anisotropic_pairs_are_labelled_when_wanted) {
     const nqm_corpus_pair some[] = {{.reference = REF, .test = "sgd:brass"},
                                     {.reference = REF, .test = "ggx:kd=0.2;alpha=0.2,0.21"},
                                     {.reference = "rotate:deg=30;of=ggx:alpha=0.1,0.4", .test = REF}};
@@ -139,8 +137,7 @@ static void anisotropic_pairs_are_labelled_when_wanted(void **state) {
     nqm_directions_free(at);
 }
 
-static void the_manifest_names_failures_and_others(void **state) {
-    (void)state;
+TEST(the_manifest_names_failures_and_others) {
     const nqm_corpus_options options = small_scene();
     nqm_dataset *d = build(&options, "training.safetensors");
     json_t *m = json_loads(nqm_dataset_get_info(d).manifest, 0, NULL), *row;
@@ -161,8 +158,7 @@ static void the_manifest_names_failures_and_others(void **state) {
     nqm_dataset_free(d);
 }
 
-static void a_family_is_thinned(void **state) {
-    (void)state;
+TEST(a_family_is_thinned) {
     nqm_corpus_options options = small_scene();
     options.keep = "encoding=1"; /* the other one has failed */
     nqm_dataset *d = build(&options, "kept.safetensors");
@@ -172,8 +168,7 @@ static void a_family_is_thinned(void **state) {
     assert_int_equal(try_build(&options, "kept.safetensors", NULL), NQM_ERR_ARG);
 }
 
-static void a_list_without_labels_is_refused(void **state) {
-    (void)state;
+TEST(a_list_without_labels_is_refused) {
     nqm_corpus_options options = small_scene();
     nqm_error err = {0};
     options.part = NQM_CORPUS_TEST;
@@ -200,8 +195,7 @@ static int stop_soon(void *user, const char *stage, double done, double total) {
     return strcmp(stage, "corpus") == 0;
 }
 
-static void an_interrupted_corpus_goes_on(void **state) {
-    (void)state;
+TEST(an_interrupted_corpus_goes_on) {
     char work[256], sha256[65];
     snprintf(work, sizeof work, "%s", in_folder("work"));
     nqm_corpus_options options = small_scene();
@@ -274,8 +268,7 @@ static void end_making(making *m) {
     nqm_directions_free(m->directions);
 }
 
-static void an_interrupted_unit_goes_on_where_it_stopped(void **state) {
-    (void)state;
+TEST(an_interrupted_unit_goes_on_where_it_stopped) {
     char path[256], progress[280];
     snprintf(path, sizeof path, "%s", in_folder("unit.safetensors"));
     snprintf(progress, sizeof progress, "%s.progress", path);
@@ -316,8 +309,7 @@ static void an_interrupted_unit_goes_on_where_it_stopped(void **state) {
     end_making(&parts);
 }
 
-static void fits_are_shared(void **state) {
-    (void)state;
+TEST(fits_are_shared) {
     making m;
     begin_making(&m, NULL, SIZE_MAX);
     nqm_corpus_fits fits = {0};
@@ -345,16 +337,4 @@ static void fits_are_shared(void **state) {
     end_making(&m);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(labels_are_those_of_single_pairs),
-        cmocka_unit_test(anisotropic_pairs_are_labelled_when_wanted),
-        cmocka_unit_test(the_manifest_names_failures_and_others),
-        cmocka_unit_test(a_family_is_thinned),
-        cmocka_unit_test(a_list_without_labels_is_refused),
-        cmocka_unit_test(an_interrupted_corpus_goes_on),
-        cmocka_unit_test(an_interrupted_unit_goes_on_where_it_stopped),
-        cmocka_unit_test(fits_are_shared),
-    };
-    return cmocka_run_group_tests_name("corpus", tests, make_folder, remove_made_folder);
-}
+TEST_FILE(make_folder, remove_made_folder)

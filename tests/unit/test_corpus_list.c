@@ -29,8 +29,7 @@ static nqm_status make_list(size_t n, const nqm_corpus_pair *all, nqm_corpus_par
     return nqm_corpus_list_make(n, all, &options, list, err);
 }
 
-static void rows_go_by_reference_and_group(void **state) {
-    (void)state;
+TEST(rows_go_by_reference_and_group) {
     static const char *const tests[] = {"t1", "t3", "t4", "t2"}, *const names[] = {"b", "w", "x.bsdf"};
     nqm_corpus_list list;
     assert_int_equal(make_list(N_PAIRS, pairs, NQM_CORPUS_TRAINING, &list, NULL), NQM_OK);
@@ -61,8 +60,7 @@ static void rows_go_by_reference_and_group(void **state) {
     nqm_corpus_list_free(&list);
 }
 
-static void contradictions_are_refused(void **state) {
-    (void)state;
+TEST(contradictions_are_refused) {
     const struct {
         nqm_corpus_pair pair;
         nqm_status status;
@@ -97,8 +95,7 @@ static void contradictions_are_refused(void **state) {
 
 /* ---- checksums --------------------------------------------------------------------------------------------------- */
 
-static void files_are_hashed_below_the_root(void **state) {
-    (void)state;
+TEST(files_are_hashed_below_the_root) {
     /* sha256sum of the seven bytes "content" */
     static const char sha[] = "ed7002b439e9ac845f22357d822bac1444730fbdb6016d3ec9432297b9ec9f73";
     char hex[65];
@@ -116,8 +113,7 @@ static void files_are_hashed_below_the_root(void **state) {
     assert_int_equal(nqm_corpus_hash_content(&list, "two.bsdf", hex, NULL), NQM_ERR_IO);
 }
 
-static void a_decoder_is_hashed_with_its_latents(void **state) {
-    (void)state;
+TEST(a_decoder_is_hashed_with_its_latents) {
     enum { N_BYTES = 808003 * 4 };
     char decoder[256], hex[2][65];
     snprintf(decoder, sizeof decoder, "%s:m", in_folder("decoder.bin"));
@@ -138,8 +134,7 @@ static void a_decoder_is_hashed_with_its_latents(void **state) {
 
 /* ---- selection --------------------------------------------------------------------------------------------------- */
 
-static void selections_are_spread(void **state) {
-    (void)state;
+TEST(selections_are_spread) {
     enum { N_JOD = 60, N_KEPT = 20 };
     double jod[N_JOD];
     uint8_t kept[N_JOD], again[N_JOD];
@@ -164,8 +159,7 @@ static void selections_are_spread(void **state) {
     assert_true(n_high_kept >= nqm_smaller(n_high, 10));
 }
 
-static void small_selections(void **state) {
-    (void)state;
+TEST(small_selections) {
     const double jod[] = {1, 1, 1, NAN, 9};
     uint8_t kept[5];
     assert_int_equal(nqm_corpus_spread(5, jod, 10, kept, NULL), NQM_OK);
@@ -178,8 +172,7 @@ static void small_selections(void **state) {
     assert_int_equal(nqm_corpus_spread(0, NULL, 3, NULL, NULL), NQM_OK);
 }
 
-static void the_option_names_a_family(void **state) {
-    (void)state;
+TEST(the_option_names_a_family) {
     static const char *const bad[] = {"far", "=3", "far=", "far=0", "far=2.5", "far=x", "far=1e7"};
     size_t n_name, n_kept;
     assert_int_equal(nqm_corpus_parse_keep("far=20", &n_name, &n_kept, NULL), NQM_OK);
@@ -191,12 +184,4 @@ static void the_option_names_a_family(void **state) {
         assert_int_equal(nqm_corpus_parse_keep(bad[i], &n_name, &n_kept, NULL), NQM_ERR_ARG);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(rows_go_by_reference_and_group),  cmocka_unit_test(contradictions_are_refused),
-        cmocka_unit_test(files_are_hashed_below_the_root), cmocka_unit_test(a_decoder_is_hashed_with_its_latents),
-        cmocka_unit_test(selections_are_spread),           cmocka_unit_test(small_selections),
-        cmocka_unit_test(the_option_names_a_family),
-    };
-    return cmocka_run_group_tests_name("corpus: lists", tests, make_folder, remove_made_folder);
-}
+TEST_FILE(make_folder, remove_made_folder)

@@ -37,8 +37,7 @@ static nqm_dataset *load(const char *labels, nqm_split split) {
     return d;
 }
 
-static void reads_the_layout(void **state) {
-    (void)state;
+TEST(reads_the_layout) {
     nqm_dataset *d = load(test_vector("authors/labels.csv"), NQM_SPLIT_ALL);
     nqm_dataset_info info = nqm_dataset_get_info(d);
     assert_int_equal(info.n_directions, 7);
@@ -83,8 +82,7 @@ static void reads_the_layout(void **state) {
 }
 
 /* Levels of sbrdf and hbrdf are part of the kind, also level 0. */
-static void kinds_keep_their_levels(void **state) {
-    (void)state;
+TEST(kinds_keep_their_levels) {
     write_labels("material,model,level,DeltaE,JOD\n"
                  "brass_1,sbrdf,0,7,9\nbrass_2,sbrdf,1,8,8\nbrass_10,hbrdf,0,8,8\n"
                  "felt_m_68_rgb_1,hbrdf,2,9,7\nfelt_m_68_rgb_2,nbrdf,0,9,7\n");
@@ -96,16 +94,14 @@ static void kinds_keep_their_levels(void **state) {
     unlink(csv_path);
 }
 
-static void split_as_asked(void **state) {
-    (void)state;
+TEST(split_as_asked) {
     nqm_dataset *d = load(test_vector("authors/labels.csv"), NQM_SPLIT_TEST);
     assert_int_equal(nqm_dataset_get_info(d).n_pairs_in[NQM_SPLIT_TEST], 5);
     nqm_dataset_free(d);
 }
 
 /* The imported dataset can be used for training. */
-static void goes_on_from_there(void **state) {
-    (void)state;
+TEST(goes_on_from_there) {
     nqm_dataset *d = load(test_vector("authors/labels.csv"), NQM_SPLIT_ALL);
     nqm_train_options o;
     nqm_train_report report;
@@ -130,8 +126,7 @@ static void refuse(const char *labels, nqm_status status, const char *words) {
         fail_msg("'%s' is not in '%s'", words, err.message);
 }
 
-static void names_what_is_wrong(void **state) {
-    (void)state;
+TEST(names_what_is_wrong) {
     refuse("material,model,level,DeltaE,JOD,class\nglass_3,ward,0,1,9,6\n", NQM_ERR_IO, "neither glass_3.mat nor");
     refuse("material,model,level,DeltaE,JOD,class\nbrass_3,ward,0,1,9,6\n", NQM_ERR_IO, "row 'brass_3'");
     refuse("material,model,level,DeltaE,JOD,class\n../ref/brass_1,ward,0,1,9,6\n", NQM_ERR_FORMAT, "'/'");
@@ -145,8 +140,7 @@ static void names_what_is_wrong(void **state) {
 }
 
 /* A copy of the dataset whose first file of a test has another first direction. */
-static void refuses_other_directions(void **state) {
-    (void)state;
+TEST(refuses_other_directions) {
     enum { SIZE = 1 << 16 };
     static unsigned char bytes[SIZE];
     char command[1200];
@@ -175,11 +169,4 @@ static void refuses_other_directions(void **state) {
     assert_int_equal(system("rm -rf other_authors"), 0);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(reads_the_layout),    cmocka_unit_test(kinds_keep_their_levels),
-        cmocka_unit_test(split_as_asked),      cmocka_unit_test(goes_on_from_there),
-        cmocka_unit_test(names_what_is_wrong), cmocka_unit_test(refuses_other_directions),
-    };
-    return cmocka_run_group_tests(tests, find_root, NULL);
-}
+TEST_FILE(find_root, NULL)

@@ -33,8 +33,7 @@ static int drop_toy(void **state) {
     return 0;
 }
 
-static void round_trip(void **state) {
-    (void)state;
+TEST(round_trip) {
     char sha256[65];
     nqm_dataset *d;
     assert_int_equal(nqm_dataset_write(toy, path, sha256, NULL), NQM_OK);
@@ -76,8 +75,7 @@ static void round_trip(void **state) {
 }
 
 /* Files of earlier versions have no families. */
-static void families_may_be_missing(void **state) {
-    (void)state;
+TEST(families_may_be_missing) {
     nqm_dataset old = *toy, *d;
     old.kind_families = (nqm_names){0};
     assert_int_equal(nqm_dataset_write(&old, path, NULL, NULL), NQM_OK);
@@ -87,8 +85,7 @@ static void families_may_be_missing(void **state) {
 }
 
 /* Datasets of older builds have no errors of labels: the hash of their content is that of a file without the array. */
-static void errors_may_be_missing(void **state) {
-    (void)state;
+TEST(errors_may_be_missing) {
     nqm_dataset old = *toy, *d;
     char with[65], without[65];
     old.delta_e_error = NULL;
@@ -102,8 +99,7 @@ static void errors_may_be_missing(void **state) {
 }
 
 /* Sources are those of the manifest, if it lists all references under their names. */
-static void sources_of_references(void **state) {
-    (void)state;
+TEST(sources_of_references) {
     static const char *const words[] = {"rgl", "rgl-unfolded", "merl", "nbrdf", "nps", "sgd", "renderer", "rglx"};
     static const char *const groups[] = {"measured", "measured", "measured", "neural",
                                          "neural",   "analytic", "renderer", "rglx"};
@@ -127,8 +123,7 @@ static void sources_of_references(void **state) {
 }
 
 /* All references of a material must be in the same split. */
-static void splits_belong_to_materials(void **state) {
-    (void)state;
+TEST(splits_belong_to_materials) {
     for (size_t i = 0; i < toy->n_pairs; ++i)
         for (size_t k = 0; k < toy->n_pairs; ++k) {
             nqm_dataset_pair a = nqm_dataset_get_pair(toy, i), b = nqm_dataset_get_pair(toy, k);
@@ -146,8 +141,7 @@ static void refuse(const nqm_dataset *broken, const char *words) {
     assert_non_null(strstr(err.message, "toy"));
 }
 
-static void broken_promises(void **state) {
-    (void)state;
+TEST(broken_promises) {
     assert_int_equal(nqm_dataset_validate(toy, "toy", NULL), NQM_OK);
     float *rgb = malloc(toy->n_refs * toy->n_directions * 3 * sizeof *rgb);
     assert_non_null(rgb);
@@ -201,8 +195,7 @@ static void broken_promises(void **state) {
 }
 
 /* Datasets without a transport matrix are valid; half of it, or impossible values are not. */
-static void broken_transport(void **state) {
-    (void)state;
+TEST(broken_transport) {
     nqm_dataset d = *toy, *loaded;
     d.transport = NULL;
     refuse(&d, "need each other");
@@ -262,8 +255,7 @@ static void broken_transport(void **state) {
 }
 
 /* A change of any byte and truncation at any byte must be detected: the checksum covers the whole file. */
-static void damage_is_noticed(void **state) {
-    (void)state;
+TEST(damage_is_noticed) {
     nqm_map map;
     assert_int_equal(nqm_dataset_write(toy, path, NULL, NULL), NQM_OK);
     assert_int_equal(nqm_map_open(path, &map, NULL), NQM_OK);
@@ -289,8 +281,7 @@ static void damage_is_noticed(void **state) {
     nqm_map_close(&map);
 }
 
-static void foreign_files(void **state) {
-    (void)state;
+TEST(foreign_files) {
     nqm_dataset *d;
     nqm_error err = {0};
     assert_int_equal(nqm_dataset_load("no such file", &d, &err), NQM_ERR_IO);
@@ -301,8 +292,7 @@ static void foreign_files(void **state) {
     assert_null(d);
 }
 
-static void memory_runs_out(void **state) {
-    (void)state;
+TEST(memory_runs_out) {
     assert_int_equal(nqm_dataset_write(toy, path, NULL, NULL), NQM_OK);
     nqm_status status = NQM_ERR_NOMEM;
     for (long n = 0; status != NQM_OK && n < 1000; ++n) {
@@ -317,18 +307,4 @@ static void memory_runs_out(void **state) {
     assert_int_equal(status, NQM_OK);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(round_trip),
-        cmocka_unit_test(families_may_be_missing),
-        cmocka_unit_test(errors_may_be_missing),
-        cmocka_unit_test(sources_of_references),
-        cmocka_unit_test(splits_belong_to_materials),
-        cmocka_unit_test(broken_promises),
-        cmocka_unit_test(broken_transport),
-        cmocka_unit_test(damage_is_noticed),
-        cmocka_unit_test(foreign_files),
-        cmocka_unit_test(memory_runs_out),
-    };
-    return cmocka_run_group_tests(tests, make_toy, drop_toy);
-}
+TEST_FILE(make_toy, drop_toy)

@@ -51,7 +51,7 @@ static nqm_evaluation *evaluate(const nqm_human *human) {
 /* ---- scores ------------------------------------------------------------------------------------------------------ */
 
 static void sample(const char *name, float *rgb) {
-    nqm_brdf *brdf = open_brdf(name);
+    nqm_brdf *brdf = must_open(name);
     assert_int_equal(nqm_sample(brdf, directions, NQM_INVALID_ERROR, rgb, NULL, NULL, NULL), NQM_OK);
     nqm_brdf_free(brdf);
 }
@@ -65,8 +65,7 @@ static const char *const scores = "test,ignored,reference,material,kind,score\n"
                                   "ward:nickel,,sgd:nickel,metal,fit,4.5\n"
                                   "lambert:kd=.39,x,lambert:kd=.4,grey,darker,4\n";
 
-static void scores_become_a_dataset(void **state) {
-    (void)state;
+TEST(scores_become_a_dataset) {
     nqm_human *human = must_load(scores);
     nqm_human_info info = nqm_human_get_info(human);
     assert_true(info.kind == NQM_HUMAN_SCORE && info.n_rows == 6 && info.n_refs == 3 && info.n_groups == 2);
@@ -112,8 +111,7 @@ static nqm_agreement judge_mae(const char *text, const nqm_eval_options *options
     return results[NQM_METRIC_MAE];
 }
 
-static void scores_have_a_ceiling(void **state) {
-    (void)state;
+TEST(scores_have_a_ceiling) {
     const struct {
         const char *text;
         double ceiling;
@@ -133,8 +131,7 @@ static void scores_have_a_ceiling(void **state) {
     }
 }
 
-static void scores_of_every_kind_are_judged(void **state) {
-    (void)state;
+TEST(scores_of_every_kind_are_judged) {
     nqm_eval_options o = nqm_eval_options_default();
     o.order_margin = 0;
     nqm_agreement a = judge_mae(GREYS("score", "90", "70", "60", "-3"), &o);
@@ -165,8 +162,7 @@ static const char *const choices = "reference,test_a,test_b,n_a,n_b\n"
                                    "lambert:kd=.7,lambert:kd=.8,lambert:kd=.6,1,0\n"
                                    "lambert:kd=.9,lambert:kd=.91,lambert:kd=.95,3,1\n";
 
-static void choices_are_added_up(void **state) {
-    (void)state;
+TEST(choices_are_added_up) {
     nqm_human *human = must_load(choices);
     nqm_human_info info = nqm_human_get_info(human);
     assert_true(info.kind == NQM_HUMAN_CHOICE && info.n_rows == 7 && info.n_triplets == 5 && info.n_refs == 4);
@@ -180,8 +176,7 @@ static void choices_are_added_up(void **state) {
 }
 
 /* The same kind of data with one row per person. */
-static void single_choices_are_counted(void **state) {
-    (void)state;
+TEST(single_choices_are_counted) {
     nqm_human *human = must_load("reference,test_a,test_b,choice\n"
                                  "lambert:kd=.2,lambert:kd=.21,lambert:kd=.3,a\n"
                                  "lambert:kd=.2,lambert:kd=.3,lambert:kd=.21,B\n"
@@ -208,8 +203,7 @@ static double resampled_share(size_t index, const double *met, const double *mad
     return sum_met / sum_made;
 }
 
-static void choices_are_judged(void **state) {
-    (void)state;
+TEST(choices_are_judged) {
     nqm_human *human = must_load(choices);
     nqm_evaluation *ev = evaluate(human);
     nqm_choice_agreement r[NQM_METRIC_COUNT];
@@ -247,8 +241,7 @@ static void choices_are_judged(void **state) {
 
 /* ---- errors ------------------------------------------------------------------------------------------------------ */
 
-static void faults_name_file_and_row(void **state) {
-    (void)state;
+TEST(faults_name_file_and_row) {
     static const struct {
         const char *text;
         nqm_status status;
@@ -296,8 +289,7 @@ static int stop(void *user, const char *stage, double done, double total) {
     return 1;
 }
 
-static void stops_when_asked(void **state) {
-    (void)state;
+TEST(stops_when_asked) {
     nqm_human_options o = nqm_human_options_default();
     nqm_human *human;
     o.directions = directions;
@@ -306,12 +298,4 @@ static void stops_when_asked(void **state) {
     assert_null(human);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(scores_become_a_dataset),         cmocka_unit_test(scores_have_a_ceiling),
-        cmocka_unit_test(scores_of_every_kind_are_judged), cmocka_unit_test(choices_are_added_up),
-        cmocka_unit_test(single_choices_are_counted),      cmocka_unit_test(choices_are_judged),
-        cmocka_unit_test(faults_name_file_and_row),        cmocka_unit_test(stops_when_asked),
-    };
-    return cmocka_run_group_tests(tests, set_up, tear_down);
-}
+TEST_FILE(set_up, tear_down)

@@ -40,8 +40,7 @@ static nqm_status parse(long at, int change, const char *kind, nqm_error *err) {
 
 static const float good[6] = {1, 2, 3, 4, 5, 6};
 
-static void a_file_is_read_back(void **state) {
-    (void)state;
+TEST(a_file_is_read_back) {
     nqm_map map;
     nqm_safetensors *st;
     const nqm_tensor *tensor;
@@ -64,8 +63,7 @@ static void a_file_is_read_back(void **state) {
     nqm_map_close(&map);
 }
 
-static void other_files_are_refused(void **state) {
-    (void)state;
+TEST(other_files_are_refused) {
     nqm_error err = {0};
     assert_int_equal(write_file(good, NULL), NQM_OK);
     assert_int_equal(parse(0, 0, "sparse", &err), NQM_OK);
@@ -79,8 +77,7 @@ static void other_files_are_refused(void **state) {
     assert_non_null(strstr(err.message, "finite"));
 }
 
-static void embedded_files_are_found_by_name(void **state) {
-    (void)state;
+TEST(embedded_files_are_found_by_name) {
     size_t n;
     assert_null(nqm_encoder_bytes("nothing", &n));
     for (const nqm_embedded_file *file = nqm_embedded_encoders; file->name; ++file) {
@@ -92,11 +89,4 @@ static void embedded_files_are_found_by_name(void **state) {
     }
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_file_is_read_back),
-        cmocka_unit_test(other_files_are_refused),
-        cmocka_unit_test(embedded_files_are_found_by_name),
-    };
-    return cmocka_run_group_tests_name("fit: encoder files", tests, make_temp_file, remove_temp_file);
-}
+TEST_FILE(make_temp_file, remove_temp_file)

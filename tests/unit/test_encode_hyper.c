@@ -39,23 +39,21 @@ static void losses_of(const char *const models[3], double log_loss[3]) {
     for (size_t m = 0; m < 3; ++m)
         log_loss[m] = 0;
     for (size_t i = 0; i < N_MATERIALS; ++i) {
-        nqm_brdf *ref = open_brdf(materials[i]);
+        nqm_brdf *ref = must_open(materials[i]);
         for (size_t m = 0; m < 3; ++m)
             log_loss[m] += log(loss_of(ref, models[m])) / N_MATERIALS;
         nqm_brdf_free(ref);
     }
 }
 
-static void more_samples_are_better(void **state) {
-    (void)state;
+TEST(more_samples_are_better) {
     double loss[3];
     losses_of((const char *const[]){"hyper-low", "hyper-mid", "hyper-high"}, loss);
     if (!(loss[0] > loss[1] + 0.1 && loss[1] > loss[2] + 0.02 && loss[2] < log(0.015)))
         fail_msg("mean losses %g, %g, %g", exp(loss[0]), exp(loss[1]), exp(loss[2]));
 }
 
-static void level_0_is_the_finest(void **state) {
-    (void)state;
+TEST(level_0_is_the_finest) {
     double loss[3];
     losses_of((const char *const[]){"hyper-0", "hyper-1", "hyper-2"}, loss);
     if (!(loss[0] < loss[1] - 0.01 && loss[1] < loss[2] - 0.1))
@@ -65,7 +63,7 @@ static void level_0_is_the_finest(void **state) {
 static void values_of(const char *model, size_t n, double *rgb) {
     static const double hd[3 * 2] = {0.01, 0.3, 0.5, 0.6, 0.4, 1.5};
     nqm_fit_report report;
-    nqm_brdf *ref = open_brdf("sgd:red-plastic"), *brdf;
+    nqm_brdf *ref = must_open("sgd:red-plastic"), *brdf;
     assert_int_equal(nqm_fit(ref, model, NULL, &report, &brdf, NULL), NQM_OK);
     assert_string_equal(nqm_brdf_get_info(brdf).format, "nbrdf");
     nqm_brdf_eval_half_diff(brdf, n, hd, rgb, NULL);
@@ -73,8 +71,7 @@ static void values_of(const char *model, size_t n, double *rgb) {
     nqm_brdf_free(ref);
 }
 
-static void encoding_does_not_depend_on_threads(void **state) {
-    (void)state;
+TEST(encoding_does_not_depend_on_threads) {
     double one[6], two[6];
     int n_threads = omp_get_max_threads();
     omp_set_num_threads(1);
@@ -94,8 +91,7 @@ static void empty_eval(const void *self, size_t n, const double *hd, double *rgb
 
 static const nqm_brdf_class empty_class = {.format = "empty", .eval_half_diff = empty_eval, .free = free_nothing};
 
-static void brdfs_without_values_are_refused(void **state) {
-    (void)state;
+TEST(brdfs_without_values_are_refused) {
     nqm_brdf *empty;
     nqm_fit_report report;
     nqm_error err = {0};
@@ -147,8 +143,7 @@ static double loss_of_file(void) {
     return loss;
 }
 
-static void learning_lowers_the_loss(void **state) {
-    (void)state;
+TEST(learning_lowers_the_loss) {
     assert_int_equal(learn(1, NULL, NULL), NQM_OK);
     double before = loss_of_file();
     assert_int_equal(learn(20, NULL, NULL), NQM_OK);
@@ -157,8 +152,7 @@ static void learning_lowers_the_loss(void **state) {
         fail_msg("loss %g, after learning %g", before, after);
 }
 
-static void learning_does_not_depend_on_threads(void **state) {
-    (void)state;
+TEST(learning_does_not_depend_on_threads) {
     int n_threads = omp_get_max_threads();
     nqm_map map[2];
     for (int i = 0; i < 2; ++i) {
@@ -178,8 +172,7 @@ static int stop(void *user, const char *stage, double done, double total) {
     return strcmp(stage, "learn") == 0;
 }
 
-static void learning_can_be_stopped(void **state) {
-    (void)state;
+TEST(learning_can_be_stopped) {
     nqm_error err = {0};
     assert_int_equal(learn(100000, stop, &err), NQM_ERR_CANCELLED);
 }
@@ -187,7 +180,7 @@ static void learning_can_be_stopped(void **state) {
 static int open_all(void **state) {
     (void)state;
     for (size_t i = 0; i < N_REFS; ++i)
-        refs[i] = open_brdf(names[i]);
+        refs[i] = must_open(names[i]);
     return make_temp_file(state);
 }
 
@@ -198,15 +191,4 @@ static int close_all(void **state) {
     return remove_temp_file(state);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(more_samples_are_better),
-        cmocka_unit_test(level_0_is_the_finest),
-        cmocka_unit_test(encoding_does_not_depend_on_threads),
-        cmocka_unit_test(brdfs_without_values_are_refused),
-        cmocka_unit_test(learning_lowers_the_loss),
-        cmocka_unit_test(learning_does_not_depend_on_threads),
-        cmocka_unit_test(learning_can_be_stopped),
-    };
-    return cmocka_run_group_tests_name("fit: encodings by the hypernetwork", tests, open_all, close_all);
-}
+TEST_FILE(open_all, close_all)

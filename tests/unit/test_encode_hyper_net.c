@@ -54,8 +54,7 @@ static double loss_of(bench *b) {
     return loss;
 }
 
-static void gradient_is_that_of_differences(void **state) {
-    (void)state;
+TEST(gradient_is_that_of_differences) {
     bench b;
     setup(&b);
     loss_of(&b);
@@ -77,8 +76,7 @@ static void gradient_is_that_of_differences(void **state) {
     teardown(&b);
 }
 
-static void order_of_samples_does_not_matter(void **state) {
-    (void)state;
+TEST(order_of_samples_does_not_matter) {
     bench b;
     setup(&b);
     float before[N_OUT], row[NQM_HYPER_FEATURES];
@@ -103,8 +101,7 @@ static void order_of_samples_does_not_matter(void **state) {
     teardown(&b);
 }
 
-static void sets_are_independent(void **state) {
-    (void)state;
+TEST(sets_are_independent) {
     bench b;
     setup(&b);
     float before[N_OUT];
@@ -136,8 +133,7 @@ static nqm_status read_network(nqm_hyper *hyper, nqm_error *err) {
     return status;
 }
 
-static void a_file_is_read_back(void **state) {
-    (void)state;
+TEST(a_file_is_read_back) {
     nqm_hyper written, found;
     write_network(&narrow, &written);
     assert_int_equal(read_network(&found, NULL), NQM_OK);
@@ -147,8 +143,7 @@ static void a_file_is_read_back(void **state) {
     nqm_free(found.block);
 }
 
-static void other_networks_are_refused(void **state) {
-    (void)state;
+TEST(other_networks_are_refused) {
     nqm_hyper written, found;
     nqm_error err = {0};
     write_network(&small, &written); /* its output is not an NBRDF */
@@ -171,13 +166,4 @@ static void other_networks_are_refused(void **state) {
     assert_non_null(strstr(err.message, "hyper"));
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(gradient_is_that_of_differences),
-        cmocka_unit_test(order_of_samples_does_not_matter),
-        cmocka_unit_test(sets_are_independent),
-        cmocka_unit_test(a_file_is_read_back),
-        cmocka_unit_test(other_networks_are_refused),
-    };
-    return cmocka_run_group_tests_name("fit: hypernetwork", tests, make_temp_file, remove_temp_file);
-}
+TEST_FILE(make_temp_file, remove_temp_file)

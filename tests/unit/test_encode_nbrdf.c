@@ -46,14 +46,13 @@ static double distance(const nqm_brdf *a, const nqm_brdf *b) {
     return sum / (double)n;
 }
 
-static void known_materials_are_learned(void **state) {
-    (void)state;
+TEST(known_materials_are_learned) {
     static const struct {
         const char *spec;
         double loss;
     } cases[] = {{"lambert:kd=0.8,0.3,0.02", 0.0005}, {"ggx:kd=0.3,0.1,0.05;ks=1;alpha=0.3;f0=0.04", 0.004}};
     for (size_t i = 0; i < 2; ++i) {
-        nqm_brdf *ref = open_brdf(cases[i].spec), *brdf;
+        nqm_brdf *ref = must_open(cases[i].spec), *brdf;
         nqm_fit_report report = fit(ref, 300, 1, &brdf);
         print_message("%s: loss %.5f, distance %.5f\n", cases[i].spec, report.loss, distance(ref, brdf));
         assert_true(report.loss < cases[i].loss);
@@ -67,9 +66,8 @@ static void known_materials_are_learned(void **state) {
     }
 }
 
-static void a_seed_is_a_result(void **state) {
-    (void)state;
-    nqm_brdf *ref = open_brdf("ggx:alpha=0.2"), *a, *b, *c;
+TEST(a_seed_is_a_result) {
+    nqm_brdf *ref = must_open("ggx:alpha=0.2"), *a, *b, *c;
     nqm_fit_report first = fit(ref, 200, 1, &a), again = fit(ref, 200, 1, &b), other = fit(ref, 200, 2, &c);
     assert_true(first.loss == again.loss && distance(a, b) == 0);
     assert_true(first.loss != other.loss && distance(a, c) > 0);
@@ -93,8 +91,7 @@ static void nothing_eval(const void *self, size_t n, const double *hd, double *r
         rgb[i] = NAN;
 }
 
-static void missing_values_are_left_out(void **state) {
-    (void)state;
+TEST(missing_values_are_left_out) {
     static const nqm_brdf_class lopsided = {.format = "x", .eval_half_diff = lopsided_eval, .free = free_nothing};
     static const nqm_brdf_class nothing = {.format = "x", .eval_half_diff = nothing_eval, .free = free_nothing};
     nqm_brdf *ref, *brdf;
@@ -127,9 +124,8 @@ static int on_progress(void *user, const char *stage, double done, double total)
     return ++w->n_calls == w->stop_at;
 }
 
-static void progress_is_told_and_stops(void **state) {
-    (void)state;
-    nqm_brdf *ref = open_brdf("lambert:kd=0.5"), *brdf;
+TEST(progress_is_told_and_stops) {
+    nqm_brdf *ref = must_open("lambert:kd=0.5"), *brdf;
     nqm_fit_options options = nqm_fit_options_default();
     nqm_fit_report report;
     watch all = {0}, some = {.stop_at = 2};
@@ -148,8 +144,7 @@ static void progress_is_told_and_stops(void **state) {
 /* ---- measured materials ------------------------------------------------------------------------------------------ */
 
 /* With a tenth of the default number of steps the loss is lower than that of the published network. */
-static void as_near_as_the_published(void **state) {
-    (void)state;
+TEST(as_near_as_the_published) {
     static const char *const materials[] = {"cardboard_rgb", "satin_purple_rgb"};
     for (size_t i = 0; i < sizeof materials / sizeof *materials; ++i) {
         char path[512], zip[600];
@@ -157,9 +152,9 @@ static void as_near_as_the_published(void **state) {
         const char *measured = shared_data(path);
         if (!measured)
             skip();
-        nqm_brdf *ref = open_brdf(measured), *published, *own;
+        nqm_brdf *ref = must_open(measured), *published, *own;
         snprintf(zip, sizeof zip, "%s:%s", shared_data("nbrdf/rgl-isotropic_nbrdf.zip"), materials[i]);
-        published = open_brdf(zip);
+        published = must_open(zip);
         fit(ref, 600, 1, &own);
         double ours = distance(ref, own), theirs = distance(ref, published);
         print_message("%s: %.5f, published %.5f\n", materials[i], ours, theirs);
@@ -168,13 +163,4 @@ static void as_near_as_the_published(void **state) {
         nqm_brdf_free(published);
         nqm_brdf_free(ref);
     }
-}
-
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(known_materials_are_learned), cmocka_unit_test(a_seed_is_a_result),
-        cmocka_unit_test(missing_values_are_left_out), cmocka_unit_test(progress_is_told_and_stops),
-        cmocka_unit_test(as_near_as_the_published),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -70,8 +70,7 @@ static void to_double(const problem *p, double *weights) {
 }
 
 /* The loss is almost 0 if the targets are the same network's values, evaluated by src/brdf. */
-static void inputs_are_those_of_evaluation(void **state) {
-    (void)state;
+TEST(inputs_are_those_of_evaluation) {
     problem p = make_problem(0.2);
     nqm_brdf *brdf;
     for (size_t c = 1; c <= 3; ++c)
@@ -91,8 +90,7 @@ static void inputs_are_those_of_evaluation(void **state) {
     assert_near(nqm_nbrdf_loss(p.weights, &batch, NULL), 0, 1e-6);
 }
 
-static void loss_is_its_formula(void **state) {
-    (void)state;
+TEST(loss_is_its_formula) {
     for (double spread = 0.01; spread < 1; spread *= 3) {
         problem p = make_problem(spread);
         nqm_nbrdf_batch batch = batch_of(&p);
@@ -103,8 +101,7 @@ static void loss_is_its_formula(void **state) {
     }
 }
 
-static void gradient_is_the_slope_of_the_loss(void **state) {
-    (void)state;
+TEST(gradient_is_the_slope_of_the_loss) {
     problem p = make_problem(0.3);
     nqm_nbrdf_batch batch = batch_of(&p);
     float gradient[NQM_NBRDF_WEIGHTS];
@@ -133,8 +130,7 @@ static nqm_csv *load_vectors(const char *name, size_t n_rows) {
     return csv;
 }
 
-static void agrees_with_pytorch(void **state) {
-    (void)state;
+TEST(agrees_with_pytorch) {
     enum { ROWS = 200 };
     nqm_csv *rows = load_vectors("nbrdf_batch.csv", ROWS),
             *numbers = load_vectors("nbrdf_weights.csv", NQM_NBRDF_WEIGHTS);
@@ -163,8 +159,7 @@ static void agrees_with_pytorch(void **state) {
     nqm_csv_free(numbers);
 }
 
-static void huge_outputs_stay_finite(void **state) {
-    (void)state;
+TEST(huge_outputs_stay_finite) {
     for (double sign = -1; sign <= 1; sign += 2) {
         problem p = make_problem(0.3);
         nqm_nbrdf_batch batch = batch_of(&p);
@@ -177,13 +172,4 @@ static void huge_outputs_stay_finite(void **state) {
             assert_true(isfinite(gradient[i]));
         assert_true(sign * (double)gradient[NQM_NBRDF_WEIGHTS - 1] > 0); /* gradient descent reduces the overshoot */
     }
-}
-
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(inputs_are_those_of_evaluation),    cmocka_unit_test(loss_is_its_formula),
-        cmocka_unit_test(gradient_is_the_slope_of_the_loss), cmocka_unit_test(agrees_with_pytorch),
-        cmocka_unit_test(huge_outputs_stay_finite),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
 }

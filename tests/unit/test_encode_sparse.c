@@ -26,12 +26,11 @@ static nqm_sparse_dictionary *builtin(void) {
     return dictionary;
 }
 
-static void the_mapping_is_undone(void **state) {
-    (void)state;
+TEST(the_mapping_is_undone) {
     static float table[3 * CELLS], before[3 * CELLS], typical[CELLS];
     nqm_sparse_grid grid;
     size_t n_valid;
-    nqm_brdf *brdf = open_brdf("sgd:nickel");
+    nqm_brdf *brdf = must_open("sgd:nickel");
     assert_int_equal(nqm_sparse_grid_make(&grid, NULL), NQM_OK);
     assert_true(grid.n > CELLS / 2 && grid.n < CELLS);
     assert_int_equal(nqm_sparse_sample(&grid, brdf, table, &n_valid, NULL), NQM_OK);
@@ -53,8 +52,7 @@ static void the_mapping_is_undone(void **state) {
     nqm_brdf_free(brdf);
 }
 
-static void bases_keep_lengths(void **state) {
-    (void)state;
+TEST(bases_keep_lengths) {
     static double core[CORE], again[CORE];
     static float channel[CELLS];
     nqm_sparse_dictionary *dictionary = builtin();
@@ -116,8 +114,7 @@ static double loss_of(const nqm_sparse_dictionary *dictionary, const nqm_brdf *r
     return report.loss;
 }
 
-static void what_lies_in_the_span_is_coded_exactly(void **state) {
-    (void)state;
+TEST(what_lies_in_the_span_is_coded_exactly) {
     nqm_sparse_dictionary *dictionary = builtin();
     nqm_brdf *brdf = in_span(dictionary, 1), *nothing = in_span(dictionary, 0);
     double few = loss_of(dictionary, brdf, 2), exact = loss_of(dictionary, brdf, 24);
@@ -128,13 +125,12 @@ static void what_lies_in_the_span_is_coded_exactly(void **state) {
     nqm_free(dictionary);
 }
 
-static void more_atoms_come_nearer(void **state) {
-    (void)state;
+TEST(more_atoms_come_nearer) {
     static const char *const presets[] = {"sgd:nickel", "sgd:green-plastic", "ward:pink-felt",
                                           "ggx:kd=.1;ks=.2;alpha=.2"};
     for (size_t i = 0; i < sizeof presets / sizeof *presets; ++i) {
         static const char *const models[] = {"sparse-low", "sparse-mid", "sparse-high"};
-        nqm_brdf *ref = open_brdf(presets[i]);
+        nqm_brdf *ref = must_open(presets[i]);
         nqm_fit_report report[3];
         for (size_t m = 0; m < 3; ++m) {
             nqm_error err = {0};
@@ -155,8 +151,7 @@ static void more_atoms_come_nearer(void **state) {
 
 /* Rounding can improve a single material, so the levels are compared by the geometric means of their losses. Levels 1 and
  * 2 differ too little for a few materials. */
-static void level_0_is_the_finest(void **state) {
-    (void)state;
+TEST(level_0_is_the_finest) {
     static const char *const presets[] = {"sgd:nickel",        "sgd:teflon",     "sgd:pink-fabric",
                                           "sgd:yellow-paint",  "ward:pink-felt", "sgd:maroon-plastic",
                                           "sgd:green-plastic", "sgd:red-plastic"};
@@ -164,7 +159,7 @@ static void level_0_is_the_finest(void **state) {
     enum { N_PRESETS = sizeof presets / sizeof *presets };
     double loss[3] = {0};
     for (size_t i = 0; i < N_PRESETS; ++i) {
-        nqm_brdf *ref = open_brdf(presets[i]);
+        nqm_brdf *ref = must_open(presets[i]);
         for (size_t m = 0; m < 3; ++m) {
             nqm_fit_report report;
             assert_int_equal(nqm_fit(ref, models[m], NULL, &report, NULL, NULL), NQM_OK);
@@ -197,8 +192,7 @@ static nqm_brdf *with_holes(const double *limit) {
     return brdf;
 }
 
-static void holes_are_filled(void **state) {
-    (void)state;
+TEST(holes_are_filled) {
     static const double limit = 1.2, tiny = -1;
     nqm_sparse_dictionary *dictionary = builtin();
     nqm_brdf *brdf = with_holes(&limit), *empty = with_holes(&tiny), *coded;
@@ -223,9 +217,8 @@ static void holes_are_filled(void **state) {
     nqm_free(dictionary);
 }
 
-static void memory_runs_out(void **state) {
-    (void)state;
-    nqm_brdf *ref = open_brdf("lambert:kd=0.3"), *brdf = NULL;
+TEST(memory_runs_out) {
+    nqm_brdf *ref = must_open("lambert:kd=0.3"), *brdf = NULL;
     nqm_status status = NQM_ERR_NOMEM;
     long n = 0;
     for (; status != NQM_OK && n < 1000; ++n) {
@@ -242,17 +235,4 @@ static void memory_runs_out(void **state) {
                      8 + NQM_BIG_ENDIAN); /* each allocation has failed once; values of other byte order are copied */
     nqm_brdf_free(brdf);
     nqm_brdf_free(ref);
-}
-
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(the_mapping_is_undone),
-        cmocka_unit_test(bases_keep_lengths),
-        cmocka_unit_test(what_lies_in_the_span_is_coded_exactly),
-        cmocka_unit_test(more_atoms_come_nearer),
-        cmocka_unit_test(level_0_is_the_finest),
-        cmocka_unit_test(holes_are_filled),
-        cmocka_unit_test(memory_runs_out),
-    };
-    return cmocka_run_group_tests_name("fit: sparse", tests, NULL, NULL);
 }

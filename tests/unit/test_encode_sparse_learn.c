@@ -45,8 +45,7 @@ static bool same(const nqm_map *a, const nqm_map *b) {
     return a->n_bytes == b->n_bytes && memcmp(a->data, b->data, a->n_bytes) == 0;
 }
 
-static void what_was_learned_is_coded_well(void **state) {
-    (void)state;
+TEST(what_was_learned_is_coded_well) {
     nqm_map map = learned(1, 1);
     nqm_sparse_dictionary *dictionary;
     assert_int_equal(nqm_sparse_dictionary_parse(map.data, map.n_bytes, "four", &dictionary, NULL), NQM_OK);
@@ -63,8 +62,7 @@ static void what_was_learned_is_coded_well(void **state) {
     nqm_map_close(&map);
 }
 
-static void a_seed_is_a_file(void **state) {
-    (void)state;
+TEST(a_seed_is_a_file) {
     nqm_map one = learned(1, 1), two = learned(1, 2), other = learned(2, 1);
     assert_true(same(&one, &two));
     assert_false(same(&one, &other));
@@ -79,16 +77,14 @@ static int stop(void *user, const char *stage, double done, double total) {
     return strcmp(stage, "dictionary") == 0 && done >= 3;
 }
 
-static void a_stopped_run_leaves_nothing(void **state) {
-    (void)state;
+TEST(a_stopped_run_leaves_nothing) {
     assert_int_equal(learn(1, 1, stop, NULL), NQM_ERR_CANCELLED);
     assert_int_equal(access(path, F_OK), -1);
 }
 
-static void grey_alone_is_nothing_to_learn(void **state) {
-    (void)state;
+TEST(grey_alone_is_nothing_to_learn) {
     nqm_error err = {0};
-    nqm_brdf *grey = open_brdf("lambert:kd=0.4");
+    nqm_brdf *grey = must_open("lambert:kd=0.4");
     assert_int_equal(nqm_learn(NQM_ENCODER_SPARSE, 1, (const nqm_brdf *const *)&grey, names, NULL, path, &err),
                      NQM_ERR_INCOMPATIBLE);
     assert_non_null(strstr(err.message, "all equal"));
@@ -136,8 +132,7 @@ static nqm_status parse_spoiled(double scale, float typical, size_t left_out, si
     return status;
 }
 
-static void broken_dictionaries_are_refused(void **state) {
-    (void)state;
+TEST(broken_dictionaries_are_refused) {
     enum { NONE = 9 };
     nqm_error err = {0};
     assert_int_equal(parse_spoiled(1, 0, NONE, NONE, &err), NQM_OK);
@@ -159,7 +154,7 @@ static int open_all(void **state) {
         return -1;
     snprintf(path, sizeof path, "%s/sparse.safetensors", folder);
     for (size_t i = 0; i < N; ++i)
-        refs[i] = open_brdf(names[i]);
+        refs[i] = must_open(names[i]);
     return 0;
 }
 
@@ -171,11 +166,4 @@ static int close_all(void **state) {
     return rmdir(folder);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(what_was_learned_is_coded_well),  cmocka_unit_test(a_seed_is_a_file),
-        cmocka_unit_test(a_stopped_run_leaves_nothing),    cmocka_unit_test(grey_alone_is_nothing_to_learn),
-        cmocka_unit_test(broken_dictionaries_are_refused),
-    };
-    return cmocka_run_group_tests_name("fit: learning sparse", tests, open_all, close_all);
-}
+TEST_FILE(open_all, close_all)

@@ -44,8 +44,7 @@ static coded code(size_t n_atoms, const double *atoms, const double *signals, si
     return c;
 }
 
-static void every_step_is_that_of_the_definition(void **state) {
-    (void)state;
+TEST(every_step_is_that_of_the_definition) {
     for (size_t n = 1; n <= OMP_CHOSEN; ++n) {
         coded c = code(ATOMS, omp_atoms, omp_signals, n);
         assert_int_equal(c.n, n);
@@ -59,8 +58,7 @@ static void every_step_is_that_of_the_definition(void **state) {
 }
 
 /* For orthonormal atoms, the pursuit selects the largest inner products, which are the coefficients. */
-static void orthonormal_atoms_are_sorted(void **state) {
-    (void)state;
+TEST(orthonormal_atoms_are_sorted) {
     double atoms[LENGTH * LENGTH] = {0}, signals[BLOCKS * LENGTH];
     for (size_t i = 0; i < LENGTH; ++i) {
         atoms[i * LENGTH + i] = 1;
@@ -75,8 +73,7 @@ static void orthonormal_atoms_are_sorted(void **state) {
     }
 }
 
-static void what_is_made_of_atoms_is_found(void **state) {
-    (void)state;
+TEST(what_is_made_of_atoms_is_found) {
     double signals[BLOCKS * LENGTH];
     for (size_t i = 0; i < LENGTH; ++i) {
         signals[i] = 2 * omp_atoms[3 * LENGTH + i] - 0.5 * omp_atoms[11 * LENGTH + i];
@@ -88,8 +85,7 @@ static void what_is_made_of_atoms_is_found(void **state) {
         assert_true(c.index[k] < ATOMS); /* the second signal is zero: no atom for it */
 }
 
-static void dependent_atoms_are_passed_over(void **state) {
-    (void)state;
+TEST(dependent_atoms_are_passed_over) {
     double atoms[3 * LENGTH];
     for (size_t i = 0; i < LENGTH; ++i) {
         atoms[i] = atoms[LENGTH + i] = omp_atoms[i];
@@ -101,19 +97,7 @@ static void dependent_atoms_are_passed_over(void **state) {
         assert_true(isfinite(c.coefficient[k]) && c.index[k] % 3 != 1);
 }
 
-static void nothing_needs_no_atom(void **state) {
-    (void)state;
+TEST(nothing_needs_no_atom) {
     const double signals[BLOCKS * LENGTH] = {0};
     assert_int_equal(code(ATOMS, omp_atoms, signals, 5).n, 0);
-}
-
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(every_step_is_that_of_the_definition),
-        cmocka_unit_test(orthonormal_atoms_are_sorted),
-        cmocka_unit_test(what_is_made_of_atoms_is_found),
-        cmocka_unit_test(dependent_atoms_are_passed_over),
-        cmocka_unit_test(nothing_needs_no_atom),
-    };
-    return cmocka_run_group_tests_name("fit: matching pursuit", tests, NULL, NULL);
 }

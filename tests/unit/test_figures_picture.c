@@ -34,8 +34,7 @@ static nqm_image write_and_load(const char *name, const nqm_picture *picture, si
     return image;
 }
 
-static void exr_and_hdr(void **state) {
-    (void)state;
+TEST(exr_and_hdr) {
     double rgb[3 * WIDTH * HEIGHT];
     make_picture(rgb);
     const size_t widths[] = {WIDTH, 5}; /* 5 is too narrow for run-length coding */
@@ -54,8 +53,7 @@ static void exr_and_hdr(void **state) {
 }
 
 /* Values that would round up to 256, the smallest and the largest values, and negative values. */
-static void hdr_limits(void **state) {
-    (void)state;
+TEST(hdr_limits) {
     const double rgb[] = {255.9, 0, 0, 1e-40, 1e-40, 0, 1e38, 1, 1, -5, 1, -1e-3, 3e38, 3e38, 3e38, 1, .5, .25};
     const nqm_picture picture = {.width = 6, .height = 1, .rgb_cdm2 = rgb};
     nqm_image hdr = write_and_load("limits.hdr", &picture, 1);
@@ -82,8 +80,7 @@ static unsigned char *read_png(const char *path, size_t *width, size_t *height) 
     return rgb;
 }
 
-static void png_bytes(void **state) {
-    (void)state;
+TEST(png_bytes) {
     /* Black, half the white, at the shoulder, far above it; then a block whose average is that of displayed light. */
     const double grey[] = {0, 200, 240, 1e6, 0, 1e6, 0, 0, 0, 0, 0, 1e6};
     double rgb[3 * 12];
@@ -117,8 +114,7 @@ static void png_bytes(void **state) {
     free(bytes);
 }
 
-static void averaging(void **state) {
-    (void)state;
+TEST(averaging) {
     double rgb[3 * WIDTH * HEIGHT];
     make_picture(rgb);
     const nqm_picture picture = {.width = WIDTH, .height = HEIGHT, .rgb_cdm2 = rgb};
@@ -132,8 +128,7 @@ static void averaging(void **state) {
     nqm_free(exr.rgb);
 }
 
-static void refusals(void **state) {
-    (void)state;
+TEST(refusals) {
     double rgb[12] = {0};
     const nqm_tone no_white = {.shoulder = 1}, no_shoulder = {.white_cdm2 = 1};
     const nqm_picture picture = {.width = 2, .height = 2, .rgb_cdm2 = rgb};
@@ -156,8 +151,7 @@ static void refusals(void **state) {
 }
 
 /* The tone curve increases smoothly, is the identity for small values, and approaches 1. */
-static void tone_curve(void **state) {
-    (void)state;
+TEST(tone_curve) {
     const nqm_tone tone = nqm_tone_default();
     double before = 0;
     for (int i = 1; i < 4000; ++i) {
@@ -176,8 +170,7 @@ static void tone_curve(void **state) {
 }
 
 /* Perceptually ordered: lightness (CIE L*), which does not depend on colour vision, increases in nearly equal steps. */
-static void colour_map(void **state) {
-    (void)state;
+TEST(colour_map) {
     double before = 0, least = 100, most = 0;
     for (int i = 0; i <= 64; ++i) {
         double rgb[3];
@@ -193,8 +186,7 @@ static void colour_map(void **state) {
     assert_true(most < 1.6);
 }
 
-static void scales(void **state) {
-    (void)state;
+TEST(scales) {
     assert_near(nqm_tick_step(10, 5), 2, 1e-12);
     assert_near(nqm_tick_step(1, 5), 0.2, 1e-12);
     assert_near(nqm_tick_step(35, 5), 10, 1e-12);
@@ -212,8 +204,7 @@ static void scales(void **state) {
 }
 
 /* A map without a frame: same size in pixels, reduced on request; invalid sizes, scales and names are refused. */
-static void maps_alone(void **state) {
-    (void)state;
+TEST(maps_alone) {
     double map[8 * 4];
     for (size_t i = 0; i < 8 * 4; ++i)
         map[i] = i == 0 ? (double)NAN : i == 31 ? 99 : 0;
@@ -243,8 +234,7 @@ static void maps_alone(void **state) {
 
 /* A figure of a grey picture, a map whose left half is NaN, and an empty panel; pixels are tested at panel
  * positions. */
-static void figures(void **state) {
-    (void)state;
+TEST(figures) {
     double grey[3 * 40 * 40], map[40 * 40];
     for (size_t i = 0; i < 3 * 40 * 40; ++i)
         grey[i] = 200;
@@ -288,14 +278,4 @@ static void figures(void **state) {
     assert_int_equal(nqm_figure_write(path, &f, &err), NQM_ERR_ARG);
     f.n_rows = 1;
     assert_int_equal(nqm_figure_write("/nonexistent/x.png", &f, &err), NQM_ERR_IO);
-}
-
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(exr_and_hdr), cmocka_unit_test(hdr_limits), cmocka_unit_test(png_bytes),
-        cmocka_unit_test(averaging),   cmocka_unit_test(refusals),   cmocka_unit_test(tone_curve),
-        cmocka_unit_test(colour_map),  cmocka_unit_test(scales),     cmocka_unit_test(maps_alone),
-        cmocka_unit_test(figures),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
 }

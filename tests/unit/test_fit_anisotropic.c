@@ -10,7 +10,7 @@
 #include <string.h>
 
 static nqm_fit_report fit(const char *ref_spec, const char *model) {
-    nqm_brdf *ref = open_brdf(ref_spec);
+    nqm_brdf *ref = must_open(ref_spec);
     nqm_fit_options options = nqm_fit_options_default();
     nqm_fit_report report;
     nqm_error err = {0};
@@ -23,15 +23,14 @@ static nqm_fit_report fit(const char *ref_spec, const char *model) {
 }
 
 /* A model fitted to itself is the same BRDF, also where the spec names the other axis. */
-static void models_are_recovered(void **state) {
-    (void)state;
+TEST(models_are_recovered) {
     static const char *const specs[][2] = {{"ggx:kd=0.1;ks=1;alpha=0.1,0.4;f0=0.9", "ggx"},
                                            {"rotate:deg=33;of=ggx:kd=0.2,0.1,0.1;ks=1;alpha=0.3,0.06;f0=0.04", "ggx"},
                                            {"rotate:deg=120;of=ward:kd=0.1;ks=0.2;alpha=0.05,0.2", "ward"},
                                            {"ashikhmin-shirley:kd=0.1;ks=0.5;n=20,400;f0=0.3", "ashikhmin-shirley"}};
     for (size_t i = 0; i < sizeof specs / sizeof *specs; ++i) {
         const nqm_fit_report report = fit(specs[i][0], specs[i][1]);
-        nqm_brdf *ref = open_brdf(specs[i][0]), *found = open_brdf(report.spec);
+        nqm_brdf *ref = must_open(specs[i][0]), *found = must_open(report.spec);
         nqm_brdf_difference difference;
         assert_true(strncmp(report.spec, "rotate:deg=", 11) == 0 || i == 3);
         assert_int_equal(nqm_brdf_compare(ref, found, 0.05, 1, &difference, NULL), NQM_OK);
@@ -50,8 +49,7 @@ static double value_after(const nqm_fit_report *report, const char *text) {
 }
 
 /* Shading models have the anisotropy of the measured lobe, and are turned if they cannot turn it themselves. */
-static void shading_models(void **state) {
-    (void)state;
+TEST(shading_models) {
     static const char gold[] =
         "gltf:base_color=0.9,0.6,0.3;metallic=1;roughness=0.3;anisotropy_strength=0.6;anisotropy_rotation=0.5";
     const nqm_fit_report same = fit(gold, "gltf"), turned = fit(gold, "open-pbr"), isotropic = fit(gold, "usd-preview");
@@ -63,14 +61,7 @@ static void shading_models(void **state) {
     assert_true(strncmp(isotropic.spec, "usd-preview:", 12) == 0);
 }
 
-static void models_of_one_width(void **state) {
-    (void)state;
+TEST(models_of_one_width) {
     assert_true(strncmp(fit("ggx:kd=0.1;ks=1;alpha=0.1,0.4;f0=0.9", "blinn-phong").spec, "blinn-phong:", 12) == 0);
     assert_true(strncmp(fit("ggx:kd=0.1;ks=1;alpha=0.2;f0=0.9", "ggx").spec, "ggx:", 4) == 0);
-}
-
-int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(models_are_recovered), cmocka_unit_test(shading_models),
-                                       cmocka_unit_test(models_of_one_width)};
-    return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -42,8 +42,7 @@ static bool is_held_out(const char *brdf) {
     return false;
 }
 
-static void every_form_of_a_name_is_known(void **state) {
-    (void)state;
+TEST(every_form_of_a_name_is_known) {
     assert_int_equal(sizeof held_out / sizeof *held_out, 20);
     assert_true(is_held_out("rgl/ilm_solo_m_68_rgb.bsdf"));
     assert_true(is_held_out("nbrdf/merl_nbrdf.zip:aluminium"));
@@ -55,8 +54,7 @@ static void every_form_of_a_name_is_known(void **state) {
     assert_false(is_held_out("rgl/ilm_solo_m_68_rgb_2.bsdf"));
 }
 
-static void no_encoder_has_seen_one(void **state) {
-    (void)state;
+TEST(no_encoder_has_seen_one) {
     size_t n_bytes;
     assert_non_null(nqm_encoder_bytes("sparse", &n_bytes));
     assert_non_null(nqm_encoder_bytes("hyper", &n_bytes));
@@ -74,12 +72,4 @@ static void no_encoder_has_seen_one(void **state) {
         json_decref(references);
         nqm_safetensors_free(st);
     }
-}
-
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(every_form_of_a_name_is_known),
-        cmocka_unit_test(no_encoder_has_seen_one),
-    };
-    return cmocka_run_group_tests_name("fit: materials held out", tests, NULL, NULL);
 }

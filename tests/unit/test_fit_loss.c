@@ -38,7 +38,7 @@ static double roots_eval(void *user, const double *rgb, double *gradient) {
 
 static void make_roots(const char *truth, roots *r) {
     nqm_rng rng = nqm_rng_make(7, 0);
-    nqm_brdf *ref = open_brdf(truth);
+    nqm_brdf *ref = must_open(truth);
     *r = (roots){.visual = {.n = N, .eval = roots_eval, .user = r}};
     for (size_t i = 0; i < N; ++i) {
         double hd[3];
@@ -55,20 +55,18 @@ static void make_roots(const char *truth, roots *r) {
 
 /* ---- the table ---------------------------------------------------------------------------------------------------- */
 
-static void words_are_those_of_the_metrics(void **state) {
-    (void)state;
+TEST(words_are_those_of_the_metrics) {
     for (int m = 0; m < NQM_METRIC_COUNT; ++m)
         assert_string_equal(nqm_fit_loss_words[NQM_FIT_RMSE + m], nqm_metric_name((nqm_metric)m));
     assert_null(nqm_fit_loss_words[NQM_FIT_N_LOSSES]);
 }
 
 /* The values of all losses at directions of the half-vector list are those of nqm_metrics_compute(). */
-static void values_are_those_of_the_metrics(void **state) {
-    (void)state;
+TEST(values_are_those_of_the_metrics) {
     nqm_directions *directions;
     float rgb[2][3 * 500];
     double metrics[NQM_METRIC_COUNT], test_rgb[3 * 500];
-    nqm_brdf *ref = open_brdf("sgd:nickel"), *test = open_brdf(truth_ward);
+    nqm_brdf *ref = must_open("sgd:nickel"), *test = must_open(truth_ward);
     assert_int_equal(nqm_directions_create(NULL, 0, NULL, &directions, NULL), NQM_OK);
     assert_int_equal(nqm_sample(ref, directions, NQM_INVALID_DROP, rgb[0], NULL, NULL, NULL), NQM_OK);
     assert_int_equal(nqm_sample(test, directions, NQM_INVALID_DROP, rgb[1], NULL, NULL, NULL), NQM_OK);
@@ -114,7 +112,7 @@ static void check_gradient(const nqm_fit_term *terms, size_t n_terms, const char
     nqm_fit_objective *objective;
     nqm_spec_values values;
     double gradient[NQM_FIT_MAX_FREE], x[NQM_FIT_MAX_FREE], lowest[NQM_FIT_MAX_FREE], highest[NQM_FIT_MAX_FREE];
-    nqm_brdf *ref = open_brdf("sgd:blue-rubber");
+    nqm_brdf *ref = must_open("sgd:blue-rubber");
     snprintf(name, sizeof name, "%.*s", (int)strcspn(at, ":"), at);
     assert_int_equal(nqm_fit_entry_find(name, &entry, NULL), NQM_OK);
     assert_int_equal(nqm_fit_space_make(entry, &options, &space, NULL), NQM_OK);
@@ -145,8 +143,7 @@ static void check_gradient(const nqm_fit_term *terms, size_t n_terms, const char
     nqm_brdf_free(ref);
 }
 
-static void gradients_are_those_of_differences(void **state) {
-    (void)state;
+TEST(gradients_are_those_of_differences) {
     static const char albedos[] = "kd=0.02,0.05,0.2;ks=0.3,0.2,0.1";
     roots r;
     make_roots("sgd:blue-rubber", &r);
@@ -177,8 +174,7 @@ static void check_recovery(const nqm_fit_report *r, const char *truth, const cha
     assert_true(r->loss < 1e-3);
 }
 
-static void every_loss_finds_the_truth_from_random_values(void **state) {
-    (void)state;
+TEST(every_loss_finds_the_truth_from_random_values) {
     for (int loss = 0; loss < NQM_FIT_N_LOSSES; ++loss) {
         nqm_fit_options options = nqm_fit_options_default();
         options.loss = (nqm_fit_loss)loss;
@@ -190,11 +186,10 @@ static void every_loss_finds_the_truth_from_random_values(void **state) {
     }
 }
 
-static void mean_absolute_losses_beat_the_fit_by_squares(void **state) {
-    (void)state;
+TEST(mean_absolute_losses_beat_the_fit_by_squares) {
     static const nqm_fit_loss absolute[] = {NQM_FIT_MAE, NQM_FIT_MA_CRWE, NQM_FIT_MA_LOGE, NQM_FIT_MA_LOGWE};
     nqm_fit_options options = nqm_fit_options_default();
-    nqm_brdf *ref = open_brdf("sgd:nickel");
+    nqm_brdf *ref = must_open("sgd:nickel");
     nqm_fit_target target;
     for (int k = 0; k < 4; ++k) {
         options.loss = (nqm_fit_loss)(absolute[k] - 1); /* root mean square of the same */
@@ -208,8 +203,7 @@ static void mean_absolute_losses_beat_the_fit_by_squares(void **state) {
     nqm_brdf_free(ref);
 }
 
-static void a_loss_of_the_caller_alone_and_in_a_sum(void **state) {
-    (void)state;
+TEST(a_loss_of_the_caller_alone_and_in_a_sum) {
     roots r;
     make_roots(truth_ggx, &r);
     const nqm_fit_term sum[] = {{.weight = 1, .loss = NQM_FIT_LOG_DIFF}, {.weight = 0.5, .visual = &r.visual}};
@@ -226,8 +220,7 @@ static void a_loss_of_the_caller_alone_and_in_a_sum(void **state) {
     assert_true(r.n_calls > 20);
 }
 
-static void a_given_start_is_polished(void **state) {
-    (void)state;
+TEST(a_given_start_is_polished) {
     roots r;
     make_roots(truth_ggx, &r);
     const nqm_fit_term term = {.weight = 1, .visual = &r.visual};
@@ -241,7 +234,7 @@ static void a_given_start_is_polished(void **state) {
     }
     nqm_fit_report report;
     nqm_error err = {0};
-    nqm_brdf *ref = open_brdf(truth_ggx);
+    nqm_brdf *ref = must_open(truth_ggx);
     static const char *const faulty[] = {"ward:kd=0.2;ks=0.2;alpha=0.1", "ggx:alpha=wide", "ggx:", "ggx"};
     for (int k = 0; k < 4; ++k) {
         options.start = faulty[k];
@@ -259,8 +252,7 @@ static double no_number(void *user, const double *rgb, double *gradient) {
     return NAN;
 }
 
-static void faulty_terms_are_refused(void **state) {
-    (void)state;
+TEST(faulty_terms_are_refused) {
     roots r;
     make_roots(truth_ward, &r);
     nqm_fit_visual empty = r.visual, broken = r.visual;
@@ -271,7 +263,7 @@ static void faulty_terms_are_refused(void **state) {
                                   {.weight = 1, .loss = NQM_FIT_N_LOSSES},
                                   {.weight = 1, .visual = &empty},
                                   {.weight = 1, .visual = &broken}};
-    nqm_brdf *ref = open_brdf(truth_ward);
+    nqm_brdf *ref = must_open(truth_ward);
     nqm_fit_report report;
     for (int k = 0; k < 5; ++k) {
         nqm_fit_options options = nqm_fit_options_default();
@@ -284,8 +276,7 @@ static void faulty_terms_are_refused(void **state) {
 }
 
 /* Fails allocation 0, 1, 2, 3, 5, 7, 10, ... of thousands. */
-static void memory_runs_out(void **state) {
-    (void)state;
+TEST(memory_runs_out) {
     roots r;
     make_roots(truth_ward, &r);
     const nqm_fit_term sum[] = {{.weight = 1, .loss = NQM_FIT_LOG_DIFF}, {.weight = 1, .visual = &r.visual}};
@@ -294,7 +285,7 @@ static void memory_runs_out(void **state) {
     options.start = "ward:kd=0.1;ks=0.1;alpha=0.3";
     options.terms = sum;
     options.n_terms = 2;
-    nqm_brdf *brdf = open_brdf("sgd:nickel");
+    nqm_brdf *brdf = must_open("sgd:nickel");
     nqm_status status = NQM_ERR_NOMEM;
     for (long n = 0; status != NQM_OK && n < 1000000; n += 1 + n / 3) {
         nqm_fit_report report;
@@ -323,8 +314,7 @@ static double slow(void *user, const double *rgb, double *gradient) {
     return roots_eval(user, rgb, gradient);
 }
 
-static void a_polish_can_be_stopped(void **state) {
-    (void)state;
+TEST(a_polish_can_be_stopped) {
     roots r;
     bool stopped = false;
     make_roots("sgd:nickel", &r);
@@ -336,24 +326,8 @@ static void a_polish_can_be_stopped(void **state) {
     options.n_terms = 1;
     options.progress = stop_in_polish;
     options.progress_user = &stopped;
-    nqm_brdf *ref = open_brdf("sgd:nickel");
+    nqm_brdf *ref = must_open("sgd:nickel");
     assert_int_equal(nqm_fit(ref, "ggx", &options, &report, NULL, NULL), NQM_ERR_CANCELLED);
     assert_true(stopped);
     nqm_brdf_free(ref);
-}
-
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(words_are_those_of_the_metrics),
-        cmocka_unit_test(values_are_those_of_the_metrics),
-        cmocka_unit_test(gradients_are_those_of_differences),
-        cmocka_unit_test(every_loss_finds_the_truth_from_random_values),
-        cmocka_unit_test(mean_absolute_losses_beat_the_fit_by_squares),
-        cmocka_unit_test(a_loss_of_the_caller_alone_and_in_a_sum),
-        cmocka_unit_test(a_given_start_is_polished),
-        cmocka_unit_test(faulty_terms_are_refused),
-        cmocka_unit_test(memory_runs_out),
-        cmocka_unit_test(a_polish_can_be_stopped),
-    };
-    return cmocka_run_group_tests_name("fit: losses", tests, NULL, NULL);
 }

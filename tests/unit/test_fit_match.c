@@ -46,7 +46,7 @@ static nqm_match_report match(const char *spec, const char *model, const char *t
     const nqm_match_loss loss = {text, metric, transport, judge};
     nqm_error err = {0};
     nqm_match_report report;
-    nqm_brdf *ref = open_brdf(spec);
+    nqm_brdf *ref = must_open(spec);
     if (nqm_match(ref, model, &loss, options, &report, NULL, &err) != NQM_OK)
         fail_msg("%s: %s", text, err.message);
     nqm_brdf_free(ref);
@@ -60,7 +60,7 @@ static const char *save_measured(bool grid) {
     const double degree = 3.14159265358979323846 / 180;
     const char *path = scratch_path(grid ? "gonio.csv" : "scattered.csv");
     FILE *out = fopen(path, "w");
-    nqm_brdf *brdf = open_brdf(truth_ggx);
+    nqm_brdf *brdf = must_open(truth_ggx);
     nqm_rng rng = nqm_rng_make(5, 0);
     assert_non_null(out);
     fputs("theta_i,phi_i,theta_o,phi_o,r,g,b\n", out);
@@ -82,8 +82,7 @@ static const char *save_measured(bool grid) {
 }
 
 /* The steps of 10 degrees are as wide as the lobe: only the measured directions themselves give the parameters back. */
-static void measured_directions_are_used_as_they_are(void **state) {
-    (void)state;
+TEST(measured_directions_are_used_as_they_are) {
     static const char *const suffixes[] = {"", "", ":8"};
     for (int i = 0; i < 3; ++i) {
         char argument[4200];
@@ -98,7 +97,7 @@ static void measured_directions_are_used_as_they_are(void **state) {
         const nqm_match_loss loss = {"nqm", metric, NULL, NULL};
         nqm_match_report report;
         nqm_error err = {0};
-        nqm_brdf *ref = open_brdf(argument);
+        nqm_brdf *ref = must_open(argument);
         assert_int_equal(nqm_match(ref, "ggx", &loss, NULL, &report, NULL, &err), NQM_ERR_INCOMPATIBLE);
         assert_non_null(strstr(err.message, argument));
         assert_null(strstr(err.message, "pair 0"));
@@ -107,11 +106,10 @@ static void measured_directions_are_used_as_they_are(void **state) {
 }
 
 /* Losses that see one azimuth are refused, alone and within a sum; auto fits by values. */
-static void anisotropic_references_are_fitted_by_values(void **state) {
-    (void)state;
+TEST(anisotropic_references_are_fitted_by_values) {
     static const char *const texts[] = {"nqm", "transport", "log+transport"};
     nqm_match_report report;
-    nqm_brdf *ref = open_brdf("rotate:deg=33;of=ggx:ks=1;alpha=0.3,0.06");
+    nqm_brdf *ref = must_open("rotate:deg=33;of=ggx:ks=1;alpha=0.3,0.06");
     for (int i = 0; i < 3; ++i) {
         const nqm_match_loss loss = {texts[i], metric, transport, NULL};
         nqm_error err = {0};
@@ -127,8 +125,7 @@ static void anisotropic_references_are_fitted_by_values(void **state) {
 
 /* ---- texts -------------------------------------------------------------------------------------------------------- */
 
-static void texts_become_terms(void **state) {
-    (void)state;
+TEST(texts_become_terms) {
     nqm_match_sum sum;
     assert_int_equal(nqm_match_parse("log_diff+0.2*nqm+1e+2*transport", &sum, NULL), NQM_OK);
     assert_false(sum.is_auto);
@@ -143,8 +140,7 @@ static void texts_become_terms(void **state) {
     assert_true(sum.is_auto && sum.n == 2 && sum.terms[1].kind == NQM_MATCH_TRANSPORT);
 }
 
-static void faulty_texts_are_refused(void **state) {
-    (void)state;
+TEST(faulty_texts_are_refused) {
     static const struct {
         const char *text, *message;
     } cases[] = {{"log+lgo", "'lgo'"},
@@ -170,10 +166,9 @@ static void faulty_texts_are_refused(void **state) {
 
 /* ---- metrics as losses -------------------------------------------------------------------------------------------- */
 
-static void values_are_those_of_scores(void **state) {
-    (void)state;
+TEST(values_are_those_of_scores) {
     const nqm_model *models[] = {metric, transport, paper};
-    nqm_brdf *ref = open_brdf("sgd:nickel"), *test = open_brdf(truth_ward);
+    nqm_brdf *ref = must_open("sgd:nickel"), *test = must_open(truth_ward);
     for (int k = 0; k < 3; ++k) {
         nqm_match_visual visual;
         nqm_score_result result;
@@ -195,13 +190,12 @@ static void values_are_those_of_scores(void **state) {
 }
 
 /* The derivative along a direction in the space of the coordinates; differences of floats bound the accuracy. */
-static void gradients_are_those_of_differences(void **state) {
-    (void)state;
+TEST(gradients_are_those_of_differences) {
     const nqm_model *models[] = {metric, transport, paper};
     const double h = 3e-4;
     nqm_fit_options options = nqm_fit_options_default();
     options.n_directions = 300;
-    nqm_brdf *ref = open_brdf("sgd:blue-rubber");
+    nqm_brdf *ref = must_open("sgd:blue-rubber");
     const nqm_fit_entry *entry;
     nqm_fit_space space;
     nqm_fit_target target;
@@ -244,14 +238,13 @@ static void gradients_are_those_of_differences(void **state) {
 /* ---- fits --------------------------------------------------------------------------------------------------------- */
 
 /* Up to a Delta-E of 1, which is barely visible: ks and f0 of ggx can replace each other. */
-static void perceptual_losses_find_the_truth_from_random_values(void **state) {
-    (void)state;
+TEST(perceptual_losses_find_the_truth_from_random_values) {
     static const char *const texts[] = {"nqm", "transport", "log_diff+0.2*nqm"};
     static const char *const models[] = {"ward", "ggx"}, *const truths[] = {truth_ward, truth_ggx};
     for (size_t k = 0; k < 6; ++k) {
         nqm_fit_options options = nqm_fit_options_default();
         nqm_match_report best = {.difference = INFINITY};
-        nqm_brdf *ref = open_brdf(truths[k / 3]);
+        nqm_brdf *ref = must_open(truths[k / 3]);
         options.n_directions = 600;
         for (uint64_t seed = 0; seed < 3; ++seed) {
             char start[512];
@@ -272,8 +265,7 @@ static void perceptual_losses_find_the_truth_from_random_values(void **state) {
     }
 }
 
-static void a_loss_between_values_is_that_of_fit(void **state) {
-    (void)state;
+TEST(a_loss_between_values_is_that_of_fit) {
     nqm_match_report report = match("sgd:nickel", "ward", "log-cos", NULL);
     nqm_fit_options options = nqm_fit_options_default();
     options.loss = NQM_FIT_LOG_COS;
@@ -281,15 +273,13 @@ static void a_loss_between_values_is_that_of_fit(void **state) {
     assert_true(report.difference > 0);
 }
 
-static void perceptual_losses_lower_the_difference(void **state) {
-    (void)state;
+TEST(perceptual_losses_lower_the_difference) {
     double log = match("sgd:nickel", "ward", "log", NULL).difference;
     assert_true(match("sgd:nickel", "ward", "transport", NULL).difference < 0.9 * log);
     assert_true(match("sgd:nickel", "ward", "nqm", NULL).fit.loss > 0);
 }
 
-static void auto_is_the_best_of_its_candidates(void **state) {
-    (void)state;
+TEST(auto_is_the_best_of_its_candidates) {
     static const char *const candidates[] = {"log", "log-cos", "rms_crwe", "log_diff"};
     static const struct {
         const char *ref, *model;
@@ -310,23 +300,20 @@ static void auto_is_the_best_of_its_candidates(void **state) {
 /* Few directions see a mirror: its fits by values leave it, and the start itself is the best candidate (silver: 10.00
  * JOD instead of 3.13, honey: 10.00 instead of 3.93); or the best start leads nowhere (diamond: 6.67 without the fit
  * behind it). */
-static void auto_finds_mirrors(void **state) {
-    (void)state;
+TEST(auto_finds_mirrors) {
     assert_true(match("physical:silver", "principled", "auto", NULL).difference < 0.5);
     assert_true(match("physical:honey-liquid", "principled", "auto", NULL).difference < 0.5);
     assert_true(match("physical:diamond", "rough-plastic", "auto", NULL).difference < 0.5);
 }
 
-static void auto_survives_candidates_that_fail(void **state) {
-    (void)state;
+TEST(auto_survives_candidates_that_fail) {
     nqm_match_report best = match("sgd:red-plastic", "ggx", "auto:1e308*transport+1e308*log", NULL);
     assert_string_equal(best.selected, "rms_crwe");
     assert_relative(best.difference, match("sgd:red-plastic", "ggx", "rms_crwe", NULL).difference, 1e-3);
 }
 
 /* Keys get their defaults only where the judge hardly sees it. */
-static void auto_simplifies_what_is_not_seen(void **state) {
-    (void)state;
+TEST(auto_simplifies_what_is_not_seen) {
     nqm_fit_options options = nqm_fit_options_default();
     options.simplify = 0;
     double least = match("sgd:red-plastic", "gltf", "auto:log", &options).difference;
@@ -337,8 +324,7 @@ static void auto_simplifies_what_is_not_seen(void **state) {
     assert_non_null(strstr(simple.fit.spec, "metallic=0;"));
 }
 
-static void threads_do_not_change_the_result(void **state) {
-    (void)state;
+TEST(threads_do_not_change_the_result) {
     char specs[2][2048];
     for (int k = 0; k < 2; ++k) {
         int before = nqm_limit_threads(k + 1);
@@ -348,8 +334,7 @@ static void threads_do_not_change_the_result(void **state) {
     assert_string_equal(specs[0], specs[1]);
 }
 
-static void other_encodings_keep_their_loss(void **state) {
-    (void)state;
+TEST(other_encodings_keep_their_loss) {
     nqm_match_report report = match("sgd:nickel", "hyper-low", "auto", NULL);
     assert_string_equal(report.fit.spec, "");
     assert_true(isnan(report.difference));
@@ -367,9 +352,8 @@ static int stop(void *user, const char *stage, double done, double total) {
 }
 
 /* The first call comes at once, later ones at times that depend on the machine: a quick fit may end before the second. */
-static void a_match_can_be_stopped(void **state) {
-    (void)state;
-    nqm_brdf *ref = open_brdf("sgd:nickel");
+TEST(a_match_can_be_stopped) {
+    nqm_brdf *ref = must_open("sgd:nickel");
     const nqm_match_loss loss = {"auto", metric, transport, NULL};
     for (size_t last = 1; last <= 3; ++last) {
         nqm_fit_options options = nqm_fit_options_default();
@@ -385,10 +369,9 @@ static void a_match_can_be_stopped(void **state) {
 }
 
 /* Fails allocation 0, 1, 2, 3, 5, 7, 10, ... of thousands. */
-static void memory_runs_out(void **state) {
-    (void)state;
+TEST(memory_runs_out) {
     static const char *const texts[] = {"transport", "auto:transport"};
-    nqm_brdf *ref = open_brdf("sgd:red-plastic");
+    nqm_brdf *ref = must_open("sgd:red-plastic");
     nqm_fit_options options = nqm_fit_options_default();
     options.n_directions = 200;
     options.n_starts = 2;
@@ -425,8 +408,7 @@ static nqm_brdf *steep(double *limit) {
     return brdf;
 }
 
-static void missing_values_are_left_out(void **state) {
-    (void)state;
+TEST(missing_values_are_left_out) {
     double limit = 1.5, narrow = 0.5;
     const nqm_match_loss loss = {"transport", metric, transport, judge};
     nqm_match_report report;
@@ -440,8 +422,7 @@ static void missing_values_are_left_out(void **state) {
 }
 
 /* A fit whose Delta-E by `transport` is low because it fits its directions loses against others on rays. */
-static void a_scene_judges_on_directions_of_its_own(void **state) {
-    (void)state;
+TEST(a_scene_judges_on_directions_of_its_own) {
     static const char *const models[] = {"ggx", "gltf"};
     nqm_scene_options o = nqm_scene_options_default();
     o.shape = "sphere";
@@ -468,8 +449,7 @@ static void a_scene_judges_on_directions_of_its_own(void **state) {
     judge = NULL;
 }
 
-static void faults_are_named(void **state) {
-    (void)state;
+TEST(faults_are_named) {
     static const struct {
         const char *text, *model, *message;
     } cases[] = {{"nqm", "ggx", "'nqm'"},
@@ -477,7 +457,7 @@ static void faults_are_named(void **state) {
                  {"auto", "ggx", "'auto'"},
                  {"log+lgo", "ggx", "'lgo'"},
                  {"log", "phong", "'phong'"}};
-    nqm_brdf *ref = open_brdf("sgd:nickel"), *brdf;
+    nqm_brdf *ref = must_open("sgd:nickel"), *brdf;
     for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
         const nqm_match_loss loss = {cases[i].text, NULL, NULL, NULL};
         nqm_match_report report;
@@ -490,28 +470,4 @@ static void faults_are_named(void **state) {
     nqm_brdf_free(ref);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(texts_become_terms),
-        cmocka_unit_test(faulty_texts_are_refused),
-        cmocka_unit_test(values_are_those_of_scores),
-        cmocka_unit_test(gradients_are_those_of_differences),
-        cmocka_unit_test(perceptual_losses_find_the_truth_from_random_values),
-        cmocka_unit_test(a_loss_between_values_is_that_of_fit),
-        cmocka_unit_test(perceptual_losses_lower_the_difference),
-        cmocka_unit_test(auto_is_the_best_of_its_candidates),
-        cmocka_unit_test(auto_finds_mirrors),
-        cmocka_unit_test(auto_survives_candidates_that_fail),
-        cmocka_unit_test(auto_simplifies_what_is_not_seen),
-        cmocka_unit_test(threads_do_not_change_the_result),
-        cmocka_unit_test(other_encodings_keep_their_loss),
-        cmocka_unit_test(a_match_can_be_stopped),
-        cmocka_unit_test(memory_runs_out),
-        cmocka_unit_test(missing_values_are_left_out),
-        cmocka_unit_test(measured_directions_are_used_as_they_are),
-        cmocka_unit_test(anisotropic_references_are_fitted_by_values),
-        cmocka_unit_test(a_scene_judges_on_directions_of_its_own),
-        cmocka_unit_test(faults_are_named),
-    };
-    return cmocka_run_group_tests_name("match", tests, open_models, close_models);
-}
+TEST_FILE(open_models, close_models)

@@ -49,17 +49,15 @@ static void highlight_and_base_of(const char *material, const char *model) {
     nqm_brdf_free(ref);
 }
 
-static void sharp_materials(void **state) {
-    (void)state;
+TEST(sharp_materials) {
     for (int i = 0; i < N_SHARP; ++i) {
         highlight_and_base_of(sharp[i], "ward");
         highlight_and_base_of(sharp[i], "ggx");
     }
 }
 
-int main(void) {
-    if (!shared_data("rgl/cg_sunflower_rgb.bsdf"))
-        return 77;
-    const struct CMUnitTest tests[] = {cmocka_unit_test(sharp_materials)};
-    return cmocka_run_group_tests_name("fit: measured", tests, NULL, NULL);
+static bool has_data(void) {
+    return shared_data("rgl/cg_sunflower_rgb.bsdf") != NULL;
 }
+
+TEST_FILE_NEEDS(has_data)

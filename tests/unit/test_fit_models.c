@@ -12,8 +12,7 @@
 
 /* Several lobes of every model that other tests do not cover: wide and narrow, strong and weak Fresnel effect, dark
  * bases. */
-static void every_model_gives_itself_back(void **state) {
-    (void)state;
+TEST(every_model_gives_itself_back) {
     static const char *const lobes[] = {
         "ward-duer;alpha=0.003",
         "ward-duer;alpha=0.4",
@@ -57,8 +56,7 @@ static void every_model_gives_itself_back(void **state) {
 }
 
 /* The fit stays in the narrower range; an optimum outside it is moved to its border. */
-static void bounds_hold(void **state) {
-    (void)state;
+TEST(bounds_hold) {
     const nqm_fit_bound bounds[] = {{"alpha", 0.2, 0.5}, {"f0", 0.3, 0.31}};
     nqm_fit_options options = nqm_fit_options_default();
     options.bounds = bounds;
@@ -74,9 +72,8 @@ static void bounds_hold(void **state) {
     assert_true(fabs(alpha[0] - 0.3) < 1e-3);
 }
 
-static void bad_bounds_are_refused(void **state) {
-    (void)state;
-    nqm_brdf *brdf = open_brdf("lambert:kd=0.5");
+TEST(bad_bounds_are_refused) {
+    nqm_brdf *brdf = must_open("lambert:kd=0.5");
     nqm_fit_report report;
     nqm_error err = {0};
     static const nqm_fit_bound bad[] = {{"f0", 0.1, 0.2},     {"kd", 0, 1},      {"alpha", 0.2, 0.1},
@@ -95,8 +92,7 @@ static void bad_bounds_are_refused(void **state) {
 }
 
 /* Coordinate to value and back, for every scale; the bounds are those of the values. */
-static void coordinates_are_those_of_values(void **state) {
-    (void)state;
+TEST(coordinates_are_those_of_values) {
     const nqm_fit_options options = nqm_fit_options_default();
     for (size_t m = 0; nqm_fit_model(m); ++m) {
         const nqm_fit_entry *entry;
@@ -119,14 +115,4 @@ static void coordinates_are_those_of_values(void **state) {
             }
         }
     }
-}
-
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(every_model_gives_itself_back),
-        cmocka_unit_test(coordinates_are_those_of_values),
-        cmocka_unit_test(bounds_hold),
-        cmocka_unit_test(bad_bounds_are_refused),
-    };
-    return cmocka_run_group_tests_name("fit: models", tests, NULL, NULL);
 }

@@ -23,7 +23,7 @@ static void eval(const nqm_brdf *brdf, double rgb[3]) {
 }
 
 static void assert_same(const char *argument, const char *expected) {
-    nqm_brdf *a = open_fit(argument, NULL), *b = open_brdf(expected);
+    nqm_brdf *a = open_fit(argument, NULL), *b = must_open(expected);
     double x[3], y[3];
     eval(a, x);
     eval(b, y);
@@ -35,12 +35,11 @@ static void assert_same(const char *argument, const char *expected) {
 
 #define REF "sgd:nickel"
 
-static void a_fit_is_that_of_the_library(void **state) {
-    (void)state;
+TEST(a_fit_is_that_of_the_library) {
     nqm_fit_options options = nqm_fit_options_default();
     nqm_fit_report report;
     char text[2200];
-    nqm_brdf *ref = open_brdf(REF);
+    nqm_brdf *ref = must_open(REF);
     options.n_directions = 500;
     options.seed = 7;
     options.loss = NQM_FIT_CUBE_ROOT;
@@ -57,9 +56,8 @@ static void a_fit_is_that_of_the_library(void **state) {
     assert_same("perturb:scale=2;of=" REF, "perturb:scale=2;of=" REF); /* without a fit */
 }
 
-static void a_path_begins_anywhere_and_ends_at_the_fit(void **state) {
-    (void)state;
-    nqm_brdf *ref = open_brdf(REF);
+TEST(a_path_begins_anywhere_and_ends_at_the_fit) {
+    nqm_brdf *ref = must_open(REF);
     nqm_fit_options options = nqm_fit_options_default();
     char spec[2048];
     options.n_directions = 500;
@@ -69,12 +67,11 @@ static void a_path_begins_anywhere_and_ends_at_the_fit(void **state) {
     nqm_brdf_free(ref);
 }
 
-static void tables_and_networks(void **state) {
-    (void)state;
+TEST(tables_and_networks) {
     const double own[] = {1, 20, 30, 5, 10, 80, 30, 40, 50};
     const nqm_fit_context context = {.n_own = 3, .own_deg = own};
     double x[3], y[3];
-    nqm_brdf *source = open_brdf("ggx:kd=0.3,0.1,0;ks=1;alpha=0.3"), *brdf;
+    nqm_brdf *source = must_open("ggx:kd=0.3,0.1,0;ks=1;alpha=0.3"), *brdf;
     brdf = open_fit("fit:model=table;of=ggx:kd=0.3,0.1,0;ks=1;alpha=0.3", NULL);
     assert_string_equal(nqm_brdf_get_info(brdf).format, "table");
     eval(source, x);
@@ -97,8 +94,7 @@ static void tables_and_networks(void **state) {
     assert_true(rgb[0][0] != rgb[1][0]);
 }
 
-static void wrong_settings_are_named(void **state) {
-    (void)state;
+TEST(wrong_settings_are_named) {
     static const char *const bad[][2] = {
         {"fit:model=ggx", "'of='"},
         {"fit:of=" REF, "'of='"},
@@ -134,8 +130,7 @@ static nqm_status note(void *user, const char *base, nqm_error *err) {
     return NQM_OK;
 }
 
-static void bases_are_visited(void **state) {
-    (void)state;
+TEST(bases_are_visited) {
     static const char *const cases[][2] = {
         {"ggx:alpha=1", "ggx:alpha=1|"},
         {"perturb:scale=2;of=fit:model=ggx;of=a.bsdf", "a.bsdf|"},
@@ -151,15 +146,4 @@ static void bases_are_visited(void **state) {
     for (size_t i = 0; i < 20; ++i)
         strcat(deep, "perturb:mix=1;of=");
     assert_int_equal(nqm_fit_visit_bases(strcat(deep, "a"), note, text, NULL), NQM_ERR_ARG);
-}
-
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_fit_is_that_of_the_library),
-        cmocka_unit_test(a_path_begins_anywhere_and_ends_at_the_fit),
-        cmocka_unit_test(tables_and_networks),
-        cmocka_unit_test(wrong_settings_are_named),
-        cmocka_unit_test(bases_are_visited),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -22,12 +22,11 @@ static double loss_at(const nqm_fit_target *target, const nqm_brdf *ref, const c
     return loss_of_spec(target, spec);
 }
 
-static void paths_lead_downhill(void **state) {
-    (void)state;
+TEST(paths_lead_downhill) {
     enum { N_SEEDS = 8 };
     nqm_fit_options options = nqm_fit_options_default();
     nqm_fit_target target;
-    nqm_brdf *ref = open_brdf(truth);
+    nqm_brdf *ref = must_open(truth);
     assert_int_equal(nqm_fit_target_make(ref, &options, &target, NULL), NQM_OK);
     for (size_t k = 0; nqm_fit_model(k); ++k) {
         const nqm_fit_entry *entry;
@@ -45,11 +44,10 @@ static void paths_lead_downhill(void **state) {
     nqm_free(target.wi);
 }
 
-static void a_seed_is_a_path(void **state) {
-    (void)state;
+TEST(a_seed_is_a_path) {
     char a[512], b[512], c[512], d[512];
     nqm_fit_options options = nqm_fit_options_default();
-    nqm_brdf *ref = open_brdf(truth);
+    nqm_brdf *ref = must_open(truth);
     assert_int_equal(nqm_fit_path(ref, "ward", &options, 1, 2, a, NULL), NQM_OK);
     assert_int_equal(nqm_fit_path(ref, "ward", &options, 1, 2, b, NULL), NQM_OK);
     assert_int_equal(nqm_fit_path(ref, "ward", &options, 2, 2, c, NULL), NQM_OK);
@@ -62,9 +60,4 @@ static void a_seed_is_a_path(void **state) {
     assert_int_equal(nqm_fit_path(ref, "nbrdf", &options, 1, 2, d, &err), NQM_ERR_ARG);
     assert_non_null(strstr(err.message, "analytic"));
     nqm_brdf_free(ref);
-}
-
-int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(paths_lead_downhill), cmocka_unit_test(a_seed_is_a_path)};
-    return cmocka_run_group_tests_name("fit: paths of the optimiser", tests, NULL, NULL);
 }

@@ -13,8 +13,7 @@
 #include <stdio.h>
 #include <string.h>
 
-static void ward_gives_itself_back(void **state) {
-    (void)state;
+TEST(ward_gives_itself_back) {
     static const double alphas[] = {0.002, 0.01, 0.05, 0.2, 0.6};
     for (size_t i = 0; i < sizeof alphas / sizeof *alphas; ++i) {
         char truth[200];
@@ -28,8 +27,7 @@ static void ward_gives_itself_back(void **state) {
     }
 }
 
-static void ggx_gives_itself_back(void **state) {
-    (void)state;
+TEST(ggx_gives_itself_back) {
     static const double alphas[] = {0.002, 0.01, 0.05, 0.2, 0.6}, f0s[] = {0.04, 0.3, 0.9};
     for (size_t i = 0; i < 15; ++i) {
         char truth[200];
@@ -43,8 +41,7 @@ static void ggx_gives_itself_back(void **state) {
     }
 }
 
-static void every_loss_finds_the_truth(void **state) {
-    (void)state;
+TEST(every_loss_finds_the_truth) {
     static const char *const names[] = {"log", "log-cos", "cube-root", "linear"};
     const char *truth = "ward:kd=0.3,0.02,0.1;ks=0.05,0.2,0.4;alpha=0.1";
     for (int k = 0; k < 4; ++k) {
@@ -64,15 +61,14 @@ static double ward_peak(double kd, double ks, double alpha, double theta_d) {
     return kd / pi + ks / (4 * pi * alpha * alpha * cos(theta_d));
 }
 
-static void sharp_metal_keeps_highlight_and_base(void **state) {
-    (void)state;
+TEST(sharp_metal_keeps_highlight_and_base) {
     static const double alphas[] = {0.003, 0.02};
     const double pi = acos(-1), theta_d = 20 * pi / 180;
     for (int i = 0; i < 2; ++i) {
         char truth[100];
         snprintf(truth, sizeof truth, "ward:kd=0.01;ks=0.6;alpha=%g", alphas[i]);
         nqm_fit_report r = fit_spec(truth, "ggx", NULL);
-        nqm_brdf *ggx = open_brdf(r.spec);
+        nqm_brdf *ggx = must_open(r.spec);
         const double mirror[3] = {0, theta_d, pi / 2}, off[3] = {40 * pi / 180, theta_d, pi / 2};
         double rgb[3];
         nqm_brdf_eval_half_diff(ggx, 1, mirror, rgb, NULL);
@@ -84,8 +80,7 @@ static void sharp_metal_keeps_highlight_and_base(void **state) {
     }
 }
 
-static void a_seed_is_a_result(void **state) {
-    (void)state;
+TEST(a_seed_is_a_result) {
     nqm_fit_options options = nqm_fit_options_default();
     nqm_fit_report a = fit_spec("sgd:blue-rubber", "ggx", &options), b = fit_spec("sgd:blue-rubber", "ggx", &options);
     assert_string_equal(a.spec, b.spec);
@@ -95,10 +90,9 @@ static void a_seed_is_a_result(void **state) {
     check_spec_values(c.spec, a.spec, "alpha", 0.05);
 }
 
-static void a_spec_says_what_was_fitted(void **state) {
-    (void)state;
+TEST(a_spec_says_what_was_fitted) {
     nqm_fit_report r = fit_spec("sgd:red-plastic", "ward", NULL);
-    nqm_brdf *brdf = open_brdf(r.spec);
+    nqm_brdf *brdf = must_open(r.spec);
     assert_string_equal(nqm_brdf_get_info(brdf).format, "ward");
     nqm_brdf_free(brdf);
 }
@@ -113,8 +107,7 @@ static void nothing_eval(const void *self, size_t n, const double *wi, const dou
         rgb[i] = NAN;
 }
 
-static void a_brdf_without_values_is_refused(void **state) {
-    (void)state;
+TEST(a_brdf_without_values_is_refused) {
     static const nqm_brdf_class nothing = {.format = "nothing", .eval = nothing_eval, .free = free_nothing};
     nqm_brdf *brdf;
     nqm_error err = {0};
@@ -126,9 +119,8 @@ static void a_brdf_without_values_is_refused(void **state) {
     nqm_brdf_free(brdf);
 }
 
-static void bad_arguments_are_refused(void **state) {
-    (void)state;
-    nqm_brdf *brdf = open_brdf("lambert:kd=0.5");
+TEST(bad_arguments_are_refused) {
+    nqm_brdf *brdf = must_open("lambert:kd=0.5");
     nqm_fit_report report;
     nqm_error err = {0};
     assert_int_equal(nqm_fit(brdf, "phong", NULL, &report, NULL, &err), NQM_ERR_ARG);
@@ -146,9 +138,8 @@ static void bad_arguments_are_refused(void **state) {
 }
 
 /* Fails allocation 0, 1, 2, 3, 5, 7, 10, ... of tens. */
-static void memory_runs_out(void **state) {
-    (void)state;
-    nqm_brdf *brdf = open_brdf("sgd:nickel");
+TEST(memory_runs_out) {
+    nqm_brdf *brdf = must_open("sgd:nickel");
     nqm_fit_options options = nqm_fit_options_default();
     options.n_directions = 200;
     options.n_starts = 2;
@@ -176,28 +167,11 @@ static int stop(void *user, const char *stage, double done, double total) {
     return 1;
 }
 
-static void a_fit_can_be_stopped(void **state) {
-    (void)state;
-    nqm_brdf *brdf = open_brdf("sgd:nickel");
+TEST(a_fit_can_be_stopped) {
+    nqm_brdf *brdf = must_open("sgd:nickel");
     nqm_fit_options options = nqm_fit_options_default();
     nqm_fit_report report;
     options.progress = stop;
     assert_int_equal(nqm_fit(brdf, "ggx", &options, &report, NULL, NULL), NQM_ERR_CANCELLED);
     nqm_brdf_free(brdf);
-}
-
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(ward_gives_itself_back),
-        cmocka_unit_test(ggx_gives_itself_back),
-        cmocka_unit_test(every_loss_finds_the_truth),
-        cmocka_unit_test(sharp_metal_keeps_highlight_and_base),
-        cmocka_unit_test(a_seed_is_a_result),
-        cmocka_unit_test(a_spec_says_what_was_fitted),
-        cmocka_unit_test(a_brdf_without_values_is_refused),
-        cmocka_unit_test(bad_arguments_are_refused),
-        cmocka_unit_test(memory_runs_out),
-        cmocka_unit_test(a_fit_can_be_stopped),
-    };
-    return cmocka_run_group_tests_name("fit: recover", tests, NULL, NULL);
 }

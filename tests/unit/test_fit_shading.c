@@ -17,8 +17,7 @@ static nqm_fit_options few_directions(void) {
 }
 
 /* A material and the fit of its own model: the loss vanishes, and the spec has the same keys. */
-static void models_give_themselves_back(void **state) {
-    (void)state;
+TEST(models_give_themselves_back) {
     static const char *const materials[] = {
         "rough-conductor:alpha=0.2;eta=0.2,0.9,1.1;k=3.9,2.4,2.2",
         "usd-preview:diffuseColor=0.6,0.3,0.1;roughness=0.4",
@@ -41,8 +40,7 @@ static void models_give_themselves_back(void **state) {
     }
 }
 
-static void bounds_and_starts_hold(void **state) {
-    (void)state;
+TEST(bounds_and_starts_hold) {
     const char *truth = "gltf:base_color=0.2,0.5,0.1;metallic=0;roughness=0.3";
     const nqm_fit_bound bounds[] = {{"roughness", 0.5, 0.6}, {"ior", 1.4, 1.4}};
     nqm_fit_options options = few_directions();
@@ -62,7 +60,7 @@ static void bounds_and_starts_hold(void **state) {
 }
 
 static void check_refusal(const nqm_fit_options *options, const char *model, const char *message) {
-    nqm_brdf *brdf = open_brdf("lambert:kd=0.5");
+    nqm_brdf *brdf = must_open("lambert:kd=0.5");
     nqm_fit_report report;
     nqm_error err = {0};
     assert_int_equal(nqm_fit(brdf, model, options, &report, NULL, &err), NQM_ERR_ARG);
@@ -70,8 +68,7 @@ static void check_refusal(const nqm_fit_options *options, const char *model, con
     nqm_brdf_free(brdf);
 }
 
-static void faults_are_refused(void **state) {
-    (void)state;
+TEST(faults_are_refused) {
     nqm_fit_bound bound = {"gloss", 0, 1};
     nqm_fit_options options = few_directions();
     options.bounds = &bound;
@@ -83,13 +80,4 @@ static void faults_are_refused(void **state) {
     options.start = "ggx:kd=1;ks=1;alpha=1;f0=1";
     check_refusal(&options, "gltf", "cannot start from");
     check_refusal(NULL, "gtlf", "gtlf");
-}
-
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(models_give_themselves_back),
-        cmocka_unit_test(bounds_and_starts_hold),
-        cmocka_unit_test(faults_are_refused),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -14,8 +14,7 @@ static nqm_status parse(const char *text, nqm_csv **csv, nqm_error *err) {
     return nqm_csv_parse(text, strlen(text), "t.csv", csv, err);
 }
 
-static void test_plain(void **state) {
-    (void)state;
+TEST(test_plain) {
     nqm_csv *csv;
     assert_int_equal(
         parse("# a comment, with a comma\nName, x ,y\n\n  \nfelt,1.5,-2e3\r\nsatin , .25,7\n#last\nleaf,,3", &csv,
@@ -37,8 +36,7 @@ static void test_plain(void **state) {
     nqm_csv_free(csv);
 }
 
-static void test_quotes(void **state) {
-    (void)state;
+TEST(test_quotes) {
     nqm_csv *csv;
     assert_int_equal(parse("\"a,b\",c\r\n\"says \"\"yes\"\"\",\"two\nlines\" \r\n\"\",\" 4 \"\n", &csv, NULL), NQM_OK);
     assert_int_equal(nqm_csv_rows(csv), 2);
@@ -52,8 +50,7 @@ static void test_quotes(void **state) {
     nqm_csv_free(csv);
 }
 
-static void test_byte_order_mark(void **state) {
-    (void)state;
+TEST(test_byte_order_mark) {
     nqm_csv *csv;
     assert_int_equal(parse("\xef\xbb\xbfmaterial\nfelt\n", &csv, NULL), NQM_OK);
     assert_int_equal(nqm_csv_column(csv, "material"), 0);
@@ -61,8 +58,7 @@ static void test_byte_order_mark(void **state) {
 }
 
 /* The header decides: a comma outside of quotes, else a semicolon, else a tab. */
-static void test_separators(void **state) {
-    (void)state;
+TEST(test_separators) {
     static const struct {
         const char *text, *cell[2]; /* of the first row */
     } cases[] = {{"a;b\n1,5; x \n", {"1,5", "x"}}, {"# a, comment\n\"a,b\";c\n1;2\n", {"1", "2"}},
@@ -88,8 +84,7 @@ static void refuse(const char *text, int64_t byte, const char *words) {
     assert_non_null(strstr(err.message, words));
 }
 
-static void test_refusals(void **state) {
-    (void)state;
+TEST(test_refusals) {
     refuse("", 0, "empty");
     refuse("\n# only talk\n", 0, "empty");
     refuse("a,b\n1,2\n3\n", 8, "line 3, byte 8: 1 fields where the header has 2");
@@ -103,8 +98,7 @@ static void test_refusals(void **state) {
     assert_int_equal(err.byte_offset, 6);
 }
 
-static void test_numbers_name_their_place(void **state) {
-    (void)state;
+TEST(test_numbers_name_their_place) {
     static const char *const bad[] = {"x", "", "1.5x", "nan", "inf", "1e999", "1 2"};
     for (size_t i = 0; i < sizeof bad / sizeof *bad; ++i) {
         char text[64];
@@ -121,8 +115,7 @@ static void test_numbers_name_their_place(void **state) {
     }
 }
 
-static void test_every_cut_is_safe(void **state) {
-    (void)state;
+TEST(test_every_cut_is_safe) {
     static const char text[] = "a,\"b\"\n1,\"x\"\"y\"\r\n\"2\n\",3\n#\n";
     for (size_t n = 0; n < sizeof text; ++n) {
         char *cut = nqm_alloc(n, 1); /* exact size, so that ASan detects a read past the end */
@@ -136,8 +129,7 @@ static void test_every_cut_is_safe(void **state) {
     }
 }
 
-static void test_files(void **state) {
-    (void)state;
+TEST(test_files) {
     nqm_csv *csv;
     nqm_error err = {0};
     assert_int_equal(nqm_csv_load("/nowhere/t.csv", &csv, &err), NQM_ERR_IO);
@@ -148,8 +140,7 @@ static void test_files(void **state) {
     nqm_csv_free(csv);
 }
 
-static void test_open_descriptor(void **state) {
-    (void)state;
+TEST(test_open_descriptor) {
     enum { ROWS = 30000 };
     char path[32];
     FILE *file = tmpfile();
@@ -168,8 +159,7 @@ static void test_open_descriptor(void **state) {
     fclose(file);
 }
 
-static void test_out_of_memory(void **state) {
-    (void)state;
+TEST(test_out_of_memory) {
     nqm_status status = NQM_ERR_NOMEM;
     long n = 0;
     for (; status == NQM_ERR_NOMEM && n < 50; ++n) {
@@ -182,20 +172,4 @@ static void test_out_of_memory(void **state) {
     }
     assert_int_equal(status, NQM_OK);
     assert_int_equal(n, 2); /* one allocation, which failed once */
-}
-
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_plain),
-        cmocka_unit_test(test_quotes),
-        cmocka_unit_test(test_byte_order_mark),
-        cmocka_unit_test(test_separators),
-        cmocka_unit_test(test_refusals),
-        cmocka_unit_test(test_numbers_name_their_place),
-        cmocka_unit_test(test_every_cut_is_safe),
-        cmocka_unit_test(test_files),
-        cmocka_unit_test(test_open_descriptor),
-        cmocka_unit_test(test_out_of_memory),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
 }

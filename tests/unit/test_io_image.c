@@ -47,8 +47,7 @@ static nqm_status decode(const sample *s, const unsigned char *data, size_t n_by
     return status;
 }
 
-static void pixels(void **state) {
-    (void)state;
+TEST(pixels) {
     for (size_t i = 0; i < N_SAMPLES; ++i) {
         const sample *s = &samples[i];
         const nqm_map map = {.data = s->data, .n_bytes = s->n_bytes, .path = s->name};
@@ -65,8 +64,7 @@ static void pixels(void **state) {
 }
 
 /* A file truncated at any byte is malformed; the copy has the exact size, so that ASan detects a read past the end. */
-static void cut_anywhere(void **state) {
-    (void)state;
+TEST(cut_anywhere) {
     for (size_t i = 0; i < N_SAMPLES; ++i)
         for (size_t n = 0; n < samples[i].n_bytes; ++n) {
             unsigned char *copy = malloc(n ? n : 1);
@@ -78,8 +76,7 @@ static void cut_anywhere(void **state) {
         }
 }
 
-static void spoilt_anywhere(void **state) {
-    (void)state;
+TEST(spoilt_anywhere) {
     static const unsigned char spoil[] = {0xff, 0x80, 0x01};
     for (size_t i = 0; i < N_SAMPLES; ++i)
         for (size_t n = 0; n < samples[i].n_bytes; ++n)
@@ -110,8 +107,7 @@ static void decode_patched(const sample *s, const void *what, size_t n_what, con
     free(copy);
 }
 
-static void lying_sizes(void **state) {
-    (void)state;
+TEST(lying_sizes) {
     decode_patched(&samples[0], "IHDR\0\0\0\x0b\0\0\0\x06", 12, "IHDR\x7f\xff\xff\xff\x7f\xff\xff\xff", NQM_ERR_FORMAT);
     decode_patched(&samples[1], "-Y 6 +X 11\n", 11, "-Y 9 +X999\n", NQM_ERR_FORMAT);
     static const char huge[] = "#?RGBE\n\n-Y 2147483648 +X 2147483648\nxxxx";
@@ -127,8 +123,7 @@ static void lying_sizes(void **state) {
     decode_patched(&samples[4], window, 16, upside_down, NQM_ERR_FORMAT);
 }
 
-static void over_the_limit(void **state) {
-    (void)state;
+TEST(over_the_limit) {
     nqm_error err = {0};
     nqm_image image;
     const nqm_map map = {.data = file_png, .n_bytes = (size_t)1 << 30, .path = "large.exr"};
@@ -154,8 +149,7 @@ static nqm_status load(const char *path, nqm_image *image, nqm_error *err) {
     return status;
 }
 
-static void loading(void **state) {
-    (void)state;
+TEST(loading) {
     char dir[] = "/tmp/nqm-image-XXXXXX", path[64];
     assert_non_null(mkdtemp(dir));
     snprintf(path, sizeof path, "%s/picture", dir);
@@ -192,8 +186,7 @@ static void loading(void **state) {
     rmdir(dir);
 }
 
-static void out_of_memory(void **state) {
-    (void)state;
+TEST(out_of_memory) {
     for (size_t i = 0; i < N_SAMPLES; ++i) {
         nqm_status status = NQM_ERR_NOMEM;
         nqm_error err;
@@ -205,13 +198,4 @@ static void out_of_memory(void **state) {
             assert_true(n < 10);
         }
     }
-}
-
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(pixels),        cmocka_unit_test(cut_anywhere), cmocka_unit_test(spoilt_anywhere),
-        cmocka_unit_test(lying_sizes),   cmocka_unit_test(loading),      cmocka_unit_test(over_the_limit),
-        cmocka_unit_test(out_of_memory),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -68,8 +68,7 @@ static const struct {
     {"{\"__metadata__\":{\"a\":\"some words that are here\"}}", read_tensors},
 };
 
-static void every_allocation_fails(void **state) {
-    (void)state;
+TEST(every_allocation_fails) {
     for (size_t i = 0; i < sizeof texts / sizeof *texts; ++i) {
         nqm_error err = {0};
         assert_int_equal(texts[i].read(texts[i].text, strlen(texts[i].text), &err), NQM_OK);
@@ -95,8 +94,7 @@ static bool end_failing(void) {
     return has_failed;
 }
 
-static void no_tensor_file_lacks_a_value(void **state) {
-    (void)state;
+TEST(no_tensor_file_lacks_a_value) {
     const float value[6] = {1, 2, 3, 4, 5, 6};
     const nqm_tensor tensor = {
         .name = "a", .dtype = NQM_F32, .n_dims = 3, .dims = {1, 2, 3}, .n_bytes = 24, .data = value};
@@ -113,8 +111,7 @@ static void no_tensor_file_lacks_a_value(void **state) {
     }
 }
 
-static void no_list_of_sizes_lacks_one(void **state) {
-    (void)state;
+TEST(no_list_of_sizes_lacks_one) {
     nqm_train_options options;
     assert_int_equal(nqm_train_options_recipe("nqm", &options, NULL), NQM_OK);
     json_t *all = nqm_train_options_json(&options);
@@ -130,8 +127,7 @@ static void no_list_of_sizes_lacks_one(void **state) {
 }
 
 /* In a child process for each allocation, which ends with the tool's exit code. */
-static void no_remark_of_the_tool_is_missing(void **state) {
-    (void)state;
+TEST(no_remark_of_the_tool_is_missing) {
     const remark_terms terms = {.n_directions = 10};
     const nqm_named_pair pair = {"ref", "test"};
     const nqm_score_result result = {.n_clamped[0] = 1, .n_invalid[1] = 2, .novelty = 2, .jod_high = 1};
@@ -153,10 +149,9 @@ static void no_remark_of_the_tool_is_missing(void **state) {
     assert_int_equal(code, EXIT_OK);
 }
 
-int main(void) {
+static int make_failing(void **state) {
     json_set_alloc_funcs(failing_malloc, free);
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(every_allocation_fails), cmocka_unit_test(no_tensor_file_lacks_a_value),
-        cmocka_unit_test(no_list_of_sizes_lacks_one), cmocka_unit_test(no_remark_of_the_tool_is_missing)};
-    return cmocka_run_group_tests(tests, make_temp_file, remove_temp_file);
+    return make_temp_file(state);
 }
+
+TEST_FILE(make_failing, remove_temp_file)

@@ -54,8 +54,7 @@ static size_t size_of(size_t i) {
     return files[i].n ? files[i].n : strlen(files[i].bytes);
 }
 
-static void kinds_are_found(void **state) {
-    (void)state;
+TEST(kinds_are_found) {
     for (size_t i = 0; i < N_FILES; ++i) {
         const char *kind = nqm_file_kind((const unsigned char *)files[i].bytes, size_of(i));
         if (!files[i].kind)
@@ -71,8 +70,7 @@ static void kinds_are_found(void **state) {
     blob_free(&b);
 }
 
-static void readers_name_them(void **state) {
-    (void)state;
+TEST(readers_name_them) {
     const char *path = scratch_path("unknown.bsdf");
     for (size_t i = 0; i < N_FILES; ++i) {
         nqm_brdf *brdf;
@@ -89,9 +87,4 @@ static void readers_name_them(void **state) {
         if (!strstr(err.message, "not a safetensors file") || !strstr(err.message, files[i].kind))
             fail_msg("%s: %s", files[i].kind, err.message);
     }
-}
-
-int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(kinds_are_found), cmocka_unit_test(readers_name_them)};
-    return cmocka_run_group_tests_name("io_kind", tests, NULL, NULL);
 }

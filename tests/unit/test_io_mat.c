@@ -23,8 +23,7 @@ static const char path[] = "test_io_mat.mat";
 static const char *const files[] = {"authors/ref/brass_1.mat", "authors/ref/brass_2.mat",
                                     "authors/model/felt_m_68_rgb_1.mat", "authors/model/felt_m_68_rgb_2.mat"};
 
-static void reads_what_scipy_wrote(void **state) {
-    (void)state;
+TEST(reads_what_scipy_wrote) {
     nqm_csv *csv;
     assert_int_equal(nqm_csv_load(test_vector("authors_locations.csv"), &csv, NULL), NQM_OK);
     for (size_t i = 0; i < sizeof files / sizeof *files; ++i) {
@@ -80,8 +79,7 @@ static nqm_status read_all(void) {
     return status;
 }
 
-static void no_mat_files(void **state) {
-    (void)state;
+TEST(no_mat_files) {
     nqm_mat *mat;
     nqm_error err = {0};
     assert_int_equal(nqm_mat_open("no such file", &mat, NULL), NQM_ERR_IO);
@@ -98,8 +96,7 @@ static void no_mat_files(void **state) {
 }
 
 /* A header that declares 2^31 - 1 rows is refused before any allocation. */
-static void huge_claims(void **state) {
-    (void)state;
+TEST(huge_claims) {
     nqm_map map;
     assert_int_equal(nqm_map_open(test_vector(files[0]), &map, NULL), NQM_OK);
     unsigned char bytes[1024];
@@ -131,8 +128,7 @@ static void huge_claims(void **state) {
     nqm_map_close(&map);
 }
 
-static void cut_and_changed(void **state) {
-    (void)state;
+TEST(cut_and_changed) {
     for (size_t i = 0; i < 2; ++i) {
         nqm_map map;
         assert_int_equal(nqm_map_open(test_vector(files[i]), &map, NULL), NQM_OK);
@@ -240,8 +236,7 @@ enum {
 };
 
 /* -3 and 100 in each type; in unsigned types -3 wraps (253 in 8 bits). */
-static void every_type_and_byte_order(void **state) {
-    (void)state;
+TEST(every_type_and_byte_order) {
     static const struct {
         uint32_t type;
         size_t width;
@@ -291,8 +286,7 @@ static void refuse_r(const maker *m, const char *words) {
         fail_msg("'%s' is not in '%s'", words, err.message);
 }
 
-static void faults_are_named(void **state) {
-    (void)state;
+TEST(faults_are_named) {
     const uint64_t values[4] = {1, 2, 3, 4};
     maker m = begin_file(false);
     refuse_r(&m, "no numeric variable 'r'");
@@ -343,8 +337,7 @@ static void refuse_long(const maker *m, const char *words) {
 }
 
 /* 2 of 500 numbers, with sizes that agree with the dimensions and with the bytes; plain, compressed, and with trailing bytes. */
-static void values_that_end_early(void **state) {
-    (void)state;
+TEST(values_that_end_early) {
     for (size_t i = 0; i < 8; ++i) {
         const bool big_endian = i % 2, is_packed = i / 2 % 2;
         const size_t n = i < 4 ? 2 : 0;
@@ -372,8 +365,7 @@ static void values_that_end_early(void **state) {
 
 #ifdef NQM_TEST_MATIO
 /* matio reads nqm's files, and nqm reads matio's compressed files. */
-static void agrees_with_matio(void **state) {
-    (void)state;
+TEST(agrees_with_matio) {
     double values[6] = {1, -2.5, 1e-300, 4, 0.1, 1e300}, v[6];
     assert_int_equal(nqm_mat_write(path, 1, &(nqm_mat_variable){"random_locations", 2, 3, values}, NULL), NQM_OK);
     mat_t *file = Mat_Open(path, MAT_ACC_RDONLY);
@@ -402,19 +394,3 @@ static void agrees_with_matio(void **state) {
     unlink(path);
 }
 #endif
-
-int main(void) {
-    const struct CMUnitTest tests[] = {
-#ifdef NQM_TEST_MATIO
-        cmocka_unit_test(agrees_with_matio),
-#endif
-        cmocka_unit_test(every_type_and_byte_order),
-        cmocka_unit_test(faults_are_named),
-        cmocka_unit_test(values_that_end_early),
-        cmocka_unit_test(reads_what_scipy_wrote),
-        cmocka_unit_test(no_mat_files),
-        cmocka_unit_test(huge_claims),
-        cmocka_unit_test(cut_and_changed),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}

@@ -24,8 +24,7 @@ static void write_two(const char *where) {
         fail_msg("%s", err.message);
 }
 
-static void reads_back(void **state) {
-    (void)state;
+TEST(reads_back) {
     write_two(path);
     nqm_mat *mat;
     size_t rows, cols;
@@ -43,8 +42,7 @@ static void reads_back(void **state) {
 }
 
 /* The file contains only the header and two arrays: no date and no host name, so equal input gives equal bytes. */
-static void equal_bytes(void **state) {
-    (void)state;
+TEST(equal_bytes) {
     write_two(path);
     write_two(other);
     nqm_map a, b;
@@ -70,8 +68,7 @@ static void refuse(const char *where, const char *name, size_t rows, size_t cols
         fail_msg("'%s' is not in '%s'", words, err.message);
 }
 
-static void refuses(void **state) {
-    (void)state;
+TEST(refuses) {
     const double not_finite[2] = {1, NAN};
     refuse(path, "r", 1, 2, not_finite, NQM_ERR_ARG, "'r' at row 1, column 2");
     refuse(path, "r", 0, 2, column, NQM_ERR_LIMIT, "0 x 2");
@@ -87,8 +84,7 @@ static void refuses(void **state) {
 }
 
 /* The file has the variables of the authors' layout. */
-static void samples_of_a_brdf(void **state) {
-    (void)state;
+TEST(samples_of_a_brdf) {
     const double degrees[6] = {0, 10, 20, 30.25, 40, 50};
     const float rgb[6] = {0.5f, 0.25f, 0.125f, 1, 2, 3};
     double r[2], b[2], locations[6];
@@ -105,14 +101,4 @@ static void samples_of_a_brdf(void **state) {
     nqm_mat_close(mat);
     nqm_directions_free(directions);
     unlink(path);
-}
-
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(reads_back),
-        cmocka_unit_test(equal_bytes),
-        cmocka_unit_test(refuses),
-        cmocka_unit_test(samples_of_a_brdf),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -113,8 +113,7 @@ static void check_area_weighted(const nqm_mesh *mesh) {
     check_normal(mesh, 4, 0, 0, 1);
 }
 
-static void pyramids(void **state) {
-    (void)state;
+TEST(pyramids) {
     nqm_mesh mesh;
     nqm_error err;
     const bytes little = make_binary(false, false), big = make_binary(true, false);
@@ -132,8 +131,7 @@ static void pyramids(void **state) {
     }
 }
 
-static void normals_of_ply(void **state) {
-    (void)state;
+TEST(normals_of_ply) {
     nqm_mesh mesh;
     nqm_error err;
     for (int big = 0; big < 2; ++big) {
@@ -149,8 +147,7 @@ static void normals_of_ply(void **state) {
 
 /* Two triangles with a common edge: its vertices are duplicated where the normals differ and shared where they
  * agree. */
-static void normals_of_obj(void **state) {
-    (void)state;
+TEST(normals_of_obj) {
     static const char text[] = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 1\nv 9 9 9\nvn 0 0 3\nvn 1 0 0\nvn 0 -1 0\n"
                                "f 1//1 2//1 3/7/1\nf 3//-3 2//2 4//-1\n";
     nqm_mesh mesh;
@@ -187,8 +184,7 @@ static void refuse(const char *text, const char *what, const char *with, const c
         fail_msg("'%s' for '%s': %s", with, what, err.message);
 }
 
-static void refusals(void **state) {
-    (void)state;
+TEST(refusals) {
     refuse(ply_text, "format ascii 1.0\n", "", "names no format");
     refuse(ply_text, "ascii 1.0", "ascii 2.0", "line 2");
     refuse(ply_text, "ascii", "ebcdic", "line 2");
@@ -232,8 +228,7 @@ static void refusals(void **state) {
 }
 
 /* A binary file truncated at any byte is malformed, and so is a file with a NaN normal. */
-static void broken_binary(void **state) {
-    (void)state;
+TEST(broken_binary) {
     const bytes b = make_binary(false, true);
     nqm_mesh mesh;
     nqm_error err;
@@ -252,8 +247,7 @@ static void broken_binary(void **state) {
     assert_true(err.byte_offset == (int64_t)body + 26);
 }
 
-static void out_of_memory(void **state) {
-    (void)state;
+TEST(out_of_memory) {
     static const char obj[] = "v 0 0 0\nv 1 0 0\nv 0 1 0\nvn 1 0 0\nf 1//1 2//1 3//1\n";
     const bytes b = make_binary(true, true);
     for (int i = 0; i < 2; ++i) {
@@ -272,8 +266,7 @@ static void out_of_memory(void **state) {
 }
 
 /* The Stanford bunny is closed except for holes in its base, so almost all normals point away from its centre. */
-static void bunny(void **state) {
-    (void)state;
+TEST(bunny) {
     const char *path = shared_data("scene/bunny.ply");
     if (!path)
         skip();
@@ -301,20 +294,10 @@ static void bunny(void **state) {
     nqm_mesh_free(&mesh);
 }
 
-static void missing_file(void **state) {
-    (void)state;
+TEST(missing_file) {
     nqm_mesh mesh;
     nqm_error err = {0};
     assert_int_equal(nqm_mesh_load("/nonexistent.ply", &mesh, &err), NQM_ERR_IO);
     assert_non_null(strstr(err.message, "/nonexistent.ply"));
     assert_null(mesh.position);
-}
-
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(pyramids), cmocka_unit_test(normals_of_ply), cmocka_unit_test(normals_of_obj),
-        cmocka_unit_test(refusals), cmocka_unit_test(broken_binary),  cmocka_unit_test(out_of_memory),
-        cmocka_unit_test(bunny),    cmocka_unit_test(missing_file),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
 }

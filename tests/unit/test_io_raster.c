@@ -92,8 +92,7 @@ static void check_png(int colour, unsigned bits, bool is_interlaced) {
     blob_free(&b);
 }
 
-static void png_kinds(void **state) {
-    (void)state;
+TEST(png_kinds) {
     static const struct {
         int colour;
         unsigned bits;
@@ -114,8 +113,7 @@ static void make_smooth(void) {
         smooth[i] = (unsigned char)(40 + 3 * (i / 4 % WIDTH) + 5 * (i / 4 / WIDTH) + 20 * (i % 4));
 }
 
-static void jpeg_kinds(void **state) {
-    (void)state;
+TEST(jpeg_kinds) {
     make_smooth();
     for (size_t channels = 1; channels <= 3; channels += 2) {
         unsigned char pixels[WIDTH * HEIGHT * 3];
@@ -167,8 +165,7 @@ static nqm_status decode_only(blob b, nqm_error *err) {
     return status;
 }
 
-static void jpeg_refusals(void **state) {
-    (void)state;
+TEST(jpeg_refusals) {
     refused(make_jpeg(WIDTH, HEIGHT, 4, JPEG_PLAIN, random_bytes), NQM_ERR_FORMAT,
             "CMYK colours are not read: convert it to RGB");
     refused(make_jpeg(WIDTH, HEIGHT, 3, JPEG_ARITHMETIC, random_bytes), NQM_ERR_FORMAT,
@@ -184,8 +181,7 @@ static void jpeg_refusals(void **state) {
 
 /* ---- OpenEXR ----------------------------------------------------------------------------------------------------- */
 
-static void exr_kinds(void **state) {
-    (void)state;
+TEST(exr_kinds) {
     static const struct {
         const unsigned char *data;
         size_t n_bytes, channels;
@@ -231,8 +227,7 @@ static blob sample(size_t i) {
 }
 
 /* A file truncated at any byte is malformed; the copy has the exact size, so that ASan detects a read past the end. */
-static void cut_anywhere(void **state) {
-    (void)state;
+TEST(cut_anywhere) {
     for (size_t i = 0; i < N_SAMPLES; ++i) {
         blob b = sample(i);
         for (size_t n = 0; n < b.n_bytes; ++n) {
@@ -248,8 +243,7 @@ static void cut_anywhere(void **state) {
     }
 }
 
-static void spoilt_anywhere(void **state) {
-    (void)state;
+TEST(spoilt_anywhere) {
     static const unsigned char spoil[] = {0xff, 0x80, 0x01};
     for (size_t i = 0; i < N_SAMPLES; ++i) {
         blob b = sample(i);
@@ -265,8 +259,7 @@ static void spoilt_anywhere(void **state) {
 }
 
 /* A JPEG file with a bad code in its data, which libjpeg only warns of. */
-static void damaged_jpeg(void **state) {
-    (void)state;
+TEST(damaged_jpeg) {
     blob b = make_jpeg(WIDTH, HEIGHT, 3, JPEG_PLAIN, random_bytes);
     const size_t at = find(b, "\xff\xda", 2) + 60;
     for (size_t i = 0; i < 40; ++i) /* a long run of ones is no Huffman code */
@@ -299,8 +292,7 @@ static blob jpeg_of_size(size_t width, size_t height) {
     return b;
 }
 
-static void lying_sizes(void **state) {
-    (void)state;
+TEST(lying_sizes) {
     const char *claims = "the header claims 16384 x 16384 pixels, more than";
     refused(png_of_size(16384, 16384), NQM_ERR_FORMAT, claims);
     refused(jpeg_of_size(16384, 16384), NQM_ERR_FORMAT, claims);
@@ -317,8 +309,7 @@ static void lying_sizes(void **state) {
     refused(exr, NQM_ERR_FORMAT, claims);
 }
 
-static void other_formats(void **state) {
-    (void)state;
+TEST(other_formats) {
     static const struct {
         const char *bytes, *words;
         size_t n;
@@ -347,8 +338,7 @@ static void other_formats(void **state) {
     }
 }
 
-static void out_of_memory(void **state) {
-    (void)state;
+TEST(out_of_memory) {
     for (size_t i = 0; i < N_SAMPLES; ++i) {
         blob b = sample(i);
         nqm_error err = {0};
@@ -359,12 +349,4 @@ static void out_of_memory(void **state) {
     }
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(png_kinds),     cmocka_unit_test(jpeg_kinds),   cmocka_unit_test(jpeg_refusals),
-        cmocka_unit_test(exr_kinds),     cmocka_unit_test(cut_anywhere), cmocka_unit_test(spoilt_anywhere),
-        cmocka_unit_test(damaged_jpeg),  cmocka_unit_test(lying_sizes),  cmocka_unit_test(other_formats),
-        cmocka_unit_test(out_of_memory),
-    };
-    return cmocka_run_group_tests_name("io_raster", tests, make_noise, NULL);
-}
+TEST_FILE(make_noise, NULL)

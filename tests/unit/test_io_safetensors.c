@@ -48,8 +48,7 @@ static unsigned char *valid_file(size_t *n_bytes, char sha256[65]) {
     return copy;
 }
 
-static void round_trip(void **state) {
-    (void)state;
+TEST(round_trip) {
     size_t n_bytes;
     char sha256[65], again[65];
     bool matches;
@@ -82,8 +81,7 @@ static void round_trip(void **state) {
 }
 
 /* The checksum is the SHA-256 of the file with the checksum's digits set to zeros, and detects a change of any bit. */
-static void checksum(void **state) {
-    (void)state;
+TEST(checksum) {
     size_t n_bytes;
     char sha256[65], hex[65];
     unsigned char *file = valid_file(&n_bytes, sha256), *zeroed = nqm_alloc(n_bytes, 1);
@@ -117,8 +115,7 @@ static void checksum(void **state) {
 }
 
 /* Truncated at any byte; each copy has the exact size, so that ASan detects a read past the end. */
-static void truncated_anywhere(void **state) {
-    (void)state;
+TEST(truncated_anywhere) {
     size_t n_bytes;
     unsigned char *file = valid_file(&n_bytes, NULL);
     for (size_t n = 0; n < n_bytes; ++n) {
@@ -198,8 +195,7 @@ static void check_false_header(const char *json, size_t n_data, const char *mess
     assert_true(err.byte_offset >= 0);
 }
 
-static void false_headers(void **state) {
-    (void)state;
+TEST(false_headers) {
     for (size_t i = 0; i < sizeof false_header / sizeof *false_header; ++i)
         for (size_t k = 0; k < 4 && false_header[i].json[k]; ++k)
             check_false_header(false_header[i].json[k], false_header[i].n_data, false_header[i].message);
@@ -208,8 +204,7 @@ static void false_headers(void **state) {
 }
 
 /* A header length beyond the file or the format's limit is refused before any allocation. */
-static void claimed_header_lengths(void **state) {
-    (void)state;
+TEST(claimed_header_lengths) {
     static const uint64_t claims[] = {9, 100000001, (uint64_t)1 << 62, UINT64_MAX};
     for (size_t i = 0; i < sizeof claims / sizeof *claims; ++i) {
         unsigned char file[16] = {0};
@@ -224,8 +219,7 @@ static void claimed_header_lengths(void **state) {
 }
 
 /* The byte after a file that ends with the length of its header decides nothing. */
-static void text_of_eight_bytes(void **state) {
-    (void)state;
+TEST(text_of_eight_bytes) {
     static const char text[] = "a,b\n1,2\n{";
     nqm_safetensors *st;
     nqm_error err = {0};
@@ -235,8 +229,7 @@ static void text_of_eight_bytes(void **state) {
 
 /* ---- invalid data for the writer --------------------------------------------------------------------------------- */
 
-static void refused_contents(void **state) {
-    (void)state;
+TEST(refused_contents) {
     nqm_error err = {0};
     nqm_tensor twice[2] = {tensors[0], tensors[0]}, wrong = tensors[0];
     wrong.dims[0] = 6;
@@ -252,8 +245,7 @@ static void refused_contents(void **state) {
     assert_non_null(strstr(err.message, "no/such/folder/f"));
 }
 
-static void out_of_memory(void **state) {
-    (void)state;
+TEST(out_of_memory) {
     size_t n_bytes;
     unsigned char *file = valid_file(&n_bytes, NULL);
     nqm_safetensors *st;
@@ -268,14 +260,4 @@ static void out_of_memory(void **state) {
     }
     nqm_alloc_fail_after(-1);
     nqm_free(file);
-}
-
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(round_trip),          cmocka_unit_test(checksum),
-        cmocka_unit_test(false_headers),       cmocka_unit_test(truncated_anywhere),
-        cmocka_unit_test(refused_contents),    cmocka_unit_test(claimed_header_lengths),
-        cmocka_unit_test(text_of_eight_bytes), cmocka_unit_test(out_of_memory),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -9,8 +9,7 @@ static nqm_status parse(const char *text, nqm_xml *xml, nqm_error *err) {
     return nqm_xml_parse(text, strlen(text), "test", xml, err);
 }
 
-static void the_tree(void **state) {
-    (void)state;
+TEST(the_tree) {
     nqm_xml xml;
     assert_int_equal(
         parse("<?xml version='1.0'?>\n<a x='1' y=\"&lt;2&#65;\"><b/>text<!-- no --><c><d/></c></a>", &xml, NULL),
@@ -41,8 +40,7 @@ static void assert_refused(const char *text, nqm_status status, int64_t byte) {
     assert_non_null(strstr(err.message, "test: "));
 }
 
-static void what_is_refused(void **state) {
-    (void)state;
+TEST(what_is_refused) {
     assert_refused("", NQM_ERR_FORMAT, 0);
     assert_refused("<a>", NQM_ERR_FORMAT, 3);
     assert_refused("<a></b>", NQM_ERR_FORMAT, 5);
@@ -54,12 +52,4 @@ static void what_is_refused(void **state) {
     for (int i = 0; i <= NQM_XML_MAX_DEPTH; ++i)
         strcat(deep, "<a>");
     assert_refused(deep, NQM_ERR_LIMIT, 3 * NQM_XML_MAX_DEPTH);
-}
-
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(the_tree),
-        cmocka_unit_test(what_is_refused),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -34,6 +34,7 @@ static double number(const nqm_csv *csv, size_t row, const char *column) {
 
 static int read_pairs(void **state) {
     (void)state;
+    omp_set_num_threads(1); /* these networks are too small to use more threads */
     nqm_csv *csv;
     assert_int_equal(nqm_csv_load(test_vector("train_agreement.csv"), &csv, NULL), NQM_OK);
     size_t n = nqm_csv_rows(csv);
@@ -62,8 +63,7 @@ static int read_pairs(void **state) {
     return 0;
 }
 
-static void figures_are_scipys(void **state) {
-    (void)state;
+TEST(figures_are_scipys) {
     nqm_agreement a[N_PREDICTORS];
     nqm_csv *csv;
     assert_int_equal(nqm_judge(&judgement, 0, 1, a, NULL), NQM_OK);
@@ -145,8 +145,7 @@ static void repeat_all(size_t predictor, double figures[N_FIGURES][N_RESAMPLES])
     }
 }
 
-static void bootstrap_repeats_groups(void **state) {
-    (void)state;
+TEST(bootstrap_repeats_groups) {
     nqm_agreement a[N_PREDICTORS];
     assert_int_equal(nqm_judge(&judgement, N_RESAMPLES, 5, a, NULL), NQM_OK);
     for (size_t p = 0; p < N_PREDICTORS; ++p) {
@@ -179,8 +178,7 @@ static void check_difference(const nqm_difference *d, double value, const double
 }
 
 /* A contrast is the difference of two predictors on the same resamples; that of a predictor with itself is 0. */
-static void contrasts_are_paired(void **state) {
-    (void)state;
+TEST(contrasts_are_paired) {
     nqm_agreement a[N_PREDICTORS];
     nqm_contrast c[3] = {{.first = 0, .second = 1}, {.first = 1, .second = 0}, {.first = 1, .second = 1}};
     assert_int_equal(nqm_judge(&judgement, 0, 5, a, NULL), NQM_OK);
@@ -204,8 +202,7 @@ static void contrasts_are_paired(void **state) {
 }
 
 /* Correlations are undefined without variance, and the order is undefined if no labels differ. */
-static void figures_that_do_not_exist(void **state) {
-    (void)state;
+TEST(figures_that_do_not_exist) {
     const double flat[6] = {0.1, 0.1, 0.1, 0.1, 0.1, 0.1}, rising[6] = {1, 2, 3, 4, 5, 6};
     const size_t begin[3] = {0, 3, 6};
     nqm_judgement j = {
@@ -228,8 +225,7 @@ static void figures_that_do_not_exist(void **state) {
     assert_int_equal(a.n_ordered, 2);
 }
 
-static void best_variants(void **state) {
-    (void)state;
+TEST(best_variants) {
     const double spearman[NQM_METRIC_COUNT] = {0.3, 0.5, 0.8, 0.8, NAN, 0.2, NAN, NAN, 0.9};
     const int of_family[NQM_METRIC_COUNT] = {0, 1, 1, 0, 0, 1, 0, 0, 0};
     nqm_agreement metrics[NQM_METRIC_COUNT] = {0};
@@ -260,8 +256,7 @@ static nqm_status evaluate(const nqm_model *model, const nqm_dataset *d, const n
     return status;
 }
 
-static void predictions_are_those_of_single_pairs(void **state) {
-    (void)state;
+TEST(predictions_are_those_of_single_pairs) {
     toy_options t = toy_options_default();
     nqm_dataset *d = toy_dataset(&t);
     nqm_model *models[2] = {train_small(d, "paper"), train_small(d, "nqm")};
@@ -311,8 +306,7 @@ static const char *class_of(double near, double far, const float colour[3]) {
     return nqm_material_class_name(nqm_dataset_ref_class(&d, 0));
 }
 
-static void classes_of_materials(void **state) {
-    (void)state;
+TEST(classes_of_materials) {
     float grey[3] = {1, 1, 1};
     const float warm[3] = {1.2f, 1, 0.9f}, red[3] = {2, 0.5f, 0.5f};
     assert_string_equal(class_of(0.2, 0.1, grey), "matte grey");
@@ -349,8 +343,7 @@ static void check_contrasts(const nqm_model *model, const nqm_dataset *d, const 
     nqm_evaluation_free(ev);
 }
 
-static void selections(void **state) {
-    (void)state;
+TEST(selections) {
     toy_options t = toy_options_default();
     t.with_masks = true;
     nqm_dataset *d = toy_dataset(&t);
@@ -420,13 +413,4 @@ static void selections(void **state) {
     nqm_dataset_free(d);
 }
 
-int main(void) {
-    omp_set_num_threads(1); /* these networks are too small to use more threads */
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(figures_are_scipys),   cmocka_unit_test(bootstrap_repeats_groups),
-        cmocka_unit_test(contrasts_are_paired), cmocka_unit_test(figures_that_do_not_exist),
-        cmocka_unit_test(best_variants),        cmocka_unit_test(predictions_are_those_of_single_pairs),
-        cmocka_unit_test(classes_of_materials), cmocka_unit_test(selections),
-    };
-    return cmocka_run_group_tests(tests, read_pairs, NULL);
-}
+TEST_FILE(read_pairs, NULL)

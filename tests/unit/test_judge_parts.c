@@ -27,6 +27,7 @@ static nqm_evaluation *evaluation;
 
 static int set_up(void **state) {
     (void)state;
+    omp_set_num_threads(1); /* these networks are too small to use more threads */
     toy_options t = toy_options_default();
     t.with_transport = true;
     t.families[1] = "far";
@@ -89,8 +90,7 @@ static void check_signs(size_t part, const nqm_part_agreement *p) {
         assert_true(isnan(p->same_sign));
 }
 
-static void parts_are_judged(void **state) {
-    (void)state;
+TEST(parts_are_judged) {
     static const char *const names[NQM_EVAL_PARTS] = {"shift_i",  "shift_t",   "shift_p",
                                                       "contrast", "structure", "adapted_jod"};
     const size_t log_diff = NQM_SCALAR_METRICS + NQM_METRIC_LOG_DIFF;
@@ -125,8 +125,7 @@ static void parts_are_judged(void **state) {
     assert_int_equal(nqm_evaluation_judge_parts(evaluation, &o, 0, parts, NULL), NQM_ERR_INCOMPATIBLE);
 }
 
-static void parts_that_do_not_exist(void **state) {
-    (void)state;
+TEST(parts_that_do_not_exist) {
     nqm_part_agreement parts[NQM_EVAL_PARTS];
     assert_int_equal(nqm_evaluation_judge_parts(evaluation, NULL, 1, parts, NULL), NQM_ERR_ARG); /* one output */
     assert_int_equal(nqm_evaluation_judge_parts(evaluation, NULL, 2, parts, NULL), NQM_ERR_ARG); /* a metric */
@@ -148,8 +147,7 @@ static void parts_that_do_not_exist(void **state) {
 }
 
 /* The estimate is a predictor: its label is that of the matrix, and its JOD that of the published curve. */
-static void estimate_is_a_predictor(void **state) {
-    (void)state;
+TEST(estimate_is_a_predictor) {
     const size_t estimate = 2 + NQM_METRIC_COUNT, n = 3 * dataset->n_directions;
     const nqm_transport transport = nqm_dataset_transport(dataset);
     assert_int_equal(evaluation->n_predictors, estimate + 1);
@@ -176,8 +174,7 @@ static void estimate_is_a_predictor(void **state) {
     assert_true(isnan(results[estimate - 1].mae.value));
 }
 
-static void subsets(void **state) {
-    (void)state;
+TEST(subsets) {
     const struct {
         const char *name;
         size_t n;
@@ -197,13 +194,4 @@ static void subsets(void **state) {
     assert_int_equal(nqm_evaluation_judge(evaluation, &o, results, NULL), NQM_ERR_INCOMPATIBLE);
 }
 
-int main(void) {
-    omp_set_num_threads(1); /* these networks are too small to use more threads */
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(parts_are_judged),
-        cmocka_unit_test(parts_that_do_not_exist),
-        cmocka_unit_test(estimate_is_a_predictor),
-        cmocka_unit_test(subsets),
-    };
-    return cmocka_run_group_tests(tests, set_up, tear_down);
-}
+TEST_FILE(set_up, tear_down)

@@ -92,8 +92,7 @@ static nqm_readout fitted(size_t n_bootstrap) {
     return readout;
 }
 
-static void known_weights_are_found(void **state) {
-    (void)state;
+TEST(known_weights_are_found) {
     const double weight[NQM_APART] = {[NQM_APART_BRIGHTNESS] = 0.05,
                                       [NQM_APART_COLOUR] = 0.03,
                                       [NQM_APART_CONTRAST] = 0.15,
@@ -106,8 +105,7 @@ static void known_weights_are_found(void **state) {
     assert_int_equal(r.n_materials, REFS);
 }
 
-static void random_answers_gain_nothing(void **state) {
-    (void)state;
+TEST(random_answers_gain_nothing) {
     const double weight[NQM_APART] = {0};
     for (uint64_t seed = 1; seed <= 20; ++seed) {
         answer(weight, seed);
@@ -116,8 +114,7 @@ static void random_answers_gain_nothing(void **state) {
     }
 }
 
-static void models_store_them(void **state) {
-    (void)state;
+TEST(models_store_them) {
     nqm_model *copy, *read;
     assert_int_equal(nqm_model_copy(model, &copy, NULL), NQM_OK);
     const double similarity[NQM_APART + 1] = {1, 0, 0.5, 0, 2, 0, 0.2};
@@ -133,9 +130,4 @@ static void models_store_them(void **state) {
     nqm_model_free(copy);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(known_weights_are_found),
-                                       cmocka_unit_test(random_answers_gain_nothing),
-                                       cmocka_unit_test(models_store_them)};
-    return cmocka_run_group_tests(tests, make_study, free_study);
-}
+TEST_FILE(make_study, free_study)

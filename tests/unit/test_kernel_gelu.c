@@ -18,8 +18,7 @@ static double density(double x) {
     return exp(-0.5 * x * x) / sqrt(2 * acos(-1));
 }
 
-static void whole_range(void **state) {
-    (void)state;
+TEST(whole_range) {
     enum { N = 200001 };
     static float x[N], y[N], slope[N];
     for (size_t i = 0; i < N; ++i)
@@ -36,8 +35,7 @@ static void whole_range(void **state) {
     print_message("largest difference from the exact GELU: %.2g\n", worst);
 }
 
-static void far_ends(void **state) {
-    (void)state;
+TEST(far_ends) {
     const float x[] = {0, -0.0f, 1e-30f, -1e-30f, 100, -100, 1e18f, -1e18f};
     float y[8], slope[8];
     nqm_gelu(8, x, y, slope);
@@ -51,8 +49,7 @@ static void far_ends(void **state) {
     assert_true(isnan(y[0]) && isnan(slope[0]));
 }
 
-static void in_place_and_without_slope(void **state) {
-    (void)state;
+TEST(in_place_and_without_slope) {
     float x[37], y[37], slope[37], alone[37];
     for (size_t i = 0; i < 37; ++i)
         x[i] = 0.3f * (float)i - 5;
@@ -64,8 +61,7 @@ static void in_place_and_without_slope(void **state) {
 }
 
 /* The result is rounded once, also with cancellation and for denormal and infinite results. */
-static void fused_by_hand(void **state) {
-    (void)state;
+TEST(fused_by_hand) {
     nqm_rng rng = nqm_rng_make(1, 0);
     for (size_t i = 0; i < 1000000; ++i) {
         const uint64_t random[2] = {nqm_rng_u64(&rng), nqm_rng_u64(&rng)};
@@ -78,18 +74,10 @@ static void fused_by_hand(void **state) {
     }
 }
 
-static void build_info(void **state) {
-    (void)state;
+TEST(build_info) {
     const char *line = nqm_build_info();
     print_message("%s\n", line);
     assert_non_null(strstr(line, "libzip 1."));
     assert_null(strchr(line, '\n'));
     assert_ptr_equal(line, nqm_build_info());
-}
-
-int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(whole_range), cmocka_unit_test(far_ends),
-                                       cmocka_unit_test(in_place_and_without_slope), cmocka_unit_test(fused_by_hand),
-                                       cmocka_unit_test(build_info)};
-    return cmocka_run_group_tests(tests, NULL, NULL);
 }

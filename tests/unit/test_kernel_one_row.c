@@ -14,8 +14,7 @@ static const uint64_t seed = 3;
 enum { N = 501 };
 
 /* Quantised values are within half a step of x, 0 is exact, and the whole range 0..255 is used. */
-static void rows_of_bytes(void **state) {
-    (void)state;
+TEST(rows_of_bytes) {
     nqm_rng rng = nqm_rng_make(seed, 2);
     static float x[N];
     static uint32_t words[N / 4 + 1], first[N / 4 + 1];
@@ -46,8 +45,7 @@ static void rows_of_bytes(void **state) {
     assert_true(by.scale > 0 && ((unsigned char *)words)[3] == by.zero);
 }
 
-static void one_row_like_many(void **state) {
-    (void)state;
+TEST(one_row_like_many) {
     enum { K = 77, WIDTH = 200, ROWS = 5 }; /* seven panels */
     nqm_rng rng = nqm_rng_make(seed, 3);
     static float w[WIDTH * K], x[K];
@@ -86,10 +84,4 @@ static void one_row_like_many(void **state) {
             }
             nqm_panels_free(&b);
         }
-}
-
-int main(void) {
-    printf("seed %llu\n", (unsigned long long)seed);
-    const struct CMUnitTest tests[] = {cmocka_unit_test(rows_of_bytes), cmocka_unit_test(one_row_like_many)};
-    return cmocka_run_group_tests(tests, NULL, NULL);
 }

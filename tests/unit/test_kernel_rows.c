@@ -49,8 +49,7 @@ static void check_close(const char *what, const float *actual, const float *expe
     assert_true(worst <= 2e-6 * largest);
 }
 
-static void rows_of_every_table(void **state) {
-    (void)state;
+TEST(rows_of_every_table) {
     nqm_rng rng = nqm_rng_make(seed, 4);
     float *x = random_block(&rng, N), *layer = random_block(&rng, 4 * N);
     for (int dropout = 0; dropout < 2; ++dropout) {
@@ -73,8 +72,7 @@ static void rows_of_every_table(void **state) {
     nqm_free(layer);
 }
 
-static void adam_of_every_table(void **state) {
-    (void)state;
+TEST(adam_of_every_table) {
     nqm_rng rng = nqm_rng_make(seed, 5);
     float *start = random_block(&rng, N), *grad = random_block(&rng, N);
     static float moments[2][2][N], first[N], param[2][N];
@@ -98,8 +96,7 @@ static void adam_of_every_table(void **state) {
     nqm_free(grad);
 }
 
-static void dots_of_every_table(void **state) {
-    (void)state;
+TEST(dots_of_every_table) {
     nqm_rng rng = nqm_rng_make(seed, 13);
     float *x = random_block(&rng, N), *y = random_block(&rng, N);
     static const size_t sizes[] = {1, 7, 31, 32, 33, 64, N};
@@ -116,14 +113,4 @@ static void dots_of_every_table(void **state) {
         }
     nqm_free(x);
     nqm_free(y);
-}
-
-int main(void) {
-    printf("seed %llu\n", (unsigned long long)seed);
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(rows_of_every_table),
-        cmocka_unit_test(adam_of_every_table),
-        cmocka_unit_test(dots_of_every_table),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
 }

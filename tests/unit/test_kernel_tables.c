@@ -94,8 +94,7 @@ static const size_t shapes[][3] = {{1, 1, 1},    {1, 45, 33}, {2, 7, 64},  {3, 9
                                    {12, 64, 40}, {13, 3, 96}, {29, 50, 7}, {70, 130, 65}, {7, 1700, 33}};
 enum { N_SHAPES = sizeof shapes / sizeof *shapes };
 
-static void products_of_every_table(void **state) {
-    (void)state;
+TEST(products_of_every_table) {
     const nqm_kernels *before = nqm_kernels_get();
     nqm_rng rng = nqm_rng_make(seed, 0);
     for (size_t t = 0; every_table(t); ++t) {
@@ -112,8 +111,7 @@ static void products_of_every_table(void **state) {
 }
 
 /* Strided products have the bits of a product of the same factors. */
-static void strided_products_of_every_table(void **state) {
-    (void)state;
+TEST(strided_products_of_every_table) {
     enum { M = 13, K = 37, STEP = 3, LDA = STEP * K + 5, LDB = 2 * NQM_PANEL, LDC = NQM_PANEL + 8 };
     nqm_rng rng = nqm_rng_make(seed, 3);
     for (size_t t = 0; every_table(t); ++t)
@@ -156,8 +154,7 @@ static void strided_products_of_every_table(void **state) {
 }
 
 /* The plain loops against hand-computed values of x w^T with the rounding of each precision. */
-static void the_definition_by_hand(void **state) {
-    (void)state;
+TEST(the_definition_by_hand) {
     const float x[] = {1, -2, 0.25f, 253}, w[] = {3, 1, -4, 127, 0.25f, 0, 127, -127};
     const double expected[] = {3 - 2 - 1 + 253.0 * 127, 0.25 + 31.75 - 253.0 * 127};
     for (int precision = 0; precision < NQM_PRECISION_COUNT; ++precision) {
@@ -203,8 +200,7 @@ static bool is_measured(const nqm_kernels *kernels) {
 }
 
 /* Equal bits for any instruction set with fused multiply-add, number of rows and number of threads. */
-static void the_same_bits(void **state) {
-    (void)state;
+TEST(the_same_bits) {
     nqm_rng rng = nqm_rng_make(seed, 1);
     int threads = omp_get_max_threads();
     for (int precision = 0; precision < NQM_PRECISION_COUNT; ++precision) {
@@ -232,8 +228,7 @@ static void the_same_bits(void **state) {
 }
 
 /* So many panels that a block has several of them, fewer for more threads. */
-static void the_same_bits_of_many_panels(void **state) {
-    (void)state;
+TEST(the_same_bits_of_many_panels) {
     nqm_rng rng = nqm_rng_make(seed, 7);
     const int threads = omp_get_max_threads();
     for (int precision = 0; precision < NQM_PRECISION_COUNT; ++precision) {
@@ -259,8 +254,7 @@ static void the_same_bits_of_many_panels(void **state) {
 }
 
 /* Bytes at both ends of their ranges, so that any sum that saturates differs. */
-static void products_of_extreme_bytes(void **state) {
-    (void)state;
+TEST(products_of_extreme_bytes) {
     enum { M = 25, WORDS = 130 };
     static const unsigned char left[] = {0, 1, 254, 255}, right[] = {0x80, 0x81, 0xff, 0x7f};
     nqm_rng rng = nqm_rng_make(seed, 10);
@@ -285,8 +279,7 @@ static void products_of_extreme_bytes(void **state) {
 }
 
 /* Panels are packed one at a time, also if the number of rows is not a multiple of the transposed block. */
-static void panels_packed_one_by_one(void **state) {
-    (void)state;
+TEST(panels_packed_one_by_one) {
     nqm_rng rng = nqm_rng_make(seed, 6);
     static const size_t sizes[][3] = {{1, 1, 1}, {1, 192, 32}, {2, 193, 33}, {5, 391, 70}, {13, 1027, 67}};
     for (size_t s = 0; s < sizeof sizes / sizeof *sizes; ++s) {
@@ -302,8 +295,7 @@ static void panels_packed_one_by_one(void **state) {
     }
 }
 
-static void panels_and_back(void **state) {
-    (void)state;
+TEST(panels_and_back) {
     nqm_rng rng = nqm_rng_make(seed, 2);
     enum { K = 45, N = 70 };
     float *w = random_block(&rng, K * N), back[K * N], back_t[K * N];
@@ -329,8 +321,7 @@ static void panels_and_back(void **state) {
     nqm_free(w);
 }
 
-static void rounding_to_bfloat16(void **state) {
-    (void)state;
+TEST(rounding_to_bfloat16) {
     const float x[] = {1, 0x1.01p0f, 0x1.03p0f, 0x1.0101p0f, -0x1.01p0f, 0x1.ffp127f, INFINITY, -0.0f, 3.14159f, NAN};
     const float expected[] = {1, 1, 0x1.04p0f, 0x1.02p0f, -1, INFINITY, INFINITY, -0.0f, 0x1.92p1f};
     for (size_t t = 0; every_table(t); ++t) {
@@ -405,8 +396,7 @@ static float *gradient_of(const nqm_kernels *kernels, nqm_precision precision, c
     return all.c;
 }
 
-static void gradients_of_every_table(void **state) {
-    (void)state;
+TEST(gradients_of_every_table) {
     nqm_rng rng = nqm_rng_make(seed, 3);
     static const size_t sizes[][3] = {{1, 1, 1}, {7, 25, 40}, {64, 12, 32}, {33, 50, 70}, {200, 400, 65}};
     for (size_t s = 0; s < sizeof sizes / sizeof *sizes; ++s) {
@@ -435,8 +425,7 @@ static void gradients_of_every_table(void **state) {
 
 /* ---- choice ------------------------------------------------------------------------------------------------------- */
 
-static void choice_by_name(void **state) {
-    (void)state;
+TEST(choice_by_name) {
     for (size_t i = 0; nqm_kernels_name(i); ++i) {
         assert_int_equal(nqm_kernels_select(nqm_kernels_name(i), NULL), NQM_OK);
         assert_ptr_equal(nqm_kernels_get(), nqm_kernels_at(i));
@@ -450,22 +439,4 @@ static void choice_by_name(void **state) {
     assert_ptr_equal(nqm_kernels_get(), nqm_kernels_at(0));
     assert_string_equal(nqm_precision_name(NQM_PRECISION_BF16), "bf16");
     assert_null(nqm_precision_name(NQM_PRECISION_COUNT));
-}
-
-int main(void) {
-    printf("seed %llu\n", (unsigned long long)seed);
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(the_definition_by_hand),
-        cmocka_unit_test(products_of_every_table),
-        cmocka_unit_test(strided_products_of_every_table),
-        cmocka_unit_test(the_same_bits),
-        cmocka_unit_test(the_same_bits_of_many_panels),
-        cmocka_unit_test(products_of_extreme_bytes),
-        cmocka_unit_test(panels_packed_one_by_one),
-        cmocka_unit_test(panels_and_back),
-        cmocka_unit_test(rounding_to_bfloat16),
-        cmocka_unit_test(gradients_of_every_table),
-        cmocka_unit_test(choice_by_name),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
 }

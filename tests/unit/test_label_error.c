@@ -37,23 +37,16 @@ static double spread_by_error(const char *ref, const char *test) {
 }
 
 /* The difference of a smooth picture converges faster than the groups can show: its error may be overstated by much. */
-static void test_smooth_differences(void **state) {
-    (void)state;
+TEST(test_smooth_differences) {
     const double ratio = spread_by_error("lambert:kd=.8,.5,.2", "lambert:kd=.7,.5,.3");
     assert_true(ratio > 0.15 && ratio < 1.3);
 }
 
-static void test_spots(void **state) {
-    (void)state;
+TEST(test_spots) {
     const double wide = spread_by_error("ggx:kd=.2,.15,.1;ks=1,1,1;alpha=.4;f0=.04",
                                         "ggx:kd=.2,.15,.1;ks=1,1,1;alpha=.5;f0=.04"),
                  narrow = spread_by_error("ggx:kd=.2,.15,.1;ks=1,1,1;alpha=.05;f0=.9",
                                           "ggx:kd=.2,.15,.1;ks=1,1,1;alpha=.07;f0=.9");
     assert_true(wide > 0.3 && wide < 1.3);
     assert_true(narrow > 0.4 && narrow < 1.3);
-}
-
-int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_smooth_differences), cmocka_unit_test(test_spots)};
-    return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -21,8 +21,7 @@ static nqm_label label_in(nqm_scene_options o, const char *ref_spec, const char 
 
 /* ---- the standard set -------------------------------------------------------------------------------------------- */
 
-static void set_is_the_mean_of_its_scenes(void **state) {
-    (void)state;
+TEST(set_is_the_mean_of_its_scenes) {
     static const char *const light[] = {"sun", "overcast", "studio", "interior"}, *const shape[] = {"blob", "sphere",
                                                                                                     "sphere", "blob"};
     static const char ref[] = "sgd:nickel", test[] = "ward:nickel";
@@ -52,8 +51,7 @@ static void set_is_the_mean_of_its_scenes(void **state) {
         assert_near(sum.shift[k], all.shift[k], 1e-9);
 }
 
-static void points_and_pixels_of_the_set(void **state) {
-    (void)state;
+TEST(points_and_pixels_of_the_set) {
     nqm_scene_options o = nqm_scene_options_default();
     if (!nqm_tracer_version())
         skip();
@@ -136,8 +134,7 @@ static nqm_label parts_by_definition(const nqm_scene *scene, const double *ref, 
     return label;
 }
 
-static void parts_follow_their_definitions(void **state) {
-    (void)state;
+TEST(parts_follow_their_definitions) {
     static const char *const pairs[][2] = {{"sgd:nickel", "ward:nickel"},
                                            {"lambert:kd=0", "lambert:kd=.5"},
                                            {"sgd:red-plastic", "perturb:gloss=.5;tint=1.2,.9,1;of=sgd:red-plastic"}};
@@ -165,8 +162,7 @@ static void parts_follow_their_definitions(void **state) {
     }
 }
 
-static void signs_of_the_parts(void **state) {
-    (void)state;
+TEST(signs_of_the_parts) {
     nqm_scene_options o = nqm_scene_options_default();
     o.light = "overcast";
     o.n_points = 200;
@@ -197,8 +193,7 @@ static void signs_of_the_parts(void **state) {
 
 /* ---- the bound on Delta-E from samples ---------------------------------------------------------------------------- */
 
-static void labels_keep_to_the_bound(void **state) {
-    (void)state;
+TEST(labels_keep_to_the_bound) {
     static const char *const refs[] = {"sgd:nickel", "sgd:chrome", "sgd:pink-felt",
                                        "ggx:kd=.5,.02,.02;ks=1;alpha=.3;f0=.04"};
     static const char *const changes[] = {"bits=20", "bits=7",  "half=1",         "scale=1.02", "tint=1.05,1,.96",
@@ -220,7 +215,7 @@ static void labels_keep_to_the_bound(void **state) {
         for (size_t c = 0; c < 10; ++c) {
             char spec[200];
             snprintf(spec, sizeof spec, "perturb:%s;of=%s", changes[c], refs[r]);
-            nqm_brdf *ref = open_brdf(refs[r]), *test = open_brdf(spec);
+            nqm_brdf *ref = must_open(refs[r]), *test = must_open(spec);
             assert_int_equal(nqm_sample(ref, directions, NQM_INVALID_ZERO, samples, used, NULL, NULL), NQM_OK);
             assert_int_equal(nqm_sample(test, directions, NQM_INVALID_ZERO, samples + 3 * n, used, NULL, NULL), NQM_OK);
             double bound = nqm_delta_e_bound(n, &(nqm_sample_pair){samples, samples + 3 * n, NULL});
@@ -247,8 +242,7 @@ static void labels_keep_to_the_bound(void **state) {
     nqm_scene_free(scene);
 }
 
-static void words_for_the_parts(void **state) {
-    (void)state;
+TEST(words_for_the_parts) {
     char text[NQM_LABEL_TEXT];
     const nqm_label none = {.delta_e = 0.4, .shift = {0.4, -0.3, 0}, .contrast = 0.01, .structure = 0.5},
                     some = {.shift = {-4, 0, 1.5}, .contrast = -0.5, .structure = 0.2},
@@ -265,22 +259,11 @@ static void words_for_the_parts(void **state) {
                                                         "much changed in highlights and shading");
 }
 
-static void errors_of_scenes_are_independent(void **state) {
-    (void)state;
+TEST(errors_of_scenes_are_independent) {
     const nqm_label scene = {.delta_e = 2, .error = 0.3}, other = {.delta_e = 4, .error = 0.4};
     nqm_label mean = {.delta_e = 0};
     nqm_label_add(&mean, 0.5, &scene);
     nqm_label_add(&mean, 0.5, &other);
     assert_near(mean.delta_e, 3, 0);
     assert_near(mean.error, 0.25, 1e-15);
-}
-
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(set_is_the_mean_of_its_scenes),    cmocka_unit_test(points_and_pixels_of_the_set),
-        cmocka_unit_test(parts_follow_their_definitions),   cmocka_unit_test(signs_of_the_parts),
-        cmocka_unit_test(labels_keep_to_the_bound),         cmocka_unit_test(words_for_the_parts),
-        cmocka_unit_test(errors_of_scenes_are_independent),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -35,7 +35,7 @@ static nqm_rays draw(const nqm_scene *scene, size_t n, uint64_t seed) {
 }
 
 static double *eval(const nqm_rays *rays, const char *spec) {
-    nqm_brdf *brdf = open_brdf(spec);
+    nqm_brdf *brdf = must_open(spec);
     double *rgb = nqm_alloc(rays->n, 3 * sizeof *rgb);
     assert_non_null(rgb);
     nqm_brdf_eval(brdf, rays->n, rays->wi, rays->wo, rgb, NULL);
@@ -69,8 +69,7 @@ static nqm_label compare(const nqm_rays *rays, const double *ref, const double *
 
 /* ---- pictures ----------------------------------------------------------------------------------------------------- */
 
-static void the_mean_over_seeds_is_the_picture(void **state) {
-    (void)state;
+TEST(the_mean_over_seeds_is_the_picture) {
     enum { N_SEEDS = 400 };
     nqm_scene *scenes[] = {make("studio", "sphere"), make(NULL, NULL)};
     for (size_t s = 0; s < (nqm_tracer_version() ? 2 : 1); ++s) {
@@ -94,8 +93,7 @@ static void the_mean_over_seeds_is_the_picture(void **state) {
     }
 }
 
-static void rays_are_unit_vectors_above_the_horizon(void **state) {
-    (void)state;
+TEST(rays_are_unit_vectors_above_the_horizon) {
     nqm_scene *scene = make("sun", "sphere");
     nqm_rays rays = draw(scene, N_RAYS, 3);
     double azimuths = 0;
@@ -114,8 +112,7 @@ static void rays_are_unit_vectors_above_the_horizon(void **state) {
 }
 
 /* Fewer points than the rays are meant for. */
-static void few_points_have_more_directions(void **state) {
-    (void)state;
+TEST(few_points_have_more_directions) {
     nqm_scene_options o = nqm_scene_options_default();
     o.shape = "sphere";
     o.n_points = 3;
@@ -127,8 +124,7 @@ static void few_points_have_more_directions(void **state) {
     nqm_scene_free(scene);
 }
 
-static void threads_and_seeds(void **state) {
-    (void)state;
+TEST(threads_and_seeds) {
     nqm_scene *scene = make("studio", "sphere");
     nqm_rays rays[3];
     const int n_threads = omp_get_max_threads();
@@ -148,8 +144,7 @@ static void threads_and_seeds(void **state) {
 
 /* ---- Delta-E ------------------------------------------------------------------------------------------------------ */
 
-static void equal_values_give_zero(void **state) {
-    (void)state;
+TEST(equal_values_give_zero) {
     nqm_scene *scene = make("studio", "sphere");
     nqm_rays rays = draw(scene, N_RAYS, 1);
     double *f = eval(&rays, satin), *gradient = nqm_alloc(rays.n, 3 * sizeof *gradient);
@@ -163,8 +158,7 @@ static void equal_values_give_zero(void **state) {
 }
 
 /* Every 37th value by itself, by differences of order 4. */
-static void gradients_are_those_of_differences(void **state) {
-    (void)state;
+TEST(gradients_are_those_of_differences) {
     static const double steps[4] = {-2, -1, 1, 2}, factors[4] = {1, -8, 8, -1};
     nqm_scene *scene = make(nqm_tracer_version() ? NULL : "studio", nqm_tracer_version() ? NULL : "sphere");
     nqm_rays rays = draw(scene, N_RAYS, 1);
@@ -189,8 +183,7 @@ static void gradients_are_those_of_differences(void **state) {
 
 /* ---- faults ------------------------------------------------------------------------------------------------------- */
 
-static void faults(void **state) {
-    (void)state;
+TEST(faults) {
     nqm_scene *scene = make("studio", "sphere");
     nqm_error err = {0};
     nqm_rays rays = draw(scene, N_RAYS, 1), none;
@@ -212,8 +205,7 @@ static void faults(void **state) {
     nqm_scene_free(scene);
 }
 
-static void memory_runs_out(void **state) {
-    (void)state;
+TEST(memory_runs_out) {
     nqm_scene *scene = make("studio", "sphere");
     nqm_rays rays = draw(scene, 256, 1);
     double *f = eval(&rays, satin);
@@ -235,18 +227,4 @@ static void memory_runs_out(void **state) {
     nqm_free(f);
     nqm_rays_clear(&rays);
     nqm_scene_free(scene);
-}
-
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(the_mean_over_seeds_is_the_picture),
-        cmocka_unit_test(rays_are_unit_vectors_above_the_horizon),
-        cmocka_unit_test(few_points_have_more_directions),
-        cmocka_unit_test(threads_and_seeds),
-        cmocka_unit_test(equal_values_give_zero),
-        cmocka_unit_test(gradients_are_those_of_differences),
-        cmocka_unit_test(faults),
-        cmocka_unit_test(memory_runs_out),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -42,7 +42,7 @@ static double *render_map(const nqm_scene *scene, const char *base, const char *
 }
 
 static double *render_halves(const nqm_scene *scene, const char *spec) {
-    nqm_brdf *brdf = open_brdf(spec);
+    nqm_brdf *brdf = must_open(spec);
     double *rgb = nqm_alloc(nqm_scene_count(scene), 9 * sizeof *rgb);
     assert_non_null(rgb);
     assert_int_equal(nqm_scene_render_halves(scene, brdf, rgb, NULL), NQM_OK);
@@ -63,8 +63,7 @@ static nqm_scene *small_scene(const char *shape, size_t width) {
 /* ---- texture coordinates ------------------------------------------------------------------------------------------- */
 
 /* The definition, by the point's normal, which a sphere has in the direction of the position. */
-static void test_texcoord_of_spheres(void **state) {
-    (void)state;
+TEST(test_texcoord_of_spheres) {
     for (size_t width = 0; width <= 32; width += 32) {
         nqm_scene *scene = small_scene("sphere", width);
         for (size_t i = 0; i < nqm_scene_count(scene); ++i) {
@@ -84,8 +83,7 @@ static void test_texcoord_of_spheres(void **state) {
 
 /* The tangent is the direction of growing u, the bitangent that of falling v: steps to the right and up in the middle
  * of the picture. */
-static void test_texcoord_directions(void **state) {
-    (void)state;
+TEST(test_texcoord_directions) {
     nqm_scene *scene = small_scene("sphere", 33);
     const size_t *pixel = nqm_scene_pixels(scene);
     const double at[3][2] = {{0, 0}, {1, 0}, {0, 1}};
@@ -109,8 +107,7 @@ static void test_texcoord_directions(void **state) {
 }
 
 /* Neighbouring footprints meet: the positions of a pixel's right edge are those of the left edge of the next. */
-static void test_footprints_meet(void **state) {
-    (void)state;
+TEST(test_footprints_meet) {
     nqm_scene *scene = small_scene("blob", 64);
     const size_t *pixel = nqm_scene_pixels(scene), n = nqm_scene_count(scene);
     const double right[2] = {0.5, 0}, left[2] = {-0.5, 0};
@@ -131,8 +128,7 @@ static void test_footprints_meet(void **state) {
 
 /* ---- constant textures --------------------------------------------------------------------------------------------- */
 
-static void test_constant_is_the_brdf(void **state) {
-    (void)state;
+TEST(test_constant_is_the_brdf) {
     static const char *const specs[] = {"gltf:base_color=.5,.3,.1;roughness=.3",
                                         "gltf:metallic=1;roughness=.4;anisotropy_strength=.8"};
     const nqm_texture_view views[] = {nqm_scene_texture_view_default(), {.tiles = 3.5, .n_samples = 7}};
@@ -149,8 +145,7 @@ static void test_constant_is_the_brdf(void **state) {
     }
 }
 
-static void test_standard_scenes(void **state) {
-    (void)state;
+TEST(test_standard_scenes) {
     if (!nqm_tracer_version())
         skip();
     nqm_scene_options o = nqm_scene_options_default();
@@ -169,8 +164,7 @@ static void test_standard_scenes(void **state) {
 /* ---- textures that vary -------------------------------------------------------------------------------------------- */
 
 /* Without filter, each point has the light of its half; the label is the mean over the points of both labels. */
-static void test_halves_by_points(void **state) {
-    (void)state;
+TEST(test_halves_by_points) {
     nqm_scene *scene = small_scene("sphere", 0);
     const size_t n = nqm_scene_count(scene);
     const float values[] = {0.25F, 0.5F};
@@ -201,8 +195,7 @@ static void test_halves_by_points(void **state) {
 }
 
 /* A coarse texture that is compared with a finer one is interpolated at the centres of the finer texels; without it, it is not. */
-static void test_positions_of_a_pair(void **state) {
-    (void)state;
+TEST(test_positions_of_a_pair) {
     nqm_scene *scene = small_scene("sphere", 0);
     const size_t n_bytes = 9 * nqm_scene_count(scene) * sizeof(double);
     const float coarse[] = {0.25F, 0.5F}, fine[] = {0.3125F, 0.25F, 0.25F, 0.3125F, 0.4375F, 0.5F, 0.5F, 0.4375F};
@@ -222,8 +215,7 @@ static void test_positions_of_a_pair(void **state) {
 }
 
 /* From afar, each point has the mean light of the texels, but for the noise of their choice. */
-static void test_far_is_the_mean(void **state) {
-    (void)state;
+TEST(test_far_is_the_mean) {
     nqm_scene *scene = small_scene("sphere", 0);
     const size_t n = nqm_scene_count(scene);
     const float values[] = {0.125F, 0.75F};
@@ -251,8 +243,7 @@ static void test_far_is_the_mean(void **state) {
 
 /* A normal map of one value shows what tilt: shows, also of an anisotropic BRDF; but for the noise of the light directions, whose
  * lobe `tilt:` measures. */
-static void test_normal_is_tilt(void **state) {
-    (void)state;
+TEST(test_normal_is_tilt) {
     static const float normals[2][3] = {{0.1F, 0, 1}, {-0.1F, 0.2F, 1}};
     static const char *const bases[] = {"gltf:base_color=.6,.4,.2;roughness=.35;metallic=1",
                                         "gltf:base_color=.6,.4,.2;roughness=.5;anisotropy_strength=.7;metallic=1"};
@@ -281,8 +272,7 @@ static void test_normal_is_tilt(void **state) {
 }
 
 /* Normals to the side of the surface and below it give black or light, never a value that is not finite. */
-static void test_steep_normals(void **state) {
-    (void)state;
+TEST(test_steep_normals) {
     static const float normals[] = {1, 0, 0, 0, 1, -1, -0.5F, 0.5F, 0.01F};
     nqm_scene *scene = small_scene("sphere", 0);
     double *rgb = render_map(scene, "gltf:roughness=.3", "normal", 3, 3, normals, NULL);
@@ -294,8 +284,7 @@ static void test_steep_normals(void **state) {
 
 /* ---- failures ------------------------------------------------------------------------------------------------------ */
 
-static void test_threads(void **state) {
-    (void)state;
+TEST(test_threads) {
     nqm_scene *scene = small_scene("blob", 0);
     static const float normals[] = {0.1F, 0, 1, 0, 0, 1, 0, -0.3F, 1};
     double *many = render_map(scene, "gltf:metallic=1", "normal", 3, 3, normals, NULL);
@@ -308,8 +297,7 @@ static void test_threads(void **state) {
     nqm_scene_free(scene);
 }
 
-static void test_refused_arguments(void **state) {
-    (void)state;
+TEST(test_refused_arguments) {
     nqm_scene_options o = studio_scene();
     nqm_texture *texture = make_texture("gltf:metallic=1", NULL, 0, 0, 0, NULL);
     const nqm_texture_view bad[] = {{.tiles = 0, .n_samples = 1},
@@ -335,8 +323,7 @@ static int stop_render(void *user, const char *stage, double done, double total)
     return strcmp(stage, "render") == 0;
 }
 
-static void test_cancel(void **state) {
-    (void)state;
+TEST(test_cancel) {
     nqm_scene_options o = studio_scene();
     o.n_points = 512;
     o.progress = stop_render;
@@ -352,8 +339,7 @@ static void test_cancel(void **state) {
 }
 
 /* The memory checker finds what a failed allocation leaks. */
-static void test_out_of_memory(void **state) {
-    (void)state;
+TEST(test_out_of_memory) {
     nqm_scene_options o = studio_scene();
     const float normal[] = {0.1F, 0, 1};
     double rgb[9 * 16];
@@ -375,23 +361,4 @@ static void test_out_of_memory(void **state) {
     (void)nqm_limit_threads(limit);
     nqm_texture_free(texture);
     nqm_scene_free(scene);
-}
-
-int main(void) {
-    use_chosen_kernels();
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_texcoord_of_spheres),
-                                       cmocka_unit_test(test_texcoord_directions),
-                                       cmocka_unit_test(test_footprints_meet),
-                                       cmocka_unit_test(test_constant_is_the_brdf),
-                                       cmocka_unit_test(test_standard_scenes),
-                                       cmocka_unit_test(test_halves_by_points),
-                                       cmocka_unit_test(test_positions_of_a_pair),
-                                       cmocka_unit_test(test_far_is_the_mean),
-                                       cmocka_unit_test(test_normal_is_tilt),
-                                       cmocka_unit_test(test_steep_normals),
-                                       cmocka_unit_test(test_threads),
-                                       cmocka_unit_test(test_refused_arguments),
-                                       cmocka_unit_test(test_cancel),
-                                       cmocka_unit_test(test_out_of_memory)};
-    return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -58,7 +58,7 @@ static void drop(void) {
 }
 
 static float *sample(const char *spec) {
-    nqm_brdf *brdf = open_brdf(spec);
+    nqm_brdf *brdf = must_open(spec);
     float *rgb = nqm_alloc(f.transport.n_directions, 3 * sizeof *rgb);
     assert_int_equal(nqm_sample(brdf, f.directions, NQM_INVALID_ZERO, rgb, NULL, NULL, NULL), NQM_OK);
     nqm_brdf_free(brdf);
@@ -97,8 +97,7 @@ static void check_label(const char *ref, const char *test, double tolerance) {
     nqm_free(b);
 }
 
-static void a_sphere(void **state) {
-    (void)state;
+TEST(a_sphere) {
     const nqm_scene_options o = scene_of("studio", "sphere");
     make(&o, N_LIGHTS);
     for (size_t i = 0; i < POINTS; ++i) {
@@ -114,8 +113,7 @@ static void a_sphere(void **state) {
 }
 
 /* The scene of the paper has a mesh in several views, seen from the horizon. */
-static void a_mesh_in_eight_views(void **state) {
-    (void)state;
+TEST(a_mesh_in_eight_views) {
     nqm_scene_options o = scene_of("interior", "blob");
     o.n_frames = 8;
     o.peak_cdm2 = 500;
@@ -136,8 +134,7 @@ static void a_mesh_in_eight_views(void **state) {
     drop();
 }
 
-static void the_standard_set(void **state) {
-    (void)state;
+TEST(the_standard_set) {
     if (!nqm_tracer_version())
         skip();
     const nqm_scene_options o = scene_of(NULL, NULL);
@@ -155,8 +152,7 @@ static void the_standard_set(void **state) {
     drop();
 }
 
-static void the_same_bits_on_any_threads(void **state) {
-    (void)state;
+TEST(the_same_bits_on_any_threads) {
     const nqm_scene_options o = scene_of("sun", "sphere");
     omp_set_num_threads(1);
     make(&o, 64);
@@ -168,14 +164,4 @@ static void the_same_bits_on_any_threads(void **state) {
     assert_memory_equal(f.light, before, sizeof f.light);
     drop();
     nqm_free(before);
-}
-
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_sphere),
-        cmocka_unit_test(a_mesh_in_eight_views),
-        cmocka_unit_test(the_standard_set),
-        cmocka_unit_test(the_same_bits_on_any_threads),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
 }

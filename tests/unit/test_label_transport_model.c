@@ -26,8 +26,7 @@ static nqm_model *make_model(const nqm_scene_options *o, size_t n_points) {
 }
 
 /* Constant BRDFs have no error of interpolation, so that only points and lights differ: the scene here has the model's. */
-static void scores_are_of_the_scene(void **state) {
-    (void)state;
+TEST(scores_are_of_the_scene) {
     nqm_scene_options o = studio_scene();
     nqm_model *model = make_model(&o, 96);
     o.n_points = 96;
@@ -47,8 +46,7 @@ static void scores_are_of_the_scene(void **state) {
     nqm_model_free(model);
 }
 
-static void facts(void **state) {
-    (void)state;
+TEST(facts) {
     const nqm_scene_options o = studio_scene();
     nqm_model *model = make_model(&o, 32);
     const nqm_model_info info = nqm_model_get_info(model);
@@ -71,8 +69,7 @@ static void assert_same_scores(const nqm_model *a, const nqm_model *b) {
     assert_true(x.jod == y.jod && x.delta_e == y.delta_e && x.parts.structure == y.parts.structure);
 }
 
-static void files_and_copies(void **state) {
-    (void)state;
+TEST(files_and_copies) {
     const nqm_scene_options o = studio_scene();
     nqm_model *model = make_model(&o, 32), *loaded, *copy;
     assert_int_equal(nqm_model_save(model, temp_file, NULL), NQM_OK);
@@ -90,8 +87,7 @@ static void files_and_copies(void **state) {
 }
 
 /* The number of points matters little. */
-static void the_standard_scenes(void **state) {
-    (void)state;
+TEST(the_standard_scenes) {
     if (!nqm_tracer_version())
         skip();
     nqm_scene_options o = nqm_scene_options_default();
@@ -111,8 +107,7 @@ static void refuse(nqm_scene_options o, size_t n_points, nqm_status status, cons
         fail_msg("'%s' lacks '%s'", err.message, words);
 }
 
-static void refusals(void **state) {
-    (void)state;
+TEST(refusals) {
     static const size_t bad_points[] = {0, 1, 33, 127, 4128};
     nqm_scene_options o = studio_scene();
     for (size_t i = 0; i < sizeof bad_points / sizeof *bad_points; ++i)
@@ -125,8 +120,7 @@ static void refusals(void **state) {
 }
 
 /* Every allocation of the matrix, and some of the golden scores after it. */
-static void out_of_memory(void **state) {
-    (void)state;
+TEST(out_of_memory) {
     nqm_scene_options o = studio_scene();
     nqm_model *model = NULL;
     o.n_lights = 16;
@@ -143,10 +137,4 @@ static void out_of_memory(void **state) {
     nqm_model_free(model);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(scores_are_of_the_scene), cmocka_unit_test(facts),    cmocka_unit_test(files_and_copies),
-        cmocka_unit_test(the_standard_scenes),     cmocka_unit_test(refusals), cmocka_unit_test(out_of_memory),
-    };
-    return cmocka_run_group_tests(tests, make_temp_file, remove_temp_file);
-}
+TEST_FILE(make_temp_file, remove_temp_file)

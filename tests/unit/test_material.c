@@ -6,8 +6,7 @@
 #include "material/material.h"
 #include "support/check.h"
 
-static void specs_go_there_and_back(void **state) {
-    (void)state;
+TEST(specs_go_there_and_back) {
     const char *text = "some-model:base_color=.25,.5,1;roughness=.1;metalness=0;base_color=1,1,.5;alpha=.1,.3";
     nqm_shading shading;
     assert_int_equal(nqm_shading_parse(text, &shading, NULL), NQM_OK);
@@ -20,8 +19,7 @@ static void specs_go_there_and_back(void **state) {
     nqm_free(spec);
 }
 
-static void other_texts_are_refused(void **state) {
-    (void)state;
+TEST(other_texts_are_refused) {
     static const char *const texts[] = {
         "",      "model", "m:a",     "m:a=",        "m:a=1,",
         "m:a=x", "m:=",   "m:a=1 b", "m:a=1,2,3,4", "a-model-with-a-name-that-is-too-long:a=1"};
@@ -32,21 +30,11 @@ static void other_texts_are_refused(void **state) {
     }
 }
 
-static void files_without_a_format_are_refused(void **state) {
-    (void)state;
+TEST(files_without_a_format_are_refused) {
     nqm_materials *materials;
     nqm_error err;
     assert_int_equal(nqm_materials_open("/dev/null/no", &materials, &err), NQM_ERR_IO);
     assert_null(materials);
     assert_int_equal(nqm_material_write("no-such-model:a=1", "name", "x.unknown", &err), NQM_ERR_ARG);
     assert_non_null(strstr(err.message, "no-such-model"));
-}
-
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(specs_go_there_and_back),
-        cmocka_unit_test(other_texts_are_refused),
-        cmocka_unit_test(files_without_a_format_are_refused),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -84,8 +84,7 @@ static void check_surface(const nqm_mtlx_surface *surface, const char *file) {
     nqm_map_close(&map);
 }
 
-static void surfaces_have_the_inputs_of_their_definitions(void **state) {
-    (void)state;
+TEST(surfaces_have_the_inputs_of_their_definitions) {
     static const char *const files[NQM_MTLX_N_SURFACES] = {"open_pbr_surface.mtlx", "standard_surface.mtlx",
                                                            "gltf_pbr.mtlx", "usd_preview_surface.mtlx",
                                                            "disney_principled.mtlx"};
@@ -96,8 +95,7 @@ static void surfaces_have_the_inputs_of_their_definitions(void **state) {
 }
 
 /* A spec without keys has the canonical form of the spec with all keys at the defaults of the table. */
-static void models_have_the_same_defaults(void **state) {
-    (void)state;
+TEST(models_have_the_same_defaults) {
     for (size_t s = 0; s < NQM_MTLX_N_SURFACES; ++s) {
         const nqm_mtlx_surface *surface = &nqm_mtlx_surfaces[s];
         nqm_shading shading = {.n = 0};
@@ -107,7 +105,7 @@ static void models_have_the_same_defaults(void **state) {
             if (input->key)
                 nqm_shading_set(&shading, input->key, 1, &input->value);
         char *full = nqm_shading_spec(&shading);
-        nqm_brdf *a = open_brdf(bare), *b = open_brdf(full);
+        nqm_brdf *a = must_open(bare), *b = must_open(full);
         assert_string_equal(nqm_brdf_get_info(a).spec, nqm_brdf_get_info(b).spec);
         nqm_brdf_free(a);
         nqm_brdf_free(b);
@@ -117,8 +115,7 @@ static void models_have_the_same_defaults(void **state) {
 }
 
 /* Files of glTF have the defaults of gltf_pbr. */
-static void gltf_files_have_the_same_defaults(void **state) {
-    (void)state;
+TEST(gltf_files_have_the_same_defaults) {
     const nqm_mtlx_surface *surface = &nqm_mtlx_surfaces[2];
     assert_string_equal(surface->model, "gltf");
     for (size_t g = 0; g <= NQM_GLTF_N_EXTENSIONS; ++g) {
@@ -132,8 +129,7 @@ static void gltf_files_have_the_same_defaults(void **state) {
 }
 
 /* Mitsuba 3's documentation of its plugins: "BSDFs"; a conductor is a mirror, plastic is polypropylene in air. */
-static void mitsuba_models_have_their_defaults(void **state) {
-    (void)state;
+TEST(mitsuba_models_have_their_defaults) {
     static const char *const specs[] = {
         "principled:base_color=0.5;roughness=0.5;anisotropic=0;metallic=0;eta=1.5;spec_tint=0;sheen=0;sheen_tint=0;"
         "flatness=0;"
@@ -145,7 +141,7 @@ static void mitsuba_models_have_their_defaults(void **state) {
     for (size_t i = 0; i < sizeof specs / sizeof *specs; ++i) {
         char bare[40];
         snprintf(bare, sizeof bare, "%.*s", (int)strcspn(specs[i], ":") + 1, specs[i]);
-        nqm_brdf *brdf = open_brdf(bare);
+        nqm_brdf *brdf = must_open(bare);
         assert_string_equal(nqm_brdf_get_info(brdf).spec, specs[i]);
         nqm_brdf_free(brdf);
     }
@@ -253,8 +249,7 @@ static double decoded(double curve, double v) {
     return curve == 1 ? v : pow(fmax(v, 0), curve);
 }
 
-static void colour_spaces_have_their_primaries_and_curves(void **state) {
-    (void)state;
+TEST(colour_spaces_have_their_primaries_and_curves) {
     static const double values[] = {1, 0.5, 0.03, -0.1};
     double rec709[3][3], from_xyz[3][3];
     rgb_to_xyz(chromaticities[BT709], rec709);
@@ -276,15 +271,4 @@ static void colour_spaces_have_their_primaries_and_curves(void **state) {
                              rgb[i], expected[i][k % 3] * decoded(spaces[s].curve, v));
         }
     }
-}
-
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(surfaces_have_the_inputs_of_their_definitions),
-        cmocka_unit_test(models_have_the_same_defaults),
-        cmocka_unit_test(gltf_files_have_the_same_defaults),
-        cmocka_unit_test(mitsuba_models_have_their_defaults),
-        cmocka_unit_test(colour_spaces_have_their_primaries_and_curves),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -33,7 +33,7 @@ static void check_material(const char *path, const char *name, const char *surfa
         double albedo[3];
         if (info.refusal)
             fail_msg("%s:%s: refused: %s", path, name, info.refusal);
-        nqm_brdf *brdf = open_brdf(info.spec);
+        nqm_brdf *brdf = must_open(info.spec);
         nqm_brdf_albedo(brdf, 0.5, 1, albedo);
         assert_true(albedo[0] > 0 && albedo[0] < 1.1 && albedo[1] < 1.1 && albedo[2] < 1.1);
         nqm_brdf_free(brdf);
@@ -41,8 +41,7 @@ static void check_material(const char *path, const char *name, const char *surfa
     nqm_materials_free(materials);
 }
 
-static void test_examples(void **state) {
-    (void)state;
+TEST(test_examples) {
     nqm_csv *csv;
     size_t n_accepted = 0, n_textured = 0;
     if (!shared_data("materials"))
@@ -68,9 +67,4 @@ static void test_examples(void **state) {
     assert_int_equal(n_accepted, 69);
     assert_int_equal(n_textured, 20); /* of 23 that have textures or computed values */
     nqm_csv_free(csv);
-}
-
-int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_examples)};
-    return cmocka_run_group_tests(tests, NULL, NULL);
 }

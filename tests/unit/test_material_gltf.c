@@ -46,13 +46,12 @@ static void check_spec(const char *members, const char *spec) {
     if (info.refusal)
         fail_msg("%s: %s", members, info.refusal);
     assert_string_equal(info.spec, spec);
-    nqm_brdf *brdf = open_brdf(info.spec);
+    nqm_brdf *brdf = must_open(info.spec);
     nqm_brdf_free(brdf);
     nqm_materials_free(materials);
 }
 
-static void properties_become_keys(void **state) {
-    (void)state;
+TEST(properties_become_keys) {
     check_spec("", "gltf:");
     check_spec("\"name\": \"a\", \"doubleSided\": true, \"extras\": {\"x\": 1}", "gltf:");
     check_spec("\"pbrMetallicRoughness\": {\"baseColorFactor\": [1, 0.5, 0, 1], \"metallicFactor\": 0, "
@@ -74,8 +73,7 @@ static void properties_become_keys(void **state) {
                "gltf:iridescence=1;iridescence_ior=1.5;iridescence_thickness=500");
 }
 
-static void occlusion_is_ignored_with_a_remark(void **state) {
-    (void)state;
+TEST(occlusion_is_ignored_with_a_remark) {
     nqm_materials *materials = read_text(document("\"occlusionTexture\": {\"index\": 0}"));
     const nqm_material_info info = nqm_materials_get(materials, 0);
     assert_string_equal(info.spec, "gltf:");
@@ -86,8 +84,7 @@ static void occlusion_is_ignored_with_a_remark(void **state) {
     nqm_materials_free(materials);
 }
 
-static void what_has_no_effect_is_accepted(void **state) {
-    (void)state;
+TEST(what_has_no_effect_is_accepted) {
     check_spec("\"alphaMode\": \"BLEND\", \"pbrMetallicRoughness\": {\"metallicFactor\": 0}", "gltf:metallic=0");
     check_spec("\"alphaMode\": \"MASK\", \"pbrMetallicRoughness\": {\"baseColorFactor\": [0, 0, 0, 0.5]}",
                "gltf:base_color=0,0,0"); /* at alphaCutoff it is visible */
@@ -124,8 +121,7 @@ static void check_refusal(const char *members, const char *property, const char 
     nqm_materials_free(materials);
 }
 
-static void what_is_no_brdf_is_refused(void **state) {
-    (void)state;
+TEST(what_is_no_brdf_is_refused) {
     static const char *const cases[][3] = {
         {"\"pbrMetallicRoughness\": {\"baseColorTexture\": {\"index\": 7}}",
          "pbrMetallicRoughness.baseColorTexture:", "{\"index\": 7}"},
@@ -169,8 +165,7 @@ static void what_is_no_brdf_is_refused(void **state) {
         check_refusal(cases[i][0], cases[i][1], cases[i][2]);
 }
 
-static void requirements_concern_every_material(void **state) {
-    (void)state;
+TEST(requirements_concern_every_material) {
     nqm_materials *materials = read_text(
         "{\"asset\": {\"version\": \"2.0\"}, \"extensionsRequired\": [\"KHR_draco_mesh_compression\", \"EXT_odd\"], "
         "\"materials\": [{\"name\": \"a\"}, {}]}");
@@ -181,16 +176,14 @@ static void requirements_concern_every_material(void **state) {
 }
 
 /* Blanks before the text. */
-static void positions_are_inside_of_the_file(void **state) {
-    (void)state;
+TEST(positions_are_inside_of_the_file) {
     const char *text = "\n {\"asset\": {\"version\": \"2.0\"}, \"materials\": [{\"normalTexture\": 7}]}";
     nqm_materials *materials = read_text(text);
     assert_int_equal(nqm_materials_get(materials, 0).byte_offset, strchr(text, '7') - text);
     nqm_materials_free(materials);
 }
 
-static void materials_have_names(void **state) {
-    (void)state;
+TEST(materials_have_names) {
     nqm_materials *materials = read_text("{\"materials\": [{\"name\": \"gold leaf\"}, {\"alphaMode\": \"OPAQUE\"}, "
                                          "{\"normalTexture\": {}}], \"asset\": {\"version\": \"2.1\"}}");
     assert_int_equal(nqm_materials_count(materials), 3);
@@ -214,8 +207,7 @@ static void check_broken(const void *data, size_t n, int64_t byte, const char *w
         assert_int_equal(err.byte_offset, byte);
 }
 
-static void broken_texts_are_refused(void **state) {
-    (void)state;
+TEST(broken_texts_are_refused) {
     static const struct {
         const char *text;
         int64_t byte;
@@ -266,8 +258,7 @@ static size_t make_glb(unsigned char *b) {
     return 20 + n;
 }
 
-static void broken_binary_files_are_refused(void **state) {
-    (void)state;
+TEST(broken_binary_files_are_refused) {
     unsigned char b[256];
     const size_t n = make_glb(b);
     nqm_materials *materials = NULL;
@@ -307,19 +298,18 @@ static char *file_text(const char *path) {
 static void check_round_trip(const char *argument, const char *extension) {
     char path[5000];
     snprintf(path, sizeof path, "%s%s", temp_file, extension);
-    nqm_brdf *brdf = open_brdf(argument);
+    nqm_brdf *brdf = must_open(argument);
     nqm_error err = {0};
     if (nqm_material_write(nqm_brdf_get_info(brdf).spec, "some name", path, &err) != NQM_OK)
         fail_msg("%s", err.message);
-    nqm_brdf *again = open_brdf(path);
+    nqm_brdf *again = must_open(path);
     assert_string_equal(nqm_brdf_get_info(again).spec, nqm_brdf_get_info(brdf).spec);
     nqm_brdf_free(again);
     nqm_brdf_free(brdf);
     remove(path);
 }
 
-static void files_give_back_the_same_bits(void **state) {
-    (void)state;
+TEST(files_give_back_the_same_bits) {
     nqm_rng rng = nqm_rng_make(14, 1);
     for (int i = 0; i < 40; ++i) {
         nqm_spec_values values = {.given = i == 0 ? 0 : nqm_rng_u64(&rng)};
@@ -337,8 +327,7 @@ static void files_give_back_the_same_bits(void **state) {
     }
 }
 
-static void files_have_the_extensions_that_they_need(void **state) {
-    (void)state;
+TEST(files_have_the_extensions_that_they_need) {
     char path[5000];
     snprintf(path, sizeof path, "%s.gltf", temp_file);
     assert_int_equal(nqm_material_write("gltf:metallic=0;ior=1.5", "plain", path, NULL), NQM_OK);
@@ -354,8 +343,7 @@ static void files_have_the_extensions_that_they_need(void **state) {
 }
 
 /* What nqm_brdf_open() refuses as a spec is not written. */
-static void specs_are_checked(void **state) {
-    (void)state;
+TEST(specs_are_checked) {
     static const char *const bad[][2] = {{"gltf:roughness=-5", "from 0 to 1"},
                                          {"gltf:roughness=.1,.2,.3", "one number"},
                                          {"gltf:roughness=.1;rough=.2", "'rough'"},
@@ -372,32 +360,14 @@ static void specs_are_checked(void **state) {
 }
 
 /* Indices between 0 and 1 are not valid in a file; their reciprocal has the same Fresnel factor. */
-static void files_have_valid_indices(void **state) {
-    (void)state;
+TEST(files_have_valid_indices) {
     char path[5000];
     snprintf(path, sizeof path, "%s.gltf", temp_file);
     assert_int_equal(nqm_material_write("gltf:ior=.5", "x", path, NULL), NQM_OK);
-    nqm_brdf *brdf = open_brdf(path);
+    nqm_brdf *brdf = must_open(path);
     assert_non_null(strstr(nqm_brdf_get_info(brdf).spec, "ior=2;"));
     nqm_brdf_free(brdf);
     remove(path);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(properties_become_keys),
-        cmocka_unit_test(what_has_no_effect_is_accepted),
-        cmocka_unit_test(occlusion_is_ignored_with_a_remark),
-        cmocka_unit_test(what_is_no_brdf_is_refused),
-        cmocka_unit_test(requirements_concern_every_material),
-        cmocka_unit_test(positions_are_inside_of_the_file),
-        cmocka_unit_test(materials_have_names),
-        cmocka_unit_test(broken_texts_are_refused),
-        cmocka_unit_test(broken_binary_files_are_refused),
-        cmocka_unit_test(files_give_back_the_same_bits),
-        cmocka_unit_test(files_have_the_extensions_that_they_need),
-        cmocka_unit_test(specs_are_checked),
-        cmocka_unit_test(files_have_valid_indices),
-    };
-    return cmocka_run_group_tests(tests, make_temp_file, remove_temp_file);
-}
+TEST_FILE(make_temp_file, remove_temp_file)

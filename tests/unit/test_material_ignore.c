@@ -43,13 +43,12 @@ static void expect_reflection(const char *text, const char *words, const char *c
     for (; *settings; ++settings)
         if (!strstr(taken.spec, *settings))
             fail_msg("%s is not in %s", *settings, taken.spec);
-    nqm_brdf_free(open_brdf(taken.spec));
+    nqm_brdf_free(must_open(taken.spec));
     nqm_materials_free(materials);
 }
 #define EXPECT(TEXT, WORDS, ...) expect_reflection(TEXT, WORDS, (const char *const[]){__VA_ARGS__, NULL})
 
-static void test_transmission(void **state) {
-    (void)state;
+TEST(test_transmission) {
     EXPECT(SURFACE("open_pbr_surface", IN("transmission_weight", "float", "0.25") IN("base_weight", "float", "0.8")),
            "transmission", ":base_weight=0.6", "base_color=0.8");
     EXPECT(SURFACE("standard_surface", IN("transmission", "float", "0.5") IN("base", "float", "1")
@@ -77,8 +76,7 @@ static void test_transmission(void **state) {
            "transmission", "base_color=0.2,0.1,0.05");
 }
 
-static void test_subsurface(void **state) {
-    (void)state;
+TEST(test_subsurface) {
     EXPECT(SURFACE("open_pbr_surface",
                    IN("subsurface_weight", "float", "1") IN("subsurface_color", "color3", "0.7, 0.5, 0.3")
                        IN("base_diffuse_roughness", "float", "0.5") IN("base_weight", "float", "0.1")),
@@ -107,7 +105,7 @@ static void evaluate(const char *text, double rgb[3 * PAIRS]) {
     static const double wi[3 * PAIRS] = {0, 0, 1, 0.6, 0, 0.8, -0.48, 0.64, 0.6, 0.96, 0, 0.28};
     static const double wo[3 * PAIRS] = {0, 0.6, 0.8, 0, 0, 1, 0.6, 0, 0.8, -0.6, 0, 0.8};
     nqm_materials *materials = open_text(text);
-    nqm_brdf *brdf = open_brdf(nqm_materials_reflecting(materials, 0, ~0U).spec);
+    nqm_brdf *brdf = must_open(nqm_materials_reflecting(materials, 0, ~0U).spec);
     nqm_brdf_eval(brdf, PAIRS, wi, wo, rgb, NULL);
     nqm_brdf_free(brdf);
     nqm_materials_free(materials);
@@ -127,8 +125,7 @@ static void expect_linear(const char *none, const char *part, const char *all, d
     expect_linear(SURFACE(NODE, INPUTS), SURFACE(NODE, INPUTS IN(KEY, "float", "0.25")),                               \
                   SURFACE(NODE, INPUTS IN(KEY, "float", "1")), 0.25)
 
-static void test_mixture(void **state) {
-    (void)state;
+TEST(test_mixture) {
     LINEAR("open_pbr_surface", "transmission_weight", IN("base_color", "color3", "0.7, 0.5, 0.3"));
     LINEAR("standard_surface", "transmission",
            IN("base_color", "color3", "0.7, 0.5, 0.3") IN("diffuse_roughness", "float", "0.5"));
@@ -136,8 +133,7 @@ static void test_mixture(void **state) {
     LINEAR("disney_principled", "specTrans", IN("baseColor", "color3", "0.7, 0.5, 0.3"));
 }
 
-static void test_others(void **state) {
-    (void)state;
+TEST(test_others) {
     EXPECT(SURFACE("open_pbr_surface", IN("emission_luminance", "float", "10") IN("geometry_opacity", "float", "0.5")),
            "emission,opacity", "base_weight=1");
     EXPECT(SURFACE("UsdPreviewSurface", MAP("opacity")), "opacity", "diffuseColor");
@@ -149,8 +145,7 @@ static void test_others(void **state) {
 #define FLOAT(NAME, VALUE)     "<float name='" NAME "' value='" VALUE "'/>"
 #define PANE                   "eta=1.08;k=0.5946427498" /* by NumPy */
 
-static void test_interfaces(void **state) {
-    (void)state;
+TEST(test_interfaces) {
     EXPECT(SCENE(BSDF("roughdielectric",
                       FLOAT("alpha_u", ".2") FLOAT("alpha_v", ".3") FLOAT("int_ior", "1.5") FLOAT("ext_ior", "1")
                           FLOAT("specular_reflectance", ".5") FLOAT("specular_transmittance", "0"))),
@@ -176,8 +171,7 @@ static void test_interfaces(void **state) {
 }
 
 /* The interface reflects as that of `rough-plastic`, whose Fresnel factor has a formula of its own; a pane as both faces of it. */
-static void test_reflectances(void **state) {
-    (void)state;
+TEST(test_reflectances) {
     static const char *const specs[] = {"rough-plastic:alpha=.3;eta=1.5;diffuse_reflectance=0",
                                         "rough-conductor:alpha=.3;eta=1.5;k=0", "rough-conductor:alpha=.3;" PANE,
                                         "rough-conductor:alpha=.3" /* of reflectance 1 */};
@@ -185,7 +179,7 @@ static void test_reflectances(void **state) {
     const double wo[] = {0, 0, 1, -0.6, 0, 0.8, -0.8, 0, 0.6, -0.96, 0, 0.28};
     double f[4][12];
     for (size_t i = 0; i < 4; ++i) {
-        nqm_brdf *brdf = open_brdf(specs[i]);
+        nqm_brdf *brdf = must_open(specs[i]);
         nqm_brdf_eval(brdf, 4, wi, wo, f[i], NULL);
         nqm_brdf_free(brdf);
     }
@@ -197,8 +191,7 @@ static void test_reflectances(void **state) {
     assert_true(fabs(f[1][0] / f[3][0] - 0.04) < 1e-12);
 }
 
-static void test_masks(void **state) {
-    (void)state;
+TEST(test_masks) {
 #define MASK(OPACITY)                                                                                                  \
     SCENE("<bsdf type='mask' id='m'>" OPACITY "<bsdf type='twosided'>" BSDF("diffuse", "") "</bsdf></bsdf>")
     EXPECT(MASK(""), "opacity", "lambert:kd=0.5");
@@ -213,8 +206,7 @@ static void test_masks(void **state) {
            "transmission,subsurface,emission,opacity", "base_color=0.4,0.2,0.1");
 }
 
-static void test_maps(void **state) {
-    (void)state;
+TEST(test_maps) {
     static const char text[] = SURFACE("gltf_pbr", MAP("transmission") IN("metallic", "float", "0")
                                                        IN("base_color", "color3", "0.8, 0.4, 0.2"));
     nqm_materials *materials = open_text(text);
@@ -232,8 +224,7 @@ static void test_maps(void **state) {
     expect_survives_no_memory(text);
 }
 
-static void test_prefix(void **state) {
-    (void)state;
+TEST(test_prefix) {
     unsigned set;
     char words[NQM_IGNORE_SIZE];
     assert_int_equal(nqm_ignore_prefix("ignore:opacity,transmission:a.gltf:b", &set), 28);
@@ -246,8 +237,7 @@ static void test_prefix(void **state) {
     assert_false(nqm_ignore_parse("opacity,", 8, &set));
 }
 
-static void test_arguments(void **state) {
-    (void)state;
+TEST(test_arguments) {
     nqm_brdf *brdf;
     nqm_texture *texture;
     nqm_error err = {0};
@@ -269,11 +259,4 @@ static void test_arguments(void **state) {
     nqm_brdf_free(brdf);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_transmission), cmocka_unit_test(test_subsurface),
-                                       cmocka_unit_test(test_mixture),      cmocka_unit_test(test_others),
-                                       cmocka_unit_test(test_interfaces),   cmocka_unit_test(test_reflectances),
-                                       cmocka_unit_test(test_masks),        cmocka_unit_test(test_maps),
-                                       cmocka_unit_test(test_prefix),       cmocka_unit_test(test_arguments)};
-    return cmocka_run_group_tests(tests, make_temp_file, remove_temp_file);
-}
+TEST_FILE(make_temp_file, remove_temp_file)

@@ -42,7 +42,7 @@ static nqm_property value_of(const char *text, const char *key) {
         fail_msg("%s", info.refusal);
     assert_string_equal(info.name, "M");
     assert_string_equal(info.surface, "standard_surface");
-    nqm_brdf_free(open_brdf(info.spec));
+    nqm_brdf_free(must_open(info.spec));
     assert_int_equal(nqm_shading_parse(info.spec, &shading, NULL), NQM_OK);
     const nqm_property *property = nqm_shading_find(&shading, key);
     assert_non_null(property);
@@ -51,8 +51,7 @@ static nqm_property value_of(const char *text, const char *key) {
     return copy;
 }
 
-static void constants(void **state) {
-    (void)state;
+TEST(constants) {
     const char *red = "<input name=\"base_color\" type=\"color3\" value=\"1, .5,0\"/>";
     const nqm_property color = value_of(document("", red, ""), "base_color");
     assert_true(color.n == 3 && color.v[0] == 1 && color.v[1] == 0.5 && color.v[2] == 0);
@@ -82,8 +81,7 @@ static void constants(void **state) {
     assert_true(value_of(document("", brushed, ""), "specular_rotation").v[0] == -0.25);
 }
 
-static void color_spaces(void **state) {
-    (void)state;
+TEST(color_spaces) {
     const char *grey = "<input name=\"base_color\" type=\"color3\" value=\".5,.5,.5\"/>";
     const char *own = "<input name=\"base_color\" type=\"color3\" value=\".5,.5,.5\" colorspace=\"g22_rec709\"/>";
     assert_near(value_of(document(" colorspace=\"srgb_texture\"", grey, ""), "base_color").v[1], 0.21404114, 1e-8);
@@ -125,8 +123,7 @@ static void assert_refused(const char *attributes, const char *inputs, const cha
     nqm_materials_free(materials);
 }
 
-static void refusals(void **state) {
-    (void)state;
+TEST(refusals) {
     assert_refused("", "<input name=\"transmission\" type=\"float\" value=\"0.5\"/>", "", "transmission is 0.5");
     assert_refused("", "<input name=\"opacity\" type=\"color3\" value=\"1,1,0\"/>", "", "opacity is 0");
     assert_refused(
@@ -168,8 +165,7 @@ static void refusals(void **state) {
     assert_refused("", "<input name=\"base_color\" type=\"color3\" value=\".5,-.0011,.5\"/>", "", "outside BT.709");
 }
 
-static void files_without_materials(void **state) {
-    (void)state;
+TEST(files_without_materials) {
     static const struct {
         const char *text, *part;
     } cases[] = {
@@ -189,8 +185,7 @@ static void files_without_materials(void **state) {
 }
 
 /* Without a surfacematerial, the shaders are the materials; version 1.0.0 of standard_surface has other defaults. */
-static void lone_shaders(void **state) {
-    (void)state;
+TEST(lone_shaders) {
     nqm_materials *materials;
     assert_int_equal(
         read_text("<materialx><gltf_pbr name=\"a\"/><standard_surface name=\"b\" version=\"1.0.0\"/></materialx>",
@@ -208,8 +203,7 @@ static void lone_shaders(void **state) {
     nqm_materials_free(materials);
 }
 
-static void round_trips(void **state) {
-    (void)state;
+TEST(round_trips) {
     static const char *const specs[] = {
         "open-pbr:base_color=.1,.2,.3;coat_weight=.333333333333333;fuzz_weight=.1;specular_ior=1.45;"
         "specular_roughness_anisotropy=.7;coat_roughness_anisotropy=.123456789012345",
@@ -225,12 +219,12 @@ static void round_trips(void **state) {
     assert_true(fd >= 0);
     close(fd);
     for (size_t i = 0; i < sizeof specs / sizeof *specs; ++i) {
-        nqm_brdf *before = open_brdf(specs[i]);
+        nqm_brdf *before = must_open(specs[i]);
         nqm_error err = {0};
         if (nqm_material_write(nqm_brdf_get_info(before).spec, "Gold leaf", path, &err) != NQM_OK)
             fail_msg("%s", err.message);
         snprintf(argument, sizeof argument, "%s:Gold_leaf", path);
-        nqm_brdf *after = open_brdf(argument);
+        nqm_brdf *after = must_open(argument);
         assert_string_equal(nqm_brdf_get_info(after).spec, nqm_brdf_get_info(before).spec);
         nqm_brdf_free(before);
         nqm_brdf_free(after);
@@ -239,8 +233,7 @@ static void round_trips(void **state) {
 }
 
 /* Every allocation of a reading fails once: no crash, no leak (under ASan), nothing returned. */
-static void memory_runs_out(void **state) {
-    (void)state;
+TEST(memory_runs_out) {
     const char *red = "<input name=\"base_color\" type=\"color3\" value=\"1, .5,0\"/>";
     nqm_materials *materials = NULL;
     nqm_error err = {0};
@@ -253,14 +246,4 @@ static void memory_runs_out(void **state) {
     }
     assert_true(n > 5 && n < 100);
     nqm_materials_free(materials);
-}
-
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(constants),       cmocka_unit_test(color_spaces),
-        cmocka_unit_test(refusals),        cmocka_unit_test(files_without_materials),
-        cmocka_unit_test(lone_shaders),    cmocka_unit_test(round_trips),
-        cmocka_unit_test(memory_runs_out),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
 }

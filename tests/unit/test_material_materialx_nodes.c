@@ -80,8 +80,7 @@ static void assert_refused(const char *inputs, const char *others, const char *p
     nqm_materials_free(materials);
 }
 
-static void values(void **state) {
-    (void)state;
+TEST(values) {
     for (size_t i = 0; i < N_VALUES; ++i) {
         nqm_materials *materials = read_parts("", COLOR, node_values[i].text);
         const nqm_material_info info = nqm_materials_get(materials, 0);
@@ -98,8 +97,7 @@ static void values(void **state) {
 }
 
 /* Components beyond the last repeat it; what no node of MaterialX makes. */
-static void single_nodes(void **state) {
-    (void)state;
+TEST(single_nodes) {
     const double in[][4] = {{0.5, 0.25, 0.75, 0.75}, {-1, 2, 0, 0}, {0.5, 0.5, 0.5, 0.5}};
     double v[4];
     nqm_graph_node_value(&(nqm_map_node){.op = NQM_MAP_ADD, .n = 2, .in = {0, 1}}, in, v);
@@ -123,8 +121,7 @@ static void single_nodes(void **state) {
     assert_true(v[0] == 0); /* both edges are the same */
 }
 
-static void images(void **state) {
-    (void)state;
+TEST(images) {
     const char *both = "<input name='base_color' type='color3' nodename='c'/>" ROUGHNESS;
     nqm_materials *materials =
         read_parts(" fileprefix='maps/' colorspace='acescg'", both,
@@ -157,8 +154,7 @@ static void images(void **state) {
 }
 
 /* place2d of the specification and rotate2d of its implementations, in another way: by a point of the surface. */
-static void coordinates(void **state) {
-    (void)state;
+TEST(coordinates) {
     const char *graph =
         "<place2d name='p' type='vector2'><input name='texcoord' type='vector2' nodename='t'/><input name='pivot' "
         "type='vector2' value='.5,.5'/><input name='scale' type='vector2' value='.5,2'/><input name='rotate' "
@@ -205,8 +201,7 @@ static void coordinates(void **state) {
 }
 
 /* Computed values: shared nodes are evaluated once, outputs of graphs and of nodes are followed. */
-static void computed(void **state) {
-    (void)state;
+TEST(computed) {
     const char *graph =
         "<nodegraph name='G'><input name='k' type='float' value='.5'/><image name='i' type='color3'>" FILE_INPUT(
             "a.png") "</image><separate3 name='s' type='multioutput'><input name='in' type='color3' nodename='i'/>"
@@ -228,8 +223,7 @@ static void computed(void **state) {
     nqm_materials_free(materials);
 }
 
-static void usd_and_gltf(void **state) {
-    (void)state;
+TEST(usd_and_gltf) {
     const double color[4] = {0.25, 0.5, 0.75, 1};
     nqm_materials *materials = read_surface(
         "UsdPreviewSurface", "",
@@ -288,8 +282,7 @@ static void usd_and_gltf(void **state) {
     "<normalmap name='w' type='vector3'><input name='in' type='vector3' nodename='v'/><input name='scale' "            \
     "type='float' value='.5'/></normalmap><image name='v' type='vector3'>" FILE_INPUT("w.png") "</image>"
 
-static void normals(void **state) {
-    (void)state;
+TEST(normals) {
     const char *normal = "<input name='normal' type='vector3' nodename='w'/>";
     nqm_materials *materials = read_parts("", normal, NORMAL_MAP);
     const nqm_textured *t = textured_of(materials, "normal changes the normal; a BRDF has one normal");
@@ -318,8 +311,7 @@ static void normals(void **state) {
                    "'w' (normalmap), which is not evaluated");
 }
 
-static void refusals(void **state) {
-    (void)state;
+TEST(refusals) {
     assert_refused(ROUGHNESS, "<fractal3d name='n' type='float'/>",
                    "specular_roughness is computed by node 'n' (fractal3d), which is not evaluated");
     assert_refused(ROUGHNESS, "<image name='n' type='float'/>", "node 'n', which names no file");
@@ -349,8 +341,7 @@ static void refusals(void **state) {
 }
 
 /* Every sum has its predecessor twice: each is evaluated once. */
-static void shared_nodes(void **state) {
-    (void)state;
+TEST(shared_nodes) {
     char others[7000] = "<image name='n0' type='float'>" FILE_INPUT("a.png") "</image>";
     for (int i = 1; i < 50; ++i)
         snprintf(
@@ -364,8 +355,7 @@ static void shared_nodes(void **state) {
 }
 
 /* Two materials with one shader have the same maps. */
-static void shared_shaders(void **state) {
-    (void)state;
+TEST(shared_shaders) {
     nqm_materials *materials;
     const char *text = "<materialx><image name='n' type='color3'>" FILE_INPUT(
         "a.png") "</image><standard_surface name='S' type='surfaceshader'>" COLOR
@@ -381,8 +371,7 @@ static void shared_shaders(void **state) {
 }
 
 /* Every allocation fails once: no crash, no leak (under ASan); the material is refused or nothing is returned. */
-static void memory_runs_out(void **state) {
-    (void)state;
+TEST(memory_runs_out) {
     const char *text = "<materialx><standard_surface name='S' type='surfaceshader'>" COLOR
                        "<input name='normal' type='vector3' nodename='w'/></standard_surface><image name='n' "
                        "type='color3'>" FILE_INPUT("a.png") "</image>" NORMAL_MAP "</materialx>";
@@ -400,14 +389,4 @@ static void memory_runs_out(void **state) {
         nqm_materials_free(materials);
     }
     assert_true(is_complete && n > 10);
-}
-
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(values),         cmocka_unit_test(single_nodes),    cmocka_unit_test(images),
-        cmocka_unit_test(coordinates),    cmocka_unit_test(computed),        cmocka_unit_test(usd_and_gltf),
-        cmocka_unit_test(normals),        cmocka_unit_test(refusals),        cmocka_unit_test(shared_nodes),
-        cmocka_unit_test(shared_shaders), cmocka_unit_test(memory_runs_out),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
 }

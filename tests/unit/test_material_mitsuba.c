@@ -13,8 +13,7 @@
 #define STRING(NAME, VALUE)   "<string name=\"" NAME "\" value=\"" VALUE "\"/>"
 #define RGB(NAME, VALUE)      "<rgb name=\"" NAME "\" value=\"" VALUE "\"/>"
 
-static void conductors_of_xml(void **state) {
-    (void)state;
+TEST(conductors_of_xml) {
     expect_spec(XML("roughconductor", ""), "rough-conductor:");
     expect_spec(XML("roughconductor", FLOAT("alpha", "0.2") STRING("distribution", "ggx") RGB("eta", "0.2 0.9,1.1") RGB(
                                           "k", "3.9, 2.5, 2.1") "<boolean name=\"sample_visible\" value=\"true\"/>"),
@@ -29,8 +28,7 @@ static void conductors_of_xml(void **state) {
                 "rough-conductor:specular_reflectance=1,0,0;eta=1.5");
 }
 
-static void refused_conductors(void **state) {
-    (void)state;
+TEST(refused_conductors) {
     expect_refusal(XML("roughconductor", FLOAT("alpha_u", ".1")), "alpha_v");
     expect_refusal(XML("roughconductor", FLOAT("alpha", ".1") FLOAT("alpha_u", ".1") FLOAT("alpha_v", ".1")), "alpha");
     expect_refusal(XML("roughconductor", FLOAT("roughness", ".1")), "roughness");
@@ -51,8 +49,7 @@ static void refused_conductors(void **state) {
     expect_refusal(XML("no-such", ""), "not known");
 }
 
-static void principled_of_xml(void **state) {
-    (void)state;
+TEST(principled_of_xml) {
     expect_spec(XML("principled", RGB("base_color", "1.0,.5,.25") FLOAT("metallic", "0.7") FLOAT("specular", "0.5")
                                       FLOAT("anisotropic", ".25") FLOAT("clearcoat_sampling_rate", "2")),
                 "principled:base_color=1,0.5,0.25;metallic=0.7;eta=1.5;anisotropic=0.25");
@@ -63,8 +60,7 @@ static void principled_of_xml(void **state) {
     expect_refusal(XML("principled", RGB("roughness", ".5 .6 .7")), "not the colour");
 }
 
-static void plastics_of_xml(void **state) {
-    (void)state;
+TEST(plastics_of_xml) {
     expect_spec(XML("roughplastic",
                     FLOAT("int_ior", "1.5") FLOAT("ext_ior", "1") STRING("distribution", "ggx")
                         RGB("diffuse_reflectance", "0.1 0.2 0.3") "<boolean name=\"nonlinear\" value=\"true\"/>"),
@@ -80,8 +76,7 @@ static void plastics_of_xml(void **state) {
 }
 
 /* Mitsuba's include/mitsuba/render/ior.h. */
-static void named_indices(void **state) {
-    (void)state;
+TEST(named_indices) {
     static const struct {
         const char *name;
         double ior;
@@ -111,8 +106,7 @@ static void named_indices(void **state) {
 
 /* Sums over the indices of the renderer Tungsten (src/core/bsdfs/ComplexIorData.hpp; negative ones are 0) with weights by name and
  * channel: a wrong digit changes one of them. */
-static void metals_are_those_of_their_source(void **state) {
-    (void)state;
+TEST(metals_are_those_of_their_source) {
     char names[300], *save = NULL;
     double eta = 0, k = 0;
     size_t n = 0;
@@ -131,8 +125,7 @@ static void metals_are_those_of_their_source(void **state) {
     assert_ptr_not_equal(nqm_metal_find("Cu_palik"), nqm_metal_find("Cu"));
 }
 
-static void scenes(void **state) {
-    (void)state;
+TEST(scenes) {
     nqm_materials *materials = open_text(
         "<?xml version=\"1.0\"?>\n<!-- > -->\n<scene version=\"3.0.0\">\n"
         "<default name=\"grey\" value=\"0.25\"/><integrator type=\"path\"><integer name=\"max_depth\" "
@@ -165,8 +158,7 @@ static void scenes(void **state) {
     nqm_materials_free(materials);
 }
 
-static void dictionaries(void **state) {
-    (void)state;
+TEST(dictionaries) {
     expect_spec("{\"type\": \"diffuse\", \"reflectance\": {\"type\": \"rgb\", \"value\": [0.1, 1, 0]}}",
                 "lambert:kd=0.1,1,0");
     expect_spec("{\"type\": \"diffuse\", \"reflectance\": {\"type\": \"rgb\", \"value\": \"#00fF00\"}}",
@@ -202,8 +194,7 @@ static void dictionaries(void **state) {
 #define RAW          "<boolean name=\"raw\" value=\"true\"/>"
 #define TO_UV(STEPS) "<transform name=\"to_uv\">" STEPS "</transform>"
 
-static void textures_of_xml(void **state) {
-    (void)state;
+TEST(textures_of_xml) {
     expect_map(XML("diffuse", BITMAP("reflectance", "a.png", "")), 0, "reflectance is of type 'bitmap'", "kd",
                "image(a.png srgb_texture repeat)");
     expect_map(XML("diffuse", BITMAP("reflectance", "a.png", STRING("wrap_mode", "mirror") RAW)), 0, "bitmap", "kd",
@@ -225,8 +216,7 @@ static void textures_of_xml(void **state) {
     expect_map(scene, 0, "refers to the object 't'", "kd", "image(x/a.png srgb_texture repeat)");
 }
 
-static void normal_maps_of_xml(void **state) {
-    (void)state;
+TEST(normal_maps_of_xml) {
     static const char normal[] = "normal(image(n.png repeat), 1)";
     expect_map(XML("normalmap", BITMAP("normalmap", "n.png", RAW) XML("diffuse", "")), 0, "combinations", "normal",
                normal);
@@ -250,8 +240,7 @@ static void normal_maps_of_xml(void **state) {
     expect_refusal(XML("bumpmap", BITMAP("map", "n.png", RAW) XML("diffuse", "")), "combinations");
 }
 
-static void refused_textures(void **state) {
-    (void)state;
+TEST(refused_textures) {
     expect_refusal(XML("diffuse", "<texture type=\"checkerboard\" name=\"reflectance\"/>"), "'checkerboard'");
     expect_refusal(XML("diffuse", "<texture type=\"volume\" name=\"reflectance\"/>"), "'volume'");
     expect_refusal("{\"type\": \"diffuse\", \"reflectance\": {\"type\": \"mesh_attribute\"}}", "'mesh_attribute'");
@@ -274,8 +263,7 @@ static void refused_textures(void **state) {
 }
 
 /* src/textures/bitmap.cpp: the position is to_uv (u, v), and v = 0 is in the first row. */
-static void corners_of_bitmaps(void **state) {
-    (void)state;
+TEST(corners_of_bitmaps) {
     static const char plain[] = XML("diffuse", BITMAP("reflectance", "a.png", ""));
     expect_position(plain, 0, 0, 0, 0);
     expect_position(plain, 0.25, 1, 0.25, 1);
@@ -294,8 +282,7 @@ static void corners_of_bitmaps(void **state) {
         10, 100, 213, 546);
 }
 
-static void textures_of_dictionaries(void **state) {
-    (void)state;
+TEST(textures_of_dictionaries) {
     static const char scene[] = "{\"type\": \"scene\", \"tex\": {\"type\": \"bitmap\", \"filename\": \"a.png\", "
                                 "\"raw\": true}, \"m\": {\"type\": "
                                 "\"diffuse\", \"reflectance\": {\"type\": \"ref\", \"id\": \"tex\"}}, \"n\": "
@@ -307,8 +294,7 @@ static void textures_of_dictionaries(void **state) {
     expect_map(scene, 1, "combinations", "normal", "normal(image(n.png repeat), 1)");
 }
 
-static void damaged_files(void **state) {
-    (void)state;
+TEST(damaged_files) {
     static const struct {
         const char *text, *reason;
         nqm_status status;
@@ -334,8 +320,7 @@ static void damaged_files(void **state) {
 }
 
 /* Files that are cut anywhere are an error, never a shorter list. */
-static void cut_files(void **state) {
-    (void)state;
+TEST(cut_files) {
     static const char text[] = "<scene version=\"3.0.0\"><bsdf type=\"diffuse\" id=\"a\"><rgb name=\"reflectance\" "
                                "value=\"0.1 0.2 0.3\"/></bsdf></scene>";
     char cut[sizeof text];
@@ -346,8 +331,7 @@ static void cut_files(void **state) {
     }
 }
 
-static void files_go_there_and_back(void **state) {
-    (void)state;
+TEST(files_go_there_and_back) {
     static const char *const specs[] = {
         "rough-conductor:alpha=0.123456789012345;distribution=1;eta=.1,.2,.3;k=3.3333333333333335,2,1e-17",
         "rough-conductor:alpha=.123456789012345,.3333333333333333;distribution=1",
@@ -365,8 +349,7 @@ static void files_go_there_and_back(void **state) {
     }
 }
 
-static void no_memory(void **state) {
-    (void)state;
+TEST(no_memory) {
     expect_survives_no_memory(
         "<scene><default name=\"a\" value=\"1\"/><bsdf type=\"diffuse\" id=\"$a\"><float name=\"reflectance\" "
         "value=\"$a\"/></bsdf><bsdf type=\"mask\"/></scene>");
@@ -378,25 +361,4 @@ static void no_memory(void **state) {
         "{\"type\": \"scene\", \"a\": {\"type\": \"measured\", \"filename\": \"a\"}, \"b\": {\"type\": \"diffuse\"}}");
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(conductors_of_xml),
-        cmocka_unit_test(refused_conductors),
-        cmocka_unit_test(principled_of_xml),
-        cmocka_unit_test(plastics_of_xml),
-        cmocka_unit_test(named_indices),
-        cmocka_unit_test(metals_are_those_of_their_source),
-        cmocka_unit_test(scenes),
-        cmocka_unit_test(dictionaries),
-        cmocka_unit_test(textures_of_xml),
-        cmocka_unit_test(normal_maps_of_xml),
-        cmocka_unit_test(refused_textures),
-        cmocka_unit_test(corners_of_bitmaps),
-        cmocka_unit_test(textures_of_dictionaries),
-        cmocka_unit_test(damaged_files),
-        cmocka_unit_test(cut_files),
-        cmocka_unit_test(files_go_there_and_back),
-        cmocka_unit_test(no_memory),
-    };
-    return cmocka_run_group_tests(tests, make_temp_file, remove_temp_file);
-}
+TEST_FILE(make_temp_file, remove_temp_file)

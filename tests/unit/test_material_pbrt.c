@@ -10,8 +10,7 @@
 
 #define COPPER "eta=0.200437697,0.9240334304,1.1022119527;k=3.9129485033,2.4528477015,2.1421879552"
 
-static void conductors(void **state) {
-    (void)state;
+TEST(conductors) {
     expect_spec("Material \"conductor\" \"float roughness\" 0.25", "pbrt-conductor:roughness=0.25;" COPPER);
     expect_spec("Material \"conductor\" \"float roughness\" [ 0.5 ] \"bool remaproughness\" false",
                 "pbrt-conductor:roughness=0.25;" COPPER);
@@ -27,8 +26,7 @@ static void conductors(void **state) {
     expect_spec("Material \"diffuse\" \"rgb reflectance\" [-1 0.5 2]", "lambert:kd=0,0.5,1");
 }
 
-static void coats(void **state) {
-    (void)state;
+TEST(coats) {
     expect_spec("Material \"coateddiffuse\" \"float roughness\" .2 \"rgb albedo\" [ 0 0 0 ] \"integer nsamples\" 4",
                 "pbrt-coated-diffuse:roughness=0.2;reflectance=0.5,0.5,0.5");
     expect_spec("Material \"coateddiffuse\" \"float roughness\" .5 \"bool remaproughness\" false \"float eta\" 1.7 "
@@ -37,8 +35,7 @@ static void coats(void **state) {
     expect_same("pbrt-coated-diffuse:roughness=.123;reflectance=.1,.2,.3;eta=1.4;thickness=.02;maxdepth=7", "pbrt");
 }
 
-static void coated_conductors(void **state) {
-    (void)state;
+TEST(coated_conductors) {
     static const char copper[] = "conductor.eta=0.200437697,0.9240334304,1.1022119527;"
                                  "conductor.k=3.9129485033,2.4528477015,2.1421879552";
     char spec[300];
@@ -65,8 +62,7 @@ static void coated_conductors(void **state) {
                 "pbrt");
 }
 
-static void refused_materials(void **state) {
-    (void)state;
+TEST(refused_materials) {
     static const char *const cases[][2] = {
         {"Material \"conductor\"", "smooth"},
         {"Material \"conductor\" \"float roughness\" 1e-7", "smooth"},
@@ -113,8 +109,7 @@ static void refused_materials(void **state) {
         expect_refusal(cases[i][0], cases[i][1]);
 }
 
-static void scenes(void **state) {
-    (void)state;
+TEST(scenes) {
     nqm_materials *materials =
         open_text("LookAt 0 0 5 0 0 0 0 1 0\nColorSpace \"srgb\"\nWorldBegin\nAttribute \"shape\" \"float radius\" 1\n"
                   "MakeNamedMaterial \"a\" \"string type\" \"diffuse\" \"rgb reflectance\" [ .1 .2 .3 ]\n"
@@ -137,8 +132,7 @@ static void scenes(void **state) {
 #define DIFFUSE "Material \"diffuse\" \"texture reflectance\" \"t\" "
 #define ROUGH   "Material \"conductor\" \"texture roughness\" \"t\" "
 
-static void colour_textures(void **state) {
-    (void)state;
+TEST(colour_textures) {
     static const char a[] = "minimum(maximum(image(a.png srgb_texture repeat), 0), 1)";
     expect_map(IMAGE("t", "spectrum", "a.png", "") DIFFUSE, 0, "reflectance is of type 'texture'", "kd", a);
     expect_map(IMAGE("t", "float", "b.png", "") IMAGE("t", "spectrum", "a.png", "") DIFFUSE, 0, "", "kd", a);
@@ -168,8 +162,7 @@ static void colour_textures(void **state) {
     "multiply(add(add(channel(image(r.exr repeat) 0), channel(image(r.exr repeat) 1)), channel(image(r.exr repeat) "   \
     "2)), 0.3333333333333333)"
 
-static void roughness_textures(void **state) {
-    (void)state;
+TEST(roughness_textures) {
     expect_map(IMAGE("t", "float", "r.exr", "") ROUGH, 0, "roughness is", "roughness", "maximum(" MEAN ", 1e-06)");
     expect_map(IMAGE("t", "float", "r.exr", "") ROUGH "\"bool remaproughness\" false", 0, "roughness is", "roughness",
                "maximum(multiply(" MEAN ", " MEAN "), 1e-06)");
@@ -179,8 +172,7 @@ static void roughness_textures(void **state) {
                "maximum(combine(" MEAN ", 0.2), 1e-06)");
 }
 
-static void computed_textures(void **state) {
-    (void)state;
+TEST(computed_textures) {
     expect_map(IMAGE("a", "spectrum", "a.exr", "")
                    IMAGE("r", "float", "r.exr", "") "Texture \"t\" \"spectrum\" \"mix\" \"texture tex1\" \"a\" \"rgb "
                                                     "tex2\" [ .1 .2 .3 ] \"texture amount\" "
@@ -195,8 +187,7 @@ static void computed_textures(void **state) {
     expect_spec("Texture \"t\" \"float\" \"mix\" " ROUGH, "pbrt-conductor:roughness=0.5;" COPPER);
 }
 
-static void refused_textures(void **state) {
-    (void)state;
+TEST(refused_textures) {
     static const char *const cases[][2] = {
         {DIFFUSE, "no spectrum texture 't'"},
         {IMAGE("t", "float", "a.png", "") DIFFUSE, "no spectrum texture 't'"},
@@ -219,8 +210,7 @@ static void refused_textures(void **state) {
 }
 
 /* Textures that name the one before twice: 2^40 paths. */
-static void nested_textures(void **state) {
-    (void)state;
+TEST(nested_textures) {
     char text[8000] = "Texture \"t0\" \"spectrum\" \"constant\" ";
     for (int i = 1; i <= 40; ++i)
         snprintf(text + strlen(text), sizeof text - strlen(text),
@@ -232,8 +222,7 @@ static void nested_textures(void **state) {
 
 /* src/pbrt/textures.cpp: st = (uscale u + udelta, vscale v + vdelta), then t = 1 - t, from the first row; pbrt's v is 1 - that of
  * nqm. */
-static void corners_of_images(void **state) {
-    (void)state;
+TEST(corners_of_images) {
     static const char plain[] = IMAGE("t", "spectrum", "a.png", "") DIFFUSE;
     expect_position(plain, 0, 1, 0, 1); /* pbrt's (0, 0): the lower left corner */
     expect_position(plain, 1, 0, 1, 0); /* (1, 1): the upper right one */
@@ -244,8 +233,7 @@ static void corners_of_images(void **state) {
     expect_position(moved, 1, 0, 2.25, -2.125);
 }
 
-static void damaged_files(void **state) {
-    (void)state;
+TEST(damaged_files) {
     expect_error("Texture \"a\" \"float\" Material \"diffuse\"", NQM_ERR_FORMAT, "without its name");
     expect_error("Material \"conductor", NQM_ERR_FORMAT, "closing quote (byte 9)");
     expect_error("Material", NQM_ERR_FORMAT, "not a material file");
@@ -258,8 +246,7 @@ static void damaged_files(void **state) {
     expect_error("Include \"a.pbrt\"\n", NQM_ERR_FORMAT, "included files");
 }
 
-static void files_go_there_and_back(void **state) {
-    (void)state;
+TEST(files_go_there_and_back) {
     expect_same("pbrt-conductor:roughness=0.123456789012345;eta=.1,.2,.3;k=3.3333333333333335,2,1e-17", "pbrt");
     expect_same("pbrt-conductor:roughness=1e-6;eta=1;k=200", "pbrt");
     expect_same("pbrt-conductor:roughness=.1,.333333333333333333;eta=1;k=2", "pbrt");
@@ -267,8 +254,7 @@ static void files_go_there_and_back(void **state) {
     expect_same("lambert:kd=0.5", "pbrt");
 }
 
-static void no_memory(void **state) {
-    (void)state;
+TEST(no_memory) {
     expect_survives_no_memory(IMAGE("t", "float", "a.png", "") ROUGH
                               "\"rgb reflectance\" [ .1 .1 .1 ] \"string normalmap\" \"n.png\"");
     expect_survives_no_memory(
@@ -276,22 +262,4 @@ static void no_memory(void **state) {
         "Material \"mix\"");
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(conductors),
-        cmocka_unit_test(coats),
-        cmocka_unit_test(coated_conductors),
-        cmocka_unit_test(refused_materials),
-        cmocka_unit_test(scenes),
-        cmocka_unit_test(colour_textures),
-        cmocka_unit_test(roughness_textures),
-        cmocka_unit_test(computed_textures),
-        cmocka_unit_test(refused_textures),
-        cmocka_unit_test(nested_textures),
-        cmocka_unit_test(corners_of_images),
-        cmocka_unit_test(damaged_files),
-        cmocka_unit_test(files_go_there_and_back),
-        cmocka_unit_test(no_memory),
-    };
-    return cmocka_run_group_tests(tests, make_temp_file, remove_temp_file);
-}
+TEST_FILE(make_temp_file, remove_temp_file)

@@ -135,8 +135,7 @@ static void check_refused(const char *members, const char *arrays, const char *w
     nqm_materials_free(materials);
 }
 
-static void core_textures_are_nodes(void **state) {
-    (void)state;
+TEST(core_textures_are_nodes) {
     nqm_materials *materials = read_material(
         "\"normalTexture\": {\"index\": 1, \"scale\": 0.5}, \"pbrMetallicRoughness\": {\"baseColorTexture\": "
         "{\"index\": 0}, \"baseColorFactor\": [1, 0.5, 0, 1], \"metallicRoughnessTexture\": {\"index\": 0}, "
@@ -164,8 +163,7 @@ static void core_textures_are_nodes(void **state) {
     nqm_materials_free(materials);
 }
 
-static void layers_have_textures(void **state) {
-    (void)state;
+TEST(layers_have_textures) {
     nqm_materials *materials = read_material(
         "\"extensions\": {\"KHR_materials_specular\": {\"specularTexture\": {\"index\": 0}, \"specularColorTexture\": "
         "{\"index\": 0}, \"specularColorFactor\": [2, 1, 1]}, \"KHR_materials_clearcoat\": {\"clearcoatFactor\": 0.5, "
@@ -191,8 +189,7 @@ static void layers_have_textures(void **state) {
     nqm_materials_free(materials);
 }
 
-static void factors_of_zero_remove_textures(void **state) {
-    (void)state;
+TEST(factors_of_zero_remove_textures) {
     nqm_materials *materials = read_material("\"pbrMetallicRoughness\": {\"metallicRoughnessTexture\": {\"index\": 0}, "
                                              "\"metallicFactor\": 0}",
                                              usual);
@@ -208,8 +205,7 @@ static void factors_of_zero_remove_textures(void **state) {
 }
 
 /* The examples of the specification of KHR_texture_transform: the lower left quadrant turned, and v upwards. */
-static void positions_are_transformed(void **state) {
-    (void)state;
+TEST(positions_are_transformed) {
     nqm_materials *materials = read_material(
         "\"normalTexture\": {\"index\": 1, \"extensions\": {\"KHR_texture_transform\": {\"offset\": [0, 1], "
         "\"rotation\": 1.5707963267948966, \"scale\": [0.5, 0.25], \"texCoord\": 1}}}",
@@ -235,8 +231,7 @@ static void positions_are_transformed(void **state) {
 
 #define NORMAL(INDEX) "\"normalTexture\": {\"index\": " INDEX "}"
 
-static void bad_textures_are_refused(void **state) {
-    (void)state;
+TEST(bad_textures_are_refused) {
     static const char *const cases[][2] = {
         {NORMAL("2"), "no image ('source')"},
         {NORMAL("3"), "images[9] is missing; the file has 3"},
@@ -261,8 +256,7 @@ static void bad_textures_are_refused(void **state) {
         check_refused(cases[i][0], usual, cases[i][1]);
 }
 
-static void what_is_not_evaluated_is_remarked(void **state) {
-    (void)state;
+TEST(what_is_not_evaluated_is_remarked) {
     static const char *const cases[][2] = {
         {"\"alphaMode\": \"MASK\", \"pbrMetallicRoughness\": {\"baseColorTexture\": {\"index\": 5}}", "opaque"},
         {NORMAL("0") ", \"extensions\": {\"KHR_materials_clearcoat\": {\"clearcoatFactor\": 1}}", "the clear coat"},
@@ -299,8 +293,7 @@ static void check_data(const char *arrays, const char *expected) {
     nqm_materials_free(materials);
 }
 
-static void data_uris_are_decoded(void **state) {
-    (void)state;
+TEST(data_uris_are_decoded) {
     check_data(TEXTURE "\"images\": [{\"uri\": \"data:image\\/png;base64,MDEyMzQ1Njc4OQ==\"}]", "0123456789");
     check_data(TEXTURE "\"images\": [{\"uri\": \"data:image/png;base64,MDEyMzQ1Njc4\"}]", "012345678");
     check_data(TEXTURE "\"images\": [{\"uri\": \"data:image/png;base64,Pz8+\"}]", "?\?>");
@@ -332,8 +325,7 @@ static void data_uris_are_decoded(void **state) {
         check_refused(NORMAL("0"), bad[i][0], bad[i][1]);
 }
 
-static void buffers_of_files_are_parts_of_them(void **state) {
-    (void)state;
+TEST(buffers_of_files_are_parts_of_them) {
     nqm_materials *materials =
         read_material(NORMAL("0"), IN_VIEW "\"bufferViews\": [{\"buffer\": 0, \"byteOffset\": 7, \"byteLength\": 3}], "
                                            "\"buffers\": [{\"byteLength\": 10, \"uri\": \"b%2Ebin\"}]");
@@ -359,8 +351,7 @@ static size_t make_glb(unsigned char *b, const char *arrays, size_t n_bin) {
     return 28 + n;
 }
 
-static void binary_chunks_are_found(void **state) {
-    (void)state;
+TEST(binary_chunks_are_found) {
     static const char arrays[] = IN_VIEW
         "\"bufferViews\": [{\"buffer\": 0, \"byteOffset\": 8, \"byteLength\": 4}], \"buffers\": [{\"byteLength\": 12}]";
     unsigned char b[2048];
@@ -386,8 +377,7 @@ static void binary_chunks_are_found(void **state) {
 }
 
 /* Many materials with the same image in the text take no more memory than a multiple of the file. */
-static void decoded_images_are_bounded(void **state) {
-    (void)state;
+TEST(decoded_images_are_bounded) {
     enum { N = 200000, MATERIALS = 40 };
     char *text = malloc(N + 100 + 100 * MATERIALS);
     assert_non_null(text);
@@ -408,8 +398,7 @@ static void decoded_images_are_bounded(void **state) {
 }
 
 /* Every allocation fails once: no material is complete without what it needed, and nothing leaks. */
-static void failed_allocations_are_told(void **state) {
-    (void)state;
+TEST(failed_allocations_are_told) {
     static const char text[] =
         "{\"asset\":{\"version\":\"2.0\"},\"materials\":[{\"normalTexture\":{\"index\":0},\"pbrMetallicRoughness\":"
         "{\"baseColorTexture\":{\"index\":1},\"roughnessFactor\":0.5,\"metallicRoughnessTexture\":{\"index\":2}}}],"
@@ -454,8 +443,7 @@ static nqm_textured *open_maps(const char *argument) {
     return t;
 }
 
-static void lists_have_maps_and_numbers(void **state) {
-    (void)state;
+TEST(lists_have_maps_and_numbers) {
     assert_true(nqm_maps_probe("maps:base_color=a.png") && !nqm_maps_probe("gltf:metallic=1"));
     nqm_textured *t = open_maps("maps:base_color=d/a.JPG;roughness=orm.png:g;metallic=1;ior=1.4;normal=n.png;");
     double v[4];
@@ -481,8 +469,7 @@ static void lists_have_maps_and_numbers(void **state) {
     nqm_textured_free(t);
 }
 
-static void bad_lists_are_refused(void **state) {
-    (void)state;
+TEST(bad_lists_are_refused) {
     static const char *const cases[][2] = {
         {"maps:", "names no map"},
         {"maps:metallic=1", "names no map"},
@@ -546,8 +533,7 @@ static void check_folder(const char *names, const char *expected) {
     with_files(names, remove_file);
 }
 
-static void names_of_three_sites_are_known(void **state) {
-    (void)state;
+TEST(names_of_three_sites_are_known) {
     assert_non_null(mkdtemp(folder));
     assert_true(nqm_maps_probe(folder));
     check_folder("metal_plate_ao_2k.jpg metal_plate_diff_2k.jpg metal_plate_disp_2k.png metal_plate_metal_2k.exr "
@@ -573,33 +559,11 @@ static void check_folder_error(const char *names, nqm_status expected, const cha
     with_files(names, remove_file);
 }
 
-static void folders_that_are_unclear_are_refused(void **state) {
-    (void)state;
+TEST(folders_that_are_unclear_are_refused) {
     check_folder_error("a_color.png b_color.png", NQM_ERR_ARG, "two maps of base_color: a_color.png and b_color.png");
     check_folder_error("a.png b.txt", NQM_ERR_IO, "no file of this folder is named like a map");
     assert_int_equal(rmdir(folder), 0);
     nqm_textured *t;
     assert_int_equal(nqm_maps_open(folder, &t, NULL), NQM_ERR_IO);
     assert_false(nqm_maps_probe(folder));
-}
-
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(core_textures_are_nodes),
-        cmocka_unit_test(layers_have_textures),
-        cmocka_unit_test(factors_of_zero_remove_textures),
-        cmocka_unit_test(positions_are_transformed),
-        cmocka_unit_test(bad_textures_are_refused),
-        cmocka_unit_test(what_is_not_evaluated_is_remarked),
-        cmocka_unit_test(data_uris_are_decoded),
-        cmocka_unit_test(buffers_of_files_are_parts_of_them),
-        cmocka_unit_test(binary_chunks_are_found),
-        cmocka_unit_test(decoded_images_are_bounded),
-        cmocka_unit_test(failed_allocations_are_told),
-        cmocka_unit_test(lists_have_maps_and_numbers),
-        cmocka_unit_test(bad_lists_are_refused),
-        cmocka_unit_test(names_of_three_sites_are_known),
-        cmocka_unit_test(folders_that_are_unclear_are_refused),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
 }

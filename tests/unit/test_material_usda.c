@@ -33,8 +33,7 @@ static void check_key(const char *text, const char *key, size_t n, double r, dou
     nqm_materials_free(materials);
 }
 
-static void constants_are_keys(void **state) {
-    (void)state;
+TEST(constants_are_keys) {
     check_key(PREVIEW("color3f inputs:diffuseColor = (0.5, 0.25, 1) (doc = \"(\")"), "diffuseColor", 3, 0.5, 0.25, 1);
     check_key(PREVIEW("# float inputs:roughness = 1\n float inputs:roughness = .75 # more"), "roughness", 1, .75, .75,
               .75);
@@ -50,8 +49,7 @@ static void constants_are_keys(void **state) {
     check_key(MATERIAL("ND_standard_surface_surfaceshader_100", ""), "base", 1, .8, .8, .8);
 }
 
-static void other_prims_are_skipped(void **state) {
-    (void)state;
+TEST(other_prims_are_skipped) {
     check_key(HEAD "over \"x\" { }\ndef Mesh \"a\" (prepend references = @b.usda@</B>) {\n"
                    " float3[] extent = [(-1, -1, 0), (1, 1, 0)]\n rel material:binding = </M>\n"
                    " float x.timeSamples = { 0: 1, 1: 2 }\n reorder nameChildren = [\"b\"]\n"
@@ -64,8 +62,7 @@ static void other_prims_are_skipped(void **state) {
               "specularTint", 1, 0, 0, 0);
 }
 
-static void graphs_are_computed(void **state) {
-    (void)state;
+TEST(graphs_are_computed) {
     check_key(HEAD
               "def Material \"m\" { token outputs:surface.connect = </m/s.outputs:out>\n"
               "def Shader \"s\" { uniform token info:id = \"ND_standard_surface_surfaceshader\"\n"
@@ -85,8 +82,7 @@ static void graphs_are_computed(void **state) {
          "def Shader \"u\" { uniform token info:id = \"UsdPrimvarReader_float2\"\n"                                    \
          "string inputs:varname = \"st\" float2 outputs:result } }"
 
-static void maps_have_their_colour_space(void **state) {
-    (void)state;
+TEST(maps_have_their_colour_space) {
     static const char *const cases[][2] = {
         {TEXTURE("@./a.png@ token inputs:sourceColorSpace = \"raw\""), "image(./a.png repeat)"},
         {TEXTURE("@./a.png@ token inputs:sourceColorSpace = \"auto\""), "image(./a.png srgb_texture repeat)"},
@@ -97,8 +93,7 @@ static void maps_have_their_colour_space(void **state) {
         expect_map(cases[i][0], 0, "diffuseColor reads the texture of node '/m/t'", "diffuseColor", cases[i][1]);
 }
 
-static void refused_materials(void **state) {
-    (void)state;
+TEST(refused_materials) {
     static const char *const cases[][2] = {
         {PREVIEW("float inputs:opacity = 0.5"), "opacity"},
         {PREVIEW("float inputs:roughness.timeSamples = { 0: 1, 1: 2 }"), "varies with time"},
@@ -114,8 +109,7 @@ static void refused_materials(void **state) {
         expect_refusal(cases[i][0], cases[i][1]);
 }
 
-static void damaged_files(void **state) {
-    (void)state;
+TEST(damaged_files) {
     static const char whole[] = PREVIEW("color3f inputs:diffuseColor = (0.5, 0.25, 1) asset inputs:a = @x@");
     static const char *const cases[][2] = {{HEAD "def Scope \"a\" { (", "neither a prim nor a property"},
                                            {HEAD "def Scope \"a\" { ", "without its end"},
@@ -140,8 +134,7 @@ static void damaged_files(void **state) {
     expect_survives_no_memory(whole);
 }
 
-static void a_package_is_named(void **state) {
-    (void)state;
+TEST(a_package_is_named) {
     static const unsigned char zip[] = "PK\3\4\n\0\0\0\0\0!\0!\0\0\0\0\0\0\0\0\0\0\0\0\0\6\0\0\0a.usdc";
     const nqm_map map = {.data = zip, .n_bytes = sizeof zip - 1, .path = "a.usdz"};
     nqm_materials *materials;
@@ -150,12 +143,4 @@ static void a_package_is_named(void **state) {
     assert_non_null(strstr(err.message, "unzip"));
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(constants_are_keys),  cmocka_unit_test(other_prims_are_skipped),
-        cmocka_unit_test(graphs_are_computed), cmocka_unit_test(maps_have_their_colour_space),
-        cmocka_unit_test(refused_materials),   cmocka_unit_test(damaged_files),
-        cmocka_unit_test(a_package_is_named),
-    };
-    return cmocka_run_group_tests(tests, make_temp_file, remove_temp_file);
-}
+TEST_FILE(make_temp_file, remove_temp_file)

@@ -8,8 +8,7 @@
 
 #include <math.h>
 
-static void second_difference(void **state) {
-    (void)state;
+TEST(second_difference) {
     enum { N = 12 };
     double a[N * N] = {0}, values[N], vectors[N * N];
     for (size_t i = 0; i < N; ++i) {
@@ -22,8 +21,7 @@ static void second_difference(void **state) {
         assert_near(values[k], 2 - 2 * cos((double)(N - k) * NQM_PI / (N + 1)), 1e-13);
 }
 
-static void vectors_give_the_matrix_back(void **state) {
-    (void)state;
+TEST(vectors_give_the_matrix_back) {
     enum { N = 30 };
     static double a[N * N], given[N * N], values[N], v[N * N];
     nqm_rng rng = nqm_rng_make(3, 0);
@@ -45,18 +43,8 @@ static void vectors_give_the_matrix_back(void **state) {
         assert_true(values[k - 1] >= values[k]);
 }
 
-static void nothing_has_no_directions(void **state) {
-    (void)state;
+TEST(nothing_has_no_directions) {
     double a[4] = {0}, values[2], v[4];
     nqm_eigen_symmetric(2, a, values, v);
     assert_true(values[0] == 0 && values[1] == 0 && v[0] == 1 && v[1] == 0 && v[3] == 1);
-}
-
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(second_difference),
-        cmocka_unit_test(vectors_give_the_matrix_back),
-        cmocka_unit_test(nothing_has_no_directions),
-    };
-    return cmocka_run_group_tests_name("math: eigen", tests, NULL, NULL);
 }

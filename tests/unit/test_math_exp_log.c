@@ -7,8 +7,7 @@
 
 #include <math.h>
 
-static void exponential_and_logarithm(void **state) {
-    (void)state;
+TEST(exponential_and_logarithm) {
     for (int i = -87000; i <= 87000; ++i) {
         float x = (float)i / 1000, y = nqm_exp_core(x);
         double expected = exp((double)x);
@@ -17,9 +16,4 @@ static void exponential_and_logarithm(void **state) {
         assert_near((double)nqm_log_core(y), log_y, 1e-7 * fmax(1, fabs(log_y)));
     }
     assert_true(nqm_exp_core(0) == 1 && nqm_log_core(1) == 0);
-}
-
-int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(exponential_and_logarithm)};
-    return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -45,8 +45,7 @@ static void agree(double actual, double expected, const char *name) {
         fail_msg("%s: %.17g, expected %.17g", name, actual, expected);
 }
 
-static void test_against_scipy(void **state) {
-    (void)state;
+TEST(test_against_scipy) {
     nqm_csv *data, *expected;
     assert_int_equal(nqm_csv_load(test_vector("stats_data.csv"), &data, NULL), NQM_OK);
     assert_int_equal(nqm_csv_load(test_vector("stats_expected.csv"), &expected, NULL), NQM_OK);
@@ -84,8 +83,7 @@ static double kendall_by_pairs(size_t n) {
     return s / sqrt(n_x * n_y);
 }
 
-static void test_kendall_by_definition(void **state) {
-    (void)state;
+TEST(test_kendall_by_definition) {
     const uint64_t seed = 42;
     nqm_rng rng = nqm_rng_make(seed, 0);
     print_message("seed %d\n", (int)seed);
@@ -98,8 +96,7 @@ static void test_kendall_by_definition(void **state) {
     }
 }
 
-static void test_monotone_maps_keep_ranks(void **state) {
-    (void)state;
+TEST(test_monotone_maps_keep_ranks) {
     nqm_rng rng = nqm_rng_make(3, 0);
     for (size_t i = 0; i < 500; ++i) {
         x[i] = nqm_rng_normal(&rng);
@@ -110,8 +107,7 @@ static void test_monotone_maps_keep_ranks(void **state) {
     assert_true(nqm_pearson(500, x, y) < 0.9);
 }
 
-static void test_nothing_to_correlate(void **state) {
-    (void)state;
+TEST(test_nothing_to_correlate) {
     double same[4] = {0.1, 0.1, 0.1, 0.1}, some[4] = {1, 2, 3, 5}, hole[4] = {1, NAN, 3, 4};
     double (*const functions[])(size_t, const double *, const double *) = {nqm_pearson, nqm_spearman, nqm_kendall};
     for (size_t k = 0; k < 3; ++k) {
@@ -129,22 +125,10 @@ static void test_nothing_to_correlate(void **state) {
 }
 
 /* 5, 7, 11, 23 and 100 degrees of freedom: scipy.stats.t.ppf(.95, n). */
-static void test_student(void **state) {
-    (void)state;
+TEST(test_student) {
     assert_near(nqm_student95(5), 2.0150484, 0.01);
     assert_near(nqm_student95(7), 1.8945786, 0.0035);
     assert_near(nqm_student95(11), 1.7958848, 0.001);
     assert_near(nqm_student95(23), 1.7138715, 1e-4);
     assert_near(nqm_student95(100), 1.6602343, 2e-6);
-}
-
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_against_scipy),
-        cmocka_unit_test(test_kendall_by_definition),
-        cmocka_unit_test(test_monotone_maps_keep_ranks),
-        cmocka_unit_test(test_nothing_to_correlate),
-        cmocka_unit_test(test_student),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
 }

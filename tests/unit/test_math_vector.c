@@ -10,8 +10,7 @@
 
 #include <math.h>
 
-static void test_coordinates_by_rotation(void **state) {
-    (void)state;
+TEST(test_coordinates_by_rotation) {
     nqm_csv *csv;
     assert_int_equal(nqm_csv_load(test_vector("coordinates.csv"), &csv, NULL), NQM_OK);
     assert_true(nqm_csv_rows(csv) > 50);
@@ -44,8 +43,7 @@ static void check_pair(const double *hd) {
     }
 }
 
-static void test_round_trip(void **state) {
-    (void)state;
+TEST(test_round_trip) {
     const uint64_t seed = 5;
     print_message("seed %d\n", (int)seed);
     nqm_rng rng = nqm_rng_make(seed, 0);
@@ -70,8 +68,7 @@ static void test_round_trip(void **state) {
     }
 }
 
-static void test_corners(void **state) {
-    (void)state;
+TEST(test_corners) {
     const double normal[3] = {0, 0, 1};
     double hd[3];
     nqm_half_diff_from_pair(normal, normal, hd);
@@ -95,8 +92,7 @@ static void test_corners(void **state) {
     assert_near(hd[2], 1.1, 1e-10);
 }
 
-static void test_vectors(void **state) {
-    (void)state;
+TEST(test_vectors) {
     double x[3] = {1, 0, 0}, yz[3] = {0, 3, 4}, cross[3];
     nqm_cross3(x, yz, cross);
     assert_true(cross[0] == 0 && cross[1] == -4 && cross[2] == 3);
@@ -114,21 +110,9 @@ static void test_vectors(void **state) {
 }
 
 /* By hand: the digits of i in the base, mirrored at the point. */
-static void test_radical_inverse(void **state) {
-    (void)state;
+TEST(test_radical_inverse) {
     assert_near(nqm_radical_inverse(0, 2), 0, 0);
     assert_near(nqm_radical_inverse(1, 2), 0.5, 0);
     assert_near(nqm_radical_inverse(6, 2), 0.375, 0);       /* 110 */
     assert_near(nqm_radical_inverse(7, 3), 5 / 9.0, 1e-15); /* 21 becomes 0.12 */
-}
-
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_coordinates_by_rotation),
-        cmocka_unit_test(test_round_trip),
-        cmocka_unit_test(test_corners),
-        cmocka_unit_test(test_vectors),
-        cmocka_unit_test(test_radical_inverse),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
 }

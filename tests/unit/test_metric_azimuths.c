@@ -37,8 +37,7 @@ static nqm_model *builtin(const char *name) {
 /* ---- the model --------------------------------------------------------------------------------------------------- */
 
 /* Delta-E of the model's pictures and of renderings of the same points: of constant BRDFs, and of lobes of any width and shape. */
-static void pictures_are_those_of_the_scene(void **state) {
-    (void)state;
+TEST(pictures_are_those_of_the_scene) {
     static const struct {
         const char *ref, *test;
         double tolerance; /* Delta-E */
@@ -67,8 +66,7 @@ static void pictures_are_those_of_the_scene(void **state) {
     nqm_model_free(model);
 }
 
-static void files_and_copies_score_the_same(void **state) {
-    (void)state;
+TEST(files_and_copies_score_the_same) {
     nqm_model *model = make_model(), *loaded, *copy;
     assert_int_equal(nqm_model_save(model, temp_file, NULL), NQM_OK);
     assert_int_equal(nqm_model_load(temp_file, &loaded, NULL), NQM_OK);
@@ -82,8 +80,7 @@ static void files_and_copies_score_the_same(void **state) {
     nqm_model_free(model);
 }
 
-static void samples_have_no_score(void **state) {
-    (void)state;
+TEST(samples_have_no_score) {
     nqm_model *model = make_model();
     nqm_scorer *scorer;
     nqm_score_result result;
@@ -97,8 +94,7 @@ static void samples_have_no_score(void **state) {
     nqm_model_free(model);
 }
 
-static void memory_runs_out(void **state) {
-    (void)state;
+TEST(memory_runs_out) {
     const nqm_scene_options o = studio_scene();
     nqm_status status = NQM_ERR_NOMEM;
     for (long n = 0; status != NQM_OK && n < 3000; n += 1 + n / 8) {
@@ -114,8 +110,7 @@ static void memory_runs_out(void **state) {
 }
 
 /* Every cell has its own slopes, and their areas fill the disc. */
-static void cells_cover_the_slopes(void **state) {
-    (void)state;
+TEST(cells_cover_the_slopes) {
     double area = 0;
     for (size_t cell = 0; cell < NQM_SLOPE_CELLS; ++cell)
         area += nqm_slope_area(cell);
@@ -127,8 +122,7 @@ static void cells_cover_the_slopes(void **state) {
 }
 
 /* Ratio, azimuth and centre of lobes. */
-static void lobes_are_measured(void **state) {
-    (void)state;
+TEST(lobes_are_measured) {
     static const struct {
         const char *spec;
         double ratio, phi_deg, x, y;
@@ -138,7 +132,7 @@ static void lobes_are_measured(void **state) {
                  {"rotate:deg=45;of=ward:ks=.1;alpha=.05,.01", 5, 45, 0, 0},
                  {"tilt:deg=10;azimuth=90;of=ggx:alpha=.05", 1, 0, 0, 0.176327}};
     for (size_t i = 0; i < sizeof lobes / sizeof *lobes; ++i) {
-        nqm_brdf *brdf = open_brdf(lobes[i].spec);
+        nqm_brdf *brdf = must_open(lobes[i].spec);
         const nqm_lobe l = nqm_lobe_measure(brdf);
         const double longer = hypot(l.axes[0], l.axes[2]);
         assert_near(l.axes[0] * l.axes[3] - l.axes[1] * l.axes[2], 1, 1e-12);
@@ -153,8 +147,7 @@ static void lobes_are_measured(void **state) {
 
 /* ---- which model ------------------------------------------------------------------------------------------------- */
 
-static void default_takes_the_score_of_anisotropic(void **state) {
-    (void)state;
+TEST(default_takes_the_score_of_anisotropic) {
     nqm_model *models[] = {builtin("default"), builtin("transport")}, *whole = builtin("anisotropic");
     const nqm_score_result seen = score_specs(whole, brushed, turned);
     for (size_t i = 0; i < 2; ++i) {
@@ -171,8 +164,7 @@ static void default_takes_the_score_of_anisotropic(void **state) {
 }
 
 /* A model of another scene with the name of a built-in one, and the file of a built-in one. */
-static void names_do_not_make_a_model_of_the_standard_scenes(void **state) {
-    (void)state;
+TEST(names_do_not_make_a_model_of_the_standard_scenes) {
     const nqm_scene_options o = studio_scene();
     nqm_model *model = builtin("transport"), *file, *other;
     assert_int_equal(nqm_model_save(model, temp_file, NULL), NQM_OK);
@@ -187,8 +179,7 @@ static void names_do_not_make_a_model_of_the_standard_scenes(void **state) {
 }
 
 /* The names of the same pair, and a model whose directions see one azimuth and that is not of the standard scenes. */
-static void named_pairs(void **state) {
-    (void)state;
+TEST(named_pairs) {
     nqm_model *model = builtin("default"), *paper = builtin("paper");
     const nqm_named_pair pairs[] = {{brushed, turned}, {plain, plain}, {plain, turned}};
     nqm_score_result results[3], refused[3];
@@ -211,8 +202,7 @@ static void named_pairs(void **state) {
 }
 
 /* JOD of ggx of two widths against one of another width, as the widths become equal. */
-static void scores_are_continuous_where_anisotropy_vanishes(void **state) {
-    (void)state;
+TEST(scores_are_continuous_where_anisotropy_vanishes) {
     nqm_model *model = builtin("default");
     double last = score_specs(model, plain, "ggx:kd=.1;ks=1;alpha=.2;f0=.9,.6,.3").jod;
     for (int i = 0; i <= 20; ++i) {
@@ -233,10 +223,9 @@ static void find_out(void *user, size_t n, const double *wi, const double *wo, d
 }
 
 /* A function of the caller says nothing about isotropy; it is measured. */
-static void functions_are_found_out(void **state) {
-    (void)state;
+TEST(functions_are_found_out) {
     nqm_model *model = builtin("default");
-    nqm_brdf *ref = open_brdf("lambert:kd=.9");
+    nqm_brdf *ref = must_open("lambert:kd=.9");
     for (int i = 0; i < 2; ++i) {
         double slope = 0.1 * i;
         nqm_brdf *test;
@@ -253,19 +242,4 @@ static void functions_are_found_out(void **state) {
     nqm_model_free(model);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(pictures_are_those_of_the_scene),
-        cmocka_unit_test(files_and_copies_score_the_same),
-        cmocka_unit_test(samples_have_no_score),
-        cmocka_unit_test(memory_runs_out),
-        cmocka_unit_test(cells_cover_the_slopes),
-        cmocka_unit_test(lobes_are_measured),
-        cmocka_unit_test(default_takes_the_score_of_anisotropic),
-        cmocka_unit_test(names_do_not_make_a_model_of_the_standard_scenes),
-        cmocka_unit_test(named_pairs),
-        cmocka_unit_test(scores_are_continuous_where_anisotropy_vanishes),
-        cmocka_unit_test(functions_are_found_out),
-    };
-    return cmocka_run_group_tests(tests, make_temp_file, remove_temp_file);
-}
+TEST_FILE(make_temp_file, remove_temp_file)

@@ -14,8 +14,7 @@
 
 enum { N = METRICS_PAIR_N };
 
-static void test_against_numpy(void **state) {
-    (void)state;
+TEST(test_against_numpy) {
     double all[NQM_METRIC_COUNT], kept[NQM_METRIC_COUNT];
     assert_int_equal(nqm_metrics_compute(pair.directions, pair.ref, pair.test, NULL, all, NULL), NQM_OK);
     assert_int_equal(nqm_metrics_compute(pair.directions, pair.ref, pair.test, pair.used, kept, NULL), NQM_OK);
@@ -30,8 +29,7 @@ static void test_against_numpy(void **state) {
     nqm_csv_free(csv);
 }
 
-static void test_equal_and_empty(void **state) {
-    (void)state;
+TEST(test_equal_and_empty) {
     double metrics[NQM_METRIC_COUNT];
     assert_int_equal(nqm_metrics_compute(pair.directions, pair.ref, pair.ref, NULL, metrics, NULL), NQM_OK);
     for (size_t m = 0; m < NQM_METRIC_COUNT; ++m)
@@ -42,8 +40,7 @@ static void test_equal_and_empty(void **state) {
         assert_true(isnan(metrics[m]));
 }
 
-static void test_symmetry(void **state) {
-    (void)state;
+TEST(test_symmetry) {
     double there[NQM_METRIC_COUNT], back[NQM_METRIC_COUNT];
     assert_int_equal(nqm_metrics_compute(pair.directions, pair.ref, pair.test, NULL, there, NULL), NQM_OK);
     assert_int_equal(nqm_metrics_compute(pair.directions, pair.test, pair.ref, NULL, back, NULL), NQM_OK);
@@ -51,11 +48,4 @@ static void test_symmetry(void **state) {
         assert_relative(there[m], back[m], 1e-6);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_against_numpy),
-        cmocka_unit_test(test_equal_and_empty),
-        cmocka_unit_test(test_symmetry),
-    };
-    return cmocka_run_group_tests(tests, read_metrics_pair, free_metrics_pair);
-}
+TEST_FILE(read_metrics_pair, free_metrics_pair)

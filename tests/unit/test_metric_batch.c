@@ -52,8 +52,7 @@ static nqm_score_result *score_many(nqm_scorer *scorer, const nqm_named_pair *pa
     return results;
 }
 
-static void test_like_nqm_score(void **state) {
-    (void)state;
+TEST(test_like_nqm_score) {
     nqm_named_pair pairs[MANY];
     for (size_t i = 0; i < MANY; ++i)
         pairs[i] = pair_at(i);
@@ -61,7 +60,7 @@ static void test_like_nqm_score(void **state) {
     nqm_score_result *results = score_many(scorer, pairs);
     assert_int_equal(nqm_scorer_n_opened(scorer), N_NAMES);
     for (size_t i = 0; i < N_NAMES * 7; ++i) {
-        nqm_brdf *ref = open_brdf(pairs[i].ref), *test = open_brdf(pairs[i].test);
+        nqm_brdf *ref = must_open(pairs[i].ref), *test = must_open(pairs[i].test);
         const nqm_brdf *tests[] = {test};
         nqm_score_result alone;
         assert_int_equal(nqm_score(model, ref, 1, tests, NULL, &alone, NULL), NQM_OK);
@@ -84,8 +83,7 @@ static bool same_bits(const nqm_score_result *a, const nqm_score_result *b) {
 }
 
 /* Resuming depends on this: a block gives the same bits alone, without a cache, and together with pairs that fail. */
-static void test_same_bits(void **state) {
-    (void)state;
+TEST(test_same_bits) {
     nqm_named_pair pairs[MANY];
     for (size_t i = 0; i < MANY; ++i)
         pairs[i] = pair_at(i);
@@ -114,8 +112,7 @@ static void test_same_bits(void **state) {
 }
 
 /* Room for two BRDFs: the one that was used last but two is opened again. */
-static void test_size_of_the_cache(void **state) {
-    (void)state;
+TEST(test_size_of_the_cache) {
     const size_t entry = sizeof(nqm_cached) + 13 * nqm_directions_count(nqm_model_get_info(model).directions);
     static const size_t steps[][3] = {{0, 1, 2}, {2, 2, 3}, {2, 1, 3}, {0, 0, 4}, {1, 1, 4}, {2, 2, 5}};
     nqm_scorer *scorer = make_scorer(2 * entry + entry / 2);
@@ -128,8 +125,7 @@ static void test_size_of_the_cache(void **state) {
     nqm_scorer_free(scorer);
 }
 
-static void test_faults(void **state) {
-    (void)state;
+TEST(test_faults) {
     const nqm_named_pair pairs[] = {{names[0], names[1]},
                                     {"nowhere.binary", names[1]},
                                     {names[0], "lambert:nonsense=1"},
@@ -155,8 +151,7 @@ static void test_faults(void **state) {
     assert_null(scorer);
 }
 
-static void test_without_metrics(void **state) {
-    (void)state;
+TEST(test_without_metrics) {
     nqm_score_options options = nqm_score_options_default();
     options.metrics = 0;
     nqm_scorer *scorer;
@@ -170,8 +165,7 @@ static void test_without_metrics(void **state) {
     nqm_scorer_free(scorer);
 }
 
-static void test_out_of_memory(void **state) {
-    (void)state;
+TEST(test_out_of_memory) {
     const nqm_named_pair pairs[] = {{names[0], names[1]}, {names[2], names[1]}};
     bool scored = false;
     for (long n = 0; !scored; ++n) {
@@ -194,8 +188,7 @@ static void test_out_of_memory(void **state) {
     }
 }
 
-static void test_preference(void **state) {
-    (void)state;
+TEST(test_preference) {
     assert_near(nqm_jod_preference(7, 7), 0.5, 0);
     assert_near(nqm_jod_preference(9, 8), 0.75, 1e-15);
     assert_near(nqm_jod_preference(8, 9), 0.25, 1e-15);
@@ -203,12 +196,4 @@ static void test_preference(void **state) {
     assert_near(nqm_jod_preference(10, -50), 1, 1e-15);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_like_nqm_score),  cmocka_unit_test(test_size_of_the_cache),
-        cmocka_unit_test(test_same_bits),       cmocka_unit_test(test_faults),
-        cmocka_unit_test(test_without_metrics), cmocka_unit_test(test_out_of_memory),
-        cmocka_unit_test(test_preference),
-    };
-    return cmocka_run_group_tests(tests, setup, teardown);
-}
+TEST_FILE(setup, teardown)

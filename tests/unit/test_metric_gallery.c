@@ -26,8 +26,7 @@ static nqm_gallery *draw(nqm_scorer *scorer, const nqm_model *model) {
     return gallery;
 }
 
-static void compare_with_scores(void **state) {
-    (void)state;
+TEST(compare_with_scores) {
     nqm_model *model;
     nqm_scorer *scorer;
     nqm_error err = {0};
@@ -51,8 +50,7 @@ static void compare_with_scores(void **state) {
     nqm_model_free(model);
 }
 
-static void threads_and_groups(void **state) {
-    (void)state;
+TEST(threads_and_groups) {
     nqm_model *model;
     nqm_scorer *scorer;
     nqm_gallery *gallery[2], *again;
@@ -78,8 +76,7 @@ static void threads_and_groups(void **state) {
     nqm_model_free(model);
 }
 
-static void faults(void **state) {
-    (void)state;
+TEST(faults) {
     nqm_model *model, *paper;
     nqm_scorer *scorer;
     nqm_gallery *gallery;
@@ -98,10 +95,4 @@ static void faults(void **state) {
     nqm_gallery_free(gallery);
     nqm_model_free(paper);
     nqm_model_free(model);
-}
-
-int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(compare_with_scores), cmocka_unit_test(threads_and_groups),
-                                       cmocka_unit_test(faults)};
-    return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -88,8 +88,7 @@ static void check_pair(const gradient_pair *p) {
 
 /* ---- tests ------------------------------------------------------------------------------------------------------- */
 
-static void ordinary_pairs(void **state) {
-    (void)state;
+TEST(ordinary_pairs) {
     static const double strengths[] = {0.02, 0.2, 1};
     for (size_t k = 0; k < 3; ++k) {
         const gradient_pair p = make_pair(k + 1, strengths[k], 40 + 30 * k);
@@ -97,8 +96,7 @@ static void ordinary_pairs(void **state) {
     }
 }
 
-static void unused_directions(void **state) {
-    (void)state;
+TEST(unused_directions) {
     gradient_pair p = make_pair(4, 0.3, 70);
     for (size_t i = 0; i < N; ++i)
         p.used[i] = i % 3 != 0 && directions->degrees[3 * i] >= 2; /* the first zone is empty */
@@ -122,8 +120,7 @@ static void unused_directions(void **state) {
 }
 
 /* All features but those of cube roots continue smoothly below 0, so that differences around 0 are those from the right. */
-static void zero_reflectance(void **state) {
-    (void)state;
+TEST(zero_reflectance) {
     static feature_gradients expected;
     gradient_pair p = make_pair(5, 0.4, 20);
     for (size_t i = 0; i < N; i += 4)
@@ -153,8 +150,7 @@ static void zero_reflectance(void **state) {
 }
 
 /* Signed features have derivatives at equal pairs; those of sizes are 0. */
-static void equal_pair(void **state) {
-    (void)state;
+TEST(equal_pair) {
     static feature_gradients expected;
     gradient_pair p = make_pair(6, 0.4, 20);
     p.test[60] *= 1.1f;
@@ -182,8 +178,7 @@ static void assert_only_direction(const gradient_pair *p, size_t feature, size_t
         assert_true((gradient[i] != 0) == (i / 3 == direction));
 }
 
-static void maxima(void **state) {
-    (void)state;
+TEST(maxima) {
     gradient_pair p = make_pair(7, 0.1, 100);
     assert_only_direction(&p, NQM_SCALAR_MAX, 100);
     assert_only_direction(&p, NQM_SCALAR_PEAK, 100);
@@ -207,8 +202,7 @@ static void maxima(void **state) {
     assert_only_direction(&p, NQM_SCALAR_PEAK, 0);
 }
 
-static void extremes(void **state) {
-    (void)state;
+TEST(extremes) {
     static const float values[] = {0, FLT_TRUE_MIN, 1e-20f, 1e-9f, 1, 1e20f, FLT_MAX};
     gradient_pair p = make_pair(8, 0.1, 100);
     double weights[NQM_SCALAR_COUNT];
@@ -228,8 +222,7 @@ static void extremes(void **state) {
 }
 
 /* Features of the caller do not matter, and a gradient is added to what is there. */
-static void caller_features(void **state) {
-    (void)state;
+TEST(caller_features) {
     gradient_pair p = make_pair(10, 0.2, 0);
     double weights[NQM_SCALAR_COUNT];
     float without[N_VALUES], with[N_VALUES];
@@ -244,12 +237,4 @@ static void caller_features(void **state) {
     assert_memory_equal(with, without, sizeof with);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(ordinary_pairs),   cmocka_unit_test(unused_directions),
-        cmocka_unit_test(zero_reflectance), cmocka_unit_test(equal_pair),
-        cmocka_unit_test(maxima),           cmocka_unit_test(extremes),
-        cmocka_unit_test(caller_features),
-    };
-    return cmocka_run_group_tests(tests, make_double_directions, free_double_directions);
-}
+TEST_FILE(make_double_directions, free_double_directions)

@@ -14,8 +14,7 @@
 
 enum { N = METRICS_PAIR_N };
 
-static void against_numpy(void **state) {
-    (void)state;
+TEST(against_numpy) {
     double all[NQM_SCALAR_COUNT], kept[NQM_SCALAR_COUNT];
     compute_scalars(pair.directions, NULL, pair.ref, pair.test, NULL, all);
     compute_scalars(pair.directions, NULL, pair.ref, pair.test, pair.used, kept);
@@ -32,8 +31,7 @@ static void against_numpy(void **state) {
 }
 
 /* For equal members every difference is exactly 0, or the logarithm of the floor of its feature. */
-static void equal_members(void **state) {
-    (void)state;
+TEST(equal_members) {
     double same[NQM_SCALAR_COUNT];
     compute_scalars(pair.directions, NULL, pair.ref, pair.ref, NULL, same);
     for (size_t i = 0; i < NQM_SCALAR_REF_LEVEL; ++i)
@@ -41,8 +39,7 @@ static void equal_members(void **state) {
 }
 
 /* The zones of theta_h end at 2, 5, 15, 35 degrees, those of theta_d at 30 and 60. */
-static void zones(void **state) {
-    (void)state;
+TEST(zones) {
     static const double h_ends[] = {2, 5, 15, 35}, d_ends[] = {30, 60};
     for (size_t i = 0; i < 4; ++i) {
         const double below[3] = {h_ends[i] - 0.01, 0, 0}, at[3] = {h_ends[i], 0, 0};
@@ -58,8 +55,7 @@ static void zones(void **state) {
 }
 
 /* 120 Delta-E for each unit of the largest difference of log(f + 0.003); directions that are not used do not count. */
-static void the_bound_of_delta_e(void **state) {
-    (void)state;
+TEST(the_bound_of_delta_e) {
     const float ref[6] = {1, 1, 1, 0.5F, 0.5F, 0.5F}, test[6] = {1, 1.1F, 1, 0.5F, 0.5F, 0.4F},
                 far[6] = {1, 1, 1, 1, 1, 1};
     const uint8_t first[2] = {1, 0};
@@ -69,8 +65,7 @@ static void the_bound_of_delta_e(void **state) {
     assert_true(isinf(nqm_delta_e_bound(2, &(nqm_sample_pair){ref, far, NULL})));
 }
 
-static void no_direction_and_extremes(void **state) {
-    (void)state;
+TEST(no_direction_and_extremes) {
     double scalars[NQM_SCALAR_COUNT];
     const uint8_t none[N] = {0};
     compute_scalars(pair.directions, NULL, pair.ref, pair.test, none, scalars);
@@ -89,8 +84,7 @@ static void no_direction_and_extremes(void **state) {
     }
 }
 
-static void as_inputs(void **state) {
-    (void)state;
+TEST(as_inputs) {
     nqm_scalar_whitening whitening = {.scale = 2};
     assert_int_equal(nqm_scalars_select(NULL, &whitening, NULL), NQM_OK);
     float x[NQM_SCALAR_COUNT];
@@ -107,8 +101,7 @@ static void as_inputs(void **state) {
     assert_near((double)x[4], -0.5, 0);
 }
 
-static void names(void **state) {
-    (void)state;
+TEST(names) {
     char *text = nqm_scalar_names();
     assert_non_null(text);
     assert_int_equal(strncmp(text, "log_rmse,log_mae,", 17), 0);
@@ -119,15 +112,4 @@ static void names(void **state) {
             assert_string_not_equal(nqm_scalar_name(i), nqm_scalar_name(k));
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(against_numpy),
-        cmocka_unit_test(equal_members),
-        cmocka_unit_test(zones),
-        cmocka_unit_test(the_bound_of_delta_e),
-        cmocka_unit_test(no_direction_and_extremes),
-        cmocka_unit_test(as_inputs),
-        cmocka_unit_test(names),
-    };
-    return cmocka_run_group_tests(tests, read_metrics_pair, free_metrics_pair);
-}
+TEST_FILE(read_metrics_pair, free_metrics_pair)

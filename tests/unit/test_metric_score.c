@@ -141,8 +141,7 @@ static void check_metrics(const double *metrics, const double *expected) {
 
 /* ---- tests ------------------------------------------------------------------------------------------------------- */
 
-static void test_chain(void **state) {
-    (void)state;
+TEST(test_chain) {
     for (int layout = NQM_LAYOUT_REF_TEST; layout <= NQM_LAYOUT_REF_DIFF_ABSDIFF; ++layout)
         for (int target = NQM_TARGET_JOD; target <= NQM_TARGET_LOG_DELTA_E; ++target) {
             struct nqm_model *model = make_model((nqm_layout)layout, (nqm_target)target);
@@ -171,8 +170,7 @@ static void test_chain(void **state) {
 }
 
 /* Tests that differ more and more: the prediction is cut at its bound, until the bound is above the prediction. */
-static void test_delta_e_keeps_to_its_bound(void **state) {
-    (void)state;
+TEST(test_delta_e_keeps_to_its_bound) {
     struct nqm_model *model = make_model(NQM_LAYOUT_REF_TEST, NQM_TARGET_LOG_DELTA_E);
     float ref[3 * N], test[3 * N];
     size_t n_cut = 0, n_below = 0;
@@ -194,8 +192,7 @@ static void test_delta_e_keeps_to_its_bound(void **state) {
     nqm_model_free(model);
 }
 
-static void test_policies(void **state) {
-    (void)state;
+TEST(test_policies) {
     struct nqm_model *model = make_model(NQM_LAYOUT_REF_DIFF_ABSDIFF, NQM_TARGET_JOD);
     const nqm_brdf *tests[] = {b_holed};
     for (int policy = NQM_INVALID_DROP; policy <= NQM_INVALID_NEAREST; ++policy) {
@@ -220,8 +217,7 @@ static void test_policies(void **state) {
     nqm_model_free(model);
 }
 
-static void test_reference_with_holes(void **state) {
-    (void)state;
+TEST(test_reference_with_holes) {
     struct nqm_model *model = make_model(NQM_LAYOUT_REF_TEST, NQM_TARGET_JOD);
     const nqm_brdf *tests[] = {b_brighter, b_dipped};
     nqm_score_options options = {.invalid = NQM_INVALID_DROP, .min_valid_fraction = 0.5, .metrics = 1};
@@ -243,8 +239,7 @@ static void test_reference_with_holes(void **state) {
     nqm_model_free(model);
 }
 
-static void test_faults_stay_with_their_test(void **state) {
-    (void)state;
+TEST(test_faults_stay_with_their_test) {
     struct nqm_model *model = make_model(NQM_LAYOUT_REF_TEST, NQM_TARGET_JOD);
     const nqm_brdf *tests[] = {b_brighter, b_empty, b_holed, b_plain, b_dazzling};
     nqm_score_result results[5], alone;
@@ -267,8 +262,7 @@ static void test_faults_stay_with_their_test(void **state) {
     nqm_model_free(model);
 }
 
-static void test_batches_and_threads(void **state) {
-    (void)state;
+TEST(test_batches_and_threads) {
     enum { MANY = 2 * NQM_PREDICT_BATCH + 5 };
     struct nqm_model *model = make_model(NQM_LAYOUT_REF_DIFF_ABSDIFF, NQM_TARGET_LOG_DELTA_E);
     float *ref = nqm_alloc(MANY, 3 * N * sizeof *ref), *test = nqm_alloc(MANY, 3 * N * sizeof *test);
@@ -291,8 +285,7 @@ static void test_batches_and_threads(void **state) {
     nqm_model_free(model);
 }
 
-static void test_many_tests(void **state) {
-    (void)state;
+TEST(test_many_tests) {
     enum { MANY = NQM_PREDICT_BATCH + 3 };
     struct nqm_model *model = make_model(NQM_LAYOUT_REF_TEST, NQM_TARGET_JOD);
     const nqm_brdf *tests[MANY];
@@ -309,8 +302,7 @@ static void test_many_tests(void **state) {
     nqm_model_free(model);
 }
 
-static void test_facts(void **state) {
-    (void)state;
+TEST(test_facts) {
     struct nqm_model *model = make_model(NQM_LAYOUT_REF_TEST, NQM_TARGET_JOD);
     nqm_model_info info = nqm_model_get_info(model);
     assert_int_equal(info.n_parameters, 72 * HIDDEN + 3 * HIDDEN + HIDDEN + 1);
@@ -327,8 +319,7 @@ static void test_facts(void **state) {
     nqm_model_free(model);
 }
 
-static void test_out_of_memory(void **state) {
-    (void)state;
+TEST(test_out_of_memory) {
     struct nqm_model *model = make_model(NQM_LAYOUT_REF_TEST, NQM_TARGET_JOD);
     const nqm_brdf *tests[] = {b_brighter};
     bool scored = false;
@@ -344,17 +335,4 @@ static void test_out_of_memory(void **state) {
     nqm_model_free(model);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_chain),
-        cmocka_unit_test(test_delta_e_keeps_to_its_bound),
-        cmocka_unit_test(test_policies),
-        cmocka_unit_test(test_reference_with_holes),
-        cmocka_unit_test(test_faults_stay_with_their_test),
-        cmocka_unit_test(test_batches_and_threads),
-        cmocka_unit_test(test_many_tests),
-        cmocka_unit_test(test_facts),
-        cmocka_unit_test(test_out_of_memory),
-    };
-    return cmocka_run_group_tests(tests, setup, teardown);
-}
+TEST_FILE(setup, teardown)

@@ -247,8 +247,7 @@ static void ordinary(const nqm_model *m) {
     assert_memory_equal(gradient, changed, sizeof gradient);
 }
 
-static void against_differences(void **state) {
-    (void)state;
+TEST(against_differences) {
     on_every_kind(ordinary);
 }
 
@@ -271,8 +270,7 @@ static void zeros(const nqm_model *m) {
         assert_true(isfinite(at_zero[i]));
 }
 
-static void zero_reflectance(void **state) {
-    (void)state;
+TEST(zero_reflectance) {
     on_every_kind(zeros);
 }
 
@@ -291,8 +289,7 @@ static void equal(const nqm_model *m) {
     }
 }
 
-static void equal_pair(void **state) {
-    (void)state;
+TEST(equal_pair) {
     on_every_kind(equal);
 }
 
@@ -322,8 +319,7 @@ static void nearly_equal(const nqm_model *m) {
     }
 }
 
-static void nearly_equal_pair(void **state) {
-    (void)state;
+TEST(nearly_equal_pair) {
     on_every_kind(nearly_equal);
 }
 
@@ -393,8 +389,7 @@ static void check_steps(const char *gloss, size_t n, const step_case *cases) {
     nqm_model_free(m);
 }
 
-static void steps_along_the_gradient(void **state) {
-    (void)state;
+TEST(steps_along_the_gradient) {
     static const step_case cases[] = {{1e-4, BY_GRADIENT}, {1e-4, BY_LEVEL},    {1e-3, BY_GRADIENT},
                                       {1e-3, BY_LEVEL},    {1e-2, BY_GRADIENT}, {1e-2, BY_LEVEL}};
     check_steps("1.05", sizeof cases / sizeof *cases, cases);
@@ -404,8 +399,7 @@ static void steps_along_the_gradient(void **state) {
 /* Delta-E of 0.1 to 0.2. Larger steps along the gradient change the picture by as much as the difference is, and pass beyond the
  * reference, where the distance is least: there the finite difference says nothing about a slope. Towards the reference a step
  * of any part of the difference does what the gradient says. */
-static void steps_of_small_differences(void **state) {
-    (void)state;
+TEST(steps_of_small_differences) {
     static const step_case cases[] = {{1e-4, BY_GRADIENT},  {1e-4, BY_LEVEL},     {1e-4, TO_REFERENCE},
                                       {1e-3, TO_REFERENCE}, {1e-2, TO_REFERENCE}, {1e-1, TO_REFERENCE}};
     check_steps("1.002", sizeof cases / sizeof *cases, cases);
@@ -422,8 +416,7 @@ static void refuse(nqm_scorer *scorer, nqm_score_quantity of, const nqm_sample_p
     assert_true(values[0] == 42 && values[1] == 42 && gradients[0] == 42);
 }
 
-static void refusals(void **state) {
-    (void)state;
+TEST(refusals) {
     nqm_model *m = make_model(&kinds[PAPER]);
     nqm_scorer *scorer = make_scorer(m);
     gradient_pair p = make_pair(7, 0.4, 20), bad = p;
@@ -458,8 +451,7 @@ static void run(const nqm_model *m, const nqm_sample_pair *pairs, size_t batch, 
     nqm_scorer_free(scorer);
 }
 
-static void the_same_bits(void **state) {
-    (void)state;
+TEST(the_same_bits) {
     enum { DISTINCT = 9 };
     static gradient_pair p[DISTINCT];
     static nqm_sample_pair pairs[MANY];
@@ -488,8 +480,7 @@ static void the_same_bits(void **state) {
 }
 
 /* A call that ran out of memory may be repeated. */
-static void out_of_memory(void **state) {
-    (void)state;
+TEST(out_of_memory) {
     nqm_model *m = make_model(&kinds[ALL]);
     nqm_scorer *scorer = make_scorer(m);
     const gradient_pair p = make_pair(8, 0.4, 20);
@@ -511,17 +502,4 @@ static void out_of_memory(void **state) {
     nqm_model_free(m);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(against_differences),
-        cmocka_unit_test(zero_reflectance),
-        cmocka_unit_test(equal_pair),
-        cmocka_unit_test(nearly_equal_pair),
-        cmocka_unit_test(refusals),
-        cmocka_unit_test(the_same_bits),
-        cmocka_unit_test(out_of_memory),
-        cmocka_unit_test(steps_along_the_gradient),
-        cmocka_unit_test(steps_of_small_differences),
-    };
-    return cmocka_run_group_tests(tests, make_double_directions, free_double_directions);
-}
+TEST_FILE(make_double_directions, free_double_directions)

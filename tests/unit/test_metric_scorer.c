@@ -34,12 +34,12 @@ static int setup(void **state) {
     (void)state;
     if (make_tiny_model(N_DIRECTIONS, &model, NULL) != NQM_OK)
         return 1;
-    refs[0] = open_brdf("ggx:kd=.2,.1,.05;alpha=.1");
-    refs[1] = open_brdf("ward:kd=.05;ks=.4;alpha=.05");
+    refs[0] = must_open("ggx:kd=.2,.1,.05;alpha=.1");
+    refs[1] = must_open("ward:kd=.05;ks=.4;alpha=.05");
     for (size_t i = 0; i < N_TESTS; ++i) {
         char spec[80];
         snprintf(spec, sizeof spec, "ggx:kd=.2,.1,.0%zu;alpha=.%zu", i % 9 + 1, 10 + i);
-        tests[i] = open_brdf(spec);
+        tests[i] = must_open(spec);
     }
     for (size_t r = 0; r < 2; ++r)
         for (size_t i = 0; i < N_TESTS; ++i)
@@ -85,8 +85,7 @@ static bool same_bits(const nqm_kernels *a, const nqm_kernels *b) {
     return true;
 }
 
-static void the_same_bits(void **state) {
-    (void)state;
+TEST(the_same_bits) {
     static const size_t batches[] = {1, 2, 13, N_TESTS};
     const int threads = omp_get_max_threads();
     const nqm_kernels *chosen = nqm_kernels_get();
@@ -112,8 +111,7 @@ static void the_same_bits(void **state) {
     use_chosen_kernels();
 }
 
-static void nothing_is_allocated(void **state) {
-    (void)state;
+TEST(nothing_is_allocated) {
     nqm_score_result results[N_TESTS];
     nqm_scorer *scorer = make_scorer();
     run(scorer, 1, 0, N_TESTS, results);
@@ -131,8 +129,7 @@ static void sample(const nqm_brdf *brdf, float rgb[3 * N_DIRECTIONS]) {
 }
 
 /* Samples from the caller give the same complete result as the BRDF, for both references, in any order. */
-static void samples_of_the_caller(void **state) {
-    (void)state;
+TEST(samples_of_the_caller) {
     static float ref[2][3 * N_DIRECTIONS], test[N_TESTS][3 * N_DIRECTIONS];
     nqm_sample_pair pairs[2 * N_TESTS];
     nqm_score_result results[2 * N_TESTS];
@@ -167,8 +164,7 @@ static void samples_of_the_caller(void **state) {
     nqm_scorer_free(scorer);
 }
 
-static void impossible_samples(void **state) {
-    (void)state;
+TEST(impossible_samples) {
     static const float bad[] = {NAN, INFINITY, -1e-6f};
     float ref[3 * N_DIRECTIONS], test[3 * N_DIRECTIONS];
     nqm_scorer *scorer = make_scorer();
@@ -191,8 +187,7 @@ static void impossible_samples(void **state) {
     nqm_scorer_free(scorer);
 }
 
-static void precisions(void **state) {
-    (void)state;
+TEST(precisions) {
     static const double bounds[NQM_PRECISION_COUNT] = {0, 0.02, 0.1};
     for (int p = 0; p < NQM_PRECISION_COUNT; ++p) {
         double worst = 0;
@@ -225,8 +220,7 @@ static void *score_once(void *user) {
     return NULL;
 }
 
-static void a_fresh_model_in_many_threads(void **state) {
-    (void)state;
+TEST(a_fresh_model_in_many_threads) {
     enum { N_THREADS = 8 };
     nqm_model *fresh;
     assert_int_equal(make_tiny_model(N_DIRECTIONS, &fresh, NULL), NQM_OK);
@@ -243,14 +237,4 @@ static void a_fresh_model_in_many_threads(void **state) {
     nqm_model_free(fresh);
 }
 
-int main(void) {
-    const struct CMUnitTest all[] = {
-        cmocka_unit_test(the_same_bits),
-        cmocka_unit_test(nothing_is_allocated),
-        cmocka_unit_test(samples_of_the_caller),
-        cmocka_unit_test(impossible_samples),
-        cmocka_unit_test(precisions),
-        cmocka_unit_test(a_fresh_model_in_many_threads),
-    };
-    return cmocka_run_group_tests(all, setup, teardown);
-}
+TEST_FILE(setup, teardown)

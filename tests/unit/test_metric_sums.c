@@ -112,8 +112,7 @@ static void check_features(const features *fast, const features *exact) {
     }
 }
 
-static void against_double(void **state) {
-    (void)state;
+TEST(against_double) {
     nqm_rng rng = nqm_rng_make(seed, 1);
     nqm_sample_pair pairs[TESTS];
     features fast, exact;
@@ -126,8 +125,7 @@ static void against_double(void **state) {
     }
 }
 
-static void one_by_one(void **state) {
-    (void)state;
+TEST(one_by_one) {
     nqm_rng rng = nqm_rng_make(seed, 2);
     nqm_sample_pair pairs[TESTS];
     features together, alone;
@@ -139,8 +137,7 @@ static void one_by_one(void **state) {
     assert_memory_equal(&together, &alone, sizeof together);
 }
 
-static void equal_and_extreme_members(void **state) {
-    (void)state;
+TEST(equal_and_extreme_members) {
     nqm_rng rng = nqm_rng_make(seed, 3);
     nqm_sample_pair pairs[TESTS];
     features fast, exact;
@@ -167,12 +164,4 @@ static void equal_and_extreme_members(void **state) {
     check_features(&fast, &exact);
 }
 
-int main(void) {
-    printf("seed %llu\n", (unsigned long long)seed);
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(against_double),
-        cmocka_unit_test(one_by_one),
-        cmocka_unit_test(equal_and_extreme_members),
-    };
-    return cmocka_run_group_tests(tests, make_directions, free_directions);
-}
+TEST_FILE(make_directions, free_directions)

@@ -103,8 +103,7 @@ static double looks_of(const float *ref, const float *test, const uint8_t *mask)
     return distance;
 }
 
-static void looks_agree_with_numpy(void **state) {
-    (void)state;
+TEST(looks_agree_with_numpy) {
     for (size_t i = 0; i < BRDFS; ++i) {
         assert_near(looks_of(rgb[0], rgb[i], NULL), looks[0][i], 2e-3 + 1e-4 * looks[0][i]);
         assert_near(looks_of(rgb[0], rgb[i], used[i]), looks[1][i], 2e-3 + 1e-4 * looks[1][i]);
@@ -126,8 +125,7 @@ static double similarity_of(const nqm_model *model, double pictures, double log_
     return ends[0];
 }
 
-static void similarity_falls_with_distance(void **state) {
-    (void)state;
+TEST(similarity_falls_with_distance) {
     nqm_model model = {0};
     double before[3] = {10, 10, 10}, now[3];
     similarity_of(&model, 0, 0, now);
@@ -151,8 +149,7 @@ static void similarity_falls_with_distance(void **state) {
 
 /* ---- exact properties -------------------------------------------------------------------------------------------- */
 
-static void equal_pairs_give_zero(void **state) {
-    (void)state;
+TEST(equal_pairs_give_zero) {
     const nqm_label zero = {.delta_e = 0};
     for (size_t i = 0; i < BRDFS; ++i) {
         float copy[3 * N];
@@ -167,8 +164,7 @@ static void equal_pairs_give_zero(void **state) {
     }
 }
 
-static void extremes_are_finite(void **state) {
-    (void)state;
+TEST(extremes_are_finite) {
     const float black[3 * N] = {0};
     float bright[3 * N];
     for (size_t i = 0; i < 3 * N; ++i)
@@ -204,19 +200,16 @@ static void on_every_table(void (*test)(void)) {
     use_chosen_kernels();
 }
 
-static void against_numpy(void **state) {
-    (void)state;
+TEST(against_numpy) {
     on_every_table(compare_with_numpy);
 }
 
-static void batches_give_the_same_bits(void **state) {
-    (void)state;
+TEST(batches_give_the_same_bits) {
     on_every_table(cut_batches);
 }
 
 /* The same for the JOD of a model that corrects estimates, and for metrics: two threads share a single pair. */
-static void predictions_give_the_same_bits(void **state) {
-    (void)state;
+TEST(predictions_give_the_same_bits) {
     enum { N_PAIRS = 75, N_DIRECTIONS = 130 };
     nqm_model *model;
     nqm_predictor *predictor;
@@ -253,15 +246,4 @@ static void predictions_give_the_same_bits(void **state) {
     nqm_model_free(model);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(looks_agree_with_numpy),
-        cmocka_unit_test(similarity_falls_with_distance),
-        cmocka_unit_test(against_numpy),
-        cmocka_unit_test(equal_pairs_give_zero),
-        cmocka_unit_test(extremes_are_finite),
-        cmocka_unit_test(batches_give_the_same_bits),
-        cmocka_unit_test(predictions_give_the_same_bits),
-    };
-    return cmocka_run_group_tests(tests, read_vectors, NULL);
-}
+TEST_FILE(read_vectors, NULL)

@@ -115,8 +115,7 @@ static void check_pair(const nqm_transport *t, const gradient_pair *p, const uin
 
 /* ---- tests ------------------------------------------------------------------------------------------------------- */
 
-static void ordinary_pairs(void **state) {
-    (void)state;
+TEST(ordinary_pairs) {
     static const double strengths[] = {0.002, 0.1, 1};
     nqm_transport t = make_transport(128, 1, 100000);
     for (size_t k = 0; k < 3; ++k) {
@@ -126,8 +125,7 @@ static void ordinary_pairs(void **state) {
     drop_transport(&t);
 }
 
-static void points_and_scenes(void **state) {
-    (void)state;
+TEST(points_and_scenes) {
     static const size_t shapes[][2] = {{32, 1}, {32, 3}, {160, 1}, {160, 7}, {288, 2}};
     const gradient_pair p = make_pair(4, 0.2, 70);
     for (size_t k = 0; k < 5; ++k) {
@@ -152,8 +150,7 @@ static nqm_transport part_of(const nqm_transport *t, size_t first, size_t n) {
 }
 
 /* More points than are computed together: the label is the mean of those of the scenes, each alone. */
-static void sum_of_parts(void **state) {
-    (void)state;
+TEST(sum_of_parts) {
     enum { POINTS = 288, SCENES = 3, PART = POINTS / SCENES };
     const gradient_pair p = make_pair(9, 0.2, 70);
     static estimated all, part;
@@ -183,8 +180,7 @@ static void sum_of_parts(void **state) {
 }
 
 /* Channels above the peak have no influence. */
-static void above_the_peak(void **state) {
-    (void)state;
+TEST(above_the_peak) {
     gradient_pair p = make_pair(5, 0.3, 10);
     nqm_transport t = make_transport(64, 2, 300);
     check_pair(&t, &p, NULL);
@@ -197,8 +193,7 @@ static void above_the_peak(void **state) {
     drop_transport(&t);
 }
 
-static void dropped_directions(void **state) {
-    (void)state;
+TEST(dropped_directions) {
     static estimated e, changed;
     gradient_pair p = make_pair(6, 0.3, 10);
     nqm_transport t = make_transport(96, 2, 1e5);
@@ -217,8 +212,7 @@ static void dropped_directions(void **state) {
 }
 
 /* Only signed members of the label have a gradient there. */
-static void equal_pair(void **state) {
-    (void)state;
+TEST(equal_pair) {
     static estimated e;
     static double expected[N_WEIGHTS][N_VALUES];
     gradient_pair p = make_pair(7, 0.3, 10);
@@ -237,8 +231,7 @@ static void equal_pair(void **state) {
 }
 
 /* PQ has no limit of its derivative at 0: the gradient is finite, and points to more light for a brighter picture. */
-static void black_test(void **state) {
-    (void)state;
+TEST(black_test) {
     static estimated e;
     gradient_pair p = make_pair(8, 0.3, 10);
     nqm_transport t = make_transport(64, 2, 1e5);
@@ -252,11 +245,4 @@ static void black_test(void **state) {
     drop_transport(&t);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(ordinary_pairs), cmocka_unit_test(points_and_scenes),  cmocka_unit_test(sum_of_parts),
-        cmocka_unit_test(above_the_peak), cmocka_unit_test(dropped_directions), cmocka_unit_test(equal_pair),
-        cmocka_unit_test(black_test),
-    };
-    return cmocka_run_group_tests(tests, make_double_directions, free_double_directions);
-}
+TEST_FILE(make_double_directions, free_double_directions)

@@ -117,8 +117,7 @@ static float output_of(const struct nqm_model *model) {
     return z;
 }
 
-static void round_trip(void **state) {
-    (void)state;
+TEST(round_trip) {
     size_t n, n_again;
     struct nqm_model *made = make_model(), *model;
     assert_int_equal(nqm_model_save(made, path_of_output(), NULL), NQM_OK);
@@ -185,8 +184,7 @@ static void round_trip(void **state) {
 }
 
 /* At an odd address floats cannot be used in place; the copy must have the same values. */
-static void unaligned_bytes(void **state) {
-    (void)state;
+TEST(unaligned_bytes) {
     size_t n;
     unsigned char *file = model_file(&n), *shifted = nqm_alloc(n + 1, 1);
     memcpy(shifted + 1, file, n);
@@ -202,8 +200,7 @@ static void unaligned_bytes(void **state) {
 }
 
 /* Each of the 2^16 halves survives conversion to float and back; ties round to even. */
-static void half_values(void **state) {
-    (void)state;
+TEST(half_values) {
     for (uint32_t bits = 0; bits < 0x10000; ++bits) {
         uint16_t half = (uint16_t)bits, back;
         float x;
@@ -240,8 +237,7 @@ static void half_values(void **state) {
 }
 
 /* A file with 16-bit weights gives the rounded weights at any address and is saved with 16-bit weights again. */
-static void weights_in_half(void **state) {
-    (void)state;
+TEST(weights_in_half) {
     size_t n_whole, n, n_again;
     struct nqm_model *made = make_model(), *copy, *model, *odd;
     assert_int_equal(nqm_model_copy(made, &copy, NULL), NQM_OK);
@@ -278,8 +274,7 @@ static void weights_in_half(void **state) {
         nqm_free(blocks[i]);
 }
 
-static void damage(void **state) {
-    (void)state;
+TEST(damage) {
     size_t n;
     unsigned char *file = model_file(&n);
     struct nqm_model *model;
@@ -351,8 +346,7 @@ static void must_refuse(const contents *c, const char *says) {
     nqm_free(file);
 }
 
-static void each_tensor_is_checked(void **state) {
-    (void)state;
+TEST(each_tensor_is_checked) {
     contents c = open_contents();
     for (size_t i = 0; i < c.n_tensors; ++i) {
         nqm_tensor saved = c.tensors[i];
@@ -385,8 +379,7 @@ static void each_tensor_is_checked(void **state) {
     close_contents(&c);
 }
 
-static void each_text_is_checked(void **state) {
-    (void)state;
+TEST(each_text_is_checked) {
     contents c = open_contents();
     for (size_t i = 0; i < c.n_meta; ++i) {
         nqm_meta saved = c.meta[i];
@@ -412,8 +405,7 @@ static void each_text_is_checked(void **state) {
     close_contents(&c);
 }
 
-static void impossible_numbers(void **state) {
-    (void)state;
+TEST(impossible_numbers) {
     const float no_std[3] = {1, 0, 1}, no_scalar_std[NQM_SCALAR_COUNT] = {1};
     const double flat[4] = {5, 2, 1, 1}, no_deviation[4] = {5, 0, -1, 1};
     const struct {
@@ -510,8 +502,7 @@ static void impossible_shapes(void **state) {
 }
 
 /* A network has a hidden layer. */
-static void one_layer(void **state) {
-    (void)state;
+TEST(one_layer) {
     static const float weights[6 * N_DIRECTIONS], bias[1];
     contents c = open_contents();
     for (size_t k = 0; k < c.n_tensors; ++k)
@@ -540,8 +531,7 @@ static void neither_network_nor_transport(void **state) {
     close_contents(&c);
 }
 
-static void out_of_memory(void **state) {
-    (void)state;
+TEST(out_of_memory) {
     size_t n;
     unsigned char *file = model_file(&n);
     struct nqm_model *model = NULL;
@@ -562,8 +552,7 @@ static void out_of_memory(void **state) {
 
 /* ---- the meaning of the output ----------------------------------------------------------------------------------- */
 
-static void jod_of_an_output(void **state) {
-    (void)state;
+TEST(jod_of_an_output) {
     struct nqm_model *model = make_model();
     double delta_e;
     assert_near(nqm_model_jod(model, 0, NULL, &delta_e), 5 + 2 * (-2 + 3.5 / 2), 1e-12);
@@ -613,52 +602,44 @@ static void correction_of_an_estimate(void **state) {
     nqm_model_free(model);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(round_trip),
-        cmocka_unit_test(unaligned_bytes),
-        cmocka_unit_test(half_values),
-        cmocka_unit_test(weights_in_half),
-        cmocka_unit_test(damage),
-        cmocka_unit_test(each_tensor_is_checked),
-        cmocka_unit_test(each_text_is_checked),
-        cmocka_unit_test(impossible_numbers),
-        cmocka_unit_test(one_layer),
-        cmocka_unit_test(out_of_memory),
-        cmocka_unit_test(jod_of_an_output),
-    };
-    int n_failed = cmocka_run_group_tests_name("samples", tests, NULL, NULL);
-    const struct CMUnitTest tests_with_scalars[] = {
-        cmocka_unit_test(round_trip),
-        cmocka_unit_test(each_tensor_is_checked),
-        cmocka_unit_test(each_text_is_checked),
-        cmocka_unit_test(impossible_numbers),
-    };
+TEST(with_scalar_features) {
     with_scalars = true;
-    n_failed += cmocka_run_group_tests_name("with scalar features", tests_with_scalars, NULL, NULL);
-    const struct CMUnitTest tests_with_transport[] = {
-        cmocka_unit_test(round_trip),
-        cmocka_unit_test(unaligned_bytes),
-        cmocka_unit_test(weights_in_half),
-        cmocka_unit_test(each_tensor_is_checked),
-        cmocka_unit_test(each_text_is_checked),
-        cmocka_unit_test(impossible_numbers),
-        cmocka_unit_test(impossible_transport),
-        cmocka_unit_test(out_of_memory),
-        cmocka_unit_test(correction_of_an_estimate),
-    };
+    round_trip(state);
+    each_tensor_is_checked(state);
+    each_text_is_checked(state);
+    impossible_numbers(state);
+}
+
+TEST(with_scalar_features_and_transport) {
+    with_scalars = with_transport = true;
+    round_trip(state);
+    unaligned_bytes(state);
+    weights_in_half(state);
+    each_tensor_is_checked(state);
+    each_text_is_checked(state);
+    impossible_numbers(state);
+    impossible_transport(state);
+    out_of_memory(state);
+    correction_of_an_estimate(state);
+}
+
+TEST(transport_without_a_network) {
     with_transport = true;
-    n_failed += cmocka_run_group_tests_name("with a transport matrix", tests_with_transport, NULL, NULL);
-    const struct CMUnitTest tests_without_network[] = {
-        cmocka_unit_test(round_trip),           cmocka_unit_test(damage),
-        cmocka_unit_test(impossible_transport), cmocka_unit_test(each_tensor_is_checked),
-        cmocka_unit_test(out_of_memory),        cmocka_unit_test(neither_network_nor_transport),
-    };
     with_network = with_scalars = false;
-    n_failed += cmocka_run_group_tests_name("without a network", tests_without_network, NULL, NULL);
-    const struct CMUnitTest tests_of_points[] = {cmocka_unit_test(round_trip), cmocka_unit_test(each_tensor_is_checked),
-                                                 cmocka_unit_test(impossible_shapes)};
-    for (n_points = 32; n_points <= MAX_POINTS; n_points *= 3)
-        n_failed += cmocka_run_group_tests_name("numbers of points", tests_of_points, NULL, NULL);
-    return n_failed;
+    round_trip(state);
+    damage(state);
+    impossible_transport(state);
+    each_tensor_is_checked(state);
+    out_of_memory(state);
+    neither_network_nor_transport(state);
+}
+
+TEST(numbers_of_points) {
+    with_transport = true;
+    with_network = with_scalars = false;
+    for (n_points = 32; n_points <= MAX_POINTS; n_points *= 3) {
+        round_trip(state);
+        each_tensor_is_checked(state);
+        impossible_shapes(state);
+    }
 }

@@ -35,8 +35,7 @@ static struct nqm_model *make_model(void) {
     return model;
 }
 
-static void test_file_round_trip(void **state) {
-    (void)state;
+TEST(test_file_round_trip) {
     struct nqm_model *model = make_model();
     nqm_model *loaded;
     assert_int_equal(nqm_model_save(model, temp_file, NULL), NQM_OK);
@@ -59,8 +58,7 @@ static void test_file_round_trip(void **state) {
 }
 
 /* A model from memory equals that of the file and does not depend on the buffer after loading. */
-static void test_from_memory(void **state) {
-    (void)state;
+TEST(test_from_memory) {
     struct nqm_model *model = make_model();
     nqm_model *loaded;
     nqm_map map;
@@ -84,8 +82,7 @@ static void test_from_memory(void **state) {
     nqm_model_free(model);
 }
 
-static void test_golden_scores(void **state) {
-    (void)state;
+TEST(test_golden_scores) {
     struct nqm_model *model = make_model();
     nqm_model *loaded;
     nqm_error err = {0};
@@ -108,8 +105,7 @@ static void test_golden_scores(void **state) {
     nqm_model_free(model);
 }
 
-static void test_refusals_name_the_file(void **state) {
-    (void)state;
+TEST(test_refusals_name_the_file) {
     nqm_model *model;
     nqm_error err = {0};
     assert_int_equal(nqm_model_load("/nowhere/m.safetensors", &model, &err), NQM_ERR_IO);
@@ -173,8 +169,7 @@ static struct nqm_model *make_with_scalars(const char *names, const char *kept) 
 
 /* What a version with more features, or with others before them, makes of a file: features are found by their names. Novelty is
  * the distance in the features that the model has. */
-static void test_named_scalars(void **state) {
-    (void)state;
+TEST(test_named_scalars) {
     static const char some[] = "bias_grazing,log_ma_loge,ref_peak,peak,log_rmse";
     struct nqm_model *all = make_with_scalars(NULL, some), *few = make_with_scalars(some, some);
     nqm_model *loaded;
@@ -203,8 +198,7 @@ static void test_named_scalars(void **state) {
 }
 
 /* A model with a scalar feature that is unknown to this library, or occurs twice, is refused. */
-static void test_other_scalars(void **state) {
-    (void)state;
+TEST(test_other_scalars) {
     static const struct {
         const char *at, *says;
     } bad[] = {{"log_rmsf", "scalar feature 'log_rmsf'"},
@@ -228,8 +222,7 @@ static void test_other_scalars(void **state) {
     }
 }
 
-static void test_builtin_models(void **state) {
-    (void)state;
+TEST(test_builtin_models) {
     nqm_model *model;
     nqm_error err = {0};
     assert_int_equal(nqm_model_builtin("no such model", &model, &err), NQM_ERR_MODEL);
@@ -261,8 +254,7 @@ static void count_check(void *user, const char *name, int passed) {
     }
 }
 
-static void test_selftest(void **state) {
-    (void)state;
+TEST(test_selftest) {
     tally t = {0};
     nqm_error err = {0};
     nqm_status status = nqm_selftest(count_check, &t, &err);
@@ -280,12 +272,4 @@ static void test_selftest(void **state) {
     assert_int_equal(nqm_selftest(NULL, NULL, NULL), NQM_OK);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_file_round_trip), cmocka_unit_test(test_from_memory),
-        cmocka_unit_test(test_golden_scores),   cmocka_unit_test(test_refusals_name_the_file),
-        cmocka_unit_test(test_named_scalars),   cmocka_unit_test(test_other_scalars),
-        cmocka_unit_test(test_builtin_models),  cmocka_unit_test(test_selftest),
-    };
-    return cmocka_run_group_tests(tests, make_temp_file, remove_temp_file);
-}
+TEST_FILE(make_temp_file, remove_temp_file)

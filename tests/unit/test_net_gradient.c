@@ -131,8 +131,7 @@ static void check_values(const char *name) {
     nqm_free(dx);
 }
 
-static void against_differences(void **state) {
-    (void)state;
+TEST(against_differences) {
     for (size_t s = 0; s < 2 * SHAPES; ++s) {
         make(&shapes[s / 2], s % 2);
         for (size_t t = 0; nqm_kernels_at(t); ++t) {
@@ -144,8 +143,7 @@ static void against_differences(void **state) {
     }
 }
 
-static void the_same_bits(void **state) {
-    (void)state;
+TEST(the_same_bits) {
     static const size_t batches[] = {ROWS, 1, 2, 13, 20};
     const int threads = omp_get_max_threads();
     make(&shapes[0], false);
@@ -171,8 +169,7 @@ static void the_same_bits(void **state) {
 }
 
 /* A gradient of 0 by the outputs gives 0 for the inputs, whatever the workspace held before. */
-static void no_weight_no_gradient(void **state) {
-    (void)state;
+TEST(no_weight_no_gradient) {
     make(&shapes[0], false);
     float *dx = nqm_alloc(ROWS * stride, sizeof *dx), z[ROWS * OUTPUTS];
     memset(dz, 0, sizeof dz);
@@ -183,8 +180,7 @@ static void no_weight_no_gradient(void **state) {
     drop();
 }
 
-static void out_of_memory(void **state) {
-    (void)state;
+TEST(out_of_memory) {
     make(&shapes[0], false);
     bool made = false;
     for (long n = 0; !made; ++n) {
@@ -199,14 +195,4 @@ static void out_of_memory(void **state) {
     }
     nqm_gradient_net_free(NULL);
     drop();
-}
-
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(against_differences),
-        cmocka_unit_test(the_same_bits),
-        cmocka_unit_test(no_weight_no_gradient),
-        cmocka_unit_test(out_of_memory),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -111,8 +111,7 @@ static void check_outputs(void) {
     use_chosen_kernels();
 }
 
-static void outputs_by_the_formulas(void **state) {
-    (void)state;
+TEST(outputs_by_the_formulas) {
     check_outputs();
     inputs.test_itself = true; /* the same function of the same inputs */
     check_outputs();
@@ -129,8 +128,7 @@ static bool same_bits(const nqm_kernels *kernels, int precision) {
     return kernels != &nqm_kernels_scalar && fused && precision != NQM_PRECISION_BF16;
 }
 
-static void the_same_bits(void **state) {
-    (void)state;
+TEST(the_same_bits) {
     static const size_t batches[] = {ROWS, 1, 2, 7, 13, 100};
     const int threads = omp_get_max_threads();
     static float first[NQM_PRECISION_COUNT][ROWS], all[ROWS], z[ROWS];
@@ -155,8 +153,7 @@ static void the_same_bits(void **state) {
 }
 
 /* The first call, with at most 192 rows, packs a panel at a time. */
-static void the_same_bits_before_packing(void **state) {
-    (void)state;
+TEST(the_same_bits_before_packing) {
     static const size_t batches[] = {1, 2, 13, 40, 192};
     const int threads = omp_get_max_threads();
     static float all[ROWS], z[ROWS];
@@ -197,8 +194,7 @@ static void *run_thrice(void *net) {
 }
 
 /* Some calls read weights that are not packed while another call packs them. */
-static void packing_during_other_calls(void **state) {
-    (void)state;
+TEST(packing_during_other_calls) {
     enum { N_THREADS = 6 };
     pthread_t thread[N_THREADS];
     void *z[N_THREADS];
@@ -218,8 +214,7 @@ static void packing_during_other_calls(void **state) {
 }
 
 /* The kept reference is not used with other kernels than those that computed its partial product. */
-static void kernels_change(void **state) {
-    (void)state;
+TEST(kernels_change) {
     session s = begin(NQM_PRECISION_BF16), fresh = begin(NQM_PRECISION_BF16);
     float before, after, expected_after;
     nqm_inference_run(s.work, 1, x, STRIDE, &before);
@@ -238,8 +233,7 @@ static void *find(void *model) {
     return nqm_model_inference(model, NQM_PRECISION_BF16, &net, NULL) == NQM_OK ? (void *)(uintptr_t)net : NULL;
 }
 
-static void packed_once(void **state) {
-    (void)state;
+TEST(packed_once) {
     struct nqm_model *model = nqm_alloc(1, sizeof *model);
     const nqm_net_shape shape = {2, {9 * 7, 300, 1}};
     assert_int_equal(nqm_params_create(&shape, &model->params, NULL), NQM_OK);
@@ -261,8 +255,7 @@ static void packed_once(void **state) {
     nqm_model_free(model);
 }
 
-static void out_of_memory(void **state) {
-    (void)state;
+TEST(out_of_memory) {
     session s;
     bool made = false;
     for (long n = 0; !made; ++n) {
@@ -285,16 +278,4 @@ static void out_of_memory(void **state) {
     end(&s);
 }
 
-int main(void) {
-    printf("seed %llu\n", (unsigned long long)seed);
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(outputs_by_the_formulas),
-        cmocka_unit_test(the_same_bits),
-        cmocka_unit_test(the_same_bits_before_packing),
-        cmocka_unit_test(packing_during_other_calls),
-        cmocka_unit_test(kernels_change),
-        cmocka_unit_test(packed_once),
-        cmocka_unit_test(out_of_memory),
-    };
-    return cmocka_run_group_tests(tests, setup, teardown);
-}
+TEST_FILE(setup, teardown)

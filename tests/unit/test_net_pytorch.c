@@ -194,16 +194,16 @@ static void check_adam(fixture *f, const char *kind, bool with_masks, bool freez
     each_tensor(name, &f->params, compare_tensor);
 }
 
-static void pass_without_dropout(void **state) {
+TEST_WITH(pass_without_dropout, make_fixture, free_fixture) {
     check_one_pass(*state, "plain", NULL);
 }
 
-static void pass_with_masks(void **state) {
+TEST_WITH(pass_with_masks, make_fixture, free_fixture) {
     check_one_pass(*state, "masked", masks_of_step(*state, 0));
 }
 
 /* All tables of kernels, including the plain loops that define them. */
-static void passes_of_every_table(void **state) {
+TEST_WITH(passes_of_every_table, make_fixture, free_fixture) {
     for (size_t i = 0; every_table(i); ++i) {
         nqm_kernels_use(every_table(i));
         check_one_pass(*state, "plain", NULL);
@@ -211,20 +211,19 @@ static void passes_of_every_table(void **state) {
     }
 }
 
-static void adam_without_dropout(void **state) {
+TEST_WITH(adam_without_dropout, make_fixture, free_fixture) {
     check_adam(*state, "plain", false, false);
 }
 
-static void adam_with_masks(void **state) {
+TEST_WITH(adam_with_masks, make_fixture, free_fixture) {
     check_adam(*state, "masked", true, false);
 }
 
-static void adam_with_frozen_layernorm(void **state) {
+TEST_WITH(adam_with_frozen_layernorm, make_fixture, free_fixture) {
     check_adam(*state, "frozen", false, true);
 }
 
-static void schedule(void **state) {
-    (void)state;
+TEST(schedule) {
     enum { EPOCHS = 80 };
     double losses[EPOCHS], rates[EPOCHS][2], lr[2] = {1e-4, 1e-3};
     get_doubles("plateau.losses", EPOCHS, losses);
@@ -240,8 +239,7 @@ static void schedule(void **state) {
     assert_true(lr[0] < 1e-7); /* the rate has reached PyTorch's lower limit */
 }
 
-static void parameter_count(void **state) {
-    (void)state;
+TEST(parameter_count) {
     int64_t expected;
     memcpy(&expected, stored("paper.parameters", sizeof expected)->data, sizeof expected);
     assert_int_equal(expected, 4171125);
@@ -268,13 +266,4 @@ static int close_vectors(void **state) {
     return 0;
 }
 
-#define WITH_FIXTURE(test) cmocka_unit_test_setup_teardown(test, make_fixture, free_fixture)
-
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        WITH_FIXTURE(pass_without_dropout), WITH_FIXTURE(pass_with_masks),     WITH_FIXTURE(passes_of_every_table),
-        WITH_FIXTURE(adam_without_dropout), WITH_FIXTURE(adam_with_masks),     WITH_FIXTURE(adam_with_frozen_layernorm),
-        cmocka_unit_test(schedule),         cmocka_unit_test(parameter_count),
-    };
-    return cmocka_run_group_tests(tests, open_vectors, close_vectors);
-}
+TEST_FILE(open_vectors, close_vectors)

@@ -113,8 +113,7 @@ static void check_gradients(size_t n_outputs) {
     free_trainee(&t);
 }
 
-static void gradients_by_differences(void **state) {
-    (void)state;
+TEST(gradients_by_differences) {
     check_gradients(1);
     check_gradients(3);
 }
@@ -160,8 +159,7 @@ static outcome trained(nqm_net_shape shape, nqm_precision precision, int threads
     return o;
 }
 
-static void same_bits_for_any_threads(void **state) {
-    (void)state;
+TEST(same_bits_for_any_threads) {
     for (int precision = NQM_PRECISION_F32; precision <= NQM_PRECISION_BF16; ++precision) {
         outcome one = trained(large, (nqm_precision)precision, 1, NULL),
                 two = trained(large, (nqm_precision)precision, 2, NULL);
@@ -174,8 +172,7 @@ static void same_bits_for_any_threads(void **state) {
 
 #if defined __x86_64__
 /* AVX2 and AVX-512 do the same operations on each element. */
-static void same_bits_on_wider_vectors(void **state) {
-    (void)state;
+TEST(same_bits_on_wider_vectors) {
     if (nqm_kernels_at(0) == &nqm_kernels_generic || nqm_kernels_at(0) == &nqm_kernels_avx2)
         skip();
     outcome narrow = trained(large, NQM_PRECISION_F32, 2, &nqm_kernels_avx2),
@@ -185,8 +182,7 @@ static void same_bits_on_wider_vectors(void **state) {
 #endif
 
 /* Training continued by a new trainer from the stored state. */
-static void stopped_and_resumed(void **state) {
-    (void)state;
+TEST(stopped_and_resumed) {
     const nqm_net_shape shape = {4, {50, 40, 33, 7, 1}};
     for (int precision = NQM_PRECISION_F32; precision <= NQM_PRECISION_BF16; ++precision) {
         trainee whole = make_trainee(shape, 20, (nqm_precision)precision);
@@ -209,8 +205,7 @@ static void stopped_and_resumed(void **state) {
     }
 }
 
-static void training_learns(void **state) {
-    (void)state;
+TEST(training_learns) {
     for (int precision = NQM_PRECISION_F32; precision <= NQM_PRECISION_BF16; ++precision) {
         trainee t = make_trainee((nqm_net_shape){3, {20, 40, 12, 1}}, 32, (nqm_precision)precision);
         double first = train_step(&t, 0), last = first;
@@ -245,8 +240,7 @@ static void check_bfloat16(const nqm_kernels *kernels) {
     use_chosen_kernels();
 }
 
-static void bfloat16_near_float(void **state) {
-    (void)state;
+TEST(bfloat16_near_float) {
     check_bfloat16(NULL);
     check_bfloat16(emulated_kernels());
 }
@@ -286,8 +280,7 @@ static double fraction(const uint8_t *kept, const uint8_t *also) {
     return sum / (ROWS * WIDTH);
 }
 
-static void dropout_by_hash(void **state) {
-    (void)state;
+TEST(dropout_by_hash) {
     static uint8_t kept[4][ROWS * WIDTH], again[ROWS * WIDTH];
     const double p = 0.3, sigma = sqrt(p * (1 - p) / (ROWS * WIDTH));
     const nqm_dropout variants[] = {
@@ -315,8 +308,7 @@ static void dropout_by_hash(void **state) {
 
 /* ---- loss, parameters, refusals ---------------------------------------------------------------------------------- */
 
-static void loss_is_stable(void **state) {
-    (void)state;
+TEST(loss_is_stable) {
     /* prediction 0 at z = 0 in a symmetric range; d = -target */
     const float z = 0, targets[] = {0, 1e-3f, 1, 40, 1e6f, -1e6f};
     for (size_t i = 0; i < 6; ++i) {
@@ -331,8 +323,7 @@ static void loss_is_stable(void **state) {
     assert_near(nqm_sigmoid(-2), 1 - nqm_sigmoid(2), 2e-16);
 }
 
-static void he_uniform_start(void **state) {
-    (void)state;
+TEST(he_uniform_start) {
     nqm_params params;
     assert_int_equal(nqm_params_create(&(nqm_net_shape){2, {600, 400, 1}}, &params, NULL), NQM_OK);
     nqm_params_init(&params, seed);
@@ -354,8 +345,7 @@ static void he_uniform_start(void **state) {
     nqm_params_free(&params);
 }
 
-static void refused_shapes(void **state) {
-    (void)state;
+TEST(refused_shapes) {
     const nqm_net_shape bad[] = {
         {0}, {2, {3, 0, 1}}, {1, {3, 2}}, {9, {3, 1, 1, 1, 1, 1, 1, 1, 1}}, {2, {(size_t)1 << 60, 16, 1}}};
     for (size_t i = 0; i < sizeof bad / sizeof *bad; ++i) {
@@ -374,8 +364,7 @@ static void refused_shapes(void **state) {
     }
 }
 
-static void out_of_memory(void **state) {
-    (void)state;
+TEST(out_of_memory) {
     const nqm_net_shape shape = {2, {3, 4, 1}};
     const nqm_trainer_options options = {.precision = NQM_PRECISION_BF16, .max_batch = 5};
     long n = 0;
@@ -393,24 +382,4 @@ static void out_of_memory(void **state) {
     assert_int_equal(nqm_adam_create(&shape, &adam, NULL), NQM_ERR_NOMEM);
     assert_null(adam.m.block);
     nqm_alloc_fail_after(-1);
-}
-
-int main(void) {
-    printf("seed %llu\n", (unsigned long long)seed);
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(gradients_by_differences),
-        cmocka_unit_test(same_bits_for_any_threads),
-#if defined __x86_64__
-        cmocka_unit_test(same_bits_on_wider_vectors),
-#endif
-        cmocka_unit_test(stopped_and_resumed),
-        cmocka_unit_test(bfloat16_near_float),
-        cmocka_unit_test(training_learns),
-        cmocka_unit_test(dropout_by_hash),
-        cmocka_unit_test(loss_is_stable),
-        cmocka_unit_test(he_uniform_start),
-        cmocka_unit_test(refused_shapes),
-        cmocka_unit_test(out_of_memory),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
 }

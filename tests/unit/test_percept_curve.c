@@ -9,8 +9,7 @@
 #include <math.h>
 
 /* Rows of the authors' labels_balanced_train.csv. */
-static void published_values(void **state) {
-    (void)state;
+TEST(published_values) {
     static const double row[][2] = {{0.93687516450882, 9.99513102937972}, {5.58987140655518, 9.55506134368299},
                                     {11.0372467041016, 8.50837750985371}, {15.5752754211426, 7.57752093864825},
                                     {31.7718620300293, 5.07366621972763}, {61.5419578552246, 2.97479763271854}};
@@ -18,8 +17,7 @@ static void published_values(void **state) {
         assert_near(nqm_curve_jod(&nqm_curve_published, row[i][0]), row[i][1], 1e-12);
 }
 
-static void ends_of_the_range(void **state) {
-    (void)state;
+TEST(ends_of_the_range) {
     const nqm_curve *curve = &nqm_curve_published;
     assert_true(nqm_curve_jod(curve, 0) == 10);
     assert_true(nqm_curve_jod(curve, -3) == 10);
@@ -32,9 +30,4 @@ static void ends_of_the_range(void **state) {
         last = jod;
     }
     assert_true(last < 0.5);
-}
-
-int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(published_values), cmocka_unit_test(ends_of_the_range)};
-    return cmocka_run_group_tests(tests, NULL, NULL);
 }

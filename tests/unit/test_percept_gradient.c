@@ -17,8 +17,7 @@ static double central(const double f[4], double h) {
 
 static const double steps[4] = {-2, -1, 1, 2};
 
-static void pq(void **state) {
-    (void)state;
+TEST(pq) {
     for (double at = 0x1p-29; at < 9990; at *= 1.7) {
         const double h = 1e-3 * at;
         double f[4];
@@ -31,8 +30,7 @@ static void pq(void **state) {
 }
 
 /* The pieces of the interpolation follow the function, and meet. */
-static void interpolated_pq(void **state) {
-    (void)state;
+TEST(interpolated_pq) {
     double slope;
     for (double at = 0x1p-30; at < 9990; at *= 1.00371) {
         assert_relative(nqm_pq_interpolate(at, &slope), nqm_pq_from_luminance(at), 1e-9);
@@ -44,8 +42,7 @@ static void interpolated_pq(void **state) {
     assert_true(nqm_pq_interpolate(20000, &slope) == nqm_pq_from_luminance(20000) && slope == 0);
 }
 
-static void rgb(void **state) {
-    (void)state;
+TEST(rgb) {
     static const double colours[][3] = {
         {100, 50, 20}, {0.01, 3, 700}, {1e-5, 2e-5, 1e-5}, {9000, 10, 9500}, {0.5, 0.5, 0.5}};
     static const double weights[][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {-3, 0.5, 2}};
@@ -73,8 +70,7 @@ static void rgb(void **state) {
 }
 
 /* Channels outside the range have no influence; the others keep theirs. */
-static void clamped_rgb(void **state) {
-    (void)state;
+TEST(clamped_rgb) {
     static const double clamped[] = {-1, 10000, 12000};
     const double by_itp[3] = {1, -2, 0.5};
     for (size_t i = 0; i < 3; ++i) {
@@ -93,8 +89,7 @@ static void clamped_rgb(void **state) {
         assert_true(isfinite(by_rgb[k]) && by_rgb[k] != 0);
 }
 
-static void curve(void **state) {
-    (void)state;
+TEST(curve) {
     static const nqm_curve other = {-9, -0.3, -0.4};
     const nqm_curve *const curves[] = {&nqm_curve_published, &other};
     for (size_t c = 0; c < 2; ++c) {
@@ -170,8 +165,7 @@ static void check_picture_gradient(pictures *p, const nqm_label *weights) {
             assert_near(gradient[i][k], expected[i][k], 1e-8 * largest);
 }
 
-static void picture_gradients(void **state) {
-    (void)state;
+TEST(picture_gradients) {
     static const nqm_label weights[] = {{.delta_e = 1},  {.shift = {1, 0, 0}}, {.shift = {0, -1, 2}},
                                         {.contrast = 1}, {.structure = 1},     {1, {0.5, -2, 0.3}, 7, -1, 0}};
     for (size_t w = 0; w < 6; ++w)
@@ -182,8 +176,7 @@ static void picture_gradients(void **state) {
 }
 
 /* Equal pictures, pictures that differ by a shift, and a test of one value: the roots without a derivative add 0. */
-static void roots_of_zero(void **state) {
-    (void)state;
+TEST(roots_of_zero) {
     static const nqm_label all = {1, {0, 0, 0}, 1, 1, 0}, shift = {.shift = {1, 2, 3}};
     pictures p = make_pictures(0);
     double gradient[3];
@@ -200,17 +193,4 @@ static void roots_of_zero(void **state) {
     sums = sums_of(&p);
     nqm_picture_gradient(&sums, &(nqm_label){.delta_e = 1}, 1, p.ref[0], p.test[0], gradient);
     assert_true(gradient[0] == 1 && gradient[1] == 0 && gradient[2] == 0);
-}
-
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(pq),
-        cmocka_unit_test(interpolated_pq),
-        cmocka_unit_test(rgb),
-        cmocka_unit_test(clamped_rgb),
-        cmocka_unit_test(curve),
-        cmocka_unit_test(picture_gradients),
-        cmocka_unit_test(roots_of_zero),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
 }

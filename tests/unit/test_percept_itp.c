@@ -11,8 +11,7 @@
 
 enum { N_ITP = sizeof itp_vector / sizeof *itp_vector, N_PQ = sizeof pq_vector / sizeof *pq_vector };
 
-static void pq_signals(void **state) {
-    (void)state;
+TEST(pq_signals) {
     for (size_t i = 0; i < N_PQ; ++i)
         assert_relative(nqm_pq_from_luminance(pq_vector[i][0]), pq_vector[i][1], 1e-13);
     assert_near(nqm_pq_from_luminance(100), 0.508078421517399, 1e-15); /* value from the literature */
@@ -22,8 +21,7 @@ static void pq_signals(void **state) {
     assert_true(nqm_pq_from_luminance(-1) == nqm_pq_from_luminance(0));
 }
 
-static void colours(void **state) {
-    (void)state;
+TEST(colours) {
     for (size_t i = 0; i < N_ITP; ++i) {
         double itp[3];
         nqm_itp_from_rgb(itp_vector[i], itp);
@@ -32,8 +30,7 @@ static void colours(void **state) {
     }
 }
 
-static void differences(void **state) {
-    (void)state;
+TEST(differences) {
     for (size_t i = 0; i < N_ITP; ++i) {
         const double *last = itp_vector[(i + N_ITP - 1) % N_ITP];
         double delta_e = nqm_delta_e_itp(last, itp_vector[i]);
@@ -44,8 +41,7 @@ static void differences(void **state) {
     }
 }
 
-static void greys_have_no_colour(void **state) {
-    (void)state;
+TEST(greys_have_no_colour) {
     for (double y = 1e-4; y < 2e4; y *= 1.7) {
         const double rgb[3] = {y, y, y};
         double itp[3];
@@ -56,19 +52,7 @@ static void greys_have_no_colour(void **state) {
     }
 }
 
-static void out_of_range_is_clamped(void **state) {
-    (void)state;
+TEST(out_of_range_is_clamped) {
     static const double wild[3] = {-5, 2e4, 7}, tame[3] = {0, 1e4, 7};
     assert_true(nqm_delta_e_itp(wild, tame) == 0);
-}
-
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(pq_signals),
-        cmocka_unit_test(colours),
-        cmocka_unit_test(differences),
-        cmocka_unit_test(greys_have_no_colour),
-        cmocka_unit_test(out_of_range_is_clamped),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -11,8 +11,7 @@
 
 enum { N_SCORES = sizeof score_vector / sizeof *score_vector, MAX_TIMES = 1 + 10000 / N_SCORES };
 
-static void exact_scores(void **state) {
-    (void)state;
+TEST(exact_scores) {
     nqm_curve truth = nqm_curve_default();
     double delta_e[20], jod[20];
     for (int i = 0; i < 20; ++i) {
@@ -44,14 +43,12 @@ static void fit_as_scipy(size_t n_times) {
     assert_relative(report.spearman, score_fit[4], 1e-9);
 }
 
-static void noisy_scores_as_scipy(void **state) {
-    (void)state;
+TEST(noisy_scores_as_scipy) {
     fit_as_scipy(1);
     fit_as_scipy(MAX_TIMES); /* so many that a sample of them selects the start */
 }
 
-static void refuses_what_does_not_determine_a_curve(void **state) {
-    (void)state;
+TEST(refuses_what_does_not_determine_a_curve) {
     double delta_e[5] = {7, 7, 7, 7, 7}, jod[5] = {1, 2, 3, 4, 5};
     nqm_regress_report report = {.n = 99};
     nqm_error err = {0};
@@ -61,10 +58,4 @@ static void refuses_what_does_not_determine_a_curve(void **state) {
     assert_int_equal(nqm_regress(5, delta_e, jod, &report, &err), NQM_ERR_ARG);
     assert_string_equal(err.message, "regression of the JOD curve: score 5 is not finite");
     assert_int_equal(report.n, 99);
-}
-
-int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(exact_scores), cmocka_unit_test(noisy_scores_as_scipy),
-                                       cmocka_unit_test(refuses_what_does_not_determine_a_curve)};
-    return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -55,8 +55,7 @@ static nqm_scene_options small_scene(const char *shape) {
     return o;
 }
 
-static void seeds(void **state) {
-    (void)state;
+TEST(seeds) {
     double one[N_PAIRS], two[N_PAIRS];
     nqm_scene_options o = nqm_scene_options_default();
     if (!nqm_tracer_version())
@@ -68,8 +67,7 @@ static void seeds(void **state) {
         assert_near(two[i], one[i], 0.02 * fmax(one[i], 1)); /* differences below 1 are not visible */
 }
 
-static void width_of_the_light(void **state) {
-    (void)state;
+TEST(width_of_the_light) {
     double filtered[N_PAIRS], full[N_PAIRS];
     nqm_scene_options o = small_scene("blob");
     label_all(&o, filtered);
@@ -79,8 +77,7 @@ static void width_of_the_light(void **state) {
         assert_near(full[i], filtered[i], 0.03 * fmax(filtered[i], 1));
 }
 
-static void exposures(void **state) {
-    (void)state;
+TEST(exposures) {
     double dim[N_PAIRS], bright[N_PAIRS];
     nqm_scene_options o = small_scene("blob");
     o.exposure_cdm2 = 20;
@@ -102,15 +99,13 @@ static void shapes(const char *light, const char *mesh, double least) {
         fail_msg("Spearman of the sphere's labels with those of %s: %.4f", mesh, rank);
 }
 
-static void blob_and_sphere_rank_alike(void **state) {
-    (void)state;
+TEST(blob_and_sphere_rank_alike) {
     if (!nqm_tracer_version())
         skip();
     shapes(NULL, "blob", 0.97);
 }
 
-static void bunny_and_sphere_rank_alike(void **state) {
-    (void)state;
+TEST(bunny_and_sphere_rank_alike) {
     char *light =
         shared_data("scene/pixar_campus_rgbe.png") ? nqm_strdup(shared_data("scene/pixar_campus_rgbe.png")) : NULL;
     const char *bunny = shared_data("scene/bunny.ply");
@@ -120,15 +115,4 @@ static void bunny_and_sphere_rank_alike(void **state) {
     }
     shapes(light, bunny, 0.97);
     nqm_free(light);
-}
-
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(seeds),
-        cmocka_unit_test(width_of_the_light),
-        cmocka_unit_test(exposures),
-        cmocka_unit_test(blob_and_sphere_rank_alike),
-        cmocka_unit_test(bunny_and_sphere_rank_alike),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
 }

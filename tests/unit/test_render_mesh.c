@@ -105,8 +105,7 @@ static nqm_scene_options small_scene(const char *shape) {
 
 /* The form factor between any two points of a sphere is the same, so every point of a hemisphere sees half of the sky,
  * and one interreflection in a white bowl adds half of the direct irradiance. */
-static void bowl_of_white(void **state) {
-    (void)state;
+TEST(bowl_of_white) {
     for (int bounce = 0; bounce < 2; ++bounce) {
         nqm_scene_options o = small_scene(bowl_path);
         o.light = white_path;
@@ -123,8 +122,7 @@ static void bowl_of_white(void **state) {
     }
 }
 
-static void white_furnace_with_a_mesh(void **state) {
-    (void)state;
+TEST(white_furnace_with_a_mesh) {
     nqm_scene_options o = small_scene("blob");
     o.light = white_path;
     o.shadows = 0;
@@ -138,8 +136,7 @@ static void white_furnace_with_a_mesh(void **state) {
 
 /* A lamp at the zenith: the roof is lit, the floor below it is dark, the rest of the floor is lit. The viewer's
  * elevation is 45 degrees, so the floor below the roof is visible. */
-static void shadow_of_a_roof(void **state) {
-    (void)state;
+TEST(shadow_of_a_roof) {
     nqm_scene_options o = small_scene(roof_path);
     o.light = lamp_path;
     o.elevation_rad = NQM_PI / 4;
@@ -180,8 +177,7 @@ static nqm_scene_options mode(int i) {
     return o;
 }
 
-static void equal_brdfs_give_exactly_zero(void **state) {
-    (void)state;
+TEST(equal_brdfs_give_exactly_zero) {
     for (int i = 0; i < 3; ++i) {
         nqm_scene_options o = mode(i);
         nqm_scene *scene = make_scene(&o);
@@ -203,8 +199,7 @@ static void equal_brdfs_give_exactly_zero(void **state) {
     }
 }
 
-static void threads_change_nothing(void **state) {
-    (void)state;
+TEST(threads_change_nothing) {
     int n_threads = omp_get_max_threads();
     for (int i = 0; i < 3; ++i) {
         nqm_scene_options o = mode(i);
@@ -225,8 +220,7 @@ static void threads_change_nothing(void **state) {
 }
 
 /* A pixel is covered if its centre ray hits the shape; the sphere is a disc of 90 % of the picture's width. */
-static void pictures_cover_the_shape(void **state) {
-    (void)state;
+TEST(pictures_cover_the_shape) {
     nqm_scene_options o = small_scene("sphere");
     o.width = 60;
     o.height = 40;
@@ -252,8 +246,7 @@ static void pictures_cover_the_shape(void **state) {
 }
 
 /* Frame 2 of 4 equals frame 1 of a scene that starts a quarter turn later. */
-static void turntable_and_points(void **state) {
-    (void)state;
+TEST(turntable_and_points) {
     nqm_scene_options o = small_scene("blob");
     o.width = o.height = 64;
     o.n_frames = 4;
@@ -275,8 +268,7 @@ static void turntable_and_points(void **state) {
 }
 
 /* On a closed smooth shape all visible normals occur, and none faces away, also with coarse triangles. */
-static void frames_are_sound(void **state) {
-    (void)state;
+TEST(frames_are_sound) {
     nqm_scene_options o = small_scene("blob");
     o.width = o.height = 100;
     o.elevation_rad = 0.3;
@@ -300,8 +292,7 @@ static void frames_are_sound(void **state) {
 }
 
 /* Stored incident light and light that is computed again for every picture give the same result. */
-static void kept_or_not_is_the_same(void **state) {
-    (void)state;
+TEST(kept_or_not_is_the_same) {
     nqm_scene_options o = mode(2);
     nqm_scene *scene = make_scene(&o);
     double *kept = render_spec(scene, "sgd:nickel");
@@ -317,8 +308,7 @@ static void kept_or_not_is_the_same(void **state) {
 }
 
 /* So do stored points and those that are computed again from their pixels. */
-static void stored_points_or_not_is_the_same(void **state) {
-    (void)state;
+TEST(stored_points_or_not_is_the_same) {
     static const char *const shapes[] = {"sphere", "blob"};
     for (size_t s = 0; s < 2; ++s)
         for (int kept = 0; kept < 2; ++kept) {
@@ -365,8 +355,7 @@ static int stop_at_light(void *user, const char *stage, double done, double tota
 }
 
 /* Points of a large picture are not stored: 1.1 million of them would take 150 MB. */
-static void large_pictures_store_pixels_only(void **state) {
-    (void)state;
+TEST(large_pictures_store_pixels_only) {
     const size_t before = allocated_bytes();
     size_t during = 0;
     nqm_scene_options o = small_scene("sphere");
@@ -381,8 +370,7 @@ static void large_pictures_store_pixels_only(void **state) {
 
 /* ---- refusals ---------------------------------------------------------------------------------------------------- */
 
-static void bad_options(void **state) {
-    (void)state;
+TEST(bad_options) {
     nqm_scene_options good = small_scene("blob"), o;
     o = good, o.shape = "/nowhere/shape.ply", expect_no_scene(o, NQM_ERR_IO);
     o = good, o.width = 100, expect_no_scene(o, NQM_ERR_ARG);
@@ -397,8 +385,7 @@ static void bad_options(void **state) {
     o = good, o.shadows = 0, o.interreflection = 1, expect_no_scene(o, NQM_ERR_ARG);
 }
 
-static void out_of_memory(void **state) {
-    (void)state;
+TEST(out_of_memory) {
     nqm_scene_options o = small_scene("blob");
     o.n_points = 3;
     o.n_lights = 16;
@@ -407,23 +394,11 @@ static void out_of_memory(void **state) {
     check_scene_without_memory(&o, 300);
 }
 
-int main(void) {
-    if (!nqm_tracer_version())
-        return 77; /* a build without Embree has no meshes */
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(bowl_of_white),
-        cmocka_unit_test(white_furnace_with_a_mesh),
-        cmocka_unit_test(shadow_of_a_roof),
-        cmocka_unit_test(equal_brdfs_give_exactly_zero),
-        cmocka_unit_test(threads_change_nothing),
-        cmocka_unit_test(pictures_cover_the_shape),
-        cmocka_unit_test(turntable_and_points),
-        cmocka_unit_test(frames_are_sound),
-        cmocka_unit_test(kept_or_not_is_the_same),
-        cmocka_unit_test(bad_options),
-        cmocka_unit_test(out_of_memory),
-        cmocka_unit_test(stored_points_or_not_is_the_same),
-        cmocka_unit_test(large_pictures_store_pixels_only),
-    };
-    return cmocka_run_group_tests(tests, make_files, remove_files);
+TEST_FILE(make_files, remove_files)
+
+/* A build without Embree has no meshes. */
+static bool has_meshes(void) {
+    return nqm_tracer_version() != NULL;
 }
+
+TEST_FILE_NEEDS(has_meshes)

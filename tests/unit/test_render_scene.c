@@ -112,8 +112,7 @@ static double label(const nqm_scene *scene, const nqm_brdf *ref, const nqm_brdf 
 
 /* ---- the light map ----------------------------------------------------------------------------------------------- */
 
-static void cells_and_directions(void **state) {
-    (void)state;
+TEST(cells_and_directions) {
     nqm_light light = make_light(2, 0, 0, 0);
     double sphere = 0, power = 0;
     for (size_t cell = 0; cell < CELLS; ++cell) {
@@ -144,8 +143,7 @@ static void cells_and_directions(void **state) {
     assert_near(w[1], 1, 1e-12);
 }
 
-static void filtering_keeps_the_power(void **state) {
-    (void)state;
+TEST(filtering_keeps_the_power) {
     static const size_t size[][2] = {{1, 1}, {3, 2}, {300, 170}, {700, 401}};
     for (size_t s = 0; s < sizeof size / sizeof *size; ++s) {
         nqm_image image = {.width = size[s][0], .height = size[s][1]};
@@ -170,8 +168,7 @@ static void filtering_keeps_the_power(void **state) {
     }
 }
 
-static void sky_has_the_contrast_of_a_real_one(void **state) {
-    (void)state;
+TEST(sky_has_the_contrast_of_a_real_one) {
     nqm_image image;
     assert_int_equal(nqm_light_draw("sun", &image, NULL), NQM_OK);
     double sum = 0, area = 0, max = 0, sun = 0;
@@ -193,8 +190,7 @@ static void sky_has_the_contrast_of_a_real_one(void **state) {
 
 /* ---- pictures against closed forms ------------------------------------------------------------------------------- */
 
-static void white_furnace(void **state) {
-    (void)state;
+TEST(white_furnace) {
     char path[] = "/tmp/nqm-white-XXXXXX";
     write_constant_map(path, 77);
     nqm_scene *scene = make_sphere(path, 300, 384, 5);
@@ -208,8 +204,7 @@ static void white_furnace(void **state) {
     unlink(path);
 }
 
-static void sphere_under_a_small_lamp(void **state) {
-    (void)state;
+TEST(sphere_under_a_small_lamp) {
     nqm_scene *scene = make_sphere("sun", 200, 16, 1); /* owns the surface points */
     size_t cell = 40 * WIDTH + 30;                     /* high, left of and behind the viewer */
     nqm_light lamp = make_light(0, cell, 1, 1000);
@@ -256,8 +251,7 @@ static double shade(const nqm_light *light, const nqm_surface_point *point, cons
     return sum;
 }
 
-static void microfacets_under_constant_light(void **state) {
-    (void)state;
+TEST(microfacets_under_constant_light) {
     nqm_light white = make_light(1, 0, 0, 0);
     for (size_t i = 0; i < sizeof albedo_vector / sizeof *albedo_vector; ++i) {
         const double *row = albedo_vector[i];
@@ -295,8 +289,7 @@ static double dense_sum(const nqm_light *light, const nqm_surface_point *point, 
     return sum;
 }
 
-static void microfacets_under_the_sky(void **state) {
-    (void)state;
+TEST(microfacets_under_the_sky) {
     nqm_image image;
     nqm_light sky;
     assert_int_equal(nqm_light_draw("sun", &image, NULL), NQM_OK);
@@ -332,8 +325,7 @@ static double largest_share(const nqm_light *light, const nqm_surface_point *poi
 
 /* No direction may carry a large fraction, not even with a bright light at the horizon: here a ring of cells whose
  * centres are just below the horizon and whose upper edges are above it. */
-static void no_fireflies(void **state) {
-    (void)state;
+TEST(no_fireflies) {
     nqm_light light = make_light(1, 64 * WIDTH, WIDTH, 1000);
     const double tilt = 0.6 * NQM_PI / 180;
     nqm_surface_point point = {.frame = {1, 0, 0, 0, sin(tilt), -cos(tilt), 0, cos(tilt), sin(tilt)},
@@ -347,8 +339,7 @@ static void no_fireflies(void **state) {
 
 /* ---- labels ------------------------------------------------------------------------------------------------------ */
 
-static void equal_brdfs_give_exactly_zero(void **state) {
-    (void)state;
+TEST(equal_brdfs_give_exactly_zero) {
     nqm_scene *scene = make_sphere("sun", 200, 100, 9);
     nqm_brdf *a = make_gloss(0.2, 1, 0.01), *b = make_gloss(0.2, 1, 0.01);
     assert_true(label(scene, a, b) == 0);
@@ -357,8 +348,7 @@ static void equal_brdfs_give_exactly_zero(void **state) {
     nqm_scene_free(scene);
 }
 
-static void labels_repeat(void **state) {
-    (void)state;
+TEST(labels_repeat) {
     static const double pair[][6] = {
         {0.1, 1, 0.004, 0.1, 1, 0.03}, {0.05, 1, 0.05, 0.05, 1, 0.07}, {0.3, 0.1, 0.2, 0.4, 0.1, 0.3}};
     nqm_scene_options standard = nqm_scene_options_default();
@@ -381,8 +371,7 @@ static void labels_repeat(void **state) {
     nqm_scene_free(finer);
 }
 
-static void threads_change_nothing(void **state) {
-    (void)state;
+TEST(threads_change_nothing) {
     nqm_brdf *brdf = make_gloss(0.2, 1, 0.02);
     double *rgb[2];
     int n_threads = omp_get_max_threads();
@@ -399,8 +388,7 @@ static void threads_change_nothing(void **state) {
     nqm_brdf_free(brdf);
 }
 
-static void brighter_than_the_display_is_clipped(void **state) {
-    (void)state;
+TEST(brighter_than_the_display_is_clipped) {
     nqm_scene_options o = nqm_scene_options_default();
     o.n_points = 50;
     o.n_lights = 64;
@@ -423,8 +411,7 @@ static int stop_stage(void *user, const char *stage, double done, double total) 
     return strcmp(stage, user) == 0;
 }
 
-static void making_a_picture_can_be_stopped(void **state) {
-    (void)state;
+TEST(making_a_picture_can_be_stopped) {
     nqm_scene_options o = nqm_scene_options_default();
     nqm_scene *scene;
     o.light = "sun";
@@ -437,8 +424,7 @@ static void making_a_picture_can_be_stopped(void **state) {
     assert_int_equal(nqm_scene_create(&o, &scene, NULL), NQM_ERR_CANCELLED);
 }
 
-static void costly_brdfs_are_tabulated(void **state) {
-    (void)state;
+TEST(costly_brdfs_are_tabulated) {
     nqm_scene_options o = nqm_scene_options_default();
     o.light = "studio";
     o.n_points = 700; /* times 128 directions: more than the table's 69,120 nodes */
@@ -471,8 +457,7 @@ static void costly_brdfs_are_tabulated(void **state) {
     nqm_free(c);
 }
 
-static void paper_scene_has_eight_frames(void **state) {
-    (void)state;
+TEST(paper_scene_has_eight_frames) {
     nqm_scene_options o = nqm_scene_options_default();
     assert_int_equal(nqm_scene_n_frames(&o), 1);
     o.scene = NQM_SCENE_PAPER;
@@ -489,8 +474,7 @@ static void paper_scene_has_eight_frames(void **state) {
 
 /* ---- refusals ---------------------------------------------------------------------------------------------------- */
 
-static void bad_options_and_lights(void **state) {
-    (void)state;
+TEST(bad_options_and_lights) {
     nqm_scene_options good = nqm_scene_options_default(), o;
     o = good, o.n_points = 0, expect_no_scene(o, NQM_ERR_ARG);
     o = good, o.n_points = SIZE_MAX, expect_no_scene(o, NQM_ERR_ARG);
@@ -509,34 +493,10 @@ static void bad_options_and_lights(void **state) {
     unlink(path);
 }
 
-static void out_of_memory(void **state) {
-    (void)state;
+TEST(out_of_memory) {
     nqm_scene_options o = nqm_scene_options_default();
     o.light = "sun";
     o.n_points = 3;
     o.n_lights = 16;
     check_scene_without_memory(&o, 50);
-}
-
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(cells_and_directions),
-        cmocka_unit_test(filtering_keeps_the_power),
-        cmocka_unit_test(sky_has_the_contrast_of_a_real_one),
-        cmocka_unit_test(white_furnace),
-        cmocka_unit_test(sphere_under_a_small_lamp),
-        cmocka_unit_test(microfacets_under_constant_light),
-        cmocka_unit_test(microfacets_under_the_sky),
-        cmocka_unit_test(no_fireflies),
-        cmocka_unit_test(equal_brdfs_give_exactly_zero),
-        cmocka_unit_test(labels_repeat),
-        cmocka_unit_test(threads_change_nothing),
-        cmocka_unit_test(brighter_than_the_display_is_clipped),
-        cmocka_unit_test(making_a_picture_can_be_stopped),
-        cmocka_unit_test(costly_brdfs_are_tabulated),
-        cmocka_unit_test(paper_scene_has_eight_frames),
-        cmocka_unit_test(bad_options_and_lights),
-        cmocka_unit_test(out_of_memory),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
 }

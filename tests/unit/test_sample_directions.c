@@ -23,8 +23,7 @@ static nqm_directions *create(const nqm_directions_options *options, size_t n_re
     return directions;
 }
 
-static void test_default_set(void **state) {
-    (void)state;
+TEST(test_default_set) {
     nqm_directions *directions = create(NULL, 0, NULL);
     assert_int_equal(nqm_directions_count(directions), 500);
     const double *degrees = nqm_directions_degrees(directions);
@@ -51,8 +50,7 @@ static void test_default_set(void **state) {
 }
 
 /* At small angles nothing is rejected, so u = sqrt(theta_h / max) must be uniform: Kolmogorov-Smirnov distance. */
-static void test_theta_h_density(void **state) {
-    (void)state;
+TEST(test_theta_h_density) {
     nqm_directions_options options = nqm_directions_options_default();
     options.n = 2000;
     options.theta_h_power = 3;
@@ -72,8 +70,7 @@ static void test_theta_h_density(void **state) {
     nqm_directions_free(directions);
 }
 
-static void test_seeds_and_identity(void **state) {
-    (void)state;
+TEST(test_seeds_and_identity) {
     nqm_directions_options options = nqm_directions_options_default();
     options.n = 64;
     nqm_directions *a = create(&options, 0, NULL), *b = create(&options, 0, NULL);
@@ -96,8 +93,7 @@ static void *ask(void *directions) {
 }
 
 /* The identity is computed at the first call, which can be in any thread. */
-static void test_identity_for_threads(void **state) {
-    (void)state;
+TEST(test_identity_for_threads) {
     enum { N_THREADS = 8 };
     const double degrees[6] = {0, 10.5, 180, 1.25, 0, 0};
     nqm_directions *directions;
@@ -129,8 +125,7 @@ static nqm_brdf *wrap(const nqm_brdf_class *class_) {
     return brdf;
 }
 
-static void test_references_attract(void **state) {
-    (void)state;
+TEST(test_references_attract) {
     nqm_brdf *brdf = wrap(&half_space);
     const nqm_brdf *refs[] = {brdf};
     nqm_directions_options options = nqm_directions_options_default();
@@ -162,8 +157,7 @@ static int stop_at_once(void *user, const char *stage, double done, double total
     return 1;
 }
 
-static void test_options_are_checked(void **state) {
-    (void)state;
+TEST(test_options_are_checked) {
     nqm_directions *directions;
     const nqm_directions_options good = nqm_directions_options_default();
     nqm_directions_options bad[7] = {good, good, good, good, good, good, good};
@@ -196,8 +190,7 @@ static void write_text(const char *text) {
     assert_int_equal(fclose(file), 0);
 }
 
-static void test_csv_round_trip(void **state) {
-    (void)state;
+TEST(test_csv_round_trip) {
     nqm_directions *directions = create(NULL, 0, NULL), *back;
     assert_int_equal(nqm_directions_save_csv(directions, temp_file, NULL), NQM_OK);
     assert_int_equal(nqm_directions_load_csv(temp_file, &back, NULL), NQM_OK);
@@ -223,8 +216,7 @@ static void refuse(const char *text, const char *words) {
         fail_msg("'%s' does not say '%s'", err.message, words);
 }
 
-static void test_csv_refusals(void **state) {
-    (void)state;
+TEST(test_csv_refusals) {
     refuse("", "empty");
     refuse("theta_h,theta_d\n1,2\n", "phi_d");
     refuse("theta_h,theta_d,phi_d\n", "0 directions");
@@ -232,8 +224,7 @@ static void test_csv_refusals(void **state) {
     refuse("theta_h,theta_d,phi_d\n1,2,3\n1,99,3\n", "direction 2");
 }
 
-static void test_out_of_memory(void **state) {
-    (void)state;
+TEST(test_out_of_memory) {
     nqm_brdf *brdf = wrap(&half_space);
     const nqm_brdf *refs[] = {brdf};
     nqm_status status = NQM_ERR_NOMEM;
@@ -250,13 +241,4 @@ static void test_out_of_memory(void **state) {
     nqm_brdf_free(brdf);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_default_set),        cmocka_unit_test(test_theta_h_density),
-        cmocka_unit_test(test_seeds_and_identity), cmocka_unit_test(test_identity_for_threads),
-        cmocka_unit_test(test_references_attract), cmocka_unit_test(test_options_are_checked),
-        cmocka_unit_test(test_csv_round_trip),     cmocka_unit_test(test_csv_refusals),
-        cmocka_unit_test(test_out_of_memory),
-    };
-    return cmocka_run_group_tests(tests, make_temp_file, remove_temp_file);
-}
+TEST_FILE(make_temp_file, remove_temp_file)

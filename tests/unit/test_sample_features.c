@@ -13,8 +13,7 @@
 
 enum { N = METRICS_PAIR_N };
 
-static void test_transform(void **state) {
-    (void)state;
+TEST(test_transform) {
     const float rho[4] = {0, 1, 8, 0.001f};
     float t[4];
     nqm_features_transform(4, rho, t);
@@ -26,8 +25,7 @@ static void test_transform(void **state) {
     assert_near(t[1], log(cbrt(log(2)) + 1), 1e-7);
 }
 
-static void test_layouts(void **state) {
-    (void)state;
+TEST(test_layouts) {
     float ref_t[3 * N], test_t[3 * N], x[9 * N];
     nqm_features_transform(3 * N, pair.ref, ref_t);
     nqm_features_transform(3 * N, pair.test, test_t);
@@ -49,8 +47,7 @@ static void test_layouts(void **state) {
     nqm_csv_free(csv);
 }
 
-static void test_equal_members_do_not_differ(void **state) {
-    (void)state;
+TEST(test_equal_members_do_not_differ) {
     float t[3 * N], x[9 * N];
     nqm_features_transform(3 * N, pair.ref, t);
     nqm_features features = {.layout = NQM_LAYOUT_REF_DIFF_ABSDIFF,
@@ -62,11 +59,4 @@ static void test_equal_members_do_not_differ(void **state) {
         assert_true(x[i] == 0);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_transform),
-        cmocka_unit_test(test_layouts),
-        cmocka_unit_test(test_equal_members_do_not_differ),
-    };
-    return cmocka_run_group_tests(tests, read_metrics_pair, free_metrics_pair);
-}
+TEST_FILE(read_metrics_pair, free_metrics_pair)

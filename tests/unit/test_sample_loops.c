@@ -19,8 +19,7 @@ static void spread(nqm_rng *rng, float *x) {
         x[i] = (float)exp(-60 + 138 * nqm_rng_uniform(rng));
 }
 
-static void samples(void **state) {
-    (void)state;
+TEST(samples) {
     nqm_rng rng = nqm_rng_make(seed, 0);
     static float rho[N], root[N], t[N], first[2][N];
     for (int round = 0; round < 20; ++round) {
@@ -46,8 +45,7 @@ static void samples(void **state) {
     }
 }
 
-static void limits(void **state) {
-    (void)state;
+TEST(limits) {
     nqm_rng rng = nqm_rng_make(seed, 9);
     static float x[N], y[N];
     spread(&rng, x);
@@ -64,8 +62,7 @@ static double log_ratio(float offset, float x, float y) {
 }
 
 /* Any two values, and two that are close: the relative error does not grow as their difference gets smaller. */
-static void ratios(void **state) {
-    (void)state;
+TEST(ratios) {
     const double denormal = 1e-38; /* quotients by a large offset have fewer digits */
     static const float offsets[] = {1e-6f, 0.003f, 1, 30, 1e30f};
     nqm_rng rng = nqm_rng_make(seed, 4);
@@ -98,8 +95,7 @@ static void ratios(void **state) {
 }
 
 /* Any two values, and two that are close. */
-static void root_differences(void **state) {
-    (void)state;
+TEST(root_differences) {
     nqm_rng rng = nqm_rng_make(seed, 6);
     static float x[N], y[N], scale[N], root_x[N], root_y[N], t[N], by[N], first[N];
     for (int round = 0; round < 40; ++round) {
@@ -128,8 +124,7 @@ static void root_differences(void **state) {
 }
 
 /* Any of many points may be the nearest; all widths give the same bits. */
-static void nearest_points(void **state) {
-    (void)state;
+TEST(nearest_points) {
     enum { WIDTH = 47, BLOCKS = 3, MOST = BLOCKS * NQM_POINTS };
     nqm_rng rng = nqm_rng_make(seed, 8);
     static float points[WIDTH * MOST];
@@ -151,8 +146,7 @@ static void nearest_points(void **state) {
         assert_true(isinf(sample_loops_at(k)->nearest(WIDTH, 0, points, y)));
 }
 
-static void sums_of_magnitudes(void **state) {
-    (void)state;
+TEST(sums_of_magnitudes) {
     enum { MOST = 12 * NQM_SAMPLE_LANES };
     nqm_rng rng = nqm_rng_make(seed, 5);
     static float x[MOST];
@@ -176,8 +170,7 @@ static void sums_of_magnitudes(void **state) {
     }
 }
 
-static void scaled_logs(void **state) {
-    (void)state;
+TEST(scaled_logs) {
     static float t[N], first[N], actual[N];
     for (size_t i = 0; i < N; ++i)
         t[i] = 6.0f * (float)i / N;
@@ -196,8 +189,7 @@ static void scaled_logs(void **state) {
 }
 
 /* Whitened pairs and their differences, in exactly sized arrays and in place. */
-static void whitening(void **state) {
-    (void)state;
+TEST(whitening) {
     nqm_rng rng = nqm_rng_make(seed, 12);
     enum { P = NQM_WHITEN_PERIOD };
     float *t = random_block(&rng, N + 1), *mean = random_block(&rng, P), *scale = random_block(&rng, P);
@@ -226,19 +218,4 @@ static void whitening(void **state) {
     nqm_free(t);
     nqm_free(mean);
     nqm_free(scale);
-}
-
-int main(void) {
-    printf("seed %llu\n", (unsigned long long)seed);
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(samples),
-        cmocka_unit_test(ratios),
-        cmocka_unit_test(limits),
-        cmocka_unit_test(root_differences),
-        cmocka_unit_test(sums_of_magnitudes),
-        cmocka_unit_test(nearest_points),
-        cmocka_unit_test(scaled_logs),
-        cmocka_unit_test(whitening),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
 }

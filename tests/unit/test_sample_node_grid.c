@@ -87,8 +87,7 @@ static void check_energy(lobe exact, const float *rgb, double tolerance) {
         assert_relative(energy(&sampled, angles[i], 1), energy(&exact, angles[i], 1), tolerance);
 }
 
-static void energy_of_lobes(void **state) {
-    (void)state;
+TEST(energy_of_lobes) {
     float *rgb = nqm_alloc(directions->n, 3 * sizeof *rgb);
     assert_non_null(rgb);
     for (double alpha = 0.0001; alpha < 1; alpha *= 1.4) {
@@ -111,8 +110,7 @@ static void energy_of_lobes(void **state) {
     }
 }
 
-static void smooth_brdfs_are_interpolated(void **state) {
-    (void)state;
+TEST(smooth_brdfs_are_interpolated) {
     static const char *const specs[] = {"lambert:kd=.5", "ggx:kd=.1;ks=.5;alpha=.3;f0=.04"};
     for (size_t s = 0; s < sizeof specs / sizeof *specs; ++s) {
         float *rgb = sample(specs[s]);
@@ -131,8 +129,7 @@ static void smooth_brdfs_are_interpolated(void **state) {
     }
 }
 
-static void both_orders(void **state) {
-    (void)state;
+TEST(both_orders) {
     float *rgb = sample("sgd:nickel");
     size_t n_twins = 0;
     for (size_t i = 0; i < directions->n; ++i) {
@@ -148,8 +145,7 @@ static void both_orders(void **state) {
     nqm_free(rgb);
 }
 
-static void a_list_is_recognised(void **state) {
-    (void)state;
+TEST(a_list_is_recognised) {
     nqm_directions *other;
     bool is_grid = false;
     assert_int_equal(nqm_node_grid_check(directions, &is_grid, NULL), NQM_OK);
@@ -160,12 +156,4 @@ static void a_list_is_recognised(void **state) {
     nqm_directions_free(other);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(energy_of_lobes),
-        cmocka_unit_test(smooth_brdfs_are_interpolated),
-        cmocka_unit_test(both_orders),
-        cmocka_unit_test(a_list_is_recognised),
-    };
-    return cmocka_run_group_tests(tests, make_grid, drop_grid);
-}
+TEST_FILE(make_grid, drop_grid)

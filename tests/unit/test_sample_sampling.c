@@ -48,8 +48,7 @@ static int teardown(void **state) {
     return 0;
 }
 
-static void test_values_and_flags(void **state) {
-    (void)state;
+TEST(test_values_and_flags) {
     float rgb[N][3];
     uint8_t flag[N];
     nqm_sample_report report;
@@ -72,8 +71,7 @@ static void test_values_and_flags(void **state) {
     }
 }
 
-static void test_nearest(void **state) {
-    (void)state;
+TEST(test_nearest) {
     float rgb[N][3];
     uint8_t flag[N];
     assert_int_equal(nqm_sample(brdf, directions, NQM_INVALID_NEAREST, &rgb[0][0], flag, NULL, NULL), NQM_OK);
@@ -91,8 +89,7 @@ static void eval_by_azimuth(const void *self, size_t n, const double *hd, double
     }
 }
 
-static void test_nearest_knows_reciprocity(void **state) {
-    (void)state;
+TEST(test_nearest_knows_reciprocity) {
     static const nqm_brdf_class by_azimuth = {
         .format = "test", .eval_half_diff = eval_by_azimuth, .free = free_nothing};
     const double places[3][3] = {{10, 50, 90}, {10, 50, 179}, {10, 50, 0}};
@@ -107,8 +104,7 @@ static void test_nearest_knows_reciprocity(void **state) {
     nqm_brdf_free(azimuth);
 }
 
-static void test_refusals(void **state) {
-    (void)state;
+TEST(test_refusals) {
     float rgb[3 * N];
     nqm_error err = {0};
     nqm_sample_report report;
@@ -121,8 +117,7 @@ static void test_refusals(void **state) {
     assert_non_null(strstr(err.message, "empty: no value at any of the 6"));
 }
 
-static void test_policy_words(void **state) {
-    (void)state;
+TEST(test_policy_words) {
     assert_string_equal(nqm_invalid_words[NQM_INVALID_DROP], "drop");
     assert_string_equal(nqm_invalid_words[NQM_INVALID_ZERO], "zero");
     assert_string_equal(nqm_invalid_words[NQM_INVALID_NEAREST], "nearest");
@@ -130,8 +125,7 @@ static void test_policy_words(void **state) {
     assert_null(nqm_invalid_words[NQM_INVALID_ERROR + 1]);
 }
 
-static void test_out_of_memory(void **state) {
-    (void)state;
+TEST(test_out_of_memory) {
     float rgb[3 * N];
     nqm_alloc_fail_after(0);
     const nqm_status status = nqm_sample(brdf, directions, NQM_INVALID_NEAREST, rgb, NULL, NULL, NULL);
@@ -139,14 +133,4 @@ static void test_out_of_memory(void **state) {
     assert_int_equal(status, NQM_ERR_NOMEM);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_values_and_flags),
-        cmocka_unit_test(test_nearest),
-        cmocka_unit_test(test_nearest_knows_reciprocity),
-        cmocka_unit_test(test_refusals),
-        cmocka_unit_test(test_policy_words),
-        cmocka_unit_test(test_out_of_memory),
-    };
-    return cmocka_run_group_tests(tests, setup, teardown);
-}
+TEST_FILE(setup, teardown)

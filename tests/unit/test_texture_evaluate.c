@@ -33,8 +33,7 @@ static double value_at(const nqm_texture *t, double u, double v, size_t k) {
     return value;
 }
 
-static void centres_are_exact_and_the_rest_is_bilinear(void **state) {
-    (void)state;
+TEST(centres_are_exact_and_the_rest_is_bilinear) {
     nqm_texture *t = make_ramp();
     for (size_t i = 0; i < 6; ++i) {
         const double u = ((double)(i % 3) + 0.5) / 3, v = ((double)(i / 3) + 0.5) / 2;
@@ -53,8 +52,7 @@ static void centres_are_exact_and_the_rest_is_bilinear(void **state) {
     nqm_texture_free(t);
 }
 
-static void edges_continue(void **state) {
-    (void)state;
+TEST(edges_continue) {
     nqm_texture *t = make_ramp();
     nqm_map_node *node = &t->owned->nodes[0];
     static const struct {
@@ -77,8 +75,7 @@ static void edges_continue(void **state) {
     nqm_texture_free(t);
 }
 
-static void tiles_are_compared_once(void **state) {
-    (void)state;
+TEST(tiles_are_compared_once) {
     nqm_texture *t = make_ramp(), *other = make_ramp();
     t->owned->nodes[0].uv[0][0] = 4;
     other->owned->nodes[0].uv[0][0] = 6;
@@ -92,8 +89,7 @@ static void tiles_are_compared_once(void **state) {
 }
 
 /* Every operation of a block is that of one texel. */
-static void operations_are_those_of_the_reference(void **state) {
-    (void)state;
+TEST(operations_are_those_of_the_reference) {
     nqm_texture *t = make_ramp();
     for (int op = NQM_MAP_ADD; op < NQM_MAP_OPS; ++op) {
         if (op == NQM_MAP_TEXCOORD)
@@ -129,8 +125,7 @@ static void operations_are_those_of_the_reference(void **state) {
     nqm_texture_free(t);
 }
 
-static void colours_are_decoded(void **state) {
-    (void)state;
+TEST(colours_are_decoded) {
     nqm_texels texels = {.raster = {2, 1, 4, NQM_RASTER_U8, NULL}};
     assert_int_equal(nqm_texels_decode(&texels, "srgb_texture", NULL), NQM_OK);
     assert_near((double)texels.table[188], 0.5028865, 1e-6);
@@ -148,8 +143,7 @@ static void colours_are_decoded(void **state) {
     assert_non_null(strstr(err.message, "nonsense"));
 }
 
-static void normals_have_length_one(void **state) {
-    (void)state;
+TEST(normals_have_length_one) {
     const float vectors[12] = {0, 0, 3, 3, 0, 4, 0, 0, 0, 1, 0, -1};
     static const double expected[4][3] = {{0, 0, 1}, {0.6, 0, 0.8}, {0, 0, 1}, {0.9975, 0, 0.0705}};
     nqm_texture *t = create(1, &(nqm_texture_map){"normal", 1, 4, 3, vectors});
@@ -165,8 +159,7 @@ static void normals_have_length_one(void **state) {
     nqm_texture_free(t);
 }
 
-static void wrong_maps_are_refused(void **state) {
-    (void)state;
+TEST(wrong_maps_are_refused) {
     const float wrong[3] = {0.5f, NAN, 0.5f};
     const struct {
         const char *base;
@@ -193,8 +186,7 @@ static void wrong_maps_are_refused(void **state) {
     assert_int_equal(nqm_texture_open("no/such.gltf", NULL, NULL, &texture, NULL), NQM_ERR_IO);
 }
 
-static void brdfs_are_textures_of_one_texel(void **state) {
-    (void)state;
+TEST(brdfs_are_textures_of_one_texel) {
     static const char *const cases[][2] = {
         {"gltf:roughness=.5", "gltf"}, {"sgd:nickel", "sgd"}, {"tilt:deg=3;of=ggx:kd=.2;alpha=.2", "tilt"}};
     for (size_t k = 0; k < 3; ++k) {
@@ -209,18 +201,4 @@ static void brdfs_are_textures_of_one_texel(void **state) {
         assert_true(info.width == 1 && info.height == 1 && info.n_images == 0);
         nqm_texture_free(t);
     }
-}
-
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(centres_are_exact_and_the_rest_is_bilinear),
-        cmocka_unit_test(edges_continue),
-        cmocka_unit_test(tiles_are_compared_once),
-        cmocka_unit_test(operations_are_those_of_the_reference),
-        cmocka_unit_test(colours_are_decoded),
-        cmocka_unit_test(normals_have_length_one),
-        cmocka_unit_test(wrong_maps_are_refused),
-        cmocka_unit_test(brdfs_are_textures_of_one_texel),
-    };
-    return cmocka_run_group_tests_name("texture: values", tests, NULL, NULL);
 }

@@ -82,7 +82,7 @@ static nqm_texture_result score(nqm_texture *ref, nqm_texture *test, const nqm_t
 }
 
 static nqm_score_result score_specs(const char *ref, const char *test) {
-    nqm_brdf *brdf[2] = {open_brdf(ref), open_brdf(test)};
+    nqm_brdf *brdf[2] = {must_open(ref), must_open(test)};
     nqm_score_result result;
     assert_int_equal(nqm_score(model, brdf[0], 1, (const nqm_brdf *const *)&brdf[1], NULL, &result, NULL), NQM_OK);
     nqm_brdf_free(brdf[0]);
@@ -98,8 +98,7 @@ static nqm_texture *open_texture(const char *argument) {
     return texture;
 }
 
-static void constants_have_the_score_of_their_brdfs(void **state) {
-    (void)state;
+TEST(constants_have_the_score_of_their_brdfs) {
     static const char ref[] = "gltf:base_color=.5,.4,.3;metallic=0;roughness=.25";
     static const char test[] = "gltf:base_color=.5,.4,.3;metallic=0;roughness=.5";
     const nqm_score_result expected = score_specs(ref, test);
@@ -127,8 +126,7 @@ static void constants_have_the_score_of_their_brdfs(void **state) {
     assert_true(mixed.jod == score_specs("rotate:deg=5;of=ggx:kd=.2;alpha=.2", test).jod && mixed.n_blame == 0);
 }
 
-static void halves_are_averaged(void **state) {
-    (void)state;
+TEST(halves_are_averaged) {
     const float ref[8] = {.25f, .25f, .25f, .25f, .25f, .25f, .25f, .25f};
     const float test[8] = {.25f, .25f, .5f, .5f, .25f, .25f, .5f, .5f};
     float map[8];
@@ -153,8 +151,7 @@ static void halves_are_averaged(void **state) {
 }
 
 /* Pixels of equal texels are these, and a pixel of all texels is seen from afar. */
-static void pixels_are_between_near_and_far(void **state) {
-    (void)state;
+TEST(pixels_are_between_near_and_far) {
     const float ref[8] = {.25f, .25f, .25f, .25f, .25f, .25f, .25f, .25f};
     const float test[8] = {.25f, .25f, .5f, .5f, .25f, .25f, .5f, .5f};
     nqm_texture_result r[3];
@@ -176,8 +173,7 @@ static void pixels_are_between_near_and_far(void **state) {
 }
 
 /* Few texels with other normals and the regression, beside all texels. */
-static void regression_is_within_its_error(void **state) {
-    (void)state;
+TEST(regression_is_within_its_error) {
     enum { FEW = 8 };
     float test[3 * N], small[2][3 * FEW * FEW], roughness[FEW * FEW];
     for (size_t i = 0; i < 3 * N; ++i)
@@ -201,8 +197,7 @@ static void regression_is_within_its_error(void **state) {
     assert_true(r[0].error < 0.5);
 }
 
-static void order_does_not_matter(void **state) {
-    (void)state;
+TEST(order_does_not_matter) {
     float test[N], moved[2][N];
     nqm_texture_options options = options_of(0, 0);
     options.exact = 1;
@@ -218,8 +213,7 @@ static void order_does_not_matter(void **state) {
     assert_near(a.worst, b.worst, 1e-9);
 }
 
-static void samples_are_within_their_error(void **state) {
-    (void)state;
+TEST(samples_are_within_their_error) {
     float tests[2][3 * N];
     for (size_t i = 0; i < 3 * N; ++i) {
         tests[0][i] = colors[i] * 0.85f;
@@ -248,8 +242,7 @@ static void samples_are_within_their_error(void **state) {
     assert_true(sqrt(squares / 8) < 0.06);
 }
 
-static void equal_materials_are_perfect(void **state) {
-    (void)state;
+TEST(equal_materials_are_perfect) {
     float map[N];
     const nqm_texture_result r =
         score(make(colors, rough, metal, normals), make(colors, rough, metal, normals), NULL, map);
@@ -260,8 +253,7 @@ static void equal_materials_are_perfect(void **state) {
         assert_true(map[i] == 0);
 }
 
-static void equal_normals_change_nothing(void **state) {
-    (void)state;
+TEST(equal_normals_change_nothing) {
     float test[N];
     nqm_texture_options options = options_of(1, 0);
     options.n_texels = 128;
@@ -274,8 +266,7 @@ static void equal_normals_change_nothing(void **state) {
     assert_int_equal(bumpy.n_blame, 1);
 }
 
-static void tilts_are_scored(void **state) {
-    (void)state;
+TEST(tilts_are_scored) {
     const float up[3] = {0, 0, 2}, leaning[3] = {0.17364818f, 0, 0.98480775f};
     const nqm_texture_options options = options_of(1, 1);
     const nqm_texture_result r =
@@ -313,8 +304,7 @@ static float decode(float x) {
     return x <= 0.04045f ? x / 12.92f : powf((x + 0.055f) / 1.055f, 2.4f);
 }
 
-static void mistakes_are_named(void **state) {
-    (void)state;
+TEST(mistakes_are_named) {
     nqm_texture_options options = options_of(1, 0);
     options.n_texels = 128;
     static const char *const texts[] = {"roughness is squared", "roughness is the square root",
@@ -346,8 +336,7 @@ static void mistakes_are_named(void **state) {
     assert_int_equal(r.n_blame, 1);
 }
 
-static void the_worst_map_is_first(void **state) {
-    (void)state;
+TEST(the_worst_map_is_first) {
     nqm_texture_options options = options_of(1, 0);
     options.n_texels = 128;
     float test[2][3 * N];
@@ -365,8 +354,7 @@ static void the_worst_map_is_first(void **state) {
 
 /* ---- conditions -------------------------------------------------------------------------------------------------- */
 
-static void threads_give_the_same(void **state) {
-    (void)state;
+TEST(threads_give_the_same) {
     float test[3 * N];
     nqm_texture_options options = options_of(1, 1);
     options.n_texels = 16;
@@ -396,8 +384,7 @@ static int stop(void *user, const char *stage, double done, double total) {
     return strcmp(stage, user) == 0;
 }
 
-static void callers_can_stop(void **state) {
-    (void)state;
+TEST(callers_can_stop) {
     static char stages[][8] = {"texels", "near", "blame", "far"};
     for (size_t k = 0; k < 5; ++k) {
         const size_t stage = k < 4 ? k : 3; /* twice from afar: means without and with normals */
@@ -415,8 +402,7 @@ static void callers_can_stop(void **state) {
     }
 }
 
-static void memory_runs_out(void **state) {
-    (void)state;
+TEST(memory_runs_out) {
     const float each[2][4] = {{.2f, .3f, .4f, .5f}, {.3f, .3f, .4f, .6f}};
     nqm_status status = NQM_ERR_NOMEM;
     const int before = nqm_limit_threads(1);
@@ -437,8 +423,7 @@ static void memory_runs_out(void **state) {
     assert_true(n > 20);
 }
 
-static void options_are_checked(void **state) {
-    (void)state;
+TEST(options_are_checked) {
     nqm_texture *t = make(NULL, rough, NULL, NULL);
     nqm_texture_options options = nqm_texture_options_default();
     nqm_texture_result result;
@@ -450,24 +435,4 @@ static void options_are_checked(void **state) {
     nqm_texture_free(t);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(constants_have_the_score_of_their_brdfs),
-        cmocka_unit_test(halves_are_averaged),
-        cmocka_unit_test(pixels_are_between_near_and_far),
-        cmocka_unit_test(regression_is_within_its_error),
-        cmocka_unit_test(order_does_not_matter),
-        cmocka_unit_test(samples_are_within_their_error),
-        cmocka_unit_test(equal_materials_are_perfect),
-        cmocka_unit_test(equal_normals_change_nothing),
-        cmocka_unit_test(tilts_are_scored),
-        cmocka_unit_test(mistakes_are_named),
-        cmocka_unit_test(the_worst_map_is_first),
-        cmocka_unit_test(threads_give_the_same),
-        cmocka_unit_test(callers_can_stop),
-        cmocka_unit_test(memory_runs_out),
-        cmocka_unit_test(options_are_checked),
-    };
-    use_chosen_kernels();
-    return cmocka_run_group_tests_name("texture: scores", tests, setup, teardown);
-}
+TEST_FILE(setup, teardown)

@@ -202,24 +202,20 @@ static void check_shapes(size_t n, const text_shape *shapes, size_t room) {
         check_shape(&shapes[i], room);
 }
 
-static void memory_of_lists(void **state) {
-    (void)state;
+TEST(memory_of_lists) {
     check_shapes(sizeof lists / sizeof *lists, lists, 0);
 }
 
-static void memory_of_trees(void **state) {
-    (void)state;
+TEST(memory_of_trees) {
     check_shapes(sizeof trees / sizeof *trees, trees, NQM_JSON_ROOM);
 }
 
-static void memory_of_meshes(void **state) {
-    (void)state;
+TEST(memory_of_meshes) {
     check_shapes(sizeof meshes / sizeof *meshes, meshes, 0);
 }
 
 /* Coincident triangles: a ray would meet all of them. Both windings of a triangle stay. */
-static void equal_triangles_are_left_out(void **state) {
-    (void)state;
+TEST(equal_triangles_are_left_out) {
     static const char text[] =
         "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nf 1 2 3\nf 2 3 1\nf 1 2 2\nf 3 2 1\nf 1 2 3 1 2 3\nf 2 4 3\n";
     const nqm_map map = {.data = (const unsigned char *)text, .n_bytes = sizeof text - 1, .path = "text"};
@@ -232,8 +228,7 @@ static void equal_triangles_are_left_out(void **state) {
 }
 
 /* A large mesh has 12 bytes or more for each triangle; these polygons have four. */
-static void too_many_triangles(void **state) {
-    (void)state;
+TEST(too_many_triangles) {
     enum { N = 1000, FACES = 300, CORNERS = 2000 };
     char *text = malloc(8 * MEGA);
     assert_non_null(text);
@@ -253,13 +248,4 @@ static void too_many_triangles(void **state) {
     assert_non_null(strstr(err.message, "the limit for a file of"));
     nqm_mesh_free(&mesh);
     free(text);
-}
-
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(memory_of_lists),    cmocka_unit_test(memory_of_trees),
-        cmocka_unit_test(memory_of_meshes),   cmocka_unit_test(equal_triangles_are_left_out),
-        cmocka_unit_test(too_many_triangles),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -33,8 +33,7 @@ static void assert_cell(const nqm_pair_list *list, size_t row, size_t i, size_t 
     assert_int_equal(cell.is_json, is_json);
 }
 
-static void test_csv(void **state) {
-    (void)state;
+TEST(test_csv) {
     nqm_pair_list *list =
         parse("\xef\xbb\xbfnote,Test,REFERENCE\r\n\"a, \"\"b\"\"\",t.binary,r\n,\"caf\xc3\xa9,1\",s\n");
     assert_int_equal(list->n_rows, 2);
@@ -54,8 +53,7 @@ static void test_csv(void **state) {
     nqm_pair_list_free(list);
 }
 
-static void test_json_lines(void **state) {
-    (void)state;
+TEST(test_json_lines) {
     nqm_pair_list *list = parse(" \n{\"test\":\"t\",\"reference\":\"r\",\"score\":8.1,\"n\":12,\"tags\":[1,\"b\"]}\n\n"
                                 "{\"reference\":\"caf\\u00e9\",\"test\":\"u\",\"extra\":null,\"score\":\"8\"}");
     assert_int_equal(list->n_rows, 2);
@@ -71,16 +69,14 @@ static void test_json_lines(void **state) {
     nqm_pair_list_free(list);
 }
 
-static void test_hash(void **state) {
-    (void)state;
+TEST(test_hash) {
     nqm_pair_list *list = parse("reference,test\na,b\n");
     /* printf 'reference,test\na,b\n' | sha256sum */
     assert_string_equal(list->sha256, "203ef345fb998f03d2d802473b9a24f0e7634f95f3d7a9ded5e3a18e26383be3");
     nqm_pair_list_free(list);
 }
 
-static void test_faults(void **state) {
-    (void)state;
+TEST(test_faults) {
     assert_fault("", NQM_ERR_FORMAT, "empty");
     assert_fault("ref,test\na,b\n", NQM_ERR_FORMAT, "'reference'");
     assert_fault("reference,tests\na,b\n", NQM_ERR_FORMAT, "'test'");
@@ -99,8 +95,7 @@ static void test_faults(void **state) {
     assert_null(list);
 }
 
-static void test_too_many_columns(void **state) {
-    (void)state;
+TEST(test_too_many_columns) {
     size_t room = 40 * (size_t)(NQM_LIST_MAX_COLUMNS + 10), n = 0;
     char *text = nqm_alloc(room, 1);
     for (int i = 0; i < NQM_LIST_MAX_COLUMNS; ++i)
@@ -109,8 +104,7 @@ static void test_too_many_columns(void **state) {
     nqm_free(text);
 }
 
-static void test_out_of_memory(void **state) {
-    (void)state;
+TEST(test_out_of_memory) {
     static const char *const texts[] = {"reference,test,x\na,b,c\n", "{\"reference\":\"a\",\"test\":\"b\",\"x\":[1]}"};
     for (size_t t = 0; t < 2; ++t) {
         nqm_pair_list *list = NULL;
@@ -123,12 +117,4 @@ static void test_out_of_memory(void **state) {
         }
         nqm_pair_list_free(list);
     }
-}
-
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_csv),    cmocka_unit_test(test_json_lines),       cmocka_unit_test(test_hash),
-        cmocka_unit_test(test_faults), cmocka_unit_test(test_too_many_columns), cmocka_unit_test(test_out_of_memory),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -15,8 +15,7 @@ static nqm_score_result scored(double jod, double low, double high) {
 }
 
 /* "from 9.5 practically the same; from 9 hardly visible; from 8 visible; from 6 clearly visible; below very different" (README) */
-static void words_begin_at_their_jod(void **state) {
-    (void)state;
+TEST(words_begin_at_their_jod) {
     static const struct {
         double from;
         const char *words, *below;
@@ -30,8 +29,7 @@ static void words_begin_at_their_jod(void **state) {
     }
 }
 
-static void verdicts_are_those_of_the_interval(void **state) {
-    (void)state;
+TEST(verdicts_are_those_of_the_interval) {
     char text[VERDICT_TEXT];
     nqm_score_result r = scored(9.2, 8.5, 9.6);
     assert_string_equal(verdict_words(&r, text), "between practically the same and visible");
@@ -50,8 +48,7 @@ static void verdicts_are_those_of_the_interval(void **state) {
     assert_string_equal(verdict_words(&r, text), "");
 }
 
-static void gates_let_their_own_value_pass(void **state) {
-    (void)state;
+TEST(gates_let_their_own_value_pass) {
     const score_gate jod = {.jod = 9}, low = {.jod_low = 9}, both = {9, 8.5};
     nqm_score_result r = scored(9, 8.5, 9.4);
     assert_false(fails_gate(&jod, &r));
@@ -68,17 +65,6 @@ static void gates_let_their_own_value_pass(void **state) {
     assert_string_equal(gate_mark(&low, &r), "");
 }
 
-static void people_are_percentages(void **state) {
-    (void)state;
+TEST(people_are_percentages) {
     assert_string_equal(html_people(0.126).text, "13\xc2\xa0%");
-}
-
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(words_begin_at_their_jod),
-        cmocka_unit_test(verdicts_are_those_of_the_interval),
-        cmocka_unit_test(people_are_percentages),
-        cmocka_unit_test(gates_let_their_own_value_pass),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -36,8 +36,7 @@ static void gather(const nqm_examples *e, size_t n, const size_t *index, float *
     gather_from(e, n, index, 0, x, target);
 }
 
-static void fills_every_bin(void **state) {
-    (void)state;
+TEST(fills_every_bin) {
     /* Range 0..7, bins of width 1. Counts 1, 2, 0, 3, 0, 0, 1: the four non-empty bins are filled up to 3 each. */
     const double label[] = {0, 1.1, 1.2, 3.1, 3.2, 3.3, 7};
     const uint32_t expected[] = {2, 1, 0, 0, 0, 0, 2};
@@ -49,8 +48,7 @@ static void fills_every_bin(void **state) {
 }
 
 /* The 1,242 distinct pairs of the authors' label file are balanced to 7 bins of 477, 3,339 rows, as in that file. */
-static void authors_counts(void **state) {
-    (void)state;
+TEST(authors_counts) {
     const char *path = shared_data("labels/labels_balanced_train.csv");
     if (!path)
         skip();
@@ -89,8 +87,7 @@ static void authors_counts(void **state) {
     nqm_csv_free(csv);
 }
 
-static void noise_keeps_the_difference(void **state) {
-    (void)state;
+TEST(noise_keeps_the_difference) {
     enum { N = 20000 };
     float *v = calloc(4 * N, sizeof *v);
     float *ref = v, *test = v + N, *noisy_ref = v + 2 * N, *noisy_test = v + 3 * N;
@@ -115,8 +112,7 @@ static void noise_keeps_the_difference(void **state) {
 
 /* No material is in both training and validation, no test pair is used, every other pair occurs once plus its
  * copies. */
-static void group_splits(void **state) {
-    (void)state;
+TEST(group_splits) {
     for (int own_split = 0; own_split < 2; ++own_split) {
         toy_options toy = toy_options_default();
         toy.splits = own_split != 0;
@@ -148,8 +144,7 @@ static void group_splits(void **state) {
     }
 }
 
-static void pair_splits(void **state) {
-    (void)state;
+TEST(pair_splits) {
     toy_options toy = toy_options_default();
     nqm_dataset *d = toy_dataset(&toy);
     nqm_train_options o = recipe("paper");
@@ -167,8 +162,7 @@ static void pair_splits(void **state) {
     nqm_dataset_free(d);
 }
 
-static void too_little_to_split(void **state) {
-    (void)state;
+TEST(too_little_to_split) {
     toy_options toy = toy_options_default();
     toy.n_groups = 1;
     toy.splits = false;
@@ -182,8 +176,7 @@ static void too_little_to_split(void **state) {
 }
 
 /* Inputs of the unscaled training examples are whitened: mean 0, deviation 1 over the reference half; targets too. */
-static void whitening(void **state) {
-    (void)state;
+TEST(whitening) {
     toy_options toy = toy_options_default();
     nqm_dataset *d = toy_dataset(&toy);
     nqm_train_options o = recipe("paper");
@@ -230,8 +223,7 @@ static double reflectance(const nqm_examples *e, float x, size_t channel) {
     return pow(expm1(t), 3);
 }
 
-static void scaled_by_pair(void **state) {
-    (void)state;
+TEST(scaled_by_pair) {
     toy_options toy = toy_options_default();
     nqm_dataset *d = toy_dataset(&toy);
     nqm_train_options o = recipe("paper");
@@ -258,8 +250,7 @@ static void scaled_by_pair(void **state) {
     nqm_dataset_free(d);
 }
 
-static void scaled_by_element(void **state) {
-    (void)state;
+TEST(scaled_by_element) {
     toy_options toy = toy_options_default();
     nqm_dataset *d = toy_dataset(&toy);
     nqm_train_options o = recipe("notebook");
@@ -282,8 +273,7 @@ static void scaled_by_element(void **state) {
 }
 
 /* A dropped direction is replaced by the mean in both members; log Delta-E targets have a lower limit. */
-static void masks_and_log_targets(void **state) {
-    (void)state;
+TEST(masks_and_log_targets) {
     toy_options toy = toy_options_default();
     toy.with_masks = true;
     nqm_dataset *d = toy_dataset(&toy);
@@ -316,8 +306,7 @@ static void masks_and_log_targets(void **state) {
 
 /* The scalar features of examples are computed from the samples, those of a scaled copy from the scaled samples;
  * both are whitened with the statistics of the training examples. */
-static void scalars_of_examples(void **state) {
-    (void)state;
+TEST(scalars_of_examples) {
     toy_options t = toy_options_default();
     t.with_masks = true;
     nqm_dataset *d = toy_dataset(&t);
@@ -367,8 +356,7 @@ static void scalars_of_examples(void **state) {
 }
 
 /* The second copy of an example exchanges reference and test: shifts and contrast change their sign, the rest stays. */
-static void exchanged_copies(void **state) {
-    (void)state;
+TEST(exchanged_copies) {
     toy_options t = toy_options_default();
     nqm_dataset *d = toy_dataset(&t);
     nqm_train_options o = recipe("nqm");
@@ -400,8 +388,7 @@ static void exchanged_copies(void **state) {
     nqm_dataset_free(d);
 }
 
-static void recipes_are_as_published(void **state) {
-    (void)state;
+TEST(recipes_are_as_published) {
     nqm_train_options paper = recipe("paper"), notebook = recipe("notebook"), nqm;
     assert_int_equal(paper.optimiser.batch, 512);
     assert_int_equal(paper.optimiser.epochs, 100);
@@ -424,8 +411,7 @@ static void recipes_are_as_published(void **state) {
     assert_non_null(strstr(err.message, "notebook"));
 }
 
-static void options_out_of_range(void **state) {
-    (void)state;
+TEST(options_out_of_range) {
     nqm_error err = {0};
     nqm_train_options o = recipe("nqm");
     assert_int_equal(nqm_train_options_check(&o, NULL), NQM_OK);
@@ -449,23 +435,10 @@ static void options_out_of_range(void **state) {
     assert_int_equal(nqm_train_options_check(&o, NULL), NQM_ERR_ARG);
 }
 
-int main(void) {
+static int use_one_thread(void **state) {
+    (void)state;
     omp_set_num_threads(1); /* the tasks are too small to use more threads */
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(fills_every_bin),
-        cmocka_unit_test(authors_counts),
-        cmocka_unit_test(noise_keeps_the_difference),
-        cmocka_unit_test(group_splits),
-        cmocka_unit_test(pair_splits),
-        cmocka_unit_test(too_little_to_split),
-        cmocka_unit_test(whitening),
-        cmocka_unit_test(scaled_by_pair),
-        cmocka_unit_test(scaled_by_element),
-        cmocka_unit_test(exchanged_copies),
-        cmocka_unit_test(masks_and_log_targets),
-        cmocka_unit_test(scalars_of_examples),
-        cmocka_unit_test(recipes_are_as_published),
-        cmocka_unit_test(options_out_of_range),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
+    return 0;
 }
+
+TEST_FILE(use_one_thread, NULL)

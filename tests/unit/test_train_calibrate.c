@@ -37,8 +37,7 @@ static void assert_interval(const nqm_model *model, double jod, double low, doub
 
 /* ---- the file ---------------------------------------------------------------------------------------------------- */
 
-static void tables_are_interpolated_and_stored(void **state) {
-    (void)state;
+TEST(tables_are_interpolated_and_stored) {
     nqm_model *model = calibrated_model(), *read;
     assert_int_equal(nqm_model_save(model, temp_file, NULL), NQM_OK);
     assert_int_equal(nqm_model_load(temp_file, &read, NULL), NQM_OK);
@@ -58,8 +57,7 @@ static void tables_are_interpolated_and_stored(void **state) {
     nqm_model_free(model);
 }
 
-static void models_without_have_none(void **state) {
-    (void)state;
+TEST(models_without_have_none) {
     nqm_model *model, *read;
     assert_int_equal(make_tiny_model(20, &model, NULL), NQM_OK);
     assert_int_equal(nqm_model_save(model, temp_file, NULL), NQM_OK);
@@ -72,8 +70,7 @@ static void models_without_have_none(void **state) {
     nqm_model_free(model);
 }
 
-static void broken_tables_are_refused(void **state) {
-    (void)state;
+TEST(broken_tables_are_refused) {
     const double breaks[][2] = {
         {3, 0},  /* a duplicate prediction */
         {4, 9},  /* a lower bound above its prediction */
@@ -105,8 +102,7 @@ static void rename_in_header(nqm_map *map, unsigned char *copy, const char *from
     memcpy(at, to, strlen(to));
 }
 
-static void table_and_text_go_together(void **state) {
-    (void)state;
+TEST(table_and_text_go_together) {
     nqm_model *model = calibrated_model(), *read;
     nqm_map map;
     assert_int_equal(nqm_model_save(model, temp_file, NULL), NQM_OK);
@@ -123,9 +119,8 @@ static void table_and_text_go_together(void **state) {
 
 /* ---- scores ------------------------------------------------------------------------------------------------------ */
 
-static void scores_have_intervals(void **state) {
-    (void)state;
-    nqm_brdf *ref = open_brdf("sgd:nickel"), *test = open_brdf("ward:nickel");
+TEST(scores_have_intervals) {
+    nqm_brdf *ref = must_open("sgd:nickel"), *test = must_open("ward:nickel");
     const nqm_brdf *tests[] = {ref, test};
     nqm_model *model = calibrated_model();
     nqm_score_result r[2];
@@ -192,8 +187,7 @@ static size_t count_in(const char *text, const char *word) {
     return n;
 }
 
-static void training_calibrates(void **state) {
-    (void)state;
+TEST(training_calibrates) {
     assert_int_equal(report.calibration.n_materials, 12);
     assert_int_equal(report.calibration.n_pairs, report.n_validation);
     assert_true(report.calibration.coverage > 0.8 && report.calibration.coverage <= 1);
@@ -204,8 +198,7 @@ static void training_calibrates(void **state) {
     assert_int_equal(count_in(info.card, "## Interval"), 1);
 }
 
-static void materials_on_both_sides_do_not(void **state) {
-    (void)state;
+TEST(materials_on_both_sides_do_not) {
     nqm_train_options o = quick("paper");
     nqm_model *model;
     nqm_train_report r;
@@ -220,8 +213,7 @@ static void materials_on_both_sides_do_not(void **state) {
     nqm_model_free(model);
 }
 
-static void existing_models_are_calibrated(void **state) {
-    (void)state;
+TEST(existing_models_are_calibrated) {
     nqm_model *read;
     nqm_calibration c;
     assert_int_equal(save_calibrated(trained, dataset, 0, &c, NULL), NQM_OK);
@@ -234,8 +226,7 @@ static void existing_models_are_calibrated(void **state) {
     nqm_model_free(read);
 }
 
-static void other_datasets_are_refused(void **state) {
-    (void)state;
+TEST(other_datasets_are_refused) {
     toy_options toy = toy_options_default();
     toy.n_groups = 48;
     toy.pairs_per_ref = 11;
@@ -254,8 +245,7 @@ static void other_datasets_are_refused(void **state) {
     nqm_dataset_free(other);
 }
 
-static void cards_hold_one_section(void **state) {
-    (void)state;
+TEST(cards_hold_one_section) {
     const nqm_calibration c = {100, 10, 0.951, 0.94, 0.8, 1.25, 0, 0, 0};
     char *first = nqm_card_with_interval("# Card\n", &c, "abc");
     assert_non_null(strstr(first, "95.1 %"));
@@ -276,8 +266,7 @@ static void cards_hold_one_section(void **state) {
 
 /* ---- the count --------------------------------------------------------------------------------------------------- */
 
-static void labels_inside_are_counted(void **state) {
-    (void)state;
+TEST(labels_inside_are_counted) {
     const nqm_model *model = trained;
     nqm_eval_options o = nqm_eval_options_default();
     nqm_evaluation *ev;
@@ -338,19 +327,4 @@ static void labels_inside_are_counted(void **state) {
     nqm_evaluation_free(ev);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(tables_are_interpolated_and_stored),
-        cmocka_unit_test(models_without_have_none),
-        cmocka_unit_test(broken_tables_are_refused),
-        cmocka_unit_test(table_and_text_go_together),
-        cmocka_unit_test(scores_have_intervals),
-        cmocka_unit_test(training_calibrates),
-        cmocka_unit_test(materials_on_both_sides_do_not),
-        cmocka_unit_test(existing_models_are_calibrated),
-        cmocka_unit_test(other_datasets_are_refused),
-        cmocka_unit_test(cards_hold_one_section),
-        cmocka_unit_test(labels_inside_are_counted),
-    };
-    return cmocka_run_group_tests(tests, train_once, forget);
-}
+TEST_FILE(train_once, forget)

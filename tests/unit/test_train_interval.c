@@ -66,8 +66,7 @@ static double fresh_coverage(const double *table, nqm_rng *rng, double inside[N_
     return all / N_FRESH;
 }
 
-static void new_materials_are_covered(void **state) {
-    (void)state;
+TEST(new_materials_are_covered) {
     enum { N_REPEATS = 40 };
     double mean = 0, said = 0, inside[N_ZONES] = {0}, n[N_ZONES] = {0}, table[3 * NQM_INTERVAL_ROWS];
     int n_short = 0;
@@ -92,8 +91,7 @@ static void new_materials_are_covered(void **state) {
 }
 
 /* Pairs of a material are not independent, because materials are biased: few materials must widen the interval. */
-static void materials_are_the_sample(void **state) {
-    (void)state;
+TEST(materials_are_the_sample) {
     enum { N_REPEATS = 20 };
     double table[3 * NQM_INTERVAL_ROWS], width_together = 0, width_apart = 0;
     nqm_calibration together, apart;
@@ -117,8 +115,7 @@ static void materials_are_the_sample(void **state) {
     assert_true(width_together > 1.04 * width_apart);
 }
 
-static void tables_keep_their_promises(void **state) {
-    (void)state;
+TEST(tables_keep_their_promises) {
     nqm_rng rng = nqm_rng_make(9, 0);
     double table[3 * NQM_INTERVAL_ROWS], again[3 * NQM_INTERVAL_ROWS], last_low = 0, last_high = 0;
     nqm_calibration c;
@@ -143,8 +140,7 @@ static void tables_keep_their_promises(void **state) {
     assert_true(high == 10 && low > 9.9);
 }
 
-static void right_predictions_have_narrow_intervals(void **state) {
-    (void)state;
+TEST(right_predictions_have_narrow_intervals) {
     nqm_rng rng = nqm_rng_make(10, 0);
     double table[3 * NQM_INTERVAL_ROWS];
     nqm_calibration c;
@@ -192,8 +188,7 @@ static void novel_coverage(const double *table, double growth, double true_growt
     inside[0] /= n[0], inside[1] /= n[1];
 }
 
-static void intervals_grow_with_novelty(void **state) {
-    (void)state;
+TEST(intervals_grow_with_novelty) {
     double table[3 * NQM_INTERVAL_ROWS], inside[2];
     nqm_calibration with, without;
     nqm_residuals r = residuals;
@@ -217,8 +212,7 @@ static void intervals_grow_with_novelty(void **state) {
 
 /* A quarter of the pairs is novel, and one pair in 40 has its label far away. Coverage allows that: widths are least
  * without a growth, which pays 40 times the distance of these labels from the interval. */
-static void labels_outside_count_by_their_distance(void **state) {
-    (void)state;
+TEST(labels_outside_count_by_their_distance) {
     double table[3 * NQM_INTERVAL_ROWS];
     nqm_calibration c;
     nqm_residuals r = residuals;
@@ -234,8 +228,7 @@ static void labels_outside_count_by_their_distance(void **state) {
     assert_near(c.novelty_growth, 3, 0);
 }
 
-static void novelty_without_effect_has_none(void **state) {
-    (void)state;
+TEST(novelty_without_effect_has_none) {
     double table[3 * NQM_INTERVAL_ROWS];
     nqm_calibration with, without;
     nqm_residuals r = residuals;
@@ -249,8 +242,7 @@ static void novelty_without_effect_has_none(void **state) {
 }
 
 /* Features whose growths are known; the first says nothing about the errors. */
-static void intervals_grow_with_features(void **state) {
-    (void)state;
+TEST(intervals_grow_with_features) {
     static double spread[MAX * NQM_SPREAD_FEATURES];
     double table[3 * NQM_INTERVAL_ROWS];
     nqm_calibration with, without;
@@ -273,8 +265,7 @@ static void intervals_grow_with_features(void **state) {
 }
 
 /* Intervals of a model are those of tests/vectors/interval.py. */
-static void intervals_by_the_formula(void **state) {
-    (void)state;
+TEST(intervals_by_the_formula) {
     static double table[sizeof interval_table / sizeof *interval_table];
     static float light;
     static nqm_model model;
@@ -305,8 +296,7 @@ static void intervals_by_the_formula(void **state) {
 }
 
 /* The least half-width is 1.96 label errors where labels have errors, and 0.001 JOD elsewhere. */
-static void intervals_have_a_least_width(void **state) {
-    (void)state;
+TEST(intervals_have_a_least_width) {
     enum { N_PAIRS = 40 };
     double least[NQM_INTERVAL_KNOTS], noise[N_PAIRS], jod[N_PAIRS];
     const nqm_residuals r = {.n = N_PAIRS, .predicted = jod, .noise = noise};
@@ -324,8 +314,7 @@ static void intervals_have_a_least_width(void **state) {
     }
 }
 
-static void tables_are_interpolated(void **state) {
-    (void)state;
+TEST(tables_are_interpolated) {
     static const double table[9] = {0, 0, 1, 4, 2, 5, 8, 7, 10};
     double low, high;
     nqm_interval_at(3, table, 6, &low, &high);
@@ -336,8 +325,7 @@ static void tables_are_interpolated(void **state) {
     assert_near(high, 2, 1e-12);
 }
 
-static void widening_keeps_its_promises(void **state) {
-    (void)state;
+TEST(widening_keeps_its_promises) {
     for (int i = 0; i <= 20; ++i) {
         double jod = i / 2.0, low = fmax(0, jod - 0.4), high = fmin(10, jod + 0.3), l = low, h = high;
         nqm_interval_widen(1, jod, &l, &h);
@@ -362,8 +350,7 @@ static void widening_keeps_its_promises(void **state) {
 /* The factor is the smallest for which the lower end of Student's one-sided 95 % interval of the mean coverage of materials reaches
  * 95 %. 1.7139 is the quantile of 23 degrees of freedom. The table's own margin is 0.0137 larger, because its scales know the
  * materials that the factor was found without; with the quantile of 90 % it is 0.0102. */
-static void the_margin_is_students(void **state) {
-    (void)state;
+TEST(the_margin_is_students) {
     enum { N_REPEATS = 40 };
     double table[3 * NQM_INTERVAL_ROWS], mean_margin = 0;
     for (uint64_t repeat = 0; repeat < N_REPEATS; ++repeat) {
@@ -388,8 +375,7 @@ static void the_margin_is_students(void **state) {
 
 /* A material that no other resembles: without it the factor is small, and it is outside. With it the factor must
  * include most of it: 23 of 24 materials are not enough. */
-static void coverage_leaves_the_material_out(void **state) {
-    (void)state;
+TEST(coverage_leaves_the_material_out) {
     nqm_rng rng = nqm_rng_make(14, 0);
     double table[3 * NQM_INTERVAL_ROWS], n_inside = 0;
     nqm_calibration c;
@@ -407,8 +393,7 @@ static void coverage_leaves_the_material_out(void **state) {
     assert_true(c.coverage_lowest == 0 && n_inside > 0.5 * PAIRS_EACH);
 }
 
-static void few_are_refused(void **state) {
-    (void)state;
+TEST(few_are_refused) {
     nqm_rng rng = nqm_rng_make(11, 0);
     double table[3 * NQM_INTERVAL_ROWS];
     nqm_calibration c;
@@ -421,25 +406,4 @@ static void few_are_refused(void **state) {
     assert_int_equal(nqm_interval_fit(&few, table, &c, NULL), NQM_ERR_INCOMPATIBLE);
     few.n = NQM_CALIBRATION_MIN_MATERIALS * PAIRS_EACH;
     assert_int_equal(nqm_interval_fit(&few, table, &c, NULL), NQM_OK);
-}
-
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(new_materials_are_covered),
-        cmocka_unit_test(materials_are_the_sample),
-        cmocka_unit_test(tables_keep_their_promises),
-        cmocka_unit_test(right_predictions_have_narrow_intervals),
-        cmocka_unit_test(intervals_grow_with_novelty),
-        cmocka_unit_test(novelty_without_effect_has_none),
-        cmocka_unit_test(labels_outside_count_by_their_distance),
-        cmocka_unit_test(intervals_grow_with_features),
-        cmocka_unit_test(intervals_by_the_formula),
-        cmocka_unit_test(intervals_have_a_least_width),
-        cmocka_unit_test(tables_are_interpolated),
-        cmocka_unit_test(widening_keeps_its_promises),
-        cmocka_unit_test(few_are_refused),
-        cmocka_unit_test(the_margin_is_students),
-        cmocka_unit_test(coverage_leaves_the_material_out),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -66,8 +66,7 @@ static void assert_same_model(const nqm_model *a, const nqm_model *b) {
 }
 
 /* On unseen materials the loss is much smaller than that of predicting the mean, a log-cosh of about 0.37. */
-static void learns(void **state) {
-    (void)state;
+TEST(learns) {
     const char *const recipes[] = {"paper", "notebook", "nqm"};
     for (size_t i = 0; i < 3; ++i) {
         nqm_train_options o = small(recipes[i]);
@@ -90,8 +89,7 @@ static void learns(void **state) {
 }
 
 /* Training has no bytes. */
-static void bytes_are_for_scores(void **state) {
-    (void)state;
+TEST(bytes_are_for_scores) {
     nqm_train_options o = small("paper");
     nqm_model *model;
     o.optimiser.precision = NQM_PRECISION_INT8;
@@ -99,8 +97,7 @@ static void bytes_are_for_scores(void **state) {
 }
 
 /* A saved and loaded model gives the same predictions; with our recipe, equal BRDFs score at the top of the range. */
-static void saved_and_loaded(void **state) {
-    (void)state;
+TEST(saved_and_loaded) {
     nqm_train_options o = small("nqm");
     o.optimiser.epochs = 20;
     o.card = "Made by a test.";
@@ -123,8 +120,7 @@ static void saved_and_loaded(void **state) {
     nqm_model_free(loaded);
 }
 
-static void repeats_itself_on_any_threads(void **state) {
-    (void)state;
+TEST(repeats_itself_on_any_threads) {
     const char *const recipes[] = {"notebook", "nqm"};
     for (size_t i = 0; i < 2; ++i) {
         nqm_train_options o = small(recipes[i]);
@@ -179,8 +175,7 @@ static void stop_during(nqm_train_options *o) {
     o->run.progress = NULL;
 }
 
-static void resumes_to_the_same_bits(void **state) {
-    (void)state;
+TEST(resumes_to_the_same_bits) {
     const char *const recipes[] = {"paper", "notebook", "nqm"};
     for (size_t i = 0; i < 3; ++i) {
         nqm_train_options o = small(recipes[i]);
@@ -229,8 +224,7 @@ static void refuse(const nqm_dataset *d, const nqm_train_options *o, nqm_status 
 }
 
 /* The rate follows half a cosine; a resumed run continues it and must have the same number of epochs. */
-static void cosine_schedule(void **state) {
-    (void)state;
+TEST(cosine_schedule) {
     nqm_train_options o = small("nqm");
     losses l = {0};
     o.optimiser.schedule = NQM_SCHEDULE_COSINE;
@@ -254,8 +248,7 @@ static void cosine_schedule(void **state) {
     nqm_model_free(resumed);
 }
 
-static void stopped_and_resumed(void **state) {
-    (void)state;
+TEST(stopped_and_resumed) {
     nqm_train_options o = small("nqm");
     o.optimiser.epochs = 60; /* about a second: the ticker calls more than once */
     nqm_model *uninterrupted = train_model(toy, &o, NULL);
@@ -290,8 +283,7 @@ static void change_version(void) {
     nqm_map_close(&map);
 }
 
-static void checkpoints_of_others(void **state) {
-    (void)state;
+TEST(checkpoints_of_others) {
     nqm_train_options o = small("nqm");
     o.optimiser.schedule = NQM_SCHEDULE_PLATEAU; /* only this schedule permits another number of epochs */
     o.run.checkpoint = checkpoint;
@@ -328,8 +320,7 @@ static void checkpoints_of_others(void **state) {
 
 /* ---- errors ------------------------------------------------------------------------------------------------------ */
 
-static void divergence_is_noticed(void **state) {
-    (void)state;
+TEST(divergence_is_noticed) {
     nqm_dataset broken = *toy; /* loaders would refuse it */
     double *jod = malloc(toy->n_pairs * sizeof *jod);
     assert_non_null(jod);
@@ -352,8 +343,7 @@ static void divergence_is_noticed(void **state) {
     free(rgb);
 }
 
-static void memory_runs_out(void **state) {
-    (void)state;
+TEST(memory_runs_out) {
     nqm_train_options o = small("nqm");
     o.optimiser.epochs = 1;
     o.optimiser.batch = 512;
@@ -373,18 +363,4 @@ static void memory_runs_out(void **state) {
     assert_true(n > 20);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(learns),
-        cmocka_unit_test(bytes_are_for_scores),
-        cmocka_unit_test(saved_and_loaded),
-        cmocka_unit_test(repeats_itself_on_any_threads),
-        cmocka_unit_test(resumes_to_the_same_bits),
-        cmocka_unit_test(cosine_schedule),
-        cmocka_unit_test(stopped_and_resumed),
-        cmocka_unit_test(checkpoints_of_others),
-        cmocka_unit_test(divergence_is_noticed),
-        cmocka_unit_test(memory_runs_out),
-    };
-    return cmocka_run_group_tests(tests, make_toy, drop_toy);
-}
+TEST_FILE(make_toy, drop_toy)

@@ -102,8 +102,7 @@ static double distance(const nqm_model *m, size_t p, const double *x) {
 /* ---- points and measure ------------------------------------------------------------------------------------------ */
 
 /* Over the training pairs the features are uncorrelated and have variance 1, unless their variance is negligible. */
-static void features_are_uncorrelated(void **state) {
-    (void)state;
+TEST(features_are_uncorrelated) {
     enum { N = NQM_SCALAR_COUNT };
     double mean[N] = {0}, product[N * N] = {0}, n = 24 * 2 * 12;
     for (int pass = 0; pass < 2; ++pass)
@@ -135,8 +134,7 @@ static void features_are_uncorrelated(void **state) {
 }
 
 /* Farthest-point order: no training pair is farther from the first n points than point n + 1 is. */
-static void points_are_far_apart(void **state) {
-    (void)state;
+TEST(points_are_far_apart) {
     size_t n_points = trained->n_novelty * NQM_NOVELTY_BLOCK, n_train = 0;
     assert_int_equal(n_points, 24 * 2 * 12 / NQM_NOVELTY_BLOCK * NQM_NOVELTY_BLOCK);
     const size_t upto[] = {1, 10, 100};
@@ -160,8 +158,7 @@ static void points_are_far_apart(void **state) {
     assert_int_equal(n_train, 24 * 2 * 12);
 }
 
-static void training_pairs_are_not_novel(void **state) {
-    (void)state;
+TEST(training_pairs_are_not_novel) {
     size_t n = 0, n_beyond = 0;
     for (size_t pair = 0; pair < dataset->n_pairs; ++pair) {
         double novelty = novelty_of(trained, pair), x[NQM_SCALAR_COUNT], nearest = INFINITY;
@@ -179,8 +176,7 @@ static void training_pairs_are_not_novel(void **state) {
     assert_near((double)n_beyond / (double)n, 0.05, 0.01);
 }
 
-static void models_of_samples_have_none(void **state) {
-    (void)state;
+TEST(models_of_samples_have_none) {
     nqm_train_options o = quick("paper");
     nqm_model *model;
     nqm_train_report r;
@@ -199,8 +195,7 @@ static void models_of_samples_have_none(void **state) {
 
 /* ---- the file ---------------------------------------------------------------------------------------------------- */
 
-static void files_hold_the_measure(void **state) {
-    (void)state;
+TEST(files_hold_the_measure) {
     nqm_model *read;
     assert_int_equal(nqm_model_save(trained, temp_file, NULL), NQM_OK);
     assert_int_equal(nqm_model_load(temp_file, &read, NULL), NQM_OK);
@@ -210,8 +205,7 @@ static void files_hold_the_measure(void **state) {
     nqm_model_free(read);
 }
 
-static void older_files_have_none(void **state) {
-    (void)state;
+TEST(older_files_have_none) {
     nqm_model *read;
     struct nqm_model older = *trained;
     older.n_novelty = 0;
@@ -225,8 +219,7 @@ static void older_files_have_none(void **state) {
     nqm_model_free(read);
 }
 
-static void broken_measures_are_refused(void **state) {
-    (void)state;
+TEST(broken_measures_are_refused) {
     const double scales[][2] = {{0, 1}, {-1, 1}, {NAN, 1}, {1, -0.1}, {1, NQM_NOVELTY_MAX_GROWTH + 1.0}, {1, NAN}};
     for (size_t i = 0; i < sizeof scales / sizeof *scales + 2; ++i) {
         nqm_model *read = NULL;
@@ -250,8 +243,7 @@ static void broken_measures_are_refused(void **state) {
 }
 
 /* Growths and least widths are kept by files, and are not negative. */
-static void features_of_errors_in_files(void **state) {
-    (void)state;
+TEST(features_of_errors_in_files) {
     struct nqm_model changed = *trained;
     nqm_model *read;
     changed.spread_growth[NQM_SPREAD_PEAK] = 0.5;
@@ -282,10 +274,9 @@ static void features_of_errors_in_files(void **state) {
 
 /* ---- scores and calibration -------------------------------------------------------------------------------------- */
 
-static void scores_tell_and_widen(void **state) {
-    (void)state;
-    nqm_brdf *ref = open_brdf("sgd:nickel"), *test = open_brdf("ward:nickel"),
-             *odd = open_brdf("lambert:kd=0.9,0.1,0.9");
+TEST(scores_tell_and_widen) {
+    nqm_brdf *ref = must_open("sgd:nickel"), *test = must_open("ward:nickel"),
+             *odd = must_open("lambert:kd=0.9,0.1,0.9");
     const nqm_brdf *tests[] = {ref, test, odd};
     struct nqm_model model = *trained;
     nqm_score_result r[3], alone;
@@ -312,8 +303,7 @@ static void scores_tell_and_widen(void **state) {
     nqm_brdf_free(odd);
 }
 
-static void calibrating_again_keeps_the_points(void **state) {
-    (void)state;
+TEST(calibrating_again_keeps_the_points) {
     nqm_model *again, *elsewhere;
     nqm_calibration c;
     nqm_dataset *other = some_pairs(11);
@@ -333,13 +323,4 @@ static void calibrating_again_keeps_the_points(void **state) {
     nqm_dataset_free(other);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(features_are_uncorrelated),    cmocka_unit_test(points_are_far_apart),
-        cmocka_unit_test(training_pairs_are_not_novel), cmocka_unit_test(models_of_samples_have_none),
-        cmocka_unit_test(files_hold_the_measure),       cmocka_unit_test(older_files_have_none),
-        cmocka_unit_test(broken_measures_are_refused),  cmocka_unit_test(features_of_errors_in_files),
-        cmocka_unit_test(scores_tell_and_widen),        cmocka_unit_test(calibrating_again_keeps_the_points),
-    };
-    return cmocka_run_group_tests(tests, begin, end);
-}
+TEST_FILE(begin, end)

@@ -56,8 +56,7 @@ static nqm_label estimate_of(size_t pair) {
 }
 
 /* Normalised targets are the differences of label and estimate; their range is at most 6 standard deviations. */
-static void targets_are_corrections(void **state) {
-    (void)state;
+TEST(targets_are_corrections) {
     const nqm_train_options o = small_recipe("nqm", 24, 6);
     nqm_examples e;
     assert_int_equal(nqm_examples_create(toy, &o, 64, &e, NULL), NQM_OK);
@@ -147,8 +146,7 @@ static void check_report(const nqm_model *model, const nqm_train_report *report)
     nqm_free(label);
 }
 
-static void models_correct_the_estimate(void **state) {
-    (void)state;
+TEST(models_correct_the_estimate) {
     const nqm_train_options o = small_recipe("nqm", 24, 6);
     nqm_train_report report;
     nqm_model *model = train_model(toy, &o, &report), *loaded;
@@ -166,8 +164,7 @@ static void models_correct_the_estimate(void **state) {
 }
 
 /* Without the option the model knows nothing of the matrix, and neither do its features. */
-static void without_transport(void **state) {
-    (void)state;
+TEST(without_transport) {
     nqm_train_options o = small_recipe("nqm", 24, 6);
     nqm_train_report report;
     o.input.transport = 0;
@@ -183,8 +180,7 @@ static void without_transport(void **state) {
 }
 
 /* The novelty of a pair in an evaluation is that of a score: its features come from the model's matrix, not the dataset's. */
-static void novelty_by_the_models_matrix(void **state) {
-    (void)state;
+TEST(novelty_by_the_models_matrix) {
     for (int with_transport = 0; with_transport < 2; ++with_transport) {
         nqm_train_options o = small_recipe("nqm", 24, 6);
         o.input.transport = with_transport;
@@ -213,8 +209,7 @@ static void checksum_of(const nqm_model *model, char sha256[65]) {
     nqm_model_free(loaded);
 }
 
-static void resumes_to_the_same_bits(void **state) {
-    (void)state;
+TEST(resumes_to_the_same_bits) {
     nqm_train_options o = small_recipe("nqm", 24, 6);
     char whole[65], resumed[65];
     nqm_model *model;
@@ -247,8 +242,7 @@ static void resumes_to_the_same_bits(void **state) {
     omp_set_num_threads(1);
 }
 
-static void the_target_is_a_delta_e(void **state) {
-    (void)state;
+TEST(the_target_is_a_delta_e) {
     nqm_train_options o = small_recipe("nqm", 24, 6);
     nqm_model *model;
     nqm_error err = {0};
@@ -264,11 +258,4 @@ static void the_target_is_a_delta_e(void **state) {
     nqm_model_free(model);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(targets_are_corrections),  cmocka_unit_test(models_correct_the_estimate),
-        cmocka_unit_test(without_transport),        cmocka_unit_test(novelty_by_the_models_matrix),
-        cmocka_unit_test(resumes_to_the_same_bits), cmocka_unit_test(the_target_is_a_delta_e),
-    };
-    return cmocka_run_group_tests(tests, make_toy, drop_toy);
-}
+TEST_FILE(make_toy, drop_toy)
