@@ -54,7 +54,6 @@ stops translate - translate "$network" "$in/valid.bsdf" sgd:nickel sgd:brass war
 stops bench - bench train -o bench.json
 stops convert - convert "$network" -o table.binary
 stops regress - regress "$in/labels.csv"
-stops plot - plot attribution "$network" "$network" -o drawing.svg
 stops transport - transport make --points 2048 -o transport.safetensors
 # Many times: the third ends the process at once.
 "$tool" bench train -o bench.json >"$dir/out" 2>"$dir/err" &

@@ -31,7 +31,6 @@ const verb verbs[] = {
     {"calibrate", cmd_calibrate, "calibrate the intervals around the JOD of a model"},
     {"eval", cmd_eval, "compare a model and the baseline metrics with labels"},
     {"report", cmd_report, "write a page with pictures, scores and differences"},
-    {"plot", cmd_plot, "draw labels, evaluations, trainings, models and BRDFs"},
     {"models", cmd_models, "list and describe the built-in models"},
     {"bench", cmd_bench, "measure the speed of this build and the limits of this machine"},
     {"selftest", cmd_selftest, "check this build against stored values"},
