@@ -115,7 +115,6 @@ refuses 2 "wrad: there is no such file, model or preset (did you mean 'ward'?)" 
 refuses 2 "nickle: there is no such file, model or preset (did you mean 'nickel'?)" info nickle
 refuses 3 "nowhere: No such file" info nowhere
 # A wrong first word is named before what is missing, and before outputs.
-refuses 2 "no 'shwo' (did you mean 'show'?)" models shwo default -o "$dir/no/x"
 refuses 2 "no 'mkae' (did you mean 'make'?)" transport mkae
 # Models and BRDFs in each other's place, and models nearly.
 for verb in "score sgd:nickel" "rank sgd:nickel" "label sgd:nickel" "report -o $dir/x.html sgd:nickel" check sample \
@@ -193,7 +192,7 @@ misnamed x.jpg --grid label sgd:nickel ward:nickel
 misnamed x.jpg -o render sgd:nickel
 misnamed x.mat -o directions
 misnamed x.csv -o transport make
-misnamed x.md -o models annotate default notes.md
+misnamed x.md -o info default --notes notes.md
 misnamed x.csv -o bench gemm
 refuses 2 "x.gif: no file of this name holds a material" translate sgd:nickel --to gltf -o "$dir/x.gif"
 refuses 2 "json: '$dir/x.csv' names another kind" batch list.csv --json -o "$dir/x.csv"

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT
  *
- * nqm models - lists the built-in models, shows the properties of a model, and writes copies with notes or 16-bit
- * weights.
+ * Models for `nqm info`: the list of the built-in ones, the properties of a model, and copies with notes or 16-bit weights.
  */
 #include "metric/metric.h"
+#include "nqm/brdf/info.h"
 #include "nqm/help.h"
 
 #include <stdlib.h>
@@ -78,20 +78,8 @@ void print_model_text(const nqm_model *model) {
     each_line(info.card, print_card_line);
 }
 
-static int show_model(const char *name, bool json) {
-    nqm_model *model = open_model(name);
-    if (json)
-        print_document(json_model(model));
-    else
-        print_model_text(model);
-    nqm_model_free(model);
-    return EXIT_OK;
-}
-
-static int annotate_model(const char *name, const char *notes_path, bool half, const char *output) {
+int annotate_model(const char *name, const char *notes_path, bool half, const char *output) {
     nqm_error err = {0};
-    if (!output)
-        stop(EXIT_USAGE, "annotate needs -o FILE");
     nqm_model *model = open_model(name), *annotated;
     char *notes = read_text(notes_path);
     if (half) { /* 16-bit weights in the hidden layers, with newly computed golden scores */
@@ -110,7 +98,7 @@ static int annotate_model(const char *name, const char *notes_path, bool half, c
     return EXIT_OK;
 }
 
-static int list_models(bool json) {
+int list_models(bool json) {
     json_t *list = json ? json_array() : NULL;
     if (!json && nqm_model_builtin_count() == 0)
         report(EXIT_OK, "none is built in; `nqm train` makes model files");
@@ -128,46 +116,4 @@ static int list_models(bool json) {
         nqm_model_free(model);
     }
     return json ? print_document(json_pack("{s:o}", "models", list)) : EXIT_OK;
-}
-
-/* ---- the verb ---------------------------------------------------------------------------------------------------- */
-
-static bool json, half;
-static const char *output;
-
-static const option options[] = {
-    {"json", 0, OPTION_FLAG, &json, NULL, "print JSON", 0, 0},
-    {"output", 'o', OPTION_TEXT, &output, "FILE.safetensors", "annotate: the model file to write", 0, 0},
-    {"half", 0, OPTION_FLAG, &half, NULL, "annotate: store hidden layers' weights in 16 bits", 0, 0},
-    {0}};
-enum { LIST, SHOW, ANNOTATE };
-static const choice choices[] = {
-    [LIST] = {"list", "", "list the built-in models, as without arguments"},
-    [SHOW] = {"show", "MODEL", "describe a model"},
-    [ANNOTATE] = {"annotate", "MODEL NOTES.md", "write a copy with a text added to its card"},
-    {0}};
-
-static const command cmd = {
-    .usage = "[show MODEL | annotate MODEL NOTES.md -o FILE] [options]",
-    .about = "List the built-in models, or show one of them or a model file: size, checksum, directions and the model\n"
-             "card, which describes training data, results and limits. annotate writes a copy of a model with a text\n"
-             "added to its card, such as results on a test set; --half also rounds the weights of the hidden layers\n"
-             "to 16 bits, which halves the file.",
-    .example = "nqm models\nnqm models show default\nnqm models show my.safetensors --json\n"
-               "nqm models annotate my.safetensors results.md -o my-judged.safetensors",
-    .options = options,
-    .choices = choices,
-    .max_arguments = 3,
-};
-
-int cmd_models(int argc, char **argv) {
-    const int n_arguments = parse_arguments(&cmd, argc, argv);
-    const size_t what = n_arguments ? choose_first(&cmd, argv[0]) : LIST;
-    if (what == LIST && n_arguments <= 1)
-        return list_models(json);
-    if (what == SHOW && n_arguments == 2)
-        return show_model(argv[1], json);
-    if (what == ANNOTATE && n_arguments == 3)
-        return annotate_model(argv[1], argv[2], half, output);
-    stop(EXIT_USAGE, "say `nqm models`, `nqm models show MODEL` or `nqm models annotate MODEL NOTES.md -o FILE`");
 }
