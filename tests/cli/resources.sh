@@ -19,7 +19,6 @@ write_all() {
     run "$code" directions -n 4000 -o "$1/directions.csv"
     run "$code" batch list.csv -m model.safetensors -o "$1/scores.csv"
     run "$code" train toy.safetensors -o "$1/trained.safetensors" --hidden 8 --batch 64 --epochs 1
-    run "$code" learn sparse sgd:nickel sgd:green-plastic --steps 1 -o "$1/learnt.safetensors"
     run "$code" fit sgd:nickel --model nbrdf --samples 200 -o "$1/fit.safetensors"
     run "$code" plot network model.safetensors -o "$1/network.svg"
     run "$code" report -m model.safetensors --size 8 sgd:nickel ward:nickel -o "$1/page.html"
@@ -43,7 +42,7 @@ if run_mounted size=16k true 2>/dev/null; then
     got=0
     # shellcheck disable=SC2016 # expanded by the inner shell
     run_mounted size=16k sh -c '
-        for command in "directions -n 4000 -o small/d.csv" "learn sparse sgd:nickel sgd:green-plastic --steps 1 -o small/l.safetensors" \
+        for command in "directions -n 4000 -o small/d.csv" \
             "report -m model.safetensors --size 8 sgd:nickel ward:nickel -o small/page.html"; do
             got=0
             "$1" $command >out 2>err || got=$?
@@ -87,7 +86,6 @@ if [ -z "${NQM_SANITIZE:-}" ]; then
     (
         ulimit -s 1024
         run 0 score sgd:nickel ward:nickel -q
-        run 0 learn sparse sgd:nickel sgd:green-plastic --steps 1 -o learnt.safetensors
     ) || fail "ulimit -s 1024"
     # 127: the system's loader has no room for a library
     for kb in 50000 56000 65000 90000 150000; do
@@ -112,18 +110,17 @@ for round in 1 2; do
     "$tool" batch list.csv -m model.safetensors -o scores.csv 2>err2 || fail "a batch beside another: $(cat err2)"
     wait $pid || fail "a batch beside another"
     cmp scores.csv expected.csv || fail "two batches, round $round"
-    for verb in "directions -n 4000" "learn sparse sgd:nickel sgd:green-plastic --steps 1"; do
-        # shellcheck disable=SC2086
-        {
-            "$tool" $verb -o small/expected 2>err
-            "$tool" $verb -o small/x 2>err &
-            "$tool" $verb -o small/x 2>err || fail "$verb, beside another"
-        }
-        wait $! || fail "$verb, beside another"
-        cmp small/x small/expected || fail "$verb, beside another"
-        rm small/x small/expected
-        empty "two processes"
-    done
+    verb="directions -n 4000"
+    # shellcheck disable=SC2086
+    {
+        "$tool" $verb -o small/expected 2>err
+        "$tool" $verb -o small/x 2>err &
+        "$tool" $verb -o small/x 2>err || fail "$verb, beside another"
+    }
+    wait $! || fail "$verb, beside another"
+    cmp small/x small/expected || fail "$verb, beside another"
+    rm small/x small/expected
+    empty "two processes"
 done
 for file in ./*.part* ./*.pieces; do
     [ ! -e "$file" ] || fail "left-over: $file"

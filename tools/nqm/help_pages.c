@@ -136,8 +136,7 @@ void print_man_overview(void) {
         put_roff_text(v->summary);
         putchar('\n');
     }
-    printf(".SH ENVIRONMENT\n.TP\n\\fBNQM_KERNELS\\fR\nthe code of the network's products: avx512+amx, avx512+bf16, "
-           "avx512, "
+    printf(".SH ENVIRONMENT\n.TP\n\\fBNQM_KERNELS\\fR\nthe code of the network's products: avx512+bf16, avx512, "
            "avx2, generic or scalar.\nDefault: the fastest that the processor supports.\n.SH EXIT STATUS\n");
     for (size_t i = 0; i < sizeof exit_statuses / sizeof *exit_statuses; ++i) {
         printf(".TP\n%d\n", exit_statuses[i].code);

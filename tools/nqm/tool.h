@@ -180,8 +180,6 @@ void report_distance(const char *argument, const nqm_brdf *brdf, const nqm_direc
 /** Open a dataset: a file of nqm (labels NULL), or a folder in the authors' layout with its labels CSV, whose rows all get
  *  `split`. */
 nqm_dataset *open_dataset(const char *path, const char *labels, nqm_split split);
-/** Fit the JOD curve to a CSV with the columns DeltaE and JOD (any order, any case; others are ignored). */
-nqm_regress_report regress_csv(const char *path);
 
 /* ---- several processes ------------------------------------------------------------------------------------------- */
 
@@ -246,7 +244,7 @@ json_t *json_name(const char *text);
 json_t *json_number(double value);
 /** {"name":"nqm","version":"..."} for the "tool" member. */
 json_t *json_tool(void);
-/** Versions of the libraries for drawing, ray tracing and pictures, or "off"; does not load them. Static. */
+/** Versions of the libraries for ray tracing and pictures, or "off"; does not load them. Static. */
 const char *tool_build_info(void);
 /** The parts of a label and what differs in words, as JSON; null if they are NaN. similarity: of a score, printed as
  *  `similarity_jod` with the ends of its interval; NULL: nqm_label_adapted_jod() is, as `adapted_jod`. */
@@ -347,9 +345,7 @@ int cmd_fit(int argc, char **argv);
 int cmd_help(int argc, char **argv);
 int cmd_info(int argc, char **argv);
 int cmd_label(int argc, char **argv);
-int cmd_learn(int argc, char **argv);
 int cmd_nearest(int argc, char **argv);
-int cmd_plot(int argc, char **argv);
 int cmd_rank(int argc, char **argv);
 int cmd_regress(int argc, char **argv);
 int cmd_render(int argc, char **argv);

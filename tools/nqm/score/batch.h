@@ -19,7 +19,6 @@ typedef struct batch_form {
     const nqm_pair_list *list;
     const char **names; /* (n_rows) of the tests, NULL: none */
     const nqm_model *model;
-    nqm_precision precision;
     bool metrics[NQM_METRIC_COUNT]; /* metrics to write */
     bool has_textures;              /* columns of textures, too */
     score_gate gate;

@@ -56,13 +56,12 @@ static void choose_order(batch_run *run, const char *word) {
 static json_t *score_terms(const batch_run *run, const char *root) {
     nqm_model_info info = nqm_model_get_info(run->form.model);
     char *folder = realpath(root ? root : ".", NULL);
-    json_t *terms = json_pack("{s:s,s:s,s:I,s:s,s:o,s:s,s:f,s:s,s:s,s:s,s:b}", "version of nqm", nqm_version(), "list",
+    json_t *terms = json_pack("{s:s,s:s,s:I,s:s,s:o,s:s,s:f,s:s,s:s,s:b}", "version of nqm", nqm_version(), "list",
                               run->list->sha256, "number of materials in its files", (json_int_t)run->list->n_rows,
                               "model", info.sha256, "--root", json_name(folder ? folder : ""), "--invalid",
                               nqm_invalid_words[run->options.invalid], "--min-valid", run->options.min_valid_fraction,
-                              "--precision", nqm_precision_name(run->options.precision), "--metrics",
-                              run->options.metrics ? "any" : "none", "--ignore", ignored_words ? ignored_words : "",
-                              "--textures", (int)run->form.has_textures);
+                              "--metrics", run->options.metrics ? "any" : "none", "--ignore",
+                              ignored_words ? ignored_words : "", "--textures", (int)run->form.has_textures);
     free(folder);
     return terms;
 }
@@ -161,7 +160,6 @@ static void open_inputs(batch_run *run, const batch_arguments *a) {
     run->list_name = *stream ? stream : a->list;
     run->form.list = run->list;
     run->form.model = model;
-    run->form.precision = run->options.precision;
     run->form.terms = (remark_terms){nqm_directions_count(nqm_model_get_info(model).directions), run->options.invalid};
     check_batch_columns(&run->form);
 }
