@@ -17,9 +17,9 @@ Comments <!-- test: WORD... --> before a block change what is done with it:
   slow                  run only when NQM_DOCS=full (./dev test full)
   tolerance X           relative tolerance of numbers (default 0.01; one unit in the last printed place is always allowed)
   exit N                the last command ends with exit code N instead of 0
-Relative links and their anchors must exist. In inline code every --option must be in the help of some verb, every function nqm_...() in a
-public header, and every path that begins with a folder of the repository must exist. In a row of a table that names source files, a function
-without a public header may be in one of these.
+Relative links and their anchors must exist. In inline code every function nqm_...() must be in a public header, and every path that begins
+with a folder of the repository must exist. In a row of a table that names source files, a function without a public header may be in one of
+these. (tests/structure/words.py reads verbs and options.)
 """
 import glob
 import os
@@ -167,22 +167,6 @@ def check_links(page, lines):
                 fail(number, "link to %s: no such heading" % target)
 
 
-def check_options(lines, environment):
-    def tool(*arguments):
-        return subprocess.run(["nqm", *arguments], env=environment, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True).stdout
-    verbs = sorted(set(re.findall(r"(?m)^  ([a-z]+)\b", tool("--help"))))
-    with open(SOURCE + "/studies/reproduce.py") as script:
-        helps = [tool("--help"), *(tool(v, "--help") for v in verbs), script.read()]
-    known = set(re.findall(r"--[a-z][a-z0-9-]*", "".join(helps)))
-    for number, line in enumerate(lines, 1):
-        for code in re.findall(r"`([^`]*)`", line):
-            if not code.startswith(("-", "nqm ")):  # options of other programs are named with the program
-                continue
-            for option in re.findall(r"(?<![\w-])--[a-z][a-z0-9-]*", code):
-                if option not in known:
-                    fail(number, "no verb has the option %s" % option)
-
-
 def text_of_files(codes):
     """The source files among the codes, joined."""
     text = ""
@@ -219,7 +203,6 @@ def main():
                        OMPI_ALLOW_RUN_AS_ROOT="1", OMPI_ALLOW_RUN_AS_ROOT_CONFIRM="1")
     counts = {"run": 0, "skipped": 0, "slow": 0, "no data": 0}
     check_links(page, lines)
-    check_options(lines, environment)
     check_names(lines)
     with tempfile.TemporaryDirectory() as folder:
         subprocess.run(["cp", "-r", BUILD + "/docs-files/.", folder], check=True)
