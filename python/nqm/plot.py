@@ -156,8 +156,7 @@ def attribution(ref: BRDFLike, test: BRDFLike, *, names: Optional[Sequence[Optio
     theta_d, root, phi_d = np.meshgrid((np.arange(60) + 0.5) / 60, (np.arange(90) + 0.5) / 90, (np.arange(18) + 0.5) / 18, indexing="ij")
     wi, wo = _vectors(np.pi / 2 * root**2, np.pi / 2 * theta_d, np.pi * phi_d)
     logs = [np.stack([np.log(_values(b, wi, wo, azimuth) + 0.003) for azimuth in azimuths], axis=2) for b in brdfs]
-    mean = np.ma.masked_invalid(logs[0] - logs[1])
-    mean = abs(mean).mean(axis=(2, 3, 4))
+    mean = abs(np.ma.masked_invalid(logs[0] - logs[1])).mean(axis=(2, 3, 4))
     if mean.mask.all():
         raise Error("there is no direction where both BRDFs have a value", Status.INCOMPATIBLE)
     most = max(mean.max(), 0.01)  # rounding errors must not look like a difference
@@ -382,8 +381,7 @@ def loss(logs: Union[PathLike, Sequence[PathLike]], *, figure: Any = None) -> np
         raise ValueError("1 to %d trainings can be drawn, not %d" % (_MOST, len(paths)))
     tables = [_Table(path) for path in paths]
     columns = [[table.numbers(name) for name in ("train_loss", "validation_loss", "lr_first", "epoch")] for table in tables]
-    figure = _figure(figure, 640, 520)
-    axes = figure.subplots(2, 1, sharex=True, gridspec_kw={"height_ratios": [0.64, 0.36]})
+    axes = _figure(figure, 640, 520).subplots(2, 1, sharex=True, gridspec_kw={"height_ratios": [0.64, 0.36]})
     for i, (path, (train, validation, rate, epoch)) in enumerate(zip(paths, columns)):
         prefix, marker = "" if len(paths) == 1 else os.path.basename(path) + ", ", "o" if len(epoch) == 1 else ""  # one epoch is no line
         for k, values in enumerate((train, validation)):
@@ -451,10 +449,15 @@ def _save(figure: Any, path: str, scale: float) -> None:
     """Write the file as a whole or not at all, with the same bytes for the same figure."""
     import matplotlib
 
-    kind, part = path.lower()[-3:], "%s.%d.part" % (path, os.getpid())
+    kind, part, buffer = path.lower()[-3:], "%s.%d.part" % (path, os.getpid()), io.BytesIO()
+    with matplotlib.rc_context({"svg.hashsalt": "nqm", "pdf.fonttype": 42}):
+        figure.savefig(buffer, format=kind, dpi=96 * scale, metadata={"svg": {"Date": None}, "pdf": {"CreationDate": None}}.get(kind))
+    data = buffer.getvalue()
+    for i, name in enumerate(re.findall(rb'<clipPath id="(\w+)"', data)):  # matplotlib makes some of these names from addresses
+        data = data.replace(name, b"clip%d" % i)
     try:
-        with open(part, "xb") as file, matplotlib.rc_context({"svg.hashsalt": "nqm", "pdf.fonttype": 42}):
-            figure.savefig(file, format=kind, dpi=96 * scale, metadata={"svg": {"Date": None}, "pdf": {"CreationDate": None}}.get(kind))
+        with open(part, "xb") as file:
+            file.write(data)
         os.replace(part, path)
     except OSError as error:
         raise Error("%s: cannot write: %s" % (path, error.strerror), Status.IO) from None
@@ -474,8 +477,7 @@ def _run(given: argparse.Namespace) -> None:
         names = [None if os.path.exists(i) else re.match(r"[^=:/]+(?==.)", i) for i in inputs]  # NAME=BRDF, unless that is a file
         inputs = [i[name.end() + 1:] if name else i for i, name in zip(inputs, names)]
         options["names"] = [name and name[0] for name in names]
-    axes = _KINDS[given.kind][0](*([inputs] if given.kind in ("slice", "loss") else inputs), **options)
-    figure = np.ravel(axes)[0].figure
+    figure = np.ravel(_KINDS[given.kind][0](*([inputs] if given.kind in ("slice", "loss") else inputs), **options))[0].figure
     if given.title is not None:
         figure.suptitle(given.title, fontsize=12)
     if given.size:
