@@ -35,7 +35,6 @@ class Status(enum.IntEnum):
 
 N_METRICS = 9
 INVALID = ("drop", "zero", "nearest", "error")
-PRECISIONS = ("f32", "bf16", "int8")
 QUANTITIES = ("jod", "delta_e")
 SCENES = ("standard", "paper")
 TABLES = ("merl", "merl_360")
@@ -120,8 +119,7 @@ class RegressReport(Structure):
 
 class ScoreOptions(Structure):
     _c_name_ = "nqm_score_options"
-    _fields_ = [("invalid", c_int), ("min_valid_fraction", c_double), ("precision", c_int), ("metrics", c_int),
-                ("cache_bytes", c_size_t)]
+    _fields_ = [("invalid", c_int), ("min_valid_fraction", c_double), ("metrics", c_int), ("cache_bytes", c_size_t)]
 
 
 class ScoreResult(Structure):

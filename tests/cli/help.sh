@@ -56,7 +56,7 @@ if command -v bash >/dev/null; then
     completes "score" sc
     completes "--min-valid" score a b --min-v
     completes "drop" score --invalid d
-    completes "bf16" score --precision = bf
+    completes "bf16" train --precision = bf
     completes "show" models sh
     completes "man markdown" help --format ma
     completes "" score nickel.bin
@@ -115,12 +115,10 @@ refuses 2 "wrad: there is no such file, model or preset (did you mean 'ward'?)" 
 refuses 2 "nickle: there is no such file, model or preset (did you mean 'nickel'?)" info nickle
 refuses 3 "nowhere: No such file" info nowhere
 # A wrong first word is named before what is missing, and before outputs.
-refuses 2 "no 'shwo' (did you mean 'show'?)" models shwo default -o "$dir/no/x"
-refuses 2 "no 'sprase' (did you mean 'sparse'?)" learn sprase
 refuses 2 "no 'mkae' (did you mean 'make'?)" transport mkae
 # Models and BRDFs in each other's place, and models nearly.
 for verb in "score sgd:nickel" "rank sgd:nickel" "label sgd:nickel" "report -o $dir/x.html sgd:nickel" check sample \
-    "convert -o $dir/x.binary" fit "translate --to gltf" "render -o $dir/x.png" "learn sparse -o $dir/x.safetensors" directions; do
+    "convert -o $dir/x.binary" fit "translate --to gltf" "render -o $dir/x.png" directions; do
     # shellcheck disable=SC2086
     refuses 2 "'default' is a model, not a BRDF: models belong to --model" $verb default
 done
@@ -187,7 +185,6 @@ misnamed x.json -o calibrate default corpus.safetensors
 misnamed x.csv -o fit sgd:nickel
 misnamed x.pdf --report fit sgd:nickel
 misnamed x.pdf --report translate sgd:nickel --to gltf
-misnamed x.bin -o learn sparse sgd:nickel
 misnamed x.xlsx --pairs eval corpus.safetensors
 misnamed x.pdf -o report sgd:nickel ward:nickel
 misnamed x.jpg --map label sgd:nickel ward:nickel
@@ -195,7 +192,7 @@ misnamed x.jpg --grid label sgd:nickel ward:nickel
 misnamed x.jpg -o render sgd:nickel
 misnamed x.mat -o directions
 misnamed x.csv -o transport make
-misnamed x.md -o models annotate default notes.md
+misnamed x.md -o info default --notes notes.md
 misnamed x.csv -o bench gemm
 refuses 2 "x.gif: no file of this name holds a material" translate sgd:nickel --to gltf -o "$dir/x.gif"
 refuses 2 "json: '$dir/x.csv' names another kind" batch list.csv --json -o "$dir/x.csv"

@@ -15,7 +15,7 @@ jod=$(xmllint --xpath 'string(//table[@class="summary"]/tbody/tr[1]/td[2]/strong
 # browse OPTION...: open the page with a new profile.
 browse() {
     rm -rf "$dir/profile"
-    timeout 100 "$browser" --headless --no-sandbox --disable-gpu --disable-quic --no-first-run --disable-background-networking \
+    timeout 1800 "$browser" --headless --no-sandbox --disable-gpu --disable-quic --no-first-run --disable-background-networking \
         --disable-component-update --disable-sync --disable-dev-shm-usage --host-resolver-rules='MAP * ~NOTFOUND' \
         --proxy-server=127.0.0.1:9 --hide-scrollbars --user-data-dir="$dir/profile" "$@" "file://$page" 2>"$dir/err"
 }

@@ -314,13 +314,18 @@ const char *stream_name(const char *message, size_t *n_prefix);
 /* ---- verbs ------------------------------------------------------------------------------------------------------- */
 
 typedef struct verb {
-    const char *name;
+    const char *name, *heading; /* heading: of a run of verbs in lists of all */
     int (*run)(int argc, char **argv);
     const char *summary;
 } verb;
 extern const verb verbs[]; /* the last one has no name */
+/** Whether the verb is the first one under its heading. */
+bool begins_heading(const verb *v);
 /** NULL when there is no such verb. */
 const verb *find_verb(const char *name);
+/** Replace a former name of a verb, the first of *argc words, before which is that of the program; if what it did is no verb any
+ *  more, say what to do instead and exit. Other words remain. */
+void rename_former_verb(int *argc, char ***argv);
 /** Print that there is no such verb, and the nearest one. Returns EXIT_USAGE. */
 int report_no_verb(const char *name);
 
@@ -340,8 +345,6 @@ int cmd_fit(int argc, char **argv);
 int cmd_help(int argc, char **argv);
 int cmd_info(int argc, char **argv);
 int cmd_label(int argc, char **argv);
-int cmd_learn(int argc, char **argv);
-int cmd_models(int argc, char **argv);
 int cmd_nearest(int argc, char **argv);
 int cmd_rank(int argc, char **argv);
 int cmd_regress(int argc, char **argv);
@@ -349,7 +352,6 @@ int cmd_render(int argc, char **argv);
 int cmd_report(int argc, char **argv);
 int cmd_sample(int argc, char **argv);
 int cmd_score(int argc, char **argv);
-int cmd_selftest(int argc, char **argv);
 int cmd_train(int argc, char **argv);
 int cmd_translate(int argc, char **argv);
 int cmd_transport(int argc, char **argv);

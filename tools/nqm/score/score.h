@@ -84,8 +84,8 @@ json_t *json_remarks(const remark_terms *terms, const nqm_named_pair *pair, cons
                      const nqm_score_result *r);
 /** Parse --metrics: names and "all", separated by commas. chosen: (NQM_METRIC_COUNT) */
 void choose_metrics(const char *text, bool *chosen);
-/** The "model" member of results: id, sha256, parameters, and the precision unless it is f32. */
-json_t *model_json(const nqm_model *model, nqm_precision precision);
+/** The "model" member of results: id, sha256, parameters. */
+json_t *model_json(const nqm_model *model);
 
 /** Columns of the parts that a model predicts in CSV, each after a comma: those of a label, and `words`. None for a model that
  *  predicts none. */
