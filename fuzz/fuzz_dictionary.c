@@ -5,6 +5,7 @@
  */
 #include "encode/sparse.h"
 #include "fuzz.h"
+#include "support/encoder_files.h"
 
 #include <stdlib.h>
 #include <unistd.h>
@@ -37,16 +38,16 @@ static int run_one(const uint8_t *data, size_t n_bytes) {
     return 0;
 }
 
+/* Bases and a dictionary of one atom, each with one coefficient of 1. */
 static blob make_seed(void) {
     static const char path[] = "fuzz_dictionary.tmp";
-    static const char *const names[] = {"sgd:nickel"};
-    nqm_learn_options options = nqm_learn_options_default();
-    nqm_brdf *ref;
-    options.n_steps = 1;
-    if (nqm_brdf_open(names[0], &ref, NULL) != NQM_OK ||
-        nqm_learn(NQM_ENCODER_SPARSE, 1, (const nqm_brdf *const *)&ref, names, &options, path, NULL) != NQM_OK)
-        abort();
-    nqm_brdf_free(ref);
+    nqm_sparse_dictionary *dictionary;
+    nqm_tensor tensors[NQM_SPARSE_TENSORS];
+    must(nqm_sparse_dictionary_create(1, &dictionary, NULL) == NQM_OK);
+    dictionary->bases.h[0] = dictionary->bases.d[0] = dictionary->bases.p[0] = dictionary->atoms[0] = 1;
+    nqm_sparse_tensors(dictionary, tensors);
+    write_encoder(path, "sparse", NQM_SPARSE_TENSORS, tensors);
+    nqm_free(dictionary);
     blob b = blob_load(path);
     unlink(path);
     return b;

@@ -6,6 +6,7 @@
 #include "brdf/brdf.h"
 #include "encode/hyper.h"
 #include "fuzz.h"
+#include "support/encoder_files.h"
 
 #include <stdlib.h>
 #include <unistd.h>
@@ -19,7 +20,7 @@ static int run_one(const uint8_t *data, size_t n_bytes) {
     nqm_status status = nqm_hyper_read(b.data, b.n_bytes, "fuzz", &hyper, &err);
     if ((status == NQM_OK) != (hyper.block != NULL) || (status != NQM_OK && err.message[0] == '\0'))
         abort();
-    if (status == NQM_OK && nqm_hyper_encode(&hyper, 2, hd, rgb, weights, NULL) == NQM_ERR_ARG)
+    if (status == NQM_OK && nqm_hyper_encode(&hyper, 2, hd, rgb, 0, weights, NULL) == NQM_ERR_ARG)
         abort();
     nqm_free(hyper.block);
     blob_free(&b);
@@ -27,16 +28,9 @@ static int run_one(const uint8_t *data, size_t n_bytes) {
 }
 
 static blob make_seed(void) {
-    static const char path[] = "fuzz_hyper.tmp", *const names[] = {"sgd:nickel"};
-    const nqm_hyper_shape shape = {{1, 1, 1, 1, 1, NQM_NBRDF_WEIGHTS}};
-    const float mean[NQM_NBRDF_WEIGHTS] = {0};
-    nqm_learn_options options = nqm_learn_options_default();
-    nqm_hyper hyper;
-    if (nqm_hyper_create(&shape, &hyper, NULL) != NQM_OK)
-        abort();
-    nqm_hyper_init(&hyper, mean, 1);
-    if (nqm_hyper_write(&hyper, 1, names, &options, path, NULL) != NQM_OK)
-        abort();
+    static const char path[] = "fuzz_hyper.tmp";
+    nqm_hyper hyper = make_hyper(&(nqm_hyper_shape){{1, 1, 1, 1, 1, NQM_NBRDF_WEIGHTS}}, 1);
+    write_hyper(path, &hyper);
     nqm_free(hyper.block);
     blob b = blob_load(path);
     unlink(path);

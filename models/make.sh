@@ -48,11 +48,11 @@ END
 }
 
 # learn KIND: make the dictionary or hypernetwork of the encodings KIND-* from training materials only; the file names
-# them relative to DATA.
+# them relative to DATA. Needs NumPy and the library (cmake --build build --target nqm_full).
 learn() {
     [ ! -f "$here/encoders/$1.safetensors" ] || return 0
     # shellcheck disable=SC2046 # arguments without blanks
-    (cd "$data" && "$nqm" learn "$1" $(training "" "rgl nbrdf nps sgd") -o "$here/encoders/$1.safetensors")
+    (cd "$data" && PYTHONPATH="$here/../python" python3 "$here/../studies/learn.py" "$1" $(training "" "rgl nbrdf nps sgd") -o "$here/encoders/$1.safetensors")
     new_encoders=yes
 }
 new_encoders=
@@ -121,7 +121,7 @@ train() {
     fi
     judged "$1" "$3" "$4" "$6" >"$work/$1.md"
     # shellcheck disable=SC2086 # no word or one
-    "$nqm" models annotate "$work/$1.safetensors" "$work/$1.md" ${7-} -o "$here/$5"
+    "$nqm" info "$work/$1.safetensors" --notes "$work/$1.md" ${7-} -o "$here/$5"
 }
 train default nqm "" " without options (four built-in scenes)" default.safetensors \
     ", and 15 % of the renderer materials, mirrors and analytic models" --half

@@ -7,7 +7,7 @@
 #ifndef NQM_FIT_H
 #define NQM_FIT_H
 
-#include <nqm/encode.h>
+#include <nqm/brdf.h>
 
 #ifdef __cplusplus
 extern "C" {

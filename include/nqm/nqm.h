@@ -10,7 +10,6 @@
 #include <nqm/brdf.h>
 #include <nqm/corpus.h>
 #include <nqm/data.h>
-#include <nqm/encode.h>
 #include <nqm/fit.h>
 #include <nqm/label.h>
 #include <nqm/match.h>

@@ -8,7 +8,7 @@
 
 #include "base/embedded.h"
 #include "io/io.h"
-#include <nqm/encode.h>
+#include <nqm/brdf.h>
 
 /** What an encoder is asked for. */
 typedef struct nqm_encode_options {
@@ -57,13 +57,7 @@ enum { NQM_ENCODE_MAX_TRIES = 16 };
 size_t nqm_encode_sample(const nqm_brdf *ref, size_t n, void (*draw)(nqm_rng *rng, double *hd), nqm_rng *rng,
                          double *hd, double *rgb);
 
-/** The two halves of nqm_learn() (sparse_learn.c, hyper_learn.c). */
-NQM_MUST_CHECK nqm_status nqm_learn_sparse(size_t n, const nqm_brdf *const *refs, const char *const *names,
-                                           const nqm_learn_options *options, const char *path, nqm_error *err);
-NQM_MUST_CHECK nqm_status nqm_learn_hyper(size_t n, const nqm_brdf *const *refs, const char *const *names,
-                                          const nqm_learn_options *options, const char *path, nqm_error *err);
-
-/* ---- the common format of learned encoders (doc/files.md): safetensors with kind, seed, steps and references ------- */
+/* ---- files of learned encoders (doc/files.md), which studies/learn.py writes ------------------------------------- */
 
 /** The files of models/encoders. */
 extern const nqm_embedded_file nqm_embedded_encoders[];
@@ -72,20 +66,7 @@ extern const nqm_embedded_file nqm_embedded_encoders[];
  *  none. */
 const unsigned char *nqm_encoder_bytes(const char *name, size_t *n_bytes_ret);
 
-/** What an encoder was learned from. */
-typedef struct nqm_encoder_source {
-    const char *kind; /* "sparse", "hyper" */
-    size_t n_refs;
-    const char *const *names; /* (n_refs) */
-    const nqm_learn_options *options;
-} nqm_encoder_source;
-
-/** Write a file with metadata format, schema, kind, tool, seed, steps and references. Names
- *  must be UTF-8: NQM_ERR_ARG. */
-NQM_MUST_CHECK nqm_status nqm_encoder_write(const char *path, const nqm_encoder_source *source, size_t n_tensors,
-                                            const nqm_tensor *tensors, nqm_error *err);
-
-/** Parse such a file; NQM_ERR_MODEL if data is NULL (nqm_encoder_bytes() found none), and unless it is of this kind,
+/** Parse an encoder file; NQM_ERR_MODEL if data is NULL (nqm_encoder_bytes() found none), and unless it is of this kind,
  *  its checksum is correct and all values are finite. `name` is for messages. Free with nqm_safetensors_free(). */
 NQM_MUST_CHECK nqm_status nqm_encoder_parse(const unsigned char *data, size_t n_bytes, const char *name,
                                             const char *kind, nqm_safetensors **st_ret, nqm_error *err);

@@ -8,35 +8,24 @@
 
 #include <string.h>
 
-enum { N_TENSORS = 2 * NQM_HYPER_N_LAYERS, NAME_MAX_BYTES = 24 };
-static const char kind[] = "hyper";
+enum { N_TENSORS = 2 * NQM_HYPER_N_LAYERS };
 
-/* Tensor i of the file, part of `layer`: its weights if i is even, otherwise its biases. */
-static nqm_tensor describe(size_t i, const nqm_hyper_layer *layer, char name[NAME_MAX_BYTES]) {
+nqm_tensor nqm_hyper_tensor(size_t i, const nqm_hyper_layer *layer, char name[NQM_HYPER_NAME_BYTES]) {
     const bool is_bias = i % 2 != 0;
-    snprintf(name, NAME_MAX_BYTES, "layers.%zu.%s", i / 2, is_bias ? "bias" : "weight");
+    snprintf(name, NQM_HYPER_NAME_BYTES, "layers.%zu.%s", i / 2, is_bias ? "bias" : "weight");
     return nqm_tensor_of(name, NQM_F32, is_bias ? 0 : layer->n_in, layer->n_out, is_bias ? layer->b : layer->w);
-}
-
-nqm_status nqm_hyper_write(const nqm_hyper *hyper, size_t n, const char *const *names, const nqm_learn_options *options,
-                           const char *path, nqm_error *err) {
-    char name[N_TENSORS][NAME_MAX_BYTES];
-    nqm_tensor tensor[N_TENSORS];
-    for (size_t i = 0; i < N_TENSORS; ++i)
-        tensor[i] = describe(i, &hyper->layer[i / 2], name[i]);
-    return nqm_encoder_write(path, &(nqm_encoder_source){kind, n, names, options}, N_TENSORS, tensor, err);
 }
 
 /* Find all tensors; the file determines the widths of the hidden layers. */
 static nqm_status find_tensors(const nqm_safetensors *st, const char *file, const nqm_tensor **tensor, nqm_error *err) {
     nqm_hyper_layer layer = {.n_out = NQM_HYPER_FEATURES};
     for (size_t i = 0; i < N_TENSORS; ++i) {
-        char name[NAME_MAX_BYTES];
+        char name[NQM_HYPER_NAME_BYTES];
         if (i % 2 == 0) {
             layer.n_in = i == 2 * NQM_HYPER_POOLED ? 2 * layer.n_out + 1 : layer.n_out;
             layer.n_out = i == N_TENSORS - 2 ? NQM_NBRDF_WEIGHTS : 0; /* 0: any */
         }
-        const nqm_tensor expected = describe(i, &layer, name);
+        const nqm_tensor expected = nqm_hyper_tensor(i, &layer, name);
         nqm_status status = nqm_safetensors_floats(st, &expected, NQM_ERR_MODEL, &tensor[i], err);
         if (status != NQM_OK)
             return status;
@@ -54,7 +43,7 @@ nqm_status nqm_hyper_read(const unsigned char *data, size_t n_bytes, const char 
     const nqm_tensor *tensor[N_TENSORS];
     nqm_hyper_shape shape;
     *hyper_ret = (nqm_hyper){0};
-    nqm_status status = nqm_encoder_parse(data, n_bytes, name, kind, &st, err);
+    nqm_status status = nqm_encoder_parse(data, n_bytes, name, "hyper", &st, err);
     if (status == NQM_OK)
         status = find_tensors(st, name, tensor, err);
     for (size_t l = 0; status == NQM_OK && l < NQM_HYPER_N_LAYERS; ++l)

@@ -89,17 +89,18 @@ nqm_status nqm_sparse_dictionary_parse(const unsigned char *data, size_t n_bytes
 
 /* ---- coding ------------------------------------------------------------------------------------------------------ */
 
-double nqm_sparse_dot(const double *a, const double *b) {
+static double dot(const double *a, const double *b) {
     double sum = 0;
     for (size_t k = 0; k < CORE; ++k)
         sum += a[k] * b[k];
     return sum;
 }
 
-void nqm_sparse_gram(size_t n, const double *vectors, double *gram) {
+/* Inner products (n, n) of n vectors of CORE. */
+static void fill_gram(size_t n, const double *vectors, double *gram) {
     for (size_t i = 0; i < n; ++i)
         for (size_t j = 0; j <= i; ++j)
-            gram[i * n + j] = gram[j * n + i] = nqm_sparse_dot(vectors + i * CORE, vectors + j * CORE);
+            gram[i * n + j] = gram[j * n + i] = dot(vectors + i * CORE, vectors + j * CORE);
 }
 
 /* Buffers for coding one BRDF; `table` owns the block of all arrays. */
@@ -128,12 +129,12 @@ static size_t approximate(const nqm_sparse_dictionary *dictionary, const nqm_enc
     double coefficient[NQM_OMP_MAX_ATOMS];
     for (size_t i = 0; i < n * CORE; ++i)
         w->atoms[i] = (double)dictionary->atoms[i];
-    nqm_sparse_gram(n, w->atoms, w->gram);
+    fill_gram(n, w->atoms, w->gram);
     for (size_t c = 0; c < 3; ++c) {
         double *core = w->core + c * CORE;
         nqm_sparse_analyse(&dictionary->bases, w->table + c * CELLS, core);
         for (size_t k = 0; k < n; ++k)
-            w->correlation[c * n + k] = nqm_sparse_dot(w->atoms + k * CORE, core);
+            w->correlation[c * n + k] = dot(w->atoms + k * CORE, core);
     }
     const nqm_omp_problem problem = {3, n, w->gram, w->correlation};
     size_t n_chosen = nqm_omp(&problem, options->n, index, coefficient, w->scratch);

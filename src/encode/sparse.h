@@ -100,25 +100,4 @@ NQM_MUST_CHECK nqm_status nqm_sparse_encode(const nqm_sparse_dictionary *diction
                                             const nqm_encode_options *options, nqm_encode_report *report,
                                             nqm_brdf **brdf_ret, nqm_error *err);
 
-/* ---- learning ---------------------------------------------------------------------------------------------------- */
-
-/** The inner product of two vectors of NQM_SPARSE_CORE (sparse.c), and those of n of them: gram (n, n). */
-double nqm_sparse_dot(const double *a, const double *b);
-void nqm_sparse_gram(size_t n, const double *vectors, double *gram);
-
-/** The leading directions of n_tables channels (n_tables, NQM_SPARSE_CELLS) along each coordinate (sparse_table.c). */
-NQM_MUST_CHECK nqm_status nqm_sparse_bases_learn(size_t n_tables, const float *tables, nqm_sparse_bases *bases,
-                                                 nqm_error *err);
-
-/**
- * Approximate K-SVD (sparse_ksvd.c; Rubinstein et al. 2008).
- *
- * @param n_signals    signals (n_signals, NQM_SPARSE_CORE)
- * @param options      n_steps and seed
- * @param n_atoms_ret  maximum number of atoms; receives the number: at most one per nonzero signal
- * @param atoms        (*n_atoms_ret, NQM_SPARSE_CORE)
- */
-NQM_MUST_CHECK nqm_status nqm_sparse_ksvd(size_t n_signals, const double *signals, const nqm_learn_options *options,
-                                          nqm_ticker *ticker, size_t *n_atoms_ret, double *atoms, nqm_error *err);
-
 #endif

@@ -41,9 +41,9 @@ for word in '"schema": 1' '"cpu":' '"kernels":' '"bench": "peak"' '"name": "forw
     grep -q "$word" "$dir/out" || fail "JSON lacks $word"
 done
 check_rows gemm
-run 0 bench gemm --quick --precision int8 -o "$dir/gemm.json"
+run 0 bench gemm --quick --precision bf16 -o "$dir/gemm.json"
 grep -q '"schema": 1' "$dir/gemm.json" || fail "JSON into a file"
-grep -q '^| .* layer 3 forward | 512 | 512 x 501 x 716 | int8 | nqm |' "$dir/out" || fail "table"
+grep -q '^| .* layer 3 forward | 512 | 512 x 501 x 716 | bf16 | nqm |' "$dir/out" || fail "table"
 
 run 0 bench train --quick --epochs 2 --recipe paper --json
 check_rows train
@@ -57,10 +57,10 @@ for word in max_rss_mb validation_loss floor_f32_seconds cpu_share; do
 done
 
 "$NQM_BUILD/tests/tiny_model" "$dir/model.safetensors"
-run 0 bench score --quick --precision int8 --model "$dir/model.safetensors" --json
+run 0 bench score --quick --model "$dir/model.safetensors" --json
 check_rows score
-[ "$(grep -c '"bench": "score"' "$dir/out")" = 6 ] || fail "rows of score"
-[ "$(grep -c '"times_alternative":' "$dir/out")" = 2 ] || fail "relative speed"
+[ "$(grep -c '"bench": "score"' "$dir/out")" = 7 ] || fail "rows of score"
+[ "$(grep -c '"times_alternative":' "$dir/out")" = 3 ] || fail "relative speed"
 
 run 0 bench load --quick --json
 check_rows load

@@ -10,7 +10,7 @@ command -v clang >/dev/null || {
 }
 [ -f build-clang/build.ninja ] || cmake -S . -B build-clang -G Ninja -DCMAKE_C_COMPILER=clang -DNQM_WERROR=ON \
     -DCMAKE_BUILD_TYPE=Debug -DCMAKE_C_FLAGS_DEBUG=-O2 >/dev/null
-cmake --build build-clang --target nqm_tool unit fuzz >build-clang/build.log || {
+cmake --build build-clang --target nqm_tool unit nqm-fuzz >build-clang/build.log || {
     tail -n 40 build-clang/build.log
     exit 1
 }
@@ -18,8 +18,8 @@ ctest --test-dir build-clang -R '^(unit|fuzz)[.]' -j "$(nproc)" --output-on-fail
     grep -A 30 'Failed\|Exception' build-clang/test.log | head -n 60
     exit 1
 }
-build-clang/nqm selftest >build-clang/selftest.log || {
-    cat build-clang/selftest.log
+build-clang/nqm doctor >build-clang/doctor.log || {
+    cat build-clang/doctor.log
     exit 1
 }
 echo "clang: $(grep 'tests passed' build-clang/test.log)"

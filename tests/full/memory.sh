@@ -13,19 +13,20 @@ command -v valgrind >/dev/null || {
 targets=
 for source in fuzz/fuzz_*.c; do targets="$targets $(basename "$source" .c)"; done
 tests="test_io_csv test_io_xml test_io_mat test_io_kind test_brdf_npy"
-# shellcheck disable=SC2086
-cmake --build "$build" --target $targets $tests >"$build/memory.log" || {
+cmake --build "$build" --target nqm-fuzz test_io test_brdf >"$build/memory.log" || {
     tail -n 40 "$build/memory.log"
     exit 1
 }
 n=0
+# check PROGRAM NAME: the tests of one file, or one fuzz target.
 check() {
-    OMP_NUM_THREADS=1 valgrind -q --error-exitcode=9 "$build/tests/$1" >"$build/valgrind.log" 2>&1 || {
-        echo "$1:"
+    OMP_NUM_THREADS=1 valgrind -q --error-exitcode=9 "$build/tests/$1" "$2" >"$build/valgrind.log" 2>&1 || {
+        echo "$2:"
         tail -n 40 "$build/valgrind.log"
         exit 1
     }
     n=$((n + 1))
 }
-for name in $targets $tests; do check "$name"; done
+for name in $targets; do check nqm-fuzz "$name"; done
+for name in $tests; do check "$(echo "$name" | cut -d _ -f 1-2)" "$name"; done
 echo "$n programs that read files under valgrind"

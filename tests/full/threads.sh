@@ -14,8 +14,11 @@ archer=$(find /usr/lib/llvm-* -name libarcher.so 2>/dev/null | head -n 1)
 }
 [ -f build-threads/build.ninja ] || cmake -S . -B build-threads -G Ninja -DCMAKE_C_COMPILER=clang -DNQM_SANITIZE=thread \
     -DCMAKE_BUILD_TYPE=Debug -DCMAKE_C_FLAGS_DEBUG="-O1 -g1" >/dev/null
+# program TEST: the program of the room of a file of tests.
+program() { echo "$1" | cut -d _ -f 1-2; }
+programs=$(for test in $tests; do program "$test"; done | sort -u)
 # shellcheck disable=SC2086
-cmake --build build-threads --target $tests >build-threads/build.log || {
+cmake --build build-threads --target $programs >build-threads/build.log || {
     cat build-threads/build.log
     exit 1
 }
@@ -23,7 +26,7 @@ cmake --build build-threads --target $tests >build-threads/build.log || {
 export OMP_TOOL_LIBRARIES="$archer" OMP_NUM_THREADS=4 TSAN_OPTIONS="ignore_noninstrumented_modules=1 exitcode=66 history_size=4"
 n=0
 for test in $tests; do
-    build-threads/tests/"$test" >build-threads/"$test".log 2>&1 || {
+    build-threads/tests/"$(program "$test")" "$test" >build-threads/"$test".log 2>&1 || {
         echo "$test: $(grep -c 'WARNING: ThreadSanitizer' build-threads/"$test".log) reports; see build-threads/$test.log"
         grep -A 12 'WARNING: ThreadSanitizer' build-threads/"$test".log | head -n 40
         exit 1

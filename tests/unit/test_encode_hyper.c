@@ -1,14 +1,10 @@
 /* SPDX-License-Identifier: MIT
  *
  * The encodings hyper-*: more samples and a finer latent vector give a better network, and the number of threads does
- * not change the bits. Their learning reduces the loss, is determined by its seed, can be stopped, and fails for a BRDF
- * without values.
+ * not change the bits; a BRDF without values is refused.
  */
 #include "brdf/brdf.h"
-#include "encode/hyper.h"
-#include "encode/nbrdf_net.h"
 #include "support/check.h"
-#include "support/temp_file.h"
 
 #include <math.h>
 #include <nqm/fit.h>
@@ -99,96 +95,5 @@ TEST(brdfs_without_values_are_refused) {
     assert_int_equal(nqm_brdf_wrap(&empty_class, &self, &(nqm_brdf_info){.name = "nothing"}, &empty, NULL), NQM_OK);
     assert_int_equal(nqm_fit(empty, "hyper-low", NULL, &report, NULL, &err), NQM_ERR_INCOMPATIBLE);
     assert_non_null(strstr(err.message, "nothing"));
-    const nqm_brdf *refs[] = {empty};
-    const char *const names[] = {"nothing"};
-    assert_int_equal(nqm_learn(NQM_ENCODER_HYPER, 1, refs, names, NULL, "-", &err), NQM_ERR_INCOMPATIBLE);
     nqm_brdf_free(empty);
 }
-
-/* ---- learning ---------------------------------------------------------------------------------------------------- */
-
-enum { N_REFS = 3, N_SAMPLES = 200 };
-static const char *const names[N_REFS] = {"lambert:kd=0.5", "ggx:kd=0.3,0.1,0.05;alpha=0.3",
-                                          "ward:kd=0.1,0.2,0.3;ks=0.1;alpha=0.2"};
-static nqm_brdf *refs[N_REFS];
-
-static nqm_status learn(size_t n_steps, nqm_progress_fn progress, nqm_error *err) {
-    nqm_learn_options options = nqm_learn_options_default();
-    options.n_steps = n_steps;
-    options.progress = progress;
-    return nqm_learn(NQM_ENCODER_HYPER, N_REFS, (const nqm_brdf *const *)refs, names, &options, temp_file, err);
-}
-
-/* Mean loss of the networks that the hypernetwork in the temporary file predicts for the references. */
-static double loss_of_file(void) {
-    nqm_map map;
-    nqm_hyper hyper;
-    double hd[3 * N_SAMPLES], rgb[3 * N_SAMPLES], loss = 0;
-    float input[6 * N_SAMPLES], weight[N_SAMPLES], goal[3 * N_SAMPLES], weights[NQM_NBRDF_WEIGHTS];
-    assert_int_equal(nqm_map_open(temp_file, &map, NULL), NQM_OK);
-    assert_int_equal(nqm_hyper_read(map.data, map.n_bytes, temp_file, &hyper, NULL), NQM_OK);
-    for (size_t r = 0; r < N_REFS; ++r) {
-        nqm_rng rng = nqm_rng_make(1, r);
-        assert_int_equal(nqm_hyper_sample(refs[r], N_SAMPLES, &rng, hd, rgb, NULL), NQM_OK);
-        assert_int_equal(nqm_hyper_encode(&hyper, N_SAMPLES, hd, rgb, weights, NULL), NQM_OK);
-        nqm_nbrdf_inputs(N_SAMPLES, hd, input, weight);
-        for (size_t i = 0; i < N_SAMPLES; ++i)
-            for (size_t c = 0; c < 3; ++c)
-                goal[c * N_SAMPLES + i] = (float)log1p((double)weight[i] * rgb[3 * i + c]);
-        nqm_nbrdf_batch batch = {.n = N_SAMPLES, .input = input, .weight = weight, .goal = goal};
-        loss += nqm_nbrdf_loss(weights, &batch, NULL) / N_REFS;
-    }
-    nqm_free(hyper.block);
-    nqm_map_close(&map);
-    return loss;
-}
-
-TEST(learning_lowers_the_loss) {
-    assert_int_equal(learn(1, NULL, NULL), NQM_OK);
-    double before = loss_of_file();
-    assert_int_equal(learn(20, NULL, NULL), NQM_OK);
-    double after = loss_of_file();
-    if (!(after < 0.7 * before))
-        fail_msg("loss %g, after learning %g", before, after);
-}
-
-TEST(learning_does_not_depend_on_threads) {
-    int n_threads = omp_get_max_threads();
-    nqm_map map[2];
-    for (int i = 0; i < 2; ++i) {
-        omp_set_num_threads(i + 1);
-        assert_int_equal(learn(2, NULL, NULL), NQM_OK);
-        assert_int_equal(nqm_map_open(temp_file, &map[i], NULL), NQM_OK);
-    }
-    omp_set_num_threads(n_threads);
-    assert_int_equal(map[0].n_bytes, map[1].n_bytes);
-    assert_memory_equal(map[0].data, map[1].data, map[0].n_bytes);
-    nqm_map_close(&map[0]);
-    nqm_map_close(&map[1]);
-}
-
-static int stop(void *user, const char *stage, double done, double total) {
-    (void)user, (void)done, (void)total;
-    return strcmp(stage, "learn") == 0;
-}
-
-TEST(learning_can_be_stopped) {
-    nqm_error err = {0};
-    assert_int_equal(learn(100000, stop, &err), NQM_ERR_CANCELLED);
-}
-
-static int open_all(void **state) {
-    (void)state;
-    for (size_t i = 0; i < N_REFS; ++i)
-        refs[i] = must_open(names[i]);
-    return make_temp_file(state);
-}
-
-static int close_all(void **state) {
-    (void)state;
-    for (size_t i = 0; i < N_REFS; ++i)
-        nqm_brdf_free(refs[i]);
-    return remove_temp_file(state);
-}
-
-TEST_FILE(open_all, close_all)

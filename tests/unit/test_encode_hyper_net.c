@@ -1,129 +1,102 @@
 /* SPDX-License-Identifier: MIT
  *
- * The hypernetwork as a function: its gradient equals finite differences, the order of the samples does not matter, the
- * sets of a batch are independent; and its file is read back, or refused.
+ * The hypernetwork as a function: it equals the definition in double, the order of the samples does not matter; and its file is read
+ * back, or refused.
  */
 #include "brdf/brdf.h"
 #include "encode/hyper.h"
 #include "support/check.h"
+#include "support/encoder_files.h"
 #include "support/temp_file.h"
 
 #include <math.h>
 #include <string.h>
 
-enum { N_SETS = 3, N_SAMPLES = 5, N_OUT = 4 };
+enum { N_SAMPLES = 5, N_OUT = 4, N_INPUT = N_SAMPLES * NQM_HYPER_FEATURES, WIDEST = 13 };
 static const nqm_hyper_shape small = {{7, 6, 5, 6, 5, N_OUT}};
 static const nqm_hyper_shape narrow = {{2, 2, 2, 2, 2, NQM_NBRDF_WEIGHTS}};
 
-static void fill_random(nqm_rng *rng, size_t n, float *x) {
-    for (size_t i = 0; i < n; ++i)
-        x[i] = (float)nqm_rng_normal(rng);
-}
+/* A small network and features of samples. */
+typedef struct example {
+    nqm_hyper hyper;
+    float x[N_INPUT];
+} example;
 
-/* A small network and a batch of inputs. */
-typedef struct bench {
-    nqm_hyper hyper, gradient;
-    nqm_hyper_pass pass;
-    float d_out[N_SETS * N_OUT];
-} bench;
-
-static void setup(bench *b) {
+static example make_example(void) {
+    example e = {.hyper = make_hyper(&small, 1)};
     nqm_rng rng = nqm_rng_make(3, 0);
-    float mean[N_OUT];
-    fill_random(&rng, N_OUT, mean);
-    assert_int_equal(nqm_hyper_create(&small, &b->hyper, NULL), NQM_OK);
-    assert_int_equal(nqm_hyper_create(&small, &b->gradient, NULL), NQM_OK);
-    assert_int_equal(nqm_hyper_pass_create(&b->hyper, N_SETS, N_SAMPLES, &b->pass, NULL), NQM_OK);
-    nqm_hyper_init(&b->hyper, mean, 1);
-    fill_random(&rng, N_SETS * N_SAMPLES * NQM_HYPER_FEATURES, b->pass.input);
-    fill_random(&rng, N_SETS * N_OUT, b->d_out);
+    for (size_t i = 0; i < N_INPUT; ++i)
+        e.x[i] = (float)nqm_rng_normal(&rng);
+    for (size_t l = 0; l < NQM_HYPER_N_LAYERS; ++l)
+        for (size_t i = 0; i < e.hyper.layer[l].n_out; ++i)
+            e.hyper.layer[l].b[i] = (float)nqm_rng_normal(&rng);
+    return e;
 }
 
-static void teardown(bench *b) {
-    nqm_free(b->hyper.block);
-    nqm_free(b->gradient.block);
-    nqm_hyper_pass_free(&b->pass);
-}
-
-/* The loss whose gradient with respect to the output is d_out. */
-static double loss_of(bench *b) {
-    const float *out = nqm_hyper_forward(&b->hyper, &b->pass);
-    double loss = 0;
-    for (size_t i = 0; i < b->pass.n_sets * N_OUT; ++i)
-        loss += (double)b->d_out[i] * (double)out[i];
-    return loss;
-}
-
-TEST(gradient_is_that_of_differences) {
-    bench b;
-    setup(&b);
-    loss_of(&b);
-    nqm_hyper_backward(&b.hyper, &b.pass, b.d_out, &b.gradient);
-    const float step = 1e-2f;
-    double largest = 0;
-    for (size_t i = 0; i < b.hyper.n; ++i) {
-        float x = b.hyper.block[i];
-        b.hyper.block[i] = x + step;
-        double above = loss_of(&b);
-        b.hyper.block[i] = x - step;
-        double slope = (above - loss_of(&b)) / (2 * (double)step);
-        b.hyper.block[i] = x;
-        if (!(fabs(slope - (double)b.gradient.block[i]) <= 2e-3 + 5e-3 * fabs(slope)))
-            fail_msg("number %zu of %zu: slope %g, gradient %g", i, b.hyper.n, slope, (double)b.gradient.block[i]);
-        largest = fmax(largest, fabs(slope));
+/* One row through a layer, by the definition. */
+static void layer_of_double(const nqm_hyper_layer *layer, bool is_last, const double *x, double *y) {
+    for (size_t j = 0; j < layer->n_out; ++j) {
+        double z = (double)layer->b[j];
+        for (size_t i = 0; i < layer->n_in; ++i)
+            z += x[i] * (double)layer->w[i * layer->n_out + j];
+        y[j] = is_last ? z : 0.5 * z * erfc(-z / sqrt(2));
     }
-    assert_true(largest > 0.5); /* gradients are much larger than the tolerance */
-    teardown(&b);
+}
+
+static void forward_of_double(const example *e, double step, double *out) {
+    const nqm_hyper_layer *layer = e->hyper.layer;
+    const size_t n = layer[NQM_HYPER_POOLED - 1].n_out;
+    double row[NQM_HYPER_N_LAYERS + 1][WIDEST], pooled[WIDEST] = {0};
+    for (size_t i = 0; i < N_SAMPLES; ++i) {
+        for (size_t k = 0; k < NQM_HYPER_FEATURES; ++k)
+            row[0][k] = (double)e->x[i * NQM_HYPER_FEATURES + k];
+        for (size_t l = 0; l < NQM_HYPER_POOLED; ++l)
+            layer_of_double(&layer[l], false, row[l], row[l + 1]);
+        for (size_t j = 0; j < n; ++j) {
+            const double y = row[NQM_HYPER_POOLED][j];
+            pooled[j] += y / N_SAMPLES;
+            pooled[n + j] = i == 0 ? y : fmax(pooled[n + j], y);
+        }
+    }
+    for (size_t j = 0; step > 0 && j < 2 * n; ++j)
+        pooled[j] = step * round(pooled[j] / step);
+    pooled[2 * n] = log(N_SAMPLES / 200.0);
+    memcpy(row[NQM_HYPER_POOLED], pooled, sizeof pooled);
+    for (size_t l = NQM_HYPER_POOLED; l < NQM_HYPER_N_LAYERS; ++l)
+        layer_of_double(&layer[l], l + 1 == NQM_HYPER_N_LAYERS, row[l], row[l + 1]);
+    memcpy(out, row[NQM_HYPER_N_LAYERS], N_OUT * sizeof *out);
+}
+
+TEST(the_network_is_that_of_the_definition) {
+    example e = make_example();
+    float out[N_OUT];
+    double expected[N_OUT];
+    for (double step = 0; step < 0.5; step += 0.25) {
+        assert_int_equal(nqm_hyper_forward(&e.hyper, N_SAMPLES, e.x, (float)step, out, NULL), NQM_OK);
+        forward_of_double(&e, step, expected);
+        for (size_t i = 0; i < N_OUT; ++i)
+            assert_near((double)out[i], expected[i], 1e-5);
+    }
+    nqm_free(e.hyper.block);
 }
 
 TEST(order_of_samples_does_not_matter) {
-    bench b;
-    setup(&b);
-    float before[N_OUT], row[NQM_HYPER_FEATURES];
-    memcpy(before, nqm_hyper_forward(&b.hyper, &b.pass), sizeof before);
-    float *first = b.pass.input, *last = first + (N_SAMPLES - 1) * NQM_HYPER_FEATURES;
-    memcpy(row, first, sizeof row);
-    memcpy(first, last, sizeof row);
+    example e = make_example();
+    float before[N_OUT], after[N_OUT], row[NQM_HYPER_FEATURES], *last = e.x + N_INPUT - NQM_HYPER_FEATURES;
+    assert_int_equal(nqm_hyper_forward(&e.hyper, N_SAMPLES, e.x, 0, before, NULL), NQM_OK);
+    memcpy(row, e.x, sizeof row);
+    memcpy(e.x, last, sizeof row);
     memcpy(last, row, sizeof row);
-    const float *after = nqm_hyper_forward(&b.hyper, &b.pass);
-    const size_t n = b.hyper.layer[NQM_HYPER_POOLED - 1].n_out;
-    for (size_t j = 0; j < n; ++j) { /* the maximum over the samples is passed on */
-        float most = -INFINITY;
-        for (size_t i = 0; i < N_SAMPLES; ++i)
-            most = fmaxf(most, b.pass.y[NQM_HYPER_POOLED - 1][i * n + j]);
-        assert_near((double)b.pass.pooled[n + j], (double)most, 1e-3);
-    }
+    assert_int_equal(nqm_hyper_forward(&e.hyper, N_SAMPLES, e.x, 0, after, NULL), NQM_OK);
     for (size_t i = 0; i < N_OUT; ++i)
         assert_near((double)after[i], (double)before[i], 1e-6);
-    first[0] += 1; /* a changed sample changes the output */
-    after = nqm_hyper_forward(&b.hyper, &b.pass);
+    e.x[0] += 1; /* a changed sample changes the output */
+    assert_int_equal(nqm_hyper_forward(&e.hyper, N_SAMPLES, e.x, 0, after, NULL), NQM_OK);
     assert_true(fabsf(after[0] - before[0]) > 1e-4f);
-    teardown(&b);
-}
-
-TEST(sets_are_independent) {
-    bench b;
-    setup(&b);
-    float before[N_OUT];
-    memcpy(before, nqm_hyper_forward(&b.hyper, &b.pass), sizeof before);
-    b.pass.n_sets = 1;
-    const float *alone = nqm_hyper_forward(&b.hyper, &b.pass);
-    for (size_t i = 0; i < N_OUT; ++i)
-        assert_near((double)alone[i], (double)before[i], 1e-6);
-    teardown(&b);
+    nqm_free(e.hyper.block);
 }
 
 /* ---- its file ---------------------------------------------------------------------------------------------------- */
-
-static const char *const names[] = {"sgd:nickel"};
-
-static void write_network(const nqm_hyper_shape *shape, nqm_hyper *hyper) {
-    nqm_learn_options options = nqm_learn_options_default();
-    float mean[NQM_NBRDF_WEIGHTS] = {0};
-    assert_int_equal(nqm_hyper_create(shape, hyper, NULL), NQM_OK);
-    nqm_hyper_init(hyper, mean, 5);
-    assert_int_equal(nqm_hyper_write(hyper, 1, names, &options, temp_file, NULL), NQM_OK);
-}
 
 static nqm_status read_network(nqm_hyper *hyper, nqm_error *err) {
     nqm_map map;
@@ -134,8 +107,8 @@ static nqm_status read_network(nqm_hyper *hyper, nqm_error *err) {
 }
 
 TEST(a_file_is_read_back) {
-    nqm_hyper written, found;
-    write_network(&narrow, &written);
+    nqm_hyper written = make_hyper(&narrow, 5), found;
+    write_hyper(temp_file, &written);
     assert_int_equal(read_network(&found, NULL), NQM_OK);
     assert_int_equal(found.n, written.n);
     assert_memory_equal(found.block, written.block, found.n * sizeof *found.block);
@@ -144,24 +117,21 @@ TEST(a_file_is_read_back) {
 }
 
 TEST(other_networks_are_refused) {
-    nqm_hyper written, found;
+    nqm_hyper written = make_hyper(&small, 5), found;
     nqm_error err = {0};
-    write_network(&small, &written); /* its output is not an NBRDF */
+    write_hyper(temp_file, &written); /* its output is not an NBRDF */
     assert_int_equal(read_network(&found, &err), NQM_ERR_MODEL);
     assert_non_null(strstr(err.message, "layers.5.weight"));
     assert_null(found.block);
     nqm_free(written.block);
 
-    const nqm_learn_options options = nqm_learn_options_default();
     const float value = 0;
     const nqm_tensor tensor = {
         .name = "atoms", .dtype = NQM_F32, .n_dims = 1, .dims = {1}, .n_bytes = sizeof value, .data = &value};
-    assert_int_equal(nqm_encoder_write(temp_file, &(nqm_encoder_source){"hyper", 1, names, &options}, 1, &tensor, NULL),
-                     NQM_OK);
+    write_encoder(temp_file, "hyper", 1, &tensor);
     assert_int_equal(read_network(&found, &err), NQM_ERR_MODEL);
     assert_non_null(strstr(err.message, "layers.0.weight"));
-    assert_int_equal(
-        nqm_encoder_write(temp_file, &(nqm_encoder_source){"sparse", 1, names, &options}, 1, &tensor, NULL), NQM_OK);
+    write_encoder(temp_file, "sparse", 1, &tensor);
     assert_int_equal(read_network(&found, &err), NQM_ERR_MODEL);
     assert_non_null(strstr(err.message, "hyper"));
 }

@@ -8,6 +8,8 @@
 #include "math/math.h"
 #include "support/allocations.h"
 #include "support/check.h"
+#include "support/encoder_files.h"
+#include "support/temp_file.h"
 
 #include <math.h>
 #include <nqm/fit.h>
@@ -230,3 +232,58 @@ TEST(memory_runs_out) {
     nqm_brdf_free(brdf);
     nqm_brdf_free(ref);
 }
+
+/* ---- files that are no dictionaries ------------------------------------------------------------------------------ */
+
+/* Parse a dictionary of two atoms of norm `scale`, without tensor `left_out` and with tensor `misshapen` reshaped. */
+static nqm_status parse_spoiled(double scale, float typical, size_t left_out, size_t misshapen, nqm_error *err) {
+    static float zeros[NQM_SPARSE_CELLS], ref[NQM_SPARSE_CELLS], atoms[2 * CORE];
+    const size_t shapes[5][2] = {{NQM_SPARSE_H, NQM_SPARSE_D * NQM_SPARSE_P},
+                                 {NQM_SPARSE_BASIS_H, NQM_SPARSE_H},
+                                 {NQM_SPARSE_BASIS_D, NQM_SPARSE_D},
+                                 {NQM_SPARSE_BASIS_P, NQM_SPARSE_P},
+                                 {2, CORE}};
+    static const char *const tensor_names[5] = {"typical", "basis.theta_h", "basis.theta_d", "basis.phi_d", "atoms"};
+    const float *const data[5] = {ref, zeros, zeros, zeros, atoms};
+    nqm_tensor tensors[5];
+    size_t n = 0;
+    ref[5] = typical;
+    atoms[1] = atoms[CORE + 7] = (float)scale;
+    for (size_t i = 0; i < 5; ++i) {
+        size_t rows = shapes[i][0], cols = shapes[i][1] - (i == misshapen);
+        if (i != left_out)
+            tensors[n++] = (nqm_tensor){.name = tensor_names[i],
+                                        .dtype = NQM_F32,
+                                        .n_dims = 2,
+                                        .dims = {rows, cols},
+                                        .n_bytes = rows * cols * sizeof(float),
+                                        .data = data[i]};
+    }
+    write_encoder(temp_file, "sparse", n, tensors);
+    nqm_map map;
+    nqm_sparse_dictionary *dictionary;
+    assert_int_equal(nqm_map_open(temp_file, &map, NULL), NQM_OK);
+    nqm_status status = nqm_sparse_dictionary_parse(map.data, map.n_bytes, "spoiled", &dictionary, err);
+    assert_true((status == NQM_OK) == (dictionary != NULL));
+    nqm_free(dictionary);
+    nqm_map_close(&map);
+    return status;
+}
+
+TEST(broken_dictionaries_are_refused) {
+    enum { NONE = 9 };
+    nqm_error err = {0};
+    assert_int_equal(parse_spoiled(1, 0, NONE, NONE, &err), NQM_OK);
+    for (size_t i = 0; i < 5; ++i) {
+        assert_int_equal(parse_spoiled(1, 0, i, NONE, &err), NQM_ERR_MODEL);
+        assert_non_null(strstr(err.message, "missing"));
+        assert_int_equal(parse_spoiled(1, 0, NONE, i, &err), NQM_ERR_MODEL);
+        assert_non_null(strstr(err.message, "shape"));
+    }
+    assert_int_equal(parse_spoiled(1.1, 0, NONE, NONE, &err), NQM_ERR_MODEL);
+    assert_non_null(strstr(err.message, "length"));
+    assert_int_equal(parse_spoiled(1, -0.1f, NONE, NONE, &err), NQM_ERR_MODEL);
+    assert_non_null(strstr(err.message, "negative"));
+}
+
+TEST_FILE(make_temp_file, remove_temp_file)

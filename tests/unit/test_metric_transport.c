@@ -219,7 +219,7 @@ TEST(predictions_give_the_same_bits) {
     for (size_t i = 0; i < N_PAIRS; ++i)
         pairs[i] =
             (nqm_sample_pair){samples + i / 4 * 3 * N_DIRECTIONS, samples + (N_PAIRS + i) * 3 * N_DIRECTIONS, NULL};
-    assert_int_equal(nqm_predictor_create(model, NQM_PRECISION_F32, N_PAIRS, &predictor, NULL), NQM_OK);
+    assert_int_equal(nqm_predictor_create(model, N_PAIRS, &predictor, NULL), NQM_OK);
     for (size_t i = 0; i < N_PAIRS; ++i)
         nqm_predictor_run(predictor, 1, pairs + i, expected + i, expected_metrics + i * NQM_METRIC_COUNT);
     for (int n_threads = 1; n_threads <= 2; ++n_threads) {

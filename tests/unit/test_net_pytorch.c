@@ -10,7 +10,6 @@
 #include "net/trainer.h"
 #include "support/check.h"
 #include "support/network_gradients.h"
-#include "support/tables.h"
 #include "support/vectors.h"
 
 #include <math.h>
@@ -193,8 +192,8 @@ TEST_WITH(pass_with_masks, make_fixture, free_fixture) {
 
 /* All tables of kernels, including the plain loops that define them. */
 TEST_WITH(passes_of_every_table, make_fixture, free_fixture) {
-    for (size_t i = 0; every_table(i); ++i) {
-        nqm_kernels_use(every_table(i));
+    for (size_t i = 0; nqm_kernels_at(i); ++i) {
+        nqm_kernels_use(nqm_kernels_at(i));
         check_one_pass(*state, "plain", NULL);
         check_input_gradient(*state);
     }

@@ -15,12 +15,12 @@
 
 #define OPTION(name) .key = #name, .offset = offsetof(nqm_bench_options, name)
 
-static const char *const precision_words[] = {"f32", "bf16", "int8", "all", NULL}; /* nqm_precision, and its count */
+static const char *const precision_words[] = {"f32", "bf16", "all", NULL}; /* nqm_precision, and its count */
 
 /* clang-format off */
 static const nqm_option options_rows[] = {
     {OPTION(precision), .kind = NQM_OPTION_ENUM, .metavar = "P", .words = precision_words, .values = {"all"},
-     .help = "precision of the arithmetic"},
+     .help = "gemm, train: precision of the factors"},
     {OPTION(kernels), .kind = NQM_OPTION_TEXT, .metavar = "NAME",
      .help = "kernels by name, or `all` except `scalar`, which is slow [default: the best]"},
     {OPTION(rounds), .kind = NQM_OPTION_SIZE, .metavar = "N", .min = 1, .max = 1000, .values = {"7"},

@@ -139,9 +139,8 @@ NQM_MUST_CHECK nqm_status nqm_bench_gemm(nqm_bench *bench, nqm_error *err);
 NQM_MUST_CHECK nqm_status nqm_bench_train(nqm_bench *bench, nqm_error *err);
 
 /**
- * Scoring of 1, 9, 180 and 512 pairs in each precision: the network alone, everything from samples to JOD, and in float to its
- * gradient (1 and 512 pairs), with its speed relative to the score; with a
- * reference for each pair, and with 9 tests per reference, which share its contribution to the first layer. Quick: 1
+ * Scoring of 1, 9, 180 and 512 pairs: the network alone, everything from samples to JOD, and to its gradient (1 and 512
+ * pairs), with its speed relative to the score; with a reference for each pair, and with 9 tests per reference, which share its contribution to the first layer. Quick: 1
  * and 9 pairs. Fails as nqm_model_load(); NQM_ERR_CANCELLED.
  */
 NQM_MUST_CHECK nqm_status nqm_bench_score(nqm_bench *bench, nqm_error *err);

@@ -84,10 +84,8 @@ static void fill_rows(job *j) {
         uint32_t *row = j->rows + i * stride;
         if (j->precision == NQM_PRECISION_F32)
             memcpy(row, j->x + i * j->k, j->k * sizeof *j->x);
-        else if (j->precision == NQM_PRECISION_BF16)
-            nqm_kernels_get()->round_row(j->k, j->x + i * j->k, row);
         else
-            nqm_kernels_get()->quantise_row(j->k, j->x + i * j->k, row);
+            nqm_kernels_get()->round_row(j->k, j->x + i * j->k, row);
     }
 }
 
@@ -106,6 +104,22 @@ static void fill_columns(const job *j, size_t n, size_t width, const float *x, u
             nqm_columns_copy(n, x + i * n, width, step, (float *)to + i * width);
             nqm_columns_copy(n, x + (i + 1) * n, width, step, (float *)to + (i + 1) * width);
         }
+}
+
+/* B in panels of floats, then in those of the job. */
+static nqm_status pack_right(job *j, nqm_error *err) {
+    nqm_panels floats;
+    nqm_status status = nqm_panels_create(NQM_PRECISION_F32, j->k, j->n, &floats, err);
+    if (status != NQM_OK)
+        return status;
+    nqm_panels_pack(&floats, (nqm_weights){j->w, NULL, j->k});
+    if (j->precision == NQM_PRECISION_BF16) {
+        nqm_panels_round(&floats, &j->panels);
+    } else {
+        memcpy(j->panels.data, floats.data, floats.n_panels * floats.stride * NQM_PANEL * sizeof *floats.data);
+    }
+    nqm_panels_free(&floats);
+    return NQM_OK;
 }
 
 static nqm_status make_job(job *j, nqm_error *err) {
@@ -132,10 +146,10 @@ static nqm_status make_job(job *j, nqm_error *err) {
         fill_columns(j, j->m, NQM_STRIP, j->x, j->rows);
         fill_columns(j, j->n, NQM_PANEL, j->w, j->rows_right);
     } else {
-        nqm_panels_pack(&j->panels, (nqm_weights){j->w, NULL, j->k});
+        status = pack_right(j, err);
         fill_rows(j);
     }
-    return NQM_OK;
+    return status;
 }
 
 static nqm_status race_job(nqm_bench *bench, job *j, size_t layer, size_t batch, nqm_error *err) {
@@ -180,13 +194,13 @@ static nqm_status bench_product(nqm_bench *bench, size_t layer, pass_kind pass, 
     return status;
 }
 
-/* Layer 1 needs no gradient of its input; int8 and batches other than 512 are for scoring only. */
+/* Layer 1 needs no gradient of its input; batches other than 512 are for scoring only, which is in float. */
 static bool is_needed(const nqm_bench *bench, size_t layer, pass_kind pass, nqm_precision precision, size_t batch) {
     if (pass == INPUT_GRADIENT && layers[layer].layer == 1)
         return false;
     if (!nqm_bench_has_precision(bench, precision) || (bench->options.quick && layers[layer].layer != 3))
         return false;
-    return pass == FORWARD || (precision != NQM_PRECISION_INT8 && batch == 512);
+    return batch == 512 || (pass == FORWARD && precision == NQM_PRECISION_F32);
 }
 
 nqm_status nqm_bench_gemm(nqm_bench *bench, nqm_error *err) {

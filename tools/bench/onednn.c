@@ -52,7 +52,7 @@ struct nqm_bench_onednn {
 };
 
 /* Bytes of a small positive number in each precision. */
-static const unsigned char pattern[NQM_PRECISION_COUNT][4] = {{0, 0, 0, 0x3c}, {0, 0x3c, 0, 0x3c}, {1, 1, 1, 1}};
+static const unsigned char pattern[NQM_PRECISION_COUNT][4] = {{0, 0, 0, 0x3c}, {0, 0x3c, 0, 0x3c}};
 
 static bool init_matrix(const nqm_bench_onednn *p, dnnl_memory_desc_t *desc, size_t rows, size_t columns,
                         dnnl_data_type_t type, dnnl_format_tag_t tag) {
@@ -81,15 +81,14 @@ static bool make_primitive(nqm_bench_onednn *p, dnnl_matmul_desc_t *op, nqm_prec
 
 static bool make_product(nqm_bench_onednn *p, nqm_precision precision, bool trans_a, size_t m, size_t n, size_t k,
                          bool *no_memory) {
-    static const dnnl_data_type_t left[] = {dnnl_f32, dnnl_bf16, dnnl_u8}, right[] = {dnnl_f32, dnnl_bf16, dnnl_s8},
-                                  out[] = {dnnl_f32, dnnl_f32, dnnl_s32};
+    static const dnnl_data_type_t types[NQM_PRECISION_COUNT] = {dnnl_f32, dnnl_bf16};
     dnnl_memory_desc_t a, b, c;
     dnnl_matmul_desc_t op;
     return p->onednn->dnnl_engine_create(&p->engine, dnnl_cpu, 0) == dnnl_success &&
            p->onednn->dnnl_stream_create(&p->stream, p->engine, dnnl_stream_default_flags) == dnnl_success &&
-           init_matrix(p, &a, m, k, left[precision], trans_a ? dnnl_ba : dnnl_ab) &&
-           init_matrix(p, &b, k, n, right[precision], trans_a ? dnnl_ab : dnnl_format_tag_any) &&
-           init_matrix(p, &c, m, n, out[precision], dnnl_ab) &&
+           init_matrix(p, &a, m, k, types[precision], trans_a ? dnnl_ba : dnnl_ab) &&
+           init_matrix(p, &b, k, n, types[precision], trans_a ? dnnl_ab : dnnl_format_tag_any) &&
+           init_matrix(p, &c, m, n, dnnl_f32, dnnl_ab) &&
            p->onednn->dnnl_matmul_desc_init(&op, &a, &b, NULL, &c) == dnnl_success &&
            make_primitive(p, &op, precision, no_memory);
 }

@@ -152,7 +152,6 @@ static const table tables[] = {
      "Scoring",
      {TEXT("model", "model"),
       TEXT("what", "name"),
-      TEXT("precision", "precision"),
       TEXT("kernels", "kernels"),
       TEXT("pairs", "batch"),
       NUMBER("ms a pair", "ms_per_pair", 3),

@@ -77,7 +77,7 @@ static const option options[] = {
 static const choice choices[] = {
     {"gemm", "", "the matrix products of the networks, and oneDNN's"},
     {"train", "", "a training of the paper's size, on generated pairs"},
-    {"score", "", "the network, and samples to JOD, for 1 to 512 pairs in each precision"},
+    {"score", "", "the network, and samples to JOD, for 1 to 512 pairs"},
     {"load", "[FILE...]", "files to samples, with a MERL table, and the start of this program"},
     {0}};
 
