@@ -62,13 +62,7 @@ TEST(azimuths_count_from_the_tangent) {
 }
 
 static void expect_refused(blob b, int64_t at, const char *words) {
-    const char *path = save(b);
-    nqm_error err = {0};
-    nqm_brdf *brdf;
-    assert_int_equal(nqm_brdf_open(path, &brdf, &err), NQM_ERR_FORMAT);
-    assert_null(brdf);
-    if (err.byte_offset != at || !strstr(err.message, path) || !strstr(err.message, words))
-        fail_msg("byte %lld: %s", (long long)err.byte_offset, err.message);
+    assert_int_equal(must_refuse(save(b), NQM_ERR_FORMAT, words).byte_offset, at);
 }
 
 TEST(refuses_other_files) {

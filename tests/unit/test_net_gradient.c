@@ -6,6 +6,7 @@
 #include "kernel/panel.h"
 #include "net/input_gradient.h"
 #include "support/allocations.h"
+#include "support/central.h"
 #include "support/check.h"
 #include "support/double_network.h"
 
@@ -94,19 +95,12 @@ static void run(size_t batch, float *z, float *dx) {
 /* The error of row i relative to the largest entry, by central differences of order 4. */
 static double gradient_error(size_t i, const float *dx) {
     double row[WIDTH], largest = 0, worst = 0;
-    const double h = 1e-3;
     const float *weights = dz + i * n_outputs;
     for (size_t k = 0; k < WIDTH; ++k)
         row[k] = (double)x[i * stride + k];
     for (size_t k = N_REF; k < WIDTH; ++k) {
-        const double at = row[k];
-        double f[4];
-        for (int s = 0; s < 4; ++s) {
-            row[k] = at + h * (s < 2 ? s - 2 : s - 1);
-            f[s] = weighted_output(row, weights);
-        }
-        row[k] = at;
-        const double expected = (8 * (f[2] - f[1]) - (f[3] - f[0])) / (12 * h);
+        double expected;
+        CENTRAL_DIFFERENCE(expected, row[k], 1e-3, weighted_output(row, weights));
         largest = fmax(largest, fabs(expected));
         worst = fmax(worst, fabs((double)dx[i * stride + k] - expected));
     }
