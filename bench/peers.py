@@ -49,8 +49,8 @@ class Worker:
 
 
 def bench(tool, *arguments):
-    """The rows of `nqm bench`, without those that measure the machine's peak rates."""
-    done = subprocess.run([tool, "bench", *arguments, "--json"], check=True, capture_output=True, text=True)
+    """The rows of nqm-bench beside the tool, without those that measure the machine's peak rates."""
+    done = subprocess.run([f"{tool}-bench", *arguments, "--json"], check=True, capture_output=True, text=True)
     return [row for row in json.loads(done.stdout)["rows"] if row["bench"] != "peak"]
 
 
@@ -94,13 +94,12 @@ def race_scores(args, folder):
     more = np.random.default_rng(1).standard_normal((max(BATCHES) + 3 - len(pairs), model.sizes[0]), np.float32)
     inputs = os.path.join(folder, "x.bin")
     np.concatenate([np.array(pairs), more]).astype(np.float32).tofile(inputs)
-    files = {name: os.path.join(folder, f"{name}.onnx") for name in ("f32", "int8")}
-    for name, path in files.items():
-        write_onnx(model, path, name == "int8")
+    onnx_file = os.path.join(folder, "f32.onnx")
+    write_onnx(model, onnx_file)
     threads = str(args.threads)
     torch = Worker("PyTorch", [sys.executable, f"{HERE}/torch_worker.py", "score", threads, args.model, inputs])
     onnx = Worker("ONNX Runtime", ["node", f"{HERE}/onnx_worker.mjs", os.path.abspath(args.packages), threads, inputs, str(model.sizes[0]),
-                                   *(f"{name}={path}" for name, path in files.items())])
+                                   f"f32={onnx_file}"])
     say(f"PyTorch {torch.version}, ONNX Runtime {onnx.version}")
     check_agreement(model, our_scores(args.tool, args.model), [torch, onnx])
     times = {}  # (batch, precision, program) -> list of seconds, one per turn
@@ -122,7 +121,7 @@ def race_scores(args, folder):
 def print_scores(times):
     print("\n### Scoring: the network, ms a pair\n\n| pairs | precision | by | best | median of turns | times ours | by the medians |")
     print("|---|---|---|---|---|---|---|")
-    for batch, precision, who in sorted(times, key=lambda k: (k[0], ("f32", "bf16", "int8").index(k[1]), k[2] != "nqm", k[2])):
+    for batch, precision, who in sorted(times, key=lambda k: (k[0], ("f32", "bf16").index(k[1]), k[2] != "nqm", k[2])):
         mine, ours = times[batch, precision, who], times[batch, precision, "nqm"]
         best, median = min(mine) / min(ours), statistics.median(mine) / statistics.median(ours)
         print(f"| {batch} | {precision} | {who} | {1e3 * min(mine) / batch:.4f} | {1e3 * statistics.median(mine) / batch:.4f} "
@@ -163,7 +162,7 @@ def print_training(times, memory):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--tool", required=True, help="the nqm to compare")
+    parser.add_argument("--tool", required=True, help="the nqm to compare; nqm-bench is beside it")
     parser.add_argument("--model", required=True, help="a model file of layout ref_test")
     parser.add_argument("--packages", required=True, help="folder whose node_modules contains onnxruntime-node")
     parser.add_argument("--threads", type=int, default=os.cpu_count())

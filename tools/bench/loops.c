@@ -58,66 +58,23 @@ typedef float vector_4f __attribute__((vector_size(16), may_alias, aligned(4)));
 DEFINE_READ(read_generic, ANY_TARGET, 16)
 
 #if defined __x86_64__
-#define LOAD_SCALAR(p)          _mm_load_ss((const float *)(const void *)(p))
-#define STEP_SCALAR(sum, x, y)  _mm_add_ss(_mm_mul_ss(sum, x), y)
-#define LOAD_128(p)             (*(const vector_4f *)(const void *)(p))
-#define STEP_SSE2(sum, x, y)    ((sum) * (x) + (y))
-#define LOAD_256(p)             _mm256_loadu_ps((const float *)(const void *)(p))
-#define STEP_AVX2(sum, x, y)    _mm256_fmadd_ps(sum, x, y)
-#define LOAD_256I(p)            _mm256_loadu_si256((const __m256i *)(const void *)(p))
-#define STEP_MADDUBS(sum, x, y) _mm256_adds_epi16(sum, _mm256_maddubs_epi16(x, y))
-#define LOAD_512(p)             _mm512_loadu_ps(p)
-#define STEP_AVX512(sum, x, y)  _mm512_fmadd_ps(sum, x, y)
-#define LOAD_512I(p)            _mm512_loadu_si512(p)
-#define STEP_INT8(sum, x, y)    _mm512_dpbusd_epi32(sum, x, y)
-#define STEP_BF16(sum, x, y)    _mm512_dpbf16_ps(sum, (__m512bh)(x), (__m512bh)(y))
-#define AVX512                  "avx512f,avx512bw,avx512dq,avx512vl"
+#define LOAD_SCALAR(p)         _mm_load_ss((const float *)(const void *)(p))
+#define STEP_SCALAR(sum, x, y) _mm_add_ss(_mm_mul_ss(sum, x), y)
+#define LOAD_128(p)            (*(const vector_4f *)(const void *)(p))
+#define STEP_SSE2(sum, x, y)   ((sum) * (x) + (y))
+#define LOAD_256(p)            _mm256_loadu_ps((const float *)(const void *)(p))
+#define STEP_AVX2(sum, x, y)   _mm256_fmadd_ps(sum, x, y)
+#define LOAD_512(p)            _mm512_loadu_ps(p)
+#define STEP_AVX512(sum, x, y) _mm512_fmadd_ps(sum, x, y)
+#define STEP_BF16(sum, x, y)   _mm512_dpbf16_ps(sum, (__m512bh)(x), (__m512bh)(y))
+#define AVX512                 "avx512f,avx512bw,avx512dq,avx512vl"
 DEFINE_PEAK(peak_f32_scalar, ANY_TARGET, 12, __m128, LOAD_SCALAR, STEP_SCALAR)
 DEFINE_PEAK(peak_f32_sse2, ANY_TARGET, 12, vector_4f, LOAD_128, STEP_SSE2)
 DEFINE_PEAK(peak_f32_avx2, FOR("avx2,fma"), 12, __m256, LOAD_256, STEP_AVX2)
-DEFINE_PEAK(peak_int8_avx2, FOR("avx2"), 12, __m256i, LOAD_256I, STEP_MADDUBS)
 DEFINE_PEAK(peak_f32_avx512, FOR(AVX512), 24, __m512, LOAD_512, STEP_AVX512)
 DEFINE_PEAK(peak_bf16_avx512, FOR(AVX512 ",avx512bf16"), 24, __m512, LOAD_512, STEP_BF16)
-DEFINE_PEAK(peak_int8_avx512, FOR(AVX512 ",avx512vnni"), 24, __m512i, LOAD_512I, STEP_INT8)
 DEFINE_READ(read_avx2, FOR("avx2"), 32)
 DEFINE_READ(read_avx512, FOR(AVX512), 64)
-
-/* ---- AMX tiles --------------------------------------------------------------------------------------------------- */
-
-/* Layout of LDTILECFG, Intel 64 Architectures Software Developer's Manual, volume 1, chapter 18: every tile has 16 rows of 64
- * bytes. */
-typedef struct tile_config {
-    uint8_t palette, start_row, reserved[14];
-    uint16_t row_bytes[16];
-    uint8_t rows[16];
-} tile_config;
-
-enum { N_TILES = 8, TILE_ROWS = 16, TILE_ROW_BYTES = 64, TILE_FLOATS = 256 };
-#define AMX FOR("amx-tile,amx-bf16,amx-int8")
-
-/* Four accumulators, and two factors on each side, which are zero: the rate does not depend on the values. */
-#define DEFINE_TILE_PEAK(NAME, STEP)                                                                                   \
-    AMX static float NAME(size_t n, const uint32_t *seed) {                                                            \
-        tile_config config = {.palette = 1};                                                                           \
-        float stored[TILE_FLOATS];                                                                                     \
-        (void)seed;                                                                                                    \
-        for (int i = 0; i < N_TILES; ++i) {                                                                            \
-            config.row_bytes[i] = TILE_ROW_BYTES;                                                                      \
-            config.rows[i] = TILE_ROWS;                                                                                \
-        }                                                                                                              \
-        _tile_loadconfig(&config); /* sets all tiles to 0 */                                                           \
-        for (size_t k = 0; k < n; ++k) {                                                                               \
-            STEP(0, 4, 6);                                                                                             \
-            STEP(1, 4, 7);                                                                                             \
-            STEP(2, 5, 6);                                                                                             \
-            STEP(3, 5, 7);                                                                                             \
-        }                                                                                                              \
-        _tile_stored(0, stored, TILE_ROW_BYTES);                                                                       \
-        _tile_release();                                                                                               \
-        return stored[0];                                                                                              \
-    }
-DEFINE_TILE_PEAK(peak_bf16_amx, _tile_dpbf16ps)
-DEFINE_TILE_PEAK(peak_int8_amx, _tile_dpbusd)
 
 /* ---- units ------------------------------------------------------------------------------------------------------- */
 
@@ -130,9 +87,6 @@ static bool has_avx512(void) {
 }
 static bool has_avx512_bf16(void) {
     return has_avx512() && __builtin_cpu_supports("avx512bf16");
-}
-static bool has_avx512_vnni(void) {
-    return has_avx512() && __builtin_cpu_supports("avx512vnni");
 }
 #elif defined __aarch64__
 #define LOAD_NEON(p)         vld1q_f32((const float *)(const void *)(p))
@@ -148,18 +102,14 @@ static bool always(void) {
     return true;
 }
 
-/* Operations of a step: 2 for each multiply-add, accumulators, lanes; a lane of a dot product has 2 or 4 factors. */
+/* Operations of a step: 2 for each multiply-add, accumulators, lanes; a lane of a dot product has 2 factors. */
 const nqm_bench_unit nqm_bench_units[] = {
 #if defined __x86_64__
     {"SSE scalar multiply, add", NQM_PRECISION_F32, always, peak_f32_scalar, 2 * 12},
     {"SSE2 multiply, add", NQM_PRECISION_F32, always, peak_f32_sse2, 2 * 12 * 4},
     {"AVX2 FMA", NQM_PRECISION_F32, has_avx2, peak_f32_avx2, 2 * 12 * 8},
-    {"AVX2 VPMADDUBSW, add", NQM_PRECISION_INT8, has_avx2, peak_int8_avx2, 2 * 12 * 32},
     {"AVX-512 FMA", NQM_PRECISION_F32, has_avx512, peak_f32_avx512, 2 * 24 * 16},
     {"AVX512-BF16 VDPBF16PS", NQM_PRECISION_BF16, has_avx512_bf16, peak_bf16_avx512, 2 * 24 * 32},
-    {"AVX512-VNNI VPDPBUSD", NQM_PRECISION_INT8, has_avx512_vnni, peak_int8_avx512, 2 * 24 * 64},
-    {"AMX TDPBF16PS", NQM_PRECISION_BF16, nqm_has_amx, peak_bf16_amx, 2 * 4 * 16 * 16 * 32},
-    {"AMX TDPBUSD", NQM_PRECISION_INT8, nqm_has_amx, peak_int8_amx, 2 * 4 * 16 * 16 * 64},
 #elif defined __aarch64__
     {"NEON FMA", NQM_PRECISION_F32, always, peak_f32_neon, 2 * 24 * 4},
 #else

@@ -106,17 +106,17 @@ static nqm_status make_pairs(material_pairs *p, const nqm_model *model, nqm_erro
 
 /* ---- timing ------------------------------------------------------------------------------------------------------ */
 
-static nqm_status make_job(job *j, const nqm_model *model, nqm_precision precision, nqm_error *err) {
+static nqm_status make_job(job *j, const nqm_model *model, nqm_error *err) {
     const nqm_inference_net *net;
     nqm_status status = NQM_OK;
     if (nqm_model_has_network(model)) {
-        status = nqm_model_inference(model, precision, &net, err);
+        status = nqm_model_inference(model, NQM_PRECISION_F32, &net, err);
         if (status == NQM_OK)
             status = nqm_inference_work_create(net, j->batch, &j->work, err);
     }
     if (status == NQM_OK)
-        status = nqm_predictor_create(model, precision, j->batch, &j->predictor, err);
-    if (status == NQM_OK && precision == NQM_PRECISION_F32 && (j->batch == 1 || j->batch == MAX_BATCH)) {
+        status = nqm_predictor_create(model, NQM_PRECISION_F32, j->batch, &j->predictor, err);
+    if (status == NQM_OK && (j->batch == 1 || j->batch == MAX_BATCH)) {
         status = nqm_gradients_create(model, j->batch, &j->gradients, err);
         j->gradient = nqm_alloc(j->batch * j->pairs->n_values, sizeof *j->gradient);
         if (status == NQM_OK && !j->gradient)
@@ -127,8 +127,8 @@ static nqm_status make_job(job *j, const nqm_model *model, nqm_precision precisi
 
 /* The work of a batch: multiply-adds, without those that shared references save, and the bytes of weights and of the transport
  * matrix. */
-static nqm_bench_entry describe(nqm_bench *bench, const nqm_model *model, const job *j, nqm_precision precision,
-                                const char *name, const char *id) {
+static nqm_bench_entry describe(nqm_bench *bench, const nqm_model *model, const job *j, const char *name,
+                                const char *id) {
     const nqm_net_shape *shape = &model->params.shape;
     const double n_light = nqm_model_has_network(model) ? 0 : 3 * (double)(model->n_transport * model->n_points);
     double n_weights = 0;
@@ -138,10 +138,10 @@ static nqm_bench_entry describe(nqm_bench *bench, const nqm_model *model, const 
     const size_t n_refs = j->is_shared ? (j->batch + TESTS_PER_REF - 1) / TESTS_PER_REF : j->batch;
     mac -= (double)(j->batch - n_refs) * (n_light + (double)(3 * model->directions->n) * (double)shape->sizes[1]);
     nqm_bench_entry entry = nqm_bench_entry_make("score", name);
-    entry.row.model = id;
-    entry.row.size.batch = j->batch;
-    nqm_bench_entry_work(bench, &entry, precision, 2 * mac);
-    nqm_bench_entry_reading(bench, &entry, (size_t)(n_weights + n_light) * sizeof(float) >> precision);
+    nqm_bench_text(&entry, "model", id);
+    nqm_bench_count(&entry, "batch", j->batch);
+    nqm_bench_entry_work(bench, &entry, NQM_PRECISION_F32, 2 * mac);
+    nqm_bench_entry_reading(bench, &entry, (size_t)(n_weights + n_light) * sizeof(float));
     return entry;
 }
 
@@ -160,29 +160,29 @@ static void enter(race *r, void (*run)(void *user), job *j, size_t alternative, 
 }
 
 static nqm_status bench_batch(nqm_bench *bench, const nqm_model *model, const char *id, const material_pairs *pairs,
-                              size_t batch, nqm_precision p, nqm_error *err) {
+                              size_t batch, nqm_error *err) {
     const bool has_network = nqm_model_has_network(model), with_shared = batch == TESTS_PER_REF || batch == MAX_BATCH;
     job own = {.pairs = pairs, .batch = batch};
-    nqm_status status = make_job(&own, model, p, err);
+    nqm_status status = make_job(&own, model, err);
     job shared = own; /* uses the workspaces of `own` */
     shared.is_shared = true;
     if (status == NQM_OK) {
         race r = {0};
         if (has_network)
-            enter(&r, run_network, &own, 0, describe(bench, model, &own, p, "network", id));
-        enter(&r, run_all, &own, 0, describe(bench, model, &own, p, "samples to JOD", id));
+            enter(&r, run_network, &own, 0, describe(bench, model, &own, "network", id));
+        enter(&r, run_all, &own, 0, describe(bench, model, &own, "samples to JOD", id));
         if (own.gradients) { /* forward and backward are one product each */
-            nqm_bench_entry entry = describe(bench, model, &own, p, "samples to JOD and gradient", id);
-            nqm_bench_entry_work(bench, &entry, p, 2e9 * entry.row.work.gflop);
+            nqm_bench_entry entry = describe(bench, model, &own, "samples to JOD and gradient", id);
+            entry.gflop *= 2;
             enter(&r, run_gradient, &own, 1, entry);
         }
         const size_t distance = r.n;
         if (with_shared && has_network)
             enter(&r, run_network, &shared, distance,
-                  describe(bench, model, &shared, p, "network, 9 tests a reference", id));
+                  describe(bench, model, &shared, "network, 9 tests a reference", id));
         if (with_shared)
             enter(&r, run_all, &shared, distance,
-                  describe(bench, model, &shared, p, "samples to JOD, 9 tests a reference", id));
+                  describe(bench, model, &shared, "samples to JOD, 9 tests a reference", id));
         status = nqm_bench_race(bench, r.n, r.contender, r.entry, err);
     }
     nqm_inference_work_free(own.work);
@@ -192,7 +192,6 @@ static nqm_status bench_batch(nqm_bench *bench, const nqm_model *model, const ch
     return status;
 }
 
-/* id: in the rows, which outlive the model. */
 static nqm_status bench_model(nqm_bench *bench, const nqm_model *model, const char *id, nqm_error *err) {
     static const size_t batches[] = {1, TESTS_PER_REF, 180, MAX_BATCH};
     const size_t n_batches = bench->options.quick ? 2 : 4;
@@ -202,30 +201,22 @@ static nqm_status bench_model(nqm_bench *bench, const nqm_model *model, const ch
         status = make_pairs(&pairs, model, err);
     if (status != NQM_OK)
         return status;
-    bench->done = 0;
-    bench->total = (double)(n_batches * bench->options.rounds * (size_t)NQM_PRECISION_COUNT);
-    for (size_t b = 0; b < n_batches; ++b)
-        for (nqm_precision p = NQM_PRECISION_F32; p < NQM_PRECISION_COUNT && status == NQM_OK; ++p)
-            if (nqm_bench_has_precision(bench, p) && (p == NQM_PRECISION_F32 || nqm_model_has_network(model)))
-                status = bench_batch(bench, model, id, &pairs, batches[b], p, err);
+    for (size_t b = 0; b < n_batches && status == NQM_OK; ++b)
+        status = bench_batch(bench, model, id, &pairs, batches[b], err);
     nqm_free(pairs.x);
     return status;
 }
 
 nqm_status nqm_bench_score(nqm_bench *bench, nqm_error *err) {
     const char *name = bench->options.model;
+    const bool is_file = name && strchr(name, '.');
     nqm_status status = NQM_OK;
-    if (name && strchr(name, '.')) { /* a file */
-        if (!bench->model)
-            status = nqm_model_load(name, &bench->model, err);
-        return status == NQM_OK ? bench_model(bench, bench->model, bench->model->id, err) : status;
-    }
     for (size_t i = 0; i < (name ? 1 : nqm_model_builtin_count()) && status == NQM_OK; ++i) {
         const char *id = name ? name : nqm_model_builtin_name(i);
         nqm_model *model;
-        status = nqm_model_builtin(id, &model, err);
+        status = is_file ? nqm_model_load(id, &model, err) : nqm_model_builtin(id, &model, err);
         if (status == NQM_OK)
-            status = bench_model(bench, model, id, err);
+            status = bench_model(bench, model, is_file ? model->id : id, err);
         if (status == NQM_OK && strcmp(id, "default") == 0)
             status = nqm_bench_textures(bench, model, err);
         nqm_model_free(model);

@@ -47,16 +47,18 @@ static nqm_status make_texture(size_t side, uint64_t seed, nqm_texture **texture
 nqm_status nqm_bench_textures(nqm_bench *bench, const nqm_model *model, nqm_error *err) {
     const size_t side = bench->options.quick ? 128 : 2048;
     texture_job job = {.model = model};
-    nqm_bench_entry entry = nqm_bench_entry_make("score", "texels of two materials, near");
     const nqm_bench_contender contender = {run_near, &job, NULL};
     nqm_status status = make_texture(side, 1, &job.ref, err);
     if (status == NQM_OK)
         status = make_texture(side, 2, &job.test, err);
-    entry.row.model = "default";
-    entry.row.size.pairs = side * side;
+    nqm_bench_entry entry = nqm_bench_entry_make("score", "texels of two materials, near");
+    nqm_bench_text(&entry, "model", "default");
+    nqm_bench_count(&entry, "pairs", side * side);
     nqm_bench_entry_reading(bench, &entry, 2 * side * side * 4 * sizeof(float));
     if (status == NQM_OK)
         status = nqm_bench_race(bench, 1, &contender, &entry, err);
+    else
+        json_decref(entry.row);
     if (status == NQM_OK && job.status != NQM_OK) {
         status = job.status;
         if (err)

@@ -327,7 +327,6 @@ const verb *find_verb(const char *name);
 int report_no_verb(const char *name);
 
 int cmd_batch(int argc, char **argv);
-int cmd_bench(int argc, char **argv);
 int cmd_calibrate(int argc, char **argv);
 int cmd_check(int argc, char **argv);
 int cmd_conform(int argc, char **argv);

@@ -33,7 +33,6 @@ const verb verbs[] = {
     {"report", cmd_report, "write a page with pictures, scores and differences"},
     {"plot", cmd_plot, "draw labels, evaluations, trainings, models and BRDFs"},
     {"models", cmd_models, "list and describe the built-in models"},
-    {"bench", cmd_bench, "measure the speed of this build and the limits of this machine"},
     {"selftest", cmd_selftest, "check this build against stored values"},
     {"doctor", cmd_doctor, "check this installation, and say what to do where it does not work"},
     {"help", cmd_help, "print this text or the help of a verb; man pages and completions of shells"},
