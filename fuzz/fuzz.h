@@ -65,9 +65,6 @@ void fuzz_image(const uint8_t *data, size_t n_bytes);
 /** Read the bytes as a picture of a map. */
 void fuzz_raster(const uint8_t *data, size_t n_bytes);
 
-/** A file name for drawings, which are made and discarded. */
-const char *fuzz_drawing(void);
-
 /** Read the bytes as a model file, with and without its checksum, and score with an accepted model. */
 void fuzz_model(const uint8_t *data, size_t n_bytes);
 /** A model without a network, two scenes of few points at two directions; and a model's file, which frees it. */

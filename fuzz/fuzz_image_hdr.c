@@ -3,7 +3,7 @@
  * Fuzz target: Radiance HDR light maps.
  */
 #include "fuzz.h"
-#include "vectors/images_vectors.h"
+#include "support/vectors.h"
 
 static int run_one(const uint8_t *data, size_t n_bytes) {
     fuzz_image(data, n_bytes);
@@ -11,7 +11,7 @@ static int run_one(const uint8_t *data, size_t n_bytes) {
 }
 
 static blob make_seed(void) {
-    return blob_of(sizeof file_hdr_newer, (const char *)file_hdr_newer);
+    return vector_picture("newer.hdr");
 }
 
 FUZZ_TARGET(run_one, make_seed)

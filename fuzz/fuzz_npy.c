@@ -3,8 +3,7 @@
  * Fuzz target: tables as arrays of NumPy.
  */
 #include "fuzz.h"
-
-#include "vectors/npy_vectors.h"
+#include "support/vectors.h"
 
 static int run_one(const uint8_t *data, size_t n_bytes) {
     fuzz_brdf(data, n_bytes, n_bytes, "");
@@ -12,7 +11,7 @@ static int run_one(const uint8_t *data, size_t n_bytes) {
 }
 
 static blob make_seed(void) {
-    return blob_of(sizeof npy_turned, (const char *)npy_turned);
+    return vector_npy("turned");
 }
 
 FUZZ_TARGET(run_one, make_seed)

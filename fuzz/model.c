@@ -27,7 +27,7 @@ static void score(const struct nqm_model *model) {
         samples[i] = 1;
     nqm_predictor *predictor;
     nqm_prediction prediction;
-    if (nqm_predictor_create(model, NQM_PRECISION_F32, 1, &predictor, NULL) != NQM_OK)
+    if (nqm_predictor_create(model, 1, &predictor, NULL) != NQM_OK)
         abort();
     nqm_predictor_run(predictor, 1, &(nqm_sample_pair){samples, samples + n, NULL}, &prediction, NULL);
     check_interval(model, prediction.jod);

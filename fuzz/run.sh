@@ -23,8 +23,8 @@ fi
 # dictionary NAME: the option with the words of the target's format.
 dictionary() {
     case $1 in
-    fuzz_csv | fuzz_listed | fuzz_human | fuzz_columns | fuzz_authors | fuzz_latents | fuzz_plot_tables) words=csv ;;
-    fuzz_pair_list | fuzz_plot_bars | *_gltf | *_json) words=json ;;
+    fuzz_csv | fuzz_listed | fuzz_human | fuzz_columns | fuzz_authors | fuzz_latents) words=csv ;;
+    fuzz_pair_list | *_gltf | *_json) words=json ;;
     *_xml | fuzz_materialx) words=xml ;;
     *_pbrt) words=pbrt ;;
     fuzz_mesh_*) words=mesh ;;
@@ -54,7 +54,6 @@ fuzz() {
     echo "$1: $(sed -n 's/^Done \([0-9]*\) runs in \([0-9]*\).*/\1 inputs in \2 s/p' "$log"), $(find "$corpus" -type f | wc -l) kept"
 }
 
-export LSAN_OPTIONS=suppressions=tests/lsan.supp:print_suppressions=0 # fontconfig keeps its fonts
 if [ "$one" ]; then
     fuzz "$one"
     exit

@@ -121,7 +121,7 @@ train() {
     fi
     judged "$1" "$3" "$4" "$6" >"$work/$1.md"
     # shellcheck disable=SC2086 # no word or one
-    "$nqm" models annotate "$work/$1.safetensors" "$work/$1.md" ${7-} -o "$here/$5"
+    "$nqm" info "$work/$1.safetensors" --notes "$work/$1.md" ${7-} -o "$here/$5"
 }
 train default nqm "" " without options (four built-in scenes)" default.safetensors \
     ", and 15 % of the renderer materials, mirrors and analytic models" --half

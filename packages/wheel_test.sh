@@ -33,7 +33,7 @@ for release in "$@"; do
     inside 'nqm fit sgd:nickel --model ggx'
     inside 'nqm label sgd:nickel ward:nickel'
     inside 'nqm render sgd:brass -o brass.png && ls -l brass.png'
-    inside 'nqm models; nqm doctor'
+    inside 'nqm info --models; nqm doctor'
     inside "python3 - <<'END'
 import math
 import nqm

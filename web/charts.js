@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 //
-// Drawings of the page: the scale of JOD, slices, the map, bars.
-import {jod2} from "./text.js";
+// Charts of the page and of the reports of `nqm report`: the scale of JOD, slices, the map, bars.
 
 const SVG = "http://www.w3.org/2000/svg";
 
@@ -31,10 +30,10 @@ function viridis(t) {
 // The upper JODs take more room: that is where approximations are judged.
 const place = (jod) => 600 * (1 - ((10 - jod) / 10) ** 0.6);
 
-/** The scale from 0 to 10 with the words of the command line, the interval and the JOD. */
+/** The scale from 0 to 10 with the interval, the JOD and, as a ring, the JOD of rendered pictures if there is one. */
 export function drawScale(host, score) {
     const picture = svg("svg", {viewBox: "0 0 600 62"});
-    const zones = [[0, 6, "very different"], [6, 8, "clearly visible"], [8, 9, "visible"], [9, 9.5, "hardly"], [9.5, 10, "practically the same"]];
+    const zones = [[0, 6], [6, 8], [8, 9], [9, 9.5], [9.5, 10]]; // of the verdicts
     const shades = ["0.10", "0.16", "0.24", "0.34", "0.48"];
     zones.forEach(([low, high], i) =>
         picture.append(svg("rect", {x: place(low) + 1, y: 20, width: place(high) - place(low) - 2, height: 12, rx: 3, fill: "var(--accent)", opacity: shades[i]})));
@@ -42,6 +41,7 @@ export function drawScale(host, score) {
     if (score) {
         if (score.low !== null) picture.append(svg("rect", {x: place(score.low), y: 17, width: Math.max(place(score.high) - place(score.low), 2), height: 18, rx: 4, fill: "var(--test)", opacity: 0.35}));
         picture.append(svg("rect", {x: place(score.jod) - 2, y: 10, width: 4, height: 32, rx: 2, fill: "var(--test)"}));
+        if (score.rendered !== undefined) picture.append(svg("circle", {cx: place(score.rendered), cy: 26, r: 7, fill: "none", stroke: "var(--ref)", "stroke-width": 2}));
     }
     host.replaceChildren(picture);
 }
@@ -78,16 +78,19 @@ export function drawSlices(host, [ref, test]) {
     }));
 }
 
-/** The map (60, 90) of differences; returns the upper end of its colours. */
-export function drawMap(canvas, map) {
-    const finite = [...map].filter(isFinite).sort((a, b) => a - b), end = Math.max(finite[Math.floor(finite.length * 0.99)] ?? 0, 0.01);
+/** The map (60, 90) of differences over theta_h and theta_d, from 0 to its 99th percentile. */
+export function drawMap(host, map) {
+    const finite = [...map].filter(Number.isFinite).sort((a, b) => a - b), end = Math.max(finite[Math.floor(finite.length * 0.99)] ?? 0, 0.01);
     const image = new ImageData(90, 60);
     map.forEach((value, i) => {
         const at = 4 * ((59 - Math.floor(i / 90)) * 90 + (i % 90));
-        image.data.set(isFinite(value) ? [...viridis(value / end), 255] : [0, 0, 0, 0], at);
+        image.data.set(Number.isFinite(value) ? [...viridis(value / end), 255] : [0, 0, 0, 0], at);
     });
+    const canvas = make("canvas", {width: 90, height: 60, role: "img", "aria-label": "Mean difference of log f over theta h and theta d"});
     canvas.getContext("2d").putImageData(image, 0, 0);
-    return end;
+    const up = [90, 60, 30, 0].map((deg) => make("i", {}, `${deg}°`)), along = [0, 5, 20, 45, 90].map((deg) => make("i", {style: `left:${100 * Math.sqrt(deg / 90)}%`}, `${deg}°`));
+    host.replaceChildren(make("div", {class: "plot"}, make("span", {class: "up", "aria-hidden": "true"}, ...up), canvas, make("span", {class: "along", "aria-hidden": "true"}, ...along)),
+        make("p", {class: "note"}, `θh to the right (0° is the mirror direction), θd upwards. Brightest: |Δ log fr| of ${end.toPrecision(2)}.`));
 }
 
 /** Rows of name, bar and value; values from -range to range, or from 0 on. */
@@ -100,5 +103,16 @@ export function drawParts(host, score) {
         const left = signed ? (value < 0 ? 50 - part : 50) : 0;
         const bar = make("span", {class: "bar"}, make("i", {style: `left:${left}%;width:${Math.max(part, 0.8)}%`}));
         return [make("dt", {}, name), bar, make("dd", {}, value === null ? "–" : value.toFixed(2))];
-    }), make("dt", {}, "seen apart"), make("span"), make("dd", {}, score.apart?.[0] == null ? "–" : `${jod2(score.apart[0])} JOD`));
+    }), make("dt", {}, "seen apart"), make("span"), make("dd", {}, score.apart?.[0] == null ? "–" : `${score.apart[0].toFixed(2)} JOD`));
+}
+
+/** The charts of a report, from the data in it. */
+export function drawReport() {
+    JSON.parse(document.getElementById("nqm-charts").textContent).forEach(({score, slices, map}, i) => {
+        const host = (name) => document.getElementById(`${name}-${i + 1}`);
+        drawScale(host("jod"), score);
+        if (!slices) return;
+        drawSlices(host("slices"), slices);
+        drawMap(host("map"), map);
+    });
 }

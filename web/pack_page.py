@@ -50,7 +50,7 @@ def main(code_path, models_path, page_path):
     policy = ("default-src 'none'; img-src data: blob:; style-src 'unsafe-inline'; worker-src blob:; "
               "script-src blob: 'wasm-unsafe-eval' " + source_hash(page) + "; base-uri 'none'; form-action 'none'")
     html = (HERE / "page.html").read_text()
-    parts = {"POLICY": policy, "STYLE": (HERE / "page.css").read_text(), "WORKER": worker, "SCRIPT": page, "DATA": data}
+    parts = {"POLICY": policy, "STYLE": (HERE / "page.css").read_text() + (HERE / "charts.css").read_text(), "WORKER": worker, "SCRIPT": page, "DATA": data}
     for key, text in parts.items():
         assert key == "DATA" or "</script" not in text
         before, after = html.split("{{" + key + "}}")

@@ -192,7 +192,7 @@ async function showDetails(mine) {
     const {slices, map, costs} = await scorer.call("details", chosen.ref, chosen.test);
     if (mine !== round) return;
     drawSlices($("slices"), slices);
-    $("map-end").textContent = drawMap($("map"), map).toPrecision(2);
+    drawMap($("map"), map);
     $("costs").replaceChildren(...costs.slice(0, 8).map(([h, d, p, share, a, b]) => make("tr", {},
         ...[`${h.toFixed(1)}°`, `${d.toFixed(0)}°`, `${p.toFixed(0)}°`, `${(100 * share).toFixed(1)} %`, a.toPrecision(3), b.toPrecision(3)].map((x) => make("td", {class: "n"}, x)))));
 }

@@ -89,22 +89,17 @@ NQM_API const char *nqm_build_info(void);
  */
 typedef int (*nqm_progress_fn)(void *user, const char *stage, double done, double total);
 
-/** Type of the factors in the network's matrix products. Sums, LayerNorm, GELU and the output are float or double. */
+/** Type of the factors in the matrix products of a training. Sums, LayerNorm, GELU and the output are float or double. */
 typedef enum nqm_precision {
-    NQM_PRECISION_F32 = 0, /**< float: the reference; published JODs use it */
+    NQM_PRECISION_F32 = 0, /**< float, as in scores */
     NQM_PRECISION_BF16,    /**< factors rounded to bfloat16 (8-bit significand), to nearest even */
-    NQM_PRECISION_INT8, /**< weights in signed bytes with one scale per output, activations in bytes with one scale per
-                                row; scoring only */
     NQM_PRECISION_COUNT
 } nqm_precision;
-/** "f32", "bf16", "int8"; static storage; NULL for any other value. */
+/** "f32", "bf16"; static storage; NULL for any other value. */
 NQM_API const char *nqm_precision_name(nqm_precision precision);
-/** The i-th kernel set ("avx512+amx", "avx512+bf16", "avx512", "avx2", "generic", "scalar") that this processor
- *  supports, the widest instructions first; static storage; NULL when there are not that many. "scalar" consists of
- *  plain loops: slow, and the reference for the others. "avx512+amx" uses the processor's tile registers: the first
- *  call that needs kernels asks the operating system for permission, for the whole process, whose signal stacks must
- *  then have sysconf(_SC_MINSIGSTKSZ) bytes. Every call leaves the tile configuration of its thread as it was; the
- *  contents of tile registers are lost. */
+/** The i-th kernel set ("avx512+bf16", "avx512", "avx2", "generic", "scalar") that this processor supports, the widest
+ *  instructions first; static storage; NULL when there are not that many. "scalar" consists of plain loops: slow, and
+ *  the reference for the others. */
 NQM_API const char *nqm_kernels_name(size_t i);
 /** Select a kernel set for the whole process, for tests and benchmarks; NULL selects the first. NQM_ERR_ARG when this
  *  processor does not support it. Do not call it while another thread computes. */

@@ -62,11 +62,9 @@ NQM_API NQM_MUST_CHECK nqm_status nqm_metrics_compute(const nqm_directions *dire
 typedef struct nqm_score_options {
     nqm_invalid_policy invalid; /**< what happens where a BRDF has no value; default NQM_INVALID_DROP */
     double
-        min_valid_fraction;  /**< a pair gets NQM_ERR_INCOMPATIBLE, under every policy, when both BRDFs have a value at
+        min_valid_fraction; /**< a pair gets NQM_ERR_INCOMPATIBLE, under every policy, when both BRDFs have a value at
                                      a smaller fraction of the directions; 0..1; default 0.9 */
-    nqm_precision precision; /**< precision of the products; default NQM_PRECISION_F32; doc/performance.md has the
-                                     accuracy of the others */
-    int metrics;             /**< 0: leave out the scalar metrics (they are NaN), which is faster; default 1 */
+    int metrics;            /**< 0: leave out the scalar metrics (they are NaN), which is faster; default 1 */
     size_t cache_bytes; /**< nqm_scorer_run_named() keeps the last used sampled BRDFs up to this size, and always those
                              of the current block of pairs; bytes; default 64 MiB (about 10,000 BRDFs) */
 } nqm_score_options;
@@ -212,7 +210,7 @@ typedef enum nqm_score_quantity {
 
 /**
  * Scores of sampled pairs and their gradients by the samples of the test, through the network, the scalar features and
- * the estimate by light transport. They are computed in float, whatever the precision of the scorer: components are within 1e-5 of
+ * the estimate by light transport. They are computed in float: components are within 1e-5 of
  * the largest component of a pair's gradient, and values agree with those of nqm_scorer_run_samples() within 0.001 JOD.
  *
  * Where a function has no derivative, the gradient is that of one side, always finite: 0 at equal samples whose

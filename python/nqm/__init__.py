@@ -6,7 +6,8 @@
 4.20 JOD [4.04, 4.36]
 
 BRDFs come from files, specs, presets, Python functions and arrays; results are NumPy arrays and dataclasses; errors are `nqm.Error`.
-`nqm.torch` has the scores for PyTorch, `nqm.dask` for lists on many machines; they import torch and dask when they are first used.
+`nqm.torch` has the scores for PyTorch, `nqm.dask` for lists on many machines, `nqm.plot` draws charts; they import torch, dask and matplotlib when they
+are first used.
 """
 from typing import Any as _Any
 
@@ -41,7 +42,7 @@ def build_info() -> str:
 
 
 def __getattr__(name: str) -> _Any:
-    if name in ("torch", "dask"):  # these are large: only those who use them wait for them
+    if name in ("torch", "dask", "plot"):  # these are large: only those who use them wait for them
         import importlib
 
         return importlib.import_module("nqm." + name)

@@ -35,7 +35,6 @@ class Status(enum.IntEnum):
 
 N_METRICS = 9
 INVALID = ("drop", "zero", "nearest", "error")
-PRECISIONS = ("f32", "bf16", "int8")
 QUANTITIES = ("jod", "delta_e")
 SCENES = ("standard", "paper")
 TABLES = ("merl", "merl_360")
@@ -113,10 +112,14 @@ class Curve(Structure):
     _fields_ = [("b1", c_double), ("b2", c_double), ("b3", c_double)]
 
 
+class RegressReport(Structure):
+    _c_name_ = "nqm_regress_report"
+    _fields_ = [("curve", Curve), ("rmse", c_double), ("spearman", c_double), ("n", c_size_t)]
+
+
 class ScoreOptions(Structure):
     _c_name_ = "nqm_score_options"
-    _fields_ = [("invalid", c_int), ("min_valid_fraction", c_double), ("precision", c_int), ("metrics", c_int),
-                ("cache_bytes", c_size_t)]
+    _fields_ = [("invalid", c_int), ("min_valid_fraction", c_double), ("metrics", c_int), ("cache_bytes", c_size_t)]
 
 
 class ScoreResult(Structure):
@@ -235,7 +238,7 @@ class TextureResult(Structure):
 
 
 STRUCTS = [CError, BrdfCallbacks, BrdfInfo, BrdfCheckReport, BrdfDifference, DirectionsOptions, SampleReport, ModelInfo, MetricInfo, CLabel,
-           Curve, ScoreOptions, ScoreResult, NamedPair, SamplePair, FitBound, FitOptions, FitReport, MatchLoss, MatchReport,
+           Curve, RegressReport, ScoreOptions, ScoreResult, NamedPair, SamplePair, FitBound, FitOptions, FitReport, MatchLoss, MatchReport,
            SceneOptions, CRays, DatasetInfo, DatasetPair, MaterialInfo,
            TextureInfo, TextureMap, TextureOptions, TextureBlame, TextureResult]
 
@@ -293,6 +296,7 @@ FUNCTIONS = {
     "nqm_jod_preference": (c_double, [c_double, c_double]),
     "nqm_curve_default": (Curve, []),
     "nqm_curve_jod": (c_double, [POINTER(Curve), c_double]),
+    "nqm_regress": (c_int, [c_size_t, c_void_p, c_void_p, POINTER(RegressReport), _error]),
     "nqm_fit_model": (c_char_p, [c_size_t]),
     "nqm_fit_shading": (c_char_p, [c_size_t]),
     "nqm_fit_options_default": (FitOptions, []),

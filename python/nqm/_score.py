@@ -226,16 +226,14 @@ class Scorer:
         model: a `Model`, the name of a built-in one, or a model file
         invalid: what happens at directions where a BRDF has no value: "drop" leaves them out, "zero", "nearest", "error"
         min_valid: refuse a pair when both BRDFs have a value at a smaller fraction of the directions
-        precision: of the network's products: "f32", "bf16", "int8"
         metrics: False leaves out the scalar metrics, which is faster
         cache_mb: memory for samples of BRDFs that are given by path or spec
     """
 
-    def __init__(self, model: ModelLike = "default", *, invalid: str = "drop", min_valid: float = 0.9, precision: str = "f32",
+    def __init__(self, model: ModelLike = "default", *, invalid: str = "drop", min_valid: float = 0.9,
                  metrics: bool = True, cache_mb: float = 64) -> None:
         self.model = as_model(model)
-        self._options = _abi.ScoreOptions(choice("invalid", invalid, _abi.INVALID), min_valid,
-                                          choice("precision", precision, _abi.PRECISIONS), int(metrics),
+        self._options = _abi.ScoreOptions(choice("invalid", invalid, _abi.INVALID), min_valid, int(metrics),
                                           int(cache_mb * 2**20))
         self._n_directions = len(self.model.directions)
         self._turns = Turns()
@@ -396,7 +394,7 @@ def score(ref: BRDFLike, tests: Any, *, model: ModelLike = "default", errors: st
         tests: one approximation, or a list or tuple of them
         model: a `Model`, the name of a built-in one, or a model file
         errors: "raise": the first test that cannot be scored raises an Error; "keep": its score is NaN, with the `error`
-        options: as for `Scorer`: `invalid`, `min_valid`, `precision`, `metrics`
+        options: as for `Scorer`: `invalid`, `min_valid`, `metrics`
 
     Returns:
         a `Score`, or a list of them

@@ -159,10 +159,6 @@ NQM_MUST_CHECK nqm_status nqm_outfile_open(const char *path, nqm_outfile *out_re
 NQM_MUST_CHECK nqm_status nqm_outfile_commit(nqm_outfile *out, nqm_error *err);
 /** Remove the temporary file; a zeroed or committed outfile is allowed. */
 void nqm_outfile_abort(nqm_outfile *out);
-/** Give an open file the permissions of the file `path`, if that exists. */
-void nqm_keep_mode(int fd, const char *path);
-/** Rename a complete file to `path`, unless that would replace an input of this run. */
-NQM_MUST_CHECK nqm_status nqm_replace(const char *temporary, const char *path, nqm_error *err);
 /** Unlink the temporary files of all outputs that are open. For signal handlers (it is async-signal-safe) of a process that ends
  *  at once. */
 void nqm_outfile_unlink_all(void);
@@ -184,11 +180,6 @@ void nqm_role_forget(const struct stat *st);
 /** Whether the open file still has this path: after a lock was waited for or taken, another process may have removed or
  *  replaced the file. */
 bool nqm_is_file_at(int fd, const char *path);
-/** Open a file for reading and appending, create it if it does not exist, and lock it; the system releases the lock of
- *  a process that ends in any way. If the file was deleted or replaced before it was locked, the new one is opened.
- *  *fd_ret: the descriptor, whose closing releases the lock, or -1 if another process holds the lock. *existed_ret: the
- *  file was there before. On file systems without locks the file is opened without one. */
-NQM_MUST_CHECK nqm_status nqm_lock_open(const char *path, int *fd_ret, bool *existed_ret, nqm_error *err);
 
 /* ---- little-endian values at any alignment ----------------------------------------------------------------------- */
 

@@ -10,7 +10,7 @@ void nqm_alloc_fail_after(long n);
 /** Number of allocations so far, failed ones included. */
 long nqm_alloc_count(void);
 
-/** Call `hook` once, when nqm_lock_open() has opened a file and not yet locked it. NULL: nothing. */
+/** Call `hook` once, when nqm_claim() has opened the file of a claim and not yet locked it. NULL: nothing. */
 void nqm_lock_hook(void (*hook)(void));
 
 #endif

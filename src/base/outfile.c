@@ -59,6 +59,13 @@ static void remove_all_abandoned(nqm_outfile *out) {
     }
 }
 
+/* Give an open file the permissions of the file `path`, if that exists. */
+static void keep_mode(int fd, const char *path) {
+    struct stat st;
+    if (stat(path, &st) == 0)
+        (void)fchmod(fd, st.st_mode & 0777); /* a file system without permissions refuses */
+}
+
 /* Create and lock the first free temporary file. Returns a descriptor, or -1 with errno set. A new file has the permissions that
  * the umask leaves; one that replaces a private file is private from the beginning. */
 static int create_temporary(nqm_outfile *out) {
@@ -73,7 +80,7 @@ static int create_temporary(nqm_outfile *out) {
         /* Another process may remove the new file before it is locked. */
         if (fd >= 0 && (flock(fd, LOCK_EX | LOCK_NB) == 0 || errno != EWOULDBLOCK) &&
             nqm_is_file_at(fd, out->temporary)) {
-            nqm_keep_mode(fd, out->path);
+            keep_mode(fd, out->path);
             if (fstat(fd, &st) == 0)
                 nqm_role_forget(&st);
             return fd;
@@ -122,13 +129,8 @@ void nqm_outfile_unlink_all(void) {
 
 /* ---- output files ------------------------------------------------------------------------------------------------ */
 
-void nqm_keep_mode(int fd, const char *path) {
-    struct stat st;
-    if (stat(path, &st) == 0)
-        (void)fchmod(fd, st.st_mode & 0777); /* a file system without permissions refuses */
-}
-
-nqm_status nqm_replace(const char *temporary, const char *path, nqm_error *err) {
+/* Rename a complete file to `path`, unless that would replace an input of this run. */
+static nqm_status replace(const char *temporary, const char *path, nqm_error *err) {
     struct stat old;
     const bool exists = stat(path, &old) == 0;
     nqm_status status = nqm_role_output(path, err);
@@ -210,7 +212,7 @@ nqm_status nqm_outfile_commit(nqm_outfile *out, nqm_error *err) {
     nqm_status status = NQM_OK;
     /* Rename before closing, which releases the lock. */
     if (!bad && out->temporary) {
-        status = nqm_replace(out->temporary, out->path, err);
+        status = replace(out->temporary, out->path, err);
         if (status == NQM_OK) {
             forget_unfinished(out->temporary); /* before its name can be that of another process */
             remove_all_abandoned(out);

@@ -3,19 +3,54 @@
  * Work that processes share (shared_work.h). The result of an item must not depend on who makes it.
  */
 #include "base/shared_work.h"
+#include "base/memory_test.h"
 
+#include <errno.h>
+#include <fcntl.h>
 #include <pthread.h>
 #include <stdatomic.h>
 #include <string.h>
+#include <sys/file.h>
 #include <time.h>
 #include <unistd.h>
 
 /* ---- claims ------------------------------------------------------------------------------------------------------ */
 
-/* A claim is a lock on a file next to the result. The system releases the locks of a process that ends in any way, so no
- * clock or heartbeat is needed. */
+/* A claim is a lock on a file next to the result: flock(), which also works over NFS, as a lock of the server. The system releases
+ * the locks of a process that ends in any way, so no clock or heartbeat is needed. */
 static char *claim_path(const char *path) {
     return nqm_strdupf("%s.claim", path);
+}
+
+static void (*lock_hook)(void);
+
+void nqm_lock_hook(void (*hook)(void)) {
+    lock_hook = hook;
+}
+
+static void call_lock_hook(void) {
+    void (*hook)(void) = lock_hook;
+    lock_hook = NULL;
+    if (hook)
+        hook();
+}
+
+/* Open and lock the file, which is created if it does not exist: *fd_ret is -1 if another process holds the lock. If the file was
+ * deleted or replaced before it was locked, the new one is opened. On file systems without locks it is opened without one. */
+static nqm_status open_locked(const char *path, int *fd_ret, nqm_error *err) {
+    for (;;) {
+        const int fd = *fd_ret = open(path, O_RDWR | O_CREAT | O_CLOEXEC, 0666);
+        if (fd < 0)
+            return nqm_fail(err, NQM_ERR_IO, -1, "%s: cannot be written: %s", path, strerror(errno));
+        call_lock_hook();
+        const bool is_held = flock(fd, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK;
+        if (!is_held && nqm_is_file_at(fd, path))
+            return NQM_OK;
+        close(fd);
+        *fd_ret = -1;
+        if (is_held)
+            return NQM_OK;
+    }
 }
 
 nqm_status nqm_claim(const char *path, int *claim_ret, nqm_error *err) {
@@ -23,13 +58,12 @@ nqm_status nqm_claim(const char *path, int *claim_ret, nqm_error *err) {
     char *name = claim_path(path);
     if (!name)
         return nqm_fail_nomem(err, strlen(path));
-    bool existed;
-    const nqm_status status = nqm_lock_open(name, claim_ret, &existed, err);
+    const nqm_status status = open_locked(name, claim_ret, err);
     nqm_free(name);
     return status;
 }
 
-/* Unlink before unlocking: nqm_lock_open() takes no lock on a deleted file. */
+/* Unlink before unlocking: open_locked() takes no lock on a deleted file. */
 void nqm_claim_release(const char *path, int claim) {
     char *name = claim_path(path);
     if (name)

@@ -175,7 +175,6 @@ NQM_MUST_CHECK nqm_status nqm_dataset_compare(const nqm_dataset *dataset, const 
 typedef struct nqm_dataset_prediction {
     const nqm_dataset *dataset;
     const nqm_model *model;
-    nqm_precision precision;
     size_t n;
     const size_t *pairs; /* (n) */
     nqm_prediction *to;  /* (n_pairs of the dataset) receives those of the n pairs, each at the pair's index */

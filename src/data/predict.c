@@ -113,7 +113,7 @@ nqm_status nqm_dataset_predict(const nqm_dataset_prediction *p, nqm_error *err) 
                         m->directions->n, nqm_directions_id(m->directions), d->n_directions,
                         nqm_directions_id(d->directions));
     uint8_t *used = nqm_alloc(NQM_PREDICT_BATCH, d->n_directions);
-    nqm_status status = used ? nqm_predictor_create(m, p->precision, NQM_PREDICT_BATCH, &predictor, err)
+    nqm_status status = used ? nqm_predictor_create(m, NQM_PREDICT_BATCH, &predictor, err)
                              : nqm_fail_nomem(err, NQM_PREDICT_BATCH * d->n_directions);
     for (size_t first = 0; status == NQM_OK && first < p->n; first += NQM_PREDICT_BATCH)
         status = predict_batch(p, predictor, nqm_smaller(p->n - first, NQM_PREDICT_BATCH), p->pairs + first, used, err);

@@ -22,8 +22,6 @@ static const nqm_option rows[] = {
     {FIELD(n_bootstrap), .name = "bootstrap", .kind = NQM_OPTION_SIZE, .metavar = "N", .min = 0, .max = 1e6,
      .values = {"1000"}, .help = "resamples of the materials for intervals; 0: none"},
     {FIELD(seed), .kind = NQM_OPTION_U64, .metavar = "N", .values = {"1"}, .help = "seed of the resampling"},
-    {FIELD(precision), .kind = NQM_OPTION_ENUM, .metavar = "WORD", .words = nqm_precision_words, .values = {"f32"},
-     .help = "number format, as for score"},
     {FIELD(apart), .kind = NQM_OPTION_BOOL, .off_name = "",
      .help = "with --human: judge models by the similarity of materials that are seen apart"},
 };
@@ -57,7 +55,6 @@ static nqm_status predict_model(predict_run *run, size_t model, nqm_error *err) 
     nqm_prediction *to = ev->predictions + model * ev->dataset->n_pairs;
     const nqm_dataset_prediction prediction = {.dataset = nqm_evaluation_samples(ev, model),
                                                .model = ev->models[model],
-                                               .precision = ev->precision,
                                                .n = run->n,
                                                .pairs = run->pairs,
                                                .to = to,
@@ -176,8 +173,7 @@ nqm_status nqm_evaluation_create(const nqm_dataset *dataset, size_t n_models, co
                            .n_models = n_models,
                            .n_predictors = n_predictors,
                            .models = models,
-                           .split = o.split,
-                           .precision = o.precision};
+                           .split = o.split};
     nqm_evaluation *ev;
     nqm_status status = nqm_alloc_arrays(
         NQM_ARRAYS({&ev, 1, sizeof *ev}, {&made.values, n_predictors, dataset->n_pairs * sizeof(double)},

@@ -18,7 +18,6 @@ struct nqm_evaluation {
     size_t n_predictors; /* n_models + NQM_METRIC_COUNT, and 1 more if the dataset has a transport matrix */
     const nqm_model *const *models;
     nqm_split split;
-    nqm_precision precision;
     double *values; /* (n_predictors, n_pairs of the dataset) NaN if not predicted */
     nqm_prediction
         *predictions;  /* (n_models, n_pairs of the dataset) undefined where not predicted; `jod` as `values` */

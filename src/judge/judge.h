@@ -46,7 +46,6 @@ typedef struct nqm_eval_options {
     double order_margin;        /**< of nqm_agreement.order, in the unit of the labels; >= 0; default 0.25 */
     size_t n_bootstrap;         /**< resamples of the material groups; 0: no intervals; default 1000 */
     uint64_t seed;              /**< seed of the resampling; default 1 */
-    nqm_precision precision;    /**< precision of the models' predictions; default NQM_PRECISION_F32 */
     int apart; /**< 1: judge models by the similarity (nqm_score_result) where they have it: for answers about
                                      materials that people did not see beside each other */
     nqm_progress_fn progress; /**< NULL: none */
@@ -224,7 +223,7 @@ typedef struct nqm_readout {
 /**
  * Fit a readout. The answers were sampled at the directions of the model.
  *
- * @param options  n_bootstrap, seed and precision are used; NULL: the defaults
+ * @param options  n_bootstrap and seed are used; NULL: the defaults
  * @return NQM_ERR_INCOMPATIBLE: the model has no transport matrix, or fewer than 5 materials have answers; NQM_ERR_NOMEM
  */
 NQM_MUST_CHECK nqm_status nqm_human_fit_readout(const nqm_human *human, const nqm_model *model,

@@ -185,15 +185,14 @@ static nqm_status list_triplets(const nqm_human *h, fit_work *w, nqm_triplet **o
     return NQM_OK;
 }
 
-static nqm_status predict(const nqm_human *h, const nqm_model *model, nqm_precision precision, fit_work *w,
-                          nqm_error *err) {
+static nqm_status predict(const nqm_human *h, const nqm_model *model, fit_work *w, nqm_error *err) {
     size_t *pairs;
     nqm_prediction *to;
     nqm_status status =
         nqm_alloc_arrays(NQM_ARRAYS({&to, w->n_pairs, sizeof *to}, {&pairs, w->n_pairs, sizeof *pairs}), err);
     for (size_t i = 0; status == NQM_OK && i < w->n_pairs; ++i)
         pairs[i] = i;
-    const nqm_dataset_prediction p = {h->dataset, model, precision, w->n_pairs, pairs, to, NULL, NULL};
+    const nqm_dataset_prediction p = {h->dataset, model, w->n_pairs, pairs, to, NULL, NULL};
     if (status != NQM_OK)
         return status;
     status = nqm_dataset_predict(&p, err);
@@ -257,7 +256,7 @@ nqm_status nqm_human_fit_readout(const nqm_human *human, const nqm_model *model,
                        {&times, w.n_groups, sizeof *times}, {&z, nqm_larger(w.n, w.n_resamples), sizeof *z}),
             err);
     if (status == NQM_OK)
-        status = predict(human, model, o.precision, &w, err);
+        status = predict(human, model, &w, err);
     if (status == NQM_OK) {
         *readout_ret = (nqm_readout){0};
         status = fit_readout(&w, o.seed, readout_ret, times, z, err);

@@ -12,27 +12,17 @@ void nqm_half_to_float(size_t n, const void *half, float *x);
 /** n finite floats to binary16, to nearest, ties to even; magnitudes from 65520 on become infinite. */
 void nqm_half_from_float(size_t n, const float *x, uint16_t *half);
 
-/** A matrix of weights, row-major: w or half, the other is NULL; both are NULL where there is none. */
+/** A matrix of weights, row-major: w or half, the other is NULL. */
 typedef struct nqm_weights {
     const float *w;
     const uint16_t *half; /**< binary16 */
     size_t ld;            /**< values from row to row */
 } nqm_weights;
 
-static inline bool nqm_has_weights(nqm_weights weights) {
-    return weights.w || weights.half;
-}
 /** The part of a matrix from (row, column) on. */
 static inline nqm_weights nqm_weights_at(nqm_weights from, size_t row, size_t column) {
     const size_t skip = row * from.ld + column;
     return (nqm_weights){from.w ? from.w + skip : NULL, from.half ? from.half + skip : NULL, from.ld};
-}
-/** The first n values of the first row as floats: in place, or converted into buffer (n). */
-static inline const float *nqm_weights_row(nqm_weights from, size_t n, float *buffer) {
-    if (from.w)
-        return from.w;
-    nqm_half_to_float(n, from.half, buffer);
-    return buffer;
 }
 
 #endif

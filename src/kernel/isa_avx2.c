@@ -6,12 +6,11 @@
 #if defined __x86_64__
 #include <immintrin.h>
 
-#define VECTOR_BYTES          32
-#define TILE_ROWS             3
-#define TILE_VECTORS          4
-#define PART_WORDS            200 /* 25 KB of a panel: fits into an L1 cache of 32 KB with the rows of a tile */
-#define MADD_F32(sum, a, b)   ((vector_f)_mm256_fmadd_ps(_mm256_set1_ps(a), (__m256)(b), (__m256)(sum)))
-#define MADD_INT16(sum, x, y) ((sum) + (vector_i)_mm256_madd_epi16((__m256i)(x), (__m256i)(y)))
+#define VECTOR_BYTES        32
+#define TILE_ROWS           3
+#define TILE_VECTORS        4
+#define PART_WORDS          200 /* 25 KB of a panel: fits into an L1 cache of 32 KB with the rows of a tile */
+#define MADD_F32(sum, a, b) ((vector_f)_mm256_fmadd_ps(_mm256_set1_ps(a), (__m256)(b), (__m256)(sum)))
 #include "kernel/isa_products.h"
 
 #include "kernel/isa_rows.h"

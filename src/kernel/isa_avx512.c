@@ -5,11 +5,10 @@
 #if defined __x86_64__
 #include <immintrin.h>
 
-#define VECTOR_BYTES          64
-#define TILE_ROWS             12
-#define TILE_VECTORS          2
-#define MADD_F32(sum, a, b)   ((vector_f)_mm512_fmadd_ps(_mm512_set1_ps(a), (__m512)(b), (__m512)(sum)))
-#define MADD_INT16(sum, x, y) ((sum) + (vector_i)_mm512_madd_epi16((__m512i)(x), (__m512i)(y)))
+#define VECTOR_BYTES        64
+#define TILE_ROWS           12
+#define TILE_VECTORS        2
+#define MADD_F32(sum, a, b) ((vector_f)_mm512_fmadd_ps(_mm512_set1_ps(a), (__m512)(b), (__m512)(sum)))
 #include "kernel/isa_products.h"
 
 #include "kernel/isa_rows.h"

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * Kernels for x86-64 with AVX-512 and its products of bfloat16 and of bytes (BF16, VNNI).
+ * Kernels for x86-64 with AVX-512 and its products of bfloat16 (BF16).
  */
 #if defined __x86_64__
 #include <immintrin.h>
@@ -11,7 +11,6 @@
 #define MADD_F32(sum, a, b) ((vector_f)_mm512_fmadd_ps(_mm512_set1_ps(a), (__m512)(b), (__m512)(sum)))
 #define MADD_BF16(sum, a, b)                                                                                           \
     ((vector_f)_mm512_dpbf16_ps((__m512)(sum), (__m512bh)_mm512_set1_epi32((int)(a)), (__m512bh)(b)))
-#define MADD_INT8(sum, a, b) ((vector_i)_mm512_dpbusd_epi32((__m512i)(sum), _mm512_set1_epi32((int)(a)), (__m512i)(b)))
 #include "kernel/isa_products.h"
 
 #include "kernel/isa_rows.h"

@@ -12,10 +12,6 @@
 #define TILE_ROWS           4 /* 8 of 16 registers hold sums: SSE instructions overwrite an operand */
 #define TILE_VECTORS        2
 #define MADD_F32(sum, a, b) ((sum) + (a) * (b))
-#ifdef __SSE2__
-#include <emmintrin.h>
-#define MADD_INT16(sum, x, y) ((sum) + (vector_i)_mm_madd_epi16((__m128i)(x), (__m128i)(y)))
-#endif
 #endif
 #include "kernel/isa_products.h"
 

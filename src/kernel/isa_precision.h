@@ -4,10 +4,7 @@
  *
  * PRECISION      suffix of the functions' names
  * WORD, RIGHT    an element of A and a vector of elements of B
- * NUMBER, SUM    an element of C and a vector of them
- * MADD           sum + a b
- * STRIDED        defined: the file has strided_product(), for floats
- * GRADIENT       defined: there is a weight gradient
+ * MADD           sum + a b for a vector sum of floats
  *
  * A tile of C stays in registers while A and B are read once; each word of A is broadcast to a vector.
  */
@@ -20,7 +17,7 @@ typedef struct NAME(tile) {
     size_t row_step, word_step;
     const WORD *b; /* (words, vectors LANES), ldb words from row to row */
     size_t ldb;
-    NUMBER *c; /* (rows, vectors LANES) */
+    float *c; /* (rows, vectors LANES) */
     size_t ldc;
     bool add;
     const float *const
@@ -30,11 +27,11 @@ typedef struct NAME(tile) {
 
 INLINE void NAME(multiply_tile)(NAME(tile) t) {
     const WORD *restrict a = t.a, *restrict b = t.b;
-    NUMBER *restrict c = t.c;
+    float *restrict c = t.c;
     const size_t slice = t.prefetch ? (t.words + PREFETCH_LINES - 1) / PREFETCH_LINES : t.words;
-    SUM sum[TILE_SUMS];
+    vector_f sum[TILE_SUMS];
     UNROLL for (size_t i = 0; i < t.rows; ++i) UNROLL for (size_t j = 0; j < t.vectors; ++j) sum[i * t.vectors + j] =
-        t.add ? *(const SUM *)(c + i * t.ldc + j * LANES) : (SUM){0};
+        t.add ? *(const vector_f *)(c + i * t.ldc + j * LANES) : (vector_f){0};
     for (size_t u = 0, line = 0; u < t.words; ++line) {
         for (size_t i = 0; t.prefetch && i < NQM_PREFETCH; ++i)
             __builtin_prefetch(t.prefetch[i] + t.part + line * LINE, 0, 2);
@@ -43,7 +40,7 @@ INLINE void NAME(multiply_tile)(NAME(tile) t) {
             UNROLL for (size_t j = 0; j < t.vectors; ++j) right[j] = *(const RIGHT *)(b + j * LANES);
             UNROLL for (size_t i = 0; i < t.rows; ++i) {
                 const WORD left = a[i * t.row_step];
-                SUM *row = sum + i * t.vectors;
+                vector_f *row = sum + i * t.vectors;
                 UNROLL for (size_t j = 0; j < t.vectors; ++j) row[j] = MADD(row[j], left, right[j]);
             }
             a += t.word_step;
@@ -51,7 +48,7 @@ INLINE void NAME(multiply_tile)(NAME(tile) t) {
         }
     }
     UNROLL for (size_t i = 0; i < t.rows; ++i) UNROLL for (size_t j = 0; j < t.vectors; ++j) *
-        (SUM *)(c + i * t.ldc + j * LANES) = sum[i * t.vectors + j];
+        (vector_f *)(c + i * t.ldc + j * LANES) = sum[i * t.vectors + j];
 }
 
 /* n rows from `row` on, where t is the tile of row 0. */
@@ -90,7 +87,7 @@ INLINE void NAME(multiply_rows)(NAME(tile) t, size_t m) {
 }
 
 /* All rows times the panel b, in parts of the panel. */
-INLINE void NAME(multiply_panel)(const nqm_product *p, const WORD *b, NUMBER *c) {
+INLINE void NAME(multiply_panel)(const nqm_product *p, const WORD *b, float *c) {
     const size_t n_parts = (p->words - 1) / PART_WORDS + 1, n = (p->words - 1) / n_parts + 1;
     for (size_t first = 0; first < p->words; first += n)
         for (size_t column = 0; column < NQM_PANEL; column += TILE_COLUMNS)
@@ -110,21 +107,22 @@ INLINE void NAME(multiply_panel)(const nqm_product *p, const WORD *b, NUMBER *c)
 
 /* One row times n neighbouring panels from b on. Bound by memory bandwidth: several panels at once keep enough
  * accumulators busy. */
-INLINE void NAME(multiply_row)(size_t n, const nqm_product *p, const WORD *restrict b, NUMBER *restrict c) {
+INLINE void NAME(multiply_row)(size_t n, const nqm_product *p, const WORD *restrict b, float *restrict c) {
     const WORD *restrict a = p->a;
-    SUM sum[ROW_PANELS * PANEL_VECTORS];
-    UNROLL for (size_t i = 0; i < n * PANEL_VECTORS; ++i) sum[i] = p->add ? *(const SUM *)(c + i * LANES) : (SUM){0};
+    vector_f sum[ROW_PANELS * PANEL_VECTORS];
+    UNROLL for (size_t i = 0; i < n * PANEL_VECTORS; ++i) sum[i] =
+        p->add ? *(const vector_f *)(c + i * LANES) : (vector_f){0};
     for (size_t u = 0; u < p->words; ++u)
         UNROLL for (size_t i = 0; i < n * PANEL_VECTORS; ++i) {
             const WORD *right = b + i / PANEL_VECTORS * p->panel_step + u * NQM_PANEL + i % PANEL_VECTORS * LANES;
             sum[i] = MADD(sum[i], a[u], *(const RIGHT *)right);
         }
-    UNROLL for (size_t i = 0; i < n * PANEL_VECTORS; ++i) * (SUM *)(c + i * LANES) = sum[i];
+    UNROLL for (size_t i = 0; i < n * PANEL_VECTORS; ++i) * (vector_f *)(c + i * LANES) = sum[i];
 }
 
 static void NAME(product)(const nqm_product *p) {
     const WORD *b = p->b;
-    NUMBER *c = p->c;
+    float *c = p->c;
     size_t panel = 0;
     for (; p->m == 1 && panel + ROW_PANELS <= p->n_panels; panel += ROW_PANELS)
         NAME(multiply_row)(ROW_PANELS, p, b + panel * p->panel_step, c + panel * NQM_PANEL);
@@ -135,29 +133,6 @@ static void NAME(product)(const nqm_product *p) {
             NAME(multiply_panel)(p, b + panel * p->panel_step, c + panel * NQM_PANEL);
 }
 
-#ifdef STRIDED
-static void strided_product(const nqm_strided_product *p) {
-    NAME(tile)
-    t = {.vectors = TILE_VECTORS,
-         .words = p->k,
-         .a = p->a,
-         .row_step = p->lda,
-         .word_step = p->step,
-         .b = p->b,
-         .ldb = p->ldb,
-         .c = p->c,
-         .ldc = p->ldc,
-         .add = p->add};
-    for (size_t column = 0; column < NQM_PANEL; column += TILE_COLUMNS) {
-        NAME(multiply_rows)(t, p->m);
-        t.b += TILE_COLUMNS;
-        t.c += TILE_COLUMNS;
-    }
-}
-#undef STRIDED
-#endif
-
-#ifdef GRADIENT
 INLINE void NAME(gradient_of_strip)(const nqm_tile_gradient *g, size_t strip) {
     const float *prefetch[NQM_PREFETCH];
     for (size_t i = 0; i < NQM_PREFETCH; ++i)
@@ -183,12 +158,8 @@ static void NAME(gradient)(const nqm_tile_gradient *g) {
     for (size_t strip = 0; strip < g->n_strips; ++strip)
         NAME(gradient_of_strip)(g, strip);
 }
-#undef GRADIENT
-#endif
 
 #undef PRECISION
 #undef WORD
 #undef RIGHT
-#undef NUMBER
-#undef SUM
 #undef MADD

@@ -8,9 +8,6 @@
  *                        L1 cache
  * MADD_F32(sum, a, b)    sum + a b for vectors sum and b of float and one float a
  * MADD_BF16(sum, a, b)   sum + a b for vectors sum of float, b of 32-bit words with two bfloat16 each, and one word a
- * MADD_INT8(sum, a, b)   sum + a b for vectors sum of int32_t, b of words with four signed bytes, and one word a of four
- *                        unsigned bytes; or, without an instruction for that:
- * MADD_INT16(sum, x, y)  sum + x y for vectors sum of int32_t, x and y of words with two signed 16-bit numbers
  *
  * The functions themselves are in isa_precision.h, which is compiled once for each precision. Vectors are types of GCC and Clang,
  * so that one source serves every instruction set.
@@ -31,7 +28,6 @@
 #endif
 
 typedef float vector_f __attribute__((vector_size(VECTOR_BYTES), aligned(4), may_alias));
-typedef int32_t vector_i __attribute__((vector_size(VECTOR_BYTES), aligned(4), may_alias));
 typedef uint32_t vector_u __attribute__((vector_size(VECTOR_BYTES), aligned(4), may_alias));
 
 enum { LANES = VECTOR_BYTES / 4, TILE_COLUMNS = LANES * TILE_VECTORS };
@@ -48,27 +44,6 @@ INLINE vector_f madd_bf16(vector_f sum, uint32_t a, vector_u b) {
     memcpy(&high, &high_bits, sizeof high);
     sum = MADD_F32(sum, high, (vector_f)(b & 0xffff0000u));
     return MADD_F32(sum, low, (vector_f)(b << 16));
-}
-#endif
-
-#ifndef MADD_INT8 /* for processors without an instruction for bytes: even and odd bytes are unpacked to 16 bits */
-typedef int16_t vector_s __attribute__((vector_size(VECTOR_BYTES), aligned(4), may_alias));
-typedef uint16_t vector_h __attribute__((vector_size(VECTOR_BYTES), aligned(4), may_alias));
-
-#ifndef MADD_INT16
-#define MADD_INT16 madd_int16
-INLINE vector_i madd_int16(vector_i sum, vector_s x, vector_s y) {
-    const vector_i a = (vector_i)x, b = (vector_i)y;
-    return sum + (a << 16 >> 16) * (b << 16 >> 16) + (a >> 16) * (b >> 16);
-}
-#endif
-
-#define MADD_INT8 madd_int8
-INLINE vector_i madd_int8(vector_i sum, uint32_t a, vector_i b) {
-    const vector_h left = (vector_h)((vector_u){0} + a);
-    const vector_s right = (vector_s)b;
-    sum = MADD_INT16(sum, (vector_s)(left & 255), right << 8 >> 8);
-    return MADD_INT16(sum, (vector_s)(left >> 8), right >> 8);
 }
 #endif
 
@@ -89,26 +64,29 @@ _Static_assert(NQM_STRIP % TILE_ROWS == 0 && NQM_PANEL % TILE_COLUMNS == 0, "til
 #define PRECISION f32
 #define WORD      float
 #define RIGHT     vector_f
-#define NUMBER    float
-#define SUM       vector_f
 #define MADD      MADD_F32
-#define STRIDED
-#define GRADIENT
 #include "kernel/isa_precision.h"
 
 #define PRECISION bf16
 #define WORD      uint32_t
 #define RIGHT     vector_u
-#define NUMBER    float
-#define SUM       vector_f
 #define MADD      MADD_BF16
-#define GRADIENT
 #include "kernel/isa_precision.h"
 
-#define PRECISION int8
-#define WORD      uint32_t
-#define RIGHT     vector_i
-#define NUMBER    int32_t
-#define SUM       vector_i
-#define MADD      MADD_INT8
-#include "kernel/isa_precision.h"
+static void strided_product(const nqm_strided_product *p) {
+    tile_f32 t = {.vectors = TILE_VECTORS,
+                  .words = p->k,
+                  .a = p->a,
+                  .row_step = p->lda,
+                  .word_step = p->step,
+                  .b = p->b,
+                  .ldb = p->ldb,
+                  .c = p->c,
+                  .ldc = p->ldc,
+                  .add = p->add};
+    for (size_t column = 0; column < NQM_PANEL; column += TILE_COLUMNS) {
+        multiply_rows_f32(t, p->m);
+        t.b += TILE_COLUMNS;
+        t.c += TILE_COLUMNS;
+    }
+}

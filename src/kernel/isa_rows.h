@@ -29,7 +29,7 @@ static void adam(size_t n, const nqm_adam_rate *rate, const float *grad, float *
     }
 }
 
-/* ---- rounding to bfloat16 and to bytes, and sums of products of bytes back to float -------------------------------- */
+/* ---- rounding to bfloat16 ------------------------------------------------------------------------------------------ */
 
 static void round_row(size_t n, const float *x, uint32_t *words) {
 #pragma omp simd
@@ -52,45 +52,6 @@ static void round_pair(size_t n, const float *even, const float *odd, size_t wid
 static void round_tile(const float *x, uint32_t *words) {
     for (size_t i = 0; i < NQM_STRIP / 2; ++i, x += 2 * NQM_PANEL)
         round_pair(NQM_PANEL, x, x + NQM_PANEL, NQM_PANEL, 0, words + i * NQM_PANEL);
-}
-
-/* The range of the bytes includes 0, which is exact. */
-static nqm_byte_scale quantise_row(size_t n, const float *x, uint32_t *words) {
-    const float round_magic = 0x1.8p23f; /* adding it leaves the nearest integer in the low bits */
-    const int32_t most = 0x4b400000 + 255;
-    unsigned char *bytes = (unsigned char *)words;
-    float low = 0, high = 0;
-#pragma omp simd reduction(min : low) reduction(max : high)
-    for (size_t i = 0; i < n; ++i) {
-        low = x[i] < low ? x[i] : low;
-        high = x[i] > high ? x[i] : high;
-    }
-    const nqm_byte_scale by = nqm_byte_scale_of(low, high);
-    const float per_scale = 1 / by.scale, zero = (float)by.zero;
-#pragma omp simd
-    for (size_t i = 0; i < n; ++i) {
-        float shifted = x[i] * per_scale + zero + round_magic;
-        int32_t bits;
-        memcpy(&bits, &shifted, sizeof bits);
-        bytes[i] = (unsigned char)(bits < most ? bits : most);
-    }
-    memset(bytes + n, 0, -n & 3); /* fill the last word */
-    return by;
-}
-
-static void dequantise(size_t m, const nqm_byte_scale *rows, const nqm_byte_columns *columns, bool add,
-                       const int32_t *sums, float *c, size_t ldc) {
-    float scale[NQM_PANEL];
-    int32_t sum[NQM_PANEL];
-    memcpy(scale, columns->scale, sizeof scale);
-    memcpy(sum, columns->sum, sizeof sum);
-    for (size_t i = 0; i < m; ++i, sums += NQM_PANEL, c += ldc) {
-        const float row_scale = rows[i].scale;
-        const int32_t zero = rows[i].zero;
-#pragma omp simd
-        for (size_t j = 0; j < NQM_PANEL; ++j)
-            c[j] = nqm_multiply_add(row_scale * scale[j], (float)(sums[j] - zero * sum[j]), add ? c[j] : 0.0f);
-    }
 }
 
 /* ---- rows in groups ---------------------------------------------------------------------------------------------- */
@@ -270,9 +231,9 @@ static void hidden_row_back(const nqm_hidden_row_back *r) {
 #define NQM_DEFINE_KERNELS(SUFFIX, NAME)                                                                               \
     const nqm_kernels nqm_kernels_##SUFFIX = {                                                                         \
         .name = (NAME),                                                                                                \
-        .product = {product_f32, product_bf16, product_int8},                                                          \
+        .product = {product_f32, product_bf16},                                                                        \
         .strided_product = strided_product,                                                                            \
-        .gradient = {gradient_f32, gradient_bf16, NULL},                                                               \
+        .gradient = {gradient_f32, gradient_bf16},                                                                     \
         .hidden_row = hidden_row,                                                                                      \
         .dot = dot,                                                                                                    \
         .hidden_row_back = hidden_row_back,                                                                            \
@@ -280,7 +241,5 @@ static void hidden_row_back(const nqm_hidden_row_back *r) {
         .round_row = round_row,                                                                                        \
         .round_pair = round_pair,                                                                                      \
         .round_tile = round_tile,                                                                                      \
-        .quantise_row = quantise_row,                                                                                  \
-        .dequantise = dequantise,                                                                                      \
         .adam = adam,                                                                                                  \
     }

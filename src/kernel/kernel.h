@@ -11,15 +11,14 @@
  *   gradient               C = A^T B       the gradient of the weights, tile by tile
  *   hidden_row, _back      one row after the product, and its backward pass
  *   adam                   one step of the optimiser
- *   round_*, quantise_row, dequantise      floats to and from the factors of a product
+ *   round_*                                floats to bfloat16, the factors of a training's products
  *
- * The factors of a product are 32-bit words, each of which holds one float, two bfloat16 or four bytes that are neighbours
- * along k, the index that is summed over.
+ * The factors of a product are 32-bit words, each of which holds one float, or two bfloat16 that are neighbours along k, the
+ * index that is summed over.
  *
  * Results do not depend on the number of threads: each element of C is one chain of multiply-adds over ascending k, started
- * from 0 or from the value in C. However a product is cut, the operations are the same. (Tile registers add 16 words of bfloat16
- * at a time, kernel/amx_products.h: cuts along k are at multiples of 16 words.) The tables of one machine differ by rounding only;
- * those with fused multiply-add give the same bits in NQM_PRECISION_F32, and all give the same integers in NQM_PRECISION_INT8.
+ * from 0 or from the value in C. However a product is cut, the operations are the same. The tables of one machine differ by
+ * rounding only; those with fused multiply-add give the same bits in NQM_PRECISION_F32.
  */
 #ifndef NQM_SRC_KERNEL_H
 #define NQM_SRC_KERNEL_H
@@ -51,7 +50,7 @@ typedef struct nqm_product {
     const void *a;     /**< (m, words), lda words from row to row */
     const void *b;     /**< (n_panels, words, NQM_PANEL), aligned to 64 bytes */
     size_t panel_step; /**< words from one panel of b to the next */
-    void *c;           /**< float, int32_t for NQM_PRECISION_INT8; ldc elements from row to row */
+    float *c;          /**< ldc floats from row to row */
     size_t lda, ldc;
 } nqm_product;
 
@@ -78,24 +77,6 @@ typedef struct nqm_tile_gradient {
     float *c;
     const float *prefetch[NQM_PREFETCH]; /**< each like c: will be read next; c if there is nothing */
 } nqm_tile_gradient;
-
-/** The value of a row of unsigned bytes: (byte - zero) scale. */
-typedef struct nqm_byte_scale {
-    float scale;
-    int32_t zero; /**< 0..255 */
-} nqm_byte_scale;
-
-/** The smallest scale for values in [low, high], low <= 0 <= high. */
-static inline nqm_byte_scale nqm_byte_scale_of(float low, float high) {
-    const float scale = high > low ? (high - low) / 255 : 1;
-    return (nqm_byte_scale){scale, (int32_t)(-low / scale + 0.5f)};
-}
-
-/** The columns of a panel of signed bytes. */
-typedef struct nqm_byte_columns {
-    const float *scale; /**< (NQM_PANEL) the value of a byte is byte * scale */
-    const int32_t *sum; /**< (NQM_PANEL) sum of the column's bytes */
-} nqm_byte_columns;
 
 #define NQM_LAYERNORM_EPS 1e-5f
 
@@ -144,7 +125,6 @@ typedef struct nqm_kernels {
     void (*product[NQM_PRECISION_COUNT])(const nqm_product *p);
     /** Rows of the light transport (metric/transport.c). */
     void (*strided_product)(const nqm_strided_product *p);
-    /** NULL for NQM_PRECISION_INT8: training is in float or bfloat16. */
     void (*gradient[NQM_PRECISION_COUNT])(const nqm_tile_gradient *g);
     /** The sum of x y over n floats. */
     float (*dot)(size_t n, const float *x, const float *y);
@@ -162,12 +142,6 @@ typedef struct nqm_kernels {
     void (*round_pair)(size_t n, const float *even, const float *odd, size_t width, size_t step, uint32_t *words);
     /** x (NQM_STRIP, NQM_PANEL) as bfloat16; a word holds two rows: (NQM_STRIP / 2, NQM_PANEL). */
     void (*round_tile)(const float *x, uint32_t *words);
-    /** x (n) as unsigned bytes in nqm_words() words; returns their scale, with which 0 is exact. */
-    nqm_byte_scale (*quantise_row)(size_t n, const float *x, uint32_t *words);
-    /** c (m, NQM_PANEL) = the values of the integer sums (m, NQM_PANEL) of a product of bytes, or c + these. rows: (m)
-     *  scales of the left factor; ldc floats from row to row of c. */
-    void (*dequantise)(size_t m, const nqm_byte_scale *rows, const nqm_byte_columns *columns, bool add,
-                       const int32_t *sums, float *c, size_t ldc);
     /** One step of Adam for n parameters; m, v: (n) the moments, 0 before the first step. */
     void (*adam)(size_t n, const nqm_adam_rate *rate, const float *grad, float *m, float *v, float *param);
 } nqm_kernels;
@@ -179,13 +153,7 @@ extern const nqm_kernels nqm_kernels_generic;
 #if defined __x86_64__
 extern const nqm_kernels nqm_kernels_avx2;        /**< AVX2, FMA */
 extern const nqm_kernels nqm_kernels_avx512;      /**< AVX-512 F, BW, DQ, VL */
-extern const nqm_kernels nqm_kernels_avx512_bf16; /**< the same with BF16 and VNNI */
-/** Whether the processor and the operating system have tile registers (AMX). Asks the system for permission, once for the whole
- *  process. Any thread. */
-bool nqm_has_amx(void);
-/** nqm_kernels_avx512_bf16 with products by tile registers. Each kernel leaves the thread's tile configuration as it was; the
- *  contents of tile registers are lost. */
-const nqm_kernels *nqm_kernels_amx(void);
+extern const nqm_kernels nqm_kernels_avx512_bf16; /**< the same with BF16 */
 #endif
 
 /** The table in use: nqm_kernels_at(0) unless nqm_kernels_use() chose another. Any thread. */

@@ -9,7 +9,7 @@
 #include <stdatomic.h>
 #include <string.h>
 
-enum { MAX_TABLES = 6 };
+enum { MAX_TABLES = 5 };
 
 static const nqm_kernels *tables[MAX_TABLES]; /* those that this processor can run, the widest first */
 static size_t n_tables;
@@ -19,12 +19,9 @@ static const nqm_kernels *_Atomic chosen; /* NULL: the first of them */
 static void find_tables(void) {
 #if defined __x86_64__
     __builtin_cpu_init();
-    bool avx512 = __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512bw") &&
-                  __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512vl");
-    const bool bf16 = avx512 && __builtin_cpu_supports("avx512bf16") && __builtin_cpu_supports("avx512vnni");
-    if (bf16 && nqm_has_amx())
-        tables[n_tables++] = nqm_kernels_amx();
-    if (bf16)
+    const bool avx512 = __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512bw") &&
+                        __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512vl");
+    if (avx512 && __builtin_cpu_supports("avx512bf16"))
         tables[n_tables++] = &nqm_kernels_avx512_bf16;
     if (avx512)
         tables[n_tables++] = &nqm_kernels_avx512;
@@ -75,7 +72,7 @@ nqm_status nqm_kernels_select(const char *name, nqm_error *err) {
     return NQM_OK;
 }
 
-const char *const nqm_precision_words[] = {"f32", "bf16", "int8", NULL};
+const char *const nqm_precision_words[] = {"f32", "bf16", NULL};
 
 const char *nqm_precision_name(nqm_precision precision) {
     return (unsigned)precision < NQM_PRECISION_COUNT ? nqm_precision_words[precision] : NULL;

@@ -37,14 +37,13 @@ static void find_l2(void) {
 /* How a product is cut. A block is ROWS_AT_ONCE rows of A times some panels. Where the L2 cache holds several panels and a group
  * of rows, all panels of the block are multiplied with a group before the next is read: A is read once for each block. */
 typedef struct cut {
-    size_t
-        rows; /* of a group: whole tiles of vector registers; of rounded factors, whole pairs of AMX tile registers */
+    size_t rows;   /* of a group: whole tiles of vector registers */
     size_t panels; /* of a block */
     size_t n_down, n_blocks;
 } cut;
 
 static cut cut_product(const nqm_panels *b, size_t m) {
-    const size_t rows = (b->precision == NQM_PRECISION_F32 ? 2 : 8) * NQM_STRIP, row_bytes = 4 * b->words;
+    const size_t rows = 2 * NQM_STRIP, row_bytes = 4 * b->words;
     static pthread_once_t once = PTHREAD_ONCE_INIT;
     pthread_once(&once, find_l2);
     const size_t usable = l2_bytes / 8 * 5; /* what remains is for C and for others */
@@ -66,7 +65,7 @@ static void multiply_block(const nqm_kernels *kernels, nqm_precision precision, 
         nqm_product part = *p;
         part.m = nqm_smaller(p->m - row, group);
         part.a = (const uint32_t *)p->a + row * p->lda;
-        part.c = (uint32_t *)p->c + row * p->ldc; /* float or int32_t */
+        part.c += row * p->ldc;
         kernels->product[precision](&part);
     }
 }
@@ -79,7 +78,7 @@ void nqm_multiply_block(const nqm_kernels *kernels, const nqm_panels *b, const n
     multiply_block(kernels, b->precision, p, cut_product(b, p->m).rows);
 }
 
-void nqm_multiply(const nqm_panels *b, size_t m, const void *a, size_t lda, bool add, void *c, size_t ldc) {
+void nqm_multiply(const nqm_panels *b, size_t m, const void *a, size_t lda, bool add, float *c, size_t ldc) {
     const nqm_kernels *kernels = nqm_kernels_get();
     const cut by = cut_product(b, m);
     /* Consecutive blocks read the same panels, which stay in the L2 cache. */
@@ -94,7 +93,7 @@ void nqm_multiply(const nqm_panels *b, size_t m, const void *a, size_t lda, bool
                                       .a = (const uint32_t *)a + row * lda,
                                       .b = nqm_panel_at(b, panel),
                                       .panel_step = b->stride * NQM_PANEL,
-                                      .c = (uint32_t *)c + row * ldc + panel * NQM_PANEL,
+                                      .c = c + row * ldc + panel * NQM_PANEL,
                                       .lda = lda,
                                       .ldc = ldc},
                        by.rows);

@@ -24,19 +24,17 @@ typedef struct nqm_panels {
     size_t stride;   /**< rows from one panel to the next: `words` rounded up to NQM_STRIP */
     size_t n_panels; /**< n / NQM_PANEL, rounded up */
     uint32_t *data;  /**< (n_panels, stride, NQM_PANEL) */
-    float *scale;    /**< NQM_PRECISION_INT8: (n_panels NQM_PANEL) the value of a byte is byte * scale; else NULL */
-    int32_t *sum;    /**< NQM_PRECISION_INT8: (n_panels NQM_PANEL) sum of each column's bytes; else NULL */
 } nqm_panels;
 
 /** Panels of zeros. NQM_ERR_NOMEM. */
 NQM_MUST_CHECK nqm_status nqm_panels_create(nqm_precision precision, size_t k, size_t n, nqm_panels *panels_ret,
                                             nqm_error *err);
 void nqm_panels_free(nqm_panels *panels);
-/** Fill panels of (k, n) from the transpose of w (n, k), on all threads. */
+/** Fill panels of (k, n), NQM_PRECISION_F32, from the transpose of w (n, k), on all threads. */
 void nqm_panels_pack(nqm_panels *panels, nqm_weights w);
 /** One panel (k, NQM_PANEL) of floats from the transpose of w (width, k); zeros beyond width. */
 void nqm_pack_panel(size_t width, size_t k, nqm_weights w, float *panel);
-/** The inverse of nqm_panels_pack() for NQM_PRECISION_F32. */
+/** The inverse of nqm_panels_pack(). */
 void nqm_panels_unpack(const nqm_panels *panels, float *w, size_t ldw);
 /** to (n, k) = the transpose of from (k, n); from is NQM_PRECISION_F32, to is _F32 or _BF16. */
 void nqm_panels_transpose(const nqm_panels *from, nqm_panels *to);
@@ -49,18 +47,13 @@ static inline uint32_t *nqm_panel_at(const nqm_panels *panels, size_t p) {
     return panels->data + p * panels->stride * NQM_PANEL;
 }
 
-/** The columns of panel p of bytes. */
-static inline nqm_byte_columns nqm_panel_columns(const nqm_panels *panels, size_t p) {
-    return (nqm_byte_columns){panels->scale + p * NQM_PANEL, panels->sum + p * NQM_PANEL};
-}
-
 /**
  * C (m, n) = A B, or C + A B, on all threads unless the product is small.
  *
  * @param a    (m, b->words) rows, lda words from row to row; nqm_row_stride() is fastest, multiples of 1024 are slow
- * @param c    (m, b->n_panels NQM_PANEL) float, or int32_t for NQM_PRECISION_INT8; ldc elements from row to row
+ * @param c    (m, b->n_panels NQM_PANEL), ldc floats from row to row
  */
-void nqm_multiply(const nqm_panels *b, size_t m, const void *a, size_t lda, bool add, void *c, size_t ldc);
+void nqm_multiply(const nqm_panels *b, size_t m, const void *a, size_t lda, bool add, float *c, size_t ldc);
 
 /** A block of such a product, of some rows and some panels of b (or copies of these), for callers that distribute blocks to threads
  *  themselves. */

@@ -1,38 +1,28 @@
 /* SPDX-License-Identifier: MIT
  *
- * Conversion of matrices to panels and back, with rounding to bfloat16 or to signed bytes with a scale for each column.
+ * Conversion of matrices of floats to panels and back, their transposes, and rounding of panels to bfloat16.
  */
 #include "kernel/panel.h"
 #include "kernel/transpose.h"
 
-#include <math.h>
 #include <string.h>
 
 enum { MIN_PARALLEL = 65536 }; /* elements; below, waking a thread costs more than it saves */
-
-/* Rows of NQM_PANEL words of the whole block; for each panel of bytes, scale and sum are one more row each. */
-static size_t n_rows(const nqm_panels *panels) {
-    return panels->n_panels * (panels->stride + (panels->precision == NQM_PRECISION_INT8 ? 2 : 0));
-}
 
 nqm_status nqm_panels_create(nqm_precision precision, size_t k, size_t n, nqm_panels *panels, nqm_error *err) {
     *panels = (nqm_panels){.precision = precision, .k = k, .n = n, .words = nqm_words(precision, k)};
     panels->stride = nqm_ceil_div(panels->words, NQM_STRIP) * NQM_STRIP;
     panels->n_panels = nqm_ceil_div(n, NQM_PANEL);
-    panels->data = nqm_alloc_pages(n_rows(panels), NQM_PANEL * sizeof *panels->data);
+    panels->data = nqm_alloc_pages(panels->n_panels * panels->stride, NQM_PANEL * sizeof *panels->data);
     if (!panels->data) {
         *panels = (nqm_panels){0};
         return nqm_fail_nomem(err, k * n * sizeof(float));
-    }
-    if (precision == NQM_PRECISION_INT8) {
-        panels->scale = (float *)(void *)nqm_panel_at(panels, panels->n_panels);
-        panels->sum = (int32_t *)(void *)(panels->scale + panels->n_panels * NQM_PANEL);
     }
     return NQM_OK;
 }
 
 void nqm_panels_free(nqm_panels *panels) {
-    nqm_free_pages(panels->data, n_rows(panels), NQM_PANEL * sizeof *panels->data);
+    nqm_free_pages(panels->data, panels->n_panels * panels->stride, NQM_PANEL * sizeof *panels->data);
     *panels = (nqm_panels){0};
 }
 
@@ -53,65 +43,17 @@ static inline void rows_to_columns(size_t n_rows, size_t n, const uint32_t *rows
             columns[i * NQM_PANEL + j] = rows[j * ld + i];
 }
 
-static float largest_magnitude(size_t n, const float *x) {
-    float largest = 0;
-#pragma omp simd reduction(max : largest)
-    for (size_t i = 0; i < n; ++i)
-        largest = fabsf(x[i]) > largest ? fabsf(x[i]) : largest;
-    return largest;
-}
-
-/* x (n), n <= PACK_COLUMNS, as signed bytes to nearest; adds them to *sum. */
-static void signed_bytes(size_t n, const float *x, float per_scale, uint32_t *words, int32_t *sum) {
-    signed char bytes[PACK_COLUMNS] = {0};
-    int32_t total = 0;
-#pragma omp simd reduction(+ : total)
-    for (size_t i = 0; i < n; ++i) {
-        int32_t q = (int32_t)(x[i] * per_scale + copysignf(0.5f, x[i]));
-        total += q;
-        bytes[i] = (signed char)q;
-    }
-    *sum += total;
-    memcpy(words, bytes, sizeof bytes);
-}
-
-/* The columns of a panel of signed bytes: the scale of each, whose inverse is per_scale (width). */
-static void find_scales(size_t width, size_t k, nqm_weights w, float *scale, float *per_scale) {
-    float converted[PACK_COLUMNS];
-    for (size_t j = 0; j < width; ++j) {
-        float largest = 0;
-        for (size_t first = 0; first < k; first += PACK_COLUMNS) {
-            const size_t n = nqm_smaller(k - first, PACK_COLUMNS);
-            largest = fmaxf(largest, largest_magnitude(n, nqm_weights_row(nqm_weights_at(w, j, first), n, converted)));
-        }
-        scale[j] = largest > 0 ? largest / 127 : 1;
-        per_scale[j] = 1 / scale[j];
-    }
-}
-
-/* One panel from w (width, k), width <= NQM_PANEL, PACK_COLUMNS columns of w at a time. per_scale, sum (width): of the
- * columns of a panel of bytes; sum is 0 on entry. */
-static void pack(nqm_precision precision, size_t width, size_t k, nqm_weights w, uint32_t *panel,
-                 const float *per_scale, int32_t *sum) {
-    const nqm_kernels *kernels = nqm_kernels_get();
-    const bool in_place = precision == NQM_PRECISION_F32 && w.w;
-    const size_t ld = in_place ? w.ld : (size_t)PACK_COLUMNS >> precision;
-    uint32_t words[PACK_ROWS * PACK_COLUMNS];
-    float converted[PACK_COLUMNS];
+/* One panel from w (width, k), width <= NQM_PANEL, PACK_COLUMNS columns of w at a time. */
+static void pack(size_t width, size_t k, nqm_weights w, float *panel) {
+    float converted[PACK_ROWS * PACK_COLUMNS];
     for (size_t first = 0; first < k; first += PACK_COLUMNS)
         for (size_t j = 0; j < width; j += PACK_ROWS) {
             const size_t n = nqm_smaller(k - first, PACK_COLUMNS), n_rows = nqm_smaller(width - j, PACK_ROWS);
-            for (size_t r = 0; !in_place && r < n_rows; ++r) {
-                const nqm_weights at = nqm_weights_at(w, j + r, first);
-                if (precision == NQM_PRECISION_F32)
-                    nqm_half_to_float(n, at.half, (float *)words + r * ld);
-                else if (precision == NQM_PRECISION_BF16)
-                    kernels->round_row(n, nqm_weights_row(at, n, converted), words + r * ld);
-                else
-                    signed_bytes(n, nqm_weights_row(at, n, converted), per_scale[j + r], words + r * ld, &sum[j + r]);
-            }
-            rows_to_columns(n_rows, nqm_words(precision, n), in_place ? (const uint32_t *)w.w + j * ld + first : words,
-                            ld, panel + (first >> precision) * NQM_PANEL + j);
+            const nqm_weights at = nqm_weights_at(w, j, first);
+            for (size_t r = 0; at.half && r < n_rows; ++r)
+                nqm_half_to_float(n, at.half + r * at.ld, converted + r * PACK_COLUMNS);
+            rows_to_columns(n_rows, n, (const uint32_t *)(at.w ? at.w : converted), at.w ? at.ld : PACK_COLUMNS,
+                            (uint32_t *)panel + first * NQM_PANEL + j);
         }
 }
 
@@ -119,21 +61,14 @@ void nqm_panels_pack(nqm_panels *panels, nqm_weights w) {
 #pragma omp parallel for schedule(dynamic, 1) if (panels->n * panels->k > MIN_PARALLEL)
     for (size_t p = 0; p < panels->n_panels; ++p) {
         const size_t first = p * NQM_PANEL, width = nqm_smaller(panels->n - first, NQM_PANEL);
-        const nqm_weights rows = nqm_weights_at(w, first, 0);
-        float per_scale[NQM_PANEL];
-        int32_t sum[NQM_PANEL] = {0};
-        if (panels->precision == NQM_PRECISION_INT8)
-            find_scales(width, panels->k, rows, panels->scale + first, per_scale);
-        pack(panels->precision, width, panels->k, rows, nqm_panel_at(panels, p), per_scale, sum);
-        if (panels->precision == NQM_PRECISION_INT8)
-            memcpy(panels->sum + first, sum, width * sizeof *sum);
+        pack(width, panels->k, nqm_weights_at(w, first, 0), (float *)nqm_panel_at(panels, p));
     }
 }
 
 void nqm_pack_panel(size_t width, size_t k, nqm_weights w, float *panel) {
     if (width < NQM_PANEL)
         memset(panel, 0, k * NQM_PANEL * sizeof *panel);
-    pack(NQM_PRECISION_F32, width, k, w, (uint32_t *)(void *)panel, NULL, NULL);
+    pack(width, k, w, panel);
 }
 
 void nqm_panels_unpack(const nqm_panels *panels, float *w, size_t ldw) {

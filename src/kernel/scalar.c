@@ -22,13 +22,6 @@ static double word_bf16(uint32_t a, uint32_t b) {
     return word_f32(a << 16, b << 16) + word_f32(a & 0xffff0000u, b & 0xffff0000u);
 }
 
-static double word_int8(uint32_t a, uint32_t b) {
-    double sum = 0;
-    for (int shift = 0; shift < 32; shift += 8)
-        sum += (double)(uint8_t)(a >> shift) * (double)(int8_t)(uint8_t)(b >> shift);
-    return sum;
-}
-
 typedef double (*word_product)(uint32_t a, uint32_t b);
 
 static double sum_words(size_t words, const uint32_t *a, size_t a_step, const uint32_t *b, size_t b_step,
@@ -39,33 +32,22 @@ static double sum_words(size_t words, const uint32_t *a, size_t a_step, const ui
     return sum;
 }
 
-/* Elements are int32_t if is_int8, else float. */
-static void multiply(const nqm_product *p, word_product product, bool is_int8) {
+static void multiply(const nqm_product *p, word_product product) {
     for (size_t i = 0; i < p->m; ++i)
         for (size_t j = 0; j < p->n_panels * NQM_PANEL; ++j) {
-            const uint32_t *a = p->a, *b = p->b;
-            float *c = (float *)p->c + i * p->ldc + j;
-            int32_t *whole = (int32_t *)p->c + i * p->ldc + j;
-            double sum = p->add ? (is_int8 ? (double)*whole : (double)*c) : 0;
-            b += j / NQM_PANEL * p->panel_step + j % NQM_PANEL;
-            sum += sum_words(p->words, a + i * p->lda, 1, b, NQM_PANEL, product);
-            if (is_int8)
-                *whole = (int32_t)sum;
-            else
-                *c = (float)sum;
+            const uint32_t *a = (const uint32_t *)p->a + i * p->lda;
+            const uint32_t *b = (const uint32_t *)p->b + j / NQM_PANEL * p->panel_step + j % NQM_PANEL;
+            float *c = p->c + i * p->ldc + j;
+            *c = (float)((p->add ? (double)*c : 0) + sum_words(p->words, a, 1, b, NQM_PANEL, product));
         }
 }
 
 static void product_f32(const nqm_product *p) {
-    multiply(p, word_f32, false);
+    multiply(p, word_f32);
 }
 
 static void product_bf16(const nqm_product *p) {
-    multiply(p, word_bf16, false);
-}
-
-static void product_int8(const nqm_product *p) {
-    multiply(p, word_int8, true);
+    multiply(p, word_bf16);
 }
 
 static void strided_product(const nqm_strided_product *p) {
@@ -137,30 +119,6 @@ static void round_tile(const float *x, uint32_t *words) {
         round_pair(NQM_PANEL, x, x + NQM_PANEL, NQM_PANEL, 0, words + i * NQM_PANEL);
 }
 
-static nqm_byte_scale quantise_row(size_t n, const float *x, uint32_t *words) {
-    unsigned char *bytes = (unsigned char *)words;
-    float low = 0, high = 0;
-    for (size_t i = 0; i < n; ++i) {
-        low = fminf(low, x[i]);
-        high = fmaxf(high, x[i]);
-    }
-    const nqm_byte_scale by = nqm_byte_scale_of(low, high);
-    for (size_t i = 0; i < n; ++i)
-        bytes[i] = (unsigned char)fminf(rintf(x[i] * (1 / by.scale) + (float)by.zero), 255);
-    memset(bytes + n, 0, -n & 3);
-    return by;
-}
-
-static void dequantise(size_t m, const nqm_byte_scale *rows, const nqm_byte_columns *columns, bool add,
-                       const int32_t *sums, float *c, size_t ldc) {
-    for (size_t i = 0; i < m; ++i)
-        for (size_t j = 0; j < NQM_PANEL; ++j) {
-            double sum = (double)sums[i * NQM_PANEL + j] - (double)rows[i].zero * (double)columns->sum[j];
-            double before = add ? (double)c[i * ldc + j] : 0;
-            c[i * ldc + j] = (float)(before + (double)rows[i].scale * (double)columns->scale[j] * sum);
-        }
-}
-
 /* The factor of element i: 1 / (1 - p), or 0 if it is dropped. */
 static double dropout_factor(const nqm_hidden_row *r, size_t i) {
     if (!(r->p > 0))
@@ -222,9 +180,9 @@ static void adam(size_t n, const nqm_adam_rate *rate, const float *grad, float *
 
 const nqm_kernels nqm_kernels_scalar = {
     .name = "scalar",
-    .product = {product_f32, product_bf16, product_int8},
+    .product = {product_f32, product_bf16},
     .strided_product = strided_product,
-    .gradient = {gradient_f32, gradient_bf16, NULL},
+    .gradient = {gradient_f32, gradient_bf16},
     .dot = dot,
     .hidden_row = hidden_row,
     .hidden_row_back = hidden_row_back,
@@ -232,7 +190,5 @@ const nqm_kernels nqm_kernels_scalar = {
     .round_row = round_row,
     .round_pair = round_pair,
     .round_tile = round_tile,
-    .quantise_row = quantise_row,
-    .dequantise = dequantise,
     .adam = adam,
 };

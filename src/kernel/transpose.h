@@ -21,16 +21,4 @@ static inline void nqm_transpose_4x4(const uint32_t *from, size_t ld_from, uint3
     *(four *)(to + 3 * ld_to) = __builtin_shufflevector(ab_high, cd_high, 2, 3, 6, 7);
 }
 
-/** to (columns, rows) = the transpose of from (rows, columns); `columns` is a multiple of 4. */
-static inline void nqm_transpose_words(size_t rows, size_t columns, const uint32_t *from, size_t ld_from, uint32_t *to,
-                                       size_t ld_to) {
-    const size_t whole = rows / 4 * 4;
-    for (size_t i = 0; i < whole; i += 4)
-        for (size_t j = 0; j < columns; j += 4)
-            nqm_transpose_4x4(from + i * ld_from + j, ld_from, to + j * ld_to + i, ld_to);
-    for (size_t i = whole; i < rows; ++i)
-        for (size_t j = 0; j < columns; ++j)
-            to[j * ld_to + i] = from[i * ld_from + j];
-}
-
 #endif

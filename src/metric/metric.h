@@ -123,8 +123,8 @@ typedef struct nqm_prediction {
 typedef struct nqm_predictor nqm_predictor;
 
 /** max_batch: largest number of pairs per call, 1..NQM_PREDICT_BATCH. */
-NQM_MUST_CHECK nqm_status nqm_predictor_create(const nqm_model *model, nqm_precision precision, size_t max_batch,
-                                               nqm_predictor **predictor_ret, nqm_error *err);
+NQM_MUST_CHECK nqm_status nqm_predictor_create(const nqm_model *model, size_t max_batch, nqm_predictor **predictor_ret,
+                                               nqm_error *err);
 void nqm_predictor_free(nqm_predictor *predictor);
 /** Predict n (at most max_batch) pairs. The prediction of a pair does not depend on the other pairs, and the Delta-E of models that
  *  predict it keeps to nqm_delta_e_bound(). metrics: (n, NQM_METRIC_COUNT); NULL: they are not computed. */
@@ -143,8 +143,8 @@ bool nqm_bound_score(const nqm_model *model, double bound, double *jod, double *
  *  directions. */
 void nqm_bounded_interval(const nqm_model *model, const nqm_prediction *prediction, double *low, double *high);
 
-/** Workspace for scores with gradients, for one thread at a time; in float, whatever the precision of scores: gradients are within
- *  1e-5 of their largest component. The model must outlive it. */
+/** Workspace for scores with gradients, for one thread at a time. Gradients are within 1e-5 of their largest component. The model
+ *  must outlive it. */
 typedef struct nqm_gradients nqm_gradients;
 NQM_MUST_CHECK nqm_status nqm_gradients_create(const nqm_model *model, size_t max_batch, nqm_gradients **gradients_ret,
                                                nqm_error *err);

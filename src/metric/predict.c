@@ -17,8 +17,8 @@ struct nqm_predictor {
     float *z;                 /* (max_batch, n_outputs) network outputs */
 };
 
-nqm_status nqm_predictor_create(const nqm_model *model, nqm_precision precision, size_t max_batch,
-                                nqm_predictor **predictor_ret, nqm_error *err) {
+nqm_status nqm_predictor_create(const nqm_model *model, size_t max_batch, nqm_predictor **predictor_ret,
+                                nqm_error *err) {
     *predictor_ret = NULL;
     const nqm_inference_net *net = NULL;
     nqm_predictor *p;
@@ -29,7 +29,7 @@ nqm_status nqm_predictor_create(const nqm_model *model, nqm_precision precision,
         return status;
     *p = (nqm_predictor){.model = model, .z = z};
     if (nqm_model_has_network(model))
-        status = nqm_model_inference(model, precision, &net, err);
+        status = nqm_model_inference(model, &net, err);
     if (status == NQM_OK)
         status = nqm_composer_create(model, max_batch, &p->inputs, err);
     if (status == NQM_OK && net)

@@ -52,8 +52,6 @@ static const nqm_option rows[] = {
      .help = "for directions without a value"},
     {FIELD(min_valid_fraction), .name = "min-valid", .metavar = "F", .min = 0, .max = 1, .values = {"0.9"},
      .help = "smallest fraction of valid directions of a pair"},
-    {FIELD(precision), .kind = NQM_OPTION_ENUM, .metavar = "WORD", .words = nqm_precision_words, .values = {"f32"},
-     .help = "number format of the factors in the products of the network"},
     {FIELD(metrics), .name = "", .kind = NQM_OPTION_BOOL, .values = {"1"}},
     {FIELD(cache_bytes), .name = "", .kind = NQM_OPTION_SIZE, .min = 0, .max = 1e18, .values = {"67108864"}},
 };
@@ -84,7 +82,7 @@ static nqm_status reserve(nqm_scorer *s, size_t n_pairs, bool with_samples, nqm_
                    {&s->rgb, n_samples, 3 * n_directions * sizeof *s->rgb}, {&s->flag, n_samples, n_directions}),
         err);
     if (status == NQM_OK)
-        status = nqm_predictor_create(s->model, s->options.precision, n, &s->predictor, err);
+        status = nqm_predictor_create(s->model, n, &s->predictor, err);
     if (status == NQM_OK)
         s->room = n;
     return status;

@@ -110,7 +110,7 @@ static nqm_status check_forward(const nqm_model *model, nqm_error *err) {
     float fast[BATCH * (1 + NQM_LABEL_PARTS)], plain[BATCH * (1 + NQM_LABEL_PARTS)];
     const size_t width = model->params.shape.sizes[0];
     const nqm_inference_net *net;
-    nqm_status status = nqm_model_inference(model, NQM_PRECISION_F32, &net, err);
+    nqm_status status = nqm_model_inference(model, &net, err);
     if (status == NQM_OK)
         status = run_network(net, width, fast, err);
     if (status != NQM_OK)

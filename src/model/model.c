@@ -29,8 +29,7 @@ void nqm_model_free(struct nqm_model *model) {
     for (const nqm_model_text *t = nqm_model_texts; t < nqm_model_texts + NQM_MODEL_TEXTS; ++t)
         if (!t->words)
             nqm_free(*nqm_model_block(model, t->offset));
-    for (size_t i = 0; i < NQM_PRECISION_COUNT; ++i)
-        nqm_inference_net_free(model->inference[i]);
+    nqm_inference_net_free(model->inference);
     nqm_free(model->interval);
     nqm_free(model->transport);
     nqm_free(model->transport_points);

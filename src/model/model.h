@@ -99,8 +99,7 @@ struct nqm_model {
     char *calibration;     /* JSON: data and coverage of `interval`; NULL if and only if that is NULL */
     nqm_map file;          /* the mapped file that contains the parameters; zeroed: none */
     unsigned char *memory; /* of nqm_alloc(): a buffer that contains the parameters instead; NULL: none */
-    /* Packed networks, created at their first use; NULL before that. */
-    struct nqm_inference_net *_Atomic inference[NQM_PRECISION_COUNT];
+    struct nqm_inference_net *_Atomic inference; /* the packed network, created at its first use; NULL before that */
 };
 
 /**
@@ -215,8 +214,8 @@ double nqm_model_novelty(const nqm_model *model, const double *scalars);
 /** The features in which novelty is a distance: scalar features, whitened and mapped. y: (scalars.n). */
 void nqm_novelty_features(const nqm_model *model, const double *scalars, float *y);
 
-/** The packed network of a model, created by the first call for each precision; owned by the model. Any thread. */
-NQM_MUST_CHECK nqm_status nqm_model_inference(const nqm_model *model, nqm_precision precision,
-                                              const nqm_inference_net **net_ret, nqm_error *err);
+/** The packed network of a model, created by the first call; owned by the model. Any thread. */
+NQM_MUST_CHECK nqm_status nqm_model_inference(const nqm_model *model, const nqm_inference_net **net_ret,
+                                              nqm_error *err);
 
 #endif

@@ -117,27 +117,18 @@ void nqm_estimate_gradient(const nqm_label *estimate, const double *weights, nqm
     gradient->structure += estimate->structure > least ? weights[5] / estimate->structure : 0;
 }
 
-static nqm_input_groups input_groups(const struct nqm_model *model) {
-    const bool test_itself = model->features.layout == NQM_LAYOUT_REF_TEST;
-    return (nqm_input_groups){.n_groups = test_itself ? 2 : 3,
-                              .width = 3 * model->directions->n,
-                              .n_scalars = nqm_model_n_scalars(model),
-                              .test_itself = test_itself};
-}
+static pthread_mutex_t inference_lock =
+    PTHREAD_MUTEX_INITIALIZER; /* locked while the network of any model is created */
 
-static pthread_mutex_t inference_lock = PTHREAD_MUTEX_INITIALIZER; /* locked while the network of any model is packed */
-
-nqm_status nqm_model_inference(const struct nqm_model *model, nqm_precision precision,
-                               const nqm_inference_net **net_ret, nqm_error *err) {
-    nqm_inference_net *_Atomic *place = &((struct nqm_model *)(uintptr_t)model)->inference[precision];
+nqm_status nqm_model_inference(const struct nqm_model *model, const nqm_inference_net **net_ret, nqm_error *err) {
+    nqm_inference_net *_Atomic *place = &((struct nqm_model *)(uintptr_t)model)->inference;
     nqm_inference_net *net = atomic_load_explicit(place, memory_order_acquire);
     nqm_status status = NQM_OK;
     if (!net) {
         pthread_mutex_lock(&inference_lock);
         net = atomic_load_explicit(place, memory_order_acquire);
-        if (!net) { /* no other thread packed it in the meantime */
-            const nqm_input_groups inputs = input_groups(model);
-            status = nqm_inference_net_create(&model->params, &inputs, precision, &net, err);
+        if (!net) { /* no other thread created it in the meantime */
+            status = nqm_inference_net_create(&model->params, 3 * model->directions->n, &net, err);
             atomic_store_explicit(place, net, memory_order_release);
         }
         pthread_mutex_unlock(&inference_lock);

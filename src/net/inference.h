@@ -1,36 +1,24 @@
 /* SPDX-License-Identifier: MIT
  *
  * inference.h - the forward pass of a trained network, as scoring needs it: weights packed once for the products of
- * kernel/panel.h, in one precision, then many batches of rows.
+ * kernel/panel.h, in float, then many batches of rows.
  *
- * The product of layer 1 is a sum over groups of inputs, x W^T = sum_g x_g W_g^T, and the first group depends on the
- * reference BRDF only. Its partial product is computed once for consecutive rows with the same reference, and the last one
- * is kept for the next call. Every sum is taken in the same order for any batch size and any number of threads: equal
- * inputs give equal bits.
+ * The first inputs of a row depend on the reference BRDF only. Their partial product with the weights of layer 1 is computed
+ * once for consecutive rows with the same reference, and the last one is kept for the next call. Every sum is taken in the
+ * same order for any batch size and any number of threads: equal inputs give equal bits.
  */
 #ifndef NQM_SRC_NET_INFERENCE_H
 #define NQM_SRC_NET_INFERENCE_H
 
 #include "net/net.h"
 
-enum { NQM_MAX_INPUT_GROUPS = 3 };
-
-/** The inputs of a network in their order: groups of samples, each with a range of values of its own, then scalar features.
- *  The first group is the reference. */
-typedef struct nqm_input_groups {
-    size_t n_groups, width; /**< at least two groups of so many samples */
-    size_t n_scalars;       /**< stay float in every precision: few, and of wide range */
-    bool test_itself;       /**< group 1 holds the test's samples, not their difference from the reference */
-} nqm_input_groups;
-
 /** A network prepared for inference; may be used by several threads at once. */
 typedef struct nqm_inference_net nqm_inference_net;
 
-/** Pack `params` in a precision, on all threads. `params` is borrowed and must outlive the network: biases, LayerNorm and
- *  the output layer are used in place, and NQM_PRECISION_F32 packs its weights only at the second call of
- *  nqm_inference_run(). NQM_ERR_NOMEM. */
-NQM_MUST_CHECK nqm_status nqm_inference_net_create(const nqm_params *params, const nqm_input_groups *inputs,
-                                                   nqm_precision precision, nqm_inference_net **net_ret,
+/** Prepare `params` for rows whose first n_ref inputs (1 or more, not all) are the reference. `params` is borrowed and must
+ *  outlive the network: biases, LayerNorm and the output layer are used in place, and weights are packed only at the second call
+ *  of nqm_inference_run(). NQM_ERR_NOMEM. */
+NQM_MUST_CHECK nqm_status nqm_inference_net_create(const nqm_params *params, size_t n_ref, nqm_inference_net **net_ret,
                                                    nqm_error *err);
 void nqm_inference_net_free(nqm_inference_net *net);
 

@@ -14,7 +14,6 @@ static const char *const whitening_words[] = {"channel", "scalar", NULL};
 static const char *const scale_copy_words[] = {"pair_reflectance", "element_transformed", "none", NULL};
 static const char *const split_words[] = {"group", "pair", NULL};
 static const char *const schedule_words[] = {"plateau", "cosine", NULL};
-static const char *const precision_words[] = {"f32", "bf16", NULL}; /* nqm_precision; int8 is for scoring */
 
 /* clang-format off */
 static const nqm_option rows[] = {
@@ -79,7 +78,7 @@ static const nqm_option rows[] = {
      .max = 65536, .values = {"512", NULL, "128"}},
     {"seed", FIELD(optimiser.seed), .kind = NQM_OPTION_U64, .metavar = "N", .values = {"1"},
      .help = "of weights, split, augmentation, order and dropout"},
-    {"precision", FIELD(optimiser.precision), .kind = NQM_OPTION_ENUM, .metavar = "WORD", .words = precision_words,
+    {"precision", FIELD(optimiser.precision), .kind = NQM_OPTION_ENUM, .metavar = "WORD", .words = nqm_precision_words,
      .help = "of the factors of all matrix products", .storage = NQM_STORED_UNLESS_ZERO, .values = {"f32"}},
     {"epochs", FIELD(optimiser.epochs), .kind = NQM_OPTION_SIZE, .metavar = "N",
      .help = "passes over the training pairs", .min = 1, .max = 1e6, .values = {"100", NULL, "16"}},

@@ -18,8 +18,8 @@ done
 tests="test_kernel_tables test_kernel_rows"
 for test in $tests; do
     # shellcheck disable=SC2086
-    $cc -O2 -fopenmp $objects src/base/memory.c src/base/error.c src/base/rng.c tests/support/main.c tests/support/check.c \
-        tests/support/tables.c tests/unit/$test.c -o "$out/$test" -lcmocka -lm -Wl,--gc-sections
+    $cc -O2 -fopenmp $objects src/base/memory.c src/base/error.c src/base/rng.c tests/support/check.c \
+        tests/support/main.c tests/unit/$test.c -o "$out/$test" -lcmocka -lm -Wl,--gc-sections
 done
 gomp=$(dirname "$(aarch64-linux-gnu-gcc -print-file-name=libgomp.so)")
 for test in $tests; do

@@ -16,7 +16,7 @@ if [ -n "${NQM_SANITIZE:-}" ]; then limit=unlimited cpu=20; else limit=400000 cp
 info() {
     got=0
     # shellcheck disable=SC3045 # dash has both options, although POSIX does not require them
-    (ulimit -v "$limit" && ulimit -t "$cpu" && exec timeout 60 "$tool" info "$1") >"$dir/out" 2>"$dir/err" || got=$?
+    (ulimit -v "$limit" && ulimit -t "$cpu" && exec timeout 1800 "$tool" info "$1") >"$dir/out" 2>"$dir/err" || got=$?
 }
 
 # refused CODE ARGUMENT FILE

@@ -42,7 +42,7 @@ batch 0 - --metrics rmse,log_diff <"$dir/pairs.csv"
 cmp -s "$dir/first" "$dir/out" || fail "standard input gives another result"
 batch 0 "$dir/pairs.csv" --metrics rmse,log_diff -o "$dir/all.csv"
 cmp -s "$dir/first" "$dir/all.csv" || fail "a file gives another result"
-{ [ ! -e "$dir/all.csv.part" ] && [ ! -e "$dir/all.csv.part.journal" ]; } || fail "left-over files"
+[ "$(find "$dir" -name 'all.csv*' | wc -l)" = 1 ] || fail "left-over files"
 batch 0 "$dir/pairs.csv" -o /dev/null
 [ -c /dev/null ] || fail "a device was replaced"
 
@@ -73,12 +73,6 @@ cmp "$dir/out" "$dir/relative-out.csv" || fail "the folder of the list"
 (cd "$dir/sub" && batch 0 - <relative.csv) || fail "the working folder"
 (cd "$dir/sub" && batch 0 relative.csv) || fail "a list in the working folder"
 batch 3 "$dir/relative.csv"
-# A run cannot go on in another folder.
-printf 'reference,test\nm.h5,m.h5\nnowhere.h5,m.h5\n' >"$dir/sub/half.csv"
-batch 3 "$dir/sub/half.csv" -o "$dir/half-out.csv"
-batch 5 "$dir/sub/half.csv" -o "$dir/half-out.csv" --resume --root "$dir"
-says 'another --root'
-batch 3 "$dir/sub/half.csv" -o "$dir/half-out.csv" --resume --root "$dir/sub/."
 # Semicolons and tabs.
 printf 'reference;test;note\nsgd:nickel;"perturb:tint=1.2,1,1;of=sgd:nickel";a,b\n' >"$dir/semicolon.csv"
 batch 0 "$dir/semicolon.csv"
@@ -94,7 +88,7 @@ printf '[{"reference": "sgd:nickel", "test": "ward:nickel"}]\n' >"$dir/array.jso
 batch 4 "$dir/array.json"
 says 'a list has one on each line'
 batch 3 "$dir/relative.csv" --root "$dir/nowhere" -o "$dir/x.csv"
-[ ! -e "$dir/x.csv.part" ] || fail "a part without a run"
+[ "$(find "$dir" -name 'x.csv*' | wc -l)" = 0 ] || fail "files without a run"
 printf 'reference,test\n%s,ward:nickel\n' "$dir/valid.binary" >"$dir/holes.csv"
 batch 0 "$dir/holes.csv" --min-valid 0
 grep -q 'reference: no value at .* directions, left out' "$dir/out" || fail "warnings: $(cat "$dir/out")"
@@ -121,109 +115,94 @@ sed -n 3p "$dir/out" | grep -q '"jod":null,.*"identical":null,"n_valid":null,.*"
 batch 3 "$dir/faulty.csv" --json
 [ "$(tail -n 1 "$dir/out")" = ']}' ] || fail "a document that ends early must end"
 
-# ---- stopped by an error and resumed: the same file as in one run
-batch 9 "$dir/faulty.csv" -k -o "$dir/whole.csv"
-batch 3 "$dir/faulty.csv" -o "$dir/parts.csv"
-says '1 of 4 rows are in .*parts.csv.part'
-[ ! -e "$dir/parts.csv" ] || fail "an unfinished file under the final name"
-batch 3 "$dir/faulty.csv" -o "$dir/parts.csv" --resume
-cp "$dir/parts.csv.part" "$dir/kept.part"
-cp "$dir/parts.csv.part.journal" "$dir/kept.journal"
-batch 9 "$dir/faulty.csv" -o "$dir/parts.csv" --resume -k
-cmp "$dir/whole.csv" "$dir/parts.csv" || fail "faults, then --keep-going"
-again() {
-    cp "$dir/kept.part" "$dir/parts.csv.part"
-    cp "$dir/kept.journal" "$dir/parts.csv.part.journal"
-}
-# Incomplete records at the end of both files are discarded.
-again
-printf 'sgd:nickel,half a re' >>"$dir/parts.csv.part"
-printf '2 0 17' >>"$dir/parts.csv.part.journal"
-batch 9 "$dir/faulty.csv" -o "$dir/parts.csv" --resume -k
-cmp "$dir/whole.csv" "$dir/parts.csv" || fail "torn records"
-# Rows missing from the part file are computed again; so are all rows if the run ended before its first row.
-again
-size=$(wc -c <"$dir/kept.part")
-head -c $((size - 5)) "$dir/kept.part" >"$dir/parts.csv.part"
-batch 9 "$dir/faulty.csv" -o "$dir/parts.csv" --resume -k
-cmp "$dir/whole.csv" "$dir/parts.csv" || fail "a short part"
-again
-: >"$dir/parts.csv.part"
-head -n 2 "$dir/kept.journal" >"$dir/parts.csv.part.journal"
-batch 9 "$dir/faulty.csv" -o "$dir/parts.csv" --resume -k
-cmp "$dir/whole.csv" "$dir/parts.csv" || fail "an empty part"
-# Without --resume, the run starts from the first row.
-again
-batch 9 "$dir/faulty.csv" -o "$dir/parts.csv" -k
-cmp "$dir/whole.csv" "$dir/parts.csv" || fail "anew"
-# A damaged part file, another list, another model and other options are refused, and the part file is kept.
-again
-sed 's/ward:nickel,/ward:silver,/' "$dir/kept.part" >"$dir/parts.csv.part"
-batch 4 "$dir/faulty.csv" -o "$dir/parts.csv" --resume -k
-says damaged
-again
-printf 'nonsense\n1 0 5 x\n' >>"$dir/parts.csv.part.journal"
-batch 4 "$dir/faulty.csv" -o "$dir/parts.csv" --resume -k
-again
-sed '1s/journal/journey/' "$dir/kept.journal" >"$dir/parts.csv.part.journal"
-batch 4 "$dir/faulty.csv" -o "$dir/parts.csv" --resume -k
-again
-rm "$dir/parts.csv.part.journal"
-batch 5 "$dir/faulty.csv" -o "$dir/parts.csv" --resume -k
-again
-sed 's/nowhere/anywhere/' "$dir/faulty.csv" >"$dir/other.csv"
-batch 5 "$dir/other.csv" -o "$dir/parts.csv" --resume -k
-says 'another list'
-batch 5 "$dir/faulty.csv" -o "$dir/parts.csv" --resume -k --metrics all
-says 'another --metrics'
-batch 5 "$dir/faulty.csv" -o "$dir/parts.csv" --resume -k --invalid zero
-"$NQM_BUILD/tests/tiny_model" "$dir/model21.safetensors" 21
-batch 5 "$dir/faulty.csv" -o "$dir/parts.csv" --resume -k --model "$dir/model21.safetensors"
-says 'another model'
-cmp "$dir/kept.part" "$dir/parts.csv.part" || fail "a refused run changed the part"
-batch 9 "$dir/faulty.csv" -o "$dir/parts.csv" --resume -k
-cmp "$dir/whole.csv" "$dir/parts.csv" || fail "at last"
-# A JSON document can also be resumed.
-batch 3 "$dir/faulty.csv" -o "$dir/parts.json"
-batch 9 "$dir/faulty.csv" -o "$dir/parts.json" --resume -k
-batch 9 "$dir/faulty.csv" --json -k
-cmp "$dir/out" "$dir/parts.json" || fail "a JSON document, stopped and gone on"
-
-# ---- killed at many moments: the same bytes; a list of several blocks with a fault
+# ---- stopped by an error and resumed: the same file as in one run; a list of six pieces with a fault in the third
 awk 'BEGIN {print "reference,test,i"; for (i = 0; i < 1500; ++i)
     printf "ggx:kd=.%d;alpha=.%d,%s,%d\n", 1 + int(i / 40), 11 + i % 83, i == 700 ? "nowhere.binary" : "ggx:kd=.2;alpha=.2" i % 7, i}' >"$dir/long.csv"
+parts=$dir/parts.csv
 batch 9 "$dir/long.csv" -k -o "$dir/long-whole.csv"
 [ "$(wc -l <"$dir/long-whole.csv")" = 1501 ] || fail "1500 rows"
-for delay in 0.01 0.02 0.03 0.04 0.05 0.06 0.08 0.1 0.15 0.2; do
-    "$tool" batch --model "$dir/model.safetensors" "$dir/long.csv" -k -o "$dir/long-out.csv" --resume 2>"$dir/err" &
-    sleep $delay
-    kill -KILL $! 2>/dev/null || true
+batch 3 "$dir/long.csv" -o "$parts"
+says '512 of 1500 rows are in .*/parts.csv.pieces; --resume continues with them'
+[ "$(find "$dir" -name 'parts.csv*' | wc -l)$(ls "$parts.pieces" | wc -l)" = 12 ] || fail "not two pieces only"
+batch 3 "$dir/long.csv" -o "$parts" --resume
+cp -r "$parts.pieces" "$dir/kept"
+again() { cp "$dir"/kept/* "$parts.pieces"; }
+# resumed ARGUMENTS...: a run to the end, which writes the whole list and leaves nothing else.
+resumed() {
+    batch 9 "$dir/long.csv" -k -o "$parts" "$@"
+    cmp "$dir/long-whole.csv" "$parts" || fail "another file: $*"
+    [ "$(find "$dir" -name 'parts.csv*' | wc -l)" = 1 ] || fail "left-over files: $*"
+    mkdir "$parts.pieces"
+    again
+}
+resumed --resume
+resumed
+# Missing and damaged pieces are scored again; those that are there are used (they are exchanged here, to see that).
+first=$(basename "$parts.pieces"/*-0.safetensors) second=$(basename "$parts.pieces"/*-1.safetensors)
+rm "$parts.pieces/$first"
+resumed --resume
+head -c 5000 "$dir/kept/$first" >"$parts.pieces/$first"
+sed 's/ggx:/GGX:/' "$dir/kept/$second" | head -c 100000 >"$parts.pieces/$second"
+resumed --resume
+printf X | dd of="$parts.pieces/$second" bs=1 seek=40000 conv=notrunc 2>"$dir/err"
+resumed --resume
+cp "$dir/kept/$first" "$parts.pieces/$second"
+resumed
+cp "$dir/kept/$first" "$parts.pieces/$second"
+batch 9 "$dir/long.csv" -k -o "$parts" --resume
+[ "$(sed -n '2,257s/.*,\([0-9.]*,.*\)/\1/p' "$parts")" = "$(sed -n '258,513s/.*,\([0-9.]*,.*\)/\1/p' "$parts")" ] || fail "pieces are not used"
+# Pieces of another list, model, folder and of other options are refused by name, and kept; what only prints them may differ.
+mkdir "$parts.pieces"
+again
+sed 's/nowhere/anywhere/' "$dir/long.csv" >"$dir/other.csv"
+"$NQM_BUILD/tests/tiny_model" "$dir/model21.safetensors" 21
+refused() {
+    other=$1
+    shift
+    batch 5 "$@" -k -o "$parts" --resume
+    says "parts.csv.pieces was begun with another $other.*: --resume needs the same"
+}
+refused list "$dir/other.csv"
+refused list "$dir/pairs.csv"
+refused --metrics "$dir/long.csv" --metrics all
+refused --invalid "$dir/long.csv" --invalid zero
+refused --root "$dir/long.csv" --root "$dir/sub"
+refused model "$dir/long.csv" --model "$dir/model21.safetensors"
+diff -r "$dir/kept" "$parts.pieces" || fail "a refused run changed the pieces"
+batch 9 "$dir/long.csv" -k -o "$parts" --resume --fail-under 5 --sort worst
+batch 9 "$dir/long.csv" -k --fail-under 5 --sort worst
+cmp "$dir/out" "$parts" || fail "resumed with a gate"
+# What the folder holds beside pieces remains; a file of its name is refused.
+mkdir "$parts.pieces"
+echo mine >"$parts.pieces/note"
+batch 9 "$dir/long.csv" -k -o "$parts"
+[ "$(ls "$parts.pieces")" = note ] || fail "in the folder: $(ls "$parts.pieces")"
+rm -r "$parts.pieces"
+touch "$parts.pieces"
+batch 3 "$dir/long.csv" -k -o "$parts"
+says 'parts.csv.pieces: cannot create the folder'
+rm "$parts.pieces"
+batch 3 "$dir/long.csv" --json
+[ "$(tail -n 1 "$dir/out")" = ']}' ] || fail "a document of several pieces that ends early must end"
+
+# ---- killed after some pieces, and again: the same bytes. Ctrl-C: 130, and the pieces are kept
+pieces() { find "$parts.pieces" -name '*.safetensors' 2>/dev/null | wc -l; }
+# stopped SIGNAL N: a run that is sent the signal when it has N pieces; got: its exit code.
+stopped() {
+    "$tool" batch --model "$dir/model.safetensors" "$dir/long.csv" -k -o "$parts" --resume 2>"$dir/err" &
+    while [ -d /proc/$! ] && [ "$(pieces)" -lt "$2" ]; do sleep 0.01; done
+    kill "-$1" $! 2>/dev/null || true
     got=0
     wait $! 2>/dev/null || got=$?
-    case $got in
-    137) ;;
-    9) break ;;
-    *) fail "exit code $got of a run that was to be killed" ;;
-    esac
-done
-[ -e "$dir/long-out.csv" ] || batch 9 "$dir/long.csv" -k -o "$dir/long-out.csv" --resume
-cmp "$dir/long-whole.csv" "$dir/long-out.csv" || fail "killed and gone on: another file"
-
-# ---- Ctrl-C: 130, and the part is kept
-"$tool" batch --model "$dir/model.safetensors" "$dir/long.csv" -k -o "$dir/stopped.csv" 2>"$dir/err" &
-until [ -s "$dir/stopped.csv.part" ] || [ -e "$dir/stopped.csv" ]; do sleep 0.01; done
-kill -INT $! 2>/dev/null || true
-got=0
-wait $! || got=$?
-case $got in
-130)
-    { [ -e "$dir/stopped.csv.part" ] && [ ! -e "$dir/stopped.csv" ]; } || fail "Ctrl-C: no part"
-    batch 9 "$dir/long.csv" -k -o "$dir/stopped.csv" --resume
-    ;;
-9) ;; # the run finished before the signal
-*) fail "exit code $got after Ctrl-C" ;;
-esac
-cmp "$dir/long-whole.csv" "$dir/stopped.csv" || fail "Ctrl-C and gone on: another file"
+    [ $got = "$3" ] || [ $got = 9 ] || fail "exit code $got after $1"
+    [ $got = 9 ] || [ ! -e "$parts" ] || fail "an unfinished file after $1"
+}
+rm "$parts"
+for n in 1 2 4; do stopped KILL $n 137; done
+stopped INT 5 130
+batch 9 "$dir/long.csv" -k -o "$parts" --resume
+cmp "$dir/long-whole.csv" "$parts" || fail "killed and resumed: another file"
+[ "$(find "$dir" -name 'parts.csv*' | wc -l)" = 1 ] || fail "killed and resumed: left-over files"
 
 # ---- the number of threads and the size of the cache
 OMP_NUM_THREADS=2 batch 9 "$dir/long.csv" -k --cache 0

@@ -84,43 +84,28 @@ cp "$dir/valid.h5" "$dir/lists/nowhere.binary" 2>/dev/null || true
 grep -q 'No such file' "$dir/err" && fail "the old failure: $(cat "$dir/err")"
 rm -f "$dir/lists/nowhere.binary"
 
-# Several shells: the journal of a run is locked, so that a second one scores pieces and writes nothing; with other options it is refused.
-# When the first dies, the second writes the output; when the first has finished it, the second leaves it.
-run 3 batch "$dir/lists/long.csv" --metrics log_diff --fail-under 5 -m "$dir/model.safetensors" --work "$dir/work4" -o "$dir/shells.csv"
-(exec 9>>"$dir/shells.csv.part.journal" && flock 9 && touch "$dir/locked" && exec sleep 60) &
-locker=$!
-while [ ! -e "$dir/locked" ]; do sleep 0.05; done
-cp "$dir/shells.csv.part.journal" "$dir/journal.before"
-rm -f "$dir/work4"/*-0.safetensors
-second() {
-    "$tool" batch "$dir/lists/long.csv" -k --metrics log_diff --fail-under 5 -m "$dir/model.safetensors" --work "$dir/work4" -o "$dir/shells.csv" >"$dir/second" 2>"$dir/second.err" &
-    second=$!
-    while [ ! -e "$(echo "$dir/work4"/*-0.safetensors)" ]; do sleep 0.05; done
-}
-second
-grep -q 'another run is writing .*shells.csv' "$dir/second.err" || fail "no word of the other run"
-[ ! -e "$dir/shells.csv" ] || fail "the second shell wrote beside the first"
-run 3 batch "$dir/lists/long.csv" --metrics all -m "$dir/model.safetensors" --work "$dir/work4" -o "$dir/shells.csv"
-grep -q 'other options' "$dir/err" || fail "other options in the second shell"
-run 3 batch "$dir/lists/long.csv" -m "$dir/model.safetensors" -o "$dir/shells.csv"
-cmp "$dir/shells.csv.part.journal" "$dir/journal.before" || fail "the journal of the first shell is changed"
-kill $locker
+# Several shells: each writes the output, which is the same; a second one goes on when the first dies.
+rm -rf "$dir/work"
+name=shells
+batch &
+other=$!
 code=0
-wait $second || code=$?
-[ "$code" = 9 ] || fail "the second shell after the death of the first: exit code $code: $(cat "$dir/second.err")"
-cmp "$dir/shells.csv" "$dir/alone.csv" || fail "the second shell wrote something else"
-[ ! -e "$dir/shells.csv.part.journal" ] || fail "a journal is left"
-rm "$dir/locked" "$dir"/work4/*-0.safetensors
-cp "$dir/journal.before" "$dir/shells.csv.part.journal"
-echo finished >"$dir/shells.csv"
-(exec 9>>"$dir/shells.csv.part.journal" && flock 9 && touch "$dir/locked" && while [ ! -e "$dir/finish" ]; do sleep 0.05; done && rm "$dir/shells.csv.part.journal") &
-while [ ! -e "$dir/locked" ]; do sleep 0.05; done
-second
-touch "$dir/finish"
-wait $second || fail "the second shell after the end of the first: $(cat "$dir/second.err")"
-[ "$(cat "$dir/shells.csv")" = finished ] || fail "the second shell replaced the output of the first"
-[ ! -e "$dir/shells.csv.part.journal" ] || fail "a journal is left"
-rm -r "$dir/work4" "$dir"/shells.csv*
+batch || code=$?
+ends $code
+code=0
+wait $other || code=$?
+ends $code
+rm -rf "$dir/work"
+name=dead
+batch exec &
+other=$!
+while [ -d /proc/$other ] && [ "$(pieces)" -lt 2 ]; do sleep 0.01; done
+(kill -9 $other 2>/dev/null && touch "$dir/died") || true
+wait $other 2>/dev/null || true
+code=0
+batch || code=$?
+rm -f "$dir/work"/*.claim
+ends $code
 
 # Usage: a folder, and a list that every process can read.
 code=0

@@ -23,14 +23,14 @@ run 0 train "$dir/toy.safetensors" -o "$dir/pairs.safetensors" $small --split pa
 # shellcheck disable=SC2086
 run 0 train "$dir/small.safetensors" -o "$dir/small-model.safetensors" $small
 grep -q '^interval    none: too few' "$dir/out" || fail "train with few materials"
-run 0 models show "$dir/a.safetensors"
+run 0 info "$dir/a.safetensors"
 { grep -q '^interval    95 %, from 288 pairs of 12 materials' "$dir/out" && grep -q '^## Interval' "$dir/out"; } || fail "models show"
-run 0 models show "$dir/a.safetensors" --json
-[ "$(number materials 1)" = 12 ] || fail "models show --json"
-run 0 models show "$dir/pairs.safetensors"
-grep -q '^interval    none: not calibrated' "$dir/out" || fail "models show without"
-run 0 models show "$dir/pairs.safetensors" --json
-[ "$(number calibration 1)" = null ] || fail "models show --json without"
+run 0 info "$dir/a.safetensors" --json
+[ "$(number materials 1)" = 12 ] || fail "info --json"
+run 0 info "$dir/pairs.safetensors"
+grep -q '^interval    none: not calibrated' "$dir/out" || fail "info without"
+run 0 info "$dir/pairs.safetensors" --json
+[ "$(number calibration 1)" = null ] || fail "info --json without"
 
 # Calibration after training: the same table, one section in the card; invalid calibrations are refused.
 run 0 calibrate "$dir/a.safetensors" "$dir/toy.safetensors" -o "$dir/b.safetensors" --json
@@ -39,7 +39,7 @@ for word in '"schema": 1' '"materials": 12' '"pairs": 288' '"coverage": 0\.' '"m
 done
 run 0 calibrate "$dir/a.safetensors" "$dir/toy.safetensors" -o "$dir/b.safetensors"
 grep -q '^interval    95 %' "$dir/out" || fail "text of calibrate"
-run 0 models show "$dir/b.safetensors"
+run 0 info "$dir/b.safetensors"
 [ "$(grep -c '^## Interval' "$dir/out")" = 1 ] || fail "two sections in the card"
 run 0 calibrate "$dir/a.safetensors" "$dir/toy.safetensors" -o -
 cmp -s "$dir/out" "$dir/b.safetensors" || fail "the model on standard output"
@@ -68,7 +68,7 @@ awk -v n="$(number novelty 1)" 'BEGIN {exit !(n > 1)}' || fail "novelty: $(numbe
 [ "$(grep -c 'test: unlike the training pairs: novelty [1-9]' "$dir/out")" = 1 ] || fail "a warning of the novel pair only"
 run 0 score sgd:nickel ward:nickel sgd:nickel -m "$dir/a.safetensors"
 grep -q '^nqm score: ward:nickel: unlike the training pairs: novelty [1-9]' "$dir/err" || fail "no remark"
-run 0 models show "$dir/a.safetensors" --json
+run 0 info "$dir/a.safetensors" --json
 awk -v g="$(number novelty_growth 1)" 'BEGIN {exit !(g >= 0 && g <= 10)}' || fail "growth: $(number novelty_growth 1)"
 run 0 score sgd:nickel ward:nickel sgd:nickel -m "$dir/without.safetensors" --json
 [ "$(number novelty 1)" = null ] || fail "novelty without training pairs"
@@ -119,7 +119,7 @@ awk 'BEGIN {
 run 0 calibrate --human "$dir/colour.csv" -m transport -o "$dir/mine.safetensors"
 grep -q '^answers     80 choices, 8 materials$' "$dir/out" || fail "answers: $(cat "$dir/out")"
 grep -q '^gain        +0.600 ' "$dir/out" || fail "gain: $(cat "$dir/out")"
-run 0 models show "$dir/mine.safetensors"
+run 0 info "$dir/mine.safetensors"
 grep -q '^Fitted to 80 answers of people about 8 materials' "$dir/out" || fail "the card: $(cat "$dir/out")"
 run 0 eval --human "$dir/colour.csv" -m "transport,$dir/mine.safetensors" --apart --json
 [ "$(number majority 1) $(number majority 2)" = "0.0 1.0" ] || fail "the fitted similarity: $(cat "$dir/out")"

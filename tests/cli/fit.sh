@@ -101,10 +101,6 @@ echo nonsense >"$dir/bad.bsdf"
 refuses 4 . fit "$dir/bad.bsdf"
 
 # The report: the fit by log and the one by the loss, with pictures.
-"$tool" plot network default -o "$dir/probe.png" 2>"$dir/err" || {
-    grep -q 'NQM_CAIRO is off' "$dir/err" || fail "nothing can be drawn"
-    skip_rest fit_report_pictures
-}
 "$tool" fit sgd:nickel --model ward --samples 500 --loss log_diff+nqm --report "$dir/page.html" -q >"$dir/out"
 grep -qF "$(cat "$dir/out")" "$dir/page.html" || fail "the fit in the page"
 grep -q 'ward, loss log_diff+nqm' "$dir/page.html" && grep -q 'ward, loss log (before)' "$dir/page.html" || fail "names in the page"

@@ -8,7 +8,7 @@ if truncate -s 40G "$dir/zeros" 2>/dev/null; then
     for arguments in "info $dir/zeros" "score $dir/zeros sgd:nickel" "batch $dir/zeros" "score $dir/zeros:x sgd:nickel"; do
         code=0
         # shellcheck disable=SC2086
-        timeout 30 "$tool" $arguments >"$dir/out" 2>"$dir/err" || code=$?
+        timeout 1800 "$tool" $arguments >"$dir/out" 2>"$dir/err" || code=$?
         { [ "$code" = 4 ] || [ "$code" = 7 ]; } || fail "a file of zeros: exit code $code: $arguments"
     done
 fi

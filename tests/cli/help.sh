@@ -56,8 +56,8 @@ if command -v bash >/dev/null; then
     completes "score" sc
     completes "--min-valid" score a b --min-v
     completes "drop" score --invalid d
-    completes "bf16" score --precision = bf
-    completes "slice" plot sl
+    completes "bf16" train --precision = bf
+    completes "show" models sh
     completes "man markdown" help --format ma
     completes "" score nickel.bin
     completes "default" score --model de
@@ -84,7 +84,6 @@ refuses 2 "no verb 'scroe' (did you mean 'score'?)" scroe
 refuses 2 "no verb 'xyzzy';" xyzzy
 refuses 2 "no verb 'scroe' (did you mean 'score'?)" help scroe
 refuses 2 "did you mean '--metrics'?" score sgd:nickel ward:nickel --metrcis=all
-refuses 2 "no 'slize' (did you mean 'slice'?)" plot slize -o "$dir/x.svg"
 refuses 2 "no model 'wrad' (did you mean 'ward'?)" info wrad:nickel
 refuses 2 "no model 'GGX' (did you mean 'ggx'?)" info GGX:alpha=.1
 refuses 2 "no key 'alhpa' (did you mean 'alpha'?); the keys are kd, ks, alpha, f0" info ggx:alhpa=.1
@@ -116,12 +115,10 @@ refuses 2 "wrad: there is no such file, model or preset (did you mean 'ward'?)" 
 refuses 2 "nickle: there is no such file, model or preset (did you mean 'nickel'?)" info nickle
 refuses 3 "nowhere: No such file" info nowhere
 # A wrong first word is named before what is missing, and before outputs.
-refuses 2 "no 'shwo' (did you mean 'show'?)" models shwo default -o "$dir/no/x"
 refuses 2 "no 'mkae' (did you mean 'make'?)" transport mkae
 # Models and BRDFs in each other's place, and models nearly.
 for verb in "score sgd:nickel" "rank sgd:nickel" "label sgd:nickel" "report -o $dir/x.html sgd:nickel" check sample \
-    "convert -o $dir/x.binary" fit "translate --to gltf" "render -o $dir/x.png" "plot -o $dir/x.svg slice" \
-    "plot -o $dir/x.svg attribution sgd:nickel" directions; do
+    "convert -o $dir/x.binary" fit "translate --to gltf" "render -o $dir/x.png" directions; do
     # shellcheck disable=SC2086
     refuses 2 "'default' is a model, not a BRDF: models belong to --model" $verb default
 done
@@ -193,10 +190,9 @@ misnamed x.pdf -o report sgd:nickel ward:nickel
 misnamed x.jpg --map label sgd:nickel ward:nickel
 misnamed x.jpg --grid label sgd:nickel ward:nickel
 misnamed x.jpg -o render sgd:nickel
-misnamed x.jpg -o plot slice sgd:nickel
 misnamed x.mat -o directions
 misnamed x.csv -o transport make
-misnamed x.md -o models annotate default notes.md
+misnamed x.md -o info default --notes notes.md
 refuses 2 "x.gif: no file of this name holds a material" translate sgd:nickel --to gltf -o "$dir/x.gif"
 refuses 2 "json: '$dir/x.csv' names another kind" batch list.csv --json -o "$dir/x.csv"
 refuses 3 "$dir/no/x.safetensors" train corpus.safetensors -o "$dir/no/x.safetensors"

@@ -47,13 +47,12 @@ stops dataset - dataset "$in/pairs.csv" --directions "$in/directions.csv" -o cor
 stops dataset-work groups/ dataset "$in/pairs.csv" --directions "$in/directions.csv" \
     -o corpus.safetensors --work groups
 stops train - train "$in/toy.safetensors" -o trained.safetensors --epochs 10000
-stops batch scores.csv.part batch "$in/list.csv" -o scores.csv
-stops batch-work '\(scores.csv.part\|pieces/\)' batch "$in/list.csv" -o scores.csv --work pieces
+stops batch scores.csv.pieces/ batch "$in/list.csv" -o scores.csv
+stops batch-work pieces/ batch "$in/list.csv" -o scores.csv --work pieces
 stops eval - eval "$in/toy.safetensors" --model none --bootstrap 1000000
 stops translate - translate "$network" "$in/valid.bsdf" sgd:nickel sgd:brass ward:nickel --to openpbr -d materials
 stops convert - convert "$network" -o table.binary
 stops regress - regress "$in/labels.csv"
-stops plot - plot attribution "$network" "$network" -o drawing.svg
 stops transport - transport make --points 2048 -o transport.safetensors
 # Many times: the third ends the process at once.
 "$tool" train "$in/toy.safetensors" -o trained.safetensors --epochs 10000 >"$dir/out" 2>"$dir/err" &

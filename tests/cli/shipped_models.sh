@@ -7,11 +7,11 @@
 
 below() { awk -v a="$1" -v b="$2" 'BEGIN { exit !(a < b) }'; }
 
-"$tool" models show paper --json >"$dir/paper.json"
+"$tool" info paper --json >"$dir/paper.json"
 grep -q '"parameters": 4171125' "$dir/paper.json" || fail "paper: the network is not the paper's"
-"$tool" models show default --json >"$dir/default.json"
+"$tool" info default --json >"$dir/default.json"
 grep -q '"card"' "$dir/default.json" || fail "default: no card"
-"$tool" selftest >"$dir/selftest" || fail "selftest: $(cat "$dir/selftest")"
+"$tool" doctor >"$dir/doctor" || fail "doctor: $(cat "$dir/doctor")"
 
 presets=$("$tool" info list | grep -o 'sgd:[^ ]*' | sort -u | awk 'NR % 10 == 1')
 [ "$(echo "$presets" | wc -l)" -ge 10 ] || fail "hardly any preset was found"

@@ -7,7 +7,7 @@
 data=${NQM_DATA:-${NQM_SOURCE:?}/../shared/data}
 [ -d "$data/rgl" ] || exit 77
 
-top=$("$tool" models show default | sed -n 's/^JOD range .* to \([0-9.]*\)$/\1/p')
+top=$("$tool" info default | sed -n 's/^JOD range .* to \([0-9.]*\)$/\1/p')
 [ -n "$top" ] || { echo "the model tells no range"; exit 1; }
 for file in "$data"/rgl/*_rgb.bsdf; do
     "$tool" score "$file" "$file" "perturb:noise=0.03;of=$file" "perturb:noise=0.1;of=$file" "perturb:noise=0.3;of=$file" \

@@ -91,7 +91,7 @@ run 3 train "$dir/toy.safetensors" -o "$dir/d.safetensors" --log "$dir/no/such/f
 run 0 train "$dir/toy.safetensors" -o "$dir/paper.safetensors" --recipe paper $small --epochs 2 --id mine --json
 [ "$(number recipe)" = '"paper"' ] || fail "recipe paper"
 [ "$(number id)" = '"mine"' ] || fail "--id"
-run 0 models show "$dir/paper.safetensors"
+run 0 info "$dir/paper.safetensors"
 grep -q 'Validation examples were drawn over pairs' "$dir/out" || fail "card of the paper's recipe"
 grep -q '| gloss | 144 | 72 | 72 |' "$dir/out" || fail "kinds in the card"
 # shellcheck disable=SC2086

@@ -14,7 +14,7 @@ make() {
 
 make 0 --light studio --shape sphere --points 64 --id mine -o "$dir/studio.safetensors"
 grep -q 'studio.safetensors: 1872 directions, 64 points' "$dir/err" || fail "report: $(cat "$dir/err")"
-run 0 models show "$dir/studio.safetensors"
+run 0 info "$dir/studio.safetensors"
 grep -q '^id *mine' "$dir/out" || fail "the name: $(cat "$dir/out")"
 grep -q '^layers *no network' "$dir/out" || fail "layers"
 run 0 score sgd:nickel ward:nickel sgd:nickel --model "$dir/studio.safetensors" --json

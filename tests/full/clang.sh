@@ -18,8 +18,8 @@ ctest --test-dir build-clang -R '^(unit|fuzz)[.]' -j "$(nproc)" --output-on-fail
     grep -A 30 'Failed\|Exception' build-clang/test.log | head -n 60
     exit 1
 }
-build-clang/nqm selftest >build-clang/selftest.log || {
-    cat build-clang/selftest.log
+build-clang/nqm doctor >build-clang/doctor.log || {
+    cat build-clang/doctor.log
     exit 1
 }
 echo "clang: $(grep 'tests passed' build-clang/test.log)"

@@ -59,8 +59,8 @@ def expected():
             rows.append(("offsetof(%s, %s)" % (name, field), getattr(struct, field).offset))
             rows.append(("sizeof(((%s *)0)->%s)" % (name, field), getattr(struct, field).size))
     rows += [("NQM_OK" if s == 0 else "NQM_ERR_" + s.name, s.value) for s in _abi.Status]
-    for prefix, names in (("NQM_INVALID_", _abi.INVALID), ("NQM_PRECISION_", _abi.PRECISIONS), ("NQM_SCORE_", _abi.QUANTITIES),
-                          ("NQM_SCENE_", _abi.SCENES), ("NQM_SPLIT_", _abi.SPLITS), ("NQM_TABLE_", _abi.TABLES)):
+    for prefix, names in (("NQM_INVALID_", _abi.INVALID), ("NQM_SCORE_", _abi.QUANTITIES), ("NQM_SCENE_", _abi.SCENES),
+                          ("NQM_SPLIT_", _abi.SPLITS), ("NQM_TABLE_", _abi.TABLES)):
         rows += [(prefix + name.upper(), i) for i, name in enumerate(names)]
     return rows + [("NQM_METRIC_COUNT", _abi.N_METRICS), ("NQM_SCORE_BLOCK", _score.BLOCK)]
 

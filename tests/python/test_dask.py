@@ -78,7 +78,7 @@ class Dask(unittest.TestCase):
         while len(self.client.who_has()) < 4:  # some partitions are done, and their scores on a worker
             time.sleep(.01)
         os.kill(next(iter(victims.values())), signal.SIGKILL)
-        self.check(future.result(timeout=100), pairs)
+        self.check(future.result(timeout=1800), pairs)
         self.assertNotEqual(victims, self.client.run(os.getpid))
 
     def test_errors(self):

@@ -75,7 +75,7 @@ class Wheel(unittest.TestCase):
             self.assertNotIn("__pycache__", name)
 
     def test_tool(self):
-        models = output(self.tool, "models")
+        models = output(self.tool, "info", "--models")
         self.assertIn("default", models)
         self.assertNotIn("transport-paper", models)
 

@@ -44,10 +44,10 @@ refuses() {
     says "$pattern"
 }
 
-# until_written FILE: wait until FILE exists and is not empty, for at most 30 s.
+# until_written FILE: wait until FILE exists and is not empty, for at most half an hour.
 until_written() {
     i=0
-    while [ ! -s "$1" ] && [ $i -lt 300 ]; do
+    while [ ! -s "$1" ] && [ $i -lt 18000 ]; do
         sleep 0.1
         i=$((i + 1))
     done

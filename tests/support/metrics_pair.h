@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * metrics_pair.h - the sampled pair of tests/vectors/metrics_pair.csv, the input of vectors/metrics.py and
- * vectors/scalars.py.
+ * metrics_pair.h - the sampled pair of tests/vectors/metrics_pair.csv, the input of vectors/metrics.py.
  */
 #ifndef NQM_TESTS_SUPPORT_METRICS_PAIR_H
 #define NQM_TESTS_SUPPORT_METRICS_PAIR_H

@@ -60,42 +60,39 @@ TEST(claims_exclude) {
     assert_int_equal(nqm_claim("/nowhere/x", &second, NULL), NQM_ERR_IO);
 }
 
-/* What another process does between the opening of a file and its lock: it finishes and deletes the file. */
+/* What another process does between the opening of a claim and its lock: it finishes and deletes the file. */
 static void delete_locked(void) {
-    assert_int_equal(unlink(in_folder("locked")), 0);
+    assert_int_equal(unlink(in_folder("locked.claim")), 0);
 }
 
-static int other_lock = -1;
+static int other_claim = -1;
 
 /* The same, and a third process makes the file again and holds its lock. */
 static void replace_locked(void) {
-    bool existed;
     delete_locked();
-    assert_int_equal(nqm_lock_open(in_folder("locked"), &other_lock, &existed, NULL), NQM_OK);
-    assert_true(other_lock >= 0 && !existed);
+    assert_int_equal(nqm_claim(in_folder("locked"), &other_claim, NULL), NQM_OK);
+    assert_true(other_claim >= 0);
 }
 
 /* A lock on a deleted file would exclude nobody. */
 TEST(locks_are_on_the_file_of_the_path) {
-    int fd, second;
-    bool existed;
+    int claim, second;
     char path[128];
     snprintf(path, sizeof path, "%s", in_folder("locked"));
-    fclose(fopen(path, "w"));
     nqm_lock_hook(delete_locked);
-    assert_int_equal(nqm_lock_open(path, &fd, &existed, NULL), NQM_OK);
-    assert_true(fd >= 0 && !existed); /* a new file, which is there */
-    assert_int_equal(access(path, F_OK), 0);
-    assert_int_equal(nqm_lock_open(path, &second, &existed, NULL), NQM_OK);
-    assert_true(second < 0 && existed);
-    close(fd);
+    assert_int_equal(nqm_claim(path, &claim, NULL), NQM_OK);
+    assert_true(claim >= 0);
+    assert_int_equal(access(in_folder("locked.claim"), F_OK), 0); /* a new file, which is there */
+    assert_int_equal(nqm_claim(path, &second, NULL), NQM_OK);
+    assert_int_equal(second, -1);
+    close(claim);
     nqm_lock_hook(replace_locked);
-    assert_int_equal(nqm_lock_open(path, &fd, &existed, NULL), NQM_OK);
-    assert_int_equal(fd, -1); /* the third process has it */
-    close(other_lock);
-    assert_int_equal(nqm_lock_open(path, &fd, &existed, NULL), NQM_OK);
-    assert_true(fd >= 0 && existed);
-    close(fd);
+    assert_int_equal(nqm_claim(path, &claim, NULL), NQM_OK);
+    assert_int_equal(claim, -1); /* the third process has it */
+    close(other_claim);
+    assert_int_equal(nqm_claim(path, &claim, NULL), NQM_OK);
+    assert_true(claim >= 0);
+    close(claim);
 }
 
 enum { N_ITEMS = 12 };

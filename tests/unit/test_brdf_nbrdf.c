@@ -6,7 +6,7 @@
 #include "base/memory_test.h"
 #include "support/brdf_files.h"
 #include "support/check.h"
-#include "vectors/brdf_vectors.h"
+#include "support/vectors.h"
 
 #include <math.h>
 #include <nqm/brdf.h>
@@ -14,7 +14,7 @@
 #include <string.h>
 #include <unistd.h>
 
-enum { N_PAIRS = sizeof pair_vector / sizeof *pair_vector };
+enum { N_PAIRS = VECTOR_PAIRS };
 
 static nqm_brdf *open_ok(const char *argument) {
     nqm_brdf *brdf;
@@ -53,7 +53,7 @@ TEST(network_agrees_with_numpy) {
     assert_string_equal(info.source_doi, "10.1111/cgf.14335");
     assert_int_equal(info.n_values, 675);
     assert_int_equal(info.reciprocal, 1);
-    compare(brdf, nbrdf_vector, 1e-12);
+    compare(brdf, rgb_vector("nbrdf"), 1e-12);
 }
 
 TEST(network_comes_out_of_a_zip) {
@@ -63,9 +63,9 @@ TEST(network_comes_out_of_a_zip) {
     blob_put(make_zip("folder/gold-paint.h5", &network), path);
     blob_free(&network);
     snprintf(argument, sizeof argument, "%s:gold-paint", path);
-    compare(open_ok(argument), nbrdf_vector, 1e-12);
+    compare(open_ok(argument), rgb_vector("nbrdf"), 1e-12);
     snprintf(argument, sizeof argument, "%s:gold-paint.h5", path);
-    compare(open_ok(argument), nbrdf_vector, 1e-12);
+    compare(open_ok(argument), rgb_vector("nbrdf"), 1e-12);
 }
 
 static nqm_error expect(const char *argument, nqm_status status, const char *words) {
@@ -191,7 +191,7 @@ TEST(processes_agree_with_numpy) {
     assert_string_equal(info.format, "nps");
     assert_string_equal(info.source_doi, "10.1145/3490385");
     assert_int_equal(info.n_values, 808010);
-    compare(brdf, nps_vector, 1e-4); /* seven layers in float32 */
+    compare(brdf, rgb_vector("nps"), 1e-4); /* seven layers in float32 */
 }
 
 TEST(process_faults_are_told) {
@@ -240,3 +240,5 @@ TEST(survives_failing_allocations) {
         assert_true(n > 4);
     }
 }
+
+TEST_FILE(read_pair_vector, NULL)

@@ -7,14 +7,14 @@
 #include "brdf/brdf.h"
 #include "support/brdf_files.h"
 #include "support/check.h"
-#include "vectors/npy_vectors.h"
+#include "support/vectors.h"
 
 #include <math.h>
 #include <nqm/brdf.h>
 #include <stdio.h>
 #include <string.h>
 
-enum { N_POINTS = sizeof npy_vector / sizeof *npy_vector };
+enum { N_POINTS = 20 };
 
 static const char *save(size_t n, const unsigned char *bytes) {
     const char *path = scratch_path("table.npy");
@@ -22,6 +22,10 @@ static const char *save(size_t n, const unsigned char *bytes) {
     memcpy(copy, bytes, n);
     blob_save(&(blob){copy, n}, path);
     return path;
+}
+
+static const char *save_array(const char *name) {
+    return blob_put(vector_npy(name), scratch_path("table.npy"));
 }
 
 static nqm_brdf *open_ok(const char *path) {
@@ -33,8 +37,12 @@ static nqm_brdf *open_ok(const char *path) {
 }
 
 TEST(agrees_with_numpy) {
+    double npy_vector[N_POINTS][6]; /* theta_h, theta_d, phi_d in radians, f_r */
+    get_vector("npy.safetensors", "values", sizeof npy_vector, npy_vector);
     for (int k = 0; k < 2; ++k) {
-        const char *path = k ? save(sizeof npy_f8, npy_f8) : save(sizeof npy_f4, npy_f4);
+        blob file = vector_npy(k ? "f8" : "f4");
+        const size_t n_bytes = file.n_bytes;
+        const char *path = blob_put(file, scratch_path("table.npy"));
         nqm_brdf *brdf = open_ok(path);
         for (size_t i = 0; i < N_POINTS; ++i) {
             double rgb[3];
@@ -46,13 +54,15 @@ TEST(agrees_with_numpy) {
         assert_string_equal(info.format, "table");
         assert_string_equal(info.name, path);
         assert_int_equal(info.n_values, 3 * 2 * 4 * 3);
-        assert_int_equal(info.n_bytes, k ? sizeof npy_f8 : sizeof npy_f4);
+        assert_int_equal(info.n_bytes, n_bytes);
         nqm_brdf_free(brdf);
     }
 }
 
 TEST(agrees_with_numpy_at_any_azimuth) {
-    nqm_brdf *brdf = open_ok(save(sizeof npy_turned, npy_turned));
+    double npy_turned_vector[N_POINTS][9]; /* light, viewer, f_r */
+    get_vector("npy.safetensors", "turned", sizeof npy_turned_vector, npy_turned_vector);
+    nqm_brdf *brdf = open_ok(save_array("turned"));
     for (size_t i = 0; i < N_POINTS; ++i) {
         const double *v = npy_turned_vector[i];
         double rgb[3];
@@ -65,10 +75,11 @@ TEST(agrees_with_numpy_at_any_azimuth) {
     const char *copy = scratch_path("copy.npy"); /* is written as it was read */
     assert_int_equal(nqm_brdf_write(brdf, NQM_TABLE_NPY, copy, NULL, NULL, NULL), NQM_OK);
     nqm_brdf_free(brdf);
-    blob file = blob_load(copy);
-    assert_int_equal(file.n_bytes, sizeof npy_turned);
-    assert_memory_equal(file.data + 128, npy_turned + 128, sizeof npy_turned - 128);
+    blob file = blob_load(copy), read = vector_npy("turned");
+    assert_int_equal(file.n_bytes, read.n_bytes);
+    assert_memory_equal(file.data + 128, read.data + 128, read.n_bytes - 128);
     blob_free(&file);
+    blob_free(&read);
 }
 
 static void expect_refused(const char *path, int64_t byte_offset, const char *words) {
@@ -84,29 +95,32 @@ static void expect_refused(const char *path, int64_t byte_offset, const char *wo
 }
 
 TEST(refuses_other_arrays) {
-    expect_refused(save(sizeof npy_fortran, npy_fortran), 10, "Fortran order");
-    expect_refused(save(sizeof npy_big, npy_big), 10, "'>f4'");
-    expect_refused(save(sizeof npy_integer, npy_integer), 10, "'<i4'");
-    expect_refused(save(sizeof npy_planes, npy_planes), 10, "shape (3, 2, 2, 2)");
-    expect_refused(save(sizeof npy_f4 - 1, npy_f4), sizeof npy_f4 - 1, "it ends");
-    expect_refused(save(100, npy_f4), 100, "inside its header");
-    expect_refused(save(9, npy_f4), 0, "begins no .npy file");
-    unsigned char changed[sizeof npy_f4 + 1] = {0};
-    memcpy(changed, npy_f4, sizeof npy_f4);
-    expect_refused(save(sizeof changed, changed), sizeof npy_f4, "more follows");
+    blob file = vector_npy("f4");
+    const size_t n = file.n_bytes;
+    unsigned char changed[1000] = {0};
+    memcpy(changed, file.data, n);
+    blob_free(&file);
+    expect_refused(save_array("fortran"), 10, "Fortran order");
+    expect_refused(save_array("big"), 10, "'>f4'");
+    expect_refused(save_array("integer"), 10, "'<i4'");
+    expect_refused(save_array("planes"), 10, "shape (3, 2, 2, 2)");
+    expect_refused(save(n - 1, changed), (int64_t)n - 1, "it ends");
+    expect_refused(save(100, changed), 100, "inside its header");
+    expect_refused(save(9, changed), 0, "begins no .npy file");
+    expect_refused(save(n + 1, changed), (int64_t)n, "more follows");
     changed[6] = 9;
-    expect_refused(save(sizeof npy_f4, changed), 0, "version 1 to 3");
+    expect_refused(save(n, changed), 0, "version 1 to 3");
     changed[6] = 1;
     changed[10] = '[';
-    expect_refused(save(sizeof npy_f4, changed), 10, "header with 'descr'");
+    expect_refused(save(n, changed), 10, "header with 'descr'");
     changed[10] = '{';
-    nqm_store_f32(changed + sizeof npy_f4 - 4, INFINITY);
-    expect_refused(save(sizeof npy_f4, changed), sizeof npy_f4 - 4, "not finite");
+    nqm_store_f32(changed + n - 4, INFINITY);
+    expect_refused(save(n, changed), (int64_t)n - 4, "not finite");
 }
 
 /* A table is written with the same values, and any other BRDF as its table. */
 TEST(writes_what_it_reads) {
-    const char *path = save(sizeof npy_f4, npy_f4), *copy = scratch_path("copy.npy");
+    const char *path = save_array("f4"), *copy = scratch_path("copy.npy");
     nqm_table_size size, again_size;
     nqm_brdf *brdf = open_ok(path);
     assert_int_equal(nqm_brdf_write(brdf, NQM_TABLE_NPY, copy, NULL, NULL, NULL), NQM_OK);

@@ -5,14 +5,14 @@
 #include "base/base.h"
 #include "support/brdf_files.h"
 #include "support/check.h"
-#include "vectors/brdf_vectors.h"
+#include "support/vectors.h"
 
 #include <math.h>
 #include <nqm/brdf.h>
 #include <stdio.h>
 #include <string.h>
 
-enum { N_PAIRS = sizeof pair_vector / sizeof *pair_vector };
+enum { N_PAIRS = VECTOR_PAIRS };
 
 static const char *save(blob b) {
     return blob_put(b, scratch_path("material.pbsdf"));
@@ -28,7 +28,7 @@ TEST(agrees_with_numpy) {
     const char *path = save(make_pbsdf(NULL));
     for (int k = 0; k < 2; ++k) {
         nqm_brdf *brdf = open_under(path, k ? ":D65" : "");
-        const double(*expected)[3] = k ? pbsdf_d65_vector : pbsdf_vector;
+        const double(*expected)[3] = k ? rgb_vector("pbsdf_d65") : rgb_vector("pbsdf");
         size_t n_valid = 0;
         for (size_t i = 0; i < N_PAIRS; ++i) {
             double rgb[3];
@@ -81,3 +81,5 @@ TEST(refuses_unfit_tensors) {
     expect_refused(make_pbsdf(&(rgl_change){"M", false, 10, 5, {6, 4, 5, 5, 16}, NULL}), "4 x 4");
     expect_refused(make_pbsdf(&(rgl_change){"M", false, 1, 6, {6, 4, 5, 5, 4, 4}, NULL}), "type");
 }
+
+TEST_FILE(read_pair_vector, NULL)

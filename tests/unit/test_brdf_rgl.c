@@ -8,15 +8,14 @@
 #include "math/math.h"
 #include "support/brdf_files.h"
 #include "support/check.h"
-#include "vectors/anisotropic_vectors.h"
-#include "vectors/brdf_vectors.h"
+#include "support/vectors.h"
 
 #include <math.h>
 #include <nqm/brdf.h>
 #include <stdio.h>
 #include <string.h>
 
-enum { N_PAIRS = sizeof pair_vector / sizeof *pair_vector };
+enum { N_PAIRS = VECTOR_PAIRS };
 
 static const char *save(blob b) {
     return blob_put(b, scratch_path("material.bsdf"));
@@ -25,7 +24,7 @@ static const char *save(blob b) {
 TEST(agrees_with_numpy) {
     nqm_brdf *brdf;
     assert_int_equal(nqm_brdf_open(save(make_rgl(NULL)), &brdf, NULL), NQM_OK);
-    const size_t n_clamped = check_brdf_values(brdf, N_PAIRS, pair_vector, rgl_vector, 1e-11);
+    const size_t n_clamped = check_brdf_values(brdf, N_PAIRS, pair_vector, rgb_vector("rgl"), 1e-11);
     assert_true(n_clamped > 3 && n_clamped < N_PAIRS - 3);
     nqm_brdf_info info = nqm_brdf_get_info(brdf);
     assert_string_equal(info.format, "rgl");
@@ -41,12 +40,11 @@ TEST(anisotropic_files_agree_with_numpy) {
     static const struct {
         size_t reduction;
         bool is_spectral;
-        const double (*vector)[3];
-        const char *layout;
-    } cases[] = {{1, false, rgl_1_vector, "5 azimuths x 4 angles of incidence x 5 x 7 samples, warp 6 x 8"},
-                 {2, false, rgl_2_vector, "4 azimuths x 4 angles of incidence x 5 x 7 samples, warp 6 x 8"},
-                 {4, false, rgl_4_vector, "3 azimuths x 4 angles of incidence x 5 x 7 samples, warp 6 x 8"},
-                 {2, true, rgl_2_d65_vector,
+        const char *vector, *layout;
+    } cases[] = {{1, false, "rgl_1", "5 azimuths x 4 angles of incidence x 5 x 7 samples, warp 6 x 8"},
+                 {2, false, "rgl_2", "4 azimuths x 4 angles of incidence x 5 x 7 samples, warp 6 x 8"},
+                 {4, false, "rgl_4", "3 azimuths x 4 angles of incidence x 5 x 7 samples, warp 6 x 8"},
+                 {2, true, "rgl_2_d65",
                   "4 azimuths x 4 angles of incidence x 5 x 7 samples, warp 6 x 8, 9 wavelengths 360 to 1000 nm under "
                   "illuminant D65"}};
     for (size_t k = 0; k < sizeof cases / sizeof *cases; ++k) {
@@ -57,7 +55,7 @@ TEST(anisotropic_files_agree_with_numpy) {
                  cases[k].is_spectral ? ":D65" : "");
         nqm_brdf *brdf = must_open(argument);
         /* The first four are at the edges of the symmetries, where these data jump. */
-        check_brdf_values(brdf, N_PAIRS - 4, pair_vector + 4, cases[k].vector + 4, tolerance);
+        check_brdf_values(brdf, N_PAIRS - 4, pair_vector + 4, rgb_vector(cases[k].vector) + 4, tolerance);
         assert_string_equal(nqm_brdf_get_info(brdf).layout, cases[k].layout);
         assert_int_equal(nqm_brdf_get_info(brdf).isotropic, 0);
         nqm_brdf_free(brdf);
@@ -98,21 +96,21 @@ TEST(is_isotropic) {
 TEST(converts_spectra) {
     const char *path = save(make_spectral_rgl(NULL));
     const struct {
-        const char *suffix, *layout;
-        const double (*vector)[3];
-    } cases[] = {{"", "under illuminant E", rgl_e_vector},
-                 {":E", "under illuminant E", rgl_e_vector},
-                 {":D65", "under illuminant D65", rgl_d65_vector}};
+        const char *suffix, *layout, *vector;
+    } cases[] = {{"", "under illuminant E", "rgl_e"},
+                 {":E", "under illuminant E", "rgl_e"},
+                 {":D65", "under illuminant D65", "rgl_d65"}};
     for (size_t k = 0; k < sizeof cases / sizeof *cases; ++k) {
         char argument[4200];
         nqm_brdf *brdf;
         snprintf(argument, sizeof argument, "%s%s", path, cases[k].suffix);
         assert_int_equal(nqm_brdf_open(argument, &brdf, NULL), NQM_OK);
+        const double(*expected)[3] = rgb_vector(cases[k].vector);
         for (size_t i = 0; i < N_PAIRS; ++i) {
             double rgb[3];
             nqm_brdf_eval(brdf, 1, pair_vector[i], pair_vector[i] + 3, rgb, NULL);
             for (size_t c = 0; c < 3; ++c)
-                assert_near(rgb[c], fmax(cases[k].vector[i][c], 0), 2e-6 * (1 + fabs(cases[k].vector[i][c])));
+                assert_near(rgb[c], fmax(expected[i][c], 0), 2e-6 * (1 + fabs(expected[i][c])));
         }
         nqm_brdf_info info = nqm_brdf_get_info(brdf);
         assert_string_equal(info.name, argument);
@@ -282,3 +280,5 @@ TEST(survives_failing_allocations) {
     assert_int_equal(status, NQM_OK);
     assert_int_equal(n, 4); /* every allocation has failed once */
 }
+
+TEST_FILE(read_pair_vector, NULL)

@@ -6,15 +6,14 @@
 #include "base/memory_test.h"
 #include "support/brdf_files.h"
 #include "support/check.h"
-#include "vectors/anisotropic_vectors.h"
-#include "vectors/brdf_vectors.h"
+#include "support/vectors.h"
 
 #include <math.h>
 #include <nqm/brdf.h>
 #include <stdio.h>
 #include <string.h>
 
-enum { N_PAIRS = sizeof pair_vector / sizeof *pair_vector };
+enum { N_PAIRS = VECTOR_PAIRS };
 
 static const char *save(blob b) {
     return blob_put(b, scratch_path("material.bin"));
@@ -22,7 +21,7 @@ static const char *save(blob b) {
 
 TEST(agrees_with_numpy) {
     nqm_brdf *brdf = must_open(save(make_utia()));
-    assert_true(check_brdf_values(brdf, N_PAIRS, pair_vector, utia_vector, 1e-7) > 3);
+    assert_true(check_brdf_values(brdf, N_PAIRS, pair_vector, rgb_vector("utia"), 1e-7) > 3);
     const nqm_brdf_info info = nqm_brdf_get_info(brdf);
     assert_string_equal(info.format, "utia");
     assert_string_equal(info.layout, "6 theta_i x 48 phi_i x 6 theta_v x 48 phi_v");
@@ -99,3 +98,5 @@ TEST(refuses_other_files) {
         nqm_alloc_fail_after(-1);
     }
 }
+
+TEST_FILE(read_pair_vector, NULL)

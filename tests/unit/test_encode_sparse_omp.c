@@ -5,11 +5,25 @@
  */
 #include "encode/sparse.h"
 #include "support/check.h"
-#include "vectors/omp_vectors.h"
+#include "support/vectors.h"
 
 #include <math.h>
 
-enum { BLOCKS = OMP_BLOCKS, ATOMS = OMP_ATOMS, LENGTH = OMP_LENGTH };
+enum { BLOCKS = 2, ATOMS = 14, LENGTH = 9, OMP_CHOSEN = 7 };
+
+static double omp_atoms[ATOMS * LENGTH], omp_signals[BLOCKS * LENGTH], omp_coefficient[OMP_CHOSEN],
+    omp_residual[OMP_CHOSEN];
+static int64_t omp_index[OMP_CHOSEN];
+
+static int read_vectors(void **state) {
+    (void)state;
+    get_vector("omp.safetensors", "atoms", sizeof omp_atoms, omp_atoms);
+    get_vector("omp.safetensors", "signals", sizeof omp_signals, omp_signals);
+    get_vector("omp.safetensors", "index", sizeof omp_index, omp_index);
+    get_vector("omp.safetensors", "coefficient", sizeof omp_coefficient, omp_coefficient);
+    get_vector("omp.safetensors", "residual", sizeof omp_residual, omp_residual);
+    return 0;
+}
 
 static double dot(const double *a, const double *b) {
     double sum = 0;
@@ -101,3 +115,5 @@ TEST(nothing_needs_no_atom) {
     const double signals[BLOCKS * LENGTH] = {0};
     assert_int_equal(code(ATOMS, omp_atoms, signals, 5).n, 0);
 }
+
+TEST_FILE(read_vectors, NULL)

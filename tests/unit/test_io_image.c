@@ -6,7 +6,7 @@
 #include "base/memory_test.h"
 #include "io/io.h"
 #include "support/check.h"
-#include "vectors/images_vectors.h"
+#include "support/vectors.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -14,24 +14,37 @@
 #include <string.h>
 #include <unistd.h>
 
+enum { WIDTH = 11, HEIGHT = 6, N_VALUES = 3 * WIDTH * HEIGHT };
+
 typedef struct sample {
-    const char *name;
-    const unsigned char *data;
+    const char *name, *pixels; /* file and array of images.py */
+    unsigned char *data;
     size_t n_bytes;
-    const double *pixels;
 } sample;
 
-static const sample samples[] = {
-    {"rgbe.png", file_png, sizeof file_png, pixels_png},
-    {"flat.hdr", file_hdr_flat, sizeof file_hdr_flat, pixels_hdr},
-    {"newer.hdr", file_hdr_newer, sizeof file_hdr_newer, pixels_hdr},
-    {"older.hdr", file_hdr_older, sizeof file_hdr_older, pixels_hdr},
-    {"float.exr", file_exr_float, sizeof file_exr_float, pixels_exr},
-    {"half.exr", file_exr_zip_half, sizeof file_exr_zip_half, pixels_exr},
-    {"tiled.exr", file_exr_tiled, sizeof file_exr_tiled, pixels_exr},
-    {"grey.exr", file_exr_grey, sizeof file_exr_grey, pixels_exr_grey},
+static sample samples[] = {
+    {"rgbe.png", "png", NULL, 0},  {"flat.hdr", "hdr", NULL, 0},      {"newer.hdr", "hdr", NULL, 0},
+    {"older.hdr", "hdr", NULL, 0}, {"float.exr", "exr", NULL, 0},     {"half.exr", "exr", NULL, 0},
+    {"tiled.exr", "exr", NULL, 0}, {"grey.exr", "exr_grey", NULL, 0},
 };
 enum { N_SAMPLES = sizeof samples / sizeof *samples };
+
+static int read_samples(void **state) {
+    (void)state;
+    for (size_t i = 0; i < N_SAMPLES; ++i) {
+        const blob file = vector_picture(samples[i].name);
+        samples[i].data = file.data;
+        samples[i].n_bytes = file.n_bytes;
+    }
+    return 0;
+}
+
+static int free_samples(void **state) {
+    (void)state;
+    for (size_t i = 0; i < N_SAMPLES; ++i)
+        free(samples[i].data);
+    return 0;
+}
 
 static nqm_status decode(const sample *s, const unsigned char *data, size_t n_bytes, nqm_error *err) {
     const nqm_map map = {.data = data, .n_bytes = n_bytes, .path = s->name};
@@ -55,10 +68,12 @@ TEST(pixels) {
         nqm_error err = {0};
         if (nqm_image_parse(&map, &image, &err) != NQM_OK)
             fail_msg("%s", err.message);
-        assert_int_equal(image.width, VECTOR_WIDTH);
-        assert_int_equal(image.height, VECTOR_HEIGHT);
-        for (size_t k = 0; k < (size_t)3 * VECTOR_WIDTH * VECTOR_HEIGHT; ++k)
-            assert_relative((double)image.rgb[k], s->pixels[k], 1e-7);
+        assert_int_equal(image.width, WIDTH);
+        assert_int_equal(image.height, HEIGHT);
+        double expected[N_VALUES];
+        get_vector("images.safetensors", s->pixels, sizeof expected, expected);
+        for (size_t k = 0; k < N_VALUES; ++k)
+            assert_relative((double)image.rgb[k], expected[k], 1e-7);
         nqm_free(image.rgb);
     }
 }
@@ -126,7 +141,7 @@ TEST(lying_sizes) {
 TEST(over_the_limit) {
     nqm_error err = {0};
     nqm_image image;
-    const nqm_map map = {.data = file_png, .n_bytes = (size_t)1 << 30, .path = "large.exr"};
+    const nqm_map map = {.data = samples[0].data, .n_bytes = (size_t)1 << 30, .path = "large.exr"};
     assert_int_equal(nqm_image_alloc(&map, NQM_IMAGE_MAX_WIDTH + 1, 4, 1, &image, &err), NQM_ERR_LIMIT);
     assert_int_equal(nqm_image_alloc(&map, 4, NQM_IMAGE_MAX_HEIGHT + 1, 1, &image, &err), NQM_ERR_LIMIT);
     assert_int_equal(nqm_image_alloc(&map, 0, 4, 1, &image, &err), NQM_ERR_FORMAT);
@@ -163,16 +178,17 @@ TEST(loading) {
     /* 0.25 becomes NaN, infinity, -1 in turn. */
     static const unsigned char quarter[4] = {0, 0, 0x80, 0x3e};
     static const unsigned char bad[3][4] = {{0, 0, 0xc0, 0x7f}, {0, 0, 0x80, 0x7f}, {0, 0, 0x80, 0xbf}};
-    unsigned char copy[sizeof file_exr_float];
+    const sample *s = &samples[4];
+    unsigned char copy[2000];
     for (int i = 0; i < 3; ++i) {
-        memcpy(copy, file_exr_float, sizeof copy);
-        size_t at = sizeof copy - 4;
+        memcpy(copy, s->data, s->n_bytes);
+        size_t at = s->n_bytes - 4;
         while (memcmp(copy + at, quarter, 4) != 0)
             --at;
         memcpy(copy + at, bad[i], 4);
-        write_file(path, copy, sizeof copy);
+        write_file(path, copy, s->n_bytes);
         assert_int_equal(load(path, &image, &err), i < 2 ? NQM_ERR_FORMAT : NQM_OK);
-        for (size_t k = 0; i == 2 && k < (size_t)3 * VECTOR_WIDTH * VECTOR_HEIGHT; ++k)
+        for (size_t k = 0; i == 2 && k < N_VALUES; ++k)
             assert_true(image.rgb[k] >= 0);
         nqm_free(image.rgb);
     }
@@ -199,3 +215,5 @@ TEST(out_of_memory) {
         }
     }
 }
+
+TEST_FILE(read_samples, free_samples)

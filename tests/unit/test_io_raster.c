@@ -7,7 +7,7 @@
 #include "io/raster.h"
 #include "support/check.h"
 #include "support/pictures.h"
-#include "vectors/images_vectors.h"
+#include "support/vectors.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -183,27 +183,27 @@ TEST(jpeg_refusals) {
 
 TEST(exr_kinds) {
     static const struct {
-        const unsigned char *data;
-        size_t n_bytes, channels;
-    } files[] = {{file_exr_float, sizeof file_exr_float, 3},
-                 {file_exr_zip_half, sizeof file_exr_zip_half, 3},
-                 {file_exr_tiled, sizeof file_exr_tiled, 3},
-                 {file_exr_grey, sizeof file_exr_grey, 1},
-                 {file_exr_rgba, sizeof file_exr_rgba, 4},
-                 {file_exr_rgba_float, sizeof file_exr_rgba_float, 4},
-                 {file_exr_grey_alpha, sizeof file_exr_grey_alpha, 2}};
+        const char *name;
+        size_t channels;
+    } files[] = {{"float.exr", 3}, {"half.exr", 3},       {"tiled.exr", 3},     {"grey.exr", 1},
+                 {"rgba.exr", 4},  {"rgba-float.exr", 4}, {"grey-alpha.exr", 2}};
     for (size_t f = 0; f < sizeof files / sizeof *files; ++f) {
         const size_t n = files[f].channels;
-        nqm_raster raster = decode((blob){(unsigned char *)(uintptr_t)files[f].data, files[f].n_bytes});
-        assert_true(raster.width == VECTOR_WIDTH && raster.height == VECTOR_HEIGHT && raster.channels == n);
+        enum { EXR_WIDTH = 11, EXR_HEIGHT = 6 };
+        double pixels[3 * EXR_WIDTH * EXR_HEIGHT];
+        get_vector("images.safetensors", n < 3 ? "exr_grey" : "exr", sizeof pixels, pixels);
+        blob file = vector_picture(files[f].name);
+        nqm_raster raster = decode(file);
+        blob_free(&file);
+        assert_true(raster.width == EXR_WIDTH && raster.height == EXR_HEIGHT && raster.channels == n);
         assert_int_equal(raster.type, NQM_RASTER_F32);
-        for (size_t i = 0; i < (size_t)VECTOR_WIDTH * VECTOR_HEIGHT * n; ++i) {
+        for (size_t i = 0; i < EXR_WIDTH * EXR_HEIGHT * n; ++i) {
             const size_t pixel = i / n, k = i % n;
             const double value = ((float *)raster.data)[i];
             if (n % 2 == 0 && k == n - 1)
                 assert_relative(value, (double)pixel / 64, 0);
             else
-                assert_relative(value, (n < 3 ? pixels_exr_grey : pixels_exr)[3 * pixel + k], 1e-9);
+                assert_relative(value, pixels[3 * pixel + k], 1e-9);
         }
         nqm_raster_clear(&raster);
     }
@@ -214,14 +214,8 @@ TEST(exr_kinds) {
 enum { N_SAMPLES = 5 };
 
 static blob sample(size_t i) {
-    blob b = {0};
-    if (i == 4) {
-        b = (blob){malloc(sizeof file_exr_rgba), sizeof file_exr_rgba};
-        assert_non_null(b.data);
-        memcpy(b.data, file_exr_rgba, sizeof file_exr_rgba);
-        return b;
-    }
-    return i == 0   ? make_png(WIDTH, HEIGHT, 3, 4, true, random_bytes)
+    return i == 4   ? vector_picture("rgba.exr")
+           : i == 0 ? make_png(WIDTH, HEIGHT, 3, 4, true, random_bytes)
            : i == 1 ? make_png(WIDTH, HEIGHT, 6, 16, false, random_bytes)
                     : make_jpeg(WIDTH, HEIGHT, 3, i == 2 ? JPEG_PLAIN : JPEG_PROGRESSIVE, random_bytes);
 }

@@ -3,8 +3,8 @@
  * The kernels for rows of every table that this processor supports against the plain loops: hidden layers, Adam, logarithms, dot
  * products and whitening.
  */
+#include "kernel/kernel.h"
 #include "support/check.h"
-#include "support/tables.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -56,8 +56,8 @@ TEST(rows_of_every_table) {
         static row_result expected, actual, first;
         run_row(&nqm_kernels_scalar, x, layer, dropout ? 0.3 : 0, &expected);
         run_row(nqm_kernels_at(0), x, layer, dropout ? 0.3 : 0, &first);
-        for (size_t t = 0; every_table(t) != &nqm_kernels_scalar; ++t) {
-            run_row(every_table(t), x, layer, dropout ? 0.3 : 0, &actual);
+        for (size_t t = 0; nqm_kernels_at(t) != &nqm_kernels_scalar; ++t) {
+            run_row(nqm_kernels_at(t), x, layer, dropout ? 0.3 : 0, &actual);
             assert_memory_equal(&actual, &first, sizeof actual);
             check_close("xhat", actual.x, expected.x);
             check_close("y", actual.y, expected.y);
@@ -76,8 +76,8 @@ TEST(adam_of_every_table) {
     nqm_rng rng = nqm_rng_make(seed, 5);
     float *start = random_block(&rng, N), *grad = random_block(&rng, N);
     static float moments[2][2][N], first[N], param[2][N];
-    for (size_t t = 0; every_table(t) != &nqm_kernels_scalar; ++t) {
-        const nqm_kernels *tables[] = {&nqm_kernels_scalar, every_table(t)};
+    for (size_t t = 0; nqm_kernels_at(t) != &nqm_kernels_scalar; ++t) {
+        const nqm_kernels *tables[] = {&nqm_kernels_scalar, nqm_kernels_at(t)};
         memset(moments, 0, sizeof moments);
         for (size_t which = 0; which < 2; ++which) {
             memcpy(param[which], start, sizeof param[which]);
@@ -101,15 +101,15 @@ TEST(dots_of_every_table) {
     float *x = random_block(&rng, N), *y = random_block(&rng, N);
     static const size_t sizes[] = {1, 7, 31, 32, 33, 64, N};
     for (size_t s = 0; s < sizeof sizes / sizeof *sizes; ++s)
-        for (size_t k = 0; every_table(k); ++k) {
+        for (size_t k = 0; nqm_kernels_at(k); ++k) {
             double sum = 0, size = 0;
             for (size_t i = 0; i < sizes[s]; ++i) {
                 sum += (double)x[i] * (double)y[i];
                 size += fabs((double)x[i] * (double)y[i]);
             }
-            const float actual = every_table(k)->dot(sizes[s], x, y), first = nqm_kernels_at(0)->dot(sizes[s], x, y);
+            const float actual = nqm_kernels_at(k)->dot(sizes[s], x, y), first = nqm_kernels_at(0)->dot(sizes[s], x, y);
             assert_near((double)actual, sum, 2e-6 * size);
-            assert_true(actual == first || every_table(k) == &nqm_kernels_scalar);
+            assert_true(actual == first || nqm_kernels_at(k) == &nqm_kernels_scalar);
         }
     nqm_free(x);
     nqm_free(y);

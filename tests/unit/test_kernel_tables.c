@@ -1,12 +1,11 @@
 /* SPDX-License-Identifier: MIT
  *
  * Every kernel table that this processor supports against the plain loops: products and weight gradients in float and
- * bfloat16 within the rounding bound, in int8 exactly; equal bits from tables with fused multiply-add, for any number of rows and
- * threads; and how a table is chosen.
+ * bfloat16 within the rounding bound; equal bits from tables with fused multiply-add, for any number of rows and threads; and
+ * how a table is chosen.
  */
 #include "kernel/panel.h"
 #include "support/check.h"
-#include "support/tables.h"
 
 #include <math.h>
 #include <omp.h>
@@ -27,6 +26,19 @@ typedef struct problem {
     float *before;
 } problem;
 
+/* The transpose of w (n, k) in panels. */
+static nqm_panels panels_of(nqm_precision precision, size_t k, size_t n, const float *w) {
+    nqm_panels floats, rounded;
+    assert_int_equal(nqm_panels_create(NQM_PRECISION_F32, k, n, &floats, NULL), NQM_OK);
+    nqm_panels_pack(&floats, (nqm_weights){w, NULL, k});
+    if (precision == NQM_PRECISION_F32)
+        return floats;
+    assert_int_equal(nqm_panels_create(precision, k, n, &rounded, NULL), NQM_OK);
+    nqm_panels_round(&floats, &rounded);
+    nqm_panels_free(&floats);
+    return rounded;
+}
+
 static problem make_problem(nqm_rng *rng, nqm_precision precision, size_t m, size_t k, size_t n) {
     problem p = {.precision = precision, .m = m, .k = k, .n = n, .lda = nqm_row_stride(k), .ldc = nqm_row_stride(n)};
     p.x = random_block(rng, m * k);
@@ -36,19 +48,11 @@ static problem make_problem(nqm_rng *rng, nqm_precision precision, size_t m, siz
         uint32_t *row = p.a + i * p.lda;
         if (precision == NQM_PRECISION_F32)
             memcpy(row, p.x + i * k, k * sizeof(float));
-        else if (precision == NQM_PRECISION_BF16)
-            nqm_kernels_get()->round_row(k, p.x + i * k, row);
         else
-            nqm_kernels_get()->quantise_row(k, p.x + i * k, row);
+            nqm_kernels_get()->round_row(k, p.x + i * k, row);
     }
-    assert_int_equal(nqm_panels_create(precision, k, n, &p.b, NULL), NQM_OK);
-    nqm_panels_pack(&p.b, (nqm_weights){p.w, NULL, k});
+    p.b = panels_of(precision, k, n, p.w);
     p.before = random_block(rng, m * p.ldc);
-    if (precision == NQM_PRECISION_INT8)
-        for (size_t i = 0; i < m * p.ldc; ++i) {
-            int32_t whole = (int32_t)(100 * p.before[i]);
-            memcpy(&p.before[i], &whole, sizeof whole);
-        }
     return p;
 }
 
@@ -60,7 +64,7 @@ static void free_problem(problem *p) {
     nqm_panels_free(&p->b);
 }
 
-static void *solve(const problem *p, const nqm_kernels *kernels, size_t first, size_t m, bool add) {
+static float *solve(const problem *p, const nqm_kernels *kernels, size_t first, size_t m, bool add) {
     float *c = nqm_alloc(m * p->ldc, sizeof *c);
     memcpy(c, p->before + first * p->ldc, m * p->ldc * sizeof *c);
     nqm_kernels_use(kernels);
@@ -78,14 +82,10 @@ static double magnitude(const problem *p, size_t i, size_t j) {
 
 static void check_product(const problem *p, const nqm_kernels *kernels, bool add) {
     float *expected = solve(p, &nqm_kernels_scalar, 0, p->m, add), *actual = solve(p, kernels, 0, p->m, add);
-    if (p->precision == NQM_PRECISION_INT8) {
-        assert_memory_equal(actual, expected, p->m * p->ldc * sizeof *actual);
-    } else {
-        for (size_t i = 0; i < p->m; ++i)
-            for (size_t j = 0; j < p->n; ++j)
-                assert_near((double)actual[i * p->ldc + j], (double)expected[i * p->ldc + j],
-                            (double)(p->k + 2) * 0x1p-24 * 1.02 * magnitude(p, i, j));
-    }
+    for (size_t i = 0; i < p->m; ++i)
+        for (size_t j = 0; j < p->n; ++j)
+            assert_near((double)actual[i * p->ldc + j], (double)expected[i * p->ldc + j],
+                        (double)(p->k + 2) * 0x1p-24 * 1.02 * magnitude(p, i, j));
     nqm_free(expected);
     nqm_free(actual);
 }
@@ -97,13 +97,13 @@ enum { N_SHAPES = sizeof shapes / sizeof *shapes };
 TEST(products_of_every_table) {
     const nqm_kernels *before = nqm_kernels_get();
     nqm_rng rng = nqm_rng_make(seed, 0);
-    for (size_t t = 0; every_table(t); ++t) {
-        print_message("%s\n", every_table(t)->name);
+    for (size_t t = 0; nqm_kernels_at(t); ++t) {
+        print_message("%s\n", nqm_kernels_at(t)->name);
         for (size_t s = 0; s < N_SHAPES; ++s)
             for (int precision = 0; precision < NQM_PRECISION_COUNT; ++precision) {
                 problem p = make_problem(&rng, (nqm_precision)precision, shapes[s][0], shapes[s][1], shapes[s][2]);
-                check_product(&p, every_table(t), false);
-                check_product(&p, every_table(t), true);
+                check_product(&p, nqm_kernels_at(t), false);
+                check_product(&p, nqm_kernels_at(t), true);
                 free_problem(&p);
             }
     }
@@ -114,7 +114,7 @@ TEST(products_of_every_table) {
 TEST(strided_products_of_every_table) {
     enum { M = 13, K = 37, STEP = 3, LDA = STEP * K + 5, LDB = 2 * NQM_PANEL, LDC = NQM_PANEL + 8 };
     nqm_rng rng = nqm_rng_make(seed, 3);
-    for (size_t t = 0; every_table(t); ++t)
+    for (size_t t = 0; nqm_kernels_at(t); ++t)
         for (size_t m = 1; m <= M; ++m) {
             const size_t n_a = (m - 1) * LDA + (K - 1) * STEP + 1; /* exactly, so that sanitizers see reads beyond */
             float *a = random_block(&rng, n_a), *b = random_block(&rng, (K - 1) * LDB + NQM_PANEL);
@@ -126,25 +126,25 @@ TEST(strided_products_of_every_table) {
                     dense_a[i * K + u] = a[i * LDA + u * STEP];
             }
             for (int add = 0; add < 2; ++add) { /* the second adds to the first */
-                every_table(t)->strided_product(&(nqm_strided_product){.m = m,
-                                                                       .k = K,
-                                                                       .add = add,
-                                                                       .a = a,
-                                                                       .b = b,
-                                                                       .c = c,
-                                                                       .lda = LDA,
-                                                                       .step = STEP,
-                                                                       .ldb = LDB,
-                                                                       .ldc = LDC});
-                every_table(t)->product[NQM_PRECISION_F32](&(nqm_product){.m = m,
-                                                                          .words = K,
-                                                                          .n_panels = 1,
+                nqm_kernels_at(t)->strided_product(&(nqm_strided_product){.m = m,
+                                                                          .k = K,
                                                                           .add = add,
-                                                                          .a = dense_a,
-                                                                          .b = dense_b,
-                                                                          .c = expected,
-                                                                          .lda = K,
+                                                                          .a = a,
+                                                                          .b = b,
+                                                                          .c = c,
+                                                                          .lda = LDA,
+                                                                          .step = STEP,
+                                                                          .ldb = LDB,
                                                                           .ldc = LDC});
+                nqm_kernels_at(t)->product[NQM_PRECISION_F32](&(nqm_product){.m = m,
+                                                                             .words = K,
+                                                                             .n_panels = 1,
+                                                                             .add = add,
+                                                                             .a = dense_a,
+                                                                             .b = dense_b,
+                                                                             .c = expected,
+                                                                             .lda = K,
+                                                                             .ldc = LDC});
                 assert_memory_equal(c, expected, sizeof c);
             }
             float *const blocks[] = {a, b, dense_a, dense_b};
@@ -158,29 +158,16 @@ TEST(the_definition_by_hand) {
     const float x[] = {1, -2, 0.25f, 253}, w[] = {3, 1, -4, 127, 0.25f, 0, 127, -127};
     const double expected[] = {3 - 2 - 1 + 253.0 * 127, 0.25 + 31.75 - 253.0 * 127};
     for (int precision = 0; precision < NQM_PRECISION_COUNT; ++precision) {
-        nqm_panels b;
+        nqm_panels b = panels_of((nqm_precision)precision, 4, 2, w);
         uint32_t a[4];
         float c[NQM_PANEL] = {0};
-        int32_t sums[NQM_PANEL];
-        assert_int_equal(nqm_panels_create((nqm_precision)precision, 4, 2, &b, NULL), NQM_OK);
-        nqm_panels_pack(&b, (nqm_weights){w, NULL, 4});
+        memcpy(a, x, sizeof x);
+        if (precision == NQM_PRECISION_BF16)
+            nqm_kernels_get()->round_row(4, x, a);
         nqm_kernels_use(&nqm_kernels_scalar);
-        if (precision == NQM_PRECISION_INT8) {
-            nqm_byte_scale by = nqm_kernels_get()->quantise_row(4, x, a);
-            assert_true(by.scale == 1 && by.zero == 2 && b.scale[0] == 1 && b.scale[1] == 1);
-            nqm_multiply(&b, 1, a, 4, false, sums, NQM_PANEL);
-            const nqm_byte_columns columns = nqm_panel_columns(&b, 0);
-            nqm_kernels_get()->dequantise(1, &by, &columns, true, sums, c, NQM_PANEL);
-            /* 0.25 is rounded to 0 */
-            assert_true(c[0] == 3 - 2 + 253 * 127 && c[1] == -253 * 127);
-        } else {
-            memcpy(a, x, sizeof x);
-            if (precision == NQM_PRECISION_BF16)
-                nqm_kernels_get()->round_row(4, x, a);
-            nqm_multiply(&b, 1, a, 4, false, c, NQM_PANEL);
-            for (size_t j = 0; j < 2; ++j)
-                assert_near((double)c[j], expected[j], 1e-3);
-        }
+        nqm_multiply(&b, 1, a, 4, false, c, NQM_PANEL);
+        for (size_t j = 0; j < 2; ++j)
+            assert_near((double)c[j], expected[j], 1e-3);
         use_chosen_kernels();
         nqm_panels_free(&b);
     }
@@ -194,8 +181,8 @@ static bool has_fma(const nqm_kernels *kernels) {
 #endif
 }
 
-/* A measurement chooses between these two: they have the same bits in every precision. */
-static bool is_measured(const nqm_kernels *kernels) {
+/* Tables that unpack bfloat16 to floats and use fused multiply-add: they have the same bits in every precision. */
+static bool unpacks_bf16(const nqm_kernels *kernels) {
     return strcmp(kernels->name, "avx2") == 0 || strcmp(kernels->name, "avx512") == 0;
 }
 
@@ -206,12 +193,12 @@ TEST(the_same_bits) {
     for (int precision = 0; precision < NQM_PRECISION_COUNT; ++precision) {
         problem p = make_problem(&rng, (nqm_precision)precision, 150, 301, 90);
         float *first = solve(&p, nqm_kernels_at(0), 0, p.m, true);
-        for (size_t t = 0; every_table(t); ++t) {
-            const nqm_kernels *kernels = every_table(t);
+        for (size_t t = 0; nqm_kernels_at(t); ++t) {
+            const nqm_kernels *kernels = nqm_kernels_at(t);
             omp_set_num_threads((int)(t % 2) + 1);
             float *all = solve(&p, kernels, 0, p.m, true);
-            if (precision == NQM_PRECISION_INT8 || (precision == NQM_PRECISION_F32 && has_fma(kernels)) ||
-                (is_measured(nqm_kernels_at(0)) && is_measured(kernels)))
+            if ((precision == NQM_PRECISION_F32 && has_fma(kernels)) ||
+                (unpacks_bf16(nqm_kernels_at(0)) && unpacks_bf16(kernels)))
                 assert_memory_equal(all, first, p.m * p.ldc * sizeof *all);
             for (size_t i = 0; i < p.m; i += 7) {
                 omp_set_num_threads((int)(i % 3) + 1);
@@ -253,29 +240,41 @@ TEST(the_same_bits_of_many_panels) {
     omp_set_num_threads(threads);
 }
 
-/* Bytes at both ends of their ranges, so that any sum that saturates differs. */
-TEST(products_of_extreme_bytes) {
-    enum { M = 25, WORDS = 130 };
-    static const unsigned char left[] = {0, 1, 254, 255}, right[] = {0x80, 0x81, 0xff, 0x7f};
+TEST(one_row_like_many) {
+    enum { K = 77, WIDTH = 200, ROWS = 5 }; /* seven panels */
     nqm_rng rng = nqm_rng_make(seed, 10);
-    unsigned char a[4 * WORDS * M];
-    _Alignas(64) unsigned char b[4 * NQM_PANEL * WORDS];
-    for (size_t i = 0; i < sizeof a; ++i)
-        a[i] = left[nqm_rng_u64(&rng) >> 62];
-    for (size_t i = 0; i < sizeof b; ++i)
-        b[i] = right[nqm_rng_u64(&rng) >> 62];
-    for (size_t t = 0; every_table(t); ++t) {
-        int32_t c[M * NQM_PANEL], expected[M * NQM_PANEL], row[NQM_PANEL];
-        nqm_product p = {
-            .m = M, .words = WORDS, .n_panels = 1, .a = a, .b = b, .c = expected, .lda = WORDS, .ldc = NQM_PANEL};
-        nqm_kernels_scalar.product[NQM_PRECISION_INT8](&p);
-        p.c = c;
-        every_table(t)->product[NQM_PRECISION_INT8](&p);
-        assert_memory_equal(c, expected, sizeof c);
-        p.m = 1, p.c = row;
-        every_table(t)->product[NQM_PRECISION_INT8](&p);
-        assert_memory_equal(row, expected, sizeof row);
-    }
+    static float w[WIDTH * K], x[K];
+    for (size_t i = 0; i < WIDTH * K; ++i)
+        w[i] = (float)nqm_rng_normal(&rng);
+    for (size_t i = 0; i < K; ++i)
+        x[i] = (float)nqm_rng_normal(&rng);
+    for (size_t t = 0; nqm_kernels_at(t); ++t)
+        for (int p = 0; p < NQM_PRECISION_COUNT; ++p) {
+            const nqm_kernels *kernels = nqm_kernels_at(t);
+            const nqm_precision precision = (nqm_precision)p;
+            nqm_panels b = panels_of(precision, K, WIDTH, w);
+            uint32_t a[K];
+            static float expected[WIDTH + NQM_PANEL], actual[ROWS * (WIDTH + NQM_PANEL)];
+            memcpy(a, x, sizeof x);
+            if (precision == NQM_PRECISION_BF16)
+                kernels->round_row(K, x, a);
+            for (int add = 0; add < 2; ++add) {
+                nqm_kernels_use(kernels);
+                nqm_multiply(&b, 1, a, K, add, expected, WIDTH + NQM_PANEL);
+                use_chosen_kernels();
+                kernels->product[precision](&(nqm_product){.m = ROWS,
+                                                           .words = b.words,
+                                                           .n_panels = b.n_panels,
+                                                           .add = add,
+                                                           .a = a,
+                                                           .b = b.data,
+                                                           .panel_step = b.stride * NQM_PANEL,
+                                                           .c = actual,
+                                                           .ldc = WIDTH + NQM_PANEL});
+                assert_memory_equal(actual, expected, b.n_panels * NQM_PANEL * sizeof *actual);
+            }
+            nqm_panels_free(&b);
+        }
 }
 
 /* Panels are packed one at a time, also if the number of rows is not a multiple of the transposed block. */
@@ -303,7 +302,6 @@ TEST(panels_and_back) {
     assert_int_equal(nqm_panels_create(NQM_PRECISION_F32, K, N, &b, NULL), NQM_OK);
     assert_int_equal(nqm_panels_create(NQM_PRECISION_F32, N, K, &t, NULL), NQM_OK);
     assert_int_equal(nqm_panels_create(NQM_PRECISION_BF16, N, K, &bf16, NULL), NQM_OK);
-    assert_int_equal(nqm_panels_create(NQM_PRECISION_BF16, N, K, &bf16_t, NULL), NQM_OK);
     nqm_panels_pack(&b, (nqm_weights){w, NULL, K});
     nqm_panels_unpack(&b, back, K);
     assert_memory_equal(back, w, sizeof back);
@@ -313,7 +311,7 @@ TEST(panels_and_back) {
         for (size_t j = 0; j < K; ++j)
             assert_true(back_t[j * N + i] == w[i * K + j]);
     nqm_panels_transpose(&b, &bf16);
-    nqm_panels_pack(&bf16_t, (nqm_weights){back_t, NULL, N});
+    bf16_t = panels_of(NQM_PRECISION_BF16, N, K, back_t);
     assert_memory_equal(bf16.data, bf16_t.data, bf16.n_panels * bf16.stride * NQM_PANEL * sizeof *bf16.data);
     nqm_panels *all[] = {&b, &t, &bf16, &bf16_t};
     for (size_t i = 0; i < 4; ++i)
@@ -324,9 +322,9 @@ TEST(panels_and_back) {
 TEST(rounding_to_bfloat16) {
     const float x[] = {1, 0x1.01p0f, 0x1.03p0f, 0x1.0101p0f, -0x1.01p0f, 0x1.ffp127f, INFINITY, -0.0f, 3.14159f, NAN};
     const float expected[] = {1, 1, 0x1.04p0f, 0x1.02p0f, -1, INFINITY, INFINITY, -0.0f, 0x1.92p1f};
-    for (size_t t = 0; every_table(t); ++t) {
+    for (size_t t = 0; nqm_kernels_at(t); ++t) {
         uint32_t words[5];
-        every_table(t)->round_row(10, x, words);
+        nqm_kernels_at(t)->round_row(10, x, words);
         for (size_t i = 0; i < 10; ++i) {
             uint32_t bits = i % 2 ? words[i / 2] & 0xffff0000u : words[i / 2] << 16;
             float value;
@@ -403,9 +401,9 @@ TEST(gradients_of_every_table) {
         const size_t m = sizes[s][0], k = sizes[s][1], n = sizes[s][2],
                      ld = (n + NQM_PANEL - 1) / NQM_PANEL * NQM_PANEL;
         float *x = random_block(&rng, m * k), *z = random_block(&rng, m * n);
-        for (size_t t = 0; every_table(t); ++t)
-            for (int precision = 0; precision < NQM_PRECISION_INT8; ++precision) {
-                float *c = gradient_of(every_table(t), (nqm_precision)precision, sizes[s], x, z);
+        for (size_t t = 0; nqm_kernels_at(t); ++t)
+            for (int precision = 0; precision < NQM_PRECISION_COUNT; ++precision) {
+                float *c = gradient_of(nqm_kernels_at(t), (nqm_precision)precision, sizes[s], x, z);
                 for (size_t i = 0; i < k; i += 1 + k / 20)
                     for (size_t j = 0; j < n; ++j) {
                         double sum = 0, size = 0;

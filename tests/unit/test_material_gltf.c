@@ -107,63 +107,7 @@ TEST(what_has_no_effect_is_accepted) {
                "gltf:sheen_color=0,0,0");
 }
 
-/* ---- refused ----------------------------------------------------------------------------------------------------- */
-
-/* The refusal begins with `property`, whose value begins at `value` in the file. */
-static void check_refusal(const char *members, const char *property, const char *value) {
-    const char *text = document(members);
-    nqm_materials *materials = read_text(text);
-    const nqm_material_info info = nqm_materials_get(materials, 0);
-    if (!info.refusal || strncmp(info.refusal, property, strlen(property)) != 0)
-        fail_msg("%s: %s instead of %s", members, info.refusal ? info.refusal : "accepted", property);
-    if (strncmp(text + info.byte_offset, value, strlen(value)) != 0)
-        fail_msg("%s: byte %lld is %.10s", members, (long long)info.byte_offset, text + info.byte_offset);
-    nqm_materials_free(materials);
-}
-
-TEST(what_is_no_brdf_is_refused) {
-    static const char *const cases[][3] = {
-        {"\"pbrMetallicRoughness\": {\"baseColorTexture\": {\"index\": 7}}",
-         "pbrMetallicRoughness.baseColorTexture:", "{\"index\": 7}"},
-        {"\"pbrMetallicRoughness\": {\"metallicRoughnessTexture\": {}}",
-         "pbrMetallicRoughness.metallicRoughnessTexture:", "{}}"},
-        {"\"normalTexture\": {\"index\": 1}", "normalTexture:", "{\"index\": 1}"},
-        {"\"name\": \"\\\"emissiveTexture\\\"\", \"normalTexture\": {}", "normalTexture:", "{}}"},
-        {"\"pbrMetallicRoughness\": {\"baseColorFactor\": [1, 1, 1, -5]}",
-         "pbrMetallicRoughness.baseColorFactor:", "[1, 1, 1, -5]"},
-        {"\"emissiveFactor\": [1, 1, 1], \"emissiveTexture\": {\"x\": 0}", "emissiveTexture:", "{\"x\""},
-        {"\"emissiveFactor\": [0, 0.5, 0]", "emissiveFactor:", "[0, 0.5"},
-        {"\"alphaMode\": \"BLEND\", \"pbrMetallicRoughness\": {\"baseColorFactor\": [1, 1, 1, 0.9]}",
-         "alphaMode = BLEND:", "\"BLEND\""},
-        {"\"alphaMode\": \"MASK\", \"alphaCutoff\": 0.8, \"pbrMetallicRoughness\": {\"baseColorFactor\": [1, 1, 1, "
-         "0.7]}",
-         "alphaMode = MASK:", "\"MASK\""},
-        {"\"alphaMode\": \"MASK\", \"pbrMetallicRoughness\": {\"baseColorFactor\": [1, 1, 1, 0.49]}",
-         "alphaMode = MASK:", "\"MASK\""},
-        {"\"extensions\": {\"KHR_materials_transmission\": {\"transmissionFactor\": 0.8}}",
-         "KHR_materials_transmission.transmissionFactor is 0.8:", "0.8}"},
-        {"\"extensions\": {\"KHR_materials_volume\": {\"thicknessFactor\": 2}}",
-         "KHR_materials_volume.thicknessFactor is 2:", "2}"},
-        {"\"extensions\": {\"KHR_materials_anisotropy\": {\"anisotropyStrength\": 1, \"anisotropyTexture\": {\"i\": "
-         "1}}}",
-         "KHR_materials_anisotropy.anisotropyTexture:", "{\"i\""},
-        {"\"extensions\": {\"KHR_materials_dispersion\": {\"dispersion\": 0.1}}",
-         "KHR_materials_dispersion.dispersion is 0.1:", "0.1}"},
-        {"\"extensions\": {\"KHR_materials_diffuse_transmission\": {\"diffuseTransmissionFactor\": 1}}",
-         "KHR_materials_diffuse_transmission.diffuseTransmissionFactor is 1:", "1}"},
-        {"\"extensions\": {\"KHR_materials_unlit\": {}}", "KHR_materials_unlit:", "{}}"},
-        {"\"extensions\": {\"KHR_materials_pbrSpecularGlossiness\": {\"glossinessFactor\": 1}}",
-         "KHR_materials_pbrSpecularGlossiness:", "{\"gloss"},
-        {"\"extensions\": {\"EXT_new\": {\"a\": 1}}", "EXT_new: this extension is not known", "{\"a\""},
-        {"\"extensions\": {\"KHR_materials_ior\": {\"ior\": 0.5}}", "KHR_materials_ior.ior:", "0.5}"},
-        {"\"extensions\": {\"KHR_materials_sheen\": {\"sheenColorFactor\": [1, 0, 0], \"sheenRoughnessTexture\": "
-         "{\"i\": 1}}}",
-         "KHR_materials_sheen.sheenRoughnessTexture:", "{\"i\""},
-        {"\"pbrMetallicRoughness\": {\"shininess\": 3}", "pbrMetallicRoughness has no property 'shininess'", "3}"},
-        {"\"technique\": 3", "the material has no property 'technique'", "3}"}};
-    for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i)
-        check_refusal(cases[i][0], cases[i][1], cases[i][2]);
-}
+/* ---- refused (most: malformed/materials.txt) ---------------------------------------------------------------------- */
 
 TEST(requirements_concern_every_material) {
     nqm_materials *materials = read_text(
@@ -205,47 +149,6 @@ static void check_broken(const void *data, size_t n, int64_t byte, const char *w
         fail_msg("%s: no '%s'", err.message, words);
     if (byte >= 0)
         assert_int_equal(err.byte_offset, byte);
-}
-
-TEST(broken_texts_are_refused) {
-    static const struct {
-        const char *text;
-        int64_t byte;
-        const char *words;
-    } cases[] = {
-        {"{\"asset\": {\"version\": \"2.0\"}, }", -1, "invalid JSON"},
-        {"{\"asset\": {\"version\": \"2.0\"", -1, "invalid JSON"},
-        {"{\"asset\": 1, \"asset\": 2}", -1, "invalid JSON"},
-        {"{\"asset\": {\"version\": \"2.0\"}, \"materials\": [{} {}]}", -1, "invalid JSON"},
-        {"{\"asset\": {\"version\": \"2.0\"}, \"materials\": [{}, {\"name\": \"a\" 1}]}", 62, "invalid JSON"},
-        {"{\"asset\": {\"version\": \"2.0\"}, \"m\\u0061terials\": [{}]}", 0, "written with escapes"},
-        {"{\"asset\": {}}", 10, "asset.version"},
-        {"{}", 0, "asset.version"},
-        {"{\"asset\": {\"version\": \"1.0\"}}", 22, "glTF 1.0"},
-        {"{\"asset\": {\"version\": \"2.x\"}}", 22, "glTF 2.x"},
-        {"{\"asset\": {\"version\": \"2.9\", \"minVersion\": \"2.9\"}}", 22, "minVersion"},
-        {"{\"asset\": {\"version\": \"2.0\"}}", 0, "contains no material"},
-        {"{\"asset\": {\"version\": \"2.0\"}, \"materials\": {}}", 43, "needs an array"},
-        {"{\"asset\": {\"version\": \"2.0\"}, \"materials\": [7]}", 44, "an object as material"},
-        {"{\"asset\": {\"version\": \"2.0\"}, \"materials\": [{\"name\": 7}]}", 53, "a string"},
-    };
-    for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i)
-        check_broken(cases[i].text, strlen(cases[i].text), cases[i].byte, cases[i].words);
-    static const char *const members[][2] = {
-        {"\"pbrMetallicRoughness\": 1", "an object"},
-        {"\"pbrMetallicRoughness\": {\"metallicFactor\": \"1\"}", "metallicFactor needs a number"},
-        {"\"pbrMetallicRoughness\": {\"baseColorFactor\": [1, 1, 1]}", "an array of 4 numbers"},
-        {"\"pbrMetallicRoughness\": {\"baseColorFactor\": [1, 1, 1, \"1\"]}", "an array of 4 numbers"},
-        {"\"emissiveFactor\": 1", "an array of 3 numbers"},
-        {"\"alphaMode\": \"SHINY\"", "\"OPAQUE\", \"MASK\" or \"BLEND\""},
-        {"\"alphaCutoff\": [1]", "alphaCutoff needs a number"},
-        {"\"extensions\": []", "extensions needs an object"},
-        {"\"extensions\": {\"KHR_materials_ior\": 1.5}", "an object"},
-        {"\"extensions\": {\"KHR_materials_transmission\": {\"transmissionFactor\": {}}}", "a number"}};
-    for (size_t i = 0; i < sizeof members / sizeof *members; ++i) {
-        const char *text = document(members[i][0]);
-        check_broken(text, strlen(text), -1, members[i][1]);
-    }
 }
 
 /* A binary file with a JSON chunk. */

@@ -62,53 +62,6 @@ TEST(coated_conductors) {
                 "pbrt");
 }
 
-TEST(refused_materials) {
-    static const char *const cases[][2] = {
-        {"Material \"conductor\"", "smooth"},
-        {"Material \"conductor\" \"float roughness\" 1e-7", "smooth"},
-        {"Material \"conductor\" \"float uroughness\" .1 \"float vroughness\" 0", "smooth"},
-        {"Material \"conductor\" \"float uroughness\" .1 \"float vroughness\" -.2", "negative"},
-        {"Material \"conductor\" \"float roughness\" .1 \"string vroughness\" \".2\"", "needs a number"},
-        {"Material \"conductor\" \"float roughness\" .1 \"spectrum eta\" \"metal-Xx-eta\"", "Au, Be"},
-        {"Material \"conductor\" \"float roughness\" .1 \"spectrum eta\" \"metal-Au-k\"", "not known"},
-        {"Material \"conductor\" \"float roughness\" .1 \"spectrum eta\" [ 400 1 700 2 ]", "wavelength"},
-        {"Material \"conductor\" \"texture roughness\" \"t\"", "texture"},
-        {"Material \"conductor\" \"float roughness\" .1 \"texture displacement\" \"t\"", "texture"},
-        {"Material \"conductor\" \"float roughness\" .1 \"float displacement\" 1", "displacement"},
-        {"Material \"conductor\" \"rgb roughness\" [.1 .2 .3]", "needs a number"},
-        {"Material \"conductor\" \"float roughness\" .1 \"rgb eta\" [ 1 2 ]", "three numbers"},
-        {"Material \"conductor\" \"float roughness\" .1 \"rgb eta\" [ 1 1 1 ] \"rgb reflectance\" [ 1 1 1 ]",
-         "as well as"},
-        {"Material \"conductor\" \"float roughness\" .1 \"string remaproughness\" \"no\"", "true or false"},
-        {"Material \"conductor\" \"float roughness\" .1 \"bool remaproughness\" \"maybe\"", "true or false"},
-        {"Material \"conductor\" \"float roughness\" -.1 \"bool remaproughness\" false", "negative"},
-        {"Material \"conductor\" \"float roughness\" .1 \"float roughness\" .2", "given twice"},
-        {"Material \"conductor\" \"float roughness\" true", "needs a number"},
-        {"Material \"diffuse\" \"rgb reflectance\" [ true false true ]", "three numbers"},
-        {"Material \"diffuse\" \"rgb reflectance\" [ \".1\" \".2\" \".3\" ]", "three numbers"},
-        {"MakeNamedMaterial \"a\" \"string type\" \"diffuse\" \"string type\" \"conductor\"", "type"},
-        {"Material \"coateddiffuse\"", "smooth"},
-        {"Material \"coateddiffuse\" \"float roughness\" .1 \"rgb albedo\" [ .5 .5 .5 ]", "scatters"},
-        {"Material \"coateddiffuse\" \"float uroughness\" .1 \"float vroughness\" .2", "one roughness"},
-        {"Material \"coatedconductor\" \"rgb albedo\" .5", "three numbers"},
-        {"Material \"coatedconductor\" \"rgb albedo\" [ 0 0 .5 ]", "scatters"},
-        {"Material \"coatedconductor\" \"float interface.uroughness\" .1", "interface.uroughness and"},
-        {"Material \"coatedconductor\" \"float conductor.vroughness\" .1", "conductor.vroughness differ"},
-        {"Material \"coatedconductor\" \"float conductor.roughness\" -.1", "negative"},
-        {"Material \"coatedconductor\" \"float roughness\" .1", "has no"},
-        {"Material \"coatedconductor\" \"rgb reflectance\" [ 1 1 1 ] \"rgb conductor.k\" [ 1 1 1 ]", "as well as"},
-        {"Material \"coatedconductor\" \"spectrum conductor.eta\" \"metal-Au-k\"", "not known"},
-        {"Material \"dielectric\"", "transmission"},
-        {"Material \"mix\" \"string materials\" [ \"a\" \"b\" ]", "mixtures"},
-        {"Material \"uber\"", "not known"},
-        {"Material \"measured\"", "filename"},
-        {"ColorSpace \"rec2020\" Material \"diffuse\"", "colour space"},
-        {"Attribute \"material\" \"rgb reflectance\" [1 0 0] Material \"diffuse\"", "Attribute"},
-    };
-    for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i)
-        expect_refusal(cases[i][0], cases[i][1]);
-}
-
 TEST(scenes) {
     nqm_materials *materials =
         open_text("LookAt 0 0 5 0 0 0 0 1 0\nColorSpace \"srgb\"\nWorldBegin\nAttribute \"shape\" \"float radius\" 1\n"
@@ -187,28 +140,6 @@ TEST(computed_textures) {
     expect_spec("Texture \"t\" \"float\" \"mix\" " ROUGH, "pbrt-conductor:roughness=0.5;" COPPER);
 }
 
-TEST(refused_textures) {
-    static const char *const cases[][2] = {
-        {DIFFUSE, "no spectrum texture 't'"},
-        {IMAGE("t", "float", "a.png", "") DIFFUSE, "no spectrum texture 't'"},
-        {IMAGE("t", "spectrum", "a.png", "") ROUGH, "no float texture 't'"},
-        {"Texture \"t\" \"spectrum\" \"scale\" \"texture tex\" \"t\" " DIFFUSE, "no spectrum texture 't'"},
-        {"Texture \"t\" \"spectrum\" \"marble\" " DIFFUSE, "'marble'"},
-        {"Texture \"t\" \"spectrum\" \"imagemap\" " DIFFUSE, "'t' has no filename"},
-        {"Texture \"t\" \"spectrum\" \"constant\" \"spectrum value\" [ 400 1 ] " DIFFUSE, "wavelength"},
-        {IMAGE("t", "spectrum", "a.png", "\"string mapping\" \"spherical\"") DIFFUSE, "'spherical'"},
-        {IMAGE("t", "spectrum", "a.png", "\"string wrap\" \"octahedralsphere\"") DIFFUSE, "'octahedralsphere'"},
-        {IMAGE("t", "spectrum", "a.png", "\"string encoding\" \"gamma -1\"") DIFFUSE, "'gamma -1'"},
-        {IMAGE("t", "spectrum", "a.png", "\"float scale\" [ 1 2 ]") DIFFUSE, "scale"},
-        {"Attribute \"texture\" \"float uscale\" 2 " IMAGE("t", "spectrum", "a.png", "") DIFFUSE, "textures"},
-        {"Material \"diffuse\" \"string normalmap\" \"\"", "normalmap"},
-        {IMAGE("t", "float", "a.png", "") "Material \"diffuse\" \"texture displacement\" \"t\"", "displacement"},
-        {IMAGE("t", "float", "a.png", "") "Material \"coatedconductor\" \"texture thickness\" \"t\"", "thickness"},
-    };
-    for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i)
-        expect_refusal(cases[i][0], cases[i][1]);
-}
-
 /* Textures that name the one before twice: 2^40 paths. */
 TEST(nested_textures) {
     char text[8000] = "Texture \"t0\" \"spectrum\" \"constant\" ";
@@ -231,19 +162,6 @@ TEST(corners_of_images) {
               "\"float uscale\" 2 \"float udelta\" .25 \"float vscale\" 3 \"float vdelta\" .125") DIFFUSE;
     expect_position(moved, 0, 1, 0.25, 0.875);
     expect_position(moved, 1, 0, 2.25, -2.125);
-}
-
-TEST(damaged_files) {
-    expect_error("Texture \"a\" \"float\" Material \"diffuse\"", NQM_ERR_FORMAT, "without its name");
-    expect_error("Material \"conductor", NQM_ERR_FORMAT, "closing quote (byte 9)");
-    expect_error("Material", NQM_ERR_FORMAT, "not a material file");
-    expect_error("Material ", NQM_ERR_FORMAT, "without the type");
-    expect_error("MakeNamedMaterial 3", NQM_ERR_FORMAT, "without the name");
-    expect_error("Material \"diffuse\" \"reflectance\" 1", NQM_ERR_FORMAT, "type name");
-    expect_error("Material \"diffuse\" \"rgb reflectance\" [ 1 2", NQM_ERR_FORMAT, "closing bracket");
-    expect_error("Material \"diffuse\" \"rgb reflectance\" [ 1 x ]", NQM_ERR_FORMAT, "not a number");
-    expect_error("WorldBegin\n", NQM_ERR_FORMAT, "no material");
-    expect_error("Include \"a.pbrt\"\n", NQM_ERR_FORMAT, "included files");
 }
 
 TEST(files_go_there_and_back) {

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * The scalar features against NumPy (tests/vectors/scalars.py), for limiting cases, and as inputs of the network.
+ * The scalar features for limiting cases, and as inputs of the network; test_metric_sums.c compares them with PyTorch.
  */
 #include "metric/metric.h"
 #include "metric/sums.h"
@@ -13,22 +13,6 @@
 #include <string.h>
 
 enum { N = METRICS_PAIR_N };
-
-TEST(against_numpy) {
-    double all[NQM_SCALAR_COUNT], kept[NQM_SCALAR_COUNT];
-    compute_scalars(pair.directions, NULL, pair.ref, pair.test, NULL, all);
-    compute_scalars(pair.directions, NULL, pair.ref, pair.test, pair.used, kept);
-    nqm_csv *csv;
-    assert_int_equal(nqm_csv_load(test_vector("scalars_expected.csv"), &csv, NULL), NQM_OK);
-    assert_int_equal(nqm_csv_rows(csv), NQM_SCALAR_COUNT);
-    for (size_t row = 0; row < NQM_SCALAR_COUNT; ++row) {
-        assert_string_equal(nqm_csv_text(csv, row, 0), nqm_scalar_name(row));
-        check_near(all[row], csv_number(csv, row, 1), 1e-5, nqm_scalar_name(row), __FILE__, __LINE__);
-        check_near(kept[row], csv_number(csv, row, 2), 1e-5, nqm_scalar_name(row), __FILE__, __LINE__);
-    }
-    nqm_csv_free(csv);
-    assert_null(nqm_scalar_name(NQM_SCALAR_COUNT));
-}
 
 /* For equal members every difference is exactly 0, or the logarithm of the floor of its feature. */
 TEST(equal_members) {

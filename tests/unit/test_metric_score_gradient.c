@@ -1,165 +1,47 @@
 /* SPDX-License-Identifier: MIT
  *
- * nqm_score_grad() for small models of each kind against central differences of the whole composition in plain double; kinks,
- * refusals, agreement with scores, the same bits for any batch and number of threads.
+ * nqm_score_grad() for small models of each kind against PyTorch in double (tests/vectors/metric_torch.py); kinks, refusals, agreement with scores, the same bits for any batch and number of threads.
  */
 #include "base/memory_test.h"
 #include "metric/metric.h"
 #include "support/check.h"
-#include "support/double_features.h"
-#include "support/double_network.h"
-#include "support/double_transport.h"
-#include "support/predict.h"
+#include "support/recorded.h"
 
 #include <math.h>
 #include <omp.h>
 #include <string.h>
 
-enum { N = DOUBLE_N, N_VALUES = DOUBLE_VALUES, N_SCALARS = NQM_SCALAR_COUNT };
+enum { N = PAIR_N, N_VALUES = PAIR_VALUES };
 
 /* ---- models ------------------------------------------------------------------------------------------------------ */
 
-typedef struct kind {
-    const char *name;
-    bool has_network, has_difference, has_scalars, has_transport;
-} kind;
+static const char *const kinds[] = {"paper", "scalars", "all",
+                                    "transport"}; /* all: with scalar features and transport */
+enum { KINDS = sizeof kinds / sizeof *kinds, PAPER = 0, ALL = 2, TRANSPORT = 3 };
 
-static const kind kinds[] = {{"paper", true, false, false, false},
-                             {"scalars", true, true, true, false},
-                             {"scalars and transport", true, true, true, true},
-                             {"transport", false, false, false, true}};
-enum { KINDS = sizeof kinds / sizeof *kinds, PAPER = 0, ALL = 2 };
-
-static const nqm_output_range jod_range = {.mean = 5, .std = 2, .lo = -2, .hi = 2.2},
-                              correction = {.mean = 0.1, .std = 0.5, .lo = -1.2, .hi = 1};
-
-/* Scalar features near those of the pairs here; some are beyond the range of inputs. */
-static void set_whitening(nqm_model *m) {
-    const gradient_pair p = make_pair(1, 0.2, 40);
-    double scalars[N_SCALARS];
-    const nqm_transport t = nqm_model_transport(m);
-    compute_scalars(directions, &t, p.ref, p.test, p.used, scalars);
-    for (size_t i = 0; i < N_SCALARS; ++i) {
-        m->scalars.mean[i] = (float)(scalars[i] - 0.3 * ((double)(i % 7) - 3) - (i % 11 == 5 ? 20 : 0));
-        m->scalars.std[i] = 1 + 0.1f * (float)(i % 5);
-    }
-    m->scalars.scale = 0.8;
-}
-
-static nqm_model *make_model(const kind *k) {
+static nqm_model *make_estimator(void) {
     nqm_model *m = nqm_alloc(1, sizeof *m);
-    const size_t width = (k->has_difference ? 3U : 2U) * N_VALUES + (k->has_scalars ? (size_t)N_SCALARS : 0);
-    const nqm_net_shape shape = {3, {width, 24, 10, k->has_transport ? 1 + NQM_LABEL_PARTS : 1}};
-    nqm_transport t = make_transport(64, 2, 1500);
-    m->target = k->has_difference || k->has_transport ? NQM_TARGET_LOG_DELTA_E : NQM_TARGET_JOD;
-    m->output = m->target == NQM_TARGET_JOD ? jod_range : correction;
+    m->target = NQM_TARGET_LOG_DELTA_E;
+    m->output = (nqm_output_range){.std = 1, .lo = -1, .hi = 1};
     m->curve = nqm_curve_published;
-    m->features.layout = k->has_difference ? NQM_LAYOUT_REF_DIFF_ABSDIFF : NQM_LAYOUT_REF_TEST;
-    m->features.difference_scale = 3;
-    for (size_t i = 0; i < 3; ++i) {
-        m->features.mean[i] = 0.4f + 0.05f * (float)i;
-        m->features.std[i] = 0.3f;
-    }
-    for (size_t i = 0; i < NQM_LABEL_PARTS; ++i)
-        m->parts[i] = correction;
-    m->id = nqm_strdup(k->name);
-    m->scalar_names = k->has_scalars ? nqm_scalar_names() : NULL;
-    if (k->has_scalars)
-        assert_int_equal(nqm_scalars_select(NULL, &m->scalars, NULL), NQM_OK);
+    m->id = nqm_strdup(kinds[TRANSPORT]);
     assert_int_equal(nqm_directions_from_degrees(N, directions->degrees, &m->directions, NULL), NQM_OK);
-    if (k->has_network)
-        make_random_params(&shape, 3, &m->params);
-    else
-        m->output = (nqm_output_range){.std = 1, .lo = -1, .hi = 1};
-    if (k->has_transport)
-        assert_int_equal(nqm_model_set_transport(m, &t, NULL), NQM_OK);
-    if (k->has_scalars)
-        set_whitening(m);
-    drop_transport(&t);
     return m;
 }
 
-/* ---- the score in plain double ----------------------------------------------------------------------------------- */
-
-static double whitened(const nqm_model *m, double f, size_t k) {
-    return (log1p(cbrt(f)) - (double)m->features.mean[k]) / (double)m->features.std[k];
-}
-
-static void set_samples(const nqm_model *m, const double *f, const double *g, const uint8_t *used, double *x) {
-    const bool differs = m->features.layout != NQM_LAYOUT_REF_TEST;
-    for (size_t i = 0; i < N_VALUES; ++i) {
-        const double a = whitened(m, f[i], i % 3), b = whitened(m, g[i], i % 3);
-        const double by = m->features.difference_scale * (b - a);
-        x[i] = used[i / 3] ? a : 0;
-        x[N_VALUES + i] = !used[i / 3] ? 0 : differs ? by : b;
-        if (differs)
-            x[2 * N_VALUES + i] = used[i / 3] ? fabs(by) : 0;
-    }
-}
-
-static void set_scalars(const nqm_model *m, const double *f, const double *g, const uint8_t *used,
-                        const nqm_label *label, double *x) {
-    double s[N_SCALARS] = {0};
-    features_of(f, g, used, s);
-    if (label) {
-        const double estimate[] = {log(fmax(label->delta_e, 0.05)), asinh(label->shift[0]),
-                                   asinh(label->shift[1]),          asinh(label->shift[2]),
-                                   asinh(30 * label->contrast),     log(fmax(label->structure, 0.05))};
-        memcpy(s + NQM_SCALAR_ESTIMATE, estimate, sizeof estimate);
-    }
-    for (size_t i = 0; i < N_SCALARS; ++i) {
-        const double z = (s[i] - (double)m->scalars.mean[i]) / (double)m->scalars.std[i];
-        x[i] = m->scalars.scale * fmin(fmax(z, -5), 5);
-    }
-}
-
-enum { QUANTITIES = 2 };
-
-/* values: by nqm_score_quantity; NaN if the model does not predict it. */
-static void double_scores(const nqm_model *m, const double *f, const double *g, const uint8_t *used, double *values) {
-    double x[3 * N_VALUES + N_SCALARS], z[1 + NQM_LABEL_PARTS] = {0};
-    const nqm_transport t = nqm_model_transport(m);
-    const bool differs = m->features.layout != NQM_LAYOUT_REF_TEST;
-    nqm_label label = {.delta_e = 1};
-    if (t.light)
-        label = double_label(&t, f, g, used);
-    if (m->params.shape.n_layers) {
-        set_samples(m, f, g, used, x);
-        if (m->scalar_names)
-            set_scalars(m, f, g, used, t.light ? &label : NULL, x + (differs ? 3 : 2) * N_VALUES);
-        double_network(&m->params, x, z);
-    }
-    const nqm_output_range *o = &m->output;
-    const double target = o->mean + o->std * (o->lo + (o->hi - o->lo) / (1 + exp(-z[0])));
-    const double delta_e = exp(target + log(fmax(label.delta_e, 0.05)));
-    const nqm_curve *c = &m->curve;
-    values[NQM_SCORE_JOD] = 10 * (1 - 1 / (1 + exp(c->b1 * (-pow(delta_e, c->b3) - c->b2))));
-    values[NQM_SCORE_DELTA_E] = delta_e;
-    if (m->target == NQM_TARGET_JOD) {
-        values[NQM_SCORE_JOD] = target;
-        values[NQM_SCORE_DELTA_E] = (double)NAN;
-    }
-}
-
-/* Central differences of order 4: gradient (QUANTITIES, N_VALUES). */
-static void differentiate(const nqm_model *m, const gradient_pair *p, double (*gradient)[N_VALUES]) {
-    static const double steps[4] = {-2, -1, 1, 2};
-    double f[N_VALUES], g[N_VALUES];
-    to_double(p->ref, f);
-    to_double(p->test, g);
-    for (size_t i = 0; i < N_VALUES; ++i) {
-        const double at = g[i], h = 1e-3 * (at + 1e-3);
-        double v[4][QUANTITIES];
-        if (!(at > 0))
-            continue; /* below 0 there is nothing */
-        for (size_t s = 0; s < 4; ++s) {
-            g[i] = at + steps[s] * h;
-            double_scores(m, f, g, p->used, v[s]);
-        }
-        g[i] = at;
-        for (size_t of = 0; of < QUANTITIES; ++of)
-            gradient[of][i] = (8 * (v[2][of] - v[1][of]) - (v[3][of] - v[0][of])) / (12 * h);
-    }
+static nqm_model *make_model(size_t kind) {
+    nqm_model *m;
+    char file[64];
+    nqm_transport t = make_transport(64, 2, 1500);
+    snprintf(file, sizeof file, "small_%s.safetensors", kinds[kind]);
+    if (kind == TRANSPORT)
+        m = make_estimator();
+    else
+        assert_int_equal(nqm_model_load(test_vector(file), &m, NULL), NQM_OK);
+    if (kind >= ALL)
+        assert_int_equal(nqm_model_set_transport(m, &t, NULL), NQM_OK);
+    drop_transport(&t);
+    return m;
 }
 
 /* ---- comparison -------------------------------------------------------------------------------------------------- */
@@ -189,39 +71,32 @@ static bool predicts(const nqm_model *m, nqm_score_quantity of) {
     return of == NQM_SCORE_JOD || m->target == NQM_TARGET_LOG_DELTA_E;
 }
 
-/* The largest error relative to the largest entry; of entries with f_r > 0 only. */
-static double gradient_error(const gradient_pair *p, const float *gradient, const double *expected) {
-    double largest = 0, error = 0;
-    for (size_t i = 0; i < N_VALUES; ++i) {
-        if (!(p->test[i] > 0))
-            continue;
-        largest = fmax(largest, fabs(expected[i]));
-        error = fmax(error, fabs((double)gradient[i] - expected[i]));
-    }
-    return error / largest;
-}
+static const size_t recorded[] = {PAIR_005, PAIR_06, PAIR_ZEROS};
+enum { RECORDED = sizeof recorded / sizeof *recorded };
 
-/* The network computes in float; without one, rounding limits the differences. */
-static void check_pair(const nqm_model *m, const gradient_pair *p) {
-    double f[N_VALUES], g[N_VALUES], values[QUANTITIES], expected[QUANTITIES][N_VALUES];
-    float gradient[N_VALUES];
-    to_double(p->ref, f);
-    to_double(p->test, g);
-    double_scores(m, f, g, p->used, values);
-    differentiate(m, p, expected);
+/* Compare with what is recorded of a pair, but for the slopes where f_r is 0. The network computes in float. */
+static void check_pair(const nqm_model *m, size_t which) {
+    const gradient_pair p = recorded_pair(recorded[which]);
     for (nqm_score_quantity of = NQM_SCORE_JOD; of <= NQM_SCORE_DELTA_E; ++of) {
+        double values[RECORDED], slopes[RECORDED][N_WAYS];
+        float gradient[N_VALUES];
+        char name[64];
         if (!predicts(m, of))
             continue;
-        assert_relative(gradient_of(m, of, p, gradient), values[of], 1e-5);
-        const double error = gradient_error(p, gradient, expected[of]);
-        print_message("%s, %s %.4g: %.2g\n", m->id, of == NQM_SCORE_JOD ? "JOD" : "Delta-E", values[of], error);
-        assert_true(error <= (m->params.shape.n_layers ? 1e-5 : 1e-6));
+        snprintf(name, sizeof name, "%s.%s", m->id, of == NQM_SCORE_JOD ? "jod" : "delta_e");
+        get_recorded(name, sizeof values, values);
+        assert_relative(gradient_of(m, of, &p, gradient), values[which], 1e-5);
+        strcat(name, ".slopes");
+        get_recorded(name, sizeof slopes, slopes);
+        const double error =
+            check_slopes(name, gradient, slopes[which], p.test, m->params.shape.n_layers ? 1e-5 : 1e-6);
+        print_message("%s of %.4g: %.2g\n", name, values[which], error);
     }
 }
 
 static void on_every_kind(void (*test)(const nqm_model *m)) {
     for (size_t k = 0; k < KINDS; ++k) {
-        nqm_model *m = make_model(&kinds[k]);
+        nqm_model *m = make_model(k);
         test(m);
         nqm_model_free(m);
     }
@@ -230,12 +105,9 @@ static void on_every_kind(void (*test)(const nqm_model *m)) {
 /* ---- tests ------------------------------------------------------------------------------------------------------- */
 
 static void ordinary(const nqm_model *m) {
-    gradient_pair p = make_pair(2, 0.05, 40);
-    check_pair(m, &p);
-    p = make_pair(3, 0.6, 70);
-    for (size_t i = 0; i < N; i += 13) /* dropped */
-        p.used[i] = 0;
-    check_pair(m, &p);
+    gradient_pair p = recorded_pair(PAIR_06);
+    check_pair(m, 0);
+    check_pair(m, 1);
     float gradient[N_VALUES], changed[N_VALUES];
     (void)gradient_of(m, NQM_SCORE_JOD, &p, gradient);
     for (size_t i = 0; i < N_VALUES; ++i)
@@ -253,14 +125,12 @@ TEST(against_differences) {
 
 /* Where f_r is 0 the gradient is that at 1e-6 or finite; elsewhere as ever. */
 static void zeros(const nqm_model *m) {
-    gradient_pair p = make_pair(4, 0.4, 20);
+    gradient_pair p = recorded_pair(PAIR_ZEROS);
     float at_zero[N_VALUES], near_zero[N_VALUES];
-    for (size_t i = 0; i < N_VALUES; i += 5)
-        p.test[i] = 0;
-    check_pair(m, &p);
+    check_pair(m, 2);
     (void)gradient_of(m, NQM_SCORE_JOD, &p, at_zero);
-    for (size_t i = 0; i < N_VALUES; i += 5)
-        p.test[i] = 1e-24f;
+    for (size_t i = 0; i < N_VALUES; ++i)
+        p.test[i] = fmaxf(p.test[i], 1e-24f);
     (void)gradient_of(m, NQM_SCORE_JOD, &p, near_zero);
     for (size_t i = 0; i < N_VALUES; ++i)
         assert_near((double)at_zero[i], (double)near_zero[i], 1e-3 * fabs((double)near_zero[i]) + 1e-6);
@@ -275,7 +145,7 @@ TEST(zero_reflectance) {
 }
 
 static void equal(const nqm_model *m) {
-    gradient_pair p = make_pair(5, 0.4, 20);
+    gradient_pair p = recorded_pair(PAIR_ZEROS);
     float gradient[N_VALUES];
     memcpy(p.test, p.ref, sizeof p.test);
     for (nqm_score_quantity of = NQM_SCORE_JOD; of <= NQM_SCORE_DELTA_E; ++of) {
@@ -299,7 +169,7 @@ static void nearly_equal(const nqm_model *m) {
     if (m->target != NQM_TARGET_LOG_DELTA_E)
         return;
     for (size_t k = 0; k < 2; ++k) {
-        gradient_pair p = make_pair(6, 0.4, 20);
+        gradient_pair p = recorded_pair(PAIR_02);
         float gradient[N_VALUES];
         memcpy(p.test, p.ref, sizeof p.test);
         const size_t at = 17;
@@ -417,9 +287,9 @@ static void refuse(nqm_scorer *scorer, nqm_score_quantity of, const nqm_sample_p
 }
 
 TEST(refusals) {
-    nqm_model *m = make_model(&kinds[PAPER]);
+    nqm_model *m = make_model(PAPER);
     nqm_scorer *scorer = make_scorer(m);
-    gradient_pair p = make_pair(7, 0.4, 20), bad = p;
+    gradient_pair p = recorded_pair(PAIR_02), bad = p;
     nqm_sample_pair pairs[2] = {{p.ref, p.test, NULL}, {p.ref, bad.test, NULL}};
     bad.test[100] = NAN;
     refuse(scorer, NQM_SCORE_JOD, pairs, NQM_ERR_ARG, "pair 1");
@@ -459,9 +329,10 @@ TEST(the_same_bits) {
     static const size_t batches[] = {MANY, 1, 2, 50};
     double all_values[MANY], values[MANY];
     const int threads = omp_get_max_threads();
-    nqm_model *m = make_model(&kinds[ALL]);
+    nqm_model *m = make_model(ALL);
     for (size_t i = 0; i < DISTINCT; ++i) {
-        p[i] = make_pair(i, 0.1 * (double)i, 20);
+        p[i] = recorded_pair(i);
+        memset(p[i].used, 1, N);
         memset(p[i].used + 7 * i, 0, i % 3 ? 7 : 0);
     }
     for (size_t i = 0; i < MANY; ++i) /* pairs of one reference, with and without dropped directions */
@@ -481,9 +352,9 @@ TEST(the_same_bits) {
 
 /* A call that ran out of memory may be repeated. */
 TEST(out_of_memory) {
-    nqm_model *m = make_model(&kinds[ALL]);
+    nqm_model *m = make_model(ALL);
     nqm_scorer *scorer = make_scorer(m);
-    const gradient_pair p = make_pair(8, 0.4, 20);
+    const gradient_pair p = recorded_pair(PAIR_02);
     const nqm_sample_pair pairs[2] = {{p.ref, p.test, NULL}, {p.ref, p.test, NULL}};
     float gradients[2 * N_VALUES];
     double values[2];
@@ -502,4 +373,4 @@ TEST(out_of_memory) {
     nqm_model_free(m);
 }
 
-TEST_FILE(make_double_directions, free_double_directions)
+TEST_FILE(make_recorded_directions, free_recorded_directions)

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
  * Repeated use of a scorer: the same bits as nqm_score() for any batch, number of threads and kernels; no allocation
- * after the first run; samples from the caller; each precision close to f32; a new model used by several threads at
- * once.
+ * after the first run; samples from the caller; a new model used by several threads at once.
  */
 #include "base/memory_test.h"
 #include "kernel/kernel.h"
@@ -22,11 +21,9 @@ static nqm_model *model;
 static nqm_brdf *refs[2], *tests[N_TESTS];
 static nqm_score_result expected[2][N_TESTS]; /* results of scoring each test alone */
 
-static nqm_score_result score_alone(const nqm_brdf *ref, const nqm_brdf *test, nqm_precision precision) {
-    nqm_score_options options = nqm_score_options_default();
-    options.precision = precision;
+static nqm_score_result score_alone(const nqm_brdf *ref, const nqm_brdf *test) {
     nqm_score_result result;
-    assert_int_equal(nqm_score(model, ref, 1, &test, &options, &result, NULL), NQM_OK);
+    assert_int_equal(nqm_score(model, ref, 1, &test, NULL, &result, NULL), NQM_OK);
     return result;
 }
 
@@ -43,7 +40,7 @@ static int setup(void **state) {
     }
     for (size_t r = 0; r < 2; ++r)
         for (size_t i = 0; i < N_TESTS; ++i)
-            expected[r][i] = score_alone(refs[r], tests[i], NQM_PRECISION_F32);
+            expected[r][i] = score_alone(refs[r], tests[i]);
     return 0;
 }
 
@@ -185,26 +182,6 @@ TEST(impossible_samples) {
             *place = before;
         }
     nqm_scorer_free(scorer);
-}
-
-TEST(precisions) {
-    static const double bounds[NQM_PRECISION_COUNT] = {0, 0.02, 0.1};
-    for (int p = 0; p < NQM_PRECISION_COUNT; ++p) {
-        double worst = 0;
-        for (size_t r = 0; r < 2; ++r)
-            for (size_t i = 0; i < N_TESTS; ++i) {
-                nqm_score_result result = score_alone(refs[r], tests[i], (nqm_precision)p);
-                worst = fmax(worst, fabs(result.jod - expected[r][i].jod));
-                assert_memory_equal(result.metrics, expected[r][i].metrics, sizeof result.metrics);
-            }
-        print_message("%s: %.2g JOD\n", nqm_precision_name((nqm_precision)p), worst);
-        assert_true(worst <= bounds[p] && (p == NQM_PRECISION_F32 || worst > 0));
-    }
-    nqm_score_options options = nqm_score_options_default();
-    options.precision = NQM_PRECISION_COUNT;
-    nqm_scorer *scorer;
-    assert_int_equal(nqm_scorer_create(model, &options, &scorer, NULL), NQM_ERR_ARG);
-    assert_null(scorer);
 }
 
 typedef struct beginner {

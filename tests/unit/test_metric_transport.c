@@ -8,6 +8,7 @@
 #include "support/check.h"
 #include "support/predict.h"
 #include "support/tiny_model.h"
+#include "support/vectors.h"
 
 #include <float.h>
 #include <math.h>
@@ -33,19 +34,8 @@ static int read_vectors(void **state) {
                    {"itp", sizeof itp, itp},          {"itp_used", sizeof itp_used, itp_used},
                    {"labels", sizeof labels, labels}, {"labels_used", sizeof labels_used, labels_used},
                    {"looks", sizeof looks, looks}};
-    nqm_map map;
-    nqm_safetensors *st;
-    if (nqm_map_open(test_vector("transport.safetensors"), &map, NULL) != NQM_OK ||
-        nqm_safetensors_parse(map.data, map.n_bytes, "transport", &st, NULL) != NQM_OK)
-        return -1;
-    for (size_t i = 0; i < sizeof tensors / sizeof *tensors; ++i) {
-        const nqm_tensor *tensor = nqm_safetensors_find(st, tensors[i].name);
-        assert_non_null(tensor);
-        assert_int_equal(tensor->n_bytes, tensors[i].n_bytes);
-        memcpy(tensors[i].to, tensor->data, tensor->n_bytes);
-    }
-    nqm_safetensors_free(st);
-    nqm_map_close(&map);
+    for (size_t i = 0; i < sizeof tensors / sizeof *tensors; ++i)
+        get_vector("transport.safetensors", tensors[i].name, tensors[i].n_bytes, tensors[i].to);
     return 0;
 }
 
@@ -229,7 +219,7 @@ TEST(predictions_give_the_same_bits) {
     for (size_t i = 0; i < N_PAIRS; ++i)
         pairs[i] =
             (nqm_sample_pair){samples + i / 4 * 3 * N_DIRECTIONS, samples + (N_PAIRS + i) * 3 * N_DIRECTIONS, NULL};
-    assert_int_equal(nqm_predictor_create(model, NQM_PRECISION_F32, N_PAIRS, &predictor, NULL), NQM_OK);
+    assert_int_equal(nqm_predictor_create(model, N_PAIRS, &predictor, NULL), NQM_OK);
     for (size_t i = 0; i < N_PAIRS; ++i)
         nqm_predictor_run(predictor, 1, pairs + i, expected + i, expected_metrics + i * NQM_METRIC_COUNT);
     for (int n_threads = 1; n_threads <= 2; ++n_threads) {

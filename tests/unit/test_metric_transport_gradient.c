@@ -1,29 +1,21 @@
 /* SPDX-License-Identifier: MIT
  *
- * The estimate by light transport in double against the fast estimate and against plain loops, and its gradient against
- * central differences of these, for several numbers of points and scenes.
+ * The estimate by light transport in double against the fast estimate and against PyTorch (tests/vectors/metric_torch.py), and
+ * its gradient against PyTorch's, for several numbers of points and scenes.
  */
 #include "support/check.h"
-#include "support/double_features.h"
-#include "support/double_transport.h"
 #include "support/predict.h"
+#include "support/recorded.h"
 
 #include <math.h>
 #include <string.h>
 
-enum { N = DOUBLE_N, N_VALUES = DOUBLE_VALUES, N_WEIGHTS = 7 };
+enum { N = PAIR_N, N_VALUES = PAIR_VALUES, N_WEIGHTS = 7 };
 
 /* Each member of a label alone, and all of them. */
 static const nqm_label weights[N_WEIGHTS] = {
     {.delta_e = 1},  {.shift = {1, 0, 0}}, {.shift = {0, 1, 0}},         {.shift = {0, 0, 1}},
     {.contrast = 1}, {.structure = 1},     {1, {0.5, -2, 0.3}, 7, -1, 0}};
-
-static double weigh(const nqm_label *w, const nqm_label *label) {
-    double sum = w->delta_e * label->delta_e + w->contrast * label->contrast + w->structure * label->structure;
-    for (size_t k = 0; k < 3; ++k)
-        sum += w->shift[k] * label->shift[k];
-    return sum;
-}
 
 /* What the library says of a pair. */
 typedef struct estimated {
@@ -59,79 +51,33 @@ static void assert_labels_near(const nqm_label *label, const nqm_label *expected
         assert_near(parts[k], expected_parts[k], tolerance);
 }
 
-/* (N_WEIGHTS, N_VALUES) central differences of order 4. */
-static void differentiate(const nqm_transport *t, const gradient_pair *p, const uint8_t *used,
-                          double (*gradient)[N_VALUES]) {
-    static const double steps[4] = {-2, -1, 1, 2};
-    double f[N_VALUES], g[N_VALUES];
-    to_double(p->ref, f);
-    to_double(p->test, g);
-    for (size_t i = 0; i < N_VALUES; ++i) {
-        const double at = g[i], h = 5e-5 * (0.5 + at); /* of light, not of f: rounding counts */
-        nqm_label label[4];
-        for (size_t s = 0; s < 4; ++s) {
-            g[i] = at + steps[s] * h;
-            label[s] = double_label(t, f, g, used);
-        }
-        g[i] = at;
-        for (size_t w = 0; w < N_WEIGHTS; ++w)
-            gradient[w][i] = (8 * (weigh(&weights[w], &label[2]) - weigh(&weights[w], &label[1])) -
-                              (weigh(&weights[w], &label[3]) - weigh(&weights[w], &label[0]))) /
-                             (12 * h);
-    }
-}
-
-/* The largest error relative to the largest entry. */
-static double check_gradients(const estimated *e, double (*expected)[N_VALUES]) {
-    double worst = 0;
-    for (size_t w = 0; w < N_WEIGHTS; ++w) {
-        double largest = 0, error = 0;
-        for (size_t i = 0; i < N_VALUES; ++i) {
-            largest = fmax(largest, fabs(expected[w][i]));
-            error = fmax(error, fabs((double)e->gradient[w][i] - expected[w][i]));
-        }
-        if (!(error <= 1e-5 * largest))
-            fail_msg("weights %zu: error %g of %g", w, error, largest);
-        worst = fmax(worst, error / largest);
-    }
-    return worst;
-}
-
-static void check_pair(const nqm_transport *t, const gradient_pair *p, const uint8_t *used) {
+/* The recorded cases: a pair, the points, scenes and peak of a matrix. A picture that is above the peak in part is among them, and a
+ * pair with dropped directions, and an equal pair, at which only signed members of the label have a gradient. */
+TEST(as_pytorch) {
+    enum { CASES = 11 };
     static estimated e;
-    static double expected[N_WEIGHTS][N_VALUES];
-    double f[N_VALUES], g[N_VALUES];
-    to_double(p->ref, f);
-    to_double(p->test, g);
-    estimate(t, p, used, &e);
-    const nqm_label plain = double_label(t, f, g, used), fast = transport_estimate(t, p->ref, p->test, used);
-    assert_labels_near(&e.label, &plain, 2e-6 * (1 + plain.delta_e));
-    assert_labels_near(&fast, &plain,
-                       1e-3 + 1e-4 * plain.delta_e); /* the error of its table (test_metric_transport.c) */
-    differentiate(t, p, used, expected);
-    const double worst = check_gradients(&e, expected);
-    print_message("%zu points, Delta-E %.3g: %.2g\n", t->n_points, plain.delta_e, worst);
-}
-
-/* ---- tests ------------------------------------------------------------------------------------------------------- */
-
-TEST(ordinary_pairs) {
-    static const double strengths[] = {0.002, 0.1, 1};
-    nqm_transport t = make_transport(128, 1, 100000);
-    for (size_t k = 0; k < 3; ++k) {
-        const gradient_pair p = make_pair(k + 1, strengths[k], 40 + 30 * k);
-        check_pair(&t, &p, NULL);
-    }
-    drop_transport(&t);
-}
-
-TEST(points_and_scenes) {
-    static const size_t shapes[][2] = {{32, 1}, {32, 3}, {160, 1}, {160, 7}, {288, 2}};
-    const gradient_pair p = make_pair(4, 0.2, 70);
-    for (size_t k = 0; k < 5; ++k) {
-        nqm_transport t = make_transport(shapes[k][0], shapes[k][1], 1e5);
+    double cases[CASES][4], labels[CASES][N_WEIGHTS];
+    static double slopes[CASES][N_WEIGHTS][N_WAYS];
+    get_recorded("labels.cases", sizeof cases, cases);
+    get_recorded("labels", sizeof labels, labels);
+    get_recorded("labels.slopes", sizeof slopes, slopes);
+    for (size_t k = 0; k < CASES; ++k) {
+        const gradient_pair p = recorded_pair((size_t)cases[k][0]);
+        nqm_transport t = make_transport((size_t)cases[k][1], (size_t)cases[k][2], cases[k][3]);
+        const double *l = labels[k];
+        const nqm_label exact = {l[0], {l[1], l[2], l[3]}, l[4], l[5], 0};
         assert_null(nqm_transport_fault(&t, true));
-        check_pair(&t, &p, NULL);
+        estimate(&t, &p, p.used, &e);
+        const nqm_label fast = transport_estimate(&t, p.ref, p.test, p.used);
+        assert_labels_near(&e.label, &exact, 2e-6 * (1 + exact.delta_e));
+        assert_labels_near(&fast, &exact, 1e-3 + 1e-4 * exact.delta_e); /* of its table (test_metric_transport.c) */
+        for (size_t w = 0; w < N_WEIGHTS; ++w) {
+            if (cases[k][0] == PAIR_EQUAL && (w == 0 || w > 4))
+                continue;
+            char what[64];
+            snprintf(what, sizeof what, "case %zu, weights %zu", k, w);
+            check_slopes(what, e.gradient[w], slopes[k][w], NULL, 1e-5);
+        }
         drop_transport(&t);
     }
 }
@@ -152,7 +98,7 @@ static nqm_transport part_of(const nqm_transport *t, size_t first, size_t n) {
 /* More points than are computed together: the label is the mean of those of the scenes, each alone. */
 TEST(sum_of_parts) {
     enum { POINTS = 288, SCENES = 3, PART = POINTS / SCENES };
-    const gradient_pair p = make_pair(9, 0.2, 70);
+    const gradient_pair p = recorded_pair(PAIR_02);
     static estimated all, part;
     nqm_transport t = make_transport(POINTS, SCENES, 900);
     nqm_label fast = {.delta_e = 0}, exact = {.delta_e = 0};
@@ -181,12 +127,9 @@ TEST(sum_of_parts) {
 
 /* Channels above the peak have no influence. */
 TEST(above_the_peak) {
-    gradient_pair p = make_pair(5, 0.3, 10);
-    nqm_transport t = make_transport(64, 2, 300);
-    check_pair(&t, &p, NULL);
-    drop_transport(&t);
+    const gradient_pair p = recorded_pair(PAIR_02);
     static estimated e;
-    t = make_transport(64, 2, 1); /* all of them */
+    nqm_transport t = make_transport(64, 2, 1); /* all of them */
     estimate(&t, &p, NULL, &e);
     for (size_t i = 0; i < N_WEIGHTS * N_VALUES; ++i)
         assert_true(e.gradient[i / N_VALUES][i % N_VALUES] == 0);
@@ -195,11 +138,8 @@ TEST(above_the_peak) {
 
 TEST(dropped_directions) {
     static estimated e, changed;
-    gradient_pair p = make_pair(6, 0.3, 10);
+    gradient_pair p = recorded_pair(PAIR_UNUSED);
     nqm_transport t = make_transport(96, 2, 1e5);
-    for (size_t k = 0; k < N; ++k)
-        p.used[k] = k % 3 != 0;
-    check_pair(&t, &p, p.used);
     estimate(&t, &p, p.used, &e);
     for (size_t i = 0; i < N_VALUES; ++i)
         if (!p.used[i / 3]) {
@@ -214,26 +154,19 @@ TEST(dropped_directions) {
 /* Only signed members of the label have a gradient there. */
 TEST(equal_pair) {
     static estimated e;
-    static double expected[N_WEIGHTS][N_VALUES];
-    gradient_pair p = make_pair(7, 0.3, 10);
+    const gradient_pair p = recorded_pair(PAIR_EQUAL);
     nqm_transport t = make_transport(64, 2, 1e5);
-    memcpy(p.test, p.ref, sizeof p.test);
     estimate(&t, &p, NULL, &e);
     assert_true(e.label.delta_e == 0 && e.label.structure == 0 && e.label.contrast == 0);
-    differentiate(&t, &p, NULL, expected);
-    for (size_t i = 0; i < N_VALUES; ++i) {
+    for (size_t i = 0; i < N_VALUES; ++i)
         assert_true(e.gradient[0][i] == 0 && e.gradient[5][i] == 0);
-        e.gradient[6][i] = 0;
-        expected[0][i] = expected[5][i] = expected[6][i] = 0;
-    }
-    (void)check_gradients(&e, expected);
     drop_transport(&t);
 }
 
 /* PQ has no limit of its derivative at 0: the gradient is finite, and points to more light for a brighter picture. */
 TEST(black_test) {
     static estimated e;
-    gradient_pair p = make_pair(8, 0.3, 10);
+    gradient_pair p = recorded_pair(PAIR_02);
     nqm_transport t = make_transport(64, 2, 1e5);
     memset(p.test, 0, sizeof p.test);
     estimate(&t, &p, NULL, &e);
@@ -245,4 +178,4 @@ TEST(black_test) {
     drop_transport(&t);
 }
 
-TEST_FILE(make_double_directions, free_double_directions)
+TEST_FILE(make_recorded_directions, free_recorded_directions)

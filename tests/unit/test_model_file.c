@@ -110,7 +110,7 @@ static float output_of(const struct nqm_model *model) {
     nqm_inference_work *work;
     for (size_t i = 0; i < model->params.shape.sizes[0]; ++i)
         x[i] = sinf((float)i);
-    assert_int_equal(nqm_model_inference(model, NQM_PRECISION_F32, &net, NULL), NQM_OK);
+    assert_int_equal(nqm_model_inference(model, &net, NULL), NQM_OK);
     assert_int_equal(nqm_inference_work_create(net, 1, &work, NULL), NQM_OK);
     nqm_inference_run(work, 1, x, model->params.shape.sizes[0], &z);
     nqm_inference_work_free(work);

@@ -5,13 +5,12 @@
  * count. Each tensor must agree to 1e-5, relative to its norm and to its largest
  * value.
  */
-#include "io/io.h"
 #include "kernel/panel.h"
 #include "net/input_gradient.h"
 #include "net/trainer.h"
 #include "support/check.h"
 #include "support/network_gradients.h"
-#include "support/tables.h"
+#include "support/vectors.h"
 
 #include <math.h>
 #include <string.h>
@@ -21,31 +20,20 @@ static const nqm_net_shape shape = {N_LAYERS, {INPUTS, 16, 11, 8, 1}};
 static const double dropout_p = 0.2, lo = -2.5, hi = 1.25;
 static const double lr_first = 1e-3, lr_deeper = 1e-2, weight_decay = 1e-2;
 
-static nqm_map map;
-static nqm_safetensors *vectors;
 static float x[BATCH * INPUTS], target[BATCH];
 
-/* ---- the stored vectors, which are not aligned ------------------------------------------------------------------- */
+/* ---- the stored vectors ------------------------------------------------------------------------------------------ */
 
-static const nqm_tensor *stored(const char *name, size_t n_bytes) {
-    const nqm_tensor *tensor = nqm_safetensors_find(vectors, name);
-    if (!tensor)
-        print_error("no vector %s\n", name);
-    assert_non_null(tensor);
-    assert_int_equal(tensor->n_bytes, n_bytes);
-    return tensor;
+static void get(const char *name, size_t n_bytes, void *to) {
+    get_vector("net.safetensors", name, n_bytes, to);
 }
 
 static void get_floats(const char *name, size_t n, float *out) {
-    const nqm_tensor *tensor = stored(name, n * sizeof *out);
-    assert_int_equal(tensor->dtype, NQM_F32);
-    memcpy(out, tensor->data, n * sizeof *out);
+    get(name, n * sizeof *out, out);
 }
 
 static void get_doubles(const char *name, size_t n, double *out) {
-    const nqm_tensor *tensor = stored(name, n * sizeof *out);
-    assert_int_equal(tensor->dtype, NQM_F64);
-    memcpy(out, tensor->data, n * sizeof *out);
+    get(name, n * sizeof *out, out);
 }
 
 static void compare(const char *name, size_t n, const float *actual) {
@@ -108,7 +96,7 @@ static int make_fixture(void **state) {
         snprintf(name, sizeof name, "masks.%zu", l);
         size_t n = STEPS * BATCH * shape.sizes[l + 1];
         f->masks[l] = nqm_alloc(n, 1);
-        memcpy(f->masks[l], stored(name, n)->data, n);
+        get(name, n, f->masks[l]);
     }
     *state = f;
     return 0;
@@ -204,8 +192,8 @@ TEST_WITH(pass_with_masks, make_fixture, free_fixture) {
 
 /* All tables of kernels, including the plain loops that define them. */
 TEST_WITH(passes_of_every_table, make_fixture, free_fixture) {
-    for (size_t i = 0; every_table(i); ++i) {
-        nqm_kernels_use(every_table(i));
+    for (size_t i = 0; nqm_kernels_at(i); ++i) {
+        nqm_kernels_use(nqm_kernels_at(i));
         check_one_pass(*state, "plain", NULL);
         check_input_gradient(*state);
     }
@@ -241,29 +229,16 @@ TEST(schedule) {
 
 TEST(parameter_count) {
     int64_t expected;
-    memcpy(&expected, stored("paper.parameters", sizeof expected)->data, sizeof expected);
+    get("paper.parameters", sizeof expected, &expected);
     assert_int_equal(expected, 4171125);
     assert_int_equal(nqm_params_count(&(nqm_net_shape){4, {3000, 1024, 716, 501, 1}}), expected);
 }
 
-static int open_vectors(void **state) {
+static int read_batch(void **state) {
     (void)state;
-    nqm_error err = {0};
-    if (nqm_map_open(test_vector("net.safetensors"), &map, &err) != NQM_OK ||
-        nqm_safetensors_parse(map.data, map.n_bytes, "net.safetensors", &vectors, &err) != NQM_OK) {
-        print_error("%s\n", err.message);
-        return -1;
-    }
     get_floats("x", BATCH * INPUTS, x);
     get_floats("target", BATCH, target);
     return 0;
 }
 
-static int close_vectors(void **state) {
-    (void)state;
-    nqm_safetensors_free(vectors);
-    nqm_map_close(&map);
-    return 0;
-}
-
-TEST_FILE(open_vectors, close_vectors)
+TEST_FILE(read_batch, NULL)

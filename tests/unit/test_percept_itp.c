@@ -5,11 +5,20 @@
  */
 #include "percept/percept.h"
 #include "support/check.h"
-#include "vectors/percept_vectors.h"
+#include "support/vectors.h"
 
 #include <math.h>
 
-enum { N_ITP = sizeof itp_vector / sizeof *itp_vector, N_PQ = sizeof pq_vector / sizeof *pq_vector };
+enum { N_ITP = 40, N_PQ = 11 };
+
+static double itp_vector[N_ITP][8], pq_vector[N_PQ][2];
+
+static int read_vectors(void **state) {
+    (void)state;
+    get_vector("percept.safetensors", "itp", sizeof itp_vector, itp_vector);
+    get_vector("percept.safetensors", "pq", sizeof pq_vector, pq_vector);
+    return 0;
+}
 
 TEST(pq_signals) {
     for (size_t i = 0; i < N_PQ; ++i)
@@ -56,3 +65,5 @@ TEST(out_of_range_is_clamped) {
     static const double wild[3] = {-5, 2e4, 7}, tame[3] = {0, 1e4, 7};
     assert_true(nqm_delta_e_itp(wild, tame) == 0);
 }
+
+TEST_FILE(read_vectors, NULL)

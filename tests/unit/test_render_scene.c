@@ -9,7 +9,7 @@
 #include "render/render.h"
 #include "support/check.h"
 #include "support/scenes.h"
-#include "vectors/render_vectors.h"
+#include "support/vectors.h"
 #include <nqm/label.h>
 
 #include <math.h>
@@ -253,8 +253,11 @@ static double shade(const nqm_light *light, const nqm_surface_point *point, cons
 
 TEST(microfacets_under_constant_light) {
     nqm_light white = make_light(1, 0, 0, 0);
-    for (size_t i = 0; i < sizeof albedo_vector / sizeof *albedo_vector; ++i) {
-        const double *row = albedo_vector[i];
+    enum { N = 25 };
+    double albedo[N][3]; /* alpha, theta of the viewer in degrees, albedo */
+    get_vector("render.safetensors", "albedo", sizeof albedo, albedo);
+    for (size_t i = 0; i < N; ++i) {
+        const double *row = albedo[i];
         nqm_brdf *brdf = make_gloss(0, 1, row[0]);
         nqm_surface_point point = point_seen_at(row[1] * NQM_PI / 180);
         double sum = 0;

@@ -4,8 +4,8 @@
  * over many repetitions, the coverage that the fit reports, and the shape of its table.
  */
 #include "support/check.h"
+#include "support/vectors.h"
 #include "train/calibrate.h"
-#include "vectors/interval_vectors.h"
 
 #include <math.h>
 #include <string.h>
@@ -266,28 +266,32 @@ TEST(intervals_grow_with_features) {
 
 /* Intervals of a model are those of tests/vectors/interval.py. */
 TEST(intervals_by_the_formula) {
-    static double table[sizeof interval_table / sizeof *interval_table];
+    enum { ROWS = 3, CASES = 24 };
+    static struct { double curve[3], growth[3], table[3 * ROWS], floor[NQM_INTERVAL_KNOTS]; } vector;
+    struct {
+        double jod, novelty, log_estimate, ref_peak, disagreement, peak, low, high;
+    } cases[CASES];
     static float light;
     static nqm_model model;
-    memcpy(table, interval_table, sizeof table);
-    model.interval = table;
-    model.n_interval = sizeof table / sizeof *table / 3;
+    get_vector("interval.safetensors", "model", sizeof vector, &vector);
+    get_vector("interval.safetensors", "cases", sizeof cases, cases);
+    model.interval = vector.table;
+    model.n_interval = ROWS;
     model.n_novelty = 1;
     model.transport = &light;
-    model.curve = (nqm_curve){interval_curve[0], interval_curve[1], interval_curve[2]};
-    model.novelty_growth = interval_growth[0];
-    memcpy(model.spread_growth, interval_growth + 1, sizeof model.spread_growth);
-    assert_int_equal(sizeof model.interval_floor, sizeof interval_floor);
-    memcpy(model.interval_floor, interval_floor, sizeof interval_floor);
+    model.curve = (nqm_curve){vector.curve[0], vector.curve[1], vector.curve[2]};
+    model.novelty_growth = vector.growth[0];
+    memcpy(model.spread_growth, vector.growth + 1, sizeof model.spread_growth);
+    memcpy(model.interval_floor, vector.floor, sizeof model.interval_floor);
     assert_true(nqm_model_has_spread(&model));
-    for (size_t i = 0; i < INTERVAL_CASES; ++i) {
+    for (size_t i = 0; i < CASES; ++i) {
         double f[NQM_SPREAD_FEATURES], low, high;
-        nqm_spread_features(&model, interval_jod[i], interval_log_estimate[i], interval_ref_peak[i], f);
-        assert_near(f[NQM_SPREAD_DISAGREEMENT], interval_disagreement[i], 1e-12);
-        assert_near(f[NQM_SPREAD_PEAK], interval_peak[i], 1e-12);
-        nqm_model_interval(&model, interval_jod[i], interval_novelty[i], nqm_model_spread(&model, f), &low, &high);
-        assert_near(low, interval_low[i], 1e-9);
-        assert_near(high, interval_high[i], 1e-9);
+        nqm_spread_features(&model, cases[i].jod, cases[i].log_estimate, cases[i].ref_peak, f);
+        assert_near(f[NQM_SPREAD_DISAGREEMENT], cases[i].disagreement, 1e-12);
+        assert_near(f[NQM_SPREAD_PEAK], cases[i].peak, 1e-12);
+        nqm_model_interval(&model, cases[i].jod, cases[i].novelty, nqm_model_spread(&model, f), &low, &high);
+        assert_near(low, cases[i].low, 1e-9);
+        assert_near(high, cases[i].high, 1e-9);
     }
     model.transport = NULL; /* no estimate, nothing to disagree with */
     double f[NQM_SPREAD_FEATURES];

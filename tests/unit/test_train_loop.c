@@ -88,11 +88,10 @@ TEST(learns) {
     }
 }
 
-/* Training has no bytes. */
-TEST(bytes_are_for_scores) {
+TEST(unknown_precision) {
     nqm_train_options o = small("paper");
     nqm_model *model;
-    o.optimiser.precision = NQM_PRECISION_INT8;
+    o.optimiser.precision = NQM_PRECISION_COUNT;
     assert_int_equal(nqm_train(toy, &o, &model, NULL, NULL), NQM_ERR_ARG);
 }
 

@@ -90,7 +90,7 @@ static void outputs_of(const nqm_model *model, size_t pair, const nqm_transport 
     nqm_features_compose(&model->features, N, ref_t, test_t, NULL, x);
     compute_scalars(toy->directions, transport, ref_of(pair), test_of(pair), NULL, scalars);
     nqm_scalars_whiten(&model->scalars, scalars, x + 9 * N);
-    assert_int_equal(nqm_model_inference(model, NQM_PRECISION_F32, &net, NULL), NQM_OK);
+    assert_int_equal(nqm_model_inference(model, &net, NULL), NQM_OK);
     assert_int_equal(nqm_inference_work_create(net, 1, &work, NULL), NQM_OK);
     nqm_inference_run(work, 1, x, WIDTH, z);
     nqm_inference_work_free(work);
@@ -101,7 +101,7 @@ static void check_predictions(const nqm_model *model, bool has_transport) {
     const nqm_transport transport = nqm_model_transport(model);
     nqm_predictor *predictor;
     size_t n_checked = 0;
-    assert_int_equal(nqm_predictor_create(model, NQM_PRECISION_F32, 1, &predictor, NULL), NQM_OK);
+    assert_int_equal(nqm_predictor_create(model, 1, &predictor, NULL), NQM_OK);
     for (size_t pair = 0; pair < toy->n_pairs; pair += 5) {
         const nqm_sample_pair p = {ref_of(pair), test_of(pair), NULL};
         const nqm_label estimate = estimate_of(pair), *base = has_transport ? &estimate : NULL;

@@ -3,12 +3,11 @@
 (Dupuy and Jakob 2018) by integrating the interpolated density of the warp for each pair, its spectra after evaluation by the fits
 of Wyman, Sloan and Shirley 2013 and D65 from the daylight components of CIE 15, UTIA (Filip and Vavra 2014), NBRDF (Sztrajman et al. 2021)
 and neural processes (Zheng et al. 2021) as matrix products in float64. The material data use the same noise function as
-the C files. Writes brdf_vectors.h, and anisotropic_vectors.h with values of the same pairs, to the folder of this script.
+the C files. Writes brdf.safetensors to the folder of this script.
 Usage: python3 brdf.py"""
-import os
-import sys
-
 import numpy as np
+
+import store
 
 SEED = 20250612
 N = 60
@@ -277,21 +276,6 @@ def nps(hd, latent):
     return x
 
 
-def vectors(name):
-    out = open(os.path.join(os.path.dirname(os.path.abspath(__file__)), name), "w")
-    out.write("/* SPDX-License-Identifier: MIT\n *\n * Made by brdf.py: numpy %s, Python %s, seed %d.\n */\n" %
-              (np.__version__, sys.version.split()[0], SEED))
-    out.write("/* clang-format off */\n")
-    return out
-
-
-def table(out, name, comment, rows):
-    out.write("\n/* %s */\nstatic const double %s[][%d] = {\n" % (comment, name, len(rows[0])))
-    for row in rows:
-        out.write("    {" + ", ".join("%.17g" % v for v in row) + "},\n")
-    out.write("};\n")
-
-
 def main():
     rng = np.random.default_rng(SEED)
     wi, wo = pairs(rng)
@@ -299,33 +283,21 @@ def main():
     wi[1], wo[1] = [0.6, 0, 0.8], [0, 0, 1]  # viewer along the normal
     wi[2], wo[2] = [0.6, 0, 0.8], [-0.28, 0, 0.96]  # in one plane, on both sides of the normal
     wi[3], wo[3] = [0.6, 0, 0.8], [0.8, 0, 0.6]  # almost retroreflection
-    hd = half_diff(wi, wo)
-    rgl = Rgl()
-    with vectors("brdf_vectors.h") as out:
-        table(out, "pair_vector", "light (3), viewer (3)", np.concatenate([wi, wo], 1))
-        table(out, "rgl_vector", "f_r of the RGL material, negative where its data are", [rgl.eval(o, i) for i, o in zip(wi, wo)])
-        spectra = np.array([rgl.eval(o, i, spectral=True) for i, o in zip(wi, wo)])
-        for name in ["E", "D65"]:
-            table(out, "rgl_%s_vector" % name.lower(), "the same of the spectral material under illuminant " + name,
-                  spectrum_to_rgb(spectra, name))
-        pbsdf = Pbsdf()
-        spectra = np.array([pbsdf.eval(i, o) for i, o in zip(wi, wo)])
-        table(out, "pbsdf_vector", "f_r of the polarimetric material under illuminant E",
-              spectrum_to_rgb(spectra, "E", Pbsdf.WAVELENGTHS))
-        table(out, "pbsdf_d65_vector", "the same under illuminant D65",
-              spectrum_to_rgb(spectra, "D65", Pbsdf.WAVELENGTHS))
-        table(out, "nbrdf_vector", "f_r of the NBRDF, negative where the network is", nbrdf(hd))
-        table(out, "nps_vector", "f_r of the neural process, material 'second'",
-              nps(hd, np.array([-0.5, 0.25, 0, 1, 0.5, -0.125, -0.75])))
-    with vectors("anisotropic_vectors.h") as out:
-        for n in [1, 2, 4]:
-            turned = AnisotropicRgl(n)
-            table(out, "rgl_%d_vector" % n, "f_r of the anisotropic RGL material with 1 / %d of a turn of phi_i" % n,
-                  [turned.eval(o, i) for i, o in zip(wi, wo)])
-        spectra = np.array([AnisotropicRgl(2).eval(o, i, spectral=True) for i, o in zip(wi, wo)])
-        table(out, "rgl_2_d65_vector", "of the spectral one with half a turn, under illuminant D65", spectrum_to_rgb(spectra, "D65"))
-        utia = Utia()
-        table(out, "utia_vector", "f_r of the UTIA material", [utia.eval(i, o) for i, o in zip(wi, wo)])
+    rgl, pbsdf, utia = Rgl(), Pbsdf(), Utia()
+    spectra = np.array([rgl.eval(o, i, spectral=True) for i, o in zip(wi, wo)])
+    polarized = np.array([pbsdf.eval(i, o) for i, o in zip(wi, wo)])
+    half_turn = np.array([AnisotropicRgl(2).eval(o, i, spectral=True) for i, o in zip(wi, wo)])
+    out = {"pair": np.concatenate([wi, wo], 1),  # light, viewer
+           "rgl": [rgl.eval(o, i) for i, o in zip(wi, wo)],  # negative where its data are
+           "rgl_e": spectrum_to_rgb(spectra, "E"), "rgl_d65": spectrum_to_rgb(spectra, "D65"),
+           "pbsdf": spectrum_to_rgb(polarized, "E", Pbsdf.WAVELENGTHS), "pbsdf_d65": spectrum_to_rgb(polarized, "D65", Pbsdf.WAVELENGTHS),
+           "nbrdf": nbrdf(half_diff(wi, wo)),  # negative where the network is
+           "nps": nps(half_diff(wi, wo), np.array([-0.5, 0.25, 0, 1, 0.5, -0.125, -0.75])),  # material 'second'
+           "rgl_2_d65": spectrum_to_rgb(half_turn, "D65"), "utia": [utia.eval(i, o) for i, o in zip(wi, wo)]}
+    for n in [1, 2, 4]:  # with 1 / n of a turn of phi_i
+        turned = AnisotropicRgl(n)
+        out["rgl_%d" % n] = [turned.eval(o, i) for i, o in zip(wi, wo)]
+    store.safetensors("brdf.safetensors", {name: np.array(x, "f8") for name, x in out.items()}, {"made_by": store.made_by("brdf.py", f"seed {SEED}")})
 
 
 main()

@@ -1,13 +1,14 @@
 # SPDX-License-Identifier: MIT
 """Small high-dynamic-range pictures, encoded byte by byte from the format specifications (PNG: ISO 15948; Radiance:
 Ward, Graphics Gems II; OpenEXR: openexr.com/en/latest/OpenEXRFileLayout.html), and their pixels. Writes
-images_vectors.h to the folder of this script. Usage: python3 images.py"""
+the folder images and images.safetensors. Usage: python3 images.py"""
 import os
 import struct
-import sys
 import zlib
 
 import numpy as np
+
+import store
 
 WIDTH, HEIGHT = 11, 6
 
@@ -135,46 +136,28 @@ def exr(picture, names, dtype, compression, origin=(0, 0), tile=None):
     return head + table + b"".join(chunks)
 
 
-def write_bytes(f, name, data):
-    f.write("static const unsigned char %s[] = {" % name)
-    for i, b in enumerate(data):
-        f.write(("\n    " if i % 20 == 0 else " ") + "%d," % b)
-    f.write("\n};\n\n")
-
-
-def write_doubles(f, name, values):
-    f.write("/* (VECTOR_HEIGHT, VECTOR_WIDTH, 3) */\nstatic const double %s[] = {" % name)
-    for i, v in enumerate(np.asarray(values, np.float32).ravel()):
-        f.write(("\n    " if i % 6 == 0 else " ") + "%.9e," % v)
-    f.write("\n};\n\n")
-
-
 def main():
     rgbe = rgbe_picture()
     scale = np.exp2(rgbe[..., 3:].astype(float) - 128)
     picture = exr_picture()
     grey = picture[..., :1]
-    path = os.path.join(os.path.dirname(os.path.abspath(__file__)), "images_vectors.h")
-    with open(path, "w", encoding="ascii") as f:
-        f.write("/* SPDX-License-Identifier: MIT\n *\n * Made by images.py: numpy %s, zlib %s, Python %s.\n */\n"
-                "/* clang-format off */\nenum { VECTOR_WIDTH = %d, VECTOR_HEIGHT = %d };\n\n"
-                % (np.__version__, zlib.ZLIB_VERSION, sys.version.split()[0], WIDTH, HEIGHT))
-        write_bytes(f, "file_png", png(rgbe))
-        write_doubles(f, "pixels_png", rgbe[..., :3] / 255.0 * scale)
-        write_bytes(f, "file_hdr_flat", hdr_flat(rgbe))
-        write_bytes(f, "file_hdr_newer", hdr_newer(rgbe))
-        write_bytes(f, "file_hdr_older", hdr_older(rgbe))
-        write_doubles(f, "pixels_hdr", np.where(rgbe[..., 3:] == 0, 0, rgbe[..., :3] / 256.0 * scale))
-        write_bytes(f, "file_exr_float", exr(picture, "RGB", np.float32, "none", origin=(-3, 7)))
-        write_bytes(f, "file_exr_zip_half", exr(picture, "RGB", np.float16, "zip", origin=(5, -2)))
-        write_bytes(f, "file_exr_tiled", exr(picture, "RGB", np.float16, "zips", tile=(4, 4)))
-        write_doubles(f, "pixels_exr", picture)
-        write_bytes(f, "file_exr_grey", exr(grey, "Y", np.float32, "zips"))
-        write_doubles(f, "pixels_exr_grey", np.repeat(grey, 3, axis=2))
-        alpha = np.arange(WIDTH * HEIGHT).reshape(HEIGHT, WIDTH, 1) / 64
-        write_bytes(f, "file_exr_rgba", exr(np.concatenate([picture, alpha], -1), "RGBA", np.float16, "zip", origin=(1, 2)))
-        write_bytes(f, "file_exr_rgba_float", exr(np.concatenate([picture, alpha], -1), "RGBA", np.float32, "zips", tile=(8, 8)))
-        write_bytes(f, "file_exr_grey_alpha", exr(np.concatenate([grey, alpha], -1), "YA", np.float32, "zips"))
+    alpha = np.arange(WIDTH * HEIGHT).reshape(HEIGHT, WIDTH, 1) / 64
+    rgba, grey_alpha = [np.concatenate([x, alpha], -1) for x in (picture, grey)]
+    files = {"rgbe.png": png(rgbe), "flat.hdr": hdr_flat(rgbe), "newer.hdr": hdr_newer(rgbe), "older.hdr": hdr_older(rgbe),
+             "float.exr": exr(picture, "RGB", np.float32, "none", origin=(-3, 7)),
+             "half.exr": exr(picture, "RGB", np.float16, "zip", origin=(5, -2)),
+             "tiled.exr": exr(picture, "RGB", np.float16, "zips", tile=(4, 4)),
+             "grey.exr": exr(grey, "Y", np.float32, "zips"),
+             "rgba.exr": exr(rgba, "RGBA", np.float16, "zip", origin=(1, 2)),
+             "rgba-float.exr": exr(rgba, "RGBA", np.float32, "zips", tile=(8, 8)),
+             "grey-alpha.exr": exr(grey_alpha, "YA", np.float32, "zips")}
+    for name, data in files.items():
+        with open(os.path.join(store.HERE, "images", name), "wb") as file:
+            file.write(data)
+    pixels = {"png": rgbe[..., :3] / 255.0 * scale, "hdr": np.where(rgbe[..., 3:] == 0, 0, rgbe[..., :3] / 256.0 * scale), "exr": picture,
+              "exr_grey": np.repeat(grey, 3, axis=2)}
+    store.safetensors("images.safetensors", {name: x.astype("f4").astype("f8") for name, x in pixels.items()},
+                      {"made_by": store.made_by("images.py", "zlib " + zlib.ZLIB_VERSION)})
 
 
 main()

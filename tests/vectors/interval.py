@@ -1,8 +1,10 @@
 # SPDX-License-Identifier: MIT
 """Intervals of a model by the formulas of include/nqm/model.h: a table of three rows, the factor of novelty, disagreement and
-peak, and the least half-width. Writes interval_vectors.h. Needs python3-numpy."""
+peak, and the least half-width. Writes interval.safetensors. Needs python3-numpy."""
 
 import numpy as np
+
+import store
 
 CASES, KNOTS, SOFT = 24, 17, 1e-3
 B1, B2, B3 = 1.75, -2.1, 0.35
@@ -37,15 +39,6 @@ y, floor = logit(jod), np.interp(logit(jod), knots, least)
 down, up = [np.abs(y - logit(np.interp(jod, TABLE[:, 0], TABLE[:, k]))) for k in (1, 2)]
 low, high = from_logit(y - np.maximum(factor * down, floor)), from_logit(y + np.maximum(factor * up, floor))
 
-
-def array(name, values):
-    return f"static const double {name}[] = {{\n    " + ",\n    ".join(repr(float(v)) for v in np.ravel(values)) + "};\n"
-
-
-with open("interval_vectors.h", "w") as out:
-    out.write(f"/* SPDX-License-Identifier: MIT\n *\n * Made by interval.py: numpy {np.__version__}.\n */\n/* clang-format off */\n")
-    out.write(f"enum {{ INTERVAL_CASES = {CASES}, INTERVAL_KNOTS = {KNOTS} }};\n")
-    for name, values in [("curve", [B1, B2, B3]), ("growth", GROWTH), ("table", TABLE), ("floor", least), ("jod", jod),
-                         ("novelty", novelty), ("log_estimate", log_estimate), ("ref_peak", ref_peak),
-                         ("disagreement", disagreement), ("peak", peak), ("low", low), ("high", high)]:
-        out.write(array("interval_" + name, values))
+model = np.concatenate([[B1, B2, B3], GROWTH, TABLE.ravel(), least])
+cases = np.stack([jod, novelty, log_estimate, ref_peak, disagreement, peak, low, high], 1)
+store.safetensors("interval.safetensors", {"model": model, "cases": cases}, {"made_by": store.made_by("interval.py")})

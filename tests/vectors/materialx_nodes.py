@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Values of MaterialX nodes with constant inputs, in NumPy and colorsys, from the text of the specification (MaterialX.StandardNodes.md):
-materialx_nodes_vectors.h, each an element of a document and its value as color3."""
+materialx_nodes.csv, each an element of a document and its value as color3."""
 import colorsys
 import pathlib
 
@@ -96,10 +96,7 @@ rows.append(("<range name='n' type='color3'><input name='in' type='float' value=
 rows.append(("<swizzle name='n' type='color3'><input name='in' type='color3' value='0.1,0.2,0.3'/><input name='channels' type='string' "
              "value='bb1'/></swizzle>", np.array([0.3, 0.3, 1])))
 
-with open(pathlib.Path(__file__).with_name("materialx_nodes_vectors.h"), "w") as file:
-    file.write("/* SPDX-License-Identifier: MIT\n *\n * Made by materialx_nodes.py: numpy "
-               f"{np.__version__}, seed 32.\n */\n/* clang-format off */\n")
-    file.write("static const struct {\n    const char *text;\n    double value[3];\n} node_values[] = {\n")
+with open(pathlib.Path(__file__).with_suffix(".csv"), "w", encoding="utf-8") as file:
+    file.write(f"# made by materialx_nodes.py: numpy {np.__version__}, seed 32\ntext,red,green,blue\n")
     for element, value in rows:
-        file.write(f'    {{"{element}",\n     {{{", ".join(repr(float(v)) for v in value)}}}}},\n')
-    file.write("};\n")
+        file.write(f'"{element}",{",".join(repr(float(v)) for v in value)}\n')

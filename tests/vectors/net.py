@@ -5,15 +5,12 @@
 A reduced MLP (30-16-11-8-1: LayerNorm, erf GELU, dropout) with random parameters; one forward pass, every gradient and ten
 Adam steps, without dropout, with given masks, and with the first LayerNorm excluded from the optimiser; a learning-rate
 schedule; the parameter count of the paper's network. PyTorch computes in float64 from values that float32 represents
-exactly, so that differences are nqm's rounding only. The lines at the end write the file with an unpadded header, so
-the data are unaligned, which the format permits.
+exactly, so that differences are nqm's rounding only.
 """
-import json
-import struct
-import sys
-
 import numpy as np
 import torch
+
+import store
 
 SIZES = [30, 16, 11, 8, 1]
 BATCH, STEPS, DROPOUT = 12, 10, 0.2
@@ -118,16 +115,5 @@ out["plateau.losses"] = torch.tensor(losses)
 out["plateau.rates"] = torch.tensor(rates)
 out["paper.parameters"] = torch.tensor([sum(p.numel() for p in Mlp([3000, 1024, 716, 501, 1]).parameters())])
 
-NAMES = {"float32": "F32", "float64": "F64", "uint8": "U8", "int64": "I64"}
-header = {"__metadata__": {"made_by": f"tests/vectors/net.py, PyTorch {torch.__version__}, NumPy {np.__version__}, "
-                                      f"Python {sys.version.split()[0]}"}}
-data = b""
-for name, tensor in out.items():
-    array = tensor.detach().numpy()
-    raw = array.tobytes()
-    header[name] = {"dtype": NAMES[str(array.dtype)], "shape": list(array.shape),
-                    "data_offsets": [len(data), len(data) + len(raw)]}
-    data += raw
-text = json.dumps(header).encode()
-with open(__file__.replace("net.py", "net.safetensors"), "wb") as file:
-    file.write(struct.pack("<Q", len(text)) + text + data)
+store.safetensors("net.safetensors", {name: tensor.detach().numpy() for name, tensor in out.items()},
+                  {"made_by": store.made_by("net.py", "PyTorch " + torch.__version__)})

@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: MIT
 """Arrays as numpy.save() writes them, and f_r of the tables in them, interpolated linearly in sqrt(theta_h), theta_d, phi_d and phi_h
-by numpy. Writes npy_vectors.h to the folder of this script. Usage: python3 npy.py"""
-import io
+by numpy. Writes the folder npy and npy.safetensors. Usage: python3 npy.py"""
 import os
-import sys
 
 import numpy as np
+
+import store
 
 SEED = 20261122
 N_H, N_D, N_P, N_PHI_H = 3, 2, 4, 3
@@ -54,27 +54,16 @@ def main():
     files = {"f4": table, "turned": turned, "f8": table.astype("<f8"), "fortran": np.asfortranarray(table), "big": table.astype(">f4"),
              "integer": np.ones((2, 2, 2, 3), "<i4"), "planes": np.ones((3, 2, 2, 2), "<f4")}
     points = np.stack([rng.uniform(0, 1.2, 20), rng.uniform(0, 0.35, 20), rng.uniform(0, 2 * np.pi, 20)], 1)
-    with open(os.path.join(os.path.dirname(os.path.abspath(__file__)), "npy_vectors.h"), "w") as out:
-        out.write("/* SPDX-License-Identifier: MIT\n *\n * Made by npy.py: numpy %s, Python %s, seed %d.\n */\n" %
-                  (np.__version__, sys.version.split()[0], SEED))
-        out.write("/* clang-format off */\n")
-        for name, array in files.items():
-            file = io.BytesIO()
-            np.save(file, array)
-            data = file.getvalue()
-            out.write("\n/* %s, %s */\nstatic const unsigned char npy_%s[] = {" % (array.dtype.str, array.shape, name))
-            for i, byte in enumerate(data):
-                out.write(("\n    " if i % 24 == 0 else " ") + "%d," % byte)
-            out.write("\n};\n")
-        out.write("\n/* theta_h, theta_d, phi_d (radians), and f_r of the table */\nstatic const double npy_vector[][6] = {\n")
-        for hd in points:
-            out.write("    {" + ", ".join("%.17g" % v for v in [*hd, *interpolate(table.astype(float), hd)]) + "},\n")
-        out.write("};\n\n/* light, viewer, and f_r of the table with phi_h */\nstatic const double npy_turned_vector[][9] = {\n")
-        for i, hd in enumerate(points):
-            phi_h = (0.1 + 2.4 * i) % (2 * np.pi)
-            values = [*np.concatenate(directions(hd, phi_h)), *interpolate_turned(turned.astype(float), hd, phi_h)]
-            out.write("    {" + ", ".join("%.17g" % v for v in values) + "},\n")
-        out.write("};\n")
+    for name, array in files.items():
+        np.save(os.path.join(store.HERE, "npy", name), array)
+    values, turned_values = [], []
+    for i, hd in enumerate(points):
+        phi_h = (0.1 + 2.4 * i) % (2 * np.pi)
+        values.append([*hd, *interpolate(table.astype(float), hd)])
+        turned_values.append([*np.concatenate(directions(hd, phi_h)), *interpolate_turned(turned.astype(float), hd, phi_h)])
+    # theta_h, theta_d, phi_d in radians and f_r of the table; light, viewer and f_r of the table with phi_h
+    store.safetensors("npy.safetensors", {"values": np.array(values), "turned": np.array(turned_values)},
+                      {"made_by": store.made_by("npy.py", f"seed {SEED}")})
 
 
 main()

@@ -1,16 +1,16 @@
 # SPDX-License-Identifier: MIT
 """ITP of colours with 50 digits (mpmath) from ITU-R BT.2087, BT.2100 and BT.2124; Delta-E of consecutive colours with
 the BT.709 to BT.2020 matrix derived from the primaries instead of the rounded one; and a JOD curve fitted by scipy to
-made-up scores. Writes percept_vectors.h to the folder of this script. Usage: python3 percept.py"""
-import os
+made-up scores. Writes percept.safetensors to the folder of this script. Usage: python3 percept.py"""
 import random
-import sys
 
 import mpmath as mp
 import numpy as np
 import scipy
 import scipy.stats
 from scipy.optimize import least_squares
+
+import store
 
 mp.mp.dps = 50
 N = 40
@@ -78,27 +78,15 @@ def main():
     while len(colours) < N:
         grey = 10 ** rng.uniform(-3, 3.5)
         colours.append([round(grey * rng.uniform(0.3, 1.7), 6) for _ in range(3)])
-    path = os.path.join(os.path.dirname(os.path.abspath(__file__)), "percept_vectors.h")
-    with open(path, "w", encoding="ascii") as f:
-        f.write("/* SPDX-License-Identifier: MIT\n *\n * Made by percept.py: mpmath %s, scipy %s, Python %s, seed %d.\n */\n"
-                "/* clang-format off */\n" % (mp.__version__, scipy.__version__, sys.version.split()[0], SEED))
-        f.write("#include <stddef.h>\n\n")
-        f.write("/* PQ of a luminance: cd/m2, signal */\nstatic const double pq_vector[][2] = {\n")
-        for y in ["0.001", "0.1", "1", "5", "10", "48", "100", "203", "1000", "4000", "9999"]:
-            f.write("    {%s, %s},\n" % (y, c(pq(y))))
-        f.write("};\n\n/* BT.709 RGB in cd/m2, then ITP, then Delta-E to the colour before it, by the rounded matrix of BT.2087\n"
-                " * and by the one derived from the primaries */\nstatic const double itp_vector[][8] = {\n")
-        last = colours[-1]
-        for rgb in colours:
-            row = [mp.mpf(v) for v in rgb] + itp(rgb, ROUNDED) + [delta_e(last, rgb, ROUNDED), delta_e(last, rgb, DERIVED)]
-            f.write("    {%s},\n" % ", ".join(c(v) for v in row))
-            last = rgb
-        f.write("};\n\n/* Delta-E, JOD */\nstatic const double score_vector[][2] = {\n")
-        x, y, b, rmse, spearman = scores(rng)
-        for pair in zip(x, y):
-            f.write("    {%g, %g},\n" % pair)
-        f.write("};\n/* b1, b2, b3, RMSE, Spearman */\nstatic const double score_fit[5] = {%s};\n"
-                % ", ".join("%.12g" % v for v in (*b, rmse, spearman)))
+    signals = [[float(y), float(c(pq(y)))] for y in ["0.001", "0.1", "1", "5", "10", "48", "100", "203", "1000", "4000", "9999"]]
+    rows = []  # BT.709 RGB in cd/m2, ITP, Delta-E to the colour before by the rounded matrix of BT.2087 and by the derived one
+    for last, rgb in zip([colours[-1], *colours], colours):
+        row = [mp.mpf(v) for v in rgb] + itp(rgb, ROUNDED) + [delta_e(last, rgb, ROUNDED), delta_e(last, rgb, DERIVED)]
+        rows.append([float(c(v)) for v in row])
+    x, y, b, rmse, spearman = scores(rng)
+    arrays = {"pq": signals, "itp": rows, "score": np.stack([x, y], 1), "fit": [*b, rmse, spearman]}  # pq: cd/m2, signal
+    store.safetensors("percept.safetensors", {name: np.array(v, "f8") for name, v in arrays.items()},
+                      {"made_by": store.made_by("percept.py", "mpmath " + mp.__version__, "scipy " + scipy.__version__, f"seed {SEED}")})
 
 
 main()

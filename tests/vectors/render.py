@@ -1,11 +1,10 @@
 # SPDX-License-Identifier: MIT
 """Directional albedo of a microfacet BRDF (GGX, Smith's G with separate shadowing and masking, Schlick's Fresnel term with
-f0 = 0.5) by the midpoint rule over half vectors. Writes render_vectors.h to the folder of this script.
+f0 = 0.5) by the midpoint rule over half vectors. Writes render.safetensors to the folder of this script.
 Usage: python3 render.py"""
-import os
-import sys
-
 import numpy as np
+
+import store
 
 N = 3000
 F0 = 0.5
@@ -34,15 +33,8 @@ def albedo(alpha, theta):
 
 
 def main():
-    path = os.path.join(os.path.dirname(os.path.abspath(__file__)), "render_vectors.h")
-    with open(path, "w", encoding="ascii") as f:
-        f.write("/* SPDX-License-Identifier: MIT\n *\n * Made by render.py: numpy %s, Python %s.\n */\n/* clang-format off */\n"
-                "/* alpha, theta of the viewer in degrees, albedo */\nstatic const double albedo_vector[][3] = {\n"
-                % (np.__version__, sys.version.split()[0]))
-        for alpha in (0.002, 0.01, 0.05, 0.2, 0.6):
-            for theta in (0, 20, 45, 65, 80):
-                f.write("    {%g, %d, %.7f},\n" % (alpha, theta, albedo(alpha, np.radians(theta))))
-        f.write("};\n")
+    rows = [(alpha, theta, albedo(alpha, np.radians(theta))) for alpha in (0.002, 0.01, 0.05, 0.2, 0.6) for theta in (0, 20, 45, 65, 80)]
+    store.safetensors("render.safetensors", {"albedo": np.round(rows, 7)}, {"made_by": store.made_by("render.py")})
 
 
 main()

@@ -7,11 +7,9 @@ Random matrix A of three scenes with displays of different peaks. The first BRDF
 in ITP by the matrices of ITU-R BT.2087 and BT.2100 and the exact PQ function; labels are those of doc/labels.md for each scene,
 averaged over the scenes; so are the distances of looks of doc/people.md. `used` drops directions, at which tests have the values of the reference.
 """
-import json
-import struct
-import sys
-
 import numpy as np
+
+import store
 
 N, POINTS, BRDFS = 7, 128, 5
 SCENES = ((50, 1000.0), (30, 60.0), (48, 4000.0))  # points, peak in cd/m2
@@ -86,13 +84,4 @@ tensors = {"points": points, "itp": itp, "itp_used": itp_used, "labels": np.stac
            "labels_used": np.stack([label(itp[0], x) for x in itp_used]),
            "looks": np.array([[looks(itp[0], x) for x in itp], [looks(itp[0], x) for x in itp_used]]), "light": light, "rgb": rgb, "used": used}
 
-header, data = {"__metadata__": {"made_by": f"transport.py: numpy {np.__version__}, Python {sys.version.split()[0]}, seed 20261"}}, b""
-for name, x in tensors.items():
-    x = np.ascontiguousarray(x)
-    header[name] = {"dtype": {"f4": "F32", "f8": "F64", "u1": "U8"}[x.dtype.str[1:]], "shape": list(x.shape),
-                    "data_offsets": [len(data), len(data) + x.nbytes]}
-    data += x.tobytes()
-text = json.dumps(header, separators=(",", ":")).encode()
-text += b" " * (-(8 + len(text)) % 64)
-with open(__file__.replace("transport.py", "transport.safetensors"), "wb") as file:
-    file.write(struct.pack("<Q", len(text)) + text + data)
+store.safetensors("transport.safetensors", tensors, {"made_by": store.made_by("transport.py", "seed 20261")})

@@ -54,7 +54,7 @@ export async function startBrowser(path) {
             return result.value;
         },
         /** Wait until an expression is true. */
-        async until(expression, seconds = 60) {
+        async until(expression, seconds = 1800) {
             const end = Date.now() + 1000 * seconds;
             for (;;) {
                 const value = await browser.evaluate(expression).catch((error) => (/context|navigated/.test(error.message) ? false : Promise.reject(error)));

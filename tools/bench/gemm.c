@@ -99,6 +99,22 @@ static void fill_columns(const job *j, size_t n, size_t width, const float *x, u
         }
 }
 
+/* B in panels of floats, then in those of the job. */
+static nqm_status pack_right(job *j, nqm_error *err) {
+    nqm_panels floats;
+    if (j->precision == NQM_PRECISION_F32) {
+        nqm_panels_pack(&j->panels, (nqm_weights){j->w, NULL, j->k});
+        return NQM_OK;
+    }
+    nqm_status status = nqm_panels_create(NQM_PRECISION_F32, j->k, j->n, &floats, err);
+    if (status != NQM_OK)
+        return status;
+    nqm_panels_pack(&floats, (nqm_weights){j->w, NULL, j->k});
+    nqm_panels_round(&floats, &j->panels);
+    nqm_panels_free(&floats);
+    return NQM_OK;
+}
+
 static nqm_status make_job(job *j, nqm_error *err) {
     const bool gradient = j->pass == WEIGHT_GRADIENT;
     nqm_status status =
@@ -123,10 +139,10 @@ static nqm_status make_job(job *j, nqm_error *err) {
         fill_columns(j, j->m, NQM_STRIP, j->x, j->rows);
         fill_columns(j, j->n, NQM_PANEL, j->w, j->rows_right);
     } else {
-        nqm_panels_pack(&j->panels, (nqm_weights){j->w, NULL, j->k});
+        status = pack_right(j, err);
         fill_rows(j);
     }
-    return NQM_OK;
+    return status;
 }
 
 static nqm_status race_job(nqm_bench *bench, job *j, size_t layer, size_t batch, nqm_error *err) {

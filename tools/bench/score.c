@@ -29,7 +29,7 @@ typedef struct job {
     const material_pairs *pairs;
     nqm_inference_work *work;
     nqm_predictor *predictor;
-    nqm_gradients *gradients; /* NULL: not of this precision or batch */
+    nqm_gradients *gradients; /* NULL: not of this batch */
     float *gradient;          /* (batch, n_values) */
     size_t batch, turn;
     bool is_shared; /* references are shared */
@@ -110,12 +110,12 @@ static nqm_status make_job(job *j, const nqm_model *model, nqm_error *err) {
     const nqm_inference_net *net;
     nqm_status status = NQM_OK;
     if (nqm_model_has_network(model)) {
-        status = nqm_model_inference(model, NQM_PRECISION_F32, &net, err);
+        status = nqm_model_inference(model, &net, err);
         if (status == NQM_OK)
             status = nqm_inference_work_create(net, j->batch, &j->work, err);
     }
     if (status == NQM_OK)
-        status = nqm_predictor_create(model, NQM_PRECISION_F32, j->batch, &j->predictor, err);
+        status = nqm_predictor_create(model, j->batch, &j->predictor, err);
     if (status == NQM_OK && (j->batch == 1 || j->batch == MAX_BATCH)) {
         status = nqm_gradients_create(model, j->batch, &j->gradients, err);
         j->gradient = nqm_alloc(j->batch * j->pairs->n_values, sizeof *j->gradient);

@@ -2,7 +2,7 @@
  *
  * Pictures and maps to files: tone curve, sRGB, viridis, averaging, and the format by the file name.
  */
-#include "figures/sheet.h"
+#include "figures/picture.h"
 #include "io/io.h"
 #include "io/raster.h"
 #include "math/math.h"
@@ -120,6 +120,12 @@ bool nqm_name_ends_in(const char *path, const char *suffix) {
     return n > n_suffix && strcasecmp(path + n - n_suffix, suffix) == 0;
 }
 
+/* The smallest of 1, 2, 5 times a power of ten that divides [0, length] into at most five parts. */
+static double choose_step(double length) {
+    const double least = length / 5, power = pow(10, floor(log10(least) + 1e-9)), digit = least / power * (1 - 1e-9);
+    return power * (digit <= 1 ? 1 : digit <= 2 ? 2 : digit <= 5 ? 5 : 10);
+}
+
 nqm_status nqm_map_scale(size_t n_maps, const double *const *maps, size_t n, double *end_ret, nqm_error *err) {
     size_t n_values = 0, n_most;
     double *values = nqm_mul_size(n_maps, n, &n_most) ? nqm_alloc(n_most, sizeof *values) : NULL;
@@ -129,7 +135,7 @@ nqm_status nqm_map_scale(size_t n_maps, const double *const *maps, size_t n, dou
         for (size_t i = 0; i < n; ++i)
             if (isfinite(maps[m][i]))
                 values[n_values++] = maps[m][i];
-    double high = n_values ? fmax(nqm_quantile(n_values, values, 0.99), 1) : 1, step = nqm_tick_step(high, 5);
+    double high = n_values ? fmax(nqm_quantile(n_values, values, 0.99), 1) : 1, step = choose_step(high);
     nqm_free(values);
     *end_ret = step * ceil(high / step * (1 - 1e-9));
     return NQM_OK;

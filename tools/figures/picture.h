@@ -1,15 +1,12 @@
 /* SPDX-License-Identifier: MIT
  *
  * picture.h - rendered pictures and maps of colour differences to files: tone mapping, a colour map, OpenEXR, Radiance HDR,
- * PNG, and grids of pictures and maps with titles. Arrays and strings are borrowed.
+ * PNG, and grids of pictures and maps. Arrays are borrowed.
  */
 #ifndef NQM_FIGURES_PICTURE_H
 #define NQM_FIGURES_PICTURE_H
 
 #include "base/base.h"
-
-/** Version of cairo, "1.16.0"; NULL: this build is without cairo and draws neither figures nor sheets. */
-const char *nqm_cairo_version(void);
 
 /** Whether a file name ends in `suffix` (any case) and has something before it. */
 bool nqm_name_ends_in(const char *path, const char *suffix);
@@ -68,25 +65,23 @@ NQM_MUST_CHECK nqm_status nqm_map_scale(size_t n_maps, const double *const *delt
 typedef struct nqm_panel {
     const double *rgb_cdm2; /**< (height, width, 3), as in nqm_picture; NULL: no picture */
     const double *delta_e;  /**< (height, width) Delta-E ITP, NaN: no value; drawn where rgb_cdm2 is NULL */
-    const char *caption;    /**< UTF-8, below the panel; lines end in \n; NULL: none */
 } nqm_panel;
 
-/** A grid of panels of one size, with titles, and a colour scale (nqm_map_scale()) if there are maps. */
+/** A grid of panels of one size and, if there are maps, a bar with the colours from 0 (below) to delta_e_max. */
 typedef struct nqm_figure {
-    size_t n_rows, n_columns;         /**< 1 to 64 each */
-    size_t width, height;             /**< size of each panel's data, pixels */
-    size_t supersample;               /**< blocks of so many pixels each way become one; 0: 1 */
-    const nqm_panel *panels;          /**< (n_rows, n_columns) */
-    const char *const *row_titles;    /**< (n_rows), at the left; NULL or NULL entries: none */
-    const char *const *column_titles; /**< (n_columns), at the top; NULL or NULL entries: none */
-    nqm_tone tone;                    /**< tone curve of the pictures; zeroed: the default */
+    size_t n_rows, n_columns; /**< 1 to 64 each */
+    size_t width, height;     /**< size of each panel's data, pixels */
+    size_t supersample;       /**< blocks of so many pixels each way become one; 0: 1 */
+    const nqm_panel *panels;  /**< (n_rows, n_columns) */
+    double delta_e_max;       /**< upper end of the colours of all maps: nqm_map_scale() */
+    nqm_tone tone;            /**< tone curve of the pictures; zeroed: the default */
 } nqm_figure;
 
 /**
  * Draw a figure as PNG on white: pictures tone-mapped, maps in viridis, which colour-blind readers and grey prints keep
- * apart. The same input gives the same bytes on one machine; fonts differ between machines. Needs cairo (NQM_CAIRO).
+ * apart.
  *
- * @return NQM_ERR_ARG (sizes, or a build without cairo), NQM_ERR_LIMIT (more than 16384 pixels a side), NQM_ERR_IO
+ * @return NQM_ERR_ARG (sizes), NQM_ERR_LIMIT (more than 16384 pixels a side), NQM_ERR_IO, NQM_ERR_NOMEM
  */
 NQM_MUST_CHECK nqm_status nqm_figure_write(const char *path, const nqm_figure *figure, nqm_error *err);
 

@@ -2,7 +2,6 @@
  *
  * One line about the libraries of this build that nqm_build_info() does not list.
  */
-#include "figures/picture.h"
 #include "io/io.h"
 #include "nqm/tool.h"
 #include "render/render.h"
@@ -20,14 +19,14 @@ static char line[256];
 static pthread_once_t once = PTHREAD_ONCE_INIT;
 
 static void make_line(void) {
-    const char *cairo = nqm_cairo_version(), *embree = nqm_tracer_version();
+    const char *embree = nqm_tracer_version();
     int major, minor, patch;
     exr_get_library_version(&major, &minor, &patch, NULL);
     snprintf(line, sizeof line,
-             "cairo %s, Embree %s%s, libjpeg-turbo %s, libpng %s, OpenEXR %d.%d.%d, no "
+             "Embree %s%s, libjpeg-turbo %s, libpng %s, OpenEXR %d.%d.%d, no "
              "MPI library",
-             cairo ? cairo : "off", embree ? embree : "off", embree ? " when needed" : "",
-             TEXT_OF(LIBJPEG_TURBO_VERSION), png_get_libpng_ver(NULL), major, minor, patch);
+             embree ? embree : "off", embree ? " when needed" : "", TEXT_OF(LIBJPEG_TURBO_VERSION),
+             png_get_libpng_ver(NULL), major, minor, patch);
 }
 
 const char *tool_build_info(void) {

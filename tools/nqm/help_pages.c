@@ -116,7 +116,7 @@ static const struct exit_status {
                      {EXIT_INCOMPATIBLE, "inputs are incompatible, or too few directions have a value"},
                      {EXIT_MODEL, "a model is missing or damaged"},
                      {EXIT_LIMIT, "out of memory, or a size limit"},
-                     {EXIT_NUMERIC, "a computation failed; a check of selftest failed"},
+                     {EXIT_NUMERIC, "a computation failed; the self-test of doctor failed"},
                      {EXIT_PARTIAL, "some items of a batch failed"},
                      {EXIT_INTERRUPTED, "interrupted"}};
 
@@ -130,12 +130,13 @@ void print_man_overview(void) {
         "the approximation as worse. A BRDF argument is a file, a spec (ggx:kd=.2;alpha=.1) or a preset (sgd:nickel).\n"
         ".SH VERBS\n");
     for (const verb *v = verbs; v->name; ++v) {
+        if (begins_heading(v))
+            printf(".SS %s\n", v->heading);
         printf(".TP\n\\fBnqm\\-%s\\fR(1)\n", v->name);
         put_roff_text(v->summary);
         putchar('\n');
     }
-    printf(".SH ENVIRONMENT\n.TP\n\\fBNQM_KERNELS\\fR\nthe code of the network's products: avx512+amx, avx512+bf16, "
-           "avx512, "
+    printf(".SH ENVIRONMENT\n.TP\n\\fBNQM_KERNELS\\fR\nthe code of the network's products: avx512+bf16, avx512, "
            "avx2, generic or scalar.\nDefault: the fastest that the processor supports.\n.SH EXIT STATUS\n");
     for (size_t i = 0; i < sizeof exit_statuses / sizeof *exit_statuses; ++i) {
         printf(".TP\n%d\n", exit_statuses[i].code);
@@ -231,6 +232,12 @@ void begin_markdown(void) {
          "and\n"
          "failures. An option that several verbs have is described at the first one. A flag is switched off by "
          "`no-` before its name.");
+    for (const verb *v = verbs; v->name; ++v) {
+        if (begins_heading(v))
+            printf("\n- %s:", v->heading);
+        printf(" [%s](#nqm-%s)", v->name, v->name);
+    }
+    putchar('\n');
 }
 
 void print_markdown(const command *cmd) {

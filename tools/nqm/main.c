@@ -80,11 +80,14 @@ int main(int argc, char **argv) {
         print_version();
         return EXIT_OK;
     }
-    const verb *v = find_verb(argv[1]);
+    --argc;
+    ++argv;
+    rename_former_verb(&argc, &argv);
+    const verb *v = find_verb(argv[0]);
     if (!v)
-        return report_no_verb(argv[1]);
+        return report_no_verb(argv[0]);
     set_verb(v->name);
-    const int exit_code = finish(v->run(argc - 1, argv + 1));
+    const int exit_code = finish(v->run(argc, argv));
     has_result = true;
     return exit_code;
 }

@@ -180,8 +180,6 @@ void report_distance(const char *argument, const nqm_brdf *brdf, const nqm_direc
 /** Open a dataset: a file of nqm (labels NULL), or a folder in the authors' layout with its labels CSV, whose rows all get
  *  `split`. */
 nqm_dataset *open_dataset(const char *path, const char *labels, nqm_split split);
-/** Fit the JOD curve to a CSV with the columns DeltaE and JOD (any order, any case; others are ignored). */
-nqm_regress_report regress_csv(const char *path);
 
 /* ---- several processes ------------------------------------------------------------------------------------------- */
 
@@ -246,7 +244,7 @@ json_t *json_name(const char *text);
 json_t *json_number(double value);
 /** {"name":"nqm","version":"..."} for the "tool" member. */
 json_t *json_tool(void);
-/** Versions of the libraries for drawing, ray tracing and pictures, or "off"; does not load them. Static. */
+/** Versions of the libraries for ray tracing and pictures, or "off"; does not load them. Static. */
 const char *tool_build_info(void);
 /** The parts of a label and what differs in words, as JSON; null if they are NaN. similarity: of a score, printed as
  *  `similarity_jod` with the ends of its interval; NULL: nqm_label_adapted_jod() is, as `adapted_jod`. */
@@ -316,13 +314,18 @@ const char *stream_name(const char *message, size_t *n_prefix);
 /* ---- verbs ------------------------------------------------------------------------------------------------------- */
 
 typedef struct verb {
-    const char *name;
+    const char *name, *heading; /* heading: of a run of verbs in lists of all */
     int (*run)(int argc, char **argv);
     const char *summary;
 } verb;
 extern const verb verbs[]; /* the last one has no name */
+/** Whether the verb is the first one under its heading. */
+bool begins_heading(const verb *v);
 /** NULL when there is no such verb. */
 const verb *find_verb(const char *name);
+/** Replace a former name of a verb, the first of *argc words, before which is that of the program; if what it did is no verb any
+ *  more, say what to do instead and exit. Other words remain. */
+void rename_former_verb(int *argc, char ***argv);
 /** Print that there is no such verb, and the nearest one. Returns EXIT_USAGE. */
 int report_no_verb(const char *name);
 
@@ -341,16 +344,13 @@ int cmd_fit(int argc, char **argv);
 int cmd_help(int argc, char **argv);
 int cmd_info(int argc, char **argv);
 int cmd_label(int argc, char **argv);
-int cmd_models(int argc, char **argv);
 int cmd_nearest(int argc, char **argv);
-int cmd_plot(int argc, char **argv);
 int cmd_rank(int argc, char **argv);
 int cmd_regress(int argc, char **argv);
 int cmd_render(int argc, char **argv);
 int cmd_report(int argc, char **argv);
 int cmd_sample(int argc, char **argv);
 int cmd_score(int argc, char **argv);
-int cmd_selftest(int argc, char **argv);
 int cmd_train(int argc, char **argv);
 int cmd_translate(int argc, char **argv);
 int cmd_transport(int argc, char **argv);

@@ -11,6 +11,7 @@
 #include "math/math.h"
 #include "nqm/fit/translate.h"
 #include "nqm/score/score.h"
+#include "nqm/show/charts.h"
 #include "render/render.h"
 
 #include <jansson.h>
@@ -363,52 +364,16 @@ const char *EXPORT(web_score_textures)(const char *ref_name, const char *test_na
 
 /* ---- where two BRDFs differ -------------------------------------------------------------------------------------- */
 
-enum { SLICE = 181, SLICES = 4, MAP_H = 90, MAP_D = 60, MAP_P = 6 };
-
-/* f_r (4, 181, 3) of four slices: over theta_h = 90 (i/180)^2 degrees at theta_d = 0; in the plane of incidence over theta_o = i - 90
- * degrees with the light at 10, 45 and 75 degrees at the other side (theta_o < 0). NaN: no value. phi: azimuth of the plane. */
+/* The charts of charts.h; phi: azimuth of the plane. */
 const double *EXPORT(web_slices)(int id, double phi_deg) {
-    static double rgb[SLICES * SLICE * 3], wi[SLICE * 3], wo[SLICE * 3];
-    static const double light_deg[SLICES] = {0, 10, 45, 75};
-    static uint8_t flag[SLICE];
-    const double deg = NQM_PI / 180, c = cos(phi_deg * deg), s = sin(phi_deg * deg);
-    for (size_t k = 0; k < SLICES; ++k) {
-        for (size_t i = 0; i < SLICE; ++i) {
-            const double t = (double)i / (SLICE - 1), h = 89.5 * deg * t * t;
-            const double out = k ? 89.5 * deg * (2 * t - 1) : h, in = k ? -light_deg[k] * deg : h;
-            const double sin_in = sin(in);
-            memcpy(wi + 3 * i, (double[3]){sin_in * c, sin_in * s, cos(in)}, 3 * sizeof *wi);
-            memcpy(wo + 3 * i, (double[3]){sin(out) * c, sin(out) * s, cos(out)}, 3 * sizeof *wo);
-        }
-        nqm_brdf_eval(brdfs[id], SLICE, wi, wo, rgb + k * SLICE * 3, flag);
-        for (size_t i = 0; i < SLICE * 3; ++i)
-            if (!nqm_has_value(flag[i / 3]))
-                rgb[k * SLICE * 3 + i] = NAN;
-    }
+    static double rgb[CHART_SLICES * CHART_POINTS * 3];
+    chart_slices(brdfs[id], phi_deg * NQM_PI / 180, rgb);
     return rgb;
 }
 
-/* Mean |difference of log(f_r + 0.003)| over phi_d and channels, (60, 90) over theta_d and the root of theta_h, as `nqm plot
- * attribution` draws it; NaN below the horizon. */
 const double *EXPORT(web_difference_map)(int ref, int test) {
-    static double map[MAP_D * MAP_H];
-    for (size_t cell = 0; cell < MAP_D * MAP_H; ++cell) {
-        const double root = ((double)(cell % MAP_H) + 0.5) / MAP_H;
-        double hd[MAP_P][3], a[MAP_P][3], b[MAP_P][3], sum = 0;
-        uint8_t flag_a[MAP_P], flag_b[MAP_P];
-        size_t n = 0;
-        for (size_t i = 0; i < MAP_P; ++i) {
-            hd[i][0] = NQM_PI / 2 * root * root;
-            hd[i][1] = NQM_PI / 2 * ((double)(cell / MAP_H) + 0.5) / MAP_D;
-            hd[i][2] = NQM_PI * ((double)i + 0.5) / MAP_P;
-        }
-        nqm_brdf_eval_half_diff(brdfs[ref], MAP_P, hd[0], a[0], flag_a);
-        nqm_brdf_eval_half_diff(brdfs[test], MAP_P, hd[0], b[0], flag_b);
-        for (size_t i = 0; i < MAP_P; ++i)
-            for (size_t k = 0; k < 3 && nqm_has_value(flag_a[i]) && nqm_has_value(flag_b[i]); ++k, ++n)
-                sum += fabs(log(a[i][k] + 0.003) - log(b[i][k] + 0.003));
-        map[cell] = sum / (double)n;
-    }
+    static double map[CHART_ROWS * CHART_COLUMNS];
+    chart_map(brdfs[ref], brdfs[test], map);
     return map;
 }
 

@@ -4,8 +4,8 @@
  */
 #include "io/io.h"
 #include "material/material.h"
+#include "nqm/brdf/info.h"
 #include "nqm/textured.h"
-#include "nqm/tool.h"
 #include <nqm/material.h>
 #include <nqm/texture.h>
 
@@ -194,26 +194,48 @@ static int print_presets(const char *word, bool json) {
 
 /* ---- the verb ---------------------------------------------------------------------------------------------------- */
 
-static bool json;
+static bool json, models, half;
+static const char *notes, *output;
 
-static const option options[] = {OPTION_ROW_IGNORE, {"json", 0, OPTION_FLAG, &json, NULL, "print JSON", 0, 0}, {0}};
+static const option options[] = {
+    {"models", 0, OPTION_FLAG, &models, NULL, "list the built-in models", 0, 0},
+    OPTION_ROW_IGNORE,
+    {"json", 0, OPTION_FLAG, &json, NULL, "print JSON", 0, 0},
+    {"notes", 0, OPTION_TEXT, &notes, "NOTES.md", "with -o: write a copy of the model with this text added to its card",
+     0, 0},
+    {"output", 'o', OPTION_TEXT, &output, "FILE.safetensors", "with --notes: the model file to write", 0, 0},
+    {"half", 0, OPTION_FLAG, &half, NULL, "with --notes: store hidden layers' weights in 16 bits", 0, 0},
+    {0}};
 
 static const command cmd = {
-    .usage = "FILE|SPEC|list [WORD] [options]",
-    .about = "What a BRDF (file, spec or preset), model file, dataset file or file of several materials contains. "
-             "`list`\n"
-             "prints the presets, or those with WORD in their names: published fits of measured materials. For "
-             "BRDFs the\n"
-             "albedo at normal incidence is computed too.",
-    .example = "nqm info sgd:nickel\nnqm info 'ggx:kd=.2,.1,.05;ks=1;alpha=.1;f0=.04' --json\nnqm info list\n"
-               "nqm info list nickel",
+    .usage = "FILE|SPEC|MODEL|list [WORD] [options]",
+    .about =
+        "What a BRDF (file, spec or preset), built-in model, model file, dataset file or file of several materials "
+        "contains.\n"
+        "`list` prints the presets, or those with WORD in their names: published fits of measured materials. For "
+        "BRDFs\n"
+        "the albedo at normal incidence is computed too. Of a model: size, checksum, directions and the card, "
+        "which\n"
+        "describes training data, results and limits. --notes writes a copy of a model with a text added to its "
+        "card, such\n"
+        "as results on a test set; --half also rounds the weights of the hidden layers to 16 bits, which halves "
+        "the file.",
+    .example = "nqm info sgd:nickel\nnqm info 'ggx:kd=.2,.1,.05;ks=1;alpha=.1;f0=.04' --json\nnqm info list nickel\n"
+               "nqm info --models\nnqm info default\n"
+               "nqm info my.safetensors --notes results.md -o my-judged.safetensors",
     .options = options,
-    .min_arguments = 1,
     .max_arguments = 2,
 };
 
 int cmd_info(int argc, char **argv) {
     const int n_arguments = parse_arguments(&cmd, argc, argv);
+    if ((n_arguments == 0) != models)
+        stop(EXIT_USAGE, models ? "--models takes no argument: it lists the built-in models"
+                                : "the argument is missing: a file, a spec, a model, or `list`; or --models");
+    if (!notes != !output || (half && !notes))
+        stop(EXIT_USAGE, "a copy of a model needs both: --notes NOTES.md -o FILE");
+    if (models)
+        return list_models(json);
     if (strcmp(argv[0], "list") == 0)
         return print_presets(n_arguments > 1 ? argv[1] : "", json);
     if (n_arguments > 1)
@@ -221,6 +243,8 @@ int cmd_info(int argc, char **argv) {
     if (n_arguments > 1)
         stop(EXIT_USAGE, "%s: too many arguments; info describes one file or spec", argv[1]);
     refuse_near_word(argv[0], "list");
+    if (notes)
+        return annotate_model(argv[0], notes, half, output);
     if (is_builtin(argv[0]))
         return print_model(argv[0], json);
     if (is_textured(argv[0]))

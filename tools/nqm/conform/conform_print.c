@@ -94,15 +94,15 @@ static json_t *json_mistakes(const conform_result *r) {
 typedef struct set_summary {
     batch_form form;
     nqm_pair_list list;
-    batch_output output;
+    batch_note *notes; /* (n_rows) */
     batch_summary summary;
 } set_summary;
 
 static void make_summary(const conform_result *r, set_summary *s) {
     const size_t n = r->run.n_rows;
-    *s = (set_summary){.list.n_rows = n, .output.done.n_rows = n};
+    *s = (set_summary){.list.n_rows = n};
     s->list.pair = allocate(n, sizeof *s->list.pair);
-    s->output.notes = allocate(n, sizeof *s->output.notes);
+    s->notes = allocate(n, sizeof *s->notes);
     s->form = (batch_form){.list = &s->list,
                            .names = allocate(n, sizeof *s->form.names),
                            .model = r->run.model,
@@ -112,17 +112,17 @@ static void make_summary(const conform_result *r, set_summary *s) {
         const scored_pair *row = &r->run.rows[i];
         s->list.pair[i] = row->pair;
         s->form.names[i] = row->name;
-        s->output.notes[i] = make_batch_note(&s->form, i, &row->result, &row->err);
+        s->notes[i] = make_batch_note(&s->form, i, &row->result, &row->err);
     }
-    s->summary = make_batch_summary(&s->form, r->run.ref_name, &s->output);
+    s->summary = make_batch_summary(&s->form, r->run.ref_name, n, s->notes);
     s->summary.n_shown = nqm_smaller(n, r->n_shown);
 }
 
 static void free_summary(set_summary *s) {
     for (size_t i = 0; i < s->list.n_rows; ++i)
-        free(s->output.notes[i].remark);
+        free(s->notes[i].remark);
     free(s->list.pair);
-    free(s->output.notes);
+    free(s->notes);
     free(s->form.names);
     free(s->summary.order);
 }

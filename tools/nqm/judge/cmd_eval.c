@@ -321,8 +321,7 @@ int cmd_eval(int argc, char **argv) {
         stop(EXIT_USAGE, a.human ? "--labels and --human exclude each other" : "--root needs --human");
     if (a.options.apart && !a.human)
         stop(EXIT_USAGE, "--apart needs --human");
-    eval_run run = {
-        .dataset_path = argv[0], .split_name = nqm_split_words[a.options.split], .precision = a.options.precision};
+    eval_run run = {.dataset_path = argv[0], .split_name = nqm_split_words[a.options.split]};
     const int by = by_masks[choose("by", by_words, a.by)];
     open_models(&run, a.models);
     a.options.progress = show_progress;

@@ -25,7 +25,6 @@ typedef struct eval_run {
     char *model_list;
     nqm_evaluation *evaluation;
     bool is_jod, is_choice; /* labels are JODs; they are choices */
-    nqm_precision precision;
     double order_margin;
     json_t *results;    /* rows over all pairs */
     json_t *selections; /* {"by_kind": {"ggx": rows, ..}, ..}; a selection without pairs has no rows */

@@ -303,7 +303,7 @@ static json_t *human_json(const nqm_human *human) {
 static void print_json_results(const eval_run *run) {
     json_t *models = json_array();
     for (size_t i = 0; i < run->n_models; ++i)
-        json_array_append_new(models, model_json(run->models[i], run->precision));
+        json_array_append_new(models, model_json(run->models[i]));
     json_t *json = json_pack("{s:i,s:o,s:{s:o,s:s}}", "schema", 1, "tool", json_tool(), "dataset", "path",
                              json_name(run->dataset_path), "sha256", nqm_dataset_get_info(run->dataset).sha256);
     if (!run->is_choice) {

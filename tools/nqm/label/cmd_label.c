@@ -52,8 +52,6 @@ static view_args view;
 static const option options[] = {
     {"map", 0, OPTION_TEXT, &run.map, "FILE.png", "draw reference, test and their difference, one row per test", 0, 0},
     {"grid", 0, OPTION_TEXT, &run.grid, "FILE.png", "draw each reference and its tests in a row", 0, 0},
-    {"rows", 0, OPTION_TEXT, &run.rows, "A,B,...", "titles of the rows of a figure", 0, 0},
-    {"columns", 0, OPTION_TEXT, &run.columns, "A,B,...", "titles of its columns", 0, 0},
     {"shrink", 0, OPTION_COUNT, &shrink, "N", "average N x N rendered pixels into one of a figure", 1, 16},
     {"keep-renders", 0, OPTION_TEXT, &run.keep, "DIR", "write every picture (.exr, .png) and difference to this folder",
      0, 0},
@@ -96,6 +94,8 @@ int cmd_label(int argc, char **argv) {
     const char **names = take_names(n_arguments, argv);
     read_items(&run, n_arguments, argv, names);
     make_labels(&run);
+    if (run.keep_rgb)
+        map_labels(&run);
     print_labels(&run);
     draw_labels(&run);
     int exit_code = EXIT_OK;

@@ -141,12 +141,30 @@ void make_labels(label_run *run) {
     end_progress();
 }
 
+void map_labels(label_run *run) {
+    const size_t n_points = nqm_scene_count(run->scene);
+    const double **maps = allocate(run->n_items, sizeof *maps);
+    size_t n_maps = 0;
+    nqm_error err = {0};
+    run->delta_e = allocate(run->n_items * n_points, sizeof *run->delta_e);
+    for (size_t i = 0; i < run->n_items; ++i) {
+        const double *reference = run->items[run->items[i].reference].rgb_cdm2;
+        if (run->items[i].reference == i || run->items[i].err.status != NQM_OK)
+            continue;
+        nqm_scene_delta_e_map(run->scene, reference, run->items[i].rgb_cdm2, run->delta_e + i * n_points);
+        maps[n_maps++] = run->delta_e + i * n_points;
+    }
+    must(nqm_map_scale(n_maps, maps, n_points, &run->delta_e_max, &err), &err);
+    free(maps);
+}
+
 void free_labels(label_run *run) {
     for (size_t i = 0; i < run->n_items; ++i) {
         free(run->items[i].rgb_cdm2);
         nqm_texture_free(run->items[i].texture);
     }
     free(run->items);
+    free(run->delta_e);
     nqm_scene_free(run->scene);
 }
 
@@ -202,8 +220,9 @@ json_t *json_labels(const label_run *run) {
         json_object_set_new(scene, "tiles", json_real(run->view.tiles));
         json_object_set_new(scene, "texels", json_integer((json_int_t)run->view.n_samples));
     }
-    return json_pack("{s:i,s:o,s:o,s:o,s:o}", "schema", 1, "tool", json_tool(), "reference",
-                     json_name(run->items[0].name), "scene", scene, "results", results);
+    return json_pack("{s:i,s:o,s:o,s:o,s:o,s:o*}", "schema", 1, "tool", json_tool(), "reference",
+                     json_name(run->items[0].name), "scene", scene, "results", results, "delta_e_max",
+                     run->map || run->keep ? json_number(run->delta_e_max) : NULL);
 }
 
 static const char csv_columns[] = "test,delta_e_itp,jod,error";
@@ -266,4 +285,6 @@ void print_labels(const label_run *run) {
             print_text_test(item);
         }
     }
+    if (run->format == FORMAT_TEXT && (run->map || run->keep))
+        printf("colours of differences: Delta-E 0 (dark) to %.6g and above (bright)\n", run->delta_e_max);
 }

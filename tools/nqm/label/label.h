@@ -34,8 +34,9 @@ typedef struct label_run {
     bool keep_rgb;     /* keep the renderings of tests after the comparison, to draw them */
     /* figures; NULL: none */
     const char *map, *grid, *keep;
-    const char *rows, *columns; /* titles, separated by commas */
     size_t shrink;
+    double *delta_e;    /* (n_items, points) of each test, by map_labels(); NULL: no maps */
+    double delta_e_max; /* upper end of the colours of all maps */
 } label_run;
 
 /** For figures: average shrink x shrink rendered pixels into one. no_pictures: what to say where the scene has no pixels. */
@@ -43,7 +44,9 @@ void set_shrink(label_run *run, uint64_t shrink, const char *no_pictures);
 /** Make the scene of run->scene_options, render the items and compare each test with its reference; errors of tests are
  *  stored in their items. On another failure, this and the functions below report the error and exit. */
 void make_labels(label_run *run);
-/** Free the items and the scene. */
+/** Compute the maps of the differences between each test and its reference, whose renderings were kept. */
+void map_labels(label_run *run);
+/** Free the items, the maps and the scene. */
 void free_labels(label_run *run);
 
 /** What `nqm label --json` prints. */

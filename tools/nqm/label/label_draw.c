@@ -9,11 +9,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { MAX_CELLS = 64, MAX_TITLES = 2048 };
+enum { MAX_CELLS = 64 };
 
-/* Picture, map and texts of an item. */
+/* Picture and map of an item. */
 typedef struct view {
-    char name[128], caption[64];
     double *picture; /* (height, width, 3) of a canvas; NULL: the item failed */
     double *map;     /* (height, width); NULL also for references */
 } view;
@@ -22,7 +21,6 @@ typedef struct drawing {
     const label_run *run;
     canvas all;           /* frames */
     double *backdrops[2]; /* BACKDROP_WHITE, BACKDROP_BLACK, of all frames; the beginning is that of one */
-    double *delta_e;      /* (points) */
     view *views;          /* (n_items) */
 } drawing;
 
@@ -36,10 +34,8 @@ static void fill_view(const drawing *d, size_t i, const canvas *c, backdrop kind
     const label_run *run = d->run;
     const label_item *item = &run->items[i];
     draw_picture(run->scene, c, d->backdrops[kind], item->rgb_cdm2, v->picture);
-    if (!v->map)
-        return;
-    nqm_scene_delta_e_map(run->scene, run->items[item->reference].rgb_cdm2, item->rgb_cdm2, d->delta_e);
-    draw_map(run->scene, c, d->delta_e, v->map);
+    if (v->map)
+        draw_map(run->scene, c, run->delta_e + i * nqm_scene_count(run->scene), v->map);
 }
 
 static void make_views(drawing *d) {
@@ -48,33 +44,12 @@ static void make_views(drawing *d) {
     for (size_t i = 0; i < run->n_items; ++i) {
         const label_item *item = &run->items[i];
         view *v = &d->views[i];
-        if (item->shown != item->name)
-            snprintf(v->name, sizeof v->name, "%s", item->shown);
-        else
-            short_name(item->name, v->name, sizeof v->name);
-        if (item->err.status != NQM_OK) {
-            snprintf(v->caption, sizeof v->caption, "failed");
+        if (item->err.status != NQM_OK)
             continue;
-        }
         v->picture = allocate(3 * n_pixels, sizeof *v->picture);
-        if (!is_reference(run, i)) {
+        if (!is_reference(run, i))
             v->map = allocate(n_pixels, sizeof *v->map);
-            snprintf(v->caption, sizeof v->caption, "\u0394E %.1f \u00b7 JOD %.2f", item->label.delta_e, item->jod);
-        }
         fill_view(d, i, &d->all, BACKDROP_WHITE);
-    }
-}
-
-/* Split a copy of a list at its commas into titles (n). Titles missing in the list are unchanged. */
-static void cut_titles(const char *list, char copy[MAX_TITLES], size_t n, const char **titles) {
-    snprintf(copy, MAX_TITLES, "%s", list ? list : "");
-    char *p = list ? copy : NULL;
-    for (size_t i = 0; i < n && p; ++i) {
-        char *comma = strchr(p, ',');
-        titles[i] = p;
-        p = comma ? comma + 1 : NULL;
-        if (comma)
-            *comma = 0;
     }
 }
 
@@ -86,37 +61,26 @@ static nqm_figure figure_of(const drawing *d, const canvas *c, size_t n_rows, si
                         .height = c->height,
                         .supersample = d->run->shrink,
                         .panels = panels,
+                        .delta_e_max = d->run->delta_e_max,
                         .tone = tone_of(&d->run->scene_options)};
-}
-
-/* Write a figure with titles: those of the command line where they are given. */
-static void write_titled(const drawing *d, const char *path, nqm_figure figure, const char **rows,
-                         const char **columns) {
-    char row_copy[MAX_TITLES], column_copy[MAX_TITLES];
-    nqm_error err = {0};
-    cut_titles(d->run->rows, row_copy, figure.n_rows, rows);
-    cut_titles(d->run->columns, column_copy, figure.n_columns, columns);
-    figure.row_titles = rows;
-    figure.column_titles = columns;
-    must(nqm_figure_write(path, &figure, &err), &err);
 }
 
 /* One row per test: reference, test, map. */
 static void draw_tests(const drawing *d) {
     const label_run *run = d->run;
     nqm_panel panels[3 * MAX_CELLS] = {0};
-    const char *rows[MAX_CELLS] = {0}, *columns[3] = {"reference", "test", "difference"};
+    nqm_error err = {0};
     size_t n = 0;
     for (size_t i = 0; i < run->n_items; ++i) {
-        const view *test = &d->views[i], *ref = &d->views[run->items[i].reference];
-        if (ref == test)
+        if (is_reference(run, i))
             continue;
-        panels[3 * n] = (nqm_panel){.rgb_cdm2 = ref->picture, .caption = ref->name};
-        panels[3 * n + 1] = (nqm_panel){.rgb_cdm2 = test->picture, .caption = test->name};
-        panels[3 * n + 2] = (nqm_panel){.delta_e = test->map, .caption = test->caption};
+        panels[3 * n].rgb_cdm2 = d->views[run->items[i].reference].picture;
+        panels[3 * n + 1].rgb_cdm2 = d->views[i].picture;
+        panels[3 * n + 2].delta_e = d->views[i].map;
         ++n;
     }
-    write_titled(d, run->map, figure_of(d, &d->all, n, 3, panels), rows, columns);
+    const nqm_figure figure = figure_of(d, &d->all, n, 3, panels);
+    must(nqm_figure_write(run->map, &figure, &err), &err);
 }
 
 static size_t count_columns(const label_run *run) {
@@ -128,29 +92,29 @@ static size_t count_columns(const label_run *run) {
     return most;
 }
 
-/* One row per group: the reference and its tests. Column titles come from --columns, else from the tests of the first group. */
+/* One row per group: the reference and its tests. */
 static void draw_grid(const drawing *d) {
     const label_run *run = d->run;
-    size_t n_columns = count_columns(run), row = 0;
-    const char *columns[MAX_CELLS] = {"reference"}, *rows[MAX_CELLS] = {0};
+    const size_t n_columns = count_columns(run);
     nqm_panel *panels = allocate(run->n_groups * n_columns, sizeof *panels);
-    for (size_t i = 0; i < run->n_items; ++i) {
-        size_t column = i - run->items[i].reference;
-        row += i > 0 && column == 0;
-        panels[row * n_columns + column] = (nqm_panel){.rgb_cdm2 = d->views[i].picture, .caption = d->views[i].caption};
-        if (column == 0)
-            rows[row] = d->views[i].name;
-        else if (!columns[column])
-            columns[column] = d->views[i].name;
+    nqm_error err = {0};
+    for (size_t i = 0, row = 0; i < run->n_items; ++i) {
+        row += i > 0 && is_reference(run, i);
+        panels[row * n_columns + i - run->items[i].reference].rgb_cdm2 = d->views[i].picture;
     }
-    write_titled(d, run->grid, figure_of(d, &d->all, run->n_groups, n_columns, panels), rows, columns);
+    const nqm_figure figure = figure_of(d, &d->all, run->n_groups, n_columns, panels);
+    must(nqm_figure_write(run->grid, &figure, &err), &err);
     free(panels);
 }
 
 /* DIR/NN-name[-frame]SUFFIX: the number distinguishes equal short names. */
 static void keep_path(const drawing *d, size_t i, size_t frame, const char *suffix, char *path, size_t n_path) {
-    char name[sizeof d->views->name], number[32] = "";
-    snprintf(name, sizeof name, "%s", d->views[i].name);
+    const label_item *item = &d->run->items[i];
+    char name[128], number[32] = "";
+    if (item->shown != item->name)
+        snprintf(name, sizeof name, "%s", item->shown);
+    else
+        short_name(item->name, name, sizeof name);
     for (char *p = name; *p; ++p)
         if (!isalnum((unsigned char)*p) && *p != '-' && *p != '.')
             *p = '_';
@@ -179,11 +143,10 @@ static void keep_item(const drawing *d, size_t i, size_t frame) {
     }
     if (!v->map)
         return;
-    const nqm_panel panel = {.delta_e = v->map, .caption = v->caption};
-    nqm_figure figure = figure_of(d, &c, 1, 1, &panel);
-    figure.supersample = 1;
+    const nqm_picture map = {
+        .width = o->width, .height = o->height, .delta_e = v->map, .delta_e_max = d->run->delta_e_max};
     keep_path(d, i, frame, "-difference.png", path, sizeof path);
-    must(nqm_figure_write(path, &figure, &err), &err);
+    must(nqm_picture_write(path, &map, 1, NULL, &err), &err);
 }
 
 static void keep_renders(const drawing *d) {
@@ -202,7 +165,6 @@ void draw_labels(const label_run *run) {
                  .all = all,
                  .backdrops = {[BACKDROP_WHITE] = make_backdrop(run->scene, &all, BACKDROP_WHITE),
                                [BACKDROP_BLACK] = make_backdrop(run->scene, &all, BACKDROP_BLACK)},
-                 .delta_e = allocate(nqm_scene_count(run->scene), sizeof *d.delta_e),
                  .views = allocate(run->n_items, sizeof *d.views)};
     make_views(&d);
     if (run->map)
@@ -216,7 +178,6 @@ void draw_labels(const label_run *run) {
         free(d.views[i].map);
     }
     free(d.views);
-    free(d.delta_e);
     free(d.backdrops[BACKDROP_WHITE]);
     free(d.backdrops[BACKDROP_BLACK]);
 }

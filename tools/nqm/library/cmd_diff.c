@@ -372,8 +372,7 @@ static void write_summaries(void) {
         free(text);
         free(remark);
     }
-    const batch_output done = {.done = {.n_rows = n}, .notes = notes};
-    batch_summary summary = make_batch_summary(&form, new_path, &done);
+    batch_summary summary = make_batch_summary(&form, new_path, n, notes);
     summary.n_shown = count_changed() + summary.n_skipped;
     write_batch_summary(&summary, junit, print_batch_junit);
     write_batch_summary(&summary, markdown, print_batch_markdown);

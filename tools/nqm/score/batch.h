@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * batch.h - the results of `nqm batch` as text, the unfinished output file that a later run can resume, and what is
- * made of all rows at the end: the sorted file, JUnit XML, Markdown.
+ * batch.h - the results of `nqm batch`: as pieces that a later run finds again, as text, and what is made of all rows at the end:
+ * the sorted output, JUnit XML, Markdown.
  */
 #ifndef NQM_TOOL_BATCH_H
 #define NQM_TOOL_BATCH_H
@@ -19,7 +19,6 @@ typedef struct batch_form {
     const nqm_pair_list *list;
     const char **names; /* (n_rows) of the tests, NULL: none */
     const nqm_model *model;
-    nqm_precision precision;
     bool metrics[NQM_METRIC_COUNT]; /* metrics to write */
     bool has_textures;              /* columns of textures, too */
     score_gate gate;
@@ -31,11 +30,11 @@ typedef struct batch_note {
     double jod, jod_low, jod_high, delta_e, novelty; /* NaN: none */
     bool is_scored, is_identical;
     bool is_skipped; /* without a score, because both materials are refused alike */
-    size_t n_text;   /* bytes of the row in the output, without the text that separates rows */
+    long begin, end; /* of a sorted output: where the temporary file has the row */
     char *remark;    /* error of a row without a score, warnings of the others; NULL: none; owned */
 } batch_note;
 
-/** The note of a result; it has no n_text. free() the remark. */
+/** The note of a result. free() the remark. */
 batch_note make_batch_note(const batch_form *form, size_t row, const nqm_score_result *result, const nqm_error *err);
 /** The members of a result that a note has; the others are NaN and 0. */
 nqm_score_result noted_result(const batch_note *note);
@@ -54,61 +53,73 @@ const char *batch_separator(const batch_form *form);
 
 /** An object with the path of each file that the pairs name, and its identity. Relative paths begin in the working folder. */
 json_t *identify_files(size_t n, const nqm_named_pair *pairs);
-/** The first path of such an object whose file has another identity now; NULL: none. */
-const char *find_changed_file(const json_t *files);
+/** Whether all files of such an object have the same identity now. */
+bool has_same_files(const json_t *files);
 
-/* ---- the file (batch_output.c): on failure, these report the error and exit -------------------------------------- */
+/* ---- results (batch_pieces.c): on failure, these report the error and exit --------------------------------------- */
 
-/** Progress of an output. */
-typedef struct batch_progress {
-    bool begun; /* the text before the rows was written */
-    size_t n_rows, n_failed;
-} batch_progress;
+/** The results of a list in pieces of equal numbers of rows, each of which is a file of a folder: several processes make them
+ *  together, and a later run with the same terms finds them again. */
+typedef struct batch_pieces {
+    const nqm_pair_list *list;
+    nqm_scorer *scorer;
+    const nqm_model *model; /* that of the scorer, for textures */
+    bool near_only;         /* of textures */
+    char *folder;      /* absolute; NULL: none, results are computed when they are needed; lives as long as the run */
+    bool is_shared;    /* the folder is that of --work, which remains */
+    char *terms;       /* all that determines results, as JSON; owned */
+    char identity[33]; /* hash of the terms: the beginning of the files' names */
+    size_t size, n;    /* rows of a piece, number of pieces */
+    size_t current;    /* the piece whose results are below, n: none */
+    nqm_score_result *results; /* (size) */
+    texture_numbers *textures; /* (size) NaN: not of a texture */
+    nqm_error *errors;         /* (size) */
+    json_t *files;             /* files that these results depend on, from identify_files(); NULL: no folder; owned */
+    size_t n_scored;           /* rows that this process has scored */
+    double begin_s;
+} batch_pieces;
 
-/** Standard output, a device, or a file. A file is named FILE.part until it is complete; FILE.part.journal records
- *  after every block how many bytes of it are valid, and the notes of its rows. */
+/**
+ * Begin. list, scorer, model, near_only, folder and is_shared are set.
+ *
+ * @param terms   an object of scalars: all settings that determine results, the list and its root included
+ * @param resume  of a folder that is not shared: use the pieces of an earlier run, which must have had the same terms; otherwise
+ *                they are removed
+ */
+void open_batch_pieces(batch_pieces *pieces, const json_t *terms, bool resume);
+/** Score all pieces together with the other processes of `r`. Returns when all files exist: an exit code, its error reported. */
+int share_batch_pieces(batch_pieces *pieces, ranks r);
+/** Have results, textures and errors of a piece, which has *n_ret rows. Returns an exit code, its error reported. */
+int get_batch_piece(batch_pieces *pieces, size_t piece, size_t *n_ret);
+/** Remove the file of a piece, so that a later run scores it again. */
+void forget_batch_piece(batch_pieces *pieces, size_t piece);
+/** Show how many pairs are done and the speed of this process. Returns nonzero after Ctrl-C. */
+int show_batch_progress(const batch_pieces *pieces, size_t n_done, size_t n);
+/** Free. is_complete: also remove the files, and the folder, unless it is shared. */
+void close_batch_pieces(batch_pieces *pieces, bool is_complete);
+
+/* ---- the output (batch_output.c): on failure, these report the error and exit ------------------------------------ */
+
+/** Rows on their way to standard output, a device, or a file, which gets its name when it is complete. */
 typedef struct batch_output {
-    FILE *rows; /* stream for rows that are not written to the file yet */
-    char *text; /* (n_text) of `rows` */
-    size_t n_text;
-    FILE *stream; /* FILE.part, a device, standard output, or a temporary file that is copied there in the end */
-    FILE *target; /* stream to which a temporary file is copied; NULL: none */
-    char *path, *part, *journal; /* NULL: not a file */
-    FILE *log;
-    size_t n_bytes, n_head; /* bytes of FILE.part; bytes before its first row */
-    batch_progress done;
+    output_file file;
+    FILE *rows; /* that of `file`, or a temporary file of rows that are sorted in the end */
+    size_t n_rows, n_failed;
+    batch_note *notes; /* (max_rows) of the rows that are written; they live as long as the run */
     size_t max_rows;
-    batch_note *notes;    /* (max_rows) of the rows that are written; owned */
-    json_t *files;        /* files that the rows since the last checkpoint depend on; NULL: none; owned */
-    json_t *files_before; /* files that the rows of the interrupted run depend on; owned */
 } batch_output;
 
-/** How to open an output. */
-typedef struct batch_request {
-    const char *path; /* NULL or "-": standard output */
-    const json_t
-        *terms;     /* settings that a resumed run must have in common with the interrupted run: an object of scalars */
-    bool resume;    /* continue FILE.part if it exists; an error for anything but a file */
-    bool is_sorted; /* finish_batch_sorted() will be called */
-    bool may_help;  /* another run with the same terms may be writing the file */
-    size_t max_rows;
-} batch_request;
-
-/** Open. `done` of the result is the progress of the interrupted run, zeros for a new file. false: another run is writing the file
- *  (only with `may_help`), and nothing is open. */
-bool open_batch_output(const batch_request *request, batch_output *out);
-/** After that: wait for the end of the other run, and open the output if that run left it unfinished. false: it is finished. */
-bool take_over_batch_output(const batch_request *request, batch_output *out);
-/** Report an error and exit if a file that the rows of the interrupted run depend on has changed. */
-void check_batch_files(const batch_output *out);
-/** Write the text of out->rows, which are complete rows whose notes and files are set, and record in the journal that
- *  the file is valid up to here. */
-void append_batch_output(batch_output *out, const batch_progress *done);
-/** Close. is_complete: write the text of out->rows and rename the file to its final name; otherwise FILE.part remains for a
- *  later run. */
-void close_batch_output(batch_output *out, bool is_complete);
-/** Close a complete output whose rows are to be the n rows `order`, one after the other. */
-void close_batch_sorted(batch_output *out, const batch_form *form, size_t n, const size_t *order);
+/** Open, and print the text before the rows. path: absolute, or "-". */
+void open_batch_output(const char *path, const batch_form *form, bool is_sorted, batch_output *out);
+/** Whether it is a file, of which nothing is seen until it is complete. */
+bool is_batch_file(const batch_output *out);
+/** Write a row and its note. Returns false, and writes nothing, if the row fails and `keep_going` is not set. Rows whose
+ *  materials are refused alike do not count as failed. */
+bool write_batch_row(batch_output *out, const batch_form *form, const batch_pieces *pieces, size_t at, bool keep_going);
+/** Pass on what is written. */
+void flush_batch_output(batch_output *out);
+/** Write the end of the output and close it. order: (n) the rows of a sorted output; NULL: all are written. */
+void close_batch_output(batch_output *out, const batch_form *form, size_t n, const size_t *order);
 
 /* ---- all rows (batch_summary.c) ---------------------------------------------------------------------------------- */
 
@@ -126,7 +137,7 @@ typedef struct batch_summary {
 } batch_summary;
 
 /** free() `order`. */
-batch_summary make_batch_summary(const batch_form *form, const char *list_name, const batch_output *out);
+batch_summary make_batch_summary(const batch_form *form, const char *list_name, size_t n_rows, const batch_note *notes);
 /** A JUnit report: one test case per pair, in the order of the list; a failure for each pair below the gate, an error for each
  *  without a score. */
 void print_batch_junit(const batch_summary *summary, FILE *out);

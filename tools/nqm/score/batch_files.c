@@ -146,14 +146,10 @@ json_t *identify_files(size_t n, const nqm_named_pair *pairs) {
     return files;
 }
 
-const char *find_changed_file(const json_t *files) {
-    json_t *now = json_copy((json_t *)(uintptr_t)files), *value;
-    const char *key, *changed = NULL;
+bool has_same_files(const json_t *files) {
+    json_t *now = json_copy((json_t *)(uintptr_t)files);
     identify_all(now);
-    json_object_foreach((json_t *)(uintptr_t)files, key, value) {
-        if (!changed && !json_equal(value, json_object_get(now, key)))
-            changed = key;
-    }
+    const bool is_same = json_equal(now, files);
     json_decref(now);
-    return changed;
+    return is_same;
 }

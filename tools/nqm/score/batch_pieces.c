@@ -1,62 +1,28 @@
 /* SPDX-License-Identifier: MIT
  *
- * Pieces of a list as files of a folder that processes share (base/shared_work.h). The results of a pair do not depend on the
- * other pairs of a call, so that they do not depend on the process either. A file holds doubles and error messages; the rows of
- * the output are printed from them, so that they are those of a run without pieces.
+ * Pieces of a list as files of a folder: that of --work, which processes share (base/shared_work.h), or one beside the output. The
+ * results of a pair do not depend on the other pairs of a call, so that they do not depend on the process either. A file holds
+ * results as they are in memory; the rows of the output are printed from them, so that they are those of a run without pieces.
  */
-#include "nqm/score/batch_pieces.h"
 #include "base/shared_work.h"
 #include "io/io.h"
 #include "nqm/score/batch.h"
 
-#include <stddef.h>
+#include <dirent.h>
+#include <errno.h>
+#include <fcntl.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
+#include <sys/file.h>
 #include <unistd.h>
 
-enum { MAX_PIECES = 4096, MAX_PATH = 4096 };
+enum { MAX_PIECES = 4096, MAX_PATH = 4096, N_IDENTITY = 32 };
 
 /* ---- files ------------------------------------------------------------------------------------------------------- */
 
-/* The members of a result in the columns of a file: runs of doubles, then counts. */
-static const struct {
-    size_t offset, n;
-} doubles[] = {{offsetof(nqm_score_result, jod), 5},
-               {offsetof(nqm_score_result, parts), sizeof(nqm_label) / sizeof(double)},
-               {offsetof(nqm_score_result, similarity), 3},
-               {offsetof(nqm_score_result, metrics), NQM_METRIC_COUNT},
-               {offsetof(nqm_score_result, distance_deg), 4}};
-enum { N_DOUBLES = 5 + sizeof(nqm_label) / sizeof(double) + 3 + NQM_METRIC_COUNT + 4, N_COUNTS = 7 };
-_Static_assert(offsetof(nqm_score_result, novelty) - offsetof(nqm_score_result, jod) == 4 * sizeof(double) &&
-                   offsetof(nqm_score_result, n_unusual[1]) - offsetof(nqm_score_result, n_valid) ==
-                       (N_COUNTS - 1) * sizeof(size_t),
-               "results are stored as runs of equal types");
-_Static_assert(offsetof(nqm_score_result, suspect_cosine) - offsetof(nqm_score_result, distance_deg) ==
-                   3 * sizeof(double),
-               "the last run");
-
-/* status, identical, doubles, counts, of textures */
-enum { N_RESULT = 2 + N_DOUBLES + N_COUNTS, N_COLUMNS = N_RESULT + TEXTURE_NUMBERS };
-
-static void pack(const nqm_score_result *r, double row[N_RESULT]) {
-    double *to = row;
-    *to++ = r->status;
-    *to++ = r->identical;
-    for (size_t i = 0; i < sizeof doubles / sizeof *doubles; to += doubles[i++].n)
-        memcpy(to, (const char *)r + doubles[i].offset, doubles[i].n * sizeof *to);
-    for (size_t i = 0; i < N_COUNTS; ++i)
-        *to++ = (double)(&r->n_valid)[i];
-}
-
-static void unpack(const double row[N_RESULT], nqm_score_result *r) {
-    const double *from = row;
-    r->status = (nqm_status)*from++;
-    r->identical = (int)*from++;
-    for (size_t i = 0; i < sizeof doubles / sizeof *doubles; from += doubles[i++].n)
-        memcpy((char *)r + doubles[i].offset, from, doubles[i].n * sizeof *from);
-    for (size_t i = 0; i < N_COUNTS; ++i)
-        (&r->n_valid)[i] = (size_t)*from++;
+/* A single piece is lost when the run ends early, so that only processes that share it need its file. */
+static bool is_saved(const batch_pieces *p) {
+    return p->folder && (p->is_shared || p->n > 1);
 }
 
 static size_t first_row(const batch_pieces *p, size_t piece) {
@@ -69,91 +35,84 @@ static size_t row_count(const batch_pieces *p, size_t piece) {
 
 static const char *piece_path(const batch_pieces *p, size_t piece, char path[MAX_PATH]) {
     if (snprintf(path, MAX_PATH, "%s/%s-%zu.safetensors", p->folder, p->identity, piece) >= MAX_PATH)
-        stop(EXIT_LIMIT, "--work: the path is longer than %d bytes", (int)MAX_PATH);
+        stop(EXIT_LIMIT, "%s: the path is longer than %d bytes", p->folder, (int)MAX_PATH);
     return path;
 }
 
-/* Messages of the rows without a score; free() it. */
-static char *messages_json(size_t n, const nqm_score_result *results, const nqm_error *errors) {
-    json_t *all = json_array();
-    for (size_t i = 0; i < n; ++i)
-        json_array_append_new(all, results[i].status == NQM_OK ? json_null() : json_name(errors[i].message));
-    char *text = json_dumps(all, JSON_COMPACT);
-    json_decref(all);
+static char *dump(const json_t *json) {
+    char *text = json_dumps(json, JSON_COMPACT);
     if (!text)
         stop(EXIT_LIMIT, "out of memory");
     return text;
 }
 
 static nqm_status save(const batch_pieces *p, size_t piece, nqm_error *err) {
-    char path[MAX_PATH];
+    char path[MAX_PATH], *files = dump(p->files);
     const size_t n = row_count(p, piece);
-    double *rows = allocate(n, N_COLUMNS * sizeof *rows);
-    for (size_t i = 0; i < n; ++i) {
-        pack(&p->results[i], rows + i * N_COLUMNS);
-        memcpy(rows + i * N_COLUMNS + N_RESULT, p->textures[i].v, sizeof p->textures[i].v);
-    }
-    char *messages = messages_json(n, p->results, p->errors), *files = json_dumps(p->files, JSON_COMPACT);
-    if (!files)
-        stop(EXIT_LIMIT, "out of memory");
-    const nqm_tensor tensor = nqm_tensor_of("results", NQM_F64, n, N_COLUMNS, rows);
-    const nqm_meta meta[] = {{"errors", messages}, {"files", files}};
-    const nqm_status status = nqm_safetensors_write(piece_path(p, piece, path), 1, &tensor, 2, meta, NULL, err);
+    bool has_errors = false;
+    for (size_t i = 0; i < n; ++i)
+        has_errors = has_errors || p->results[i].status != NQM_OK;
+    const nqm_tensor tensors[] = {nqm_tensor_of("results", NQM_U8, n, sizeof *p->results, p->results),
+                                  nqm_tensor_of("textures", NQM_U8, n, sizeof *p->textures, p->textures),
+                                  nqm_tensor_of("errors", NQM_U8, n, sizeof *p->errors, p->errors)};
+    const nqm_meta meta[] = {{"terms", p->terms}, {"files", files}};
+    nqm_status status;
+    do {
+        make_folder(p->folder);
+        status = nqm_safetensors_write(piece_path(p, piece, path), has_errors ? 3 : 2, tensors, 2, meta, NULL, err);
+    } while (status == NQM_ERR_IO && !is_folder(p->folder)); /* a run with the same output removed it meanwhile */
     free(files);
-    free(messages);
-    free(rows);
     return status;
 }
 
-static bool take_results(batch_pieces *p, size_t n, const nqm_safetensors *st) {
-    char hex[65];
-    bool intact = false;
-    const nqm_tensor *tensor = nqm_safetensors_find(st, "results");
-    const char *text = nqm_safetensors_meta(st, "errors");
-    json_t *messages = parse_json(text);
-    bool good = nqm_safetensors_checksum(st, hex, &intact) && intact && tensor && tensor->dtype == NQM_F64 &&
-                tensor->n_bytes == n * N_COLUMNS * sizeof(double) && json_array_size(messages) == n;
-    for (size_t i = 0; good && i < n; ++i) {
-        double row[N_COLUMNS];
-        memcpy(row, (const char *)tensor->data + i * sizeof row, sizeof row);
-        unpack(row, &p->results[i]);
-        memcpy(p->textures[i].v, row + N_RESULT, sizeof p->textures[i].v);
-        const char *message = json_string_value(json_array_get(messages, i));
-        p->errors[i] = (nqm_error){.status = p->results[i].status, .byte_offset = -1};
-        snprintf(p->errors[i].message, sizeof p->errors[i].message, "%s", message ? message : "");
-    }
-    json_decref(messages);
-    return good;
-}
-
-/* Whether the files that the results depend on are the same now; then they become those of the piece. */
-static bool take_files(batch_pieces *p, const nqm_safetensors *st) {
-    const char *text = nqm_safetensors_meta(st, "files");
-    json_t *files = parse_json(text);
-    if (!json_is_object(files) || find_changed_file(files)) {
-        json_decref(files);
+/* Copy the bytes of a tensor; false: there is none of this size. */
+static bool take(const nqm_safetensors *st, const char *name, size_t n_bytes, void *to) {
+    const nqm_tensor *tensor = nqm_safetensors_find(st, name);
+    if (!tensor || tensor->n_bytes != n_bytes)
         return false;
-    }
-    json_decref(p->files);
-    p->files = files;
+    memcpy(to, tensor->data, n_bytes);
     return true;
 }
 
-/* Load the results of a piece; false: there is no file, a damaged one, or one of other contents of a BRDF file. */
-static bool load_results(batch_pieces *p, size_t piece) {
-    char path[MAX_PATH];
+static bool take_piece(batch_pieces *p, size_t n, const nqm_safetensors *st) {
+    char hex[65];
+    bool intact = false;
+    json_t *files = parse_json(nqm_safetensors_meta(st, "files"));
+    const bool is_taken = nqm_safetensors_checksum(st, hex, &intact) && intact && json_is_object(files) &&
+                          has_same_files(files) && take(st, "results", n * sizeof *p->results, p->results) &&
+                          take(st, "textures", n * sizeof *p->textures, p->textures);
+    if (is_taken && !take(st, "errors", n * sizeof *p->errors, p->errors))
+        memset(p->errors, 0, n * sizeof *p->errors);
+    json_decref(files);
+    return is_taken;
+}
+
+/* Call `use` with a file of a piece; false: it is missing or damaged, or `use` says so. */
+static bool open_piece(batch_pieces *p, const char *path, size_t n,
+                       bool (*use)(batch_pieces *p, size_t n, const nqm_safetensors *st)) {
     nqm_map map;
     nqm_safetensors *st;
-    if (!p->folder || access(piece_path(p, piece, path), R_OK) != 0 || nqm_map_open_own(path, &map, NULL) != NQM_OK)
+    if (access(path, R_OK) != 0 || nqm_map_open_own(path, &map, NULL) != NQM_OK)
         return false;
-    bool loaded = false;
-    if (nqm_safetensors_parse(map.data, map.n_bytes, path, &st, NULL) == NQM_OK) {
-        loaded = take_results(p, row_count(p, piece), st) && take_files(p, st);
+    const bool is_good = nqm_safetensors_parse(map.data, map.n_bytes, path, &st, NULL) == NQM_OK;
+    const bool is_used = is_good && use(p, n, st);
+    if (is_good)
         nqm_safetensors_free(st);
-    }
     nqm_map_close(&map);
-    return loaded;
+    return is_used;
 }
+
+/* Load the results of a piece; false: there is no file, a damaged one, or one of other contents of a BRDF file. */
+static bool load(batch_pieces *p, size_t piece) {
+    char path[MAX_PATH];
+    p->current = p->n; /* until the results are complete */
+    if (!p->folder || !open_piece(p, piece_path(p, piece, path), row_count(p, piece), take_piece))
+        return false;
+    p->current = piece;
+    return true;
+}
+
+/* ---- scores ------------------------------------------------------------------------------------------------------ */
 
 /* The rows with a textured member. */
 static void score_piece_textures(batch_pieces *p, size_t n, const nqm_named_pair *pairs) {
@@ -172,16 +131,40 @@ static void score_piece_textures(batch_pieces *p, size_t n, const nqm_named_pair
 
 static nqm_status score_piece(batch_pieces *p, size_t piece, nqm_error *err) {
     const size_t n = row_count(p, piece);
-    p->current = p->n; /* until the results are complete */
-    json_decref(p->files);
-    p->files = identify_files(n, p->list->pair + first_row(p, piece)); /* before they are read */
     const nqm_named_pair *pairs = p->list->pair + first_row(p, piece);
-    const nqm_status status = nqm_scorer_run_named(p->scorer, n, pairs, p->results, p->errors, err);
+    p->current = p->n;
+    json_decref(p->files);
+    p->files = is_saved(p) ? identify_files(n, pairs) : NULL; /* before they are read */
+    nqm_status status = nqm_scorer_run_named(p->scorer, n, pairs, p->results, p->errors, err);
     if (status == NQM_OK)
         score_piece_textures(p, n, pairs);
-    if (status == NQM_OK)
-        p->current = piece;
-    return status;
+    if (status == NQM_OK && is_saved(p))
+        status = save(p, piece, err);
+    if (status != NQM_OK)
+        return status;
+    p->current = piece;
+    p->n_scored += n;
+    return NQM_OK;
+}
+
+int get_batch_piece(batch_pieces *p, size_t piece, size_t *n_ret) {
+    nqm_error err = {0};
+    if (p->current != piece && !load(p, piece) && score_piece(p, piece, &err) != NQM_OK)
+        return report_error(&err);
+    *n_ret = row_count(p, piece);
+    return EXIT_OK;
+}
+
+void forget_batch_piece(batch_pieces *p, size_t piece) {
+    char path[MAX_PATH];
+    if (p->folder)
+        unlink(piece_path(p, piece, path));
+}
+
+int show_batch_progress(const batch_pieces *p, size_t n_done, size_t n) {
+    if (p->n_scored)
+        note_progress("%.0f pairs/s", (double)p->n_scored / (nqm_clock_s() - p->begin_s));
+    return show_progress(NULL, "batch", (double)n_done, (double)n);
 }
 
 /* ---- shared work ------------------------------------------------------------------------------------------------- */
@@ -190,8 +173,7 @@ static nqm_status score_piece(batch_pieces *p, size_t piece, nqm_error *err) {
 typedef struct sharing {
     batch_pieces *pieces;
     char path[MAX_PATH];
-    size_t n_done, n_rows_done; /* pieces; rows of this process */
-    double begin_s;
+    size_t n_done; /* pieces */
 } sharing;
 
 static const char *path_of(void *user, size_t piece) {
@@ -209,24 +191,19 @@ static bool is_finished(void *user, size_t piece) {
 
 static nqm_status make_piece(void *user, size_t piece, nqm_error *err) {
     sharing *s = user;
-    nqm_status status = score_piece(s->pieces, piece, err);
-    if (status == NQM_OK)
-        status = save(s->pieces, piece, err);
+    const nqm_status status = score_piece(s->pieces, piece, err);
     s->n_done += status == NQM_OK;
-    s->n_rows_done += row_count(s->pieces, piece);
     return status;
 }
 
 static bool is_stopped(void *user) {
     const sharing *s = user;
-    if (s->n_rows_done)
-        note_progress("%.0f pairs/s by this process", (double)s->n_rows_done / (nqm_clock_s() - s->begin_s));
-    return show_progress(NULL, "batch", (double)s->n_done, (double)s->pieces->n) || interrupted();
+    return show_batch_progress(s->pieces, s->n_done * s->pieces->size, s->pieces->list->n_rows) || interrupted();
 }
 
 int share_batch_pieces(batch_pieces *p, ranks r) {
     nqm_error err = {0};
-    sharing s = {.pieces = p, .begin_s = nqm_clock_s()};
+    sharing s = {.pieces = p};
     const nqm_shared_work work = {.n = p->n,
                                   .first = p->n * r.rank / r.count,
                                   .one_at_a_time = true, /* a piece is scored on all threads */
@@ -242,60 +219,104 @@ int share_batch_pieces(batch_pieces *p, ranks r) {
     return status == NQM_OK ? EXIT_OK : report_error(&err);
 }
 
-/* ---- one process ------------------------------------------------------------------------------------------------- */
+/* ---- the folder -------------------------------------------------------------------------------------------------- */
 
-static void hash_terms(const json_t *terms, size_t size, char identity[33]) {
-    char hex[65], *text = json_dumps(terms, JSON_COMPACT | JSON_SORT_KEYS);
-    nqm_sha256 sha;
-    if (!text || !nqm_sha256_begin(&sha))
-        stop(EXIT_LIMIT, "out of memory");
-    static const char layout[] = "nqm batch piece 5";
-    nqm_sha256_add(&sha, layout, sizeof layout);
-    nqm_sha256_add_values(&sha, 1, sizeof size, &size);
-    nqm_sha256_add(&sha, text, strlen(text));
-    nqm_sha256_end(&sha, hex);
-    snprintf(identity, 33, "%.32s", hex);
-    free(text);
+/* Call `visit` with the names of the files of pieces, those being written included, until it returns true. */
+static bool each_file(batch_pieces *p, bool (*visit)(batch_pieces *p, int folder, const char *name)) {
+    DIR *folder = opendir(p->folder);
+    bool is_ended = false;
+    for (const struct dirent *e; folder && !is_ended && (e = readdir(folder));)
+        is_ended = strspn(e->d_name, "0123456789abcdef") == N_IDENTITY && e->d_name[N_IDENTITY] == '-' &&
+                   strstr(e->d_name, ".safetensors") && visit(p, dirfd(folder), e->d_name);
+    if (folder)
+        closedir(folder);
+    return is_ended;
 }
 
-void open_batch_pieces(const char *folder, const json_t *terms, const nqm_pair_list *list, nqm_scorer *scorer,
-                       const nqm_model *model, batch_pieces *p) {
-    const size_t n_blocks = nqm_ceil_div(list->n_rows, NQM_SCORE_BLOCK);
-    const size_t blocks_each = folder ? nqm_ceil_div(n_blocks, MAX_PIECES) : 1;
-    *p = (batch_pieces){
-        .list = list, .scorer = scorer, .model = model, .size = NQM_SCORE_BLOCK * (blocks_each ? blocks_each : 1)};
-    p->n = p->current = nqm_ceil_div(list->n_rows, p->size);
+static bool is_own(const batch_pieces *p, const char *name) {
+    return strncmp(name, p->identity, N_IDENTITY) == 0;
+}
+
+static bool find_own(batch_pieces *p, int folder, const char *name) {
+    (void)folder;
+    return is_own(p, name);
+}
+
+/* Remove a file, unless another run is writing it and has locked it. */
+static bool remove_any(batch_pieces *p, int folder, const char *name) {
+    const int fd = openat(folder, name, O_WRONLY | O_CLOEXEC);
+    (void)p;
+    if (fd >= 0 && (flock(fd, LOCK_EX | LOCK_NB) == 0 || errno != EWOULDBLOCK))
+        unlinkat(folder, name, 0);
+    if (fd >= 0)
+        close(fd);
+    return false;
+}
+
+static bool remove_own(batch_pieces *p, int folder, const char *name) {
+    return is_own(p, name) && remove_any(p, folder, name);
+}
+
+/* Stop at the first of this run's terms that was another one in the run that made the piece. */
+static bool compare_terms(batch_pieces *p, size_t n, const nqm_safetensors *st) {
+    json_t *now = parse_json(p->terms), *before = parse_json(nqm_safetensors_meta(st, "terms")), *value;
+    const char *key;
+    (void)n;
+    json_object_foreach(now, key, value) {
+        const json_t *was = json_object_get(before, key);
+        if (!json_equal(value, was))
+            stop(EXIT_INCOMPATIBLE,
+                 "%s was begun with another %s%s%s: --resume needs the same; leave it out to start again", p->folder,
+                 key, json_string_length(was) ? ", " : "", json_string_length(was) ? json_string_value(was) : "");
+    }
+    json_decref(now);
+    json_decref(before);
+    return true;
+}
+
+static bool compare_file(batch_pieces *p, int folder, const char *name) {
+    char path[MAX_PATH];
+    (void)folder;
+    return snprintf(path, MAX_PATH, "%s/%s", p->folder, name) < MAX_PATH && open_piece(p, path, 0, compare_terms);
+}
+
+static void hash_terms(batch_pieces *p) {
+    const size_t layout[] = {6, NQM_BIG_ENDIAN, p->size, sizeof *p->results, sizeof *p->textures, sizeof *p->errors};
+    char hex[65];
+    nqm_sha256 sha;
+    if (!nqm_sha256_begin(&sha))
+        stop(EXIT_LIMIT, "out of memory");
+    nqm_sha256_add_values(&sha, sizeof layout / sizeof *layout, sizeof *layout, layout);
+    nqm_sha256_add(&sha, p->terms, strlen(p->terms));
+    nqm_sha256_end(&sha, hex);
+    snprintf(p->identity, sizeof p->identity, "%.32s", hex);
+}
+
+void open_batch_pieces(batch_pieces *p, const json_t *terms, bool resume) {
+    const size_t n_blocks = nqm_ceil_div(p->list->n_rows, NQM_SCORE_BLOCK);
+    p->size = NQM_SCORE_BLOCK * (p->folder ? nqm_larger(1, nqm_ceil_div(n_blocks, MAX_PIECES)) : 1);
+    p->n = p->current = nqm_ceil_div(p->list->n_rows, p->size);
     p->results = allocate(p->size, sizeof *p->results);
     p->errors = allocate(p->size, sizeof *p->errors);
     p->textures = allocate(p->size, sizeof *p->textures);
-    if (!folder)
-        return;
-    if (mkdir(folder, 0777) != 0 && !is_folder(folder))
-        stop(EXIT_OPEN, "--work: the folder '%s' cannot be made", folder);
-    p->folder = absolute_path(folder, "");
-    hash_terms(terms, p->size, p->identity);
+    p->terms = dump(terms);
+    p->begin_s = nqm_clock_s();
+    hash_terms(p);
+    if (p->is_shared)
+        make_folder(p->folder);
+    else if (p->folder && resume && !each_file(p, find_own))
+        each_file(p, compare_file);
+    else if (p->folder && !resume)
+        each_file(p, remove_any);
 }
 
-int get_batch_results(batch_pieces *p, size_t row, size_t *n_ret, size_t *at) {
-    nqm_error err = {0};
-    const size_t piece = row / p->size;
-    if (p->current != piece && load_results(p, piece))
-        p->current = piece;
-    if (p->current != piece && score_piece(p, piece, &err) != NQM_OK)
-        return report_error(&err);
-    *at = row - first_row(p, piece);
-    *n_ret = row_count(p, piece) - *at;
-    return EXIT_OK;
-}
-
-void forget_batch_piece(batch_pieces *p, size_t row) {
-    char path[MAX_PATH];
-    if (p->folder)
-        unlink(piece_path(p, row / p->size, path));
-}
-
-void close_batch_pieces(batch_pieces *p) {
-    free(p->folder);
+void close_batch_pieces(batch_pieces *p, bool is_complete) {
+    if (p->folder && !p->is_shared) {
+        if (is_complete)
+            each_file(p, remove_own);
+        (void)rmdir(p->folder); /* if it is empty */
+    }
+    free(p->terms);
     free(p->results);
     free(p->errors);
     free(p->textures);

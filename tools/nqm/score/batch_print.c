@@ -160,7 +160,7 @@ static void print_json_head(const batch_form *form, FILE *out) {
     fputs("{\"schema\":1,\"tool\":", out);
     print_json_value(out, json_tool());
     fputs(",\"model\":", out);
-    print_json_value(out, model_json(form->model, form->precision));
+    print_json_value(out, model_json(form->model));
     fputs(",\"results\":[\n", out);
 }
 

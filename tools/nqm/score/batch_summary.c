@@ -35,8 +35,9 @@ size_t *order_batch_rows(size_t n, const batch_note *notes, bool is_best) {
     return order;
 }
 
-batch_summary make_batch_summary(const batch_form *form, const char *list_name, const batch_output *out) {
-    batch_summary s = {.form = form, .list_name = list_name, .n_rows = out->done.n_rows, .notes = out->notes};
+batch_summary make_batch_summary(const batch_form *form, const char *list_name, size_t n_rows,
+                                 const batch_note *notes) {
+    batch_summary s = {.form = form, .list_name = list_name, .n_rows = n_rows, .notes = notes};
     s.order = order_batch_rows(s.n_rows, s.notes, false);
     s.n_shown = s.n_rows;
     for (size_t row = 0; row < s.n_rows; ++row) {

@@ -1,10 +1,9 @@
 /* SPDX-License-Identifier: MIT
  *
- * nqm batch - scores the pairs of a list in the order of the list. batch_print.c formats the rows; batch_output.c
- * writes them, so that an interrupted run can be resumed; batch_summary.c writes what is made of all rows.
+ * nqm batch - scores the pairs of a list in the order of the list. batch_pieces.c has the results, also those of an interrupted
+ * run; batch_print.c formats rows, batch_output.c writes them; batch_summary.c writes what is made of all rows.
  */
 #include "nqm/score/batch.h"
-#include "nqm/score/batch_pieces.h"
 
 #include <errno.h>
 #include <fcntl.h>
@@ -21,14 +20,10 @@ typedef struct batch_run {
     nqm_scorer *scorer;
     batch_pieces pieces;
     batch_output out;
-    batch_request request;
     const char *list_name;
     char *junit, *markdown; /* absolute paths; NULL: not requested */
-    bool keep_going, is_sorted, is_best;
-    bool is_second;   /* another run writes the output */
+    bool keep_going, is_sorted, is_best, is_complete;
     uint64_t n_worst; /* rows of the output; 0: all */
-    size_t n_before;  /* rows that an earlier run wrote */
-    double begin_s;
 } batch_run;
 
 static bool ends_with(const char *text, const char *end) {
@@ -61,109 +56,69 @@ static void choose_order(batch_run *run, const char *word) {
 static json_t *score_terms(const batch_run *run, const char *root) {
     nqm_model_info info = nqm_model_get_info(run->form.model);
     char *folder = realpath(root ? root : ".", NULL);
-    json_t *terms = json_pack("{s:s,s:s,s:I,s:s,s:o,s:s,s:f,s:s,s:s,s:s,s:b}", "version of nqm", nqm_version(), "list",
+    json_t *terms = json_pack("{s:s,s:s,s:I,s:s,s:o,s:s,s:f,s:s,s:s,s:b}", "version of nqm", nqm_version(), "list",
                               run->list->sha256, "number of materials in its files", (json_int_t)run->list->n_rows,
                               "model", info.sha256, "--root", json_name(folder ? folder : ""), "--invalid",
                               nqm_invalid_words[run->options.invalid], "--min-valid", run->options.min_valid_fraction,
-                              "--precision", nqm_precision_name(run->options.precision), "--metrics",
-                              run->options.metrics ? "any" : "none", "--ignore", ignored_words ? ignored_words : "",
-                              "--textures", (int)run->form.has_textures);
+                              "--metrics", run->options.metrics ? "any" : "none", "--ignore",
+                              ignored_words ? ignored_words : "", "--textures", (int)run->form.has_textures);
     free(folder);
     return terms;
 }
 
-/* The same and those of the output: what a resumed run must have in common with the interrupted run. */
-static json_t *output_terms(const batch_run *run, const json_t *score, const char *metrics) {
-    static const char *const formats[] = {"csv", "jsonl", "json"};
-    json_t *terms = json_copy((json_t *)(uintptr_t)score);
-    json_object_update_new(terms, json_pack("{s:s,s:o,s:f,s:f}", "format", formats[run->form.format], "--metrics",
-                                            json_name(metrics), "--fail-under", run->form.gate.jod, "--fail-under-low",
-                                            run->form.gate.jod_low));
-    return terms;
-}
-
-static int show_speed(const batch_run *run) {
-    size_t n = run->out.done.n_rows - run->n_before;
-    if (n)
-        note_progress("%.0f pairs/s", (double)n / (nqm_clock_s() - run->begin_s));
-    return show_progress(NULL, "batch", (double)n, (double)(run->list->n_rows - run->n_before));
-}
-
-/* Write the n rows of a block that begins at row `begin`, or those before the first failed row unless --keep-going is
- * given. Rows whose materials are refused alike do not count as failed. */
-static void write_block(batch_run *run, size_t begin, size_t n, size_t at) {
-    const nqm_score_result *results = run->pieces.results + at;
-    const nqm_error *errors = run->pieces.errors + at;
-    batch_progress done = run->out.done;
-    for (size_t i = 0; i < n; ++i) {
-        const size_t row = begin + i;
-        batch_note *note = &run->out.notes[row];
-        *note = make_batch_note(&run->form, row, &results[i], &errors[i]);
-        const bool is_failed = !note->is_scored && !note->is_skipped;
-        if (is_failed && !run->keep_going) {
-            free(note->remark);
-            break;
-        }
-        fputs(row ? batch_separator(&run->form) : "", run->out.rows);
-        const off_t start = ftello(run->out.rows);
-        print_batch_row(&run->form, run->out.rows, row, &results[i], &run->pieces.textures[at + i], &errors[i]);
-        note->n_text = (size_t)(ftello(run->out.rows) - start);
-        done.n_failed += is_failed;
-        ++done.n_rows;
-    }
-    append_batch_output(&run->out, &done);
-}
-
 static int score_rows(batch_run *run) {
-    while (run->out.done.n_rows < run->list->n_rows) {
-        if (show_speed(run) || interrupted())
+    batch_output *out = &run->out;
+    for (size_t piece = 0, n; piece < run->pieces.n; ++piece) {
+        if (show_batch_progress(&run->pieces, out->n_rows, run->list->n_rows) || interrupted())
             return EXIT_INTERRUPTED;
-        const size_t begin = run->out.done.n_rows;
-        size_t n, at;
-        const int exit_code = get_batch_results(&run->pieces, begin, &n, &at);
+        const int exit_code = get_batch_piece(&run->pieces, piece, &n);
         if (exit_code != EXIT_OK)
             return exit_code;
-        run->out.files = json_incref(run->pieces.files);
-        write_block(run, begin, n, at);
-        const size_t failed = run->out.done.n_rows - begin;
-        if (failed < n) {
-            forget_batch_piece(&run->pieces, begin + failed);
-            return report(exit_code_of(run->pieces.results[at + failed].status), "row %zu: %s", begin + failed + 1,
-                          run->pieces.errors[at + failed].message);
+        size_t i = 0;
+        while (i < n && write_batch_row(out, &run->form, &run->pieces, i, run->keep_going))
+            ++i;
+        flush_batch_output(out);
+        if (i < n) {
+            forget_batch_piece(&run->pieces, piece);
+            return report(exit_code_of(run->pieces.results[i].status), "row %zu: %s", out->n_rows + 1,
+                          run->pieces.errors[i].message);
         }
     }
     return EXIT_OK;
 }
 
+/* When the run ends early. Other outputs end with the rows that they have, as valid JSON. */
+static void give_up_file(const batch_run *run, int exit_code) {
+    const size_t n_kept = run->out.n_rows / run->pieces.size * run->pieces.size; /* rows of complete pieces */
+    abandon_outputs();
+    if (n_kept)
+        report(exit_code, "%zu of %zu rows are in %s; --resume continues with them", n_kept, run->list->n_rows,
+               run->pieces.folder);
+}
+
 /* Close the output, report how many rows are written or failed, and return the exit code. */
 static int settle(batch_run *run, int exit_code) {
-    const batch_progress done = run->out.done;
     end_progress();
-    if (exit_code != EXIT_OK && run->out.part && done.n_rows)
-        report(exit_code, "%zu of %zu rows are in %s; --resume continues with them", done.n_rows, run->list->n_rows,
-               run->out.part);
-    const bool is_complete =
-        exit_code == EXIT_OK || !run->out.part; /* a pipe gets valid JSON even when the run ends early */
-    batch_summary summary = make_batch_summary(&run->form, run->list_name, &run->out);
+    run->is_complete = exit_code == EXIT_OK;
+    batch_summary summary = make_batch_summary(&run->form, run->list_name, run->out.n_rows, run->out.notes);
     if (run->n_worst)
         summary.n_shown = nqm_smaller(summary.n_rows, (size_t)run->n_worst);
-    if (exit_code == EXIT_OK) {
+    if (run->is_complete) {
         write_batch_summary(&summary, run->junit, print_batch_junit);
         write_batch_summary(&summary, run->markdown, print_batch_markdown);
     }
-    if (is_complete && run->is_sorted) {
-        size_t *best = run->is_best ? order_batch_rows(summary.n_rows, summary.notes, true) : NULL;
-        close_batch_sorted(&run->out, &run->form, summary.n_shown, best ? best : summary.order);
-        free(best);
+    if (!run->is_complete && is_batch_file(&run->out)) {
+        give_up_file(run, exit_code);
     } else {
-        print_batch_tail(&run->form, run->out.rows);
-        close_batch_output(&run->out, is_complete);
+        size_t *order = run->is_sorted ? order_batch_rows(summary.n_rows, summary.notes, run->is_best) : NULL;
+        close_batch_output(&run->out, &run->form, summary.n_shown, order);
+        free(order);
     }
     free(summary.order);
-    if (exit_code != EXIT_OK)
+    if (!run->is_complete)
         return exit_code;
-    if (done.n_failed)
-        exit_code = report(EXIT_PARTIAL, "%zu of %zu rows have no score", done.n_failed, run->list->n_rows);
+    if (run->out.n_failed)
+        exit_code = report(EXIT_PARTIAL, "%zu of %zu rows have no score", run->out.n_failed, run->list->n_rows);
     if (summary.n_skipped)
         report(EXIT_OK, "%zu of %zu rows are skipped: both materials are refused alike", summary.n_skipped,
                run->list->n_rows);
@@ -205,7 +160,6 @@ static void open_inputs(batch_run *run, const batch_arguments *a) {
     run->list_name = *stream ? stream : a->list;
     run->form.list = run->list;
     run->form.model = model;
-    run->form.precision = run->options.precision;
     run->form.terms = (remark_terms){nqm_directions_count(nqm_model_get_info(model).directions), run->options.invalid};
     check_batch_columns(&run->form);
 }
@@ -226,46 +180,37 @@ static const char **expand_rows(batch_run *run, const batch_arguments *a) {
 }
 
 /* Paths of list and outputs are relative to the working folder, paths of BRDFs to the root, which becomes the working folder. Ranks
- * above 0 have no outputs, and another run that writes the same ones makes this one a rank above 0. */
-static void open_outputs(batch_run *run, const batch_arguments *a, ranks *r) {
+ * above 0 have no outputs. */
+static void open_outputs(batch_run *run, const batch_arguments *a, ranks r) {
     const char *root = list_root(a->root, a->list);
-    json_t *score = score_terms(run, root), *terms = output_terms(run, score, a->metrics);
-    open_batch_pieces(a->work, score, run->list, run->scorer, run->form.model, &run->pieces);
-    run->pieces.near_only = !run->form.has_textures;
-    if (r->rank == 0) {
+    json_t *terms = score_terms(run, root);
+    batch_pieces *p = &run->pieces;
+    *p = (batch_pieces){.list = run->list,
+                        .scorer = run->scorer,
+                        .model = run->form.model,
+                        .near_only = !run->form.has_textures,
+                        .folder = a->work ? absolute_path(a->work, "") : NULL,
+                        .is_shared = a->work != NULL};
+    if (r.rank == 0) {
+        char *path = absolute_path(a->output ? a->output : "-", "");
         run->junit = a->junit ? absolute_path(a->junit, "") : NULL;
         run->markdown = a->markdown ? absolute_path(a->markdown, "") : NULL;
-        run->request = (batch_request){.path = a->output,
-                                       .terms = json_incref(terms),
-                                       .resume = a->resume,
-                                       .is_sorted = run->is_sorted,
-                                       .may_help = a->work != NULL,
-                                       .max_rows = run->list->n_rows};
-        run->is_second = !open_batch_output(&run->request, &run->out);
-        if (run->is_second)
-            *r = (ranks){1, 2};
+        open_batch_output(path, &run->form, run->is_sorted, &run->out);
+        if (a->resume && !is_batch_file(&run->out))
+            stop(EXIT_USAGE, "--resume needs a file: -o FILE");
+        if (!p->folder && is_batch_file(&run->out))
+            p->folder = absolute_path(path, ".pieces");
+        free(path);
     }
+    open_batch_pieces(p, terms, a->resume);
     json_decref(terms);
-    json_decref(score);
     enter_list_root(a->root ? root : NULL, a->list);
-    if (r->rank == 0)
-        check_batch_files(&run->out);
 }
 
 static int run_batch(batch_run *run, ranks r) {
-    int exit_code = run->pieces.folder ? share_batch_pieces(&run->pieces, r) : EXIT_OK;
-    if (run->is_second && exit_code == EXIT_OK && take_over_batch_output(&run->request, &run->out)) {
-        check_batch_files(&run->out);
-        r.rank = 0;
-    }
+    int exit_code = run->pieces.is_shared ? share_batch_pieces(&run->pieces, r) : EXIT_OK;
     if (r.rank > 0)
         return exit_code;
-    run->n_before = run->out.done.n_rows;
-    run->begin_s = nqm_clock_s();
-    if (!run->out.done.begun) {
-        print_batch_head(&run->form, run->out.rows);
-        append_batch_output(&run->out, &run->out.done);
-    }
     return settle(run, exit_code == EXIT_OK ? score_rows(run) : exit_code);
 }
 
@@ -331,14 +276,13 @@ int cmd_batch(int argc, char **argv) {
     run.options.metrics = *a.metrics != 0;
     open_inputs(&run, &a);
     const char **names = expand_rows(&run, &a);
-    open_outputs(&run, &a, &r);
+    open_outputs(&run, &a, r);
     save_when_interrupted();
     const int exit_code = run_batch(&run, r);
-    close_batch_pieces(&run.pieces);
+    close_batch_pieces(&run.pieces, run.is_complete);
     nqm_scorer_free(run.scorer);
     free_expanded_list(&run.expanded);
     nqm_pair_list_free(run.given);
-    json_decref((json_t *)(uintptr_t)run.request.terms);
     nqm_model_free((nqm_model *)(uintptr_t)run.form.model);
     free(names);
     free(run.junit);

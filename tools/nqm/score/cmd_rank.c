@@ -153,7 +153,7 @@ static void print_ranking_json(const score_run *run) {
             json_object_set_new(object, "error", json_name(row->err.message));
         json_array_append_new(results, object);
     }
-    print_document(json_pack("{s:o,s:o}", "model", model_json(run->model, run->options.precision), "results", results));
+    print_document(json_pack("{s:o,s:o}", "model", model_json(run->model), "results", results));
 }
 
 void print_ranking(const score_run *run) {

@@ -20,6 +20,7 @@ typedef struct scored_pair {
     nqm_error err;                  /* status NQM_OK: scored */
     nqm_texture_result *texture;    /* of a pair with a textured material; NULL: of two BRDFs */
     float *heat;                    /* (height, width) Delta-E of the texels, with keep_heat; owned */
+    double heat_max;                /* upper end of the colours of its picture; NaN: there is none */
     size_t order;                   /* index in the arguments */
     nqm_brdf_difference difference; /* set by compare_rows() */
     /* set by rank_rows(): */
@@ -83,8 +84,8 @@ json_t *json_remarks(const remark_terms *terms, const nqm_named_pair *pair, cons
                      const nqm_score_result *r);
 /** Parse --metrics: names and "all", separated by commas. chosen: (NQM_METRIC_COUNT) */
 void choose_metrics(const char *text, bool *chosen);
-/** The "model" member of results: id, sha256, parameters, and the precision unless it is f32. */
-json_t *model_json(const nqm_model *model, nqm_precision precision);
+/** The "model" member of results: id, sha256, parameters. */
+json_t *model_json(const nqm_model *model);
 
 /** Columns of the parts that a model predicts in CSV, each after a comma: those of a label, and `words`. None for a model that
  *  predicts none. */
@@ -134,8 +135,8 @@ bool has_texture(const nqm_named_pair *pair);
  *  Ctrl-C ends the run. */
 void score_texture(const texture_terms *terms, const nqm_named_pair *pair, kept_texture *ref, nqm_texture_result *t,
                    nqm_score_result *result, float **heat, nqm_error *err);
-/** Write the map of Delta-E as a picture with a scale, or as OpenEXR. */
-void write_heat(const char *path, const nqm_texture_result *t, const float *heat);
+/** Write the map of Delta-E as a picture, or as OpenEXR; returns the upper end of its colours (NaN: OpenEXR has none). */
+double write_heat(const char *path, const nqm_texture_result *t, const float *heat);
 /** The same for the rows of make_scores(). */
 void score_textures(score_run *run);
 /** Lines below the row of such a pair. */

@@ -231,13 +231,10 @@ void choose_metrics(const char *text, bool *chosen) {
 
 /* ---- results ----------------------------------------------------------------------------------------------------- */
 
-json_t *model_json(const nqm_model *model, nqm_precision precision) {
+json_t *model_json(const nqm_model *model) {
     nqm_model_info info = nqm_model_get_info(model);
-    json_t *json =
-        json_pack("{s:s,s:s,s:I}", "id", info.id, "sha256", info.sha256, "parameters", (json_int_t)info.n_parameters);
-    if (precision != NQM_PRECISION_F32)
-        json_object_set_new(json, "precision", json_string(nqm_precision_name(precision)));
-    return json;
+    return json_pack("{s:s,s:s,s:I}", "id", info.id, "sha256", info.sha256, "parameters",
+                     (json_int_t)info.n_parameters);
 }
 
 void print_csv_part_names(FILE *out, const nqm_model *model) {
@@ -408,7 +405,6 @@ json_t *json_scores(const score_run *run) {
     json_t *results = json_array();
     for (size_t i = 0; i < run->n_rows; ++i)
         json_array_append_new(results, row_json(run, &run->rows[i]));
-    return json_pack("{s:i,s:o,s:o,s:o,s:o}", "schema", 1, "tool", json_tool(), "model",
-                     model_json(run->model, run->options.precision), "reference", json_name(run->ref_path), "results",
-                     results);
+    return json_pack("{s:i,s:o,s:o,s:o,s:o}", "schema", 1, "tool", json_tool(), "model", model_json(run->model),
+                     "reference", json_name(run->ref_path), "results", results);
 }

@@ -46,20 +46,22 @@ static double *resize(size_t *width, size_t *height, const float *delta_e) {
     return mean;
 }
 
-void write_heat(const char *path, const nqm_texture_result *r, const float *delta_e) {
-    char caption[64];
+double write_heat(const char *path, const nqm_texture_result *r, const float *delta_e) {
     nqm_error err = {0};
     size_t width = r->width, height = r->height;
     if (nqm_name_ends_in(path, ".exr")) {
         write_exr(path, width, height, delta_e);
-        return;
+        return NAN;
     }
     double *mean = resize(&width, &height, delta_e);
-    snprintf(caption, sizeof caption, "\u0394E %.1f \u00b7 JOD %.2f", r->delta_e, r->jod);
-    const nqm_panel panel = {.delta_e = mean, .caption = caption};
-    const nqm_figure figure = {.n_rows = 1, .n_columns = 1, .width = width, .height = height, .panels = &panel};
+    double end;
+    must(nqm_map_scale(1, (const double *const[]){mean}, width * height, &end, &err), &err);
+    const nqm_panel panel = {.delta_e = mean};
+    const nqm_figure figure = {
+        .n_rows = 1, .n_columns = 1, .width = width, .height = height, .panels = &panel, .delta_e_max = end};
     must(nqm_figure_write(path, &figure, &err), &err);
     free(mean);
+    return end;
 }
 
 nqm_score_result result_of_textures(const nqm_texture_result *t) {
@@ -133,8 +135,7 @@ void score_textures(score_run *run) {
             continue;
         nqm_texture_result *t = allocate(1, sizeof *t);
         score_texture(&terms, &row->pair, &ref, t, &row->result, &row->heat, &row->err);
-        if (run->map && row->err.status == NQM_OK)
-            write_heat(run->map, t, row->heat);
+        row->heat_max = run->map && row->err.status == NQM_OK ? write_heat(run->map, t, row->heat) : NAN;
         if (!ref.texture && run->ref_path && strcmp(run->ref_path, row->pair.ref) == 0)
             stop_error(&row->err); /* the reference of all rows */
         row->texture = row->err.status == NQM_OK ? t : NULL;
@@ -180,6 +181,9 @@ void print_texture(const scored_pair *row) {
                  t->n_different, t->width, t->height, t->error);
     if (t->error > 0)
         print_phrases(text);
+    snprintf(text, sizeof text, "colours of the map: Delta-E 0 (dark) to %.6g and above (bright)", row->heat_max);
+    if (!isnan(row->heat_max))
+        print_phrases(text);
 }
 
 /* ---- JSON and CSV ------------------------------------------------------------------------------------------------ */
@@ -195,13 +199,14 @@ static json_t *json_blame(const nqm_texture_result *t) {
 
 json_t *json_texture(const scored_pair *row) {
     const nqm_texture_result *t = row->texture;
-    return json_pack("{s:[I,I],s:I,s:I,s:I,s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:o}", "texels", (json_int_t)t->width,
-                     (json_int_t)t->height, "different", (json_int_t)t->n_different, "scored", (json_int_t)t->n_scored,
-                     "texels_per_pixel", (json_int_t)t->texels_per_pixel, "error", json_number(t->error), "median_jod",
-                     json_number(t->median), "worst_jod", json_number(t->worst), "below_9", json_number(t->below[0]),
-                     "below_8", json_number(t->below[1]), "far_jod", json_number(t->far_jod[0]), "far_jod_low",
-                     json_number(t->far_jod[1]), "far_jod_high", json_number(t->far_jod[2]), "far_delta_e_itp",
-                     json_number(t->far_delta_e), "blame", json_blame(t));
+    return json_pack("{s:[I,I],s:I,s:I,s:I,s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:o*}", "texels",
+                     (json_int_t)t->width, (json_int_t)t->height, "different", (json_int_t)t->n_different, "scored",
+                     (json_int_t)t->n_scored, "texels_per_pixel", (json_int_t)t->texels_per_pixel, "error",
+                     json_number(t->error), "median_jod", json_number(t->median), "worst_jod", json_number(t->worst),
+                     "below_9", json_number(t->below[0]), "below_8", json_number(t->below[1]), "far_jod",
+                     json_number(t->far_jod[0]), "far_jod_low", json_number(t->far_jod[1]), "far_jod_high",
+                     json_number(t->far_jod[2]), "far_delta_e_itp", json_number(t->far_delta_e), "blame", json_blame(t),
+                     "delta_e_max", isnan(row->heat_max) ? NULL : json_number(row->heat_max));
 }
 
 bool has_textures(const score_run *run) {

@@ -83,8 +83,8 @@ void html_image(FILE *out, const char *path, const char *alt, size_t width, size
 /* ---- data -------------------------------------------------------------------------------------------------------- */
 
 /* < > & occur in strings only, where JSON can escape them. */
-void html_json(FILE *out, const char *id, json_t *value) {
-    char *text = value ? json_dumps(value, JSON_COMPACT | JSON_REAL_PRECISION(9)) : NULL;
+void html_json(FILE *out, const char *id, json_t *value, size_t n_digits) {
+    char *text = value ? json_dumps(value, JSON_COMPACT | JSON_REAL_PRECISION(n_digits)) : NULL;
     json_decref(value);
     if (!text)
         stop(EXIT_LIMIT, "cannot write JSON: out of memory");

@@ -16,8 +16,8 @@ __attribute__((format(printf, 2, 3))) void html(FILE *out, const char *markup, .
 void html_image(FILE *out, const char *path, const char *alt, size_t width, size_t height);
 
 /** A data block, <script type='application/json' id='...'>, which browsers do not run. Releases the value. On failure,
- *  report the error and exit. */
-void html_json(FILE *out, const char *id, json_t *value);
+ *  report the error and exit. n_digits: of numbers. */
+void html_json(FILE *out, const char *id, json_t *value, size_t n_digits);
 
 /** A fraction of people as text for html(): "71 %", as nqm score prints it. */
 typedef struct html_percent {

@@ -5,7 +5,6 @@
 #ifndef NQM_TOOL_REPORT_H
 #define NQM_TOOL_REPORT_H
 
-#include "figures/plot.h"
 #include "nqm/label/label.h"
 #include "nqm/score/score.h"
 #include "nqm/show/html.h"
@@ -37,16 +36,13 @@ void free_report(report_run *run);
 typedef struct report_page {
     const report_run *run;
     FILE *out;
-    char *figure;          /* temporary file for a figure, a .png */
-    canvas all;            /* frames of the scene, the pictures of the page */
-    double *white;         /* backdrop (height, width, 3) */
-    double *picture, *map; /* (height, width, 3), (height, width) */
-    double *delta_e;       /* (tests, points) */
-    double delta_e_max;    /* upper end of the scale of all maps */
+    char *figure;  /* temporary file for a picture, a .png */
+    canvas all;    /* frames of the scene, the pictures of the page */
+    double *white; /* backdrop (height, width, 3) */
 } report_page;
 
-/** The CSS of the page. */
-extern const char report_style[];
+/** The texts of report.html, report.css and web/charts.* (cmake/embed_text.cmake). */
+extern const char report_html[], report_css[], report_charts_css[], report_charts_js[];
 
 /** The whole page. figure: path of a temporary PNG. */
 void write_report(const report_run *run, FILE *out, char *figure);
@@ -57,21 +53,13 @@ void put_test(const report_page *page, size_t place);
 /** What a section has of textured materials: the map of Delta-E, near and far scores, blame, and pictures of the maps. */
 void put_texture(const report_page *page, const scored_pair *row);
 
-/** Allocate the buffers for drawing, and free them. */
-void begin_figures(report_page *page);
-void end_figures(report_page *page);
-/** The rendered picture of a label item, with all frames. */
-void put_picture(const report_page *page, size_t item, const char *alt);
-/** Map of the differences between the pictures of a test and the reference; the colour scale of all such maps. */
-void put_map(const report_page *page, size_t test, const char *alt);
-void put_scale(const report_page *page, const char *alt);
-/** Map of the differences of the BRDFs over angles; slices of both. */
-void put_attribution(const report_page *page, size_t test, const char *alt);
-void put_slices(const report_page *page, size_t test, const char *alt);
+/** The picture in the temporary file, at a size in CSS pixels; removes the file. */
+void put_figure(const report_page *page, const char *alt, size_t width, size_t height);
+/** Pictures of reference and test with the map of their differences and its scale. */
+void put_pictures(const report_page *page, const scored_pair *row);
 
-/** The predicted JOD on a scale from 0 to 10, with its interval, and a ring at the JOD of the rendered pictures. */
-void put_strip(FILE *out, const nqm_score_result *result, double rendered_jod);
-/** " (95 % interval 8.9 to 9.6)", or nothing if there is none. */
+/** " (95 % interval 8.9 to 9.6)", or nothing if there is none: identical BRDFs have none. */
+bool has_interval(const nqm_score_result *result);
 void put_interval(FILE *out, const nqm_score_result *result);
 
 #endif

@@ -1,10 +1,15 @@
 /* SPDX-License-Identifier: MIT
  *
- * The page of a report: head, summary, a section for each test (report_test.c), guide, provenance, data.
+ * The page of a report: what report.html leaves open, that is summary, a section for each test (report_test.c), guide,
+ * provenance, and the data of its charts.
  */
+#include "nqm/show/charts.h"
 #include "nqm/show/report.h"
 
 #include <math.h>
+#include <openssl/evp.h>
+#include <stdlib.h>
+#include <string.h>
 
 enum { MAX_COMPARED = 12 }; /* tests in the table of preferences, which must fit on a sheet of paper */
 
@@ -32,47 +37,15 @@ static void put_title(const report_page *page) {
         html(page->out, "How closely %zu approximations match %s", scores->n_rows, page->run->names[0]);
 }
 
-/* The policy forbids the page to load anything. */
-static void put_head(const report_page *page) {
-    html(page->out,
-         "<!DOCTYPE html>\n<html lang='en'>\n<head>\n<meta charset='utf-8'/>\n"
-         "<meta http-equiv='Content-Security-Policy' content=\"default-src 'none'; img-src data:; "
-         "style-src 'unsafe-inline'; base-uri 'none'; form-action 'none'\"/>\n"
-         "<meta name='viewport' content='width=device-width, initial-scale=1'/>\n"
-         "<meta name='generator' content='nqm %s'/>\n<title>",
-         nqm_version());
-    put_title(page);
-    html(page->out, "</title>\n<style>\n");
-    fputs(report_style, page->out);
-    html(page->out, "</style>\n</head>\n<body>\n<main>\n<header>\n<h1>");
-    put_title(page);
-    html(page->out,
-         "</h1>\n<p class='lead'>Image quality in JOD (just-objectionable differences), predicted from the BRDFs "
-         "without "
-         "rendering. Rendered pictures and their colour differences let you check the predictions.</p>\n</header>\n");
-}
-
 /* ---- summary ----------------------------------------------------------------------------------------------------- */
 
-/* Identical BRDFs have none. */
-static bool has_interval(const nqm_score_result *r) {
+bool has_interval(const nqm_score_result *r) {
     return !r->identical && isfinite(r->jod_low) && isfinite(r->jod_high);
 }
 
 void put_interval(FILE *out, const nqm_score_result *r) {
     if (has_interval(r))
         html(out, " <span class='interval'>(95&#160;%% interval %.2f to %.2f)</span>", r->jod_low, r->jod_high);
-}
-
-void put_strip(FILE *out, const nqm_score_result *r, double rendered_jod) {
-    html(out,
-         "<svg class='strip' viewBox='-4 0 108 14' width='135' height='17' role='img' aria-label='predicted %.2f, "
-         "rendered %.2f of 10'><path d='M0 3V11M50 3V11M100 3V11M0 7H100'/>",
-         r->jod, rendered_jod);
-    if (has_interval(r))
-        html(out, "<path class='interval' d='M%.2f 7H%.2f'/>", 10 * r->jod_low, 10 * r->jod_high);
-    html(out, "<circle class='ring' cx='%.2f' cy='7' r='3.4'/><circle cx='%.2f' cy='7' r='2'/></svg>",
-         10 * rendered_jod, 10 * r->jod);
 }
 
 static void put_summary_row(const report_page *page, size_t place) {
@@ -85,31 +58,14 @@ static void put_summary_row(const report_page *page, size_t place) {
          row->rank, place + 1, name_at(page, place), row->result.jod);
     if (has_interval(&row->result))
         html(out, "<br/><span class='interval'>%.2f to %.2f</span>", row->result.jod_low, row->result.jod_high);
-    html(out, "</td><td class='graph'>");
-    put_strip(out, &row->result, item->jod);
     html(out, "</td><td>%s</td><td class='n'>%s</td><td class='n'>%.2f</td><td class='n'>%.2f</td></tr>\n",
          verdict_words(&row->result, verdict), html_people(preference_share(&row->result)).text, item->jod,
          item->label.delta_e);
 }
 
 static void put_summary(const report_page *page) {
-    FILE *out = page->out;
-    html(out, "<section>\n<h2>Summary</h2>\n<div class='scroll' role='region' aria-label='Summary' "
-              "tabindex='0'>\n<table class='summary'>\n<thead><tr>"
-              "<th scope='col' class='n'>Rank</th><th scope='col'>Test</th><th scope='col' class='n'>JOD</th>"
-              "<th scope='col' class='graph'>0 to 10</th><th scope='col'>In words</th>"
-              "<th scope='col' class='n'>Prefer the reference</th><th scope='col' class='n'>JOD of pictures</th>"
-              "<th scope='col' class='n'>\xce\x94"
-              "E&#160;ITP</th></tr></thead>\n<tbody>\n");
     for (size_t i = 0; i < count_tests(page); ++i)
         put_summary_row(page, i);
-    html(out,
-         "</tbody>\n</table>\n</div>\n<p class='note'>JOD: predicted by the model <code>%s</code><span class='graph'>; "
-         "dot in the graph</span>. "
-         "JOD of pictures: from the mean \xce\x94"
-         "E&#160;ITP of the renderings below<span class='graph'>; ring in the graph</span>.</p>\n"
-         "</section>\n",
-         nqm_model_get_info(page->run->scores.model).id);
 }
 
 /* The fraction of people who prefer one test to another. */
@@ -153,25 +109,15 @@ static void put_range(FILE *out, double from, double to) {
 
 static void put_guide(const report_page *page) {
     static const double ends[] = {10, 9.5, 9, 8, 6, 0}; /* ranges of jod_words() */
-    FILE *out = page->out;
-    html(
-        out,
-        "<section class='guide'>\n<h2>How to read the numbers</h2>\n<div class='two'>\n<div>\n"
-        "<p>JOD 10 means no visible difference. One JOD less means that 75&#160;%% of people who see both say that the "
-        "reference looks better; without a visible difference, 50&#160;%% say so, because they guess. For a difference "
-        "of d JOD, the percentage is \xce\xa6(0.6745&#160;d), with \xce\xa6 the normal distribution function.</p>\n"
-        "<p>The network predicts the JOD from the BRDFs, for pictures in the scene of its training labels. The JOD of "
-        "pictures is computed from the pictures on this page, by the published curve from \xce\x94"
-        "E&#160;ITP (ITU-R BT.2124). If the two differ much, trust the pictures.</p>\n");
+    for (size_t i = 1; i < sizeof ends / sizeof *ends; ++i)
+        put_range(page->out, ends[i], ends[i - 1]);
+}
+
+static void put_calibration(const report_page *page) {
     if (*nqm_model_get_info(page->run->scores.model).calibration)
-        html(out,
+        html(page->out,
              "<p>The 95&#160;%% interval contains the JOD of rendered pictures for 95&#160;%% of pairs with materials "
              "that the model was not trained on.</p>\n");
-    html(out, "</div>\n<table><thead><tr><th scope='col'>JOD</th><th scope='col'>In words</th>"
-              "<th scope='col' class='n'>Prefer the reference</th></tr></thead>\n<tbody>\n");
-    for (size_t i = 1; i < sizeof ends / sizeof *ends; ++i)
-        put_range(out, ends[i], ends[i - 1]);
-    html(out, "</tbody></table>\n</div>\n</section>\n");
 }
 
 /* ---- provenance -------------------------------------------------------------------------------------------------- */
@@ -222,7 +168,7 @@ static void put_provenance(const report_page *page) {
     char prefix[13];
     snprintf(prefix, sizeof prefix, "%s", info.sha256);
     html(out,
-         "<section class='provenance'>\n<h2>Provenance</h2>\n<p class='quote'>JOD predicted with nqm %s, model %s "
+         "<p class='quote'>JOD predicted with nqm %s, model %s "
          "(SHA-256 %s), at %zu directions (%s); pictures: ",
          nqm_version(), info.id, prefix, scores->terms.n_directions, nqm_directions_id(info.directions));
     put_scene(page);
@@ -232,30 +178,132 @@ static void put_provenance(const report_page *page) {
         put_material(page, "Test", row_at(page, i)->order + 1);
     html(out,
          "<dt>Model</dt><dd>%s, recipe %s, %zu parameters, SHA-256 <span class='hash'>%s</span></dd>\n"
-         "<dt>Directions without a value</dt><dd>%s</dd>\n</dl>\n"
-         "<p class='note'>Method: Kavoosighafi, Mantiuk, Hajisharif, Miandji, Unger, A Neural Quality Metric for BRDF "
-         "Models, 2025.</p>\n</section>\n",
+         "<dt>Directions without a value</dt><dd>%s</dd>\n</dl>\n",
          info.id, info.recipe, info.n_parameters, info.sha256, remedy[scores->options.invalid]);
+}
+
+/* ---- charts ------------------------------------------------------------------------------------------------------ */
+
+static json_t *json_numbers(size_t n, const double *values) {
+    json_t *list = json_array();
+    for (size_t i = 0; i < n; ++i)
+        json_array_append_new(list, json_number(values[i]));
+    return list;
+}
+
+static json_t *json_slices(const nqm_brdf *brdf) {
+    double rgb[CHART_SLICES * CHART_POINTS * 3];
+    chart_slices(brdf, 0, rgb);
+    return json_numbers(CHART_SLICES * CHART_POINTS * 3, rgb);
+}
+
+/* What drawReport() of web/charts.js reads, in the order of the page. */
+static json_t *json_charts(const report_page *page) {
+    json_t *tests = json_array();
+    for (size_t i = 0; i < count_tests(page); ++i) {
+        const scored_pair *row = row_at(page, i);
+        const nqm_brdf *ref = page->run->brdfs[0], *test = page->run->brdfs[row->order + 1];
+        const bool has_range = has_interval(&row->result);
+        json_t *one = json_pack("{s:{s:f,s:o,s:o,s:f}}", "score", "jod", row->result.jod, "low",
+                                has_range ? json_real(row->result.jod_low) : json_null(), "high",
+                                has_range ? json_real(row->result.jod_high) : json_null(), "rendered",
+                                page->run->labels.items[row->order + 1].jod);
+        if (!row->texture) {
+            double map[CHART_ROWS * CHART_COLUMNS];
+            chart_map(ref, test, map);
+            json_object_set_new(one, "slices", json_pack("[o,o]", json_slices(ref), json_slices(test)));
+            json_object_set_new(one, "map", json_numbers(CHART_ROWS * CHART_COLUMNS, map));
+        }
+        json_array_append_new(tests, one);
+    }
+    return tests;
+}
+
+static void put_data(const report_page *page) {
+    html_json(page->out, "nqm-report", json_incref(page->run->json_scores), 9);
+    html_json(page->out, "nqm-label", json_labels(&page->run->labels), 9);
+    html_json(page->out, "nqm-charts", json_charts(page), 4);
+}
+
+/* The script is HTML and XML alike; free() it. */
+static char *make_script(void) {
+    static const char form[] = "//<![CDATA[\n%sdrawReport();\n//]]>";
+    const size_t n = sizeof form + strlen(report_charts_js);
+    char *script = allocate(n, 1);
+    snprintf(script, n, form, report_charts_js);
+    return script;
+}
+
+static void put_script(const report_page *page) {
+    char *script = make_script();
+    fputs(script, page->out);
+    free(script);
+}
+
+/* The policy allows this script alone and forbids the page to load anything. */
+static void put_hash(const report_page *page) {
+    unsigned char hash[EVP_MAX_MD_SIZE], text[2 * EVP_MAX_MD_SIZE];
+    char *script = make_script();
+    unsigned n = 0;
+    if (!EVP_Digest(script, strlen(script), hash, &n, EVP_sha256(), NULL))
+        stop(EXIT_LIMIT, "cannot compute a checksum: out of memory");
+    EVP_EncodeBlock(text, hash, (int)n);
+    html(page->out, "sha256-%s", (const char *)text);
+    free(script);
 }
 
 /* ---- the page ---------------------------------------------------------------------------------------------------- */
 
-void write_report(const report_run *run, FILE *out, char *figure) {
-    report_page page = {.run = run, .out = out, .figure = figure};
-    begin_figures(&page);
-    put_head(&page);
-    put_summary(&page);
-    put_preferences(&page);
-    for (size_t i = 0; i < count_tests(&page); ++i) {
-        if (show_progress(NULL, "draw", (double)i, (double)count_tests(&page)))
+static void put_version(const report_page *page) {
+    html(page->out, "%s", nqm_version());
+}
+
+static void put_model(const report_page *page) {
+    html(page->out, "%s", nqm_model_get_info(page->run->scores.model).id);
+}
+
+static void put_style(const report_page *page) {
+    fputs(report_charts_css, page->out);
+    fputs(report_css, page->out);
+}
+
+static void put_tests(const report_page *page) {
+    for (size_t i = 0; i < count_tests(page); ++i) {
+        if (show_progress(NULL, "draw", (double)i, (double)count_tests(page)))
             stop(EXIT_INTERRUPTED, "interrupted");
-        put_test(&page, i);
+        put_test(page, i);
     }
-    put_guide(&page);
-    put_provenance(&page);
-    html(out, "</main>\n");
-    html_json(out, "nqm-report", json_incref(run->json_scores));
-    html_json(out, "nqm-label", json_labels(&run->labels));
-    html(out, "</body>\n</html>\n");
-    end_figures(&page);
+}
+
+void write_report(const report_run *run, FILE *out, char *figure) {
+    static const struct {
+        const char *mark;
+        void (*put)(const report_page *page);
+    } parts[] = {{"{{hash}}", put_hash},
+                 {"{{version}}", put_version},
+                 {"{{title}}", put_title},
+                 {"{{style}}", put_style},
+                 {"{{summary}}", put_summary},
+                 {"{{model}}", put_model},
+                 {"{{preferences}}", put_preferences},
+                 {"{{tests}}", put_tests},
+                 {"{{interval}}", put_calibration},
+                 {"{{guide}}", put_guide},
+                 {"{{provenance}}", put_provenance},
+                 {"{{data}}", put_data},
+                 {"{{script}}", put_script}};
+    report_page page = {.run = run, .out = out, .figure = figure, .all = all_frames(&run->labels.scene_options)};
+    page.white = make_backdrop(run->labels.scene, &page.all, BACKDROP_WHITE);
+    for (const char *p = report_html; *p;) {
+        size_t i = 0;
+        while (i < sizeof parts / sizeof *parts && strncmp(p, parts[i].mark, strlen(parts[i].mark)) != 0)
+            ++i;
+        if (i == sizeof parts / sizeof *parts) {
+            fputc(*p++, out);
+            continue;
+        }
+        parts[i].put(&page);
+        p += strlen(parts[i].mark);
+    }
+    free(page.white);
 }

@@ -69,6 +69,7 @@ void make_report(report_run *run, int n_arguments, char **arguments, const char 
     run->json_scores = json_scores(&run->scores); /* before ranking: in the order of the arguments */
     rank_rows(&run->scores, false);
     render_all(&run->labels, n_arguments, arguments);
+    map_labels(&run->labels);
     name_all(run);
     for (int i = 0; names && i < n_arguments; ++i)
         run->names[i] = names[i] ? names[i] : run->names[i];

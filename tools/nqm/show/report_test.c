@@ -62,30 +62,6 @@ static void put_parts(FILE *out, const nqm_score_result *r, const nqm_label *ren
               "JOD of people who do not notice 85&#160;%% of the shift.</p>\n");
 }
 
-/* ---- pictures ---------------------------------------------------------------------------------------------------- */
-
-static void put_pictures(const report_page *page, size_t test) {
-    FILE *out = page->out;
-    const label_item *item = item_of(page, test);
-    char alt[200];
-    snprintf(alt, sizeof alt, "Map of the colour difference of the two pictures, mean %.2f", item->label.delta_e);
-    html(out, "<div class='triple'>\n<figure>");
-    put_picture(page, 0, "Rendered picture of the reference");
-    html(out, "<figcaption>Reference: <span class='name'>%s</span></figcaption></figure>\n<figure>",
-         page->run->names[0]);
-    put_picture(page, test + 1, "Rendered picture of the test");
-    html(out, "<figcaption>Test: <span class='name'>%s</span></figcaption></figure>\n<figure>",
-         page->run->names[test + 1]);
-    put_map(page, test, alt);
-    html(out, "<figcaption>\xce\x94"
-              "E&#160;ITP of each pixel; 1 is barely visible under ideal conditions\n<span class='scale'>");
-    put_scale(page, "Colour scale from dark (equal) to bright (different)");
-    html(out,
-         "<span class='ticks'><span>0</span><span>%.3g</span><span>\xe2\x89\xa5&#160;%.3g</span></span></span>"
-         "</figcaption></figure>\n</div>\n",
-         page->delta_e_max / 2, page->delta_e_max);
-}
-
 /* ---- numbers ----------------------------------------------------------------------------------------------------- */
 
 static void put_metrics(FILE *out, const nqm_score_result *r) {
@@ -132,19 +108,19 @@ static void put_values(const report_page *page, const scored_pair *row) {
 
 /* ---- the section ------------------------------------------------------------------------------------------------- */
 
-static void put_differences(const report_page *page, size_t test, const scored_pair *row) {
-    FILE *out = page->out;
-    html(out, "<div class='two'>\n<figure>");
-    put_attribution(page, test, "Map of the difference of the logarithms of the two BRDFs over theta_h and theta_d");
-    html(out,
-         "<figcaption>Directions where the BRDFs differ. \xce\xb8<sub>h</sub> = 0 is the mirror direction; at large "
-         "\xce\xb8<sub>d</sub>, light and viewer are at grazing angles.</figcaption></figure>\n<div>\n");
-    put_metrics(out, &row->result);
-    html(out, "</div>\n</div>\n");
+static void put_differences(const report_page *page, size_t place, const scored_pair *row) {
+    html(page->out,
+         "<div class='two'>\n<figure class='map'><figcaption>Directions where the BRDFs differ; at large "
+         "\xce\xb8<sub>d</sub>, light and viewer are at grazing angles</figcaption>\n<div "
+         "id='map-%zu'></div></figure>\n<div>\n",
+         place + 1);
+    put_metrics(page->out, &row->result);
+    html(page->out, "</div>\n</div>\n");
     put_values(page, row);
-    html(out, "<figure class='wide' tabindex='0'>");
-    put_slices(page, test, "Slices of both BRDFs over angles, and polar lobes");
-    html(out, "</figure>\n");
+    html(page->out,
+         "<p class='note'>f<sub>r</sub> in 1/sr over the angle of the viewer; solid: reference; dashed: test</p>\n"
+         "<div class='slices' id='slices-%zu'></div>\n",
+         place + 1);
 }
 
 void put_test(const report_page *page, size_t place) {
@@ -156,12 +132,13 @@ void put_test(const report_page *page, size_t place) {
     if (strcmp(name, row->pair.test) != 0)
         html(page->out, "<p class='argument'><code>%s</code></p>\n", row->pair.test);
     put_verdict(page, row, item_of(page, row->order));
+    html(page->out, "<div class='jod' id='jod-%zu'></div>\n", place + 1);
     put_words(page->out, &row->result, &item_of(page, row->order)->label);
-    put_pictures(page, row->order);
+    put_pictures(page, row);
     put_parts(page->out, &row->result, &item_of(page, row->order)->label);
     if (row->texture)
         put_texture(page, row);
     else
-        put_differences(page, row->order, row);
+        put_differences(page, place, row);
     html(page->out, "</section>\n");
 }

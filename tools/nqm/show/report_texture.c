@@ -8,7 +8,6 @@
 #include "texture/texture.h"
 
 #include <math.h>
-#include <unistd.h>
 
 enum { SIDE = 160, NORMAL = NQM_SPEC_MAX_KEYS };
 
@@ -68,9 +67,8 @@ static void put_map_of(const report_page *page, const nqm_texture *texture, size
     must(nqm_raster_write_png(page->figure, &r, true, &err), &err);
     nqm_raster_clear(&r);
     html(page->out, "<figure>");
-    html_image(page->out, page->figure, key, SIDE, SIDE);
+    put_figure(page, key, SIDE, SIDE);
     html(page->out, "<figcaption>%s</figcaption></figure>\n", key);
-    unlink(page->figure);
 }
 
 static void put_maps(const report_page *page, const char *who, const nqm_texture *texture) {
@@ -88,11 +86,12 @@ static void put_maps(const report_page *page, const char *who, const nqm_texture
 void put_texture(const report_page *page, const scored_pair *row) {
     const label_item *items = page->run->labels.items;
     html(page->out, "<div class='two'>\n<figure>");
-    write_heat(page->figure, row->texture, row->heat);
-    html_image(page->out, page->figure, "Map of Delta-E ITP of the texels", 440, 440);
-    unlink(page->figure);
-    html(page->out, "<figcaption>\xce\x94"
-                    "E&#160;ITP of each texel</figcaption></figure>\n<div>\n");
+    const double end = write_heat(page->figure, row->texture, row->heat);
+    put_figure(page, "Map of Delta-E ITP of the texels", 440, 440);
+    html(page->out,
+         "<figcaption>\xce\x94"
+         "E&#160;ITP of each texel, 0 (dark) to %.3g and above (bright)</figcaption></figure>\n<div>\n",
+         end);
     put_scores(page->out, row->texture);
     html(page->out, "</div>\n</div>\n");
     put_maps(page, "reference", items[0].texture);
