@@ -24,7 +24,8 @@ report() {
     report train train "$@"
     report train-nqm train --recipe nqm --epochs 5 "$@"
     report score score "$@"
-    set -- load "$@"
+    "$(dirname "$program")/nqm" convert 'ggx:kd=.2,.1,.05;ks=.5;alpha=.1;f0=.1' -o "$folder/merl.binary" 2>/dev/null
+    set -- load "$@" "$folder/merl.binary"
     for file in "$data/rgl/satin_purple_rgb.bsdf" "$data/rgl/cg_sunflower_rgb.bsdf"; do
         [ ! -f "$file" ] || set -- "$@" "$file"
     done

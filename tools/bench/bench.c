@@ -160,8 +160,6 @@ static void complete(const nqm_bench *bench, nqm_bench_entry *e) {
     nqm_bench_number(e, "floor_seconds", floor_s);
     nqm_bench_number(e, "ratio", floor_s / e->best);
     nqm_bench_number(e, "times_floor", e->best / floor_s);
-    if (e->alternative)
-        nqm_bench_number(e, "times_alternative", (e - e->alternative)->best / e->best);
     nqm_bench_number(e, "cpu_share", e->cpu_share);
     nqm_bench_number(e, "cpu_seconds", e->cpu);
     nqm_bench_number(e, "ratio_cpu", floor_s / e->cpu);
@@ -222,10 +220,8 @@ typedef struct duration {
 } duration;
 
 static duration time_calls(const nqm_bench_contender *c, bool quick) {
-    const double round_s = c->prepare ? 0 : quick ? 1e-3 : 1e-2; /* shortest time of a round */
+    const double round_s = quick ? 1e-3 : 1e-2; /* shortest time of a round */
     size_t n = 0;
-    if (c->prepare)
-        c->prepare(c->user);
     double cpu_begin = nqm_bench_process_clock_s(), begin = nqm_clock_s(), now;
     do {
         c->run(c->user);

@@ -33,16 +33,15 @@ double nqm_bench_process_clock_s(void);
 /* ---- benchmarks -------------------------------------------------------------------------------------------------- */
 
 typedef struct nqm_bench_options {
-    size_t rounds;         /* timings of each result; 1 to 1000; default 7 */
-    int quick;             /* 1: fewer and smaller problems and rounds, which test the benchmarks but do not measure */
-    int precision;         /* gemm, train: an nqm_precision; default 2: both */
-    const char *kernels;   /* nqm_kernels_name(); NULL: the best */
-    const char *recipe;    /* train: default "paper" */
-    size_t seeds;          /* train: repeat with seeds 1 to this; 1 to 100; default 1 */
-    size_t epochs;         /* train: 1 to 10000; default 0: the recipe's */
-    const char *model;     /* score: a built-in model or a file; NULL: all built-in models */
-    const char *temporary; /* load: folder for a MERL table, which is loaded too */
-    size_t n_files;        /* load */
+    size_t rounds;       /* timings of each result; 1 to 1000; default 7 */
+    int quick;           /* 1: fewer and smaller problems and rounds, which test the benchmarks but do not measure */
+    int precision;       /* gemm, train: an nqm_precision; default 2: both */
+    const char *kernels; /* nqm_kernels_name(); NULL: the best */
+    const char *recipe;  /* train: default "paper" */
+    size_t seeds;        /* train: repeat with seeds 1 to this; 1 to 100; default 1 */
+    size_t epochs;       /* train: 1 to 10000; default 0: the recipe's */
+    const char *model;   /* score: a built-in model or a file; NULL: all built-in models */
+    size_t n_files;      /* load */
     const char *const *files; /* (n_files) arguments for nqm_brdf_open() */
 } nqm_bench_options;
 /** The defaults above. */
@@ -70,12 +69,10 @@ NQM_MUST_CHECK nqm_bench_fn nqm_bench_gemm;
  *  thirtieth of the pairs. */
 NQM_MUST_CHECK nqm_bench_fn nqm_bench_train;
 /** Scoring of 1, 9, 180 and 512 pairs: the network alone, everything from samples to JOD, and to its gradient (1 and 512
- *  pairs), with its speed relative to the score; with a reference for each pair, and with 9 tests per reference, which
- *  share its contribution to the first layer. Quick: 1 and 9 pairs. */
+ *  pairs). Quick: 1 and 9 pairs. */
 NQM_MUST_CHECK nqm_bench_fn nqm_bench_score;
 /** From a file to samples at the default directions - nqm_brdf_open(), nqm_sample(), nqm_brdf_free() - with its pages in
- *  memory ("warm") and after they were dropped ("cold"; files on a disk only); and commands of the tool `nqm` in the folder
- *  of this program, from their start to their end. */
+ *  memory; and commands of the tool `nqm` in the folder of this program, from their start to their end. */
 NQM_MUST_CHECK nqm_bench_fn nqm_bench_load;
 
 /** Measure the peaks for the last time, add them as rows after the timings, complete all rows, and return the document.
@@ -124,7 +121,6 @@ typedef struct nqm_bench_entry {
     double cpu;               /* least processor time of a round / threads, seconds: other programs hardly change it */
     double cpu_share;         /* processor time / (time * threads); below 1: waiting, or other programs ran */
     int peak, peak_f32, read; /* meters, or NQM_METER_NONE */
-    size_t alternative;       /* distance to the earlier entry that gets the same result another way; 0: none */
 } nqm_bench_entry;
 
 struct nqm_bench {
@@ -158,7 +154,6 @@ void nqm_bench_release_memory(nqm_bench *bench);
 typedef struct nqm_bench_contender {
     void (*run)(void *user);
     void *user;
-    void (*prepare)(void *user); /* called before each timing, which then is of one call; NULL: none */
 } nqm_bench_contender;
 
 /** Time n contenders in turns, sample the meters of their entries in between, and add a row for each. entries (n): all
@@ -191,11 +186,6 @@ static inline bool nqm_bench_has_precision(const nqm_bench *bench, nqm_precision
 /** 10 labelled pairs for each of n_refs generated references, always the same, at `directions`, which are copied. */
 NQM_MUST_CHECK nqm_status nqm_bench_pairs(size_t n_refs, const nqm_directions *directions, nqm_dataset **dataset_ret,
                                           nqm_error *err);
-
-/* ---- textures (textures.c) --------------------------------------------------------------------------------------- */
-
-/** Time the near score of two materials of 2048 x 2048 texels; the row's pairs are those of texels. */
-NQM_MUST_CHECK nqm_status nqm_bench_textures(nqm_bench *bench, const nqm_model *model, nqm_error *err);
 
 /* ---- oneDNN for comparison (onednn.c) ---------------------------------------------------------------------------- */
 

@@ -157,8 +157,8 @@ static nqm_status race_job(nqm_bench *bench, job *j, size_t layer, size_t batch,
     if (batch == 1)
         nqm_bench_entry_reading(bench, &entries[0],
                                 j->panels.n_panels * j->panels.stride * NQM_PANEL * sizeof(uint32_t));
-    const nqm_bench_contender contenders[] = {{j->pass == WEIGHT_GRADIENT ? run_gradient : run_product, j, NULL},
-                                              {nqm_bench_onednn_run, j->onednn, NULL}};
+    const nqm_bench_contender contenders[] = {{j->pass == WEIGHT_GRADIENT ? run_gradient : run_product, j},
+                                              {nqm_bench_onednn_run, j->onednn}};
     if (j->onednn) {
         entries[1] = entries[0];
         entries[1].row = json_copy(entries[0].row);

@@ -16,7 +16,7 @@ static const char usage[] =
     "  gemm   the matrix products of the networks, and oneDNN's if the build found it\n"
     "  train  a training of the paper's size, on generated pairs\n"
     "  score  the network, and samples to JOD, for 1 to 512 pairs\n"
-    "  load   files to samples, with a MERL table, and the start of the tool\n\n"
+    "  load   files to samples, and the start of the tool\n\n"
     "  --json            print JSON\n"
     "  -o FILE.json      also write the JSON to a file\n";
 
@@ -66,7 +66,6 @@ typedef struct request {
 /* Read argv; the files of `load` are moved to its begin. */
 static request parse(int argc, char **argv) {
     request r = {.options = nqm_bench_options_default(), .which = N_BENCHES};
-    const char *folder = getenv("TMPDIR");
     size_t n = 0;
     nqm_error err = {0};
     bool is_off;
@@ -99,7 +98,6 @@ static request parse(int argc, char **argv) {
         stop(EXIT_USAGE, "no benchmark '%s': gemm, train, score or load", argv[0]);
     if (n > 1 && r.which != LOAD)
         stop(EXIT_USAGE, "%s: only `load` has file arguments", argv[1]);
-    r.options.temporary = folder && *folder ? folder : "/tmp";
     r.options.n_files = n ? n - 1 : 0;
     r.options.files = (const char *const *)argv + 1;
     return r;
