@@ -55,8 +55,9 @@ COLOUR = np.array([[1, 1, 1], [1, 0, -1], [-1, 2, -1]]) / np.sqrt([[3], [2], [6]
 def sample(name, cosine):
     """c f_r of a BRDF at the nodes: (3, *SHAPE) float32; 0 below the horizon, NaN where there is no value."""
     rgb = np.moveaxis(nqm.BRDF.open(name).to_table(*SHAPE).astype(float), -1, 0)
-    if np.isnan(rgb[0, cosine > 0]).all():
-        sys.exit(f"learn.py: {name}: no value at any of {np.count_nonzero(cosine)} directions")
+    n_valid = np.count_nonzero(~np.isnan(rgb[0]) & (cosine > 0))
+    if n_valid < 100:
+        sys.exit(f"learn.py: {name}: values at only {n_valid} of {np.count_nonzero(cosine)} directions; codes need 100")
     return np.where(cosine > 0, cosine * rgb, 0).astype(np.float32)
 
 
