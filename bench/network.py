@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Reads nqm's model files for other frameworks: weights as NumPy arrays, the features of a pair, and the network as an
-ONNX file. ONNX files are protocol buffers; this file encodes the messages
-without a library."""
+ONNX file. ONNX files are protocol buffers; this file encodes the messages without a library."""
 import json
 import struct
 
@@ -68,7 +67,7 @@ FLOAT = 1  # TensorProto.DataType
 
 def tensor(name, array):
     dims = b"".join(field(1, n) for n in array.shape)
-    return dims + field(2, FLOAT) + field(8, name) + field(9, array.astype(np.float32).tobytes())
+    return dims + field(2, FLOAT) + field(8, name) + field(9, array.tobytes())
 
 
 def integer(name, value):
@@ -86,16 +85,18 @@ def value_info(name, width):
 
 class Graph:
     def __init__(self):
-        self.nodes, self.tensors = [], []
+        self.nodes, self.tensors, self.n = [], [], 0
 
     def add(self, op, inputs, attributes=()):
-        name = f"v{len(self.nodes)}"
-        self.nodes.append(b"".join(field(1, x) for x in inputs) + field(2, name) + field(4, op) + b"".join(field(5, a) for a in attributes))
+        name = f"v{self.n}"
+        self.n += 1
+        node = b"".join(field(1, x) for x in inputs) + field(2, name) + field(4, op)
+        self.nodes.append(node + b"".join(field(5, a) for a in attributes))
         return name
 
     def constant(self, array):
         name = f"c{len(self.tensors)}"
-        self.tensors.append(tensor(name, np.ascontiguousarray(array)))
+        self.tensors.append(tensor(name, np.ascontiguousarray(array, np.float32)))
         return name
 
     def linear(self, x, weight, bias):
@@ -112,9 +113,8 @@ def write_onnx(model, path):
     g = Graph()
     x = "x"
     for layer in range(model.n_layers):
-        last = layer == model.n_layers - 1
         x = g.linear(x, model.weight(layer), model.bias(layer))
-        if not last:
+        if layer < model.n_layers - 1:
             norm = [g.constant(a) for a in model.norm(layer)]
             x = g.gelu(g.add("LayerNormalization", [x] + norm, [integer("axis", 1), number("epsilon", 1e-5)]))
     graph = b"".join(field(1, n) for n in g.nodes) + field(2, "nqm") + b"".join(field(5, t) for t in g.tensors)
