@@ -130,7 +130,6 @@ done
 refuses 3 "no file 'defualt' (did you mean 'default'?)" score sgd:nickel defualt
 refuses 3 "no file and no model 'defualt' (did you mean 'default'?)" sample sgd:nickel -d defualt
 refuses 6 "'ggx:alpha=.1' is a BRDF, not a model" score sgd:nickel ward:nickel --model ggx:alpha=.1
-refuses 6 "no model 'defualt' (did you mean 'default'?)" score sgd:nickel ward:nickel --model defualt
 refuses 2 "'default' is a model, which belongs to --model" score sgd:nickel ward:nickel --metrics default
 printf 'reference,test,score\nsgd:nickel,ward:nickel,1\n' >"$dir/opinions.csv"
 for verb in "score sgd:nickel ward:nickel" "rank sgd:nickel ward:nickel" "batch $dir/opinions.csv" "fit sgd:nickel" \
