@@ -331,7 +331,7 @@ static void close_contents(contents *c) {
 }
 
 /* Write and parse; the file must be refused with a message that contains `says`. */
-static void must_refuse(const contents *c, const char *says) {
+static void must_be_refused(const contents *c, const char *says) {
     size_t n;
     struct nqm_model *model;
     nqm_error err = {0};
@@ -359,23 +359,23 @@ TEST(each_tensor_is_checked) {
             memcpy(values + saved.n_bytes - 8, &(double){(double)NAN}, 8); /* in the byte order of the host */
         else
             memcpy(values + saved.n_bytes - 4, &(float){i % 2 ? INFINITY : NAN}, 4);
-        must_refuse(&c, name);
+        must_be_refused(&c, name);
         /* one extra value */
         memcpy(values, saved.data, saved.n_bytes);
         c.tensors[i].n_dims = 1;
         c.tensors[i].dims[0] = saved.n_bytes / (saved.dtype == NQM_F64 ? 8 : 4) + 1;
         c.tensors[i].n_bytes += saved.dtype == NQM_F64 ? 8 : 4;
-        must_refuse(&c, name);
+        must_be_refused(&c, name);
         /* missing: renamed, so that the renamed tensor is an extra one */
         c.tensors[i] = saved;
         c.tensors[i].name = "layers.7.weigth";
-        must_refuse(&c, name);
+        must_be_refused(&c, name);
         c.tensors[i] = saved;
         nqm_free(values);
     }
     c.tensors[c.n_tensors] = (nqm_tensor){.name = "extra", .dtype = NQM_U8, .n_dims = 1, .data = c.file};
     c.n_tensors++;
-    must_refuse(&c, "'extra'");
+    must_be_refused(&c, "'extra'");
     close_contents(&c);
 }
 
@@ -385,7 +385,7 @@ TEST(each_text_is_checked) {
         nqm_meta saved = c.meta[i];
         c.meta[i].key = "other";
         bool scalars = strcmp(saved.key, "scalars") == 0; /* without scalars the input is too wide */
-        must_refuse(&c, i == 0 ? "not an nqm model" : scalars ? "does not fit the layout" : saved.key);
+        must_be_refused(&c, i == 0 ? "not an nqm model" : scalars ? "does not fit the layout" : saved.key);
         c.meta[i] = saved;
     }
     static const struct {
@@ -399,7 +399,7 @@ TEST(each_text_is_checked) {
     for (size_t i = 0; i < sizeof bad / sizeof *bad; ++i) {
         nqm_meta saved = c.meta[bad[i].index];
         c.meta[bad[i].index].value = bad[i].value;
-        must_refuse(&c, bad[i].says);
+        must_be_refused(&c, bad[i].says);
         c.meta[bad[i].index] = saved;
     }
     close_contents(&c);
@@ -417,7 +417,7 @@ TEST(impossible_numbers) {
         for (size_t k = 0; k < c.n_tensors; ++k)
             if (strcmp(c.tensors[k].name, bad[i].name) == 0)
                 c.tensors[k].data = bad[i].data;
-        must_refuse(&c, bad[i].name);
+        must_be_refused(&c, bad[i].name);
         close_contents(&c);
     }
 }
@@ -432,7 +432,7 @@ static void refuse_values(const char *name, const void *data, const char *says) 
             ++found;
         }
     assert_int_equal(found, 1);
-    must_refuse(&c, says);
+    must_be_refused(&c, says);
     close_contents(&c);
 }
 
@@ -465,14 +465,14 @@ static void impossible_transport(void **state) {
     nqm_model_free(model);
     contents c = open_contents();
     c.meta[5].value = "jod";
-    must_refuse(&c, "'transport' needs the target log_delta_e");
+    must_be_refused(&c, "'transport' needs the target log_delta_e");
     c.meta[5].value = "log_delta_e";
     for (size_t k = 0; k < c.n_tensors; ++k)
         if (strcmp(c.tensors[k].name, "transport") == 0) {
             c.tensors[k].dims[0] -= 1;
             c.tensors[k].n_bytes -= 3 * NQM_TRANSPORT_POINTS * sizeof(float);
         }
-    must_refuse(&c, "'transport' does not have a row for each direction");
+    must_be_refused(&c, "'transport' does not have a row for each direction");
     close_contents(&c);
 }
 
@@ -496,7 +496,7 @@ static void impossible_shapes(void **state) {
             if (strcmp(c.tensors[k].name, "transport.points") == 0)
                 c.tensors[k] = nqm_tensor_of("transport.points", NQM_F64, bad[i].n_points, 3, points);
         }
-        must_refuse(&c, bad[i].says);
+        must_be_refused(&c, bad[i].says);
         close_contents(&c);
     }
 }
@@ -510,7 +510,7 @@ TEST(one_layer) {
             c.tensors[k--] = c.tensors[--c.n_tensors];
     c.tensors[c.n_tensors++] = nqm_tensor_of("layers.0.weight", NQM_F32, 1, 6 * N_DIRECTIONS, weights);
     c.tensors[c.n_tensors++] = nqm_tensor_of("layers.0.bias", NQM_F32, 0, 1, bias);
-    must_refuse(&c, "'layers.1.weight' is missing");
+    must_be_refused(&c, "'layers.1.weight' is missing");
     close_contents(&c);
 }
 
@@ -520,14 +520,14 @@ static void neither_network_nor_transport(void **state) {
     static const float bias[16];
     contents c = open_contents();
     c.tensors[c.n_tensors++] = nqm_tensor_of("layers.0.bias", NQM_F32, 0, 16, bias);
-    must_refuse(&c, "'layers.0.weight' is missing");
+    must_be_refused(&c, "'layers.0.weight' is missing");
     c.tensors[c.n_tensors - 1].name = "layers.1.weight";
-    must_refuse(&c, "'layers.1.weight' does not belong in a model");
+    must_be_refused(&c, "'layers.1.weight' does not belong in a model");
     --c.n_tensors;
     for (size_t k = 0; k < c.n_tensors; ++k)
         if (strncmp(c.tensors[k].name, "transport", strlen("transport")) == 0)
             c.tensors[k--] = c.tensors[--c.n_tensors];
-    must_refuse(&c, "'layers.0.weight' is missing");
+    must_be_refused(&c, "'layers.0.weight' is missing");
     close_contents(&c);
 }
 
