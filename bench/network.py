@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Reads nqm's model files for other frameworks: weights as NumPy arrays, the features of a pair, and the network as an
-ONNX file in float and dynamically quantised to int8. ONNX files are protocol buffers; this file encodes the messages
-without a library."""
+ONNX file. ONNX files are protocol buffers; this file encodes the messages without a library."""
 import json
 import struct
 
@@ -63,13 +62,12 @@ def field(number, value):
     return varint(number << 3 | 2) + varint(len(value)) + value
 
 
-FLOAT, UINT8, INT8 = 1, 2, 3  # TensorProto.DataType
+FLOAT = 1  # TensorProto.DataType
 
 
 def tensor(name, array):
-    kind = {"float32": FLOAT, "uint8": UINT8, "int8": INT8}[array.dtype.name]
     dims = b"".join(field(1, n) for n in array.shape)
-    return dims + field(2, kind) + field(8, name) + field(9, array.tobytes())
+    return dims + field(2, FLOAT) + field(8, name) + field(9, array.tobytes())
 
 
 def integer(name, value):
@@ -89,29 +87,20 @@ class Graph:
     def __init__(self):
         self.nodes, self.tensors, self.n = [], [], 0
 
-    def add(self, op, inputs, attributes=(), n_outputs=1):
-        names = [f"v{self.n + i}" for i in range(n_outputs)]
-        self.n += n_outputs
-        node = b"".join(field(1, x) for x in inputs) + b"".join(field(2, x) for x in names) + field(4, op)
+    def add(self, op, inputs, attributes=()):
+        name = f"v{self.n}"
+        self.n += 1
+        node = b"".join(field(1, x) for x in inputs) + field(2, name) + field(4, op)
         self.nodes.append(node + b"".join(field(5, a) for a in attributes))
-        return names[0] if n_outputs == 1 else names
+        return name
 
     def constant(self, array):
         name = f"c{len(self.tensors)}"
-        self.tensors.append(tensor(name, np.ascontiguousarray(array)))
+        self.tensors.append(tensor(name, np.ascontiguousarray(array, np.float32)))
         return name
 
-    def linear(self, x, weight, bias, as_bytes):
-        if not as_bytes:
-            return self.add("Gemm", [x, self.constant(weight), self.constant(bias)], [integer("transB", 1)])
-        scale = np.abs(weight).max(axis=1) / 127  # per output, as in nqm
-        q = np.rint(weight / scale[:, None]).astype(np.int8)
-        xq, xs, xz = self.add("DynamicQuantizeLinear", [x], n_outputs=3)
-        zero = self.constant(np.zeros(len(scale), np.int8))
-        sums = self.add("MatMulInteger", [xq, self.constant(q.T), xz, zero])
-        factor = self.add("Mul", [xs, self.constant(scale.astype(np.float32))])
-        product = self.add("Mul", [self.add("Cast", [sums], [integer("to", FLOAT)]), factor])
-        return self.add("Add", [product, self.constant(bias)])
+    def linear(self, x, weight, bias):
+        return self.add("Gemm", [x, self.constant(weight), self.constant(bias)], [integer("transB", 1)])
 
     def gelu(self, x):
         """GELU as the sequence of nodes that ONNX Runtime recognises and fuses into one operation."""
@@ -120,13 +109,12 @@ class Graph:
         return self.add("Mul", [half, self.constant(np.float32(0.5))])
 
 
-def write_onnx(model, path, as_bytes):
+def write_onnx(model, path):
     g = Graph()
     x = "x"
     for layer in range(model.n_layers):
-        last = layer == model.n_layers - 1
-        x = g.linear(x, model.weight(layer), model.bias(layer), as_bytes and not last)
-        if not last:
+        x = g.linear(x, model.weight(layer), model.bias(layer))
+        if layer < model.n_layers - 1:
             norm = [g.constant(a) for a in model.norm(layer)]
             x = g.gelu(g.add("LayerNormalization", [x] + norm, [integer("axis", 1), number("epsilon", 1e-5)]))
     graph = b"".join(field(1, n) for n in g.nodes) + field(2, "nqm") + b"".join(field(5, t) for t in g.tensors)

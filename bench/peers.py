@@ -3,7 +3,7 @@
 programs, so that other load on the machine disturbs all of them alike. ./dev bench peers runs it. Prints Markdown
 tables; --json FILE stores all values.
 
-Before timing, it checks that the JOD of a few pairs by PyTorch and ONNX Runtime in float is within 1e-4 of `nqm
+Before timing, it checks that the JOD of a few pairs by PyTorch and ONNX Runtime is within 1e-4 of `nqm
 score`."""
 import argparse
 import csv
@@ -74,13 +74,13 @@ def our_scores(tool, model_file):
 
 
 def check_agreement(model, ours, workers):
-    """Print the difference of each implementation; exit if one in float differs by more than 1e-4."""
+    """Print the difference of each implementation; exit if one differs by more than 1e-4."""
     say("largest difference of JOD from ours:")
     for worker in workers:
         for way, z in worker.ask(f"check {len(ours)}").items():
             difference = np.abs(model.jod(z) - ours).max()
             say(f"  {worker.name} {way}: {difference:.2g}")
-            if way.startswith("f32") and not difference < 1e-4:
+            if not difference < 1e-4:
                 sys.exit(f"peers: {worker.name} {way} computes something else")
 
 
@@ -94,13 +94,12 @@ def race_scores(args, folder):
     more = np.random.default_rng(1).standard_normal((max(BATCHES) + 3 - len(pairs), model.sizes[0]), np.float32)
     inputs = os.path.join(folder, "x.bin")
     np.concatenate([np.array(pairs), more]).astype(np.float32).tofile(inputs)
-    files = {name: os.path.join(folder, f"{name}.onnx") for name in ("f32", "int8")}
-    for name, path in files.items():
-        write_onnx(model, path, name == "int8")
+    network = os.path.join(folder, "network.onnx")
+    write_onnx(model, network)
     threads = str(args.threads)
     torch = Worker("PyTorch", [sys.executable, f"{HERE}/torch_worker.py", "score", threads, args.model, inputs])
     onnx = Worker("ONNX Runtime", ["node", f"{HERE}/onnx_worker.mjs", os.path.abspath(args.packages), threads, inputs, str(model.sizes[0]),
-                                   *(f"{name}={path}" for name, path in files.items())])
+                                   f"f32={network}"])
     say(f"PyTorch {torch.version}, ONNX Runtime {onnx.version}")
     check_agreement(model, our_scores(args.tool, args.model), [torch, onnx])
     times = {}  # (batch, precision, program) -> list of seconds, one per turn
@@ -122,7 +121,7 @@ def race_scores(args, folder):
 def print_scores(times):
     print("\n### Scoring: the network, ms a pair\n\n| pairs | precision | by | best | median of turns | times ours | by the medians |")
     print("|---|---|---|---|---|---|---|")
-    for batch, precision, who in sorted(times, key=lambda k: (k[0], ("f32", "bf16", "int8").index(k[1]), k[2] != "nqm", k[2])):
+    for batch, precision, who in sorted(times, key=lambda k: (k[0], k[2] != "nqm", k[2])):
         mine, ours = times[batch, precision, who], times[batch, precision, "nqm"]
         best, median = min(mine) / min(ours), statistics.median(mine) / statistics.median(ours)
         print(f"| {batch} | {precision} | {who} | {1e3 * min(mine) / batch:.4f} | {1e3 * statistics.median(mine) / batch:.4f} "

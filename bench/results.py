@@ -161,7 +161,7 @@ def compare(old_path, new_path, share=0.1):
 
 # ---- page ---------------------------------------------------------------------------------------------------------------
 
-PRECISIONS = ("f32", "bf16", "int8")
+PRECISIONS = ("f32", "bf16")  # of products and trainings; scores are float
 
 
 def find(document, **want):
@@ -186,10 +186,10 @@ def ours_and_peer(ours, peer, who):
     return (f"{digits(peer)} ({who})", times(peer / ours) if ours else "") if peer else ("", "")
 
 
-def scoring_peer(document, batch, precision):
+def scoring_peer(document, batch):
     """Best ms per pair among the peers, and whose it is."""
     found = [(1e3 * min(s["seconds"]) / batch, s["by"]) for s in document["peers"].get("scoring", [])
-             if s["batch"] == batch and s["precision"] == precision and s["by"] != "nqm"]
+             if s["batch"] == batch and s["precision"] == "f32" and s["by"] != "nqm"]
     return min(found, default=(None, ""))
 
 
@@ -239,25 +239,24 @@ def rows_of_training(document):
 def rows_of_scoring(document):
     for model in ("paper", "default"):
         for batch in (1, 9, 180, 512):
-            for precision in PRECISIONS:
-                for row in find(document, bench="score", model=model, name="network", batch=batch, precision=precision)[:1]:
-                    peer, who = scoring_peer(document, batch, precision) if model == "paper" else (None, "")
-                    ours = ours_with_peers(document, "scoring", "seconds", batch=batch, precision=precision)
-                    value = ms_of(document, row)
-                    yield (f"score, `{model}`, {batch} pairs, {precision}, ms per pair", value, row,
-                           *ours_and_peer(1e3 * ours / batch if ours else value, peer, who))
+            for row in find(document, bench="score", model=model, name="network", batch=batch, precision="f32")[:1]:
+                peer, who = scoring_peer(document, batch) if model == "paper" else (None, "")
+                ours = ours_with_peers(document, "scoring", "seconds", batch=batch, precision="f32")
+                value = ms_of(document, row)
+                yield (f"score, `{model}`, {batch} pairs, ms per pair", value, row,
+                       *ours_and_peer(1e3 * ours / batch if ours else value, peer, who))
 
 
 def rows_of_whole_way(document):
     """Samples to JOD next to the network alone, and with the gradient next to the score."""
     for models, name, part, what in ((["default"], "samples to JOD", "network", "network alone"),
                                      (["paper", "default", "transport"], "samples to JOD and gradient", "samples to JOD", "score")):
-        for model, batch, precision in itertools.product(models, (1, 9, 512), PRECISIONS):
-            want = {"bench": "score", "model": model, "batch": batch, "precision": precision}
+        for model, batch in itertools.product(models, (1, 9, 512)):
+            want = {"bench": "score", "model": model, "batch": batch, "precision": "f32"}
             parts = find(document, name=part, **want)
             for row in find(document, name=name, **want)[:1]:
                 alone = ms_of(document, parts[0]) if parts else None
-                yield (f"{name}, `{model}`, {batch} pairs, {precision}, ms per pair", ms_of(document, row), row,
+                yield (f"{name}, `{model}`, {batch} pairs, ms per pair", ms_of(document, row), row,
                        f"{digits(alone)} ({what})" if alone else "", times(ms_of(document, row) / alone) if alone else "")
 
 

@@ -64,20 +64,10 @@ def scoring_ways(model, example):
     def frozen(net, x):
         return torch.jit.optimize_for_inference(torch.jit.freeze(torch.jit.trace(net, x)))
 
-    def bf16(net):
-        return lambda x: net(x.bfloat16()).float()
-
-    def int8():
-        torch.backends.quantized.engine = "onednn"
-        return torch.quantization.quantize_dynamic(with_weights(model), {nn.Linear}, torch.qint8)
-
     makers = {
         "f32 eager": lambda: with_weights(model),
         "f32 frozen": lambda: frozen(with_weights(model), example),
         "f32 mkldnn": lambda: mkldnn.to_mkldnn(with_weights(model)),
-        "bf16 eager": lambda: bf16(with_weights(model).bfloat16()),
-        "bf16 frozen": lambda: bf16(frozen(with_weights(model).bfloat16(), example.bfloat16())),
-        "int8 dynamic": int8,
     }
     ways = {}
     for name, make in makers.items():

@@ -144,7 +144,7 @@ def train(a, recipe, seed, data):
     r = nqm(a, "train", data["path"], "--labels", data["labels"], "--recipe", recipe, "--id", name, "--seed", str(seed), "--epochs",
             str(a.epochs), "-o", model, "--checkpoint", checkpoint, "--log", losses, *resume)
     info = nqm(a, "info", model)
-    rows = nqm(a, "bench", "score", "--model", model, "--precision", "f32", "--rounds", "3")["rows"]
+    rows = nqm(a, "bench", "score", "--model", model, "--rounds", "3")["rows"]
     ms_per_pair = next(1e3 * row["seconds_median"] / 180 for row in rows if (row["name"], row.get("batch")) == ("samples to JOD", 180))
     n_timed = r["epochs"] - r["epochs_resumed"]
     record = {"id": name, "seed": seed, **expected, **{key: value for key, value in r.items() if key not in ("schema", "tool")}}
