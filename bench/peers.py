@@ -49,8 +49,8 @@ class Worker:
 
 
 def bench(tool, *arguments):
-    """The rows of `nqm bench`, without those that measure the machine's peak rates."""
-    done = subprocess.run([tool, "bench", *arguments, "--json"], check=True, capture_output=True, text=True)
+    """The rows of nqm-bench beside the tool, without those that measure the machine's peak rates."""
+    done = subprocess.run([f"{tool}-bench", *arguments, "--json"], check=True, capture_output=True, text=True)
     return [row for row in json.loads(done.stdout)["rows"] if row["bench"] != "peak"]
 
 
@@ -162,7 +162,7 @@ def print_training(times, memory):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--tool", required=True, help="the nqm to compare")
+    parser.add_argument("--tool", required=True, help="the nqm to compare; nqm-bench is beside it")
     parser.add_argument("--model", required=True, help="a model file of layout ref_test")
     parser.add_argument("--packages", required=True, help="folder whose node_modules contains onnxruntime-node")
     parser.add_argument("--threads", type=int, default=os.cpu_count())

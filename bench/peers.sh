@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: MIT
 # Runs bench/peers.py, which compares nqm with PyTorch (Debian's python3-torch with OpenBLAS) and ONNX Runtime (the npm
 # package onnxruntime-node, downloaded into FOLDER). ./dev bench peers runs it.
-# usage: peers.sh TOOL FOLDER [options of peers.py]
+# usage: peers.sh TOOL FOLDER [options of peers.py]   (nqm-bench is beside the tool)
 set -eu
 tool=$1 folder=$2 here=$(dirname "$0")
 shift 2
@@ -12,6 +12,7 @@ python=${PYTHON:-/usr/bin/python3}
     echo "peers: $python has no PyTorch: install python3-torch, python3-numpy and libopenblas0" >&2
     exit 1
 }
+"$python" "$here/torch_worker.py" check
 command -v npm >/dev/null 2>&1 || {
     echo "peers: npm is missing: install nodejs and npm" >&2
     exit 1

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 """Keeps results of benchmarks by machine, compares them, and makes the page of all machines.
 
-results.py keep KIND FOLDER PEERS.json   one document of all FOLDER/*.json of `nqm bench -o` of one build, and of bench/peers.py if
+results.py keep KIND FOLDER PEERS.json   one document of all FOLDER/*.json of `nqm-bench -o` of one build, and of bench/peers.py if
                                          PEERS.json exists, as bench/results/KIND.json
 results.py compare OLD NEW [SHARE]       speeds of NEW relative to OLD; exit code 1 if a row is slower by more than SHARE (0.1)
 results.py check FILE...                 check such documents; exit code 1 and a message for each fault
@@ -92,7 +92,7 @@ def commit():
 
 
 def peak_rows(rows):
-    """The best of each peak: every run of nqm bench measures them."""
+    """The best of each peak: every run of nqm-bench measures them."""
     best = {}
     for row in rows:
         key = (row["name"], row.get("unit"), row.get("megabytes"), row["threads"])
@@ -273,7 +273,7 @@ def rows_of_products(document):
 
 
 def levels_of(machine):
-    """Names of caches and of memory, with the size of the array that nqm bench reads from each, 1e6 bytes."""
+    """Names of caches and of memory, with the size of the array that nqm-bench reads from each, 1e6 bytes."""
     sizes = [kib * 1024e-6 / 2 for kib in machine.get("cache_kib", [])]
     return [(f"L{i + 1}", size if i == 2 else size * machine["threads"]) for i, size in enumerate(sizes)] + [("memory", 256)]
 

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: MIT
 """PyTorch for bench/peers.py: answers each line of standard input with a line of JSON.
 
+check: ends with a message if PyTorch uses the reference BLAS, as do the others
 score MODEL THREADS INPUTS: "check N" and "time BATCH ROUNDS SECONDS" as in bench/onnx_worker.mjs, for each
 implementation of the network
 train THREADS WAY: "epoch" trains one epoch of the paper's run and answers with its time in seconds; "memory" answers
@@ -8,6 +9,7 @@ with the peak memory in MB
 """
 import json
 import os
+import re
 import resource
 import sys
 import time
@@ -20,12 +22,24 @@ from torch import nn
 warnings.filterwarnings("ignore")
 
 
-def version():
-    """Versions of PyTorch and of its BLAS. The BLAS matters: the reference BLAS is fifty times slower than OpenBLAS."""
+def blas_libraries():
+    """The BLAS libraries that this process has loaded, by their paths; none if PyTorch contains its own."""
     torch.ones(2, 2) @ torch.ones(2, 2)
     with open("/proc/self/maps", encoding="utf-8") as maps:
-        libraries = {os.path.basename(line.split()[-1]) for line in maps if "blas" in line}
-    return " with ".join([torch.__version__] + sorted(libraries))
+        return sorted({line.split()[-1] for line in maps if "blas" in os.path.basename(line)})
+
+
+def check_blas():
+    """End with a message on the reference BLAS, which is ten times and more slower than OpenBLAS: that would be no comparison."""
+    for path in blas_libraries():
+        if re.match(r"lib(c?blas|gslcblas)\.so", os.path.basename(path)) and not re.search("openblas|blis|atlas|mkl", path):
+            sys.exit(f"peers: PyTorch {torch.__version__} uses the reference BLAS ({path}), so that its times would be no comparison: "
+                     "install libopenblas0 (Debian), which replaces it")
+
+
+def version():
+    """Versions of PyTorch and of its BLAS."""
+    return " with ".join([torch.__version__] + [os.path.basename(path) for path in blas_libraries()])
 
 
 class Norm(nn.LayerNorm):
@@ -191,8 +205,10 @@ def serve_training(way):
 
 
 if __name__ == "__main__":
-    torch.set_num_threads(int(sys.argv[2]))
+    check_blas()
+    if sys.argv[1] != "check":
+        torch.set_num_threads(int(sys.argv[2]))
     if sys.argv[1] == "score":
         serve_scores(sys.argv[3], sys.argv[4])
-    else:
+    elif sys.argv[1] == "train":
         serve_training(sys.argv[3])

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: MIT
 # Build build/wheel/nqm-VERSION-py3-none-manylinux_2_XX_x86_64.whl, which has the library, models and the tool for any Python, and the
 # sdist of the Python package alone. Libraries that not every Linux has are inside under names of their own. Left out: the models of
-# the paper (20 MB packed) and oneDNN, which only `nqm bench` compares with.
+# the paper (20 MB packed).
 # usage: packages/wheel.sh        (on Debian 12, from the folder of ./dev; ./dev wheel installs what it needs; NQM_MIRROR: another mirror)
 set -eu
 version=$(sed -n 's/^#define NQM_VERSION_[A-Z]* //p' include/nqm/base.h | tr '\n' '.' | sed 's/\.$//')

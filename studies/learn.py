@@ -158,7 +158,6 @@ WIDTHS = (128, 128, 192, 384, 384)  # three layers for each sample, two after th
 POOLED, USUAL_COUNT = 3, 200  # the first layer after the pooling; its input log(samples / USUAL_COUNT)
 NBRDF = ((6, 21), (21, 21), (21, 3))  # inputs and outputs of its layers
 N_SETS, N_QUERIES, N_PLACES = 16, 512, 4096
-MIN_COSINE = np.cos(np.radians(80))  # measurements at larger angles are often extrapolated
 
 
 def gelu(x):
@@ -227,7 +226,9 @@ def draw_places(rng):
     dense = np.array(nqm.half_diff_to_directions(hd))
     wide = rng.normal(size=(2, 8 * N_PLACES, 3))
     wide /= np.linalg.norm(wide, axis=-1, keepdims=True)
-    wi, wo = np.concatenate([pair[:, (pair[..., 2] >= MIN_COSINE).all(axis=0)][:, :N_PLACES // 2] for pair in (dense, wide)], axis=1)
+    # Measurements at larger angles are often extrapolated.
+    near = [pair[:, (pair[..., 2] >= np.cos(np.radians(80))).all(axis=0)][:, :N_PLACES // 2] for pair in (dense, wide)]
+    wi, wo = np.concatenate(near, axis=1)
     h, d, p = nqm.directions_to_half_diff(wi, wo).T
     inputs = np.column_stack([np.sin(h), 0 * h, np.cos(h), np.sin(d) * np.cos(p), np.sin(d) * np.sin(p), np.cos(d)])
     features = np.column_stack([np.delete(inputs, 1, axis=1), 2 * np.sqrt(h / (np.pi / 2)) - 1, 2 * wi[:, 2] * wo[:, 2] - 1])

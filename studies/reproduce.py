@@ -3,12 +3,13 @@
 """Run the paper's study on the data of its authors, and compare the results with the published ones.
 
 Fits the JOD curve to the human scores, trains each recipe with several seeds, tests the models and the metrics on the human scores, and
-prints a table that compares the results with the published values (doc/reproduce.md). Runs `nqm regress`, `train`, `bench score` and
+prints a table that compares the results with the published values (doc/reproduce.md). Runs `nqm regress`, `train`, `nqm-bench score` and
 `eval`; needs only Python's standard library. After an interruption (Ctrl-C) the same command continues."""
 import argparse
 import csv
 import json
 import os
+import shutil
 import signal
 import statistics
 import struct
@@ -60,12 +61,12 @@ def stop(code, *messages):
     sys.exit(code)
 
 
-def nqm(a, *arguments):
-    """The JSON that nqm prints. A failure, which nqm reports, ends this program."""
+def nqm(a, *arguments, program=None):
+    """The JSON that nqm or another program prints. A failure, which that reports, ends this program."""
     global child
     if not interrupted:
         try:  # in a session of its own: Ctrl-C arrives once, from interrupt()
-            child = subprocess.Popen([a.nqm, *arguments, "--json"], stdout=subprocess.PIPE, text=True, start_new_session=True)
+            child = subprocess.Popen([program or a.nqm, *arguments, "--json"], stdout=subprocess.PIPE, text=True, start_new_session=True)
         except OSError as error:
             stop(EXIT_OPEN, f"{a.nqm}: {error.strerror} (--nqm PATH sets the program)")
         output = child.communicate()[0]
@@ -144,8 +145,7 @@ def train(a, recipe, seed, data):
     r = nqm(a, "train", data["path"], "--labels", data["labels"], "--recipe", recipe, "--id", name, "--seed", str(seed), "--epochs",
             str(a.epochs), "-o", model, "--checkpoint", checkpoint, "--log", losses, *resume)
     info = nqm(a, "info", model)
-    rows = nqm(a, "bench", "score", "--model", model, "--rounds", "3")["rows"]
-    ms_per_pair = next(1e3 * row["seconds_median"] / 180 for row in rows if (row["name"], row.get("batch")) == ("samples to JOD", 180))
+    ms_per_pair = time_scores(a, model)
     n_timed = r["epochs"] - r["epochs_resumed"]
     record = {"id": name, "seed": seed, **expected, **{key: value for key, value in r.items() if key not in ("schema", "tool")}}
     record["model"].update(megabytes=r["model"]["parameters"] * 4 / 2**20, n_directions=info["directions"]["n"])
@@ -154,6 +154,15 @@ def train(a, recipe, seed, data):
     write(record_path, json.dumps(record, indent=2) + "\n")
     os.remove(checkpoint)
     return record
+
+
+def time_scores(a, model):
+    """The time of a score in a batch of 180, ms; None if nqm-bench, which is not installed, is not beside the tool."""
+    program = os.path.join(os.path.dirname(shutil.which(a.nqm) or a.nqm), "nqm-bench")
+    if not os.path.exists(program):
+        return None
+    rows = nqm(a, "score", "--model", model, "--rounds", "3", program=program)["rows"]
+    return next(1e3 * row["seconds_median"] / 180 for row in rows if (row["name"], row.get("batch")) == ("samples to JOD", 180))
 
 
 def mean(values):

@@ -17,7 +17,7 @@ results() {
     [ "$got" = "$code" ] || fail "exit code $got, not $code: $*"
 }
 
-run 0 bench gemm --quick --precision f32 --rounds 1 -o "$dir/runs/gemm.json"
+"${NQM_BUILD:?}/nqm-bench" gemm --quick --precision f32 --rounds 1 -o "$dir/runs/gemm.json" >"$dir/out"
 results 0 keep here "$dir/runs" "$dir/no-peers.json"
 kept="$dir/bench/results/here.json"
 results 0 check "$kept"

@@ -130,7 +130,6 @@ done
 refuses 3 "no file 'defualt' (did you mean 'default'?)" score sgd:nickel defualt
 refuses 3 "no file and no model 'defualt' (did you mean 'default'?)" sample sgd:nickel -d defualt
 refuses 6 "'ggx:alpha=.1' is a BRDF, not a model" score sgd:nickel ward:nickel --model ggx:alpha=.1
-refuses 6 "'defualt' is not built in (did you mean 'default'?)" bench score --model defualt
 refuses 2 "'default' is a model, which belongs to --model" score sgd:nickel ward:nickel --metrics default
 printf 'reference,test,score\nsgd:nickel,ward:nickel,1\n' >"$dir/opinions.csv"
 for verb in "score sgd:nickel ward:nickel" "rank sgd:nickel ward:nickel" "batch $dir/opinions.csv" "fit sgd:nickel" \
@@ -193,7 +192,6 @@ misnamed x.jpg -o render sgd:nickel
 misnamed x.mat -o directions
 misnamed x.csv -o transport make
 misnamed x.md -o info default --notes notes.md
-misnamed x.csv -o bench gemm
 refuses 2 "x.gif: no file of this name holds a material" translate sgd:nickel --to gltf -o "$dir/x.gif"
 refuses 2 "json: '$dir/x.csv' names another kind" batch list.csv --json -o "$dir/x.csv"
 refuses 3 "$dir/no/x.safetensors" train corpus.safetensors -o "$dir/no/x.safetensors"

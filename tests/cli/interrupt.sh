@@ -51,12 +51,11 @@ stops batch scores.csv.pieces/ batch "$in/list.csv" -o scores.csv
 stops batch-work pieces/ batch "$in/list.csv" -o scores.csv --work pieces
 stops eval - eval "$in/toy.safetensors" --model none --bootstrap 1000000
 stops translate - translate "$network" "$in/valid.bsdf" sgd:nickel sgd:brass ward:nickel --to openpbr -d materials
-stops bench - bench train -o bench.json
 stops convert - convert "$network" -o table.binary
 stops regress - regress "$in/labels.csv"
 stops transport - transport make --points 2048 -o transport.safetensors
 # Many times: the third ends the process at once.
-"$tool" bench train -o bench.json >"$dir/out" 2>"$dir/err" &
+"$tool" train "$in/toy.safetensors" -o trained.safetensors --epochs 10000 >"$dir/out" 2>"$dir/err" &
 pid=$!
 while [ -d /proc/$pid ] && ! grep -q 'SigCgt:.*[2367abef]$' /proc/$pid/status 2>/dev/null; do sleep 0.05; done
 for i in 1 2 3 4 5; do kill -INT $pid 2>/dev/null && sleep 0.02; done

@@ -23,7 +23,7 @@ fetch() {
     set -- -qq -y -o "Dir::State=$out/apt" -o Dir::State::status=/dev/null -o "Dir::Cache=$out/apt/cache" -o APT::Architecture=s390x \
         -o APT::Architectures=s390x -o "APT::Sandbox::User=$(id -un)" -o APT::Install-Recommends=false
     apt-get "$@" update &&
-        apt-get "$@" --download-only install libc6-dev libgomp1 libdnnl-dev libcminpack-dev libhdf5-dev libzip-dev \
+        apt-get "$@" --download-only install libc6-dev libgomp1 libcminpack-dev libhdf5-dev libzip-dev \
             libopenexr-dev libpng-dev libjpeg62-turbo-dev zlib1g-dev libjansson-dev libexpat1-dev libssl-dev libcmocka-dev || return 1
     for package in "$out"/apt/cache/archives/*.deb; do dpkg-deb -x "$package" "$root"; done
     find "$root" -type l -lname '/*' | while read -r link; do ln -sfn "$root$(readlink "$link")" "$link"; done

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: MIT
 # ThreadSanitizer over the tests in which threads share a model, a dataset, a BRDF, the first use of a table or a library that is
 # loaded when it is needed. Needs clang, libomp-dev: its library libarcher.so tells the sanitizer what OpenMP waits for; GCC's
-# OpenMP would give false reports. oneDNN and Embree are not built with the sanitizer, so that races inside of them are not seen.
+# OpenMP would give false reports. Embree is not built with the sanitizer, so that races inside of it are not seen.
 set -eu
 cd "$(dirname "$0")/../.."
 tests="test_base test_base_shared_work test_brdf_create test_brdf_merl test_metric_batch test_metric_scorer test_metric_transport

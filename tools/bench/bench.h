@@ -12,18 +12,17 @@
 #include "base/options.h"
 #include "kernel/kernel.h"
 
+#include <jansson.h>
 #include <nqm/train.h>
 
 /* ---- the machine (machine.c) ------------------------------------------------------------------------------------- */
 
-/** The value of the first line "key : value" of a file of the system; "" when there is none. */
-void nqm_bench_read_value(const char *path, const char *key, char *value, size_t n_value);
 /** Caches whose size the system knows, and memory: L1, L2, L3, memory. */
 enum { NQM_BENCH_LEVELS = 4, NQM_BENCH_MEMORY = 256000000 };
-/** Size of a cache by the system, bytes: level 0 is the data cache of L1; 0: unknown. */
-size_t nqm_bench_cache_bytes(size_t level);
 /** Size of an array that fits into a level with `threads` threads, half of it, and not into the one before; bytes; 0: unknown. */
 size_t nqm_bench_level_bytes(size_t level, size_t threads);
+/** Facts about the machine and this build, for the results. */
+json_t *nqm_bench_machine(void);
 /** Restart the measurement of the largest resident memory, where the system can (Linux). */
 void nqm_bench_reset_peak_memory(void);
 /** Largest resident memory since then, or since the process began, 1e6 bytes; NaN: unknown. */
@@ -31,84 +30,19 @@ double nqm_bench_peak_memory_mb(void);
 /** Processor time of all threads, seconds. */
 double nqm_bench_process_clock_s(void);
 
-/* ---- results ----------------------------------------------------------------------------------------------------- */
-
-/** One result. Fields that do not apply are NULL, 0 (counts), NaN (numbers) or -1 (precision). Strings are static or
- *  belong to the options. */
-typedef struct nqm_bench_row {
-    const char *bench;   /* "peak", "gemm", "train", "score", "load" */
-    const char *name;    /* what was timed: "layer 1 forward" */
-    const char *subject; /* file or command */
-    const char *model;   /* network: "paper", "default", a recipe */
-    const char *by;      /* implementation: "nqm", "onednn sgemm", "onednn" */
-    const char *kernels; /* nqm_kernels_name() in use */
-    const char *unit;    /* nqm_bench_unit whose peak is the limit */
-    int precision;       /* an nqm_precision */
-    struct nqm_bench_size {
-        size_t batch, threads, epochs, seed;
-        size_t pairs;   /* training pairs, with the scaled copies */
-        size_t layer;   /* number of the layer, from 1 */
-        size_t m, n, k; /* sizes of a matrix product */
-        size_t rounds;  /* number of timings */
-    } size;
-    struct nqm_bench_times {
-        double best, median, worst; /* times of the rounds, seconds */
-        double best_epoch;          /* seconds */
-        double epochs_100;          /* extrapolated to 100 epochs, if there were fewer, seconds */
-        double ms_per_pair;         /* best / pairs */
-        double times_alternative;   /* time of the alternative / best */
-        double cpu_share;           /* processor time / (time * threads); below 1: waiting, or other programs ran */
-        double cpu; /* least processor time of a round / threads, seconds; other programs hardly change it */
-    } times;
-    struct nqm_bench_work {
-        double gflop;                       /* 1e9 operations; a multiplication and an addition are two */
-        double gflops;                      /* gflop / best */
-        double megabytes;                   /* data that must be read, 1e6 bytes */
-        double gb_per_s;                    /* megabytes / best / 1000 */
-        double max_rss_mb;                  /* largest resident memory of the process during the run, 1e6 bytes */
-        double train_loss, validation_loss; /* losses of the last epoch */
-    } work;
-    struct nqm_bench_limits {
-        double peak_gflops; /* peak of this precision, per processor time of all threads: 90th percentile of samples */
-        double peak_median_gflops;
-        double peak_gb_per_s;     /* best rate of reading an array of that size */
-        double floor_seconds;     /* the longer of gflop / peak_gflops and megabytes / peak_gb_per_s */
-        double floor_f32_seconds; /* bf16: gflop at the float peak, shorter if bf16 is slower than float */
-        double ratio;             /* floor_seconds / best; 1: at the limit of the machine */
-        double times_floor;       /* best / floor_seconds */
-        double ratio_cpu;         /* floor_seconds / cpu */
-    } limits;
-} nqm_bench_row;
-
-/** A member of nqm_bench_row, under its name in the JSON. */
-typedef struct nqm_bench_field {
-    const char *key;
-    enum { NQM_BENCH_TEXT, NQM_BENCH_PRECISION, NQM_BENCH_COUNT, NQM_BENCH_NUMBER } kind;
-    size_t offset; /* position in nqm_bench_row, bytes */
-} nqm_bench_field;
-/** All fields in the order of the JSON; a NULL key ends them. */
-extern const nqm_bench_field nqm_bench_fields[];
-/** Value of a NUMBER field, or of a COUNT field as a number. */
-double nqm_bench_number(const nqm_bench_row *row, const nqm_bench_field *field);
-/** Text of a TEXT or PRECISION field; NULL: does not apply. */
-const char *nqm_bench_text(const nqm_bench_row *row, const nqm_bench_field *field);
-
 /* ---- benchmarks -------------------------------------------------------------------------------------------------- */
 
 typedef struct nqm_bench_options {
-    size_t rounds;         /* timings of each result; 1 to 1000; default 7 */
-    int quick;             /* 1: fewer and smaller problems and rounds, which test the benchmarks but do not measure */
-    int precision;         /* an nqm_precision; default NQM_PRECISION_COUNT: all */
-    const char *kernels;   /* nqm_kernels_name(), or "all" but the scalar ones; NULL: the best */
-    const char *recipe;    /* train: default "paper" */
-    size_t seeds;          /* train: repeat with seeds 1 to this; 1 to 100; default 1 */
-    size_t epochs;         /* train: 0: the recipe's */
-    const char *model;     /* score: a built-in model or a file; NULL: all built-in models */
-    const char *temporary; /* load: folder for a MERL table, which is loaded too; NULL: no table */
-    size_t n_files;        /* load */
+    size_t rounds;       /* timings of each result; 1 to 1000; default 7 */
+    int quick;           /* 1: fewer and smaller problems and rounds, which test the benchmarks but do not measure */
+    int precision;       /* gemm, train: an nqm_precision; default 2: both */
+    const char *kernels; /* nqm_kernels_name(); NULL: the best */
+    const char *recipe;  /* train: default "paper" */
+    size_t seeds;        /* train: repeat with seeds 1 to this; 1 to 100; default 1 */
+    size_t epochs;       /* train: 1 to 10000; default 0: the recipe's */
+    const char *model;   /* score: a built-in model or a file; NULL: all built-in models */
+    size_t n_files;      /* load */
     const char *const *files; /* (n_files) arguments for nqm_brdf_open() */
-    nqm_progress_fn progress;
-    void *progress_user;
 } nqm_bench_options;
 /** The defaults above. */
 nqm_bench_options nqm_bench_options_default(void);
@@ -118,42 +52,32 @@ extern const nqm_option_table nqm_bench_option_table;
 /** Meters of the machine's peaks, and result rows. Use it from one thread only. */
 typedef struct nqm_bench nqm_bench;
 
-/** Create, and measure the peaks for the first time. NQM_ERR_ARG (an option outside its range), NQM_ERR_NOMEM,
- *  NQM_ERR_CANCELLED. */
+/** Create, and measure the peaks for the first time. NQM_ERR_ARG (an option outside its range), NQM_ERR_NOMEM. */
 NQM_MUST_CHECK nqm_status nqm_bench_create(const nqm_bench_options *options, nqm_bench **bench_ret, nqm_error *err);
 /** NULL is allowed. */
 void nqm_bench_free(nqm_bench *bench);
 
-/**
- * The matrix products of the networks of `paper` and `default`: each hidden layer forward, the gradient of its input
- * and of its weights, with the selected kernels (nqm_kernels_select()) and with oneDNN. Batch 512; forward also 180
- * and 1. Quick: layer 3 only. NQM_ERR_NOMEM, NQM_ERR_CANCELLED.
- */
-NQM_MUST_CHECK nqm_status nqm_bench_gemm(nqm_bench *bench, nqm_error *err);
+/** A benchmark, which adds its rows. */
+typedef nqm_status nqm_bench_fn(nqm_bench *bench, nqm_error *err);
 
-/**
- * nqm_train() on a generated dataset of the paper's size: 5,344 training and 668 validation pairs under the recipe
- * "paper". One row for each seed and precision (float, bfloat16). Median and worst time are those of the epochs times
- * their number. Quick: a thirtieth of the pairs. Fails as nqm_train().
- */
-NQM_MUST_CHECK nqm_status nqm_bench_train(nqm_bench *bench, nqm_error *err);
+/** The matrix products of the networks of `paper` and `default`: each hidden layer forward, the gradient of its input and of
+ *  its weights, with the selected kernels (nqm_kernels_select()) and with oneDNN. Batch 512; forward also 180 and 1. Quick:
+ *  layer 3 only. */
+NQM_MUST_CHECK nqm_bench_fn nqm_bench_gemm;
+/** nqm_train() on a generated dataset of the paper's size: 5,344 training and 668 validation pairs under the recipe "paper".
+ *  One row for each seed and precision. Median and worst time are those of the epochs times their number. Quick: a
+ *  thirtieth of the pairs. */
+NQM_MUST_CHECK nqm_bench_fn nqm_bench_train;
+/** Scoring of 1, 9, 180 and 512 pairs: the network alone, everything from samples to JOD, and to its gradient (1 and 512
+ *  pairs). Quick: 1 and 9 pairs. */
+NQM_MUST_CHECK nqm_bench_fn nqm_bench_score;
+/** From a file to samples at the default directions - nqm_brdf_open(), nqm_sample(), nqm_brdf_free() - with its pages in
+ *  memory; and commands of the tool `nqm` in the folder of this program, from their start to their end. */
+NQM_MUST_CHECK nqm_bench_fn nqm_bench_load;
 
-/**
- * Scoring of 1, 9, 180 and 512 pairs: the network alone, everything from samples to JOD, and to its gradient (1 and 512
- * pairs), with its speed relative to the score; with a reference for each pair, and with 9 tests per reference, which share its contribution to the first layer. Quick: 1
- * and 9 pairs. Fails as nqm_model_load(); NQM_ERR_CANCELLED.
- */
-NQM_MUST_CHECK nqm_status nqm_bench_score(nqm_bench *bench, nqm_error *err);
-
-/**
- * From a file to samples at the default directions - nqm_brdf_open(), nqm_sample(), nqm_brdf_free() - with its pages in
- * memory ("warm") and after they were dropped ("cold"; files on a disk only); and commands of this program from their
- * start to their end. Fails as those functions; NQM_ERR_CANCELLED.
- */
-NQM_MUST_CHECK nqm_status nqm_bench_load(nqm_bench *bench, nqm_error *err);
-
-/** Measure the peaks for the last time, add them as rows after the timings, and complete all rows. NQM_ERR_NOMEM. */
-NQM_MUST_CHECK nqm_status nqm_bench_finish(nqm_bench *bench, nqm_error *err);
+/** Measure the peaks for the last time, add them as rows after the timings, complete all rows, and return the document.
+ *  NULL: out of memory. json_decref() it. */
+json_t *nqm_bench_finish(nqm_bench *bench);
 
 /* ==== shared by the benchmarks ==================================================================================== */
 
@@ -188,11 +112,15 @@ typedef struct nqm_bench_meter {
     size_t n_samples;                 /* ever taken */
 } nqm_bench_meter;
 
-/** A timed result before nqm_bench_finish(). */
+/** A result. Unknown numbers are 0. */
 typedef struct nqm_bench_entry {
-    nqm_bench_row row;
+    json_t *row;                /* what was timed: texts and counts; nqm_bench_finish() adds the numbers */
+    double gflop;               /* 1e9 operations of a call; a multiplication and an addition are two */
+    double megabytes;           /* data that a call must read, 1e6 bytes */
+    double best, median, worst; /* times of the rounds, seconds */
+    double cpu;               /* least processor time of a round / threads, seconds: other programs hardly change it */
+    double cpu_share;         /* processor time / (time * threads); below 1: waiting, or other programs ran */
     int peak, peak_f32, read; /* meters, or NQM_METER_NONE */
-    size_t alternative;       /* distance to the earlier entry that gets the same result another way; 0: none */
 } nqm_bench_entry;
 
 struct nqm_bench {
@@ -203,8 +131,6 @@ struct nqm_bench {
     size_t memory_bytes;
     nqm_bench_entry *entry; /* (n_entries) */
     size_t n_entries;
-    nqm_model *model;   /* loaded from options.model */
-    double done, total; /* progress of the current benchmark */
 };
 
 /** Make a meter on all threads for each unit that this processor has. */
@@ -228,25 +154,31 @@ void nqm_bench_release_memory(nqm_bench *bench);
 typedef struct nqm_bench_contender {
     void (*run)(void *user);
     void *user;
-    void (*prepare)(void *user); /* called before each timing, which then is of one call; NULL: none */
 } nqm_bench_contender;
 
 /** Time n contenders in turns, sample the meters of their entries in between, and add a row for each. entries (n): all
- *  but the times. NQM_ERR_CANCELLED, NQM_ERR_NOMEM. */
+ *  but the times; takes their rows. NQM_ERR_NOMEM. */
 NQM_MUST_CHECK nqm_status nqm_bench_race(nqm_bench *bench, size_t n, const nqm_bench_contender *contenders,
                                          const nqm_bench_entry *entries, nqm_error *err);
-/** An entry without values, for our own code with the selected kernels on all threads. */
+/** An entry for our own code with the selected kernels on all threads. */
 nqm_bench_entry nqm_bench_entry_make(const char *bench_name, const char *name);
 /** Set precision and operations of an entry, and its meters of arithmetic. */
 void nqm_bench_entry_work(nqm_bench *bench, nqm_bench_entry *entry, nqm_precision precision, double flop);
 /** Set the bytes that each call must read, and the meter of reading. */
 void nqm_bench_entry_reading(nqm_bench *bench, nqm_bench_entry *entry, size_t n_bytes);
-/** Add an entry with its times. NQM_ERR_NOMEM. */
+/** Add a text, a count or a number to the row of an entry. */
+static inline void nqm_bench_text(nqm_bench_entry *entry, const char *key, const char *text) {
+    json_object_set_new(entry->row, key, json_string(text));
+}
+static inline void nqm_bench_count(nqm_bench_entry *entry, const char *key, size_t count) {
+    json_object_set_new(entry->row, key, json_integer((json_int_t)count));
+}
+/** A number that is not finite and greater than 0 is not added. */
+void nqm_bench_number(nqm_bench_entry *entry, const char *key, double number);
+/** Add an entry with its times; takes its row. NQM_ERR_NOMEM. */
 NQM_MUST_CHECK nqm_status nqm_bench_add(nqm_bench *bench, const nqm_bench_entry *entry, nqm_error *err);
-/** Report one more of bench->total steps; NQM_ERR_CANCELLED when the user cancels. */
-NQM_MUST_CHECK nqm_status nqm_bench_step(nqm_bench *bench, const char *stage, nqm_error *err);
 static inline bool nqm_bench_has_precision(const nqm_bench *bench, nqm_precision precision) {
-    return bench->options.precision == NQM_PRECISION_COUNT || bench->options.precision == (int)precision;
+    return bench->options.precision > NQM_PRECISION_BF16 || bench->options.precision == (int)precision;
 }
 
 /* ---- pairs for training and scoring (pairs.c) -------------------------------------------------------------------- */
@@ -254,11 +186,6 @@ static inline bool nqm_bench_has_precision(const nqm_bench *bench, nqm_precision
 /** 10 labelled pairs for each of n_refs generated references, always the same, at `directions`, which are copied. */
 NQM_MUST_CHECK nqm_status nqm_bench_pairs(size_t n_refs, const nqm_directions *directions, nqm_dataset **dataset_ret,
                                           nqm_error *err);
-
-/* ---- textures (textures.c) --------------------------------------------------------------------------------------- */
-
-/** Time the near score of two materials of 2048 x 2048 texels; the row's pairs are those of texels. */
-NQM_MUST_CHECK nqm_status nqm_bench_textures(nqm_bench *bench, const nqm_model *model, nqm_error *err);
 
 /* ---- oneDNN for comparison (onednn.c) ---------------------------------------------------------------------------- */
 
@@ -274,7 +201,5 @@ NQM_MUST_CHECK nqm_status nqm_bench_onednn_create(nqm_precision precision, bool 
                                                   nqm_bench_onednn **product_ret, nqm_error *err);
 void nqm_bench_onednn_run(void *product);
 void nqm_bench_onednn_free(nqm_bench_onednn *product);
-/** oneDNN's sgemm on its own threads; only if nqm_bench_onednn_create() gave a product. */
-void nqm_bench_onednn_sgemm(bool trans_a, size_t m, size_t n, size_t k, const float *a, const float *b, float *c);
 
 #endif

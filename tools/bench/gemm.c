@@ -63,13 +63,6 @@ static void run_gradient(void *user) {
                                      .user = j});
 }
 
-/* ---- oneDNN's sgemm ---------------------------------------------------------------------------------------------- */
-
-static void run_sgemm(void *user) {
-    const job *j = user;
-    nqm_bench_onednn_sgemm(j->pass == WEIGHT_GRADIENT, j->m, j->n, j->k, j->x, j->w, j->c);
-}
-
 /* ---- creation and timing ---------------------------------------------------------------------------------------- */
 
 static void fill_random(size_t n, float *x, uint64_t seed) {
@@ -109,15 +102,15 @@ static void fill_columns(const job *j, size_t n, size_t width, const float *x, u
 /* B in panels of floats, then in those of the job. */
 static nqm_status pack_right(job *j, nqm_error *err) {
     nqm_panels floats;
+    if (j->precision == NQM_PRECISION_F32) {
+        nqm_panels_pack(&j->panels, (nqm_weights){j->w, NULL, j->k});
+        return NQM_OK;
+    }
     nqm_status status = nqm_panels_create(NQM_PRECISION_F32, j->k, j->n, &floats, err);
     if (status != NQM_OK)
         return status;
     nqm_panels_pack(&floats, (nqm_weights){j->w, NULL, j->k});
-    if (j->precision == NQM_PRECISION_BF16) {
-        nqm_panels_round(&floats, &j->panels);
-    } else {
-        memcpy(j->panels.data, floats.data, floats.n_panels * floats.stride * NQM_PANEL * sizeof *floats.data);
-    }
+    nqm_panels_round(&floats, &j->panels);
     nqm_panels_free(&floats);
     return NQM_OK;
 }
@@ -153,31 +146,25 @@ static nqm_status make_job(job *j, nqm_error *err) {
 }
 
 static nqm_status race_job(nqm_bench *bench, job *j, size_t layer, size_t batch, nqm_error *err) {
-    nqm_bench_contender contenders[3];
-    nqm_bench_entry entries[3];
-    size_t n = 0;
-    nqm_bench_entry entry = nqm_bench_entry_make("gemm", pass_names[j->pass]);
-    entry.row.model = layers[layer].model;
-    entry.row.size.layer = layers[layer].layer;
-    entry.row.size.batch = batch;
-    entry.row.size.m = j->m, entry.row.size.n = j->n, entry.row.size.k = j->k;
-    nqm_bench_entry_work(bench, &entry, j->precision, 2.0 * (double)j->m * (double)j->n * (double)j->k);
+    nqm_bench_entry entries[2] = {nqm_bench_entry_make("gemm", pass_names[j->pass])};
+    nqm_bench_text(&entries[0], "model", layers[layer].model);
+    nqm_bench_count(&entries[0], "layer", layers[layer].layer);
+    nqm_bench_count(&entries[0], "batch", batch);
+    nqm_bench_count(&entries[0], "m", j->m);
+    nqm_bench_count(&entries[0], "n", j->n);
+    nqm_bench_count(&entries[0], "k", j->k);
+    nqm_bench_entry_work(bench, &entries[0], j->precision, 2.0 * (double)j->m * (double)j->n * (double)j->k);
     if (batch == 1)
-        nqm_bench_entry_reading(bench, &entry, j->panels.n_panels * j->panels.stride * NQM_PANEL * sizeof(uint32_t));
-    const struct {
-        const char *by;
-        void (*run)(void *);
-        void *user;
-    } ways[] = {{"nqm", j->pass == WEIGHT_GRADIENT ? run_gradient : run_product, j},
-                {"onednn", j->onednn ? nqm_bench_onednn_run : NULL, j->onednn},
-                {"onednn sgemm", j->onednn && j->precision == NQM_PRECISION_F32 ? run_sgemm : NULL, j}};
-    for (size_t i = 0; i < sizeof ways / sizeof *ways; ++i)
-        if (ways[i].run) {
-            contenders[n] = (nqm_bench_contender){ways[i].run, ways[i].user, NULL};
-            entries[n] = entry;
-            entries[n++].row.by = ways[i].by;
-        }
-    return nqm_bench_race(bench, n, contenders, entries, err);
+        nqm_bench_entry_reading(bench, &entries[0],
+                                j->panels.n_panels * j->panels.stride * NQM_PANEL * sizeof(uint32_t));
+    const nqm_bench_contender contenders[] = {{j->pass == WEIGHT_GRADIENT ? run_gradient : run_product, j},
+                                              {nqm_bench_onednn_run, j->onednn}};
+    if (j->onednn) {
+        entries[1] = entries[0];
+        entries[1].row = json_copy(entries[0].row);
+        nqm_bench_text(&entries[1], "by", "onednn");
+    }
+    return nqm_bench_race(bench, j->onednn ? 2 : 1, contenders, entries, err);
 }
 
 static nqm_status bench_product(nqm_bench *bench, size_t layer, pass_kind pass, nqm_precision precision, size_t batch,
@@ -194,7 +181,7 @@ static nqm_status bench_product(nqm_bench *bench, size_t layer, pass_kind pass, 
     return status;
 }
 
-/* Layer 1 needs no gradient of its input; batches other than 512 are for scoring only, which is in float. */
+/* Layer 1 needs no gradient of its input; batches other than 512 are for scoring, in float. */
 static bool is_needed(const nqm_bench *bench, size_t layer, pass_kind pass, nqm_precision precision, size_t batch) {
     if (pass == INPUT_GRADIENT && layers[layer].layer == 1)
         return false;
@@ -205,19 +192,12 @@ static bool is_needed(const nqm_bench *bench, size_t layer, pass_kind pass, nqm_
 
 nqm_status nqm_bench_gemm(nqm_bench *bench, nqm_error *err) {
     static const size_t batches[] = {512, 180, 1};
-    bench->done = bench->total = 0;
     nqm_status status = NQM_OK;
-    for (int counting = 1; counting >= 0; --counting)
-        for (size_t b = 0; b < 3; ++b)
-            for (size_t layer = 0; layer < sizeof layers / sizeof *layers; ++layer)
-                for (pass_kind pass = FORWARD; pass < N_PASSES; ++pass)
-                    for (nqm_precision p = NQM_PRECISION_F32; p < NQM_PRECISION_COUNT && status == NQM_OK; ++p) {
-                        if (!is_needed(bench, layer, pass, p, batches[b]))
-                            continue;
-                        if (counting)
-                            bench->total += (double)bench->options.rounds;
-                        else
-                            status = bench_product(bench, layer, pass, p, batches[b], err);
-                    }
+    for (size_t b = 0; b < 3; ++b)
+        for (size_t layer = 0; layer < sizeof layers / sizeof *layers; ++layer)
+            for (pass_kind pass = FORWARD; pass < N_PASSES; ++pass)
+                for (nqm_precision p = NQM_PRECISION_F32; p <= NQM_PRECISION_BF16 && status == NQM_OK; ++p)
+                    if (is_needed(bench, layer, pass, p, batches[b]))
+                        status = bench_product(bench, layer, pass, p, batches[b], err);
     return status;
 }

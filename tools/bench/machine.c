@@ -1,15 +1,18 @@
 /* SPDX-License-Identifier: MIT
  *
- * Facts about this process from the operating system, where it provides them.
+ * Facts about the machine and this process from the operating system, where it provides them.
  */
 #include "bench/bench.h"
 
 #include <math.h>
-#include <stdio.h>
+#include <omp.h>
+#include <stdlib.h>
 #include <string.h>
+#include <sys/utsname.h>
 #include <unistd.h>
 
-void nqm_bench_read_value(const char *path, const char *key, char *value, size_t n_value) {
+/* The value of the first line "key : value" of a file of the system; "" when there is none. */
+static void read_value(const char *path, const char *key, char *value, size_t n_value) {
     char line[512];
     FILE *file = fopen(path, "r");
     value[0] = '\0';
@@ -24,7 +27,8 @@ void nqm_bench_read_value(const char *path, const char *key, char *value, size_t
         fclose(file);
 }
 
-size_t nqm_bench_cache_bytes(size_t level) {
+/* Size of a cache by the system, bytes: level 0 is the data cache of L1; 0: unknown. */
+static size_t cache_bytes(size_t level) {
     static const int names[] = {_SC_LEVEL1_DCACHE_SIZE, _SC_LEVEL2_CACHE_SIZE, _SC_LEVEL3_CACHE_SIZE};
     static const char *const indices[] = {"index0", "index2", "index3"};
     char path[80], line[40] = "";
@@ -45,8 +49,8 @@ size_t nqm_bench_level_bytes(size_t level, size_t threads) {
     if (level == NQM_BENCH_LEVELS - 1)
         return NQM_BENCH_MEMORY;
     const bool is_shared = level == 2; /* L1 and L2 belong to one core */
-    const size_t n_bytes = nqm_bench_cache_bytes(level) / 2 * (is_shared ? 1 : threads);
-    return n_bytes > (level ? nqm_bench_cache_bytes(level - 1) * threads : 0) ? n_bytes : 0;
+    const size_t n_bytes = cache_bytes(level) / 2 * (is_shared ? 1 : threads);
+    return n_bytes > (level ? cache_bytes(level - 1) * threads : 0) ? n_bytes : 0;
 }
 
 void nqm_bench_reset_peak_memory(void) {
@@ -61,6 +65,59 @@ double nqm_bench_peak_memory_mb(void) {
     char text[40];
     const char *end;
     double kib;
-    nqm_bench_read_value("/proc/self/status", "VmHWM", text, sizeof text);
+    read_value("/proc/self/status", "VmHWM", text, sizeof text);
     return nqm_parse_double(text, &end, &kib) ? kib * 1024e-6 : NAN;
+}
+
+/* ---- for the results -----------------------------------------------------------------------------------------------*/
+
+/* The user's OpenMP settings, because small batches are much slower with OMP_WAIT_POLICY=passive. */
+static json_t *openmp_json(void) {
+    static const char *const names[] = {"OMP_NUM_THREADS", "OMP_PROC_BIND", "OMP_WAIT_POLICY"};
+    json_t *openmp = json_object();
+    for (size_t i = 0; i < sizeof names / sizeof *names; ++i) {
+        const char *value = getenv(names[i]);
+        if (value)
+            json_object_set_new(openmp, names[i], json_string(value));
+    }
+    return openmp;
+}
+
+/* Vendor, family, model and stepping, which tell processors of the same name apart. */
+static json_t *cpu_id_json(void) {
+    static const char *const keys[] = {"vendor_id", "cpu family", "model\t", "stepping"}, *const names[] = {
+                                                                                              "vendor", "family",
+                                                                                              "model", "stepping"};
+    json_t *id = json_object();
+    for (size_t i = 0; i < sizeof keys / sizeof *keys; ++i) {
+        char value[80];
+        read_value("/proc/cpuinfo", keys[i], value, sizeof value);
+        json_object_set_new(id, names[i], json_string(value));
+    }
+    return id;
+}
+
+/* From the operating system, where it provides them; 0 or "": unknown. */
+json_t *nqm_bench_machine(void) {
+    char cpu[200], mhz_text[40], system_text[200] = "";
+    const char *end;
+    double mhz, load;
+    struct utsname names;
+    json_t *caches = json_array();
+    read_value("/proc/cpuinfo", "model name", cpu, sizeof cpu);
+    read_value("/proc/cpuinfo", "cpu MHz", mhz_text, sizeof mhz_text);
+    if (!nqm_parse_double(mhz_text, &end, &mhz))
+        mhz = 0;
+    if (uname(&names) == 0)
+        snprintf(system_text, sizeof system_text, "%.60s %.60s %.60s", names.sysname, names.release, names.machine);
+    for (size_t level = 0; level + 1 < NQM_BENCH_LEVELS; ++level)
+        json_array_append_new(caches, json_integer((json_int_t)(cache_bytes(level) / 1024)));
+    const long pages = sysconf(_SC_PHYS_PAGES), page = sysconf(_SC_PAGESIZE);
+    if (getloadavg(&load, 1) != 1)
+        load = 0;
+    return json_pack("{s:o,s:o,s:o,s:s,s:i,s:i,s:f,s:o,s:f,s:f,s:s,s:s,s:o}", "cpu", json_string(cpu), "cpu_id",
+                     cpu_id_json(), "system", json_string(system_text), "compiler", __VERSION__, "cores",
+                     omp_get_num_procs(), "threads", omp_get_max_threads(), "mhz", mhz, "cache_kib", caches,
+                     "memory_mb", pages > 0 && page > 0 ? 1e-6 * (double)pages * (double)page : 0, "load_average", load,
+                     "kernels", nqm_kernels_selected(), "build", nqm_build_info(), "openmp", openmp_json());
 }

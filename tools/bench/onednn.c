@@ -1,49 +1,14 @@
 /* SPDX-License-Identifier: MIT
  *
  * The matrix product of oneDNN in its fastest form, for comparison: the primitive is created in advance, and the
- * weights have the layout that it prefers.
+ * weights have the layout that it prefers. Without oneDNN (NQM_ONEDNN) there is no comparison.
  */
-#include "base/library.h"
 #include "bench/bench.h"
 
+#ifdef NQM_ONEDNN
 #include <dnnl.h>
 
-#define FUNCTIONS(X)                                                                                                   \
-    X(dnnl_sgemm)                                                                                                      \
-    X(dnnl_engine_create)                                                                                              \
-    X(dnnl_engine_destroy)                                                                                             \
-    X(dnnl_stream_create)                                                                                              \
-    X(dnnl_stream_wait)                                                                                                \
-    X(dnnl_stream_destroy)                                                                                             \
-    X(dnnl_memory_desc_init_by_tag)                                                                                    \
-    X(dnnl_memory_desc_get_size)                                                                                       \
-    X(dnnl_memory_create)                                                                                              \
-    X(dnnl_memory_destroy)                                                                                             \
-    X(dnnl_matmul_desc_init)                                                                                           \
-    X(dnnl_primitive_desc_create)                                                                                      \
-    X(dnnl_primitive_desc_query_md)                                                                                    \
-    X(dnnl_primitive_desc_destroy)                                                                                     \
-    X(dnnl_primitive_create)                                                                                           \
-    X(dnnl_primitive_execute)                                                                                          \
-    X(dnnl_primitive_destroy)
-
-/* Pointers to the functions of oneDNN that nqm uses, under their own names. */
-typedef struct onednn_functions {
-    FUNCTIONS(NQM_LIBRARY_MEMBER)
-} onednn_functions;
-
-/* NQM_ONEDNN_SONAME is the shared library that CMakeLists.txt found at build time. */
-static const char *const names[] = {FUNCTIONS(NQM_LIBRARY_NAME)};
-static onednn_functions functions;
-static nqm_library library = NQM_LIBRARY(NQM_ONEDNN_SONAME, names, functions);
-
-/* Loaded by the first call; NULL when oneDNN is not installed. */
-static const onednn_functions *get_functions(void) {
-    return nqm_library_get(&library) ? &functions : NULL;
-}
-
 struct nqm_bench_onednn {
-    const onednn_functions *onednn;
     dnnl_engine_t engine;
     dnnl_stream_t stream;
     dnnl_primitive_t primitive;
@@ -52,58 +17,52 @@ struct nqm_bench_onednn {
 };
 
 /* Bytes of a small positive number in each precision. */
-static const unsigned char pattern[NQM_PRECISION_COUNT][4] = {{0, 0, 0, 0x3c}, {0, 0x3c, 0, 0x3c}};
+static const unsigned char pattern[][4] = {{0, 0, 0, 0x3c}, {0, 0x3c, 0, 0x3c}};
 
-static bool init_matrix(const nqm_bench_onednn *p, dnnl_memory_desc_t *desc, size_t rows, size_t columns,
-                        dnnl_data_type_t type, dnnl_format_tag_t tag) {
+static bool init_matrix(dnnl_memory_desc_t *desc, size_t rows, size_t columns, dnnl_data_type_t type,
+                        dnnl_format_tag_t tag) {
     const dnnl_dims_t dims = {(dnnl_dim_t)rows, (dnnl_dim_t)columns};
-    return p->onednn->dnnl_memory_desc_init_by_tag(desc, 2, dims, type, tag) == dnnl_success;
+    return dnnl_memory_desc_init_by_tag(desc, 2, dims, type, tag) == dnnl_success;
 }
 
 static bool make_primitive(nqm_bench_onednn *p, dnnl_matmul_desc_t *op, nqm_precision precision, bool *no_memory) {
     dnnl_primitive_desc_t desc;
-    if (p->onednn->dnnl_primitive_desc_create(&desc, op, NULL, p->engine, NULL) != dnnl_success)
+    if (dnnl_primitive_desc_create(&desc, op, NULL, p->engine, NULL) != dnnl_success)
         return false;
     static const dnnl_query_t queries[] = {dnnl_query_src_md, dnnl_query_weights_md, dnnl_query_dst_md};
-    bool ok = p->onednn->dnnl_primitive_create(&p->primitive, desc) == dnnl_success;
+    bool ok = dnnl_primitive_create(&p->primitive, desc) == dnnl_success;
     for (size_t i = 0; i < 3 && ok; ++i) {
-        const dnnl_memory_desc_t *md = p->onednn->dnnl_primitive_desc_query_md(desc, queries[i], 0);
-        size_t n_bytes = p->onednn->dnnl_memory_desc_get_size(md);
+        const dnnl_memory_desc_t *md = dnnl_primitive_desc_query_md(desc, queries[i], 0);
+        size_t n_bytes = dnnl_memory_desc_get_size(md);
         unsigned char *block = p->block[i] = nqm_alloc(n_bytes, 1);
         *no_memory = *no_memory || !block;
         for (size_t byte = 0; block && byte < n_bytes; ++byte)
             block[byte] = pattern[precision][byte % 4];
-        ok = block && p->onednn->dnnl_memory_create(&p->memory[i], md, p->engine, block) == dnnl_success;
+        ok = block && dnnl_memory_create(&p->memory[i], md, p->engine, block) == dnnl_success;
     }
-    p->onednn->dnnl_primitive_desc_destroy(desc);
+    dnnl_primitive_desc_destroy(desc);
     return ok;
 }
 
 static bool make_product(nqm_bench_onednn *p, nqm_precision precision, bool trans_a, size_t m, size_t n, size_t k,
                          bool *no_memory) {
-    static const dnnl_data_type_t types[NQM_PRECISION_COUNT] = {dnnl_f32, dnnl_bf16};
+    const dnnl_data_type_t type = precision == NQM_PRECISION_BF16 ? dnnl_bf16 : dnnl_f32;
     dnnl_memory_desc_t a, b, c;
     dnnl_matmul_desc_t op;
-    return p->onednn->dnnl_engine_create(&p->engine, dnnl_cpu, 0) == dnnl_success &&
-           p->onednn->dnnl_stream_create(&p->stream, p->engine, dnnl_stream_default_flags) == dnnl_success &&
-           init_matrix(p, &a, m, k, types[precision], trans_a ? dnnl_ba : dnnl_ab) &&
-           init_matrix(p, &b, k, n, types[precision], trans_a ? dnnl_ab : dnnl_format_tag_any) &&
-           init_matrix(p, &c, m, n, dnnl_f32, dnnl_ab) &&
-           p->onednn->dnnl_matmul_desc_init(&op, &a, &b, NULL, &c) == dnnl_success &&
+    return dnnl_engine_create(&p->engine, dnnl_cpu, 0) == dnnl_success &&
+           dnnl_stream_create(&p->stream, p->engine, dnnl_stream_default_flags) == dnnl_success &&
+           init_matrix(&a, m, k, type, trans_a ? dnnl_ba : dnnl_ab) &&
+           init_matrix(&b, k, n, type, trans_a ? dnnl_ab : dnnl_format_tag_any) &&
+           init_matrix(&c, m, n, dnnl_f32, dnnl_ab) && dnnl_matmul_desc_init(&op, &a, &b, NULL, &c) == dnnl_success &&
            make_primitive(p, &op, precision, no_memory);
 }
 
 nqm_status nqm_bench_onednn_create(nqm_precision precision, bool trans_a, size_t m, size_t n, size_t k,
                                    nqm_bench_onednn **product_ret, nqm_error *err) {
-    const onednn_functions *onednn = get_functions();
     bool no_memory = false;
-    *product_ret = NULL;
-    if (!onednn)
-        return NQM_OK;
     nqm_bench_onednn *p = *product_ret = nqm_alloc(1, sizeof *p);
     if (!p)
         return nqm_fail_nomem(err, sizeof *p);
-    p->onednn = onednn;
     if (make_product(p, precision, trans_a, m, n, k, &no_memory))
         return NQM_OK;
     nqm_bench_onednn_free(p);
@@ -115,25 +74,35 @@ void nqm_bench_onednn_run(void *product) {
     const nqm_bench_onednn *p = product;
     const dnnl_exec_arg_t arguments[] = {
         {DNNL_ARG_SRC, p->memory[0]}, {DNNL_ARG_WEIGHTS, p->memory[1]}, {DNNL_ARG_DST, p->memory[2]}};
-    p->onednn->dnnl_primitive_execute(p->primitive, p->stream, 3, arguments);
-    p->onednn->dnnl_stream_wait(p->stream);
+    dnnl_primitive_execute(p->primitive, p->stream, 3, arguments);
+    dnnl_stream_wait(p->stream);
 }
 
 void nqm_bench_onednn_free(nqm_bench_onednn *p) {
     if (!p)
         return;
     for (size_t i = 0; i < 3; ++i) {
-        p->onednn->dnnl_memory_destroy(p->memory[i]);
+        dnnl_memory_destroy(p->memory[i]);
         nqm_free(p->block[i]);
     }
-    p->onednn->dnnl_primitive_destroy(p->primitive);
-    p->onednn->dnnl_stream_destroy(p->stream);
-    p->onednn->dnnl_engine_destroy(p->engine);
+    dnnl_primitive_destroy(p->primitive);
+    dnnl_stream_destroy(p->stream);
+    dnnl_engine_destroy(p->engine);
     nqm_free(p);
 }
-
-void nqm_bench_onednn_sgemm(bool trans_a, size_t m, size_t n, size_t k, const float *a, const float *b, float *c) {
-    const size_t lda = trans_a ? m : k, ldb = trans_a ? n : k;
-    get_functions()->dnnl_sgemm(trans_a ? 'T' : 'N', trans_a ? 'N' : 'T', (dnnl_dim_t)m, (dnnl_dim_t)n, (dnnl_dim_t)k,
-                                1, a, (dnnl_dim_t)lda, b, (dnnl_dim_t)ldb, 0, c, (dnnl_dim_t)n);
+#else /* built without oneDNN */
+nqm_status nqm_bench_onednn_create(nqm_precision precision, bool trans_a, size_t m, size_t n, size_t k,
+                                   nqm_bench_onednn **product_ret, nqm_error *err) {
+    (void)precision, (void)trans_a, (void)m, (void)n, (void)k, (void)err;
+    *product_ret = NULL;
+    return NQM_OK;
 }
+
+void nqm_bench_onednn_run(void *product) {
+    (void)product;
+}
+
+void nqm_bench_onednn_free(nqm_bench_onednn *p) {
+    (void)p;
+}
+#endif

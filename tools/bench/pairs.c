@@ -109,5 +109,5 @@ nqm_status nqm_bench_pairs(size_t n_refs, const nqm_directions *directions, nqm_
         status = add_material(&b, ref, &rng, err);
     if (status == NQM_OK)
         status = spread_jods(b.dataset, b.dataset->jod, err);
-    return nqm_dataset_finish(&b, status, "{\"made_by\": \"nqm bench\"}", NULL, dataset_ret, err);
+    return nqm_dataset_finish(&b, status, "{\"made_by\": \"nqm-bench\"}", NULL, dataset_ret, err);
 }

@@ -7,8 +7,7 @@
 #include "bench/bench.h"
 #include "math/math.h"
 
-#include <math.h>
-#include <string.h>
+#include <omp.h>
 
 enum { N_REFS = 334, N_REFS_QUICK = 12 };
 
@@ -48,31 +47,30 @@ static void end_epoch(void *user, size_t epoch, double train_loss, double valida
     w->train_loss = train_loss;
     w->validation_loss = validation_loss;
     nqm_bench_sample(w->bench, w->entry->peak);
-    if (w->entry->peak_f32 != w->entry->peak)
-        nqm_bench_sample(w->bench, w->entry->peak_f32);
+    nqm_bench_sample(w->bench, w->entry->peak_f32);
     w->last_s = nqm_clock_s();
     w->sampling_s += w->last_s - now;
     w->sampling_cpu_s += nqm_bench_process_clock_s() - cpu;
 }
 
-static void fill_row(nqm_bench_row *row, const nqm_train_options *o, const nqm_train_report *report, watch *w,
-                     double seconds, double cpu_s) {
-    row->model = o->recipe;
-    row->size.batch = o->optimiser.batch;
-    row->size.epochs = o->optimiser.epochs;
-    row->size.seed = (size_t)o->optimiser.seed;
-    row->size.pairs = report->n_train;
-    row->times.best = seconds;
-    row->times.cpu_share = cpu_s / seconds / (double)row->size.threads;
-    row->times.cpu = cpu_s / (double)row->size.threads;
-    const double epochs = (double)o->optimiser.epochs;
-    row->times.median = epochs * nqm_quantile(o->optimiser.epochs, w->epoch_s, 0.5);
-    row->times.best_epoch = w->epoch_s[0]; /* sorted now */
-    row->times.worst = epochs * w->epoch_s[o->optimiser.epochs - 1];
-    if (o->optimiser.epochs != 100)
-        row->times.epochs_100 = seconds / epochs * 100;
-    row->work.train_loss = w->train_loss;
-    row->work.validation_loss = w->validation_loss;
+static void fill_entry(nqm_bench_entry *entry, const nqm_train_options *o, const nqm_train_report *report, watch *w,
+                       double seconds, double cpu_s) {
+    const size_t epochs = o->optimiser.epochs;
+    const double n = (double)epochs, threads = omp_get_max_threads();
+    entry->best = seconds;
+    entry->median = n * nqm_quantile(epochs, w->epoch_s, 0.5); /* sorts */
+    entry->worst = n * w->epoch_s[epochs - 1];
+    entry->cpu = cpu_s / threads;
+    entry->cpu_share = cpu_s / seconds / threads;
+    nqm_bench_text(entry, "model", o->recipe);
+    nqm_bench_count(entry, "batch", o->optimiser.batch);
+    nqm_bench_count(entry, "epochs", epochs);
+    nqm_bench_count(entry, "seed", (size_t)o->optimiser.seed);
+    nqm_bench_count(entry, "pairs", report->n_train);
+    nqm_bench_number(entry, "best_epoch_seconds", w->epoch_s[0]);
+    nqm_bench_number(entry, "seconds_100_epochs", epochs == 100 ? 0 : seconds / n * 100);
+    nqm_bench_number(entry, "train_loss", w->train_loss);
+    nqm_bench_number(entry, "validation_loss", w->validation_loss);
 }
 
 static nqm_status train_once(nqm_bench *bench, const nqm_dataset *dataset, nqm_train_options *o, nqm_error *err) {
@@ -93,12 +91,14 @@ static nqm_status train_once(nqm_bench *bench, const nqm_dataset *dataset, nqm_t
     nqm_status status = nqm_train(dataset, o, &model, &report, err);
     const double seconds = nqm_clock_s() - begin - w.sampling_s,
                  cpu_s = nqm_bench_process_clock_s() - cpu_begin - w.sampling_cpu_s;
-    entry.row.work.max_rss_mb = nqm_bench_peak_memory_mb();
+    nqm_bench_number(&entry, "max_rss_mb", nqm_bench_peak_memory_mb());
     if (status == NQM_OK) {
-        entry.row.work.gflop = 2e-9 * (double)o->optimiser.epochs *
-                               ((double)report.n_train * work.training + (double)report.n_validation * work.forward);
-        fill_row(&entry.row, o, &report, &w, seconds, cpu_s);
+        entry.gflop = 2e-9 * (double)o->optimiser.epochs *
+                      ((double)report.n_train * work.training + (double)report.n_validation * work.forward);
+        fill_entry(&entry, o, &report, &w, seconds, cpu_s);
         status = nqm_bench_add(bench, &entry, err);
+    } else {
+        json_decref(entry.row);
     }
     nqm_model_free(model);
     nqm_free(w.epoch_s);
@@ -121,8 +121,6 @@ nqm_status nqm_bench_train(nqm_bench *bench, nqm_error *err) {
         return status;
     o.augmentation.balance = 0;
     o.optimiser.epochs = options->epochs ? options->epochs : o.optimiser.epochs;
-    o.run.progress = options->progress;
-    o.run.progress_user = options->progress_user;
     for (o.optimiser.seed = 1; o.optimiser.seed <= options->seeds && status == NQM_OK; ++o.optimiser.seed)
         for (o.optimiser.precision = NQM_PRECISION_F32; o.optimiser.precision <= NQM_PRECISION_BF16 && status == NQM_OK;
              ++o.optimiser.precision)

@@ -6,7 +6,6 @@
 #include "nqm/tool.h"
 #include "render/render.h"
 
-#include <dnnl_version.h>
 #include <jpeglib.h>
 #include <openexr.h>
 #include <png.h>
@@ -24,10 +23,10 @@ static void make_line(void) {
     int major, minor, patch;
     exr_get_library_version(&major, &minor, &patch, NULL);
     snprintf(line, sizeof line,
-             "Embree %s%s, oneDNN %d.%d.%d for benchmarks, libjpeg-turbo %s, libpng %s, OpenEXR %d.%d.%d, no "
+             "Embree %s%s, libjpeg-turbo %s, libpng %s, OpenEXR %d.%d.%d, no "
              "MPI library",
-             embree ? embree : "off", embree ? " when needed" : "", DNNL_VERSION_MAJOR, DNNL_VERSION_MINOR,
-             DNNL_VERSION_PATCH, TEXT_OF(LIBJPEG_TURBO_VERSION), png_get_libpng_ver(NULL), major, minor, patch);
+             embree ? embree : "off", embree ? " when needed" : "", TEXT_OF(LIBJPEG_TURBO_VERSION),
+             png_get_libpng_ver(NULL), major, minor, patch);
 }
 
 const char *tool_build_info(void) {

@@ -170,19 +170,14 @@ static void on_interrupt(int signal_number) {
 }
 
 void catch_interrupt(void) {
-    /* The handler needs its own stack: generated code of oneDNN points the stack register into its heap blocks, which a
-     * signal frame would corrupt. */
-    static char handler_stack[1 << 16];
-    const stack_t stack = {.ss_sp = handler_stack, .ss_size = sizeof handler_stack};
-    sigaltstack(&stack, NULL);
-    struct sigaction action = {.sa_handler = on_interrupt, .sa_flags = SA_ONSTACK};
+    struct sigaction action = {.sa_handler = on_interrupt};
     sigaction(SIGINT, &action, NULL);
     sigaction(SIGTERM, &action, NULL);
     struct sigaction hangup;
     if (sigaction(SIGHUP, NULL, &hangup) == 0 && hangup.sa_handler != SIG_IGN) /* ignored, as under nohup */
         sigaction(SIGHUP, &action, NULL);
     action.sa_handler = on_alarm;
-    action.sa_flags |= SA_RESTART;
+    action.sa_flags = SA_RESTART;
     sigaction(SIGALRM, &action, NULL);
     signal(SIGPIPE, SIG_DFL);
 }

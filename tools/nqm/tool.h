@@ -330,7 +330,6 @@ void rename_former_verb(int *argc, char ***argv);
 int report_no_verb(const char *name);
 
 int cmd_batch(int argc, char **argv);
-int cmd_bench(int argc, char **argv);
 int cmd_calibrate(int argc, char **argv);
 int cmd_check(int argc, char **argv);
 int cmd_conform(int argc, char **argv);

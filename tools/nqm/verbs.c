@@ -35,7 +35,6 @@ const verb verbs[] = {
     {"calibrate", "your own metric", cmd_calibrate, "calibrate the intervals around the JOD of a model"},
     {"eval", "your own metric", cmd_eval, "compare a model and the baseline metrics with labels"},
     {"doctor", "this machine", cmd_doctor, "check this installation, and say what to do where it does not work"},
-    {"bench", "this machine", cmd_bench, "measure the speed of this build and the limits of this machine"},
     {"help", "this machine", cmd_help, "print this text or the help of a verb; man pages and completions of shells"},
     {NULL, NULL, NULL, NULL},
 };

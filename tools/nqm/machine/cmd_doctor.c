@@ -2,7 +2,6 @@
  *
  * nqm doctor - checks that this installation works on this machine, and says what to do where it does not.
  */
-#include "bench/bench.h"
 #include "nqm/tool.h"
 #include "render/render.h"
 
@@ -61,11 +60,28 @@ static void check_libraries(examination *e) {
             "cannot be loaded");
 }
 
+/* The processor's name by Linux, otherwise "unknown". */
+static void read_processor(size_t n, char *name) {
+    char line[256];
+    FILE *file = fopen("/proc/cpuinfo", "r");
+    snprintf(name, n, "unknown");
+    while (file && fgets(line, sizeof line, file)) {
+        const char *colon = strchr(line, ':');
+        if (!colon || strncmp(line, "model name", strlen("model name")) != 0)
+            continue;
+        line[strcspn(line, "\n")] = '\0';
+        snprintf(name, n, "%s", colon + 1 + strspn(colon + 1, " "));
+        break;
+    }
+    if (file)
+        fclose(file);
+}
+
 static void check_processor(examination *e) {
     char cpu[120];
     const int threads = omp_get_max_threads(), cores = omp_get_num_procs();
-    nqm_bench_read_value("/proc/cpuinfo", "model name", cpu, sizeof cpu);
-    add(e, "processor", STATE_OK, NULL, "%s", *cpu ? cpu : "unknown");
+    read_processor(sizeof cpu, cpu);
+    add(e, "processor", STATE_OK, NULL, "%s", cpu);
     const char *selected = nqm_kernels_selected(), *best = nqm_kernels_name(0);
     if (strcmp(selected, best) == 0)
         add(e, "kernels", STATE_OK, NULL, "%s", selected);
