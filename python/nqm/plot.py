@@ -401,8 +401,8 @@ def sizes(scores_csv: PathLike, *, figure: Any = None) -> Any:
         order = np.argsort(x[rows], kind="stable")
         ax.step(x[rows][order], np.maximum.accumulate(y[rows][order]), where="post", color=_COLOURS[k])
     _points(ax, x, y, groups, 5)
-    ax.set(xscale="log", xlabel="bits per texel of the map", ylabel="JOD")
-    ax.set_xticks(np.unique(x), ["%g" % v for v in np.unique(x)])
+    ticks = 2.0 ** np.arange(*np.round(np.log2(np.clip([x.min() / 1.4, 3 * x.max()], 2**-10, 2**20))))
+    ax.set(xscale="log", xticks=ticks, xticklabels=["%g" % t for t in ticks], xlabel="bits per texel of the map", ylabel="JOD")
     ax.minorticks_off()
     return _finish(ax, "Which size is enough", "")
 

@@ -39,7 +39,19 @@ typedef struct report_page {
     char *figure;  /* temporary file for a picture, a .png */
     canvas all;    /* frames of the scene, the pictures of the page */
     double *white; /* backdrop (height, width, 3) */
+    size_t place;  /* from 0 in the ranking, of the test whose section is written */
+    const scored_pair *row;
+    const label_item *item;
 } report_page;
+
+/** What takes the place of a mark {{...}} of report.html. */
+typedef struct report_part {
+    const char *mark;
+    void (*put)(const report_page *page);
+} report_part;
+
+/** The parts of the section of a test; the last mark is NULL. */
+extern const report_part report_test_parts[];
 
 /** The texts of report.html, report.css and web/charts.* (cmake/embed_text.cmake). */
 extern const char report_html[], report_css[], report_charts_css[], report_charts_js[];
@@ -47,19 +59,18 @@ extern const char report_html[], report_css[], report_charts_css[], report_chart
 /** The whole page. figure: path of a temporary PNG. */
 void write_report(const report_run *run, FILE *out, char *figure);
 
-/** The section of the test at a place (from 0) in the ranking. */
-void put_test(const report_page *page, size_t place);
-
 /** What a section has of textured materials: the map of Delta-E, near and far scores, blame, and pictures of the maps. */
-void put_texture(const report_page *page, const scored_pair *row);
+void put_texture(const report_page *page);
 
 /** The picture in the temporary file, at a size in CSS pixels; removes the file. */
 void put_figure(const report_page *page, const char *alt, size_t width, size_t height);
-/** Pictures of reference and test with the map of their differences and its scale. */
-void put_pictures(const report_page *page, const scored_pair *row);
+/** Pictures of reference and test, the map of their differences, and the scale of its colours. */
+void put_reference_picture(const report_page *page);
+void put_test_picture(const report_page *page);
+void put_map(const report_page *page);
+void put_scale(const report_page *page);
 
-/** " (95 % interval 8.9 to 9.6)", or nothing if there is none: identical BRDFs have none. */
+/** Identical BRDFs have none. */
 bool has_interval(const nqm_score_result *result);
-void put_interval(FILE *out, const nqm_score_result *result);
 
 #endif

@@ -32,41 +32,30 @@ static void put_picture(const report_page *page, size_t item, const char *alt) {
     free(picture);
 }
 
-static void put_map(const report_page *page, size_t item) {
+void put_reference_picture(const report_page *page) {
+    put_picture(page, 0, "Rendered picture of the reference");
+}
+
+void put_test_picture(const report_page *page) {
+    put_picture(page, page->row->order + 1, "Rendered picture of the test");
+}
+
+void put_map(const report_page *page) {
     const label_run *labels = &page->run->labels;
     const canvas *c = &page->all;
+    const double *delta_e = labels->delta_e + (page->row->order + 1) * nqm_scene_count(labels->scene);
     double *map = allocate(c->width * c->height, sizeof *map);
     char alt[100];
-    snprintf(alt, sizeof alt, "Map of the colour difference of the two pictures, mean %.2f",
-             labels->items[item].label.delta_e);
-    draw_map(labels->scene, c, labels->delta_e + item * nqm_scene_count(labels->scene), map);
+    snprintf(alt, sizeof alt, "Map of the colour difference of the two pictures, mean %.2f", page->item->label.delta_e);
+    draw_map(labels->scene, c, delta_e, map);
     put_pixels(page, (nqm_picture){.width = c->width, .height = c->height, .delta_e = map}, labels->shrink, alt);
     free(map);
 }
 
-static void put_scale(const report_page *page) {
-    const double end = page->run->labels.delta_e_max;
+void put_scale(const report_page *page) {
     double steps[SCALE_STEPS];
     for (size_t i = 0; i < SCALE_STEPS; ++i)
-        steps[i] = end * ((double)i + 0.5) / SCALE_STEPS;
+        steps[i] = page->run->labels.delta_e_max * ((double)i + 0.5) / SCALE_STEPS;
     put_pixels(page, (nqm_picture){.width = SCALE_STEPS, .height = 1, .delta_e = steps}, 1,
                "Colour scale from dark (equal) to bright (different)");
-    html(page->out,
-         "<span class='ticks'><span>0</span><span>%.3g</span><span>\xe2\x89\xa5&#160;%.3g</span></span></span>"
-         "</figcaption></figure>\n</div>\n",
-         end / 2, end);
-}
-
-void put_pictures(const report_page *page, const scored_pair *row) {
-    html(page->out, "<div class='triple'>\n<figure>");
-    put_picture(page, 0, "Rendered picture of the reference");
-    html(page->out, "<figcaption>Reference: <span class='name'>%s</span></figcaption></figure>\n<figure>",
-         page->run->names[0]);
-    put_picture(page, row->order + 1, "Rendered picture of the test");
-    html(page->out, "<figcaption>Test: <span class='name'>%s</span></figcaption></figure>\n<figure>",
-         page->run->names[row->order + 1]);
-    put_map(page, row->order + 1);
-    html(page->out, "<figcaption>\xce\x94"
-                    "E&#160;ITP of each pixel; 1 is barely visible under ideal conditions\n<span class='scale'>");
-    put_scale(page);
 }

@@ -43,11 +43,6 @@ bool has_interval(const nqm_score_result *r) {
     return !r->identical && isfinite(r->jod_low) && isfinite(r->jod_high);
 }
 
-void put_interval(FILE *out, const nqm_score_result *r) {
-    if (has_interval(r))
-        html(out, " <span class='interval'>(95&#160;%% interval %.2f to %.2f)</span>", r->jod_low, r->jod_high);
-}
-
 static void put_summary_row(const report_page *page, size_t place) {
     const scored_pair *row = row_at(page, place);
     const label_item *item = &page->run->labels.items[row->order + 1];
@@ -267,43 +262,63 @@ static void put_style(const report_page *page) {
     fputs(report_css, page->out);
 }
 
-static void put_tests(const report_page *page) {
-    for (size_t i = 0; i < count_tests(page); ++i) {
-        if (show_progress(NULL, "draw", (double)i, (double)count_tests(page)))
-            stop(EXIT_INTERRUPTED, "interrupted");
-        put_test(page, i);
+/* ---- the template ------------------------------------------------------------------------------------------------ */
+
+static const report_part parts[] = {{"{{hash}}", put_hash},
+                                    {"{{version}}", put_version},
+                                    {"{{title}}", put_title},
+                                    {"{{style}}", put_style},
+                                    {"{{summary}}", put_summary},
+                                    {"{{model}}", put_model},
+                                    {"{{preferences}}", put_preferences},
+                                    {"{{interval}}", put_calibration},
+                                    {"{{guide}}", put_guide},
+                                    {"{{provenance}}", put_provenance},
+                                    {"{{data}}", put_data},
+                                    {"{{script}}", put_script},
+                                    {NULL, NULL}};
+
+static bool begins(const char *p, const char *mark) {
+    return strncmp(p, mark, strlen(mark)) == 0;
+}
+
+static const report_part *find_part(const report_part *list, const char *p) {
+    while (list->mark && !begins(p, list->mark))
+        ++list;
+    return list->mark ? list : NULL;
+}
+
+/* Write the template from p to its end, or to {{end}}; returns what follows. Between {{tests}} and {{end}} is the section of each
+ * test; between {{plain}} and {{end}} what only tests without textures have. */
+static const char *fill(report_page *page, const char *p) {
+    static const char tests[] = "{{tests}}", plain[] = "{{plain}}", end[] = "{{end}}";
+    while (*p && !begins(p, end)) {
+        const report_part *part = find_part(parts, p);
+        part = part ? part : find_part(report_test_parts, p);
+        if (part) {
+            part->put(page);
+            p += strlen(part->mark);
+        } else if (begins(p, tests)) {
+            const char *section = p + strlen(tests);
+            for (page->place = 0; page->place < count_tests(page); ++page->place) {
+                if (show_progress(NULL, "draw", (double)page->place, (double)count_tests(page)))
+                    stop(EXIT_INTERRUPTED, "interrupted");
+                page->row = row_at(page, page->place);
+                page->item = &page->run->labels.items[page->row->order + 1];
+                p = fill(page, section);
+            }
+        } else if (begins(p, plain)) {
+            p = page->row->texture ? strstr(p, end) + strlen(end) : fill(page, p + strlen(plain));
+        } else {
+            fputc(*p++, page->out);
+        }
     }
+    return *p ? p + strlen(end) : p;
 }
 
 void write_report(const report_run *run, FILE *out, char *figure) {
-    static const struct {
-        const char *mark;
-        void (*put)(const report_page *page);
-    } parts[] = {{"{{hash}}", put_hash},
-                 {"{{version}}", put_version},
-                 {"{{title}}", put_title},
-                 {"{{style}}", put_style},
-                 {"{{summary}}", put_summary},
-                 {"{{model}}", put_model},
-                 {"{{preferences}}", put_preferences},
-                 {"{{tests}}", put_tests},
-                 {"{{interval}}", put_calibration},
-                 {"{{guide}}", put_guide},
-                 {"{{provenance}}", put_provenance},
-                 {"{{data}}", put_data},
-                 {"{{script}}", put_script}};
     report_page page = {.run = run, .out = out, .figure = figure, .all = all_frames(&run->labels.scene_options)};
     page.white = make_backdrop(run->labels.scene, &page.all, BACKDROP_WHITE);
-    for (const char *p = report_html; *p;) {
-        size_t i = 0;
-        while (i < sizeof parts / sizeof *parts && strncmp(p, parts[i].mark, strlen(parts[i].mark)) != 0)
-            ++i;
-        if (i == sizeof parts / sizeof *parts) {
-            fputc(*p++, out);
-            continue;
-        }
-        parts[i].put(&page);
-        p += strlen(parts[i].mark);
-    }
+    fill(&page, report_html);
     free(page.white);
 }

@@ -83,8 +83,10 @@ static void put_maps(const report_page *page, const char *who, const nqm_texture
     html(page->out, "</div>\n");
 }
 
-void put_texture(const report_page *page, const scored_pair *row) {
-    const label_item *items = page->run->labels.items;
+void put_texture(const report_page *page) {
+    const scored_pair *row = page->row;
+    if (!row->texture)
+        return;
     html(page->out, "<div class='two'>\n<figure>");
     const double end = write_heat(page->figure, row->texture, row->heat);
     put_figure(page, "Map of Delta-E ITP of the texels", 440, 440);
@@ -94,6 +96,6 @@ void put_texture(const report_page *page, const scored_pair *row) {
          end);
     put_scores(page->out, row->texture);
     html(page->out, "</div>\n</div>\n");
-    put_maps(page, "reference", items[0].texture);
-    put_maps(page, "test", items[row->order + 1].texture);
+    put_maps(page, "reference", page->run->labels.items[0].texture);
+    put_maps(page, "test", page->item->texture);
 }
