@@ -229,7 +229,9 @@ def draw_places(rng):
     # Measurements at larger angles are often extrapolated.
     near = [pair[:, (pair[..., 2] >= np.cos(np.radians(80))).all(axis=0)][:, :N_PLACES // 2] for pair in (dense, wide)]
     wi, wo = np.concatenate(near, axis=1)
-    h, d, p = nqm.directions_to_half_diff(wi, wo).T
+    hd = nqm.directions_to_half_diff(wi, wo)
+    h, d, p = hd.T
+    wi, wo = nqm.half_diff_to_directions(hd)  # exchanged where hd is that of the reciprocal pair
     inputs = np.column_stack([np.sin(h), 0 * h, np.cos(h), np.sin(d) * np.cos(p), np.sin(d) * np.sin(p), np.cos(d)])
     features = np.column_stack([np.delete(inputs, 1, axis=1), 2 * np.sqrt(h / (np.pi / 2)) - 1, 2 * wi[:, 2] * wo[:, 2] - 1])
     return wi, wo, features, inputs, wi[:, 2:]
