@@ -92,7 +92,7 @@ def entry(level, name, node):
 def main():
     found = {}
     for name in sorted(os.listdir(PACKAGE)):
-        if name.endswith(".py") and name not in ("torch.py", "_torch_metric.py", "dask.py", "__main__.py"):
+        if name.endswith(".py") and name not in ("torch.py", "_torch_metric.py", "dask.py", "plot.py", "__main__.py"):
             for node in parse(name).body:
                 if isinstance(node, (ast.FunctionDef, ast.ClassDef)) and not is_marked(node, "overload"):
                     found[node.name] = node
@@ -110,7 +110,7 @@ def main():
         print("## %s\n" % title)
         for name in names:
             print("\n".join(entry("###", "nqm." + name, found[name])))
-    for title, name, files in (("PyTorch", "torch", ("torch.py", "_torch_metric.py")), ("Dask", "dask", ("dask.py",))):
+    for title, name, files in (("PyTorch", "torch", ("torch.py", "_torch_metric.py")), ("Dask", "dask", ("dask.py",)), ("Charts", "plot", ("plot.py",))):
         trees = [parse(file) for file in files]
         print("## %s\n\n%s\n" % (title, markdown(ast.get_docstring(trees[0]))))
         for node in (n for tree in trees for n in tree.body):

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: MIT
 # Build build/wheel/nqm-VERSION-py3-none-manylinux_2_XX_x86_64.whl, which has the library, models and the tool for any Python, and the
 # sdist of the Python package alone. Libraries that not every Linux has are inside under names of their own. Left out: the models of
-# the paper (20 MB packed), figures (cairo, with X11 and fonts) and oneDNN, which only `nqm bench` compares with.
+# the paper (20 MB packed) and oneDNN, which only `nqm bench` compares with.
 # usage: packages/wheel.sh        (on Debian 12, from the folder of ./dev; ./dev wheel installs what it needs; NQM_MIRROR: another mirror)
 set -eu
 version=$(sed -n 's/^#define NQM_VERSION_[A-Z]* //p' include/nqm/base.h | tr '\n' '.' | sed 's/\.$//')
@@ -37,7 +37,7 @@ if [ ! -f "$embree" ]; then
 fi
 
 for file in models/*.safetensors models/encoders; do ln -sfn "$PWD/$file" "$folder/models/"; done
-run cmake -S . -B "$folder/obj" -G Ninja -DNQM_TESTS=OFF -DNQM_CAIRO=OFF -DNQM_SHARED_MODELS=ON -DNQM_MODELS_DIR="$folder/models" \
+run cmake -S . -B "$folder/obj" -G Ninja -DNQM_TESTS=OFF -DNQM_SHARED_MODELS=ON -DNQM_MODELS_DIR="$folder/models" \
     -DEMBREE_LIBRARY="$embree" -DCMAKE_SKIP_RPATH=ON
 run cmake --build "$folder/obj" --target nqm_full nqm_tool
 

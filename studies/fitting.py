@@ -193,8 +193,8 @@ def draw(judged, refs, model, path):
     for name, _, brdf, _ in chosen:
         fits = [judged.fits[(name, model, loss)][0] for loss in PICTURES.values() if loss]
         arguments += (["+"] if arguments else []) + [brdf, *fits]
-    run("label", *arguments, "--light", "interior", "--shape", "blob", "--size", "320", "--shrink", "2", "--columns",
-        ",".join(PICTURES), "--rows", ",".join(material.replace("_rgb", "") for _, material, *_ in chosen), "--grid", path)
+    run("label", *arguments, "--light", "interior", "--shape", "blob", "--size", "320", "--shrink", "2", "--grid", path)
+    print("%s: columns %s; rows %s" % (path, ", ".join(PICTURES), ", ".join(material.replace("_rgb", "") for _, material, *_ in chosen)))
 
 
 def main():

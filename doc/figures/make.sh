@@ -11,8 +11,6 @@ work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 
 materials="paper_blue_rgb satin_purple_rgb colodur_azure_4e_rgb vch_ultra_pink_rgb cg_sunflower_rgb"
-rows="blue paper,satin purple,azure plastic,ultra pink,sunflower"
-columns="reference,Ward,GGX,NBRDF,sparse 0,sparse 1,sparse 2,hyper 0,hyper 1,hyper 2"
 scene="--shape $data/scene/bunny.ply --light $data/scene/pixar_campus_rgbe.png --elevation 10"
 
 set -f
@@ -27,7 +25,7 @@ for material in $materials; do
     done <"$work/$material/arguments"
 done
 # shellcheck disable=SC2086
-"$nqm" label "$@" $scene --size 256 --shrink 2 --rows "$rows" --columns "$columns" --grid "$figures/encodings.png"
+"$nqm" label "$@" $scene --size 256 --shrink 2 --grid "$figures/encodings.png"
 
 material=vch_ultra_pink_rgb
 set -- "$data/rgl/$material.bsdf"
@@ -35,8 +33,8 @@ for encoding in 1 2 3; do # Ward, GGX, NBRDF
     set -- "$@" "$(sed -n ${encoding}p "$work/$material/arguments")"
 done
 # shellcheck disable=SC2086
-"$nqm" label "$@" $scene --size 384 --shrink 2 --rows "Ward,GGX,NBRDF" --map "$figures/differences.png"
+"$nqm" label "$@" $scene --size 384 --shrink 2 --map "$figures/differences.png"
 
 plastic=sgd:red-specular-plastic
 "$nqm" label $plastic "perturb:scale=.6;of=$plastic" "perturb:gloss=.35;of=$plastic" --size 256 --shrink 2 \
-    --columns "reference,darker,wider highlights" --grid "$figures/apart.png"
+    --grid "$figures/apart.png"

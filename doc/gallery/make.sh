@@ -2,13 +2,15 @@
 # SPDX-License-Identifier: MIT
 # make.sh DATA [CORPUS LOG [NQM]] - draw the pictures of doc/gallery.md. DATA is the folder of doc/corpus.md (labels/ and rgl/); CORPUS
 # a training corpus (models/make.sh makes it), whose validation pairs give bars and scatter; LOG what `nqm train --log` wrote. Without
-# these two, bars, scatter and loss stay as they are. Takes a minute, mostly for the evaluation.
+# these two, bars, scatter and loss stay as they are. PYTHON: a Python with matplotlib. Takes a minute, mostly for the evaluation.
 set -eu
 data=${1:?say where the data are: make.sh DATA [CORPUS LOG [NQM]]}
 corpus=${2:-}
 log=${3:-}
 gallery=$(cd "$(dirname "$0")" && pwd)
 nqm=${4:-$gallery/../../build/nqm}
+PYTHONPATH=$gallery/../../python NQM_LIBRARY=${NQM_LIBRARY:-$(dirname "$nqm")/libnqm-full.so} MPLBACKEND=Agg
+export PYTHONPATH NQM_LIBRARY MPLBACKEND
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 
@@ -16,7 +18,7 @@ trap 'rm -rf "$work"' EXIT
 draw() {
     name=$1 scale=$2
     shift 2
-    "$nqm" plot "$@" --scale "$scale" -o "$gallery/$name.png"
+    "${PYTHON:-python3}" -m nqm.plot "$@" --scale "$scale" -o "$gallery/$name.png"
 }
 draw curve 1.5 curve "$data/labels/labels_real.csv"
 draw directions 1.25 directions default
@@ -26,7 +28,7 @@ draw attribution 1.5 attribution sgd:nickel ward:nickel
 metal='open-pbr:base_metalness=1;base_color=.9,.62,.35;specular_roughness=.4'
 brushed="$metal;specular_roughness_anisotropy=.8"
 "$nqm" label "$brushed" "rotate:deg=90;of=$brushed" "$metal" --size 256 --shrink 2 \
-    --columns "along the tangent,across,isotropic" --grid "$gallery/brushed.png"
+    --grid "$gallery/brushed.png"
 python3 "$(dirname "$0")/../../examples/maps.py" "$work"
 "$nqm" score "$work/steel" "$work/export" --map "$gallery/texels.png" -q
 (cd "$work" && python3 "$gallery/../../studies/texture_sizes.py" steel sizes && "$nqm" batch sizes/sizes.csv --root . -o scores.csv)

@@ -110,11 +110,10 @@ def _slice_panel(ax: Any, panel: int, x: np.ndarray, y: np.ndarray, styles: List
         ax.plot([-np.pi / 4] * 2, ends, color="0.5", linewidth=1, linestyle=_DASHES[1])
         return
     ax.set(yscale="log", ylim=(low, high), ylabel="$f_r$ (1/sr)")
+    first, step, axis = (0, 15, "d") if panel == 1 else (-90, 30, "o")
+    ax.set(xlabel=r"$\theta_%s$ (°)" % axis, xlim=(first, 90), xticks=range(first, 91, step))
     if panel == 0:
         _sqrt_axis(ax, r"$\theta_h$ (°)")
-    else:
-        first, step, axis = (0, 15, "d") if panel == 1 else (-90, 30, "o")
-        ax.set(xlabel=r"$\theta_%s$ (°)" % axis, xlim=(first, 90), xticks=range(first, 91, step))
 
 
 def slice(brdfs: Sequence[BRDFLike], *, names: Optional[Sequence[Optional[str]]] = None, theta_d_deg: float = 0, phi_d_deg: float = 90,
@@ -156,8 +155,7 @@ def attribution(ref: BRDFLike, test: BRDFLike, *, names: Optional[Sequence[Optio
     theta_d, root, phi_d = np.meshgrid((np.arange(60) + 0.5) / 60, (np.arange(90) + 0.5) / 90, (np.arange(18) + 0.5) / 18, indexing="ij")
     wi, wo = _vectors(np.pi / 2 * root**2, np.pi / 2 * theta_d, np.pi * phi_d)
     logs = [np.stack([np.log(_values(b, wi, wo, azimuth) + 0.003) for azimuth in azimuths], axis=2) for b in brdfs]
-    mean = np.ma.masked_invalid(logs[0] - logs[1])
-    mean = abs(mean).mean(axis=(2, 3, 4))
+    mean = abs(np.ma.masked_invalid(logs[0] - logs[1])).mean(axis=(2, 3, 4))
     if mean.mask.all():
         raise Error("there is no direction where both BRDFs have a value", Status.INCOMPATIBLE)
     most = max(mean.max(), 0.01)  # rounding errors must not look like a difference
@@ -179,9 +177,9 @@ def directions(source: Union[Directions, ModelLike] = "default", *, figure: Any 
     degrees = found.degrees
     axes = _figure(figure, 760, 420).subplots(1, 2)
     for k, (ax, name, end, step) in enumerate(zip(axes, (r"$\theta_d$ (°)", r"$\phi_d$ (°)"), (90, 180), (15, 30)), 1):
-        ax.plot(degrees[:, 0], degrees[:, k], "o", color=_COLOURS[0], alpha=0.75, markersize=3, markeredgewidth=0)
-        low, high = min(0, degrees[:, k].min()), max(end, degrees[:, k].max())  # phi_d from a file may have any value
-        ax.set(xlabel=r"$\theta_h$ (°)", ylabel=name, xlim=(0, 90), ylim=(low, high), xticks=range(0, 91, 15), yticks=np.arange(step * (low // step), high + 1, step))
+        ax.plot(degrees[:, 0], degrees[:, k], "o", color=_COLOURS[0], alpha=0.75, markersize=3, markeredgewidth=0, clip_on=False)
+        low, high = step * min(0, degrees[:, k].min() // step), step * max(end // step, -(-degrees[:, k].max() // step))  # phi_d may have any value
+        ax.set(xlabel=r"$\theta_h$ (°)", ylabel=name, xlim=(0, 90), ylim=(low, high), xticks=range(0, 91, 15), yticks=np.arange(low, high + 1, step))
     return _finish(axes, "%d directions" % len(degrees), r"half-vector coordinates (Rusinkiewicz 1998), $\phi_h$ = 0; id of the set %s" % found.id)
 
 
@@ -192,16 +190,16 @@ def network(model: ModelLike = "default", *, figure: Any = None) -> Any:
     pairs, last = list(zip(info.layer_sizes, info.layer_sizes[1:])), len(info.layer_sizes) - 2
     if not pairs:
         raise Error("the model %s has no network" % info.id, Status.INCOMPATIBLE)
-    rows = [["linear %d" % (i + 1), str(a), str(b), "{:,}".format(a * b + b + (2 * b if i < last else 0)), "{:,}".format(a * b),  # LayerNorm: gain, shift
+    rows = [["linear %d" % (i + 1), *("{:,}".format(n) for n in (a, b, a * b + b + (2 * b if i < last else 0), a * b)),  # LayerNorm: gain, shift
              "LayerNorm, GELU, dropout" if i < last else "sigmoid over the range of labels"] for i, (a, b) in enumerate(pairs)]
     rows.append(["total", "", "", "{:,}".format(info.n_parameters), "{:,}".format(sum(a * b for a, b in pairs)), ""])
-    ax = _figure(figure, 760, 120 + 30 * len(rows)).add_subplot()
-    ax.axis("off")
+    ax = _figure(figure, 760, 120 + 30 * len(rows)).add_subplot(frame_on=False, xticks=[], yticks=[])
     table = ax.table(rows, colLabels=["layer", "inputs", "outputs", "parameters", "multiplications", "followed by"], edges="horizontal",
                      colWidths=[0.12, 0.1, 0.1, 0.17, 0.19, 0.32], loc="center")
     table.scale(1, 1.6)
+    table.auto_set_font_size(False)
     for (_, column), cell in table.get_celld().items():
-        cell.set_text_props(ha="left" if column in (0, 5) else "right")
+        cell.set_text_props(ha="left" if column in (0, 5) else "right", fontsize=9.5)
     return _finish(ax, 'The network of model "%s"' % info.id, "recipe %s; %d directions; parameters of a layer: weights, biases, gain and shift of its LayerNorm"
                    "\noutput: JOD from %.2f to %.2f; dropout is active in training only" % (info.recipe, len(opened.directions), info.jod_min, info.jod_max))
 
@@ -367,7 +365,7 @@ def bars(eval_json: PathLike, *, figure: Any = None) -> Any:
         for i in np.flatnonzero(np.isfinite(value[:, k])):
             ax.text(np.nanmax([value[i, k], ends[i, k, 1], 0]) + 0.01, at[i], "%.3f" % value[i, k], va="center", fontsize=8)
     ax.set(yticks=range(len(results)), yticklabels=[results[i]["name"] for i in order], ylim=(len(results) - 0.5, -0.5), xlabel=label,
-           xlim=(np.nanmin([0, *value.ravel(), *ends.ravel()]), 1.14))
+           xlim=(1.15 * np.nanmin([0, *value.ravel(), *ends.ravel()]), 1.14))
     note = "%s choices between %s pairs of tests, at most %.3f can be predicted; materials: %s" % (
         human.get("choices"), human.get("triplets"), human.get("ceiling") or np.nan, human.get("materials")) if kind == "choice" else \
         "%s pairs; materials: %s" % (first.get("n"), first.get("n_materials"))
@@ -382,8 +380,7 @@ def loss(logs: Union[PathLike, Sequence[PathLike]], *, figure: Any = None) -> np
         raise ValueError("1 to %d trainings can be drawn, not %d" % (_MOST, len(paths)))
     tables = [_Table(path) for path in paths]
     columns = [[table.numbers(name) for name in ("train_loss", "validation_loss", "lr_first", "epoch")] for table in tables]
-    figure = _figure(figure, 640, 520)
-    axes = figure.subplots(2, 1, sharex=True, gridspec_kw={"height_ratios": [0.64, 0.36]})
+    axes = _figure(figure, 640, 520).subplots(2, 1, sharex=True, gridspec_kw={"height_ratios": [0.64, 0.36]})
     for i, (path, (train, validation, rate, epoch)) in enumerate(zip(paths, columns)):
         prefix, marker = "" if len(paths) == 1 else os.path.basename(path) + ", ", "o" if len(epoch) == 1 else ""  # one epoch is no line
         for k, values in enumerate((train, validation)):
@@ -451,10 +448,15 @@ def _save(figure: Any, path: str, scale: float) -> None:
     """Write the file as a whole or not at all, with the same bytes for the same figure."""
     import matplotlib
 
-    kind, part = path.lower()[-3:], "%s.%d.part" % (path, os.getpid())
+    kind, part, buffer = path.lower()[-3:], "%s.%d.part" % (path, os.getpid()), io.BytesIO()
+    with matplotlib.rc_context({"svg.hashsalt": "nqm", "pdf.fonttype": 42}):
+        figure.savefig(buffer, format=kind, dpi=96 * scale, metadata={"svg": {"Date": None}, "pdf": {"CreationDate": None}}.get(kind))
+    data = buffer.getvalue()
+    for i, name in enumerate(re.findall(rb'<clipPath id="(\w+)"', data)):  # matplotlib makes some of these names from addresses
+        data = data.replace(name, b"clip%d" % i)
     try:
-        with open(part, "xb") as file, matplotlib.rc_context({"svg.hashsalt": "nqm", "pdf.fonttype": 42}):
-            figure.savefig(file, format=kind, dpi=96 * scale, metadata={"svg": {"Date": None}, "pdf": {"CreationDate": None}}.get(kind))
+        with open(part, "xb") as file:
+            file.write(data)
         os.replace(part, path)
     except OSError as error:
         raise Error("%s: cannot write: %s" % (path, error.strerror), Status.IO) from None
@@ -474,8 +476,7 @@ def _run(given: argparse.Namespace) -> None:
         names = [None if os.path.exists(i) else re.match(r"[^=:/]+(?==.)", i) for i in inputs]  # NAME=BRDF, unless that is a file
         inputs = [i[name.end() + 1:] if name else i for i, name in zip(inputs, names)]
         options["names"] = [name and name[0] for name in names]
-    axes = _KINDS[given.kind][0](*([inputs] if given.kind in ("slice", "loss") else inputs), **options)
-    figure = np.ravel(axes)[0].figure
+    figure = np.ravel(_KINDS[given.kind][0](*([inputs] if given.kind in ("slice", "loss") else inputs), **options))[0].figure
     if given.title is not None:
         figure.suptitle(given.title, fontsize=12)
     if given.size:

@@ -20,7 +20,7 @@ PATH=$dir/bin:$PATH
 export PATH
 
 # Examples that are run as printed; the others need files, or take longer than a second.
-as_printed='^nqm (score sgd:nickel ward:nickel$|rank sgd|info|check .lambert|sample sgd:nickel (--csv|>)|directions show|plot slice|models$|models show default|help score$|help --format bash)'
+as_printed='^nqm (score sgd:nickel ward:nickel$|rank sgd|info (sgd|.ggx|list|--models|default)|check .lambert|sample sgd:nickel (--csv|>)|directions show|help score$|help --format bash)'
 n=0
 for verb in $("$tool" --help | sed -n 's/^  \([a-z]*\)  .*/\1/p'); do
     # A line that ends with a backslash or a pipe is continued.

@@ -57,7 +57,7 @@ if command -v bash >/dev/null; then
     completes "--min-valid" score a b --min-v
     completes "drop" score --invalid d
     completes "bf16" train --precision = bf
-    completes "show" models sh
+    completes "make" transport ma
     completes "man markdown" help --format ma
     completes "" score nickel.bin
     completes "default" score --model de

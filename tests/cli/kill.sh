@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: MIT
 # kill.sh [N [SEED]]: kill verbs that write files at N random moments (default 21). After one to three kills the command runs to its
 # end, resumed where the verb can: its folder then has the files and bytes of an undisturbed run, and no other file.
-# `./dev test full` does this with 210 kills. Prints the kills of each verb.
+# `./dev test all` does this with 210 kills. Prints the kills of each verb.
 # shellcheck source=tests/support/cli.sh
 . "${NQM_SOURCE:?}/tests/support/cli.sh"
 wanted=${1:-21} seed=${2:-1}

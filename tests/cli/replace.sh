@@ -29,6 +29,9 @@ refuses_to_replace 's(2).csv' directions 'perturb:scale=.5;of=s(2).csv' -o './d/
 # Files that lists and materials name.
 printf 'reference,test\ns(2).csv,sgd:nickel\n' >list.csv
 refuses_to_replace 's(2).csv' batch list.csv -o 's(2).csv'
+keep list.csv
+ln list.csv hard.csv
+for output in list.csv ./d/../list.csv hard.csv; do refuses_to_replace list.csv batch list.csv -o "$output"; done
 run 2 batch list.csv --keep-going -o 's(2).csv'
 cmp 's(2).csv' 'kept/s(2).csv' || fail "a batch with --keep-going"
 cp 'gold (1).mtlx' m.xml

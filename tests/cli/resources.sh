@@ -20,7 +20,6 @@ write_all() {
     run "$code" batch list.csv -m model.safetensors -o "$1/scores.csv"
     run "$code" train toy.safetensors -o "$1/trained.safetensors" --hidden 8 --batch 64 --epochs 1
     run "$code" fit sgd:nickel --model nbrdf --samples 200 -o "$1/fit.safetensors"
-    run "$code" plot network model.safetensors -o "$1/network.svg"
     run "$code" report -m model.safetensors --size 8 sgd:nickel ward:nickel -o "$1/page.html"
 }
 # empty: nothing is left in the folder `small`.

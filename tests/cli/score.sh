@@ -173,7 +173,7 @@ grep -q ' w$' "$dir/out" || fail "names of labels"
 (cd "$dir" && cp "${NQM_SOURCE}/tests/cli/score.sh" a=b && run 4 score sgd:nickel a=b) || fail "an existing file is no name"
 # One name for one BRDF of a reference, without control characters; those of file names and messages are shown as '?'.
 refuses 2 "two BRDFs have the name 'a'; give each" score sgd:nickel a=sgd:nickel b=ward:nickel a=ward:nickel
-for verb in rank label "report -o $dir/x.html" "plot slice -o $dir/x.svg"; do
+for verb in rank label "report -o $dir/x.html"; do
     # shellcheck disable=SC2086
     refuses 2 "two BRDFs have the name 'a'" $verb a=sgd:nickel a=ward:nickel
 done

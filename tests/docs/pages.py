@@ -14,12 +14,13 @@ Comments <!-- test: WORD... --> before a block change what is done with it:
   skip because REASON   not run
   text                  not commands, although it looks like them
   data                  needs measured data in $DATA (NQM_DATA, or ../shared/data); without it the page ends as skipped (77)
-  slow                  run only when NQM_DOCS=full (./dev test full)
+  slow                  run only when NQM_DOCS=full (./dev test all)
   tolerance X           relative tolerance of numbers (default 0.01; one unit in the last printed place is always allowed)
   exit N                the last command ends with exit code N instead of 0
-Relative links and their anchors must exist. In inline code every --option must be in the help of some verb, every function nqm_...() in a
-public header, and every path that begins with a folder of the repository must exist. In a row of a table that names source files, a function
-without a public header may be in one of these.
+Blocks with python3 -m nqm.plot are run by the first Python that has matplotlib, and skipped without one.
+Relative links and their anchors must exist. In inline code every function nqm_...() must be in a public header, and every path that begins
+with a folder of the repository must exist. In a row of a table that names source files, a function without a public header may be in one of
+these. (tests/structure/words.py reads verbs and options.)
 """
 import glob
 import os
@@ -150,6 +151,14 @@ def run_c(number, code, folder, environment):
     run_block(number, [[0, command, []]], 0, 0, folder, environment)
 
 
+def plotting_python(environment):
+    """A Python that has NumPy and matplotlib; None: there is none."""
+    for python in ("python3", "/usr/bin/python3"):
+        if subprocess.run([python, "-c", "import numpy, matplotlib"], env=environment, stderr=subprocess.DEVNULL).returncode == 0:
+            return python
+    return None
+
+
 def check_links(page, lines):
     def slugs(path):
         with open(path) as text:
@@ -165,22 +174,6 @@ def check_links(page, lines):
                 fail(number, "link to %s, which does not exist" % target)
             elif anchor and anchor not in slugs(path):
                 fail(number, "link to %s: no such heading" % target)
-
-
-def check_options(lines, environment):
-    def tool(*arguments):
-        return subprocess.run(["nqm", *arguments], env=environment, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True).stdout
-    verbs = sorted(set(re.findall(r"(?m)^  ([a-z]+)\b", tool("--help"))))
-    with open(SOURCE + "/studies/reproduce.py") as script:
-        helps = [tool("--help"), *(tool(v, "--help") for v in verbs), script.read()]
-    known = set(re.findall(r"--[a-z][a-z0-9-]*", "".join(helps)))
-    for number, line in enumerate(lines, 1):
-        for code in re.findall(r"`([^`]*)`", line):
-            if not code.startswith(("-", "nqm ")):  # options of other programs are named with the program
-                continue
-            for option in re.findall(r"(?<![\w-])--[a-z][a-z0-9-]*", code):
-                if option not in known:
-                    fail(number, "no verb has the option %s" % option)
 
 
 def text_of_files(codes):
@@ -216,10 +209,10 @@ def main():
         lines = text.read().split("\n")
     data = os.environ.get("NQM_DATA") or os.path.abspath(SOURCE + "/../shared/data")
     environment = dict(os.environ, PATH=BUILD + ":" + os.environ["PATH"], LC_ALL="C", DATA=data if os.path.isdir(data) else "",
-                       OMPI_ALLOW_RUN_AS_ROOT="1", OMPI_ALLOW_RUN_AS_ROOT_CONFIRM="1")
-    counts = {"run": 0, "skipped": 0, "slow": 0, "no data": 0}
+                       PYTHONPATH=SOURCE + "/python", PYTHONDONTWRITEBYTECODE="1", NQM_LIBRARY=BUILD + "/libnqm-full.so", OMPI_ALLOW_RUN_AS_ROOT="1", OMPI_ALLOW_RUN_AS_ROOT_CONFIRM="1")
+    counts = {"run": 0, "skipped": 0, "slow": 0, "no data": 0, "no matplotlib": 0}
+    python = plotting_python(environment)
     check_links(page, lines)
-    check_options(lines, environment)
     check_names(lines)
     with tempfile.TemporaryDirectory() as folder:
         subprocess.run(["cp", "-r", BUILD + "/docs-files/.", folder], check=True)
@@ -244,8 +237,11 @@ def main():
                 counts["no data"] += 1
             elif "slow" in word and os.environ.get("NQM_DOCS") != "full":
                 counts["slow"] += 1
+            elif not python and any("nqm.plot" in command for _, command, _ in found):
+                counts["no matplotlib"] += 1
             else:
                 counts["run"] += 1
+                found = [(offset, command.replace("python3 -m nqm.plot", "%s -m nqm.plot" % python), shown) for offset, command, shown in found]
                 if fence == "c":
                     run_c(number, "\n".join(block), folder, environment)
                 else:

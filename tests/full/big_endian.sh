@@ -37,7 +37,7 @@ mkdir -p "$out"
 
 export PKG_CONFIG_SYSROOT_DIR="$root" PKG_CONFIG_LIBDIR="$root/usr/lib/s390x-linux-gnu/pkgconfig"
 [ -f "$out/build.ninja" ] || cmake -S . -B "$out" -G Ninja -DCMAKE_SYSTEM_NAME=Linux -DCMAKE_SYSTEM_PROCESSOR=s390x \
-    -DCMAKE_C_COMPILER=s390x-linux-gnu-gcc -DCMAKE_SYSROOT="$root" -DNQM_CAIRO=OFF -DNQM_EMBREE=OFF -DNQM_WERROR=ON \
+    -DCMAKE_C_COMPILER=s390x-linux-gnu-gcc -DCMAKE_SYSROOT="$root" -DNQM_EMBREE=OFF -DNQM_WERROR=ON \
     -DCMAKE_BUILD_TYPE=Debug -DCMAKE_C_FLAGS_DEBUG=-O2 \
     -DCMAKE_CROSSCOMPILING_EMULATOR="$(command -v qemu-s390x);-L;$root" >"$out/configure.log" 2>&1 || {
     tail -n 40 "$out/configure.log"

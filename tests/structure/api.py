@@ -42,9 +42,6 @@ SHARED = {
     "scene": "label render",
     "spread": "model render",
     "srgb": "figures material",
-    "surface": "figures render",
-    "table": "brdf figures",
-    "tick": "base figures",
     "transport": "label metric model",
 }
 

@@ -7,6 +7,7 @@
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 #include <unistd.h>
 
 void check_near(double actual, double expected, double tolerance, const char *what, const char *file, int line) {
@@ -41,6 +42,23 @@ nqm_brdf *must_open(const char *argument) {
     if (nqm_brdf_open(argument, &brdf, &err) != NQM_OK)
         fail_msg("%s: %s", argument, err.message);
     return brdf;
+}
+
+nqm_error must_refuse(const char *argument, nqm_status status, const char *words) {
+    nqm_error err = {0};
+    nqm_brdf *brdf = (nqm_brdf *)&err;
+    char path[4200], at[32];
+    assert_int_equal(nqm_brdf_open(argument, &brdf, &err), status);
+    assert_null(brdf);
+    assert_int_equal(err.status, status);
+    const bool has_path = *argument == '/' && status != NQM_ERR_IO;
+    snprintf(path, sizeof path, "%.*s", has_path ? (int)strcspn(argument, ":") : 0, argument);
+    snprintf(at, sizeof at, "byte %lld", (long long)err.byte_offset);
+    const bool has_byte = status == NQM_ERR_FORMAT && err.byte_offset >= 0;
+    if (!strstr(err.message, path) || !strstr(err.message, words) || (has_byte && !strstr(err.message, at)))
+        fail_msg("message without '%s', '%s' or '%s': %s", path, words, has_byte ? at : "", err.message);
+    assert_int_equal(nqm_brdf_open(argument, &brdf, NULL), status);
+    return err;
 }
 
 size_t check_brdf_values(const nqm_brdf *brdf, size_t n, const double (*pair)[6], const double (*value)[3],

@@ -32,6 +32,10 @@ void use_chosen_kernels(void);
 
 /** Open a BRDF; on failure the test fails with the library's message. */
 nqm_brdf *must_open(const char *argument);
+/** Opening a BRDF fails with this status, whoever asks for the error. The message has the words, the path if the argument is one
+ *  (but for NQM_ERR_IO, which may be about another file), and for
+ *  NQM_ERR_FORMAT the byte, if there is one. */
+nqm_error must_refuse(const char *argument, nqm_status status, const char *words);
 /** Compare with values before negative ones become 0, within tolerance (1 + |value|), and the flags; returns how many
  *  are clamped. */
 size_t check_brdf_values(const nqm_brdf *brdf, size_t n, const double (*pair)[6], const double (*value)[3],

@@ -4,6 +4,7 @@
  */
 #include "support/recorded.h"
 #include "support/check.h"
+#include "support/random_network.h"
 #include "support/vectors.h"
 
 #include <math.h>
@@ -55,12 +56,6 @@ double check_slopes(const char *what, const float *gradient, const double *slope
     if (!(worst <= tolerance * sqrt(norm)))
         fail_msg("%s: slopes differ by %g of %g", what, worst, sqrt(norm));
     return norm > 0 ? worst / sqrt(norm) : 0;
-}
-
-/* In [0, 1). */
-static double random_unit(uint64_t *seed) {
-    *seed = *seed * 6364136223846793005u + 1442695040888963407u;
-    return (double)(*seed >> 11) / 9007199254740992.0;
 }
 
 nqm_transport make_transport(size_t n_points, size_t n_scenes, double peak_cdm2) {

@@ -5,21 +5,26 @@
 
 #include <math.h>
 
-void check_shading_vectors(const char *name, size_t n_rows, double relative, double absolute) {
+double check_shading_vectors(const char *name, size_t n_rows, double relative, double absolute) {
     nqm_csv *csv;
     assert_int_equal(nqm_csv_load(test_vector(name), &csv, NULL), NQM_OK);
     assert_int_equal(nqm_csv_rows(csv), n_rows);
+    double largest = 0;
     for (size_t row = 0; row < n_rows; ++row) {
         nqm_brdf *brdf = must_open(nqm_csv_text(csv, row, 0));
-        double v[9], rgb[3];
+        double v[9], rgb[3], swapped[3];
         for (int k = 0; k < 9; ++k)
             v[k] = csv_number(csv, row, k + 1);
         nqm_brdf_eval(brdf, 1, v, v + 3, rgb, NULL);
-        for (int c = 0; c < 3; ++c)
+        nqm_brdf_eval(brdf, 1, v + 3, v, swapped, NULL);
+        for (int c = 0; c < 3; ++c) {
             assert_near(rgb[c], v[6 + c], relative * fabs(v[6 + c]) + absolute);
+            largest = rgb[c] > 0 ? fmax(largest, fabs(rgb[c] - swapped[c]) / rgb[c]) : largest;
+        }
         nqm_brdf_free(brdf);
     }
     nqm_csv_free(csv);
+    return largest;
 }
 
 static void random_direction(nqm_rng *rng, double *w) {

@@ -7,8 +7,9 @@
 
 #include "support/check.h"
 
-/** A file of tests/vectors with n_rows and the columns spec, wi, wo, r, g, b, which are met within both tolerances together. */
-void check_shading_vectors(const char *name, size_t n_rows, double relative, double absolute);
+/** A file of tests/vectors with n_rows and the columns spec, wi, wo, r, g, b, which are met within both tolerances together. Returns the
+ *  largest relative difference of f_r(wi, wo) from f_r(wo, wi). */
+double check_shading_vectors(const char *name, size_t n_rows, double relative, double absolute);
 /** f_r(wi, wo) = f_r(wo, wi) to rounding, at 200 random pairs. */
 void check_shading_reciprocity(const char *spec);
 int is_shading_reciprocal(const char *spec);

@@ -4,6 +4,7 @@
  */
 #include "support/training.h"
 #include "support/check.h"
+#include "support/temp_file.h"
 
 nqm_train_options small_recipe(const char *recipe, size_t width, size_t epochs) {
     nqm_train_options o;
@@ -22,4 +23,14 @@ nqm_model *train_model(const nqm_dataset *dataset, const nqm_train_options *opti
     if (nqm_train(dataset, options, &model, report, &err) != NQM_OK)
         fail_msg("%s", err.message);
     return model;
+}
+
+nqm_status save_calibrated(const nqm_model *model, const nqm_dataset *d, int materials_are_new,
+                           nqm_calibration *calibration, nqm_error *err) {
+    nqm_model *calibrated;
+    nqm_status status = nqm_model_calibrate(model, d, materials_are_new, &calibrated, calibration, err);
+    if (status == NQM_OK)
+        status = nqm_model_save(calibrated, temp_file, err);
+    nqm_model_free(calibrated);
+    return status;
 }

@@ -28,14 +28,6 @@ static const char *save_array(const char *name) {
     return blob_put(vector_npy(name), scratch_path("table.npy"));
 }
 
-static nqm_brdf *open_ok(const char *path) {
-    nqm_brdf *brdf;
-    nqm_error err = {0};
-    if (nqm_brdf_open(path, &brdf, &err) != NQM_OK)
-        fail_msg("%s", err.message);
-    return brdf;
-}
-
 TEST(agrees_with_numpy) {
     double npy_vector[N_POINTS][6]; /* theta_h, theta_d, phi_d in radians, f_r */
     get_vector("npy.safetensors", "values", sizeof npy_vector, npy_vector);
@@ -43,7 +35,7 @@ TEST(agrees_with_numpy) {
         blob file = vector_npy(k ? "f8" : "f4");
         const size_t n_bytes = file.n_bytes;
         const char *path = blob_put(file, scratch_path("table.npy"));
-        nqm_brdf *brdf = open_ok(path);
+        nqm_brdf *brdf = must_open(path);
         for (size_t i = 0; i < N_POINTS; ++i) {
             double rgb[3];
             nqm_brdf_eval_half_diff(brdf, 1, npy_vector[i], rgb, NULL);
@@ -62,7 +54,7 @@ TEST(agrees_with_numpy) {
 TEST(agrees_with_numpy_at_any_azimuth) {
     double npy_turned_vector[N_POINTS][9]; /* light, viewer, f_r */
     get_vector("npy.safetensors", "turned", sizeof npy_turned_vector, npy_turned_vector);
-    nqm_brdf *brdf = open_ok(save_array("turned"));
+    nqm_brdf *brdf = must_open(save_array("turned"));
     for (size_t i = 0; i < N_POINTS; ++i) {
         const double *v = npy_turned_vector[i];
         double rgb[3];
@@ -83,15 +75,7 @@ TEST(agrees_with_numpy_at_any_azimuth) {
 }
 
 static void expect_refused(const char *path, int64_t byte_offset, const char *words) {
-    nqm_error err = {0};
-    nqm_brdf *brdf;
-    char at[32];
-    assert_int_equal(nqm_brdf_open(path, &brdf, &err), NQM_ERR_FORMAT);
-    assert_null(brdf);
-    snprintf(at, sizeof at, "byte %lld", (long long)err.byte_offset);
-    if (err.byte_offset != byte_offset || !strstr(err.message, path) || !strstr(err.message, words) ||
-        !strstr(err.message, at))
-        fail_msg("message: %s (%s)", err.message, at);
+    assert_int_equal(must_refuse(path, NQM_ERR_FORMAT, words).byte_offset, byte_offset);
 }
 
 TEST(refuses_other_arrays) {
@@ -122,9 +106,9 @@ TEST(refuses_other_arrays) {
 TEST(writes_what_it_reads) {
     const char *path = save_array("f4"), *copy = scratch_path("copy.npy");
     nqm_table_size size, again_size;
-    nqm_brdf *brdf = open_ok(path);
+    nqm_brdf *brdf = must_open(path);
     assert_int_equal(nqm_brdf_write(brdf, NQM_TABLE_NPY, copy, NULL, NULL, NULL), NQM_OK);
-    nqm_brdf *again = open_ok(copy);
+    nqm_brdf *again = must_open(copy);
     const float *a = nqm_table_values(brdf, &size), *b = nqm_table_values(again, &again_size);
     assert_memory_equal(&size, &again_size, sizeof size);
     assert_memory_equal(a, b, 3 * 2 * 4 * 3 * sizeof *a);
@@ -134,9 +118,9 @@ TEST(writes_what_it_reads) {
     nqm_brdf_free(again);
     nqm_brdf_free(brdf);
 
-    brdf = open_ok("ggx:kd=.2;alpha=.4");
+    brdf = must_open("ggx:kd=.2;alpha=.4");
     assert_int_equal(nqm_brdf_write(brdf, NQM_TABLE_NPY, copy, NULL, NULL, NULL), NQM_OK);
-    again = open_ok(copy);
+    again = must_open(copy);
     assert_string_equal(nqm_brdf_get_info(again).layout, "90x46x24 nodes");
     const double hd[3] = {0.3, 0.4, 1};
     double rgb[3], expected[3];

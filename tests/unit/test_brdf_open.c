@@ -18,22 +18,8 @@ static const double pi = 3.14159265358979323846;
 
 /* ---- opening ----------------------------------------------------------------------------------------------------- */
 
-static void expect(const char *argument, nqm_status status, const char *words) {
-    nqm_error err = {0};
-    nqm_brdf *brdf = (nqm_brdf *)&err;
-    assert_int_equal(nqm_brdf_open(argument, &brdf, &err), status);
-    assert_null(brdf);
-    assert_int_equal(err.status, status);
-    if (!strstr(err.message, words))
-        fail_msg("message: %s", err.message);
-    assert_int_equal(nqm_brdf_open(argument, &brdf, NULL), status);
-}
-
 static void expect_format(const char *argument, const char *format) {
-    nqm_brdf *brdf;
-    nqm_error err = {0};
-    if (nqm_brdf_open(argument, &brdf, &err) != NQM_OK)
-        fail_msg("%s", err.message);
+    nqm_brdf *brdf = must_open(argument);
     nqm_brdf_info info = nqm_brdf_get_info(brdf);
     assert_string_equal(info.format, format);
     assert_string_equal(info.name, argument);
@@ -54,22 +40,22 @@ TEST(finds_formats_by_bytes) {
 
 TEST(refuses_what_is_no_brdf) {
     const char *path = scratch_path("file.binary");
-    expect(path, NQM_ERR_IO, path);
-    expect("/tmp", NQM_ERR_IO, "directory");
-    expect("", NQM_ERR_ARG, "empty");
-    expect("no such thing", NQM_ERR_IO, "no such thing");
+    must_refuse(path, NQM_ERR_IO, path);
+    must_refuse("/tmp", NQM_ERR_IO, "directory");
+    must_refuse("", NQM_ERR_ARG, "empty");
+    must_refuse("no such thing", NQM_ERR_IO, "no such thing");
     blob text = {(unsigned char[]){"what is this?"}, 13};
     for (size_t n = 1; n <= 13; ++n) {
         text.n_bytes = n;
         blob_save(&text, path);
-        expect(path, NQM_ERR_FORMAT, "byte 0");
+        must_refuse(path, NQM_ERR_FORMAT, "byte 0");
     }
     text.n_bytes = 0;
     blob_save(&text, path);
-    expect(path, NQM_ERR_FORMAT, "empty");
+    must_refuse(path, NQM_ERR_FORMAT, "empty");
     chmod(path, 0);
     if (access(path, R_OK) != 0) /* root can read any file */
-        expect(path, NQM_ERR_IO, path);
+        must_refuse(path, NQM_ERR_IO, path);
 }
 
 /* A colon separates a member only if the part before it is a file and the whole argument is not. */
@@ -79,13 +65,13 @@ TEST(splits_at_the_last_colon) {
     blob_put(make_rgl(NULL), path);
     expect_format(path, "rgl");
     snprintf(argument, sizeof argument, "%s:steel", path);
-    expect(argument, NQM_ERR_ARG, "'steel' is not an illuminant");
+    must_refuse(argument, NQM_ERR_ARG, "'steel' is not an illuminant");
     snprintf(argument, sizeof argument, "%s:D65", path);
-    expect(argument, NQM_ERR_ARG, "contains RGB, not spectra");
+    must_refuse(argument, NQM_ERR_ARG, "contains RGB, not spectra");
     blob_put(make_nbrdf(NBRDF_VALID), path);
     snprintf(argument, sizeof argument, "%s:steel", path);
-    expect(argument, NQM_ERR_FORMAT, "neither a zip nor a decoder");
-    expect("nowhere.zip:steel", NQM_ERR_IO, "nowhere.zip:steel");
+    must_refuse(argument, NQM_ERR_FORMAT, "neither a zip nor a decoder");
+    must_refuse("nowhere.zip:steel", NQM_ERR_IO, "nowhere.zip:steel");
     blob network = make_nbrdf(NBRDF_VALID);
     path = scratch_path("c:d.zip");
     blob_put(make_zip("x/steel.h5", &network), path);

@@ -29,11 +29,7 @@ static char folder[4096], archive[4096];
 static nqm_brdf *open_ok(const char *format, const char *where, const char *name) {
     char argument[8192];
     snprintf(argument, sizeof argument, format, where, name);
-    nqm_brdf *brdf;
-    nqm_error err = {0};
-    if (nqm_brdf_open(argument, &brdf, &err) != NQM_OK)
-        fail_msg("%s", err.message);
-    return brdf;
+    return must_open(argument);
 }
 
 static void check_material(const char *file_name) {

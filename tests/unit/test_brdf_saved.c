@@ -3,8 +3,8 @@
  * Networks and tables in nqm's own file format: saved BRDFs are read back with the same values, and broken files are
  * refused with a clear message.
  */
-#include "base/memory_test.h"
 #include "brdf/brdf.h"
+#include "support/allocations.h"
 #include "support/brdf_files.h"
 #include "support/check.h"
 
@@ -139,19 +139,7 @@ TEST(cut_files_are_refused) {
 }
 
 TEST(survives_failing_allocations) {
-    static const saved_kind kinds[] = {SAVED_NETWORK, SAVED_TABLE};
     const char *path = scratch_path("memory.safetensors");
-    for (size_t k = 0; k < 2; ++k) {
-        blob_put(make_saved(kinds[k]), path);
-        nqm_status status = NQM_ERR_NOMEM;
-        for (int n = 0; status != NQM_OK; ++n) {
-            nqm_brdf *brdf;
-            assert_true(n < 100);
-            nqm_alloc_fail_after(n);
-            status = nqm_brdf_open(path, &brdf, NULL);
-            nqm_alloc_fail_after(-1);
-            assert_true(status == NQM_OK || (status == NQM_ERR_NOMEM && brdf == NULL));
-            nqm_brdf_free(brdf);
-        }
-    }
+    (void)check_brdf_allocations(blob_put(make_saved(SAVED_NETWORK), path));
+    (void)check_brdf_allocations(blob_put(make_saved(SAVED_TABLE), path));
 }

@@ -3,7 +3,7 @@
  * UTIA measurements: values against numpy (tests/vectors/brdf.py), broken files, and other files of the same size.
  */
 #include "base/base.h"
-#include "base/memory_test.h"
+#include "support/allocations.h"
 #include "support/brdf_files.h"
 #include "support/check.h"
 #include "support/vectors.h"
@@ -62,13 +62,7 @@ TEST(azimuths_count_from_the_tangent) {
 }
 
 static void expect_refused(blob b, int64_t at, const char *words) {
-    const char *path = save(b);
-    nqm_error err = {0};
-    nqm_brdf *brdf;
-    assert_int_equal(nqm_brdf_open(path, &brdf, &err), NQM_ERR_FORMAT);
-    assert_null(brdf);
-    if (err.byte_offset != at || !strstr(err.message, path) || !strstr(err.message, words))
-        fail_msg("byte %lld: %s", (long long)err.byte_offset, err.message);
+    assert_int_equal(must_refuse(save(b), NQM_ERR_FORMAT, words).byte_offset, at);
 }
 
 TEST(refuses_other_files) {
@@ -90,13 +84,7 @@ TEST(refuses_other_files) {
     blob text = make_utia(); /* of the right size, but it begins as a file of another kind */
     memcpy(text.data, "<?xml version='1.0'?>", 21);
     expect_refused(text, 0, "byte 0");
-    nqm_brdf *brdf;
-    const char *path = save(make_utia());
-    for (int n = 0; n < 2; ++n) {
-        nqm_alloc_fail_after(n);
-        assert_int_equal(nqm_brdf_open(path, &brdf, NULL), NQM_ERR_NOMEM);
-        nqm_alloc_fail_after(-1);
-    }
+    assert_true(check_brdf_allocations(save(make_utia())) >= 2);
 }
 
 TEST_FILE(read_pair_vector, NULL)

@@ -3,8 +3,8 @@
  * Meshes: the same square pyramid as text and as bytes of either order, as PLY and OBJ, with polygons, other properties
  * and all forms of indices; normals; broken files are refused with file and place.
  */
-#include "base/memory_test.h"
 #include "io/io.h"
+#include "support/allocations.h"
 #include "support/check.h"
 
 #include <math.h>
@@ -251,16 +251,13 @@ TEST(out_of_memory) {
     static const char obj[] = "v 0 0 0\nv 1 0 0\nv 0 1 0\nvn 1 0 0\nf 1//1 2//1 3//1\n";
     const bytes b = make_binary(true, true);
     for (int i = 0; i < 2; ++i) {
-        nqm_status status = NQM_ERR_NOMEM;
+        nqm_status status = NQM_OK;
         nqm_mesh mesh;
         nqm_error err;
-        for (long n = 0; status != NQM_OK; ++n) {
-            nqm_alloc_fail_after(n);
-            status = i ? parse(b.data, b.n, &mesh, &err) : parse(obj, sizeof obj - 1, &mesh, &err);
-            nqm_alloc_fail_after(-1);
-            assert_true(status == NQM_OK || status == NQM_ERR_NOMEM);
-            assert_true(n < 12);
-        }
+        long n = -1;
+        EVERY_ALLOCATION(n, status, 0)
+        status = i ? parse(b.data, b.n, &mesh, &err) : parse(obj, sizeof obj - 1, &mesh, &err);
+        assert_true(n < 12);
         nqm_mesh_free(&mesh);
     }
 }

@@ -3,9 +3,9 @@
  * Models without a network that nqm_transport_create() makes: their scores are those of the scene, files and copies score the
  * same, golden scores, and refusals.
  */
-#include "base/memory_test.h"
 #include "metric/metric.h"
 #include "sample/node_grid.h"
+#include "support/allocations.h"
 #include "support/check.h"
 #include "support/scenes.h"
 #include "support/temp_file.h"
@@ -123,16 +123,12 @@ TEST(refusals) {
 TEST(out_of_memory) {
     nqm_scene_options o = studio_scene();
     nqm_model *model = NULL;
+    nqm_status status = NQM_OK;
+    long n = -1;
     o.n_lights = 16;
-    for (long n = 0; !model; n += 1 + n / 20) {
-        nqm_alloc_fail_after(n);
-        nqm_error err = {0};
-        const nqm_status status = nqm_transport_create(&o, 0, 32, "mine", &model, &err);
-        nqm_alloc_fail_after(-1);
-        if (status != NQM_OK && status != NQM_ERR_NOMEM)
-            fail_msg("allocation %ld: %s", n, err.message);
+    EVERY_ALLOCATION(n, status, 20) {
+        status = nqm_transport_create(&o, 0, 32, "mine", &model, NULL);
         assert_true((status == NQM_OK) == (model != NULL));
-        assert_true(n < 1000);
     }
     nqm_model_free(model);
 }

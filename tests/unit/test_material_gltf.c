@@ -39,40 +39,6 @@ static const char *document(const char *members) {
 
 /* ---- accepted ---------------------------------------------------------------------------------------------------- */
 
-static void check_spec(const char *members, const char *spec) {
-    nqm_materials *materials = read_text(document(members));
-    assert_int_equal(nqm_materials_count(materials), 1);
-    const nqm_material_info info = nqm_materials_get(materials, 0);
-    if (info.refusal)
-        fail_msg("%s: %s", members, info.refusal);
-    assert_string_equal(info.spec, spec);
-    nqm_brdf *brdf = must_open(info.spec);
-    nqm_brdf_free(brdf);
-    nqm_materials_free(materials);
-}
-
-TEST(properties_become_keys) {
-    check_spec("", "gltf:");
-    check_spec("\"name\": \"a\", \"doubleSided\": true, \"extras\": {\"x\": 1}", "gltf:");
-    check_spec("\"pbrMetallicRoughness\": {\"baseColorFactor\": [1, 0.5, 0, 1], \"metallicFactor\": 0, "
-               "\"roughnessFactor\": 0.25}",
-               "gltf:base_color=1,0.5,0;metallic=0;roughness=0.25");
-    check_spec(
-        "\"extensions\": {\"KHR_materials_specular\": {\"specularFactor\": 0.5, \"specularColorFactor\": [2, 1, 0]}, "
-        "\"KHR_materials_ior\": {\"ior\": 0}}",
-        "gltf:specular=0.5;specular_color=2,1,0;ior=0");
-    check_spec(
-        "\"extensions\": {\"KHR_materials_clearcoat\": {\"clearcoatFactor\": 1, \"clearcoatRoughnessFactor\": 0.1}, "
-        "\"KHR_materials_sheen\": {\"sheenColorFactor\": [1, 1, 0], \"sheenRoughnessFactor\": 0.3}}",
-        "gltf:clearcoat=1;clearcoat_roughness=0.1;sheen_color=1,1,0;sheen_roughness=0.3");
-    check_spec(
-        "\"extensions\": {\"KHR_materials_anisotropy\": {\"anisotropyStrength\": 0.5, \"anisotropyRotation\": -1}}",
-        "gltf:anisotropy_strength=0.5;anisotropy_rotation=-1");
-    check_spec("\"extensions\": {\"KHR_materials_iridescence\": {\"iridescenceFactor\": 1, \"iridescenceIor\": 1.5, "
-               "\"iridescenceThicknessMinimum\": 10, \"iridescenceThicknessMaximum\": 500}}",
-               "gltf:iridescence=1;iridescence_ior=1.5;iridescence_thickness=500");
-}
-
 TEST(occlusion_is_ignored_with_a_remark) {
     nqm_materials *materials = read_text(document("\"occlusionTexture\": {\"index\": 0}"));
     const nqm_material_info info = nqm_materials_get(materials, 0);
@@ -84,30 +50,7 @@ TEST(occlusion_is_ignored_with_a_remark) {
     nqm_materials_free(materials);
 }
 
-TEST(what_has_no_effect_is_accepted) {
-    check_spec("\"alphaMode\": \"BLEND\", \"pbrMetallicRoughness\": {\"metallicFactor\": 0}", "gltf:metallic=0");
-    check_spec("\"alphaMode\": \"MASK\", \"pbrMetallicRoughness\": {\"baseColorFactor\": [0, 0, 0, 0.5]}",
-               "gltf:base_color=0,0,0"); /* at alphaCutoff it is visible */
-    check_spec("\"pbrMetallicRoughness\": {\"baseColorFactor\": [0, 0, 0, 0.1]}", "gltf:base_color=0,0,0");
-    check_spec("\"emissiveFactor\": [0, 0, 0], \"emissiveTexture\": {\"index\": 0}, "
-               "\"extensions\": {\"KHR_materials_emissive_strength\": {\"emissiveStrength\": 5}}",
-               "gltf:");
-    check_spec("\"emissiveFactor\": [1, 0, 0], "
-               "\"extensions\": {\"KHR_materials_emissive_strength\": {\"emissiveStrength\": 0}}",
-               "gltf:");
-    check_spec(
-        "\"extensions\": {\"KHR_materials_transmission\": {\"transmissionFactor\": 0, \"transmissionTexture\": {}}, "
-        "\"KHR_materials_volume\": {\"attenuationColor\": [1, 0, 0]}, \"KHR_materials_anisotropy\": "
-        "{\"anisotropyTexture\": {}}, "
-        "\"KHR_materials_dispersion\": {\"dispersion\": 0}, "
-        "\"KHR_materials_diffuse_transmission\": {}}",
-        "gltf:");
-    check_spec("\"extensions\": {\"KHR_materials_clearcoat\": {\"clearcoatNormalTexture\": {\"index\": 0}}, "
-               "\"KHR_materials_sheen\": {\"sheenColorFactor\": [0, 0, 0], \"sheenColorTexture\": {}}}",
-               "gltf:sheen_color=0,0,0");
-}
-
-/* ---- refused (most: malformed/materials.txt) ---------------------------------------------------------------------- */
+/* ---- refused (most: vectors/materials.txt) ---------------------------------------------------------------------- */
 
 TEST(requirements_concern_every_material) {
     nqm_materials *materials = read_text(

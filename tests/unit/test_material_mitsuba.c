@@ -13,37 +13,6 @@
 #define STRING(NAME, VALUE)   "<string name=\"" NAME "\" value=\"" VALUE "\"/>"
 #define RGB(NAME, VALUE)      "<rgb name=\"" NAME "\" value=\"" VALUE "\"/>"
 
-TEST(conductors_of_xml) {
-    expect_spec(XML("roughconductor", ""), "rough-conductor:");
-    expect_spec(XML("roughconductor", FLOAT("alpha", "0.2") STRING("distribution", "ggx") RGB("eta", "0.2 0.9,1.1") RGB(
-                                          "k", "3.9, 2.5, 2.1") "<boolean name=\"sample_visible\" value=\"true\"/>"),
-                "rough-conductor:alpha=0.2;distribution=1;eta=0.2,0.9,1.1;k=3.9,2.5,2.1");
-    expect_spec(XML("roughconductor", FLOAT("alpha_u", "0") FLOAT("alpha_v", "0") STRING("material", "none")),
-                "rough-conductor:alpha=0.0001");
-    expect_spec(XML("roughconductor", FLOAT("alpha_u", ".1") FLOAT("alpha_v", "0")),
-                "rough-conductor:alpha=0.1,0.0001");
-    expect_spec(XML("roughconductor", STRING("material", "Au")),
-                "rough-conductor:eta=0.1431189557,0.3749570432,1.4424785571;k=3.9831604247,2.3857207478,1.6032152899");
-    expect_spec(XML("roughconductor", RGB("specular_reflectance", "#ff0000") "<spectrum name=\"eta\" value=\"1.5\"/>"),
-                "rough-conductor:specular_reflectance=1,0,0;eta=1.5");
-}
-
-TEST(principled_of_xml) {
-    expect_spec(XML("principled", RGB("base_color", "1.0,.5,.25") FLOAT("metallic", "0.7") FLOAT("specular", "0.5")
-                                      FLOAT("anisotropic", ".25") FLOAT("clearcoat_sampling_rate", "2")),
-                "principled:base_color=1,0.5,0.25;metallic=0.7;eta=1.5;anisotropic=0.25");
-}
-
-TEST(plastics_of_xml) {
-    expect_spec(XML("roughplastic",
-                    FLOAT("int_ior", "1.5") FLOAT("ext_ior", "1") STRING("distribution", "ggx")
-                        RGB("diffuse_reflectance", "0.1 0.2 0.3") "<boolean name=\"nonlinear\" value=\"true\"/>"),
-                "rough-plastic:distribution=1;diffuse_reflectance=0.1,0.2,0.3;nonlinear=1;eta=1.5");
-    expect_spec(XML("roughplastic", STRING("int_ior", "Diamond") STRING("ext_ior", "vacuum")),
-                "rough-plastic:eta=2.419");
-    expect_spec(XML("roughplastic", FLOAT("int_ior", "1.8") FLOAT("ext_ior", "1.2")), "rough-plastic:eta=1.5");
-}
-
 /* Mitsuba's include/mitsuba/render/ior.h. */
 TEST(named_indices) {
     static const struct {
@@ -128,17 +97,6 @@ TEST(scenes) {
 }
 
 TEST(dictionaries) {
-    expect_spec("{\"type\": \"diffuse\", \"reflectance\": {\"type\": \"rgb\", \"value\": [0.1, 1, 0]}}",
-                "lambert:kd=0.1,1,0");
-    expect_spec("{\"type\": \"diffuse\", \"reflectance\": {\"type\": \"rgb\", \"value\": \"#00fF00\"}}",
-                "lambert:kd=0,1,0");
-    expect_spec("{\"type\": \"diffuse\", \"reflectance\": {\"type\": \"rgb\", \"value\": \"#808080\"}}",
-                "lambert:kd=0.21586050011389926,0.21586050011389926,0.21586050011389926"); /* the curve of sRGB */
-    expect_spec("{\"type\": \"diffuse\", \"reflectance\": {\"type\": \"uniform\", \"value\": 0.25}}",
-                "lambert:kd=0.25");
-    expect_spec(" {\"reflectance\": [1e-1, 0.2, 0], \"type\" : \"diffuse\"}", "lambert:kd=0.1,0.2,0");
-    expect_spec("{\"type\": \"roughconductor\", \"alpha\": 0.5, \"distribution\": \"ggx\", \"sample_visible\": true}",
-                "rough-conductor:alpha=0.5;distribution=1");
     expect_map("{\"type\": \"diffuse\", \"reflectance\": {\"type\": \"bitmap\", \"filename\": \"a.png\"}}", 0,
                "'bitmap'", "kd", "image(a.png srgb_texture repeat)");
     nqm_materials *materials = open_text(

@@ -6,6 +6,7 @@
 #include "base/base.h"
 #include "base/memory_test.h"
 #include "material/maps.h"
+#include "support/allocations.h"
 #include "support/check.h"
 
 #include <math.h>
@@ -423,11 +424,11 @@ TEST(failed_allocations_are_told) {
     }
     assert_non_null(t);
     nqm_textured *list = NULL;
-    for (long n = 0; !list && n < 1000; ++n) {
-        nqm_alloc_fail_after(n);
-        const nqm_status status = nqm_maps_open("maps:base_color=a.png;roughness=b.png:g;normal=c.png:dx", &list, NULL);
-        nqm_alloc_fail_after(-1);
-        assert_true((status == NQM_OK) == (list != NULL) && (list || status == NQM_ERR_NOMEM));
+    nqm_status status = NQM_OK;
+    long rounds = -1;
+    EVERY_ALLOCATION(rounds, status, 0) {
+        status = nqm_maps_open("maps:base_color=a.png;roughness=b.png:g;normal=c.png:dx", &list, NULL);
+        assert_true((status == NQM_OK) == (list != NULL));
     }
     assert_int_equal(list->n_outputs, 2);
     nqm_textured_free(list);

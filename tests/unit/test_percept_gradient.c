@@ -5,25 +5,17 @@
  */
 #include "math/math.h"
 #include "percept/percept.h"
+#include "support/central.h"
 #include "support/check.h"
 
 #include <math.h>
 #include <string.h>
 
-/* The combination of four values at at - 2 h, at - h, at + h, at + 2 h that is a central difference of order 4. */
-static double central(const double f[4], double h) {
-    return (8 * (f[2] - f[1]) - (f[3] - f[0])) / (12 * h);
-}
-
-static const double steps[4] = {-2, -1, 1, 2};
-
 TEST(pq) {
     for (double at = 0x1p-29; at < 9990; at *= 1.7) {
-        const double h = 1e-3 * at;
-        double f[4];
-        for (int s = 0; s < 4; ++s)
-            f[s] = nqm_pq_from_luminance(at + steps[s] * h);
-        assert_relative(nqm_pq_slope(at), central(f, h), 1e-8);
+        double expected;
+        CENTRAL_DIFFERENCE(expected, at, 1e-3 * at, nqm_pq_from_luminance(at));
+        assert_relative(nqm_pq_slope(at), expected, 1e-8);
     }
     assert_true(nqm_pq_slope(10000) == 0 && nqm_pq_slope(1e9) == 0);
     assert_true(nqm_pq_slope(0) == nqm_pq_slope(0x1p-30) && isfinite(nqm_pq_slope(0)) && nqm_pq_slope(0) > 0);
@@ -51,16 +43,10 @@ TEST(rgb) {
             double by_rgb[3], expected[3], rounding[3], largest = 0;
             nqm_rgb_gradient(colours[c], weights[w], by_rgb);
             for (int k = 0; k < 3; ++k) {
-                double f[4];
+                double at[3], itp[3];
                 const double h = 1e-3 * colours[c][k];
-                for (int s = 0; s < 4; ++s) {
-                    double at[3], itp[3];
-                    memcpy(at, colours[c], sizeof at);
-                    at[k] += steps[s] * h;
-                    nqm_itp_from_rgb(at, itp);
-                    f[s] = nqm_dot3(itp, weights[w]);
-                }
-                expected[k] = central(f, h);
+                memcpy(at, colours[c], sizeof at);
+                CENTRAL_DIFFERENCE(expected[k], at[k], h, (nqm_itp_from_rgb(at, itp), nqm_dot3(itp, weights[w])));
                 rounding[k] = 1e-13 / h; /* PQ has a power of 79 */
                 largest = fmax(largest, fabs(expected[k]));
             }
@@ -95,11 +81,9 @@ TEST(curve) {
     for (size_t c = 0; c < 2; ++c) {
         for (double at = 0.01; at < 2000; at *= 1.5) {
             const double h = 1e-3 * at;
-            double f[4];
-            for (int s = 0; s < 4; ++s)
-                f[s] = nqm_curve_jod(curves[c], at + steps[s] * h);
-            assert_near(nqm_curve_slope(curves[c], at), central(f, h),
-                        1e-8 * fabs(nqm_curve_slope(curves[c], at)) + 1e-13 / h);
+            double expected;
+            CENTRAL_DIFFERENCE(expected, at, h, nqm_curve_jod(curves[c], at));
+            assert_near(nqm_curve_slope(curves[c], at), expected, 1e-8 * fabs(expected) + 1e-13 / h);
         }
         assert_true(nqm_curve_slope(curves[c], 0) == 0 && nqm_curve_slope(curves[c], -1) == 0);
         assert_true(isfinite(nqm_curve_slope(curves[c], 1e-300)));
@@ -149,14 +133,7 @@ static void check_picture_gradient(pictures *p, const nqm_label *weights) {
     for (size_t i = 0; i < POINTS; ++i) {
         nqm_picture_gradient(&sums, weights, p->weight[i], p->ref[i], p->test[i], gradient[i]);
         for (size_t k = 0; k < 3; ++k) {
-            const double at = p->test[i][k], h = 1e-3;
-            double f[4];
-            for (int s = 0; s < 4; ++s) {
-                p->test[i][k] = at + steps[s] * h;
-                f[s] = weighted_label(p, weights);
-            }
-            p->test[i][k] = at;
-            expected[i][k] = central(f, h);
+            CENTRAL_DIFFERENCE(expected[i][k], p->test[i][k], 1e-3, weighted_label(p, weights));
             largest = fmax(largest, fabs(expected[i][k]));
         }
     }

@@ -10,6 +10,7 @@
 #include "support/temp_file.h"
 #include "support/tiny_model.h"
 #include "support/toy_dataset.h"
+#include "support/training.h"
 #include "train/calibrate.h"
 
 #include <math.h>
@@ -143,17 +144,6 @@ TEST(scores_have_intervals) {
 static nqm_dataset *dataset; /* 12 validation materials */
 static nqm_model *trained;
 static nqm_train_report report;
-
-/* Calibrate and save the model to temp_file. */
-static nqm_status save_calibrated(const nqm_model *model, const nqm_dataset *d, int materials_are_new,
-                                  nqm_calibration *calibration, nqm_error *err) {
-    nqm_model *calibrated;
-    nqm_status status = nqm_model_calibrate(model, d, materials_are_new, &calibrated, calibration, err);
-    if (status == NQM_OK)
-        status = nqm_model_save(calibrated, temp_file, err);
-    nqm_model_free(calibrated);
-    return status;
-}
 
 static nqm_train_options quick(const char *recipe) {
     nqm_train_options o;

@@ -10,6 +10,7 @@
 #include "support/predict.h"
 #include "support/temp_file.h"
 #include "support/toy_dataset.h"
+#include "support/training.h"
 #include "train/calibrate.h"
 
 #include <math.h>
@@ -18,17 +19,6 @@
 
 static nqm_dataset *dataset; /* 24 training materials, 12 validation materials */
 static nqm_model *trained;
-
-/* Calibrate and save the model to temp_file. */
-static nqm_status save_calibrated(const nqm_model *model, const nqm_dataset *d, int materials_are_new,
-                                  nqm_calibration *calibration, nqm_error *err) {
-    nqm_model *calibrated;
-    nqm_status status = nqm_model_calibrate(model, d, materials_are_new, &calibrated, calibration, err);
-    if (status == NQM_OK)
-        status = nqm_model_save(calibrated, temp_file, err);
-    nqm_model_free(calibrated);
-    return status;
-}
 
 static nqm_train_options quick(const char *recipe) {
     nqm_train_options o;

@@ -44,16 +44,9 @@ def make_pairs():
     return np.stack(pairs), used
 
 
-def units(seed):
-    """In [0, 1), as random_unit() of tests/support/recorded.c."""
-    while True:
-        seed = (seed * 6364136223846793005 + 1442695040888963407) % 2**64
-        yield (seed >> 11) / 2**53
-
-
 def make_transport(n_points, n_scenes, peak):
-    """The matrix (N, 3 n_points) and points of make_transport() there."""
-    unit = units(n_points + n_scenes)
+    """The matrix (N, 3 n_points) and points of make_transport() of tests/support/recorded.c."""
+    unit = store.units(n_points + n_scenes)
     light = np.array([2000 / N * next(unit) if next(unit) < .3 else 0 for _ in range(3 * N * n_points)], "f4")
     points = []
     for s in range(n_scenes):

@@ -33,11 +33,14 @@ class Mlp(torch.nn.Module):
         self.norm = torch.nn.ModuleList(torch.nn.LayerNorm(o) for _, o in pairs[:-1])
 
     def forward(self, x, masks=None):
+        return self.outputs(x, masks)[:, 0]
+
+    def outputs(self, x, masks=None):
         for layer, (linear, norm) in enumerate(zip(self.linear, self.norm)):
             x = torch.nn.functional.gelu(norm(linear(x)))
             if masks is not None:  # torch.nn.Dropout with a given mask
                 x = x * masks[layer] / (1 - DROPOUT)
-        return self.linear[-1](x)[:, 0]
+        return self.linear[-1](x)
 
     def named(self):
         for layer, linear in enumerate(self.linear):
@@ -114,6 +117,49 @@ for value in losses:
 out["plateau.losses"] = torch.tensor(losses)
 out["plateau.rates"] = torch.tensor(rates)
 out["paper.parameters"] = torch.tensor([sum(p.numel() for p in Mlp([3000, 1024, 716, 501, 1]).parameters())])
+
+
+
+# ---- networks of tests/support/random_network.c
+
+def filled(unit, n, span):
+    return np.array([(2 * next(unit) - 1) * span for _ in range(n)], "f4")
+
+
+def random_network(sizes, seed, is_half=False):
+    """make_random_params(); is_half: hidden weights rounded to binary16."""
+    unit, net = store.units(seed), Mlp(sizes)
+    with torch.no_grad():
+        for layer, (linear, n_in, n) in enumerate(zip(net.linear, sizes, sizes[1:])):
+            weight = filled(unit, n_in * n, (3 / n_in)**.5).reshape(n, n_in)
+            is_hidden = layer + 2 < len(sizes)
+            linear.weight.copy_(torch.tensor(weight.astype("f2") if is_half and is_hidden else weight))
+            linear.bias.copy_(torch.tensor(filled(unit, n, 1.5)))
+            if is_hidden:
+                net.norm[layer].weight.copy_(torch.tensor(filled(unit, n, .4) + np.float32(1)))
+                net.norm[layer].bias.copy_(torch.tensor(filled(unit, n, .4)))
+    return net
+
+
+def shared(rows, n_ref, is_new):
+    """Rows of one reference as those of the row before it."""
+    for i in range(len(rows)):
+        if not is_new(i):
+            rows[i, :n_ref] = rows[i - 1, :n_ref]
+    return torch.tensor(rows, dtype=torch.float64)
+
+
+rows = shared(filled(store.units(11), 199 * 413, 1.7).reshape(199, 413)[:, :410], 135, lambda i: i % 15 in (0, 1, 3, 6, 10))
+with torch.no_grad():
+    out["inference.z"] = random_network([410, 100, 64, 33, 1], 11).outputs(rows)[:, 0]
+for i, sizes in enumerate(([75, 100, 64, 33, 6], [75, 40, 1], [75, 7, 70, 1])):
+    unit = store.units(7)
+    rows = shared(filled(unit, 37 * 75, 1.7).reshape(37, 75), 40, lambda i: i % 3 == 0)[:3].requires_grad_()
+    slopes = torch.tensor(filled(unit, 37 * sizes[-1], 1.7).reshape(37, -1)[:3])
+    for is_half in (False, True):
+        z = random_network(sizes, 5, is_half).outputs(rows)
+        out[f"inputs.{i}.{int(is_half)}.z"] = z
+        out[f"inputs.{i}.{int(is_half)}.dx"], = torch.autograd.grad((z * slopes).sum(), rows)
 
 store.safetensors("net.safetensors", {name: tensor.detach().numpy() for name, tensor in out.items()},
                   {"made_by": store.made_by("net.py", "PyTorch " + torch.__version__)})

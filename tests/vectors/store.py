@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""What the scripts here share: safetensors files beside them."""
+"""What the scripts here share: safetensors files beside them, and random numbers that the tests in C make too."""
 import hashlib
 import json
 import os
@@ -31,3 +31,10 @@ def safetensors(name, tensors, metadata):
         whole = whole.replace(zeros, hashlib.sha256(whole).hexdigest().encode(), 1)
     with open(os.path.join(HERE, name), "wb") as file:
         file.write(whole)
+
+
+def units(seed):
+    """In [0, 1), as random_unit() of tests/support/random_network.c."""
+    while True:
+        seed = (seed * 6364136223846793005 + 1442695040888963407) % 2**64
+        yield (seed >> 11) / 2**53

@@ -40,7 +40,7 @@ typedef enum option_kind {
     OPTION_FORMAT  /* target: result_format, which becomes `min`; at most one of these may be given */
 } option_kind;
 
-/** A word that the first argument may be: a kind of drawing, a benchmark. */
+/** A word that the first argument may be: a benchmark, a shell. */
 typedef struct choice {
     const char *name;      /* NULL ends the list */
     const char *arguments; /* arguments after the word: "REF TEST"; "": none */

@@ -302,12 +302,13 @@ void open_batch_pieces(batch_pieces *p, const json_t *terms, bool resume) {
     p->terms = dump(terms);
     p->begin_s = nqm_clock_s();
     hash_terms(p);
-    if (p->is_shared)
+    if (p->is_shared) {
         make_folder(p->folder);
-    else if (p->folder && resume && !each_file(p, find_own))
-        each_file(p, compare_file);
-    else if (p->folder && !resume)
+    } else if (p->folder && !(resume && each_file(p, find_own))) {
+        if (resume)
+            each_file(p, compare_file);
         each_file(p, remove_any);
+    }
 }
 
 void close_batch_pieces(batch_pieces *p, bool is_complete) {

@@ -11,39 +11,36 @@
 
 /* ---- columns ----------------------------------------------------------------------------------------------------- */
 
-static bool is_added(const batch_form *form, const char *name) {
-    static const char *const added[] = {"jod",     "jod_low", "jod_high", "delta_e_itp", "identical", "n_valid",
-                                        "novelty", "verdict", "metrics",  "warnings",    "error"};
-    for (size_t i = 0; i < sizeof added / sizeof *added; ++i)
-        if (strcmp(name, added[i]) == 0)
-            return true;
-    if (has_gate(&form->gate) && strcmp(name, "gate") == 0)
-        return true;
+/* The names of the columns that the results add, each after a comma. */
+static void print_csv_added(const batch_form *form, FILE *out) {
+    print_csv_score_names(out, form->model, form->metrics);
     for (size_t i = 0; form->has_textures && i < TEXTURE_NUMBERS; ++i)
-        if (strcmp(name, texture_columns[i]) == 0)
-            return true;
-    if (nqm_model_has_parts(form->model)) {
-        for (size_t i = 0; i < LABEL_COLUMNS; ++i)
-            if (strcmp(name, label_columns[i]) == 0)
-                return true;
-        if (strcmp(name, "words") == 0 || strcmp(name, "parts") == 0 || strcmp(name, similarity_column) == 0)
-            return true;
-    }
-    for (int m = 0; m < NQM_METRIC_COUNT; ++m)
-        if (form->metrics[m] && strcmp(name, nqm_metric_name((nqm_metric)m)) == 0)
-            return true;
-    return false;
+        fprintf(out, ",%s", texture_columns[i]);
+    fputs(has_gate(&form->gate) ? ",gate,warnings,error" : ",warnings,error", out);
 }
 
 void check_batch_columns(const batch_form *form) {
     const char *const *names = form->list->column;
+    char *added = NULL;
+    size_t n_added;
+    FILE *stream = open_memstream(&added, &n_added);
+    if (!stream)
+        stop(EXIT_LIMIT, "out of memory");
+    print_csv_added(form, stream);
+    fputs(nqm_model_has_parts(form->model) ? ",metrics,parts," : ",metrics,", stream); /* members in JSON */
+    fclose(stream);
     for (size_t i = 0; i < form->list->n_columns; ++i) {
-        if (is_added(form, names[i]))
+        char *word = nqm_strdupf(",%s,", names[i]);
+        if (!word)
+            stop(EXIT_LIMIT, "out of memory");
+        if (!strchr(names[i], ',') && strstr(added, word))
             stop(EXIT_MALFORMED, "the list has a column '%s', which the results add: rename it", names[i]);
+        nqm_free(word);
         for (size_t k = 0; k < i; ++k)
             if (strcmp(names[i], names[k]) == 0)
                 stop(EXIT_MALFORMED, "the list has two columns '%s': rename one", names[i]);
     }
+    free(added);
 }
 
 /* ---- CSV --------------------------------------------------------------------------------------------------------- */
@@ -53,10 +50,8 @@ static void print_csv_head(const batch_form *form, FILE *out) {
         fputs(i ? "," : "", out);
         print_csv_text(out, form->list->column[i]);
     }
-    print_csv_score_names(out, form->model, form->metrics);
-    for (size_t i = 0; form->has_textures && i < TEXTURE_NUMBERS; ++i)
-        fprintf(out, ",%s", texture_columns[i]);
-    fputs(has_gate(&form->gate) ? ",gate,warnings,error\n" : ",warnings,error\n", out);
+    print_csv_added(form, out);
+    fputc('\n', out);
 }
 
 static void print_csv_row(const batch_form *form, FILE *out, size_t row, const nqm_score_result *r,
