@@ -3,7 +3,6 @@
  * Conversion of matrices of floats to panels and back, their transposes, and rounding of panels to bfloat16.
  */
 #include "kernel/panel.h"
-#include "kernel/transpose.h"
 
 #include <string.h>
 
@@ -26,6 +25,19 @@ void nqm_panels_free(nqm_panels *panels) {
     *panels = (nqm_panels){0};
 }
 
+/* to (4, 4) = the transpose of from (4, 4); ld words from row to row. */
+static inline void transpose_4x4(const uint32_t *from, size_t ld_from, uint32_t *to, size_t ld_to) {
+    typedef uint32_t four __attribute__((vector_size(16), aligned(4), may_alias));
+    const four a = *(const four *)from, b = *(const four *)(from + ld_from), c = *(const four *)(from + 2 * ld_from),
+               d = *(const four *)(from + 3 * ld_from);
+    const four ab_low = __builtin_shufflevector(a, b, 0, 4, 1, 5), ab_high = __builtin_shufflevector(a, b, 2, 6, 3, 7);
+    const four cd_low = __builtin_shufflevector(c, d, 0, 4, 1, 5), cd_high = __builtin_shufflevector(c, d, 2, 6, 3, 7);
+    *(four *)to = __builtin_shufflevector(ab_low, cd_low, 0, 1, 4, 5);
+    *(four *)(to + ld_to) = __builtin_shufflevector(ab_low, cd_low, 2, 3, 6, 7);
+    *(four *)(to + 2 * ld_to) = __builtin_shufflevector(ab_high, cd_high, 0, 1, 4, 5);
+    *(four *)(to + 3 * ld_to) = __builtin_shufflevector(ab_high, cd_high, 2, 3, 6, 7);
+}
+
 /* ---- weights ----------------------------------------------------------------------------------------------------- */
 
 enum {
@@ -37,7 +49,7 @@ enum {
 static inline void rows_to_columns(size_t n_rows, size_t n, const uint32_t *rows, size_t ld, uint32_t *columns) {
     const size_t whole = n_rows == PACK_ROWS ? n / 4 * 4 : 0;
     for (size_t i = 0; i < whole; i += 4)
-        nqm_transpose_4x4(rows + i, ld, columns + i * NQM_PANEL, NQM_PANEL);
+        transpose_4x4(rows + i, ld, columns + i * NQM_PANEL, NQM_PANEL);
     for (size_t i = whole; i < n; ++i)
         for (size_t j = 0; j < n_rows; ++j)
             columns[i * NQM_PANEL + j] = rows[j * ld + i];
@@ -92,7 +104,7 @@ void nqm_panels_transpose_rows(const nqm_panels *from, nqm_panels *to, size_t fi
             rows = rounded;
         }
         for (size_t u = 0; u < last; u += 4) /* n_words and NQM_STRIP are multiples of 4 */
-            nqm_transpose_4x4(rows + u, n_words, words + u * NQM_PANEL, NQM_PANEL);
+            transpose_4x4(rows + u, n_words, words + u * NQM_PANEL, NQM_PANEL);
     }
 }
 
