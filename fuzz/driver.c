@@ -59,7 +59,7 @@ int LLVMFuzzerInitialize(int *argc, char ***argv) {
     return 0;
 }
 #else
-enum { N_CUTS = 400, N_MUTATIONS = 10000, SEED = 1 };
+enum { N_CUTS = 400, N_MUTATIONS = 2000, SEED = 1 };
 static const double time_limit_s = 10; /* a slow (sanitized, emulated, busy) machine runs fewer mutations */
 
 /* Apply 1 to 8 changes: flip a bit, replace a byte, or write a boundary value of 1 to 8 bytes. */
@@ -103,9 +103,11 @@ static void run_around(const blob *seed) {
     run_one(seed->data, seed->n_bytes);
     for (size_t i = 0; i < N_CUTS; ++i)
         run_one(seed->data, seed->n_bytes * i / N_CUTS);
+    const char *wanted = getenv("NQM_FUZZ_MUTATIONS"); /* ./dev test all: more of them */
+    const size_t n_mutations = wanted ? strtoul(wanted, NULL, 10) : N_MUTATIONS;
     double begin_s = nqm_clock_s();
     size_t n = 0;
-    for (; n < N_MUTATIONS && nqm_clock_s() - begin_s < time_limit_s; ++n) {
+    for (; n < n_mutations && nqm_clock_s() - begin_s < time_limit_s; ++n) {
         nqm_rng rng = nqm_rng_make(SEED, n);
         memcpy(b.data, seed->data, seed->n_bytes);
         mutate(&b, &rng);
