@@ -1,12 +1,12 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# kill.sh [N [SEED]]: kill verbs that write files at N random moments (default 21). After one to three kills the command runs to its
+# kill.sh [N [SEED]]: kill verbs that write files at N random moments (default 9). After one to three kills the command runs to its
 # end, resumed where the verb can: its folder then has the files and bytes of an undisturbed run, and no other file.
 # `./dev test all` does this with 210 kills. Prints the kills of each verb.
 # shellcheck source=tests/support/cli.sh
 . "${NQM_SOURCE:?}/tests/support/cli.sh"
-wanted=${1:-21} seed=${2:-1}
-[ -n "${1:-}" ] || [ -z "${NQM_SANITIZE:-}" ] || wanted=7 # sanitizers make each round ten times slower
+wanted=${1:-9} seed=${2:-1}
+[ -n "${1:-}" ] || [ -z "${NQM_SANITIZE:-}" ] || wanted=5 # sanitizers make each round ten times slower
 OMP_NUM_THREADS=1
 export OMP_NUM_THREADS
 cd "$dir"
