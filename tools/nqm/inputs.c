@@ -67,6 +67,22 @@ void *allocate(size_t n, size_t size) {
     return block;
 }
 
+void *must_have(void *block) {
+    if (!block)
+        stop(EXIT_LIMIT, "out of memory");
+    return block;
+}
+
+FILE *open_text(char **text, size_t *n) {
+    return must_have(open_memstream(text, n));
+}
+
+char *join_with_colon(const char *a, const char *b) {
+    char *text = allocate(strlen(a) + strlen(b) + 2, 1);
+    sprintf(text, "%s%s%s", a, *a && *b ? ":" : "", b);
+    return text;
+}
+
 nqm_model *open_model(const char *name_or_path) {
     const char *name = name_or_path ? name_or_path : "default";
     nqm_model *model;
@@ -245,9 +261,7 @@ const nqm_materials *parsed_materials(const char *path) {
     if (!other->path || strcmp(other->path, path) != 0) {
         free(other->path);
         nqm_materials_free(other->materials);
-        *other = (read_file){.path = strdup(path)};
-        if (!other->path)
-            stop(EXIT_LIMIT, "out of memory");
+        *other = (read_file){.path = must_have(strdup(path))};
         if (is_file(path))
             (void)!nqm_materials_open(path, &other->materials, NULL);
     }
@@ -265,9 +279,7 @@ bool find_material(const char *argument, nqm_material_info *info) {
     unsigned ignored;
     argument += nqm_ignore_prefix(argument, &ignored);
     const char *name = member_name(argument);
-    char *path = strndup(argument, name ? (size_t)(name - argument) - 1 : strlen(argument));
-    if (!path)
-        stop(EXIT_LIMIT, "out of memory");
+    char *path = must_have(strndup(argument, name ? (size_t)(name - argument) - 1 : strlen(argument)));
     const nqm_materials *materials = is_file(path) ? parsed_materials(path) : NULL;
     size_t n = materials && nqm_materials_count(materials) == 1;
     const size_t *found = materials && name ? nqm_materials_named(materials, name, &n) : only;

@@ -94,10 +94,7 @@ void must(nqm_status status, const nqm_error *err) {
 static json_malloc_t json_malloc;
 
 static void *json_malloc_or_stop(size_t n) {
-    void *block = json_malloc(n);
-    if (!block)
-        stop(EXIT_LIMIT, "out of memory");
-    return block;
+    return must_have(json_malloc(n));
 }
 
 void stop_without_json_memory(void) {
@@ -257,6 +254,11 @@ void note_progress(const char *format, ...) {
     va_end(args);
 }
 
+void step_progress(const char *stage, size_t done, size_t total) {
+    if (show_progress(NULL, stage, (double)done, (double)total))
+        stop(EXIT_INTERRUPTED, "interrupted");
+}
+
 void end_progress(void) {
     if (progress_shown)
         fputs(clear_line, stderr);
@@ -379,6 +381,11 @@ void print_csv_text(FILE *out, const char *text) {
         fputc(*text, out);
     }
     fputc('"', out);
+}
+
+void print_csv_field(FILE *out, const char *text) {
+    fputc(',', out);
+    print_csv_text(out, text);
 }
 
 void print_csv_number(FILE *out, double value) {

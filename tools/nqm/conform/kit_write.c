@@ -27,9 +27,7 @@ void write_kit_rows(const conform_kit *kit, FILE *out) {
         const kit_set *set = &kit->sets[s];
         char *head = NULL;
         size_t n_head;
-        FILE *parameters = open_memstream(&head, &n_head);
-        if (!parameters)
-            stop(EXIT_LIMIT, "out of memory");
+        FILE *parameters = open_text(&head, &n_head);
         for (size_t k = 0; k < schema->n_keys; ++k)
             for (size_t c = 0; c < schema->keys[k].n; ++c)
                 put_number(parameters, set->values.v[k][c]);

@@ -50,15 +50,9 @@ typedef struct translation {
 /* ---- inputs and outputs ------------------------------------------------------------------------------------------- */
 
 static void add_item(translation *t, const char *file, const char *material) {
-    if (t->n == t->max_n) {
-        t->max_n = t->max_n ? 2 * t->max_n : 16;
-        item *grown = allocate(t->max_n, sizeof *grown);
-        if (t->n)
-            memcpy(grown, t->items, t->n * sizeof *grown);
-        free(t->items);
-        t->items = grown;
-    }
+    t->items = must_have(nqm_grow(t->items, &t->max_n, t->n + 1, sizeof *t->items));
     item *it = &t->items[t->n++];
+    *it = (item){.copy = NULL};
     const int used = material ? snprintf(it->argument, MAX_TEXT, "%s:%s", file, material)
                               : snprintf(it->argument, MAX_TEXT, "%s", file);
     const char *taken = used < 0 || used >= MAX_TEXT ? NULL : reflecting(it->argument);
@@ -505,6 +499,6 @@ int cmd_translate(int argc, char **argv) {
     nqm_scene_free(judge);
     for (size_t i = 0; i < t.n; ++i)
         nqm_free(t.items[i].copy);
-    free(t.items);
+    nqm_free(t.items);
     return n_refused ? EXIT_PARTIAL : n_failed ? EXIT_GATE : EXIT_OK;
 }

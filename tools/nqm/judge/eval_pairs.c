@@ -7,29 +7,19 @@
 
 #include <math.h>
 
-static void write_text(FILE *out, const char *text) {
-    fputc(',', out);
-    print_csv_text(out, text);
-}
-
-static void write_number(FILE *out, double value) {
-    fputc(',', out);
-    print_csv_number(out, value);
-}
-
 /* Columns of the parts of a label. prefix: of their names. */
 static void write_part_names(FILE *out, const char *prefix) {
     for (size_t k = 0; k < LABEL_COLUMNS; ++k) {
         char name[200];
         snprintf(name, sizeof name, "%.150s%s%s", prefix, *prefix ? ":" : "", label_columns[k]);
-        write_text(out, name);
+        print_csv_field(out, name);
     }
 }
 
 static void write_head(const eval_run *run, FILE *out) {
     fputs("ref,material,test,kind,split,delta_e,jod", out);
     for (size_t i = 0; i < run->n_predictors; ++i)
-        write_text(out, predictor_name(run, i));
+        print_csv_field(out, predictor_name(run, i));
     fputs(",family,class", out);
     for (size_t i = 0; i < NQM_SCALAR_COUNT; ++i)
         fprintf(out, ",scalar:%s", nqm_scalar_name(i));
@@ -44,18 +34,16 @@ static void write_head(const eval_run *run, FILE *out) {
 static void write_pair(const eval_run *run, size_t pair, FILE *out) {
     nqm_dataset_pair p = nqm_dataset_get_pair(run->dataset, pair);
     print_csv_text(out, p.ref);
-    write_text(out, p.group);
-    write_text(out, p.test);
-    write_text(out, p.kind);
-    write_text(out, nqm_split_words[p.split]);
-    write_number(out, p.delta_e);
-    write_number(out, p.jod);
+    print_csv_field(out, p.group);
+    print_csv_field(out, p.test);
+    print_csv_field(out, p.kind);
+    print_csv_field(out, nqm_split_words[p.split]);
+    print_csv_numbers(out, 2, (double[]){p.delta_e, p.jod});
     for (size_t i = 0; i < run->n_predictors; ++i)
-        write_number(out, nqm_evaluation_values(run->evaluation, i)[pair]);
-    write_text(out, p.family);
-    write_text(out, p.material_class);
-    for (size_t i = 0; i < NQM_SCALAR_COUNT; ++i)
-        write_number(out, run->evaluation->scalars[pair * NQM_SCALAR_COUNT + i]);
+        print_csv_numbers(out, 1, &nqm_evaluation_values(run->evaluation, i)[pair]);
+    print_csv_field(out, p.family);
+    print_csv_field(out, p.material_class);
+    print_csv_numbers(out, NQM_SCALAR_COUNT, run->evaluation->scalars + pair * NQM_SCALAR_COUNT);
     if (run->dataset->parts) {
         nqm_label label = {.delta_e = p.delta_e};
         nqm_label_set_parts(&label, run->dataset->parts + pair * NQM_LABEL_PARTS);

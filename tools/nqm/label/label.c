@@ -232,15 +232,11 @@ static void print_csv_test(const label_run *run, const label_item *item) {
     const double values[] = {l->delta_e, item->jod};
     print_csv_text(stdout, item->name);
     print_csv_numbers(stdout, 2, values);
-    putchar(',');
-    print_csv_text(stdout, item->err.message);
-    if (run->n_groups > 1) {
-        putchar(',');
-        print_csv_text(stdout, run->items[item->reference].name);
-    }
+    print_csv_field(stdout, item->err.message);
+    if (run->n_groups > 1)
+        print_csv_field(stdout, run->items[item->reference].name);
     print_csv_label(stdout, l, NULL);
-    putchar(',');
-    print_csv_text(stdout, item->shown);
+    print_csv_field(stdout, item->shown);
     const double errors[] = {l->error, nqm_label_jod_error(l)};
     print_csv_numbers(stdout, 2, errors);
     putchar('\n');

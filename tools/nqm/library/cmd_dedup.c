@@ -29,8 +29,7 @@ static size_t confirm(const library *of, nqm_scorer *scorer, double jod, near_pa
     size_t n_left = 0;
     for (size_t first = 0, n_block; first < n; first += n_block) {
         n_block = nqm_smaller(n - first, BLOCK);
-        if (show_progress(NULL, "score", (double)first, (double)n))
-            stop(EXIT_INTERRUPTED, "interrupted");
+        step_progress("score", first, n);
         for (size_t i = 0; i < n_block; ++i) {
             const near_pair *p = &pairs[first + i];
             named[2 * i] = (nqm_named_pair){of->members[p->a].argument, of->members[p->b].argument};
@@ -128,24 +127,20 @@ static const command cmd = {
 
 /* The pairs of a replaced material and the one that is kept for it, clusters after one another. */
 static void score_replaced(const library *of, const size_t *kept, size_t n) {
-    nqm_named_pair *pairs = allocate(n, sizeof *pairs);
-    const char **names = allocate(n, sizeof *names);
-    size_t n_pairs = 0, *first = allocate(of->n + 1, sizeof *first);
+    size_t *first = allocate(of->n + 1, sizeof *first);
+    begin_rows(&run, n);
     for (size_t i = 0; i < of->n; ++i)
         first[kept[i] + 1] += kept[i] != i;
     for (size_t i = 1; i <= of->n; ++i)
         first[i] += first[i - 1];
     for (size_t i = 0; i < of->n; ++i)
         if (kept[i] != i) {
-            const size_t k = first[kept[i]]++;
-            pairs[k] = (nqm_named_pair){of->members[i].argument, of->members[kept[i]].argument};
-            names[k] = of->members[kept[i]].key;
-            ++n_pairs;
+            const member *keep = &of->members[kept[i]];
+            run.rows[first[kept[i]]++] =
+                (scored_pair){.pair = {of->members[i].argument, keep->argument}, .name = keep->key};
         }
-    score_rows(&run, n_pairs, pairs, names);
+    make_scores(&run);
     free(first);
-    free(pairs);
-    free(names);
 }
 
 static void write_map(const char *path) {
@@ -162,8 +157,7 @@ static void write_map(const char *path) {
         if (nqm_name_ends_in(path, ".json"))
             continue;
         print_csv_text(out.stream, p->ref);
-        fputc(',', out.stream);
-        print_csv_text(out.stream, p->test);
+        print_csv_field(out.stream, p->test);
         fprintf(out.stream, ",%.4f\n", run.rows[i].result.jod);
     }
     if (nqm_name_ends_in(path, ".json")) {

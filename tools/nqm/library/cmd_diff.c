@@ -70,10 +70,8 @@ static void pair_names(void) {
 /* The members of a version without a partner, with pictures. from (n) receives their numbers. */
 static library take_single(const library *of, const size_t *partner, const bool *is_partner, nqm_scorer *scorer,
                            size_t *from) {
-    library single = {.path = of->path, .members = nqm_alloc(of->n ? of->n : 1, sizeof(member))};
+    library single = {.path = of->path, .members = must_have(nqm_alloc(of->n ? of->n : 1, sizeof(member)))};
     nqm_error err = {0};
-    if (!single.members)
-        stop(EXIT_LIMIT, "out of memory");
     for (size_t i = 0; i < of->n; ++i)
         if (!(partner ? partner[i] != SIZE_MAX : is_partner[i]) && !of->members[i].is_left_out) {
             from[single.n] = i;
@@ -83,8 +81,7 @@ static library take_single(const library *of, const size_t *partner, const bool 
     for (size_t i = 0; i < single.n; ++i) {
         const char *name = single.members[i].argument;
         nqm_error fault;
-        if (show_progress(NULL, "sample", (double)i, (double)single.n))
-            stop(EXIT_INTERRUPTED, "interrupted");
+        step_progress("sample", i, single.n);
         must(nqm_scorer_draw(scorer, 1, &name, single.gallery, i, &fault, &err), &err);
         single.members[i].is_left_out = fault.status != NQM_OK;
     }
@@ -109,8 +106,7 @@ static void pair_looks(void) {
     float *jod = allocate(new.n, sizeof *jod);
     for (size_t i = 0; i < old.n; ++i) {
         size_t best = SIZE_MAX;
-        if (show_progress(NULL, "compare", (double)i, (double)old.n))
-            stop(EXIT_INTERRUPTED, "interrupted");
+        step_progress("compare", i, old.n);
         if (old.members[i].is_left_out)
             continue;
         nqm_gallery_jods(old.gallery, i, new.gallery, 0, new.n, false, jod);
@@ -212,16 +208,16 @@ static int worst_first(const void *a, const void *b) {
 }
 
 static void score_versions(void) {
-    nqm_named_pair *pairs = allocate(v.old.n, sizeof *pairs);
-    const char **names = allocate(v.old.n, sizeof *names);
     size_t n = 0, *old_of_pair = allocate(v.old.n, sizeof *old_of_pair);
+    begin_rows(&run, v.old.n);
     for (size_t i = 0; i < v.old.n; ++i)
         if (v.partner[i] != SIZE_MAX) {
-            pairs[n] = (nqm_named_pair){v.old.members[i].argument, v.new.members[v.partner[i]].argument};
-            names[n] = v.new.members[v.partner[i]].key;
+            const member *new = &v.new.members[v.partner[i]];
+            run.rows[n] = (scored_pair){.pair = {v.old.members[i].argument, new->argument}, .name = new->key};
             old_of_pair[n++] = i;
         }
-    score_rows(&run, n, pairs, names);
+    run.n_rows = n;
+    make_scores(&run);
     qsort(run.rows, n, sizeof *run.rows, worst_first);
     v.n_pairs = n;
     v.old_of_row = allocate(n, sizeof *v.old_of_row);
@@ -230,8 +226,6 @@ static void score_versions(void) {
         v.old_of_row[i] = old_of_pair[run.rows[i].order];
         v.changes[i] = list_changes(run.rows[i].pair.ref, run.rows[i].pair.test);
     }
-    free(pairs);
-    free(names);
     free(old_of_pair);
 }
 
@@ -289,9 +283,7 @@ static char *describe_row(size_t i) {
     const scored_pair *row = &run.rows[i];
     char words[NQM_LABEL_TEXT] = "", *text;
     size_t n;
-    FILE *to = open_memstream(&text, &n);
-    if (!to)
-        stop(EXIT_LIMIT, "out of memory");
+    FILE *to = open_text(&text, &n);
     if (row->err.status == NQM_OK && !row->result.identical && !isnan(row->result.parts.structure))
         nqm_label_describe(&row->result.parts, words);
     fputs(words, to);

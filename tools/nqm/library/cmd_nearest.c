@@ -55,16 +55,12 @@ static candidate *find_candidates(const nqm_gallery *one, const library *of, siz
 }
 
 static void score_candidates(const char *to, const library *of, const candidate *candidates, size_t n) {
-    nqm_named_pair *pairs = allocate(n, sizeof *pairs);
-    const char **names = allocate(n, sizeof *names);
+    begin_rows(&run, n);
     for (size_t i = 0; i < n; ++i) {
-        const member *m = &of->members[candidates[i].i];
-        pairs[i] = (nqm_named_pair){to, m->argument};
-        names[i] = m->argument;
+        const char *argument = of->members[candidates[i].i].argument;
+        run.rows[i] = (scored_pair){.pair = {to, argument}, .name = argument};
     }
-    score_rows(&run, n, pairs, names);
-    free(pairs);
-    free(names);
+    make_scores(&run);
 }
 
 static const option options[] = {

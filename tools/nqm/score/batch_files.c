@@ -83,9 +83,7 @@ static void add_measured(json_t *files, const char *path) {
             add_images(files, nqm_materials_maps(materials, i, ~0U));
         if (!info.spec || nqm_spec_probe(info.spec))
             continue;
-        char *measured = nqm_path_beside(path, info.spec);
-        if (!measured)
-            stop(EXIT_LIMIT, "out of memory");
+        char *measured = must_have(nqm_path_beside(path, info.spec));
         json_object_set_new(files, measured, json_null());
         nqm_free(measured);
     }

@@ -40,10 +40,7 @@ static const char *piece_path(const batch_pieces *p, size_t piece, char path[MAX
 }
 
 static char *dump(const json_t *json) {
-    char *text = json_dumps(json, JSON_COMPACT);
-    if (!text)
-        stop(EXIT_LIMIT, "out of memory");
-    return text;
+    return must_have(json_dumps(json, JSON_COMPACT));
 }
 
 static nqm_status save(const batch_pieces *p, size_t piece, nqm_error *err) {

@@ -23,16 +23,12 @@ void check_batch_columns(const batch_form *form) {
     const char *const *names = form->list->column;
     char *added = NULL;
     size_t n_added;
-    FILE *stream = open_memstream(&added, &n_added);
-    if (!stream)
-        stop(EXIT_LIMIT, "out of memory");
+    FILE *stream = open_text(&added, &n_added);
     print_csv_added(form, stream);
     fputs(nqm_model_has_parts(form->model) ? ",metrics,parts," : ",metrics,", stream); /* members in JSON */
     fclose(stream);
     for (size_t i = 0; i < form->list->n_columns; ++i) {
-        char *word = nqm_strdupf(",%s,", names[i]);
-        if (!word)
-            stop(EXIT_LIMIT, "out of memory");
+        char *word = must_have(nqm_strdupf(",%s,", names[i]));
         if (!strchr(names[i], ',') && strstr(added, word))
             stop(EXIT_MALFORMED, "the list has a column '%s', which the results add: rename it", names[i]);
         nqm_free(word);
@@ -73,10 +69,8 @@ static void print_csv_row(const batch_form *form, FILE *out, size_t row, const n
         print_csv_numbers(out, TEXTURE_NUMBERS, texture->v);
     if (has_gate(&form->gate))
         fprintf(out, ",%s", gate_mark(&form->gate, r));
-    fputc(',', out);
     print_csv_remarks(out, warnings);
-    fputc(',', out);
-    print_csv_text(out, r->status == NQM_OK ? "" : err->message);
+    print_csv_field(out, r->status == NQM_OK ? "" : err->message);
     fputc('\n', out);
 }
 

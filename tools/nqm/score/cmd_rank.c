@@ -125,14 +125,11 @@ static void print_csv(const score_run *run) {
         putchar(',');
         if (row->rank)
             printf("%zu", row->rank);
-        putchar(',');
-        print_csv_text(stdout, row->pair.test);
+        print_csv_field(stdout, row->pair.test);
         print_csv_numbers(stdout, 5, (double[]){r->jod, r->jod_low, r->jod_high, row->over_next, row->best_preferred});
         print_csv_parts(stdout, run->model, r);
-        putchar(',');
-        print_csv_text(stdout, row->name);
-        putchar(',');
-        print_csv_text(stdout, row->rank ? "" : row->err.message);
+        print_csv_field(stdout, row->name);
+        print_csv_field(stdout, row->rank ? "" : row->err.message);
         putchar('\n');
     }
 }

@@ -110,21 +110,17 @@ static void print_csv(const score_run *run) {
     for (size_t i = 0; i < run->n_rows; ++i) {
         const scored_pair *row = &run->rows[i];
         print_csv_text(stdout, row->pair.ref);
-        putchar(',');
-        print_csv_text(stdout, row->pair.test);
+        print_csv_field(stdout, row->pair.test);
         print_csv_score(stdout, run->model, run->metrics, &row->result);
         if (has_textures(run))
             print_csv_texture(stdout, row->texture);
         if (has_gate(&run->gate))
             printf(",%s", gate_mark(&run->gate, &row->result));
-        putchar(',');
-        print_csv_text(stdout, row->name);
-        putchar(',');
+        print_csv_field(stdout, row->name);
         json_t *remarks = json_remarks(&run->terms, &row->pair, "reference", "test", &row->result);
         print_csv_remarks(stdout, remarks);
         json_decref(remarks);
-        putchar(',');
-        print_csv_text(stdout, row->err.status == NQM_OK ? "" : row->err.message);
+        print_csv_field(stdout, row->err.status == NQM_OK ? "" : row->err.message);
         putchar('\n');
     }
 }

@@ -29,10 +29,7 @@ static void reflect(const char **argument, bool *is_owned) {
 }
 
 static void add_pair(expansion *e, nqm_named_pair pair, const char *name, size_t origin, bool is_made) {
-    expanded_pair *grown = nqm_grow(e->pairs, &e->max_n, e->n + 1, sizeof *grown);
-    if (!grown)
-        stop(EXIT_LIMIT, "out of memory");
-    e->pairs = grown;
+    e->pairs = must_have(nqm_grow(e->pairs, &e->max_n, e->n + 1, sizeof *e->pairs));
     expanded_pair *added = &e->pairs[e->n++];
     *added = (expanded_pair){pair, name, origin, is_made, {is_made, is_made}};
     reflect(&added->pair.ref, &added->is_owned[0]);
@@ -57,9 +54,7 @@ static void add_materials(expansion *e, const nqm_named_pair *pair, const char *
     for (size_t i = 0; i < nqm_materials_count(named); ++i) {
         const char *material = nqm_materials_get(named, i).name;
         char *test_member = member(pair->test, material);
-        char *ref_member = ref ? member(pair->ref, material) : strdup(pair->ref);
-        if (!ref_member)
-            stop(EXIT_LIMIT, "out of memory");
+        char *ref_member = ref ? member(pair->ref, material) : must_have(strdup(pair->ref));
         add_pair(e, (nqm_named_pair){ref_member, test_member}, name ? member(name, material) : NULL, origin, true);
     }
     for (size_t i = 0; ref && i < nqm_materials_count(test); ++i)

@@ -105,7 +105,7 @@ enum { VERDICT_TEXT = 64 };
 const char *verdict_words(const nqm_score_result *result, char text[VERDICT_TEXT]);
 /** Remarks, separated by "; "; free() the text. */
 char *join_remarks(const json_t *remarks);
-/** Remarks, separated by "; ", as a CSV field. */
+/** Remarks, separated by "; ", as a CSV field after a comma. */
 void print_csv_remarks(FILE *out, const json_t *remarks);
 /** The JSON document of `nqm score --json`. */
 json_t *json_scores(const score_run *run);

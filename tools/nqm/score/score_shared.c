@@ -96,8 +96,7 @@ void make_scores(score_run *run) {
         nqm_score_result results[NQM_SCORE_BLOCK];
         nqm_error errors[NQM_SCORE_BLOCK];
         n = nqm_smaller(run->n_rows - begin, NQM_SCORE_BLOCK);
-        if (show_progress(NULL, "score", (double)begin, (double)run->n_rows))
-            stop(EXIT_INTERRUPTED, "interrupted");
+        step_progress("score", begin, run->n_rows);
         for (size_t i = 0; i < n; ++i)
             pairs[i] = run->rows[begin + i].pair;
         must(nqm_scorer_run_named(scorer, n, pairs, results, errors, &err), &err);
@@ -250,8 +249,7 @@ void print_csv_parts(FILE *out, const nqm_model *model, const nqm_score_result *
     if (!nqm_model_has_parts(model))
         return;
     print_csv_label(out, &r->parts, r->similarity);
-    fputc(',', out);
-    print_csv_text(out, isnan(r->parts.structure) ? "" : nqm_label_describe(&r->parts, words));
+    print_csv_field(out, isnan(r->parts.structure) ? "" : nqm_label_describe(&r->parts, words));
 }
 
 void print_csv_score_names(FILE *out, const nqm_model *model, const bool *metrics) {
@@ -270,8 +268,7 @@ void print_csv_score(FILE *out, const nqm_model *model, const bool *metrics, con
     else
         fputs(",,", out);
     print_csv_numbers(out, 1, &r->novelty);
-    fputc(',', out);
-    print_csv_text(out, verdict_words(r, verdict));
+    print_csv_field(out, verdict_words(r, verdict));
     print_csv_parts(out, model, r);
     for (int m = 0; m < NQM_METRIC_COUNT; ++m)
         if (metrics[m])
@@ -290,7 +287,7 @@ char *join_remarks(const json_t *remarks) {
 
 void print_csv_remarks(FILE *out, const json_t *remarks) {
     char *text = join_remarks(remarks);
-    print_csv_text(out, text);
+    print_csv_field(out, text);
     free(text);
 }
 

@@ -236,9 +236,7 @@ void print_csv_texture_names(FILE *out) {
 void print_csv_texture(FILE *out, const nqm_texture_result *t) {
     const nqm_texture_blame *worst = t && t->n_blame ? t->blame : NULL;
     print_csv_numbers(out, TEXTURE_NUMBERS, texture_numbers_of(t).v);
-    fputc(',', out);
-    print_csv_text(out, worst ? worst->key : "");
+    print_csv_field(out, worst ? worst->key : "");
     print_csv_numbers(out, 1, (double[]){worst ? worst->jod : NAN});
-    fputc(',', out);
-    print_csv_text(out, worst ? worst->mistake : "");
+    print_csv_field(out, worst ? worst->mistake : "");
 }

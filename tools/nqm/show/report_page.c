@@ -301,8 +301,7 @@ static const char *fill(report_page *page, const char *p) {
         } else if (begins(p, tests)) {
             const char *section = p + strlen(tests);
             for (page->place = 0; page->place < count_tests(page); ++page->place) {
-                if (show_progress(NULL, "draw", (double)page->place, (double)count_tests(page)))
-                    stop(EXIT_INTERRUPTED, "interrupted");
+                step_progress("draw", page->place, count_tests(page));
                 page->row = row_at(page, page->place);
                 page->item = &page->run->labels.items[page->row->order + 1];
                 p = fill(page, section);
