@@ -250,7 +250,7 @@ MUTATIONS = [
     ("tools/nqm/score/score_shared.c", "names ? names + 1 : NULL, &run->expansion", "names, &run->expansion", "cli.score"),
     ("tools/nqm/score/cmd_rank.c", 'strcmp(by, "similarity") == 0;', 'strcmp(by, "similarity") != 0;', "cli.rank"),
     ("tools/nqm/score/gate.c", "if (gate->jod_low > 0 && !*info.calibration)", "if (gate->jod_low > 0)", "cli.batch_gates"),
-    ("tools/nqm/show/html.c", "p += *p == 'z'; /* the u */", "p += *p != 'z'; /* the u */", "cli.report"),
+    ("tools/nqm/show/html.c", "json_string_length(value) > 0;", "json_string_length(value) >= 0;", "cli.report"),
     ("tools/nqm/show/html.c", "100 * fraction);", "10 * fraction);", "test_tool_verdicts"),
     ("tools/nqm/show/report_page.c", "if (o->n_frames > 1)", "if (o->n_frames > 2)", "cli.report"),
     ("src/fit/space.c", "return !key->required && v[0] == key->fallback &&", "return !key->required && v[0] != key->fallback &&", "test_fit_shading"),

@@ -10,6 +10,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+extern const char batch_junit[]; /* the text of junit.xml (cmake/embed_text.cmake) */
+
 typedef struct placed_row {
     double jod;
     size_t row;
@@ -55,67 +57,44 @@ static const char *test_name(const batch_form *form, size_t row) {
 
 /* ---- JUnit ------------------------------------------------------------------------------------------------------- */
 
-static void put_property(FILE *out, const char *name, const char *value) {
-    html(out, "<property name='%s' value='%s'/>\n", name, value);
-}
-
-static void put_properties(const batch_form *form, FILE *out) {
-    const nqm_model_info info = nqm_model_get_info(form->model);
-    char text[GATE_TEXT];
-    fputs("<properties>\n", out);
-    put_property(out, "nqm", nqm_version());
-    put_property(out, "model", info.id);
-    put_property(out, "model sha256", info.sha256);
-    if (has_gate(&form->gate))
-        put_property(out, "gate", gate_words(&form->gate, text));
-    fputs("</properties>\n", out);
-}
-
 /* "JOD 8.12, 95 % interval 7.90 to 8.31, Delta-E ITP 3.1, novelty 0.88, visible" */
-static void put_figures(FILE *out, const batch_note *note) {
+static json_t *json_figures(const batch_note *note) {
     const nqm_score_result r = noted_result(note);
-    char verdict[VERDICT_TEXT];
-    html(out, "JOD %.2f", note->jod);
+    char verdict[VERDICT_TEXT], *text;
+    size_t n;
+    FILE *out = open_text(&text, &n);
+    fprintf(out, "JOD %.2f", note->jod);
     if (isfinite(note->jod_low))
-        html(out, ", 95 %% interval %.2f to %.2f", note->jod_low, note->jod_high);
+        fprintf(out, ", 95 %% interval %.2f to %.2f", note->jod_low, note->jod_high);
     if (isfinite(note->delta_e))
-        html(out, ", Delta-E ITP %.3g", note->delta_e);
+        fprintf(out, ", Delta-E ITP %.3g", note->delta_e);
     if (isfinite(note->novelty))
-        html(out, ", novelty %.2f", note->novelty);
-    html(out, ", %s", verdict_words(&r, verdict));
+        fprintf(out, ", novelty %.2f", note->novelty);
+    fprintf(out, ", %s", verdict_words(&r, verdict));
+    return html_text(out, &text);
 }
 
-static void put_case(const batch_form *form, FILE *out, size_t row, const batch_note *note) {
+static json_t *json_case(const void *user, size_t row) {
+    const batch_summary *s = user;
+    const batch_note *note = &s->notes[row];
     const nqm_score_result r = noted_result(note);
-    char text[GATE_TEXT];
-    html(out, "<testcase classname='%s' name='%s'>\n", form->list->pair[row].ref, test_name(form, row));
-    if (note->is_skipped) {
-        html(out, "<skipped message='both are refused: %s'/>\n", note->remark ? note->remark : "");
-    } else if (!note->is_scored) {
-        html(out, "<error type='no score' message='%s'/>\n", note->remark ? note->remark : "");
-    } else if (fails_gate(&form->gate, &r)) {
-        html(out, "<failure type='gate' message='JOD %.2f: %s'>", note->jod, gate_words(&form->gate, text));
-        put_figures(out, note);
-        fputs("</failure>\n", out);
-    }
-    if (note->is_scored) {
-        fputs("<system-out>", out);
-        put_figures(out, note);
-        html(out, "%s%s</system-out>\n", note->remark ? "\n" : "", note->remark ? note->remark : "");
-    }
-    fputs("</testcase>\n", out);
+    return json_pack("{s:o,s:o,s:o,s:o,s:b,s:b,s:b,s:o}", "reference", json_name(s->form->list->pair[row].ref), "test",
+                     json_name(test_name(s->form, row)), "remark", json_name(note->remark ? note->remark : ""), "jod",
+                     html_number(note->jod, 2, 'f'), "is_skipped", note->is_skipped, "is_error",
+                     !note->is_scored && !note->is_skipped, "is_failure",
+                     note->is_scored && fails_gate(&s->form->gate, &r), "figures",
+                     note->is_scored ? json_figures(note) : json_null());
 }
 
 void print_batch_junit(const batch_summary *s, FILE *out) {
-    fputs("<?xml version='1.0' encoding='UTF-8'?>\n", out);
-    html(out, "<testsuites name='nqm %s' tests='%zu' failures='%zu' errors='%zu' skipped='%zu'>\n", verb_name(),
-         s->n_rows, s->n_gated, s->n_unscored, s->n_skipped);
-    html(out, "<testsuite name='%s' tests='%zu' failures='%zu' errors='%zu' skipped='%zu'>\n", s->list_name, s->n_rows,
-         s->n_gated, s->n_unscored, s->n_skipped);
-    put_properties(s->form, out);
-    for (size_t row = 0; row < s->n_rows; ++row)
-        put_case(s->form, out, row, &s->notes[row]);
-    fputs("</testsuite>\n</testsuites>\n", out);
+    const nqm_model_info info = nqm_model_get_info(s->form->model);
+    char gate[GATE_TEXT];
+    html_fill(out, batch_junit,
+              json_pack("{s:s,s:I,s:I,s:I,s:I,s:o,s:s,s:o,s:s,s:s}", "verb", verb_name(), "tests",
+                        (json_int_t)s->n_rows, "failures", (json_int_t)s->n_gated, "errors", (json_int_t)s->n_unscored,
+                        "skipped", (json_int_t)s->n_skipped, "list", json_name(s->list_name), "version", nqm_version(),
+                        "model", json_name(info.id), "sha256", info.sha256, "gate", gate_words(&s->form->gate, gate)),
+              json_case, s);
 }
 
 /* ---- Markdown ---------------------------------------------------------------------------------------------------- */

@@ -32,26 +32,13 @@ void write_fit_page(const char *title, int n_arguments, char **arguments, const 
 /** Free the results and the model. */
 void free_report(report_run *run);
 
-/** The page while it is written. Its parts report an error and exit. */
+/** The page while it is written. Its functions report an error and exit. */
 typedef struct report_page {
     const report_run *run;
-    FILE *out;
     char *figure;  /* temporary file for a picture, a .png */
     canvas all;    /* frames of the scene, the pictures of the page */
     double *white; /* backdrop (height, width, 3) */
-    size_t place;  /* from 0 in the ranking, of the test whose section is written */
-    const scored_pair *row;
-    const label_item *item;
 } report_page;
-
-/** What takes the place of a mark {{...}} of report.html. */
-typedef struct report_part {
-    const char *mark;
-    void (*put)(const report_page *page);
-} report_part;
-
-/** The parts of the section of a test; the last mark is NULL. */
-extern const report_part report_test_parts[];
 
 /** The texts of report.html, report.css and web/charts.* (cmake/embed_text.cmake). */
 extern const char report_html[], report_css[], report_charts_css[], report_charts_js[];
@@ -59,18 +46,15 @@ extern const char report_html[], report_css[], report_charts_css[], report_chart
 /** The whole page. figure: path of a temporary PNG. */
 void write_report(const report_run *run, FILE *out, char *figure);
 
-/** What a section has of textured materials: the map of Delta-E, near and far scores, blame, and pictures of the maps. */
-void put_texture(const report_page *page);
+/** What report.html shows in the section of a test, and of its textures. */
+json_t *json_test(const report_page *page, const scored_pair *row);
+json_t *json_report_texture(const report_page *page, const scored_pair *row);
 
-/** The picture in the temporary file, at a size in CSS pixels; removes the file. */
-void put_figure(const report_page *page, const char *alt, size_t width, size_t height);
-/** Pictures of reference and test, the map of their differences, and the scale of its colours. */
-void put_reference_picture(const report_page *page);
-void put_test_picture(const report_page *page);
-void put_map(const report_page *page);
-void put_scale(const report_page *page);
-
-/** Identical BRDFs have none. */
-bool has_interval(const nqm_score_result *result);
+/** Markup of the picture in the temporary file, which is removed, at a size in CSS pixels. */
+json_t *take_figure(const report_page *page, const char *alt, size_t width, size_t height);
+/** Markup of the picture of an item, of the map of its difference from the reference, and of the scale of its colours. */
+json_t *draw_item(const report_page *page, size_t item, const char *alt);
+json_t *draw_difference(const report_page *page, size_t item);
+json_t *draw_scale(const report_page *page);
 
 #endif

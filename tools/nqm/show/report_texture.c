@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * What a section of a report has of textured materials: the map of Delta-E of the texels, scores from near and from
+ * The data of textured materials in a section of a report: the map of Delta-E of the texels, scores from near and from
  * afar, which map is to blame, and small pictures of the maps.
  */
 #include "figures/picture.h"
@@ -13,26 +13,26 @@ enum { SIDE = 160, NORMAL = NQM_SPEC_MAX_KEYS };
 
 /* ---- numbers ----------------------------------------------------------------------------------------------------- */
 
-static void put_row(FILE *out, const char *name, double v, const char *words) {
-    html(out, "<tr><th scope='row'>%s</th><td class='n'>%.2f</td><td>%s</td></tr>\n", name, v, words);
+static void add_score(json_t *rows, const char *label, double jod, const char *about) {
+    json_array_append_new(
+        rows, json_pack("{s:s,s:o,s:s}", "label", label, "value", html_number(jod, 2, 'f'), "about", about));
 }
 
-static void put_scores(FILE *out, const nqm_texture_result *t) {
+static json_t *json_near_and_far(const nqm_texture_result *t) {
+    json_t *rows = json_array();
     char text[100];
-    html(out, "<table class='metrics'><caption>Over the texels</caption>\n<thead><tr><th scope='col'>Score</th>"
-              "<th scope='col' class='n'>JOD</th><th scope='col'></th></tr></thead>\n<tbody>\n");
     snprintf(text, sizeof text, "the texels are seen: mean of %zu x %zu", t->width, t->height);
-    put_row(out, "near", t->jod, text);
+    add_score(rows, "near", t->jod, text);
     snprintf(text, sizeof text, "the texture is smaller than a pixel (%.2f to %.2f)", t->far_jod[1], t->far_jod[2]);
-    put_row(out, "from afar", t->far_jod[0], isnan(t->far_jod[1]) ? "the texture is smaller than a pixel" : text);
-    put_row(out, "median texel", t->median, "");
+    add_score(rows, "from afar", t->far_jod[0], isnan(t->far_jod[1]) ? "the texture is smaller than a pixel" : text);
+    add_score(rows, "median texel", t->median, "");
     snprintf(text, sizeof text, "%.1f %% of texels are below 9, %.1f %% below 8", 100 * t->below[0], 100 * t->below[1]);
-    put_row(out, "worst 5 %", t->worst, text);
+    add_score(rows, "worst 5 %", t->worst, text);
     for (size_t i = 0; i < t->n_blame; ++i) {
         snprintf(text, sizeof text, "%.47s alone", t->blame[i].key);
-        put_row(out, text, t->blame[i].jod, t->blame[i].mistake);
+        add_score(rows, text, t->blame[i].jod, t->blame[i].mistake);
     }
-    html(out, "</tbody></table>\n");
+    return rows;
 }
 
 /* ---- maps -------------------------------------------------------------------------------------------------------- */
@@ -57,7 +57,7 @@ static void write_texel(void *user, const float *rows, size_t i, unsigned char *
             out[c] = unit_byte(nqm_texture_value(t, m->property, 0, rows, i));
 }
 
-static void put_map_of(const report_page *page, const nqm_texture *texture, size_t property) {
+static void add_map(const report_page *page, const nqm_texture *texture, size_t property, json_t *list) {
     const char *key = property == NORMAL ? "normal" : texture->keys[property].name;
     const size_t tiles[2] = {1, 1};
     shown_map m = {texture, property};
@@ -66,36 +66,27 @@ static void put_map_of(const report_page *page, const nqm_texture *texture, size
     must(write_texels(texture, tiles, write_texel, &m, &r, &err), &err);
     must(nqm_raster_write_png(page->figure, &r, true, &err), &err);
     nqm_raster_clear(&r);
-    html(page->out, "<figure>");
-    put_figure(page, key, SIDE, SIDE);
-    html(page->out, "<figcaption>%s</figcaption></figure>\n", key);
+    json_array_append_new(list, json_pack("{s:s,s:o}", "key", key, "picture", take_figure(page, key, SIDE, SIDE)));
 }
 
-static void put_maps(const report_page *page, const char *who, const nqm_texture *texture) {
-    if (!texture)
-        return;
-    html(page->out, "<p class='note'>Maps of the %s:</p>\n<div class='maps'>\n", who);
-    for (size_t k = 0; k < texture->n_properties; ++k)
+static void add_maps(const report_page *page, const char *who, const nqm_texture *texture, json_t *to) {
+    json_t *list = json_array();
+    for (size_t k = 0; texture && k < texture->n_properties; ++k)
         if (texture->properties[k].node != NQM_NO_NODE)
-            put_map_of(page, texture, k);
-    if (texture->normal != NQM_NO_NODE)
-        put_map_of(page, texture, NORMAL);
-    html(page->out, "</div>\n");
+            add_map(page, texture, k, list);
+    if (texture && texture->normal != NQM_NO_NODE)
+        add_map(page, texture, NORMAL, list);
+    if (texture)
+        json_array_append_new(to, json_pack("{s:s,s:O}", "who", who, "list", list));
+    json_decref(list);
 }
 
-void put_texture(const report_page *page) {
-    const scored_pair *row = page->row;
-    if (!row->texture)
-        return;
-    html(page->out, "<div class='two'>\n<figure>");
+json_t *json_report_texture(const report_page *page, const scored_pair *row) {
+    const label_item *items = page->run->labels.items;
     const double end = write_heat(page->figure, row->texture, row->heat);
-    put_figure(page, "Map of Delta-E ITP of the texels", 440, 440);
-    html(page->out,
-         "<figcaption>\xce\x94"
-         "E&#160;ITP of each texel, 0 (dark) to %.3g and above (bright)</figcaption></figure>\n<div>\n",
-         end);
-    put_scores(page->out, row->texture);
-    html(page->out, "</div>\n</div>\n");
-    put_maps(page, "reference", page->run->labels.items[0].texture);
-    put_maps(page, "test", page->item->texture);
+    json_t *maps = json_array(), *heat = take_figure(page, "Map of Delta-E ITP of the texels", 440, 440);
+    add_maps(page, "reference", items[0].texture, maps);
+    add_maps(page, "test", items[row->order + 1].texture, maps);
+    return json_pack("{s:o,s:o,s:o,s:o}", "heat", heat, "brightest", html_number(end, 3, 'g'), "scores",
+                     json_near_and_far(row->texture), "maps", maps);
 }
