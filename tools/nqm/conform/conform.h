@@ -114,7 +114,5 @@ bool is_named(const conform_result *r);
 void print_conform(const conform_result *r);
 /** Write JUnit and Markdown where a path is given. */
 void write_conform_reports(const conform_result *r, const char *junit, const char *markdown);
-/** Prove the kit: the model's own values pass, and each suspect is named from its values. Returns the exit code. */
-int prove_kit(const conform_kit *kit, result_format format);
 
 #endif

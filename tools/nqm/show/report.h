@@ -22,16 +22,9 @@ typedef struct report_run {
                            short forms differ */
 } report_run;
 
-/** Score and render the arguments, a reference and its tests, and write the page to `out`, which it closes. The
- *  caller sets model and options of the scores, scene and shrink of the labels, title and date first. names:
- *  (n_arguments) shown instead of automatic ones where not NULL; NULL: none. Errors end the program. */
-void make_report(report_run *run, int n_arguments, char **arguments, const char *const *names, output_file *out);
-/** The same for fits or a translation of a reference: scored by the model `metric`, with pictures of the standard scenes. */
+/** Write the page of fits or a translation of a reference, which it closes: scored by the model `metric`, with pictures of the standard scenes. */
 void write_fit_page(const char *title, int n_arguments, char **arguments, const char *const *names, const char *metric,
                     output_file *out);
-/** Free the results and the model. */
-void free_report(report_run *run);
-
 /** The page while it is written. Its functions report an error and exit. */
 typedef struct report_page {
     const report_run *run;
@@ -52,9 +45,5 @@ json_t *json_report_texture(const report_page *page, const scored_pair *row);
 
 /** Markup of the picture in the temporary file, which is removed, at a size in CSS pixels. */
 json_t *take_figure(const report_page *page, const char *alt, size_t width, size_t height);
-/** Markup of the picture of an item, of the map of its difference from the reference, and of the scale of its colours. */
-json_t *draw_item(const report_page *page, size_t item, const char *alt);
-json_t *draw_difference(const report_page *page, size_t item);
-json_t *draw_scale(const report_page *page);
 
 #endif
