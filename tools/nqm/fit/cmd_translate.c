@@ -8,7 +8,6 @@
 #include "fit/match.h"
 #include "material/material.h"
 #include "nqm/fit/translate.h"
-#include "nqm/score/gate.h"
 #include "nqm/score/score.h"
 #include "nqm/show/report.h"
 #include "nqm/textured.h"
