@@ -64,11 +64,8 @@ static void compare(conform_result *r, const char *name, const float *values) {
     const suspect none = {.mistakes = 0};
     const conform_kit *kit = r->kit;
     nqm_score_result *results = allocate(kit->n_sets, sizeof *results);
-    nqm_scorer *scorer;
-    nqm_error err = {0};
-    r->run.options = nqm_score_options_default();
-    r->run.options.metrics = 0;
-    must(nqm_scorer_create(kit->metric, &r->run.options, &scorer, &err), &err);
+    r->run.options = plain_score_options();
+    nqm_scorer *scorer = open_scorer(kit->metric, &r->run.options);
     score_values(kit, scorer, values, &none, results);
     make_rows(r, name, results);
     bool passes = true;
@@ -124,9 +121,7 @@ static double lowest_of(const conform_kit *kit, const conform_kit *rounded) {
     const nqm_score_options options = nqm_score_options_default();
     float *values = allocate(3 * kit->n_sets * kit->n_directions, sizeof *values);
     nqm_score_result *results = allocate(kit->n_sets, sizeof *results);
-    nqm_scorer *scorer;
-    nqm_error err = {0};
-    must(nqm_scorer_create(kit->metric, &options, &scorer, &err), &err);
+    nqm_scorer *scorer = open_scorer(kit->metric, &options);
     for (size_t set = 0; set < kit->n_sets; ++set)
         sample_suspect(rounded, set, &none, values + 3 * set * kit->n_directions);
     score_values(kit, scorer, values, &none, results);

@@ -90,44 +90,7 @@ static json_t *json_mistakes(const conform_result *r) {
 
 /* ---- the sets ---------------------------------------------------------------------------------------------------- */
 
-/* The rows as those of nqm batch. free_summary() it. */
-typedef struct set_summary {
-    batch_form form;
-    nqm_pair_list list;
-    batch_note *notes; /* (n_rows) */
-    batch_summary summary;
-} set_summary;
-
-static void make_summary(const conform_result *r, set_summary *s) {
-    const size_t n = r->run.n_rows;
-    *s = (set_summary){.list.n_rows = n};
-    s->list.pair = allocate(n, sizeof *s->list.pair);
-    s->notes = allocate(n, sizeof *s->notes);
-    s->form = (batch_form){.list = &s->list,
-                           .names = allocate(n, sizeof *s->form.names),
-                           .model = r->run.model,
-                           .gate = r->run.gate,
-                           .terms = r->run.terms};
-    for (size_t i = 0; i < n; ++i) {
-        const scored_pair *row = &r->run.rows[i];
-        s->list.pair[i] = row->pair;
-        s->form.names[i] = row->name;
-        s->notes[i] = make_batch_note(&s->form, i, &row->result, &row->err);
-    }
-    s->summary = make_batch_summary(&s->form, r->run.ref_name, n, s->notes);
-    s->summary.n_shown = nqm_smaller(n, r->n_shown);
-}
-
-static void free_summary(set_summary *s) {
-    for (size_t i = 0; i < s->list.n_rows; ++i)
-        free(s->notes[i].remark);
-    free(s->list.pair);
-    free(s->notes);
-    free(s->form.names);
-    free(s->summary.order);
-}
-
-static void print_text(const conform_result *r, const set_summary *s) {
+static void print_text(const conform_result *r, const row_summary *s) {
     char verdict[VERDICT_TEXT], words[NQM_LABEL_TEXT];
     const score_run *run = &r->run;
     size_t n_passed = 0;
@@ -166,21 +129,17 @@ void print_conform(const conform_result *r) {
         puts(is_named(r) ? r->named[0].text : r->none > 0 ? "unknown" : "none");
     if (r->run.format != FORMAT_TEXT)
         return;
-    set_summary s;
-    make_summary(r, &s);
+    row_summary s;
+    summarise_rows(&r->run, r->run.ref_name, r->n_shown, &s);
     print_text(r, &s);
-    free_summary(&s);
+    free_row_summary(&s);
 }
 
 void write_conform_reports(const conform_result *r, const char *junit, const char *markdown) {
-    set_summary s;
+    row_summary s;
     output_file out;
-    make_summary(r, &s);
-    if (junit) {
-        open_output(junit, &out);
-        print_batch_junit(&s.summary, out.stream);
-        close_output(&out);
-    }
+    summarise_rows(&r->run, r->run.ref_name, r->n_shown, &s);
+    write_batch_summary(&s.summary, junit, print_batch_junit);
     if (markdown) {
         open_output(markdown, &out);
         print_batch_markdown(&s.summary, out.stream);
@@ -188,5 +147,5 @@ void write_conform_reports(const conform_result *r, const char *junit, const cha
         put_mistakes(out.stream, r, "\n\n");
         close_output(&out);
     }
-    free_summary(&s);
+    free_row_summary(&s);
 }

@@ -156,7 +156,6 @@ typedef struct output {
 /* Create the folder, or check that the file can be created and that the only model writes one. */
 static output prepare_output(const char *path, const fit_request *request) {
     output out = {.path = path};
-    nqm_outfile trial;
     nqm_error err = {0};
     const nqm_fit_entry *first;
     size_t n = path ? strlen(path) : 0;
@@ -168,10 +167,8 @@ static output prepare_output(const char *path, const fit_request *request) {
         stop(EXIT_USAGE, "the result of %s is a spec, which is printed: -o %s would not be written", first->name, path);
     if (out.folder)
         make_folder(path);
-    if (path && !out.folder && strcmp(path, "-") != 0) {
-        must(nqm_outfile_open(path, &trial, &err), &err);
-        nqm_outfile_abort(&trial);
-    }
+    if (path && !out.folder)
+        require_output(path);
     return out;
 }
 
@@ -493,12 +490,10 @@ int cmd_fit(int argc, char **argv) {
     choose_models(model, &request);
     choose_bounds(bounds, &request);
     nqm_model *metric_model = open_model(metric);
-    nqm_score_options score_options = nqm_score_options_default();
-    score_options.metrics = 0;
-    nqm_error err = {0};
+    const nqm_score_options score_options = plain_score_options();
     fit_terms terms = {.with_before = page};
     open_loss(loss, transport, metric_model, &terms.loss);
-    must(nqm_scorer_create(metric_model, &score_options, &terms.scorer, &err), &err);
+    terms.scorer = open_scorer(metric_model, &score_options);
     fitted *results = allocate(request.n_models, sizeof *results);
     nqm_directions *directions = open_directions(directions_name);
     nqm_brdf *ref = open_brdf(argv[0]);

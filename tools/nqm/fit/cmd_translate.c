@@ -412,15 +412,6 @@ static void translate_all(translation *t, bool with_rows) {
 
 /* ---- the verb ----------------------------------------------------------------------------------------------------- */
 
-static nqm_scorer *open_scorer(const nqm_model *model) {
-    nqm_score_options options = nqm_score_options_default();
-    nqm_scorer *scorer;
-    nqm_error err = {0};
-    options.metrics = 0;
-    must(nqm_scorer_create(model, &options, &scorer, &err), &err);
-    return scorer;
-}
-
 static translation t;
 static const char *to, *loss = "auto", *metric = "default", *transport = "transport", *page;
 static uint64_t samples = 2000;
@@ -481,8 +472,9 @@ int cmd_translate(int argc, char **argv) {
     if (page)
         open_output(page, &page_file);
     t.loss = (nqm_match_loss){loss, metric_model, transport_model, judge};
-    t.scorer = open_scorer(metric_model);
-    t.transport = open_scorer(transport_model);
+    const nqm_score_options options_of_scores = plain_score_options();
+    t.scorer = open_scorer(metric_model, &options_of_scores);
+    t.transport = open_scorer(transport_model, &options_of_scores);
     translate_all(&t, !json);
     if (json)
         print_as_json(&t);

@@ -204,14 +204,11 @@ static void print_results(const library *of) {
 
 int cmd_dedup(int argc, char **argv) {
     library of = {.path = NULL};
-    nqm_scorer *scorer;
     near_pair *pairs;
-    nqm_error err = {0};
-    run.options = nqm_score_options_default();
-    run.options.metrics = 0;
+    run.options = plain_score_options();
     parse_arguments(&cmd, argc, argv);
     run.model = open_model(model);
-    must(nqm_scorer_create(run.model, &run.options, &scorer, &err), &err);
+    nqm_scorer *scorer = open_scorer(run.model, &run.options);
     draw_library(argv[0], run.model, scorer, NULL, &of);
     size_t n = find_near_pairs(&of, jod, &pairs);
     n = confirm(&of, scorer, jod, pairs, n);

@@ -98,9 +98,8 @@ static void pair_looks(void) {
     if (n_paired == v.old.n || n_paired == v.new.n || nqm_gallery_size(run.model) == 0)
         return;
     size_t *old_from = allocate(v.old.n, sizeof *old_from), *new_from = allocate(v.new.n, sizeof *new_from);
-    nqm_scorer *scorer;
+    nqm_scorer *scorer = open_scorer(run.model, &run.options);
     nqm_error err = {0};
-    must(nqm_scorer_create(run.model, &run.options, &scorer, &err), &err);
     library old = take_single(&v.old, v.partner, NULL, scorer, old_from);
     library new = take_single(&v.new, NULL, v.is_partner, scorer, new_from);
     float *jod = allocate(new.n, sizeof *jod);
@@ -345,35 +344,20 @@ static void print_diff_json(void) {
 
 /* The summary files of `nqm batch`, of the same rows. */
 static void write_summaries(void) {
-    const size_t n = v.n_pairs;
-    nqm_named_pair *pairs = allocate(n, sizeof *pairs);
-    const char **names = allocate(n, sizeof *names);
-    batch_note *notes = allocate(n, sizeof *notes);
-    nqm_pair_list list = {.n_rows = n, .pair = pairs};
-    const batch_form form = {.list = &list, .names = names, .model = run.model, .gate = run.gate, .terms = run.terms};
-    for (size_t i = 0; i < n; ++i) {
-        pairs[i] = run.rows[i].pair;
-        names[i] = run.rows[i].name;
-    }
-    for (size_t i = 0; i < n; ++i) {
-        notes[i] = make_batch_note(&form, i, &run.rows[i].result, &run.rows[i].err);
-        char *text = describe_row(i), *remark = notes[i].remark;
+    row_summary s;
+    summarise_rows(&run, new_path, v.n_pairs, &s);
+    for (size_t i = 0; i < v.n_pairs; ++i) {
+        char *text = describe_row(i), *remark = s.notes[i].remark;
         const size_t n_text = strlen(text) + (remark ? strlen(remark) : 0) + 3;
-        notes[i].remark = allocate(n_text, 1);
-        snprintf(notes[i].remark, n_text, "%s%s%s", text, remark && *text ? "; " : "", remark ? remark : "");
+        s.notes[i].remark = allocate(n_text, 1);
+        snprintf(s.notes[i].remark, n_text, "%s%s%s", text, remark && *text ? "; " : "", remark ? remark : "");
         free(text);
         free(remark);
     }
-    batch_summary summary = make_batch_summary(&form, new_path, n, notes);
-    summary.n_shown = count_changed() + summary.n_skipped;
-    write_batch_summary(&summary, junit, print_batch_junit);
-    write_batch_summary(&summary, markdown, print_batch_markdown);
-    for (size_t i = 0; i < n; ++i)
-        free(notes[i].remark);
-    free(summary.order);
-    free(notes);
-    free(names);
-    free(pairs);
+    s.summary.n_shown = count_changed() + s.summary.n_skipped;
+    write_batch_summary(&s.summary, junit, print_batch_junit);
+    write_batch_summary(&s.summary, markdown, print_batch_markdown);
+    free_row_summary(&s);
 }
 
 /* ---- the verb ---------------------------------------------------------------------------------------------------- */
@@ -449,8 +433,7 @@ static void free_versions(void) {
 }
 
 int cmd_diff(int argc, char **argv) {
-    run.options = nqm_score_options_default();
-    run.options.metrics = 0;
+    run.options = plain_score_options();
     const int n_arguments = parse_arguments(&cmd, argc, argv);
     if (n_arguments != 2 && n_arguments != GIT_ARGUMENTS)
         stop(EXIT_USAGE, "give two files or folders, or the %d arguments of GIT_EXTERNAL_DIFF", GIT_ARGUMENTS);

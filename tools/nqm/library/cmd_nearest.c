@@ -91,14 +91,12 @@ static const command cmd = {
 int cmd_nearest(int argc, char **argv) {
     enum { LEAST_SCORED = 128 };
     library of = {.path = NULL}, one = {.path = NULL};
-    nqm_scorer *scorer;
     nqm_error err = {0};
-    run.options = nqm_score_options_default();
-    run.options.metrics = 0;
+    run.options = plain_score_options();
     parse_arguments(&cmd, argc, argv);
     refuse_model_name(argv[0]);
     run.model = open_model(model);
-    must(nqm_scorer_create(run.model, &run.options, &scorer, &err), &err);
+    nqm_scorer *scorer = open_scorer(run.model, &run.options);
     must(nqm_gallery_create(run.model, 1, NULL, &one.gallery, &err), &err);
     must(nqm_scorer_draw(scorer, 1, (const char *const[]){argv[0]}, one.gallery, 0, &err, &err), &err);
     if (err.status != NQM_OK)

@@ -122,6 +122,16 @@ typedef struct batch_summary {
     size_t n_shown;                                /* rows of tables */
 } batch_summary;
 
+/** The summary of the rows of another verb. */
+typedef struct row_summary {
+    batch_form form;
+    nqm_pair_list list;
+    batch_note *notes; /* (n_rows) */
+    batch_summary summary;
+} row_summary;
+void summarise_rows(const score_run *run, const char *list_name, size_t n_shown, row_summary *s);
+void free_row_summary(row_summary *s);
+
 /** free() `order`. */
 batch_summary make_batch_summary(const batch_form *form, const char *list_name, size_t n_rows, const batch_note *notes);
 /** A JUnit report: one test case per pair, in the order of the list; a failure for each pair below the gate, an error for each

@@ -51,6 +51,34 @@ batch_summary make_batch_summary(const batch_form *form, const char *list_name, 
     return s;
 }
 
+void summarise_rows(const score_run *run, const char *list_name, size_t n_shown, row_summary *s) {
+    const size_t n = run->n_rows;
+    *s = (row_summary){.list.n_rows = n};
+    s->list.pair = allocate(n, sizeof *s->list.pair);
+    s->notes = allocate(n, sizeof *s->notes);
+    s->form = (batch_form){.list = &s->list,
+                           .names = allocate(n, sizeof *s->form.names),
+                           .model = run->model,
+                           .gate = run->gate,
+                           .terms = run->terms};
+    for (size_t i = 0; i < n; ++i) {
+        s->list.pair[i] = run->rows[i].pair;
+        s->form.names[i] = run->rows[i].name;
+        s->notes[i] = make_batch_note(&s->form, i, &run->rows[i].result, &run->rows[i].err);
+    }
+    s->summary = make_batch_summary(&s->form, list_name, n, s->notes);
+    s->summary.n_shown = nqm_smaller(n, n_shown);
+}
+
+void free_row_summary(row_summary *s) {
+    for (size_t i = 0; i < s->list.n_rows; ++i)
+        free(s->notes[i].remark);
+    free(s->list.pair);
+    free(s->notes);
+    free(s->form.names);
+    free(s->summary.order);
+}
+
 static const char *test_name(const batch_form *form, size_t row) {
     return form->names && form->names[row] ? form->names[row] : form->list->pair[row].test;
 }

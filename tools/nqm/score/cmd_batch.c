@@ -155,7 +155,7 @@ static void open_inputs(batch_run *run, const batch_arguments *a) {
     check_gate(&run->form.gate, model);
     must(nqm_pair_list_load(a->list, &run->given, &err), &err);
     run->list = run->given;
-    must(nqm_scorer_create(model, &run->options, &run->scorer, &err), &err);
+    run->scorer = open_scorer(model, &run->options);
     const char *stream = stream_name(a->list, &(size_t){0});
     run->list_name = *stream ? stream : a->list;
     run->form.list = run->list;

@@ -198,8 +198,7 @@ int cmd_rank(int argc, char **argv) {
     const char **names = NULL;
     nqm_pair_list *list = NULL;
     nqm_error err = {0};
-    run.options = nqm_score_options_default();
-    run.options.metrics = 0;
+    run.options = plain_score_options();
     const int n_arguments = parse_arguments(&cmd, argc, argv);
     if (list_path ? n_arguments > 0 : n_arguments < 2)
         stop(EXIT_USAGE, "give a reference and its tests, or --list LIST");

@@ -77,6 +77,10 @@ void set_list_pairs(score_run *run, const nqm_pair_list *list, const char *const
 /** Cut the names off the tests "NAME=BRDF" of a list, in its working folder; a column `name` has priority. Returns (n_rows) names,
  *  NULL where there is none; one block, free() it. Stops at names that check_names() refuses; list_name: for messages. */
 const char **take_list_names(nqm_pair_list *list, const char *list_name);
+/** Free with nqm_scorer_free(). */
+nqm_scorer *open_scorer(const nqm_model *model, const nqm_score_options *options);
+/** The defaults without scalar metrics. */
+nqm_score_options plain_score_options(void);
 /** Score the pairs of the rows; errors of single pairs are stored in their rows. On another failure, report the error and
  *  exit. */
 void make_scores(score_run *run);

@@ -83,13 +83,25 @@ const char **take_list_names(nqm_pair_list *list, const char *list_name) {
     return names;
 }
 
+nqm_scorer *open_scorer(const nqm_model *model, const nqm_score_options *options) {
+    nqm_error err = {0};
+    nqm_scorer *scorer;
+    must(nqm_scorer_create(model, options, &scorer, &err), &err);
+    return scorer;
+}
+
+nqm_score_options plain_score_options(void) {
+    nqm_score_options options = nqm_score_options_default();
+    options.metrics = 0;
+    return options;
+}
+
 /* Score in blocks, so that Ctrl-C is noticed between them. */
 void make_scores(score_run *run) {
     nqm_error err = {0};
-    nqm_scorer *scorer;
+    nqm_scorer *scorer = open_scorer(run->model, &run->options);
     run->terms.n_directions = nqm_directions_count(nqm_model_get_info(run->model).directions);
     run->terms.invalid = run->options.invalid;
-    must(nqm_scorer_create(run->model, &run->options, &scorer, &err), &err);
     for (size_t begin = 0, n; begin < run->n_rows; begin += n) {
         nqm_named_pair pairs[NQM_SCORE_BLOCK];
         nqm_score_result results[NQM_SCORE_BLOCK];
