@@ -107,7 +107,7 @@ void flush_batch_output(batch_output *out);
 /** Write the end of the output and close it. order: (n) the rows of a sorted output; NULL: all are written. */
 void close_batch_output(batch_output *out, const batch_form *form, size_t n, const size_t *order);
 
-/* ---- all rows (batch_summary.c) ---------------------------------------------------------------------------------- */
+/* ---- all rows (batch_print.c) ---------------------------------------------------------------------------------- */
 
 /** The rows, worst first: those without a score, then by JOD, equal ones as in the list; or best first. free() it. */
 size_t *order_batch_rows(size_t n, const batch_note *notes, bool is_best);

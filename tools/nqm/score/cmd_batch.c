@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
  * nqm batch - scores the pairs of a list in the order of the list. batch_pieces.c has the results, also those of an interrupted
- * run; batch_print.c writes rows; batch_summary.c writes what is made of all rows.
+ * run; batch_print.c writes rows, and what is made of all of them.
  */
 #include "nqm/score/batch.h"
 

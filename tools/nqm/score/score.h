@@ -6,7 +6,6 @@
 #define NQM_TOOL_SCORE_H
 
 #include "metric/metric.h"
-#include "nqm/score/expand.h"
 #include "nqm/score/pair_list.h"
 #include "nqm/tool.h"
 #include <nqm/texture.h>
@@ -69,7 +68,7 @@ typedef struct score_run {
 
 /* ---- shared (score_shared.c) ------------------------------------------------------------------------------------- */
 
-/** Rows for the pairs of arguments[0] with each of the others, expanded (expand.h). names: (n_arguments) to print, NULL
+/** Rows for the pairs of arguments[0] with each of the others, expanded (pair_list.h). names: (n_arguments) to print, NULL
  *  where the argument itself is to be printed; NULL: there are none. */
 void set_pairs(score_run *run, int n_arguments, char **arguments, const char *const *names);
 /** The same for the pairs of a list; names: (n_rows) of the tests, NULL where there is none. */

@@ -25,25 +25,10 @@ typedef struct report_run {
 /** Write the page of fits or a translation of a reference, which it closes: scored by the model `metric`, with pictures of the standard scenes. */
 void write_fit_page(const char *title, int n_arguments, char **arguments, const char *const *names, const char *metric,
                     output_file *out);
-/** The page while it is written. Its functions report an error and exit. */
-typedef struct report_page {
-    const report_run *run;
-    char *figure;  /* temporary file for a picture, a .png */
-    canvas all;    /* frames of the scene, the pictures of the page */
-    double *white; /* backdrop (height, width, 3) */
-} report_page;
-
 /** The texts of report.html, report.css and web/charts.* (cmake/embed_text.cmake). */
 extern const char report_html[], report_css[], report_charts_css[], report_charts_js[];
 
 /** The whole page. figure: path of a temporary PNG. */
 void write_report(const report_run *run, FILE *out, char *figure);
-
-/** What report.html shows in the section of a test, and of its textures. */
-json_t *json_test(const report_page *page, const scored_pair *row);
-json_t *json_report_texture(const report_page *page, const scored_pair *row);
-
-/** Markup of the picture in the temporary file, which is removed, at a size in CSS pixels. */
-json_t *take_figure(const report_page *page, const char *alt, size_t width, size_t height);
 
 #endif
