@@ -28,22 +28,20 @@ char *absolute_path(const char *path, const char *suffix) {
 }
 
 void open_output(const char *path, output_file *out) {
-    nqm_error err = {0};
     *out = (output_file){.stream = stdout};
     if (strcmp(path, "-") == 0)
         return;
-    must(nqm_outfile_open(path, &out->file, &err), &err);
+    must(nqm_outfile_open(path, &out->file, &fault));
     out->stream = out->file.stream;
     out->next = open_outputs;
     open_outputs = out;
 }
 
 void require_output(const char *path) {
-    nqm_error err = {0};
     nqm_outfile file;
     if (strcmp(path, "-") == 0)
         return;
-    must(nqm_outfile_open(path, &file, &err), &err);
+    must(nqm_outfile_open(path, &file, &fault));
     nqm_outfile_abort(&file);
 }
 
@@ -115,13 +113,12 @@ bool is_same_output(const char *a, const char *b) {
 }
 
 void close_output(output_file *out) {
-    nqm_error err = {0};
     output_file **link = &open_outputs;
     while (*link && *link != out)
         link = &(*link)->next;
     if (*link) {
         *link = out->next;
-        must(nqm_outfile_commit(&out->file, &err), &err);
+        must(nqm_outfile_commit(&out->file, &fault));
     }
     *out = (output_file){0};
 }

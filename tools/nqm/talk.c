@@ -86,9 +86,11 @@ void stop_error(const nqm_error *err) {
     leave(report_error(err));
 }
 
-void must(nqm_status status, const nqm_error *err) {
+nqm_error fault;
+
+void must(nqm_status status) {
     if (status != NQM_OK)
-        stop_error(err);
+        stop_error(&fault);
 }
 
 static json_malloc_t json_malloc;
@@ -104,9 +106,8 @@ void stop_without_json_memory(void) {
 }
 
 json_t *parse_json(const char *text) {
-    nqm_error err;
     json_t *json;
-    must(nqm_json_parse(text, &json, &err), &err);
+    must(nqm_json_parse(text, &json, &fault));
     return json;
 }
 

@@ -208,8 +208,10 @@ int exit_code_of(nqm_status status);
 /** The same, then exit: unfinished output files are removed, memory is left to the system. */
 _Noreturn void stop_error(const nqm_error *err);
 __attribute__((format(printf, 2, 3))) _Noreturn void stop(int exit_code, const char *format, ...);
-/** stop_error() unless the status is NQM_OK. */
-void must(nqm_status status, const nqm_error *err);
+/** The error of calls that must succeed: must(nqm_brdf_open(name, &brdf, &fault)). Of the main thread. */
+extern nqm_error fault;
+/** stop_error(&fault) unless the status is NQM_OK. */
+void must(nqm_status status);
 /** From here on a failed allocation of jansson ends the tool: jansson leaves out values, and no result may lack one. */
 void stop_without_json_memory(void);
 /** The value of a text; NULL if it is no JSON. */

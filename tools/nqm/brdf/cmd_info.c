@@ -38,8 +38,7 @@ static int print_brdf(const char *argument, bool json) {
 /* A material with image maps, which are decoded. */
 static int print_texture(const char *argument, bool json) {
     nqm_texture *texture;
-    nqm_error err = {0};
-    must(nqm_texture_open(argument, show_progress, NULL, &texture, &err), &err);
+    must(nqm_texture_open(argument, show_progress, NULL, &texture, &fault));
     end_progress();
     const nqm_texture_info info = nqm_texture_get_info(texture, NULL);
     json_t *members =
@@ -124,8 +123,7 @@ static int print_file_of_brdfs(const char *argument, bool json) {
 
 static int print_dataset(const char *path, bool json) {
     nqm_dataset *dataset;
-    nqm_error err = {0};
-    must(nqm_dataset_load(path, &dataset, &err), &err);
+    must(nqm_dataset_load(path, &dataset, &fault));
     const nqm_dataset_info info = nqm_dataset_get_info(dataset);
     json_t *members = json_pack(
         "{s:s,s:o,s:s,s:I,s:I,s:I,s:{s:I,s:I,s:I},s:{s:I,s:s}}", "kind", "dataset", "name", json_name(path), "sha256",
@@ -210,19 +208,18 @@ void print_model_text(const nqm_model *model) {
 
 /* Write a copy of a model whose card ends with a text; `half` also rounds the weights of its hidden layers to 16 bits. */
 static int annotate_model(const char *name, const char *notes_path, bool half, const char *output) {
-    nqm_error err = {0};
     nqm_model *model = open_model(name), *annotated;
     char *notes = read_text(notes_path);
     if (half) { /* 16-bit weights in the hidden layers, with newly computed golden scores */
         nqm_model *original = model;
-        must(nqm_model_copy(original, &model, &err), &err);
+        must(nqm_model_copy(original, &model, &fault));
         nqm_model_free(original);
-        must(nqm_model_round_to_half(model, &err), &err);
+        must(nqm_model_round_to_half(model, &fault));
         nqm_free(model->golden);
-        must(nqm_golden_make(model, &model->golden, &err), &err);
+        must(nqm_golden_make(model, &model->golden, &fault));
     }
-    must(nqm_model_annotate(model, notes, &annotated, &err), &err);
-    must(nqm_model_save(annotated, output, &err), &err);
+    must(nqm_model_annotate(model, notes, &annotated, &fault));
+    must(nqm_model_save(annotated, output, &fault));
     free(notes);
     nqm_model_free(model);
     nqm_model_free(annotated);

@@ -58,7 +58,6 @@ static void score_values(const conform_kit *kit, nqm_scorer *scorer, const float
     float *ref = allocate(3 * kit->n_sets * n, sizeof *ref), *test = allocate(3 * kit->n_sets * n, sizeof *test);
     uint8_t *used = allocate(kit->n_sets * n, 1);
     nqm_sample_pair *pairs = allocate(kit->n_sets, sizeof *pairs);
-    nqm_error err = {0};
     for (size_t set = 0; set < kit->n_sets; ++set) {
         pairs[set] = (nqm_sample_pair){ref + 3 * set * n, test + 3 * set * n, used + set * n};
         sample_suspect(kit, set, s, ref + 3 * set * n);
@@ -68,7 +67,7 @@ static void score_values(const conform_kit *kit, nqm_scorer *scorer, const float
         for (size_t c = 0; c < 3; ++c)
             test[3 * i + c] = used[i] ? fmaxf(values[3 * i + c], 0) : 0;
     }
-    must(nqm_scorer_run_samples(scorer, kit->n_sets, pairs, results, &err), &err);
+    must(nqm_scorer_run_samples(scorer, kit->n_sets, pairs, results, &fault));
     for (size_t set = 0; set < kit->n_sets; ++set)
         for (size_t i = set * n; i < (set + 1) * n; ++i) {
             const float *v = values + 3 * i;

@@ -201,18 +201,16 @@ static _Noreturn void stop_count(const conform_kit *kit, const char *name, size_
 static float read_field(const nqm_csv *csv, size_t row, int column) {
     const char *text = nqm_csv_text(csv, row, column);
     const char *word = text + (*text == '-' || *text == '+');
-    nqm_error err = {0};
     double value;
     if (strncasecmp(word, "nan", 3) == 0 || strncasecmp(word, "inf", 3) == 0)
         return NAN;
-    must(nqm_csv_number(csv, row, column, &value, &err), &err);
+    must(nqm_csv_number(csv, row, column, &value, &fault));
     return (float)value;
 }
 
 static void read_csv(const conform_kit *kit, const nqm_map *map, const char *name, float *values) {
     nqm_csv *csv;
-    nqm_error err = {0};
-    must(nqm_csv_parse((const char *)map->data, map->n_bytes, name, &csv, &err), &err);
+    must(nqm_csv_parse((const char *)map->data, map->n_bytes, name, &csv, &fault));
     const int column[3] = {nqm_csv_column(csv, "r"), nqm_csv_column(csv, "g"), nqm_csv_column(csv, "b")};
     if (column[0] < 0 || column[1] < 0 || column[2] < 0)
         stop(EXIT_MALFORMED, "%s: line 1 must name the columns r, g and b", name);
@@ -226,8 +224,7 @@ static void read_csv(const conform_kit *kit, const nqm_map *map, const char *nam
 
 static void read_npy(const conform_kit *kit, const nqm_map *map, float *values) {
     nqm_tensor tensor;
-    nqm_error err = {0};
-    must(nqm_npy_parse(map, &tensor, &err), &err);
+    must(nqm_npy_parse(map, &tensor, &fault));
     const size_t n = nqm_tensor_count(&tensor), n_each = nqm_dtype_size(tensor.dtype);
     const unsigned char *data = tensor.data;
     if (n != 3 * count_rows(kit) || tensor.n_dims < 2 || tensor.dims[tensor.n_dims - 1] != 3)
@@ -239,9 +236,8 @@ static void read_npy(const conform_kit *kit, const nqm_map *map, float *values) 
 /* A value with a channel that is not finite is none. */
 static float *read_file(const conform_kit *kit, const char *path, const char *name) {
     nqm_map map;
-    nqm_error err = {0};
     float *values = allocate(3 * count_rows(kit), sizeof *values);
-    must(nqm_map_open(path, &map, &err), &err);
+    must(nqm_map_open(path, &map, &fault));
     if (nqm_npy_probe(&map))
         read_npy(kit, &map, values);
     else

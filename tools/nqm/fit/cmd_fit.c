@@ -156,11 +156,10 @@ typedef struct output {
 /* Create the folder, or check that the file can be created and that the only model writes one. */
 static output prepare_output(const char *path, const fit_request *request) {
     output out = {.path = path};
-    nqm_error err = {0};
     const nqm_fit_entry *first;
     size_t n = path ? strlen(path) : 0;
     out.folder = n > 0 && (request->n_models > 1 || path[n - 1] == '/' || is_folder(path));
-    must(nqm_fit_entry_find(request->models[0], &first, &err), &err);
+    must(nqm_fit_entry_find(request->models[0], &first, &fault));
     if (path && request->n_models > 1)
         require_folder_name("-o", path, ".safetensors", "the results of several models");
     if (path && !out.folder && !first->encode)
@@ -429,8 +428,7 @@ static void warn_unwritten(const fit_request *request, const fitted *f) {
 /* The models that the loss needs; its faults are found before the work. */
 static void open_loss(const char *text, const char *transport, nqm_model *metric, nqm_match_loss *loss) {
     nqm_match_sum sum;
-    nqm_error err = {0};
-    must(nqm_match_parse(text, &sum, &err), &err);
+    must(nqm_match_parse(text, &sum, &fault));
     bool needs_transport = sum.is_auto;
     for (size_t i = 0; i < sum.n; ++i)
         needs_transport |= sum.terms[i].kind == NQM_MATCH_TRANSPORT;

@@ -89,7 +89,6 @@ static void short_stem(const char *argument, char *stem, size_t n_stem) {
 }
 
 static void name_outputs(translation *t) {
-    nqm_error err = {0};
     if (t->path && t->folder)
         stop(EXIT_USAGE, "-o FILE and -d FOLDER exclude each other");
     if (t->folder)
@@ -102,7 +101,7 @@ static void name_outputs(translation *t) {
                                  : snprintf(it->path, MAX_TEXT, "%s/%s%s", t->folder, stem, t->target->extension);
         if (used < 0 || used >= MAX_TEXT)
             stop(EXIT_USAGE, "%.80s...: the path of the output is too long", it->path);
-        must(nqm_material_check(t->target->model, it->path, &err), &err);
+        must(nqm_material_check(t->target->model, it->path, &fault));
         for (size_t k = 0; t->folder && k < i; ++k)
             if (strcmp(t->items[k].path, it->path) == 0)
                 stop(EXIT_USAGE, "'%s' and '%s' would both be written to %s", t->items[k].argument, it->argument,

@@ -15,8 +15,8 @@ static void open_textures(label_run *run) {
     for (size_t i = 0; i < run->n_items; ++i) {
         label_item *item = &run->items[i];
         const nqm_status status = open_textured(item->name, &item->texture, &item->err);
-        if (item->reference == i || status == NQM_ERR_CANCELLED)
-            must(status, &item->err);
+        if (status != NQM_OK && (item->reference == i || status == NQM_ERR_CANCELLED))
+            stop_error(&item->err);
     }
 }
 
@@ -107,13 +107,12 @@ static size_t mark_uncertain(label_run *run, nqm_scene_options *options) {
 
 /* Render all items that are not done in one scene. */
 static void make_round(label_run *run, const nqm_scene_options *options) {
-    nqm_error err = {0};
     nqm_scene_free(run->scene);
     run->scene = NULL;
-    must(nqm_scene_create(options, &run->scene, &err), &err);
+    must(nqm_scene_create(options, &run->scene, &fault));
     for (run->n_done = 0; run->n_done < run->n_items; ++run->n_done) {
-        if (!run->items[run->n_done].is_done)
-            must(label_item_at(run, run->n_done), &run->items[run->n_done].err);
+        if (!run->items[run->n_done].is_done && label_item_at(run, run->n_done) != NQM_OK)
+            stop_error(&run->items[run->n_done].err);
         if (interrupted())
             stop(EXIT_INTERRUPTED, "interrupted");
     }
@@ -146,7 +145,6 @@ void map_labels(label_run *run) {
     const size_t n_points = nqm_scene_count(run->scene);
     const double **maps = allocate(run->n_items, sizeof *maps);
     size_t n_maps = 0;
-    nqm_error err = {0};
     run->delta_e = allocate(run->n_items * n_points, sizeof *run->delta_e);
     for (size_t i = 0; i < run->n_items; ++i) {
         const double *reference = run->items[run->items[i].reference].rgb_cdm2;
@@ -155,7 +153,7 @@ void map_labels(label_run *run) {
         nqm_scene_delta_e_map(run->scene, reference, run->items[i].rgb_cdm2, run->delta_e + i * n_points);
         maps[n_maps++] = run->delta_e + i * n_points;
     }
-    must(nqm_map_scale(n_maps, maps, n_points, &run->delta_e_max, &err), &err);
+    must(nqm_map_scale(n_maps, maps, n_points, &run->delta_e_max, &fault));
     free(maps);
 }
 
@@ -344,7 +342,6 @@ static nqm_figure figure_of(const drawing *d, const canvas *c, size_t n_rows, si
 static void draw_tests(const drawing *d) {
     const label_run *run = d->run;
     nqm_panel panels[3 * MAX_CELLS] = {0};
-    nqm_error err = {0};
     size_t n = 0;
     for (size_t i = 0; i < run->n_items; ++i) {
         if (is_reference(run, i))
@@ -355,7 +352,7 @@ static void draw_tests(const drawing *d) {
         ++n;
     }
     const nqm_figure figure = figure_of(d, &d->all, n, 3, panels);
-    must(nqm_figure_write(run->map, &figure, &err), &err);
+    must(nqm_figure_write(run->map, &figure, &fault));
 }
 
 static size_t count_columns(const label_run *run) {
@@ -372,13 +369,12 @@ static void draw_grid(const drawing *d) {
     const label_run *run = d->run;
     const size_t n_columns = count_columns(run);
     nqm_panel *panels = allocate(run->n_groups * n_columns, sizeof *panels);
-    nqm_error err = {0};
     for (size_t i = 0, row = 0; i < run->n_items; ++i) {
         row += i > 0 && is_reference(run, i);
         panels[row * n_columns + i - run->items[i].reference].rgb_cdm2 = d->views[i].picture;
     }
     const nqm_figure figure = figure_of(d, &d->all, run->n_groups, n_columns, panels);
-    must(nqm_figure_write(run->grid, &figure, &err), &err);
+    must(nqm_figure_write(run->grid, &figure, &fault));
     free(panels);
 }
 
@@ -410,18 +406,17 @@ static void keep_item(const drawing *d, size_t i, size_t frame) {
     const view *v = &d->views[i];
     const nqm_picture picture = {.width = o->width, .height = o->height, .rgb_cdm2 = v->picture};
     char path[4096];
-    nqm_error err = {0};
     for (size_t k = 0; k < sizeof forms / sizeof *forms; ++k) {
         fill_view(d, i, &c, forms[k].backdrop);
         keep_path(d, i, frame, forms[k].suffix, path, sizeof path);
-        must(nqm_picture_write(path, &picture, 1, &tone, &err), &err);
+        must(nqm_picture_write(path, &picture, 1, &tone, &fault));
     }
     if (!v->map)
         return;
     const nqm_picture map = {
         .width = o->width, .height = o->height, .delta_e = v->map, .delta_e_max = d->run->delta_e_max};
     keep_path(d, i, frame, "-difference.png", path, sizeof path);
-    must(nqm_picture_write(path, &map, 1, NULL, &err), &err);
+    must(nqm_picture_write(path, &map, 1, NULL, &fault));
 }
 
 static void keep_renders(const drawing *d) {

@@ -25,7 +25,6 @@ static size_t confirm(const library *of, nqm_scorer *scorer, double jod, near_pa
     enum { BLOCK = NQM_SCORE_BLOCK / 2 };
     nqm_named_pair named[2 * BLOCK];
     nqm_score_result r[2 * BLOCK];
-    nqm_error err = {0};
     size_t n_left = 0;
     for (size_t first = 0, n_block; first < n; first += n_block) {
         n_block = nqm_smaller(n - first, BLOCK);
@@ -35,7 +34,7 @@ static size_t confirm(const library *of, nqm_scorer *scorer, double jod, near_pa
             named[2 * i] = (nqm_named_pair){of->members[p->a].argument, of->members[p->b].argument};
             named[2 * i + 1] = (nqm_named_pair){named[2 * i].test, named[2 * i].ref};
         }
-        must(nqm_scorer_run_named(scorer, 2 * n_block, named, r, NULL, &err), &err);
+        must(nqm_scorer_run_named(scorer, 2 * n_block, named, r, NULL, &fault));
         for (size_t i = 0; i < n_block; ++i)
             if (r[2 * i].jod >= jod && r[2 * i + 1].jod >= jod) /* false for NaN */
                 pairs[n_left++] = pairs[first + i];

@@ -71,19 +71,18 @@ static void pair_names(void) {
 static library take_single(const library *of, const size_t *partner, const bool *is_partner, nqm_scorer *scorer,
                            size_t *from) {
     library single = {.path = of->path, .members = must_have(nqm_alloc(of->n ? of->n : 1, sizeof(member)))};
-    nqm_error err = {0};
     for (size_t i = 0; i < of->n; ++i)
         if (!(partner ? partner[i] != SIZE_MAX : is_partner[i]) && !of->members[i].is_left_out) {
             from[single.n] = i;
             single.members[single.n++] = of->members[i];
         }
-    must(nqm_gallery_create(run.model, single.n, NULL, &single.gallery, &err), &err);
+    must(nqm_gallery_create(run.model, single.n, NULL, &single.gallery, &fault));
     for (size_t i = 0; i < single.n; ++i) {
         const char *name = single.members[i].argument;
-        nqm_error fault;
+        nqm_error failure;
         step_progress("sample", i, single.n);
-        must(nqm_scorer_draw(scorer, 1, &name, single.gallery, i, &fault, &err), &err);
-        single.members[i].is_left_out = fault.status != NQM_OK;
+        must(nqm_scorer_draw(scorer, 1, &name, single.gallery, i, &failure, &fault));
+        single.members[i].is_left_out = failure.status != NQM_OK;
     }
     return single;
 }
@@ -99,7 +98,6 @@ static void pair_looks(void) {
         return;
     size_t *old_from = allocate(v.old.n, sizeof *old_from), *new_from = allocate(v.new.n, sizeof *new_from);
     nqm_scorer *scorer = open_scorer(run.model, &run.options);
-    nqm_error err = {0};
     library old = take_single(&v.old, v.partner, NULL, scorer, old_from);
     library new = take_single(&v.new, NULL, v.is_partner, scorer, new_from);
     float *jod = allocate(new.n, sizeof *jod);
@@ -116,7 +114,7 @@ static void pair_looks(void) {
             continue;
         const nqm_named_pair pair = {old.members[i].argument, new.members[best].argument};
         nqm_score_result r;
-        must(nqm_scorer_run_named(scorer, 1, &pair, &r, NULL, &err), &err);
+        must(nqm_scorer_run_named(scorer, 1, &pair, &r, NULL, &fault));
         if (!(r.jod >= same))
             continue;
         v.partner[old_from[i]] = new_from[best];

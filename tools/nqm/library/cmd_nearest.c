@@ -91,16 +91,15 @@ static const command cmd = {
 int cmd_nearest(int argc, char **argv) {
     enum { LEAST_SCORED = 128 };
     library of = {.path = NULL}, one = {.path = NULL};
-    nqm_error err = {0};
     run.options = plain_score_options();
     parse_arguments(&cmd, argc, argv);
     refuse_model_name(argv[0]);
     run.model = open_model(model);
     nqm_scorer *scorer = open_scorer(run.model, &run.options);
-    must(nqm_gallery_create(run.model, 1, NULL, &one.gallery, &err), &err);
-    must(nqm_scorer_draw(scorer, 1, (const char *const[]){argv[0]}, one.gallery, 0, &err, &err), &err);
-    if (err.status != NQM_OK)
-        stop_error(&err);
+    must(nqm_gallery_create(run.model, 1, NULL, &one.gallery, &fault));
+    must(nqm_scorer_draw(scorer, 1, (const char *const[]){argv[0]}, one.gallery, 0, &fault, &fault));
+    if (fault.status != NQM_OK)
+        stop_error(&fault);
     draw_library(among, run.model, scorer, index_path, &of);
     nqm_scorer_free(scorer);
     size_t n = nqm_larger(LEAST_SCORED, 4 * (size_t)n_shown);

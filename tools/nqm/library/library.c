@@ -197,14 +197,13 @@ static bool take_index(library *of, const nqm_model *model, const nqm_safetensor
     const nqm_tensor *names = nqm_safetensors_find(st, tensor_names[NAMES]),
                      *pictures = nqm_safetensors_find(st, tensor_names[PICTURES]);
     const char *stored = nqm_safetensors_meta(st, "library"), *failed = nqm_safetensors_meta(st, "failed");
-    nqm_error err = {0};
     if (!stored || strcmp(stored, hash) != 0 || !failed || !names || names->dtype != NQM_U8 || !pictures ||
         pictures->dtype != NQM_F32 || pictures->n_dims != 2 || pictures->dims[1] != nqm_gallery_size(model) ||
         (uintptr_t)pictures->data % sizeof(float) != 0 || !nqm_tensor_all_finite(pictures) ||
         !take_members(of, names, pictures->dims[0]))
         return false;
     of->n_failed = strtoul(failed, NULL, 10);
-    must(nqm_gallery_create(model, of->n, pictures->data, &of->gallery, &err), &err);
+    must(nqm_gallery_create(model, of->n, pictures->data, &of->gallery, &fault));
     return true;
 }
 
@@ -227,7 +226,6 @@ static bool read_index(library *of, const nqm_model *model, const char *path, co
 static void write_index(const library *of, const nqm_model *model, const char *path, const char *hash) {
     char *text, failed[24];
     size_t n_text;
-    nqm_error err = {0};
     FILE *names = open_text(&text, &n_text);
     for (size_t i = 0; i < of->n; ++i)
         fprintf(names, "%s%c%s%c", of->members[i].argument, 0, of->members[i].key, 0);
@@ -244,7 +242,7 @@ static void write_index(const library *of, const nqm_model *model, const char *p
     const nqm_meta meta[] = {{"format", "nqm-index"}, {"library", hash}, {"failed", failed}};
     if (!nqm_tensor_measure(&tensors[NAMES]) || !nqm_tensor_measure(&tensors[PICTURES]))
         stop(EXIT_LIMIT, "%s: %zu pictures are too many", path, of->n);
-    must(nqm_safetensors_write(path, N_TENSORS, tensors, sizeof meta / sizeof *meta, meta, NULL, &err), &err);
+    must(nqm_safetensors_write(path, N_TENSORS, tensors, sizeof meta / sizeof *meta, meta, NULL, &fault));
     free(text);
 }
 
@@ -254,11 +252,11 @@ static void write_index(const library *of, const nqm_model *model, const char *p
 static size_t draw_block(library *of, nqm_scorer *scorer, size_t begin, size_t n, size_t first) {
     enum { MOST_SHOWN = 5 };
     const char *names[NQM_SCORE_BLOCK];
-    nqm_error errors[NQM_SCORE_BLOCK], err = {0};
+    nqm_error errors[NQM_SCORE_BLOCK];
     size_t n_good = 0;
     for (size_t i = 0; i < n; ++i)
         names[i] = of->members[begin + i].argument;
-    must(nqm_scorer_draw(scorer, n, names, of->gallery, first, errors, &err), &err);
+    must(nqm_scorer_draw(scorer, n, names, of->gallery, first, errors, &fault));
     for (size_t i = 0; i < n; ++i) {
         of->members[begin + i].is_left_out = errors[i].status != NQM_OK;
         if (errors[i].status == NQM_OK)
@@ -267,14 +265,13 @@ static size_t draw_block(library *of, nqm_scorer *scorer, size_t begin, size_t n
             report_error(&errors[i]);
     }
     if (n_good < n) /* their samples are in the cache */
-        must(nqm_scorer_draw(scorer, n_good, names, of->gallery, first, errors, &err), &err);
+        must(nqm_scorer_draw(scorer, n_good, names, of->gallery, first, errors, &fault));
     return n_good;
 }
 
 static void draw_all(library *of, const nqm_model *model, nqm_scorer *scorer) {
     size_t n_drawn = 0;
-    nqm_error err = {0};
-    must(nqm_gallery_create(model, of->n, NULL, &of->gallery, &err), &err);
+    must(nqm_gallery_create(model, of->n, NULL, &of->gallery, &fault));
     for (size_t begin = 0, n; begin < of->n; begin += n) {
         n = nqm_smaller(of->n - begin, NQM_SCORE_BLOCK);
         step_progress("sample", begin, of->n);

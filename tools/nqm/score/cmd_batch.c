@@ -150,10 +150,9 @@ static void check_usage(const batch_arguments *a, ranks r) {
 }
 
 static void open_inputs(batch_run *run, const batch_arguments *a) {
-    nqm_error err = {0};
     nqm_model *model = open_model(a->model);
     check_gate(&run->form.gate, model);
-    must(nqm_pair_list_load(a->list, &run->given, &err), &err);
+    must(nqm_pair_list_load(a->list, &run->given, &fault));
     run->list = run->given;
     run->scorer = open_scorer(model, &run->options);
     const char *stream = stream_name(a->list, &(size_t){0});

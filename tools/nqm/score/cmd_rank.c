@@ -197,7 +197,6 @@ static const command cmd = {
 int cmd_rank(int argc, char **argv) {
     const char **names = NULL;
     nqm_pair_list *list = NULL;
-    nqm_error err = {0};
     run.options = plain_score_options();
     const int n_arguments = parse_arguments(&cmd, argc, argv);
     if (list_path ? n_arguments > 0 : n_arguments < 2)
@@ -210,7 +209,7 @@ int cmd_rank(int argc, char **argv) {
     run.model = open_model(model);
     if (list_path) {
         list_path = input_path(list_path);
-        must(nqm_pair_list_load(list_path, &list, &err), &err);
+        must(nqm_pair_list_load(list_path, &list, &fault));
         enter_list_root(root, list_path);
         const char *stream = stream_name(list_path, &(size_t){0});
         names = take_list_names(list, *stream ? stream : list_path);

@@ -169,10 +169,9 @@ static int apply_gate(const score_run *run) {
 /* Say how the values of a CSV get to the directions of the model; returns the number of directions that have none. A file of
  * another kind is refused; one that cannot be opened is a fault of its row. */
 static size_t describe_samples(const nqm_directions *directions, const char *path) {
-    nqm_error err = {0};
     nqm_sample_report counts = {0};
     nqm_brdf *brdf;
-    if (nqm_brdf_open(path, &brdf, &err) != NQM_OK)
+    if (nqm_brdf_open(path, &brdf, &fault) != NQM_OK)
         return 0;
     const nqm_brdf_info info = nqm_brdf_get_info(brdf);
     const bool is_grid = strcmp(info.format, "grid") == 0;
@@ -181,7 +180,7 @@ static size_t describe_samples(const nqm_directions *directions, const char *pat
     const size_t n = nqm_directions_count(directions);
     float *rgb = allocate(3 * n, sizeof *rgb);
     uint8_t *flag = allocate(n, 1);
-    must(nqm_sample(brdf, directions, NQM_INVALID_DROP, rgb, flag, &counts, &err), &err);
+    must(nqm_sample(brdf, directions, NQM_INVALID_DROP, rgb, flag, &counts, &fault));
     if (is_grid || counts.n_invalid)
         report(EXIT_OK, "%s: values at %zu of the %zu directions of the model, %s (%s)", path, n - counts.n_invalid, n,
                is_grid ? "interpolated" : "measured", info.layout);

@@ -159,18 +159,18 @@ static nqm_status take_members(nqm_pair_list *list, const json_line *line, json_
 }
 
 static nqm_status take_line(nqm_pair_list *list, const json_line *line, const char *text, size_t n, nqm_error *err) {
-    json_error_t fault;
+    json_error_t flaw;
     nqm_status status = nqm_json_check(text, n, n, line->name, (size_t)line->at, err);
     if (status != NQM_OK)
         return status;
     json_t *object;
-    status = nqm_json_load(text, n, JSON_REJECT_DUPLICATES, &object, &fault, err);
+    status = nqm_json_load(text, n, JSON_REJECT_DUPLICATES, &object, &flaw, err);
     if (status == NQM_ERR_NOMEM)
         return status;
     if (!object) {
-        long long at = line->at + (fault.position > 0 ? fault.position : 0);
+        long long at = line->at + (flaw.position > 0 ? flaw.position : 0);
         return nqm_fail(err, NQM_ERR_FORMAT, at, "%s: line %zu, byte %lld: no JSON object: %.120s", line->name,
-                        line->number, at, fault.text);
+                        line->number, at, flaw.text);
     }
     status = json_is_object(object) ? take_members(list, line, object, err)
                                     : nqm_fail(err, NQM_ERR_FORMAT, line->at,

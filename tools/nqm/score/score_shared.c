@@ -84,9 +84,8 @@ const char **take_list_names(nqm_pair_list *list, const char *list_name) {
 }
 
 nqm_scorer *open_scorer(const nqm_model *model, const nqm_score_options *options) {
-    nqm_error err = {0};
     nqm_scorer *scorer;
-    must(nqm_scorer_create(model, options, &scorer, &err), &err);
+    must(nqm_scorer_create(model, options, &scorer, &fault));
     return scorer;
 }
 
@@ -98,7 +97,6 @@ nqm_score_options plain_score_options(void) {
 
 /* Score in blocks, so that Ctrl-C is noticed between them. */
 void make_scores(score_run *run) {
-    nqm_error err = {0};
     nqm_scorer *scorer = open_scorer(run->model, &run->options);
     run->terms.n_directions = nqm_directions_count(nqm_model_get_info(run->model).directions);
     run->terms.invalid = run->options.invalid;
@@ -110,7 +108,7 @@ void make_scores(score_run *run) {
         step_progress("score", begin, run->n_rows);
         for (size_t i = 0; i < n; ++i)
             pairs[i] = run->rows[begin + i].pair;
-        must(nqm_scorer_run_named(scorer, n, pairs, results, errors, &err), &err);
+        must(nqm_scorer_run_named(scorer, n, pairs, results, errors, &fault));
         for (size_t i = 0; i < n; ++i) {
             errors[i].status = results[i].status;
             run->rows[begin + i] =
@@ -384,7 +382,6 @@ const char *verdict_words(const nqm_score_result *result, char text[VERDICT_TEXT
 /* ---- values ------------------------------------------------------------------------------------------------------ */
 
 void compare_rows(score_run *run) {
-    nqm_error err = {0};
     if (!run->exact)
         return;
     if (run->format == FORMAT_CSV || run->format == FORMAT_QUIET)
@@ -400,7 +397,7 @@ void compare_rows(score_run *run) {
             continue;
         ref = ref ? ref : open_brdf(row->pair.ref);
         nqm_brdf *test = open_brdf(row->pair.test);
-        must(nqm_brdf_compare(ref, test, run->tolerance, 1, &row->difference, &err), &err);
+        must(nqm_brdf_compare(ref, test, run->tolerance, 1, &row->difference, &fault));
         nqm_brdf_free(test);
     }
     nqm_brdf_free(ref);

@@ -33,9 +33,11 @@ static const char *find_date(char text[DATE_SIZE]) {
 /* The first test without a score or a picture ends the report. */
 static void check_results(const report_run *run) {
     for (size_t i = 0; i < run->scores.n_rows; ++i)
-        must(run->scores.rows[i].err.status, &run->scores.rows[i].err);
+        if (run->scores.rows[i].err.status != NQM_OK)
+            stop_error(&run->scores.rows[i].err);
     for (size_t i = 0; i < run->labels.n_items; ++i)
-        must(run->labels.items[i].err.status, &run->labels.items[i].err);
+        if (run->labels.items[i].err.status != NQM_OK)
+            stop_error(&run->labels.items[i].err);
 }
 
 static void render_all(label_run *labels, int n_arguments, char **arguments) {

@@ -252,9 +252,8 @@ static json_t *take_figure(const report_page *page, const char *alt, size_t widt
 /* Colours are tone-mapped or on the scale of all maps. */
 static json_t *draw(const report_page *page, nqm_picture picture, size_t shrink, const char *alt) {
     const nqm_tone tone = tone_of(&page->run->labels.scene_options);
-    nqm_error err = {0};
     picture.delta_e_max = page->run->labels.delta_e_max;
-    must(nqm_picture_write(page->figure, &picture, shrink, &tone, &err), &err);
+    must(nqm_picture_write(page->figure, &picture, shrink, &tone, &fault));
     return take_figure(page, alt, picture.width / shrink, picture.height / shrink);
 }
 
@@ -347,9 +346,8 @@ static void add_map(const report_page *page, const nqm_texture *texture, size_t 
     const size_t tiles[2] = {1, 1};
     shown_map m = {texture, property};
     nqm_raster r = {.width = SIDE, .height = SIDE, .channels = 3};
-    nqm_error err = {0};
-    must(write_texels(texture, tiles, write_texel, &m, &r, &err), &err);
-    must(nqm_raster_write_png(page->figure, &r, true, &err), &err);
+    must(write_texels(texture, tiles, write_texel, &m, &r, &fault));
+    must(nqm_raster_write_png(page->figure, &r, true, &fault));
     nqm_raster_clear(&r);
     json_array_append_new(list, json_pack("{s:s,s:o}", "key", key, "picture", take_figure(page, key, SIDE, SIDE)));
 }
