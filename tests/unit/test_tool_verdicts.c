@@ -2,7 +2,6 @@
  *
  * Words, shares and gates of scores at the ends of their ranges.
  */
-#include "nqm/score/gate.h"
 #include "nqm/score/score.h"
 #include "nqm/show/html.h"
 #include "support/check.h"

@@ -67,14 +67,29 @@ void *allocate(size_t n, size_t size) {
     return block;
 }
 
+void *must_have(void *block) {
+    if (!block)
+        stop(EXIT_LIMIT, "out of memory");
+    return block;
+}
+
+FILE *open_text(char **text, size_t *n) {
+    return must_have(open_memstream(text, n));
+}
+
+char *join_with_colon(const char *a, const char *b) {
+    char *text = allocate(strlen(a) + strlen(b) + 2, 1);
+    sprintf(text, "%s%s%s", a, *a && *b ? ":" : "", b);
+    return text;
+}
+
 nqm_model *open_model(const char *name_or_path) {
     const char *name = name_or_path ? name_or_path : "default";
     nqm_model *model;
-    nqm_error err = {0};
     bool is_built_in = is_builtin(name);
     if (!is_built_in && (is_word(name) || (nqm_spec_probe(name) && access(name, F_OK) != 0)))
         stop_unknown_model(name);
-    must(is_built_in ? nqm_model_builtin(name, &model, &err) : nqm_model_load(name, &model, &err), &err);
+    must(is_built_in ? nqm_model_builtin(name, &model, &fault) : nqm_model_load(name, &model, &fault));
     return model;
 }
 
@@ -82,12 +97,11 @@ nqm_scene *open_judge(const char *loss, const char *transport) {
     nqm_scene_options options = nqm_scene_options_default();
     nqm_match_sum sum;
     nqm_scene *scene = NULL;
-    nqm_error err = {0};
-    must(nqm_match_parse(loss, &sum, &err), &err);
+    must(nqm_match_parse(loss, &sum, &fault));
     options.n_points = 1024; /* and few directions: fits are judged on rays that are drawn */
     options.n_lights = 16;
     if (sum.is_auto && strcmp(transport, "transport") == 0 && nqm_tracer_available())
-        must(nqm_scene_create(&options, &scene, &err), &err);
+        must(nqm_scene_create(&options, &scene, &fault));
     return scene;
 }
 
@@ -111,9 +125,8 @@ void refuse_near_word(const char *argument, const char *word) {
 
 nqm_brdf *open_brdf(const char *argument) {
     nqm_brdf *brdf;
-    nqm_error err = {0};
     refuse_model_name(argument);
-    must(explain_texture(argument, nqm_fit_open(argument, NULL, &brdf, &err), &err), &err);
+    must(explain_texture(argument, nqm_fit_open(argument, NULL, &brdf, &fault), &fault));
     return brdf;
 }
 
@@ -133,10 +146,9 @@ void close_brdfs(int n, nqm_brdf **brdfs) {
 char *read_text(const char *path) {
     enum { MAX_TEXT_BYTES = 1 << 20 };
     struct stat st;
-    nqm_error err = {0};
     FILE *file = fopen(path, "rb");
     if (file && fstat(fileno(file), &st) == 0)
-        must(nqm_role_input(&st, path, &err), &err);
+        must(nqm_role_input(&st, path, &fault));
     char *text = allocate(MAX_TEXT_BYTES + 1, 1);
     size_t n = file ? fread(text, 1, MAX_TEXT_BYTES, file) : 0;
     if (!file || ferror(file))
@@ -165,25 +177,24 @@ static int compare_names(const void *a, const void *b) {
     return order ? order : (x->row > y->row) - (x->row < y->row);
 }
 
-static _Noreturn void stop_name(const char *list, const char *rows, const char *fault) {
-    stop(list ? EXIT_MALFORMED : EXIT_USAGE, "%s%s%s%s", list ? list : "", list ? ": " : "", list ? rows : "", fault);
+static _Noreturn void stop_name(const char *list, const char *rows, const char *flaw) {
+    stop(list ? EXIT_MALFORMED : EXIT_USAGE, "%s%s%s%s", list ? list : "", list ? ": " : "", list ? rows : "", flaw);
 }
 
 void check_names(size_t n, named_brdf *names, const char *list) {
-    char rows[80], fault[300];
+    char rows[80], flaw[300];
     for (size_t i = 0; i < n; ++i)
         if (shown(names[i].name) != names[i].name) {
             snprintf(rows, sizeof rows, "row %zu: ", names[i].row);
-            snprintf(fault, sizeof fault, "the name '%.200s' has a control character", names[i].name);
-            stop_name(list, rows, fault);
+            snprintf(flaw, sizeof flaw, "the name '%.200s' has a control character", names[i].name);
+            stop_name(list, rows, flaw);
         }
     qsort(names, n, sizeof *names, compare_names);
     for (size_t i = 1; i < n; ++i)
         if (same_name(&names[i - 1], &names[i])) {
             snprintf(rows, sizeof rows, "rows %zu and %zu: ", names[i - 1].row, names[i].row);
-            snprintf(fault, sizeof fault, "two BRDFs have the name '%.200s'; give each a name of its own",
-                     names[i].name);
-            stop_name(list, rows, fault);
+            snprintf(flaw, sizeof flaw, "two BRDFs have the name '%.200s'; give each a name of its own", names[i].name);
+            stop_name(list, rows, flaw);
         }
 }
 
@@ -245,9 +256,7 @@ const nqm_materials *parsed_materials(const char *path) {
     if (!other->path || strcmp(other->path, path) != 0) {
         free(other->path);
         nqm_materials_free(other->materials);
-        *other = (read_file){.path = strdup(path)};
-        if (!other->path)
-            stop(EXIT_LIMIT, "out of memory");
+        *other = (read_file){.path = must_have(strdup(path))};
         if (is_file(path))
             (void)!nqm_materials_open(path, &other->materials, NULL);
     }
@@ -265,9 +274,7 @@ bool find_material(const char *argument, nqm_material_info *info) {
     unsigned ignored;
     argument += nqm_ignore_prefix(argument, &ignored);
     const char *name = member_name(argument);
-    char *path = strndup(argument, name ? (size_t)(name - argument) - 1 : strlen(argument));
-    if (!path)
-        stop(EXIT_LIMIT, "out of memory");
+    char *path = must_have(strndup(argument, name ? (size_t)(name - argument) - 1 : strlen(argument)));
     const nqm_materials *materials = is_file(path) ? parsed_materials(path) : NULL;
     size_t n = materials && nqm_materials_count(materials) == 1;
     const size_t *found = materials && name ? nqm_materials_named(materials, name, &n) : only;
@@ -354,24 +361,22 @@ bool looks_like_safetensors(const char *path) {
 
 nqm_directions *open_directions(const char *name_or_path) {
     nqm_directions *directions;
-    nqm_error err = {0};
     const char *name = name_or_path ? name_or_path : "default";
     if (is_builtin(name) || (name_or_path && looks_like_safetensors(name))) {
         nqm_model *model = open_model(name);
         const nqm_directions *borrowed = nqm_model_get_info(model).directions;
         must(nqm_directions_from_degrees(nqm_directions_count(borrowed), nqm_directions_degrees(borrowed), &directions,
-                                         &err),
-             &err);
+                                         &fault));
         nqm_model_free(model);
     } else if (name_or_path) {
         const nqm_nearest nearest = nearest_model(name);
         if (is_word(name) && *nearest.advice)
             stop(EXIT_OPEN, "there is no file and no model '%s'%s", name, nearest.advice);
-        must(nqm_directions_load_csv(input_path(name), &directions, &err), &err);
+        must(nqm_directions_load_csv(input_path(name), &directions, &fault));
     } else {
         nqm_directions_options grid = nqm_directions_options_default();
         grid.grid = 1;
-        must(nqm_directions_create(&grid, 0, NULL, &directions, &err), &err);
+        must(nqm_directions_create(&grid, 0, NULL, &directions, &fault));
     }
     return directions;
 }
@@ -389,9 +394,7 @@ bool describe_distance(const char *argument, const double apart_deg[2], size_t n
 void report_distance(const char *argument, const nqm_brdf *brdf, const nqm_directions *directions) {
     const size_t n = nqm_directions_count(directions);
     double apart[2];
-    nqm_error err = {0};
-    must(nqm_scattered_distances(brdf, n, nqm_directions_wi(directions), nqm_directions_wo(directions), apart, &err),
-         &err);
+    must(nqm_scattered_distances(brdf, n, nqm_directions_wi(directions), nqm_directions_wo(directions), apart, &fault));
     char text[400];
     if (describe_distance(argument, apart, sizeof text, text))
         report(EXIT_OK, "%s", text);
@@ -399,7 +402,6 @@ void report_distance(const char *argument, const nqm_brdf *brdf, const nqm_direc
 
 nqm_dataset *open_dataset(const char *path, const char *labels, nqm_split split) {
     nqm_dataset *dataset;
-    nqm_error err = {0};
     const bool folder = is_folder(path);
     if (folder && !labels)
         stop(EXIT_USAGE, "%s: a folder (the authors' layout) needs its labels: --labels CSV", path);
@@ -407,8 +409,7 @@ nqm_dataset *open_dataset(const char *path, const char *labels, nqm_split split)
         stop(access(path, F_OK) == 0 ? EXIT_USAGE : EXIT_OPEN, "%s: %s", path,
              access(path, F_OK) == 0 ? "--labels is for a folder (the authors' layout), not for a dataset file"
                                      : strerror(errno));
-    must(folder ? nqm_dataset_load_authors(path, input_path(labels), split, &dataset, &err)
-                : nqm_dataset_load(path, &dataset, &err),
-         &err);
+    must(folder ? nqm_dataset_load_authors(path, input_path(labels), split, &dataset, &fault)
+                : nqm_dataset_load(path, &dataset, &fault));
     return dataset;
 }

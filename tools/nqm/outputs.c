@@ -28,22 +28,20 @@ char *absolute_path(const char *path, const char *suffix) {
 }
 
 void open_output(const char *path, output_file *out) {
-    nqm_error err = {0};
     *out = (output_file){.stream = stdout};
     if (strcmp(path, "-") == 0)
         return;
-    must(nqm_outfile_open(path, &out->file, &err), &err);
+    must(nqm_outfile_open(path, &out->file, &fault));
     out->stream = out->file.stream;
     out->next = open_outputs;
     open_outputs = out;
 }
 
 void require_output(const char *path) {
-    nqm_error err = {0};
     nqm_outfile file;
     if (strcmp(path, "-") == 0)
         return;
-    must(nqm_outfile_open(path, &file, &err), &err);
+    must(nqm_outfile_open(path, &file, &fault));
     nqm_outfile_abort(&file);
 }
 
@@ -115,13 +113,12 @@ bool is_same_output(const char *a, const char *b) {
 }
 
 void close_output(output_file *out) {
-    nqm_error err = {0};
     output_file **link = &open_outputs;
     while (*link && *link != out)
         link = &(*link)->next;
     if (*link) {
         *link = out->next;
-        must(nqm_outfile_commit(&out->file, &err), &err);
+        must(nqm_outfile_commit(&out->file, &fault));
     }
     *out = (output_file){0};
 }
@@ -142,4 +139,86 @@ void abandon_outputs(void) {
     for (; open_outputs; open_outputs = open_outputs->next)
         nqm_outfile_abort(&open_outputs->file);
     remove_empty_folder();
+}
+
+/* ---- "-" as a file name ------------------------------------------------------------------------------------------ */
+
+enum { N_NAME = 32 };
+
+static FILE *input, *output;
+static char input_name[N_NAME], output_name[N_NAME];
+
+/* Open the file once; `fallback` when there is no place for temporary files. */
+static const char *path_of(FILE **file, char *name, const char *fallback) {
+    if (!*file)
+        *file = tmpfile();
+    if (!*file)
+        return fallback;
+    snprintf(name, N_NAME, "/dev/fd/%d", fileno(*file));
+    return name;
+}
+
+static bool copy(FILE *from, FILE *to) {
+    char block[1 << 16];
+    size_t n;
+    while ((n = fread(block, 1, sizeof block, from)) > 0)
+        if (fwrite(block, 1, n, to) != n)
+            break;
+    return !ferror(from) && fflush(to) == 0 && !ferror(to);
+}
+
+const char *input_path(const char *path) {
+    bool is_read = input != NULL;
+    if (!path || strcmp(path, "-") != 0)
+        return path;
+    const char *name = path_of(&input, input_name, "/dev/stdin");
+    const bool is_copied = !input || is_read || copy(stdin, input);
+    if (interrupted())
+        stop(EXIT_INTERRUPTED, "interrupted");
+    return is_copied ? name : "/dev/stdin";
+}
+
+const char *output_path(const char *path) {
+    return path && strcmp(path, "-") == 0 ? path_of(&output, output_name, "/dev/stdout") : path;
+}
+
+bool flush_output_path(void) {
+    if (!output)
+        return true;
+    rewind(output);
+    return copy(output, stdout);
+}
+
+const char *stream_name(const char *message, size_t *n_prefix) {
+    const char *const names[] = {input_name, output_name};
+    for (size_t i = 0; i < 2; ++i) {
+        *n_prefix = strlen(names[i]);
+        if (*n_prefix && strncmp(message, names[i], *n_prefix) == 0)
+            return i ? "standard output" : "standard input";
+    }
+    *n_prefix = 0;
+    return "";
+}
+
+/* ---- several processes ------------------------------------------------------------------------------------------- */
+
+static bool number_of(const char *variable, size_t *value_ret) {
+    const char *text = getenv(variable);
+    char *end;
+    if (!text || *text < '0' || *text > '9')
+        return false;
+    *value_ret = strtoul(text, &end, 10);
+    return *end == 0;
+}
+
+ranks my_ranks(void) {
+    static const char *const launchers[][2] = {{"OMPI_COMM_WORLD_RANK", "OMPI_COMM_WORLD_SIZE"},
+                                               {"PMI_RANK", "PMI_SIZE"},
+                                               {"SLURM_PROCID", "SLURM_STEP_NUM_TASKS"}};
+    for (size_t i = 0; i < sizeof launchers / sizeof *launchers; ++i) {
+        ranks r;
+        if (number_of(launchers[i][0], &r.rank) && number_of(launchers[i][1], &r.count) && r.rank < r.count)
+            return r;
+    }
+    return (ranks){0, 1};
 }

@@ -86,18 +86,17 @@ void stop_error(const nqm_error *err) {
     leave(report_error(err));
 }
 
-void must(nqm_status status, const nqm_error *err) {
+nqm_error fault;
+
+void must(nqm_status status) {
     if (status != NQM_OK)
-        stop_error(err);
+        stop_error(&fault);
 }
 
 static json_malloc_t json_malloc;
 
 static void *json_malloc_or_stop(size_t n) {
-    void *block = json_malloc(n);
-    if (!block)
-        stop(EXIT_LIMIT, "out of memory");
-    return block;
+    return must_have(json_malloc(n));
 }
 
 void stop_without_json_memory(void) {
@@ -107,9 +106,8 @@ void stop_without_json_memory(void) {
 }
 
 json_t *parse_json(const char *text) {
-    nqm_error err;
     json_t *json;
-    must(nqm_json_parse(text, &json, &err), &err);
+    must(nqm_json_parse(text, &json, &fault));
     return json;
 }
 
@@ -257,6 +255,11 @@ void note_progress(const char *format, ...) {
     va_end(args);
 }
 
+void step_progress(const char *stage, size_t done, size_t total) {
+    if (show_progress(NULL, stage, (double)done, (double)total))
+        stop(EXIT_INTERRUPTED, "interrupted");
+}
+
 void end_progress(void) {
     if (progress_shown)
         fputs(clear_line, stderr);
@@ -379,6 +382,11 @@ void print_csv_text(FILE *out, const char *text) {
         fputc(*text, out);
     }
     fputc('"', out);
+}
+
+void print_csv_field(FILE *out, const char *text) {
+    fputc(',', out);
+    print_csv_text(out, text);
 }
 
 void print_csv_number(FILE *out, double value) {

@@ -110,6 +110,12 @@ int choose(const char *name, const char *const *words, const char *text);
 
 /** Zeroed memory; free() it. */
 void *allocate(size_t n, size_t size);
+/** The same block. */
+void *must_have(void *block);
+/** A stream that writes to memory; free() *text after it is closed. */
+FILE *open_text(char **text, size_t *n);
+/** "A:B", or one of them where the other is ""; free() it. */
+char *join_with_colon(const char *a, const char *b);
 /** Open a built-in model by name, or a model file; NULL: "default". */
 nqm_model *open_model(const char *name_or_path);
 /** The scene that judges fits by the loss `loss` ("auto": the standard scenes of the model "transport"); NULL: none does. Free with
@@ -202,8 +208,10 @@ int exit_code_of(nqm_status status);
 /** The same, then exit: unfinished output files are removed, memory is left to the system. */
 _Noreturn void stop_error(const nqm_error *err);
 __attribute__((format(printf, 2, 3))) _Noreturn void stop(int exit_code, const char *format, ...);
-/** stop_error() unless the status is NQM_OK. */
-void must(nqm_status status, const nqm_error *err);
+/** The error of calls that must succeed: must(nqm_brdf_open(name, &brdf, &fault)). Of the main thread. */
+extern nqm_error fault;
+/** stop_error(&fault) unless the status is NQM_OK. */
+void must(nqm_status status);
 /** From here on a failed allocation of jansson ends the tool: jansson leaves out values, and no result may lack one. */
 void stop_without_json_memory(void);
 /** The value of a text; NULL if it is no JSON. */
@@ -221,6 +229,8 @@ int show_progress(void *user, const char *stage, double done, double total);
 __attribute__((format(printf, 1, 2))) void note_progress(const char *format, ...);
 /** Clear the progress line, if there is one. */
 void end_progress(void);
+/** Show that `done` of `total` items are done; Ctrl-C ends the run. */
+void step_progress(const char *stage, size_t done, size_t total);
 /** Install the Ctrl-C handler (main does). */
 void catch_interrupt(void);
 /** The verb saves work for a later run after Ctrl-C: give it more time for that. */
@@ -265,6 +275,8 @@ json_t *json_model(const nqm_model *model);
 void print_model_text(const nqm_model *model);
 /** A CSV field, quoted if necessary. */
 void print_csv_text(FILE *out, const char *text);
+/** The same after a comma. */
+void print_csv_field(FILE *out, const char *text);
 /** A number with 9 digits, or nothing if it is not finite. */
 void print_csv_number(FILE *out, double value);
 /** n numbers, each after a comma. */
@@ -313,9 +325,10 @@ const char *stream_name(const char *message, size_t *n_prefix);
 
 /* ---- verbs ------------------------------------------------------------------------------------------------------- */
 
+typedef int verb_fn(int argc, char **argv);
 typedef struct verb {
     const char *name, *heading; /* heading: of a run of verbs in lists of all */
-    int (*run)(int argc, char **argv);
+    verb_fn *run;
     const char *summary;
 } verb;
 extern const verb verbs[]; /* the last one has no name */
@@ -329,30 +342,8 @@ void rename_former_verb(int *argc, char ***argv);
 /** Print that there is no such verb, and the nearest one. Returns EXIT_USAGE. */
 int report_no_verb(const char *name);
 
-int cmd_batch(int argc, char **argv);
-int cmd_calibrate(int argc, char **argv);
-int cmd_check(int argc, char **argv);
-int cmd_conform(int argc, char **argv);
-int cmd_convert(int argc, char **argv);
-int cmd_dataset(int argc, char **argv);
-int cmd_dedup(int argc, char **argv);
-int cmd_diff(int argc, char **argv);
-int cmd_directions(int argc, char **argv);
-int cmd_doctor(int argc, char **argv);
-int cmd_eval(int argc, char **argv);
-int cmd_fit(int argc, char **argv);
-int cmd_help(int argc, char **argv);
-int cmd_info(int argc, char **argv);
-int cmd_label(int argc, char **argv);
-int cmd_nearest(int argc, char **argv);
-int cmd_rank(int argc, char **argv);
-int cmd_regress(int argc, char **argv);
-int cmd_render(int argc, char **argv);
-int cmd_report(int argc, char **argv);
-int cmd_sample(int argc, char **argv);
-int cmd_score(int argc, char **argv);
-int cmd_train(int argc, char **argv);
-int cmd_translate(int argc, char **argv);
-int cmd_transport(int argc, char **argv);
+verb_fn cmd_batch, cmd_calibrate, cmd_check, cmd_conform, cmd_convert, cmd_dataset, cmd_dedup, cmd_diff, cmd_directions,
+    cmd_doctor, cmd_eval, cmd_fit, cmd_help, cmd_info, cmd_label, cmd_nearest, cmd_rank, cmd_regress, cmd_render,
+    cmd_report, cmd_sample, cmd_score, cmd_train, cmd_translate, cmd_transport;
 
 #endif

@@ -3,8 +3,15 @@
  * The verbs of the tool, each in a file cmd_*.c.
  */
 #include "base/names.h"
+#include "io/io.h"
 #include "nqm/help.h"
+#include "nqm/tool.h"
+#include "render/render.h"
 
+#include <jpeglib.h>
+#include <openexr.h>
+#include <png.h>
+#include <pthread.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -55,6 +62,29 @@ void print_usage(FILE *out) {
     fputs("\n`nqm VERB --help` describes a verb, with an example; `nqm --version` lists the libraries of this build.\n"
           "example: nqm score sgd:nickel ward:nickel\n",
           out);
+}
+
+/* The text of a macro's value. */
+#define TEXT(value)    #value
+#define TEXT_OF(macro) TEXT(macro)
+
+static char line[256];
+static pthread_once_t once = PTHREAD_ONCE_INIT;
+
+static void make_line(void) {
+    const char *embree = nqm_tracer_version();
+    int major, minor, patch;
+    exr_get_library_version(&major, &minor, &patch, NULL);
+    snprintf(line, sizeof line,
+             "Embree %s%s, libjpeg-turbo %s, libpng %s, OpenEXR %d.%d.%d, no "
+             "MPI library",
+             embree ? embree : "off", embree ? " when needed" : "", TEXT_OF(LIBJPEG_TURBO_VERSION),
+             png_get_libpng_ver(NULL), major, minor, patch);
+}
+
+const char *tool_build_info(void) {
+    pthread_once(&once, make_line);
+    return line;
 }
 
 void print_version(void) {

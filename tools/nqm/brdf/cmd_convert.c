@@ -44,7 +44,6 @@ static const command cmd = {
 
 int cmd_convert(int argc, char **argv) {
     parse_arguments(&cmd, argc, argv);
-    nqm_error err = {0};
     const char *dot = strrchr(output, '.');
     const bool is_npy_name = dot && strcmp(dot, ".npy") == 0;
     const int format = choose("format", formats, format_name ? format_name : is_npy_name ? "npy" : formats[0]);
@@ -53,7 +52,7 @@ int cmd_convert(int argc, char **argv) {
              format == 2 ? ".npy files" : "MERL tables (.binary)", output);
     nqm_brdf *brdf = open_brdf(argv[0]);
     const nqm_brdf_info info = nqm_brdf_get_info(brdf);
-    must(nqm_brdf_write(brdf, (nqm_table_format)format, output_path(output), show_progress, NULL, &err), &err);
+    must(nqm_brdf_write(brdf, (nqm_table_format)format, output_path(output), show_progress, NULL, &fault));
     end_progress();
     if (json && strcmp(output, "-") != 0)
         print_document(json_pack("{s:s,s:s,s:s,s:s}", "brdf", info.name, "from", info.format, "output", output,

@@ -73,7 +73,6 @@ int cmd_directions(int argc, char **argv) {
     if (json && pairs)
         stop(EXIT_USAGE, "--json and --pairs exclude each other");
     nqm_directions *directions;
-    nqm_error err = {0};
     if (n_arguments > 0 && strcmp(argv[0], "show") == 0) {
         if (n_arguments != 2)
             stop(EXIT_USAGE, "show needs one model or file");
@@ -84,7 +83,7 @@ int cmd_directions(int argc, char **argv) {
         make.n = (size_t)n;
         make.progress = show_progress;
         nqm_brdf **refs = open_brdfs(n_arguments, argv);
-        must(nqm_directions_create(&make, (size_t)n_arguments, (const nqm_brdf *const *)refs, &directions, &err), &err);
+        must(nqm_directions_create(&make, (size_t)n_arguments, (const nqm_brdf *const *)refs, &directions, &fault));
         close_brdfs(n_arguments, refs);
         end_progress();
     }
@@ -93,7 +92,7 @@ int cmd_directions(int argc, char **argv) {
     else if (pairs)
         write_pairs(directions, path);
     else
-        must(nqm_directions_save_csv(directions, output_path(path), &err), &err);
+        must(nqm_directions_save_csv(directions, output_path(path), &fault));
     if (!json && strcmp(path, "-") != 0)
         report(EXIT_OK, "%s: %zu directions, id %s", path, nqm_directions_count(directions),
                nqm_directions_id(directions));

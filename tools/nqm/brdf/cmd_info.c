@@ -4,12 +4,14 @@
  */
 #include "io/io.h"
 #include "material/material.h"
-#include "nqm/brdf/info.h"
+#include "metric/metric.h"
+#include "nqm/help.h"
 #include "nqm/textured.h"
 #include <nqm/material.h>
 #include <nqm/texture.h>
 
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 static json_t *json_text(const char *text) {
@@ -36,8 +38,7 @@ static int print_brdf(const char *argument, bool json) {
 /* A material with image maps, which are decoded. */
 static int print_texture(const char *argument, bool json) {
     nqm_texture *texture;
-    nqm_error err = {0};
-    must(nqm_texture_open(argument, show_progress, NULL, &texture, &err), &err);
+    must(nqm_texture_open(argument, show_progress, NULL, &texture, &fault));
     end_progress();
     const nqm_texture_info info = nqm_texture_get_info(texture, NULL);
     json_t *members =
@@ -122,8 +123,7 @@ static int print_file_of_brdfs(const char *argument, bool json) {
 
 static int print_dataset(const char *path, bool json) {
     nqm_dataset *dataset;
-    nqm_error err = {0};
-    must(nqm_dataset_load(path, &dataset, &err), &err);
+    must(nqm_dataset_load(path, &dataset, &fault));
     const nqm_dataset_info info = nqm_dataset_get_info(dataset);
     json_t *members = json_pack(
         "{s:s,s:o,s:s,s:I,s:I,s:I,s:{s:I,s:I,s:I},s:{s:I,s:s}}", "kind", "dataset", "name", json_name(path), "sha256",
@@ -135,6 +135,116 @@ static int print_dataset(const char *path, bool json) {
         json_object_set_new(members, "manifest", parse_json(info.manifest));
     nqm_dataset_free(dataset);
     return json ? print_document(members) : print_members(members);
+}
+
+/* "1500-1024-716-501-1" */
+static const char *layers_text(const nqm_model_info *info, char *text, size_t n_text) {
+    size_t at = 0;
+    snprintf(text, n_text, "no network");
+    for (size_t l = 0; info->n_layers > 0 && l <= info->n_layers && at < n_text; ++l)
+        at += (size_t)snprintf(text + at, n_text - at, "%s%zu", l ? "-" : "", info->layer_sizes[l]);
+    return text;
+}
+
+json_t *json_model(const nqm_model *model) {
+    const nqm_model_info info = nqm_model_get_info(model);
+    json_t *layers = json_array(), *calibration = parse_json(info.calibration); /* NULL for "" */
+    for (size_t l = 0; info.n_layers > 0 && l <= info.n_layers; ++l)
+        json_array_append_new(layers, json_integer((json_int_t)info.layer_sizes[l]));
+    return json_pack("{s:s,s:s,s:I,s:s,s:o,s:{s:I,s:s},s:[o,o],s:o,s:s,s:s,s:s}", "id", info.id, "recipe", info.recipe,
+                     "parameters", (json_int_t)info.n_parameters, "sha256", info.sha256, "layers", layers, "directions",
+                     "n", (json_int_t)nqm_directions_count(info.directions), "id", nqm_directions_id(info.directions),
+                     "jod_range", json_number(info.jod_min), json_number(info.jod_max), "calibration",
+                     calibration ? calibration : json_null(), "licence", info.licence, "manifest_sha256",
+                     info.manifest_sha256, "card", info.card);
+}
+
+static void print_stored_calibration(const char *stored) {
+    json_t *json = parse_json(stored);
+    nqm_calibration c = {0};
+    json_int_t n_pairs = 0, n_materials = 0;
+    if (json && json_unpack(json, "{s:I,s:I,s:F,s:F,s:F,s:F}", "materials", &n_materials, "pairs", &n_pairs, "coverage",
+                            &c.coverage, "coverage_pairs", &c.coverage_pairs, "coverage_lowest", &c.coverage_lowest,
+                            "mean_width", &c.mean_width) == 0) {
+        c.n_pairs = (size_t)n_pairs;
+        c.n_materials = (size_t)n_materials;
+        print_calibration(&c);
+    } else {
+        printf("interval    %s\n", *stored ? "95 %" : "none: not calibrated");
+    }
+    json_decref(json);
+}
+
+/* Lines may end as on Windows. */
+static void print_card_line(const char *line, size_t n) {
+    n -= n && line[n - 1] == '\r';
+    char *text = allocate(n + 1, 1);
+    for (size_t i = 0; i < n; ++i)
+        text[i] = line[i] == '\t' ? ' ' : line[i];
+    puts(shown(text));
+    free(text);
+}
+
+void print_model_text(const nqm_model *model) {
+    const nqm_model_info info = nqm_model_get_info(model);
+    char layers[200];
+    printf("id          %s\nrecipe      %s\nparameters  %zu\nlayers      %s\n", shown(info.id), shown(info.recipe),
+           info.n_parameters, layers_text(&info, layers, sizeof layers));
+    printf("directions  %zu, id %s\nJOD range   %.2f to %.2f\n", nqm_directions_count(info.directions),
+           nqm_directions_id(info.directions), info.jod_min, info.jod_max);
+    print_stored_calibration(info.calibration);
+    printf("licence     %s\nsha256      %s\n", shown(info.licence), info.sha256);
+    if (nqm_model_transport(model).light)
+        printf("similarity  %s\n",
+               model->similarity[NQM_APART] > 0
+                   ? "fitted to other answers of people"
+                   : "six constants, fitted to answers of Lagunas et al. 2019 (GPL-2.0; not included)");
+    if (*info.manifest_sha256)
+        printf("trained on  %s (sha256 of the dataset)\n", shown(info.manifest_sha256));
+    if (*info.card)
+        putchar('\n');
+    each_line(info.card, print_card_line);
+}
+
+/* Write a copy of a model whose card ends with a text; `half` also rounds the weights of its hidden layers to 16 bits. */
+static int annotate_model(const char *name, const char *notes_path, bool half, const char *output) {
+    nqm_model *model = open_model(name), *annotated;
+    char *notes = read_text(notes_path);
+    if (half) { /* 16-bit weights in the hidden layers, with newly computed golden scores */
+        nqm_model *original = model;
+        must(nqm_model_copy(original, &model, &fault));
+        nqm_model_free(original);
+        must(nqm_model_round_to_half(model, &fault));
+        nqm_free(model->golden);
+        must(nqm_golden_make(model, &model->golden, &fault));
+    }
+    must(nqm_model_annotate(model, notes, &annotated, &fault));
+    must(nqm_model_save(annotated, output, &fault));
+    free(notes);
+    nqm_model_free(model);
+    nqm_model_free(annotated);
+    return EXIT_OK;
+}
+
+/* A table of the built-in models, or as JSON all that json_model() has. */
+static int list_models(bool json) {
+    json_t *list = json ? json_array() : NULL;
+    if (!json && nqm_model_builtin_count() == 0)
+        report(EXIT_OK, "none is built in; `nqm train` makes model files");
+    else if (!json)
+        printf("%-15s %-10s %10s  %-24s %s\n", "model", "recipe", "parameters", "layers", "sha256");
+    for (size_t i = 0; i < nqm_model_builtin_count(); ++i) {
+        nqm_model *model = open_model(nqm_model_builtin_name(i));
+        const nqm_model_info info = nqm_model_get_info(model);
+        char layers[200];
+        if (json)
+            json_array_append_new(list, json_model(model));
+        else
+            printf("%-15s %-10s %10zu  %-24s %.16s...\n", info.id, info.recipe, info.n_parameters,
+                   layers_text(&info, layers, sizeof layers), info.sha256);
+        nqm_model_free(model);
+    }
+    return json ? print_document(json_pack("{s:o}", "models", list)) : EXIT_OK;
 }
 
 static int print_model(const char *path, bool json) {

@@ -52,12 +52,11 @@ static void print_samples_json(const sample_set *s) {
 
 /* Write a MAT file. The authors' files have a value at every direction, so missing values are an error. */
 static void write_samples(const sample_set *s) {
-    nqm_error err = {0};
     if (s->policy == NQM_INVALID_DROP && s->report.n_invalid)
         stop(EXIT_INCOMPATIBLE,
              "%s: no value at %zu of %zu directions, but a MAT file needs one at each: --invalid zero or nearest",
              s->brdf, s->report.n_invalid, s->report.n);
-    must(nqm_samples_save_mat(s->directions, s->rgb, output_path(s->output), &err), &err);
+    must(nqm_samples_save_mat(s->directions, s->rgb, output_path(s->output), &fault));
 }
 
 static void report_holes(const sample_set *s) {
@@ -98,7 +97,6 @@ static const command cmd = {
 int cmd_sample(int argc, char **argv) {
     parse_arguments(&cmd, argc, argv);
     nqm_score_options score = {0};
-    nqm_error err = {0};
     set_option(&nqm_score_option_table, "invalid", &score, policy_name);
     if (output && format != FORMAT_TEXT)
         stop(EXIT_USAGE, "--csv, --json and --output exclude each other");
@@ -111,7 +109,7 @@ int cmd_sample(int argc, char **argv) {
                     .output = output,
                     .rgb = allocate(3 * n, sizeof *s.rgb),
                     .flag = allocate(n, 1)};
-    must(nqm_sample(brdf, directions, s.policy, s.rgb, s.flag, &s.report, &err), &err);
+    must(nqm_sample(brdf, directions, s.policy, s.rgb, s.flag, &s.report, &fault));
     if (output)
         write_samples(&s);
     else

@@ -8,6 +8,18 @@
 #include <stdlib.h>
 #include <string.h>
 
+enum { N_NAMED = 3 };
+/* The JOD from which on a set passes: the rest is rounding. */
+static const double conform_pass = 9.99;
+typedef struct conform_result {
+    const conform_kit *kit;
+    score_run run; /* a row for each set, in their order */
+    double none;   /* as suspect.left, without a mistake; 0: all sets pass */
+    size_t n_named;
+    suspect named[N_NAMED];
+    size_t n_shown; /* sets in tables */
+} conform_result;
+
 static void write_rows(const conform_kit *kit, const char *path) {
     output_file out;
     open_output(path, &out);
@@ -33,6 +45,150 @@ static void make_rows(conform_result *r, const char *name, const nqm_score_resul
             snprintf(row->err.message, sizeof row->err.message, "set %zu: %zu of %zu values are not finite", set + 1,
                      results[set].n_invalid[1], kit->n_directions);
     }
+}
+
+/* ---- results ----------------------------------------------------------------------------------------------------- */
+
+/* ---- scores ------------------------------------------------------------------------------------------------------ */
+
+/* Score values, (n_sets, n_directions, 3), against suspect `s`; results (n_sets). */
+static void score_values(const conform_kit *kit, nqm_scorer *scorer, const float *values, const suspect *s,
+                         nqm_score_result *results) {
+    const size_t n = kit->n_directions;
+    float *ref = allocate(3 * kit->n_sets * n, sizeof *ref), *test = allocate(3 * kit->n_sets * n, sizeof *test);
+    uint8_t *used = allocate(kit->n_sets * n, 1);
+    nqm_sample_pair *pairs = allocate(kit->n_sets, sizeof *pairs);
+    for (size_t set = 0; set < kit->n_sets; ++set) {
+        pairs[set] = (nqm_sample_pair){ref + 3 * set * n, test + 3 * set * n, used + set * n};
+        sample_suspect(kit, set, s, ref + 3 * set * n);
+    }
+    for (size_t i = 0; i < kit->n_sets * n; ++i) {
+        used[i] = (uint8_t)(isnan(values[3 * i]) == 0);
+        for (size_t c = 0; c < 3; ++c)
+            test[3 * i + c] = used[i] ? fmaxf(values[3 * i + c], 0) : 0;
+    }
+    must(nqm_scorer_run_samples(scorer, kit->n_sets, pairs, results, &fault));
+    for (size_t set = 0; set < kit->n_sets; ++set)
+        for (size_t i = set * n; i < (set + 1) * n; ++i) {
+            const float *v = values + 3 * i;
+            results[set].n_invalid[1] += !used[i];
+            results[set].n_clamped[1] += used[i] && (v[0] < 0 || v[1] < 0 || v[2] < 0);
+        }
+    free(pairs);
+    free(used);
+    free(test);
+    free(ref);
+}
+
+/* ---- the likely mistake ------------------------------------------------------------------------------------------ */
+
+static double lowest_jod(const conform_result *r) {
+    double jod = 10;
+    for (size_t i = 0; i < r->run.n_rows; ++i)
+        jod = fmin(jod, r->run.rows[i].result.jod); /* without NaN */
+    return jod;
+}
+
+/* It leaves less than half of the difference, or none that is visible. */
+static bool is_named(const conform_result *r) {
+    return r->n_named &&
+           (r->named[0].left < 0.5 * r->none || (lowest_jod(r) < conform_pass && r->named[0].lowest >= conform_pass));
+}
+
+/* A mistake, what JOD the worst set has with it, and how much of the difference remains. */
+static void put_suspect(FILE *out, const conform_result *r, const suspect *s) {
+    fprintf(out, "%s (with it: lowest JOD %.2f, and %.1f %% of the difference remains)", s->text, s->lowest,
+            100 * s->left / r->none);
+}
+
+static void put_mistakes(FILE *out, const conform_result *r, const char *between) {
+    if (!r->n_named) {
+        fputs(r->none > 0 ? "No mistake of the list explains the difference.\n"
+                          : "No difference that a mistake has to explain.\n",
+              out);
+        return;
+    }
+    fputs(is_named(r) ? lowest_jod(r) < conform_pass ? "Likely mistake: " : "Likely mistake, which is not visible: "
+                      : "No mistake of the list explains most of the difference. The nearest: ",
+          out);
+    for (size_t i = 0; i < r->n_named; ++i) {
+        fputs(i == 0 ? "" : i == 1 ? between : "; ", out);
+        fputs(i == 1 ? "Next: " : "", out);
+        put_suspect(out, r, &r->named[i]);
+    }
+    fputc('\n', out);
+}
+
+static json_t *json_mistakes(const conform_result *r) {
+    json_t *list = json_array();
+    for (size_t i = 0; i < r->n_named; ++i)
+        json_array_append_new(list, json_pack("{s:s,s:o,s:o}", "mistake", r->named[i].text, "lowest_jod",
+                                              json_number(r->named[i].lowest), "remaining",
+                                              json_number(r->named[i].left / r->none)));
+    return list;
+}
+
+/* ---- the sets ---------------------------------------------------------------------------------------------------- */
+
+static void print_text(const conform_result *r, const row_summary *s) {
+    char verdict[VERDICT_TEXT], words[NQM_LABEL_TEXT];
+    const score_run *run = &r->run;
+    size_t n_passed = 0;
+    for (size_t i = 0; i < run->n_rows; ++i)
+        n_passed += run->rows[i].result.jod >= conform_pass;
+    printf("values     %s\nmodel      %s, %zu sets of %zu directions\n\n    JOD  %s%-20s  %sset\n",
+           shown(run->ref_name), shown(run->ref_path), run->n_rows, r->kit->n_directions, "[95 %]          ", "verdict",
+           has_gate(&run->gate) ? "gate  " : "");
+    for (size_t i = 0; i < s->summary.n_shown; ++i) {
+        const scored_pair *row = &run->rows[s->summary.order[i]];
+        print_jod(row, true);
+        printf("  %-20s", row->err.status == NQM_OK ? verdict_words(&row->result, verdict) : "no score");
+        if (has_gate(&run->gate))
+            printf("  %-4s", gate_mark(&run->gate, &row->result));
+        printf("  %s\n", row->name);
+        if (row->err.status == NQM_OK && !isnan(row->result.parts.structure))
+            print_phrases(nqm_label_describe(&row->result.parts, words));
+        print_phrases(row->pair.ref);
+    }
+    if (s->summary.n_shown < run->n_rows)
+        printf("  ... %zu more sets\n", run->n_rows - s->summary.n_shown);
+    printf("\n%zu of %zu sets pass: JOD %g or more. Lowest JOD %.2f.\n", n_passed, run->n_rows, conform_pass,
+           lowest_jod(r));
+    put_mistakes(stdout, r, "\n");
+}
+
+static void print_conform(const conform_result *r) {
+    if (r->run.format == FORMAT_JSON) {
+        json_t *document = json_scores(&r->run);
+        json_object_set_new(document, "lowest_jod", json_number(lowest_jod(r)));
+        json_object_set_new(document, "mistakes", json_mistakes(r));
+        print_json(document);
+        return;
+    }
+    if (r->run.format == FORMAT_QUIET)
+        puts(is_named(r) ? r->named[0].text : r->none > 0 ? "unknown" : "none");
+    if (r->run.format != FORMAT_TEXT)
+        return;
+    row_summary s;
+    summarise_rows(&r->run, r->run.ref_name, r->n_shown, &s);
+    print_text(r, &s);
+    free_row_summary(&s);
+}
+
+/* Write JUnit and Markdown where a path is given. */
+static void write_conform_reports(const conform_result *r, const char *junit, const char *markdown) {
+    row_summary s;
+    output_file out;
+    summarise_rows(&r->run, r->run.ref_name, r->n_shown, &s);
+    write_batch_summary(&s.summary, junit, print_batch_junit);
+    if (markdown) {
+        open_output(markdown, &out);
+        print_batch_markdown(&s.summary, out.stream);
+        fputc('\n', out.stream);
+        put_mistakes(out.stream, r, "\n\n");
+        close_output(&out);
+    }
+    free_row_summary(&s);
 }
 
 /* Say where values are not finite or negative. */
@@ -64,11 +220,8 @@ static void compare(conform_result *r, const char *name, const float *values) {
     const suspect none = {.mistakes = 0};
     const conform_kit *kit = r->kit;
     nqm_score_result *results = allocate(kit->n_sets, sizeof *results);
-    nqm_scorer *scorer;
-    nqm_error err = {0};
-    r->run.options = nqm_score_options_default();
-    r->run.options.metrics = 0;
-    must(nqm_scorer_create(kit->metric, &r->run.options, &scorer, &err), &err);
+    r->run.options = plain_score_options();
+    nqm_scorer *scorer = open_scorer(kit->metric, &r->run.options);
     score_values(kit, scorer, values, &none, results);
     make_rows(r, name, results);
     bool passes = true;
@@ -87,6 +240,99 @@ static void compare(conform_result *r, const char *name, const float *values) {
     }
     nqm_scorer_free(scorer);
     free(results);
+}
+
+/* ---- --self ------------------------------------------------------------------------------------------------------ */
+
+/* A kit whose inputs are rounded to float32; free() it. It borrows from the kit. */
+static conform_kit *round_kit(const conform_kit *kit) {
+    conform_kit *rounded = allocate(1, sizeof *rounded);
+    *rounded = *kit;
+    for (size_t turn = 0; turn < KIT_TURNS; ++turn) {
+        rounded->wi[turn] = allocate(3 * kit->n_directions, sizeof(double));
+        rounded->wo[turn] = allocate(3 * kit->n_directions, sizeof(double));
+        for (size_t i = 0; i < 3 * kit->n_directions; ++i) {
+            rounded->wi[turn][i] = (double)(float)kit->wi[turn][i];
+            rounded->wo[turn][i] = (double)(float)kit->wo[turn][i];
+        }
+    }
+    for (size_t set = 0; set < kit->n_sets; ++set)
+        for (size_t k = 0; k < kit->model->schema.n_keys; ++k)
+            for (size_t c = 0; c < 3; ++c)
+                rounded->sets[set].values.v[k][c] = (double)(float)kit->sets[set].values.v[k][c];
+    return rounded;
+}
+
+static void free_rounded(conform_kit *rounded) {
+    for (size_t turn = 0; turn < KIT_TURNS; ++turn) {
+        free(rounded->wi[turn]);
+        free(rounded->wo[turn]);
+    }
+    free(rounded);
+}
+
+/* The lowest JOD of a kit's values without a mistake. */
+static double lowest_of(const conform_kit *kit, const conform_kit *rounded) {
+    const suspect none = {.mistakes = 0};
+    const nqm_score_options options = nqm_score_options_default();
+    float *values = allocate(3 * kit->n_sets * kit->n_directions, sizeof *values);
+    nqm_score_result *results = allocate(kit->n_sets, sizeof *results);
+    nqm_scorer *scorer = open_scorer(kit->metric, &options);
+    for (size_t set = 0; set < kit->n_sets; ++set)
+        sample_suspect(rounded, set, &none, values + 3 * set * kit->n_directions);
+    score_values(kit, scorer, values, &none, results);
+    double lowest = 10;
+    for (size_t set = 0; set < kit->n_sets; ++set)
+        lowest = fmin(lowest, results[set].jod);
+    nqm_scorer_free(scorer);
+    free(results);
+    free(values);
+    return lowest;
+}
+
+/* How many suspects explain the values of suspect t better than itself; those with equal values (to float32) count as itself. */
+static size_t rank_of(size_t n, size_t t, const double *left) {
+    size_t rank = 0;
+    for (size_t s = 0; s < n; ++s)
+        rank += left[s] < left[t] - 1e-6;
+    return rank;
+}
+
+/* Prove the kit: the model's own values, from directions and parameters in float32 as a shader gets them, pass, and each mistake is
+ * named from its values. Returns the exit code. */
+static int prove_kit(const conform_kit *kit, result_format format) {
+    const double noticed = 1e-4;
+    size_t n, n_seen = 0, n_first = 0, n_three = 0;
+    suspect *list = list_suspects(kit, &n);
+    conform_kit *rounded = round_kit(kit);
+    double *left = allocate(n * n, sizeof *left);
+    json_t *missed = json_array();
+    const double lowest = lowest_of(kit, rounded);
+    compare_suspects(kit, n, list, &(suspect_targets){.n = n, .planted = rounded}, left);
+    for (size_t t = 1; t < n; ++t) {
+        if (left[t * n] < noticed) /* this model does not have it */
+            continue;
+        const size_t rank = rank_of(n, t, left + t * n);
+        ++n_seen;
+        n_first += rank == 0;
+        n_three += rank < 3;
+        if (rank)
+            json_array_append_new(missed, json_string(list[t].text));
+    }
+    const bool passes = lowest >= conform_pass && 10 * n_first >= 9 * n_seen && 100 * n_three >= 98 * n_seen;
+    json_t *document =
+        json_pack("{s:s,s:I,s:I,s:o,s:I,s:I,s:I,s:o,s:b}", "model", kit->model->schema.model, "sets",
+                  (json_int_t)kit->n_sets, "directions", (json_int_t)kit->n_directions, "lowest_jod",
+                  json_number(lowest), "mistakes", (json_int_t)n_seen, "named_first", (json_int_t)n_first,
+                  "named_in_three", (json_int_t)n_three, "not_first", missed, "passes", passes);
+    if (format == FORMAT_JSON)
+        print_document(document);
+    else
+        print_members(document);
+    free_rounded(rounded);
+    free(left);
+    free(list);
+    return passes ? EXIT_OK : EXIT_GATE;
 }
 
 /* ---- the verb ---------------------------------------------------------------------------------------------------- */

@@ -92,29 +92,4 @@ void compare_suspects(const conform_kit *kit, size_t n, const suspect *suspects,
  *  remains without a mistake. 0: values differ by no more than float32 does. Where one leaves a difference, two are tried. */
 size_t find_suspects(const conform_kit *kit, const float *values, size_t n_found, suspect *found, double *none);
 
-/* ---- results (conform_print.c) ----------------------------------------------------------------------------------- */
-
-enum { N_NAMED = 3 };
-/** The JOD from which on a set passes: the rest is rounding. */
-static const double conform_pass = 9.99;
-typedef struct conform_result {
-    const conform_kit *kit;
-    score_run run; /* a row for each set, in their order */
-    double none;   /* as suspect.left, without a mistake; 0: all sets pass */
-    size_t n_named;
-    suspect named[N_NAMED];
-    size_t n_shown; /* sets in tables */
-} conform_result;
-
-/** Score values, (n_sets, n_directions, 3), against suspect `s`; results (n_sets). */
-void score_values(const conform_kit *kit, nqm_scorer *scorer, const float *values, const suspect *s,
-                  nqm_score_result *results);
-/** Whether a mistake explains half of the difference or more. */
-bool is_named(const conform_result *r);
-void print_conform(const conform_result *r);
-/** Write JUnit and Markdown where a path is given. */
-void write_conform_reports(const conform_result *r, const char *junit, const char *markdown);
-/** Prove the kit: the model's own values pass, and each suspect is named from its values. Returns the exit code. */
-int prove_kit(const conform_kit *kit, result_format format);
-
 #endif

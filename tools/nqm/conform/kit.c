@@ -186,9 +186,8 @@ static void finish_sets(conform_kit *kit) {
             set->turn = n_anisotropic++ % KIT_TURNS;
         snprintf(set->name, sizeof set->name, "set %zu", s + 1);
         char *spec = nqm_spec_format(schema, &set->values);
-        set->spec = spec && set->turn ? nqm_strdupf("rotate:deg=%g;of=%s", -kit_turns_deg[set->turn], spec) : spec;
-        if (!set->spec)
-            stop(EXIT_LIMIT, "out of memory");
+        set->spec =
+            must_have(spec && set->turn ? nqm_strdupf("rotate:deg=%g;of=%s", -kit_turns_deg[set->turn], spec) : spec);
         if (set->spec != spec)
             nqm_free(spec);
     }

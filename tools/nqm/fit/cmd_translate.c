@@ -8,7 +8,6 @@
 #include "fit/match.h"
 #include "material/material.h"
 #include "nqm/fit/translate.h"
-#include "nqm/score/gate.h"
 #include "nqm/score/score.h"
 #include "nqm/show/report.h"
 #include "nqm/textured.h"
@@ -50,15 +49,9 @@ typedef struct translation {
 /* ---- inputs and outputs ------------------------------------------------------------------------------------------- */
 
 static void add_item(translation *t, const char *file, const char *material) {
-    if (t->n == t->max_n) {
-        t->max_n = t->max_n ? 2 * t->max_n : 16;
-        item *grown = allocate(t->max_n, sizeof *grown);
-        if (t->n)
-            memcpy(grown, t->items, t->n * sizeof *grown);
-        free(t->items);
-        t->items = grown;
-    }
+    t->items = must_have(nqm_grow(t->items, &t->max_n, t->n + 1, sizeof *t->items));
     item *it = &t->items[t->n++];
+    *it = (item){.copy = NULL};
     const int used = material ? snprintf(it->argument, MAX_TEXT, "%s:%s", file, material)
                               : snprintf(it->argument, MAX_TEXT, "%s", file);
     const char *taken = used < 0 || used >= MAX_TEXT ? NULL : reflecting(it->argument);
@@ -96,7 +89,6 @@ static void short_stem(const char *argument, char *stem, size_t n_stem) {
 }
 
 static void name_outputs(translation *t) {
-    nqm_error err = {0};
     if (t->path && t->folder)
         stop(EXIT_USAGE, "-o FILE and -d FOLDER exclude each other");
     if (t->folder)
@@ -109,7 +101,7 @@ static void name_outputs(translation *t) {
                                  : snprintf(it->path, MAX_TEXT, "%s/%s%s", t->folder, stem, t->target->extension);
         if (used < 0 || used >= MAX_TEXT)
             stop(EXIT_USAGE, "%.80s...: the path of the output is too long", it->path);
-        must(nqm_material_check(t->target->model, it->path, &err), &err);
+        must(nqm_material_check(t->target->model, it->path, &fault));
         for (size_t k = 0; t->folder && k < i; ++k)
             if (strcmp(t->items[k].path, it->path) == 0)
                 stop(EXIT_USAGE, "'%s' and '%s' would both be written to %s", t->items[k].argument, it->argument,
@@ -419,15 +411,6 @@ static void translate_all(translation *t, bool with_rows) {
 
 /* ---- the verb ----------------------------------------------------------------------------------------------------- */
 
-static nqm_scorer *open_scorer(const nqm_model *model) {
-    nqm_score_options options = nqm_score_options_default();
-    nqm_scorer *scorer;
-    nqm_error err = {0};
-    options.metrics = 0;
-    must(nqm_scorer_create(model, &options, &scorer, &err), &err);
-    return scorer;
-}
-
 static translation t;
 static const char *to, *loss = "auto", *metric = "default", *transport = "transport", *page;
 static uint64_t samples = 2000;
@@ -488,8 +471,9 @@ int cmd_translate(int argc, char **argv) {
     if (page)
         open_output(page, &page_file);
     t.loss = (nqm_match_loss){loss, metric_model, transport_model, judge};
-    t.scorer = open_scorer(metric_model);
-    t.transport = open_scorer(transport_model);
+    const nqm_score_options options_of_scores = plain_score_options();
+    t.scorer = open_scorer(metric_model, &options_of_scores);
+    t.transport = open_scorer(transport_model, &options_of_scores);
     translate_all(&t, !json);
     if (json)
         print_as_json(&t);
@@ -505,6 +489,6 @@ int cmd_translate(int argc, char **argv) {
     nqm_scene_free(judge);
     for (size_t i = 0; i < t.n; ++i)
         nqm_free(t.items[i].copy);
-    free(t.items);
+    nqm_free(t.items);
     return n_refused ? EXIT_PARTIAL : n_failed ? EXIT_GATE : EXIT_OK;
 }

@@ -157,14 +157,13 @@ static size_t first_alike(const eval_run *run, size_t model) {
 
 /* The BRDFs at the directions of a model; NULL: at those of "default". */
 static nqm_human *load_human(const eval_run *run, const char *root, const nqm_model *model) {
-    nqm_error err = {0};
     nqm_human *human;
     nqm_human_options o = nqm_human_options_default();
     o.root = list_root(root, run->dataset_path);
     o.progress = show_progress;
     if (model)
         o.directions = nqm_model_get_info(model).directions;
-    must(nqm_human_load(run->dataset_path, &o, &human, &err), &err);
+    must(nqm_human_load(run->dataset_path, &o, &human, &fault));
     return human;
 }
 
@@ -229,16 +228,15 @@ static _Noreturn void stop_incompatible(const eval_run *run, const nqm_eval_opti
 }
 
 static void evaluate(eval_run *run, const eval_arguments *a, const nqm_eval_options *o, int by) {
-    nqm_error err = {0};
     if (run->is_choice && by)
         stop(EXIT_USAGE, "--by: choices have one table only");
     run->results = json_array();
     run->selections = json_object();
     const nqm_status status = nqm_evaluation_create(run->dataset, run->n_models, (const nqm_model *const *)run->models,
-                                                    run->datasets, o, &run->evaluation, &err);
+                                                    run->datasets, o, &run->evaluation, &fault);
     if (status == NQM_ERR_INCOMPATIBLE)
-        stop_incompatible(run, o, err.message);
-    must(status, &err);
+        stop_incompatible(run, o, fault.message);
+    must(status);
     run->n_predictors = run->evaluation->n_predictors;
     if (run->is_choice)
         judge_choices(run, o, run->results);

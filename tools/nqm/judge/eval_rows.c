@@ -115,13 +115,12 @@ static json_t *contrasts_json(const eval_run *run, const nqm_contrast *contrasts
 static json_t *subset_coverage_json(const eval_run *run, nqm_eval_options o, size_t model) {
     json_t *list = json_array();
     for (size_t i = 0; subset_words[i]; ++i) {
-        nqm_error err = {0};
         nqm_coverage c;
         o.subset = subset_words[i];
-        const nqm_status status = nqm_evaluation_coverage(run->evaluation, &o, model, &c, &err);
+        const nqm_status status = nqm_evaluation_coverage(run->evaluation, &o, model, &c, &fault);
         if (status == NQM_ERR_INCOMPATIBLE) /* no pair */
             continue;
-        must(status, &err);
+        must(status);
         json_t *entry = json_pack("{s:s,s:I,s:I}", "subset", o.subset, "n", (json_int_t)c.n, "n_materials",
                                   (json_int_t)c.n_materials);
         set_estimate(entry, "inside", "ci95", &c.inside);
@@ -133,11 +132,10 @@ static json_t *subset_coverage_json(const eval_run *run, nqm_eval_options o, siz
 
 /* The coverage of a model's intervals, over all pairs also by subset; null if it has none, or if labels are not JODs. */
 static json_t *model_coverage_json(const eval_run *run, const nqm_eval_options *o, size_t model, bool with_subsets) {
-    nqm_error err = {0};
     nqm_coverage coverage;
     if (!run->is_jod || !*nqm_model_get_info(run->models[model]).calibration)
         return json_null();
-    must(nqm_evaluation_coverage(run->evaluation, o, model, &coverage, &err), &err);
+    must(nqm_evaluation_coverage(run->evaluation, o, model, &coverage, &fault));
     json_t *json = coverage_json(&coverage);
     if (with_subsets)
         json_object_set_new(json, "by_subset", subset_coverage_json(run, *o, model));
@@ -152,11 +150,10 @@ static json_t *spearman_json(const nqm_estimate *e) {
 
 /* How well a model predicts the parts of labels; null if either has no parts. */
 static json_t *parts_json(const eval_run *run, const nqm_eval_options *o, size_t model) {
-    nqm_error err = {0};
     nqm_part_agreement parts[NQM_EVAL_PARTS];
     if (!run->evaluation->dataset->parts || !nqm_evaluation_labels(run->evaluation, model))
         return json_null();
-    must(nqm_evaluation_judge_parts(run->evaluation, o, model, parts, &err), &err);
+    must(nqm_evaluation_judge_parts(run->evaluation, o, model, parts, &fault));
     json_t *list = json_array();
     for (const nqm_part_agreement *p = parts; p < parts + NQM_EVAL_PARTS; ++p) {
         json_t *entry = json_pack("{s:s,s:I,s:I,s:o,s:o}", "part", p->part, "n", (json_int_t)p->n, "n_materials",
@@ -173,14 +170,13 @@ static json_t *parts_json(const eval_run *run, const nqm_eval_options *o, size_t
 
 void judge_pairs(const eval_run *run, const nqm_eval_options *o, json_t *rows) {
     const size_t n_contrasts = run->n_models * N_RIVALS;
-    nqm_error err = {0};
     size_t best = run->n_predictors;
     nqm_agreement *results = allocate(run->n_predictors, sizeof *results);
     nqm_contrast *contrasts = allocate(n_contrasts + 1, sizeof *contrasts);
-    const nqm_status status = nqm_evaluation_judge(run->evaluation, o, results, &err);
+    const nqm_status status = nqm_evaluation_judge(run->evaluation, o, results, &fault);
     const bool is_whole = rows == run->results, is_empty = status == NQM_ERR_INCOMPATIBLE && !is_whole;
     if (!is_empty)
-        must(status, &err);
+        must(status);
     for (size_t i = run->n_models; i < run->n_predictors; ++i)
         if (results[i].best_baseline)
             best = i;
@@ -189,7 +185,7 @@ void judge_pairs(const eval_run *run, const nqm_eval_options *o, json_t *rows) {
         contrasts[i].second = rival_of(run, i / N_RIVALS, i % N_RIVALS, best);
     }
     if (n_contrasts && !is_empty)
-        must(nqm_evaluation_contrast(run->evaluation, o, n_contrasts, contrasts, &err), &err);
+        must(nqm_evaluation_contrast(run->evaluation, o, n_contrasts, contrasts, &fault));
     for (size_t i = 0; i < run->n_predictors && !is_empty; ++i) {
         json_t *row = append_row(run, rows, results[i].best_of_family, results[i].best_baseline);
         set_agreement(row, &results[i]);
@@ -210,11 +206,10 @@ static json_t *choice_contrasts_json(const eval_run *run, const nqm_eval_options
     json_t *list = json_array();
     for (size_t k = 0; k < N_RIVALS; ++k) {
         const size_t rival = rival_of(run, model, k, best);
-        nqm_error err = {0};
         nqm_difference difference;
         if (rival == model)
             continue;
-        must(nqm_human_contrast_choices(run->human, run->evaluation, o, model, rival, &difference, &err), &err);
+        must(nqm_human_contrast_choices(run->human, run->evaluation, o, model, rival, &difference, &fault));
         json_array_append_new(list, json_pack("{s:s,s:b,s:o}", "with", predictor_name(run, rival), "best_baseline",
                                               k == RIVAL_BASELINE, "agreement", difference_json(&difference)));
     }
@@ -222,10 +217,9 @@ static json_t *choice_contrasts_json(const eval_run *run, const nqm_eval_options
 }
 
 void judge_choices(const eval_run *run, const nqm_eval_options *o, json_t *rows) {
-    nqm_error err = {0};
     size_t best = run->n_predictors;
     nqm_choice_agreement *results = allocate(run->n_predictors, sizeof *results);
-    must(nqm_human_judge_choices(run->human, run->evaluation, o, results, &err), &err);
+    must(nqm_human_judge_choices(run->human, run->evaluation, o, results, &fault));
     for (size_t i = run->n_models; i < run->n_predictors; ++i)
         if (results[i].best_baseline)
             best = i;
@@ -237,4 +231,65 @@ void judge_choices(const eval_run *run, const nqm_eval_options *o, json_t *rows)
             json_object_set_new(row, "contrasts", choice_contrasts_json(run, o, i, best));
     }
     free(results);
+}
+
+/* ---- --pairs ----------------------------------------------------------------------------------------------------- */
+
+/* Columns of the parts of a label. prefix: of their names. */
+static void write_part_names(FILE *out, const char *prefix) {
+    for (size_t k = 0; k < LABEL_COLUMNS; ++k) {
+        char name[200];
+        snprintf(name, sizeof name, "%.150s%s%s", prefix, *prefix ? ":" : "", label_columns[k]);
+        print_csv_field(out, name);
+    }
+}
+
+static void write_head(const eval_run *run, FILE *out) {
+    fputs("ref,material,test,kind,split,delta_e,jod", out);
+    for (size_t i = 0; i < run->n_predictors; ++i)
+        print_csv_field(out, predictor_name(run, i));
+    fputs(",family,class", out);
+    for (size_t i = 0; i < NQM_SCALAR_COUNT; ++i)
+        fprintf(out, ",scalar:%s", nqm_scalar_name(i));
+    if (run->dataset->parts)
+        write_part_names(out, "");
+    for (size_t i = 0; i < run->n_predictors; ++i)
+        if (nqm_evaluation_labels(run->evaluation, i))
+            write_part_names(out, predictor_name(run, i));
+    fputc('\n', out);
+}
+
+static void write_pair(const eval_run *run, size_t pair, FILE *out) {
+    nqm_dataset_pair p = nqm_dataset_get_pair(run->dataset, pair);
+    print_csv_text(out, p.ref);
+    print_csv_field(out, p.group);
+    print_csv_field(out, p.test);
+    print_csv_field(out, p.kind);
+    print_csv_field(out, nqm_split_words[p.split]);
+    print_csv_numbers(out, 2, (double[]){p.delta_e, p.jod});
+    for (size_t i = 0; i < run->n_predictors; ++i)
+        print_csv_numbers(out, 1, &nqm_evaluation_values(run->evaluation, i)[pair]);
+    print_csv_field(out, p.family);
+    print_csv_field(out, p.material_class);
+    print_csv_numbers(out, NQM_SCALAR_COUNT, run->evaluation->scalars + pair * NQM_SCALAR_COUNT);
+    if (run->dataset->parts) {
+        nqm_label label = {.delta_e = p.delta_e};
+        nqm_label_set_parts(&label, run->dataset->parts + pair * NQM_LABEL_PARTS);
+        print_csv_label(out, &label, NULL);
+    }
+    for (size_t i = 0; i < run->n_predictors; ++i)
+        if (nqm_evaluation_labels(run->evaluation, i))
+            print_csv_label(out, &nqm_evaluation_labels(run->evaluation, i)[pair], NULL);
+    fputc('\n', out);
+}
+
+void write_pairs(const eval_run *run, const char *path) {
+    output_file out;
+    open_output(path, &out);
+    write_head(run, out.stream);
+    size_t n_pairs = nqm_dataset_get_info(run->dataset).n_pairs;
+    for (size_t pair = 0; pair < n_pairs; ++pair)
+        if (!isnan(nqm_evaluation_values(run->evaluation, run->n_models)[pair]))
+            write_pair(run, pair, out.stream);
+    close_output(&out);
 }

@@ -21,9 +21,8 @@ static void print_failures(const json_t *manifest) {
 }
 
 static void print_summary(const char *path, bool json) {
-    nqm_error err = {0};
     nqm_dataset *dataset;
-    must(nqm_dataset_load(path, &dataset, &err), &err);
+    must(nqm_dataset_load(path, &dataset, &fault));
     const nqm_dataset_info info = nqm_dataset_get_info(dataset);
     json_t *manifest = parse_json(info.manifest);
     end_progress();
@@ -149,20 +148,19 @@ static void parse(int argc, char **argv, dataset_args *a) {
 
 int cmd_dataset(int argc, char **argv) {
     dataset_args a = {.corpus = nqm_corpus_options_default(), .ranks = my_ranks()};
-    nqm_error err = {0};
     nqm_directions *directions;
     nqm_pair_list *list;
     parse(argc, argv, &a);
     if (a.corpus.checkpoint)
         save_when_interrupted();
-    must(nqm_directions_load_csv(input_path(a.directions), &directions, &err), &err);
-    must(nqm_pair_list_load(input_path(argv[0]), &list, &err), &err);
+    must(nqm_directions_load_csv(input_path(a.directions), &directions, &fault));
+    must(nqm_pair_list_load(input_path(argv[0]), &list, &fault));
     a.corpus.root = list_root(a.corpus.root, argv[0]);
     nqm_corpus_pair *pairs = take_pairs(argv[0], list);
-    const nqm_status status = nqm_corpus_build(list->n_rows, pairs, directions, &a.corpus, a.output, &err);
+    const nqm_status status = nqm_corpus_build(list->n_rows, pairs, directions, &a.corpus, a.output, &fault);
     if (status == NQM_ERR_CANCELLED && a.corpus.checkpoint)
         stop(EXIT_INTERRUPTED, "stopped; the same command continues from %s", a.corpus.checkpoint);
-    must(status, &err);
+    must(status);
     free(pairs);
     nqm_pair_list_free(list);
     nqm_directions_free(directions);

@@ -10,28 +10,26 @@
 static double *read_column(const char *path, const nqm_csv *csv, const char *name) {
     const int column = nqm_csv_column(csv, name);
     nqm_nearest nearest = nqm_nearest_begin(name);
-    nqm_error err = {0};
     for (size_t i = 0; i < nqm_csv_columns(csv); ++i)
         nqm_nearest_add(&nearest, nqm_csv_header(csv, (int)i));
     if (column < 0)
         stop(EXIT_MALFORMED, "%s: the header has no column %s%s", path, name, nearest.advice);
     double *values = allocate(nqm_csv_rows(csv), sizeof *values);
     for (size_t row = 0; row < nqm_csv_rows(csv); ++row)
-        must(nqm_csv_number(csv, row, column, &values[row], &err), &err);
+        must(nqm_csv_number(csv, row, column, &values[row], &fault));
     return values;
 }
 
 /* Fit the JOD curve to a CSV with the columns DeltaE and JOD (any order, any case; others are ignored). */
 static nqm_regress_report regress_csv(const char *path) {
-    nqm_error err = {0};
     nqm_csv *csv;
     nqm_regress_report result;
-    must(nqm_csv_load(path, &csv, &err), &err);
+    must(nqm_csv_load(path, &csv, &fault));
     const size_t n = nqm_csv_rows(csv);
     double *delta_e = read_column(path, csv, "DeltaE"), *jod = read_column(path, csv, "JOD");
     if (n < 4)
         stop(EXIT_INCOMPATIBLE, "%s: %zu rows do not determine the curve, 4 are needed", path, n);
-    must(nqm_regress(n, delta_e, jod, &result, &err), &err);
+    must(nqm_regress(n, delta_e, jod, &result, &fault));
     free(delta_e);
     free(jod);
     nqm_csv_free(csv);

@@ -65,24 +65,21 @@ static void write_frames(const render_run *run, json_t *files) {
     const nqm_picture picture = {.width = run->scene.width, .height = run->scene.height, .rgb_cdm2 = run->picture};
     for (size_t frame = 0; frame < run->scene.n_frames; ++frame) {
         char path[4096];
-        nqm_error err = {0};
         const canvas c = one_frame(&run->scene, frame);
         frame_path(run, frame + 1, path, sizeof path);
         draw_picture(run->made, &c, run->blank, run->rgb_cdm2, run->picture);
-        must(nqm_picture_write(path, &picture, run->supersample, &tone, &err), &err);
+        must(nqm_picture_write(path, &picture, run->supersample, &tone, &fault));
         json_array_append_new(files, json_name(path));
     }
 }
 
 static void run_render(render_run *run) {
-    nqm_error err = {0};
     nqm_texture *texture;
-    must(open_textured(run->brdf, &texture, &err), &err);
-    must(nqm_scene_create(&run->scene, &run->made, &err), &err);
+    must(open_textured(run->brdf, &texture, &fault));
+    must(nqm_scene_create(&run->scene, &run->made, &fault));
     run->rgb_cdm2 = allocate((texture ? 9 : 3) * nqm_scene_count(run->made), sizeof *run->rgb_cdm2);
-    must(texture ? nqm_scene_render_texture(run->made, texture, &run->view, run->rgb_cdm2, &err)
-                 : render_brdf(run->made, run->brdf, false, run->rgb_cdm2, &run->is_tabulated, &err),
-         &err);
+    must(texture ? nqm_scene_render_texture(run->made, texture, &run->view, run->rgb_cdm2, &fault)
+                 : render_brdf(run->made, run->brdf, false, run->rgb_cdm2, &run->is_tabulated, &fault));
     nqm_texture_free(texture);
     const canvas first = one_frame(&run->scene, 0);
     run->blank = run->picture = make_backdrop(run->made, &first, run->backdrop);

@@ -10,9 +10,8 @@
 /* Properties of the written file, which has a checksum; of the model, if the file is standard output. */
 static json_t *written_model(const char *path, const nqm_model *model) {
     nqm_model *loaded = NULL;
-    nqm_error err = {0};
     if (strcmp(path, "-") != 0)
-        must(nqm_model_load(path, &loaded, &err), &err);
+        must(nqm_model_load(path, &loaded, &fault));
     json_t *document = json_model(loaded ? loaded : model);
     nqm_model_free(loaded);
     return document;
@@ -56,9 +55,8 @@ int cmd_transport(int argc, char **argv) {
     const size_t usual = slopes ? NQM_TRANSPORT_POINTS / 2 : NQM_TRANSPORT_POINTS;
     const size_t n_points = scene.scene.n_points ? scene.scene.n_points : usual;
     nqm_model *model;
-    nqm_error err = {0};
-    must(nqm_transport_create(&scene.scene, slopes, n_points, name, &model, &err), &err);
-    must(nqm_model_save(model, output_path(path), &err), &err);
+    must(nqm_transport_create(&scene.scene, slopes, n_points, name, &model, &fault));
+    must(nqm_model_save(model, output_path(path), &fault));
     if (json)
         print_document(written_model(path, model));
     else

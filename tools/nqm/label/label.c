@@ -5,6 +5,7 @@
  */
 #include "nqm/label/label.h"
 
+#include <ctype.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -14,8 +15,8 @@ static void open_textures(label_run *run) {
     for (size_t i = 0; i < run->n_items; ++i) {
         label_item *item = &run->items[i];
         const nqm_status status = open_textured(item->name, &item->texture, &item->err);
-        if (item->reference == i || status == NQM_ERR_CANCELLED)
-            must(status, &item->err);
+        if (status != NQM_OK && (item->reference == i || status == NQM_ERR_CANCELLED))
+            stop_error(&item->err);
     }
 }
 
@@ -106,13 +107,12 @@ static size_t mark_uncertain(label_run *run, nqm_scene_options *options) {
 
 /* Render all items that are not done in one scene. */
 static void make_round(label_run *run, const nqm_scene_options *options) {
-    nqm_error err = {0};
     nqm_scene_free(run->scene);
     run->scene = NULL;
-    must(nqm_scene_create(options, &run->scene, &err), &err);
+    must(nqm_scene_create(options, &run->scene, &fault));
     for (run->n_done = 0; run->n_done < run->n_items; ++run->n_done) {
-        if (!run->items[run->n_done].is_done)
-            must(label_item_at(run, run->n_done), &run->items[run->n_done].err);
+        if (!run->items[run->n_done].is_done && label_item_at(run, run->n_done) != NQM_OK)
+            stop_error(&run->items[run->n_done].err);
         if (interrupted())
             stop(EXIT_INTERRUPTED, "interrupted");
     }
@@ -145,7 +145,6 @@ void map_labels(label_run *run) {
     const size_t n_points = nqm_scene_count(run->scene);
     const double **maps = allocate(run->n_items, sizeof *maps);
     size_t n_maps = 0;
-    nqm_error err = {0};
     run->delta_e = allocate(run->n_items * n_points, sizeof *run->delta_e);
     for (size_t i = 0; i < run->n_items; ++i) {
         const double *reference = run->items[run->items[i].reference].rgb_cdm2;
@@ -154,7 +153,7 @@ void map_labels(label_run *run) {
         nqm_scene_delta_e_map(run->scene, reference, run->items[i].rgb_cdm2, run->delta_e + i * n_points);
         maps[n_maps++] = run->delta_e + i * n_points;
     }
-    must(nqm_map_scale(n_maps, maps, n_points, &run->delta_e_max, &err), &err);
+    must(nqm_map_scale(n_maps, maps, n_points, &run->delta_e_max, &fault));
     free(maps);
 }
 
@@ -170,8 +169,8 @@ void free_labels(label_run *run) {
 
 /* ---- output ------------------------------------------------------------------------------------------------------ */
 
-static bool is_test(const label_run *run, size_t i) {
-    return run->items[i].reference != i;
+static bool is_reference(const label_run *run, size_t i) {
+    return run->items[i].reference == i;
 }
 
 static const char *reference_of(const label_run *run, size_t i) {
@@ -200,7 +199,7 @@ json_t *json_labels(const label_run *run) {
     json_t *results = json_array();
     for (size_t i = 0; i < run->n_items; ++i) {
         const label_item *item = &run->items[i];
-        if (!is_test(run, i))
+        if (is_reference(run, i))
             continue;
         json_t *result = json_pack("{s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:{s:b,s:b}}", "test", json_name(item->name),
                                    "name", json_name(item->shown), "delta_e_itp", json_number(item->label.delta_e),
@@ -232,15 +231,11 @@ static void print_csv_test(const label_run *run, const label_item *item) {
     const double values[] = {l->delta_e, item->jod};
     print_csv_text(stdout, item->name);
     print_csv_numbers(stdout, 2, values);
-    putchar(',');
-    print_csv_text(stdout, item->err.message);
-    if (run->n_groups > 1) {
-        putchar(',');
-        print_csv_text(stdout, run->items[item->reference].name);
-    }
+    print_csv_field(stdout, item->err.message);
+    if (run->n_groups > 1)
+        print_csv_field(stdout, run->items[item->reference].name);
     print_csv_label(stdout, l, NULL);
-    putchar(',');
-    print_csv_text(stdout, item->shown);
+    print_csv_field(stdout, item->shown);
     const double errors[] = {l->error, nqm_label_jod_error(l)};
     print_csv_numbers(stdout, 2, errors);
     putchar('\n');
@@ -273,7 +268,7 @@ void print_labels(const label_run *run) {
     }
     for (size_t i = 0; i < run->n_items; ++i) {
         const label_item *item = &run->items[i];
-        if (!is_test(run, i)) {
+        if (is_reference(run, i)) {
             if (run->format == FORMAT_TEXT)
                 printf("reference  %s\n%9s  %6s  %10s  %-20s  test\n", shown(item->shown), "Delta-E", "JOD", "adapted",
                        "verdict");
@@ -287,4 +282,172 @@ void print_labels(const label_run *run) {
     }
     if (run->format == FORMAT_TEXT && (run->map || run->keep))
         printf("colours of differences: Delta-E 0 (dark) to %.6g and above (bright)\n", run->delta_e_max);
+}
+
+/* ---- figures ----------------------------------------------------------------------------------------------------- */
+
+enum { MAX_CELLS = 64 };
+
+/* Picture and map of an item. */
+typedef struct view {
+    double *picture; /* (height, width, 3) of a canvas; NULL: the item failed */
+    double *map;     /* (height, width); NULL also for references */
+} view;
+
+typedef struct drawing {
+    const label_run *run;
+    canvas all;           /* frames */
+    double *backdrops[2]; /* BACKDROP_WHITE, BACKDROP_BLACK, of all frames; the beginning is that of one */
+    view *views;          /* (n_items) */
+} drawing;
+
+/* Fill the picture and the map of item i. */
+static void fill_view(const drawing *d, size_t i, const canvas *c, backdrop kind) {
+    const view *v = &d->views[i];
+    const label_run *run = d->run;
+    const label_item *item = &run->items[i];
+    draw_picture(run->scene, c, d->backdrops[kind], item->rgb_cdm2, v->picture);
+    if (v->map)
+        draw_map(run->scene, c, run->delta_e + i * nqm_scene_count(run->scene), v->map);
+}
+
+static void make_views(drawing *d) {
+    const label_run *run = d->run;
+    const size_t n_pixels = d->all.width * d->all.height;
+    for (size_t i = 0; i < run->n_items; ++i) {
+        const label_item *item = &run->items[i];
+        view *v = &d->views[i];
+        if (item->err.status != NQM_OK)
+            continue;
+        v->picture = allocate(3 * n_pixels, sizeof *v->picture);
+        if (!is_reference(run, i))
+            v->map = allocate(n_pixels, sizeof *v->map);
+        fill_view(d, i, &d->all, BACKDROP_WHITE);
+    }
+}
+
+static nqm_figure figure_of(const drawing *d, const canvas *c, size_t n_rows, size_t n_columns,
+                            const nqm_panel *panels) {
+    return (nqm_figure){.n_rows = n_rows,
+                        .n_columns = n_columns,
+                        .width = c->width,
+                        .height = c->height,
+                        .supersample = d->run->shrink,
+                        .panels = panels,
+                        .delta_e_max = d->run->delta_e_max,
+                        .tone = tone_of(&d->run->scene_options)};
+}
+
+/* One row per test: reference, test, map. */
+static void draw_tests(const drawing *d) {
+    const label_run *run = d->run;
+    nqm_panel panels[3 * MAX_CELLS] = {0};
+    size_t n = 0;
+    for (size_t i = 0; i < run->n_items; ++i) {
+        if (is_reference(run, i))
+            continue;
+        panels[3 * n].rgb_cdm2 = d->views[run->items[i].reference].picture;
+        panels[3 * n + 1].rgb_cdm2 = d->views[i].picture;
+        panels[3 * n + 2].delta_e = d->views[i].map;
+        ++n;
+    }
+    const nqm_figure figure = figure_of(d, &d->all, n, 3, panels);
+    must(nqm_figure_write(run->map, &figure, &fault));
+}
+
+static size_t count_columns(const label_run *run) {
+    size_t most = 0;
+    for (size_t i = 0; i < run->n_items; ++i) {
+        size_t n = i - run->items[i].reference + 1;
+        most = n > most ? n : most;
+    }
+    return most;
+}
+
+/* One row per group: the reference and its tests. */
+static void draw_grid(const drawing *d) {
+    const label_run *run = d->run;
+    const size_t n_columns = count_columns(run);
+    nqm_panel *panels = allocate(run->n_groups * n_columns, sizeof *panels);
+    for (size_t i = 0, row = 0; i < run->n_items; ++i) {
+        row += i > 0 && is_reference(run, i);
+        panels[row * n_columns + i - run->items[i].reference].rgb_cdm2 = d->views[i].picture;
+    }
+    const nqm_figure figure = figure_of(d, &d->all, run->n_groups, n_columns, panels);
+    must(nqm_figure_write(run->grid, &figure, &fault));
+    free(panels);
+}
+
+/* DIR/NN-name[-frame]SUFFIX: the number distinguishes equal short names. */
+static void keep_path(const drawing *d, size_t i, size_t frame, const char *suffix, char *path, size_t n_path) {
+    const label_item *item = &d->run->items[i];
+    char name[128], number[32] = "";
+    if (item->shown != item->name)
+        snprintf(name, sizeof name, "%s", item->shown);
+    else
+        short_name(item->name, name, sizeof name);
+    for (char *p = name; *p; ++p)
+        if (!isalnum((unsigned char)*p) && *p != '-' && *p != '.')
+            *p = '_';
+    if (nqm_scene_frames(&d->run->scene_options) > 1)
+        snprintf(number, sizeof number, "-%04zu", frame + 1);
+    snprintf(path, n_path, "%s/%02zu-%s%s%s", d->run->keep, i, name, number, suffix);
+}
+
+/* Write a frame of item i: on white as .png, on black as .exr, and its map. */
+static void keep_item(const drawing *d, size_t i, size_t frame) {
+    static const struct {
+        backdrop backdrop;
+        const char *suffix;
+    } forms[] = {{BACKDROP_WHITE, ".png"}, {BACKDROP_BLACK, ".exr"}};
+    const nqm_scene_options *o = &d->run->scene_options;
+    const nqm_tone tone = tone_of(o);
+    const canvas c = one_frame(o, frame);
+    const view *v = &d->views[i];
+    const nqm_picture picture = {.width = o->width, .height = o->height, .rgb_cdm2 = v->picture};
+    char path[4096];
+    for (size_t k = 0; k < sizeof forms / sizeof *forms; ++k) {
+        fill_view(d, i, &c, forms[k].backdrop);
+        keep_path(d, i, frame, forms[k].suffix, path, sizeof path);
+        must(nqm_picture_write(path, &picture, 1, &tone, &fault));
+    }
+    if (!v->map)
+        return;
+    const nqm_picture map = {
+        .width = o->width, .height = o->height, .delta_e = v->map, .delta_e_max = d->run->delta_e_max};
+    keep_path(d, i, frame, "-difference.png", path, sizeof path);
+    must(nqm_picture_write(path, &map, 1, NULL, &fault));
+}
+
+static void keep_renders(const drawing *d) {
+    for (size_t i = 0; i < d->run->n_items; ++i)
+        for (size_t frame = 0; d->views[i].picture && frame < nqm_scene_frames(&d->run->scene_options); ++frame)
+            keep_item(d, i, frame);
+}
+
+void draw_labels(const label_run *run) {
+    if (!run->map && !run->grid && !run->keep)
+        return;
+    if (run->n_items - run->n_groups > MAX_CELLS || count_columns(run) > MAX_CELLS || run->n_groups > MAX_CELLS)
+        stop(EXIT_LIMIT, "a figure can show at most %d tests", (int)MAX_CELLS);
+    const canvas all = all_frames(&run->scene_options);
+    drawing d = {.run = run,
+                 .all = all,
+                 .backdrops = {[BACKDROP_WHITE] = make_backdrop(run->scene, &all, BACKDROP_WHITE),
+                               [BACKDROP_BLACK] = make_backdrop(run->scene, &all, BACKDROP_BLACK)},
+                 .views = allocate(run->n_items, sizeof *d.views)};
+    make_views(&d);
+    if (run->map)
+        draw_tests(&d);
+    if (run->grid)
+        draw_grid(&d);
+    if (run->keep) /* last, because it overwrites the views with other frames */
+        keep_renders(&d);
+    for (size_t i = 0; i < run->n_items; ++i) {
+        free(d.views[i].picture);
+        free(d.views[i].map);
+    }
+    free(d.views);
+    free(d.backdrops[BACKDROP_WHITE]);
+    free(d.backdrops[BACKDROP_BLACK]);
 }

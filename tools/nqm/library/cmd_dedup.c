@@ -25,18 +25,16 @@ static size_t confirm(const library *of, nqm_scorer *scorer, double jod, near_pa
     enum { BLOCK = NQM_SCORE_BLOCK / 2 };
     nqm_named_pair named[2 * BLOCK];
     nqm_score_result r[2 * BLOCK];
-    nqm_error err = {0};
     size_t n_left = 0;
     for (size_t first = 0, n_block; first < n; first += n_block) {
         n_block = nqm_smaller(n - first, BLOCK);
-        if (show_progress(NULL, "score", (double)first, (double)n))
-            stop(EXIT_INTERRUPTED, "interrupted");
+        step_progress("score", first, n);
         for (size_t i = 0; i < n_block; ++i) {
             const near_pair *p = &pairs[first + i];
             named[2 * i] = (nqm_named_pair){of->members[p->a].argument, of->members[p->b].argument};
             named[2 * i + 1] = (nqm_named_pair){named[2 * i].test, named[2 * i].ref};
         }
-        must(nqm_scorer_run_named(scorer, 2 * n_block, named, r, NULL, &err), &err);
+        must(nqm_scorer_run_named(scorer, 2 * n_block, named, r, NULL, &fault));
         for (size_t i = 0; i < n_block; ++i)
             if (r[2 * i].jod >= jod && r[2 * i + 1].jod >= jod) /* false for NaN */
                 pairs[n_left++] = pairs[first + i];
@@ -128,24 +126,20 @@ static const command cmd = {
 
 /* The pairs of a replaced material and the one that is kept for it, clusters after one another. */
 static void score_replaced(const library *of, const size_t *kept, size_t n) {
-    nqm_named_pair *pairs = allocate(n, sizeof *pairs);
-    const char **names = allocate(n, sizeof *names);
-    size_t n_pairs = 0, *first = allocate(of->n + 1, sizeof *first);
+    size_t *first = allocate(of->n + 1, sizeof *first);
+    begin_rows(&run, n);
     for (size_t i = 0; i < of->n; ++i)
         first[kept[i] + 1] += kept[i] != i;
     for (size_t i = 1; i <= of->n; ++i)
         first[i] += first[i - 1];
     for (size_t i = 0; i < of->n; ++i)
         if (kept[i] != i) {
-            const size_t k = first[kept[i]]++;
-            pairs[k] = (nqm_named_pair){of->members[i].argument, of->members[kept[i]].argument};
-            names[k] = of->members[kept[i]].key;
-            ++n_pairs;
+            const member *keep = &of->members[kept[i]];
+            run.rows[first[kept[i]]++] =
+                (scored_pair){.pair = {of->members[i].argument, keep->argument}, .name = keep->key};
         }
-    score_rows(&run, n_pairs, pairs, names);
+    make_scores(&run);
     free(first);
-    free(pairs);
-    free(names);
 }
 
 static void write_map(const char *path) {
@@ -162,8 +156,7 @@ static void write_map(const char *path) {
         if (nqm_name_ends_in(path, ".json"))
             continue;
         print_csv_text(out.stream, p->ref);
-        fputc(',', out.stream);
-        print_csv_text(out.stream, p->test);
+        print_csv_field(out.stream, p->test);
         fprintf(out.stream, ",%.4f\n", run.rows[i].result.jod);
     }
     if (nqm_name_ends_in(path, ".json")) {
@@ -210,14 +203,11 @@ static void print_results(const library *of) {
 
 int cmd_dedup(int argc, char **argv) {
     library of = {.path = NULL};
-    nqm_scorer *scorer;
     near_pair *pairs;
-    nqm_error err = {0};
-    run.options = nqm_score_options_default();
-    run.options.metrics = 0;
+    run.options = plain_score_options();
     parse_arguments(&cmd, argc, argv);
     run.model = open_model(model);
-    must(nqm_scorer_create(run.model, &run.options, &scorer, &err), &err);
+    nqm_scorer *scorer = open_scorer(run.model, &run.options);
     draw_library(argv[0], run.model, scorer, NULL, &of);
     size_t n = find_near_pairs(&of, jod, &pairs);
     n = confirm(&of, scorer, jod, pairs, n);

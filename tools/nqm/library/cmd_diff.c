@@ -70,23 +70,19 @@ static void pair_names(void) {
 /* The members of a version without a partner, with pictures. from (n) receives their numbers. */
 static library take_single(const library *of, const size_t *partner, const bool *is_partner, nqm_scorer *scorer,
                            size_t *from) {
-    library single = {.path = of->path, .members = nqm_alloc(of->n ? of->n : 1, sizeof(member))};
-    nqm_error err = {0};
-    if (!single.members)
-        stop(EXIT_LIMIT, "out of memory");
+    library single = {.path = of->path, .members = must_have(nqm_alloc(of->n ? of->n : 1, sizeof(member)))};
     for (size_t i = 0; i < of->n; ++i)
         if (!(partner ? partner[i] != SIZE_MAX : is_partner[i]) && !of->members[i].is_left_out) {
             from[single.n] = i;
             single.members[single.n++] = of->members[i];
         }
-    must(nqm_gallery_create(run.model, single.n, NULL, &single.gallery, &err), &err);
+    must(nqm_gallery_create(run.model, single.n, NULL, &single.gallery, &fault));
     for (size_t i = 0; i < single.n; ++i) {
         const char *name = single.members[i].argument;
-        nqm_error fault;
-        if (show_progress(NULL, "sample", (double)i, (double)single.n))
-            stop(EXIT_INTERRUPTED, "interrupted");
-        must(nqm_scorer_draw(scorer, 1, &name, single.gallery, i, &fault, &err), &err);
-        single.members[i].is_left_out = fault.status != NQM_OK;
+        nqm_error failure;
+        step_progress("sample", i, single.n);
+        must(nqm_scorer_draw(scorer, 1, &name, single.gallery, i, &failure, &fault));
+        single.members[i].is_left_out = failure.status != NQM_OK;
     }
     return single;
 }
@@ -101,16 +97,13 @@ static void pair_looks(void) {
     if (n_paired == v.old.n || n_paired == v.new.n || nqm_gallery_size(run.model) == 0)
         return;
     size_t *old_from = allocate(v.old.n, sizeof *old_from), *new_from = allocate(v.new.n, sizeof *new_from);
-    nqm_scorer *scorer;
-    nqm_error err = {0};
-    must(nqm_scorer_create(run.model, &run.options, &scorer, &err), &err);
+    nqm_scorer *scorer = open_scorer(run.model, &run.options);
     library old = take_single(&v.old, v.partner, NULL, scorer, old_from);
     library new = take_single(&v.new, NULL, v.is_partner, scorer, new_from);
     float *jod = allocate(new.n, sizeof *jod);
     for (size_t i = 0; i < old.n; ++i) {
         size_t best = SIZE_MAX;
-        if (show_progress(NULL, "compare", (double)i, (double)old.n))
-            stop(EXIT_INTERRUPTED, "interrupted");
+        step_progress("compare", i, old.n);
         if (old.members[i].is_left_out)
             continue;
         nqm_gallery_jods(old.gallery, i, new.gallery, 0, new.n, false, jod);
@@ -121,7 +114,7 @@ static void pair_looks(void) {
             continue;
         const nqm_named_pair pair = {old.members[i].argument, new.members[best].argument};
         nqm_score_result r;
-        must(nqm_scorer_run_named(scorer, 1, &pair, &r, NULL, &err), &err);
+        must(nqm_scorer_run_named(scorer, 1, &pair, &r, NULL, &fault));
         if (!(r.jod >= same))
             continue;
         v.partner[old_from[i]] = new_from[best];
@@ -212,16 +205,16 @@ static int worst_first(const void *a, const void *b) {
 }
 
 static void score_versions(void) {
-    nqm_named_pair *pairs = allocate(v.old.n, sizeof *pairs);
-    const char **names = allocate(v.old.n, sizeof *names);
     size_t n = 0, *old_of_pair = allocate(v.old.n, sizeof *old_of_pair);
+    begin_rows(&run, v.old.n);
     for (size_t i = 0; i < v.old.n; ++i)
         if (v.partner[i] != SIZE_MAX) {
-            pairs[n] = (nqm_named_pair){v.old.members[i].argument, v.new.members[v.partner[i]].argument};
-            names[n] = v.new.members[v.partner[i]].key;
+            const member *new = &v.new.members[v.partner[i]];
+            run.rows[n] = (scored_pair){.pair = {v.old.members[i].argument, new->argument}, .name = new->key};
             old_of_pair[n++] = i;
         }
-    score_rows(&run, n, pairs, names);
+    run.n_rows = n;
+    make_scores(&run);
     qsort(run.rows, n, sizeof *run.rows, worst_first);
     v.n_pairs = n;
     v.old_of_row = allocate(n, sizeof *v.old_of_row);
@@ -230,8 +223,6 @@ static void score_versions(void) {
         v.old_of_row[i] = old_of_pair[run.rows[i].order];
         v.changes[i] = list_changes(run.rows[i].pair.ref, run.rows[i].pair.test);
     }
-    free(pairs);
-    free(names);
     free(old_of_pair);
 }
 
@@ -289,9 +280,7 @@ static char *describe_row(size_t i) {
     const scored_pair *row = &run.rows[i];
     char words[NQM_LABEL_TEXT] = "", *text;
     size_t n;
-    FILE *to = open_memstream(&text, &n);
-    if (!to)
-        stop(EXIT_LIMIT, "out of memory");
+    FILE *to = open_text(&text, &n);
     if (row->err.status == NQM_OK && !row->result.identical && !isnan(row->result.parts.structure))
         nqm_label_describe(&row->result.parts, words);
     fputs(words, to);
@@ -353,35 +342,20 @@ static void print_diff_json(void) {
 
 /* The summary files of `nqm batch`, of the same rows. */
 static void write_summaries(void) {
-    const size_t n = v.n_pairs;
-    nqm_named_pair *pairs = allocate(n, sizeof *pairs);
-    const char **names = allocate(n, sizeof *names);
-    batch_note *notes = allocate(n, sizeof *notes);
-    nqm_pair_list list = {.n_rows = n, .pair = pairs};
-    const batch_form form = {.list = &list, .names = names, .model = run.model, .gate = run.gate, .terms = run.terms};
-    for (size_t i = 0; i < n; ++i) {
-        pairs[i] = run.rows[i].pair;
-        names[i] = run.rows[i].name;
-    }
-    for (size_t i = 0; i < n; ++i) {
-        notes[i] = make_batch_note(&form, i, &run.rows[i].result, &run.rows[i].err);
-        char *text = describe_row(i), *remark = notes[i].remark;
+    row_summary s;
+    summarise_rows(&run, new_path, v.n_pairs, &s);
+    for (size_t i = 0; i < v.n_pairs; ++i) {
+        char *text = describe_row(i), *remark = s.notes[i].remark;
         const size_t n_text = strlen(text) + (remark ? strlen(remark) : 0) + 3;
-        notes[i].remark = allocate(n_text, 1);
-        snprintf(notes[i].remark, n_text, "%s%s%s", text, remark && *text ? "; " : "", remark ? remark : "");
+        s.notes[i].remark = allocate(n_text, 1);
+        snprintf(s.notes[i].remark, n_text, "%s%s%s", text, remark && *text ? "; " : "", remark ? remark : "");
         free(text);
         free(remark);
     }
-    batch_summary summary = make_batch_summary(&form, new_path, n, notes);
-    summary.n_shown = count_changed() + summary.n_skipped;
-    write_batch_summary(&summary, junit, print_batch_junit);
-    write_batch_summary(&summary, markdown, print_batch_markdown);
-    for (size_t i = 0; i < n; ++i)
-        free(notes[i].remark);
-    free(summary.order);
-    free(notes);
-    free(names);
-    free(pairs);
+    s.summary.n_shown = count_changed() + s.summary.n_skipped;
+    write_batch_summary(&s.summary, junit, print_batch_junit);
+    write_batch_summary(&s.summary, markdown, print_batch_markdown);
+    free_row_summary(&s);
 }
 
 /* ---- the verb ---------------------------------------------------------------------------------------------------- */
@@ -457,8 +431,7 @@ static void free_versions(void) {
 }
 
 int cmd_diff(int argc, char **argv) {
-    run.options = nqm_score_options_default();
-    run.options.metrics = 0;
+    run.options = plain_score_options();
     const int n_arguments = parse_arguments(&cmd, argc, argv);
     if (n_arguments != 2 && n_arguments != GIT_ARGUMENTS)
         stop(EXIT_USAGE, "give two files or folders, or the %d arguments of GIT_EXTERNAL_DIFF", GIT_ARGUMENTS);

@@ -55,16 +55,12 @@ static candidate *find_candidates(const nqm_gallery *one, const library *of, siz
 }
 
 static void score_candidates(const char *to, const library *of, const candidate *candidates, size_t n) {
-    nqm_named_pair *pairs = allocate(n, sizeof *pairs);
-    const char **names = allocate(n, sizeof *names);
+    begin_rows(&run, n);
     for (size_t i = 0; i < n; ++i) {
-        const member *m = &of->members[candidates[i].i];
-        pairs[i] = (nqm_named_pair){to, m->argument};
-        names[i] = m->argument;
+        const char *argument = of->members[candidates[i].i].argument;
+        run.rows[i] = (scored_pair){.pair = {to, argument}, .name = argument};
     }
-    score_rows(&run, n, pairs, names);
-    free(pairs);
-    free(names);
+    make_scores(&run);
 }
 
 static const option options[] = {
@@ -95,18 +91,15 @@ static const command cmd = {
 int cmd_nearest(int argc, char **argv) {
     enum { LEAST_SCORED = 128 };
     library of = {.path = NULL}, one = {.path = NULL};
-    nqm_scorer *scorer;
-    nqm_error err = {0};
-    run.options = nqm_score_options_default();
-    run.options.metrics = 0;
+    run.options = plain_score_options();
     parse_arguments(&cmd, argc, argv);
     refuse_model_name(argv[0]);
     run.model = open_model(model);
-    must(nqm_scorer_create(run.model, &run.options, &scorer, &err), &err);
-    must(nqm_gallery_create(run.model, 1, NULL, &one.gallery, &err), &err);
-    must(nqm_scorer_draw(scorer, 1, (const char *const[]){argv[0]}, one.gallery, 0, &err, &err), &err);
-    if (err.status != NQM_OK)
-        stop_error(&err);
+    nqm_scorer *scorer = open_scorer(run.model, &run.options);
+    must(nqm_gallery_create(run.model, 1, NULL, &one.gallery, &fault));
+    must(nqm_scorer_draw(scorer, 1, (const char *const[]){argv[0]}, one.gallery, 0, &fault, &fault));
+    if (fault.status != NQM_OK)
+        stop_error(&fault);
     draw_library(among, run.model, scorer, index_path, &of);
     nqm_scorer_free(scorer);
     size_t n = nqm_larger(LEAST_SCORED, 4 * (size_t)n_shown);

@@ -17,26 +17,9 @@
 
 /* ---- the list ---------------------------------------------------------------------------------------------------- */
 
-static char *copy_text(const char *text) {
-    char *copy = strdup(text);
-    if (!copy)
-        stop(EXIT_LIMIT, "out of memory");
-    return copy;
-}
-
 static void add_member(library *to, char *argument, char *key, bool is_left_out) {
-    member *grown = nqm_grow(to->members, &to->max_n, to->n + 1, sizeof *grown);
-    if (!grown)
-        stop(EXIT_LIMIT, "out of memory");
-    to->members = grown;
+    to->members = must_have(nqm_grow(to->members, &to->max_n, to->n + 1, sizeof *to->members));
     to->members[to->n++] = (member){argument, key, is_left_out};
-}
-
-/* "A:B", or one of them where the other is "". */
-static char *join(const char *a, const char *b) {
-    char *text = allocate(strlen(a) + strlen(b) + 2, 1);
-    sprintf(text, "%s%s%s", a, *a && *b ? ":" : "", b);
-    return text;
 }
 
 /* key: what the names of its materials begin with; "": nothing. */
@@ -44,14 +27,14 @@ static void add_materials(library *to, const char *path, const nqm_materials *ma
     const size_t n = nqm_materials_count(materials);
     for (size_t i = 0; i < n; ++i) {
         const nqm_material_info info = nqm_materials_reflecting(materials, i, ignored_set());
-        char *argument = join(path, n > 1 ? info.name : "");
+        char *argument = join_with_colon(path, n > 1 ? info.name : "");
         if (info.ignorable && (info.spec || info.n_maps)) {
             char *plain = argument, prefix[NQM_IGNORE_SIZE + 10];
             snprintf(prefix, sizeof prefix, "ignore:%s", info.ignorable);
-            argument = join(prefix, plain);
+            argument = join_with_colon(prefix, plain);
             free(plain);
         }
-        add_member(to, argument, join(key, n > 1 || !*key ? info.name : ""), info.n_maps > 0);
+        add_member(to, argument, join_with_colon(key, n > 1 || !*key ? info.name : ""), info.n_maps > 0);
     }
 }
 
@@ -66,7 +49,7 @@ static void add_file(library *to, const char *path, const char *key, bool is_onl
     if (nqm_materials_open(path, &materials, &err) == NQM_OK)
         add_materials(to, path, materials, is_only ? "" : key);
     else if (ends_with(path, ".binary .bsdf .npy .safetensors .h5 .mat"))
-        add_member(to, copy_text(path), copy_text(key), false);
+        add_member(to, must_have(strdup(path)), must_have(strdup(key)), false);
     else if (is_only)
         stop_error(&err);
     else if (ends_with(path, ".mtlx .gltf .glb .pbrt")) { /* damaged; others of a folder need not be materials */
@@ -80,10 +63,15 @@ static void add_file(library *to, const char *path, const char *key, bool is_onl
 
 static nqm_names found; /* paths of the folder that is walked */
 
+static void add_found(const char *path) {
+    if (nqm_names_add(&found, path, strlen(path), NULL) != NQM_OK)
+        stop(EXIT_LIMIT, "out of memory");
+}
+
 static int note_file(const char *path, const struct stat *st, int type, struct FTW *at) {
     (void)st;
-    if (type == FTW_F && path[at->base] != '.' && nqm_names_add(&found, path, strlen(path), NULL) != NQM_OK)
-        stop(EXIT_LIMIT, "out of memory");
+    if (type == FTW_F && path[at->base] != '.')
+        add_found(path);
     return interrupted();
 }
 
@@ -100,8 +88,8 @@ typedef struct file_list {
 
 static file_list list_files(const char *path) {
     found = (nqm_names){0};
-    if (!is_folder(path) && strcmp(path, "/dev/null") != 0 && nqm_names_add(&found, path, strlen(path), NULL) != NQM_OK)
-        stop(EXIT_LIMIT, "out of memory");
+    if (!is_folder(path) && strcmp(path, "/dev/null") != 0)
+        add_found(path);
     if (is_folder(path) && nftw(path, note_file, 16, FTW_PHYS) != 0)
         stop(interrupted() ? EXIT_INTERRUPTED : EXIT_OPEN, "%s: the folder cannot be read", path);
     file_list files = {found.n, allocate(found.n, sizeof *files.paths), found};
@@ -122,8 +110,7 @@ static void add_files(library *to, const file_list *files) {
     const size_t n_key = is_only ? (slash ? (size_t)(slash - to->path) : 0) : strlen(to->path);
     for (size_t i = 0; i < files->n; ++i) {
         const char *key = files->paths[i] + n_key;
-        if (show_progress(NULL, "read", (double)i, (double)files->n))
-            stop(EXIT_INTERRUPTED, "interrupted");
+        step_progress("read", i, files->n);
         add_file(to, files->paths[i], key + strspn(key, "/"), is_only);
     }
     end_progress();
@@ -199,7 +186,7 @@ static bool take_members(library *of, const nqm_tensor *names, size_t n) {
         const char *last = middle ? memchr(middle + 1, 0, (size_t)(end - middle - 1)) : NULL;
         if (!last)
             return false;
-        add_member(of, copy_text(at), copy_text(middle + 1), false);
+        add_member(of, must_have(strdup(at)), must_have(strdup(middle + 1)), false);
         at = last + 1;
     }
     return at == end;
@@ -210,14 +197,13 @@ static bool take_index(library *of, const nqm_model *model, const nqm_safetensor
     const nqm_tensor *names = nqm_safetensors_find(st, tensor_names[NAMES]),
                      *pictures = nqm_safetensors_find(st, tensor_names[PICTURES]);
     const char *stored = nqm_safetensors_meta(st, "library"), *failed = nqm_safetensors_meta(st, "failed");
-    nqm_error err = {0};
     if (!stored || strcmp(stored, hash) != 0 || !failed || !names || names->dtype != NQM_U8 || !pictures ||
         pictures->dtype != NQM_F32 || pictures->n_dims != 2 || pictures->dims[1] != nqm_gallery_size(model) ||
         (uintptr_t)pictures->data % sizeof(float) != 0 || !nqm_tensor_all_finite(pictures) ||
         !take_members(of, names, pictures->dims[0]))
         return false;
     of->n_failed = strtoul(failed, NULL, 10);
-    must(nqm_gallery_create(model, of->n, pictures->data, &of->gallery, &err), &err);
+    must(nqm_gallery_create(model, of->n, pictures->data, &of->gallery, &fault));
     return true;
 }
 
@@ -240,11 +226,10 @@ static bool read_index(library *of, const nqm_model *model, const char *path, co
 static void write_index(const library *of, const nqm_model *model, const char *path, const char *hash) {
     char *text, failed[24];
     size_t n_text;
-    nqm_error err = {0};
-    FILE *names = open_memstream(&text, &n_text);
-    for (size_t i = 0; names && i < of->n; ++i)
+    FILE *names = open_text(&text, &n_text);
+    for (size_t i = 0; i < of->n; ++i)
         fprintf(names, "%s%c%s%c", of->members[i].argument, 0, of->members[i].key, 0);
-    if (!names || fclose(names) != 0)
+    if (fclose(names) != 0)
         stop(EXIT_LIMIT, "out of memory");
     snprintf(failed, sizeof failed, "%zu", of->n_failed);
     nqm_tensor tensors[N_TENSORS] = {
@@ -257,7 +242,7 @@ static void write_index(const library *of, const nqm_model *model, const char *p
     const nqm_meta meta[] = {{"format", "nqm-index"}, {"library", hash}, {"failed", failed}};
     if (!nqm_tensor_measure(&tensors[NAMES]) || !nqm_tensor_measure(&tensors[PICTURES]))
         stop(EXIT_LIMIT, "%s: %zu pictures are too many", path, of->n);
-    must(nqm_safetensors_write(path, N_TENSORS, tensors, sizeof meta / sizeof *meta, meta, NULL, &err), &err);
+    must(nqm_safetensors_write(path, N_TENSORS, tensors, sizeof meta / sizeof *meta, meta, NULL, &fault));
     free(text);
 }
 
@@ -267,11 +252,11 @@ static void write_index(const library *of, const nqm_model *model, const char *p
 static size_t draw_block(library *of, nqm_scorer *scorer, size_t begin, size_t n, size_t first) {
     enum { MOST_SHOWN = 5 };
     const char *names[NQM_SCORE_BLOCK];
-    nqm_error errors[NQM_SCORE_BLOCK], err = {0};
+    nqm_error errors[NQM_SCORE_BLOCK];
     size_t n_good = 0;
     for (size_t i = 0; i < n; ++i)
         names[i] = of->members[begin + i].argument;
-    must(nqm_scorer_draw(scorer, n, names, of->gallery, first, errors, &err), &err);
+    must(nqm_scorer_draw(scorer, n, names, of->gallery, first, errors, &fault));
     for (size_t i = 0; i < n; ++i) {
         of->members[begin + i].is_left_out = errors[i].status != NQM_OK;
         if (errors[i].status == NQM_OK)
@@ -280,18 +265,16 @@ static size_t draw_block(library *of, nqm_scorer *scorer, size_t begin, size_t n
             report_error(&errors[i]);
     }
     if (n_good < n) /* their samples are in the cache */
-        must(nqm_scorer_draw(scorer, n_good, names, of->gallery, first, errors, &err), &err);
+        must(nqm_scorer_draw(scorer, n_good, names, of->gallery, first, errors, &fault));
     return n_good;
 }
 
 static void draw_all(library *of, const nqm_model *model, nqm_scorer *scorer) {
     size_t n_drawn = 0;
-    nqm_error err = {0};
-    must(nqm_gallery_create(model, of->n, NULL, &of->gallery, &err), &err);
+    must(nqm_gallery_create(model, of->n, NULL, &of->gallery, &fault));
     for (size_t begin = 0, n; begin < of->n; begin += n) {
         n = nqm_smaller(of->n - begin, NQM_SCORE_BLOCK);
-        if (show_progress(NULL, "sample", (double)begin, (double)of->n))
-            stop(EXIT_INTERRUPTED, "interrupted");
+        step_progress("sample", begin, of->n);
         n_drawn += draw_block(of, scorer, begin, n, n_drawn);
     }
     end_progress();
@@ -384,11 +367,8 @@ size_t find_near_pairs(const library *of, double jod, near_pair **pairs) {
     return n;
 }
 
-void score_rows(score_run *run, size_t n, const nqm_named_pair *pairs, const char *const *names) {
+void begin_rows(score_run *run, size_t n) {
     free(run->rows);
     run->n_rows = n;
     run->rows = allocate(n, sizeof *run->rows);
-    for (size_t i = 0; i < n; ++i)
-        run->rows[i] = (scored_pair){.pair = pairs[i], .name = names[i]};
-    make_scores(run);
 }

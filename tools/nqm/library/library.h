@@ -44,7 +44,7 @@ size_t find_near_pairs(const library *of, double jod, near_pair **pairs);
 /** The least estimate of pairs that may have a JOD. */
 double least_estimate(double jod);
 
-/** Replace the rows of a run by n pairs of arguments with names (n) of the tests, and score them. The texts must outlive it. */
-void score_rows(score_run *run, size_t n, const nqm_named_pair *pairs, const char *const *names);
+/** Replace the rows of a run by n whose `pair` and `name` are to be set before make_scores(). The texts must outlive it. */
+void begin_rows(score_run *run, size_t n);
 
 #endif

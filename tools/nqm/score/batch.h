@@ -41,20 +41,6 @@ nqm_score_result noted_result(const batch_note *note);
 
 /** Report an error and exit when a column of the list has the name of a result column or of another column of the list. */
 void check_batch_columns(const batch_form *form);
-/** Print the text before the rows; a row, which is the columns of the list and the result; the text after the rows. */
-void print_batch_head(const batch_form *form, FILE *out);
-void print_batch_row(const batch_form *form, FILE *out, size_t row, const nqm_score_result *result,
-                     const texture_numbers *texture, const nqm_error *err);
-void print_batch_tail(const batch_form *form, FILE *out);
-/** The text before each row but the first. */
-const char *batch_separator(const batch_form *form);
-
-/* ---- files that rows depend on (batch_files.c) ------------------------------------------------------------------- */
-
-/** An object with the path of each file that the pairs name, and its identity. Relative paths begin in the working folder. */
-json_t *identify_files(size_t n, const nqm_named_pair *pairs);
-/** Whether all files of such an object have the same identity now. */
-bool has_same_files(const json_t *files);
 
 /* ---- results (batch_pieces.c): on failure, these report the error and exit --------------------------------------- */
 
@@ -98,7 +84,7 @@ int show_batch_progress(const batch_pieces *pieces, size_t n_done, size_t n);
 /** Free. is_complete: also remove the files, and the folder, unless it is shared. */
 void close_batch_pieces(batch_pieces *pieces, bool is_complete);
 
-/* ---- the output (batch_output.c): on failure, these report the error and exit ------------------------------------ */
+/* ---- the output (batch_print.c): on failure, these report the error and exit ------------------------------------ */
 
 /** Rows on their way to standard output, a device, or a file, which gets its name when it is complete. */
 typedef struct batch_output {
@@ -121,7 +107,7 @@ void flush_batch_output(batch_output *out);
 /** Write the end of the output and close it. order: (n) the rows of a sorted output; NULL: all are written. */
 void close_batch_output(batch_output *out, const batch_form *form, size_t n, const size_t *order);
 
-/* ---- all rows (batch_summary.c) ---------------------------------------------------------------------------------- */
+/* ---- all rows (batch_print.c) ---------------------------------------------------------------------------------- */
 
 /** The rows, worst first: those without a score, then by JOD, equal ones as in the list; or best first. free() it. */
 size_t *order_batch_rows(size_t n, const batch_note *notes, bool is_best);
@@ -135,6 +121,16 @@ typedef struct batch_summary {
     size_t *order;                                 /* (n_rows) worst first */
     size_t n_shown;                                /* rows of tables */
 } batch_summary;
+
+/** The summary of the rows of another verb. */
+typedef struct row_summary {
+    batch_form form;
+    nqm_pair_list list;
+    batch_note *notes; /* (n_rows) */
+    batch_summary summary;
+} row_summary;
+void summarise_rows(const score_run *run, const char *list_name, size_t n_shown, row_summary *s);
+void free_row_summary(row_summary *s);
 
 /** free() `order`. */
 batch_summary make_batch_summary(const batch_form *form, const char *list_name, size_t n_rows, const batch_note *notes);

@@ -4,7 +4,9 @@
  * unchanged.
  */
 #include "nqm/score/batch.h"
+#include "nqm/show/html.h"
 
+#include <errno.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -23,16 +25,12 @@ void check_batch_columns(const batch_form *form) {
     const char *const *names = form->list->column;
     char *added = NULL;
     size_t n_added;
-    FILE *stream = open_memstream(&added, &n_added);
-    if (!stream)
-        stop(EXIT_LIMIT, "out of memory");
+    FILE *stream = open_text(&added, &n_added);
     print_csv_added(form, stream);
     fputs(nqm_model_has_parts(form->model) ? ",metrics,parts," : ",metrics,", stream); /* members in JSON */
     fclose(stream);
     for (size_t i = 0; i < form->list->n_columns; ++i) {
-        char *word = nqm_strdupf(",%s,", names[i]);
-        if (!word)
-            stop(EXIT_LIMIT, "out of memory");
+        char *word = must_have(nqm_strdupf(",%s,", names[i]));
         if (!strchr(names[i], ',') && strstr(added, word))
             stop(EXIT_MALFORMED, "the list has a column '%s', which the results add: rename it", names[i]);
         nqm_free(word);
@@ -73,10 +71,8 @@ static void print_csv_row(const batch_form *form, FILE *out, size_t row, const n
         print_csv_numbers(out, TEXTURE_NUMBERS, texture->v);
     if (has_gate(&form->gate))
         fprintf(out, ",%s", gate_mark(&form->gate, r));
-    fputc(',', out);
     print_csv_remarks(out, warnings);
-    fputc(',', out);
-    print_csv_text(out, r->status == NQM_OK ? "" : err->message);
+    print_csv_field(out, r->status == NQM_OK ? "" : err->message);
     fputc('\n', out);
 }
 
@@ -161,15 +157,15 @@ static void print_json_head(const batch_form *form, FILE *out) {
 
 /* ---- any format -------------------------------------------------------------------------------------------------- */
 
-void print_batch_head(const batch_form *form, FILE *out) {
+static void print_batch_head(const batch_form *form, FILE *out) {
     if (form->format == BATCH_CSV)
         print_csv_head(form, out);
     else if (form->format == BATCH_JSON)
         print_json_head(form, out);
 }
 
-void print_batch_row(const batch_form *form, FILE *out, size_t row, const nqm_score_result *result,
-                     const texture_numbers *texture, const nqm_error *err) {
+static void print_batch_row(const batch_form *form, FILE *out, size_t row, const nqm_score_result *result,
+                            const texture_numbers *texture, const nqm_error *err) {
     json_t *warnings = json_remarks(&form->terms, &form->list->pair[row], "reference", "test", result);
     if (form->format == BATCH_CSV)
         print_csv_row(form, out, row, result, texture, err, warnings);
@@ -180,11 +176,12 @@ void print_batch_row(const batch_form *form, FILE *out, size_t row, const nqm_sc
     json_decref(warnings);
 }
 
-const char *batch_separator(const batch_form *form) {
+/* The text before each row but the first. */
+static const char *batch_separator(const batch_form *form) {
     return form->format == BATCH_JSON ? ",\n" : "";
 }
 
-void print_batch_tail(const batch_form *form, FILE *out) {
+static void print_batch_tail(const batch_form *form, FILE *out) {
     if (form->format == BATCH_JSON)
         fputs("\n]}\n", out);
 }
@@ -212,4 +209,265 @@ nqm_score_result noted_result(const batch_note *note) {
     r.delta_e = note->delta_e;
     r.novelty = note->novelty;
     return r;
+}
+
+/* ---- output ------------------------------------------------------------------------------------------------------ */
+
+static _Noreturn void stop_write(const batch_output *out) {
+    stop(EXIT_OPEN, "%s: cannot write: %s", out->file.file.path ? out->file.file.path : "standard output",
+         strerror(errno));
+}
+
+void open_batch_output(const char *path, const batch_form *form, bool is_sorted, batch_output *out) {
+    *out = (batch_output){.max_rows = form->list->n_rows};
+    open_output(path, &out->file);
+    out->notes = allocate(out->max_rows, sizeof *out->notes);
+    out->rows = is_sorted ? tmpfile() : out->file.stream;
+    if (!out->rows)
+        stop(EXIT_OPEN, "there is no place for a temporary file: %s", strerror(errno));
+    print_batch_head(form, out->file.stream);
+}
+
+bool is_batch_file(const batch_output *out) {
+    return out->file.file.temporary != NULL;
+}
+
+bool write_batch_row(batch_output *out, const batch_form *form, const batch_pieces *pieces, size_t at,
+                     bool keep_going) {
+    const size_t row = out->n_rows;
+    const bool is_sorted = out->rows != out->file.stream;
+    batch_note *note = &out->notes[row];
+    *note = make_batch_note(form, row, &pieces->results[at], &pieces->errors[at]);
+    const bool is_failed = !note->is_scored && !note->is_skipped;
+    if (is_failed && !keep_going) {
+        free(note->remark);
+        return false;
+    }
+    if (is_sorted)
+        note->begin = ftell(out->rows);
+    else
+        fputs(row ? batch_separator(form) : "", out->rows);
+    print_batch_row(form, out->rows, row, &pieces->results[at], &pieces->textures[at], &pieces->errors[at]);
+    if (is_sorted)
+        note->end = ftell(out->rows);
+    out->n_failed += is_failed;
+    ++out->n_rows;
+    return true;
+}
+
+void flush_batch_output(batch_output *out) {
+    if (!is_batch_file(out))
+        end_progress(); /* the progress line may be on the same terminal */
+    if (fflush(out->rows) != 0 || ferror(out->rows))
+        stop_write(out);
+}
+
+static void copy_row(const batch_output *out, const batch_note *note) {
+    const size_t n = (size_t)(note->end - note->begin);
+    char *text = allocate(n, 1);
+    if (fseek(out->rows, note->begin, SEEK_SET) != 0 || fread(text, 1, n, out->rows) != n ||
+        fwrite(text, 1, n, out->file.stream) != n)
+        stop_write(out);
+    free(text);
+}
+
+void close_batch_output(batch_output *out, const batch_form *form, size_t n, const size_t *order) {
+    for (size_t i = 0; order && i < n; ++i) {
+        fputs(i ? batch_separator(form) : "", out->file.stream);
+        copy_row(out, &out->notes[order[i]]);
+    }
+    print_batch_tail(form, out->file.stream);
+    if (fflush(out->file.stream) != 0)
+        stop_write(out);
+    if (out->rows != out->file.stream)
+        fclose(out->rows);
+    close_output(&out->file);
+}
+
+extern const char batch_junit[]; /* the text of junit.xml (cmake/embed_text.cmake) */
+
+typedef struct placed_row {
+    double jod;
+    size_t row;
+} placed_row;
+
+static int by_jod(const void *a, const void *b) {
+    const placed_row *x = a, *y = b;
+    if (x->jod != y->jod)
+        return x->jod < y->jod ? -1 : 1;
+    return x->row < y->row ? -1 : 1;
+}
+
+size_t *order_batch_rows(size_t n, const batch_note *notes, bool is_best) {
+    placed_row *placed = allocate(n, sizeof *placed);
+    size_t *order = allocate(n, sizeof *order);
+    const double sign = is_best ? -1 : 1;
+    for (size_t row = 0; row < n; ++row)
+        placed[row] = (placed_row){notes[row].is_scored ? sign * notes[row].jod : -sign * (double)INFINITY, row};
+    qsort(placed, n, sizeof *placed, by_jod);
+    for (size_t i = 0; i < n; ++i)
+        order[i] = placed[i].row;
+    free(placed);
+    return order;
+}
+
+batch_summary make_batch_summary(const batch_form *form, const char *list_name, size_t n_rows,
+                                 const batch_note *notes) {
+    batch_summary s = {.form = form, .list_name = list_name, .n_rows = n_rows, .notes = notes};
+    s.order = order_batch_rows(s.n_rows, s.notes, false);
+    s.n_shown = s.n_rows;
+    for (size_t row = 0; row < s.n_rows; ++row) {
+        const nqm_score_result r = noted_result(&s.notes[row]);
+        s.n_skipped += s.notes[row].is_skipped;
+        s.n_unscored += !s.notes[row].is_scored && !s.notes[row].is_skipped;
+        s.n_gated += fails_gate(&form->gate, &r);
+    }
+    return s;
+}
+
+void summarise_rows(const score_run *run, const char *list_name, size_t n_shown, row_summary *s) {
+    const size_t n = run->n_rows;
+    *s = (row_summary){.list.n_rows = n};
+    s->list.pair = allocate(n, sizeof *s->list.pair);
+    s->notes = allocate(n, sizeof *s->notes);
+    s->form = (batch_form){.list = &s->list,
+                           .names = allocate(n, sizeof *s->form.names),
+                           .model = run->model,
+                           .gate = run->gate,
+                           .terms = run->terms};
+    for (size_t i = 0; i < n; ++i) {
+        s->list.pair[i] = run->rows[i].pair;
+        s->form.names[i] = run->rows[i].name;
+        s->notes[i] = make_batch_note(&s->form, i, &run->rows[i].result, &run->rows[i].err);
+    }
+    s->summary = make_batch_summary(&s->form, list_name, n, s->notes);
+    s->summary.n_shown = nqm_smaller(n, n_shown);
+}
+
+void free_row_summary(row_summary *s) {
+    for (size_t i = 0; i < s->list.n_rows; ++i)
+        free(s->notes[i].remark);
+    free(s->list.pair);
+    free(s->notes);
+    free(s->form.names);
+    free(s->summary.order);
+}
+
+static const char *test_name(const batch_form *form, size_t row) {
+    return form->names && form->names[row] ? form->names[row] : form->list->pair[row].test;
+}
+
+/* ---- JUnit ------------------------------------------------------------------------------------------------------- */
+
+/* "JOD 8.12, 95 % interval 7.90 to 8.31, Delta-E ITP 3.1, novelty 0.88, visible" */
+static json_t *json_figures(const batch_note *note) {
+    const nqm_score_result r = noted_result(note);
+    char verdict[VERDICT_TEXT], *text;
+    size_t n;
+    FILE *out = open_text(&text, &n);
+    fprintf(out, "JOD %.2f", note->jod);
+    if (isfinite(note->jod_low))
+        fprintf(out, ", 95 %% interval %.2f to %.2f", note->jod_low, note->jod_high);
+    if (isfinite(note->delta_e))
+        fprintf(out, ", Delta-E ITP %.3g", note->delta_e);
+    if (isfinite(note->novelty))
+        fprintf(out, ", novelty %.2f", note->novelty);
+    fprintf(out, ", %s", verdict_words(&r, verdict));
+    return html_text(out, &text);
+}
+
+static json_t *json_case(const void *user, size_t row) {
+    const batch_summary *s = user;
+    const batch_note *note = &s->notes[row];
+    const nqm_score_result r = noted_result(note);
+    return json_pack("{s:o,s:o,s:o,s:o,s:b,s:b,s:b,s:o}", "reference", json_name(s->form->list->pair[row].ref), "test",
+                     json_name(test_name(s->form, row)), "remark", json_name(note->remark ? note->remark : ""), "jod",
+                     html_number(note->jod, 2, 'f'), "is_skipped", note->is_skipped, "is_error",
+                     !note->is_scored && !note->is_skipped, "is_failure",
+                     note->is_scored && fails_gate(&s->form->gate, &r), "figures",
+                     note->is_scored ? json_figures(note) : json_null());
+}
+
+void print_batch_junit(const batch_summary *s, FILE *out) {
+    const nqm_model_info info = nqm_model_get_info(s->form->model);
+    char gate[GATE_TEXT];
+    html_fill(out, batch_junit,
+              json_pack("{s:s,s:I,s:I,s:I,s:I,s:o,s:s,s:o,s:s,s:s}", "verb", verb_name(), "tests",
+                        (json_int_t)s->n_rows, "failures", (json_int_t)s->n_gated, "errors", (json_int_t)s->n_unscored,
+                        "skipped", (json_int_t)s->n_skipped, "list", json_name(s->list_name), "version", nqm_version(),
+                        "model", json_name(info.id), "sha256", info.sha256, "gate", gate_words(&s->form->gate, gate)),
+              json_case, s);
+}
+
+/* ---- Markdown ---------------------------------------------------------------------------------------------------- */
+
+/* Write a cell of a Markdown table: escape punctuation that has a meaning, replace line ends by blanks. */
+static void put_cell(FILE *out, const char *text) {
+    json_t *utf8 = json_name(text);
+    for (const char *p = utf8 ? json_string_value(utf8) : ""; *p; ++p) {
+        if (strchr("\\`*_[]<>|~#&", *p))
+            fputc('\\', out);
+        fputc((unsigned char)*p < ' ' ? ' ' : *p, out);
+    }
+    json_decref(utf8);
+}
+
+static void put_heading(const batch_summary *s, FILE *out) {
+    char text[GATE_TEXT];
+    const bool is_gated = has_gate(&s->form->gate);
+    fputs("### nqm: ", out);
+    if (is_gated)
+        fprintf(out, "%zu of ", s->n_gated);
+    fprintf(out, "%zu pairs%s", s->n_rows, is_gated ? " FAIL" : "");
+    if (s->n_unscored)
+        fprintf(out, ", %zu without a score", s->n_unscored);
+    if (s->n_skipped)
+        fprintf(out, ", %zu skipped", s->n_skipped);
+    fputs("\n\n", out);
+    if (is_gated)
+        fprintf(out, "Gate: %s. ", gate_words(&s->form->gate, text));
+    fputs("Model: ", out);
+    put_cell(out, nqm_model_get_info(s->form->model).id);
+    fprintf(out, ", nqm %s. JOD 10: no visible difference.\n\n", nqm_version());
+}
+
+static void put_row(const batch_form *form, FILE *out, size_t row, const batch_note *note) {
+    const nqm_score_result r = noted_result(note);
+    char verdict[VERDICT_TEXT];
+    fprintf(out, "| %s |",
+            note->is_skipped        ? "skipped"
+            : !note->is_scored      ? "ERROR"
+            : has_gate(&form->gate) ? gate_mark(&form->gate, &r)
+                                    : "");
+    if (note->is_scored)
+        fprintf(out, " %.2f", note->jod);
+    fputs(" |", out);
+    if (isfinite(note->jod_low))
+        fprintf(out, " %.2f to %.2f", note->jod_low, note->jod_high);
+    fprintf(out, " | %s | ", verdict_words(&r, verdict));
+    put_cell(out, form->list->pair[row].ref);
+    fputs(" | ", out);
+    put_cell(out, test_name(form, row));
+    fputs(" | ", out);
+    put_cell(out, note->remark ? note->remark : "");
+    fputs(" |\n", out);
+}
+
+void print_batch_markdown(const batch_summary *s, FILE *out) {
+    put_heading(s, out);
+    fputs("| | JOD | 95 % interval | verdict | reference | test | remarks |\n|---|---:|---|---|---|---|---|\n", out);
+    for (size_t i = 0; i < s->n_shown; ++i)
+        put_row(s->form, out, s->order[i], &s->notes[s->order[i]]);
+    if (s->n_shown < s->n_rows)
+        fprintf(out, "\n%zu more pairs are not shown.\n", s->n_rows - s->n_shown);
+}
+
+void write_batch_summary(const batch_summary *summary, const char *path,
+                         void (*print)(const batch_summary *summary, FILE *out)) {
+    output_file out;
+    if (!path)
+        return;
+    open_output(path, &out);
+    print(summary, out.stream);
+    close_output(&out);
 }

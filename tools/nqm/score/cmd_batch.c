@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
  * nqm batch - scores the pairs of a list in the order of the list. batch_pieces.c has the results, also those of an interrupted
- * run; batch_print.c formats rows, batch_output.c writes them; batch_summary.c writes what is made of all rows.
+ * run; batch_print.c writes rows, and what is made of all of them.
  */
 #include "nqm/score/batch.h"
 
@@ -150,12 +150,11 @@ static void check_usage(const batch_arguments *a, ranks r) {
 }
 
 static void open_inputs(batch_run *run, const batch_arguments *a) {
-    nqm_error err = {0};
     nqm_model *model = open_model(a->model);
     check_gate(&run->form.gate, model);
-    must(nqm_pair_list_load(a->list, &run->given, &err), &err);
+    must(nqm_pair_list_load(a->list, &run->given, &fault));
     run->list = run->given;
-    must(nqm_scorer_create(model, &run->options, &run->scorer, &err), &err);
+    run->scorer = open_scorer(model, &run->options);
     const char *stream = stream_name(a->list, &(size_t){0});
     run->list_name = *stream ? stream : a->list;
     run->form.list = run->list;

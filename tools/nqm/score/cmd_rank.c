@@ -125,14 +125,11 @@ static void print_csv(const score_run *run) {
         putchar(',');
         if (row->rank)
             printf("%zu", row->rank);
-        putchar(',');
-        print_csv_text(stdout, row->pair.test);
+        print_csv_field(stdout, row->pair.test);
         print_csv_numbers(stdout, 5, (double[]){r->jod, r->jod_low, r->jod_high, row->over_next, row->best_preferred});
         print_csv_parts(stdout, run->model, r);
-        putchar(',');
-        print_csv_text(stdout, row->name);
-        putchar(',');
-        print_csv_text(stdout, row->rank ? "" : row->err.message);
+        print_csv_field(stdout, row->name);
+        print_csv_field(stdout, row->rank ? "" : row->err.message);
         putchar('\n');
     }
 }
@@ -200,9 +197,7 @@ static const command cmd = {
 int cmd_rank(int argc, char **argv) {
     const char **names = NULL;
     nqm_pair_list *list = NULL;
-    nqm_error err = {0};
-    run.options = nqm_score_options_default();
-    run.options.metrics = 0;
+    run.options = plain_score_options();
     const int n_arguments = parse_arguments(&cmd, argc, argv);
     if (list_path ? n_arguments > 0 : n_arguments < 2)
         stop(EXIT_USAGE, "give a reference and its tests, or --list LIST");
@@ -214,7 +209,7 @@ int cmd_rank(int argc, char **argv) {
     run.model = open_model(model);
     if (list_path) {
         list_path = input_path(list_path);
-        must(nqm_pair_list_load(list_path, &list, &err), &err);
+        must(nqm_pair_list_load(list_path, &list, &fault));
         enter_list_root(root, list_path);
         const char *stream = stream_name(list_path, &(size_t){0});
         names = take_list_names(list, *stream ? stream : list_path);

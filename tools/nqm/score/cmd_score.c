@@ -110,21 +110,17 @@ static void print_csv(const score_run *run) {
     for (size_t i = 0; i < run->n_rows; ++i) {
         const scored_pair *row = &run->rows[i];
         print_csv_text(stdout, row->pair.ref);
-        putchar(',');
-        print_csv_text(stdout, row->pair.test);
+        print_csv_field(stdout, row->pair.test);
         print_csv_score(stdout, run->model, run->metrics, &row->result);
         if (has_textures(run))
             print_csv_texture(stdout, row->texture);
         if (has_gate(&run->gate))
             printf(",%s", gate_mark(&run->gate, &row->result));
-        putchar(',');
-        print_csv_text(stdout, row->name);
-        putchar(',');
+        print_csv_field(stdout, row->name);
         json_t *remarks = json_remarks(&run->terms, &row->pair, "reference", "test", &row->result);
         print_csv_remarks(stdout, remarks);
         json_decref(remarks);
-        putchar(',');
-        print_csv_text(stdout, row->err.status == NQM_OK ? "" : row->err.message);
+        print_csv_field(stdout, row->err.status == NQM_OK ? "" : row->err.message);
         putchar('\n');
     }
 }
@@ -173,10 +169,9 @@ static int apply_gate(const score_run *run) {
 /* Say how the values of a CSV get to the directions of the model; returns the number of directions that have none. A file of
  * another kind is refused; one that cannot be opened is a fault of its row. */
 static size_t describe_samples(const nqm_directions *directions, const char *path) {
-    nqm_error err = {0};
     nqm_sample_report counts = {0};
     nqm_brdf *brdf;
-    if (nqm_brdf_open(path, &brdf, &err) != NQM_OK)
+    if (nqm_brdf_open(path, &brdf, &fault) != NQM_OK)
         return 0;
     const nqm_brdf_info info = nqm_brdf_get_info(brdf);
     const bool is_grid = strcmp(info.format, "grid") == 0;
@@ -185,7 +180,7 @@ static size_t describe_samples(const nqm_directions *directions, const char *pat
     const size_t n = nqm_directions_count(directions);
     float *rgb = allocate(3 * n, sizeof *rgb);
     uint8_t *flag = allocate(n, 1);
-    must(nqm_sample(brdf, directions, NQM_INVALID_DROP, rgb, flag, &counts, &err), &err);
+    must(nqm_sample(brdf, directions, NQM_INVALID_DROP, rgb, flag, &counts, &fault));
     if (is_grid || counts.n_invalid)
         report(EXIT_OK, "%s: values at %zu of the %zu directions of the model, %s (%s)", path, n - counts.n_invalid, n,
                is_grid ? "interpolated" : "measured", info.layout);

@@ -18,7 +18,7 @@ typedef struct nqm_list_cell {
     int is_json;      /**< 1: `text` is JSON (a number, true, null, an array or an object); 0: it is a plain string */
 } nqm_list_cell;
 
-/** A pair that can be scored, for one of the materials of a file (expand.h). */
+/** A pair that can be scored, for one of the materials of a file (below). */
 typedef struct expanded_pair {
     nqm_named_pair pair;
     const char *name; /* name of the test; NULL: none */
@@ -36,10 +36,9 @@ typedef struct nqm_pair_list {
     size_t n_columns;
     const char **column; /**< (n_columns) names, in the order of the header or of their first appearance */
     char sha256[65];     /**< SHA-256 of the list, hex digits */
-    const struct expanded_pair
-        *expanded;     /**< (n_rows) of an expanded list (expand.h): whose cells they are; NULL: their own */
-    nqm_csv *csv;      /**< owns the names and texts; NULL: JSON Lines, whose cells are stored in: */
-    size_t *row_begin; /**< (n_rows + 1) first cell of each row */
+    const struct expanded_pair *expanded; /**< (n_rows) of an expanded list: whose cells they are; NULL: their own */
+    nqm_csv *csv;                         /**< owns the names and texts; NULL: JSON Lines, whose cells are stored in: */
+    size_t *row_begin;                    /**< (n_rows + 1) first cell of each row */
     size_t n_cells, max_cells;
     uint32_t *cell; /**< (n_cells) column, and NQM_LIST_JSON if the text is JSON */
     nqm_names text; /**< (n_cells) */
@@ -63,5 +62,38 @@ void nqm_pair_list_free(nqm_pair_list *list);
 /** As nqm_pair_list_load(), from memory; `name` is for messages. */
 NQM_MUST_CHECK nqm_status nqm_pair_list_parse(const char *text, size_t n_bytes, const char *name,
                                               nqm_pair_list **list_ret, nqm_error *err);
+
+/* ---- pairs of files of several materials -------------------------------------------------------------------------- */
+
+typedef struct expansion {
+    size_t n, max_n;
+    expanded_pair *pairs; /* (n) in the order of the given pairs, materials in that of their file */
+} expansion;
+
+/**
+ * A test that is a file of several materials stands for a pair with each of them. If the reference is such a file, too, its
+ * materials are paired with those of the same names; one that the test lacks is a pair that cannot be opened, and one that only the
+ * test has is reported and left out. Other pairs remain.
+ *
+ * @param names  (n) of the tests, NULL where there is none; NULL: there are none. Names of materials are appended.
+ */
+void expand_pairs(size_t n, const nqm_named_pair *pairs, const char *const *names, expansion *expansion);
+/** The texts of its pairs are freed, too. */
+void free_expansion(expansion *expansion);
+
+/** A list whose pairs are expanded; the cells of a row are those of the row that it stands for. */
+typedef struct expanded_list {
+    nqm_pair_list list; /* uses the texts of the given list */
+    const char **names; /* (n_rows) */
+    expansion expansion;
+    nqm_named_pair *pair;
+} expanded_list;
+
+void expand_list(const nqm_pair_list *list, const char *const *names, expanded_list *expanded);
+/** NULL members are allowed. */
+void free_expanded_list(expanded_list *expanded);
+
+/** Whether both members are materials that nqm refuses for the same property, value and reason. */
+bool has_same_refusal(const nqm_named_pair *pair);
 
 #endif

@@ -6,11 +6,21 @@
 #define NQM_TOOL_SCORE_H
 
 #include "metric/metric.h"
-#include "nqm/score/expand.h"
-#include "nqm/score/gate.h"
 #include "nqm/score/pair_list.h"
 #include "nqm/tool.h"
 #include <nqm/texture.h>
+
+/** The lowest JOD, and the lowest lower end of its 95 % interval, that pass; 0: any. */
+typedef struct score_gate {
+    double jod, jod_low;
+} score_gate;
+
+/** The rows of its options. */
+#define OPTION_ROWS_GATE(gate)                                                                                         \
+    {"fail-under", 0, OPTION_NUMBER, &(gate)->jod, "JOD", "exit with 1 when a score is below this", 0, 10}, {          \
+        "fail-under-low", 0, OPTION_NUMBER, &(gate)->jod_low, "JOD",                                                   \
+            "exit with 1 when the lower end of a 95 % interval is below this", 0, 10                                   \
+    }
 
 /** A pair and its score. */
 typedef struct scored_pair {
@@ -58,7 +68,7 @@ typedef struct score_run {
 
 /* ---- shared (score_shared.c) ------------------------------------------------------------------------------------- */
 
-/** Rows for the pairs of arguments[0] with each of the others, expanded (expand.h). names: (n_arguments) to print, NULL
+/** Rows for the pairs of arguments[0] with each of the others, expanded (pair_list.h). names: (n_arguments) to print, NULL
  *  where the argument itself is to be printed; NULL: there are none. */
 void set_pairs(score_run *run, int n_arguments, char **arguments, const char *const *names);
 /** The same for the pairs of a list; names: (n_rows) of the tests, NULL where there is none. */
@@ -66,6 +76,10 @@ void set_list_pairs(score_run *run, const nqm_pair_list *list, const char *const
 /** Cut the names off the tests "NAME=BRDF" of a list, in its working folder; a column `name` has priority. Returns (n_rows) names,
  *  NULL where there is none; one block, free() it. Stops at names that check_names() refuses; list_name: for messages. */
 const char **take_list_names(nqm_pair_list *list, const char *list_name);
+/** Free with nqm_scorer_free(). */
+nqm_scorer *open_scorer(const nqm_model *model, const nqm_score_options *options);
+/** The defaults without scalar metrics. */
+nqm_score_options plain_score_options(void);
 /** Score the pairs of the rows; errors of single pairs are stored in their rows. On another failure, report the error and
  *  exit. */
 void make_scores(score_run *run);
@@ -105,13 +119,28 @@ enum { VERDICT_TEXT = 64 };
 const char *verdict_words(const nqm_score_result *result, char text[VERDICT_TEXT]);
 /** Remarks, separated by "; "; free() the text. */
 char *join_remarks(const json_t *remarks);
-/** Remarks, separated by "; ", as a CSV field. */
+/** Remarks, separated by "; ", as a CSV field after a comma. */
 void print_csv_remarks(FILE *out, const json_t *remarks);
 /** The JSON document of `nqm score --json`. */
 json_t *json_scores(const score_run *run);
 enum { GRAIN_TEXT = 120 };
 /** What of the stretch of highlights an anisotropic pair changes, "; stretched ...; rotated by ..." or "". */
 char *describe_grain(const scored_pair *row, char text[GRAIN_TEXT]);
+
+/** The gates of scores. */
+bool has_gate(const score_gate *gate);
+/** Report an error and exit when the gate needs intervals and the model has none. */
+void check_gate(const score_gate *gate, const nqm_model *model);
+/** Whether a pair fails. A pair without a score does not: it is an error of its own. Identical BRDFs pass every gate. */
+bool fails_gate(const score_gate *gate, const nqm_score_result *result);
+/** "FAIL", "pass", or "" without a score. */
+const char *gate_mark(const score_gate *gate, const nqm_score_result *result);
+
+enum { GATE_TEXT = 96 };
+/** What fails: "JOD below 9", "lower end of the interval below 8.5", or both. Returns text. */
+const char *gate_words(const score_gate *gate, char text[GATE_TEXT]);
+/** Print "nqm VERB: 2 of 7 pairs FAIL: JOD below 9" on standard error. */
+void report_gate(const score_gate *gate, size_t n_failed, size_t n_pairs);
 
 /* ---- textured materials (textures.c) ----------------------------------------------------------------------------- */
 
@@ -155,13 +184,12 @@ texture_numbers texture_numbers_of(const nqm_texture_result *texture);
 void print_csv_texture_names(FILE *out);
 void print_csv_texture(FILE *out, const nqm_texture_result *texture);
 
-/* ---- values (exact.c) -------------------------------------------------------------------------------------------- */
+/* ---- values -------------------------------------------------------------------------------------------- */
 
 /** With --exact, compare the values of the pairs that have a score. */
 void compare_rows(score_run *run);
 /** Lines below the row of the pair. */
 void print_exact(const score_run *run, const scored_pair *row);
-json_t *json_exact(const score_run *run, const scored_pair *row);
 /** Say how many pairs are not equal; whether there are any. */
 bool report_unequal(const score_run *run);
 

@@ -3,10 +3,9 @@
  * Shared by the commands that score: scores of named pairs, remarks on their values, parsing of --metrics, and results in
  * CSV and JSON.
  */
-#include "nqm/score/score.h"
-
 #include "base/names.h"
 #include "brdf/brdf.h"
+#include "nqm/score/score.h"
 
 #include <math.h>
 #include <stdarg.h>
@@ -84,23 +83,32 @@ const char **take_list_names(nqm_pair_list *list, const char *list_name) {
     return names;
 }
 
+nqm_scorer *open_scorer(const nqm_model *model, const nqm_score_options *options) {
+    nqm_scorer *scorer;
+    must(nqm_scorer_create(model, options, &scorer, &fault));
+    return scorer;
+}
+
+nqm_score_options plain_score_options(void) {
+    nqm_score_options options = nqm_score_options_default();
+    options.metrics = 0;
+    return options;
+}
+
 /* Score in blocks, so that Ctrl-C is noticed between them. */
 void make_scores(score_run *run) {
-    nqm_error err = {0};
-    nqm_scorer *scorer;
+    nqm_scorer *scorer = open_scorer(run->model, &run->options);
     run->terms.n_directions = nqm_directions_count(nqm_model_get_info(run->model).directions);
     run->terms.invalid = run->options.invalid;
-    must(nqm_scorer_create(run->model, &run->options, &scorer, &err), &err);
     for (size_t begin = 0, n; begin < run->n_rows; begin += n) {
         nqm_named_pair pairs[NQM_SCORE_BLOCK];
         nqm_score_result results[NQM_SCORE_BLOCK];
         nqm_error errors[NQM_SCORE_BLOCK];
         n = nqm_smaller(run->n_rows - begin, NQM_SCORE_BLOCK);
-        if (show_progress(NULL, "score", (double)begin, (double)run->n_rows))
-            stop(EXIT_INTERRUPTED, "interrupted");
+        step_progress("score", begin, run->n_rows);
         for (size_t i = 0; i < n; ++i)
             pairs[i] = run->rows[begin + i].pair;
-        must(nqm_scorer_run_named(scorer, n, pairs, results, errors, &err), &err);
+        must(nqm_scorer_run_named(scorer, n, pairs, results, errors, &fault));
         for (size_t i = 0; i < n; ++i) {
             errors[i].status = results[i].status;
             run->rows[begin + i] =
@@ -229,6 +237,44 @@ void choose_metrics(const char *text, bool *chosen) {
     }
 }
 
+/* ---- gates ------------------------------------------------------------------------------------------------------- */
+
+bool has_gate(const score_gate *gate) {
+    return gate->jod > 0 || gate->jod_low > 0;
+}
+
+void check_gate(const score_gate *gate, const nqm_model *model) {
+    const nqm_model_info info = nqm_model_get_info(model);
+    if (gate->jod_low > 0 && !*info.calibration)
+        stop(EXIT_INCOMPATIBLE, "--fail-under-low: the model '%s' has no intervals; use --fail-under, or another model",
+             info.id);
+}
+
+bool fails_gate(const score_gate *gate, const nqm_score_result *result) {
+    return result->status == NQM_OK && !result->identical &&
+           (result->jod < gate->jod || result->jod_low < gate->jod_low); /* false for NaN */
+}
+
+const char *gate_mark(const score_gate *gate, const nqm_score_result *result) {
+    return result->status != NQM_OK ? "" : fails_gate(gate, result) ? "FAIL" : "pass";
+}
+
+const char *gate_words(const score_gate *gate, char text[GATE_TEXT]) {
+    int n = 0;
+    *text = '\0';
+    if (gate->jod > 0)
+        n = snprintf(text, GATE_TEXT, "JOD below %g", gate->jod);
+    if (gate->jod_low > 0)
+        snprintf(text + n, GATE_TEXT - (size_t)n, "%slower end of the interval below %g", n ? " or " : "",
+                 gate->jod_low);
+    return text;
+}
+
+void report_gate(const score_gate *gate, size_t n_failed, size_t n_pairs) {
+    char text[GATE_TEXT];
+    report(EXIT_GATE, "%zu of %zu pairs FAIL: %s", n_failed, n_pairs, gate_words(gate, text));
+}
+
 /* ---- results ----------------------------------------------------------------------------------------------------- */
 
 json_t *model_json(const nqm_model *model) {
@@ -250,8 +296,7 @@ void print_csv_parts(FILE *out, const nqm_model *model, const nqm_score_result *
     if (!nqm_model_has_parts(model))
         return;
     print_csv_label(out, &r->parts, r->similarity);
-    fputc(',', out);
-    print_csv_text(out, isnan(r->parts.structure) ? "" : nqm_label_describe(&r->parts, words));
+    print_csv_field(out, isnan(r->parts.structure) ? "" : nqm_label_describe(&r->parts, words));
 }
 
 void print_csv_score_names(FILE *out, const nqm_model *model, const bool *metrics) {
@@ -270,8 +315,7 @@ void print_csv_score(FILE *out, const nqm_model *model, const bool *metrics, con
     else
         fputs(",,", out);
     print_csv_numbers(out, 1, &r->novelty);
-    fputc(',', out);
-    print_csv_text(out, verdict_words(r, verdict));
+    print_csv_field(out, verdict_words(r, verdict));
     print_csv_parts(out, model, r);
     for (int m = 0; m < NQM_METRIC_COUNT; ++m)
         if (metrics[m])
@@ -290,7 +334,7 @@ char *join_remarks(const json_t *remarks) {
 
 void print_csv_remarks(FILE *out, const json_t *remarks) {
     char *text = join_remarks(remarks);
-    print_csv_text(out, text);
+    print_csv_field(out, text);
     free(text);
 }
 
@@ -333,6 +377,68 @@ const char *verdict_words(const nqm_score_result *result, char text[VERDICT_TEXT
         return best;
     snprintf(text, VERDICT_TEXT, "between %s and %s", best, worst);
     return text;
+}
+
+/* ---- values ------------------------------------------------------------------------------------------------------ */
+
+void compare_rows(score_run *run) {
+    if (!run->exact)
+        return;
+    if (run->format == FORMAT_CSV || run->format == FORMAT_QUIET)
+        stop(EXIT_USAGE, "--exact prints text or --json");
+    nqm_brdf *ref = NULL;
+    for (size_t i = 0; i < run->n_rows; ++i) {
+        scored_pair *row = &run->rows[i];
+        if (i && !has_reference_of(row, row - 1)) {
+            nqm_brdf_free(ref);
+            ref = NULL;
+        }
+        if (row->err.status != NQM_OK || row->texture)
+            continue;
+        ref = ref ? ref : open_brdf(row->pair.ref);
+        nqm_brdf *test = open_brdf(row->pair.test);
+        must(nqm_brdf_compare(ref, test, run->tolerance, 1, &row->difference, &fault));
+        nqm_brdf_free(test);
+    }
+    nqm_brdf_free(ref);
+}
+
+static double polar_deg(const double *direction) {
+    return acos(fmin(direction[2], 1)) * 57.29577951308232;
+}
+
+void print_exact(const score_run *run, const scored_pair *row) {
+    static const char *const channels[] = {"red", "green", "blue"};
+    const nqm_brdf_difference *d = &row->difference;
+    printf("         %s within %g: values differ by up to %.3g %%\n", d->is_equal ? "equal" : "NOT equal",
+           run->tolerance, 100 * d->largest);
+    if (d->is_equal)
+        return;
+    if (d->n_different)
+        printf("         (%s %.4g, reference %.4g, at wi %.4f,%.4f,%.4f, wo %.4f,%.4f,%.4f:\n"
+               "         light at %.1f, viewer at %.1f degrees); at %zu of %zu pairs of directions\n",
+               channels[d->channel], d->test, d->ref, d->wi[0], d->wi[1], d->wi[2], d->wo[0], d->wo[1], d->wo[2],
+               polar_deg(d->wi), polar_deg(d->wo), d->n_different, d->n_pairs);
+    if (d->n_missing)
+        printf("         only one of them has a value at %zu of %zu pairs of directions\n", d->n_missing, d->n_pairs);
+}
+
+static json_t *json_exact(const score_run *run, const scored_pair *row) {
+    const nqm_brdf_difference *d = &row->difference;
+    return json_pack("{s:b,s:f,s:f,s:[f,f,f],s:[f,f,f],s:i,s:f,s:f,s:I,s:I,s:I}", "equal", d->is_equal, "tolerance",
+                     run->tolerance, "largest", d->largest, "wi", d->wi[0], d->wi[1], d->wi[2], "wo", d->wo[0],
+                     d->wo[1], d->wo[2], "channel", d->channel, "reference", d->ref, "test", d->test, "n_different",
+                     (json_int_t)d->n_different, "n_missing", (json_int_t)d->n_missing, "n_pairs",
+                     (json_int_t)d->n_pairs);
+}
+
+bool report_unequal(const score_run *run) {
+    size_t n = 0;
+    for (size_t i = 0; i < run->n_rows; ++i)
+        n += run->rows[i].err.status == NQM_OK && !run->rows[i].texture && !run->rows[i].difference.is_equal;
+    if (n)
+        report(EXIT_GATE, "%zu of %zu pairs are not equal within %g", n, run->n_rows, run->tolerance);
+    return n > 0;
 }
 
 /* How the highlight of a BRDF is stretched. */

@@ -15,11 +15,10 @@
 
 /* A map of Delta-E that is to be written: the picture's format follows from its name. */
 static void write_exr(const char *path, size_t width, size_t height, const float *delta_e) {
-    nqm_error err = {0};
     nqm_image image = {width, height, allocate(3 * width * height, sizeof *image.rgb)};
     for (size_t i = 0; i < 3 * width * height; ++i)
         image.rgb[i] = delta_e[i / 3];
-    must(nqm_image_write_exr(path, &image, &err), &err);
+    must(nqm_image_write_exr(path, &image, &fault));
     free(image.rgb);
 }
 
@@ -47,7 +46,6 @@ static double *resize(size_t *width, size_t *height, const float *delta_e) {
 }
 
 double write_heat(const char *path, const nqm_texture_result *r, const float *delta_e) {
-    nqm_error err = {0};
     size_t width = r->width, height = r->height;
     if (nqm_name_ends_in(path, ".exr")) {
         write_exr(path, width, height, delta_e);
@@ -55,11 +53,11 @@ double write_heat(const char *path, const nqm_texture_result *r, const float *de
     }
     double *mean = resize(&width, &height, delta_e);
     double end;
-    must(nqm_map_scale(1, (const double *const[]){mean}, width * height, &end, &err), &err);
+    must(nqm_map_scale(1, (const double *const[]){mean}, width * height, &end, &fault));
     const nqm_panel panel = {.delta_e = mean};
     const nqm_figure figure = {
         .n_rows = 1, .n_columns = 1, .width = width, .height = height, .panels = &panel, .delta_e_max = end};
-    must(nqm_figure_write(path, &figure, &err), &err);
+    must(nqm_figure_write(path, &figure, &fault));
     free(mean);
     return end;
 }
@@ -236,9 +234,7 @@ void print_csv_texture_names(FILE *out) {
 void print_csv_texture(FILE *out, const nqm_texture_result *t) {
     const nqm_texture_blame *worst = t && t->n_blame ? t->blame : NULL;
     print_csv_numbers(out, TEXTURE_NUMBERS, texture_numbers_of(t).v);
-    fputc(',', out);
-    print_csv_text(out, worst ? worst->key : "");
+    print_csv_field(out, worst ? worst->key : "");
     print_csv_numbers(out, 1, (double[]){worst ? worst->jod : NAN});
-    fputc(',', out);
-    print_csv_text(out, worst ? worst->mistake : "");
+    print_csv_field(out, worst ? worst->mistake : "");
 }

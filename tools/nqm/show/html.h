@@ -1,25 +1,35 @@
 /* SPDX-License-Identifier: MIT
  *
- * html.h - writes a self-contained page that is both HTML and well-formed XML: escaped texts, numbers, pictures as data:
- * URLs, data as JSON.
+ * html.h - fills templates of pages and reports that are well-formed XML (a page is HTML, too): escaped texts, numbers,
+ * pictures as data: URLs, data as JSON.
  */
 #ifndef NQM_TOOL_HTML_H
 #define NQM_TOOL_HTML_H
 
 #include "nqm/tool.h"
 
-/** Write markup. As in printf(): %s is a text, which is escaped; %zu a size_t; %.2f, %.3g and %#.4g a double, written as a
- *  dash if it is not finite; %% a percent sign. Attributes are in single quotes. */
-__attribute__((format(printf, 2, 3))) void html(FILE *out, const char *markup, ...);
+/** Data of element i of a list that is a number; released after the element is written. */
+typedef json_t *html_element(const void *user, size_t i);
 
-/** An <img> of width x height CSS pixels that contains the bytes of a PNG file. On failure, report the error and exit. */
-void html_image(FILE *out, const char *path, const char *alt, size_t width, size_t height);
+/**
+ * Write a template, whose marks are names of members of `data`, which is released. {{name}} is a text, escaped, or a whole
+ * number; {{&name}} is markup. What is between {{#name}} and {{/name}} is written for each element of a list; with a number n,
+ * for n elements that `element` makes; otherwise once, unless the member is missing, null, false or "". Inside, names are
+ * looked for in the element first, and {{.}} is the element itself. Attributes are in single quotes.
+ */
+void html_fill(FILE *out, const char *page, json_t *data, html_element *element, const void *user);
 
-/** A data block, <script type='application/json' id='...'>, which browsers do not run. Releases the value. On failure,
- *  report the error and exit. n_digits: of numbers. */
-void html_json(FILE *out, const char *id, json_t *value, size_t n_digits);
+/** A number as a text: 'f' and 'g' as in printf(), '#' as %#g; a dash if it is not finite. */
+json_t *html_number(double value, int n_digits, char conversion);
+/** Markup: an <img> of width x height CSS pixels that contains the bytes of a PNG file. On failure, report the error and exit. */
+json_t *html_image(const char *path, const char *alt, size_t width, size_t height);
+/** Markup: a value, which is released, as JSON for a <script type='application/json'>. n_digits: of numbers. */
+json_t *html_json(json_t *value, size_t n_digits);
 
-/** A fraction of people as text for html(): "71 %", as nqm score prints it. */
+/** The text of a stream of open_text(), which is closed and freed. */
+json_t *html_text(FILE *stream, char **text);
+
+/** A fraction of people as text: "71 %", as nqm score prints it. */
 typedef struct html_percent {
     char text[16];
 } html_percent;

@@ -1,15 +1,25 @@
 /* SPDX-License-Identifier: MIT
  *
- * The page of a report: what report.html leaves open, that is summary, a section for each test (report_test.c), guide,
- * provenance, and the data of its charts.
+ * The data of a report's page, which fill report.html: title, summary, guide, provenance, and the values of its charts.
  */
+#include "figures/picture.h"
 #include "nqm/show/charts.h"
 #include "nqm/show/report.h"
+#include "texture/texture.h"
 
 #include <math.h>
 #include <openssl/evp.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
+
+/* The page while it is written. Its functions report an error and exit. */
+typedef struct report_page {
+    const report_run *run;
+    char *figure;  /* temporary file for a picture, a .png */
+    canvas all;    /* frames of the scene, the pictures of the page */
+    double *white; /* backdrop (height, width, 3) */
+} report_page;
 
 enum { MAX_COMPARED = 12 }; /* tests in the table of preferences, which must fit on a sheet of paper */
 
@@ -21,160 +31,115 @@ static const scored_pair *row_at(const report_page *page, size_t place) {
     return &page->run->scores.rows[place];
 }
 
-static const char *name_at(const report_page *page, size_t place) {
-    return page->run->names[row_at(page, place)->order + 1];
-}
-
-/* ---- head -------------------------------------------------------------------------------------------------------- */
-
-static void put_title(const report_page *page) {
-    const score_run *scores = &page->run->scores;
-    if (page->run->title)
-        html(page->out, "%s", page->run->title);
-    else if (scores->n_rows == 1)
-        html(page->out, "How closely %s matches %s", page->run->names[1], page->run->names[0]);
-    else
-        html(page->out, "How closely %zu approximations match %s", scores->n_rows, page->run->names[0]);
-}
-
 /* ---- summary ----------------------------------------------------------------------------------------------------- */
 
-bool has_interval(const nqm_score_result *r) {
+static json_t *json_title(const report_page *page) {
+    const size_t n = count_tests(page);
+    const char *reference = page->run->names[0];
+    if (page->run->title)
+        return json_name(page->run->title);
+    json_t *name = json_name(n == 1 ? page->run->names[1] : reference), *ref = json_name(reference);
+    json_t *title = n == 1 ? json_sprintf("How closely %s matches %s", json_string_value(name), json_string_value(ref))
+                           : json_sprintf("How closely %zu approximations match %s", n, json_string_value(ref));
+    json_decref(name);
+    json_decref(ref);
+    return title;
+}
+
+static bool has_interval(const nqm_score_result *r) {
     return !r->identical && isfinite(r->jod_low) && isfinite(r->jod_high);
 }
 
-static void put_summary_row(const report_page *page, size_t place) {
+/* The fractions of people who prefer the test to each of the others. */
+static json_t *json_preferred(const report_page *page, size_t place) {
+    json_t *list = json_array();
+    for (size_t k = 0; k < count_tests(page); ++k) {
+        const double fraction = nqm_jod_preference(row_at(page, place)->result.jod, row_at(page, k)->result.jod);
+        json_array_append_new(list, json_string(place == k ? "" : html_people(fraction).text));
+    }
+    return list;
+}
+
+/* What summary and section of a test both have. */
+static json_t *json_row(const report_page *page, size_t place) {
     const scored_pair *row = row_at(page, place);
+    const nqm_score_result *r = &row->result;
     const label_item *item = &page->run->labels.items[row->order + 1];
     char verdict[VERDICT_TEXT];
-    FILE *out = page->out;
-    html(out,
-         "<tr><td class='n'>%zu</td><th scope='row'><a href='#test-%zu'>%s</a></th><td class='n'><strong>%.2f</strong>",
-         row->rank, place + 1, name_at(page, place), row->result.jod);
-    if (has_interval(&row->result))
-        html(out, "<br/><span class='interval'>%.2f to %.2f</span>", row->result.jod_low, row->result.jod_high);
-    html(out, "</td><td>%s</td><td class='n'>%s</td><td class='n'>%.2f</td><td class='n'>%.2f</td></tr>\n",
-         verdict_words(&row->result, verdict), html_people(preference_share(&row->result)).text, item->jod,
-         item->label.delta_e);
-}
-
-static void put_summary(const report_page *page) {
-    for (size_t i = 0; i < count_tests(page); ++i)
-        put_summary_row(page, i);
-}
-
-/* The fraction of people who prefer one test to another. */
-static void put_preferences(const report_page *page) {
-    size_t n = count_tests(page);
-    FILE *out = page->out;
-    if (n < 2 || n > MAX_COMPARED)
-        return;
-    html(
-        out,
-        "<section>\n<h2>Preferences between the tests</h2>\n<div class='scroll' role='region' aria-label='Preferences' "
-        "tabindex='0'>\n"
-        "<table class='matrix'><caption>Expected percentage of people who prefer the test of the row to the test of "
-        "the column (same numbers) when they also see the reference</caption>\n<thead><tr><th scope='col'>Test</th>");
-    for (size_t k = 0; k < n; ++k)
-        html(out, "<th scope='col' class='n'>(%zu)</th>", k + 1);
-    html(out, "</tr></thead>\n<tbody>\n");
-    for (size_t i = 0; i < n; ++i) {
-        html(out, "<tr><th scope='row'>(%zu) %s</th>", i + 1, name_at(page, i));
-        for (size_t k = 0; k < n; ++k) {
-            double fraction = nqm_jod_preference(row_at(page, i)->result.jod, row_at(page, k)->result.jod);
-            html(out, "<td class='n'>%s</td>", i == k ? "" : html_people(fraction).text);
-        }
-        html(out, "</tr>\n");
-    }
-    html(out, "</tbody></table>\n</div>\n</section>\n");
+    return json_pack("{s:I,s:I,s:o,s:o,s:o,s:s,s:s,s:o,s:o,s:o}", "place", (json_int_t)place + 1, "rank",
+                     (json_int_t)row->rank, "name", json_name(page->run->names[row->order + 1]), "jod",
+                     html_number(r->jod, 2, 'f'), "interval",
+                     has_interval(r) ? json_sprintf("%.2f to %.2f", r->jod_low, r->jod_high) : json_null(), "verdict",
+                     verdict_words(r, verdict), "people", html_people(preference_share(r)).text, "rendered",
+                     html_number(item->jod, 2, 'f'), "delta_e", html_number(item->label.delta_e, 2, 'f'), "preferred",
+                     count_tests(page) <= MAX_COMPARED ? json_preferred(page, place) : json_null());
 }
 
 /* ---- how to read it ---------------------------------------------------------------------------------------------- */
 
-static void put_range(FILE *out, double from, double to) {
-    if (from == 0)
-        html(out, "<tr><td>below %.3g</td>", to);
-    else
-        html(out, "<tr><td>%.3g to %.3g</td>", from, to);
-    html(out, "<td>%s</td><td class='n'>", jod_words(from));
-    if (from > 0)
-        html(out, "%s to ", html_people(nqm_jod_preference(10, to)).text);
-    html(out, "%s</td></tr>\n", html_people(nqm_jod_preference(10, from)).text);
-}
-
-static void put_guide(const report_page *page) {
+static json_t *json_guide(void) {
     static const double ends[] = {10, 9.5, 9, 8, 6, 0}; /* ranges of jod_words() */
-    for (size_t i = 1; i < sizeof ends / sizeof *ends; ++i)
-        put_range(page->out, ends[i], ends[i - 1]);
-}
-
-static void put_calibration(const report_page *page) {
-    if (*nqm_model_get_info(page->run->scores.model).calibration)
-        html(page->out,
-             "<p>The 95&#160;%% interval contains the JOD of rendered pictures for 95&#160;%% of pairs with materials "
-             "that the model was not trained on.</p>\n");
+    json_t *list = json_array();
+    for (size_t i = 1; i < sizeof ends / sizeof *ends; ++i) {
+        const double from = ends[i], to = ends[i - 1];
+        const html_percent least = html_people(nqm_jod_preference(10, to)),
+                           most = html_people(nqm_jod_preference(10, from));
+        json_array_append_new(
+            list,
+            json_pack("{s:o,s:s,s:o,s:s}", "range",
+                      from == 0 ? json_sprintf("below %.3g", to) : json_sprintf("%.3g to %.3g", from, to), "words",
+                      jod_words(from), "least", from > 0 ? json_string(least.text) : json_null(), "most", most.text));
+    }
+    return list;
 }
 
 /* ---- provenance -------------------------------------------------------------------------------------------------- */
 
-static void put_material(const report_page *page, const char *term, size_t item) {
-    FILE *out = page->out;
-    if (page->run->labels.items[item].texture) {
-        const nqm_texture_info texture = nqm_texture_get_info(page->run->labels.items[item].texture, NULL);
-        html(out,
-             "<dt>%s</dt><dd><span class='name'>%s</span> \xe2\x80\x93 %s, %zu \xc3\x97 %zu texels, maps of %s</dd>\n",
-             term, texture.name, texture.model, texture.width, texture.height, texture.varying);
-        return;
+static json_t *json_material(const report_page *page, size_t item) {
+    const nqm_texture *texture = page->run->labels.items[item].texture;
+    const char *term = item ? "Test" : "Reference";
+    if (texture) {
+        const nqm_texture_info t = nqm_texture_get_info(texture, NULL);
+        return json_pack(
+            "{s:s,s:o,s:o}", "term", term, "name", json_name(t.name), "about",
+            json_sprintf("%s, %zu \xc3\x97 %zu texels, maps of %s", t.model, t.width, t.height, t.varying));
     }
     const nqm_brdf_info info = nqm_brdf_get_info(page->run->brdfs[item]);
-    html(out, "<dt>%s</dt><dd><span class='name'>%s</span> \xe2\x80\x93 %s, %s", term, info.name, info.format,
-         info.layout);
-    if (info.source_doi)
-        html(out, ", DOI&#160;%s", info.source_doi);
-    html(out, "</dd>\n");
+    return json_pack("{s:s,s:o,s:o,s:s}", "term", term, "name", json_name(info.name), "about",
+                     json_sprintf("%s, %s", info.format, info.layout), "doi", info.source_doi ? info.source_doi : "");
 }
 
-static void put_scene(const report_page *page) {
+static json_t *json_materials(const report_page *page) {
+    json_t *list = json_array();
+    json_array_append_new(list, json_material(page, 0));
+    for (size_t i = 0; i < count_tests(page); ++i)
+        json_array_append_new(list, json_material(page, row_at(page, i)->order + 1));
+    return list;
+}
+
+static json_t *scene_text(const report_page *page) {
     const nqm_scene_options *o = &page->run->labels.scene_options;
     json_t *scene = json_scene(o);
+    char *text;
+    size_t n;
+    FILE *out = open_text(&text, &n);
     if (nqm_scene_is_standard(o))
-        html(page->out, "the standard set of four scenes");
+        fputs("the standard set of four scenes", out);
     else
-        html(page->out, "%s under %s", json_string_value(json_object_get(scene, "shape")),
-             json_string_value(json_object_get(scene, "light")));
-    html(page->out,
-         ", %zu \xc3\x97 %zu pixels, %zu light directions per point, a white surface at %.6g cd/m\xc2\xb2, "
-         "peak %.6g cd/m\xc2\xb2, seed %zu",
-         o->width, o->height, nqm_scene_n_lights(o), o->exposure_cdm2, o->peak_cdm2, o->seed);
+        fprintf(out, "%s under %s", json_string_value(json_object_get(scene, "shape")),
+                json_string_value(json_object_get(scene, "light")));
+    fprintf(out,
+            ", %zu \xc3\x97 %zu pixels, %zu light directions per point, a white surface at %.6g cd/m\xc2\xb2, "
+            "peak %.6g cd/m\xc2\xb2, seed %zu",
+            o->width, o->height, nqm_scene_n_lights(o), o->exposure_cdm2, o->peak_cdm2, o->seed);
     if (o->turn_rad != 0 || o->elevation_rad != 0)
-        html(page->out, ", turned by %.6g\xc2\xb0, seen from %.6g\xc2\xb0",
-             json_real_value(json_object_get(scene, "turn")), json_real_value(json_object_get(scene, "elevation")));
+        fprintf(out, ", turned by %.6g\xc2\xb0, seen from %.6g\xc2\xb0",
+                json_real_value(json_object_get(scene, "turn")), json_real_value(json_object_get(scene, "elevation")));
     if (o->n_frames > 1)
-        html(page->out, ", %zu views", o->n_frames);
-    html(page->out, "%s%s", o->shadows ? "" : ", no shadows", o->interreflection ? ", one interreflection" : "");
+        fprintf(out, ", %zu views", o->n_frames);
+    fprintf(out, "%s%s", o->shadows ? "" : ", no shadows", o->interreflection ? ", one interreflection" : "");
     json_decref(scene);
-}
-
-static void put_provenance(const report_page *page) {
-    static const char *const remedy[] = {"skipped", "set to 0", "filled from the nearest direction", "an error"};
-    const score_run *scores = &page->run->scores;
-    nqm_model_info info = nqm_model_get_info(scores->model);
-    FILE *out = page->out;
-    char prefix[13];
-    snprintf(prefix, sizeof prefix, "%s", info.sha256);
-    html(out,
-         "<p class='quote'>JOD predicted with nqm %s, model %s "
-         "(SHA-256 %s), at %zu directions (%s); pictures: ",
-         nqm_version(), info.id, prefix, scores->terms.n_directions, nqm_directions_id(info.directions));
-    put_scene(page);
-    html(out, "%s%s.</p>\n<dl>\n", page->run->date ? "; " : "", page->run->date ? page->run->date : "");
-    put_material(page, "Reference", 0);
-    for (size_t i = 0; i < count_tests(page); ++i)
-        put_material(page, "Test", row_at(page, i)->order + 1);
-    html(out,
-         "<dt>Model</dt><dd>%s, recipe %s, %zu parameters, SHA-256 <span class='hash'>%s</span></dd>\n"
-         "<dt>Directions without a value</dt><dd>%s</dd>\n</dl>\n",
-         info.id, info.recipe, info.n_parameters, info.sha256, remedy[scores->options.invalid]);
+    return html_text(out, &text);
 }
 
 /* ---- charts ------------------------------------------------------------------------------------------------------ */
@@ -214,111 +179,270 @@ static json_t *json_charts(const report_page *page) {
     return tests;
 }
 
-static void put_data(const report_page *page) {
-    html_json(page->out, "nqm-report", json_incref(page->run->json_scores), 9);
-    html_json(page->out, "nqm-label", json_labels(&page->run->labels), 9);
-    html_json(page->out, "nqm-charts", json_charts(page), 4);
-}
-
-/* The script is HTML and XML alike; free() it. */
-static char *make_script(void) {
-    static const char form[] = "//<![CDATA[\n%sdrawReport();\n//]]>";
-    const size_t n = sizeof form + strlen(report_charts_js);
-    char *script = allocate(n, 1);
-    snprintf(script, n, form, report_charts_js);
-    return script;
-}
-
-static void put_script(const report_page *page) {
-    char *script = make_script();
-    fputs(script, page->out);
-    free(script);
+/* The script is HTML and XML alike. */
+static json_t *make_script(void) {
+    return json_sprintf("//<![CDATA[\n%sdrawReport();\n//]]>", report_charts_js);
 }
 
 /* The policy allows this script alone and forbids the page to load anything. */
-static void put_hash(const report_page *page) {
+static json_t *json_hash(json_t *script) {
     unsigned char hash[EVP_MAX_MD_SIZE], text[2 * EVP_MAX_MD_SIZE];
-    char *script = make_script();
     unsigned n = 0;
-    if (!EVP_Digest(script, strlen(script), hash, &n, EVP_sha256(), NULL))
+    if (!EVP_Digest(json_string_value(script), json_string_length(script), hash, &n, EVP_sha256(), NULL))
         stop(EXIT_LIMIT, "cannot compute a checksum: out of memory");
     EVP_EncodeBlock(text, hash, (int)n);
-    html(page->out, "sha256-%s", (const char *)text);
-    free(script);
+    return json_sprintf("sha256-%s", (const char *)text);
+}
+
+/* ---- a test ------------------------------------------------------------------------------------------------------ */
+
+static json_t *json_words(const nqm_label *label) {
+    char words[NQM_LABEL_TEXT];
+    return isnan(label->structure) ? json_null() : json_string(nqm_label_describe(label, words));
+}
+
+static void add_parts(json_t *rows, const char *label, const nqm_label *l) {
+    json_t *numbers = json_array();
+    for (size_t c = 0; c < 3; ++c)
+        json_array_append_new(numbers, html_number(l->shift[c], 2, 'f'));
+    json_array_append_new(numbers, html_number(l->contrast, 3, 'f'));
+    json_array_append_new(numbers, html_number(l->structure, 2, 'f'));
+    json_array_append_new(numbers, html_number(nqm_label_adapted_jod(l), 2, 'f'));
+    json_array_append_new(rows, json_pack("{s:s,s:o}", "label", label, "numbers", numbers));
+}
+
+static json_t *json_parts(const nqm_label *predicted, const nqm_label *seen) {
+    json_t *rows = json_array();
+    if (!isnan(predicted->structure))
+        add_parts(rows, "Predicted", predicted);
+    add_parts(rows, "Pictures", seen);
+    return rows;
+}
+
+static json_t *json_metrics(const nqm_score_result *r) {
+    json_t *rows = json_array();
+    for (int m = 0; m < NQM_METRIC_COUNT; ++m) {
+        const nqm_metric_info info = nqm_metric_get_info((nqm_metric)m);
+        json_array_append_new(rows, json_pack("{s:s,s:o,s:s}", "metric", info.name, "value",
+                                              html_number(r->metrics[m], 4, '#'), "description", info.description));
+    }
+    return rows;
+}
+
+static json_t *json_counts(const nqm_score_result *r) {
+    json_t *rows = json_array();
+    for (size_t k = 0; k < 2; ++k)
+        json_array_append_new(rows, json_pack("{s:s,s:[I,I,I]}", "label", k ? "Test" : "Reference", "numbers",
+                                              (json_int_t)r->n_clamped[k], (json_int_t)r->n_invalid[k],
+                                              (json_int_t)r->n_unusual[k]));
+    return rows;
+}
+
+/* ---- pictures ---------------------------------------------------------------------------------------------------- */
+
+enum { SCALE_STEPS = 256 };
+
+/* Markup of the picture in the temporary file, which is removed, at a size in CSS pixels. */
+static json_t *take_figure(const report_page *page, const char *alt, size_t width, size_t height) {
+    json_t *image = html_image(page->figure, alt, width, height);
+    unlink(page->figure);
+    return image;
+}
+
+/* Colours are tone-mapped or on the scale of all maps. */
+static json_t *draw(const report_page *page, nqm_picture picture, size_t shrink, const char *alt) {
+    const nqm_tone tone = tone_of(&page->run->labels.scene_options);
+    picture.delta_e_max = page->run->labels.delta_e_max;
+    must(nqm_picture_write(page->figure, &picture, shrink, &tone, &fault));
+    return take_figure(page, alt, picture.width / shrink, picture.height / shrink);
+}
+
+static json_t *draw_item(const report_page *page, size_t item, const char *alt) {
+    const label_run *labels = &page->run->labels;
+    const canvas *c = &page->all;
+    double *picture = allocate(3 * c->width * c->height, sizeof *picture);
+    draw_picture(labels->scene, c, page->white, labels->items[item].rgb_cdm2, picture);
+    json_t *image =
+        draw(page, (nqm_picture){.width = c->width, .height = c->height, .rgb_cdm2 = picture}, labels->shrink, alt);
+    free(picture);
+    return image;
+}
+
+static json_t *draw_difference(const report_page *page, size_t item) {
+    const label_run *labels = &page->run->labels;
+    const canvas *c = &page->all;
+    const double *delta_e = labels->delta_e + item * nqm_scene_count(labels->scene);
+    double *map = allocate(c->width * c->height, sizeof *map);
+    char alt[100];
+    snprintf(alt, sizeof alt, "Map of the colour difference of the two pictures, mean %.2f",
+             labels->items[item].label.delta_e);
+    draw_map(labels->scene, c, delta_e, map);
+    json_t *image =
+        draw(page, (nqm_picture){.width = c->width, .height = c->height, .delta_e = map}, labels->shrink, alt);
+    free(map);
+    return image;
+}
+
+static json_t *draw_scale(const report_page *page) {
+    double steps[SCALE_STEPS];
+    for (size_t i = 0; i < SCALE_STEPS; ++i)
+        steps[i] = page->run->labels.delta_e_max * ((double)i + 0.5) / SCALE_STEPS;
+    return draw(page, (nqm_picture){.width = SCALE_STEPS, .height = 1, .delta_e = steps}, 1,
+                "Colour scale from dark (equal) to bright (different)");
+}
+
+/* ---- textures ---------------------------------------------------------------------------------------------------- */
+
+enum { SIDE = 160, NORMAL = NQM_SPEC_MAX_KEYS };
+
+/* ---- numbers ----------------------------------------------------------------------------------------------------- */
+
+static void add_score(json_t *rows, const char *label, double jod, const char *about) {
+    json_array_append_new(
+        rows, json_pack("{s:s,s:o,s:s}", "label", label, "value", html_number(jod, 2, 'f'), "about", about));
+}
+
+static json_t *json_near_and_far(const nqm_texture_result *t) {
+    json_t *rows = json_array();
+    char text[100];
+    snprintf(text, sizeof text, "the texels are seen: mean of %zu x %zu", t->width, t->height);
+    add_score(rows, "near", t->jod, text);
+    snprintf(text, sizeof text, "the texture is smaller than a pixel (%.2f to %.2f)", t->far_jod[1], t->far_jod[2]);
+    add_score(rows, "from afar", t->far_jod[0], isnan(t->far_jod[1]) ? "the texture is smaller than a pixel" : text);
+    add_score(rows, "median texel", t->median, "");
+    snprintf(text, sizeof text, "%.1f %% of texels are below 9, %.1f %% below 8", 100 * t->below[0], 100 * t->below[1]);
+    add_score(rows, "worst 5 %", t->worst, text);
+    for (size_t i = 0; i < t->n_blame; ++i) {
+        snprintf(text, sizeof text, "%.47s alone", t->blame[i].key);
+        add_score(rows, text, t->blame[i].jod, t->blame[i].mistake);
+    }
+    return rows;
+}
+
+/* ---- maps -------------------------------------------------------------------------------------------------------- */
+
+typedef struct shown_map {
+    const nqm_texture *texture;
+    size_t property; /* or NORMAL */
+} shown_map;
+
+/* Colours as sRGB, numbers as grey, normals as maps have them. */
+static void write_texel(void *user, const float *rows, size_t i, unsigned char *out) {
+    const shown_map *m = user;
+    const nqm_texture *t = m->texture;
+    double normal[3];
+    nqm_texture_normal(t, rows, i, normal);
+    for (size_t c = 0; c < 3; ++c)
+        if (m->property == NORMAL)
+            out[c] = unit_byte((normal[c] + 1) / 2);
+        else if (t->keys[m->property].n == 3)
+            out[c] = nqm_srgb_byte(nqm_texture_value(t, m->property, c, rows, i));
+        else
+            out[c] = unit_byte(nqm_texture_value(t, m->property, 0, rows, i));
+}
+
+static void add_map(const report_page *page, const nqm_texture *texture, size_t property, json_t *list) {
+    const char *key = property == NORMAL ? "normal" : texture->keys[property].name;
+    const size_t tiles[2] = {1, 1};
+    shown_map m = {texture, property};
+    nqm_raster r = {.width = SIDE, .height = SIDE, .channels = 3};
+    must(write_texels(texture, tiles, write_texel, &m, &r, &fault));
+    must(nqm_raster_write_png(page->figure, &r, true, &fault));
+    nqm_raster_clear(&r);
+    json_array_append_new(list, json_pack("{s:s,s:o}", "key", key, "picture", take_figure(page, key, SIDE, SIDE)));
+}
+
+static void add_maps(const report_page *page, const char *who, const nqm_texture *texture, json_t *to) {
+    json_t *list = json_array();
+    for (size_t k = 0; texture && k < texture->n_properties; ++k)
+        if (texture->properties[k].node != NQM_NO_NODE)
+            add_map(page, texture, k, list);
+    if (texture && texture->normal != NQM_NO_NODE)
+        add_map(page, texture, NORMAL, list);
+    if (texture)
+        json_array_append_new(to, json_pack("{s:s,s:O}", "who", who, "list", list));
+    json_decref(list);
+}
+
+static json_t *json_report_texture(const report_page *page, const scored_pair *row) {
+    const label_item *items = page->run->labels.items;
+    const double end = write_heat(page->figure, row->texture, row->heat);
+    json_t *maps = json_array(), *heat = take_figure(page, "Map of Delta-E ITP of the texels", 440, 440);
+    add_maps(page, "reference", items[0].texture, maps);
+    add_maps(page, "test", items[row->order + 1].texture, maps);
+    return json_pack("{s:o,s:o,s:o,s:o}", "heat", heat, "brightest", html_number(end, 3, 'g'), "scores",
+                     json_near_and_far(row->texture), "maps", maps);
+}
+
+/* ---- the section ------------------------------------------------------------------------------------------------- */
+
+static json_t *json_test(const report_page *page, const scored_pair *row) {
+    const score_run *scores = &page->run->scores;
+    const nqm_score_result *r = &row->result;
+    const size_t i = row->order + 1;
+    const label_item *item = &page->run->labels.items[i];
+    const bool is_renamed = strcmp(page->run->names[i], row->pair.test) != 0;
+    json_t *remarks = json_remarks(&scores->terms, &row->pair, "reference", "test", r);
+    json_t *json = json_pack(
+        "{s:o,s:b,s:b,s:o,s:o,s:o,s:o,s:o,s:o,s:b}", "argument", is_renamed ? json_name(row->pair.test) : json_null(),
+        "identical", r->identical, "different", !r->identical, "predicted", json_words(&r->parts), "seen",
+        json_words(&item->label), "parts", json_parts(&r->parts, &item->label), "metrics", json_metrics(r), "valid",
+        json_sprintf("%zu of %zu", r->n_valid, scores->terms.n_directions), "counts", json_counts(r), "plain",
+        row->texture == NULL);
+    if (json_array_size(remarks))
+        json_object_set_new(json, "remarks", json_pack("{s:O}", "list", remarks));
+    json_decref(remarks);
+    json_object_set_new(json, "picture_ref", draw_item(page, 0, "Rendered picture of the reference"));
+    json_object_set_new(json, "picture_test", draw_item(page, i, "Rendered picture of the test"));
+    json_object_set_new(json, "picture_map", draw_difference(page, i));
+    json_object_set_new(json, "picture_scale", draw_scale(page));
+    json_object_set_new(json, "texture", row->texture ? json_report_texture(page, row) : json_null());
+    return json;
 }
 
 /* ---- the page ---------------------------------------------------------------------------------------------------- */
 
-static void put_version(const report_page *page) {
-    html(page->out, "%s", nqm_version());
+static json_t *json_page(const report_page *page) {
+    static const char *const remedy[] = {"skipped", "set to 0", "filled from the nearest direction", "an error"};
+    const report_run *run = page->run;
+    const nqm_model_info info = nqm_model_get_info(run->scores.model);
+    const size_t n = count_tests(page);
+    const double end = run->labels.delta_e_max;
+    json_t *rows = json_array(), *script = make_script();
+    for (size_t i = 0; i < n; ++i)
+        json_array_append_new(rows, json_row(page, i));
+    json_t *json =
+        json_pack("{s:o,s:o,s:s,s:o,s:o,s:I,s:b,s:b,s:o,s:o,s:o,s:o,s:o}", "hash", json_hash(script), "script", script,
+                  "version", nqm_version(), "title", json_title(page), "rows", rows, "tests", (json_int_t)n,
+                  "preferences", n > 1 && n <= MAX_COMPARED, "calibrated", *info.calibration != 0, "guide",
+                  json_guide(), "materials", json_materials(page), "reference", json_name(run->names[0]), "middle",
+                  html_number(end / 2, 3, 'g'), "top", html_number(end, 3, 'g'));
+    json_object_update_new(
+        json, json_pack("{s:o,s:s,s:o,s:s,s:I,s:I,s:s,s:o,s:o}", "model", json_name(info.id), "sha256", info.sha256,
+                        "recipe", json_name(info.recipe), "directions_id", nqm_directions_id(info.directions),
+                        "parameters", (json_int_t)info.n_parameters, "directions",
+                        (json_int_t)run->scores.terms.n_directions, "invalid", remedy[run->scores.options.invalid],
+                        "scene", scene_text(page), "date", run->date ? json_name(run->date) : json_null()));
+    json_object_set_new(json, "prefix", json_stringn(info.sha256, 12));
+    json_object_set_new(json, "style", json_sprintf("%s%s", report_charts_css, report_css));
+    json_object_set_new(json, "score_data", html_json(json_incref(run->json_scores), 9));
+    json_object_set_new(json, "label_data", html_json(json_labels(&run->labels), 9));
+    json_object_set_new(json, "chart_data", html_json(json_charts(page), 4));
+    return json;
 }
 
-static void put_model(const report_page *page) {
-    html(page->out, "%s", nqm_model_get_info(page->run->scores.model).id);
-}
-
-static void put_style(const report_page *page) {
-    fputs(report_charts_css, page->out);
-    fputs(report_css, page->out);
-}
-
-/* ---- the template ------------------------------------------------------------------------------------------------ */
-
-static const report_part parts[] = {{"{{hash}}", put_hash},
-                                    {"{{version}}", put_version},
-                                    {"{{title}}", put_title},
-                                    {"{{style}}", put_style},
-                                    {"{{summary}}", put_summary},
-                                    {"{{model}}", put_model},
-                                    {"{{preferences}}", put_preferences},
-                                    {"{{interval}}", put_calibration},
-                                    {"{{guide}}", put_guide},
-                                    {"{{provenance}}", put_provenance},
-                                    {"{{data}}", put_data},
-                                    {"{{script}}", put_script},
-                                    {NULL, NULL}};
-
-static bool begins(const char *p, const char *mark) {
-    return strncmp(p, mark, strlen(mark)) == 0;
-}
-
-static const report_part *find_part(const report_part *list, const char *p) {
-    while (list->mark && !begins(p, list->mark))
-        ++list;
-    return list->mark ? list : NULL;
-}
-
-/* Write the template from p to its end, or to {{end}}; returns what follows. Between {{tests}} and {{end}} is the section of each
- * test; between {{plain}} and {{end}} what only tests without textures have. */
-static const char *fill(report_page *page, const char *p) {
-    static const char tests[] = "{{tests}}", plain[] = "{{plain}}", end[] = "{{end}}";
-    while (*p && !begins(p, end)) {
-        const report_part *part = find_part(parts, p);
-        part = part ? part : find_part(report_test_parts, p);
-        if (part) {
-            part->put(page);
-            p += strlen(part->mark);
-        } else if (begins(p, tests)) {
-            const char *section = p + strlen(tests);
-            for (page->place = 0; page->place < count_tests(page); ++page->place) {
-                if (show_progress(NULL, "draw", (double)page->place, (double)count_tests(page)))
-                    stop(EXIT_INTERRUPTED, "interrupted");
-                page->row = row_at(page, page->place);
-                page->item = &page->run->labels.items[page->row->order + 1];
-                p = fill(page, section);
-            }
-        } else if (begins(p, plain)) {
-            p = page->row->texture ? strstr(p, end) + strlen(end) : fill(page, p + strlen(plain));
-        } else {
-            fputc(*p++, page->out);
-        }
-    }
-    return *p ? p + strlen(end) : p;
+/* The section of a test. */
+static json_t *json_section(const void *user, size_t place) {
+    const report_page *page = user;
+    step_progress("draw", place, count_tests(page));
+    json_t *json = json_row(page, place);
+    json_object_update_new(json, json_test(page, row_at(page, place)));
+    return json;
 }
 
 void write_report(const report_run *run, FILE *out, char *figure) {
-    report_page page = {.run = run, .out = out, .figure = figure, .all = all_frames(&run->labels.scene_options)};
+    report_page page = {.run = run, .figure = figure, .all = all_frames(&run->labels.scene_options)};
     page.white = make_backdrop(run->labels.scene, &page.all, BACKDROP_WHITE);
-    fill(&page, report_html);
+    html_fill(out, report_html, json_page(&page), json_section, &page);
     free(page.white);
 }

@@ -86,7 +86,6 @@ static void print_readout(const nqm_readout *r) {
 }
 
 static int calibrate_human(const char *answers) {
-    nqm_error err = {0};
     nqm_model *model = open_model(model_name), *fitted;
     nqm_human *people;
     nqm_readout r;
@@ -94,8 +93,8 @@ static int calibrate_human(const char *answers) {
     o.root = list_root(root, answers);
     o.progress = show_progress;
     o.directions = nqm_model_get_info(model).directions;
-    must(nqm_human_load(answers, &o, &people, &err), &err);
-    must(nqm_human_fit_readout(people, model, &eval_options, &r, &err), &err);
+    must(nqm_human_load(answers, &o, &people, &fault));
+    must(nqm_human_fit_readout(people, model, &eval_options, &r, &fault));
     const bool gains = r.gain.ci95[0] > 0;
     if (gains) {
         char note[400];
@@ -104,9 +103,9 @@ static int calibrate_human(const char *answers) {
                  "agreement %.3f on "
                  "materials left out, %+.3f more than before.\n",
                  r.n_choices, r.n_materials, r.fitted, r.gain.value);
-        must(nqm_model_annotate(model, note, &fitted, &err), &err);
+        must(nqm_model_annotate(model, note, &fitted, &fault));
         nqm_readout_set(&r, fitted);
-        must(nqm_model_save(fitted, output_path(output), &err), &err);
+        must(nqm_model_save(fitted, output_path(output), &fault));
         nqm_model_free(fitted);
     }
     if (json)
@@ -132,9 +131,8 @@ int cmd_calibrate(int argc, char **argv) {
     nqm_model *model = open_model(argv[0]), *calibrated;
     nqm_dataset *dataset = open_dataset(argv[1], NULL, NQM_SPLIT_ALL);
     nqm_calibration calibration;
-    nqm_error err = {0};
-    must(nqm_model_calibrate(model, dataset, new_materials, &calibrated, &calibration, &err), &err);
-    must(nqm_model_save(calibrated, output_path(output), &err), &err);
+    must(nqm_model_calibrate(model, dataset, new_materials, &calibrated, &calibration, &fault));
+    must(nqm_model_save(calibrated, output_path(output), &fault));
     if (strcmp(output, "-") != 0) { /* otherwise standard output contains the model */
         nqm_model *written = open_model(output);
         const nqm_model_info info = nqm_model_get_info(written);

@@ -108,7 +108,6 @@ static void on_epoch(void *user, size_t epoch, double train_loss, double validat
 /* Train with progress on the terminal, write the losses of each epoch (a->log) and the model, and load the written file;
  * NULL if it is standard output. */
 static nqm_model *train_and_save(const train_arguments *a, const nqm_dataset *dataset, nqm_train_report *report_ret) {
-    nqm_error err = {0};
     nqm_model *trained, *loaded = NULL;
     nqm_train_options o = a->options;
     epoch_log log = {.id = o.id, .path = a->log};
@@ -119,11 +118,11 @@ static nqm_model *train_and_save(const train_arguments *a, const nqm_dataset *da
     o.run.progress = show_progress;
     o.run.epoch_done = on_epoch;
     o.run.epoch_user = &log;
-    must(nqm_train(dataset, &o, &trained, report_ret, &err), &err);
-    must(nqm_model_save(trained, output_path(a->output), &err), &err);
+    must(nqm_train(dataset, &o, &trained, report_ret, &fault));
+    must(nqm_model_save(trained, output_path(a->output), &fault));
     nqm_model_free(trained);
     if (strcmp(a->output, "-") != 0)
-        must(nqm_model_load(a->output, &loaded, &err), &err);
+        must(nqm_model_load(a->output, &loaded, &fault));
     close_log(&log);
     return loaded;
 }
@@ -192,8 +191,7 @@ static const command cmd = {
 };
 
 int cmd_train(int argc, char **argv) {
-    nqm_error err = {0};
-    must(nqm_train_options_recipe(find_recipe(argc, argv), &a.options, &err), &err);
+    must(nqm_train_options_recipe(find_recipe(argc, argv), &a.options, &fault));
     parse_arguments(&cmd, argc, argv);
     check_places(&a);
     char *card = a.card ? read_text(a.card) : NULL;
