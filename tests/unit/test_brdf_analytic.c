@@ -10,10 +10,6 @@
 #include "support/check.h"
 #include <nqm/brdf.h>
 
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
 TEST(test_published_formulas) {
     nqm_csv *csv;
     assert_int_equal(nqm_csv_load(test_vector("analytic.csv"), &csv, NULL), NQM_OK);

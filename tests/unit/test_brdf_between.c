@@ -8,10 +8,6 @@
 #include "support/brdf_files.h"
 #include "support/check.h"
 
-#include <math.h>
-#include <stdio.h>
-#include <string.h>
-
 static const char metal[] = "ggx:ks=1;alpha=.1;f0=.9,.7,.4", matte[] = "lambert:kd=.5,.1,0";
 static const double places[][3] = {{0, 0, 0}, {0.01, 0.2, 0.3}, {0.2, 0.5, 1.5}, {0.6, 0.3, 2}, {0.1, 1.3, 1.6}};
 enum { N_PLACES = sizeof places / sizeof *places };

@@ -8,9 +8,6 @@
 #include "math/math.h"
 #include "support/check.h"
 
-#include <math.h>
-#include <string.h>
-
 #define POINTER_TO(NAME) &(NAME),
 static const nqm_analytic_model *const models[] = {NQM_ANALYTIC_MODELS(POINTER_TO) NULL};
 

@@ -11,11 +11,8 @@
 
 #include <fcntl.h>
 #include <nqm/samples.h>
-#include <stdlib.h>
-#include <string.h>
 #include <sys/mman.h>
 #include <sys/resource.h>
-#include <unistd.h>
 
 static const double degree = 3.14159265358979323846 / 180;
 

@@ -9,8 +9,6 @@
 #include "support/test.h"
 #include <nqm/brdf.h>
 
-#include <math.h>
-
 TEST(test_node_graphs) {
     check_shading_vectors("shading_materialx.csv", 940, 1e-9, 1e-13);
 }

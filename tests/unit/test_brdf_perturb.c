@@ -8,9 +8,6 @@
 #include "support/brdf_files.h"
 #include "support/check.h"
 
-#include <math.h>
-#include <string.h>
-
 static const double degree = NQM_PI / 180;
 static const char glossy[] = "ggx:kd=.2,.1,.05;ks=1;alpha=.05;f0=.5,.4,.3";
 

@@ -8,7 +8,6 @@
 #include "support/check.h"
 
 #include <locale.h>
-#include <string.h>
 
 static void assert_spec(const char *text, const char *canonical) {
     nqm_brdf *brdf = must_open(text);

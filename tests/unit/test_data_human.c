@@ -9,10 +9,6 @@
 #include "support/check.h"
 #include "support/corpus_files.h"
 
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
 enum { N_DIRECTIONS = 40, N_RESAMPLES = 200 };
 
 static nqm_directions *directions;

@@ -7,7 +7,6 @@
 #include "support/check.h"
 
 #include <jansson.h>
-#include <string.h>
 
 static const char *const held_out[] = {"acrylic_felt_green_rgb",
                                        "aluminium",

@@ -13,10 +13,6 @@
 #include "support/scenes.h"
 #include <nqm/label.h>
 
-#include <math.h>
-#include <stdio.h>
-#include <string.h>
-
 static const char truth_ggx[] = "ggx:kd=0.3,0.02,0.1;ks=0.05,0.2,0.4;alpha=0.15;f0=0.3";
 static const char truth_ward[] = "ward:kd=0.3,0.02,0.1;ks=0.05,0.2,0.4;alpha=0.15";
 

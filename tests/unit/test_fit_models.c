@@ -6,10 +6,6 @@
 #include "support/check.h"
 #include "support/fitting.h"
 
-#include <math.h>
-#include <stdio.h>
-#include <string.h>
-
 /* Several lobes of every model that other tests do not cover: wide and narrow, strong and weak Fresnel effect, dark
  * bases. */
 TEST(every_model_gives_itself_back) {

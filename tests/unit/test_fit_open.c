@@ -7,9 +7,6 @@
 #include "fit/open.h"
 #include "support/check.h"
 
-#include <math.h>
-#include <string.h>
-
 static nqm_brdf *open_fit(const char *argument, const nqm_fit_context *context) {
     nqm_error err = {0};
     nqm_brdf *brdf;

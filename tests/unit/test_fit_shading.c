@@ -6,10 +6,6 @@
 #include "support/check.h"
 #include "support/fitting.h"
 
-#include <math.h>
-#include <stdio.h>
-#include <string.h>
-
 static nqm_fit_options few_directions(void) {
     nqm_fit_options options = nqm_fit_options_default();
     options.n_directions = 300;

@@ -7,12 +7,6 @@
 #include "support/allocations.h"
 #include "support/check.h"
 
-#include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-#include <unistd.h>
-
 /* A square pyramid: four base vertices and the apex; the base is a quadrilateral, the sides are triangles. */
 static const float pyramid[5][3] = {{1, 0, 0}, {0, 1, 0}, {-1, 0, 0}, {0, -1, 0}, {0, 0, 0.5F}};
 static const unsigned sides[4][3] = {{0, 1, 4}, {1, 2, 4}, {2, 3, 4}, {3, 0, 4}};

@@ -10,9 +10,6 @@
 #include "material/materialx.h"
 #include "support/check.h"
 
-#include <math.h>
-#include <stdio.h>
-
 /* ---- MaterialX --------------------------------------------------------------------------------------------------- */
 
 /* The default definition of a node, and the one that it inherits from, or NULL. */

@@ -8,10 +8,6 @@
 #include "support/check.h"
 #include "support/temp_file.h"
 
-#include <stdlib.h>
-#include <string.h>
-#include <unistd.h>
-
 static nqm_status read_bytes(const void *data, size_t n, const char *path, nqm_materials **materials, nqm_error *err) {
     unsigned char *copy = malloc(n ? n : 1); /* exactly as long, for sanitizers */
     assert_non_null(copy);

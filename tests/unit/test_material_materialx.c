@@ -8,11 +8,6 @@
 #include "support/allocations.h"
 #include "support/check.h"
 
-#include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <unistd.h>
-
 static nqm_status read_text(const char *text, nqm_materials **materials, nqm_error *err) {
     const nqm_map map = {.data = (const unsigned char *)text, .n_bytes = strlen(text), .path = "test.mtlx"};
     return nqm_materials_read(&map, materials, err);

@@ -9,11 +9,6 @@
 #include "support/allocations.h"
 #include "support/check.h"
 
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-#include <unistd.h>
-
 /* ---- evaluation -------------------------------------------------------------------------------------------------- */
 
 static double texel[4] = {0.25, 0.5, 0.75, 0.4}; /* of every image */

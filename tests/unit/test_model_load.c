@@ -8,9 +8,7 @@
 #include "support/predict.h"
 #include "support/temp_file.h"
 
-#include <math.h>
 #include <nqm/train.h>
-#include <string.h>
 
 enum { N = 20 };
 

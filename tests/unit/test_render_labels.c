@@ -9,9 +9,6 @@
 #include "support/scenes.h"
 #include <nqm/label.h>
 
-#include <math.h>
-#include <stdlib.h>
-
 enum { N_PAIRS = 20 };
 
 static const char *const pair[N_PAIRS][2] = {
