@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""draw.py SEED [TOTAL]: candidates for mutations.py. Each room of src/, tools/ and python/ gets its share of TOTAL (200) mutations by
+"""draw.py SEED [TOTAL]: candidates for mutations.txt. Each room of src/, tools/ and python/ gets its share of TOTAL (200) mutations by
 lines of code; what it lacks is drawn at random, twice as often, so that a person can leave out those that are no fault: lines that only
 decide speed, order or messages. Prints rows of the list without their tests."""
 
@@ -10,7 +10,7 @@ import re
 import sys
 
 sys.path.insert(0, str(pathlib.Path(__file__).parent))
-from mutations import MUTATIONS  # noqa: E402
+from run import MUTATIONS  # noqa: E402
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 SWAPS = [(" < ", " <= "), (" <= ", " < "), (" > ", " >= "), (" >= ", " > "), (" == ", " != "), (" != ", " == "), (" && ", " || "),
@@ -46,7 +46,7 @@ def main(seed, total):
         pool = [(path, line) for path in files if room_of(path) == room for line in texts[path]
                 if texts[path].count(line) == 1 and not re.match(r"\s*(\*|/\*|#|//)", line) and any(changes(line))]
         for path, line in rng.sample(pool, min(len(pool), 2 * max(0, lacks))):
-            print(f"    ({str(path)!r}, {line.strip()!r}, {rng.choice(list(changes(line))).strip()!r}, ''),")
+            print(f"{path}: \n- {line.strip()}\n+ {rng.choice(list(changes(line))).strip()}")
 
 
 if __name__ == "__main__":

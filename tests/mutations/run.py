@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""run.py check: every old text of mutations.py occurs exactly once.
+"""run.py check: every old text of mutations.txt occurs exactly once.
 run.py [NUMBER...]: apply each mutation, or those with these numbers (from 1), to a copy of the sources in build-mutate/, rebuild
 and run the tests that are expected to fail; then all unit tests on those that survived and are not explained. Prints a line for
 each mutation. Ends with 1 unless each survivor is explained, and with 2 when a mutation cannot be applied or compiled."""
@@ -10,13 +10,26 @@ import shutil
 import subprocess
 import sys
 
-sys.path.insert(0, str(pathlib.Path(__file__).parent))
-from mutations import MUTATIONS  # noqa: E402
-
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 WORK = ROOT / "build-mutate"
 SECONDS = 600  # of one test; a mutation may make a loop endless
 LEAST = 200
+
+
+def read_mutations():
+    """The rows of mutations.txt: [file, old text, new text, tests], and the reason if no test can notice it."""
+    rows = []
+    for line in pathlib.Path(__file__).with_name("mutations.txt").read_text().splitlines():
+        if line[:1] in ("-", "+"):
+            rows[-1].insert(-1, line[2:])
+        elif line[:1] == "?":
+            rows[-1].append(line[2:])
+        elif line and line[0] != "#":
+            rows.append(line.split(": "))
+    return rows
+
+
+MUTATIONS = read_mutations()
 
 
 def faults():

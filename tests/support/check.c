@@ -4,12 +4,6 @@
  */
 #include "support/check.h"
 
-#include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-#include <unistd.h>
-
 void check_near(double actual, double expected, double tolerance, const char *what, const char *file, int line) {
     if (fabs(actual - expected) <= tolerance)
         return;

@@ -6,9 +6,6 @@
 #include "support/check.h"
 
 #include <dirent.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <unistd.h>
 
 static char folder[] = "/tmp/nqm-test-XXXXXX";
 

@@ -6,10 +6,6 @@
 #include "fit/fit.h"
 #include "support/check.h"
 
-#include <math.h>
-#include <stdio.h>
-#include <string.h>
-
 nqm_fit_report fit_spec(const char *spec, const char *model, const nqm_fit_options *options) {
     nqm_error err = {0};
     nqm_fit_report report;

@@ -5,10 +5,6 @@
  */
 #include "support/test.h"
 
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-
 enum { MAX_FILES = 64, MAX_TESTS = 128, NAME_SIZE = 64 };
 
 typedef struct test_file {

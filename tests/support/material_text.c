@@ -7,8 +7,6 @@
 #include "support/check.h"
 #include "support/temp_file.h"
 
-#include <unistd.h>
-
 static void write_file(const char *text) {
     FILE *f = fopen(temp_file, "wb");
     assert_non_null(f);

@@ -5,8 +5,6 @@
 #include "support/random_network.h"
 #include "support/check.h"
 
-#include <math.h>
-
 double random_unit(uint64_t *seed) {
     *seed = *seed * 6364136223846793005u + 1442695040888963407u;
     return (double)(*seed >> 11) / 9007199254740992.0;

@@ -7,9 +7,6 @@
 #include "support/random_network.h"
 #include "support/vectors.h"
 
-#include <math.h>
-#include <string.h>
-
 nqm_directions *directions;
 
 void get_recorded(const char *name, size_t n_bytes, void *to) {

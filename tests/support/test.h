@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
  * test.h - tests register themselves: one program a room runs those of all its files (support/main.c). Includes cmocka and the
- * headers that it needs.
+ * headers that it needs, and those of the standard library that most tests need.
  */
 #ifndef NQM_TESTS_TEST_H
 #define NQM_TESTS_TEST_H
@@ -12,7 +12,12 @@
 #include <stdint.h>
 
 #include <cmocka.h>
+#include <math.h>
 #include <stdbool.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
 
 /** A test: TEST(rows_are_added) { ... }. The tests of a file run in the order of the file. */
 #define TEST(name) TEST_WITH(name, NULL, NULL)

@@ -6,8 +6,6 @@
 #include "io/io.h"
 #include "support/check.h"
 
-#include <string.h>
-
 void get_vector(const char *file, const char *name, size_t n_bytes, void *to) {
     nqm_map map;
     nqm_safetensors *st;

@@ -11,13 +11,9 @@
 #include <errno.h>
 #include <fcntl.h>
 #include <locale.h>
-#include <math.h>
 #include <signal.h>
-#include <stdlib.h>
-#include <string.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
-#include <unistd.h>
 
 TEST(test_alloc_refuses_overflow) {
     assert_null(nqm_alloc(SIZE_MAX / 2, 4));

@@ -8,9 +8,6 @@
 #include "support/temp_file.h"
 
 #include <fcntl.h>
-#include <stdlib.h>
-#include <string.h>
-#include <unistd.h>
 
 enum { N_BYTES = 3000001, N_EACH = 8, N_PIECES = 700 };
 

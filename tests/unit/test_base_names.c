@@ -5,8 +5,6 @@
 #include "base/names.h"
 #include "support/check.h"
 
-#include <string.h>
-
 static const char *advice(const char *wanted) {
     static const char *const names[] = {
         "score", "rank", "fail-under", "directions", "ggx", "ward", "the-longest-name-has-forty-characters--!", NULL};

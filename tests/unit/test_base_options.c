@@ -6,10 +6,6 @@
 #include "io/options_json.h"
 #include "support/check.h"
 
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
 typedef struct paint {
     double gloss;
     size_t n_layers;

@@ -9,11 +9,7 @@
 
 #include <signal.h>
 #include <stdatomic.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 #include <sys/wait.h>
-#include <unistd.h>
 
 static char folder[] = "/tmp/nqm-shared-XXXXXX";
 

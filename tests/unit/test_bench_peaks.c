@@ -6,9 +6,6 @@
 #include "bench/bench.h"
 #include "support/check.h"
 
-#include <math.h>
-#include <string.h>
-
 static nqm_bench *tiny(void) {
     nqm_bench_options options = nqm_bench_options_default();
     options.quick = 1;

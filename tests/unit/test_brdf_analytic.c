@@ -8,11 +8,8 @@
 #include "io/io.h"
 #include "math/math.h"
 #include "support/check.h"
+#include "support/rows.h"
 #include <nqm/brdf.h>
-
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
 
 TEST(test_published_formulas) {
     nqm_csv *csv;
@@ -103,29 +100,11 @@ TEST(test_turning) {
 }
 
 TEST(test_facts) {
-    static const struct {
-        const char *spec;
-        int isotropic, reciprocal;
-    } cases[] = {{"ggx:alpha=.1", 1, 1},
-                 {"ggx:alpha=.1,.1", 1, 1},
-                 {X, 0, 1},
-                 {"blinn-phong:ks=1;n=3", 1, 1},
-                 {"sgd:nickel", 1, 1},
-                 {"gltf:roughness=.3", 1, 0},
-                 {"rotate:deg=30;of=sgd:nickel", 1, 1},
-                 {"rotate:deg=30;of=" X, 0, 1},
-                 {"tilt:deg=0;of=sgd:nickel", 1, 1},
-                 {"tilt:deg=1;of=sgd:nickel", 0, 0},
-                 {"perturb:gloss=.8;of=sgd:nickel", 1, 1},
-                 {"perturb:gloss=.8;of=" X, 0, 1},
-                 {"between:t=.5;with=(sgd:nickel);of=abc:nickel", 1, 1},
-                 {"between:t=.5;with=(" X ");of=abc:nickel", 0, 1},
-                 {"between:t=.5;with=(sgd:nickel);of=tilt:deg=3;of=abc:nickel", 0, 0}};
-    for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
-        nqm_brdf *brdf = must_open(cases[i].spec);
-        assert_int_equal(nqm_brdf_get_info(brdf).isotropic, cases[i].isotropic);
-        assert_int_equal(nqm_brdf_get_info(brdf).reciprocal, cases[i].reciprocal);
-        assert_true((nqm_brdf_anisotropy(brdf) > 0) == !cases[i].isotropic);
+    EVERY_ROW(row, "isotropic or reciprocal") {
+        nqm_brdf *brdf = must_open(row[0]);
+        assert_int_equal(nqm_brdf_get_info(brdf).isotropic, atoi(row[1]));
+        assert_int_equal(nqm_brdf_get_info(brdf).reciprocal, atoi(row[2]));
+        assert_true((nqm_brdf_anisotropy(brdf) > 0) == !atoi(row[1]));
         nqm_brdf_free(brdf);
     }
 }
@@ -235,24 +214,15 @@ TEST(test_sgd_presets_are_the_measurements) {
 TEST(test_presets_have_the_colours) {
     if (!shared_data("nps/nps_decoder_f32le.bin"))
         skip();
-    static const char *const tables[] = {"ward",
-                                         "ward-duer",
-                                         "blinn-phong",
-                                         "lafortune",
-                                         "cook-torrance",
-                                         "ashikhmin-shirley",
-                                         "low-cook-torrance",
-                                         "low-cook-torrance-e1",
-                                         "abc",
-                                         "smooth",
-                                         "low-ashikhmin-shirley"};
     static const char *const matte[] = {"pink-felt", "pvc", "gray-plastic"};
     static double hd[3 * N_PAIRS];
     draw_off_specular(hd);
-    for (size_t i = 0; i < 3 * (sizeof tables / sizeof *tables); ++i) {
+    size_t n;
+    const table_row *tables = table_rows("tables of presets", &n);
+    for (size_t i = 0; i < 3 * n; ++i) {
         char preset[100];
         double ratio[3];
-        snprintf(preset, sizeof preset, "%s:%s", tables[i / 3], matte[i % 3]);
+        snprintf(preset, sizeof preset, "%s:%s", tables[i / 3][0], matte[i % 3]);
         compare_with_nps(preset, hd, ratio);
         print_message("%-30s ratio %.3f %.3f %.3f\n", preset, ratio[0], ratio[1], ratio[2]);
         assert_near(ratio[0], 1, 0.25);

@@ -7,10 +7,7 @@
 #include "support/allocations.h"
 #include "support/brdf_files.h"
 #include "support/check.h"
-
-#include <math.h>
-#include <stdio.h>
-#include <string.h>
+#include "support/rows.h"
 
 static const char metal[] = "ggx:ks=1;alpha=.1;f0=.9,.7,.4", matte[] = "lambert:kd=.5,.1,0";
 static const double places[][3] = {{0, 0, 0}, {0.01, 0.2, 0.3}, {0.2, 0.5, 1.5}, {0.6, 0.3, 2}, {0.1, 1.3, 1.6}};
@@ -64,27 +61,15 @@ TEST(orders_are_kept) {
 }
 
 TEST(specs_open_again) {
-    static const struct {
-        const char *text, *canonical;
-    } cases[] = {
-        {"between:t=.5;with=(lambert:kd=.1);of=sgd:nickel", NULL},
-        {"between:log=1;t=.5;with=(lambert:kd=.1);of=lambert:kd=.2",
-         "between:t=0.5;log=1;with=(lambert:kd=0.1);of=lambert:kd=0.2"},
-        {"between:t=.25;with=(between:t=.5;with=(lambert:kd=.1);of=lambert:kd=.2);of=perturb:scale=2;of=lambert:kd=.3",
-         "between:t=0.25;with=(between:t=0.5;with=(lambert:kd=0.1);of=lambert:kd=0.2);of=perturb:scale=2;of=lambert:kd="
-         "0.3"},
-        {"perturb:scale=2;of=between:t=.5;with=(lambert:kd=.1);of=lambert:kd=.2",
-         "perturb:scale=2;of=between:t=0.5;with=(lambert:kd=0.1);of=lambert:kd=0.2"},
-    };
-    for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
-        nqm_brdf *brdf = must_open(cases[i].text);
+    EVERY_ROW(row, "specs of between:") {
+        nqm_brdf *brdf = must_open(row[0]);
         nqm_brdf_info info = nqm_brdf_get_info(brdf);
         double once[3 * N_PLACES], again[3 * N_PLACES];
-        assert_string_equal(info.name, cases[i].text);
+        assert_string_equal(info.name, row[0]);
         assert_int_equal(info.reciprocal, 1);
-        if (cases[i].canonical)
-            assert_string_equal(info.spec, cases[i].canonical);
-        values_of(cases[i].text, once);
+        if (row[1])
+            assert_string_equal(info.spec, row[1]);
+        values_of(row[0], once);
         values_of(info.spec, again);
         assert_memory_equal(once, again, sizeof once);
         nqm_brdf_free(brdf);
@@ -92,30 +77,13 @@ TEST(specs_open_again) {
 }
 
 TEST(mistakes_are_named) {
-    static const struct {
-        const char *spec, *word;
-        nqm_status status;
-    } cases[] = {
-        {"between:t=.5;of=lambert:kd=.1", "with=(BRDF)", NQM_ERR_ARG},
-        {"between:t=.5;with=lambert:kd=.1;of=lambert:kd=.1", "with=(BRDF)", NQM_ERR_ARG},
-        {"between:t=.5;with=(lambert:kd=.1;of=lambert:kd=.1", "with=(BRDF)", NQM_ERR_ARG},
-        {"between:t=.5;with=(lambert:kd=.1)", "with=(BRDF)", NQM_ERR_ARG},
-        {"between:log=1;with=(lambert:kd=.1);of=lambert:kd=.1", "t is missing", NQM_ERR_ARG},
-        {"between:t=1.5;with=(lambert:kd=.1);of=lambert:kd=.1", "from 0 to 1", NQM_ERR_ARG},
-        {"between:t=.5;log=.5;with=(lambert:kd=.1);of=lambert:kd=.1", "whole", NQM_ERR_ARG},
-        {"between:t=.5;with=(lambert:kd=x);of=lambert:kd=.1", "kd", NQM_ERR_ARG},
-        {"between:t=.5;with=(lambert:kd=.1);of=/nowhere/x", "/nowhere/x", NQM_ERR_IO},
-        {"between:t=.5;with=(/nowhere/y);of=lambert:kd=.1", "/nowhere/y", NQM_ERR_IO},
-        {"between:t=.5;with=(perturb:scale=2;of=perturb:scale=2;of=sgd:nickel);of=perturb:scale=2;of=lambert:kd=.1",
-         "at most 3", NQM_ERR_LIMIT},
-    };
-    for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
+    EVERY_ROW(row, "mistakes of between:") {
         nqm_brdf *brdf;
         nqm_error err = {0};
-        assert_int_equal(nqm_brdf_open(cases[i].spec, &brdf, &err), cases[i].status);
+        assert_int_equal(nqm_brdf_open(row[0], &brdf, &err), status_of(row[2]));
         assert_null(brdf);
-        if (!strstr(err.message, cases[i].word))
-            fail_msg("%s: %s", cases[i].spec, err.message);
+        if (!strstr(err.message, row[1]))
+            fail_msg("%s: %s", row[0], err.message);
     }
 }
 

@@ -9,8 +9,6 @@
 #include "support/temp_file.h"
 #include "support/test.h"
 
-#include <math.h>
-
 TEST(values_are_those_of_the_formulas) {
     check_shading_vectors("shading_blender.csv", 160, 1e-9, 1e-15);
 }

@@ -8,9 +8,6 @@
 #include "math/math.h"
 #include "support/check.h"
 
-#include <math.h>
-#include <string.h>
-
 static void albedo_of(const char *spec, double theta_deg, uint64_t seed, double *rgb) {
     nqm_brdf *brdf = must_open(spec);
     nqm_brdf_albedo(brdf, theta_deg * NQM_PI / 180, seed, rgb);

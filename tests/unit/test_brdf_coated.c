@@ -5,8 +5,6 @@
 #include "support/check.h"
 #include "support/temp_file.h"
 
-#include <math.h>
-
 TEST(values_are_means_of_random_walks) {
     nqm_csv *csv;
     double largest = 0;

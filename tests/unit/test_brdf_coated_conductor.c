@@ -6,9 +6,6 @@
 #include "support/check.h"
 #include "support/temp_file.h"
 
-#include <math.h>
-#include <stdlib.h>
-
 #define METAL "conductor.eta=.2,.9,1.5;conductor.k=3.9,2.4,1.2;"
 
 static void eval_spec(const char *spec, const double *wi, const double *wo, double *rgb) {

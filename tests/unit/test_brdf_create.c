@@ -9,11 +9,9 @@
 #include "support/check.h"
 #include "support/tiny_model.h"
 
-#include <math.h>
 #include <nqm/metric.h>
 #include <pthread.h>
 #include <stdatomic.h>
-#include <string.h>
 
 enum { H = 9, D = 7, P = 6, N = H * D * P };
 

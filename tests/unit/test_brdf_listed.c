@@ -8,12 +8,8 @@
 #include "support/brdf_files.h"
 #include "support/check.h"
 
-#include <math.h>
 #include <nqm/brdf.h>
 #include <stdarg.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 
 static const double degree = 3.14159265358979323846 / 180;
 static const char header[] = "theta_h,theta_d,phi_d,r,g,b\n";

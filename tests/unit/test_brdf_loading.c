@@ -8,14 +8,12 @@
 #include "brdf/brdf.h"
 #include "support/brdf_files.h"
 #include "support/check.h"
+#include "support/rows.h"
 
 #include <fcntl.h>
 #include <nqm/samples.h>
-#include <stdlib.h>
-#include <string.h>
 #include <sys/mman.h>
 #include <sys/resource.h>
-#include <unistd.h>
 
 static const double degree = 3.14159265358979323846 / 180;
 
@@ -147,16 +145,9 @@ TEST(reads_tensors_at_any_byte) {
 /* ---- names in lists ---------------------------------------------------------------------------------------------- */
 
 TEST(relative_paths_start_at_the_root) {
-    static const struct {
-        const char *name, *root, *path;
-    } cases[] = {{"a/b.binary", "data", "data/a/b.binary"},
-                 {"/a.binary", "data", "/a.binary"},
-                 {"sgd:nickel", "data", "sgd:nickel"},
-                 {"archive.zip:steel", "data", "data/archive.zip:steel"},
-                 {"a.binary", "", "a.binary"}};
-    for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
-        char *path = nqm_brdf_path_below(cases[i].name, cases[i].root, strlen(cases[i].root));
-        assert_string_equal(path, cases[i].path);
+    EVERY_ROW(row, "paths below a root") {
+        char *path = nqm_brdf_path_below(row[0], row[1], strlen(row[1]));
+        assert_string_equal(path, row[2]);
         nqm_free(path);
     }
     const char *merl = merl_path(), *slash = strrchr(merl, '/');

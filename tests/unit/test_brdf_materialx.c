@@ -5,11 +5,10 @@
  */
 #include "io/io.h"
 #include "math/math.h"
+#include "support/rows.h"
 #include "support/shading.h"
 #include "support/test.h"
 #include <nqm/brdf.h>
-
-#include <math.h>
 
 TEST(test_node_graphs) {
     check_shading_vectors("shading_materialx.csv", 940, 1e-9, 1e-13);
@@ -33,27 +32,12 @@ static double albedo_of(const nqm_brdf *brdf, double theta_o) {
 
 /* No light is made, within the error of the fits of directional albedos and of Schlick's factor in them. */
 TEST(test_energy) {
-    static const char *const specs[] = {
-        "open-pbr:base_color=1;specular_roughness=.4",
-        "open-pbr:base_color=1;specular_roughness=1;base_diffuse_roughness=1",
-        "open-pbr:base_color=1;base_metalness=1;specular_roughness=.5",
-        "open-pbr:base_color=1;base_metalness=1;specular_roughness=1",
-        "open-pbr:base_color=1;coat_weight=1;coat_roughness=.4",
-        "open-pbr:base_color=1;fuzz_weight=1;fuzz_roughness=.7",
-        "standard-surface:base_color=1;specular_roughness=.4",
-        "standard-surface:base_color=1;metalness=1;specular_roughness=.8",
-        "standard-surface:base_color=1;sheen=1;coat=1;coat_roughness=.4",
-        "disney:baseColor=1;specular=1;clearcoat=1;clearcoatGloss=.5",
-        "usd-preview:diffuseColor=1;clearcoat=1;clearcoatRoughness=.4",
-        "usd-preview:diffuseColor=1;metallic=1",
-        "usd-preview:diffuseColor=1;useSpecularWorkflow=1;specularColor=.5,.3,.2",
-    };
-    for (size_t i = 0; i < sizeof specs / sizeof *specs; ++i) {
-        nqm_brdf *brdf = must_open(specs[i]);
+    EVERY_ROW(row, "surfaces without too much light") {
+        nqm_brdf *brdf = must_open(row[0]);
         for (double theta = 0.1; theta < 1.4; theta += 0.3) {
             const double albedo = albedo_of(brdf, theta);
             if (!(albedo < 1.04))
-                fail_msg("%s: albedo %g at %g rad", specs[i], albedo, theta);
+                fail_msg("%s: albedo %g at %g rad", row[0], albedo, theta);
         }
         nqm_brdf_free(brdf);
     }
@@ -71,39 +55,14 @@ TEST(test_lambert) {
 
 /* Keys of anisotropy: those that are 0 or equal are isotropic; values outside of their range are refused. */
 TEST(test_anisotropy) {
-    static const struct {
-        const char *spec;
-        int isotropic;
-    } specs[] = {{"open-pbr:specular_roughness_anisotropy=0", 1},
-                 {"open-pbr:coat_roughness_anisotropy=1", 0},
-                 {"standard-surface:coat_anisotropy=1;coat=1", 0},
-                 {"gltf:anisotropy_strength=.1", 0},
-                 {"disney:anisotropic=.1", 0},
-                 {"principled:anisotropic=1", 0},
-                 {"rough-conductor:alpha=.2,.2", 1},
-                 {"rough-conductor:alpha=.2,.3", 0},
-                 {"pbrt-conductor:roughness=.2,.3;eta=1;k=2", 0}};
-    static const char *const faulty[] = {"open-pbr:specular_roughness_anisotropy=1.1",
-                                         "open-pbr:coat_roughness_anisotropy=nan",
-                                         "standard-surface:specular_rotation=inf",
-                                         "standard-surface:coat_anisotropy=-.1",
-                                         "gltf:anisotropy_strength=2",
-                                         "gltf:anisotropy_rotation=1e9",
-                                         "disney:anisotropic=.1,.2",
-                                         "usd-preview:anisotropic=.1",
-                                         "principled:anisotropic=x",
-                                         "rough-conductor:alpha=.1,3",
-                                         "rough-conductor:alpha=.1,.2,.3",
-                                         "rough-plastic:alpha=.1,.2",
-                                         "pbrt-conductor:roughness=.2,0;eta=1;k=2"};
-    for (size_t i = 0; i < sizeof specs / sizeof *specs; ++i) {
-        nqm_brdf *brdf = must_open(specs[i].spec);
-        assert_int_equal(nqm_brdf_get_info(brdf).isotropic, specs[i].isotropic);
+    EVERY_ROW(row, "specs with keys of anisotropy") {
+        nqm_brdf *brdf = must_open(row[0]);
+        assert_int_equal(nqm_brdf_get_info(brdf).isotropic, atoi(row[1]));
         nqm_brdf_free(brdf);
     }
-    for (size_t i = 0; i < sizeof faulty / sizeof *faulty; ++i) {
+    EVERY_ROW(row, "faulty keys of anisotropy") {
         nqm_brdf *brdf;
-        assert_int_equal(nqm_brdf_open(faulty[i], &brdf, NULL), NQM_ERR_ARG);
+        assert_int_equal(nqm_brdf_open(row[0], &brdf, NULL), NQM_ERR_ARG);
     }
 }
 

@@ -7,11 +7,7 @@
 #include "support/brdf_files.h"
 #include "support/check.h"
 
-#include <math.h>
 #include <nqm/brdf.h>
-#include <stdio.h>
-#include <string.h>
-#include <unistd.h>
 
 static const double pi = 3.14159265358979323846;
 static const double scale[3] = {1 / 1500.0, 1.15 / 1500, 1.66 / 1500};

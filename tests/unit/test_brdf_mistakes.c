@@ -8,9 +8,6 @@
 #include "brdf/core/spec.h"
 #include "support/check.h"
 
-#include <math.h>
-#include <string.h>
-
 enum { N = 40 };
 
 #define GLTF_LAYERS                                                                                                    \

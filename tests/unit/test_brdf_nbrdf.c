@@ -8,11 +8,7 @@
 #include "support/check.h"
 #include "support/vectors.h"
 
-#include <math.h>
 #include <nqm/brdf.h>
-#include <stdio.h>
-#include <string.h>
-#include <unistd.h>
 
 enum { N_PAIRS = VECTOR_PAIRS };
 

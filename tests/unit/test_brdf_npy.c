@@ -9,10 +9,7 @@
 #include "support/check.h"
 #include "support/vectors.h"
 
-#include <math.h>
 #include <nqm/brdf.h>
-#include <stdio.h>
-#include <string.h>
 
 enum { N_POINTS = 20 };
 

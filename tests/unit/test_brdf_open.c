@@ -7,12 +7,8 @@
 #include "support/brdf_files.h"
 #include "support/check.h"
 
-#include <math.h>
 #include <nqm/brdf.h>
-#include <stdio.h>
-#include <string.h>
 #include <sys/stat.h>
-#include <unistd.h>
 
 static const double pi = 3.14159265358979323846;
 

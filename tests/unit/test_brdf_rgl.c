@@ -10,10 +10,7 @@
 #include "support/check.h"
 #include "support/vectors.h"
 
-#include <math.h>
 #include <nqm/brdf.h>
-#include <stdio.h>
-#include <string.h>
 
 enum { N_PAIRS = VECTOR_PAIRS };
 

@@ -8,11 +8,7 @@
 #include "support/check.h"
 
 #include <dirent.h>
-#include <math.h>
 #include <nqm/brdf.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 
 static const double pi = 3.14159265358979323846;
 

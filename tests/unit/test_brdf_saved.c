@@ -8,9 +8,7 @@
 #include "support/brdf_files.h"
 #include "support/check.h"
 
-#include <math.h>
 #include <nqm/brdf.h>
-#include <string.h>
 
 /* Compare values and flags at many directions. */
 static void assert_same(const nqm_brdf *a, const nqm_brdf *b) {

@@ -7,8 +7,6 @@
 #include "support/check.h"
 #include "support/shading.h"
 
-#include <math.h>
-
 TEST(gltf_is_its_specification) {
     check_shading_vectors("shading_gltf.csv", 632, 1e-9, 1e-15);
 }

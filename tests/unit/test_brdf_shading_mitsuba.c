@@ -3,6 +3,7 @@
  * The shading models of Mitsuba 3 and pbrt-v4 against their formulas in 80-bit floats (tests/vectors/shading_*.py), and the
  * properties that the formulas promise.
  */
+#include "support/rows.h"
 #include "support/shading.h"
 
 TEST(conductors_have_the_documented_values) {
@@ -29,17 +30,9 @@ TEST(principled_without_a_main_lobe) {
 }
 
 TEST(nothing_reflects_more_than_it_receives) {
-    static const char *const specs[] = {"rough-conductor:alpha=.3",
-                                        "rough-conductor:alpha=.3;distribution=1",
-                                        "rough-conductor:alpha=.8",
-                                        "rough-conductor:alpha=1;distribution=1;eta=.1;k=9",
-                                        "pbrt-conductor:roughness=.3;eta=.1;k=9",
-                                        "principled:base_color=1;metallic=1",
-                                        "rough-plastic:diffuse_reflectance=1;alpha=.2",
-                                        "rough-plastic:diffuse_reflectance=1;alpha=.5;distribution=1;eta=2"};
-    for (size_t i = 0; i < sizeof specs / sizeof *specs; ++i) {
+    EVERY_ROW(row, "surfaces of Mitsuba and pbrt") {
         for (double theta = 0; theta < 1.5; theta += 0.35) {
-            const double a = shading_albedo(specs[i], theta);
+            const double a = shading_albedo(row[0], theta);
             assert_true(a <= 1.001 && a > 0.2);
         }
     }

@@ -6,9 +6,9 @@
 #include "brdf/brdf.h"
 #include "math/math.h"
 #include "support/check.h"
+#include "support/rows.h"
 
 #include <locale.h>
-#include <string.h>
 
 static void assert_spec(const char *text, const char *canonical) {
     nqm_brdf *brdf = must_open(text);
@@ -33,63 +33,16 @@ TEST(test_defaults_and_single_values) {
 
 /* Every invalid spec gives NQM_ERR_ARG and a message that contains these words. */
 TEST(test_mistakes) {
-    static const struct {
-        const char *spec, *words[2];
-    } mistakes[] = {
-        {"ggx:alpha=.1;roughness=.2", {"'roughness'", "kd, ks, alpha, f0"}},
-        {"ggx:alpha=.1;alpha=.2", {"alpha", "twice"}},
-        {"ggx:kd=.1", {"alpha", "missing"}},
-        {"ggx:alpha=0", {"alpha", "from 0.0001 to 10"}},
-        {"ggx:alpha=11", {"alpha", "'11'"}},
-        {"ggx:alpha=.1,.2,.3", {"alpha", "one number or two"}},
-        {"ggx:alpha=.1,0", {"alpha", "'.1,0'"}},
-        {"ggx:alpha=.1,", {"alpha", "'.1,'"}},
-        {"blinn-phong:ks=1;n=1,2", {"n needs one number from", "'1,2'"}},
-        {"rotate:deg=30", {"rotate", "of="}},
-        {"rotate:of=lambert:kd=.1", {"rotate", "deg"}},
-        {"rotate:deg=361;of=lambert:kd=.1", {"deg", "from -360 to 360"}},
-        {"tilt:deg=61;of=lambert:kd=.1", {"deg", "from 0 to 60"}},
-        {"tilt:azimuth=5;of=lambert:kd=.1", {"deg", "missing"}},
-        {"ggx:alpha=.1;kd=.1,.2", {"kd", "three"}},
-        {"ggx:alpha=.1;kd=.1,.2,.3,.4", {"kd", "three"}},
-        {"ggx:alpha=.1;kd=-.1", {"kd", "from 0 to 10"}},
-        {"ggx:alpha=nan", {"alpha", "'nan'"}},
-        {"ggx:alpha=1e999", {"alpha", "'1e999'"}},
-        {"ggx:alpha=", {"alpha", "''"}},
-        {"ggx:alpha=.1x", {"alpha", "'.1x'"}},
-        {"ggx:alpha=.1;kd", {"key=value", "'kd'"}},
-        {"ggx:alpha=.1;;kd=.1", {"key=value", "''"}},
-        {"ggx:alp=.1", {"'alp'", "keys"}},
-        {"lambert:", {"lambert", "parameters"}},
-        {"lambert:grey", {"lambert", "'grey'"}},
-        {"sgd:nickle", {"'nickle'", "sgd:nickel"}},
-        {"sgd:Nickel", {"'Nickel'", "sgd:nickel"}},
-        {"sgd:nicke", {"'nicke'", "sgd:nickel"}},
-        {"sgd:nickel2", {"'nickel2'", "sgd:nickel"}},
-        {"sgd:", {"''", "list"}},
-        {"low-cook-torrance-e1:kd=.1", {"low-cook-torrance-e1", "low-cook-torrance: does"}},
-        {"low-cook-torrance:x", {"'x'", "list"}},
-        {"lafortune:ks=1;cz=1;n=3;cxy=1", {"cxy", "from -10 to -0.01"}},
-        {"ward:acrylic_blue", {"'acrylic_blue'", "ward:blue-acrylic"}},
-        {"ward:white-marble", {"'white-marble'", "ward:white-"}},
-        {"sgd:kd=1", {"ks", "missing"}},
-        {"perturb:scale=2", {"perturb", "of="}},
-        {"perturb:of=lambert:kd=.1", {"perturb", "nothing is changed"}},
-        {"perturb:seed=3;of=lambert:kd=.1", {"perturb", "nothing is changed"}},
-        {"perturb:seed=1.5;noise=1;of=lambert:kd=.1", {"seed", "whole"}},
-        {"perturb:scale=2;of=lambert:kd=x", {"lambert", "kd"}},
-        {"perturb:scale=2;scale=2;of=lambert:kd=1", {"scale", "twice"}},
-    };
-    for (size_t i = 0; i < sizeof mistakes / sizeof *mistakes; ++i) {
+    EVERY_ROW(row, "mistakes of specs") {
         nqm_brdf *brdf = (nqm_brdf *)&brdf;
         nqm_error err = {0};
-        nqm_status status = nqm_brdf_open(mistakes[i].spec, &brdf, &err);
+        nqm_status status = nqm_brdf_open(row[0], &brdf, &err);
         if (status != NQM_ERR_ARG || err.status != NQM_ERR_ARG || brdf)
-            fail_msg("%s: status %d", mistakes[i].spec, status);
+            fail_msg("%s: status %d", row[0], status);
         for (int w = 0; w < 2; ++w)
-            if (!strstr(err.message, mistakes[i].words[w]))
-                fail_msg("%s: no \"%s\" in: %s", mistakes[i].spec, mistakes[i].words[w], err.message);
-        assert_int_equal(nqm_brdf_open(mistakes[i].spec, &brdf, NULL), NQM_ERR_ARG);
+            if (!strstr(err.message, row[1 + w]))
+                fail_msg("%s: no \"%s\" in: %s", row[0], row[1 + w], err.message);
+        assert_int_equal(nqm_brdf_open(row[0], &brdf, NULL), NQM_ERR_ARG);
     }
 }
 
@@ -211,52 +164,17 @@ TEST(test_published_numbers) {
 
 /* Strings composed of pieces of specs: each opens and can be evaluated, or is refused with a message. */
 TEST(test_random_texts) {
-    static const char *const pieces[] = {"ggx:",
-                                         "ward:",
-                                         "lambert:",
-                                         "sgd:",
-                                         "perturb:",
-                                         "lafortune:",
-                                         "tilt:",
-                                         "rotate:",
-                                         "deg=5;",
-                                         "alpha=.1,.2;",
-                                         "cook-torrance:",
-                                         "abc:",
-                                         "smooth:",
-                                         "kd=.1;",
-                                         "ks=1;",
-                                         "alpha=.1;",
-                                         "n=20;",
-                                         "cz=1;",
-                                         "B=30;C=1;",
-                                         "eta=1.5;",
-                                         "f0=1;",
-                                         "noise=.2;",
-                                         "cells=2;",
-                                         "smooth=1;",
-                                         "of=lambert:kd=.1",
-                                         "of=",
-                                         "kd=",
-                                         ";",
-                                         ",",
-                                         ".5",
-                                         "-1",
-                                         "1e400",
-                                         "0x1p-3",
-                                         "inf",
-                                         "=",
-                                         "nickel"};
+    size_t n_pieces;
+    const table_row *pieces = table_rows("pieces of specs", &n_pieces);
     const uint64_t seed = 23;
     print_message("seed %d\n", (int)seed);
     nqm_rng rng = nqm_rng_make(seed, 0);
     size_t n_opened = 0;
     for (int i = 0; i < 20000; ++i) {
         char text[256];
-        size_t used = (size_t)snprintf(text, sizeof text, "%s", pieces[nqm_rng_below(&rng, 8)]);
+        size_t used = (size_t)snprintf(text, sizeof text, "%s", pieces[nqm_rng_below(&rng, 8)][0]);
         for (uint64_t n = 1 + nqm_rng_below(&rng, 4); n > 0; --n)
-            used += (size_t)snprintf(text + used, sizeof text - used, "%s",
-                                     pieces[nqm_rng_below(&rng, sizeof pieces / sizeof *pieces)]);
+            used += (size_t)snprintf(text + used, sizeof text - used, "%s", pieces[nqm_rng_below(&rng, n_pieces)][0]);
         nqm_brdf *brdf;
         nqm_error err = {0};
         nqm_status status = nqm_brdf_open(text, &brdf, &err);

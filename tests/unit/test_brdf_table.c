@@ -7,9 +7,7 @@
 #include "support/brdf_files.h"
 #include "support/check.h"
 
-#include <math.h>
 #include <nqm/brdf.h>
-#include <string.h>
 
 enum { H = 9, D = 7, P = 6, N = H * D * P };
 

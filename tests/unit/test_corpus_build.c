@@ -14,9 +14,6 @@
 #include <dirent.h>
 #include <jansson.h>
 #include <nqm/train.h>
-#include <stdio.h>
-#include <string.h>
-#include <unistd.h>
 
 #define REF "ggx:kd=0.2;alpha=0.2"
 

@@ -6,10 +6,6 @@
 #include "support/check.h"
 #include "support/corpus_files.h"
 
-#include <math.h>
-#include <stdio.h>
-#include <string.h>
-
 /* ---- lists ------------------------------------------------------------------------------------------------------- */
 
 static const nqm_corpus_pair pairs[] = {

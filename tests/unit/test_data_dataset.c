@@ -7,11 +7,6 @@
 #include "support/check.h"
 #include "support/toy_dataset.h"
 
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-#include <unistd.h>
-
 static const char path[] = "test_train_dataset.safetensors";
 
 static nqm_dataset *toy;

@@ -8,10 +8,7 @@
 #include "math/math.h"
 #include "support/check.h"
 #include "support/corpus_files.h"
-
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
+#include "support/rows.h"
 
 enum { N_DIRECTIONS = 40, N_RESAMPLES = 200 };
 
@@ -242,40 +239,12 @@ TEST(choices_are_judged) {
 /* ---- errors ------------------------------------------------------------------------------------------------------ */
 
 TEST(faults_name_file_and_row) {
-    static const struct {
-        const char *text;
-        nqm_status status;
-        const char *says;
-    } bad[] = {
-        {"reference,score\nlambert:kd=.2,3\n", NQM_ERR_FORMAT, "no column test"},
-        {"test,score\nlambert:kd=.2,3\n", NQM_ERR_FORMAT, "no column reference"},
-        {"reference,test\nlambert:kd=.2,lambert:kd=.3\n", NQM_ERR_FORMAT, "none of the columns"},
-        {"reference,test,score,jod\nlambert:kd=.2,lambert:kd=.3,3,3\n", NQM_ERR_FORMAT, "several of the columns"},
-        {"reference,test,score\n", NQM_ERR_FORMAT, "no rows"},
-        {"reference,test,score\nlambert:kd=.2,lambert:kd=.3,3\nlambert:kd=.2,lambert:kd=.3,good\n", NQM_ERR_FORMAT,
-         "line 3"},
-        {"reference,test,score\nlambert:kd=.2,lambert:kd=.3,3\nlambert:kd=.2,lambert:kd=-1,2\n", NQM_ERR_ARG, "row 2"},
-        {"reference,test,score\nlambert:kd=.2,nowhere.binary,3\n", NQM_ERR_IO, "row 1: nowhere.binary"},
-        {"reference,test,score\nnowhere.binary,lambert:kd=.2,3\n", NQM_ERR_IO, "row 1: nowhere.binary"},
-        {"reference,test,score,material\nlambert:kd=.2,lambert:kd=.3,3,a\nlambert:kd=.2,lambert:kd=.4,3,b\n",
-         NQM_ERR_INCOMPATIBLE, "row 2"},
-        {"reference,test_a,choice\nlambert:kd=.2,lambert:kd=.3,a\n", NQM_ERR_FORMAT, "no column test_b"},
-        {"reference,test_a,test_b\nlambert:kd=.2,lambert:kd=.3,lambert:kd=.4\n", NQM_ERR_FORMAT, "n_a and n_b"},
-        {"reference,test_a,test_b,choice,n_a,n_b\nlambert:kd=.2,lambert:kd=.3,lambert:kd=.4,a,1,0\n", NQM_ERR_FORMAT,
-         "either"},
-        {"reference,test_a,test_b,choice\nlambert:kd=.2,lambert:kd=.3,lambert:kd=.4,c\n", NQM_ERR_FORMAT, "row 1"},
-        {"reference,test_a,test_b,choice\nlambert:kd=.2,lambert:kd=.3,lambert:kd=.3,a\n", NQM_ERR_FORMAT, "the same"},
-        {"reference,test_a,test_b,n_a,n_b\nlambert:kd=.2,lambert:kd=.3,lambert:kd=.4,1.5,0\n", NQM_ERR_FORMAT, "row 1"},
-        {"reference,test_a,test_b,n_a,n_b\nlambert:kd=.2,lambert:kd=.3,lambert:kd=.4,0,0\n", NQM_ERR_INCOMPATIBLE,
-         "nobody"},
-    };
-    for (size_t i = 0; i < sizeof bad / sizeof *bad; ++i) {
+    EVERY_ROW(row, "faulty answers") {
         nqm_human *human = (nqm_human *)&human;
         nqm_error err = {0};
-        nqm_status status = load(bad[i].text, &human, &err);
-        if (status != bad[i].status || human || !strstr(err.message, bad[i].says) ||
-            !strstr(err.message, "answers.csv"))
-            fail_msg("case %zu: status %d, '%s'", i, status, err.message);
+        nqm_status status = load(row[0], &human, &err);
+        if (status != status_of(row[1]) || human || !strstr(err.message, row[2]) || !strstr(err.message, "answers.csv"))
+            fail_msg("%s: status %d, '%s'", row[0], status, err.message);
     }
     nqm_human *human;
     assert_int_equal(nqm_human_load(in_folder("nowhere.csv"), NULL, &human, NULL), NQM_ERR_IO);

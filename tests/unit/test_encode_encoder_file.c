@@ -8,9 +8,6 @@
 #include "support/encoder_files.h"
 #include "support/temp_file.h"
 
-#include <math.h>
-#include <string.h>
-
 static void write_file(const float *values) {
     const nqm_tensor tensor = {
         .name = "atoms", .dtype = NQM_F32, .n_dims = 2, .dims = {2, 3}, .n_bytes = 6 * sizeof *values, .data = values};

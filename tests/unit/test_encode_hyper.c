@@ -6,10 +6,8 @@
 #include "brdf/brdf.h"
 #include "support/check.h"
 
-#include <math.h>
 #include <nqm/fit.h>
 #include <omp.h>
-#include <string.h>
 
 /* ---- encoding ---------------------------------------------------------------------------------------------------- */
 

@@ -9,9 +9,6 @@
 #include "support/encoder_files.h"
 #include "support/temp_file.h"
 
-#include <math.h>
-#include <string.h>
-
 enum { N_SAMPLES = 5, N_OUT = 4, N_INPUT = N_SAMPLES * NQM_HYPER_FEATURES, WIDEST = 13 };
 static const nqm_hyper_shape small = {{7, 6, 5, 6, 5, N_OUT}};
 static const nqm_hyper_shape narrow = {{2, 2, 2, 2, 2, NQM_NBRDF_WEIGHTS}};

@@ -7,9 +7,7 @@
 #include "math/math.h"
 #include "support/check.h"
 
-#include <math.h>
 #include <nqm/fit.h>
-#include <string.h>
 
 static nqm_fit_report fit(const nqm_brdf *ref, size_t n_directions, uint64_t seed, nqm_brdf **brdf_ret) {
     nqm_fit_options options = nqm_fit_options_default();

@@ -7,9 +7,6 @@
 #include "math/math.h"
 #include "support/check.h"
 
-#include <math.h>
-#include <string.h>
-
 enum { N = 150 }; /* two blocks and a partial third block */
 
 typedef struct problem {

@@ -11,9 +11,7 @@
 #include "support/encoder_files.h"
 #include "support/temp_file.h"
 
-#include <math.h>
 #include <nqm/fit.h>
-#include <string.h>
 
 enum { CELLS = NQM_SPARSE_CELLS, CORE = NQM_SPARSE_CORE };
 

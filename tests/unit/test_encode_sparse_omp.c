@@ -7,8 +7,6 @@
 #include "support/check.h"
 #include "support/vectors.h"
 
-#include <math.h>
-
 enum { BLOCKS = 2, ATOMS = 14, LENGTH = 9, OMP_CHOSEN = 7 };
 
 static double omp_atoms[ATOMS * LENGTH], omp_signals[BLOCKS * LENGTH], omp_coefficient[OMP_CHOSEN],

@@ -7,10 +7,7 @@
 #include "support/brdf_files.h"
 #include "support/check.h"
 
-#include <math.h>
 #include <png.h>
-#include <stdlib.h>
-#include <string.h>
 
 enum { WIDTH = 38, HEIGHT = 22 };
 

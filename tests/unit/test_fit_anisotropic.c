@@ -5,10 +5,6 @@
 #include "fit/fit.h"
 #include "support/check.h"
 
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
 static nqm_fit_report fit(const char *ref_spec, const char *model) {
     nqm_brdf *ref = must_open(ref_spec);
     nqm_fit_options options = nqm_fit_options_default();

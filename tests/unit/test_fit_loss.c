@@ -9,9 +9,6 @@
 #include "support/check.h"
 #include "support/fitting.h"
 
-#include <math.h>
-#include <string.h>
-
 enum { N = 200 };
 static const char truth_ggx[] = "ggx:kd=0.3,0.02,0.1;ks=0.05,0.2,0.4;alpha=0.1;f0=0.3";
 static const char truth_ward[] = "ward:kd=0.3,0.02,0.1;ks=0.05,0.2,0.4;alpha=0.1";

@@ -10,12 +10,9 @@
 #include "support/brdf_files.h"
 #include "support/check.h"
 #include "support/fitting.h"
+#include "support/rows.h"
 #include "support/scenes.h"
 #include <nqm/label.h>
-
-#include <math.h>
-#include <stdio.h>
-#include <string.h>
 
 static const char truth_ggx[] = "ggx:kd=0.3,0.02,0.1;ks=0.05,0.2,0.4;alpha=0.15;f0=0.3";
 static const char truth_ward[] = "ward:kd=0.3,0.02,0.1;ks=0.05,0.2,0.4;alpha=0.15";
@@ -141,26 +138,12 @@ TEST(texts_become_terms) {
 }
 
 TEST(faulty_texts_are_refused) {
-    static const struct {
-        const char *text, *message;
-    } cases[] = {{"log+lgo", "'lgo'"},
-                 {"", "''"},
-                 {"log+", "''"},
-                 {"2*", "''"},
-                 {"-1*log", "'-1*log'"},
-                 {"0*log", "> 0"},
-                 {"2log", "'2log'"},
-                 {"auto+log", "'auto'"},
-                 {"auto:auto", "'auto'"},
-                 {"auto:", "''"},
-                 {"automatic", "'automatic'"},
-                 {"log+log+log+log+log+log+log+log+log", "8"}};
-    for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
+    EVERY_ROW(row, "faulty losses") {
         nqm_match_sum sum;
         nqm_error err = {0};
-        assert_int_equal(nqm_match_parse(cases[i].text, &sum, &err), NQM_ERR_ARG);
-        if (!strstr(err.message, cases[i].message))
-            fail_msg("%s: %s", cases[i].text, err.message);
+        assert_int_equal(nqm_match_parse(row[0], &sum, &err), NQM_ERR_ARG);
+        if (!strstr(err.message, row[1]))
+            fail_msg("%s: %s", row[0], err.message);
     }
 }
 
@@ -447,22 +430,15 @@ TEST(a_scene_judges_on_directions_of_its_own) {
 }
 
 TEST(faults_are_named) {
-    static const struct {
-        const char *text, *model, *message;
-    } cases[] = {{"nqm", "ggx", "'nqm'"},
-                 {"log+transport", "ggx", "'transport'"},
-                 {"auto", "ggx", "'auto'"},
-                 {"log+lgo", "ggx", "'lgo'"},
-                 {"log", "phong", "'phong'"}};
     nqm_brdf *ref = must_open("sgd:nickel"), *brdf;
-    for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
-        const nqm_match_loss loss = {cases[i].text, NULL, NULL, NULL};
+    EVERY_ROW(row, "faults of fits by a loss") {
+        const nqm_match_loss loss = {row[0], NULL, NULL, NULL};
         nqm_match_report report;
         nqm_error err = {0};
-        assert_int_equal(nqm_match(ref, cases[i].model, &loss, NULL, &report, &brdf, &err), NQM_ERR_ARG);
+        assert_int_equal(nqm_match(ref, row[1], &loss, NULL, &report, &brdf, &err), NQM_ERR_ARG);
         assert_null(brdf);
-        if (!strstr(err.message, cases[i].message))
-            fail_msg("%s: %s", cases[i].text, err.message);
+        if (!strstr(err.message, row[2]))
+            fail_msg("%s: %s", row[0], err.message);
     }
     nqm_brdf_free(ref);
 }

@@ -5,9 +5,7 @@
  */
 #include "support/check.h"
 
-#include <math.h>
 #include <nqm/fit.h>
-#include <stdio.h>
 
 static const char *const sharp[] = {"cg_sunflower", "chm_light_blue", "chm_mint", "ilm_solo_m_68"};
 enum { N_SHARP = sizeof sharp / sizeof *sharp };

@@ -5,41 +5,20 @@
 #include "fit/fit.h"
 #include "support/check.h"
 #include "support/fitting.h"
-
-#include <math.h>
-#include <stdio.h>
-#include <string.h>
+#include "support/rows.h"
 
 /* Several lobes of every model that other tests do not cover: wide and narrow, strong and weak Fresnel effect, dark
  * bases. */
 TEST(every_model_gives_itself_back) {
-    static const char *const lobes[] = {
-        "ward-duer;alpha=0.003",
-        "ward-duer;alpha=0.4",
-        "blinn-phong;n=5",
-        "blinn-phong;n=20000",
-        "lafortune;cz=0.99;n=5",
-        "lafortune;cz=0.7;n=20",
-        "lafortune;cz=0.9999;n=10000",
-        "cook-torrance;alpha=0.003;f0=0.04",
-        "cook-torrance;alpha=0.4;f0=0.7",
-        "ashikhmin-shirley;n=5;f0=0.6",
-        "ashikhmin-shirley;n=1e5;f0=0.04",
-        "abc;B=50;C=1;eta=1.5",
-        "abc;B=3000;C=0.8;eta=3",
-        "abc;B=1e6;C=2.2;eta=5",
-        "smooth;B=3000;C=0.8;eta=3",
-        "smooth;B=1e5;C=1.5;eta=1.4",
-    };
     nqm_fit_options options = nqm_fit_options_default();
     options.n_directions = 2000;
-    for (size_t i = 0; i < sizeof lobes / sizeof *lobes; ++i) {
+    EVERY_ROW(row, "lobes of all models") {
         char model[40], truth[200];
-        size_t n = strcspn(lobes[i], ";");
-        snprintf(model, sizeof model, "%.*s", (int)n, lobes[i]);
-        int abc = strstr(lobes[i], ";C=") != NULL;
+        size_t n = strcspn(row[0], ";");
+        snprintf(model, sizeof model, "%.*s", (int)n, row[0]);
+        int abc = strstr(row[0], ";C=") != NULL;
         snprintf(truth, sizeof truth, "%s:kd=0.3,0.02,0.1;ks=%s%s", model, abc ? "50,200,400" : "0.05,0.2,0.4",
-                 lobes[i] + n);
+                 row[0] + n);
         nqm_fit_report r = fit_spec(truth, model, &options);
         check_spec_values(r.spec, truth, "kd", 5e-3);
         check_spec_values(r.spec, truth, "ks", 2e-2);

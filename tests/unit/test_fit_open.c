@@ -6,9 +6,7 @@
 #include "brdf/brdf.h"
 #include "fit/open.h"
 #include "support/check.h"
-
-#include <math.h>
-#include <string.h>
+#include "support/rows.h"
 
 static nqm_brdf *open_fit(const char *argument, const nqm_fit_context *context) {
     nqm_error err = {0};
@@ -95,30 +93,12 @@ TEST(tables_and_networks) {
 }
 
 TEST(wrong_settings_are_named) {
-    static const char *const bad[][2] = {
-        {"fit:model=ggx", "'of='"},
-        {"fit:of=" REF, "'of='"},
-        {"fit:seed=1;of=" REF, "a model is missing"},
-        {"fit:model=gxg;of=" REF, "gxg"},
-        {"fit:model=ggx;sed=1;of=" REF, "did you mean 'seed'?"},
-        {"fit:model=ggx;ggx;of=" REF, "'ggx' is no setting"},
-        {"fit:model=ggx;steps=1.5;of=" REF, "steps needs a whole number"},
-        {"fit:model=ggx;steps=1001;of=" REF, "steps needs a whole number"},
-        {"fit:model=ggx;at=3;of=" REF, "nbrdf"},
-        {"fit:model=nbrdf;at=0;of=" REF, "at needs"},
-        {"fit:model=ggx;loss=l2;of=" REF, "l2"},
-        {"fit:model=ggx;samples=3;of=" REF, "samples"},
-        {"fit:model=nbrdf;steps=3;of=" REF, "not an analytic model"},
-        {"fit:model=ggx;of=sgd:nickl", "nickl"},
-        {"perturb:scal=2;of=fit:model=ward;samples=200;of=" REF, "scal"},
-        {"between:t=2;with=(" REF ");of=fit:model=table;of=" REF, "t"},
-    };
-    for (size_t i = 0; i < sizeof bad / sizeof *bad; ++i) {
+    EVERY_ROW(row, "wrong settings of fit:") {
         nqm_error err = {0};
         nqm_brdf *brdf;
-        assert_int_not_equal(nqm_fit_open(bad[i][0], NULL, &brdf, &err), NQM_OK);
-        if (!strstr(err.message, bad[i][1]))
-            fail_msg("%s: %s", bad[i][0], err.message);
+        assert_int_not_equal(nqm_fit_open(row[0], NULL, &brdf, &err), NQM_OK);
+        if (!strstr(err.message, row[1]))
+            fail_msg("%s: %s", row[0], err.message);
         assert_null(brdf);
     }
 }
@@ -131,16 +111,10 @@ static nqm_status note(void *user, const char *base, nqm_error *err) {
 }
 
 TEST(bases_are_visited) {
-    static const char *const cases[][2] = {
-        {"ggx:alpha=1", "ggx:alpha=1|"},
-        {"perturb:scale=2;of=fit:model=ggx;of=a.bsdf", "a.bsdf|"},
-        {"between:t=1;with=(perturb:scale=2;of=a:b);of=fit:model=ggx;of=c.zip:d", "a:b|c.zip:d|"},
-        {"between:t=1;of=a", "between:t=1;of=a|"}, /* nqm_brdf_open() says what is wrong */
-    };
-    for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
+    EVERY_ROW(row, "bases of specs") {
         char text[200] = "";
-        assert_int_equal(nqm_fit_visit_bases(cases[i][0], note, text, NULL), NQM_OK);
-        assert_string_equal(text, cases[i][1]);
+        assert_int_equal(nqm_fit_visit_bases(row[0], note, text, NULL), NQM_OK);
+        assert_string_equal(text, row[1]);
     }
     char deep[400] = "", text[200] = "";
     for (size_t i = 0; i < 20; ++i)

@@ -7,8 +7,6 @@
 #include "support/check.h"
 #include "support/fitting.h"
 
-#include <string.h>
-
 static const char truth[] = "ggx:kd=.3,.2,.05;ks=.5;alpha=.12;f0=.2";
 
 static double loss_at(const nqm_fit_target *target, const nqm_brdf *ref, const char *model, uint64_t seed,

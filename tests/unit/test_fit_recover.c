@@ -9,10 +9,6 @@
 #include "support/check.h"
 #include "support/fitting.h"
 
-#include <math.h>
-#include <stdio.h>
-#include <string.h>
-
 TEST(ward_gives_itself_back) {
     static const double alphas[] = {0.002, 0.01, 0.05, 0.2, 0.6};
     for (size_t i = 0; i < sizeof alphas / sizeof *alphas; ++i) {

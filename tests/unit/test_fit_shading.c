@@ -5,10 +5,7 @@
  */
 #include "support/check.h"
 #include "support/fitting.h"
-
-#include <math.h>
-#include <stdio.h>
-#include <string.h>
+#include "support/rows.h"
 
 static nqm_fit_options few_directions(void) {
     nqm_fit_options options = nqm_fit_options_default();
@@ -18,23 +15,15 @@ static nqm_fit_options few_directions(void) {
 
 /* A material and the fit of its own model: the loss vanishes, and the spec has the same keys. */
 TEST(models_give_themselves_back) {
-    static const char *const materials[] = {
-        "rough-conductor:alpha=0.2;eta=0.2,0.9,1.1;k=3.9,2.4,2.2",
-        "usd-preview:diffuseColor=0.6,0.3,0.1;roughness=0.4",
-        "gltf:base_color=0.8,0.3,0.1;metallic=0;roughness=0.35;clearcoat=0.6;clearcoat_roughness=0.1",
-        "gltf:base_color=0.9,0.6,0.3;roughness=0.25",
-        "open-pbr:base_color=0.7,0.2,0.2;specular_roughness=0.4;coat_weight=0.8;coat_roughness=0.05",
-        "principled:base_color=0.4,0.5,0.2;roughness=0.5;clearcoat=0.7;clearcoat_gloss=0.6",
-    };
     const nqm_fit_options options = few_directions();
-    for (size_t i = 0; i < sizeof materials / sizeof *materials; ++i) {
+    EVERY_ROW(row, "materials fitted to themselves") {
         char model[40];
-        snprintf(model, sizeof model, "%.*s", (int)strcspn(materials[i], ":"), materials[i]);
-        nqm_fit_report r = fit_spec(materials[i], model, &options);
+        snprintf(model, sizeof model, "%.*s", (int)strcspn(row[0], ":"), row[0]);
+        nqm_fit_report r = fit_spec(row[0], model, &options);
         assert_true(r.loss < 5e-3);
         if (strncmp(model, "gltf", 4) == 0) {
-            check_spec_values(r.spec, materials[i], "base_color", 0.02);
-            check_spec_values(r.spec, materials[i], "roughness", 0.02);
+            check_spec_values(r.spec, row[0], "base_color", 0.02);
+            check_spec_values(r.spec, row[0], "roughness", 0.02);
         }
         assert_true(strlen(r.spec) < 160); /* without keys at their defaults */
     }

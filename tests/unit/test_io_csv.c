@@ -7,9 +7,6 @@
 #include "support/allocations.h"
 #include "support/check.h"
 
-#include <string.h>
-#include <unistd.h>
-
 static nqm_status parse(const char *text, nqm_csv **csv, nqm_error *err) {
     return nqm_csv_parse(text, strlen(text), "t.csv", csv, err);
 }

@@ -8,12 +8,6 @@
 #include "support/check.h"
 #include "support/vectors.h"
 
-#include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-#include <unistd.h>
-
 enum { WIDTH = 11, HEIGHT = 6, N_VALUES = 3 * WIDTH * HEIGHT };
 
 typedef struct sample {

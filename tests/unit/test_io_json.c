@@ -11,10 +11,7 @@
 #include "support/temp_file.h"
 #include "train/train.h"
 
-#include <stdlib.h>
-#include <string.h>
 #include <sys/wait.h>
-#include <unistd.h>
 
 static long countdown = -1; /* allocations until one fails */
 

@@ -9,8 +9,6 @@
 
 #include <nqm/brdf.h>
 #include <nqm/model.h>
-#include <stdio.h>
-#include <string.h>
 
 static const struct {
     const char *bytes, *kind;

@@ -7,11 +7,7 @@
 #include "io/io.h"
 #include "support/check.h"
 
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
 #include <sys/resource.h>
-#include <unistd.h>
 #include <zlib.h>
 #ifdef NQM_TEST_MATIO
 #include <matio.h>

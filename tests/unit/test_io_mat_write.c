@@ -7,11 +7,7 @@
 #include "support/check.h"
 
 #include <dirent.h>
-#include <math.h>
 #include <nqm/samples.h>
-#include <stdlib.h>
-#include <string.h>
-#include <unistd.h>
 
 static const char path[] = "test_io_mat_write.mat", other[] = "test_io_mat_write_2.mat";
 

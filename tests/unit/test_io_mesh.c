@@ -6,12 +6,7 @@
 #include "io/io.h"
 #include "support/allocations.h"
 #include "support/check.h"
-
-#include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-#include <unistd.h>
+#include "support/rows.h"
 
 /* A square pyramid: four base vertices and the apex; the base is a quadrilateral, the sides are triangles. */
 static const float pyramid[5][3] = {{1, 0, 0}, {0, 1, 0}, {-1, 0, 0}, {0, -1, 0}, {0, 0, 0.5F}};
@@ -185,38 +180,12 @@ static void refuse(const char *text, const char *what, const char *with, const c
 }
 
 TEST(refusals) {
-    refuse(ply_text, "format ascii 1.0\n", "", "names no format");
-    refuse(ply_text, "ascii 1.0", "ascii 2.0", "line 2");
-    refuse(ply_text, "ascii", "ebcdic", "line 2");
-    refuse(ply_text, "vertex 5", "vertex 6", "a list has"); /* rows are shifted by one */
-    refuse(ply_text, "vertex 5", "vertex 99999999999", "claims");
-    refuse(ply_text, "vertex 5", "vertex -5", "line 5");
-    refuse(ply_text, "element face 5", "element face 6", "ends too early");
-    refuse(ply_text, "property float y", "property float yy", "x, y and z");
-    refuse(ply_text, "property float y", "property float x", "occurs twice");
-    refuse(ply_text, "property uchar red", "property colour red", "line 6");
-    refuse(ply_text, "list uchar int", "list float int", "line 14");
-    refuse(ply_text, "vertex_indices", "corners", "vertex_indices");
-    refuse(ply_text, "end_header", "end_of_header", "not known in a header");
-    refuse(ply_text, "255 1 0 0", "255 nan 0 0", "line 17");
-    refuse(ply_text, "255 1 0 0", "255 1e39 0 0", "not finite");
-    refuse(ply_text, "3 3 0 4 1", "3 3 0 5 1", "names vertex 5 of 5");
-    refuse(ply_text, "3 3 0 4 1", "3 3 -1 4 1", "names vertex -1");
-    refuse(ply_text, "3 3 0 4 1", "3 3 0.5 4 1", "names vertex 0.5");
-    refuse(ply_text, "3 3 0 4 1", "2 3 0 4 1", "a face has 2 corners");
-    refuse(ply_text, "3 3 0 4 1", "1e9 3 0 4 1", "corners");
-    refuse(obj_text, "f 4 3 2 1", "f 4 3 2 6", "line 12");
-    refuse(obj_text, "f 4 3 2 1", "f 4 3 2 0", "line 12");
-    refuse(obj_text, "f 4 3 2 1", "f 4 3 2 -6", "line 12");
-    refuse(obj_text, "f 4 3 2 1", "f 4 3 2 99999999999999999999", "line 12");
-    refuse(obj_text, "f 4 3 2 1", "f 4 3", "2 corners");
-    refuse(obj_text, "1/1 2/1 5/1", "1/1 2/1 5//1", "0 normals");
-    refuse(obj_text, "1/1 2/1 5/1", "1/1 2/1 5/", "no corner");
-    refuse(obj_text, "1/1 2/1 5/1", "1/1 2/1 5/1/1/1", "normals");
-    refuse(obj_text, "v 1 0 0", "v 1 0", "three numbers");
-    refuse(obj_text, "v 1 0 0", "v 1 inf 0", "line 4");
-    refuse(obj_text, "v 1 0 0", "v 1 0x 0", "line 4");
-    refuse(obj_text, "mtllib", "magic", "neither a PLY nor an OBJ");
+    EVERY_ROW(row, "changes that spoil a PLY mesh") {
+        refuse(ply_text, row[0], row[1], row[2]);
+    }
+    EVERY_ROW(row, "changes that spoil an OBJ mesh") {
+        refuse(obj_text, row[0], row[1], row[2]);
+    }
     nqm_mesh mesh;
     nqm_error err;
     assert_int_equal(parse("v 0 0 0\n", 8, &mesh, &err), NQM_ERR_FORMAT);

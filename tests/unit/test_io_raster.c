@@ -9,9 +9,6 @@
 #include "support/pictures.h"
 #include "support/vectors.h"
 
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 #include <zlib.h>
 
 enum { WIDTH = 19, HEIGHT = 13, MAX_PIXEL = 8 };

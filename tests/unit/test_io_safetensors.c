@@ -7,11 +7,6 @@
 #include "io/io.h"
 #include "support/check.h"
 
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-#include <unistd.h>
-
 /* ---- writing and reading back ------------------------------------------------------------------------------------ */
 
 static const char *path_of_output(void) {

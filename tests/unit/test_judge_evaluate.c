@@ -13,10 +13,7 @@
 #include "support/toy_dataset.h"
 #include "support/training.h"
 
-#include <math.h>
 #include <omp.h>
-#include <stdlib.h>
-#include <string.h>
 
 /* ---- agreement --------------------------------------------------------------------------------------------------- */
 

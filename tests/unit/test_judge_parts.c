@@ -11,10 +11,7 @@
 #include "support/toy_dataset.h"
 #include "support/training.h"
 
-#include <math.h>
 #include <omp.h>
-#include <stdlib.h>
-#include <string.h>
 
 static nqm_model *train_small(const nqm_dataset *d, const char *recipe) {
     const nqm_train_options o = small_recipe(recipe, 32, 3);

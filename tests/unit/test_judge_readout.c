@@ -7,10 +7,6 @@
 #include "metric/metric.h"
 #include "support/check.h"
 
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
 enum { REFS = 23, TESTS = 12, ROWS = 25 }; /* 22 different ones for each reference: 506 answers */
 
 static nqm_model *model;

@@ -7,9 +7,6 @@
 #include "kernel/multiply_add.h"
 #include "support/check.h"
 
-#include <math.h>
-#include <string.h>
-
 static double distribution(double x) {
     return 0.5 * erfc(-x / sqrt(2));
 }

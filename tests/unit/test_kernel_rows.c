@@ -6,10 +6,6 @@
 #include "kernel/kernel.h"
 #include "support/check.h"
 
-#include <math.h>
-#include <stdio.h>
-#include <string.h>
-
 static const uint64_t seed = 17;
 
 enum { N = 501 };

@@ -7,10 +7,7 @@
 #include "kernel/panel.h"
 #include "support/check.h"
 
-#include <math.h>
 #include <omp.h>
-#include <stdio.h>
-#include <string.h>
 
 static const uint64_t seed = 17;
 

@@ -7,8 +7,6 @@
 #include "support/scenes.h"
 #include <nqm/label.h>
 
-#include <math.h>
-
 enum { N_SEEDS = 10 };
 
 /* The spread of the labels, relative to the error that they state. */

@@ -10,8 +10,6 @@
 #include "support/scenes.h"
 #include <nqm/label.h>
 
-#include <math.h>
-
 static nqm_label label_in(nqm_scene_options o, const char *ref_spec, const char *test_spec) {
     nqm_scene *scene = make_scene(&o);
     nqm_label label = label_specs(scene, ref_spec, test_spec);

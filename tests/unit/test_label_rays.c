@@ -10,9 +10,7 @@
 #include "support/scenes.h"
 #include <nqm/label.h>
 
-#include <math.h>
 #include <omp.h>
-#include <string.h>
 
 enum { N_RAYS = 2048 };
 

@@ -10,9 +10,6 @@
 #include "support/scenes.h"
 #include <nqm/label.h>
 
-#include <math.h>
-#include <string.h>
-
 static nqm_texture *make_texture(const char *base, const char *key, size_t height, size_t width, size_t channels,
                                  const float *values) {
     const nqm_texture_map map = {key, height, width, channels, values};

@@ -10,9 +10,7 @@
 #include "support/predict.h"
 #include "support/scenes.h"
 
-#include <math.h>
 #include <omp.h>
-#include <string.h>
 
 enum { POINTS = NQM_TRANSPORT_POINTS, MAX_DIRECTIONS = 2000, N_LIGHTS = 256 };
 

@@ -10,9 +10,7 @@
 #include "support/scenes.h"
 #include "support/temp_file.h"
 
-#include <math.h>
 #include <nqm/label.h>
-#include <string.h>
 
 static const char white[] = "lambert:kd=.8,.5,.2", grey[] = "lambert:kd=.5,.5,.5",
                   satin[] = "ggx:kd=.2,.15,.1;ks=1,1,1;alpha=.4;f0=.04";

@@ -9,9 +9,7 @@
 #include "material/material.h"
 #include "material/materialx.h"
 #include "support/check.h"
-
-#include <math.h>
-#include <stdio.h>
+#include "support/rows.h"
 
 /* ---- MaterialX --------------------------------------------------------------------------------------------------- */
 
@@ -130,19 +128,11 @@ TEST(gltf_files_have_the_same_defaults) {
 
 /* Mitsuba 3's documentation of its plugins: "BSDFs"; a conductor is a mirror, plastic is polypropylene in air. */
 TEST(mitsuba_models_have_their_defaults) {
-    static const char *const specs[] = {
-        "principled:base_color=0.5;roughness=0.5;anisotropic=0;metallic=0;eta=1.5;spec_tint=0;sheen=0;sheen_tint=0;"
-        "flatness=0;"
-        "clearcoat=0;"
-        "clearcoat_gloss=0",
-        "rough-conductor:alpha=0.1;distribution=0;eta=0;k=1;specular_reflectance=1",
-        "rough-plastic:alpha=0.1;distribution=0;eta=1.4895873842945502;diffuse_reflectance=0.5;specular_reflectance=1;"
-        "nonlinear=0"};
-    for (size_t i = 0; i < sizeof specs / sizeof *specs; ++i) {
+    EVERY_ROW(row, "defaults of Mitsuba") {
         char bare[40];
-        snprintf(bare, sizeof bare, "%.*s", (int)strcspn(specs[i], ":") + 1, specs[i]);
+        snprintf(bare, sizeof bare, "%.*s", (int)strcspn(row[0], ":") + 1, row[0]);
         nqm_brdf *brdf = must_open(bare);
-        assert_string_equal(nqm_brdf_get_info(brdf).spec, specs[i]);
+        assert_string_equal(nqm_brdf_get_info(brdf).spec, row[0]);
         nqm_brdf_free(brdf);
     }
 }

@@ -8,10 +8,6 @@
 #include "support/check.h"
 #include <nqm/material.h>
 
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-
 static void check_material(const char *path, const char *name, const char *surface, const char *verdict,
                            bool is_textured) {
     nqm_materials *materials = NULL;

@@ -10,11 +10,8 @@
 #include "support/material_text.h"
 #include "support/temp_file.h"
 
-#include <math.h>
 #include <nqm/brdf.h>
 #include <nqm/texture.h>
-#include <stdio.h>
-#include <string.h>
 
 #define SURFACE(NODE, INPUTS)                                                                                          \
     "<?xml version=\"1.0\"?>\n<materialx version=\"1.39\">\n<image name=\"map\" type=\"float\"><input name=\"file\" "  \

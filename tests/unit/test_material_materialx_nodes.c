@@ -7,10 +7,6 @@
 #include "material/maps.h"
 #include "support/check.h"
 
-#include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
-
 static nqm_status try_read(const char *text, nqm_materials **materials, nqm_error *err) {
     const nqm_map map = {.data = (const unsigned char *)text, .n_bytes = strlen(text), .path = "folder/test.mtlx"};
     return nqm_materials_read(&map, materials, err);

@@ -6,6 +6,7 @@
 #include "support/check.h"
 #include "support/map_text.h"
 #include "support/material_text.h"
+#include "support/rows.h"
 #include "support/temp_file.h"
 
 #define XML(TYPE, PROPERTIES) "<bsdf type=\"" TYPE "\">" PROPERTIES "</bsdf>"
@@ -15,29 +16,17 @@
 
 /* Mitsuba's include/mitsuba/render/ior.h. */
 TEST(named_indices) {
-    static const struct {
-        const char *name;
-        double ior;
-    } cases[] = {{"vacuum", 1},        {"helium", 1.000036},        {"hydrogen", 1.000132},
-                 {"air", 1.000277},    {"carbon dioxide", 1.00045}, {"water", 1.333},
-                 {"acetone", 1.36},    {"ethanol", 1.361},          {"carbon tetrachloride", 1.461},
-                 {"glycerol", 1.4729}, {"benzene", 1.501},          {"silicone oil", 1.52045},
-                 {"bromine", 1.661},   {"water ice", 1.31},         {"fused quartz", 1.458},
-                 {"pyrex", 1.47},      {"acrylic glass", 1.49},     {"polypropylene", 1.49},
-                 {"bk7", 1.5046},      {"sodium chloride", 1.544},  {"amber", 1.55},
-                 {"pet", 1.575},       {"diamond", 2.419}};
     char text[300], spec[80], number[32];
-    for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
-        snprintf(text, sizeof text, XML("roughplastic", STRING("ext_ior", "%s") FLOAT("int_ior", "2.5")),
-                 cases[i].name);
+    EVERY_ROW(row, "refractive indices of Mitsuba") {
+        snprintf(text, sizeof text, XML("roughplastic", STRING("ext_ior", "%s") FLOAT("int_ior", "2.5")), row[0]);
         snprintf(spec, sizeof spec, "rough-plastic:eta=%s",
-                 nqm_format_double(number, sizeof number, 2.5 / cases[i].ior));
-        if (cases[i].ior < 2)
+                 nqm_format_double(number, sizeof number, 2.5 / atof(row[1])));
+        if (atof(row[1]) < 2)
             expect_spec(text, spec);
-        snprintf(text, sizeof text, XML("roughplastic", STRING("int_ior", "%s")), cases[i].name);
+        snprintf(text, sizeof text, XML("roughplastic", STRING("int_ior", "%s")), row[0]);
         snprintf(spec, sizeof spec, "rough-plastic:eta=%s",
-                 nqm_format_double(number, sizeof number, cases[i].ior / 1.000277)); /* in air */
-        if (cases[i].ior > 1.1)
+                 nqm_format_double(number, sizeof number, atof(row[1]) / 1.000277)); /* in air */
+        if (atof(row[1]) > 1.1)
             expect_spec(text, spec);
     }
 }
@@ -206,20 +195,9 @@ TEST(cut_files) {
 }
 
 TEST(files_go_there_and_back) {
-    static const char *const specs[] = {
-        "rough-conductor:alpha=0.123456789012345;distribution=1;eta=.1,.2,.3;k=3.3333333333333335,2,1e-17",
-        "rough-conductor:alpha=.123456789012345,.3333333333333333;distribution=1",
-        "rough-conductor:alpha=.3;specular_reflectance=.1,.5,.7",
-        "lambert:kd=0.1,0.30000000000000004,1",
-        "rough-plastic:",
-        "rough-plastic:alpha=.3;distribution=1;eta=1.7;diffuse_reflectance=.1,.2,.3;nonlinear=1",
-        "principled:base_color=.1,.2,.3;roughness=.7;anisotropic=.3;metallic=.1;eta=1.3;spec_tint=.3;sheen=1;sheen_"
-        "tint=.2;flatness=."
-        "4;"
-        "clearcoat=.9;clearcoat_gloss=.6"};
-    for (size_t i = 0; i < sizeof specs / sizeof *specs; ++i) {
-        expect_same(specs[i], "xml");
-        expect_same(specs[i], "json");
+    EVERY_ROW(row, "round trips of Mitsuba") {
+        expect_same(row[0], "xml");
+        expect_same(row[0], "json");
     }
 }
 

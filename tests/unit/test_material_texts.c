@@ -7,9 +7,6 @@
 #include "support/brdf_files.h"
 #include "support/check.h"
 
-#include <stdlib.h>
-#include <string.h>
-
 typedef struct material_text {
     char *format, *verdict, *byte, *words, *text; /* as in the file */
 } material_text;

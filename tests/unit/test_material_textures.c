@@ -8,11 +8,7 @@
 #include "material/maps.h"
 #include "support/allocations.h"
 #include "support/check.h"
-
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-#include <unistd.h>
+#include "support/rows.h"
 
 /* ---- evaluation -------------------------------------------------------------------------------------------------- */
 
@@ -233,39 +229,16 @@ TEST(positions_are_transformed) {
 #define NORMAL(INDEX) "\"normalTexture\": {\"index\": " INDEX "}"
 
 TEST(bad_textures_are_refused) {
-    static const char *const cases[][2] = {
-        {NORMAL("2"), "no image ('source')"},
-        {NORMAL("3"), "images[9] is missing; the file has 3"},
-        {NORMAL("8"), "textures[8] is missing; the file has 8"},
-        {NORMAL("-1"), "'index' needs an integer"},
-        {NORMAL("4"), "KTX2 (KHR_texture_basisu)"},
-        {NORMAL("6"), "only files on this computer"},
-        {NORMAL("7"), "samplers[1].wrapS is 3"},
-        {"\"normalTexture\": {\"index\": 0, \"scale\": []}", "'scale' needs a number"},
-        {"\"normalTexture\": {\"index\": 0, \"extensions\": {\"KHR_texture_transform\": {\"offset\": [1]}}}",
-         "KHR_texture_transform.offset needs an array of 2 numbers"},
-        {"\"normalTexture\": {\"index\": 0, \"extensions\": {\"KHR_texture_transform\": {\"rotation\": \"1\"}}}",
-         "rotation needs a number"},
-        {"\"emissiveFactor\": [1, 1, 1], \"emissiveTexture\": {\"index\": 0}", "emissiveTexture: light"},
-        {NORMAL("0") ", \"extensions\": {\"KHR_materials_clearcoat\": {\"clearcoatFactor\": 1, "
-                     "\"clearcoatNormalTexture\": {\"index\": 1}}}",
-         "KHR_materials_clearcoat.clearcoatNormalTexture: a coat with another normal map"},
-        {"\"alphaMode\": \"BLEND\", \"pbrMetallicRoughness\": {\"baseColorTexture\": {\"index\": 0}, "
-         "\"baseColorFactor\": [1, 1, 1, 0.5]}",
-         "alphaMode = BLEND"}};
-    for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i)
-        check_refused(cases[i][0], usual, cases[i][1]);
+    EVERY_ROW(row, "bad textures of glTF") {
+        check_refused(row[0], usual, row[1]);
+    }
 }
 
 TEST(what_is_not_evaluated_is_remarked) {
-    static const char *const cases[][2] = {
-        {"\"alphaMode\": \"MASK\", \"pbrMetallicRoughness\": {\"baseColorTexture\": {\"index\": 5}}", "opaque"},
-        {NORMAL("0") ", \"extensions\": {\"KHR_materials_clearcoat\": {\"clearcoatFactor\": 1}}", "the clear coat"},
-        {NORMAL("0") ", \"occlusionTexture\": {\"index\": 0}", "occlusion"}};
-    for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
-        nqm_materials *materials = read_material(cases[i][0], usual);
+    EVERY_ROW(row, "what is not evaluated") {
+        nqm_materials *materials = read_material(row[0], usual);
         maps_of(materials);
-        if (!strstr(nqm_materials_get(materials, 0).remark, cases[i][1]))
+        if (!strstr(nqm_materials_get(materials, 0).remark, row[1]))
             fail_msg("%s", nqm_materials_get(materials, 0).remark);
         nqm_materials_free(materials);
     }
@@ -301,29 +274,9 @@ TEST(data_uris_are_decoded) {
     check_data(IN_VIEW "\"bufferViews\": [{\"buffer\": 0, \"byteOffset\": 4, \"byteLength\": 5}]" BUFFER_OF_DATA,
                "45678");
     check_data(IN_VIEW "\"bufferViews\": [{\"buffer\": 0, \"byteLength\": 10}]" BUFFER_OF_DATA, "0123456789");
-    static const char *const bad[][2] = {
-        {TEXTURE "\"images\": [{\"uri\": \"data:image/png,abc\"}]", "not base64"},
-        {TEXTURE "\"images\": [{\"uri\": \"data:\"}]", "not base64"},
-        {TEXTURE "\"images\": [{\"uri\": \"data:image/png;base64,\"}]", "has 0 bytes"},
-        {TEXTURE "\"images\": [{\"uri\": \"data:image/png;base64,MDE*Mz==\"}]", "no base64 digit"},
-        {TEXTURE "\"images\": [{}]", "'bufferView' needs"},
-        {TEXTURE "\"images\": [7]", "'bufferView' needs"},
-        {IN_VIEW "\"bufferViews\": [{\"buffer\": 0, \"byteOffset\": 6, \"byteLength\": 5}]" BUFFER_OF_DATA,
-         "5 bytes at byte 6 are not in buffers[0], which has 10 bytes"},
-        {IN_VIEW "\"bufferViews\": [{\"buffer\": 0, \"byteOffset\": 11, \"byteLength\": 1}]" BUFFER_OF_DATA,
-         "at byte 11"},
-        {IN_VIEW "\"bufferViews\": [{\"buffer\": 0, \"byteLength\": 0}]" BUFFER_OF_DATA, "0 bytes at byte 0"},
-        {IN_VIEW "\"bufferViews\": [{\"buffer\": 0, \"byteLength\": -1}]" BUFFER_OF_DATA, "'byteLength' needs"},
-        {IN_VIEW "\"bufferViews\": [{\"buffer\": 1, \"byteLength\": 1}]" BUFFER_OF_DATA, "buffers[1] is missing"},
-        {IN_VIEW "\"bufferViews\": []" BUFFER_OF_DATA, "bufferViews[0] is missing; the file has 0"},
-        {IN_VIEW
-         "\"bufferViews\": [{\"buffer\": 0, \"byteLength\": 100}], \"buffers\": [{\"byteLength\": 1000, \"uri\": "
-         "\"data:;base64,MDEy\"}]",
-         "which has 3 bytes"},
-        {IN_VIEW "\"bufferViews\": [{\"buffer\": 0, \"byteLength\": 1}], \"buffers\": [{\"byteLength\": 10}]",
-         "which has 0 bytes"}};
-    for (size_t i = 0; i < sizeof bad / sizeof *bad; ++i)
-        check_refused(NORMAL("0"), bad[i][0], bad[i][1]);
+    EVERY_ROW(row, "bad images of glTF") {
+        check_refused(NORMAL("0"), row[0], row[1]);
+    }
 }
 
 TEST(buffers_of_files_are_parts_of_them) {
@@ -471,22 +424,13 @@ TEST(lists_have_maps_and_numbers) {
 }
 
 TEST(bad_lists_are_refused) {
-    static const char *const cases[][2] = {
-        {"maps:", "names no map"},
-        {"maps:metallic=1", "names no map"},
-        {"maps:base=a.png", "no such key; there are: base_color, metallic, roughness"},
-        {"maps:base_color", "KEY=FILE"},
-        {"maps:base_color=", "KEY=FILE"},
-        {"maps:normal=1", "needs a file"},
-        {"maps:roughness=1,2,3", "needs a file or a number"},
-        {"maps:base_color=a.png;model=ggx", "no such model; maps are read for gltf, open-pbr"}};
-    for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
+    EVERY_ROW(row, "bad lists of maps") {
         nqm_textured *t;
         nqm_error err = {0};
-        assert_int_equal(nqm_maps_open(cases[i][0], &t, &err), NQM_ERR_ARG);
+        assert_int_equal(nqm_maps_open(row[0], &t, &err), NQM_ERR_ARG);
         assert_null(t);
-        if (!strstr(err.message, cases[i][1]))
-            fail_msg("%s: %s", cases[i][0], err.message);
+        if (!strstr(err.message, row[1]))
+            fail_msg("%s: %s", row[0], err.message);
     }
 }
 

@@ -6,8 +6,6 @@
 #include "math/math.h"
 #include "support/check.h"
 
-#include <math.h>
-
 TEST(second_difference) {
     enum { N = 12 };
     double a[N * N] = {0}, values[N], vectors[N * N];

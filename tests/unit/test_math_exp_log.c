@@ -5,8 +5,6 @@
 #include "math/exp_log.h"
 #include "support/check.h"
 
-#include <math.h>
-
 TEST(exponential_and_logarithm) {
     for (int i = -87000; i <= 87000; ++i) {
         float x = (float)i / 1000, y = nqm_exp_core(x);

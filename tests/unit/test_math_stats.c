@@ -7,9 +7,6 @@
 #include "math/math.h"
 #include "support/check.h"
 
-#include <math.h>
-#include <string.h>
-
 enum { MAX_POINTS = 2000 };
 
 static double x[MAX_POINTS], y[MAX_POINTS], expected_rank[MAX_POINTS];

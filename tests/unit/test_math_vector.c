@@ -8,8 +8,6 @@
 #include "math/math.h"
 #include "support/check.h"
 
-#include <math.h>
-
 TEST(test_coordinates_by_rotation) {
     nqm_csv *csv;
     assert_int_equal(nqm_csv_load(test_vector("coordinates.csv"), &csv, NULL), NQM_OK);

@@ -10,9 +10,7 @@
 #include "support/scenes.h"
 #include "support/temp_file.h"
 
-#include <math.h>
 #include <nqm/label.h>
-#include <string.h>
 
 static const char brushed[] = "ggx:kd=.1;ks=1;alpha=.08,.3;f0=.9,.6,.3",
                   wider[] = "ggx:kd=.1;ks=1;alpha=.1,.35;f0=.9,.6,.3",

@@ -8,9 +8,7 @@
 #include "support/check.h"
 #include "support/metrics_pair.h"
 
-#include <math.h>
 #include <nqm/metric.h>
-#include <string.h>
 
 enum { N = METRICS_PAIR_N };
 

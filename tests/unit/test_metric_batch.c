@@ -9,9 +9,6 @@
 #include "support/check.h"
 #include "support/tiny_model.h"
 
-#include <math.h>
-#include <string.h>
-
 enum { N_DIRECTIONS = 20, MANY = 2 * NQM_SCORE_BLOCK + 37 };
 
 static nqm_model *model;

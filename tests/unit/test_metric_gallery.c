@@ -6,10 +6,8 @@
 #include "metric/metric.h"
 #include "support/check.h"
 
-#include <math.h>
 #include <nqm/metric.h>
 #include <omp.h>
-#include <string.h>
 
 enum { N = 6 };
 static const char *const names[N] = {"lambert:kd=.5", "lambert:kd=.52,.5,.5",           "sgd:nickel",

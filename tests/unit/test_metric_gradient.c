@@ -9,8 +9,6 @@
 #include "support/recorded.h"
 
 #include <float.h>
-#include <math.h>
-#include <string.h>
 
 enum { N = PAIR_N, N_VALUES = PAIR_VALUES, N_FEATURES = NQM_SCALAR_ESTIMATE, RECORDED = 8 };
 

@@ -9,8 +9,6 @@
 #include "support/predict.h"
 
 #include <float.h>
-#include <math.h>
-#include <string.h>
 
 enum { N = METRICS_PAIR_N };
 

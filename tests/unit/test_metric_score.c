@@ -11,10 +11,8 @@
 #include "support/check.h"
 #include "support/predict.h"
 
-#include <math.h>
 #include <nqm/train.h>
 #include <omp.h>
-#include <string.h>
 
 enum { N = 12, HIDDEN = 7 };
 

@@ -7,9 +7,7 @@
 #include "support/check.h"
 #include "support/recorded.h"
 
-#include <math.h>
 #include <omp.h>
-#include <string.h>
 
 enum { N = PAIR_N, N_VALUES = PAIR_VALUES };
 

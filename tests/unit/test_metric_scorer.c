@@ -9,11 +9,9 @@
 #include "support/check.h"
 #include "support/tiny_model.h"
 
-#include <math.h>
 #include <nqm/metric.h>
 #include <omp.h>
 #include <pthread.h>
-#include <string.h>
 
 enum { N_DIRECTIONS = 30, N_TESTS = 40 };
 

@@ -11,8 +11,6 @@
 #include "support/vectors.h"
 
 #include <float.h>
-#include <math.h>
-#include <string.h>
 
 enum { N = 301, TESTS = NQM_COMPARE_MAX }; /* three stretches, the last of which is short */
 

@@ -11,9 +11,7 @@
 #include "support/vectors.h"
 
 #include <float.h>
-#include <math.h>
 #include <omp.h>
-#include <string.h>
 
 enum { N = 7, BRDFS = 5, POINTS = NQM_TRANSPORT_BLOCK, PARTS = 1 + NQM_LABEL_PARTS };
 

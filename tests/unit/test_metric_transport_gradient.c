@@ -7,9 +7,6 @@
 #include "support/predict.h"
 #include "support/recorded.h"
 
-#include <math.h>
-#include <string.h>
-
 enum { N = PAIR_N, N_VALUES = PAIR_VALUES, N_WEIGHTS = 7 };
 
 /* Each member of a label alone, and all of them. */

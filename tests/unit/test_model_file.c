@@ -11,12 +11,7 @@
 #include "percept/percept.h"
 #include "support/check.h"
 
-#include <math.h>
 #include <nqm/train.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-#include <unistd.h>
 
 enum { N_DIRECTIONS = 4, MAX_TENSORS = 40 };
 

@@ -6,11 +6,10 @@
 #include "percept/percept.h"
 #include "support/check.h"
 #include "support/predict.h"
+#include "support/rows.h"
 #include "support/temp_file.h"
 
-#include <math.h>
 #include <nqm/train.h>
-#include <string.h>
 
 enum { N = 20 };
 
@@ -199,24 +198,17 @@ TEST(test_named_scalars) {
 
 /* A model with a scalar feature that is unknown to this library, or occurs twice, is refused. */
 TEST(test_other_scalars) {
-    static const struct {
-        const char *at, *says;
-    } bad[] = {{"log_rmsf", "scalar feature 'log_rmsf'"},
-               {"log_rms", "'log_rms' "},
-               {"log_rmse2", "'log_rmse2'"},
-               {"", "''"},
-               {"ref_peak", "'ref_peak' (metadata 'scalars') occurs twice"}};
-    for (size_t i = 0; i < sizeof bad / sizeof *bad; ++i) {
+    EVERY_ROW(row, "unknown scalars") {
         struct nqm_model *model = make_with_scalars("ref_peak,log_rmse", "ref_peak");
         nqm_model *loaded;
         nqm_error err = {0};
         nqm_free(model->scalar_names);
         model->scalar_names = nqm_alloc(64, 1);
-        snprintf(model->scalar_names, 64, "ref_peak,%s", bad[i].at);
+        snprintf(model->scalar_names, 64, "ref_peak,%s", row[0]);
         assert_int_equal(nqm_model_save(model, temp_file, NULL), NQM_OK);
         assert_int_equal(nqm_model_load(temp_file, &loaded, &err), NQM_ERR_MODEL);
         assert_null(loaded);
-        assert_non_null(strstr(err.message, bad[i].says));
+        assert_non_null(strstr(err.message, row[1]));
         assert_non_null(strstr(err.message, temp_file));
         nqm_model_free(model);
     }

@@ -10,9 +10,7 @@
 #include "support/random_network.h"
 #include "support/vectors.h"
 
-#include <math.h>
 #include <omp.h>
-#include <string.h>
 
 enum { WIDTH = 75, N_REF = 40, OUTPUTS = 6, ROWS = 37, CHECKED = 3 /* rows that are recorded */ };
 

@@ -11,11 +11,9 @@
 #include "support/random_network.h"
 #include "support/vectors.h"
 
-#include <math.h>
 #include <nqm/train.h>
 #include <omp.h>
 #include <pthread.h>
-#include <string.h>
 
 enum { N_REF = 135, WIDTH = 3 * N_REF + 5, STRIDE = WIDTH + 3, ROWS = 199 }; /* more than the 192 rows of a block */
 

@@ -12,9 +12,6 @@
 #include "support/network_gradients.h"
 #include "support/vectors.h"
 
-#include <math.h>
-#include <string.h>
-
 enum { BATCH = 12, STEPS = 10, INPUTS = 30, N_LAYERS = 4 };
 static const nqm_net_shape shape = {N_LAYERS, {INPUTS, 16, 11, 8, 1}};
 static const double dropout_p = 0.2, lo = -2.5, hi = 1.25;

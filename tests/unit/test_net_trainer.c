@@ -10,10 +10,7 @@
 #include "support/check.h"
 #include "support/network_gradients.h"
 
-#include <math.h>
 #include <omp.h>
-#include <stdio.h>
-#include <string.h>
 
 static const uint64_t seed = 5;
 

@@ -6,8 +6,6 @@
 #include "percept/percept.h"
 #include "support/check.h"
 
-#include <math.h>
-
 /* Rows of the authors' labels_balanced_train.csv. */
 TEST(published_values) {
     static const double row[][2] = {{0.93687516450882, 9.99513102937972}, {5.58987140655518, 9.55506134368299},

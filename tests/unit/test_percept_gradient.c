@@ -8,9 +8,6 @@
 #include "support/central.h"
 #include "support/check.h"
 
-#include <math.h>
-#include <string.h>
-
 TEST(pq) {
     for (double at = 0x1p-29; at < 9990; at *= 1.7) {
         double expected;

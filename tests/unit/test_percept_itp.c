@@ -7,8 +7,6 @@
 #include "support/check.h"
 #include "support/vectors.h"
 
-#include <math.h>
-
 enum { N_ITP = 40, N_PQ = 11 };
 
 static double itp_vector[N_ITP][8], pq_vector[N_PQ][2];

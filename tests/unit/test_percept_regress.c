@@ -7,8 +7,6 @@
 #include "support/check.h"
 #include "support/vectors.h"
 
-#include <math.h>
-
 enum { N_SCORES = 30, MAX_TIMES = 1 + 10000 / N_SCORES };
 
 TEST(exact_scores) {

@@ -6,39 +6,17 @@
 #include "math/math.h"
 #include "render/render.h"
 #include "support/check.h"
+#include "support/rows.h"
 #include "support/scenes.h"
 #include <nqm/label.h>
 
-#include <math.h>
-#include <stdlib.h>
-
 enum { N_PAIRS = 20 };
-
-static const char *const pair[N_PAIRS][2] = {
-    {"sgd:nickel", "ward:nickel"},
-    {"sgd:nickel", "perturb:gloss=.8;of=sgd:nickel"},
-    {"sgd:nickel", "perturb:gloss=.5;of=sgd:nickel"},
-    {"sgd:nickel", "perturb:tint=1.1,1,.9;of=sgd:nickel"},
-    {"sgd:pearl-paint", "ward:pearl-paint"},
-    {"sgd:pearl-paint", "perturb:peak=.7;of=sgd:pearl-paint"},
-    {"sgd:pearl-paint", "perturb:mix=.3;of=sgd:pearl-paint"},
-    {"sgd:pearl-paint", "perturb:scale=1.03;of=sgd:pearl-paint"},
-    {"sgd:yellow-plastic", "ward:yellow-plastic"},
-    {"sgd:yellow-plastic", "perturb:gloss=.6;of=sgd:yellow-plastic"},
-    {"sgd:yellow-plastic", "perturb:desaturate=.2;of=sgd:yellow-plastic"},
-    {"sgd:yellow-plastic", "perturb:fresnel=2;of=sgd:yellow-plastic"},
-    {"sgd:beige-fabric", "ward:beige-fabric"},
-    {"sgd:beige-fabric", "perturb:scale=.8;of=sgd:beige-fabric"},
-    {"sgd:beige-fabric", "perturb:hue=10;of=sgd:beige-fabric"},
-    {"sgd:beige-fabric", "lambert:kd=.4,.4,.4"},
-    {"lambert:kd=.3,.1,.05", "lambert:kd=.32,.1,.05"},
-    {"lambert:kd=.3,.1,.05", "ggx:kd=.3,.1,.05;ks=1,1,1;alpha=.3;f0=.04"},
-    {"ggx:kd=.1,.1,.3;ks=1,1,1;alpha=.1;f0=.04", "ggx:kd=.1,.1,.3;ks=1,1,1;alpha=.2;f0=.04"},
-    {"ggx:kd=.1,.1,.3;ks=1,1,1;alpha=.1;f0=.04", "ggx:kd=.1,.1,.3;ks=1,1,1;alpha=.1;f0=.08"},
-};
 
 static void label_all(const nqm_scene_options *o, double *delta_e) {
     nqm_scene *scene = make_scene(o);
+    size_t n;
+    const table_row *pair = table_rows("pairs with labels", &n);
+    assert_int_equal(n, N_PAIRS);
     for (size_t i = 0; i < N_PAIRS; ++i) {
         delta_e[i] = label_specs(scene, pair[i][0], pair[i][1]).delta_e;
         assert_true(delta_e[i] > 0.1);

@@ -11,12 +11,7 @@
 #include <nqm/label.h>
 
 #include <malloc.h>
-#include <math.h>
 #include <omp.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-#include <unistd.h>
 #ifdef __SANITIZE_ADDRESS__
 size_t __sanitizer_get_current_allocated_bytes(void); /* GCC of Debian 12 comes without the header of it */
 #endif

@@ -12,12 +12,7 @@
 #include "support/vectors.h"
 #include <nqm/label.h>
 
-#include <math.h>
 #include <omp.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-#include <unistd.h>
 
 /* ---- BRDFs of this test ------------------------------------------------------------------------------------------ */
 

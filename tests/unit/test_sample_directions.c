@@ -11,9 +11,7 @@
 #include "support/check.h"
 #include "support/temp_file.h"
 
-#include <math.h>
 #include <pthread.h>
-#include <string.h>
 
 static nqm_directions *create(const nqm_directions_options *options, size_t n_refs, const nqm_brdf *const *refs) {
     nqm_directions *directions;

@@ -7,9 +7,7 @@
 #include "support/check.h"
 #include "support/metrics_pair.h"
 
-#include <math.h>
 #include <nqm/train.h>
-#include <string.h>
 
 enum { N = METRICS_PAIR_N };
 

@@ -6,9 +6,6 @@
 #include "support/check.h"
 #include "support/loops.h"
 
-#include <math.h>
-#include <string.h>
-
 static const uint64_t seed = 3;
 
 enum { N = 501 };

@@ -8,9 +8,6 @@
 #include "sample/node_grid.h"
 #include "support/check.h"
 
-#include <math.h>
-#include <string.h>
-
 static nqm_node_grid grid;
 static nqm_directions *directions;
 

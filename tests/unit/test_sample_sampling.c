@@ -8,9 +8,6 @@
 #include "sample/sample.h"
 #include "support/check.h"
 
-#include <math.h>
-#include <string.h>
-
 enum { N = 6 };
 
 /* theta_h selects the case, in degrees: below 10 valid, from 10 a negative channel, from 20 no value, from 30

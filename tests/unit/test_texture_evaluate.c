@@ -7,9 +7,6 @@
 #include "support/check.h"
 #include "texture/texture.h"
 
-#include <math.h>
-#include <string.h>
-
 static const float ramp[6] = {0.1f, 0.2f, 0.3f, 0.4f, 0.5f, 0.6f}; /* 3 x 2 */
 
 static nqm_texture *create(size_t n, const nqm_texture_map *maps) {

@@ -8,8 +8,6 @@
 #include "support/check.h"
 #include "texture/texture.h"
 
-#include <math.h>
-#include <string.h>
 #include <time.h>
 
 enum { SIDE = 32, N = SIDE * SIDE };

@@ -10,11 +10,8 @@
 #include "nqm/score/pair_list.h"
 #include "support/check.h"
 
-#include <stdlib.h>
-#include <string.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
-#include <unistd.h>
 
 enum { MEGA = 1 << 20, MAX_RATIO = 10 };
 

@@ -6,8 +6,6 @@
 #include "support/allocations.h"
 #include "support/check.h"
 
-#include <string.h>
-
 static nqm_pair_list *parse(const char *text) {
     nqm_pair_list *list;
     nqm_error err = {0};

@@ -6,9 +6,6 @@
 #include "nqm/show/html.h"
 #include "support/check.h"
 
-#include <math.h>
-#include <string.h>
-
 static nqm_score_result scored(double jod, double low, double high) {
     return (nqm_score_result){.status = NQM_OK, .jod = jod, .jod_low = low, .jod_high = high};
 }

@@ -9,10 +9,7 @@
 #include "support/predict.h"
 #include "support/toy_dataset.h"
 
-#include <math.h>
 #include <omp.h>
-#include <stdlib.h>
-#include <string.h>
 
 static nqm_train_options recipe(const char *name) {
     nqm_train_options o;

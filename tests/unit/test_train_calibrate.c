@@ -13,10 +13,6 @@
 #include "support/training.h"
 #include "train/calibrate.h"
 
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
 static const double small_table[9] = {0, 0, 3, 8, 6, 9, 10, 9.5, 10};
 
 static nqm_model *calibrated_model(void) {

@@ -7,9 +7,6 @@
 #include "support/vectors.h"
 #include "train/calibrate.h"
 
-#include <math.h>
-#include <string.h>
-
 enum { N_MATERIALS = 24, PAIRS_EACH = 40, MAX = N_MATERIALS * PAIRS_EACH };
 
 /* Residuals in logit(JOD / 10): wider in the middle of the range than at the top, skewed, with a random bias and spread

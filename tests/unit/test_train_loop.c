@@ -9,11 +9,7 @@
 #include "support/toy_dataset.h"
 #include "support/training.h"
 
-#include <math.h>
 #include <omp.h>
-#include <stdlib.h>
-#include <string.h>
-#include <unistd.h>
 
 static const char checkpoint[] = "test_train_loop.checkpoint", model_path[] = "test_train_loop.model";
 

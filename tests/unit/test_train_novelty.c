@@ -13,10 +13,6 @@
 #include "support/training.h"
 #include "train/calibrate.h"
 
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
 static nqm_dataset *dataset; /* 24 training materials, 12 validation materials */
 static nqm_model *trained;
 

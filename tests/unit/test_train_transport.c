@@ -13,10 +13,7 @@
 #include "support/toy_dataset.h"
 #include "support/training.h"
 
-#include <math.h>
 #include <omp.h>
-#include <string.h>
-#include <unistd.h>
 
 enum { N = 16, OUTPUTS = 1 + NQM_LABEL_PARTS };
 
