@@ -28,18 +28,17 @@ static nqm_status encode(bool sparse, const nqm_map *file, const nqm_brdf *ref, 
 }
 
 int main(int argc, char **argv) {
-    nqm_error err = {0};
     nqm_map file;
     if (argc < 5)
         return 2;
     const nqm_encode_options options = {
         .n = strtoul(argv[3], NULL, 10), .n_directions = 6000, .seed = 1, .name = "coded"};
-    must(nqm_map_open(argv[2], &file, &err), &err);
+    must(nqm_map_open(argv[2], &file, &fault));
     for (int i = 4; i < argc; ++i) {
         nqm_brdf *ref;
         double loss;
-        must(nqm_brdf_open(argv[i], &ref, &err), &err);
-        must(encode(strcmp(argv[1], "sparse") == 0, &file, ref, &options, &loss, &err), &err);
+        must(nqm_brdf_open(argv[i], &ref, &fault));
+        must(encode(strcmp(argv[1], "sparse") == 0, &file, ref, &options, &loss, &fault));
         printf("%.9g\n", loss);
         nqm_brdf_free(ref);
     }
