@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: MIT
 # Man pages and completions of shells, which the tool makes from its option tables: in the folders man/ and completions/ of the build.
-file(STRINGS tools/nqm/verbs.c verb_lines REGEX "{\"[a-z]+\", cmd_")
+file(STRINGS tools/nqm/verbs.c verb_lines REGEX "{\"[a-z]+\", \"[a-z ]+\", cmd_")
 list(TRANSFORM verb_lines REPLACE "^.*{\"([a-z]+)\".*" "\\1" OUTPUT_VARIABLE verbs)
 set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS tools/nqm/verbs.c)
 set(man_dir ${CMAKE_BINARY_DIR}/man)
