@@ -30,5 +30,3 @@ for model in default paper transport; do
         esac
     done
 done
-export NQM_KERNELS=abacus
-refuses 2 "abacus.*scalar" score sgd:nickel sgd:nickel

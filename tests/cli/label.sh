@@ -63,11 +63,6 @@ cmp "$dir/one" "$dir/out" || fail "--scene paper has not 8 frames"
 # shellcheck disable=SC2086
 label 0 sgd:nickel ward:nickel $paper --frames 2
 [ "$(number frames 1)" = 2 ] || fail "--scene paper ignores --frames"
-for some in "" "--shape sphere" "--light sun"; do
-    # shellcheck disable=SC2086
-    label 2 sgd:nickel ward:nickel --scene paper $some
-    grep -q 'needs both a shape and a light: --shape .* --light ' "$dir/err" || fail "--scene paper $some: $(cat "$dir/err")"
-done
 
 # The other tests are labelled if one cannot be opened.
 label 3 sgd:nickel "$dir/nowhere.bsdf" sgd:nickel --points 50 --lights 50 --json
@@ -75,19 +70,7 @@ label 3 sgd:nickel "$dir/nowhere.bsdf" sgd:nickel --points 50 --lights 50 --json
 [ "$(number delta_e_itp 2)" = 0.0 ] || fail "the test behind a missing one has no label"
 grep -q 'nowhere.bsdf' "$dir/err" || fail "the message does not name the file"
 
-# Refused arguments.
-label 2 sgd:nickel
-label 2 sgd:nickel ward:nickel --exposure 0
-label 2 sgd:nickel ward:nickel --points 1000000 --lights 60000
-label 2 sgd:nickel ward:nickel --json -q
-label 2 sgd:nickel sgd:nosuchmetal
-label 3 "$dir/nowhere.bsdf" sgd:nickel
-label 3 sgd:nickel ward:nickel --light "$dir/nowhere.hdr"
-label 3 sgd:nickel ward:nickel --light "$dir"
-: >"$dir/empty"
-label 4 sgd:nickel ward:nickel --light "$dir/empty"
-echo 'no picture at all' >"$dir/text"
-label 4 sgd:nickel ward:nickel --light "$dir/text"
+# Broken lights.
 head -c 100 "$dir/white.hdr" >"$dir/cut.hdr"
 label 4 sgd:nickel ward:nickel --light "$dir/cut.hdr"
 grep -q 'cut.hdr: Radiance HDR at byte [0-9]' "$dir/err" || fail "the message does not name file and byte"
@@ -96,9 +79,7 @@ label 4 sgd:nickel ward:nickel --light "$dir/huge.hdr"
 { printf '%b' "$header"; pixels 32 '\0000\0000\0000\0000'; } >"$dir/black.hdr"
 label 4 sgd:nickel ward:nickel --light "$dir/black.hdr"
 
-# Figures are PNGs under that name, checked before the work; Ctrl-C.
-run 2 label sgd:nickel ward:nickel --map "$dir/d.jpg"
-run 3 label sgd:nickel ward:nickel --map "$dir/nowhere/d.png" --size 4000
+# Ctrl-C.
 interrupt label sgd:nickel ward:nickel --map "$dir/d.png" --size 512 --lights 2048
 
 # Progress on a terminal: percent of each phase, no number of BRDFs or scenes that the percent contradicts.

@@ -59,4 +59,3 @@ for words in models "models list"; do
 done
 run 0 selftest --json
 grep -q '"failed": 0' "$dir/out" || fail "selftest"
-refuses 2 "no verb 'models' any more: \`nqm info MODEL --notes" models annotate default notes.md -o "$dir/x.safetensors"

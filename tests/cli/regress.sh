@@ -23,18 +23,6 @@ near "$(number spearman "$dir/out.json")" -1 1e-12 || fail "spearman"
 [ "$(number n "$dir/out.json")" = 40 ] || fail "n"
 "$tool" regress "$dir/scores.csv" | grep -q 'RMSE' || fail "no text"
 
-refuses 2 'missing' regress
-refuses 3 'nowhere.csv' regress "$dir/nowhere.csv"
-refuses 3 'directory' regress "$dir"
-printf 'DeltaE,score\n1,2\n2,3\n3,4\n4,5\n' >"$dir/column.csv"
-refuses 4 'column.csv.*JOD' regress "$dir/column.csv"
-printf 'DeltaE,JOD\n1,9\n2,x\n3,4\n4,5\n' >"$dir/number.csv"
-refuses 4 'number.csv' regress "$dir/number.csv"
-printf 'DeltaE,JOD\n1,9\n' >"$dir/short.csv"
-refuses 5 'short.csv' regress "$dir/short.csv"
-: >"$dir/empty.csv"
-refuses 4 'empty.csv' regress "$dir/empty.csv"
-
 data=${NQM_DATA:-${NQM_SOURCE:-.}/../shared/data}
 [ -r "$data/labels/labels_real.csv" ] || exit 77
 "$tool" regress "$data/labels/labels_real.csv" --json >"$dir/out.json"

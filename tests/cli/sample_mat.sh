@@ -7,10 +7,6 @@
 "$tool" directions -n 30 -o "$dir/d.csv" 2>/dev/null
 
 printf 'theta_h,theta_d,phi_d\n10,20,30\n89,80,0\n' >"$dir/horizon.csv"
-refuses 5 'invalid zero' sample lambert:kd=.5,.5,.5 -d "$dir/horizon.csv" -o "$dir/x.mat"
-refuses 2 'exclude' sample sgd:nickel -d "$dir/d.csv" --csv -o "$dir/x.mat"
-refuses 3 'no/such' sample sgd:nickel -d "$dir/d.csv" -o "$dir/no/such/x.mat"
-[ ! -e "$dir/x.mat" ] || fail "a file from a refusal"
 "$tool" sample lambert:kd=.5,.5,.5 -d "$dir/horizon.csv" --invalid zero -o "$dir/zero.mat" 2>/dev/null
 "$tool" sample sgd:nickel -d "$dir/d.csv" >"$dir/nickel.csv"
 "$tool" sample sgd:nickel -d "$dir/d.csv" -o "$dir/nickel.mat" >"$dir/out"

@@ -171,12 +171,7 @@ sed -n 2p "$dir/out" | grep -q '^sgd:nickel,1,ward:nickel,.*,w,$' || fail "names
 run 0 label r=sgd:nickel w=ward:nickel --points 60 --lights 16
 grep -q ' w$' "$dir/out" || fail "names of labels"
 (cd "$dir" && cp "${NQM_SOURCE}/tests/cli/score.sh" a=b && run 4 score sgd:nickel a=b) || fail "an existing file is no name"
-# One name for one BRDF of a reference, without control characters; those of file names and messages are shown as '?'.
-refuses 2 "two BRDFs have the name 'a'; give each" score sgd:nickel a=sgd:nickel b=ward:nickel a=ward:nickel
-for verb in rank label "report -o $dir/x.html"; do
-    # shellcheck disable=SC2086
-    refuses 2 "two BRDFs have the name 'a'" $verb a=sgd:nickel a=ward:nickel
-done
+# Names have no control characters; those of file names and messages are shown as '?'.
 run 0 label sgd:nickel a=ward:nickel + sgd:gold-paint a=ward:gold-paint --light sun --points 60 --lights 16
 odd=$(printf 'a\033[31m\n\302\233b')
 refuses 2 "the name 'a?\[31m???b' has a control character" score sgd:nickel "$odd=ward:nickel"
@@ -195,7 +190,6 @@ run 0 info "$dir/two.gltf"
 grep -q '^x?\[1m ' "$dir/out" || fail "the name of a material: $(cat "$dir/out")"
 "$tool" sample sgd:nickel | "$tool" score - ward:nickel >"$dir/out"
 grep -q '^reference  standard input$' "$dir/out" || fail "standard input has another name: $(cat "$dir/out")"
-refuses 2 'a BRDF argument is empty' score '' ward:nickel
 run 0 score sgd:nickel ward:nickel
 grep -q '^seen apart: how similar people find the two materials' "$dir/out" || fail "'seen apart' is not explained"
 run 0 score sgd:red-fabric sgd:chrome
