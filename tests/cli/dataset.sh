@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: MIT
 # nqm dataset: a small standard corpus of analytic materials (models/plan.py) is the same for one and two threads and from its work
 # files; test materials go to a separate file, and far pairs contain other materials of their own split only; any list of pairs is
-# labelled; models/scan.py lists a data folder; bad arguments give the documented exit codes.
+# labelled; models/scan.py lists a data folder.
 # shellcheck source=tests/support/cli.sh
 . "${NQM_SOURCE:?}/tests/support/cli.sh"
 cat >"$dir/materials.csv" <<'END'
@@ -74,11 +74,13 @@ import sys
 
 materials, tool, script = sys.argv[1:]
 
+
 def plan(*arguments):
     environment = dict(os.environ, NQM_TOOL=tool, PYTHONDONTWRITEBYTECODE="1")
     text = subprocess.run([sys.executable, script, materials, *arguments], env=environment, check=True, capture_output=True,
                           text=True).stdout
     return text, list(csv.DictReader(text.splitlines()))
+
 
 text, rows = plan()
 assert text == plan()[0] and text != plan("--seed", "2")[0]
@@ -153,6 +155,7 @@ import json
 import struct
 import sys
 
+
 def label(path):
     with open(path, "rb") as file:
         data = file.read()
@@ -160,10 +163,12 @@ def label(path):
     begin, end = json.loads(data[8:8 + n])["delta_e"]["data_offsets"]
     return struct.unpack("<d", data[8 + n + begin:8 + n + end])[0]
 
+
 def find(value):
     if isinstance(value, dict):
         return value.get("delta_e_itp") or next(filter(None, map(find, value.values())), None)
     return next(filter(None, map(find, value)), None) if isinstance(value, list) else None
+
 
 assert label(sys.argv[1]) == label(sys.argv[2])
 assert f"{label(sys.argv[1]):.8g}" == f"{find(json.loads(sys.argv[3])):.8g}", (label(sys.argv[1]), sys.argv[3])
