@@ -499,9 +499,7 @@ int cmd_fit(int argc, char **argv) {
     const output out = prepare_output(path, &request);
     output_file page_file = {0};
     if (page)
-        open_output(page, &page_file);
-    if (page && !page_file.file.temporary)
-        stop(EXIT_USAGE, "the page must be a file: --report FILE.html");
+        open_page("--report", page, &page_file);
     terms.ref = ref;
     terms.directions = directions;
     terms.out = &out;

@@ -469,7 +469,7 @@ int cmd_translate(int argc, char **argv) {
     name_outputs(&t);
     output_file page_file = {0};
     if (page)
-        open_output(page, &page_file);
+        open_page("--report", page, &page_file);
     t.loss = (nqm_match_loss){loss, metric_model, transport_model, judge};
     const nqm_score_options options_of_scores = plain_score_options();
     t.scorer = open_scorer(metric_model, &options_of_scores);

@@ -117,6 +117,12 @@ static void free_report(report_run *run) {
     free_scores(&run->scores);
 }
 
+void open_page(const char *name, const char *path, output_file *out) {
+    open_output(path, out);
+    if (!out->file.temporary)
+        stop(EXIT_USAGE, "the page must be a file: %s FILE.html", name);
+}
+
 void write_fit_page(const char *title, int n_arguments, char **arguments, const char *const *names, const char *metric,
                     output_file *out) {
     report_run run = {.title = title, .scores = {.options = nqm_score_options_default()}, .labels = {.shrink = 1}};
@@ -190,9 +196,7 @@ int cmd_report(int argc, char **argv) {
     set_shrink(&run.labels, shrink, "--points renders no pictures, which the report needs");
     run.date = run.date ? run.date : find_date(date);
     output_file out;
-    open_output(output, &out); /* first: a missing folder is reported before the work */
-    if (!out.file.temporary)
-        stop(EXIT_USAGE, "the page must be a file: -o FILE.html");
+    open_page("-o", output, &out); /* first: a missing folder is reported before the work */
     run.scores.model = open_model(model);
     const char **names = take_names(n_arguments, argv);
     make_report(&run, n_arguments, argv, names, &out);

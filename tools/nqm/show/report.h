@@ -22,6 +22,8 @@ typedef struct report_run {
                            short forms differ */
 } report_run;
 
+/** Open the file of a page, which `name` is the option of; another output is a usage error. */
+void open_page(const char *name, const char *path, output_file *out);
 /** Write the page of fits or a translation of a reference, which it closes: scored by the model `metric`, with pictures of the standard scenes. */
 void write_fit_page(const char *title, int n_arguments, char **arguments, const char *const *names, const char *metric,
                     output_file *out);
