@@ -20,14 +20,14 @@ done
 grep -qF "\"$spec\"" "$dir/ward.json" || fail "JSON says another spec than -q"
 [ "$(grep -c '"[rml][a-z_]*": [0-9.e+-]*,*$' "$dir/ward.json")" -ge 9 ] || fail "nine metrics: $(cat "$dir/ward.json")"
 "$tool" fit "$ref" --model ward --verbose --loss cube-root | grep -q "(cube-root), 6000 directions" || fail "verbose"
-"$tool" fit "$ref" --model ward --samples 500 --loss log -q --seed 2 >/dev/null
+"$tool" fit "$ref" --model ward --samples 500 -q --seed 2 >/dev/null
 
 # Several models: one row per model, the best JOD first, without duplicates.
 "$tool" fit "$ref" --model abc,ward,abc --samples 500 >"$dir/table"
 awk 'NR == 1 && $1 == "model" && $4 == "JOD" {ok++} NR == 2 && $1 == "ward" && $4 == "10.00" {ok++}
      NR == 3 && $1 == "abc" && $4 < 10 && $NF ~ /^abc:/ {ok++}
      END {exit !(ok == 3 && NR == 3)}' "$dir/table" || fail "table: $(cat "$dir/table")"
-"$tool" fit "$ref" --model ward,lafortune,smooth --samples 500 --loss log --json | grep -c '"spec": "' | grep -qx 3 || fail "results in JSON"
+"$tool" fit "$ref" --model ward,lafortune,smooth --samples 500 --json | grep -c '"spec": "' | grep -qx 3 || fail "results in JSON"
 
 # Losses: words, sums, and the selection among candidates, which JSON names.
 for loss in log_diff ma_crwe nqm transport log_diff+0.2*nqm; do
@@ -41,31 +41,31 @@ grep -q '"selected": "[a-z_-]*\(, then 100.ma_crwe+transport\)*"' "$dir/auto.jso
     grep -q '^ward:' || fail "a scene of the user's"
 
 # Bounds apply only to models that have the parameter; the number of starts must be an integer.
-"$tool" fit "$ref" --model ward,blinn-phong --bounds alpha=.2:.5 --starts 3 --samples 500 --loss log -q >"$dir/bounded"
+"$tool" fit "$ref" --model ward,blinn-phong --bounds alpha=.2:.5 --starts 3 --samples 500 -q >"$dir/bounded"
 awk -F'alpha=' '/^ward:/ && $2 >= .2 && $2 < .21 {ok++} /^blinn-phong:/ {ok++} END {exit ok != 2}' "$dir/bounded" ||
     fail "bounds: $(cat "$dir/bounded")"
 
 # A fitted network is written to a file, which nqm score accepts; without -o there is no file, and a message says so.
-"$tool" fit "$ref" --model hyper-low --samples 500 --loss log --json >"$dir/hyper.json" 2>"$dir/err"
+"$tool" fit "$ref" --model hyper-low --samples 500 --json >"$dir/hyper.json" 2>"$dir/err"
 grep -q '"spec": null' "$dir/hyper.json" || fail "a spec of a network: $(cat "$dir/hyper.json")"
 grep -q '"note":' "$dir/hyper.json" || fail "no note: $(cat "$dir/hyper.json")"
 grep -q -- '-o FILE' "$dir/err" || fail "no hint"
-"$tool" fit "$ref" --model hyper-low --samples 500 --loss log -o "$dir/one.safetensors" -q | grep -qxF "$dir/one.safetensors" || fail "path"
+"$tool" fit "$ref" --model hyper-low --samples 500 -o "$dir/one.safetensors" -q | grep -qxF "$dir/one.safetensors" || fail "path"
 "$tool" score "$ref" "$dir/one.safetensors" -q >/dev/null || fail "score does not take the file"
-"$tool" fit "$ref" --model ward,hyper-low --samples 500 --loss log -o "$dir/fits" -q >"$dir/out"
+"$tool" fit "$ref" --model ward,hyper-low --samples 500 -o "$dir/fits" -q >"$dir/out"
 [ "$(tail -1 "$dir/out")" = "$dir/fits/hyper-low.safetensors" ] || fail "folder: $(cat "$dir/out")"
 cmp "$dir/one.safetensors" "$dir/fits/hyper-low.safetensors" || fail "two runs differ"
 [ "$(ls "$dir/fits")" = hyper-low.safetensors ] || fail "files: $(ls "$dir/fits")"
 
 # One of several fits fails: the message names it, the others are printed, and its error gives the exit code.
 code=0
-"$tool" fit "$ref" --model ggx,lafortune --bounds f0=.1:2 --samples 500 --loss log --json >"$dir/out" 2>"$dir/err" || code=$?
+"$tool" fit "$ref" --model ggx,lafortune --bounds f0=.1:2 --samples 500 --json >"$dir/out" 2>"$dir/err" || code=$?
 [ "$code" = 2 ] || fail "exit code $code of a failure among others"
 grep -q 'ggx: the bounds of f0' "$dir/err" || fail "the failure is not named"
 { grep -q '"error":' "$dir/out" && grep -q '"lafortune:' "$dir/out"; } || fail "results: $(cat "$dir/out")"
 
 # A run that ends without a result leaves no folder.
-"$tool" fit "$ref" --model nbrdf,ward --loss log -o "$dir/stopped/" 2>"$dir/err" &
+"$tool" fit "$ref" --model nbrdf,ward -o "$dir/stopped/" 2>"$dir/err" &
 fitting=$!
 until [ -d "$dir/stopped" ] || ! kill -0 "$fitting"; do sleep .1; done
 kill -TERM "$fitting"

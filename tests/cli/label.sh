@@ -70,6 +70,8 @@ label 3 sgd:nickel "$dir/nowhere.bsdf" sgd:nickel --points 50 --lights 50 --json
 [ "$(number delta_e_itp 2)" = 0.0 ] || fail "the test behind a missing one has no label"
 grep -q 'nowhere.bsdf' "$dir/err" || fail "the message does not name the file"
 
+# A test that cannot be opened is told in its row.
+label 2 sgd:nickel sgd:nosuchmetal
 # Broken lights.
 head -c 100 "$dir/white.hdr" >"$dir/cut.hdr"
 label 4 sgd:nickel ward:nickel --light "$dir/cut.hdr"
