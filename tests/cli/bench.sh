@@ -26,7 +26,7 @@ check_rows() {
             if (("gflop" in f) && !near(f["gflops"], f["gflop"] / f["seconds"])) { print "gflops of " f["name"]; bad = 1 }
             if (f["bench"] == "train") { # the time of a run includes more than its epochs
                 if (f["seconds"] + 0 < f["epochs"] * f["best_epoch_seconds"]) { print "a run shorter than its epochs"; bad = 1 }
-            } else if (f["bench"] != "peak" && f["seconds"] + 0 > f["seconds_worst"] + 0) { print "best above worst"; bad = 1 }
+            } else if (f["bench"] != "peak" && f["seconds"] + 0 > f["seconds_median"] + 0) { print "best above median"; bad = 1 }
         }
         END { if (rows < 4 || (what != "load" && ratios < 2)) { print rows " rows, " ratios " ratios: too few"; bad = 1 }; exit bad }' "$dir/out" ||
         fail "rows of $1"
@@ -43,16 +43,14 @@ if ldd "$tool" | grep -q dnnl; then grep -q '"by": "onednn"' "$dir/out" || fail 
 check_rows gemm
 run 0 gemm --quick --precision f32 -o "$dir/gemm.json"
 grep -q '"schema": 1' "$dir/gemm.json" || fail "JSON into a file"
-grep -q '^gemm  forward  nqm  .*  f32  .*layer 3  batch 512  m 512  n 501  k 716 .*times_floor' "$dir/out" || fail "lines"
+grep -q '^gemm  forward  nqm  .*  f32  .*layer 2  batch 512  m 512  n 716  k 1024 .*times_floor' "$dir/out" || fail "lines"
 
 run 0 train --quick --epochs 2 --recipe paper --json
 check_rows train
 [ "$(grep -c '"bench": "train"' "$dir/out")" = 2 ] || fail "a row for each precision"
 [ "$(number epochs 1)" = 2 ] || fail "epochs"
 [ "$(number pairs 1)" = 192 ] || fail "pairs" # 120 pairs minus a fifth for validation, twice
-awk '/"seconds_100_epochs":/ {e = $2 + 0} e && /"seconds":/ {if (e / $2 < 49.99 || e / $2 > 50.01) bad = 1; ++n; e = 0}
-    END {exit bad || n != 2}' "$dir/out" || fail "extrapolation to 100 epochs"
-for word in max_rss_mb validation_loss floor_f32_seconds cpu_share; do
+for word in max_rss_mb validation_loss cpu_share; do
     grep -q "\"$word\":" "$dir/out" || fail "JSON of train lacks $word"
 done
 
@@ -64,7 +62,7 @@ check_rows score
 "$NQM_TOOL" convert lambert:kd=.2 --format npy -o "$dir/table.npy" 2>"$dir/err"
 run 0 load "$dir/table.npy" --quick --json
 check_rows load
-for word in '"subject": "table.npy"' '"megabytes": 1.19' '"name": "to samples"' '"subject": "nqm --version"'; do
+for word in '"subject": "table.npy"' '"name": "to samples"' '"subject": "nqm --version"'; do
     grep -q "$word" "$dir/out" || fail "JSON of load lacks $word"
 done
 run 3 load "$dir/nowhere.bsdf" --quick

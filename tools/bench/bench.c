@@ -63,10 +63,9 @@ nqm_status nqm_bench_create(const nqm_bench_options *options, nqm_bench **bench_
         return status;
     }
     nqm_bench_add_units(bench);
-    for (size_t threads = 1; threads <= (size_t)omp_get_max_threads(); threads *= 2)
-        for (size_t i = 0; i < NQM_BENCH_LEVELS; ++i)
-            if (nqm_bench_level_bytes(i, threads))
-                nqm_bench_read_meter(bench, nqm_bench_level_bytes(i, threads), threads);
+    for (size_t i = 0; i < NQM_BENCH_LEVELS; ++i)
+        if (nqm_bench_level_bytes(i))
+            nqm_bench_read_meter(bench, nqm_bench_level_bytes(i));
     *bench_ret = bench;
     return NQM_OK;
 }
@@ -83,11 +82,12 @@ void nqm_bench_free(nqm_bench *bench) {
 
 /* ---- rows -------------------------------------------------------------------------------------------------------- */
 
-nqm_bench_entry nqm_bench_entry_make(const char *bench_name, const char *name) {
-    return (nqm_bench_entry){.row = json_pack("{s:s,s:s,s:s,s:s,s:i}", "bench", bench_name, "name", name, "by", "nqm",
+nqm_bench_entry nqm_bench_entry_make(const char *bench_name, const char *name, void (*run)(void *user), void *user) {
+    return (nqm_bench_entry){.run = run,
+                             .user = user,
+                             .row = json_pack("{s:s,s:s,s:s,s:s,s:i}", "bench", bench_name, "name", name, "by", "nqm",
                                               "kernels", nqm_kernels_selected(), "threads", omp_get_max_threads()),
                              .peak = NQM_METER_NONE,
-                             .peak_f32 = NQM_METER_NONE,
                              .read = NQM_METER_NONE};
 }
 
@@ -105,12 +105,11 @@ void nqm_bench_entry_work(nqm_bench *bench, nqm_bench_entry *entry, nqm_precisio
     nqm_bench_text(entry, "precision", nqm_precision_name(precision));
     entry->gflop = 1e-9 * flop;
     entry->peak = nqm_bench_peak_meter(bench, precision);
-    entry->peak_f32 = precision == NQM_PRECISION_BF16 ? nqm_bench_peak_meter(bench, NQM_PRECISION_F32) : NQM_METER_NONE;
 }
 
 void nqm_bench_entry_reading(nqm_bench *bench, nqm_bench_entry *entry, size_t n_bytes) {
     entry->megabytes = 1e-6 * (double)n_bytes;
-    entry->read = nqm_bench_read_meter(bench, n_bytes, (size_t)omp_get_max_threads());
+    entry->read = nqm_bench_read_meter(bench, n_bytes);
 }
 
 nqm_status nqm_bench_add(nqm_bench *bench, const nqm_bench_entry *entry, nqm_error *err) {
@@ -135,7 +134,6 @@ static void complete(const nqm_bench *bench, nqm_bench_entry *e) {
     double arithmetic = NAN, reading = NAN;
     nqm_bench_number(e, "seconds", e->best);
     nqm_bench_number(e, "seconds_median", e->median);
-    nqm_bench_number(e, "seconds_worst", e->worst);
     if (strcmp(json_string_value(json_object_get(e->row, "bench")), "score") == 0)
         nqm_bench_number(e, "ms_per_pair", 1e3 * e->best / (double)count_of(e, "batch"));
     nqm_bench_number(e, "gflop", e->gflop);
@@ -146,11 +144,8 @@ static void complete(const nqm_bench *bench, nqm_bench_entry *e) {
         const nqm_bench_meter *meter = &bench->meter[e->peak];
         nqm_bench_text(e, "unit", meter->unit->name);
         nqm_bench_number(e, "peak_gflops", nqm_bench_meter_peak(meter));
-        nqm_bench_number(e, "peak_median_gflops", nqm_bench_meter_median(meter));
         arithmetic = e->gflop / nqm_bench_meter_peak(meter);
     }
-    if (e->peak_f32 != NQM_METER_NONE) /* if bf16 is slower than float, that is a shorter limit */
-        nqm_bench_number(e, "floor_f32_seconds", e->gflop / nqm_bench_meter_peak(&bench->meter[e->peak_f32]));
     if (e->read != NQM_METER_NONE) {
         const double peak = nqm_bench_meter_peak(&bench->meter[e->read]);
         nqm_bench_number(e, "peak_gb_per_s", peak);
@@ -176,13 +171,10 @@ static json_t *peak_row(const nqm_bench_unit *unit, const nqm_bench_meter *meter
         nqm_bench_text(&e, "precision", nqm_precision_name(unit->precision));
     }
     if (meter) {
-        const double peak = nqm_bench_meter_peak(meter), median = nqm_bench_meter_median(meter);
-        nqm_bench_count(&e, "threads", meter->threads);
+        nqm_bench_count(&e, "threads", (size_t)omp_get_max_threads());
         nqm_bench_count(&e, "rounds", meter->n_samples);
         nqm_bench_number(&e, "megabytes", 1e-6 * (double)meter->bytes);
-        nqm_bench_number(&e, unit ? "gflops" : "gb_per_s", peak);
-        nqm_bench_number(&e, unit ? "peak_gflops" : "peak_gb_per_s", peak);
-        nqm_bench_number(&e, unit ? "peak_median_gflops" : "median_gb_per_s", median);
+        nqm_bench_number(&e, unit ? "peak_gflops" : "peak_gb_per_s", nqm_bench_meter_peak(meter));
     }
     return e.row;
 }
@@ -219,12 +211,12 @@ typedef struct duration {
     double clock, cpu;
 } duration;
 
-static duration time_calls(const nqm_bench_contender *c, bool quick) {
+static duration time_calls(const nqm_bench_entry *e, bool quick) {
     const double round_s = quick ? 1e-3 : 1e-2; /* shortest time of a round */
     size_t n = 0;
     double cpu_begin = nqm_bench_process_clock_s(), begin = nqm_clock_s(), now;
     do {
-        c->run(c->user);
+        e->run(e->user);
         ++n;
         now = nqm_clock_s();
     } while (now - begin < round_s);
@@ -239,24 +231,22 @@ static nqm_status add_times(nqm_bench *bench, const nqm_bench_entry *entry, size
     nqm_bench_count(&timed, "rounds", n);
     timed.median = nqm_quantile(n, seconds, 0.5);
     timed.best = seconds[0]; /* sorted now */
-    timed.worst = seconds[n - 1];
     timed.cpu_share = nqm_mean(n, cpu_s) / nqm_mean(n, seconds) / threads;
     timed.cpu = nqm_quantile(n, cpu_s, 0) / threads;
     return nqm_bench_add(bench, &timed, err);
 }
 
-nqm_status nqm_bench_race(nqm_bench *bench, size_t n, const nqm_bench_contender *contenders,
-                          const nqm_bench_entry *entries, nqm_error *err) {
+nqm_status nqm_bench_race(nqm_bench *bench, size_t n, const nqm_bench_entry *entries, nqm_error *err) {
     const size_t rounds = bench->options.rounds;
     double *seconds = nqm_alloc(2 * n * rounds, sizeof *seconds);
     if (!seconds)
         return nqm_fail_nomem(err, 2 * n * rounds * sizeof *seconds);
     double *cpu_s = seconds + n * rounds;
     for (size_t i = 0; i < n; ++i)
-        contenders[i].run(contenders[i].user); /* warm up */
+        entries[i].run(entries[i].user); /* warm up */
     for (size_t round = 0; round < rounds; ++round)
         for (size_t i = 0; i < n; ++i) {
-            const duration d = time_calls(&contenders[i], bench->options.quick);
+            const duration d = time_calls(&entries[i], bench->options.quick);
             seconds[i * rounds + round] = d.clock;
             cpu_s[i * rounds + round] = d.cpu;
             nqm_bench_sample(bench, entries[i].peak);

@@ -4,7 +4,7 @@
  * measured between the timings, so that each result has a limit from the same minutes.
  *
  * Other programs only ever make a timing longer. Each result is therefore timed in several rounds, in turns with the
- * others; the best round counts, and median and worst round show how busy the machine was.
+ * others; the best round counts, and the median shows how busy the machine was.
  */
 #ifndef NQM_BENCH_BENCH_H
 #define NQM_BENCH_BENCH_H
@@ -19,8 +19,8 @@
 
 /** Caches whose size the system knows, and memory: L1, L2, L3, memory. */
 enum { NQM_BENCH_LEVELS = 4, NQM_BENCH_MEMORY = 256000000 };
-/** Size of an array that fits into a level with `threads` threads, half of it, and not into the one before; bytes; 0: unknown. */
-size_t nqm_bench_level_bytes(size_t level, size_t threads);
+/** Size of an array that fits into a level with all threads, half of it, and not into the one before; bytes; 0: unknown. */
+size_t nqm_bench_level_bytes(size_t level);
 /** Facts about the machine and this build, for the results. */
 json_t *nqm_bench_machine(void);
 /** Restart the measurement of the largest resident memory, where the system can (Linux). */
@@ -60,9 +60,8 @@ void nqm_bench_free(nqm_bench *bench);
 /** A benchmark, which adds its rows. */
 typedef nqm_status nqm_bench_fn(nqm_bench *bench, nqm_error *err);
 
-/** The matrix products of the networks of `paper` and `default`: each hidden layer forward, the gradient of its input and of
- *  its weights, with the selected kernels (nqm_kernels_select()) and with oneDNN. Batch 512; forward also 180 and 1. Quick:
- *  layer 3 only. */
+/** The matrix products of layers 1 and 2 of the network of `paper` for a batch of 512: forward, and the gradient of the
+ *  weights, with the selected kernels (nqm_kernels_select()) and with oneDNN. Quick: layer 2 only. */
 NQM_MUST_CHECK nqm_bench_fn nqm_bench_gemm;
 /** nqm_train() on a generated dataset of the paper's size: 5,344 training and 668 validation pairs under the recipe "paper".
  *  One row for each seed and precision. Median and worst time are those of the epochs times their number. Quick: a
@@ -101,12 +100,11 @@ uint64_t nqm_bench_read(size_t n_bytes, const void *data);
 
 enum { NQM_METER_NONE = -1, NQM_MAX_METERS = 128, NQM_METER_SAMPLES = 512 };
 
-/** A rate of the machine that is sampled repeatedly: operations or bytes per nanosecond. */
+/** A rate of all threads that is sampled repeatedly: operations or bytes per nanosecond. */
 typedef struct nqm_bench_meter {
     const nqm_bench_unit *unit; /* arithmetic unit that is measured; NULL: reading is measured */
     size_t bytes;               /* size of the array that is read */
-    size_t threads;
-    size_t steps; /* per timing */
+    size_t steps;               /* per timing */
     double best;
     double sample[NQM_METER_SAMPLES]; /* ring buffer of the latest ones */
     size_t n_samples;                 /* ever taken */
@@ -114,13 +112,15 @@ typedef struct nqm_bench_meter {
 
 /** A result. Unknown numbers are 0. */
 typedef struct nqm_bench_entry {
-    json_t *row;                /* what was timed: texts and counts; nqm_bench_finish() adds the numbers */
-    double gflop;               /* 1e9 operations of a call; a multiplication and an addition are two */
-    double megabytes;           /* data that a call must read, 1e6 bytes */
-    double best, median, worst; /* times of the rounds, seconds */
-    double cpu;               /* least processor time of a round / threads, seconds: other programs hardly change it */
-    double cpu_share;         /* processor time / (time * threads); below 1: waiting, or other programs ran */
-    int peak, peak_f32, read; /* meters, or NQM_METER_NONE */
+    void (*run)(void *user); /* what nqm_bench_race() times */
+    void *user;
+    json_t *row;         /* texts and counts that describe it; nqm_bench_finish() adds the numbers */
+    double gflop;        /* 1e9 operations of a call; a multiplication and an addition are two */
+    double megabytes;    /* data that a call must read, 1e6 bytes */
+    double best, median; /* times of the rounds, seconds */
+    double cpu;          /* least processor time of a round / threads, seconds: other programs hardly change it */
+    double cpu_share;    /* processor time / (time * threads); below 1: waiting, or other programs ran */
+    int peak, read;      /* meters, or NQM_METER_NONE */
 } nqm_bench_entry;
 
 struct nqm_bench {
@@ -133,36 +133,28 @@ struct nqm_bench {
     size_t n_entries;
 };
 
-/** Make a meter on all threads for each unit that this processor has. */
+/** Make a meter for each unit that this processor has. */
 void nqm_bench_add_units(nqm_bench *bench);
 /** The meter of the quickest unit that can compute products of factors of a precision: a unit with wider factors can. */
 int nqm_bench_peak_meter(const nqm_bench *bench, nqm_precision precision);
 /** The meter of reading an array of n_bytes repeatedly. */
-int nqm_bench_read_meter(nqm_bench *bench, size_t n_bytes, size_t threads);
+int nqm_bench_read_meter(nqm_bench *bench, size_t n_bytes);
 /** Sample a meter for a few milliseconds; NQM_METER_NONE is allowed. */
 void nqm_bench_sample(nqm_bench *bench, int which);
 /** The peak: the best sample of reading, the 90th percentile of arithmetic. */
 double nqm_bench_meter_peak(const nqm_bench_meter *meter);
-double nqm_bench_meter_median(const nqm_bench_meter *meter);
 /** Allocate the array of the reading meters, if it is not there; free it while a benchmark measures its own memory. */
 NQM_MUST_CHECK nqm_status nqm_bench_take_memory(nqm_bench *bench, nqm_error *err);
 void nqm_bench_release_memory(nqm_bench *bench);
 
 /* ---- timings and rows (bench.c) ---------------------------------------------------------------------------------- */
 
-/** One of several implementations that are timed in turns. */
-typedef struct nqm_bench_contender {
-    void (*run)(void *user);
-    void *user;
-} nqm_bench_contender;
-
-/** Time n contenders in turns, sample the meters of their entries in between, and add a row for each. entries (n): all
- *  but the times; takes their rows. NQM_ERR_NOMEM. */
-NQM_MUST_CHECK nqm_status nqm_bench_race(nqm_bench *bench, size_t n, const nqm_bench_contender *contenders,
-                                         const nqm_bench_entry *entries, nqm_error *err);
+/** Time n entries in turns, sample their meters in between, and add a row for each. entries (n): all but the times; takes
+ *  their rows. NQM_ERR_NOMEM. */
+NQM_MUST_CHECK nqm_status nqm_bench_race(nqm_bench *bench, size_t n, const nqm_bench_entry *entries, nqm_error *err);
 /** An entry for our own code with the selected kernels on all threads. */
-nqm_bench_entry nqm_bench_entry_make(const char *bench_name, const char *name);
-/** Set precision and operations of an entry, and its meters of arithmetic. */
+nqm_bench_entry nqm_bench_entry_make(const char *bench_name, const char *name, void (*run)(void *user), void *user);
+/** Set precision and operations of an entry, and its meter of arithmetic. */
 void nqm_bench_entry_work(nqm_bench *bench, nqm_bench_entry *entry, nqm_precision precision, double flop);
 /** Set the bytes that each call must read, and the meter of reading. */
 void nqm_bench_entry_reading(nqm_bench *bench, nqm_bench_entry *entry, size_t n_bytes);

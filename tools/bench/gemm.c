@@ -1,29 +1,25 @@
 /* SPDX-License-Identifier: MIT
  *
- * The matrix products of the networks: layers forward, the gradient of their input and of their weights, from packed
- * panels as in training and scoring, compared with oneDNN's.
+ * The matrix products of the networks: layers forward, and the gradient of their weights, from packed panels as in
+ * training and scoring, compared with oneDNN's.
  */
 #include "bench/bench.h"
 #include "kernel/panel.h"
 
 #include <string.h>
 
-/* Layer 1 of both networks, and the layers of equal size. The last layer has one output: no matrix product. */
+enum { BATCH = 512 };
+
+/* Layer 1 of `paper`, and a layer that all networks have. */
 static const struct {
     const char *model;
     size_t layer, in, out;
-} layers[] = {{"paper", 1, 3000, 1024},
-              {"default", 1, 4500 + NQM_SCALAR_COUNT, 1024},
-              {"both", 2, 1024, 716},
-              {"both", 3, 716, 501}};
-
-typedef enum pass_kind { FORWARD, INPUT_GRADIENT, WEIGHT_GRADIENT, N_PASSES } pass_kind;
-static const char *const pass_names[] = {"forward", "input gradient", "weight gradient"};
+} layers[] = {{"paper", 1, 3000, 1024}, {"both", 2, 1024, 716}};
 
 /* A product in a precision, C (m, n) = A (m, k) B (k, n), with its buffers. */
 typedef struct job {
     nqm_precision precision;
-    pass_kind pass;
+    bool is_gradient; /* of the weights */
     size_t m, n, k;
     float *x, *w, *c;     /* A or its transpose, which owns the block of all arrays; B or its transpose, row-major; C */
     nqm_panels panels;    /* B; the gradient */
@@ -116,7 +112,7 @@ static nqm_status pack_right(job *j, nqm_error *err) {
 }
 
 static nqm_status make_job(job *j, nqm_error *err) {
-    const bool gradient = j->pass == WEIGHT_GRADIENT;
+    const bool gradient = j->is_gradient;
     nqm_status status =
         nqm_panels_create(gradient ? NQM_PRECISION_F32 : j->precision, gradient ? j->m : j->k, j->n, &j->panels, err);
     if (status == NQM_OK)
@@ -145,59 +141,45 @@ static nqm_status make_job(job *j, nqm_error *err) {
     return status;
 }
 
-static nqm_status race_job(nqm_bench *bench, job *j, size_t layer, size_t batch, nqm_error *err) {
-    nqm_bench_entry entries[2] = {nqm_bench_entry_make("gemm", pass_names[j->pass])};
+static nqm_status race_job(nqm_bench *bench, job *j, size_t layer, nqm_error *err) {
+    nqm_bench_entry entries[2] = {j->is_gradient ? nqm_bench_entry_make("gemm", "weight gradient", run_gradient, j)
+                                                 : nqm_bench_entry_make("gemm", "forward", run_product, j)};
     nqm_bench_text(&entries[0], "model", layers[layer].model);
     nqm_bench_count(&entries[0], "layer", layers[layer].layer);
-    nqm_bench_count(&entries[0], "batch", batch);
+    nqm_bench_count(&entries[0], "batch", BATCH);
     nqm_bench_count(&entries[0], "m", j->m);
     nqm_bench_count(&entries[0], "n", j->n);
     nqm_bench_count(&entries[0], "k", j->k);
     nqm_bench_entry_work(bench, &entries[0], j->precision, 2.0 * (double)j->m * (double)j->n * (double)j->k);
-    if (batch == 1)
-        nqm_bench_entry_reading(bench, &entries[0],
-                                j->panels.n_panels * j->panels.stride * NQM_PANEL * sizeof(uint32_t));
-    const nqm_bench_contender contenders[] = {{j->pass == WEIGHT_GRADIENT ? run_gradient : run_product, j},
-                                              {nqm_bench_onednn_run, j->onednn}};
     if (j->onednn) {
         entries[1] = entries[0];
+        entries[1].run = nqm_bench_onednn_run;
+        entries[1].user = j->onednn;
         entries[1].row = json_copy(entries[0].row);
         nqm_bench_text(&entries[1], "by", "onednn");
     }
-    return nqm_bench_race(bench, j->onednn ? 2 : 1, contenders, entries, err);
+    return nqm_bench_race(bench, j->onednn ? 2 : 1, entries, err);
 }
 
-static nqm_status bench_product(nqm_bench *bench, size_t layer, pass_kind pass, nqm_precision precision, size_t batch,
+static nqm_status bench_product(nqm_bench *bench, size_t layer, bool is_gradient, nqm_precision precision,
                                 nqm_error *err) {
-    const size_t in = layers[layer].in, out = layers[layer].out;
-    job j = {.precision = precision, .pass = pass};
-    j.m = pass == WEIGHT_GRADIENT ? in : batch;
-    j.n = pass == INPUT_GRADIENT ? in : out;
-    j.k = pass == FORWARD ? in : pass == INPUT_GRADIENT ? out : batch;
+    const size_t in = layers[layer].in;
+    job j = {.precision = precision, .is_gradient = is_gradient, .n = layers[layer].out};
+    j.m = is_gradient ? in : BATCH;
+    j.k = is_gradient ? BATCH : in;
     nqm_status status = make_job(&j, err);
     if (status == NQM_OK)
-        status = race_job(bench, &j, layer, batch, err);
+        status = race_job(bench, &j, layer, err);
     free_job(&j);
     return status;
 }
 
-/* Layer 1 needs no gradient of its input; batches other than 512 are for scoring, in float. */
-static bool is_needed(const nqm_bench *bench, size_t layer, pass_kind pass, nqm_precision precision, size_t batch) {
-    if (pass == INPUT_GRADIENT && layers[layer].layer == 1)
-        return false;
-    if (!nqm_bench_has_precision(bench, precision) || (bench->options.quick && layers[layer].layer != 3))
-        return false;
-    return batch == 512 || (pass == FORWARD && precision == NQM_PRECISION_F32);
-}
-
 nqm_status nqm_bench_gemm(nqm_bench *bench, nqm_error *err) {
-    static const size_t batches[] = {512, 180, 1};
     nqm_status status = NQM_OK;
-    for (size_t b = 0; b < 3; ++b)
-        for (size_t layer = 0; layer < sizeof layers / sizeof *layers; ++layer)
-            for (pass_kind pass = FORWARD; pass < N_PASSES; ++pass)
-                for (nqm_precision p = NQM_PRECISION_F32; p <= NQM_PRECISION_BF16 && status == NQM_OK; ++p)
-                    if (is_needed(bench, layer, pass, p, batches[b]))
-                        status = bench_product(bench, layer, pass, p, batches[b], err);
+    for (size_t layer = bench->options.quick ? 1 : 0; layer < sizeof layers / sizeof *layers; ++layer)
+        for (int is_gradient = 0; is_gradient < 2; ++is_gradient)
+            for (nqm_precision p = NQM_PRECISION_F32; p <= NQM_PRECISION_BF16 && status == NQM_OK; ++p)
+                if (nqm_bench_has_precision(bench, p))
+                    status = bench_product(bench, layer, is_gradient, p, err);
     return status;
 }

@@ -8,7 +8,6 @@
 #include <fcntl.h>
 #include <spawn.h>
 #include <string.h>
-#include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -33,13 +32,10 @@ static void run_load(void *user) {
 
 static nqm_status bench_file(nqm_bench *bench, load_job *job, nqm_error *err) {
     const char *slash = strrchr(job->path, '/');
-    struct stat facts;
-    nqm_bench_entry entry = nqm_bench_entry_make("load", "to samples");
+    nqm_bench_entry entry = nqm_bench_entry_make("load", "to samples", run_load, job);
     nqm_bench_count(&entry, "threads", 1);
     nqm_bench_text(&entry, "subject", slash ? slash + 1 : job->path);
-    if (stat(job->path, &facts) == 0)
-        entry.megabytes = 1e-6 * (double)facts.st_size;
-    nqm_status status = nqm_bench_race(bench, 1, &(nqm_bench_contender){run_load, job}, &entry, err);
+    nqm_status status = nqm_bench_race(bench, 1, &entry, err);
     if (status == NQM_OK && job->status != NQM_OK) {
         status = job->status;
         if (err)
@@ -85,9 +81,9 @@ static nqm_status bench_commands(nqm_bench *bench, nqm_error *err) {
     static const char *const names[] = {"nqm --version", "nqm score sgd:nickel ward:nickel"};
     nqm_status status = NQM_OK;
     for (size_t i = 0; i < 2 && status == NQM_OK; ++i) {
-        nqm_bench_entry entry = nqm_bench_entry_make("load", "start to end");
+        nqm_bench_entry entry = nqm_bench_entry_make("load", "start to end", run_command, &jobs[i]);
         nqm_bench_text(&entry, "subject", names[i]);
-        status = nqm_bench_race(bench, 1, &(nqm_bench_contender){run_command, &jobs[i]}, &entry, err);
+        status = nqm_bench_race(bench, 1, &entry, err);
         if (status == NQM_OK && jobs[i].failed)
             status =
                 nqm_fail(err, NQM_ERR_IO, -1, "%s: '%s' failed: build the tool beside this program", tool, names[i]);

@@ -55,21 +55,18 @@
 /* NOLINTEND(bugprone-macro-parentheses) */
 
 typedef float vector_4f __attribute__((vector_size(16), may_alias, aligned(4)));
+#define LOAD_128(p)         (*(const vector_4f *)(const void *)(p))
+#define STEP_128(sum, x, y) ((sum) * (x) + (y))
+DEFINE_PEAK(peak_f32_any, ANY_TARGET, 12, vector_4f, LOAD_128, STEP_128)
 DEFINE_READ(read_generic, ANY_TARGET, 16)
 
 #if defined __x86_64__
-#define LOAD_SCALAR(p)         _mm_load_ss((const float *)(const void *)(p))
-#define STEP_SCALAR(sum, x, y) _mm_add_ss(_mm_mul_ss(sum, x), y)
-#define LOAD_128(p)            (*(const vector_4f *)(const void *)(p))
-#define STEP_SSE2(sum, x, y)   ((sum) * (x) + (y))
 #define LOAD_256(p)            _mm256_loadu_ps((const float *)(const void *)(p))
 #define STEP_AVX2(sum, x, y)   _mm256_fmadd_ps(sum, x, y)
 #define LOAD_512(p)            _mm512_loadu_ps(p)
 #define STEP_AVX512(sum, x, y) _mm512_fmadd_ps(sum, x, y)
 #define STEP_BF16(sum, x, y)   _mm512_dpbf16_ps(sum, (__m512bh)(x), (__m512bh)(y))
 #define AVX512                 "avx512f,avx512bw,avx512dq,avx512vl"
-DEFINE_PEAK(peak_f32_scalar, ANY_TARGET, 12, __m128, LOAD_SCALAR, STEP_SCALAR)
-DEFINE_PEAK(peak_f32_sse2, ANY_TARGET, 12, vector_4f, LOAD_128, STEP_SSE2)
 DEFINE_PEAK(peak_f32_avx2, FOR("avx2,fma"), 12, __m256, LOAD_256, STEP_AVX2)
 DEFINE_PEAK(peak_f32_avx512, FOR(AVX512), 24, __m512, LOAD_512, STEP_AVX512)
 DEFINE_PEAK(peak_bf16_avx512, FOR(AVX512 ",avx512bf16"), 24, __m512, LOAD_512, STEP_BF16)
@@ -92,10 +89,6 @@ static bool has_avx512_bf16(void) {
 #define LOAD_NEON(p)         vld1q_f32((const float *)(const void *)(p))
 #define STEP_NEON(sum, x, y) vfmaq_f32(y, sum, x)
 DEFINE_PEAK(peak_f32_neon, ANY_TARGET, 24, float32x4_t, LOAD_NEON, STEP_NEON)
-#else
-#define LOAD_128(p)         (*(const vector_4f *)(const void *)(p))
-#define STEP_ANY(sum, x, y) ((sum) * (x) + (y))
-DEFINE_PEAK(peak_f32_any, ANY_TARGET, 12, vector_4f, LOAD_128, STEP_ANY)
 #endif
 
 static bool always(void) {
@@ -104,16 +97,13 @@ static bool always(void) {
 
 /* Operations of a step: 2 for each multiply-add, accumulators, lanes; a lane of a dot product has 2 factors. */
 const nqm_bench_unit nqm_bench_units[] = {
+    {"128-bit multiply, add", NQM_PRECISION_F32, always, peak_f32_any, 2 * 12 * 4},
 #if defined __x86_64__
-    {"SSE scalar multiply, add", NQM_PRECISION_F32, always, peak_f32_scalar, 2 * 12},
-    {"SSE2 multiply, add", NQM_PRECISION_F32, always, peak_f32_sse2, 2 * 12 * 4},
     {"AVX2 FMA", NQM_PRECISION_F32, has_avx2, peak_f32_avx2, 2 * 12 * 8},
     {"AVX-512 FMA", NQM_PRECISION_F32, has_avx512, peak_f32_avx512, 2 * 24 * 16},
     {"AVX512-BF16 VDPBF16PS", NQM_PRECISION_BF16, has_avx512_bf16, peak_bf16_avx512, 2 * 24 * 32},
 #elif defined __aarch64__
     {"NEON FMA", NQM_PRECISION_F32, always, peak_f32_neon, 2 * 24 * 4},
-#else
-    {"multiply, add", NQM_PRECISION_F32, always, peak_f32_any, 2 * 12 * 4},
 #endif
     {0},
 };

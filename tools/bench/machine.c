@@ -6,9 +6,7 @@
 
 #include <math.h>
 #include <omp.h>
-#include <stdlib.h>
 #include <string.h>
-#include <sys/utsname.h>
 #include <unistd.h>
 
 /* The value of the first line "key : value" of a file of the system; "" when there is none. */
@@ -45,9 +43,10 @@ static size_t cache_bytes(size_t level) {
     return n_bytes > 0 ? (size_t)n_bytes : 0;
 }
 
-size_t nqm_bench_level_bytes(size_t level, size_t threads) {
+size_t nqm_bench_level_bytes(size_t level) {
     if (level == NQM_BENCH_LEVELS - 1)
         return NQM_BENCH_MEMORY;
+    const size_t threads = (size_t)omp_get_max_threads();
     const bool is_shared = level == 2; /* L1 and L2 belong to one core */
     const size_t n_bytes = cache_bytes(level) / 2 * (is_shared ? 1 : threads);
     return n_bytes > (level ? cache_bytes(level - 1) * threads : 0) ? n_bytes : 0;
@@ -71,53 +70,30 @@ double nqm_bench_peak_memory_mb(void) {
 
 /* ---- for the results -----------------------------------------------------------------------------------------------*/
 
-/* The user's OpenMP settings, because small batches are much slower with OMP_WAIT_POLICY=passive. */
-static json_t *openmp_json(void) {
-    static const char *const names[] = {"OMP_NUM_THREADS", "OMP_PROC_BIND", "OMP_WAIT_POLICY"};
-    json_t *openmp = json_object();
-    for (size_t i = 0; i < sizeof names / sizeof *names; ++i) {
-        const char *value = getenv(names[i]);
-        if (value)
-            json_object_set_new(openmp, names[i], json_string(value));
-    }
-    return openmp;
-}
-
 /* Vendor, family, model and stepping, which tell processors of the same name apart. */
 static json_t *cpu_id_json(void) {
-    static const char *const keys[] = {"vendor_id", "cpu family", "model\t", "stepping"}, *const names[] = {
-                                                                                              "vendor", "family",
-                                                                                              "model", "stepping"};
+    static const char *const keys[][2] = {
+        {"vendor", "vendor_id"}, {"family", "cpu family"}, {"model", "model\t"}, {"stepping", "stepping"}};
     json_t *id = json_object();
     for (size_t i = 0; i < sizeof keys / sizeof *keys; ++i) {
         char value[80];
-        read_value("/proc/cpuinfo", keys[i], value, sizeof value);
-        json_object_set_new(id, names[i], json_string(value));
+        read_value("/proc/cpuinfo", keys[i][1], value, sizeof value);
+        json_object_set_new(id, keys[i][0], json_string(value));
     }
     return id;
 }
 
 /* From the operating system, where it provides them; 0 or "": unknown. */
 json_t *nqm_bench_machine(void) {
-    char cpu[200], mhz_text[40], system_text[200] = "";
-    const char *end;
-    double mhz, load;
-    struct utsname names;
+    char cpu[200];
+    double load;
     json_t *caches = json_array();
     read_value("/proc/cpuinfo", "model name", cpu, sizeof cpu);
-    read_value("/proc/cpuinfo", "cpu MHz", mhz_text, sizeof mhz_text);
-    if (!nqm_parse_double(mhz_text, &end, &mhz))
-        mhz = 0;
-    if (uname(&names) == 0)
-        snprintf(system_text, sizeof system_text, "%.60s %.60s %.60s", names.sysname, names.release, names.machine);
     for (size_t level = 0; level + 1 < NQM_BENCH_LEVELS; ++level)
         json_array_append_new(caches, json_integer((json_int_t)(cache_bytes(level) / 1024)));
-    const long pages = sysconf(_SC_PHYS_PAGES), page = sysconf(_SC_PAGESIZE);
     if (getloadavg(&load, 1) != 1)
         load = 0;
-    return json_pack("{s:o,s:o,s:o,s:s,s:i,s:i,s:f,s:o,s:f,s:f,s:s,s:s,s:o}", "cpu", json_string(cpu), "cpu_id",
-                     cpu_id_json(), "system", json_string(system_text), "compiler", __VERSION__, "cores",
-                     omp_get_num_procs(), "threads", omp_get_max_threads(), "mhz", mhz, "cache_kib", caches,
-                     "memory_mb", pages > 0 && page > 0 ? 1e-6 * (double)pages * (double)page : 0, "load_average", load,
-                     "kernels", nqm_kernels_selected(), "build", nqm_build_info(), "openmp", openmp_json());
+    return json_pack("{s:o,s:o,s:s,s:i,s:i,s:o,s:f,s:s}", "cpu", json_string(cpu), "cpu_id", cpu_id_json(), "compiler",
+                     __VERSION__, "cores", omp_get_num_procs(), "threads", omp_get_max_threads(), "cache_kib", caches,
+                     "load_average", load, "build", nqm_build_info());
 }

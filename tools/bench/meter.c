@@ -30,11 +30,15 @@ static double thread_clock_s(void) {
     return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
 }
 
+static size_t thread_count(void) {
+    return (size_t)omp_get_max_threads();
+}
+
 /* The work of one thread in a timing. */
 static void work(const nqm_bench *bench, const nqm_bench_meter *meter, size_t thread) {
     if (meter->bytes) {
         const size_t n_lines = meter->bytes / READ_BYTES;
-        const size_t first = thread * n_lines / meter->threads, last = (thread + 1) * n_lines / meter->threads;
+        const size_t first = thread * n_lines / thread_count(), last = (thread + 1) * n_lines / thread_count();
         for (size_t i = 0; i < meter->steps; ++i)
             integer_sink = nqm_bench_read((last - first) * READ_BYTES, bench->memory + first * READ_BYTES);
         return;
@@ -51,7 +55,7 @@ static double amount(const nqm_bench_meter *meter) {
     const double steps = 1e-9 * (double)meter->steps;
     if (meter->bytes)
         return steps * (double)meter->bytes;
-    return steps * (double)meter->threads * meter->unit->flop;
+    return steps * (double)thread_count() * meter->unit->flop;
 }
 
 /* A barrier. It spins, because sleeping threads wake up at different times. */
@@ -65,9 +69,9 @@ static void meet(atomic_size_t *n_arrived, size_t n_threads) {
  * clock, because threads share the memory. */
 static double measure(const nqm_bench *bench, const nqm_bench_meter *meter) {
     double begin = INFINITY, end = 0, rate = 0;
-    const double share = amount(meter) / (double)meter->threads;
+    const double share = amount(meter) / (double)thread_count();
     atomic_size_t n_arrived = 0;
-#pragma omp parallel num_threads((int)meter->threads) reduction(min : begin) reduction(max : end) reduction(+ : rate)
+#pragma omp parallel reduction(min : begin) reduction(max : end) reduction(+ : rate)
     {
         meet(&n_arrived, (size_t)omp_get_num_threads());
         const double cpu_begin = thread_clock_s();
@@ -100,16 +104,14 @@ void nqm_bench_sample(nqm_bench *bench, int which) {
     }
 }
 
-static int new_meter(nqm_bench *bench, const nqm_bench_meter *facts) {
-    for (int i = 0; i < bench->n_meters; ++i) {
-        const nqm_bench_meter *old = &bench->meter[i];
-        if (old->unit == facts->unit && old->bytes == facts->bytes && old->threads == facts->threads)
+static int new_meter(nqm_bench *bench, const nqm_bench_unit *unit, size_t n_bytes) {
+    for (int i = 0; i < bench->n_meters; ++i)
+        if (bench->meter[i].unit == unit && bench->meter[i].bytes == n_bytes)
             return i;
-    }
     if (bench->n_meters == NQM_MAX_METERS)
         return NQM_METER_NONE;
     nqm_bench_meter *meter = &bench->meter[bench->n_meters];
-    *meter = *facts;
+    *meter = (nqm_bench_meter){.unit = unit, .bytes = n_bytes};
     calibrate(bench, meter);
     nqm_bench_sample(bench, bench->n_meters);
     return bench->n_meters++;
@@ -118,7 +120,7 @@ static int new_meter(nqm_bench *bench, const nqm_bench_meter *facts) {
 void nqm_bench_add_units(nqm_bench *bench) {
     for (const nqm_bench_unit *unit = nqm_bench_units; unit->name; ++unit)
         if (unit->is_available())
-            new_meter(bench, &(nqm_bench_meter){.unit = unit, .threads = (size_t)omp_get_max_threads()});
+            new_meter(bench, unit, 0);
 }
 
 int nqm_bench_peak_meter(const nqm_bench *bench, nqm_precision precision) {
@@ -133,30 +135,20 @@ int nqm_bench_peak_meter(const nqm_bench *bench, nqm_precision precision) {
     return best;
 }
 
-int nqm_bench_read_meter(nqm_bench *bench, size_t n_bytes, size_t threads) {
-    if (n_bytes > bench->memory_bytes)
-        n_bytes = bench->memory_bytes;
-    if (n_bytes < READ_BYTES * threads)
-        return NQM_METER_NONE;
-    const nqm_bench_meter facts = {.bytes = n_bytes / READ_BYTES * READ_BYTES, .threads = threads};
-    return new_meter(bench, &facts);
-}
-
-static double quantile(const nqm_bench_meter *meter, double q) {
-    double sorted[NQM_METER_SAMPLES];
-    size_t n = meter->n_samples < NQM_METER_SAMPLES ? meter->n_samples : NQM_METER_SAMPLES;
-    memcpy(sorted, meter->sample, n * sizeof *sorted);
-    return nqm_quantile(n, sorted, q);
-}
-
-double nqm_bench_meter_median(const nqm_bench_meter *meter) {
-    return quantile(meter, 0.5);
+int nqm_bench_read_meter(nqm_bench *bench, size_t n_bytes) {
+    n_bytes = nqm_smaller(n_bytes, bench->memory_bytes) / READ_BYTES * READ_BYTES;
+    return n_bytes < READ_BYTES * thread_count() ? NQM_METER_NONE : new_meter(bench, NULL, n_bytes);
 }
 
 /* Other programs can only lower rates by the clock. Rates by processor time have errors of both signs, because a
  * hypervisor books stolen time inaccurately. */
 double nqm_bench_meter_peak(const nqm_bench_meter *meter) {
-    return meter->bytes ? meter->best : quantile(meter, 0.9);
+    double sorted[NQM_METER_SAMPLES];
+    const size_t n = nqm_smaller(meter->n_samples, NQM_METER_SAMPLES);
+    if (meter->bytes)
+        return meter->best;
+    memcpy(sorted, meter->sample, n * sizeof *sorted);
+    return nqm_quantile(n, sorted, 0.9);
 }
 
 nqm_status nqm_bench_take_memory(nqm_bench *bench, nqm_error *err) {

@@ -15,9 +15,9 @@ enum { N_REFS = 64, TURNS = 3 /* sets of references, used in turns */, MAX_BATCH
 
 /* Pairs to score, as samples and as inputs of the network. */
 typedef struct material_pairs {
-    size_t n, n_values, stride;
-    float *x;          /* (n, stride), inputs; owns the block of all three */
-    float *ref, *test; /* (n, n_values): pair i has reference i % N_REFS, so that neighbours have different ones */
+    nqm_dataset *samples;
+    size_t stride;
+    float *x; /* (MAX_BATCH + TURNS, stride), inputs */
 } material_pairs;
 
 /* A batch and its results. */
@@ -39,12 +39,14 @@ static void run_network(void *user) {
     nqm_inference_run(j->work, j->batch, p->x + j->turn++ % TURNS * p->stride, p->stride, j->z);
 }
 
-/* The pairs of the next call. */
+/* The pairs of the next call; neighbours have different references. */
 static void take_pairs(job *j, nqm_sample_pair pairs[MAX_BATCH]) {
-    const material_pairs *p = j->pairs;
-    const size_t first = j->turn++ % TURNS;
-    for (size_t i = first; i < first + j->batch; ++i)
-        pairs[i - first] = (nqm_sample_pair){p->ref + i * p->n_values, p->test + i * p->n_values, NULL};
+    const nqm_dataset *d = j->pairs->samples;
+    const size_t first = j->turn++ % TURNS, n_values = 3 * d->n_directions;
+    for (size_t i = first; i < first + j->batch; ++i) {
+        const size_t ref = i % N_REFS, test = ref * (d->n_pairs / d->n_refs) + i / N_REFS;
+        pairs[i - first] = (nqm_sample_pair){d->ref_rgb + ref * n_values, d->test_rgb + test * n_values, NULL};
+    }
 }
 
 static void run_all(void *user) {
@@ -62,27 +64,16 @@ static void run_gradient(void *user) {
 }
 
 static nqm_status make_pairs(material_pairs *p, const nqm_model *model, nqm_error *err) {
-    nqm_dataset *d;
-    nqm_status status = nqm_bench_pairs(N_REFS, model->directions, &d, err);
-    if (status != NQM_OK)
-        return status;
-    const size_t n_in = model->params.shape.sizes[0], n = MAX_BATCH + TURNS;
-    *p = (material_pairs){.n = n, .n_values = 3 * model->directions->n, .stride = nqm_row_stride(n_in)};
-    status =
-        nqm_alloc_arrays(NQM_ARRAYS({&p->x, n, p->stride * sizeof *p->x}, {&p->ref, n, p->n_values * sizeof *p->ref},
-                                    {&p->test, n, p->n_values * sizeof *p->test}),
-                         err);
-    for (size_t i = 0; i < n && status == NQM_OK; ++i) {
-        const size_t ref = i % N_REFS, test = ref * (d->n_pairs / d->n_refs) + i / N_REFS;
-        memcpy(p->ref + i * p->n_values, d->ref_rgb + ref * p->n_values, p->n_values * sizeof *p->ref);
-        memcpy(p->test + i * p->n_values, d->test_rgb + test * p->n_values, p->n_values * sizeof *p->test);
-    }
+    *p = (material_pairs){.stride = nqm_row_stride(model->params.shape.sizes[0])};
+    const size_t n = (MAX_BATCH + TURNS) * p->stride;
+    p->x = nqm_alloc(n, sizeof *p->x);
+    if (!p->x)
+        return nqm_fail_nomem(err, n * sizeof *p->x);
     /* Random inputs: the time of the network does not depend on their values. */
     nqm_rng rng = nqm_rng_make(2, 0);
-    for (size_t i = 0; i < n * p->stride && status == NQM_OK; ++i)
+    for (size_t i = 0; i < n; ++i)
         p->x[i] = (float)nqm_rng_normal(&rng);
-    nqm_dataset_free(d);
-    return status;
+    return nqm_bench_pairs(N_REFS, model->directions, &p->samples, err);
 }
 
 /* ---- timing ------------------------------------------------------------------------------------------------------ */
@@ -98,50 +89,41 @@ static nqm_status make_job(job *j, const nqm_model *model, nqm_error *err) {
     if (status == NQM_OK)
         status = nqm_predictor_create(model, j->batch, &j->predictor, err);
     if (status == NQM_OK && (j->batch == 1 || j->batch == MAX_BATCH)) {
+        const size_t n_values = 3 * j->batch * model->directions->n;
         status = nqm_gradients_create(model, j->batch, &j->gradients, err);
-        j->gradient = nqm_alloc(j->batch * j->pairs->n_values, sizeof *j->gradient);
+        j->gradient = nqm_alloc(n_values, sizeof *j->gradient);
         if (status == NQM_OK && !j->gradient)
-            status = nqm_fail_nomem(err, j->batch * j->pairs->n_values * sizeof *j->gradient);
+            status = nqm_fail_nomem(err, n_values * sizeof *j->gradient);
     }
     return status;
 }
 
 /* passes: 1 for a score; 2 with its gradient, whose backward pass is one product each, too. The work of a batch: multiply-adds, and
  * the bytes of weights and of the transport matrix. */
-static nqm_bench_entry describe(nqm_bench *bench, const nqm_model *model, size_t batch, double passes,
-                                const char *name) {
-    const nqm_net_shape *shape = &model->params.shape;
+static void describe(nqm_bench *bench, const nqm_model *model, const job *j, double passes, nqm_bench_entry *entry) {
     const double n_light = nqm_model_has_network(model) ? 0 : 3 * (double)(model->n_transport * model->n_points);
-    double n_weights = 0;
-    for (size_t l = 0; l < shape->n_layers; ++l)
-        n_weights += (double)shape->sizes[l] * (double)shape->sizes[l + 1];
-    nqm_bench_entry entry = nqm_bench_entry_make("score", name);
-    nqm_bench_text(&entry, "model", model->id);
-    nqm_bench_count(&entry, "batch", batch);
-    nqm_bench_entry_work(bench, &entry, NQM_PRECISION_F32, 2 * passes * (n_weights + 2 * n_light) * (double)batch);
-    nqm_bench_entry_reading(bench, &entry, (size_t)(n_weights + n_light) * sizeof(float));
-    return entry;
+    const double n_weights = (double)nqm_params_count(&model->params.shape);
+    nqm_bench_text(entry, "model", model->id);
+    nqm_bench_count(entry, "batch", j->batch);
+    nqm_bench_entry_work(bench, entry, NQM_PRECISION_F32, 2 * passes * (n_weights + 2 * n_light) * (double)j->batch);
+    nqm_bench_entry_reading(bench, entry, (size_t)(n_weights + n_light) * sizeof(float));
 }
 
 static nqm_status bench_batch(nqm_bench *bench, const nqm_model *model, const material_pairs *pairs, size_t batch,
                               nqm_error *err) {
     job j = {.pairs = pairs, .batch = batch};
-    nqm_bench_contender contenders[3];
     nqm_bench_entry entries[3];
     size_t n = 0;
     nqm_status status = make_job(&j, model, err);
     if (status == NQM_OK) {
-        if (j.work) {
-            contenders[n] = (nqm_bench_contender){run_network, &j};
-            entries[n++] = describe(bench, model, batch, 1, "network");
-        }
-        contenders[n] = (nqm_bench_contender){run_all, &j};
-        entries[n++] = describe(bench, model, batch, 1, "samples to JOD");
-        if (j.gradients) {
-            contenders[n] = (nqm_bench_contender){run_gradient, &j};
-            entries[n++] = describe(bench, model, batch, 2, "samples to JOD and gradient");
-        }
-        status = nqm_bench_race(bench, n, contenders, entries, err);
+        if (j.work)
+            entries[n++] = nqm_bench_entry_make("score", "network", run_network, &j);
+        entries[n++] = nqm_bench_entry_make("score", "samples to JOD", run_all, &j);
+        if (j.gradients)
+            entries[n++] = nqm_bench_entry_make("score", "samples to JOD and gradient", run_gradient, &j);
+        for (size_t i = 0; i < n; ++i)
+            describe(bench, model, &j, entries[i].run == run_gradient ? 2 : 1, &entries[i]);
+        status = nqm_bench_race(bench, n, entries, err);
     }
     nqm_inference_work_free(j.work);
     nqm_predictor_free(j.predictor);
@@ -155,12 +137,12 @@ static nqm_status bench_model(nqm_bench *bench, const nqm_model *model, nqm_erro
     const size_t n_batches = bench->options.quick ? 2 : 4;
     material_pairs pairs;
     nqm_status status = nqm_bench_take_memory(bench, err);
-    if (status == NQM_OK)
-        status = make_pairs(&pairs, model, err);
     if (status != NQM_OK)
         return status;
+    status = make_pairs(&pairs, model, err);
     for (size_t b = 0; b < n_batches && status == NQM_OK; ++b)
         status = bench_batch(bench, model, &pairs, batches[b], err);
+    nqm_dataset_free(pairs.samples);
     nqm_free(pairs.x);
     return status;
 }

@@ -11,23 +11,11 @@
 
 enum { N_REFS = 334, N_REFS_QUICK = 12 };
 
-/* Multiply-adds per pair: forward, and forward with both gradients; layer 1 needs no gradient of its input. */
-typedef struct net_work {
-    double forward, training;
-} net_work;
-
-static net_work count_work(const nqm_train_options *o, size_t n_directions) {
-    size_t in =
-        (o->input.layout == NQM_LAYOUT_REF_TEST ? 6 : 9) * n_directions + (o->input.scalars ? NQM_SCALAR_COUNT : 0);
-    net_work work = {0, 0};
-    for (size_t layer = 0; layer <= o->network.n_hidden; ++layer) {
-        const size_t out = layer < o->network.n_hidden ? o->network.hidden[layer] : 1;
-        const double n = (double)in * (double)out;
-        work.forward += n;
-        work.training += layer == 0 ? 2 * n : 3 * n;
-        in = out;
-    }
-    return work;
+/* Operations of an epoch: a multiply-add for each parameter and pair, forward; and for training pairs in both gradients, but
+ * layer 1 needs no gradient of its input. */
+static double epoch_flop(const nqm_net_shape *shape, const nqm_train_report *report) {
+    const double forward = (double)nqm_params_count(shape), first = (double)shape->sizes[0] * (double)shape->sizes[1];
+    return 2 * ((double)report->n_train * (3 * forward - first) + (double)report->n_validation * forward);
 }
 
 /* Times of the epochs, without those of the samples in between. */
@@ -36,18 +24,14 @@ typedef struct watch {
     nqm_bench_entry *entry;
     double last_s, sampling_s, sampling_cpu_s;
     double *epoch_s; /* (epochs) */
-    double validation_loss, train_loss;
 } watch;
 
 static void end_epoch(void *user, size_t epoch, double train_loss, double validation_loss, double lr_first) {
-    (void)lr_first;
+    (void)train_loss, (void)validation_loss, (void)lr_first;
     watch *w = user;
     const double now = nqm_clock_s(), cpu = nqm_bench_process_clock_s();
     w->epoch_s[epoch - 1] = now - w->last_s;
-    w->train_loss = train_loss;
-    w->validation_loss = validation_loss;
     nqm_bench_sample(w->bench, w->entry->peak);
-    nqm_bench_sample(w->bench, w->entry->peak_f32);
     w->last_s = nqm_clock_s();
     w->sampling_s += w->last_s - now;
     w->sampling_cpu_s += nqm_bench_process_clock_s() - cpu;
@@ -59,7 +43,6 @@ static void fill_entry(nqm_bench_entry *entry, const nqm_train_options *o, const
     const double n = (double)epochs, threads = omp_get_max_threads();
     entry->best = seconds;
     entry->median = n * nqm_quantile(epochs, w->epoch_s, 0.5); /* sorts */
-    entry->worst = n * w->epoch_s[epochs - 1];
     entry->cpu = cpu_s / threads;
     entry->cpu_share = cpu_s / seconds / threads;
     nqm_bench_text(entry, "model", o->recipe);
@@ -68,14 +51,11 @@ static void fill_entry(nqm_bench_entry *entry, const nqm_train_options *o, const
     nqm_bench_count(entry, "seed", (size_t)o->optimiser.seed);
     nqm_bench_count(entry, "pairs", report->n_train);
     nqm_bench_number(entry, "best_epoch_seconds", w->epoch_s[0]);
-    nqm_bench_number(entry, "seconds_100_epochs", epochs == 100 ? 0 : seconds / n * 100);
-    nqm_bench_number(entry, "train_loss", w->train_loss);
-    nqm_bench_number(entry, "validation_loss", w->validation_loss);
+    nqm_bench_number(entry, "validation_loss", report->validation_loss);
 }
 
 static nqm_status train_once(nqm_bench *bench, const nqm_dataset *dataset, nqm_train_options *o, nqm_error *err) {
-    const net_work work = count_work(o, dataset->n_directions);
-    nqm_bench_entry entry = nqm_bench_entry_make("train", "training");
+    nqm_bench_entry entry = nqm_bench_entry_make("train", "training", NULL, NULL);
     watch w = {.bench = bench, .entry = &entry, .epoch_s = nqm_alloc(o->optimiser.epochs, sizeof(double))};
     if (!w.epoch_s)
         return nqm_fail_nomem(err, o->optimiser.epochs * sizeof(double));
@@ -93,8 +73,7 @@ static nqm_status train_once(nqm_bench *bench, const nqm_dataset *dataset, nqm_t
                  cpu_s = nqm_bench_process_clock_s() - cpu_begin - w.sampling_cpu_s;
     nqm_bench_number(&entry, "max_rss_mb", nqm_bench_peak_memory_mb());
     if (status == NQM_OK) {
-        entry.gflop = 2e-9 * (double)o->optimiser.epochs *
-                      ((double)report.n_train * work.training + (double)report.n_validation * work.forward);
+        entry.gflop = 1e-9 * (double)o->optimiser.epochs * epoch_flop(&model->params.shape, &report);
         fill_entry(&entry, o, &report, &w, seconds, cpu_s);
         status = nqm_bench_add(bench, &entry, err);
     } else {
