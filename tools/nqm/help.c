@@ -95,18 +95,26 @@ void each_line(const char *text, void (*fn)(const char *line, size_t n)) {
 
 enum { LEFT_WIDTH = 30, LINE_WIDTH = 110 };
 
-/* Two columns; the lines of `right` end between words, but not after a colon. */
-static void print_columns(const char *left, const char *right) {
-    const size_t room = LINE_WIDTH - LEFT_WIDTH - 1;
-    printf("%-*s", LEFT_WIDTH, left);
-    for (size_t n; strlen(right) > room; right += n + 1) {
-        for (n = room; n > 0 && (right[n] != ' ' || right[n - 1] == ':');)
+/* Lines that end between words, but not after a colon, the second and later ones indented. */
+static void print_filled(int indent, const char *text, size_t n_text) {
+    const size_t room = (size_t)(LINE_WIDTH - indent);
+    for (size_t n; n_text > room; text += n + 1, n_text -= n + 1) {
+        for (n = room; n > 0 && (text[n] != ' ' || text[n - 1] == ':');)
             --n;
         if (n == 0)
             break;
-        printf(" %.*s\n%*s", (int)n, right, LEFT_WIDTH, "");
+        printf("%.*s\n%*s", (int)n, text, indent, "");
     }
-    printf(" %s\n", right);
+    printf("%.*s\n", (int)n_text, text);
+}
+
+static void print_columns(const char *left, const char *right) {
+    printf("%-*s ", LEFT_WIDTH, left);
+    print_filled(LEFT_WIDTH + 1, right, strlen(right));
+}
+
+static void print_paragraph(const char *line, size_t n) {
+    print_filled(0, line, n);
 }
 
 static void print_row(void *user, const help_row *row) {
@@ -124,7 +132,8 @@ static void print_indented(const char *line, size_t n) {
 }
 
 void print_help(const command *cmd) {
-    printf("usage: nqm %s %s\n\n%s\n", verb_name(), cmd->usage, cmd->about);
+    printf("usage: nqm %s %s\n\n", verb_name(), cmd->usage);
+    each_line(cmd->about, print_paragraph);
     for (const choice *c = cmd->choices; c && c->name; ++c) {
         char left[80];
         snprintf(left, sizeof left, "  %s%s%s", c->name, *c->arguments ? " " : "", c->arguments);
@@ -198,9 +207,8 @@ static const option options[] = {
 static const command cmd = {
     .usage = "[VERB] [options]",
     .about = "Print the help of a verb, or the list of verbs; as a man page or as Markdown, or the completion of a "
-             "shell.\n"
-             "Installed packages contain the man pages and completions; otherwise add for instance this line to "
-             "~/.bashrc:\n"
+             "shell. Installed packages contain the man pages and completions; otherwise add for instance this line "
+             "to ~/.bashrc:\n"
              "  eval \"$(nqm help --format bash)\"",
     .example = "nqm help score\nnqm help score --format man | man -l -\nnqm help --format bash",
     .options = options,

@@ -83,7 +83,7 @@ extern const char *ignored_words;
 /** A verb; its name is that of set_verb(). */
 typedef struct command {
     const char *usage;   /* after the name: "REF TEST... [options]" */
-    const char *about;   /* a paragraph; ends without newline */
+    const char *about;   /* paragraphs, one a line, which help fills; ends without newline */
     const char *example; /* complete shell commands, one per line; an indented line continues the previous one */
     const option *options;
     const choice *choices;         /* words of the first argument, any other is refused; NULL: none */

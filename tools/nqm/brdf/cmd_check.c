@@ -376,12 +376,11 @@ static const option options[] = {OPTION_ROW_IGNORE,
 
 static const command cmd = {
     .usage = "BRDF... [options]",
-    .about =
-        "Is a BRDF physically plausible? Measures energy conservation (the share of light that is reflected, for\n"
-        "light at 0 to 75 degrees), reciprocity and positivity. Exit code 1 when a BRDF reflects more than 102 %\n"
-        "of the light, has no value for more than half of the directions, or no positive value but negative ones.\n"
-        "A list of measured directions is tested at these directions; its energy is unknown. Of a material with image\n"
-        "maps, 32 texels that represent all are tested, and suspicious maps are named.",
+    .about = "Is a BRDF physically plausible? Measures energy conservation (the share of light that is reflected, for"
+             " light at 0 to 75 degrees), reciprocity and positivity. Exit code 1 when a BRDF reflects more than 102 "
+             "% of the light, has no value for more than half of the directions, or no positive value but negative "
+             "ones. A list of measured directions is tested at these directions; its energy is unknown. Of a material"
+             " with image maps, 32 texels that represent all are tested, and suspicious maps are named.",
     .example = "nqm check sgd:nickel material.binary\nnqm check 'lambert:kd=1.1' --json",
     .options = options,
     .min_arguments = 1,

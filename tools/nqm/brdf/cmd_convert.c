@@ -28,13 +28,11 @@ static const option options[] = {
 
 static const command cmd = {
     .usage = "BRDF -o OUT.binary [options]",
-    .about = "Write a BRDF (file, spec or preset) as a table in half-vector coordinates that other programs read. "
-             "A MERL\n"
-             "table has f_r at the centres of its cells, and -1 below the horizon or without data; an array of "
-             "NumPy has\n"
-             "f_r at nodes (doc/files.md), and NaN there. An existing file is replaced only when the new one is "
-             "complete.\n"
-             "All but merl-360 are reciprocal: of a material that is not, phi_d in [0, 180) degrees is kept.",
+    .about = "Write a BRDF (file, spec or preset) as a table in half-vector coordinates that other programs read. A "
+             "MERL table has f_r at the centres of its cells, and -1 below the horizon or without data; an array of "
+             "NumPy has f_r at nodes (doc/files.md), and NaN there. An existing file is replaced only when the new "
+             "one is complete. All but merl-360 are reciprocal: of a material that is not, phi_d in [0, 180) degrees "
+             "is kept.",
     .example = "nqm convert 'ggx:kd=.2,.1,.05;alpha=.1' -o ggx.binary\n"
                "nqm convert paint_rgb.bsdf --format merl-360 -o paint.binary\n"
                "nqm convert sgd:nickel -o nickel.npy",

@@ -54,9 +54,9 @@ static const option options[] = {
 
 static const command cmd = {
     .usage = "[REF...] [options] | directions show MODEL|FILE [options]",
-    .about = "Make directions: theta_d and phi_d uniform, theta_h denser toward 0. With reference BRDFs, directions\n"
-             "at which these are bright are favoured. `show` prints the directions of a built-in model, a model file\n"
-             "or a CSV. Columns theta_h, theta_d, phi_d, in degrees. A model works with its own directions only: new\n"
+    .about = "Make directions: theta_d and phi_d uniform, theta_h denser toward 0. With reference BRDFs, directions "
+             "at which these are bright are favoured. `show` prints the directions of a built-in model, a model file "
+             "or a CSV. Columns theta_h, theta_d, phi_d, in degrees. A model works with its own directions only: new "
              "ones are for new datasets.",
     .example = "nqm directions -n 500 materials/*.bsdf -o my-directions.csv\nnqm directions show default --json\n"
                "nqm directions show default --pairs -o to-measure.csv",

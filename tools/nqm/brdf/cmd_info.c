@@ -319,17 +319,12 @@ static const option options[] = {
 
 static const command cmd = {
     .usage = "FILE|SPEC|MODEL|list [WORD] [options]",
-    .about =
-        "What a BRDF (file, spec or preset), built-in model, model file, dataset file or file of several materials "
-        "contains.\n"
-        "`list` prints the presets, or those with WORD in their names: published fits of measured materials. For "
-        "BRDFs\n"
-        "the albedo at normal incidence is computed too. Of a model: size, checksum, directions and the card, "
-        "which\n"
-        "describes training data, results and limits. --notes writes a copy of a model with a text added to its "
-        "card, such\n"
-        "as results on a test set; --half also rounds the weights of the hidden layers to 16 bits, which halves "
-        "the file.",
+    .about = "What a BRDF (file, spec or preset), built-in model, model file, dataset file or file of several "
+             "materials contains. `list` prints the presets, or those with WORD in their names: published fits of "
+             "measured materials. For BRDFs the albedo at normal incidence is computed too. Of a model: size, "
+             "checksum, directions and the card, which describes training data, results and limits. --notes writes a "
+             "copy of a model with a text added to its card, such as results on a test set; --half also rounds the "
+             "weights of the hidden layers to 16 bits, which halves the file.",
     .example = "nqm info sgd:nickel\nnqm info 'ggx:kd=.2,.1,.05;ks=1;alpha=.1;f0=.04' --json\nnqm info list nickel\n"
                "nqm info --models\nnqm info default\n"
                "nqm info my.safetensors --notes results.md -o my-judged.safetensors",

@@ -86,7 +86,7 @@ static const option options[] = {
 
 static const command cmd = {
     .usage = "BRDF [options]",
-    .about = "Print f_r of a BRDF at a list of directions, one row a direction, in their order: theta_h, theta_d,\n"
+    .about = "Print f_r of a BRDF at a list of directions, one row a direction, in their order: theta_h, theta_d, "
              "phi_d in degrees; r, g, b in 1/sr without the cosine, linear with BT.709 primaries.",
     .example = "nqm sample sgd:nickel --csv\nnqm sample nickel.binary --directions my-directions.csv --json\n"
                "nqm sample sgd:nickel -o ref/nickel.mat",

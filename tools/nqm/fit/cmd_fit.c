@@ -467,9 +467,8 @@ static const option options[] = {
 
 static const command cmd = {
     .usage = "REF [options]",
-    .about =
-        "Encode a BRDF. The result of an analytic model (an RGB lobe over a Lambert base) is a spec; networks and\n"
-        "coded tables are files, written with -o. Every other verb takes the printed spec or path as a BRDF.",
+    .about = "Encode a BRDF. The result of an analytic model (an RGB lobe over a Lambert base) is a spec; networks "
+             "and coded tables are files, written with -o. Every other verb takes the printed spec or path as a BRDF.",
     .example = "nqm fit sgd:nickel --model ward\n"
                "nqm fit measured.bsdf --model ggx --report ggx.html\n"
                "nqm fit measured.bsdf --model all -o fits/\n"

@@ -438,9 +438,9 @@ static option_words target_words[] = {{"to", NULL}, {0}};
 
 static const command cmd = {
     .usage = "BRDF... --to MODEL [-o FILE|-d FOLDER] [options]",
-    .about = "Write materials, or any BRDFs, as materials of another renderer: fit the shading model MODEL, write the\n"
-             "file, read it back and score what was written. Without -o and -d the spec of the result is printed. A\n"
-             "file with several materials is translated material by material. Materials that cannot be read are\n"
+    .about = "Write materials, or any BRDFs, as materials of another renderer: fit the shading model MODEL, write the"
+             " file, read it back and score what was written. Without -o and -d the spec of the result is printed. A "
+             "file with several materials is translated material by material. Materials that cannot be read are "
              "reported and do not stop the others.",
     .example = "nqm translate 'open-pbr:base_color=.8,.3,.1;coat_weight=1' --to gltf\n"
                "nqm translate gold.mtlx --to gltf -o gold.gltf --report gold.html\n"

@@ -289,15 +289,13 @@ static const option options[] = {
 
 static const command cmd = {
     .usage = "DATASET [options]\n       nqm eval --human PAIRS.csv [options]",
-    .about =
-        "Compare models and the scalar metrics with the labels of DATASET (made by `nqm dataset`, or the authors'\n"
-        "folder with --labels, whose pairs all count as test pairs). Prints correlations over all pairs and as\n"
-        "the mean over materials, the fraction of tests in the right order and the errors of the models in JOD,\n"
-        "with 95 % intervals, and compares each model with the best of the eight baselines, with the log "
-        "difference\n"
-        "and with the estimate by light transport; then how well models predict the parts of labels. --human does "
-        "the\n"
-        "same for the scores of people, or prints the fraction of their choices that is predicted.",
+    .about = "Compare models and the scalar metrics with the labels of DATASET (made by `nqm dataset`, or the "
+             "authors' folder with --labels, whose pairs all count as test pairs). Prints correlations over all pairs"
+             " and as the mean over materials, the fraction of tests in the right order and the errors of the models "
+             "in JOD, with 95 % intervals, and compares each model with the best of the eight baselines, with the log"
+             " difference and with the estimate by light transport; then how well models predict the parts of labels."
+             " --human does the same for the scores of people, or prints the fraction of their choices that is "
+             "predicted.",
     .example = "nqm eval corpus.safetensors --by both\n"
                "nqm eval corpus.safetensors --by subset\n"
                "nqm eval corpus.safetensors --model default,my.safetensors --split validation --json\n"

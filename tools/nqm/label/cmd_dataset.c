@@ -115,12 +115,11 @@ static void parse(int argc, char **argv, dataset_args *a) {
         {0}};
     const command cmd = {
         .usage = "PAIRS.csv --directions CSV -o FILE [options]",
-        .about =
-            "Label a list of pairs by rendering, for `nqm train`. PAIRS is a CSV, or JSON Lines, with the columns\n"
-            "reference and test, which may be fits of the reference (fit:model=ggx;of=REFERENCE), and any of name (of\n"
-            "the reference), group (its material), source, split (train, validation, test), kind, family, other.\n"
-            "Test materials are written to a separate file (--only test). Started by mpirun, all processes share the\n"
-            "work; all of them need access to the --work folder.",
+        .about = "Label a list of pairs by rendering, for `nqm train`. PAIRS is a CSV, or JSON Lines, with the "
+                 "columns reference and test, which may be fits of the reference (fit:model=ggx;of=REFERENCE), and "
+                 "any of name (of the reference), group (its material), source, split (train, validation, test), "
+                 "kind, family, other. Test materials are written to a separate file (--only test). Started by "
+                 "mpirun, all processes share the work; all of them need access to the --work folder.",
         .example = "models/plan.py materials.csv --root data > pairs.csv\n"
                    "nqm dataset pairs.csv --root data --directions directions.csv -o corpus.safetensors --work work\n"
                    "nqm dataset pairs.csv --root data --directions directions.csv --only test -o test.safetensors\n"

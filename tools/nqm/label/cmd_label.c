@@ -65,9 +65,9 @@ static const option options[] = {
 
 static const command cmd = {
     .usage = "REF TEST... [+ REF TEST...]... [options]",
-    .about = "Render REF and each TEST on a shape under a light map and compare the pictures: mean Delta-E ITP\n"
-             "(ITU-R BT.2124), and the JOD of the published curve. These are the labels of training corpora;\n"
-             "`nqm score` predicts them without rendering. A '+' starts another reference. doc/labels.md.",
+    .about = "Render REF and each TEST on a shape under a light map and compare the pictures: mean Delta-E ITP (ITU-R"
+             " BT.2124), and the JOD of the published curve. These are the labels of training corpora; `nqm score` "
+             "predicts them without rendering. A '+' starts another reference. doc/labels.md.",
     .example = "nqm label sgd:nickel ward:nickel\n"
                "nqm label measured.bsdf fit1.binary fit2.binary --shape bunny.ply --light probe.exr --json\n"
                "nqm label sgd:nickel ward:nickel --map difference.png --keep-renders renders\n"

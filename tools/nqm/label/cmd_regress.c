@@ -55,7 +55,7 @@ static const option options[] = {{"json", 0, OPTION_FLAG, &json, NULL, "print JS
 
 static const command cmd = {
     .usage = "LABELS.csv [options]",
-    .about = "Fit the curve from Delta-E ITP to JOD to human scores by least squares (Levenberg-Marquardt, several\n"
+    .about = "Fit the curve from Delta-E ITP to JOD to human scores by least squares (Levenberg-Marquardt, several "
              "starts). LABELS.csv needs a header with the columns DeltaE and JOD, in any order; other columns are "
              "ignored.",
     .example = "nqm regress labels_real.csv --json",

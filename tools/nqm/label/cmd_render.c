@@ -124,10 +124,9 @@ static const option options[] = {
 
 static const command cmd = {
     .usage = "BRDF -o FILE [options]",
-    .about = "Render a BRDF on a shape under a light map. Linear cd/m2 go to OpenEXR or Radiance HDR; a PNG shows\n"
-             "twice the exposure as white and compresses highlights smoothly. The default is a preview of a second "
-             "or two;\n"
-             "--quality has less noise. doc/labels.md describes the scene.",
+    .about = "Render a BRDF on a shape under a light map. Linear cd/m2 go to OpenEXR or Radiance HDR; a PNG shows "
+             "twice the exposure as white and compresses highlights smoothly. The default is a preview of a second or"
+             " two; --quality has less noise. doc/labels.md describes the scene.",
     .example = "nqm render sgd:nickel -o nickel.png\n"
                "nqm render measured.bsdf -o turn-%03d.png --shape bunny.ply --light probe.exr --frames 36 "
                "--elevation 15\n"

@@ -33,12 +33,10 @@ static const choice choices[] = {{"make", "", "the only word so far"}, {0}};
 
 static const command cmd = {
     .usage = "make -o FILE [options]",
-    .about =
-        "Make a metric for a scene of your own, without training: with fixed light, every point of a picture is\n"
-        "linear in the BRDF, so a matrix makes small pictures from samples. The result is a model for --model, "
-        "which\n"
-        "predicts the Delta-E ITP and JOD of this scene. --points is a multiple of 32 (default 256, of all scenes\n"
-        "together). --model transport has the standard scenes.",
+    .about = "Make a metric for a scene of your own, without training: with fixed light, every point of a picture is "
+             "linear in the BRDF, so a matrix makes small pictures from samples. The result is a model for --model, "
+             "which predicts the Delta-E ITP and JOD of this scene. --points is a multiple of 32 (default 256, of all"
+             " scenes together). --model transport has the standard scenes.",
     .example = "nqm transport make --light studio --shape sphere -o studio.safetensors\n"
                "nqm score sgd:nickel ward:nickel --model studio.safetensors",
     .options = options,

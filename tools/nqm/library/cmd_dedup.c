@@ -113,10 +113,9 @@ static const option options[] = {
 
 static const command cmd = {
     .usage = "WHERE [options]",
-    .about =
-        "Which materials of a folder, or of a file of several, look the same as another one of it, so that one of them "
-        "is "
-        "enough,\nand what is lost. Each replaced material scores at least --jod next to the one that is kept for it.",
+    .about = "Which materials of a folder, or of a file of several, look the same as another one of it, so that one "
+             "of them is enough, and what is lost. Each replaced material scores at least --jod next to the one that "
+             "is kept for it.",
     .example = "nqm dedup materials --jod 9.5\nnqm dedup scene.glb --map replace.json",
     .options = options,
     .table = &nqm_score_option_table,

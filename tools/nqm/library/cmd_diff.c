@@ -372,12 +372,10 @@ static const option options[] = {
 
 static const command cmd = {
     .usage = "OLD NEW [options]",
-    .about =
-        "How the materials of a file or folder changed: pairs of the same name, worst first, with JOD, words and the "
-        "properties\n"
-        "that changed; added and removed ones; and renamed ones, which look the same (JOD 9.5). OLD or NEW may be "
-        "/dev/null.\n"
-        "git can call it for its differences (doc/ci.md): the seven arguments of GIT_EXTERNAL_DIFF are understood.",
+    .about = "How the materials of a file or folder changed: pairs of the same name, worst first, with JOD, words and"
+             " the properties that changed; added and removed ones; and renamed ones, which look the same (JOD 9.5). "
+             "OLD or NEW may be /dev/null. git can call it for its differences (doc/ci.md): the seven arguments of "
+             "GIT_EXTERNAL_DIFF are understood.",
     .example = "nqm diff old.gltf new.gltf\nnqm diff before/materials materials --fail-under 9 --junit junit.xml\n"
                "nqm diff scene.glb /dev/null --json",
     .options = options,

@@ -77,9 +77,8 @@ static const option options[] = {
 
 static const command cmd = {
     .usage = "BRDF --among WHERE [options]",
-    .about = "The materials of a folder or file that look most like BRDF, with their scores as of `nqm rank`. All are "
-             "compared "
-             "by\npictures, and the best are scored. With --index a later run opens none but these.",
+    .about = "The materials of a folder or file that look most like BRDF, with their scores as of `nqm rank`. All are"
+             " compared by pictures, and the best are scored. With --index a later run opens none but these.",
     .example =
         "nqm nearest sgd:nickel --among metals\nnqm nearest 'lambert:kd=.5,.2,.1' --among library.glb --apart -n 3",
     .options = options,

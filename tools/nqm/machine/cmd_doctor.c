@@ -179,16 +179,12 @@ static const option options[] = {{"json", 0, OPTION_FLAG, &json, NULL, "print JS
 
 static const command cmd = {
     .usage = "[options]",
-    .about = "Check this installation on this machine: libraries that are loaded when needed, processor and "
-             "kernels, threads,\n"
-             "built-in models, the self-test, folders for files, and the Python package. Each problem comes with "
-             "what to do.\n"
-             "The self-test takes about a second: matrix kernels against scalar loops; coordinates, the JOD curve and "
-             "presets\n"
-             "against published or independently computed values; the built-in models against their checksums and "
-             "stored\n"
-             "scores. Exit code 8 when it fails, 1 when something else that is needed does not work; notes do not "
-             "count.",
+    .about = "Check this installation on this machine: libraries that are loaded when needed, processor and kernels, "
+             "threads, built-in models, the self-test, folders for files, and the Python package. Each problem comes "
+             "with what to do. The self-test takes about a second: matrix kernels against scalar loops; coordinates, "
+             "the JOD curve and presets against published or independently computed values; the built-in models "
+             "against their checksums and stored scores. Exit code 8 when it fails, 1 when something else that is "
+             "needed does not work; notes do not count.",
     .example = "nqm doctor\nnqm doctor --json",
     .options = options,
 };

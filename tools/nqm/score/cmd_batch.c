@@ -243,13 +243,12 @@ static const option options[] = {
 
 static const command cmd = {
     .usage = "LIST [options]",
-    .about = "Score the pairs of LIST, in its order: CSV with the columns reference and test, or JSON Lines with\n"
+    .about = "Score the pairs of LIST, in its order: CSV with the columns reference and test, or JSON Lines with "
              "these members, or - for standard input; further columns are copied. A test that is a file of several "
-             "materials\nmeans all of them, and for such a reference those of the same names. Results are written\n"
-             "while they are made. The first row that fails ends the run, unless --keep-going is given. --resume\n"
+             "materials means all of them, and for such a reference those of the same names. Results are written "
+             "while they are made. The first row that fails ends the run, unless --keep-going is given. --resume "
              "continues a run that was stopped, for whatever reason; the file is the same in the end. Started by "
-             "mpirun\n"
-             "or srun, all processes share the work; all of them need access to the --work folder.",
+             "mpirun or srun, all processes share the work; all of them need access to the --work folder.",
     .example = "nqm batch pairs.csv -o scores.csv\nnqm batch pairs.csv -o scores.csv --resume --keep-going\n"
                "find fits -name '*.binary' | awk 'BEGIN{print \"reference,test\"} {print \"nickel.binary,\" $0}' |\n"
                "    nqm batch - --jsonl",

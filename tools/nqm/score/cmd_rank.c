@@ -183,9 +183,9 @@ static const option options[] = {
 
 static const command cmd = {
     .usage = "REF TEST... | --list LIST [options]",
-    .about = "Order approximations of a reference by their JOD, best first, and say how many people would prefer\n"
-             "each to the next, and the best to each. Scores within 0.0001 JOD share a rank. A list may have\n"
-             "several references: each gets a ranking of its own.",
+    .about = "Order approximations of a reference by their JOD, best first, and say how many people would prefer each"
+             " to the next, and the best to each. Scores within 0.0001 JOD share a rank. A list may have several "
+             "references: each gets a ranking of its own.",
     .example = "nqm rank sgd:nickel ward:nickel 'perturb:gloss=0.9;of=sgd:nickel'\nnqm rank nickel.binary "
                "fits/*.binary -q | head -1",
     .options = options,

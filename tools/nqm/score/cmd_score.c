@@ -244,14 +244,12 @@ static const option options[] = {
 static const command cmd = {
     .usage = "REF TEST... [options]",
     .about = "Predict how good each TEST looks compared with REF, in JOD: 10 is no visible difference, and one less "
-             "means that\n"
-             "75 % of people see that it is worse. REF and TEST are BRDF files (MERL, RGL, NBRDF), specs, presets,\n"
-             "or materials with image maps (doc/textures.md); "
-             "NAME=TEST shows it under another name. A TEST that is a file of several materials means all of them, and "
-             "for a REF\nof several materials those of the same names. REF is the ground truth: exchanged with a TEST, "
-             "the score changes "
-             "a\nlittle (median 0.02 JOD; --model paper: 0.5; --model transport: not at all).\n"
-             "A TEST that cannot be scored does not stop the others; the exit code is that of the first fault.",
+             "means that 75 % of people see that it is worse. REF and TEST are BRDF files (MERL, RGL, NBRDF), specs, "
+             "presets, or materials with image maps (doc/textures.md); NAME=TEST shows it under another name. A TEST "
+             "that is a file of several materials means all of them, and for a REF of several materials those of the "
+             "same names. REF is the ground truth: exchanged with a TEST, the score changes a little (median 0.02 "
+             "JOD; --model paper: 0.5; --model transport: not at all). A TEST that cannot be scored does not stop the"
+             " others; the exit code is that of the first fault.",
     .example = "nqm score sgd:nickel ward:nickel\nnqm score nickel.binary fit1.binary fit2.binary --json\n"
                "nqm score old.binary new.binary --fail-under 9.5 -q\n"
                "nqm sample sgd:nickel >ref.csv && nqm sample ward:nickel >test.csv && nqm score --samples ref.csv "

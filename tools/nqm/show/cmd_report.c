@@ -165,10 +165,10 @@ static const option options[] = {
 
 static const command cmd = {
     .usage = "REF TEST... -o FILE.html [options]",
-    .about = "Write a page for readers: the JOD of each TEST and its meaning, rendered pictures of reference and test\n"
-             "with a map of their colour difference, all metrics, the directions where they differ, and a line to\n"
-             "quote. The page is a single file, loads nothing from the network, prints well, and contains its numbers\n"
-             "as JSON. The same arguments give the same bytes on one machine.",
+    .about = "Write a page for readers: the JOD of each TEST and its meaning, rendered pictures of reference and test"
+             " with a map of their colour difference, all metrics, the directions where they differ, and a line to "
+             "quote. The page is a single file, loads nothing from the network, prints well, and contains its numbers"
+             " as JSON. The same arguments give the same bytes on one machine.",
     .example = "nqm report sgd:nickel ward:nickel -o nickel.html\n"
                "nqm report measured.bsdf fit1.binary fit2.binary --shape bunny.ply --light probe.exr -o fits.html\n"
                "nqm report sgd:nickel ward:nickel abc:nickel --title 'Three models of nickel' -o nickel.html",

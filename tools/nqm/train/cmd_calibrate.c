@@ -48,11 +48,11 @@ static const option options[] = {
 static const command cmd = {
     .usage =
         "MODEL DATASET -o FILE [options]\n       nqm calibrate --human ANSWERS.csv --model MODEL -o FILE [options]",
-    .about = "Write a copy of MODEL with a 95 % interval around each JOD: for 95 % of the pairs of new materials, the\n"
-             "label is inside the interval. The intervals are calibrated on the validation pairs of DATASET, which\n"
-             "must be the dataset on which the model was trained; their coverage is measured with each material left\n"
+    .about = "Write a copy of MODEL with a 95 % interval around each JOD: for 95 % of the pairs of new materials, the"
+             " label is inside the interval. The intervals are calibrated on the validation pairs of DATASET, which "
+             "must be the dataset on which the model was trained; their coverage is measured with each material left "
              "out in turn. `nqm train` does the same after training.\n"
-             "--human: the copy's similarity has weights of Delta-E, shifts, contrast, structure and the built-in\n"
+             "--human: the copy's similarity has weights of Delta-E, shifts, contrast, structure and the built-in "
              "distance that predict the answers; the gain is that on materials which are left out in turn.",
     .example = "nqm calibrate my.safetensors corpus.safetensors -o my-calibrated.safetensors\n"
                "nqm calibrate --human answers.csv --model default -o mine.safetensors",

@@ -176,11 +176,10 @@ static const option options[] = {
 
 static const command cmd = {
     .usage = "DATASET -o MODEL [options]",
-    .about = "Train a model on the labelled pairs of DATASET (made by `nqm dataset`, or the authors' folder with\n"
+    .about = "Train a model on the labelled pairs of DATASET (made by `nqm dataset`, or the authors' folder with "
              "--labels). Test pairs are never used. The same dataset, options and seed give the same model, to the "
-             "bit,\n"
-             "also when interrupted (Ctrl-C) and resumed. Defaults shown are those of the recipe; doc/training.md "
-             "explains them.",
+             "bit, also when interrupted (Ctrl-C) and resumed. Defaults shown are those of the recipe; "
+             "doc/training.md explains them.",
     .example = "nqm train corpus.safetensors -o my.safetensors --checkpoint my.checkpoint --log loss.csv\n"
                "nqm train corpus.safetensors -o my.safetensors --checkpoint my.checkpoint --log loss.csv --resume\n"
                "nqm train uniform_rand_500 --labels labels_balanced_train.csv --recipe paper -o paper.safetensors",
