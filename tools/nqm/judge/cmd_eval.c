@@ -67,46 +67,42 @@ static void judge_selection(const eval_run *run, const nqm_eval_options *o, cons
     json_decref(key);
 }
 
-static void judge_families(const eval_run *run, nqm_eval_options o) {
-    for (size_t i = 0; i < nqm_dataset_get_info(run->dataset).n_kinds; ++i) {
-        o.family = nqm_dataset_get_kind(run->dataset, i).family;
+/* The selections of a table by names, and the option that selects each. */
+static const struct {
+    int by;
+    const char *key;
+    size_t option;
+} named_tables[] = {{BY_SUBSET, "by_subset", offsetof(nqm_eval_options, subset)},
+                    {BY_FAMILY, "by_family", offsetof(nqm_eval_options, family)},
+                    {BY_KIND, "by_kind", offsetof(nqm_eval_options, kind)},
+                    {BY_CLASS, "by_class", offsetof(nqm_eval_options, material_class)},
+                    {BY_SOURCE, "by_source", offsetof(nqm_eval_options, source)}};
+enum { N_NAMED_TABLES = sizeof named_tables / sizeof *named_tables };
+
+/* The name of selection i, "" if it is unknown; NULL: there are no more. Families and sources come again. */
+static const char *selection_name(const nqm_dataset *dataset, int by, size_t i) {
+    const nqm_dataset_info info = nqm_dataset_get_info(dataset);
+    if (by == BY_SUBSET)
+        return subset_words[i];
+    if (by == BY_CLASS)
+        return i < NQM_MATERIAL_CLASS_COUNT ? nqm_material_class_name(i) : NULL;
+    if (by == BY_SOURCE)
+        return i < info.n_refs ? nqm_dataset_ref_source(dataset, i) : NULL;
+    if (i >= info.n_kinds)
+        return NULL;
+    const nqm_dataset_kind kind = nqm_dataset_get_kind(dataset, i);
+    return by == BY_FAMILY ? kind.family : kind.name;
+}
+
+static void judge_named(const eval_run *run, nqm_eval_options o, size_t table) {
+    const int by = named_tables[table].by;
+    const char **name = (const char **)((char *)&o + named_tables[table].option);
+    for (size_t i = 0; (*name = selection_name(run->dataset, by, i)); ++i) {
         size_t first = 0;
-        while (strcmp(nqm_dataset_get_kind(run->dataset, first).family, o.family) != 0)
+        while (strcmp(selection_name(run->dataset, by, first), *name) != 0)
             ++first;
-        if (first == i && *o.family) /* "": unknown */
-            judge_selection(run, &o, "by_family", o.family);
-    }
-}
-
-static void judge_kinds(const eval_run *run, nqm_eval_options o) {
-    for (size_t i = 0; i < nqm_dataset_get_info(run->dataset).n_kinds; ++i) {
-        o.kind = nqm_dataset_get_kind(run->dataset, i).name;
-        judge_selection(run, &o, "by_kind", o.kind);
-    }
-}
-
-static void judge_classes(const eval_run *run, nqm_eval_options o) {
-    for (size_t i = 0; i < NQM_MATERIAL_CLASS_COUNT; ++i) {
-        o.material_class = nqm_material_class_name(i);
-        judge_selection(run, &o, "by_class", o.material_class);
-    }
-}
-
-static void judge_sources(const eval_run *run, nqm_eval_options o) {
-    for (size_t i = 0; i < nqm_dataset_get_info(run->dataset).n_refs; ++i) {
-        size_t first = 0;
-        o.source = nqm_dataset_ref_source(run->dataset, i);
-        while (strcmp(nqm_dataset_ref_source(run->dataset, first), o.source) != 0)
-            ++first;
-        if (first == i && *o.source) /* "": unknown */
-            judge_selection(run, &o, "by_source", o.source);
-    }
-}
-
-static void judge_subsets(const eval_run *run, nqm_eval_options o) {
-    for (size_t i = 0; subset_words[i]; ++i) {
-        o.subset = subset_words[i];
-        judge_selection(run, &o, "by_subset", o.subset);
+        if (first == i && **name)
+            judge_selection(run, &o, named_tables[table].key, *name);
     }
 }
 
@@ -242,16 +238,9 @@ static void evaluate(eval_run *run, const eval_arguments *a, const nqm_eval_opti
         judge_choices(run, o, run->results);
     else
         judge_pairs(run, o, run->results);
-    if (by & BY_SUBSET)
-        judge_subsets(run, *o);
-    if (by & BY_FAMILY)
-        judge_families(run, *o);
-    if (by & BY_KIND)
-        judge_kinds(run, *o);
-    if (by & BY_CLASS)
-        judge_classes(run, *o);
-    if (by & BY_SOURCE)
-        judge_sources(run, *o);
+    for (size_t i = 0; i < N_NAMED_TABLES; ++i)
+        if (by & named_tables[i].by)
+            judge_named(run, *o, i);
     if ((by & BY_RANGE) && run->is_jod)
         judge_ranges(run, o);
     if (a->pairs)

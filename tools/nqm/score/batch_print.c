@@ -53,7 +53,7 @@ static void print_csv_head(const batch_form *form, FILE *out) {
 }
 
 static void print_csv_row(const batch_form *form, FILE *out, size_t row, const nqm_score_result *r,
-                          const texture_numbers *texture, const nqm_error *err, const json_t *warnings) {
+                          const texture_numbers *texture, const nqm_error *err) {
     const nqm_pair_list *list = form->list;
     const size_t n_cells = nqm_pair_list_cells(list, row);
     for (size_t column = 0; column < list->n_columns; ++column) {
@@ -71,7 +71,7 @@ static void print_csv_row(const batch_form *form, FILE *out, size_t row, const n
         print_csv_numbers(out, TEXTURE_NUMBERS, texture->v);
     if (has_gate(&form->gate))
         fprintf(out, ",%s", gate_mark(&form->gate, r));
-    print_csv_remarks(out, warnings);
+    print_csv_remarks(out, json_remarks(&form->terms, &list->pair[row], "reference", "test", r));
     print_csv_field(out, r->status == NQM_OK ? "" : err->message);
     fputc('\n', out);
 }
@@ -82,14 +82,6 @@ static void print_csv_row(const batch_form *form, FILE *out, size_t row, const n
 static void print_json_value(FILE *out, json_t *value) {
     json_dumpf(value, out, JSON_COMPACT | JSON_ENCODE_ANY | JSON_REAL_PRECISION(9));
     json_decref(value);
-}
-
-static void print_json_number(FILE *out, const char *comma, const char *key, double value) {
-    fprintf(out, "%s\"%s\":", comma, key);
-    if (isfinite(value))
-        fprintf(out, "%.9g", value);
-    else
-        fputs("null", out);
 }
 
 static void print_json_cells(const batch_form *form, FILE *out, size_t row) {
@@ -108,43 +100,16 @@ static void print_json_cells(const batch_form *form, FILE *out, size_t row) {
 }
 
 static void print_json_row(const batch_form *form, FILE *out, size_t row, const nqm_score_result *r,
-                           const texture_numbers *texture, const nqm_error *err, json_t *warnings) {
-    char verdict[VERDICT_TEXT];
+                           const texture_numbers *texture, const nqm_error *err) {
+    json_t *object = json_result(&form->terms, &form->list->pair[row], form->metrics, &form->gate, r, err);
+    for (size_t i = 0; form->has_textures && i < TEXTURE_NUMBERS; ++i)
+        json_object_set_new(object, texture_columns[i], json_number(texture->v[i]));
+    char *text = must_have(json_dumps(object, JSON_COMPACT | JSON_REAL_PRECISION(9)));
     fputc('{', out);
     print_json_cells(form, out, row);
-    print_json_number(out, "", "jod", r->jod);
-    print_json_number(out, ",", "jod_low", r->jod_low);
-    print_json_number(out, ",", "jod_high", r->jod_high);
-    print_json_number(out, ",", "delta_e_itp", r->delta_e);
-    print_json_number(out, ",", "novelty", r->novelty);
-    for (size_t i = 0; form->has_textures && i < TEXTURE_NUMBERS; ++i)
-        print_json_number(out, ",", texture_columns[i], texture->v[i]);
-    if (r->status == NQM_OK)
-        fprintf(out, ",\"identical\":%s,\"n_valid\":%zu", r->identical ? "true" : "false", r->n_valid);
-    else
-        fputs(",\"identical\":null,\"n_valid\":null", out);
-    fprintf(out, ",\"verdict\":\"%s\",\"metrics\":{", verdict_words(r, verdict));
-    const char *comma = "";
-    for (int m = 0; m < NQM_METRIC_COUNT; ++m)
-        if (form->metrics[m]) {
-            print_json_number(out, comma, nqm_metric_name((nqm_metric)m), r->metrics[m]);
-            comma = ",";
-        }
-    fputs("},", out);
-    if (!isnan(r->parts.structure)) {
-        fputs("\"parts\":", out);
-        print_json_value(out, json_label_parts(&r->parts, r->similarity));
-        fputc(',', out);
-    }
-    if (has_gate(&form->gate) && r->status == NQM_OK)
-        fprintf(out, "\"gate\":\"%s\",", gate_mark(&form->gate, r));
-    fputs("\"warnings\":", out);
-    print_json_value(out, json_incref(warnings));
-    if (r->status != NQM_OK) {
-        fputs(",\"error\":", out);
-        print_json_value(out, json_name(err->message));
-    }
-    fputc('}', out);
+    fputs(text + 1, out); /* without its brace */
+    free(text);
+    json_decref(object);
 }
 
 static void print_json_head(const batch_form *form, FILE *out) {
@@ -166,14 +131,12 @@ static void print_batch_head(const batch_form *form, FILE *out) {
 
 static void print_batch_row(const batch_form *form, FILE *out, size_t row, const nqm_score_result *result,
                             const texture_numbers *texture, const nqm_error *err) {
-    json_t *warnings = json_remarks(&form->terms, &form->list->pair[row], "reference", "test", result);
     if (form->format == BATCH_CSV)
-        print_csv_row(form, out, row, result, texture, err, warnings);
+        print_csv_row(form, out, row, result, texture, err);
     else
-        print_json_row(form, out, row, result, texture, err, warnings);
+        print_json_row(form, out, row, result, texture, err);
     if (form->format == BATCH_JSON_LINES)
         fputc('\n', out);
-    json_decref(warnings);
 }
 
 /* The text before each row but the first. */

@@ -117,9 +117,7 @@ static void print_csv(const score_run *run) {
         if (has_gate(&run->gate))
             printf(",%s", gate_mark(&run->gate, &row->result));
         print_csv_field(stdout, row->name);
-        json_t *remarks = json_remarks(&run->terms, &row->pair, "reference", "test", &row->result);
-        print_csv_remarks(stdout, remarks);
-        json_decref(remarks);
+        print_csv_remarks(stdout, json_remarks(&run->terms, &row->pair, "reference", "test", &row->result));
         print_csv_field(stdout, row->err.status == NQM_OK ? "" : row->err.message);
         putchar('\n');
     }

@@ -119,8 +119,11 @@ enum { VERDICT_TEXT = 64 };
 const char *verdict_words(const nqm_score_result *result, char text[VERDICT_TEXT]);
 /** Remarks, separated by "; "; free() the text. */
 char *join_remarks(const json_t *remarks);
-/** Remarks, separated by "; ", as a CSV field after a comma. */
-void print_csv_remarks(FILE *out, const json_t *remarks);
+/** Remarks, which are released, separated by "; ", as a CSV field after a comma. */
+void print_csv_remarks(FILE *out, json_t *remarks);
+/** What `nqm score` and `nqm batch` say of a pair: scores, metrics, parts, gate, remarks, and the error of one without a score. */
+json_t *json_result(const remark_terms *terms, const nqm_named_pair *pair, const bool *metrics, const score_gate *gate,
+                    const nqm_score_result *result, const nqm_error *err);
 /** The JSON document of `nqm score --json`. */
 json_t *json_scores(const score_run *run);
 enum { GRAIN_TEXT = 120 };

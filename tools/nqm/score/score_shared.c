@@ -332,10 +332,11 @@ char *join_remarks(const json_t *remarks) {
     return text;
 }
 
-void print_csv_remarks(FILE *out, const json_t *remarks) {
+void print_csv_remarks(FILE *out, json_t *remarks) {
     char *text = join_remarks(remarks);
     print_csv_field(out, text);
     free(text);
+    json_decref(remarks);
 }
 
 void print_jod(const scored_pair *row, bool calibrated) {
@@ -471,24 +472,34 @@ char *describe_grain(const scored_pair *row, char text[GRAIN_TEXT]) {
     return text;
 }
 
-static json_t *row_json(const score_run *run, const scored_pair *row) {
+json_t *json_result(const remark_terms *terms, const nqm_named_pair *pair, const bool *chosen, const score_gate *gate,
+                    const nqm_score_result *r, const nqm_error *err) {
     char verdict[VERDICT_TEXT];
-    const nqm_score_result *r = &row->result;
+    const bool is_scored = r->status == NQM_OK;
     json_t *metrics = json_object();
     for (int m = 0; m < NQM_METRIC_COUNT; ++m)
-        if (run->metrics[m])
+        if (chosen[m])
             json_object_set_new(metrics, nqm_metric_name((nqm_metric)m), json_number(r->metrics[m]));
-    json_t *object = json_pack(
-        "{s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:s,s:o,s:o}", "test", json_name(row->pair.test), "name",
-        json_name(row->name), "jod", json_number(r->jod), "jod_low", json_number(r->jod_low), "jod_high",
-        json_number(r->jod_high), "delta_e_itp", json_number(r->delta_e), "novelty", json_number(r->novelty),
-        "identical", r->status == NQM_OK ? json_boolean(r->identical) : json_null(), "n_valid",
-        r->status == NQM_OK ? json_integer((json_int_t)r->n_valid) : json_null(), "verdict", verdict_words(r, verdict),
-        "metrics", metrics, "warnings", json_remarks(&run->terms, &row->pair, "reference", "test", r));
-    if (has_gate(&run->gate) && row->err.status == NQM_OK)
-        json_object_set_new(object, "gate", json_string(gate_mark(&run->gate, r)));
+    json_t *object =
+        json_pack("{s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:s,s:o}", "jod", json_number(r->jod), "jod_low",
+                  json_number(r->jod_low), "jod_high", json_number(r->jod_high), "delta_e_itp", json_number(r->delta_e),
+                  "novelty", json_number(r->novelty), "identical", is_scored ? json_boolean(r->identical) : json_null(),
+                  "n_valid", is_scored ? json_integer((json_int_t)r->n_valid) : json_null(), "verdict",
+                  verdict_words(r, verdict), "metrics", metrics);
     if (!isnan(r->parts.structure))
         json_object_set_new(object, "parts", json_label_parts(&r->parts, r->similarity));
+    if (has_gate(gate) && is_scored)
+        json_object_set_new(object, "gate", json_string(gate_mark(gate, r)));
+    json_object_set_new(object, "warnings", json_remarks(terms, pair, "reference", "test", r));
+    if (!is_scored)
+        json_object_set_new(object, "error", json_name(err->message));
+    return object;
+}
+
+static json_t *row_json(const score_run *run, const scored_pair *row) {
+    const nqm_score_result *r = &row->result;
+    json_t *object = json_pack("{s:o,s:o}", "test", json_name(row->pair.test), "name", json_name(row->name));
+    json_object_update_new(object, json_result(&run->terms, &row->pair, run->metrics, &run->gate, r, &row->err));
     if (r->anisotropy > 0) {
         const grain a = grain_of(row->pair.ref), b = grain_of(row->pair.test);
         json_object_set_new(object, "anisotropy", json_number(r->anisotropy));
@@ -502,8 +513,6 @@ static json_t *row_json(const score_run *run, const scored_pair *row) {
         json_object_set_new(object, "exact", json_exact(run, row));
     if (!has_reference_of(run->rows, &run->rows[run->n_rows - 1]))
         json_object_set_new(object, "reference", json_name(row->pair.ref));
-    if (row->err.status != NQM_OK)
-        json_object_set_new(object, "error", json_name(row->err.message));
     return object;
 }
 
