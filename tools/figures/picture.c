@@ -74,7 +74,8 @@ static void average_block(const nqm_picture *p, size_t n, const nqm_tone *tone, 
         add_pixel(p, tone, first + k / n * p->width + k % n, (double)(n * n), rgb);
 }
 
-void nqm_picture_bytes(const nqm_picture *picture, size_t supersample, const nqm_tone *tone, unsigned char *rgb) {
+/* Tone-map a picture, or colour a map, and average blocks of supersample x supersample pixels into bytes of sRGB. */
+static void picture_bytes(const nqm_picture *picture, size_t supersample, const nqm_tone *tone, unsigned char *rgb) {
     for (size_t i = 0; i < count_blocks(picture, supersample); ++i) {
         double linear[3];
         average_block(picture, supersample, tone, i, linear);
@@ -91,7 +92,7 @@ static nqm_status write_png(const char *path, const nqm_picture *p, size_t super
     unsigned char *rgb = nqm_alloc(n, 3);
     if (!rgb)
         return nqm_fail_nomem(err, 3 * n);
-    nqm_picture_bytes(p, supersample, tone, rgb);
+    picture_bytes(p, supersample, tone, rgb);
     const nqm_raster raster = {p->width / supersample, p->height / supersample, 3, NQM_RASTER_U8, rgb};
     nqm_status status = nqm_raster_write_png(path, &raster, true, err);
     nqm_free(rgb);
@@ -189,7 +190,7 @@ static void draw_bar(const nqm_raster *sheet) {
         unsigned char rgb[3 * BAR];
         for (size_t i = 0; i < BAR; ++i)
             values[i] = value;
-        nqm_picture_bytes(&(nqm_picture){BAR, 1, NULL, values, 1}, 1, NULL, rgb);
+        picture_bytes(&(nqm_picture){BAR, 1, NULL, values, 1}, 1, NULL, rgb);
         place(sheet, sheet->width - GAP - BAR, GAP + y, BAR, 1, rgb);
     }
 }
@@ -202,8 +203,8 @@ static void draw(const nqm_raster *sheet, const nqm_figure *f, size_t supersampl
         const nqm_panel *panel = &f->panels[i];
         if (!panel->rgb_cdm2 && !panel->delta_e)
             continue;
-        nqm_picture_bytes(&(nqm_picture){f->width, f->height, panel->rgb_cdm2, panel->delta_e, f->delta_e_max},
-                          supersample, &tone, panel_rgb);
+        picture_bytes(&(nqm_picture){f->width, f->height, panel->rgb_cdm2, panel->delta_e, f->delta_e_max}, supersample,
+                      &tone, panel_rgb);
         place(sheet, GAP + i % f->n_columns * (width + GAP), GAP + i / f->n_columns * (height + GAP), width, height,
               panel_rgb);
     }

@@ -40,10 +40,6 @@ double nqm_srgb_linear(double coded);
 /** The colour map viridis at t in [0, 1]: linear light (3). */
 void nqm_viridis(double t, double *rgb);
 
-/** Tone-map a picture, or colour a map, and average blocks of supersample x supersample pixels into rgb
- *  (height/supersample, width/supersample, 3), bytes of sRGB. */
-void nqm_picture_bytes(const nqm_picture *picture, size_t supersample, const nqm_tone *tone, unsigned char *rgb);
-
 /**
  * Write a picture in the format of the file name: ".exr" (OpenEXR, float) and ".hdr" (Radiance RGBE, 1 % precision)
  * contain cd/m2, ".png" is tone-mapped; a map can be written as ".png" only. Blocks of `supersample` x `supersample`

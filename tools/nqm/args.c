@@ -139,13 +139,14 @@ int choose(const char *name, const char *const *words, const char *text) {
     return value;
 }
 
-size_t choose_first(const command *cmd, const char *word) {
+/* Stop with the nearest word unless the first argument is one of the choices. */
+static void check_first(const command *cmd, const char *word) {
     nqm_nearest nearest = nqm_nearest_begin(word);
     char known[256] = "";
     for (size_t i = 0, at = 0; cmd->choices[i].name; ++i) {
         const char *name = cmd->choices[i].name;
         if (strcmp(name, word) == 0)
-            return i;
+            return;
         nqm_nearest_add(&nearest, name);
         if (at < sizeof known)
             at += (size_t)snprintf(known + at, sizeof known - at, "%s%s", i ? ", " : "", name);
@@ -208,7 +209,7 @@ int parse_arguments(const command *cmd, int argc, char **argv) {
             usage_error(cmd, "--", err.message);
     }
     if (n && cmd->choices) /* a wrong word counts more than what is missing after it */
-        choose_first(cmd, argv[0]);
+        check_first(cmd, argv[0]);
     if (n < cmd->min_arguments)
         usage_error(cmd, n ? "too few arguments" : "the arguments are missing", "");
     const int max = cmd->max_arguments ? cmd->max_arguments : cmd->min_arguments;

@@ -97,9 +97,6 @@ typedef struct command {
 /** Parse argv, where argv[0] is the verb; positional arguments are moved to argv[0..n). Returns n; prints help or a usage error
  *  and exits where that is due. */
 int parse_arguments(const command *cmd, int argc, char **argv);
-/** The index of the first argument in the choices of a verb. parse_arguments() reports an error with the nearest word, and exits,
- *  if it is not there. */
-size_t choose_first(const command *cmd, const char *word);
 /** Set the option `key` of a table that is not the command's own, from text. */
 void set_option(const nqm_option_table *table, const char *key, void *target, const char *text);
 
@@ -270,9 +267,8 @@ void print_phrases(const char *text);
 /** Print two lines about the intervals of a model; the same as JSON, null without intervals. */
 void print_calibration(const nqm_calibration *calibration);
 json_t *calibration_json(const nqm_calibration *calibration);
-/** All properties of a model as JSON, and as text with its card. */
+/** All properties of a model as JSON. */
 json_t *json_model(const nqm_model *model);
-void print_model_text(const nqm_model *model);
 /** A CSV field, quoted if necessary. */
 void print_csv_text(FILE *out, const char *text);
 /** The same after a comma. */

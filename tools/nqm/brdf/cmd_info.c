@@ -185,7 +185,7 @@ static void print_card_line(const char *line, size_t n) {
     free(text);
 }
 
-void print_model_text(const nqm_model *model) {
+static void print_model_text(const nqm_model *model) {
     const nqm_model_info info = nqm_model_get_info(model);
     char layers[200];
     printf("id          %s\nrecipe      %s\nparameters  %zu\nlayers      %s\n", shown(info.id), shown(info.recipe),

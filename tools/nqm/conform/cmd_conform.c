@@ -244,31 +244,16 @@ static void compare(conform_result *r, const char *name, const float *values) {
 
 /* ---- --self ------------------------------------------------------------------------------------------------------ */
 
-/* A kit whose inputs are rounded to float32; free() it. It borrows from the kit. */
+/* A copy whose inputs are rounded to float32. */
 static conform_kit *round_kit(const conform_kit *kit) {
-    conform_kit *rounded = allocate(1, sizeof *rounded);
-    *rounded = *kit;
-    for (size_t turn = 0; turn < KIT_TURNS; ++turn) {
-        rounded->wi[turn] = allocate(3 * kit->n_directions, sizeof(double));
-        rounded->wo[turn] = allocate(3 * kit->n_directions, sizeof(double));
-        for (size_t i = 0; i < 3 * kit->n_directions; ++i) {
-            rounded->wi[turn][i] = (double)(float)kit->wi[turn][i];
-            rounded->wo[turn][i] = (double)(float)kit->wo[turn][i];
-        }
-    }
+    conform_kit *rounded = copy_kit(kit, 1);
+    for (size_t i = 0; i < 6 * KIT_TURNS * kit->n_directions; ++i)
+        rounded->directions[i] = (double)(float)kit->directions[i];
     for (size_t set = 0; set < kit->n_sets; ++set)
         for (size_t k = 0; k < kit->model->schema.n_keys; ++k)
             for (size_t c = 0; c < 3; ++c)
                 rounded->sets[set].values.v[k][c] = (double)(float)kit->sets[set].values.v[k][c];
     return rounded;
-}
-
-static void free_rounded(conform_kit *rounded) {
-    for (size_t turn = 0; turn < KIT_TURNS; ++turn) {
-        free(rounded->wi[turn]);
-        free(rounded->wo[turn]);
-    }
-    free(rounded);
 }
 
 /* The lowest JOD of a kit's values without a mistake. */
@@ -329,7 +314,7 @@ static int prove_kit(const conform_kit *kit, result_format format) {
         print_document(document);
     else
         print_members(document);
-    free_rounded(rounded);
+    free_kit_copy(rounded);
     free(left);
     free(list);
     return passes ? EXIT_OK : EXIT_GATE;

@@ -29,14 +29,21 @@ typedef struct conform_kit {
     const nqm_analytic_model *model;
     nqm_model *metric; /* the model that scores, whose directions these are */
     size_t n_directions, n_sets;
-    double *wi[KIT_TURNS], *wo[KIT_TURNS]; /* (n_directions, 3) turned */
-    uint64_t keys;                         /* bit k: sets have values of key k; else its default */
+    double *directions; /* (KIT_TURNS, 2, n_directions, 3) light and viewer */
+    uint64_t keys;      /* bit k: sets have values of key k; else its default */
     kit_set sets[KIT_MAX_SETS];
 } conform_kit;
 
 /** Make the kit of a shading model; keys: names with commas of those that the shader has, NULL: all. Free with free_kit(). */
 conform_kit *make_kit(const char *model, const char *keys);
 void free_kit(conform_kit *kit);
+/** A copy with every `stride`-th direction, which borrows the specs of the sets. */
+conform_kit *copy_kit(const conform_kit *kit, size_t stride);
+void free_kit_copy(conform_kit *copy);
+/** The directions of light (side 0) or viewer (1) at a turn, (n_directions, 3). */
+static inline double *kit_directions(const conform_kit *kit, size_t turn, size_t side) {
+    return kit->directions + 3 * (2 * turn + side) * kit->n_directions;
+}
 /** Whether a key sets the width of a lobe: roughness, alpha, gloss. */
 bool is_width_key(const nqm_spec_key *key);
 /** f_r of a set at the directions, rgb (n_directions, 3), with mistakes; values: of the set, or changed ones. */

@@ -194,11 +194,12 @@ static void finish_sets(conform_kit *kit) {
 }
 
 static void turn_directions(conform_kit *kit, const nqm_directions *directions) {
+    kit->directions = allocate(6 * KIT_TURNS * kit->n_directions, sizeof *kit->directions);
     for (size_t turn = 0; turn < KIT_TURNS; ++turn) {
         const double angle = kit_turns_deg[turn] * NQM_PI / 180, c = turn ? cos(angle) : 1, s = turn ? sin(angle) : 0;
         for (size_t side = 0; side < 2; ++side) {
             const double *from = side ? nqm_directions_wo(directions) : nqm_directions_wi(directions);
-            double *to = (side ? kit->wo : kit->wi)[turn] = allocate(3 * kit->n_directions, sizeof *to);
+            double *to = kit_directions(kit, turn, side);
             for (size_t i = 0; i < kit->n_directions; ++i, from += 3, to += 3) {
                 to[0] = c * from[0] - s * from[1];
                 to[1] = s * from[0] + c * from[1];
@@ -232,15 +233,30 @@ conform_kit *make_kit(const char *model, const char *keys) {
 void free_kit(conform_kit *kit) {
     for (size_t s = 0; s < kit->n_sets; ++s)
         nqm_free(kit->sets[s].spec);
-    for (size_t turn = 0; turn < KIT_TURNS; ++turn) {
-        free(kit->wi[turn]);
-        free(kit->wo[turn]);
-    }
     nqm_model_free(kit->metric);
-    free(kit);
+    free_kit_copy(kit);
+}
+
+conform_kit *copy_kit(const conform_kit *kit, size_t stride) {
+    conform_kit *copy = allocate(1, sizeof *copy);
+    *copy = *kit;
+    copy->n_directions = nqm_ceil_div(kit->n_directions, stride);
+    copy->directions = allocate(6 * KIT_TURNS * copy->n_directions, sizeof *copy->directions);
+    for (size_t turn = 0; turn < KIT_TURNS; ++turn)
+        for (size_t side = 0; side < 2; ++side)
+            for (size_t i = 0; i < copy->n_directions; ++i)
+                memcpy(kit_directions(copy, turn, side) + 3 * i, kit_directions(kit, turn, side) + 3 * stride * i,
+                       3 * sizeof *copy->directions);
+    return copy;
+}
+
+void free_kit_copy(conform_kit *copy) {
+    free(copy->directions);
+    free(copy);
 }
 
 void sample_set(const conform_kit *kit, const kit_set *set, const nqm_spec_values *values, nqm_mistakes mistakes,
                 float *rgb) {
-    nqm_mistaken_eval(kit->model, values, mistakes, kit->n_directions, kit->wi[set->turn], kit->wo[set->turn], rgb);
+    nqm_mistaken_eval(kit->model, values, mistakes, kit->n_directions, kit_directions(kit, set->turn, 0),
+                      kit_directions(kit, set->turn, 1), rgb);
 }

@@ -39,7 +39,8 @@ void write_kit_rows(const conform_kit *kit, FILE *out) {
                 put_number(parameters, set->values.v[k][c]);
         fclose(parameters);
         for (size_t i = 0; i < kit->n_directions; ++i) {
-            const double *wi = kit->wi[set->turn] + 3 * i, *wo = kit->wo[set->turn] + 3 * i;
+            const double *wi = kit_directions(kit, set->turn, 0) + 3 * i,
+                         *wo = kit_directions(kit, set->turn, 1) + 3 * i;
             fprintf(out, "%zu%s,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g\n", s + 1, head, wi[0], wi[1], wi[2], wo[0], wo[1],
                     wo[2]);
         }
@@ -179,8 +180,8 @@ void write_kit_shader(const conform_kit *kit, const char *path) {
     fprintf(out.stream, "%s%sint nqm_n_sets = %zu, nqm_n_directions = %zu;\n\n", l->head, l->constant, kit->n_sets,
             kit->n_directions);
     put_sets(l, out.stream, kit);
-    put_directions(l, out.stream, "nqm_light", kit->n_directions, kit->wi[0]);
-    put_directions(l, out.stream, "nqm_viewer", kit->n_directions, kit->wo[0]);
+    put_directions(l, out.stream, "nqm_light", kit->n_directions, kit_directions(kit, 0, 0));
+    put_directions(l, out.stream, "nqm_viewer", kit->n_directions, kit_directions(kit, 0, 1));
     fputs(l->loop, out.stream);
     close_output(&out);
 }

@@ -89,39 +89,14 @@ void sample_suspect(const conform_kit *kit, size_t set, const suspect *s, float 
 /* Every fifth direction is enough for the choice: neighbours in the list have other azimuths. */
 enum { STRIDE = 5 };
 
-/* The directions of a kit that are compared, (n_kept, 3) for each turn. */
-typedef struct kept_directions {
-    double *wi[KIT_TURNS], *wo[KIT_TURNS];
-} kept_directions;
-
 typedef struct comparison {
     const conform_kit *kit;
-    size_t n, n_kept; /* suspects; directions */
+    size_t n; /* suspects */
     const suspect *suspects;
     const suspect_targets *targets;
-    kept_directions own, planted;
-    double *left; /* (n_sets, n_targets, n) */
+    conform_kit *own, *planted; /* copies with the directions that are compared */
+    double *left;               /* (n_sets, n_targets, n) */
 } comparison;
-
-static kept_directions keep_directions(const conform_kit *kit, size_t n_kept) {
-    kept_directions kept;
-    for (size_t turn = 0; turn < KIT_TURNS; ++turn) {
-        kept.wi[turn] = allocate(3 * n_kept, sizeof(double));
-        kept.wo[turn] = allocate(3 * n_kept, sizeof(double));
-        for (size_t i = 0; i < n_kept; ++i) {
-            memcpy(kept.wi[turn] + 3 * i, kit->wi[turn] + 3 * STRIDE * i, 3 * sizeof(double));
-            memcpy(kept.wo[turn] + 3 * i, kit->wo[turn] + 3 * STRIDE * i, 3 * sizeof(double));
-        }
-    }
-    return kept;
-}
-
-static void free_directions(kept_directions *kept) {
-    for (size_t turn = 0; turn < KIT_TURNS; ++turn) {
-        free(kept->wi[turn]);
-        free(kept->wo[turn]);
-    }
-}
 
 /* log(f_r + 0.003); NaN remains. */
 static void take_logs(size_t n, float *values) {
@@ -129,12 +104,9 @@ static void take_logs(size_t n, float *values) {
         values[i] = logf((values[i] < 0 ? 0 : values[i]) + 0.003F);
 }
 
-static void evaluate(const conform_kit *kit, const kept_directions *kept, size_t n_kept, size_t set, const suspect *s,
-                     float *logs) {
-    const nqm_spec_values values = changed_values(kit, &kit->sets[set], s);
-    const size_t turn = kit->sets[set].turn;
-    nqm_mistaken_eval(kit->model, &values, s->mistakes, n_kept, kept->wi[turn], kept->wo[turn], logs);
-    take_logs(3 * n_kept, logs);
+static void evaluate(const conform_kit *kit, size_t set, const suspect *s, float *logs) {
+    sample_suspect(kit, set, s, logs);
+    take_logs(3 * kit->n_directions, logs);
 }
 
 static double difference(size_t n, const float *a, const float *b) {
@@ -152,15 +124,15 @@ static double difference(size_t n, const float *a, const float *b) {
 static void compare_set(void *user, size_t set) {
     const comparison *c = user;
     const suspect_targets *targets = c->targets;
-    const size_t n_values = 3 * c->n_kept;
+    const size_t n_kept = c->own->n_directions, n_values = 3 * n_kept;
     float *logs = allocate((c->n + 1) * n_values, sizeof *logs), *target = logs + c->n * n_values;
     for (size_t s = 0; s < c->n; ++s)
-        evaluate(c->kit, &c->own, c->n_kept, set, &c->suspects[s], logs + s * n_values);
+        evaluate(c->own, set, &c->suspects[s], logs + s * n_values);
     for (size_t t = 0; t < targets->n; ++t) {
-        for (size_t i = 0; !targets->planted && i < c->n_kept; ++i)
+        for (size_t i = 0; !targets->planted && i < n_kept; ++i)
             memcpy(target + 3 * i, targets->values + 3 * (set * c->kit->n_directions + STRIDE * i), 3 * sizeof *target);
         if (targets->planted)
-            evaluate(targets->planted, &c->planted, c->n_kept, set, &c->suspects[t], target);
+            evaluate(c->planted, set, &c->suspects[t], target);
         else
             take_logs(n_values, target);
         for (size_t s = 0; s < c->n; ++s)
@@ -171,20 +143,20 @@ static void compare_set(void *user, size_t set) {
 
 void compare_suspects(const conform_kit *kit, size_t n, const suspect *suspects, const suspect_targets *targets,
                       double *left) {
-    const size_t n_kept = (kit->n_directions + STRIDE - 1) / STRIDE, n_left = targets->n * n;
-    comparison c = {.kit = kit, .n = n, .n_kept = n_kept, .suspects = suspects, .targets = targets};
+    const size_t n_left = targets->n * n;
+    comparison c = {.kit = kit, .n = n, .suspects = suspects, .targets = targets};
     nqm_ticker ticker = {.fn = show_progress};
     c.left = allocate(kit->n_sets * n_left, sizeof *c.left);
-    c.own = keep_directions(kit, n_kept);
-    c.planted = keep_directions(targets->planted ? targets->planted : kit, n_kept);
+    c.own = copy_kit(kit, STRIDE);
+    c.planted = copy_kit(targets->planted ? targets->planted : kit, STRIDE);
     if (nqm_parallel_ticking(&ticker, "mistakes", kit->n_sets, compare_set, &c))
         stop(EXIT_INTERRUPTED, "interrupted");
     end_progress();
     memset(left, 0, n_left * sizeof *left);
     for (size_t i = 0; i < kit->n_sets * n_left; ++i)
         left[i % n_left] += c.left[i] / (double)kit->n_sets;
-    free_directions(&c.own);
-    free_directions(&c.planted);
+    free_kit_copy(c.own);
+    free_kit_copy(c.planted);
     free(c.left);
 }
 

@@ -22,8 +22,6 @@ const char *const *target_names(void);
 /** Find a target by its word; if there is none, report the words and exit. */
 const translate_target *find_target(const char *word);
 
-/** Whether a model is one of nqm_fit_shading(). */
-bool is_shading_model(const char *model);
 /** A spec of the shading model `model` with the keys that mean the same in `spec`, a canonical spec of a shading model,
  *  moved into their ranges; free() it. NULL: `spec` is NULL or of another model, nothing is shared, or what is shared
  *  is no spec without other keys. */

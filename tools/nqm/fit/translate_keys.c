@@ -27,7 +27,7 @@ static const translate_target targets[] = {
 };
 enum { N_TARGETS = sizeof targets / sizeof *targets };
 
-bool is_shading_model(const char *model) {
+static bool is_shading_model(const char *model) {
     size_t i = 0;
     while (nqm_fit_shading(i) && strcmp(nqm_fit_shading(i), model) != 0)
         ++i;

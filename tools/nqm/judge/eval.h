@@ -40,7 +40,4 @@ void print_evaluation(const eval_run *run, result_format format);
 /** Write label, predictions and scalar features of every pair that was judged, as CSV. */
 void write_pairs(const eval_run *run, const char *path);
 
-/** Name of a model or a metric, or "estimate". */
-const char *predictor_name(const eval_run *run, size_t predictor);
-
 #endif

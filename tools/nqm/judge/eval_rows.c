@@ -13,7 +13,8 @@ enum { RIVAL_BASELINE, RIVAL_LOG_DIFF, RIVAL_ESTIMATE, N_RIVALS };
 
 const char *const subset_words[] = {"near", "far", "rounding", "seen", "unseen", NULL};
 
-const char *predictor_name(const eval_run *run, size_t predictor) {
+/* Name of a model or a metric, or "estimate". */
+static const char *predictor_name(const eval_run *run, size_t predictor) {
     return predictor < run->n_models ? run->model_names[predictor] : run->evaluation->names[predictor];
 }
 

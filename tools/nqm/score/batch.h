@@ -34,11 +34,6 @@ typedef struct batch_note {
     char *remark;    /* error of a row without a score, warnings of the others; NULL: none; owned */
 } batch_note;
 
-/** The note of a result. free() the remark. */
-batch_note make_batch_note(const batch_form *form, size_t row, const nqm_score_result *result, const nqm_error *err);
-/** The members of a result that a note has; the others are NaN and 0. */
-nqm_score_result noted_result(const batch_note *note);
-
 /** Report an error and exit when a column of the list has the name of a result column or of another column of the list. */
 void check_batch_columns(const batch_form *form);
 

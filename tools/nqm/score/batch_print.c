@@ -151,7 +151,7 @@ static void print_batch_tail(const batch_form *form, FILE *out) {
 
 /* ---- notes ------------------------------------------------------------------------------------------------------- */
 
-batch_note make_batch_note(const batch_form *form, size_t row, const nqm_score_result *r, const nqm_error *err) {
+static batch_note make_batch_note(const batch_form *form, size_t row, const nqm_score_result *r, const nqm_error *err) {
     batch_note note = {r->jod, r->jod_low, r->jod_high, r->delta_e, r->novelty, .is_identical = r->identical};
     note.is_scored = r->status == NQM_OK;
     note.is_skipped = !note.is_scored && has_same_refusal(&form->list->pair[row]);
@@ -164,7 +164,8 @@ batch_note make_batch_note(const batch_form *form, size_t row, const nqm_score_r
     return note;
 }
 
-nqm_score_result noted_result(const batch_note *note) {
+/* The members of a result that a note has; the others are 0. */
+static nqm_score_result noted_result(const batch_note *note) {
     nqm_score_result r = {.status = note->is_scored ? NQM_OK : NQM_ERR_NUMERIC, .identical = note->is_identical};
     r.jod = note->jod;
     r.jod_low = note->jod_low;
