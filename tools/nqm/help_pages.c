@@ -34,11 +34,6 @@ static void put_roff_line(const char *line, size_t n) {
     putchar('\n');
 }
 
-static void put_roff_example(const char *line, size_t n) {
-    put_roff(line, n);
-    putchar('\n');
-}
-
 static void put_man_row(void *user, const help_row *row) {
     (void)user;
     printf(".TP\n");
@@ -101,7 +96,7 @@ void print_man_page(const command *cmd) {
     printf(".SH OPTIONS\n");
     each_option(cmd, put_man_row, NULL);
     printf(".SH EXAMPLES\n.nf\n");
-    each_line(cmd->example, put_roff_example);
+    each_line(cmd->example, put_roff_line);
     printf(".fi\n.SH EXIT STATUS\n0 on success; \\fBnqm\\fR(1) lists the others.\n.SH SEE ALSO\n\\fBnqm\\fR(1)\n");
 }
 

@@ -75,9 +75,7 @@ static void make_line(void) {
     const char *embree = nqm_tracer_version();
     int major, minor, patch;
     exr_get_library_version(&major, &minor, &patch, NULL);
-    snprintf(line, sizeof line,
-             "Embree %s%s, libjpeg-turbo %s, libpng %s, OpenEXR %d.%d.%d, no "
-             "MPI library",
+    snprintf(line, sizeof line, "Embree %s%s, libjpeg-turbo %s, libpng %s, OpenEXR %d.%d.%d, no MPI library",
              embree ? embree : "off", embree ? " when needed" : "", TEXT_OF(LIBJPEG_TURBO_VERSION),
              png_get_libpng_ver(NULL), major, minor, patch);
 }

@@ -18,9 +18,8 @@ static const char *output, *format_name;
 static const option options[] = {
     {"output", 'o', OPTION_NEEDED, &output, "FILE.binary|.npy", "the table to write; - is standard output", 0, 0},
     {"format", 'f', OPTION_TEXT, &format_name, "FORMAT",
-     "merl: 90 x 90 x 180 cells, 35 MB; merl-360: 90 x 90 x 360 cells, 70 MB, which distinguish light and viewer; "
-     "npy: an array of NumPy, 90 x 46 x 24 nodes, times 48 azimuths if anisotropic; default: npy for FILE.npy, else "
-     "merl",
+     "merl: 90 x 90 x 180 cells, 35 MB; merl-360: 90 x 90 x 360 cells, 70 MB, which distinguish light and viewer; npy:"
+     " an array of NumPy, 90 x 46 x 24 nodes, times 48 azimuths if anisotropic; default: npy for FILE.npy, else merl",
      0, 0},
     {"json", 0, OPTION_FLAG, &json, NULL, "print JSON", 0, 0},
     OPTION_ROW_IGNORE,

@@ -47,8 +47,6 @@ static void make_rows(conform_result *r, const char *name, const nqm_score_resul
     }
 }
 
-/* ---- results ----------------------------------------------------------------------------------------------------- */
-
 /* ---- scores ------------------------------------------------------------------------------------------------------ */
 
 /* Score values, (n_sets, n_directions, 3), against suspect `s`; results (n_sets). */
@@ -202,17 +200,6 @@ static void print_remarks(const score_run *run) {
         report(EXIT_OK, "%zu values are not finite, and are left out", n_invalid);
     if (n_clamped)
         report(EXIT_OK, "%zu values have a negative channel, which counts as 0", n_clamped);
-}
-
-/* Report faults and the gate. Returns the exit code. */
-static int judge_rows(const score_run *run) {
-    const int exit_code = report_faults(run);
-    size_t n_failed = 0;
-    for (size_t i = 0; i < run->n_rows; ++i)
-        n_failed += fails_gate(&run->gate, &run->rows[i].result);
-    if (has_gate(&run->gate))
-        report_gate(&run->gate, n_failed, run->n_rows);
-    return exit_code == EXIT_OK && n_failed ? EXIT_GATE : exit_code;
 }
 
 /* The result; name: of the values. */
@@ -396,7 +383,7 @@ int cmd_conform(int argc, char **argv) {
         if (junit || markdown)
             write_conform_reports(&result, junit, markdown);
         print_remarks(&result.run);
-        exit_code = judge_rows(&result.run);
+        exit_code = apply_gate(&result.run, report_faults(&result.run));
         free(result.run.rows);
         free(values);
     } else if (!is_self)

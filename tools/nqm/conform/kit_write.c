@@ -130,11 +130,17 @@ static void put_member(const language *l, FILE *out, const char *name, size_t n)
         fprintf(out, "    float %s[%zu];\n", name, n);
 }
 
-static void put_directions(const language *l, FILE *out, const char *name, size_t n, const double *d) {
+/* "const vec3 name[9] = vec3[9](", or with braces. inner: what follows the number of elements in C. */
+static void begin_array(const language *l, FILE *out, const char *type, const char *name, size_t n, const char *inner) {
+    fprintf(out, "%s%s %s[%zu]%s = ", l->constant, type, name, n, *l->vector ? "" : inner);
     if (l->is_glsl)
-        fprintf(out, "const vec3 %s[%zu] = vec3[%zu](\n", name, n, n);
+        fprintf(out, "%s[%zu](\n", type, n);
     else
-        fprintf(out, *l->vector ? "static const float3 %s[%zu] = {\n" : "static const float %s[%zu][3] = {\n", name, n);
+        fputs("{\n", out);
+}
+
+static void put_directions(const language *l, FILE *out, const char *name, size_t n, const double *d) {
+    begin_array(l, out, l->is_glsl ? "vec3" : *l->vector ? "float3" : "float", name, n, "[3]");
     for (size_t i = 0; i < n; ++i) {
         fputs(i ? ",\n    " : "    ", out);
         put_vector(l, out, 3, d + 3 * i);
@@ -149,10 +155,7 @@ static void put_sets(const language *l, FILE *out, const conform_kit *kit) {
     for (size_t k = 0; k < schema->n_keys; ++k)
         put_member(l, out, schema->keys[k].name, schema->keys[k].n);
     fputs(*l->vector ? "};\n" : "} nqm_set;\n", out);
-    if (l->is_glsl)
-        fprintf(out, "const nqm_set nqm_sets[%zu] = nqm_set[%zu](\n", kit->n_sets, kit->n_sets);
-    else
-        fprintf(out, "static const nqm_set nqm_sets[%zu] = {\n", kit->n_sets);
+    begin_array(l, out, "nqm_set", "nqm_sets", kit->n_sets, "");
     for (size_t s = 0; s < kit->n_sets; ++s) {
         const double angle = kit_turns_deg[kit->sets[s].turn] * NQM_PI / 180;
         fputs(l->is_glsl ? "    nqm_set(" : "    {", out);

@@ -449,8 +449,7 @@ static const option options[] = {
      0, 0},
     {"metric", 0, OPTION_TEXT, &metric, "MODEL", "the model of the loss nqm and of the printed JOD", 0, 0},
     {"transport", 0, OPTION_TEXT, &transport, "MODEL",
-     "the model of the loss transport (nqm transport make); other than 'transport', it also makes the choice of "
-     "auto",
+     "the model of the loss transport (nqm transport make); other than 'transport', it also makes the choice of auto",
      0, 0},
     {"output", 'o', OPTION_TEXT, &path, "FILE.safetensors|DIR/",
      "file of a network or table (DIR/MODEL.safetensors for several models)", 0, 0},

@@ -33,10 +33,13 @@ static char *old_path, *new_path;
 
 /* ---- pairs ------------------------------------------------------------------------------------------------------- */
 
-static const library *sorted;
+/* The key of a member of the new version, given by its number. */
+static int compare_key(const void *key, const void *number) {
+    return strcmp(key, v.new.members[*(const size_t *)number].key);
+}
 
 static int by_key(const void *a, const void *b) {
-    return strcmp(sorted->members[*(const size_t *)a].key, sorted->members[*(const size_t *)b].key);
+    return compare_key(v.new.members[*(const size_t *)a].key, b);
 }
 
 static void pair_names(void) {
@@ -48,31 +51,27 @@ static void pair_names(void) {
     size_t *order = allocate(v.new.n, sizeof *order);
     for (size_t i = 0; i < v.new.n; ++i)
         order[i] = i;
-    sorted = &v.new;
     qsort(order, v.new.n, sizeof *order, by_key);
     for (size_t i = 0; i < v.old.n; ++i) {
-        size_t low = 0, high = v.new.n;
-        while (low < high) {
-            const size_t middle = low + (high - low) / 2;
-            if (strcmp(v.new.members[order[middle]].key, v.old.members[i].key) < 0)
-                low = middle + 1;
-            else
-                high = middle;
-        }
-        const bool is_same = low < v.new.n &&strcmp(v.new.members[order[low]].key, v.old.members[i].key) == 0;
-        v.partner[i] = is_same && !v.is_partner[order[low]] ? order[low] : SIZE_MAX;
+        const size_t *same = bsearch(v.old.members[i].key, order, v.new.n, sizeof *order, compare_key);
+        v.partner[i] = same && !v.is_partner[*same] ? *same : SIZE_MAX;
         if (v.partner[i] != SIZE_MAX)
-            v.is_partner[order[low]] = true;
+            v.is_partner[*same] = true;
     }
     free(order);
 }
 
-/* The members of a version without a partner, with pictures. from (n) receives their numbers. */
-static library take_single(const library *of, const size_t *partner, const bool *is_partner, nqm_scorer *scorer,
-                           size_t *from) {
+/* Whether only its version has a member. */
+static bool is_single(bool is_new, size_t i) {
+    return is_new ? !v.is_partner[i] : v.partner[i] == SIZE_MAX;
+}
+
+/* The members that only one version has, with pictures. from (n) receives their numbers. */
+static library take_single(bool is_new, nqm_scorer *scorer, size_t *from) {
+    const library *of = is_new ? &v.new : &v.old;
     library single = {.path = of->path, .members = must_have(nqm_alloc(of->n ? of->n : 1, sizeof(member)))};
     for (size_t i = 0; i < of->n; ++i)
-        if (!(partner ? partner[i] != SIZE_MAX : is_partner[i]) && !of->members[i].is_left_out) {
+        if (is_single(is_new, i) && !of->members[i].is_left_out) {
             from[single.n] = i;
             single.members[single.n++] = of->members[i];
         }
@@ -98,8 +97,8 @@ static void pair_looks(void) {
         return;
     size_t *old_from = allocate(v.old.n, sizeof *old_from), *new_from = allocate(v.new.n, sizeof *new_from);
     nqm_scorer *scorer = open_scorer(run.model, &run.options);
-    library old = take_single(&v.old, v.partner, NULL, scorer, old_from);
-    library new = take_single(&v.new, NULL, v.is_partner, scorer, new_from);
+    library old = take_single(false, scorer, old_from);
+    library new = take_single(true, scorer, new_from);
     float *jod = allocate(new.n, sizeof *jod);
     for (size_t i = 0; i < old.n; ++i) {
         size_t best = SIZE_MAX;
@@ -260,7 +259,7 @@ static size_t each_single(bool is_added, void (*print)(void *user, const char *k
     const library *of = is_added ? &v.new : &v.old;
     size_t n = 0;
     for (size_t i = 0; i < of->n; ++i)
-        if (is_added ? !v.is_partner[i] : v.partner[i] == SIZE_MAX) {
+        if (is_single(is_added, i)) {
             print(user, of->members[i].key);
             ++n;
         }
@@ -398,9 +397,8 @@ static void print_results(void) {
 /* Report faults and the gate. Returns the exit code. */
 static int conclude(void) {
     int exit_code = EXIT_OK;
-    size_t n_failed = 0, n_skipped = 0;
+    size_t n_skipped = 0;
     for (size_t i = 0; i < run.n_rows; ++i) {
-        n_failed += fails_gate(&run.gate, &run.rows[i].result);
         n_skipped += is_skipped(i);
         if (run.rows[i].err.status == NQM_OK || is_skipped(i))
             continue;
@@ -410,11 +408,9 @@ static int conclude(void) {
     if (n_skipped)
         report(EXIT_OK, "%zu material%s refused in both versions for the same reason; `nqm info` says why", n_skipped,
                n_skipped > 1 ? "s are" : " is");
-    if (has_gate(&run.gate))
-        report_gate(&run.gate, n_failed, run.n_rows);
     if (exit_code == EXIT_OK && v.old.n_failed + v.new.n_failed > 0)
         exit_code = EXIT_PARTIAL;
-    return exit_code == EXIT_OK && n_failed ? EXIT_GATE : exit_code;
+    return apply_gate(&run, exit_code);
 }
 
 static void free_versions(void) {

@@ -27,22 +27,15 @@ enum { MAX_PIECES = 4096, MAX_PATH = 4096, N_IDENTITY = 32 };
  * of a large one, which is not read completely. */
 enum { SMALL_FILE = 1 << 16, IDENTITY = 72 };
 
-typedef struct file_list {
-    size_t n;
-    const char **paths; /* (n) keys of the object */
-    char (*identity)[IDENTITY];
-} file_list;
-
-static void identify(void *user, size_t i) {
-    const file_list *list = user;
+static json_t *identify(const char *path) {
+    char text[IDENTITY] = "";
     struct stat st;
     nqm_map map;
     nqm_sha256 sha;
-    char *text = list->identity[i];
-    if (stat(list->paths[i], &st) != 0) {
+    if (stat(path, &st) != 0) {
         strcpy(text, "missing");
-    } else if (nqm_role_input(&st, list->paths[i], NULL) == NQM_OK && st.st_size <= SMALL_FILE &&
-               nqm_map_open(list->paths[i], &map, NULL) == NQM_OK) {
+    } else if (nqm_role_input(&st, path, NULL) == NQM_OK && st.st_size <= SMALL_FILE &&
+               nqm_map_open(path, &map, NULL) == NQM_OK) {
         if (nqm_sha256_begin(&sha)) {
             nqm_sha256_add(&sha, map.data, map.n_bytes);
             nqm_sha256_end(&sha, text);
@@ -52,20 +45,15 @@ static void identify(void *user, size_t i) {
         snprintf(text, IDENTITY, "%lld bytes, %lld.%09ld s", (long long)st.st_size, (long long)st.st_mtim.tv_sec,
                  (long)st.st_mtim.tv_nsec);
     }
+    return json_string(text);
 }
 
 /* Set the values of an object whose keys are paths. */
 static void identify_all(json_t *files) {
-    const char *key;
+    const char *path;
     json_t *value;
-    file_list list = {.paths = allocate(json_object_size(files), sizeof *list.paths),
-                      .identity = allocate(json_object_size(files), sizeof *list.identity)};
-    json_object_foreach(files, key, value) list.paths[list.n++] = key;
-    nqm_parallel_for(list.n, identify, &list);
-    for (size_t i = 0; i < list.n; ++i)
-        json_object_set_new(files, list.paths[i], json_string(list.identity[i]));
-    free(list.paths);
-    free(list.identity);
+    json_object_foreach(files, path, value)
+        json_object_set_new(files, path, identify(path)); /* of a key that is there: allowed meanwhile */
 }
 
 /* The latents in the folder of a decoder of neural processes. */

@@ -122,9 +122,7 @@ static int settle(batch_run *run, int exit_code) {
     if (summary.n_skipped)
         report(EXIT_OK, "%zu of %zu rows are skipped: both materials are refused alike", summary.n_skipped,
                run->list->n_rows);
-    if (has_gate(&run->form.gate))
-        report_gate(&run->form.gate, summary.n_gated, run->list->n_rows);
-    return exit_code == EXIT_OK && summary.n_gated ? EXIT_GATE : exit_code;
+    return report_gate(&run->form.gate, summary.n_gated, run->list->n_rows, exit_code);
 }
 
 /* ---- the verb ---------------------------------------------------------------------------------------------------- */

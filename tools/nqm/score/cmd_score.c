@@ -150,18 +150,6 @@ static bool report_worst(const score_run *run) {
     return n_failed > 0;
 }
 
-/* Say how many pairs fail, and how many are not equal. Returns the exit code. */
-static int apply_gate(const score_run *run) {
-    size_t n_failed = 0;
-    for (size_t i = 0; i < run->n_rows; ++i)
-        n_failed += fails_gate(&run->gate, &run->rows[i].result);
-    if (has_gate(&run->gate))
-        report_gate(&run->gate, n_failed, run->n_rows);
-    const bool is_unequal = run->exact && report_unequal(run);
-    const bool is_bad = report_worst(run);
-    return n_failed || is_unequal || is_bad ? EXIT_GATE : EXIT_OK;
-}
-
 /* ---- --samples --------------------------------------------------------------------------------------------------- */
 
 /* Say how the values of a CSV get to the directions of the model; returns the number of directions that have none. A file of
@@ -223,8 +211,7 @@ static const option options[] = {
      0, 0},
     {"exact", 0, OPTION_FLAG, &run.exact, NULL,
      "compare the values, too: the largest relative difference, and where; exit code 1 above the tolerance. Of "
-     "textures: "
-     "score every different pair of texels, not a selection",
+     "textures: score every different pair of texels, not a selection",
      0, 0},
     {"tolerance", 0, OPTION_NUMBER, &run.tolerance, "R", "--exact: relative difference of equal values", 0, 1},
     OPTION_ROWS_GATE(&run.gate),
@@ -276,10 +263,10 @@ int cmd_score(int argc, char **argv) {
     make_scores(&run);
     compare_rows(&run);
     print_scores(&run);
-    int exit_code = report_faults(&run);
-    const int gate_code = apply_gate(&run);
-    exit_code = exit_code == EXIT_OK ? gate_code : exit_code;
+    const int exit_code = apply_gate(&run, report_faults(&run));
+    const bool is_unequal = run.exact && report_unequal(&run);
+    const bool is_bad = report_worst(&run);
     free_scores(&run);
     free(names);
-    return exit_code;
+    return exit_code == EXIT_OK && (is_unequal || is_bad) ? EXIT_GATE : exit_code;
 }

@@ -268,13 +268,6 @@ nqm_status nqm_pair_list_load(const char *path, nqm_pair_list **list_ret, nqm_er
 
 /* ---- pairs of files of several materials ------------------------------------------------------------------------- */
 
-/* "FILE:NAME", also for a material that the file does not have: opening it says so. */
-static char *member(const char *file, const char *name) {
-    char *text = allocate(strlen(file) + strlen(name) + 2, 1);
-    strcat(strcat(strcpy(text, file), ":"), name);
-    return text;
-}
-
 /* "ignore:...:FILE" with --ignore, which is owned. */
 static void reflect(const char **argument, bool *is_owned) {
     const char *taken = reflecting(*argument);
@@ -311,9 +304,10 @@ static void add_materials(expansion *e, const nqm_named_pair *pair, const char *
     const nqm_materials *named = ref ? ref : test;
     for (size_t i = 0; i < nqm_materials_count(named); ++i) {
         const char *material = nqm_materials_get(named, i).name;
-        char *test_member = member(pair->test, material);
-        char *ref_member = ref ? member(pair->ref, material) : must_have(strdup(pair->ref));
-        add_pair(e, (nqm_named_pair){ref_member, test_member}, name ? member(name, material) : NULL, origin, true);
+        char *test_member = join_with_colon(pair->test, material); /* if the file lacks it, opening it says so */
+        char *ref_member = join_with_colon(pair->ref, ref ? material : "");
+        add_pair(e, (nqm_named_pair){ref_member, test_member}, name ? join_with_colon(name, material) : NULL, origin,
+                 true);
     }
     for (size_t i = 0; ref && i < nqm_materials_count(test); ++i)
         if (!has_material(ref, nqm_materials_get(test, i).name))

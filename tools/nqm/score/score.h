@@ -142,8 +142,11 @@ const char *gate_mark(const score_gate *gate, const nqm_score_result *result);
 enum { GATE_TEXT = 96 };
 /** What fails: "JOD below 9", "lower end of the interval below 8.5", or both. Returns text. */
 const char *gate_words(const score_gate *gate, char text[GATE_TEXT]);
-/** Print "nqm VERB: 2 of 7 pairs FAIL: JOD below 9" on standard error. */
-void report_gate(const score_gate *gate, size_t n_failed, size_t n_pairs);
+/** Print "nqm VERB: 2 of 7 pairs FAIL: JOD below 9" on standard error if there is a gate. Returns the exit code, or
+ *  EXIT_GATE in place of EXIT_OK if a pair failed. */
+int report_gate(const score_gate *gate, size_t n_failed, size_t n_pairs, int exit_code);
+/** The same, of the rows. */
+int apply_gate(const score_run *run, int exit_code);
 
 /* ---- textured materials (textures.c) ----------------------------------------------------------------------------- */
 

@@ -270,9 +270,18 @@ const char *gate_words(const score_gate *gate, char text[GATE_TEXT]) {
     return text;
 }
 
-void report_gate(const score_gate *gate, size_t n_failed, size_t n_pairs) {
+int report_gate(const score_gate *gate, size_t n_failed, size_t n_pairs, int exit_code) {
     char text[GATE_TEXT];
-    report(EXIT_GATE, "%zu of %zu pairs FAIL: %s", n_failed, n_pairs, gate_words(gate, text));
+    if (has_gate(gate))
+        report(EXIT_GATE, "%zu of %zu pairs FAIL: %s", n_failed, n_pairs, gate_words(gate, text));
+    return exit_code == EXIT_OK && n_failed ? EXIT_GATE : exit_code;
+}
+
+int apply_gate(const score_run *run, int exit_code) {
+    size_t n_failed = 0;
+    for (size_t i = 0; i < run->n_rows; ++i)
+        n_failed += fails_gate(&run->gate, &run->rows[i].result);
+    return report_gate(&run->gate, n_failed, run->n_rows, exit_code);
 }
 
 /* ---- results ----------------------------------------------------------------------------------------------------- */

@@ -100,8 +100,7 @@ static int calibrate_human(const char *answers) {
         char note[400];
         snprintf(note, sizeof note,
                  "## Similarity\n\nFitted to %.0f answers of people about %zu materials (nqm calibrate --human): "
-                 "agreement %.3f on "
-                 "materials left out, %+.3f more than before.\n",
+                 "agreement %.3f on materials left out, %+.3f more than before.\n",
                  r.n_choices, r.n_materials, r.fitted, r.gain.value);
         must(nqm_model_annotate(model, note, &fitted, &fault));
         nqm_readout_set(&r, fitted);
