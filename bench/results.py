@@ -5,6 +5,7 @@ results.py keep KIND FOLDER PEERS.json   one document of all FOLDER/*.json of `n
                                          PEERS.json exists, as bench/results/KIND.json
 results.py compare OLD NEW [SHARE]       speeds of NEW relative to OLD; exit code 1 if a row is slower by more than SHARE (0.1)
 results.py check FILE...                 check such documents; exit code 1 and a message for each fault
+results.py time N COMMAND...             seconds of a command from its start to its end, best and median of N runs
 results.py page                          bench/results/machines.md from bench/results/*.json, to standard output
 
 ./dev bench runs it. A result is compared by its processor time relative to the peak of the same run where it has one, so that other programs and the
@@ -19,6 +20,7 @@ import os
 import statistics
 import subprocess
 import sys
+import time
 
 HERE = os.path.dirname(os.path.abspath(__file__))
 KEYS = ("bench", "name", "subject", "model", "by", "kernels", "precision", "batch", "layer", "m", "n", "k", "pairs", "epochs", "seed", "threads")
@@ -157,6 +159,22 @@ def compare(old_path, new_path, share=0.1):
     if old["kind"] != new["kind"]:
         print(f"different machines: {old['kind']}, {new['kind']}")
     return 1 if slower else 0
+
+
+# ---- time ---------------------------------------------------------------------------------------------------------------
+
+
+def time_command(n, command):
+    """Without the shell; the first run warms up."""
+    seconds = []
+    with open(os.devnull, "wb") as null:
+        for _ in range(n + 1):
+            begin = time.perf_counter()
+            pid = os.posix_spawnp(command[0], command, os.environ, file_actions=[(os.POSIX_SPAWN_DUP2, null.fileno(), 1)])
+            if os.waitpid(pid, 0)[1] != 0:
+                stop(f"'{' '.join(command)}' failed")
+            seconds.append(time.perf_counter() - begin)
+    print(f"{' '.join(command)}  seconds {min(seconds[1:]):.4g}  seconds_median {statistics.median(seconds[1:]):.4g}")
 
 
 # ---- page ---------------------------------------------------------------------------------------------------------------
@@ -340,6 +358,8 @@ def main(arguments):
         return keep(*rest)
     if verb == "compare" and len(rest) in (2, 3):
         return compare(rest[0], rest[1], *(float(s) for s in rest[2:]))
+    if verb == "time" and len(rest) > 1 and rest[0].isdigit() and int(rest[0]) > 0:
+        return time_command(int(rest[0]), rest[1:])
     if verb == "check" and rest:
         faults = [f"{path}: {fault}" for path in rest for fault in faults_of(load(path))]
         print("\n".join(faults) if faults else "valid")

@@ -31,5 +31,10 @@ report() {
     done
     [ ! -f "$data/nbrdf/merl_nbrdf.zip" ] || set -- "$@" "$data/nbrdf/merl_nbrdf.zip:gold-paint"
     report load "$@"
+    printf '\n== commands\n'
+    for command in --version 'score sgd:nickel ward:nickel -q'; do
+        # shellcheck disable=SC2086 # words
+        python3 "$(dirname "$0")/results.py" time 20 "$(dirname "$program")/nqm" $command
+    done
 } >"$folder/report.txt"
 cat "$folder/report.txt"

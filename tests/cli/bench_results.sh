@@ -62,6 +62,12 @@ results 1 compare "$dir/nowhere.json" "$kept"
 results 1 keep here "$dir/bench" "$dir/no-peers.json"
 results 2 nonsense
 
+# The time of a command.
+results 0 time 2 "${NQM_TOOL:?}" --version
+grep -q 'nqm --version  seconds [0-9.e-]*  seconds_median [0-9.e-]*$' "$dir/out" || fail "time: $(cat "$dir/out")"
+results 1 time 2 "$NQM_TOOL" --nonsense
+results 2 time none "$NQM_TOOL"
+
 # The results of this repository, and their page.
 set -- "$NQM_SOURCE"/bench/results/*.json
 [ ! -f "$1" ] || results 0 check "$@"

@@ -71,7 +71,7 @@ NQM_MUST_CHECK nqm_bench_fn nqm_bench_train;
  *  pairs). Quick: 1 and 9 pairs. */
 NQM_MUST_CHECK nqm_bench_fn nqm_bench_score;
 /** From a file to samples at the default directions - nqm_brdf_open(), nqm_sample(), nqm_brdf_free() - with its pages in
- *  memory; and commands of the tool `nqm` in the folder of this program, from their start to their end. */
+ *  memory. */
 NQM_MUST_CHECK nqm_bench_fn nqm_bench_load;
 
 /** Measure the peaks for the last time, add them as rows after the timings, complete all rows, and return the document.

@@ -9,14 +9,14 @@
 #include <string.h>
 
 static const char usage[] =
-    "usage: nqm-bench [gemm | train | score | load [FILE...]] [options]\n\n"
+    "usage: nqm-bench [gemm | train | score | load FILE...] [options]\n\n"
     "Measure this build together with the peaks of the machine's arithmetic and memory, which are sampled between the\n"
     "timings. Each result is the best of several rounds. Other programs make rounds longer, which the medians show.\n"
     "Without a name, run all benchmarks:\n\n"
     "  gemm   the matrix products of the networks, and oneDNN's if the build found it\n"
     "  train  a training of the paper's size, on generated pairs\n"
     "  score  the network, and samples to JOD, for 1 to 512 pairs\n"
-    "  load   files to samples, and the start of the tool\n\n"
+    "  load   files to samples\n\n"
     "  --json            print JSON\n"
     "  -o FILE.json      also write the JSON to a file\n";
 
@@ -98,6 +98,8 @@ static request parse(int argc, char **argv) {
         stop(EXIT_USAGE, "no benchmark '%s': gemm, train, score or load", argv[0]);
     if (n > 1 && r.which != LOAD)
         stop(EXIT_USAGE, "%s: only `load` has file arguments", argv[1]);
+    if (n == 1 && r.which == LOAD)
+        stop(EXIT_USAGE, "load needs files: load FILE...");
     r.options.n_files = n ? n - 1 : 0;
     r.options.files = (const char *const *)argv + 1;
     return r;

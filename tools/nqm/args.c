@@ -18,15 +18,6 @@ typedef struct found {
     bool is_flag, is_off;
 } found;
 
-static found own_option(const command *cmd, const option *o) {
-    const nqm_option row = own_row(cmd, o);
-    return (found){.row = row, .target = o->target, .own = o, .is_flag = row.kind == NQM_OPTION_BOOL};
-}
-
-static found table_option(const command *cmd, const nqm_option *o) {
-    return (found){.row = *o, .target = cmd->table_target, .is_flag = nqm_option_is_flag(o)};
-}
-
 static help_printer *help_printer_now; /* NULL: arguments are parsed */
 
 void set_help_printer(help_printer *printer) {
@@ -69,13 +60,14 @@ static bool find_option(const command *cmd, const char *word, found *f) {
     const size_t n = strcspn(word + 2, "=");
     for (const option *o = cmd->options; o->name; ++o)
         if (is_long ? strlen(o->name) == n && memcmp(o->name, word + 2, n) == 0 : o->letter == word[1] && !word[2]) {
-            *f = own_option(cmd, o);
+            *f = (found){.row = own_row(cmd, o), .target = o->target, .own = o};
+            f->is_flag = f->row.kind == NQM_OPTION_BOOL;
             return true;
         }
     bool is_off = false;
     const nqm_option *row = is_long && cmd->table ? nqm_option_by_name(cmd->table, word + 2, n, &is_off) : NULL;
     if (row)
-        *f = table_option(cmd, row);
+        *f = (found){.row = *row, .target = cmd->table_target, .is_flag = nqm_option_is_flag(row)};
     f->is_off = is_off;
     return row != NULL;
 }

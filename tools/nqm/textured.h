@@ -36,15 +36,12 @@ typedef struct view_args {
 } view_args;
 
 /** The rows of these options. */
-#define OPTION_ROWS_VIEW(args)                                                                                         \
-    {"tiles",                                                                                                          \
-     0,                                                                                                                \
-     OPTION_COUNT,                                                                                                     \
-     &(args)->tiles,                                                                                                   \
-     "N",                                                                                                              \
-     "repeat a textured material N times along each texture coordinate of the shape",                                  \
-     1,                                                                                                                \
-     1e6},                                                                                                             \
+#define OPTION_ROW_TILES(args)                                                                                         \
+    {                                                                                                                  \
+        "tiles", 0, OPTION_COUNT, &(args)->tiles, "N",                                                                 \
+            "repeat a textured material N times along each texture coordinate of the shape", 1, 1e6                    \
+    }
+#define OPTION_ROW_TEXELS(args)                                                                                        \
     {                                                                                                                  \
         "texels", 0, OPTION_COUNT, &(args)->texels, "N", "average N texels for each point of a textured material", 1,  \
             4096                                                                                                       \

@@ -118,16 +118,6 @@ static void print_text(const char *name, const verdict *v, const char *words) {
 
 static json_t *to_json(const char *name, const verdict *v) {
     const nqm_brdf_check_report *r = &v->report;
-    json_t *item =
-        json_pack("{s:o,s:b,s:I,s:I,s:I}", "brdf", json_name(name), "ok", (int)passes(v), "n_pairs",
-                  (json_int_t)r->n_pairs, "n_clamped", (json_int_t)r->n_clamped, "n_invalid", (json_int_t)r->n_invalid);
-    json_object_set_new(item, "reciprocity_median", json_number(r->reciprocity_median));
-    json_object_set_new(item, "reciprocity_p95", json_number(r->reciprocity_p95));
-    json_object_set_new(item, "anisotropy", json_number(r->anisotropy));
-    json_object_set_new(item, "albedo_max",
-                        json_pack("[o,o,o]", json_number(r->albedo_max[0]), json_number(r->albedo_max[1]),
-                                  json_number(r->albedo_max[2])));
-    json_object_set_new(item, "albedo_max_theta_deg", json_number(degrees(r->albedo_max_theta_rad)));
     json_t *failed = json_array();
     if (v->energy_fails)
         json_array_append_new(failed, json_string("energy"));
@@ -135,9 +125,13 @@ static json_t *to_json(const char *name, const verdict *v) {
         json_array_append_new(failed, json_string("coverage"));
     if (v->all_negative)
         json_array_append_new(failed, json_string("positivity"));
-    json_object_set_new(item, "failed", failed);
-    json_object_set_new(item, "too_dark", json_boolean(v->too_dark));
-    return item;
+    return json_pack("{s:o,s:b,s:I,s:I,s:I,s:o,s:o,s:o,s:[o,o,o],s:o,s:o,s:b}", "brdf", json_name(name), "ok",
+                     (int)passes(v), "n_pairs", (json_int_t)r->n_pairs, "n_clamped", (json_int_t)r->n_clamped,
+                     "n_invalid", (json_int_t)r->n_invalid, "reciprocity_median", json_number(r->reciprocity_median),
+                     "reciprocity_p95", json_number(r->reciprocity_p95), "anisotropy", json_number(r->anisotropy),
+                     "albedo_max", json_number(r->albedo_max[0]), json_number(r->albedo_max[1]),
+                     json_number(r->albedo_max[2]), "albedo_max_theta_deg",
+                     json_number(degrees(r->albedo_max_theta_rad)), "failed", failed, "too_dark", v->too_dark);
 }
 
 enum { MAX_CHECKED_TEXELS = 32 };

@@ -78,6 +78,13 @@ static void score_values(const conform_kit *kit, nqm_scorer *scorer, const float
     free(ref);
 }
 
+static double lowest_of(size_t n, const nqm_score_result *results) {
+    double lowest = 10;
+    for (size_t i = 0; i < n; ++i)
+        lowest = fmin(lowest, results[i].jod); /* without NaN */
+    return lowest;
+}
+
 /* ---- the likely mistake ------------------------------------------------------------------------------------------ */
 
 static double lowest_jod(const conform_result *r) {
@@ -221,9 +228,7 @@ static void compare(conform_result *r, const char *name, const float *values) {
     }
     for (size_t i = 0; i < r->n_named; ++i) {
         score_values(kit, scorer, values, &r->named[i], results);
-        r->named[i].lowest = 10;
-        for (size_t set = 0; set < kit->n_sets; ++set)
-            r->named[i].lowest = fmin(r->named[i].lowest, results[set].jod);
+        r->named[i].lowest = lowest_of(kit->n_sets, results);
     }
     nqm_scorer_free(scorer);
     free(results);
@@ -244,7 +249,7 @@ static conform_kit *round_kit(const conform_kit *kit) {
 }
 
 /* The lowest JOD of a kit's values without a mistake. */
-static double lowest_of(const conform_kit *kit, const conform_kit *rounded) {
+static double lowest_of_kit(const conform_kit *kit, const conform_kit *rounded) {
     const suspect none = {.mistakes = 0};
     const nqm_score_options options = nqm_score_options_default();
     float *values = allocate(3 * kit->n_sets * kit->n_directions, sizeof *values);
@@ -253,9 +258,7 @@ static double lowest_of(const conform_kit *kit, const conform_kit *rounded) {
     for (size_t set = 0; set < kit->n_sets; ++set)
         sample_suspect(rounded, set, &none, values + 3 * set * kit->n_directions);
     score_values(kit, scorer, values, &none, results);
-    double lowest = 10;
-    for (size_t set = 0; set < kit->n_sets; ++set)
-        lowest = fmin(lowest, results[set].jod);
+    const double lowest = lowest_of(kit->n_sets, results);
     nqm_scorer_free(scorer);
     free(results);
     free(values);
@@ -279,7 +282,7 @@ static int prove_kit(const conform_kit *kit, result_format format) {
     conform_kit *rounded = round_kit(kit);
     double *left = allocate(n * n, sizeof *left);
     json_t *missed = json_array();
-    const double lowest = lowest_of(kit, rounded);
+    const double lowest = lowest_of_kit(kit, rounded);
     compare_suspects(kit, n, list, &(suspect_targets){.n = n, .planted = rounded}, left);
     for (size_t t = 1; t < n; ++t) {
         if (left[t * n] < noticed) /* this model does not have it */

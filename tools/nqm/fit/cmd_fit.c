@@ -39,9 +39,6 @@ typedef struct fitted {
     char before[2048];       /* spec of the fit under the loss "log", which the report shows; "": none */
 } fitted;
 
-/* What print_fits() shows. */
-typedef enum fit_view { FIT_TABLE, FIT_VERBOSE, FIT_JSON, FIT_QUIET } fit_view;
-
 /* ---- arguments --------------------------------------------------------------------------------------------------- */
 
 /* Name i of all models: those of nqm_fit_model(), then the shading models. */
@@ -366,12 +363,13 @@ static void print_sorted(size_t n, const fitted *f, bool verbose, const char *lo
 
 /* Tables with the best JOD first, JSON and arguments in the order of the models. loss: of analytic models; metric: gave the
  * scores. */
-static void print_fits(size_t n, const fitted *f, fit_view view, const char *loss, const nqm_model *metric) {
-    if (view == FIT_JSON)
+static void print_fits(size_t n, const fitted *f, result_format format, bool verbose, const char *loss,
+                       const nqm_model *metric) {
+    if (format == FORMAT_JSON)
         print_fits_as_json(n, f, loss);
-    else if (view != FIT_QUIET)
-        print_sorted(n, f, view == FIT_VERBOSE, loss, *nqm_model_get_info(metric).calibration);
-    for (size_t i = 0; view == FIT_QUIET && i < n; ++i)
+    else if (format == FORMAT_TEXT)
+        print_sorted(n, f, verbose, loss, *nqm_model_get_info(metric).calibration);
+    for (size_t i = 0; format == FORMAT_QUIET && i < n; ++i)
         if (fitted_argument(&f[i]))
             puts(fitted_argument(&f[i]));
 }
@@ -438,7 +436,8 @@ static void open_loss(const char *text, const char *transport, nqm_model *metric
 static nqm_fit_options fit;
 static const char *model = "ggx", *loss = "auto", *metric = "default", *transport = "transport";
 static const char *directions_name, *bounds, *path, *page;
-static bool json, quiet, verbose;
+static bool verbose;
+static result_format format;
 
 static const option options[] = {
     {"model", 'm', OPTION_TEXT, &model, "NAME,...",
@@ -459,8 +458,8 @@ static const option options[] = {
      "directions of the metrics (default: those of `nqm score`)", 0, 0},
     {"report", 0, OPTION_TEXT, &page, "FILE.html", "write a page with pictures of the fits and of those by log", 0, 0},
     {"verbose", 0, OPTION_FLAG, &verbose, NULL, "print all results of each fit", 0, 0},
-    {"quiet", 'q', OPTION_FLAG, &quiet, NULL, "print specs and paths only", 0, 0},
-    {"json", 0, OPTION_FLAG, &json, NULL, "print the result as JSON", 0, 0},
+    {"quiet", 'q', OPTION_FORMAT, &format, NULL, "print specs and paths only", FORMAT_QUIET, 0},
+    {"json", 0, OPTION_FORMAT, &format, NULL, "print the result as JSON", FORMAT_JSON, 0},
     OPTION_ROW_IGNORE,
     {0}};
 
@@ -503,16 +502,11 @@ int cmd_fit(int argc, char **argv) {
     terms.out = &out;
     const int exit_code = fit_all(&terms, &request, &fit, results);
     end_progress();
-    if (quiet || request.n_models == 1) /* otherwise the table says it */
+    if (format == FORMAT_QUIET || request.n_models == 1) /* otherwise the table says it */
         warn_unwritten(&request, results);
     if (page)
         write_fit_report(argv[0], &request, results, loss, metric, &page_file);
-    print_fits(request.n_models, results,
-               json      ? FIT_JSON
-               : quiet   ? FIT_QUIET
-               : verbose ? FIT_VERBOSE
-                         : FIT_TABLE,
-               loss, metric_model);
+    print_fits(request.n_models, results, format, verbose, loss, metric_model);
     nqm_scorer_free(terms.scorer);
     nqm_model_free((nqm_model *)(uintptr_t)terms.loss.transport);
     nqm_scene_free((nqm_scene *)(uintptr_t)terms.loss.scene);

@@ -47,6 +47,7 @@ typedef struct texture_translation {
 } texture_translation;
 /** Whether maps can be written to such a file as this model. */
 nqm_status check_texture_target(const char *model, const char *path, nqm_error *err);
+/** Translate to a target that check_texture_target() allows. */
 nqm_status translate_texture(texture_translation *t, nqm_error *err);
 
 #endif

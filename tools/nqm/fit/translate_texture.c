@@ -330,9 +330,7 @@ nqm_status translate_texture(texture_translation *t, nqm_error *err) {
     static const char model[] = "gltf";
     nqm_texture *ref = NULL;
     texture_run *run = allocate(1, sizeof *run);
-    nqm_status status = check_texture_target(model, t->path, err);
-    if (status == NQM_OK)
-        status = nqm_texture_open(t->argument, show_progress, NULL, &ref, err);
+    nqm_status status = nqm_texture_open(t->argument, show_progress, NULL, &ref, err);
     run->t = t;
     run->ref = ref;
     run->schema = &nqm_analytic_model_find(model, strlen(model))->schema;

@@ -58,7 +58,8 @@ static const option options[] = {
     {"json", 0, OPTION_FORMAT, &run.format, NULL, "print JSON", FORMAT_JSON, 0},
     {"csv", 0, OPTION_FORMAT, &run.format, NULL, "print CSV", FORMAT_CSV, 0},
     {"quiet", 'q', OPTION_FORMAT, &run.format, NULL, "print the JODs only, one per line", FORMAT_QUIET, 0},
-    OPTION_ROWS_VIEW(&view),
+    OPTION_ROW_TILES(&view),
+    OPTION_ROW_TEXELS(&view),
     OPTION_ROW_SIZE(&scene, "pixels of a frame, if it is to be a picture (with a figure: 256 for all frames together)"),
     OPTION_ROW_IGNORE,
     {0}};

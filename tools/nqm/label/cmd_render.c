@@ -117,7 +117,8 @@ static const option options[] = {
     {"quality", 0, OPTION_FLAG, &quality, NULL,
      "2 x 2 points per pixel and 96 light directions per point, instead of 1 and 32: ten times the work", 0, 0},
     {"json", 0, OPTION_FLAG, &run.json, NULL, "print JSON", 0, 0},
-    OPTION_ROWS_VIEW(&view),
+    OPTION_ROW_TILES(&view),
+    OPTION_ROW_TEXELS(&view),
     OPTION_ROW_SIZE(&scene, "pixels of a frame"),
     OPTION_ROW_IGNORE,
     {0}};

@@ -158,7 +158,8 @@ static const option options[] = {
      "smallest fraction of valid directions of a pair", 0, 1},
     {"shrink", 0, OPTION_COUNT, &shrink, "N", "average N x N rendered pixels into one", 1, 16},
     {"json", 0, OPTION_FLAG, &json, NULL, "print the scores, as `nqm score --json`", 0, 0},
-    OPTION_ROWS_VIEW(&view),
+    OPTION_ROW_TILES(&view),
+    OPTION_ROW_TEXELS(&view),
     OPTION_ROW_SIZE(&scene, "pixels of a frame (400 for all frames together; 200 with a textured material)"),
     OPTION_ROW_IGNORE,
     {0}};

@@ -141,8 +141,6 @@ json_t *html_text(FILE *stream, char **text) {
     return string;
 }
 
-html_percent html_people(double fraction) {
-    html_percent p;
-    snprintf(p.text, sizeof p.text, "%.0f\xc2\xa0%%", 100 * fraction);
-    return p;
+json_t *html_people(double fraction) {
+    return json_sprintf("%.0f\xc2\xa0%%", 100 * fraction);
 }

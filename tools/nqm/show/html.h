@@ -30,9 +30,6 @@ json_t *html_json(json_t *value, size_t n_digits);
 json_t *html_text(FILE *stream, char **text);
 
 /** A fraction of people as text: "71 %", as nqm score prints it. */
-typedef struct html_percent {
-    char text[16];
-} html_percent;
-html_percent html_people(double fraction);
+json_t *html_people(double fraction);
 
 #endif

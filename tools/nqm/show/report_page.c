@@ -55,7 +55,7 @@ static json_t *json_preferred(const report_page *page, size_t place) {
     json_t *list = json_array();
     for (size_t k = 0; k < count_tests(page); ++k) {
         const double fraction = nqm_jod_preference(row_at(page, place)->result.jod, row_at(page, k)->result.jod);
-        json_array_append_new(list, json_string(place == k ? "" : html_people(fraction).text));
+        json_array_append_new(list, place == k ? json_string("") : html_people(fraction));
     }
     return list;
 }
@@ -66,11 +66,11 @@ static json_t *json_row(const report_page *page, size_t place) {
     const nqm_score_result *r = &row->result;
     const label_item *item = &page->run->labels.items[row->order + 1];
     char verdict[VERDICT_TEXT];
-    return json_pack("{s:I,s:I,s:o,s:o,s:o,s:s,s:s,s:o,s:o,s:o}", "place", (json_int_t)place + 1, "rank",
+    return json_pack("{s:I,s:I,s:o,s:o,s:o,s:s,s:o,s:o,s:o,s:o}", "place", (json_int_t)place + 1, "rank",
                      (json_int_t)row->rank, "name", json_name(page->run->names[row->order + 1]), "jod",
                      html_number(r->jod, 2, 'f'), "interval",
                      has_interval(r) ? json_sprintf("%.2f to %.2f", r->jod_low, r->jod_high) : json_null(), "verdict",
-                     verdict_words(r, verdict), "people", html_people(preference_share(r)).text, "rendered",
+                     verdict_words(r, verdict), "people", html_people(preference_share(r)), "rendered",
                      html_number(item->jod, 2, 'f'), "delta_e", html_number(item->label.delta_e, 2, 'f'), "preferred",
                      count_tests(page) <= MAX_COMPARED ? json_preferred(page, place) : json_null());
 }
@@ -82,13 +82,10 @@ static json_t *json_guide(void) {
     json_t *list = json_array();
     for (size_t i = 1; i < sizeof ends / sizeof *ends; ++i) {
         const double from = ends[i], to = ends[i - 1];
-        const html_percent least = html_people(nqm_jod_preference(10, to)),
-                           most = html_people(nqm_jod_preference(10, from));
-        json_array_append_new(
-            list,
-            json_pack("{s:o,s:s,s:o,s:s}", "range",
-                      from == 0 ? json_sprintf("below %.3g", to) : json_sprintf("%.3g to %.3g", from, to), "words",
-                      jod_words(from), "least", from > 0 ? json_string(least.text) : json_null(), "most", most.text));
+        json_t *range = from == 0 ? json_sprintf("below %.3g", to) : json_sprintf("%.3g to %.3g", from, to);
+        json_t *least = from > 0 ? html_people(nqm_jod_preference(10, to)) : json_null();
+        json_array_append_new(list, json_pack("{s:o,s:s,s:o,s:o}", "range", range, "words", jod_words(from), "least",
+                                              least, "most", html_people(nqm_jod_preference(10, from))));
     }
     return list;
 }
@@ -202,12 +199,11 @@ static json_t *json_words(const nqm_label *label) {
 }
 
 static void add_parts(json_t *rows, const char *label, const nqm_label *l) {
+    const double values[] = {l->shift[0], l->shift[1],  l->shift[2],
+                             l->contrast, l->structure, nqm_label_adapted_jod(l)};
     json_t *numbers = json_array();
-    for (size_t c = 0; c < 3; ++c)
-        json_array_append_new(numbers, html_number(l->shift[c], 2, 'f'));
-    json_array_append_new(numbers, html_number(l->contrast, 3, 'f'));
-    json_array_append_new(numbers, html_number(l->structure, 2, 'f'));
-    json_array_append_new(numbers, html_number(nqm_label_adapted_jod(l), 2, 'f'));
+    for (size_t i = 0; i < LABEL_COLUMNS; ++i)
+        json_array_append_new(numbers, html_number(values[i], i == 3 ? 3 : 2, 'f')); /* 3: the contrast */
     json_array_append_new(rows, json_pack("{s:s,s:o}", "label", label, "numbers", numbers));
 }
 
