@@ -183,14 +183,9 @@ NQM_MUST_CHECK nqm_status nqm_bench_pairs(size_t n_refs, const nqm_directions *d
 
 /** C (m, n) = A (m, k) B (k, n) by oneDNN's matrix product primitive, in buffers of its own. */
 typedef struct nqm_bench_onednn nqm_bench_onednn;
-/**
- * Create one, with B in the layout that oneDNN prefers.
- *
- * @param trans_a      A is stored as (k, m), and B row-major: both are activations, as in a weight gradient
- * @param product_ret  NULL, with NQM_OK, if oneDNN is missing or cannot do it on this machine
- */
-NQM_MUST_CHECK nqm_status nqm_bench_onednn_create(nqm_precision precision, bool trans_a, size_t m, size_t n, size_t k,
-                                                  nqm_bench_onednn **product_ret, nqm_error *err);
+/** Create one, with B in the layout that oneDNN prefers. trans_a: A is stored as (k, m), and B row-major: both are activations,
+ *  as in a weight gradient. NULL: oneDNN is missing, or cannot do it on this machine. */
+nqm_bench_onednn *nqm_bench_onednn_create(nqm_precision precision, bool trans_a, size_t m, size_t n, size_t k);
 void nqm_bench_onednn_run(void *product);
 void nqm_bench_onednn_free(nqm_bench_onednn *product);
 

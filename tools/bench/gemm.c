@@ -115,10 +115,9 @@ static nqm_status make_job(job *j, nqm_error *err) {
     const bool gradient = j->is_gradient;
     nqm_status status =
         nqm_panels_create(gradient ? NQM_PRECISION_F32 : j->precision, gradient ? j->m : j->k, j->n, &j->panels, err);
-    if (status == NQM_OK)
-        status = nqm_bench_onednn_create(j->precision, gradient, j->m, j->n, j->k, &j->onednn, err);
     if (status != NQM_OK)
         return status;
+    j->onednn = nqm_bench_onednn_create(j->precision, gradient, j->m, j->n, j->k);
     const size_t n_rows =
         gradient ? nqm_ceil_div(j->m, NQM_STRIP) * step_of(j, NQM_STRIP) : j->m * nqm_row_stride(j->panels.words);
     const size_t n_right = gradient ? nqm_ceil_div(j->n, NQM_PANEL) * step_of(j, NQM_PANEL) : 0;

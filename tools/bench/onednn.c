@@ -25,7 +25,7 @@ static bool init_matrix(dnnl_memory_desc_t *desc, size_t rows, size_t columns, d
     return dnnl_memory_desc_init_by_tag(desc, 2, dims, type, tag) == dnnl_success;
 }
 
-static bool make_primitive(nqm_bench_onednn *p, dnnl_matmul_desc_t *op, nqm_precision precision, bool *no_memory) {
+static bool make_primitive(nqm_bench_onednn *p, dnnl_matmul_desc_t *op, nqm_precision precision) {
     dnnl_primitive_desc_t desc;
     if (dnnl_primitive_desc_create(&desc, op, NULL, p->engine, NULL) != dnnl_success)
         return false;
@@ -35,7 +35,6 @@ static bool make_primitive(nqm_bench_onednn *p, dnnl_matmul_desc_t *op, nqm_prec
         const dnnl_memory_desc_t *md = dnnl_primitive_desc_query_md(desc, queries[i], 0);
         size_t n_bytes = dnnl_memory_desc_get_size(md);
         unsigned char *block = p->block[i] = nqm_alloc(n_bytes, 1);
-        *no_memory = *no_memory || !block;
         for (size_t byte = 0; block && byte < n_bytes; ++byte)
             block[byte] = pattern[precision][byte % 4];
         ok = block && dnnl_memory_create(&p->memory[i], md, p->engine, block) == dnnl_success;
@@ -44,8 +43,7 @@ static bool make_primitive(nqm_bench_onednn *p, dnnl_matmul_desc_t *op, nqm_prec
     return ok;
 }
 
-static bool make_product(nqm_bench_onednn *p, nqm_precision precision, bool trans_a, size_t m, size_t n, size_t k,
-                         bool *no_memory) {
+static bool make_product(nqm_bench_onednn *p, nqm_precision precision, bool trans_a, size_t m, size_t n, size_t k) {
     const dnnl_data_type_t type = precision == NQM_PRECISION_BF16 ? dnnl_bf16 : dnnl_f32;
     dnnl_memory_desc_t a, b, c;
     dnnl_matmul_desc_t op;
@@ -54,20 +52,15 @@ static bool make_product(nqm_bench_onednn *p, nqm_precision precision, bool tran
            init_matrix(&a, m, k, type, trans_a ? dnnl_ba : dnnl_ab) &&
            init_matrix(&b, k, n, type, trans_a ? dnnl_ab : dnnl_format_tag_any) &&
            init_matrix(&c, m, n, dnnl_f32, dnnl_ab) && dnnl_matmul_desc_init(&op, &a, &b, NULL, &c) == dnnl_success &&
-           make_primitive(p, &op, precision, no_memory);
+           make_primitive(p, &op, precision);
 }
 
-nqm_status nqm_bench_onednn_create(nqm_precision precision, bool trans_a, size_t m, size_t n, size_t k,
-                                   nqm_bench_onednn **product_ret, nqm_error *err) {
-    bool no_memory = false;
-    nqm_bench_onednn *p = *product_ret = nqm_alloc(1, sizeof *p);
-    if (!p)
-        return nqm_fail_nomem(err, sizeof *p);
-    if (make_product(p, precision, trans_a, m, n, k, &no_memory))
-        return NQM_OK;
+nqm_bench_onednn *nqm_bench_onednn_create(nqm_precision precision, bool trans_a, size_t m, size_t n, size_t k) {
+    nqm_bench_onednn *p = nqm_alloc(1, sizeof *p);
+    if (p && make_product(p, precision, trans_a, m, n, k))
+        return p;
     nqm_bench_onednn_free(p);
-    *product_ret = NULL;
-    return no_memory ? nqm_fail_nomem(err, k * n * sizeof(float)) : NQM_OK;
+    return NULL;
 }
 
 void nqm_bench_onednn_run(void *product) {
@@ -91,11 +84,9 @@ void nqm_bench_onednn_free(nqm_bench_onednn *p) {
     nqm_free(p);
 }
 #else /* built without oneDNN */
-nqm_status nqm_bench_onednn_create(nqm_precision precision, bool trans_a, size_t m, size_t n, size_t k,
-                                   nqm_bench_onednn **product_ret, nqm_error *err) {
-    (void)precision, (void)trans_a, (void)m, (void)n, (void)k, (void)err;
-    *product_ret = NULL;
-    return NQM_OK;
+nqm_bench_onednn *nqm_bench_onednn_create(nqm_precision precision, bool trans_a, size_t m, size_t n, size_t k) {
+    (void)precision, (void)trans_a, (void)m, (void)n, (void)k;
+    return NULL;
 }
 
 void nqm_bench_onednn_run(void *product) {

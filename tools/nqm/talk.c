@@ -209,20 +209,9 @@ static double seconds_left(bool begins, double now_s, double done, double total)
     return elapsed_s >= spacing_s && more > 0 ? elapsed_s * (total - done) / more : (double)NAN;
 }
 
-/* ", 40 s left"; empty without an estimate. */
-static const char *format_left(double left_s, char text[40]) {
-    *text = 0;
-    if (left_s >= 600)
-        snprintf(text, 40, ", %.0f min left", left_s / 60);
-    else if (left_s >= 0)
-        snprintf(text, 40, ", %.0f s left", left_s);
-    return text;
-}
-
 int show_progress(void *user, const char *stage, double done, double total) {
     static char last_stage[64];
     static int last_percent;
-    const double now = nqm_clock_s();
     const int percent = total > 0 ? (int)(100 * done / total) : 0;
     const bool begins = strncmp(last_stage, stage, sizeof last_stage - 1) != 0;
     (void)user;
@@ -230,9 +219,10 @@ int show_progress(void *user, const char *stage, double done, double total) {
         snprintf(last_stage, sizeof last_stage, "%s", stage);
         last_percent = -1;
     }
-    char left[40];
-    format_left(seconds_left(begins, now, done, total), left);
-    char count[80] = ""; /* a total of 100 is percent */
+    const double left_s = seconds_left(begins, nqm_clock_s(), done, total);
+    char left[40] = "", count[80] = ""; /* a total of 100 is percent */
+    if (left_s >= 0)                    /* false for NaN */
+        snprintf(left, sizeof left, ", %.0f %s left", left_s < 600 ? left_s : left_s / 60, left_s < 600 ? "s" : "min");
     if (total != 100)
         snprintf(count, sizeof count, " (%.0f of %.0f)", floor(done), total);
     progress_shown = progress != PROGRESS_NONE && isatty(STDERR_FILENO);

@@ -264,9 +264,9 @@ void print_csv_label(FILE *out, const nqm_label *label, const double *similarity
 const char *jod_words(double jod);
 /** Print phrases with commas or semicolons below a row of a table, on lines of at most 80 columns. */
 void print_phrases(const char *text);
-/** Print two lines about the intervals of a model; the same as JSON, null without intervals. */
-void print_calibration(const nqm_calibration *calibration);
-json_t *calibration_json(const nqm_calibration *calibration);
+/** Print what is stored about the intervals of a model, nqm_model_info.calibration; the same as JSON, null without intervals. */
+void print_calibration(const char *stored);
+json_t *calibration_json(const char *stored);
 /** All properties of a model as JSON. */
 json_t *json_model(const nqm_model *model);
 /** A CSV field, quoted if necessary. */

@@ -11,7 +11,6 @@
 #include <jpeglib.h>
 #include <openexr.h>
 #include <png.h>
-#include <pthread.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -68,20 +67,14 @@ void print_usage(FILE *out) {
 #define TEXT(value)    #value
 #define TEXT_OF(macro) TEXT(macro)
 
-static char line[256];
-static pthread_once_t once = PTHREAD_ONCE_INIT;
-
-static void make_line(void) {
+const char *tool_build_info(void) {
+    static char line[256];
     const char *embree = nqm_tracer_version();
     int major, minor, patch;
     exr_get_library_version(&major, &minor, &patch, NULL);
     snprintf(line, sizeof line, "Embree %s%s, libjpeg-turbo %s, libpng %s, OpenEXR %d.%d.%d, no MPI library",
              embree ? embree : "off", embree ? " when needed" : "", TEXT_OF(LIBJPEG_TURBO_VERSION),
              png_get_libpng_ver(NULL), major, minor, patch);
-}
-
-const char *tool_build_info(void) {
-    pthread_once(&once, make_line);
     return line;
 }
 

@@ -40,6 +40,18 @@ static verdict judge(const nqm_brdf *brdf, const nqm_brdf_check_report *r) {
     return v;
 }
 
+static nqm_status examine(const char *argument, uint64_t seed, verdict *v, nqm_error *err) {
+    nqm_brdf *brdf = NULL;
+    nqm_brdf_check_report r;
+    nqm_status status = nqm_brdf_open(argument, &brdf, err);
+    if (status == NQM_OK)
+        status = nqm_brdf_check(brdf, seed, &r, err);
+    if (status == NQM_OK)
+        *v = judge(brdf, &r);
+    nqm_brdf_free(brdf);
+    return status;
+}
+
 static bool passes(const verdict *v) {
     return !v->energy_fails && !v->no_data && !v->all_negative;
 }
@@ -134,15 +146,16 @@ static json_t *to_json(const char *name, const verdict *v) {
                      json_number(degrees(r->albedo_max_theta_rad)), "failed", failed, "too_dark", v->too_dark);
 }
 
+/* ---- texels ------------------------------------------------------------------------------------------------------ */
+
 enum { MAX_CHECKED_TEXELS = 32 };
+
 /* Texels that represent all. */
 typedef struct checked_texels {
     size_t n, width;                 /* width: of the texture */
     size_t at[MAX_CHECKED_TEXELS];   /* row by row */
     char *specs[MAX_CHECKED_TEXELS]; /* nqm_free() */
 } checked_texels;
-
-/* ---- texels ------------------------------------------------------------------------------------------------------ */
 
 static nqm_status add_texels(void *user, size_t n, nqm_texel_sample *samples, const float *const rows[2],
                              nqm_error *err) {
@@ -272,15 +285,10 @@ static nqm_status judge_texels(const checked_texels *texels, uint64_t seed, verd
     nqm_status status = NQM_OK;
     *worst_ret = *n_failed = 0;
     for (size_t i = 0; status == NQM_OK && i < texels->n; ++i) {
-        nqm_brdf *brdf = NULL;
-        nqm_brdf_check_report r;
-        status = nqm_brdf_open(texels->specs[i], &brdf, err);
-        if (status == NQM_OK)
-            status = nqm_brdf_check(brdf, seed, &r, err);
+        verdict v = {.is_merl = false};
+        status = examine(texels->specs[i], seed, &v, err);
         if (status == NQM_OK && show_progress(NULL, "texels", (double)i, (double)texels->n))
             status = nqm_fail(err, NQM_ERR_CANCELLED, -1, "cancelled");
-        const verdict v = status == NQM_OK ? judge(brdf, &r) : (verdict){.is_merl = false};
-        nqm_brdf_free(brdf);
         *n_failed += status == NQM_OK && !passes(&v);
         if (i == 0 || is_worse(&v, worst)) {
             *worst = v;
@@ -336,16 +344,11 @@ static int check_texture(const char *argument, uint64_t seed, json_t *results) {
 
 /* Check and print one BRDF; results NULL: as text. Returns its exit code. */
 static int check_one(const char *argument, uint64_t seed, json_t *results) {
-    nqm_brdf *brdf;
     nqm_error err = {0};
-    nqm_brdf_check_report r;
+    verdict v;
     if (is_textured(argument))
         return check_texture(argument, seed, results);
-    nqm_status status = nqm_brdf_open(argument, &brdf, &err);
-    if (status == NQM_OK)
-        status = nqm_brdf_check(brdf, seed, &r, &err);
-    const verdict v = status == NQM_OK ? judge(brdf, &r) : (verdict){.is_merl = false};
-    nqm_brdf_free(brdf);
+    const nqm_status status = examine(argument, seed, &v, &err);
     if (status != NQM_OK && results)
         json_array_append_new(
             results, json_pack("{s:o,s:b,s:o}", "brdf", json_name(argument), "ok", 0, "error", json_name(err.message)));

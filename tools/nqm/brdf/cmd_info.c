@@ -148,30 +148,34 @@ static const char *layers_text(const nqm_model_info *info, char *text, size_t n_
 
 json_t *json_model(const nqm_model *model) {
     const nqm_model_info info = nqm_model_get_info(model);
-    json_t *layers = json_array(), *calibration = parse_json(info.calibration); /* NULL for "" */
+    json_t *layers = json_array();
     for (size_t l = 0; info.n_layers > 0 && l <= info.n_layers; ++l)
         json_array_append_new(layers, json_integer((json_int_t)info.layer_sizes[l]));
     return json_pack("{s:s,s:s,s:I,s:s,s:o,s:{s:I,s:s},s:[o,o],s:o,s:s,s:s,s:s}", "id", info.id, "recipe", info.recipe,
                      "parameters", (json_int_t)info.n_parameters, "sha256", info.sha256, "layers", layers, "directions",
                      "n", (json_int_t)nqm_directions_count(info.directions), "id", nqm_directions_id(info.directions),
                      "jod_range", json_number(info.jod_min), json_number(info.jod_max), "calibration",
-                     calibration ? calibration : json_null(), "licence", info.licence, "manifest_sha256",
+                     calibration_json(info.calibration), "licence", info.licence, "manifest_sha256",
                      info.manifest_sha256, "card", info.card);
 }
 
-static void print_stored_calibration(const char *stored) {
-    json_t *json = parse_json(stored);
-    nqm_calibration c = {0};
-    json_int_t n_pairs = 0, n_materials = 0;
-    if (json && json_unpack(json, "{s:I,s:I,s:F,s:F,s:F,s:F}", "materials", &n_materials, "pairs", &n_pairs, "coverage",
-                            &c.coverage, "coverage_pairs", &c.coverage_pairs, "coverage_lowest", &c.coverage_lowest,
-                            "mean_width", &c.mean_width) == 0) {
-        c.n_pairs = (size_t)n_pairs;
-        c.n_materials = (size_t)n_materials;
-        print_calibration(&c);
-    } else {
+json_t *calibration_json(const char *stored) {
+    json_t *json = parse_json(stored); /* NULL for "" */
+    return json ? json : json_null();
+}
+
+void print_calibration(const char *stored) {
+    json_int_t n_pairs, n_materials;
+    double coverage, of_pairs, lowest, width;
+    json_t *json = calibration_json(stored);
+    if (json_unpack(json, "{s:I,s:I,s:F,s:F,s:F,s:F}", "materials", &n_materials, "pairs", &n_pairs, "coverage",
+                    &coverage, "coverage_pairs", &of_pairs, "coverage_lowest", &lowest, "mean_width", &width) == 0)
+        printf(
+            "interval    95 %%, from %lld pairs of %lld materials, mean width %.2f JOD; left out in turn, %.1f %% of "
+            "their\n            labels lay inside (of all pairs %.1f %%, of the worst material %.1f %%)\n",
+            (long long)n_pairs, (long long)n_materials, width, 100 * coverage, 100 * of_pairs, 100 * lowest);
+    else
         printf("interval    %s\n", *stored ? "95 %" : "none: not calibrated");
-    }
     json_decref(json);
 }
 
@@ -192,7 +196,7 @@ static void print_model_text(const nqm_model *model) {
            info.n_parameters, layers_text(&info, layers, sizeof layers));
     printf("directions  %zu, id %s\nJOD range   %.2f to %.2f\n", nqm_directions_count(info.directions),
            nqm_directions_id(info.directions), info.jod_min, info.jod_max);
-    print_stored_calibration(info.calibration);
+    print_calibration(info.calibration);
     printf("licence     %s\nsha256      %s\n", shown(info.licence), info.sha256);
     if (nqm_model_transport(model).light)
         printf("similarity  %s\n",

@@ -286,8 +286,6 @@ void print_labels(const label_run *run) {
 
 /* ---- figures ----------------------------------------------------------------------------------------------------- */
 
-enum { MAX_CELLS = 64 };
-
 /* Picture and map of an item. */
 typedef struct view {
     double *picture; /* (height, width, 3) of a canvas; NULL: the item failed */
@@ -326,22 +324,24 @@ static void make_views(drawing *d) {
     }
 }
 
-static nqm_figure figure_of(const drawing *d, const canvas *c, size_t n_rows, size_t n_columns,
-                            const nqm_panel *panels) {
-    return (nqm_figure){.n_rows = n_rows,
-                        .n_columns = n_columns,
-                        .width = c->width,
-                        .height = c->height,
-                        .supersample = d->run->shrink,
-                        .panels = panels,
-                        .delta_e_max = d->run->delta_e_max,
-                        .tone = tone_of(&d->run->scene_options)};
+/* panels (n_rows, n_columns) are freed. */
+static void write_figure(const drawing *d, const char *path, size_t n_rows, size_t n_columns, nqm_panel *panels) {
+    const nqm_figure figure = {.n_rows = n_rows,
+                               .n_columns = n_columns,
+                               .width = d->all.width,
+                               .height = d->all.height,
+                               .supersample = d->run->shrink,
+                               .panels = panels,
+                               .delta_e_max = d->run->delta_e_max,
+                               .tone = tone_of(&d->run->scene_options)};
+    must(nqm_figure_write(path, &figure, &fault));
+    free(panels);
 }
 
 /* One row per test: reference, test, map. */
 static void draw_tests(const drawing *d) {
     const label_run *run = d->run;
-    nqm_panel panels[3 * MAX_CELLS] = {0};
+    nqm_panel *panels = allocate(3 * run->n_items, sizeof *panels);
     size_t n = 0;
     for (size_t i = 0; i < run->n_items; ++i) {
         if (is_reference(run, i))
@@ -351,8 +351,7 @@ static void draw_tests(const drawing *d) {
         panels[3 * n + 2].delta_e = d->views[i].map;
         ++n;
     }
-    const nqm_figure figure = figure_of(d, &d->all, n, 3, panels);
-    must(nqm_figure_write(run->map, &figure, &fault));
+    write_figure(d, run->map, n, 3, panels);
 }
 
 static size_t count_columns(const label_run *run) {
@@ -373,9 +372,7 @@ static void draw_grid(const drawing *d) {
         row += i > 0 && is_reference(run, i);
         panels[row * n_columns + i - run->items[i].reference].rgb_cdm2 = d->views[i].picture;
     }
-    const nqm_figure figure = figure_of(d, &d->all, run->n_groups, n_columns, panels);
-    must(nqm_figure_write(run->grid, &figure, &fault));
-    free(panels);
+    write_figure(d, run->grid, run->n_groups, n_columns, panels);
 }
 
 /* DIR/NN-name[-frame]SUFFIX: the number distinguishes equal short names. */
@@ -428,8 +425,6 @@ static void keep_renders(const drawing *d) {
 void draw_labels(const label_run *run) {
     if (!run->map && !run->grid && !run->keep)
         return;
-    if (run->n_items - run->n_groups > MAX_CELLS || count_columns(run) > MAX_CELLS || run->n_groups > MAX_CELLS)
-        stop(EXIT_LIMIT, "a figure can show at most %d tests", (int)MAX_CELLS);
     const canvas all = all_frames(&run->scene_options);
     drawing d = {.run = run,
                  .all = all,

@@ -145,20 +145,21 @@ static void write_map(const char *path) {
     output_file out;
     open_output(path, &out);
     json_t *object = json_object();
-    if (!nqm_name_ends_in(path, ".json"))
+    const bool is_json = nqm_name_ends_in(path, ".json");
+    if (!is_json)
         fputs("old,new,jod\n", out.stream);
     for (size_t i = 0; i < run.n_rows; ++i) {
         const nqm_named_pair *p = &run.rows[i].pair;
         json_t *old = json_name(p->ref);
         json_object_set_new(object, json_string_value(old), json_name(p->test));
         json_decref(old);
-        if (nqm_name_ends_in(path, ".json"))
+        if (is_json)
             continue;
         print_csv_text(out.stream, p->ref);
         print_csv_field(out.stream, p->test);
         fprintf(out.stream, ",%.4f\n", run.rows[i].result.jod);
     }
-    if (nqm_name_ends_in(path, ".json")) {
+    if (is_json) {
         json_dumpf(object, out.stream, JSON_INDENT(1));
         fputc('\n', out.stream);
     }

@@ -258,8 +258,8 @@ static json_t *draw_item(const report_page *page, size_t item, const char *alt) 
     const canvas *c = &page->all;
     double *picture = allocate(3 * c->width * c->height, sizeof *picture);
     draw_picture(labels->scene, c, page->white, labels->items[item].rgb_cdm2, picture);
-    json_t *image =
-        draw(page, (nqm_picture){.width = c->width, .height = c->height, .rgb_cdm2 = picture}, labels->shrink, alt);
+    const nqm_picture drawn = {.width = c->width, .height = c->height, .rgb_cdm2 = picture};
+    json_t *image = draw(page, drawn, labels->shrink, alt);
     free(picture);
     return image;
 }
@@ -291,8 +291,6 @@ static json_t *draw_scale(const report_page *page) {
 
 enum { SIDE = 160, NORMAL = NQM_SPEC_MAX_KEYS };
 
-/* ---- numbers ----------------------------------------------------------------------------------------------------- */
-
 static void add_score(json_t *rows, const char *label, double jod, const char *about) {
     json_array_append_new(
         rows, json_pack("{s:s,s:o,s:s}", "label", label, "value", html_number(jod, 2, 'f'), "about", about));
@@ -314,8 +312,6 @@ static json_t *json_near_and_far(const nqm_texture_result *t) {
     }
     return rows;
 }
-
-/* ---- maps -------------------------------------------------------------------------------------------------------- */
 
 typedef struct shown_map {
     const nqm_texture *texture;

@@ -7,25 +7,6 @@
 
 #include <string.h>
 
-void print_calibration(const nqm_calibration *c) {
-    printf(
-        "interval    95 %%, from %zu pairs of %zu materials, mean width %.2f JOD; left out in turn, %.1f %% of their\n"
-        "            labels lay inside (of all pairs %.1f %%, of the worst material %.1f %%)\n",
-        c->n_pairs, c->n_materials, c->mean_width, 100 * c->coverage, 100 * c->coverage_pairs,
-        100 * c->coverage_lowest);
-}
-
-json_t *calibration_json(const nqm_calibration *c) {
-    if (c->n_materials == 0)
-        return json_null();
-    return json_pack("{s:I,s:I,s:o,s:o,s:o,s:o,s:o,s:o,s:o}", "materials", (json_int_t)c->n_materials, "pairs",
-                     (json_int_t)c->n_pairs, "coverage", json_number(c->coverage), "coverage_pairs",
-                     json_number(c->coverage_pairs), "coverage_lowest", json_number(c->coverage_lowest), "mean_width",
-                     json_number(c->mean_width), "novelty_growth", json_number(c->novelty_growth),
-                     "disagreement_growth", json_number(c->disagreement_growth), "peak_growth",
-                     json_number(c->peak_growth));
-}
-
 /* ---- the verb ---------------------------------------------------------------------------------------------------- */
 
 static const char *output, *model_name = "default", *root;
@@ -137,10 +118,10 @@ int cmd_calibrate(int argc, char **argv) {
         const nqm_model_info info = nqm_model_get_info(written);
         if (json) {
             print_document(json_pack("{s:{s:o,s:s,s:s},s:o}", "model", "path", json_name(output), "id", info.id,
-                                     "sha256", info.sha256, "calibration", calibration_json(&calibration)));
+                                     "sha256", info.sha256, "calibration", calibration_json(info.calibration)));
         } else {
             printf("model       %s (id %s)\nsha256      %s\n", shown(output), shown(info.id), info.sha256);
-            print_calibration(&calibration);
+            print_calibration(info.calibration);
         }
         nqm_model_free(written);
     }

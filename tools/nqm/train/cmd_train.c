@@ -138,7 +138,7 @@ static void print_report(const train_arguments *a, const nqm_train_report *r, co
                                  "precision", nqm_precision_name(a->options.optimiser.precision), "train_loss",
                                  json_number(r->train_loss), "validation_loss", json_number(r->validation_loss),
                                  "validation_spearman", json_number(r->validation_spearman), "calibration",
-                                 calibration_json(&r->calibration), "seconds", json_number(r->seconds)));
+                                 calibration_json(info->calibration), "seconds", json_number(r->seconds)));
         return;
     }
     end_progress();
@@ -152,8 +152,8 @@ static void print_report(const train_arguments *a, const nqm_train_report *r, co
     printf("loss        %.4f, validation %.4f\n", r->train_loss, r->validation_loss);
     if (isfinite(r->validation_spearman))
         printf("Spearman    %.3f with the labels of the validation pairs\n", r->validation_spearman);
-    if (r->calibration.n_materials)
-        print_calibration(&r->calibration);
+    if (*info->calibration)
+        print_calibration(info->calibration);
     else
         printf("interval    none: %s\n", a->options.split.by_pair ? "the validation materials were trained on"
                                                                   : "too few validation pairs or materials");
