@@ -2,6 +2,7 @@
  *
  * nqm convert - writes any BRDF as a table.
  */
+#include "figures/picture.h"
 #include "nqm/tool.h"
 
 #include <string.h>
@@ -41,8 +42,7 @@ static const command cmd = {
 
 int cmd_convert(int argc, char **argv) {
     parse_arguments(&cmd, argc, argv);
-    const char *dot = strrchr(output, '.');
-    const bool is_npy_name = dot && strcmp(dot, ".npy") == 0;
+    const bool is_npy_name = nqm_name_ends_in(output, ".npy");
     const int format = choose("format", formats, format_name ? format_name : is_npy_name ? "npy" : formats[0]);
     if (is_npy_name != (format == 2) && strcmp(output, "-") != 0)
         stop(EXIT_USAGE, "--format %s writes %s, and '%s' names another kind", formats[format],

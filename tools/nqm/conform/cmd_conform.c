@@ -8,6 +8,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+static const char *junit, *markdown;
+
 enum { N_NAMED = 3 };
 /* The JOD from which on a set passes: the rest is rounding. */
 static const double conform_pass = 9.99;
@@ -162,7 +164,7 @@ static void print_text(const conform_result *r, const row_summary *s) {
     put_mistakes(stdout, r, "\n");
 }
 
-static void print_conform(const conform_result *r) {
+static void print_conform(const conform_result *r, const row_summary *s) {
     if (r->run.format == FORMAT_JSON) {
         json_t *document = json_scores(&r->run);
         json_object_set_new(document, "lowest_jod", json_number(lowest_jod(r)));
@@ -172,28 +174,21 @@ static void print_conform(const conform_result *r) {
     }
     if (r->run.format == FORMAT_QUIET)
         puts(is_named(r) ? r->named[0].text : r->none > 0 ? "unknown" : "none");
-    if (r->run.format != FORMAT_TEXT)
-        return;
-    row_summary s;
-    summarise_rows(&r->run, r->run.ref_name, r->n_shown, &s);
-    print_text(r, &s);
-    free_row_summary(&s);
+    if (r->run.format == FORMAT_TEXT)
+        print_text(r, s);
 }
 
 /* Write JUnit and Markdown where a path is given. */
-static void write_conform_reports(const conform_result *r, const char *junit, const char *markdown) {
-    row_summary s;
+static void write_conform_reports(const conform_result *r, const row_summary *s) {
     output_file out;
-    summarise_rows(&r->run, r->run.ref_name, r->n_shown, &s);
-    write_batch_summary(&s.summary, junit, print_batch_junit);
-    if (markdown) {
-        open_output(markdown, &out);
-        print_batch_markdown(&s.summary, out.stream);
-        fputc('\n', out.stream);
-        put_mistakes(out.stream, r, "\n\n");
-        close_output(&out);
-    }
-    free_row_summary(&s);
+    write_batch_summary(&s->summary, junit, print_batch_junit);
+    if (!markdown)
+        return;
+    open_output(markdown, &out);
+    print_batch_markdown(&s->summary, out.stream);
+    fputc('\n', out.stream);
+    put_mistakes(out.stream, r, "\n\n");
+    close_output(&out);
 }
 
 /* Say where values are not finite or negative. */
@@ -323,7 +318,7 @@ static const choice models[] = {{"gltf", "[VALUES]", "glTF 2.0 with specular, io
                                 {"pbrt-conductor", "[VALUES]", "pbrt-v4's conductor"},
                                 {0}};
 
-static const char *keys, *rows, *shader, *shell, *junit, *markdown;
+static const char *keys, *rows, *shader, *shell;
 static bool is_self;
 static uint64_t n_worst = 10;
 static conform_result result;
@@ -382,9 +377,11 @@ int cmd_conform(int argc, char **argv) {
         result.kit = kit;
         result.n_shown = n_worst ? (size_t)n_worst : KIT_MAX_SETS;
         compare(&result, shell ? shell : argv[1], values);
-        print_conform(&result);
-        if (junit || markdown)
-            write_conform_reports(&result, junit, markdown);
+        row_summary s;
+        summarise_rows(&result.run, result.run.ref_name, result.n_shown, &s);
+        print_conform(&result, &s);
+        write_conform_reports(&result, &s);
+        free_row_summary(&s);
         print_remarks(&result.run);
         exit_code = apply_gate(&result.run, report_faults(&result.run));
         free(result.run.rows);

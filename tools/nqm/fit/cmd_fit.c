@@ -376,43 +376,31 @@ static void print_fits(size_t n, const fitted *f, result_format format, bool ver
 
 /* ---- the report -------------------------------------------------------------------------------------------------- */
 
-/* Arguments of a report: the reference and the fits, with names like "ggx, loss auto". */
-typedef struct page_arguments {
-    int n;
-    char *arguments[1 + 2 * FIT_MAX_MODELS];
-    char names[1 + 2 * FIT_MAX_MODELS][NAME_SIZE];
-    const char *shown[1 + 2 * FIT_MAX_MODELS];
-} page_arguments;
-
-static void add_argument(page_arguments *page, const char *argument, const char *model, const char *loss) {
-    size_t i = (size_t)page->n++;
-    page->arguments[i] = (char *)(uintptr_t)argument; /* they are read only */
-    if (loss)
-        snprintf(page->names[i], NAME_SIZE, "%s, loss %s", model, loss);
-    else if (model)
-        snprintf(page->names[i], NAME_SIZE, "%s", model);
-    page->shown[i] = model ? page->names[i] : NULL;
-}
-
-/* Each analytic fit after the one under the loss "log"; networks and tables that were written. */
+/* Each analytic fit after the one under the loss "log", with names like "ggx, loss auto"; networks and tables that were written. */
 static void write_fit_report(const char *ref, const fit_request *request, const fitted *f, const char *loss,
                              const char *metric, output_file *out) {
-    page_arguments *page = allocate(1, sizeof *page);
+    page_item *items = allocate(1 + 2 * request->n_models, sizeof *items);
     char title[300], name[NAME_SIZE];
-    add_argument(page, ref, NULL, NULL);
+    int n = 1;
+    items[0].argument = ref;
     for (size_t i = 0; i < request->n_models; ++i) {
         const char *argument = fitted_argument(&f[i]);
-        if (f[i].before[0] && strcmp(f[i].before, argument) != 0)
-            add_argument(page, f[i].before, f[i].model, "log (before)");
-        if (argument)
-            add_argument(page, argument, f[i].model, f[i].match.fit.spec[0] ? loss : NULL);
+        if (f[i].before[0] && strcmp(f[i].before, argument) != 0) {
+            snprintf(items[n].name, NAME_SIZE, "%s, loss log (before)", f[i].model);
+            items[n++].argument = f[i].before;
+        }
+        if (!argument)
+            continue;
+        const bool is_spec = f[i].match.fit.spec[0];
+        snprintf(items[n].name, NAME_SIZE, "%s%s%s", f[i].model, is_spec ? ", loss " : "", is_spec ? loss : "");
+        items[n++].argument = argument;
     }
-    if (page->n == 1)
+    if (n == 1)
         stop(EXIT_USAGE, "--report: there is no result to show; networks and tables need -o");
     short_name(ref, name, sizeof name);
     snprintf(title, sizeof title, "Fits to %s by the loss %.60s", name, loss);
-    write_fit_page(title, page->n, page->arguments, page->shown, metric, out);
-    free(page);
+    write_fit_page(title, n, items, metric, out);
+    free(items);
 }
 
 /* ---- the verb ---------------------------------------------------------------------------------------------------- */

@@ -224,22 +224,15 @@ static void print_summary(const translation *t, FILE *out) {
 
 /* The source, its keys copied, and its translation. */
 static void write_page(const translation *t, const char *metric, output_file *out) {
-    static char copied[] = "keys copied";
     const item *it = t->items;
-    char title[300], name[NAME_SIZE], shown[NAME_SIZE];
-    char *arguments[3] = {(char *)(uintptr_t)it->argument}; /* they are read only */
-    const char *names[3] = {NULL};
-    int n = 1;
-    if (it->copy) {
-        arguments[n] = it->copy;
-        names[n++] = copied;
-    }
-    snprintf(shown, sizeof shown, "%s, translated", t->target->model);
-    arguments[n] = (char *)(uintptr_t)(it->written[0] ? it->written : it->match.fit.spec);
-    names[n++] = shown;
+    char title[300], name[NAME_SIZE];
+    page_item items[3] = {{it->argument, ""}, {it->copy, "keys copied"}};
+    const int n = it->copy ? 2 : 1;
+    items[n].argument = it->written[0] ? it->written : it->match.fit.spec;
+    snprintf(items[n].name, NAME_SIZE, "%s, translated", t->target->model);
     short_name(it->argument, name, sizeof name);
     snprintf(title, sizeof title, "Translation of %s to %s", name, t->target->model);
-    write_fit_page(title, n, arguments, names, metric, out);
+    write_fit_page(title, n + 1, items, metric, out);
 }
 
 /* ---- one translation ---------------------------------------------------------------------------------------------- */

@@ -228,19 +228,13 @@ static bool has_counterpart(const nqm_spec_schema *schema, const char *key) {
 /* Whether a property belongs to a layer whose weight is 0. */
 static bool is_inactive(const nqm_shading *shading, const char *key) {
     static const char *const layers[] = {"clearcoat", "sheen", "thinfilm"};
-    char meaning[MEANING], weight[MEANING];
+    char meaning[MEANING];
+    const nqm_property *weight = NULL;
     get_meaning(key, meaning);
-    for (size_t l = 0; l < 3; ++l) {
-        if (strncmp(meaning, layers[l], strlen(layers[l])) != 0)
-            continue;
-        for (size_t i = 0; i < shading->n; ++i) {
-            const nqm_property *p = &shading->properties[i];
-            get_meaning(p->key, weight);
-            if (strcmp(weight, layers[l]) == 0)
-                return p->v[0] == 0;
-        }
-    }
-    return false;
+    for (size_t l = 0; l < 3; ++l)
+        if (strncmp(meaning, layers[l], strlen(layers[l])) == 0)
+            weight = find_meaning(shading, layers[l]);
+    return weight && weight->v[0] == 0;
 }
 
 static bool is_default(const nqm_spec_schema *schema, const nqm_property *p) {

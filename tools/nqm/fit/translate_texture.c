@@ -40,8 +40,7 @@ typedef struct texture_run {
 } texture_run;
 
 nqm_status check_texture_target(const char *model, const char *path, nqm_error *err) {
-    const char *dot = strrchr(path, '.');
-    if (strcmp(model, "gltf") == 0 && dot && strcasecmp(dot, ".gltf") == 0)
+    if (strcmp(model, "gltf") == 0 && nqm_name_ends_in(path, ".gltf"))
         return NQM_OK;
     return nqm_fail(err, NQM_ERR_ARG, -1,
                     "a material with image maps is written as glTF with PNG files beside it only: "

@@ -354,29 +354,28 @@ int share_batch_pieces(batch_pieces *p, ranks r) {
 
 /* ---- the folder -------------------------------------------------------------------------------------------------- */
 
-/* Call `visit` with the names of the files of pieces, those being written included, until it returns true. */
-static bool each_file(batch_pieces *p, bool (*visit)(batch_pieces *p, int folder, const char *name)) {
+/* Call `visit` with the names of the files of pieces, or only of those with these terms, files being written included, until
+ * it returns true. */
+static bool each_file(batch_pieces *p, bool only_own, bool (*visit)(batch_pieces *p, int folder, const char *name)) {
     DIR *folder = opendir(p->folder);
     bool is_ended = false;
     for (const struct dirent *e; folder && !is_ended && (e = readdir(folder));)
         is_ended = strspn(e->d_name, "0123456789abcdef") == N_IDENTITY && e->d_name[N_IDENTITY] == '-' &&
-                   strstr(e->d_name, ".safetensors") && visit(p, dirfd(folder), e->d_name);
+                   strstr(e->d_name, ".safetensors") &&
+                   (!only_own || strncmp(e->d_name, p->identity, N_IDENTITY) == 0) &&
+                   visit(p, dirfd(folder), e->d_name);
     if (folder)
         closedir(folder);
     return is_ended;
 }
 
-static bool is_own(const batch_pieces *p, const char *name) {
-    return strncmp(name, p->identity, N_IDENTITY) == 0;
-}
-
-static bool find_own(batch_pieces *p, int folder, const char *name) {
-    (void)folder;
-    return is_own(p, name);
+static bool find_one(batch_pieces *p, int folder, const char *name) {
+    (void)p, (void)folder, (void)name;
+    return true;
 }
 
 /* Remove a file, unless another run is writing it and has locked it. */
-static bool remove_any(batch_pieces *p, int folder, const char *name) {
+static bool remove_file(batch_pieces *p, int folder, const char *name) {
     const int fd = openat(folder, name, O_WRONLY | O_CLOEXEC);
     (void)p;
     if (fd >= 0 && (flock(fd, LOCK_EX | LOCK_NB) == 0 || errno != EWOULDBLOCK))
@@ -384,10 +383,6 @@ static bool remove_any(batch_pieces *p, int folder, const char *name) {
     if (fd >= 0)
         close(fd);
     return false;
-}
-
-static bool remove_own(batch_pieces *p, int folder, const char *name) {
-    return is_own(p, name) && remove_any(p, folder, name);
 }
 
 /* Stop at the first of this run's terms that was another one in the run that made the piece. */
@@ -437,17 +432,17 @@ void open_batch_pieces(batch_pieces *p, const json_t *terms, bool resume) {
     hash_terms(p);
     if (p->is_shared) {
         make_folder(p->folder);
-    } else if (p->folder && !(resume && each_file(p, find_own))) {
+    } else if (p->folder && !(resume && each_file(p, true, find_one))) {
         if (resume)
-            each_file(p, compare_file);
-        each_file(p, remove_any);
+            each_file(p, false, compare_file);
+        each_file(p, false, remove_file);
     }
 }
 
 void close_batch_pieces(batch_pieces *p, bool is_complete) {
     if (p->folder && !p->is_shared) {
         if (is_complete)
-            each_file(p, remove_own);
+            each_file(p, true, remove_file);
         (void)rmdir(p->folder); /* if it is empty */
     }
     free(p->terms);

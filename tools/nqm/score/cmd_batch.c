@@ -3,13 +3,11 @@
  * nqm batch - scores the pairs of a list in the order of the list. batch_pieces.c has the results, also those of an interrupted
  * run; batch_print.c writes rows, and what is made of all of them.
  */
+#include "figures/picture.h"
 #include "nqm/score/batch.h"
 
-#include <errno.h>
-#include <fcntl.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 typedef struct batch_run {
     nqm_score_options options;
@@ -21,25 +19,20 @@ typedef struct batch_run {
     batch_pieces pieces;
     batch_output out;
     const char *list_name;
-    char *junit, *markdown; /* absolute paths; NULL: not requested */
+    char *path, *work, *junit, *markdown; /* absolute; NULL: not requested */
     bool keep_going, is_sorted, is_best, is_complete;
     uint64_t n_worst; /* rows of the output; 0: all */
 } batch_run;
-
-static bool ends_with(const char *text, const char *end) {
-    size_t n = strlen(text), n_end = strlen(end);
-    return n >= n_end && strcmp(text + n - n_end, end) == 0;
-}
 
 static batch_format choose_format(bool json, bool json_lines, const char *output) {
     if (json && json_lines)
         stop(EXIT_USAGE, "--json and --jsonl exclude each other");
     const char *name = output ? output : "";
-    const bool names_lines = ends_with(name, ".jsonl") || ends_with(name, ".ndjson"),
-               names_json = ends_with(name, ".json");
+    const bool names_lines = nqm_name_ends_in(name, ".jsonl") || nqm_name_ends_in(name, ".ndjson"),
+               names_json = nqm_name_ends_in(name, ".json");
     if (!json && !json_lines)
         return names_lines ? BATCH_JSON_LINES : names_json ? BATCH_JSON : BATCH_CSV;
-    if (ends_with(name, ".csv") || (json ? names_lines : names_json))
+    if (nqm_name_ends_in(name, ".csv") || (json ? names_lines : names_json))
         stop(EXIT_USAGE, "--%s: '%s' names another kind of file", json ? "json" : "jsonl", name);
     return json ? BATCH_JSON : BATCH_JSON_LINES;
 }
@@ -52,10 +45,10 @@ static void choose_order(batch_run *run, const char *word) {
     run->is_best = order == 2;
 }
 
-/* Settings that determine results. */
-static json_t *score_terms(const batch_run *run, const char *root) {
+/* Settings that determine results, in the folder where relative paths of the list begin. */
+static json_t *score_terms(const batch_run *run) {
     nqm_model_info info = nqm_model_get_info(run->form.model);
-    char *folder = realpath(root ? root : ".", NULL);
+    char *folder = realpath(".", NULL);
     json_t *terms = json_pack("{s:s,s:s,s:I,s:s,s:o,s:s,s:f,s:s,s:s,s:b}", "version of nqm", nqm_version(), "list",
                               run->list->sha256, "number of materials in its files", (json_int_t)run->list->n_rows,
                               "model", info.sha256, "--root", json_name(folder ? folder : ""), "--invalid",
@@ -161,47 +154,44 @@ static void open_inputs(batch_run *run, const batch_arguments *a) {
     check_batch_columns(&run->form);
 }
 
+/* Paths of list and outputs are relative to the working folder, paths of BRDFs to the root, which becomes the working folder. */
+static void enter_root(batch_run *run, const batch_arguments *a) {
+    run->path = absolute_path(a->output ? a->output : "-", "");
+    run->work = a->work ? absolute_path(a->work, "") : NULL;
+    run->junit = a->junit ? absolute_path(a->junit, "") : NULL;
+    run->markdown = a->markdown ? absolute_path(a->markdown, "") : NULL;
+    enter_list_root(a->root, a->list);
+}
+
 /* Before the outputs are opened, which may hold rows of an earlier run: a list with faulty names is refused, and files of several
  * materials become rows. Returns the names to free. */
-static const char **expand_rows(batch_run *run, const batch_arguments *a) {
-    const int folder = open(".", O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-    enter_list_root(a->root, a->list); /* a file may have the form NAME=BRDF */
-    const char **names = take_list_names(run->given, run->list_name);
+static const char **expand_rows(batch_run *run) {
+    const char **names = take_list_names(run->given, run->list_name); /* a file may have the form NAME=BRDF */
     expand_list(run->given, names, &run->expanded);
     run->list = run->form.list = &run->expanded.list;
     run->form.names = run->expanded.names;
-    if (folder < 0 || fchdir(folder) != 0)
-        stop(EXIT_OPEN, "the working folder cannot be opened: %s", strerror(errno));
-    close(folder);
     return names;
 }
 
-/* Paths of list and outputs are relative to the working folder, paths of BRDFs to the root, which becomes the working folder. Ranks
- * above 0 have no outputs. */
-static void open_outputs(batch_run *run, const batch_arguments *a, ranks r) {
-    const char *root = list_root(a->root, a->list);
-    json_t *terms = score_terms(run, root);
+/* Ranks above 0 have no outputs. */
+static void open_outputs(batch_run *run, bool resume, ranks r) {
+    json_t *terms = score_terms(run);
     batch_pieces *p = &run->pieces;
     *p = (batch_pieces){.list = run->list,
                         .scorer = run->scorer,
                         .model = run->form.model,
                         .near_only = !run->form.has_textures,
-                        .folder = a->work ? absolute_path(a->work, "") : NULL,
-                        .is_shared = a->work != NULL};
+                        .folder = run->work,
+                        .is_shared = run->work != NULL};
     if (r.rank == 0) {
-        char *path = absolute_path(a->output ? a->output : "-", "");
-        run->junit = a->junit ? absolute_path(a->junit, "") : NULL;
-        run->markdown = a->markdown ? absolute_path(a->markdown, "") : NULL;
-        open_batch_output(path, &run->form, run->is_sorted, &run->out);
-        if (a->resume && !is_batch_file(&run->out))
+        open_batch_output(run->path, &run->form, run->is_sorted, &run->out);
+        if (resume && !is_batch_file(&run->out))
             stop(EXIT_USAGE, "--resume needs a file: -o FILE");
         if (!p->folder && is_batch_file(&run->out))
-            p->folder = absolute_path(path, ".pieces");
-        free(path);
+            p->folder = absolute_path(run->path, ".pieces");
     }
-    open_batch_pieces(p, terms, a->resume);
+    open_batch_pieces(p, terms, resume);
     json_decref(terms);
-    enter_list_root(a->root ? root : NULL, a->list);
 }
 
 static int run_batch(batch_run *run, ranks r) {
@@ -271,8 +261,9 @@ int cmd_batch(int argc, char **argv) {
     choose_metrics(a.metrics, run.form.metrics);
     run.options.metrics = *a.metrics != 0;
     open_inputs(&run, &a);
-    const char **names = expand_rows(&run, &a);
-    open_outputs(&run, &a, r);
+    enter_root(&run, &a);
+    const char **names = expand_rows(&run);
+    open_outputs(&run, a.resume, r);
     save_when_interrupted();
     const int exit_code = run_batch(&run, r);
     close_batch_pieces(&run.pieces, run.is_complete);
@@ -281,6 +272,7 @@ int cmd_batch(int argc, char **argv) {
     nqm_pair_list_free(run.given);
     nqm_model_free((nqm_model *)(uintptr_t)run.form.model);
     free(names);
+    free(run.path);
     free(run.junit);
     free(run.markdown);
     return exit_code;

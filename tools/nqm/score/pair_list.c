@@ -287,12 +287,6 @@ static void add_pair(expansion *e, nqm_named_pair pair, const char *name, size_t
     reflect(&added->pair.test, &added->is_owned[1]);
 }
 
-static bool has_material(const nqm_materials *library, const char *name) {
-    size_t n;
-    nqm_materials_named(library, name, &n);
-    return n > 0;
-}
-
 /* The materials of a file of several; NULL: it is another argument. */
 static const nqm_materials *read_library(const char *argument) {
     const nqm_materials *materials = parsed_materials(argument);
@@ -309,10 +303,12 @@ static void add_materials(expansion *e, const nqm_named_pair *pair, const char *
         add_pair(e, (nqm_named_pair){ref_member, test_member}, name ? join_with_colon(name, material) : NULL, origin,
                  true);
     }
-    for (size_t i = 0; ref && i < nqm_materials_count(test); ++i)
-        if (!has_material(ref, nqm_materials_get(test, i).name))
-            report(EXIT_OK, "%s:%s is not compared: %s has no material of this name", pair->test,
-                   nqm_materials_get(test, i).name, pair->ref);
+    for (size_t i = 0, n; ref && i < nqm_materials_count(test); ++i) {
+        const char *material = nqm_materials_get(test, i).name;
+        nqm_materials_named(ref, material, &n);
+        if (n == 0)
+            report(EXIT_OK, "%s:%s is not compared: %s has no material of this name", pair->test, material, pair->ref);
+    }
 }
 
 void expand_pairs(size_t n, const nqm_named_pair *pairs, const char *const *names, expansion *e) {

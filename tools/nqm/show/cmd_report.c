@@ -123,10 +123,15 @@ void open_page(const char *name, const char *path, output_file *out) {
         stop(EXIT_USAGE, "the page must be a file: %s FILE.html", name);
 }
 
-void write_fit_page(const char *title, int n_arguments, char **arguments, const char *const *names, const char *metric,
-                    output_file *out) {
+void write_fit_page(const char *title, int n, const page_item *items, const char *metric, output_file *out) {
     report_run run = {.title = title, .scores = {.options = nqm_score_options_default()}, .labels = {.shrink = 1}};
     scene_args scene = scene_args_begin();
+    char **arguments = allocate((size_t)n, sizeof *arguments);
+    const char **names = allocate((size_t)n, sizeof *names);
+    for (int i = 0; i < n; ++i) {
+        arguments[i] = (char *)(uintptr_t)items[i].argument; /* they are read only */
+        names[i] = *items[i].name ? items[i].name : NULL;
+    }
     const bool has_maps = is_textured(arguments[0]);
     scene.side = has_maps ? 128 : 256;
     scene_args_end(&scene);
@@ -134,8 +139,10 @@ void write_fit_page(const char *title, int n_arguments, char **arguments, const 
     run.labels.view = nqm_scene_texture_view_default();
     run.labels.view.n_samples = has_maps ? 1 : run.labels.view.n_samples;
     run.scores.model = open_model(metric);
-    make_report(&run, n_arguments, arguments, names, out);
+    make_report(&run, n, arguments, names, out);
     free_report(&run);
+    free(arguments);
+    free(names);
 }
 
 /* ---- the verb ---------------------------------------------------------------------------------------------------- */

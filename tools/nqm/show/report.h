@@ -24,9 +24,14 @@ typedef struct report_run {
 
 /** Open the file of a page, which `name` is the option of; another output is a usage error. */
 void open_page(const char *name, const char *path, output_file *out);
-/** Write the page of fits or a translation of a reference, which it closes: scored by the model `metric`, with pictures of the standard scenes. */
-void write_fit_page(const char *title, int n_arguments, char **arguments, const char *const *names, const char *metric,
-                    output_file *out);
+/** A BRDF of a page: the argument, and its name if that is not "". */
+typedef struct page_item {
+    const char *argument;
+    char name[NAME_SIZE];
+} page_item;
+/** Write the page of fits or a translation of a reference, the first item, which it closes: scored by the model `metric`, with
+ *  pictures of the standard scenes. */
+void write_fit_page(const char *title, int n, const page_item *items, const char *metric, output_file *out);
 /** The texts of report.html, report.css and web/charts.* (cmake/embed_text.cmake). */
 extern const char report_html[], report_css[], report_charts_css[], report_charts_js[];
 
