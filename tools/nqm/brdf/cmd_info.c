@@ -60,6 +60,22 @@ static const char *obstacle(const nqm_material_info *info, nqm_error *err) {
     return NULL;
 }
 
+static void print_material(const json_t *entry) {
+    const char *refusal = json_string_value(json_object_get(entry, "refusal"));
+    const char *remark = json_string_value(json_object_get(entry, "remark")), *why = refusal ? refusal : remark;
+    const char *ignorable = json_string_value(json_object_get(entry, "ignorable"));
+    const json_int_t n_maps = json_integer_value(json_object_get(entry, "n_maps"));
+    printf("%s  %s  %s", shown(json_string_value(json_object_get(entry, "name"))),
+           json_string_value(json_object_get(entry, "surface")), refusal ? "refused" : "accepted");
+    if (n_maps)
+        printf(": texture of %lld image%s", (long long)n_maps, n_maps > 1 ? "s" : "");
+    if (why)
+        printf(": %s", shown(why));
+    if (ignorable)
+        printf(refusal ? "; accepted with --ignore %s" : ": without %s, only what reflects", ignorable);
+    putchar('\n');
+}
+
 /* A file of several materials: names, surfaces, and which are refused. */
 static int print_materials(const char *path, const nqm_materials *materials, bool json) {
     json_t *list = json_array();
@@ -84,24 +100,7 @@ static int print_materials(const char *path, const nqm_materials *materials, boo
     print_members(members);
     size_t i;
     json_t *entry;
-    json_array_foreach(list, i, entry) {
-        const char *refusal = json_string_value(json_object_get(entry, "refusal"));
-        const char *remark = json_string_value(json_object_get(entry, "remark"));
-        const char *why = refusal ? refusal : remark,
-                   *ignorable = json_string_value(json_object_get(entry, "ignorable"));
-        const json_int_t n_maps = json_integer_value(json_object_get(entry, "n_maps"));
-        char maps[40] = "";
-        if (n_maps)
-            snprintf(maps, sizeof maps, "texture of %lld image%s%s", (long long)n_maps, n_maps > 1 ? "s" : "",
-                     why ? ": " : "");
-        printf("%s  %s  %s%s%s%s%s%s\n", shown(json_string_value(json_object_get(entry, "name"))),
-               json_string_value(json_object_get(entry, "surface")),
-               refusal            ? "refused: "
-               : remark || n_maps ? "accepted: "
-                                  : "accepted",
-               maps, why ? shown(why) : "", ignorable ? refusal ? "; accepted with --ignore " : ": without " : "",
-               ignorable ? ignorable : "", ignorable && !refusal ? ", only what reflects" : "");
-    }
+    json_array_foreach(list, i, entry) print_material(entry);
     json_decref(list);
     return EXIT_OK;
 }

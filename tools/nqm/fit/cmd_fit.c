@@ -69,20 +69,16 @@ static void add_model(fit_request *request, const char *name) {
         request->models[request->n_models++] = name;
 }
 
-/* Number of models of the word "all" or "encodings", which are the first of the list; 0: another word. */
-static size_t group_size(const char *text, size_t n) {
-    bool all = n == 3 && strncmp(text, "all", n) == 0, encodings = n == 9 && strncmp(text, "encodings", n) == 0;
-    return all ? FIT_MAX_MODELS : encodings ? NQM_FIT_N_ENCODINGS : 0;
-}
-
+/* A model, or all, the encodings, which are the first of the list, or those of renderers. */
 static void add_word(const char *text, size_t n, fit_request *request) {
+    const bool all = n == 3 && strncmp(text, "all", n) == 0, encodings = n == 9 && strncmp(text, "encodings", n) == 0;
     const bool shading = n == 7 && strncmp(text, "shading", n) == 0;
-    size_t n_group = group_size(text, n), i = 0;
-    for (size_t k = 0; k < n_group && nqm_fit_model(k); ++k)
+    size_t i = 0;
+    for (size_t k = 0; (all || (encodings && k < NQM_FIT_N_ENCODINGS)) && nqm_fit_model(k); ++k)
         add_model(request, nqm_fit_model(k));
     for (size_t k = 0; shading && nqm_fit_shading(k); ++k)
         add_model(request, nqm_fit_shading(k));
-    if (n_group || shading)
+    if (all || encodings || shading)
         return;
     while (model_name(i) && !(strncmp(model_name(i), text, n) == 0 && model_name(i)[n] == 0))
         ++i;

@@ -173,10 +173,6 @@ static bool is_reference(const label_run *run, size_t i) {
     return run->items[i].reference == i;
 }
 
-static const char *reference_of(const label_run *run, size_t i) {
-    return run->items[run->items[i].reference].name;
-}
-
 /* Mean luminance of the picture of a reference, cd/m2 (weights of BT.709). */
 static double mean_luminance(const label_run *run, const double *rgb_cdm2) {
     size_t n = nqm_scene_count(run->scene);
@@ -198,18 +194,18 @@ static bool has_textures(const label_run *run) {
 json_t *json_labels(const label_run *run) {
     json_t *results = json_array();
     for (size_t i = 0; i < run->n_items; ++i) {
-        const label_item *item = &run->items[i];
-        if (is_reference(run, i))
+        const label_item *item = &run->items[i], *reference = &run->items[item->reference];
+        if (item == reference)
             continue;
-        json_t *result = json_pack("{s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:{s:b,s:b}}", "test", json_name(item->name),
-                                   "name", json_name(item->shown), "delta_e_itp", json_number(item->label.delta_e),
-                                   "jod", json_number(item->jod), "delta_e_error", json_number(item->label.error),
-                                   "jod_error", json_number(nqm_label_jod_error(&item->label)), "parts",
-                                   json_label_parts(&item->label, NULL), "reference_luminance_cdm2",
-                                   json_number(mean_luminance(run, run->items[item->reference].rgb_cdm2)), "tabulated",
-                                   "reference", run->items[item->reference].is_tabulated, "test", item->is_tabulated);
+        json_t *result =
+            json_pack("{s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:{s:b,s:b}}", "test", json_name(item->name), "name",
+                      json_name(item->shown), "delta_e_itp", json_number(item->label.delta_e), "jod",
+                      json_number(item->jod), "delta_e_error", json_number(item->label.error), "jod_error",
+                      json_number(nqm_label_jod_error(&item->label)), "parts", json_label_parts(&item->label, NULL),
+                      "reference_luminance_cdm2", json_number(mean_luminance(run, reference->rgb_cdm2)), "tabulated",
+                      "reference", reference->is_tabulated, "test", item->is_tabulated);
         if (run->n_groups > 1)
-            json_object_set_new(result, "reference", json_name(reference_of(run, i)));
+            json_object_set_new(result, "reference", json_name(reference->name));
         if (item->err.status != NQM_OK)
             json_object_set_new(result, "error", json_name(item->err.message));
         json_array_append_new(results, result);

@@ -133,21 +133,12 @@ static void pair_looks(void) {
 /* ---- properties -------------------------------------------------------------------------------------------------- */
 
 static json_t *json_property(const nqm_property *p) {
+    if (!p || p->n == 1)
+        return p ? json_number(p->v[0]) : json_null();
     json_t *list = json_array();
-    for (size_t c = 0; p && c < p->n; ++c)
+    for (size_t c = 0; c < p->n; ++c)
         json_array_append_new(list, json_number(p->v[c]));
-    if (p && p->n > 1)
-        return list;
-    json_t *one = p ? json_incref(json_array_get(list, 0)) : json_null();
-    json_decref(list);
-    return one;
-}
-
-static bool is_same(const nqm_property *a, const nqm_property *b) {
-    bool same = a && b;
-    for (size_t c = 0; same && c < 3; ++c) /* values after the last repeat it */
-        same = a->v[c] == b->v[c];
-    return same;
+    return list;
 }
 
 static void add_change(json_t *to, const char *key, json_t *old, json_t *new) {
@@ -172,7 +163,7 @@ static json_t *list_changes(const char *old_argument, const char *new_argument) 
         add_change(list, "model", json_string(old->model), json_string(new->model));
     for (size_t k = 0; !is_other && k < old->n; ++k) {
         const nqm_property *p = &old->properties[k], *q = nqm_shading_find(new, p->key);
-        if (!is_same(p, q))
+        if (!q || memcmp(p->v, q->v, sizeof p->v) != 0) /* values after the last repeat it */
             add_change(list, p->key, json_property(p), json_property(q));
     }
     for (size_t k = 0; !is_other && k < new->n; ++k)

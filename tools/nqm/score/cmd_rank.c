@@ -30,15 +30,10 @@ static int by_quality(const void *a, const void *b) {
     return x->order < y->order ? -1 : 1;
 }
 
-static int by_order(const void *a, const void *b) {
-    const scored_pair *x = a, *y = b;
-    return x->order < y->order ? -1 : 1;
-}
-
 static int by_reference(const void *a, const void *b) {
     const scored_pair *x = a, *y = b;
     int difference = strcmp(x->pair.ref, y->pair.ref);
-    return difference ? difference : by_order(a, b);
+    return difference ? difference : x->order < y->order ? -1 : 1;
 }
 
 /* Number the references by their first appearance. */
@@ -46,8 +41,8 @@ static void number_groups(score_run *r) {
     qsort(r->rows, r->n_rows, sizeof *r->rows, by_reference);
     size_t first = 0;
     for (size_t i = 0; i < r->n_rows; ++i) {
-        bool new_one = i == 0 || strcmp(r->rows[i].pair.ref, r->rows[i - 1].pair.ref) != 0;
-        first = new_one ? r->rows[i].order : first;
+        if (i == 0 || !has_reference_of(&r->rows[i], &r->rows[i - 1]))
+            first = r->rows[i].order;
         r->rows[i].group = first; /* only the order of the numbers matters */
     }
 }
