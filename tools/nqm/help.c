@@ -6,37 +6,23 @@
 
 #include <math.h>
 #include <setjmp.h>
-#include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
 
-typedef struct row_text {
-    char text[1024];
-    size_t n;
-} row_text;
-
-__attribute__((format(printf, 2, 3))) static void append(row_text *t, const char *format, ...) {
-    va_list args;
-    va_start(args, format);
-    const int n = vsnprintf(t->text + t->n, sizeof t->text - t->n, format, args);
-    va_end(args);
-    t->n += n > 0 && t->n + (size_t)n < sizeof t->text ? (size_t)n : 0;
-}
-
 /* What is allowed, unit and default. An upper limit that nobody meets is not worth a word; the message of an error names it. */
-static void append_values(row_text *t, const nqm_option *o, const void *target) {
+static void put_values(FILE *out, const nqm_option *o, const void *target) {
     char text[NQM_OPTION_TEXT_MAX];
     const bool is_any_count = o->kind != NQM_OPTION_DOUBLE && o->min <= 1 && o->max >= 1e5;
     if (o->words || (!is_any_count && (o->min != 0 || o->max != 0))) {
         const char *allowed = nqm_option_allowed(o, text), *number = "a number ";
-        append(t, "; %s", allowed + (strncmp(allowed, number, strlen(number)) == 0 ? strlen(number) : 0));
+        fprintf(out, "; %s", allowed + (strncmp(allowed, number, strlen(number)) == 0 ? strlen(number) : 0));
     }
     if (o->unit)
-        append(t, ", %s", o->unit);
+        fprintf(out, ", %s", o->unit);
     const bool has_default =
         o->kind != NQM_OPTION_DOUBLE || isfinite(*(const double *)((const char *)target + o->offset));
     if (has_default && *nqm_option_format(o, target, text))
-        append(t, " [default: %s]", text);
+        fprintf(out, " [default: %s]", text);
 }
 
 nqm_option own_row(const command *cmd, const option *o) {
@@ -57,20 +43,19 @@ nqm_option own_row(const command *cmd, const option *o) {
 }
 
 static void call_for(const nqm_option *o, char letter, const void *target, help_row_fn *fn, void *user) {
-    row_text t = {.n = 0};
-    char name[NQM_OPTION_TEXT_MAX], off[NQM_OPTION_TEXT_MAX + 3];
+    char name[NQM_OPTION_TEXT_MAX], off[NQM_OPTION_TEXT_MAX + 3], *text;
+    size_t n;
     if (!*nqm_option_name(o, name))
         return;
-    append(&t, "%s", o->help);
-    if (!nqm_option_is_flag(o)) {
-        append_values(&t, o, target);
-        fn(user, &(help_row){letter, name, o->metavar, o->help, t.text, o->words});
-        return;
-    }
-    const bool has_off = !o->off_name || *o->off_name;
+    const bool is_flag = nqm_option_is_flag(o), has_off = is_flag && (!o->off_name || *o->off_name);
     const bool is_on = has_off && *(const int *)((const char *)target + o->offset) != 0;
-    append(&t, "%s", is_on ? " [default]" : "");
-    fn(user, &(help_row){letter, name, NULL, o->help, t.text, NULL});
+    FILE *out = open_text(&text, &n);
+    fprintf(out, "%s%s", o->help, is_on ? " [default]" : "");
+    if (!is_flag)
+        put_values(out, o, target);
+    fclose(out);
+    fn(user, &(help_row){letter, name, is_flag ? NULL : o->metavar, o->help, text, is_flag ? NULL : o->words});
+    free(text);
     if (!has_off)
         return;
     snprintf(off, sizeof off, "%s%s", o->off_name ? "" : "no-", o->off_name ? o->off_name : name);

@@ -220,20 +220,16 @@ json_t *json_labels(const label_run *run) {
                      run->map || run->keep ? json_number(run->delta_e_max) : NULL);
 }
 
-static const char csv_columns[] = "test,delta_e_itp,jod,error";
-
 static void print_csv_test(const label_run *run, const label_item *item) {
     const nqm_label *l = &item->label;
-    const double values[] = {l->delta_e, item->jod};
     print_csv_text(stdout, item->name);
-    print_csv_numbers(stdout, 2, values);
+    print_csv_numbers(stdout, 2, (double[]){l->delta_e, item->jod});
     print_csv_field(stdout, item->err.message);
     if (run->n_groups > 1)
         print_csv_field(stdout, run->items[item->reference].name);
     print_csv_label(stdout, l, NULL);
     print_csv_field(stdout, item->shown);
-    const double errors[] = {l->error, nqm_label_jod_error(l)};
-    print_csv_numbers(stdout, 2, errors);
+    print_csv_numbers(stdout, 2, (double[]){l->error, nqm_label_jod_error(l)});
     putchar('\n');
 }
 
@@ -257,7 +253,7 @@ void print_labels(const label_run *run) {
         return;
     }
     if (run->format == FORMAT_CSV) {
-        printf("%s%s", csv_columns, run->n_groups > 1 ? ",reference" : "");
+        printf("test,delta_e_itp,jod,error%s", run->n_groups > 1 ? ",reference" : "");
         for (size_t i = 0; i < LABEL_COLUMNS; ++i)
             printf(",%s", label_columns[i]);
         puts(",name,delta_e_error,jod_error");

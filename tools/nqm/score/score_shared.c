@@ -40,13 +40,6 @@ void set_list_pairs(score_run *run, const nqm_pair_list *list, const char *const
     take_expansion(run);
 }
 
-static size_t find_column(const nqm_pair_list *list, const char *name) {
-    size_t column = 0;
-    while (column < list->n_columns && strcmp(list->column[column], name) != 0)
-        ++column;
-    return column;
-}
-
 static void check_list_names(const nqm_pair_list *list, const char *const *names, const char *list_name) {
     named_brdf *given = allocate(list->n_rows, sizeof *given);
     size_t n = 0;
@@ -58,7 +51,6 @@ static void check_list_names(const nqm_pair_list *list, const char *const *names
 }
 
 const char **take_list_names(nqm_pair_list *list, const char *list_name) {
-    const size_t column = find_column(list, "name");
     size_t n_text = 0;
     for (size_t row = 0; row < list->n_rows; ++row)
         n_text += name_length(list->pair[row].test) + 1;
@@ -73,9 +65,9 @@ const char **take_list_names(nqm_pair_list *list, const char *list_name) {
             text += n + 1;
             *test += n + 1;
         }
-        for (size_t i = 0; column < list->n_columns && i < nqm_pair_list_cells(list, row); ++i) {
+        for (size_t i = 0; i < nqm_pair_list_cells(list, row); ++i) {
             const nqm_list_cell cell = nqm_pair_list_cell(list, row, i);
-            if (cell.column == column && !cell.is_json && *cell.text)
+            if (strcmp(list->column[cell.column], "name") == 0 && !cell.is_json && *cell.text)
                 names[row] = cell.text;
         }
     }
