@@ -28,10 +28,8 @@ static material random_material(nqm_rng *rng) {
 static material change(const material *from, nqm_rng *rng) {
     material m = *from;
     const double amount = nqm_rng_uniform(rng) * nqm_rng_uniform(rng);
-    m.alpha *= exp(amount * nqm_rng_normal(rng));
-    m.alpha = fmin(m.alpha, 1);
-    m.specular *= exp(amount * nqm_rng_normal(rng));
-    m.specular = fmin(m.specular, 1);
+    m.alpha = fmin(m.alpha * exp(amount * nqm_rng_normal(rng)), 1);
+    m.specular = fmin(m.specular * exp(amount * nqm_rng_normal(rng)), 1);
     for (size_t k = 0; k < 3; ++k)
         m.diffuse[k] = fmin(m.diffuse[k] * exp(0.5 * amount * nqm_rng_normal(rng)), 1);
     return m;

@@ -21,7 +21,7 @@ typedef struct verdict {
     nqm_brdf_check_report report;
     double largest_albedo;
     bool is_list; /* it lists measured directions: its albedo is unknown */
-    bool energy_fails, too_dark, no_data, is_empty, all_negative, noted_asymmetry, is_merl;
+    bool energy_fails, too_dark, no_data, all_negative, is_merl;
 } verdict;
 
 static verdict judge(const nqm_brdf *brdf, const nqm_brdf_check_report *r) {
@@ -33,10 +33,8 @@ static verdict judge(const nqm_brdf *brdf, const nqm_brdf_check_report *r) {
     v.energy_fails = v.largest_albedo > max_albedo;
     v.too_dark = !v.is_list && v.largest_albedo < least_albedo;
     v.no_data = 2 * r->n_invalid > r->n_pairs;
-    v.is_empty = r->n_invalid == r->n_pairs;
     v.all_negative =
         v.is_list ? r->n_clamped == r->n_pairs : v.largest_albedo <= 0 && r->n_clamped > 0; /* no value is positive */
-    v.noted_asymmetry = r->reciprocity_median > noted_reciprocity;
     return v;
 }
 
@@ -100,7 +98,8 @@ static void print_measured(const verdict *v) {
     else
         printf("  reciprocity  %s: exchanging light and viewer changes the value by\n"
                "               %.2g %% (median), %.2g %% (95th percentile)\n",
-               v->noted_asymmetry ? "poor" : "ok", 100 * r->reciprocity_median, 100 * r->reciprocity_p95);
+               r->reciprocity_median > noted_reciprocity ? "poor" : "ok", 100 * r->reciprocity_median,
+               100 * r->reciprocity_p95);
     if (r->anisotropy > 0)
         printf("  isotropy     anisotropic: turning light and viewer about the normal changes\n"
                "               the value by %.2g %% (mean)\n",
@@ -117,7 +116,7 @@ static void print_measured(const verdict *v) {
 static void print_text(const char *name, const verdict *v, const char *words) {
     const nqm_brdf_check_report *r = &v->report;
     printf("%s: %s%s\n", shown(name), !passes(v) ? "NOT PLAUSIBLE" : v->too_dark ? "suspicious" : "plausible", words);
-    if (v->is_empty)
+    if (r->n_invalid == r->n_pairs)
         puts("  energy, reciprocity, positivity: unknown, there are no values");
     else
         print_measured(v);

@@ -61,18 +61,12 @@ static void check_libraries(examination *e) {
 }
 
 /* The processor's name by Linux, otherwise "unknown". */
-static void read_processor(size_t n, char *name) {
+static void read_processor(char name[120]) {
     char line[256];
     FILE *file = fopen("/proc/cpuinfo", "r");
-    snprintf(name, n, "unknown");
-    while (file && fgets(line, sizeof line, file)) {
-        const char *colon = strchr(line, ':');
-        if (!colon || strncmp(line, "model name", strlen("model name")) != 0)
-            continue;
-        line[strcspn(line, "\n")] = '\0';
-        snprintf(name, n, "%s", colon + 1 + strspn(colon + 1, " "));
-        break;
-    }
+    strcpy(name, "unknown");
+    while (file && fgets(line, sizeof line, file) && sscanf(line, "model name%*[ \t]: %119[^\n]", name) != 1)
+        ;
     if (file)
         fclose(file);
 }
@@ -80,7 +74,7 @@ static void read_processor(size_t n, char *name) {
 static void check_processor(examination *e) {
     char cpu[120];
     const int threads = omp_get_max_threads(), cores = omp_get_num_procs();
-    read_processor(sizeof cpu, cpu);
+    read_processor(cpu);
     add(e, "processor", STATE_OK, NULL, "%s", cpu);
     const char *selected = nqm_kernels_selected(), *best = nqm_kernels_name(0);
     if (strcmp(selected, best) == 0)

@@ -66,21 +66,16 @@ static void add_latents(json_t *files, const char *path) {
         json_object_set_new(files, latents, json_null());
 }
 
-/* The images of a textured material. */
-static void add_images(json_t *files, const nqm_textured *textured) {
-    for (size_t i = 0; i < textured->n_images; ++i)
-        if (textured->images[i].path)
-            json_object_set_new(files, textured->images[i].path, json_null());
-}
-
 /* The measured files and images that the materials of a file name. */
 static void add_measured(json_t *files, const char *path) {
     const nqm_materials *materials =
         parsed_materials(path); /* NULL: another kind of file, or a broken one, which scoring reports */
     for (size_t i = 0; materials && i < nqm_materials_count(materials); ++i) {
         const nqm_material_info info = nqm_materials_get(materials, i);
-        if (nqm_materials_maps(materials, i, ~0U))
-            add_images(files, nqm_materials_maps(materials, i, ~0U));
+        const nqm_textured *maps = nqm_materials_maps(materials, i, ~0U);
+        for (size_t k = 0; maps && k < maps->n_images; ++k)
+            if (maps->images[k].path)
+                json_object_set_new(files, maps->images[k].path, json_null());
         if (!info.spec || nqm_spec_probe(info.spec))
             continue;
         char *measured = must_have(nqm_path_beside(path, info.spec));
@@ -175,12 +170,8 @@ static const char *piece_path(const batch_pieces *p, size_t piece, char path[MAX
     return path;
 }
 
-static char *dump(const json_t *json) {
-    return must_have(json_dumps(json, JSON_COMPACT));
-}
-
 static nqm_status save(const batch_pieces *p, size_t piece, nqm_error *err) {
-    char path[MAX_PATH], *files = dump(p->files);
+    char path[MAX_PATH], *files = must_have(json_dumps(p->files, JSON_COMPACT));
     const size_t n = row_count(p, piece);
     bool has_errors = false;
     for (size_t i = 0; i < n; ++i)
@@ -427,7 +418,7 @@ void open_batch_pieces(batch_pieces *p, const json_t *terms, bool resume) {
     p->results = allocate(p->size, sizeof *p->results);
     p->errors = allocate(p->size, sizeof *p->errors);
     p->textures = allocate(p->size, sizeof *p->textures);
-    p->terms = dump(terms);
+    p->terms = must_have(json_dumps(terms, JSON_COMPACT));
     p->begin_s = nqm_clock_s();
     hash_terms(p);
     if (p->is_shared) {
