@@ -161,7 +161,7 @@ class Loss(torch.nn.Module):
             value = JOD.apply(ref, _test(test, self.clamp), self._scorer, used, self.of)
             return (10 - value if self.of == "jod" else value).mean()
         if rays is None:
-            if not callable(test):
+            if not (callable(test) or isinstance(test, BRDF)):
                 raise ValueError("without rays the test is a function of directions; Loss(model=\"default\") takes samples of a model")
             rays = Rays(self.n, self.seed, scene=self._scene)
             self.seed += 1
