@@ -33,11 +33,6 @@ static const char *const *offered(const help_row *row) {
     return *models ? models : NULL;
 }
 
-static void put_verbs(void) {
-    for (const verb *v = verbs; v->name; ++v)
-        printf("%s%s", v == verbs ? "" : " ", v->name);
-}
-
 /* ---- bash -------------------------------------------------------------------------------------------------------- */
 
 void begin_bash(void) {
@@ -50,8 +45,9 @@ void begin_bash(void) {
         "    if [[ $cur == = ]]; then\n        cur=''\n"
         "    elif [[ $prev == = ]]; then\n        prev=${COMP_WORDS[COMP_CWORD - 2]}\n    fi\n"
         "    if ((COMP_CWORD == 1)); then\n        mapfile -t COMPREPLY < <(compgen -W '");
-    put_verbs();
-    printf(" --help --version' -- \"$cur\")\n        return\n    fi\n    case ${COMP_WORDS[1]} in\n");
+    for (const verb *v = verbs; v->name; ++v)
+        printf("%s ", v->name);
+    printf("--help --version' -- \"$cur\")\n        return\n    fi\n    case ${COMP_WORDS[1]} in\n");
 }
 
 static void put_bash_option(void *user, const help_row *row) {

@@ -151,6 +151,7 @@ enum { MAX_CHECKED_TEXELS = 32 };
 
 /* Texels that represent all. */
 typedef struct checked_texels {
+    const nqm_texture *texture;
     size_t n, width;                 /* width: of the texture */
     size_t at[MAX_CHECKED_TEXELS];   /* row by row */
     char *specs[MAX_CHECKED_TEXELS]; /* nqm_free() */
@@ -158,20 +159,14 @@ typedef struct checked_texels {
 
 static nqm_status add_texels(void *user, size_t n, nqm_texel_sample *samples, const float *const rows[2],
                              nqm_error *err) {
-    checked_texels *texels = ((void **)user)[0];
-    const nqm_texture *texture = ((void **)user)[1];
+    checked_texels *texels = user;
     for (size_t i = 0; i < n; ++i) {
         texels->at[texels->n] = samples[i].texel;
-        texels->specs[texels->n] = nqm_texture_spec(texture, rows[0], i, NULL);
+        texels->specs[texels->n] = nqm_texture_spec(texels->texture, rows[0], i, NULL);
         if (!texels->specs[texels->n++])
             return nqm_fail_nomem(err, sizeof(nqm_shading));
     }
     return NQM_OK;
-}
-
-static nqm_status choose_checked_texels(const nqm_texture *texture, checked_texels *texels, nqm_error *err) {
-    *texels = (checked_texels){.width = nqm_texture_get_info(texture, NULL).width};
-    return visit_texels(texture, MAX_CHECKED_TEXELS, add_texels, (void *[]){texels, (void *)(uintptr_t)texture}, err);
 }
 
 /* ---- maps -------------------------------------------------------------------------------------------------------- */
@@ -316,8 +311,10 @@ static int check_texture(const char *argument, uint64_t seed, json_t *results) {
     json_t *remarks = NULL;
     nqm_error err = {0};
     nqm_status status = open_textured(argument, &texture, &err);
-    if (status == NQM_OK)
-        status = choose_checked_texels(texture, &texels, &err);
+    if (status == NQM_OK) {
+        texels = (checked_texels){.texture = texture, .width = nqm_texture_get_info(texture, NULL).width};
+        status = visit_texels(texture, MAX_CHECKED_TEXELS, add_texels, &texels, &err);
+    }
     if (status == NQM_OK)
         status = judge_texels(&texels, seed, &worst, &i, &n_failed, &err);
     if (status == NQM_OK)

@@ -102,12 +102,7 @@ static bool is_named(const conform_result *r) {
            (r->named[0].left < 0.5 * r->none || (lowest_jod(r) < conform_pass && r->named[0].lowest >= conform_pass));
 }
 
-/* A mistake, what JOD the worst set has with it, and how much of the difference remains. */
-static void put_suspect(FILE *out, const conform_result *r, const suspect *s) {
-    fprintf(out, "%s (with it: lowest JOD %.2f, and %.1f %% of the difference remains)", s->text, s->lowest,
-            100 * s->left / r->none);
-}
-
+/* Mistakes, what JOD the worst set has with each, and how much of the difference remains. */
 static void put_mistakes(FILE *out, const conform_result *r, const char *between) {
     if (!r->n_named) {
         fputs(r->none > 0 ? "No mistake of the list explains the difference.\n"
@@ -119,9 +114,12 @@ static void put_mistakes(FILE *out, const conform_result *r, const char *between
                       : "No mistake of the list explains most of the difference. The nearest: ",
           out);
     for (size_t i = 0; i < r->n_named; ++i) {
-        fputs(i == 0 ? "" : i == 1 ? between : "; ", out);
-        fputs(i == 1 ? "Next: " : "", out);
-        put_suspect(out, r, &r->named[i]);
+        const suspect *s = &r->named[i];
+        fprintf(out, "%s%s%s (with it: lowest JOD %.2f, and %.1f %% of the difference remains)",
+                i == 0   ? ""
+                : i == 1 ? between
+                         : "; ",
+                i == 1 ? "Next: " : "", s->text, s->lowest, 100 * s->left / r->none);
     }
     fputc('\n', out);
 }

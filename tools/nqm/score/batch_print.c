@@ -144,11 +144,6 @@ static const char *batch_separator(const batch_form *form) {
     return form->format == BATCH_JSON ? ",\n" : "";
 }
 
-static void print_batch_tail(const batch_form *form, FILE *out) {
-    if (form->format == BATCH_JSON)
-        fputs("\n]}\n", out);
-}
-
 /* ---- notes ------------------------------------------------------------------------------------------------------- */
 
 static batch_note make_batch_note(const batch_form *form, size_t row, const nqm_score_result *r, const nqm_error *err) {
@@ -240,7 +235,8 @@ void close_batch_output(batch_output *out, const batch_form *form, size_t n, con
         fputs(i ? batch_separator(form) : "", out->file.stream);
         copy_row(out, &out->notes[order[i]]);
     }
-    print_batch_tail(form, out->file.stream);
+    if (form->format == BATCH_JSON)
+        fputs("\n]}\n", out->file.stream);
     if (fflush(out->file.stream) != 0)
         stop_write(out);
     if (out->rows != out->file.stream)

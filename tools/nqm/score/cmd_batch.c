@@ -194,13 +194,6 @@ static void open_outputs(batch_run *run, bool resume, ranks r) {
     json_decref(terms);
 }
 
-static int run_batch(batch_run *run, ranks r) {
-    int exit_code = run->pieces.is_shared ? share_batch_pieces(&run->pieces, r) : EXIT_OK;
-    if (r.rank > 0)
-        return exit_code;
-    return settle(run, exit_code == EXIT_OK ? score_rows(run) : exit_code);
-}
-
 static batch_run run;
 static batch_arguments a = {.model = "default", .metrics = "", .sort = "list"};
 static uint64_t cache_mb;
@@ -265,7 +258,9 @@ int cmd_batch(int argc, char **argv) {
     const char **names = expand_rows(&run);
     open_outputs(&run, a.resume, r);
     save_when_interrupted();
-    const int exit_code = run_batch(&run, r);
+    int exit_code = run.pieces.is_shared ? share_batch_pieces(&run.pieces, r) : EXIT_OK;
+    if (r.rank == 0)
+        exit_code = settle(&run, exit_code == EXIT_OK ? score_rows(&run) : exit_code);
     close_batch_pieces(&run.pieces, run.is_complete);
     nqm_scorer_free(run.scorer);
     free_expanded_list(&run.expanded);

@@ -176,11 +176,6 @@ static json_t *json_charts(const report_page *page) {
     return tests;
 }
 
-/* The script is HTML and XML alike. */
-static json_t *make_script(void) {
-    return json_sprintf("//<![CDATA[\n%sdrawReport();\n//]]>", report_charts_js);
-}
-
 /* The policy allows this script alone and forbids the page to load anything. */
 static json_t *json_hash(json_t *script) {
     unsigned char hash[EVP_MAX_MD_SIZE], text[2 * EVP_MAX_MD_SIZE];
@@ -400,7 +395,8 @@ static json_t *json_page(const report_page *page) {
     const nqm_model_info info = nqm_model_get_info(run->scores.model);
     const size_t n = count_tests(page);
     const double end = run->labels.delta_e_max;
-    json_t *rows = json_array(), *script = make_script();
+    json_t *rows = json_array();
+    json_t *script = json_sprintf("//<![CDATA[\n%sdrawReport();\n//]]>", report_charts_js); /* HTML and XML alike */
     for (size_t i = 0; i < n; ++i)
         json_array_append_new(rows, json_row(page, i));
     json_t *json =
