@@ -3,13 +3,14 @@
  * Model files: written data are read back and used in place; the message names every missing, extra, misshapen or
  * non-finite tensor, the checksum detects all damage; and the meaning of the raw output in JOD.
  */
-#include "base/memory_test.h"
 #include "io/io.h"
 #include "kernel/half.h"
 #include "model/model.h"
 #include "net/inference.h"
 #include "percept/percept.h"
+#include "support/allocations.h"
 #include "support/check.h"
+#include "support/damage.h"
 
 #include <nqm/train.h>
 
@@ -269,6 +270,14 @@ TEST(weights_in_half) {
         nqm_free(blocks[i]);
 }
 
+static nqm_status read_model(const nqm_map *map, nqm_error *err) {
+    struct nqm_model *model;
+    const nqm_status status = nqm_model_parse(map->data, map->n_bytes, map->path, true, &model, err);
+    assert_true((status == NQM_OK) == (model != NULL));
+    nqm_model_free(model);
+    return status;
+}
+
 TEST(damage) {
     size_t n;
     unsigned char *file = model_file(&n);
@@ -281,13 +290,7 @@ TEST(damage) {
     assert_int_equal(nqm_model_parse(file, n, "f", false, &model, NULL), NQM_OK); /* without verification */
     nqm_model_free(model);
     file[n - 1] ^= 1;
-    for (size_t cut = 0; cut < n; ++cut) {
-        unsigned char *part = malloc(cut ? cut : 1);
-        memcpy(part, file, cut);
-        assert_int_equal(nqm_model_parse(part, cut, "f", true, &model, &err), NQM_ERR_FORMAT);
-        assert_null(model);
-        free(part);
-    }
+    refuse_cuts("my.model", (blob){file, n}, 1, read_model);
     nqm_free(file);
 }
 
@@ -529,19 +532,11 @@ static void neither_network_nor_transport(void **state) {
 TEST(out_of_memory) {
     size_t n;
     unsigned char *file = model_file(&n);
-    struct nqm_model *model = NULL;
-    nqm_status status = NQM_ERR_NOMEM;
-    long count = 0;
-    for (; status == NQM_ERR_NOMEM; ++count) {
-        assert_true(count < 100);
-        nqm_alloc_fail_after(count);
-        status = nqm_model_parse(file, n, "f", true, &model, NULL);
-        nqm_alloc_fail_after(-1);
-        assert_true((status == NQM_OK) == (model != NULL));
-    }
-    assert_int_equal(status, NQM_OK);
-    assert_true(count > 8);
-    nqm_model_free(model);
+    nqm_status status = NQM_OK;
+    long count = -1;
+    EVERY_ALLOCATION(count, status, 0)
+    status = read_model(&(nqm_map){.data = file, .n_bytes = n, .path = "f"}, NULL);
+    assert_true(count > 7);
     nqm_free(file);
 }
 
