@@ -8,18 +8,12 @@
 static const struct {
     const char *name;
     size_t n; /* operands */
-} operations[NQM_MAP_OPS] = {[NQM_MAP_ADD] = {"add", 2},
-                             [NQM_MAP_SUBTRACT] = {"subtract", 2},
-                             [NQM_MAP_MULTIPLY] = {"multiply", 2},
-                             [NQM_MAP_DIVIDE] = {"divide", 2},
-                             [NQM_MAP_POWER] = {"power", 2},
-                             [NQM_MAP_MINIMUM] = {"minimum", 2},
-                             [NQM_MAP_MAXIMUM] = {"maximum", 2},
-                             [NQM_MAP_MIX] = {"mix", 3},
-                             [NQM_MAP_CHANNEL] = {"channel", 1},
-                             [NQM_MAP_COMBINE] = {"combine", 2},
-                             [NQM_MAP_LUMINANCE] = {"luminance", 1},
-                             [NQM_MAP_NORMAL] = {"normal", 2}};
+} operations[NQM_MAP_OPS] = {
+    [NQM_MAP_ADD] = {"add", 2},         [NQM_MAP_SUBTRACT] = {"subtract", 2}, [NQM_MAP_MULTIPLY] = {"multiply", 2},
+    [NQM_MAP_DIVIDE] = {"divide", 2},   [NQM_MAP_POWER] = {"power", 2},       [NQM_MAP_MINIMUM] = {"minimum", 2},
+    [NQM_MAP_MAXIMUM] = {"maximum", 2}, [NQM_MAP_ANGLE] = {"angle", 2},       [NQM_MAP_MIX] = {"mix", 3},
+    [NQM_MAP_CHANNEL] = {"channel", 1}, [NQM_MAP_COMBINE] = {"combine", 2},   [NQM_MAP_LUMINANCE] = {"luminance", 1},
+    [NQM_MAP_NORMAL] = {"normal", 2}};
 
 static void append(char text[MAP_TEXT], const char *more) {
     assert_true(strlen(text) + strlen(more) < MAP_TEXT);

@@ -48,7 +48,22 @@ static void check_position(const material_text *t, const nqm_textured *maps, con
         FAIL(t, "'%s': %g %g", line, found[0], found[1]);
 }
 
-/* line: "KEY VALUE" */
+/* What a line "KEY VALUE" is about. */
+static void describe(const nqm_textured *maps, const char *key, char found[MAP_TEXT]) {
+    *found = '\0';
+    if (strcmp(key, "nodes") == 0)
+        snprintf(found, MAP_TEXT, "%zu", maps->n_nodes);
+    else if (strcmp(key, "constants") == 0) {
+        char *spec = nqm_shading_spec(&maps->shading);
+        snprintf(found, MAP_TEXT, "%s", spec);
+        nqm_free(spec);
+    } else if (strcmp(key, "keys") == 0)
+        for (size_t i = 0; i < maps->n_outputs; ++i)
+            snprintf(found + strlen(found), MAP_TEXT - strlen(found), "%s%s", i ? " " : "", maps->outputs[i].key);
+    else
+        describe_map(maps, key, found);
+}
+
 static void check_maps(const material_text *t, const nqm_textured *maps, const char *remark, char *line) {
     char found[MAP_TEXT];
     if (strncmp(line, "at ", 3) == 0) {
@@ -60,10 +75,7 @@ static void check_maps(const material_text *t, const nqm_textured *maps, const c
         expect(t, remark ? remark : "no remark", value);
         return;
     }
-    if (strcmp(line, "nodes") == 0)
-        snprintf(found, sizeof found, "%zu", maps->n_nodes);
-    else
-        describe_map(maps, line, found);
+    describe(maps, line, found);
     if (strcmp(found, value) != 0)
         FAIL(t, "%s: '%s' instead of '%s'", line, found, value);
 }
