@@ -5,15 +5,12 @@
 #include "support/map_text.h"
 #include "support/check.h"
 
-static const struct {
-    const char *name;
-    size_t n; /* operands */
-} operations[NQM_MAP_OPS] = {
-    [NQM_MAP_ADD] = {"add", 2},         [NQM_MAP_SUBTRACT] = {"subtract", 2}, [NQM_MAP_MULTIPLY] = {"multiply", 2},
-    [NQM_MAP_DIVIDE] = {"divide", 2},   [NQM_MAP_POWER] = {"power", 2},       [NQM_MAP_MINIMUM] = {"minimum", 2},
-    [NQM_MAP_MAXIMUM] = {"maximum", 2}, [NQM_MAP_ANGLE] = {"angle", 2},       [NQM_MAP_MIX] = {"mix", 3},
-    [NQM_MAP_CHANNEL] = {"channel", 1}, [NQM_MAP_COMBINE] = {"combine", 2},   [NQM_MAP_LUMINANCE] = {"luminance", 1},
-    [NQM_MAP_NORMAL] = {"normal", 2}};
+static const char *const names[NQM_MAP_OPS] = {
+    [NQM_MAP_ADD] = "add",         [NQM_MAP_SUBTRACT] = "subtract", [NQM_MAP_MULTIPLY] = "multiply",
+    [NQM_MAP_DIVIDE] = "divide",   [NQM_MAP_POWER] = "power",       [NQM_MAP_MINIMUM] = "minimum",
+    [NQM_MAP_MAXIMUM] = "maximum", [NQM_MAP_ANGLE] = "angle",       [NQM_MAP_MIX] = "mix",
+    [NQM_MAP_CHANNEL] = "channel", [NQM_MAP_COMBINE] = "combine",   [NQM_MAP_LUMINANCE] = "luminance",
+    [NQM_MAP_NORMAL] = "normal"};
 
 static void append(char text[MAP_TEXT], const char *more) {
     assert_true(strlen(text) + strlen(more) < MAP_TEXT);
@@ -35,9 +32,9 @@ static void describe(const nqm_textured *t, uint16_t at, char text[MAP_TEXT]) {
     } else if (node->op == NQM_MAP_VALUE) {
         append(text, nqm_format_doubles(part, sizeof part, node->n, node->v, " "));
     } else {
-        assert_non_null(operations[node->op].name);
-        append(text, operations[node->op].name);
-        for (size_t i = 0; i < operations[node->op].n; ++i) {
+        assert_non_null(names[node->op]);
+        append(text, names[node->op]);
+        for (size_t i = 0; i < nqm_graph_operands(node->op, node->n); ++i) {
             append(text, i ? ", " : "(");
             describe(t, node->in[i], text);
         }
