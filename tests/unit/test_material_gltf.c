@@ -8,7 +8,6 @@
 #include "support/damage.h"
 #include "support/material_text.h"
 #include "support/rows.h"
-#include "support/temp_file.h"
 
 /* A file whose only material has these members. */
 static const char *document(const char *members) {
@@ -99,9 +98,8 @@ static char *file_text(const char *path) {
     return text;
 }
 
-static void check_round_trip(const char *argument, const char *extension) {
-    char path[5000];
-    snprintf(path, sizeof path, "%s%s", temp_file, extension);
+static void check_round_trip(const char *argument, const char *name) {
+    const char *path = scratch_path(name);
     nqm_brdf *brdf = must_open(argument);
     nqm_error err = {0};
     if (nqm_material_write(nqm_brdf_get_info(brdf).spec, "some name", path, &err) != NQM_OK)
@@ -126,14 +124,13 @@ TEST(files_give_back_the_same_bits) {
         values.given |= 1;
         char *spec = nqm_spec_format(schema, &values);
         assert_non_null(spec);
-        check_round_trip(spec, i % 2 ? ".gltf" : ".GLB");
+        check_round_trip(spec, i % 2 ? "x.gltf" : "x.GLB");
         nqm_free(spec);
     }
 }
 
 TEST(files_have_the_extensions_that_they_need) {
-    char path[5000];
-    snprintf(path, sizeof path, "%s.gltf", temp_file);
+    const char *path = scratch_path("x.gltf");
     assert_int_equal(nqm_material_write("gltf:metallic=0;ior=1.5", "plain", path, NULL), NQM_OK);
     assert_null(strstr(file_text(path), "xtensions"));
     assert_int_equal(nqm_material_write("gltf:clearcoat=1;ior=1.4", "coated", path, NULL), NQM_OK);
@@ -148,8 +145,7 @@ TEST(files_have_the_extensions_that_they_need) {
 
 /* What nqm_brdf_open() refuses as a spec is not written. */
 TEST(specs_are_checked) {
-    char path[5000];
-    snprintf(path, sizeof path, "%s.gltf", temp_file);
+    const char *path = scratch_path("x.gltf");
     EVERY_ROW(row, "specs that are not written") {
         nqm_error err = {0};
         assert_int_equal(nqm_material_write(row[0], "x", path, &err), NQM_ERR_ARG);
@@ -160,13 +156,10 @@ TEST(specs_are_checked) {
 
 /* Indices between 0 and 1 are not valid in a file; their reciprocal has the same Fresnel factor. */
 TEST(files_have_valid_indices) {
-    char path[5000];
-    snprintf(path, sizeof path, "%s.gltf", temp_file);
+    const char *path = scratch_path("x.gltf");
     assert_int_equal(nqm_material_write("gltf:ior=.5", "x", path, NULL), NQM_OK);
     nqm_brdf *brdf = must_open(path);
     assert_non_null(strstr(nqm_brdf_get_info(brdf).spec, "ior=2;"));
     nqm_brdf_free(brdf);
     remove(path);
 }
-
-TEST_FILE(make_temp_file, remove_temp_file)

@@ -21,12 +21,6 @@ static bool with_network = true, with_scalars, with_transport;
 enum { MAX_POINTS = 3 * NQM_TRANSPORT_POINTS };
 static size_t n_points = NQM_TRANSPORT_POINTS;
 
-static const char *path_of_output(void) {
-    static char path[64];
-    snprintf(path, sizeof path, "test_net_model.%ld.tmp", (long)getpid());
-    return path;
-}
-
 /* Two scenes of as many points each. */
 static void add_transport(struct nqm_model *model) {
     static float light[N_DIRECTIONS * 3 * MAX_POINTS];
@@ -95,9 +89,9 @@ static unsigned char *read_file(const char *path, size_t *n_bytes) {
 
 static unsigned char *model_file(size_t *n_bytes) {
     struct nqm_model *model = make_model();
-    assert_int_equal(nqm_model_save(model, path_of_output(), NULL), NQM_OK);
+    assert_int_equal(nqm_model_save(model, scratch_path("model"), NULL), NQM_OK);
     nqm_model_free(model);
-    return read_file(path_of_output(), n_bytes);
+    return read_file(scratch_path("model"), n_bytes);
 }
 
 static float output_of(const struct nqm_model *model) {
@@ -116,8 +110,8 @@ static float output_of(const struct nqm_model *model) {
 TEST(round_trip) {
     size_t n, n_again;
     struct nqm_model *made = make_model(), *model;
-    assert_int_equal(nqm_model_save(made, path_of_output(), NULL), NQM_OK);
-    unsigned char *file = read_file(path_of_output(), &n);
+    assert_int_equal(nqm_model_save(made, scratch_path("model"), NULL), NQM_OK);
+    unsigned char *file = read_file(scratch_path("model"), &n);
     assert_int_equal(nqm_model_parse(file, n, "f", true, &model, NULL), NQM_OK);
     assert_int_equal(model->params.n, made->params.n);
     assert_null(model->params.block); /* weights are used in place */
@@ -169,8 +163,8 @@ TEST(round_trip) {
         assert_string_equal(texts[i][0], texts[i][1]);
     assert_int_equal(strlen(model->sha256), 64);
     /* saving again must give the same bytes */
-    assert_int_equal(nqm_model_save(model, path_of_output(), NULL), NQM_OK);
-    unsigned char *again = read_file(path_of_output(), &n_again);
+    assert_int_equal(nqm_model_save(model, scratch_path("model"), NULL), NQM_OK);
+    unsigned char *again = read_file(scratch_path("model"), &n_again);
     assert_int_equal(n_again, n);
     assert_memory_equal(again, file, n);
     nqm_model_free(model);
@@ -246,8 +240,8 @@ TEST(weights_in_half) {
     }
     assert_memory_equal(copy->params.layer[2].w, made->params.layer[2].w, made->params.shape.sizes[2] * sizeof(float));
     unsigned char *whole = model_file(&n_whole);
-    assert_int_equal(nqm_model_save(copy, path_of_output(), NULL), NQM_OK);
-    unsigned char *file = read_file(path_of_output(), &n), *shifted = nqm_alloc(n + 1, 1);
+    assert_int_equal(nqm_model_save(copy, scratch_path("model"), NULL), NQM_OK);
+    unsigned char *file = read_file(scratch_path("model"), &n), *shifted = nqm_alloc(n + 1, 1);
     assert_near((double)(n_whole - n), (double)(2 * (n_first + 16 * 5)), 64); /* the header's length may differ */
     memcpy(shifted + 1, file, n);
     assert_int_equal(nqm_model_parse(file, n, "f", true, &model, NULL), NQM_OK);
@@ -256,8 +250,8 @@ TEST(weights_in_half) {
     nqm_model_free(copy);
     assert_int_equal(nqm_model_copy(odd, &copy, NULL), NQM_OK);
     assert_true(output_of(model) == output_of(odd) && output_of(copy) == output_of(odd));
-    assert_int_equal(nqm_model_save(copy, path_of_output(), NULL), NQM_OK);
-    unsigned char *again = read_file(path_of_output(), &n_again);
+    assert_int_equal(nqm_model_save(copy, scratch_path("model"), NULL), NQM_OK);
+    unsigned char *again = read_file(scratch_path("model"), &n_again);
     assert_int_equal(n_again, n);
     assert_memory_equal(again, file, n);
     made->params.layer[1].w[7] = 65520;
@@ -333,9 +327,9 @@ static void must_be_refused(const contents *c, const char *says) {
     size_t n;
     struct nqm_model *model;
     nqm_error err = {0};
-    assert_int_equal(nqm_safetensors_write(path_of_output(), c->n_tensors, c->tensors, c->n_meta, c->meta, NULL, NULL),
-                     NQM_OK);
-    unsigned char *file = read_file(path_of_output(), &n);
+    assert_int_equal(
+        nqm_safetensors_write(scratch_path("model"), c->n_tensors, c->tensors, c->n_meta, c->meta, NULL, NULL), NQM_OK);
+    unsigned char *file = read_file(scratch_path("model"), &n);
     assert_int_equal(nqm_model_parse(file, n, "f", true, &model, &err), NQM_ERR_MODEL);
     assert_null(model);
     if (!strstr(err.message, says))
