@@ -350,9 +350,17 @@ class Scorer:
         single = arrays[0].ndim == arrays[1].ndim == 2
         refs, tests = np.broadcast_arrays(*[a if a.ndim == 3 else a[None] for a in arrays])
         masks = None if used is None else np.ascontiguousarray(np.broadcast_to(np.asarray(used) != 0, tests.shape[:2]), np.uint8)
+        if masks is not None:
+            refs, tests = [_without_left_out(a, masks) for a in (refs, tests)]
         # A reference of all tests keeps one address, so that the library shares its computations.
         refs = refs if refs.strides[1:] == (12, 4) else np.ascontiguousarray(refs)
         return refs, np.ascontiguousarray(tests), masks, single
+
+
+def _without_left_out(samples: np.ndarray, masks: np.ndarray) -> np.ndarray:
+    """The samples with 0 where a direction is left out and the library would refuse the value (NaN, infinity, below 0)."""
+    refused = (masks[..., None] == 0) & ~((samples >= 0) & np.isfinite(samples))
+    return np.where(refused, np.float32(0), samples) if refused.any() else samples
 
 
 def _sample_pairs(refs: np.ndarray, tests: np.ndarray, masks: Optional[np.ndarray]) -> Any:
@@ -423,7 +431,7 @@ def score_samples(ref: Any, test: Any, *, used: Any = None, model: ModelLike = "
     Args:
         ref: f_r in 1/sr, (n_directions, 3) or (n_pairs, n_directions, 3); finite and >= 0
         test: the same; one of them may be a single one for all of the other
-        used: (n_directions) or (n_pairs, n_directions): False leaves a direction out; default: all are used
+        used: (n_directions) or (n_pairs, n_directions): False leaves a direction out, whatever its values; default: all are used
         model: as for `score`
         options: as for `Scorer`
 

@@ -4,6 +4,7 @@ the result; tests compare both. Differences of roots and logarithms are computed
 look the same."""
 from __future__ import annotations
 
+import contextlib
 import json
 import math
 import os
@@ -46,6 +47,12 @@ def _cube_root(x: torch.Tensor, least: float = 1e-6) -> torch.Tensor:
 
 def _asinh(x: torch.Tensor) -> torch.Tensor:  # PyTorch 1 cannot export its own
     return x.sign() * torch.log(x.abs() + (x * x + 1).sqrt())
+
+
+def _has_no_values(x: torch.Tensor) -> bool:
+    """No branch by values can be taken: on the device "meta", in a trace (ONNX), in torch.compile of PyTorch 2."""
+    is_compiling = getattr(getattr(torch, "compiler", None), "is_compiling", bool)
+    return x.is_meta or torch.jit.is_tracing() or is_compiling()
 
 
 def _opponents(x: torch.Tensor) -> Tuple[torch.Tensor, torch.Tensor]:
@@ -139,22 +146,42 @@ class Metric(torch.nn.Module):
         return buffers
 
     def forward(self, ref: torch.Tensor, test: torch.Tensor, used: Optional[torch.Tensor] = None) -> torch.Tensor:
-        """The scores, of shape (...).
+        """The scores, of shape (...); NaN where a value that counts is NaN or infinite: in either BRDF, in any channel.
 
         Args:
             ref, test: f_r in 1/sr at `wi`, `wo`, (..., n, 3); leading dimensions are broadcast
-            used: (..., n), False where a direction is left out
+            used: (..., n), False where a direction is left out, whatever its values
+
+        Raises:
+            ValueError: another shape, or no direction of a pair is used. A traced or compiled module cannot say the latter: NaN.
         """
-        f, g = torch.broadcast_tensors(ref.to(self.sets.dtype).clamp(0, 1e15), test.to(self.sets.dtype).clamp(0, 1e15))
+        n = self.sets.shape[0]
+        for name, x in (("ref", ref), ("test", test)):
+            if tuple(x.shape[-2:]) != (n, 3):
+                raise ValueError("%s has the shape %s; values at `wi`, `wo` of this model have (..., %d, 3)" % (name, tuple(x.shape), n))
+        if used is not None and used.shape[-1:] != (n,):
+            raise ValueError("used has the shape %s, not (..., %d)" % (tuple(used.shape), n))
+        kind = self.sets.device.type
+        # Autocast would multiply matrices in half precision: .7 JOD off.
+        with torch.autocast(kind, enabled=False) if kind in ("cpu", "cuda") else contextlib.nullcontext():
+            return self._scores(ref, test, used)
+
+    def _scores(self, ref: torch.Tensor, test: torch.Tensor, used: Optional[torch.Tensor]) -> torch.Tensor:
+        f, g = torch.broadcast_tensors(ref.to(self.sets.dtype), test.to(self.sets.dtype))
         u = torch.ones_like(f[..., 0]) if used is None else used.to(f.dtype).expand(f.shape[:-1])
-        targets = self._estimate(f, torch.where(u[..., None] > 0, g, f)) if hasattr(self, "light") else torch.zeros_like(f[..., :6, 0])
+        counts = u[..., None] > 0
+        if used is not None and not _has_no_values(counts) and not counts.any(-2).all():
+            raise ValueError("no direction of a pair is used")
+        defined = (f.isfinite() & g.isfinite() | ~counts).flatten(-2).all(-1) & counts.any(-2)[..., 0]
+        f, g = [torch.where(x.isfinite(), x, torch.zeros_like(x)).clamp(0, 1e15) for x in (f, g)]
+        targets = self._estimate(f, torch.where(counts, g, f)) if hasattr(self, "light") else torch.zeros_like(f[..., :6, 0])
         mean, std, low, high = self._range
         z = self._network(f, g, u, targets) if self._n_layers else torch.zeros_like(f[..., 0, 0])
         value = targets[..., 0] + mean + std * (low + (high - low) * torch.sigmoid(z))
-        if self._target == "jod":
-            return value
-        delta_e = self._bound(f, g, u, value.exp())
-        return delta_e if self.of == "delta_e" else self._jod(delta_e)
+        if self._target != "jod":
+            delta_e = self._bound(f, g, u, value.exp())
+            value = delta_e if self.of == "delta_e" else self._jod(delta_e)
+        return torch.where(defined, value, torch.full_like(value, math.nan))
 
     def _bound(self, f: torch.Tensor, g: torch.Tensor, u: torch.Tensor, delta_e: torch.Tensor) -> torch.Tensor:
         """Delta-E is at most 120 times the largest log ratio, if that is a factor below 1.65."""

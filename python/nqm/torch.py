@@ -44,6 +44,9 @@ def _test(values: Any, clamp: bool) -> torch.Tensor:
     test = torch.as_tensor(values)
     if not clamp:
         return test
+    if test.isposinf().any():
+        raise ValueError("clamp: the test is infinite at %d values; NaN and negative values count as 0, infinity has no such value"
+                         % int(test.isposinf().sum()))
     test = torch.where(test.isnan(), torch.zeros_like(test), test)
     return test + (test.clamp(min=0) - test).detach()
 

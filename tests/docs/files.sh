@@ -77,7 +77,8 @@ alum-bronze,alum-bronze,sgd:alum-bronze,sgd,test
 red-plastic,red-plastic,sgd:red-plastic,sgd,test
 END
 "$nqm" directions show default -o directions.csv
-NQM_TOOL=$nqm PYTHONDONTWRITEBYTECODE=1 python3 "$NQM_SOURCE/models/plan.py" materials.csv --models ward,ggx --perturbations 3 >corpus.csv
+NQM_TOOL=$nqm PYTHONDONTWRITEBYTECODE=1 python3 "$NQM_SOURCE/models/plan.py" materials.csv --models ward,ggx --perturbations 3 |
+    awk 'NR % 4 == 1' >corpus.csv # enough of every kind
 scene="--keep far=26 --points 100 --lights 64"
 # shellcheck disable=SC2086
 "$nqm" dataset corpus.csv --directions directions.csv $scene -o train.safetensors

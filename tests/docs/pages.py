@@ -211,11 +211,12 @@ def main():
     environment = dict(os.environ, PATH=BUILD + ":" + os.environ["PATH"], LC_ALL="C", DATA=data if os.path.isdir(data) else "",
                        PYTHONPATH=SOURCE + "/python", PYTHONDONTWRITEBYTECODE="1", NQM_LIBRARY=BUILD + "/libnqm-full.so", OMPI_ALLOW_RUN_AS_ROOT="1", OMPI_ALLOW_RUN_AS_ROOT_CONFIRM="1")
     counts = {"run": 0, "skipped": 0, "slow": 0, "no data": 0, "no matplotlib": 0}
-    python = plotting_python(environment)
+    python = plotting_python(environment) if any("nqm.plot" in line for line in lines) else "python3"
     check_links(page, lines)
     check_names(lines)
     with tempfile.TemporaryDirectory() as folder:
-        subprocess.run(["cp", "-r", BUILD + "/docs-files/.", folder], check=True)
+        if any(fence == "c" or commands(block) for _, fence, _, block in blocks(lines)):
+            subprocess.run(["cp", "-r", BUILD + "/docs-files/.", folder], check=True)
         for name in ("examples", "models", "studies", "doc"):
             os.symlink(os.path.join(SOURCE, name), os.path.join(folder, name))
         os.symlink(BUILD, os.path.join(folder, "build"))

@@ -125,6 +125,10 @@ class Samples(unittest.TestCase):
         used = np.ones(1872, bool)
         used[:20] = False
         self.assertEqual(nqm.score_samples(ref, test, used=used).n_valid, 1852)
+        odd = test.copy()
+        odd[3], odd[4], odd[5] = np.nan, np.inf, -1
+        self.assertEqual(nqm.score_samples(ref, odd, used=used).jod, nqm.score_samples(ref, test, used=used).jod)
+        self.assertTrue(np.isfinite(nqm.score_grad(odd, ref, used=used)[1]).all())
         for wrong in (test[:10], test.T, np.ones(3)):
             with self.assertRaisesRegex(ValueError, r"\(1872, 3\)"):
                 nqm.score_samples(ref, wrong)

@@ -2,6 +2,7 @@
 """nqm.torch: gradients against central differences, batches, fits by gradient descent, at fixed and at fresh directions. Skipped without
 torch."""
 import importlib.util
+import math
 import subprocess
 import sys
 import unittest
@@ -78,6 +79,8 @@ class Torch(unittest.TestCase):
         black[3, 1], black[4] = 0, 0
         with self.assertRaisesRegex(nqm.Error, "must be finite"):
             nqm.torch.delta_e(ref, odd)
+        with self.assertRaisesRegex(ValueError, "infinite at 3 values"):
+            nqm.torch.delta_e(ref, torch.where(odd < 0, torch.full_like(odd, math.inf), odd), clamp=True)
         leaves = [t.requires_grad_() for t in (odd, black)]
         values = [nqm.torch.delta_e(ref, leaf, clamp=True) for leaf in leaves]
         self.assertEqual(values[0].item(), values[1].item())

@@ -5,6 +5,7 @@ import contextlib
 import csv
 import importlib.util
 import io
+import math
 import os
 import re
 import shutil
@@ -94,6 +95,37 @@ class Values(unittest.TestCase):
         changed = torch.where(used[:, None], test[1], 7 * test[1])
         self.assertEqual(metric(ref[1], changed, used).item(), metric(ref[1], test[1], used).item())
 
+    def test_not_finite(self):
+        """A value that counts makes its pair NaN, in any of the three channels; one that is left out does not count."""
+        for name in specification.MODELS:
+            ref, test = map(torch.tensor, pairs_of(name, 2))
+            metric = nqm.torch.Metric(name)
+            used = torch.arange(len(metric.wi)) % 5 > 0
+            exact, exact_used = metric(ref, test), metric(ref, test, used)
+            for bad in (math.nan, math.inf, -math.inf):
+                for place in ((7, 1), (11,), (slice(None),)):
+                    odd = test.clone()
+                    odd[(1, *place)] = bad
+                    for pair in ((ref, odd), (odd, ref)):
+                        self.assertEqual(metric(*pair).isnan().tolist(), [False, True], (name, bad, place))
+                    self.assertEqual(metric(ref, odd)[0], exact[0])
+                masked = torch.where(used[:, None], test, torch.full_like(test, bad)).requires_grad_()
+                value = metric(ref, masked, used)
+                self.assertEqual(value.tolist(), exact_used.tolist())
+                value.sum().backward()
+                self.assertTrue(masked.grad.isfinite().all())
+                self.assertTrue(metric(torch.where(used[:, None], ref, torch.full_like(ref, bad)), test, used).isfinite().all())
+            with self.assertRaisesRegex(ValueError, "no direction"):
+                metric(ref, test, torch.stack([used, torch.zeros_like(used)]))
+
+    def test_autocast(self):
+        for name in specification.MODELS:
+            ref, test = [torch.tensor(x[1], dtype=torch.float32) for x in pairs_of(name, 2)]
+            metric = nqm.torch.Metric(name)
+            with torch.autocast("cpu", dtype=torch.bfloat16):
+                inside = metric(ref, test).item()
+            self.assertEqual(inside, metric(ref, test).item())
+
     def test_types(self):
         """Half precision and negative values; no step leaves the device: "meta" has no values, and refuses those of another."""
         ref, test = map(torch.tensor, pairs_of("default", 2))
@@ -111,6 +143,12 @@ class Values(unittest.TestCase):
         for arguments in ({"of": "ssim"}, {"model": "paper", "of": "delta_e"}):
             with self.assertRaisesRegex(ValueError, "of is jod or delta_e"):
                 nqm.torch.Metric(**arguments)
+        metric = nqm.torch.Metric()
+        x = torch.ones(len(metric.wi), 3)
+        for arguments, words in (((x[:5], x), r"ref has the shape \(5, 3\)"), ((x, x.T), r"test has the shape \(3, 1872\)"),
+                                 ((x, x, torch.ones(5)), r"used has the shape \(5,\)")):
+            with self.assertRaisesRegex(ValueError, words):
+                metric(*arguments)
 
 
 class Derivatives(unittest.TestCase):

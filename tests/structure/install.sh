@@ -86,9 +86,11 @@ done
 for file in bash-completion/completions/nqm zsh/site-functions/_nqm fish/vendor_completions.d/nqm.fish man/man1/nqm.1; do
     [ -s "$prefix/share/$file" ] || fail "share/$file is not installed"
 done
-for page in "$prefix"/share/doc/nqm/*.md "$prefix"/share/doc/nqm/doc/*.md; do
-    grep -oE '\]\([^)#: ]+' "$page" | sed "s/^](//" | grep -vE "^https?$" | while read -r link; do
-        [ -e "$(dirname "$page")/$link" ] || fail "$page links to $link, which is not installed"
-    done
-done
+# Each line: the folder of a page and a link in it, as one path.
+grep -oHE '\]\([^)#: ]+' "$prefix"/share/doc/nqm/*.md "$prefix"/share/doc/nqm/doc/*.md | grep -vE '\(https?$' |
+    sed 's|[^/]*\.md:](||' | sort -u >"$dir/links"
+[ -s "$dir/links" ] || fail "the pages have no links: the test is broken"
+while read -r link; do
+    [ -e "$link" ] || fail "a page links to $link, which is not installed"
+done <"$dir/links"
 [ -e "$prefix/share/doc/nqm/doc/cli.md" ] || fail "the pages are not installed"

@@ -26,10 +26,8 @@ exported "$build/libnqm.so" | diff "$build/declared-core.txt" - || fail "libnqm.
 exported "$build/libnqm-full.so" | diff "$build/declared-full.txt" - || fail "libnqm-full.so: the same"
 
 for room in encode fit render data train judge label corpus; do
-    for object in "$build"/CMakeFiles/nqm_full_objects.dir/src/"$room"/*.o; do
-        nm --defined-only --extern-only "$object" | awk 'NF == 3 {print $3}'
-    done
-done | sort -u >"$build/full-symbols.txt"
+    nm --defined-only --extern-only "$build"/CMakeFiles/nqm_full_objects.dir/src/"$room"/*.o
+done | awk 'NF == 3 {print $3}' | sort -u >"$build/full-symbols.txt"
 [ -s "$build/full-symbols.txt" ] || fail "no symbol of the full library was found: the test is broken"
 nm "$build/libnqm.so" | awk '{print $NF}' | sort -u | comm -12 - "$build/full-symbols.txt" >"$build/leaked.txt"
 [ ! -s "$build/leaked.txt" ] || fail "libnqm.so contains symbols of the full library: $(cat "$build/leaked.txt")"

@@ -29,3 +29,19 @@ TEST(ends_of_the_range) {
     }
     assert_true(last < 0.5);
 }
+
+TEST(inverse_and_slope) {
+    const nqm_curve *curve = &nqm_curve_published;
+    for (double delta_e = 0.5; delta_e < 200; delta_e *= 1.7) {
+        assert_relative(nqm_curve_delta_e(curve, nqm_curve_jod(curve, delta_e)), delta_e, 1e-9);
+        const double step = 1e-5 * delta_e;
+        assert_relative(nqm_curve_slope(curve, delta_e),
+                        (nqm_curve_jod(curve, delta_e + step) - nqm_curve_jod(curve, delta_e - step)) / (2 * step),
+                        1e-6);
+    }
+    assert_true(nqm_curve_delta_e(curve, 10) == 0 && nqm_curve_delta_e(curve, 11) == 0);
+    assert_true(isnan(nqm_curve_delta_e(curve, NAN)));
+    assert_true(nqm_curve_delta_e(curve, 0) == 1000 && nqm_curve_delta_e(curve, -1) == 1000);
+    assert_true(nqm_curve_slope(curve, 0) == 0 && nqm_curve_slope(curve, -1) == 0);
+    assert_true(nqm_curve_slope(curve, 1e-300) == 0); /* the share overflows */
+}
