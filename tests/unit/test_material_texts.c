@@ -219,7 +219,7 @@ TEST(every_text) {
         check(&t);
         line += n_lines;
     }
-    assert_true(n > 360);
+    assert_true(n > 400);
     blob_free(&file);
 }
 
