@@ -19,11 +19,25 @@ extern "C" {
  *  nqm_scene_weights(). label.error is the standard error by the choice of the points, measured between groups of them of two
  *  sizes; where the pictures are smooth, it may be overstated by a factor of four. */
 NQM_API nqm_label nqm_scene_compare(const nqm_scene *scene, const double *ref_cdm2, const double *test_cdm2);
-/** The same for pictures of nqm_scene_render_halves(), (3, n_points, 3) each. Noise of the light directions adds to
- *  Delta-E, which is a mean of absolute values: the label is extrapolated from halves and whole to the label without
- *  this noise, and half of the extrapolation counts as error. This is the label of `nqm label` and of corpora. Equal
- *  pictures have exactly 0. */
-NQM_API nqm_label nqm_scene_compare_halves(const nqm_scene *scene, const double *ref_cdm2, const double *test_cdm2);
+/** A BRDF and what nqm_scene_render_halves() made of it. */
+typedef struct nqm_scene_picture {
+    const nqm_brdf *brdf;   /**< NULL: a picture of another origin, which cannot be rendered again */
+    const double *rgb_cdm2; /**< (3, n_points, 3) */
+    double valid;           /**< the fraction of the light at directions with a value */
+} nqm_scene_picture;
+
+/** The label of two BRDFs by their pictures in the scene. Where one of them has no value, neither counts: if valid < 1, both are
+ *  rendered again at the directions where both have one. Any thread.
+ *
+ * @param label_ret  as of nqm_scene_compare(). Noise of the light directions adds to Delta-E, which is a mean of absolute values: the
+ *                   label is extrapolated from halves and whole to the label without this noise, and half of the extrapolation
+ *                   counts as error. This is the label of `nqm label` and of corpora. Equal pictures have exactly 0
+ * @param delta_e    (n_points) receives the Delta-E ITP of each point; NULL allowed
+ * @param valid_ret  receives the fraction of the light at directions where both have a value; NULL allowed
+ * @return NQM_ERR_INCOMPATIBLE (less than min_valid of the scene's options), or the errors of nqm_scene_render() */
+NQM_API NQM_MUST_CHECK nqm_status nqm_scene_label(const nqm_scene *scene, const nqm_scene_picture *ref,
+                                                  const nqm_scene_picture *test, nqm_label *label_ret, double *delta_e,
+                                                  double *valid_ret, nqm_error *err);
 /** Delta-E ITP of each point: delta_e (n_points). */
 NQM_API void nqm_scene_delta_e_map(const nqm_scene *scene, const double *ref_cdm2, const double *test_cdm2,
                                    double *delta_e);

@@ -59,7 +59,8 @@ typedef struct nqm_scene_options {
         exposure_cdm2; /**< mean luminance of a white Lambert surface without shadows and interreflection, 0.01 to 10000
                                cd/m2; default 200 */
     double peak_cdm2;  /**< peak luminance of the display, where Delta-E clips, 0.01 to 10000 cd/m2; default 1000 */
-    uint64_t seed;     /**< seed of points and light directions; default 1 */
+    double min_valid; /**< least fraction of the light that falls at directions where a BRDF has a value; default 0.9 */
+    uint64_t seed;    /**< seed of points and light directions; default 1 */
     int exact; /**< 0 (default): BRDFs that are costly to evaluate (neural processes) are evaluated once into a table of
                                180 x 32 x 12 nodes where that is less work; 1: always evaluated themselves */
     nqm_progress_fn
@@ -84,13 +85,21 @@ NQM_API void nqm_scene_free(nqm_scene *scene);
 NQM_API size_t nqm_scene_count(const nqm_scene *scene);
 /** Light reflected at each point towards the viewer: rgb_cdm2 (n_points, 3), linear BT.709 in cd/m2, not clipped. All BRDFs
  *  use the same points and light directions, so that equal BRDFs give bit-identical pictures. Deterministic for any number
- *  of threads. NQM_ERR_NUMERIC (a value is not finite), NQM_ERR_CANCELLED, NQM_ERR_NOMEM. */
+ *  of threads. Light at directions where the BRDF has no value (NQM_VALUE_INVALID) is not reflected: the picture is too dark there.
+ *
+ * @param valid_ret  receives the fraction of the light of the scene, by luminance, that falls at directions where the BRDF has a
+ *                   value: 1 without holes, also when that is less than options.min_valid; NULL allowed
+ * @return NQM_ERR_INCOMPATIBLE (less than options.min_valid), NQM_ERR_NUMERIC (a value is not finite), NQM_ERR_CANCELLED,
+ *         NQM_ERR_NOMEM */
 NQM_API NQM_MUST_CHECK nqm_status nqm_scene_render(const nqm_scene *scene, const nqm_brdf *brdf, double *rgb_cdm2,
-                                                   nqm_error *err);
+                                                   double *valid_ret, nqm_error *err);
 /** The same, followed by what either half of the light directions alone shows: rgb_cdm2 (3, n_points, 3). The halves differ by the
- *  noise that is left in the picture, which nqm_scene_compare_halves() measures and takes off. */
+ *  noise that is left in the picture, which nqm_scene_label() measures and takes off.
+ *
+ * @param beside  where this BRDF has no value, `brdf` counts as without one, too; NULL: none */
 NQM_API NQM_MUST_CHECK nqm_status nqm_scene_render_halves(const nqm_scene *scene, const nqm_brdf *brdf,
-                                                          double *rgb_cdm2, nqm_error *err);
+                                                          const nqm_brdf *beside, double *rgb_cdm2, double *valid_ret,
+                                                          nqm_error *err);
 /** Weight of each point: the fraction of the picture that it represents, (n_points), summing to 1. Only for the standard set,
  *  and for scenes of a mesh or blob without a width, whose points are denser in possible highlights; NULL otherwise: all
  *  weights are equal. Owned by the scene. */

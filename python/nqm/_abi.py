@@ -177,8 +177,13 @@ class SceneOptions(Structure):
     _fields_ = [("scene", c_int), ("light", c_char_p), ("shape", c_char_p), ("width", c_size_t), ("height", c_size_t),
                 ("n_points", c_size_t), ("n_frames", c_size_t), ("turn_rad", c_double), ("elevation_rad", c_double),
                 ("n_lights", c_size_t), ("light_width", c_size_t), ("shadows", c_int), ("interreflection", c_int),
-                ("exposure_cdm2", c_double), ("peak_cdm2", c_double), ("seed", c_uint64), ("exact", c_int),
+                ("exposure_cdm2", c_double), ("peak_cdm2", c_double), ("min_valid", c_double), ("seed", c_uint64), ("exact", c_int),
                 ("progress", Progress), ("progress_user", c_void_p)]
+
+
+class ScenePicture(Structure):
+    _c_name_ = "nqm_scene_picture"
+    _fields_ = [("brdf", c_void_p), ("rgb_cdm2", c_void_p), ("valid", c_double)]
 
 
 class CRays(Structure):
@@ -305,17 +310,16 @@ FUNCTIONS = {
     "nqm_scene_create": (c_int, [POINTER(SceneOptions), _handle, _error]),
     "nqm_scene_free": (None, [c_void_p]),
     "nqm_scene_count": (c_size_t, [c_void_p]),
-    "nqm_scene_render": (c_int, [c_void_p, c_void_p, c_void_p, _error]),
+    "nqm_scene_render": (c_int, [c_void_p, c_void_p, c_void_p, POINTER(c_double), _error]),
     "nqm_scene_weights": (POINTER(c_double), [c_void_p]),
     "nqm_scene_pixels": (POINTER(c_size_t), [c_void_p]),
-    "nqm_scene_render_halves": (c_int, [c_void_p, c_void_p, c_void_p, _error]),
-    "nqm_scene_compare_halves": (CLabel, [c_void_p, c_void_p, c_void_p]),
+    "nqm_scene_render_halves": (c_int, [c_void_p, c_void_p, c_void_p, c_void_p, POINTER(c_double), _error]),
+    "nqm_scene_label": (c_int, [c_void_p, POINTER(ScenePicture), POINTER(ScenePicture), POINTER(CLabel), c_void_p, POINTER(c_double), _error]),
     "nqm_label_jod_error": (c_double, [POINTER(CLabel)]),
     "nqm_rays_draw": (c_int, [c_void_p, c_size_t, c_uint64, POINTER(CRays), _error]),
     "nqm_rays_clear": (None, [POINTER(CRays)]),
     "nqm_rays_compare": (c_int, [POINTER(CRays), c_void_p, c_void_p, POINTER(CLabel), c_void_p, _error]),
     "nqm_scene_compare": (CLabel, [c_void_p, c_void_p, c_void_p]),
-    "nqm_scene_delta_e_map": (None, [c_void_p, c_void_p, c_void_p, c_void_p]),
     "nqm_dataset_load": (c_int, [c_char_p, _handle, _error]),
     "nqm_dataset_load_authors": (c_int, [c_char_p, c_char_p, c_int, _handle, _error]),
     "nqm_dataset_free": (None, [c_void_p]),

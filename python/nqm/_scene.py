@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import functools
-from ctypes import byref, c_void_p
+import warnings
+from ctypes import byref, c_double, c_void_p
 from dataclasses import dataclass
 from typing import Any, List, Optional, Tuple, Union, overload
 
@@ -16,7 +17,7 @@ from ._call import ProgressLike, Watch, address, call, choice, encode, own_handl
 from ._score import Parts, parts_of
 
 OPTIONS = ("width", "height", "n_points", "n_frames", "turn_rad", "elevation_rad", "n_lights", "light_width", "shadows",
-           "interreflection", "exposure_cdm2", "peak_cdm2", "seed")
+           "interreflection", "exposure_cdm2", "peak_cdm2", "min_valid", "seed")
 
 
 @dataclass(frozen=True)
@@ -31,6 +32,7 @@ class Label:
         adapted: JOD of people who adapt to 85 % of the shift
         parts: what differs
         delta_e_error, jod_error: standard errors of `delta_e` and `jod`, by the choice of points and light directions
+        valid: the fraction of the light at directions where both have a value; the others count in neither picture
     """
 
     ref: str
@@ -41,6 +43,7 @@ class Label:
     parts: Parts
     delta_e_error: float
     jod_error: float
+    valid: float = 1.0
 
     def __float__(self) -> float:
         return self.jod
@@ -58,7 +61,7 @@ class Scene:
             error
         options: members of `nqm_scene_options` (include/nqm/render.h): `width`, `height` (0: points instead of a picture), `n_points`,
             `n_frames`, `turn_rad`, `elevation_rad`, `n_lights`, `light_width`, `shadows`, `interreflection`, `exposure_cdm2`,
-            `peak_cdm2`, `seed`
+            `peak_cdm2`, `min_valid`, `seed`
     """
 
     def __init__(self, light: Optional[str] = None, shape: Optional[str] = None, *, kind: str = "standard",
@@ -91,16 +94,27 @@ class Scene:
         return np.ctypeslib.as_array(pixels, shape=(len(self),)).copy() if pixels else None
 
     def points(self, brdf: BRDFLike) -> np.ndarray:
-        """Light that each point reflects to the viewer: (n_points, 3), linear BT.709 in cd/m2, not clipped."""
+        """Light that each point reflects to the viewer: (n_points, 3), linear BT.709 in cd/m2, not clipped. Warns when the BRDF has no value
+        at directions of some of the light, which is then missing."""
         brdf = as_brdf(brdf)
-        rgb = np.empty((len(self), 3))
-        call(lib.nqm_scene_render, self._handle, brdf._handle, address(rgb), watches=(self._watch, *brdf._watches))
+        rgb, valid = np.empty((len(self), 3)), c_double()
+        call(lib.nqm_scene_render, self._handle, brdf._handle, address(rgb), byref(valid), watches=(self._watch, *brdf._watches))
+        if valid.value < 1:
+            warnings.warn("%s has no value for directions of %.3g %% of the light, which is missing in the picture"
+                          % (brdf.name, 100 * (1 - valid.value)), stacklevel=2)
         return rgb
 
-    def _halves(self, brdf: BRDF) -> np.ndarray:
-        rgb = np.empty((3, len(self), 3))
-        call(lib.nqm_scene_render_halves, self._handle, brdf._handle, address(rgb), watches=(self._watch, *brdf._watches))
-        return rgb
+    def _picture(self, brdf: BRDF) -> Tuple[_abi.ScenePicture, np.ndarray]:
+        """The picture for `nqm_scene_label`, and its values, which it points to."""
+        rgb, valid = np.empty((3, len(self), 3)), c_double()
+        call(lib.nqm_scene_render_halves, self._handle, brdf._handle, None, address(rgb), byref(valid), watches=(self._watch, *brdf._watches))
+        return _abi.ScenePicture(brdf._handle, address(rgb), valid), rgb
+
+    def _label(self, pair: Tuple[BRDF, BRDF], pictures: Tuple[Any, Any], delta_e: Optional[np.ndarray] = None) -> Tuple[_abi.CLabel, float]:
+        label, valid = _abi.CLabel(), c_double()
+        call(lib.nqm_scene_label, self._handle, byref(pictures[0][0]), byref(pictures[1][0]), byref(label),
+             None if delta_e is None else address(delta_e), byref(valid), watches=(self._watch, *pair[0]._watches, *pair[1]._watches))
+        return label, valid.value
 
     def image(self, values: np.ndarray, background: float = 0.0) -> np.ndarray:
         """Values of the points, (n_points) or (n_points, 3), as pictures (n_frames, height, width) or (n_frames, height, width, 3). The
@@ -121,23 +135,22 @@ class Scene:
 
     def delta_e_map(self, ref: BRDFLike, test: BRDFLike) -> np.ndarray:
         """Delta-E ITP of each point, (n_points)."""
-        a, b = self.points(ref), self.points(test)
+        pair = as_brdf(ref), as_brdf(test)
         delta_e = np.empty(len(self))
-        call(lib.nqm_scene_delta_e_map, self._handle, address(a), address(b), address(delta_e))
+        self._label(pair, (self._picture(pair[0]), self._picture(pair[1])), delta_e)
         return delta_e
 
     def label(self, ref: BRDFLike, tests: Any) -> Any:
         """Render and compare; see `label`."""
         brdf = as_brdf(ref)
-        seen = self._halves(brdf)
+        seen = self._picture(brdf)
         several = isinstance(tests, (list, tuple))
         labels = []
         for test in map(as_brdf, tests if several else [tests]):
-            points = self._halves(test)
-            label = call(lib.nqm_scene_compare_halves, self._handle, address(seen), address(points))
+            label, valid = self._label((brdf, test), (seen, self._picture(test)))
             jod = lib.nqm_curve_jod(byref(lib.nqm_curve_default()), label.delta_e)
             labels.append(Label(brdf.name, test.name, jod, label.delta_e, lib.nqm_label_adapted_jod(byref(label)), parts_of(label),
-                                label.error, lib.nqm_label_jod_error(byref(label))))
+                                label.error, lib.nqm_label_jod_error(byref(label)), valid))
         return labels if several else labels[0]
 
 

@@ -122,8 +122,8 @@ class Loss(torch.nn.Module):
     a training cannot satisfy the loss at some directions only. Its mean over the steps is the label of `nqm.Scene.label`, by which the
     result should be checked.
 
-    `ref` and `test` are functions f(wi, wo) of tensors (n, 3) that return f_r in 1/sr, (n, 3), or an `nqm.BRDF`. Or they are
-    the values at rays that the caller has drawn: `loss(ref, test, rays)`.
+    `ref` and `test` are functions f(wi, wo) of tensors (n, 3) that return f_r in 1/sr, (n, 3), or an `nqm.BRDF`; where that has no value,
+    neither counts. Or they are the values at rays that the caller has drawn: `loss(ref, test, rays)`.
 
     Args:
         of: "delta_e" or "jod"
@@ -146,10 +146,12 @@ class Loss(torch.nn.Module):
         self._scene, self._to = scene, to
         self._scorer = None if model is None else Scorer(model, metrics=False)
 
-    def _values(self, f: Any, rays: Rays, to: Any) -> Any:
+    def _values(self, f: Any, rays: Rays, to: Any) -> Tuple[Any, Optional[torch.Tensor]]:
+        """Values at the rays, and False, (n, 1), where an `nqm.BRDF` has none."""
         if isinstance(f, BRDF):
-            return torch.tensor(rays.eval(f), **to)
-        return f(torch.tensor(rays.wi, **to), torch.tensor(rays.wo, **to)) if callable(f) else f
+            values, flags = f.eval_flags(rays.wi, rays.wo)
+            return torch.tensor(values, **to), torch.tensor(flags != 2)[:, None]
+        return f(torch.tensor(rays.wi, **to), torch.tensor(rays.wo, **to)) if callable(f) else f, None
 
     def forward(self, ref: Any, test: Any, rays: Optional[Rays] = None, *, used: Any = None) -> torch.Tensor:
         """The loss of `test` against `ref`. `used`: of a model's samples, as in `jod`."""
@@ -159,15 +161,20 @@ class Loss(torch.nn.Module):
             value = JOD.apply(ref, _test(test, self.clamp), self._scorer, used, self.of)
             return (10 - value if self.of == "jod" else value).mean()
         if rays is None:
-            if not callable(test):
+            if not (callable(test) or isinstance(test, BRDF)):
                 raise ValueError("without rays the test is a function of directions; Loss(model=\"default\") takes samples of a model")
             rays = Rays(self.n, self.seed, scene=self._scene)
             self.seed += 1
         weight = next(test.parameters(), None) if isinstance(test, torch.nn.Module) else None
         to = self._to or ({} if weight is None else {"dtype": weight.dtype, "device": weight.device})
         with torch.no_grad():
-            ref = self._values(ref, rays, to)
-        value = RayLoss.apply(ref, _test(self._values(test, rays, to), self.clamp), rays)
+            ref, ref_used = self._values(ref, rays, to)
+        test, test_used = self._values(test, rays, to)
+        test = _test(test, self.clamp)
+        for used in (ref_used, test_used):
+            if used is not None:
+                ref, test = [torch.where(used.to(test.device), torch.as_tensor(x, device=test.device), torch.zeros_like(test)) for x in (ref, test)]
+        value = RayLoss.apply(ref, test, rays)
         return 10 - _jod(value) if self.of == "jod" else value
 
 

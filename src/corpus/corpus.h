@@ -70,6 +70,7 @@ typedef struct nqm_corpus_view {
     float *rgb;      /* (n, 3) */
     uint8_t *used;   /* (n) */
     double *picture; /* (3, n_points, 3) of nqm_scene_render_halves() */
+    double valid;    /* the fraction of the light where the BRDF has a value */
 } nqm_corpus_view;
 
 typedef struct nqm_corpus nqm_corpus;

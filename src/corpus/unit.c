@@ -34,7 +34,12 @@ static char *name_of(const char *argument, const nqm_brdf *brdf) {
 
 static nqm_status label_with(job *j, size_t row, const nqm_corpus_view *test, nqm_error *err) {
     nqm_corpus_unit *unit = j->unit;
-    const nqm_label label = nqm_scene_compare_halves(j->corpus->scene, j->ref->picture, test->picture);
+    const nqm_scene_picture of_ref = {j->ref->brdf, j->ref->picture, j->ref->valid},
+                            of_test = {test->brdf, test->picture, test->valid};
+    nqm_label label;
+    const nqm_status status = nqm_scene_label(j->corpus->scene, &of_ref, &of_test, &label, NULL, NULL, err);
+    if (status != NQM_OK)
+        return status;
     if (!isfinite(label.delta_e))
         return nqm_fail(err, NQM_ERR_NUMERIC, -1, "Delta-E is not finite");
     unit->label[row] = label;

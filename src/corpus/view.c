@@ -30,7 +30,9 @@ nqm_status nqm_corpus_view_fill(const nqm_corpus *corpus, nqm_corpus_view *view,
     nqm_status status = nqm_sample(view->brdf, corpus->directions, NQM_INVALID_DROP, view->rgb, view->used, NULL, err);
     for (size_t i = 0; status == NQM_OK && i < corpus->n_directions; ++i)
         view->used[i] = nqm_has_value(view->used[i]);
-    return status == NQM_OK ? nqm_scene_render_halves(corpus->scene, view->brdf, view->picture, err) : status;
+    if (status == NQM_OK)
+        status = nqm_scene_render_halves(corpus->scene, view->brdf, NULL, view->picture, &view->valid, err);
+    return status;
 }
 
 /* ---- opening ----------------------------------------------------------------------------------------------------- */

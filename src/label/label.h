@@ -8,6 +8,9 @@
 #include "render/render.h"
 #include <nqm/label.h>
 
+/** The label of two pictures of nqm_scene_render_halves(), (3, n_points, 3) each, as nqm_scene_label() makes it. */
+nqm_label nqm_scene_compare_halves(const nqm_scene *scene, const double *ref_cdm2, const double *test_cdm2);
+
 /** Few points of a scene and the light that each receives, in the `column` of a model. */
 typedef struct nqm_lit_point {
     const nqm_surface_point *seen;

@@ -2,10 +2,9 @@
  *
  * Labels: how the pictures of two BRDFs in a scene differ, as a mean, in parts, and at every point.
  */
+#include "label/label.h"
 #include "math/math.h"
 #include "percept/percept.h"
-#include "render/render.h"
-#include <nqm/label.h>
 
 #include <math.h>
 
@@ -92,6 +91,33 @@ nqm_label nqm_scene_compare_halves(const nqm_scene *scene, const double *ref_cdm
     label.delta_e = fmax(label.delta_e, 0);
     label.structure = fmax(label.structure, 0);
     return label;
+}
+
+nqm_status nqm_scene_label(const nqm_scene *scene, const nqm_scene_picture *ref, const nqm_scene_picture *test,
+                           nqm_label *label_ret, double *delta_e, double *valid_ret, nqm_error *err) {
+    NQM_REQUIRE(err, scene, ref, test, label_ret);
+    const size_t n = nqm_scene_count(scene);
+    const double *ref_cdm2 = ref->rgb_cdm2, *test_cdm2 = test->rgb_cdm2;
+    double valid = fmin(ref->valid, test->valid), *both = NULL;
+    nqm_status status = NQM_OK;
+    if (valid < 1 && ref->brdf && test->brdf) {
+        both = nqm_alloc(18 * n, sizeof *both);
+        status = both ? nqm_scene_render_halves(scene, ref->brdf, test->brdf, both, &valid, err)
+                      : nqm_fail_nomem(err, 18 * n * sizeof *both);
+        if (status == NQM_OK)
+            status = nqm_scene_render_halves(scene, test->brdf, ref->brdf, both + 9 * n, NULL, err);
+        ref_cdm2 = both;
+        test_cdm2 = both + 9 * n;
+    }
+    if (status == NQM_OK) {
+        *label_ret = nqm_scene_compare_halves(scene, ref_cdm2, test_cdm2);
+        if (delta_e)
+            nqm_scene_delta_e_map(scene, ref_cdm2, test_cdm2, delta_e);
+    }
+    if (valid_ret)
+        *valid_ret = valid;
+    nqm_free(both);
+    return status;
 }
 
 void nqm_scene_delta_e_map(const nqm_scene *scene, const double *ref_cdm2, const double *test_cdm2, double *delta_e) {

@@ -33,8 +33,10 @@ void nqm_scene_background(const nqm_scene *scene, size_t frame, double *rgb_cdm2
 bool nqm_scene_tabulates(const nqm_scene *scene, const nqm_brdf *brdf);
 
 /** Light that point i of a scene without parts reflects to the viewer, in the light's unit, by each half of its light directions.
- *  lobe: of an anisotropic BRDF; NULL: it is isotropic. false: out of memory, half is 0. */
-bool nqm_scene_reflect(const nqm_scene *scene, size_t i, const nqm_brdf *brdf, const nqm_lobe *lobe, double half[2][3]);
+ *  beside: as in nqm_scene_render_halves(). lobe: of an anisotropic BRDF; NULL: it is isotropic. light: luminance that falls on
+ *  the point, and the part of it at directions without a value. false: out of memory, half is 0. */
+bool nqm_scene_reflect(const nqm_scene *scene, size_t i, const nqm_brdf *brdf, const nqm_brdf *beside,
+                       const nqm_lobe *lobe, double half[2][3], double light[2]);
 /** Write it to point i of a picture in cd/m2. stride: from the picture to that of the first half, and from there to that of the
  *  second, in values; 0: the picture only. */
 void nqm_scene_store(const nqm_scene *scene, size_t i, double half[2][3], double *rgb_cdm2, size_t stride);

@@ -52,6 +52,8 @@ static const nqm_option rows[] = {
      .values = {"200"}, .help = "mean luminance of a white Lambert surface"},
     {FIELD(peak_cdm2), .name = "peak", .metavar = "CD/M2", .min = 0.01, .max = 10000, .values = {"1000"},
      .help = "peak luminance of the display, where pictures are clipped"},
+    {FIELD(min_valid), .name = "min-valid", .metavar = "F", .min = 0, .max = 1, .values = {"0.9"},
+     .help = "least fraction of the light that falls at directions where a BRDF has a value"},
     {FIELD(seed), .kind = NQM_OPTION_U64, .metavar = "N", .values = {"1"}, .help = "seed of points and light directions"},
     {FIELD(exact), .kind = NQM_OPTION_BOOL,
      .help = "evaluate neural processes for every light direction instead of interpolating a table of their values"},

@@ -69,7 +69,8 @@ static nqm_status reflect(const nqm_scene *scene, size_t i, nqm_brdf *of, double
     const nqm_lobe lobe = is_anisotropic
                               ? nqm_lobe_measure(shown)
                               : (nqm_lobe){{normal[0] / normal[2], normal[1] / normal[2]}, {1, 0, 0, 1}, .width = 1};
-    if (!nqm_scene_reflect(scene, i, shown, leans || is_anisotropic ? &lobe : NULL, half))
+    double light[2];
+    if (!nqm_scene_reflect(scene, i, shown, NULL, leans || is_anisotropic ? &lobe : NULL, half, light))
         status = nqm_fail_nomem(err, scene->options.n_lights * sizeof(nqm_ray));
     for (size_t k = 0; status == NQM_OK && k < 6; ++k)
         if (!isfinite(half[k / 3][k % 3]))

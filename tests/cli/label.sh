@@ -89,3 +89,21 @@ script -qec "'$tool' label sgd:nickel ward:nickel --size 32" /dev/null </dev/nul
 grep -q '^light: [0-9]* %' "$dir/out" || fail "no progress of the light: $(cat "$dir/out")"
 grep -q '^label: [0-9]* % ' "$dir/out" || fail "no progress of the labels: $(cat "$dir/out")"
 if grep -q '^view\|^l[a-z]*: .* of ' "$dir/out"; then fail "odd progress: $(cat "$dir/out")"; fi
+
+# A list that ends at 70 degrees, beside the function that it lists: what has no value counts in neither picture, and is said.
+awk 'BEGIN { print "theta_i,phi_i,theta_o,phi_o,r,g,b"
+    for (i = 0; i <= 70; i += 10) for (o = 0; o <= 70; o += 10) for (p = 0; p < 360; p += 30) print i ",0," o "," p ",.1,.1,.1" }' >"$dir/grid.csv"
+grey=lambert:kd=0.3141592654
+label 5 "$dir/grid.csv" $grey --points 100 --lights 64
+grep -q 'grid.csv: values at directions of [0-9.]* % of the light of the scene, and 90 % are required' "$dir/err" || fail "refusal: $(cat "$dir/err")"
+label 0 "$dir/grid.csv" $grey --points 100 --lights 64 --min-valid .5
+grep -q '(no value for [0-9.]* % of the light, which counts in neither picture)' "$dir/out" || fail "no note: $(cat "$dir/out")"
+for pair in "$dir/grid.csv $grey" "$grey $dir/grid.csv"; do
+    # shellcheck disable=SC2086
+    label 0 $pair --size 16 --min-valid .5 --json --map "$dir/holes.png"
+    awk -v d="$(number delta_e_itp 1)" -v v="$(number valid 1)" -v m="$(number delta_e_max 1)" \
+        'BEGIN { exit !(d < 1e-4 && m == 1 && v > .5 && v < 1) }' || fail "$pair: $(cat "$dir/out")"
+done
+run 0 render "$dir/grid.csv" -o "$dir/holes.png" --size 16 --min-valid .5 --json
+grep -q 'has no value for directions of [0-9.]* % of the light, which is missing in the picture' "$dir/err" || fail "render: $(cat "$dir/err")"
+awk -v v="$(number valid 1)" 'BEGIN { exit !(v > .5 && v < 1) }' || fail "render: $(cat "$dir/out")"

@@ -110,6 +110,17 @@ class Scenes(unittest.TestCase):
         self.assertEqual((found[1].jod, found[1].delta_e), (10, 0))
         delta_e = scene.delta_e_map("sgd:nickel", "ward:nickel")
         self.assertAlmostEqual(float(delta_e @ scene.weights), found[0].delta_e, delta=.01 * found[0].delta_e)
+        self.assertEqual(found[0].valid, 1)
+        holes = nqm.BRDF.from_function(lambda wi, wo: np.where(wi[:, 2:] > .2, [.2, .2, .2], np.nan))
+        whole = nqm.BRDF.from_function(lambda wi, wo: np.full(wi.shape, .2))
+        seen = nqm.Scene("sun", n_points=50).label(whole, [holes, whole])
+        self.assertEqual((seen[0].delta_e, seen[1].delta_e, seen[1].valid), (0, 0, 1))
+        self.assertTrue(.9 < seen[0].valid < 1)
+        self.assertFalse(nqm.Scene("sun", n_points=50).delta_e_map(whole, holes).any())
+        with self.assertWarnsRegex(UserWarning, "no value for directions of"):
+            nqm.Scene("sun", n_points=50).points(holes)
+        with self.assertRaisesRegex(nqm.Error, "values at directions of 0.0 %"):
+            nqm.Scene("sun", n_points=50).label(whole, nqm.BRDF.from_function(lambda wi, wo: np.full(wi.shape, np.nan)))
         small = nqm.Scene("sun", n_points=50).label("sgd:nickel", "ward:nickel")
         self.assertEqual(float(nqm.label("sgd:nickel", "ward:nickel", light="sun", n_points=50)), small.jod)
 

@@ -181,6 +181,17 @@ class FreshDirections(unittest.TestCase):
         self.assertEqual(value.dtype, torch.float32)
         value.backward()
 
+    def test_no_value(self):
+        """Where a BRDF has no value, neither picture has light, and a function gets no gradient there."""
+        holes = nqm.BRDF.from_function(lambda wi, wo: np.where(wi[:, 2:] > .3, [.2, .2, .2], np.nan))
+        grey = [torch.full((3,), .2, dtype=torch.float64, requires_grad=True) for _ in range(2)]
+        for pair in ((holes, lambda wi, wo: grey[0].expand(len(wi), 3)), (lambda wi, wo: grey[1].expand(len(wi), 3), holes), (holes, holes)):
+            self.assertEqual(nqm.torch.Loss(n=500)(*pair).item(), 0)
+        wi, wo, rays = nqm.torch.directions(500)
+        test = torch.full((len(wi), 3), .3, dtype=wi.dtype, requires_grad=True)
+        nqm.torch.Loss()(holes, test, rays).backward()
+        self.assertEqual((test.grad.abs().sum(-1) > 0).tolist(), (wi[:, 2] > .3).tolist())
+
     def test_training_and_label(self):
         ref, network = nqm.BRDF.open("ggx:kd=.3,.2,.1;ks=.1;alpha=.4;f0=.04"), self.network()
         loss, optimiser = nqm.torch.Loss(n=1024), torch.optim.Adam(network.parameters(), .03)

@@ -6,6 +6,7 @@
 #include "corpus/corpus.h"
 #include "data/data.h"
 #include "fit/open.h"
+#include "label/label.h"
 #include "metric/metric.h"
 #include "support/check.h"
 #include "support/scenes.h"
@@ -69,7 +70,7 @@ static double label_of(const nqm_scene *scene, const char *ref, const char *test
         nqm_brdf *brdf;
         picture[i] = nqm_alloc(9 * nqm_scene_count(scene), sizeof **picture);
         assert_int_equal(nqm_fit_open(arguments[i], NULL, &brdf, NULL), NQM_OK);
-        assert_int_equal(nqm_scene_render_halves(scene, brdf, picture[i], NULL), NQM_OK);
+        assert_int_equal(nqm_scene_render_halves(scene, brdf, NULL, picture[i], NULL, NULL), NQM_OK);
         nqm_brdf_free(brdf);
     }
     const nqm_label label = nqm_scene_compare_halves(scene, picture[0], picture[1]);

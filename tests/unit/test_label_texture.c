@@ -4,11 +4,11 @@
  * where it is not, and against `tilt:` where its normal leans.
  */
 #include "base/memory_test.h"
+#include "label/label.h"
 #include "label/textured.h"
 #include "math/math.h"
 #include "support/check.h"
 #include "support/scenes.h"
-#include <nqm/label.h>
 
 static nqm_texture *make_texture(const char *base, const char *key, size_t height, size_t width, size_t channels,
                                  const float *values) {
@@ -42,7 +42,7 @@ static double *render_halves(const nqm_scene *scene, const char *spec) {
     nqm_brdf *brdf = must_open(spec);
     double *rgb = nqm_alloc(nqm_scene_count(scene), 9 * sizeof *rgb);
     assert_non_null(rgb);
-    assert_int_equal(nqm_scene_render_halves(scene, brdf, rgb, NULL), NQM_OK);
+    assert_int_equal(nqm_scene_render_halves(scene, brdf, NULL, rgb, NULL, NULL), NQM_OK);
     nqm_brdf_free(brdf);
     return rgb;
 }

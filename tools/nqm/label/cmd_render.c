@@ -17,7 +17,8 @@ typedef struct render_run {
     nqm_texture_view view; /* of a textured material */
     size_t supersample;
     backdrop backdrop;
-    bool json, is_tabulated;
+    bool json;
+    rendered made_of; /* of a BRDF, not a textured material */
     nqm_scene *made;
     double *rgb_cdm2, *blank, *picture; /* (points, 3), (height, width, 3) twice; of one frame the same array */
 } render_run;
@@ -79,8 +80,12 @@ static void run_render(render_run *run) {
     must(nqm_scene_create(&run->scene, &run->made, &fault));
     run->rgb_cdm2 = allocate((texture ? 9 : 3) * nqm_scene_count(run->made), sizeof *run->rgb_cdm2);
     must(texture ? nqm_scene_render_texture(run->made, texture, &run->view, run->rgb_cdm2, &fault)
-                 : render_brdf(run->made, run->brdf, false, run->rgb_cdm2, &run->is_tabulated, &fault));
+                 : render_brdf(run->made, run->brdf, false, run->rgb_cdm2, &run->made_of, &fault));
     nqm_texture_free(texture);
+    nqm_brdf_free(run->made_of.brdf);
+    if (run->made_of.valid < 1)
+        report(EXIT_OK, "%s has no value for directions of %.3g %% of the light, which is missing in the picture",
+               shown(run->brdf), 100 * (1 - run->made_of.valid));
     const canvas first = one_frame(&run->scene, 0);
     run->blank = run->picture = make_backdrop(run->made, &first, run->backdrop);
     if (run->scene.n_frames > 1)
@@ -89,9 +94,10 @@ static void run_render(render_run *run) {
     json_t *files = json_array();
     write_frames(run, files);
     if (run->json)
-        print_document(json_pack("{s:o,s:b,s:o,s:I,s:o,s:O}", "brdf", json_name(run->brdf), "tabulated",
-                                 run->is_tabulated, "scene", json_scene(&run->scene), "supersample",
-                                 (json_int_t)run->supersample, "luminance_cdm2", json_light(run), "files", files));
+        print_document(json_pack("{s:o,s:b,s:o,s:o,s:I,s:o,s:O}", "brdf", json_name(run->brdf), "tabulated",
+                                 run->made_of.is_tabulated, "valid", json_number(run->made_of.valid), "scene",
+                                 json_scene(&run->scene), "supersample", (json_int_t)run->supersample, "luminance_cdm2",
+                                 json_light(run), "files", files));
     json_decref(files);
     nqm_scene_free(run->made);
     free(run->rgb_cdm2);
@@ -102,7 +108,7 @@ static void run_render(render_run *run) {
 
 /* ---- the verb ---------------------------------------------------------------------------------------------------- */
 
-static render_run run;
+static render_run run = {.made_of = {.valid = 1}};
 static scene_args scene;
 static view_args view;
 static const char *background;

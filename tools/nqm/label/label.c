@@ -36,18 +36,30 @@ static nqm_texture_view view_of_group(const label_run *run, size_t reference) {
     return view;
 }
 
+static void forget_picture(label_item *item) {
+    free(item->rgb_cdm2);
+    item->rgb_cdm2 = NULL;
+    nqm_brdf_free(item->made.brdf);
+    item->made.brdf = NULL;
+}
+
 static nqm_status render_item(const label_run *run, label_item *item) {
     const double nan = (double)NAN;
-    free(item->rgb_cdm2); /* picture of an earlier round */
+    forget_picture(item); /* of an earlier round */
+    item->made = (rendered){.valid = 1};
     item->label = (nqm_label){nan, {nan, nan, nan}, nan, nan, 0};
-    item->jod = nan;
+    item->jod = item->valid = nan;
     if (item->err.status != NQM_OK)
         return item->err.status;
     item->rgb_cdm2 = allocate(9 * nqm_scene_count(run->scene), sizeof *item->rgb_cdm2);
     const nqm_texture_view view = view_of_group(run, item->reference);
     if (item->texture)
         return nqm_scene_render_texture(run->scene, item->texture, &view, item->rgb_cdm2, &item->err);
-    return render_brdf(run->scene, item->name, true, item->rgb_cdm2, &item->is_tabulated, &item->err);
+    return render_brdf(run->scene, item->name, true, item->rgb_cdm2, &item->made, &item->err);
+}
+
+static nqm_scene_picture picture_of(const label_item *item) {
+    return (nqm_scene_picture){item->made.brdf, item->rgb_cdm2, item->made.valid};
 }
 
 /* Render item i and compare it with its reference. Errors of tests are stored in the item. */
@@ -56,16 +68,16 @@ static nqm_status label_item_at(label_run *run, size_t i) {
     nqm_status status = render_item(run, item);
     if (item == reference)
         return status;
+    const nqm_scene_picture seen = picture_of(reference), test = picture_of(item);
+    if (status == NQM_OK)
+        status = nqm_scene_label(run->scene, &seen, &test, &item->label, NULL, &item->valid, &item->err);
     if (status == NQM_OK) {
         const nqm_curve curve = nqm_curve_default();
-        item->label = nqm_scene_compare_halves(run->scene, reference->rgb_cdm2, item->rgb_cdm2);
         item->points_error = nqm_scene_compare(run->scene, reference->rgb_cdm2, item->rgb_cdm2).error;
         item->jod = nqm_curve_jod(&curve, item->label.delta_e);
     }
-    if (!run->keep_rgb) {
-        free(item->rgb_cdm2);
-        item->rgb_cdm2 = NULL;
-    }
+    if (!run->keep_rgb)
+        forget_picture(item);
     return NQM_OK;
 }
 
@@ -147,10 +159,12 @@ void map_labels(label_run *run) {
     size_t n_maps = 0;
     run->delta_e = allocate(run->n_items * n_points, sizeof *run->delta_e);
     for (size_t i = 0; i < run->n_items; ++i) {
-        const double *reference = run->items[run->items[i].reference].rgb_cdm2;
+        const nqm_scene_picture seen = picture_of(&run->items[run->items[i].reference]),
+                                test = picture_of(&run->items[i]);
+        nqm_label label;
         if (run->items[i].reference == i || run->items[i].err.status != NQM_OK)
             continue;
-        nqm_scene_delta_e_map(run->scene, reference, run->items[i].rgb_cdm2, run->delta_e + i * n_points);
+        must(nqm_scene_label(run->scene, &seen, &test, &label, run->delta_e + i * n_points, NULL, &fault));
         maps[n_maps++] = run->delta_e + i * n_points;
     }
     must(nqm_map_scale(n_maps, maps, n_points, &run->delta_e_max, &fault));
@@ -159,7 +173,7 @@ void map_labels(label_run *run) {
 
 void free_labels(label_run *run) {
     for (size_t i = 0; i < run->n_items; ++i) {
-        free(run->items[i].rgb_cdm2);
+        forget_picture(&run->items[i]);
         nqm_texture_free(run->items[i].texture);
     }
     free(run->items);
@@ -201,13 +215,14 @@ json_t *json_labels(const label_run *run) {
         const label_item *item = &run->items[i];
         if (is_reference(run, i))
             continue;
-        json_t *result = json_pack("{s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:{s:b,s:b}}", "test", json_name(item->name),
+        json_t *result = json_pack("{s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:{s:b,s:b}}", "test", json_name(item->name),
                                    "name", json_name(item->shown), "delta_e_itp", json_number(item->label.delta_e),
                                    "jod", json_number(item->jod), "delta_e_error", json_number(item->label.error),
                                    "jod_error", json_number(nqm_label_jod_error(&item->label)), "parts",
                                    json_label_parts(&item->label, NULL), "reference_luminance_cdm2",
-                                   json_number(mean_luminance(run, run->items[item->reference].rgb_cdm2)), "tabulated",
-                                   "reference", run->items[item->reference].is_tabulated, "test", item->is_tabulated);
+                                   json_number(mean_luminance(run, run->items[item->reference].rgb_cdm2)), "valid",
+                                   json_number(item->valid), "tabulated", "reference",
+                                   run->items[item->reference].made.is_tabulated, "test", item->made.is_tabulated);
         if (run->n_groups > 1)
             json_object_set_new(result, "reference", json_name(reference_of(run, i)));
         if (item->err.status != NQM_OK)
@@ -236,8 +251,8 @@ static void print_csv_test(const label_run *run, const label_item *item) {
         print_csv_field(stdout, run->items[item->reference].name);
     print_csv_label(stdout, l, NULL);
     print_csv_field(stdout, item->shown);
-    const double errors[] = {l->error, nqm_label_jod_error(l)};
-    print_csv_numbers(stdout, 2, errors);
+    const double more[] = {l->error, nqm_label_jod_error(l), item->valid};
+    print_csv_numbers(stdout, 3, more);
     putchar('\n');
 }
 
@@ -253,6 +268,9 @@ static void print_text_test(const label_item *item) {
     if (nqm_label_jod_error(&item->label) > 0.02)
         printf("%16s (standard error %.2f JOD; --points and --lights add samples)\n", "",
                nqm_label_jod_error(&item->label));
+    if (item->valid < 1)
+        printf("%16s (no value for %.3g %% of the light, which counts in neither picture)\n", "",
+               100 * (1 - item->valid));
 }
 
 void print_labels(const label_run *run) {
@@ -264,7 +282,7 @@ void print_labels(const label_run *run) {
         printf("%s%s", csv_columns, run->n_groups > 1 ? ",reference" : "");
         for (size_t i = 0; i < LABEL_COLUMNS; ++i)
             printf(",%s", label_columns[i]);
-        puts(",name,delta_e_error,jod_error");
+        puts(",name,delta_e_error,jod_error,valid");
     }
     for (size_t i = 0; i < run->n_items; ++i) {
         const label_item *item = &run->items[i];

@@ -18,9 +18,10 @@ typedef struct label_item {
     double jod;           /* JOD of the label; NaN as there */
     double points_error;  /* the part of label.error that the choice of points makes */
     nqm_error err;
-    bool is_done;      /* the label needs no more samples */
-    bool is_tabulated; /* the picture was made from a table of the BRDF's values */
-    double *rgb_cdm2;  /* (3, points, 3) with halves; NULL after it has been compared, unless keep_rgb */
+    bool is_done;     /* the label needs no more samples */
+    rendered made;    /* of a BRDF; of a test, freed after it has been compared, unless keep_rgb */
+    double *rgb_cdm2; /* (3, points, 3) with halves; NULL then, too */
+    double valid;     /* the fraction of the light at directions where test and reference have a value */
 } label_item;
 
 typedef struct label_run {

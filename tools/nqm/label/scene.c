@@ -160,21 +160,21 @@ void draw_map(const nqm_scene *scene, const canvas *c, const double *values, dou
     }
 }
 
-nqm_status render_brdf(const nqm_scene *scene, const char *name, bool with_halves, double *rgb_cdm2, bool *is_tabulated,
+nqm_status render_brdf(const nqm_scene *scene, const char *name, bool with_halves, double *rgb_cdm2, rendered *r,
                        nqm_error *err) {
     static bool is_said;
-    nqm_brdf *brdf;
-    nqm_status status = nqm_brdf_open(name, &brdf, err);
-    *is_tabulated = status == NQM_OK && nqm_scene_tabulates(scene, brdf);
-    if (*is_tabulated && !is_said)
+    nqm_status status = nqm_brdf_open(name, &r->brdf, err);
+    r->valid = 1;
+    r->is_tabulated = status == NQM_OK && nqm_scene_tabulates(scene, r->brdf);
+    if (r->is_tabulated && !is_said)
         report(EXIT_OK,
                "neural processes are evaluated once into a table, which the pictures interpolate (--exact: they "
                "are evaluated for every light direction)");
-    is_said = is_said || *is_tabulated;
-    if (status == NQM_OK)
-        status = (with_halves ? nqm_scene_render_halves : nqm_scene_render)(scene, brdf, rgb_cdm2, err);
-    nqm_brdf_free(brdf);
-    return status;
+    is_said = is_said || r->is_tabulated;
+    if (status != NQM_OK)
+        return status;
+    return with_halves ? nqm_scene_render_halves(scene, r->brdf, NULL, rgb_cdm2, &r->valid, err)
+                       : nqm_scene_render(scene, r->brdf, rgb_cdm2, &r->valid, err);
 }
 
 nqm_tone tone_of(const nqm_scene_options *o) {

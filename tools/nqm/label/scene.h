@@ -52,9 +52,14 @@ void draw_picture(const nqm_scene *scene, const canvas *c, const double *blank, 
 /** The same for one value per point: map (height, width), NaN outside the shape. */
 void draw_map(const nqm_scene *scene, const canvas *c, const double *values, double *map);
 
-/** Open a BRDF and render it: rgb_cdm2 (points, 3), or (3, points, 3) with the halves of nqm_scene_render_halves().
- *  is_tabulated: whether its picture was made from a table of its values, which is said once on standard error. */
-nqm_status render_brdf(const nqm_scene *scene, const char *name, bool with_halves, double *rgb_cdm2, bool *is_tabulated,
+/** A BRDF that was rendered. */
+typedef struct rendered {
+    nqm_brdf *brdf;    /* nqm_brdf_free() it */
+    double valid;      /* the fraction of the light at directions where it has a value */
+    bool is_tabulated; /* the picture was made from a table of its values, which is said once on standard error */
+} rendered;
+/** Open a BRDF and render it: rgb_cdm2 (points, 3), or (3, points, 3) with the halves of nqm_scene_render_halves(). */
+nqm_status render_brdf(const nqm_scene *scene, const char *name, bool with_halves, double *rgb_cdm2, rendered *r,
                        nqm_error *err);
 /** A tone curve whose white is twice the exposure. */
 nqm_tone tone_of(const nqm_scene_options *o);

@@ -154,8 +154,6 @@ static const option options[] = {
      0},
     OPTION_ROWS_MODEL(&model),
     {"invalid", 0, OPTION_TEXT, &invalid, "POLICY", "for directions without a value: drop, zero, nearest, error", 0, 0},
-    {"min-valid", 0, OPTION_NUMBER, &run.scores.options.min_valid_fraction, "F",
-     "smallest fraction of valid directions of a pair", 0, 1},
     {"shrink", 0, OPTION_COUNT, &shrink, "N", "average N x N rendered pixels into one", 1, 16},
     {"json", 0, OPTION_FLAG, &json, NULL, "print the scores, as `nqm score --json`", 0, 0},
     OPTION_ROWS_VIEW(&view),
@@ -192,6 +190,7 @@ int cmd_report(int argc, char **argv) {
     run.labels.view = view_of(&view);
     set_option(&nqm_score_option_table, "invalid", &run.scores.options, invalid);
     scene_args_end(&scene);
+    run.scores.options.min_valid_fraction = scene.scene.min_valid;
     run.labels.scene_options = scene.scene;
     set_shrink(&run.labels, shrink, "--points renders no pictures, which the report needs");
     run.date = run.date ? run.date : find_date(date);
