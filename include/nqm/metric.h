@@ -103,6 +103,7 @@ typedef struct nqm_score_result {
     size_t n_unusual[2]; /**< the same: directions at which a channel exceeds the training references' mean by more than
                               6 standard deviations, on the network's scale */
     /* What may make the score wrong, of nqm_scorer_run() and nqm_scorer_run_named(): */
+    size_t n_repeated[2]; /**< of reference and test: nqm_brdf_info.n_repeated */
     double
         distance_deg[2]; /**< of a reference that is a list of measured directions, with or without a score: median and
                                  95 % of the angles between the model's directions and the nearest row; else 0 */

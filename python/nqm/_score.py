@@ -198,8 +198,10 @@ def _warnings(r: ScoreResult, ref: str, test: str, n: int, invalid: int) -> Tupl
                      "are not seen; `Model.directions` are those to measure" % (ref, r.distance_deg[0], r.distance_deg[1]))
     if r.status:
         return tuple(found)
-    for who, clamped, missing, unusual in ((ref, r.n_clamped[0], r.n_invalid[0], r.n_unusual[0]),
-                                           (test, r.n_clamped[1], r.n_invalid[1], r.n_unusual[1])):
+    for k, who in enumerate((ref, test)):
+        clamped, missing, unusual = r.n_clamped[k], r.n_invalid[k], r.n_unusual[k]
+        if r.n_repeated[k]:
+            found.append("%s: %d rows give a direction again: the mean of its rows counts" % (who, r.n_repeated[k]))
         if clamped:
             found.append("%s: negative channel at %d of %d directions, taken as 0" % (who, clamped, n))
         if missing:

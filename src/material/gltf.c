@@ -251,7 +251,8 @@ static void add_textures(reader *r, const json_t *material) {
 
 static nqm_status read_material(reader *r, json_t *material, nqm_materials *materials) {
     const json_t *name = json_object_get(material, "name");
-    const bool has_memory = nqm_reading_begin(&r->reading, &source);
+    if (!nqm_reading_begin(&r->reading, &source))
+        return nqm_fail_nomem(r->err, sizeof *r->reading.textured);
     strcpy(r->reading.shading.model, "gltf");
     r->alpha = 1;
     r->n_textures = 0;
@@ -275,8 +276,7 @@ static nqm_status read_material(reader *r, json_t *material, nqm_materials *mate
     const nqm_property *ior = nqm_shading_find(&r->reading.shading, "ior");
     if (ior && (ior->v[0] < 0 || (ior->v[0] > 0 && ior->v[0] < 1)))
         refuse(r, "extensions.KHR_materials_ior.ior", "", "the index must be 0, or 1 or greater");
-    if (has_memory)
-        add_textures(r, material);
+    add_textures(r, material);
     return nqm_reading_add(&r->reading, json_string_value(name), SURFACE, byte_of(r, ""), materials, r->err);
 }
 

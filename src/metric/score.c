@@ -161,6 +161,8 @@ static nqm_score_result compare_members(const nqm_scorer *s, const nqm_member *r
     result.n_unusual[0] = ref->n_unusual;
     result.n_clamped[1] = test->report.n_clamped;
     result.n_invalid[1] = test->report.n_invalid;
+    result.n_repeated[0] = ref->report.n_repeated;
+    result.n_repeated[1] = test->report.n_repeated;
     if (test->status != NQM_OK && !test->flag)
         return result;
     bool equal = true;

@@ -5,7 +5,6 @@
 #include "support/brdf_files.h"
 
 #include "base/base.h"
-#include <dirent.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -53,39 +52,6 @@ blob blob_load(const char *path) {
         give_up(path);
     fclose(f);
     return b;
-}
-
-static char scratch_folder[64];
-
-static void remove_scratch(void) {
-    DIR *folder = opendir(scratch_folder);
-    if (!folder)
-        return;
-    for (struct dirent *entry = readdir(folder); entry; entry = readdir(folder)) {
-        if (entry->d_name[0] != '.')
-            unlinkat(dirfd(folder), entry->d_name, 0);
-    }
-    closedir(folder);
-    rmdir(scratch_folder);
-}
-
-const char *scratch_path(const char *name) {
-    static char paths[16][256];
-    static size_t n_paths;
-    if (!scratch_folder[0]) {
-        strcpy(scratch_folder, "/tmp/nqm-test-XXXXXX");
-        if (!mkdtemp(scratch_folder))
-            give_up(scratch_folder);
-        atexit(remove_scratch);
-    }
-    char path[256];
-    snprintf(path, sizeof path, "%s/%s", scratch_folder, name);
-    for (size_t i = 0; i < n_paths; ++i)
-        if (strcmp(paths[i], path) == 0)
-            return paths[i];
-    if (n_paths == 16)
-        give_up("too many scratch files");
-    return strcpy(paths[n_paths++], path);
 }
 
 double noise(uint32_t i, uint32_t row) {

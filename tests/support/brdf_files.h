@@ -6,6 +6,8 @@
 #ifndef NQM_TESTS_BRDF_FILES_H
 #define NQM_TESTS_BRDF_FILES_H
 
+#include "support/scratch.h"
+
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
@@ -23,9 +25,6 @@ const char *blob_put(blob b, const char *path);
 /** Write a file of `n_bytes` that begins with the blob; the rest is a hole (zeros without disk blocks). */
 void blob_save_sparse(const blob *b, size_t n_bytes, const char *path);
 blob blob_load(const char *path);
-
-/** Path of a file with this name in the temporary folder of this process, which is removed at exit. Do not free. */
-const char *scratch_path(const char *name);
 
 /** The i-th value of the pseudo-random sequence `row`: in [0, 1), 24 bits, so exact in float32 and the same in
  * numpy. */

@@ -1,82 +1,36 @@
 /* SPDX-License-Identifier: MIT
  *
- * Material files given as text, in the temporary file of temp_file.h.
+ * Material files in memory: copies of exactly that size, so that sanitizers detect a read past the end.
  */
 #include "support/material_text.h"
-#include "support/allocations.h"
 #include "support/check.h"
-#include "support/temp_file.h"
 
-static void write_file(const char *text) {
-    FILE *f = fopen(temp_file, "wb");
-    assert_non_null(f);
-    fputs(text, f);
-    fclose(f);
+static nqm_status read_copy(const char *path, const void *data, size_t n, nqm_materials **materials, nqm_error *err) {
+    unsigned char *copy = malloc(n ? n : 1);
+    assert_non_null(copy);
+    memcpy(copy, data, n);
+    const nqm_status status = nqm_materials_read(&(nqm_map){.data = copy, .n_bytes = n, .path = path}, materials, err);
+    free(copy);
+    return status;
 }
 
-nqm_materials *open_text(const char *text) {
+nqm_materials *bytes_as_materials(const char *path, const void *data, size_t n) {
     nqm_materials *materials = NULL;
     nqm_error err = {0};
-    write_file(text);
-    if (nqm_materials_open(temp_file, &materials, &err) != NQM_OK)
+    if (read_copy(path, data, n, &materials, &err) != NQM_OK)
         fail_msg("%s", err.message);
     return materials;
 }
 
-void expect_spec(const char *text, const char *spec) {
-    nqm_materials *materials = open_text(text);
-    assert_int_equal(nqm_materials_count(materials), 1);
-    const nqm_material_info info = nqm_materials_get(materials, 0);
-    if (info.refusal)
-        fail_msg("refused: %s", info.refusal);
-    assert_string_equal(info.spec, spec);
-    nqm_materials_free(materials);
+nqm_materials *text_as_materials(const char *path, const char *text) {
+    return bytes_as_materials(path, text, strlen(text));
 }
 
-void expect_refusal(const char *text, const char *reason) {
-    nqm_materials *materials = open_text(text);
-    assert_int_equal(nqm_materials_count(materials), 1);
-    const nqm_material_info info = nqm_materials_get(materials, 0);
-    assert_null(info.spec);
-    if (!strstr(info.refusal, reason))
-        fail_msg("'%s' does not contain '%s'", info.refusal, reason);
-    nqm_materials_free(materials);
-}
-
-void expect_error(const char *text, nqm_status status, const char *reason) {
-    nqm_materials *materials;
-    nqm_error err;
-    write_file(text);
-    assert_int_equal(nqm_materials_open(temp_file, &materials, &err), status);
-    assert_null(materials);
-    if (!strstr(err.message, reason))
-        fail_msg("'%s' does not contain '%s'", err.message, reason);
-    assert_true(err.byte_offset >= 0);
-}
-
-void expect_same(const char *argument, const char *extension) {
-    char path[300], with_name[320];
-    snprintf(path, sizeof path, "%s.%s", temp_file, extension);
-    snprintf(with_name, sizeof with_name, "%s:some_name", path);
-    nqm_brdf *brdf = must_open(argument);
+void refuse_bytes(const char *path, const void *data, size_t n, nqm_status status, int64_t byte, const char *words) {
+    nqm_materials *materials = NULL;
     nqm_error err = {0};
-    if (nqm_material_write(nqm_brdf_get_info(brdf).spec, "some name", path, &err) != NQM_OK)
-        fail_msg("%s", err.message);
-    nqm_brdf *back = must_open(with_name);
-    assert_string_equal(nqm_brdf_get_info(back).spec, nqm_brdf_get_info(brdf).spec);
-    nqm_brdf_free(back);
-    nqm_brdf_free(brdf);
-    unlink(path);
-}
-
-void expect_survives_no_memory(const char *text) {
-    nqm_status status = NQM_OK;
-    long n = -1;
-    write_file(text);
-    EVERY_ALLOCATION(n, status, 0) {
-        nqm_materials *materials;
-        status = nqm_materials_open(temp_file, &materials, NULL);
-        assert_true((status == NQM_OK) == (materials != NULL));
-        nqm_materials_free(materials);
-    }
+    assert_int_equal(read_copy(path, data, n, &materials, &err), status);
+    assert_null(materials);
+    if (!strstr(err.message, words) || (byte >= 0 && err.byte_offset != byte))
+        fail_msg("'%s' at byte %lld instead of '%s'", err.message, (long long)err.byte_offset, words);
 }

@@ -7,7 +7,7 @@
 
 #include <nqm/base.h>
 
-enum { MAX_COLUMNS = 5 };
+enum { MAX_COLUMNS = 8 };
 typedef const char *table_row[MAX_COLUMNS];
 
 /** The rows below "[name]": the parts of each line between " | ", in which "\n" is a new line. What a line lacks is NULL, and so is the

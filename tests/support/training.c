@@ -4,7 +4,7 @@
  */
 #include "support/training.h"
 #include "support/check.h"
-#include "support/temp_file.h"
+#include "support/scratch.h"
 
 nqm_train_options small_recipe(const char *recipe, size_t width, size_t epochs) {
     nqm_train_options o;
@@ -30,7 +30,7 @@ nqm_status save_calibrated(const nqm_model *model, const nqm_dataset *d, int mat
     nqm_model *calibrated;
     nqm_status status = nqm_model_calibrate(model, d, materials_are_new, &calibrated, calibration, err);
     if (status == NQM_OK)
-        status = nqm_model_save(calibrated, temp_file, err);
+        status = nqm_model_save(calibrated, scratch_path("model"), err);
     nqm_model_free(calibrated);
     return status;
 }

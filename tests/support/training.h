@@ -11,7 +11,7 @@
 nqm_train_options small_recipe(const char *recipe, size_t width, size_t epochs);
 /** Train a model; a failure fails the test. report: may be NULL. */
 nqm_model *train_model(const nqm_dataset *dataset, const nqm_train_options *options, nqm_train_report *report);
-/** Calibrate the model and save it to the file of temp_file.h. */
+/** Calibrate the model and save it to scratch_path("model"). */
 nqm_status save_calibrated(const nqm_model *model, const nqm_dataset *d, int materials_are_new,
                            nqm_calibration *calibration, nqm_error *err);
 

@@ -5,7 +5,7 @@
  */
 #include "base/base.h"
 #include "support/check.h"
-#include "support/temp_file.h"
+#include "support/scratch.h"
 
 #include <fcntl.h>
 
@@ -16,10 +16,10 @@ static unsigned char byte_at(size_t i) {
 }
 
 static int make_file(void **state) {
-    make_temp_file(state);
+    (void)state;
     unsigned char *data = malloc(N_BYTES);
     nqm_outfile out;
-    if (!data || nqm_outfile_open(temp_file, &out, NULL) != NQM_OK)
+    if (!data || nqm_outfile_open(scratch_path("large"), &out, NULL) != NQM_OK)
         return -1;
     for (size_t i = 0; i < N_BYTES; ++i)
         data[i] = byte_at(i);
@@ -29,7 +29,7 @@ static int make_file(void **state) {
 }
 
 static void drop_from_memory(void) {
-    int fd = open(temp_file, O_RDONLY);
+    int fd = open(scratch_path("large"), O_RDONLY);
     (void)posix_fadvise(fd, 0, 0, POSIX_FADV_DONTNEED); /* a failure does not change the bytes */
     close(fd);
 }
@@ -59,7 +59,7 @@ static void check_gathered(const nqm_map *map) {
 TEST(gathers_from_disk_and_memory) {
     nqm_map map;
     drop_from_memory();
-    assert_int_equal(nqm_map_open_sparse(temp_file, &map, NULL), NQM_OK);
+    assert_int_equal(nqm_map_open_sparse(scratch_path("large"), &map, NULL), NQM_OK);
     assert_true(map.has_fd);
     check_gathered(&map);
     check_gathered(&map);
@@ -97,11 +97,12 @@ static void assert_past_end(const nqm_map *map, size_t offset) {
 
 TEST(says_what_is_past_the_end) {
     nqm_map map;
-    assert_int_equal(nqm_map_open_sparse(temp_file, &map, NULL), NQM_OK);
+    assert_int_equal(nqm_map_open_sparse(scratch_path("large"), &map, NULL), NQM_OK);
     const size_t offsets[] = {N_BYTES - N_EACH + 1, N_BYTES, N_BYTES + 10000};
     for (size_t i = 0; i < 3; ++i)
         assert_past_end(&map, offsets[i]);
-    assert_int_equal(truncate(temp_file, 1000), 0); /* after opening: reading a plain mapping would raise SIGBUS */
+    assert_int_equal(truncate(scratch_path("large"), 1000),
+                     0); /* after opening: reading a plain mapping would raise SIGBUS */
     assert_past_end(&map, 500000);
     nqm_map_close_file(&map);
     for (size_t i = 1; i < 3; ++i) {
@@ -113,4 +114,4 @@ TEST(says_what_is_past_the_end) {
     nqm_map_close(&map);
 }
 
-TEST_FILE(make_file, remove_temp_file)
+TEST_FILE(make_file, NULL)

@@ -6,41 +6,22 @@
 #include "base/memory_test.h"
 #include "base/shared_work.h"
 #include "support/check.h"
+#include "support/scratch.h"
 
 #include <signal.h>
 #include <stdatomic.h>
 #include <sys/wait.h>
 
-static char folder[] = "/tmp/nqm-shared-XXXXXX";
-
-static int make_folder(void **state) {
-    (void)state;
-    return mkdtemp(folder) ? 0 : -1;
-}
-
-static int remove_folder(void **state) {
-    (void)state;
-    char command[64];
-    snprintf(command, sizeof command, "rm -rf %s", folder);
-    return system(command); /* NOLINT(cert-env33-c): a path of this test */
-}
-
-static const char *in_folder(const char *name) {
-    static char path[128];
-    snprintf(path, sizeof path, "%s/%s", folder, name);
-    return path;
-}
-
 TEST(claims_exclude) {
     char path[128];
     int first, second;
-    snprintf(path, sizeof path, "%s", in_folder("claimed"));
+    snprintf(path, sizeof path, "%s", scratch_path("claimed"));
     assert_int_equal(nqm_claim(path, &first, NULL), NQM_OK);
     assert_true(first >= 0);
     assert_int_equal(nqm_claim(path, &second, NULL), NQM_OK);
     assert_int_equal(second, -1);
     nqm_claim_release(path, first);
-    assert_int_not_equal(access(in_folder("claimed.claim"), F_OK), 0);
+    assert_int_not_equal(access(scratch_path("claimed.claim"), F_OK), 0);
     pid_t child = fork();
     if (child == 0) {
         bool claimed = nqm_claim(path, &first, NULL) == NQM_OK && first >= 0;
@@ -49,7 +30,7 @@ TEST(claims_exclude) {
     int end;
     assert_int_equal(waitpid(child, &end, 0), child);
     assert_int_equal(WTERMSIG(end), SIGKILL);
-    assert_int_equal(access(in_folder("claimed.claim"), F_OK), 0);
+    assert_int_equal(access(scratch_path("claimed.claim"), F_OK), 0);
     assert_int_equal(nqm_claim(path, &second, NULL), NQM_OK);
     assert_true(second >= 0);
     nqm_claim_release(path, second);
@@ -58,7 +39,7 @@ TEST(claims_exclude) {
 
 /* What another process does between the opening of a claim and its lock: it finishes and deletes the file. */
 static void delete_locked(void) {
-    assert_int_equal(unlink(in_folder("locked.claim")), 0);
+    assert_int_equal(unlink(scratch_path("locked.claim")), 0);
 }
 
 static int other_claim = -1;
@@ -66,7 +47,7 @@ static int other_claim = -1;
 /* The same, and a third process makes the file again and holds its lock. */
 static void replace_locked(void) {
     delete_locked();
-    assert_int_equal(nqm_claim(in_folder("locked"), &other_claim, NULL), NQM_OK);
+    assert_int_equal(nqm_claim(scratch_path("locked"), &other_claim, NULL), NQM_OK);
     assert_true(other_claim >= 0);
 }
 
@@ -74,11 +55,11 @@ static void replace_locked(void) {
 TEST(locks_are_on_the_file_of_the_path) {
     int claim, second;
     char path[128];
-    snprintf(path, sizeof path, "%s", in_folder("locked"));
+    snprintf(path, sizeof path, "%s", scratch_path("locked"));
     nqm_lock_hook(delete_locked);
     assert_int_equal(nqm_claim(path, &claim, NULL), NQM_OK);
     assert_true(claim >= 0);
-    assert_int_equal(access(in_folder("locked.claim"), F_OK), 0); /* a new file, which is there */
+    assert_int_equal(access(scratch_path("locked.claim"), F_OK), 0); /* a new file, which is there */
     assert_int_equal(nqm_claim(path, &second, NULL), NQM_OK);
     assert_int_equal(second, -1);
     close(claim);
@@ -105,7 +86,7 @@ typedef struct job {
 static job make_job(const char *name) {
     job j = {.name = name, .has_files = true, .kill_at = -1, .fail_at = -1, .n_left = 1000};
     for (int i = 0; i < N_ITEMS; ++i)
-        snprintf(j.path[i], sizeof j.path[i], "%s/%s-%d", folder, name, i);
+        snprintf(j.path[i], sizeof j.path[i], "%s-%d", scratch_path(name), i);
     return j;
 }
 
@@ -210,5 +191,3 @@ TEST(failures_and_stops) {
         assert_int_equal(stopped.n_made, N_ITEMS);
     }
 }
-
-TEST_FILE(make_folder, remove_folder)

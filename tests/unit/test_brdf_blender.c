@@ -1,12 +1,9 @@
 /* SPDX-License-Identifier: MIT
  *
  * Blender's Principled BSDF against an evaluation in 80-bit floats (tests/vectors/shading_blender.py) and what Cycles renders
- * (cycles_principled.py), the energy of its lobes, and the files of doc/blender.py.
+ * (cycles_principled.py), and the energy of its lobes.
  */
-#include "support/map_text.h"
-#include "support/material_text.h"
 #include "support/shading.h"
-#include "support/temp_file.h"
 #include "support/test.h"
 
 TEST(values_are_those_of_the_formulas) {
@@ -41,24 +38,3 @@ TEST(white_reflects_everything) {
             nqm_brdf_free(brdf);
         }
 }
-
-TEST(files_are_read_and_written) {
-    expect_spec(
-        "{\"type\": \"scene\", \"Gold\": {\"type\": \"blender-principled\", \"multiscatter\": 1.0, \"base_color\": "
-        "{\"type\": \"rgb\", \"value\": [1, 0.5, 0.25]}, \"metallic\": 1.0, \"alpha\": 1.0, \"subsurface_radius\": "
-        "{\"type\": \"rgb\", \"value\": [1, 0.2, 0.1]}, \"emission_strength\": 0.0}}",
-        "blender-principled:multiscatter=1;base_color=1,0.5,0.25;metallic=1");
-    expect_refusal("{\"type\": \"blender-principled\", \"transmission_weight\": 0.5}", "transmission");
-    expect_refusal("{\"type\": \"blender-principled\", \"subsurface_weight\": 0.5}", "subsurface");
-    expect_refusal("{\"type\": \"blender-principled\", \"emission_strength\": 1}", "emission");
-    expect_refusal("{\"type\": \"blender-principled\", \"alpha\": 0.5}", "opacity");
-    expect_refusal("{\"type\": \"blender-principled\", \"normal\": {\"type\": \"node NORMAL_MAP\"}}", "normal");
-    expect_refusal("{\"type\": \"blender-principled\", \"roughness\": {\"type\": \"node MATH\"}}", "node MATH");
-    expect_map("{\"type\": \"blender-principled\", \"base_color\": {\"type\": \"bitmap\", \"filename\": \"a.png\"}}", 0,
-               "base_color", "base_color", "image(a.png srgb_texture repeat)");
-    expect_same("blender-principled:base_color=.1,.2,.3;roughness=.37;sheen_weight=.2;thin_film_thickness=312.5;"
-                "anisotropic=.5;anisotropic_rotation=.1;multiscatter=0",
-                "json");
-}
-
-TEST_FILE(make_temp_file, remove_temp_file)

@@ -3,7 +3,6 @@
  * pbrt's coateddiffuse against 200,000 random walks a pair (tests/vectors/shading_coated.py), and limits that have a closed form.
  */
 #include "support/check.h"
-#include "support/temp_file.h"
 
 TEST(values_are_means_of_random_walks) {
     nqm_csv *csv;

@@ -4,7 +4,6 @@
  * and limits that have a closed form.
  */
 #include "support/check.h"
-#include "support/temp_file.h"
 
 #define METAL "conductor.eta=.2,.9,1.5;conductor.k=3.9,2.4,1.2;"
 

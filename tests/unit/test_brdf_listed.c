@@ -331,7 +331,8 @@ TEST(azimuths_of_anisotropic_lists_are_kept) {
         assert_string_equal(info.format, "samples");
         assert_string_equal(info.layout, is_anisotropic
                                              ? "96 directions with azimuths, values within 0.1 degrees of them"
-                                             : "96 directions, values within 0.1 degrees of them");
+                                             : "16 directions, values within 0.1 degrees of them; the mean of repeated "
+                                               "ones (80 rows)");
         for (int turn = 0; turn < 360; turn += 30) {
             double w[2][3], rgb[3];
             uint8_t flag;
@@ -387,6 +388,37 @@ static void expect_refused(const char *text, const char *suffix, nqm_status stat
     must_refuse(argument, status, words);
 }
 
+/* Rows of one direction count by their mean, in any order, also beside rows without a value and where exchange makes them one. */
+TEST(repeated_directions_are_means) {
+    static const char *const rows[] = {"20,0,40,90,1,2,3\n", "20,0,40,90,3,2,1\n", "20,0,40,90,,,\n",
+                                       "20,30,40,-240,5,0.6,0.6\n"};
+    static const double mean[] = {3, 4.6 / 3, 4.6 / 3}; /* of azimuths, too, which differ like noise */
+    double rgb[3];
+    for (size_t order = 0; order < 4; ++order) {
+        csv file = {.n = 0};
+        add(&file, "theta_i,phi_i,theta_o,phi_o,r,g,b\n");
+        for (size_t i = 0; i < 4; ++i)
+            add(&file, "%s", rows[(i + order) % 4]);
+        nqm_brdf *brdf = open_ok(save(&file), "");
+        const nqm_brdf_info info = nqm_brdf_get_info(brdf);
+        assert_true(eval_goniometer(brdf, 20, 40, 90, rgb));
+        for (size_t c = 0; c < 3; ++c)
+            assert_near(rgb[c], mean[c], 1e-6);
+        assert_int_equal(info.n_repeated, 3);
+        assert_non_null(strstr(info.layout, "1 directions, values"));
+        nqm_brdf_free(brdf);
+    }
+    csv file = {.n = 0}; /* phi_d 0 and 180 of a reciprocal list: light and viewer are exchanged */
+    add(&file, "theta_h,theta_d,phi_d,r,g,b\n5,30,0,1,1,1\n5,30,180,3,3,3\n");
+    nqm_brdf *brdf = open_ok(save(&file), "");
+    for (int k = 0; k < 2; ++k) {
+        const double hd[3] = {5 * degree, 30 * degree, k * 180 * degree};
+        nqm_brdf_eval_half_diff(brdf, 1, hd, rgb, NULL);
+        assert_near(rgb[0], 2, 1e-6);
+    }
+    nqm_brdf_free(brdf);
+}
+
 TEST(refuses_unfit_lists) {
     static const char grid[] = "theta_h,theta_d,phi_d,r,g,b\n0,0,0,1,1,1\n0,9,0,1,1,1\n9,0,0,1,1,1\n9,9,0,1,1,1\n";
     expect_refused("theta_h,theta_d,phi_d,r,g\n1,2,3,4,5\n", "", NQM_ERR_FORMAT, "no column 'b'");
@@ -403,9 +435,10 @@ TEST(refuses_unfit_lists) {
     expect_refused("theta_h,theta_d,phi_d,r,g,b\n1,2,3,4,5,6\n", ":50", NQM_ERR_ARG, "up to 45");
     expect_refused(grid, ":1", NQM_ERR_ARG, "complete grid");
     csv file = {.n = 0};
-    add(&file, "%s9,9,0,1,1,1\n", grid); /* a node that occurs twice: no grid */
+    add(&file, "%s9,9,0,1,1,1\n", grid); /* a node that occurs twice is no other grid */
     nqm_brdf *brdf = open_ok(save(&file), "");
-    assert_string_equal(nqm_brdf_get_info(brdf).format, "samples");
+    assert_string_equal(nqm_brdf_get_info(brdf).format, "grid");
+    assert_int_equal(nqm_brdf_get_info(brdf).n_repeated, 1);
     nqm_brdf_free(brdf);
     double list[N][3];
     assert_true(check_brdf_allocations(save_scattered(list, false)) >= 6);

@@ -6,6 +6,7 @@
 #include "support/allocations.h"
 #include "support/brdf_files.h"
 #include "support/check.h"
+#include "support/damage.h"
 #include "support/vectors.h"
 
 #include <nqm/brdf.h>
@@ -69,11 +70,7 @@ TEST(zip_faults_are_told) {
     snprintf(argument, sizeof argument, "%s:stele", path);
     must_refuse(argument, NQM_ERR_IO, "no member 'stele.h5' (did you mean 'steel.h5'?)");
     snprintf(argument, sizeof argument, "%s:steel", path);
-    for (size_t n = 4; n < zip.n_bytes; n += 13) { /* the central directory of a zip file is at its end */
-        blob part = {zip.data, n};
-        blob_save(&part, path);
-        must_refuse(argument, NQM_ERR_FORMAT, path);
-    }
+    refuse_cuts(argument, zip, 13, read_brdf);    /* the central directory of a zip file is at its end */
     zip.data[30 + strlen("steel.h5") + 300] ^= 1; /* inside the compressed data */
     blob_save(&zip, path);
     must_refuse(argument, NQM_ERR_FORMAT, "steel.h5");
@@ -134,13 +131,7 @@ TEST(refuses_broken_networks) {
 
 TEST(refuses_truncated_files) {
     blob b = make_nbrdf(NBRDF_VALID);
-    const char *path = scratch_path("short.h5");
-    for (size_t n = 0; n < b.n_bytes; n += n < 100 ? 1 : 29) {
-        blob part = {b.data, n};
-        blob_save(&part, path);
-        nqm_error err = must_refuse(path, NQM_ERR_FORMAT, path);
-        assert_true(err.byte_offset == 0 || err.byte_offset == (int64_t)n);
-    }
+    refuse_cuts(scratch_path("short.h5"), b, 29, read_brdf);
     blob_free(&b);
 }
 

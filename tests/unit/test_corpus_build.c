@@ -9,8 +9,8 @@
 #include "label/label.h"
 #include "metric/metric.h"
 #include "support/check.h"
-#include "support/corpus_files.h"
 #include "support/scenes.h"
+#include "support/scratch.h"
 
 #include <dirent.h>
 #include <jansson.h>
@@ -50,7 +50,7 @@ static nqm_corpus_options small_scene(void) {
 
 static nqm_status try_build(const nqm_corpus_options *options, const char *name, nqm_error *err) {
     nqm_directions *d = directions();
-    const nqm_status status = nqm_corpus_build(N_PAIRS, pairs, d, options, in_folder(name), err);
+    const nqm_status status = nqm_corpus_build(N_PAIRS, pairs, d, options, scratch_path(name), err);
     nqm_directions_free(d);
     return status;
 }
@@ -58,7 +58,7 @@ static nqm_status try_build(const nqm_corpus_options *options, const char *name,
 static nqm_dataset *build(const nqm_corpus_options *options, const char *name) {
     nqm_error err = {0};
     nqm_dataset *dataset = NULL;
-    if (try_build(options, name, &err) != NQM_OK || nqm_dataset_load(in_folder(name), &dataset, &err) != NQM_OK)
+    if (try_build(options, name, &err) != NQM_OK || nqm_dataset_load(scratch_path(name), &dataset, &err) != NQM_OK)
         fail_msg("%s", err.message);
     return dataset;
 }
@@ -120,8 +120,8 @@ TEST(anisotropic_pairs_are_labelled_when_wanted) {
         nqm_prediction to[3];
         nqm_error err = {0};
         options.anisotropic = i;
-        assert_int_equal(nqm_corpus_build(3, some, at, &options, in_folder("some.safetensors"), NULL), NQM_OK);
-        assert_int_equal(nqm_dataset_load(in_folder("some.safetensors"), &d, NULL), NQM_OK);
+        assert_int_equal(nqm_corpus_build(3, some, at, &options, scratch_path("some.safetensors"), NULL), NQM_OK);
+        assert_int_equal(nqm_dataset_load(scratch_path("some.safetensors"), &d, NULL), NQM_OK);
         assert_int_equal(nqm_dataset_get_info(d).n_pairs, i ? 3 : 1);
         assert_int_equal(strstr(nqm_dataset_get_info(d).manifest, "azimuth") != NULL, !i); /* failures */
         const nqm_dataset_prediction p = {.dataset = d, .model = model, .n = 1, .pairs = (size_t[]){0}, .to = to};
@@ -172,7 +172,7 @@ TEST(a_list_without_labels_is_refused) {
     options.part = NQM_CORPUS_TEST;
     assert_int_equal(try_build(&options, "none.safetensors", &err), NQM_ERR_INCOMPATIBLE);
     assert_non_null(strstr(err.message, "no pair could be labelled"));
-    assert_int_not_equal(access(in_folder("none.safetensors"), F_OK), 0);
+    assert_int_not_equal(access(scratch_path("none.safetensors"), F_OK), 0);
 }
 
 /* ---- interruption ------------------------------------------------------------------------------------------------ */
@@ -195,7 +195,7 @@ static int stop_soon(void *user, const char *stage, double done, double total) {
 
 TEST(an_interrupted_corpus_goes_on) {
     char work[256], sha256[65];
-    snprintf(work, sizeof work, "%s", in_folder("work"));
+    snprintf(work, sizeof work, "%s", scratch_path("work"));
     nqm_corpus_options options = small_scene();
     nqm_dataset *whole = build(&options, "whole.safetensors");
     snprintf(sha256, sizeof sha256, "%s", nqm_dataset_get_info(whole).sha256);
@@ -203,7 +203,7 @@ TEST(an_interrupted_corpus_goes_on) {
     options.checkpoint = work;
     options.progress = stop_soon;
     assert_int_equal(try_build(&options, "never.safetensors", NULL), NQM_ERR_CANCELLED);
-    assert_int_not_equal(access(in_folder("never.safetensors"), F_OK), 0);
+    assert_int_not_equal(access(scratch_path("never.safetensors"), F_OK), 0);
     options.progress = NULL;
     for (int round = 0; round < 2; ++round) { /* the second round reads all units from the work files */
         nqm_dataset *resumed = build(&options, "resumed.safetensors");
@@ -268,7 +268,7 @@ static void end_making(making *m) {
 
 TEST(an_interrupted_unit_goes_on_where_it_stopped) {
     char path[256], progress[280];
-    snprintf(path, sizeof path, "%s", in_folder("unit.safetensors"));
+    snprintf(path, sizeof path, "%s", scratch_path("unit.safetensors"));
     snprintf(progress, sizeof progress, "%s.progress", path);
     making whole, parts;
     begin_making(&whole, NULL, SIZE_MAX);
@@ -334,5 +334,3 @@ TEST(fits_are_shared) {
     nqm_corpus_fits_free(&fits);
     end_making(&m);
 }
-
-TEST_FILE(make_folder, remove_made_folder)

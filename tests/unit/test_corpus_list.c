@@ -4,7 +4,7 @@
  */
 #include "corpus/corpus.h"
 #include "support/check.h"
-#include "support/corpus_files.h"
+#include "support/scratch.h"
 
 /* ---- lists ------------------------------------------------------------------------------------------------------- */
 
@@ -95,9 +95,9 @@ TEST(files_are_hashed_below_the_root) {
     /* sha256sum of the seven bytes "content" */
     static const char sha[] = "ed7002b439e9ac845f22357d822bac1444730fbdb6016d3ec9432297b9ec9f73";
     char hex[65];
-    write_text("one.bsdf", "content");
+    scratch_text("one.bsdf", "content");
     char root[256];
-    snprintf(root, sizeof root, "%s", in_folder(""));
+    snprintf(root, sizeof root, "%s", scratch_path(""));
     root[strlen(root) - 1] = 0;
     nqm_corpus_list list = {.root = root};
     assert_int_equal(nqm_corpus_hash_content(&list, "one.bsdf", hex, NULL), NQM_OK);
@@ -112,19 +112,19 @@ TEST(files_are_hashed_below_the_root) {
 TEST(a_decoder_is_hashed_with_its_latents) {
     enum { N_BYTES = 808003 * 4 };
     char decoder[256], hex[2][65];
-    snprintf(decoder, sizeof decoder, "%s:m", in_folder("decoder.bin"));
-    FILE *f = fopen(in_folder("decoder.bin"), "wb");
+    snprintf(decoder, sizeof decoder, "%s:m", scratch_path("decoder.bin"));
+    FILE *f = fopen(scratch_path("decoder.bin"), "wb");
     assert_non_null(f);
     assert_int_equal(fseek(f, N_BYTES - 1, SEEK_SET), 0);
     fputc(0, f);
     fclose(f);
     const nqm_corpus_list list = {.root = NULL};
     for (int k = 0; k < 2; ++k) {
-        write_text("nps_latents.csv", k ? "material,mean0\nm,1\n" : "material,mean0\nm,0\n");
+        scratch_text("nps_latents.csv", k ? "material,mean0\nm,1\n" : "material,mean0\nm,0\n");
         assert_int_equal(nqm_corpus_hash_content(&list, decoder, hex[k], NULL), NQM_OK);
     }
     assert_string_not_equal(hex[0], hex[1]);
-    remove(in_folder("nps_latents.csv"));
+    remove(scratch_path("nps_latents.csv"));
     assert_int_equal(nqm_corpus_hash_content(&list, decoder, hex[0], NULL), NQM_ERR_IO);
 }
 
@@ -179,5 +179,3 @@ TEST(the_option_names_a_family) {
     for (size_t i = 0; i < sizeof bad / sizeof *bad; ++i)
         assert_int_equal(nqm_corpus_parse_keep(bad[i], &n_name, &n_kept, NULL), NQM_ERR_ARG);
 }
-
-TEST_FILE(make_folder, remove_made_folder)

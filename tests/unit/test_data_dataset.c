@@ -5,6 +5,7 @@
  */
 #include "support/allocations.h"
 #include "support/check.h"
+#include "support/damage.h"
 #include "support/toy_dataset.h"
 
 static const char path[] = "test_train_dataset.safetensors";
@@ -249,31 +250,28 @@ TEST(broken_transport) {
     nqm_map_close(&map);
 }
 
+static nqm_status read_dataset(const nqm_map *map, nqm_error *err) {
+    nqm_dataset *d;
+    const nqm_status status = nqm_dataset_parse(map->data, map->n_bytes, map->path, true, &d, err);
+    assert_true((status == NQM_OK) == (d != NULL));
+    nqm_dataset_free(d);
+    return status;
+}
+
 /* A change of any byte and truncation at any byte must be detected: the checksum covers the whole file. */
 TEST(damage_is_noticed) {
-    nqm_map map;
     assert_int_equal(nqm_dataset_write(toy, path, NULL, NULL), NQM_OK);
-    assert_int_equal(nqm_map_open(path, &map, NULL), NQM_OK);
-    void *block = NULL;
-    assert_int_equal(posix_memalign(&block, 64, map.n_bytes), 0);
-    unsigned char *bytes = block;
-    size_t step = map.n_bytes / 300 + 1;
-    for (size_t at = 0; at < map.n_bytes; at += step) {
-        nqm_dataset *d;
-        memcpy(bytes, map.data, map.n_bytes);
-        bytes[at] ^= 0x10;
-        assert_int_not_equal(nqm_dataset_parse(bytes, map.n_bytes, "changed", true, &d, NULL), NQM_OK);
-        assert_null(d);
-        memcpy(bytes, map.data, map.n_bytes);
-        assert_int_not_equal(nqm_dataset_parse(bytes, at, "cut", true, &d, NULL), NQM_OK);
-        assert_null(d);
+    blob b = blob_load(path);
+    const size_t step = b.n_bytes / 300 + 1;
+    refuse_cuts("cut", b, step, read_dataset);
+    for (size_t at = 0; at < b.n_bytes; at += step) {
+        b.data[at] ^= 0x10;
+        assert_int_not_equal(read_dataset(&(nqm_map){.data = b.data, .n_bytes = b.n_bytes, .path = "changed"}, NULL),
+                             NQM_OK);
+        b.data[at] ^= 0x10;
     }
-    memcpy(bytes, map.data, map.n_bytes);
-    nqm_dataset *d;
-    assert_int_equal(nqm_dataset_parse(bytes, map.n_bytes, "whole", true, &d, NULL), NQM_OK);
-    nqm_dataset_free(d);
-    free(block);
-    nqm_map_close(&map);
+    assert_int_equal(read_dataset(&(nqm_map){.data = b.data, .n_bytes = b.n_bytes, .path = "whole"}, NULL), NQM_OK);
+    blob_free(&b);
 }
 
 TEST(foreign_files) {

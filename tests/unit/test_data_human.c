@@ -7,28 +7,30 @@
 #include "judge/judge.h"
 #include "math/math.h"
 #include "support/check.h"
-#include "support/corpus_files.h"
 #include "support/rows.h"
+#include "support/scratch.h"
 
 enum { N_DIRECTIONS = 40, N_RESAMPLES = 200 };
 
 static nqm_directions *directions;
 
 static int set_up(void **state) {
+    (void)state;
     nqm_directions_options o = nqm_directions_options_default();
     o.n = N_DIRECTIONS;
-    return make_folder(state) == 0 && nqm_directions_create(&o, 0, NULL, &directions, NULL) == NQM_OK ? 0 : -1;
+    return nqm_directions_create(&o, 0, NULL, &directions, NULL) == NQM_OK ? 0 : -1;
 }
 
 static int tear_down(void **state) {
+    (void)state;
     nqm_directions_free(directions);
-    return remove_made_folder(state);
+    return 0;
 }
 
 static nqm_status load(const char *text, nqm_human **human, nqm_error *err) {
     nqm_human_options o = nqm_human_options_default();
     o.directions = directions;
-    return nqm_human_load(write_text("answers.csv", text), &o, human, err);
+    return nqm_human_load(scratch_text("answers.csv", text), &o, human, err);
 }
 
 static nqm_human *must_load(const char *text) {
@@ -247,10 +249,10 @@ TEST(faults_name_file_and_row) {
             fail_msg("%s: status %d, '%s'", row[0], status, err.message);
     }
     nqm_human *human;
-    assert_int_equal(nqm_human_load(in_folder("nowhere.csv"), NULL, &human, NULL), NQM_ERR_IO);
+    assert_int_equal(nqm_human_load(scratch_path("nowhere.csv"), NULL, &human, NULL), NQM_ERR_IO);
     nqm_human_options o = nqm_human_options_default();
     o.min_valid_fraction = 2;
-    assert_int_equal(nqm_human_load(in_folder("answers.csv"), &o, &human, NULL), NQM_ERR_ARG);
+    assert_int_equal(nqm_human_load(scratch_path("answers.csv"), &o, &human, NULL), NQM_ERR_ARG);
 }
 
 static int stop(void *user, const char *stage, double done, double total) {
@@ -263,7 +265,7 @@ TEST(stops_when_asked) {
     nqm_human *human;
     o.directions = directions;
     o.progress = stop;
-    assert_int_equal(nqm_human_load(write_text("s.csv", scores), &o, &human, NULL), NQM_ERR_CANCELLED);
+    assert_int_equal(nqm_human_load(scratch_text("s.csv", scores), &o, &human, NULL), NQM_ERR_CANCELLED);
     assert_null(human);
 }
 

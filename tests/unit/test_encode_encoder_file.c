@@ -6,19 +6,19 @@
 #include "encode/encode.h"
 #include "support/check.h"
 #include "support/encoder_files.h"
-#include "support/temp_file.h"
+#include "support/scratch.h"
 
 static void write_file(const float *values) {
     const nqm_tensor tensor = {
         .name = "atoms", .dtype = NQM_F32, .n_dims = 2, .dims = {2, 3}, .n_bytes = 6 * sizeof *values, .data = values};
-    write_encoder(temp_file, "sparse", 1, &tensor);
+    write_encoder(scratch_path("encoder"), "sparse", 1, &tensor);
 }
 
 /* Parse the file with `change` added to its byte `at` (negative: from the end). */
 static nqm_status parse(long at, int change, const char *kind, nqm_error *err) {
     nqm_map map;
     nqm_safetensors *st;
-    assert_int_equal(nqm_map_open(temp_file, &map, NULL), NQM_OK);
+    assert_int_equal(nqm_map_open(scratch_path("encoder"), &map, NULL), NQM_OK);
     unsigned char *bytes = nqm_alloc(map.n_bytes, 1);
     memcpy(bytes, map.data, map.n_bytes);
     bytes[at < 0 ? (long)map.n_bytes + at : at] += (unsigned char)change;
@@ -39,8 +39,8 @@ TEST(a_file_is_read_back) {
     nqm_safetensors *st;
     const nqm_tensor *tensor;
     write_file(good);
-    assert_int_equal(nqm_map_open(temp_file, &map, NULL), NQM_OK);
-    assert_int_equal(nqm_encoder_parse(map.data, map.n_bytes, temp_file, "sparse", &st, NULL), NQM_OK);
+    assert_int_equal(nqm_map_open(scratch_path("encoder"), &map, NULL), NQM_OK);
+    assert_int_equal(nqm_encoder_parse(map.data, map.n_bytes, scratch_path("encoder"), "sparse", &st, NULL), NQM_OK);
     assert_string_equal(nqm_safetensors_meta(st, "references"), "[\"rgl/\\\"quoted\\\".bsdf\",\"sgd:nickel\"]");
     const nqm_tensor any = {.name = "atoms", .n_dims = 2, .dims = {2, 0}};
     const nqm_tensor others[] = {{.name = "atoms", .n_dims = 2, .dims = {3, 2}},
@@ -81,5 +81,3 @@ TEST(embedded_files_are_found_by_name) {
         nqm_safetensors_free(st);
     }
 }
-
-TEST_FILE(make_temp_file, remove_temp_file)

@@ -7,7 +7,7 @@
 #include "encode/hyper.h"
 #include "support/check.h"
 #include "support/encoder_files.h"
-#include "support/temp_file.h"
+#include "support/scratch.h"
 
 enum { N_SAMPLES = 5, N_OUT = 4, N_INPUT = N_SAMPLES * NQM_HYPER_FEATURES, WIDEST = 13 };
 static const nqm_hyper_shape small = {{7, 6, 5, 6, 5, N_OUT}};
@@ -97,15 +97,15 @@ TEST(order_of_samples_does_not_matter) {
 
 static nqm_status read_network(nqm_hyper *hyper, nqm_error *err) {
     nqm_map map;
-    assert_int_equal(nqm_map_open(temp_file, &map, NULL), NQM_OK);
-    nqm_status status = nqm_hyper_read(map.data, map.n_bytes, temp_file, hyper, err);
+    assert_int_equal(nqm_map_open(scratch_path("encoder"), &map, NULL), NQM_OK);
+    nqm_status status = nqm_hyper_read(map.data, map.n_bytes, scratch_path("encoder"), hyper, err);
     nqm_map_close(&map);
     return status;
 }
 
 TEST(a_file_is_read_back) {
     nqm_hyper written = make_hyper(&narrow, 5), found;
-    write_hyper(temp_file, &written);
+    write_hyper(scratch_path("encoder"), &written);
     assert_int_equal(read_network(&found, NULL), NQM_OK);
     assert_int_equal(found.n, written.n);
     assert_memory_equal(found.block, written.block, found.n * sizeof *found.block);
@@ -116,7 +116,7 @@ TEST(a_file_is_read_back) {
 TEST(other_networks_are_refused) {
     nqm_hyper written = make_hyper(&small, 5), found;
     nqm_error err = {0};
-    write_hyper(temp_file, &written); /* its output is not an NBRDF */
+    write_hyper(scratch_path("encoder"), &written); /* its output is not an NBRDF */
     assert_int_equal(read_network(&found, &err), NQM_ERR_MODEL);
     assert_non_null(strstr(err.message, "layers.5.weight"));
     assert_null(found.block);
@@ -125,12 +125,10 @@ TEST(other_networks_are_refused) {
     const float value = 0;
     const nqm_tensor tensor = {
         .name = "atoms", .dtype = NQM_F32, .n_dims = 1, .dims = {1}, .n_bytes = sizeof value, .data = &value};
-    write_encoder(temp_file, "hyper", 1, &tensor);
+    write_encoder(scratch_path("encoder"), "hyper", 1, &tensor);
     assert_int_equal(read_network(&found, &err), NQM_ERR_MODEL);
     assert_non_null(strstr(err.message, "layers.0.weight"));
-    write_encoder(temp_file, "sparse", 1, &tensor);
+    write_encoder(scratch_path("encoder"), "sparse", 1, &tensor);
     assert_int_equal(read_network(&found, &err), NQM_ERR_MODEL);
     assert_non_null(strstr(err.message, "hyper"));
 }
-
-TEST_FILE(make_temp_file, remove_temp_file)

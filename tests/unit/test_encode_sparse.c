@@ -9,7 +9,7 @@
 #include "support/allocations.h"
 #include "support/check.h"
 #include "support/encoder_files.h"
-#include "support/temp_file.h"
+#include "support/scratch.h"
 
 #include <nqm/fit.h>
 
@@ -257,10 +257,10 @@ static nqm_status parse_spoiled(double scale, float typical, size_t left_out, si
                                         .n_bytes = rows * cols * sizeof(float),
                                         .data = data[i]};
     }
-    write_encoder(temp_file, "sparse", n, tensors);
+    write_encoder(scratch_path("encoder"), "sparse", n, tensors);
     nqm_map map;
     nqm_sparse_dictionary *dictionary;
-    assert_int_equal(nqm_map_open(temp_file, &map, NULL), NQM_OK);
+    assert_int_equal(nqm_map_open(scratch_path("encoder"), &map, NULL), NQM_OK);
     nqm_status status = nqm_sparse_dictionary_parse(map.data, map.n_bytes, "spoiled", &dictionary, err);
     assert_true((status == NQM_OK) == (dictionary != NULL));
     nqm_free(dictionary);
@@ -283,5 +283,3 @@ TEST(broken_dictionaries_are_refused) {
     assert_int_equal(parse_spoiled(1, -0.1f, NONE, NONE, &err), NQM_ERR_MODEL);
     assert_non_null(strstr(err.message, "negative"));
 }
-
-TEST_FILE(make_temp_file, remove_temp_file)

@@ -8,7 +8,7 @@
 #include "support/allocations.h"
 #include "support/check.h"
 #include "support/scenes.h"
-#include "support/temp_file.h"
+#include "support/scratch.h"
 
 #include <nqm/label.h>
 
@@ -70,8 +70,8 @@ static void assert_same_scores(const nqm_model *a, const nqm_model *b) {
 TEST(files_and_copies) {
     const nqm_scene_options o = studio_scene();
     nqm_model *model = make_model(&o, 32), *loaded, *copy;
-    assert_int_equal(nqm_model_save(model, temp_file, NULL), NQM_OK);
-    assert_int_equal(nqm_model_load(temp_file, &loaded, NULL), NQM_OK);
+    assert_int_equal(nqm_model_save(model, scratch_path("model"), NULL), NQM_OK);
+    assert_int_equal(nqm_model_load(scratch_path("model"), &loaded, NULL), NQM_OK);
     assert_int_equal(nqm_model_copy(loaded, &copy, NULL), NQM_OK);
     assert_same_scores(model, loaded);
     nqm_model_free(loaded);
@@ -130,5 +130,3 @@ TEST(out_of_memory) {
     }
     nqm_model_free(model);
 }
-
-TEST_FILE(make_temp_file, remove_temp_file)

@@ -5,6 +5,7 @@
 #include "brdf/brdf.h"
 #include "material/material.h"
 #include "support/check.h"
+#include "support/material_text.h"
 
 TEST(specs_go_there_and_back) {
     const char *text = "some-model:base_color=.25,.5,1;roughness=.1;metalness=0;base_color=1,1,.5;alpha=.1,.3";
@@ -37,4 +38,18 @@ TEST(files_without_a_format_are_refused) {
     assert_null(materials);
     assert_int_equal(nqm_material_write("no-such-model:a=1", "name", "x.unknown", &err), NQM_ERR_ARG);
     assert_non_null(strstr(err.message, "no-such-model"));
+}
+
+TEST(files_of_usd_that_are_no_text_are_named) {
+    static const char binary[] = "PXR-USDC\1\2",
+                      zip[] = "PK\3\4\n\0\0\0\0\0!\0!\0\0\0\0\0\0\0\0\0\0\0\0\0\6\0\0\0a.usdc";
+    refuse_bytes("a.usdc", binary, sizeof binary - 1, NQM_ERR_FORMAT, 0, "usdcat IN.usdc -o OUT.usda");
+    refuse_bytes("a.usdz", zip, sizeof zip - 1, NQM_ERR_FORMAT, -1, "unzip");
+}
+
+TEST(deep_files_are_refused) {
+    char deep[1200] = "";
+    for (int i = 0; i < 100; ++i)
+        strcat(deep, "<scene>");
+    refuse_bytes("x.xml", deep, strlen(deep), NQM_ERR_LIMIT, -1, "nested");
 }

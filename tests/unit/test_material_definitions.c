@@ -1,14 +1,17 @@
 /* SPDX-License-Identifier: MIT
  *
  * Constants of material files against their sources: inputs, types and defaults of MaterialX's surfaces against the project's own
- * definitions (shared data), defaults of the shading models against these tables, and colour spaces against their primaries.
+ * definitions (shared data), defaults of the shading models against these tables, Mitsuba's names, and colour spaces against
+ * their primaries.
  */
 #include "io/xml.h"
 #include "material/color_space.h"
 #include "material/gltf.h"
 #include "material/material.h"
 #include "material/materialx.h"
+#include "material/mitsuba.h"
 #include "support/check.h"
+#include "support/material_text.h"
 #include "support/rows.h"
 
 /* ---- MaterialX --------------------------------------------------------------------------------------------------- */
@@ -137,6 +140,45 @@ TEST(mitsuba_models_have_their_defaults) {
     }
 }
 
+/* Mitsuba's include/mitsuba/render/ior.h; outside is air. */
+TEST(indices_of_mitsuba_have_names) {
+    EVERY_ROW(row, "refractive indices of Mitsuba") {
+        for (int is_inner = 0; is_inner < 2; ++is_inner) {
+            char text[300], spec[80], number[32];
+            const double index = atof(row[1]), eta = is_inner ? index / 1.000277 : 2.5 / index;
+            if (is_inner ? index < 1.1 : index > 2)
+                continue;
+            snprintf(text, sizeof text, "<bsdf type='roughplastic'><string name='%s_ior' value='%s'/>%s</bsdf>",
+                     is_inner ? "int" : "ext", row[0], is_inner ? "" : "<float name='int_ior' value='2.5'/>");
+            snprintf(spec, sizeof spec, "rough-plastic:eta=%s", nqm_format_double(number, sizeof number, eta));
+            nqm_materials *materials = text_as_materials("x.xml", text);
+            assert_string_equal(nqm_materials_get(materials, 0).spec, spec);
+            nqm_materials_free(materials);
+        }
+    }
+}
+
+/* Sums over the indices of the renderer Tungsten (src/core/bsdfs/ComplexIorData.hpp; negative ones are 0) with weights by name and
+ * channel: a wrong digit changes one of them. */
+TEST(metals_are_those_of_their_source) {
+    char names[300], *save = NULL;
+    double eta = 0, k = 0;
+    size_t n = 0;
+    nqm_metal_names(names, sizeof names);
+    assert_string_equal(strtok_r(names, ", ", &save), "none");
+    for (const char *name; (name = strtok_r(NULL, ", ", &save)); ++n)
+        for (size_t c = 0; c < 3; ++c) {
+            const double weight = (double)((size_t)name[0] + 256 * (size_t)name[1] + 1000 * strlen(name) + c);
+            eta += weight * nqm_metal_find(name)->eta[c];
+            k += weight * nqm_metal_find(name)->k[c];
+        }
+    assert_int_equal(n, 32);
+    assert_near(eta, 5454669.317148253, 1e-5);
+    assert_near(k, 6442084.853825048, 1e-5);
+    assert_ptr_equal(nqm_metal_find("Au_palik"), nqm_metal_find("Au"));
+    assert_ptr_not_equal(nqm_metal_find("Cu_palik"), nqm_metal_find("Cu"));
+}
+
 /* ---- colour spaces ----------------------------------------------------------------------------------------------- */
 
 static void multiply(double a[3][3], double b[3][3], double out[3][3]) {
@@ -261,4 +303,20 @@ TEST(colour_spaces_have_their_primaries_and_curves) {
                              rgb[i], expected[i][k % 3] * decoded(spaces[s].curve, v));
         }
     }
+}
+
+TEST(white_stays_white) {
+    for (size_t s = 0; s < sizeof spaces / sizeof *spaces; ++s) {
+        double rgb[3] = {1, 1, 1};
+        assert_true(nqm_color_to_rec709(spaces[s].name, rgb));
+        for (size_t c = 0; c < 3; ++c)
+            assert_near(rgb[c], 1, 1e-7);
+    }
+    double rgb[3] = {1, 0, 0};
+    assert_false(nqm_color_to_rec709("lin_unknown", rgb));
+}
+
+TEST(srgb_is_decoded) {
+    for (double v = 0; v <= 1; v += 0.01)
+        assert_near(nqm_srgb_to_linear(v), decoded(SRGB, v), 1e-12);
 }

@@ -4,28 +4,10 @@
  */
 #include "base/base.h"
 #include "brdf/core/spec.h"
-#include "material/material.h"
 #include "support/check.h"
+#include "support/damage.h"
+#include "support/material_text.h"
 #include "support/rows.h"
-#include "support/temp_file.h"
-
-static nqm_status read_bytes(const void *data, size_t n, const char *path, nqm_materials **materials, nqm_error *err) {
-    unsigned char *copy = malloc(n ? n : 1); /* exactly as long, for sanitizers */
-    assert_non_null(copy);
-    memcpy(copy, data, n);
-    const nqm_map map = {.data = copy, .n_bytes = n, .path = path};
-    nqm_status status = nqm_materials_read(&map, materials, err);
-    free(copy);
-    return status;
-}
-
-static nqm_materials *read_text(const char *text) {
-    nqm_materials *materials = NULL;
-    nqm_error err = {0};
-    if (read_bytes(text, strlen(text), "x.gltf", &materials, &err) != NQM_OK)
-        fail_msg("%s", err.message);
-    return materials;
-}
 
 /* A file whose only material has these members. */
 static const char *document(const char *members) {
@@ -37,12 +19,12 @@ static const char *document(const char *members) {
 /* ---- accepted ---------------------------------------------------------------------------------------------------- */
 
 TEST(occlusion_is_ignored_with_a_remark) {
-    nqm_materials *materials = read_text(document("\"occlusionTexture\": {\"index\": 0}"));
+    nqm_materials *materials = text_as_materials("x.gltf", document("\"occlusionTexture\": {\"index\": 0}"));
     const nqm_material_info info = nqm_materials_get(materials, 0);
     assert_string_equal(info.spec, "gltf:");
     assert_non_null(strstr(info.remark, "occlusion"));
     nqm_materials_free(materials);
-    materials = read_text(document("\"alphaCutoff\": 0.5"));
+    materials = text_as_materials("x.gltf", document("\"alphaCutoff\": 0.5"));
     assert_null(nqm_materials_get(materials, 0).remark);
     nqm_materials_free(materials);
 }
@@ -50,7 +32,8 @@ TEST(occlusion_is_ignored_with_a_remark) {
 /* ---- refused (most: vectors/materials.txt) ---------------------------------------------------------------------- */
 
 TEST(requirements_concern_every_material) {
-    nqm_materials *materials = read_text(
+    nqm_materials *materials = text_as_materials(
+        "x.gltf",
         "{\"asset\": {\"version\": \"2.0\"}, \"extensionsRequired\": [\"KHR_draco_mesh_compression\", \"EXT_odd\"], "
         "\"materials\": [{\"name\": \"a\"}, {}]}");
     assert_int_equal(nqm_materials_count(materials), 2);
@@ -62,34 +45,12 @@ TEST(requirements_concern_every_material) {
 /* Blanks before the text. */
 TEST(positions_are_inside_of_the_file) {
     const char *text = "\n {\"asset\": {\"version\": \"2.0\"}, \"materials\": [{\"normalTexture\": 7}]}";
-    nqm_materials *materials = read_text(text);
+    nqm_materials *materials = text_as_materials("x.gltf", text);
     assert_int_equal(nqm_materials_get(materials, 0).byte_offset, strchr(text, '7') - text);
     nqm_materials_free(materials);
 }
 
-TEST(materials_have_names) {
-    nqm_materials *materials = read_text("{\"materials\": [{\"name\": \"gold leaf\"}, {\"alphaMode\": \"OPAQUE\"}, "
-                                         "{\"normalTexture\": {}}], \"asset\": {\"version\": \"2.1\"}}");
-    assert_int_equal(nqm_materials_count(materials), 3);
-    assert_string_equal(nqm_materials_get(materials, 0).name, "gold leaf");
-    assert_string_equal(nqm_materials_get(materials, 1).name, "material2");
-    assert_null(nqm_materials_get(materials, 1).refusal);
-    assert_non_null(nqm_materials_get(materials, 2).refusal);
-    nqm_materials_free(materials);
-}
-
 /* ---- broken files ------------------------------------------------------------------------------------------------ */
-
-static void check_broken(const void *data, size_t n, int64_t byte, const char *words) {
-    nqm_materials *materials = NULL;
-    nqm_error err = {0};
-    assert_int_equal(read_bytes(data, n, "x.gltf", &materials, &err), NQM_ERR_FORMAT);
-    assert_null(materials);
-    if (!strstr(err.message, words))
-        fail_msg("%s: no '%s'", err.message, words);
-    if (byte >= 0)
-        assert_int_equal(err.byte_offset, byte);
-}
 
 /* A binary file with a JSON chunk. */
 static size_t make_glb(unsigned char *b) {
@@ -104,12 +65,10 @@ static size_t make_glb(unsigned char *b) {
 TEST(broken_binary_files_are_refused) {
     unsigned char b[256];
     const size_t n = make_glb(b);
-    nqm_materials *materials = NULL;
-    assert_int_equal(read_bytes(b, n, "x", &materials, NULL), NQM_OK);
+    nqm_materials *materials = bytes_as_materials("x", b, n);
     assert_int_equal(nqm_materials_get(materials, 0).byte_offset, n - 5 - 2);
     nqm_materials_free(materials);
-    for (size_t cut = 4; cut < n; ++cut)
-        check_broken(b, cut, -1, "x.gltf");
+    refuse_cuts("x.gltf", (blob){b, n}, 1, read_materials);
     static const struct {
         size_t at;
         uint32_t value;
@@ -120,11 +79,12 @@ TEST(broken_binary_files_are_refused) {
     for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
         make_glb(b);
         nqm_store_u32(b + cases[i].at, cases[i].value);
-        check_broken(b, n, cases[i].at == 12 && cases[i].value == 3 ? -1 : (int64_t)cases[i].at, cases[i].words);
+        refuse_bytes("x.gltf", b, n, NQM_ERR_FORMAT,
+                     cases[i].at == 12 && cases[i].value == 3 ? -1 : (int64_t)cases[i].at, cases[i].words);
     }
     make_glb(b);
     nqm_store_u32(b + 8, (uint32_t)n - 4); /* the file ends before its JSON, although more bytes follow */
-    check_broken(b, n, 12, "a chunk");
+    refuse_bytes("x.gltf", b, n, NQM_ERR_FORMAT, 12, "a chunk");
 }
 
 /* ---- written and read back --------------------------------------------------------------------------------------- */
@@ -138,9 +98,8 @@ static char *file_text(const char *path) {
     return text;
 }
 
-static void check_round_trip(const char *argument, const char *extension) {
-    char path[5000];
-    snprintf(path, sizeof path, "%s%s", temp_file, extension);
+static void check_round_trip(const char *argument, const char *name) {
+    const char *path = scratch_path(name);
     nqm_brdf *brdf = must_open(argument);
     nqm_error err = {0};
     if (nqm_material_write(nqm_brdf_get_info(brdf).spec, "some name", path, &err) != NQM_OK)
@@ -165,14 +124,13 @@ TEST(files_give_back_the_same_bits) {
         values.given |= 1;
         char *spec = nqm_spec_format(schema, &values);
         assert_non_null(spec);
-        check_round_trip(spec, i % 2 ? ".gltf" : ".GLB");
+        check_round_trip(spec, i % 2 ? "x.gltf" : "x.GLB");
         nqm_free(spec);
     }
 }
 
 TEST(files_have_the_extensions_that_they_need) {
-    char path[5000];
-    snprintf(path, sizeof path, "%s.gltf", temp_file);
+    const char *path = scratch_path("x.gltf");
     assert_int_equal(nqm_material_write("gltf:metallic=0;ior=1.5", "plain", path, NULL), NQM_OK);
     assert_null(strstr(file_text(path), "xtensions"));
     assert_int_equal(nqm_material_write("gltf:clearcoat=1;ior=1.4", "coated", path, NULL), NQM_OK);
@@ -187,8 +145,7 @@ TEST(files_have_the_extensions_that_they_need) {
 
 /* What nqm_brdf_open() refuses as a spec is not written. */
 TEST(specs_are_checked) {
-    char path[5000];
-    snprintf(path, sizeof path, "%s.gltf", temp_file);
+    const char *path = scratch_path("x.gltf");
     EVERY_ROW(row, "specs that are not written") {
         nqm_error err = {0};
         assert_int_equal(nqm_material_write(row[0], "x", path, &err), NQM_ERR_ARG);
@@ -199,13 +156,10 @@ TEST(specs_are_checked) {
 
 /* Indices between 0 and 1 are not valid in a file; their reciprocal has the same Fresnel factor. */
 TEST(files_have_valid_indices) {
-    char path[5000];
-    snprintf(path, sizeof path, "%s.gltf", temp_file);
+    const char *path = scratch_path("x.gltf");
     assert_int_equal(nqm_material_write("gltf:ior=.5", "x", path, NULL), NQM_OK);
     nqm_brdf *brdf = must_open(path);
     assert_non_null(strstr(nqm_brdf_get_info(brdf).spec, "ior=2;"));
     nqm_brdf_free(brdf);
     remove(path);
 }
-
-TEST_FILE(make_temp_file, remove_temp_file)

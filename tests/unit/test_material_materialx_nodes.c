@@ -1,35 +1,21 @@
 /* SPDX-License-Identifier: MIT
  *
- * MaterialX files with images and computed values: the value of each kind of node against NumPy, and the nodes and
- * images of textured materials.
+ * MaterialX files with images and computed values: the value of each kind of node against NumPy, and positions in images. Other
+ * textured materials are rows of vectors/materials.txt.
  */
-#include "base/memory_test.h"
 #include "material/maps.h"
 #include "support/check.h"
+#include "support/material_text.h"
 
-static nqm_status try_read(const char *text, nqm_materials **materials, nqm_error *err) {
-    const nqm_map map = {.data = (const unsigned char *)text, .n_bytes = strlen(text), .path = "folder/test.mtlx"};
-    return nqm_materials_read(&map, materials, err);
-}
-
-/* Read a document with a material M of a surface with these inputs, and other elements of the root. */
-static nqm_materials *read_surface(const char *surface, const char *attributes, const char *inputs,
-                                   const char *others) {
-    static char text[8000];
-    nqm_materials *materials;
-    nqm_error err = {0};
-    snprintf(text, sizeof text,
-             "<?xml version='1.0'?><materialx version='1.39'%s>%s<%s name='S' type='surfaceshader'>%s</%s>"
-             "<surfacematerial name='M' type='material'><input name='surfaceshader' type='surfaceshader' nodename='S'/>"
-             "</surfacematerial></materialx>",
-             attributes, others, surface, inputs, surface);
-    if (try_read(text, &materials, &err) != NQM_OK)
-        fail_msg("%s", err.message);
-    return materials;
-}
-
+/* A document with a material M of standard_surface with these inputs, and other elements of the root. */
 static nqm_materials *read_parts(const char *attributes, const char *inputs, const char *others) {
-    return read_surface("standard_surface", attributes, inputs, others);
+    static char text[8000];
+    snprintf(text, sizeof text,
+             "<?xml version='1.0'?><materialx version='1.39'%s>%s<standard_surface name='S' type='surfaceshader'>%s"
+             "</standard_surface><surfacematerial name='M' type='material'><input name='surfaceshader' "
+             "type='surfaceshader' nodename='S'/></surfacematerial></materialx>",
+             attributes, others, inputs);
+    return text_as_materials("folder/test.mtlx", text);
 }
 
 #define COLOR            "<input name='base_color' type='color3' nodename='n'/>"
@@ -51,18 +37,6 @@ static uint16_t output_of(const nqm_textured *t, const char *key) {
         ++i;
     assert_true(i < t->n_outputs);
     return t->outputs[i].node;
-}
-
-/* The value of a node where every image has this color. */
-static const double *value_with(const nqm_textured *t, uint16_t node, const double color[4]) {
-    static double values[NQM_MAX_MAP_NODES][4];
-    for (size_t i = 0; i <= node; ++i)
-        if (t->nodes[i].op == NQM_MAP_IMAGE)
-            for (size_t c = 0; c < 4; ++c)
-                values[i][c] = color[nqm_smaller(c, (size_t)t->nodes[i].n - 1)];
-        else
-            nqm_graph_node_value(&t->nodes[i], (const double(*)[4])values, values[i]);
-    return values[node];
 }
 
 TEST(values) {
@@ -178,111 +152,6 @@ TEST(coordinates) {
     }
 }
 
-/* Computed values: shared nodes are evaluated once, outputs of graphs and of nodes are followed. */
-TEST(computed) {
-    const char *graph =
-        "<nodegraph name='G'><input name='k' type='float' value='.5'/><image name='i' type='color3'>" FILE_INPUT(
-            "a.png") "</image><separate3 name='s' type='multioutput'><input name='in' type='color3' nodename='i'/>"
-                     "</separate3><multiply name='m' type='float'><input name='in1' type='float' nodename='s' "
-                     "output='outg'/><input name='in2' type='float' interfacename='k'/></multiply><mix name='x' "
-                     "type='color3'><input name='bg' type='color3' nodename='i'/><input name='fg' type='color3' "
-                     "value='1,1,1'/><input name='mix' type='float' nodename='m'/></mix><output name='c' type='color3' "
-                     "nodename='x'/><output name='r' type='float' nodename='m'/></nodegraph>";
-    const char *inputs = "<input name='base_color' type='color3' nodegraph='G' output='c'/><input "
-                         "name='specular_roughness' type='float' nodegraph='G' output='r'/>";
-    const double color[4] = {0.2, 0.6, 0.9, 1};
-    nqm_materials *materials = read_parts("", inputs, graph);
-    const nqm_textured *t = textured_of(materials, "base_color is computed by node 'x' (mix); only constants are read");
-    assert_near(value_with(t, output_of(t, "specular_roughness"), color)[0], 0.3, 1e-15);
-    assert_near(value_with(t, output_of(t, "base_color"), color)[0], 0.2 + 0.8 * 0.3, 1e-15);
-    assert_near(value_with(t, output_of(t, "base_color"), color)[2], 0.9 + 0.1 * 0.3, 1e-15);
-    assert_int_equal(t->n_images, 1);
-    assert_int_equal(t->n_nodes, 6); /* image, channel, .5, product, 1 1 1, mix */
-    nqm_materials_free(materials);
-}
-
-TEST(usd_and_gltf) {
-    const double color[4] = {0.25, 0.5, 0.75, 1};
-    nqm_materials *materials = read_surface(
-        "UsdPreviewSurface", "",
-        "<input name='diffuseColor' type='color3' nodename='n' output='rgb'/><input name='roughness' type='float' "
-        "nodename='n' output='b'/><input name='normal' type='vector3' nodename='w' output='rgb'/>",
-        "<UsdPrimvarReader name='p' type='vector2'><input name='varname' type='string' value='st'/></UsdPrimvarReader>"
-        "<UsdUVTexture name='n' type='multioutput'><input name='st' type='vector2' nodename='p'/><input name='wrapS' "
-        "type='string' value='mirror'/><input name='wrapT' type='string' value='black'/><input name='scale' "
-        "type='color4' value='.5,1,1,1'/><input name='bias' type='color4' value='.1,0,0,0'/><input name='file' "
-        "type='filename' value='a.png'/><input name='sourceColorSpace' type='string' value='sRGB'/></UsdUVTexture>"
-        "<UsdUVTexture name='w' type='multioutput'><input name='scale' type='color4' value='2,2,2,2'/><input "
-        "name='bias' type='color4' value='-1,-1,-1,0'/>" FILE_INPUT("w.png") "</UsdUVTexture>");
-    const nqm_textured *t = textured_of(materials, "diffuseColor reads the texture of node 'n'");
-    assert_string_equal(t->images[0].space, "srgb_texture");
-    assert_near(value_with(t, output_of(t, "diffuseColor"), color)[0], 0.225, 1e-15);
-    assert_near(value_with(t, output_of(t, "roughness"), color)[0], 0.75, 1e-15);
-    const double *normal = value_with(t, t->normal, (double[]){0.5, 0.75, 1, 1});
-    assert_near(normal[0], 0, 1e-15);
-    assert_near(normal[1] / normal[2], 0.5, 1e-15);
-    nqm_materials_free(materials);
-
-    materials =
-        read_surface("gltf_pbr", "",
-                     "<input name='base_color' type='color3' nodename='n' output='outcolor'/><input name='emissive' "
-                     "type='color3' "
-                     "nodename='e'/><input name='occlusion' type='float' nodename='o'/><input name='normal' "
-                     "type='vector3' "
-                     "nodename='w'/>",
-                     "<gltf_colorimage name='n' type='multioutput'><input name='color' type='color4' "
-                     "value='.5,.5,.5,1'/><input "
-                     "name='offset' type='vector2' value='.1,.2'/><input name='scale' type='vector2' "
-                     "value='2,4'/>" FILE_INPUT("a.png") "</gltf_colorimage><gltf_image name='e' "
-                                                         "type='color3'>" FILE_INPUT(
-                                                             "e.png") "</gltf_image><gltf_normalmap name='w' "
-                                                                      "type='vector3'>" FILE_INPUT("w.png") "</"
-                                                                                                            "gltf_"
-                                                                                                            "normalmap"
-                                                                                                            ">");
-    t = textured_of(materials, "base_color reads the texture of node 'n'");
-    assert_int_equal(t->n_images, 2); /* without that of the emission */
-    assert_near(value_with(t, output_of(t, "base_color"), color)[2], 0.375, 1e-15);
-    const nqm_map_node *image = t->nodes;
-    while (image->op != NQM_MAP_IMAGE)
-        ++image;
-    /* as KHR_texture_transform: offset + scale (u, v), v downwards */
-    const double uv[2][3] = {{2, 0, 0.1}, {0, 4, 0.2}};
-    for (size_t i = 0; i < 6; ++i)
-        assert_near(image->uv[i / 3][i % 3], uv[i / 3][i % 3], 1e-14);
-    assert_int_equal(t->nodes[t->normal].op, NQM_MAP_NORMAL);
-    const char *remark = nqm_materials_get(materials, 0).remark;
-    assert_true(remark && strstr(remark, "occlusion") && strstr(remark, "emission"));
-    nqm_materials_free(materials);
-}
-
-#define NORMAL_MAP                                                                                                     \
-    "<normalmap name='w' type='vector3'><input name='in' type='vector3' nodename='v'/><input name='scale' "            \
-    "type='float' value='.5'/></normalmap><image name='v' type='vector3'>" FILE_INPUT("w.png") "</image>"
-
-TEST(normals) {
-    const char *normal = "<input name='normal' type='vector3' nodename='w'/>";
-    nqm_materials *materials = read_parts("", normal, NORMAL_MAP);
-    const nqm_textured *t = textured_of(materials, "normal changes the normal; a BRDF has one normal");
-    assert_null(nqm_materials_get(materials, 0).remark);
-    const double *v = value_with(t, t->normal, (double[]){1, 0.5, 1, 1});
-    assert_near(v[0] / v[2], 0.5, 1e-15);
-    nqm_materials_free(materials);
-    char inputs[500];
-    snprintf(inputs, sizeof inputs, "%s<input name='coat' type='float' value='1'/>", normal);
-    materials = read_parts("", inputs, NORMAL_MAP);
-    textured_of(materials, "changes the normal");
-    assert_non_null(strstr(nqm_materials_get(materials, 0).remark, "coat"));
-    nqm_materials_free(materials);
-    snprintf(inputs, sizeof inputs,
-             "%s<input name='coat' type='float' value='1'/><input name='coat_normal' type='vector3' nodename='w'/>",
-             normal);
-    materials = read_parts("", inputs, NORMAL_MAP);
-    textured_of(materials, "changes the normal");
-    assert_null(nqm_materials_get(materials, 0).remark);
-    nqm_materials_free(materials);
-}
-
 /* Every sum has its predecessor twice: each is evaluated once. */
 TEST(shared_nodes) {
     char others[7000] = "<image name='n0' type='float'>" FILE_INPUT("a.png") "</image>";
@@ -299,37 +168,15 @@ TEST(shared_nodes) {
 
 /* Two materials with one shader have the same maps. */
 TEST(shared_shaders) {
-    nqm_materials *materials;
-    const char *text = "<materialx><image name='n' type='color3'>" FILE_INPUT(
-        "a.png") "</image><standard_surface name='S' type='surfaceshader'>" COLOR
-                 "</standard_surface><surfacematerial name='A'><input name='surfaceshader' nodename='S'/>"
-                 "</surfacematerial><surfacematerial name='B'><input name='surfaceshader' nodename='S'/>"
-                 "</surfacematerial></materialx>";
-    assert_int_equal(try_read(text, &materials, NULL), NQM_OK);
+    nqm_materials *materials = text_as_materials(
+        "x.mtlx", "<materialx><image name='n' type='color3'>" FILE_INPUT(
+                      "a.png") "</image><standard_surface name='S' type='surfaceshader'>" COLOR
+                               "</standard_surface><surfacematerial name='A'><input name='surfaceshader' nodename='S'/>"
+                               "</surfacematerial><surfacematerial name='B'><input name='surfaceshader' nodename='S'/>"
+                               "</surfacematerial></materialx>");
     assert_int_equal(nqm_materials_count(materials), 2);
     assert_non_null(nqm_materials_textured(materials, 0));
     assert_ptr_equal(nqm_materials_textured(materials, 0), nqm_materials_textured(materials, 1));
     assert_string_equal(nqm_materials_get(materials, 1).name, "B");
     nqm_materials_free(materials);
-}
-
-/* Every allocation fails once: no crash, no leak (under ASan); the material is refused or nothing is returned. */
-TEST(memory_runs_out) {
-    const char *text = "<materialx><standard_surface name='S' type='surfaceshader'>" COLOR
-                       "<input name='normal' type='vector3' nodename='w'/></standard_surface><image name='n' "
-                       "type='color3'>" FILE_INPUT("a.png") "</image>" NORMAL_MAP "</materialx>";
-    bool is_complete = false;
-    long n = 0;
-    for (; !is_complete && n < 200; ++n) {
-        nqm_materials *materials = NULL;
-        nqm_error err = {0};
-        nqm_alloc_fail_after(n);
-        const nqm_status status = try_read(text, &materials, &err);
-        nqm_alloc_fail_after(-1);
-        assert_true(status == NQM_OK || (status == NQM_ERR_NOMEM && !materials && err.message[0]));
-        is_complete = status == NQM_OK && nqm_materials_textured(materials, 0);
-        assert_true(status != NQM_OK || nqm_materials_get(materials, 0).refusal);
-        nqm_materials_free(materials);
-    }
-    assert_true(is_complete && n > 10);
 }

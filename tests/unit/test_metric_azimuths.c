@@ -8,7 +8,7 @@
 #include "support/allocations.h"
 #include "support/check.h"
 #include "support/scenes.h"
-#include "support/temp_file.h"
+#include "support/scratch.h"
 
 #include <nqm/label.h>
 
@@ -66,8 +66,8 @@ TEST(pictures_are_those_of_the_scene) {
 
 TEST(files_and_copies_score_the_same) {
     nqm_model *model = make_model(), *loaded, *copy;
-    assert_int_equal(nqm_model_save(model, temp_file, NULL), NQM_OK);
-    assert_int_equal(nqm_model_load(temp_file, &loaded, NULL), NQM_OK);
+    assert_int_equal(nqm_model_save(model, scratch_path("model"), NULL), NQM_OK);
+    assert_int_equal(nqm_model_load(scratch_path("model"), &loaded, NULL), NQM_OK);
     assert_int_equal(nqm_model_copy(model, &copy, NULL), NQM_OK);
     const double jod = score_specs(model, brushed, turned).jod;
     assert_true(score_specs(loaded, brushed, turned).jod == jod && score_specs(copy, brushed, turned).jod == jod);
@@ -162,8 +162,8 @@ TEST(default_takes_the_score_of_anisotropic) {
 TEST(names_do_not_make_a_model_of_the_standard_scenes) {
     const nqm_scene_options o = studio_scene();
     nqm_model *model = builtin("transport"), *file, *other;
-    assert_int_equal(nqm_model_save(model, temp_file, NULL), NQM_OK);
-    assert_int_equal(nqm_model_load(temp_file, &file, NULL), NQM_OK);
+    assert_int_equal(nqm_model_save(model, scratch_path("model"), NULL), NQM_OK);
+    assert_int_equal(nqm_model_load(scratch_path("model"), &file, NULL), NQM_OK);
     assert_int_equal(nqm_transport_create(&o, 0, 64, "transport", &other, NULL), NQM_OK);
     assert_true(score_specs(file, brushed, turned).jod == score_specs(model, brushed, turned).jod);
     assert_int_equal(score_specs(other, brushed, turned).status, NQM_ERR_INCOMPATIBLE);
@@ -236,5 +236,3 @@ TEST(functions_are_found_out) {
     nqm_brdf_free(ref);
     nqm_model_free(model);
 }
-
-TEST_FILE(make_temp_file, remove_temp_file)

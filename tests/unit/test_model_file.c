@@ -3,13 +3,14 @@
  * Model files: written data are read back and used in place; the message names every missing, extra, misshapen or
  * non-finite tensor, the checksum detects all damage; and the meaning of the raw output in JOD.
  */
-#include "base/memory_test.h"
 #include "io/io.h"
 #include "kernel/half.h"
 #include "model/model.h"
 #include "net/inference.h"
 #include "percept/percept.h"
+#include "support/allocations.h"
 #include "support/check.h"
+#include "support/damage.h"
 
 #include <nqm/train.h>
 
@@ -19,12 +20,6 @@ enum { N_DIRECTIONS = 4, MAX_TENSORS = 40 };
 static bool with_network = true, with_scalars, with_transport;
 enum { MAX_POINTS = 3 * NQM_TRANSPORT_POINTS };
 static size_t n_points = NQM_TRANSPORT_POINTS;
-
-static const char *path_of_output(void) {
-    static char path[64];
-    snprintf(path, sizeof path, "test_net_model.%ld.tmp", (long)getpid());
-    return path;
-}
 
 /* Two scenes of as many points each. */
 static void add_transport(struct nqm_model *model) {
@@ -94,9 +89,9 @@ static unsigned char *read_file(const char *path, size_t *n_bytes) {
 
 static unsigned char *model_file(size_t *n_bytes) {
     struct nqm_model *model = make_model();
-    assert_int_equal(nqm_model_save(model, path_of_output(), NULL), NQM_OK);
+    assert_int_equal(nqm_model_save(model, scratch_path("model"), NULL), NQM_OK);
     nqm_model_free(model);
-    return read_file(path_of_output(), n_bytes);
+    return read_file(scratch_path("model"), n_bytes);
 }
 
 static float output_of(const struct nqm_model *model) {
@@ -115,8 +110,8 @@ static float output_of(const struct nqm_model *model) {
 TEST(round_trip) {
     size_t n, n_again;
     struct nqm_model *made = make_model(), *model;
-    assert_int_equal(nqm_model_save(made, path_of_output(), NULL), NQM_OK);
-    unsigned char *file = read_file(path_of_output(), &n);
+    assert_int_equal(nqm_model_save(made, scratch_path("model"), NULL), NQM_OK);
+    unsigned char *file = read_file(scratch_path("model"), &n);
     assert_int_equal(nqm_model_parse(file, n, "f", true, &model, NULL), NQM_OK);
     assert_int_equal(model->params.n, made->params.n);
     assert_null(model->params.block); /* weights are used in place */
@@ -168,8 +163,8 @@ TEST(round_trip) {
         assert_string_equal(texts[i][0], texts[i][1]);
     assert_int_equal(strlen(model->sha256), 64);
     /* saving again must give the same bytes */
-    assert_int_equal(nqm_model_save(model, path_of_output(), NULL), NQM_OK);
-    unsigned char *again = read_file(path_of_output(), &n_again);
+    assert_int_equal(nqm_model_save(model, scratch_path("model"), NULL), NQM_OK);
+    unsigned char *again = read_file(scratch_path("model"), &n_again);
     assert_int_equal(n_again, n);
     assert_memory_equal(again, file, n);
     nqm_model_free(model);
@@ -245,8 +240,8 @@ TEST(weights_in_half) {
     }
     assert_memory_equal(copy->params.layer[2].w, made->params.layer[2].w, made->params.shape.sizes[2] * sizeof(float));
     unsigned char *whole = model_file(&n_whole);
-    assert_int_equal(nqm_model_save(copy, path_of_output(), NULL), NQM_OK);
-    unsigned char *file = read_file(path_of_output(), &n), *shifted = nqm_alloc(n + 1, 1);
+    assert_int_equal(nqm_model_save(copy, scratch_path("model"), NULL), NQM_OK);
+    unsigned char *file = read_file(scratch_path("model"), &n), *shifted = nqm_alloc(n + 1, 1);
     assert_near((double)(n_whole - n), (double)(2 * (n_first + 16 * 5)), 64); /* the header's length may differ */
     memcpy(shifted + 1, file, n);
     assert_int_equal(nqm_model_parse(file, n, "f", true, &model, NULL), NQM_OK);
@@ -255,8 +250,8 @@ TEST(weights_in_half) {
     nqm_model_free(copy);
     assert_int_equal(nqm_model_copy(odd, &copy, NULL), NQM_OK);
     assert_true(output_of(model) == output_of(odd) && output_of(copy) == output_of(odd));
-    assert_int_equal(nqm_model_save(copy, path_of_output(), NULL), NQM_OK);
-    unsigned char *again = read_file(path_of_output(), &n_again);
+    assert_int_equal(nqm_model_save(copy, scratch_path("model"), NULL), NQM_OK);
+    unsigned char *again = read_file(scratch_path("model"), &n_again);
     assert_int_equal(n_again, n);
     assert_memory_equal(again, file, n);
     made->params.layer[1].w[7] = 65520;
@@ -267,6 +262,14 @@ TEST(weights_in_half) {
     unsigned char *blocks[] = {whole, file, shifted, again};
     for (size_t i = 0; i < 4; ++i)
         nqm_free(blocks[i]);
+}
+
+static nqm_status read_model(const nqm_map *map, nqm_error *err) {
+    struct nqm_model *model;
+    const nqm_status status = nqm_model_parse(map->data, map->n_bytes, map->path, true, &model, err);
+    assert_true((status == NQM_OK) == (model != NULL));
+    nqm_model_free(model);
+    return status;
 }
 
 TEST(damage) {
@@ -281,13 +284,7 @@ TEST(damage) {
     assert_int_equal(nqm_model_parse(file, n, "f", false, &model, NULL), NQM_OK); /* without verification */
     nqm_model_free(model);
     file[n - 1] ^= 1;
-    for (size_t cut = 0; cut < n; ++cut) {
-        unsigned char *part = malloc(cut ? cut : 1);
-        memcpy(part, file, cut);
-        assert_int_equal(nqm_model_parse(part, cut, "f", true, &model, &err), NQM_ERR_FORMAT);
-        assert_null(model);
-        free(part);
-    }
+    refuse_cuts("my.model", (blob){file, n}, 1, read_model);
     nqm_free(file);
 }
 
@@ -330,9 +327,9 @@ static void must_be_refused(const contents *c, const char *says) {
     size_t n;
     struct nqm_model *model;
     nqm_error err = {0};
-    assert_int_equal(nqm_safetensors_write(path_of_output(), c->n_tensors, c->tensors, c->n_meta, c->meta, NULL, NULL),
-                     NQM_OK);
-    unsigned char *file = read_file(path_of_output(), &n);
+    assert_int_equal(
+        nqm_safetensors_write(scratch_path("model"), c->n_tensors, c->tensors, c->n_meta, c->meta, NULL, NULL), NQM_OK);
+    unsigned char *file = read_file(scratch_path("model"), &n);
     assert_int_equal(nqm_model_parse(file, n, "f", true, &model, &err), NQM_ERR_MODEL);
     assert_null(model);
     if (!strstr(err.message, says))
@@ -529,19 +526,11 @@ static void neither_network_nor_transport(void **state) {
 TEST(out_of_memory) {
     size_t n;
     unsigned char *file = model_file(&n);
-    struct nqm_model *model = NULL;
-    nqm_status status = NQM_ERR_NOMEM;
-    long count = 0;
-    for (; status == NQM_ERR_NOMEM; ++count) {
-        assert_true(count < 100);
-        nqm_alloc_fail_after(count);
-        status = nqm_model_parse(file, n, "f", true, &model, NULL);
-        nqm_alloc_fail_after(-1);
-        assert_true((status == NQM_OK) == (model != NULL));
-    }
-    assert_int_equal(status, NQM_OK);
-    assert_true(count > 8);
-    nqm_model_free(model);
+    nqm_status status = NQM_OK;
+    long count = -1;
+    EVERY_ALLOCATION(count, status, 0)
+    status = read_model(&(nqm_map){.data = file, .n_bytes = n, .path = "f"}, NULL);
+    assert_true(count > 7);
     nqm_free(file);
 }
 

@@ -7,7 +7,7 @@
 #include "support/check.h"
 #include "support/predict.h"
 #include "support/rows.h"
-#include "support/temp_file.h"
+#include "support/scratch.h"
 
 #include <nqm/train.h>
 
@@ -37,8 +37,8 @@ static struct nqm_model *make_model(void) {
 TEST(test_file_round_trip) {
     struct nqm_model *model = make_model();
     nqm_model *loaded;
-    assert_int_equal(nqm_model_save(model, temp_file, NULL), NQM_OK);
-    assert_int_equal(nqm_model_load(temp_file, &loaded, NULL), NQM_OK);
+    assert_int_equal(nqm_model_save(model, scratch_path("model"), NULL), NQM_OK);
+    assert_int_equal(nqm_model_load(scratch_path("model"), &loaded, NULL), NQM_OK);
     nqm_model_info info = nqm_model_get_info(loaded);
     assert_string_equal(info.id, "small");
     assert_int_equal(strlen(info.sha256), 64);
@@ -63,8 +63,8 @@ TEST(test_from_memory) {
     nqm_map map;
     nqm_error err = {0};
     assert_int_equal(nqm_golden_make(model, &model->golden, NULL), NQM_OK);
-    assert_int_equal(nqm_model_save(model, temp_file, NULL), NQM_OK);
-    assert_int_equal(nqm_map_open(temp_file, &map, NULL), NQM_OK);
+    assert_int_equal(nqm_model_save(model, scratch_path("model"), NULL), NQM_OK);
+    assert_int_equal(nqm_map_open(scratch_path("model"), &map, NULL), NQM_OK);
     unsigned char *bytes = nqm_alloc(map.n_bytes, 1);
     memcpy(bytes, map.data, map.n_bytes);
     assert_int_equal(nqm_model_from_memory(bytes, map.n_bytes, "here", &loaded, NULL), NQM_OK);
@@ -88,8 +88,8 @@ TEST(test_golden_scores) {
     assert_int_equal(nqm_golden_check(model, &err), NQM_ERR_MODEL);
     assert_non_null(strstr(err.message, "no golden scores"));
     assert_int_equal(nqm_golden_make(model, &model->golden, NULL), NQM_OK);
-    assert_int_equal(nqm_model_save(model, temp_file, NULL), NQM_OK);
-    assert_int_equal(nqm_model_load(temp_file, &loaded, NULL), NQM_OK);
+    assert_int_equal(nqm_model_save(model, scratch_path("model"), NULL), NQM_OK);
+    assert_int_equal(nqm_model_load(scratch_path("model"), &loaded, NULL), NQM_OK);
     assert_int_equal(nqm_golden_check(loaded, NULL), NQM_OK);
     assert_non_null(strstr(loaded->golden, "\"jod\":"));
     /* the check must detect a change of any step from samples to JOD */
@@ -112,9 +112,9 @@ TEST(test_refusals_name_the_file) {
     assert_null(model);
     struct nqm_model *bad = make_model();
     bad->directions->degrees[4] = 95;
-    assert_int_equal(nqm_model_save(bad, temp_file, NULL), NQM_OK);
-    assert_int_equal(nqm_model_load(temp_file, &model, &err), NQM_ERR_MODEL);
-    assert_non_null(strstr(err.message, temp_file));
+    assert_int_equal(nqm_model_save(bad, scratch_path("model"), NULL), NQM_OK);
+    assert_int_equal(nqm_model_load(scratch_path("model"), &model, &err), NQM_ERR_MODEL);
+    assert_non_null(strstr(err.message, scratch_path("model")));
     assert_non_null(strstr(err.message, "direction 2"));
     assert_null(model);
     nqm_model_free(bad);
@@ -172,8 +172,8 @@ TEST(test_named_scalars) {
     static const char some[] = "bias_grazing,log_ma_loge,ref_peak,peak,log_rmse";
     struct nqm_model *all = make_with_scalars(NULL, some), *few = make_with_scalars(some, some);
     nqm_model *loaded;
-    assert_int_equal(nqm_model_save(few, temp_file, NULL), NQM_OK);
-    assert_int_equal(nqm_model_load(temp_file, &loaded, NULL), NQM_OK);
+    assert_int_equal(nqm_model_save(few, scratch_path("model"), NULL), NQM_OK);
+    assert_int_equal(nqm_model_load(scratch_path("model"), &loaded, NULL), NQM_OK);
     assert_int_equal(nqm_model_n_scalars(loaded), 5);
     assert_string_equal(loaded->scalar_names, some);
     float ref[3 * N], test[3 * N];
@@ -205,11 +205,11 @@ TEST(test_other_scalars) {
         nqm_free(model->scalar_names);
         model->scalar_names = nqm_alloc(64, 1);
         snprintf(model->scalar_names, 64, "ref_peak,%s", row[0]);
-        assert_int_equal(nqm_model_save(model, temp_file, NULL), NQM_OK);
-        assert_int_equal(nqm_model_load(temp_file, &loaded, &err), NQM_ERR_MODEL);
+        assert_int_equal(nqm_model_save(model, scratch_path("model"), NULL), NQM_OK);
+        assert_int_equal(nqm_model_load(scratch_path("model"), &loaded, &err), NQM_ERR_MODEL);
         assert_null(loaded);
         assert_non_null(strstr(err.message, row[1]));
-        assert_non_null(strstr(err.message, temp_file));
+        assert_non_null(strstr(err.message, scratch_path("model")));
         nqm_model_free(model);
     }
 }
@@ -263,5 +263,3 @@ TEST(test_selftest) {
     assert_int_equal(t.n_failed, 0);
     assert_int_equal(nqm_selftest(NULL, NULL, NULL), NQM_OK);
 }
-
-TEST_FILE(make_temp_file, remove_temp_file)

@@ -8,6 +8,7 @@
 #include "render/render.h"
 #include "support/check.h"
 #include "support/scenes.h"
+#include "support/scratch.h"
 #include <nqm/label.h>
 
 #include <malloc.h>
@@ -18,21 +19,14 @@ size_t __sanitizer_get_current_allocated_bytes(void); /* GCC of Debian 12 comes 
 
 /* ---- files and scenes -------------------------------------------------------------------------------------------- */
 
-static char bowl_path[] = "/tmp/nqm-bowl-XXXXXX", roof_path[] = "/tmp/nqm-roof-XXXXXX";
-static char white_path[] = "/tmp/nqm-white-XXXXXX", lamp_path[] = "/tmp/nqm-lamp-XXXXXX";
-
-static FILE *make_file(char *path) {
-    int fd = mkstemp(path);
-    assert_true(fd >= 0);
-    FILE *f = fdopen(fd, "wb");
-    assert_non_null(f);
-    return f;
-}
+static const char *bowl_path, *roof_path, *white_path, *lamp_path;
 
 /* A hemisphere that is open towards +z, with exact normals. */
 static void write_bowl(void) {
     enum { RINGS = 60, SECTORS = 200 };
-    FILE *f = make_file(bowl_path);
+    bowl_path = scratch_path("bowl.obj");
+    FILE *f = fopen(bowl_path, "wb");
+    assert_non_null(f);
     for (int i = 0; i <= RINGS; ++i)
         for (int j = 0; j < SECTORS; ++j) {
             double w[3];
@@ -47,18 +41,11 @@ static void write_bowl(void) {
     fclose(f);
 }
 
-/* A floor of 2 x 2 at height 0 and a roof of 1 x 1 at height 1 above its centre. */
-static void write_roof(void) {
-    FILE *f = make_file(roof_path);
-    fputs("v -1 0 -1\nv -1 0 1\nv 1 0 1\nv 1 0 -1\nv -.5 1 -.5\nv -.5 1 .5\nv .5 1 .5\nv .5 1 -.5\n"
-          "f 1 2 3 4\nf 5 6 7 8\n",
-          f);
-    fclose(f);
-}
-
 /* A Radiance file of 8 x 4 pixels or more: all pixels equal, or all black except one. */
-static void write_map(char *path, int width, int bright) {
-    FILE *f = make_file(path);
+static const char *write_map(const char *name, int width, int bright) {
+    const char *path = scratch_path(name);
+    FILE *f = fopen(path, "wb");
+    assert_non_null(f);
     int height = width / 2;
     fprintf(f, "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y %d +X %d\n", height, width);
     for (int i = 0; i < width * height; ++i) {
@@ -67,23 +54,17 @@ static void write_map(char *path, int width, int bright) {
         fwrite(pixel, 1, 4, f);
     }
     fclose(f);
+    return path;
 }
 
 static int make_files(void **state) {
     (void)state;
     write_bowl();
-    write_roof();
-    write_map(white_path, 4, -1);
-    write_map(lamp_path, 256, 0); /* at the zenith */
-    return 0;
-}
-
-static int remove_files(void **state) {
-    (void)state;
-    unlink(bowl_path);
-    unlink(roof_path);
-    unlink(white_path);
-    unlink(lamp_path);
+    /* a floor of 2 x 2 at height 0 and a roof of 1 x 1 at height 1 above its centre */
+    roof_path = scratch_text("roof.obj", "v -1 0 -1\nv -1 0 1\nv 1 0 1\nv 1 0 -1\nv -.5 1 -.5\nv -.5 1 .5\nv .5 1 .5\n"
+                                         "v .5 1 -.5\nf 1 2 3 4\nf 5 6 7 8\n");
+    white_path = write_map("white.hdr", 4, -1);
+    lamp_path = write_map("lamp.hdr", 256, 0); /* at the zenith */
     return 0;
 }
 
@@ -389,7 +370,7 @@ TEST(out_of_memory) {
     check_scene_without_memory(&o, 300);
 }
 
-TEST_FILE(make_files, remove_files)
+TEST_FILE(make_files, NULL)
 
 /* A build without Embree has no meshes. */
 static bool has_meshes(void) {

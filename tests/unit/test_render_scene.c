@@ -9,6 +9,7 @@
 #include "render/render.h"
 #include "support/check.h"
 #include "support/scenes.h"
+#include "support/scratch.h"
 #include "support/vectors.h"
 #include <nqm/label.h>
 
@@ -85,16 +86,16 @@ static nqm_scene *make_sphere(const char *path, size_t n_points, size_t n_lights
 }
 
 /* A Radiance file of 8 x 4 equal pixels (uncompressed, because rows are too short for run-length coding). */
-static void write_constant_map(char *path, unsigned char mantissa) {
-    int fd = mkstemp(path);
-    assert_true(fd >= 0);
-    FILE *f = fdopen(fd, "wb");
+static const char *write_constant_map(const char *name, unsigned char mantissa) {
+    const char *path = scratch_path(name);
+    FILE *f = fopen(path, "wb");
     assert_non_null(f);
     fputs("#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 4 +X 8\n", f);
     const unsigned char pixel[4] = {mantissa, mantissa, mantissa, 130};
     for (int i = 0; i < 32; ++i)
         fwrite(pixel, 1, 4, f);
     fclose(f);
+    return path;
 }
 
 static double label(const nqm_scene *scene, const nqm_brdf *ref, const nqm_brdf *test) {
@@ -186,9 +187,7 @@ TEST(sky_has_the_contrast_of_a_real_one) {
 /* ---- pictures against closed forms ------------------------------------------------------------------------------- */
 
 TEST(white_furnace) {
-    char path[] = "/tmp/nqm-white-XXXXXX";
-    write_constant_map(path, 77);
-    nqm_scene *scene = make_sphere(path, 300, 384, 5);
+    nqm_scene *scene = make_sphere(write_constant_map("white.hdr", 77), 300, 384, 5);
     nqm_brdf *white = make_gloss(1, 0, 1);
     double *rgb = render_scene(scene, white);
     for (size_t i = 0; i < 3 * nqm_scene_count(scene); ++i)
@@ -196,7 +195,6 @@ TEST(white_furnace) {
     nqm_free(rgb);
     nqm_brdf_free(white);
     nqm_scene_free(scene);
-    unlink(path);
 }
 
 TEST(sphere_under_a_small_lamp) {
@@ -485,10 +483,7 @@ TEST(bad_options_and_lights) {
     o = good, o.exposure_cdm2 = NAN, expect_no_scene(o, NQM_ERR_ARG);
     o = good, o.peak_cdm2 = 0, expect_no_scene(o, NQM_ERR_ARG);
     o = good, o.light = "/nowhere/light.exr", expect_no_scene(o, NQM_ERR_IO);
-    char path[] = "/tmp/nqm-black-XXXXXX";
-    write_constant_map(path, 0);
-    o = good, o.light = path, o.n_points = 20, expect_no_scene(o, NQM_ERR_FORMAT);
-    unlink(path);
+    o = good, o.light = write_constant_map("black.hdr", 0), o.n_points = 20, expect_no_scene(o, NQM_ERR_FORMAT);
 }
 
 TEST(out_of_memory) {

@@ -9,7 +9,7 @@
 #include "sample/sample.h"
 #include "support/allocations.h"
 #include "support/check.h"
-#include "support/temp_file.h"
+#include "support/scratch.h"
 
 #include <pthread.h>
 
@@ -181,22 +181,15 @@ TEST(test_options_are_checked) {
     assert_int_equal(nqm_directions_from_degrees(0, outside[0], &directions, NULL), NQM_ERR_ARG);
 }
 
-static void write_text(const char *text) {
-    FILE *file = fopen(temp_file, "wb");
-    assert_non_null(file);
-    fputs(text, file);
-    assert_int_equal(fclose(file), 0);
-}
-
 TEST(test_csv_round_trip) {
     nqm_directions *directions = create(NULL, 0, NULL), *back;
-    assert_int_equal(nqm_directions_save_csv(directions, temp_file, NULL), NQM_OK);
-    assert_int_equal(nqm_directions_load_csv(temp_file, &back, NULL), NQM_OK);
+    assert_int_equal(nqm_directions_save_csv(directions, scratch_path("directions.csv"), NULL), NQM_OK);
+    assert_int_equal(nqm_directions_load_csv(scratch_path("directions.csv"), &back, NULL), NQM_OK);
     assert_string_equal(nqm_directions_id(directions), nqm_directions_id(back));
     nqm_directions_free(back);
     nqm_directions_free(directions);
-    write_text("material,Phi_D,theta_h,theta_d\nfelt,10,20,30\n");
-    assert_int_equal(nqm_directions_load_csv(temp_file, &back, NULL), NQM_OK);
+    scratch_text("directions.csv", "material,Phi_D,theta_h,theta_d\nfelt,10,20,30\n");
+    assert_int_equal(nqm_directions_load_csv(scratch_path("directions.csv"), &back, NULL), NQM_OK);
     assert_near(nqm_directions_degrees(back)[0], 20, 0);
     assert_near(nqm_directions_degrees(back)[1], 30, 0);
     assert_near(nqm_directions_degrees(back)[2], 10, 0);
@@ -206,10 +199,10 @@ TEST(test_csv_round_trip) {
 static void refuse(const char *text, const char *words) {
     nqm_directions *directions;
     nqm_error err = {0};
-    write_text(text);
-    assert_int_equal(nqm_directions_load_csv(temp_file, &directions, &err), NQM_ERR_FORMAT);
+    scratch_text("directions.csv", text);
+    assert_int_equal(nqm_directions_load_csv(scratch_path("directions.csv"), &directions, &err), NQM_ERR_FORMAT);
     assert_null(directions);
-    assert_non_null(strstr(err.message, temp_file));
+    assert_non_null(strstr(err.message, scratch_path("directions.csv")));
     if (!strstr(err.message, words))
         fail_msg("'%s' does not say '%s'", err.message, words);
 }
@@ -235,5 +228,3 @@ TEST(test_out_of_memory) {
     }
     nqm_brdf_free(brdf);
 }
-
-TEST_FILE(make_temp_file, remove_temp_file)

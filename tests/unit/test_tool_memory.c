@@ -6,23 +6,15 @@
  */
 #include "brdf/formats/format.h"
 #include "io/xml.h"
-#include "material/material.h"
 #include "nqm/score/pair_list.h"
 #include "support/check.h"
+#include "support/damage.h"
+#include "support/rows.h"
 
 #include <sys/resource.h>
 #include <sys/wait.h>
 
 enum { MEGA = 1 << 20, MAX_RATIO = 10 };
-
-/* A text: head, then `unit` until it has n bytes, then tail. */
-typedef struct text_shape {
-    const char *name, *head, *unit, *tail;
-    size_t n;
-    nqm_status (*read)(const nqm_map *map, nqm_error *err);
-    nqm_status status;
-    const char *message; /* a part of the error's */
-} text_shape;
 
 static nqm_status read_nothing(const nqm_map *map, nqm_error *err) {
     (void)map, (void)err;
@@ -36,13 +28,6 @@ static nqm_status read_list(const nqm_map *map, nqm_error *err) {
     return status;
 }
 
-static nqm_status read_csv(const nqm_map *map, nqm_error *err) {
-    nqm_csv *csv;
-    const nqm_status status = nqm_csv_parse((const char *)map->data, map->n_bytes, map->path, &csv, err);
-    nqm_csv_free(csv);
-    return status;
-}
-
 static nqm_status read_directions(const nqm_map *map, nqm_error *err) {
     nqm_brdf *brdf;
     nqm_map own = *map; /* the BRDF would unmap it */
@@ -50,30 +35,15 @@ static nqm_status read_directions(const nqm_map *map, nqm_error *err) {
     return status;
 }
 
-static nqm_status read_mesh(const nqm_map *map, nqm_error *err) {
-    nqm_mesh mesh;
-    const nqm_status status = nqm_mesh_parse(map, &mesh, err);
-    nqm_mesh_free(&mesh);
-    return status;
-}
-
-/* The text is the header. */
-static nqm_status read_safetensors(const nqm_map *map, nqm_error *err) {
-    nqm_safetensors *st;
+/* The text is the header of a safetensors file. */
+static nqm_status read_header(const nqm_map *map, nqm_error *err) {
     unsigned char *data = malloc(map->n_bytes + 8);
     assert_non_null(data);
     nqm_store_u64(data, map->n_bytes);
     memcpy(data + 8, map->data, map->n_bytes);
-    const nqm_status status = nqm_safetensors_parse(data, map->n_bytes + 8, map->path, &st, err);
-    nqm_safetensors_free(st);
+    const nqm_status status =
+        read_safetensors(&(nqm_map){.data = data, .n_bytes = map->n_bytes + 8, .path = map->path}, err);
     free(data);
-    return status;
-}
-
-static nqm_status read_materials(const nqm_map *map, nqm_error *err) {
-    nqm_materials *materials;
-    const nqm_status status = nqm_materials_read(map, &materials, err);
-    nqm_materials_free(materials);
     return status;
 }
 
@@ -84,131 +54,86 @@ static nqm_status read_xml(const nqm_map *map, nqm_error *err) {
     return status;
 }
 
-static char *make_text(const text_shape *s, size_t *n_ret) {
-    const size_t n_head = strlen(s->head), n_unit = strlen(s->unit), n_tail = strlen(s->tail);
-    const size_t n_units = (s->n - n_head - n_tail) / n_unit;
-    char *text = malloc(n_head + n_units * n_unit + n_tail + 1);
-    assert_non_null(text);
-    memcpy(text, s->head, n_head);
-    for (size_t i = 0; i < n_units; ++i)
-        memcpy(text + n_head + i * n_unit, s->unit, n_unit);
-    memcpy(text + n_head + n_units * n_unit, s->tail, n_tail + 1);
-    *n_ret = n_head + n_units * n_unit + n_tail;
-    return text;
+static byte_reader reader_of(const char *name) {
+    static const struct {
+        const char *name;
+        byte_reader read;
+    } readers[] = {{"list", read_list},
+                   {"csv", read_csv},
+                   {"directions", read_directions},
+                   {"mesh", read_mesh},
+                   {"safetensors", read_header},
+                   {"materials", read_materials},
+                   {"xml", read_xml}};
+    size_t i = 0;
+    while (strcmp(readers[i].name, name) != 0)
+        assert_true(++i < sizeof readers / sizeof *readers);
+    return readers[i].read;
 }
 
-static int read_and_compare(const text_shape *s, const nqm_map *map) {
+/* `head`, then `unit` until it has n bytes, then `tail`. */
+static blob make_text(const char *head, const char *unit, const char *tail, size_t n) {
+    const size_t n_head = strlen(head), n_unit = strlen(unit), n_tail = strlen(tail);
+    const size_t n_units = (n - n_head - n_tail) / n_unit;
+    blob b = {malloc(n), n_head + n_units * n_unit + n_tail};
+    assert_non_null(b.data);
+    memcpy(b.data, head, n_head);
+    for (size_t i = 0; i < n_units; ++i)
+        memcpy(b.data + n_head + i * n_unit, unit, n_unit);
+    memcpy(b.data + n_head + n_units * n_unit, tail, n_tail);
+    return b;
+}
+
+static int read_and_compare(const nqm_map *map, byte_reader read, nqm_status expected, const char *words) {
     nqm_error err = {0};
-    const nqm_status status = s->read(map, &err);
-    if (status == s->status && (status == NQM_OK || strstr(err.message, s->message)))
+    const nqm_status status = read(map, &err);
+    if (status == expected && (status == NQM_OK || strstr(err.message, words)))
         return 0;
-    fprintf(stderr, "%s: status %d, '%s'\n", s->name, (int)status, err.message);
+    fprintf(stderr, "%s: status %d, '%s'\n", map->path, (int)status, err.message);
     return 1;
 }
 
 /* The largest resident set of a process that reads the text, bytes. */
-static size_t measure(const text_shape *s, const nqm_map *map) {
+static size_t measure(const nqm_map *map, byte_reader read, nqm_status expected, const char *words) {
     const pid_t child = fork();
     assert_true(child >= 0);
     if (child == 0)
-        _exit(read_and_compare(s, map));
+        _exit(read_and_compare(map, read, expected, words));
     int status = 0;
     struct rusage usage;
     assert_int_equal(wait4(child, &status, 0, &usage), child);
     if (status != 0)
-        fail_msg("%s: the reader ended with %d", s->name, status);
+        fail_msg("%s: the reader ended with %d", map->path, status);
     return (size_t)usage.ru_maxrss * 1024;
 }
 
-static void check_shape(const text_shape *s, size_t room) {
-    size_t n;
-    char *text = make_text(s, &n);
-    const nqm_map map = {.data = (const unsigned char *)text, .n_bytes = n, .path = s->name};
-    const text_shape baseline = {.name = "nothing", .read = read_nothing};
-    const size_t base = measure(&baseline, &map), peak = measure(s, &map), extra = peak > base ? peak - base : 0;
-    print_message("%-28s %5.1f MB: %6.1f MB, %4.1f times\n", s->name, (double)n / MEGA, (double)extra / MEGA,
-                  (double)extra / (double)n);
-    /* Sanitizers keep freed memory and copies of their own. */
-    if (!getenv("NQM_SANITIZE") && extra > nqm_larger(MAX_RATIO * n, room))
-        fail_msg("%s: %zu bytes of memory for a file of %zu", s->name, extra, n);
-    free(text);
-}
-
-#define LIST "{\"reference\":\"a\",\"test\":\"b\""
-#define PLY                                                                                                            \
-    "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\nelement face 1\n"  \
-    "property list int int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n"
-
-static const text_shape lists[] = {
-    {"CSV, columns", "reference,test", ",a", "\n", 3 * MEGA, read_list, NQM_ERR_LIMIT, "at most 16384"},
-    {"CSV, empty columns", "reference,test", ",", "\n", 3 * MEGA, read_csv, NQM_ERR_LIMIT, "columns (byte 0)"},
-    {"CSV, short rows", "reference,test\n", "a,b\n", "", 3 * MEGA, read_list, NQM_OK, ""},
-    {"CSV, empty fields", "a,b,c,d,e,f,g,h\n", ",,,,,,,\n", "", 3 * MEGA, read_csv, NQM_OK, ""},
-    {"CSV, one column", "a\n", "1\n", "", 3 * MEGA, read_csv, NQM_OK, ""},
-    {"CSV, blank lines", "a\n", "\n", "", 3 * MEGA, read_csv, NQM_OK, ""},
-    {"CSV, equal directions", "theta_h,theta_d,phi_d,r,g,b\n", "9,9,9,1,1,1\n", "", 3 * MEGA, read_directions,
-     NQM_ERR_LIMIT, "no complete grid"},
-    {"JSON Lines", "", LIST "}\n", "", 3 * MEGA, read_list, NQM_OK, ""},
-    {"JSON Lines, blank lines", LIST "}\n", "\n", "", 3 * MEGA, read_list, NQM_OK, ""},
-    {"JSON Lines, colons", LIST "}\n", LIST ",\"c\":\":::::::::::::::::\"}\n", "", 3 * MEGA, read_list, NQM_OK, ""},
-    {"JSON Lines, many members", "", LIST ",\"c\":1,\"d\":2,\"e\":3,\"f\":4,\"g\":5,\"h\":6}\n", "", 3 * MEGA,
-     read_list, NQM_OK, ""},
-    {"JSON Lines, empty arrays", LIST ",\"c\":[", "[],", "[]]}\n", 3 * MEGA, read_list, NQM_ERR_LIMIT, "limit for"},
-    {"JSON Lines, numbers", LIST ",\"c\":[", "12345678,", "0]}\n", 3 * MEGA, read_list, NQM_OK, ""},
-};
-
-static const text_shape trees[] = {
-    {"safetensors, empty arrays", "{\"x\":[", "[],", "[]]}", 3 * MEGA, read_safetensors, NQM_ERR_LIMIT, "limit for"},
-    {"safetensors, numbers", "{\"x\":[", "0,", "0]}", 3 * MEGA, read_safetensors, NQM_ERR_LIMIT, "limit for"},
-    {"glTF, empty objects", "{\"asset\":{\"version\":\"2.0\"},\"materials\":[", "{},", "{}]}", 3 * MEGA, read_materials,
-     NQM_ERR_LIMIT, "limit for"},
-    {"glTF, many materials", "{\"asset\":{\"version\":\"2.0\"},\"materials\":[",
-     "{\"pbrMetallicRoughness\":{\"baseColorFactor\":[0.1250,0.1250,0.1250,1.0000]},\"doubleSided\":false,\"name\":"
-     "\"0\"},\n",
-     "{}]}", 3 * MEGA, read_materials, NQM_ERR_LIMIT, "more than 16384 materials"},
-    {"glTF, minified materials", "{\"asset\":{\"version\":\"2.0\"},\"materials\":[",
-     "{\"name\":\"a\",\"pbrMetallicRoughness\":{\"baseColorFactor\":[1,0.5,0.5,1],\"roughnessFactor\":0.5}},", "{}]}",
-     MEGA, read_materials, NQM_OK, ""},
-    {"glTF, minified accessors", "{\"asset\":{\"version\":\"2.0\"},\"materials\":[{\"name\":\"a\"}],\"accessors\":[",
-     "{\"bufferView\":12,\"componentType\":5126,\"count\":1024,\"max\":[1.5,2,3],\"min\":[-1,-2,0],\"type\":\"VEC3\"},",
-     "{}]}", 6 * MEGA, read_materials, NQM_OK, ""},
-    {"Mitsuba JSON", "{\"type\":\"scene\",\"a\":[", "{},", "0]}", 3 * MEGA, read_materials, NQM_ERR_LIMIT, "limit for"},
-    {"XML, empty elements", "<scene>", "<a/>", "</scene>", 3 * MEGA, read_xml, NQM_ERR_LIMIT, "elements at byte"},
-    {"XML, short elements", "<scene>", "<bsdf type=\"diffuse\"/>", "</scene>", 3 * MEGA, read_xml, NQM_OK, ""},
-    {"XML, attributes", "<scene>", "<a a=\"\" b=\"\" c=\"\" d=\"\" e=\"\" f=\"\"/>", "</scene>", 3 * MEGA, read_xml,
-     NQM_OK, ""},
-    {"Mitsuba XML, defaults", "<scene>", "<default name=\"a\" value=\"1\"/>", "</scene>", 3 * MEGA, read_materials,
-     NQM_ERR_LIMIT, "more than 1000 defaults"},
-    {"pbrt, materials", "", "Material \"diffuse\"\n", "", 3 * MEGA, read_materials, NQM_ERR_LIMIT,
-     "more than 16384 materials"},
-    {"pbrt, values", "Material \"diffuse\" \"float a\" [", " 1", "]\n", 3 * MEGA, read_materials, NQM_OK, ""},
-};
-
-static const text_shape meshes[] = {
-    {"OBJ, one face", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf", " 1 2 3", "\n", 3 * MEGA, read_mesh, NQM_OK, ""},
-    {"OBJ, one face, normals", "v 0 0 0\nv 1 0 0\nv 0 1 0\nvn 0 0 1\nf", " 1//1 2//1 3//1", "\n", 3 * MEGA, read_mesh,
-     NQM_OK, ""},
-    {"OBJ, one triangle", "v 0 0 0\nv 1 0 0\nv 0 1 0\n", "f 1 2 3\n", "", 3 * MEGA, read_mesh, NQM_OK, ""},
-    {"OBJ, vertices", "", "v 0 0 0\n", "f 1 2 3\n", 3 * MEGA, read_mesh, NQM_OK, ""},
-    {"PLY, one face", PLY "500001", " 0 1 2", "\n", 3 * MEGA, read_mesh, NQM_OK, ""},
-};
-
-/* room: bytes that every file may take. */
-static void check_shapes(size_t n, const text_shape *shapes, size_t room) {
-    for (size_t i = 0; i < n; ++i)
-        check_shape(&shapes[i], room);
+/* Rows: name, reader, megabytes, head, unit, tail, status, words of the message. room: bytes that every file may take. */
+static void check_memory(const char *table, size_t room) {
+    EVERY_ROW(row, table) {
+        blob b = make_text(row[3], row[4], row[5], (size_t)atoi(row[2]) * MEGA);
+        const nqm_map map = {.data = b.data, .n_bytes = b.n_bytes, .path = row[0]};
+        const size_t base = measure(&map, read_nothing, NQM_OK, "");
+        const size_t peak = measure(&map, reader_of(row[1]), status_of(row[6]), row[7]);
+        const size_t extra = peak > base ? peak - base : 0;
+        print_message("%-28s %5.1f MB: %6.1f MB, %4.1f times\n", row[0], (double)b.n_bytes / MEGA, (double)extra / MEGA,
+                      (double)extra / (double)b.n_bytes);
+        /* Sanitizers keep freed memory and copies of their own. */
+        if (!getenv("NQM_SANITIZE") && extra > nqm_larger(MAX_RATIO * b.n_bytes, room))
+            fail_msg("%s: %zu bytes of memory for a file of %zu", row[0], extra, b.n_bytes);
+        blob_free(&b);
+    }
 }
 
 TEST(memory_of_lists) {
-    check_shapes(sizeof lists / sizeof *lists, lists, 0);
+    check_memory("memory of lists", 0);
 }
 
 TEST(memory_of_trees) {
-    check_shapes(sizeof trees / sizeof *trees, trees, NQM_JSON_ROOM);
+    check_memory("memory of trees", NQM_JSON_ROOM);
 }
 
 TEST(memory_of_meshes) {
-    check_shapes(sizeof meshes / sizeof *meshes, meshes, 0);
+    check_memory("memory of meshes", 0);
 }
 
 /* Coincident triangles: a ray would meet all of them. Both windings of a triangle stay. */

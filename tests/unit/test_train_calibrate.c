@@ -7,7 +7,7 @@
 #include "judge/evaluate.h"
 #include "metric/metric.h"
 #include "support/check.h"
-#include "support/temp_file.h"
+#include "support/scratch.h"
 #include "support/tiny_model.h"
 #include "support/toy_dataset.h"
 #include "support/training.h"
@@ -36,8 +36,8 @@ static void assert_interval(const nqm_model *model, double jod, double low, doub
 
 TEST(tables_are_interpolated_and_stored) {
     nqm_model *model = calibrated_model(), *read;
-    assert_int_equal(nqm_model_save(model, temp_file, NULL), NQM_OK);
-    assert_int_equal(nqm_model_load(temp_file, &read, NULL), NQM_OK);
+    assert_int_equal(nqm_model_save(model, scratch_path("model"), NULL), NQM_OK);
+    assert_int_equal(nqm_model_load(scratch_path("model"), &read, NULL), NQM_OK);
     for (int i = 0; i < 2; ++i) {
         const nqm_model *m = i ? read : model;
         assert_interval(m, 8, 6, 9);
@@ -57,8 +57,8 @@ TEST(tables_are_interpolated_and_stored) {
 TEST(models_without_have_none) {
     nqm_model *model, *read;
     assert_int_equal(make_tiny_model(20, &model, NULL), NQM_OK);
-    assert_int_equal(nqm_model_save(model, temp_file, NULL), NQM_OK);
-    assert_int_equal(nqm_model_load(temp_file, &read, NULL), NQM_OK);
+    assert_int_equal(nqm_model_save(model, scratch_path("model"), NULL), NQM_OK);
+    assert_int_equal(nqm_model_load(scratch_path("model"), &read, NULL), NQM_OK);
     double low, high;
     nqm_model_interval(read, 8, 0, 0, &low, &high);
     assert_true(isnan(low) && isnan(high));
@@ -79,12 +79,12 @@ TEST(broken_tables_are_refused) {
         nqm_model *model = calibrated_model(), *read = NULL;
         nqm_error err = {0};
         model->interval[(size_t)breaks[i][0]] = breaks[i][1];
-        assert_int_equal(nqm_model_save(model, temp_file, NULL), NQM_OK);
-        assert_int_equal(nqm_model_load(temp_file, &read, &err), NQM_ERR_MODEL);
+        assert_int_equal(nqm_model_save(model, scratch_path("model"), NULL), NQM_OK);
+        assert_int_equal(nqm_model_load(scratch_path("model"), &read, &err), NQM_ERR_MODEL);
         assert_non_null(strstr(err.message, "interval"));
         model->interval[(size_t)breaks[i][0]] = NAN;
-        assert_int_equal(nqm_model_save(model, temp_file, NULL), NQM_OK);
-        assert_int_equal(nqm_model_load(temp_file, &read, &err), NQM_ERR_MODEL);
+        assert_int_equal(nqm_model_save(model, scratch_path("model"), NULL), NQM_OK);
+        assert_int_equal(nqm_model_load(scratch_path("model"), &read, &err), NQM_ERR_MODEL);
         nqm_model_free(model);
     }
     assert_non_null(nqm_interval_table_fault(1, small_table));
@@ -102,8 +102,8 @@ static void rename_in_header(nqm_map *map, unsigned char *copy, const char *from
 TEST(table_and_text_go_together) {
     nqm_model *model = calibrated_model(), *read;
     nqm_map map;
-    assert_int_equal(nqm_model_save(model, temp_file, NULL), NQM_OK);
-    assert_int_equal(nqm_map_open(temp_file, &map, NULL), NQM_OK);
+    assert_int_equal(nqm_model_save(model, scratch_path("model"), NULL), NQM_OK);
+    assert_int_equal(nqm_map_open(scratch_path("model"), &map, NULL), NQM_OK);
     unsigned char *copy = malloc(map.n_bytes);
     rename_in_header(&map, copy, "\"calibration\"", "\"calibratiox\"");
     assert_int_equal(nqm_model_parse(copy, map.n_bytes, "m", false, &read, NULL), NQM_ERR_MODEL);
@@ -153,17 +153,19 @@ static nqm_train_options quick(const char *recipe) {
 }
 
 static int train_once(void **state) {
+    (void)state;
     toy_options toy = toy_options_default();
     toy.n_groups = 48;
     dataset = toy_dataset(&toy);
     nqm_train_options o = quick("nqm");
-    return make_temp_file(state) || nqm_train(dataset, &o, &trained, &report, NULL) != NQM_OK;
+    return nqm_train(dataset, &o, &trained, &report, NULL) != NQM_OK;
 }
 
 static int forget(void **state) {
+    (void)state;
     nqm_model_free(trained);
     nqm_dataset_free(dataset);
-    return remove_temp_file(state);
+    return 0;
 }
 
 static size_t count_in(const char *text, const char *word) {
@@ -203,7 +205,7 @@ TEST(existing_models_are_calibrated) {
     nqm_model *read;
     nqm_calibration c;
     assert_int_equal(save_calibrated(trained, dataset, 0, &c, NULL), NQM_OK);
-    assert_int_equal(nqm_model_load(temp_file, &read, NULL), NQM_OK);
+    assert_int_equal(nqm_model_load(scratch_path("model"), &read, NULL), NQM_OK);
     assert_int_equal(read->n_interval, trained->n_interval);
     for (size_t i = 0; i < 3 * read->n_interval; ++i) /* another batch size changes the rounding of predictions */
         assert_near(read->interval[i], trained->interval[i], 1e-3);

@@ -8,7 +8,7 @@
 #include "metric/metric.h"
 #include "support/check.h"
 #include "support/predict.h"
-#include "support/temp_file.h"
+#include "support/scratch.h"
 #include "support/toy_dataset.h"
 #include "support/training.h"
 #include "train/calibrate.h"
@@ -34,17 +34,19 @@ static nqm_dataset *some_pairs(size_t pairs_per_ref) {
 }
 
 static int begin(void **state) {
+    (void)state;
     dataset = some_pairs(12);
     nqm_train_options o = quick("nqm");
     /* saving predicts, so copies share the data that the first prediction creates */
-    return make_temp_file(state) || nqm_train(dataset, &o, &trained, NULL, NULL) != NQM_OK ||
-           nqm_model_save(trained, temp_file, NULL) != NQM_OK;
+    return nqm_train(dataset, &o, &trained, NULL, NULL) != NQM_OK ||
+           nqm_model_save(trained, scratch_path("model"), NULL) != NQM_OK;
 }
 
 static int end(void **state) {
+    (void)state;
     nqm_model_free(trained);
     nqm_dataset_free(dataset);
-    return remove_temp_file(state);
+    return 0;
 }
 
 static void scalars_of(size_t pair, double *scalars) {
@@ -183,8 +185,8 @@ TEST(models_of_samples_have_none) {
 
 TEST(files_hold_the_measure) {
     nqm_model *read;
-    assert_int_equal(nqm_model_save(trained, temp_file, NULL), NQM_OK);
-    assert_int_equal(nqm_model_load(temp_file, &read, NULL), NQM_OK);
+    assert_int_equal(nqm_model_save(trained, scratch_path("model"), NULL), NQM_OK);
+    assert_int_equal(nqm_model_load(scratch_path("model"), &read, NULL), NQM_OK);
     assert_true(read->novelty_unit == trained->novelty_unit && read->novelty_growth == trained->novelty_growth);
     for (size_t pair = 0; pair < dataset->n_pairs; pair += 7)
         assert_true(novelty_of(read, pair) == novelty_of(trained, pair));
@@ -195,8 +197,8 @@ TEST(older_files_have_none) {
     nqm_model *read;
     struct nqm_model older = *trained;
     older.n_novelty = 0;
-    assert_int_equal(nqm_model_save(&older, temp_file, NULL), NQM_OK);
-    assert_int_equal(nqm_model_load(temp_file, &read, NULL), NQM_OK);
+    assert_int_equal(nqm_model_save(&older, scratch_path("model"), NULL), NQM_OK);
+    assert_int_equal(nqm_model_load(scratch_path("model"), &read, NULL), NQM_OK);
     assert_true(isnan(novelty_of(read, 0)));
     double low, high, low_at, high_at;
     nqm_model_interval(read, 8, 3, 0, &low, &high);
@@ -221,8 +223,8 @@ TEST(broken_measures_are_refused) {
             points[5] = INFINITY;
             broken.novelty_points = points;
         }
-        assert_int_equal(nqm_model_save(&broken, temp_file, NULL), NQM_OK);
-        assert_int_equal(nqm_model_load(temp_file, &read, &err), NQM_ERR_MODEL);
+        assert_int_equal(nqm_model_save(&broken, scratch_path("model"), NULL), NQM_OK);
+        assert_int_equal(nqm_model_load(scratch_path("model"), &read, &err), NQM_ERR_MODEL);
         assert_non_null(strstr(err.message, "novelty."));
         free(points);
     }
@@ -234,15 +236,15 @@ TEST(features_of_errors_in_files) {
     nqm_model *read;
     changed.spread_growth[NQM_SPREAD_PEAK] = 0.5;
     changed.interval_floor[3] = 0.25;
-    assert_int_equal(nqm_model_save(&changed, temp_file, NULL), NQM_OK);
-    assert_int_equal(nqm_model_load(temp_file, &read, NULL), NQM_OK);
+    assert_int_equal(nqm_model_save(&changed, scratch_path("model"), NULL), NQM_OK);
+    assert_int_equal(nqm_model_load(scratch_path("model"), &read, NULL), NQM_OK);
     assert_memory_equal(read->spread_growth, changed.spread_growth, sizeof changed.spread_growth);
     assert_memory_equal(read->interval_floor, changed.interval_floor, sizeof changed.interval_floor);
     nqm_model_free(read);
     memset(changed.spread_growth, 0, sizeof changed.spread_growth);
     memset(changed.interval_floor, 0, sizeof changed.interval_floor); /* a file of an earlier version */
-    assert_int_equal(nqm_model_save(&changed, temp_file, NULL), NQM_OK);
-    assert_int_equal(nqm_model_load(temp_file, &read, NULL), NQM_OK);
+    assert_int_equal(nqm_model_save(&changed, scratch_path("model"), NULL), NQM_OK);
+    assert_int_equal(nqm_model_load(scratch_path("model"), &read, NULL), NQM_OK);
     assert_false(nqm_model_has_spread(read));
     nqm_model_free(read);
     for (int which = 0; which < 3; ++which) {
@@ -252,8 +254,8 @@ TEST(features_of_errors_in_files) {
         changed.spread_growth[0] = which == 1 ? NQM_NOVELTY_MAX_GROWTH + 1 : 1;
         if (which == 2)
             changed.spread_growth[1] = NAN;
-        assert_int_equal(nqm_model_save(&changed, temp_file, NULL), NQM_OK);
-        assert_int_equal(nqm_model_load(temp_file, &read, &err), NQM_ERR_MODEL);
+        assert_int_equal(nqm_model_save(&changed, scratch_path("model"), NULL), NQM_OK);
+        assert_int_equal(nqm_model_load(scratch_path("model"), &read, &err), NQM_ERR_MODEL);
         assert_non_null(strstr(err.message, which ? "interval.spread" : "interval.floor"));
     }
 }
@@ -295,9 +297,9 @@ TEST(calibrating_again_keeps_the_points) {
     nqm_dataset *other = some_pairs(11);
     const size_t n_bytes = trained->n_novelty * NQM_SCALAR_COUNT * NQM_NOVELTY_BLOCK * sizeof(float);
     assert_int_equal(save_calibrated(trained, dataset, 0, &c, NULL), NQM_OK);
-    assert_int_equal(nqm_model_load(temp_file, &again, NULL), NQM_OK);
+    assert_int_equal(nqm_model_load(scratch_path("model"), &again, NULL), NQM_OK);
     assert_int_equal(save_calibrated(trained, other, 1, &c, NULL), NQM_OK); /* not trained on it */
-    assert_int_equal(nqm_model_load(temp_file, &elsewhere, NULL), NQM_OK);
+    assert_int_equal(nqm_model_load(scratch_path("model"), &elsewhere, NULL), NQM_OK);
     assert_int_equal(again->n_novelty, trained->n_novelty);
     assert_int_equal(elsewhere->n_novelty, trained->n_novelty);
     assert_memory_equal(again->novelty_points, trained->novelty_points, n_bytes);

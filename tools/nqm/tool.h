@@ -121,6 +121,8 @@ nqm_scene *open_judge(const char *loss, const char *transport);
 /** Whether there is a built-in model of this name. */
 bool is_builtin(const char *name);
 nqm_brdf *open_brdf(const char *argument);
+/** Say on standard error that rows of a list give a direction again. */
+void note_repeated(const nqm_brdf *brdf);
 /** Stop when the argument, which is to be a BRDF, is the name of a built-in model or nearly so, and no file. open_brdf() and
  *  take_names() do. */
 void refuse_model_name(const char *argument);

@@ -6,7 +6,8 @@
  * of the light over a full turn. Rows may also give the polar angles and azimuths of light and viewer; light and viewer
  * are then never exchanged, and a grid is one of theta_i, theta_o and phi = phi_o - phi_i, as goniometers measure it:
  * rows of a theta of 0 may be given once for all phi, and up to a quarter of the other rows may be missing. If pairs
- * recur at other phi_i with other values the list is anisotropic, and no grid.
+ * recur at other phi_i with other values the list is anisotropic, and no grid. Rows that give a direction again count by their
+ * mean.
  */
 #include "brdf/formats/listed.h"
 
@@ -92,7 +93,7 @@ static nqm_status read_angles(const nqm_csv *csv, const char *path, size_t row, 
     nqm_half_diff_full_from_pair(wi, wo, to->hd);
     to->phi_i = angle[1];
     to->at[1] = angle[2];
-    to->at[2] = round_angle(angle[3] - angle[1]);
+    to->at[2] = angle[3] - angle[1];
     return NQM_OK;
 }
 
@@ -214,6 +215,51 @@ static nqm_status refuse_radians(const nqm_list *l, nqm_error *err) {
         l->path, theta, phi);
 }
 
+static int compare_directions(const nqm_listed *x, const nqm_listed *y) {
+    int order = nqm_compare_doubles(&x->phi_i, &y->phi_i);
+    for (size_t k = 0; k < 3 && !order; ++k)
+        order = nqm_compare_doubles(x->at + k, y->at + k);
+    return order;
+}
+
+/* By direction, then by value, so that the order of the file does not matter; for qsort(). */
+static int compare_rows(const void *a, const void *b) {
+    const nqm_listed *x = a, *y = b;
+    int order = compare_directions(x, y);
+    for (size_t c = 0; c < 3 && !order; ++c)
+        order = isnan(x->rgb[c]) - isnan(y->rgb[c]) + (x->rgb[c] > y->rgb[c]) - (x->rgb[c] < y->rgb[c]);
+    return order;
+}
+
+/* Replace rows of one direction by their mean. The azimuth of the light is a part of the direction if it counts; phi is one modulo its
+ * period. */
+static void merge_repeated(nqm_list *l) {
+    size_t n_kept = 0;
+    const double period = l->is_reciprocal ? NQM_PI : 2 * NQM_PI;
+    for (size_t i = 0; i < l->n; ++i) {
+        nqm_listed *row = &l->rows[i];
+        row->at[2] = round_angle(row->at[2] - period * floor(row->at[2] / period + 1e-9));
+        row->phi_i = l->is_anisotropic ? row->phi_i : 0;
+    }
+    qsort(l->rows, l->n, sizeof *l->rows, compare_rows);
+    for (size_t i = 0, m; i < l->n; i += m) {
+        double sum[3] = {0};
+        size_t n_values = 0;
+        for (m = 0; i + m < l->n && compare_directions(&l->rows[i], &l->rows[i + m]) == 0; ++m) {
+            const nqm_listed *row = &l->rows[i + m];
+            n_values += isnan(row->rgb[0]) ? 0 : 1;
+            for (size_t c = 0; c < 3 && !isnan(row->rgb[0]); ++c)
+                sum[c] += (double)row->rgb[c];
+        }
+        nqm_listed mean = l->rows[i];
+        for (size_t c = 0; c < 3 && n_values > 1; ++c)
+            mean.rgb[c] = (float)(sum[c] / (double)n_values);
+        l->rows[n_kept++] = mean;
+    }
+    l->n_repeated = l->n - n_kept;
+    l->n = n_kept;
+}
+
 static nqm_status read_rows(const nqm_csv *csv, nqm_list *l, nqm_error *err) {
     layout columns;
     nqm_status status = find_columns(csv, l->path, &columns, err);
@@ -232,6 +278,8 @@ static nqm_status read_rows(const nqm_csv *csv, nqm_list *l, nqm_error *err) {
         status = find_anisotropy(l, err);
     if (status == NQM_OK && l->has_pairs && !l->is_anisotropic)
         fold(l);
+    if (status == NQM_OK)
+        merge_repeated(l);
     return status;
 }
 
@@ -426,10 +474,17 @@ static nqm_status wrap_grid(const nqm_list *l, nqm_grid *grid, size_t n_missing,
              "%zu %s x %zu %s x %zu %s, linear between them, at most %.3g, %.3g and %.3g degrees apart", grid->n[0],
              axis[0], grid->n[1], axis[1], grid->n[2], axis[2], largest_gap(grid, 0), largest_gap(grid, 1),
              largest_gap(grid, 2));
+    if (l->n_repeated)
+        snprintf(text + strlen(text), sizeof text - strlen(text), "; the mean of repeated ones (%zu rows)",
+                 l->n_repeated);
     if (n_missing)
         snprintf(text + strlen(text), sizeof text - strlen(text), "; %zu of %zu nodes have no row", n_missing,
                  grid->n[0] * grid->n[1] * grid->n[2]);
-    const nqm_brdf_info info = {.name = name, .layout = text, .n_values = 3 * l->n, .reciprocal = l->is_reciprocal};
+    const nqm_brdf_info info = {.name = name,
+                                .layout = text,
+                                .n_values = 3 * l->n,
+                                .n_repeated = l->n_repeated,
+                                .reciprocal = l->is_reciprocal};
     return nqm_brdf_wrap(l->has_pairs ? &pair_class : &grid_class, grid, &info, brdf_ret, err);
 }
 

@@ -21,6 +21,7 @@ typedef struct nqm_list {
     const char *path;
     size_t n;
     nqm_listed *rows;    /* (n) */
+    size_t n_repeated;   /* rows of the file that gave a direction again: the mean is in `rows` */
     bool is_reciprocal;  /* each row also counts with light and viewer exchanged */
     bool has_pairs;      /* rows are light and viewer */
     bool is_anisotropic; /* their azimuths count; only if has_pairs */

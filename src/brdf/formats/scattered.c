@@ -147,23 +147,31 @@ static size_t expand(const nqm_list *l, sample *out, size_t *n_used) {
     return n_out;
 }
 
-/* Sort by direction, equal ones in the order of the file. */
+/* Sort by direction, equal ones in the order of the list, which is sorted. */
 static int compare_samples(const void *a, const void *b) {
-    const sample *x = *(const sample *const *)a, *y = *(const sample *const *)b;
+    const sample *x = *(sample *const *)a, *y = *(sample *const *)b;
     const int order = memcmp(x, y, offsetof(sample, rgb));
     return order ? order : (x > y) - (x < y);
 }
 
-/* Remove all but the last sample of a direction, which is the one that counts: a search passes over all samples near a direction.
- * sorted: scratch (n). Returns the number of those that stay, in their order. */
-static size_t drop_repeated(size_t n, sample *list, const sample **sorted) {
+/* Replace samples of one direction (by exchange, too) by the first, with their mean value. sorted: scratch (n). Returns the number
+ * of those that stay, in their order. */
+static size_t merge_repeated(size_t n, sample *list, sample **sorted) {
     size_t n_kept = 0;
     for (size_t i = 0; i < n; ++i)
         sorted[i] = list + i;
     qsort(sorted, n, sizeof *sorted, compare_samples);
-    for (size_t i = 0; i + 1 < n; ++i)
-        if (memcmp(sorted[i], sorted[i + 1], offsetof(sample, rgb)) == 0)
-            list[sorted[i] - list].rgb[0] = NAN;
+    for (size_t i = 0, m; i < n; i += m) {
+        double sum[3] = {0};
+        for (m = 0; i + m < n && memcmp(sorted[i], sorted[i + m], offsetof(sample, rgb)) == 0; ++m) {
+            for (size_t c = 0; c < 3; ++c)
+                sum[c] += (double)sorted[i + m]->rgb[c];
+            sorted[i]->is_exchanged &= sorted[i + m]->is_exchanged;
+            sorted[i + m]->rgb[0] = m ? NAN : sorted[i]->rgb[0];
+        }
+        for (size_t c = 0; c < 3 && m > 1; ++c)
+            sorted[i]->rgb[c] = (float)(sum[c] / (double)m);
+    }
     for (size_t i = 0; i < n; ++i)
         if (!isnan(list[i].rgb[0]))
             list[n_kept++] = list[i];
@@ -188,7 +196,7 @@ nqm_status nqm_scattered_create(const nqm_list *list, double tolerance, const ch
     scattered *t;
     double *theta;
     sample *sorted, *unsorted;
-    const sample **repeated;
+    sample **repeated;
     nqm_indexed *order;
     nqm_status status = nqm_alloc_arrays(
         NQM_ARRAYS({&t, 1, sizeof *t}, {&theta, most, sizeof *theta}, {&sorted, most, sizeof *sorted}), err);
@@ -201,7 +209,7 @@ nqm_status nqm_scattered_create(const nqm_list *list, double tolerance, const ch
         *t = (scattered){
             .reach = 2 * sin(tolerance / 2), .turns = !list->is_anisotropic, .theta = theta, .sample = sorted};
         t->n = expand(list, unsorted, &n_used);
-        t->n = drop_repeated(t->n, unsorted, repeated);
+        t->n = merge_repeated(t->n, unsorted, repeated);
         sort(t, unsorted, order);
         nqm_free(unsorted);
         if (t->n == 0)
@@ -212,10 +220,17 @@ nqm_status nqm_scattered_create(const nqm_list *list, double tolerance, const ch
         nqm_free(t);
         return status;
     }
-    char layout[100];
+    char layout[160];
     snprintf(layout, sizeof layout, "%zu directions%s, values within %g degrees of them", n_used,
              list->is_anisotropic ? " with azimuths" : "", tolerance * 180 / NQM_PI);
-    nqm_brdf_info info = {.name = name, .layout = layout, .n_values = 3 * n_used, .reciprocal = list->is_reciprocal};
+    if (list->n_repeated)
+        snprintf(layout + strlen(layout), sizeof layout - strlen(layout), "; the mean of repeated ones (%zu rows)",
+                 list->n_repeated);
+    nqm_brdf_info info = {.name = name,
+                          .layout = layout,
+                          .n_values = 3 * n_used,
+                          .n_repeated = list->n_repeated,
+                          .reciprocal = list->is_reciprocal};
     info.isotropic = !list->is_anisotropic;
     return nqm_brdf_wrap(&scattered_class, t, &info, brdf_ret, err);
 }
