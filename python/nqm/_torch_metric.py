@@ -184,9 +184,9 @@ class Metric(torch.nn.Module):
         return torch.where(defined, value, torch.full_like(value, math.nan))
 
     def _bound(self, f: torch.Tensor, g: torch.Tensor, u: torch.Tensor, delta_e: torch.Tensor) -> torch.Tensor:
-        """Delta-E is at most 120 times the largest log ratio, if that is a factor below 1.65."""
-        worst = ((torch.log(g + _DARK) - torch.log(f + _DARK)).abs() * u[..., None]).flatten(-2).amax(-1)
-        return torch.where(worst < math.log(1.65), torch.minimum(delta_e, 120 * worst), delta_e)
+        """Delta-E is at most 165 times the largest log ratio, if that is a factor below 1.65."""
+        worst = ((torch.log(g + 5e-6) - torch.log(f + 5e-6)).abs() * u[..., None]).flatten(-2).amax(-1)
+        return torch.where(worst < math.log(1.65), torch.minimum(delta_e, 165 * worst), delta_e)
 
     def _jod(self, delta_e: torch.Tensor) -> torch.Tensor:
         b1, b2, b3 = self._curve

@@ -194,3 +194,13 @@ run 0 score sgd:nickel ward:nickel
 grep -q '^seen apart: how similar people find the two materials' "$dir/out" || fail "'seen apart' is not explained"
 run 0 score sgd:red-fabric sgd:chrome
 [ -z "$(awk 'length($0) > 80' "$dir/out")" ] || fail "lines wider than a terminal: $(awk 'length($0) > 80' "$dir/out")"
+
+# Dark pairs: the bound from ratios of samples must not hide what the pictures show. Labels: 7.21, 3.19, 8.12 (standard errors below .02).
+for row in '.001 .002 7.0 7.5' '0 .001 3.0 3.5'; do
+    # shellcheck disable=SC2086
+    set -- $row
+    "$tool" score lambert:kd="$1" lambert:kd="$2" -q >"$dir/out"
+    awk -v low="$3" -v high="$4" '{ exit !($1 > low && $1 < high) }' "$dir/out" || fail "albedo $1 and $2: $(cat "$dir/out")"
+done
+"$tool" score 'ggx:kd=.001;alpha=.4;ks=.02' 'ggx:kd=.002;alpha=.4;ks=.02' -q >"$dir/out"
+awk '{ exit !($1 > 7.9 && $1 < 8.3) }' "$dir/out" || fail "dark plastic: $(cat "$dir/out")"

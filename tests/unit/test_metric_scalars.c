@@ -41,8 +41,8 @@ TEST(the_bound_of_delta_e) {
     const float ref[6] = {1, 1, 1, 0.5F, 0.5F, 0.5F}, test[6] = {1, 1.1F, 1, 0.5F, 0.5F, 0.4F},
                 far[6] = {1, 1, 1, 1, 1, 1};
     const uint8_t first[2] = {1, 0};
-    assert_near(nqm_delta_e_bound(2, &(nqm_sample_pair){ref, test, NULL}), 120 * log(0.503 / 0.403), 1e-4);
-    assert_near(nqm_delta_e_bound(2, &(nqm_sample_pair){ref, test, first}), 120 * log(1.103 / 1.003), 1e-4);
+    assert_near(nqm_delta_e_bound(2, &(nqm_sample_pair){ref, test, NULL}), 165 * log(0.500005 / 0.400005), 1e-4);
+    assert_near(nqm_delta_e_bound(2, &(nqm_sample_pair){ref, test, first}), 165 * log(1.100005 / 1.000005), 1e-4);
     assert_near(nqm_delta_e_bound(2, &(nqm_sample_pair){ref, ref, NULL}), 0, 0);
     assert_true(isinf(nqm_delta_e_bound(2, &(nqm_sample_pair){ref, far, NULL})));
 }

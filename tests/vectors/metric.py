@@ -163,9 +163,9 @@ def score(ref, test, used, t, metadata):
     value = targets[0] + mean + std * (low + (high - low) / (1 + math.exp(-z)))
     if metadata["target"] == "jod":
         return None, value
-    delta_e, worst = math.exp(value), np.abs(np.log((test + DARK) / (ref + DARK)))[used].max()
+    delta_e, worst = math.exp(value), np.abs(np.log((test + 5e-6) / (ref + 5e-6)))[used].max()
     if worst < math.log(1.65):
-        delta_e = min(delta_e, 120 * worst)
+        delta_e = min(delta_e, 165 * worst)
     b1, b2, b3 = t["jod_curve"]
     return delta_e, 10 / (1 + math.exp(b1 * (delta_e**b3 + b2))) if delta_e > 1e-9 else 10
 
