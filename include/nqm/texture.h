@@ -29,6 +29,7 @@ typedef struct nqm_texture_info {
     size_t n_bytes;       /**< of the decoded maps */
     const char
         *varying; /**< the properties that maps change, separated by blanks: "base_color roughness normal"; "": none */
+    const char *remark; /**< what of the file or folder is not used or assumed: "not used: a_ao.png"; "": nothing */
 } nqm_texture_info;
 
 /**

@@ -215,7 +215,7 @@ class MaterialInfo(Structure):
 class TextureInfo(Structure):
     _c_name_ = "nqm_texture_info"
     _fields_ = [("name", c_char_p), ("model", c_char_p), ("width", c_size_t), ("height", c_size_t), ("n_images", c_size_t),
-                ("n_bytes", c_size_t), ("varying", c_char_p)]
+                ("n_bytes", c_size_t), ("varying", c_char_p), ("remark", c_char_p)]
 
 
 class TextureMap(Structure):

@@ -33,6 +33,7 @@ class MapsInfo:
     height: int
     n_images: int
     varying: Tuple[str, ...]
+    remark: str = ""
 
 
 class Material:
@@ -86,7 +87,7 @@ class Material:
         """Facts about the material."""
         i = lib.nqm_texture_get_info(self._handle, None)
         return MapsInfo(i.name.decode("utf-8", "replace"), i.model.decode(), i.width, i.height, i.n_images,
-                        tuple(i.varying.decode().split()))
+                        tuple(i.varying.decode().split()), i.remark.decode("utf-8", "replace"))
 
     def __repr__(self) -> str:
         i = self.info

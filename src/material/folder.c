@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
  * Textured materials that are no file of a renderer: a list of maps
- * ("maps:base_color=a.png;roughness=b.png;model=gltf"), and a folder whose maps are found by the names that Poly Haven,
- * ambientCG and MatSynth give them.
+ * ("maps:base_color=a.png;roughness=b.png;model=gltf"), and a folder whose maps are found by the names that libraries and
+ * exporters give them.
  */
 #include "material/materialx.h"
 
@@ -38,10 +38,13 @@ static nqm_status fail_key(const nqm_textured *t, const char *entry, nqm_error *
 
 /* ---- one map ----------------------------------------------------------------------------------------------------- */
 
+/* Of what a map has to do with its key. */
+typedef enum reading { AS_IS, INVERTED } reading;
+
 /* Let a key, or NULL: the normal, have the values of a file. channel: of those keys that have one value; of the normal
  * 1: its y points downwards. */
 static nqm_status add_map(nqm_textured *t, const nqm_rule *key, const char *from, const char *file, size_t channel,
-                          nqm_error *err) {
+                          reading how, nqm_error *err) {
     const char *dot = strrchr(file, '.');
     const bool is_coded = key && key->n == 3 && !(dot && strcasecmp(dot, ".exr") == 0);
     size_t image;
@@ -50,6 +53,8 @@ static nqm_status add_map(nqm_textured *t, const nqm_rule *key, const char *from
     uint16_t node = nqm_graph_image_at(t, image, channel == 3 ? 4 : 3, NULL, NULL);
     if (key) {
         node = key->n == 1 ? nqm_graph_channel(t, node, channel) : node;
+        if (how == INVERTED)
+            node = nqm_graph_compute(t, NQM_MAP_SUBTRACT, 1, nqm_graph_number(t, 1), node, 0);
         nqm_graph_output_set(t, key->key, node);
     } else {
         const double scale[2] = {1, channel ? -1 : 1};
@@ -92,7 +97,7 @@ static nqm_status add_entry(nqm_textured *t, char *entry, nqm_error *err) {
     if (n)
         nqm_shading_set(&t->shading, entry, n, v);
     const size_t channel = read_channel(value, is_normal);
-    return n ? NQM_OK : add_map(t, key, "", value, channel, err);
+    return n ? NQM_OK : add_map(t, key, "", value, channel, AS_IS, err);
 }
 
 static nqm_status find_list_model(nqm_textured *t, const char *list, nqm_error *err) {
@@ -120,21 +125,49 @@ static nqm_status read_list(nqm_textured *t, const char *list, nqm_error *err) {
     return status;
 }
 
+/* glTF's default is metal, which no list of maps means: it is 0 in lists and folders that do not give it. */
+static void set_default_metallic(nqm_textured *t) {
+    const double zero = 0;
+    bool is_given = strcmp(t->shading.model, "gltf") != 0 || nqm_shading_find(&t->shading, "metallic");
+    for (size_t i = 0; i < t->n_outputs; ++i)
+        is_given |= strcmp(t->outputs[i].key, "metallic") == 0;
+    if (is_given)
+        return;
+    nqm_shading_set(&t->shading, "metallic", 1, &zero);
+    nqm_textured_remark(t, "metallic is 0, as nothing gives it");
+}
+
 /* ---- folders ----------------------------------------------------------------------------------------------------- */
 
-/* What the names of the maps of a key end with, at these sites. Rows of one key: the first one that is there is meant. */
+/* What the names of the maps of a key end with: those of ambientCG, Poly Haven, Poliigon, Quixel, MatSynth, Substance, Unity (which
+ * has smoothness, in the alpha of the metalness or mask) and Unreal (_BC, _N, _ORM; its normals have y downwards). Rows of one key:
+ * the first one that is there is meant. */
 static const struct map_name {
     const char *endings, *key;
     size_t channel;
-} map_names[] = {{"color basecolor base_color albedo", "base_color", 0},
-                 {"diff diffuse", "base_color", 0},
-                 {"roughness rough", "roughness", 0},
-                 {"arm orm", "roughness", 1},
-                 {"metallic metalness metal", "metallic", 0},
-                 {"arm orm", "metallic", 2},
-                 {"normal normalgl normal_gl nor_gl", "normal", 0},
-                 {"normaldx normal_dx nor_dx", "normal", 1}};
+    reading how;
+} map_names[] = {{"color basecolor base_color albedo col albedotransparency basemap bc", "base_color", 0, AS_IS},
+                 {"diff diffuse", "base_color", 0, AS_IS},
+                 {"roughness rough", "roughness", 0, AS_IS},
+                 {"arm orm occlusionroughnessmetallic", "roughness", 1, AS_IS},
+                 {"metallicroughness", "roughness", 1, AS_IS},
+                 {"gloss glossiness smoothness", "roughness", 0, INVERTED},
+                 {"metallicsmoothness maskmap", "roughness", 3, INVERTED},
+                 {"metallic metalness metal", "metallic", 0, AS_IS},
+                 {"arm orm occlusionroughnessmetallic", "metallic", 2, AS_IS},
+                 {"metallicroughness", "metallic", 2, AS_IS},
+                 {"metallicsmoothness maskmap", "metallic", 0, AS_IS},
+                 {"specular", "specular_color", 0, AS_IS},
+                 {"normal normals normalgl normal_gl nor_gl nor nrm normalmap normal_ogl", "normal", 0, AS_IS},
+                 {"normaldx normal_dx nor_dx normal_directx n", "normal", 1, AS_IS}};
 enum { N_NAMES = sizeof map_names / sizeof *map_names };
+
+/* Whether the end of a name says only of which size or variant the file is: "2k", "2048", "var1", and "png" of "1K-PNG". */
+static bool is_size(const char *word) {
+    const size_t n = strspn(word, "0123456789");
+    return (n && (strcmp(word + n, "k") == 0 || (n > 2 && !word[n]))) || nqm_contains_word("png jpg", word, false) ||
+           (strncmp(word, "var", 3) == 0 && word[3] && !word[3 + strspn(word + 3, "0123456789")]);
+}
 
 /* "_" and the name of a file in lower case, with '_' for '-' and blanks, without its extension and resolution. false:
  * no picture. */
@@ -145,8 +178,7 @@ static bool simplify(const char *file, char *name, size_t n_name) {
     snprintf(name, n_name, "_%.*s", (int)(dot - file), file);
     for (char *c = name; *c; ++c)
         *c = strchr("- .", *c) ? '_' : (char)tolower((unsigned char)*c);
-    char *last = strrchr(name, '_');
-    if (isdigit((unsigned char)last[1]) && strcmp(last + 1 + strspn(last + 1, "0123456789"), "k") == 0)
+    for (char *last = strrchr(name, '_'); last > name && is_size(last + 1); last = strrchr(name, '_'))
         *last = 0;
     return true;
 }
@@ -159,29 +191,71 @@ static bool is_map_of(const char *file, const struct map_name *map) {
     return end != NULL;
 }
 
-static nqm_status add_found(nqm_textured *t, const char *from, struct dirent **files, int n, nqm_error *err) {
+/* The colour of the specular reflection at normal incidence, where there is no metalness: of an infinite index of refraction. */
+static void use_specular_color(nqm_textured *t) {
+    const double ior = 1e7;
+    nqm_shading_set(&t->shading, "ior", 1, &ior);
+}
+
+/* is_used: (n) receives whether a file is a map. */
+static nqm_status add_found(nqm_textured *t, const char *from, struct dirent **files, int n, bool *is_used,
+                            nqm_error *err) {
     nqm_status status = NQM_OK;
     const char *done = ""; /* the key of the last map */
+    bool has_metallic = false;
     for (const struct map_name *map = map_names; map < map_names + N_NAMES && status == NQM_OK; ++map) {
-        const char *found = NULL;
-        for (int f = 0; f < n && strcmp(done, map->key) != 0; ++f) {
+        const bool is_specular = strcmp(map->key, "specular_color") == 0;
+        int found = -1;
+        for (int f = 0; f < n && strcmp(done, map->key) != 0 && !(is_specular && has_metallic); ++f) {
             if (!is_map_of(files[f]->d_name, map))
                 continue;
-            if (found)
+            if (found >= 0)
                 return nqm_fail(err, NQM_ERR_ARG, -1, "%s: two maps of %s: %.80s and %.80s; say which: %s%s=%.80s;...",
-                                from, map->key, found, files[f]->d_name, LIST_PREFIX, map->key, files[f]->d_name);
-            found = files[f]->d_name;
+                                from, map->key, files[found]->d_name, files[f]->d_name, LIST_PREFIX, map->key,
+                                files[f]->d_name);
+            found = f;
         }
-        if (found) {
-            done = map->key;
-            status = add_map(t, find_key(t, map->key), from, found, map->channel, err);
-        }
+        if (found < 0)
+            continue;
+        done = map->key;
+        is_used[found] = true;
+        has_metallic |= strcmp(map->key, "metallic") == 0;
+        if (is_specular)
+            use_specular_color(t);
+        status = add_map(t, find_key(t, map->key), from, files[found]->d_name, map->channel, map->how, err);
     }
     return status;
 }
 
+/* Name the pictures that are no map. */
+static void add_unused(nqm_textured *t, struct dirent **files, int n, const bool *is_used) {
+    char text[NQM_REMARK_SIZE] = "", name[300];
+    size_t used = 0;
+    for (int f = 0; f < n; ++f)
+        if (!is_used[f] && simplify(files[f]->d_name, name, sizeof name) && used < sizeof text)
+            used +=
+                (size_t)snprintf(text + used, sizeof text - used, "%s%s", used ? ", " : "not used: ", files[f]->d_name);
+    if (used)
+        nqm_textured_remark(t, text);
+}
+
+static nqm_status read_files(nqm_textured *t, const char *path, const char *from, struct dirent **files, int n,
+                             nqm_error *err) {
+    bool *is_used = nqm_alloc((size_t)n, sizeof *is_used);
+    if (!is_used)
+        return nqm_fail_nomem(err, (size_t)n * sizeof *is_used);
+    nqm_status status = add_found(t, from, files, n, is_used, err);
+    add_unused(t, files, n, is_used);
+    nqm_free(is_used);
+    if (status == NQM_OK && !t->n_images)
+        status = nqm_fail(err, NQM_ERR_IO, -1,
+                          "%s: no file of this folder is named like a map (..._color.png, ..._diff_2k.jpg, "
+                          "..._roughness.png, ..._normalgl.png); list them: %sbase_color=FILE;roughness=FILE",
+                          path, LIST_PREFIX);
+    return status;
+}
+
 static nqm_status read_folder(nqm_textured *t, const char *path, nqm_error *err) {
-    const double zero = 0;
     struct dirent **files;
     char from[4096];
     strcpy(t->shading.model, "gltf");
@@ -189,20 +263,10 @@ static nqm_status read_folder(nqm_textured *t, const char *path, nqm_error *err)
         snprintf(from, sizeof from, "%s/", path) < (int)sizeof from ? scandir(path, &files, NULL, alphasort) : -1;
     if (n < 0)
         return nqm_fail(err, NQM_ERR_IO, -1, "%s: the folder cannot be read", path);
-    nqm_status status = add_found(t, from, files, n, err);
+    const nqm_status status = read_files(t, path, from, files, n, err);
     for (int i = 0; i < n; ++i)
         free(files[i]);
     free(files);
-    if (status == NQM_OK && !t->n_images)
-        status = nqm_fail(err, NQM_ERR_IO, -1,
-                          "%s: no file of this folder is named like a map (..._color.png, ..._diff_2k.jpg, "
-                          "..._roughness.png, ..._normalgl.png); list them: %sbase_color=FILE;roughness=FILE",
-                          path, LIST_PREFIX);
-    bool has_metal = false;
-    for (size_t i = 0; i < t->n_outputs; ++i)
-        has_metal |= strcmp(t->outputs[i].key, "metallic") == 0;
-    if (!has_metal) /* the default of the model is metal */
-        nqm_shading_set(&t->shading, "metallic", 1, &zero);
     return status;
 }
 
@@ -219,6 +283,7 @@ nqm_status nqm_maps_open(const char *argument, nqm_textured **textured_ret, nqm_
     if (!t)
         return nqm_fail_nomem(err, sizeof *t);
     nqm_status status = is_list ? read_list(t, argument + strlen(LIST_PREFIX), err) : read_folder(t, argument, err);
+    set_default_metallic(t);
     if (status == NQM_OK)
         *textured_ret = t;
     else

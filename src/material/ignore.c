@@ -4,7 +4,8 @@
  * "ignore:WORDS:FILE:NAME". Emission and opacity are left out. The surface shaders mix transmission, and before it
  * subsurface scattering, with the diffuse reflection of the part that is no metal (the node graphs of MaterialX's
  * definitions; KHR_materials_transmission); so the diffuse reflection keeps 1 - transmission, and subsurface scattering
- * becomes diffuse reflection with the albedo that its specification names.
+ * becomes diffuse reflection with the albedo that its specification names. What is partly a metal becomes a mixture ("between:");
+ * where its metalness varies over the surface, the metal is darkened like the rest, which is right where it is 0 or 1.
  */
 #include "material/rules.h"
 
@@ -121,11 +122,27 @@ static void add_subsurface(nqm_reading *r, const struct parts *p) {
     scale(r, p->roughness, 1, 0, rest);
 }
 
+/* A constant material that is a metal in part is the mixture of a metal and of a dielectric, of which alone something is ignored:
+ * the keys of one material have the same colour for both. */
+static void split_metal(nqm_reading *r, const struct parts *p) {
+    const nqm_property *metal = nqm_shading_find(&r->shading, p->metal);
+    const double share = metal ? metal->v[0] : p->default_metal, zero = 0, one = 1;
+    if (!(share > 0 && share < 1) || r->textured->n_outputs || r->textured->normal != NQM_NO_NODE)
+        return;
+    nqm_shading whole = r->shading;
+    nqm_shading_set(&whole, p->metal, 1, &one);
+    nqm_shading_set(&r->shading, p->metal, 1, &zero);
+    r->metal = nqm_shading_spec(&whole);
+    r->metal_share = share;
+}
+
 void nqm_reading_reflect(nqm_reading *r) {
     const struct parts *p = find_parts(r->shading.model);
     uint16_t share;
     if (!r->textured || strcmp(p->model, r->shading.model) != 0)
         return;
+    if (r->weights[0] != NQM_NO_NODE || r->weights[1] != NQM_NO_NODE)
+        split_metal(r, p);
     if (r->weights[1] != NQM_NO_NODE && r->subsurface_color != NQM_NO_NODE && p->weight)
         add_subsurface(r, p);
     if (r->weights[0] == NQM_NO_NODE)

@@ -31,6 +31,11 @@ void nqm_textured_free(nqm_textured *t) {
     nqm_free(t);
 }
 
+void nqm_textured_remark(nqm_textured *t, const char *text) {
+    const size_t n = strlen(t->remark);
+    snprintf(t->remark + n, sizeof t->remark - n, "%s%s", n ? "; " : "", text);
+}
+
 void nqm_textured_prune(nqm_textured *t) {
     bool is_used[NQM_MAX_MAP_NODES + 1] = {false}, is_seen[NQM_MAX_MAP_IMAGES] = {false};
     uint16_t number[NQM_MAX_MAP_NODES], image_number[NQM_MAX_MAP_IMAGES];

@@ -68,16 +68,19 @@ typedef struct nqm_map_node {
     double uv[2][3];
 } nqm_map_node;
 
+/** The colour space of an image that is sRGB if it has 8 bits and three or four channels, else values as they are. */
+#define NQM_SPACE_AUTO "auto"
+
 /** An image: bytes of a file, or bytes that the material file contains in another coding. */
 typedef struct nqm_map_image {
     char *path;          /**< of the file; NULL: `data` */
     size_t at, n_bytes;  /**< part of the file; n_bytes 0: all of it */
     unsigned char *data; /**< (n_bytes), owned; NULL: `path` */
     char *name;          /**< for people: "boombox/BoomBox_normal.png" */
-    char space[32];      /**< colour space as nqm_color_to_rec709() takes it; "": values as they are */
+    char space[32];      /**< colour space as nqm_color_to_rec709() takes it; "": values as they are; NQM_SPACE_AUTO */
 } nqm_map_image;
 
-enum { NQM_MAX_MAP_NODES = 1024, NQM_MAX_MAP_IMAGES = 64, NQM_NO_NODE = 0xffff };
+enum { NQM_MAX_MAP_NODES = 1024, NQM_MAX_MAP_IMAGES = 64, NQM_NO_NODE = 0xffff, NQM_REMARK_SIZE = 600 };
 
 /** What is computed: a key of the shading, and the node whose value it has. */
 typedef struct nqm_map_output {
@@ -97,12 +100,15 @@ typedef struct nqm_textured {
     nqm_map_node *nodes;
     size_t n_images, max_images;
     nqm_map_image *images;
+    char remark[NQM_REMARK_SIZE]; /**< what of the source is not used, or assumed; "": nothing */
 } nqm_textured;
 
 /** An empty one; NULL: out of memory. */
 nqm_textured *nqm_textured_create(void);
 /** Free; NULL is allowed. */
 void nqm_textured_free(nqm_textured *textured);
+/** Add to the remark. */
+void nqm_textured_remark(nqm_textured *textured, const char *text);
 /** Remove nodes and files that no output needs. */
 void nqm_textured_prune(nqm_textured *textured);
 

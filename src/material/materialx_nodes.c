@@ -131,11 +131,44 @@ static bool parse_numbers(const char *text, size_t n, double *v) {
         text += strspn(text, " \t\n");
         if (!nqm_parse_double(text, &text, &v[c]))
             return false;
-        text += strspn(text, " \t\n");
-        if (*text != (c + 1 < n ? ',' : 0))
+        const size_t n_blanks = strspn(text, " \t\n");
+        text += n_blanks;
+        if (c + 1 == n ? *text != 0 : *text != ',' && !n_blanks) /* files by hand have blanks alone */
             return false;
-        text += c + 1 < n;
+        text += *text == ',';
     }
+    return true;
+}
+
+/* Units, in degrees and nanometres. */
+static const struct unit {
+    const char *name;
+    bool is_angle;
+    double size;
+} units[] = {{"degree", true, 1},        {"radian", true, 57.29577951308232},
+             {"nanometer", false, 1},    {"micron", false, 1e3},
+             {"micrometer", false, 1e3}, {"millimeter", false, 1e6},
+             {"centimeter", false, 1e7}, {"inch", false, 25.4e6},
+             {"foot", false, 304.8e6},   {"yard", false, 914.4e6},
+             {"meter", false, 1e9},      {"kilometer", false, 1e12},
+             {"mile", false, 1609.344e9}};
+
+/* From the unit that an element names to that of its definition: angles to degrees, thicknesses of films to micrometres in OpenPBR and
+ * to nanometres in the others, as sizes of images, of which ratios count. false: refused. */
+static bool convert_unit(graph *g, const element *e, size_t n, double *v) {
+    const char *name = nqm_xml_get(e, "name"), *unit = nqm_xml_get(e, "unit");
+    const struct unit *u = units, *end = units + sizeof units / sizeof *units;
+    if (!unit)
+        return true;
+    while (u < end && strcmp(u->name, unit) != 0)
+        ++u;
+    const bool is_film = name && strstr(name, "thickness"), is_size = name && strncmp(name, "realworld", 9) == 0;
+    if (u == end || (!u->is_angle && !is_film && !is_size))
+        return nqm_refuse(g->reading, g->input, "%s: the unit '%.40s' of '%.60s' is not known here", g->name, unit,
+                          name ? name : e->name);
+    const double to = is_film && nqm_texts_equal(e->parent->name, "open_pbr_surface") ? 1e3 : 1;
+    for (size_t c = 0; c < n; ++c)
+        v[c] *= u->size / to;
     return true;
 }
 
@@ -160,6 +193,8 @@ static uint16_t read_constant(graph *g, element *e, const char *type) {
     for (size_t c = 0; c < n; ++c)
         if (!isfinite(v[c]))
             return REFUSE(g, "%s is not finite", name);
+    if (!convert_unit(g, e, n, v))
+        return NQM_NO_NODE;
     return nqm_graph_value(g->t, n, v);
 }
 
@@ -373,7 +408,7 @@ static bool read_file(graph *g, element *node, const char *type, size_t *image_r
     const char *prefix = inherited(e, "fileprefix"), *space = is_color(type) ? inherited(e, "colorspace") : NULL;
     if (source && !nqm_texts_equal(source, "auto"))
         space = nqm_texts_equal(source, "sRGB") ? "srgb_texture" : NULL;
-    if (!nqm_color_to_rec709(space, (double[3]){0}))
+    if (!nqm_texts_equal(space, NQM_SPACE_AUTO) && !nqm_color_to_rec709(space, (double[3]){0}))
         return nqm_refuse(g->reading, g->input, "%s is in the colour space '%.40s', which is not known", g->name,
                           space);
     const int n_path = snprintf(path, sizeof path, "%s%s", prefix ? prefix : "", file);

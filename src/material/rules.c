@@ -165,6 +165,13 @@ nqm_status nqm_reading_add(nqm_reading *r, const char *name, const char *surface
     const bool has_brdf = !is_refused && !varies, is_aside = !is_refused && r->ignorable;
     const nqm_reason *reason = is_refused ? &r->refusal : is_aside ? &r->aside : &r->varies;
     char *spec = has_brdf && !r->file ? nqm_shading_spec(&r->shading) : NULL, words[NQM_IGNORE_SIZE];
+    if (spec && r->metal) {
+        char *mixture = nqm_strdupf("between:t=%.17g;with=(%s);of=%s", r->metal_share, r->metal, spec);
+        nqm_free(spec);
+        spec = mixture;
+    }
+    nqm_free(r->metal);
+    r->metal = NULL;
     const char *brdf = has_brdf && r->file ? r->file : spec;
     const nqm_material_info info = {.name = name,
                                     .surface = surface,
@@ -179,7 +186,9 @@ nqm_status nqm_reading_add(nqm_reading *r, const char *name, const char *surface
     if (status == NQM_OK && varies) {
         nqm_textured_prune(t);
         t->shading = r->shading;
-        t->shading.remark = NULL; /* it may belong to the reader; that of the list is a copy */
+        if (r->shading.remark)
+            nqm_textured_remark(t, r->shading.remark);
+        t->shading.remark = NULL; /* it may belong to the reader */
         nqm_materials_attach(materials, t, true);
     } else
         nqm_textured_free(t);

@@ -86,6 +86,8 @@ struct nqm_reading {
     nqm_reason aside;          /**< the first of these */
     uint16_t weights[2];       /**< nodes of the weights of transmission and subsurface scattering; NQM_NO_NODE: none */
     uint16_t subsurface_color; /**< albedo of the subsurface scattering; NQM_NO_NODE: that of the base */
+    char *metal;               /**< spec of the part that is a metal, beside what `shading` then is; NULL: there is no such part */
+    double metal_share;
 };
 
 /** Begin to read a material; false: memory is short, and nqm_reading_add() will fail. */

@@ -66,7 +66,7 @@
     X(ROUGHNESS, "roughness", "float", 0, 1, 1)                                \
     X(ANISOTROPY_STRENGTH, "anisotropy_strength", "float", 0, 1, 0, .turns = true) \
     X(ANISOTROPY_ROTATION, "anisotropy_rotation", "float", -1000, 1000, 0, .turns = true) \
-    X(IOR, "ior", "float", 0, 1000, 1.5)                                       \
+    X(IOR, "ior", "float", 0, 1e7, 1.5)                                        \
     X(SPECULAR, "specular", "float", 0, 1, 1)                                  \
     X(SPECULAR_COLOR, "specular_color", "color3", 0, 1000, 1)                  \
     X(CLEARCOAT, "clearcoat", "float", 0, 1, 0)                                \

@@ -308,15 +308,14 @@ static const char *type_of(const char *usd) {
     return i == SIZE_MAX ? usd : types[i];
 }
 
-/* The space of an image: of its metadata; UsdUVTexture takes pictures of 8 bits as sRGB unless it says something else. */
-static const char *space_of(const char *node, const element *property, const char *value) {
-    const char *space = nqm_xml_get(property, "space"), *dot = strrchr(value, '.');
+/* The space of an image: of its metadata; a UsdUVTexture finds it by the picture unless it says something else. */
+static const char *space_of(const char *node, const element *property) {
+    const char *space = nqm_xml_get(property, "space");
     if (strcmp(space, "sRGB") == 0)
         return "srgb_texture";
-    if (*space)
-        return nqm_contains_word("raw Raw auto", space, false) ? "none" : space;
-    const bool is_float = dot && nqm_contains_word(".exr .hdr", dot, true);
-    return strcmp(node, "UsdUVTexture") == 0 && !is_float ? "srgb_texture" : "none";
+    if (*space && strcmp(space, "auto") != 0)
+        return nqm_contains_word("raw Raw", space, false) ? "none" : space;
+    return strcmp(node, "UsdUVTexture") == 0 ? NQM_SPACE_AUTO : "none";
 }
 
 static void add_input(writer *w, element *shader, const element *property) {
@@ -330,7 +329,7 @@ static void add_input(writer *w, element *shader, const element *property) {
     else if (to && !value)
         type = "value that varies with time"; /* which the reader refuses by this name */
     const bool is_file = value && strcmp(type, "filename") == 0;
-    const char *space = is_file ? space_of(shader->name, property, value) : "lin_rec709";
+    const char *space = is_file ? space_of(shader->name, property) : "lin_rec709";
     const char *const constant[] = {"name", name, "type", type, "value", value, "colorspace", space, NULL};
     const char *const connected[] = {
         "name", name, "type", type, "nodename", path, "output", strcmp(output, "out") == 0 ? "" : output, NULL};

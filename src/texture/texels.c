@@ -321,7 +321,7 @@ nqm_status nqm_texels_compare(nqm_texture_job *job, nqm_error *err) {
 }
 
 size_t nqm_texels_begin(const nqm_texel_order *o, size_t n, size_t k) {
-    return o->begin && n == o->n_groups ? o->begin[k] : o->n * k / n;
+    return o->begin && n == o->n_groups ? o->begin[k] : (size_t)((uint64_t)o->n * k / n); /* size_t may have 32 bits */
 }
 
 size_t nqm_texels_choose(const nqm_texel_order *o, size_t max_n, uint64_t seed, nqm_texel_sample *samples) {

@@ -163,7 +163,12 @@ static nqm_status decode_map(const nqm_map_image *image, nqm_texels *texels, nqm
     if (status == NQM_OK)
         status = nqm_raster_decode(data + at, n, image->name, &texels->raster, err);
     nqm_map_close(&map);
-    return status == NQM_OK ? nqm_texels_decode(texels, image->space, err) : status;
+    if (status != NQM_OK)
+        return status;
+    /* "auto" of USD: colours of 8 bits are sRGB; greys, 16 bits and floats are values as they are. */
+    const bool is_auto = strcmp(image->space, NQM_SPACE_AUTO) == 0,
+               is_srgb = texels->raster.type == NQM_RASTER_U8 && texels->raster.channels >= 3;
+    return nqm_texels_decode(texels, !is_auto ? image->space : is_srgb ? "srgb_texture" : "", err);
 }
 
 static void decode_one(void *user, size_t image) {
@@ -251,7 +256,8 @@ size_t nqm_texture_tiles(const nqm_texture *ref, const nqm_texture *test, size_t
 nqm_texture_info nqm_texture_get_info(const nqm_texture *t, const nqm_texture *beside) {
     assert(t);
     static const size_t n_each[] = {[NQM_RASTER_U8] = 1, [NQM_RASTER_U16] = 2, [NQM_RASTER_F32] = 4};
-    nqm_texture_info info = {.name = t->name, .model = t->shading.model, .varying = t->words};
+    nqm_texture_info info = {
+        .name = t->name, .model = t->shading.model, .varying = t->words, .remark = t->maps ? t->maps->remark : ""};
     (void)nqm_texture_tiles(t, beside ? beside : t, 0, &info.width);
     (void)nqm_texture_tiles(t, beside ? beside : t, 1, &info.height);
     for (size_t i = 0; t->images && i < t->maps->n_images; ++i) {

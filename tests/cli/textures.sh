@@ -92,3 +92,39 @@ run 3 score steel 'maps:base_color=gone.png;model=gltf' half
 grep -q "^ *[0-9.]* .*half" out || fail "a test that fails stops the others"
 run 2 score steel export --model paper
 grep -q "'paper' predicts no Delta-E" err || fail 'the model is not named'
+
+# USD: a grey image is values as they are unless the file says sRGB, one of three channels of 8 bits is sRGB.
+# usda NAME COLOUR_SPACE MAP INPUT OUTPUT
+usda() {
+    printf '#usda 1.0\ndef Material "M" {\n token outputs:surface.connect = </M/S.outputs:surface>
+ def Shader "S" {\n uniform token info:id = "UsdPreviewSurface"\n %s.connect = </M/T.outputs:%s>\n token outputs:surface\n }
+ def Shader "T" {\n uniform token info:id = "UsdUVTexture"\n asset inputs:file = @%s@\n %s\n float outputs:r float3 outputs:rgb\n }\n}\n' \
+        "$4" "$5" "$3" "${2:+token inputs:sourceColorSpace = \"$2\"}" >"$1"
+}
+for space in raw auto sRGB ''; do
+    usda "rough$space.usda" "$space" steel/steel_Roughness.png 'float inputs:roughness' r
+    usda "color$space.usda" "$space" steel/steel_Color.png 'color3f inputs:diffuseColor' rgb
+done
+# same A B YES|NO
+same() {
+    run 0 score -q "$1" "$2"
+    [ "$(cat out)" = 10.0000 ] && is=YES || is=NO
+    [ $is = "$3" ] || fail "$1 and $2: $(cat out)"
+}
+same rough.usda roughraw.usda YES
+same roughauto.usda roughraw.usda YES
+same roughsRGB.usda roughraw.usda NO
+same color.usda colorsRGB.usda YES
+same colorauto.usda colorsRGB.usda YES
+same colorraw.usda colorsRGB.usda NO
+
+# What nothing gives is said, and is the same for a folder and a list.
+mkdir plain
+cp steel/steel_Color.png plain/x_COL_VAR1_2K.png
+cp steel/steel_Roughness.png plain/x_AO_2K.png
+run 0 score -q plain 'maps:base_color=steel/steel_Color.png'
+[ "$(cat out)" = 10.0000 ] || fail "a folder and a list without metalness: $(cat out)"
+grep -q 'plain: not used: x_AO_2K.png; metallic is 0, as nothing gives it' err || fail "remarks: $(cat err)"
+grep -q 'maps:base_color=.*: metallic is 0' err || fail "remark of the list: $(cat err)"
+run 0 info plain --json
+grep -q '"remark": "not used: x_AO_2K.png' out || fail "info: $(cat out)"

@@ -109,6 +109,7 @@ TEST(differences_count) {
     assert_int_equal(nqm_scene_label(scene, &c, &b, &common, NULL, &valid, NULL), NQM_OK);
     assert_true(common.delta_e > 0.5 * plain.delta_e && common.delta_e < 2 * plain.delta_e);
     /* a picture that cannot be rendered again is compared as it is */
+    nqm_brdf_free((nqm_brdf *)(uintptr_t)c.brdf);
     c.brdf = NULL;
     nqm_scene_picture again = picture_of(scene, &high_sun);
     assert_int_equal(nqm_scene_label(scene, &c, &a, &common, NULL, &valid, NULL), NQM_OK);

@@ -52,6 +52,33 @@ TEST(test_mixture) {
     LINEAR("disney_principled", "specTrans", IN("baseColor", "color3", "0.7, 0.5, 0.3"));
 }
 
+/* What is a metal in part is that part of the metal, as it is without transmission, and the rest of what is no metal. */
+static void expect_mixture(const char *part, const char *metal, const char *rest, double share) {
+    double f[3][3 * PAIRS];
+    evaluate(part, f[0]);
+    evaluate(metal, f[1]);
+    evaluate(rest, f[2]);
+    for (size_t i = 0; i < 3 * PAIRS; ++i)
+        assert_near(f[0][i], share * f[1][i] + (1 - share) * f[2][i], 1e-12);
+}
+#define MIXTURE(NODE, METAL, KEY, INPUTS)                                                                              \
+    expect_mixture(SURFACE(NODE, INPUTS IN(KEY, "float", "0.75") IN(METAL, "float", "0.3")),                           \
+                   SURFACE(NODE, INPUTS IN(METAL, "float", "1")),                                                      \
+                   SURFACE(NODE, INPUTS IN(KEY, "float", "0.75") IN(METAL, "float", "0")), 0.3)
+
+TEST(test_metal_in_part) {
+    MIXTURE("open_pbr_surface", "base_metalness", "transmission_weight", IN("base_color", "color3", "0.7, 0.5, 0.3"));
+    MIXTURE("open_pbr_surface", "base_metalness", "subsurface_weight",
+            IN("base_color", "color3", "0.7, 0.5, 0.3") IN("subsurface_color", "color3", "0.1, 0.9, 0.3"));
+    MIXTURE("standard_surface", "metalness", "transmission",
+            IN("base_color", "color3", "0.7, 0.5, 0.3") IN("sheen", "float", "0.5"));
+    MIXTURE("standard_surface", "metalness", "subsurface",
+            IN("base_color", "color3", "0.7, 0.5, 0.3") IN("subsurface_color", "color3", "0.1, 0.9, 0.3"));
+    MIXTURE("gltf_pbr", "metallic", "transmission",
+            IN("base_color", "color3", "0.7, 0.5, 0.3") IN("clearcoat", "float", "0.5"));
+    MIXTURE("disney_principled", "metallic", "specTrans", IN("baseColor", "color3", "0.7, 0.5, 0.3"));
+}
+
 #define PANE "eta=1.08;k=0.5946427498" /* by NumPy */
 
 /* The interface reflects as that of `rough-plastic`, whose Fresnel factor has a formula of its own; a pane as both faces of it. */

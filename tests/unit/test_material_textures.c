@@ -282,6 +282,54 @@ TEST(names_of_three_sites_are_known) {
     check_folder("x_arm_4k.jpg x_diff_4k.jpg x_nor_dx_4k.jpg", "x_diff_4k.jpg x_arm_4k.jpg x_nor_dx_4k.jpg");
 }
 
+/* What each key is computed from, and what is said of the rest. */
+TEST(names_of_libraries_and_exporters_are_known) {
+    static const struct {
+        const char *files, *base_color, *roughness, *metallic, *normal, *remark;
+    } rows[] = {
+        {"H_M_baseColor.png H_M_normal.png H_M_occlusionRoughnessMetallic.png",
+         "image(H_M_baseColor.png srgb_texture repeat)", "channel(image(H_M_occlusionRoughnessMetallic.png repeat) 1)",
+         "channel(image(H_M_occlusionRoughnessMetallic.png repeat) 2)", "normal(image(H_M_normal.png repeat), 1 1)",
+         ""},
+        {"W_AlbedoTransparency.png W_MetallicSmoothness.png W_Normal.png",
+         "image(W_AlbedoTransparency.png srgb_texture repeat)",
+         "subtract(1, channel(image(W_MetallicSmoothness.png repeat) 3))",
+         "channel(image(W_MetallicSmoothness.png repeat) 0)", "normal(image(W_Normal.png repeat), 1 1)", ""},
+        {"T_R_BC.png T_R_N.png T_R_ORM.png", "image(T_R_BC.png srgb_texture repeat)",
+         "channel(image(T_R_ORM.png repeat) 1)", "channel(image(T_R_ORM.png repeat) 2)",
+         "normal(image(T_R_N.png repeat), 1 -1)", ""},
+        {"B_COL_VAR1_3K.png B_GLOSS_3K.png B_NRM_3K.png B_REFL_3K.png", "image(B_COL_VAR1_3K.png srgb_texture repeat)",
+         "subtract(1, channel(image(B_GLOSS_3K.png repeat) 0))", "", "normal(image(B_NRM_3K.png repeat), 1 1)",
+         "not used: B_REFL_3K.png; metallic is 0, as nothing gives it"},
+        {"m_diff_8k.png m_Nor_8k.png m_rough_8k.png m_AO_8k.png", "image(m_diff_8k.png srgb_texture repeat)",
+         "channel(image(m_rough_8k.png repeat) 0)", "", "normal(image(m_Nor_8k.png repeat), 1 1)",
+         "not used: m_AO_8k.png; metallic is 0, as nothing gives it"},
+        {"x_diffuse.png x_normals.png x_roughness.png x_specular.png", "image(x_diffuse.png srgb_texture repeat)",
+         "channel(image(x_roughness.png repeat) 0)", "", "normal(image(x_normals.png repeat), 1 1)",
+         "metallic is 0, as nothing gives it"},
+    };
+    for (size_t i = 0; i < sizeof rows / sizeof *rows; ++i) {
+        char found[MAP_TEXT];
+        with_files(rows[i].files, create_file);
+        nqm_textured *t = open_maps(folder);
+        const char *const keys[] = {"base_color", "roughness", "metallic", "normal"}, *const expected[] = {
+                                                                                          rows[i].base_color,
+                                                                                          rows[i].roughness,
+                                                                                          rows[i].metallic,
+                                                                                          rows[i].normal};
+        for (size_t k = 0; k < 4; ++k) {
+            describe_map(t, keys[k], found);
+            assert_string_equal(found, expected[k]);
+        }
+        assert_string_equal(t->remark, rows[i].remark);
+        describe_map(t, "specular_color", found); /* F0 where the index of refraction is infinite */
+        const nqm_property *ior = nqm_shading_find(&t->shading, "ior");
+        assert_true(*found ? i == 5 && ior && ior->v[0] > 1e6 : i < 5 && !ior);
+        nqm_textured_free(t);
+        with_files(rows[i].files, remove_file);
+    }
+}
+
 static void check_folder_error(const char *names, nqm_status expected, const char *words) {
     nqm_textured *t;
     nqm_error err = {0};

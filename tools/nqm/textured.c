@@ -26,9 +26,16 @@ nqm_status explain_texture(const char *argument, nqm_status status, nqm_error *e
     return status;
 }
 
+nqm_status open_texture(const char *argument, nqm_texture **texture_ret, nqm_error *err) {
+    const nqm_status status = nqm_texture_open(argument, show_progress, NULL, texture_ret, err);
+    if (status == NQM_OK && *nqm_texture_get_info(*texture_ret, NULL).remark)
+        report(EXIT_OK, "%s: %s", shown(argument), nqm_texture_get_info(*texture_ret, NULL).remark);
+    return status;
+}
+
 nqm_status open_textured(const char *argument, nqm_texture **texture_ret, nqm_error *err) {
     *texture_ret = NULL;
-    return is_textured(argument) ? nqm_texture_open(argument, show_progress, NULL, texture_ret, err) : NQM_OK;
+    return is_textured(argument) ? open_texture(argument, texture_ret, err) : NQM_OK;
 }
 
 /* ---- texels ------------------------------------------------------------------------------------------------------ */

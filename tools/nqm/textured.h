@@ -13,7 +13,9 @@
 bool is_textured(const char *argument);
 /** Where a BRDF cannot be opened because the argument is such, let the error say so. Returns the status. */
 nqm_status explain_texture(const char *argument, nqm_status status, nqm_error *err);
-/** Open such an argument, with progress; NULL and NQM_OK: it is not textured. nqm_texture_free() it. */
+/** Open any argument as a texture, with progress, and say on standard error what of it is not used. nqm_texture_free() it. */
+nqm_status open_texture(const char *argument, nqm_texture **texture_ret, nqm_error *err);
+/** The same of such an argument; NULL and NQM_OK: it is not textured. */
 nqm_status open_textured(const char *argument, nqm_texture **texture_ret, nqm_error *err);
 
 /** Choose at most max_n texels that represent all, those of equal runs of similar ones, and visit them; rows[0] has

@@ -42,9 +42,10 @@ static int print_texture(const char *argument, bool json) {
     end_progress();
     const nqm_texture_info info = nqm_texture_get_info(texture, NULL);
     json_t *members =
-        json_pack("{s:s,s:o,s:s,s:I,s:I,s:I,s:I,s:s}", "kind", "texture", "name", json_name(info.name), "model",
+        json_pack("{s:s,s:o,s:s,s:I,s:I,s:I,s:I,s:s,s:o}", "kind", "texture", "name", json_name(info.name), "model",
                   info.model, "width", (json_int_t)info.width, "height", (json_int_t)info.height, "n_images",
-                  (json_int_t)info.n_images, "n_bytes", (json_int_t)info.n_bytes, "varying", info.varying);
+                  (json_int_t)info.n_images, "n_bytes", (json_int_t)info.n_bytes, "varying", info.varying, "remark",
+                  json_text(*info.remark ? info.remark : NULL));
     nqm_texture_free(texture);
     return json ? print_document(members) : print_members(members);
 }

@@ -319,7 +319,7 @@ static const choice models[] = {{"gltf", "[VALUES]", "glTF 2.0 with specular, io
 static const char *keys, *rows, *shader, *shell;
 static bool is_self;
 static uint64_t n_worst = 10;
-static conform_result result;
+static conform_result result = {.run.gate.jod = 9.99}; /* below it, a difference can be seen */
 
 static const option options[] = {
     {"directions", 'd', OPTION_TEXT, &rows, "FILE.csv", "write the kit: a row for each set and direction", 0, 0},
@@ -340,12 +340,14 @@ static const option options[] = {
 
 static const command cmd = {
     .usage = "MODEL [VALUES] [options]",
-    .about = "Does a shader implement its specification? The kit is a list of parameter sets and directions. VALUES "
-             "are the shader's f_r there, in the order of the kit: a CSV with the columns r, g, b, or an array of "
-             "NumPy (sets, directions, 3). Each set gets a JOD, and the mistake that explains the difference is "
-             "named. MODEL is one of:",
+    .about =
+        "Does a shader implement its specification? The kit is a list of parameter sets and directions. VALUES "
+        "are the shader's f_r there, in the order of the kit: a CSV with the columns r, g, b, or an array of "
+        "NumPy (sets, directions, 3). Each set gets a JOD, and the mistake that explains the difference is "
+        "named. The exit code is 1 when a set is below 9.99, or below --fail-under; --fail-under 0 only looks. MODEL "
+        "is one of:",
     .example = "nqm conform gltf --shader kit.h\nnqm conform gltf --directions kit.csv\n"
-               "nqm conform gltf values.csv --fail-under 9.9 --junit conform.xml\n"
+               "nqm conform gltf values.csv --junit conform.xml\n"
                "nqm conform open-pbr --command 'python3 my_openpbr.py'\nnqm conform rough-conductor --self",
     .options = options,
     .choices = models,
