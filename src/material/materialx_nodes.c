@@ -528,6 +528,18 @@ static uint16_t build_once(graph *g, element *node, const char *output) {
     return value;
 }
 
+/* The output of a node graph, by name; without one "out", or the only output that there is. */
+static element *output_of(const graph *g, element *node_graph, const char *name) {
+    element *found = nqm_mtlx_child(g, node_graph, NULL, name ? name : "out"), *only = NULL;
+    size_t n = 0;
+    for (element *e = node_graph ? node_graph->first : NULL; e && !name && !found; e = e->next)
+        if (strcmp(e->name, "output") == 0) {
+            only = e;
+            ++n;
+        }
+    return found || n != 1 ? found : only;
+}
+
 element *nqm_mtlx_target(const graph *g, element *e) {
     const char *graph_name = nqm_xml_get(e, "nodegraph"), *interface = nqm_xml_get(e, "interfacename");
     const char *output = nqm_xml_get(e, "output");
@@ -539,7 +551,7 @@ element *nqm_mtlx_target(const graph *g, element *e) {
     if (interface)
         return nqm_mtlx_child(g, e->parent->parent, NULL, interface);
     if (graph_name)
-        return nqm_mtlx_child(g, nqm_mtlx_child(g, g->root, NULL, graph_name), NULL, output ? output : "out");
+        return output_of(g, nqm_mtlx_child(g, g->root, NULL, graph_name), output);
     return nqm_mtlx_child(g, scope, NULL, nqm_xml_get(e, "nodename"));
 }
 

@@ -72,6 +72,11 @@ git --no-pager diff HEAD~2 HEAD~1 >../out 2>../err || fail "git diff"
 grep -q '^old *paints.gltf$' ../out && grep -q 'roughness 0.3 -> 0.4' ../out && grep -q '^+more$' ../out || fail "git diff: $(cat ../out)"
 git --no-pager diff HEAD~1 HEAD >../out 2>../err || fail "git diff"
 grep -q '^  added   lone$' ../out && grep -q '^  removed gold$' ../out || fail "git diff: $(cat ../out)"
+git checkout -q HEAD~1 && git mv paints.gltf colours.gltf && sed -i 's/0\.4/0.5/' colours.gltf && commit renamed
+git --no-pager diff -M HEAD~1 HEAD >../out 2>../err || fail "git diff -M: $(cat ../err)"
+{ grep -q '^old *paints.gltf$' ../out && grep -q '^new *colours.gltf$' ../out && grep -q 'roughness 0.4 -> 0.5' ../out; } ||
+    fail "git diff -M: $(cat ../out ../err)"
+git checkout -q -
 git config difftool.nqm.cmd "'$tool' diff \"\$LOCAL\" \"\$REMOTE\""
 git difftool -y -t nqm HEAD~2 HEAD~1 -- paints.gltf >../out 2>../err || fail "git difftool"
 grep -q 'was red' ../out || fail "git difftool: $(cat ../out)"

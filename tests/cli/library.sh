@@ -51,7 +51,9 @@ sed 's|folder/||' out | diff nearest - || fail "index"
 sed 's/"m7"/"other"/' lib.gltf >folder/lib.gltf
 run 0 nearest lib.gltf:m7 --among folder -n 1 -q --index f.index
 grep -qx folder/lib.gltf:other out || fail "an old index is used: $(cat out)"
-printf broken >f.index
+printf broken >no.index
+refuses 2 'no.index: is no index' nearest lib.gltf:m7 --among folder -n 1 -q --index no.index
+[ "$(cat no.index)" = broken ] || fail "a file that is no index is replaced"
 run 0 nearest lib.gltf:m7 --among folder -n 1 -q --index f.index
 run 0 nearest lib.gltf:m7 --among lib.gltf -n 3 --apart --json
 grep -q '"similarity_jod"' out || fail "apart: $(cat out)"

@@ -97,3 +97,16 @@ run 0 batch list.csv -o link.csv
 # What a run continues is no input.
 run 0 batch list.csv -o again.csv
 run 0 batch list.csv -o again.csv
+
+# A map that a later material reads is not replaced by the map of an earlier one, whatever its name.
+python3 "$NQM_SOURCE/examples/maps.py" maps 8
+cp maps/steel/steel_Color.png mats_a_baseColor.png
+cp maps/half/steel_Color.png col.png
+cat >mats.gltf <<'END'
+{"asset": {"version": "2.0"}, "images": [{"uri": "col.png"}, {"uri": "mats_a_baseColor.png"}], "textures": [{"source": 0}, {"source": 1}],
+ "materials": [{"name": "a", "pbrMetallicRoughness": {"baseColorTexture": {"index": 0}}},
+               {"name": "b", "pbrMetallicRoughness": {"baseColorTexture": {"index": 1}}}]}
+END
+run 9 translate mats.gltf --to gltf -d . --loss log --samples 200
+grep -q 'refused.*mats_a_baseColor.png.*would replace an input' "$dir/out" || fail "the map is not named: $(cat "$dir/out")"
+cmp -s mats_a_baseColor.png maps/steel/steel_Color.png || fail "a map that is read was replaced"

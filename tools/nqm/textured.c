@@ -10,6 +10,7 @@
 #include <stdatomic.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 
 bool is_textured(const char *argument) {
     nqm_material_info info;
@@ -36,6 +37,23 @@ nqm_status open_texture(const char *argument, nqm_texture **texture_ret, nqm_err
 nqm_status open_textured(const char *argument, nqm_texture **texture_ret, nqm_error *err) {
     *texture_ret = NULL;
     return is_textured(argument) ? open_texture(argument, texture_ret, err) : NQM_OK;
+}
+
+void keep_maps(const char *argument) {
+    nqm_textured *own = NULL;
+    nqm_materials *materials = NULL;
+    size_t index = 0;
+    const nqm_status status = nqm_maps_probe(argument) ? nqm_maps_open(argument, &own, NULL)
+                                                       : nqm_brdf_find_textured(argument, &materials, &index, NULL);
+    const nqm_textured *maps = materials && status == NQM_OK ? nqm_materials_maps(materials, index, ~0U) : own;
+    for (size_t i = 0; maps && i < maps->n_images; ++i) {
+        const char *path = maps->images[i].path;
+        struct stat st;
+        if (path && stat(path, &st) == 0)
+            (void)!nqm_role_input(&st, path, NULL);
+    }
+    nqm_textured_free(own);
+    nqm_materials_free(materials);
 }
 
 /* ---- texels ------------------------------------------------------------------------------------------------------ */

@@ -13,6 +13,8 @@
 bool is_textured(const char *argument);
 /** Where a BRDF cannot be opened because the argument is such, let the error say so. Returns the status. */
 nqm_status explain_texture(const char *argument, nqm_status status, nqm_error *err);
+/** Make the maps of an argument, if it has any, files that no output of this run replaces. */
+void keep_maps(const char *argument);
 /** Open any argument as a texture, with progress, and say on standard error what of it is not used. nqm_texture_free() it. */
 nqm_status open_texture(const char *argument, nqm_texture **texture_ret, nqm_error *err);
 /** The same of such an argument; NULL and NQM_OK: it is not textured. */

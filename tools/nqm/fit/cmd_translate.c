@@ -113,6 +113,7 @@ static void name_outputs(translation *t) {
         nqm_brdf *brdf = NULL;
         if (nqm_brdf_open(t->items[i].argument, &brdf, NULL) == NQM_OK)
             nqm_brdf_free(brdf);
+        keep_maps(t->items[i].argument);
     }
     for (size_t i = 0; i < (t->path ? 1 : t->n); ++i)
         if (t->items[i].path[0])

@@ -12,9 +12,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum {
-    GIT_ARGUMENTS = 7
-}; /* path, old file, its hash and mode, new file, its hash and mode (git, GIT_EXTERNAL_DIFF) */
+/* Of GIT_EXTERNAL_DIFF: path, old file, its hash and mode, new file, its hash and mode; of a renamed file also its new path and what
+ * git says of the two. */
+enum { GIT_ARGUMENTS = 7, GIT_RENAME_ARGUMENTS = 9 };
 
 /* The versions and what became of their members. */
 typedef struct versions {
@@ -365,14 +365,14 @@ static const command cmd = {
     .about = "How the materials of a file or folder changed: pairs of the same name, worst first, with JOD, words and"
              " the properties that changed; added and removed ones; and renamed ones, which look the same (JOD 9.5). "
              "OLD or NEW may be /dev/null. git can call it for its differences (doc/ci.md): the seven arguments of "
-             "GIT_EXTERNAL_DIFF are understood.",
+             "GIT_EXTERNAL_DIFF, and nine for a renamed file, are understood.",
     .example = "nqm diff old.gltf new.gltf\nnqm diff before/materials materials --fail-under 9 --junit junit.xml\n"
                "nqm diff scene.glb /dev/null --json",
     .options = options,
     .table = &nqm_score_option_table,
     .table_target = &run.options,
     .min_arguments = 2,
-    .max_arguments = GIT_ARGUMENTS,
+    .max_arguments = GIT_RENAME_ARGUMENTS,
 };
 
 static void print_results(void) {
@@ -418,9 +418,10 @@ static void free_versions(void) {
 int cmd_diff(int argc, char **argv) {
     run.options = plain_score_options();
     const int n_arguments = parse_arguments(&cmd, argc, argv);
-    if (n_arguments != 2 && n_arguments != GIT_ARGUMENTS)
-        stop(EXIT_USAGE, "give two files or folders, or the %d arguments of GIT_EXTERNAL_DIFF", GIT_ARGUMENTS);
-    const bool is_git = n_arguments == GIT_ARGUMENTS;
+    const bool is_renamed = n_arguments == GIT_RENAME_ARGUMENTS, is_git = is_renamed || n_arguments == GIT_ARGUMENTS;
+    if (n_arguments != 2 && !is_git)
+        stop(EXIT_USAGE, "give two files or folders, or the %d or %d arguments of GIT_EXTERNAL_DIFF", GIT_ARGUMENTS,
+             GIT_RENAME_ARGUMENTS);
     old_path = argv[is_git ? 1 : 0];
     new_path = argv[is_git ? 4 : 1];
     run.model = open_model(model);
@@ -430,7 +431,8 @@ int cmd_diff(int argc, char **argv) {
     v.partner = allocate(v.old.n, sizeof *v.partner);
     v.is_partner = allocate(v.new.n, sizeof *v.is_partner);
     if (is_git) { /* the files are copies without the name of the path */
-        old_path = new_path = argv[0];
+        old_path = argv[0];
+        new_path = argv[is_renamed ? 7 : 0];
     }
     pair_names();
     pair_looks();

@@ -211,8 +211,12 @@ static bool read_index(library *of, const nqm_model *model, const char *path, co
     nqm_safetensors *st = NULL;
     if (!is_file(path) || nqm_map_open_own(path, &of->index, NULL) != NQM_OK)
         return false;
-    const bool fits = nqm_safetensors_parse(of->index.data, of->index.n_bytes, path, &st, NULL) == NQM_OK &&
-                      take_index(of, model, st, hash);
+    const bool is_read = nqm_safetensors_parse(of->index.data, of->index.n_bytes, path, &st, NULL) == NQM_OK;
+    const char *format = is_read ? nqm_safetensors_meta(st, "format") : NULL;
+    if (!format || strcmp(format, "nqm-index") != 0)
+        stop(EXIT_USAGE, "%s: is no index that nqm has written, and is not replaced: remove it or name another file",
+             path);
+    const bool fits = take_index(of, model, st, hash);
     of->block = fits ? nqm_safetensors_take(st) : NULL;
     nqm_safetensors_free(st);
     if (!fits) {
