@@ -227,14 +227,21 @@ static nqm_status add_found(nqm_textured *t, const char *from, struct dirent **f
     return status;
 }
 
-/* Name the pictures that are no map. */
+/* Name the pictures that are no map; those for which there is no room are counted. */
 static void add_unused(nqm_textured *t, struct dirent **files, int n, const bool *is_used) {
+    enum { ROOM = NQM_REMARK_SIZE - 100 };
     char text[NQM_REMARK_SIZE] = "", name[300];
-    size_t used = 0;
-    for (int f = 0; f < n; ++f)
-        if (!is_used[f] && simplify(files[f]->d_name, name, sizeof name) && used < sizeof text)
-            used +=
-                (size_t)snprintf(text + used, sizeof text - used, "%s%s", used ? ", " : "not used: ", files[f]->d_name);
+    size_t used = 0, n_more = 0;
+    for (int f = 0; f < n; ++f) {
+        if (is_used[f] || !simplify(files[f]->d_name, name, sizeof name))
+            continue;
+        if (used + strlen(files[f]->d_name) + 12 > ROOM)
+            ++n_more;
+        else
+            used += (size_t)snprintf(text + used, ROOM - used, "%s%s", used ? ", " : "not used: ", files[f]->d_name);
+    }
+    if (n_more)
+        used += (size_t)snprintf(text + used, sizeof text - used, "%s%zu more", used ? " and " : "not used: ", n_more);
     if (used)
         nqm_textured_remark(t, text);
 }

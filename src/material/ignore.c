@@ -5,7 +5,7 @@
  * subsurface scattering, with the diffuse reflection of the part that is no metal (the node graphs of MaterialX's
  * definitions; KHR_materials_transmission); so the diffuse reflection keeps 1 - transmission, and subsurface scattering
  * becomes diffuse reflection with the albedo that its specification names. What is partly a metal becomes a mixture ("between:");
- * where its metalness varies over the surface, the metal is darkened like the rest, which is right where it is 0 or 1.
+ * one whose keys vary over the surface has a remark instead: its metal is darkened like the rest, which is right at 0 and 1.
  */
 #include "material/rules.h"
 
@@ -127,7 +127,10 @@ static void add_subsurface(nqm_reading *r, const struct parts *p) {
 static void split_metal(nqm_reading *r, const struct parts *p) {
     const nqm_property *metal = nqm_shading_find(&r->shading, p->metal);
     const double share = metal ? metal->v[0] : p->default_metal, zero = 0, one = 1;
-    if (!(share > 0 && share < 1) || r->textured->n_outputs || r->textured->normal != NQM_NO_NODE)
+    const bool varies = r->textured->n_outputs || r->textured->normal != NQM_NO_NODE;
+    if (find_output(r->textured, p->metal) || (varies && share > 0 && share < 1))
+        nqm_textured_remark(r->textured, "where it is partly a metal, the metal is darkened with the rest");
+    if (varies || !(share > 0 && share < 1))
         return;
     nqm_shading whole = r->shading;
     nqm_shading_set(&whole, p->metal, 1, &one);

@@ -86,7 +86,7 @@ struct nqm_reading {
     nqm_reason aside;          /**< the first of these */
     uint16_t weights[2];       /**< nodes of the weights of transmission and subsurface scattering; NQM_NO_NODE: none */
     uint16_t subsurface_color; /**< albedo of the subsurface scattering; NQM_NO_NODE: that of the base */
-    char *metal;               /**< spec of the part that is a metal, beside what `shading` then is; NULL: there is no such part */
+    char *metal; /**< spec of the part that is a metal, beside what `shading` then is; NULL: there is no such part */
     double metal_share;
 };
 

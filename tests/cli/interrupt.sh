@@ -24,7 +24,7 @@ stops() {
     "$tool" "$@" >"$dir/out" 2>"$dir/err" &
     pid=$!
     while [ -d /proc/$pid ] && ! grep -q 'SigCgt:.*[2367abef]$' /proc/$pid/status 2>/dev/null; do sleep 0.05; done
-    sleep "${NQM_INTERRUPT_AFTER:-0.2}"
+    sleep "${NQM_INTERRUPT_AFTER:-0.4}"
     begin=$(date +%s.%N)
     kill -$signal $pid 2>/dev/null || fail "$name: it ended before Ctrl-C"
     got=0

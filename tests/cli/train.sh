@@ -175,3 +175,11 @@ says 'directions'
 head -c 3000 "$dir/toy.safetensors" >"$dir/cut.safetensors"
 run 4 eval "$dir/cut.safetensors" --model none
 says 'cut.safetensors'
+
+# The card is a part of the model; a log that is no file; by pairs there is no interval, as the validation materials were trained on.
+printf 'Made for a test.\n' >"$dir/card.md"
+# shellcheck disable=SC2086
+run 0 train "$dir/toy.safetensors" -o "$dir/card.safetensors" $small --epochs 1 --recipe=nqm --card "$dir/card.md" --log /dev/null --split pair
+grep -q '^interval *none: the validation materials were trained on' "$dir/out" || fail "interval: $(cat "$dir/out")"
+run 0 info "$dir/card.safetensors"
+grep -q 'Made for a test' "$dir/out" || fail "card: $(cat "$dir/out")"

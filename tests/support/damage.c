@@ -27,6 +27,7 @@ nqm_status read_safetensors(const nqm_map *map, nqm_error *err) {
     nqm_safetensors *st;
     const nqm_status status = nqm_safetensors_parse(map->data, map->n_bytes, map->path, &st, err);
     assert_true((status == NQM_OK) == (st != NULL));
+    assert_true(status == NQM_OK || err->byte_offset >= 0);
     nqm_safetensors_free(st);
     return status;
 }
@@ -47,6 +48,12 @@ nqm_status read_brdf(const nqm_map *map, nqm_error *err) {
     const nqm_status status = nqm_brdf_open(map->path, &brdf, err);
     assert_true((status == NQM_OK) == (brdf != NULL));
     nqm_brdf_free(brdf);
+    return status;
+}
+
+nqm_status read_brdf_ends(const nqm_map *map, nqm_error *err) {
+    const nqm_status status = read_brdf(map, err);
+    assert_true(status == NQM_OK || err->byte_offset == 0 || err->byte_offset == (int64_t)map->n_bytes);
     return status;
 }
 

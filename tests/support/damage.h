@@ -16,6 +16,8 @@ nqm_status read_safetensors(const nqm_map *map, nqm_error *err);
 nqm_status read_materials(const nqm_map *map, nqm_error *err);
 /** The map's path is an argument of nqm_brdf_open(); what is before its ":" is written. */
 nqm_status read_brdf(const nqm_map *map, nqm_error *err);
+/** The same, and the byte of an error is the beginning of the file or its end. */
+nqm_status read_brdf_ends(const nqm_map *map, nqm_error *err);
 
 /** Read the bytes cut at each of the first 500 lengths, and at every step-th beyond: each cut is refused with NQM_ERR_FORMAT, and the
  *  message has the path. */

@@ -245,7 +245,7 @@ TEST(refuses_a_broken_container) {
 TEST(refuses_truncated_files) {
     for (int k = 0; k < 2; ++k) {
         blob b = k ? make_anisotropic_rgl(4, false, NULL) : make_rgl(NULL);
-        refuse_cuts(scratch_path("short.bsdf"), b, 17, read_brdf); /* the table of contents ends before byte 500 */
+        refuse_cuts(scratch_path("short.bsdf"), b, 17, read_brdf_ends); /* the table of contents ends before byte 500 */
         blob_free(&b);
     }
 }

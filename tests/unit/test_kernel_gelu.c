@@ -20,16 +20,18 @@ TEST(whole_range) {
     static float x[N], y[N], slope[N];
     for (size_t i = 0; i < N; ++i)
         x[i] = -20.0f + 40.0f * (float)i / (N - 1);
-    nqm_gelu(N, x, y, slope);
-    double worst = 0;
-    for (size_t i = 0; i < N; ++i) {
-        double at = (double)x[i], expected = at * distribution(at);
-        /* error of the normal distribution (3e-7) plus rounding of the product */
-        assert_near((double)y[i], expected, 3e-7 * fabs(at) + 1e-7 * fabs(expected));
-        assert_near((double)slope[i], distribution(at) + at * density(at), 6e-7);
-        worst = fmax(worst, fabs((double)y[i] - expected));
+    for (size_t t = 0; nqm_kernels_at(t); ++t) {
+        nqm_kernels_at(t)->gelu(N, x, y, slope);
+        double worst = 0;
+        for (size_t i = 0; i < N; ++i) {
+            double at = (double)x[i], expected = at * distribution(at);
+            /* error of the normal distribution (3e-7) plus rounding of the product */
+            assert_near((double)y[i], expected, 3e-7 * fabs(at) + 1e-7 * fabs(expected));
+            assert_near((double)slope[i], distribution(at) + at * density(at), 6e-7);
+            worst = fmax(worst, fabs((double)y[i] - expected));
+        }
+        print_message("%s: largest difference from the exact GELU: %.2g\n", nqm_kernels_at(t)->name, worst);
     }
-    print_message("largest difference from the exact GELU: %.2g\n", worst);
 }
 
 TEST(far_ends) {
@@ -53,6 +55,16 @@ TEST(in_place_and_without_slope) {
     nqm_gelu(37, x, y, slope);
     nqm_gelu(37, x, alone, NULL);
     assert_memory_equal(y, alone, sizeof y);
+    for (size_t t = 0; nqm_kernels_at(t); ++t) {
+        float other[37];
+        nqm_kernels_at(t)->gelu(37, x, y, slope);
+        nqm_kernels_at(t)->gelu(37, x, alone, NULL);
+        assert_memory_equal(y, alone, sizeof y);
+        memcpy(other, x, sizeof other);
+        nqm_kernels_at(t)->gelu(37, other, other, slope);
+        assert_memory_equal(y, other, sizeof y);
+    }
+    nqm_gelu(37, x, y, slope);
     nqm_gelu(37, x, x, slope);
     assert_memory_equal(y, x, sizeof y);
 }

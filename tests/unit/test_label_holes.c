@@ -3,6 +3,7 @@
  * Labels of BRDFs that have no value at some directions: what has a value is compared, what has none is counted.
  */
 #include "label/label.h"
+#include "support/allocations.h"
 #include "support/check.h"
 #include "support/scenes.h"
 
@@ -123,7 +124,7 @@ TEST(differences_count) {
 
 TEST(too_few_values_are_refused) {
     limits nothing = {.least_wi = 2}, high_sun = {.least_wi = 0.3}, steep_view = {.least_wo = 0.3};
-    nqm_scene *scene = scene_of(0.9), *patient = scene_of(0.6);
+    nqm_scene *scene = scene_of(0.9);
     double *rgb = nqm_alloc(nqm_scene_count(scene), 9 * sizeof *rgb), valid = -1;
     nqm_brdf *brdf = make(&nothing);
     nqm_error err = {0};
@@ -133,14 +134,30 @@ TEST(too_few_values_are_refused) {
     assert_int_equal(nqm_scene_render_halves(scene, brdf, NULL, rgb, NULL, &err), NQM_ERR_INCOMPATIBLE);
     nqm_brdf_free(brdf);
     /* each has enough, both together do not */
-    nqm_scene_picture a = picture_of(patient, &high_sun), b = picture_of(patient, &steep_view);
+    nqm_scene_picture a = picture_of(scene, &high_sun), b = picture_of(scene, &steep_view);
     nqm_label label;
-    nqm_status status = nqm_scene_label(patient, &a, &b, &label, NULL, &valid, &err);
-    assert_true(valid < fmin(a.valid, b.valid));
-    assert_int_equal(status, valid < 0.6 ? NQM_ERR_INCOMPATIBLE : NQM_OK);
+    assert_int_equal(nqm_scene_label(scene, &a, &b, &label, NULL, &valid, &err), NQM_ERR_INCOMPATIBLE);
+    assert_true(valid < 0.9 && fmin(a.valid, b.valid) >= 0.9);
+    assert_non_null(strstr(err.message, "holes and holes: values at directions of"));
+    assert_int_equal(nqm_scene_label(NULL, &a, &b, &label, NULL, NULL, NULL), NQM_ERR_ARG);
+    assert_int_equal(nqm_scene_label(scene, &a, &b, NULL, NULL, NULL, NULL), NQM_ERR_ARG);
     clear(&a);
     clear(&b);
     nqm_free(rgb);
     nqm_scene_free(scene);
-    nqm_scene_free(patient);
+}
+
+TEST(memory_runs_out) {
+    limits whole = {0}, high_sun = {.least_wi = 0.3};
+    nqm_scene *scene = scene_of(0.9);
+    nqm_scene_picture a = picture_of(scene, &whole), b = picture_of(scene, &high_sun);
+    nqm_label label;
+    nqm_status status = NQM_OK;
+    long n = -1;
+    EVERY_ALLOCATION(n, status, 0)
+    status = nqm_scene_label(scene, &a, &b, &label, NULL, NULL, NULL);
+    assert_true(n >= 3 && label.delta_e == 0);
+    clear(&a);
+    clear(&b);
+    nqm_scene_free(scene);
 }

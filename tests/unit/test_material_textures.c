@@ -330,6 +330,23 @@ TEST(names_of_libraries_and_exporters_are_known) {
     }
 }
 
+TEST(pictures_without_room_in_the_remark_are_counted) {
+    char names[1000] = "a_color.png";
+    for (int i = 0; i < 40; ++i)
+        snprintf(names + strlen(names), sizeof names - strlen(names), " long_name_%02d.png", i);
+    with_files(names, create_file);
+    nqm_textured *t = open_maps(folder);
+    const char *more = strstr(t->remark, " and ");
+    assert_non_null(more);
+    size_t n_named = 0;
+    for (const char *at = t->remark; (at = strstr(at, "long_name_")); ++at)
+        ++n_named;
+    assert_true(n_named > 20 && n_named + strtoul(more + 5, NULL, 10) == 40);
+    assert_non_null(strstr(more, " more; metallic is 0, as nothing gives it"));
+    nqm_textured_free(t);
+    with_files(names, remove_file);
+}
+
 static void check_folder_error(const char *names, nqm_status expected, const char *words) {
     nqm_textured *t;
     nqm_error err = {0};

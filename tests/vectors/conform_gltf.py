@@ -201,6 +201,7 @@ def main(model, shader, mistakes, keys=None):
                 assert old in source, old
                 source = source.replace(old, new)
             jod, found, exit_code = conform(command, folder, evaluate(source, kit))
+            assert (exit_code == 1) == (jod < 9.99) or exit_code == 5, (jod, exit_code)
             if not number:
                 print(f"right: lowest JOD {jod:.4f}, {len(found)} mistakes")
                 assert jod >= 9.99 and not found and not exit_code

@@ -126,8 +126,7 @@ void refuse_near_word(const char *argument, const char *word) {
 void note_repeated(const nqm_brdf *brdf) {
     const nqm_brdf_info info = nqm_brdf_get_info(brdf);
     if (info.n_repeated)
-        report(EXIT_OK, "%s: %zu rows give a direction again: the mean of its rows counts", shown(info.name),
-               info.n_repeated);
+        report(EXIT_OK, REPEATED_ROWS, shown(info.name), info.n_repeated);
 }
 
 nqm_brdf *open_brdf(const char *argument) {

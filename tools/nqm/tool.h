@@ -121,7 +121,9 @@ nqm_scene *open_judge(const char *loss, const char *transport);
 /** Whether there is a built-in model of this name. */
 bool is_builtin(const char *name);
 nqm_brdf *open_brdf(const char *argument);
-/** Say on standard error that rows of a list give a direction again. */
+/** What to say of a list whose rows give a direction again: its name, and nqm_brdf_info.n_repeated. */
+#define REPEATED_ROWS "%s: %zu rows give a direction again: the mean of its rows counts"
+/** Say it on standard error, if there are some. */
 void note_repeated(const nqm_brdf *brdf);
 /** Stop when the argument, which is to be a BRDF, is the name of a built-in model or nearly so, and no file. open_brdf() and
  *  take_names() do. */

@@ -78,19 +78,15 @@ static double round_angle(double angle) {
 
 static nqm_status read_angles(const nqm_csv *csv, const char *path, size_t row, const layout *l, nqm_listed *to,
                               nqm_error *err) {
-    double angle[MAX_ANGLES], wi[3], wo[3];
+    double angle[MAX_ANGLES];
     nqm_status status = NQM_OK;
     for (size_t k = 0; k < l->n_angles && status == NQM_OK; ++k)
         status = read_angle(csv, path, row, l->angles + k, l->column[k], angle + k, err);
     if (status != NQM_OK)
         return status;
-    memcpy(to->hd, angle, sizeof to->hd);
     memcpy(to->at, angle, sizeof to->at);
     if (!has_pairs(l))
         return NQM_OK;
-    nqm_spherical(angle[0], angle[1], wi);
-    nqm_spherical(angle[2], angle[3], wo);
-    nqm_half_diff_full_from_pair(wi, wo, to->hd);
     to->phi_i = angle[1];
     to->at[1] = angle[2];
     to->at[2] = angle[3] - angle[1];
@@ -134,18 +130,29 @@ static bool has_azimuth(const nqm_list *l, const nqm_listed *row) {
     return !l->has_pairs || (row->at[0] > 0 && row->at[1] > 0);
 }
 
-/* Map phi to [0, pi] if all are in the same half of the turn. */
-static void fold(const nqm_list *l) {
+/* Whether all phi are in the same half of the turn. */
+static bool is_half_turn(const nqm_list *l) {
     double low = INFINITY, high = -INFINITY;
     for (size_t i = 0; i < l->n; ++i)
         if (has_azimuth(l, &l->rows[i])) {
             low = fmin(low, l->rows[i].at[2]);
             high = fmax(high, l->rows[i].at[2]);
         }
-    if (high > (floor(low / NQM_PI + 1e-6) + 1) * NQM_PI + 1e-6)
+    return high <= (floor(low / NQM_PI + 1e-6) + 1) * NQM_PI + 1e-6;
+}
+
+/* Coordinate k of a grid. */
+static double coordinate(const nqm_list *l, const nqm_listed *row, size_t k) {
+    return k == 2 && l->is_half_turn ? round_angle(fabs(remainder(row->at[2], 2 * NQM_PI))) : row->at[k];
+}
+
+void nqm_listed_pair(const nqm_list *l, const nqm_listed *row, double *wi, double *wo) {
+    if (!l->has_pairs) {
+        nqm_half_diff_to_pair(row->at, wi, wo);
         return;
-    for (size_t i = 0; i < l->n; ++i)
-        l->rows[i].at[2] = round_angle(fabs(remainder(l->rows[i].at[2], 2 * NQM_PI)));
+    }
+    nqm_spherical(row->at[0], row->phi_i, wi);
+    nqm_spherical(row->at[1], row->phi_i + row->at[2], wo);
 }
 
 /* Compare rows by theta_i, theta_o and phi modulo a turn, for qsort(). */
@@ -266,18 +273,17 @@ static nqm_status read_rows(const nqm_csv *csv, nqm_list *l, nqm_error *err) {
     l->has_pairs = has_pairs(&columns);
     l->is_reciprocal = status == NQM_OK && !l->has_pairs;
     for (size_t row = 0; row < l->n && status == NQM_OK; ++row) {
-        const double *hd = l->rows[row].hd;
+        const double *phi_d = l->rows[row].at + 2;
         status = read_angles(csv, l->path, row, &columns, &l->rows[row], err);
         if (status == NQM_OK)
             status = read_value(csv, row, columns.column + columns.n_angles, l->rows[row].rgb, err);
-        l->is_reciprocal = l->is_reciprocal && hd[2] >= 0 && hd[2] <= 180 * degree;
+        l->is_reciprocal = l->is_reciprocal && *phi_d >= 0 && *phi_d <= 180 * degree;
     }
     if (status == NQM_OK)
         status = refuse_radians(l, err);
     if (status == NQM_OK && l->has_pairs)
         status = find_anisotropy(l, err);
-    if (status == NQM_OK && l->has_pairs && !l->is_anisotropic)
-        fold(l);
+    l->is_half_turn = status == NQM_OK && l->has_pairs && !l->is_anisotropic && is_half_turn(l);
     if (status == NQM_OK)
         merge_repeated(l);
     return status;
@@ -319,7 +325,7 @@ static size_t distinct(const nqm_list *l, size_t k, double *node) {
     size_t n = 0, n_node = 0;
     for (size_t i = 0; i < l->n; ++i)
         if (k < 2 || has_azimuth(l, &l->rows[i]))
-            node[n++] = l->rows[i].at[k];
+            node[n++] = coordinate(l, &l->rows[i], k);
     qsort(node, n, sizeof *node, nqm_compare_doubles);
     for (size_t i = 0; i < n; ++i)
         if (i == 0 || node[i] > node[n_node - 1])
@@ -333,9 +339,9 @@ static size_t index_of(const double *node, size_t n, double x) {
     return found ? (size_t)(found - node) : 0;
 }
 
-static bool is_above_horizon(const double *hd) {
+static bool is_above_horizon(const nqm_list *l, const nqm_listed *row) {
     double wi[3], wo[3];
-    nqm_half_diff_to_pair(hd, wi, wo);
+    nqm_listed_pair(l, row, wi, wo);
     return fmin(wi[2], wo[2]) > 1e-9;
 }
 
@@ -346,11 +352,11 @@ static bool fill(const nqm_grid *g, const nqm_list *l, unsigned char *value, uns
         const nqm_listed *row = &l->rows[i];
         size_t at = 0;
         for (size_t k = 0; k < 3; ++k)
-            at = at * g->n[k] + index_of(g->node[k], g->n[k], row->at[k]);
+            at = at * g->n[k] + index_of(g->node[k], g->n[k], coordinate(l, row, k));
         if (filled[at]++)
             return false;
         for (size_t c = 0; c < 3; ++c)
-            nqm_store_f32(value + (3 * at + c) * sizeof(float), is_above_horizon(row->hd) ? row->rgb[c] : NAN);
+            nqm_store_f32(value + (3 * at + c) * sizeof(float), is_above_horizon(l, row) ? row->rgb[c] : NAN);
     }
     return true;
 }

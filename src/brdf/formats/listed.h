@@ -8,11 +8,10 @@
 
 #include "brdf/brdf.h"
 
-/** One direction: theta_h, theta_d, phi_d in radians, and f_r in 1/sr; NaN in channel 0: no value. */
+/** One direction, in radians, and f_r in 1/sr; NaN in channel 0: no value. */
 typedef struct nqm_listed {
-    double hd[3];
-    double at[3]; /* coordinates of a grid: hd, or theta_i, theta_o, phi = phi_o - phi_i */
-    double phi_i; /* of the light, if both directions are listed */
+    double at[3]; /* theta_h, theta_d, phi_d; or theta_i, theta_o, phi = phi_o - phi_i */
+    double phi_i; /* of the light, if both directions are listed and azimuths count; else 0 */
     float rgb[3];
 } nqm_listed;
 
@@ -25,7 +24,11 @@ typedef struct nqm_list {
     bool is_reciprocal;  /* each row also counts with light and viewer exchanged */
     bool has_pairs;      /* rows are light and viewer */
     bool is_anisotropic; /* their azimuths count; only if has_pairs */
+    bool is_half_turn;   /* all phi are in one half of the turn, so that in a grid the value at -phi is that at phi */
 } nqm_list;
+
+/** Light and viewer of a row: unit vectors (3). */
+void nqm_listed_pair(const nqm_list *list, const nqm_listed *row, double *wi, double *wo);
 
 /** A BRDF with values only within `tolerance` (radians) of the listed directions: the value of the nearest one. The
  *  distance of two pairs is the root of the summed squares of the angles (as chords) between their lights and between

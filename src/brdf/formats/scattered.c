@@ -117,21 +117,12 @@ nqm_status nqm_scattered_distances(const nqm_brdf *brdf, size_t n, const double 
     return NQM_OK;
 }
 
-static void to_pair(const nqm_list *l, const nqm_listed *row, double *wi, double *wo) {
-    if (l->is_anisotropic) {
-        nqm_spherical(row->at[0], row->phi_i, wi);
-        nqm_spherical(row->at[1], row->phi_i + row->at[2], wo);
-    } else {
-        nqm_half_diff_to_pair(row->hd, wi, wo);
-    }
-}
-
 /* The n_used pairs with a value above the horizon, each also exchanged if the list is reciprocal; returns the number of all. */
 static size_t expand(const nqm_list *l, sample *out, size_t *n_used) {
     size_t n_out = 0;
     for (size_t i = 0; i < l->n; ++i) {
         sample s = {.is_exchanged = false};
-        to_pair(l, l->rows + i, s.wi, s.wo);
+        nqm_listed_pair(l, l->rows + i, s.wi, s.wo);
         memcpy(s.rgb, l->rows[i].rgb, sizeof s.rgb);
         if (isnan(s.rgb[0]) || !(s.wi[2] > 0 && s.wo[2] > 0))
             continue;

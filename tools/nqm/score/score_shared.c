@@ -148,7 +148,7 @@ static void add_counts(json_t *remarks, const remark_terms *terms, const char *w
                        size_t k) {
     static const char *const remedy[] = {"left out", "taken as 0", "taken from the nearest direction", "refused"};
     if (r->n_repeated[k])
-        add_remark(remarks, "%s: %zu rows give a direction again: the mean of its rows counts", who, r->n_repeated[k]);
+        add_remark(remarks, REPEATED_ROWS, who, r->n_repeated[k]);
     if (r->n_clamped[k])
         add_remark(remarks, "%s: negative channel at %zu of %zu directions, taken as 0", who, r->n_clamped[k],
                    terms->n_directions);

@@ -1,0 +1,19 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * pbrt.h - the materials and textures of a pbrt-v4 scene, read into a list of nodes, and their translation to shadings.
+ */
+#ifndef NQM_SRC_MATERIAL_PBRT_H
+#define NQM_SRC_MATERIAL_PBRT_H
+
+#include "material/bsdf.h"
+
+/** true when the first word is a directive of pbrt. */
+bool nqm_pbrt_probe(const nqm_map *map);
+/** Append the materials of a scene. NQM_ERR_FORMAT, NQM_ERR_LIMIT, NQM_ERR_NOMEM */
+NQM_MUST_CHECK nqm_status nqm_pbrt_read(const nqm_map *map, nqm_materials *materials, nqm_error *err);
+/** Append the material of this type at node `at`, after the textures that it can name. refusal: why it is refused; NULL: it is not.
+ *  path: of the scene. */
+NQM_MUST_CHECK nqm_status nqm_pbrt_add(const nqm_bsdf_nodes *nodes, size_t at, const char *type, const char *refusal,
+                                       const char *path, nqm_materials *materials, nqm_error *err);
+
+#endif
