@@ -148,7 +148,8 @@ static bool read_normal(reading *r, const nqm_rule *rule, element *input, uint16
         node = nqm_graph_with(t, NQM_MAP_NORMAL, 3, node, 1);
     }
     *node_ret = node;
-    return node != NQM_NO_NODE || nqm_refuse(&r->reading, input, "%s: its graph needs too many nodes", rule->name);
+    return node != NQM_NO_NODE ||
+           nqm_refuse(&r->reading, input, "%s: its graph needs too many nodes, or memory is short", rule->name);
 }
 
 bool nqm_mtlx_read_normal(nqm_reading *base, const nqm_rule *rule, const void *property) {

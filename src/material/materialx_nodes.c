@@ -381,8 +381,9 @@ static bool read_file(graph *g, element *node, const char *type, size_t *image_r
                           space);
     const int n_path = snprintf(path, sizeof path, "%s%s", prefix ? prefix : "", file);
     return (n_path < (int)sizeof path && nqm_graph_add_file(g->t, g->path, find_file(g, path), space, image_ret)) ||
-           nqm_refuse(g->reading, g->input, "%s: its graph has more than %d images, or a name that is too long",
-                      g->name, NQM_MAX_MAP_IMAGES);
+           nqm_refuse(g->reading, g->input,
+                      "%s: its graph has more than %d images, a name that is too long, or memory is short", g->name,
+                      NQM_MAX_MAP_IMAGES);
 }
 
 static uint16_t read_image(graph *g, const node_kind *kind, element *node) {
@@ -491,7 +492,8 @@ static uint16_t build_once(graph *g, element *node, const char *output) {
             return g->built[i].value;
     const uint16_t value = build(g, node, output);
     if (value == NQM_NO_NODE || g->n_built == NQM_MAX_MAP_NODES)
-        return REFUSE(g, "%s is not finite, or its graph needs more than %d nodes", g->name, NQM_MAX_MAP_NODES);
+        return REFUSE(g, "%s is not finite, its graph needs more than %d nodes, or memory is short", g->name,
+                      NQM_MAX_MAP_NODES);
     g->built[g->n_built++] = (struct nqm_mtlx_built){node, output, value};
     return value;
 }

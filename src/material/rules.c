@@ -106,7 +106,8 @@ static bool add_weight(nqm_reading *r, const nqm_rule *rule, const void *propert
     if (*weight != NQM_NO_NODE)
         node = nqm_graph_compute(r->textured, NQM_MAP_MIX, 1, *weight, nqm_graph_number(r->textured, 1), node);
     *weight = node;
-    return node != NQM_NO_NODE || nqm_refuse(r, property, "%s: %s", rule->name, rule->why);
+    return node != NQM_NO_NODE ||
+           nqm_refuse(r, property, "%s: out of memory, or more than %d nodes", rule->name, NQM_MAX_MAP_NODES);
 }
 
 /* A property that is no constant: where maps are read, it can be ignored. */

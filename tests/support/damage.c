@@ -36,6 +36,7 @@ nqm_status read_materials(const nqm_map *map, nqm_error *err) {
     nqm_materials *materials;
     const nqm_status status = nqm_materials_read(map, &materials, err);
     assert_true((status == NQM_OK) == (materials != NULL));
+    assert_true(status == NQM_OK || err->byte_offset >= 0);
     nqm_materials_free(materials);
     return status;
 }

@@ -139,17 +139,25 @@ static void check_material(const material_text *t, const nqm_materials *material
     }
 }
 
-/* Reading fails cleanly whichever allocation fails; a material may be refused for that. */
-static void fail_allocations(const nqm_map *map) {
+static bool is_same(const char *a, const char *b) {
+    return a && b ? strcmp(a, b) == 0 : a == b;
+}
+
+/* Reading fails cleanly whichever allocation fails; a material may be refused for that. One that is not is the whole material. */
+static void fail_allocations(const material_text *t, const nqm_map *map, const nqm_materials *whole) {
+    const nqm_material_info expected = nqm_materials_get(whole, 0);
     nqm_status status = NQM_OK;
     long n = -1;
     EVERY_ALLOCATION(n, status, 0) {
         nqm_materials *materials = NULL;
         status = nqm_materials_read(map, &materials, NULL);
         assert_true((status == NQM_OK) == (materials != NULL));
-        const char *refusal = materials ? nqm_materials_get(materials, 0).refusal : NULL;
-        if (refusal && strstr(refusal, "out of memory"))
+        const nqm_material_info info = materials ? nqm_materials_get(materials, 0) : expected;
+        if (info.refusal && strstr(info.refusal, "memory"))
             status = NQM_ERR_NOMEM;
+        else if (info.n_maps != expected.n_maps || !is_same(info.spec, expected.spec) ||
+                 !is_same(info.refusal, expected.refusal))
+            FAIL(t, "allocation %ld: another material: %s", n, info.refusal ? info.refusal : info.spec);
         nqm_materials_free(materials);
     }
 }
@@ -175,7 +183,7 @@ static void check(const material_text *t) {
             check_list(t, materials);
         else
             check_material(t, materials);
-        fail_allocations(&map);
+        fail_allocations(t, &map, materials);
     }
     nqm_materials_free(materials);
     while (b.n_bytes && strchr(" \n", b.data[b.n_bytes - 1]))
