@@ -117,6 +117,12 @@ awk 'BEGIN {
         }
 }' >"$dir/colour.csv"
 run 0 calibrate --human "$dir/colour.csv" -m transport -o "$dir/mine.safetensors"
+cp "$dir/out" "$dir/text"
+run 0 calibrate --human "$dir/colour.csv" -m transport -o -
+cmp -s "$dir/out" "$dir/mine.safetensors" || fail "the model on standard output is another one"
+run 0 calibrate --human "$dir/colour.csv" -m transport -o "$dir/again.safetensors" --json
+grep -q '"output": ".*again.safetensors"' "$dir/out" || fail "JSON of answers: $(cat "$dir/out")"
+mv "$dir/text" "$dir/out"
 grep -q '^answers     80 choices, 8 materials$' "$dir/out" || fail "answers: $(cat "$dir/out")"
 grep -q '^gain        +0.600 ' "$dir/out" || fail "gain: $(cat "$dir/out")"
 run 0 info "$dir/mine.safetensors"

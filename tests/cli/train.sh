@@ -183,3 +183,6 @@ run 0 train "$dir/toy.safetensors" -o "$dir/card.safetensors" $small --epochs 1 
 grep -q '^interval *none: the validation materials were trained on' "$dir/out" || fail "interval: $(cat "$dir/out")"
 run 0 info "$dir/card.safetensors"
 grep -q 'Made for a test' "$dir/out" || fail "card: $(cat "$dir/out")"
+# The words behind -- are no options, and the recipe is looked for among options alone.
+# shellcheck disable=SC2086
+run 0 train -o "$dir/dashes.safetensors" $small --epochs 1 -- "$dir/toy.safetensors"
