@@ -29,9 +29,10 @@ NQM_MUST_CHECK nqm_status nqm_raster_decode(const unsigned char *data, size_t n_
 /** Width and height from the header, without decoding. */
 NQM_MUST_CHECK nqm_status nqm_raster_size(const unsigned char *data, size_t n_bytes, const char *name,
                                           size_t *width_ret, size_t *height_ret, nqm_error *err);
-/** Write 8-bit RGB, or RGB and alpha, as PNG; is_srgb: the file says that the colours are sRGB. */
+/** Write 8-bit RGB, or RGB and alpha, as PNG; is_srgb: the file says that the colours are sRGB. The file is complete at
+ *  once (set NULL), or when the set is committed. */
 NQM_MUST_CHECK nqm_status nqm_raster_write_png(const char *path, const nqm_raster *raster, bool is_srgb,
-                                               nqm_error *err);
+                                               nqm_outset *set, nqm_error *err);
 /** Free the pixels; a zeroed raster is allowed. */
 void nqm_raster_clear(nqm_raster *raster);
 

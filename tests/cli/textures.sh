@@ -87,6 +87,15 @@ run 0 score -q new.gltf new.gltf
 run 0 translate steel --to gltf -o same.gltf --loss log --samples 200
 awk '/^JOD/ { exit !($2 > 9.9) }' out || fail "the same model: $(cat out)"
 
+# A material and its maps are written whole or not at all.
+mkdir old old/new_normal.png
+cp new.gltf new_baseColor.png old
+cp half/steel_Color.png old/new_baseColor.png
+run 3 translate "maps:$surface;normal=steel/steel_NormalGL.png;model=standard-surface" --to gltf -o old/new.gltf --loss log --samples 200
+grep -q 'old/new_normal.png: cannot write' err || fail "the map is not named: $(cat err)"
+cmp -s new.gltf old/new.gltf && cmp -s half/steel_Color.png old/new_baseColor.png || fail 'a part of the set was replaced'
+[ "$(ls old | wc -l)" = 3 ] || fail "left over: $(ls old)"
+
 # Messages.
 run 3 score steel 'maps:base_color=gone.png;model=gltf' half
 grep -q "^ *[0-9.]* .*half" out || fail "a test that fails stops the others"
