@@ -206,7 +206,8 @@ static float read_field(const nqm_csv *csv, size_t row, int column) {
     const char *text = nqm_csv_text(csv, row, column);
     const char *word = text + (*text == '-' || *text == '+');
     double value;
-    if (strncasecmp(word, "nan", 3) == 0 || strncasecmp(word, "inf", 3) == 0)
+    const bool is_nan = strncasecmp(word, "nan", 3) == 0 && (!word[3] || word[3] == '(');
+    if (is_nan || strcasecmp(word, "inf") == 0 || strcasecmp(word, "infinity") == 0)
         return NAN;
     must(nqm_csv_number(csv, row, column, &value, &fault));
     return (float)value;
