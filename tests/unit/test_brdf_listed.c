@@ -4,6 +4,7 @@
  * Scattered directions: pairs turned about the normal, and tilted by known angles.
  */
 #include "base/base.h"
+#include "math/math.h"
 #include "support/allocations.h"
 #include "support/brdf_files.h"
 #include "support/check.h"
@@ -175,6 +176,47 @@ TEST(scattered_directions_are_found) {
         assert_string_equal(info.layout, "195 directions, values within 0.2 degrees of them");
         assert_int_equal(info.n_values, 3 * 195);
         assert_int_equal(info.reciprocal, !full_turn);
+        nqm_brdf_free(brdf);
+    }
+}
+
+/* The nearest row is that of a search of all rows, where all have one of two lights and where all are nearly the same. */
+TEST(nearest_rows_are_those_of_a_full_search) {
+    enum { N_ROWS = 700, N_ASKED = 300 };
+    static double w[N_ROWS][2][3];
+    static const double light[] = {10, 50};
+    for (int spread = 1; spread <= 80; spread += 79) {
+        csv file = {.n = 0};
+        nqm_rng rng = nqm_rng_make(5, (uint64_t)spread);
+        add(&file, "theta_i,phi_i,theta_o,phi_o,r,g,b\n");
+        for (int i = 0; i < N_ROWS; ++i) {
+            const double at[4] = {light[i % 2], 20, nqm_rng_uniform(&rng) * spread, nqm_rng_uniform(&rng) * 360};
+            add(&file, "%g,%g,%.9f,%.9f,%d,1,1\n", at[0], at[1], at[2], at[3], i);
+            nqm_spherical(at[0] * degree, at[1] * degree, w[i][0]);
+            nqm_spherical(at[2] * degree, at[3] * degree, w[i][1]);
+        }
+        nqm_brdf *brdf = open_ok(save(&file), ":20");
+        for (int k = 0; k < N_ASKED; ++k) {
+            double a[2][3], rgb[3], least = 2 * sin(10 * degree);
+            int nearest = -1;
+            nqm_spherical((light[k % 2] + 5 * nqm_rng_uniform(&rng)) * degree, 1, a[0]);
+            nqm_spherical(nqm_rng_uniform(&rng) * spread * degree, nqm_rng_uniform(&rng) * 6, a[1]);
+            for (int i = 0; i < N_ROWS; ++i) {
+                double sum = 4, x = 0, y = 0;
+                for (int d = 0; d < 2; ++d) {
+                    sum -= 2 * a[d][2] * w[i][d][2];
+                    x += a[d][0] * w[i][d][0] + a[d][1] * w[i][d][1];
+                    y += a[d][1] * w[i][d][0] - a[d][0] * w[i][d][1];
+                }
+                const double distance = sqrt(fmax(sum - 2 * hypot(x, y), 0));
+                nearest = distance < least ? i : nearest;
+                least = fmin(least, distance);
+            }
+            uint8_t flag;
+            nqm_brdf_eval(brdf, 1, a[0], a[1], rgb, &flag);
+            assert_int_equal(nqm_has_value(flag), nearest >= 0);
+            assert_true(nearest < 0 || rgb[0] == nearest);
+        }
         nqm_brdf_free(brdf);
     }
 }
