@@ -182,16 +182,10 @@ static void place_pair(const nqm_grid *g, const double *wi, const double *wo, do
 
 static void pair_grid_eval(const void *self, size_t n, const double *wi, const double *wo, double *rgb) {
     const nqm_grid *g = self;
-    const double first = g->node[2][0], last = g->node[2][g->n[2] - 1], slack = 1e-6;
     for (size_t i = 0; i < n; ++i) {
         double at[3];
         place_pair(g, wi + 3 * i, wo + 3 * i, at);
-        if (g->period < 2 * NQM_PI) {
-            if (at[2] < first - slack || at[2] > last + slack)
-                at[0] = NAN;
-            at[2] = fmin(fmax(at[2], first), last);
-        }
-        nqm_grid_eval(g, 1, at, rgb + 3 * i);
+        nqm_grid_eval_folded(g, at, rgb + 3 * i);
     }
 }
 
@@ -275,16 +269,6 @@ static bool is_nearly_complete(const nqm_list *l, const nqm_grid *g) {
            nqm_mul_size(n_nodes, g->n[2], &n_nodes) && n_nodes / 4 <= n / 3;
 }
 
-/* Between neighbouring nodes of coordinate k, in degrees; phi (2) is periodic. */
-static double largest_gap(const nqm_grid *grid, size_t k) {
-    const double *node = grid->node[k];
-    const size_t n = grid->n[k];
-    double gap = k == 2 ? node[0] + grid->period - node[n - 1] : 0;
-    for (size_t i = 1; i < n; ++i)
-        gap = fmax(gap, node[i] - node[i - 1]);
-    return gap / degree;
-}
-
 /* The axes of a grid. Where these are half a turn the value at -phi is that at phi. */
 static void find_axes(const nqm_list *l, nqm_grid *g, double *const node[3]) {
     for (size_t k = 0; k < 3; ++k) {
@@ -309,7 +293,7 @@ static bool can_be_grid(const nqm_list *l, const nqm_grid *g, size_t *n_product)
     if (g->n[0] < 2 || g->n[1] < 2 || !is_turn || !nqm_mul_size(g->n[0], g->n[1], n_product) ||
         !nqm_mul_size(*n_product, g->n[2], n_product))
         return false;
-    if (l->has_pairs && (g->n[2] < 2 || largest_gap(g, 2) > 45.001))
+    if (l->has_pairs && (g->n[2] < 2 || nqm_grid_gap(g, 2) > NQM_GRID_WIDEST))
         return false; /* between distant azimuths nothing is known: in the plane of incidence alone there are two */
     return *n_product == l->n || is_nearly_complete(l, g);
 }
@@ -357,8 +341,8 @@ static nqm_status wrap_grid(const nqm_list *l, nqm_grid *grid, size_t n_missing,
     char text[300];
     snprintf(text, sizeof text,
              "%zu %s x %zu %s x %zu %s, linear between them, at most %.3g, %.3g and %.3g degrees apart", grid->n[0],
-             axis[0], grid->n[1], axis[1], grid->n[2], axis[2], largest_gap(grid, 0), largest_gap(grid, 1),
-             largest_gap(grid, 2));
+             axis[0], grid->n[1], axis[1], grid->n[2], axis[2], nqm_grid_gap(grid, 0), nqm_grid_gap(grid, 1),
+             nqm_grid_gap(grid, 2));
     if (l->n_repeated)
         snprintf(text + strlen(text), sizeof text - strlen(text), "; the mean of repeated ones (%zu rows)",
                  l->n_repeated);
@@ -408,7 +392,7 @@ static nqm_status read_tolerance(const char *path, const char *text, double *tol
 }
 
 /* A scattered direction takes about 350 bytes, and 40 bytes or more of a large file. */
-static size_t max_scattered(size_t n_bytes) {
+size_t nqm_listed_most(size_t n_bytes) {
     enum { FREE_ROWS = 1 << 16, BYTES_PER_ROW = 40 };
     return FREE_ROWS + n_bytes / BYTES_PER_ROW;
 }
@@ -436,12 +420,12 @@ nqm_status nqm_listed_create(nqm_list *l, size_t n_bytes, const nqm_brdf_argumen
         nqm_free(grid);
         grid = NULL;
     }
-    if (!grid && l->n > max_scattered(n_bytes))
+    if (!grid && l->n > nqm_listed_most(n_bytes))
         return nqm_fail(
             err, NQM_ERR_LIMIT, 0,
             "%s: %zu directions (from byte 0 on) that are no complete grid; %zu are the limit for a file of "
             "%zu bytes",
-            l->path, l->n, max_scattered(n_bytes), n_bytes);
+            l->path, l->n, nqm_listed_most(n_bytes), n_bytes);
     if (!grid)
         return nqm_scattered_create(l, tolerance, name, brdf_ret, err);
     if (!tolerance_text)

@@ -37,6 +37,9 @@ static const double nqm_xyz_weights[9] = {3.2404542,  -0.9692660, 0.0556434, -1.
 NQM_MUST_CHECK nqm_status nqm_listed_create(nqm_list *list, size_t n_bytes, const nqm_brdf_argument *argument,
                                             nqm_brdf **brdf_ret, nqm_error *err);
 
+/** How many rows that are no grid a file of n_bytes may have. */
+size_t nqm_listed_most(size_t n_bytes);
+
 /** Light and viewer of a row: unit vectors (3). */
 void nqm_listed_pair(const nqm_list *list, const nqm_listed *row, double *wi, double *wo);
 
