@@ -4,10 +4,12 @@
  * Scattered directions: pairs turned about the normal, and tilted by known angles.
  */
 #include "base/base.h"
+#include "io/io.h"
 #include "math/math.h"
 #include "support/allocations.h"
 #include "support/brdf_files.h"
 #include "support/check.h"
+#include "support/damage.h"
 
 #include <nqm/brdf.h>
 #include <stdarg.h>
@@ -519,6 +521,41 @@ TEST(repeated_directions_are_means) {
         assert_near(rgb[0], 2, 1e-6);
     }
     nqm_brdf_free(brdf);
+}
+
+/* The layout of the paper's authors. */
+TEST(mat_files_of_the_authors_are_lists) {
+    double at[] = {0, 10, 0, 5, 40, 90, 30, 20, 250}, r[] = {1, 2, 3}, g[] = {4, 5, 6}, b[] = {7, 8, -9};
+    const nqm_mat_variable all[] = {{"r", 3, 1, r}, {"g", 1, 3, g}, {"b", 3, 1, b}, {"random_locations", 3, 3, at}};
+    const char *path = scratch_path("material.mat");
+    assert_int_equal(nqm_mat_write(path, 4, all, NULL), NQM_OK);
+    nqm_brdf *brdf = open_ok(path, "");
+    const nqm_brdf_info info = nqm_brdf_get_info(brdf);
+    assert_string_equal(info.layout, "3 directions, values within 0.1 degrees of them");
+    assert_int_equal(info.reciprocal, 0);
+    for (size_t i = 0; i < 3; ++i) {
+        const double hd[3] = {at[3 * i] * degree, at[3 * i + 1] * degree, at[3 * i + 2] * degree};
+        double rgb[3];
+        uint8_t flag;
+        nqm_brdf_eval_half_diff(brdf, 1, hd, rgb, &flag);
+        assert_int_equal(flag, i == 2 ? NQM_VALUE_CLAMPED : NQM_VALUE_OK);
+        assert_true(rgb[0] == r[i] && rgb[1] == g[i] && rgb[2] == fmax(b[i], 0));
+    }
+    nqm_brdf_free(brdf);
+    assert_true(check_brdf_allocations(path) >= 5);
+    blob whole = blob_load(path);
+    refuse_cuts(path, whole, 7, read_brdf);
+    blob_free(&whole);
+    at[8] = 170;
+    assert_int_equal(nqm_mat_write(path, 4, all, NULL), NQM_OK);
+    brdf = open_ok(path, "");
+    assert_int_equal(nqm_brdf_get_info(brdf).reciprocal, 1);
+    nqm_brdf_free(brdf);
+    assert_int_equal(nqm_mat_write(path, 3, all, NULL), NQM_OK);
+    must_refuse(path, NQM_ERR_FORMAT, "no numeric variable 'random_locations'");
+    at[4] = 91;
+    assert_int_equal(nqm_mat_write(path, 4, all, NULL), NQM_OK);
+    must_refuse(path, NQM_ERR_FORMAT, "random_locations at row 2: 91 is not within 0 to 90 degrees");
 }
 
 TEST(refuses_unfit_lists) {

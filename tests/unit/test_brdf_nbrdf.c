@@ -142,6 +142,10 @@ TEST(zip_faults_are_told) {
     blob text = {network.data, 100};
     blob_put(make_zip("readme.txt", &text), path);
     must_refuse(path, NQM_ERR_FORMAT, "no NBRDF");
+    blob_put(make_zip("net/data.pkl", &text), path);
+    must_refuse(path, NQM_ERR_FORMAT, "a PyTorch file; save the weights");
+    blob_put(make_zip("rgb.npy", &text), path);
+    must_refuse(path, NQM_ERR_FORMAT, "an .npz archive of NumPy; save one table");
     blob_put(make_zip("steel.h5", &text), path);
     must_refuse(argument, NQM_ERR_FORMAT, argument);
     blob_free(&network);

@@ -41,6 +41,7 @@ typedef struct nqm_brdf_format {
     X(nqm_npy_format)                                                                                                  \
     X(nqm_listed_format)                                                                                               \
     X(nqm_zemax_format)                                                                                                \
+    X(nqm_authors_format)                                                                                              \
     X(nqm_nps_format)                                                                                                  \
     X(nqm_utia_format)                                                                                                 \
     X(nqm_saved_format)                                                                                                \

@@ -202,16 +202,26 @@ static bool begins_zip(const nqm_map *map) {
     return map->n_bytes >= 4 && (memcmp(map->data, member, 4) == 0 || memcmp(map->data, end, 4) == 0);
 }
 
-/* Fail for an archive without the name of a material; the message lists some of its materials. */
+/* Fail for an archive without the name of a material; the message lists some of its materials, or says what it is. */
 static nqm_status request_material(const nqm_map *map, nqm_error *err) {
+    static const struct {
+        const char *suffix, *kind;
+    } others[] = {{".pkl", "a PyTorch file; save the weights of an NBRDF as .npy files"},
+                  {".npy", "an .npz archive of NumPy; save one table with numpy.save() as .npy"},
+                  {"", "it contains no NBRDF .h5 file"}};
     char examples[256];
     nqm_status status = nqm_zip_examples(map, ".h5", examples, sizeof examples, err);
-    if (status != NQM_OK)
-        return status;
-    if (!*examples)
-        return nqm_fail(err, NQM_ERR_FORMAT, 0, "%s: this zip (byte 0) contains no NBRDF .h5 file", map->path);
-    return nqm_fail(err, NQM_ERR_ARG, -1, "%s: name one material of this archive, '%s:MATERIAL': %s", map->path,
-                    map->path, examples);
+    if (status == NQM_OK && *examples)
+        return nqm_fail(err, NQM_ERR_ARG, -1, "%s: name one material of this archive, '%s:MATERIAL': %s", map->path,
+                        map->path, examples);
+    *examples = '\0';
+    for (size_t i = 0; status == NQM_OK; ++i) {
+        status = nqm_zip_examples(map, others[i].suffix, examples, sizeof examples, err);
+        if (status == NQM_OK && (*examples || !*others[i].suffix))
+            return nqm_fail(err, NQM_ERR_FORMAT, 0, "%s: this zip (byte 0) is no archive of NBRDFs: %s", map->path,
+                            others[i].kind);
+    }
+    return status;
 }
 
 static nqm_status open_zip(nqm_map *map, const nqm_brdf_argument *argument, nqm_brdf **brdf_ret, nqm_error *err) {
