@@ -71,7 +71,8 @@ enum {
     NQM_IGNORE_SUBSURFACE = 2,
     NQM_IGNORE_EMISSION = 4,
     NQM_IGNORE_OPACITY = 8,
-    NQM_IGNORE_SIZE = 48 /**< of a text with all words */
+    NQM_IGNORE_DISPLACEMENT = 16,
+    NQM_IGNORE_SIZE = 64 /**< of a text with all words */
 };
 /** The words of a set, "transmission,opacity". Returns text. */
 const char *nqm_ignore_words(unsigned set, char text[NQM_IGNORE_SIZE]);

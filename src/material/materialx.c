@@ -60,9 +60,10 @@ static uint16_t read_node(reading *r, const nqm_rule *rule, element *input) {
 static const char *describe(reading *r, const nqm_rule *rule) {
     element *node = r->graph.source;
     const bool is_texture = !node || nqm_mtlx_child(&r->graph, node, "input", "file");
-    snprintf(r->why, sizeof r->why, "%s %s node '%.60s'%s%.40s%s; only constants are read", rule->name,
+    const char *end = r->graph.t->n_images ? "" : ", of texture coordinates alone";
+    snprintf(r->why, sizeof r->why, "%s %s node '%.60s'%s%.40s%s%s; only constants are read", rule->name,
              is_texture ? "reads the texture of" : "is computed by", node ? nqm_xml_get(node, "name") : "",
-             is_texture ? "" : " (", is_texture ? "" : node->name, is_texture ? "" : ")");
+             is_texture ? "" : " (", is_texture ? "" : node->name, is_texture ? "" : ")", end);
     return r->why;
 }
 
@@ -218,6 +219,25 @@ bool nqm_mtlx_read_tangent(nqm_reading *r, const nqm_rule *rule, const void *pro
                       rule->gate);
 }
 
+/* Whether the input is 0, given or by its default. */
+static bool is_zero(reading *r, element *shader, const char *name, bool is_default_zero) {
+    element *input = nqm_mtlx_child(&r->graph, shader, "input", name);
+    if (!input || !nqm_mtlx_has_value(input))
+        return is_default_zero;
+    const uint16_t node = nqm_mtlx_read(&r->graph, input, name, "float");
+    const nqm_map_node *value = nqm_graph_is_constant(r->graph.t, node) ? &r->graph.t->nodes[node] : NULL;
+    r->reading.refusal = (nqm_reason){.byte_offset = 0};
+    return value && value->v[0] == 0 && value->v[1] == 0 && value->v[2] == 0;
+}
+
+bool nqm_mtlx_read_displacement(nqm_reading *base, const nqm_rule *rule, const void *property) {
+    reading *r = (reading *)base;
+    (void)property;
+    if (!base->ignorable && !is_zero(r, r->shader, rule->name, true)) /* else the material has it */
+        nqm_mtlx_remark(&r->graph, "the displacement of the surface is ignored: the material has no displacement");
+    return true;
+}
+
 bool nqm_mtlx_read_occlusion(nqm_reading *r, const nqm_rule *rule, const void *property) {
     (void)rule, (void)property;
     nqm_mtlx_remark(&((reading *)r)->graph, NQM_OCCLUSION_REMARK);
@@ -263,6 +283,17 @@ static bool read_subsurface_color(reading *r) {
     return true;
 }
 
+/* Renderers ignore what UsdPreviewSurface does not have, as `specular`, which exporters write. */
+static bool ignore_unknown(reading *r, element *input) {
+    const char *name = nqm_xml_get(input, "name");
+    char text[120];
+    if (!name || strcmp(r->surface->model, "usd-preview") != 0 || nqm_rule_find(r->surface->inputs, name))
+        return false;
+    snprintf(text, sizeof text, "'%.60s' is ignored: UsdPreviewSurface has no such input", name);
+    nqm_mtlx_remark(&r->graph, text);
+    return true;
+}
+
 static bool read_shader(reading *r) {
     r->surface = nqm_mtlx_find_surface(r->shader->name, NULL);
     if (!r->surface)
@@ -273,7 +304,7 @@ static bool read_shader(reading *r) {
     set_defaults(r);
     bool ok = true;
     for (element *e = r->shader->first; e && ok; e = e->next)
-        if (strcmp(e->name, "input") == 0 && nqm_mtlx_has_value(e))
+        if (strcmp(e->name, "input") == 0 && nqm_mtlx_has_value(e) && !ignore_unknown(r, e))
             ok = nqm_rules_apply(&r->reading, nqm_xml_get(e, "name"), e);
     if (ok && r->reading.weights[1] != NQM_NO_NODE)
         ok = read_subsurface_color(r);
@@ -295,10 +326,18 @@ static element *find_shader(reading *r, element *material) {
     return shader;
 }
 
-static bool check_displacement(reading *r, element *material) {
+/* A displacement of 0, or times 0, has no effect. */
+static void check_displacement(reading *r, element *material) {
     element *input = nqm_mtlx_child(&r->graph, material, "input", "displacementshader");
-    return !input || !nqm_mtlx_is_connected(input) ||
-           nqm_refuse(&r->reading, input, "displacementshader is connected: displacement is not part of a BRDF");
+    element *shader = input && nqm_mtlx_is_connected(input) ? nqm_mtlx_target(&r->graph, input) : NULL;
+    if (shader && strcmp(shader->name, "output") == 0)
+        shader = nqm_mtlx_target(&r->graph, shader);
+    const bool is_known = shader && nqm_contains_word("displacement UsdPreviewSurface", shader->name, false);
+    const bool is_neutral =
+        is_known && (is_zero(r, shader, "displacement", true) || is_zero(r, shader, "scale", false));
+    if (input && nqm_mtlx_is_connected(input) && !is_neutral)
+        nqm_set_aside(&r->reading, NQM_IGNORE_DISPLACEMENT, input,
+                      "displacementshader is connected: displacement is not part of a BRDF");
 }
 
 static nqm_index_key key_of_known(const void *value) {
@@ -326,8 +365,13 @@ static nqm_status add_material(reading *r, element *material, nqm_materials *mat
     *r->graph.remark = 0;
     r->coat_normal_node = NQM_NO_NODE;
     r->shader = strcmp(material->name, "surfacematerial") == 0 ? find_shader(r, material) : material;
-    const bool has_shader = r->shader && check_displacement(r, material);
-    const struct known_shader *known = has_shader ? nqm_index_find(&r->shaders, (nqm_index_key){r->shader, ""}) : NULL;
+    const bool has_shader = r->shader != NULL, is_own = nqm_xml_get(material, "remark") != NULL;
+    if (is_own)
+        nqm_mtlx_remark(&r->graph, nqm_xml_get(material, "remark"));
+    if (has_shader && has_memory)
+        check_displacement(r, material);
+    const bool is_shared = has_shader && !is_own && !r->reading.ignorable;
+    const struct known_shader *known = is_shared ? nqm_index_find(&r->shaders, (nqm_index_key){r->shader, ""}) : NULL;
     if (known) {
         nqm_textured_free(r->graph.t);
         return add_again(known->material, material, materials, err);
@@ -337,7 +381,7 @@ static nqm_status add_material(reading *r, element *material, nqm_materials *mat
     nqm_status status =
         nqm_reading_add(&r->reading, nqm_xml_get(material, "name"), r->shader ? r->shader->name : material->name,
                         material->byte_offset, materials, err);
-    if (status == NQM_OK && has_shader) {
+    if (status == NQM_OK && is_shared) {
         r->known[number] = (struct known_shader){r->shader, number};
         nqm_index_add(&r->shaders, &r->known[number]);
     }
@@ -364,7 +408,7 @@ nqm_status nqm_mtlx_read_document(const nqm_xml *xml, const char *path, nqm_mate
     r->graph.path = path;
     r->graph.root = xml->root;
     r->graph.reading = &r->reading;
-    nqm_status status = nqm_xml_names_create(xml, &r->graph.names, err);
+    nqm_status status = nqm_xml_names_create(xml->n_elements, xml, &r->graph.names, err);
     if (status == NQM_OK)
         status = nqm_index_create(NQM_MAX_MATERIALS, key_of_known, &r->shaders, err);
     if (status == NQM_OK)
@@ -383,7 +427,13 @@ static bool probe(const nqm_map *map) {
 
 static nqm_status fail_empty(const nqm_map *map, element *root, nqm_error *err) {
     for (element *e = root->first; e; e = e->next)
-        if (strcmp(e->name, "xi:include") == 0)
+        if (strcmp(e->name, "material") == 0)
+            return nqm_fail(err, NQM_ERR_FORMAT, e->byte_offset,
+                            "%s: its material (byte %lld) is of MaterialX %.10s, which is not read: open it with MaterialX "
+                            "1.38 or later, which upgrades it, and write it",
+                            map->path, (long long)e->byte_offset,
+                            nqm_xml_get(root, "version") ? nqm_xml_get(root, "version") : "1.37 or older");
+        else if (strcmp(e->name, "xi:include") == 0)
             return nqm_fail(
                 err, NQM_ERR_FORMAT, e->byte_offset,
                 "%s: it has no material of its own, and includes '%.80s' (byte %lld), which is not read: open "
