@@ -219,25 +219,6 @@ bool nqm_mtlx_read_tangent(nqm_reading *r, const nqm_rule *rule, const void *pro
                       rule->gate);
 }
 
-/* Whether the input is 0, given or by its default. */
-static bool is_zero(reading *r, element *shader, const char *name, bool is_default_zero) {
-    element *input = nqm_mtlx_child(&r->graph, shader, "input", name);
-    if (!input || !nqm_mtlx_has_value(input))
-        return is_default_zero;
-    const uint16_t node = nqm_mtlx_read(&r->graph, input, name, "float");
-    const nqm_map_node *value = nqm_graph_is_constant(r->graph.t, node) ? &r->graph.t->nodes[node] : NULL;
-    r->reading.refusal = (nqm_reason){.byte_offset = 0};
-    return value && value->v[0] == 0 && value->v[1] == 0 && value->v[2] == 0;
-}
-
-bool nqm_mtlx_read_displacement(nqm_reading *base, const nqm_rule *rule, const void *property) {
-    reading *r = (reading *)base;
-    (void)property;
-    if (!base->ignorable && !is_zero(r, r->shader, rule->name, true)) /* else the material has it */
-        nqm_mtlx_remark(&r->graph, "the displacement of the surface is ignored: the material has no displacement");
-    return true;
-}
-
 bool nqm_mtlx_read_occlusion(nqm_reading *r, const nqm_rule *rule, const void *property) {
     (void)rule, (void)property;
     nqm_mtlx_remark(&((reading *)r)->graph, NQM_OCCLUSION_REMARK);
@@ -283,14 +264,15 @@ static bool read_subsurface_color(reading *r) {
     return true;
 }
 
-/* Renderers ignore what UsdPreviewSurface does not have, as `specular`, which exporters write. */
+/* Renderers ignore what UsdPreviewSurface does not have, as `specular`, which exporters write; the material has the displacement. */
 static bool ignore_unknown(reading *r, element *input) {
     const char *name = nqm_xml_get(input, "name");
-    char text[120];
+    char text[160];
     if (!name || strcmp(r->surface->model, "usd-preview") != 0 || nqm_rule_find(r->surface->inputs, name))
         return false;
-    snprintf(text, sizeof text, "'%.60s' is ignored: UsdPreviewSurface has no such input", name);
-    nqm_mtlx_remark(&r->graph, text);
+    snprintf(text, sizeof text, "'%.60s' is ignored: no part of the reflection of UsdPreviewSurface", name);
+    if (strcmp(name, "displacement") != 0 || !nqm_texts_equal(nqm_xml_get(input, "value"), "0"))
+        nqm_mtlx_remark(&r->graph, text);
     return true;
 }
 
@@ -324,6 +306,17 @@ static element *find_shader(reading *r, element *material) {
     if (!shader)
         nqm_refuse(&r->reading, input, "its surface shader is not in the file");
     return shader;
+}
+
+/* Whether the input is 0, given or by its default. */
+static bool is_zero(reading *r, element *shader, const char *name, bool is_default_zero) {
+    element *input = nqm_mtlx_child(&r->graph, shader, "input", name);
+    if (!input || !nqm_mtlx_has_value(input))
+        return is_default_zero;
+    const uint16_t node = nqm_mtlx_read(&r->graph, input, name, "float");
+    const nqm_map_node *value = nqm_graph_is_constant(r->graph.t, node) ? &r->graph.t->nodes[node] : NULL;
+    r->reading.refusal = (nqm_reason){.byte_offset = 0};
+    return value && value->v[0] == 0 && value->v[1] == 0 && value->v[2] == 0;
 }
 
 /* A displacement of 0, or times 0, has no effect. */
@@ -428,11 +421,12 @@ static bool probe(const nqm_map *map) {
 static nqm_status fail_empty(const nqm_map *map, element *root, nqm_error *err) {
     for (element *e = root->first; e; e = e->next)
         if (strcmp(e->name, "material") == 0)
-            return nqm_fail(err, NQM_ERR_FORMAT, e->byte_offset,
-                            "%s: its material (byte %lld) is of MaterialX %.10s, which is not read: open it with MaterialX "
-                            "1.38 or later, which upgrades it, and write it",
-                            map->path, (long long)e->byte_offset,
-                            nqm_xml_get(root, "version") ? nqm_xml_get(root, "version") : "1.37 or older");
+            return nqm_fail(
+                err, NQM_ERR_FORMAT, e->byte_offset,
+                "%s: its material (byte %lld) is of MaterialX %.10s, which is not read: open it with MaterialX "
+                "1.38 or later, which upgrades it, and write it",
+                map->path, (long long)e->byte_offset,
+                nqm_xml_get(root, "version") ? nqm_xml_get(root, "version") : "1.37 or older");
         else if (strcmp(e->name, "xi:include") == 0)
             return nqm_fail(
                 err, NQM_ERR_FORMAT, e->byte_offset,

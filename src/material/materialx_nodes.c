@@ -121,7 +121,8 @@ static const char *label(const graph *g, element *e, char text[200]) {
     if (e->parent == g->input->parent || !name)
         snprintf(text, 200, "%.60s", name && e != g->input ? name : g->name);
     else
-        snprintf(text, 200, "%.60s: '%.60s' of '%.60s'", g->name, name, nqm_xml_get(e->parent, "name") ? nqm_xml_get(e->parent, "name") : e->parent->name);
+        snprintf(text, 200, "%.60s: '%.60s' of '%.60s'", g->name, name,
+                 nqm_xml_get(e->parent, "name") ? nqm_xml_get(e->parent, "name") : e->parent->name);
     return text;
 }
 

@@ -27,7 +27,8 @@
 
 #define NOT_PART " is not part of these BRDFs"
 static const char transmission[] = "transmission" NOT_PART, subsurface[] = "subsurface scattering" NOT_PART,
-                  emission[] = "emission" NOT_PART, opacity[] = "opacity" NOT_PART, retroreflection[] = "retroreflection" NOT_PART;
+                  emission[] = "emission" NOT_PART, opacity[] = "opacity" NOT_PART,
+                  retroreflection[] = "retroreflection" NOT_PART;
 
 static const nqm_rule open_pbr[] = {
     NQM_OPEN_PBR_KEYS(KEY) TRANSMISSION("transmission_weight"),
@@ -78,7 +79,6 @@ static const nqm_rule gltf_pbr[] = {
 static const nqm_rule usd_preview_surface[] = {
     NQM_USD_PREVIEW_KEYS(KEY) EMISSION("emissiveColor", "color3"),
     OPACITY("opacity", "float", 1),
-    VECTOR("displacement", nqm_mtlx_read_displacement, NULL),
     NORMAL("normal"),
     NQM_RULE_IGNORED("opacityMode opacityThreshold"),
     OCCLUSION,

@@ -37,23 +37,11 @@ static bool begins(const scanner *s, const char *text) {
     return s->n - s->at >= strlen(text) && memcmp(s->text + s->at, text, strlen(text)) == 0;
 }
 
-static void skip_beyond(scanner *s, const char *end) {
-    while (s->at < s->n && !begins(s, end))
-        ++s->at;
-    s->at = nqm_smaller(s->at + strlen(end), s->n);
-}
-
-/* Blanks and comments. */
 static void skip_blanks(scanner *s) {
-    for (; s->at < s->n; ++s->at) {
-        const bool is_line = s->text[s->at] == '#' || begins(s, "//");
-        if (is_line || begins(s, "/*"))
-            skip_beyond(s, is_line ? "\n" : "*/");
-        if (is_line || s->at == s->n)
-            --s->at;
-        else if (!isspace((unsigned char)s->text[s->at]))
-            return;
-    }
+    while (s->at < s->n && (isspace((unsigned char)s->text[s->at]) || s->text[s->at] == '#' || begins(s, "//")))
+        if (!isspace((unsigned char)s->text[s->at++]))
+            while (s->at < s->n && s->text[s->at] != '\n')
+                ++s->at;
 }
 
 /* Text between quotes, of which the first has been read. */
@@ -141,10 +129,16 @@ static void next_beyond(scanner *s, const char *word, char *found) {
 
 /* ---- properties ---------------------------------------------------------------------------------------------------- */
 
-static element *append(scanner *s, element *parent, const char *name, const char *const *attributes, size_t at) {
-    element *e = nqm_usda_append(&s->layer, parent, name, attributes, (int64_t)at);
-    if (!e)
-        fail(s, "");
+/* NULL: the file has too many, or there is no memory; `status` says which. */
+static element *append(nqm_usda *layer, element *parent, const char *name, const char *const *attributes, int64_t at) {
+    element *e = NULL;
+    if (layer->status == NQM_OK && layer->prims.n_elements == layer->max_elements)
+        layer->status = nqm_fail(layer->err, NQM_ERR_LIMIT, at, "%s: more than %zu prims and inputs (byte %lld)",
+                                 layer->path, layer->max_elements, (long long)at);
+    if (layer->status == NQM_OK && !(e = nqm_xml_append(&layer->prims, parent, name, attributes, at)))
+        layer->status = nqm_fail_nomem(layer->err, sizeof *e);
+    if (e && parent)
+        nqm_index_add(&layer->names, e);
     return e;
 }
 
@@ -179,7 +173,8 @@ static void read_first(scanner *s, char value[MAX_TEXT]) {
 
 /* "color3f inputs:a.connect = </M/t.outputs:rgb> (metadata)", of which the type is the token; stops at the token after it. */
 static void read_property(scanner *s, element *prim, bool is_deleted) {
-    static const char owners[] = "Material Shader NodeGraph prim over class:Material class:Shader class:NodeGraph class:prim";
+    static const char owners[] =
+        "Material Shader NodeGraph prim over class:Material class:Shader class:NodeGraph class:prim";
     char type[MAX_TEXT], name[MAX_TEXT], value[MAX_TEXT] = "", space[MAX_TEXT] = "";
     const size_t at = s->token_at;
     const char *form, *has_value = NULL;
@@ -205,37 +200,37 @@ static void read_property(scanner *s, element *prim, bool is_deleted) {
     const bool is_read =
         strncmp(name, "inputs:", 7) == 0 || strncmp(name, "outputs:", 8) == 0 || strncmp(name, "info:", 5) == 0;
     if (is_read && !is_deleted && nqm_contains_word(owners, prim->name, false))
-        append(s, prim, type, attributes, at);
+        append(&s->layer, prim, type, attributes, (int64_t)at);
 }
 
 /* ---- prims --------------------------------------------------------------------------------------------------------- */
 
-/* What the metadata say, of which the bracket is the token, about what the prim is composed of: see nqm_usda. */
+/* What the metadata, of which the bracket is the token, say that the prim is composed of: paths in this layer, as the attribute of
+ * nqm_usda, and something else, as NQM_USDA_EXTERNAL. */
 static void read_arcs(scanner *s, char arcs[MAX_TEXT], char external[MAX_TEXT]) {
+    enum { N = 4, VARIANTS = N };
     static const char words[] = "inherits references payload specializes variants";
-    char lists[4][MAX_TEXT] = {""};
+    char lists[N + 1][MAX_TEXT] = {""};
     size_t depth = 1, arc = SIZE_MAX, used = 0;
-    bool is_deleted = false;
     for (char last = 0; depth && s->kind; last = s->kind) {
         next(s);
         depth += is_bracket(s, "([{");
         depth -= is_bracket(s, ")]}");
-        const char *name = arc == 4 && s->kind == 's' ? "variants" : s->token;
-        if (s->kind == 'w' && depth == 1) {
-            arc = is_token(s, "delete") ? arc : nqm_find_word(words, s->token, false);
-            is_deleted = is_token(s, "delete") || (is_deleted && last == 'w');
-        } else if (arc == SIZE_MAX || is_deleted || (s->kind == '<' && last == '@'))
-            continue; /* a path in another layer */
-        else if (s->kind == '@' || (arc == 4 && s->kind == 's') || strlen(lists[arc % 4]) + strlen(name) + 2 > MAX_TEXT)
-            strcpy(external, name);
-        else if (s->kind == '<')
-            sprintf(lists[arc % 4] + strlen(lists[arc % 4]), "%s ", name);
+        if (s->kind == 'w' && depth == 1) /* what is deleted is no word of these */
+            arc = last == 'w' && arc == N + 1 ? SIZE_MAX
+                  : is_token(s, "delete")     ? N + 1
+                                              : nqm_find_word(words, s->token, false);
+        if (arc > VARIANTS)
+            continue;
+        if (s->kind == '@' || (arc == VARIANTS && s->kind == 's'))
+            snprintf(external, MAX_TEXT, s->kind == '@' ? "the layer '%.80s'" : "variants ('%.80s')", s->token);
+        else if (s->kind == '<' && last != '@' && strlen(lists[arc]) + strlen(s->token) + 2 < MAX_TEXT / N)
+            strcat(strcat(lists[arc], s->token), " ");
+        else if (s->kind == '<' && last != '@')
+            strcpy(external, "more prims than are read");
     }
-    for (arc = 0; arc < 4; used += strlen(lists[arc++]))
-        if (used + strlen(lists[arc]) < MAX_TEXT)
-            strcpy(arcs + used, lists[arc]);
-        else
-            strcpy(external, "more arcs than are read");
+    for (arc = 0; arc < N; used += strlen(lists[arc++]))
+        strcpy(arcs + used, lists[arc]);
     if (depth)
         fail(s, "a bracket without its end");
 }
@@ -290,20 +285,159 @@ static void read_prim(scanner *s, element *parent, size_t depth) {
     if (depth == MAX_DEPTH)
         fail(s, "prims that are nested more than 60 deep");
     snprintf(kind, sizeof kind, "%s%s", is_class ? "class:" : "", is_over ? "over" : type);
-    element *prim = append(s, parent, kind, (const char *const[]){"name", name, "arcs", arcs, NULL}, at);
+    element *prim =
+        append(&s->layer, parent, kind, (const char *const[]){"name", name, "arcs", arcs, NULL}, (int64_t)at);
     if (prim && *external)
-        append(s, prim, "token", (const char *const[]){"name", NQM_USDA_EXTERNAL, "value", external, NULL}, at);
+        append(&s->layer, prim, "token", (const char *const[]){"name", NQM_USDA_EXTERNAL, "value", external, NULL},
+               (int64_t)at);
     if (prim)
         read_body(s, prim, depth + 1);
 }
 
 static void read_layer(scanner *s) {
-    element *root = append(s, NULL, "layer", (const char *const[]){NULL}, 0);
+    element *root = append(&s->layer, NULL, "layer", (const char *const[]){NULL}, 0);
     for (next(s); s->kind; next(s))
         if (s->kind == '(')
             skip_brackets(s, NULL, NULL, NULL);
         else if (is_token(s, "def over class"))
             read_prim(s, root, 0);
+}
+
+/* ---- composition --------------------------------------------------------------------------------------------------- */
+
+const element *nqm_usda_find(const nqm_usda *layer, const element *base, const char *path, const char **property_ret) {
+    const element *e = *path == '/' ? layer->prims.root : base;
+    char name[MAX_TEXT];
+    path += *path == '/';
+    while (e && *path && (*path != '.' || strncmp(path, "..", 2) == 0)) {
+        const size_t n = *path == '.' ? 2 : strcspn(path, "/.");
+        snprintf(name, sizeof name, "%.*s", (int)nqm_smaller(n, sizeof name - 1), path);
+        e = *path == '.' ? e->parent : nqm_xml_find(&layer->names, e, NULL, name);
+        path += n + (path[n] == '/');
+    }
+    *property_ret = e && *path ? path + 1 : NULL;
+    return e;
+}
+
+void nqm_usda_path(const element *prim, char path[MAX_TEXT]) {
+    const element *chain[MAX_DEPTH + 2];
+    size_t n = 0, used = 0;
+    for (; prim->parent; prim = prim->parent)
+        chain[n++] = prim;
+    *path = 0;
+    while (n-- && used < MAX_TEXT)
+        used += (size_t)snprintf(path + used, MAX_TEXT - used, "/%s", nqm_xml_get(chain[n], "name"));
+    if (used >= MAX_TEXT)
+        *path = 0;
+}
+
+typedef struct arc {
+    char from[MAX_TEXT], to[MAX_TEXT]; /* paths of the prims */
+} arc;
+
+static bool is_inside(const char *path, const char *prim) {
+    const size_t n = strlen(prim);
+    return strncmp(path, prim, n) == 0 && memchr("/.", path[n], sizeof "/.");
+}
+
+static void fail_deep(nqm_usda *layer, const element *prim) {
+    if (layer->status == NQM_OK)
+        layer->status = nqm_fail(layer->err, NQM_ERR_FORMAT, prim->byte_offset,
+                                 "%s: prims that are composed of prims, nested too deeply (byte %lld)", layer->path,
+                                 (long long)prim->byte_offset);
+}
+
+/* The type of a prim of this kind, which may be a class or an over. */
+static const char *type_of(const char *kind) {
+    const size_t n = strlen("class:");
+    return strcmp(kind, "over") == 0 ? "prim" : kind + (strncmp(kind, "class:", n) == 0 ? n : 0);
+}
+
+static void copy_property(nqm_usda *layer, element *to, const element *property, const arc *a) {
+    const char *name = nqm_xml_get(property, "name"), *value = nqm_xml_get(property, "value");
+    const char *space = nqm_xml_get(property, "space"), *dot = strrchr(name, '.');
+    char path[2 * MAX_TEXT] = "";
+    if (value && dot && strcmp(dot, ".connect") == 0 && is_inside(value, a->from))
+        snprintf(path, sizeof path, "%s%s", a->to, value + strlen(a->from));
+    const char *const attributes[] = {
+        "name", name, "space", space ? space : "", value ? "value" : NULL, *path ? path : value, NULL};
+    append(layer, to, property->name, attributes, property->byte_offset);
+}
+
+/* Copy what a prim does not have. */
+static void merge(nqm_usda *layer, element *to, const element *from, const arc *a, size_t depth) {
+    if (depth == MAX_DEPTH)
+        fail_deep(layer, from);
+    for (const element *e = from->first; e && layer->status == NQM_OK; e = e->next) {
+        const char *name = nqm_xml_get(e, "name");
+        element *own = (element *)nqm_xml_find(&layer->names, to, NULL, name);
+        if (strchr(name, ':')) {
+            if (!own)
+                copy_property(layer, to, e, a);
+            else if (!nqm_xml_get(own, "value")) { /* declared only */
+                own->attributes = e->attributes;
+                own->n_attributes = e->n_attributes;
+            }
+            continue;
+        }
+        if (!own)
+            own = append(layer, to, e->name, (const char *const[]){"name", name, NULL}, e->byte_offset);
+        else if (strcmp(own->name, "over") == 0)
+            own->name = e->name;
+        else if (strcmp(own->name, "prim") == 0)
+            own->name = type_of(e->name);
+        if (own)
+            merge(layer, own, e, a, depth + 1);
+    }
+}
+
+/* Give a prim what another one has. Instances that change nothing are left: the materials of their source are read there. */
+static void take(nqm_usda *layer, element *prim, const element *from) {
+    static const char shading[] = "Material Shader NodeGraph";
+    const bool is_plain = strcmp(from->name, type_of(from->name)) == 0 && !prim->first;
+    size_t depth = 0;
+    arc a;
+    nqm_usda_path(from, a.from);
+    nqm_usda_path(prim, a.to);
+    for (const element *e = prim; e->parent; e = e->parent)
+        ++depth;
+    const bool is_shading =
+        nqm_contains_word(shading, type_of(from->name), false) || nqm_contains_word(shading, prim->name, false);
+    if ((is_plain && !is_shading) || !*a.from || is_inside(a.from, a.to) || is_inside(a.to, a.from))
+        return;
+    if (strcmp(prim->name, "prim") == 0)
+        prim->name = type_of(from->name);
+    merge(layer, prim, from, &a, depth);
+}
+
+/* The first of a list of paths, of which *paths becomes the rest; NULL: the layer does not have it. */
+static element *next_source(const nqm_usda *layer, const char **paths) {
+    char path[MAX_TEXT];
+    const char *property;
+    const size_t n = strcspn(*paths, " ");
+    snprintf(path, sizeof path, "%.*s", (int)n, *paths);
+    *paths += n + 1;
+    const element *found = nqm_usda_find(layer, NULL, path, &property);
+    return found && found->parent ? (element *)found : NULL;
+}
+
+/* A prim, what it is composed of, and what is in it. One that has no attribute `arcs` any more is done, or being done. */
+static void compose(nqm_usda *layer, element *prim, size_t depth) {
+    const char *arcs = nqm_xml_get(prim, "arcs");
+    if (depth == 2 * MAX_DEPTH)
+        fail_deep(layer, prim);
+    if ((prim->parent && !arcs) || layer->status != NQM_OK)
+        return;
+    prim->n_attributes = nqm_smaller(prim->n_attributes, 1);
+    while (arcs && *arcs && layer->status == NQM_OK) {
+        element *from = next_source(layer, &arcs);
+        if (from)
+            compose(layer, from, depth + 1);
+        if (from && layer->status == NQM_OK)
+            take(layer, prim, from);
+    }
+    for (element *e = prim->first; e; e = e->next)
+        compose(layer, e, depth + 1);
 }
 
 /* ---- a file -------------------------------------------------------------------------------------------------------- */
@@ -336,14 +470,15 @@ static nqm_status read_usda(const nqm_map *map, nqm_materials *materials, nqm_er
     if (layer->status == NQM_OK)
         read_layer(&s);
     if (layer->status == NQM_OK)
-        nqm_usda_compose(layer);
+        compose(layer, layer->prims.root, 0);
     if (layer->status == NQM_OK)
         layer->status = nqm_usda_add_materials(layer, materials);
     if (layer->status == NQM_OK && nqm_materials_count(materials) == 0)
-        layer->status = nqm_fail(err, NQM_ERR_FORMAT, 0,
-                                 "%s: no Material in this layer (byte 0); materials of other layers are not read: usdcat "
-                                 "--flatten IN -o OUT.usda",
-                                 map->path);
+        layer->status =
+            nqm_fail(err, NQM_ERR_FORMAT, 0,
+                     "%s: no Material in this layer (byte 0); materials of other layers are not read: usdcat "
+                     "--flatten IN -o OUT.usda",
+                     map->path);
     nqm_index_free(&layer->names);
     nqm_xml_free(&layer->prims);
     return layer->status;

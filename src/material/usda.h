@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * usda.h - a layer of USD, read as text (usda.c) and made materials (usda_compose.c, usda_material.c).
+ * usda.h - a layer of USD (usda.c), of which usda_material.c makes materials.
  */
 #ifndef NQM_SRC_MATERIAL_USDA_H
 #define NQM_SRC_MATERIAL_USDA_H
@@ -26,17 +26,12 @@ typedef struct nqm_usda {
     nqm_error *err;
 } nqm_usda;
 
-/** Append an element, of which the first attribute is the name. NULL: the file has too many, or there is no memory; `status` says which. */
-nqm_xml_element *nqm_usda_append(nqm_usda *layer, nqm_xml_element *parent, const char *name,
-                                 const char *const *attributes, int64_t byte_offset);
 /** The prim that "/Looks/M/tex.outputs:rgb", or a path relative to `base`, begins with; NULL: there is none. *property_ret: the name of
  *  the property; NULL: it has none. */
 const nqm_xml_element *nqm_usda_find(const nqm_usda *layer, const nqm_xml_element *base, const char *path,
                                      const char **property_ret);
 /** The path of a prim; "" if it is long. */
 void nqm_usda_path(const nqm_xml_element *prim, char path[NQM_USDA_MAX_TEXT]);
-/** Give prims what the prims have that they inherit, reference or specialize. */
-void nqm_usda_compose(nqm_usda *layer);
 /** Append the materials of a layer that is composed. */
 NQM_MUST_CHECK nqm_status nqm_usda_add_materials(const nqm_usda *layer, nqm_materials *materials);
 

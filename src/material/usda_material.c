@@ -83,33 +83,21 @@ static origin follow(const writer *w, element *prim, const char *name) {
 
 /* ---- shaders ------------------------------------------------------------------------------------------------------- */
 
-/* The type in MaterialX: of any precision. */
 static const char *type_of(const char *usd) {
-    static const char *const types[][2] = {
-        {"vector2", "float2 double2 half2 texCoord2f texCoord2d texCoord2h"},
-        {"color3", "color3f color3d color3h"},
-        {"vector3", "float3 double3 half3 vector3f vector3d vector3h normal3f normal3d normal3h point3f point3d point3h"},
-        {"color4", "color4f color4d color4h"},
-        {"vector4", "float4 double4 half4"},
-        {"float", "float double half"},
-        {"integer", "int uint"},
-        {"boolean", "bool"},
-        {"string", "string token"},
-        {"filename", "asset"}};
-    for (size_t i = 0; i < sizeof types / sizeof *types; ++i)
-        if (nqm_contains_word(types[i][1], usd, false))
-            return types[i][0];
-    return usd;
+    static const char *const types[] = {"float",    "float",   "float",   "integer", "boolean", "string", "string",
+                                        "filename", "vector2", "vector2", "vector2", "color3",  "color3", "vector3",
+                                        "vector3",  "vector3", "vector3", "vector3", "color4",  "vector4"};
+    const size_t i = nqm_find_word("float double half int bool string token asset float2 double2 texCoord2f color3f "
+                                   "color3d float3 double3 vector3f normal3f point3f color4f float4",
+                                   usd, false);
+    return i == SIZE_MAX ? usd : types[i];
 }
 
 /* The space of an image: of its metadata; a UsdUVTexture finds it by the picture unless it says something else. */
 static const char *space_of(const char *node, element *property) {
-    const char *space = nqm_xml_get(property, "space");
-    if (strcmp(space, "sRGB") == 0)
-        return "srgb_texture";
-    if (*space && strcmp(space, "auto") != 0)
-        return nqm_contains_word("raw Raw", space, false) ? "none" : space;
-    return strcmp(node, "UsdUVTexture") == 0 ? NQM_SPACE_AUTO : "none";
+    const char *space = nqm_xml_get(property, "space"),
+               *by_picture = nqm_texts_equal(node, "UsdUVTexture") ? NQM_SPACE_AUTO : "none";
+    return *space && strcmp(space, "auto") != 0 ? space : by_picture;
 }
 
 /* Exporters give colours as vectors. */
@@ -129,8 +117,8 @@ static void add_input(writer *w, nqm_xml_element *shader, element *prim, const c
     if (o.shader)
         nqm_usda_path(o.shader, path);
     else if (value && o.is_lost)
-        snprintf(remark, sizeof remark, "%.60s is connected to something that the file does not have: its own value is taken",
-                 input);
+        snprintf(remark, sizeof remark,
+                 "%.60s is connected to something that the file does not have: its own value is taken", input);
     else if (o.varies_in_time)
         snprintf(remark, sizeof remark, "%.60s varies with time: its first value is taken", input);
     if (strcmp(type, "vector3") == 0 && is_color_of(shader->name, input))
@@ -164,7 +152,7 @@ static void add_inputs(writer *w, nqm_xml_element *shader, element *prim) {
 
 /* "image" of "ND_image_color3", "standard_surface" of "ND_standard_surface_surfaceshader_100". */
 static void node_of(const char *id, char node[MAX_TEXT]) {
-    static const char *const endings[] = {"float", "color3",  "color4", "vector",   "int",
+    static const char *const endings[] = {"float", "color3", "color4",   "vector",       "int",
                                           "bool",  "string", "filename", "surfaceshader"};
     enum { N = sizeof endings / sizeof *endings };
     snprintf(node, MAX_TEXT, "%s", strncmp(id, "ND_", 3) == 0 ? id + 3 : id);
@@ -218,16 +206,11 @@ static element *find_other(element *prim, element *own) {
     for (element *e = prim->first; e; e = e->next) {
         const char *name = nqm_xml_get(e, "name"), *end = strrchr(name, '.');
         if (is_output(name) && end && strcmp(end, ".connect") == 0 && value_of(e) && e != own &&
-            !strstr(name, "displacement") && !strstr(name, "volume") && !(own && strcmp(value_of(e), value_of(own)) == 0))
+            !strstr(name, "displacement") && !strstr(name, "volume") &&
+            !(own && strcmp(value_of(e), value_of(own)) == 0))
             return e;
     }
     return NULL;
-}
-
-static nqm_status refuse(writer *w, element *prim, const char *why) {
-    const nqm_material_info info = {
-        .name = nqm_xml_get(prim, "name"), .surface = prim->name, .refusal = why, .byte_offset = prim->byte_offset};
-    return nqm_materials_add(w->materials, &info, w->layer->err);
 }
 
 /* Connect an input of a material of the document. false: the prim has no such output. */
@@ -244,17 +227,24 @@ static bool connect(writer *w, nqm_xml_element *material, element *prim, const c
     return true;
 }
 
-/* Refuse a material without a surface that is read. */
-static nqm_status refuse_surface(writer *w, element *prim, element *other) {
-    char why[300], name[MAX_TEXT];
-    snprintf(name, sizeof name, "%s", nqm_xml_get(other, "name"));
-    *strrchr(name, '.') = 0;
-    const origin o = follow(w, prim, name);
-    snprintf(why, sizeof why,
-             "its surface is at %.60s ('%.60s'); read are UsdPreviewSurface and the surfaces of MaterialX, at "
-             "outputs:mtlx:surface, outputs:surface or outputs:glslfx:surface",
-             name, o.shader ? definition_of(w, o.shader) : value_of(other));
-    return refuse(w, prim, why);
+/* Why the material is refused, or a remark on it; "": neither. `own`: the surface that is read. */
+static void describe(const writer *w, element *prim, element *own, char text[300]) {
+    const char *external = external_of(w, prim);
+    element *other = find_other(prim, own);
+    char name[MAX_TEXT] = "";
+    if (other)
+        snprintf(name, sizeof name, "%.*s", (int)strcspn(nqm_xml_get(other, "name"), "."), nqm_xml_get(other, "name"));
+    const origin o = other ? follow(w, prim, name) : (origin){.shader = NULL};
+    *text = 0;
+    if (external)
+        snprintf(text, 300, "it is composed of %.120s, which is not read: write one layer by 'usdcat --flatten'",
+                 external);
+    else if (other)
+        snprintf(text, 300, "its surface at %.60s ('%.60s') is not read%s", name,
+                 o.shader ? definition_of(w, o.shader) : value_of(other),
+                 own ? ": there is another one"
+                     : "; those of UsdPreviewSurface and MaterialX are, at outputs:mtlx:surface, outputs:surface or "
+                       "outputs:glslfx:surface");
 }
 
 /* The surface of MaterialX comes before that for previews. */
@@ -263,30 +253,21 @@ static nqm_status add_material(writer *w, element *prim) {
                                              {"outputs:surface", "outputs:displacement"},
                                              {"outputs:glslfx:surface", "outputs:glslfx:displacement"}};
     enum { UNIVERSAL = 1, N = 3 };
-    const char *external = external_of(w, prim);
+    char text[300];
     element *own = NULL;
-    char text[200] = "";
     size_t i = 0;
-    for (; i < N; ++i)
-        if (value_of(own = property_of(w, prim, outputs[i][0], ".connect")))
-            break;
-    element *other = find_other(prim, i < N ? own : NULL);
-    if (external) {
-        snprintf(text, sizeof text,
-                 "it is composed of '%.80s', which this layer does not have: write one layer by 'usdcat --flatten'",
-                 external);
-        return refuse(w, prim, text);
-    }
-    if (i == N && other)
-        return refuse_surface(w, prim, other);
-    if (other)
-        snprintf(text, sizeof text, "the surface at %.*s is not read: that at %s is",
-                 (int)nqm_smaller(strcspn(nqm_xml_get(other, "name"), "."), 60), nqm_xml_get(other, "name"), outputs[i][0]);
+    while (i < N && !value_of(own = property_of(w, prim, outputs[i][0], ".connect")))
+        ++i;
+    own = i < N ? own : NULL;
+    describe(w, prim, own, text);
+    const nqm_material_info info = {
+        .name = nqm_xml_get(prim, "name"), .surface = prim->name, .refusal = text, .byte_offset = prim->byte_offset};
+    if (*text && (!own || external_of(w, prim)))
+        return nqm_materials_add(w->materials, &info, w->layer->err);
     nqm_xml_element *material =
         put(w, w->document.root, "surfacematerial",
-            (const char *const[]){"name", nqm_xml_get(prim, "name"), *text ? "remark" : NULL, text, NULL},
-            prim->byte_offset);
-    if (i < N && connect(w, material, prim, outputs[i][0], "surfaceshader") &&
+            (const char *const[]){"name", info.name, *text ? "remark" : NULL, text, NULL}, prim->byte_offset);
+    if (own && connect(w, material, prim, outputs[i][0], "surfaceshader") &&
         !connect(w, material, prim, outputs[i][1], "displacementshader"))
         connect(w, material, prim, outputs[UNIVERSAL][1], "displacementshader");
     return NQM_OK;
