@@ -96,6 +96,12 @@ grep -q 'old/new_normal.png: cannot write' err || fail "the map is not named: $(
 cmp -s new.gltf old/new.gltf && cmp -s half/steel_Color.png old/new_baseColor.png || fail 'a part of the set was replaced'
 [ "$(ls old | wc -l)" = 3 ] || fail "left over: $(ls old)"
 
+# A channel that a picture has not.
+for map in steel/steel_Color.png:a steel/steel_Roughness.png:b steel/steel_Roughness.png:a; do
+    run 4 score steel "maps:base_color=steel/steel_Color.png;roughness=$map"
+    grep -q "has no alpha: name another channel\|has one channel, which" err || fail "$map: $(cat err)"
+done
+
 # Messages.
 run 3 score steel 'maps:base_color=gone.png;model=gltf' half
 grep -q "^ *[0-9.]* .*half" out || fail "a test that fails stops the others"

@@ -236,6 +236,8 @@ void step_progress(const char *stage, size_t done, size_t total);
 void catch_interrupt(void);
 /** The verb saves work for a later run after Ctrl-C: give it more time for that. */
 void save_when_interrupted(void);
+/** A group of processes that is killed when this one ends at once; 0: none. */
+void note_child(int group);
 /** Whether Ctrl-C was pressed. */
 bool interrupted(void);
 
