@@ -315,7 +315,8 @@ static bool is_zero(reading *r, element *shader, const char *name, bool is_defau
         return is_default_zero;
     const uint16_t node = nqm_mtlx_read(&r->graph, input, name, "float");
     const nqm_map_node *value = nqm_graph_is_constant(r->graph.t, node) ? &r->graph.t->nodes[node] : NULL;
-    r->reading.refusal = (nqm_reason){.byte_offset = 0};
+    if (!strstr(r->reading.refusal.text, "memory")) /* it is not the reflection that cannot be read */
+        r->reading.refusal = (nqm_reason){.byte_offset = 0};
     return value && value->v[0] == 0 && value->v[1] == 0 && value->v[2] == 0;
 }
 
