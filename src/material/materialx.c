@@ -370,7 +370,9 @@ static nqm_status add_material(reading *r, element *material, nqm_materials *mat
         nqm_textured_free(r->graph.t);
         return add_again(known->material, material, materials, err);
     }
-    if (has_shader && has_memory)
+    if (!nqm_materials_reserve(materials, 0))
+        nqm_refuse(&r->reading, material, NQM_MATERIALS_FULL);
+    else if (has_shader && has_memory)
         read_shader(r);
     nqm_status status =
         nqm_reading_add(&r->reading, nqm_xml_get(material, "name"), r->shader ? r->shader->name : material->name,
