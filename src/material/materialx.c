@@ -219,6 +219,16 @@ bool nqm_mtlx_read_tangent(nqm_reading *r, const nqm_rule *rule, const void *pro
                       rule->gate);
 }
 
+bool nqm_mtlx_read_unused(nqm_reading *r, const nqm_rule *rule, const void *property) {
+    const char *name = nqm_xml_get(property, "name");
+    char text[160];
+    (void)rule;
+    snprintf(text, sizeof text, "'%.60s' is ignored: no part of the reflection of UsdPreviewSurface", name);
+    if (strcmp(name, "displacement") != 0 || !nqm_texts_equal(nqm_xml_get(property, "value"), "0"))
+        nqm_mtlx_remark(&((reading *)r)->graph, text);
+    return true;
+}
+
 bool nqm_mtlx_read_occlusion(nqm_reading *r, const nqm_rule *rule, const void *property) {
     (void)rule, (void)property;
     nqm_mtlx_remark(&((reading *)r)->graph, NQM_OCCLUSION_REMARK);
@@ -264,18 +274,6 @@ static bool read_subsurface_color(reading *r) {
     return true;
 }
 
-/* Renderers ignore what UsdPreviewSurface does not have, as `specular`, which exporters write; the material has the displacement. */
-static bool ignore_unknown(reading *r, element *input) {
-    const char *name = nqm_xml_get(input, "name");
-    char text[160];
-    if (!name || strcmp(r->surface->model, "usd-preview") != 0 || nqm_rule_find(r->surface->inputs, name))
-        return false;
-    snprintf(text, sizeof text, "'%.60s' is ignored: no part of the reflection of UsdPreviewSurface", name);
-    if (strcmp(name, "displacement") != 0 || !nqm_texts_equal(nqm_xml_get(input, "value"), "0"))
-        nqm_mtlx_remark(&r->graph, text);
-    return true;
-}
-
 static bool read_shader(reading *r) {
     r->surface = nqm_mtlx_find_surface(r->shader->name, NULL);
     if (!r->surface)
@@ -284,10 +282,15 @@ static bool read_shader(reading *r) {
     r->reading.rules = r->surface->inputs;
     r->reading.owner = r->surface->node;
     set_defaults(r);
+    const bool is_usd =
+        strcmp(r->surface->model, "usd-preview") == 0; /* exporters write `specular`, which renderers ignore */
     bool ok = true;
-    for (element *e = r->shader->first; e && ok; e = e->next)
-        if (strcmp(e->name, "input") == 0 && nqm_mtlx_has_value(e) && !ignore_unknown(r, e))
-            ok = nqm_rules_apply(&r->reading, nqm_xml_get(e, "name"), e);
+    for (element *e = r->shader->first; e && ok; e = e->next) {
+        const char *name = nqm_xml_get(e, "name");
+        if (strcmp(e->name, "input") == 0 && nqm_mtlx_has_value(e))
+            ok = is_usd && name && !nqm_rule_find(r->surface->inputs, name) ? nqm_mtlx_read_unused(&r->reading, NULL, e)
+                                                                            : nqm_rules_apply(&r->reading, name, e);
+    }
     if (ok && r->reading.weights[1] != NQM_NO_NODE)
         ok = read_subsurface_color(r);
     return ok && check_coat_normal(r);

@@ -79,6 +79,7 @@ static const nqm_rule gltf_pbr[] = {
 static const nqm_rule usd_preview_surface[] = {
     NQM_USD_PREVIEW_KEYS(KEY) EMISSION("emissiveColor", "color3"),
     OPACITY("opacity", "float", 1),
+    VECTOR("displacement", nqm_mtlx_read_unused, NULL), /* the material has it */
     NORMAL("normal"),
     NQM_RULE_IGNORED("opacityMode opacityThreshold"),
     OCCLUSION,
