@@ -245,6 +245,10 @@ static void describe(const writer *w, element *prim, element *own, char text[300
                  own ? ": there is another one"
                      : "; those of UsdPreviewSurface and MaterialX are, at outputs:mtlx:surface, outputs:surface or "
                        "outputs:glslfx:surface");
+    for (element *e = prim->parent; e && !*text; e = e->parent)
+        if ((external = value_of(nqm_xml_find(&w->layer->names, e, NULL, NQM_USDA_EXTERNAL))))
+            snprintf(text, 300, "'%.60s', which contains it, is also composed of %.120s, which is not read",
+                     nqm_xml_get(e, "name"), external);
 }
 
 /* The surface of MaterialX comes before that for previews. */

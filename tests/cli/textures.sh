@@ -102,6 +102,17 @@ for map in steel/steel_Color.png:a steel/steel_Roughness.png:b steel/steel_Rough
     grep -q "has no alpha: name another channel\|has one channel, which" err || fail "$map: $(cat err)"
 done
 
+# A service reads no file outside of its folder, by whatever path or link.
+mkdir inside
+cp -r steel half inside
+ln -s ../../half/steel_Color.png inside/half/link.png
+run 0 score -q inside/steel inside/half --within inside
+for map in half/steel_Color.png inside/../half/steel_Color.png "$dir/half/steel_Color.png" inside/half/link.png; do
+    run 3 score inside/steel "maps:base_color=$map" --within inside
+    grep -q "is not read: no file inside of .*inside" err || fail "$map: $(cat err)"
+done
+run 3 score inside/steel inside/half --within gone
+
 # Messages.
 run 3 score steel 'maps:base_color=gone.png;model=gltf' half
 grep -q "^ *[0-9.]* .*half" out || fail "a test that fails stops the others"

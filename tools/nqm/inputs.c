@@ -273,7 +273,7 @@ const nqm_materials *parsed_materials(const char *path) {
 
 /* ---- what materials do besides reflecting ------------------------------------------------------------------------ */
 
-const char *ignored_words;
+const char *ignored_words, *within;
 
 bool find_material(const char *argument, nqm_material_info *info) {
     static const size_t only[] = {0};

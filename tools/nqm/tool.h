@@ -72,14 +72,22 @@ typedef struct option_words {
         "metric", 0, OPTION_TEXT, (target), "MODEL", "the same; a scalar metric is no model (score --metrics)", 0, 0   \
     }
 
-/** --ignore: what of materials is left out; NULL: nothing. parse_arguments() applies reflecting() to all arguments. */
-extern const char *ignored_words;
+/** --ignore: what of materials is left out; NULL: nothing. parse_arguments() applies reflecting() to all arguments. --within: the
+ *  only folder of which files are read; NULL: all are. */
+extern const char *ignored_words, *within;
 #define OPTION_ROW_IGNORE                                                                                              \
+    {"ignore",                                                                                                         \
+     0,                                                                                                                \
+     OPTION_TEXT,                                                                                                      \
+     &ignored_words,                                                                                                   \
+     "LIST",                                                                                                           \
+     "take what reflects of materials that do more: any of "                                                           \
+     "transmission,subsurface,emission,opacity,displacement",                                                          \
+     0,                                                                                                                \
+     0},                                                                                                               \
     {                                                                                                                  \
-        "ignore", 0, OPTION_TEXT, &ignored_words, "LIST",                                                              \
-            "take what reflects of materials that do more: any of "                                                    \
-            "transmission,subsurface,emission,opacity,displacement",                                                   \
-            0, 0                                                                                                       \
+        "within", 0, OPTION_TEXT, &within, "DIR",                                                                      \
+            "read no file outside of DIR: for services, as materials may name any file as a map", 0, 0                 \
     }
 
 /** A verb; its name is that of set_verb(). */
