@@ -553,13 +553,14 @@ element *nqm_mtlx_target(const graph *g, element *e) {
 static uint16_t follow(graph *g, element *e, const char *type) {
     const char *output = nqm_xml_get(e, "output"), *channels = nqm_xml_get(e, "channels");
     element *to = nqm_mtlx_target(g, e);
+    char name[200];
     if (!to)
-        return REFUSE(g, "%s is connected to something that the file does not have", g->name);
+        return REFUSE(g, "%s is connected to something that the file does not have", label(g, e, name));
     const char *to_type = nqm_xml_get(to, "type");
     const bool differs =
         type && to_type && components(to_type) && !nqm_texts_equal(type, to_type) && !output && !channels;
     if (differs && (components(type) > 1 || components(to_type) > 1))
-        return REFUSE(g, "%s is of type %s, not '%.40s'", g->name, type, to_type);
+        return REFUSE(g, "%s is of type %s, not '%.40s'", label(g, e, name), type, to_type);
     const bool is_node = !nqm_xml_get(e, "interfacename") && !nqm_xml_get(e, "nodegraph");
     const uint16_t value = is_node ? build_once(g, to, output ? output : "") : read(g, to, to_type ? to_type : type);
     return channels ? swizzle(g, value, channels) : value;

@@ -222,7 +222,9 @@ static void read_arcs(scanner *s, char arcs[MAX_TEXT], char external[MAX_TEXT]) 
                                               : nqm_find_word(words, s->token, false);
         if (arc > VARIANTS)
             continue;
-        if (s->kind == '@' || (arc == VARIANTS && s->kind == 's'))
+        if (s->kind == '@' && !*s->token) /* this layer */
+            s->kind = ',';
+        else if (s->kind == '@' || (arc == VARIANTS && s->kind == 's'))
             snprintf(external, MAX_TEXT, s->kind == '@' ? "the layer '%.80s'" : "variants ('%.80s')", s->token);
         else if (s->kind == '<' && last != '@' && strlen(lists[arc]) + strlen(s->token) + 2 < MAX_TEXT / N)
             strcat(strcat(lists[arc], s->token), " ");

@@ -100,11 +100,13 @@ static const char *space_of(const char *node, element *property) {
     return *space && strcmp(space, "auto") != 0 ? space : by_picture;
 }
 
-/* Exporters give colours as vectors. */
-static bool is_color_of(const char *surface, const char *input) {
+/* The type of an input of a surface: exporters give colours as vectors, and numbers as integers. */
+static const char *type_in(const char *surface, const char *input, const char *type) {
     const nqm_mtlx_surface *s = nqm_mtlx_find_surface(surface, NULL);
     const nqm_rule *rule = s ? nqm_rule_find(s->inputs, input) : NULL;
-    return rule && nqm_texts_equal(rule->type, "color3");
+    const bool is_number = nqm_contains_word("float integer", type, false);
+    return rule && rule->type && (is_number ? rule->n == 1 : rule->n == 3 && strcmp(type, "vector3") == 0) ? rule->type
+                                                                                                           : type;
 }
 
 /* `name`: "inputs:roughness", of which `property` says something. */
@@ -121,8 +123,7 @@ static void add_input(writer *w, nqm_xml_element *shader, element *prim, const c
                  "%.60s is connected to something that the file does not have: its own value is taken", input);
     else if (o.varies_in_time)
         snprintf(remark, sizeof remark, "%.60s varies with time: its first value is taken", input);
-    if (strcmp(type, "vector3") == 0 && is_color_of(shader->name, input))
-        type = "color3";
+    type = type_in(shader->name, input, type);
     const bool is_file = strcmp(type, "filename") == 0;
     const char *space = is_file && value ? space_of(shader->name, o.property) : "lin_rec709";
     const char *output = o.shader ? o.output + strlen("outputs:") : "";
@@ -147,6 +148,11 @@ static void add_inputs(writer *w, nqm_xml_element *shader, element *prim) {
             first = property_of(w, prim, name, endings[i]);
         if (first == e)
             add_input(w, shader, prim, name, e);
+        else if (!first) /* a spline, as a type that the reader refuses */
+            put(w, shader, "input",
+                (const char *const[]){"name", name + 7, "type", strrchr(nqm_xml_get(e, "name"), '.'), "value", "",
+                                      NULL},
+                e->byte_offset);
     }
 }
 
