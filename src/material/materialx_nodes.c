@@ -117,12 +117,9 @@ static void take_remark(graph *g, element *e) {
 
 /* Names an element for messages: in other nodes than the shader, with the node. Returns text. */
 static const char *label(const graph *g, element *e, char text[200]) {
-    const char *name = nqm_xml_get(e, "name");
-    if (e->parent == g->input->parent || !name)
-        snprintf(text, 200, "%.60s", name && e != g->input ? name : g->name);
-    else
-        snprintf(text, 200, "%.60s: '%.60s' of '%.60s'", g->name, name,
-                 nqm_xml_get(e->parent, "name") ? nqm_xml_get(e->parent, "name") : e->parent->name);
+    const char *name = name_of(e), *node = name_of(e->parent);
+    const bool is_own = e->parent == g->input->parent || !name || !node;
+    snprintf(text, 200, is_own ? "%.60s" : "%.60s: '%.60s' of '%.60s'", g->name, name, node);
     return text;
 }
 

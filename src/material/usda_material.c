@@ -46,11 +46,10 @@ static const char *value_of(element *property) {
 
 /* Where an input or output has its value from. */
 typedef struct origin {
-    element *shader;     /* of which it is an output; NULL: a value, or nothing */
-    const char *output;  /* "outputs:rgb" */
-    element *property;   /* with the value; NULL: there is none */
-    bool is_lost;        /* a connection leads to nothing */
-    bool varies_in_time; /* the value is the first one */
+    element *shader;    /* of which it is an output; NULL: a value, or nothing */
+    const char *output; /* "outputs:rgb" */
+    element *property;  /* with the value; NULL: there is none */
+    bool is_lost;       /* a connection leads to nothing */
 } origin;
 
 /* From a property through the interfaces of materials and node graphs: a connection is stronger than a value, the values farther away
@@ -61,15 +60,10 @@ static origin follow(const writer *w, element *prim, const char *name) {
         element *value = property_of(w, prim, name, ""), *samples = property_of(w, prim, name, ".timeSamples");
         const char *path = value_of(property_of(w, prim, name, ".connect"));
         o.is_lost = hops > 0 && !value && !samples && !path;
-        if (value_of(value) || value_of(samples)) {
-            o.varies_in_time = value_of(samples) != NULL;
-            o.property = o.varies_in_time ? samples : value;
-        }
-        if (!path)
-            return o;
-        prim = nqm_usda_find(w->layer, prim, path, &name);
-        o.is_lost = !prim || !name;
-        if (o.is_lost)
+        o.property = value_of(samples) ? samples : value_of(value) ? value : o.property;
+        prim = path ? nqm_usda_find(w->layer, prim, path, &name) : NULL;
+        o.is_lost = o.is_lost || (path && (!prim || !name));
+        if (!path || o.is_lost)
             return o;
         if (strcmp(prim->name, "Shader") == 0 && is_output(name)) {
             o.shader = prim;
@@ -121,7 +115,7 @@ static void add_input(writer *w, nqm_xml_element *shader, element *prim, const c
     else if (value && o.is_lost)
         snprintf(remark, sizeof remark,
                  "%.60s is connected to something that the file does not have: its own value is taken", input);
-    else if (o.varies_in_time)
+    else if (value && strchr(nqm_xml_get(o.property, "name"), '.'))
         snprintf(remark, sizeof remark, "%.60s varies with time: its first value is taken", input);
     type = type_in(shader->name, input, type);
     const bool is_file = strcmp(type, "filename") == 0;
@@ -237,10 +231,10 @@ static bool connect(writer *w, nqm_xml_element *material, element *prim, const c
 static void describe(const writer *w, element *prim, element *own, char text[300]) {
     const char *external = external_of(w, prim);
     element *other = find_other(prim, own);
-    char name[MAX_TEXT] = "";
-    if (other)
-        snprintf(name, sizeof name, "%.*s", (int)strcspn(nqm_xml_get(other, "name"), "."), nqm_xml_get(other, "name"));
-    const origin o = other ? follow(w, prim, name) : (origin){.shader = NULL};
+    char name[MAX_TEXT];
+    snprintf(name, sizeof name, "%s", other ? nqm_xml_get(other, "name") : "");
+    name[strcspn(name, ".")] = 0;
+    const origin o = follow(w, prim, name);
     *text = 0;
     if (external)
         snprintf(text, 300, "it is composed of %.120s, which is not read: write one layer by 'usdcat --flatten'",
