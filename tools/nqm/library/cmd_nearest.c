@@ -76,8 +76,8 @@ static const option options[] = {
     {0}};
 
 static const command cmd = {
-    .usage = "BRDF --among WHERE [options]",
-    .about = "The materials of a folder or file that look most like BRDF, with their scores as of `nqm rank`. All are"
+    .usage = "BRDF --among WHERE... [options]",
+    .about = "The materials of folders or files that look most like BRDF, with their scores as of `nqm rank`. All are"
              " compared by pictures, and the best are scored. With --index a later run opens none but these.",
     .example =
         "nqm nearest sgd:nickel --among metals\nnqm nearest 'lambert:kd=.5,.2,.1' --among library.glb --apart -n 3",
@@ -85,13 +85,14 @@ static const command cmd = {
     .table = &nqm_score_option_table,
     .table_target = &run.options,
     .min_arguments = 1,
+    .max_arguments = -1,
 };
 
 int cmd_nearest(int argc, char **argv) {
     enum { LEAST_SCORED = 128 };
     library of = {.path = NULL}, one = {.path = NULL};
     run.options = plain_score_options();
-    parse_arguments(&cmd, argc, argv);
+    const int n = parse_arguments(&cmd, argc, argv);
     refuse_model_name(argv[0]);
     run.model = open_model(model);
     nqm_scorer *scorer = open_scorer(run.model, &run.options);
@@ -99,11 +100,13 @@ int cmd_nearest(int argc, char **argv) {
     must(nqm_scorer_draw(scorer, 1, (const char *const[]){argv[0]}, one.gallery, 0, &fault, &fault));
     if (fault.status != NQM_OK)
         stop_error(&fault);
-    draw_library(among, run.model, scorer, index_path, &of);
+    const char *const brdf = argv[0], **where = (const char **)argv;
+    where[0] = among;
+    draw_library((size_t)n, where, run.model, scorer, index_path, &of);
     nqm_scorer_free(scorer);
-    size_t n = nqm_larger(LEAST_SCORED, 4 * (size_t)n_shown);
-    candidate *candidates = find_candidates(one.gallery, &of, &n);
-    score_candidates(argv[0], &of, candidates, n);
+    size_t n_best = nqm_larger(LEAST_SCORED, 4 * (size_t)n_shown);
+    candidate *candidates = find_candidates(one.gallery, &of, &n_best);
+    score_candidates(brdf, &of, candidates, n_best);
     rank_rows(&run, is_apart);
     run.n_rows = nqm_smaller(run.n_rows, (size_t)n_shown);
     print_ranking(&run);

@@ -16,7 +16,7 @@ typedef struct member {
 } member;
 
 typedef struct library {
-    const char *path;
+    const char *path; /* the argument; of several, how many */
     size_t n, max_n;
     member *members;      /* (n) in the order of the paths, then of the file */
     size_t n_failed;      /* members that were left out because they have no values */
@@ -28,10 +28,11 @@ typedef struct library {
 /** Append the materials of a file, or of all files of a folder and its folders; "/dev/null" has none. Stops when a file
  *  cannot be read, and when there is none in a folder. */
 void list_library(const char *path, library *to);
-/** List the members, sample them and draw their pictures, with progress. Textured ones are left out, and those without
+/** List the members of n files and folders, sample them and draw their pictures, with progress. Textured ones are left out, and those without
  *  values, which are reported. index: a file that keeps names and pictures, and is written unless it fits the files;
  *  NULL: none. */
-void draw_library(const char *path, const nqm_model *model, nqm_scorer *scorer, const char *index, library *to);
+void draw_library(size_t n, const char *const *where, const nqm_model *model, nqm_scorer *scorer, const char *index,
+                  library *to);
 void free_library(library *of);
 
 /** A pair of members, and its estimated JOD. */
