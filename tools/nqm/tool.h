@@ -326,7 +326,7 @@ void make_folder(const char *path);
 /** Remove the folder that this run made, if it is empty. May be called in a signal handler. */
 void remove_empty_folder(void);
 
-/** Paths for the library, which does not know "-": as an input "-" gives a file with the content of standard input, as an output
+/** Paths for the library, which does not know "-": as an input "-" or a pipe gives a file with its content, as an output
  *  a file that flush_output_path() copies to standard output. Other paths and NULL are returned as they are. */
 const char *input_path(const char *path);
 const char *output_path(const char *path);
