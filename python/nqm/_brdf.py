@@ -146,8 +146,8 @@ class BRDF:
         specs, doc/files.md the files.
 
         Args:
-            ignore: of a material that does more than reflect, take what reflects: any of transmission, subsurface, emission and
-                opacity, separated by commas; None: such a material is an error
+            ignore: of a material that does more than reflect, take what reflects: any of transmission, subsurface, emission,
+                opacity and displacement, separated by commas; None: such a material is an error
 
         Raises:
             Error: the file is missing or malformed (`byte` is the position), or the spec is wrong
@@ -361,6 +361,12 @@ def materials(path: PathLike) -> Tuple[MaterialInfo, ...]:
                                   decode(r.ignorable), decode(r.reflection)) for r in rows)
     finally:
         lib.nqm_materials_free(handle)
+
+
+def files_within(folder: Optional[PathLike]) -> None:
+    """Read only files inside of a folder from now on, in the whole process; None: read all. For services: an uploaded material may name
+    any file as a map."""
+    call(lib.nqm_files_within, None if folder is None else encode(folder))
 
 
 def as_brdf(value: BRDFLike) -> BRDF:

@@ -77,6 +77,9 @@ typedef struct nqm_map_image {
     size_t at, n_bytes;  /**< part of the file; n_bytes 0: all of it */
     unsigned char *data; /**< (n_bytes), owned; NULL: `path` */
     char *name;          /**< for people: "boombox/BoomBox_normal.png" */
+    bool needs_color;    /**< one of several channels is taken by name: a grey picture is another one */
+    bool needs_alpha;    /**< its alpha is taken by name: a picture without is another one */
+    bool expects_alpha;  /**< its alpha is a value; one without is opaque, which a remark says */
     char space[32];      /**< colour space as nqm_color_to_rec709() takes it; "": values as they are; NQM_SPACE_AUTO */
 } nqm_map_image;
 
@@ -107,6 +110,8 @@ typedef struct nqm_textured {
 nqm_textured *nqm_textured_create(void);
 /** Free; NULL is allowed. */
 void nqm_textured_free(nqm_textured *textured);
+/** Memory that it takes. */
+size_t nqm_textured_bytes(const nqm_textured *textured);
 /** Add to the remark. */
 void nqm_textured_remark(nqm_textured *textured, const char *text);
 /** Remove nodes and files that no output needs. */

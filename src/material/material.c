@@ -10,8 +10,8 @@
 #include <strings.h>
 
 struct nqm_materials {
-    const char *path; /* while the file is read, for messages */
-    size_t n, max_n;
+    const char *path;                          /* while the file is read, for messages */
+    size_t n, max_n, n_reserved, max_reserved; /* bytes, see nqm_materials_reserve() */
     struct entry {
         nqm_material_info info;       /* each name owns a block with the other texts */
         const nqm_textured *textured; /* NULL: none */
@@ -110,6 +110,13 @@ const nqm_textured *nqm_materials_maps(const nqm_materials *materials, size_t i,
     return is_refused(&materials->list[i].info, ignored) ? NULL : materials->list[i].textured;
 }
 
+bool nqm_materials_reserve(nqm_materials *materials, size_t n_bytes) {
+    if (n_bytes > materials->max_reserved - materials->n_reserved)
+        materials->max_reserved = materials->n_reserved = 0;
+    materials->n_reserved += nqm_smaller(n_bytes, materials->max_reserved);
+    return materials->max_reserved > 0;
+}
+
 void nqm_materials_attach(nqm_materials *materials, const nqm_textured *textured, bool is_owner) {
     struct entry *last = &materials->list[materials->n - 1];
     last->textured = textured;
@@ -190,6 +197,7 @@ nqm_status nqm_materials_read(const nqm_map *map, nqm_materials **materials_ret,
     if (!materials)
         return nqm_fail_nomem(err, sizeof *materials);
     materials->path = map->path;
+    materials->max_reserved = ((size_t)64 << 20) + 16 * map->n_bytes;
     nqm_status status = format->read(map, materials, err);
     materials->path = NULL;
     if (status == NQM_OK && materials->n == 0)
@@ -288,7 +296,8 @@ nqm_status nqm_material_check(const char *model, const char *path, nqm_error *er
     return select_format(model, path, &format, err);
 }
 
-nqm_status nqm_shadings_write(size_t n, nqm_named_shading *materials, const char *path, nqm_error *err) {
+nqm_status nqm_shadings_write(size_t n, nqm_named_shading *materials, const char *path, nqm_outset *set,
+                              nqm_error *err) {
     const nqm_material_format *format = NULL;
     nqm_outfile out = {0};
     for (size_t i = 0; i < n; ++i)
@@ -299,7 +308,7 @@ nqm_status nqm_shadings_write(size_t n, nqm_named_shading *materials, const char
     if (status == NQM_OK)
         status = format->write(n, materials, path, out.stream, err);
     if (status == NQM_OK)
-        return nqm_outfile_commit(&out, err);
+        return nqm_outfile_keep(&out, set, err);
     nqm_outfile_abort(&out);
     return status;
 }

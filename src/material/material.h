@@ -53,8 +53,9 @@ typedef struct nqm_named_shading {
     size_t tiles[2]; /**< how often the maps are repeated along u and v */
 } nqm_named_shading;
 /** Write a material file with n > 0 shadings, which have the keys and values of one model. Names become valid and
- *  different ones. See nqm_material_write(). */
-NQM_MUST_CHECK nqm_status nqm_shadings_write(size_t n, nqm_named_shading *materials, const char *path, nqm_error *err);
+ *  different ones. See nqm_material_write(). The file is complete at once (set NULL), or when the set is committed. */
+NQM_MUST_CHECK nqm_status nqm_shadings_write(size_t n, nqm_named_shading *materials, const char *path, nqm_outset *set,
+                                             nqm_error *err);
 
 /** The numbers of the materials of that name, in the order of the file, and how many these are. */
 const size_t *nqm_materials_named(const nqm_materials *materials, const char *name, size_t *n_ret);
@@ -70,7 +71,8 @@ enum {
     NQM_IGNORE_SUBSURFACE = 2,
     NQM_IGNORE_EMISSION = 4,
     NQM_IGNORE_OPACITY = 8,
-    NQM_IGNORE_SIZE = 48 /**< of a text with all words */
+    NQM_IGNORE_DISPLACEMENT = 16,
+    NQM_IGNORE_SIZE = 64 /**< of a text with all words */
 };
 /** The words of a set, "transmission,opacity". Returns text. */
 const char *nqm_ignore_words(unsigned set, char text[NQM_IGNORE_SIZE]);
@@ -80,6 +82,14 @@ bool nqm_ignore_parse(const char *words, size_t n, unsigned *set_ret);
 size_t nqm_ignore_prefix(const char *argument, unsigned *set_ret);
 /** nqm_materials_get() with the properties of a set ignored: no refusal where they are all that is ignorable. */
 nqm_material_info nqm_materials_reflecting(const nqm_materials *materials, size_t i, unsigned ignored);
+
+/** Count memory and work for maps, of which a file may have 64 MB and 16 times its size: many materials may share a large graph, of
+ *  which each has a copy. false: it has more, also for all that follow. */
+bool nqm_materials_reserve(nqm_materials *materials, size_t n_bytes);
+/** Why a material is then refused. */
+#define NQM_MATERIALS_FULL                                                                                             \
+    "its maps and those of the materials before it take more memory than a file of this size may: write fewer "        \
+    "materials into a file"
 
 /** One file format. */
 typedef struct nqm_material_format {
