@@ -114,14 +114,14 @@ int cmd_nearest(int argc, char **argv) {
     draw_member(&self, run.model, scorer, one.gallery, 0, &err);
     if (err.status != NQM_OK)
         stop_error(&err);
-    const char *const brdf = argv[0], **where = (const char **)argv;
+    const char **where = (const char **)argv;
     where[0] = among;
     draw_library((size_t)n, where, run.model, scorer, index_path, &of);
     nqm_scorer_free(scorer);
     size_t n_best = nqm_larger(LEAST_SCORED, 4 * (size_t)n_shown);
     candidate *candidates = find_candidates(one.gallery, &of, &n_best);
     n_best = leave_textured(&self, &of, candidates, n_best);
-    score_candidates(brdf, &of, candidates, n_best);
+    score_candidates(self.argument, &of, candidates, n_best);
     rank_rows(&run, is_apart);
     run.n_rows = nqm_smaller(run.n_rows, (size_t)n_shown);
     print_ranking(&run);

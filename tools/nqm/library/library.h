@@ -34,8 +34,8 @@ void list_library(const char *path, library *to);
 /** Draw one member as picture `at`: that of a textured one is the mean over positions of its surface. err: why it has no values. */
 void draw_member(const member *m, const nqm_model *model, nqm_scorer *scorer, nqm_gallery *gallery, size_t at,
                  nqm_error *err);
-/** List the members of n files and folders, sample them and draw their pictures, with progress. Those without values are left out
- *  and reported. index: a file that keeps names and pictures, and is written unless it fits the files;
+/** List the members of n files and folders, sample them and draw their pictures, with progress. Those without values are left out and
+ *  reported. index: a file that keeps names and pictures, and is written unless it fits the files;
  *  NULL: none. */
 void draw_library(size_t n, const char *const *where, const nqm_model *model, nqm_scorer *scorer, const char *index,
                   library *to);
