@@ -565,6 +565,7 @@ TEST(refuses_unfit_lists) {
     expect_refused("theta_i,phi_i,theta_o,phi_o,r,g,b\n1,2,90.5,4,5,6,7\n", "", NQM_ERR_FORMAT, "theta_o 90.5");
     expect_refused("theta_i,phi_i,theta_r,phi_r,r,g,b\n1,2,-91,4,5,6,7\n", "", NQM_ERR_FORMAT, "theta_r -91");
     expect_refused("theta_i,theta_o,r,g,b\n1,2,5,6,7\n", "", NQM_ERR_FORMAT, "no column 'phi_o'");
+    expect_refused("theta_i phi_i theta_o phi_o brdf\n1 2 3 4 5\n", "", NQM_ERR_FORMAT, ", separated by commas");
     expect_refused("theta_i [grad],phi_i,theta_o,phi_o,r,g,b\n1,2,3,4,5,6,7\n", "", NQM_ERR_FORMAT,
                    "the unit of column 'theta_i [grad]' (header at byte 0) is not degrees (deg) or radians (rad)");
     expect_refused("theta_i,phi_i,theta_o,phi_o,brdf [%]\n1,2,3,4,5\n", "", NQM_ERR_FORMAT, "is not 1/sr");

@@ -81,11 +81,11 @@ static int find_column(const nqm_csv *csv, const char *stem, const char *const *
 /* ---- columns ----------------------------------------------------------------------------------------------------- */
 
 /* An 's' is the scattered light, or with another name of the viewer the source. */
-#define LIGHT_NAMES "i", "in", "inc", "incident", "incidence", "incoming", "l", "light", "source", "s", NULL
-#define VIEWER_NAMES                                                                                                   \
-    "o", "out", "outgoing", "r", "ref", "refl", "reflected", "v", "view", "viewer", "e", "obs", "detector", "scatter", \
-        "scattered", "s", NULL
-static const char *const light_names[] = {LIGHT_NAMES}, *const viewer_names[] = {VIEWER_NAMES};
+static const char *const light_names[] = {"i", "in",    "inc",    "incident", "incidence", "incoming",
+                                          "l", "light", "source", "s",        NULL};
+static const char *const viewer_names[] = {"o",         "out",     "outgoing",  "r",      "ref", "refl",
+                                           "reflected", "v",       "view",      "viewer", "e",   "obs",
+                                           "detector",  "scatter", "scattered", "s",      NULL};
 static const char *const half_names[] = {"h", "half", NULL}, *const difference_names[] = {"d", "diff", NULL};
 
 typedef struct angle_column {
@@ -117,10 +117,11 @@ typedef struct layout {
 } layout;
 
 static nqm_status fail_column(const layout *l, const char *path, const char *name, nqm_error *err) {
-    return nqm_fail(err, NQM_ERR_FORMAT, (int64_t)l->header,
-                    "%s: has no column '%s' (header at byte %zu); a CSV of a BRDF has theta_h, theta_d, phi_d, or "
-                    "theta_i, phi_i, theta_o, phi_o, and r, g, b, or one value, 'brdf' (doc/files.md has other names)",
-                    path, name, l->header);
+    return nqm_fail(
+        err, NQM_ERR_FORMAT, (int64_t)l->header,
+        "%s: has no column '%s' (header at byte %zu); a CSV of a BRDF has theta_h, theta_d, phi_d, or "
+        "theta_i, phi_i, theta_o, phi_o, and r, g, b, or one value, 'brdf' (doc/files.md has other names)%s",
+        path, name, l->header, nqm_csv_columns(l->csv) > 1 ? "" : ", separated by commas");
 }
 
 static nqm_status fail_unit(const layout *l, const char *path, int column, const char *needed, nqm_error *err) {
