@@ -121,7 +121,7 @@ nqm_status nqm_brdf_open_argument(const char *path_or_spec, const char *name, nq
         return nqm_spec_open(path_or_spec, name, nqm_brdf_open_argument, brdf_ret, err);
     if (find_fault(path_or_spec) == 0)
         return open_file(path_or_spec, &argument, brdf_ret, err);
-    const char *colon = strrchr(path_or_spec, ':');
+    const char *colon = nqm_member_colon(path_or_spec);
     if (!colon)
         return fail_missing(path_or_spec, err);
     char *path = nqm_strdup(path_or_spec);
@@ -129,8 +129,7 @@ nqm_status nqm_brdf_open_argument(const char *path_or_spec, const char *name, nq
         return nqm_fail_nomem(err, strlen(path_or_spec) + 1);
     path[colon - path_or_spec] = 0;
     argument.member = colon + 1;
-    nqm_status status =
-        find_fault(path) == 0 ? open_file(path, &argument, brdf_ret, err) : fail_missing(path_or_spec, err);
+    nqm_status status = open_file(path, &argument, brdf_ret, err);
     nqm_free(path);
     return status;
 }

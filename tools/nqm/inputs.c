@@ -236,7 +236,7 @@ bool is_file(const char *path) {
 const char *member_name(const char *argument) {
     unsigned ignored;
     argument += nqm_ignore_prefix(argument, &ignored);
-    const char *colon = is_file(argument) || nqm_spec_probe(argument) ? NULL : strrchr(argument, ':');
+    const char *colon = nqm_spec_probe(argument) ? NULL : nqm_member_colon(argument);
     return colon ? colon + 1 : NULL;
 }
 
