@@ -244,6 +244,8 @@ typedef struct nqm_index {
 /** Create an empty table with room for max_n values. */
 NQM_MUST_CHECK nqm_status nqm_index_create(size_t max_n, nqm_index_key (*key_of)(const void *value),
                                            nqm_index *index_ret, nqm_error *err);
+/** Make room for n values; a zeroed table with key_of is allowed. Unchanged on failure. */
+NQM_MUST_CHECK nqm_status nqm_index_reserve(nqm_index *index, size_t n, nqm_error *err);
 /** Add a value, unless there is one of the same key. */
 void nqm_index_add(nqm_index *index, const void *value);
 /** The first value that was added with this key; NULL: none. */

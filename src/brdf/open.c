@@ -114,7 +114,7 @@ nqm_status nqm_brdf_open_argument(const char *path_or_spec, const char *name, nq
     path_or_spec += n_prefix;
     if (n_prefix && !argument.ignored)
         return nqm_fail(err, NQM_ERR_ARG, -1,
-                        "%.300s: after 'ignore:', give some of transmission, subsurface, emission and opacity, "
+                        "%.300s: after 'ignore:', give some of transmission, subsurface, emission, opacity and bump, "
                         "separated by commas, and a colon",
                         name);
     if (nqm_spec_probe(path_or_spec))

@@ -77,7 +77,7 @@ extern const char *ignored_words;
 #define OPTION_ROW_IGNORE                                                                                              \
     {                                                                                                                  \
         "ignore", 0, OPTION_TEXT, &ignored_words, "LIST",                                                              \
-            "take what reflects of materials that do more: any of transmission,subsurface,emission,opacity", 0, 0      \
+            "take what reflects of materials that do more: any of transmission,subsurface,emission,opacity,bump", 0, 0      \
     }
 
 /** A verb; its name is that of set_verb(). */
