@@ -427,37 +427,45 @@ static bool read_bump(nqm_bsdf_reading *r) {
 
 static nqm_status add_material(nqm_bsdf_reading *r, nqm_materials *materials, nqm_error *err);
 
+/* The two BSDFs of the blendbsdf r->at; false: refused. */
+static bool find_blended(nqm_bsdf_reading *r, const nqm_bsdf_node *inner[2]) {
+    const nqm_bsdf_node *blend = &r->nodes->list[r->at], *node = NULL;
+    size_t n = 0;
+    while ((node = nqm_bsdf_next(r->nodes, r->at, node))) {
+        const nqm_bsdf_node *found = node->kind == NQM_BSDF_REF ? find_by_id(r, node->id) : node;
+        if (strcmp(node->name, "weight") == 0)
+            continue;
+        if (!found || found->kind != NQM_BSDF_BSDF)
+            return nqm_refuse(&r->reading, node, "'%.40s' is no BSDF of this file",
+                              *node->name ? node->name : node->id);
+        if (n < 2)
+            inner[n] = found;
+        ++n;
+    }
+    return n == 2 || nqm_refuse(&r->reading, blend, "it contains %zu BSDFs; two are needed", n);
+}
+
 /* The blendbsdf r->at: its two BSDFs are read as materials of a list of their own. */
 static bool read_blend(nqm_bsdf_reading *r) {
-    const nqm_bsdf_node *blend = &r->nodes->list[r->at];
-    nqm_materials *list = NULL;
-    nqm_material_info parts[2];
+    const nqm_bsdf_node *blend = &r->nodes->list[r->at], *inner[2];
     double weight = 0.5;
-    nqm_status status = NQM_OK;
-    if (!nqm_bsdf_numbers(r, "weight", 1, &weight))
+    if (!nqm_bsdf_numbers(r, "weight", 1, &weight) || !find_blended(r, inner))
         return false;
     if (r->depth == MAX_BLENDS)
         return nqm_refuse(&r->reading, blend, "mixtures are nested more than %d deep", MAX_BLENDS);
-    list = nqm_materials_create(r->path);
-    size_t n = 0;
-    for (const nqm_bsdf_node *node = NULL; list && status == NQM_OK && (node = nqm_bsdf_next(r->nodes, r->at, node));) {
-        const nqm_bsdf_node *inner = node->kind == NQM_BSDF_REF ? find_by_id(r, node->id) : node;
-        if (!inner || inner->kind != NQM_BSDF_BSDF)
-            continue;
+    nqm_materials *list = nqm_materials_create(r->path);
+    nqm_status status = list ? NQM_OK : NQM_ERR_NOMEM;
+    for (size_t i = 0; i < 2 && status == NQM_OK; ++i) {
         nqm_bsdf_reading part = {.nodes = r->nodes,
-                                 .at = (size_t)(inner - r->nodes->list),
+                                 .at = (size_t)(inner[i] - r->nodes->list),
                                  .path = r->path,
                                  .ids = r->ids,
                                  .depth = r->depth + 1};
         status = add_material(&part, list, NULL);
-        ++n;
     }
-    for (size_t i = 0; i < 2 && list && status == NQM_OK && n == 2; ++i)
-        parts[i] = nqm_materials_get(list, i);
-    bool is_read =
-        list && status == NQM_OK && n == 2 && nqm_reading_mix(&r->reading, blend, parts, fmin(fmax(weight, 0), 1));
-    if (!is_read)
-        nqm_refuse(&r->reading, blend, n == 2 ? "memory is short" : "it does not contain two BSDFs of this file");
+    const bool is_read = status == NQM_OK ? nqm_reading_mix(&r->reading, blend, nqm_materials_get(list, 0),
+                                                            nqm_materials_get(list, 1), fmin(fmax(weight, 0), 1))
+                                          : nqm_refuse(&r->reading, blend, "memory is short");
     nqm_materials_free(list);
     return is_read;
 }

@@ -411,7 +411,7 @@ static bool read_mix(nqm_bsdf_reading *r, const nqm_materials *materials) {
             return nqm_refuse(&r->reading, list, "materials: there is no material '%.40s' before it", name);
         parts[i] = nqm_materials_get(materials, number);
     }
-    return nqm_reading_mix(&r->reading, list, parts, fmin(fmax(amount, 0), 1));
+    return nqm_reading_mix(&r->reading, list, parts[0], parts[1], fmin(fmax(amount, 0), 1));
 }
 
 nqm_status nqm_pbrt_add(const nqm_pbrt_scene *scene, size_t at, const char *type, const char *refusal, nqm_error *err) {

@@ -155,10 +155,12 @@ bool nqm_rule_later(nqm_reading *r, const nqm_rule *rule, const void *property) 
     return nqm_rule_ignore(r, rule, property);
 }
 
-bool nqm_reading_mix(nqm_reading *r, const void *property, const nqm_material_info parts[2], double t) {
+bool nqm_reading_mix(nqm_reading *r, const void *property, nqm_material_info of, nqm_material_info with, double t) {
     const char *specs[2] = {NULL, NULL};
+    if (r->textured->normal != NQM_NO_NODE)
+        return nqm_refuse(r, property, "a normal map of a mixture is not supported");
     for (size_t i = 0; i < 2; ++i) {
-        const nqm_material_info *part = &parts[i];
+        const nqm_material_info *part = i ? &with : &of;
         unsigned ignorable = 0;
         if (t == (i ? 0 : 1))
             continue; /* it has no weight */
@@ -210,7 +212,7 @@ nqm_status nqm_reading_add(nqm_reading *r, const char *name, const char *surface
                                     .ignorable = is_aside ? nqm_ignore_words(r->ignorable, words) : NULL,
                                     .reflection = is_aside ? brdf : NULL};
     nqm_status status =
-        info.spec || info.refusal ? nqm_materials_add(materials, &info, err) : nqm_fail_nomem(err, sizeof r->shading);
+        brdf || !has_brdf ? nqm_materials_add(materials, &info, err) : nqm_fail_nomem(err, sizeof r->shading);
     if (status == NQM_OK && varies) {
         nqm_textured_prune(t);
         t->shading = r->shading;

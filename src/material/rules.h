@@ -106,9 +106,8 @@ void nqm_reading_reflect(nqm_reading *r);
 bool nqm_rules_apply(nqm_reading *r, const char *name, const void *property);
 /** The rule for a name, or NULL. */
 const nqm_rule *nqm_rule_find(const nqm_rule *rules, const char *name);
-/** Let the material be the mixture (1 - t) parts[0] + t parts[1]; each is a constant material, or what of it reflects. t: 0 to 1.
- *  false: refused. */
-bool nqm_reading_mix(nqm_reading *r, const void *property, const nqm_material_info parts[2], double t);
+/** Let the material be the mixture (1 - t) of + t with; each is a constant material, or what of it reflects. t: 0 to 1. false: refused. */
+bool nqm_reading_mix(nqm_reading *r, const void *property, nqm_material_info of, nqm_material_info with, double t);
 /** Append what has been read: the shading, with the maps, the file or the refusal. byte_offset: of a material that is
  *  accepted. Takes the maps; a reading that is given up frees them by nqm_textured_free(). */
 NQM_MUST_CHECK nqm_status nqm_reading_add(nqm_reading *r, const char *name, const char *surface, int64_t byte_offset,
