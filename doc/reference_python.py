@@ -16,7 +16,7 @@ GROUPS = (("Scores", ("score", "score_many", "batch", "expand_pairs", "score_sam
           ("Fits", ("fit", "Fit", "fit_models")),
           ("Rendering", ("label", "Label", "render", "srgb", "Scene", "Rays")),
           ("Datasets", ("Dataset",)),
-          ("Errors and the library", ("Error", "Status", "build_info")))
+          ("Errors and the library", ("Error", "Status", "build_info", "files_within")))
 
 
 def parse(name):

@@ -21,13 +21,14 @@ export function readHash(hash) {
     return words.has("ref") ? {ref: words.get("ref"), test: words.get("test") ?? ""} : null;
 }
 
-const cell = (text) => String(text).replaceAll("|", "\\|").replaceAll("\n", " ");
+/** A cell of Markdown, as the tool writes it. */
+const cell = (text) => String(text).replace(/[\\`*_[\]<>|~#&]/g, "\\$&").replace(/[\0-\x1f]/g, " ");
 
 /** A table for a pull request, of rows {ref, test, score}. */
 export function markdown(rows) {
     const lines = ["| JOD | 95 % | reference | approximation | how it differs |", "| ---: | --- | --- | --- | --- |"];
     for (const {ref, test, score} of rows)
-        lines.push(`| ${score.error === undefined ? jod2(score.jod) : "–"} | ${score.error === undefined ? interval(score) : ""} | \`${cell(ref)}\` | \`${cell(test)}\` | ${cell(score.error ?? `${score.verdict}: ${score.words}`)} |`);
+        lines.push(`| ${score.error === undefined ? jod2(score.jod) : "–"} | ${score.error === undefined ? interval(score) : ""} | ${cell(ref)} | ${cell(test)} | ${cell(score.error ?? `${score.verdict}: ${score.words}`)} |`);
     return lines.join("\n") + "\n";
 }
 

@@ -107,6 +107,12 @@ NQM_API NQM_MUST_CHECK nqm_status nqm_kernels_select(const char *name, nqm_error
 /** The name of the kernel set in use. */
 NQM_API const char *nqm_kernels_selected(void);
 
+/** Read only files inside of a folder from now on, in the whole process: for services, whose users upload materials that may name
+ *  any file as a map. Links are followed first. What lies outside, standard input and devices give NQM_ERR_IO; models that are
+ *  built in are no files. folder: NULL: read all, as at the beginning. NQM_ERR_IO: no such folder; NQM_ERR_NOMEM. Do not call it
+ *  while another thread uses the library. */
+NQM_API NQM_MUST_CHECK nqm_status nqm_files_within(const char *folder, nqm_error *err);
+
 #ifdef __cplusplus
 }
 #endif

@@ -13,8 +13,8 @@ from typing import Any as _Any
 
 from ._abi import Status
 from ._abi import lib as _lib
-from ._brdf import (BRDF, BRDFInfo, CheckReport, Difference, Directions, MaterialInfo, compare, directions_to_half_diff, half_diff_to_directions,
-                    materials, presets, table_nodes)
+from ._brdf import (BRDF, BRDFInfo, CheckReport, Difference, Directions, MaterialInfo, compare, directions_to_half_diff, files_within,
+                    half_diff_to_directions, materials, presets, table_nodes)
 from ._call import Error
 from ._data import Dataset
 from ._fit import Fit, fit, fit_models
@@ -32,7 +32,7 @@ __all__ = [
     "BRDF", "BRDFInfo", "CheckReport", "compare", "Difference", "presets", "materials", "MaterialInfo", "table_nodes", "half_diff_to_directions", "directions_to_half_diff", "Directions",
     "Metric", "metrics", "Model", "ModelInfo", "models",
     "score_maps", "MapScore", "Blame", "Material", "MapsInfo", "fit", "Fit", "fit_models", "label", "Label", "render", "srgb", "Scene", "Rays", "Dataset",
-    "Error", "Status", "build_info",
+    "Error", "Status", "build_info", "files_within",
 ]
 
 

@@ -254,6 +254,7 @@ FUNCTIONS = {
     "nqm_status_text": (c_char_p, [c_int]),
     "nqm_version": (c_char_p, []),
     "nqm_build_info": (c_char_p, []),
+    "nqm_files_within": (c_int, [c_char_p, _error]),
     "nqm_brdf_open": (c_int, [c_char_p, _handle, _error]),
     "nqm_brdf_create": (c_int, [POINTER(BrdfCallbacks), _handle, _error]),
     "nqm_brdf_create_table": (c_int, [c_size_t, c_size_t, c_size_t, c_void_p, c_char_p, _handle, _error]),

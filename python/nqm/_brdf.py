@@ -363,6 +363,12 @@ def materials(path: PathLike) -> Tuple[MaterialInfo, ...]:
         lib.nqm_materials_free(handle)
 
 
+def files_within(folder: Optional[PathLike]) -> None:
+    """Read only files inside of a folder from now on, in the whole process; None: read all. For services: an uploaded material may name
+    any file as a map."""
+    call(lib.nqm_files_within, None if folder is None else encode(folder))
+
+
 def as_brdf(value: BRDFLike) -> BRDF:
     """A BRDF from what functions accept as one."""
     if isinstance(value, BRDF):

@@ -160,6 +160,19 @@ NQM_MUST_CHECK nqm_status nqm_outfile_open(const char *path, nqm_outfile *out_re
 /** Flush, sync and rename to the final name, and remove the temporary files that killed processes have left of it. On failure
  *  remove the temporary file. Closes the outfile in both cases. */
 NQM_MUST_CHECK nqm_status nqm_outfile_commit(nqm_outfile *out, nqm_error *err);
+/** Outputs that are replaced together: a material and its maps. Begin with {0}. */
+typedef struct nqm_outset {
+    size_t n, max_n;
+    nqm_outfile *files; /* complete, under their temporary names */
+} nqm_outset;
+
+/** Complete an outfile as nqm_outfile_commit() does, but leave its renaming to the commit of the set, which owns it then.
+ *  set: NULL: rename now. */
+NQM_MUST_CHECK nqm_status nqm_outfile_keep(nqm_outfile *out, nqm_outset *set, nqm_error *err);
+/** Rename all files of a set, in the order in which they were completed, if each of them may be renamed; else remove them all. */
+NQM_MUST_CHECK nqm_status nqm_outset_commit(nqm_outset *set, nqm_error *err);
+/** Remove the temporary files; a zeroed or committed set is allowed. */
+void nqm_outset_abort(nqm_outset *set);
 /** Remove the temporary file; a zeroed or committed outfile is allowed. */
 void nqm_outfile_abort(nqm_outfile *out);
 /** Unlink the temporary files of all outputs that are open. For signal handlers (it is async-signal-safe) of a process that ends

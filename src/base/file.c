@@ -6,6 +6,7 @@
 
 #include <errno.h>
 #include <fcntl.h>
+#include <stdlib.h>
 #include <string.h>
 #include <sys/mman.h>
 #include <sys/stat.h>
@@ -17,9 +18,38 @@ void nqm_map_close_file(nqm_map *map) {
     map->has_fd = false;
 }
 
+/* ---- folders ----------------------------------------------------------------------------------------------------- */
+
+static char *only_within; /* of which files are read, without links; NULL: of any */
+
+nqm_status nqm_files_within(const char *folder, nqm_error *err) {
+    char *real = folder ? realpath(folder, NULL) : NULL;
+    if (folder && !real)
+        return nqm_fail(err, errno == ENOMEM ? NQM_ERR_NOMEM : NQM_ERR_IO, -1, "%s: %s", folder, strerror(errno));
+    free(only_within);
+    only_within = real;
+    return NQM_OK;
+}
+
+static nqm_status check_folder(const char *path, nqm_error *err) {
+    char *real = only_within ? realpath(path, NULL) : NULL;
+    const size_t n = real ? strlen(only_within) : 0;
+    const bool is_within =
+        real && strncmp(real, only_within, n) == 0 && (real[n] == '/' || strcmp(only_within, "/") == 0);
+    free(real);
+    return !only_within || is_within
+               ? NQM_OK
+               : nqm_fail(err, NQM_ERR_IO, -1, "%s: is not read: no file inside of %s", path, only_within);
+}
+
+/* ---- maps -------------------------------------------------------------------------------------------------------- */
+
 /* keep: leave the descriptor open, owned by the map. is_input: the run must not replace the file. */
 static nqm_status open_map(const char *path, bool keep, bool is_input, nqm_map *map_ret, nqm_error *err) {
     *map_ret = (nqm_map){0};
+    nqm_status status = check_folder(path, err);
+    if (status != NQM_OK)
+        return status;
     int fd = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK); /* O_NONBLOCK: opening a FIFO must not block */
     if (fd < 0)
         return nqm_fail(err, NQM_ERR_IO, -1, "%s: %s", path, strerror(errno));
@@ -28,7 +58,7 @@ static nqm_status open_map(const char *path, bool keep, bool is_input, nqm_map *
                         : S_ISDIR(st.st_mode)  ? "is a directory, a file is needed"
                         : !S_ISREG(st.st_mode) ? "is not a regular file"
                                                : NULL;
-    nqm_status status = !fault && is_input ? nqm_role_input(&st, path, err) : NQM_OK;
+    status = !fault && is_input ? nqm_role_input(&st, path, err) : NQM_OK;
     void *data = NULL;
     if (!fault && status == NQM_OK && st.st_size > 0)
         data = mmap(NULL, (size_t)st.st_size, PROT_READ, MAP_PRIVATE, fd, 0);

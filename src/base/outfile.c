@@ -204,14 +204,19 @@ void nqm_outfile_abort(nqm_outfile *out) {
     *out = (nqm_outfile){0};
 }
 
-nqm_status nqm_outfile_commit(nqm_outfile *out, nqm_error *err) {
+/* Write out what is buffered. */
+static nqm_status complete(nqm_outfile *out, nqm_error *err) {
     bool bad = ferror(out->stream) != 0;
     bad = fflush(out->stream) != 0 || bad;
     if (out->temporary)
         bad = fsync(fileno(out->stream)) != 0 || bad;
-    nqm_status status = NQM_OK;
+    return bad ? nqm_fail(err, NQM_ERR_IO, -1, "%s: cannot write: %s", out->path, strerror(errno)) : NQM_OK;
+}
+
+nqm_status nqm_outfile_commit(nqm_outfile *out, nqm_error *err) {
+    nqm_status status = complete(out, err);
     /* Rename before closing, which releases the lock. */
-    if (!bad && out->temporary) {
+    if (status == NQM_OK && out->temporary) {
         status = replace(out->temporary, out->path, err);
         if (status == NQM_OK) {
             forget_unfinished(out->temporary); /* before its name can be that of another process */
@@ -219,10 +224,50 @@ nqm_status nqm_outfile_commit(nqm_outfile *out, nqm_error *err) {
             out->temporary = NULL; /* renamed: there is nothing to remove */
         }
     }
-    bad = fclose(out->stream) != 0 || bad;
+    const bool bad = fclose(out->stream) != 0;
     out->stream = NULL;
     if (status == NQM_OK && bad)
         status = nqm_fail(err, NQM_ERR_IO, -1, "%s: cannot write: %s", out->path, strerror(errno));
     nqm_outfile_abort(out);
     return status;
+}
+
+/* ---- sets of files ----------------------------------------------------------------------------------------------- */
+
+nqm_status nqm_outfile_keep(nqm_outfile *out, nqm_outset *set, nqm_error *err) {
+    if (!set)
+        return nqm_outfile_commit(out, err);
+    nqm_status status = complete(out, err);
+    nqm_outfile *files = nqm_grow(set->files, &set->max_n, set->n + 1, sizeof *files);
+    if (files)
+        set->files = files;
+    else if (status == NQM_OK)
+        status = nqm_fail_nomem(err, sizeof *files);
+    if (status == NQM_OK) {
+        set->files[set->n++] = *out;
+        *out = (nqm_outfile){0};
+    }
+    nqm_outfile_abort(out);
+    return status;
+}
+
+nqm_status nqm_outset_commit(nqm_outset *set, nqm_error *err) {
+    nqm_status status = NQM_OK;
+    for (size_t i = 0; status == NQM_OK && i < set->n; ++i) {
+        status = nqm_role_output(set->files[i].path, err);
+        struct stat st;
+        if (status == NQM_OK && stat(set->files[i].path, &st) == 0 && S_ISDIR(st.st_mode))
+            status = nqm_fail(err, NQM_ERR_IO, -1, "%s: cannot write: %s", set->files[i].path, strerror(EISDIR));
+    }
+    for (size_t i = 0; status == NQM_OK && i < set->n; ++i)
+        status = nqm_outfile_commit(&set->files[i], err);
+    nqm_outset_abort(set);
+    return status;
+}
+
+void nqm_outset_abort(nqm_outset *set) {
+    for (size_t i = 0; i < set->n; ++i)
+        nqm_outfile_abort(&set->files[i]);
+    nqm_free(set->files);
+    *set = (nqm_outset){0};
 }

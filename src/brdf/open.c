@@ -7,6 +7,7 @@
 
 #include "base/names.h"
 #include "io/io.h"
+#include "material/maps.h"
 #include "material/material.h"
 #include <errno.h>
 #include <string.h>
@@ -71,6 +72,22 @@ static nqm_status fail_absent(const char *path, nqm_error *err) {
     return nqm_fail(err, NQM_ERR_IO, -1, "%s: %s", path, strerror(find_fault(path)));
 }
 
+/* A file, or a folder with the files of one network. */
+static nqm_status open_path(const char *path, const nqm_brdf_argument *argument, nqm_brdf **brdf_ret, nqm_error *err) {
+    char *network;
+    const size_t n = nqm_networks_in_folder(path, &network);
+    nqm_status status;
+    if (n && !network)
+        status = nqm_fail_nomem(err, strlen(path));
+    else if (n > 1)
+        status = nqm_fail(err, NQM_ERR_ARG, -1, "%s: a folder of %zu networks; give one of their files, %s", path, n,
+                          network);
+    else
+        status = open_file(n ? network : path, argument, brdf_ret, err);
+    nqm_free(network);
+    return status;
+}
+
 /* Neither a file nor a spec: is it a misspelt spec, or one without its colon or with another character there? */
 static nqm_status fail_missing(const char *path_or_spec, nqm_error *err) {
     char model[64];
@@ -120,8 +137,13 @@ nqm_status nqm_brdf_open_argument(const char *path_or_spec, const char *name, nq
     if (nqm_spec_probe(path_or_spec))
         return nqm_spec_open(path_or_spec, name, nqm_brdf_open_argument, brdf_ret, err);
     if (find_fault(path_or_spec) == 0)
+<<<<<<< HEAD
         return open_file(path_or_spec, &argument, brdf_ret, err);
     const char *colon = nqm_member_colon(path_or_spec);
+=======
+        return open_path(path_or_spec, &argument, brdf_ret, err);
+    const char *colon = strrchr(path_or_spec, ':');
+>>>>>>> 979068601d0e39a17125c017c13558fffe4d0695
     if (!colon)
         return fail_missing(path_or_spec, err);
     char *path = nqm_strdup(path_or_spec);

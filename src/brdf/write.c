@@ -47,7 +47,7 @@ nqm_status nqm_brdf_write_materials(size_t n, const char *const *specs, const ch
         status = read_shading(specs[i], path, &materials[i].shading, err);
     }
     if (status == NQM_OK)
-        status = nqm_shadings_write(n, materials, path, err);
+        status = nqm_shadings_write(n, materials, path, NULL, err);
     nqm_free(materials);
     return status;
 }

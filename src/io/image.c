@@ -36,12 +36,12 @@ static nqm_status decode_raster(const nqm_map *map, nqm_image *image, nqm_error 
                           "%s: a light map in a PNG has RGBE pixels in 8-bit RGBA; this one has not", map->path);
     if (status == NQM_OK && raster.type == NQM_RASTER_F32 && raster.channels == 3) {
         *image = (nqm_image){raster.width, raster.height, raster.data};
-        return NQM_OK;
-    }
-    if (status == NQM_OK)
+        raster.data = NULL;
+    } else if (status == NQM_OK) {
         status = nqm_image_alloc(map, width, height, INFINITY, image, err);
-    if (status == NQM_OK)
-        convert(&raster, image);
+        if (status == NQM_OK)
+            convert(&raster, image);
+    }
     nqm_raster_clear(&raster);
     return status;
 }

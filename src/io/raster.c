@@ -7,7 +7,9 @@
 
 #include "io/raster_decoders.h"
 
+#include <inttypes.h>
 #include <math.h>
+#include <stdatomic.h>
 
 static const struct {
     const char *magic;
@@ -19,6 +21,22 @@ static const struct {
     {"\x76\x2f\x31\x01", 4, nqm_raster_decode_exr},
 };
 
+static _Atomic uint64_t n_bytes_decoded;
+
+/* Count the pixels of a picture, if all may be held. */
+static nqm_status count(const char *name, uint64_t n_bytes, nqm_raster *raster, nqm_error *err) {
+    const uint64_t n_before = atomic_fetch_add(&n_bytes_decoded, n_bytes);
+    if (n_before + n_bytes <= NQM_RASTER_MAX_BYTES) {
+        raster->n_counted = (size_t)n_bytes;
+        return NQM_OK;
+    }
+    atomic_fetch_sub(&n_bytes_decoded, n_bytes);
+    return nqm_fail(err, NQM_ERR_LIMIT, -1,
+                    "%s: %zu x %zu pixels are %" PRIu64 " MiB, besides %" PRIu64
+                    " MiB of other pictures; all may have %" PRIu64 ": give smaller ones",
+                    name, raster->width, raster->height, n_bytes >> 20, n_before >> 20, NQM_RASTER_MAX_BYTES >> 20);
+}
+
 nqm_status nqm_raster_begin(const nqm_map *map, double per_byte, bool header_only, nqm_raster *raster, nqm_error *err) {
     static const size_t value_size[] = {[NQM_RASTER_U8] = 1, [NQM_RASTER_U16] = 2, [NQM_RASTER_F32] = 4};
     nqm_status status = nqm_image_check_size(map, raster->width, raster->height, per_byte, NQM_RASTER_MAX_SIDE,
@@ -26,8 +44,9 @@ nqm_status nqm_raster_begin(const nqm_map *map, double per_byte, bool header_onl
     if (status != NQM_OK || header_only)
         return status;
     const size_t n_pixels = raster->width * raster->height, pixel_size = raster->channels * value_size[raster->type];
-    raster->data = nqm_alloc(n_pixels, pixel_size);
-    return raster->data ? NQM_OK : nqm_fail_nomem(err, n_pixels * pixel_size);
+    status = count(map->path, (uint64_t)n_pixels * pixel_size, raster, err);
+    raster->data = status == NQM_OK ? nqm_alloc(n_pixels, pixel_size) : NULL;
+    return status == NQM_OK && !raster->data ? nqm_fail_nomem(err, n_pixels * pixel_size) : status;
 }
 
 static nqm_status check_finite(const char *name, const nqm_raster *raster, nqm_error *err) {
@@ -77,6 +96,7 @@ nqm_status nqm_raster_size(const unsigned char *data, size_t n_bytes, const char
 }
 
 void nqm_raster_clear(nqm_raster *raster) {
+    atomic_fetch_sub(&n_bytes_decoded, raster->n_counted);
     nqm_free(raster->data);
     *raster = (nqm_raster){0};
 }

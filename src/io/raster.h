@@ -15,23 +15,27 @@ typedef struct nqm_raster {
     size_t width, height;
     size_t channels; /**< 1 grey, 2 grey and alpha, 3 RGB, 4 RGB and alpha */
     nqm_raster_type type;
+    size_t n_counted; /**< bytes of `data` that count for NQM_RASTER_MAX_BYTES */
     void *data; /**< (height, width, channels), first row on top; integers stand for value / 255 or value / 65535 */
 } nqm_raster;
 
 enum { NQM_RASTER_MAX_SIDE = 16384 };
+/** All decoded pictures that a process holds at a time: 3 GiB. Small files may say that they are large pictures. */
+#define NQM_RASTER_MAX_BYTES ((uint64_t)3 << 30)
 
 /** Decode a picture of any of these formats, which is recognised by its first bytes; palettes become RGB, grey pictures
  *  of fewer than 8 bits 8 bits. `name` is for messages. Other formats of pictures (KTX2, DDS, WebP, ...) are named in
- *  the message. NQM_ERR_FORMAT, NQM_ERR_LIMIT (a side above NQM_RASTER_MAX_SIDE), NQM_ERR_NOMEM; raster_ret is empty
- *  then. */
+ *  the message. NQM_ERR_FORMAT, NQM_ERR_LIMIT (a side above NQM_RASTER_MAX_SIDE, or all above
+ *  NQM_RASTER_MAX_BYTES), NQM_ERR_NOMEM; raster_ret is empty then. */
 NQM_MUST_CHECK nqm_status nqm_raster_decode(const unsigned char *data, size_t n_bytes, const char *name,
                                             nqm_raster *raster_ret, nqm_error *err);
 /** Width and height from the header, without decoding. */
 NQM_MUST_CHECK nqm_status nqm_raster_size(const unsigned char *data, size_t n_bytes, const char *name,
                                           size_t *width_ret, size_t *height_ret, nqm_error *err);
-/** Write 8-bit RGB, or RGB and alpha, as PNG; is_srgb: the file says that the colours are sRGB. */
+/** Write 8-bit RGB, or RGB and alpha, as PNG; is_srgb: the file says that the colours are sRGB. The file is complete at
+ *  once (set NULL), or when the set is committed. */
 NQM_MUST_CHECK nqm_status nqm_raster_write_png(const char *path, const nqm_raster *raster, bool is_srgb,
-                                               nqm_error *err);
+                                               nqm_outset *set, nqm_error *err);
 /** Free the pixels; a zeroed raster is allowed. */
 void nqm_raster_clear(nqm_raster *raster);
 

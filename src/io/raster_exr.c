@@ -116,6 +116,8 @@ static nqm_status choose_channels(exr_file *file, nqm_raster *raster) {
             continue;
         if (channel->x_sampling != 1 || channel->y_sampling != 1)
             return refuse(file, "subsampled channels are not read");
+        if (channel->pixel_type == EXR_PIXEL_UINT)
+            return refuse(file, "channels of integers are not read");
         found |= 1u << (place - "RGBAY");
     }
     const bool has_alpha = found & 8;
@@ -285,7 +287,8 @@ static bool write_chunks(exr_file *o, const nqm_raster *raster) {
 
 nqm_status nqm_image_write_exr(const char *path, const nqm_image *image, nqm_error *err) {
     exr_file o = {.path = path, .err = err};
-    const nqm_raster raster = {image->width, image->height, 3, NQM_RASTER_F32, image->rgb};
+    const nqm_raster raster = {
+        .width = image->width, .height = image->height, .channels = 3, .type = NQM_RASTER_F32, .data = image->rgb};
     nqm_status status = nqm_outfile_open(path, &o.out, err);
     if (status != NQM_OK)
         return status;

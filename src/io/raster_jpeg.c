@@ -72,7 +72,10 @@ static nqm_status read_header(jpeg_input *input) {
     if (jpeg->num_components != 1 && jpeg->num_components != 3)
         return fail_jpeg(input, jpeg->num_components == 4 ? "CMYK colours are not read: convert it to RGB"
                                                           : "it is neither grey nor RGB: convert it to RGB");
-    *raster = (nqm_raster){jpeg->image_width, jpeg->image_height, (size_t)jpeg->num_components, NQM_RASTER_U8, NULL};
+    *raster = (nqm_raster){.width = jpeg->image_width,
+                           .height = jpeg->image_height,
+                           .channels = (size_t)jpeg->num_components,
+                           .type = NQM_RASTER_U8};
     return nqm_raster_begin(input->map, max_pixels_per_byte, input->header_only, raster, input->err);
 }
 

@@ -131,7 +131,8 @@ static void write_png(png_structp png, png_infop info, png_output *o) {
     png_write_end(png, NULL);
 }
 
-nqm_status nqm_raster_write_png(const char *path, const nqm_raster *raster, bool is_srgb, nqm_error *err) {
+nqm_status nqm_raster_write_png(const char *path, const nqm_raster *raster, bool is_srgb, nqm_outset *set,
+                                nqm_error *err) {
     nqm_outfile out;
     nqm_status status = nqm_outfile_open(path, &out, err);
     if (status != NQM_OK)
@@ -145,7 +146,7 @@ nqm_status nqm_raster_write_png(const char *path, const nqm_raster *raster, bool
         o.failed = true;
     png_destroy_write_struct(&png, &info);
     if (!o.failed)
-        return nqm_outfile_commit(&out, err);
+        return nqm_outfile_keep(&out, set, err);
     nqm_outfile_abort(&out);
     return nqm_fail(err, NQM_ERR_IO, -1, "%s: cannot write PNG: %s", path, o.message);
 }

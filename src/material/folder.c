@@ -50,6 +50,9 @@ static nqm_status add_map(nqm_textured *t, const nqm_rule *key, const char *from
     size_t image;
     if (!nqm_graph_add_file(t, from, file, is_coded ? "srgb_texture" : "", &image))
         return nqm_fail(err, NQM_ERR_NOMEM, -1, "%s: out of memory, or more than %d maps", file, NQM_MAX_MAP_IMAGES);
+    t->images[image].needs_alpha |= key && channel == 3 && !*from;
+    t->images[image].expects_alpha |= key && channel == 3;
+    t->images[image].needs_color |= key && key->n == 1 && (channel == 1 || channel == 2);
     uint16_t node = nqm_graph_image_at(t, image, channel == 3 ? 4 : 3, NULL, NULL);
     if (key) {
         node = key->n == 1 ? nqm_graph_channel(t, node, channel) : node;
@@ -76,6 +79,14 @@ static size_t read_channel(char *text, bool is_normal) {
     return is_normal ? 1 : channel;
 }
 
+/* key NULL: the normal */
+static bool is_given(const nqm_textured *t, const nqm_rule *key) {
+    bool is = key ? nqm_shading_find(&t->shading, key->key) != NULL : t->normal != NQM_NO_NODE;
+    for (size_t i = 0; key && i < t->n_outputs; ++i)
+        is = is || strcmp(t->outputs[i].key, key->key) == 0;
+    return is;
+}
+
 static nqm_status add_entry(nqm_textured *t, char *entry, nqm_error *err) {
     char *value = strchr(entry, '=');
     if (!value || !value[1])
@@ -84,10 +95,14 @@ static nqm_status add_entry(nqm_textured *t, char *entry, nqm_error *err) {
     const bool is_normal = strcmp(entry, "normal") == 0;
     const nqm_rule *key = is_normal ? NULL : find_key(t, entry);
     double v[3];
-    if (strcmp(entry, "model") == 0)
+    if (strcmp(entry, "model") == 0 && strcmp(value, t->shading.model) == 0)
         return NQM_OK; /* read before the others */
+    if (strcmp(entry, "model") == 0)
+        return nqm_fail(err, NQM_ERR_ARG, -1, "%smodel is given twice", LIST_PREFIX);
     if (!is_normal && !key)
         return fail_key(t, entry, err);
+    if (is_given(t, key))
+        return nqm_fail(err, NQM_ERR_ARG, -1, "%s%s is given twice", LIST_PREFIX, entry);
     const size_t n = nqm_parse_numbers(value, 3, v);
     if (n && (is_normal || (n != 1 && n != key->n)))
         return nqm_fail(err, NQM_ERR_ARG, -1, "%s%s=%.60s: needs a file%s", LIST_PREFIX, entry, value,
@@ -128,10 +143,7 @@ static nqm_status read_list(nqm_textured *t, const char *list, nqm_error *err) {
 /* glTF's default is metal, which no list of maps means: it is 0 in lists and folders that do not give it. */
 static void set_default_metallic(nqm_textured *t) {
     const double zero = 0;
-    bool is_given = strcmp(t->shading.model, "gltf") != 0 || nqm_shading_find(&t->shading, "metallic");
-    for (size_t i = 0; i < t->n_outputs; ++i)
-        is_given |= strcmp(t->outputs[i].key, "metallic") == 0;
-    if (is_given)
+    if (strcmp(t->shading.model, "gltf") != 0 || is_given(t, find_key(t, "metallic")))
         return;
     nqm_shading_set(&t->shading, "metallic", 1, &zero);
     nqm_textured_remark(t, "metallic is 0, as nothing gives it");
@@ -277,10 +289,32 @@ static nqm_status read_folder(nqm_textured *t, const char *path, nqm_error *err)
     return status;
 }
 
+static int is_network(const struct dirent *file) {
+    static const char name[] = "fc1.npy";
+    const size_t n = strlen(file->d_name), n_name = strlen(name);
+    return n >= n_name && strcmp(file->d_name + n - n_name, name) == 0;
+}
+
+size_t nqm_networks_in_folder(const char *path, char **first_ret) {
+    struct dirent **files = NULL;
+    const int n = scandir(path, &files, is_network, alphasort);
+    *first_ret = n > 0 ? nqm_strdupf("%s/%s", path, files[0]->d_name) : NULL;
+    for (int i = 0; i < n; ++i)
+        free(files[i]);
+    free(files);
+    return n > 0 ? (size_t)n : 0;
+}
+
 bool nqm_maps_probe(const char *argument) {
     struct stat st;
-    return strncmp(argument, LIST_PREFIX, strlen(LIST_PREFIX)) == 0 ||
-           (stat(argument, &st) == 0 && S_ISDIR(st.st_mode));
+    if (strncmp(argument, LIST_PREFIX, strlen(LIST_PREFIX)) == 0)
+        return true;
+    if (stat(argument, &st) != 0 || !S_ISDIR(st.st_mode))
+        return false;
+    char *network;
+    const bool has_networks = nqm_networks_in_folder(argument, &network) > 0;
+    nqm_free(network);
+    return !has_networks;
 }
 
 nqm_status nqm_maps_open(const char *argument, nqm_textured **textured_ret, nqm_error *err) {

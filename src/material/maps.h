@@ -77,6 +77,9 @@ typedef struct nqm_map_image {
     size_t at, n_bytes;  /**< part of the file; n_bytes 0: all of it */
     unsigned char *data; /**< (n_bytes), owned; NULL: `path` */
     char *name;          /**< for people: "boombox/BoomBox_normal.png" */
+    bool needs_color;    /**< one of several channels is taken by name: a grey picture is another one */
+    bool needs_alpha;    /**< its alpha is taken by name: a picture without is another one */
+    bool expects_alpha;  /**< its alpha is a value; one without is opaque, which a remark says */
     char space[32];      /**< colour space as nqm_color_to_rec709() takes it; "": values as they are; NQM_SPACE_AUTO */
 } nqm_map_image;
 
@@ -146,8 +149,11 @@ void nqm_graph_output_set(nqm_textured *t, const char *key, uint16_t node);
 
 /** A folder of maps, or "maps:base_color=a.png;roughness=b.png;model=gltf". NQM_ERR_ARG, NQM_ERR_IO, NQM_ERR_NOMEM */
 NQM_MUST_CHECK nqm_status nqm_maps_open(const char *folder_or_spec, nqm_textured **textured_ret, nqm_error *err);
-/** Whether it is one: begins with "maps:", or is a folder. */
+/** Whether it is one: begins with "maps:", or is a folder without networks. */
 bool nqm_maps_probe(const char *argument);
+/** The number of networks (files "...fc1.npy") in a folder; 0 also for other paths. *first_ret: the path of the first; NULL also when out
+ *  of memory; nqm_free() it. */
+size_t nqm_networks_in_folder(const char *path, char **first_ret);
 
 /** The textured material i of a file; NULL: it is constant, or refused. The same with some properties left out (NQM_IGNORE_...). */
 const nqm_textured *nqm_materials_textured(const nqm_materials *materials, size_t i);

@@ -338,7 +338,8 @@ nqm_status nqm_material_check(const char *model, const char *path, nqm_error *er
     return select_format(model, path, &format, err);
 }
 
-nqm_status nqm_shadings_write(size_t n, nqm_named_shading *materials, const char *path, nqm_error *err) {
+nqm_status nqm_shadings_write(size_t n, nqm_named_shading *materials, const char *path, nqm_outset *set,
+                              nqm_error *err) {
     const nqm_material_format *format = NULL;
     nqm_outfile out = {0};
     for (size_t i = 0; i < n; ++i)
@@ -349,7 +350,7 @@ nqm_status nqm_shadings_write(size_t n, nqm_named_shading *materials, const char
     if (status == NQM_OK)
         status = format->write(n, materials, path, out.stream, err);
     if (status == NQM_OK)
-        return nqm_outfile_commit(&out, err);
+        return nqm_outfile_keep(&out, set, err);
     nqm_outfile_abort(&out);
     return status;
 }

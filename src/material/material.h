@@ -53,8 +53,9 @@ typedef struct nqm_named_shading {
     size_t tiles[2]; /**< how often the maps are repeated along u and v */
 } nqm_named_shading;
 /** Write a material file with n > 0 shadings, which have the keys and values of one model. Names become valid and
- *  different ones. See nqm_material_write(). */
-NQM_MUST_CHECK nqm_status nqm_shadings_write(size_t n, nqm_named_shading *materials, const char *path, nqm_error *err);
+ *  different ones. See nqm_material_write(). The file is complete at once (set NULL), or when the set is committed. */
+NQM_MUST_CHECK nqm_status nqm_shadings_write(size_t n, nqm_named_shading *materials, const char *path, nqm_outset *set,
+                                             nqm_error *err);
 
 /** The numbers of the materials of that name, in the order of the file, and how many these are. */
 const size_t *nqm_materials_named(const nqm_materials *materials, const char *name, size_t *n_ret);

@@ -189,7 +189,8 @@ static void evaluate_normal(const block *b, const nqm_map_node *node, float *out
     const float *scale[2] = {row_of(b, node->in[1], 0), row_of(b, node->in[1], 1)};
     for (size_t i = 0; i < b->n; ++i) {
         const float x = (2 * in[0][i] - 1) * scale[0][i], y = (2 * in[1][i] - 1) * scale[1][i], z = 2 * in[2][i] - 1;
-        const float length = sqrtf(x * x + y * y + z * z), times = length > 0 ? 1 / length : 0;
+        const bool has_value = in[0][i] != 0 || in[1][i] != 0 || in[2][i] != 0; /* as in nqm_graph_node_value() */
+        const float length = has_value ? sqrtf(x * x + y * y + z * z) : 0, times = length > 0 ? 1 / length : 0;
         out[i] = x * times;
         out[BLOCK + i] = y * times;
         out[2 * BLOCK + i] = length > 0 ? z * times : 1;

@@ -165,6 +165,11 @@ static nqm_status decode_map(const nqm_map_image *image, nqm_texels *texels, nqm
     nqm_map_close(&map);
     if (status != NQM_OK)
         return status;
+    const char *lacks = image->needs_alpha && texels->raster.channels % 2   ? "no alpha"
+                        : image->needs_color && texels->raster.channels < 3 ? "one channel, which stands for all keys"
+                                                                            : NULL;
+    if (lacks)
+        return nqm_fail(err, NQM_ERR_FORMAT, -1, "%s has %s: name another channel, or none", image->name, lacks);
     /* "auto" of USD: colours of 8 bits are sRGB; greys, 16 bits and floats are values as they are. */
     const bool is_auto = strcmp(image->space, NQM_SPACE_AUTO) == 0,
                is_srgb = texels->raster.type == NQM_RASTER_U8 && texels->raster.channels >= 3;
@@ -212,7 +217,8 @@ static nqm_status complete(nqm_texture *t, nqm_ticker *ticker, nqm_error *err) {
     if (status == NQM_OK)
         status = nqm_texture_at(t, 0.5, 0.5, &brdf, normal, err);
     nqm_brdf_free(brdf);
-    return status;
+    snprintf(t->remark, sizeof t->remark, "%s", t->maps->remark);
+    return status == NQM_OK ? nqm_texture_inspect(t, err) : status;
 }
 
 /* ---- size in texels ---------------------------------------------------------------------------------------------- */
@@ -256,8 +262,7 @@ size_t nqm_texture_tiles(const nqm_texture *ref, const nqm_texture *test, size_t
 nqm_texture_info nqm_texture_get_info(const nqm_texture *t, const nqm_texture *beside) {
     assert(t);
     static const size_t n_each[] = {[NQM_RASTER_U8] = 1, [NQM_RASTER_U16] = 2, [NQM_RASTER_F32] = 4};
-    nqm_texture_info info = {
-        .name = t->name, .model = t->shading.model, .varying = t->words, .remark = t->maps ? t->maps->remark : ""};
+    nqm_texture_info info = {.name = t->name, .model = t->shading.model, .varying = t->words, .remark = t->remark};
     (void)nqm_texture_tiles(t, beside ? beside : t, 0, &info.width);
     (void)nqm_texture_tiles(t, beside ? beside : t, 1, &info.height);
     for (size_t i = 0; t->images && i < t->maps->n_images; ++i) {
@@ -343,7 +348,8 @@ static nqm_status add_map(nqm_texture *t, const nqm_texture_map *map, nqm_error 
         return nqm_fail_nomem(err, n * sizeof *values);
     }
     memcpy(values, map->values, n * sizeof *values);
-    t->images[image].raster = (nqm_raster){map->width, map->height, map->channels, NQM_RASTER_F32, values};
+    t->images[image].raster = (nqm_raster){
+        .width = map->width, .height = map->height, .channels = map->channels, .type = NQM_RASTER_F32, .data = values};
     if (strcmp(map->key, "normal") == 0)
         t->owned->normal = node;
     else

@@ -43,6 +43,7 @@ struct nqm_texture {
     size_t n_properties;
     nqm_texture_property properties[NQM_SPEC_MAX_KEYS];
     char words[1024];
+    char remark[2 * NQM_REMARK_SIZE]; /* that of `maps`, and what nqm_texture_inspect() has found */
 };
 
 enum { NQM_TEXEL_BLOCK = 256, NQM_NO_ROW = 0xffff };
@@ -62,6 +63,8 @@ static inline double nqm_texture_value(const nqm_texture *t, size_t property, si
     const double x = (double)rows[(size_t)p->row[c] * NQM_TEXEL_BLOCK + i], low = p->key->low, high = p->key->high;
     return x >= low ? x <= high ? x : high : low;
 }
+/** Look at a grid of positions, and say in the remark what the maps hold that the model cannot have. Cost: as 16,384 texels. */
+NQM_MUST_CHECK nqm_status nqm_texture_inspect(nqm_texture *t, nqm_error *err);
 /** The normal there, a unit vector. Steeper ones than the steepest are that: the surface is seen. */
 void nqm_texture_normal(const nqm_texture *t, const float *rows, size_t i, double normal[3]);
 /** The spec of the material there, with another value of one property; NULL: of none. nqm_free(); NULL: out of memory. */

@@ -61,3 +61,10 @@ until_written pid
 ctrl_c
 sleep 0.5
 ! grep -q '^State:.*[RSD] ' "/proc/$(cat pid)/status" 2>/dev/null || fail "the command runs on"
+# ... also one that does not care; and one that prints without end is ended.
+rm pid
+"$tool" conform gltf --command 'trap "" TERM; echo $$ >pid; while :; do sleep .1; done' 2>err &
+until_written pid
+ctrl_c
+! kill -0 "$(cat pid)" 2>/dev/null || fail "a command that ignores its end runs on"
+refuses 7 "printed more than" conform gltf --command yes --keys roughness

@@ -87,6 +87,32 @@ run 0 score -q new.gltf new.gltf
 run 0 translate steel --to gltf -o same.gltf --loss log --samples 200
 awk '/^JOD/ { exit !($2 > 9.9) }' out || fail "the same model: $(cat out)"
 
+# A material and its maps are written whole or not at all.
+mkdir old old/new_normal.png
+cp new.gltf new_baseColor.png old
+cp half/steel_Color.png old/new_baseColor.png
+run 3 translate "maps:$surface;normal=steel/steel_NormalGL.png;model=standard-surface" --to gltf -o old/new.gltf --loss log --samples 200
+grep -q 'old/new_normal.png: cannot write' err || fail "the map is not named: $(cat err)"
+cmp -s new.gltf old/new.gltf && cmp -s half/steel_Color.png old/new_baseColor.png || fail 'a part of the set was replaced'
+[ "$(ls old | wc -l)" = 3 ] || fail "left over: $(ls old)"
+
+# A channel that a picture has not.
+for map in steel/steel_Color.png:a steel/steel_Roughness.png:b steel/steel_Roughness.png:a; do
+    run 4 score steel "maps:base_color=steel/steel_Color.png;roughness=$map"
+    grep -q "has no alpha: name another channel\|has one channel, which" err || fail "$map: $(cat err)"
+done
+
+# A service reads no file outside of its folder, by whatever path or link.
+mkdir inside
+cp -r steel half inside
+ln -s ../../half/steel_Color.png inside/half/link.png
+run 0 score -q inside/steel inside/half --within inside
+for map in half/steel_Color.png inside/../half/steel_Color.png "$dir/half/steel_Color.png" inside/half/link.png; do
+    run 3 score inside/steel "maps:base_color=$map" --within inside
+    grep -q "is not read: no file inside of .*inside" err || fail "$map: $(cat err)"
+done
+run 3 score inside/steel inside/half --within gone
+
 # Messages.
 run 3 score steel 'maps:base_color=gone.png;model=gltf' half
 grep -q "^ *[0-9.]* .*half" out || fail "a test that fails stops the others"

@@ -109,6 +109,20 @@ class Materials(unittest.TestCase):
             self.assertEqual(caught.exception.code, 3)
 
 
+    def test_within(self):
+        with tempfile.TemporaryDirectory() as folder, tempfile.TemporaryDirectory() as other:
+            nqm.BRDF.open("gltf:roughness=.4").save_material(folder + "/a.gltf")
+            nqm.files_within(other)
+            try:
+                with self.assertRaisesRegex(nqm.Error, "no file inside of"):
+                    nqm.materials(folder + "/a.gltf")
+            finally:
+                nqm.files_within(None)
+            self.assertEqual(len(nqm.materials(folder + "/a.gltf")), 1)
+            with self.assertRaises(nqm.Error):
+                nqm.files_within(folder + "/gone")
+
+
 class Scenes(unittest.TestCase):
     def test_label(self):
         row = json.loads(run_tool("label", "sgd:nickel", "ward:nickel", "--light", "sun", "--shape", "sphere", "--points", "300",

@@ -101,6 +101,37 @@ TEST(test_outfile_appears_only_when_complete) {
     unlink(path);
 }
 
+/* Write `text` to both files as a set, of which the second may be refused. */
+static nqm_status write_set(const char *first, const char *second, const char *text) {
+    nqm_outset set = {0};
+    const char *const paths[] = {first, second};
+    for (int i = 0; i < 2; ++i) {
+        nqm_outfile out;
+        assert_int_equal(nqm_outfile_open(paths[i], &out, NULL), NQM_OK);
+        fputs(text, out.stream);
+        assert_int_equal(nqm_outfile_keep(&out, &set, NULL), NQM_OK);
+        assert_null(out.path);
+    }
+    assert_content(first, "old");
+    return nqm_outset_commit(&set, NULL);
+}
+
+TEST(test_outset_is_replaced_together) {
+    char first[256], second[256];
+    path_in_folder(first, sizeof first, "material");
+    path_in_folder(second, sizeof second, "map");
+    write_text(first, "old");
+    assert_int_equal(mkdir(second, 0777), 0);
+    assert_int_equal(write_set(first, second, "new"), NQM_ERR_IO);
+    assert_content(first, "old");
+    rmdir(second);
+    assert_int_equal(write_set(first, second, "new"), NQM_OK);
+    assert_content(first, "new");
+    assert_content(second, "new");
+    unlink(first);
+    unlink(second);
+}
+
 /* Two temporary files of the same output that a killed process has left, in the first and third place. */
 static void leave_files(const char *path) {
     pid_t child = fork();

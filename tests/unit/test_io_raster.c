@@ -4,7 +4,7 @@
  * inconsistent files, and other formats, are refused with a message that says what to do.
  */
 #include "base/memory_test.h"
-#include "io/raster.h"
+#include "io/raster_decoders.h"
 #include "support/check.h"
 #include "support/damage.h"
 #include "support/pictures.h"
@@ -280,6 +280,24 @@ TEST(lying_sizes) {
     memcpy(exr.data + at, wide, sizeof wide);
     memcpy(exr.data + find(exr, "displayWindow", 13) + 24, wide, sizeof wide);
     refused(exr, NQM_ERR_FORMAT, claims);
+}
+
+/* Pixels that nothing touches cost no memory. */
+TEST(all_pictures_together_are_limited) {
+    const nqm_map map = {.path = "map", .n_bytes = (size_t)1 << 30};
+    nqm_raster rasters[5];
+    nqm_error err = {0};
+    for (size_t i = 0; i < 5; ++i) {
+        rasters[i] = (nqm_raster){.width = NQM_RASTER_MAX_SIDE, .height = NQM_RASTER_MAX_SIDE, .channels = 3};
+        assert_int_equal(nqm_raster_begin(&map, 1, false, &rasters[i], &err), i < 4 ? NQM_OK : NQM_ERR_LIMIT);
+    }
+    assert_string_equal(err.message,
+                        "map: 16384 x 16384 pixels are 768 MiB, besides 3072 MiB of other pictures; all may have 3072: "
+                        "give smaller ones");
+    nqm_raster_clear(&rasters[0]);
+    assert_int_equal(nqm_raster_begin(&map, 1, false, &rasters[4], NULL), NQM_OK);
+    for (size_t i = 0; i < 5; ++i)
+        nqm_raster_clear(&rasters[i]);
 }
 
 TEST(other_formats) {

@@ -123,7 +123,7 @@ TEST(operations_are_those_of_the_reference) {
 }
 
 TEST(colours_are_decoded) {
-    nqm_texels texels = {.raster = {2, 1, 4, NQM_RASTER_U8, NULL}};
+    nqm_texels texels = {.raster = {.width = 2, .height = 1, .channels = 4}};
     assert_int_equal(nqm_texels_decode(&texels, "srgb_texture", NULL), NQM_OK);
     assert_near((double)texels.table[188], 0.5028865, 1e-6);
     assert_near((double)texels.table[256 + 188], 188 / 255.0, 1e-7); /* alpha */
@@ -153,7 +153,33 @@ TEST(normals_have_length_one) {
         nqm_brdf_free(brdf);
     }
     assert_string_equal(nqm_texture_get_info(t, NULL).varying, "normal");
+    assert_string_equal(
+        nqm_texture_get_info(t, NULL).remark,
+        "the normal map has no direction above the surface at 50 % of the surface: it is read as the steepest or "
+        "as the normal of the surface");
     nqm_texture_free(t);
+}
+
+TEST(values_out_of_range_are_told) {
+    const float rough[4] = {0.5f, 3e38f, 1, 0}, color[3] = {1.00001f, 0, -1};
+    const nqm_texture_map maps[2] = {{"roughness", 1, 4, 1, rough}, {"base_color", 1, 1, 3, color}};
+    nqm_texture *t = create(2, maps);
+    const char *remark = nqm_texture_get_info(t, NULL).remark;
+    assert_string_equal(
+        remark, "base_color at 1e+02 % of the surface: it is moved into 0 to 1; roughness at 25 % of the surface: "
+                "it is moved into 0 to 1");
+    nqm_texture_free(t);
+    t = make_ramp();
+    assert_string_equal(nqm_texture_get_info(t, NULL).remark, "");
+    nqm_texture_free(t);
+}
+
+TEST(black_normals_are_those_of_the_surface) {
+    const double black[4][4] = {{0, 0, 0, 0}, {1, 1, 1, 1}};
+    const nqm_map_node node = {.op = NQM_MAP_NORMAL, .n = 3, .in = {0, 1}};
+    double out[4];
+    nqm_graph_node_value(&node, black, out);
+    assert_true(out[0] == 0 && out[1] == 0 && out[2] == 1);
 }
 
 TEST(wrong_maps_are_refused) {

@@ -137,7 +137,7 @@ const tests = {
         await evaluate("copy('command')");
         assert.equal(await text("share"), "nqm score sgd:nickel 'perturb:gloss=.9;of=sgd:nickel'");
         await evaluate("copy('markdown')");
-        assert.match(await text("share"), /^\| JOD .*\n\| ---: .*\n\| \d\.\d\d \| \[.*\] \| `sgd:nickel` \|/);
+        assert.match(await text("share"), /^\| JOD .*\n\| ---: .*\n\| \d\.\d\d \| \[.*\] \| sgd:nickel \|/);
     },
     async table() {
         await until("document.body.dataset.pictures === `${chosen.ref} ${chosen.test}`", 300);

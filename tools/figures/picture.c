@@ -93,8 +93,12 @@ static nqm_status write_png(const char *path, const nqm_picture *p, size_t super
     if (!rgb)
         return nqm_fail_nomem(err, 3 * n);
     picture_bytes(p, supersample, tone, rgb);
-    const nqm_raster raster = {p->width / supersample, p->height / supersample, 3, NQM_RASTER_U8, rgb};
-    nqm_status status = nqm_raster_write_png(path, &raster, true, err);
+    const nqm_raster raster = {.width = p->width / supersample,
+                               .height = p->height / supersample,
+                               .channels = 3,
+                               .type = NQM_RASTER_U8,
+                               .data = rgb};
+    nqm_status status = nqm_raster_write_png(path, &raster, true, NULL, err);
     nqm_free(rgb);
     return status;
 }
@@ -234,7 +238,7 @@ nqm_status nqm_figure_write(const char *path, const nqm_figure *f, nqm_error *er
     if (status != NQM_OK)
         return status;
     draw(&sheet, f, supersample, panel_rgb);
-    status = nqm_raster_write_png(path, &sheet, true, err);
+    status = nqm_raster_write_png(path, &sheet, true, NULL, err);
     nqm_free(sheet.data);
     return status;
 }

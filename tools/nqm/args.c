@@ -209,6 +209,8 @@ int parse_arguments(const command *cmd, int argc, char **argv) {
         usage_error(cmd, "too many arguments, beginning with: ", argv[max]);
     check_needed(cmd);
     check_outputs(cmd);
+    if (within)
+        must(nqm_files_within(within, &fault));
     take_reflections(cmd, n, argv);
     return n;
 }

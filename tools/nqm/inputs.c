@@ -273,7 +273,7 @@ const nqm_materials *parsed_materials(const char *path) {
 
 /* ---- what materials do besides reflecting ------------------------------------------------------------------------ */
 
-const char *ignored_words;
+const char *ignored_words, *within;
 
 bool find_material(const char *argument, nqm_material_info *info) {
     static const size_t only[] = {0};
@@ -333,14 +333,12 @@ static char *list_folder; /* the last result of list_root() */
 
 const char *list_root(const char *root, const char *list_path) {
     struct stat about;
-    size_t is_stream = 0;
     if (root && !is_folder(root))
         stop(EXIT_OPEN, "--root: there is no folder '%s'", root);
     if (root)
         return root;
-    stream_name(list_path, &is_stream);
     const char *slash = strrchr(list_path, '/');
-    if (is_stream || !slash || stat(list_path, &about) != 0 || !S_ISREG(about.st_mode))
+    if (strncmp(list_path, "/dev/", 5) == 0 || !slash || stat(list_path, &about) != 0 || !S_ISREG(about.st_mode))
         return NULL;
     const size_t n = slash == list_path ? 1 : (size_t)(slash - list_path);
     free(list_folder);

@@ -126,7 +126,11 @@ int finish(int exit_code) {
  * processor time, unless the process waits for input. */
 static const double grace_s = 0.3, saving_s = 0.7, saving_processor_s = 0.6, waiting_processor_s = 0.002;
 static double interrupt_s, interrupt_processor_s;
-static volatile sig_atomic_t saves_work;
+static volatile sig_atomic_t saves_work, child_group;
+
+void note_child(int group) {
+    child_group = group;
+}
 
 static double processor_s(void) {
     struct timespec t;
@@ -138,6 +142,8 @@ static double processor_s(void) {
 static _Noreturn void vanish(int exit_code) {
     nqm_outfile_unlink_all();
     remove_empty_folder();
+    if (child_group)
+        kill(-child_group, SIGKILL);
     _exit(exit_code);
 }
 

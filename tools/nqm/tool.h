@@ -72,12 +72,22 @@ typedef struct option_words {
         "metric", 0, OPTION_TEXT, (target), "MODEL", "the same; a scalar metric is no model (score --metrics)", 0, 0   \
     }
 
-/** --ignore: what of materials is left out; NULL: nothing. parse_arguments() applies reflecting() to all arguments. */
-extern const char *ignored_words;
+/** --ignore: what of materials is left out; NULL: nothing. parse_arguments() applies reflecting() to all arguments. --within: the
+ *  only folder of which files are read; NULL: all are. */
+extern const char *ignored_words, *within;
 #define OPTION_ROW_IGNORE                                                                                              \
     {                                                                                                                  \
-        "ignore", 0, OPTION_TEXT, &ignored_words, "LIST",                                                              \
-            "take what reflects of materials that do more: any of transmission,subsurface,emission,opacity,bump", 0, 0      \
+        "ignore",                                                                                                      \
+        0,                                                                                                             \
+        OPTION_TEXT,                                                                                                   \
+        &ignored_words,                                                                                                \
+        "LIST",                                                                                                        \
+        "take what reflects of materials that do more: any of transmission,subsurface,emission,opacity,bump",          \
+        0,                                                                                                             \
+        0},                                                                                                            \
+    {                                                                                                                  \
+        "within", 0, OPTION_TEXT, &within, "DIR",                                                                      \
+            "read no file outside of DIR: for services, as materials may name any file as a map", 0, 0                 \
     }
 
 /** A verb; its name is that of set_verb(). */
@@ -236,6 +246,8 @@ void step_progress(const char *stage, size_t done, size_t total);
 void catch_interrupt(void);
 /** The verb saves work for a later run after Ctrl-C: give it more time for that. */
 void save_when_interrupted(void);
+/** A group of processes that is killed when this one ends at once; 0: none. */
+void note_child(int group);
 /** Whether Ctrl-C was pressed. */
 bool interrupted(void);
 
@@ -314,7 +326,7 @@ void make_folder(const char *path);
 /** Remove the folder that this run made, if it is empty. May be called in a signal handler. */
 void remove_empty_folder(void);
 
-/** Paths for the library, which does not know "-": as an input "-" gives a file with the content of standard input, as an output
+/** Paths for the library, which does not know "-": as an input "-" or a pipe gives a file with its content, as an output
  *  a file that flush_output_path() copies to standard output. Other paths and NULL are returned as they are. */
 const char *input_path(const char *path);
 const char *output_path(const char *path);

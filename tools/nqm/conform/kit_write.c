@@ -10,6 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
+#include <sys/stat.h>
 #include <sys/wait.h>
 #include <time.h>
 #include <unistd.h>
@@ -206,7 +207,8 @@ static float read_field(const nqm_csv *csv, size_t row, int column) {
     const char *text = nqm_csv_text(csv, row, column);
     const char *word = text + (*text == '-' || *text == '+');
     double value;
-    if (strncasecmp(word, "nan", 3) == 0 || strncasecmp(word, "inf", 3) == 0)
+    const bool is_nan = strncasecmp(word, "nan", 3) == 0 && (!word[3] || word[3] == '(');
+    if (is_nan || strcasecmp(word, "inf") == 0 || strcasecmp(word, "infinity") == 0)
         return NAN;
     must(nqm_csv_number(csv, row, column, &value, &fault));
     return (float)value;
@@ -275,10 +277,33 @@ static pid_t start(const char *line, FILE *in, FILE *out) {
     _exit(127);
 }
 
+/* Wait for a command, and end it at Ctrl-C, or when its output is longer than any list of values. A command that does not end when it
+ * is asked to is killed. Returns its status. */
+static int await(pid_t child, FILE *out, size_t n_rows) {
+    enum { STEP_NS = 10000000, PATIENCE = 15 };
+    const off_t most = (off_t)(1 << 20) + (off_t)n_rows * 256;
+    size_t n_asked = 0;
+    int status = 0;
+    struct stat st;
+    note_child(child);
+    while (waitpid(child, &status, WNOHANG) == 0) { /* any thread may get the signal of Ctrl-C */
+        const bool is_long = fstat(fileno(out), &st) == 0 && st.st_size > most;
+        if (interrupted() || is_long)
+            kill(-child, n_asked++ < PATIENCE ? SIGTERM : SIGKILL);
+        nanosleep(&(struct timespec){.tv_nsec = STEP_NS}, NULL);
+    }
+    note_child(0);
+    if (interrupted())
+        stop(EXIT_INTERRUPTED, "interrupted");
+    if (fstat(fileno(out), &st) == 0 && st.st_size > most)
+        stop(EXIT_LIMIT, "the command has printed more than %lld bytes, and %zu rows of r,g,b are wanted",
+             (long long)most, n_rows);
+    return status;
+}
+
 float *run_command(const conform_kit *kit, const char *line) {
     FILE *in = tmpfile(), *out = tmpfile();
     char path[32];
-    int status = 0;
     if (!in || !out)
         stop(EXIT_OPEN, "--command needs a folder for temporary files: %s", strerror(errno));
     write_kit_rows(kit, in);
@@ -288,13 +313,7 @@ float *run_command(const conform_kit *kit, const char *line) {
     const pid_t child = start(line, in, out);
     if (child < 0)
         stop(EXIT_LIMIT, "the command cannot be started: %s", strerror(errno));
-    while (waitpid(child, &status, WNOHANG) == 0) { /* any thread may get the signal of Ctrl-C */
-        if (interrupted())
-            kill(-child, SIGTERM);
-        nanosleep(&(struct timespec){.tv_nsec = 10000000}, NULL);
-    }
-    if (interrupted())
-        stop(EXIT_INTERRUPTED, "interrupted");
+    const int status = await(child, out, count_rows(kit));
     if (!WIFEXITED(status) || WEXITSTATUS(status) != 0)
         stop(EXIT_INCOMPATIBLE, "the command '%s' ended with %s %d", line, WIFEXITED(status) ? "exit code" : "signal",
              WIFEXITED(status) ? WEXITSTATUS(status) : WTERMSIG(status));

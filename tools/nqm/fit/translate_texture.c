@@ -270,7 +270,7 @@ static void fill_texel(void *user, const float *rows, size_t i, unsigned char *o
 
 /* The map of a texture, beside the file. */
 static nqm_status add_map(const texture_run *run, const char *texture, size_t channels, nqm_named_shading *m,
-                          nqm_error *err) {
+                          nqm_outset *set, nqm_error *err) {
     const char *path = run->t->path, *slash = strrchr(path, '/'), *name = slash ? slash + 1 : path;
     const size_t n_folder = (size_t)(name - path), n_stem = (size_t)(strrchr(name, '.') - name);
     const bool is_normal = strcmp(texture, "normalTexture") == 0;
@@ -286,13 +286,14 @@ static nqm_status add_map(const texture_run *run, const char *texture, size_t ch
         m->tiles[axis] = nqm_texture_tiles(run->ref, run->ref, axis, axis ? &r.height : &r.width);
     nqm_status status = write_texels(run->ref, m->tiles, fill_texel, &job, &r, err);
     if (status == NQM_OK)
-        status = nqm_raster_write_png(whole, &r, strstr(texture, "Color") != NULL, err);
+        status = nqm_raster_write_png(whole, &r, strstr(texture, "Color") != NULL, set, err);
     nqm_raster_clear(&r);
     return status;
 }
 
 static nqm_status write_all(const texture_run *run, nqm_error *err) {
     nqm_named_shading m = {.shading = run->constants};
+    nqm_outset set = {0};
     nqm_status status = NQM_OK;
     snprintf(m.name, sizeof m.name, "%s", run->t->name);
     for (size_t u = 0; status == NQM_OK && u < USES; ++u) {
@@ -301,14 +302,19 @@ static nqm_status write_all(const texture_run *run, nqm_error *err) {
             continue;
         nqm_shading_set(&m.shading, use->key, run->key[u]->n, (double[]){1, 1, 1});
         if (m.n_maps == 0 || strcmp(m.maps[m.n_maps - 1].texture, use->texture) != 0)
-            status = add_map(run, use->texture, use->n, &m, err);
+            status = add_map(run, use->texture, use->n, &m, &set, err);
     }
     if (status == NQM_OK && run->ref->normal != NQM_NO_NODE)
-        status = add_map(run, "normalTexture", 3, &m, err);
+        status = add_map(run, "normalTexture", 3, &m, &set, err);
     char *spec = nqm_shading_spec(&m.shading);
     snprintf(run->t->spec, sizeof run->t->spec, "%s", spec ? spec : "");
     nqm_free(spec);
-    return status == NQM_OK ? nqm_shadings_write(1, &m, run->t->path, err) : status;
+    if (status == NQM_OK)
+        status = nqm_shadings_write(1, &m, run->t->path, &set, err);
+    if (status == NQM_OK)
+        return nqm_outset_commit(&set, err);
+    nqm_outset_abort(&set);
+    return status;
 }
 
 /* ---- the whole --------------------------------------------------------------------------------------------------- */

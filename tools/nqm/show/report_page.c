@@ -334,7 +334,7 @@ static void add_map(const report_page *page, const nqm_texture *texture, size_t 
     shown_map m = {texture, property};
     nqm_raster r = {.width = SIDE, .height = SIDE, .channels = 3};
     must(write_texels(texture, tiles, write_texel, &m, &r, &fault));
-    must(nqm_raster_write_png(page->figure, &r, true, &fault));
+    must(nqm_raster_write_png(page->figure, &r, true, NULL, &fault));
     nqm_raster_clear(&r);
     json_array_append_new(list, json_pack("{s:s,s:o}", "key", key, "picture", take_figure(page, key, SIDE, SIDE)));
 }
