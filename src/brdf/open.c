@@ -137,13 +137,8 @@ nqm_status nqm_brdf_open_argument(const char *path_or_spec, const char *name, nq
     if (nqm_spec_probe(path_or_spec))
         return nqm_spec_open(path_or_spec, name, nqm_brdf_open_argument, brdf_ret, err);
     if (find_fault(path_or_spec) == 0)
-<<<<<<< HEAD
-        return open_file(path_or_spec, &argument, brdf_ret, err);
-    const char *colon = nqm_member_colon(path_or_spec);
-=======
         return open_path(path_or_spec, &argument, brdf_ret, err);
-    const char *colon = strrchr(path_or_spec, ':');
->>>>>>> 979068601d0e39a17125c017c13558fffe4d0695
+    const char *colon = nqm_member_colon(path_or_spec);
     if (!colon)
         return fail_missing(path_or_spec, err);
     char *path = nqm_strdup(path_or_spec);
@@ -151,7 +146,7 @@ nqm_status nqm_brdf_open_argument(const char *path_or_spec, const char *name, nq
         return nqm_fail_nomem(err, strlen(path_or_spec) + 1);
     path[colon - path_or_spec] = 0;
     argument.member = colon + 1;
-    nqm_status status = open_file(path, &argument, brdf_ret, err);
+    nqm_status status = open_path(path, &argument, brdf_ret, err);
     nqm_free(path);
     return status;
 }
