@@ -155,6 +155,8 @@ bool nqm_rule_later(nqm_reading *r, const nqm_rule *rule, const void *property) 
     return nqm_rule_ignore(r, rule, property);
 }
 
+enum { MAX_MIXTURE = 8000 }; /* characters of its parts; each level of mixtures may double them */
+
 bool nqm_reading_mix(nqm_reading *r, const void *property, nqm_material_info of, nqm_material_info with, double t) {
     const char *specs[2] = {NULL, NULL};
     if (r->textured->normal != NQM_NO_NODE)
@@ -176,6 +178,8 @@ bool nqm_reading_mix(nqm_reading *r, const void *property, nqm_material_info of,
         if (part->remark)
             nqm_textured_remark(r->textured, part->remark);
     }
+    if (specs[0] && specs[1] && strlen(specs[0]) + strlen(specs[1]) > MAX_MIXTURE)
+        return nqm_refuse(r, property, "its mixture is nested too deep");
     r->mixture = specs[0] && specs[1] ? nqm_strdupf("between:t=%.17g;with=(%s);of=%s", t, specs[1], specs[0])
                                       : nqm_strdup(specs[0] ? specs[0] : specs[1]);
     return r->mixture || nqm_refuse(r, property, "memory is short");
