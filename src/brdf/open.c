@@ -130,10 +130,11 @@ nqm_status nqm_brdf_open_argument(const char *path_or_spec, const char *name, nq
     const size_t n_prefix = nqm_ignore_prefix(path_or_spec, &argument.ignored);
     path_or_spec += n_prefix;
     if (n_prefix && !argument.ignored)
-        return nqm_fail(err, NQM_ERR_ARG, -1,
-                        "%.300s: after 'ignore:', give some of transmission, subsurface, emission, opacity and bump, "
-                        "separated by commas, and a colon",
-                        name);
+        return nqm_fail(
+            err, NQM_ERR_ARG, -1,
+            "%.300s: after 'ignore:', give some of transmission, subsurface, emission, opacity, displacement and bump, "
+            "separated by commas, and a colon",
+            name);
     if (nqm_spec_probe(path_or_spec))
         return nqm_spec_open(path_or_spec, name, nqm_brdf_open_argument, brdf_ret, err);
     if (find_fault(path_or_spec) == 0)

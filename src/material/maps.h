@@ -110,6 +110,8 @@ typedef struct nqm_textured {
 nqm_textured *nqm_textured_create(void);
 /** Free; NULL is allowed. */
 void nqm_textured_free(nqm_textured *textured);
+/** Memory that it takes. */
+size_t nqm_textured_bytes(const nqm_textured *textured);
 /** Add to the remark, unless it is there. */
 void nqm_textured_remark(nqm_textured *textured, const char *text);
 /** Remove nodes and files that no output needs. */

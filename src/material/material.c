@@ -10,8 +10,8 @@
 #include <strings.h>
 
 struct nqm_materials {
-    const char *path; /* while the file is read, for messages */
-    size_t n, max_n;
+    const char *path;                          /* while the file is read, for messages */
+    size_t n, max_n, n_reserved, max_reserved; /* bytes, see nqm_materials_reserve() */
     struct entry {
         nqm_material_info info;       /* each name owns a block with the other texts */
         const nqm_textured *textured; /* NULL: none */
@@ -84,8 +84,10 @@ nqm_status nqm_texts_copy(size_t n, char **const *texts, nqm_error *err) {
 
 nqm_materials *nqm_materials_create(const char *path) {
     nqm_materials *materials = nqm_alloc(1, sizeof *materials);
-    if (materials)
+    if (materials) {
         materials->path = path;
+        materials->max_reserved = (size_t)64 << 20;
+    }
     return materials;
 }
 
@@ -122,6 +124,13 @@ const nqm_textured *nqm_materials_textured(const nqm_materials *materials, size_
 
 const nqm_textured *nqm_materials_maps(const nqm_materials *materials, size_t i, unsigned ignored) {
     return is_refused(&materials->list[i].info, ignored) ? NULL : materials->list[i].textured;
+}
+
+bool nqm_materials_reserve(nqm_materials *materials, size_t n_bytes) {
+    if (n_bytes > materials->max_reserved - materials->n_reserved)
+        materials->max_reserved = materials->n_reserved = 0;
+    materials->n_reserved += nqm_smaller(n_bytes, materials->max_reserved);
+    return materials->max_reserved > 0;
 }
 
 void nqm_materials_attach(nqm_materials *materials, const nqm_textured *textured, bool is_owner) {
@@ -238,6 +247,7 @@ nqm_status nqm_materials_read(const nqm_map *map, nqm_materials **materials_ret,
     nqm_materials *materials = nqm_materials_create(map->path);
     if (!materials)
         return nqm_fail_nomem(err, sizeof *materials);
+    materials->max_reserved += 16 * map->n_bytes;
     nqm_status status = format->read(map, materials, err);
     materials->path = NULL;
     if (status == NQM_OK)

@@ -76,7 +76,8 @@ enum {
     NQM_IGNORE_SUBSURFACE = 2,
     NQM_IGNORE_EMISSION = 4,
     NQM_IGNORE_OPACITY = 8,
-    NQM_IGNORE_BUMP = 16, /**< bump maps, and the normal map that a coat has of its own */
+    NQM_IGNORE_DISPLACEMENT = 16,
+    NQM_IGNORE_BUMP = 32, /**< bump maps, and the normal map that a coat has of its own */
     NQM_IGNORE_SIZE = 64  /**< of a text with all words */
 };
 /** The words of a set, "transmission,opacity". Returns text. */
@@ -87,6 +88,14 @@ bool nqm_ignore_parse(const char *words, size_t n, unsigned *set_ret);
 size_t nqm_ignore_prefix(const char *argument, unsigned *set_ret);
 /** nqm_materials_get() with the properties of a set ignored: no refusal where they are all that is ignorable. */
 nqm_material_info nqm_materials_reflecting(const nqm_materials *materials, size_t i, unsigned ignored);
+
+/** Count memory and work for maps, of which a file may have 64 MB and 16 times its size: many materials may share a large graph, of
+ *  which each has a copy. false: it has more, also for all that follow. */
+bool nqm_materials_reserve(nqm_materials *materials, size_t n_bytes);
+/** Why a material is then refused. */
+#define NQM_MATERIALS_FULL                                                                                             \
+    "its maps and those of the materials before it take more memory than a file of this size may: write fewer "        \
+    "materials into a file"
 
 /** One file format. */
 typedef struct nqm_material_format {

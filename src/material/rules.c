@@ -192,7 +192,12 @@ nqm_status nqm_reading_add(nqm_reading *r, const char *name, const char *surface
         return nqm_fail_nomem(err, sizeof *t);
     if (!*r->refusal.text && r->ignorable)
         nqm_reading_reflect(r);
-    const bool is_refused = *r->refusal.text, varies = !is_refused && (t->n_outputs || t->normal != NQM_NO_NODE);
+    bool varies = !*r->refusal.text && (t->n_outputs || t->normal != NQM_NO_NODE);
+    if (!nqm_materials_reserve(materials, varies ? nqm_textured_bytes(t) : t->n_nodes * sizeof *t->nodes) && varies) {
+        r->refusal = (nqm_reason){NQM_MATERIALS_FULL, byte_offset};
+        varies = false;
+    }
+    const bool is_refused = *r->refusal.text;
     const bool has_brdf = !is_refused && !varies, is_aside = !is_refused && r->ignorable;
     const nqm_reason *reason = is_refused ? &r->refusal : is_aside ? &r->aside : &r->varies;
     char *spec = r->mixture ? r->mixture : has_brdf && !r->file ? nqm_shading_spec(&r->shading) : NULL;

@@ -68,3 +68,25 @@ END
 run 9 dedup mixed.gltf
 grep -q '1 of 3 materials have no values' err || fail "faulty: $(cat err)"
 run 0 dedup mixed.gltf --ignore transmission
+
+# Textured ones: equal pixels are found, near scores decide, in an index too, until a map changes.
+python3 "$NQM_SOURCE/examples/maps.py" maps 8
+cat >maps.gltf <<'END'
+{"asset": {"version": "2.0"}, "images": [{"uri": "maps/steel/steel_Color.png"}, {"uri": "copy.png"}, {"uri": "maps/half/steel_Color.png"}],
+ "textures": [{"source": 0}, {"source": 1}, {"source": 2}], "materials": [{"name": "plain", "pbrMetallicRoughness": {"roughnessFactor": 0.2}},
+ {"name": "a", "pbrMetallicRoughness": {"baseColorTexture": {"index": 0}}}, {"name": "b", "pbrMetallicRoughness": {"baseColorTexture": {"index": 1}}},
+ {"name": "c", "pbrMetallicRoughness": {"baseColorTexture": {"index": 2}}}]}
+END
+cp maps/steel/steel_Color.png copy.png
+run 0 dedup maps.gltf --map maps.csv
+sed 1d maps.csv | grep -v '^maps.gltf:b,maps.gltf:a,10.0000$' && fail "dedup: $(cat maps.csv)"
+[ "$(wc -l <maps.csv)" = 2 ] || fail "dedup finds no copy: $(cat maps.csv)"
+run 0 nearest maps.gltf:b --among maps.gltf -n 2 -q --index m.index
+[ "$(sort out | tr '\n' ' ')" = 'maps.gltf:a maps.gltf:b ' ] || fail "nearest: $(cat out)"
+cp m.index before.index
+run 0 nearest maps.gltf:b --among maps.gltf -n 2 -q --index m.index
+cmp -s m.index before.index || fail 'an index that fits was written again'
+cp maps/half/steel_Color.png copy.png
+touch -d 2001-01-01 copy.png
+run 0 nearest maps.gltf:c --among maps.gltf -n 2 -q --index m.index
+[ "$(sort out | tr '\n' ' ')" = 'maps.gltf:b maps.gltf:c ' ] || fail "a map that changed: $(cat out)"

@@ -293,7 +293,9 @@ bool find_material(const char *argument, nqm_material_info *info) {
 unsigned ignored_set(void) {
     unsigned ignored = 0;
     if (ignored_words && !nqm_ignore_parse(ignored_words, strlen(ignored_words), &ignored))
-        stop(EXIT_USAGE, "--ignore is a list with commas of transmission, subsurface, emission, opacity and bump, not '%s'",
+        stop(EXIT_USAGE,
+             "--ignore is a list with commas of transmission, subsurface, emission, opacity, displacement and bump, "
+             "not '%s'",
              ignored_words);
     return ignored;
 }

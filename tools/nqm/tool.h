@@ -76,15 +76,15 @@ typedef struct option_words {
  *  only folder of which files are read; NULL: all are. */
 extern const char *ignored_words, *within;
 #define OPTION_ROW_IGNORE                                                                                              \
-    {                                                                                                                  \
-        "ignore",                                                                                                      \
-        0,                                                                                                             \
-        OPTION_TEXT,                                                                                                   \
-        &ignored_words,                                                                                                \
-        "LIST",                                                                                                        \
-        "take what reflects of materials that do more: any of transmission,subsurface,emission,opacity,bump",          \
-        0,                                                                                                             \
-        0},                                                                                                            \
+    {"ignore",                                                                                                         \
+     0,                                                                                                                \
+     OPTION_TEXT,                                                                                                      \
+     &ignored_words,                                                                                                   \
+     "LIST",                                                                                                           \
+     "take what reflects of materials that do more: any of "                                                           \
+     "transmission,subsurface,emission,opacity,displacement,bump",                                                     \
+     0,                                                                                                                \
+     0},                                                                                                               \
     {                                                                                                                  \
         "within", 0, OPTION_TEXT, &within, "DIR",                                                                      \
             "read no file outside of DIR: for services, as materials may name any file as a map", 0, 0                 \

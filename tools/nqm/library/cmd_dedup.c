@@ -21,7 +21,8 @@ typedef struct graph {
 } graph;
 
 /* Scores of both orders of the pairs; pairs below the JOD are removed. Returns how many remain. */
-static size_t confirm(const library *of, nqm_scorer *scorer, double jod, near_pair *pairs, size_t n) {
+static size_t confirm(const library *of, const nqm_model *with, nqm_scorer *scorer, double jod, near_pair *pairs,
+                      size_t n) {
     enum { BLOCK = NQM_SCORE_BLOCK / 2 };
     nqm_named_pair named[2 * BLOCK];
     nqm_score_result r[2 * BLOCK];
@@ -35,6 +36,11 @@ static size_t confirm(const library *of, nqm_scorer *scorer, double jod, near_pa
             named[2 * i + 1] = (nqm_named_pair){named[2 * i].test, named[2 * i].ref};
         }
         must(nqm_scorer_run_named(scorer, 2 * n_block, named, r, NULL, &fault));
+        for (size_t i = 0; i < 2 * n_block; ++i) {
+            const near_pair *p = &pairs[first + i / 2];
+            if (of->members[p->a].is_textured || of->members[p->b].is_textured)
+                r[i].jod = score_textured(&named[i], with);
+        }
         for (size_t i = 0; i < n_block; ++i)
             if (r[2 * i].jod >= jod && r[2 * i + 1].jod >= jod) /* false for NaN */
                 pairs[n_left++] = pairs[first + i];
@@ -210,7 +216,7 @@ int cmd_dedup(int argc, char **argv) {
     nqm_scorer *scorer = open_scorer(run.model, &run.options);
     draw_library(argv[0], run.model, scorer, NULL, &of);
     size_t n = find_near_pairs(&of, jod, &pairs);
-    n = confirm(&of, scorer, jod, pairs, n);
+    n = confirm(&of, run.model, scorer, jod, pairs, n);
     nqm_scorer_free(scorer);
     graph g = make_graph(of.n, pairs, n);
     size_t *kept = allocate(of.n, sizeof *kept);

@@ -54,8 +54,20 @@ static candidate *find_candidates(const nqm_gallery *one, const library *of, siz
     return all;
 }
 
+/* A score of textures takes a second: of candidates with one, twice as many are scored as are shown. Returns how many remain. */
+static size_t leave_textured(const member *self, const library *of, candidate *candidates, size_t n) {
+    size_t n_left = 0, n_textured = 0;
+    for (size_t i = 0; i < n; ++i) {
+        const bool is_textured = self->is_textured || of->members[candidates[i].i].is_textured;
+        if (!is_textured || n_textured++ < 2 * (size_t)n_shown)
+            candidates[n_left++] = candidates[i];
+    }
+    return n_left;
+}
+
 static void score_candidates(const char *to, const library *of, const candidate *candidates, size_t n) {
     begin_rows(&run, n);
+    run.near_only = true;
     for (size_t i = 0; i < n; ++i) {
         const char *argument = of->members[candidates[i].i].argument;
         run.rows[i] = (scored_pair){.pair = {to, argument}, .name = argument};
@@ -96,13 +108,16 @@ int cmd_nearest(int argc, char **argv) {
     run.model = open_model(model);
     nqm_scorer *scorer = open_scorer(run.model, &run.options);
     must(nqm_gallery_create(run.model, 1, NULL, &one.gallery, &fault));
-    must(nqm_scorer_draw(scorer, 1, (const char *const[]){argv[0]}, one.gallery, 0, &fault, &fault));
-    if (fault.status != NQM_OK)
-        stop_error(&fault);
+    const member self = member_of(argv[0]);
+    nqm_error err;
+    draw_member(&self, run.model, scorer, one.gallery, 0, &err);
+    if (err.status != NQM_OK)
+        stop_error(&err);
     draw_library(among, run.model, scorer, index_path, &of);
     nqm_scorer_free(scorer);
     size_t n = nqm_larger(LEAST_SCORED, 4 * (size_t)n_shown);
     candidate *candidates = find_candidates(one.gallery, &of, &n);
+    n = leave_textured(&self, &of, candidates, n);
     score_candidates(argv[0], &of, candidates, n);
     rank_rows(&run, is_apart);
     run.n_rows = nqm_smaller(run.n_rows, (size_t)n_shown);
