@@ -67,6 +67,8 @@ typedef struct nqm_includes {
  *  not read, and a remark says why. NQM_ERR_FORMAT: it includes itself. NQM_ERR_LIMIT, NQM_ERR_NOMEM */
 NQM_MUST_CHECK nqm_status nqm_include_open(nqm_includes *in, const char *from, const char *name, nqm_map *map,
                                            char **path_ret, nqm_error *err);
+/** Whether a file of this name, which a file names, is inside of its folder: no absolute path, and no "..". */
+bool nqm_include_is_inside(const char *name);
 void nqm_include_close(nqm_includes *in, nqm_map *map, char *path);
 
 /** A BSDF that is being read. Properties are nodes. */

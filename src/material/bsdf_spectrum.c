@@ -16,7 +16,7 @@ static const char separators[] = " ,:;\t\r\n";
 static char *read_file(nqm_bsdf_reading *r, const nqm_bsdf_node *node) {
     nqm_map map = {0};
     nqm_error err = {0};
-    const bool is_inside = nqm_is_inside(node->value);
+    const bool is_inside = nqm_include_is_inside(node->value);
     char *path = nqm_path_beside(r->path, node->value), *text = NULL;
     const bool is_open = path && is_inside && nqm_map_open(path, &map, &err) == NQM_OK && map.n_bytes < MAX_BYTES;
     if (is_open && (text = nqm_alloc(map.n_bytes + 1, 1)))

@@ -9,7 +9,7 @@
 
 enum { MAX_DEPTH = 16, MAX_FILES = 10000, MAX_BYTES = 256 << 20 };
 
-bool nqm_is_inside(const char *name) {
+bool nqm_include_is_inside(const char *name) {
     const bool is_relative = *name && *name != '/';
     for (size_t n; *name; name += n + (name[n] == '/')) {
         n = strcspn(name, "/");
@@ -33,8 +33,8 @@ nqm_status nqm_include_open(nqm_includes *in, const char *from, const char *name
     if (!path)
         return nqm_fail_nomem(err, n);
     snprintf(why.message, sizeof why.message, "%.300s: it is outside of the folder of the scene, or compressed", name);
-    const bool is_read =
-        nqm_is_inside(name) && !(n > 3 && strcmp(name + n - 3, ".gz") == 0) && nqm_map_open(path, map, &why) == NQM_OK;
+    const bool is_read = nqm_include_is_inside(name) && !(n > 3 && strcmp(name + n - 3, ".gz") == 0) &&
+                         nqm_map_open(path, map, &why) == NQM_OK;
     nqm_status status = NQM_OK;
     in->n_bytes += map->n_bytes;
     if (!is_read)

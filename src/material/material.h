@@ -121,8 +121,6 @@ typedef struct nqm_material_format {
 #define NQM_DECLARE_FORMAT(NAME) extern const nqm_material_format NAME;
 NQM_MATERIAL_FORMATS(NQM_DECLARE_FORMAT)
 
-/** Whether a file of this name, which a file names, is inside of its folder: no absolute path, and no "..". */
-bool nqm_is_inside(const char *name);
 /** Numbers separated by blanks or commas. Returns their count, 0 when there is anything else or more than max_n. */
 size_t nqm_parse_numbers(const char *text, size_t max_n, double *v);
 /** Replace up to 7 texts by copies in one block, which the first one owns; NULL remains. Unchanged on failure. */

@@ -34,9 +34,9 @@ TEST(names_inside_of_a_folder) {
     static const char *const inside[] = {"a", "a/b.xml", "./a", "..a/b..", "a/...", "a//b"};
     static const char *const outside[] = {"", "/", "/a", "..", "../a", "a/..", "a/../b", "./../a"};
     for (size_t i = 0; i < sizeof inside / sizeof *inside; ++i)
-        assert_true(nqm_is_inside(inside[i]));
+        assert_true(nqm_include_is_inside(inside[i]));
     for (size_t i = 0; i < sizeof outside / sizeof *outside; ++i)
-        assert_false(nqm_is_inside(outside[i]));
+        assert_false(nqm_include_is_inside(outside[i]));
 }
 
 /* Materials and textures of an included file, in the order of the text; positions are those of the scene only. */
