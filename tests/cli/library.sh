@@ -51,6 +51,10 @@ sed 's|folder/||' out | diff nearest - || fail "index"
 sed 's/"m7"/"other"/' lib.gltf >folder/lib.gltf
 run 0 nearest lib.gltf:m7 --among folder -n 1 -q --index f.index
 grep -qx folder/lib.gltf:other out || fail "an old index is used: $(cat out)"
+run 0 nearest lib.gltf:m7 --among folder lib.gltf -n 2 -q # two places: a material is named by its whole path
+sort out | tr '\n' ' ' | grep -qx 'folder/lib.gltf:other lib.gltf:m7 ' || fail "several places: $(cat out)"
+run 0 dedup folder lib.gltf lib.gltf # a file that is given twice is read once
+grep -q '^48 materials, of which ' out || fail "several places: $(cat out)"
 printf broken >no.index
 refuses 2 'no.index: is no index' nearest lib.gltf:m7 --among folder -n 1 -q --index no.index
 [ "$(cat no.index)" = broken ] || fail "a file that is no index is replaced"

@@ -17,8 +17,19 @@ bool is_textured(const char *argument) {
     return nqm_maps_probe(argument) || (find_material(argument, &info) && info.n_maps > 0);
 }
 
+bool is_library(const char *argument) {
+    nqm_textured *maps = NULL;
+    const bool is = is_folder(argument) && nqm_maps_probe(argument) && nqm_maps_open(argument, &maps, NULL) != NQM_OK;
+    nqm_textured_free(maps);
+    return is;
+}
+
 nqm_status explain_texture(const char *argument, nqm_status status, nqm_error *err) {
-    if (status != NQM_OK && is_textured(argument))
+    if (status != NQM_OK && is_library(argument))
+        snprintf(err->message, sizeof err->message,
+                 "%.300s: a folder of files; this verb needs one BRDF: name one of them, or translate the folder",
+                 argument);
+    else if (status != NQM_OK && is_textured(argument))
         snprintf(
             err->message, sizeof err->message,
             "%.300s: a material with image maps; this verb needs the BRDF of one point. score, batch, rank, report, "

@@ -11,6 +11,8 @@
 
 /** Whether an argument is a folder or list of maps, or a material of a file with image maps. No image is read. */
 bool is_textured(const char *argument);
+/** Whether an argument is a folder that is no material itself: one of files. */
+bool is_library(const char *argument);
 /** Where a BRDF cannot be opened because the argument is such, let the error say so. Returns the status. */
 nqm_status explain_texture(const char *argument, nqm_status status, nqm_error *err);
 /** What is computed from the maps of an argument. */

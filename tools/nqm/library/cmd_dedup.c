@@ -118,15 +118,17 @@ static const option options[] = {
     {0}};
 
 static const command cmd = {
-    .usage = "WHERE [options]",
-    .about = "Which materials of a folder, or of a file of several, look the same as another one of it, so that one "
+    .usage = "WHERE... [options]",
+    .about = "Which materials of folders and files look the same as another one of them, so that one "
              "of them is enough, and what is lost. Each replaced material scores at least --jod next to the one that "
              "is kept for it.",
-    .example = "nqm dedup materials --jod 9.5\nnqm dedup scene.glb --map replace.json",
+    .example = "nqm dedup materials --jod 9.5\nnqm dedup scene.glb --map replace.json\n"
+               "nqm dedup *.mtlx shared/metals.gltf",
     .options = options,
     .table = &nqm_score_option_table,
     .table_target = &run.options,
     .min_arguments = 1,
+    .max_arguments = -1,
 };
 
 /* The pairs of a replaced material and the one that is kept for it, clusters after one another. */
@@ -211,10 +213,10 @@ int cmd_dedup(int argc, char **argv) {
     library of = {.path = NULL};
     near_pair *pairs;
     run.options = plain_score_options();
-    parse_arguments(&cmd, argc, argv);
+    const int n_where = parse_arguments(&cmd, argc, argv);
     run.model = open_model(model);
     nqm_scorer *scorer = open_scorer(run.model, &run.options);
-    draw_library(argv[0], run.model, scorer, NULL, &of);
+    draw_library((size_t)n_where, (const char *const *)argv, run.model, scorer, NULL, &of);
     size_t n = find_near_pairs(&of, jod, &pairs);
     n = confirm(&of, run.model, scorer, jod, pairs, n);
     nqm_scorer_free(scorer);

@@ -88,8 +88,8 @@ static const option options[] = {
     {0}};
 
 static const command cmd = {
-    .usage = "BRDF --among WHERE [options]",
-    .about = "The materials of a folder or file that look most like BRDF, with their scores as of `nqm rank`. All are"
+    .usage = "BRDF --among WHERE... [options]",
+    .about = "The materials of folders or files that look most like BRDF, with their scores as of `nqm rank`. All are"
              " compared by pictures, and the best are scored. With --index a later run opens none but these.",
     .example =
         "nqm nearest sgd:nickel --among metals\nnqm nearest 'lambert:kd=.5,.2,.1' --among library.glb --apart -n 3",
@@ -97,13 +97,14 @@ static const command cmd = {
     .table = &nqm_score_option_table,
     .table_target = &run.options,
     .min_arguments = 1,
+    .max_arguments = -1,
 };
 
 int cmd_nearest(int argc, char **argv) {
     enum { LEAST_SCORED = 128 };
     library of = {.path = NULL}, one = {.path = NULL};
     run.options = plain_score_options();
-    parse_arguments(&cmd, argc, argv);
+    const int n = parse_arguments(&cmd, argc, argv);
     refuse_model_name(argv[0]);
     run.model = open_model(model);
     nqm_scorer *scorer = open_scorer(run.model, &run.options);
@@ -113,12 +114,14 @@ int cmd_nearest(int argc, char **argv) {
     draw_member(&self, run.model, scorer, one.gallery, 0, &err);
     if (err.status != NQM_OK)
         stop_error(&err);
-    draw_library(among, run.model, scorer, index_path, &of);
+    const char **where = (const char **)argv;
+    where[0] = among;
+    draw_library((size_t)n, where, run.model, scorer, index_path, &of);
     nqm_scorer_free(scorer);
-    size_t n = nqm_larger(LEAST_SCORED, 4 * (size_t)n_shown);
-    candidate *candidates = find_candidates(one.gallery, &of, &n);
-    n = leave_textured(&self, &of, candidates, n);
-    score_candidates(argv[0], &of, candidates, n);
+    size_t n_best = nqm_larger(LEAST_SCORED, 4 * (size_t)n_shown);
+    candidate *candidates = find_candidates(one.gallery, &of, &n_best);
+    n_best = leave_textured(&self, &of, candidates, n_best);
+    score_candidates(self.argument, &of, candidates, n_best);
     rank_rows(&run, is_apart);
     run.n_rows = nqm_smaller(run.n_rows, (size_t)n_shown);
     print_ranking(&run);

@@ -92,16 +92,23 @@ typedef struct file_list {
     nqm_names text;
 } file_list;
 
-static file_list list_files(const char *path) {
+static file_list list_files(size_t n, const char *const *where) {
     found = (nqm_names){0};
-    if (!is_folder(path) && strcmp(path, "/dev/null") != 0)
-        add_found(path);
-    if (is_folder(path) && nftw(path, note_file, 16, FTW_PHYS) != 0)
-        stop(interrupted() ? EXIT_INTERRUPTED : EXIT_OPEN, "%s: the folder cannot be read", path);
-    file_list files = {found.n, allocate(found.n, sizeof *files.paths), found};
-    for (size_t i = 0; i < files.n; ++i)
+    for (size_t i = 0; i < n; ++i) {
+        unsigned ignored; /* --ignore is asked for each material */
+        const char *path = where[i] + nqm_ignore_prefix(where[i], &ignored);
+        if (!is_folder(path) && strcmp(path, "/dev/null") != 0)
+            add_found(path);
+        if (is_folder(path) && nftw(path, note_file, 16, FTW_PHYS) != 0)
+            stop(interrupted() ? EXIT_INTERRUPTED : EXIT_OPEN, "%s: the folder cannot be read", path);
+    }
+    file_list files = {0, allocate(found.n, sizeof *files.paths), found};
+    for (size_t i = 0; i < found.n; ++i)
         files.paths[i] = nqm_name(&found, i);
-    qsort(files.paths, files.n, sizeof *files.paths, compare_texts);
+    qsort(files.paths, found.n, sizeof *files.paths, compare_texts);
+    for (size_t i = 0; i < found.n; ++i) /* each once */
+        if (i == 0 || strcmp(files.paths[i], files.paths[files.n - 1]) != 0)
+            files.paths[files.n++] = files.paths[i];
     return files;
 }
 
@@ -110,24 +117,25 @@ static void free_files(file_list *files) {
     nqm_names_free(&files->text);
 }
 
-static void add_files(library *to, const file_list *files) {
-    const bool is_only = !is_folder(to->path);
+/* n: of the arguments; materials of several are named by their whole paths. */
+static void add_files(library *to, size_t n, const file_list *files) {
+    const bool is_only = n == 1 && !is_folder(to->path);
     const char *slash = strrchr(to->path, '/');
-    const size_t n_key = is_only ? (slash ? (size_t)(slash - to->path) : 0) : strlen(to->path);
+    const size_t n_key = n > 1 ? 0 : !is_only ? strlen(to->path) : slash ? (size_t)(slash - to->path) : 0;
     for (size_t i = 0; i < files->n; ++i) {
         const char *key = files->paths[i] + n_key;
         step_progress("read", i, files->n);
-        add_file(to, files->paths[i], key + strspn(key, "/"), is_only);
+        add_file(to, files->paths[i], n > 1 ? key : key + strspn(key, "/"), is_only);
     }
     end_progress();
     if (to->n == 0 && !is_only)
-        stop(EXIT_OPEN, "%s: this folder has no file of materials or BRDFs", to->path);
+        stop(EXIT_OPEN, "%s: no file of materials or BRDFs is there", to->path);
 }
 
 void list_library(const char *path, library *to) {
     to->path = path;
-    file_list files = list_files(path);
-    add_files(to, &files);
+    file_list files = list_files(1, &path);
+    add_files(to, 1, &files);
     free_files(&files);
 }
 
@@ -385,14 +393,17 @@ static void draw_all(library *of, const nqm_model *model, nqm_scorer *scorer) {
     compact(of);
 }
 
-void draw_library(const char *path, const nqm_model *model, nqm_scorer *scorer, const char *index, library *to) {
+void draw_library(size_t n, const char *const *where, const nqm_model *model, nqm_scorer *scorer, const char *index,
+                  library *to) {
+    static char several[40];
     char hash[65] = "";
-    to->path = path;
-    file_list files = list_files(path);
+    snprintf(several, sizeof several, "%zu files and folders", n);
+    const char *path = to->path = n > 1 ? several : where[0];
+    file_list files = list_files(n, where);
     if (index)
         identify(&files, model, hash);
     if (!index || !read_index(to, model, index, hash)) {
-        add_files(to, &files);
+        add_files(to, n, &files);
         draw_all(to, model, scorer);
         if (index)
             write_index(to, model, index, hash);

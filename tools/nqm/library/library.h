@@ -17,7 +17,7 @@ typedef struct member {
 } member;
 
 typedef struct library {
-    const char *path;
+    const char *path; /* the argument; of several, how many */
     size_t n, max_n;
     member *members;      /* (n) in the order of the paths, then of the file */
     size_t n_failed;      /* members that were left out because they have no values */
@@ -34,9 +34,11 @@ void list_library(const char *path, library *to);
 /** Draw one member as picture `at`: that of a textured one is the mean over positions of its surface. err: why it has no values. */
 void draw_member(const member *m, const nqm_model *model, nqm_scorer *scorer, nqm_gallery *gallery, size_t at,
                  nqm_error *err);
-/** List the members, sample them and draw their pictures, with progress. Those without values are left out and reported. index: a file that keeps names and pictures, and is written unless it fits the files;
+/** List the members of n files and folders, sample them and draw their pictures, with progress. Those without values are left out and
+ *  reported. index: a file that keeps names and pictures, and is written unless it fits the files;
  *  NULL: none. */
-void draw_library(const char *path, const nqm_model *model, nqm_scorer *scorer, const char *index, library *to);
+void draw_library(size_t n, const char *const *where, const nqm_model *model, nqm_scorer *scorer, const char *index,
+                  library *to);
 void free_library(library *of);
 /** The near score of a pair with a textured member; NaN: there is none. */
 double score_textured(const nqm_named_pair *pair, const nqm_model *with);
