@@ -147,7 +147,7 @@ class BRDF:
 
         Args:
             ignore: of a material that does more than reflect, take what reflects: any of transmission, subsurface, emission,
-                opacity and displacement, separated by commas; None: such a material is an error
+                opacity, displacement and bump, separated by commas; None: such a material is an error
 
         Raises:
             Error: the file is missing or malformed (`byte` is the position), or the spec is wrong

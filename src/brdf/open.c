@@ -132,14 +132,14 @@ nqm_status nqm_brdf_open_argument(const char *path_or_spec, const char *name, nq
     if (n_prefix && !argument.ignored)
         return nqm_fail(
             err, NQM_ERR_ARG, -1,
-            "%.300s: after 'ignore:', give some of transmission, subsurface, emission, opacity and displacement, "
+            "%.300s: after 'ignore:', give some of transmission, subsurface, emission, opacity, displacement and bump, "
             "separated by commas, and a colon",
             name);
     if (nqm_spec_probe(path_or_spec))
         return nqm_spec_open(path_or_spec, name, nqm_brdf_open_argument, brdf_ret, err);
     if (find_fault(path_or_spec) == 0)
         return open_path(path_or_spec, &argument, brdf_ret, err);
-    const char *colon = strrchr(path_or_spec, ':');
+    const char *colon = nqm_member_colon(path_or_spec);
     if (!colon)
         return fail_missing(path_or_spec, err);
     char *path = nqm_strdup(path_or_spec);
@@ -147,8 +147,7 @@ nqm_status nqm_brdf_open_argument(const char *path_or_spec, const char *name, nq
         return nqm_fail_nomem(err, strlen(path_or_spec) + 1);
     path[colon - path_or_spec] = 0;
     argument.member = colon + 1;
-    nqm_status status =
-        find_fault(path) == 0 ? open_file(path, &argument, brdf_ret, err) : fail_missing(path_or_spec, err);
+    nqm_status status = open_path(path, &argument, brdf_ret, err);
     nqm_free(path);
     return status;
 }

@@ -9,7 +9,7 @@
  */
 #include "material/rules.h"
 
-static const char *const words[] = {"transmission", "subsurface", "emission", "opacity", "displacement"};
+static const char *const words[] = {"transmission", "subsurface", "emission", "opacity", "displacement", "bump"};
 enum { N_WORDS = sizeof words / sizeof *words };
 static const char prefix[] = "ignore:";
 

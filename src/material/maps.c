@@ -41,7 +41,8 @@ size_t nqm_textured_bytes(const nqm_textured *t) {
 
 void nqm_textured_remark(nqm_textured *t, const char *text) {
     const size_t n = strlen(t->remark);
-    snprintf(t->remark + n, sizeof t->remark - n, "%s%s", n ? "; " : "", text);
+    if (!strstr(t->remark, text))
+        snprintf(t->remark + n, sizeof t->remark - n, "%s%s", n ? "; " : "", text);
 }
 
 void nqm_textured_prune(nqm_textured *t) {

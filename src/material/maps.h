@@ -112,7 +112,7 @@ nqm_textured *nqm_textured_create(void);
 void nqm_textured_free(nqm_textured *textured);
 /** Memory that it takes. */
 size_t nqm_textured_bytes(const nqm_textured *textured);
-/** Add to the remark. */
+/** Add to the remark, unless it is there. */
 void nqm_textured_remark(nqm_textured *textured, const char *text);
 /** Remove nodes and files that no output needs. */
 void nqm_textured_prune(nqm_textured *textured);

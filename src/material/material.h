@@ -61,9 +61,14 @@ NQM_MUST_CHECK nqm_status nqm_shadings_write(size_t n, nqm_named_shading *materi
 const size_t *nqm_materials_named(const nqm_materials *materials, const char *name, size_t *n_ret);
 
 enum { NQM_MAX_MATERIALS = 1 << 14 };
+/** An empty list, for a reader; NULL: out of memory. path: of the file, for messages of nqm_materials_add(). */
+nqm_materials *nqm_materials_create(const char *path);
 /** Append a material, at most NQM_MAX_MATERIALS; the texts are copied, "" and NULL in `name` become "materialN". One of
  *  spec and refusal is NULL. */
 NQM_MUST_CHECK nqm_status nqm_materials_add(nqm_materials *materials, const nqm_material_info *info, nqm_error *err);
+
+/** Let the remarks of all materials of the file say that an included file is not read; text: its path and why. */
+void nqm_materials_unread(nqm_materials *materials, const char *text);
 
 /** What a surface does besides reflecting, as a set of bits. */
 enum {
@@ -72,7 +77,8 @@ enum {
     NQM_IGNORE_EMISSION = 4,
     NQM_IGNORE_OPACITY = 8,
     NQM_IGNORE_DISPLACEMENT = 16,
-    NQM_IGNORE_SIZE = 64 /**< of a text with all words */
+    NQM_IGNORE_BUMP = 32, /**< bump maps, and the normal map that a coat has of its own */
+    NQM_IGNORE_SIZE = 64  /**< of a text with all words */
 };
 /** The words of a set, "transmission,opacity". Returns text. */
 const char *nqm_ignore_words(unsigned set, char text[NQM_IGNORE_SIZE]);

@@ -25,6 +25,19 @@ cp old.gltf before/paints.gltf
 cp new.gltf after/paints.gltf
 cp lone.gltf after/
 
+# Names with colons, as of name spaces: every verb addresses them.
+sed 's/"gold"/"ns:a:gold"/' old.gltf >names.gltf
+sed 's/"gold"/"ns:a:gold"/' new.gltf >names2.gltf
+run 0 diff names.gltf names2.gltf
+grep -q '  ns:a:gold  ' out && grep -q 'roughness 0.3 -> 0.4' out || fail "a name with colons: $(cat out)"
+run 0 score names.gltf:ns:a:gold names2.gltf:ns:a:gold
+run 0 score --ignore transmission names.gltf:ns:a:gold names.gltf:ns:a:gold
+run 0 rank names.gltf:ns:a:gold names2.gltf:ns:a:gold names2.gltf:blue
+run 0 dedup names.gltf --ignore transmission
+! grep -q failed out || fail "dedup: $(cat out)"
+run 0 nearest names.gltf:ns:a:gold --among names2.gltf --ignore transmission
+grep -q 'names2.gltf:ns:a:gold' out || fail "nearest: $(cat out)"
+
 run 0 diff old.gltf new.gltf
 grep -q '  gold  ' out && grep -q 'roughness 0.3 -> 0.4' out && grep -q 'was red' out || fail "changed: $(cat out)"
 grep -q '^  added   blue$' out && grep -q '^  removed chalk$' out || fail "added: $(cat out)"

@@ -236,7 +236,7 @@ bool is_file(const char *path) {
 const char *member_name(const char *argument) {
     unsigned ignored;
     argument += nqm_ignore_prefix(argument, &ignored);
-    const char *colon = is_file(argument) || nqm_spec_probe(argument) ? NULL : strrchr(argument, ':');
+    const char *colon = nqm_spec_probe(argument) ? NULL : nqm_member_colon(argument);
     return colon ? colon + 1 : NULL;
 }
 
@@ -294,7 +294,8 @@ unsigned ignored_set(void) {
     unsigned ignored = 0;
     if (ignored_words && !nqm_ignore_parse(ignored_words, strlen(ignored_words), &ignored))
         stop(EXIT_USAGE,
-             "--ignore is a list with commas of transmission, subsurface, emission, opacity and displacement, not '%s'",
+             "--ignore is a list with commas of transmission, subsurface, emission, opacity, displacement and bump, "
+             "not '%s'",
              ignored_words);
     return ignored;
 }

@@ -82,7 +82,7 @@ extern const char *ignored_words, *within;
      &ignored_words,                                                                                                   \
      "LIST",                                                                                                           \
      "take what reflects of materials that do more: any of "                                                           \
-     "transmission,subsurface,emission,opacity,displacement",                                                          \
+     "transmission,subsurface,emission,opacity,displacement,bump",                                                     \
      0,                                                                                                                \
      0},                                                                                                               \
     {                                                                                                                  \
