@@ -119,7 +119,7 @@ export async function start(code, models) {
         }
         /** f_r (n, 3) at pairs of unit vectors wi, wo (n, 3); NaN where there is no value. */
         eval(wi, wo) {
-            const n = wi.length / 3, block = exports.web_alloc(n * 73 || 1), rgb = block + 48 * n, flag = rgb + 24 * n;
+            const n = wi.length / 3, block = n * 73 < 2 ** 31 ? exports.web_alloc(n * 73 || 1) : 0, rgb = block + 48 * n, flag = rgb + 24 * n;
             if (!block) throw new NqmError({error: "out of memory", status: -6, byte: -1});
             new Float64Array(exports.memory.buffer, block, 3 * n).set(wi);
             new Float64Array(exports.memory.buffer, block + 24 * n, 3 * n).set(wo);
