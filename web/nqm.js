@@ -183,11 +183,12 @@ export async function start(code, models) {
             if (!p) throw new NqmError(json("web_failure"));
             return new Uint8ClampedArray(exports.memory.buffer, p, 4 * size * size).slice();
         },
-        /** Delta-E ITP between the last pictures of reference and test, of this size: {pixels, end of the colours}. */
+        /** Delta-E ITP between the last pictures of reference and test, of this size: {pixels, end of the colours, valid}. */
         difference(size) {
             const p = exports.web_difference();
             if (!p) throw new NqmError(json("web_failure"));
-            return {pixels: new Uint8ClampedArray(exports.memory.buffer, p, 4 * size * size).slice(), end: exports.web_difference_end()};
+            const [end, ...valid] = doubles(exports.web_facts(), 3);
+            return {pixels: new Uint8ClampedArray(exports.memory.buffer, p, 4 * size * size).slice(), end, valid};
         },
         /** Fit a shading model, write it to `path` in files, and score the file: {spec, score, dropped, selected}. */
         translate: (brdf, target, name, path) => json("web_translate", brdf.id, target, name, path),
