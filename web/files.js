@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
 // Files that are dropped, chosen or pasted: folders and zip archives become paths and bytes, pasted text becomes a file or a spec.
-import {unzip} from "./zip.js";
+import {MAX_UNPACKED, unzip} from "./zip.js";
 
 const COMPANION = /\.(png|jpe?g|exr|hdr|tga|ktx2|webp|csv\.meta|txt|md)$/i;
 
@@ -26,15 +26,15 @@ export async function readFiles(source) {
     const entries = [...(source.items ?? [])].map((item) => item.webkitGetAsEntry?.()).filter(Boolean);
     for (const entry of entries) await readEntry(entry, "", found);
     if (!entries.length) for (const file of source.files ?? source) found.push([file.webkitRelativePath || file.name, file]);
-    const files = [];
+    const files = [], room = {bytes: MAX_UNPACKED};
     for (const [path, file] of found) {
         const bytes = new Uint8Array(await file.arrayBuffer());
         if (bytes[0] === 0x50 && bytes[1] === 0x4b) {
             try {
-                files.push(...(await unzip(bytes)).map(([name, data]) => [`${path}/${name}`, data]));
+                files.push(...(await unzip(bytes, room)).map(([name, data]) => [`${path}/${name}`, data]));
                 continue;
             } catch (error) {
-                throw new Error(`${path}: not a readable zip archive: ${error.message}`);
+                throw new Error(`${path}: cannot be unpacked: ${error.message}`);
             }
         }
         files.push([path, bytes]);

@@ -116,8 +116,9 @@ export interface Nqm {
     costs(ref: BRDF, test: BRDF): number[][];
     /** a lit sphere, RGBA (size, size, 4); member 0 reference, 1 test */
     render(brdf: BRDF, member?: 0 | 1, options?: {light?: Light; size?: number; supersample?: number; turn?: number}): Uint8ClampedArray;
-    /** Delta-E ITP between the last two pictures in viridis, from 0 to end; pixels: RGBA (size, size, 4) */
-    difference(size: number): {pixels: Uint8ClampedArray; end: number};
+    /** Delta-E ITP between the last two pictures in viridis, from 0 to end; pixels: RGBA (size, size, 4); valid: the fractions of the light
+     *  at directions where reference and test have a value: without one, the pictures are too dark */
+    difference(size: number): {pixels: Uint8ClampedArray; end: number; valid: [number, number]};
     /** fit a shading model, write it to path in `files`, and score what was written */
     translate(brdf: BRDF, target: string, name: string, path: string): {spec: string; selected: string; dropped: string; score: Score};
 }

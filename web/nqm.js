@@ -119,7 +119,7 @@ export async function start(code, models) {
         }
         /** f_r (n, 3) at pairs of unit vectors wi, wo (n, 3); NaN where there is no value. */
         eval(wi, wo) {
-            const n = wi.length / 3, block = exports.web_alloc(n * 73 || 1), rgb = block + 48 * n, flag = rgb + 24 * n;
+            const n = wi.length / 3, block = n * 73 < 2 ** 31 ? exports.web_alloc(n * 73 || 1) : 0, rgb = block + 48 * n, flag = rgb + 24 * n;
             if (!block) throw new NqmError({error: "out of memory", status: -6, byte: -1});
             new Float64Array(exports.memory.buffer, block, 3 * n).set(wi);
             new Float64Array(exports.memory.buffer, block + 24 * n, 3 * n).set(wo);
@@ -183,11 +183,12 @@ export async function start(code, models) {
             if (!p) throw new NqmError(json("web_failure"));
             return new Uint8ClampedArray(exports.memory.buffer, p, 4 * size * size).slice();
         },
-        /** Delta-E ITP between the last pictures of reference and test, of this size: {pixels, end of the colours}. */
+        /** Delta-E ITP between the last pictures of reference and test, of this size: {pixels, end of the colours, valid}. */
         difference(size) {
             const p = exports.web_difference();
             if (!p) throw new NqmError(json("web_failure"));
-            return {pixels: new Uint8ClampedArray(exports.memory.buffer, p, 4 * size * size).slice(), end: exports.web_difference_end()};
+            const [end, ...valid] = doubles(exports.web_facts(), 3);
+            return {pixels: new Uint8ClampedArray(exports.memory.buffer, p, 4 * size * size).slice(), end, valid};
         },
         /** Fit a shading model, write it to `path` in files, and score the file: {spec, score, dropped, selected}. */
         translate: (brdf, target, name, path) => json("web_translate", brdf.id, target, name, path),

@@ -46,7 +46,7 @@ def main(code_path, models_path, page_path):
     code = deflate.compress(pathlib.Path(code_path).read_bytes()) + deflate.flush()
     models = pathlib.Path(models_path).read_bytes()
     data = encode(struct.pack("<II", len(code), len(models)) + code + models)
-    worker, page = script("zip.js", "wasi.js", "nqm.js", "glsl.js", "worker.js"), script("zip.js", "text.js", "charts.js", "files.js", "page.js")
+    worker, page = script("zip.js", "wasi.js", "nqm.js", "glsl.js", "worker.js"), script("zip.js", "text.js", "charts.js", "combo.js", "files.js", "page.js")
     policy = ("default-src 'none'; img-src data: blob:; style-src 'unsafe-inline'; worker-src blob:; "
               "script-src blob: 'wasm-unsafe-eval' " + source_hash(page) + "; base-uri 'none'; form-action 'none'")
     html = (HERE / "page.html").read_text()

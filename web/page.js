@@ -3,6 +3,7 @@
 // The page: two materials, their score, pictures and maps; translations, shaders, and a table of more than two. Everything is computed in two
 // workers: one scores, one draws and fits, so that scores never wait for pictures. Both score a table.
 import {drawMap, drawParts, drawScale, drawSlices, make} from "./charts.js";
+import {setUpCombo} from "./combo.js";
 import {candidates, mapFolders, readFiles, readPaste} from "./files.js";
 import {complete, interval, jod2, makeHash, markdown, people, quote, readHash} from "./text.js";
 
@@ -105,17 +106,27 @@ function describe(member, info) {
 
 let round = 0; // of the last change; older answers are dropped
 
-/** Use these arguments and score them. */
+const hide = (selector, isHidden) => document.querySelectorAll(selector).forEach((element) => element.classList.toggle("earlier", isHidden));
+
+/** Use these arguments and score them. What belongs to an earlier pair is hidden until there is its like of this one. */
 async function setPair(change) {
+    const changed = Object.keys(change).filter((member) => change[member] !== chosen[member]);
     Object.assign(chosen, change);
     for (const member of ["ref", "test"]) {
-        const {input, select, members} = slots[member];
-        if (document.activeElement !== input) input.value = chosen[member];
-        if ([...select.options].some(({value}) => value === chosen[member])) select.value = chosen[member];
-        else members.hidden = true;
+        const {input, select, members} = slots[member], options = [...select.options].map(({value}) => value);
+        if (document.activeElement !== input || member in change) input.value = chosen[member];
+        if (options.includes(chosen[member])) select.value = chosen[member];
+        members.hidden = options.length < 2 || !options.includes(chosen[member]);
     }
     const mine = ++round;
     showFault(null);
+    document.body.classList.toggle("textured", isTextured());
+    if (changed.includes("ref")) $("translated").replaceChildren();
+    if (changed.length) {
+        for (const member of changed) describe(member, null);
+        showScore(null, "Computing…");
+        hide(".pictures, .difference, .where", true);
+    }
     document.querySelector(".result").classList.add("stale");
     const infos = {};
     for (const member of ["ref", "test"]) {
@@ -124,16 +135,18 @@ async function setPair(change) {
             continue;
         }
         try {
-            infos[member] = textured.has(chosen[member]) ? {name: chosen[member], format: "image maps", isotropic: true} : await scorer.call("open", chosen[member]);
+            infos[member] = hasMaps(chosen[member]) ? {name: chosen[member], format: "image maps", isotropic: true} : await scorer.call("open", chosen[member]);
             if (mine !== round) return;
             describe(member, infos[member]);
         } catch (error) {
             if (mine !== round) return;
             describe(member, null);
             slots[member].input.setAttribute("aria-invalid", "true");
-            showFault(error.message);
+            showFault([$("fault").textContent, error.message].filter(Boolean).join("\n"));
         }
     }
+    const hash = makeHash(...["ref", "test"].map((member) => linkable(infos[member] ?? {name: chosen[member]})));
+    if (hash !== location.hash) history.replaceState(null, "", hash);
     if (!infos.ref || !infos.test) return showScore(null);
     try {
         const found = await scorer.call(isTextured() ? "scoreTextures" : "score", chosen.ref, chosen.test);
@@ -144,20 +157,18 @@ async function setPair(change) {
         showFault(error.message);
         return showScore(null);
     }
-    const hash = makeHash(linkable(infos.ref), linkable(infos.test));
-    if (hash !== location.hash) history.replaceState(null, "", hash);
-    showShare();
-    document.body.classList.toggle("textured", isTextured());
     if (isTextured()) return drawHeat(score.texture);
-    await showDetails(mine);
     drawPictures();
+    await showDetails(mine);
 }
 
-const isTextured = () => textured.has(chosen.ref) || textured.has(chosen.test);
+const hasMaps = (argument) => /^(ignore:[^:]*:)?maps:/.test(argument) || textured.has(argument.replace(/^ignore:[^:]*:/, ""));
+const isTextured = () => hasMaps(chosen.ref) || hasMaps(chosen.test);
 
 function drawHeat({heat: {width, height, pixels}, end}) {
     Object.assign($("picture-difference"), {width, height}).getContext("2d").putImageData(new ImageData(pixels, width, height), 0, 0);
     $("difference-end").textContent = end < 10 ? end.toPrecision(2) : Math.round(end);
+    hide(".difference", false);
 }
 
 /** What is said of a pair with image maps. */
@@ -170,27 +181,30 @@ const textureRemarks = ({far, worst, below9, width, height, n_scored, blame}) =>
 const linkable = ({name, spec}) => (spec && !isSpec(name) ? spec : name);
 const isSpec = (name) => names.models.some((model) => name.startsWith(model.name + ":")) || names.presets.includes(name) || /^(perturb|between|rotate|tilt):/.test(name);
 
-function showScore(found) {
+/** found: null without a score; `verdict` says why. */
+function showScore(found, verdict = chosen.ref && chosen.test ? "No score" : "Choose two materials") {
     score = found;
     document.querySelector(".result").classList.toggle("stale", !found);
     $("jod").textContent = found ? jod2(found.jod) : "–";
     $("interval").textContent = found ? interval(found) : "";
-    $("verdict").textContent = found ? found.verdict : chosen.ref && chosen.test ? "No score" : "Choose two materials";
+    $("verdict").textContent = found ? found.verdict : verdict;
     $("words").textContent = found ? (found.words || "") : "";
     $("people").textContent = !found ? "" : found.identical ? "Both are equal at all directions that are compared."
         : `${people(found.prefer_reference).replace(/^./, (c) => c.toUpperCase())} of people would say that the reference looks better. ΔE ITP ${found.delta_e === null ? "–" : found.delta_e.toFixed(1)}${found.apart[0] === null ? "" : `; seen apart ${jod2(found.apart[0])} JOD`}${found.anisotropy > 0 ? "; anisotropic" : ""}.`;
-    $("remarks").replaceChildren(...(found?.texture ? textureRemarks(found.texture) : found?.remarks ?? []).map((text) => make("li", {}, text)));
+    $("remarks").replaceChildren(...[...(found?.texture ? textureRemarks(found.texture) : []), ...(found?.remarks ?? [])].map((text) => make("li", {}, text)));
     drawScale($("scale"), found);
     if (found) {
         drawParts($("parts"), found);
         performance.mark("nqm-score");
     }
+    showShare();
     document.title = found ? `${jod2(found.jod)} JOD – nqm` : "nqm – drop two materials";
 }
 
 async function showDetails(mine) {
     const {slices, map, costs} = await scorer.call("details", chosen.ref, chosen.test);
     if (mine !== round) return;
+    hide(".where", false);
     drawSlices($("slices"), slices);
     drawMap($("map"), map);
     $("costs").replaceChildren(...costs.slice(0, 8).map(([h, d, p, share, a, b]) => make("tr", {},
@@ -204,7 +218,7 @@ let drawing = false, wanted = false;
 const frames = new Map(); // of the pair and light that turn now, by angle
 
 // Enlarged and cut out by a smooth circle: the pixels at the edge of the sphere are only in or out.
-function paint(images, size, end) {
+function paint({images, end, valid}, size) {
     const small = new OffscreenCanvas(size, size), full = 360, middle = 4 * size * (size >> 1);
     let opaque = 0;
     for (let x = 0; x < size; ++x) opaque += images[0][middle + 4 * x + 3] > 127;
@@ -218,30 +232,32 @@ function paint(images, size, end) {
         context.drawImage(small, 0, 0, full, full);
     });
     $("difference-end").textContent = end;
+    $("holes").textContent = ["ref", "test"].map((member, i) => valid[i] < 1 ? `${chosen[member]} has no value for directions of ${Number((100 * (1 - valid[i])).toPrecision(3))} % of the light, which is missing in the picture.` : "").join(" ").trim();
+    hide(".pictures, .difference", false);
 }
 
 const isTurning = () => $("turn").getAttribute("aria-pressed") === "true";
 
 /** Frames are kept: the second revolution is smooth. */
 async function drawTurned(light) {
-    const pair = `${chosen.ref} ${chosen.test} ${light}`, begin = performance.now();
-    if (frames.pair !== pair) frames.clear();
-    frames.pair = pair;
-    turn = (turn + STEP) % 360;
-    if (!frames.has(turn)) frames.set(turn, await artist.call("pictures", chosen.ref, chosen.test, {light, size: TURN_SIZE, supersample: 1, turn: turn || 360}));
-    const {images, end} = frames.get(turn);
-    paint(images, TURN_SIZE, end);
+    const mine = round, of = `${mine} ${light}`, begin = performance.now(), at = (turn + STEP) % 360;
+    if (frames.of !== of) frames.clear();
+    frames.of = of;
+    const frame = frames.get(at) ?? await artist.call("pictures", chosen.ref, chosen.test, {light, size: TURN_SIZE, supersample: 1, turn: at || 360});
+    if (mine !== round) return;
+    frames.set(turn = at, frame);
+    paint(frame, TURN_SIZE);
     await new Promise((resolve) => setTimeout(resolve, Math.max(FRAME_MS - (performance.now() - begin), 0)));
 }
 
-/** Draw the pair that is chosen now; a request during a drawing is done after it. */
+/** Draw the pair that is chosen now, if it has a score and no maps; a request during a drawing is done after it. */
 async function drawPictures() {
     wanted = true;
     if (drawing) return;
     drawing = true;
-    while (wanted) {
+    while (wanted && score && !isTextured()) {
         wanted = false;
-        const light = document.querySelector("[name=light]:checked").value;
+        const light = document.querySelector("[name=light]:checked").value, mine = round;
         try {
             if (isTurning()) {
                 await drawTurned(light);
@@ -249,75 +265,17 @@ async function drawPictures() {
                 continue;
             }
             for (const size of isShader() ? [PREVIEW] : [PREVIEW, SIZE]) { // a shader is called for each point
-                if (wanted) break;
-                const {images, end} = await artist.call("pictures", chosen.ref, chosen.test, {light, size, supersample: 1});
-                if (!wanted) paint(images, size, end);
+                if (wanted || mine !== round) break;
+                const found = await artist.call("pictures", chosen.ref, chosen.test, {light, size, supersample: 1});
+                if (!wanted && mine === round) paint(found, size);
             }
         } catch (error) {
-            if (!wanted) showFault(error.message);
+            if (!wanted && mine === round) showFault(error.message);
         }
     }
     drawing = false;
     performance.mark("nqm-pictures");
-    document.body.dataset.pictures = `${chosen.ref} ${chosen.test}`;
-}
-
-// ---- completion -----------------------------------------------------------------------------------------------------
-
-function setUpCombo(member) {
-    const {input, list} = slots[member];
-    let options = [], at = -1, timer;
-    function close() {
-        list.hidden = true;
-        input.setAttribute("aria-expanded", "false");
-        input.removeAttribute("aria-activedescendant");
-        at = -1;
-    }
-    function mark(next) {
-        at = next;
-        [...list.children].forEach((li, i) => li.setAttribute("aria-selected", String(i === at)));
-        if (at < 0) return input.removeAttribute("aria-activedescendant");
-        input.setAttribute("aria-activedescendant", list.children[at].id);
-        list.children[at].scrollIntoView({block: "nearest"});
-    }
-    function take(i) {
-        input.value = options[i].text;
-        if (/[:=]$/.test(input.value)) return open();
-        close();
-        setPair({[member]: input.value});
-    }
-    function open() {
-        options = complete(input.value, names);
-        list.replaceChildren(...options.map(({text, about}, i) => make("li", {id: `${member}-option-${i}`, role: "option", "aria-selected": "false",
-            onmousedown: (event) => (event.preventDefault(), take(i))}, make("span", {}, text), make("small", {}, about))));
-        list.hidden = !options.length;
-        input.setAttribute("aria-expanded", String(!list.hidden));
-        at = -1;
-    }
-    input.addEventListener("input", () => {
-        open();
-        clearTimeout(timer);
-        // A spec is scored while it is typed, when its last key has a value.
-        timer = setTimeout(() => (names.presets.includes(input.value) || (isSpec(input.value) && /[:;][^:;=]+=[^:;=]*[\w.)]$/.test(input.value))) &&
-            setPair({[member]: input.value}), 200);
-    });
-    input.addEventListener("focus", () => input.select());
-    input.addEventListener("blur", close);
-    input.addEventListener("change", () => input.value !== chosen[member] && setPair({[member]: input.value}));
-    input.addEventListener("keydown", (event) => {
-        if (event.key === "ArrowDown" || event.key === "ArrowUp") {
-            if (list.hidden) open();
-            const n = options.length;
-            if (n) mark(event.key === "ArrowDown" ? (at + 1) % n : (at + n - (at < 0 ? 0 : 1)) % n);
-            event.preventDefault();
-        } else if (event.key === "Enter") {
-            if (at >= 0) take(at);
-            else {
-                close();
-                setPair({[member]: input.value.trim()});
-            }
-        } else if (event.key === "Escape") close();
-    });
+    if (score) document.body.dataset.pictures = `${chosen.ref} ${chosen.test}`;
 }
 
 // ---- files ----------------------------------------------------------------------------------------------------------
@@ -328,11 +286,12 @@ async function listMaterials(path) {
         const materials = await scorer.call("materials", path);
         return materials.map(({name, refusal, n_maps}) => {
             const argument = materials.length > 1 ? `${path}:${name}` : path;
-            if (n_maps) textured.add(argument);
+            textured[n_maps ? "add" : "delete"](argument);
             return {argument, label: name, refusal: !n_maps && refusal && `${path}: ${name}: ${refusal}`};
         });
     } catch (error) {
         try {
+            textured.delete(path);
             await scorer.call("open", path);
             return [{argument: path, label: path, refusal: null}];
         } catch (other) {
@@ -341,30 +300,30 @@ async function listMaterials(path) {
     }
 }
 
+let adding = Promise.resolve(); // drops are taken one after the other
+
 /** Take files for a slot; without one, for the slots and the table. */
-async function addFiles(files, member) {
+function addFiles(files, member) {
+    return adding = adding.then(() => addDrop(files, member)).catch((error) => showFault(error.message));
+}
+
+async function addDrop(files, member) {
     if (!files.length) return;
-    await both("addFiles", files);
+    const before = await both("addFiles", files, [...Object.values(chosen), ...dropped]);
     const found = [], refused = [];
-    const folders = mapFolders(files);
+    const folders = mapFolders(files).map((folder) => before + folder);
     for (const folder of folders) {
         textured.add(folder);
         found.push({argument: folder, label: folder, refusal: null});
     }
-    for (const path of folders.length ? [] : candidates(files)) for (const item of await listMaterials(path)) (item.refusal ? refused : found).push(item);
-    if (refused.length) showFault(refused.map(({refusal}) => refusal).join("\n"));
-    if (!found.length) return;
-    const fault = $("fault").textContent;
-    if (member) {
-        showMembers(member, found);
-        await setPair({[member]: found[0].argument});
-    } else if (found.length === 1) {
+    for (const path of folders.length ? [] : candidates(files)) for (const item of await listMaterials(before + path)) (item.refusal ? refused : found).push(item);
+    const fault = refused.map(({refusal}) => refusal).join("\n");
+    if (found.length) {
         const next = isExample("ref") ? "ref" : "test";
-        await setPair({[next]: found[0].argument});
-    } else {
-        await setPair({ref: found[0].argument, test: found[1].argument});
+        for (const slot of member || found.length < 2 ? [member ?? next] : ["ref", "test"]) showMembers(slot, found);
+        setPair(member || found.length < 2 ? {[member ?? next]: found[0].argument} : {ref: found[0].argument, test: found[1].argument});
     }
-    if (refused.length) showFault(fault);
+    if (fault) showFault(fault);
     const plain = found.map(({argument}) => argument).filter((argument) => !textured.has(argument));
     if (plain.length > 2 || (dropped.length && !member)) addRows(plain);
 }
@@ -372,9 +331,8 @@ async function addFiles(files, member) {
 const isExample = (member) => chosen[member] === EXAMPLE[member];
 
 function showMembers(member, found) {
-    const {members, select} = slots[member];
+    const {select} = slots[member];
     select.replaceChildren(...found.map(({argument, label}) => make("option", {value: argument}, label)));
-    members.hidden = found.length < 2;
 }
 
 async function takeText(text, member) {
@@ -472,18 +430,18 @@ function showRows() {
 const EXTENSIONS = {gltf: ".gltf", principled: ".xml", "rough-conductor": ".xml", "rough-plastic": ".xml", "pbrt-conductor": ".pbrt"};
 
 async function translate() {
-    const target = $("target").value, name = (chosen.ref.split("/").pop() ?? "").replace(/\.[^.:]*/, "").replace(/\W+/g, "_").slice(0, 40) || "material";
+    const {ref} = chosen, target = $("target").value, name = (chosen.ref.split("/").pop() ?? "").replace(/\.[^.:]*/, "").replace(/\W+/g, "_").slice(0, 40) || "material";
     const path = `${name}-${target}${EXTENSIONS[target] ?? ".mtlx"}`, progress = $("fitting");
     $("translate").disabled = true;
     progress.hidden = false;
     progress.removeAttribute("value");
     try {
-        const {spec, score: found, dropped: lost, data} = await artist.callWith((done) => (progress.value = done), "translate", chosen.ref, target, name, path);
+        const {spec, score: found, dropped: lost, data} = await artist.callWith((done) => (progress.value = done), "translate", ref, target, name, path);
         const link = make("a", {href: URL.createObjectURL(new Blob([data])), download: path}, `Download ${path}`);
-        $("translated").replaceChildren(make("p", {}, make("strong", {}, `${jod2(found.jod)} JOD`), ` ${interval(found)} ${found.verdict}${lost ? `; dropped: ${lost}` : ""}`),
+        if (ref === chosen.ref) $("translated").replaceChildren(make("p", {}, make("strong", {}, `${jod2(found.jod)} JOD`), ` ${interval(found)} ${found.verdict}${lost ? `; dropped: ${lost}` : ""}`),
             make("p", {}, link, " ", make("button", {type: "button", onclick: () => setPair({test: spec})}, "Use as approximation")), make("pre", {tabindex: 0}, spec));
     } catch (error) {
-        $("translated").replaceChildren(make("p", {}, error.message));
+        if (ref === chosen.ref) $("translated").replaceChildren(make("p", {}, error.message));
     }
     progress.hidden = true;
     $("translate").disabled = false;
@@ -492,7 +450,7 @@ async function translate() {
 // ---- sharing --------------------------------------------------------------------------------------------------------
 
 const isShader = () => Object.values(chosen).some((name) => name.startsWith("glsl:"));
-const shareTexts = {
+const shareTexts = { // of pairs with a score
     link: () => (isShader() || !Object.values(readHash(location.hash) ?? {"": ""}).every(isSpec) ? null : location.href),
     command: () => (isShader() ? null : `nqm score ${quote(chosen.ref)} ${quote(chosen.test)}`),
     markdown: () => markdown(rows.length ? rows : [{...chosen, score}]),
@@ -500,12 +458,12 @@ const shareTexts = {
 const shareFaults = {link: "A link holds specs: measured files and shaders are only on this page.", command: "The command line reads no shaders."};
 
 function showShare() {
-    $("share").textContent = shareTexts.command() ?? shareFaults.command;
+    $("share").textContent = score ? shareTexts.command() ?? shareFaults.command : "";
 }
 
 async function copy(kind) {
-    const text = shareTexts[kind]();
-    $("share").textContent = text ?? shareFaults[kind];
+    const text = score || (kind === "markdown" && rows.length) ? shareTexts[kind]() : "";
+    $("share").textContent = text === "" ? "This pair has no score." : text ?? shareFaults[kind];
     $("copied").textContent = "";
     if (!text) return;
     try {
@@ -570,8 +528,13 @@ async function begin() {
     drawScale($("scale"), null);
     $("glsl").value = EXAMPLE_GLSL;
     const url = URL.createObjectURL(new Blob([$("worker").textContent], {type: "text/javascript"}));
-    setUpCombo("ref");
-    setUpCombo("test");
+    for (const member of ["ref", "test"])
+        setUpCombo(slots[member].input, slots[member].list, {
+            complete: (text) => complete(text, names),
+            // A spec is scored while it is typed, when its last key has a value.
+            isWhole: (text) => names.presets.includes(text) || (isSpec(text) && /[:;][^:;=]+=[^:;=]*[\w.)]$/.test(text)),
+            take: (text) => text !== chosen[member] && setPair({[member]: text}),
+        });
     setUpFiles();
     document.querySelector(".swap").addEventListener("click", () => setPair({ref: chosen.test, test: chosen.ref}));
     $("split").addEventListener("input", () => $("compare").style.setProperty("--split", `${$("split").value}%`));

@@ -36,4 +36,5 @@ target_compile_options(nqm_web PRIVATE -O2 -msimd128 -include ${web}/shim/wasi.h
 set_source_files_properties(src/kernel/isa_generic.c PROPERTIES COMPILE_OPTIONS "-O3;-Wno-psabi")
 set_source_files_properties(web/src/api.c PROPERTIES COMPILE_OPTIONS "-Wno-missing-prototypes")
 target_link_libraries(nqm_web PRIVATE nqm_web_parsers m)
-target_link_options(nqm_web PRIVATE -mexec-model=reactor -Wl,--gc-sections -Wl,--strip-all -Wl,-z,stack-size=1048576)
+# 2 GiB: pointers above are negative numbers in JavaScript.
+target_link_options(nqm_web PRIVATE -Wl,--max-memory=2147483648 -mexec-model=reactor -Wl,--gc-sections -Wl,--strip-all -Wl,-z,stack-size=1048576)

@@ -20,8 +20,8 @@ typedef struct nqm_raster {
 } nqm_raster;
 
 enum { NQM_RASTER_MAX_SIDE = 16384 };
-/** All decoded pictures that a process holds at a time: 3 GiB. Small files may say that they are large pictures. */
-#define NQM_RASTER_MAX_BYTES ((uint64_t)3 << 30)
+/** All decoded pictures that a process holds at a time: 3 GiB, of 32 bits 1 GiB. Small files may say that they are large pictures. */
+#define NQM_RASTER_MAX_BYTES ((uint64_t)(SIZE_MAX > UINT32_MAX ? 3 : 1) << 30)
 
 /** Decode a picture of any of these formats, which is recognised by its first bytes; palettes become RGB, grey pictures
  *  of fewer than 8 bits 8 bits. `name` is for messages. Other formats of pictures (KTX2, DDS, WebP, ...) are named in

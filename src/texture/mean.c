@@ -157,6 +157,8 @@ static nqm_status choose_tilted(nqm_texture_job *job, nqm_texel_sample *samples,
     runs.begin = NULL;
     const size_t n = nqm_texels_choose(&runs, N_CANDIDATES, seed, all);
     nqm_status status = nqm_texels_visit(job, NULL, n, all, find_keys, job, err);
+    for (size_t k = 0; k < n; ++k)
+        all[k].delta_e += (double)k / N_CANDIDATES; /* keys are integers; equal ones keep their order in each qsort() */
     qsort(all, n, sizeof *all, nqm_texels_compare_delta_e);
     *n_ret = nqm_texels_choose(&(nqm_texel_order){.n = n}, MAX_MEMBERS, nqm_hash_u64(seed, 0), samples);
     for (size_t k = 0; k < *n_ret; ++k)

@@ -7,6 +7,7 @@ import {mkdirSync, mkdtempSync, readFileSync, rmSync, writeFileSync} from "node:
 import {tmpdir} from "node:os";
 import {join} from "node:path";
 import {pathToFileURL} from "node:url";
+import {deflateSync, gzipSync} from "node:zlib";
 import {listText, makePairs, readJods} from "./pairs.mjs";
 
 const [, , folder, tool] = process.argv;
@@ -116,6 +117,45 @@ function functions(nqm) {
     mine.close();
 }
 
+/** A PNG of RGBA pixels. */
+function png(side, pixels) {
+    const rows = Buffer.alloc(side * (4 * side + 1));
+    for (let y = 0; y < side; ++y) rows.set(pixels.subarray(4 * side * y, 4 * side * (y + 1)), y * (4 * side + 1) + 1);
+    const chunk = (name, data) => {
+        const body = Buffer.concat([Buffer.from(name), data]), ends = Buffer.alloc(8), gzip = gzipSync(body, {level: 0});
+        ends.writeUInt32BE(data.length);
+        ends.writeUInt32BE(gzip.readUInt32LE(gzip.length - 8), 4); // the CRC
+        return Buffer.concat([ends.subarray(0, 4), body, ends.subarray(4)]);
+    };
+    const head = Buffer.from([0, 0, 0, 0, 0, 0, 0, 0, 8, 6, 0, 0, 0]);
+    head.writeUInt32BE(side);
+    head.writeUInt32BE(side, 4);
+    return Buffer.concat([Buffer.from("\x89PNG\r\n\x1a\n", "latin1"), chunk("IHDR", head), chunk("IDAT", deflateSync(rows, {level: 1})), chunk("IEND", Buffer.alloc(0))]);
+}
+
+/** Large maps with normals: products of numbers of texels exceed 32 bits. */
+function large(nqm) {
+    const side = 2048, wave = (x) => Math.round(127.5 + 100 * Math.sin(x));
+    const maps = {
+        base_color: (x, y) => [wave(x / 97), wave(y / 61), 90],
+        roughness: (x, y, k) => [0, 0, 0].fill(wave((x + k * y) / 300)),
+        normal: (x, y, k) => [wave(x / (40 + k)), wave(y / 55), 230],
+    };
+    for (const folder of ["rough", "smooth"]) {
+        mkdirSync(join(temporary, folder));
+        for (const [key, color] of Object.entries(maps)) {
+            const pixels = new Uint8Array(4 * side * side);
+            for (let i = 0; i < side * side; ++i) pixels.set([...color(i % side, i >> 11, folder === "rough" ? 1 : 2), 255], 4 * i);
+            nqm.files.set(`${folder}/${key}.png`, rawPicture(side, side, pixels));
+            writeFileSync(join(temporary, folder, `${key}.png`), png(side, pixels));
+        }
+    }
+    const {results: [{jod, texture}]} = JSON.parse(execFileSync(tool, ["score", "rough", "smooth", "--json"], {cwd: temporary, encoding: "utf8"}));
+    const here = nqm.scoreTextures("rough", "smooth");
+    for (const [value, expected] of [[here.jod, jod], [here.texture.far, texture.far_jod], [here.texture.worst, texture.worst_jod]])
+        assert(Math.abs(value - expected) < 1e-3, `${value}, nqm score ${expected}`);
+}
+
 // Every name of the types is there, and the version is that of the library.
 function types(nqm) {
     assert.equal(JSON.parse(readFileSync(join(folder, "package.json"), "utf8")).version, nqm.version);
@@ -130,6 +170,7 @@ try {
     table(nqm);
     sentences(nqm);
     functions(nqm);
+    large(nqm);
 } finally {
     rmSync(temporary, {recursive: true});
 }

@@ -34,10 +34,12 @@ nqm_status nqm_raster_decode_png(const nqm_map *map, bool header_only, nqm_raste
     enum { HEAD = 19 };
     if (map->n_bytes < HEAD || memcmp(map->data + 4, "raw", 3) != 0)
         return nqm_fail(err, NQM_ERR_FORMAT, 0, "%s: the browser cannot decode this picture (byte 0)", map->path);
-    *raster = (nqm_raster){nqm_load_u32(map->data + 7), nqm_load_u32(map->data + 11), nqm_load_u32(map->data + 15),
-                           NQM_RASTER_U8, NULL};
+    *raster = (nqm_raster){.width = nqm_load_u32(map->data + 7),
+                           .height = nqm_load_u32(map->data + 11),
+                           .channels = nqm_load_u32(map->data + 15),
+                           .type = NQM_RASTER_U8};
     if (raster->channels < 1 || raster->channels > 4 ||
-        map->n_bytes - HEAD != raster->width * raster->height * raster->channels)
+        map->n_bytes - HEAD != (uint64_t)raster->width * raster->height * raster->channels)
         return nqm_fail(err, NQM_ERR_FORMAT, 7, "%s: the size of the decoded picture is wrong (byte 7)", map->path);
     nqm_status status = nqm_raster_begin(map, 1, header_only, raster, err);
     if (status == NQM_OK && !header_only)

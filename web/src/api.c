@@ -331,34 +331,42 @@ static nqm_status compare_textures(const nqm_texture *ref, const nqm_texture *te
     return status;
 }
 
-/* The near score of two materials of which one at least has image maps, with `texture`: far score, worst texels, blame. */
-const char *EXPORT(web_score_textures)(const char *ref_name, const char *test_name) {
-    nqm_error err = {0};
-    nqm_texture *ref = NULL, *test = NULL;
-    static nqm_texture_result result_of_texture;
-    double end = 1;
-    nqm_status status = use_model(0, &err);
-    if (status == NQM_OK)
-        status = nqm_texture_open(ref_name, NULL, NULL, &ref, &err);
-    if (status == NQM_OK)
-        status = nqm_texture_open(test_name, NULL, NULL, &test, &err);
-    if (status == NQM_OK)
-        status = compare_textures(ref, test, &result_of_texture, &end, &err);
-    nqm_texture_free(ref);
-    nqm_texture_free(test);
-    if (status != NQM_OK)
-        return reply(error_json(&err));
-    const nqm_texture_result *t = &result_of_texture;
+static json_t *textures_json(const char *const names[2], const nqm_texture *const each[2], const nqm_texture_result *t,
+                             double end) {
     nqm_score_result r = {.jod = t->jod,
                           .jod_low = t->jod_low,
                           .jod_high = t->jod_high,
                           .delta_e = t->delta_e,
                           .novelty = NAN,
                           .parts = t->parts,
-                          .similarity = {NAN, NAN, NAN}};
-    r.identical = t->delta_e == 0;
-    json_t *json = score_json(ref_name, test_name, &r, &err);
+                          .similarity = {NAN, NAN, NAN},
+                          .identical = t->delta_e == 0};
+    json_t *json = score_json(names[0], names[1], &r, NULL), *remarks = json_object_get(json, "remarks");
+    for (size_t s = 0; s < 2; ++s) {
+        const char *remark = nqm_texture_get_info(each[s], NULL).remark;
+        if (*remark)
+            json_array_append_new(remarks, json_sprintf("%s: %s", names[s], remark));
+    }
     json_object_set_new(json, "texture", texture_json(t, end));
+    return json;
+}
+
+/* The near score of two materials of which one at least has image maps, with `texture`: far score, worst texels, blame. */
+const char *EXPORT(web_score_textures)(const char *ref_name, const char *test_name) {
+    nqm_error err = {0};
+    const char *const names[2] = {ref_name, test_name};
+    nqm_texture *each[2] = {NULL, NULL};
+    static nqm_texture_result found;
+    double end = 1;
+    nqm_status status = use_model(0, &err);
+    for (size_t s = 0; status == NQM_OK && s < 2; ++s)
+        status = nqm_texture_open(names[s], NULL, NULL, &each[s], &err);
+    if (status == NQM_OK)
+        status = compare_textures(each[0], each[1], &found, &end, &err);
+    json_t *json =
+        status == NQM_OK ? textures_json(names, (const nqm_texture *const *)each, &found, end) : error_json(&err);
+    nqm_texture_free(each[0]);
+    nqm_texture_free(each[1]);
     return reply(json);
 }
 
@@ -436,6 +444,8 @@ static struct stage {
     unsigned char *pixels; /* (size, size, 4) */
 } stages[N_STAGES], *current;
 static nqm_error failure;
+/* The end of the colours of the difference, and the fractions of the light at directions where reference and test have a value. */
+static double facts[3] = {1, 1, 1};
 
 /* A built-in light that is turned about the vertical, as a file. */
 static nqm_status write_turned_light(const char *name, double turn_deg, const char *path, nqm_error *err) {
@@ -468,6 +478,7 @@ static nqm_status fill_stage(struct stage *s, nqm_error *err) {
     options.n_lights = 48;
     options.light_width = 96;
     options.shadows = 0;
+    options.min_valid = 0; /* the page says what is missing */
     if (status == NQM_OK)
         status = nqm_scene_create(&options, &s->scene, err);
     const size_t n = status == NQM_OK ? nqm_scene_count(s->scene) : 0;
@@ -525,7 +536,7 @@ const unsigned char *EXPORT(web_render)(int id, int member, const char *light, s
                                         double turn_deg) {
     nqm_status status = set_stage(light, size, supersample, turn_deg, &failure);
     if (status == NQM_OK)
-        status = nqm_scene_render(current->scene, brdfs[id], current->rgb_cdm2[member], NULL, &failure);
+        status = nqm_scene_render(current->scene, brdfs[id], current->rgb_cdm2[member], &facts[1 + member], &failure);
     return status == NQM_OK ? pixels_of(current, current->rgb_cdm2[member], NULL, 1) : NULL;
 }
 
@@ -533,18 +544,16 @@ const char *EXPORT(web_failure)(void) {
     return reply(error_json(&failure));
 }
 
-/* The Delta-E ITP between the pictures that were rendered last, from 0 to web_difference_end() in viridis. */
-static double difference_end = 1;
-
+/* The Delta-E ITP between the pictures that were rendered last, from 0 to the first of the facts in viridis. */
 const unsigned char *EXPORT(web_difference)(void) {
     nqm_scene_delta_e_map(current->scene, current->rgb_cdm2[0], current->rgb_cdm2[1], current->delta_e);
     const double *maps[1] = {current->delta_e};
-    const nqm_status status = nqm_map_scale(1, maps, nqm_scene_count(current->scene), &difference_end, &failure);
-    return status == NQM_OK ? pixels_of(current, NULL, current->delta_e, difference_end) : NULL;
+    const nqm_status status = nqm_map_scale(1, maps, nqm_scene_count(current->scene), facts, &failure);
+    return status == NQM_OK ? pixels_of(current, NULL, current->delta_e, facts[0]) : NULL;
 }
 
-double EXPORT(web_difference_end)(void) {
-    return difference_end;
+const double *EXPORT(web_facts)(void) {
+    return facts;
 }
 
 /* ---- translations ------------------------------------------------------------------------------------------------ */
