@@ -18,6 +18,9 @@ awk 'function put(name, r, g, b, metal, rough) {
 
 run 0 dedup lib.gltf --map map.csv
 grep -q '^24 materials, of which ' out || fail "text: $(cat out)"
+n=$(($(wc -l <map.csv) - 1))
+[ "$(grep -c '^ *[0-9.]* .*lib.gltf:' out)" = "$n" ] && [ "$(sed 1d map.csv | cut -d, -f2 | sort -u | wc -l)" = "$(grep -c '^kept ' out)" ] ||
+    fail "$n rows: $(cat out)"
 for i in 3 8 13 18; do # whichever of the two is kept
     grep -qE "^lib.gltf:(copy)?m?$i,lib.gltf:(copy)?m?$i," map.csv || fail "copy $i is not found: $(cat map.csv)"
 done

@@ -284,6 +284,16 @@ TEST(tilts_are_scored) {
                                                "tilt:deg=10;azimuth=180;of=gltf:base_color=.5,.4,.3;metallic=0;"
                                                "roughness=.3");
     assert_near(back.jod, other.jod, 1e-3);
+    /* The mean of many that are alike is one of them, and so are the means of their halves. */
+    float all_up[3 * N], all_leaning[3 * N];
+    for (size_t i = 0; i < 3 * N; ++i) {
+        all_up[i] = up[i % 3];
+        all_leaning[i] = leaning[i % 3];
+    }
+    const nqm_texture_result many =
+        score(make(NULL, NULL, NULL, all_up), make(NULL, NULL, NULL, all_leaning), &options, NULL);
+    assert_near(many.far_jod[0], expected.jod, 1e-3);
+    assert_near(many.far_delta_e, r.far_delta_e, 1e-3);
 }
 
 /* ---- blame ------------------------------------------------------------------------------------------------------- */
