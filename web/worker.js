@@ -54,10 +54,11 @@ function forgetDrops(used) {
 /** Keep the files of a drop; returns what their shown paths begin with: nothing, or a number if another drop has one of the names. */
 function addDrop(files) {
     const folder = `${MARK}${++nDrops}/`, firsts = files.map(([path]) => path.split("/"));
-    let before = "";
-    if (firsts.some(([name]) => drops.has(name))) for (let k = 2; drops.has(String(k)) || !before; ++k) before = `${k}/`;
+    let k = 1;
+    if (firsts.some(([name]) => drops.has(name))) while (drops.has(String(++k)));
+    const before = k > 1 ? `${k}/` : "";
     for (const [path, data] of files) nqm.files.set(folder + before + path, data);
-    for (const [name, ...rest] of firsts) drops.set(before ? before.slice(0, -1) : name, {folder, isFolder: before !== "" || rest.length > 0});
+    for (const [name, ...rest] of firsts) drops.set(before ? String(k) : name, {folder, isFolder: before !== "" || rest.length > 0});
     const names = [...drops].map(([name, {isFolder}]) => name.replace(/[.*+?^${}()|[\]\\]/g, "\\$&") + (isFolder ? "(?![^/;)])" : "(?![^:;)])"));
     inDrops = new RegExp(`(?<=^(?:ignore:[^:]*:)?|[=(])(?:${names.join("|")})`, "g");
     return before;

@@ -7,6 +7,7 @@ import {mkdtempSync, readdirSync, readFileSync, rmSync, writeFileSync} from "nod
 import {tmpdir} from "node:os";
 import {join} from "node:path";
 import {fileURLToPath, pathToFileURL} from "node:url";
+import {deflateRawSync} from "node:zlib";
 import {startBrowser} from "./browser.mjs";
 import {listText, makePairs, readJods} from "./pairs.mjs";
 
@@ -47,6 +48,32 @@ const paste = (selector, content) => evaluate(`(() => {
     clipboardData.setData("text/plain", ${JSON.stringify(content)});
     document.querySelector(${JSON.stringify(selector)}).dispatchEvent(new ClipboardEvent("paste", {bubbles: true, cancelable: true, clipboardData}));
 })()`);
+
+/** The maps of examples/maps.py in a new folder. */
+function makeMaps() {
+    const folder = mkdtempSync(join(tmpdir(), "nqm-page-"));
+    execFileSync("python3", [fileURLToPath(new URL("../../examples/maps.py", import.meta.url)), folder, "32"]);
+    return folder;
+}
+/** Add files [[path, content]] as one drop; for a slot. */
+const add = (files, member) => evaluate(`addFiles(${JSON.stringify(files.map(([path, content]) => [path, Buffer.from(content).toString("base64")]))}
+    .map(([path, text]) => [path, Uint8Array.from(atob(text), (c) => c.charCodeAt(0))]), ${JSON.stringify(member)})`);
+
+/** An archive of one file, whose header claims `size` bytes. */
+function zip(name, content, size) {
+    const packed = deflateRawSync(content), local = Buffer.alloc(30), entry = Buffer.alloc(46), end = Buffer.alloc(22);
+    local.write("PK\x03\x04");
+    local.writeUInt16LE(name.length, 26);
+    entry.write("PK\x01\x02");
+    entry.writeUInt16LE(8, 10);
+    entry.writeUInt32LE(packed.length, 20);
+    entry.writeUInt32LE(size, 24);
+    entry.writeUInt16LE(name.length, 28);
+    end.write("PK\x05\x06");
+    end.writeUInt16LE(1, 10);
+    end.writeUInt32LE(30 + name.length + packed.length, 16);
+    return Buffer.concat([local, Buffer.from(name), packed, entry, Buffer.from(name), end]);
+}
 
 const GLTF = JSON.stringify({asset: {version: "2.0"}, materials: [0.2, 0.4, 0.6].map((roughness, i) => ({name: ["a", "b", "c"][i],
     pbrMetallicRoughness: {baseColorFactor: [0.8, 0.5, 0.2, 1], metallicFactor: 1, roughnessFactor: roughness}}))});
@@ -154,14 +181,58 @@ const tests = {
         await shot("table");
     },
     async textures() {
-        const folder = mkdtempSync(join(tmpdir(), "nqm-page-"));
-        execFileSync("python3", [fileURLToPath(new URL("../../examples/maps.py", import.meta.url)), folder, "32"]);
-        const files = ["steel", "export"].flatMap((name) => readdirSync(join(folder, name)).map((x) => [`${name}/${x}`, readFileSync(join(folder, name, x)).toString("base64")]));
-        await evaluate(`addFiles(${JSON.stringify(files)}.map(([path, text]) => [path, Uint8Array.from(atob(text), (c) => c.charCodeAt(0))]))`);
+        const folder = makeMaps();
+        const read = (name, as = name) => readdirSync(join(folder, name)).map((x) => [`${as}/${x}`, readFileSync(join(folder, name, x))]);
+        await add([...read("steel"), ...read("export")]);
         await expectPair("steel", "export", jodOf(join(folder, "steel"), join(folder, "export")));
         assert.match(await text("remarks"), /roughness alone: .*roughness is squared/);
         if (shots) writeFileSync(join(shots, "textures.png"), await browser.shot());
+        // A textured material and a flat one, while the pictures of an earlier pair are drawn.
+        const flat = "gltf:base_color=.3,.3,.3;metallic=1;roughness=.4", jod = jodOf(join(folder, "steel"), flat);
+        await evaluate("setPair({ref: 'sgd:nickel', test: 'ward:nickel'})");
+        await evaluate(`void setPair({ref: "steel", test: ${JSON.stringify(flat)}}), document.querySelector("[name=light]:not(:checked)").click()`);
+        assert.deepEqual(await evaluate("[document.getElementById('jod').textContent, document.getElementById('verdict').textContent, document.getElementById('words').textContent]"), ["–", "Computing…", ""]);
+        if (shots) writeFileSync(join(shots, "computing.png"), await browser.shot());
+        await expectPair("steel", flat, jod);
+        await until("!drawing");
+        assert(await evaluate("document.getElementById('fault').hidden"), await text("fault"));
+        if (shots) writeFileSync(join(shots, "flat.png"), await browser.shot());
+        // Drops with equal names.
+        await add(read("steel", "maps"), "ref");
+        await add(read("export", "maps"), "test");
+        await expectPair("maps", "2/maps", jodOf(join(folder, "steel"), join(folder, "export")));
+        await add(read("steel", "maps"), "test");
+        await until("chosen.test === '3/maps'");
+        await expectPair("maps", "3/maps", 10);
+        await add([["maps.csv", "theta_h,theta_d,phi_d,r,g,b\n"]], "ref");
+        assert.match(await text("fault"), /^maps.csv: /);
+        // A material whose map was not dropped does not read that of another drop.
+        const material = (map) => JSON.stringify({asset: {version: "2.0"}, images: [{uri: map}], textures: [{source: 0}], materials: [{pbrMetallicRoughness: {baseColorTexture: {index: 0}}}]});
+        const [color] = read("steel").filter(([path]) => /color/i.test(path));
+        await add([["a.gltf", material("color.png")]], "ref");
+        await add([["b.gltf", material("color.png")], ["color.png", color[1]]], "test");
+        await until("chosen.test === 'b.gltf' && document.getElementById('verdict').textContent === 'No score'");
+        assert.match(await text("fault"), /'color.png' of the material a.gltf/);
         rmSync(folder, {recursive: true});
+        await evaluate("setPair({ref: 'sgd:nickel', test: 'ward:nickel'})");
+    },
+    async holes() {
+        const shader = "vec3 BRDF(vec3 L, vec3 N, vec3 V, vec3 X, vec3 Y) { return vec3(0.2 + 0.0 * sqrt(dot(N, V) - 0.28)); }\n"; // NaN at steep directions
+        await evaluate("setPair({ref: 'lambert:kd=.5'})");
+        await evaluate(`useGlsl(${JSON.stringify(shader)})`);
+        await until("/^glsl:shader has no value for directions of [.0-9]+ % of the light, which is missing in the picture.$/.test(document.getElementById('holes').textContent)");
+        assert.match(await text("remarks"), /glsl:shader: no value at \d+ of 1872 directions, left out/);
+        await evaluate("setPair({test: 'lambert:kd=.3'})");
+        await until("document.getElementById('holes').textContent === '' && !document.querySelector('.earlier')");
+    },
+    async limits() {
+        await drop("body", [["bomb.zip", zip("zeros.csv", Buffer.alloc((1 << 29) + 1), 10).toString("base64")]]);
+        await until("document.getElementById('fault').textContent === \"bomb.zip: cannot be unpacked: with 'zeros.csv' the unpacked files have more than 512 MiB\"");
+        await drop("body", [["fine.zip", zip("paint.gltf", GLTF, 1 << 30).toString("base64")]]);
+        await until("chosen.ref === 'fine.zip/paint.gltf:a'");
+        const head = Buffer.from("\x89PNG\r\n\x1a\n\0\0\0\rIHDR\0\0\xff\xff\0\0\xff\xff\x08\x06\0\0\0", "latin1");
+        await add([["wide/base_color.png", head]]);
+        assert.match(await text("fault"), /^wide.base_color.png: with 65535 x 65535 pixels the files have more than 1024 MiB/);
         await evaluate("setPair({ref: 'sgd:nickel', test: 'ward:nickel'})");
     },
     async turning() {
