@@ -20,13 +20,26 @@ static const char TEXTURE_REASON[] = "a texture varies over the surface, and a B
 static const char of_textures[] =
     "KHR_texture_basisu KHR_texture_transform EXT_texture_webp EXT_texture_avif MSFT_texture_dds";
 
-/* Whether a required extension changes materials, judged by its name: others are about geometry, lights, places or data. */
+static bool has_word(const char *name, size_t n, const char *const *words) {
+    bool has = false;
+    for (size_t i = 0; i < n; ++i)
+        has = has || strcasestr(name, words[i]);
+    return has;
+}
+
+/* Whether a required extension may change materials. Those whose name says that they are about geometry, lights, places or data do
+ * not; what an unknown name means is not known. */
 static bool changes_materials(const char *name) {
-    static const char *const words[] = {"material", "texture", "shader", "technique", "packing"};
-    bool does = false;
-    for (size_t i = 0; i < sizeof words / sizeof *words; ++i)
-        does = does || strcasestr(name, words[i]);
-    return does && strcmp(name, "KHR_materials_variants") != 0;
+    static const char *const of_materials[] = {"material", "texture", "shader", "technique", "packing"},
+                             *const of_others[] = {"mesh",         "draco",      "geometry", "primitive", "splat",
+                                                   "light",        "node",       "instanc",  "scene",     "camera",
+                                                   "georef",       "rtc",        "tile",     "animation", "pointer",
+                                                   "articulation", "physics",    "audio",    "visibil",   "select",
+                                                   "hover",        "interactiv", "lod",      "xmp",       "metadata",
+                                                   "feature",      "json"};
+    const bool is_other = has_word(name, sizeof of_others / sizeof *of_others, of_others);
+    return strcmp(name, "KHR_materials_variants") != 0 &&
+           (!is_other || has_word(name, sizeof of_materials / sizeof *of_materials, of_materials));
 }
 
 /* Extensions that have no effect where the property `weight` is 0 or missing: drafts, mostly. */

@@ -35,12 +35,12 @@ TEST(occlusion_is_ignored_with_a_remark) {
 TEST(requirements_concern_every_material) {
     nqm_materials *materials =
         text_as_materials("x.gltf", "{\"asset\": {\"version\": \"2.0\"}, \"extensionsRequired\": "
-                                    "[\"KHR_draco_mesh_compression\", \"EXT_odd_shaders\"], "
+                                    "[\"KHR_draco_mesh_compression\", \"EXT_odd\"], "
                                     "\"materials\": [{\"name\": \"a\"}, {}]}");
     assert_int_equal(nqm_materials_count(materials), 2);
     for (size_t i = 0; i < 2; ++i)
         assert_string_equal(nqm_materials_get(materials, i).refusal,
-                            "extensionsRequired: EXT_odd_shaders is not known");
+                            "extensionsRequired: EXT_odd is not known");
     nqm_materials_free(materials);
     materials =
         text_as_materials("x.gltf", "{\"asset\": {\"version\": \"2.0\"}, \"extensionsRequired\": "
