@@ -2,6 +2,7 @@
  *
  * Fits of anisotropic references: both widths and the azimuth are found, and models of one width stay as they are.
  */
+#include "fit/anisotropy.h"
 #include "fit/fit.h"
 #include "support/check.h"
 
@@ -55,6 +56,33 @@ TEST(shading_models) {
     assert_true(fabs(value_after(&turned, "specular_roughness_anisotropy=") - 0.79) < 0.03);
     assert_true(same.loss < 0.3 * isotropic.loss && turned.loss < 0.3 * isotropic.loss);
     assert_true(strncmp(isotropic.spec, "usd-preview:", 12) == 0);
+}
+
+/* What the keys of a model say of its lobe is written by the same keys. */
+TEST(lobes_are_copied_within_a_model) {
+    static const struct {
+        const char *from, *to, *keys[2];
+    } rows[] = {
+        {"gltf:roughness=0.5;anisotropy_strength=0.6", "gltf:roughness=0.2", {"roughness", "anisotropy_strength"}},
+        {"open-pbr:specular_roughness=0.5;specular_roughness_anisotropy=0.6",
+         "open-pbr:",
+         {"specular_roughness", "specular_roughness_anisotropy"}},
+        {"standard-surface:specular_roughness=0.5;specular_anisotropy=0.4",
+         "standard-surface:",
+         {"specular_roughness", "specular_anisotropy"}}};
+    for (size_t i = 0; i < sizeof rows / sizeof *rows; ++i) {
+        nqm_brdf *brdf = must_open(rows[i].from);
+        nqm_shading from, to;
+        assert_int_equal(nqm_shading_parse(nqm_brdf_get_info(brdf).spec, &from, NULL), NQM_OK);
+        assert_int_equal(nqm_shading_parse(rows[i].to, &to, NULL), NQM_OK);
+        nqm_fit_copy_anisotropy(&from, &to);
+        for (size_t k = 0; k < 2; ++k) {
+            const nqm_property *has = nqm_shading_find(&to, rows[i].keys[k]);
+            assert_non_null(has);
+            assert_near(has->v[0], nqm_shading_find(&from, rows[i].keys[k])->v[0], 1e-4);
+        }
+        nqm_brdf_free(brdf);
+    }
 }
 
 TEST(models_of_one_width) {
