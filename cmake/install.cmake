@@ -4,6 +4,10 @@
 set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/nqm)
 set(documents README.md CHANGELOG.md SECURITY.md LICENSE CITATION.cff)
 
+# `./dev build` makes the tool alone.
+install(CODE "if(NOT EXISTS \"$<TARGET_FILE:nqm>\")
+  message(FATAL_ERROR \"the libraries are not built: cmake --build ${CMAKE_BINARY_DIR}, then install again\")
+endif()")
 install(TARGETS nqm_tool RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
 if(NQM_SHARED_MODELS)
   set(models_library nqm_models)

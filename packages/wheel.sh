@@ -79,6 +79,7 @@ cat >"$site/nqm-$version.data/scripts/nqm" <<'END'
 #!python
 import importlib.util, os, sys
 tool = os.path.join(os.path.dirname(importlib.util.find_spec("nqm").origin), "bin", "nqm")
+os.environ.setdefault("NQM_PYTHON", sys.executable)
 os.execv(tool, [tool, *sys.argv[1:]])
 END
 chmod 755 "$site/nqm-$version.data/scripts/nqm"

@@ -12,8 +12,13 @@
  *    the pointers it would have returned are NULL and other outputs are untouched unless its documentation says
  *    otherwise.
  *  - A pointer may be NULL where its documentation says so, and if it is an array of 0 elements. Of other pointers that are NULL,
- *    functions that return a status name the first and return NQM_ERR_ARG; other functions stop by an assertion that names it,
- *    unless the library was built with NDEBUG: then they crash.
+ *    functions that return a status name the first and return NQM_ERR_ARG. The others have no way to fail, and a made-up result would
+ *    hide the fault of the program: they stop by an assertion that names it, and crash if the library was built with NDEBUG. They are
+ *    nqm_brdf_get_info, nqm_brdf_eval, nqm_brdf_eval_half_diff, nqm_brdf_albedo, nqm_half_diff_to_directions,
+ *    nqm_directions_to_half_diff, nqm_directions_count, nqm_directions_degrees, nqm_directions_wi, nqm_directions_wo, nqm_directions_id,
+ *    nqm_dataset_get_info, nqm_dataset_get_pair, nqm_fit_model_has, nqm_materials_count, nqm_materials_get, nqm_model_get_info,
+ *    nqm_texture_get_info, nqm_scene_count, nqm_scene_weights, nqm_scene_pixels, nqm_scene_compare, nqm_scene_delta_e_map,
+ *    nqm_delta_e_itp, nqm_curve_jod, nqm_label_adapted_jod, nqm_label_jod_error and nqm_label_describe.
  *  - `_open`, `_load`, `_create` make an object that the caller frees with the matching `_free` (NULL is allowed
  *    there). Pointers that getters return belong to the object and are valid until it is freed.
  *  - BRDFs, direction sets and models are immutable after creation and may be used by several threads at once. Other

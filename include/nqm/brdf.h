@@ -52,10 +52,11 @@ typedef struct nqm_brdf_info {
  *
  * The format of a file is recognised by its first bytes or its size, not by its name:
  *  - `PATH`: MERL `.binary` (also DTU, and 360 phi_d), RGL `*_rgb.bsdf` and `*_spec.bsdf`, UTIA `.bin`, polarimetric `.pbsdf`
- *    (its unpolarised part), NBRDF `.h5`, a table `.npy`, a CSV of directions and values, a file of nqm_brdf_save();
+ *    (its unpolarised part), NBRDF `.h5` or six `.npy` or their folder, a table `.npy`, a CSV of directions and values, a BSDF table of
+ *    Zemax, a `.mat` of the paper's authors, a file of nqm_brdf_save();
  *  - `FILE.bsdf:E`, `FILE.bsdf:D65`: a spectral file as linear RGB under this illuminant, adapted so that a constant spectrum
  *    is grey; without a suffix E;
- *  - `FILE.csv:DEGREES`: a CSV of scattered directions: no value (NQM_VALUE_INVALID) at pairs further than this from every row;
+ *  - `FILE.csv:DEGREES`: a CSV (or another list) of scattered directions: no value (NQM_VALUE_INVALID) at pairs further than this from every row;
  *    without a suffix 0.1 degrees (doc/files.md);
  *  - `ARCHIVE.zip:MATERIAL`: an NBRDF inside a zip archive;
  *  - `DIR/nps_decoder_f32le.bin:MATERIAL`: a neural-process BRDF; nps_latents.csv must be in the same folder;

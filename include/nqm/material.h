@@ -5,7 +5,7 @@
  * nqm_brdf_open() opens a material as "FILE" or, in a file of several, as "FILE:NAME". A material becomes the spec of a
  * shading model, whose keys are the properties of the file (doc/materials.md). A material with a property that the spec
  * does not have, such as transmission, is refused, and the refusal names the property. "ignore:WORDS:FILE:NAME" opens
- * what of it reflects; WORDS are some of transmission, subsurface, emission and opacity, separated by commas. A
+ * what of it reflects; WORDS are some of transmission, subsurface, emission, opacity, displacement and bump, separated by commas. A
  * material with image maps has no BRDF either, but it is a texture (<nqm/texture.h>).
  */
 #ifndef NQM_MATERIAL_H

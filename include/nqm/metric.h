@@ -108,8 +108,8 @@ typedef struct nqm_score_result {
         distance_deg[2]; /**< of a reference that is a list of measured directions, with or without a score: median and
                                  95 % of the angles between the model's directions and the nearest row; else 0 */
     double
-        suspect_scale; /**< JOD below 9, and the test is about this factor (> 100 or < 1/100) times the reference at most
-                                 directions: is a scale missing? 0: no such suspicion */
+        suspect_scale; /**< JOD below 9, and the test is about this factor (> 100 or < 1/100; or pi or 1/pi, at nearly all) times the
+                                 reference at most directions: is a scale missing? 0: no such suspicion */
     double
         suspect_cosine; /**< the same with a cosine: 1: the test has it in addition, -1: it lacks it, 0: no suspicion */
 } nqm_score_result;

@@ -139,7 +139,7 @@ typedef struct nqm_rays {
  * @return NQM_ERR_ARG (n out of range), NQM_ERR_NOMEM */
 NQM_API NQM_MUST_CHECK nqm_status nqm_rays_draw(const nqm_scene *scene, size_t n, uint64_t seed, nqm_rays *rays_ret,
                                                 nqm_error *err);
-/** Free the contents; zeroed rays are allowed. */
+/** Free the contents; NULL and zeroed rays are allowed. */
 NQM_API void nqm_rays_clear(nqm_rays *rays);
 
 #ifdef __cplusplus

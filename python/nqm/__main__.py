@@ -27,6 +27,7 @@ def main() -> None:
     path = tool()
     if path is None:
         sys.exit("python -m nqm: the command-line tool is not installed (Debian: package nqm); set NQM_TOOL to its file")
+    os.environ.setdefault("NQM_PYTHON", sys.executable)  # of `nqm doctor`
     try:
         os.execv(path, [path, *sys.argv[1:]])
     except OSError as error:

@@ -146,8 +146,8 @@ class BRDF:
         specs, doc/files.md the files.
 
         Args:
-            ignore: of a material that does more than reflect, take what reflects: any of transmission, subsurface, emission and
-                opacity, separated by commas; None: such a material is an error
+            ignore: of a material that does more than reflect, take what reflects: any of transmission, subsurface, emission,
+                opacity, displacement and bump, separated by commas; None: such a material is an error
 
         Raises:
             Error: the file is missing or malformed (`byte` is the position), or the spec is wrong

@@ -7,7 +7,7 @@ import functools
 import json
 import os
 import warnings
-from typing import Any, Iterable, List, Tuple, Union
+from typing import Any, Callable, Iterable, List, Optional, Tuple, Union
 
 import numpy as np
 
@@ -16,6 +16,7 @@ from ._abi import lib
 from ._brdf import BRDFLike, materials
 from ._call import Error, PathLike, ProgressLike
 from ._score import METRICS, ModelLike, Scorer
+from ._texture import MapScore, Material, score_maps
 
 _PREDICTED = {"jod": "quality that people would see, 0 to 10 JOD (10: no visible difference)",
               "similarity": "how similar people find materials that they see apart, 0 to 10 JOD",
@@ -134,9 +135,26 @@ def expand_pairs(pairs: Union[PathLike, Iterable[Tuple[BRDFLike, BRDFLike]]]) ->
     return expanded
 
 
+def _score_textured(pair: Tuple[Any, Any], model: ModelLike, material: Callable[[Any], Material]) -> Optional[MapScore]:
+    """The score of a pair with image maps that a score of BRDFs refuses; None: it is no such pair. Raises why it has none."""
+    if not all(isinstance(name, (str, os.PathLike)) for name in pair):
+        return None
+    try:
+        both = material(pair[0]), material(pair[1])
+    except Error:
+        return None  # the refusal stands
+    if not any(m.info.n_images for m in both):
+        return None
+    for m in both:
+        if m.info.remark:
+            warnings.warn("%s: %s" % (m.info.name, m.info.remark), stacklevel=3)
+    return score_maps(*both, model=model, blame=False, far=False)
+
+
 def batch(pairs: Union[PathLike, Iterable[Tuple[BRDFLike, BRDFLike]]], *, model: ModelLike = "default", metrics: bool = False,
           progress: ProgressLike = None, **options: Any) -> np.ndarray:
-    """Score many pairs into one array. Pairs that cannot be scored do not stop the others.
+    """Score many pairs into one array. Pairs that cannot be scored do not stop the others. Pairs of files with image maps have the near
+    score of `score_maps`, without novelty, similarity and scalar metrics.
 
     Args:
         pairs: (reference, test) pairs, or a list (CSV, JSON Lines) as for the tool's verb `batch`; relative paths are relative to
@@ -151,11 +169,22 @@ def batch(pairs: Union[PathLike, Iterable[Tuple[BRDFLike, BRDFLike]]], *, model:
         the other columns are NaN; `score_many` has the message), `n_valid`, and the metrics
     """
     scorer = Scorer(model, metrics=metrics, **options)
-    scores = scorer.score_many(expand_pairs(pairs), progress=progress, errors="keep")
+    expanded = expand_pairs(pairs)
+    scores = scorer.score_many(expanded, progress=progress, errors="keep")
     names = METRICS if metrics else ()
     table = np.empty(len(scores), np.dtype([*_BATCH, *((name, "f8") for name in names)]))
     for name, _ in _BATCH:
         table[name] = [s.error.status if s.error else 0 for s in scores] if name == "status" else [getattr(s, name) for s in scores]
     for name in names:
         table[name] = [s.metrics[name] for s in scores]
+    material = functools.lru_cache(maxsize=4)(Material.open)
+    for i in np.flatnonzero(table["status"]):
+        try:
+            maps = _score_textured(expanded[i], scorer.model, material)
+        except Error as error:
+            table["status"][i] = error.status
+        else:
+            if maps:
+                table[list(dict(_BATCH[:4]))][i] = maps.jod, maps.jod_low, maps.jod_high, maps.delta_e
+                table["identical"][i], table["status"][i] = maps.delta_e == 0, 0
     return table

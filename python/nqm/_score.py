@@ -211,7 +211,10 @@ def _warnings(r: ScoreResult, ref: str, test: str, n: int, invalid: int) -> Tupl
     if r.novelty > 1 and r.jod_high - r.jod_low > 0.1:
         found.append("%s: unlike the training pairs: novelty %.2f, where 95 %% of pairs of new materials are below 1" %
                      (test, r.novelty))
-    if r.suspect_scale > 0:
+    if r.suspect_scale > 0 and abs(math.log(r.suspect_scale)) < 2:
+        found.append("%s: its reference %s pi at nearly all directions: a Lambertian f_r is its albedo / pi" %
+                     (test, "times" if r.suspect_scale > 1 else "divided by"))
+    elif r.suspect_scale > 0:
         found.append("%s: about %.4g times its reference at most directions: is a scale missing in one of them? It is 1500, 1304 and 904 "
                      "in MERL files, 255 in values of 8 bits" % (test, r.suspect_scale))
     if r.suspect_cosine:

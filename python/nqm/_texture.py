@@ -36,6 +36,18 @@ class MapsInfo:
     remark: str = ""
 
 
+def _decoded(key: str, array: np.ndarray) -> np.ndarray:
+    """The values of a map that may be stored as in a picture."""
+    if array.dtype.kind in "fb":
+        return array
+    if array.dtype not in (np.uint8, np.uint16):
+        raise ValueError("the map %r is of %s: give floats (1 is white), or uint8 or uint16 as in a picture" % (key, array.dtype))
+    unit = array / np.iinfo(array.dtype).max
+    if key == "normal":
+        return 2 * unit - 1
+    return np.where(unit <= 0.04045, unit / 12.92, ((unit + 0.055) / 1.055) ** 2.4) if array.ndim == 3 and array.shape[2] == 3 else unit
+
+
 class Material:
     """A textured material with its decoded maps. Immutable; any thread may use it."""
 
@@ -65,14 +77,14 @@ class Material:
         """From arrays.
 
         Args:
-            maps: properties of the model, or "normal" (tangent-space vectors, y up): arrays (h, w) or (h, w, channels), colours
-                linear BT.709
+            maps: properties of the model, or "normal" (tangent-space vectors, y up): arrays (h, w) or (h, w, channels) of floats, colours
+                linear BT.709; or uint8 or uint16 as in a picture, 0 to the largest value: colours sRGB, normals 0 to 1 for -1 to 1
             base: spec of a shading model with the other properties, "gltf:metallic=1"
         """
         arrays: List[np.ndarray] = []
         table = (TextureMap * max(len(maps), 1))()
         for at, (key, value) in zip(table, maps.items()):
-            array = np.ascontiguousarray(value, dtype=np.float32)
+            array = np.ascontiguousarray(_decoded(key, np.asarray(value)), dtype=np.float32)
             array = array[..., None] if array.ndim == 2 else array
             if array.ndim != 3:
                 raise ValueError("the map %r has the shape (h, w) or (h, w, channels); not %s" % (key, array.shape))

@@ -88,6 +88,9 @@ __attribute__((format(printf, 1, 2))) char *nqm_strdupf(const char *format, ...)
 /** The path of a file that the file `path` names: `name` in the same folder; an absolute `name` unchanged. NULL when out of memory;
  *  free with nqm_free(). */
 char *nqm_path_beside(const char *path, const char *name);
+/** The colon of "FILE:MEMBER": the last one that follows the name of a file, because members may have colons in their names. NULL:
+ *  the argument is the name of a file, or begins with none. */
+const char *nqm_member_colon(const char *argument);
 static inline size_t nqm_smaller(size_t a, size_t b) {
     return a < b ? a : b;
 }
@@ -254,6 +257,8 @@ typedef struct nqm_index {
 /** Create an empty table with room for max_n values. */
 NQM_MUST_CHECK nqm_status nqm_index_create(size_t max_n, nqm_index_key (*key_of)(const void *value),
                                            nqm_index *index_ret, nqm_error *err);
+/** Make room for n values; a zeroed table with key_of is allowed. Unchanged on failure. */
+NQM_MUST_CHECK nqm_status nqm_index_reserve(nqm_index *index, size_t n, nqm_error *err);
 /** Add a value, unless there is one of the same key. */
 void nqm_index_add(nqm_index *index, const void *value);
 /** The first value that was added with this key; NULL: none. */

@@ -34,6 +34,21 @@ void nqm_index_add(nqm_index *index, const void *value) {
         *slot = value;
 }
 
+nqm_status nqm_index_reserve(nqm_index *index, size_t n, nqm_error *err) {
+    nqm_index larger;
+    if (n <= index->n_slots / 2)
+        return NQM_OK;
+    nqm_status status = nqm_index_create(n, index->key_of, &larger, err);
+    if (status != NQM_OK)
+        return status;
+    for (size_t i = 0; i < index->n_slots; ++i)
+        if (index->slots[i])
+            nqm_index_add(&larger, index->slots[i]);
+    nqm_index_free(index);
+    *index = larger;
+    return NQM_OK;
+}
+
 const void *nqm_index_find(const nqm_index *index, nqm_index_key key) {
     return *find_slot(index, &key);
 }

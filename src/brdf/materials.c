@@ -125,8 +125,8 @@ nqm_status nqm_brdf_find_textured(const char *argument, nqm_materials **material
                                   nqm_error *err) {
     unsigned ignored;
     argument += nqm_ignore_prefix(argument, &ignored);
-    const bool is_spec = nqm_spec_probe(argument), is_path = access(argument, F_OK) == 0;
-    const char *colon = is_spec || is_path ? NULL : strrchr(argument, ':');
+    const bool is_spec = nqm_spec_probe(argument);
+    const char *colon = is_spec ? NULL : nqm_member_colon(argument);
     nqm_materials *materials = NULL;
     nqm_material_info info;
     nqm_map map = {0};
@@ -201,7 +201,7 @@ static nqm_material_file *read_kept(const char *path, size_t n_path) {
 const nqm_material_file *nqm_material_file_find(nqm_material_file **list, const char *name) {
     unsigned ignored;
     name += nqm_ignore_prefix(name, &ignored);
-    const char *colon = nqm_spec_probe(name) || access(name, F_OK) == 0 ? NULL : strrchr(name, ':');
+    const char *colon = nqm_spec_probe(name) ? NULL : nqm_member_colon(name);
     if (!colon)
         return NULL;
     const size_t n_path = (size_t)(colon - name);
@@ -222,8 +222,8 @@ const nqm_material_file *nqm_material_file_find(nqm_material_file **list, const 
 
 nqm_status nqm_material_file_open(const nqm_material_file *file, const char *name, nqm_brdf **brdf_ret,
                                   nqm_error *err) {
-    nqm_brdf_argument argument = {.name = name, .member = strrchr(name, ':') + 1, .open = nqm_brdf_open_argument};
-    (void)nqm_ignore_prefix(name, &argument.ignored);
+    nqm_brdf_argument argument = {.name = name, .open = nqm_brdf_open_argument};
+    argument.member = name + nqm_ignore_prefix(name, &argument.ignored) + strlen(file->path) + 1;
     *brdf_ret = NULL;
     return open_material(file->path, file->materials, &argument, brdf_ret, err);
 }

@@ -7,6 +7,7 @@
 
 #include "base/names.h"
 #include "io/io.h"
+#include "material/maps.h"
 #include "material/material.h"
 #include <errno.h>
 #include <string.h>
@@ -71,6 +72,22 @@ static nqm_status fail_absent(const char *path, nqm_error *err) {
     return nqm_fail(err, NQM_ERR_IO, -1, "%s: %s", path, strerror(find_fault(path)));
 }
 
+/* A file, or a folder with the files of one network. */
+static nqm_status open_path(const char *path, const nqm_brdf_argument *argument, nqm_brdf **brdf_ret, nqm_error *err) {
+    char *network;
+    const size_t n = nqm_networks_in_folder(path, &network);
+    nqm_status status;
+    if (n && !network)
+        status = nqm_fail_nomem(err, strlen(path));
+    else if (n > 1)
+        status = nqm_fail(err, NQM_ERR_ARG, -1, "%s: a folder of %zu networks; give one of their files, %s", path, n,
+                          network);
+    else
+        status = open_file(n ? network : path, argument, brdf_ret, err);
+    nqm_free(network);
+    return status;
+}
+
 /* Neither a file nor a spec: is it a misspelt spec, or one without its colon or with another character there? */
 static nqm_status fail_missing(const char *path_or_spec, nqm_error *err) {
     char model[64];
@@ -113,15 +130,16 @@ nqm_status nqm_brdf_open_argument(const char *path_or_spec, const char *name, nq
     const size_t n_prefix = nqm_ignore_prefix(path_or_spec, &argument.ignored);
     path_or_spec += n_prefix;
     if (n_prefix && !argument.ignored)
-        return nqm_fail(err, NQM_ERR_ARG, -1,
-                        "%.300s: after 'ignore:', give some of transmission, subsurface, emission and opacity, "
-                        "separated by commas, and a colon",
-                        name);
+        return nqm_fail(
+            err, NQM_ERR_ARG, -1,
+            "%.300s: after 'ignore:', give some of transmission, subsurface, emission, opacity, displacement and bump, "
+            "separated by commas, and a colon",
+            name);
     if (nqm_spec_probe(path_or_spec))
         return nqm_spec_open(path_or_spec, name, nqm_brdf_open_argument, brdf_ret, err);
     if (find_fault(path_or_spec) == 0)
-        return open_file(path_or_spec, &argument, brdf_ret, err);
-    const char *colon = strrchr(path_or_spec, ':');
+        return open_path(path_or_spec, &argument, brdf_ret, err);
+    const char *colon = nqm_member_colon(path_or_spec);
     if (!colon)
         return fail_missing(path_or_spec, err);
     char *path = nqm_strdup(path_or_spec);
@@ -129,8 +147,7 @@ nqm_status nqm_brdf_open_argument(const char *path_or_spec, const char *name, nq
         return nqm_fail_nomem(err, strlen(path_or_spec) + 1);
     path[colon - path_or_spec] = 0;
     argument.member = colon + 1;
-    nqm_status status =
-        find_fault(path) == 0 ? open_file(path, &argument, brdf_ret, err) : fail_missing(path_or_spec, err);
+    nqm_status status = open_path(path, &argument, brdf_ret, err);
     nqm_free(path);
     return status;
 }

@@ -6,15 +6,13 @@
 #include "corpus/corpus.h"
 
 #include <string.h>
-#include <sys/stat.h>
 
 /* Length of the file path in a BRDF argument: all of it, or up to the colon before a member's name; 0 for specs. */
 static size_t file_length(const char *path) {
-    struct stat st;
     if (nqm_spec_probe(path))
         return 0;
-    const char *colon = strrchr(path, ':');
-    return stat(path, &st) == 0 || !colon ? strlen(path) : (size_t)(colon - path);
+    const char *colon = nqm_member_colon(path);
+    return colon ? (size_t)(colon - path) : strlen(path);
 }
 
 nqm_status nqm_corpus_hash_file(const char *path, const char *path_more, char hex[65], nqm_error *err) {

@@ -24,6 +24,7 @@ typedef struct nqm_tensor {
     nqm_dtype dtype;
     size_t n_dims, dims[NQM_MAX_DIMS];
     size_t n_bytes;
+    bool is_column_major; /* NumPy only: Fortran order */
     /** Aligned as in the file; the writer aligns to 64 bytes. safetensors: values in the byte order of the host; NumPy and RGL: of
      *  the file, for nqm_load_f32() and its like. */
     const void *data;
@@ -125,7 +126,7 @@ NQM_MUST_CHECK nqm_status nqm_csv_number(const nqm_csv *csv, size_t row, int col
 /* ---- arrays of NumPy --------------------------------------------------------------------------------------------- */
 
 bool nqm_npy_probe(const nqm_map *map);
-/** Parse a .npy file with one array of float32 or float64 in C order; its data point into the map, at any alignment. */
+/** Parse a .npy file with one array of float32 or float64; its data point into the map, at any alignment. */
 NQM_MUST_CHECK nqm_status nqm_npy_parse(const nqm_map *map, nqm_tensor *tensor_ret, nqm_error *err);
 /** Write an array; dtype NQM_F32 or NQM_F64. The name of the tensor is not stored. */
 NQM_MUST_CHECK nqm_status nqm_npy_write(const char *path, const nqm_tensor *tensor, nqm_error *err);

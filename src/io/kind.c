@@ -38,9 +38,11 @@ static const struct {
     {6, "\xfd\x37zXZ\0", "an xz file: unpack it first"},
     {8, "\x89HDF\r\n\x1a\n", "an HDF5 file"},
     {10, "MATLAB 5.0", "a MATLAB file"},
+    {10, "MATLAB 7.3", "a MATLAB 7.3 file: save it with '-v7'"},
     {5, "%PDF-", "a PDF document"},
     {4, "\x7f\x45LF", "a program"},
     {2, "\x80\x04", "a Python pickle"},
+    {4, "\x80\x02\x8a\n", "a PyTorch file: save the weights as .npy files"},
     {24, "version https://git-lfs.", "a pointer of Git LFS in place of the file: git lfs pull"},
 };
 
@@ -104,7 +106,7 @@ static const char *kind_of_text(const char *text) {
     if (line_begins(text, html, false))
         return "an HTML page, perhaps of a failed download";
     if (strstr(text, "<WindowElement"))
-        return "a window BSDF (XML)";
+        return "a window BSDF (XML): write f_r as CSV, for example with Radiance's bsdfquery";
     if (*text == '<')
         return "an XML document";
     if (*text == '{' || *text == '[')

@@ -109,11 +109,7 @@ static nqm_status check_values(header *h, size_t at, const nqm_map *map, nqm_err
                         "%s: its values are '%s' (header at byte 10); only float32 and float64 "
                         "('<f4', '<f8') are read: array.astype('<f4')",
                         map->path, h->descr);
-    if (strcmp(h->order, "False") != 0)
-        return nqm_fail(err, NQM_ERR_FORMAT, 10,
-                        "%s: its values are in Fortran order (header at byte 10); save "
-                        "numpy.ascontiguousarray(array)",
-                        map->path);
+    t->is_column_major = strcmp(h->order, "False") != 0;
     t->dtype = f32 ? NQM_F32 : NQM_F64;
     if (!nqm_tensor_measure(t))
         return nqm_fail(err, NQM_ERR_FORMAT, 10, "%s: its shape is impossible (header at byte 10)", map->path);

@@ -192,9 +192,9 @@ static void add_children(const nqm_xml_element *element, nqm_index *names) {
     }
 }
 
-nqm_status nqm_xml_names_create(const nqm_xml *xml, nqm_index *names_ret, nqm_error *err) {
-    nqm_status status = nqm_index_create(xml->n_elements, key_of, names_ret, err);
-    if (status == NQM_OK)
+nqm_status nqm_xml_names_create(size_t max_n, const nqm_xml *xml, nqm_index *names_ret, nqm_error *err) {
+    nqm_status status = nqm_index_create(max_n, key_of, names_ret, err);
+    if (status == NQM_OK && xml)
         add_children(xml->root, names_ret);
     return status;
 }

@@ -45,8 +45,8 @@ nqm_xml_element *nqm_xml_append(nqm_xml *xml, nqm_xml_element *parent, const cha
                                 int64_t byte_offset);
 /** The value of an attribute; NULL: the element does not have it. */
 const char *nqm_xml_get(const nqm_xml_element *element, const char *attribute);
-/** A table of all elements that have an attribute `name`; the document must outlive it. */
-NQM_MUST_CHECK nqm_status nqm_xml_names_create(const nqm_xml *xml, nqm_index *names_ret, nqm_error *err);
+/** A table with room for max_n elements, and all of a document (NULL: none) that have an attribute `name`; they must outlive it. */
+NQM_MUST_CHECK nqm_status nqm_xml_names_create(size_t max_n, const nqm_xml *xml, nqm_index *names_ret, nqm_error *err);
 /** The first child of this name, in constant time; NULL: none, or it is no element <kind> (NULL: any). */
 const nqm_xml_element *nqm_xml_find(const nqm_index *names, const nqm_xml_element *parent, const char *kind,
                                     const char *name);

@@ -80,8 +80,9 @@ static bool check_kind(nqm_reading *r, const nqm_bsdf_node *node) {
         return nqm_refuse(r, node, IS_REFERENCE, node->name, node->id);
     if (node->kind == NQM_BSDF_STRING || node->kind == NQM_BSDF_BOOLEAN)
         return nqm_refuse(r, node, "%s needs a number, not '%.40s'", node->name, node->value);
-    if (node->kind == NQM_BSDF_SPECTRUM && (!*node->value || strchr(node->value, ':')))
-        return nqm_refuse(r, node, "%s is a spectrum by wavelength; only constants and RGB are read", node->name);
+    if (node->kind == NQM_BSDF_SPECTRUM && !*node->value)
+        return nqm_refuse(r, node, "%s is a spectrum of type '%.40s', which is not read; give it value or filename",
+                          node->name, node->type);
     return true;
 }
 
@@ -90,8 +91,13 @@ static bool read_values(nqm_reading *r, const nqm_rule *rule, const void *proper
     const bool is_rgb = node->kind == NQM_BSDF_RGB, is_triple = node->kind == NQM_BSDF_TRIPLE;
     if (!check_kind(r, node))
         return false;
-    *n = is_rgb && parse_hex(node->value, v) ? 3 : nqm_parse_numbers(node->value, 3, v);
-    if (!(*n == 1 && !is_triple) && !(*n == 3 && (is_rgb || is_triple)))
+    const bool is_spectrum = node->kind == NQM_BSDF_SPECTRUM && nqm_parse_numbers(node->value, 1, v) != 1;
+    if (is_spectrum && rule->n == 1)
+        return nqm_refuse(r, node, "%s needs a number, not the spectrum '%.40s'", node->name, node->value);
+    if (is_spectrum && !nqm_bsdf_spectrum((nqm_bsdf_reading *)r, node, v))
+        return false;
+    *n = is_spectrum || (is_rgb && parse_hex(node->value, v)) ? 3 : nqm_parse_numbers(node->value, 3, v);
+    if (!(*n == 1 && !is_triple) && !(*n == 3 && (is_rgb || is_triple || is_spectrum)))
         return nqm_refuse(r, node, "%s needs %s, not '%.40s'", node->name,
                           is_rgb      ? "one or three numbers"
                           : is_triple ? "three numbers"

@@ -57,14 +57,29 @@ void nqm_bsdf_clear(nqm_bsdf_nodes *nodes);
 /** The child of `parent` after one of them, or after NULL the first one; NULL when there is none. */
 const nqm_bsdf_node *nqm_bsdf_next(const nqm_bsdf_nodes *nodes, size_t parent, const nqm_bsdf_node *after);
 
+/** The files that a scene includes, while it is read. */
+typedef struct nqm_includes {
+    const char *root; /**< path of the scene */
+    nqm_materials *materials;
+    size_t depth, n_files, n_bytes;
+} nqm_includes;
+/** Map an included file, whose name is relative to the folder of `from`, or else of the scene. *path_ret receives its path; NULL: it is
+ *  not read, and a remark says why. NQM_ERR_FORMAT: it includes itself. NQM_ERR_LIMIT, NQM_ERR_NOMEM */
+NQM_MUST_CHECK nqm_status nqm_include_open(nqm_includes *in, const char *from, const char *name, nqm_map *map,
+                                           char **path_ret, nqm_error *err);
+/** Whether a file of this name, which a file names, is inside of its folder: no absolute path, and no "..". */
+bool nqm_include_is_inside(const char *name);
+void nqm_include_close(nqm_includes *in, nqm_map *map, char *path);
+
 /** A BSDF that is being read. Properties are nodes. */
 typedef struct nqm_bsdf_reading {
     nqm_reading reading;
     const nqm_bsdf_nodes *nodes;
     size_t at;            /**< index of the BSDF, or of the texture that is being read for it */
     const char *path;     /**< of the scene */
-    const nqm_index *ids; /**< Mitsuba: BSDFs and textures by id */
+    const nqm_index *ids; /**< BSDFs, materials and textures by name */
     size_t n_textures;    /**< pbrt: how many have been evaluated for the material */
+    size_t depth;         /**< Mitsuba: of the blendbsdf that contains the BSDF */
 } nqm_bsdf_reading;
 
 /** Types of BSDFs. */
@@ -89,6 +104,8 @@ bool nqm_bsdf_numbers(nqm_bsdf_reading *r, const char *name, size_t n, double *v
 bool nqm_bsdf_flag(nqm_bsdf_reading *r, const char *name, bool *v);
 /** A string that is one of `words`, which blanks separate: its number, or 0 when the property is not given. */
 bool nqm_bsdf_choice(nqm_bsdf_reading *r, const char *name, const char *words, size_t *v);
+/** RGB of a spectrum by wavelength (bsdf_spectrum.c). false: refused. */
+bool nqm_bsdf_spectrum(nqm_bsdf_reading *r, const nqm_bsdf_node *node, double rgb[3]);
 /** The text of a property that names a measured file. */
 nqm_rule_read nqm_bsdf_file;
 
@@ -106,7 +123,8 @@ bool nqm_bsdf_image(nqm_bsdf_reading *r, const nqm_bsdf_node *file, const char *
 /** Let a key have the value of a node, or "normal" that of an RGB map. */
 bool nqm_bsdf_output(nqm_bsdf_reading *r, const char *key, uint16_t value);
 
-#define NQM_BSDF_SMOOTH "a smooth interface is taken as the narrowest lobe of the model"
+#define NQM_BSDF_SMOOTH "a smooth surface is taken as the narrowest lobe of the model"
+#define NQM_BSDF_BUMPED "bump maps are not read"
 /** Let the conductor that is being read, except for its lobe, be what the interface of a dielectric, or both faces of a
  *  thin pane of it, reflect: the material is refused unless transmission is ignored. false: refused. */
 bool nqm_bsdf_interface(nqm_bsdf_reading *r, const nqm_bsdf_node *bsdf, double eta, bool is_thin);
@@ -116,9 +134,9 @@ typedef struct nqm_metal {
     const char *name;
     double eta[3], k[3];
 } nqm_metal;
-/** NULL: there is none of this name. "Au_palik" is "Au". */
-const nqm_metal *nqm_metal_find(const char *name);
-/** All names, separated by ", ". */
-void nqm_metal_names(char *text, size_t n_text);
+/** NULL: pbrt, or else Mitsuba, has none of this name ("metal-Au" in pbrt). "Au_palik" is "Au". */
+const nqm_metal *nqm_metal_find(bool is_pbrt, const char *name);
+/** All its names, separated by ", ". */
+void nqm_metal_names(bool is_pbrt, char *text, size_t n_text);
 
 #endif

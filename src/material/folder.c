@@ -289,10 +289,32 @@ static nqm_status read_folder(nqm_textured *t, const char *path, nqm_error *err)
     return status;
 }
 
+static int is_network(const struct dirent *file) {
+    static const char name[] = "fc1.npy";
+    const size_t n = strlen(file->d_name), n_name = strlen(name);
+    return n >= n_name && strcmp(file->d_name + n - n_name, name) == 0;
+}
+
+size_t nqm_networks_in_folder(const char *path, char **first_ret) {
+    struct dirent **files = NULL;
+    const int n = scandir(path, &files, is_network, alphasort);
+    *first_ret = n > 0 ? nqm_strdupf("%s/%s", path, files[0]->d_name) : NULL;
+    for (int i = 0; i < n; ++i)
+        free(files[i]);
+    free(files);
+    return n > 0 ? (size_t)n : 0;
+}
+
 bool nqm_maps_probe(const char *argument) {
     struct stat st;
-    return strncmp(argument, LIST_PREFIX, strlen(LIST_PREFIX)) == 0 ||
-           (stat(argument, &st) == 0 && S_ISDIR(st.st_mode));
+    if (strncmp(argument, LIST_PREFIX, strlen(LIST_PREFIX)) == 0)
+        return true;
+    if (stat(argument, &st) != 0 || !S_ISDIR(st.st_mode))
+        return false;
+    char *network;
+    const bool has_networks = nqm_networks_in_folder(argument, &network) > 0;
+    nqm_free(network);
+    return !has_networks;
 }
 
 nqm_status nqm_maps_open(const char *argument, nqm_textured **textured_ret, nqm_error *err) {

@@ -1,10 +1,11 @@
 /* SPDX-License-Identifier: MIT
  *
  * Reading of materials of glTF 2.0, as JSON (.gltf) and binary (.glb): metallic-roughness with KHR_materials_specular,
- * _ior, _anisotropy, _iridescence, _clearcoat and _sheen. Meshes and everything else of the file are not read; the
+ * _ior, _anisotropy, _iridescence, _clearcoat and _sheen, and KHR_materials_pbrSpecularGlossiness. Meshes and everything else of the file are not read; the
  * materials are parsed one by one, because the tree of a whole file takes twenty times its bytes. Textures are in
  * gltf_textures.c.
  */
+#define _GNU_SOURCE /* strcasestr */
 #include "material/gltf.h"
 #include "io/io.h"
 #include "io/options_json.h"
@@ -15,18 +16,56 @@
 static const char SURFACE[] = "glTF metallic-roughness";
 static const char TEXTURE_REASON[] = "a texture varies over the surface, and a BRDF is that of one point";
 
-/** Extensions that a file may require without any consequence for its materials. */
-static const char harmless[] =
-    "KHR_draco_mesh_compression KHR_mesh_quantization EXT_meshopt_compression KHR_meshopt_compression "
-    "EXT_mesh_gpu_instancing KHR_texture_basisu KHR_texture_transform EXT_texture_webp EXT_texture_avif "
-    "MSFT_texture_dds KHR_lights_punctual EXT_lights_image_based KHR_animation_pointer KHR_materials_variants "
-    "KHR_node_visibility KHR_xmp_json_ld";
+/** Extensions that a file may require and that are read with its textures. */
+static const char of_textures[] =
+    "KHR_texture_basisu KHR_texture_transform EXT_texture_webp EXT_texture_avif MSFT_texture_dds";
+
+static bool has_word(const char *name, size_t n, const char *const *words) {
+    bool has = false;
+    for (size_t i = 0; i < n; ++i)
+        has = has || strcasestr(name, words[i]);
+    return has;
+}
+
+/* Whether a required extension may change materials. Those whose name says that they are about geometry, lights, places or data do
+ * not; what an unknown name means is not known. */
+static bool changes_materials(const char *name) {
+    static const char *const of_materials[] = {"material", "texture", "shader", "technique", "packing"},
+                             *const of_others[] = {"mesh",         "draco",      "geometry", "primitive", "splat",
+                                                   "light",        "node",       "instanc",  "scene",     "camera",
+                                                   "georef",       "rtc",        "tile",     "animation", "pointer",
+                                                   "articulation", "physics",    "audio",    "visibil",   "select",
+                                                   "hover",        "interactiv", "lod",      "xmp",       "metadata",
+                                                   "feature",      "json"};
+    const bool is_other = has_word(name, sizeof of_others / sizeof *of_others, of_others);
+    return strcmp(name, "KHR_materials_variants") != 0 &&
+           (!is_other || has_word(name, sizeof of_materials / sizeof *of_materials, of_materials));
+}
+
+/* Extensions that have no effect where the property `weight` is 0 or missing: drafts, mostly. */
+static const struct {
+    const char *name, *weight;
+} drafts[] = {{"KHR_materials_diffuse_roughness", "diffuseRoughnessFactor"},
+              {"KHR_materials_coat", "coatFactor"},
+              {"KHR_materials_fuzz", "fuzzFactor"},
+              {"KHR_materials_subsurface", "subsurfaceFactor"},
+              {"KHR_materials_volume_scatter", "multiscatterColor"},
+              {"KHR_materials_sss", "scatterDistance"},
+              {"ADOBE_materials_thin_transparency", "transmissionFactor"}};
+
+/* The weight of a draft; NULL: it is none. */
+static const char *weight_of(const char *name) {
+    for (size_t i = 0; i < sizeof drafts / sizeof *drafts; ++i)
+        if (strcmp(drafts[i].name, name) == 0)
+            return drafts[i].weight;
+    return NULL;
+}
 
 static const nqm_gltf_group *find_extension(const char *name) {
     for (size_t i = 0; i < NQM_GLTF_N_EXTENSIONS; ++i)
         if (strcmp(nqm_gltf_extensions[i].name, name) == 0)
             return &nqm_gltf_extensions[i];
-    return NULL;
+    return strcmp(nqm_gltf_glossiness.name, name) == 0 ? &nqm_gltf_glossiness : NULL;
 }
 
 /* ---- reading one material ---------------------------------------------------------------------------------------- */
@@ -133,6 +172,16 @@ bool nqm_gltf_read_base_color(nqm_reading *reading, const nqm_rule *rule, const 
            refuse(r, ((const property *)at)->path, "", "alpha, its fourth number, is outside of 0 to 1");
 }
 
+bool nqm_gltf_read_glossiness(nqm_reading *reading, const nqm_rule *rule, const void *at) {
+    double v[4];
+    size_t n;
+    if (!read_values(reading, rule, at, v, &n))
+        return false;
+    v[0] = 1 - v[0];
+    nqm_shading_set(&reading->shading, rule->key, 1, v);
+    return true;
+}
+
 bool nqm_gltf_read_texture(nqm_reading *reading, const nqm_rule *rule, const void *at) {
     reader *r = (reader *)reading;
     const property *p = at;
@@ -145,7 +194,7 @@ bool nqm_gltf_read_texture(nqm_reading *reading, const nqm_rule *rule, const voi
 
 bool nqm_gltf_read_occlusion(nqm_reading *reading, const nqm_rule *rule, const void *at) {
     (void)rule, (void)at;
-    reading->shading.remark = NQM_OCCLUSION_REMARK;
+    nqm_textured_remark(reading->textured, NQM_OCCLUSION_REMARK);
     return true;
 }
 
@@ -177,6 +226,32 @@ static void read_object(reader *r, const nqm_gltf_group *group, const char *path
     }
 }
 
+/* 0, three of them, or missing */
+static bool is_zero(const json_t *value) {
+    bool is = !value || json_is_number(value) || json_array_size(value) == 3;
+    for (size_t i = 0; i < 3; ++i)
+        is = is && json_number_value(json_is_array(value) ? json_array_get(value, i) : value) == 0;
+    return is;
+}
+
+/* Specular-glossiness stands for metallic-roughness, and its defaults are other ones. */
+static void begin_glossiness(reader *r, const json_t *list, const json_t *core) {
+    static const char *const others[] = {"KHR_materials_specular", "KHR_materials_ior"};
+    const double one = 1, zero = 0;
+    nqm_shading *shading = &r->reading.shading;
+    nqm_shading_set(shading, "metallic", 1, &zero);
+    nqm_shading_set(shading, "roughness", 1, &zero);
+    nqm_shading_set(shading, "ior", 1, &zero);
+    nqm_shading_set(shading, "base_color", 1, &one);
+    for (size_t i = 0; i < 2; ++i)
+        if (json_object_get(list, others[i]))
+            refuse(r, "extensions.KHR_materials_pbrSpecularGlossiness", "",
+                   "it excludes KHR_materials_specular and KHR_materials_ior");
+    if (core)
+        nqm_textured_remark(r->reading.textured,
+                            "pbrMetallicRoughness is not used beside KHR_materials_pbrSpecularGlossiness");
+}
+
 static void read_extensions(reader *r, json_t *list) {
     const char *name;
     json_t *object;
@@ -186,10 +261,15 @@ static void read_extensions(reader *r, json_t *list) {
     json_object_foreach(list, name, object) {
         const nqm_gltf_group *extension = find_extension(name);
         snprintf(path, sizeof path, "extensions.%.100s", name);
-        if (extension && !extension->refusal)
+        const char *weight = weight_of(name);
+        if (strncmp(name, "MSFT_packing_", 13) == 0)
+            nqm_textured_remark(r->reading.textured, "packed copies of its textures (MSFT_packing) are not used");
+        else if (extension && !extension->refusal)
             read_object(r, extension, path, object);
-        else
+        else if (!weight)
             refuse(r, path, "", extension ? extension->refusal : "this extension is not known");
+        else if (!is_zero(json_object_get(object, weight)))
+            refuse(r, path, "", "this extension is not read");
     }
 }
 
@@ -223,7 +303,7 @@ static void check_alpha(reader *r, const json_t *material) {
 
 static void remark(reader *r, bool is_needed, const char *text) {
     if (is_needed)
-        r->reading.shading.remark = text;
+        nqm_textured_remark(r->reading.textured, text);
 }
 
 /* The textures of a material whose factors are read. There is one normal for all layers: that of the base. */
@@ -239,7 +319,10 @@ static void add_textures(reader *r, const json_t *material) {
         if (strcmp(name, "clearcoatNormalTexture") == 0) {
             has_coat = false;
             if (!json_equal(p->value, base))
-                refuse(r, p->path, "", "a coat with another normal map than normalTexture is not supported");
+                set_aside(r, NQM_IGNORE_BUMP, p->path, "",
+                          "a coat with another normal map than normalTexture is not read");
+            remark(r, !json_equal(p->value, base),
+                   "the normal map of the clear coat is not used: it has that of the base");
         } else if (!nqm_gltf_add_texture(&r->document, name, p->value, &r->reading))
             refuse(r, p->path, "", r->document.why);
         remark(r, mode && strcmp(name, "baseColorTexture") == 0 && strcmp(json_string_value(mode), "OPAQUE") != 0,
@@ -263,7 +346,10 @@ static nqm_status read_material(reader *r, json_t *material, nqm_materials *mate
     if (name && !json_is_string(name))
         fail_value(r, "name", "a string");
     read_object(r, &nqm_gltf_members, "", material);
-    if (pbr)
+    const bool is_glossy = json_object_get(list, nqm_gltf_glossiness.name) != NULL;
+    if (is_glossy)
+        begin_glossiness(r, list, pbr);
+    else if (pbr)
         read_object(r, &nqm_gltf_core, nqm_gltf_core.name, pbr);
     if (list)
         read_extensions(r, list);
@@ -328,15 +414,20 @@ static bool gltf_probe(const nqm_map *map) {
             nqm_material_probe_text(map, n, "\"pbrMetallicRoughness\""));
 }
 
-/* An extension that every reader must know; NULL: none. */
-static const char *unknown_requirement(const json_t *root) {
+/* An extension that every reader must know; NULL: none. Remarks name those that are ignored. */
+static const char *unknown_requirement(const json_t *root, nqm_materials *materials) {
+    char text[200];
     const json_t *list = json_object_get(root, "extensionsRequired"), *value;
     size_t i;
     json_array_foreach(list, i, value) {
         const char *name = json_string_value(value);
         /* extensions that a material refuses are named at the material */
-        if (name && !nqm_contains_word(harmless, name, false) && !find_extension(name))
+        if (!name || nqm_contains_word(of_textures, name, false) || find_extension(name) || weight_of(name))
+            continue;
+        if (changes_materials(name))
             return name;
+        snprintf(text, sizeof text, "the required extension %.80s, which is not about materials", name);
+        nqm_materials_unread(materials, text);
     }
     return NULL;
 }
@@ -389,7 +480,7 @@ static nqm_status read_root(reader *r, const json_t *root, nqm_materials *materi
     nqm_status status = check_root(r, root);
     if (status != NQM_OK)
         return status;
-    const char *required = unknown_requirement(root);
+    const char *required = unknown_requirement(root, materials);
     const size_t required_at = nqm_json_path(&d->source, d->root, "extensionsRequired");
     const size_t n = json_array_size(json_object_get(root, "materials"));
     r->at = nqm_json_first(&d->source, nqm_json_path(&d->source, d->root, "materials"));

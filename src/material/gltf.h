@@ -16,12 +16,13 @@ typedef struct nqm_gltf_group {
     nqm_rule rules[8];   /**< those with a key first */
 } nqm_gltf_group;
 
-/** The members of a material itself, pbrMetallicRoughness, and the extensions. */
-extern const nqm_gltf_group nqm_gltf_members, nqm_gltf_core;
-enum { NQM_GLTF_N_EXTENSIONS = 13 };
+/** The members of a material itself, pbrMetallicRoughness and what may stand for it, and the other extensions. */
+extern const nqm_gltf_group nqm_gltf_members, nqm_gltf_core, nqm_gltf_glossiness;
+enum { NQM_GLTF_N_EXTENSIONS = 12 };
 extern const nqm_gltf_group nqm_gltf_extensions[NQM_GLTF_N_EXTENSIONS];
-/** Of baseColorFactor, of textures, of occlusionTexture, and of iridescenceThicknessMinimum. */
-nqm_rule_read nqm_gltf_read_base_color, nqm_gltf_read_texture, nqm_gltf_read_occlusion, nqm_gltf_read_minimum;
+/** Of baseColorFactor, of textures, of occlusionTexture, of iridescenceThicknessMinimum, and of glossinessFactor. */
+nqm_rule_read nqm_gltf_read_base_color, nqm_gltf_read_texture, nqm_gltf_read_occlusion, nqm_gltf_read_minimum,
+    nqm_gltf_read_glossiness;
 
 enum { NQM_GLTF_N_ARRAYS = 5 };
 /** The parts of a file that its textures refer to. */

@@ -33,6 +33,17 @@ const nqm_gltf_group nqm_gltf_core = {
      TEXTURE("baseColorTexture", NULL),
      TEXTURE("metallicRoughnessTexture", NULL)}};
 
+/* The materials of KHR_materials_specular with an index of 0, as that extension says: its diffuse reflection has the rest of the
+ * Fresnel factor. */
+const nqm_gltf_group nqm_gltf_glossiness = {
+    "KHR_materials_pbrSpecularGlossiness",
+    NULL,
+    {{"diffuseFactor", nqm_gltf_read_base_color, "base_color", 4, 1, NULL, NULL, NULL, 0, false},
+     COLOR("specularFactor", "specular_color", 1),
+     {"glossinessFactor", nqm_gltf_read_glossiness, "roughness", 1, 1, NULL, NULL, NULL, 0, false},
+     TEXTURE("diffuseTexture", NULL),
+     TEXTURE("specularGlossinessTexture", NULL)}};
+
 const nqm_gltf_group nqm_gltf_extensions[NQM_GLTF_N_EXTENSIONS] = {
     {"KHR_materials_ior", NULL, {NUMBER("ior", "ior", 1.5)}},
     {"KHR_materials_specular",
@@ -78,6 +89,4 @@ const nqm_gltf_group nqm_gltf_extensions[NQM_GLTF_N_EXTENSIONS] = {
      {NQM_RULE_ASIDE("dispersion", "dispersion is not part of a BRDF in RGB", NQM_IGNORE_TRANSMISSION)}},
     {"KHR_materials_emissive_strength", NULL, {NQM_RULE_IGNORED("emissiveStrength")}},
     {.name = "KHR_materials_unlit", .refusal = "a surface without lighting has no BRDF"},
-    {.name = "KHR_materials_pbrSpecularGlossiness",
-     .refusal = "this archived shading model is not supported; convert the material to metallic-roughness"},
 };

@@ -273,6 +273,24 @@ const nqm_gltf_use nqm_gltf_uses[NQM_GLTF_N_USES] = {
     {"anisotropyTexture", "anisotropy_strength", "", 3, 2},
     {"iridescenceTexture", "iridescence", "", 3, 0}};
 
+/* Of specular-glossiness, which is read only. */
+static const nqm_gltf_use glossy_uses[] = {
+    {"diffuseTexture", "base_color", "srgb_texture", 3, SIZE_MAX},
+    {"specularGlossinessTexture", "specular_color", "srgb_texture", 3, SIZE_MAX}};
+
+/* Alpha times the factor is 1 - roughness. */
+static bool add_glossiness(nqm_gltf_document *d, const json_t *info, const nqm_shading *shading, nqm_textured *t) {
+    double roughness[3];
+    uint16_t image, node;
+    find_factor(shading, "roughness", roughness);
+    if (!read_texture(d, info, 4, "", t, &image))
+        return false;
+    node = nqm_graph_with(t, NQM_MAP_MULTIPLY, 1, nqm_graph_channel(t, image, 3), 1 - roughness[0]);
+    node = nqm_graph_compute(t, NQM_MAP_SUBTRACT, 1, nqm_graph_number(t, 1), node, 0);
+    nqm_graph_output_set(t, "roughness", node);
+    return node != NQM_NO_NODE;
+}
+
 /* Red and green are the direction of the anisotropy from -1 to 1, as a normal has them, which anisotropyRotation turns. */
 static uint16_t turn(nqm_textured *t, uint16_t image, const nqm_shading *shading) {
     double rotation[3];
@@ -320,8 +338,10 @@ bool nqm_gltf_add_texture(nqm_gltf_document *d, const char *name, const json_t *
         return add_normal(d, info, t);
     if (strcmp(name, "iridescenceThicknessTexture") == 0)
         return add_thickness(d, info, shading, t);
-    for (size_t i = 0; i < NQM_GLTF_N_USES; ++i) {
-        const nqm_gltf_use *use = &nqm_gltf_uses[i];
+    if (strcmp(name, "specularGlossinessTexture") == 0 && !add_glossiness(d, info, shading, t))
+        return false;
+    for (size_t i = 0; i < NQM_GLTF_N_USES + 2; ++i) {
+        const nqm_gltf_use *use = i < NQM_GLTF_N_USES ? &nqm_gltf_uses[i] : &glossy_uses[i - NQM_GLTF_N_USES];
         const size_t n = use->channel == SIZE_MAX ? 3 : 1;
         double factor[3];
         uint16_t image, node;

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * What of a material reflects, when its transmission, subsurface scattering, emission or opacity is ignored:
- * "ignore:WORDS:FILE:NAME". Emission and opacity are left out. The surface shaders mix transmission, and before it
+ * What of a material reflects, when its transmission, subsurface scattering, emission, opacity or displacement is ignored:
+ * "ignore:WORDS:FILE:NAME". The last three are left out. The surface shaders mix transmission, and before it
  * subsurface scattering, with the diffuse reflection of the part that is no metal (the node graphs of MaterialX's
  * definitions; KHR_materials_transmission); so the diffuse reflection keeps 1 - transmission, and subsurface scattering
  * becomes diffuse reflection with the albedo that its specification names. What is partly a metal becomes a mixture ("between:");
@@ -9,7 +9,7 @@
  */
 #include "material/rules.h"
 
-static const char *const words[] = {"transmission", "subsurface", "emission", "opacity"};
+static const char *const words[] = {"transmission", "subsurface", "emission", "opacity", "displacement", "bump"};
 enum { N_WORDS = sizeof words / sizeof *words };
 static const char prefix[] = "ignore:";
 

@@ -31,9 +31,18 @@ void nqm_textured_free(nqm_textured *t) {
     nqm_free(t);
 }
 
+size_t nqm_textured_bytes(const nqm_textured *t) {
+    size_t n = sizeof *t + t->max_nodes * sizeof *t->nodes + t->max_images * sizeof *t->images;
+    for (size_t i = 0; i < t->n_images; ++i)
+        n += t->images[i].n_bytes * (t->images[i].data != NULL) + strlen(t->images[i].name) +
+             (t->images[i].path ? strlen(t->images[i].path) : 0);
+    return n;
+}
+
 void nqm_textured_remark(nqm_textured *t, const char *text) {
     const size_t n = strlen(t->remark);
-    snprintf(t->remark + n, sizeof t->remark - n, "%s%s", n ? "; " : "", text);
+    if (!strstr(t->remark, text))
+        snprintf(t->remark + n, sizeof t->remark - n, "%s%s", n ? "; " : "", text);
 }
 
 void nqm_textured_prune(nqm_textured *t) {

@@ -110,7 +110,9 @@ typedef struct nqm_textured {
 nqm_textured *nqm_textured_create(void);
 /** Free; NULL is allowed. */
 void nqm_textured_free(nqm_textured *textured);
-/** Add to the remark. */
+/** Memory that it takes. */
+size_t nqm_textured_bytes(const nqm_textured *textured);
+/** Add to the remark, unless it is there. */
 void nqm_textured_remark(nqm_textured *textured, const char *text);
 /** Remove nodes and files that no output needs. */
 void nqm_textured_prune(nqm_textured *textured);
@@ -149,8 +151,11 @@ void nqm_graph_output_set(nqm_textured *t, const char *key, uint16_t node);
 
 /** A folder of maps, or "maps:base_color=a.png;roughness=b.png;model=gltf". NQM_ERR_ARG, NQM_ERR_IO, NQM_ERR_NOMEM */
 NQM_MUST_CHECK nqm_status nqm_maps_open(const char *folder_or_spec, nqm_textured **textured_ret, nqm_error *err);
-/** Whether it is one: begins with "maps:", or is a folder. */
+/** Whether it is one: begins with "maps:", or is a folder without networks. */
 bool nqm_maps_probe(const char *argument);
+/** The number of networks (files "...fc1.npy") in a folder; 0 also for other paths. *first_ret: the path of the first; NULL also when out
+ *  of memory; nqm_free() it. */
+size_t nqm_networks_in_folder(const char *path, char **first_ret);
 
 /** The textured material i of a file; NULL: it is constant, or refused. The same with some properties left out (NQM_IGNORE_...). */
 const nqm_textured *nqm_materials_textured(const nqm_materials *materials, size_t i);

@@ -10,14 +10,16 @@
 #include <strings.h>
 
 struct nqm_materials {
-    const char *path; /* while the file is read, for messages */
-    size_t n, max_n;
+    const char *path;                          /* while the file is read, for messages */
+    size_t n, max_n, n_reserved, max_reserved; /* bytes, see nqm_materials_reserve() */
     struct entry {
         nqm_material_info info;       /* each name owns a block with the other texts */
         const nqm_textured *textured; /* NULL: none */
         bool is_owner;
-    } * list;        /* (n) */
-    size_t *by_name; /* (n) their numbers in the order of the names, when the file is read */
+    } * list;                           /* (n) */
+    size_t *by_name;                    /* (n) their numbers in the order of the names, when the file is read */
+    char unread[NQM_REMARK_SIZE - 100]; /* included files that are not read, for the remarks of all materials */
+    size_t n_more;                      /* that are not named there */
 };
 
 #define POINTER_TO(NAME) &(NAME),
@@ -80,6 +82,22 @@ nqm_status nqm_texts_copy(size_t n, char **const *texts, nqm_error *err) {
     return status;
 }
 
+nqm_materials *nqm_materials_create(const char *path) {
+    nqm_materials *materials = nqm_alloc(1, sizeof *materials);
+    if (materials) {
+        materials->path = path;
+        materials->max_reserved = (size_t)64 << 20;
+    }
+    return materials;
+}
+
+/* Replace the texts by copies in one block, which the name owns. */
+static nqm_status copy_texts(nqm_material_info *info, nqm_error *err) {
+    const char **texts[] = {&info->name,   &info->surface,   &info->spec,      &info->refusal,
+                            &info->remark, &info->ignorable, &info->reflection};
+    return nqm_texts_copy(sizeof texts / sizeof *texts, (char **const *)texts, err);
+}
+
 nqm_status nqm_materials_add(nqm_materials *materials, const nqm_material_info *info, nqm_error *err) {
     nqm_material_info copy = *info;
     char number[32];
@@ -94,9 +112,7 @@ nqm_status nqm_materials_add(nqm_materials *materials, const nqm_material_info *
     if (!list)
         return nqm_fail_nomem(err, (materials->n + 1) * sizeof *list);
     materials->list = list;
-    const char **texts[] = {&copy.name,   &copy.surface,   &copy.spec,      &copy.refusal,
-                            &copy.remark, &copy.ignorable, &copy.reflection};
-    nqm_status status = nqm_texts_copy(sizeof texts / sizeof *texts, (char **const *)texts, err);
+    nqm_status status = copy_texts(&copy, err);
     if (status == NQM_OK)
         list[materials->n++] = (struct entry){.info = copy};
     return status;
@@ -110,11 +126,53 @@ const nqm_textured *nqm_materials_maps(const nqm_materials *materials, size_t i,
     return is_refused(&materials->list[i].info, ignored) ? NULL : materials->list[i].textured;
 }
 
+bool nqm_materials_reserve(nqm_materials *materials, size_t n_bytes) {
+    if (n_bytes > materials->max_reserved - materials->n_reserved)
+        materials->max_reserved = materials->n_reserved = 0;
+    materials->n_reserved += nqm_smaller(n_bytes, materials->max_reserved);
+    return materials->max_reserved > 0;
+}
+
 void nqm_materials_attach(nqm_materials *materials, const nqm_textured *textured, bool is_owner) {
     struct entry *last = &materials->list[materials->n - 1];
     last->textured = textured;
     last->is_owner = is_owner;
     last->info.n_maps = textured ? textured->n_images : 0;
+}
+
+/* ---- included files ---------------------------------------------------------------------------------------------- */
+
+void nqm_materials_unread(nqm_materials *materials, const char *text) {
+    const size_t n = strlen(materials->unread), room = sizeof materials->unread - n;
+    if (strlen(text) + 20 < room)
+        snprintf(materials->unread + n, room, "%s%s", n ? "; not read: " : "not read: ", text);
+    else
+        ++materials->n_more;
+}
+
+/* Add what is not read to the remarks of all materials. */
+static nqm_status add_unread(nqm_materials *materials, nqm_error *err) {
+    char text[NQM_REMARK_SIZE], more[60] = "";
+    if (materials->n_more)
+        snprintf(more, sizeof more, "; and %zu more included files", materials->n_more);
+    snprintf(text, sizeof text, "%s%s", materials->unread, more);
+    nqm_status status = NQM_OK;
+    for (size_t i = 0; status == NQM_OK && i < materials->n && *text; ++i) {
+        struct entry *entry = &materials->list[i];
+        nqm_material_info info = entry->info;
+        char *block = (char *)info.name;
+        char *remark = info.remark ? nqm_strdupf("%s; %s", info.remark, text) : nqm_strdup(text);
+        info.remark = remark;
+        status = remark ? copy_texts(&info, err) : nqm_fail_nomem(err, sizeof text);
+        if (status == NQM_OK) {
+            entry->info = info;
+            nqm_free(block);
+        }
+        nqm_free(remark);
+        if (entry->is_owner)
+            nqm_textured_remark((nqm_textured *)entry->textured, text);
+    }
+    return status;
 }
 
 /* ---- by name ----------------------------------------------------------------------------------------------------- */
@@ -186,15 +244,17 @@ nqm_status nqm_materials_read(const nqm_map *map, nqm_materials **materials_ret,
         return nqm_fail(err, NQM_ERR_FORMAT, 0, "%s: not a material file (byte 0); these are read: %s", map->path,
                         names);
     }
-    nqm_materials *materials = nqm_alloc(1, sizeof *materials);
+    nqm_materials *materials = nqm_materials_create(map->path);
     if (!materials)
         return nqm_fail_nomem(err, sizeof *materials);
-    materials->path = map->path;
+    materials->max_reserved += 16 * map->n_bytes;
     nqm_status status = format->read(map, materials, err);
     materials->path = NULL;
+    if (status == NQM_OK)
+        status = add_unread(materials, err);
     if (status == NQM_OK && materials->n == 0)
-        status =
-            nqm_fail(err, NQM_ERR_FORMAT, 0, "%s: this %s file (byte 0) contains no material", map->path, format->name);
+        status = nqm_fail(err, NQM_ERR_FORMAT, 0, "%s: this %s file (byte 0) contains no material%s%.300s", map->path,
+                          format->name, *materials->unread ? "; " : "", materials->unread);
     if (status == NQM_OK)
         status = sort_names(materials, err);
     if (status == NQM_OK)

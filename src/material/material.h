@@ -61,9 +61,14 @@ NQM_MUST_CHECK nqm_status nqm_shadings_write(size_t n, nqm_named_shading *materi
 const size_t *nqm_materials_named(const nqm_materials *materials, const char *name, size_t *n_ret);
 
 enum { NQM_MAX_MATERIALS = 1 << 14 };
+/** An empty list, for a reader; NULL: out of memory. path: of the file, for messages of nqm_materials_add(). */
+nqm_materials *nqm_materials_create(const char *path);
 /** Append a material, at most NQM_MAX_MATERIALS; the texts are copied, "" and NULL in `name` become "materialN". One of
  *  spec and refusal is NULL. */
 NQM_MUST_CHECK nqm_status nqm_materials_add(nqm_materials *materials, const nqm_material_info *info, nqm_error *err);
+
+/** Let the remarks of all materials of the file say that an included file is not read; text: its path and why. */
+void nqm_materials_unread(nqm_materials *materials, const char *text);
 
 /** What a surface does besides reflecting, as a set of bits. */
 enum {
@@ -71,7 +76,9 @@ enum {
     NQM_IGNORE_SUBSURFACE = 2,
     NQM_IGNORE_EMISSION = 4,
     NQM_IGNORE_OPACITY = 8,
-    NQM_IGNORE_SIZE = 48 /**< of a text with all words */
+    NQM_IGNORE_DISPLACEMENT = 16,
+    NQM_IGNORE_BUMP = 32, /**< bump maps, and the normal map that a coat has of its own */
+    NQM_IGNORE_SIZE = 64  /**< of a text with all words */
 };
 /** The words of a set, "transmission,opacity". Returns text. */
 const char *nqm_ignore_words(unsigned set, char text[NQM_IGNORE_SIZE]);
@@ -81,6 +88,14 @@ bool nqm_ignore_parse(const char *words, size_t n, unsigned *set_ret);
 size_t nqm_ignore_prefix(const char *argument, unsigned *set_ret);
 /** nqm_materials_get() with the properties of a set ignored: no refusal where they are all that is ignorable. */
 nqm_material_info nqm_materials_reflecting(const nqm_materials *materials, size_t i, unsigned ignored);
+
+/** Count memory and work for maps, of which a file may have 64 MB and 16 times its size: many materials may share a large graph, of
+ *  which each has a copy. false: it has more, also for all that follow. */
+bool nqm_materials_reserve(nqm_materials *materials, size_t n_bytes);
+/** Why a material is then refused. */
+#define NQM_MATERIALS_FULL                                                                                             \
+    "its maps and those of the materials before it take more memory than a file of this size may: write fewer "        \
+    "materials into a file"
 
 /** One file format. */
 typedef struct nqm_material_format {

@@ -60,9 +60,10 @@ static uint16_t read_node(reading *r, const nqm_rule *rule, element *input) {
 static const char *describe(reading *r, const nqm_rule *rule) {
     element *node = r->graph.source;
     const bool is_texture = !node || nqm_mtlx_child(&r->graph, node, "input", "file");
-    snprintf(r->why, sizeof r->why, "%s %s node '%.60s'%s%.40s%s; only constants are read", rule->name,
+    const char *end = r->graph.t->n_images ? "" : ", of texture coordinates alone";
+    snprintf(r->why, sizeof r->why, "%s %s node '%.60s'%s%.40s%s%s; only constants are read", rule->name,
              is_texture ? "reads the texture of" : "is computed by", node ? nqm_xml_get(node, "name") : "",
-             is_texture ? "" : " (", is_texture ? "" : node->name, is_texture ? "" : ")");
+             is_texture ? "" : " (", is_texture ? "" : node->name, is_texture ? "" : ")", end);
     return r->why;
 }
 
@@ -218,6 +219,16 @@ bool nqm_mtlx_read_tangent(nqm_reading *r, const nqm_rule *rule, const void *pro
                       rule->gate);
 }
 
+bool nqm_mtlx_read_unused(nqm_reading *r, const nqm_rule *rule, const void *property) {
+    const char *name = nqm_xml_get(property, "name");
+    char text[160];
+    (void)rule;
+    snprintf(text, sizeof text, "'%.60s' is ignored: no part of the reflection of UsdPreviewSurface", name);
+    if (strcmp(name, "displacement") != 0 || !nqm_texts_equal(nqm_xml_get(property, "value"), "0"))
+        nqm_mtlx_remark(&((reading *)r)->graph, text);
+    return true;
+}
+
 bool nqm_mtlx_read_occlusion(nqm_reading *r, const nqm_rule *rule, const void *property) {
     (void)rule, (void)property;
     nqm_mtlx_remark(&((reading *)r)->graph, NQM_OCCLUSION_REMARK);
@@ -271,10 +282,15 @@ static bool read_shader(reading *r) {
     r->reading.rules = r->surface->inputs;
     r->reading.owner = r->surface->node;
     set_defaults(r);
+    const bool is_usd =
+        strcmp(r->surface->model, "usd-preview") == 0; /* exporters write `specular`, which renderers ignore */
     bool ok = true;
-    for (element *e = r->shader->first; e && ok; e = e->next)
+    for (element *e = r->shader->first; e && ok; e = e->next) {
+        const char *name = nqm_xml_get(e, "name");
         if (strcmp(e->name, "input") == 0 && nqm_mtlx_has_value(e))
-            ok = nqm_rules_apply(&r->reading, nqm_xml_get(e, "name"), e);
+            ok = is_usd && name && !nqm_rule_find(r->surface->inputs, name) ? nqm_mtlx_read_unused(&r->reading, NULL, e)
+                                                                            : nqm_rules_apply(&r->reading, name, e);
+    }
     if (ok && r->reading.weights[1] != NQM_NO_NODE)
         ok = read_subsurface_color(r);
     return ok && check_coat_normal(r);
@@ -295,10 +311,30 @@ static element *find_shader(reading *r, element *material) {
     return shader;
 }
 
-static bool check_displacement(reading *r, element *material) {
+/* Whether the input is 0, given or by its default. */
+static bool is_zero(reading *r, element *shader, const char *name, bool is_default_zero) {
+    element *input = nqm_mtlx_child(&r->graph, shader, "input", name);
+    if (!input || !nqm_mtlx_has_value(input))
+        return is_default_zero;
+    const uint16_t node = nqm_mtlx_read(&r->graph, input, name, "float");
+    const nqm_map_node *value = nqm_graph_is_constant(r->graph.t, node) ? &r->graph.t->nodes[node] : NULL;
+    if (!strstr(r->reading.refusal.text, "memory")) /* it is not the reflection that cannot be read */
+        r->reading.refusal = (nqm_reason){.byte_offset = 0};
+    return value && value->v[0] == 0 && value->v[1] == 0 && value->v[2] == 0;
+}
+
+/* A displacement of 0, or times 0, has no effect. */
+static void check_displacement(reading *r, element *material) {
     element *input = nqm_mtlx_child(&r->graph, material, "input", "displacementshader");
-    return !input || !nqm_mtlx_is_connected(input) ||
-           nqm_refuse(&r->reading, input, "displacementshader is connected: displacement is not part of a BRDF");
+    element *shader = input && nqm_mtlx_is_connected(input) ? nqm_mtlx_target(&r->graph, input) : NULL;
+    if (shader && strcmp(shader->name, "output") == 0)
+        shader = nqm_mtlx_target(&r->graph, shader);
+    const bool is_known = shader && nqm_contains_word("displacement UsdPreviewSurface", shader->name, false);
+    const bool is_neutral =
+        is_known && (is_zero(r, shader, "displacement", true) || is_zero(r, shader, "scale", false));
+    if (input && nqm_mtlx_is_connected(input) && !is_neutral)
+        nqm_set_aside(&r->reading, NQM_IGNORE_DISPLACEMENT, input,
+                      "displacementshader is connected: displacement is not part of a BRDF");
 }
 
 static nqm_index_key key_of_known(const void *value) {
@@ -326,18 +362,25 @@ static nqm_status add_material(reading *r, element *material, nqm_materials *mat
     *r->graph.remark = 0;
     r->coat_normal_node = NQM_NO_NODE;
     r->shader = strcmp(material->name, "surfacematerial") == 0 ? find_shader(r, material) : material;
-    const bool has_shader = r->shader && check_displacement(r, material);
-    const struct known_shader *known = has_shader ? nqm_index_find(&r->shaders, (nqm_index_key){r->shader, ""}) : NULL;
+    const bool has_shader = r->shader != NULL, is_own = nqm_xml_get(material, "remark") != NULL;
+    if (is_own)
+        nqm_mtlx_remark(&r->graph, nqm_xml_get(material, "remark"));
+    if (has_shader && has_memory)
+        check_displacement(r, material);
+    const bool is_shared = has_shader && !is_own && !r->reading.ignorable;
+    const struct known_shader *known = is_shared ? nqm_index_find(&r->shaders, (nqm_index_key){r->shader, ""}) : NULL;
     if (known) {
         nqm_textured_free(r->graph.t);
         return add_again(known->material, material, materials, err);
     }
-    if (has_shader && has_memory)
+    if (!nqm_materials_reserve(materials, 0))
+        nqm_refuse(&r->reading, material, NQM_MATERIALS_FULL);
+    else if (has_shader && has_memory)
         read_shader(r);
     nqm_status status =
         nqm_reading_add(&r->reading, nqm_xml_get(material, "name"), r->shader ? r->shader->name : material->name,
                         material->byte_offset, materials, err);
-    if (status == NQM_OK && has_shader) {
+    if (status == NQM_OK && is_shared) {
         r->known[number] = (struct known_shader){r->shader, number};
         nqm_index_add(&r->shaders, &r->known[number]);
     }
@@ -364,7 +407,7 @@ nqm_status nqm_mtlx_read_document(const nqm_xml *xml, const char *path, nqm_mate
     r->graph.path = path;
     r->graph.root = xml->root;
     r->graph.reading = &r->reading;
-    nqm_status status = nqm_xml_names_create(xml, &r->graph.names, err);
+    nqm_status status = nqm_xml_names_create(xml->n_elements, xml, &r->graph.names, err);
     if (status == NQM_OK)
         status = nqm_index_create(NQM_MAX_MATERIALS, key_of_known, &r->shaders, err);
     if (status == NQM_OK)
@@ -383,7 +426,14 @@ static bool probe(const nqm_map *map) {
 
 static nqm_status fail_empty(const nqm_map *map, element *root, nqm_error *err) {
     for (element *e = root->first; e; e = e->next)
-        if (strcmp(e->name, "xi:include") == 0)
+        if (strcmp(e->name, "material") == 0)
+            return nqm_fail(
+                err, NQM_ERR_FORMAT, e->byte_offset,
+                "%s: its material (byte %lld) is of MaterialX %.10s, which is not read: open it with MaterialX "
+                "1.38 or later, which upgrades it, and write it",
+                map->path, (long long)e->byte_offset,
+                nqm_xml_get(root, "version") ? nqm_xml_get(root, "version") : "1.37 or older");
+        else if (strcmp(e->name, "xi:include") == 0)
             return nqm_fail(
                 err, NQM_ERR_FORMAT, e->byte_offset,
                 "%s: it has no material of its own, and includes '%.80s' (byte %lld), which is not read: open "

@@ -18,10 +18,10 @@ extern const nqm_mtlx_surface nqm_mtlx_surfaces[NQM_MTLX_N_SURFACES];
 /** The surface with this node or this model, one of which is NULL. NULL: there is none. */
 const nqm_mtlx_surface *nqm_mtlx_find_surface(const char *node, const char *model);
 
-/** A key of the shading; the normal, and that of the coat; a tangent, which is refused; occlusion; emission, and subsurface
+/** A key of the shading; the normal, and that of the coat; a tangent, which is refused; occlusion; what has no effect; emission, and subsurface
  *  scattering of the color of the base, which are ignored if they are maps. */
 nqm_rule_read nqm_mtlx_read_key, nqm_mtlx_read_normal, nqm_mtlx_read_coat_normal, nqm_mtlx_read_tangent,
-    nqm_mtlx_read_occlusion, nqm_mtlx_read_emission, nqm_mtlx_read_subsurface;
+    nqm_mtlx_read_occlusion, nqm_mtlx_read_unused, nqm_mtlx_read_emission, nqm_mtlx_read_subsurface;
 
 /** The nodes that the inputs of one material are connected to. */
 typedef struct nqm_mtlx_graph {
@@ -36,7 +36,7 @@ typedef struct nqm_mtlx_graph {
         const char *output;
         uint16_t value;
     } built[NQM_MAX_MAP_NODES]; /**< nodes of the document and what they have become */
-    char remark[400];
+    char remark[NQM_REMARK_SIZE];
     /* of the input that is read: */
     const struct nqm_xml_element *input;
     const char *name;

@@ -109,6 +109,20 @@ bool nqm_mtlx_has_value(element *e) {
     return nqm_mtlx_is_connected(e) || nqm_xml_get(e, "value");
 }
 
+/* What the element itself says about its value. */
+static void take_remark(graph *g, element *e) {
+    if (nqm_xml_get(e, "remark"))
+        nqm_mtlx_remark(g, nqm_xml_get(e, "remark"));
+}
+
+/* Names an element for messages: in other nodes than the shader, with the node. Returns text. */
+static const char *label(const graph *g, element *e, char text[200]) {
+    const char *name = name_of(e), *node = name_of(e->parent);
+    const bool is_own = e->parent == g->input->parent || !name || !node;
+    snprintf(text, 200, is_own ? "%.60s" : "%.60s: '%.60s' of '%.60s'", g->name, name, node);
+    return text;
+}
+
 #define REFUSE(G, ...) (nqm_refuse((G)->reading, (G)->input, __VA_ARGS__), (uint16_t)NQM_NO_NODE)
 
 /* ---- values -------------------------------------------------------------------------------------------------------- */
@@ -144,12 +158,19 @@ static bool parse_numbers(const char *text, size_t n, double *v) {
 static uint16_t read_constant(graph *g, element *e, const char *type) {
     static const char *const counts[] = {"", "a number", "two numbers", "three numbers", "four numbers"};
     const char *text = nqm_xml_get(e, "value"), *own = nqm_xml_get(e, "type"), *space = inherited(e, "colorspace");
-    const char *name = e->parent == g->input->parent ? nqm_xml_get(e, "name") : g->name;
+    const char *geometry = nqm_xml_get(e, "defaultgeomprop");
+    char name[200];
+    label(g, e, name);
+    take_remark(g, e);
     type = own ? own : type;
     double v[4];
     const size_t n = components(type);
     if (n == 0)
         return REFUSE(g, "%s has the type '%.40s', which is not read", name, type ? type : "");
+    if (!text && nqm_texts_equal(geometry, "UV0"))
+        return nqm_graph_add(g->t, (nqm_map_node){.op = NQM_MAP_TEXCOORD, .n = 2});
+    if (!text && geometry)
+        return REFUSE(g, "%s depends on the geometry ('%.40s')", name, geometry);
     if (!text)
         return REFUSE(g, "%s has no value", name);
     if (nqm_texts_equal(type, "boolean") && (nqm_texts_equal(text, "true") || nqm_texts_equal(text, "false")))
@@ -349,17 +370,17 @@ static uint8_t read_wrap(const graph *g, element *node, const char *name, const 
 /* Documents name files by where they are in their library, "../../../Images/wood.jpg", which MaterialX finds by a list
  * of folders: one that is not there is looked for without "../". The name as it is given if there is none. */
 static const char *find_file(const graph *g, const char *name) {
-    for (const char *at = name; strncmp(at, "../", 3) == 0;) {
+    enum { MAX_UP = 16 };
+    const char *at = name;
+    bool is_there = false;
+    for (int up = 0; up <= MAX_UP && !is_there && (up == 0 || strncmp(at, "../", 3) == 0); ++up) {
         struct stat about;
-        at += 3;
-        char *whole = nqm_path_beside(g->path, name), *path = nqm_path_beside(g->path, at);
-        const bool is_whole = !whole || stat(whole, &about) == 0, is_there = path && stat(path, &about) == 0;
-        nqm_free(whole);
+        at += up ? 3 : 0;
+        char *path = nqm_path_beside(g->path, at);
+        is_there = !path || stat(path, &about) == 0;
         nqm_free(path);
-        if (is_whole || is_there)
-            return is_whole ? name : at;
     }
-    return name;
+    return is_there ? at : name;
 }
 
 /* The file of an image, with its colour space; false: refused. */
@@ -369,6 +390,7 @@ static bool read_file(graph *g, element *node, const char *type, size_t *image_r
     const char *file = e ? nqm_xml_get(e, "value") : NULL, *source = text_of_input(g, node, "sourceColorSpace");
     if (!file || !*file)
         return nqm_refuse(g->reading, g->input, "%s reads node '%.60s', which names no file", g->name, name_of(node));
+    take_remark(g, e);
     if (strpbrk(file, "<[{"))
         return nqm_refuse(g->reading, g->input,
                           "%s: the file of node '%.60s' depends on the geometry ('%.80s'), which is not read", g->name,
@@ -528,13 +550,14 @@ element *nqm_mtlx_target(const graph *g, element *e) {
 static uint16_t follow(graph *g, element *e, const char *type) {
     const char *output = nqm_xml_get(e, "output"), *channels = nqm_xml_get(e, "channels");
     element *to = nqm_mtlx_target(g, e);
+    char name[200];
     if (!to)
-        return REFUSE(g, "%s is connected to something that the file does not have", g->name);
+        return REFUSE(g, "%s is connected to something that the file does not have", label(g, e, name));
     const char *to_type = nqm_xml_get(to, "type");
     const bool differs =
         type && to_type && components(to_type) && !nqm_texts_equal(type, to_type) && !output && !channels;
     if (differs && (components(type) > 1 || components(to_type) > 1))
-        return REFUSE(g, "%s is of type %s, not '%.40s'", g->name, type, to_type);
+        return REFUSE(g, "%s is of type %s, not '%.40s'", label(g, e, name), type, to_type);
     const bool is_node = !nqm_xml_get(e, "interfacename") && !nqm_xml_get(e, "nodegraph");
     const uint16_t value = is_node ? build_once(g, to, output ? output : "") : read(g, to, to_type ? to_type : type);
     return channels ? swizzle(g, value, channels) : value;

@@ -28,7 +28,7 @@
 #define NOT_PART " is not part of these BRDFs"
 static const char transmission[] = "transmission" NOT_PART, subsurface[] = "subsurface scattering" NOT_PART,
                   emission[] = "emission" NOT_PART, opacity[] = "opacity" NOT_PART,
-                  displacement[] = "displacement" NOT_PART;
+                  retroreflection[] = "retroreflection" NOT_PART;
 
 static const nqm_rule open_pbr[] = {
     NQM_OPEN_PBR_KEYS(KEY) TRANSMISSION("transmission_weight"),
@@ -39,6 +39,7 @@ static const nqm_rule open_pbr[] = {
     COAT_NORMAL("geometry_coat_normal", "coat_weight"),
     TANGENT("geometry_tangent", "specular_roughness_anisotropy"),
     TANGENT("geometry_coat_tangent", "coat_roughness_anisotropy"),
+    NEUTRAL("specular_retroreflectivity", "float", 0, retroreflection),
     NQM_RULE_IGNORED("transmission_color transmission_depth transmission_scatter "
                      "transmission_scatter_anisotropy transmission_dispersion_scale "
                      "transmission_dispersion_abbe_number subsurface_color subsurface_radius "
@@ -78,7 +79,7 @@ static const nqm_rule gltf_pbr[] = {
 static const nqm_rule usd_preview_surface[] = {
     NQM_USD_PREVIEW_KEYS(KEY) EMISSION("emissiveColor", "color3"),
     OPACITY("opacity", "float", 1),
-    NEUTRAL("displacement", "float", 0, displacement),
+    VECTOR("displacement", nqm_mtlx_read_unused, NULL), /* the material has it */
     NORMAL("normal"),
     NQM_RULE_IGNORED("opacityMode opacityThreshold"),
     OCCLUSION,

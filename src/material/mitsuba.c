@@ -9,6 +9,8 @@
 #include <math.h>
 #include <strings.h>
 
+enum { MAX_BLENDS = 3 }; /* specs can have no more (doc/brdf.md) */
+
 /* ---- textures ---------------------------------------------------------------------------------------------------- */
 
 static const nqm_bsdf_node *find_by_id(const nqm_bsdf_reading *r, const char *id) {
@@ -178,12 +180,16 @@ static bool read_ior(nqm_bsdf_reading *r, const char *name, double *v) {
 /* ---- plugins ----------------------------------------------------------------------------------------------------- */
 
 /* Mitsuba clamps alpha so that the distribution is finite. Its roughplastic integrates over the lobe of a constant
- * alpha beforehand. */
+ * alpha beforehand. A smooth surface, of a type without alpha, has the narrowest lobe. */
 static bool finish_alpha(nqm_bsdf_reading *r, const nqm_bsdf_node *bsdf) {
     const nqm_bsdf_node *common = nqm_bsdf_find(r, "alpha"),
                         *nodes[] = {nqm_bsdf_find(r, "alpha_u"), nqm_bsdf_find(r, "alpha_v")};
     nqm_textured *t = r->reading.textured;
     uint16_t value[2];
+    if (strncmp(bsdf->type, "rough", 5) != 0) {
+        nqm_textured_remark(t, NQM_BSDF_SMOOTH);
+        return nqm_bsdf_output(r, "alpha", nqm_graph_number(t, 1e-4));
+    }
     if (!nodes[0] != !nodes[1])
         return nqm_refuse(&r->reading, bsdf, "only one of alpha_u and alpha_v is given");
     if (nodes[0] && common)
@@ -214,10 +220,10 @@ static bool finish_conductor(nqm_bsdf_reading *r, const nqm_bsdf_node *bsdf) {
         return false;
     if (!node || strcmp(node->value, "none") == 0)
         return true; /* eta = 0, k = 1: the defaults, a mirror */
-    const nqm_metal *m = nqm_metal_find(node->value);
+    const nqm_metal *m = nqm_metal_find(false, node->value);
     if (nqm_bsdf_find(r, "eta") || nqm_bsdf_find(r, "k"))
         return nqm_refuse(&r->reading, node, "material is given as well as eta or k");
-    nqm_metal_names(names, sizeof names);
+    nqm_metal_names(false, names, sizeof names);
     if (!m)
         return nqm_refuse(&r->reading, node, "the indices of the material '%.40s' are not known; these are: %s",
                           node->value, names);
@@ -240,16 +246,10 @@ static bool finish_plastic(nqm_bsdf_reading *r, const nqm_bsdf_node *bsdf) {
     return true;
 }
 
-/* The interface; a smooth one has an alpha of 0, which becomes the narrowest lobe. */
 static bool finish_dielectric(nqm_bsdf_reading *r, const nqm_bsdf_node *bsdf) {
-    const bool is_rough = strcmp(bsdf->type, "roughdielectric") == 0;
     double inside = 1.5046, outside = 1.000277;
-    if (!read_ior(r, "int_ior", &inside) || !read_ior(r, "ext_ior", &outside) || (is_rough && !finish_alpha(r, bsdf)))
+    if (!read_ior(r, "int_ior", &inside) || !read_ior(r, "ext_ior", &outside) || !finish_alpha(r, bsdf))
         return false;
-    if (!is_rough) {
-        nqm_shading_set(&r->reading.shading, "alpha", 1, &(double){1e-4});
-        r->reading.shading.remark = NQM_BSDF_SMOOTH;
-    }
     return nqm_bsdf_interface(r, bsdf, inside / outside, strcmp(bsdf->type, "thindielectric") == 0);
 }
 
@@ -272,10 +272,9 @@ static bool finish_diffuse(nqm_bsdf_reading *r, const nqm_bsdf_node *bsdf) {
 #define MASKED    "opacity is not supported"
 #define EMITS     "emission is not part of a BRDF"
 #define SCATTERS  "subsurface scattering is not supported"
-#define DELTA     "a smooth surface reflects into one direction only; only rough ones have a BRDF"
 #define TRANSMITS "transmission is not supported"
 #define LAYERED   "combinations of BSDFs and textures are not supported"
-#define NESTED    "mask, twosided and normalmap are read around a BSDF of another type only"
+#define NESTED    "mask, twosided, normalmap and bumpmap are read around a BSDF of another type only"
 static const nqm_bsdf_plugin plugins[] = {
     {.type = "roughconductor",
      .model = "rough-conductor",
@@ -292,6 +291,17 @@ static const nqm_bsdf_plugin plugins[] = {
                COLOUR("diffuse_reflectance", "diffuse_reflectance"),
                COLOUR("specular_reflectance", "specular_reflectance"), OWN("nonlinear", read_flag),
                NQM_RULE_IGNORED("sample_visible")}},
+    {.type = "conductor",
+     .model = "rough-conductor",
+     .finish = finish_conductor,
+     .rules = {COLOUR("eta", "eta"), COLOUR("k", "k"), NQM_RULE_LATER("material"),
+               COLOUR("specular_reflectance", "specular_reflectance")}},
+    {.type = "plastic",
+     .model = "rough-plastic",
+     .finish = finish_plastic,
+     .rules = {NQM_RULE_LATER("int_ior"), NQM_RULE_LATER("ext_ior"),
+               COLOUR("diffuse_reflectance", "diffuse_reflectance"),
+               COLOUR("specular_reflectance", "specular_reflectance"), OWN("nonlinear", read_flag)}},
     {.type = "principled",
      .model = "principled",
      .rules = {COLOUR("base_color", "base_color"), NUMBER("roughness"), NUMBER("anisotropic"), NUMBER("metallic"),
@@ -342,14 +352,12 @@ static const nqm_bsdf_plugin plugins[] = {
      .finish = finish_dielectric,
      .rules = {NQM_RULE_LATER("int_ior"), NQM_RULE_LATER("ext_ior"),
                COLOUR("specular_reflectance", "specular_reflectance"), NQM_RULE_IGNORED("specular_transmittance")}},
-    {.type = "conductor plastic", .refusal = DELTA},
     {.type = "principledthin", .refusal = TRANSMITS},
     {.type = "hair", .refusal = "hair has no BRDF of a surface"},
     {.type = "pplastic measured_polarized polarizer retarder circular",
      .refusal = "polarised materials are not supported"},
     {.type = "null", .refusal = "it reflects nothing"},
-    {.type = "blendbsdf bumpmap", .refusal = LAYERED},
-    {.type = "mask normalmap twosided", .refusal = NESTED},
+    {.type = "mask normalmap twosided bumpmap blendbsdf", .refusal = NESTED},
     {.type = NULL},
 };
 
@@ -370,7 +378,7 @@ static nqm_index_key key_of_node(const void *value) {
     return (nqm_index_key){NULL, ((const nqm_bsdf_node *)value)->id};
 }
 
-/* Go from the mask, twosided or normalmap BSDF r->at to the one inside; false: there is not exactly one. */
+/* Go from the mask, twosided, normalmap or bumpmap BSDF r->at to the one inside; false: there is not exactly one. */
 static bool unwrap(nqm_bsdf_reading *r) {
     const nqm_bsdf_node *outer = &r->nodes->list[r->at], *inner = NULL;
     size_t n_inner = 0;
@@ -378,7 +386,10 @@ static bool unwrap(nqm_bsdf_reading *r) {
         if ((node->kind != NQM_BSDF_BSDF && node->kind != NQM_BSDF_REF) ||
             nqm_contains_word("normalmap opacity", node->name, false))
             continue;
-        inner = node->kind == NQM_BSDF_REF ? find_by_id(r, node->id) : node;
+        const nqm_bsdf_node *found = node->kind == NQM_BSDF_REF ? find_by_id(r, node->id) : node;
+        if (found && found->kind == NQM_BSDF_TEXTURE)
+            continue;
+        inner = found;
         if (!inner || inner->kind != NQM_BSDF_BSDF)
             return nqm_refuse(&r->reading, node, "there is no BSDF '%.40s' in this file", node->id);
         ++n_inner;
@@ -410,15 +421,66 @@ static bool read_mask(nqm_bsdf_reading *r) {
     return opacity == 1 || nqm_set_aside(&r->reading, NQM_IGNORE_OPACITY, &r->nodes->list[r->at], MASKED);
 }
 
+static bool read_bump(nqm_bsdf_reading *r) {
+    return nqm_set_aside(&r->reading, NQM_IGNORE_BUMP, &r->nodes->list[r->at], NQM_BSDF_BUMPED);
+}
+
+static nqm_status add_material(nqm_bsdf_reading *r, nqm_materials *materials, nqm_error *err);
+
+/* The two BSDFs of the blendbsdf r->at; false: refused. */
+static bool find_blended(nqm_bsdf_reading *r, const nqm_bsdf_node *inner[2]) {
+    const nqm_bsdf_node *blend = &r->nodes->list[r->at], *node = NULL;
+    size_t n = 0;
+    while ((node = nqm_bsdf_next(r->nodes, r->at, node))) {
+        const nqm_bsdf_node *found = node->kind == NQM_BSDF_REF ? find_by_id(r, node->id) : node;
+        if (strcmp(node->name, "weight") == 0)
+            continue;
+        if (!found || found->kind != NQM_BSDF_BSDF)
+            return nqm_refuse(&r->reading, node, "'%.40s' is no BSDF of this file",
+                              *node->name ? node->name : node->id);
+        if (n < 2)
+            inner[n] = found;
+        ++n;
+    }
+    return n == 2 || nqm_refuse(&r->reading, blend, "it contains %zu BSDFs; two are needed", n);
+}
+
+/* The blendbsdf r->at: its two BSDFs are read as materials of a list of their own. */
+static bool read_blend(nqm_bsdf_reading *r) {
+    const nqm_bsdf_node *blend = &r->nodes->list[r->at], *inner[2];
+    double weight = 0.5;
+    if (!nqm_bsdf_numbers(r, "weight", 1, &weight) || !find_blended(r, inner))
+        return false;
+    if (r->depth == MAX_BLENDS)
+        return nqm_refuse(&r->reading, blend, "mixtures are nested more than %d deep", MAX_BLENDS);
+    nqm_materials *list = nqm_materials_create(r->path);
+    nqm_status status = list ? NQM_OK : NQM_ERR_NOMEM;
+    for (size_t i = 0; i < 2 && status == NQM_OK; ++i) {
+        nqm_bsdf_reading part = {.nodes = r->nodes,
+                                 .at = (size_t)(inner[i] - r->nodes->list),
+                                 .path = r->path,
+                                 .ids = r->ids,
+                                 .depth = r->depth + 1};
+        status = add_material(&part, list, NULL);
+    }
+    const bool is_read = status == NQM_OK ? nqm_reading_mix(&r->reading, blend, nqm_materials_get(list, 0),
+                                                            nqm_materials_get(list, 1), fmin(fmax(weight, 0), 1))
+                                          : nqm_refuse(&r->reading, blend, "memory is short");
+    nqm_materials_free(list);
+    return is_read;
+}
+
 static nqm_status add_material(nqm_bsdf_reading *r, nqm_materials *materials, nqm_error *err) {
-    static const char *const wrappers[] = {"mask", "twosided", "normalmap", "twosided"};
+    static const char *const wrappers[] = {"mask", "twosided", "normalmap", "bumpmap", "twosided"};
     const nqm_bsdf_node *outer = &r->nodes->list[r->at];
     bool is_read = nqm_reading_begin(&r->reading, &nqm_bsdf_source);
     for (size_t i = 0; i < sizeof wrappers / sizeof *wrappers && is_read; ++i)
         if (strcmp(r->nodes->list[r->at].type, wrappers[i]) == 0)
-            is_read = (i != 0 || read_mask(r)) && (i != 2 || read_normal(r)) && unwrap(r);
+            is_read = (i != 0 || read_mask(r)) && (i != 2 || read_normal(r)) && (i != 3 || read_bump(r)) && unwrap(r);
     const nqm_bsdf_node *bsdf = &r->nodes->list[r->at];
-    if (is_read)
+    if (is_read && strcmp(bsdf->type, "blendbsdf") == 0)
+        read_blend(r);
+    else if (is_read)
         nqm_bsdf_read(r, plugins, bsdf->type);
     return nqm_reading_add(&r->reading, *outer->id ? outer->id : bsdf->id, bsdf->type, outer->byte_offset, materials,
                            err);

@@ -47,13 +47,25 @@ static nqm_bsdf_kind kind_of(const json_t *value) {
                                                          : nqm_bsdf_kind_of(kinds, text_of(value, "type"));
 }
 
+/* Write [[nm, value], ...] as numbers into *text, nqm_free(); NULL: it is no such list. */
+static nqm_status format_spectrum(const json_t *value, char **text, nqm_error *err) {
+    char *json = json_is_array(json_array_get(value, 0)) ? json_dumps(value, JSON_COMPACT) : NULL;
+    *text = json ? nqm_strdup(json) : NULL;
+    free(json);
+    if (!*text && json_is_array(json_array_get(value, 0)))
+        return nqm_fail_nomem(err, json_array_size(value));
+    for (char *c = *text; c && (c = strpbrk(c, "[]"));)
+        *c = ' ';
+    return NQM_OK;
+}
+
 /* The value of a property, as text in `text` or in the JSON. */
 static const char *value_of(const json_t *value, char text[TEXT_SIZE]) {
     if (json_is_boolean(value))
         return json_is_true(value) ? "true" : "false";
     if (json_is_object(value)) {
-        const json_t *inner = json_object_get(value, "value");
-        value = inner ? inner : json_object_get(value, "color");
+        const json_t *inner = json_object_get(value, "value"), *color = json_object_get(value, "color");
+        value = inner ? inner : color ? color : json_object_get(value, "filename");
     }
     if (json_is_string(value))
         return json_string_value(value);
@@ -74,8 +86,12 @@ static nqm_status add_value(walk *w, const char *key, json_t *value, size_t pare
     if (is_node) {
         node.type = (char *)text_of(value, "type");
         node.id = (char *)(*text_of(value, "id") ? text_of(value, "id") : id);
-        node.value = (char *)value_of(value, text);
-        nqm_status status = nqm_bsdf_add(&w->nodes, &node, w->path, w->err);
+        char *spectrum = NULL;
+        nqm_status status = format_spectrum(json_object_get(value, "value"), &spectrum, w->err);
+        node.value = spectrum ? spectrum : (char *)value_of(value, text);
+        if (status == NQM_OK)
+            status = nqm_bsdf_add(&w->nodes, &node, w->path, w->err);
+        nqm_free(spectrum);
         if (status != NQM_OK || !has_inner)
             return status;
     }

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
  * Mitsuba 3 scenes in XML (mitsuba.readthedocs.io, "Scene XML file format"). Only BSDFs, textures and what is inside them
- * become nodes. A value `$name` is replaced by that of the <default> of this name. Included files are not read.
+ * become nodes. A value `$name` is replaced by that of the <default> of this name. What a file contains takes the place of the
+ * <include> that names it.
  */
 #include "io/xml.h"
 #include "material/mitsuba.h"
@@ -19,7 +20,8 @@ enum {
 
 /* The walk through the elements of a scene. */
 typedef struct walk {
-    const char *path;
+    const char *path; /* of the file that is read */
+    nqm_includes includes;
     nqm_bsdf_nodes nodes, defaults;
     nqm_error *err;
 } walk;
@@ -48,6 +50,40 @@ static char *step_of(const walk *w, const nqm_xml_element *element, char text[ST
     return text;
 }
 
+static nqm_status add_element(walk *w, const nqm_xml_element *element, size_t parent);
+
+/* Add the elements of a file, except for its scene. */
+static nqm_status add_file(walk *w, const nqm_map *map, size_t parent) {
+    nqm_xml xml;
+    nqm_status status = nqm_xml_parse(map->data, map->n_bytes, map->path, &xml, w->err);
+    if (status != NQM_OK)
+        return status;
+    if (strcmp(xml.root->name, "scene") != 0)
+        status = add_element(w, xml.root, parent);
+    else
+        for (const nqm_xml_element *child = xml.root->first; status == NQM_OK && child; child = child->next)
+            status = add_element(w, child, parent);
+    nqm_xml_free(&xml);
+    return status;
+}
+
+static nqm_status add_included(walk *w, const nqm_xml_element *element, size_t parent) {
+    const char *name = value_of(w, element, "filename"), *outer = w->path;
+    nqm_map map;
+    char *path;
+    if (!name)
+        return nqm_fail(w->err, NQM_ERR_FORMAT, element->byte_offset, "%s: an <include> without a filename (byte %lld)",
+                        w->path, (long long)element->byte_offset);
+    nqm_status status = nqm_include_open(&w->includes, w->path, name, &map, &path, w->err);
+    if (status != NQM_OK || !path)
+        return status;
+    w->path = path;
+    status = add_file(w, &map, parent);
+    w->path = outer;
+    nqm_include_close(&w->includes, &map, path);
+    return status;
+}
+
 /* Add the element and those inside it; parent: the node that contains them. The depth is limited by the XML reader. */
 static nqm_status add_element(walk *w, const nqm_xml_element *element, size_t parent) {
     char step[STEP_SIZE], *numbers = step_of(w, element, step);
@@ -57,16 +93,16 @@ static nqm_status add_element(walk *w, const nqm_xml_element *element, size_t pa
                           .name = value_of(w, element, "name"),
                           .id = value_of(w, element, "id"),
                           .value = numbers ? numbers : value_of(w, element, "value"),
-                          .byte_offset = element->byte_offset};
+                          .byte_offset = w->includes.depth ? -1 : element->byte_offset};
+    if (node.kind == NQM_BSDF_SPECTRUM && !node.value)
+        node.value = value_of(w, element, "filename");
     if (node.kind == NQM_BSDF_OTHER && !node.type)
         node.type = (char *)element->name;
     const bool is_default = strcmp(element->name, "default") == 0;
     const bool is_node =
         !is_default && (node.kind == NQM_BSDF_BSDF || node.kind == NQM_BSDF_TEXTURE || parent != NQM_BSDF_ROOT);
     if (strcmp(element->name, "include") == 0)
-        return nqm_fail(w->err, NQM_ERR_FORMAT, node.byte_offset,
-                        "%s: included files (byte %lld) are not read; name the included file itself", w->path,
-                        (long long)node.byte_offset);
+        return add_included(w, element, parent);
     if (is_default && w->defaults.n == MAX_DEFAULTS)
         return nqm_fail(w->err, NQM_ERR_LIMIT, node.byte_offset, "%s: more than %d defaults (byte %lld)", w->path,
                         (int)MAX_DEFAULTS, (long long)node.byte_offset);
@@ -105,12 +141,8 @@ static bool probe(const nqm_map *map) {
 }
 
 static nqm_status read_xml(const nqm_map *map, nqm_materials *materials, nqm_error *err) {
-    walk w = {.path = map->path, .err = err};
-    nqm_xml xml;
-    nqm_status status = nqm_xml_parse(map->data, map->n_bytes, map->path, &xml, err);
-    if (status == NQM_OK)
-        status = add_element(&w, xml.root, NQM_BSDF_ROOT);
-    nqm_xml_free(&xml);
+    walk w = {.path = map->path, .includes = {.root = map->path, .materials = materials}, .err = err};
+    nqm_status status = add_file(&w, map, NQM_BSDF_ROOT);
     if (status == NQM_OK)
         status = nqm_mitsuba_translate(&w.nodes, map->path, materials, err);
     nqm_bsdf_clear(&w.nodes);

@@ -11,31 +11,34 @@
 
 /* ---- colours ----------------------------------------------------------------------------------------------------- */
 
-/* "metal-Au-eta", of "eta" or "conductor.eta" */
-static bool read_metal(nqm_bsdf_reading *r, const nqm_bsdf_node *node, double v[3]) {
-    char name[256] = "", names[300];
-    const char *dot = strrchr(node->name, '.'), *part = dot ? dot + 1 : node->name;
-    const size_t n = strlen(node->value), n_part = strlen(part);
-    if (n > 7 + n_part && n < sizeof name && strncmp(node->value, "metal-", 6) == 0 &&
-        node->value[n - n_part - 1] == '-' && strcmp(node->value + n - n_part, part) == 0)
-        memcpy(name, node->value + 6, n - 7 - n_part);
-    const nqm_metal *metal = nqm_metal_find(name);
-    nqm_metal_names(names, sizeof names);
-    if (!metal)
-        return nqm_refuse(&r->reading, node, "%s: the spectrum '%.40s' is not known; these metals are: %s", node->name,
-                          node->value, names);
-    memcpy(v, strcmp(part, "k") == 0 ? metal->k : metal->eta, 3 * sizeof *v);
-    return true;
+/* The values of "metal-Au-eta" or "metal-Au-k"; NULL: it is none. pbrt takes either for any parameter. */
+static const double *find_metal(const char *value) {
+    const char *dash = strrchr(value, '-');
+    char name[32] = "";
+    if (dash && nqm_contains_word("eta k", dash + 1, false))
+        snprintf(name, sizeof name, "%.*s", (int)(dash - value), value);
+    const nqm_metal *metal = nqm_metal_find(true, name);
+    return !metal ? NULL : dash[1] == 'k' ? metal->k : metal->eta;
 }
 
 /* A constant colour; `v` keeps its value when the parameter is not given. */
 static bool read_colour(nqm_bsdf_reading *r, const char *name, double v[3]) {
     const nqm_bsdf_node *node = nqm_bsdf_find(r, name);
-    const bool is_spectrum = node && node->kind == NQM_BSDF_SPECTRUM;
-    if (is_spectrum && strcmp(name, "reflectance") != 0 && !strchr(node->value, ' '))
-        return read_metal(r, node, v);
-    if (is_spectrum)
-        return nqm_refuse(&r->reading, node, "%s is a spectrum by wavelength; only RGB is read", name);
+    const double *metal = node && node->kind == NQM_BSDF_SPECTRUM ? find_metal(node->value) : NULL;
+    char names[100];
+    double number;
+    if (metal) {
+        memcpy(v, metal, 3 * sizeof *v);
+        return true;
+    }
+    if (node && node->kind == NQM_BSDF_SPECTRUM && strncmp(node->value, "metal-", 6) == 0) {
+        nqm_metal_names(true, names, sizeof names);
+        return nqm_refuse(&r->reading, node, "%s: pbrt has no spectrum '%.40s'; with -eta and -k it has %s", name,
+                          node->value, names);
+    }
+    if (node && node->kind == NQM_BSDF_SPECTRUM && nqm_parse_numbers(node->value, 1, &number) == 1)
+        return nqm_refuse(&r->reading, node,
+                          "%s is a spectrum of one number; it needs pairs of a wavelength in nm and a value", name);
     if (node && node->kind == NQM_BSDF_NUMBER)
         return nqm_refuse(&r->reading, node, "%s needs three numbers, \"rgb %s\" [ r g b ]", name, name);
     return nqm_bsdf_numbers(r, name, 3, v);
@@ -49,14 +52,10 @@ static bool read_texture(nqm_bsdf_reading *r, size_t n, uint16_t *value_ret);
 
 /* The value of the texture that a parameter names. Floats (n = 1) and spectra (n = 3) have names of their own. */
 static bool read_named(nqm_bsdf_reading *r, const nqm_bsdf_node *parameter, size_t n, uint16_t *value_ret) {
-    const nqm_bsdf_node *list = r->nodes->list;
     const size_t at = r->at;
     const char *type = n == 3 ? "spectrum" : "float";
-    size_t i = 0;
-    while (i < at && !(list[i].parent == NQM_BSDF_ROOT && strcmp(list[i].name, type) == 0 &&
-                       strcmp(list[i].id, parameter->value) == 0))
-        ++i;
-    if (i == at)
+    const size_t i = nqm_pbrt_find(r->ids, type, parameter->value);
+    if (i >= at)
         return nqm_refuse(&r->reading, parameter, "%s: there is no %s texture '%.40s' before it", parameter->name, type,
                           parameter->value);
     if (++r->n_textures > MAX_TEXTURES)
@@ -177,6 +176,14 @@ static bool read_normal_map(nqm_reading *r, const nqm_rule *rule, const void *pr
            read_image(bsdf, node, "linear", NULL, NQM_MAP_REPEAT, &rgb) && nqm_bsdf_output(bsdf, "normal", rgb);
 }
 
+/* A bump map, unless it is constant. */
+static bool read_displacement(nqm_reading *r, const nqm_rule *rule, const void *property) {
+    double v[4];
+    size_t n;
+    return nqm_bsdf_is_texture(property) ? nqm_set_aside(r, NQM_IGNORE_BUMP, property, "displacement: " NQM_BSDF_BUMPED)
+                                         : nqm_bsdf_source.read(r, rule, property, v, &n);
+}
+
 /* ---- materials to shadings --------------------------------------------------------------------------------------- */
 
 /* A value clamped to 0 to `high`. */
@@ -188,14 +195,13 @@ static uint16_t clamp(nqm_textured *t, uint16_t value, double high) {
 typedef struct surface {
     const char *roughness[3]; /* in both directions, along u, along v */
     const char *eta, *k;
-    enum { SMOOTH_IS_REFUSED, SMOOTH_IS_REMARKED, SMOOTH_IS_MODELLED } smooth;
+    bool is_smooth_modelled; /* by a roughness of 0 */
 } surface;
 #define ROUGHNESS(prefix)                                                                                              \
     { prefix "roughness", prefix "uroughness", prefix "vroughness" }
-static const surface bare = {ROUGHNESS(""), "eta", "k", SMOOTH_IS_REFUSED},
-                     glass = {ROUGHNESS(""), .smooth = SMOOTH_IS_REMARKED},
-                     interface = {ROUGHNESS("interface."), .smooth = SMOOTH_IS_MODELLED},
-                     coated = {ROUGHNESS("conductor."), "conductor.eta", "conductor.k", SMOOTH_IS_MODELLED};
+static const surface bare = {ROUGHNESS(""), "eta", "k", false},
+                     interface = {ROUGHNESS("interface."), .is_smooth_modelled = true},
+                     coated = {ROUGHNESS("conductor."), "conductor.eta", "conductor.k", true};
 
 /* eta = 1 and k = 2 sqrt(r / (1 - r)) of a reflectance r at normal incidence, as pbrt, which clamps r to 0.9999. */
 static bool reflectance_index(nqm_bsdf_reading *r, const surface *s, const nqm_bsdf_node *node) {
@@ -213,7 +219,7 @@ static bool reflectance_index(nqm_bsdf_reading *r, const surface *s, const nqm_b
            nqm_bsdf_output(r, s->k, nqm_graph_with(t, NQM_MAP_MULTIPLY, 3, value, 2));
 }
 
-/* Both directions; alpha is the square root. Texels that would be mirrors have the smallest lobe of the model. */
+/* Both directions; alpha is the square root. Mirrors, also texels that would be mirrors, have the smallest lobe of the model. */
 static bool read_roughness(nqm_bsdf_reading *r, const surface *s, const nqm_bsdf_node *bsdf) {
     const double zero = 0;
     nqm_textured *t = r->reading.textured;
@@ -232,19 +238,15 @@ static bool read_roughness(nqm_bsdf_reading *r, const surface *s, const nqm_bsdf
         value[0] = nqm_graph_compute(t, NQM_MAP_COMBINE, n, value[0], value[1], 0);
     if (!remap)
         value[0] = nqm_graph_compute(t, NQM_MAP_MULTIPLY, n, value[0], value[0], 0);
-    if (s->smooth == SMOOTH_IS_MODELLED)
+    if (nqm_graph_is_constant(t, value[0]) && fmin(t->nodes[value[0]].v[0], t->nodes[value[0]].v[n - 1]) < 1e-6)
+        nqm_textured_remark(t, NQM_BSDF_SMOOTH);
+    if (s->is_smooth_modelled)
         return nqm_bsdf_output(r, s->roughness[0], value[0]);
-    if (nqm_graph_is_constant(t, value[0]) && fmin(t->nodes[value[0]].v[0], t->nodes[value[0]].v[n - 1]) < 1e-6) {
-        r->reading.shading.remark = NQM_BSDF_SMOOTH;
-        if (s->smooth == SMOOTH_IS_REFUSED)
-            return nqm_refuse(&r->reading, bsdf,
-                              "a smooth surface reflects into one direction only; only rough ones have a BRDF");
-    }
     return nqm_bsdf_output(r, s->roughness[0], nqm_graph_with(t, NQM_MAP_MAXIMUM, n, value[0], 1e-6));
 }
 
 static bool read_index(nqm_bsdf_reading *r, const surface *s) {
-    const nqm_metal *copper = nqm_metal_find("Cu"); /* pbrt's default */
+    const nqm_metal *copper = nqm_metal_find(true, "metal-Cu"); /* pbrt's default */
     const nqm_bsdf_node *reflectance = nqm_bsdf_find(r, "reflectance");
     uint16_t eta, k;
     if (reflectance)
@@ -275,7 +277,7 @@ static bool finish_dielectric(nqm_bsdf_reading *r, const nqm_bsdf_node *bsdf) {
             eta = glasses[i].eta;
     if (!is_glass && !nqm_bsdf_numbers(r, "eta", 1, &eta))
         return false;
-    return read_roughness(r, &glass, bsdf) && nqm_bsdf_interface(r, bsdf, eta, is_thin);
+    return read_roughness(r, &bare, bsdf) && nqm_bsdf_interface(r, bsdf, eta, is_thin);
 }
 
 /* The surface of what scatters below it. */
@@ -283,7 +285,7 @@ static bool finish_subsurface(nqm_bsdf_reading *r, const nqm_bsdf_node *bsdf) {
     nqm_textured *t = r->reading.textured;
     double eta = 1.33;
     return nqm_set_aside(&r->reading, NQM_IGNORE_SUBSURFACE, bsdf, "subsurface scattering is not supported") &&
-           nqm_bsdf_numbers(r, "eta", 1, &eta) && read_roughness(r, &glass, bsdf) &&
+           nqm_bsdf_numbers(r, "eta", 1, &eta) && read_roughness(r, &bare, bsdf) &&
            nqm_bsdf_output(r, "eta", nqm_graph_number(t, eta)) && nqm_bsdf_output(r, "k", nqm_graph_number(t, 0));
 }
 
@@ -330,7 +332,8 @@ static bool finish_coated_diffuse(nqm_bsdf_reading *r, const nqm_bsdf_node *bsdf
 
 #define NUMBER(NAME)                                                                                                   \
     { .name = NAME, .read = nqm_rule_set, .key = NAME, .n = 1 }
-#define DISPLACEMENT NQM_RULE_ZERO("displacement", "displacement is not part of a BRDF")
+#define DISPLACEMENT                                                                                                   \
+    { .name = "displacement", .read = read_displacement, .n = 1 }
 #define NORMAL_MAP                                                                                                     \
     { .name = "normalmap", .read = read_normal_map }
 #define MEDIUM                                                                                                         \
@@ -383,20 +386,45 @@ static const nqm_bsdf_plugin types[] = {
                NQM_RULE_LATER("vroughness"), NQM_RULE_LATER("remaproughness"),
                NQM_RULE_IGNORED("reflectance mfp name sigma_a sigma_s scale g"), NORMAL_MAP, DISPLACEMENT}},
     {.type = "hair", .refusal = "hair has no BRDF of a surface"},
-    {.type = "mix", .refusal = "mixtures of materials are not supported"},
     {.type = "interface", .refusal = "it reflects nothing"},
     {.type = NULL}};
 
-nqm_status nqm_pbrt_add(const nqm_bsdf_nodes *nodes, size_t at, const char *type, const char *refusal, const char *path,
-                        nqm_materials *materials, nqm_error *err) {
-    nqm_bsdf_reading r = {.nodes = nodes, .at = at, .path = path};
+/* The two materials before it that it names, with the weight `amount` of the second. */
+static bool read_mix(nqm_bsdf_reading *r, const nqm_materials *materials) {
+    const nqm_bsdf_node *mix = &r->nodes->list[r->at], *list = nqm_bsdf_find(r, "materials"), *node = NULL;
+    const char *end = list ? strchr(list->value, '\n') : NULL;
+    nqm_material_info parts[2];
+    double amount = 0.5;
+    while ((node = nqm_bsdf_next(r->nodes, r->at, node)))
+        if (!nqm_contains_word("materials amount", node->name, false))
+            return nqm_refuse(&r->reading, node, "mix has no property '%.40s'", node->name);
+    if (!end || list->kind != NQM_BSDF_STRING || strchr(end + 1, '\n'))
+        return nqm_refuse(&r->reading, mix, "materials needs the names of two materials");
+    if (!nqm_bsdf_numbers(r, "amount", 1, &amount))
+        return false;
+    for (size_t i = 0; i < 2; ++i) {
+        char name[256];
+        snprintf(name, sizeof name, "%.*s", i ? (int)strlen(end + 1) : (int)(end - list->value),
+                 i ? end + 1 : list->value);
+        const size_t number = nqm_pbrt_find(r->ids, "material", name);
+        if (number == SIZE_MAX)
+            return nqm_refuse(&r->reading, list, "materials: there is no material '%.40s' before it", name);
+        parts[i] = nqm_materials_get(materials, number);
+    }
+    return nqm_reading_mix(&r->reading, list, parts[0], parts[1], fmin(fmax(amount, 0), 1));
+}
+
+nqm_status nqm_pbrt_add(const nqm_pbrt_scene *scene, size_t at, const char *type, const char *refusal, nqm_error *err) {
+    nqm_bsdf_reading r = {.nodes = &scene->nodes, .at = at, .path = scene->path, .ids = &scene->names};
     const bool has_memory = nqm_reading_begin(&r.reading, &nqm_bsdf_source);
-    const nqm_bsdf_node *material = &nodes->list[at];
+    const nqm_bsdf_node *material = &r.nodes->list[at];
     if (refusal)
         nqm_refuse(&r.reading, material, "%s", refusal);
+    else if (has_memory && strcmp(type, "mix") == 0)
+        read_mix(&r, scene->materials);
     else if (has_memory)
         nqm_bsdf_read(&r, types, type);
-    return nqm_reading_add(&r.reading, material->id, type, material->byte_offset, materials, err);
+    return nqm_reading_add(&r.reading, material->id, type, material->byte_offset, scene->materials, err);
 }
 
 /* ---- writing ----------------------------------------------------------------------------------------------------- */

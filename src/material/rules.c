@@ -155,6 +155,36 @@ bool nqm_rule_later(nqm_reading *r, const nqm_rule *rule, const void *property) 
     return nqm_rule_ignore(r, rule, property);
 }
 
+enum { MAX_MIXTURE = 8000 }; /* characters of its parts; each level of mixtures may double them */
+
+bool nqm_reading_mix(nqm_reading *r, const void *property, nqm_material_info of, nqm_material_info with, double t) {
+    const char *specs[2] = {NULL, NULL};
+    if (r->textured->normal != NQM_NO_NODE)
+        return nqm_refuse(r, property, "a normal map of a mixture is not supported");
+    for (size_t i = 0; i < 2; ++i) {
+        const nqm_material_info *part = i ? &with : &of;
+        unsigned ignorable = 0;
+        if (t == (i ? 0 : 1))
+            continue; /* it has no weight */
+        specs[i] = part->spec ? part->spec : part->reflection;
+        if (part->n_maps || !specs[i] || strcmp(part->surface, "measured") == 0)
+            return nqm_refuse(r, property, "'%.40s' is part of a mixture and %s%.200s", part->name,
+                              part->n_maps ? "has maps"
+                              : specs[i]   ? "measured"
+                                           : "refused: ",
+                              part->n_maps || specs[i] ? "; mixtures of constant materials are read" : part->refusal);
+        if (!part->spec && nqm_ignore_parse(part->ignorable, strlen(part->ignorable), &ignorable))
+            nqm_set_aside(r, ignorable, property, "'%.40s' is part of a mixture: %.200s", part->name, part->refusal);
+        if (part->remark)
+            nqm_textured_remark(r->textured, part->remark);
+    }
+    if (specs[0] && specs[1] && strlen(specs[0]) + strlen(specs[1]) > MAX_MIXTURE)
+        return nqm_refuse(r, property, "its mixture is nested too deep");
+    r->mixture = specs[0] && specs[1] ? nqm_strdupf("between:t=%.17g;with=(%s);of=%s", t, specs[1], specs[0])
+                                      : nqm_strdup(specs[0] ? specs[0] : specs[1]);
+    return r->mixture || nqm_refuse(r, property, "memory is short");
+}
+
 nqm_status nqm_reading_add(nqm_reading *r, const char *name, const char *surface, int64_t byte_offset,
                            nqm_materials *materials, nqm_error *err) {
     nqm_textured *t = r->textured;
@@ -162,10 +192,18 @@ nqm_status nqm_reading_add(nqm_reading *r, const char *name, const char *surface
         return nqm_fail_nomem(err, sizeof *t);
     if (!*r->refusal.text && r->ignorable)
         nqm_reading_reflect(r);
-    const bool is_refused = *r->refusal.text, varies = !is_refused && (t->n_outputs || t->normal != NQM_NO_NODE);
+    bool varies = !*r->refusal.text && (t->n_outputs || t->normal != NQM_NO_NODE);
+    if (!nqm_materials_reserve(materials, varies ? nqm_textured_bytes(t) : t->n_nodes * sizeof *t->nodes) && varies) {
+        r->refusal = (nqm_reason){NQM_MATERIALS_FULL, byte_offset};
+        varies = false;
+    }
+    const bool is_refused = *r->refusal.text;
     const bool has_brdf = !is_refused && !varies, is_aside = !is_refused && r->ignorable;
     const nqm_reason *reason = is_refused ? &r->refusal : is_aside ? &r->aside : &r->varies;
-    char *spec = has_brdf && !r->file ? nqm_shading_spec(&r->shading) : NULL, words[NQM_IGNORE_SIZE];
+    char *spec = r->mixture ? r->mixture : has_brdf && !r->file ? nqm_shading_spec(&r->shading) : NULL;
+    char words[NQM_IGNORE_SIZE];
+    if (r->shading.remark)
+        nqm_textured_remark(t, r->shading.remark);
     if (spec && r->metal) {
         char *mixture = nqm_strdupf("between:t=%.17g;with=(%s);of=%s", r->metal_share, r->metal, spec);
         nqm_free(spec);
@@ -173,22 +211,20 @@ nqm_status nqm_reading_add(nqm_reading *r, const char *name, const char *surface
     }
     nqm_free(r->metal);
     r->metal = NULL;
-    const char *brdf = has_brdf && r->file ? r->file : spec;
+    const char *brdf = !has_brdf ? NULL : r->file ? r->file : spec;
     const nqm_material_info info = {.name = name,
                                     .surface = surface,
                                     .spec = is_aside ? NULL : brdf,
                                     .refusal = has_brdf && !is_aside ? NULL : reason->text,
-                                    .remark = is_refused || r->file ? NULL : r->shading.remark,
+                                    .remark = is_refused || r->file || !*t->remark ? NULL : t->remark,
                                     .byte_offset = has_brdf && !is_aside ? byte_offset : reason->byte_offset,
                                     .ignorable = is_aside ? nqm_ignore_words(r->ignorable, words) : NULL,
                                     .reflection = is_aside ? brdf : NULL};
     nqm_status status =
-        info.spec || info.refusal ? nqm_materials_add(materials, &info, err) : nqm_fail_nomem(err, sizeof r->shading);
+        brdf || !has_brdf ? nqm_materials_add(materials, &info, err) : nqm_fail_nomem(err, sizeof r->shading);
     if (status == NQM_OK && varies) {
         nqm_textured_prune(t);
         t->shading = r->shading;
-        if (r->shading.remark)
-            nqm_textured_remark(t, r->shading.remark);
         t->shading.remark = NULL; /* it may belong to the reader */
         nqm_materials_attach(materials, t, true);
     } else

@@ -88,6 +88,7 @@ struct nqm_reading {
     uint16_t subsurface_color; /**< albedo of the subsurface scattering; NQM_NO_NODE: that of the base */
     char *metal; /**< spec of the part that is a metal, beside what `shading` then is; NULL: there is no such part */
     double metal_share;
+    char *mixture; /**< spec of a mixture of materials, in the place of the shading; NULL: it is none */
 };
 
 /** Begin to read a material; false: memory is short, and nqm_reading_add() will fail. */
@@ -105,6 +106,8 @@ void nqm_reading_reflect(nqm_reading *r);
 bool nqm_rules_apply(nqm_reading *r, const char *name, const void *property);
 /** The rule for a name, or NULL. */
 const nqm_rule *nqm_rule_find(const nqm_rule *rules, const char *name);
+/** Let the material be the mixture (1 - t) of + t with; each is a constant material, or what of it reflects. t: 0 to 1. false: refused. */
+bool nqm_reading_mix(nqm_reading *r, const void *property, nqm_material_info of, nqm_material_info with, double t);
 /** Append what has been read: the shading, with the maps, the file or the refusal. byte_offset: of a material that is
  *  accepted. Takes the maps; a reading that is given up frees them by nqm_textured_free(). */
 NQM_MUST_CHECK nqm_status nqm_reading_add(nqm_reading *r, const char *name, const char *surface, int64_t byte_offset,

@@ -1,16 +1,15 @@
 /* SPDX-License-Identifier: MIT
  *
  * USD as text (.usda; openusd.org, "USDA File Format Specification" and UsdShade): materials with a UsdPreviewSurface
- * or the shaders of MaterialX ("ND_standard_surface_surfaceshader"). The prims become a document of MaterialX, whose
- * reader does the rest, textures included. One layer is read, without composition. Binary layers (crate, .usdc) and
- * packages (.usdz) are recognised, to say what to do with them.
+ * or the shaders of MaterialX ("ND_standard_surface_surfaceshader"). This file reads one layer as prims, usda_compose.c composes
+ * them, and usda_material.c makes a document of MaterialX of them, whose reader does the rest, textures included. Variants and
+ * other layers are not read. Binary layers (crate, .usdc) and packages (.usdz) are recognised, to say what to do with them.
  */
-#include "io/xml.h"
-#include "material/materialx.h"
+#include "material/usda.h"
 
 #include <ctype.h>
 
-enum { MAX_DEPTH = 60, MAX_TEXT = 1024, MAX_PATH = 256, MAX_HOPS = 64 };
+enum { MAX_DEPTH = NQM_USDA_MAX_DEPTH, MAX_TEXT = NQM_USDA_MAX_TEXT };
 
 typedef nqm_xml_element element;
 
@@ -18,20 +17,18 @@ typedef nqm_xml_element element;
 
 /* After a failure, only the end of the file follows. */
 typedef struct scanner {
-    const char *path, *text;
+    nqm_usda layer;
+    const char *text;
     size_t n, at, token_at;
     char kind; /* of the token: 'w' word or number, 's' string, '@' asset, '<' path, punctuation, 0 at the end */
     char token[MAX_TEXT]; /* without its quotes; cut if it is longer */
-    nqm_xml prims; /* <Shader name="tex"> with properties <color3f name="inputs:scale" value="..."> and child prims */
-    size_t max_elements;
-    nqm_status status;
-    nqm_error *err;
 } scanner;
 
 static void fail(scanner *s, const char *what) {
-    if (s->status == NQM_OK)
-        s->status =
-            nqm_fail(s->err, NQM_ERR_FORMAT, (int64_t)s->token_at, "%s: %s (byte %zu)", s->path, what, s->token_at);
+    nqm_usda *layer = &s->layer;
+    if (layer->status == NQM_OK)
+        layer->status = nqm_fail(layer->err, NQM_ERR_FORMAT, (int64_t)s->token_at, "%s: %s (byte %zu)", layer->path,
+                                 what, s->token_at);
     s->at = s->n;
     s->kind = 0;
 }
@@ -41,8 +38,8 @@ static bool begins(const scanner *s, const char *text) {
 }
 
 static void skip_blanks(scanner *s) {
-    while (s->at < s->n && (isspace((unsigned char)s->text[s->at]) || s->text[s->at] == '#'))
-        if (s->text[s->at++] == '#')
+    while (s->at < s->n && (isspace((unsigned char)s->text[s->at]) || s->text[s->at] == '#' || begins(s, "//")))
+        if (!isspace((unsigned char)s->text[s->at++]))
             while (s->at < s->n && s->text[s->at] != '\n')
                 ++s->at;
 }
@@ -98,9 +95,9 @@ static bool is_bracket(const scanner *s, const char *brackets) {
     return s->kind && strchr(brackets, s->kind);
 }
 
-/* Go to the end of the bracket that is the token. text: what is inside, "" if that is long. Of metadata that `words` name, found
- * receives the last value that is a string, or else the name. */
-static void skip_brackets(scanner *s, char *text, const char *words, char *found) {
+/* Go to the end of the bracket that is the token. text: what is inside, "" if that is long. Of metadata `word`, found receives the
+ * last value that is a string. */
+static void skip_brackets(scanner *s, char *text, const char *word, char *found) {
     const size_t first = s->at;
     size_t depth = 1;
     bool is_named = false;
@@ -108,8 +105,8 @@ static void skip_brackets(scanner *s, char *text, const char *words, char *found
         next(s);
         depth += is_bracket(s, "([{");
         depth -= is_bracket(s, ")]}");
-        is_named = s->kind == 'w' ? words && is_token(s, words) : is_named;
-        if (is_named && (s->kind == 'w' || s->kind == 's'))
+        is_named = s->kind == 'w' ? word && is_token(s, word) : is_named;
+        if (is_named && s->kind == 's')
             strcpy(found, s->token);
     } while (depth && s->kind);
     const size_t n = s->token_at - first;
@@ -122,37 +119,65 @@ static void skip_brackets(scanner *s, char *text, const char *words, char *found
 }
 
 /* Go on to the next token, and if that is a bracket of metadata, beyond it. */
-static void next_beyond(scanner *s, const char *words, char *found) {
+static void next_beyond(scanner *s, const char *word, char *found) {
     next(s);
     if (s->kind == '(') {
-        skip_brackets(s, NULL, words, found);
+        skip_brackets(s, NULL, word, found);
         next(s);
     }
 }
 
-/* ---- prims --------------------------------------------------------------------------------------------------------- */
+/* ---- properties ---------------------------------------------------------------------------------------------------- */
 
-static bool is_output(const char *name) {
-    return strncmp(name, "outputs:", 8) == 0;
-}
-
-/* NULL: the file has too many, or there is no memory. */
-static element *append(scanner *s, element *parent, const char *name, const char *const *attributes, size_t at) {
+/* NULL: the file has too many, or there is no memory; `status` says which. */
+static element *append(nqm_usda *layer, element *parent, const char *name, const char *const *attributes, int64_t at) {
     element *e = NULL;
-    if (s->status == NQM_OK && s->prims.n_elements == s->max_elements)
-        s->status = nqm_fail(s->err, NQM_ERR_LIMIT, (int64_t)at, "%s: more than %zu prims and inputs (byte %zu)",
-                             s->path, s->max_elements, at);
-    if (s->status == NQM_OK && !(e = nqm_xml_append(&s->prims, parent, name, attributes, (int64_t)at)))
-        s->status = nqm_fail_nomem(s->err, sizeof *e);
-    if (!e)
-        fail(s, "");
+    if (layer->status == NQM_OK && layer->prims.n_elements == layer->max_elements)
+        layer->status = nqm_fail(layer->err, NQM_ERR_LIMIT, at, "%s: more than %zu prims and inputs (byte %lld)",
+                                 layer->path, layer->max_elements, (long long)at);
+    if (layer->status == NQM_OK && !(e = nqm_xml_append(&layer->prims, parent, name, attributes, at)))
+        layer->status = nqm_fail_nomem(layer->err, sizeof *e);
+    if (e && parent)
+        nqm_index_add(&layer->names, e);
     return e;
 }
 
+/* The value that is the token; stops at its last one. */
+static void read_value(scanner *s, char value[MAX_TEXT]) {
+    *value = 0;
+    if (is_bracket(s, "([{"))
+        skip_brackets(s, value, NULL, NULL);
+    else if (!is_token(s, "None"))
+        strcpy(value, s->token);
+}
+
+/* The first value of "{ 1: 0.5, 10: 0.6 }" or of a list, of which the bracket is the token; stops at the last bracket. */
+static void read_first(scanner *s, char value[MAX_TEXT]) {
+    const bool has_times = s->kind == '{';
+    const char *colon;
+    *value = 0;
+    next(s);
+    for (; has_times && s->kind == 'w'; next(s))
+        if ((colon = strchr(s->token, ':'))) {
+            if (colon[1]) /* "1:0.5" */
+                memmove(s->token, colon + 1, strlen(colon));
+            else
+                next(s);
+            break;
+        }
+    if (is_bracket(s, "]}"))
+        return;
+    read_value(s, value);
+    skip_brackets(s, NULL, NULL, NULL);
+}
+
 /* "color3f inputs:a.connect = </M/t.outputs:rgb> (metadata)", of which the type is the token; stops at the token after it. */
-static void read_property(scanner *s, element *prim) {
+static void read_property(scanner *s, element *prim, bool is_deleted) {
+    static const char owners[] =
+        "Material Shader NodeGraph prim over class:Material class:Shader class:NodeGraph class:prim";
     char type[MAX_TEXT], name[MAX_TEXT], value[MAX_TEXT] = "", space[MAX_TEXT] = "";
     const size_t at = s->token_at;
+    const char *form, *has_value = NULL;
     strcpy(type, s->token);
     do
         next(s);
@@ -161,23 +186,55 @@ static void read_property(scanner *s, element *prim) {
         fail(s, "a property without its name");
     strcpy(name, s->token);
     next_beyond(s, "colorSpace", space);
+    form = strrchr(name, '.');
     if (s->kind == '=') {
+        has_value = "value";
         next(s);
-        strcpy(value, s->token);
-        if (is_bracket(s, "([{"))
-            skip_brackets(s, value, NULL, NULL);
+        if (form && is_bracket(s, strcmp(form, ".connect") == 0 ? "[" : "{"))
+            read_first(s, value);
+        else
+            read_value(s, value);
         next_beyond(s, "colorSpace", space);
     }
-    char *dot = strrchr(name, '.'), *form = "value";
-    if (dot) {
-        form = strcmp(dot, ".connect") == 0 ? "connect" : "times";
-        *dot = 0;
+    const char *const attributes[] = {"name", name, "space", space, has_value, value, NULL};
+    const bool is_read =
+        strncmp(name, "inputs:", 7) == 0 || strncmp(name, "outputs:", 8) == 0 || strncmp(name, "info:", 5) == 0;
+    if (is_read && !is_deleted && nqm_contains_word(owners, prim->name, false))
+        append(&s->layer, prim, type, attributes, (int64_t)at);
+}
+
+/* ---- prims --------------------------------------------------------------------------------------------------------- */
+
+/* What the metadata, of which the bracket is the token, say that the prim is composed of: paths in this layer, as the attribute of
+ * nqm_usda, and something else, as NQM_USDA_EXTERNAL. */
+static void read_arcs(scanner *s, char arcs[MAX_TEXT], char external[MAX_TEXT]) {
+    enum { N = 4, VARIANTS = N };
+    static const char words[] = "inherits references payload specializes variants";
+    char lists[N + 1][MAX_TEXT] = {""};
+    size_t depth = 1, arc = SIZE_MAX, used = 0;
+    for (char last = 0; depth && s->kind; last = s->kind) {
+        next(s);
+        depth += is_bracket(s, "([{");
+        depth -= is_bracket(s, ")]}");
+        if (s->kind == 'w' && depth == 1) /* what is deleted is no word of these */
+            arc = last == 'w' && arc == N + 1 ? SIZE_MAX
+                  : is_token(s, "delete")     ? N + 1
+                                              : nqm_find_word(words, s->token, false);
+        if (arc > VARIANTS)
+            continue;
+        if (s->kind == '@' && !*s->token) /* this layer */
+            s->kind = ',';
+        else if (s->kind == '@' || (arc == VARIANTS && s->kind == 's'))
+            snprintf(external, MAX_TEXT, s->kind == '@' ? "the layer '%.80s'" : "variants ('%.80s')", s->token);
+        else if (s->kind == '<' && last != '@' && strlen(lists[arc]) + strlen(s->token) + 2 < MAX_TEXT / N)
+            strcat(strcat(lists[arc], s->token), " ");
+        else if (s->kind == '<' && last != '@')
+            strcpy(external, "more prims than are read");
     }
-    const bool is_input = strncmp(name, "inputs:", 7) == 0 && *value; /* others are declared only */
-    const char *const attributes[] = {"name", name, form, value, "space", space, NULL};
-    if ((is_input || is_output(name) || strcmp(name, "info:id") == 0) &&
-        nqm_contains_word("Material Shader NodeGraph", prim->name, false))
-        append(s, prim, type, attributes, at);
+    for (arc = 0; arc < N; used += strlen(lists[arc++]))
+        strcpy(arcs + used, lists[arc]);
+    if (depth)
+        fail(s, "a bracket without its end");
 }
 
 static void read_prim(scanner *s, element *parent, size_t depth);
@@ -186,10 +243,11 @@ static void read_prim(scanner *s, element *parent, size_t depth);
 static void read_body(scanner *s, element *prim, size_t depth) {
     next(s);
     while (s->kind && s->kind != '}') {
-        while (is_token(s, "custom uniform varying prepend append add delete"))
-            next(s);
+        bool is_deleted = false;
+        for (; is_token(s, "custom config uniform varying prepend append add delete"); next(s))
+            is_deleted = is_deleted || is_token(s, "delete");
         if (s->kind == 'w' && !is_token(s, "def over class variantSet")) {
-            read_property(s, prim);
+            read_property(s, prim, is_deleted);
             continue;
         }
         if (is_token(s, "def over class"))
@@ -208,9 +266,9 @@ static void read_body(scanner *s, element *prim, size_t depth) {
 
 /* "def Shader "name" (metadata) { ... }", of which the first word is the token; stops at its last brace. */
 static void read_prim(scanner *s, element *parent, size_t depth) {
-    const bool is_def = is_token(s, "def");
+    const bool is_over = is_token(s, "over"), is_class = is_token(s, "class");
     const size_t at = s->token_at;
-    char type[MAX_TEXT] = "prim", name[MAX_TEXT], composed[MAX_TEXT] = "";
+    char type[MAX_TEXT] = "prim", kind[MAX_TEXT + 8], name[MAX_TEXT], arcs[MAX_TEXT] = "", external[MAX_TEXT] = "";
     next(s);
     if (s->kind == 'w') {
         strcpy(type, s->token);
@@ -219,19 +277,27 @@ static void read_prim(scanner *s, element *parent, size_t depth) {
     if (s->kind != 's')
         fail(s, "a prim without its name");
     strcpy(name, s->token);
-    next_beyond(s, "references payload inherits specializes variants", composed);
+    next(s);
+    if (s->kind == '(') {
+        read_arcs(s, arcs, external);
+        next(s);
+    }
     if (s->kind != '{')
         fail(s, "a prim without its body");
     if (depth == MAX_DEPTH)
         fail(s, "prims that are nested more than 60 deep");
-    const char *const attributes[] = {"name", name, "composed", composed, NULL};
-    element *prim = append(s, parent, is_def ? type : "over", attributes, at);
+    snprintf(kind, sizeof kind, "%s%s", is_class ? "class:" : "", is_over ? "over" : type);
+    element *prim =
+        append(&s->layer, parent, kind, (const char *const[]){"name", name, "arcs", arcs, NULL}, (int64_t)at);
+    if (prim && *external)
+        append(&s->layer, prim, "token", (const char *const[]){"name", NQM_USDA_EXTERNAL, "value", external, NULL},
+               (int64_t)at);
     if (prim)
         read_body(s, prim, depth + 1);
 }
 
 static void read_layer(scanner *s) {
-    element *root = append(s, NULL, "layer", (const char *const[]){NULL}, 0);
+    element *root = append(&s->layer, NULL, "layer", (const char *const[]){NULL}, 0);
     for (next(s); s->kind; next(s))
         if (s->kind == '(')
             skip_brackets(s, NULL, NULL, NULL);
@@ -239,192 +305,141 @@ static void read_layer(scanner *s) {
             read_prim(s, root, 0);
 }
 
-/* ---- the document of MaterialX --------------------------------------------------------------------------------------- */
+/* ---- composition --------------------------------------------------------------------------------------------------- */
 
-typedef struct writer {
-    const scanner *s;
-    nqm_index names; /* of the prims */
-    nqm_xml document;
-    nqm_materials *materials;
-    bool has_memory;
-} writer;
-
-static element *put(writer *w, element *parent, const char *name, const char *const *attributes, int64_t byte_offset) {
-    element *e = w->has_memory ? nqm_xml_append(&w->document, parent, name, attributes, byte_offset) : NULL;
-    w->has_memory = e != NULL;
+const element *nqm_usda_find(const nqm_usda *layer, const element *base, const char *path, const char **property_ret) {
+    const element *e = *path == '/' ? layer->prims.root : base;
+    char name[MAX_TEXT];
+    path += *path == '/';
+    while (e && *path && (*path != '.' || strncmp(path, "..", 2) == 0)) {
+        const size_t n = *path == '.' ? 2 : strcspn(path, "/.");
+        snprintf(name, sizeof name, "%.*s", (int)nqm_smaller(n, sizeof name - 1), path);
+        e = *path == '.' ? e->parent : nqm_xml_find(&layer->names, e, NULL, name);
+        path += n + (path[n] == '/');
+    }
+    *property_ret = e && *path ? path + 1 : NULL;
     return e;
 }
 
-/* The prim or property of "/Looks/M/tex.outputs:rgb"; NULL: there is none. */
-static const element *find(const writer *w, const char *path) {
-    const element *e = w->s->prims.root;
-    const char *dot = strchr(path, '.');
-    char name[MAX_TEXT];
-    while (e && *path == '/') {
-        const size_t n = strcspn(++path, "/.");
-        snprintf(name, sizeof name, "%.*s", (int)nqm_smaller(n, sizeof name - 1), path);
-        e = nqm_xml_find(&w->names, e, NULL, name);
-        path += n;
-    }
-    return e && dot ? nqm_xml_find(&w->names, e, NULL, dot + 1) : e;
-}
-
-/* The path of a prim; "" if it is long. */
-static void path_of(const writer *w, const element *prim, char path[MAX_PATH]) {
+void nqm_usda_path(const element *prim, char path[MAX_TEXT]) {
     const element *chain[MAX_DEPTH + 2];
     size_t n = 0, used = 0;
-    for (; prim != w->s->prims.root; prim = prim->parent)
+    for (; prim->parent; prim = prim->parent)
         chain[n++] = prim;
     *path = 0;
-    while (n-- && used < MAX_PATH)
-        used += (size_t)snprintf(path + used, MAX_PATH - used, "/%s", nqm_xml_get(chain[n], "name"));
-    if (used >= MAX_PATH)
+    while (n-- && used < MAX_TEXT)
+        used += (size_t)snprintf(path + used, MAX_TEXT - used, "/%s", nqm_xml_get(chain[n], "name"));
+    if (used >= MAX_TEXT)
         *path = 0;
 }
 
-/* Whether it is the output of a shader. */
-static bool is_of_shader(const element *property) {
-    return strcmp(property->parent->name, "Shader") == 0 && is_output(nqm_xml_get(property, "name"));
+typedef struct arc {
+    char from[MAX_TEXT], to[MAX_TEXT]; /* paths of the prims */
+} arc;
+
+static bool is_inside(const char *path, const char *prim) {
+    const size_t n = strlen(prim);
+    return strncmp(path, prim, n) == 0 && memchr("/.", path[n], sizeof "/.");
 }
 
-/* From a property through the interfaces of materials and node graphs to one with a value, or to the output of a shader. */
-static const element *follow(const writer *w, const element *property) {
-    for (int hops = 0; hops < MAX_HOPS && nqm_xml_get(property, "connect"); ++hops) {
-        const element *to = find(w, nqm_xml_get(property, "connect"));
-        if (!to || is_of_shader(to))
-            return to;
-        property = to;
-    }
-    return property;
+static void fail_deep(nqm_usda *layer, const element *prim) {
+    if (layer->status == NQM_OK)
+        layer->status = nqm_fail(layer->err, NQM_ERR_FORMAT, prim->byte_offset,
+                                 "%s: prims that are composed of prims, nested too deeply (byte %lld)", layer->path,
+                                 (long long)prim->byte_offset);
 }
 
-static const char *type_of(const char *usd) {
-    static const char *const types[] = {"float",   "float",    "integer", "boolean", "string",
-                                        "string",  "filename", "vector2", "vector2", "color3",
-                                        "vector3", "vector3",  "vector3", "color4",  "vector4"};
-    const size_t i = nqm_find_word("float double int bool string token asset float2 texCoord2f color3f float3 vector3f "
-                                   "normal3f color4f float4",
-                                   usd, false);
-    return i == SIZE_MAX ? usd : types[i];
+/* The type of a prim of this kind, which may be a class or an over. */
+static const char *type_of(const char *kind) {
+    const size_t n = strlen("class:");
+    return strcmp(kind, "over") == 0 ? "prim" : kind + (strncmp(kind, "class:", n) == 0 ? n : 0);
 }
 
-/* The space of an image: of its metadata; a UsdUVTexture finds it by the picture unless it says something else. */
-static const char *space_of(const char *node, const element *property) {
-    const char *space = nqm_xml_get(property, "space");
-    if (strcmp(space, "sRGB") == 0)
-        return "srgb_texture";
-    if (*space && strcmp(space, "auto") != 0)
-        return nqm_contains_word("raw Raw", space, false) ? "none" : space;
-    return strcmp(node, "UsdUVTexture") == 0 ? NQM_SPACE_AUTO : "none";
+static void copy_property(nqm_usda *layer, element *to, const element *property, const arc *a) {
+    const char *name = nqm_xml_get(property, "name"), *value = nqm_xml_get(property, "value");
+    const char *space = nqm_xml_get(property, "space"), *dot = strrchr(name, '.');
+    char path[2 * MAX_TEXT] = "";
+    if (value && dot && strcmp(dot, ".connect") == 0 && is_inside(value, a->from))
+        snprintf(path, sizeof path, "%s%s", a->to, value + strlen(a->from));
+    const char *const attributes[] = {
+        "name", name, "space", space ? space : "", value ? "value" : NULL, *path ? path : value, NULL};
+    append(layer, to, property->name, attributes, property->byte_offset);
 }
 
-static void add_input(writer *w, element *shader, const element *property) {
-    const element *to = follow(w, property);
-    const char *name = nqm_xml_get(property, "name") + strlen("inputs:"), *type = type_of(property->name);
-    const char *value = to && !is_of_shader(to) ? nqm_xml_get(to, "value") : NULL;
-    char path[MAX_PATH] = "";
-    const char *output = to ? nqm_xml_get(to, "name") + strlen("outputs:") : "";
-    if (to && is_of_shader(to))
-        path_of(w, to->parent, path);
-    else if (to && !value)
-        type = "value that varies with time"; /* which the reader refuses by this name */
-    const bool is_file = value && strcmp(type, "filename") == 0;
-    const char *space = is_file ? space_of(shader->name, property) : "lin_rec709";
-    const char *const constant[] = {"name", name, "type", type, "value", value, "colorspace", space, NULL};
-    const char *const connected[] = {
-        "name", name, "type", type, "nodename", path, "output", strcmp(output, "out") == 0 ? "" : output, NULL};
-    w->has_memory &=
-        nqm_xml_append(&w->document, shader, "input", value ? constant : connected, property->byte_offset) != NULL;
-}
-
-/* "image" of "ND_image_color3", "standard_surface" of "ND_standard_surface_surfaceshader_100". */
-static void node_of(const char *id, char node[MAX_TEXT]) {
-    static const char *const endings[] = {"float",   "color3", "color4",   "vector",        "integer",
-                                          "boolean", "string", "filename", "surfaceshader", "1"};
-    enum { N = sizeof endings / sizeof *endings };
-    snprintf(node, MAX_TEXT, "%s", strncmp(id, "ND_", 3) == 0 ? id + 3 : id);
-    for (char *last; (last = strrchr(node, '_')); *last = 0) {
-        size_t i = 0;
-        while (i < N && strncmp(last + 1, endings[i], strlen(endings[i])) != 0)
-            ++i;
-        if (i == N)
-            return;
-    }
-}
-
-static void add_shader(writer *w, const element *prim) {
-    const element *id = nqm_xml_find(&w->names, prim, NULL, "info:id");
-    const char *type = NULL, *definition = id && nqm_xml_get(id, "value") ? nqm_xml_get(id, "value") : "shader";
-    char path[MAX_PATH], node[MAX_TEXT];
-    path_of(w, prim, path);
-    node_of(definition, node);
-    for (const element *e = prim->first; e; e = e->next)
-        if (is_output(nqm_xml_get(e, "name")))
-            type = type ? "multioutput" : strcmp(e->name, "token") == 0 ? "surfaceshader" : type_of(e->name);
-    const bool is_typed = type && strcmp(node, "UsdUVTexture") != 0;
-    const char *const attributes[] = {"name", path, "nodedef", definition, is_typed ? "type" : NULL, type, NULL};
-    element *shader = put(w, w->document.root, node, attributes, prim->byte_offset);
-    for (const element *e = prim->first; e && w->has_memory; e = e->next)
-        if (strncmp(nqm_xml_get(e, "name"), "inputs:", 7) == 0)
-            add_input(w, shader, e);
-}
-
-/* The surface of MaterialX comes before that for previews. */
-static nqm_status add_material(writer *w, const element *prim) {
-    static const char *const outputs[][2] = {{"outputs:mtlx:surface", "surfaceshader"},
-                                             {"outputs:surface", "surfaceshader"},
-                                             {"outputs:displacement", "displacementshader"}};
-    const char *name = nqm_xml_get(prim, "name"), *composed = nqm_xml_get(prim, "composed");
-    const nqm_material_info info = {
-        .name = name,
-        .surface = prim->name,
-        .refusal = "it is composed of other prims or layers: write one layer by 'usdcat --flatten'",
-        .byte_offset = prim->byte_offset};
-    char path[MAX_PATH];
-    bool has_surface = false;
-    if (*composed)
-        return nqm_materials_add(w->materials, &info, w->s->err);
-    element *material =
-        put(w, w->document.root, "surfacematerial", (const char *const[]){"name", name, NULL}, prim->byte_offset);
-    for (size_t i = 0; i < 3 && material; ++i) {
-        const element *output = nqm_xml_find(&w->names, prim, NULL, outputs[i][0]);
-        const char *connected = output ? nqm_xml_get(output, "connect") : NULL;
-        if (!connected || (i == 1 && has_surface))
+/* Copy what a prim does not have. */
+static void merge(nqm_usda *layer, element *to, const element *from, const arc *a, size_t depth) {
+    if (depth == MAX_DEPTH)
+        fail_deep(layer, from);
+    for (const element *e = from->first; e && layer->status == NQM_OK; e = e->next) {
+        const char *name = nqm_xml_get(e, "name");
+        element *own = (element *)nqm_xml_find(&layer->names, to, NULL, name);
+        if (strchr(name, ':')) {
+            if (!own)
+                copy_property(layer, to, e, a);
+            else if (!nqm_xml_get(own, "value")) { /* declared only */
+                own->attributes = e->attributes;
+                own->n_attributes = e->n_attributes;
+            }
             continue;
-        has_surface = true;
-        const element *to = follow(w, output);
-        snprintf(path, sizeof path, "%s", connected);
-        if (to)
-            path_of(w, to->parent, path);
-        const char *const attributes[] = {"name", outputs[i][1], "nodename", path, NULL};
-        put(w, material, "input", attributes, output->byte_offset);
+        }
+        if (!own)
+            own = append(layer, to, e->name, (const char *const[]){"name", name, NULL}, e->byte_offset);
+        else if (strcmp(own->name, "over") == 0)
+            own->name = e->name;
+        else if (strcmp(own->name, "prim") == 0)
+            own->name = type_of(e->name);
+        if (own)
+            merge(layer, own, e, a, depth + 1);
     }
-    return NQM_OK;
 }
 
-/* At most MAX_DEPTH calls deep. */
-static nqm_status add_prims(writer *w, const element *prim) {
-    nqm_status status = NQM_OK;
-    if (strcmp(prim->name, "Shader") == 0)
-        add_shader(w, prim);
-    if (strcmp(prim->name, "Material") == 0)
-        status = add_material(w, prim);
-    for (const element *e = prim->first; e && status == NQM_OK && w->has_memory; e = e->next)
-        status = add_prims(w, e);
-    return status;
+/* Give a prim what another one has. Instances that change nothing are left: the materials of their source are read there. */
+static void take(nqm_usda *layer, element *prim, const element *from) {
+    static const char shading[] = "Material Shader NodeGraph";
+    const bool is_plain = strcmp(from->name, type_of(from->name)) == 0 && !prim->first;
+    size_t depth = 0;
+    arc a;
+    nqm_usda_path(from, a.from);
+    nqm_usda_path(prim, a.to);
+    for (const element *e = prim; e->parent; e = e->parent)
+        ++depth;
+    const bool is_shading =
+        nqm_contains_word(shading, type_of(from->name), false) || nqm_contains_word(shading, prim->name, false);
+    if ((is_plain && !is_shading) || !*a.from || is_inside(a.from, a.to) || is_inside(a.to, a.from))
+        return;
+    if (strcmp(prim->name, "prim") == 0)
+        prim->name = type_of(from->name);
+    merge(layer, prim, from, &a, depth);
 }
 
-static nqm_status translate(const scanner *s, nqm_materials *materials) {
-    writer w = {.s = s, .materials = materials, .has_memory = true};
-    nqm_status status = nqm_xml_names_create(&s->prims, &w.names, s->err);
-    if (status == NQM_OK && put(&w, NULL, "materialx", (const char *const[]){NULL}, 0))
-        status = add_prims(&w, s->prims.root);
-    if (status == NQM_OK)
-        status = w.has_memory ? nqm_mtlx_read_document(&w.document, s->path, materials, s->err)
-                              : nqm_fail_nomem(s->err, s->n);
-    nqm_index_free(&w.names);
-    nqm_xml_free(&w.document);
-    return status;
+/* The first of a list of paths, of which *paths becomes the rest; NULL: the layer does not have it. */
+static element *next_source(const nqm_usda *layer, const char **paths) {
+    char path[MAX_TEXT];
+    const char *property;
+    const size_t n = strcspn(*paths, " ");
+    snprintf(path, sizeof path, "%.*s", (int)n, *paths);
+    *paths += n + 1;
+    const element *found = nqm_usda_find(layer, NULL, path, &property);
+    return found && found->parent ? (element *)found : NULL;
+}
+
+/* A prim, what it is composed of, and what is in it. One that has no attribute `arcs` any more is done, or being done. */
+static void compose(nqm_usda *layer, element *prim, size_t depth) {
+    const char *arcs = nqm_xml_get(prim, "arcs");
+    if (depth == 2 * MAX_DEPTH)
+        fail_deep(layer, prim);
+    if ((prim->parent && !arcs) || layer->status != NQM_OK)
+        return;
+    prim->n_attributes = nqm_smaller(prim->n_attributes, 1);
+    while (arcs && *arcs && layer->status == NQM_OK) {
+        element *from = next_source(layer, &arcs);
+        if (from)
+            compose(layer, from, depth + 1);
+        if (from && layer->status == NQM_OK)
+            take(layer, prim, from);
+    }
+    for (element *e = prim->first; e; e = e->next)
+        compose(layer, e, depth + 1);
 }
 
 /* ---- a file -------------------------------------------------------------------------------------------------------- */
@@ -447,21 +462,28 @@ static bool probe(const nqm_map *map) {
 }
 
 static nqm_status read_usda(const nqm_map *map, nqm_materials *materials, nqm_error *err) {
-    scanner s = {.path = map->path, .text = (const char *)map->data, .n = map->n_bytes, .err = err};
+    scanner s = {.layer = {.path = map->path, .err = err}, .text = (const char *)map->data, .n = map->n_bytes};
+    nqm_usda *layer = &s.layer;
     const char *fault = fault_of(map);
-    s.max_elements = (NQM_XML_FREE_ELEMENTS + s.n / NQM_XML_BYTES_PER_ELEMENT) / 2; /* there are two trees */
+    layer->max_elements = (NQM_XML_FREE_ELEMENTS + s.n / NQM_XML_BYTES_PER_ELEMENT) / 2; /* there are two trees */
     if (*fault)
-        return nqm_fail(err, NQM_ERR_FORMAT, 0, "%s: %s", s.path, fault);
-    read_layer(&s);
-    if (s.status == NQM_OK)
-        s.status = translate(&s, materials);
-    if (s.status == NQM_OK && nqm_materials_count(materials) == 0)
-        s.status = nqm_fail(err, NQM_ERR_FORMAT, 0,
-                            "%s: no Material in this layer (byte 0); materials of other layers are not read: usdcat "
-                            "--flatten IN -o OUT.usda",
-                            s.path);
-    nqm_xml_free(&s.prims);
-    return s.status;
+        return nqm_fail(err, NQM_ERR_FORMAT, 0, "%s: %s", map->path, fault);
+    layer->status = nqm_xml_names_create(layer->max_elements, NULL, &layer->names, err);
+    if (layer->status == NQM_OK)
+        read_layer(&s);
+    if (layer->status == NQM_OK)
+        compose(layer, layer->prims.root, 0);
+    if (layer->status == NQM_OK)
+        layer->status = nqm_usda_add_materials(layer, materials);
+    if (layer->status == NQM_OK && nqm_materials_count(materials) == 0)
+        layer->status =
+            nqm_fail(err, NQM_ERR_FORMAT, 0,
+                     "%s: no Material in this layer (byte 0); materials of other layers are not read: usdcat "
+                     "--flatten IN -o OUT.usda",
+                     map->path);
+    nqm_index_free(&layer->names);
+    nqm_xml_free(&layer->prims);
+    return layer->status;
 }
 
 const nqm_material_format nqm_usd_format = {

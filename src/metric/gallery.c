@@ -120,6 +120,16 @@ void nqm_gallery_draw(nqm_gallery *g, size_t first, size_t n, const float *const
     nqm_parallel_for(nqm_ceil_div(n, NQM_TRANSPORT_MAX), draw_group, &job);
 }
 
+void nqm_gallery_average(nqm_gallery *g, size_t at, const nqm_gallery *of, size_t n) {
+    const size_t size = 3 * g->transport.n_points;
+    float *mean = g->drawn + size * at;
+    memset(mean, 0, size * sizeof *mean);
+    for (size_t i = 0; i < n; ++i)
+        for (size_t k = 0; k < size; ++k)
+            mean[k] += of->pictures[size * i + k] / (float)n;
+    add_looks(g, at);
+}
+
 /* ---- comparison -------------------------------------------------------------------------------------------------- */
 
 /* Weighted sums over the n points of a scene: of the lengths of the differences, and of their squares. */

@@ -84,6 +84,8 @@ size_t nqm_gallery_size(const nqm_model *model);
 const float *nqm_gallery_pictures(const nqm_gallery *gallery);
 /** Draw pictures [first, first + n) on all threads. samples: (n) of the directions of the model (n_directions, 3). */
 void nqm_gallery_draw(nqm_gallery *gallery, size_t first, size_t n, const float *const *samples);
+/** Let picture `at` be the mean of the n pictures of another gallery of the same model: of a material that varies. */
+void nqm_gallery_average(nqm_gallery *gallery, size_t at, const nqm_gallery *of, size_t n);
 /** Estimate the JODs (n) of picture a next to pictures [first, first + n) of a gallery of the same model, or, if they
  *  are seen apart, upper bounds of the similarity: the difference of the samples on a log scale is not known. Any
  *  thread. */

@@ -32,7 +32,8 @@ static bool suspect(const nqm_directions *d, const float *ref, const float *test
                     nqm_score_result *result) {
     double plain[2], with_cosine[2];
     log_ratio(d, ref, test, n, 0, plain);
-    const bool is_scaled = fabs(plain[0]) > log(100) / slack && plain[1] < 3 * slack;
+    const bool is_pi = fabs(fabs(plain[0]) - log(NQM_PI)) < 0.01 * slack && plain[1] < 0.02 * slack;
+    const bool is_scaled = is_pi || (fabs(plain[0]) > log(100) / slack && plain[1] < 3 * slack);
     if (is_scaled)
         result->suspect_scale = exp(plain[0]);
     for (int sign = -1; sign <= 1; sign += 2) {

@@ -135,6 +135,8 @@ nqm_status nqm_rays_draw(const nqm_scene *scene, size_t n, uint64_t seed, nqm_ra
 }
 
 void nqm_rays_clear(nqm_rays *rays) {
+    if (!rays)
+        return;
     nqm_free(rays->wi);
     *rays = (nqm_rays){.n = 0};
 }

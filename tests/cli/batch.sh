@@ -71,6 +71,8 @@ cp "$dir/relative.csv" "$dir/sub/relative.csv"
 batch 0 "$dir/sub/relative.csv"
 cmp "$dir/out" "$dir/relative-out.csv" || fail "the folder of the list"
 (cd "$dir/sub" && batch 0 - <relative.csv) || fail "the working folder"
+mkfifo "$dir/sub/pipe" # as <(COMMAND) makes it: also there paths are relative to the working folder
+(cd "$dir/sub" && cat relative.csv >pipe & cd "$dir/sub" && batch 0 "$dir/sub/pipe") || fail "a pipe"
 (cd "$dir/sub" && batch 0 relative.csv) || fail "a list in the working folder"
 batch 3 "$dir/relative.csv"
 # Semicolons and tabs.

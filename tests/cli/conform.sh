@@ -35,6 +35,22 @@ run 0 conform gltf right.csv --keys $keys --json
 grep -q '"mistakes": \[\]' out || fail "a mistake is named in a right shader"
 grep -q '1 values are not finite' err || fail "NaN is not told"
 [ "$(grep -c '"delta_e_itp"' out)" = 36 ] || fail "JSON without the sets"
+# Each spec has the values of its set, and those that are not named are the defaults.
+"$tool" conform gltf --keys $keys --directions rows.csv
+python3 - >why 2>&1 <<'END' || fail "specs of sets: $(cat why)"
+import csv, json
+rows = {row["set"]: row for row in csv.DictReader(open("rows.csv"))}
+default = {"base_color": (1, 1, 1), "metallic": (1,), "roughness": (1,)}
+for result in json.load(open("out"))["results"]:
+    row = rows[result["name"].split()[-1]]
+    given = {k: tuple(map(float, v.split(","))) for k, v in (pair.split("=") for pair in result["reference"].split(":", 1)[1].split(";") if pair)}
+    for key, values in default.items():
+        wanted = tuple(float(row[c]) for c in ([key + "_" + c for c in "rgb"] if len(values) == 3 else [key]))
+        has = given.get(key, values)
+        has = has * (len(wanted) // len(has))
+        assert all(abs(a - b) < 1e-6 for a, b in zip(has, wanted)), (result["name"], key, has, wanted)
+        assert key not in given or has != values, (result["name"], key, "is the default")
+END
 # The factor is none that people forget, and the only one that there is.
 sed 's/base \/ pi +/base * 0.6f \/ pi +/' right.c >unknown.c
 ${CC:-cc} -I. unknown.c -lm -o unknown

@@ -14,6 +14,12 @@ grep -q "; $(grep -c '^note' "$dir/out") note" "$dir/out" || fail "the number of
 
 grep -q '^ok  *self-test  *[0-9][0-9]* checks pass$' "$dir/out" || fail "the self-test: $(cat "$dir/out")"
 
+# The Python of a wheel, which need not be the first of PATH.
+printf '#!/bin/sh\necho 0.1.0 /of/the/wheel\n' >"$dir/python of a wheel"
+chmod +x "$dir/python of a wheel"
+NQM_PYTHON="$dir/python of a wheel" "$tool" doctor >"$dir/out"
+grep -q '^ok  *Python  *nqm 0.1.0 /of/the/wheel$' "$dir/out" || fail "another Python is asked: $(cat "$dir/out")"
+
 # Without a temporary folder, with one thread, slow kernels and a Python package of another version.
 mkdir "$dir/bin"
 printf '#!/bin/sh\necho 0.0.1 /nowhere/nqm/__init__.py\n' >"$dir/bin/python3"

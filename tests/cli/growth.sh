@@ -1,6 +1,6 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# Files of twice the size take about twice the work, counted in instructions: materials that are looked up by name, and equal
+# Files of twice the size take about twice the work, counted in instructions: materials that are looked up by name or composed, and equal
 # directions. A file of zeros is refused without reading it.
 # shellcheck source=tests/support/cli.sh
 . "${NQM_SOURCE:?}/tests/support/cli.sh"
@@ -35,6 +35,13 @@ elif kind == "dots":
     text += "".join('<input name="%s" nodename="d%d"/>' % (key, n - 20) for key in ("base", "metalness", "specular", "sheen"))
     text += "</standard_surface>" + "".join(
         '<surfacematerial name="m%d"><input name="surfaceshader" nodename="s"/></surfacematerial>' % i for i in rows) + "</materialx>"
+elif kind == "usda":
+    text = '#usda 1.0\nclass Material "c" { token outputs:surface.connect = </c/s.outputs:s>\n'
+    text += 'def Shader "s" { uniform token info:id = "UsdPreviewSurface" } }\n' + "".join(
+        'def Material "m%d" (inherits = </c>) { over "s" { float inputs:roughness = 0.%d } }\n' % (i, i + 1) for i in rows)
+elif kind == "pbrt":
+    text = "".join('Texture "t%d" "spectrum" "constant"\n' % i for i in rows) + "".join(
+        'Material "diffuse" "texture reflectance" "t%d"\n' % (n - 1 - i) for i in rows)
 elif kind == "twosided":
     text = '<scene version="3.0.0"><bsdf type="twosided" id="t">' + '<ref id="no"/>' * n + "</bsdf></scene>"
 elif kind == "directions":
@@ -51,7 +58,7 @@ work() {
 }
 
 # Quadratic work quadruples from one difference to the next, linear work doubles.
-for kind in gltf surfaces dots twosided directions; do
+for kind in gltf surfaces dots usda pbrt twosided directions; do
     a=$(work $kind 1000) b=$(work $kind 2000) c=$(work $kind 4000)
     { [ -n "$a" ] && [ -n "$b" ] && [ -n "$c" ]; } || fail "no count of instructions: $kind"
     [ $((c - b)) -lt $((3 * (b - a))) ] || fail "$kind: $a, $b, $c instructions for 1000, 2000 and 4000"

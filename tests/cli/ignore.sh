@@ -14,7 +14,7 @@ END
 }
 material half.gltf '"roughnessFactor": 0.5' 0.5 ''
 material glow.gltf '"roughnessFactor": 0.4' 1 '"emissiveFactor": [1, 0, 0],'
-all=transmission,subsurface,emission,opacity
+all=transmission,subsurface,emission,opacity,displacement,bump
 
 run 0 info half.gltf --ignore transmission
 grep -q 'base_color=0.5' out || fail "the diffuse reflection keeps half: $(cat out)"

@@ -18,6 +18,9 @@ awk 'function put(name, r, g, b, metal, rough) {
 
 run 0 dedup lib.gltf --map map.csv
 grep -q '^24 materials, of which ' out || fail "text: $(cat out)"
+n=$(($(wc -l <map.csv) - 1))
+[ "$(grep -c '^ *[0-9.]* .*lib.gltf:' out)" = "$n" ] && [ "$(sed 1d map.csv | cut -d, -f2 | sort -u | wc -l)" = "$(grep -c '^kept ' out)" ] ||
+    fail "$n rows: $(cat out)"
 for i in 3 8 13 18; do # whichever of the two is kept
     grep -qE "^lib.gltf:(copy)?m?$i,lib.gltf:(copy)?m?$i," map.csv || fail "copy $i is not found: $(cat map.csv)"
 done
@@ -51,6 +54,10 @@ sed 's|folder/||' out | diff nearest - || fail "index"
 sed 's/"m7"/"other"/' lib.gltf >folder/lib.gltf
 run 0 nearest lib.gltf:m7 --among folder -n 1 -q --index f.index
 grep -qx folder/lib.gltf:other out || fail "an old index is used: $(cat out)"
+run 0 nearest lib.gltf:m7 --among folder lib.gltf -n 2 -q # two places: a material is named by its whole path
+sort out | tr '\n' ' ' | grep -qx 'folder/lib.gltf:other lib.gltf:m7 ' || fail "several places: $(cat out)"
+run 0 dedup folder lib.gltf lib.gltf # a file that is given twice is read once
+grep -q '^48 materials, of which ' out || fail "several places: $(cat out)"
 printf broken >no.index
 refuses 2 'no.index: is no index' nearest lib.gltf:m7 --among folder -n 1 -q --index no.index
 [ "$(cat no.index)" = broken ] || fail "a file that is no index is replaced"
@@ -68,3 +75,25 @@ END
 run 9 dedup mixed.gltf
 grep -q '1 of 3 materials have no values' err || fail "faulty: $(cat err)"
 run 0 dedup mixed.gltf --ignore transmission
+
+# Textured ones: equal pixels are found, near scores decide, in an index too, until a map changes.
+python3 "$NQM_SOURCE/examples/maps.py" maps 8
+cat >maps.gltf <<'END'
+{"asset": {"version": "2.0"}, "images": [{"uri": "maps/steel/steel_Color.png"}, {"uri": "copy.png"}, {"uri": "maps/half/steel_Color.png"}],
+ "textures": [{"source": 0}, {"source": 1}, {"source": 2}], "materials": [{"name": "plain", "pbrMetallicRoughness": {"roughnessFactor": 0.2}},
+ {"name": "a", "pbrMetallicRoughness": {"baseColorTexture": {"index": 0}}}, {"name": "b", "pbrMetallicRoughness": {"baseColorTexture": {"index": 1}}},
+ {"name": "c", "pbrMetallicRoughness": {"baseColorTexture": {"index": 2}}}]}
+END
+cp maps/steel/steel_Color.png copy.png
+run 0 dedup maps.gltf --map maps.csv
+sed 1d maps.csv | grep -v '^maps.gltf:b,maps.gltf:a,10.0000$' && fail "dedup: $(cat maps.csv)"
+[ "$(wc -l <maps.csv)" = 2 ] || fail "dedup finds no copy: $(cat maps.csv)"
+run 0 nearest maps.gltf:b --among maps.gltf -n 2 -q --index m.index
+[ "$(sort out | tr '\n' ' ')" = 'maps.gltf:a maps.gltf:b ' ] || fail "nearest: $(cat out)"
+cp m.index before.index
+run 0 nearest maps.gltf:b --among maps.gltf -n 2 -q --index m.index
+cmp -s m.index before.index || fail 'an index that fits was written again'
+cp maps/half/steel_Color.png copy.png
+touch -d 2001-01-01 copy.png
+run 0 nearest maps.gltf:c --among maps.gltf -n 2 -q --index m.index
+[ "$(sort out | tr '\n' ' ')" = 'maps.gltf:b maps.gltf:c ' ] || fail "a map that changed: $(cat out)"

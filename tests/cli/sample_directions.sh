@@ -138,6 +138,8 @@ paste -d, "$dir/pairs.csv" "$dir/sgd.csv" | awk -F, 'NR == 1 { print "theta_h,th
     NR > 1 { c = cos($6 * atan2(0, -1) / 180); print $1 "," $2 "," $3 "," $11 * c "," $12 * c "," $13 * c }' >"$dir/cosine.csv"
 run 0 score sgd:nickel "$dir/cosine.csv" -q
 grep -q 'cosine.csv: about its reference times the cosine of light or viewer' "$dir/err" || fail "a cosine: $(cat "$dir/err")"
+run 0 score lambert:kd=.2 'lambert:kd=.62831853' -q
+grep -q 'kd=.62831853: its reference times pi at nearly all directions: a Lambertian f_r is its albedo / pi' "$dir/err" || fail "pi: $(cat "$dir/err")"
 run 0 score sgd:nickel ward:nickel -q
 [ ! -s "$dir/err" ] || fail "a suspicion of a fit: $(cat "$dir/err")"
 

@@ -18,6 +18,15 @@ code=0
 [ "$(ls "$dir/usd")" = red.mtlx ] || fail "files: $(ls "$dir/usd")"
 grep -q UsdPreviewSurface "$dir/usd/red.mtlx" || fail "not a UsdPreviewSurface: $(cat "$dir/usd/red.mtlx")"
 
+# A folder of files: all of its materials; fit says what to do with it.
+mkdir "$dir/folder"
+cp "$dir/red.glb" "$dir/folder/red.glb"
+cp "$dir/usd/red.mtlx" "$dir/folder/usd.mtlx"
+"$tool" translate "$dir/folder" --to gltf -d "$dir/from_folder" --samples 300 --loss log >"$dir/out"
+[ "$(tail -1 "$dir/out")" = "2 materials, 0 refused" ] || fail "summary of a folder: $(cat "$dir/out")"
+[ "$(ls "$dir/from_folder" | tr '\n' ' ')" = 'red.gltf usd.gltf ' ] || fail "files of a folder: $(ls "$dir/from_folder")"
+refuses 3 'folder: a folder of files; this verb needs one BRDF: name one of them' fit "$dir/folder"
+
 # What is lost: a conductor cannot be red paint; the gate says so, in the exit code too.
 code=0
 "$tool" translate "$red;sheen_color=0.5;clearcoat=0;clearcoat_roughness=0.3" --to rough-conductor --samples 300 --fail-under 9.99 --json >"$dir/json" || code=$?

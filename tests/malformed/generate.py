@@ -436,7 +436,8 @@ def tables():
     for name, text, words in [
             ("no-rows", head, "without a direction"), ("few", head + "10,20,30\n", "line 2, byte 28"),
             ("many", head + "1,2,3,4,5,6,7\n", "line 2"),
-            ("word", head + row + "10,x,30,1,1,1\n", "line 3, byte"), ("nan", head + "10,20,30,nan,1,1\n", "line 2, byte"),
+            ("word", head + row + "10,x,30,1,1,1\n", "line 3, byte"), ("nan", head + "10,nan,30,1,1,1\n", "line 2, byte"),
+            ("nothing", head + "10,20,30,nan,1,1\n", "no direction above the horizon has a value"),
             ("inf", head + "10,20,30,1,inf,1\n", "line 2, byte"), ("range-h", head + "91,20,30,1,1,1\n", "theta_h 91"),
             ("range-d", head + "1,-1,30,1,1,1\n", "theta_d -1"), ("range-p", head + "1,1,361,1,1,1\n", "phi_d 361"),
             ("no-blue", "theta_h,theta_d,phi_d,r,g\n1,2,3,4,5\n", "'b'"), ("half-empty", head + "1,2,3,,1,1\n", "line 2"),
@@ -675,13 +676,13 @@ def materials():
             ("plugin-name", xml.replace("roughconductor", "ruffconductor")),
             ("property", xml.replace("alpha", "alfa")),
             ("twice", xml.replace('<float name="alpha" value="0.2"/>', '<float name="alpha" value="0.2"/>' * 2)),
-            ("default", xml.replace("0.2", "$a")), ("include", xml.replace("<bsdf", '<include filename="a.xml"/><bsdf')),
+            ("default", xml.replace("0.2", "$a")), ("include", xml.replace("<bsdf", '<include filename="scene-include.xml"/><bsdf')),
             ("none", '<scene version="3.0.0"></scene>\n'),
             ("no-type", xml.replace(' type="roughconductor"', "")),
             ("ref", xml.replace("<bsdf", '<bsdf type="twosided" id="t"><ref id="zzz"/></bsdf><bsdf', 1).replace('id="m"', 'id="t2"')),
             ("loop", '<scene version="3.0.0"><bsdf type="twosided" id="a"><ref id="a"/></bsdf></scene>'),
             ("rgb", xml.replace('<float name="alpha" value="0.2"/>', '<rgb name="specular_reflectance" value="1, 2"/>'))]:
-        bad("scene-%s.xml" % name, text, "brdf", *((2, "name one material") if name == "ref" else (4, "byte")))
+        bad("scene-%s.xml" % name, text, "brdf", *{"ref": (2, "name one material"), "include": (4, "a file includes itself")}.get(name, (4, "byte")))
     scene = json.dumps({"type": "scene", "m": {"type": "roughconductor", "alpha": 0.2, "material": "Au"}})
     for i in range(1, 6):
         bad("scene-cut-%d.json" % i, scene[:20 + (len(scene) - 20) * i // 6], "brdf", 4, "byte")
@@ -699,15 +700,15 @@ def materials():
             ("type", pbrt.replace("conductor", "cnductor")), ("hair", pbrt.replace('"conductor"', '"hair"')),
             ("number", pbrt.replace("0.2", "x")), ("three", pbrt.replace(".5 .5 .5", ".5 .5")),
             ("texture", pbrt.replace('"float roughness" [ 0.2 ]', '"texture roughness" "t"')),
-            ("quote", pbrt.replace('"m"', '"m')), ("bracket", pbrt.replace("]", "")), ("smooth", pbrt.replace("0.2", "0")),
+            ("quote", pbrt.replace('"m"', '"m')), ("bracket", pbrt.replace("]", "")),
             ("negative", pbrt.replace("0.2", "-1")), ("parameter", pbrt.replace("float roughness", "float rough")),
-            ("include", 'Include "a.pbrt"\n' + pbrt), ("none", "WorldBegin\n"),
+            ("include", 'Include "scene-include.pbrt"\n' + pbrt), ("none", "WorldBegin\n"),
             ("nul", pbrt.replace("0.2", "0\0.2")), ("long", pbrt.replace('"m"', '"' + "m" * 300 + '"')),
             ("many", pbrt + "".join('"float a%d" 1\n' % i for i in range(50))),
             ("measured", 'Material "measured" "string filename" "nowhere.bsdf"\n'),
             ("itself", 'Material "measured" "string filename" "scene-itself.pbrt"\n'),
             ("color-space", 'ColorSpace "aces2065-1"\n' + pbrt)]:
-        verdict = {"measured": (3, "nowhere.bsdf"), "itself": (4, "its measured file scene-itself.pbrt")}
+        verdict = {"measured": (3, "nowhere.bsdf"), "include": (4, "a file includes itself"), "itself": (4, "its measured file scene-itself.pbrt")}
         bad("scene-%s.pbrt" % name, text, "brdf", *verdict.get(name, (4, "byte")))
 
 

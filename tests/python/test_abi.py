@@ -6,6 +6,7 @@ import glob
 import os
 import re
 import shutil
+import signal
 import subprocess
 import sys
 import tempfile
@@ -65,6 +66,26 @@ def expected():
     return rows + [("NQM_METRIC_COUNT", _abi.N_METRICS), ("NQM_SCORE_BLOCK", _score.BLOCK)]
 
 
+# Calls each function in a child with NULL and 0 for every argument and prints the signal that ended it, or 0. Results may be structs.
+CALL_ALL_WITH_NULL = """
+import ctypes, os, sys
+from nqm import _abi
+class Result(ctypes.Structure):
+    _fields_ = [("x", ctypes.c_char * 4096)]
+for line in sys.argv[1:]:
+    name, doubles, is_struct = line.split(":")
+    child = os.fork()
+    if not child:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), 2)
+        function = _abi.lib[name]
+        function.restype = Result if int(is_struct) else ctypes.c_void_p
+        function.argtypes = None
+        function(*[ctypes.c_double(0) if d == "1" else ctypes.c_void_p(0) for d in doubles])
+        os._exit(0)
+    print(name, os.waitpid(child, 0)[1] & 127, flush=True)
+"""
+
+
 class Abi(unittest.TestCase):
     def test_layout(self):
         cc = os.environ.get("CC", "cc")
@@ -102,7 +123,7 @@ class Abi(unittest.TestCase):
 
     def test_null(self):
         """Functions that return a status name an argument that is NULL; the others assert that it is not."""
-        none_required = {"nqm_kernels_select", "nqm_selftest"}
+        none_required = {"nqm_kernels_select", "nqm_selftest", "nqm_files_within"}
         statuses = {name: arguments for name, result, arguments in functions() if result == "nqm_status"}
         self.assertGreater(len(statuses), 40)
         calls = ["%s:%d" % (name, arguments.count(",") + 1 - len(re.findall(r"double \w", arguments))) for name, arguments in statuses.items() if name not in none_required]
@@ -112,6 +133,18 @@ class Abi(unittest.TestCase):
             self.assertTrue(found, line)
             self.assertRegex(statuses[name], r"\b%s\b" % found.group(1), line)
         self.assertEqual(run.returncode, 0, "crashed at: " + run.stdout.splitlines()[-1])
+        calls = []
+        for name, result, arguments in functions():
+            doubles = "".join(str(int(bool(re.match(r"\s*double \w+$", a)))) for a in arguments.split(",") if a != "void")
+            is_struct = result.startswith("nqm_") and "*" not in result and result != "nqm_status"
+            calls.append("%s:%s:%d" % (name, doubles, is_struct))
+        run = subprocess.run([sys.executable, "-c", CALL_ALL_WITH_NULL, *calls], stdout=subprocess.PIPE, text=True, check=True)
+        ended = dict(line.split() for line in run.stdout.splitlines())
+        self.assertEqual(len(ended), len(calls))
+        with open(SOURCE + "/include/nqm/base.h", encoding="utf-8") as file:
+            listed = re.search(r"was built with NDEBUG. They are\s(.*?)\.\n", file.read(), re.S).group(1)
+        stopped = {name: int(code) for name, code in ended.items() if code != "0"}
+        self.assertEqual(stopped, {name: int(signal.SIGABRT) for name in re.findall(r"nqm_\w+", listed)})
         source = ""
         for path in glob.glob(SOURCE + "/src/**/*.c", recursive=True):
             with open(path, encoding="utf-8") as file:

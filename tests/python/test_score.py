@@ -68,6 +68,10 @@ class Scores(unittest.TestCase):
 
         nickel = nqm.BRDF.open("sgd:nickel")
         scaled, with_cosine, fit = nqm.score("sgd:nickel", [times(255, False), times(1, True), "ward:nickel"])
+        pi, by_pi, other = nqm.score("sgd:nickel", [times(np.pi, False), times(1 / np.pi, False), times(3, False)])
+        self.assertEqual(pi.warnings[-1], "f: its reference times pi at nearly all directions: a Lambertian f_r is its albedo / pi")
+        self.assertRegex(by_pi.warnings[-1], "^f: its reference divided by pi at nearly all directions")
+        self.assertEqual(other.warnings, ())
         self.assertRegex(scaled.warnings[-1], "^f: about 255 times its reference at most directions: is a scale missing")
         self.assertRegex(with_cosine.warnings[-1], "^f: about its reference times the cosine of light or viewer")
         self.assertEqual(fit.warnings, ())

@@ -58,9 +58,31 @@ class Textures(unittest.TestCase):
             self.assertEqual("%.9g" % s.jod, "%.9g" % row["jod"])
             self.assertEqual("%.9g" % s.far_jod, "%.9g" % row["texture"]["far_jod"])
             self.assertEqual([b.property for b in s.blame], [b["property"] for b in row["texture"]["blame"]])
+            table = nqm.batch([(steel, export), (steel, "sgd:nickel"), ("sgd:nickel", steel + "/gone")], metrics=True)
+            self.assertEqual("%.9g" % table["jod"][0], "%.9g" % row["jod"])
+            self.assertEqual(table["status"].tolist(), [0, 0, nqm.Status.IO])
+            self.assertTrue(table["jod"][1] < table["jod"][0] and np.isnan(table["rmse"][0]) and table["n_valid"][0] == 0)
+            with open(folder + "/list.csv", "w", encoding="utf-8") as file:
+                file.write("reference,test\n%s,%s\n" % (steel, steel))
+            self.assertEqual(nqm.batch(folder + "/list.csv")[["jod", "identical"]].tolist(), [(10, True)])
             info = nqm.Material.open(steel).info
             self.assertEqual((info.width, info.height, info.n_images, info.model), (16, 16, 4, "gltf"))
             self.assertEqual(info.varying, ("base_color", "roughness", "metallic", "normal"))
+
+    def test_integers_are_as_in_pictures(self):
+        rng = np.random.default_rng(1)
+        colour, rough = rng.integers(0, 256, (8, 8, 3), dtype=np.uint8), rng.integers(60, 256, (8, 8), dtype=np.uint8)
+        normal = np.full((8, 8, 3), (140, 120, 250), np.uint8)
+        unit = colour / 255
+        linear = np.where(unit > 0.04045, ((unit + 0.055) / 1.055) ** 2.4, unit / 12.92)
+        floats = {"base_color": linear, "roughness": rough / 255, "normal": 2 * (normal / 255) - 1}
+        bytes_ = {"base_color": colour, "roughness": rough, "normal": normal}
+        words = {"base_color": colour.astype(np.uint16) * 257, "roughness": rough.astype(np.uint16) * 257, "normal": normal}
+        for maps in (bytes_, words):
+            s = nqm.score_maps(floats, maps, exact=True)
+            self.assertTrue(s.jod > 9.999 and s.delta_e < 1e-4, s)
+        with self.assertRaisesRegex(ValueError, "'roughness' is of int64: give floats"):
+            nqm.Material.from_maps({"roughness": np.ones((4, 4), np.int64)})
 
     def test_errors(self):
         with self.assertRaisesRegex(nqm.Error, "no property 'shine'"):

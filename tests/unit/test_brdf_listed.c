@@ -4,9 +4,12 @@
  * Scattered directions: pairs turned about the normal, and tilted by known angles.
  */
 #include "base/base.h"
+#include "io/io.h"
+#include "math/math.h"
 #include "support/allocations.h"
 #include "support/brdf_files.h"
 #include "support/check.h"
+#include "support/damage.h"
 
 #include <nqm/brdf.h>
 #include <stdarg.h>
@@ -175,6 +178,47 @@ TEST(scattered_directions_are_found) {
         assert_string_equal(info.layout, "195 directions, values within 0.2 degrees of them");
         assert_int_equal(info.n_values, 3 * 195);
         assert_int_equal(info.reciprocal, !full_turn);
+        nqm_brdf_free(brdf);
+    }
+}
+
+/* The nearest row is that of a search of all rows, where all have one of two lights and where all are nearly the same. */
+TEST(nearest_rows_are_those_of_a_full_search) {
+    enum { N_ROWS = 700, N_ASKED = 300 };
+    static double w[N_ROWS][2][3];
+    static const double light[] = {10, 50};
+    for (int spread = 1; spread <= 80; spread += 79) {
+        csv file = {.n = 0};
+        nqm_rng rng = nqm_rng_make(5, (uint64_t)spread);
+        add(&file, "theta_i,phi_i,theta_o,phi_o,r,g,b\n");
+        for (int i = 0; i < N_ROWS; ++i) {
+            const double at[4] = {light[i % 2], 20, nqm_rng_uniform(&rng) * spread, nqm_rng_uniform(&rng) * 360};
+            add(&file, "%g,%g,%.9f,%.9f,%d,1,1\n", at[0], at[1], at[2], at[3], i);
+            nqm_spherical(at[0] * degree, at[1] * degree, w[i][0]);
+            nqm_spherical(at[2] * degree, at[3] * degree, w[i][1]);
+        }
+        nqm_brdf *brdf = open_ok(save(&file), ":20");
+        for (int k = 0; k < N_ASKED; ++k) {
+            double a[2][3], rgb[3], least = 2 * sin(10 * degree);
+            int nearest = -1;
+            nqm_spherical((light[k % 2] + 5 * nqm_rng_uniform(&rng)) * degree, 1, a[0]);
+            nqm_spherical(nqm_rng_uniform(&rng) * spread * degree, nqm_rng_uniform(&rng) * 6, a[1]);
+            for (int i = 0; i < N_ROWS; ++i) {
+                double sum = 4, x = 0, y = 0;
+                for (int d = 0; d < 2; ++d) {
+                    sum -= 2 * a[d][2] * w[i][d][2];
+                    x += a[d][0] * w[i][d][0] + a[d][1] * w[i][d][1];
+                    y += a[d][1] * w[i][d][0] - a[d][0] * w[i][d][1];
+                }
+                const double distance = sqrt(fmax(sum - 2 * hypot(x, y), 0));
+                nearest = distance < least ? i : nearest;
+                least = fmin(least, distance);
+            }
+            uint8_t flag;
+            nqm_brdf_eval(brdf, 1, a[0], a[1], rgb, &flag);
+            assert_int_equal(nqm_has_value(flag), nearest >= 0);
+            assert_true(nearest < 0 || rgb[0] == nearest);
+        }
         nqm_brdf_free(brdf);
     }
 }
@@ -360,24 +404,84 @@ TEST(azimuths_of_anisotropic_lists_are_kept) {
     nqm_brdf_free(brdf);
 }
 
-/* A scan of 30 directions near the normal, in radians or in one plane. */
-static const char *save_scan(double phi_step) {
+/* A scan of 30 directions near the normal, in radians or in degrees, over azimuths or in one plane. */
+static const char *save_scan(const char *names, double phi_step) {
     csv file = {.n = 0};
     char text[4096];
-    size_t n = (size_t)snprintf(text, sizeof text, "%s", header);
+    size_t n = (size_t)snprintf(text, sizeof text, "%s,r,g,b\n", names);
     for (int i = 0; i < 30; ++i)
         n += (size_t)snprintf(text + n, sizeof text - n, "%g,%g,%g,1,1,1\n", 0.05 * i, 1.5 - 0.03 * i, phi_step * i);
     add(&file, "%s", text);
     return save(&file);
 }
 
-TEST(radians_are_refused) {
-    nqm_error err = {0};
-    nqm_brdf *brdf = open_ok(save_scan(0), ""); /* degrees: a highlight in one plane */
-    nqm_brdf_free(brdf);
-    assert_int_equal(nqm_brdf_open(save_scan(0.2), &brdf, &err), NQM_ERR_FORMAT);
-    assert_non_null(strstr(err.message, "list.csv: the polar angles of all rows (from byte 0 on) are at most 1.5, "));
-    assert_non_null(strstr(err.message, "radians; degrees are needed"));
+/* Without a unit they are refused; with one the numbers are what it says. */
+TEST(radians_are_refused_unless_they_are_named) {
+    static const char names[] = "theta_h,theta_d,phi_d", degrees[] = "theta_h [deg],theta_d (degrees),phi_d_deg",
+                      radians[] = "theta_h [rad],theta_d (radians),phi_d_rad";
+    for (int k = 0; k < 2; ++k) {
+        nqm_error err = {0};
+        nqm_brdf *brdf;
+        assert_int_equal(nqm_brdf_open(save_scan(names, 0.1 * k), &brdf, &err), NQM_ERR_FORMAT);
+        assert_non_null(
+            strstr(err.message, "list.csv: the polar angles of all rows (from byte 0 on) are at most 1.5: "));
+        assert_non_null(strstr(err.message, "these are radians, and degrees are read unless"));
+        for (int unit = 0; unit < 2; ++unit) {
+            const double scale = unit ? 1 : degree, hd[3] = {0.1 * scale, 1.44 * scale, 0.2 * k * scale};
+            double rgb[3];
+            uint8_t flag;
+            brdf = open_ok(save_scan(unit ? radians : degrees, 0.1 * k), "");
+            nqm_brdf_eval_half_diff(brdf, 1, hd, rgb, &flag);
+            assert_int_equal(flag, NQM_VALUE_OK);
+            nqm_brdf_eval_half_diff(brdf, 1, (const double[3]){hd[0], hd[1] + 0.5 * degree, hd[2]}, rgb, &flag);
+            assert_int_equal(flag, NQM_VALUE_INVALID);
+            nqm_brdf_free(brdf);
+        }
+    }
+}
+
+/* Names of columns as instruments and programs write them, with the pair theta_i 30, theta_o 40, phi 150 degrees. */
+TEST(columns_have_other_names) {
+    static const struct {
+        const char *text;
+        double rgb[3];
+    } cases[] = {
+        {"theta_i,phi_i,theta_r,phi_r,r,g,b\n30,0,40,150,1,2,3\n", {1, 2, 3}},
+        {"theta_i,phi_i,theta_s,phi_s,r,g,b\n30,0,40,150,1,2,3\n", {1, 2, 3}},
+        {"theta_s,phi_s,theta_v,phi_v,r,g,b\n30,0,40,150,1,2,3\n", {1, 2, 3}},
+        {"theta_l,phi_l,theta_v,phi_v,r,g,b\n30,0,40,150,1,2,3\n", {1, 2, 3}},
+        {"Theta In;Phi In;Theta Out;Phi Out;R;G;B\n30;0;40;150;1;2;3\n", {1, 2, 3}},
+        {"theta_i [deg],phi_i [deg],theta_o [deg],phi_o [deg],r,g,b\n30,0,40,150,1,2,3\n", {1, 2, 3}},
+        {"thetaI(\xc2\xb0),phiI(\xc2\xb0),thetaO(\xc2\xb0),phiO(\xc2\xb0),red,green,blue [1/sr]\n30,0,40,150,1,2,3\n",
+         {1, 2, 3}},
+        {"\xce\xb8_i,\xcf\x86_i,\xce\xb8_r,\xcf\x86_r,r,g,b\n30,0,40,150,1,2,3\n", {1, 2, 3}},
+        {"theta_i_rad,phi_i_rad,theta_r_rad,phi_r_rad,r,g,b\n0.523598776,0,0.698131701,2.617993878,1,2,3\n", {1, 2, 3}},
+        {"theta_i,phi_i,theta_o,phi_o,brdf\n30,0,40,150,2\n", {2, 2, 2}},
+        {"theta_i,phi_i,theta_o,phi_o,BRDF [sr^-1]\n30,0,40,150,2\n", {2, 2, 2}},
+        {"theta_i,phi_i,theta_o,phi_o,f_r\n30,0,40,150,2\n", {2, 2, 2}},
+        {"theta_i,phi_i,theta_o,phi_o,r\n30,0,40,150,2\n", {2, 2, 2}},
+        {"theta_i,phi_i,theta_o,phi_o,y,sigma\n30,0,40,150,2,7\n", {2, 2, 2}},
+        {"theta_i,phi_i,theta_o,phi_o,X,Y,Z\n30,0,40,150,0.95047,1,1.08883\n", {1, 1, 1}},
+        {"theta_i,phi_i,theta_o,phi_o,633nm\n30,0,40,150,2\n", {2, 2, 2}},
+        {"theta_i,phi_i,theta_o,phi_o,400nm,500 nm,600,700 (nm)\n30,0,40,150,2,2,2,2\n", {2, 2, 2}},
+        {"theta_h,theta_d,phi_d,value\n41.2046,53.7104,180,nan\n0,35,0,2\n", {0, 0, 0}},
+        {"theta_i,phi_i,theta_o,phi_o,r,g,b\n30,0,-40,-30,1,2,3\n", {1, 2, 3}},
+        {"theta_i,phi_i,theta_o,phi_o,r,g,b\n-30,180,40,150,1,2,3\n", {1, 2, 3}},
+        {"theta_i,phi_i,theta_o,phi_o,r,g,b\n30,0,40,150,1,NaN,3\n60,0,5,0,1,2,3\n", {0, 0, 0}},
+        {"ASTM E1392-96(2002)\n7 lines, of text\nNUM_POINTS 1\nVARS theta_i,phi_i,theta_r,phi_r,R,G,B\r\n"
+         "0.523598776,0,0.698131701,2.617993878,1,2,3\r\n",
+         {1, 2, 3}},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
+        csv file = {.n = 0};
+        double rgb[3];
+        add(&file, "%s", cases[i].text);
+        nqm_brdf *brdf = open_ok(save(&file), "");
+        assert_int_equal(eval_goniometer(brdf, 30, 40, 150, rgb), cases[i].rgb[0] > 0);
+        for (size_t c = 0; c < 3; ++c)
+            assert_near(rgb[c], cases[i].rgb[c], 1e-5);
+        nqm_brdf_free(brdf);
+    }
 }
 
 static void expect_refused(const char *text, const char *suffix, nqm_status status, const char *words) {
@@ -419,11 +523,57 @@ TEST(repeated_directions_are_means) {
     nqm_brdf_free(brdf);
 }
 
+/* The layout of the paper's authors. */
+TEST(mat_files_of_the_authors_are_lists) {
+    double at[] = {0, 10, 0, 5, 40, 90, 30, 20, 250}, r[] = {1, 2, 3}, g[] = {4, 5, 6}, b[] = {7, 8, -9};
+    const nqm_mat_variable all[] = {{"r", 3, 1, r}, {"g", 1, 3, g}, {"b", 3, 1, b}, {"random_locations", 3, 3, at}};
+    const char *path = scratch_path("material.mat");
+    assert_int_equal(nqm_mat_write(path, 4, all, NULL), NQM_OK);
+    nqm_brdf *brdf = open_ok(path, "");
+    const nqm_brdf_info info = nqm_brdf_get_info(brdf);
+    assert_string_equal(info.layout, "3 directions, values within 0.1 degrees of them");
+    assert_int_equal(info.reciprocal, 0);
+    for (size_t i = 0; i < 3; ++i) {
+        const double hd[3] = {at[3 * i] * degree, at[3 * i + 1] * degree, at[3 * i + 2] * degree};
+        double rgb[3];
+        uint8_t flag;
+        nqm_brdf_eval_half_diff(brdf, 1, hd, rgb, &flag);
+        assert_int_equal(flag, i == 2 ? NQM_VALUE_CLAMPED : NQM_VALUE_OK);
+        assert_true(rgb[0] == r[i] && rgb[1] == g[i] && rgb[2] == fmax(b[i], 0));
+    }
+    nqm_brdf_free(brdf);
+    assert_true(check_brdf_allocations(path) >= 5);
+    blob whole = blob_load(path);
+    refuse_cuts(path, whole, 7, read_brdf);
+    blob_free(&whole);
+    at[8] = 170;
+    assert_int_equal(nqm_mat_write(path, 4, all, NULL), NQM_OK);
+    brdf = open_ok(path, "");
+    assert_int_equal(nqm_brdf_get_info(brdf).reciprocal, 1);
+    nqm_brdf_free(brdf);
+    assert_int_equal(nqm_mat_write(path, 3, all, NULL), NQM_OK);
+    must_refuse(path, NQM_ERR_FORMAT, "no numeric variable 'random_locations'");
+    at[4] = 91;
+    assert_int_equal(nqm_mat_write(path, 4, all, NULL), NQM_OK);
+    must_refuse(path, NQM_ERR_FORMAT, "random_locations at row 2: 91 is not within 0 to 90 degrees");
+}
+
 TEST(refuses_unfit_lists) {
     static const char grid[] = "theta_h,theta_d,phi_d,r,g,b\n0,0,0,1,1,1\n0,9,0,1,1,1\n9,0,0,1,1,1\n9,9,0,1,1,1\n";
     expect_refused("theta_h,theta_d,phi_d,r,g\n1,2,3,4,5\n", "", NQM_ERR_FORMAT, "no column 'b'");
     expect_refused("theta_i,phi_i,theta_o,phi_o,r,g\n1,2,3,4,5,6\n", "", NQM_ERR_FORMAT, "no column 'b'");
     expect_refused("theta_i,phi_i,theta_o,phi_o,r,g,b\n1,2,90.5,4,5,6,7\n", "", NQM_ERR_FORMAT, "theta_o 90.5");
+    expect_refused("theta_i,phi_i,theta_r,phi_r,r,g,b\n1,2,-91,4,5,6,7\n", "", NQM_ERR_FORMAT, "theta_r -91");
+    expect_refused("theta_i,theta_o,r,g,b\n1,2,5,6,7\n", "", NQM_ERR_FORMAT, "no column 'phi_o'");
+    expect_refused("theta_i phi_i theta_o phi_o brdf\n1 2 3 4 5\n", "", NQM_ERR_FORMAT, ", separated by commas");
+    expect_refused("theta_i [grad],phi_i,theta_o,phi_o,r,g,b\n1,2,3,4,5,6,7\n", "", NQM_ERR_FORMAT,
+                   "the unit of column 'theta_i [grad]' (header at byte 0) is not degrees (deg) or radians (rad)");
+    expect_refused("theta_i,phi_i,theta_o,phi_o,brdf [%]\n1,2,3,4,5\n", "", NQM_ERR_FORMAT, "is not 1/sr");
+    expect_refused("theta_i,phi_i,theta_o,phi_o,intensity\n1,2,3,4,5\n", "", NQM_ERR_FORMAT, "no column 'r'");
+    expect_refused("theta_i,phi_i,theta_o,phi_o,500nm,520nm\n1,2,3,4,5,6\n", "", NQM_ERR_FORMAT,
+                   "the wavelengths of its 2 columns of values (header at byte 0) do not rise");
+    expect_refused("x\nVARS theta_i,phi_i,theta_r,phi_r,R,G,B\n30,0,0.7,0,1,1,1\n", "", NQM_ERR_FORMAT,
+                   "theta_i 30 radians at byte 41 is not within -90 to 90 degrees");
     expect_refused(header, "", NQM_ERR_FORMAT, "without a direction");
     expect_refused("theta_h,theta_d,phi_d,r,g,b\n91,2,3,4,5,6\n", "", NQM_ERR_FORMAT, "theta_h 91");
     expect_refused("theta_h,theta_d,phi_d,r,g,b\n1,2,-181,4,5,6\n", "", NQM_ERR_FORMAT, "phi_d -181");

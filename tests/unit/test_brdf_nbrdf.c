@@ -3,6 +3,7 @@
  * The two neural formats, NBRDF networks (as files and in zip archives) and neural processes: values against numpy
  * (tests/vectors/brdf.py), and broken files.
  */
+#include "brdf/brdf.h"
 #include "support/allocations.h"
 #include "support/brdf_files.h"
 #include "support/check.h"
@@ -10,6 +11,7 @@
 #include "support/vectors.h"
 
 #include <nqm/brdf.h>
+#include <sys/stat.h>
 
 enum { N_PAIRS = VECTOR_PAIRS };
 
@@ -57,6 +59,68 @@ TEST(network_comes_out_of_a_zip) {
     compare(must_open(argument), rgb_vector("nbrdf"), 1e-12);
 }
 
+/* Write the weights of the network as the six arrays of the authors' programs, "PREFIXfc1.npy" to "PREFIXb3.npy". */
+static void save_parts(const char *folder, const char *prefix, bool in_columns) {
+    static const struct {
+        const char *name;
+        size_t n_in, n_out;
+    } parts[] = {{"fc1", 6, 21}, {"b1", 0, 21}, {"fc2", 21, 21}, {"b2", 0, 21}, {"fc3", 21, 3}, {"b3", 0, 3}};
+    const char *path = scratch_path("network.h5");
+    blob_put(make_nbrdf(NBRDF_VALID), path);
+    nqm_brdf *network = must_open(path);
+    const float *weights = nqm_nbrdf_weights(network);
+    for (size_t k = 0; k < sizeof parts / sizeof *parts; ++k) {
+        const size_t n_in = parts[k].n_in ? parts[k].n_in : 1, n_out = parts[k].n_out;
+        char text[119], shape[40];
+        float values[441];
+        snprintf(shape, sizeof shape, parts[k].n_in ? "%zu, %zu" : "%.0zu%zu,", parts[k].n_in, n_out);
+        snprintf(text, sizeof text, "{'descr': '<f4', 'fortran_order': %s, 'shape': (%s), }",
+                 in_columns && parts[k].n_in ? "True" : "False", shape);
+        for (size_t i = 0; i < n_in * n_out; ++i)
+            values[in_columns ? i % n_out * n_in + i / n_out : i] = weights[i];
+        weights += n_in * n_out;
+        char file[400];
+        snprintf(file, sizeof file, "%s/%s%s.npy", folder, prefix, parts[k].name);
+        FILE *out = fopen(file, "wb");
+        assert_non_null(out);
+        fprintf(out, "\x93NUMPY%c%c%c%c%-117s\n", 1, 0, 118, 0, text);
+        nqm_write_values(out, n_in * n_out, sizeof *values, values);
+        assert_int_equal(fclose(out), 0);
+    }
+    nqm_brdf_free(network);
+}
+
+/* A network as six arrays: by its folder or by one of the files, in rows or in columns. */
+TEST(network_is_read_from_arrays) {
+    char folder[300], file[400];
+    snprintf(folder, sizeof folder, "%s", scratch_path("arrays"));
+    assert_int_equal(mkdir(folder, 0777), 0);
+    for (int in_columns = 0; in_columns < 2; ++in_columns) {
+        save_parts(folder, "_", in_columns);
+        compare(must_open(folder), rgb_vector("nbrdf"), 1e-12);
+        snprintf(file, sizeof file, "%s/_b2.npy", folder);
+        compare(must_open(file), rgb_vector("nbrdf"), 1e-12);
+    }
+    assert_true(check_brdf_allocations(folder) >= 4);
+    snprintf(file, sizeof file, "%s/_b2.npy", folder);
+    blob part = blob_load(file);
+    refuse_cuts(file, part, 13, read_brdf);
+    blob_put(part, file);
+    save_parts(folder, "gold_", false);
+    must_refuse(folder, NQM_ERR_ARG, "a folder of 2 networks; give one of their files, ");
+    snprintf(file, sizeof file, "%s/gold_fc2.npy", folder);
+    compare(must_open(file), rgb_vector("nbrdf"), 1e-12);
+    char copy[400];
+    snprintf(copy, sizeof copy, "%s/gold_fc3.npy", folder);
+    blob_put(blob_load(file), copy);
+    must_refuse(copy, NQM_ERR_FORMAT, "weights of an NBRDF (header at byte 10) of another shape than 21 x 3");
+    remove(copy);
+    nqm_brdf *brdf;
+    nqm_error err = {0};
+    assert_int_equal(nqm_brdf_open(file, &brdf, &err), NQM_ERR_IO);
+    assert_non_null(strstr(err.message, copy));
+}
+
 TEST(zip_faults_are_told) {
     const char *path = scratch_path("archive.zip");
     char argument[400];
@@ -78,6 +142,10 @@ TEST(zip_faults_are_told) {
     blob text = {network.data, 100};
     blob_put(make_zip("readme.txt", &text), path);
     must_refuse(path, NQM_ERR_FORMAT, "no NBRDF");
+    blob_put(make_zip("net/data.pkl", &text), path);
+    must_refuse(path, NQM_ERR_FORMAT, "a PyTorch file; save the weights");
+    blob_put(make_zip("rgb.npy", &text), path);
+    must_refuse(path, NQM_ERR_FORMAT, "an .npz archive of NumPy; save one table");
     blob_put(make_zip("steel.h5", &text), path);
     must_refuse(argument, NQM_ERR_FORMAT, argument);
     blob_free(&network);

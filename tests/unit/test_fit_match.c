@@ -159,10 +159,14 @@ TEST(values_are_those_of_scores) {
         const nqm_brdf *tests[] = {test};
         assert_int_equal(nqm_match_visual_make(models[k], ref, &visual, NULL), NQM_OK);
         const nqm_fit_visual *v = &visual.visual;
-        double *rgb = nqm_alloc(v->n, 6 * sizeof *rgb);
+        double *rgb = nqm_alloc(v->n + 1, 6 * sizeof *rgb), *gradient = rgb + 3 * v->n;
         assert_non_null(rgb);
+        for (size_t i = 0; i <= 3 * v->n; ++i)
+            gradient[i] = NAN;
         nqm_brdf_eval(test, v->n, v->wi, v->wo, rgb, NULL);
-        value = v->eval(v->user, rgb, rgb + 3 * v->n);
+        value = v->eval(v->user, rgb, gradient);
+        for (size_t i = 0; i <= 3 * v->n; ++i) /* all of it, and no more */
+            assert_true(isfinite(gradient[i]) == (i < 3 * v->n));
         nqm_free(rgb);
         assert_int_equal(nqm_score(models[k], ref, 1, tests, NULL, &result, NULL), NQM_OK);
         assert_relative(value, k < 2 ? result.delta_e : 10 - result.jod, 1e-3);

@@ -3,9 +3,11 @@
  * Shadings and their specs, and the errors of material files of any format.
  */
 #include "brdf/brdf.h"
-#include "material/material.h"
+#include "material/maps.h"
 #include "support/check.h"
 #include "support/material_text.h"
+
+#include <stdarg.h>
 
 TEST(specs_go_there_and_back) {
     const char *text = "some-model:base_color=.25,.5,1;roughness=.1;metalness=0;base_color=1,1,.5;alpha=.1,.3";
@@ -52,4 +54,68 @@ TEST(deep_files_are_refused) {
     for (int i = 0; i < 100; ++i)
         strcat(deep, "<scene>");
     refuse_bytes("x.xml", deep, strlen(deep), NQM_ERR_LIMIT, -1, "nested");
+}
+
+/* A text that is made piece by piece. */
+typedef struct pieces {
+    size_t n;
+    char text[1 << 20];
+} pieces;
+
+__attribute__((format(printf, 2, 3))) static void add(pieces *p, const char *format, ...) {
+    va_list arguments;
+    va_start(arguments, format);
+    const int n = vsnprintf(p->text + p->n, sizeof p->text - p->n, format, arguments);
+    va_end(arguments);
+    assert_true(n >= 0 && (size_t)n < sizeof p->text - p->n);
+    p->n += (size_t)n;
+}
+
+/* 200 materials share a graph of 60 images, whose names have 4,000 characters: 94 MB of copies for a file of .3 MB. */
+TEST(maps_of_a_file_have_a_limit) {
+    enum { N_IMAGES = 60, N_NAME = 4000, N_MATERIALS = 200 };
+    pieces *p = calloc(1, sizeof *p);
+    nqm_materials *materials = NULL;
+    size_t n_maps = 0;
+    assert_non_null(p);
+    add(p, "<materialx version='1.39'><constant name='n0' type='float'><input name='value' type='float' "
+           "value='1'/></constant>");
+    for (int i = 1; i <= N_IMAGES; ++i)
+        add(p,
+            "<image name='i%d' type='float'><input name='file' type='filename' value='%0*d'/></image><add name='n%d' "
+            "type='float'><input name='in1' type='float' nodename='i%d'/><input name='in2' type='float' "
+            "nodename='n%d'/></add>",
+            i, N_NAME, i, i, i, i - 1);
+    for (int i = 0; i < N_MATERIALS; ++i)
+        add(p,
+            "<standard_surface name='s%d' type='surfaceshader'><input name='base' type='float' "
+            "nodename='n%d'/></standard_surface>",
+            i, N_IMAGES);
+    add(p, "</materialx>");
+    const nqm_map map = {.data = (const unsigned char *)p->text, .n_bytes = p->n, .path = "x.mtlx"};
+    assert_int_equal(nqm_materials_read(&map, &materials, NULL), NQM_OK);
+    while (n_maps < N_MATERIALS && nqm_materials_textured(materials, n_maps))
+        ++n_maps;
+    assert_in_range(n_maps, 128, N_MATERIALS - 1);
+    for (size_t i = n_maps; i < N_MATERIALS; ++i)
+        assert_non_null(strstr(nqm_materials_get(materials, i).refusal, "more memory than a file of this size may"));
+    nqm_materials_free(materials);
+    free(p);
+}
+
+/* Classes with two copies each of the one before; classes that each inherit the next. */
+TEST(composition_of_usd_has_limits) {
+    pieces *p = calloc(1, sizeof *p);
+    assert_non_null(p);
+    add(p, "#usda 1.0\nclass \"c0\" { def Shader \"s\" { } }\n");
+    for (int i = 1; i <= 40; ++i)
+        add(p, "class \"c%d\" { def \"a\" (inherits = </c%d>) { } def \"b\" (inherits = </c%d>) { } }\n", i, i - 1,
+            i - 1);
+    refuse_bytes("x.usda", p->text, p->n, NQM_ERR_LIMIT, -1, "more than");
+    p->n = 0;
+    add(p, "#usda 1.0\n");
+    for (int i = 0; i <= 200; ++i)
+        add(p, "class \"c%d\" (inherits = </c%d>) { }\n", i, i + 1);
+    refuse_bytes("x.usda", p->text, p->n, NQM_ERR_FORMAT, -1, "nested too deeply");
+    free(p);
 }

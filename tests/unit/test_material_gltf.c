@@ -31,14 +31,27 @@ TEST(occlusion_is_ignored_with_a_remark) {
 
 /* ---- refused (most: vectors/materials.txt) ---------------------------------------------------------------------- */
 
+/* What is not about materials, by its name, is ignored with a remark; what may be refuses them. */
 TEST(requirements_concern_every_material) {
-    nqm_materials *materials = text_as_materials(
-        "x.gltf",
-        "{\"asset\": {\"version\": \"2.0\"}, \"extensionsRequired\": [\"KHR_draco_mesh_compression\", \"EXT_odd\"], "
-        "\"materials\": [{\"name\": \"a\"}, {}]}");
+    nqm_materials *materials =
+        text_as_materials("x.gltf", "{\"asset\": {\"version\": \"2.0\"}, \"extensionsRequired\": "
+                                    "[\"KHR_draco_mesh_compression\", \"EXT_odd\"], "
+                                    "\"materials\": [{\"name\": \"a\"}, {}]}");
     assert_int_equal(nqm_materials_count(materials), 2);
     for (size_t i = 0; i < 2; ++i)
-        assert_string_equal(nqm_materials_get(materials, i).refusal, "extensionsRequired: EXT_odd is not known");
+        assert_string_equal(nqm_materials_get(materials, i).refusal,
+                            "extensionsRequired: EXT_odd is not known");
+    nqm_materials_free(materials);
+    materials =
+        text_as_materials("x.gltf", "{\"asset\": {\"version\": \"2.0\"}, \"extensionsRequired\": "
+                                    "[\"KHR_texture_transform\", \"EXT_structural_metadata\", \"KHR_materials_coat\"], "
+                                    "\"materials\": [{\"normalTexture\": {}}, {\"occlusionTexture\": {}}]}");
+    static const char remark[] =
+        "not read: the required extension EXT_structural_metadata, which is not about materials";
+    assert_string_equal(nqm_materials_get(materials, 0).remark, remark);
+    assert_non_null(strstr(nqm_materials_get(materials, 1).remark, remark));
+    assert_non_null(strstr(nqm_materials_get(materials, 1).remark, "occlusion"));
+    assert_non_null(nqm_materials_get(materials, 1).spec);
     nqm_materials_free(materials);
 }
 

@@ -152,6 +152,23 @@ TEST(coordinates) {
     }
 }
 
+/* Only the names of the first set of texture coordinates are known. */
+TEST(other_sets_of_coordinates_are_refused) {
+    static const char *const names[] = {"UV0", "st", "UV1", "ST", ""};
+    for (size_t i = 0; i < sizeof names / sizeof *names; ++i) {
+        char others[1000], input[200] = "";
+        if (*names[i])
+            snprintf(input, sizeof input, "<input name='geomprop' type='string' value='%s'/>", names[i]);
+        snprintf(others, sizeof others,
+                 "<geompropvalue name='t' type='vector2'>%s</geompropvalue><image name='n' type='color3'>"
+                 "<input name='texcoord' type='vector2' nodename='t'/>" FILE_INPUT("a.png") "</image>",
+                 input);
+        nqm_materials *materials = read_parts("", COLOR, others);
+        assert_true((nqm_materials_get(materials, 0).n_maps > 0) == (i < 2));
+        nqm_materials_free(materials);
+    }
+}
+
 /* Every sum has its predecessor twice: each is evaluated once. */
 TEST(shared_nodes) {
     char others[7000] = "<image name='n0' type='float'>" FILE_INPUT("a.png") "</image>";

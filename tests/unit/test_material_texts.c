@@ -134,6 +134,8 @@ static void check_material(const material_text *t, const nqm_materials *material
         next += strlen(next) + 1;
         if (is_textured)
             check_maps(t, maps, info.remark, line);
+        else if (strncmp(line, "remark ", 7) == 0)
+            expect(t, info.remark ? info.remark : "no remark", line + 7);
         else
             expect(t, spec, line);
     }

@@ -199,14 +199,17 @@ TEST(named_pairs) {
 /* JOD of ggx of two widths against one of another width, as the widths become equal. */
 TEST(scores_are_continuous_where_anisotropy_vanishes) {
     nqm_model *model = builtin("default");
-    double last = score_specs(model, plain, "ggx:kd=.1;ks=1;alpha=.2;f0=.9,.6,.3").jod;
+    const nqm_score_result flat = score_specs(model, plain, "ggx:kd=.1;ks=1;alpha=.2;f0=.9,.6,.3");
+    double last = flat.jod, last_delta_e = flat.delta_e;
     for (int i = 0; i <= 20; ++i) {
         char spec[100];
         snprintf(spec, sizeof spec, "ggx:kd=.1;ks=1;alpha=%.4f,%.4f;f0=.9,.6,.3", 0.2 + 0.0005 * i, 0.2 - 0.0005 * i);
         const nqm_score_result result = score_specs(model, plain, spec);
         assert_true((result.anisotropy > 0) == (i > 0));
         assert_near(result.jod, last, 0.05);
+        assert_near(result.delta_e, last_delta_e, 0.3);
         last = result.jod;
+        last_delta_e = result.delta_e;
     }
     nqm_model_free(model);
 }

@@ -174,14 +174,6 @@ TEST(values_out_of_range_are_told) {
     nqm_texture_free(t);
 }
 
-TEST(black_normals_are_those_of_the_surface) {
-    const double black[4][4] = {{0, 0, 0, 0}, {1, 1, 1, 1}};
-    const nqm_map_node node = {.op = NQM_MAP_NORMAL, .n = 3, .in = {0, 1}};
-    double out[4];
-    nqm_graph_node_value(&node, black, out);
-    assert_true(out[0] == 0 && out[1] == 0 && out[2] == 1);
-}
-
 TEST(wrong_maps_are_refused) {
     const float wrong[3] = {0.5f, NAN, 0.5f};
     const struct {

@@ -6,6 +6,7 @@
 #include "base/memory_test.h"
 #include "metric/metric.h"
 #include "support/check.h"
+#include "texture/score.h"
 #include "texture/texture.h"
 
 #include <time.h>
@@ -283,6 +284,16 @@ TEST(tilts_are_scored) {
                                                "tilt:deg=10;azimuth=180;of=gltf:base_color=.5,.4,.3;metallic=0;"
                                                "roughness=.3");
     assert_near(back.jod, other.jod, 1e-3);
+    /* The mean of many that are alike is one of them, and so are the means of their halves. */
+    float all_up[3 * N], all_leaning[3 * N];
+    for (size_t i = 0; i < 3 * N; ++i) {
+        all_up[i] = up[i % 3];
+        all_leaning[i] = leaning[i % 3];
+    }
+    const nqm_texture_result many =
+        score(make(NULL, NULL, NULL, all_up), make(NULL, NULL, NULL, all_leaning), &options, NULL);
+    assert_near(many.far_jod[0], expected.jod, 1e-3);
+    assert_near(many.far_delta_e, r.far_delta_e, 1e-3);
 }
 
 /* ---- blame ------------------------------------------------------------------------------------------------------- */
@@ -300,6 +311,36 @@ static float encode(float x) {
 
 static float decode(float x) {
     return x <= 0.04045f ? x / 12.92f : powf((x + 0.055f) / 1.055f, 2.4f);
+}
+
+/* The test's normal seen from the reference's: turned by the rotation that takes that one to (0, 0, 1) (Rodrigues). */
+TEST(tilts_are_relative_to_the_reference) {
+    static const float maps[2][3] = {{0.3f, -0.2f, 1}, {-0.1f, 0.4f, 0.8f}};
+    nqm_texture_job job = {.n_columns = 0};
+    nqm_texture *sides[2];
+    const float *rows[2];
+    double n[2][3], tilt[3], along;
+    for (size_t s = 0; s < 2; ++s) {
+        const double zero = 0;
+        sides[s] = make_of(1, 1, NULL, NULL, NULL, maps[s]);
+        float *values = nqm_alloc((size_t)sides[s]->n_rows * NQM_TEXEL_BLOCK, sizeof *values);
+        nqm_texture_evaluate(sides[s], 1, &zero, &zero, values);
+        nqm_texture_normal(sides[s], values, 0, n[s]);
+        job.side[s] = sides[s];
+        rows[s] = values;
+    }
+    nqm_texels_tilt(&job, rows, 0, tilt);
+    const double sine = hypot(n[0][0], n[0][1]), cosine = n[0][2], axis[2] = {n[0][1] / sine, -n[0][0] / sine};
+    along = axis[0] * n[1][0] + axis[1] * n[1][1];
+    const double expected[3] = {n[1][0] * cosine + axis[1] * n[1][2] * sine + axis[0] * along * (1 - cosine),
+                                n[1][1] * cosine - axis[0] * n[1][2] * sine + axis[1] * along * (1 - cosine),
+                                n[1][2] * cosine + (axis[0] * n[1][1] - axis[1] * n[1][0]) * sine};
+    for (size_t c = 0; c < 3; ++c)
+        assert_near(tilt[c], expected[c], 1e-12);
+    for (size_t s = 0; s < 2; ++s) {
+        nqm_free((void *)(uintptr_t)rows[s]);
+        nqm_texture_free(sides[s]);
+    }
 }
 
 TEST(mistakes_are_named) {

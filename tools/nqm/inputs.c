@@ -236,7 +236,7 @@ bool is_file(const char *path) {
 const char *member_name(const char *argument) {
     unsigned ignored;
     argument += nqm_ignore_prefix(argument, &ignored);
-    const char *colon = is_file(argument) || nqm_spec_probe(argument) ? NULL : strrchr(argument, ':');
+    const char *colon = nqm_spec_probe(argument) ? NULL : nqm_member_colon(argument);
     return colon ? colon + 1 : NULL;
 }
 
@@ -293,7 +293,9 @@ bool find_material(const char *argument, nqm_material_info *info) {
 unsigned ignored_set(void) {
     unsigned ignored = 0;
     if (ignored_words && !nqm_ignore_parse(ignored_words, strlen(ignored_words), &ignored))
-        stop(EXIT_USAGE, "--ignore is a list with commas of transmission, subsurface, emission and opacity, not '%s'",
+        stop(EXIT_USAGE,
+             "--ignore is a list with commas of transmission, subsurface, emission, opacity, displacement and bump, "
+             "not '%s'",
              ignored_words);
     return ignored;
 }
@@ -333,14 +335,12 @@ static char *list_folder; /* the last result of list_root() */
 
 const char *list_root(const char *root, const char *list_path) {
     struct stat about;
-    size_t is_stream = 0;
     if (root && !is_folder(root))
         stop(EXIT_OPEN, "--root: there is no folder '%s'", root);
     if (root)
         return root;
-    stream_name(list_path, &is_stream);
     const char *slash = strrchr(list_path, '/');
-    if (is_stream || !slash || stat(list_path, &about) != 0 || !S_ISREG(about.st_mode))
+    if (strncmp(list_path, "/dev/", 5) == 0 || !slash || stat(list_path, &about) != 0 || !S_ISREG(about.st_mode))
         return NULL;
     const size_t n = slash == list_path ? 1 : (size_t)(slash - list_path);
     free(list_folder);

@@ -167,10 +167,23 @@ static bool copy(FILE *from, FILE *to) {
     return !ferror(from) && fflush(to) == 0 && !ferror(to);
 }
 
+/* A file with the content of a pipe, which the shell makes of <(COMMAND); another path itself. The file stays until the run ends. */
+static const char *pipe_path(const char *path) {
+    struct stat st;
+    FILE *file = NULL, *from = path && stat(path, &st) == 0 && S_ISFIFO(st.st_mode) ? fopen(path, "rb") : NULL;
+    char *name = from ? allocate(N_NAME, 1) : NULL;
+    const bool is_copied = name && path_of(&file, name, path) == name && copy(from, file);
+    if (interrupted())
+        stop(EXIT_INTERRUPTED, "interrupted");
+    if (from)
+        fclose(from);
+    return is_copied ? name : path;
+}
+
 const char *input_path(const char *path) {
     bool is_read = input != NULL;
     if (!path || strcmp(path, "-") != 0)
-        return path;
+        return pipe_path(path);
     const char *name = path_of(&input, input_name, "/dev/stdin");
     const bool is_copied = !input || is_read || copy(stdin, input);
     if (interrupted())

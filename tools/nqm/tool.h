@@ -76,10 +76,15 @@ typedef struct option_words {
  *  only folder of which files are read; NULL: all are. */
 extern const char *ignored_words, *within;
 #define OPTION_ROW_IGNORE                                                                                              \
-    {"ignore",    0,                                                                                                   \
-     OPTION_TEXT, &ignored_words,                                                                                      \
-     "LIST",      "take what reflects of materials that do more: any of transmission,subsurface,emission,opacity",     \
-     0,           0},                                                                                                  \
+    {"ignore",                                                                                                         \
+     0,                                                                                                                \
+     OPTION_TEXT,                                                                                                      \
+     &ignored_words,                                                                                                   \
+     "LIST",                                                                                                           \
+     "take what reflects of materials that do more: any of "                                                           \
+     "transmission,subsurface,emission,opacity,displacement,bump",                                                     \
+     0,                                                                                                                \
+     0},                                                                                                               \
     {                                                                                                                  \
         "within", 0, OPTION_TEXT, &within, "DIR",                                                                      \
             "read no file outside of DIR: for services, as materials may name any file as a map", 0, 0                 \
@@ -321,7 +326,7 @@ void make_folder(const char *path);
 /** Remove the folder that this run made, if it is empty. May be called in a signal handler. */
 void remove_empty_folder(void);
 
-/** Paths for the library, which does not know "-": as an input "-" gives a file with the content of standard input, as an output
+/** Paths for the library, which does not know "-": as an input "-" or a pipe gives a file with its content, as an output
  *  a file that flush_output_path() copies to standard output. Other paths and NULL are returned as they are. */
 const char *input_path(const char *path);
 const char *output_path(const char *path);

@@ -40,6 +40,8 @@ typedef struct nqm_brdf_format {
     X(nqm_nbrdf_format)                                                                                                \
     X(nqm_npy_format)                                                                                                  \
     X(nqm_listed_format)                                                                                               \
+    X(nqm_zemax_format)                                                                                                \
+    X(nqm_authors_format)                                                                                              \
     X(nqm_nps_format)                                                                                                  \
     X(nqm_utia_format)                                                                                                 \
     X(nqm_saved_format)                                                                                                \
@@ -52,6 +54,11 @@ NQM_BRDF_FORMATS(NQM_DECLARE_BRDF_FORMAT)
 struct nqm_tensor nqm_table_tensor(const nqm_brdf *brdf);
 /** The nodes of such a tensor; false: it has another shape. */
 bool nqm_table_size_of(const struct nqm_tensor *tensor, nqm_table_size *size);
+
+/** Whether the name of a .npy file is that of the weights of a layer of an NBRDF, "..._fc1.npy" or "..._b3.npy". */
+bool nqm_nbrdf_is_part(const char *path);
+/** Open the NBRDF of six such files, of which one is given. */
+NQM_MUST_CHECK nqm_status nqm_nbrdf_open_parts(const char *path, const char *name, nqm_brdf **brdf_ret, nqm_error *err);
 
 /** Fail with a fault of a tensor. */
 nqm_status nqm_brdf_fail_tensor(const char *path, const struct nqm_tensor *tensor, const char *fault, nqm_error *err);

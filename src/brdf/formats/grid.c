@@ -84,3 +84,23 @@ void nqm_grid_eval(const void *self, size_t n, const double *hd, double *rgb) {
         }
     }
 }
+
+void nqm_grid_eval_folded(const nqm_grid *g, double *at, double *rgb) {
+    const double first = g->node[2][0], last = g->node[2][g->n[2] - 1], slack = 1e-6;
+    if (g->period < 2 * NQM_PI) {
+        at[2] = fabs(at[2]);
+        if (at[2] < first - slack || at[2] > last + slack)
+            at[0] = NAN;
+        at[2] = fmin(fmax(at[2], first), last);
+    }
+    nqm_grid_eval(g, 1, at, rgb);
+}
+
+double nqm_grid_gap(const nqm_grid *g, size_t k) {
+    const double *node = g->node[k];
+    const size_t n = g->n[k];
+    double gap = k == 2 ? node[0] + g->period - node[n - 1] : 0;
+    for (size_t i = 1; i < n; ++i)
+        gap = fmax(gap, node[i] - node[i - 1]);
+    return gap * 180 / NQM_PI;
+}

@@ -22,5 +22,11 @@ typedef struct nqm_grid {
 /** f_r of an nqm_grid at hd (n, 3). Nodes with a NaN are excluded from the interpolation; NaN where all neighbours are,
  *  and beyond the first and last theta_h and theta_d unless it extrapolates. */
 void nqm_grid_eval(const void *grid, size_t n, const double *hd, double *rgb);
+/** The same at one point (3), of a grid whose third coordinate is periodic over a turn, or of which the value at -x is that at x. */
+void nqm_grid_eval_folded(const nqm_grid *grid, double *at, double *rgb);
+
+/** The largest step between neighbouring nodes of coordinate k, in degrees. Wider steps of azimuths than NQM_GRID_WIDEST are no grid. */
+double nqm_grid_gap(const nqm_grid *grid, size_t k);
+#define NQM_GRID_WIDEST 45.001
 
 #endif

@@ -21,108 +21,11 @@
 
 static const double degree = NQM_PI / 180, default_tolerance = 0.1;
 
-/* ---- reading ----------------------------------------------------------------------------------------------------- */
-
-static bool probe(const nqm_map *map) {
-    char line[512]; /* the first line that is neither blank nor a comment, in small letters */
-    const size_t n_bytes = nqm_smaller(map->n_bytes, NQM_PROBE_BYTES);
-    size_t at = n_bytes >= 3 && memcmp(map->data, "\xef\xbb\xbf", 3) == 0 ? 3 : 0, n;
-    do {
-        for (n = 0; at < n_bytes && map->data[at] != '\n'; ++at)
-            if (n < sizeof line - 1)
-                line[n++] = (char)(map->data[at] >= 'A' && map->data[at] <= 'Z' ? map->data[at] + 32 : map->data[at]);
-        line[n] = '\0';
-    } while (at++ < n_bytes && (*line == '#' || strspn(line, " \t\r") == n));
-    return (strstr(line, "theta_h") && strstr(line, "theta_d") && strstr(line, "phi_d")) ||
-           (strstr(line, "theta_i") && strstr(line, "phi_i") && strstr(line, "theta_o") && strstr(line, "phi_o"));
-}
-
-enum { MAX_ANGLES = 4, MAX_COLUMNS = MAX_ANGLES + 3 };
-
-typedef struct angle_column {
-    const char *name;
-    double low, high; /* degrees */
-} angle_column;
-
-static const angle_column half_diff_columns[] = {{"theta_h", 0, 90}, {"theta_d", 0, 90}, {"phi_d", -180, 360}};
-static const angle_column pair_columns[] = {
-    {"theta_i", 0, 90}, {"phi_i", -360, 360}, {"theta_o", 0, 90}, {"phi_o", -360, 360}};
-
-/* Columns of a file: those of n_angles angles, then r, g, b. */
-typedef struct layout {
-    size_t n_angles;
-    const angle_column *angles;
-    int column[MAX_COLUMNS];
-} layout;
-
-static bool has_pairs(const layout *l) {
-    return l->angles == pair_columns;
-}
-
-static nqm_status read_angle(const nqm_csv *csv, const char *path, size_t row, const angle_column *range, int column,
-                             double *angle, nqm_error *err) {
-    nqm_status status = nqm_csv_number(csv, row, column, angle, err);
-    if (status == NQM_OK && !(*angle >= range->low && *angle <= range->high)) {
-        const size_t at = nqm_csv_byte(csv, row, column);
-        status = nqm_fail(err, NQM_ERR_FORMAT, (int64_t)at, "%s: %s %g at byte %zu is not within %g to %g degrees",
-                          path, range->name, *angle, at, range->low, range->high);
-    }
-    *angle *= degree;
-    return status;
-}
+/* ---- rows -------------------------------------------------------------------------------------------------------- */
 
 /* So that equal differences of azimuths are one node. */
 static double round_angle(double angle) {
     return 1e-9 * round(angle / 1e-9);
-}
-
-static nqm_status read_angles(const nqm_csv *csv, const char *path, size_t row, const layout *l, nqm_listed *to,
-                              nqm_error *err) {
-    double angle[MAX_ANGLES];
-    nqm_status status = NQM_OK;
-    for (size_t k = 0; k < l->n_angles && status == NQM_OK; ++k)
-        status = read_angle(csv, path, row, l->angles + k, l->column[k], angle + k, err);
-    if (status != NQM_OK)
-        return status;
-    memcpy(to->at, angle, sizeof to->at);
-    if (!has_pairs(l))
-        return NQM_OK;
-    to->phi_i = angle[1];
-    to->at[1] = angle[2];
-    to->at[2] = angle[3] - angle[1];
-    return NQM_OK;
-}
-
-/* Three empty fields: no value. */
-static nqm_status read_value(const nqm_csv *csv, size_t row, const int *column, float *rgb, nqm_error *err) {
-    bool empty = true;
-    for (size_t c = 0; c < 3; ++c)
-        empty = empty && !*nqm_csv_text(csv, row, column[c]);
-    for (size_t c = 0; c < 3; ++c) {
-        double value = NAN;
-        nqm_status status = empty ? NQM_OK : nqm_csv_number(csv, row, column[c], &value, err);
-        if (status != NQM_OK)
-            return status;
-        rgb[c] = (float)value;
-    }
-    return NQM_OK;
-}
-
-static nqm_status find_columns(const nqm_csv *csv, const char *path, layout *l, nqm_error *err) {
-    static const char *const channels[3] = {"r", "g", "b"};
-    const bool is_half_diff = nqm_csv_column(csv, "theta_h") >= 0 || nqm_csv_column(csv, "theta_i") < 0;
-    *l = is_half_diff ? (layout){3, half_diff_columns, {0}} : (layout){4, pair_columns, {0}};
-    for (size_t k = 0; k < l->n_angles + 3; ++k) {
-        const char *name = k < l->n_angles ? l->angles[k].name : channels[k - l->n_angles];
-        l->column[k] = nqm_csv_column(csv, name);
-        if (l->column[k] < 0)
-            return nqm_fail(
-                err, NQM_ERR_FORMAT, 0,
-                "%s: has no column '%s' (header at byte 0); a CSV of a BRDF has theta_h, theta_d, phi_d, or "
-                "theta_i, phi_i, theta_o, phi_o, and r, g, b",
-                path, name);
-    }
-    return NQM_OK;
 }
 
 /* At the normal the azimuth means nothing. */
@@ -205,21 +108,19 @@ static nqm_status find_anisotropy(nqm_list *l, nqm_error *err) {
     return NQM_OK;
 }
 
-/* Radians read as degrees: all directions are near the normal, and no azimuth is large. (A fine scan near the normal in
- * one plane is no such list: its azimuths are 0.) */
+/* Radians read as degrees: all directions are within 1.571 degrees of the normal. */
 static nqm_status refuse_radians(const nqm_list *l, nqm_error *err) {
-    double theta = 0, phi = 0;
-    for (size_t i = 0; i < l->n; ++i) {
+    double theta = 0;
+    for (size_t i = 0; i < l->n; ++i)
         theta = fmax(theta, fmax(l->rows[i].at[0], l->rows[i].at[1]) / degree);
-        phi = fmax(phi, fabs(l->rows[i].at[2]) / degree);
-    }
-    if (l->n < 20 || !(theta > 0.5 && theta < 1.571 && phi > 0.5 && phi < 6.284))
+    if (l->has_unit || l->n < 20 || !(theta > 0.5 && theta < 1.571))
         return NQM_OK;
     return nqm_fail(
         err, NQM_ERR_FORMAT, 0,
-        "%s: the polar angles of all rows (from byte 0 on) are at most %.3g, their azimuths %.3g: these are "
-        "radians; degrees are needed",
-        l->path, theta, phi);
+        "%s: the polar angles of all rows (from byte 0 on) are at most %.3g: these are radians, and degrees "
+        "are read unless the names of columns have a unit: 'theta_i [rad]', or 'theta_i [deg]' if they are "
+        "degrees",
+        l->path, theta);
 }
 
 static int compare_directions(const nqm_listed *x, const nqm_listed *y) {
@@ -267,28 +168,6 @@ static void merge_repeated(nqm_list *l) {
     l->n = n_kept;
 }
 
-static nqm_status read_rows(const nqm_csv *csv, nqm_list *l, nqm_error *err) {
-    layout columns;
-    nqm_status status = find_columns(csv, l->path, &columns, err);
-    l->has_pairs = has_pairs(&columns);
-    l->is_reciprocal = status == NQM_OK && !l->has_pairs;
-    for (size_t row = 0; row < l->n && status == NQM_OK; ++row) {
-        const double *phi_d = l->rows[row].at + 2;
-        status = read_angles(csv, l->path, row, &columns, &l->rows[row], err);
-        if (status == NQM_OK)
-            status = read_value(csv, row, columns.column + columns.n_angles, l->rows[row].rgb, err);
-        l->is_reciprocal = l->is_reciprocal && *phi_d >= 0 && *phi_d <= 180 * degree;
-    }
-    if (status == NQM_OK)
-        status = refuse_radians(l, err);
-    if (status == NQM_OK && l->has_pairs)
-        status = find_anisotropy(l, err);
-    l->is_half_turn = status == NQM_OK && l->has_pairs && !l->is_anisotropic && is_half_turn(l);
-    if (status == NQM_OK)
-        merge_repeated(l);
-    return status;
-}
-
 /* ---- complete grids ---------------------------------------------------------------------------------------------- */
 
 static const nqm_brdf_class grid_class = {.format = "grid", .eval_half_diff = nqm_grid_eval, .free = nqm_free};
@@ -303,16 +182,10 @@ static void place_pair(const nqm_grid *g, const double *wi, const double *wo, do
 
 static void pair_grid_eval(const void *self, size_t n, const double *wi, const double *wo, double *rgb) {
     const nqm_grid *g = self;
-    const double first = g->node[2][0], last = g->node[2][g->n[2] - 1], slack = 1e-6;
     for (size_t i = 0; i < n; ++i) {
         double at[3];
         place_pair(g, wi + 3 * i, wo + 3 * i, at);
-        if (g->period < 2 * NQM_PI) {
-            if (at[2] < first - slack || at[2] > last + slack)
-                at[0] = NAN;
-            at[2] = fmin(fmax(at[2], first), last);
-        }
-        nqm_grid_eval(g, 1, at, rgb + 3 * i);
+        nqm_grid_eval_folded(g, at, rgb + 3 * i);
     }
 }
 
@@ -396,16 +269,6 @@ static bool is_nearly_complete(const nqm_list *l, const nqm_grid *g) {
            nqm_mul_size(n_nodes, g->n[2], &n_nodes) && n_nodes / 4 <= n / 3;
 }
 
-/* Between neighbouring nodes of coordinate k, in degrees; phi (2) is periodic. */
-static double largest_gap(const nqm_grid *grid, size_t k) {
-    const double *node = grid->node[k];
-    const size_t n = grid->n[k];
-    double gap = k == 2 ? node[0] + grid->period - node[n - 1] : 0;
-    for (size_t i = 1; i < n; ++i)
-        gap = fmax(gap, node[i] - node[i - 1]);
-    return gap / degree;
-}
-
 /* The axes of a grid. Where these are half a turn the value at -phi is that at phi. */
 static void find_axes(const nqm_list *l, nqm_grid *g, double *const node[3]) {
     for (size_t k = 0; k < 3; ++k) {
@@ -430,7 +293,7 @@ static bool can_be_grid(const nqm_list *l, const nqm_grid *g, size_t *n_product)
     if (g->n[0] < 2 || g->n[1] < 2 || !is_turn || !nqm_mul_size(g->n[0], g->n[1], n_product) ||
         !nqm_mul_size(*n_product, g->n[2], n_product))
         return false;
-    if (l->has_pairs && (g->n[2] < 2 || largest_gap(g, 2) > 45.001))
+    if (l->has_pairs && (g->n[2] < 2 || nqm_grid_gap(g, 2) > NQM_GRID_WIDEST))
         return false; /* between distant azimuths nothing is known: in the plane of incidence alone there are two */
     return *n_product == l->n || is_nearly_complete(l, g);
 }
@@ -478,8 +341,8 @@ static nqm_status wrap_grid(const nqm_list *l, nqm_grid *grid, size_t n_missing,
     char text[300];
     snprintf(text, sizeof text,
              "%zu %s x %zu %s x %zu %s, linear between them, at most %.3g, %.3g and %.3g degrees apart", grid->n[0],
-             axis[0], grid->n[1], axis[1], grid->n[2], axis[2], largest_gap(grid, 0), largest_gap(grid, 1),
-             largest_gap(grid, 2));
+             axis[0], grid->n[1], axis[1], grid->n[2], axis[2], nqm_grid_gap(grid, 0), nqm_grid_gap(grid, 1),
+             nqm_grid_gap(grid, 2));
     if (l->n_repeated)
         snprintf(text + strlen(text), sizeof text - strlen(text), "; the mean of repeated ones (%zu rows)",
                  l->n_repeated);
@@ -529,19 +392,27 @@ static nqm_status read_tolerance(const char *path, const char *text, double *tol
 }
 
 /* A scattered direction takes about 350 bytes, and 40 bytes or more of a large file. */
-static size_t max_scattered(size_t n_bytes) {
+size_t nqm_listed_most(size_t n_bytes) {
     enum { FREE_ROWS = 1 << 16, BYTES_PER_ROW = 40 };
     return FREE_ROWS + n_bytes / BYTES_PER_ROW;
 }
 
-/* n_bytes: of the file. */
-static nqm_status create(const nqm_list *l, size_t n_bytes, const char *tolerance_text, const char *name,
-                         nqm_brdf **brdf_ret, nqm_error *err) {
+nqm_status nqm_listed_create(nqm_list *l, size_t n_bytes, const nqm_brdf_argument *argument, nqm_brdf **brdf_ret,
+                             nqm_error *err) {
+    const char *tolerance_text = argument->member, *name = argument->name;
     double tolerance;
     size_t n_missing = 0;
     nqm_grid *grid = NULL;
-    nqm_status status = read_tolerance(l->path, tolerance_text, &tolerance, err);
-    if (status == NQM_OK && !l->is_anisotropic)
+    nqm_status status = refuse_radians(l, err);
+    if (status == NQM_OK && l->has_pairs)
+        status = find_anisotropy(l, err);
+    if (status == NQM_OK)
+        status = read_tolerance(l->path, tolerance_text, &tolerance, err);
+    if (status != NQM_OK)
+        return status;
+    l->is_half_turn = l->has_pairs && !l->is_anisotropic && is_half_turn(l);
+    merge_repeated(l);
+    if (!l->is_anisotropic)
         status = make_grid(l, &grid, &n_missing, err);
     if (status != NQM_OK)
         return status;
@@ -549,12 +420,12 @@ static nqm_status create(const nqm_list *l, size_t n_bytes, const char *toleranc
         nqm_free(grid);
         grid = NULL;
     }
-    if (!grid && l->n > max_scattered(n_bytes))
+    if (!grid && l->n > nqm_listed_most(n_bytes))
         return nqm_fail(
             err, NQM_ERR_LIMIT, 0,
             "%s: %zu directions (from byte 0 on) that are no complete grid; %zu are the limit for a file of "
             "%zu bytes",
-            l->path, l->n, max_scattered(n_bytes), n_bytes);
+            l->path, l->n, nqm_listed_most(n_bytes), n_bytes);
     if (!grid)
         return nqm_scattered_create(l, tolerance, name, brdf_ret, err);
     if (!tolerance_text)
@@ -563,32 +434,3 @@ static nqm_status create(const nqm_list *l, size_t n_bytes, const char *toleranc
     return nqm_fail(err, NQM_ERR_ARG, -1, "%s: is a complete grid, which is interpolated: open it without ':%s'",
                     l->path, tolerance_text);
 }
-
-/* The member is the tolerance. */
-static nqm_status open_file(nqm_map *map, const nqm_brdf_argument *argument, nqm_brdf **brdf_ret, nqm_error *err) {
-    nqm_csv *csv = NULL;
-    nqm_map_expect(map, true);
-    nqm_status status = nqm_csv_parse((const char *)map->data, map->n_bytes, map->path, &csv, err);
-    if (status != NQM_OK)
-        return status;
-    nqm_list l = {.path = map->path, .n = nqm_csv_rows(csv)};
-    l.rows = nqm_alloc(l.n, sizeof *l.rows);
-    if (!l.rows)
-        status = nqm_fail_nomem(err, l.n * sizeof *l.rows);
-    else if (l.n == 0)
-        status = nqm_fail(err, NQM_ERR_FORMAT, (int64_t)map->n_bytes, "%s: ends at byte %zu without a direction",
-                          map->path, map->n_bytes);
-    if (status == NQM_OK)
-        status = read_rows(csv, &l, err);
-    nqm_csv_free(csv);
-    if (status == NQM_OK)
-        status = create(&l, map->n_bytes, argument->member, argument->name, brdf_ret, err);
-    nqm_free(l.rows);
-    return status;
-}
-
-const nqm_brdf_format nqm_listed_format = {.files =
-                                               "CSV with theta_h, theta_d, phi_d or theta_i, phi_i, theta_o, phi_o",
-                                           .takes_members = true,
-                                           .probe = probe,
-                                           .open = open_file};

@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: MIT
  *
- * listed.h - a BRDF as a list of directions and values: a CSV with the columns theta_h, theta_d, phi_d (degrees), r, g,
- * b, or with both directions. "FILE:DEGREES" sets the tolerance of a list that is no complete grid.
+ * listed.h - a BRDF as a list of directions and values, of a CSV (listed_columns.c) or another file of rows. "FILE:DEGREES" sets the
+ * tolerance of a list that is no complete grid.
  */
 #ifndef NQM_SRC_BRDF_LISTED_H
 #define NQM_SRC_BRDF_LISTED_H
 
-#include "brdf/brdf.h"
+#include "brdf/formats/format.h"
 
 /** One direction, in radians, and f_r in 1/sr; NaN in channel 0: no value. */
 typedef struct nqm_listed {
@@ -21,11 +21,24 @@ typedef struct nqm_list {
     size_t n;
     nqm_listed *rows;    /* (n) */
     size_t n_repeated;   /* rows of the file that gave a direction again: the mean is in `rows` */
+    bool has_unit;       /* the file says in which unit its angles are */
     bool is_reciprocal;  /* each row also counts with light and viewer exchanged */
     bool has_pairs;      /* rows are light and viewer */
     bool is_anisotropic; /* their azimuths count; only if has_pairs */
     bool is_half_turn;   /* all phi are in one half of the turn, so that in a grid the value at -phi is that at phi */
 } nqm_list;
+
+/** Weights of X, Y and Z, relative to the white of D65, that make linear BT.709 RGB, as of nqm_spectrum_weights(). */
+static const double nqm_xyz_weights[9] = {3.2404542,  -0.9692660, 0.0556434, -1.5371385, 1.8760108,
+                                          -0.2040259, -0.4985314, 0.0415560, 1.0572252};
+
+/** Create the BRDF of a list, whose rows it sorts and merges: a grid, or scattered rows. Set are path, n, rows, has_unit,
+ *  is_reciprocal and has_pairs. n_bytes: of the file. */
+NQM_MUST_CHECK nqm_status nqm_listed_create(nqm_list *list, size_t n_bytes, const nqm_brdf_argument *argument,
+                                            nqm_brdf **brdf_ret, nqm_error *err);
+
+/** How many rows that are no grid a file of n_bytes may have. */
+size_t nqm_listed_most(size_t n_bytes);
 
 /** Light and viewer of a row: unit vectors (3). */
 void nqm_listed_pair(const nqm_list *list, const nqm_listed *row, double *wi, double *wo);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
  * NBRDF (Sztrajman et al. 2021, DOI 10.1111/cgf.14335): a BRDF as a network of 6-21-21-3 in a Keras .h5 file, plain or
- * inside a zip. Input: unit half vector with phi_h = 0 and unit difference vector; ReLU, ReLU, linear, exp(x) - 1;
+ * inside a zip, or in six .npy files as the authors' programs write them. Input: unit half vector with phi_h = 0 and unit difference vector; ReLU, ReLU, linear, exp(x) - 1;
  * output f_r, RGB. phi_d is folded to [0, pi), where the networks were trained; that makes the BRDF reciprocal.
  */
 #include "brdf/formats/format.h"
@@ -136,6 +136,65 @@ static nqm_status open_hdf5(nqm_map *map, const nqm_brdf_argument *argument, nqm
 
 const nqm_brdf_format nqm_nbrdf_format = {.files = "NBRDF .h5", .probe = begins_hdf5, .open = open_hdf5};
 
+/* ---- arrays of NumPy --------------------------------------------------------------------------------------------- */
+
+static const char *const parts[2 * N_LAYERS] = {"fc1.npy", "b1.npy", "fc2.npy", "b2.npy", "fc3.npy", "b3.npy"};
+
+/* The part of a path before the name of a part; SIZE_MAX: it has none. */
+static size_t prefix_of(const char *path) {
+    const char *slash = strrchr(path, '/'), *file = slash ? slash + 1 : path;
+    const size_t n = strlen(path);
+    for (size_t k = 0; k < 2 * N_LAYERS; ++k) {
+        const size_t n_part = strlen(parts[k]);
+        if (strlen(file) >= n_part && strcmp(path + n - n_part, parts[k]) == 0)
+            return n - n_part;
+    }
+    return SIZE_MAX;
+}
+
+bool nqm_nbrdf_is_part(const char *path) {
+    return prefix_of(path) != SIZE_MAX;
+}
+
+/* n_in: 0 of a bias. */
+static nqm_status read_part(const char *path, size_t n_in, size_t n_out, float *to, nqm_error *err) {
+    nqm_map map = {0};
+    nqm_tensor t = {0};
+    nqm_status status = nqm_map_open(path, &map, err);
+    if (status == NQM_OK)
+        status = nqm_npy_parse(&map, &t, err);
+    const size_t n_rows = nqm_larger(n_in, 1);
+    if (status == NQM_OK &&
+        (t.n_dims != (n_in ? 2 : 1) || t.dims[t.n_dims - 1] != n_out || (n_in && t.dims[0] != n_in)))
+        status = nqm_fail(err, NQM_ERR_FORMAT, 10,
+                          "%s: weights of an NBRDF (header at byte 10) of another shape than %zu x %zu", path, n_rows,
+                          n_out);
+    for (size_t i = 0; status == NQM_OK && i < n_rows * n_out; ++i) {
+        const size_t at = t.is_column_major ? i % n_out * n_rows + i / n_out : i, size = nqm_dtype_size(t.dtype);
+        const unsigned char *value = (const unsigned char *)t.data + at * size;
+        to[i] = t.dtype == NQM_F32 ? nqm_load_f32(value) : (float)nqm_load_f64(value);
+        if (!isfinite(to[i]))
+            status = nqm_fail(err, NQM_ERR_FORMAT, t.byte_offset + (int64_t)(at * size),
+                              "%s: the value at byte %lld is not finite", path,
+                              (long long)t.byte_offset + (long long)(at * size));
+    }
+    nqm_map_close(&map);
+    return status;
+}
+
+nqm_status nqm_nbrdf_open_parts(const char *path, const char *name, nqm_brdf **brdf_ret, nqm_error *err) {
+    float weights[NQM_NBRDF_WEIGHTS], *to = weights;
+    nqm_status status = NQM_OK;
+    for (size_t k = 0; k < 2 * N_LAYERS && status == NQM_OK; ++k) {
+        const size_t n_in = k % 2 ? 0 : layers[k / 2].n_in, n_out = layers[k / 2].n_out;
+        char *part = nqm_strdupf("%.*s%s", (int)prefix_of(path), path, parts[k]);
+        status = part ? read_part(part, n_in, n_out, to, err) : nqm_fail_nomem(err, strlen(path));
+        to += nqm_larger(n_in, 1) * n_out;
+        nqm_free(part);
+    }
+    return status == NQM_OK ? nqm_nbrdf_create(weights, name, brdf_ret, err) : status;
+}
+
 /* ---- archives ---------------------------------------------------------------------------------------------------- */
 
 static bool begins_zip(const nqm_map *map) {
@@ -143,16 +202,26 @@ static bool begins_zip(const nqm_map *map) {
     return map->n_bytes >= 4 && (memcmp(map->data, member, 4) == 0 || memcmp(map->data, end, 4) == 0);
 }
 
-/* Fail for an archive without the name of a material; the message lists some of its materials. */
+/* Fail for an archive without the name of a material; the message lists some of its materials, or says what it is. */
 static nqm_status request_material(const nqm_map *map, nqm_error *err) {
+    static const struct {
+        const char *suffix, *kind;
+    } others[] = {{".pkl", "a PyTorch file; save the weights of an NBRDF as .npy files"},
+                  {".npy", "an .npz archive of NumPy; save one table with numpy.save() as .npy"},
+                  {"", "it contains no NBRDF .h5 file"}};
     char examples[256];
     nqm_status status = nqm_zip_examples(map, ".h5", examples, sizeof examples, err);
-    if (status != NQM_OK)
-        return status;
-    if (!*examples)
-        return nqm_fail(err, NQM_ERR_FORMAT, 0, "%s: this zip (byte 0) contains no NBRDF .h5 file", map->path);
-    return nqm_fail(err, NQM_ERR_ARG, -1, "%s: name one material of this archive, '%s:MATERIAL': %s", map->path,
-                    map->path, examples);
+    if (status == NQM_OK && *examples)
+        return nqm_fail(err, NQM_ERR_ARG, -1, "%s: name one material of this archive, '%s:MATERIAL': %s", map->path,
+                        map->path, examples);
+    *examples = '\0';
+    for (size_t i = 0; status == NQM_OK; ++i) {
+        status = nqm_zip_examples(map, others[i].suffix, examples, sizeof examples, err);
+        if (status == NQM_OK && (*examples || !*others[i].suffix))
+            return nqm_fail(err, NQM_ERR_FORMAT, 0, "%s: this zip (byte 0) is no archive of NBRDFs: %s", map->path,
+                            others[i].kind);
+    }
+    return status;
 }
 
 static nqm_status open_zip(nqm_map *map, const nqm_brdf_argument *argument, nqm_brdf **brdf_ret, nqm_error *err) {

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
  * Tables in half-vector coordinates as arrays of NumPy: float32 or float64 of shape (n_theta_h, n_theta_d, n_phi_d, 3)
- * or (n_theta_h, n_theta_d, n_phi_d, n_phi_h, 3), at the nodes of nqm_table_create().
+ * or (n_theta_h, n_theta_d, n_phi_d, n_phi_h, 3), at the nodes of nqm_table_create(). Arrays of the weights of an NBRDF (nbrdf.c).
  */
 #include "brdf/formats/format.h"
 
@@ -49,6 +49,13 @@ static nqm_status open_file(nqm_map *map, const nqm_brdf_argument *argument, nqm
     nqm_tensor tensor;
     nqm_map_expect(map, true);
     nqm_status status = nqm_npy_parse(map, &tensor, err);
+    if (status == NQM_OK && tensor.n_dims <= 2 && nqm_nbrdf_is_part(map->path))
+        return nqm_nbrdf_open_parts(map->path, argument->name, brdf_ret, err);
+    if (status == NQM_OK && tensor.is_column_major)
+        status = nqm_fail(err, NQM_ERR_FORMAT, 10,
+                          "%s: its values are in Fortran order (header at byte 10); save "
+                          "numpy.ascontiguousarray(array)",
+                          map->path);
     if (status == NQM_OK)
         status = create(map, &tensor, argument->name, brdf_ret, err);
     return status;

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
  * A BRDF that is known at scattered directions: the value of the nearest one within a stated angle, none elsewhere, so that scores
- * use only directions that were measured.
+ * use only directions that were measured. The nearest one is found in a vantage-point tree (Yianilos 1993, "Data structures and
+ * algorithms for nearest neighbor search in general metric spaces"), in O(log n) also where all rows share a few lights.
  */
 #include "brdf/formats/listed.h"
 
@@ -18,13 +19,14 @@ typedef struct sample {
     bool is_exchanged; /* light and viewer are exchanged, by reciprocity */
 } sample;
 
-/* Allocated as one block; the arrays follow the struct. */
+/* Allocated as one block; the arrays follow the struct. Node 0 of a tree of n samples is the vantage point; the next (n - 1) / 2 are
+ * the tree of those at most `radius` away, the rest that of those at least so far. */
 typedef struct scattered {
     size_t n;
     double reach;   /* largest distance, as a chord */
     bool turns;     /* isotropic: pairs are compared after a rotation */
-    double *theta;  /* (n) polar angles of the lights, rising */
-    sample *sample; /* (n), in this order */
+    sample *sample; /* (n) */
+    double *radius; /* (n) */
 } scattered;
 
 /* The real part of the product of complex numbers (x, y) and of the conjugate of another; and the imaginary part. */
@@ -40,27 +42,39 @@ static double squared_distance(bool turns, const sample *s, const double *wi, co
     return 4 - 2 * (wi[2] * s->wi[2] + wo[2] * s->wo[2] + (turns ? hypot(real, imaginary_i + imaginary_o) : real));
 }
 
-static double polar_angle(const double *w) {
-    return atan2(hypot(w[0], w[1]), w[2]);
+/* A search: the pair, and the nearest sample so far with its squared distance; NULL: none is at most that far away. */
+typedef struct search {
+    const double *wi, *wo;
+    const sample *nearest;
+    double least;
+} search;
+
+/* Search the tree of n samples. The triangle inequality tells which half can have a nearer one; the half of the pair is searched first. */
+static void search_tree(const scattered *t, size_t root, size_t n, search *s) {
+    static const double slack = 1e-7; /* rounding of small distances */
+    const size_t n_inner = (n - 1) / 2, inner = root + 1, outer = inner + n_inner;
+    const double squared = squared_distance(t->turns, t->sample + root, s->wi, s->wo);
+    const double distance = sqrt(fmax(squared, 0)), radius = t->radius[root];
+    if (squared <= s->least) {
+        s->least = fmax(squared, 0);
+        s->nearest = t->sample + root;
+    }
+    for (int k = 0; k < 2; ++k) {
+        const bool is_inner = (distance < radius) == (k == 0);
+        const double beyond = is_inner ? distance - radius : radius - distance;
+        const size_t n_half = is_inner ? n_inner : n - 1 - n_inner;
+        if (n_half && beyond <= sqrt(s->least) + slack)
+            search_tree(t, is_inner ? inner : outer, n_half, s);
+    }
 }
 
 /* The nearest sample at most `reach` (a chord) away, and its distance; NULL: there is none. */
 static const sample *find_nearest(const scattered *t, double reach, const double *wi, const double *wo,
                                   double *distance) {
-    /* Lights at most `reach` apart differ by at most this polar angle. */
-    const double window = 2 * asin(fmin(reach / 2, 1)) + 1e-9, theta = polar_angle(wi);
-    const sample *nearest = NULL;
-    double least = reach * reach;
-    for (size_t i = nqm_last_not_above(t->theta, t->n, theta - window); i < t->n && t->theta[i] <= theta + window;
-         ++i) {
-        double squared = squared_distance(t->turns, t->sample + i, wi, wo);
-        if (!(squared <= least))
-            continue;
-        least = squared;
-        nearest = t->sample + i;
-    }
-    *distance = sqrt(fmax(least, 0));
-    return nearest;
+    search s = {.wi = wi, .wo = wo, .least = reach * reach};
+    search_tree(t, 0, t->n, &s);
+    *distance = sqrt(s.least);
+    return s.nearest;
 }
 
 static void scattered_eval(const void *self, size_t n, const double *wi, const double *wo, double *rgb) {
@@ -99,8 +113,8 @@ size_t nqm_scattered_rows(const nqm_brdf *brdf, double *wi, double *wo) {
 double nqm_scattered_distance(const nqm_brdf *brdf, const double *wi, const double *wo) {
     const scattered *t = table_of(brdf);
     double distance = 0;
-    for (double reach = 2e-3; t && reach < 9 && !find_nearest(t, reach, wi, wo, &distance); reach *= 3)
-        ;
+    if (t)
+        find_nearest(t, 9, wi, wo, &distance);
     return 2 * asin(fmin(distance / 2, 1));
 }
 
@@ -169,15 +183,53 @@ static size_t merge_repeated(size_t n, sample *list, sample **sorted) {
     return n_kept;
 }
 
-/* Copy `unsorted` to the table in the order of theta. order: scratch (n). */
-static void sort(scattered *t, const sample *unsorted, nqm_indexed *order) {
-    for (size_t i = 0; i < t->n; ++i)
-        order[i] = (nqm_indexed){polar_angle(unsorted[i].wi), i};
-    qsort(order, t->n, sizeof *order, nqm_compare_indexed);
-    for (size_t i = 0; i < t->n; ++i) {
-        t->theta[i] = order[i].value;
-        t->sample[i] = unsorted[order[i].index];
+static void exchange(nqm_indexed *a, nqm_indexed *b) {
+    const nqm_indexed first = *a;
+    *a = *b;
+    *b = first;
+}
+
+/* Move the k + 1 smallest values to the front, the largest of them to x[k] (Hoare's selection). */
+static void select_smallest(nqm_indexed *x, size_t n, size_t k) {
+    size_t low = 0, high = n - 1;
+    while (low < high) {
+        const double pivot = x[low + nqm_hash_u64(n, low) % (high - low + 1)].value;
+        size_t i = low, j = high;
+        for (;; ++i, --j) {
+            while (x[i].value < pivot)
+                ++i;
+            while (x[j].value > pivot)
+                --j;
+            if (i >= j)
+                break;
+            exchange(x + i, x + j);
+        }
+        if (i <= k && k <= j)
+            return;
+        if (k < i)
+            high = i - 1;
+        else
+            low = j + 1;
     }
+}
+
+/* Order n samples as a tree. order: their indices; radius: (n). */
+static void make_tree(const scattered *t, size_t n, const sample *unsorted, nqm_indexed *order, double *radius) {
+    const size_t n_inner = (n - 1) / 2;
+    exchange(order, order + n / 2);
+    const sample *vantage = unsorted + order[0].index;
+    radius[0] = 0;
+    if (n < 2)
+        return;
+    for (size_t i = 1; i < n; ++i) {
+        const double squared = squared_distance(t->turns, unsorted + order[i].index, vantage->wi, vantage->wo);
+        order[i].value = sqrt(fmax(squared, 0));
+    }
+    select_smallest(order + 1, n - 1, n_inner);
+    radius[0] = order[1 + n_inner].value;
+    if (n_inner)
+        make_tree(t, n_inner, unsorted, order + 1, radius + 1);
+    make_tree(t, n - 1 - n_inner, unsorted, order + 1 + n_inner, radius + 1 + n_inner);
 }
 
 nqm_status nqm_scattered_create(const nqm_list *list, double tolerance, const char *name, nqm_brdf **brdf_ret,
@@ -185,12 +237,11 @@ nqm_status nqm_scattered_create(const nqm_list *list, double tolerance, const ch
     const size_t most = list->is_reciprocal ? 2 * list->n : list->n;
     size_t n_used = 0;
     scattered *t;
-    double *theta;
-    sample *sorted, *unsorted;
-    sample **repeated;
+    double *radius;
+    sample *sorted, *unsorted, **repeated;
     nqm_indexed *order;
     nqm_status status = nqm_alloc_arrays(
-        NQM_ARRAYS({&t, 1, sizeof *t}, {&theta, most, sizeof *theta}, {&sorted, most, sizeof *sorted}), err);
+        NQM_ARRAYS({&t, 1, sizeof *t}, {&radius, most, sizeof *radius}, {&sorted, most, sizeof *sorted}), err);
     if (status != NQM_OK)
         return status;
     status = nqm_alloc_arrays(NQM_ARRAYS({&unsorted, most, sizeof *unsorted}, {&order, most, sizeof *order},
@@ -198,10 +249,15 @@ nqm_status nqm_scattered_create(const nqm_list *list, double tolerance, const ch
                               err);
     if (status == NQM_OK) {
         *t = (scattered){
-            .reach = 2 * sin(tolerance / 2), .turns = !list->is_anisotropic, .theta = theta, .sample = sorted};
+            .reach = 2 * sin(tolerance / 2), .turns = !list->is_anisotropic, .sample = sorted, .radius = radius};
         t->n = expand(list, unsorted, &n_used);
         t->n = merge_repeated(t->n, unsorted, repeated);
-        sort(t, unsorted, order);
+        for (size_t i = 0; i < t->n; ++i)
+            order[i].index = i;
+        if (t->n)
+            make_tree(t, t->n, unsorted, order, radius);
+        for (size_t i = 0; i < t->n; ++i)
+            sorted[i] = unsorted[order[i].index];
         nqm_free(unsorted);
         if (t->n == 0)
             status = nqm_fail(err, NQM_ERR_FORMAT, 0, "%s: no direction above the horizon has a value (from byte 0 on)",

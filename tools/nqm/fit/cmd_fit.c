@@ -114,7 +114,11 @@ static void choose_bounds(const char *text, fit_request *request) {
         for (size_t m = 0; m < request->n_models; ++m)
             known |= nqm_fit_model_has(request->models[m], key) != 0;
         if (!known)
-            stop(EXIT_USAGE, "none of the models has a parameter '%s' to bound", key);
+            stop(
+                EXIT_USAGE,
+                "none of the models has a parameter '%s' to bound: of lobes these are the shapes (alpha, f0, ...), not "
+                "kd and ks; of shading models (--model gltf) any key",
+                key);
     }
 }
 

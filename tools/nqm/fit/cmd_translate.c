@@ -8,6 +8,7 @@
 #include "fit/match.h"
 #include "material/material.h"
 #include "nqm/fit/translate.h"
+#include "nqm/library/library.h"
 #include "nqm/score/score.h"
 #include "nqm/show/report.h"
 #include "nqm/textured.h"
@@ -63,9 +64,17 @@ static void add_item(translation *t, const char *file, const char *material) {
     }
 }
 
-/* A file with several materials becomes an item for each of them. */
+/* A file with several materials, and a folder of files, become an item for each material. */
 static void add_argument(translation *t, const char *argument) {
     refuse_model_name(argument);
+    if (is_library(argument)) {
+        library of = {.path = NULL};
+        list_library(argument, &of);
+        for (size_t i = 0; i < of.n; ++i)
+            add_item(t, of.members[i].argument, NULL);
+        free_library(&of);
+        return;
+    }
     nqm_materials *materials = open_library(argument);
     for (size_t i = 0; materials && i < nqm_materials_count(materials); ++i)
         add_item(t, argument, nqm_materials_get(materials, i).name);
@@ -434,7 +443,8 @@ static const command cmd = {
     .usage = "BRDF... --to MODEL [-o FILE|-d FOLDER] [options]",
     .about = "Write materials, or any BRDFs, as materials of another renderer: fit the shading model MODEL, write the"
              " file, read it back and score what was written. Without -o and -d the spec of the result is printed. A "
-             "file with several materials is translated material by material. Materials that cannot be read are "
+             "file with several materials, or a folder of files, is translated material by material. Materials that "
+             "cannot be read are "
              "reported and do not stop the others.",
     .example = "nqm translate 'open-pbr:base_color=.8,.3,.1;coat_weight=1' --to gltf\n"
                "nqm translate gold.mtlx --to gltf -o gold.gltf --report gold.html\n"

@@ -55,7 +55,7 @@ static void drop(texture_translation *t, const char *key) {
         snprintf(t->dropped + used, sizeof t->dropped - used, "%s%s", used ? ", " : "", key);
 }
 
-static void find_maps(texture_run *run) {
+static void pair_maps(texture_run *run) {
     const nqm_texture *ref = run->ref;
     for (size_t k = 0; k < ref->n_properties; ++k) {
         bool is_mapped = false;
@@ -340,7 +340,7 @@ nqm_status translate_texture(texture_translation *t, nqm_error *err) {
     run->ref = ref;
     run->schema = &nqm_analytic_model_find(model, strlen(model))->schema;
     if (status == NQM_OK) {
-        find_maps(run);
+        pair_maps(run);
         status = visit_texels(ref, N_FITS, add_texels, run, err);
     }
     if (status == NQM_OK)

@@ -21,7 +21,8 @@ typedef struct graph {
 } graph;
 
 /* Scores of both orders of the pairs; pairs below the JOD are removed. Returns how many remain. */
-static size_t confirm(const library *of, nqm_scorer *scorer, double jod, near_pair *pairs, size_t n) {
+static size_t confirm(const library *of, const nqm_model *with, nqm_scorer *scorer, double jod, near_pair *pairs,
+                      size_t n) {
     enum { BLOCK = NQM_SCORE_BLOCK / 2 };
     nqm_named_pair named[2 * BLOCK];
     nqm_score_result r[2 * BLOCK];
@@ -35,6 +36,11 @@ static size_t confirm(const library *of, nqm_scorer *scorer, double jod, near_pa
             named[2 * i + 1] = (nqm_named_pair){named[2 * i].test, named[2 * i].ref};
         }
         must(nqm_scorer_run_named(scorer, 2 * n_block, named, r, NULL, &fault));
+        for (size_t i = 0; i < 2 * n_block; ++i) {
+            const near_pair *p = &pairs[first + i / 2];
+            if (of->members[p->a].is_textured || of->members[p->b].is_textured)
+                r[i].jod = score_textured(&named[i], with);
+        }
         for (size_t i = 0; i < n_block; ++i)
             if (r[2 * i].jod >= jod && r[2 * i + 1].jod >= jod) /* false for NaN */
                 pairs[n_left++] = pairs[first + i];
@@ -112,15 +118,17 @@ static const option options[] = {
     {0}};
 
 static const command cmd = {
-    .usage = "WHERE [options]",
-    .about = "Which materials of a folder, or of a file of several, look the same as another one of it, so that one "
+    .usage = "WHERE... [options]",
+    .about = "Which materials of folders and files look the same as another one of them, so that one "
              "of them is enough, and what is lost. Each replaced material scores at least --jod next to the one that "
              "is kept for it.",
-    .example = "nqm dedup materials --jod 9.5\nnqm dedup scene.glb --map replace.json",
+    .example = "nqm dedup materials --jod 9.5\nnqm dedup scene.glb --map replace.json\n"
+               "nqm dedup *.mtlx shared/metals.gltf",
     .options = options,
     .table = &nqm_score_option_table,
     .table_target = &run.options,
     .min_arguments = 1,
+    .max_arguments = -1,
 };
 
 /* The pairs of a replaced material and the one that is kept for it, clusters after one another. */
@@ -205,12 +213,12 @@ int cmd_dedup(int argc, char **argv) {
     library of = {.path = NULL};
     near_pair *pairs;
     run.options = plain_score_options();
-    parse_arguments(&cmd, argc, argv);
+    const int n_where = parse_arguments(&cmd, argc, argv);
     run.model = open_model(model);
     nqm_scorer *scorer = open_scorer(run.model, &run.options);
-    draw_library(argv[0], run.model, scorer, NULL, &of);
+    draw_library((size_t)n_where, (const char *const *)argv, run.model, scorer, NULL, &of);
     size_t n = find_near_pairs(&of, jod, &pairs);
-    n = confirm(&of, scorer, jod, pairs, n);
+    n = confirm(&of, run.model, scorer, jod, pairs, n);
     nqm_scorer_free(scorer);
     graph g = make_graph(of.n, pairs, n);
     size_t *kept = allocate(of.n, sizeof *kept);

@@ -4,7 +4,6 @@
  * version has those that look the same; how each pair looks, and which properties changed. Also as a program that git
  * calls for its differences.
  */
-#include "material/material.h"
 #include "nqm/library/library.h"
 #include "nqm/score/batch.h"
 
@@ -77,10 +76,9 @@ static library take_single(bool is_new, nqm_scorer *scorer, size_t *from) {
         }
     must(nqm_gallery_create(run.model, single.n, NULL, &single.gallery, &fault));
     for (size_t i = 0; i < single.n; ++i) {
-        const char *name = single.members[i].argument;
         nqm_error failure;
         step_progress("sample", i, single.n);
-        must(nqm_scorer_draw(scorer, 1, &name, single.gallery, i, &failure, &fault));
+        draw_member(&single.members[i], run.model, scorer, single.gallery, i, &failure);
         single.members[i].is_left_out = failure.status != NQM_OK;
     }
     return single;
@@ -113,7 +111,10 @@ static void pair_looks(void) {
             continue;
         const nqm_named_pair pair = {old.members[i].argument, new.members[best].argument};
         nqm_score_result r;
-        must(nqm_scorer_run_named(scorer, 1, &pair, &r, NULL, &fault));
+        if (old.members[i].is_textured || new.members[best].is_textured)
+            r.jod = score_textured(&pair, run.model);
+        else
+            must(nqm_scorer_run_named(scorer, 1, &pair, &r, NULL, &fault));
         if (!(r.jod >= same))
             continue;
         v.partner[old_from[i]] = new_from[best];
@@ -128,58 +129,6 @@ static void pair_looks(void) {
     nqm_free(old.members);
     nqm_free(new.members);
     nqm_scorer_free(scorer);
-}
-
-/* ---- properties -------------------------------------------------------------------------------------------------- */
-
-static json_t *json_property(const nqm_property *p) {
-    if (!p || p->n == 1)
-        return p ? json_number(p->v[0]) : json_null();
-    json_t *list = json_array();
-    for (size_t c = 0; c < p->n; ++c)
-        json_array_append_new(list, json_number(p->v[c]));
-    return list;
-}
-
-static void add_change(json_t *to, const char *key, json_t *old, json_t *new) {
-    json_array_append_new(to, json_pack("{s:s,s:o,s:o}", "property", key, "old", old, "new", new));
-}
-
-static bool read_shading(const char *argument, nqm_shading *shading) {
-    nqm_material_info info = {.spec = NULL};
-    return find_material(argument, &info) && info.spec && nqm_shading_parse(info.spec, shading, NULL) == NQM_OK;
-}
-
-/* The properties that changed between two materials; null: the file has no value, so that it is the default of the model. */
-static json_t *list_changes(const char *old_argument, const char *new_argument) {
-    nqm_shading *old = allocate(2, sizeof *old), *new = old + 1;
-    json_t *list = json_array();
-    if (!read_shading(old_argument, old) || !read_shading(new_argument, new)) {
-        free(old);
-        return list;
-    }
-    const bool is_other = strcmp(old->model, new->model) != 0;
-    if (is_other)
-        add_change(list, "model", json_string(old->model), json_string(new->model));
-    for (size_t k = 0; !is_other && k < old->n; ++k) {
-        const nqm_property *p = &old->properties[k], *q = nqm_shading_find(new, p->key);
-        if (!q || memcmp(p->v, q->v, sizeof p->v) != 0) /* values after the last repeat it */
-            add_change(list, p->key, json_property(p), json_property(q));
-    }
-    for (size_t k = 0; !is_other && k < new->n; ++k)
-        if (!nqm_shading_find(old, new->properties[k].key))
-            add_change(list, new->properties[k].key, json_null(), json_property(&new->properties[k]));
-    free(old);
-    return list;
-}
-
-static void print_value(const json_t *value, FILE *to) {
-    for (size_t c = 0; c < json_array_size(value); ++c)
-        fprintf(to, "%s%.4g", c ? "," : "", json_number_value(json_array_get(value, c)));
-    if (json_is_number(value))
-        fprintf(to, "%.4g", json_number_value(value));
-    else if (!json_is_array(value))
-        fputs(json_is_string(value) ? json_string_value(value) : "default", to);
 }
 
 /* ---- rows -------------------------------------------------------------------------------------------------------- */
@@ -211,7 +160,7 @@ static void score_versions(void) {
     v.changes = allocate(n, sizeof *v.changes);
     for (size_t i = 0; i < n; ++i) {
         v.old_of_row[i] = old_of_pair[run.rows[i].order];
-        v.changes[i] = list_changes(run.rows[i].pair.ref, run.rows[i].pair.test);
+        v.changes[i] = list_changes(&run.rows[i].pair);
     }
     free(old_of_pair);
 }
@@ -229,17 +178,24 @@ static bool is_skipped(size_t row) {
     return run.rows[row].err.status != NQM_OK && has_same_refusal(&run.rows[row].pair);
 }
 
-/* Whether a row is worth a line: the material looks or is called different, or a property changed that is not seen. */
+/* Whether the material looks different, or a property changed that is not seen. Another name is no change. */
 static bool is_changed(size_t row) {
     const scored_pair *r = &run.rows[row];
-    return !is_skipped(row) &&
-           (r->err.status != NQM_OK || !r->result.identical || json_array_size(v.changes[row]) || is_renamed(row));
+    return !is_skipped(row) && (r->err.status != NQM_OK || !r->result.identical || json_array_size(v.changes[row]));
 }
 
 static size_t count_changed(void) {
     size_t n = 0;
     for (size_t i = 0; i < v.n_pairs; ++i)
         n += is_changed(i);
+    return n;
+}
+
+/* Rows that have another name only. */
+static size_t count_renamed(void) {
+    size_t n = 0;
+    for (size_t i = 0; i < v.n_pairs; ++i)
+        n += is_renamed(i) && !is_changed(i);
     return n;
 }
 
@@ -295,7 +251,7 @@ static void print_text(void) {
            shown(nqm_model_get_info(run.model).id));
     for (size_t i = 0; i < v.n_pairs; ++i) {
         const scored_pair *row = &run.rows[i];
-        if (!is_changed(i))
+        if (!is_changed(i) && !is_renamed(i))
             continue;
         print_jod(row, is_calibrated);
         printf("  %s  %s\n", shown(row->name),
@@ -309,8 +265,10 @@ static void print_text(void) {
     }
     const size_t n_added = each_single(true, print_added, (void *)(uintptr_t) "added");
     const size_t n_removed = each_single(false, print_added, (void *)(uintptr_t) "removed");
-    printf("%s%zu changed, %zu added, %zu removed, %zu unchanged\n", count_changed() + n_added + n_removed ? "\n" : "",
-           count_changed(), n_added, n_removed, v.n_pairs - count_changed());
+    const size_t n_changed = count_changed(), n_renamed = count_renamed();
+    printf("%s%zu changed, %zu added, %zu removed, %zu renamed, %zu unchanged\n",
+           n_changed + n_added + n_removed + n_renamed ? "\n" : "", n_changed, n_added, n_removed, n_renamed,
+           v.n_pairs - n_changed - n_renamed);
 }
 
 static void print_diff_json(void) {

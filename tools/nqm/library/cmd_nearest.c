@@ -54,8 +54,20 @@ static candidate *find_candidates(const nqm_gallery *one, const library *of, siz
     return all;
 }
 
+/* A score of textures takes a second: of candidates with one, twice as many are scored as are shown. Returns how many remain. */
+static size_t leave_textured(const member *self, const library *of, candidate *candidates, size_t n) {
+    size_t n_left = 0, n_textured = 0;
+    for (size_t i = 0; i < n; ++i) {
+        const bool is_textured = self->is_textured || of->members[candidates[i].i].is_textured;
+        if (!is_textured || n_textured++ < 2 * (size_t)n_shown)
+            candidates[n_left++] = candidates[i];
+    }
+    return n_left;
+}
+
 static void score_candidates(const char *to, const library *of, const candidate *candidates, size_t n) {
     begin_rows(&run, n);
+    run.near_only = true;
     for (size_t i = 0; i < n; ++i) {
         const char *argument = of->members[candidates[i].i].argument;
         run.rows[i] = (scored_pair){.pair = {to, argument}, .name = argument};
@@ -76,8 +88,8 @@ static const option options[] = {
     {0}};
 
 static const command cmd = {
-    .usage = "BRDF --among WHERE [options]",
-    .about = "The materials of a folder or file that look most like BRDF, with their scores as of `nqm rank`. All are"
+    .usage = "BRDF --among WHERE... [options]",
+    .about = "The materials of folders or files that look most like BRDF, with their scores as of `nqm rank`. All are"
              " compared by pictures, and the best are scored. With --index a later run opens none but these.",
     .example =
         "nqm nearest sgd:nickel --among metals\nnqm nearest 'lambert:kd=.5,.2,.1' --among library.glb --apart -n 3",
@@ -85,25 +97,31 @@ static const command cmd = {
     .table = &nqm_score_option_table,
     .table_target = &run.options,
     .min_arguments = 1,
+    .max_arguments = -1,
 };
 
 int cmd_nearest(int argc, char **argv) {
     enum { LEAST_SCORED = 128 };
     library of = {.path = NULL}, one = {.path = NULL};
     run.options = plain_score_options();
-    parse_arguments(&cmd, argc, argv);
+    const int n = parse_arguments(&cmd, argc, argv);
     refuse_model_name(argv[0]);
     run.model = open_model(model);
     nqm_scorer *scorer = open_scorer(run.model, &run.options);
     must(nqm_gallery_create(run.model, 1, NULL, &one.gallery, &fault));
-    must(nqm_scorer_draw(scorer, 1, (const char *const[]){argv[0]}, one.gallery, 0, &fault, &fault));
-    if (fault.status != NQM_OK)
-        stop_error(&fault);
-    draw_library(among, run.model, scorer, index_path, &of);
+    const member self = member_of(argv[0]);
+    nqm_error err;
+    draw_member(&self, run.model, scorer, one.gallery, 0, &err);
+    if (err.status != NQM_OK)
+        stop_error(&err);
+    const char **where = (const char **)argv;
+    where[0] = among;
+    draw_library((size_t)n, where, run.model, scorer, index_path, &of);
     nqm_scorer_free(scorer);
-    size_t n = nqm_larger(LEAST_SCORED, 4 * (size_t)n_shown);
-    candidate *candidates = find_candidates(one.gallery, &of, &n);
-    score_candidates(argv[0], &of, candidates, n);
+    size_t n_best = nqm_larger(LEAST_SCORED, 4 * (size_t)n_shown);
+    candidate *candidates = find_candidates(one.gallery, &of, &n_best);
+    n_best = leave_textured(&self, &of, candidates, n_best);
+    score_candidates(self.argument, &of, candidates, n_best);
     rank_rows(&run, is_apart);
     run.n_rows = nqm_smaller(run.n_rows, (size_t)n_shown);
     print_ranking(&run);

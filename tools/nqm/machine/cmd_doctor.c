@@ -149,7 +149,9 @@ static void check_folder(examination *e, const char *name, const char *path, sta
 
 static void check_python(examination *e) {
     char line[300] = "";
-    FILE *pipe = popen("python3 -c 'import nqm; print(nqm.__version__, nqm.__file__)' 2>/dev/null", "r");
+    /* a wheel's script says which Python has it */
+    FILE *pipe =
+        popen("\"${NQM_PYTHON:-python3}\" -c 'import nqm; print(nqm.__version__, nqm.__file__)' 2>/dev/null", "r");
     if (pipe && fgets(line, sizeof line, pipe))
         line[strcspn(line, "\n")] = '\0';
     const int code = pipe ? pclose(pipe) : -1;

@@ -95,9 +95,9 @@ static void add_path(json_t *files, const char *argument, size_t n) {
         return;
     memcpy(path, argument, n);
     path[n] = '\0';
-    char *colon = strrchr(path, ':');
-    if (!is_file(path) && colon)
-        *colon = '\0';
+    const char *colon = nqm_member_colon(path);
+    if (colon)
+        path[colon - path] = '\0';
     if (!is_file(path))
         return;
     if (!json_object_get(files, path)) {

@@ -162,7 +162,10 @@ static void add_counts(json_t *remarks, const remark_terms *terms, const char *w
 
 /* Faults of files that a low score shows. */
 static void add_suspicions(json_t *remarks, const char *test, const nqm_score_result *r) {
-    if (r->suspect_scale > 0)
+    if (r->suspect_scale > 0 && fabs(log(r->suspect_scale)) < 2)
+        add_remark(remarks, "%s: its reference %s pi at nearly all directions: a Lambertian f_r is its albedo / pi",
+                   test, r->suspect_scale > 1 ? "times" : "divided by");
+    else if (r->suspect_scale > 0)
         add_remark(
             remarks,
             "%s: about %.4g times its reference at most directions: is a scale missing in one of them? It is 1500, "
