@@ -39,10 +39,17 @@ size_t nqm_textured_bytes(const nqm_textured *t) {
     return n;
 }
 
+void nqm_remark_add(char *remark, size_t size, const char *text) {
+    const size_t n = strlen(remark), n_text = strlen(text);
+    for (const char *at = strstr(remark, text); at && *at;
+         at = strstr(at + 1, text)) /* as a part of another one it counts not */
+        if ((at == remark || strncmp(at - 2, "; ", 2) == 0) && (!at[n_text] || at[n_text] == ';'))
+            return;
+    snprintf(remark + n, size - n, "%s%s", n ? "; " : "", text);
+}
+
 void nqm_textured_remark(nqm_textured *t, const char *text) {
-    const size_t n = strlen(t->remark);
-    if (!strstr(t->remark, text))
-        snprintf(t->remark + n, sizeof t->remark - n, "%s%s", n ? "; " : "", text);
+    nqm_remark_add(t->remark, sizeof t->remark, text);
 }
 
 void nqm_textured_prune(nqm_textured *t) {
@@ -225,6 +232,22 @@ bool nqm_graph_add_image(nqm_textured *t, nqm_map_image image, size_t *image_ret
         images[t->n_images++] = image;
     *image_ret = i;
     return true;
+}
+
+nqm_status nqm_textured_open_image(const nqm_map_image *image, nqm_map *map, const unsigned char **data_ret,
+                                   size_t *n_ret, nqm_error *err) {
+    *map = (nqm_map){0};
+    nqm_status status = image->path ? nqm_map_open(image->path, map, err) : NQM_OK;
+    const size_t n_all = image->path ? map->n_bytes : image->n_bytes, at = image->path ? image->at : 0;
+    const size_t n = image->n_bytes ? image->n_bytes : n_all;
+    if (status == NQM_OK && (n == 0 || at > n_all || n > n_all - at))
+        status = nqm_fail(err, NQM_ERR_FORMAT, (int64_t)at, "%s: %zu bytes from byte %zu on are wanted, there are %zu",
+                          image->name, n, at, n_all);
+    *data_ret = status != NQM_OK ? NULL : image->path ? map->data + at : image->data;
+    *n_ret = n;
+    if (status != NQM_OK)
+        nqm_map_close(map);
+    return status;
 }
 
 /* ---- values ------------------------------------------------------------------------------------------------------ */

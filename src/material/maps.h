@@ -106,6 +106,13 @@ typedef struct nqm_textured {
     char remark[NQM_REMARK_SIZE]; /**< what of the source is not used, or assumed; "": nothing */
 } nqm_textured;
 
+/** The bytes of an image: of its file, which stays mapped until nqm_map_close(map), or its own. NQM_ERR_IO, NQM_ERR_FORMAT (the file is
+ *  shorter); `map` is closed then. */
+NQM_MUST_CHECK nqm_status nqm_textured_open_image(const nqm_map_image *image, nqm_map *map,
+                                                  const unsigned char **data_ret, size_t *n_ret, nqm_error *err);
+/** Append a text to a remark of `size` bytes, after "; ", unless it has it. */
+void nqm_remark_add(char *remark, size_t size, const char *text);
+
 /** An empty one; NULL: out of memory. */
 nqm_textured *nqm_textured_create(void);
 /** Free; NULL is allowed. */

@@ -588,8 +588,6 @@ uint16_t nqm_mtlx_read(graph *g, element *input, const char *name, const char *t
 }
 
 void nqm_mtlx_remark(graph *g, const char *text) {
-    const size_t n = strlen(g->remark);
-    if (!strstr(g->remark, text))
-        snprintf(g->remark + n, sizeof g->remark - n, "%s%s", n ? "; " : "", text);
+    nqm_remark_add(g->remark, sizeof g->remark, text);
     g->reading->shading.remark = g->remark;
 }

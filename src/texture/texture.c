@@ -152,16 +152,12 @@ typedef struct decode_job {
 } decode_job;
 
 static nqm_status decode_map(const nqm_map_image *image, nqm_texels *texels, nqm_error *err) {
-    nqm_map map = {0};
-    nqm_status status = image->path ? nqm_map_open(image->path, &map, err) : NQM_OK;
-    const unsigned char *data = image->path ? map.data : image->data;
-    const size_t n_all = image->path ? map.n_bytes : image->n_bytes, at = image->path ? image->at : 0;
-    const size_t n = image->n_bytes ? image->n_bytes : n_all;
-    if (status == NQM_OK && (n == 0 || at > n_all || n > n_all - at))
-        status = nqm_fail(err, NQM_ERR_FORMAT, (int64_t)at, "%s: %zu bytes from byte %zu on are wanted, there are %zu",
-                          image->name, n, at, n_all);
+    nqm_map map;
+    const unsigned char *data;
+    size_t n;
+    nqm_status status = nqm_textured_open_image(image, &map, &data, &n, err);
     if (status == NQM_OK)
-        status = nqm_raster_decode(data + at, n, image->name, &texels->raster, err);
+        status = nqm_raster_decode(data, n, image->name, &texels->raster, err);
     nqm_map_close(&map);
     if (status != NQM_OK)
         return status;

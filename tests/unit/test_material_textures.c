@@ -215,6 +215,15 @@ TEST(failed_allocations_are_told) {
     }
 }
 
+TEST(remarks_are_said_once) {
+    char remark[40] = "";
+    nqm_remark_add(remark, sizeof remark, "coat_rough is 1");
+    nqm_remark_add(remark, sizeof remark, "rough is 1"); /* a part of the other */
+    nqm_remark_add(remark, sizeof remark, "coat_rough is 1");
+    nqm_remark_add(remark, sizeof remark, "rough is 1");
+    assert_string_equal(remark, "coat_rough is 1; rough is 1");
+}
+
 TEST(bad_lists_are_refused) {
     EVERY_ROW(row, "bad lists of maps") {
         nqm_textured *t;

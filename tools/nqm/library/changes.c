@@ -43,20 +43,19 @@ static const char *const op_names[NQM_MAP_OPS] = {NQM_MAP_COMPONENT_OPS(OP_NAME)
 
 /* The bytes of an image stand for it whatever its name is. */
 static void put_content(const nqm_map_image *image, FILE *to) {
-    nqm_map map = {0};
+    nqm_map map;
     nqm_sha256 sha;
     char hash[65];
-    const bool is_file = image->path && nqm_map_open(image->path, &map, NULL) == NQM_OK;
-    const unsigned char *data = is_file ? map.data : image->data;
-    const size_t at = is_file ? nqm_smaller(image->at, map.n_bytes) : 0,
-                 n_left = is_file ? map.n_bytes - at : image->n_bytes;
+    const unsigned char *data;
+    size_t n;
+    const bool is_read = nqm_textured_open_image(image, &map, &data, &n, NULL) == NQM_OK;
     if (!nqm_sha256_begin(&sha))
         stop(EXIT_LIMIT, "out of memory");
-    if (data)
-        nqm_sha256_add(&sha, data + at, image->n_bytes ? nqm_smaller(image->n_bytes, n_left) : n_left);
+    if (is_read)
+        nqm_sha256_add(&sha, data, n);
     nqm_sha256_end(&sha, hash);
     nqm_map_close(&map);
-    fputs(data ? hash : image->name, to);
+    fputs(is_read ? hash : image->name, to);
 }
 
 static void put_image(const nqm_textured *t, const nqm_map_node *node, bool by_content, FILE *to) {
