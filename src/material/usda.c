@@ -137,9 +137,11 @@ static element *append(nqm_usda *layer, element *parent, const char *name, const
                                  layer->path, layer->max_elements, (long long)at);
     if (layer->status == NQM_OK && !(e = nqm_xml_append(&layer->prims, parent, name, attributes, at)))
         layer->status = nqm_fail_nomem(layer->err, sizeof *e);
-    if (e && parent)
+    if (layer->status == NQM_OK)
+        layer->status = nqm_index_reserve(&layer->names, layer->prims.n_elements, layer->err);
+    if (layer->status == NQM_OK && parent)
         nqm_index_add(&layer->names, e);
-    return e;
+    return layer->status == NQM_OK ? e : NULL;
 }
 
 /* The value that is the token; stops at its last one. */
@@ -468,7 +470,7 @@ static nqm_status read_usda(const nqm_map *map, nqm_materials *materials, nqm_er
     layer->max_elements = (NQM_XML_FREE_ELEMENTS + s.n / NQM_XML_BYTES_PER_ELEMENT) / 2; /* there are two trees */
     if (*fault)
         return nqm_fail(err, NQM_ERR_FORMAT, 0, "%s: %s", map->path, fault);
-    layer->status = nqm_xml_names_create(layer->max_elements, NULL, &layer->names, err);
+    layer->status = nqm_xml_names_create(1, NULL, &layer->names, err);
     if (layer->status == NQM_OK)
         read_layer(&s);
     if (layer->status == NQM_OK)
