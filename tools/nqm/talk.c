@@ -397,34 +397,20 @@ void print_csv_numbers(FILE *out, size_t n, const double *values) {
     }
 }
 
-const char *const label_columns[LABEL_COLUMNS] = {"shift_i",  "shift_t",   "shift_p",
-                                                  "contrast", "structure", "adapted_jod"};
-const char similarity_column[] = "similarity_jod";
-
-static double last_value(const nqm_label *l, const double *similarity) {
-    return similarity ? *similarity : nqm_label_adapted_jod(l);
-}
-
 json_t *json_label_parts(const nqm_label *l, const double *similarity) {
     char words[NQM_LABEL_TEXT];
     if (isnan(l->structure))
         return json_null();
     json_t *json = json_pack("{s:[f,f,f],s:f,s:f}", "shift_itp", l->shift[0], l->shift[1], l->shift[2], "contrast",
                              l->contrast, "structure", l->structure);
-    json_object_set_new(json, similarity ? similarity_column : label_columns[LABEL_COLUMNS - 1],
-                        json_number(last_value(l, similarity)));
+    json_object_set_new(json, similarity ? "similarity_jod" : "adapted_jod",
+                        json_number(similarity ? *similarity : nqm_label_adapted_jod(l)));
     if (similarity) {
         json_object_set_new(json, "similarity_low", json_number(similarity[1]));
         json_object_set_new(json, "similarity_high", json_number(similarity[2]));
     }
     json_object_set_new(json, "words", json_string(nqm_label_describe(l, words)));
     return json;
-}
-
-void print_csv_label(FILE *out, const nqm_label *l, const double *similarity) {
-    const double values[LABEL_COLUMNS] = {l->shift[0], l->shift[1],  l->shift[2],
-                                          l->contrast, l->structure, last_value(l, similarity)};
-    print_csv_numbers(out, LABEL_COLUMNS, values);
 }
 
 void print_phrases(const char *text) {

@@ -272,10 +272,10 @@ const char *tool_build_info(void);
 /** The parts of a label and what differs in words, as JSON; null if they are NaN. similarity: of a score, printed as
  *  `similarity_jod` with the ends of its interval; NULL: nqm_label_adapted_jod() is, as `adapted_jod`. */
 json_t *json_label_parts(const nqm_label *label, const double *similarity);
-/** Columns of the same in CSV, the last of which is `adapted_jod` or similarity_column. Each is printed with a comma before it. */
-enum { LABEL_COLUMNS = 6 };
-extern const char *const label_columns[LABEL_COLUMNS], similarity_column[];
-void print_csv_label(FILE *out, const nqm_label *label, const double *similarity);
+/** Columns of their first members for print_csv_line(). */
+#define PART_COLUMNS                                                                                                   \
+    ",shift_i=parts.shift_itp.0,shift_t=parts.shift_itp.1,shift_p=parts.shift_itp.2,contrast=parts.contrast,"          \
+    "structure=parts.structure"
 /** A JOD below 10 in words (score/score_shared.c); the table is in doc/cli.md. */
 const char *jod_words(double jod);
 /** Print phrases with commas or semicolons below a row of a table, on lines of at most 80 columns. */

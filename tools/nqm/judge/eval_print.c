@@ -3,45 +3,11 @@
  * nqm eval - prints rows as text, JSON and CSV.
  */
 #include "nqm/judge/eval.h"
+#include "nqm/rows.h"
 
-#include <ctype.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-
-/* ---- values of a row --------------------------------------------------------------------------------------------- */
-
-/* The value at a path of keys, as "interval.ci95.0". A key of a list is an index, or a word that selects the object
- * whose "with" it is, or in which it is true. NULL: none. */
-static const json_t *value_at(const json_t *json, const char *path) {
-    char key[40];
-    while (json && *path) {
-        const size_t n = strcspn(path, ".");
-        snprintf(key, sizeof key, "%.*s", (int)n, path);
-        path += n + (path[n] == '.');
-        if (!json_is_array(json)) {
-            json = json_object_get(json, key);
-        } else if (isdigit((unsigned char)*key)) {
-            json = json_array_get(json, (size_t)atoi(key));
-        } else {
-            const json_t *list = json;
-            json = NULL;
-            for (size_t i = 0; !json && i < json_array_size(list); ++i) {
-                const json_t *entry = json_array_get(list, i);
-                const char *with = json_string_value(json_object_get(entry, "with"));
-                if ((with && strcmp(with, key) == 0) || json_is_true(json_object_get(entry, key)))
-                    json = entry;
-            }
-        }
-    }
-    return json;
-}
-
-/* NaN: none. */
-static double number_at(const json_t *json, const char *path) {
-    const json_t *value = value_at(json, path);
-    return json_is_number(value) ? json_number_value(value) : (double)NAN;
-}
 
 static const char *text_at(const json_t *json, const char *key) {
     const char *text = json_string_value(json_object_get(json, key));
@@ -320,7 +286,6 @@ static void print_json_results(const eval_run *run) {
 
 /* ---- CSV --------------------------------------------------------------------------------------------------------- */
 
-/* Columns: headings, each with the path of the value in a row if that is not the heading. */
 static const char pair_columns[] =
     "by,selection,name,type,n,n_materials,spearman,ci95_low=ci95.0,ci95_high=ci95.1,spearman_mean_by_material,"
     "mean_ci95_low=ci95_mean_by_material.0,mean_ci95_high=ci95_mean_by_material.1,pearson,kendall,mae,rmse,r2,"
@@ -353,31 +318,12 @@ static const char choice_columns[] =
     "difference_2_low=contrasts.log_diff.agreement.ci95.0,difference_2_high=contrasts.log_diff.agreement.ci95.1,"
     "share_2_below_0=contrasts.log_diff.agreement.share_below_0";
 
-static void print_csv_value(const json_t *value) {
-    if (json_is_string(value))
-        print_csv_text(stdout, json_string_value(value));
-    else if (json_is_boolean(value))
-        putchar(json_is_true(value) ? '1' : '0');
-    else if (json_is_number(value))
-        print_csv_number(stdout, json_number_value(value));
-}
-
-/* A line of values, from `row` or else from `facts`; row NULL: of the headings. */
-static void print_csv_line(const char *columns, const json_t *row, const json_t *facts) {
-    for (size_t n; *columns; columns += n + (columns[n] == ',')) {
-        char heading[120];
-        n = strcspn(columns, ",");
-        snprintf(heading, sizeof heading, "%.*s", (int)n, columns);
-        char *path = strchr(heading, '=');
-        if (path)
-            *path++ = '\0';
-        const json_t *value = value_at(row, path ? path : heading);
-        if (row)
-            print_csv_value(value ? value : value_at(facts, heading));
-        else
-            printf("%s", heading);
-        putchar(columns[n] == ',' ? ',' : '\n');
-    }
+/* A line of values, from `row` or else from `facts`. */
+static void print_csv_facts(const char *columns, json_t *row, json_t *facts) {
+    json_t *line = json_copy(row);
+    json_object_update_missing(line, facts);
+    print_csv_line(stdout, columns, line, NULL);
+    json_decref(line);
 }
 
 /* The lines of a model besides that of its row: coverage by subset, and parts. `facts` are changed. */
@@ -388,7 +334,7 @@ static void print_csv_details(const json_t *row, json_t *facts) {
     json_object_set(facts, "name", json_object_get(row, "name"));
     json_object_set_new(facts, "type", json_string("part"));
     for (size_t i = 0; i < json_array_size(parts); ++i)
-        print_csv_line(pair_columns, json_array_get(parts, i), facts);
+        print_csv_facts(pair_columns, json_array_get(parts, i), facts);
     json_object_set_new(facts, "type", json_string("coverage"));
     json_object_set_new(facts, "by", json_string("subset"));
     for (size_t i = 0; i < json_array_size(subsets); ++i) {
@@ -396,7 +342,7 @@ static void print_csv_details(const json_t *row, json_t *facts) {
         json_t *line =
             json_pack("{s:O,s:O,s:O,s:O}", "selection", json_object_get(s, "subset"), "n", json_object_get(s, "n"),
                       "n_materials", json_object_get(s, "n_materials"), "interval", s);
-        print_csv_line(pair_columns, line, facts);
+        print_csv_facts(pair_columns, line, facts);
         json_decref(line);
     }
 }
@@ -407,7 +353,7 @@ static void print_csv_table(const eval_run *run, const char *by, const char *nam
     if (run->human)
         json_object_update_new(facts, human_json(run->human));
     for (size_t i = 0; i < json_array_size(rows); ++i)
-        print_csv_line(run->is_choice ? choice_columns : pair_columns, json_array_get(rows, i), facts);
+        print_csv_facts(run->is_choice ? choice_columns : pair_columns, json_array_get(rows, i), facts);
     for (size_t i = 0; i < json_array_size(rows) && !run->is_choice; ++i)
         print_csv_details(json_array_get(rows, i), facts);
     json_decref(facts);
@@ -420,7 +366,7 @@ void print_evaluation(const eval_run *run, result_format format) {
     if (format == FORMAT_JSON) {
         print_json_results(run);
     } else if (format == FORMAT_CSV) {
-        print_csv_line(run->is_choice ? choice_columns : pair_columns, NULL, NULL);
+        print_csv_line(stdout, run->is_choice ? choice_columns : pair_columns, NULL, NULL);
         print_tables(run, print_csv_table);
     } else if (run->is_choice) {
         print_choices_text(run);

@@ -236,11 +236,20 @@ void judge_choices(const eval_run *run, const nqm_eval_options *o, json_t *rows)
 
 /* ---- --pairs ----------------------------------------------------------------------------------------------------- */
 
+enum { PARTS = 6 };
+static const char *const part_names[PARTS] = {"shift_i", "shift_t", "shift_p", "contrast", "structure", "adapted_jod"};
+
+static void write_parts(FILE *out, const nqm_label *l) {
+    print_csv_numbers(
+        out, PARTS,
+        (double[]){l->shift[0], l->shift[1], l->shift[2], l->contrast, l->structure, nqm_label_adapted_jod(l)});
+}
+
 /* Columns of the parts of a label. prefix: of their names. */
 static void write_part_names(FILE *out, const char *prefix) {
-    for (size_t k = 0; k < LABEL_COLUMNS; ++k) {
+    for (size_t k = 0; k < PARTS; ++k) {
         char name[200];
-        snprintf(name, sizeof name, "%.150s%s%s", prefix, *prefix ? ":" : "", label_columns[k]);
+        snprintf(name, sizeof name, "%.150s%s%s", prefix, *prefix ? ":" : "", part_names[k]);
         print_csv_field(out, name);
     }
 }
@@ -276,11 +285,11 @@ static void write_pair(const eval_run *run, size_t pair, FILE *out) {
     if (run->dataset->parts) {
         nqm_label label = {.delta_e = p.delta_e};
         nqm_label_set_parts(&label, run->dataset->parts + pair * NQM_LABEL_PARTS);
-        print_csv_label(out, &label, NULL);
+        write_parts(out, &label);
     }
     for (size_t i = 0; i < run->n_predictors; ++i)
         if (nqm_evaluation_labels(run->evaluation, i))
-            print_csv_label(out, &nqm_evaluation_labels(run->evaluation, i)[pair], NULL);
+            write_parts(out, &nqm_evaluation_labels(run->evaluation, i)[pair]);
     fputc('\n', out);
 }
 

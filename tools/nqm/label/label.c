@@ -4,6 +4,7 @@
  * JSON, CSV, or JODs only.
  */
 #include "nqm/label/label.h"
+#include "nqm/rows.h"
 
 #include <ctype.h>
 #include <math.h>
@@ -205,26 +206,27 @@ static bool has_textures(const label_run *run) {
     return false;
 }
 
+static json_t *item_json(const label_run *run, const label_item *item) {
+    const label_item *reference = &run->items[item->reference];
+    json_t *result = json_pack("{s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:{s:b,s:b}}", "test", json_name(item->name),
+                               "name", json_name(item->shown), "delta_e_itp", json_number(item->label.delta_e), "jod",
+                               json_number(item->jod), "delta_e_error", json_number(item->label.error), "jod_error",
+                               json_number(nqm_label_jod_error(&item->label)), "parts",
+                               json_label_parts(&item->label, NULL), "reference_luminance_cdm2",
+                               json_number(mean_luminance(run, reference->rgb_cdm2)), "valid", json_number(item->valid),
+                               "tabulated", "reference", reference->made.is_tabulated, "test", item->made.is_tabulated);
+    if (run->n_groups > 1)
+        json_object_set_new(result, "reference", json_name(reference->name));
+    if (item->err.status != NQM_OK)
+        json_object_set_new(result, "error", json_name(item->err.message));
+    return result;
+}
+
 json_t *json_labels(const label_run *run) {
     json_t *results = json_array();
-    for (size_t i = 0; i < run->n_items; ++i) {
-        const label_item *item = &run->items[i], *reference = &run->items[item->reference];
-        if (item == reference)
-            continue;
-        json_t *result =
-            json_pack("{s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:{s:b,s:b}}", "test", json_name(item->name), "name",
-                      json_name(item->shown), "delta_e_itp", json_number(item->label.delta_e), "jod",
-                      json_number(item->jod), "delta_e_error", json_number(item->label.error), "jod_error",
-                      json_number(nqm_label_jod_error(&item->label)), "parts", json_label_parts(&item->label, NULL),
-                      "reference_luminance_cdm2", json_number(mean_luminance(run, reference->rgb_cdm2)), "valid",
-                      json_number(item->valid), "tabulated", "reference", reference->made.is_tabulated, "test",
-                      item->made.is_tabulated);
-        if (run->n_groups > 1)
-            json_object_set_new(result, "reference", json_name(reference->name));
-        if (item->err.status != NQM_OK)
-            json_object_set_new(result, "error", json_name(item->err.message));
-        json_array_append_new(results, result);
-    }
+    for (size_t i = 0; i < run->n_items; ++i)
+        if (!is_reference(run, i))
+            json_array_append_new(results, item_json(run, &run->items[i]));
     json_t *scene = json_scene(&run->scene_options);
     if (has_textures(run)) {
         json_object_set_new(scene, "tiles", json_real(run->view.tiles));
@@ -235,17 +237,21 @@ json_t *json_labels(const label_run *run) {
                      run->map || run->keep ? json_number(run->delta_e_max) : NULL);
 }
 
+/* The columns, and those of a list with several references. */
+static const char label_columns[] =
+    "test,delta_e_itp,jod,error" PART_COLUMNS ",adapted_jod=parts.adapted_jod,name,delta_e_error,jod_error,valid";
+static const char group_columns[] = "test,delta_e_itp,jod,error,reference" PART_COLUMNS
+                                    ",adapted_jod=parts.adapted_jod,name,delta_e_error,jod_error,valid";
+
 static void print_csv_test(const label_run *run, const label_item *item) {
-    const nqm_label *l = &item->label;
-    print_csv_text(stdout, item->name);
-    print_csv_numbers(stdout, 2, (double[]){l->delta_e, item->jod});
-    print_csv_field(stdout, item->err.message);
-    if (run->n_groups > 1)
-        print_csv_field(stdout, run->items[item->reference].name);
-    print_csv_label(stdout, l, NULL);
-    print_csv_field(stdout, item->shown);
-    print_csv_numbers(stdout, 3, (double[]){l->error, nqm_label_jod_error(l), item->valid});
-    putchar('\n');
+    const row_text texts[] = {{"test", item->name},
+                              {"error", item->err.message},
+                              {"reference", run->items[item->reference].name},
+                              {"name", item->shown},
+                              {0}};
+    json_t *row = item_json(run, item);
+    print_csv_line(stdout, run->n_groups > 1 ? group_columns : label_columns, row, texts);
+    json_decref(row);
 }
 
 static void print_text_test(const label_item *item) {
@@ -270,12 +276,8 @@ void print_labels(const label_run *run) {
         print_json(json_labels(run));
         return;
     }
-    if (run->format == FORMAT_CSV) {
-        printf("test,delta_e_itp,jod,error%s", run->n_groups > 1 ? ",reference" : "");
-        for (size_t i = 0; i < LABEL_COLUMNS; ++i)
-            printf(",%s", label_columns[i]);
-        puts(",name,delta_e_error,jod_error,valid");
-    }
+    if (run->format == FORMAT_CSV)
+        print_csv_line(stdout, run->n_groups > 1 ? group_columns : label_columns, NULL, NULL);
     for (size_t i = 0; i < run->n_items; ++i) {
         const label_item *item = &run->items[i];
         if (is_reference(run, i)) {

@@ -21,6 +21,7 @@ typedef struct batch_form {
     const nqm_model *model;
     bool metrics[NQM_METRIC_COUNT]; /* metrics to write */
     bool has_textures;              /* columns of textures, too */
+    char *columns;                  /* of results, for print_csv_line(); owned */
     score_gate gate;
     remark_terms terms;
 } batch_form;
@@ -34,8 +35,8 @@ typedef struct batch_note {
     char *remark;    /* error of a row without a score, warnings of the others; NULL: none; owned */
 } batch_note;
 
-/** Report an error and exit when a column of the list has the name of a result column or of another column of the list. */
-void check_batch_columns(const batch_form *form);
+/** Set the columns; report an error and exit when one of the list has the name of a result column or of another one of the list. */
+void set_batch_columns(batch_form *form);
 
 /* ---- results (batch_pieces.c): on failure, these report the error and exit --------------------------------------- */
 

@@ -3,6 +3,7 @@
  * Rows of `nqm batch` as CSV, as JSON Lines and as one JSON document (doc/cli.md). The columns of the list come first,
  * unchanged.
  */
+#include "nqm/rows.h"
 #include "nqm/score/batch.h"
 #include "nqm/show/html.h"
 
@@ -13,22 +14,17 @@
 
 /* ---- columns ----------------------------------------------------------------------------------------------------- */
 
-/* The names of the columns that the results add, each after a comma. */
-static void print_csv_added(const batch_form *form, FILE *out) {
-    print_csv_score_names(out, form->model, form->metrics);
-    for (size_t i = 0; form->has_textures && i < TEXTURE_NUMBERS; ++i)
-        fprintf(out, ",%s", texture_columns[i]);
-    fputs(has_gate(&form->gate) ? ",gate,warnings,error" : ",warnings,error", out);
-}
-
-void check_batch_columns(const batch_form *form) {
+void set_batch_columns(batch_form *form) {
     const char *const *names = form->list->column;
-    char *added = NULL;
+    char *added;
     size_t n_added;
+    form->columns = score_columns("", form->model, form->metrics, form->has_textures ? "" : NULL,
+                                  has_gate(&form->gate) ? ",gate,warnings,error" : ",warnings,error");
     FILE *stream = open_text(&added, &n_added);
-    print_csv_added(form, stream);
-    fputs(nqm_model_has_parts(form->model) ? ",metrics,parts," : ",metrics,", stream); /* members in JSON */
+    fputs(nqm_model_has_parts(form->model) ? ",metrics,parts" : ",metrics", stream); /* members in JSON */
+    print_csv_line(stream, form->columns, NULL, NULL);
     fclose(stream);
+    *strchr(added, '\n') = ',';
     for (size_t i = 0; i < form->list->n_columns; ++i) {
         char *word = must_have(nqm_strdupf(",%s,", names[i]));
         if (!strchr(names[i], ',') && strstr(added, word))
@@ -41,19 +37,28 @@ void check_batch_columns(const batch_form *form) {
     free(added);
 }
 
+/* ---- rows -------------------------------------------------------------------------------------------------------- */
+
+static json_t *row_json(const batch_form *form, size_t row, const nqm_score_result *r, const texture_numbers *texture,
+                        const nqm_error *err) {
+    json_t *object = json_result(&form->terms, &form->list->pair[row], form->metrics, &form->gate, r, err);
+    for (size_t i = 0; form->has_textures && i < TEXTURE_NUMBERS; ++i)
+        json_object_set_new(object, texture_columns[i], json_number(texture->v[i]));
+    return object;
+}
+
 /* ---- CSV --------------------------------------------------------------------------------------------------------- */
 
+/* Texts of the list, then the columns of a result, or the headings of both. */
 static void print_csv_head(const batch_form *form, FILE *out) {
     for (size_t i = 0; i < form->list->n_columns; ++i) {
         fputs(i ? "," : "", out);
         print_csv_text(out, form->list->column[i]);
     }
-    print_csv_added(form, out);
-    fputc('\n', out);
+    print_csv_line(out, form->columns, NULL, NULL);
 }
 
-static void print_csv_row(const batch_form *form, FILE *out, size_t row, const nqm_score_result *r,
-                          const texture_numbers *texture, const nqm_error *err) {
+static void print_csv_cells(const batch_form *form, FILE *out, size_t row) {
     const nqm_pair_list *list = form->list;
     const size_t n_cells = nqm_pair_list_cells(list, row);
     for (size_t column = 0; column < list->n_columns; ++column) {
@@ -66,14 +71,6 @@ static void print_csv_row(const batch_form *form, FILE *out, size_t row, const n
             break;
         }
     }
-    print_csv_score(out, form->model, form->metrics, r);
-    if (form->has_textures)
-        print_csv_numbers(out, TEXTURE_NUMBERS, texture->v);
-    if (has_gate(&form->gate))
-        fprintf(out, ",%s", gate_mark(&form->gate, r));
-    print_csv_remarks(out, json_remarks(&form->terms, &list->pair[row], "reference", "test", r));
-    print_csv_field(out, r->status == NQM_OK ? "" : err->message);
-    fputc('\n', out);
 }
 
 /* ---- JSON -------------------------------------------------------------------------------------------------------- */
@@ -99,19 +96,6 @@ static void print_json_cells(const batch_form *form, FILE *out, size_t row) {
     }
 }
 
-static void print_json_row(const batch_form *form, FILE *out, size_t row, const nqm_score_result *r,
-                           const texture_numbers *texture, const nqm_error *err) {
-    json_t *object = json_result(&form->terms, &form->list->pair[row], form->metrics, &form->gate, r, err);
-    for (size_t i = 0; form->has_textures && i < TEXTURE_NUMBERS; ++i)
-        json_object_set_new(object, texture_columns[i], json_number(texture->v[i]));
-    char *text = must_have(json_dumps(object, JSON_COMPACT | JSON_REAL_PRECISION(9)));
-    fputc('{', out);
-    print_json_cells(form, out, row);
-    fputs(text + 1, out); /* without its brace */
-    free(text);
-    json_decref(object);
-}
-
 static void print_json_head(const batch_form *form, FILE *out) {
     fputs("{\"schema\":1,\"tool\":", out);
     print_json_value(out, json_tool());
@@ -131,10 +115,19 @@ static void print_batch_head(const batch_form *form, FILE *out) {
 
 static void print_batch_row(const batch_form *form, FILE *out, size_t row, const nqm_score_result *result,
                             const texture_numbers *texture, const nqm_error *err) {
-    if (form->format == BATCH_CSV)
-        print_csv_row(form, out, row, result, texture, err);
-    else
-        print_json_row(form, out, row, result, texture, err);
+    json_t *object = row_json(form, row, result, texture, err);
+    if (form->format == BATCH_CSV) {
+        print_csv_cells(form, out, row);
+        print_csv_line(out, form->columns, object,
+                       (row_text[]){{"error", result->status == NQM_OK ? "" : err->message}, {0}});
+    } else {
+        char *text = must_have(json_dumps(object, JSON_COMPACT | JSON_REAL_PRECISION(9)));
+        fputc('{', out);
+        print_json_cells(form, out, row);
+        fputs(text + 1, out); /* without its brace */
+        free(text);
+    }
+    json_decref(object);
     if (form->format == BATCH_JSON_LINES)
         fputc('\n', out);
 }
@@ -154,7 +147,7 @@ static batch_note make_batch_note(const batch_form *form, size_t row, const nqm_
     if (!note.is_scored)
         note.remark = strdup(err->message);
     else if (json_array_size(remarks))
-        note.remark = join_remarks(remarks);
+        note.remark = join_texts(remarks);
     json_decref(remarks);
     return note;
 }

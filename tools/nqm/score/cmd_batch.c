@@ -151,7 +151,7 @@ static void open_inputs(batch_run *run, const batch_arguments *a) {
     run->form.list = run->list;
     run->form.model = model;
     run->form.terms = (remark_terms){nqm_directions_count(nqm_model_get_info(model).directions), run->options.invalid};
-    check_batch_columns(&run->form);
+    set_batch_columns(&run->form);
 }
 
 /* Paths of list and outputs are relative to the working folder, paths of BRDFs to the root, which becomes the working folder. */
@@ -267,6 +267,7 @@ int cmd_batch(int argc, char **argv) {
     nqm_pair_list_free(run.given);
     nqm_model_free((nqm_model *)(uintptr_t)run.form.model);
     free(names);
+    free(run.form.columns);
     free(run.path);
     free(run.junit);
     free(run.markdown);

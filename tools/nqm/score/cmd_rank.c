@@ -109,50 +109,29 @@ static void print_text(const score_run *run) {
          "(50 % is guessing; one JOD is 75 %).");
 }
 
-static void print_csv(const score_run *run) {
-    fputs("reference,rank,test,jod,jod_low,jod_high,over_next,best_preferred", stdout);
-    print_csv_part_names(stdout, run->model);
-    puts(",name,error");
-    for (size_t i = 0; i < run->n_rows; ++i) {
-        const scored_pair *row = &run->rows[i];
-        const nqm_score_result *r = &row->result;
-        print_csv_text(stdout, row->pair.ref);
-        putchar(',');
-        if (row->rank)
-            printf("%zu", row->rank);
-        print_csv_field(stdout, row->pair.test);
-        print_csv_numbers(stdout, 5, (double[]){r->jod, r->jod_low, r->jod_high, row->over_next, row->best_preferred});
-        print_csv_parts(stdout, run->model, r);
-        print_csv_field(stdout, row->name);
-        print_csv_field(stdout, row->rank ? "" : row->err.message);
-        putchar('\n');
-    }
-}
-
-static void print_ranking_json(const score_run *run) {
-    json_t *results = json_array();
-    for (size_t i = 0; i < run->n_rows; ++i) {
-        const scored_pair *row = &run->rows[i];
-        json_t *object = json_pack(
-            "{s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:b,s:o,s:o}", "reference", json_name(row->pair.ref), "name",
-            json_name(row->name), "rank", row->rank ? json_integer((json_int_t)row->rank) : json_null(), "test",
-            json_name(row->pair.test), "jod", json_number(row->result.jod), "jod_low", json_number(row->result.jod_low),
-            "jod_high", json_number(row->result.jod_high), "identical", row->result.identical, "over_next",
-            json_number(row->over_next), "best_preferred", json_number(row->best_preferred));
-        if (!isnan(row->result.parts.structure))
-            json_object_set_new(object, "parts", json_label_parts(&row->result.parts, row->result.similarity));
-        if (!row->rank)
-            json_object_set_new(object, "error", json_name(row->err.message));
-        json_array_append_new(results, object);
-    }
-    print_document(json_pack("{s:o,s:o}", "model", model_json(run->model), "results", results));
+static json_t *row_json(const score_run *run, const scored_pair *row) {
+    (void)run;
+    json_t *object = json_pack(
+        "{s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:b,s:o,s:o}", "reference", json_name(row->pair.ref), "name",
+        json_name(row->name), "rank", row->rank ? json_integer((json_int_t)row->rank) : json_null(), "test",
+        json_name(row->pair.test), "jod", json_number(row->result.jod), "jod_low", json_number(row->result.jod_low),
+        "jod_high", json_number(row->result.jod_high), "identical", row->result.identical, "over_next",
+        json_number(row->over_next), "best_preferred", json_number(row->best_preferred));
+    if (!isnan(row->result.parts.structure))
+        json_object_set_new(object, "parts", json_label_parts(&row->result.parts, row->result.similarity));
+    if (!row->rank)
+        json_object_set_new(object, "error", json_name(row->err.message));
+    return object;
 }
 
 void print_ranking(const score_run *run) {
     if (run->format == FORMAT_JSON)
-        print_ranking_json(run);
+        print_document(json_pack("{s:o,s:o}", "model", model_json(run->model), "results", json_rows(run, row_json)));
     else if (run->format == FORMAT_CSV)
-        print_csv(run);
+        print_csv_rows(run,
+                       score_columns("reference,rank,test,jod,jod_low,jod_high,over_next,best_preferred", run->model,
+                                     NULL, NULL, ",name,error"),
+                       row_json);
     else if (run->format == FORMAT_TEXT)
         print_text(run);
     for (size_t i = 0; run->format == FORMAT_QUIET && i < run->n_rows; ++i)

@@ -101,35 +101,13 @@ static void print_text(const score_run *run) {
              "interval: where its ends have different words, it is between them.");
 }
 
-static void print_csv(const score_run *run) {
-    printf("reference,test");
-    print_csv_score_names(stdout, run->model, run->metrics);
-    if (has_textures(run))
-        print_csv_texture_names(stdout);
-    puts(has_gate(&run->gate) ? ",gate,name,warnings,error" : ",name,warnings,error");
-    for (size_t i = 0; i < run->n_rows; ++i) {
-        const scored_pair *row = &run->rows[i];
-        print_csv_text(stdout, row->pair.ref);
-        print_csv_field(stdout, row->pair.test);
-        print_csv_score(stdout, run->model, run->metrics, &row->result);
-        if (has_textures(run))
-            print_csv_texture(stdout, row->texture);
-        if (has_gate(&run->gate))
-            printf(",%s", gate_mark(&run->gate, &row->result));
-        print_csv_field(stdout, row->name);
-        print_csv_remarks(stdout, json_remarks(&run->terms, &row->pair, "reference", "test", &row->result));
-        print_csv_field(stdout, row->err.status == NQM_OK ? "" : row->err.message);
-        putchar('\n');
-    }
-}
-
 static void print_scores(const score_run *run) {
     if (run->format == FORMAT_JSON) { /* the document contains the remarks */
         print_json(json_scores(run));
         return;
     }
     if (run->format == FORMAT_CSV)
-        print_csv(run);
+        print_csv_scores(run);
     else if (run->format == FORMAT_TEXT)
         print_text(run);
     for (size_t i = 0; run->format == FORMAT_QUIET && i < run->n_rows; ++i)

@@ -101,14 +101,10 @@ void choose_metrics(const char *text, bool *chosen);
 /** The "model" member of results: id, sha256, parameters. */
 json_t *model_json(const nqm_model *model);
 
-/** Columns of the parts that a model predicts in CSV, each after a comma: those of a label, and `words`. None for a model that
- *  predicts none. */
-void print_csv_part_names(FILE *out, const nqm_model *model);
-void print_csv_parts(FILE *out, const nqm_model *model, const nqm_score_result *result);
-/** Columns of results, likewise: jod, jod_low, jod_high, delta_e_itp, identical, n_valid, novelty, verdict, the parts,
- *  and metrics. */
-void print_csv_score_names(FILE *out, const nqm_model *model, const bool *metrics);
-void print_csv_score(FILE *out, const nqm_model *model, const bool *metrics, const nqm_score_result *result);
+/** Columns of json_result() for print_csv_line(), between other ones: of scores and of these metrics, if they are not NULL, and of
+ *  the parts that the model predicts; those of textures are below `texture`, "" or "texture.", NULL: there are none. free() it. */
+char *score_columns(const char *first, const nqm_model *model, const bool *metrics, const char *texture,
+                    const char *last);
 /** "  8.93  [8.71, 9.15]", the interval only if the model is calibrated; dashes for a pair without a score. */
 void print_jod(const scored_pair *row, bool calibrated);
 /** Fraction of people who would say that the reference looks better; 0.5 is guessing. */
@@ -117,13 +113,16 @@ enum { VERDICT_TEXT = 64 };
 /** What a score means, in words that are not more certain than its interval: "visible", "between visible and very different";
  *  "" without a score. Returns text or a static string. */
 const char *verdict_words(const nqm_score_result *result, char text[VERDICT_TEXT]);
-/** Remarks, separated by "; "; free() the text. */
-char *join_remarks(const json_t *remarks);
-/** Remarks, which are released, separated by "; ", as a CSV field after a comma. */
-void print_csv_remarks(FILE *out, json_t *remarks);
 /** What `nqm score` and `nqm batch` say of a pair: scores, metrics, parts, gate, remarks, and the error of one without a score. */
 json_t *json_result(const remark_terms *terms, const nqm_named_pair *pair, const bool *metrics, const score_gate *gate,
                     const nqm_score_result *result, const nqm_error *err);
+/** A row as JSON. */
+typedef json_t *row_maker(const score_run *run, const scored_pair *row);
+/** All rows as a list, and as CSV with columns that are freed; `reference`, `test`, `name` and `error` are those of the row. */
+json_t *json_rows(const score_run *run, row_maker *make);
+void print_csv_rows(const score_run *run, char *columns, row_maker *make);
+/** What `nqm score --csv` prints. */
+void print_csv_scores(const score_run *run);
 /** The JSON document of `nqm score --json`. */
 json_t *json_scores(const score_run *run);
 enum { GRAIN_TEXT = 120 };
@@ -177,7 +176,7 @@ void score_textures(score_run *run);
 /** Lines below the row of such a pair. */
 void print_texture(const scored_pair *row);
 json_t *json_texture(const scored_pair *row);
-/** Whether there is such a row; then CSVs have more columns, each after a comma. NULL: a row of BRDFs. */
+/** Whether there is such a row; then CSVs have more columns. */
 bool has_textures(const score_run *run);
 /** What of such a score fits in columns: median_jod, worst_jod, below_9, below_8, far_jod, far_jod_low, far_jod_high. */
 enum { TEXTURE_NUMBERS = 7 };
@@ -187,9 +186,6 @@ typedef struct texture_numbers {
 extern const char *const texture_columns[TEXTURE_NUMBERS];
 /** NULL: NaN. */
 texture_numbers texture_numbers_of(const nqm_texture_result *texture);
-void print_csv_texture_names(FILE *out);
-void print_csv_texture(FILE *out, const nqm_texture_result *texture);
-
 /* ---- values -------------------------------------------------------------------------------------------- */
 
 /** With --exact, compare the values of the pairs that have a score. */

@@ -5,6 +5,7 @@
  */
 #include "base/names.h"
 #include "brdf/brdf.h"
+#include "nqm/rows.h"
 #include "nqm/score/score.h"
 
 #include <math.h>
@@ -289,60 +290,39 @@ json_t *model_json(const nqm_model *model) {
                      (json_int_t)info.n_parameters);
 }
 
-void print_csv_part_names(FILE *out, const nqm_model *model) {
-    if (!nqm_model_has_parts(model))
-        return;
-    for (size_t i = 0; i + 1 < LABEL_COLUMNS; ++i)
-        fprintf(out, ",%s", label_columns[i]);
-    fprintf(out, ",%s,words", similarity_column);
-}
+/* What a result has as it is. JSON has the real numbers first. */
+static const struct {
+    const char *name;
+    enum { REAL, COUNT, FLAG } kind;
+    size_t offset;
+} score_members[] = {{"jod", REAL, offsetof(nqm_score_result, jod)},
+                     {"jod_low", REAL, offsetof(nqm_score_result, jod_low)},
+                     {"jod_high", REAL, offsetof(nqm_score_result, jod_high)},
+                     {"delta_e_itp", REAL, offsetof(nqm_score_result, delta_e)},
+                     {"identical", FLAG, offsetof(nqm_score_result, identical)},
+                     {"n_valid", COUNT, offsetof(nqm_score_result, n_valid)},
+                     {"novelty", REAL, offsetof(nqm_score_result, novelty)}};
+enum { N_SCORE_MEMBERS = sizeof score_members / sizeof *score_members };
 
-void print_csv_parts(FILE *out, const nqm_model *model, const nqm_score_result *r) {
-    char words[NQM_LABEL_TEXT] = "";
-    if (!nqm_model_has_parts(model))
-        return;
-    print_csv_label(out, &r->parts, r->similarity);
-    print_csv_field(out, isnan(r->parts.structure) ? "" : nqm_label_describe(&r->parts, words));
-}
-
-void print_csv_score_names(FILE *out, const nqm_model *model, const bool *metrics) {
-    fputs(",jod,jod_low,jod_high,delta_e_itp,identical,n_valid,novelty,verdict", out);
-    print_csv_part_names(out, model);
-    for (int m = 0; m < NQM_METRIC_COUNT; ++m)
+char *score_columns(const char *first, const nqm_model *model, const bool *metrics, const char *texture,
+                    const char *last) {
+    char *text;
+    size_t n;
+    FILE *out = open_text(&text, &n);
+    fputs(first, out);
+    for (size_t i = 0; metrics && i < N_SCORE_MEMBERS; ++i)
+        fprintf(out, ",%s", score_members[i].name);
+    fputs(metrics ? ",verdict" : "", out);
+    if (nqm_model_has_parts(model))
+        fputs(PART_COLUMNS ",similarity_jod=parts.similarity_jod,words=parts.words", out);
+    for (int m = 0; metrics && m < NQM_METRIC_COUNT; ++m)
         if (metrics[m])
-            fprintf(out, ",%s", nqm_metric_name((nqm_metric)m));
-}
-
-void print_csv_score(FILE *out, const nqm_model *model, const bool *metrics, const nqm_score_result *r) {
-    char verdict[VERDICT_TEXT];
-    print_csv_numbers(out, 4, (double[]){r->jod, r->jod_low, r->jod_high, r->delta_e});
-    if (r->status == NQM_OK)
-        fprintf(out, ",%d,%zu", r->identical, r->n_valid);
-    else
-        fputs(",,", out);
-    print_csv_numbers(out, 1, &r->novelty);
-    print_csv_field(out, verdict_words(r, verdict));
-    print_csv_parts(out, model, r);
-    for (int m = 0; m < NQM_METRIC_COUNT; ++m)
-        if (metrics[m])
-            print_csv_numbers(out, 1, &r->metrics[m]);
-}
-
-char *join_remarks(const json_t *remarks) {
-    size_t n = 1;
-    for (size_t i = 0; i < json_array_size(remarks); ++i)
-        n += json_string_length(json_array_get(remarks, i)) + 2;
-    char *text = allocate(n, 1);
-    for (size_t i = 0, at = 0; i < json_array_size(remarks); ++i)
-        at += (size_t)snprintf(text + at, n - at, "%s%s", i ? "; " : "", json_string_value(json_array_get(remarks, i)));
+            fprintf(out, ",%s=metrics.%s", nqm_metric_name((nqm_metric)m), nqm_metric_name((nqm_metric)m));
+    for (size_t i = 0; texture && i < TEXTURE_NUMBERS; ++i)
+        fprintf(out, ",%s=%s%s", texture_columns[i], texture, texture_columns[i]);
+    fputs(last, out);
+    fclose(out);
     return text;
-}
-
-void print_csv_remarks(FILE *out, json_t *remarks) {
-    char *text = join_remarks(remarks);
-    print_csv_field(out, text);
-    free(text);
-    json_decref(remarks);
 }
 
 void print_jod(const scored_pair *row, bool calibrated) {
@@ -478,20 +458,35 @@ char *describe_grain(const scored_pair *row, char text[GRAIN_TEXT]) {
     return text;
 }
 
+/* The real numbers, or the others. */
+static void set_members(json_t *object, const nqm_score_result *r, bool reals) {
+    for (size_t i = 0; i < N_SCORE_MEMBERS; ++i) {
+        const void *at = (const char *)r + score_members[i].offset;
+        json_t *value = json_null();
+        if ((score_members[i].kind == REAL) != reals)
+            continue;
+        if (score_members[i].kind == REAL)
+            value = json_number(*(const double *)at);
+        else if (r->status == NQM_OK && score_members[i].kind == FLAG)
+            value = json_boolean(*(const int *)at);
+        else if (r->status == NQM_OK)
+            value = json_integer((json_int_t) * (const size_t *)at);
+        json_object_set_new(object, score_members[i].name, value);
+    }
+}
+
 json_t *json_result(const remark_terms *terms, const nqm_named_pair *pair, const bool *chosen, const score_gate *gate,
                     const nqm_score_result *r, const nqm_error *err) {
     char verdict[VERDICT_TEXT];
     const bool is_scored = r->status == NQM_OK;
-    json_t *metrics = json_object();
+    json_t *object = json_object(), *metrics = json_object();
     for (int m = 0; m < NQM_METRIC_COUNT; ++m)
         if (chosen[m])
             json_object_set_new(metrics, nqm_metric_name((nqm_metric)m), json_number(r->metrics[m]));
-    json_t *object =
-        json_pack("{s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:s,s:o}", "jod", json_number(r->jod), "jod_low",
-                  json_number(r->jod_low), "jod_high", json_number(r->jod_high), "delta_e_itp", json_number(r->delta_e),
-                  "novelty", json_number(r->novelty), "identical", is_scored ? json_boolean(r->identical) : json_null(),
-                  "n_valid", is_scored ? json_integer((json_int_t)r->n_valid) : json_null(), "verdict",
-                  verdict_words(r, verdict), "metrics", metrics);
+    set_members(object, r, true);
+    set_members(object, r, false);
+    json_object_set_new(object, "verdict", json_string(verdict_words(r, verdict)));
+    json_object_set_new(object, "metrics", metrics);
     if (!isnan(r->parts.structure))
         json_object_set_new(object, "parts", json_label_parts(&r->parts, r->similarity));
     if (has_gate(gate) && is_scored)
@@ -502,30 +497,67 @@ json_t *json_result(const remark_terms *terms, const nqm_named_pair *pair, const
     return object;
 }
 
+/* Without what only JSON has. */
+static json_t *plain_json(const score_run *run, const scored_pair *row) {
+    json_t *object = json_result(&run->terms, &row->pair, run->metrics, &run->gate, &row->result, &row->err);
+    if (row->texture)
+        json_object_set_new(object, "texture", json_texture(row));
+    return object;
+}
+
 static json_t *row_json(const score_run *run, const scored_pair *row) {
-    const nqm_score_result *r = &row->result;
     json_t *object = json_pack("{s:o,s:o}", "test", json_name(row->pair.test), "name", json_name(row->name));
-    json_object_update_new(object, json_result(&run->terms, &row->pair, run->metrics, &run->gate, r, &row->err));
-    if (r->anisotropy > 0) {
+    json_object_update_new(object, plain_json(run, row));
+    if (row->result.anisotropy > 0) {
         const grain a = grain_of(row->pair.ref), b = grain_of(row->pair.test);
-        json_object_set_new(object, "anisotropy", json_number(r->anisotropy));
+        json_object_set_new(object, "anisotropy", json_number(row->result.anisotropy));
         json_object_set_new(
             object, "stretched",
             json_pack("{s:[f,f],s:[f,f]}", "ratio", a.ratio, b.ratio, "azimuth_deg", a.azimuth_deg, b.azimuth_deg));
     }
-    if (row->texture)
-        json_object_set_new(object, "texture", json_texture(row));
-    else if (run->exact && row->err.status == NQM_OK)
+    if (!row->texture && run->exact && row->err.status == NQM_OK)
         json_object_set_new(object, "exact", json_exact(run, row));
     if (!has_reference_of(run->rows, &run->rows[run->n_rows - 1]))
         json_object_set_new(object, "reference", json_name(row->pair.ref));
     return object;
 }
 
-json_t *json_scores(const score_run *run) {
-    json_t *results = json_array();
+json_t *json_rows(const score_run *run, row_maker *make) {
+    json_t *rows = json_array();
     for (size_t i = 0; i < run->n_rows; ++i)
-        json_array_append_new(results, row_json(run, &run->rows[i]));
+        json_array_append_new(rows, make(run, &run->rows[i]));
+    return rows;
+}
+
+void print_csv_rows(const score_run *run, char *columns, row_maker *make) {
+    print_csv_line(stdout, columns, NULL, NULL);
+    for (size_t i = 0; i < run->n_rows; ++i) {
+        const scored_pair *row = &run->rows[i];
+        const row_text texts[] = {{"reference", row->pair.ref},
+                                  {"test", row->pair.test},
+                                  {"name", row->name},
+                                  {"error", row->err.status == NQM_OK ? "" : row->err.message},
+                                  {0}};
+        json_t *object = make(run, row);
+        print_csv_line(stdout, columns, object, texts);
+        json_decref(object);
+    }
+    free(columns);
+}
+
+void print_csv_scores(const score_run *run) {
+    char last[180];
+    snprintf(last, sizeof last, "%s%s,name,warnings,error",
+             has_textures(run)
+                 ? ",blame=texture.blame.0.property,blame_jod=texture.blame.0.jod,mistake=texture.blame.0.mistake"
+                 : "",
+             has_gate(&run->gate) ? ",gate" : "");
+    print_csv_rows(
+        run, score_columns("reference,test", run->model, run->metrics, has_textures(run) ? "texture." : NULL, last),
+        plain_json);
+}
+
+json_t *json_scores(const score_run *run) {
     return json_pack("{s:i,s:o,s:o,s:o,s:o}", "schema", 1, "tool", json_tool(), "model", model_json(run->model),
-                     "reference", json_name(run->ref_path), "results", results);
+                     "reference", json_name(run->ref_path), "results", json_rows(run, row_json));
 }

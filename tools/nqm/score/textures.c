@@ -184,7 +184,7 @@ void print_texture(const scored_pair *row) {
         print_phrases(text);
 }
 
-/* ---- JSON and CSV ------------------------------------------------------------------------------------------------ */
+/* ---- JSON ------------------------------------------------------------------------------------------------ */
 
 static json_t *json_blame(const nqm_texture_result *t) {
     json_t *list = json_array();
@@ -223,18 +223,4 @@ texture_numbers texture_numbers_of(const nqm_texture_result *t) {
     t = t ? t : &none;
     return (texture_numbers){
         {t->median, t->worst, t->below[0], t->below[1], t->far_jod[0], t->far_jod[1], t->far_jod[2]}};
-}
-
-void print_csv_texture_names(FILE *out) {
-    for (size_t i = 0; i < TEXTURE_NUMBERS; ++i)
-        fprintf(out, ",%s", texture_columns[i]);
-    fputs(",blame,blame_jod,mistake", out);
-}
-
-void print_csv_texture(FILE *out, const nqm_texture_result *t) {
-    const nqm_texture_blame *worst = t && t->n_blame ? t->blame : NULL;
-    print_csv_numbers(out, TEXTURE_NUMBERS, texture_numbers_of(t).v);
-    print_csv_field(out, worst ? worst->key : "");
-    print_csv_numbers(out, 1, (double[]){worst ? worst->jod : NAN});
-    print_csv_field(out, worst ? worst->mistake : "");
 }

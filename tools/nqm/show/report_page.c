@@ -197,7 +197,7 @@ static void add_parts(json_t *rows, const char *label, const nqm_label *l) {
     const double values[] = {l->shift[0], l->shift[1],  l->shift[2],
                              l->contrast, l->structure, nqm_label_adapted_jod(l)};
     json_t *numbers = json_array();
-    for (size_t i = 0; i < LABEL_COLUMNS; ++i)
+    for (size_t i = 0; i < sizeof values / sizeof *values; ++i)
         json_array_append_new(numbers, html_number(values[i], i == 3 ? 3 : 2, 'f')); /* 3: the contrast */
     json_array_append_new(rows, json_pack("{s:s,s:o}", "label", label, "numbers", numbers));
 }

@@ -1,0 +1,90 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * The implementation of rows.h.
+ */
+#include "nqm/rows.h"
+
+#include <ctype.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+const json_t *value_at(const json_t *json, const char *path) {
+    char key[40];
+    while (json && *path) {
+        const size_t n = strcspn(path, ".");
+        snprintf(key, sizeof key, "%.*s", (int)n, path);
+        path += n + (path[n] == '.');
+        if (!json_is_array(json)) {
+            json = json_object_get(json, key);
+        } else if (isdigit((unsigned char)*key)) {
+            json = json_array_get(json, (size_t)atoi(key));
+        } else {
+            const json_t *list = json;
+            json = NULL;
+            for (size_t i = 0; !json && i < json_array_size(list); ++i) {
+                const json_t *entry = json_array_get(list, i);
+                const char *with = json_string_value(json_object_get(entry, "with"));
+                if ((with && strcmp(with, key) == 0) || json_is_true(json_object_get(entry, key)))
+                    json = entry;
+            }
+        }
+    }
+    return json;
+}
+
+double number_at(const json_t *json, const char *path) {
+    const json_t *value = value_at(json, path);
+    return json_is_number(value) ? json_number_value(value) : (double)NAN;
+}
+
+char *join_texts(const json_t *texts) {
+    char *joined;
+    size_t n;
+    FILE *out = open_text(&joined, &n);
+    for (size_t i = 0; i < json_array_size(texts); ++i)
+        fprintf(out, "%s%s", i ? "; " : "", json_string_value(json_array_get(texts, i)));
+    fclose(out);
+    return joined;
+}
+
+/* Texts of a list are separated by "; ". */
+static void print_csv_value(FILE *out, const json_t *value) {
+    char *joined = json_is_array(value) ? join_texts(value) : NULL;
+    const char *text = joined ? joined : json_string_value(value);
+    if (text)
+        print_csv_text(out, text);
+    else if (json_is_boolean(value))
+        fputc(json_is_true(value) ? '1' : '0', out);
+    else if (json_is_integer(value))
+        fprintf(out, "%lld", (long long)json_integer_value(value));
+    else if (json_is_real(value))
+        print_csv_number(out, json_real_value(value));
+    free(joined);
+}
+
+static const char *find_text(const row_text *texts, const char *column) {
+    while (texts && texts->column && strcmp(texts->column, column) != 0)
+        ++texts;
+    return texts ? texts->text : NULL;
+}
+
+void print_csv_line(FILE *out, const char *columns, const json_t *row, const row_text *texts) {
+    while (*columns) {
+        char heading[160];
+        if (*columns == ',')
+            fputc(*columns++, out);
+        const size_t n = strcspn(columns, ",");
+        snprintf(heading, sizeof heading, "%.*s", (int)n, columns);
+        columns += n;
+        char *path = strchr(heading, '=');
+        if (path)
+            *path++ = '\0';
+        const char *text = row ? find_text(texts, heading) : heading;
+        if (text)
+            print_csv_text(out, text);
+        else
+            print_csv_value(out, value_at(row, path ? path : heading));
+    }
+    fputc('\n', out);
+}

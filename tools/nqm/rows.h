@@ -1,0 +1,31 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * rows.h - results as rows: each is a JSON object, of which other outputs name members by paths. CSV is a list of columns, and
+ * pages and reports are templates (show/html.h).
+ */
+#ifndef NQM_TOOL_ROWS_H
+#define NQM_TOOL_ROWS_H
+
+#include "nqm/tool.h"
+
+/** The value at a path of keys, as "interval.ci95.0". A key of a list is an index, or a word that selects the object whose "with" it
+ *  is, or in which it is true. NULL: none. */
+const json_t *value_at(const json_t *json, const char *path);
+/** The same as a number; NaN: none. */
+double number_at(const json_t *json, const char *path);
+
+/** The texts of a list, separated by "; "; free() it. */
+char *join_texts(const json_t *texts);
+
+/** A text of a row as it was given: those of JSON are UTF-8. */
+typedef struct row_text {
+    const char *column, *text; /* column NULL: the end of the list */
+} row_text;
+/**
+ * Print a line of CSV. columns: headings with commas, each with the path of its value in the row if that is not the heading, as
+ * "test,low=interval.ci95.0"; one before the first is printed, too. row NULL: the headings. texts: columns that have these texts;
+ * NULL: none.
+ */
+void print_csv_line(FILE *out, const char *columns, const json_t *row, const row_text *texts);
+
+#endif
