@@ -273,7 +273,7 @@ int print_json(json_t *value) {
 }
 
 int print_document(json_t *members) {
-    json_t *document = json_pack("{s:i,s:o}", "schema", 1, "tool", json_tool());
+    json_t *document = json_row("schema:i tool:o", 1, json_tool());
     if (json_object_update_new(document, members) != 0) {
         json_decref(document);
         document = NULL;
@@ -356,8 +356,67 @@ json_t *json_number(double value) {
     return isfinite(value) ? json_real(value) : json_null();
 }
 
+static void set_members(json_t *object, const char **format, va_list *values);
+
+/* The value of a letter, a list "[ff]" or an object "{key:f}"; *format moves behind it. */
+static json_t *take_value(const char **format, va_list *values) {
+    json_t *group = NULL;
+    const char *text;
+    switch (*(*format)++) {
+    case 's':
+        text = va_arg(*values, const char *);
+        return text ? json_name(text) : json_null();
+    case 't':
+        text = va_arg(*values, const char *);
+        return text && *text ? json_name(text) : json_null();
+    case 'f':
+        return json_number(va_arg(*values, double));
+    case 'z':
+        return json_integer((json_int_t)va_arg(*values, size_t));
+    case 'i':
+        return json_integer(va_arg(*values, int));
+    case 'b':
+        return json_boolean(va_arg(*values, int));
+    case '{':
+        group = json_object();
+        set_members(group, format, values);
+        break;
+    case '[':
+        for (group = json_array(); **format != ']';)
+            json_array_append_new(group, take_value(format, values));
+        break;
+    case 'O':
+        return json_incref(va_arg(*values, json_t *));
+    default:
+        return va_arg(*values, json_t *);
+    }
+    ++*format;
+    return group;
+}
+
+static void set_members(json_t *object, const char **format, va_list *values) {
+    while (**format && **format != '}') {
+        char key[40];
+        const size_t n = strcspn(*format, ":");
+        snprintf(key, sizeof key, "%.*s", (int)n, *format);
+        *format += n + 1;
+        json_t *value = take_value(format, values);
+        if (value)
+            json_object_set_new(object, key, value);
+        *format += strspn(*format, " ");
+    }
+}
+
+json_t *json_set(json_t *object, const char *format, ...) {
+    va_list values;
+    va_start(values, format);
+    set_members(object, &format, &values);
+    va_end(values);
+    return object;
+}
+
 json_t *json_tool(void) {
-    return json_pack("{s:s,s:s}", "name", "nqm", "version", nqm_version());
+    return json_row("name:s version:s", "nqm", nqm_version());
 }
 
 /* Readers strip blanks around unquoted fields, and skip lines that begin with '#'. */
@@ -401,16 +460,12 @@ json_t *json_label_parts(const nqm_label *l, const double *similarity) {
     char words[NQM_LABEL_TEXT];
     if (isnan(l->structure))
         return json_null();
-    json_t *json = json_pack("{s:[f,f,f],s:f,s:f}", "shift_itp", l->shift[0], l->shift[1], l->shift[2], "contrast",
-                             l->contrast, "structure", l->structure);
-    json_object_set_new(json, similarity ? "similarity_jod" : "adapted_jod",
-                        json_number(similarity ? *similarity : nqm_label_adapted_jod(l)));
-    if (similarity) {
-        json_object_set_new(json, "similarity_low", json_number(similarity[1]));
-        json_object_set_new(json, "similarity_high", json_number(similarity[2]));
-    }
-    json_object_set_new(json, "words", json_string(nqm_label_describe(l, words)));
-    return json;
+    return json_row("shift_itp:[fff] contrast:f structure:f adapted_jod:o similarity_jod:o similarity_low:o "
+                    "similarity_high:o words:s",
+                    l->shift[0], l->shift[1], l->shift[2], l->contrast, l->structure,
+                    similarity ? NULL : json_number(nqm_label_adapted_jod(l)),
+                    similarity ? json_number(similarity[0]) : NULL, similarity ? json_number(similarity[1]) : NULL,
+                    similarity ? json_number(similarity[2]) : NULL, nqm_label_describe(l, words));
 }
 
 void print_phrases(const char *text) {

@@ -265,6 +265,12 @@ int print_members(json_t *members);
 json_t *json_name(const char *text);
 /** A JSON real, or null when not finite. */
 json_t *json_number(double value);
+/** An object of members "key:letter key:letter", with a value for each letter: s text, as json_name() (NULL: null); t the same, and ""
+ *  is null; f double, as json_number(); z size_t; i int; b bool; o a value, which is taken (NULL: no member); O one that is not. [ff] is a
+ *  list, {key:f key:s} an object. */
+#define json_row(...) json_set(json_object(), __VA_ARGS__)
+/** Set members of an object, likewise. Returns it. */
+json_t *json_set(json_t *object, const char *format, ...);
 /** {"name":"nqm","version":"..."} for the "tool" member. */
 json_t *json_tool(void);
 /** Versions of the libraries for ray tracing and pictures, or "off"; does not load them. Static. */

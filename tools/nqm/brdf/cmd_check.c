@@ -136,13 +136,11 @@ static json_t *to_json(const char *name, const verdict *v) {
         json_array_append_new(failed, json_string("coverage"));
     if (v->all_negative)
         json_array_append_new(failed, json_string("positivity"));
-    return json_pack("{s:o,s:b,s:I,s:I,s:I,s:o,s:o,s:o,s:[o,o,o],s:o,s:o,s:b}", "brdf", json_name(name), "ok",
-                     (int)passes(v), "n_pairs", (json_int_t)r->n_pairs, "n_clamped", (json_int_t)r->n_clamped,
-                     "n_invalid", (json_int_t)r->n_invalid, "reciprocity_median", json_number(r->reciprocity_median),
-                     "reciprocity_p95", json_number(r->reciprocity_p95), "anisotropy", json_number(r->anisotropy),
-                     "albedo_max", json_number(r->albedo_max[0]), json_number(r->albedo_max[1]),
-                     json_number(r->albedo_max[2]), "albedo_max_theta_deg",
-                     json_number(degrees(r->albedo_max_theta_rad)), "failed", failed, "too_dark", v->too_dark);
+    return json_row("brdf:s ok:b n_pairs:z n_clamped:z n_invalid:z reciprocity_median:f reciprocity_p95:f anisotropy:f "
+                    "albedo_max:[fff] albedo_max_theta_deg:f failed:o too_dark:b",
+                    name, (int)passes(v), r->n_pairs, r->n_clamped, r->n_invalid, r->reciprocity_median,
+                    r->reciprocity_p95, r->anisotropy, r->albedo_max[0], r->albedo_max[1], r->albedo_max[2],
+                    degrees(r->albedo_max_theta_rad), failed, v->too_dark);
 }
 
 /* ---- texels ------------------------------------------------------------------------------------------------------ */
@@ -325,10 +323,8 @@ static int check_texture(const char *argument, uint64_t seed, json_t *results) {
         nqm_free(texels.specs[k]);
     if (status == NQM_OK && results) {
         json_t *item = to_json(argument, &worst);
-        json_object_set_new(item, "texels",
-                            json_pack("{s:I,s:I,s:[I,I],s:O}", "checked", (json_int_t)texels.n, "failed",
-                                      (json_int_t)n_failed, "worst", (json_int_t)(texels.at[i] % texels.width),
-                                      (json_int_t)(texels.at[i] / texels.width), "remarks", remarks));
+        json_set(item, "texels:{checked:z failed:z worst:[zz] remarks:O}", texels.n, n_failed,
+                 texels.at[i] % texels.width, texels.at[i] / texels.width, remarks);
         json_array_append_new(results, item);
     } else if (status == NQM_OK)
         print_texture(argument, &texels, &worst, i, n_failed, remarks);
@@ -346,8 +342,7 @@ static int check_one(const char *argument, uint64_t seed, json_t *results) {
         return check_texture(argument, seed, results);
     const nqm_status status = examine(argument, seed, &v, &err);
     if (status != NQM_OK && results)
-        json_array_append_new(
-            results, json_pack("{s:o,s:b,s:o}", "brdf", json_name(argument), "ok", 0, "error", json_name(err.message)));
+        json_array_append_new(results, json_row("brdf:s ok:b error:s", argument, 0, err.message));
     if (status != NQM_OK)
         return report_error(&err);
     if (results)
@@ -393,6 +388,6 @@ int cmd_check(int argc, char **argv) {
             exit_code = code; /* exit code of the first error; an error counts more than a failed check */
     }
     if (json)
-        print_document(json_pack("{s:o}", "results", results));
+        print_document(json_row("results:o", results));
     return exit_code;
 }

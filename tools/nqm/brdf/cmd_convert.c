@@ -52,8 +52,7 @@ int cmd_convert(int argc, char **argv) {
     must(nqm_brdf_write(brdf, (nqm_table_format)format, output_path(output), show_progress, NULL, &fault));
     end_progress();
     if (json && strcmp(output, "-") != 0)
-        print_document(json_pack("{s:s,s:s,s:s,s:s}", "brdf", info.name, "from", info.format, "output", output,
-                                 "layout", layouts[format]));
+        print_document(json_row("brdf:s from:s output:s layout:s", info.name, info.format, output, layouts[format]));
     else if (strcmp(output, "-") != 0)
         printf("%s: %s as %s\n", shown(output), shown(info.name), layouts[format]);
     nqm_brdf_free(brdf);

@@ -33,8 +33,8 @@ static void print_directions(const nqm_directions *directions) {
     json_t *rows = json_array();
     for (size_t i = 0; i < n; ++i)
         json_array_append_new(rows, json_pack("[f,f,f]", degrees[3 * i], degrees[3 * i + 1], degrees[3 * i + 2]));
-    print_document(json_pack("{s:s,s:I,s:[s,s,s],s:o}", "id", nqm_directions_id(directions), "n", (json_int_t)n,
-                             "columns", "theta_h", "theta_d", "phi_d", "degrees", rows));
+    print_document(json_row("id:s n:z columns:[sss] degrees:o", nqm_directions_id(directions), n, "theta_h", "theta_d",
+                            "phi_d", rows));
 }
 
 /* ---- the verb ---------------------------------------------------------------------------------------------------- */

@@ -14,10 +14,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-static json_t *json_text(const char *text) {
-    return text && *text ? json_string(text) : json_null();
-}
-
 static int print_brdf(const char *argument, bool json) {
     nqm_brdf *brdf = open_brdf(argument);
     const nqm_brdf_info info = nqm_brdf_get_info(brdf);
@@ -25,12 +21,10 @@ static int print_brdf(const char *argument, bool json) {
     nqm_brdf_albedo(brdf, 0, 1, albedo);
     if (strcmp(info.format, "samples") == 0) /* unknown: most directions have no value */
         albedo[0] = albedo[1] = albedo[2] = NAN;
-    json_t *members =
-        json_pack("{s:s,s:s,s:o,s:o,s:o,s:o,s:I,s:I,s:b,s:b,s:[o,o,o]}", "kind", "brdf", "format", info.format, "name",
-                  json_name(info.name), "spec", json_text(info.spec), "source_doi", json_text(info.source_doi),
-                  "layout", json_text(info.layout), "n_values", (json_int_t)info.n_values, "n_bytes",
-                  (json_int_t)info.n_bytes, "reciprocal", info.reciprocal, "isotropic", info.isotropic, "albedo_normal",
-                  json_number(albedo[0]), json_number(albedo[1]), json_number(albedo[2]));
+    json_t *members = json_row("kind:s format:s name:s spec:t source_doi:t layout:t n_values:z n_bytes:z reciprocal:b "
+                               "isotropic:b albedo_normal:[fff]",
+                               "brdf", info.format, info.name, info.spec, info.source_doi, info.layout, info.n_values,
+                               info.n_bytes, info.reciprocal, info.isotropic, albedo[0], albedo[1], albedo[2]);
     nqm_brdf_free(brdf);
     return json ? print_document(members) : print_members(members);
 }
@@ -41,11 +35,9 @@ static int print_texture(const char *argument, bool json) {
     must(nqm_texture_open(argument, show_progress, NULL, &texture, &fault));
     end_progress();
     const nqm_texture_info info = nqm_texture_get_info(texture, NULL);
-    json_t *members =
-        json_pack("{s:s,s:o,s:s,s:I,s:I,s:I,s:I,s:s,s:o}", "kind", "texture", "name", json_name(info.name), "model",
-                  info.model, "width", (json_int_t)info.width, "height", (json_int_t)info.height, "n_images",
-                  (json_int_t)info.n_images, "n_bytes", (json_int_t)info.n_bytes, "varying", info.varying, "remark",
-                  json_text(*info.remark ? info.remark : NULL));
+    json_t *members = json_row("kind:s name:s model:s width:z height:z n_images:z n_bytes:z varying:s remark:t",
+                               "texture", info.name, info.model, info.width, info.height, info.n_images, info.n_bytes,
+                               info.varying, *info.remark ? info.remark : NULL);
     nqm_texture_free(texture);
     return json ? print_document(members) : print_members(members);
 }
@@ -86,14 +78,13 @@ static int print_materials(const char *path, const nqm_materials *materials, boo
         nqm_error err = {0};
         const char *refusal = info.n_maps ? NULL : obstacle(&info, &err);
         n_accepted += !refusal;
-        json_array_append_new(list, json_pack("{s:o,s:s,s:o,s:o,s:I,s:o,s:I,s:o}", "name", json_name(info.name),
-                                              "surface", info.surface, "spec", json_text(refusal ? NULL : info.spec),
-                                              "refusal", json_text(refusal), "n_maps", (json_int_t)info.n_maps,
-                                              "remark", json_text(info.remark), "byte_offset",
-                                              (json_int_t)info.byte_offset, "ignorable", json_text(info.ignorable)));
+        json_array_append_new(list,
+                              json_row("name:s surface:s spec:t refusal:t n_maps:z remark:t byte_offset:z ignorable:t",
+                                       info.name, info.surface, refusal ? NULL : info.spec, refusal, info.n_maps,
+                                       info.remark, (size_t)info.byte_offset, info.ignorable));
     }
-    json_t *members = json_pack("{s:s,s:o,s:I,s:I}", "kind", "materials", "name", json_name(path), "n_materials",
-                                (json_int_t)json_array_size(list), "accepted", (json_int_t)n_accepted);
+    json_t *members =
+        json_row("kind:s name:s n_materials:z accepted:z", "materials", path, json_array_size(list), n_accepted);
     if (json) {
         json_object_set_new(members, "materials", list);
         return print_document(members);
@@ -125,12 +116,12 @@ static int print_dataset(const char *path, bool json) {
     nqm_dataset *dataset;
     must(nqm_dataset_load(path, &dataset, &fault));
     const nqm_dataset_info info = nqm_dataset_get_info(dataset);
-    json_t *members = json_pack(
-        "{s:s,s:o,s:s,s:I,s:I,s:I,s:{s:I,s:I,s:I},s:{s:I,s:s}}", "kind", "dataset", "name", json_name(path), "sha256",
-        info.sha256, "references", (json_int_t)info.n_refs, "groups", (json_int_t)info.n_groups, "pairs",
-        (json_int_t)info.n_pairs, "pairs_in", "train", (json_int_t)info.n_pairs_in[NQM_SPLIT_TRAIN], "validation",
-        (json_int_t)info.n_pairs_in[NQM_SPLIT_VALIDATION], "test", (json_int_t)info.n_pairs_in[NQM_SPLIT_TEST],
-        "directions", "n", (json_int_t)nqm_directions_count(info.directions), "id", nqm_directions_id(info.directions));
+    json_t *members = json_row("kind:s name:s sha256:s references:z groups:z pairs:z pairs_in:{train:z validation:z "
+                               "test:z} directions:{n:z id:s}",
+                               "dataset", path, info.sha256, info.n_refs, info.n_groups, info.n_pairs,
+                               info.n_pairs_in[NQM_SPLIT_TRAIN], info.n_pairs_in[NQM_SPLIT_VALIDATION],
+                               info.n_pairs_in[NQM_SPLIT_TEST], nqm_directions_count(info.directions),
+                               nqm_directions_id(info.directions));
     if (json)
         json_object_set_new(members, "manifest", parse_json(info.manifest));
     nqm_dataset_free(dataset);
@@ -151,12 +142,11 @@ json_t *json_model(const nqm_model *model) {
     json_t *layers = json_array();
     for (size_t l = 0; info.n_layers > 0 && l <= info.n_layers; ++l)
         json_array_append_new(layers, json_integer((json_int_t)info.layer_sizes[l]));
-    return json_pack("{s:s,s:s,s:I,s:s,s:o,s:{s:I,s:s},s:[o,o],s:o,s:s,s:s,s:s}", "id", info.id, "recipe", info.recipe,
-                     "parameters", (json_int_t)info.n_parameters, "sha256", info.sha256, "layers", layers, "directions",
-                     "n", (json_int_t)nqm_directions_count(info.directions), "id", nqm_directions_id(info.directions),
-                     "jod_range", json_number(info.jod_min), json_number(info.jod_max), "calibration",
-                     calibration_json(info.calibration), "licence", info.licence, "manifest_sha256",
-                     info.manifest_sha256, "card", info.card);
+    return json_row("id:s recipe:s parameters:z sha256:s layers:o directions:{n:z id:s} jod_range:[ff] calibration:o "
+                    "licence:s manifest_sha256:s card:s",
+                    info.id, info.recipe, info.n_parameters, info.sha256, layers, nqm_directions_count(info.directions),
+                    nqm_directions_id(info.directions), info.jod_min, info.jod_max, calibration_json(info.calibration),
+                    info.licence, info.manifest_sha256, info.card);
 }
 
 json_t *calibration_json(const char *stored) {
@@ -248,12 +238,12 @@ static int list_models(bool json) {
                    layers_text(&info, layers, sizeof layers), info.sha256);
         nqm_model_free(model);
     }
-    return json ? print_document(json_pack("{s:o}", "models", list)) : EXIT_OK;
+    return json ? print_document(json_row("models:o", list)) : EXIT_OK;
 }
 
 static int print_model(const char *path, bool json) {
     nqm_model *model = open_model(path);
-    json_t *members = json_pack("{s:s,s:o}", "kind", "model", "name", json_name(path));
+    json_t *members = json_row("kind:s name:s", "model", path);
     if (json) {
         json_object_update_new(members, json_model(model));
         print_document(members);
@@ -303,7 +293,7 @@ static int print_presets(const char *word, bool json) {
     }
     if (n == 0)
         return report(EXIT_USAGE, "no preset has '%s' in its name; `nqm info list` prints all", word);
-    return json ? print_document(json_pack("{s:o}", "presets", presets)) : EXIT_OK;
+    return json ? print_document(json_row("presets:o", presets)) : EXIT_OK;
 }
 
 /* ---- the verb ---------------------------------------------------------------------------------------------------- */

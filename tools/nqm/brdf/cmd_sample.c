@@ -40,14 +40,11 @@ static void print_samples_json(const sample_set *s) {
     const double *degrees = nqm_directions_degrees(s->directions);
     json_t *samples = json_array();
     for (size_t i = 0; i < s->report.n; ++i, degrees += 3)
-        json_array_append_new(samples,
-                              json_pack("{s:f,s:f,s:f,s:o,s:o,s:o}", "theta_h", degrees[0], "theta_d", degrees[1],
-                                        "phi_d", degrees[2], "r", json_number(value_of(s, i, 0)), "g",
-                                        json_number(value_of(s, i, 1)), "b", json_number(value_of(s, i, 2))));
-    print_document(json_pack("{s:o,s:{s:s,s:I},s:I,s:I,s:o}", "brdf", json_name(s->brdf), "directions", "id",
-                             nqm_directions_id(s->directions), "n", (json_int_t)s->report.n, "clamped",
-                             (json_int_t)s->report.n_clamped, "invalid", (json_int_t)s->report.n_invalid, "samples",
-                             samples));
+        json_array_append_new(samples, json_row("theta_h:f theta_d:f phi_d:f r:f g:f b:f", degrees[0], degrees[1],
+                                                degrees[2], value_of(s, i, 0), value_of(s, i, 1), value_of(s, i, 2)));
+    print_document(json_row("brdf:s directions:{id:s n:z} clamped:z invalid:z samples:o", s->brdf,
+                            nqm_directions_id(s->directions), s->report.n, s->report.n_clamped, s->report.n_invalid,
+                            samples));
 }
 
 /* Write a MAT file. The authors' files have a value at every direction, so missing values are an error. */

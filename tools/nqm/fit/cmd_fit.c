@@ -266,32 +266,25 @@ static const char *loss_name(const fitted *f, const char *loss) {
 
 static json_t *to_json(const fitted *f, const char *loss) {
     if (f->err.status != NQM_OK)
-        return json_pack("{s:n,s:s,s:o}", "spec", "model", f->model, "error", json_name(f->err.message));
+        return json_row("spec:s model:s error:s", NULL, f->model, f->err.message);
     const nqm_fit_report *fit = &f->match.fit;
     json_t *metrics = json_object();
     for (int m = 0; m < NQM_METRIC_COUNT; ++m)
         json_object_set_new(metrics, nqm_metric_name((nqm_metric)m), json_number(f->metrics[m]));
     const char *argument = fitted_argument(f);
-    json_t *row = json_pack("{s:o,s:s,s:o,s:o,s:I,s:I,s:o,s:o}", "spec", argument ? json_name(argument) : json_null(),
-                            "model", f->model, "loss_name", json_name(loss_name(f, loss)), "loss",
-                            json_number(fit->loss), "numbers", (json_int_t)fit->n_numbers, "directions",
-                            (json_int_t)fit->n_directions, "seconds", json_number(f->seconds), "metrics", metrics);
-    json_object_set_new(row, "jod", json_number(f->score.jod));
-    json_object_set_new(row, "jod_low", json_number(f->score.jod_low));
-    json_object_set_new(row, "jod_high", json_number(f->score.jod_high));
-    json_object_set_new(row, "delta_e_itp", json_number(f->score.delta_e));
-    if (f->match.selected[0])
-        json_object_set_new(row, "selected", json_name(f->match.selected));
-    if (!argument)
-        json_object_set_new(row, "note", json_string("the result is a file: write it with -o FILE"));
-    return row;
+    return json_row("spec:s model:s loss_name:s loss:f numbers:z directions:z seconds:f metrics:o jod:f jod_low:f "
+                    "jod_high:f delta_e_itp:f selected:o note:o",
+                    argument, f->model, loss_name(f, loss), fit->loss, fit->n_numbers, fit->n_directions, f->seconds,
+                    metrics, f->score.jod, f->score.jod_low, f->score.jod_high, f->score.delta_e,
+                    *f->match.selected ? json_name(f->match.selected) : NULL,
+                    argument ? NULL : json_string("the result is a file: write it with -o FILE"));
 }
 
 static void print_fits_as_json(size_t n, const fitted *f, const char *loss) {
     json_t *results = json_array();
     for (size_t i = 0; i < n; ++i)
         json_array_append_new(results, to_json(&f[i], loss));
-    print_document(n == 1 ? json_incref(json_array_get(results, 0)) : json_pack("{s:O}", "results", results));
+    print_document(n == 1 ? json_incref(json_array_get(results, 0)) : json_row("results:O", results));
     json_decref(results);
 }
 

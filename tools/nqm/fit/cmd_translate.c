@@ -167,19 +167,13 @@ static void print_item(const translation *t, const item *it) {
 
 static json_t *item_json(const translation *t, const item *it) {
     if (it->err.status != NQM_OK)
-        return json_pack("{s:o,s:n,s:o}", "input", json_name(it->argument), "spec", "error",
-                         json_name(it->err.message));
-    json_t *row = json_pack("{s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:o}", "input", json_name(it->argument), "output",
-                            it->written[0] ? json_name(it->written) : json_null(), "spec",
-                            json_name(it->match.fit.spec), "jod", json_number(it->score.jod), "jod_low",
-                            json_number(it->score.jod_low), "jod_high", json_number(it->score.jod_high),
-                            "transport_jod", json_number(it->transport.jod), "dropped", json_name(it->dropped),
-                            "selected", json_name(it->match.selected), "seconds", json_number(it->seconds));
-    if (it->is_textured)
-        json_object_set_new(row, "far_jod", json_number(it->far_jod));
-    if (has_gate(&t->gate))
-        json_object_set_new(row, "pass", json_boolean(!fails_gate(&t->gate, &it->score)));
-    return row;
+        return json_row("input:s spec:o error:s", it->argument, json_null(), it->err.message);
+    return json_row("input:s output:t spec:s jod:f jod_low:f jod_high:f transport_jod:f dropped:s selected:s seconds:f "
+                    "far_jod:o pass:o",
+                    it->argument, it->written, it->match.fit.spec, it->score.jod, it->score.jod_low, it->score.jod_high,
+                    it->transport.jod, it->dropped, it->match.selected, it->seconds,
+                    it->is_textured ? json_number(it->far_jod) : NULL,
+                    has_gate(&t->gate) ? json_boolean(!fails_gate(&t->gate, &it->score)) : NULL);
 }
 
 /* How many translated materials have lost each property. */
@@ -202,9 +196,8 @@ static void print_as_json(const translation *t) {
     json_t *results = json_array();
     for (size_t i = 0; i < t->n; ++i)
         json_array_append_new(results, item_json(t, &t->items[i]));
-    print_document(json_pack("{s:s,s:o,s:I,s:I,s:o}", "model", t->target->model, "results", results, "failed",
-                             (json_int_t)count_failed(t), "refused", (json_int_t)count_refused(t), "dropped",
-                             count_dropped(t)));
+    print_document(json_row("model:s results:o failed:z refused:z dropped:o", t->target->model, results,
+                            count_failed(t), count_refused(t), count_dropped(t)));
 }
 
 /* "dropped: coat_weight in 2 materials, sheen_color in 1" */

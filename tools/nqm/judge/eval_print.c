@@ -256,13 +256,11 @@ static void print_choices_text(const eval_run *run) {
 
 static json_t *human_json(const nqm_human *human) {
     nqm_human_info info = nqm_human_get_info(human);
-    json_t *json = json_pack("{s:s,s:I,s:I,s:I}", "kind", info.kind_name, "rows", (json_int_t)info.n_rows, "references",
-                             (json_int_t)info.n_refs, "materials", (json_int_t)info.n_groups);
-    json_object_set_new(json, "ceiling", json_number(info.ceiling));
+    json_t *json = json_row("kind:s rows:z references:z materials:z ceiling:f", info.kind_name, info.n_rows,
+                            info.n_refs, info.n_groups, info.ceiling);
     if (info.kind == NQM_HUMAN_CHOICE)
-        json_object_update_new(json, json_pack("{s:I,s:f,s:o}", "triplets", (json_int_t)info.n_triplets, "choices",
-                                               info.n_choices, "ceiling_other_people",
-                                               json_number(info.ceiling_other_people)));
+        json_set(json, "triplets:z choices:f ceiling_other_people:f", info.n_triplets, info.n_choices,
+                 info.ceiling_other_people);
     return json;
 }
 
@@ -270,16 +268,11 @@ static void print_json_results(const eval_run *run) {
     json_t *models = json_array();
     for (size_t i = 0; i < run->n_models; ++i)
         json_array_append_new(models, model_json(run->models[i]));
-    json_t *json = json_pack("{s:i,s:o,s:{s:o,s:s}}", "schema", 1, "tool", json_tool(), "dataset", "path",
-                             json_name(run->dataset_path), "sha256", nqm_dataset_get_info(run->dataset).sha256);
-    if (!run->is_choice) {
-        json_object_set_new(json_object_get(json, "dataset"), "split", json_string(run->split_name));
-        json_object_set_new(json, "order_margin", json_real(run->order_margin));
-    }
-    json_object_set_new(json, "models", models);
-    json_object_set(json, "results", run->results);
-    if (run->human)
-        json_object_set_new(json, "human", human_json(run->human));
+    json_t *json = json_row(
+        "schema:i tool:o dataset:{path:s sha256:s split:o} order_margin:o models:o results:O human:o", 1, json_tool(),
+        run->dataset_path, nqm_dataset_get_info(run->dataset).sha256,
+        run->is_choice ? NULL : json_string(run->split_name), run->is_choice ? NULL : json_number(run->order_margin),
+        models, run->results, run->human ? human_json(run->human) : NULL);
     json_object_update(json, run->selections);
     print_json(json);
 }
@@ -335,21 +328,18 @@ static void print_csv_details(const json_t *row, json_t *facts) {
     json_object_set_new(facts, "type", json_string("part"));
     for (size_t i = 0; i < json_array_size(parts); ++i)
         print_csv_facts(pair_columns, json_array_get(parts, i), facts);
-    json_object_set_new(facts, "type", json_string("coverage"));
-    json_object_set_new(facts, "by", json_string("subset"));
+    json_set(facts, "type:s by:s", "coverage", "subset");
     for (size_t i = 0; i < json_array_size(subsets); ++i) {
         json_t *s = json_array_get(subsets, i);
-        json_t *line =
-            json_pack("{s:O,s:O,s:O,s:O}", "selection", json_object_get(s, "subset"), "n", json_object_get(s, "n"),
-                      "n_materials", json_object_get(s, "n_materials"), "interval", s);
+        json_t *line = json_row("selection:O n:O n_materials:O interval:O", json_object_get(s, "subset"),
+                                json_object_get(s, "n"), json_object_get(s, "n_materials"), s);
         print_csv_facts(pair_columns, line, facts);
         json_decref(line);
     }
 }
 
 static void print_csv_table(const eval_run *run, const char *by, const char *name, const json_t *rows) {
-    json_t *facts =
-        json_pack("{s:s,s:s,s:b,s:b}", "by", by, "selection", name, "best_of_family", 0, "best_baseline", 0);
+    json_t *facts = json_row("by:s selection:s best_of_family:b best_baseline:b", by, name, 0, 0);
     if (run->human)
         json_object_update_new(facts, human_json(run->human));
     for (size_t i = 0; i < json_array_size(rows); ++i)

@@ -30,8 +30,7 @@ static void set_estimate(json_t *row, const char *key, const char *interval_key,
 }
 
 static json_t *difference_json(const nqm_difference *d) {
-    return json_pack("{s:o,s:o,s:o}", "difference", json_number(d->value), "ci95", interval_json(d->ci95),
-                     "share_below_0", json_number(d->share_below_0));
+    return json_row("difference:f ci95:o share_below_0:f", d->value, interval_json(d->ci95), d->share_below_0);
 }
 
 static void set_agreement(json_t *row, const nqm_agreement *a) {
@@ -48,23 +47,20 @@ static void set_agreement(json_t *row, const nqm_agreement *a) {
         {"r2", "ci95_r2", &a->r2},
         {"order", "ci95_order", &a->order},
     };
-    json_object_update_new(row, json_pack("{s:I,s:I,s:I}", "n", (json_int_t)a->n, "n_materials",
-                                          (json_int_t)a->n_materials, "n_ordered", (json_int_t)a->n_ordered));
+    json_set(row, "n:z n_materials:z n_ordered:z", a->n, a->n_materials, a->n_ordered);
     for (size_t i = 0; i < sizeof statistics / sizeof *statistics; ++i)
         set_estimate(row, statistics[i].key, statistics[i].interval, statistics[i].estimate);
 }
 
 static json_t *coverage_json(const nqm_coverage *c) {
-    json_t *json = json_pack("{s:I}", "n", (json_int_t)c->n), *ranges = json_array();
+    json_t *json = json_row("n:z", c->n), *ranges = json_array();
     set_estimate(json, "inside", "ci95", &c->inside);
     set_estimate(json, "by_material", "ci95_by_material", &c->by_material);
     for (const nqm_coverage_range *r = c->ranges; r < c->ranges + NQM_COVERAGE_RANGES; ++r)
-        json_array_append_new(ranges, json_pack("{s:f,s:I,s:o,s:o}", "from", r->from, "n", (json_int_t)r->n, "inside",
-                                                json_number(r->inside), "mean_width", json_number(r->mean_width)));
-    json_object_update_new(json, json_pack("{s:o,s:o,s:o,s:o,s:o,s:o}", "lowest", json_number(c->lowest),
-                                           "lowest_material", json_name(c->lowest_material), "below",
-                                           json_number(c->below), "above", json_number(c->above), "mean_width",
-                                           json_number(c->mean_width), "by_predicted_jod", ranges));
+        json_array_append_new(ranges,
+                              json_row("from:f n:z inside:f mean_width:f", r->from, r->n, r->inside, r->mean_width));
+    json_set(json, "lowest:f lowest_material:s below:f above:f mean_width:f by_predicted_jod:o", c->lowest,
+             c->lowest_material, c->below, c->above, c->mean_width, ranges);
     return json;
 }
 
@@ -77,13 +73,12 @@ static size_t estimate_of(const eval_run *run) {
 static json_t *append_row(const eval_run *run, json_t *rows, int best_of_family, int best_baseline) {
     const size_t i = json_array_size(rows);
     const bool is_metric = i >= run->n_models && i < estimate_of(run);
-    json_t *row = json_pack("{s:s,s:s}", "name", predictor_name(run, i), "type",
-                            is_metric           ? "metric"
-                            : i < run->n_models ? "model"
-                                                : "estimate");
+    json_t *row = json_row("name:s type:s", predictor_name(run, i),
+                           is_metric           ? "metric"
+                           : i < run->n_models ? "model"
+                                               : "estimate");
     if (is_metric)
-        json_object_update_new(
-            row, json_pack("{s:b,s:b}", "best_of_family", best_of_family, "best_baseline", best_baseline));
+        json_set(row, "best_of_family:b best_baseline:b", best_of_family, best_baseline);
     return json_array_append_new(rows, row) == 0 ? row : NULL;
 }
 
@@ -103,11 +98,10 @@ static json_t *contrasts_json(const eval_run *run, const nqm_contrast *contrasts
     for (size_t i = 0; i < N_RIVALS; ++i) {
         const nqm_contrast *c = &contrasts[i];
         if (c->first != c->second)
-            json_array_append_new(list, json_pack("{s:s,s:b,s:o,s:o,s:o}", "with", predictor_name(run, c->second),
-                                                  "best_baseline", i == RIVAL_BASELINE, "spearman",
-                                                  difference_json(&c->spearman), "spearman_mean_by_material",
-                                                  difference_json(&c->spearman_mean_by_material), "order",
-                                                  difference_json(&c->order)));
+            json_array_append_new(
+                list, json_row("with:s best_baseline:b spearman:o spearman_mean_by_material:o order:o",
+                               predictor_name(run, c->second), i == RIVAL_BASELINE, difference_json(&c->spearman),
+                               difference_json(&c->spearman_mean_by_material), difference_json(&c->order)));
     }
     return list;
 }
@@ -122,8 +116,7 @@ static json_t *subset_coverage_json(const eval_run *run, nqm_eval_options o, siz
         if (status == NQM_ERR_INCOMPATIBLE) /* no pair */
             continue;
         must(status);
-        json_t *entry = json_pack("{s:s,s:I,s:I}", "subset", o.subset, "n", (json_int_t)c.n, "n_materials",
-                                  (json_int_t)c.n_materials);
+        json_t *entry = json_row("subset:s n:z n_materials:z", o.subset, c.n, c.n_materials);
         set_estimate(entry, "inside", "ci95", &c.inside);
         json_object_set_new(entry, "mean_width", json_number(c.mean_width));
         json_array_append_new(list, entry);
@@ -157,13 +150,12 @@ static json_t *parts_json(const eval_run *run, const nqm_eval_options *o, size_t
     must(nqm_evaluation_judge_parts(run->evaluation, o, model, parts, &fault));
     json_t *list = json_array();
     for (const nqm_part_agreement *p = parts; p < parts + NQM_EVAL_PARTS; ++p) {
-        json_t *entry = json_pack("{s:s,s:I,s:I,s:o,s:o}", "part", p->part, "n", (json_int_t)p->n, "n_materials",
-                                  (json_int_t)p->n_materials, "estimate", spearman_json(&p->estimate), "scalar",
-                                  spearman_json(&p->scalar));
+        json_t *scalar = spearman_json(&p->scalar), *entry;
+        json_set(scalar, "name:s", p->scalar_name);
+        entry = json_row("part:s n:z n_materials:z estimate:o scalar:o", p->part, p->n, p->n_materials,
+                         spearman_json(&p->estimate), scalar);
         set_estimate(entry, "spearman", "ci95", &p->model);
-        json_object_update_new(
-            entry, json_pack("{s:I,s:o}", "n_plain", (json_int_t)p->n_plain, "same_sign", json_number(p->same_sign)));
-        json_object_set_new(json_object_get(entry, "scalar"), "name", json_string(p->scalar_name));
+        json_set(entry, "n_plain:z same_sign:f", p->n_plain, p->same_sign);
         json_array_append_new(list, entry);
     }
     return list;
@@ -211,8 +203,8 @@ static json_t *choice_contrasts_json(const eval_run *run, const nqm_eval_options
         if (rival == model)
             continue;
         must(nqm_human_contrast_choices(run->human, run->evaluation, o, model, rival, &difference, &fault));
-        json_array_append_new(list, json_pack("{s:s,s:b,s:o}", "with", predictor_name(run, rival), "best_baseline",
-                                              k == RIVAL_BASELINE, "agreement", difference_json(&difference)));
+        json_array_append_new(list, json_row("with:s best_baseline:b agreement:o", predictor_name(run, rival),
+                                             k == RIVAL_BASELINE, difference_json(&difference)));
     }
     return list;
 }

@@ -67,10 +67,8 @@ int cmd_regress(int argc, char **argv) {
     parse_arguments(&cmd, argc, argv);
     const nqm_regress_report r = regress_csv(argv[0]);
     if (json)
-        return print_document(json_pack("{s:o,s:o,s:o,s:o,s:I,s:o}", "b1", json_number(r.curve.b1), "b2",
-                                        json_number(r.curve.b2), "b3", json_number(r.curve.b3), "rmse",
-                                        json_number(r.rmse), "n", (json_int_t)r.n, "spearman",
-                                        json_number(r.spearman)));
+        return print_document(json_row("b1:f b2:f b3:f rmse:f n:z spearman:f", r.curve.b1, r.curve.b2, r.curve.b3,
+                                       r.rmse, r.n, r.spearman));
     print_report_text(&r);
     return EXIT_OK;
 }

@@ -58,7 +58,7 @@ static json_t *json_light(const render_run *run) {
         sum += luminance;
         most = fmax(most, luminance);
     }
-    return json_pack("{s:o,s:o}", "mean", json_number(sum / (double)n), "max", json_number(most));
+    return json_row("mean:f max:f", sum / (double)n, most);
 }
 
 static void write_frames(const render_run *run, json_t *files) {
@@ -94,10 +94,9 @@ static void run_render(render_run *run) {
     json_t *files = json_array();
     write_frames(run, files);
     if (run->json)
-        print_document(json_pack("{s:o,s:b,s:o,s:o,s:I,s:o,s:O}", "brdf", json_name(run->brdf), "tabulated",
-                                 run->made_of.is_tabulated, "valid", json_number(run->made_of.valid), "scene",
-                                 json_scene(&run->scene), "supersample", (json_int_t)run->supersample, "luminance_cdm2",
-                                 json_light(run), "files", files));
+        print_document(json_row("brdf:s tabulated:b valid:f scene:o supersample:z luminance_cdm2:o files:O", run->brdf,
+                                run->made_of.is_tabulated, run->made_of.valid, json_scene(&run->scene),
+                                run->supersample, json_light(run), files));
     json_decref(files);
     nqm_scene_free(run->made);
     free(run->rgb_cdm2);

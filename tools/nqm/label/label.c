@@ -208,18 +208,13 @@ static bool has_textures(const label_run *run) {
 
 static json_t *item_json(const label_run *run, const label_item *item) {
     const label_item *reference = &run->items[item->reference];
-    json_t *result = json_pack("{s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:{s:b,s:b}}", "test", json_name(item->name),
-                               "name", json_name(item->shown), "delta_e_itp", json_number(item->label.delta_e), "jod",
-                               json_number(item->jod), "delta_e_error", json_number(item->label.error), "jod_error",
-                               json_number(nqm_label_jod_error(&item->label)), "parts",
-                               json_label_parts(&item->label, NULL), "reference_luminance_cdm2",
-                               json_number(mean_luminance(run, reference->rgb_cdm2)), "valid", json_number(item->valid),
-                               "tabulated", "reference", reference->made.is_tabulated, "test", item->made.is_tabulated);
-    if (run->n_groups > 1)
-        json_object_set_new(result, "reference", json_name(reference->name));
-    if (item->err.status != NQM_OK)
-        json_object_set_new(result, "error", json_name(item->err.message));
-    return result;
+    return json_row("test:s name:s delta_e_itp:f jod:f delta_e_error:f jod_error:f parts:o reference_luminance_cdm2:f "
+                    "valid:f tabulated:{reference:b test:b} reference:o error:o",
+                    item->name, item->shown, item->label.delta_e, item->jod, item->label.error,
+                    nqm_label_jod_error(&item->label), json_label_parts(&item->label, NULL),
+                    mean_luminance(run, reference->rgb_cdm2), item->valid, reference->made.is_tabulated,
+                    item->made.is_tabulated, run->n_groups > 1 ? json_name(reference->name) : NULL,
+                    item->err.status != NQM_OK ? json_name(item->err.message) : NULL);
 }
 
 json_t *json_labels(const label_run *run) {
@@ -228,13 +223,10 @@ json_t *json_labels(const label_run *run) {
         if (!is_reference(run, i))
             json_array_append_new(results, item_json(run, &run->items[i]));
     json_t *scene = json_scene(&run->scene_options);
-    if (has_textures(run)) {
-        json_object_set_new(scene, "tiles", json_real(run->view.tiles));
-        json_object_set_new(scene, "texels", json_integer((json_int_t)run->view.n_samples));
-    }
-    return json_pack("{s:i,s:o,s:o,s:o,s:o,s:o*}", "schema", 1, "tool", json_tool(), "reference",
-                     json_name(run->items[0].name), "scene", scene, "results", results, "delta_e_max",
-                     run->map || run->keep ? json_number(run->delta_e_max) : NULL);
+    if (has_textures(run))
+        json_set(scene, "tiles:f texels:z", run->view.tiles, run->view.n_samples);
+    return json_row("schema:i tool:o reference:s scene:o results:o delta_e_max:o", 1, json_tool(), run->items[0].name,
+                    scene, results, run->map || run->keep ? json_number(run->delta_e_max) : NULL);
 }
 
 /* The columns, and those of a list with several references. */

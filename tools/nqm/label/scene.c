@@ -82,26 +82,20 @@ void scene_args_end(scene_args *a) {
 json_t *json_scene(const nqm_scene_options *s) {
     const double degree = 3.14159265358979323846 / 180;
     const bool is_standard = nqm_scene_is_standard(s);
-    json_t *scene =
-        json_pack("{s:o,s:o,s:I,s:f,s:f,s:I,s:f,s:f,s:I,s:b,s:b,s:I}", "shape",
-                  json_name(is_standard ? "standard"
-                            : s->shape  ? s->shape
-                                        : "sphere"),
-                  "light",
-                  json_name(is_standard ? "standard"
-                            : s->light  ? s->light
-                                        : "sun"),
-                  "light_width", (json_int_t)s->light_width, "exposure_cdm2", s->exposure_cdm2, "peak_cdm2",
-                  s->peak_cdm2, "frames", (json_int_t)s->n_frames, "turn", s->turn_rad / degree, "elevation",
-                  s->elevation_rad / degree, "lights", (json_int_t)nqm_scene_n_lights(s), "shadows", s->shadows,
-                  "interreflection", s->interreflection, "seed", (json_int_t)s->seed);
-    if (s->width) {
-        json_object_set_new(scene, "width", json_integer((json_int_t)s->width));
-        json_object_set_new(scene, "height", json_integer((json_int_t)s->height));
-    } else {
-        json_object_set_new(scene, "points", json_integer((json_int_t)s->n_points));
-    }
-    return scene;
+    const bool is_picture = s->width != 0;
+    return json_row("shape:s light:s light_width:z exposure_cdm2:f peak_cdm2:f frames:z turn:f elevation:f lights:z "
+                    "shadows:b interreflection:b seed:z width:o height:o points:o",
+                    is_standard ? "standard"
+                    : s->shape  ? s->shape
+                                : "sphere",
+                    is_standard ? "standard"
+                    : s->light  ? s->light
+                                : "sun",
+                    s->light_width, s->exposure_cdm2, s->peak_cdm2, s->n_frames, s->turn_rad / degree,
+                    s->elevation_rad / degree, nqm_scene_n_lights(s), s->shadows, s->interreflection, (size_t)s->seed,
+                    is_picture ? json_integer((json_int_t)s->width) : NULL,
+                    is_picture ? json_integer((json_int_t)s->height) : NULL,
+                    is_picture ? NULL : json_integer((json_int_t)s->n_points));
 }
 
 /* ---- frames ------------------------------------------------------------------------------------------------------ */

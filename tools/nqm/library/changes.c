@@ -160,7 +160,7 @@ static void compare_key(json_t *to, const look *old, const look *new, const char
         json_decref(values[1]);
         values[1] = other;
     }
-    json_array_append_new(to, json_pack("{s:s,s:o,s:o}", "property", key, "old", values[0], "new", values[1]));
+    json_array_append_new(to, json_row("property:s old:o new:o", key, values[0], values[1]));
 }
 
 static void compare_keys(json_t *to, const look *old, const look *new, const look *keys) {
@@ -177,8 +177,8 @@ json_t *list_changes(const nqm_named_pair *pair) {
     json_t *list = json_array();
     const bool is_known = open_look(pair->ref, old) && open_look(pair->test, new);
     if (is_known && strcmp(old->shading.model, new->shading.model) != 0) {
-        json_array_append_new(list, json_pack("{s:s,s:s,s:s}", "property", "model", "old", old->shading.model, "new",
-                                              new->shading.model));
+        json_array_append_new(list,
+                              json_row("property:s old:s new:s", "model", old->shading.model, new->shading.model));
     } else if (is_known) {
         compare_keys(list, old, new, old);
         compare_keys(list, old, new, new);

@@ -197,13 +197,9 @@ static void print_results(const library *of) {
         json_t *document = json_scores(&run), *row;
         size_t i;
         json_array_foreach(json_object_get(document, "results"), i, row) {
-            json_object_set_new(row, "old", json_name(run.rows[i].pair.ref));
-            json_object_set_new(row, "new", json_name(run.rows[i].pair.test));
+            json_set(row, "old:s new:s", run.rows[i].pair.ref, run.rows[i].pair.test);
         }
-        json_object_set_new(document, "jod", json_real(jod));
-        json_object_set_new(document, "n_materials", json_integer((json_int_t)of->n));
-        json_object_set_new(document, "n_replaced", json_integer((json_int_t)run.n_rows));
-        print_json(document);
+        print_json(json_set(document, "jod:f n_materials:z n_replaced:z", jod, of->n, run.n_rows));
     } else {
         print_text(of);
     }

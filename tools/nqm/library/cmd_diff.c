@@ -276,16 +276,11 @@ static void print_diff_json(void) {
     json_t *document = json_scores(&run), *row, *added = json_array(), *removed = json_array();
     size_t i;
     json_array_foreach(json_object_get(document, "results"), i, row) {
-        json_object_set_new(row, "changed", json_boolean(is_changed(i)));
-        json_object_set(row, "properties", v.changes[i]);
-        json_object_set_new(row, "was", is_renamed(i) ? json_name(old_key(i)) : json_null());
+        json_set(row, "changed:b properties:O was:s", is_changed(i), v.changes[i], is_renamed(i) ? old_key(i) : NULL);
     }
     each_single(true, append_key, added);
     each_single(false, append_key, removed);
-    json_object_set_new(document, "new", json_name(new_path));
-    json_object_set_new(document, "added", added);
-    json_object_set_new(document, "removed", removed);
-    print_json(document);
+    print_json(json_set(document, "new:s added:o removed:o", new_path, added, removed));
 }
 
 /* The summary files of `nqm batch`, of the same rows. */

@@ -36,9 +36,8 @@ __attribute__((format(printf, 5, 6))) static void add(examination *e, const char
     e->n_problems += s == STATE_PROBLEM;
     e->n_notes += s == STATE_NOTE;
     if (e->checks) {
-        json_array_append_new(e->checks,
-                              json_pack("{s:s,s:s,s:o,s:o}", "name", name, "state", json_states[s], "found",
-                                        json_name(found), "advice", advice ? json_name(advice) : json_null()));
+        json_array_append_new(e->checks, json_row("name:s state:s found:s advice:o", name, json_states[s], found,
+                                                  advice ? json_name(advice) : json_null()));
         return;
     }
     printf("%-8s %-10s %s\n", state_names[s], name, found);
@@ -95,7 +94,7 @@ static void note_selftest(void *user, const char *name, int passed) {
     examination *e = user;
     e->n_passed += passed != 0;
     e->n_failed += !passed;
-    json_array_append_new(e->selftest, json_pack("{s:s,s:b}", "name", name, "passed", passed));
+    json_array_append_new(e->selftest, json_row("name:s passed:b", name, passed));
     if (!passed)
         add(e, "self-test", STATE_PROBLEM, NULL, "failed: %s", name);
 }
@@ -198,9 +197,8 @@ int cmd_doctor(int argc, char **argv) {
     check_folder(&e, "folder", ".", STATE_NOTE, "change to a folder that you may write to, or give full paths to -o");
     check_python(&e);
     if (json)
-        print_document(json_pack("{s:i,s:i,s:o,s:{s:i,s:i,s:O}}", "problems", e.n_problems, "notes", e.n_notes,
-                                 "checks", e.checks, "selftest", "passed", e.n_passed, "failed", e.n_failed, "checks",
-                                 e.selftest));
+        print_document(json_row("problems:i notes:i checks:o selftest:{passed:i failed:i checks:O}", e.n_problems,
+                                e.n_notes, e.checks, e.n_passed, e.n_failed, e.selftest));
     else
         printf("\n%s; %d note%s\n", e.n_problems ? "nqm does not work here: see PROBLEM" : "all that nqm needs works",
                e.n_notes, e.n_notes == 1 ? "" : "s");

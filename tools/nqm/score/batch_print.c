@@ -333,22 +333,20 @@ static json_t *json_case(const void *user, size_t row) {
     const batch_summary *s = user;
     const batch_note *note = &s->notes[row];
     const nqm_score_result r = noted_result(note);
-    return json_pack("{s:o,s:o,s:o,s:o,s:b,s:b,s:b,s:o}", "reference", json_name(s->form->list->pair[row].ref), "test",
-                     json_name(test_name(s->form, row)), "remark", json_name(note->remark ? note->remark : ""), "jod",
-                     html_number(note->jod, 2, 'f'), "is_skipped", note->is_skipped, "is_error",
-                     !note->is_scored && !note->is_skipped, "is_failure",
-                     note->is_scored && fails_gate(&s->form->gate, &r), "figures",
-                     note->is_scored ? json_figures(note) : json_null());
+    return json_row("reference:s test:s remark:s jod:o is_skipped:b is_error:b is_failure:b figures:o",
+                    s->form->list->pair[row].ref, test_name(s->form, row), note->remark ? note->remark : "",
+                    html_number(note->jod, 2, 'f'), note->is_skipped, !note->is_scored && !note->is_skipped,
+                    note->is_scored && fails_gate(&s->form->gate, &r),
+                    note->is_scored ? json_figures(note) : json_null());
 }
 
 void print_batch_junit(const batch_summary *s, FILE *out) {
     const nqm_model_info info = nqm_model_get_info(s->form->model);
     char gate[GATE_TEXT];
     html_fill(out, batch_junit,
-              json_pack("{s:s,s:I,s:I,s:I,s:I,s:o,s:s,s:o,s:s,s:s}", "verb", verb_name(), "tests",
-                        (json_int_t)s->n_rows, "failures", (json_int_t)s->n_gated, "errors", (json_int_t)s->n_unscored,
-                        "skipped", (json_int_t)s->n_skipped, "list", json_name(s->list_name), "version", nqm_version(),
-                        "model", json_name(info.id), "sha256", info.sha256, "gate", gate_words(&s->form->gate, gate)),
+              json_row("verb:s tests:z failures:z errors:z skipped:z list:s version:s model:s sha256:s gate:s",
+                       verb_name(), s->n_rows, s->n_gated, s->n_unscored, s->n_skipped, s->list_name, nqm_version(),
+                       info.id, info.sha256, gate_words(&s->form->gate, gate)),
               json_case, s);
 }
 

@@ -49,12 +49,12 @@ static void choose_order(batch_run *run, const char *word) {
 static json_t *score_terms(const batch_run *run) {
     nqm_model_info info = nqm_model_get_info(run->form.model);
     char *folder = realpath(".", NULL);
-    json_t *terms = json_pack("{s:s,s:s,s:I,s:s,s:o,s:s,s:f,s:s,s:s,s:b}", "version of nqm", nqm_version(), "list",
-                              run->list->sha256, "number of materials in its files", (json_int_t)run->list->n_rows,
-                              "model", info.sha256, "--root", json_name(folder ? folder : ""), "--invalid",
-                              nqm_invalid_words[run->options.invalid], "--min-valid", run->options.min_valid_fraction,
-                              "--metrics", run->options.metrics ? "any" : "none", "--ignore",
-                              ignored_words ? ignored_words : "", "--textures", (int)run->form.has_textures);
+    json_t *terms = json_row("version of nqm:s list:s number of materials in its files:z model:s --root:s --invalid:s "
+                             "--min-valid:f --metrics:s --ignore:s --textures:b",
+                             nqm_version(), run->list->sha256, run->list->n_rows, info.sha256, folder ? folder : "",
+                             nqm_invalid_words[run->options.invalid], run->options.min_valid_fraction,
+                             run->options.metrics ? "any" : "none", ignored_words ? ignored_words : "",
+                             (int)run->form.has_textures);
     free(folder);
     return terms;
 }

@@ -111,22 +111,19 @@ static void print_text(const score_run *run) {
 
 static json_t *row_json(const score_run *run, const scored_pair *row) {
     (void)run;
-    json_t *object = json_pack(
-        "{s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:b,s:o,s:o}", "reference", json_name(row->pair.ref), "name",
-        json_name(row->name), "rank", row->rank ? json_integer((json_int_t)row->rank) : json_null(), "test",
-        json_name(row->pair.test), "jod", json_number(row->result.jod), "jod_low", json_number(row->result.jod_low),
-        "jod_high", json_number(row->result.jod_high), "identical", row->result.identical, "over_next",
-        json_number(row->over_next), "best_preferred", json_number(row->best_preferred));
-    if (!isnan(row->result.parts.structure))
-        json_object_set_new(object, "parts", json_label_parts(&row->result.parts, row->result.similarity));
-    if (!row->rank)
-        json_object_set_new(object, "error", json_name(row->err.message));
-    return object;
+    const nqm_score_result *r = &row->result;
+    return json_row(
+        "reference:s name:s rank:o test:s jod:f jod_low:f jod_high:f identical:b over_next:f best_preferred:f "
+        "parts:o error:o",
+        row->pair.ref, row->name, row->rank ? json_integer((json_int_t)row->rank) : json_null(), row->pair.test, r->jod,
+        r->jod_low, r->jod_high, r->identical, row->over_next, row->best_preferred,
+        isnan(r->parts.structure) ? NULL : json_label_parts(&r->parts, r->similarity),
+        row->rank ? NULL : json_name(row->err.message));
 }
 
 void print_ranking(const score_run *run) {
     if (run->format == FORMAT_JSON)
-        print_document(json_pack("{s:o,s:o}", "model", model_json(run->model), "results", json_rows(run, row_json)));
+        print_document(json_row("model:o results:o", model_json(run->model), json_rows(run, row_json)));
     else if (run->format == FORMAT_CSV)
         print_csv_rows(run,
                        score_columns("reference,rank,test,jod,jod_low,jod_high,over_next,best_preferred", run->model,

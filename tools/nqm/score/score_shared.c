@@ -286,8 +286,7 @@ int apply_gate(const score_run *run, int exit_code) {
 
 json_t *model_json(const nqm_model *model) {
     nqm_model_info info = nqm_model_get_info(model);
-    return json_pack("{s:s,s:s,s:I}", "id", info.id, "sha256", info.sha256, "parameters",
-                     (json_int_t)info.n_parameters);
+    return json_row("id:s sha256:s parameters:z", info.id, info.sha256, info.n_parameters);
 }
 
 /* What a result has as it is. JSON has the real numbers first. */
@@ -412,11 +411,10 @@ void print_exact(const score_run *run, const scored_pair *row) {
 
 static json_t *json_exact(const score_run *run, const scored_pair *row) {
     const nqm_brdf_difference *d = &row->difference;
-    return json_pack("{s:b,s:f,s:f,s:[f,f,f],s:[f,f,f],s:i,s:f,s:f,s:I,s:I,s:I}", "equal", d->is_equal, "tolerance",
-                     run->tolerance, "largest", d->largest, "wi", d->wi[0], d->wi[1], d->wi[2], "wo", d->wo[0],
-                     d->wo[1], d->wo[2], "channel", d->channel, "reference", d->ref, "test", d->test, "n_different",
-                     (json_int_t)d->n_different, "n_missing", (json_int_t)d->n_missing, "n_pairs",
-                     (json_int_t)d->n_pairs);
+    return json_row("equal:b tolerance:f largest:f wi:[fff] wo:[fff] channel:i reference:f test:f n_different:z "
+                    "n_missing:z n_pairs:z",
+                    d->is_equal, run->tolerance, d->largest, d->wi[0], d->wi[1], d->wi[2], d->wo[0], d->wo[1], d->wo[2],
+                    d->channel, d->ref, d->test, d->n_different, d->n_missing, d->n_pairs);
 }
 
 bool report_unequal(const score_run *run) {
@@ -485,16 +483,10 @@ json_t *json_result(const remark_terms *terms, const nqm_named_pair *pair, const
             json_object_set_new(metrics, nqm_metric_name((nqm_metric)m), json_number(r->metrics[m]));
     set_members(object, r, true);
     set_members(object, r, false);
-    json_object_set_new(object, "verdict", json_string(verdict_words(r, verdict)));
-    json_object_set_new(object, "metrics", metrics);
-    if (!isnan(r->parts.structure))
-        json_object_set_new(object, "parts", json_label_parts(&r->parts, r->similarity));
-    if (has_gate(gate) && is_scored)
-        json_object_set_new(object, "gate", json_string(gate_mark(gate, r)));
-    json_object_set_new(object, "warnings", json_remarks(terms, pair, "reference", "test", r));
-    if (!is_scored)
-        json_object_set_new(object, "error", json_name(err->message));
-    return object;
+    return json_set(object, "verdict:s metrics:o parts:o gate:o warnings:o error:o", verdict_words(r, verdict), metrics,
+                    isnan(r->parts.structure) ? NULL : json_label_parts(&r->parts, r->similarity),
+                    has_gate(gate) && is_scored ? json_string(gate_mark(gate, r)) : NULL,
+                    json_remarks(terms, pair, "reference", "test", r), is_scored ? NULL : json_name(err->message));
 }
 
 /* Without what only JSON has. */
@@ -506,14 +498,12 @@ static json_t *plain_json(const score_run *run, const scored_pair *row) {
 }
 
 static json_t *row_json(const score_run *run, const scored_pair *row) {
-    json_t *object = json_pack("{s:o,s:o}", "test", json_name(row->pair.test), "name", json_name(row->name));
+    json_t *object = json_row("test:s name:s", row->pair.test, row->name);
     json_object_update_new(object, plain_json(run, row));
     if (row->result.anisotropy > 0) {
         const grain a = grain_of(row->pair.ref), b = grain_of(row->pair.test);
-        json_object_set_new(object, "anisotropy", json_number(row->result.anisotropy));
-        json_object_set_new(
-            object, "stretched",
-            json_pack("{s:[f,f],s:[f,f]}", "ratio", a.ratio, b.ratio, "azimuth_deg", a.azimuth_deg, b.azimuth_deg));
+        json_set(object, "anisotropy:f stretched:{ratio:[ff] azimuth_deg:[ff]}", row->result.anisotropy, a.ratio,
+                 b.ratio, a.azimuth_deg, b.azimuth_deg);
     }
     if (!row->texture && run->exact && row->err.status == NQM_OK)
         json_object_set_new(object, "exact", json_exact(run, row));
@@ -558,6 +548,6 @@ void print_csv_scores(const score_run *run) {
 }
 
 json_t *json_scores(const score_run *run) {
-    return json_pack("{s:i,s:o,s:o,s:o,s:o}", "schema", 1, "tool", json_tool(), "model", model_json(run->model),
-                     "reference", json_name(run->ref_path), "results", json_rows(run, row_json));
+    return json_row("schema:i tool:o model:o reference:s results:o", 1, json_tool(), model_json(run->model),
+                    run->ref_path, json_rows(run, row_json));
 }

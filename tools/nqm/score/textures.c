@@ -189,22 +189,18 @@ void print_texture(const scored_pair *row) {
 static json_t *json_blame(const nqm_texture_result *t) {
     json_t *list = json_array();
     for (size_t i = 0; i < t->n_blame; ++i)
-        json_array_append_new(list, json_pack("{s:s,s:o,s:o}", "property", t->blame[i].key, "jod",
-                                              json_number(t->blame[i].jod), "mistake",
-                                              *t->blame[i].mistake ? json_string(t->blame[i].mistake) : json_null()));
+        json_array_append_new(list, json_row("property:s jod:f mistake:o", t->blame[i].key, t->blame[i].jod,
+                                             *t->blame[i].mistake ? json_string(t->blame[i].mistake) : json_null()));
     return list;
 }
 
 json_t *json_texture(const scored_pair *row) {
     const nqm_texture_result *t = row->texture;
-    return json_pack("{s:[I,I],s:I,s:I,s:I,s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:o*}", "texels",
-                     (json_int_t)t->width, (json_int_t)t->height, "different", (json_int_t)t->n_different, "scored",
-                     (json_int_t)t->n_scored, "texels_per_pixel", (json_int_t)t->texels_per_pixel, "error",
-                     json_number(t->error), "median_jod", json_number(t->median), "worst_jod", json_number(t->worst),
-                     "below_9", json_number(t->below[0]), "below_8", json_number(t->below[1]), "far_jod",
-                     json_number(t->far_jod[0]), "far_jod_low", json_number(t->far_jod[1]), "far_jod_high",
-                     json_number(t->far_jod[2]), "far_delta_e_itp", json_number(t->far_delta_e), "blame", json_blame(t),
-                     "delta_e_max", isnan(row->heat_max) ? NULL : json_number(row->heat_max));
+    return json_row("texels:[zz] different:z scored:z texels_per_pixel:z error:f median_jod:f worst_jod:f below_9:f "
+                    "below_8:f far_jod:f far_jod_low:f far_jod_high:f far_delta_e_itp:f blame:o delta_e_max:o",
+                    t->width, t->height, t->n_different, t->n_scored, t->texels_per_pixel, t->error, t->median,
+                    t->worst, t->below[0], t->below[1], t->far_jod[0], t->far_jod[1], t->far_jod[2], t->far_delta_e,
+                    json_blame(t), isnan(row->heat_max) ? NULL : json_number(row->heat_max));
 }
 
 bool has_textures(const score_run *run) {

@@ -61,18 +61,17 @@ static json_t *json_preferred(const report_page *page, size_t place) {
 }
 
 /* What summary and section of a test both have. */
-static json_t *json_row(const report_page *page, size_t place) {
+static json_t *json_summary(const report_page *page, size_t place) {
     const scored_pair *row = row_at(page, place);
     const nqm_score_result *r = &row->result;
     const label_item *item = &page->run->labels.items[row->order + 1];
     char verdict[VERDICT_TEXT];
-    return json_pack("{s:I,s:I,s:o,s:o,s:o,s:s,s:o,s:o,s:o,s:o}", "place", (json_int_t)place + 1, "rank",
-                     (json_int_t)row->rank, "name", json_name(page->run->names[row->order + 1]), "jod",
-                     html_number(r->jod, 2, 'f'), "interval",
-                     has_interval(r) ? json_sprintf("%.2f to %.2f", r->jod_low, r->jod_high) : json_null(), "verdict",
-                     verdict_words(r, verdict), "people", html_people(preference_share(r)), "rendered",
-                     html_number(item->jod, 2, 'f'), "delta_e", html_number(item->label.delta_e, 2, 'f'), "preferred",
-                     count_tests(page) <= MAX_COMPARED ? json_preferred(page, place) : json_null());
+    return json_row("place:z rank:z name:s jod:o interval:o verdict:s people:o rendered:o delta_e:o preferred:o",
+                    place + 1, row->rank, page->run->names[row->order + 1], html_number(r->jod, 2, 'f'),
+                    has_interval(r) ? json_sprintf("%.2f to %.2f", r->jod_low, r->jod_high) : json_null(),
+                    verdict_words(r, verdict), html_people(preference_share(r)), html_number(item->jod, 2, 'f'),
+                    html_number(item->label.delta_e, 2, 'f'),
+                    count_tests(page) <= MAX_COMPARED ? json_preferred(page, place) : json_null());
 }
 
 /* ---- how to read it ---------------------------------------------------------------------------------------------- */
@@ -84,8 +83,8 @@ static json_t *json_guide(void) {
         const double from = ends[i], to = ends[i - 1];
         json_t *range = from == 0 ? json_sprintf("below %.3g", to) : json_sprintf("%.3g to %.3g", from, to);
         json_t *least = from > 0 ? html_people(nqm_jod_preference(10, to)) : json_null();
-        json_array_append_new(list, json_pack("{s:o,s:s,s:o,s:o}", "range", range, "words", jod_words(from), "least",
-                                              least, "most", html_people(nqm_jod_preference(10, from))));
+        json_array_append_new(list, json_row("range:o words:s least:o most:o", range, jod_words(from), least,
+                                             html_people(nqm_jod_preference(10, from))));
     }
     return list;
 }
@@ -97,13 +96,12 @@ static json_t *json_material(const report_page *page, size_t item) {
     const char *term = item ? "Test" : "Reference";
     if (texture) {
         const nqm_texture_info t = nqm_texture_get_info(texture, NULL);
-        return json_pack(
-            "{s:s,s:o,s:o}", "term", term, "name", json_name(t.name), "about",
-            json_sprintf("%s, %zu \xc3\x97 %zu texels, maps of %s", t.model, t.width, t.height, t.varying));
+        return json_row("term:s name:s about:o", term, t.name,
+                        json_sprintf("%s, %zu \xc3\x97 %zu texels, maps of %s", t.model, t.width, t.height, t.varying));
     }
     const nqm_brdf_info info = nqm_brdf_get_info(page->run->brdfs[item]);
-    return json_pack("{s:s,s:o,s:o,s:s}", "term", term, "name", json_name(info.name), "about",
-                     json_sprintf("%s, %s", info.format, info.layout), "doi", info.source_doi ? info.source_doi : "");
+    return json_row("term:s name:s about:o doi:s", term, info.name, json_sprintf("%s, %s", info.format, info.layout),
+                    info.source_doi ? info.source_doi : "");
 }
 
 static json_t *json_materials(const report_page *page) {
@@ -161,15 +159,15 @@ static json_t *json_charts(const report_page *page) {
         const scored_pair *row = row_at(page, i);
         const nqm_brdf *ref = page->run->brdfs[0], *test = page->run->brdfs[row->order + 1];
         const bool has_range = has_interval(&row->result);
-        json_t *one = json_pack("{s:{s:f,s:o,s:o,s:f}}", "score", "jod", row->result.jod, "low",
-                                has_range ? json_real(row->result.jod_low) : json_null(), "high",
-                                has_range ? json_real(row->result.jod_high) : json_null(), "rendered",
-                                page->run->labels.items[row->order + 1].jod);
+        json_t *one = json_row("score:{jod:f low:o high:o rendered:f}", row->result.jod,
+                               has_range ? json_real(row->result.jod_low) : json_null(),
+                               has_range ? json_real(row->result.jod_high) : json_null(),
+                               page->run->labels.items[row->order + 1].jod);
         if (!row->texture) {
             double map[CHART_ROWS * CHART_COLUMNS];
             chart_map(ref, test, map);
-            json_object_set_new(one, "slices", json_pack("[o,o]", json_slices(ref), json_slices(test)));
-            json_object_set_new(one, "map", json_numbers(CHART_ROWS * CHART_COLUMNS, map));
+            json_set(one, "slices:[oo] map:o", json_slices(ref), json_slices(test),
+                     json_numbers(CHART_ROWS * CHART_COLUMNS, map));
         }
         json_array_append_new(tests, one);
     }
@@ -199,7 +197,7 @@ static void add_parts(json_t *rows, const char *label, const nqm_label *l) {
     json_t *numbers = json_array();
     for (size_t i = 0; i < sizeof values / sizeof *values; ++i)
         json_array_append_new(numbers, html_number(values[i], i == 3 ? 3 : 2, 'f')); /* 3: the contrast */
-    json_array_append_new(rows, json_pack("{s:s,s:o}", "label", label, "numbers", numbers));
+    json_array_append_new(rows, json_row("label:s numbers:o", label, numbers));
 }
 
 static json_t *json_parts(const nqm_label *predicted, const nqm_label *seen) {
@@ -214,8 +212,8 @@ static json_t *json_metrics(const nqm_score_result *r) {
     json_t *rows = json_array();
     for (int m = 0; m < NQM_METRIC_COUNT; ++m) {
         const nqm_metric_info info = nqm_metric_get_info((nqm_metric)m);
-        json_array_append_new(rows, json_pack("{s:s,s:o,s:s}", "metric", info.name, "value",
-                                              html_number(r->metrics[m], 4, '#'), "description", info.description));
+        json_array_append_new(rows, json_row("metric:s value:o description:s", info.name,
+                                             html_number(r->metrics[m], 4, '#'), info.description));
     }
     return rows;
 }
@@ -223,9 +221,8 @@ static json_t *json_metrics(const nqm_score_result *r) {
 static json_t *json_counts(const nqm_score_result *r) {
     json_t *rows = json_array();
     for (size_t k = 0; k < 2; ++k)
-        json_array_append_new(rows, json_pack("{s:s,s:[I,I,I]}", "label", k ? "Test" : "Reference", "numbers",
-                                              (json_int_t)r->n_clamped[k], (json_int_t)r->n_invalid[k],
-                                              (json_int_t)r->n_unusual[k]));
+        json_array_append_new(rows, json_row("label:s numbers:[zzz]", k ? "Test" : "Reference", r->n_clamped[k],
+                                             r->n_invalid[k], r->n_unusual[k]));
     return rows;
 }
 
@@ -287,8 +284,7 @@ static json_t *draw_scale(const report_page *page) {
 enum { SIDE = 160, NORMAL = NQM_SPEC_MAX_KEYS };
 
 static void add_score(json_t *rows, const char *label, double jod, const char *about) {
-    json_array_append_new(
-        rows, json_pack("{s:s,s:o,s:s}", "label", label, "value", html_number(jod, 2, 'f'), "about", about));
+    json_array_append_new(rows, json_row("label:s value:o about:s", label, html_number(jod, 2, 'f'), about));
 }
 
 static json_t *json_near_and_far(const nqm_texture_result *t) {
@@ -336,7 +332,7 @@ static void add_map(const report_page *page, const nqm_texture *texture, size_t 
     must(write_texels(texture, tiles, write_texel, &m, &r, &fault));
     must(nqm_raster_write_png(page->figure, &r, true, NULL, &fault));
     nqm_raster_clear(&r);
-    json_array_append_new(list, json_pack("{s:s,s:o}", "key", key, "picture", take_figure(page, key, SIDE, SIDE)));
+    json_array_append_new(list, json_row("key:s picture:o", key, take_figure(page, key, SIDE, SIDE)));
 }
 
 static void add_maps(const report_page *page, const char *who, const nqm_texture *texture, json_t *to) {
@@ -347,7 +343,7 @@ static void add_maps(const report_page *page, const char *who, const nqm_texture
     if (texture && texture->normal != NQM_NO_NODE)
         add_map(page, texture, NORMAL, list);
     if (texture)
-        json_array_append_new(to, json_pack("{s:s,s:O}", "who", who, "list", list));
+        json_array_append_new(to, json_row("who:s list:O", who, list));
     json_decref(list);
 }
 
@@ -357,8 +353,8 @@ static json_t *json_report_texture(const report_page *page, const scored_pair *r
     json_t *maps = json_array(), *heat = take_figure(page, "Map of Delta-E ITP of the texels", 440, 440);
     add_maps(page, "reference", items[0].texture, maps);
     add_maps(page, "test", items[row->order + 1].texture, maps);
-    return json_pack("{s:o,s:o,s:o,s:o}", "heat", heat, "brightest", html_number(end, 3, 'g'), "scores",
-                     json_near_and_far(row->texture), "maps", maps);
+    return json_row("heat:o brightest:o scores:o maps:o", heat, html_number(end, 3, 'g'),
+                    json_near_and_far(row->texture), maps);
 }
 
 /* ---- the section ------------------------------------------------------------------------------------------------- */
@@ -370,20 +366,16 @@ static json_t *json_test(const report_page *page, const scored_pair *row) {
     const label_item *item = &page->run->labels.items[i];
     const bool is_renamed = strcmp(page->run->names[i], row->pair.test) != 0;
     json_t *remarks = json_remarks(&scores->terms, &row->pair, "reference", "test", r);
-    json_t *json = json_pack(
-        "{s:o,s:b,s:b,s:o,s:o,s:o,s:o,s:o,s:o,s:b}", "argument", is_renamed ? json_name(row->pair.test) : json_null(),
-        "identical", r->identical, "different", !r->identical, "predicted", json_words(&r->parts), "seen",
-        json_words(&item->label), "parts", json_parts(&r->parts, &item->label), "metrics", json_metrics(r), "valid",
-        json_sprintf("%zu of %zu", r->n_valid, scores->terms.n_directions), "counts", json_counts(r), "plain",
-        row->texture == NULL);
-    if (json_array_size(remarks))
-        json_object_set_new(json, "remarks", json_pack("{s:O}", "list", remarks));
+    json_t *json = json_row(
+        "argument:s identical:b different:b predicted:o seen:o parts:o metrics:o valid:o counts:o plain:b "
+        "remarks:o picture_ref:o picture_test:o picture_map:o picture_scale:o texture:o",
+        is_renamed ? row->pair.test : NULL, r->identical, !r->identical, json_words(&r->parts),
+        json_words(&item->label), json_parts(&r->parts, &item->label), json_metrics(r),
+        json_sprintf("%zu of %zu", r->n_valid, scores->terms.n_directions), json_counts(r), row->texture == NULL,
+        json_array_size(remarks) ? json_row("list:O", remarks) : NULL,
+        draw_item(page, 0, "Rendered picture of the reference"), draw_item(page, i, "Rendered picture of the test"),
+        draw_difference(page, i), draw_scale(page), row->texture ? json_report_texture(page, row) : NULL);
     json_decref(remarks);
-    json_object_set_new(json, "picture_ref", draw_item(page, 0, "Rendered picture of the reference"));
-    json_object_set_new(json, "picture_test", draw_item(page, i, "Rendered picture of the test"));
-    json_object_set_new(json, "picture_map", draw_difference(page, i));
-    json_object_set_new(json, "picture_scale", draw_scale(page));
-    json_object_set_new(json, "texture", row->texture ? json_report_texture(page, row) : json_null());
     return json;
 }
 
@@ -398,32 +390,26 @@ static json_t *json_page(const report_page *page) {
     json_t *rows = json_array();
     json_t *script = json_sprintf("//<![CDATA[\n%sdrawReport();\n//]]>", report_charts_js); /* HTML and XML alike */
     for (size_t i = 0; i < n; ++i)
-        json_array_append_new(rows, json_row(page, i));
-    json_t *json =
-        json_pack("{s:o,s:o,s:s,s:o,s:o,s:I,s:b,s:b,s:o,s:o,s:o,s:o,s:o}", "hash", json_hash(script), "script", script,
-                  "version", nqm_version(), "title", json_title(page), "rows", rows, "tests", (json_int_t)n,
-                  "preferences", n > 1 && n <= MAX_COMPARED, "calibrated", *info.calibration != 0, "guide",
-                  json_guide(), "materials", json_materials(page), "reference", json_name(run->names[0]), "middle",
-                  html_number(end / 2, 3, 'g'), "top", html_number(end, 3, 'g'));
-    json_object_update_new(
-        json, json_pack("{s:o,s:s,s:o,s:s,s:I,s:I,s:s,s:o,s:o}", "model", json_name(info.id), "sha256", info.sha256,
-                        "recipe", json_name(info.recipe), "directions_id", nqm_directions_id(info.directions),
-                        "parameters", (json_int_t)info.n_parameters, "directions",
-                        (json_int_t)run->scores.terms.n_directions, "invalid", remedy[run->scores.options.invalid],
-                        "scene", scene_text(page), "date", run->date ? json_name(run->date) : json_null()));
-    json_object_set_new(json, "prefix", json_stringn(info.sha256, 12));
-    json_object_set_new(json, "style", json_sprintf("%s%s", report_charts_css, report_css));
-    json_object_set_new(json, "score_data", html_json(json_incref(run->json_scores), 9));
-    json_object_set_new(json, "label_data", html_json(json_labels(&run->labels), 9));
-    json_object_set_new(json, "chart_data", html_json(json_charts(page), 4));
-    return json;
+        json_array_append_new(rows, json_summary(page, i));
+    json_t *hash = json_hash(script);
+    return json_row("hash:o script:o version:s title:o rows:o tests:z preferences:b calibrated:b guide:o materials:o "
+                    "reference:s middle:o top:o model:s sha256:s recipe:s directions_id:s parameters:z directions:z "
+                    "invalid:s scene:o date:o prefix:o style:o score_data:o label_data:o chart_data:o",
+                    hash, script, nqm_version(), json_title(page), rows, n, n > 1 && n <= MAX_COMPARED,
+                    *info.calibration != 0, json_guide(), json_materials(page), run->names[0],
+                    html_number(end / 2, 3, 'g'), html_number(end, 3, 'g'), info.id, info.sha256, info.recipe,
+                    nqm_directions_id(info.directions), info.n_parameters, run->scores.terms.n_directions,
+                    remedy[run->scores.options.invalid], scene_text(page), run->date ? json_name(run->date) : NULL,
+                    json_stringn(info.sha256, 12), json_sprintf("%s%s", report_charts_css, report_css),
+                    html_json(json_incref(run->json_scores), 9), html_json(json_labels(&run->labels), 9),
+                    html_json(json_charts(page), 4));
 }
 
 /* The section of a test. */
 static json_t *json_section(const void *user, size_t place) {
     const report_page *page = user;
     step_progress("draw", place, count_tests(page));
-    json_t *json = json_row(page, place);
+    json_t *json = json_summary(page, place);
     json_object_update_new(json, json_test(page, row_at(page, place)));
     return json;
 }

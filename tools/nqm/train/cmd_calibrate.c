@@ -48,11 +48,9 @@ static json_t *readout_json(const nqm_readout *r) {
         json_object_set_new(
             weights, nqm_apart_names[k],
             json_pack("[o,o,o]", json_number(r->weight[k]), json_number(r->ci95[k][0]), json_number(r->ci95[k][1])));
-    return json_pack("{s:I,s:f,s:o,s:o,s:o,s:[o,o,o],s:o}", "materials", (json_int_t)r->n_materials, "choices",
-                     r->n_choices, "agreement_jod", json_number(r->jod), "agreement_similarity",
-                     json_number(r->similarity), "agreement", json_number(r->fitted), "gain",
-                     json_number(r->gain.value), json_number(r->gain.ci95[0]), json_number(r->gain.ci95[1]), "weights",
-                     weights);
+    return json_row("materials:z choices:f agreement_jod:f agreement_similarity:f agreement:f gain:[fff] weights:o",
+                    r->n_materials, r->n_choices, r->jod, r->similarity, r->fitted, r->gain.value, r->gain.ci95[0],
+                    r->gain.ci95[1], weights);
 }
 
 static void print_readout(const nqm_readout *r) {
@@ -89,8 +87,7 @@ static int calibrate_human(const char *answers) {
         nqm_model_free(fitted);
     }
     if (json)
-        print_document(
-            json_pack("{s:o,s:o}", "output", gains ? json_name(output) : json_null(), "human", readout_json(&r)));
+        print_document(json_row("output:o human:o", gains ? json_name(output) : json_null(), readout_json(&r)));
     else if (strcmp(output, "-") != 0)
         print_readout(&r);
     if (!gains)
@@ -117,8 +114,8 @@ int cmd_calibrate(int argc, char **argv) {
         nqm_model *written = open_model(output);
         const nqm_model_info info = nqm_model_get_info(written);
         if (json) {
-            print_document(json_pack("{s:{s:o,s:s,s:s},s:o}", "model", "path", json_name(output), "id", info.id,
-                                     "sha256", info.sha256, "calibration", calibration_json(info.calibration)));
+            print_document(json_row("model:{path:s id:s sha256:s} calibration:o", output, info.id, info.sha256,
+                                    calibration_json(info.calibration)));
         } else {
             printf("model       %s (id %s)\nsha256      %s\n", shown(output), shown(info.id), info.sha256);
             print_calibration(info.calibration);

@@ -130,15 +130,12 @@ static nqm_model *train_and_save(const train_arguments *a, const nqm_dataset *da
 static void print_report(const train_arguments *a, const nqm_train_report *r, const nqm_model_info *info) {
     const char *path = a->output;
     if (a->json) {
-        print_document(json_pack("{s:{s:s,s:s,s:s,s:s,s:I},s:I,s:I,s:I,s:I,s:I,s:s,s:o,s:o,s:o,s:o,s:o}", "model",
-                                 "path", path, "id", info->id, "recipe", info->recipe, "sha256", info->sha256,
-                                 "parameters", (json_int_t)info->n_parameters, "n_train", (json_int_t)r->n_train,
-                                 "n_validation", (json_int_t)r->n_validation, "epochs", (json_int_t)r->epochs,
-                                 "epochs_resumed", (json_int_t)r->epochs_resumed, "steps", (json_int_t)r->n_steps,
-                                 "precision", nqm_precision_name(a->options.optimiser.precision), "train_loss",
-                                 json_number(r->train_loss), "validation_loss", json_number(r->validation_loss),
-                                 "validation_spearman", json_number(r->validation_spearman), "calibration",
-                                 calibration_json(info->calibration), "seconds", json_number(r->seconds)));
+        print_document(json_row(
+            "model:{path:s id:s recipe:s sha256:s parameters:z} n_train:z n_validation:z epochs:z epochs_resumed:z "
+            "steps:z precision:s train_loss:f validation_loss:f validation_spearman:f calibration:o seconds:f",
+            path, info->id, info->recipe, info->sha256, info->n_parameters, r->n_train, r->n_validation, r->epochs,
+            r->epochs_resumed, r->n_steps, nqm_precision_name(a->options.optimiser.precision), r->train_loss,
+            r->validation_loss, r->validation_spearman, calibration_json(info->calibration), r->seconds));
         return;
     }
     end_progress();
