@@ -152,32 +152,26 @@ static void describe(const verb *v, help_printer *print) {
     set_help_printer(NULL);
 }
 
-static void describe_all(void (*begin)(void), help_printer *print, void (*end)(void)) {
-    if (begin)
-        begin();
+void describe_verbs(help_printer *print) {
     for (const verb *v = verbs; v->name; ++v)
         describe(v, print);
-    if (end)
-        end();
 }
 
 static void print_usage_text(void) {
     print_usage(stdout);
 }
 
-/* `print` prints one verb (`single`: alone, too); for all verbs there are `begin`, `print` for each if `each` is set, and `end`. */
+/* print NULL: there is no page of one verb. */
 static const struct style {
     const char *name;
     help_printer *print;
-    void (*begin)(void);
-    bool each, single;
-    void (*end)(void);
-} styles[] = {{"text", print_help, print_usage_text, false, true, NULL},
-              {"man", print_man_page, print_man_overview, false, true, NULL},
-              {"markdown", print_markdown, begin_markdown, true, true, NULL},
-              {"bash", print_bash_verb, begin_bash, true, false, end_bash},
-              {"zsh", print_zsh_verb, begin_zsh, true, false, end_zsh},
-              {"fish", print_fish_verb, begin_fish, true, false, NULL}};
+    void (*print_all)(void);
+} styles[] = {{"text", print_help, print_usage_text},
+              {"man", print_man_page, print_man_overview},
+              {"markdown", print_markdown, print_reference},
+              {"bash", NULL, print_bash},
+              {"zsh", NULL, print_zsh},
+              {"fish", NULL, print_fish}};
 static const char *const style_names[] = {"text", "man", "markdown", "bash", "zsh", "fish", NULL};
 
 /* ---- the verb ---------------------------------------------------------------------------------------------------- */
@@ -209,13 +203,11 @@ int cmd_help(int argc, char **argv) {
     const int n = parse_arguments(&cmd, argc, argv);
     const struct style *style = &styles[choose("format", style_names, format)];
     format = style_names[0]; /* this verb describes itself, too, with its default */
-    if (n && !style->single)
+    if (n && !style->print)
         stop(EXIT_USAGE, "the completion of %s is for all verbs: give none", style->name);
     if (n)
         describe(find_verb(argv[0]), style->print);
-    else if (style->each)
-        describe_all(style->begin, style->print, style->end);
     else
-        style->begin();
+        style->print_all();
     return EXIT_OK;
 }

@@ -23,16 +23,14 @@ void each_option(const command *cmd, help_row_fn *fn, void *user);
 /** Prints the help of the verb verb_name() in some format. */
 typedef void help_printer(const command *cmd);
 help_printer print_help, print_man_page, print_markdown;
-/** The same for one verb of a completion; each is between a begin and an end. */
-help_printer print_bash_verb, print_zsh_verb, print_fish_verb;
-void begin_bash(void);
-void end_bash(void);
-void begin_zsh(void);
-void end_zsh(void);
-void begin_fish(void);
-/** The page of the tool itself. */
+/** Call it for every verb. */
+void describe_verbs(help_printer *print);
+/** Completions of all verbs, the page of the tool itself, the reference of all verbs in Markdown. */
+void print_bash(void);
+void print_zsh(void);
+void print_fish(void);
 void print_man_overview(void);
-void begin_markdown(void);
+void print_reference(void);
 
 /** From now on parse_arguments() calls `printer`, which must not return, instead of reading arguments. */
 void set_help_printer(help_printer *printer);

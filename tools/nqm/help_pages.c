@@ -1,103 +1,133 @@
 /* SPDX-License-Identifier: MIT
  *
- * Manual pages and the reference of the command line in Markdown.
+ * Manual pages, the reference of the command line in Markdown, and completions of shells. Where nothing else is known, these complete
+ * names of presets, which `nqm info list` prints, and of files.
  */
 #include "nqm/help.h"
+#include "nqm/template.h"
 
 #include <ctype.h>
+#include <stdlib.h>
 #include <string.h>
+
+/* ---- templates --------------------------------------------------------------------------------------------------- */
+
+extern const char help_bash[], help_zsh[], help_fish[], help_man[],
+    help_overview[]; /* help/ (cmake/embed_text.cmake) */
+
+/* The values that an option may have, the names of models, or NULL: files. */
+static const char *const *offered(const help_row *row) {
+    static const char *models[16];
+    if (row->words || !row->metavar || strcmp(row->metavar, "MODEL") != 0)
+        return row->words;
+    for (size_t i = 0; i < nqm_model_builtin_count() && i + 1 < sizeof models / sizeof *models; ++i)
+        models[i] = nqm_model_builtin_name(i);
+    return *models ? models : NULL;
+}
+
+static void add_option(void *list, const help_row *row) {
+    const char *const *values = offered(row);
+    char *words, letter[] = {row->letter, '\0'};
+    size_t n;
+    FILE *out = open_text(&words, &n);
+    for (size_t i = 0; values && values[i]; ++i)
+        if (*values[i])
+            fprintf(out, "%s%s", i ? " " : "", values[i]);
+    fclose(out);
+    json_array_append_new(list, json_row("letter:t name:s metavar:s help:s text:s words:t", letter, row->name,
+                                         row->metavar, row->help, row->text, words));
+    free(words);
+}
+
+static json_t *list; /* that the functions below append to */
+
+static void add_line(const char *line, size_t n) {
+    const size_t n_blank = strspn(line, " ");
+    json_array_append_new(list, json_row("line:o bare:o indented:b", json_stringn(line, n),
+                                         json_stringn(line + n_blank, n - n_blank), n_blank > 0));
+}
+
+static json_t *json_lines(const char *text) {
+    json_t *outer = list, *lines = list = json_array();
+    each_line(text, add_line);
+    list = outer;
+    return lines;
+}
+
+static json_t *json_verb(const command *cmd) {
+    const verb *v = find_verb(verb_name());
+    json_t *choices = json_array(), *rows = json_array();
+    char title[32], words[512] = "";
+    for (size_t i = 0; i <= strlen(v->name) && i < sizeof title; ++i)
+        title[i] = (char)toupper((unsigned char)v->name[i]);
+    for (const choice *c = cmd->choices; c && c->name; ++c) {
+        const size_t n = strlen(words);
+        json_array_append_new(choices, json_row("name:s arguments:s help:s", c->name, c->arguments, c->help));
+        snprintf(words + n, sizeof words - n, "%s%s", n ? " " : "", c->name);
+    }
+    each_option(cmd, add_option, rows);
+    return json_row("verb:s summary:s title:s version:s usage:o about:o example:o options:o choices:o words:t", v->name,
+                    v->summary, title, nqm_version(), json_lines(cmd->usage), json_lines(cmd->about),
+                    json_lines(cmd->example), rows, choices, words);
+}
+
+static void add_verb(const command *cmd) {
+    json_array_append_new(list, json_verb(cmd));
+}
+
+static void fill_for_all(const char *text, template_escape *escape) {
+    list = json_array();
+    describe_verbs(add_verb);
+    fill_template(stdout, text, escape, json_row("verbs:o", list), NULL, NULL);
+}
+
+/* ---- completions ------------------------------------------------------------------------------------------------- */
+
+/* Text between single quotes: POSIX shells end and reopen the quotes around an escaped one, fish escapes it. Brackets and
+ * colons have a meaning for zsh. */
+static void put_quoted(FILE *out, const char *text, const char *quote, const char *escaped) {
+    for (; *text; ++text)
+        if (*text == '\'')
+            fputs(quote, out);
+        else
+            fprintf(out, "%s%c", strchr(escaped, *text) ? "\\" : "", *text);
+}
+
+static void put_zsh(FILE *out, const char *text) {
+    put_quoted(out, text, "'\\''", "[]:\\");
+}
+
+static void put_fish(FILE *out, const char *text) {
+    put_quoted(out, text, "\\'", "\\");
+}
+
+void print_bash(void) {
+    fill_for_all(help_bash, NULL);
+}
+
+void print_zsh(void) {
+    fill_for_all(help_zsh, put_zsh);
+}
+
+void print_fish(void) {
+    fill_for_all(help_fish, put_fish);
+}
 
 /* ---- man --------------------------------------------------------------------------------------------------------- */
 
 /* Text of a page: '-' must not become a hyphen, and a '.' or '\'' at the begin of a line is a command. */
-static void put_roff(const char *text, size_t n) {
-    if (n && (*text == '.' || *text == '\''))
-        fputs("\\&", stdout);
-    for (size_t i = 0; i < n; ++i)
-        if (text[i] == '\\')
-            fputs("\\e", stdout);
-        else if (text[i] == '-')
-            fputs("\\-", stdout);
+static void put_roff(FILE *out, const char *text) {
+    if (*text == '.' || *text == '\'')
+        fputs("\\&", out);
+    for (; *text; ++text)
+        if (*text == '\\')
+            fputs("\\e", out);
         else
-            putchar(text[i]);
-}
-
-static void put_roff_text(const char *text) {
-    put_roff(text, strlen(text));
-}
-
-/* A line of a paragraph; an indented line is not filled. */
-static void put_roff_line(const char *line, size_t n) {
-    if (*line == ' ')
-        printf(".br\n");
-    put_roff(line, n);
-    putchar('\n');
-}
-
-static void put_man_row(void *user, const help_row *row) {
-    (void)user;
-    printf(".TP\n");
-    if (row->letter)
-        printf("\\fB\\-%c\\fR, ", row->letter);
-    printf("\\fB\\-\\-");
-    put_roff_text(row->name);
-    printf("\\fR");
-    if (row->metavar) {
-        printf(" \\fI");
-        put_roff_text(row->metavar);
-        printf("\\fR");
-    }
-    putchar('\n');
-    put_roff_text(row->text);
-    putchar('\n');
-}
-
-static void put_man_title(const char *verb_or_empty, const char *summary) {
-    char name[64] = "nqm";
-    snprintf(name, sizeof name, "nqm%s%s", *verb_or_empty ? "-" : "", verb_or_empty);
-    printf(".\\\" Made by nqm help --format man.\n.TH ");
-    for (const char *p = name; *p; ++p)
-        putchar(toupper((unsigned char)*p));
-    printf(" 1 \"\" \"nqm %s\" \"nqm manual\"\n.SH NAME\n", nqm_version());
-    put_roff_text(name);
-    printf(" \\- ");
-    put_roff_text(summary);
-    printf("\n.SH SYNOPSIS\n");
-}
-
-static void put_synopsis(const char *line, size_t n) {
-    const char *begin = line;
-    while (begin < line + n && *begin == ' ')
-        ++begin;
-    if (begin > line) { /* a further line of a usage begins with "nqm VERB" */
-        printf(".br\n");
-        put_roff(begin, n - (size_t)(begin - line));
-    } else {
-        printf("\\fBnqm %s\\fR ", verb_name());
-        put_roff(line, n);
-    }
-    putchar('\n');
+            fprintf(out, "%s%c", *text == '-' ? "\\" : "", *text);
 }
 
 void print_man_page(const command *cmd) {
-    put_man_title(verb_name(), find_verb(verb_name())->summary);
-    each_line(cmd->usage, put_synopsis);
-    printf(".SH DESCRIPTION\n");
-    each_line(cmd->about, put_roff_line);
-    for (const choice *c = cmd->choices; c && c->name; ++c) {
-        printf(".TP\n\\fB");
-        put_roff_text(c->name);
-        printf("\\fR%s\\fI", *c->arguments ? " " : "");
-        put_roff_text(c->arguments);
-        printf("\\fR\n");
-        put_roff_text(c->help);
-        putchar('\n');
-    }
-    printf(".SH OPTIONS\n");
-    each_option(cmd, put_man_row, NULL);
-    printf(".SH EXAMPLES\n.nf\n");
-    each_line(cmd->example, put_roff_line);
-    printf(".fi\n.SH EXIT STATUS\n0 on success; \\fBnqm\\fR(1) lists the others.\n.SH SEE ALSO\n\\fBnqm\\fR(1)\n");
+    fill_template(stdout, help_man, put_roff, json_verb(cmd), NULL, NULL);
 }
 
 static const struct exit_status {
@@ -116,32 +146,14 @@ static const struct exit_status {
                      {EXIT_INTERRUPTED, "interrupted"}};
 
 void print_man_overview(void) {
-    put_man_title("", "how good a BRDF approximation looks beside its reference");
-    printf(
-        "\\fBnqm\\fR \\fIVERB\\fR [\\fIarguments\\fR]\n.SH DESCRIPTION\n"
-        "Predicts how good a BRDF approximation looks compared with its reference, in JOD (just\\-objectionable\n"
-        "differences), without rendering: 10 is no visible difference; one JOD less means that three in four people "
-        "see\n"
-        "the approximation as worse. A BRDF argument is a file, a spec (ggx:kd=.2;alpha=.1) or a preset (sgd:nickel).\n"
-        ".SH VERBS\n");
-    for (const verb *v = verbs; v->name; ++v) {
-        if (begins_heading(v))
-            printf(".SS %s\n", v->heading);
-        printf(".TP\n\\fBnqm\\-%s\\fR(1)\n", v->name);
-        put_roff_text(v->summary);
-        putchar('\n');
-    }
-    printf(".SH ENVIRONMENT\n.TP\n\\fBNQM_KERNELS\\fR\nthe code of the network's products: avx512+bf16, avx512, "
-           "avx2, generic or scalar.\nDefault: the fastest that the processor supports.\n.SH EXIT STATUS\n");
-    for (size_t i = 0; i < sizeof exit_statuses / sizeof *exit_statuses; ++i) {
-        printf(".TP\n%d\n", exit_statuses[i].code);
-        put_roff_text(exit_statuses[i].meaning);
-        putchar('\n');
-    }
-    printf(".SH EXAMPLES\n.nf\nnqm score sgd:nickel ward:nickel\nnqm fit sgd:nickel \\-\\-model ward\nnqm "
-           "doctor\n.fi\n.SH SEE ALSO\n");
+    json_t *all = json_array(), *statuses = json_array();
     for (const verb *v = verbs; v->name; ++v)
-        printf("\\fBnqm\\-%s\\fR(1)%s\n", v->name, v[1].name ? "," : "");
+        json_array_append_new(all, json_row("heading:s verb:s summary:s is_last:b",
+                                            begins_heading(v) ? v->heading : NULL, v->name, v->summary, !v[1].name));
+    for (size_t i = 0; i < sizeof exit_statuses / sizeof *exit_statuses; ++i)
+        json_array_append_new(statuses, json_row("code:i meaning:s", exit_statuses[i].code, exit_statuses[i].meaning));
+    fill_template(stdout, help_overview, put_roff,
+                  json_row("version:s verbs:o statuses:o", nqm_version(), all, statuses), NULL, NULL);
 }
 
 /* ---- Markdown ---------------------------------------------------------------------------------------------------- */
@@ -174,7 +186,7 @@ static void put_markdown_row(void *user, const help_row *row) {
         snprintf(shown->text, sizeof shown->text, "%s", row->text);
         snprintf(shown->verb, sizeof shown->verb, "%s", verb_name());
     }
-    if (strncmp(row->name, "no-", 3) == 0) /* begin_markdown() says it */
+    if (strncmp(row->name, "no-", 3) == 0) /* print_reference() says it */
         return;
     printf("- ");
     if (row->letter)
@@ -219,7 +231,7 @@ static void put_first_sentence(const char *about) {
     printf("%.*s\n", (int)n, about);
 }
 
-void begin_markdown(void) {
+void print_reference(void) {
     puts("# Reference of the command line\n\n"
          "Which options does a verb have? This page is made from the option tables of the tool (`./dev pages`). `nqm "
          "VERB\n"
@@ -233,6 +245,7 @@ void begin_markdown(void) {
         printf(" [%s](#nqm-%s)", v->name, v->name);
     }
     putchar('\n');
+    describe_verbs(print_markdown);
 }
 
 void print_markdown(const command *cmd) {

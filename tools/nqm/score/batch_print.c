@@ -335,7 +335,7 @@ static json_t *json_case(const void *user, size_t row) {
     const nqm_score_result r = noted_result(note);
     return json_row("reference:s test:s remark:s jod:o is_skipped:b is_error:b is_failure:b figures:o",
                     s->form->list->pair[row].ref, test_name(s->form, row), note->remark ? note->remark : "",
-                    html_number(note->jod, 2, 'f'), note->is_skipped, !note->is_scored && !note->is_skipped,
+                    number_text(note->jod, 2, 'f'), note->is_skipped, !note->is_scored && !note->is_skipped,
                     note->is_scored && fails_gate(&s->form->gate, &r),
                     note->is_scored ? json_figures(note) : json_null());
 }
@@ -343,11 +343,11 @@ static json_t *json_case(const void *user, size_t row) {
 void print_batch_junit(const batch_summary *s, FILE *out) {
     const nqm_model_info info = nqm_model_get_info(s->form->model);
     char gate[GATE_TEXT];
-    html_fill(out, batch_junit,
-              json_row("verb:s tests:z failures:z errors:z skipped:z list:s version:s model:s sha256:s gate:s",
-                       verb_name(), s->n_rows, s->n_gated, s->n_unscored, s->n_skipped, s->list_name, nqm_version(),
-                       info.id, info.sha256, gate_words(&s->form->gate, gate)),
-              json_case, s);
+    fill_template(out, batch_junit, html_escape,
+                  json_row("verb:s tests:z failures:z errors:z skipped:z list:s version:s model:s sha256:s gate:s",
+                           verb_name(), s->n_rows, s->n_gated, s->n_unscored, s->n_skipped, s->list_name, nqm_version(),
+                           info.id, info.sha256, gate_words(&s->form->gate, gate)),
+                  json_case, s);
 }
 
 /* ---- Markdown ---------------------------------------------------------------------------------------------------- */

@@ -67,10 +67,10 @@ static json_t *json_summary(const report_page *page, size_t place) {
     const label_item *item = &page->run->labels.items[row->order + 1];
     char verdict[VERDICT_TEXT];
     return json_row("place:z rank:z name:s jod:o interval:o verdict:s people:o rendered:o delta_e:o preferred:o",
-                    place + 1, row->rank, page->run->names[row->order + 1], html_number(r->jod, 2, 'f'),
+                    place + 1, row->rank, page->run->names[row->order + 1], number_text(r->jod, 2, 'f'),
                     has_interval(r) ? json_sprintf("%.2f to %.2f", r->jod_low, r->jod_high) : json_null(),
-                    verdict_words(r, verdict), html_people(preference_share(r)), html_number(item->jod, 2, 'f'),
-                    html_number(item->label.delta_e, 2, 'f'),
+                    verdict_words(r, verdict), html_people(preference_share(r)), number_text(item->jod, 2, 'f'),
+                    number_text(item->label.delta_e, 2, 'f'),
                     count_tests(page) <= MAX_COMPARED ? json_preferred(page, place) : json_null());
 }
 
@@ -196,7 +196,7 @@ static void add_parts(json_t *rows, const char *label, const nqm_label *l) {
                              l->contrast, l->structure, nqm_label_adapted_jod(l)};
     json_t *numbers = json_array();
     for (size_t i = 0; i < sizeof values / sizeof *values; ++i)
-        json_array_append_new(numbers, html_number(values[i], i == 3 ? 3 : 2, 'f')); /* 3: the contrast */
+        json_array_append_new(numbers, number_text(values[i], i == 3 ? 3 : 2, 'f')); /* 3: the contrast */
     json_array_append_new(rows, json_row("label:s numbers:o", label, numbers));
 }
 
@@ -213,7 +213,7 @@ static json_t *json_metrics(const nqm_score_result *r) {
     for (int m = 0; m < NQM_METRIC_COUNT; ++m) {
         const nqm_metric_info info = nqm_metric_get_info((nqm_metric)m);
         json_array_append_new(rows, json_row("metric:s value:o description:s", info.name,
-                                             html_number(r->metrics[m], 4, '#'), info.description));
+                                             number_text(r->metrics[m], 4, '#'), info.description));
     }
     return rows;
 }
@@ -284,7 +284,7 @@ static json_t *draw_scale(const report_page *page) {
 enum { SIDE = 160, NORMAL = NQM_SPEC_MAX_KEYS };
 
 static void add_score(json_t *rows, const char *label, double jod, const char *about) {
-    json_array_append_new(rows, json_row("label:s value:o about:s", label, html_number(jod, 2, 'f'), about));
+    json_array_append_new(rows, json_row("label:s value:o about:s", label, number_text(jod, 2, 'f'), about));
 }
 
 static json_t *json_near_and_far(const nqm_texture_result *t) {
@@ -353,7 +353,7 @@ static json_t *json_report_texture(const report_page *page, const scored_pair *r
     json_t *maps = json_array(), *heat = take_figure(page, "Map of Delta-E ITP of the texels", 440, 440);
     add_maps(page, "reference", items[0].texture, maps);
     add_maps(page, "test", items[row->order + 1].texture, maps);
-    return json_row("heat:o brightest:o scores:o maps:o", heat, html_number(end, 3, 'g'),
+    return json_row("heat:o brightest:o scores:o maps:o", heat, number_text(end, 3, 'g'),
                     json_near_and_far(row->texture), maps);
 }
 
@@ -397,7 +397,7 @@ static json_t *json_page(const report_page *page) {
                     "invalid:s scene:o date:o prefix:o style:o score_data:o label_data:o chart_data:o",
                     hash, script, nqm_version(), json_title(page), rows, n, n > 1 && n <= MAX_COMPARED,
                     *info.calibration != 0, json_guide(), json_materials(page), run->names[0],
-                    html_number(end / 2, 3, 'g'), html_number(end, 3, 'g'), info.id, info.sha256, info.recipe,
+                    number_text(end / 2, 3, 'g'), number_text(end, 3, 'g'), info.id, info.sha256, info.recipe,
                     nqm_directions_id(info.directions), info.n_parameters, run->scores.terms.n_directions,
                     remedy[run->scores.options.invalid], scene_text(page), run->date ? json_name(run->date) : NULL,
                     json_stringn(info.sha256, 12), json_sprintf("%s%s", report_charts_css, report_css),
@@ -417,6 +417,6 @@ static json_t *json_section(const void *user, size_t place) {
 void write_report(const report_run *run, FILE *out, char *figure) {
     report_page page = {.run = run, .figure = figure, .all = all_frames(&run->labels.scene_options)};
     page.white = make_backdrop(run->labels.scene, &page.all, BACKDROP_WHITE);
-    html_fill(out, report_html, json_page(&page), json_section, &page);
+    fill_template(out, report_html, html_escape, json_page(&page), json_section, &page);
     free(page.white);
 }
