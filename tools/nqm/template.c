@@ -3,6 +3,7 @@
  * The implementation of template.h.
  */
 #include "nqm/template.h"
+#include "nqm/rows.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -26,7 +27,7 @@ static const json_t *find(const scope *s, const char *name) {
         return s->data;
     const json_t *found = NULL;
     for (; s && !found; s = s->outer)
-        found = json_object_get(s->data, name);
+        found = value_at(s->data, name);
     return found;
 }
 
@@ -72,7 +73,8 @@ static const char *fill(const filling *f, const char *p, const scope *s) {
 
 static const char *fill_section(const filling *f, const char *p, const scope *s, const json_t *value, bool is_inverse) {
     const bool is_list = json_is_array(value), is_number = json_is_integer(value);
-    const bool is_there = json_is_object(value) || json_is_true(value) || json_string_length(value) > 0;
+    const bool is_there =
+        json_is_object(value) || json_is_true(value) || json_is_real(value) || json_string_length(value) > 0;
     size_t n = is_list ? json_array_size(value) : is_number ? (size_t)json_integer_value(value) : is_there;
     if (is_inverse)
         n = s && n == 0;
@@ -93,6 +95,7 @@ void fill_template(FILE *out, const char *text, template_escape *escape, json_t 
 }
 
 json_t *number_text(double value, int n_digits, char conversion) {
-    const char *format = conversion == 'f' ? "%.*f" : conversion == 'g' ? "%.*g" : "%#.*g";
+    const char *format = conversion == 'g' ? "%.*g" : conversion == '#' ? "%#.*g" : "%.*f";
+    value *= conversion == 'p' ? 100 : 1;
     return isfinite(value) ? json_sprintf(format, n_digits, value) : json_string("\xe2\x80\x93"); /* a dash */
 }

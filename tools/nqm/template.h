@@ -13,16 +13,16 @@ typedef void template_escape(FILE *out, const char *text);
 typedef json_t *template_element(const void *user, size_t i);
 
 /**
- * Write a template, whose marks are names of members of `data`, which is released. {{name}} is a text, escaped, or a whole
+ * Write a template, whose marks are paths of members of `data` (rows.h), which is released. {{name}} is a text, escaped, or a whole
  * number; {{&name}} is a text as it is; {{name:2f}} is a number as of number_text(). What is between {{#name}} and {{/name}} is
  * written for each element of a list; with a number n, for n elements that `element` makes; otherwise once, unless the member is
- * missing, null, false or "", and only then between {{^name}} and {{/name}}. Inside, names are looked for in the element first, and
+ * missing, null, false or "", and only then between {{^name}} and {{/name}}. Inside, paths are looked for in the element first, and
  * {{.}} is the element itself.
  */
 void fill_template(FILE *out, const char *text, template_escape *escape, json_t *data, template_element *element,
                    const void *user);
 
-/** A number as a text: 'f' and 'g' as in printf(), '#' as %#g; a dash if it is not finite. */
+/** A number as a text: 'f' and 'g' as in printf(), '#' as %#g, 'p' percent of a fraction; a dash if it is not finite. */
 json_t *number_text(double value, int n_digits, char conversion);
 
 #endif

@@ -237,7 +237,7 @@ void close_batch_output(batch_output *out, const batch_form *form, size_t n, con
     close_output(&out->file);
 }
 
-extern const char batch_junit[]; /* the text of junit.xml (cmake/embed_text.cmake) */
+extern const char batch_junit[], batch_markdown[]; /* junit.xml, markdown.txt (cmake/embed_text.cmake) */
 
 typedef struct placed_row {
     double jod;
@@ -310,107 +310,57 @@ static const char *test_name(const batch_form *form, size_t row) {
     return form->names && form->names[row] ? form->names[row] : form->list->pair[row].test;
 }
 
-/* ---- JUnit ------------------------------------------------------------------------------------------------------- */
-
-/* "JOD 8.12, 95 % interval 7.90 to 8.31, Delta-E ITP 3.1, novelty 0.88, visible" */
-static json_t *json_figures(const batch_note *note) {
-    const nqm_score_result r = noted_result(note);
-    char verdict[VERDICT_TEXT], *text;
-    size_t n;
-    FILE *out = open_text(&text, &n);
-    fprintf(out, "JOD %.2f", note->jod);
-    if (isfinite(note->jod_low))
-        fprintf(out, ", 95 %% interval %.2f to %.2f", note->jod_low, note->jod_high);
-    if (isfinite(note->delta_e))
-        fprintf(out, ", Delta-E ITP %.3g", note->delta_e);
-    if (isfinite(note->novelty))
-        fprintf(out, ", novelty %.2f", note->novelty);
-    fprintf(out, ", %s", verdict_words(&r, verdict));
-    return html_text(out, &text);
-}
+/* ---- JUnit and Markdown ------------------------------------------------------------------------------------------ */
 
 static json_t *json_case(const void *user, size_t row) {
     const batch_summary *s = user;
     const batch_note *note = &s->notes[row];
     const nqm_score_result r = noted_result(note);
-    return json_row("reference:s test:s remark:s jod:o is_skipped:b is_error:b is_failure:b figures:o",
-                    s->form->list->pair[row].ref, test_name(s->form, row), note->remark ? note->remark : "",
-                    number_text(note->jod, 2, 'f'), note->is_skipped, !note->is_scored && !note->is_skipped,
-                    note->is_scored && fails_gate(&s->form->gate, &r),
-                    note->is_scored ? json_figures(note) : json_null());
+    const bool is_error = !note->is_scored && !note->is_skipped;
+    char verdict[VERDICT_TEXT];
+    return json_row("reference:s test:s remark:s jod:f jod_low:f jod_high:f delta_e:f novelty:f verdict:s mark:s "
+                    "is_skipped:b is_error:b "
+                    "is_scored:b is_failure:b",
+                    s->form->list->pair[row].ref, test_name(s->form, row), note->remark ? note->remark : "", r.jod,
+                    r.jod_low, r.jod_high, r.delta_e, r.novelty, verdict_words(&r, verdict),
+                    note->is_skipped           ? "skipped"
+                    : is_error                 ? "ERROR"
+                    : has_gate(&s->form->gate) ? gate_mark(&s->form->gate, &r)
+                                               : "",
+                    note->is_skipped, is_error, note->is_scored, note->is_scored && fails_gate(&s->form->gate, &r));
+}
+
+static json_t *json_shown_case(const void *user, size_t i) {
+    const batch_summary *s = user;
+    return json_case(s, s->order[i]);
+}
+
+static json_t *summary_json(const batch_summary *s) {
+    const nqm_model_info info = nqm_model_get_info(s->form->model);
+    char gate[GATE_TEXT];
+    return json_row(
+        "verb:s tests:z failures:z errors:z has_errors:b skipped:z has_skipped:b list:s version:s model:s sha256:s "
+        "gate:s shown:z hidden:o",
+        verb_name(), s->n_rows, s->n_gated, s->n_unscored, s->n_unscored > 0, s->n_skipped, s->n_skipped > 0,
+        s->list_name, nqm_version(), info.id, info.sha256, gate_words(&s->form->gate, gate), s->n_shown,
+        s->n_shown < s->n_rows ? json_sprintf("%zu", s->n_rows - s->n_shown) : NULL);
 }
 
 void print_batch_junit(const batch_summary *s, FILE *out) {
-    const nqm_model_info info = nqm_model_get_info(s->form->model);
-    char gate[GATE_TEXT];
-    fill_template(out, batch_junit, html_escape,
-                  json_row("verb:s tests:z failures:z errors:z skipped:z list:s version:s model:s sha256:s gate:s",
-                           verb_name(), s->n_rows, s->n_gated, s->n_unscored, s->n_skipped, s->list_name, nqm_version(),
-                           info.id, info.sha256, gate_words(&s->form->gate, gate)),
-                  json_case, s);
+    fill_template(out, batch_junit, html_escape, summary_json(s), json_case, s);
 }
 
-/* ---- Markdown ---------------------------------------------------------------------------------------------------- */
-
-/* Write a cell of a Markdown table: escape punctuation that has a meaning, replace line ends by blanks. */
+/* A cell of a Markdown table: punctuation that has a meaning is escaped, line ends become blanks. */
 static void put_cell(FILE *out, const char *text) {
-    json_t *utf8 = json_name(text);
-    for (const char *p = utf8 ? json_string_value(utf8) : ""; *p; ++p) {
+    for (const char *p = text; *p; ++p) {
         if (strchr("\\`*_[]<>|~#&", *p))
             fputc('\\', out);
         fputc((unsigned char)*p < ' ' ? ' ' : *p, out);
     }
-    json_decref(utf8);
-}
-
-static void put_heading(const batch_summary *s, FILE *out) {
-    char text[GATE_TEXT];
-    const bool is_gated = has_gate(&s->form->gate);
-    fputs("### nqm: ", out);
-    if (is_gated)
-        fprintf(out, "%zu of ", s->n_gated);
-    fprintf(out, "%zu pairs%s", s->n_rows, is_gated ? " FAIL" : "");
-    if (s->n_unscored)
-        fprintf(out, ", %zu without a score", s->n_unscored);
-    if (s->n_skipped)
-        fprintf(out, ", %zu skipped", s->n_skipped);
-    fputs("\n\n", out);
-    if (is_gated)
-        fprintf(out, "Gate: %s. ", gate_words(&s->form->gate, text));
-    fputs("Model: ", out);
-    put_cell(out, nqm_model_get_info(s->form->model).id);
-    fprintf(out, ", nqm %s. JOD 10: no visible difference.\n\n", nqm_version());
-}
-
-static void put_row(const batch_form *form, FILE *out, size_t row, const batch_note *note) {
-    const nqm_score_result r = noted_result(note);
-    char verdict[VERDICT_TEXT];
-    fprintf(out, "| %s |",
-            note->is_skipped        ? "skipped"
-            : !note->is_scored      ? "ERROR"
-            : has_gate(&form->gate) ? gate_mark(&form->gate, &r)
-                                    : "");
-    if (note->is_scored)
-        fprintf(out, " %.2f", note->jod);
-    fputs(" |", out);
-    if (isfinite(note->jod_low))
-        fprintf(out, " %.2f to %.2f", note->jod_low, note->jod_high);
-    fprintf(out, " | %s | ", verdict_words(&r, verdict));
-    put_cell(out, form->list->pair[row].ref);
-    fputs(" | ", out);
-    put_cell(out, test_name(form, row));
-    fputs(" | ", out);
-    put_cell(out, note->remark ? note->remark : "");
-    fputs(" |\n", out);
 }
 
 void print_batch_markdown(const batch_summary *s, FILE *out) {
-    put_heading(s, out);
-    fputs("| | JOD | 95 % interval | verdict | reference | test | remarks |\n|---|---:|---|---|---|---|---|\n", out);
-    for (size_t i = 0; i < s->n_shown; ++i)
-        put_row(s->form, out, s->order[i], &s->notes[s->order[i]]);
-    if (s->n_shown < s->n_rows)
-        fprintf(out, "\n%zu more pairs are not shown.\n", s->n_rows - s->n_shown);
+    fill_template(out, batch_markdown, put_cell, summary_json(s), json_shown_case, s);
 }
 
 void write_batch_summary(const batch_summary *summary, const char *path,

@@ -16,7 +16,8 @@
 /* The page while it is written. Its functions report an error and exit. */
 typedef struct report_page {
     const report_run *run;
-    char *figure;  /* temporary file for a picture, a .png */
+    char *figure; /* temporary file for a picture, a .png */
+    json_t *json_labels;
     canvas all;    /* frames of the scene, the pictures of the page */
     double *white; /* backdrop (height, width, 3) */
 } report_page;
@@ -60,18 +61,22 @@ static json_t *json_preferred(const report_page *page, size_t place) {
     return list;
 }
 
-/* What summary and section of a test both have. */
-static json_t *json_summary(const report_page *page, size_t place) {
+/* Element i of the results of a document. */
+static json_t *result_at(const json_t *document, size_t i) {
+    return json_array_get(json_object_get(document, "results"), i);
+}
+
+/* What summary and section of a test both have: its row of scores, and more; `seen` is its row of labels. */
+static json_t *json_test(const report_page *page, size_t place) {
     const scored_pair *row = row_at(page, place);
     const nqm_score_result *r = &row->result;
-    const label_item *item = &page->run->labels.items[row->order + 1];
-    char verdict[VERDICT_TEXT];
-    return json_row("place:z rank:z name:s jod:o interval:o verdict:s people:o rendered:o delta_e:o preferred:o",
-                    place + 1, row->rank, page->run->names[row->order + 1], number_text(r->jod, 2, 'f'),
-                    has_interval(r) ? json_sprintf("%.2f to %.2f", r->jod_low, r->jod_high) : json_null(),
-                    verdict_words(r, verdict), html_people(preference_share(r)), number_text(item->jod, 2, 'f'),
-                    number_text(item->label.delta_e, 2, 'f'),
-                    count_tests(page) <= MAX_COMPARED ? json_preferred(page, place) : json_null());
+    json_t *test = json_deep_copy(result_at(page->run->json_scores, row->order));
+    return json_set(test, "place:z rank:z name:s interval:o people:f seen:O preferred:o adapted:f", place + 1,
+                    row->rank, page->run->names[row->order + 1],
+                    has_interval(r) ? json_sprintf("%.2f to %.2f", r->jod_low, r->jod_high) : NULL, preference_share(r),
+                    result_at(page->json_labels, row->order),
+                    count_tests(page) <= MAX_COMPARED ? json_preferred(page, place) : NULL,
+                    nqm_label_adapted_jod(&r->parts));
 }
 
 /* ---- how to read it ---------------------------------------------------------------------------------------------- */
@@ -186,28 +191,6 @@ static json_t *json_hash(json_t *script) {
 
 /* ---- a test ------------------------------------------------------------------------------------------------------ */
 
-static json_t *json_words(const nqm_label *label) {
-    char words[NQM_LABEL_TEXT];
-    return isnan(label->structure) ? json_null() : json_string(nqm_label_describe(label, words));
-}
-
-static void add_parts(json_t *rows, const char *label, const nqm_label *l) {
-    const double values[] = {l->shift[0], l->shift[1],  l->shift[2],
-                             l->contrast, l->structure, nqm_label_adapted_jod(l)};
-    json_t *numbers = json_array();
-    for (size_t i = 0; i < sizeof values / sizeof *values; ++i)
-        json_array_append_new(numbers, number_text(values[i], i == 3 ? 3 : 2, 'f')); /* 3: the contrast */
-    json_array_append_new(rows, json_row("label:s numbers:o", label, numbers));
-}
-
-static json_t *json_parts(const nqm_label *predicted, const nqm_label *seen) {
-    json_t *rows = json_array();
-    if (!isnan(predicted->structure))
-        add_parts(rows, "Predicted", predicted);
-    add_parts(rows, "Pictures", seen);
-    return rows;
-}
-
 static json_t *json_metrics(const nqm_score_result *r) {
     json_t *rows = json_array();
     for (int m = 0; m < NQM_METRIC_COUNT; ++m) {
@@ -283,27 +266,6 @@ static json_t *draw_scale(const report_page *page) {
 
 enum { SIDE = 160, NORMAL = NQM_SPEC_MAX_KEYS };
 
-static void add_score(json_t *rows, const char *label, double jod, const char *about) {
-    json_array_append_new(rows, json_row("label:s value:o about:s", label, number_text(jod, 2, 'f'), about));
-}
-
-static json_t *json_near_and_far(const nqm_texture_result *t) {
-    json_t *rows = json_array();
-    char text[100];
-    snprintf(text, sizeof text, "the texels are seen: mean of %zu x %zu", t->width, t->height);
-    add_score(rows, "near", t->jod, text);
-    snprintf(text, sizeof text, "the texture is smaller than a pixel (%.2f to %.2f)", t->far_jod[1], t->far_jod[2]);
-    add_score(rows, "from afar", t->far_jod[0], isnan(t->far_jod[1]) ? "the texture is smaller than a pixel" : text);
-    add_score(rows, "median texel", t->median, "");
-    snprintf(text, sizeof text, "%.1f %% of texels are below 9, %.1f %% below 8", 100 * t->below[0], 100 * t->below[1]);
-    add_score(rows, "worst 5 %", t->worst, text);
-    for (size_t i = 0; i < t->n_blame; ++i) {
-        snprintf(text, sizeof text, "%.47s alone", t->blame[i].key);
-        add_score(rows, text, t->blame[i].jod, t->blame[i].mistake);
-    }
-    return rows;
-}
-
 typedef struct shown_map {
     const nqm_texture *texture;
     size_t property; /* or NORMAL */
@@ -347,36 +309,31 @@ static void add_maps(const report_page *page, const char *who, const nqm_texture
     json_decref(list);
 }
 
-static json_t *json_report_texture(const report_page *page, const scored_pair *row) {
+static void add_texture(const report_page *page, const scored_pair *row, json_t *to) {
     const label_item *items = page->run->labels.items;
     const double end = write_heat(page->figure, row->texture, row->heat);
     json_t *maps = json_array(), *heat = take_figure(page, "Map of Delta-E ITP of the texels", 440, 440);
     add_maps(page, "reference", items[0].texture, maps);
     add_maps(page, "test", items[row->order + 1].texture, maps);
-    return json_row("heat:o brightest:o scores:o maps:o", heat, number_text(end, 3, 'g'),
-                    json_near_and_far(row->texture), maps);
+    json_set(to, "heat:o brightest:f maps:o", heat, end, maps);
 }
 
 /* ---- the section ------------------------------------------------------------------------------------------------- */
 
-static json_t *json_test(const report_page *page, const scored_pair *row) {
-    const score_run *scores = &page->run->scores;
-    const nqm_score_result *r = &row->result;
+static json_t *json_section(const void *user, size_t place) {
+    const report_page *page = user;
+    const scored_pair *row = row_at(page, place);
     const size_t i = row->order + 1;
-    const label_item *item = &page->run->labels.items[i];
-    const bool is_renamed = strcmp(page->run->names[i], row->pair.test) != 0;
-    json_t *remarks = json_remarks(&scores->terms, &row->pair, "reference", "test", r);
-    json_t *json = json_row(
-        "argument:s identical:b different:b predicted:o seen:o parts:o metrics:o valid:o counts:o plain:b "
-        "remarks:o picture_ref:o picture_test:o picture_map:o picture_scale:o texture:o",
-        is_renamed ? row->pair.test : NULL, r->identical, !r->identical, json_words(&r->parts),
-        json_words(&item->label), json_parts(&r->parts, &item->label), json_metrics(r),
-        json_sprintf("%zu of %zu", r->n_valid, scores->terms.n_directions), json_counts(r), row->texture == NULL,
-        json_array_size(remarks) ? json_row("list:O", remarks) : NULL,
+    step_progress("draw", place, count_tests(page));
+    json_t *test = json_test(page, place), *remarks = json_object_get(test, "warnings");
+    if (row->texture)
+        add_texture(page, row, json_object_get(test, "texture"));
+    return json_set(
+        test, "argument:o metrics:o counts:o remarks:o picture_ref:o picture_test:o picture_map:o picture_scale:o",
+        strcmp(page->run->names[i], row->pair.test) != 0 ? json_name(row->pair.test) : NULL, json_metrics(&row->result),
+        json_counts(&row->result), json_array_size(remarks) ? json_row("list:O", remarks) : NULL,
         draw_item(page, 0, "Rendered picture of the reference"), draw_item(page, i, "Rendered picture of the test"),
-        draw_difference(page, i), draw_scale(page), row->texture ? json_report_texture(page, row) : NULL);
-    json_decref(remarks);
-    return json;
+        draw_difference(page, i), draw_scale(page));
 }
 
 /* ---- the page ---------------------------------------------------------------------------------------------------- */
@@ -390,7 +347,7 @@ static json_t *json_page(const report_page *page) {
     json_t *rows = json_array();
     json_t *script = json_sprintf("//<![CDATA[\n%sdrawReport();\n//]]>", report_charts_js); /* HTML and XML alike */
     for (size_t i = 0; i < n; ++i)
-        json_array_append_new(rows, json_summary(page, i));
+        json_array_append_new(rows, json_test(page, i));
     json_t *hash = json_hash(script);
     return json_row("hash:o script:o version:s title:o rows:o tests:z preferences:b calibrated:b guide:o materials:o "
                     "reference:s middle:o top:o model:s sha256:s recipe:s directions_id:s parameters:z directions:z "
@@ -401,22 +358,17 @@ static json_t *json_page(const report_page *page) {
                     nqm_directions_id(info.directions), info.n_parameters, run->scores.terms.n_directions,
                     remedy[run->scores.options.invalid], scene_text(page), run->date ? json_name(run->date) : NULL,
                     json_stringn(info.sha256, 12), json_sprintf("%s%s", report_charts_css, report_css),
-                    html_json(json_incref(run->json_scores), 9), html_json(json_labels(&run->labels), 9),
+                    html_json(json_incref(run->json_scores), 9), html_json(json_incref(page->json_labels), 9),
                     html_json(json_charts(page), 4));
 }
 
-/* The section of a test. */
-static json_t *json_section(const void *user, size_t place) {
-    const report_page *page = user;
-    step_progress("draw", place, count_tests(page));
-    json_t *json = json_summary(page, place);
-    json_object_update_new(json, json_test(page, row_at(page, place)));
-    return json;
-}
-
 void write_report(const report_run *run, FILE *out, char *figure) {
-    report_page page = {.run = run, .figure = figure, .all = all_frames(&run->labels.scene_options)};
+    report_page page = {.run = run,
+                        .figure = figure,
+                        .json_labels = json_labels(&run->labels),
+                        .all = all_frames(&run->labels.scene_options)};
     page.white = make_backdrop(run->labels.scene, &page.all, BACKDROP_WHITE);
     fill_template(out, report_html, html_escape, json_page(&page), json_section, &page);
+    json_decref(page.json_labels);
     free(page.white);
 }
