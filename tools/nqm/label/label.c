@@ -290,72 +290,55 @@ void print_labels(const label_run *run) {
 
 /* ---- figures ----------------------------------------------------------------------------------------------------- */
 
-/* Picture and map of an item. */
-typedef struct view {
-    double *picture; /* (height, width, 3) of a canvas; NULL: the item failed */
-    double *map;     /* (height, width); NULL also for references */
-} view;
-
-typedef struct drawing {
-    const label_run *run;
-    canvas all;           /* frames */
-    double *backdrops[2]; /* BACKDROP_WHITE, BACKDROP_BLACK, of all frames; the beginning is that of one */
-    view *views;          /* (n_items) */
-} drawing;
-
-/* Fill the picture and the map of item i. */
-static void fill_view(const drawing *d, size_t i, const canvas *c, backdrop kind) {
-    const view *v = &d->views[i];
-    const label_run *run = d->run;
-    const label_item *item = &run->items[i];
-    draw_picture(run->scene, c, d->backdrops[kind], item->rgb_cdm2, v->picture);
-    if (v->map)
-        draw_map(run->scene, c, run->delta_e + i * nqm_scene_count(run->scene), v->map);
+double *item_picture(const label_run *run, size_t i, const canvas *c, backdrop kind) {
+    if (run->items[i].err.status != NQM_OK)
+        return NULL;
+    double *picture = make_backdrop(run->scene, c, kind);
+    draw_picture(run->scene, c, picture, run->items[i].rgb_cdm2, picture);
+    return picture;
 }
 
-static void make_views(drawing *d) {
-    const label_run *run = d->run;
-    const size_t n_pixels = d->all.width * d->all.height;
-    for (size_t i = 0; i < run->n_items; ++i) {
-        const label_item *item = &run->items[i];
-        view *v = &d->views[i];
-        if (item->err.status != NQM_OK)
-            continue;
-        v->picture = allocate(3 * n_pixels, sizeof *v->picture);
-        if (!is_reference(run, i))
-            v->map = allocate(n_pixels, sizeof *v->map);
-        fill_view(d, i, &d->all, BACKDROP_WHITE);
-    }
+double *item_map(const label_run *run, size_t i, const canvas *c) {
+    if (run->items[i].err.status != NQM_OK || is_reference(run, i))
+        return NULL;
+    double *map = allocate(c->width * c->height, sizeof *map);
+    draw_map(run->scene, c, run->delta_e + i * nqm_scene_count(run->scene), map);
+    return map;
 }
 
-/* panels (n_rows, n_columns) are freed. */
-static void write_figure(const drawing *d, const char *path, size_t n_rows, size_t n_columns, nqm_panel *panels) {
+/* panels (n_rows, n_columns) and what they show are freed. */
+static void write_figure(const label_run *run, const char *path, size_t n_rows, size_t n_columns, nqm_panel *panels) {
+    const canvas all = all_frames(&run->scene_options);
     const nqm_figure figure = {.n_rows = n_rows,
                                .n_columns = n_columns,
-                               .width = d->all.width,
-                               .height = d->all.height,
-                               .supersample = d->run->shrink,
+                               .width = all.width,
+                               .height = all.height,
+                               .supersample = run->shrink,
                                .panels = panels,
-                               .delta_e_max = d->run->delta_e_max,
-                               .tone = tone_of(&d->run->scene_options)};
+                               .delta_e_max = run->delta_e_max,
+                               .tone = tone_of(&run->scene_options)};
     must(nqm_figure_write(path, &figure, &fault));
+    for (size_t i = 0; i < n_rows * n_columns; ++i) {
+        free((void *)(uintptr_t)panels[i].rgb_cdm2);
+        free((void *)(uintptr_t)panels[i].delta_e);
+    }
     free(panels);
 }
 
 /* One row per test: reference, test, map. */
-static void draw_tests(const drawing *d) {
-    const label_run *run = d->run;
+static void draw_tests(const label_run *run) {
+    const canvas all = all_frames(&run->scene_options);
     nqm_panel *panels = allocate(3 * run->n_items, sizeof *panels);
     size_t n = 0;
     for (size_t i = 0; i < run->n_items; ++i) {
         if (is_reference(run, i))
             continue;
-        panels[3 * n].rgb_cdm2 = d->views[run->items[i].reference].picture;
-        panels[3 * n + 1].rgb_cdm2 = d->views[i].picture;
-        panels[3 * n + 2].delta_e = d->views[i].map;
+        panels[3 * n].rgb_cdm2 = item_picture(run, run->items[i].reference, &all, BACKDROP_WHITE);
+        panels[3 * n + 1].rgb_cdm2 = item_picture(run, i, &all, BACKDROP_WHITE);
+        panels[3 * n + 2].delta_e = item_map(run, i, &all);
         ++n;
     }
-    write_figure(d, run->map, n, 3, panels);
+    write_figure(run, run->map, n, 3, panels);
 }
 
 static size_t count_columns(const label_run *run) {
@@ -368,20 +351,20 @@ static size_t count_columns(const label_run *run) {
 }
 
 /* One row per group: the reference and its tests. */
-static void draw_grid(const drawing *d) {
-    const label_run *run = d->run;
+static void draw_grid(const label_run *run) {
+    const canvas all = all_frames(&run->scene_options);
     const size_t n_columns = count_columns(run);
     nqm_panel *panels = allocate(run->n_groups * n_columns, sizeof *panels);
     for (size_t i = 0, row = 0; i < run->n_items; ++i) {
         row += i > 0 && is_reference(run, i);
-        panels[row * n_columns + i - run->items[i].reference].rgb_cdm2 = d->views[i].picture;
+        panels[row * n_columns + i - run->items[i].reference].rgb_cdm2 = item_picture(run, i, &all, BACKDROP_WHITE);
     }
-    write_figure(d, run->grid, run->n_groups, n_columns, panels);
+    write_figure(run, run->grid, run->n_groups, n_columns, panels);
 }
 
 /* DIR/NN-name[-frame]SUFFIX: the number distinguishes equal short names. */
-static void keep_path(const drawing *d, size_t i, size_t frame, const char *suffix, char *path, size_t n_path) {
-    const label_item *item = &d->run->items[i];
+static void keep_path(const label_run *run, size_t i, size_t frame, const char *suffix, char *path, size_t n_path) {
+    const label_item *item = &run->items[i];
     char name[128], number[32] = "";
     if (item->shown != item->name)
         snprintf(name, sizeof name, "%s", item->shown);
@@ -390,63 +373,42 @@ static void keep_path(const drawing *d, size_t i, size_t frame, const char *suff
     for (char *p = name; *p; ++p)
         if (!isalnum((unsigned char)*p) && *p != '-' && *p != '.')
             *p = '_';
-    if (nqm_scene_frames(&d->run->scene_options) > 1)
+    if (nqm_scene_frames(&run->scene_options) > 1)
         snprintf(number, sizeof number, "-%04zu", frame + 1);
-    snprintf(path, n_path, "%s/%02zu-%s%s%s", d->run->keep, i, name, number, suffix);
+    snprintf(path, n_path, "%s/%02zu-%s%s%s", run->keep, i, name, number, suffix);
 }
 
 /* Write a frame of item i: on white as .png, on black as .exr, and its map. */
-static void keep_item(const drawing *d, size_t i, size_t frame) {
+static void keep_item(const label_run *run, size_t i, size_t frame) {
     static const struct {
         backdrop backdrop;
         const char *suffix;
     } forms[] = {{BACKDROP_WHITE, ".png"}, {BACKDROP_BLACK, ".exr"}};
-    const nqm_scene_options *o = &d->run->scene_options;
-    const nqm_tone tone = tone_of(o);
-    const canvas c = one_frame(o, frame);
-    const view *v = &d->views[i];
-    const nqm_picture picture = {.width = o->width, .height = o->height, .rgb_cdm2 = v->picture};
+    const nqm_tone tone = tone_of(&run->scene_options);
+    const canvas c = one_frame(&run->scene_options, frame);
     char path[4096];
     for (size_t k = 0; k < sizeof forms / sizeof *forms; ++k) {
-        fill_view(d, i, &c, forms[k].backdrop);
-        keep_path(d, i, frame, forms[k].suffix, path, sizeof path);
+        double *rgb_cdm2 = item_picture(run, i, &c, forms[k].backdrop);
+        const nqm_picture picture = {.width = c.width, .height = c.height, .rgb_cdm2 = rgb_cdm2};
+        keep_path(run, i, frame, forms[k].suffix, path, sizeof path);
         must(nqm_picture_write(path, &picture, 1, &tone, &fault));
+        free(rgb_cdm2);
     }
-    if (!v->map)
-        return;
-    const nqm_picture map = {
-        .width = o->width, .height = o->height, .delta_e = v->map, .delta_e_max = d->run->delta_e_max};
-    keep_path(d, i, frame, "-difference.png", path, sizeof path);
-    must(nqm_picture_write(path, &map, 1, NULL, &fault));
-}
-
-static void keep_renders(const drawing *d) {
-    for (size_t i = 0; i < d->run->n_items; ++i)
-        for (size_t frame = 0; d->views[i].picture && frame < nqm_scene_frames(&d->run->scene_options); ++frame)
-            keep_item(d, i, frame);
+    double *delta_e = item_map(run, i, &c);
+    const nqm_picture map = {.width = c.width, .height = c.height, .delta_e = delta_e, .delta_e_max = run->delta_e_max};
+    keep_path(run, i, frame, "-difference.png", path, sizeof path);
+    if (delta_e)
+        must(nqm_picture_write(path, &map, 1, NULL, &fault));
+    free(delta_e);
 }
 
 void draw_labels(const label_run *run) {
-    if (!run->map && !run->grid && !run->keep)
-        return;
-    const canvas all = all_frames(&run->scene_options);
-    drawing d = {.run = run,
-                 .all = all,
-                 .backdrops = {[BACKDROP_WHITE] = make_backdrop(run->scene, &all, BACKDROP_WHITE),
-                               [BACKDROP_BLACK] = make_backdrop(run->scene, &all, BACKDROP_BLACK)},
-                 .views = allocate(run->n_items, sizeof *d.views)};
-    make_views(&d);
     if (run->map)
-        draw_tests(&d);
+        draw_tests(run);
     if (run->grid)
-        draw_grid(&d);
-    if (run->keep) /* last, because it overwrites the views with other frames */
-        keep_renders(&d);
-    for (size_t i = 0; i < run->n_items; ++i) {
-        free(d.views[i].picture);
-        free(d.views[i].map);
-    }
-    free(d.views);
-    free(d.backdrops[BACKDROP_WHITE]);
-    free(d.backdrops[BACKDROP_BLACK]);
+        draw_grid(run);
+    for (size_t i = 0; run->keep && i < run->n_items; ++i)
+        for (size_t frame = 0; run->items[i].err.status == NQM_OK && frame < nqm_scene_frames(&run->scene_options);
+             ++frame)
+            keep_item(run, i, frame);
 }

@@ -18,8 +18,7 @@ typedef struct report_page {
     const report_run *run;
     char *figure; /* temporary file for a picture, a .png */
     json_t *json_labels;
-    canvas all;    /* frames of the scene, the pictures of the page */
-    double *white; /* backdrop (height, width, 3) */
+    canvas all; /* frames of the scene, the pictures of the page */
 } report_page;
 
 enum { MAX_COMPARED = 12 }; /* tests in the table of preferences, which must fit on a sheet of paper */
@@ -229,27 +228,22 @@ static json_t *draw(const report_page *page, nqm_picture picture, size_t shrink,
 }
 
 static json_t *draw_item(const report_page *page, size_t item, const char *alt) {
-    const label_run *labels = &page->run->labels;
     const canvas *c = &page->all;
-    double *picture = allocate(3 * c->width * c->height, sizeof *picture);
-    draw_picture(labels->scene, c, page->white, labels->items[item].rgb_cdm2, picture);
+    double *picture = item_picture(&page->run->labels, item, c, BACKDROP_WHITE);
     const nqm_picture drawn = {.width = c->width, .height = c->height, .rgb_cdm2 = picture};
-    json_t *image = draw(page, drawn, labels->shrink, alt);
+    json_t *image = draw(page, drawn, page->run->labels.shrink, alt);
     free(picture);
     return image;
 }
 
 static json_t *draw_difference(const report_page *page, size_t item) {
-    const label_run *labels = &page->run->labels;
     const canvas *c = &page->all;
-    const double *delta_e = labels->delta_e + item * nqm_scene_count(labels->scene);
-    double *map = allocate(c->width * c->height, sizeof *map);
+    double *map = item_map(&page->run->labels, item, c);
     char alt[100];
     snprintf(alt, sizeof alt, "Map of the colour difference of the two pictures, mean %.2f",
-             labels->items[item].label.delta_e);
-    draw_map(labels->scene, c, delta_e, map);
-    json_t *image =
-        draw(page, (nqm_picture){.width = c->width, .height = c->height, .delta_e = map}, labels->shrink, alt);
+             page->run->labels.items[item].label.delta_e);
+    const nqm_picture drawn = {.width = c->width, .height = c->height, .delta_e = map};
+    json_t *image = draw(page, drawn, page->run->labels.shrink, alt);
     free(map);
     return image;
 }
@@ -367,8 +361,6 @@ void write_report(const report_run *run, FILE *out, char *figure) {
                         .figure = figure,
                         .json_labels = json_labels(&run->labels),
                         .all = all_frames(&run->labels.scene_options)};
-    page.white = make_backdrop(run->labels.scene, &page.all, BACKDROP_WHITE);
     fill_template(out, report_html, html_escape, json_page(&page), json_section, &page);
     json_decref(page.json_labels);
-    free(page.white);
 }
