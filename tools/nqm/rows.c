@@ -88,3 +88,27 @@ void print_csv_line(FILE *out, const char *columns, const json_t *row, const row
     }
     fputc('\n', out);
 }
+
+typedef struct keyed {
+    double key;
+    size_t i;
+} keyed;
+
+static int by_key(const void *a, const void *b) {
+    const keyed *x = a, *y = b;
+    if (x->key != y->key)
+        return x->key < y->key ? -1 : 1;
+    return x->i < y->i ? -1 : 1;
+}
+
+size_t *order_by(size_t n, const double *keys, double sign) {
+    keyed *all = allocate(n, sizeof *all);
+    size_t *order = allocate(n, sizeof *order);
+    for (size_t i = 0; i < n; ++i)
+        all[i] = (keyed){isnan(keys[i]) ? (double)INFINITY : sign * keys[i], i};
+    qsort(all, n, sizeof *all, by_key);
+    for (size_t i = 0; i < n; ++i)
+        order[i] = all[i].i;
+    free(all);
+    return order;
+}

@@ -28,4 +28,7 @@ typedef struct row_text {
  */
 void print_csv_line(FILE *out, const char *columns, const json_t *row, const row_text *texts);
 
+/** The numbers of n keys in their ascending order, or with sign -1 in the descending one; equal ones by number, NaN last. free() it. */
+size_t *order_by(size_t n, const double *keys, double sign);
+
 #endif

@@ -6,6 +6,7 @@
 #include "base/names.h"
 #include "fit/fit.h"
 #include "fit/match.h"
+#include "nqm/rows.h"
 #include "nqm/score/score.h"
 #include "nqm/show/report.h"
 #include <nqm/match.h>
@@ -290,16 +291,6 @@ static void print_fits_as_json(size_t n, const fitted *f, const char *loss) {
 
 /* ---- tables ------------------------------------------------------------------------------------------------------ */
 
-/* Best JOD first, those without one last, otherwise in the order of the models. */
-static int compare_fits(const void *a, const void *b) {
-    const fitted *const *x = a, *const *y = b;
-    double jod_x = (*x)->err.status == NQM_OK ? (*x)->score.jod : (double)NAN;
-    double jod_y = (*y)->err.status == NQM_OK ? (*y)->score.jod : (double)NAN;
-    if (isnan(jod_x) || isnan(jod_y) || jod_x == jod_y)
-        return isnan(jod_x) != isnan(jod_y) ? isnan(jod_x) - isnan(jod_y) : (*x > *y) - (*x < *y);
-    return jod_x < jod_y ? 1 : -1;
-}
-
 static void print_table_row(const fitted *f, bool calibrated) {
     const scored_pair score = {.result = f->score, .err = {.status = f->score.status}};
     const char *argument = fitted_argument(f);
@@ -335,11 +326,12 @@ static void print_verbose(const fitted *f, const char *loss) {
         printf("  %-10s %.5g\n", nqm_metric_name((nqm_metric)m), f->metrics[m]);
 }
 
+/* Best JOD first, those without one last, otherwise in the order of the models. */
 static void print_sorted(size_t n, const fitted *f, bool verbose, const char *loss, bool calibrated) {
-    const fitted **order = allocate(n, sizeof *order);
+    double *jods = allocate(n, sizeof *jods);
     for (size_t i = 0; i < n; ++i)
-        order[i] = &f[i];
-    qsort(order, n, sizeof *order, compare_fits);
+        jods[i] = f[i].err.status == NQM_OK ? f[i].score.jod : (double)NAN;
+    size_t *order = order_by(n, jods, -1);
     if (!verbose)
         printf("%-18s %7s  %9s  %5s%s  spec or file\n", "model", "numbers", "loss", "JOD",
                calibrated ? "  [95 %]        " : "");
@@ -347,11 +339,12 @@ static void print_sorted(size_t n, const fitted *f, bool verbose, const char *lo
         if (verbose && i)
             putchar('\n');
         if (verbose)
-            print_verbose(order[i], loss);
+            print_verbose(&f[order[i]], loss);
         else
-            print_table_row(order[i], calibrated);
+            print_table_row(&f[order[i]], calibrated);
     }
     free(order);
+    free(jods);
 }
 
 /* Tables with the best JOD first, JSON and arguments in the order of the models. loss: of analytic models; metric: gave the

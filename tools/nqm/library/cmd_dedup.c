@@ -7,6 +7,7 @@
 
 #include "figures/picture.h"
 #include "nqm/library/library.h"
+#include "nqm/rows.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -67,29 +68,17 @@ static graph make_graph(size_t n, const near_pair *pairs, size_t n_pairs) {
 
 /* ---- clusters ---------------------------------------------------------------------------------------------------- */
 
-/* A member and how many look like it. */
-typedef struct degree {
-    size_t n, i;
-} degree;
-
-static int by_degree(const void *a, const void *b) {
-    const degree *x = a, *y = b;
-    if (x->n != y->n)
-        return x->n > y->n ? -1 : 1;
-    return x->i < y->i ? -1 : 1;
-}
-
 /* kept (n) receives the member that is kept for each. Returns how many are replaced. */
 static size_t make_clusters(const graph *g, size_t *kept) {
-    degree *order = allocate(g->n, sizeof *order);
+    double *n_alike = allocate(g->n, sizeof *n_alike);
     size_t n_replaced = 0;
     for (size_t i = 0; i < g->n; ++i) {
-        order[i] = (degree){g->begin[i + 1] - g->begin[i], i};
+        n_alike[i] = (double)(g->begin[i + 1] - g->begin[i]);
         kept[i] = SIZE_MAX;
     }
-    qsort(order, g->n, sizeof *order, by_degree);
+    size_t *order = order_by(g->n, n_alike, -1);
     for (size_t k = 0; k < g->n; ++k) {
-        const size_t keep = order[k].i;
+        const size_t keep = order[k];
         if (kept[keep] != SIZE_MAX)
             continue;
         kept[keep] = keep;
@@ -100,6 +89,7 @@ static size_t make_clusters(const graph *g, size_t *kept) {
             }
     }
     free(order);
+    free(n_alike);
     return n_replaced;
 }
 

@@ -4,6 +4,7 @@
  * scored and ranked.
  */
 #include "nqm/library/library.h"
+#include "nqm/rows.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -13,19 +14,6 @@ static score_run run;
 static const char *model = "default", *among, *index_path;
 static bool is_apart;
 static uint64_t n_shown = 10;
-
-/* An estimate, and the number of its member. */
-typedef struct candidate {
-    float jod;
-    size_t i;
-} candidate;
-
-static int by_estimate(const void *a, const void *b) {
-    const candidate *x = a, *y = b;
-    if (x->jod != y->jod)
-        return x->jod > y->jod ? -1 : 1;
-    return x->i < y->i ? -1 : 1;
-}
 
 typedef struct scan_job {
     const nqm_gallery *one; /* picture 0 is that of the material; the others are those of the library */
@@ -41,35 +29,35 @@ static void scan(void *user, size_t block) {
     nqm_gallery_jods(job->one, 0, job->among->gallery, first, n, is_apart, job->jod + first);
 }
 
-/* The members with the best estimates, n of them at most. free() it. */
-static candidate *find_candidates(const nqm_gallery *one, const library *of, size_t *n) {
+/* The numbers of the members, the best estimates first. free() them. */
+static size_t *find_candidates(const nqm_gallery *one, const library *of) {
     scan_job job = {one, of, allocate(of->n, sizeof *job.jod)};
-    candidate *all = allocate(of->n, sizeof *all);
+    double *keys = allocate(of->n, sizeof *keys);
     nqm_parallel_for(nqm_ceil_div(of->n, BLOCK), scan, &job);
     for (size_t i = 0; i < of->n; ++i)
-        all[i] = (candidate){job.jod[i], i};
-    qsort(all, of->n, sizeof *all, by_estimate);
+        keys[i] = (double)job.jod[i];
+    size_t *candidates = order_by(of->n, keys, -1);
+    free(keys);
     free(job.jod);
-    *n = nqm_smaller(*n, of->n);
-    return all;
+    return candidates;
 }
 
 /* A score of textures takes a second: of candidates with one, twice as many are scored as are shown. Returns how many remain. */
-static size_t leave_textured(const member *self, const library *of, candidate *candidates, size_t n) {
+static size_t leave_textured(const member *self, const library *of, size_t *candidates, size_t n) {
     size_t n_left = 0, n_textured = 0;
     for (size_t i = 0; i < n; ++i) {
-        const bool is_textured = self->is_textured || of->members[candidates[i].i].is_textured;
+        const bool is_textured = self->is_textured || of->members[candidates[i]].is_textured;
         if (!is_textured || n_textured++ < 2 * (size_t)n_shown)
             candidates[n_left++] = candidates[i];
     }
     return n_left;
 }
 
-static void score_candidates(const char *to, const library *of, const candidate *candidates, size_t n) {
+static void score_candidates(const char *to, const library *of, const size_t *candidates, size_t n) {
     begin_rows(&run, n);
     run.near_only = true;
     for (size_t i = 0; i < n; ++i) {
-        const char *argument = of->members[candidates[i].i].argument;
+        const char *argument = of->members[candidates[i]].argument;
         run.rows[i] = (scored_pair){.pair = {to, argument}, .name = argument};
     }
     make_scores(&run);
@@ -118,10 +106,9 @@ int cmd_nearest(int argc, char **argv) {
     where[0] = among;
     draw_library((size_t)n, where, run.model, scorer, index_path, &of);
     nqm_scorer_free(scorer);
-    size_t n_best = nqm_larger(LEAST_SCORED, 4 * (size_t)n_shown);
-    candidate *candidates = find_candidates(one.gallery, &of, &n_best);
-    n_best = leave_textured(&self, &of, candidates, n_best);
-    score_candidates(self.argument, &of, candidates, n_best);
+    const size_t n_best = nqm_smaller(of.n, nqm_larger(LEAST_SCORED, 4 * (size_t)n_shown));
+    size_t *candidates = find_candidates(one.gallery, &of);
+    score_candidates(self.argument, &of, candidates, leave_textured(&self, &of, candidates, n_best));
     rank_rows(&run, is_apart);
     run.n_rows = nqm_smaller(run.n_rows, (size_t)n_shown);
     print_ranking(&run);

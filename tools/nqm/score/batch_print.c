@@ -239,28 +239,12 @@ void close_batch_output(batch_output *out, const batch_form *form, size_t n, con
 
 extern const char batch_junit[], batch_markdown[]; /* junit.xml, markdown.txt (cmake/embed_text.cmake) */
 
-typedef struct placed_row {
-    double jod;
-    size_t row;
-} placed_row;
-
-static int by_jod(const void *a, const void *b) {
-    const placed_row *x = a, *y = b;
-    if (x->jod != y->jod)
-        return x->jod < y->jod ? -1 : 1;
-    return x->row < y->row ? -1 : 1;
-}
-
 size_t *order_batch_rows(size_t n, const batch_note *notes, bool is_best) {
-    placed_row *placed = allocate(n, sizeof *placed);
-    size_t *order = allocate(n, sizeof *order);
-    const double sign = is_best ? -1 : 1;
+    double *keys = allocate(n, sizeof *keys);
     for (size_t row = 0; row < n; ++row)
-        placed[row] = (placed_row){notes[row].is_scored ? sign * notes[row].jod : -sign * (double)INFINITY, row};
-    qsort(placed, n, sizeof *placed, by_jod);
-    for (size_t i = 0; i < n; ++i)
-        order[i] = placed[i].row;
-    free(placed);
+        keys[row] = notes[row].is_scored ? notes[row].jod : -(double)INFINITY;
+    size_t *order = order_by(n, keys, is_best ? -1 : 1);
+    free(keys);
     return order;
 }
 
