@@ -1,42 +1,13 @@
 /* SPDX-License-Identifier: MIT
  *
- * batch.h - the results of `nqm batch`: as pieces that a later run finds again, as text, and what is made of all rows at the end:
- * the sorted output, JUnit XML, Markdown.
+ * batch.h - the results of `nqm batch` as pieces that a later run finds again, and what is made of all rows at the end: their order,
+ * JUnit XML, Markdown.
  */
 #ifndef NQM_TOOL_BATCH_H
 #define NQM_TOOL_BATCH_H
 
 #include "nqm/score/pair_list.h"
 #include "nqm/score/score.h"
-
-/* ---- rows (batch_print.c) ---------------------------------------------------------------------------------------- */
-
-typedef enum batch_format { BATCH_CSV, BATCH_JSON_LINES, BATCH_JSON } batch_format;
-
-/** How rows are written. */
-typedef struct batch_form {
-    batch_format format;
-    const nqm_pair_list *list;
-    const char **names; /* (n_rows) of the tests, NULL: none */
-    const nqm_model *model;
-    bool metrics[NQM_METRIC_COUNT]; /* metrics to write */
-    bool has_textures;              /* columns of textures, too */
-    char *columns;                  /* of results, for print_csv_line(); owned */
-    score_gate gate;
-    remark_terms terms;
-} batch_form;
-
-/** What is kept of a row after it has been written. */
-typedef struct batch_note {
-    double jod, jod_low, jod_high, delta_e, novelty; /* NaN: none */
-    bool is_scored, is_identical;
-    bool is_skipped; /* without a score, because both materials are refused alike */
-    long begin, end; /* of a sorted output: where the temporary file has the row */
-    char *remark;    /* error of a row without a score, warnings of the others; NULL: none; owned */
-} batch_note;
-
-/** Set the columns; report an error and exit when one of the list has the name of a result column or of another one of the list. */
-void set_batch_columns(batch_form *form);
 
 /* ---- results (batch_pieces.c): on failure, these report the error and exit --------------------------------------- */
 
@@ -80,37 +51,28 @@ int show_batch_progress(const batch_pieces *pieces, size_t n_done, size_t n);
 /** Free. is_complete: also remove the files, and the folder, unless it is shared. */
 void close_batch_pieces(batch_pieces *pieces, bool is_complete);
 
-/* ---- the output (batch_print.c): on failure, these report the error and exit ------------------------------------ */
+/* ---- all rows (batch_summary.c) ---------------------------------------------------------------------------------- */
 
-/** Rows on their way to standard output, a device, or a file, which gets its name when it is complete. */
-typedef struct batch_output {
-    output_file file;
-    FILE *rows; /* that of `file`, or a temporary file of rows that are sorted in the end */
-    size_t n_rows, n_failed;
-    batch_note *notes; /* (max_rows) of the rows that are written; they live as long as the run */
-    size_t max_rows;
-} batch_output;
+/** What is kept of a row after it has been written. */
+typedef struct batch_note {
+    const nqm_named_pair *pair;                      /* lives as long as the run */
+    const char *name;                                /* of the test */
+    double jod, jod_low, jod_high, delta_e, novelty; /* NaN: none */
+    bool is_scored, is_identical;
+    bool is_skipped; /* without a score, because both materials are refused alike */
+    long begin, end; /* of a sorted output: where the temporary file has the row */
+    char *remark;    /* error of a row without a score, warnings of the others; NULL: none; owned */
+} batch_note;
 
-/** Open, and print the text before the rows. path: absolute, or "-". */
-void open_batch_output(const char *path, const batch_form *form, bool is_sorted, batch_output *out);
-/** Whether it is a file, of which nothing is seen until it is complete. */
-bool is_batch_file(const batch_output *out);
-/** Write a row and its note. Returns false, and writes nothing, if the row fails and `keep_going` is not set. Rows whose
- *  materials are refused alike do not count as failed. */
-bool write_batch_row(batch_output *out, const batch_form *form, const batch_pieces *pieces, size_t at, bool keep_going);
-/** Pass on what is written. */
-void flush_batch_output(batch_output *out);
-/** Write the end of the output and close it. order: (n) the rows of a sorted output; NULL: all are written. */
-void close_batch_output(batch_output *out, const batch_form *form, size_t n, const size_t *order);
-
-/* ---- all rows (batch_print.c) ---------------------------------------------------------------------------------- */
-
+batch_note make_batch_note(const remark_terms *terms, const nqm_named_pair *pair, const char *name,
+                           const nqm_score_result *result, const nqm_error *err);
 /** The rows, worst first: those without a score, then by JOD, equal ones as in the list; or best first. free() it. */
 size_t *order_batch_rows(size_t n, const batch_note *notes, bool is_best);
 
 /** The rows of a finished run. */
 typedef struct batch_summary {
-    const batch_form *form;
+    const nqm_model *model;
+    const score_gate *gate;
     const char *list_name;
     size_t n_rows, n_unscored, n_skipped, n_gated; /* n_unscored: without the skipped ones; n_gated: below the gate */
     const batch_note *notes;                       /* (n_rows) */
@@ -120,8 +82,6 @@ typedef struct batch_summary {
 
 /** The summary of the rows of another verb. */
 typedef struct row_summary {
-    batch_form form;
-    nqm_pair_list list;
     batch_note *notes; /* (n_rows) */
     batch_summary summary;
 } row_summary;
@@ -129,7 +89,8 @@ void summarise_rows(const score_run *run, const char *list_name, size_t n_shown,
 void free_row_summary(row_summary *s);
 
 /** free() `order`. */
-batch_summary make_batch_summary(const batch_form *form, const char *list_name, size_t n_rows, const batch_note *notes);
+batch_summary make_batch_summary(const nqm_model *model, const score_gate *gate, const char *list_name, size_t n_rows,
+                                 const batch_note *notes);
 /** A JUnit report: one test case per pair, in the order of the list; a failure for each pair below the gate, an error for each
  *  without a score. */
 void print_batch_junit(const batch_summary *summary, FILE *out);

@@ -1,13 +1,246 @@
 /* SPDX-License-Identifier: MIT
  *
- * nqm batch - scores the pairs of a list in the order of the list. batch_pieces.c has the results, also those of an interrupted
- * run; batch_print.c writes rows, and what is made of all of them.
+ * nqm batch - scores the pairs of a list in the order of the list. The columns of the list come first, unchanged.
+ * batch_pieces.c has the results, also those of an interrupted run; batch_summary.c what is made of all rows.
  */
 #include "figures/picture.h"
+#include "nqm/rows.h"
 #include "nqm/score/batch.h"
 
+#include <errno.h>
 #include <stdlib.h>
 #include <string.h>
+
+typedef enum batch_format { BATCH_CSV, BATCH_JSON_LINES, BATCH_JSON } batch_format;
+
+/* How rows are written. */
+typedef struct batch_form {
+    batch_format format;
+    const nqm_pair_list *list;
+    const char **names; /* (n_rows) of the tests, NULL: none */
+    const nqm_model *model;
+    bool metrics[NQM_METRIC_COUNT]; /* metrics to write */
+    bool has_textures;              /* columns of textures, too */
+    char *columns;                  /* of results, for print_csv_line(); owned */
+    score_gate gate;
+    remark_terms terms;
+} batch_form;
+
+/* Rows on their way to standard output, a device, or a file, which gets its name when it is complete. */
+typedef struct batch_output {
+    output_file file;
+    FILE *rows; /* that of `file`, or a temporary file of rows that are sorted in the end */
+    size_t n_rows, n_failed;
+    batch_note *notes; /* (rows of the list) of the rows that are written; they live as long as the run */
+} batch_output;
+
+/* ---- columns ----------------------------------------------------------------------------------------------------- */
+
+/* Set the columns; stop when one of the list has the name of a result column or of another one of the list. */
+static void set_batch_columns(batch_form *form) {
+    const char *const *names = form->list->column;
+    char *added;
+    size_t n_added;
+    form->columns = score_columns("", form->model, form->metrics, form->has_textures ? "" : NULL,
+                                  has_gate(&form->gate) ? ",gate,warnings,error" : ",warnings,error");
+    FILE *stream = open_text(&added, &n_added);
+    fputs(nqm_model_has_parts(form->model) ? ",metrics,parts" : ",metrics", stream); /* members in JSON */
+    print_csv_line(stream, form->columns, NULL, NULL);
+    fclose(stream);
+    *strchr(added, '\n') = ',';
+    for (size_t i = 0; i < form->list->n_columns; ++i) {
+        char *word = must_have(nqm_strdupf(",%s,", names[i]));
+        if (!strchr(names[i], ',') && strstr(added, word))
+            stop(EXIT_MALFORMED, "the list has a column '%s', which the results add: rename it", names[i]);
+        nqm_free(word);
+        for (size_t k = 0; k < i; ++k)
+            if (strcmp(names[i], names[k]) == 0)
+                stop(EXIT_MALFORMED, "the list has two columns '%s': rename one", names[i]);
+    }
+    free(added);
+}
+
+/* ---- rows -------------------------------------------------------------------------------------------------------- */
+
+static json_t *row_json(const batch_form *form, size_t row, const nqm_score_result *r, const texture_numbers *texture,
+                        const nqm_error *err) {
+    json_t *object = json_result(&form->terms, &form->list->pair[row], form->metrics, &form->gate, r, err);
+    for (size_t i = 0; form->has_textures && i < TEXTURE_NUMBERS; ++i)
+        json_object_set_new(object, texture_columns[i], json_number(texture->v[i]));
+    return object;
+}
+
+/* ---- CSV --------------------------------------------------------------------------------------------------------- */
+
+/* Texts of the list, then the columns of a result, or the headings of both. */
+static void print_csv_head(const batch_form *form, FILE *out) {
+    for (size_t i = 0; i < form->list->n_columns; ++i) {
+        fputs(i ? "," : "", out);
+        print_csv_text(out, form->list->column[i]);
+    }
+    print_csv_line(out, form->columns, NULL, NULL);
+}
+
+static void print_csv_cells(const batch_form *form, FILE *out, size_t row) {
+    const nqm_pair_list *list = form->list;
+    const size_t n_cells = nqm_pair_list_cells(list, row);
+    for (size_t column = 0; column < list->n_columns; ++column) {
+        fputs(column ? "," : "", out);
+        for (size_t i = list->csv ? column : 0; i < n_cells; ++i) { /* a row of a CSV has all columns */
+            const nqm_list_cell cell = nqm_pair_list_cell(list, row, i);
+            if (cell.column != column)
+                continue;
+            print_csv_text(out, cell.text);
+            break;
+        }
+    }
+}
+
+/* ---- JSON -------------------------------------------------------------------------------------------------------- */
+
+/* Print `value` and release it. */
+static void print_json_value(FILE *out, json_t *value) {
+    json_dumpf(value, out, JSON_COMPACT | JSON_ENCODE_ANY | JSON_REAL_PRECISION(9));
+    json_decref(value);
+}
+
+static void print_json_cells(const batch_form *form, FILE *out, size_t row) {
+    const nqm_pair_list *list = form->list;
+    const size_t n_cells = nqm_pair_list_cells(list, row);
+    for (size_t i = 0; i < n_cells; ++i) {
+        const nqm_list_cell cell = nqm_pair_list_cell(list, row, i);
+        print_json_value(out, json_name(list->column[cell.column]));
+        fputc(':', out);
+        if (cell.is_json)
+            fputs(cell.text, out);
+        else
+            print_json_value(out, json_name(cell.text));
+        fputc(',', out);
+    }
+}
+
+static void print_json_head(const batch_form *form, FILE *out) {
+    fputs("{\"schema\":1,\"tool\":", out);
+    print_json_value(out, json_tool());
+    fputs(",\"model\":", out);
+    print_json_value(out, model_json(form->model));
+    fputs(",\"results\":[\n", out);
+}
+
+/* ---- any format -------------------------------------------------------------------------------------------------- */
+
+static void print_batch_head(const batch_form *form, FILE *out) {
+    if (form->format == BATCH_CSV)
+        print_csv_head(form, out);
+    else if (form->format == BATCH_JSON)
+        print_json_head(form, out);
+}
+
+static void print_batch_row(const batch_form *form, FILE *out, size_t row, const nqm_score_result *result,
+                            const texture_numbers *texture, const nqm_error *err) {
+    json_t *object = row_json(form, row, result, texture, err);
+    if (form->format == BATCH_CSV) {
+        print_csv_cells(form, out, row);
+        print_csv_line(out, form->columns, object,
+                       (row_text[]){{"error", result->status == NQM_OK ? "" : err->message}, {0}});
+    } else {
+        char *text = must_have(json_dumps(object, JSON_COMPACT | JSON_REAL_PRECISION(9)));
+        fputc('{', out);
+        print_json_cells(form, out, row);
+        fputs(text + 1, out); /* without its brace */
+        free(text);
+    }
+    json_decref(object);
+    if (form->format == BATCH_JSON_LINES)
+        fputc('\n', out);
+}
+
+/* The text before each row but the first. */
+static const char *batch_separator(const batch_form *form) {
+    return form->format == BATCH_JSON ? ",\n" : "";
+}
+
+/* ---- the output -------------------------------------------------------------------------------------------------- */
+
+static _Noreturn void stop_write(const batch_output *out) {
+    stop(EXIT_OPEN, "%s: cannot write: %s", out->file.file.path ? out->file.file.path : "standard output",
+         strerror(errno));
+}
+
+/* Open, and print the text before the rows. path: absolute, or "-". */
+static void open_batch_output(const char *path, const batch_form *form, bool is_sorted, batch_output *out) {
+    *out = (batch_output){.notes = allocate(form->list->n_rows, sizeof *out->notes)};
+    open_output(path, &out->file);
+    out->rows = is_sorted ? tmpfile() : out->file.stream;
+    if (!out->rows)
+        stop(EXIT_OPEN, "there is no place for a temporary file: %s", strerror(errno));
+    print_batch_head(form, out->file.stream);
+}
+
+/* Whether it is a file, of which nothing is seen until it is complete. */
+static bool is_batch_file(const batch_output *out) {
+    return out->file.file.temporary != NULL;
+}
+
+/* Write a row and its note. Returns false, and writes nothing, if the row fails and `keep_going` is not set. Rows whose materials are
+ * refused alike do not count as failed. */
+static bool write_batch_row(batch_output *out, const batch_form *form, const batch_pieces *pieces, size_t at,
+                            bool keep_going) {
+    const size_t row = out->n_rows;
+    const bool is_sorted = out->rows != out->file.stream;
+    batch_note *note = &out->notes[row];
+    const nqm_named_pair *pair = &form->list->pair[row];
+    const char *name = form->names[row] ? form->names[row] : pair->test;
+    *note = make_batch_note(&form->terms, pair, name, &pieces->results[at], &pieces->errors[at]);
+    const bool is_failed = !note->is_scored && !note->is_skipped;
+    if (is_failed && !keep_going) {
+        free(note->remark);
+        return false;
+    }
+    if (is_sorted)
+        note->begin = ftell(out->rows);
+    else
+        fputs(row ? batch_separator(form) : "", out->rows);
+    print_batch_row(form, out->rows, row, &pieces->results[at], &pieces->textures[at], &pieces->errors[at]);
+    if (is_sorted)
+        note->end = ftell(out->rows);
+    out->n_failed += is_failed;
+    ++out->n_rows;
+    return true;
+}
+
+static void flush_batch_output(batch_output *out) {
+    if (!is_batch_file(out))
+        end_progress(); /* the progress line may be on the same terminal */
+    if (fflush(out->rows) != 0 || ferror(out->rows))
+        stop_write(out);
+}
+
+static void copy_row(const batch_output *out, const batch_note *note) {
+    const size_t n = (size_t)(note->end - note->begin);
+    char *text = allocate(n, 1);
+    if (fseek(out->rows, note->begin, SEEK_SET) != 0 || fread(text, 1, n, out->rows) != n ||
+        fwrite(text, 1, n, out->file.stream) != n)
+        stop_write(out);
+    free(text);
+}
+
+/* Write the end of the output and close it. order: (n) the rows of a sorted output; NULL: all are written. */
+static void close_batch_output(batch_output *out, const batch_form *form, size_t n, const size_t *order) {
+    for (size_t i = 0; order && i < n; ++i) {
+        fputs(i ? batch_separator(form) : "", out->file.stream);
+        copy_row(out, &out->notes[order[i]]);
+    }
+    if (form->format == BATCH_JSON)
+        fputs("\n]}\n", out->file.stream);
+    if (fflush(out->file.stream) != 0)
+        stop_write(out);
+    if (out->rows != out->file.stream)
+        fclose(out->rows);
+    close_output(&out->file);
+}
+
+/* ---- the run ----------------------------------------------------------------------------------------------------- */
 
 typedef struct batch_run {
     nqm_score_options options;
@@ -93,7 +326,8 @@ static void give_up_file(const batch_run *run, int exit_code) {
 static int settle(batch_run *run, int exit_code) {
     end_progress();
     run->is_complete = exit_code == EXIT_OK;
-    batch_summary summary = make_batch_summary(&run->form, run->list_name, run->out.n_rows, run->out.notes);
+    batch_summary summary =
+        make_batch_summary(run->form.model, &run->form.gate, run->list_name, run->out.n_rows, run->out.notes);
     if (run->n_worst)
         summary.n_shown = nqm_smaller(summary.n_rows, (size_t)run->n_worst);
     if (run->is_complete) {
