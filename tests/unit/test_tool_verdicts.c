@@ -3,7 +3,7 @@
  * Words, shares and gates of scores at the ends of their ranges.
  */
 #include "nqm/score/score.h"
-#include "nqm/show/html.h"
+#include "nqm/template.h"
 #include "support/check.h"
 
 static nqm_score_result scored(double jod, double low, double high) {
@@ -61,8 +61,22 @@ TEST(gates_let_their_own_value_pass) {
     assert_string_equal(gate_mark(&low, &r), "");
 }
 
-TEST(people_are_percentages) {
-    json_t *people = html_people(0.126);
-    assert_string_equal(json_string_value(people), "13\xc2\xa0%");
-    json_decref(people);
+static json_t *element(const void *user, size_t i) {
+    return json_row("i:z of:s", i, (const char *)user);
+}
+
+/* Paths, numbers, percentages, lists, what is missing, elements that are made, and what XML escapes. */
+TEST(templates_are_filled) {
+    static const char text[] =
+        "{{a.b.1:2f}} {{share:0p}} {{none:2f}}|{{#list}}{{.}};{{/list}}|{{#none}}no{{/none}}{{^none}}"
+        "none{{/none}}|{{#two}}{{i}} {{of}} {{&name}} {{/two}}{{name}}";
+    char *filled;
+    size_t n;
+    FILE *out = open_text(&filled, &n);
+    fill_template(out, text, escape_xml,
+                  json_row("a:{b:[ff]} share:f list:[ss] two:z name:s", 1.0, 2.345, 0.126, "x", "y", (size_t)2, "<&>"),
+                  element, "of");
+    fclose(out);
+    assert_string_equal(filled, "2.35 13 \xe2\x80\x93|x;y;|none|0 of <&> 1 of <&> &lt;&amp;&gt;");
+    free(filled);
 }

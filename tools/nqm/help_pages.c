@@ -164,28 +164,25 @@ static void put_markdown_text(const char *text) {
         fputs(*text == '<' ? "&lt;" : (char[]){*text, '\0'}, stdout);
 }
 
-/* Rows that the page has already. An option is described once; a verb that has the same row again refers to it. */
-static struct shown_row { char name[NQM_OPTION_TEXT_MAX], text[1024], verb[32]; } shown_rows[512];
-static size_t n_shown_rows, n_before; /* n_before: those of earlier verbs */
+/* The verb that has an option first, by its name and text. An option is described once; a verb that has the same one again refers to it. */
+static json_t *first_verbs;
+static bool has_own; /* the verb describes an option */
 
-static const struct shown_row *find_shown_row(const help_row *row) {
-    for (size_t i = 0; i < n_shown_rows; ++i)
-        if (strcmp(shown_rows[i].name, row->name) == 0 && strcmp(shown_rows[i].text, row->text) == 0 &&
-            strcmp(shown_rows[i].verb, verb_name()) != 0)
-            return &shown_rows[i];
-    return NULL;
+/* An earlier verb that has the option; NULL: none. */
+static const char *earlier_verb(const help_row *row) {
+    const json_t *texts = json_object_get(first_verbs, row->name);
+    const char *name = json_string_value(json_object_get(texts, row->text));
+    return name && strcmp(name, verb_name()) != 0 ? name : NULL;
 }
 
 static void put_markdown_row(void *user, const help_row *row) {
     (void)user;
-    if (find_shown_row(row) || strcmp(row->name, "help") == 0)
+    if (earlier_verb(row) || strcmp(row->name, "help") == 0)
         return;
-    if (n_shown_rows < sizeof shown_rows / sizeof *shown_rows) {
-        struct shown_row *shown = &shown_rows[n_shown_rows++];
-        snprintf(shown->name, sizeof shown->name, "%s", row->name);
-        snprintf(shown->text, sizeof shown->text, "%s", row->text);
-        snprintf(shown->verb, sizeof shown->verb, "%s", verb_name());
-    }
+    has_own = true;
+    if (!json_object_get(first_verbs, row->name))
+        json_object_set_new(first_verbs, row->name, json_object());
+    json_object_set_new(json_object_get(first_verbs, row->name), row->text, json_string(verb_name()));
     if (strncmp(row->name, "no-", 3) == 0) /* print_reference() says it */
         return;
     printf("- ");
@@ -209,14 +206,14 @@ static void end_repeated(const repeated *r) {
 }
 
 static void put_repeated_row(void *user, const help_row *row) {
-    const struct shown_row *shown = find_shown_row(row);
+    const char *earlier = earlier_verb(row);
     repeated *r = user;
-    if (!shown)
+    if (!earlier)
         return;
-    if (!r->verb || strcmp(r->verb, shown->verb) != 0) {
+    if (!r->verb || strcmp(r->verb, earlier) != 0) {
         end_repeated(r);
-        printf("%s `%s`: ", r->verb ? "; as for" : n_shown_rows > n_before ? "\nAs for" : "As for", shown->verb);
-        *r = (repeated){.verb = shown->verb};
+        printf("%s `%s`: ", r->verb ? "; as for" : has_own ? "\nAs for" : "As for", earlier);
+        *r = (repeated){.verb = earlier};
     }
     snprintf(r->last, sizeof r->last, "%s", row->name);
     if (++r->n <= 3)
@@ -269,7 +266,8 @@ void print_markdown(const command *cmd) {
     }
     if (choices)
         putchar('\n');
-    n_before = n_shown_rows;
+    first_verbs = first_verbs ? first_verbs : json_object();
+    has_own = false;
     each_option(cmd, put_markdown_row, NULL);
     repeated r = {0};
     each_option(cmd, put_repeated_row, &r);

@@ -99,3 +99,17 @@ json_t *number_text(double value, int n_digits, char conversion) {
     value *= conversion == 'p' ? 100 : 1;
     return isfinite(value) ? json_sprintf(format, n_digits, value) : json_string("\xe2\x80\x93"); /* a dash */
 }
+
+/* XML does not allow most control characters, not even escaped. */
+void escape_xml(FILE *out, const char *text) {
+    static const char special[] = "&<>\"'";
+    static const char *const escaped[] = {"&amp;", "&lt;", "&gt;", "&quot;", "&#39;"};
+    for (const char *p = text; *p; ++p) {
+        const char *found = strchr(special, *p);
+        bool is_control = (unsigned char)*p < ' ' && *p != '\n' && *p != '\t';
+        if (found)
+            fputs(escaped[found - special], out);
+        else
+            fputc(is_control ? '?' : *p, out);
+    }
+}

@@ -22,6 +22,9 @@ typedef json_t *template_element(const void *user, size_t i);
 void fill_template(FILE *out, const char *text, template_escape *escape, json_t *data, template_element *element,
                    const void *user);
 
+/** Of XML, and HTML that is well-formed XML: attributes are in single quotes. */
+template_escape escape_xml;
+
 /** A number as a text: 'f' and 'g' as in printf(), '#' as %#g, 'p' percent of a fraction; a dash if it is not finite. */
 json_t *number_text(double value, int n_digits, char conversion);
 

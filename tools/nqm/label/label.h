@@ -52,13 +52,9 @@ void free_labels(label_run *run);
 
 /** What `nqm label --json` prints. */
 json_t *json_labels(const label_run *run);
-/** Results on standard output. */
-void print_labels(const label_run *run);
 /** The picture of an item that has one, (height, width, 3) of a canvas, and the map of a test, (height, width); NULL: there is none.
  *  free() them. */
 double *item_picture(const label_run *run, size_t i, const canvas *c, backdrop kind);
 double *item_map(const label_run *run, size_t i, const canvas *c);
-/** Draw the requested figures and write the requested renderings. */
-void draw_labels(const label_run *run);
 
 #endif

@@ -4,7 +4,7 @@
  */
 #include "nqm/rows.h"
 #include "nqm/score/batch.h"
-#include "nqm/show/html.h"
+#include "nqm/template.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -114,7 +114,7 @@ static json_t *summary_json(const batch_summary *s) {
 }
 
 void print_batch_junit(const batch_summary *s, FILE *out) {
-    fill_template(out, batch_junit, html_escape, summary_json(s), json_case, s);
+    fill_template(out, batch_junit, escape_xml, summary_json(s), json_case, s);
 }
 
 /* A cell of a Markdown table: punctuation that has a meaning is escaped, line ends become blanks. */

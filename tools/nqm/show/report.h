@@ -7,7 +7,7 @@
 
 #include "nqm/label/label.h"
 #include "nqm/score/score.h"
-#include "nqm/show/html.h"
+#include "nqm/template.h"
 
 enum { NAME_SIZE = 128 };
 

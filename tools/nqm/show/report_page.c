@@ -7,6 +7,7 @@
 #include "nqm/show/report.h"
 #include "texture/texture.h"
 
+#include <errno.h>
 #include <math.h>
 #include <openssl/evp.h>
 #include <stdlib.h>
@@ -29,6 +30,50 @@ static size_t count_tests(const report_page *page) {
 
 static const scored_pair *row_at(const report_page *page, size_t place) {
     return &page->run->scores.rows[place];
+}
+
+/* ---- markup ------------------------------------------------------------------------------------------------------ */
+
+/* The text of a stream of open_text(), which is closed and freed. */
+static json_t *html_text(FILE *stream, char **text) {
+    if (fclose(stream) != 0)
+        stop(EXIT_LIMIT, "out of memory");
+    json_t *string = json_string(*text);
+    free(*text);
+    return string;
+}
+
+/* Markup: an <img> of width x height CSS pixels that contains the bytes of a PNG file. */
+static json_t *html_image(const char *path, const char *alt, size_t width, size_t height) {
+    unsigned char bytes[3 * 1024], base64[4 * 1024 + 1];
+    char *text;
+    size_t n;
+    FILE *in = fopen(path, "rb"), *out = open_text(&text, &n);
+    if (!in)
+        stop(EXIT_OPEN, "%s: cannot read: %s", path, strerror(errno));
+    fprintf(out, "<img width='%zu' height='%zu' alt='", width, height);
+    escape_xml(out, alt);
+    fputs("' src='data:image/png;base64,", out);
+    while ((n = fread(bytes, 1, sizeof bytes, in)) > 0)
+        fwrite(base64, 1, (size_t)EVP_EncodeBlock(base64, bytes, (int)n), out);
+    if (ferror(in))
+        stop(EXIT_OPEN, "%s: cannot read", path);
+    fclose(in);
+    fputs("'/>\n", out);
+    return html_text(out, &text);
+}
+
+/* A value, which is released, as JSON for a <script type='application/json'>: < > & occur in strings only, where JSON can escape
+ * them. n_digits: of numbers. */
+static json_t *html_json(json_t *value, size_t n_digits) {
+    char *text = must_have(json_dumps(value, JSON_COMPACT | JSON_REAL_PRECISION(n_digits))), *escaped;
+    size_t n;
+    FILE *out = open_text(&escaped, &n);
+    json_decref(value);
+    for (const char *p = text; *p; ++p)
+        fprintf(out, *p == '<' || *p == '>' || *p == '&' ? "\\u%04x" : "%c", (unsigned)*p);
+    free(text);
+    return html_text(out, &escaped);
 }
 
 /* ---- summary ----------------------------------------------------------------------------------------------------- */
@@ -55,7 +100,7 @@ static json_t *json_preferred(const report_page *page, size_t place) {
     json_t *list = json_array();
     for (size_t k = 0; k < count_tests(page); ++k) {
         const double fraction = nqm_jod_preference(row_at(page, place)->result.jod, row_at(page, k)->result.jod);
-        json_array_append_new(list, place == k ? json_string("") : html_people(fraction));
+        json_array_append_new(list, place == k ? json_null() : json_real(fraction));
     }
     return list;
 }
@@ -86,9 +131,9 @@ static json_t *json_guide(void) {
     for (size_t i = 1; i < sizeof ends / sizeof *ends; ++i) {
         const double from = ends[i], to = ends[i - 1];
         json_t *range = from == 0 ? json_sprintf("below %.3g", to) : json_sprintf("%.3g to %.3g", from, to);
-        json_t *least = from > 0 ? html_people(nqm_jod_preference(10, to)) : json_null();
-        json_array_append_new(list, json_row("range:o words:s least:o most:o", range, jod_words(from), least,
-                                             html_people(nqm_jod_preference(10, from))));
+        json_array_append_new(list, json_row("range:o words:s least:f most:f", range, jod_words(from),
+                                             from > 0 ? nqm_jod_preference(10, to) : (double)NAN,
+                                             nqm_jod_preference(10, from)));
     }
     return list;
 }
@@ -361,6 +406,6 @@ void write_report(const report_run *run, FILE *out, char *figure) {
                         .figure = figure,
                         .json_labels = json_labels(&run->labels),
                         .all = all_frames(&run->labels.scene_options)};
-    fill_template(out, report_html, html_escape, json_page(&page), json_section, &page);
+    fill_template(out, report_html, escape_xml, json_page(&page), json_section, &page);
     json_decref(page.json_labels);
 }
