@@ -22,13 +22,17 @@ typedef struct scope {
     const struct scope *outer;
 } scope;
 
-static const json_t *find(const scope *s, const char *name) {
-    if (strcmp(name, ".") == 0)
+/* The innermost scope that has the first key of a path decides. */
+static const json_t *find(const scope *s, const char *path) {
+    char key[40];
+    const size_t n = strcspn(path, ".");
+    snprintf(key, sizeof key, "%.*s", (int)n, path);
+    if (n == 0)
         return s->data;
     const json_t *found = NULL;
     for (; s && !found; s = s->outer)
-        found = value_at(s->data, name);
-    return found;
+        found = json_object_get(s->data, key);
+    return value_at(found, path + n + (path[n] == '.'));
 }
 
 static void put_mark(const filling *f, const scope *s, char *name) {

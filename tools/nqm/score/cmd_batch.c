@@ -17,7 +17,6 @@ typedef enum batch_format { BATCH_CSV, BATCH_JSON_LINES, BATCH_JSON } batch_form
 typedef struct batch_form {
     batch_format format;
     const nqm_pair_list *list;
-    const char **names; /* (n_rows) of the tests, NULL: none */
     const nqm_model *model;
     bool metrics[NQM_METRIC_COUNT]; /* metrics to write */
     bool has_textures;              /* columns of textures, too */
@@ -190,8 +189,8 @@ static bool write_batch_row(batch_output *out, const batch_form *form, const bat
     const bool is_sorted = out->rows != out->file.stream;
     batch_note *note = &out->notes[row];
     const nqm_named_pair *pair = &form->list->pair[row];
-    const char *name = form->names[row] ? form->names[row] : pair->test;
-    *note = make_batch_note(&form->terms, pair, name, &pieces->results[at], &pieces->errors[at]);
+    const char *name = form->list->expanded[row].name;
+    *note = make_batch_note(&form->terms, pair, name ? name : pair->test, &pieces->results[at], &pieces->errors[at]);
     const bool is_failed = !note->is_scored && !note->is_skipped;
     if (is_failed && !keep_going) {
         free(note->remark);
@@ -403,7 +402,6 @@ static const char **expand_rows(batch_run *run) {
     const char **names = take_list_names(run->given, run->list_name); /* a file may have the form NAME=BRDF */
     expand_list(run->given, names, &run->expanded);
     run->list = run->form.list = &run->expanded.list;
-    run->form.names = run->expanded.names;
     return names;
 }
 

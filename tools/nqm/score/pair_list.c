@@ -339,13 +339,9 @@ void free_expansion(expansion *e) {
 void expand_list(const nqm_pair_list *list, const char *const *names, expanded_list *x) {
     expand_pairs(list->n_rows, list->pair, names, &x->expansion);
     const size_t n = x->expansion.n;
-    x->names = allocate(n, sizeof *x->names);
     x->pair = allocate(n, sizeof *x->pair);
-    for (size_t i = 0; i < n; ++i) {
-        const expanded_pair *p = &x->expansion.pairs[i];
-        x->names[i] = p->name;
-        x->pair[i] = p->pair;
-    }
+    for (size_t i = 0; i < n; ++i)
+        x->pair[i] = x->expansion.pairs[i].pair;
     x->list = *list;
     x->list.n_rows = n;
     x->list.pair = x->pair;
@@ -353,7 +349,6 @@ void expand_list(const nqm_pair_list *list, const char *const *names, expanded_l
 }
 
 void free_expanded_list(expanded_list *x) {
-    free(x->names);
     free(x->pair);
     free_expansion(&x->expansion);
 }

@@ -36,9 +36,10 @@ typedef struct nqm_pair_list {
     size_t n_columns;
     const char **column; /**< (n_columns) names, in the order of the header or of their first appearance */
     char sha256[65];     /**< SHA-256 of the list, hex digits */
-    const struct expanded_pair *expanded; /**< (n_rows) of an expanded list: whose cells they are; NULL: their own */
-    nqm_csv *csv;                         /**< owns the names and texts; NULL: JSON Lines, whose cells are stored in: */
-    size_t *row_begin;                    /**< (n_rows + 1) first cell of each row */
+    const struct expanded_pair
+        *expanded;     /**< (n_rows) of an expanded list: whose cells they are, and names; NULL: their own */
+    nqm_csv *csv;      /**< owns the names and texts; NULL: JSON Lines, whose cells are stored in: */
+    size_t *row_begin; /**< (n_rows + 1) first cell of each row */
     size_t n_cells, max_cells;
     uint32_t *cell; /**< (n_cells) column, and NQM_LIST_JSON if the text is JSON */
     nqm_names text; /**< (n_cells) */
@@ -84,7 +85,6 @@ void free_expansion(expansion *expansion);
 /** A list whose pairs are expanded; the cells of a row are those of the row that it stands for. */
 typedef struct expanded_list {
     nqm_pair_list list; /* uses the texts of the given list */
-    const char **names; /* (n_rows) */
     expansion expansion;
     nqm_named_pair *pair;
 } expanded_list;
