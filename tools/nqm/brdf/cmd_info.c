@@ -21,10 +21,11 @@ static int print_brdf(const char *argument, bool json) {
     nqm_brdf_albedo(brdf, 0, 1, albedo);
     if (strcmp(info.format, "samples") == 0) /* unknown: most directions have no value */
         albedo[0] = albedo[1] = albedo[2] = NAN;
-    json_t *members = json_row("kind:s format:s name:s spec:t source_doi:t layout:t n_values:z n_bytes:z reciprocal:b "
-                               "isotropic:b albedo_normal:[fff]",
-                               "brdf", info.format, info.name, info.spec, info.source_doi, info.layout, info.n_values,
-                               info.n_bytes, info.reciprocal, info.isotropic, albedo[0], albedo[1], albedo[2]);
+    json_t *members =
+        json_row("kind:s format:s name:s spec:t source_doi:t layout:t remark:t n_values:z n_bytes:z "
+                 "reciprocal:b isotropic:b albedo_normal:[fff]",
+                 "brdf", info.format, info.name, info.spec, info.source_doi, info.layout, info.remark, info.n_values,
+                 info.n_bytes, info.reciprocal, info.isotropic, albedo[0], albedo[1], albedo[2]);
     nqm_brdf_free(brdf);
     return json ? print_document(members) : print_members(members);
 }
@@ -57,6 +58,7 @@ static void print_material(const json_t *entry) {
     const char *refusal = json_string_value(json_object_get(entry, "refusal"));
     const char *remark = json_string_value(json_object_get(entry, "remark")), *why = refusal ? refusal : remark;
     const char *ignorable = json_string_value(json_object_get(entry, "ignorable"));
+    const char *unused = json_string_value(json_object_get(entry, "unused"));
     const json_int_t n_maps = json_integer_value(json_object_get(entry, "n_maps"));
     printf("%s  %s  %s", shown(json_string_value(json_object_get(entry, "name"))),
            json_string_value(json_object_get(entry, "surface")), refusal ? "refused" : "accepted");
@@ -64,6 +66,8 @@ static void print_material(const json_t *entry) {
         printf(": texture of %lld image%s", (long long)n_maps, n_maps > 1 ? "s" : "");
     if (why)
         printf(": %s", shown(why));
+    if (unused)
+        printf("; without effect: %s", shown(unused));
     if (ignorable)
         printf(refusal ? "; accepted with --ignore %s" : ": without %s, only what reflects", ignorable);
     putchar('\n');
@@ -78,10 +82,10 @@ static int print_materials(const char *path, const nqm_materials *materials, boo
         nqm_error err = {0};
         const char *refusal = info.n_maps ? NULL : obstacle(&info, &err);
         n_accepted += !refusal;
-        json_array_append_new(list,
-                              json_row("name:s surface:s spec:t refusal:t n_maps:z remark:t byte_offset:z ignorable:t",
-                                       info.name, info.surface, refusal ? NULL : info.spec, refusal, info.n_maps,
-                                       info.remark, (size_t)info.byte_offset, info.ignorable));
+        json_array_append_new(
+            list, json_row("name:s surface:s spec:t refusal:t n_maps:z remark:t unused:t byte_offset:z ignorable:t",
+                           info.name, info.surface, refusal ? NULL : info.spec, refusal, info.n_maps, info.remark,
+                           info.unused, (size_t)info.byte_offset, info.ignorable));
     }
     json_t *members =
         json_row("kind:s name:s n_materials:z accepted:z", "materials", path, json_array_size(list), n_accepted);
@@ -102,8 +106,6 @@ static int print_file_of_brdfs(const char *argument, bool json) {
     nqm_materials *materials = NULL;
     int code = EXIT_OK;
     const bool is_list = nqm_materials_open(argument, &materials, NULL) == NQM_OK;
-    if (is_list && nqm_materials_count(materials) == 1 && nqm_materials_get(materials, 0).remark)
-        report(EXIT_OK, "%s: %s", argument, nqm_materials_get(materials, 0).remark);
     if (is_list && nqm_materials_count(materials) > 1)
         code = print_materials(argument, materials, json);
     else
