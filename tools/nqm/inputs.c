@@ -240,16 +240,6 @@ const char *member_name(const char *argument) {
     return colon ? colon + 1 : NULL;
 }
 
-nqm_materials *open_library(const char *argument) {
-    nqm_materials *materials = NULL;
-    if (!is_file(argument) || nqm_materials_open(argument, &materials, NULL) != NQM_OK)
-        return NULL;
-    if (nqm_materials_count(materials) > 1)
-        return materials;
-    nqm_materials_free(materials);
-    return NULL;
-}
-
 const nqm_materials *parsed_materials(const char *path) {
     typedef struct read_file {
         char *path;
@@ -269,6 +259,11 @@ const nqm_materials *parsed_materials(const char *path) {
     last[0] = *other;
     *other = first;
     return last[0].materials;
+}
+
+const nqm_materials *read_library(const char *argument) {
+    const nqm_materials *materials = parsed_materials(argument);
+    return materials && nqm_materials_count(materials) > 1 ? materials : NULL;
 }
 
 /* ---- what materials do besides reflecting ------------------------------------------------------------------------ */

@@ -172,11 +172,11 @@ unsigned ignored_set(void);
 const char *reflecting(const char *argument);
 /** What such a prefix means, for people; false: the argument has none. */
 bool describe_ignored(const char *argument, char *text, size_t n);
-/** The materials of a file of several materials; NULL: the argument is another BRDF, or no file. Free with nqm_materials_free(). */
-nqm_materials *open_library(const char *argument);
 /** The materials of a file; NULL: it is another file, or a damaged one. They are valid until the second next call with
  *  another path. */
 const nqm_materials *parsed_materials(const char *path);
+/** The same of a file of several materials; NULL: it is another argument. */
+const nqm_materials *read_library(const char *argument);
 /** The folder at which relative paths of a list start: `root`, which must exist; NULL: the folder of the list, or the working
  *  folder for standard input and other lists that are not regular files. NULL: the working folder. Valid until the next call. */
 const char *list_root(const char *root, const char *list_path);

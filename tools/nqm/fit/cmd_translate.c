@@ -75,12 +75,11 @@ static void add_argument(translation *t, const char *argument) {
         free_library(&of);
         return;
     }
-    nqm_materials *materials = open_library(argument);
+    const nqm_materials *materials = read_library(argument);
     for (size_t i = 0; materials && i < nqm_materials_count(materials); ++i)
         add_item(t, argument, nqm_materials_get(materials, i).name);
     if (!materials)
         add_item(t, argument, NULL);
-    nqm_materials_free(materials);
 }
 
 /* Part of an argument that names it: "gold" of "metals/gold.mtlx", "paints_red" of "paints.mtlx:red". */

@@ -55,41 +55,31 @@ const translate_target *find_target(const char *word) {
 enum { MEANING = 48 };
 
 static void get_meaning(const char *name, char meaning[MEANING]) {
-    static const char *const same[][2] = {
-        {"basemetalness", "metallic"},
-        {"metalness", "metallic"},
-        {"specularroughness", "roughness"},
-        {"specularior", "ior"},
-        {"intior", "ior"},
-        {"specularweight", "specular"},
-        {"coat", "clearcoat"},
-        {"coatweight", "clearcoat"},
-        {"coatroughness", "clearcoatroughness"},
-        {"coatior", "clearcoatior"},
-        {"coatcolor", "clearcoatcolor"},
-        {"fuzzweight", "sheen"},
-        {"fuzzcolor", "sheencolor"},
-        {"fuzzroughness", "sheenroughness"},
-        {"diffusecolor", "basecolor"},
-        {"diffusereflectance", "basecolor"},
-        {"baseweight", "base"},
-        {"basediffuseroughness", "diffuseroughness"},
-        {"specularroughnessanisotropy", "anisotropy"},
-        {"specularanisotropy", "anisotropy"},
-        {"anisotropic", "anisotropy"},
-        {"anisotropystrength", "anisotropy"},
-        {"specularrotation", "rotation"},
-        {"anisotropyrotation", "rotation"},
-        {"coatroughnessanisotropy", "clearcoatanisotropy"},
-        {"coatanisotropy", "clearcoatanisotropy"},
-        {"coatrotation", "clearcoatrotation"},
-        {"spectint", "speculartint"},
-        {"coattint", "clearcoatcolor"},
-        {"anisotropicrotation", "rotation"},
-        {"iridescence", "thinfilm"},
-        {"thinfilmweight", "thinfilm"},
-        {"iridescenceior", "thinfilmior"},
-        {"iridescencethickness", "thinfilmthickness"},
+    static const struct {
+        const char *meaning, *names;
+    } same[] = {
+        {"metallic", "basemetalness metalness"},
+        {"roughness", "specularroughness"},
+        {"ior", "specularior intior"},
+        {"specular", "specularweight"},
+        {"clearcoat", "coat coatweight"},
+        {"clearcoatroughness", "coatroughness"},
+        {"clearcoatior", "coatior"},
+        {"clearcoatcolor", "coatcolor coattint"},
+        {"sheen", "fuzzweight"},
+        {"sheencolor", "fuzzcolor"},
+        {"sheenroughness", "fuzzroughness"},
+        {"basecolor", "diffusecolor diffusereflectance"},
+        {"base", "baseweight"},
+        {"diffuseroughness", "basediffuseroughness"},
+        {"anisotropy", "specularroughnessanisotropy specularanisotropy anisotropic anisotropystrength"},
+        {"rotation", "specularrotation anisotropyrotation anisotropicrotation"},
+        {"clearcoatanisotropy", "coatroughnessanisotropy coatanisotropy"},
+        {"clearcoatrotation", "coatrotation"},
+        {"speculartint", "spectint"},
+        {"thinfilm", "iridescence thinfilmweight"},
+        {"thinfilmior", "iridescenceior"},
+        {"thinfilmthickness", "iridescencethickness"},
     };
     size_t n = 0;
     for (; *name && n < MEANING - 1; ++name)
@@ -97,8 +87,8 @@ static void get_meaning(const char *name, char meaning[MEANING]) {
             meaning[n++] = (char)tolower((unsigned char)*name);
     meaning[n] = 0;
     for (size_t i = 0; i < sizeof same / sizeof *same; ++i)
-        if (strcmp(meaning, same[i][0]) == 0) {
-            snprintf(meaning, MEANING, "%s", same[i][1]);
+        if (nqm_contains_word(same[i].names, meaning, false)) {
+            snprintf(meaning, MEANING, "%s", same[i].meaning);
             return;
         }
 }

@@ -287,12 +287,6 @@ static void add_pair(expansion *e, nqm_named_pair pair, const char *name, size_t
     reflect(&added->pair.test, &added->is_owned[1]);
 }
 
-/* The materials of a file of several; NULL: it is another argument. */
-static const nqm_materials *read_library(const char *argument) {
-    const nqm_materials *materials = parsed_materials(argument);
-    return materials && nqm_materials_count(materials) > 1 ? materials : NULL;
-}
-
 static void add_materials(expansion *e, const nqm_named_pair *pair, const char *name, size_t origin,
                           const nqm_materials *ref, const nqm_materials *test) {
     const nqm_materials *named = ref ? ref : test;
