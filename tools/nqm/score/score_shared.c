@@ -294,13 +294,15 @@ static const struct {
     const char *name;
     enum { REAL, COUNT, FLAG } kind;
     size_t offset;
-} score_members[] = {{"jod", REAL, offsetof(nqm_score_result, jod)},
-                     {"jod_low", REAL, offsetof(nqm_score_result, jod_low)},
-                     {"jod_high", REAL, offsetof(nqm_score_result, jod_high)},
-                     {"delta_e_itp", REAL, offsetof(nqm_score_result, delta_e)},
-                     {"identical", FLAG, offsetof(nqm_score_result, identical)},
-                     {"n_valid", COUNT, offsetof(nqm_score_result, n_valid)},
-                     {"novelty", REAL, offsetof(nqm_score_result, novelty)}};
+} score_members[] = {
+    {"jod", REAL, offsetof(nqm_score_result, jod)},
+    {"jod_low", REAL, offsetof(nqm_score_result, jod_low)},
+    {"jod_high", REAL, offsetof(nqm_score_result, jod_high)},
+    {"delta_e_itp", REAL, offsetof(nqm_score_result, delta_e)},
+    {"identical", FLAG, offsetof(nqm_score_result, identical)},
+    {"n_valid", COUNT, offsetof(nqm_score_result, n_valid)},
+    {"novelty", REAL, offsetof(nqm_score_result, novelty)},
+};
 enum { N_SCORE_MEMBERS = sizeof score_members / sizeof *score_members };
 
 char *score_columns(const char *first, const nqm_model *model, const bool *metrics, const char *texture,
