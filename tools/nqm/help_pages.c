@@ -12,8 +12,8 @@
 
 /* ---- templates --------------------------------------------------------------------------------------------------- */
 
-extern const char help_bash[], help_zsh[], help_fish[], help_man[],
-    help_overview[]; /* help/ (cmake/embed_text.cmake) */
+/* The texts of help/ (cmake/embed_text.cmake). */
+extern const char help_bash[], help_zsh[], help_fish[], help_man[], help_overview[];
 
 /* The values that an option may have, the names of models, or NULL: files. */
 static const char *const *offered(const help_row *row) {
