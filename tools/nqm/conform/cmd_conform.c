@@ -204,7 +204,7 @@ static void print_remarks(const score_run *run) {
 
 /* The result; name: of the values. */
 static void compare(conform_result *r, const char *name, const float *values) {
-    const suspect none = {.mistakes = 0};
+    const suspect none = {.n_faults = 0};
     const conform_kit *kit = r->kit;
     nqm_score_result *results = allocate(kit->n_sets, sizeof *results);
     r->run.options = plain_score_options();
@@ -243,7 +243,7 @@ static conform_kit *round_kit(const conform_kit *kit) {
 
 /* The lowest JOD of a kit's values without a mistake. */
 static double lowest_of_kit(const conform_kit *kit, const conform_kit *rounded) {
-    const suspect none = {.mistakes = 0};
+    const suspect none = {.n_faults = 0};
     const nqm_score_options options = nqm_score_options_default();
     float *values = allocate(3 * kit->n_sets * kit->n_directions, sizeof *values);
     nqm_score_result *results = allocate(kit->n_sets, sizeof *results);
@@ -284,6 +284,7 @@ static int prove_kit(const conform_kit *kit, result_format format) {
         ++n_seen;
         n_first += rank == 0;
         n_three += rank < 3;
+        describe_suspect(kit, &list[t]);
         if (rank)
             json_array_append_new(missed, json_string(list[t].text));
     }

@@ -46,9 +46,6 @@ static inline double *kit_directions(const conform_kit *kit, size_t turn, size_t
 }
 /** Whether a key sets the width of a lobe: roughness, alpha, gloss. */
 bool is_width_key(const nqm_spec_key *key);
-/** f_r of a set at the directions, rgb (n_directions, 3), with mistakes; values: of the set, or changed ones. */
-void sample_set(const conform_kit *kit, const kit_set *set, const nqm_spec_values *values, nqm_mistakes mistakes,
-                float *rgb);
 
 /* ---- files (kit_write.c) ----------------------------------------------------------------------------------------- */
 
@@ -67,22 +64,28 @@ float *run_command(const conform_kit *kit, const char *line);
 
 /* ---- mistakes (suspects.c) --------------------------------------------------------------------------------------- */
 
-enum { MAX_SUSPECTS = 200, SUSPECT_TEXT = 320, MAX_CHANGES = 2 };
+enum { MAX_SUSPECTS = 400, SUSPECT_TEXT = 400, MAX_FAULTS = 2 };
 
-/** What a shader may do wrong: mistakes in formulas, and changes of parameters. */
+/** What a shader may do wrong: up to two mistakes in formulas or in the use of parameters, and channels that are mixed. */
 typedef struct suspect {
-    nqm_mistakes mistakes;
-    size_t n_changes;
-    struct {
-        size_t key, how; /* index of property_mistakes */
-    } change[MAX_CHANGES];
+    size_t n_faults;
+    struct fault {
+        size_t key;    /* of the schema; its n_keys: a formula */
+        size_t how;    /* index of property_mistakes, or NQM_MISTAKE_... */
+        double amount; /* a limit or an exponent; 0: it has none */
+        size_t base;   /* the key of the base whose value is taken */
+    } faults[MAX_FAULTS];
+    bool mixes;
+    double channels[3][3]; /* (of the values, of the model's): what is made of red, green and blue where `mixes` */
     char text[SUSPECT_TEXT];
     double left;   /* mean absolute difference of log(f_r + 0.003) that remains */
     double lowest; /* JOD of the worst set that remains; NaN: not computed */
 } suspect;
 
-/** All that the model can have, and first none: `n` of them; free() the array. */
+/** All that the model can have with one fault, some with several amounts, and first none: `n` of them; free() the array. */
 suspect *list_suspects(const conform_kit *kit, size_t *n);
+/** Write the text. */
+void describe_suspect(const conform_kit *kit, suspect *s);
 /** Values of a set as a suspect makes them. */
 void sample_suspect(const conform_kit *kit, size_t set, const suspect *s, float *rgb);
 /** Values that suspects are to explain. */
