@@ -16,8 +16,17 @@ static bool is_in(const nqm_mistakes *mistakes, int mistake) {
 static double change(double v, const nqm_mistakes *m, double cos_i, double cos_o) {
     v *= is_in(m, NQM_MISTAKE_TIMES_PI) ? NQM_PI : is_in(m, NQM_MISTAKE_DIVIDED_BY_PI) ? 1 / NQM_PI : 1;
     v *= is_in(m, NQM_MISTAKE_COSINE_INCLUDED) ? cos_i : is_in(m, NQM_MISTAKE_COSINE_OF_VIEWER) ? cos_o : 1;
-    v = is_in(m, NQM_MISTAKE_CLAMPED) ? fmin(v, m->limit) : v;
+    v = is_in(m, NQM_MISTAKE_CLAMPED) ? fmin(v, m->amount) : v;
     return is_in(m, NQM_MISTAKE_ENCODED) ? nqm_linear_to_srgb(v) : v;
+}
+
+/* What is added to a channel. */
+static double leak_into(size_t channel, const nqm_mistakes *m, const double *rgb) {
+    static const size_t to[] = {1, 2, 0, 2, 0, 1};
+    for (size_t k = 0; k < 6; ++k)
+        if (is_in(m, NQM_MISTAKE_LEAK_RED_TO_GREEN + (int)k) && to[k] == channel)
+            return m->amount * rgb[k / 2];
+    return 0;
 }
 
 void nqm_mistaken_eval(const nqm_analytic_model *model, const nqm_spec_values *values, const nqm_mistakes *mistakes,
@@ -39,8 +48,8 @@ void nqm_mistaken_eval(const nqm_analytic_model *model, const nqm_spec_values *v
                            piece);
         for (size_t i = at; i < end; ++i)
             for (size_t c = 0; c < 3; ++c) {
-                const size_t from = is_in(mistakes, NQM_MISTAKE_CHANNELS_REVERSED) ? 2 - c : c;
-                const double v = piece[3 * (i - at) + from];
+                const size_t from = mistakes->channels ? nqm_channel_of(mistakes->channels[c]) : c;
+                const double v = piece[3 * (i - at) + from] + leak_into(c, mistakes, piece + 3 * (i - at));
                 rgb[3 * i + c] = v > 0 && isfinite(v) ? (float)change(v, mistakes, wi[3 * i + 2], wo[3 * i + 2]) : 0;
             }
     }

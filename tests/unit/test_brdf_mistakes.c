@@ -44,7 +44,8 @@ static void evaluate(const char *spec, uint64_t made, const double *wi, const do
     nqm_spec_values values;
     assert_non_null(model);
     assert_int_equal(nqm_spec_parse(&model->schema, spec + n + 1, &values, NULL), NQM_OK);
-    nqm_mistaken_eval(model, &values, &(nqm_mistakes){made, 4, 0.2}, N, wi, wo, rgb);
+    nqm_mistaken_eval(model, &values, &(nqm_mistakes){made, made == (uint64_t)1 << NQM_MISTAKE_CLAMPED ? 0.2 : 4}, N,
+                      wi, wo, rgb);
 }
 
 TEST(models_without_mistakes_are_the_models) {

@@ -68,7 +68,12 @@
     X(TIMES_PI, "the values are pi times too large")                                                                   \
     X(DIVIDED_BY_PI, "the values are divided by pi")                                                                   \
     X(EXCHANGED, "light and viewer are exchanged")                                                                     \
-    X(CHANNELS_REVERSED, "red and blue are exchanged")                                                                 \
+    X(LEAK_RED_TO_GREEN, "red is added to green, times")                                                               \
+    X(LEAK_RED_TO_BLUE, "red is added to blue, times")                                                                 \
+    X(LEAK_GREEN_TO_RED, "green is added to red, times")                                                               \
+    X(LEAK_GREEN_TO_BLUE, "green is added to blue, times")                                                             \
+    X(LEAK_BLUE_TO_RED, "blue is added to red, times")                                                                 \
+    X(LEAK_BLUE_TO_GREEN, "blue is added to green, times")                                                             \
     X(ENCODED, "the values are encoded as sRGB")                                                                       \
     X(CLAMPED, "the values are clamped at")
 
@@ -78,8 +83,9 @@ enum {
 };
 /** A set of mistakes. */
 typedef struct nqm_mistakes {
-    uint64_t made;          /**< the bits 1 << NQM_MISTAKE_... */
-    double exponent, limit; /**< of SCHLICK_EXPONENT and CLAMPED */
+    uint64_t made;        /**< the bits 1 << NQM_MISTAKE_... */
+    double amount;        /**< of SCHLICK_EXPONENT, CLAMPED or LEAK_... */
+    const char *channels; /**< "rrb": the channels that are red, green and blue; NULL: the right ones */
 } nqm_mistakes;
 
 /* ---- wrong values of properties ---------------------------------------------------------------------------------- */
@@ -90,6 +96,10 @@ typedef struct nqm_property_mistake {
     double (*apply)(double x); /**< NULL: no function of the value */
 } nqm_property_mistake;
 
+/** The number of a channel, 'r', 'g' or 'b'. */
+static inline size_t nqm_channel_of(char name) {
+    return name == 'r' ? 0 : name == 'g' ? 1 : 2;
+}
 static inline double nqm_square(double x) {
     return x * x;
 }
@@ -112,7 +122,7 @@ static inline double nqm_negate(double x) {
 
 struct nqm_analytic_model;
 struct nqm_spec_values;
-/** What a mistake does, for people; its exponent or limit follows. mistake < NQM_N_MISTAKES. */
+/** What a mistake does, for people; its amount follows. mistake < NQM_N_MISTAKES. */
 const char *nqm_mistake_words(size_t mistake);
 /** Evaluate a shading model with mistakes: rgb (n, 3) receives f_r in 1/sr as float32, at least 0, and 0 for values that are not
  *  finite. wi, wo: (n, 3) above the horizon. model: a shading model; any thread. */

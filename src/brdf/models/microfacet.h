@@ -265,7 +265,7 @@ static inline double separable_beckmann(double tan2_h, double cos_i, double cos_
 
 static inline double power5(double x) {
     double x2 = x * x;
-    IF_MISTAKEN(if (MISTAKEN(SCHLICK_EXPONENT)) return pow(x, nqm_mistakes_made.exponent);)
+    IF_MISTAKEN(if (MISTAKEN(SCHLICK_EXPONENT)) return pow(x, nqm_mistakes_made.amount);)
     return x2 * x2 * x;
 }
 

@@ -64,25 +64,26 @@ float *run_command(const conform_kit *kit, const char *line);
 
 /* ---- mistakes (suspects.c) --------------------------------------------------------------------------------------- */
 
-enum { MAX_SUSPECTS = 400, SUSPECT_TEXT = 400, MAX_FAULTS = 2 };
+enum { MAX_SUSPECTS = 400, SUSPECT_TEXT = 400, MAX_FLAWS = 2 };
 
-/** What a shader may do wrong: up to two mistakes in formulas or in the use of parameters, and channels that are mixed. */
+/** A mistake in a formula, in the use of a parameter, or of channels. */
+typedef struct flaw {
+    size_t key;    /* of the schema; its n_keys: formulas and values */
+    size_t how;    /* index of property_mistakes, or NQM_MISTAKE_..., and beyond them of channels */
+    double amount; /* a limit, an exponent or a factor; 0: it has none */
+    size_t base;   /* the key of the base whose value is taken */
+} flaw;
+
+/** What a shader may do wrong. */
 typedef struct suspect {
-    size_t n_faults;
-    struct fault {
-        size_t key;    /* of the schema; its n_keys: a formula */
-        size_t how;    /* index of property_mistakes, or NQM_MISTAKE_... */
-        double amount; /* a limit or an exponent; 0: it has none */
-        size_t base;   /* the key of the base whose value is taken */
-    } faults[MAX_FAULTS];
-    bool mixes;
-    double channels[3][3]; /* (of the values, of the model's): what is made of red, green and blue where `mixes` */
+    size_t n_flaws;
+    flaw flaws[MAX_FLAWS];
     char text[SUSPECT_TEXT];
     double left;   /* mean absolute difference of log(f_r + 0.003) that remains */
     double lowest; /* JOD of the worst set that remains; NaN: not computed */
 } suspect;
 
-/** All that the model can have with one fault, some with several amounts, and first none: `n` of them; free() the array. */
+/** All that the model can have with one flaw, some with several amounts, and first none: `n` of them; free() the array. */
 suspect *list_suspects(const conform_kit *kit, size_t *n);
 /** Write the text. */
 void describe_suspect(const conform_kit *kit, suspect *s);
@@ -101,5 +102,10 @@ void compare_suspects(const conform_kit *kit, size_t n, const suspect *suspects,
  *  nine tenths of the difference are none. found (n_found) receives them; their number is returned; `none`: what
  *  remains without a mistake. 0: values differ by no more than float32 does. Where one leaves a difference, two are tried. */
 size_t find_suspects(const conform_kit *kit, const float *values, size_t n_found, suspect *found, double *none);
+
+/* ---- facts (facts.c) --------------------------------------------------------------------------------------------- */
+
+/** What is known of the sets that fail (n_sets): {"sets", "angles", "largest"}, each {"text", ..} if there is something to say. */
+json_t *list_facts(const conform_kit *kit, const float *values, const bool *fails);
 
 #endif
