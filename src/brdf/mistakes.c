@@ -20,13 +20,12 @@ static double change(double v, const nqm_mistakes *m, double cos_i, double cos_o
     return is_in(m, NQM_MISTAKE_ENCODED) ? nqm_linear_to_srgb(v) : v;
 }
 
-/* What is added to a channel. */
+/* What leaks into a channel. */
 static double leak_into(size_t channel, const nqm_mistakes *m, const double *rgb) {
-    static const size_t to[] = {1, 2, 0, 2, 0, 1};
-    for (size_t k = 0; k < 6; ++k)
-        if (is_in(m, NQM_MISTAKE_LEAK_RED_TO_GREEN + (int)k) && to[k] == channel)
-            return m->amount * rgb[k / 2];
-    return 0;
+    double sum = 0;
+    for (size_t k = 0; k < 6; ++k) /* each channel into the next, and into the one after it */
+        sum += is_in(m, NQM_MISTAKE_LEAK_RED_TO_GREEN + (int)k) && (k / 2 + 1 + k % 2) % 3 == channel ? rgb[k / 2] : 0;
+    return m->amount * sum;
 }
 
 void nqm_mistaken_eval(const nqm_analytic_model *model, const nqm_spec_values *values, const nqm_mistakes *mistakes,

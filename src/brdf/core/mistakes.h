@@ -70,8 +70,8 @@
     X(EXCHANGED, "light and viewer are exchanged")                                                                     \
     X(LEAK_RED_TO_GREEN, "red is added to green, times")                                                               \
     X(LEAK_RED_TO_BLUE, "red is added to blue, times")                                                                 \
-    X(LEAK_GREEN_TO_RED, "green is added to red, times")                                                               \
     X(LEAK_GREEN_TO_BLUE, "green is added to blue, times")                                                             \
+    X(LEAK_GREEN_TO_RED, "green is added to red, times")                                                               \
     X(LEAK_BLUE_TO_RED, "blue is added to red, times")                                                                 \
     X(LEAK_BLUE_TO_GREEN, "blue is added to green, times")                                                             \
     X(ENCODED, "the values are encoded as sRGB")                                                                       \

@@ -25,13 +25,6 @@ typedef struct conform_result {
     size_t n_shown; /* sets in tables */
 } conform_result;
 
-static void write_rows(const conform_kit *kit, const char *path) {
-    output_file out;
-    open_output(path, &out);
-    write_kit_rows(kit, out.stream);
-    close_output(&out);
-}
-
 /* Rows for the results of the sets. */
 static void make_rows(conform_result *r, const char *name, const nqm_score_result *results) {
     const conform_kit *kit = r->kit;
@@ -235,27 +228,6 @@ static conform_kit *round_kit(const conform_kit *kit) {
     return rounded;
 }
 
-/* The lowest JOD of a kit's values without a mistake. */
-static double lowest_of_kit(const conform_kit *kit, const conform_kit *rounded) {
-    const suspect none = {.n_flaws = 0};
-    float *values = allocate(3 * kit->n_sets * kit->n_directions, sizeof *values);
-    nqm_score_result *results = allocate(kit->n_sets, sizeof *results);
-    for (size_t set = 0; set < kit->n_sets; ++set)
-        sample_suspect(rounded, set, &none, values + 3 * set * kit->n_directions);
-    const double lowest = score_values(kit, values, &none, results);
-    free(results);
-    free(values);
-    return lowest;
-}
-
-/* How many suspects explain the values of suspect t better than itself; those with equal values (to float32) count as itself. */
-static size_t rank_of(size_t n, size_t t, const double *left) {
-    size_t rank = 0;
-    for (size_t s = 0; s < n; ++s)
-        rank += left[s] < left[t] - 1e-6;
-    return rank;
-}
-
 /* Prove the kit: the model's own values, from directions and parameters in float32 as a shader gets them, pass, and each mistake is
  * named from its values. Returns the exit code. */
 static int prove_kit(const conform_kit *kit, result_format format) {
@@ -265,12 +237,18 @@ static int prove_kit(const conform_kit *kit, result_format format) {
     conform_kit *rounded = round_kit(kit);
     double *left = allocate(n * n, sizeof *left);
     json_t *missed = json_array();
-    const double lowest = lowest_of_kit(kit, rounded);
+    float *values = allocate(3 * kit->n_sets * kit->n_directions, sizeof *values);
+    nqm_score_result *results = allocate(kit->n_sets, sizeof *results);
+    for (size_t set = 0; set < kit->n_sets; ++set)
+        sample_suspect(rounded, set, &list[0], values + 3 * set * kit->n_directions);
+    const double lowest = score_values(kit, values, &list[0], results);
     compare_suspects(kit, n, list, &(suspect_targets){.n = n, .planted = rounded}, left);
     for (size_t t = 1; t < n; ++t) {
         if (left[t * n] < noticed) /* this model does not have it */
             continue;
-        const size_t rank = rank_of(n, t, left + t * n);
+        size_t rank = 0; /* those with equal values (to float32) count as itself */
+        for (size_t other = 0; other < n; ++other)
+            rank += left[t * n + other] < left[t * n + t] - 1e-6;
         ++n_seen;
         n_first += rank == 0;
         n_three += rank < 3;
@@ -289,6 +267,8 @@ static int prove_kit(const conform_kit *kit, result_format format) {
     else
         print_members(document);
     free_kit_copy(rounded);
+    free(results);
+    free(values);
     free(left);
     free(list);
     return passes ? EXIT_OK : EXIT_GATE;
@@ -357,8 +337,12 @@ int cmd_conform(int argc, char **argv) {
     check_usage(n_arguments);
     conform_kit *kit = make_kit(argv[0], keys);
     int exit_code = EXIT_OK;
-    if (rows)
-        write_rows(kit, rows);
+    if (rows) {
+        output_file out;
+        open_output(rows, &out);
+        write_kit_rows(kit, out.stream);
+        close_output(&out);
+    }
     if (shader)
         write_kit_shader(kit, shader);
     if (is_self)

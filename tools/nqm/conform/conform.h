@@ -71,7 +71,7 @@ typedef struct flaw {
     size_t key;    /* of the schema; its n_keys: formulas and values */
     size_t how;    /* index of property_mistakes, or NQM_MISTAKE_..., and beyond them of channels */
     double amount; /* a limit, an exponent or a factor; 0: it has none */
-    size_t base;   /* the key of the base whose value is taken */
+    size_t other;  /* key whose value it has */
 } flaw;
 
 /** What a shader may do wrong. */

@@ -46,46 +46,46 @@ static double choices(size_t n, size_t k) {
     return (lgamma((double)n + 1) - lgamma((double)k + 1) - lgamma((double)(n - k) + 1)) / log(2);
 }
 
-/* One or two conditions that all failing sets have and few others; NULL: none. They are told if that is no coincidence: they and
- * their exceptions take fewer bits to name than the failing sets, with five to spare. */
+/* One or two conditions that all failing sets have and few others; NULL: none. They are told if that is no coincidence: to name them,
+ * and the failing ones of the sets that have them, takes fewer bits than to name the failing ones of all, and five to spare. */
 static json_t *separate_sets(const conform_kit *kit, const bool *fails, size_t n_fails) {
-    const size_t n_keys = kit->model->schema.n_keys, n_passed = kit->n_sets - n_fails;
+    const size_t n_keys = kit->model->schema.n_keys;
     double least = choices(kit->n_sets, n_fails) - 5;
-    condition found[2];
-    size_t n_found = 0, n_exceptions[2] = {n_passed, n_passed};
+    condition c[2] = {{0}};
+    size_t n_found = 0, n_exceptions = SIZE_MAX;
     for (size_t n = 0; n < 2; ++n) {
-        condition c[2] = {found[0]};
+        condition best = {0};
+        size_t fewest = SIZE_MAX;
         for (size_t i = 0; i < n_keys * kit->n_sets * N_KINDS; ++i) {
             const size_t key = i / N_KINDS / kit->n_sets;
             c[n] = (condition){key, i % N_KINDS, most_of(&kit->sets[i / N_KINDS % kit->n_sets], key)};
             const size_t exceptions = count_exceptions(kit, fails, n + 1, c);
-            if (exceptions < n_exceptions[n]) {
-                n_exceptions[n] = exceptions;
-                found[n] = c[n];
-            }
+            best = exceptions < fewest ? c[n] : best;
+            fewest = nqm_smaller(fewest, exceptions);
         }
-        const double bits = (double)(n + 1) * log2((double)(N_KINDS * n_keys)) + choices(n_passed, n_exceptions[n]);
-        if (2 * n_exceptions[n] >= n_passed)
-            break;
-        n_found = bits < least ? n + 1 : n_found;
-        least = fmin(least, bits);
+        c[n] = best;
+        const double bits = (double)(n + 1) * log2((double)(N_KINDS * n_keys)) + choices(n_fails + fewest, n_fails);
+        if (fewest < SIZE_MAX && bits < least) {
+            n_found = n + 1;
+            n_exceptions = fewest;
+            least = bits;
+        }
     }
     char words[2][128] = {"", ""};
     for (size_t i = 0; i < n_found; ++i) {
-        const nqm_spec_key *key = &kit->model->schema.keys[found[i].key];
-        const bool is_changed = found[i].kind == CHANGED, is_above = found[i].kind == ABOVE;
-        snprintf(words[i], sizeof *words, is_changed ? "%s%s other than its default" : "%s%s %c %g",
-                 is_changed || key->n == 1 ? ""
-                 : is_above                ? "a value of "
-                                           : "all values of ",
-                 key->name, is_above ? '>' : '<', found[i].limit);
+        const nqm_spec_key *key = &kit->model->schema.keys[c[i].key];
+        const char *which = key->n == 1 ? "" : c[i].kind == ABOVE ? "a value of " : "all values of ";
+        if (c[i].kind == CHANGED)
+            snprintf(words[i], sizeof *words, "%s other than its default", key->name);
+        else
+            snprintf(words[i], sizeof *words, "%s%s %c %g", which, key->name, c[i].kind == ABOVE ? '>' : '<',
+                     c[i].limit);
     }
     return !n_found ? NULL
-                    : json_pack("{s:o,s:[s,s*]}", "text",
+                    : json_pack("{s:o}", "text",
                                 json_sprintf("All %zu sets that fail have %s%s%s; so have %zu of the %zu that pass.",
-                                             n_fails, words[0], n_found > 1 ? " and " : "", words[1],
-                                             n_exceptions[n_found - 1], n_passed),
-                                "conditions", words[0], n_found > 1 ? words[1] : NULL);
+                                             n_fails, words[0], n_found > 1 ? " and " : "", words[1], n_exceptions,
+                                             kit->n_sets - n_fails));
 }
 
 /* ---- directions -------------------------------------------------------------------------------------------------- */
@@ -102,32 +102,28 @@ static double angle_deg(const conform_kit *kit, size_t direction, size_t angle) 
 
 /* The side of an angle where most of the difference is, and few directions are; difference: fraction at each; NULL: none. */
 static json_t *find_angle(const conform_kit *kit, const double *difference) {
-    enum { STEP_DEG = 5, N_SIDES = 2 * 90 / STEP_DEG };
-    const size_t n = kit->n_directions;
-    double best[2] = {0.4, 0}; /* fractions of difference and directions */
-    size_t angle = N_ANGLES, side = 0;
-    for (size_t a = 0; a < N_ANGLES; ++a)
-        for (size_t k = 2; k < N_SIDES; ++k) { /* below and above each step */
-            double of[2] = {0};
-            for (size_t i = 0; i < n; ++i)
-                if ((angle_deg(kit, i, a) > (double)(k / 2 * STEP_DEG)) == k % 2) {
-                    of[0] += difference[i];
-                    of[1] += 1 / (double)n;
-                }
-            if (of[0] - of[1] > best[0] - best[1]) {
-                memcpy(best, of, sizeof best);
-                angle = a;
-                side = k;
+    enum { STEP_DEG = 5, N_SIDES = 2 * 90 / STEP_DEG }; /* below and above each step */
+    double best[2] = {0.4, 0};                          /* fractions of difference and directions */
+    size_t found = 0;
+    for (size_t k = 0; k < N_ANGLES * N_SIDES; ++k) {
+        const double limit = (double)(k % N_SIDES / 2 * STEP_DEG);
+        double of[2] = {0};
+        for (size_t i = 0; i < kit->n_directions; ++i)
+            if ((angle_deg(kit, i, k / N_SIDES) > limit) == k % 2) {
+                of[0] += difference[i];
+                of[1] += 1 / (double)kit->n_directions;
             }
+        if (of[0] - of[1] > best[0] - best[1]) {
+            memcpy(best, of, sizeof best);
+            found = k;
         }
-    return angle == N_ANGLES
-               ? NULL
-               : json_pack(
-                     "{s:o,s:f,s:f}", "text",
-                     json_sprintf("%.0f %% of their difference is where %s %c %zu degrees: %.0f %% of the directions.",
-                                  100 * best[0], angle_names[angle], side % 2 ? '>' : '<', side / 2 * STEP_DEG,
-                                  100 * best[1]),
-                     "of_difference", best[0], "of_directions", best[1]);
+    }
+    return !found ? NULL
+                  : json_pack("{s:o}", "text",
+                              json_sprintf(
+                                  "%.0f %% of their difference is where %s %c %zu degrees: %.0f %% of the directions.",
+                                  100 * best[0], angle_names[found / N_SIDES], found % 2 ? '>' : '<',
+                                  found % N_SIDES / 2 * STEP_DEG, 100 * best[1]));
 }
 
 json_t *list_facts(const conform_kit *kit, const float *values, const bool *fails) {

@@ -7,12 +7,11 @@
 #include "nqm/conform/conform.h"
 
 #include <math.h>
-#include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
 
-enum { IGNORED, ABSENT, OF_BASE, RAISED, LOWERED, SQUARED, ROOT, DECODED, NOT_DECODED, INVERTED, FLIPPED, FACTOR };
+enum { IGNORED, ABSENT, EXCHANGED, RAISED, SQUARED, ROOT, DECODED, NOT_DECODED, INVERTED, FLIPPED, FACTOR };
 static const struct {
     const char *text;
     double (*apply)(double x);
@@ -20,9 +19,8 @@ static const struct {
 } property_mistakes[] = {
     [IGNORED] = {.text = " is ignored (its default is used)"},
     [ABSENT] = {.text = " is taken as 0"},
-    [OF_BASE] = {.text = " is taken from "},
+    [EXCHANGED] = {.text = " has the value of "},
     [RAISED] = {.text = " is raised to at least"},
-    [LOWERED] = {.text = " is lowered to at most"},
     NQM_PROPERTY_MISTAKES,
     [FACTOR] = {.text = " is multiplied by pi / 180, as if it were in degrees", .factor = NQM_PI / 180},
     {.text = " is multiplied by 180 / pi, to degrees", .factor = 180 / NQM_PI},
@@ -43,35 +41,20 @@ static const char *reading_of(const nqm_spec_schema *schema, const flaw *f) {
 
 /* ---- the list ---------------------------------------------------------------------------------------------------- */
 
-/* The key of the base with the ending of a layer's key, as specular_roughness for coat_roughness; n_keys: none. */
-static size_t base_key_of(const nqm_spec_schema *schema, size_t k) {
-    const char *ending = schema->keys[k].name + strcspn(schema->keys[k].name, "_ABCDEFGHIJKLMNOPQRSTUVWXYZ");
-    const size_t n = strlen(ending += *ending == '_');
-    for (size_t j = 0; n && nqm_fit_describe(schema, k).layer != k && j < schema->n_keys; ++j) {
-        const char *name = schema->keys[j].name;
-        if (nqm_fit_describe(schema, j).layer == j && !nqm_fit_is_layer(&schema->keys[j]) && strlen(name) >= n &&
-            strcasecmp(name + strlen(name) - n, ending) == 0 && !strstr(name, "diffuse_"))
-            return j;
-    }
-    return schema->n_keys;
-}
-
-static bool is_possible(const nqm_spec_schema *schema, size_t k, size_t how) {
-    const nqm_spec_key *key = &schema->keys[k];
-    const bool is_rotation = key->low < 0, is_amount = !is_rotation && key->turns, is_gloss = strstr(key->name, "loss");
+static bool is_possible(const nqm_spec_key *key, size_t how) {
+    const bool is_rotation = key->low < 0, is_amount = !is_rotation && key->turns;
     switch (how) {
     case IGNORED:
         return !key->required;
     case ABSENT:
         return key->n == 1 && key->low <= 0 && key->fallback != 0 && !key->whole && !is_width_key(key);
-    case OF_BASE:
-        return base_key_of(schema, k) < schema->n_keys;
+    case EXCHANGED:
+        return false; /* needs another key */
     case SQUARED:
     case ROOT:
         return is_width_key(key) || is_amount;
     case RAISED:
-    case LOWERED:
-        return is_width_key(key) && is_gloss == (how == LOWERED);
+        return is_width_key(key) && !strstr(key->name, "loss"); /* of roughness */
     case INVERTED:
         return is_width_key(key);
     case DECODED:
@@ -83,20 +66,22 @@ static bool is_possible(const nqm_spec_schema *schema, size_t k, size_t how) {
 }
 
 /* A suspect for each amount that is tried: refine() finds those between. */
-static void add_suspects(const nqm_spec_schema *schema, size_t key, size_t how, suspect *list, size_t *n) {
-    const bool is_key = key < schema->n_keys;
-    flaw f = {.key = key, .how = how, .base = is_key && how == OF_BASE ? base_key_of(schema, key) : 0};
-    double factor = 2;
-    if (is_key ? how == RAISED : how >= NQM_MISTAKE_LEAK_RED_TO_GREEN && how <= NQM_MISTAKE_LEAK_BLUE_TO_GREEN)
-        f.amount = 0.05;
-    else if (is_key && how == LOWERED)
-        f.amount = 0.95, factor = 0.75;
-    else if (!is_key && how == NQM_MISTAKE_SCHLICK_EXPONENT)
-        f.amount = 3, factor = 1.4;
-    else if (!is_key && how == NQM_MISTAKE_CLAMPED)
-        f.amount = 1, factor = 4;
+static void add_suspects(flaw f, bool is_formula, suspect *list, size_t *n) {
+    const bool is_exponent = is_formula && f.how == NQM_MISTAKE_SCHLICK_EXPONENT,
+               is_limit = is_formula && f.how == NQM_MISTAKE_CLAMPED,
+               is_leak =
+                   is_formula && f.how >= NQM_MISTAKE_LEAK_RED_TO_GREEN && f.how <= NQM_MISTAKE_LEAK_BLUE_TO_GREEN;
+    const double factor = is_exponent ? 1.4 : is_limit ? 4 : 2;
+    f.amount = is_exponent ? 3 : is_limit ? 1 : is_leak || (!is_formula && f.how == RAISED) ? 0.05 : 0;
     for (size_t i = 0; i < (f.amount == 0 ? 1 : 4) && *n < MAX_SUSPECTS; ++i, f.amount *= factor)
         list[(*n)++] = (suspect){.n_flaws = 1, .flaws[0] = f};
+}
+
+/* Whether a key of a layer may have the value of another key by mistake: coat_ior that of specular_ior. */
+static bool is_alike(const nqm_spec_schema *schema, size_t layer_key, size_t k) {
+    const nqm_spec_key *a = &schema->keys[layer_key], *b = &schema->keys[k];
+    return nqm_fit_describe(schema, layer_key).layer != layer_key && a != b && a->n == b->n &&
+           strcasecmp(a->name + strlen(a->name) - 3, b->name + strlen(b->name) - 3) == 0;
 }
 
 suspect *list_suspects(const conform_kit *kit, size_t *n) {
@@ -104,42 +89,40 @@ suspect *list_suspects(const conform_kit *kit, size_t *n) {
     suspect *list = allocate(MAX_SUSPECTS, sizeof *list);
     *n = 1;
     for (size_t how = 0; how < NQM_N_MISTAKES + N_READINGS; ++how)
-        add_suspects(schema, schema->n_keys, how, list, n);
-    for (size_t k = 0; k < schema->n_keys; ++k)
+        add_suspects((flaw){.key = schema->n_keys, .how = how}, true, list, n);
+    for (size_t k = 0; k < schema->n_keys; ++k) {
         for (size_t how = 0; how < N_PROPERTY_MISTAKES + N_READINGS; ++how)
-            if (is_possible(schema, k, how))
-                add_suspects(schema, k, how, list, n);
+            if (is_possible(&schema->keys[k], how))
+                add_suspects((flaw){.key = k, .how = how}, false, list, n);
+        for (size_t other = 0; other < schema->n_keys; ++other)
+            if (is_alike(schema, k, other))
+                add_suspects((flaw){.key = k, .how = EXCHANGED, .other = other}, false, list, n);
+    }
     return list;
-}
-
-__attribute__((format(printf, 2, 3))) static void append(suspect *s, const char *format, ...) {
-    const size_t at = strlen(s->text);
-    va_list arguments;
-    va_start(arguments, format);
-    vsnprintf(s->text + at, SUSPECT_TEXT - at, format, arguments);
-    va_end(arguments);
 }
 
 void describe_suspect(const conform_kit *kit, suspect *s) {
     const nqm_spec_schema *schema = &kit->model->schema;
-    *s->text = '\0';
+    FILE *out = must_have(fmemopen(s->text, sizeof s->text, "w"));
     for (const flaw *f = s->flaws; f < s->flaws + s->n_flaws; ++f) {
         const nqm_spec_key *key = f->key < schema->n_keys ? &schema->keys[f->key] : NULL;
         /* Roughness is squared once by most models: the common names of the mistakes are those of shaders. */
         const bool is_squared = key && key->n == 1 && strstr(key->name, "oughness");
-        append(s, "%s%s", f > s->flaws ? ", and " : "", key ? key->name : "");
+        fprintf(out, "%s%s", f > s->flaws ? ", and " : "", key ? key->name : "");
         if (reading_of(schema, f))
-            append(s, "%s read as .%s", key ? " is" : "the values are", reading_of(schema, f));
+            fprintf(out, "%s read as .%s", key ? " is" : "the values are", reading_of(schema, f));
         else
-            append(s, "%s%s",
-                   !key                              ? nqm_mistake_words(f->how)
-                   : is_squared && f->how == SQUARED ? " is squared twice"
-                   : is_squared && f->how == ROOT    ? " is not squared"
-                                                     : property_mistakes[f->how].text,
-                   key && f->how == OF_BASE ? schema->keys[f->base].name : "");
+            fputs(!key                              ? nqm_mistake_words(f->how)
+                  : is_squared && f->how == SQUARED ? " is squared twice"
+                  : is_squared && f->how == ROOT    ? " is not squared"
+                                                    : property_mistakes[f->how].text,
+                  out);
+        if (key && f->how == EXCHANGED)
+            fputs(schema->keys[f->other].name, out);
         if (f->amount != 0)
-            append(s, " %.3g", f->amount);
+            fprintf(out, " %.3g", f->amount);
     }
+    fclose(out);
 }
 
 /* ---- their values ------------------------------------------------------------------------------------------------ */
@@ -153,12 +136,10 @@ static double changed(const nqm_spec_schema *schema, const nqm_spec_values *valu
         return schema->keys[f->key].fallback;
     case ABSENT:
         return 0;
-    case OF_BASE:
-        return values->v[f->base][c];
+    case EXCHANGED:
+        return values->v[f->other][c];
     case RAISED:
         return fmax(v[c], f->amount);
-    case LOWERED:
-        return fmin(v[c], f->amount);
     default:
         return f->how < FACTOR ? property_mistakes[f->how].apply(v[c]) : property_mistakes[f->how].factor * v[c];
     }
@@ -320,8 +301,10 @@ static size_t keep_different(const conform_kit *kit, size_t n, suspect *list, do
         describe_suspect(kit, &list[s]);
         if (k == kept)
             found[kept++] = list[s];
-        else if (!is_same_kind(&found[k], &list[s]))
-            append(&found[k], "; or %s", list[s].text);
+        else if (!is_same_kind(&found[k], &list[s])) {
+            const size_t at = strlen(found[k].text);
+            snprintf(found[k].text + at, SUSPECT_TEXT - at, "; or %s", list[s].text);
+        }
     }
     return kept;
 }
