@@ -38,14 +38,18 @@ static void make_pairs(double *wi, double *wo) {
     }
 }
 
-static void evaluate(const char *spec, uint64_t made, const double *wi, const double *wo, float *rgb) {
+static void evaluate_with(const char *spec, nqm_mistakes mistakes, const double *wi, const double *wo, float *rgb) {
     const size_t n = strcspn(spec, ":");
     const nqm_analytic_model *model = nqm_analytic_model_find(spec, n);
     nqm_spec_values values;
     assert_non_null(model);
     assert_int_equal(nqm_spec_parse(&model->schema, spec + n + 1, &values, NULL), NQM_OK);
-    nqm_mistaken_eval(model, &values, &(nqm_mistakes){made, made == (uint64_t)1 << NQM_MISTAKE_CLAMPED ? 0.2 : 4}, N,
-                      wi, wo, rgb);
+    nqm_mistaken_eval(model, &values, &mistakes, N, wi, wo, rgb);
+}
+
+static void evaluate(const char *spec, uint64_t made, const double *wi, const double *wo, float *rgb) {
+    const double amount = made == (uint64_t)1 << NQM_MISTAKE_CLAMPED ? 0.2 : 4;
+    evaluate_with(spec, (nqm_mistakes){made, amount, NULL}, wi, wo, rgb);
 }
 
 TEST(models_without_mistakes_are_the_models) {
@@ -129,10 +133,33 @@ TEST(mistakes_are_what_they_say) {
     evaluate(spec, (uint64_t)1 << NQM_MISTAKE_CLAMPED, wi, wo, wrong);
     for (size_t i = 0; i < 3 * N; ++i)
         assert_true(wrong[i] == fminf(right[i], 0.2F));
-    /* Two at once. */
-    evaluate(spec, (uint64_t)1 << NQM_MISTAKE_TIMES_PI | (uint64_t)1 << NQM_MISTAKE_CHANNELS_REVERSED, wi, wo, wrong);
-    for (size_t i = 0; i < 3 * N; ++i)
-        assert_near((double)wrong[i], NQM_PI * (double)right[i / 3 * 3 + 2 - i % 3], 1e-5 * (double)wrong[i]);
+    /* Two at once, and wrong channels: each mistake sees the right values. */
+    const uint64_t both = (uint64_t)1 << NQM_MISTAKE_TIMES_PI | (uint64_t)1 << NQM_MISTAKE_LEAK_GREEN_TO_BLUE;
+    evaluate_with(spec, (nqm_mistakes){both, 0.5, "bgr"}, wi, wo, wrong);
+    for (size_t i = 0; i < 3 * N; ++i) {
+        const double leak = i % 3 == 2 ? 0.5 * (double)right[i - 1] : 0;
+        assert_near((double)wrong[i], NQM_PI * ((double)right[i / 3 * 3 + 2 - i % 3] + leak), 1e-5 * (double)wrong[i]);
+    }
+}
+
+TEST(leaks_between_channels) {
+    const struct {
+        int mistake;
+        size_t from, to;
+    } leaks[] = {{NQM_MISTAKE_LEAK_RED_TO_GREEN, 0, 1},  {NQM_MISTAKE_LEAK_RED_TO_BLUE, 0, 2},
+                 {NQM_MISTAKE_LEAK_GREEN_TO_BLUE, 1, 2}, {NQM_MISTAKE_LEAK_GREEN_TO_RED, 1, 0},
+                 {NQM_MISTAKE_LEAK_BLUE_TO_RED, 2, 0},   {NQM_MISTAKE_LEAK_BLUE_TO_GREEN, 2, 1}};
+    double wi[3 * N], wo[3 * N];
+    float right[3 * N], wrong[3 * N];
+    make_pairs(wi, wo);
+    evaluate(specs[0], 0, wi, wo, right);
+    for (size_t k = 0; k < 6; ++k) {
+        evaluate_with(specs[0], (nqm_mistakes){(uint64_t)1 << leaks[k].mistake, 0.5, NULL}, wi, wo, wrong);
+        for (size_t i = 0; i < 3 * N; ++i) {
+            const float leak = i % 3 == leaks[k].to ? 0.5F * right[i / 3 * 3 + leaks[k].from] : 0;
+            assert_near((double)wrong[i], (double)(right[i] + leak), 1e-5 * (double)right[i]);
+        }
+    }
 }
 
 /* f = (F0 + (1 - F0) (1 - cos)^p) times the lobe of a metal. */

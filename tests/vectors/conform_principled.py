@@ -89,7 +89,7 @@ MISTAKES = [
     ("eta is ignored", 'm["eta"]', "1.5"),
     ("metallic is ignored", 'm["metallic"]', "0 * m[\"metallic\"]"),
     ("base_color is decoded", 'base, metallic, roughness = m["base_color"]', 'base, metallic, roughness = m["base_color"]**2.2'),
-    ("red and blue", "return color + (1", "color = color + (1", "m[\"sheen_tint\"])\n", "m[\"sheen_tint\"])\n    return color[::-1]\n"),
+    ("^the values are read as .bgr", "return color + (1", "color = color + (1", "m[\"sheen_tint\"])\n", "m[\"sheen_tint\"])\n    return color[::-1]\n"),
     ("cosine of the light", "return color + (1", "color = color + (1", "m[\"sheen_tint\"])\n", "m[\"sheen_tint\"])\n    return color * n_l\n"),
     ("pi times too large", "return color + (1", "color = color + (1", "m[\"sheen_tint\"])\n", "m[\"sheen_tint\"])\n    return color * PI\n"),
 ]

@@ -47,10 +47,10 @@ static double choices(size_t n, size_t k) {
 }
 
 /* One or two conditions that all failing sets have and few others; NULL: none. They are told if that is no coincidence: to name them,
- * and the failing ones of the sets that have them, takes fewer bits than to name the failing ones of all, and five to spare. */
+ * and the failing ones of the sets that have them, takes fewer bits than to name the failing ones of all, and eight to spare. */
 static json_t *separate_sets(const conform_kit *kit, const bool *fails, size_t n_fails) {
     const size_t n_keys = kit->model->schema.n_keys;
-    double least = choices(kit->n_sets, n_fails) - 5;
+    double least = choices(kit->n_sets, n_fails) - 8;
     condition c[2] = {{0}};
     size_t n_found = 0, n_exceptions = SIZE_MAX;
     for (size_t n = 0; n < 2; ++n) {
@@ -126,8 +126,23 @@ static json_t *find_angle(const conform_kit *kit, const double *difference) {
                                   found % N_SIDES / 2 * STEP_DEG, 100 * best[1]));
 }
 
-json_t *list_facts(const conform_kit *kit, const float *values, const bool *fails) {
+/* The largest difference; at: index of the value. */
+static json_t *json_largest(const conform_kit *kit, size_t at, double value, double right) {
     static const char *const names[] = {"red", "green", "blue"};
+    const size_t row = at / 3, set = row / kit->n_directions + 1, direction = row % kit->n_directions;
+    double deg[N_ANGLES];
+    for (size_t a = 0; a < N_ANGLES; ++a)
+        deg[a] = angle_deg(kit, direction, a);
+    return json_pack(
+        "{s:o,s:I,s:I,s:s,s:o,s:f,s:f}", "text",
+        json_sprintf("Largest difference: %s of set %zu is %.3g times the right value (%.3g for %.3g) at theta_h %.0f, "
+                     "theta_d %.0f, theta_light %.0f, theta_viewer %.0f degrees, row %zu of the kit.",
+                     names[at % 3], set, value / right, value, right, deg[0], deg[1], deg[2], deg[3], row + 1),
+        "set", (json_int_t)set, "row", (json_int_t)row + 1, "channel", names[at % 3], "ratio",
+        json_number(value / right), "value", value, "right", right);
+}
+
+json_t *list_facts(const conform_kit *kit, const float *values, const bool *fails) {
     const suspect none = {.n_flaws = 0};
     const size_t n = kit->n_directions;
     double *difference = allocate(n, sizeof *difference), sum = 0, most = 0, value = 0, right = 0;
@@ -137,8 +152,8 @@ json_t *list_facts(const conform_kit *kit, const float *values, const bool *fail
         n_fails += fails[set];
         sample_suspect(kit, set, &none, ref);
         for (size_t i = 0; i < 3 * n && fails[set]; ++i) {
-            const double r = (double)ref[i], v = (double)values[3 * n * set + i];
-            const double d = isnan(v) ? 0 : fabs(log((fmax(v, 0) + 0.003) / (r + 0.003)));
+            const double r = (double)ref[i], v = fmax(0, (double)values[3 * n * set + i]);
+            const double d = isnan(values[3 * n * set + i]) ? 0 : fabs(log((v + 0.003) / (r + 0.003)));
             difference[i / 3] += d;
             sum += d;
             if (d > most) {
@@ -149,22 +164,12 @@ json_t *list_facts(const conform_kit *kit, const float *values, const bool *fail
             }
         }
     }
-    free(ref);
     for (size_t i = 0; i < n; ++i)
         difference[i] /= sum;
-    const size_t set = at / n / 3, direction = at / 3 % n;
-    json_t *facts =
-        sum == 0 ? json_object()
-                 : json_pack("{s:o*,s:o*,s:{s:o,s:I,s:I,s:s,s:o,s:f,s:f}}", "sets", separate_sets(kit, fails, n_fails),
-                             "angles", find_angle(kit, difference), "largest", "text",
-                             json_sprintf("Largest difference: %s of set %zu is %.3g times the right value (%.3g for "
-                                          "%.3g) at theta_h %.0f, theta_d %.0f, theta_light "
-                                          "%.0f, theta_viewer %.0f degrees, row %zu of the kit.",
-                                          names[at % 3], set + 1, value / right, value, right,
-                                          angle_deg(kit, direction, 0), angle_deg(kit, direction, 1),
-                                          angle_deg(kit, direction, 2), angle_deg(kit, direction, 3), at / 3 + 1),
-                             "set", (json_int_t)set + 1, "direction", (json_int_t)direction + 1, "channel",
-                             names[at % 3], "ratio", json_number(value / right), "value", value, "right", right);
+    json_t *facts = json_pack("{s:o*,s:o*,s:o*}", "sets", separate_sets(kit, fails, n_fails), "angles",
+                              sum > 0 ? find_angle(kit, difference) : NULL, "largest",
+                              sum > 0 ? json_largest(kit, at, value, right) : NULL);
+    free(ref);
     free(difference);
     return facts;
 }
