@@ -14,7 +14,7 @@
 /* Of the largest value of a key. */
 typedef struct condition {
     size_t key;
-    enum { ABOVE, CHANGED, BELOW, N_KINDS } kind; /* CHANGED: is not the default */
+    enum { ABOVE, BELOW, CHANGED, N_KINDS } kind; /* CHANGED: is not the default */
     double limit;                                 /* of ABOVE and BELOW */
 } condition;
 
@@ -57,8 +57,8 @@ static json_t *separate_sets(const conform_kit *kit, const bool *fails, size_t n
         condition best = {0};
         size_t fewest = SIZE_MAX;
         for (size_t i = 0; i < n_keys * kit->n_sets * N_KINDS; ++i) {
-            const size_t key = i / N_KINDS / kit->n_sets;
-            c[n] = (condition){key, i % N_KINDS, most_of(&kit->sets[i / N_KINDS % kit->n_sets], key)};
+            const size_t key = i / kit->n_sets / N_KINDS;
+            c[n] = (condition){key, i / kit->n_sets % N_KINDS, most_of(&kit->sets[i % kit->n_sets], key)};
             const size_t exceptions = count_exceptions(kit, fails, n + 1, c);
             best = exceptions < fewest ? c[n] : best;
             fewest = nqm_smaller(fewest, exceptions);
@@ -76,7 +76,7 @@ static json_t *separate_sets(const conform_kit *kit, const bool *fails, size_t n
         const nqm_spec_key *key = &kit->model->schema.keys[c[i].key];
         const char *which = key->n == 1 ? "" : c[i].kind == ABOVE ? "a value of " : "all values of ";
         if (c[i].kind == CHANGED)
-            snprintf(words[i], sizeof *words, "%s other than its default", key->name);
+            snprintf(words[i], sizeof *words, "%s other than %g", key->name, key->fallback);
         else
             snprintf(words[i], sizeof *words, "%s%s %c %g", which, key->name, c[i].kind == ABOVE ? '>' : '<',
                      c[i].limit);

@@ -91,11 +91,12 @@ suspect *list_suspects(const conform_kit *kit, size_t *n) {
     for (size_t how = 0; how < NQM_N_MISTAKES + N_READINGS; ++how)
         add_suspects((flaw){.key = schema->n_keys, .how = how}, true, list, n);
     for (size_t k = 0; k < schema->n_keys; ++k) {
+        const bool has_values = kit->keys >> k & 1; /* else the default, which may be taken as 0 */
         for (size_t how = 0; how < N_PROPERTY_MISTAKES + N_READINGS; ++how)
-            if (is_possible(&schema->keys[k], how))
+            if ((has_values || how == ABSENT) && is_possible(&schema->keys[k], how))
                 add_suspects((flaw){.key = k, .how = how}, false, list, n);
         for (size_t other = 0; other < schema->n_keys; ++other)
-            if (is_alike(schema, k, other))
+            if (has_values && is_alike(schema, k, other))
                 add_suspects((flaw){.key = k, .how = EXCHANGED, .other = other}, false, list, n);
     }
     return list;
