@@ -97,7 +97,7 @@ static closure evaluate(const void *state, const geometry *g) {
         for (size_t c = 0; c < 3; ++c)
             result.f[c] *= self->under_coat[c];
         const microfacet coat = microfacet_of(g, &self->coat);
-        const double ior = MISTAKEN(COAT_F0_FIXED) ? 1.5 : v[COAT_IOR][0];
+        const double ior = MISTAKEN(COAT_F0_FIXED) ? 1.5 : v[MISTAKEN(COAT_F0_OF_INDEX) ? SPECULAR_IOR : COAT_IOR][0];
         result = coat_layer(dielectric_bsdf(g, coat, v[COAT_WEIGHT][0], WHITE, ior, NULL), result);
     }
     if (v[FUZZ_WEIGHT][0] > 0)

@@ -71,13 +71,13 @@ typedef struct flaw {
     size_t key;    /* of the schema; its n_keys: formulas and values */
     size_t how;    /* index of property_mistakes, or NQM_MISTAKE_..., and beyond them of channels */
     double amount; /* a limit, an exponent or a factor; 0: it has none */
-    size_t other;  /* key whose value it has */
 } flaw;
 
 /** What a shader may do wrong. */
 typedef struct suspect {
     size_t n_flaws;
     flaw flaws[MAX_FLAWS];
+    size_t kind; /* of suspects that differ in their amounts only; 0: no flaw */
     char text[SUSPECT_TEXT];
     double left;   /* mean absolute difference of log(f_r + 0.003) that remains */
     double lowest; /* JOD of the worst set that remains; NaN: not computed */

@@ -122,13 +122,6 @@ static void put_vector(const language *l, FILE *out, size_t n, const double *v) 
     fputs(n == 1 ? "" : l->is_glsl ? ")" : "}", out);
 }
 
-static void put_member(const language *l, FILE *out, const char *name, size_t n) {
-    if (n == 1)
-        fprintf(out, "    float %s;\n", name);
-    else
-        fprintf(out, "    %s%zu %s;\n", l->vector, n, name);
-}
-
 /* "const vec3 name[9] = vec3[9](", or with braces. */
 static void begin_array(const language *l, FILE *out, const char *type, const char *name, size_t n) {
     fprintf(out, "%s%s %s[%zu] = ", l->constant, type, name, n);
@@ -152,9 +145,12 @@ static void put_directions(const language *l, FILE *out, const char *name, size_
 static void put_sets(const language *l, FILE *out, const conform_kit *kit) {
     const nqm_spec_schema *schema = &kit->model->schema;
     fputs("struct nqm_set {\n", out);
-    put_member(l, out, "turn", 2);
-    for (size_t k = 0; k < schema->n_keys; ++k)
-        put_member(l, out, schema->keys[k].name, schema->keys[k].n);
+    fprintf(out, "    %s2 turn;\n", l->vector);
+    for (const nqm_spec_key *key = schema->keys; key < schema->keys + schema->n_keys; ++key)
+        if (key->n == 1)
+            fprintf(out, "    float %s;\n", key->name);
+        else
+            fprintf(out, "    %s%zu %s;\n", l->vector, key->n, key->name);
     fputs("};\n", out);
     begin_array(l, out, "nqm_set", "nqm_sets", kit->n_sets);
     for (size_t s = 0; s < kit->n_sets; ++s) {

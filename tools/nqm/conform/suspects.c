@@ -11,7 +11,7 @@
 #include <string.h>
 #include <strings.h>
 
-enum { IGNORED, ABSENT, EXCHANGED, RAISED, SQUARED, ROOT, DECODED, NOT_DECODED, INVERTED, FLIPPED, FACTOR };
+enum { IGNORED, ABSENT, OF_BASE, RAISED, SQUARED, ROOT, DECODED, NOT_DECODED, INVERTED, FLIPPED, FACTOR };
 static const struct {
     const char *text;
     double (*apply)(double x);
@@ -19,7 +19,7 @@ static const struct {
 } property_mistakes[] = {
     [IGNORED] = {.text = " is ignored (its default is used)"},
     [ABSENT] = {.text = " is taken as 0"},
-    [EXCHANGED] = {.text = " has the value of "},
+    [OF_BASE] = {.text = " has the value of "},
     [RAISED] = {.text = " is raised to at least"},
     NQM_PROPERTY_MISTAKES,
     [FACTOR] = {.text = " is multiplied by pi / 180, as if it were in degrees", .factor = NQM_PI / 180},
@@ -41,15 +41,16 @@ static const char *reading_of(const nqm_spec_schema *schema, const flaw *f) {
 
 /* ---- the list ---------------------------------------------------------------------------------------------------- */
 
-static bool is_possible(const nqm_spec_key *key, size_t how) {
+static bool is_possible(const nqm_spec_schema *schema, size_t k, size_t how) {
+    const nqm_spec_key *key = &schema->keys[k];
     const bool is_rotation = key->low < 0, is_amount = !is_rotation && key->turns;
     switch (how) {
     case IGNORED:
         return !key->required;
     case ABSENT:
         return key->n == 1 && key->low <= 0 && key->fallback != 0 && !key->whole && !is_width_key(key);
-    case EXCHANGED:
-        return false; /* needs another key */
+    case OF_BASE:
+        return is_width_key(key) && nqm_fit_describe(schema, k).layer != k;
     case SQUARED:
     case ROOT:
         return is_width_key(key) || is_amount;
@@ -71,17 +72,11 @@ static void add_suspects(flaw f, bool is_formula, suspect *list, size_t *n) {
                is_limit = is_formula && f.how == NQM_MISTAKE_CLAMPED,
                is_leak =
                    is_formula && f.how >= NQM_MISTAKE_LEAK_RED_TO_GREEN && f.how <= NQM_MISTAKE_LEAK_BLUE_TO_GREEN;
+    const size_t kind = *n;
     const double factor = is_exponent ? 1.4 : is_limit ? 4 : 2;
     f.amount = is_exponent ? 3 : is_limit ? 1 : is_leak || (!is_formula && f.how == RAISED) ? 0.05 : 0;
     for (size_t i = 0; i < (f.amount == 0 ? 1 : 4) && *n < MAX_SUSPECTS; ++i, f.amount *= factor)
-        list[(*n)++] = (suspect){.n_flaws = 1, .flaws[0] = f};
-}
-
-/* Whether a key of a layer may have the value of another key by mistake: coat_ior that of specular_ior. */
-static bool is_alike(const nqm_spec_schema *schema, size_t layer_key, size_t k) {
-    const nqm_spec_key *a = &schema->keys[layer_key], *b = &schema->keys[k];
-    return nqm_fit_describe(schema, layer_key).layer != layer_key && a != b && a->n == b->n &&
-           strcasecmp(a->name + strlen(a->name) - 3, b->name + strlen(b->name) - 3) == 0;
+        list[(*n)++] = (suspect){.n_flaws = 1, .flaws[0] = f, .kind = kind};
 }
 
 suspect *list_suspects(const conform_kit *kit, size_t *n) {
@@ -93,11 +88,8 @@ suspect *list_suspects(const conform_kit *kit, size_t *n) {
     for (size_t k = 0; k < schema->n_keys; ++k) {
         const bool has_values = kit->keys >> k & 1; /* else the default, which may be taken as 0 */
         for (size_t how = 0; how < N_PROPERTY_MISTAKES + N_READINGS; ++how)
-            if ((has_values || how == ABSENT) && is_possible(&schema->keys[k], how))
+            if ((has_values || how == ABSENT) && is_possible(schema, k, how))
                 add_suspects((flaw){.key = k, .how = how}, false, list, n);
-        for (size_t other = 0; other < schema->n_keys; ++other)
-            if (has_values && is_alike(schema, k, other))
-                add_suspects((flaw){.key = k, .how = EXCHANGED, .other = other}, false, list, n);
     }
     return list;
 }
@@ -118,8 +110,8 @@ void describe_suspect(const conform_kit *kit, suspect *s) {
                   : is_squared && f->how == ROOT    ? " is not squared"
                                                     : property_mistakes[f->how].text,
                   out);
-        if (key && f->how == EXCHANGED)
-            fputs(schema->keys[f->other].name, out);
+        if (key && f->how == OF_BASE)
+            fputs(schema->keys[nqm_fit_base_key(schema, NQM_FIT_BASE_WIDTH)].name, out);
         if (f->amount != 0)
             fprintf(out, " %.3g", f->amount);
     }
@@ -137,8 +129,8 @@ static double changed(const nqm_spec_schema *schema, const nqm_spec_values *valu
         return schema->keys[f->key].fallback;
     case ABSENT:
         return 0;
-    case EXCHANGED:
-        return values->v[f->other][c];
+    case OF_BASE:
+        return values->v[nqm_fit_base_key(schema, NQM_FIT_BASE_WIDTH)][c];
     case RAISED:
         return fmax(v[c], f->amount);
     default:
@@ -274,14 +266,6 @@ static void refine(const conform_kit *kit, const float *values, suspect *s) {
         }
 }
 
-/* Whether they differ in their amounts only. */
-static bool is_same_kind(const suspect *a, const suspect *b) {
-    bool is_same = a->n_flaws == b->n_flaws;
-    for (size_t i = 0; i < a->n_flaws && is_same; ++i)
-        is_same = a->flaws[i].key == b->flaws[i].key && a->flaws[i].how == b->flaws[i].how;
-    return is_same;
-}
-
 /* Whether two suspects with close results have equal values: then nothing can tell one from the other. */
 static bool are_equal(const conform_kit *kit, const suspect *a, const suspect *b) {
     double left[2];
@@ -297,12 +281,12 @@ static size_t keep_different(const conform_kit *kit, size_t n, suspect *list, do
     size_t kept = 0;
     for (size_t s = 0; s < n && list[s].left < most && kept < n_found; ++s) {
         size_t k = 0;
-        while (k < kept && !is_same_kind(&found[k], &list[s]) && !are_equal(kit, &found[k], &list[s]))
+        while (k < kept && found[k].kind != list[s].kind && !are_equal(kit, &found[k], &list[s]))
             ++k;
         describe_suspect(kit, &list[s]);
         if (k == kept)
             found[kept++] = list[s];
-        else if (!is_same_kind(&found[k], &list[s])) {
+        else if (found[k].kind != list[s].kind) {
             const size_t at = strlen(found[k].text);
             snprintf(found[k].text + at, SUSPECT_TEXT - at, "; or %s", list[s].text);
         }
@@ -315,8 +299,10 @@ static void add_to_each(size_t n, suspect *list, const suspect *best) {
     for (size_t s = 0; s < n; ++s) {
         const suspect other = list[s];
         list[s] = *best;
-        if (best->n_flaws && other.n_flaws && !is_same_kind(best, &other))
+        if (best->kind && other.kind && best->kind != other.kind) {
             list[s].flaws[list[s].n_flaws++] = other.flaws[0];
+            list[s].kind = best->kind * MAX_SUSPECTS + other.kind;
+        }
     }
 }
 
