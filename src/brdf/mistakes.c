@@ -5,6 +5,7 @@
 #include "brdf/core/mistakes.h"
 
 #include "brdf/core/spec.h"
+#include <string.h>
 
 #define TWIN_OF(NAME) {&(NAME), &(NAME##_mistaken)},
 static const nqm_analytic_model *const twins[][2] = {NQM_SHADING_MODELS(TWIN_OF)};
@@ -20,20 +21,14 @@ static double change(double v, const nqm_mistakes *m, double cos_i, double cos_o
     return is_in(m, NQM_MISTAKE_ENCODED) ? nqm_linear_to_srgb(v) : v;
 }
 
-/* What leaks into a channel. */
-static double leak_into(size_t channel, const nqm_mistakes *m, const double *rgb) {
-    double sum = 0;
-    for (size_t k = 0; k < 6; ++k) /* each channel into the next, and into the one after it */
-        sum += is_in(m, NQM_MISTAKE_LEAK_RED_TO_GREEN + (int)k) && (k / 2 + 1 + k % 2) % 3 == channel ? rgb[k / 2] : 0;
-    return m->amount * sum;
-}
-
 void nqm_mistaken_eval(const nqm_analytic_model *model, const nqm_spec_values *values, const nqm_mistakes *mistakes,
                        size_t n, const double *wi, const double *wo, float *rgb) {
     enum { PIECE = 256 };
     _Alignas(max_align_t) char state[NQM_SPEC_MAX_STATE];
     double piece[3 * PIECE];
     size_t twin = 0;
+    const char *to = mistakes->channels;
+    const bool leaks = to && strlen(to) == 2;
     while (twins[twin][0] != model)
         ++twin;
     model = twins[twin][1];
@@ -47,8 +42,10 @@ void nqm_mistaken_eval(const nqm_analytic_model *model, const nqm_spec_values *v
                            piece);
         for (size_t i = at; i < end; ++i)
             for (size_t c = 0; c < 3; ++c) {
-                const size_t from = mistakes->channels ? nqm_channel_of(mistakes->channels[c]) : c;
-                const double v = piece[3 * (i - at) + from] + leak_into(c, mistakes, piece + 3 * (i - at));
+                const double *right = piece + 3 * (i - at);
+                const double leak =
+                    leaks && nqm_channel_of(to[0]) == c ? mistakes->amount * right[nqm_channel_of(to[1])] : 0;
+                const double v = right[to && !leaks ? nqm_channel_of(to[c]) : c] + leak;
                 rgb[3 * i + c] = v > 0 && isfinite(v) ? (float)change(v, mistakes, wi[3 * i + 2], wo[3 * i + 2]) : 0;
             }
     }

@@ -87,7 +87,7 @@ s/alpha = r;/alpha = fmaxf(r, 0.04f);/|roughness is raised to at least 0.2
 s/rgb.c. = \(.*\);/rgb[c] = fminf(\1, 8);/|the values are clamped at 8
 s/m->base_color.c./m->base_color[0]/|the values are read as .rrr; or base_color is read as .rrr
 s/rgb.c. = \(.*\);/rgb[2 - c] = \1;/|the values are read as .bgr; or base_color is read as .bgr
-s/    float h.3. = .*/&\n    rgb[0] = rgb[1] = rgb[2] = 0;/;s/rgb.c. = \(.*\);/rgb[c] += \1; if (c == 0) rgb[1] += 0.1f * rgb[0];/|red is added to green, times 0.1
+s/    float h.3. = .*/&\n    rgb[0] = rgb[1] = rgb[2] = 0;/;s/rgb.c. = \(.*\);/rgb[c] += \1; if (c == 0) rgb[1] += 0.1f * rgb[0];/|the values: .r is added to .g, times 0.1
 END
 
 # ---- files of all languages and models

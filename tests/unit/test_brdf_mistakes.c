@@ -133,31 +133,29 @@ TEST(mistakes_are_what_they_say) {
     evaluate(spec, (uint64_t)1 << NQM_MISTAKE_CLAMPED, wi, wo, wrong);
     for (size_t i = 0; i < 3 * N; ++i)
         assert_true(wrong[i] == fminf(right[i], 0.2F));
-    /* Two at once, and wrong channels: each mistake sees the right values. */
-    const uint64_t both = (uint64_t)1 << NQM_MISTAKE_TIMES_PI | (uint64_t)1 << NQM_MISTAKE_LEAK_GREEN_TO_BLUE;
-    evaluate_with(spec, (nqm_mistakes){both, 0.5, "bgr"}, wi, wo, wrong);
-    for (size_t i = 0; i < 3 * N; ++i) {
-        const double leak = i % 3 == 2 ? 0.5 * (double)right[i - 1] : 0;
-        assert_near((double)wrong[i], NQM_PI * ((double)right[i / 3 * 3 + 2 - i % 3] + leak), 1e-5 * (double)wrong[i]);
-    }
+    /* Two at once. */
+    evaluate_with(spec, (nqm_mistakes){(uint64_t)1 << NQM_MISTAKE_TIMES_PI, 0, "bgr"}, wi, wo, wrong);
+    for (size_t i = 0; i < 3 * N; ++i)
+        assert_near((double)wrong[i], NQM_PI * (double)right[i / 3 * 3 + 2 - i % 3], 1e-5 * (double)wrong[i]);
 }
 
-TEST(leaks_between_channels) {
-    const struct {
-        int mistake;
-        size_t from, to;
-    } leaks[] = {{NQM_MISTAKE_LEAK_RED_TO_GREEN, 0, 1},  {NQM_MISTAKE_LEAK_RED_TO_BLUE, 0, 2},
-                 {NQM_MISTAKE_LEAK_GREEN_TO_BLUE, 1, 2}, {NQM_MISTAKE_LEAK_GREEN_TO_RED, 1, 0},
-                 {NQM_MISTAKE_LEAK_BLUE_TO_RED, 2, 0},   {NQM_MISTAKE_LEAK_BLUE_TO_GREEN, 2, 1}};
+/* Where each channel is from, and which one leaks into which. */
+TEST(wrong_channels) {
+    static const char *const channels[] = {"bgr", "rrb", "gbr", "rg", "rb", "gr", "gb", "br", "bg"};
     double wi[3 * N], wo[3 * N];
     float right[3 * N], wrong[3 * N];
     make_pairs(wi, wo);
     evaluate(specs[0], 0, wi, wo, right);
-    for (size_t k = 0; k < 6; ++k) {
-        evaluate_with(specs[0], (nqm_mistakes){(uint64_t)1 << leaks[k].mistake, 0.5, NULL}, wi, wo, wrong);
+    for (size_t k = 0; k < sizeof channels / sizeof *channels; ++k) {
+        const char *of = channels[k];
+        size_t at[3] = {0};
+        for (size_t c = 0; c < strlen(of); ++c)
+            at[c] = of[c] == 'r' ? 0 : of[c] == 'g' ? 1 : 2;
+        evaluate_with(specs[0], (nqm_mistakes){0, 0.5, of}, wi, wo, wrong);
         for (size_t i = 0; i < 3 * N; ++i) {
-            const float leak = i % 3 == leaks[k].to ? 0.5F * right[i / 3 * 3 + leaks[k].from] : 0;
-            assert_near((double)wrong[i], (double)(right[i] + leak), 1e-5 * (double)right[i]);
+            const float *v = right + i / 3 * 3, leak = strlen(of) == 2 && at[0] == i % 3 ? 0.5F * v[at[1]] : 0;
+            const float expected = strlen(of) == 3 ? v[at[i % 3]] : v[i % 3] + leak;
+            assert_near((double)wrong[i], (double)expected, 1e-5 * (double)expected);
         }
     }
 }

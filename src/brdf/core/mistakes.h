@@ -68,12 +68,6 @@
     X(TIMES_PI, "the values are pi times too large")                                                                   \
     X(DIVIDED_BY_PI, "the values are divided by pi")                                                                   \
     X(EXCHANGED, "light and viewer are exchanged")                                                                     \
-    X(LEAK_RED_TO_GREEN, "red is added to green, times")                                                               \
-    X(LEAK_RED_TO_BLUE, "red is added to blue, times")                                                                 \
-    X(LEAK_GREEN_TO_BLUE, "green is added to blue, times")                                                             \
-    X(LEAK_GREEN_TO_RED, "green is added to red, times")                                                               \
-    X(LEAK_BLUE_TO_RED, "blue is added to red, times")                                                                 \
-    X(LEAK_BLUE_TO_GREEN, "blue is added to green, times")                                                             \
     X(ENCODED, "the values are encoded as sRGB")                                                                       \
     X(CLAMPED, "the values are clamped at")
 
@@ -83,9 +77,10 @@ enum {
 };
 /** A set of mistakes. */
 typedef struct nqm_mistakes {
-    uint64_t made;        /**< the bits 1 << NQM_MISTAKE_... */
-    double amount;        /**< of SCHLICK_EXPONENT, CLAMPED or LEAK_... */
-    const char *channels; /**< "rrb": the channels that are red, green and blue; NULL: the right ones */
+    uint64_t made; /**< the bits 1 << NQM_MISTAKE_... */
+    double amount; /**< of SCHLICK_EXPONENT, CLAMPED or `channels` */
+    const char
+        *channels; /**< "rrb": what red, green and blue are; "gr": green has red times `amount` added to it; or NULL */
 } nqm_mistakes;
 
 /* ---- wrong values of properties ---------------------------------------------------------------------------------- */

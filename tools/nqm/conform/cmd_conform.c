@@ -311,12 +311,12 @@ static const option options[] = {
 
 static const command cmd = {
     .usage = "MODEL [VALUES] [options]",
-    .about =
-        "Does a shader implement its specification? The kit is a list of parameter sets and directions. VALUES "
-        "are the shader's f_r there, in the order of the kit: a CSV with the columns r, g, b, or an array of "
-        "NumPy (sets, directions, 3). Each set gets a JOD, and the mistake that explains the difference is "
-        "named. The exit code is 1 when a set is below 9.99, or below --fail-under; --fail-under 0 only looks. MODEL "
-        "is one of:",
+    .about = "Does a shader implement its specification? The kit is a list of parameter sets and directions. VALUES "
+             "are the shader's f_r there, in the order of the kit: a CSV with the columns r, g, b, or an array of "
+             "NumPy (sets, directions, 3). Each set gets a JOD, and the mistake that explains the difference is "
+             "named, or what failing sets have in common. The exit code is 1 when a set is below 9.99, or below "
+             "--fail-under; --fail-under 0 only looks. MODEL "
+             "is one of:",
     .example = "nqm conform gltf --shader kit.h\nnqm conform gltf --directions kit.csv\n"
                "nqm conform gltf values.csv --junit conform.xml\n"
                "nqm conform open-pbr --command 'python3 my_openpbr.py'\nnqm conform rough-conductor --self",

@@ -30,13 +30,14 @@ static const struct {
 };
 enum { N_PROPERTY_MISTAKES = sizeof property_mistakes / sizeof *property_mistakes };
 
-/* Mistakes of channels follow them: those of colours, and after those of formulas those of the values. */
-static const char *const readings[] = {"bgr", "grb", "rbg", "rrr", "rrb", "rgr", "ggb", "rgg", "bgb", "rbb"};
-enum { N_READINGS = sizeof readings / sizeof *readings };
+/* Mistakes of channels (nqm_mistakes.channels) follow them: the first ones, of colours; and all, of values, those of formulas. */
+static const char *const channels[] = {"bgr", "grb", "rbg", "rrr", "rrb", "rgr", "ggb", "rgg",
+                                       "bgb", "rbb", "rg",  "rb",  "gr",  "gb",  "br",  "bg"};
+enum { N_COLOUR_MISTAKES = 10, N_CHANNEL_MISTAKES = sizeof channels / sizeof *channels };
 
-static const char *reading_of(const nqm_spec_schema *schema, const flaw *f) {
+static const char *channels_of(const nqm_spec_schema *schema, const flaw *f) {
     const size_t first = f->key < schema->n_keys ? N_PROPERTY_MISTAKES : NQM_N_MISTAKES;
-    return f->how < first ? NULL : readings[f->how - first];
+    return f->how < first ? NULL : channels[f->how - first];
 }
 
 /* ---- the list ---------------------------------------------------------------------------------------------------- */
@@ -70,8 +71,7 @@ static bool is_possible(const nqm_spec_schema *schema, size_t k, size_t how) {
 static void add_suspects(flaw f, bool is_formula, suspect *list, size_t *n) {
     const bool is_exponent = is_formula && f.how == NQM_MISTAKE_SCHLICK_EXPONENT,
                is_limit = is_formula && f.how == NQM_MISTAKE_CLAMPED,
-               is_leak =
-                   is_formula && f.how >= NQM_MISTAKE_LEAK_RED_TO_GREEN && f.how <= NQM_MISTAKE_LEAK_BLUE_TO_GREEN;
+               is_leak = is_formula && f.how >= NQM_N_MISTAKES + N_COLOUR_MISTAKES;
     const size_t kind = *n;
     const double factor = is_exponent ? 1.4 : is_limit ? 4 : 2;
     f.amount = is_exponent ? 3 : is_limit ? 1 : is_leak || (!is_formula && f.how == RAISED) ? 0.05 : 0;
@@ -83,11 +83,11 @@ suspect *list_suspects(const conform_kit *kit, size_t *n) {
     const nqm_spec_schema *schema = &kit->model->schema;
     suspect *list = allocate(MAX_SUSPECTS, sizeof *list);
     *n = 1;
-    for (size_t how = 0; how < NQM_N_MISTAKES + N_READINGS; ++how)
+    for (size_t how = 0; how < NQM_N_MISTAKES + N_CHANNEL_MISTAKES; ++how)
         add_suspects((flaw){.key = schema->n_keys, .how = how}, true, list, n);
     for (size_t k = 0; k < schema->n_keys; ++k) {
         const bool has_values = kit->keys >> k & 1; /* else the default, which may be taken as 0 */
-        for (size_t how = 0; how < N_PROPERTY_MISTAKES + N_READINGS; ++how)
+        for (size_t how = 0; how < N_PROPERTY_MISTAKES + N_COLOUR_MISTAKES; ++how)
             if ((has_values || how == ABSENT) && is_possible(schema, k, how))
                 add_suspects((flaw){.key = k, .how = how}, false, list, n);
     }
@@ -102,8 +102,11 @@ void describe_suspect(const conform_kit *kit, suspect *s) {
         /* Roughness is squared once by most models: the common names of the mistakes are those of shaders. */
         const bool is_squared = key && key->n == 1 && strstr(key->name, "oughness");
         fprintf(out, "%s%s", f > s->flaws ? ", and " : "", key ? key->name : "");
-        if (reading_of(schema, f))
-            fprintf(out, "%s read as .%s", key ? " is" : "the values are", reading_of(schema, f));
+        const char *wrong = channels_of(schema, f);
+        if (wrong && strlen(wrong) == 2)
+            fprintf(out, "the values: .%c is added to .%c, times", wrong[1], wrong[0]);
+        else if (wrong)
+            fprintf(out, "%s read as .%s", key ? " is" : "the values are", wrong);
         else
             fputs(!key                              ? nqm_mistake_words(f->how)
                   : is_squared && f->how == SQUARED ? " is squared twice"
@@ -122,8 +125,8 @@ void describe_suspect(const conform_kit *kit, suspect *s) {
 
 static double changed(const nqm_spec_schema *schema, const nqm_spec_values *values, const flaw *f, size_t c) {
     const double *v = values->v[f->key];
-    if (reading_of(schema, f))
-        return v[nqm_channel_of(reading_of(schema, f)[c])];
+    if (channels_of(schema, f))
+        return v[nqm_channel_of(channels_of(schema, f)[c])];
     switch (f->how) {
     case IGNORED:
         return schema->keys[f->key].fallback;
@@ -150,8 +153,8 @@ void sample_suspect(const conform_kit *kit, size_t set, const suspect *s, float 
                 fmin(fmax(changed(schema, &right, f, c), schema->keys[f->key].low), schema->keys[f->key].high);
         if (f->key < schema->n_keys)
             continue;
-        if (reading_of(schema, f))
-            mistakes.channels = reading_of(schema, f);
+        if (channels_of(schema, f))
+            mistakes.channels = channels_of(schema, f);
         else
             mistakes.made |= (uint64_t)1 << f->how;
         mistakes.amount = fmax(mistakes.amount, f->amount);
