@@ -145,7 +145,7 @@ static json_t *json_largest(const conform_kit *kit, size_t at, double value, dou
 json_t *list_facts(const conform_kit *kit, const float *values, const bool *fails) {
     const suspect none = {.n_flaws = 0};
     const size_t n = kit->n_directions;
-    double *difference = allocate(n, sizeof *difference), sum = 0, most = 0, value = 0, right = 0;
+    double *difference = allocate(n, sizeof *difference), sum = 0, most = 0;
     float *ref = allocate(3 * n, sizeof *ref);
     size_t n_fails = 0, at = 0;
     for (size_t set = 0; set < kit->n_sets; ++set) {
@@ -156,19 +156,17 @@ json_t *list_facts(const conform_kit *kit, const float *values, const bool *fail
             const double d = isnan(values[3 * n * set + i]) ? 0 : fabs(log((v + 0.003) / (r + 0.003)));
             difference[i / 3] += d;
             sum += d;
-            if (d > most) {
-                most = d;
-                at = 3 * n * set + i;
-                value = v;
-                right = r;
-            }
+            at = d > most ? 3 * n * set + i : at;
+            most = fmax(most, d);
         }
     }
+    sample_suspect(kit, at / n / 3, &none, ref);
     for (size_t i = 0; i < n; ++i)
         difference[i] /= sum;
-    json_t *facts = json_pack("{s:o*,s:o*,s:o*}", "sets", separate_sets(kit, fails, n_fails), "angles",
-                              sum > 0 ? find_angle(kit, difference) : NULL, "largest",
-                              sum > 0 ? json_largest(kit, at, value, right) : NULL);
+    json_t *facts =
+        json_pack("{s:o*,s:o*,s:o*}", "sets", separate_sets(kit, fails, n_fails), "angles",
+                  sum > 0 ? find_angle(kit, difference) : NULL, "largest",
+                  sum > 0 ? json_largest(kit, at, fmax(0, (double)values[at]), (double)ref[at % (3 * n)]) : NULL);
     free(ref);
     free(difference);
     return facts;
