@@ -84,21 +84,24 @@ static double score_values(const conform_kit *kit, const float *values, const su
 
 /* ---- the likely mistake ------------------------------------------------------------------------------------------ */
 
-/* It leaves less than half of the difference, or none that is visible. */
+/* All sets pass with it, or it leaves less than half of the difference (with an amount, which fits more, a tenth), and no worse
+ * set than without it. */
 static bool is_named(const conform_result *r) {
-    return r->n_named &&
-           (r->named[0].left < 0.5 * r->none || (r->lowest < conform_pass && r->named[0].lowest >= conform_pass));
+    const suspect *s = &r->named[0];
+    const double most = s->flaws[0].amount != 0 || s->flaws[1].amount != 0 ? 0.1 : 0.5;
+    return r->n_named && ((s->left < most * r->none && s->lowest > r->lowest - 0.01) ||
+                          (r->lowest < conform_pass && s->lowest >= conform_pass));
 }
 
 /* Mistakes, what JOD the worst set has with each, and how much of the difference remains; and facts where no mistake explains all. */
 static void put_mistakes(FILE *out, const conform_result *r, const char *between) {
     const char *name;
     json_t *fact;
-    fputs(!r->n_named                ? r->none > 0 ? "No mistake of the list explains the difference."
-                                                   : "No difference that a mistake has to explain."
-          : !is_named(r)             ? "No mistake of the list explains most of the difference. The nearest: "
-          : r->lowest < conform_pass ? "Likely mistake: "
-                                     : "Likely mistake, which is not visible: ",
+    fputs(!r->n_named && r->none == 0 ? "No difference that a mistake has to explain."
+          : !r->n_named               ? "No mistake of the list explains the difference."
+          : !is_named(r)              ? "No mistake of the list explains the difference. The nearest: "
+          : r->lowest < conform_pass  ? "Likely mistake: "
+                                      : "Likely mistake, which is not visible: ",
           out);
     for (size_t i = 0; i < r->n_named; ++i) {
         const suspect *s = &r->named[i];
@@ -204,12 +207,12 @@ static void compare(conform_result *r, const char *name, const float *values) {
         r->n_passed += !fails[set];
     }
     r->n_named = find_suspects(kit, values, N_NAMED, r->named, &r->none);
+    for (size_t i = 0; i < r->n_named; ++i)
+        r->named[i].lowest = score_values(kit, values, &r->named[i], results);
     if (r->n_passed == kit->n_sets && !is_named(r)) { /* rounding */
         r->n_named = 0;
         r->none = 0;
     }
-    for (size_t i = 0; i < r->n_named; ++i)
-        r->named[i].lowest = score_values(kit, values, &r->named[i], results);
     r->facts = list_facts(kit, values, fails);
     free(results);
 }

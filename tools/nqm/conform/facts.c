@@ -65,7 +65,7 @@ static json_t *separate_sets(const conform_kit *kit, const bool *fails, size_t n
         }
         c[n] = best;
         const double bits = (double)(n + 1) * log2((double)(N_KINDS * n_keys)) + choices(n_fails + fewest, n_fails);
-        if (fewest < SIZE_MAX && bits < least) {
+        if (fewest <= (kit->n_sets - n_fails) / 2 && bits < least) {
             n_found = n + 1;
             n_exceptions = fewest;
             least = bits;
