@@ -134,12 +134,12 @@ static json_t *json_largest(const conform_kit *kit, size_t at, double value, dou
     for (size_t a = 0; a < N_ANGLES; ++a)
         deg[a] = angle_deg(kit, direction, a);
     return json_pack(
-        "{s:o,s:I,s:I,s:s,s:o,s:f,s:f}", "text",
+        "{s:o,s:I,s:I,s:s,s:o,s:f,s:f,s:[f,f,f,f]}", "text",
         json_sprintf("Largest difference: %s of set %zu is %.3g times the right value (%.3g for %.3g) at theta_h %.0f, "
                      "theta_d %.0f, theta_light %.0f, theta_viewer %.0f degrees, row %zu of the kit.",
                      names[at % 3], set, value / right, value, right, deg[0], deg[1], deg[2], deg[3], row + 1),
         "set", (json_int_t)set, "row", (json_int_t)row + 1, "channel", names[at % 3], "ratio",
-        json_number(value / right), "value", value, "right", right);
+        json_number(value / right), "value", value, "right", right, "angles_deg", deg[0], deg[1], deg[2], deg[3]);
 }
 
 json_t *list_facts(const conform_kit *kit, const float *values, const bool *fails) {
