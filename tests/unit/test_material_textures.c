@@ -16,7 +16,9 @@ static const char usual[] =
     "\"textures\": [{\"source\": 0}, {\"source\": 1, \"sampler\": 0}, {}, {\"source\": 9}, "
     "{\"extensions\": {\"KHR_texture_basisu\": {\"source\": 0}}}, "
     "{\"source\": 0, \"extensions\": {\"EXT_texture_webp\": {\"source\": 1}}}, {\"source\": 2}, {\"source\": 0, "
-    "\"sampler\": 1}], "
+    "\"sampler\": 1}, {\"source\": 1}, {\"source\": 0, \"extensions\": {\"EXT_texture_webp\": {\"source\": 7}}}, "
+    "{\"source\": 0, \"extensions\": {\"EXT_texture_webp\": {}}}, {\"extensions\": {\"EXT_texture_avif\": {\"source\": "
+    "0}}}], "
     "\"samplers\": [{\"wrapS\": 33071, \"wrapT\": 33648, \"magFilter\": 9728}, {\"wrapS\": 3}], "
     "\"images\": [{\"uri\": \"a%20b.png\", \"mimeType\": \"image/png\"}, {\"uri\": \"c.jpg\"}, {\"uri\": "
     "\"https://x.org/d.png\"}]";
