@@ -52,7 +52,7 @@ install(EXPORT nqmStaticTargets NAMESPACE nqm:: DESTINATION ${package_dir})
 
 # ---- documentation ---
 install(FILES ${documents} DESTINATION ${CMAKE_INSTALL_DOCDIR})
-install(DIRECTORY doc DESTINATION ${CMAKE_INSTALL_DOCDIR} FILES_MATCHING PATTERN "*.md" PATTERN "*.png" PATTERN "*.svg" PATTERN "*.ipynb")
+install(DIRECTORY doc DESTINATION ${CMAKE_INSTALL_DOCDIR} FILES_MATCHING PATTERN "*.md" PATTERN "blender.py" PATTERN "*.png" PATTERN "*.svg" PATTERN "*.ipynb")
 install(DIRECTORY examples DESTINATION ${CMAKE_INSTALL_DOCDIR})
 install(DIRECTORY presets DESTINATION ${CMAKE_INSTALL_DOCDIR} FILES_MATCHING PATTERN "*.csv")
 # Links of pages to files that are not installed become plain text.

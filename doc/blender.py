@@ -125,6 +125,8 @@ def entry_of(shader, folder):
 def export_file(path):
     scene = {"type": "scene"}
     for material in bpy.data.materials:
+        if material.is_grease_pencil:
+            continue
         output = material.use_nodes and material.node_tree.get_output_node("CYCLES")
         shader = output and source(output.inputs["Surface"])
         if not shader or shader.node.type != "BSDF_PRINCIPLED":
@@ -283,7 +285,8 @@ class ImportMaterials(bpy.types.Operator, ImportHelper):
 
 def main(arguments):
     if bpy.app.version < (4, 0):
-        sys.exit("Blender 4.0 or later is needed")
+        error = "Blender 4.0 or later is needed"
+        raise SystemExit(error) if bpy.app.background else RuntimeError(error)
     if len(arguments) == 1 and not arguments[0].startswith("-"):
         export_file(arguments[0])
     elif len(arguments) == 3 and arguments[0] == "--import":
