@@ -42,7 +42,7 @@ typedef struct nqm_brdf_info {
     const char *layout;     /**< one line: resolution or parameters ("90 x 90 x 180 cells"); NULL if there is none */
     size_t n_values;        /**< number of stored values: cells times channels, weights, or parameters */
     size_t n_bytes;         /**< size of the file; 0 if the BRDF has no file */
-    size_t n_repeated;      /**< rows of a list that give a direction again: the mean of its rows counts */
+    const char *remark;     /**< what of the file is not used, or is assumed; NULL: nothing */
     int reciprocal;         /**< 1 when f_r(wi,wo) = f_r(wo,wi) by construction */
     int isotropic;          /**< 1 when turning light and viewer about the normal changes nothing, by construction */
 } nqm_brdf_info;

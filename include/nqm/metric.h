@@ -73,6 +73,8 @@ typedef struct nqm_score_options {
 NQM_API nqm_score_options nqm_score_options_default(void);
 
 /** The score of one pair. */
+enum { NQM_REMARK_TEXT = 256 };
+
 typedef struct nqm_score_result {
     nqm_status status;        /**< NQM_OK; otherwise the pair has no score and all floating-point members are NaN */
     double jod;               /**< predicted quality, jod_min..jod_max of the model */
@@ -103,7 +105,7 @@ typedef struct nqm_score_result {
     size_t n_unusual[2]; /**< the same: directions at which a channel exceeds the training references' mean by more than
                               6 standard deviations, on the network's scale */
     /* What may make the score wrong, of nqm_scorer_run() and nqm_scorer_run_named(): */
-    size_t n_repeated[2]; /**< of reference and test: nqm_brdf_info.n_repeated */
+    char remark[2][NQM_REMARK_TEXT]; /**< of reference and test: nqm_brdf_info.remark, as far as it fits; "": none */
     double
         distance_deg[2]; /**< of a reference that is a list of measured directions, with or without a score: median and
                                  95 % of the angles between the model's directions and the nearest row; else 0 */

@@ -88,10 +88,9 @@ typedef enum nqm_invalid_policy {
 
 /** Counts of a sampling. */
 typedef struct nqm_sample_report {
-    size_t n;          /**< directions */
-    size_t n_clamped;  /**< values with a negative channel, given as 0 */
-    size_t n_invalid;  /**< directions without a value (before the policy) */
-    size_t n_repeated; /**< nqm_brdf_info.n_repeated of the BRDF */
+    size_t n;         /**< directions */
+    size_t n_clamped; /**< values with a negative channel, given as 0 */
+    size_t n_invalid; /**< directions without a value (before the policy) */
 } nqm_sample_report;
 
 /**

@@ -59,7 +59,7 @@ class BrdfCallbacks(Structure):
 class BrdfInfo(Structure):
     _c_name_ = "nqm_brdf_info"
     _fields_ = [("format", c_char_p), ("name", c_char_p), ("spec", c_char_p), ("source_doi", c_char_p),
-                ("layout", c_char_p), ("n_values", c_size_t), ("n_bytes", c_size_t), ("n_repeated", c_size_t), ("reciprocal", c_int),
+                ("layout", c_char_p), ("n_values", c_size_t), ("n_bytes", c_size_t), ("remark", c_char_p), ("reciprocal", c_int),
                 ("isotropic", c_int)]
 
 
@@ -85,7 +85,7 @@ class DirectionsOptions(Structure):
 
 class SampleReport(Structure):
     _c_name_ = "nqm_sample_report"
-    _fields_ = [("n", c_size_t), ("n_clamped", c_size_t), ("n_invalid", c_size_t), ("n_repeated", c_size_t)]
+    _fields_ = [("n", c_size_t), ("n_clamped", c_size_t), ("n_invalid", c_size_t)]
 
 
 class ModelInfo(Structure):
@@ -129,7 +129,7 @@ class ScoreResult(Structure):
                 ("anisotropy", c_double),
                 ("identical", c_int), ("metrics", c_double * N_METRICS), ("n_valid", c_size_t),
                 ("n_clamped", c_size_t * 2), ("n_invalid", c_size_t * 2), ("n_unusual", c_size_t * 2),
-                ("n_repeated", c_size_t * 2), ("distance_deg", c_double * 2), ("suspect_scale", c_double), ("suspect_cosine", c_double)]
+                ("remark", (c_char * 256) * 2), ("distance_deg", c_double * 2), ("suspect_scale", c_double), ("suspect_cosine", c_double)]
 
 
 class NamedPair(Structure):
@@ -208,7 +208,7 @@ class DatasetPair(Structure):
 class MaterialInfo(Structure):
     _c_name_ = "nqm_material_info"
     _fields_ = [("name", c_char_p), ("surface", c_char_p), ("spec", c_char_p), ("refusal", c_char_p),
-                ("n_maps", c_size_t), ("remark", c_char_p), ("byte_offset", c_int64), ("ignorable", c_char_p),
+                ("n_maps", c_size_t), ("remark", c_char_p), ("unused", c_char_p), ("byte_offset", c_int64), ("ignorable", c_char_p),
                 ("reflection", c_char_p)]
 
 

@@ -28,6 +28,7 @@ class BRDFInfo:
         spec: analytic models: the canonical spec, which opens the same BRDF; otherwise None
         source_doi: publication of the format or of the parameters; None if there is none
         layout: resolution or parameters ("90 x 90 x 180 cells"); None if there is none
+        remark: what of the file is not used, or is assumed; None: nothing
         n_values: number of stored values: cells times channels, weights, or parameters
         n_bytes: size of the file; 0 if the BRDF has no file
         reciprocal: True when f_r(wi, wo) = f_r(wo, wi) by construction
@@ -39,6 +40,7 @@ class BRDFInfo:
     spec: Optional[str]
     source_doi: Optional[str]
     layout: Optional[str]
+    remark: Optional[str]
     n_values: int
     n_bytes: int
     reciprocal: bool
@@ -197,7 +199,7 @@ class BRDF:
         """Facts about the BRDF."""
         i = lib.nqm_brdf_get_info(self._handle)
         return BRDFInfo(i.format.decode(), decode(i.name) or "", decode(i.spec), decode(i.source_doi), decode(i.layout),
-                        i.n_values, i.n_bytes, bool(i.reciprocal), bool(i.isotropic))
+                        decode(i.remark), i.n_values, i.n_bytes, bool(i.reciprocal), bool(i.isotropic))
 
     @property
     def name(self) -> str:
@@ -332,7 +334,8 @@ class MaterialInfo:
         spec: argument of `BRDF.open`: a spec, or a path relative to the file's folder; None: refused
         refusal: the property that cannot be honoured, and why; None: the material is accepted
         n_maps: image maps of a material that `Material.open` takes; 0: none
-        remark: a property that is left out because it is no part of a BRDF; None: there is none
+        remark: what of the file is not used although it may matter, or is assumed; None: nothing
+        unused: what it gives without effect on a BRDF, or on this one: "doubleSided, clearcoatRoughnessFactor"; None: nothing
         byte: of the material or of the refused property in the file; None: unknown
         ignorable: what the surface does besides reflecting, if the material is refused for that alone: the `ignore` that
             `BRDF.open` needs; None: not so
@@ -345,6 +348,7 @@ class MaterialInfo:
     refusal: Optional[str]
     n_maps: int
     remark: Optional[str]
+    unused: Optional[str]
     byte: Optional[int]
     ignorable: Optional[str]
     reflection: Optional[str]
@@ -357,7 +361,7 @@ def materials(path: PathLike) -> Tuple[MaterialInfo, ...]:
     try:
         rows = [lib.nqm_materials_get(handle, i) for i in range(lib.nqm_materials_count(handle))]
         return tuple(MaterialInfo(decode(r.name) or "", decode(r.surface) or "", decode(r.spec), decode(r.refusal),
-                                  r.n_maps, decode(r.remark), r.byte_offset if r.byte_offset >= 0 else None,
+                                  r.n_maps, decode(r.remark), decode(r.unused), r.byte_offset if r.byte_offset >= 0 else None,
                                   decode(r.ignorable), decode(r.reflection)) for r in rows)
     finally:
         lib.nqm_materials_free(handle)

@@ -200,8 +200,8 @@ def _warnings(r: ScoreResult, ref: str, test: str, n: int, invalid: int) -> Tupl
         return tuple(found)
     for k, who in enumerate((ref, test)):
         clamped, missing, unusual = r.n_clamped[k], r.n_invalid[k], r.n_unusual[k]
-        if r.n_repeated[k]:
-            found.append("%s: %d rows give a direction again: the mean of its rows counts" % (who, r.n_repeated[k]))
+        if r.remark[k].value:
+            found.append("%s: %s" % (who, decode(r.remark[k].value)))
         if clamped:
             found.append("%s: negative channel at %d of %d directions, taken as 0" % (who, clamped, n))
         if missing:

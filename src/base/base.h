@@ -85,6 +85,10 @@ void *nqm_grow(void *block, size_t *max_n, size_t n, size_t size);
 char *nqm_strdup(const char *text);
 /** As sprintf(), into a string of its own; likewise. */
 __attribute__((format(printf, 1, 2))) char *nqm_strdupf(const char *format, ...);
+enum { NQM_REMARK_SIZE = 600 };
+/** Append to a remark, of `size` bytes, what of an input is not used or is assumed: after "; ", unless it has it. A remark that gets too
+ *  long ends with "...". */
+__attribute__((format(printf, 3, 4))) void nqm_remark_add(char *remark, size_t size, const char *format, ...);
 /** The path of a file that the file `path` names: `name` in the same folder; an absolute `name` unchanged. NULL when out of memory;
  *  free with nqm_free(). */
 char *nqm_path_beside(const char *path, const char *name);

@@ -51,3 +51,27 @@ nqm_status nqm_require(nqm_error *err, const char *function, const char *names, 
     }
     return NQM_OK;
 }
+
+/* Whether the remark has this text, which may also be a part of another one. */
+static bool has_remark(const char *remark, const char *text) {
+    const size_t n = strlen(text);
+    for (const char *at = remark; (at = strstr(at, text)) != NULL; ++at)
+        if ((at == remark || strncmp(at - 2, "; ", 2) == 0) && (!at[n] || at[n] == ';'))
+            return true;
+    return false;
+}
+
+void nqm_remark_add(char *remark, size_t size, const char *format, ...) {
+    const size_t n = strlen(remark);
+    char text[NQM_REMARK_SIZE];
+    va_list arguments;
+    va_start(arguments, format);
+    vsnprintf(text, sizeof text, format, arguments);
+    va_end(arguments);
+    if (!*text || has_remark(remark, text))
+        return;
+    if (n + 2 + strlen(text) < size)
+        snprintf(remark + n, size - n, "%s%s", n ? "; " : "", text);
+    else if (snprintf(remark + n, size - n, "%s%s", n ? "; " : "", text) > 0)
+        snprintf(remark + size - 4, 4, "...");
+}

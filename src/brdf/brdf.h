@@ -53,6 +53,9 @@ struct nqm_brdf {
 NQM_MUST_CHECK nqm_status nqm_brdf_wrap(const nqm_brdf_class *class_, void *self, const nqm_brdf_info *info,
                                         nqm_brdf **brdf_ret, nqm_error *err);
 
+/** Add to the remark on a BRDF, which is another object then; on failure it is freed and NULL. */
+NQM_MUST_CHECK nqm_status nqm_brdf_remark(nqm_brdf **brdf, const char *remark, nqm_error *err);
+
 /** As nqm_brdf_eval_half_diff() of pairs that are turned about the normal. turn: (n, 2) sine and cosine of phi_h; NULL: 0. */
 void nqm_brdf_eval_turned(const nqm_brdf *brdf, size_t n, const double *hd, const double *turn, double *rgb,
                           uint8_t *flag);

@@ -118,6 +118,8 @@ static nqm_status open_material(const char *path, const nqm_materials *materials
     if (status == NQM_OK)
         status = nqm_spec_probe(info.spec) ? open_spec(path, &info, argument, brdf_ret, err)
                                            : open_measured(path, info.spec, argument->open, brdf_ret, err);
+    if (status == NQM_OK && info.remark)
+        status = nqm_brdf_remark(brdf_ret, info.remark, err);
     return status;
 }
 

@@ -13,7 +13,7 @@
 typedef struct nqm_gltf_group {
     const char *name;
     const char *refusal; /**< why materials with it are refused; NULL: they are read */
-    nqm_rule rules[8];   /**< those with a key first */
+    nqm_rule rules[10];  /**< those with a key first */
 } nqm_gltf_group;
 
 /** The members of a material itself, pbrMetallicRoughness and what may stand for it, and the other extensions. */

@@ -39,17 +39,8 @@ size_t nqm_textured_bytes(const nqm_textured *t) {
     return n;
 }
 
-void nqm_remark_add(char *remark, size_t size, const char *text) {
-    const size_t n = strlen(remark), n_text = strlen(text);
-    for (const char *at = strstr(remark, text); at && *at;
-         at = strstr(at + 1, text)) /* as a part of another one it counts not */
-        if ((at == remark || strncmp(at - 2, "; ", 2) == 0) && (!at[n_text] || at[n_text] == ';'))
-            return;
-    snprintf(remark + n, size - n, "%s%s", n ? "; " : "", text);
-}
-
 void nqm_textured_remark(nqm_textured *t, const char *text) {
-    nqm_remark_add(t->remark, sizeof t->remark, text);
+    nqm_remark_add(t->remark, sizeof t->remark, "%s", text);
 }
 
 void nqm_textured_prune(nqm_textured *t) {

@@ -83,7 +83,7 @@ typedef struct nqm_map_image {
     char space[32];      /**< colour space as nqm_color_to_rec709() takes it; "": values as they are; NQM_SPACE_AUTO */
 } nqm_map_image;
 
-enum { NQM_MAX_MAP_NODES = 1024, NQM_MAX_MAP_IMAGES = 64, NQM_NO_NODE = 0xffff, NQM_REMARK_SIZE = 600 };
+enum { NQM_MAX_MAP_NODES = 1024, NQM_MAX_MAP_IMAGES = 64, NQM_NO_NODE = 0xffff };
 
 /** What is computed: a key of the shading, and the node whose value it has. */
 typedef struct nqm_map_output {
@@ -110,8 +110,6 @@ typedef struct nqm_textured {
  *  shorter); `map` is closed then. */
 NQM_MUST_CHECK nqm_status nqm_textured_open_image(const nqm_map_image *image, nqm_map *map,
                                                   const unsigned char **data_ret, size_t *n_ret, nqm_error *err);
-/** Append a text to a remark of `size` bytes, after "; ", unless it has it. */
-void nqm_remark_add(char *remark, size_t size, const char *text);
 
 /** An empty one; NULL: out of memory. */
 nqm_textured *nqm_textured_create(void);

@@ -69,7 +69,7 @@ void nqm_materials_free(nqm_materials *materials) {
 }
 
 nqm_status nqm_texts_copy(size_t n, char **const *texts, nqm_error *err) {
-    enum { MAX_TEXTS = 7 };
+    enum { MAX_TEXTS = 8 };
     nqm_array arrays[MAX_TEXTS] = {{.pointer = NULL}};
     char *blocks[MAX_TEXTS];
     assert(n <= MAX_TEXTS);
@@ -93,8 +93,8 @@ nqm_materials *nqm_materials_create(const char *path) {
 
 /* Replace the texts by copies in one block, which the name owns. */
 static nqm_status copy_texts(nqm_material_info *info, nqm_error *err) {
-    const char **texts[] = {&info->name,   &info->surface,   &info->spec,      &info->refusal,
-                            &info->remark, &info->ignorable, &info->reflection};
+    const char **texts[] = {&info->name,   &info->surface, &info->spec,      &info->refusal,
+                            &info->remark, &info->unused,  &info->ignorable, &info->reflection};
     return nqm_texts_copy(sizeof texts / sizeof *texts, (char **const *)texts, err);
 }
 

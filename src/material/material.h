@@ -123,7 +123,7 @@ NQM_MATERIAL_FORMATS(NQM_DECLARE_FORMAT)
 
 /** Numbers separated by blanks or commas. Returns their count, 0 when there is anything else or more than max_n. */
 size_t nqm_parse_numbers(const char *text, size_t max_n, double *v);
-/** Replace up to 7 texts by copies in one block, which the first one owns; NULL remains. Unchanged on failure. */
+/** Replace up to 8 texts by copies in one block, which the first one owns; NULL remains. Unchanged on failure. */
 NQM_MUST_CHECK nqm_status nqm_texts_copy(size_t n, char **const *texts, nqm_error *err);
 /** The number of `word` among the words of `words`, which blanks separate; SIZE_MAX: it is none of them. */
 size_t nqm_find_word(const char *words, const char *word, bool any_case);

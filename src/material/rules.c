@@ -80,6 +80,15 @@ static bool is_off(nqm_reading *r, const char *gate) {
     return true;
 }
 
+bool nqm_reading_unused(nqm_reading *r, const char *name) {
+    const size_t n = strlen(r->unused), n_name = strlen(name);
+    if (n + n_name + 6 < sizeof r->unused)
+        snprintf(r->unused + n, sizeof r->unused - n, "%s%s", n ? ", " : "", name);
+    else if (n < 5 || strcmp(r->unused + n - 5, ", ...") != 0)
+        strcpy(r->unused + n, ", ...");
+    return true;
+}
+
 bool nqm_rules_apply(nqm_reading *r, const char *name, const void *property) {
     const nqm_rule *rule = nqm_rule_find(r->rules, name);
     if (!rule)
@@ -88,7 +97,9 @@ bool nqm_rules_apply(nqm_reading *r, const char *name, const void *property) {
     if (r->given & bit && rule->read != nqm_rule_ignore)
         return nqm_refuse(r, property, "%s is given twice", name);
     r->given |= bit;
-    return (rule->gate && is_off(r, rule->gate)) || rule->read(r, rule, property);
+    if (rule->read == nqm_rule_ignore || (rule->gate && is_off(r, rule->gate)))
+        return nqm_reading_unused(r, name);
+    return rule->read(r, rule, property);
 }
 
 bool nqm_rule_set(nqm_reading *r, const nqm_rule *rule, const void *property) {
@@ -217,6 +228,7 @@ nqm_status nqm_reading_add(nqm_reading *r, const char *name, const char *surface
                                     .spec = is_aside ? NULL : brdf,
                                     .refusal = has_brdf && !is_aside ? NULL : reason->text,
                                     .remark = is_refused || r->file || !*t->remark ? NULL : t->remark,
+                                    .unused = is_refused || !*r->unused ? NULL : r->unused,
                                     .byte_offset = has_brdf && !is_aside ? byte_offset : reason->byte_offset,
                                     .ignorable = is_aside ? nqm_ignore_words(r->ignorable, words) : NULL,
                                     .reflection = is_aside ? brdf : NULL};

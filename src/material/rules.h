@@ -77,8 +77,9 @@ struct nqm_reading {
     const nqm_rule *rules;
     const char *owner; /**< what has the properties, for messages */
     nqm_shading shading;
-    const char *file; /**< of a measured material; NULL: the shading is the result */
-    uint64_t given;   /**< bit i: rule i has been applied */
+    const char *file;             /**< of a measured material; NULL: the shading is the result */
+    uint64_t given;               /**< bit i: rule i has been applied */
+    char unused[NQM_REMARK_SIZE]; /**< nqm_material_info.unused */
     nqm_textured
         *textured; /**< what is computed; the material varies over the surface if that has outputs or a normal */
     nqm_reason refusal, varies;
@@ -102,6 +103,8 @@ __attribute__((format(printf, 4, 5))) bool nqm_set_aside(nqm_reading *r, unsigne
                                                          const char *format, ...);
 /** Let the diffuse reflection of the shading and its maps be what transmission and subsurface scattering leave of it (ignore.c). */
 void nqm_reading_reflect(nqm_reading *r);
+/** Name a property that has no effect; true. */
+bool nqm_reading_unused(nqm_reading *r, const char *name);
 /** Apply the rule for a property; false: the material is refused. */
 bool nqm_rules_apply(nqm_reading *r, const char *name, const void *property);
 /** The rule for a name, or NULL. */

@@ -165,6 +165,7 @@ typedef struct nqm_member {
     double anisotropy;      /* of the BRDF, if the model's directions have one azimuth; 0: none, or not of a BRDF */
     size_t n_unusual;       /* as n_unusual[1] in nqm_score_result */
     double distance_deg[2]; /* as in nqm_score_result */
+    char remark[NQM_REMARK_TEXT];
 } nqm_member;
 
 /** The result of a pair without a score. */

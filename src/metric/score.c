@@ -137,6 +137,8 @@ static nqm_member sample_member(const nqm_model *model, const nqm_brdf *brdf, nq
     if (member.status != NQM_ERR_NOMEM && nqm_scattered_rows(brdf, NULL, NULL) &&
         nqm_scattered_distances(brdf, d->n, d->wi, d->wo, member.distance_deg, err) != NQM_OK)
         member.status = NQM_ERR_NOMEM;
+    if (brdf->info.remark)
+        nqm_remark_add(member.remark, sizeof member.remark, "%s", brdf->info.remark);
     if (member.status == NQM_OK)
         member.n_unusual = count_unusual(model, rgb);
     if (member.status == NQM_OK)
@@ -161,8 +163,8 @@ static nqm_score_result compare_members(const nqm_scorer *s, const nqm_member *r
     result.n_unusual[0] = ref->n_unusual;
     result.n_clamped[1] = test->report.n_clamped;
     result.n_invalid[1] = test->report.n_invalid;
-    result.n_repeated[0] = ref->report.n_repeated;
-    result.n_repeated[1] = test->report.n_repeated;
+    memcpy(result.remark[0], ref->remark, sizeof ref->remark);
+    memcpy(result.remark[1], test->remark, sizeof test->remark);
     if (test->status != NQM_OK && !test->flag)
         return result;
     bool equal = true;

@@ -46,8 +46,8 @@ static void fill_from_nearest(const nqm_directions *directions, const uint8_t *f
     }
 }
 
-static nqm_sample_report count_flags(const nqm_brdf *brdf, size_t n, const uint8_t *flag) {
-    nqm_sample_report counts = {.n = n, .n_repeated = nqm_brdf_get_info(brdf).n_repeated};
+static nqm_sample_report count_flags(size_t n, const uint8_t *flag) {
+    nqm_sample_report counts = {.n = n};
     for (size_t i = 0; i < n; ++i) {
         counts.n_clamped += flag[i] == NQM_VALUE_CLAMPED;
         counts.n_invalid += !nqm_has_value(flag[i]);
@@ -58,7 +58,7 @@ static nqm_sample_report count_flags(const nqm_brdf *brdf, size_t n, const uint8
 /* Apply the policy to directions without a value, which are already 0. */
 static nqm_status apply_policy(const nqm_brdf *brdf, const nqm_directions *directions, nqm_invalid_policy policy,
                                const uint8_t *flag, float *rgb, nqm_error *err) {
-    nqm_sample_report counts = count_flags(brdf, directions->n, flag);
+    nqm_sample_report counts = count_flags(directions->n, flag);
     if (counts.n_invalid == 0)
         return NQM_OK;
     if (counts.n_invalid == counts.n)
@@ -110,7 +110,7 @@ nqm_status nqm_sample(const nqm_brdf *brdf, const nqm_directions *directions, nq
         next = sample_some(brdf, directions, next, rgb, flags);
     nqm_status status = apply_policy(brdf, directions, policy, flags, rgb, err);
     if (report)
-        *report = count_flags(brdf, n, flags);
+        *report = count_flags(n, flags);
     nqm_free(own);
     return status;
 }

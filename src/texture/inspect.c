@@ -40,7 +40,7 @@ static void say(nqm_texture *t, const char *what, size_t n, size_t n_all, const 
     char text[300];
     snprintf(text, sizeof text, "%s at %.2g %% of the surface: %s", what, 100 * (double)n / (double)n_all, how);
     if (n)
-        nqm_remark_add(t->remark, sizeof t->remark, text);
+        nqm_remark_add(t->remark, sizeof t->remark, "%s", text);
 }
 
 nqm_status nqm_texture_inspect(nqm_texture *t, nqm_error *err) {
@@ -73,7 +73,7 @@ nqm_status nqm_texture_inspect(nqm_texture *t, nqm_error *err) {
         char text[300];
         snprintf(text, sizeof text, "%.200s has no alpha, which is read as 1", t->maps->images[i].name);
         if (t->maps->images[i].expects_alpha && t->images[i].raster.channels % 2)
-            nqm_remark_add(t->remark, sizeof t->remark, text);
+            nqm_remark_add(t->remark, sizeof t->remark, "%s", text);
     }
     for (size_t k = 0; k < t->n_properties; ++k) {
         char range[80];

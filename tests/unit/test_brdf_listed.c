@@ -364,6 +364,24 @@ static nqm_brdf *open_turned(double contrast, const char *suffix) {
     return open_ok(save(&file), suffix);
 }
 
+/* What is not used: columns and rows. */
+TEST(what_is_not_used_is_named) {
+    csv file = {.n = 0};
+    add(&file, "sample,theta_h,theta_d,phi_d,r,g,b,sigma\n"
+               "a,20,40,90,1,2,3,9\na,80,80,0,1,2,3,9\nb,21,30,10,nan,nan,nan,9\n");
+    nqm_brdf *brdf = open_ok(save(&file), "");
+    assert_string_equal(nqm_brdf_get_info(brdf).remark,
+                        "column 'sample' is not used; column 'sigma' is not used; rows without a value: 1; "
+                        "rows at the horizon or below it: 1");
+    nqm_brdf *wrapped = NULL;
+    char spec[600];
+    snprintf(spec, sizeof spec, "perturb:scale=2;of=%s", nqm_brdf_get_info(brdf).name);
+    assert_int_equal(nqm_brdf_open(spec, &wrapped, NULL), NQM_OK);
+    assert_string_equal(nqm_brdf_get_info(wrapped).remark, nqm_brdf_get_info(brdf).remark);
+    nqm_brdf_free(wrapped);
+    nqm_brdf_free(brdf);
+}
+
 /* Pairs that recur at other azimuths with other values keep them; without other values, or with those of noise, they do not. */
 TEST(azimuths_of_anisotropic_lists_are_kept) {
     static const double contrast[] = {0, 0.1, 0.3};
@@ -375,8 +393,11 @@ TEST(azimuths_of_anisotropic_lists_are_kept) {
         assert_string_equal(info.format, "samples");
         assert_string_equal(info.layout, is_anisotropic
                                              ? "96 directions with azimuths, values within 0.1 degrees of them"
-                                             : "16 directions, values within 0.1 degrees of them; the mean of repeated "
-                                               "ones (80 rows)");
+                                             : "16 directions, values within 0.1 degrees of them");
+        if (is_anisotropic)
+            assert_null(info.remark);
+        else
+            assert_string_equal(info.remark, "rows that give a direction again: 80 (their mean counts)");
         for (int turn = 0; turn < 360; turn += 30) {
             double w[2][3], rgb[3];
             uint8_t flag;
@@ -508,7 +529,8 @@ TEST(repeated_directions_are_means) {
         assert_true(eval_goniometer(brdf, 20, 40, 90, rgb));
         for (size_t c = 0; c < 3; ++c)
             assert_near(rgb[c], mean[c], 1e-6);
-        assert_int_equal(info.n_repeated, 3);
+        assert_string_equal(info.remark,
+                            "rows without a value: 1; rows that give a direction again: 3 (their mean counts)");
         assert_non_null(strstr(info.layout, "1 directions, values"));
         nqm_brdf_free(brdf);
     }
@@ -584,11 +606,13 @@ TEST(refuses_unfit_lists) {
     expect_refused("theta_h,theta_d,phi_d,r,g,b\n1,2,3,4,5,6\n", ":zero", NQM_ERR_ARG, "'zero'");
     expect_refused("theta_h,theta_d,phi_d,r,g,b\n1,2,3,4,5,6\n", ":50", NQM_ERR_ARG, "up to 45");
     expect_refused(grid, ":1", NQM_ERR_ARG, "complete grid");
+    expect_refused("theta_h,theta_d,phi_d,r,g,b,R\n1,2,3,4,5,6,7\n", "", NQM_ERR_FORMAT,
+                   "two columns are 'R' (header at byte 0)");
     csv file = {.n = 0};
     add(&file, "%s9,9,0,1,1,1\n", grid); /* a node that occurs twice is no other grid */
     nqm_brdf *brdf = open_ok(save(&file), "");
     assert_string_equal(nqm_brdf_get_info(brdf).format, "grid");
-    assert_int_equal(nqm_brdf_get_info(brdf).n_repeated, 1);
+    assert_string_equal(nqm_brdf_get_info(brdf).remark, "rows that give a direction again: 1 (their mean counts)");
     nqm_brdf_free(brdf);
     double list[N][3];
     assert_true(check_brdf_allocations(save_scattered(list, false)) >= 6);

@@ -107,7 +107,7 @@ TEST(tables_are_interpolated) {
 TEST(other_tables_are_lists) {
     nqm_brdf *brdf = must_open(save(&(kind){"PlaneSymmetrical", "Monochrome", 1, 1, 20, 180}));
     assert_string_equal(nqm_brdf_get_info(brdf).format, "samples");
-    assert_int_equal(nqm_brdf_get_info(brdf).n_repeated, 0);
+    assert_null(nqm_brdf_get_info(brdf).remark);
     for (int azimuth = 20; azimuth < 360; azimuth += 20)
         assert_near(eval(brdf, 1, 20, azimuth, 15), value_of(20, azimuth, 15), 1e-5);
     assert_near(eval(brdf, 1, 20, 0, 0), value_of(20, 0, 0), 1e-5);

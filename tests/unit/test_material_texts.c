@@ -136,6 +136,8 @@ static void check_material(const material_text *t, const nqm_materials *material
             check_maps(t, maps, info.remark, line);
         else if (strncmp(line, "remark ", 7) == 0)
             expect(t, info.remark ? info.remark : "no remark", line + 7);
+        else if (strncmp(line, "unused ", 7) == 0)
+            expect(t, info.unused ? info.unused : "nothing unused", line + 7);
         else
             expect(t, spec, line);
     }

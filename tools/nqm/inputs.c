@@ -123,10 +123,10 @@ void refuse_near_word(const char *argument, const char *word) {
         stop(EXIT_USAGE, "there is no file '%s'%s", argument, nearest.advice);
 }
 
-void note_repeated(const nqm_brdf *brdf) {
+void report_remark(const nqm_brdf *brdf) {
     const nqm_brdf_info info = nqm_brdf_get_info(brdf);
-    if (info.n_repeated)
-        report(EXIT_OK, REPEATED_ROWS, shown(info.name), info.n_repeated);
+    if (info.remark)
+        report(EXIT_OK, "%s: %s", shown(info.name), info.remark);
 }
 
 nqm_brdf *open_brdf(const char *argument) {

@@ -131,10 +131,8 @@ nqm_scene *open_judge(const char *loss, const char *transport);
 /** Whether there is a built-in model of this name. */
 bool is_builtin(const char *name);
 nqm_brdf *open_brdf(const char *argument);
-/** What to say of a list whose rows give a direction again: its name, and nqm_brdf_info.n_repeated. */
-#define REPEATED_ROWS "%s: %zu rows give a direction again: the mean of its rows counts"
-/** Say it on standard error, if there are some. */
-void note_repeated(const nqm_brdf *brdf);
+/** Say on standard error what of a file is not used. */
+void report_remark(const nqm_brdf *brdf);
 /** Stop when the argument, which is to be a BRDF, is the name of a built-in model or nearly so, and no file. open_brdf() and
  *  take_names() do. */
 void refuse_model_name(const char *argument);

@@ -12,17 +12,20 @@
 nqm_status nqm_brdf_wrap(const nqm_brdf_class *class_, void *self, const nqm_brdf_info *info, nqm_brdf **brdf_ret,
                          nqm_error *err) {
     nqm_brdf_info copy = *info;
-    const char **texts[] = {&copy.name, &copy.spec, &copy.layout};
-    nqm_array arrays[4] = {{brdf_ret, 1, sizeof(nqm_brdf)}};
-    char *texts_of_copy[3];
-    for (size_t i = 0; i < 3; ++i)
+    enum { N_TEXTS = 4 };
+    const char **texts[N_TEXTS] = {&copy.name, &copy.spec, &copy.layout, &copy.remark};
+    nqm_array arrays[1 + N_TEXTS] = {{brdf_ret, 1, sizeof(nqm_brdf)}};
+    char *texts_of_copy[N_TEXTS];
+    if (copy.remark && !*copy.remark)
+        copy.remark = NULL;
+    for (size_t i = 0; i < N_TEXTS; ++i)
         arrays[1 + i] = (nqm_array){&texts_of_copy[i], *texts[i] ? strlen(*texts[i]) + 1 : 0, 1};
-    nqm_status status = nqm_alloc_arrays(4, arrays, err);
+    nqm_status status = nqm_alloc_arrays(1 + N_TEXTS, arrays, err);
     if (status != NQM_OK) {
         class_->free(self);
         return status;
     }
-    for (size_t i = 0; i < 3; ++i)
+    for (size_t i = 0; i < N_TEXTS; ++i)
         if (*texts[i])
             *texts[i] = memcpy(texts_of_copy[i], *texts[i], arrays[1 + i].n);
     copy.format = class_->format;
@@ -30,6 +33,19 @@ nqm_status nqm_brdf_wrap(const nqm_brdf_class *class_, void *self, const nqm_brd
     copy.isotropic = info->isotropic || !class_->anisotropic;
     **brdf_ret = (nqm_brdf){class_, self, copy};
     return NQM_OK;
+}
+
+nqm_status nqm_brdf_remark(nqm_brdf **brdf, const char *remark, nqm_error *err) {
+    nqm_brdf *old = *brdf;
+    nqm_brdf_info info = old->info;
+    char text[NQM_REMARK_SIZE] = "";
+    nqm_remark_add(text, sizeof text, "%s", remark);
+    if (info.remark)
+        nqm_remark_add(text, sizeof text, "%s", info.remark);
+    info.remark = text;
+    nqm_status status = nqm_brdf_wrap(old->class_, old->self, &info, brdf, err);
+    nqm_free(old);
+    return status;
 }
 
 void nqm_brdf_free(nqm_brdf *brdf) {

@@ -35,8 +35,8 @@ static char *canonical_spec(const nqm_spec_schema *schema, const nqm_spec_values
 static nqm_status wrap(const nqm_spec_wrapper *w, const nqm_spec_values *values, const nqm_between_bases *bases,
                        const char *name, nqm_brdf **brdf_ret, nqm_error *err) {
     const nqm_brdf_info *of = &bases->of->info, *with = bases->with ? &bases->with->info : NULL;
-    char layout[160], *spec = canonical_spec(&w->schema, values, bases);
-    nqm_brdf_info info = {.name = name ? name : spec, .spec = spec, .layout = layout};
+    char layout[160], remark[NQM_REMARK_SIZE] = "", *spec = canonical_spec(&w->schema, values, bases);
+    nqm_brdf_info info = {.name = name ? name : spec, .spec = spec, .layout = layout, .remark = remark};
     info.source_doi = with ? NULL : of->source_doi;
     info.reciprocal = of->reciprocal && (!with || with->reciprocal);
     info.isotropic = of->isotropic && (!with || with->isotropic);
@@ -44,6 +44,9 @@ static nqm_status wrap(const nqm_spec_wrapper *w, const nqm_spec_values *values,
         snprintf(layout, sizeof layout, "of %s with %s", of->format, with->format);
     else
         snprintf(layout, sizeof layout, "over %s, %.100s", of->format, of->layout ? of->layout : "");
+    for (size_t i = 0; i < 2; ++i)
+        if ((i ? with : of) && (i ? with : of)->remark)
+            nqm_remark_add(remark, sizeof remark, "%s", (i ? with : of)->remark);
     void *state = NULL;
     nqm_status status = spec ? w->create(values, bases, &info, &state, err) : nqm_fail_nomem(err, sizeof layout);
     if (status == NQM_OK) {

@@ -142,7 +142,7 @@ static int compare_rows(const void *a, const void *b) {
 /* Replace rows of one direction by their mean. The azimuth of the light is a part of the direction if it counts; phi is one modulo its
  * period. */
 static void merge_repeated(nqm_list *l) {
-    size_t n_kept = 0;
+    size_t n_kept = 0, n_none = 0;
     const double period = l->is_reciprocal ? NQM_PI : 2 * NQM_PI;
     for (size_t i = 0; i < l->n; ++i) {
         nqm_listed *row = &l->rows[i];
@@ -162,9 +162,14 @@ static void merge_repeated(nqm_list *l) {
         nqm_listed mean = l->rows[i];
         for (size_t c = 0; c < 3 && n_values > 1; ++c)
             mean.rgb[c] = (float)(sum[c] / (double)n_values);
+        n_none += m - n_values;
         l->rows[n_kept++] = mean;
     }
-    l->n_repeated = l->n - n_kept;
+    if (n_none)
+        nqm_remark_add(l->remark, sizeof l->remark, "rows without a value: %zu", n_none);
+    if (n_kept < l->n)
+        nqm_remark_add(l->remark, sizeof l->remark, "rows that give a direction again: %zu (their mean counts)",
+                       l->n - n_kept);
     l->n = n_kept;
 }
 
@@ -343,17 +348,11 @@ static nqm_status wrap_grid(const nqm_list *l, nqm_grid *grid, size_t n_missing,
              "%zu %s x %zu %s x %zu %s, linear between them, at most %.3g, %.3g and %.3g degrees apart", grid->n[0],
              axis[0], grid->n[1], axis[1], grid->n[2], axis[2], nqm_grid_gap(grid, 0), nqm_grid_gap(grid, 1),
              nqm_grid_gap(grid, 2));
-    if (l->n_repeated)
-        snprintf(text + strlen(text), sizeof text - strlen(text), "; the mean of repeated ones (%zu rows)",
-                 l->n_repeated);
     if (n_missing)
         snprintf(text + strlen(text), sizeof text - strlen(text), "; %zu of %zu nodes have no row", n_missing,
                  grid->n[0] * grid->n[1] * grid->n[2]);
-    const nqm_brdf_info info = {.name = name,
-                                .layout = text,
-                                .n_values = 3 * l->n,
-                                .n_repeated = l->n_repeated,
-                                .reciprocal = l->is_reciprocal};
+    const nqm_brdf_info info = {
+        .name = name, .layout = text, .n_values = 3 * l->n, .remark = l->remark, .reciprocal = l->is_reciprocal};
     return nqm_brdf_wrap(l->has_pairs ? &pair_class : &grid_class, grid, &info, brdf_ret, err);
 }
 

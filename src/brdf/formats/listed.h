@@ -19,13 +19,13 @@ typedef struct nqm_listed {
 typedef struct nqm_list {
     const char *path;
     size_t n;
-    nqm_listed *rows;    /* (n) */
-    size_t n_repeated;   /* rows of the file that gave a direction again: the mean is in `rows` */
-    bool has_unit;       /* the file says in which unit its angles are */
-    bool is_reciprocal;  /* each row also counts with light and viewer exchanged */
-    bool has_pairs;      /* rows are light and viewer */
-    bool is_anisotropic; /* their azimuths count; only if has_pairs */
-    bool is_half_turn;   /* all phi are in one half of the turn, so that in a grid the value at -phi is that at phi */
+    nqm_listed *rows;             /* (n) */
+    char remark[NQM_REMARK_SIZE]; /* what of the file is not used */
+    bool has_unit;                /* the file says in which unit its angles are */
+    bool is_reciprocal;           /* each row also counts with light and viewer exchanged */
+    bool has_pairs;               /* rows are light and viewer */
+    bool is_anisotropic;          /* their azimuths count; only if has_pairs */
+    bool is_half_turn; /* all phi are in one half of the turn, so that in a grid the value at -phi is that at phi */
 } nqm_list;
 
 /** Weights of X, Y and Z, relative to the white of D65, that make linear BT.709 RGB, as of nqm_spectrum_weights(). */

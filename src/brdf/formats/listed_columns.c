@@ -218,6 +218,32 @@ static nqm_status find_values(layout *l, const char *path, nqm_error *err) {
     return has_unit ? fail_unit(l, path, value[0], "1/sr", err) : NQM_OK;
 }
 
+static bool is_column_used(const layout *l, int column) {
+    bool is = false;
+    for (size_t k = 0; k < l->n_angles; ++k)
+        is = is || l->angle[k] == column;
+    for (size_t k = 0; k < l->n_values; ++k)
+        is = is || l->value[k] == column;
+    return is;
+}
+
+/* Columns that are not used are named; one with the name of a used one is a mistake. */
+static nqm_status check_columns(const layout *l, nqm_list *list, nqm_error *err) {
+    char name[NAME_BYTES], other[NAME_BYTES];
+    for (int i = 0; i < (int)nqm_csv_columns(l->csv); ++i) {
+        const char *header = nqm_csv_header(l->csv, i);
+        if (is_column_used(l, i))
+            continue;
+        read_name(header, name);
+        for (int j = 0; j < i && *name; ++j)
+            if (is_column_used(l, j) && (read_name(nqm_csv_header(l->csv, j), other), strcmp(name, other) == 0))
+                return nqm_fail(err, NQM_ERR_FORMAT, (int64_t)l->header,
+                                "%s: two columns are '%s' (header at byte %zu)", list->path, header, l->header);
+        nqm_remark_add(list->remark, sizeof list->remark, "column '%.40s' is not used", header);
+    }
+    return NQM_OK;
+}
+
 /* ---- rows -------------------------------------------------------------------------------------------------------- */
 
 /* A negative polar angle is on the other side of the normal: its positive one at the opposite azimuth. */
@@ -296,6 +322,8 @@ static nqm_status read_rows(const nqm_csv *csv, size_t header, bool is_astm, nqm
     status = find_angles(&l, is_astm, list, err);
     if (status == NQM_OK)
         status = find_values(&l, list->path, err);
+    if (status == NQM_OK)
+        status = check_columns(&l, list, err);
     list->is_reciprocal = status == NQM_OK && !list->has_pairs;
     for (size_t row = 0; row < list->n && status == NQM_OK; ++row) {
         const double *phi_d = list->rows[row].at + 2;

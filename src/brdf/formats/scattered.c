@@ -132,13 +132,15 @@ nqm_status nqm_scattered_distances(const nqm_brdf *brdf, size_t n, const double 
 }
 
 /* The n_used pairs with a value above the horizon, each also exchanged if the list is reciprocal; returns the number of all. */
-static size_t expand(const nqm_list *l, sample *out, size_t *n_used) {
+static size_t expand(const nqm_list *l, sample *out, size_t *n_used, size_t *n_below) {
     size_t n_out = 0;
     for (size_t i = 0; i < l->n; ++i) {
         sample s = {.is_exchanged = false};
         nqm_listed_pair(l, l->rows + i, s.wi, s.wo);
         memcpy(s.rgb, l->rows[i].rgb, sizeof s.rgb);
-        if (isnan(s.rgb[0]) || !(s.wi[2] > 0 && s.wo[2] > 0))
+        const bool has_value = !isnan(s.rgb[0]), is_above = s.wi[2] > 0 && s.wo[2] > 0;
+        *n_below += has_value && !is_above;
+        if (!has_value || !is_above)
             continue;
         ++*n_used;
         out[n_out++] = s;
@@ -235,7 +237,7 @@ static void make_tree(const scattered *t, size_t n, const sample *unsorted, nqm_
 nqm_status nqm_scattered_create(const nqm_list *list, double tolerance, const char *name, nqm_brdf **brdf_ret,
                                 nqm_error *err) {
     const size_t most = list->is_reciprocal ? 2 * list->n : list->n;
-    size_t n_used = 0;
+    size_t n_used = 0, n_below = 0;
     scattered *t;
     double *radius;
     sample *sorted, *unsorted, **repeated;
@@ -250,7 +252,7 @@ nqm_status nqm_scattered_create(const nqm_list *list, double tolerance, const ch
     if (status == NQM_OK) {
         *t = (scattered){
             .reach = 2 * sin(tolerance / 2), .turns = !list->is_anisotropic, .sample = sorted, .radius = radius};
-        t->n = expand(list, unsorted, &n_used);
+        t->n = expand(list, unsorted, &n_used, &n_below);
         t->n = merge_repeated(t->n, unsorted, repeated);
         for (size_t i = 0; i < t->n; ++i)
             order[i].index = i;
@@ -267,17 +269,14 @@ nqm_status nqm_scattered_create(const nqm_list *list, double tolerance, const ch
         nqm_free(t);
         return status;
     }
-    char layout[160];
+    char layout[160], remark[NQM_REMARK_SIZE];
     snprintf(layout, sizeof layout, "%zu directions%s, values within %g degrees of them", n_used,
              list->is_anisotropic ? " with azimuths" : "", tolerance * 180 / NQM_PI);
-    if (list->n_repeated)
-        snprintf(layout + strlen(layout), sizeof layout - strlen(layout), "; the mean of repeated ones (%zu rows)",
-                 list->n_repeated);
-    nqm_brdf_info info = {.name = name,
-                          .layout = layout,
-                          .n_values = 3 * n_used,
-                          .n_repeated = list->n_repeated,
-                          .reciprocal = list->is_reciprocal};
+    memcpy(remark, list->remark, sizeof remark);
+    if (n_below)
+        nqm_remark_add(remark, sizeof remark, "rows at the horizon or below it: %zu", n_below);
+    nqm_brdf_info info = {
+        .name = name, .layout = layout, .n_values = 3 * n_used, .remark = remark, .reciprocal = list->is_reciprocal};
     info.isotropic = !list->is_anisotropic;
     return nqm_brdf_wrap(&scattered_class, t, &info, brdf_ret, err);
 }

@@ -44,8 +44,10 @@ static nqm_status examine(const char *argument, uint64_t seed, verdict *v, nqm_e
     nqm_status status = nqm_brdf_open(argument, &brdf, err);
     if (status == NQM_OK)
         status = nqm_brdf_check(brdf, seed, &r, err);
-    if (status == NQM_OK)
+    if (status == NQM_OK) {
+        report_remark(brdf);
         *v = judge(brdf, &r);
+    }
     nqm_brdf_free(brdf);
     return status;
 }

@@ -48,6 +48,7 @@ int cmd_convert(int argc, char **argv) {
         stop(EXIT_USAGE, "--format %s writes %s, and '%s' names another kind", formats[format],
              format == 2 ? ".npy files" : "MERL tables (.binary)", output);
     nqm_brdf *brdf = open_brdf(argv[0]);
+    report_remark(brdf);
     const nqm_brdf_info info = nqm_brdf_get_info(brdf);
     must(nqm_brdf_write(brdf, (nqm_table_format)format, output_path(output), show_progress, NULL, &fault));
     end_progress();

@@ -25,12 +25,12 @@ static int print_brdf(const char *argument, bool json) {
     nqm_brdf_albedo(brdf, 0, 1, albedo);
     if (strcmp(info.format, "samples") == 0) /* unknown: most directions have no value */
         albedo[0] = albedo[1] = albedo[2] = NAN;
-    json_t *members =
-        json_pack("{s:s,s:s,s:o,s:o,s:o,s:o,s:I,s:I,s:b,s:b,s:[o,o,o]}", "kind", "brdf", "format", info.format, "name",
-                  json_name(info.name), "spec", json_text(info.spec), "source_doi", json_text(info.source_doi),
-                  "layout", json_text(info.layout), "n_values", (json_int_t)info.n_values, "n_bytes",
-                  (json_int_t)info.n_bytes, "reciprocal", info.reciprocal, "isotropic", info.isotropic, "albedo_normal",
-                  json_number(albedo[0]), json_number(albedo[1]), json_number(albedo[2]));
+    json_t *members = json_pack(
+        "{s:s,s:s,s:o,s:o,s:o,s:o,s:o,s:I,s:I,s:b,s:b,s:[o,o,o]}", "kind", "brdf", "format", info.format, "name",
+        json_name(info.name), "spec", json_text(info.spec), "source_doi", json_text(info.source_doi), "layout",
+        json_text(info.layout), "remark", json_text(info.remark), "n_values", (json_int_t)info.n_values, "n_bytes",
+        (json_int_t)info.n_bytes, "reciprocal", info.reciprocal, "isotropic", info.isotropic, "albedo_normal",
+        json_number(albedo[0]), json_number(albedo[1]), json_number(albedo[2]));
     nqm_brdf_free(brdf);
     return json ? print_document(members) : print_members(members);
 }
@@ -65,6 +65,7 @@ static void print_material(const json_t *entry) {
     const char *refusal = json_string_value(json_object_get(entry, "refusal"));
     const char *remark = json_string_value(json_object_get(entry, "remark")), *why = refusal ? refusal : remark;
     const char *ignorable = json_string_value(json_object_get(entry, "ignorable"));
+    const char *unused = json_string_value(json_object_get(entry, "unused"));
     const json_int_t n_maps = json_integer_value(json_object_get(entry, "n_maps"));
     printf("%s  %s  %s", shown(json_string_value(json_object_get(entry, "name"))),
            json_string_value(json_object_get(entry, "surface")), refusal ? "refused" : "accepted");
@@ -72,6 +73,8 @@ static void print_material(const json_t *entry) {
         printf(": texture of %lld image%s", (long long)n_maps, n_maps > 1 ? "s" : "");
     if (why)
         printf(": %s", shown(why));
+    if (unused)
+        printf("; without effect: %s", shown(unused));
     if (ignorable)
         printf(refusal ? "; accepted with --ignore %s" : ": without %s, only what reflects", ignorable);
     putchar('\n');
@@ -86,11 +89,12 @@ static int print_materials(const char *path, const nqm_materials *materials, boo
         nqm_error err = {0};
         const char *refusal = info.n_maps ? NULL : obstacle(&info, &err);
         n_accepted += !refusal;
-        json_array_append_new(list, json_pack("{s:o,s:s,s:o,s:o,s:I,s:o,s:I,s:o}", "name", json_name(info.name),
-                                              "surface", info.surface, "spec", json_text(refusal ? NULL : info.spec),
-                                              "refusal", json_text(refusal), "n_maps", (json_int_t)info.n_maps,
-                                              "remark", json_text(info.remark), "byte_offset",
-                                              (json_int_t)info.byte_offset, "ignorable", json_text(info.ignorable)));
+        json_array_append_new(list,
+                              json_pack("{s:o,s:s,s:o,s:o,s:I,s:o,s:o,s:I,s:o}", "name", json_name(info.name),
+                                        "surface", info.surface, "spec", json_text(refusal ? NULL : info.spec),
+                                        "refusal", json_text(refusal), "n_maps", (json_int_t)info.n_maps, "remark",
+                                        json_text(info.remark), "unused", json_text(info.unused), "byte_offset",
+                                        (json_int_t)info.byte_offset, "ignorable", json_text(info.ignorable)));
     }
     json_t *members = json_pack("{s:s,s:o,s:I,s:I}", "kind", "materials", "name", json_name(path), "n_materials",
                                 (json_int_t)json_array_size(list), "accepted", (json_int_t)n_accepted);
@@ -111,8 +115,6 @@ static int print_file_of_brdfs(const char *argument, bool json) {
     nqm_materials *materials = NULL;
     int code = EXIT_OK;
     const bool is_list = nqm_materials_open(argument, &materials, NULL) == NQM_OK;
-    if (is_list && nqm_materials_count(materials) == 1 && nqm_materials_get(materials, 0).remark)
-        report(EXIT_OK, "%s: %s", argument, nqm_materials_get(materials, 0).remark);
     if (is_list && nqm_materials_count(materials) > 1)
         code = print_materials(argument, materials, json);
     else

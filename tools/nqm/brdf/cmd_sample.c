@@ -101,6 +101,7 @@ int cmd_sample(int argc, char **argv) {
     if (output && format != FORMAT_TEXT)
         stop(EXIT_USAGE, "--csv, --json and --output exclude each other");
     nqm_brdf *brdf = open_brdf(argv[0]);
+    report_remark(brdf);
     nqm_directions *directions = open_directions(directions_name);
     const size_t n = nqm_directions_count(directions);
     sample_set s = {.brdf = argv[0],

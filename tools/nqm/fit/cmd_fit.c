@@ -480,7 +480,7 @@ int cmd_fit(int argc, char **argv) {
     fitted *results = allocate(request.n_models, sizeof *results);
     nqm_directions *directions = open_directions(directions_name);
     nqm_brdf *ref = open_brdf(argv[0]);
-    note_repeated(ref);
+    report_remark(ref);
     report_distance(argv[0], ref, directions);
     const output out = prepare_output(path, &request);
     output_file page_file = {0};

@@ -271,6 +271,7 @@ static nqm_status fit_item(const translation *t, item *it, nqm_error *err) {
     nqm_status status = nqm_brdf_open(it->argument, &ref, err);
     if (status != NQM_OK)
         return status;
+    report_remark(ref);
     const char *spec = nqm_brdf_get_info(ref).spec;
     list_dropped(spec, t->target->model, it->dropped, sizeof it->dropped);
     it->copy = copy_keys(spec, t->target->model);

@@ -177,7 +177,7 @@ nqm_status render_brdf(const nqm_scene *scene, const char *name, bool with_halve
     is_said = is_said || r->is_tabulated;
     if (status != NQM_OK)
         return status;
-    note_repeated(r->brdf);
+    report_remark(r->brdf);
     return with_halves ? nqm_scene_render_halves(scene, r->brdf, NULL, rgb_cdm2, &r->valid, err)
                        : nqm_scene_render(scene, r->brdf, rgb_cdm2, &r->valid, err);
 }

@@ -147,8 +147,8 @@ __attribute__((format(printf, 2, 3))) static void add_remark(json_t *remarks, co
 static void add_counts(json_t *remarks, const remark_terms *terms, const char *who, const nqm_score_result *r,
                        size_t k) {
     static const char *const remedy[] = {"left out", "taken as 0", "taken from the nearest direction", "refused"};
-    if (r->n_repeated[k])
-        add_remark(remarks, REPEATED_ROWS, who, r->n_repeated[k]);
+    if (*r->remark[k])
+        add_remark(remarks, "%s: %s", who, r->remark[k]);
     if (r->n_clamped[k])
         add_remark(remarks, "%s: negative channel at %zu of %zu directions, taken as 0", who, r->n_clamped[k],
                    terms->n_directions);
