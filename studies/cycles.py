@@ -2,7 +2,7 @@
 """Ten materials as Cycles renders what doc/blender.py imports, next to `nqm render`: a sphere under a light map, in linear light.
 
     NQM=build/nqm python3 studies/cycles.py FOLDER     writes the materials, the light and the pictures of nqm
-    blender -b -P studies/cycles.py -- FOLDER          renders the same with Blender 4.3, prints the differences, and writes pairs.png"""
+    blender -b -P studies/cycles.py -- FOLDER          renders the same with Blender 4.3, prints the differences, and writes pairs.png (ours above)"""
 import json
 import os
 import pathlib
@@ -81,6 +81,7 @@ def make_scene(bpy, folder):
     scene.render.engine = "CYCLES"
     scene.cycles.samples, scene.cycles.blur_glossy, scene.cycles.pixel_filter_type = 1024, 0, "BOX"
     scene.cycles.use_denoising = scene.cycles.use_adaptive_sampling = False
+    scene.render.film_transparent = True
     scene.render.resolution_x = scene.render.resolution_y = SIZE
     scene.render.image_settings.file_format, scene.render.image_settings.color_depth = "OPEN_EXR", "32"
     camera = bpy.data.cameras.new("camera")
@@ -147,7 +148,7 @@ def compare(folder):
         difference = np.abs(ours - scale * theirs)[seen].mean(1) / ours[seen].mean(1)
         print(f"{name:14} mean {100 * (ours[seen].mean() / theirs[seen].mean() / scale - 1):+6.2f} %   mean of differences {100 * difference.mean():5.2f} %   "
               f"99 % below {100 * np.percentile(difference, 99):5.2f} %   worst {100 * difference.max():5.2f} %", flush=True)
-        rows.append(np.vstack([ours / scale, theirs]))
+        rows.append(np.vstack([theirs, ours / scale]))  # from the bottom
     shown = np.clip(np.hstack(rows) / 2, 0, 1)**(1 / 2.2)
     picture = bpy.data.images.new("pairs", shown.shape[1], shown.shape[0])
     picture.colorspace_settings.name = "Non-Color"
