@@ -65,14 +65,12 @@ static bool read_to_uv(nqm_bsdf_reading *r, double uv[2][3]) {
 
 /* RGB of the bitmap r->at, or one of its channels (of Blender). */
 static bool read_bitmap(nqm_bsdf_reading *r, uint16_t *value_ret) {
-    const nqm_bsdf_node *file = nqm_bsdf_filename(r), *property = NULL;
+    const nqm_bsdf_node *file = nqm_bsdf_filename(r);
     double uv[2][3] = {{1, 0, 0}, {0, 1, 0}};
     bool is_raw = false;
     size_t wrap, channel;
-    while ((property = nqm_bsdf_next(r->nodes, r->at, property)))
-        if (!nqm_contains_word("filename filter_type wrap_mode raw to_uv channel format accel", property->name, false))
-            return nqm_refuse(&r->reading, property, "bitmap has no property '%.40s'", property->name);
-    if (!file || !nqm_bsdf_flag(r, "raw", &is_raw) || !nqm_bsdf_choice(r, "wrap_mode", "repeat mirror clamp", &wrap) ||
+    if (!file || !nqm_bsdf_check(r, "filename wrap_mode raw to_uv channel", "filter_type format accel") ||
+        !nqm_bsdf_flag(r, "raw", &is_raw) || !nqm_bsdf_choice(r, "wrap_mode", "repeat mirror clamp", &wrap) ||
         !nqm_bsdf_choice(r, "channel", "rgb r g b", &channel) || !read_to_uv(r, uv))
         return false;
     const char *space = is_raw || nqm_bsdf_is_float_image(file->value) ? "" : "srgb_texture";

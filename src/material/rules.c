@@ -81,11 +81,7 @@ static bool is_off(nqm_reading *r, const char *gate) {
 }
 
 bool nqm_reading_unused(nqm_reading *r, const char *name) {
-    const size_t n = strlen(r->unused), n_name = strlen(name);
-    if (n + n_name + 6 < sizeof r->unused)
-        snprintf(r->unused + n, sizeof r->unused - n, "%s%s", n ? ", " : "", name);
-    else if (n < 5 || strcmp(r->unused + n - 5, ", ...") != 0)
-        strcpy(r->unused + n, ", ...");
+    nqm_remark_add(r->unused, sizeof r->unused, "%s", name);
     return true;
 }
 
