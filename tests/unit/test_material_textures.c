@@ -281,6 +281,8 @@ static void check_folder(const char *names, const char *expected) {
 TEST(names_of_three_sites_are_known) {
     assert_non_null(mkdtemp(folder));
     assert_true(nqm_maps_probe(folder));
+    check_folder("Wood_Color_1K-WEBP.webp Wood_Metalness_1K-WEBP.webp Wood_NormalGL_1K-WEBP.webp",
+                 "Wood_Color_1K-WEBP.webp Wood_Metalness_1K-WEBP.webp Wood_NormalGL_1K-WEBP.webp");
     check_folder("metal_plate_ao_2k.jpg metal_plate_diff_2k.jpg metal_plate_disp_2k.png metal_plate_metal_2k.exr "
                  "metal_plate_nor_dx_2k.exr metal_plate_nor_gl_2k.exr metal_plate_rough_2k.jpg",
                  "metal_plate_diff_2k.jpg metal_plate_rough_2k.jpg metal_plate_metal_2k.exr metal_plate_nor_gl_2k.exr");
