@@ -184,6 +184,8 @@ bool nqm_reading_mix(nqm_reading *r, const void *property, nqm_material_info of,
             nqm_set_aside(r, ignorable, property, "'%.40s' is part of a mixture: %.200s", part->name, part->refusal);
         if (part->remark)
             nqm_textured_remark(r->textured, part->remark);
+        if (part->unused)
+            nqm_reading_unused(r, part->unused);
     }
     if (specs[0] && specs[1] && strlen(specs[0]) + strlen(specs[1]) > MAX_MIXTURE)
         return nqm_refuse(r, property, "its mixture is nested too deep");

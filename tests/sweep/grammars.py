@@ -291,6 +291,17 @@ MATERIALX = {
     "specTrans:z subsurface:z ior:i subsurfaceDistance:c"}
 
 
+# node: (input that is connected, (input, value, other value))
+OPERATIONS = {"multiply": ("in1", [("in2", "0.5", "0.25")]), "add": ("in1", [("in2", "0.1", "0.2")]), "subtract": ("in1", [("in2", "0.1", "0.2")]),
+              "divide": ("in1", [("in2", "2", "3")]), "power": ("in1", [("in2", "2.2", "2")]), "invert": ("in", [("amount", "0.9", "0.8")]),
+              "clamp": ("in", [("low", "0.1", "0.2"), ("high", "0.8", "0.9")]), "mix": ("fg", [("bg", "0.3", "0.4"), ("mix", "0.5", "0.6")]),
+              "remap": ("in", [("inlow", "0.1", "0.2"), ("inhigh", "0.8", "0.9"), ("outlow", "0.2", "0.3"), ("outhigh", "0.7", "0.75")]),
+              "smoothstep": ("in", [("low", "0.1", "0.2"), ("high", "0.8", "0.9")]), "min": ("in1", [("in2", "0.5", "0.4")]),
+              "range": ("in", [("inlow", "0.1", "0.2"), ("gamma", "1.5", "1.8"), ("outhigh", "0.7", "0.75")]),
+              "contrast": ("in", [("amount", "1.5", "1.8"), ("pivot", "0.4", "0.3")]), "max": ("in1", [("in2", "0.5", "0.4")]),
+              "saturate": ("in", [("amount", "0.5", "0.4")]), "hsvadjust": ("in", [("amount", "0.5", "0.4")])}
+
+
 def values(rng, kind):
     """Two values as texts, and one out of the range or "" where there is none."""
     if kind == "c":
@@ -328,11 +339,17 @@ def materialx(rng):
         if rng.random() < .3:
             t.state("filtertype", line % ("filtertype", "string", "cubic", ""), names=[name])
         t.add("</%s>\n" % node)
-        if kind == "float" and rng.random() < .5:
-            t.add('<multiply name="x%d" type="float"><input name="in1" type="float" nodename="i%d"/>\n' % (k, k))
-            t.state("in2", line % ("in2", "float", "0.5", ""), [line % ("in2", "float", "0.25", "")], [line % ("in2", "float", "a", "")], names=[name])
-            t.add("</multiply>\n")
-            t.add('<output name="o%d" type="float" nodename="x%d"/>\n' % (k, k))
+        if rng.random() < .6:
+            operation = rng.choice([o for o in OPERATIONS if kind == "color3" or o not in ("saturate", "hsvadjust")])
+            t.add('<%s name="x%d" type="%s"><input name="%s" type="%s" nodename="i%d"/>\n' % (operation, k, kind, OPERATIONS[operation][0], kind, k))
+            for operand, value, new in OPERATIONS[operation][1]:
+                own = "float" if kind == "float" or (operand in ("mix", "amount", "gamma") and operation in ("mix", "saturate")) else "vector3" if operation == "hsvadjust" else kind
+                wide = (lambda v: v) if own == "float" else (lambda v: ", ".join([v] * 3))
+                t.state(operand, line % (operand, own, wide(value), ""), [line % (operand, own, wide(new), "")], [line % (operand, own, "a", "")], names=[name])
+            if rng.random() < .1:
+                t.state("wobble", line % ("wobble", "float", "0.5", ""), names=[name])
+            t.add("</%s>\n" % operation)
+            t.add('<output name="o%d" type="%s" nodename="x%d"/>\n' % (k, kind, k))
         else:
             t.add('<output name="o%d" type="%s" nodename="i%d"/>\n' % (k, kind, k))
     if mapped:
@@ -364,7 +381,9 @@ def usd(rng):
     t.add('#usda 1.0\n(\n    defaultPrim = "Looks"\n    upAxis = "Y"\n)\ndef Scope "Looks"\n{\n    def Material "M"\n    {\n')
     t.add("        token outputs:surface.connect = </Looks/M/S.outputs:surface>\n")
     inputs = [p.split(":") for p in MATERIALX["UsdPreviewSurface"].split() if rng.random() < .6]
+    interface = Text()
     mapped = {name: kind for name, kind in inputs if kind in "fc" and rng.random() < .25 and name not in ("occlusion", "opacityThreshold")}
+    place = len(t.parts)
     t.add('        def Shader "S"\n        {\n            uniform token info:id = "UsdPreviewSurface"\n')
     for name, kind in inputs:
         line = "            %s inputs:%s = %%s\n" % (USD_KINDS[kind], name)
@@ -375,7 +394,16 @@ def usd(rng):
         else:
             (value, new), _ = values(rng, kind)
             form = "(%s)" if kind == "c" else "%s"
-            t.state(name, line % (form % value), [line % (form % new)], [line % '"x"'])
+            way = rng.random()
+            if way < .2:  # an interface input of the material
+                own = "        %s inputs:own_%s = %%s\n" % (USD_KINDS[kind], name)
+                interface.state("own_" + name, own % (form % value), [own % (form % new)], names=[name])
+                t.state(name, "            %s inputs:%s.connect = </Looks/M.inputs:own_%s>\n" % (USD_KINDS[kind], name, name), [line % (form % "0.01, 0.02, 0.03" if kind == "c" else "0.01")])
+            elif way < .3:  # the first of several values
+                sampled = "            %s inputs:%s.timeSamples = { 0: %%s, 10: %%s }\n" % (USD_KINDS[kind], name)
+                t.state(name, sampled % (form % value, form % new), [sampled % (form % new, form % value)])
+            else:
+                t.state(name, line % (form % value), [line % (form % new)], [line % '"x"'])
     if rng.random() < .2:
         t.state("useSpecularWorkflow", "            int inputs:useSpecularWorkflow = 1\n", ["            int inputs:useSpecularWorkflow = 0\n"])
     t.add("            token outputs:surface\n        }\n")
@@ -409,6 +437,7 @@ def usd(rng):
         t.add('            float2 outputs:result\n        }\n        def Shader "R"\n        {\n            uniform token info:id = "UsdPrimvarReader_float2"\n')
         t.add('            string inputs:varname = "st"\n            float2 outputs:result\n        }\n')
     t.add("    }\n}\n")
+    t.parts[place:place] = interface.parts
     return t.case(".usda")
 
 
@@ -425,12 +454,12 @@ def mitsuba(rng):
     kind = rng.choice(list(MITSUBA))
     t = Text()
     t.add('<scene version="3.0.0">\n')
-    twosided = rng.random() < .3
-    t.add('<bsdf type="twosided" id="m">\n<bsdf type="%s">\n' % kind if twosided else '<bsdf type="%s" id="m">\n' % kind)
+    wrapper = rng.choice([None, None, "twosided", "normalmap", "blendbsdf"])
+    t.add('<bsdf type="%s" id="m">\n<bsdf type="%s">\n' % (wrapper, kind) if wrapper else '<bsdf type="%s" id="m">\n' % kind)
     for name, form in (p.split(":") for p in MITSUBA[kind].split()):
         if rng.random() < .4:
             continue
-        if form == "c" and rng.random() < .25:
+        if form == "c" and rng.random() < .25 and wrapper != "blendbsdf":
             t.add('<texture name="%s" type="bitmap">\n' % name)
             t.state("filename", '<string name="filename" value="a.png"/>\n', ['<string name="filename" value="b.png"/>\n'])
             for word, tag, value, new in (("raw", "boolean", "true", "false"), ("wrap_mode", "string", "clamp", "mirror"), ("filter_type", "string", "nearest", "bilinear")):
@@ -453,7 +482,18 @@ def mitsuba(rng):
                 name != "distribution", ["kd"] if kind == "diffuse" else [])
     if kind != "diffuse":
         t.state("unheard_of", "", [], ['<float name="unheard_of" value="1"/>\n'])
-    t.add("</bsdf>\n</bsdf>\n</scene>\n" if twosided else "</bsdf>\n</scene>\n")
+    t.add("</bsdf>\n")
+    if wrapper == "normalmap":
+        t.add('<texture name="normalmap" type="bitmap">\n')
+        t.state("filename", '<string name="filename" value="n.png"/>\n', ['<string name="filename" value="m.png"/>\n'])
+        t.state("raw", '<boolean name="raw" value="true"/>\n', ['<boolean name="raw" value="false"/>\n'])
+        t.add("</texture>\n")
+    if wrapper == "blendbsdf":
+        t.add('<bsdf type="diffuse">\n')
+        t.state("reflectance", '<rgb name="reflectance" value="0.1, 0.2, 0.3"/>\n', ['<rgb name="reflectance" value="0.2, 0.2, 0.3"/>\n'])
+        t.add("</bsdf>\n")
+        t.state("weight", '<float name="weight" value="0.4"/>\n', ['<float name="weight" value="0.5"/>\n'], ['<float name="weight" value="wild"/>\n'])
+    t.add("</bsdf>\n</scene>\n" if wrapper else "</scene>\n")
     return t.case(".xml")
 
 
@@ -485,7 +525,20 @@ def pbrt(rng):
                     ("filter", '    "string filter" "%s"\n', "point", "trilinear", "")):
                 if rng.random() < .3:
                     t.state(word, line % value, [line % new], [line % wrong] if wrong else [])
-            body.state(name, '    "texture %s" "t_%s"\n' % (name, name), [], ['    "texture %s" "none"\n' % name])
+            used = "t_" + name
+            if rng.random() < .4:
+                used = "u_" + name
+                t.add('Texture "%s" "%s" "%s"\n' % (used, "spectrum" if is_colour else "float", rng.choice(["scale", "mix"])))
+                if '"mix"' in t.parts[-1]:
+                    t.add('    "texture tex1" "t_%s"\n' % name)
+                    t.state("tex2", '    "%s tex2" [ %s ]\n' % (("rgb", "0.1 0.2 0.3") if is_colour else ("float", "0.2")),
+                            ['    "%s tex2" [ %s ]\n' % (("rgb", "0.2 0.2 0.3") if is_colour else ("float", "0.3"))])
+                    t.state("amount", '    "float amount" [ 0.3 ]\n', ['    "float amount" [ 0.4 ]\n'], ['    "float amount" [ "x" ]\n'])
+                else:
+                    t.add('    "texture tex" "t_%s"\n' % name)
+                    t.state("scale", '    "float scale" [ 0.3 ]\n', ['    "float scale" [ 0.4 ]\n'], ['    "float scale" [ "x" ]\n'])
+                t.state("wobble", "", [], ['    "float wobble" [ 0.4 ]\n'])
+            body.state(name, '    "texture %s" "%s"\n' % (name, used), [], ['    "texture %s" "none"\n' % name])
             continue
         tag = {"c": "rgb", "b": "bool", "n": "integer"}.get(form, "float")
         pair, _ = {"b": (["true", "false"], ""), "n": (["7", "9"], "")}.get(form) or values(rng, form)
@@ -503,7 +556,9 @@ def pbrt(rng):
 
 FOLDERS = ["_Color _Roughness _Metalness _NormalGL _AmbientOcclusion _Displacement", "_basecolor _occlusionRoughnessMetallic _normal",
            "_AlbedoTransparency _MetallicSmoothness _Normal", "_BC _N _ORM", "_COL_2K _GLOSS_2K _NRM_2K", "_diff_2k _rough_2k _nor_gl_2k _arm_2k _disp_2k",
-           "_baseColor _metallic _roughness _normal _height", "_Diffuse _Glossiness _normals _specular"]
+           "_baseColor _metallic _roughness _normal _height", "_Diffuse _Glossiness _normals _specular",
+           "_albedo _roughness _metalness _ao _normal-ogl", "_Base_Color _Metallic _Roughness _Normal_OpenGL _Height _Mixed_AO", "-albedo -metallic -roughness -normal-dx",
+           "_BC _Roughness _M _N _AO", "_basecolor _orm _normal _emissive _opacity"]
 
 
 def folder(rng):
@@ -524,7 +579,8 @@ EXTRA = ["sample", "sigma", "time_s", "comment"]
 
 
 def csv(rng):
-    angles, shown = rng.choice(PAIRS), rng.choice(VALUES)
+    is_half = rng.random() < .3
+    angles, shown = ["theta_h", "theta_d", "phi_d"] if is_half else rng.choice(PAIRS), rng.choice(VALUES)
     unit_of = rng.choice(["", " (deg)", " [deg]", "_deg"])
     columns = [(name + unit_of, "angle") for name in angles] + [(name, "value") for name in shown]
     columns += [(name, "extra") for name in EXTRA if rng.random() < .25]
@@ -532,7 +588,7 @@ def csv(rng):
         rng.shuffle(columns)
     rows = []
     for theta_i, theta, phi in itertools.product((0, 40, 80), range(0, 81, 20), range(0, 181, 60)):
-        at_angle = {name: value for name, value in zip(angles, (theta_i, 0, theta, phi))}
+        at_angle = dict(zip(angles, (theta_i, theta, phi) if is_half else (theta_i, 0, theta, phi)))
         rows.append([at_angle.get(name[:len(name) - len(unit_of)] if unit_of else name, "") if kind == "angle" else "%.4f" % rng.uniform(.1, 2)
                      if kind == "value" else "7" for name, kind in columns])
 
