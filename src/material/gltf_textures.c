@@ -159,13 +159,12 @@ static bool read_view(nqm_gltf_document *d, const json_t *image, nqm_map_image *
 
 /* The image of a texture, of which formats that are not read have a fallback in some files. */
 static const json_t *find_image(nqm_gltf_document *d, const json_t *texture, size_t *i) {
-    static const char *const formats[][2] = {{"KHR_texture_basisu", "KTX2"},
-                                             {"EXT_texture_webp", "WebP"},
-                                             {"EXT_texture_avif", "AVIF"},
-                                             {"MSFT_texture_dds", "DDS"}};
+    static const char *const formats[][2] = {
+        {"KHR_texture_basisu", "KTX2"}, {"EXT_texture_avif", "AVIF"}, {"MSFT_texture_dds", "DDS"}};
     const json_t *extensions = json_object_get(texture, "extensions");
-    if (json_object_get(texture, "source"))
-        return element_of(d, texture, "source", IMAGES, i);
+    const json_t *webp = json_object_get(extensions, "EXT_texture_webp");
+    if (webp || json_object_get(texture, "source"))
+        return element_of(d, webp ? webp : texture, "source", IMAGES, i);
     fail(d, "the texture has no image ('source')");
     for (size_t f = 0; f < sizeof formats / sizeof *formats; ++f)
         if (json_object_get(extensions, formats[f][0]))
