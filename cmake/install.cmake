@@ -25,13 +25,13 @@ install(DIRECTORY include/nqm DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
 
 # ---- pkg-config and CMake packages ---
 # names of libraries for Libs.private, and names of pkg-config modules for the CMake package
-foreach(module CRYPTO JANSSON LIBZIP EXPAT ZLIB PNG JPEG OPENEXR CMINPACK)
+foreach(module CRYPTO JANSSON LIBZIP EXPAT ZLIB PNG JPEG WEBP OPENEXR CMINPACK)
   foreach(library IN LISTS ${module}_LIBRARIES)
     string(APPEND private " -l${library}")
   endforeach()
 endforeach()
 string(APPEND private " ${OpenMP_C_FLAGS} -pthread -ldl -lm")
-set(modules libcrypto jansson libzip expat zlib libpng libjpeg OpenEXR cminpack)
+set(modules libcrypto jansson libzip expat zlib libpng libjpeg libwebp OpenEXR cminpack)
 list(JOIN modules " " modules)
 
 function(nqm_pkgconfig name description)
@@ -52,7 +52,7 @@ install(EXPORT nqmStaticTargets NAMESPACE nqm:: DESTINATION ${package_dir})
 
 # ---- documentation ---
 install(FILES ${documents} DESTINATION ${CMAKE_INSTALL_DOCDIR})
-install(DIRECTORY doc DESTINATION ${CMAKE_INSTALL_DOCDIR} FILES_MATCHING PATTERN "*.md" PATTERN "*.png" PATTERN "*.svg" PATTERN "*.ipynb")
+install(DIRECTORY doc DESTINATION ${CMAKE_INSTALL_DOCDIR} FILES_MATCHING PATTERN "*.md" PATTERN "blender.py" PATTERN "*.png" PATTERN "*.svg" PATTERN "*.ipynb")
 install(DIRECTORY examples DESTINATION ${CMAKE_INSTALL_DOCDIR})
 install(DIRECTORY presets DESTINATION ${CMAKE_INSTALL_DOCDIR} FILES_MATCHING PATTERN "*.csv")
 # Links of pages to files that are not installed become plain text.

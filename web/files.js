@@ -52,7 +52,7 @@ export function candidates(files) {
 /** The folders of files that are all pictures: textured materials. [] if there are other files, or pictures outside of folders. */
 export function mapFolders(files) {
     const folders = new Set(files.map(([path]) => path.slice(0, Math.max(path.lastIndexOf("/"), 0))));
-    return files.every(([path]) => /.\/[^/]*\.(png|jpe?g)$/i.test(path)) ? [...folders] : [];
+    return files.every(([path]) => /.\/[^/]*\.(png|jpe?g|webp)$/i.test(path)) ? [...folders] : [];
 }
 
 /** What a pasted text is: {glsl}, {file: [path, bytes]} or {spec}. */

@@ -104,7 +104,7 @@ export interface Nqm {
     materials(path: string): Material[];
     score(ref: BRDF | string, test: BRDF | string, model?: "default" | "transport"): Score;
     scoreMany(pairs: [string, string][], model?: "default" | "transport"): (Score | Failure)[];
-    /** near score of two materials of which one at least has image maps. PNG and JPEG maps must be in `files` as rawPicture() */
+    /** near score of two materials of which one at least has image maps. PNG, JPEG and WebP maps must be in `files` as rawPicture() */
     scoreTextures(ref: string, test: string): Score & {texture: TextureScore};
     /** theta_h, theta_d, phi_d in degrees (n, 3) of the directions at which BRDFs are compared */
     directions(): Float64Array;

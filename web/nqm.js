@@ -166,7 +166,7 @@ export async function start(code, models) {
         },
         /** Scores of [reference, test] pairs of paths and specs; a pair that fails has `error` instead. */
         scoreMany: (pairs, model = "default") => json("web_score_names", modelNumber(model), JSON.stringify(pairs)),
-        /** The near score of materials with image maps; PNG and JPEG files must be decoded (rawPicture). */
+        /** The near score of materials with image maps; PNG, JPEG and WebP files must be decoded (rawPicture). */
         scoreTextures(ref, test) {
             const score = json("web_score_textures", ref, test), {heat_width: width, heat_height: height, ...texture} = score.texture;
             const pixels = new Uint8ClampedArray(exports.memory.buffer, exports.web_heat(), 4 * width * height).slice();

@@ -75,6 +75,9 @@ function decode(text) {
     return new Uint8Array(words.buffer, 0, 2 * n);
 }
 
+// Whether a file is a WebP picture of several frames, of which the browser would decode the first.
+const isAnimation = (data) => String.fromCharCode(...data.subarray(8, 16)) === "WEBPVP8X" && (data[20] & 2) !== 0;
+
 const MAX_DECODED = 1 << 30; // bytes of the files of all drops in use, with decoded pictures
 
 /** Maps of materials are decoded by the browser, without colour management; a picture that it cannot decode stays as it is.
@@ -83,7 +86,7 @@ async function decodePicture(path, data, used) {
     const check = (width, height) => {
         if (used + 4 * width * height > MAX_DECODED) throw new RangeError(`${path}: with ${width} x ${height} pixels the files have more than ${MAX_DECODED >> 20} MiB: drop smaller ones`);
     };
-    if (!/\.(png|jpe?g)$/i.test(path)) return data;
+    if (!/\.(png|jpe?g|webp)$/i.test(path) || isAnimation(data)) return data;
     try {
         const head = new DataView(data.buffer, data.byteOffset, data.length);
         if (data[1] === 0x50 && data.length > 24) check(head.getUint32(16), head.getUint32(20)); // of a PNG

@@ -335,7 +335,7 @@ class MaterialInfo:
         refusal: the property that cannot be honoured, and why; None: the material is accepted
         n_maps: image maps of a material that `Material.open` takes; 0: none
         remark: what of the file is not used although it may matter, or is assumed; None: nothing
-        unused: what it gives without effect on a BRDF, or on this one: "doubleSided, clearcoatRoughnessFactor"; None: nothing
+        unused: what it gives without effect on a BRDF, or on this one: "doubleSided; clearcoatTexture"; None: nothing
         byte: of the material or of the refused property in the file; None: unknown
         ignorable: what the surface does besides reflecting, if the material is refused for that alone: the `ignore` that
             `BRDF.open` needs; None: not so

@@ -12,13 +12,14 @@
 #include <stdatomic.h>
 
 static const struct {
+    size_t at, n;
     const char *magic;
-    size_t n;
     nqm_raster_decoder *decode;
 } formats[] = {
-    {"\x89PNG", 4, nqm_raster_decode_png},
-    {"\xff\xd8\xff", 3, nqm_raster_decode_jpeg},
-    {"\x76\x2f\x31\x01", 4, nqm_raster_decode_exr},
+    {0, 4, "\x89PNG", nqm_raster_decode_png},
+    {0, 3, "\xff\xd8\xff", nqm_raster_decode_jpeg},
+    {8, 4, "WEBP", nqm_raster_decode_webp},
+    {0, 4, "\x76\x2f\x31\x01", nqm_raster_decode_exr},
 };
 
 static _Atomic uint64_t n_bytes_decoded;
@@ -63,14 +64,15 @@ static nqm_status refuse_kind(const nqm_map *map, nqm_error *err) {
     if (kind && strstr(kind, "picture"))
         return nqm_fail(err, NQM_ERR_FORMAT, 0, "%s: %s, which is not read: convert it to PNG or OpenEXR (byte 0)",
                         map->path, kind);
-    return nqm_fail(err, NQM_ERR_FORMAT, 0, "%s: neither PNG, JPEG nor OpenEXR%s%s (byte 0)", map->path,
+    return nqm_fail(err, NQM_ERR_FORMAT, 0, "%s: neither PNG, JPEG, WebP nor OpenEXR%s%s (byte 0)", map->path,
                     kind ? " but " : "", kind ? kind : "");
 }
 
 static nqm_status decode(const nqm_map *map, bool header_only, nqm_raster *raster, nqm_error *err) {
     *raster = (nqm_raster){0};
     for (size_t i = 0; i < sizeof formats / sizeof *formats; ++i)
-        if (map->n_bytes >= formats[i].n && memcmp(map->data, formats[i].magic, formats[i].n) == 0) {
+        if (map->n_bytes >= formats[i].at + formats[i].n &&
+            memcmp(map->data + formats[i].at, formats[i].magic, formats[i].n) == 0) {
             nqm_status status = formats[i].decode(map, header_only, raster, err);
             if (status == NQM_OK && !header_only && raster->type == NQM_RASTER_F32)
                 status = check_finite(map->path, raster, err);

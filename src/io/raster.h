@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * raster.h - pictures as they are stored, for maps of materials: PNG, JPEG and OpenEXR, with the values of the file and no colour
+ * raster.h - pictures as they are stored, for maps of materials: PNG, JPEG, WebP and OpenEXR, with the values of the file and no colour
  * conversion. Light maps and other pictures of radiance are nqm_image (io.h).
  */
 #ifndef NQM_SRC_IO_RASTER_H
@@ -24,7 +24,7 @@ enum { NQM_RASTER_MAX_SIDE = 16384 };
 #define NQM_RASTER_MAX_BYTES ((uint64_t)(SIZE_MAX > UINT32_MAX ? 3 : 1) << 30)
 
 /** Decode a picture of any of these formats, which is recognised by its first bytes; palettes become RGB, grey pictures
- *  of fewer than 8 bits 8 bits. `name` is for messages. Other formats of pictures (KTX2, DDS, WebP, ...) are named in
+ *  of fewer than 8 bits 8 bits. `name` is for messages. Other formats of pictures (KTX2, DDS, ...) are named in
  *  the message. NQM_ERR_FORMAT, NQM_ERR_LIMIT (a side above NQM_RASTER_MAX_SIDE, or all above
  *  NQM_RASTER_MAX_BYTES), NQM_ERR_NOMEM; raster_ret is empty then. */
 NQM_MUST_CHECK nqm_status nqm_raster_decode(const unsigned char *data, size_t n_bytes, const char *name,

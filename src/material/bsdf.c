@@ -174,6 +174,16 @@ bool nqm_bsdf_is_texture(const nqm_bsdf_node *node) {
     return node && (node->kind == NQM_BSDF_TEXTURE || node->kind == NQM_BSDF_REF);
 }
 
+bool nqm_bsdf_check(nqm_bsdf_reading *r, const char *read, const char *unused) {
+    const nqm_bsdf_node *texture = &r->nodes->list[r->at], *property = NULL;
+    while ((property = nqm_bsdf_next(r->nodes, r->at, property)))
+        if (nqm_contains_word(unused, property->name, false))
+            nqm_reading_unused(&r->reading, property->name);
+        else if (!nqm_contains_word(read, property->name, false))
+            return nqm_refuse(&r->reading, property, "%s has no property '%.40s'", texture->type, property->name);
+    return true;
+}
+
 const nqm_bsdf_node *nqm_bsdf_filename(nqm_bsdf_reading *r) {
     const nqm_bsdf_node *texture = &r->nodes->list[r->at], *file = nqm_bsdf_find(r, "filename");
     if (file && file->kind == NQM_BSDF_STRING && *file->value)

@@ -177,7 +177,8 @@ enum { N_NAMES = sizeof map_names / sizeof *map_names };
 /* Whether the end of a name says only of which size or variant the file is: "2k", "2048", "var1", and "png" of "1K-PNG". */
 static bool is_size(const char *word) {
     const size_t n = strspn(word, "0123456789");
-    return (n && (strcmp(word + n, "k") == 0 || (n > 2 && !word[n]))) || nqm_contains_word("png jpg", word, false) ||
+    return (n && (strcmp(word + n, "k") == 0 || (n > 2 && !word[n]))) ||
+           nqm_contains_word("png jpg webp", word, false) ||
            (strncmp(word, "var", 3) == 0 && word[3] && !word[3 + strspn(word + 3, "0123456789")]);
 }
 
@@ -185,7 +186,7 @@ static bool is_size(const char *word) {
  * no picture. */
 static bool simplify(const char *file, char *name, size_t n_name) {
     const char *dot = strrchr(file, '.');
-    if (!dot || !nqm_contains_word("png jpg jpeg exr", dot + 1, true))
+    if (!dot || !nqm_contains_word("png jpg jpeg webp exr", dot + 1, true))
         return false;
     snprintf(name, n_name, "_%.*s", (int)(dot - file), file);
     for (char *c = name; *c; ++c)

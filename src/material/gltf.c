@@ -201,6 +201,8 @@ bool nqm_gltf_read_occlusion(nqm_reading *reading, const nqm_rule *rule, const v
 bool nqm_gltf_read_minimum(nqm_reading *reading, const nqm_rule *rule, const void *at) {
     const property *p = at;
     reader *r = (reader *)reading;
+    if (!json_object_get(r->object, "iridescenceThicknessTexture"))
+        return nqm_reading_unused(reading, rule->name);
     return read_numbers(r, p->path, p->value, rule->n, &r->document.film_minimum);
 }
 
@@ -299,6 +301,8 @@ static void check_alpha(reader *r, const json_t *material) {
     else if (strcmp(text, "MASK") == 0 && r->alpha < cutoff)
         set_aside(r, NQM_IGNORE_OPACITY, "alphaMode", text,
                   "the alpha of baseColorFactor is below alphaCutoff: the surface is invisible");
+    else if (mode)
+        nqm_reading_unused(&r->reading, "alphaMode");
 }
 
 static void remark(reader *r, bool is_needed, const char *text) {
@@ -311,7 +315,7 @@ static void add_textures(reader *r, const json_t *material) {
     const json_t *mode = json_object_get(material, "alphaMode"), *base = json_object_get(material, "normalTexture");
     const nqm_property *coat = nqm_shading_find(&r->reading.shading, "clearcoat");
     bool has_coat = coat && coat->v[0] > 0;
-    r->document.has_other_set = false;
+    r->document.has_other_set = r->document.has_filter = false;
     for (size_t i = 0; i < r->n_textures && !*r->reading.refusal.text; ++i) {
         const property *p = &r->textures[i];
         const char *dot = strrchr(p->path, '.'), *name = dot ? dot + 1 : p->path;
@@ -328,6 +332,8 @@ static void add_textures(reader *r, const json_t *material) {
         remark(r, mode && strcmp(name, "baseColorTexture") == 0 && strcmp(json_string_value(mode), "OPAQUE") != 0,
                "the alpha of baseColorTexture is ignored: the surface is taken as opaque");
     }
+    if (r->document.has_filter)
+        nqm_reading_unused(&r->reading, "magFilter, minFilter");
     remark(r, r->document.has_other_set, "all sets of texture coordinates are taken as the same");
     remark(r, base && has_coat, "the clear coat is taken to have the normal map of the base");
 }

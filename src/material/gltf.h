@@ -34,6 +34,7 @@ typedef struct nqm_gltf_document {
     json_t *arrays[NQM_GLTF_N_ARRAYS]; /**< those that are parsed */
     double film_minimum;               /**< iridescenceThicknessMinimum of the material */
     size_t n_decoded;                  /**< bytes of images so far */
+    bool has_filter;                   /**< a sampler of such a texture has filters */
     bool has_other_set;                /**< a texture that was added has texture coordinates of a set other than 0 */
     char why[240];                     /**< why nqm_gltf_add_texture() failed */
 } nqm_gltf_document;

@@ -159,13 +159,12 @@ static bool read_view(nqm_gltf_document *d, const json_t *image, nqm_map_image *
 
 /* The image of a texture, of which formats that are not read have a fallback in some files. */
 static const json_t *find_image(nqm_gltf_document *d, const json_t *texture, size_t *i) {
-    static const char *const formats[][2] = {{"KHR_texture_basisu", "KTX2"},
-                                             {"EXT_texture_webp", "WebP"},
-                                             {"EXT_texture_avif", "AVIF"},
-                                             {"MSFT_texture_dds", "DDS"}};
+    static const char *const formats[][2] = {
+        {"KHR_texture_basisu", "KTX2"}, {"EXT_texture_avif", "AVIF"}, {"MSFT_texture_dds", "DDS"}};
     const json_t *extensions = json_object_get(texture, "extensions");
-    if (json_object_get(texture, "source"))
-        return element_of(d, texture, "source", IMAGES, i);
+    const json_t *webp = json_object_get(extensions, "EXT_texture_webp");
+    if (webp || json_object_get(texture, "source"))
+        return element_of(d, webp ? webp : texture, "source", IMAGES, i);
     fail(d, "the texture has no image ('source')");
     for (size_t f = 0; f < sizeof formats / sizeof *formats; ++f)
         if (json_object_get(extensions, formats[f][0]))
@@ -205,6 +204,7 @@ static bool read_wrap(nqm_gltf_document *d, const json_t *texture, uint8_t wrap[
     if (!json_object_get(texture, "sampler"))
         return true;
     const json_t *sampler = element_of(d, texture, "sampler", SAMPLERS, &i);
+    d->has_filter |= json_object_get(sampler, "magFilter") || json_object_get(sampler, "minFilter");
     for (size_t k = 0; k < 2; ++k) {
         if (!sampler || !read_size(d, sampler, keys[k], REPEAT, &mode))
             return false;
@@ -260,6 +260,15 @@ static bool find_factor(const nqm_shading *shading, const char *key, double v[3]
     return v[0] != 0 || v[1] != 0 || v[2] != 0;
 }
 
+/* A constant out of the range is refused when the spec is opened; one times a texture would be moved into the range. */
+static bool check_factor(nqm_gltf_document *d, const char *key, const double v[3]) {
+    const bool is_bounded = strcmp(key, "specular_color") != 0;
+    for (size_t c = 0; c < 3; ++c)
+        if (!(v[c] >= 0 && (v[c] <= 1 || !is_bounded)))
+            return fail(d, "its factor, %s = %g, is outside of 0 to 1", key, v[c]);
+    return true;
+}
+
 const nqm_gltf_use nqm_gltf_uses[NQM_GLTF_N_USES] = {
     {"baseColorTexture", "base_color", "srgb_texture", 3, SIZE_MAX},
     {"metallicRoughnessTexture", "metallic", "", 3, 2},
@@ -283,6 +292,8 @@ static bool add_glossiness(nqm_gltf_document *d, const json_t *info, const nqm_s
     double roughness[3];
     uint16_t image, node;
     find_factor(shading, "roughness", roughness);
+    if (!check_factor(d, "roughness", roughness))
+        return false;
     if (!read_texture(d, info, 4, "", t, &image))
         return false;
     node = nqm_graph_with(t, NQM_MAP_MULTIPLY, 1, nqm_graph_channel(t, image, 3), 1 - roughness[0]);
@@ -331,6 +342,7 @@ bool nqm_gltf_add_texture(nqm_gltf_document *d, const char *name, const json_t *
     const nqm_shading *shading = &reading->shading;
     nqm_textured *t = reading->textured;
     size_t index;
+    bool is_used = strcmp(name, "specularGlossinessTexture") == 0;
     fail(d, "%s", no_memory);
     if (!read_size(d, info, "index", SIZE_MAX, &index))
         return false;
@@ -338,7 +350,7 @@ bool nqm_gltf_add_texture(nqm_gltf_document *d, const char *name, const json_t *
         return add_normal(d, info, t);
     if (strcmp(name, "iridescenceThicknessTexture") == 0)
         return add_thickness(d, info, shading, t);
-    if (strcmp(name, "specularGlossinessTexture") == 0 && !add_glossiness(d, info, shading, t))
+    if (is_used && !add_glossiness(d, info, shading, t))
         return false;
     for (size_t i = 0; i < NQM_GLTF_N_USES + 2; ++i) {
         const nqm_gltf_use *use = i < NQM_GLTF_N_USES ? &nqm_gltf_uses[i] : &glossy_uses[i - NQM_GLTF_N_USES];
@@ -347,6 +359,9 @@ bool nqm_gltf_add_texture(nqm_gltf_document *d, const char *name, const json_t *
         uint16_t image, node;
         if (strcmp(use->texture, name) != 0 || !find_factor(shading, use->key, factor))
             continue;
+        is_used = true;
+        if (!check_factor(d, use->key, factor))
+            return false;
         if (!read_texture(d, info, use->n, use->space, t, &image))
             return false;
         node = n == 3 ? image : nqm_graph_channel(t, image, use->channel);
@@ -357,5 +372,5 @@ bool nqm_gltf_add_texture(nqm_gltf_document *d, const char *name, const json_t *
         if (node == NQM_NO_NODE)
             return false;
     }
-    return true;
+    return is_used || nqm_reading_unused(reading, name);
 }

@@ -8,26 +8,25 @@
 #include "io/xml.h"
 #include "material/color_space.h"
 #include "material/materialx.h"
+#include "material/materialx_program.h"
 
 #include <math.h>
 
 typedef const nqm_xml_element element;
 typedef nqm_mtlx_graph graph;
 
-enum { MAX_HOPS = 64, MAX_OPERANDS = 16 };
+enum { MAX_HOPS = 64 };
 
 /* Nodes of these names. Operands are named with their defaults ("@": the texture coordinates), and are a, b, ... in the
  * program, which is in reverse Polish notation: digits are constants, `!` makes an operand of the result so far, and
- * run_token() has the operations. */
+ * materialx_program.c has the operations. */
 typedef struct node_kind {
     const char *name, *operands, *program;
     /* Of a node that reads an image, which is I in the program: its texture coordinates. */
     const char *uv_operands, *uv_program;
 } node_kind;
 
-/* MaterialX's rotate2d of a by b degrees: x cos + y sin, y cos - x sin. */
-#define ROTATE "bP*! cS! cC! axe*ayd*+ aye*axd*- &"
-#define UV     "texcoord=@"
+#define UV "texcoord=@"
 #define GLTF_UV                                                                                                        \
     UV " pivot=0,1 scale=1,1 rotate=0 offset=0,0 operationorder=0", "1c/! 0d-! e01-1&*! ab-g/hDi-! ab-i-hDg/! f0kj>b+"
 
@@ -187,123 +186,13 @@ static uint16_t read_constant(graph *g, element *e, const char *type) {
     return nqm_graph_value(g->t, n, v);
 }
 
-/* ---- programs ------------------------------------------------------------------------------------------------------ */
-
-/* The operands and results of a program. */
-typedef struct machine {
-    nqm_textured *t;
-    size_t n_operands, n_stack;
-    uint16_t operand[MAX_OPERANDS], stack[MAX_OPERANDS], image;
-} machine;
-
-static size_t width(const nqm_textured *t, uint16_t node) {
-    return node == NQM_NO_NODE ? 1 : t->nodes[node].n;
-}
-
-/* The value with n components: a number is repeated, others are cut, or continued as MaterialX's node convert does. */
-static uint16_t resize(nqm_textured *t, uint16_t node, size_t n) {
-    const size_t have = width(t, node);
-    nqm_map_node result = {.op = NQM_MAP_COMBINE, .n = (uint8_t)n};
-    if (have == n || node == NQM_NO_NODE)
-        return node;
-    if (t->nodes[node].op == NQM_MAP_IMAGE && have == 4 && n == 3) {
-        result = t->nodes[node];
-        result.n = 3;
-        return nqm_graph_add(t, result);
-    }
-    for (size_t c = 0; c < n; ++c)
-        result.in[c] = c < have || have == 1 ? nqm_graph_channel(t, node, c) : nqm_graph_number(t, c == 3);
-    return n == 1 ? result.in[0] : nqm_graph_add(t, result);
-}
-
-static uint16_t dot_product(nqm_textured *t, uint16_t a, uint16_t b) {
-    const size_t n = nqm_larger(width(t, a), width(t, b));
-    const uint16_t product = nqm_graph_compute(t, NQM_MAP_MULTIPLY, n, a, b, 0);
-    uint16_t sum = nqm_graph_channel(t, product, 0);
-    for (size_t c = 1; c < n; ++c)
-        sum = nqm_graph_compute(t, NQM_MAP_ADD, 1, sum, nqm_graph_channel(t, product, c), 0);
-    return sum;
-}
-
-/* The components of a, then those of b: at most four. */
-static uint16_t join(nqm_textured *t, uint16_t a, uint16_t b) {
-    const size_t n_a = width(t, a), n = nqm_smaller(n_a + width(t, b), 4);
-    nqm_map_node result = {.op = NQM_MAP_COMBINE, .n = (uint8_t)n};
-    for (size_t c = 0; c < n; ++c)
-        result.in[c] = c < n_a ? nqm_graph_channel(t, a, c) : nqm_graph_channel(t, b, c - n_a);
-    return nqm_graph_add(t, result);
-}
-
-/* An operation on the last values of the stack, which its result replaces. */
-static uint16_t run_operation(machine *m, char token) {
-    static const struct {
-        char token;
-        nqm_map_op op;
-        unsigned char n; /* components; 0: as many as the widest operand */
-    } operations[] = {
-        {'+', NQM_MAP_ADD, 0},      {'-', NQM_MAP_SUBTRACT, 0},   {'*', NQM_MAP_MULTIPLY, 0},
-        {'/', NQM_MAP_DIVIDE, 0},   {'^', NQM_MAP_POWER, 0},      {'%', NQM_MAP_MODULO, 0},
-        {'[', NQM_MAP_MINIMUM, 0},  {']', NQM_MAP_MAXIMUM, 0},    {'|', NQM_MAP_ABSOLUTE, 0},
-        {'_', NQM_MAP_FLOOR, 0},    {'S', NQM_MAP_SINE, 0},       {'C', NQM_MAP_COSINE, 0},
-        {'M', NQM_MAP_MIX, 0},      {'T', NQM_MAP_SMOOTHSTEP, 0}, {'>', NQM_MAP_IF_GREATER, 0},
-        {'=', NQM_MAP_IF_EQUAL, 0}, {'R', NQM_MAP_RGB_TO_HSV, 3}, {'H', NQM_MAP_HSV_TO_RGB, 3},
-        {'N', NQM_MAP_NORMAL, 3},
-    };
-    size_t o = 0, n = 1;
-    while (operations[o].token != token)
-        ++o;
-    const size_t n_in = nqm_graph_operands(operations[o].op, operations[o].n);
-    nqm_map_node node = {.op = operations[o].op};
-    m->n_stack -= n_in;
-    for (size_t i = 0; i < n_in; ++i) {
-        node.in[i] = m->stack[m->n_stack + i];
-        n = nqm_larger(n, width(m->t, node.in[i]));
-    }
-    node.n = (uint8_t)(operations[o].n ? operations[o].n : n);
-    return nqm_graph_add(m->t, node);
-}
-
-static uint16_t run(machine *m, const char *program);
-
-static uint16_t run_token(machine *m, char token) {
-    if (token >= 'a' && token <= 'p')
-        return m->operand[token - 'a'];
-    if (token >= '0' && token <= '9')
-        return nqm_graph_number(m->t, token - '0');
-    if (token == 'I')
-        return m->image;
-    if (token == 'P')
-        return nqm_graph_number(m->t, 3.14159265358979323846 / 180);
-    if (token >= 'x' && token <= 'z') /* a component */
-        return nqm_graph_channel(m->t, m->stack[--m->n_stack], (size_t)(token - 'x'));
-    if (!strchr(".&D", token))
-        return run_operation(m, token);
-    const uint16_t *in = &m->stack[m->n_stack -= 2];
-    return token == '.'   ? dot_product(m->t, in[0], in[1])
-           : token == '&' ? join(m->t, in[0], in[1])
-                          : run(&(machine){.t = m->t, .n_operands = 2, .operand = {in[0], in[1]}}, ROTATE);
-}
-
-static uint16_t run(machine *m, const char *program) {
-    m->n_stack = 0;
-    for (; *program; ++program) {
-        if (*program == '!')
-            m->operand[m->n_operands++] = m->stack[--m->n_stack];
-        else if (*program != ' ') {
-            const uint16_t result = run_token(m, *program);
-            m->stack[m->n_stack++] = result;
-        }
-    }
-    return m->stack[0];
-}
-
 /* ---- nodes of the document ----------------------------------------------------------------------------------------- */
 
 static uint16_t read(graph *g, element *e, const char *type);
 
 /* The operands of a program, from the inputs of a node or their defaults. */
-static machine read_operands(graph *g, element *node, const char *operands) {
-    machine m = {.t = g->t};
+static nqm_mtlx_program read_operands(graph *g, element *node, const char *operands) {
+    nqm_mtlx_program m = {.t = g->t};
     for (size_t n; *operands; operands += n + strspn(operands + n, " ")) {
         char text[80], *value;
         double v[4];
@@ -360,11 +249,19 @@ static bool find_affine(const nqm_textured *t, uint16_t uv, double affine[2][3])
     return true;
 }
 
-static uint8_t read_wrap(const graph *g, element *node, const char *name, const char *usd_name) {
+static uint8_t read_wrap(graph *g, element *node, const char *name, const char *usd_name) {
+    static const uint8_t wraps[] = {NQM_MAP_REPEAT, NQM_MAP_REPEAT, NQM_MAP_REPEAT, NQM_MAP_MIRROR,
+                                    NQM_MAP_CLAMP,  NQM_MAP_BORDER, NQM_MAP_BORDER};
     const char *mode = text_of_input(g, node, name);
     mode = mode ? mode : text_of_input(g, node, usd_name);
-    const size_t found = mode ? nqm_find_word("periodic mirror clamp constant black", mode, false) : SIZE_MAX;
-    return found == SIZE_MAX ? NQM_MAP_REPEAT : (uint8_t)nqm_smaller(found, NQM_MAP_BORDER);
+    const size_t found =
+        mode ? nqm_find_word("periodic repeat useMetadata mirror clamp constant black", mode, false) : 0;
+    if (found != SIZE_MAX)
+        return wraps[found];
+    nqm_refuse(g->reading, g->input,
+               "%s: node '%.60s' has the %s '%.40s'; periodic, mirror, clamp and constant are read", g->name,
+               name_of(node), name, mode);
+    return NQM_MAP_REPEAT;
 }
 
 /* Documents name files by where they are in their library, "../../../Images/wood.jpg", which MaterialX finds by a list
@@ -397,7 +294,7 @@ static bool read_file(graph *g, element *node, const char *type, size_t *image_r
                           name_of(node), file);
     const char *prefix = inherited(e, "fileprefix"), *space = is_color(type) ? inherited(e, "colorspace") : NULL;
     if (source && !nqm_texts_equal(source, "auto"))
-        space = nqm_texts_equal(source, "sRGB") ? "srgb_texture" : NULL;
+        space = nqm_texts_equal(source, "sRGB") ? "srgb_texture" : nqm_texts_equal(source, "raw") ? NULL : source;
     if (!nqm_texts_equal(space, NQM_SPACE_AUTO) && !nqm_color_to_rec709(space, (double[3]){0}))
         return nqm_refuse(g->reading, g->input, "%s is in the colour space '%.40s', which is not known", g->name,
                           space);
@@ -411,13 +308,13 @@ static bool read_file(graph *g, element *node, const char *type, size_t *image_r
 static uint16_t read_image(graph *g, const node_kind *kind, element *node) {
     const bool is_usd = nqm_texts_equal(kind->name, "UsdUVTexture");
     const char *type = is_usd || nqm_texts_equal(kind->name, "gltf_colorimage") ? "color4" : nqm_xml_get(node, "type");
-    machine m = read_operands(g, node, kind->uv_operands);
-    const uint16_t uv = run(&m, kind->uv_program);
+    nqm_mtlx_program m = read_operands(g, node, kind->uv_operands);
+    const uint16_t uv = nqm_mtlx_run(&m, kind->uv_program);
     size_t image;
     double a[2][3];
     if (uv == NQM_NO_NODE || !read_file(g, node, type, &image))
         return NQM_NO_NODE;
-    if (width(g->t, uv) != 2 || !find_affine(g->t, uv, a))
+    if (nqm_mtlx_width(g->t, uv) != 2 || !find_affine(g->t, uv, a))
         return REFUSE(g, "%s: the texture coordinates of node '%.60s' are no affine function of those of the surface",
                       g->name, name_of(node));
     if (components(type) == 0)
@@ -434,7 +331,8 @@ static uint16_t read_image(graph *g, const node_kind *kind, element *node) {
         if (!nqm_graph_is_constant(g->t, outside))
             return REFUSE(g, "%s: the value of node '%.60s' beyond its image is no constant", g->name, name_of(node));
         nqm_graph_node_value(&g->t->nodes[outside], NULL, result.v);
-    }
+    } else if (nqm_mtlx_child(g, node, "input", is_usd ? "fallback" : "default"))
+        nqm_reading_unused(g->reading, is_usd ? "fallback" : "default");
     if (nqm_texts_equal(kind->name, "hextiledimage"))
         nqm_mtlx_remark(g, "hextiledimage repeats its image without the random offsets of the tiles: the texels are "
                            "the same, their order is not");
@@ -450,7 +348,7 @@ static uint16_t swizzle(graph *g, uint16_t node, const char *letters) {
         const size_t c = found ? (size_t)(found - names) : 0;
         if (!found)
             return REFUSE(g, "%s: '%.40s' are no channels", g->name, letters);
-        result.in[result.n] = c < 8 ? nqm_graph_channel(g->t, node, nqm_smaller(c % 4, width(g->t, node) - 1))
+        result.in[result.n] = c < 8 ? nqm_graph_channel(g->t, node, nqm_smaller(c % 4, nqm_mtlx_width(g->t, node) - 1))
                                     : nqm_graph_number(g->t, (double)(c - 8));
     }
     return result.n == 0 ? node : result.n == 1 ? result.in[0] : nqm_graph_add(g->t, result);
@@ -460,7 +358,7 @@ static uint16_t swizzle(graph *g, uint16_t node, const char *letters) {
 static uint16_t build_channels(graph *g, element *node) {
     const bool is_swizzle = nqm_texts_equal(node->name, "swizzle");
     if (is_swizzle || nqm_texts_equal(node->name, "extract")) {
-        const machine m = read_operands(g, node, "in=0 index=0");
+        const nqm_mtlx_program m = read_operands(g, node, "in=0 index=0");
         if (is_swizzle)
             return swizzle(g, m.operand[0], text_of_input(g, node, "channels"));
         if (nqm_graph_is_constant(g->t, m.operand[1]))
@@ -483,6 +381,27 @@ static bool is_evaluated(const graph *g, element *node) {
             !nqm_mtlx_child(g, node, "input", "normal") && !nqm_texts_equal(text_of_input(g, node, "space"), "object"));
 }
 
+/* Whether `name` is among operands as of read_operands(). */
+static bool is_operand(const char *operands, const char *name) {
+    const size_t n = strlen(name);
+    const char *at = operands;
+    while (at && !(strncmp(at, name, n) == 0 && at[n] == '='))
+        at = (at = strchr(at, ' ')) ? at + 1 : NULL;
+    return at != NULL;
+}
+
+/* Name the inputs of a node that its value does not depend on. */
+static void name_unused(graph *g, element *node, const node_kind *kind) {
+    static const char read[] = "file default fallback uaddressmode vaddressmode wrapS wrapT sourceColorSpace in "
+                               "channels index geomprop varname space";
+    for (element *e = node->first; e; e = e->next) {
+        const char *name = nqm_xml_get(e, "name");
+        if (name && strcmp(e->name, "input") == 0 && !nqm_contains_word(read, name, false) &&
+            !(kind && (is_operand(kind->operands, name) || is_operand(kind->uv_operands, name))))
+            nqm_reading_unused(g->reading, name);
+    }
+}
+
 /* The value of an output of a node. */
 static uint16_t build(graph *g, element *node, const char *output) {
     const size_t n = components(nqm_xml_get(node, "type")), n_kinds = sizeof kinds / sizeof *kinds;
@@ -494,15 +413,16 @@ static uint16_t build(graph *g, element *node, const char *output) {
         result = build_channels(g, node);
     } else {
         const uint16_t image = kinds[k].uv_program ? read_image(g, &kinds[k], node) : NQM_NO_NODE;
-        machine m = read_operands(g, node, kinds[k].operands);
+        nqm_mtlx_program m = read_operands(g, node, kinds[k].operands);
         m.image = image;
-        result = run(&m, kinds[k].program);
+        result = nqm_mtlx_run(&m, kinds[k].program);
     }
-    result = n ? resize(g->t, result, n) : result;
+    name_unused(g, node, k < n_kinds ? &kinds[k] : NULL);
+    result = n ? nqm_mtlx_resize(g->t, result, n) : result;
     if (!*output || (n > 0 && !nqm_texts_equal(node->name, "UsdUVTexture")))
         return result;
     return nqm_contains_word("outcolor rgb", output, false)
-               ? resize(g->t, result, 3)
+               ? nqm_mtlx_resize(g->t, result, 3)
                : swizzle(g, result, output + (strncmp(output, "out", 3) == 0 ? 3 : 0));
 }
 

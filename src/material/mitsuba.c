@@ -21,7 +21,7 @@ static const nqm_bsdf_node *find_by_id(const nqm_bsdf_reading *r, const char *id
 static bool apply_step(nqm_bsdf_reading *r, const nqm_bsdf_node *node, double uv[2][3]) {
     double v[16], step[2][3] = {{1, 0, 0}, {0, 1, 0}};
     const size_t n = nqm_parse_numbers(node->value, 16, v), n_columns = n == 16 ? 4 : 3;
-    if (strcmp(node->type, "matrix") == 0 && (n == 9 || n == 16)) {
+    if ((strcmp(node->type, "matrix") == 0 || !*node->type) && (n == 9 || n == 16)) {
         for (size_t i = 0; i < 2; ++i)
             for (size_t j = 0; j < 3; ++j)
                 step[i][j] = v[i * n_columns + (j == 2 ? n_columns - 1 : j)];
@@ -55,28 +55,29 @@ static bool read_to_uv(nqm_bsdf_reading *r, double uv[2][3]) {
     const nqm_bsdf_node *node = nqm_bsdf_find(r, "to_uv");
     if (!node)
         return true;
-    if (strcmp(node->type, "transform") != 0)
-        return nqm_refuse(&r->reading, node, "to_uv is no transform; it is read in XML only");
+    if (strcmp(node->type, "transform") != 0) /* numbers of JSON */
+        return apply_step(r, node, uv);
     for (const nqm_bsdf_node *step = NULL; (step = nqm_bsdf_next(r->nodes, (size_t)(node - r->nodes->list), step));)
         if (!apply_step(r, step, uv))
             return false;
     return true;
 }
 
-/* RGB of the bitmap r->at. */
+/* RGB of the bitmap r->at, or one of its channels (of Blender). */
 static bool read_bitmap(nqm_bsdf_reading *r, uint16_t *value_ret) {
-    const nqm_bsdf_node *file = nqm_bsdf_filename(r), *property = NULL;
+    const nqm_bsdf_node *file = nqm_bsdf_filename(r);
     double uv[2][3] = {{1, 0, 0}, {0, 1, 0}};
     bool is_raw = false;
-    size_t wrap;
-    while ((property = nqm_bsdf_next(r->nodes, r->at, property)))
-        if (!nqm_contains_word("filename filter_type wrap_mode raw to_uv format accel", property->name, false))
-            return nqm_refuse(&r->reading, property, "bitmap has no property '%.40s'", property->name);
-    if (!file || !nqm_bsdf_flag(r, "raw", &is_raw) || !nqm_bsdf_choice(r, "wrap_mode", "repeat mirror clamp", &wrap) ||
-        !read_to_uv(r, uv))
+    size_t wrap, channel;
+    if (!file || !nqm_bsdf_check(r, "filename wrap_mode raw to_uv channel", "filter_type format accel") ||
+        !nqm_bsdf_flag(r, "raw", &is_raw) || !nqm_bsdf_choice(r, "wrap_mode", "repeat mirror clamp", &wrap) ||
+        !nqm_bsdf_choice(r, "channel", "rgb r g b", &channel) || !read_to_uv(r, uv))
         return false;
     const char *space = is_raw || nqm_bsdf_is_float_image(file->value) ? "" : "srgb_texture";
-    return nqm_bsdf_image(r, file, space, uv, (nqm_map_wrap)wrap, value_ret);
+    if (!nqm_bsdf_image(r, file, space, uv, (nqm_map_wrap)wrap, value_ret))
+        return false;
+    *value_ret = channel ? nqm_graph_channel(r->reading.textured, *value_ret, channel - 1) : *value_ret;
+    return true;
 }
 
 /* The value of a texture, or of a reference to one, as n components: of a number Mitsuba takes the luminance. */
@@ -93,7 +94,7 @@ static bool read_texture(nqm_bsdf_reading *r, const nqm_bsdf_node *node, size_t 
     r->at = (size_t)(texture - r->nodes->list);
     const bool is_read = read_bitmap(r, value_ret);
     r->at = at;
-    if (is_read && n == 1)
+    if (is_read && n == 1 && *value_ret != NQM_NO_NODE && r->reading.textured->nodes[*value_ret].n == 3)
         *value_ret = nqm_graph_compute(r->reading.textured, NQM_MAP_LUMINANCE, 1, *value_ret, 0, 0);
     return is_read;
 }

@@ -7,7 +7,7 @@
 #include "io/options_json.h"
 #include "material/mitsuba.h"
 
-enum { MAX_DEPTH = 64, MAX_BYTES = 64 << 20, TEXT_SIZE = 128 };
+enum { MAX_DEPTH = 64, MAX_BYTES = 64 << 20, TEXT_SIZE = 256, MAX_NUMBERS = 9 };
 
 typedef struct walk {
     const char *path;
@@ -23,8 +23,8 @@ static const char *text_of(const json_t *object, const char *key) {
 /* The numbers of a value, as text; "" when it has none or too many. */
 static void format_numbers(const json_t *value, char text[TEXT_SIZE]) {
     const size_t n = json_is_number(value) ? 1 : json_array_size(value);
-    double v[3] = {0};
-    bool is_good = n <= 3;
+    double v[MAX_NUMBERS] = {0};
+    bool is_good = n <= MAX_NUMBERS;
     for (size_t i = 0; i < n && is_good; ++i) {
         const json_t *element = json_is_number(value) ? value : json_array_get(value, i);
         is_good = json_is_number(element);

@@ -115,6 +115,8 @@ static bool read_mapping(nqm_bsdf_reading *r, double uv[2][3]) {
     return true;
 }
 
+#define IMAGE_PARAMETERS "filename mapping uscale udelta vscale vdelta wrap scale invert"
+
 /* The imagemap r->at; a number is the mean of RGB. */
 static bool read_imagemap(nqm_bsdf_reading *r, size_t n, uint16_t *value_ret) {
     static const nqm_map_wrap wraps[] = {NQM_MAP_REPEAT, NQM_MAP_BORDER, NQM_MAP_CLAMP};
@@ -123,7 +125,11 @@ static bool read_imagemap(nqm_bsdf_reading *r, size_t n, uint16_t *value_ret) {
     double uv[2][3], scale = 1;
     bool is_inverted = false;
     size_t wrap;
-    if (!file || !read_mapping(r, uv) || !nqm_bsdf_choice(r, "wrap", "repeat black clamp", &wrap) ||
+    const bool is_png = file && strrchr(file->value, '.') && nqm_contains_word(".png", strrchr(file->value, '.'), true);
+    if (!file ||
+        !nqm_bsdf_check(r, is_png ? IMAGE_PARAMETERS " encoding" : IMAGE_PARAMETERS,
+                        is_png ? "filter maxanisotropy" : "filter maxanisotropy encoding") ||
+        !read_mapping(r, uv) || !nqm_bsdf_choice(r, "wrap", "repeat black clamp", &wrap) ||
         !nqm_bsdf_numbers(r, "scale", 1, &scale) || !nqm_bsdf_flag(r, "invert", &is_inverted) ||
         !read_image(r, file, encoding ? encoding->value : "sRGB", uv, wraps[wrap], value_ret))
         return false;
@@ -152,11 +158,13 @@ static bool read_texture(nqm_bsdf_reading *r, size_t n, uint16_t *value_ret) {
     if (strcmp(texture->type, "imagemap") == 0)
         return read_imagemap(r, n, value_ret);
     if (strcmp(texture->type, "constant") == 0)
-        return read_value(r, "value", n, one, value_ret);
+        return nqm_bsdf_check(r, "value", "") && read_value(r, "value", n, one, value_ret);
     if (!is_mix && strcmp(texture->type, "scale") != 0)
         return nqm_refuse(&r->reading, texture,
                           "the texture '%.40s' is of class '%.40s'; imagemap, constant, scale and mix are read",
                           texture->id, texture->type);
+    if (!nqm_bsdf_check(r, is_mix ? "tex1 tex2 amount" : "tex scale", ""))
+        return false;
     if (is_mix ? !read_value(r, "tex1", n, zero, &a) || !read_value(r, "tex2", n, one, &b) ||
                      !read_value(r, "amount", 1, &half, &amount)
                : !read_value(r, "tex", n, one, &a) || !read_value(r, "scale", 1, one, &b))

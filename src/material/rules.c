@@ -81,11 +81,7 @@ static bool is_off(nqm_reading *r, const char *gate) {
 }
 
 bool nqm_reading_unused(nqm_reading *r, const char *name) {
-    const size_t n = strlen(r->unused), n_name = strlen(name);
-    if (n + n_name + 6 < sizeof r->unused)
-        snprintf(r->unused + n, sizeof r->unused - n, "%s%s", n ? ", " : "", name);
-    else if (n < 5 || strcmp(r->unused + n - 5, ", ...") != 0)
-        strcpy(r->unused + n, ", ...");
+    nqm_remark_add(r->unused, sizeof r->unused, "%s", name);
     return true;
 }
 
@@ -188,6 +184,8 @@ bool nqm_reading_mix(nqm_reading *r, const void *property, nqm_material_info of,
             nqm_set_aside(r, ignorable, property, "'%.40s' is part of a mixture: %.200s", part->name, part->refusal);
         if (part->remark)
             nqm_textured_remark(r->textured, part->remark);
+        if (part->unused)
+            nqm_reading_unused(r, part->unused);
     }
     if (specs[0] && specs[1] && strlen(specs[0]) + strlen(specs[1]) > MAX_MIXTURE)
         return nqm_refuse(r, property, "its mixture is nested too deep");

@@ -33,6 +33,7 @@ ${CC:-cc} -I. right.c -lm -o right
 ./right | sed '2s/.*/-nan,nan,1/' >right.csv
 run 0 conform gltf right.csv --keys $keys --json
 grep -q '"mistakes": \[\]' out || fail "a mistake is named in a right shader"
+grep -q '"facts": {}' out || fail "something separates sets that all pass"
 grep -q '1 values are not finite' err || fail "NaN is not told"
 [ "$(grep -c '"delta_e_itp"' out)" = 36 ] || fail "JSON without the sets"
 # Each spec has the values of its set, and those that are not named are the defaults.
@@ -55,9 +56,41 @@ END
 sed 's/base \/ pi +/base * 0.6f \/ pi +/' right.c >unknown.c
 ${CC:-cc} -I. unknown.c -lm -o unknown
 ./unknown >unknown.csv
-run 1 conform gltf unknown.csv --keys $keys
+run 1 conform gltf unknown.csv --keys $keys --markdown m.md
 run 0 conform gltf unknown.csv --keys $keys --fail-under 0
 grep -q '^No mistake of the list explains' out || fail "a mistake is named that is none: $(cat out)"
+# What separates failing from passing sets, and by how much they fail.
+separated='^All 32 sets that fail have metallic < 1; so have 0 of the 4 that pass\.$'
+grep -q "$separated" out || fail "nothing separates the sets: $(cat out)"
+grep -q "$separated" m.md || fail "Markdown without what separates the sets"
+grep -q '^Largest difference: [a-z]* of set [0-9]* is 0.6 times the right value' out || fail "largest difference: $(cat out)"
+run 1 conform gltf unknown.csv --keys $keys --json
+grep -q '"ratio": 0.60000' out || fail "JSON: ratio $(number ratio 1)"
+# At which angles; no key separates sets where all fail.
+sed 's/(metal \* d \* v - plain) \* m->metallic;/& rgb[c] *= v_h < 0.5f ? 2 : 1;/' right.c >steep.c
+${CC:-cc} -I. steep.c -lm -o steep
+./steep >steep.csv
+run 1 conform gltf steep.csv --keys $keys
+grep -q '^100 % of their difference is where theta_d > 60 degrees: 43 % of the directions\.$' out || fail "angles: $(cat out)"
+! grep -q 'sets that fail have' out || fail "a key separates no sets: $(cat out)"
+
+# ---- mistakes with an amount, and of channels; those that only resemble one are not named
+while IFS='|' read -r edit words; do
+    sed "$edit" right.c >wrong.c
+    ${CC:-cc} -I. wrong.c -lm -o wrong || fail "a shader does not compile: $edit"
+    ./wrong >wrong.csv
+    run 1 conform gltf wrong.csv --keys $keys -q
+    [ "$(cat out)" = "$words" ] || fail "$words: $(cat out)"
+done <<'END'
+s/rgb.c. = \(.*\);/rgb[c] = \1; rgb[c] \/= 1 + rgb[c];/|unknown
+s/alpha = r;/alpha = 0.04f + 0.96f * r;/|unknown
+s/powf(1 - v_h, 5)/powf(1 - v_h, 4)/|the exponent of Schlick's factor is not 5 but 4
+s/alpha = r;/alpha = fmaxf(r, 0.04f);/|roughness is raised to at least 0.2
+s/rgb.c. = \(.*\);/rgb[c] = fminf(\1, 8);/|the values are clamped at 8
+s/m->base_color.c./m->base_color[0]/|the values are read as .rrr; or base_color is read as .rrr
+s/rgb.c. = \(.*\);/rgb[2 - c] = \1;/|the values are read as .bgr; or base_color is read as .bgr
+s/    float h.3. = .*/&\n    rgb[0] = rgb[1] = rgb[2] = 0;/;s/rgb.c. = \(.*\);/rgb[c] += \1; if (c == 0) rgb[1] += 0.1f * rgb[0];/|the values: .r is added to .g, times 0.1
+END
 
 # ---- files of all languages and models
 run 0 conform open-pbr --shader kit.glsl --directions kit.csv

@@ -111,7 +111,7 @@ git rm -q paints.gltf
 commit third
 git config diff.nqm.command "'$tool' diff"
 git --no-pager diff HEAD~2 HEAD~1 >../out 2>../err || fail "git diff"
-grep -q '^old *paints.gltf$' ../out && grep -q 'roughness 0.3 -> 0.4' ../out && grep -q '^+more$' ../out || fail "git diff: $(cat ../out)"
+grep -q "^old *paints.gltf$" ../out && grep -q "^new *paints.gltf$" ../out && grep -q 'roughness 0.3 -> 0.4' ../out && grep -q '^+more$' ../out || fail "git diff: $(cat ../out)"
 git --no-pager diff HEAD~1 HEAD >../out 2>../err || fail "git diff"
 grep -q '^  added   lone$' ../out && grep -q '^  removed gold$' ../out || fail "git diff: $(cat ../out)"
 git checkout -q HEAD~1 && git mv paints.gltf colours.gltf && sed -i 's/0\.4/0.5/' colours.gltf && commit renamed

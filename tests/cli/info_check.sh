@@ -128,7 +128,7 @@ run 0 --version
 [ "$(wc -l <"$dir/out")" = 3 ] || fail "lines: $(cat "$dir/out")"
 has '^nqm [0-9]'
 has '^libzip [0-9].*, kernels [a-z]'
-has '^Embree \([0-9.]*[0-9] when needed\|off\), libjpeg-turbo [0-9].*, libpng [0-9].*, OpenEXR [0-9].*, no MPI library$'
+has '^Embree \([0-9.]*[0-9] when needed\|off\), libjpeg-turbo [0-9].*, libpng [0-9].*, libwebp 1[.0-9]*, OpenEXR [0-9].*, no MPI library$'
 
 # A list of directions and values is a BRDF with these values.
 "$tool" sample sgd:nickel >"$dir/list.csv"

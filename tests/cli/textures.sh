@@ -154,3 +154,40 @@ grep -q 'plain: not used: x_AO_2K.png; metallic is 0, as nothing gives it' err |
 grep -q 'maps:base_color=.*: metallic is 0' err || fail "remark of the list: $(cat err)"
 run 0 info plain --json
 grep -q '"remark": "not used: x_AO_2K.png' out || fail "info: $(cat out)"
+
+# WebP wherever a map may be: a lossless picture is the PNG with the same pixels. The picture of glTF's extension comes before `source`.
+mkdir web web/webp web/png
+python3 - <<'END'
+import base64
+import struct
+import zlib
+
+
+def chunk(name, data):
+    return struct.pack(">I", len(data)) + name + data + struct.pack(">I", zlib.crc32(name + data))
+
+
+pixels = [bytes((30 * i, 255 - 9 * i, 4 * i * i)) for i in range(8)]
+for name, order in ("png/base_color", 1), ("other", -1):
+    rows = b"".join(b"\0" + b"".join(pixels[::order][4 * y:4 * y + 4]) for y in range(2))
+    with open("web/%s.png" % name, "wb") as f:
+        f.write(b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", struct.pack(">2I5B", 4, 2, 8, 2, 0, 0, 0)) + chunk(b"IDAT", zlib.compress(rows)) + chunk(b"IEND", b""))
+with open("web/webp/base_color.webp", "wb") as f:
+    f.write(base64.b64decode("UklGRjgAAABXRUJQVlA4TCsAAAAvA0AAAD/w+//xUNpIChy+TyKRSCSS+Y/QsNgcLo8PAgEytqBFixYR/Q9sAA=="))
+END
+for kind in png webp; do
+    map=$kind/base_color.$kind
+    usda web/$kind.usda '' $map 'color3f inputs:diffuseColor' rgb
+    sed "s,../../../gone/../steel/steel_Color.png,$map,; /image name=.j/d; s,<input name=.roughness[^>]*>,," plate.mtlx >web/$kind.mtlx
+    printf '{"type": "principled", "base_color": {"type": "bitmap", "filename": "%s"}}' $map >web/$kind.json
+    printf '<scene version="3.0.0"><bsdf type="diffuse" id="m"><texture type="bitmap" name="reflectance"><string name="filename" value="%s"/></texture></bsdf></scene>' $map >web/$kind.xml
+    printf 'Texture "t" "spectrum" "imagemap" "string filename" "%s" Material "diffuse" "texture reflectance" "t"' $map >web/$kind.pbrt
+    printf '{"asset": {"version": "2.0"}, "images": [{"uri": "other.png"}, {"uri": "%s"}], "textures": [{"source": 0, "extensions": {"EXT_texture_webp": {"source": 1}}}, {"source": 0}],
+  "materials": [{"name": "M", "pbrMetallicRoughness": {"baseColorTexture": {"index": 0}}}, {"name": "N", "pbrMetallicRoughness": {"baseColorTexture": {"index": 1}}}]}' $map >web/$kind.gltf
+done
+for pair in webp.usda:png.usda webp.mtlx:png.mtlx webp.json:png.json webp.xml:png.xml webp.pbrt:png.pbrt webp:png; do
+    same "web/${pair%:*}" "web/${pair#*:}" YES
+done
+same web/webp.gltf:M web/png.gltf:M YES
+same web/webp.gltf:M web/png.gltf:N NO
+same web/webp 'maps:base_color=web/other.png' NO

@@ -15,7 +15,7 @@ Comments <!-- test: WORD... --> before a block change what is done with it:
   text                  not commands, although it looks like them
   data                  needs measured data in $DATA (NQM_DATA, or ../shared/data); without it the page ends as skipped (77)
   slow                  run only when NQM_DOCS=full (./dev test all)
-  tolerance X           relative tolerance of numbers (default 0.01; one unit in the last printed place is always allowed)
+  tolerance X           relative tolerance of numbers, or one unit of the last printed place; without it they are as printed
   exit N                the last command ends with exit code N instead of 0
 Blocks with python3 -m nqm.plot are run by the first Python that has matplotlib, and skipped without one.
 Relative links and their anchors must exist. In inline code every function nqm_...() must be in a public header, and every path that begins
@@ -87,7 +87,10 @@ def commands(block):
     return found or None
 
 
-def same_number(shown, printed, tolerance):
+def same_number(shown, printed, tolerance, is_cut):
+    """As printed, to "..." if the page cuts it; with a tolerance, relative, or one of the last digit."""
+    if tolerance == 0:
+        return printed.startswith(shown) if is_cut else shown == printed
     try:
         a, b = float(shown.replace(",", "")), float(printed.replace(",", ""))
     except ValueError:
@@ -105,7 +108,8 @@ def same_line(shown, printed, tolerance):
     for i, word in enumerate(words):
         pattern += ".*".join(re.escape(x) for x in word.split("...")) + ("(%s)" % NUMBER.pattern if i < len(numbers) else "")
     match = re.fullmatch(pattern, printed)
-    return bool(match) and all(same_number(a, b, tolerance) for a, b in zip(numbers, match.groups()))
+    return bool(match) and all(same_number(a, b, tolerance, after.startswith("..."))
+                               for a, b, after in zip(numbers, match.groups(), words[1:]))
 
 
 def same_output(shown, printed, tolerance):
@@ -246,7 +250,7 @@ def main():
                 if fence == "c":
                     run_c(number, "\n".join(block), folder, environment)
                 else:
-                    run_block(number, found, float(word.get("tolerance", "- .01").split()[1]),
+                    run_block(number, found, float(word.get("tolerance", "- 0").split()[1]),
                               int(word.get("exit", "- 0").split()[1]), folder, environment)
     print("%s: %s" % (os.path.basename(page), ", ".join("%d %s" % (n, w) for w, n in counts.items())))
     if failures:

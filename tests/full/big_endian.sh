@@ -24,7 +24,7 @@ fetch() {
         -o APT::Architectures=s390x -o "APT::Sandbox::User=$(id -un)" -o APT::Install-Recommends=false
     apt-get "$@" update &&
         apt-get "$@" --download-only install libc6-dev libgomp1 libcminpack-dev libhdf5-dev libzip-dev \
-            libopenexr-dev libpng-dev libjpeg62-turbo-dev zlib1g-dev libjansson-dev libexpat1-dev libssl-dev libcmocka-dev || return 1
+            libopenexr-dev libpng-dev libjpeg62-turbo-dev libwebp-dev zlib1g-dev libjansson-dev libexpat1-dev libssl-dev libcmocka-dev || return 1
     for package in "$out"/apt/cache/archives/*.deb; do dpkg-deb -x "$package" "$root"; done
     find "$root" -type l -lname '/*' | while read -r link; do ln -sfn "$root$(readlink "$link")" "$link"; done
     touch "$root/complete"

@@ -70,7 +70,7 @@ def anything():
     kinds = [("brdf", "byte 0"), ("model", "not a safetensors file"), ("dataset", "not a safetensors file"),
              ("encoder", "not a safetensors file"), ("directions", "no column 'theta_h'"), ("list", "byte 0: the header names no column"),
              ("human", "the header has no column reference"), ("mesh", "neither a PLY nor an OBJ mesh"),
-             ("image", "neither OpenEXR, Radiance HDR nor PNG"), ("mat", "no MAT v5 file: its first 128 bytes")]
+             ("image", "neither OpenEXR, Radiance HDR nor PNG"), ("map", "neither PNG, JPEG, WebP nor OpenEXR"), ("mat", "no MAT v5 file: its first 128 bytes")]
     for kind, says in kinds:
         is_csv = kind in ("directions", "list", "human")
         for name, data in contents:
@@ -616,6 +616,21 @@ def pictures():
             "8-bit RGBA" if name in ("rgb", "grey", "deep") else "the header claims" if name in ("huge", "wide") else "byte")
 
 
+def webp_maps():
+    lossless = bytes.fromhex("5249464634000000574542505650384c270000002f034000103ff0fbfff150d8b60d8adb312e7284924a67b2b97c100890b1052d5ab488e87f600300")
+    lossy = bytes.fromhex("524946463e000000574542505650382032000000f001009d012a0400020002c04c25a80274ba00030906fd4800fec8d70dfffe760fecdfde8f703f535fee"
+                          "6050f0abe4220000")
+    early, damaged = "WebP: the file ends too early", "WebP: the data are damaged"
+    for stem, good in ("webp-lossless", lossless), ("webp-lossy", lossy):
+        cuts(stem, "webp", good, (12, 15, 19, 20, 24, 29, 30, 40, len(good) - 2, len(good) - 1), "map", 4, early)
+        bad(stem + "-signature.webp", patch(good, 20 if good is lossless else 23, b"\xff"), "map", 4, damaged)
+        bad(stem + "-chunk.webp", patch(good, 16, u32(2**31)), "map", 4, damaged)
+        bad(stem + "-short.webp", patch(good, 4, u32(4)), "map", 4, damaged)
+        bad(stem + "-long.webp", patch(good, 4, u32(2**20)), "map", 4, early)
+    bad("webp-lossless-codes.webp", lossless[:25] + b"\xff" * (len(lossless) - 25), "map", 4, damaged)
+    bad("webp-animation.webp", b"RIFF\x22\0\0\0WEBPVP8X\x0a\0\0\0\x02\0\0\0\x0f\0\0\x0f\0\0ANIM\x06\0\0\0\0\0\0\0\0\0", "map", 4, "an animated WebP picture")
+
+
 # ---- materials of renderers ----------------------------------------------------------------------------------------------
 
 
@@ -750,6 +765,7 @@ def main():
     tables()
     meshes()
     pictures()
+    webp_maps()
     materials()
     specs()
     with open(os.path.join(out, "verdicts.tsv"), "w", encoding="utf-8") as f:

@@ -15,7 +15,7 @@ import tempfile
 # one verb for each kind of file; {} is the file
 VERBS = {"brdf": ["check", "{}"], "model": ["score", "lambert:kd=.5", "lambert:kd=.5", "--model", "{}"], "dataset": ["info", "{}"], "directions": ["directions", "{}"],
          "list": ["batch", "{}"], "human": ["eval", "--human", "{}"], "mesh": ["render", "lambert:kd=.5", "--size", "8", "-o", "x.png", "--shape", "{}"],
-         "image": ["render", "lambert:kd=.5", "--size", "8", "-o", "x.png", "--light", "{}"]}
+         "image": ["render", "lambert:kd=.5", "--size", "8", "-o", "x.png", "--light", "{}"], "map": ["render", "maps:base_color={}", "--size", "8", "-o", "x.png"]}
 EVERY = 12
 
 

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * Writes small PNG files with libpng and JPEG files with libjpeg, whose own handlers end the test if they fail.
+ * Writes small PNG files with libpng and JPEG files with libjpeg, whose own handlers end the test if they fail, and WebP files
+ * with libwebp.
  */
 #include "support/pictures.h"
 
@@ -10,6 +11,7 @@
 
 #include <jpeglib.h>
 #include <png.h>
+#include <webp/encode.h>
 
 void palette_entry(size_t i, unsigned char rgb[3]) {
     rgb[0] = (unsigned char)i;
@@ -84,4 +86,19 @@ blob make_jpeg(size_t width, size_t height, int channels, jpeg_kind kind, const 
     jpeg_finish_compress(&jpeg);
     jpeg_destroy_compress(&jpeg);
     return (blob){.data = data, .n_bytes = n_bytes};
+}
+
+blob make_webp(size_t width, size_t height, size_t channels, bool is_lossless, const unsigned char *pixels) {
+    const int w = (int)width, h = (int)height, stride = (int)(width * channels);
+    unsigned char *data = NULL;
+    const size_t n = is_lossless && channels == 3 ? WebPEncodeLosslessRGB(pixels, w, h, stride, &data)
+                     : is_lossless                ? WebPEncodeLosslessRGBA(pixels, w, h, stride, &data)
+                     : channels == 3              ? WebPEncodeRGB(pixels, w, h, stride, 90, &data)
+                                                  : WebPEncodeRGBA(pixels, w, h, stride, 90, &data);
+    blob b = {malloc(n), n}; /* blob_free() is no WebPFree() */
+    if (!n || !b.data)
+        abort();
+    memcpy(b.data, data, n);
+    WebPFree(data);
+    return b;
 }

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * pictures.h - writes small PNG and JPEG files, for tests of what reads maps of materials.
+ * pictures.h - writes small PNG, JPEG and WebP files, for tests of what reads maps of materials.
  */
 #ifndef NQM_TESTS_SUPPORT_PICTURES_H
 #define NQM_TESTS_SUPPORT_PICTURES_H
@@ -18,5 +18,8 @@ blob make_png(size_t width, size_t height, int colour, int bits, bool is_interla
 typedef enum jpeg_kind { JPEG_PLAIN, JPEG_PROGRESSIVE, JPEG_ARITHMETIC } jpeg_kind;
 /** A JPEG file of quality 100. channels: 1, 3 or 4 (CMYK); pixels: (height, width, channels). */
 blob make_jpeg(size_t width, size_t height, int channels, jpeg_kind kind, const unsigned char *pixels);
+
+/** A WebP file. channels: 3 or 4; is_lossless: the pixels are stored exactly where alpha is not 0, otherwise with quality 90. */
+blob make_webp(size_t width, size_t height, size_t channels, bool is_lossless, const unsigned char *pixels);
 
 #endif

@@ -7,6 +7,7 @@
 #include "data/human.h"
 #include "encode/encode.h"
 #include "encode/hyper.h"
+#include "io/raster.h"
 #include "nqm/score/pair_list.h"
 #include "nqm/tool.h"
 
@@ -88,6 +89,17 @@ static nqm_status open_image(const char *path, nqm_error *err) {
     return status;
 }
 
+static nqm_status open_map(const char *path, nqm_error *err) {
+    nqm_map map;
+    nqm_raster raster = {0};
+    nqm_status status = nqm_map_open(path, &map, err);
+    if (status == NQM_OK)
+        status = nqm_raster_decode(map.data, map.n_bytes, path, &raster, err);
+    nqm_raster_clear(&raster);
+    nqm_map_close(&map);
+    return status;
+}
+
 /* The variable "r" of 4 x 1. */
 static nqm_status open_mat(const char *path, nqm_error *err) {
     nqm_mat *mat;
@@ -118,7 +130,7 @@ static const struct {
                {"list", open_list},        {"directions", open_directions_file},
                {"human", open_human},      {"mesh", open_mesh},
                {"image", open_image},      {"mat", open_mat},
-               {"encoder", open_encoder}};
+               {"encoder", open_encoder},  {"map", open_map}};
 
 static void open_line(char *line) {
     char *path = strchr(line, '\t');

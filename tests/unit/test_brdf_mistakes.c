@@ -13,12 +13,13 @@ enum { N = 40 };
 #define GLTF_LAYERS                                                                                                    \
     ";specular=.7;specular_color=1,.6,.3;clearcoat=.6;clearcoat_roughness=.3;sheen_color=.4,.2,.6;sheen_roughness=.5"
 static const char *const specs[] = {
-    ("gltf:base_color=.8,.3,.1;metallic=.5;roughness=.4;anisotropy_strength=.6" GLTF_LAYERS),
-    "open-pbr:base_color=.8,.3,.1;base_metalness=.4;specular_roughness=.4;coat_weight=.6;fuzz_weight=.5",
+    ("gltf:base_color=.8,.3,.1;metallic=.5;roughness=.4;anisotropy_strength=.6;ior=1.8" GLTF_LAYERS),
+    "open-pbr:base_color=.8,.3,.1;base_metalness=.4;specular_roughness=.4;specular_ior=1.3;coat_weight=.6;fuzz_weight=."
+    "5",
     "standard-surface:base_color=.8,.3,.1;metalness=.4;specular_roughness=.4;sheen=.5;coat=.6;coat_roughness=.3",
-    "usd-preview:diffuseColor=.8,.3,.1;metallic=.4;roughness=.4;clearcoat=.6;clearcoatRoughness=.3",
+    "usd-preview:diffuseColor=.8,.3,.1;metallic=.4;roughness=.4;ior=1.8;clearcoat=.6;clearcoatRoughness=.3",
     "disney:baseColor=.8,.3,.1;metallic=.4;roughness=.4;sheen=.5;clearcoat=.6;clearcoatGloss=.6",
-    "principled:base_color=.8,.3,.1;metallic=.4;roughness=.4;clearcoat=.6",
+    "principled:base_color=.8,.3,.1;eta=1.8;metallic=.4;roughness=.4;clearcoat=.6",
     "rough-conductor:alpha=.4;eta=.2,.9,1.3;k=3.9,2.4,2.1",
     "rough-plastic:alpha=.3;diffuse_reflectance=.8,.3,.1",
     "pbrt-conductor:roughness=.2;eta=.2,.9,1.3;k=3.9,2.4,2.1",
@@ -37,13 +38,18 @@ static void make_pairs(double *wi, double *wo) {
     }
 }
 
-static void evaluate(const char *spec, nqm_mistakes mistakes, const double *wi, const double *wo, float *rgb) {
+static void evaluate_with(const char *spec, nqm_mistakes mistakes, const double *wi, const double *wo, float *rgb) {
     const size_t n = strcspn(spec, ":");
     const nqm_analytic_model *model = nqm_analytic_model_find(spec, n);
     nqm_spec_values values;
     assert_non_null(model);
     assert_int_equal(nqm_spec_parse(&model->schema, spec + n + 1, &values, NULL), NQM_OK);
-    nqm_mistaken_eval(model, &values, mistakes, N, wi, wo, rgb);
+    nqm_mistaken_eval(model, &values, &mistakes, N, wi, wo, rgb);
+}
+
+static void evaluate(const char *spec, uint64_t made, const double *wi, const double *wo, float *rgb) {
+    const double amount = made == (uint64_t)1 << NQM_MISTAKE_CLAMPED ? 0.2 : 4;
+    evaluate_with(spec, (nqm_mistakes){made, amount, NULL}, wi, wo, rgb);
 }
 
 TEST(models_without_mistakes_are_the_models) {
@@ -68,7 +74,7 @@ TEST(each_mistake_changes_a_model) {
     make_pairs(wi, wo);
     for (size_t s = 0; s < N_SPECS; ++s) {
         for (size_t m = 0; m <= NQM_N_MISTAKES; ++m)
-            evaluate(specs[s], m < NQM_N_MISTAKES ? (nqm_mistakes)1 << m : 0, wi, wo, rgb[m]);
+            evaluate(specs[s], m < NQM_N_MISTAKES ? (uint64_t)1 << m : 0, wi, wo, rgb[m]);
         for (size_t m = 0; m < NQM_N_MISTAKES; ++m) {
             if (memcmp(rgb[m], rgb[NQM_N_MISTAKES], sizeof rgb[m]) == 0)
                 continue;
@@ -106,7 +112,7 @@ TEST(mistakes_are_what_they_say) {
                  {NQM_MISTAKE_COSINE_OF_VIEWER, 1, 0, 1},
                  {NQM_MISTAKE_DIVIDED_BY_PI, 1 / NQM_PI, 0, 0}};
     for (size_t k = 0; k < sizeof cases / sizeof *cases; ++k) {
-        evaluate(spec, (nqm_mistakes)1 << cases[k].mistake, wi, wo, wrong);
+        evaluate(spec, (uint64_t)1 << cases[k].mistake, wi, wo, wrong);
         for (size_t i = 0; i < N; ++i) {
             const double factor =
                 cases[k].factor * pow(wi[3 * i + 2], cases[k].by_i) * pow(wo[3 * i + 2], cases[k].by_o);
@@ -114,7 +120,7 @@ TEST(mistakes_are_what_they_say) {
         }
     }
     const double alpha2 = 0.2;
-    evaluate(spec, (nqm_mistakes)1 << NQM_MISTAKE_SHADOWING_SEPARABLE, wi, wo, wrong);
+    evaluate(spec, (uint64_t)1 << NQM_MISTAKE_SHADOWING_SEPARABLE, wi, wo, wrong);
     for (size_t i = 0; i < N; ++i) {
         double lambda[2];
         for (size_t side = 0; side < 2; ++side) {
@@ -124,9 +130,49 @@ TEST(mistakes_are_what_they_say) {
         const double factor = (1 + lambda[0] + lambda[1]) / ((1 + lambda[0]) * (1 + lambda[1]));
         assert_near((double)wrong[3 * i] / (double)right[3 * i], factor, 1e-5 * factor);
     }
+    evaluate(spec, (uint64_t)1 << NQM_MISTAKE_CLAMPED, wi, wo, wrong);
+    for (size_t i = 0; i < 3 * N; ++i)
+        assert_true(wrong[i] == fminf(right[i], 0.2F));
     /* Two at once. */
-    evaluate(spec, (nqm_mistakes)1 << NQM_MISTAKE_TIMES_PI | (nqm_mistakes)1 << NQM_MISTAKE_CHANNELS_REVERSED, wi, wo,
-             wrong);
+    evaluate_with(spec, (nqm_mistakes){(uint64_t)1 << NQM_MISTAKE_TIMES_PI, 0, "bgr"}, wi, wo, wrong);
     for (size_t i = 0; i < 3 * N; ++i)
         assert_near((double)wrong[i], NQM_PI * (double)right[i / 3 * 3 + 2 - i % 3], 1e-5 * (double)wrong[i]);
+}
+
+/* Where each channel is from, and which one leaks into which. */
+TEST(wrong_channels) {
+    static const char *const channels[] = {"bgr", "rrb", "gbr", "rg", "rb", "gr", "gb", "br", "bg"};
+    double wi[3 * N], wo[3 * N];
+    float right[3 * N], wrong[3 * N];
+    make_pairs(wi, wo);
+    evaluate(specs[0], 0, wi, wo, right);
+    for (size_t k = 0; k < sizeof channels / sizeof *channels; ++k) {
+        const char *of = channels[k];
+        size_t at[3] = {0};
+        for (size_t c = 0; c < strlen(of); ++c)
+            at[c] = of[c] == 'r' ? 0 : of[c] == 'g' ? 1 : 2;
+        evaluate_with(specs[0], (nqm_mistakes){0, 0.5, of}, wi, wo, wrong);
+        for (size_t i = 0; i < 3 * N; ++i) {
+            const float *v = right + i / 3 * 3, leak = strlen(of) == 2 && at[0] == i % 3 ? 0.5F * v[at[1]] : 0;
+            const float expected = strlen(of) == 3 ? v[at[i % 3]] : v[i % 3] + leak;
+            assert_near((double)wrong[i], (double)expected, 1e-5 * (double)expected);
+        }
+    }
+}
+
+/* f = (F0 + (1 - F0) (1 - cos)^p) times the lobe of a metal. */
+TEST(exponent_of_schlick) {
+    const char *spec = "gltf:base_color=.8,.3,.1;roughness=.4";
+    double wi[3 * N], wo[3 * N];
+    float right[3 * N], constant[3 * N], wrong[3 * N];
+    make_pairs(wi, wo);
+    evaluate(spec, 0, wi, wo, right);
+    evaluate(spec, (uint64_t)1 << NQM_MISTAKE_FRESNEL_CONSTANT, wi, wo, constant);
+    evaluate(spec, (uint64_t)1 << NQM_MISTAKE_SCHLICK_EXPONENT, wi, wo, wrong);
+    for (size_t i = 0; i < 3 * N; ++i) {
+        const double *in = wi + i / 3 * 3, *out = wo + i / 3 * 3;
+        const double cos_d = sqrt(0.5 * (1 + in[0] * out[0] + in[1] * out[1] + in[2] * out[2]));
+        assert_near((double)(wrong[i] - constant[i]) * (1 - cos_d), (double)(right[i] - constant[i]),
+                    1e-6 * (1 + (double)right[i]));
+    }
 }

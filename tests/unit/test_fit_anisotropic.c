@@ -2,9 +2,12 @@
  *
  * Fits of anisotropic references: both widths and the azimuth are found, and models of one width stay as they are.
  */
+#include "brdf/brdf.h"
 #include "fit/anisotropy.h"
 #include "fit/fit.h"
 #include "support/check.h"
+
+#include <math.h>
 
 static nqm_fit_report fit(const char *ref_spec, const char *model) {
     nqm_brdf *ref = must_open(ref_spec);
@@ -83,6 +86,35 @@ TEST(lobes_are_copied_within_a_model) {
         }
         nqm_brdf_free(brdf);
     }
+}
+
+/* Between models the lobe stays: metals of each have the width and the ratio of that of the reference. */
+TEST(lobes_are_copied_between_models) {
+    static const char *const specs[] = {"gltf:metallic=1;roughness=0.5;anisotropy_strength=0.6",
+                                        "open-pbr:base_metalness=1",
+                                        "standard-surface:metalness=1",
+                                        "disney:metallic=1;specular=0",
+                                        "principled:metallic=1",
+                                        "blender-principled:metallic=1",
+                                        "rough-conductor:eta=0.2;k=3;distribution=1",
+                                        "pbrt-conductor:eta=0.2;k=3"};
+    nqm_brdf *ref = must_open(specs[0]);
+    const nqm_lobe lobe = nqm_lobe_measure(ref);
+    nqm_shading from, to;
+    assert_int_equal(nqm_shading_parse(nqm_brdf_get_info(ref).spec, &from, NULL), NQM_OK);
+    for (size_t i = 1; i < sizeof specs / sizeof *specs; ++i) {
+        assert_int_equal(nqm_shading_parse(specs[i], &to, NULL), NQM_OK);
+        nqm_fit_copy_anisotropy(&from, &to);
+        char *spec = nqm_shading_spec(&to);
+        nqm_brdf *copy = must_open(spec);
+        const nqm_lobe found = nqm_lobe_measure(copy);
+        const double ratio = hypot(found.axes[0], found.axes[2]) / hypot(lobe.axes[0], lobe.axes[2]);
+        if (fabs(ratio - 1) > 0.02 || fabs(found.width / lobe.width - 1) > 0.02)
+            fail_msg("%s: width %g, ratio %g", spec, found.width / lobe.width, ratio);
+        nqm_brdf_free(copy);
+        nqm_free(spec);
+    }
+    nqm_brdf_free(ref);
 }
 
 TEST(models_of_one_width) {

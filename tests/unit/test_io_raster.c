@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * Pictures of maps: every kind of PNG, JPEG and OpenEXR that is read has the values that were written; truncated, damaged and
+ * Pictures of maps: every kind of PNG, JPEG, WebP and OpenEXR that is read has the values that were written; truncated, damaged and
  * inconsistent files, and other formats, are refused with a message that says what to do.
  */
 #include "base/memory_test.h"
@@ -181,6 +181,55 @@ TEST(jpeg_refusals) {
     blob_free(&many);
 }
 
+/* ---- WebP -------------------------------------------------------------------------------------------------------- */
+
+/* Lossless: the values that were written, which a PNG has, too. */
+TEST(webp_kinds) {
+    make_smooth();
+    for (size_t channels = 3; channels <= 4; ++channels) {
+        const size_t n = WIDTH * HEIGHT * channels;
+        unsigned char noise[sizeof random_bytes], pixels[sizeof smooth];
+        for (size_t i = 0; i < n; ++i) {
+            const bool is_alpha = channels == 4 && i % 4 == 3;
+            noise[i] = is_alpha && random_bytes[i] == 0 ? 1 : random_bytes[i];
+            pixels[i] = is_alpha ? 200 : smooth[i / channels * 4 + i % channels];
+        }
+        blob lossless = make_webp(WIDTH, HEIGHT, channels, true, noise);
+        blob lossy = make_webp(WIDTH, HEIGHT, channels, false, pixels);
+        blob png = make_png(WIDTH, HEIGHT, channels == 4 ? 6 : 2, 8, false, noise);
+        nqm_raster a = decode(lossless), b = decode(lossy), c = decode(png);
+        assert_true(a.width == WIDTH && a.height == HEIGHT && a.channels == channels && a.type == NQM_RASTER_U8);
+        assert_true(a.channels == c.channels && b.channels == c.channels);
+        assert_memory_equal(a.data, noise, n);
+        assert_memory_equal(a.data, c.data, n);
+        for (size_t i = 0; i < n; ++i)
+            assert_true(abs(((unsigned char *)b.data)[i] - pixels[i]) <= 12);
+        nqm_raster_clear(&a);
+        nqm_raster_clear(&b);
+        nqm_raster_clear(&c);
+        blob_free(&lossless);
+        blob_free(&lossy);
+        blob_free(&png);
+    }
+}
+
+static const char animation[] = "RIFF\x22\0\0\0WEBPVP8X\x0a\0\0\0\x02\0\0\0\x0f\0\0\x0f\0\0"
+                                "ANIM\x06\0\0\0\0\0\0\0\0\0";
+
+static blob copy_of(const char *bytes, size_t n) {
+    blob b = {malloc(n), n};
+    assert_non_null(b.data);
+    memcpy(b.data, bytes, n);
+    return b;
+}
+
+TEST(webp_refusals) {
+    refused(copy_of(animation, sizeof animation - 1), NQM_ERR_FORMAT, "an animated WebP picture, which is not read");
+    refused(copy_of("RIFF\x20\0\0\0WEBP", 12), NQM_ERR_FORMAT, "WebP: the file ends too early");
+    refused(copy_of("RIFF\x16\0\0\0WEBPVP8L\x09\0\0\0none of it", 30), NQM_ERR_FORMAT,
+            "WebP: the data are damaged (byte 0)");
+}
+
 /* ---- OpenEXR ----------------------------------------------------------------------------------------------------- */
 
 TEST(exr_kinds) {
@@ -213,10 +262,11 @@ TEST(exr_kinds) {
 
 /* ---- refusals ---------------------------------------------------------------------------------------------------- */
 
-enum { N_SAMPLES = 5 };
+enum { N_SAMPLES = 7 };
 
 static blob sample(size_t i) {
     return i == 4   ? vector_picture("rgba.exr")
+           : i > 4  ? make_webp(WIDTH, HEIGHT, 4, i == 5, random_bytes)
            : i == 0 ? make_png(WIDTH, HEIGHT, 3, 4, true, random_bytes)
            : i == 1 ? make_png(WIDTH, HEIGHT, 6, 16, false, random_bytes)
                     : make_jpeg(WIDTH, HEIGHT, 3, i == 2 ? JPEG_PLAIN : JPEG_PROGRESSIVE, random_bytes);
@@ -320,7 +370,6 @@ TEST(other_formats) {
         {"\xabKTX 20\xbb\r\n\x1a\n\0\0", "a KTX2 picture, which is not read: convert it to PNG", 14},
         {"\xabKTX 11\xbb\r\n\x1a\n\0\0", "a KTX picture, which", 14},
         {"DDS |\0\0\0\x07\x10\0\0", "a DDS picture, which is not read: convert it to PNG", 12},
-        {"RIFF\x10\0\0\0WEBPVP8 ", "a WebP picture, which", 16},
         {"II*\0\x08\0\0\0", "a TIFF picture, which", 8},
         {"GIF89a\x01\0\x01\0", "a GIF picture, which", 10},
         {"BM\x46\0\0\0\0\0\0\0\x36\0\0\0\x28\0\0\0", "a BMP picture, which", 18},
@@ -328,10 +377,10 @@ TEST(other_formats) {
         {"\0\0\0\x1c"
          "ftypavif\0\0\0\0",
          "an AVIF picture, which", 16},
-        {"{\"asset\": 1}", "neither PNG, JPEG nor OpenEXR but JSON", 12},
+        {"{\"asset\": 1}", "neither PNG, JPEG, WebP nor OpenEXR but JSON", 12},
         {"version https://git-lfs.github.com/spec/v1\n", "git lfs pull", 43},
-        {"\1\2\3\4", "neither PNG, JPEG nor OpenEXR (byte 0)", 4},
-        {"", "neither PNG, JPEG nor OpenEXR (byte 0)", 0},
+        {"\1\2\3\4", "neither PNG, JPEG, WebP nor OpenEXR (byte 0)", 4},
+        {"", "neither PNG, JPEG, WebP nor OpenEXR (byte 0)", 0},
     };
     for (size_t i = 0; i < sizeof files / sizeof *files; ++i) {
         blob b = {malloc(files[i].n + 1), files[i].n};

@@ -16,7 +16,9 @@ static const char usual[] =
     "\"textures\": [{\"source\": 0}, {\"source\": 1, \"sampler\": 0}, {}, {\"source\": 9}, "
     "{\"extensions\": {\"KHR_texture_basisu\": {\"source\": 0}}}, "
     "{\"source\": 0, \"extensions\": {\"EXT_texture_webp\": {\"source\": 1}}}, {\"source\": 2}, {\"source\": 0, "
-    "\"sampler\": 1}], "
+    "\"sampler\": 1}, {\"source\": 1}, {\"source\": 0, \"extensions\": {\"EXT_texture_webp\": {\"source\": 7}}}, "
+    "{\"source\": 0, \"extensions\": {\"EXT_texture_webp\": {}}}, {\"extensions\": {\"EXT_texture_avif\": {\"source\": "
+    "0}}}], "
     "\"samplers\": [{\"wrapS\": 33071, \"wrapT\": 33648, \"magFilter\": 9728}, {\"wrapS\": 3}], "
     "\"images\": [{\"uri\": \"a%20b.png\", \"mimeType\": \"image/png\"}, {\"uri\": \"c.jpg\"}, {\"uri\": "
     "\"https://x.org/d.png\"}]";
@@ -279,6 +281,8 @@ static void check_folder(const char *names, const char *expected) {
 TEST(names_of_three_sites_are_known) {
     assert_non_null(mkdtemp(folder));
     assert_true(nqm_maps_probe(folder));
+    check_folder("Wood_Color_1K-WEBP.webp Wood_Metalness_1K-WEBP.webp Wood_NormalGL_1K-WEBP.webp",
+                 "Wood_Color_1K-WEBP.webp Wood_Metalness_1K-WEBP.webp Wood_NormalGL_1K-WEBP.webp");
     check_folder("metal_plate_ao_2k.jpg metal_plate_diff_2k.jpg metal_plate_disp_2k.png metal_plate_metal_2k.exr "
                  "metal_plate_nor_dx_2k.exr metal_plate_nor_gl_2k.exr metal_plate_rough_2k.jpg",
                  "metal_plate_diff_2k.jpg metal_plate_rough_2k.jpg metal_plate_metal_2k.exr metal_plate_nor_gl_2k.exr");

@@ -89,9 +89,13 @@ MISTAKES = [
     ("eta is ignored", 'm["eta"]', "1.5"),
     ("metallic is ignored", 'm["metallic"]', "0 * m[\"metallic\"]"),
     ("base_color is decoded", 'base, metallic, roughness = m["base_color"]', 'base, metallic, roughness = m["base_color"]**2.2'),
-    ("red and blue", "return color + (1", "color = color + (1", "m[\"sheen_tint\"])\n", "m[\"sheen_tint\"])\n    return color[::-1]\n"),
+    ("^the values are read as .bgr", "return color + (1", "color = color + (1", "m[\"sheen_tint\"])\n", "m[\"sheen_tint\"])\n    return color[::-1]\n"),
     ("cosine of the light", "return color + (1", "color = color + (1", "m[\"sheen_tint\"])\n", "m[\"sheen_tint\"])\n    return color * n_l\n"),
     ("pi times too large", "return color + (1", "color = color + (1", "m[\"sheen_tint\"])\n", "m[\"sheen_tint\"])\n    return color * PI\n"),
+    ("^the exponent of Schlick's factor is not 5 but 4$", "x**5", "x**4"),
+    ("^F0 of the clear coat is that of the base's index", "mix(0.04, 1, weight)", 'mix(((m["eta"] - 1) / (m["eta"] + 1))**2, 1, weight)'),
+    ("^roughness is raised to at least 0.25$", 'm["roughness"]', 'np.maximum(m["roughness"], np.float32(0.25))'),
+    ("^base_color is read as .rrr$", 'm["base_color"]', 'm["base_color"][[0, 0, 0]]'),
 ]
 
 if __name__ == "__main__":

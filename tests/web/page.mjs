@@ -12,6 +12,8 @@ import {startBrowser} from "./browser.mjs";
 import {listText, makePairs, readJods} from "./pairs.mjs";
 
 const [, , page, tool, chromium, shots, ...only] = process.argv;
+// A lossless picture of 4 x 2 pixels.
+const WEBP = "UklGRjgAAABXRUJQVlA4TCsAAAAvA0AAAD/w+//xUNpIChy+TyKRSCSS+Y/QsNgcLo8PAgEytqBFixYR/Q9sAA==";
 const url = pathToFileURL(page).href, browser = await startBrowser(chromium);
 const {evaluate, until} = browser, text = (id) => evaluate(`document.getElementById("${id}").textContent`);
 const jodOf = (...args) => Number(execFileSync(tool, ["score", "-q", ...args], {stdio: ["ignore", "pipe", "ignore"]}));
@@ -213,6 +215,16 @@ const tests = {
         await add([["b.gltf", material("color.png")], ["color.png", color[1]]], "test");
         await until("chosen.test === 'b.gltf' && document.getElementById('verdict').textContent === 'No score'");
         assert.match(await text("fault"), /'color.png' of the material a.gltf/);
+        const webp = Buffer.from(WEBP, "base64"), animated = Buffer.from(webp);
+        writeFileSync(join(folder, "base_color.webp"), webp);
+        animated.write("VP8X", 12, "latin1");
+        animated[20] = 2;
+        await add([["w/base_color.webp", webp]], "ref");
+        await evaluate("setPair({test: 'gltf:roughness=.5'})");
+        await expectPair("w", "gltf:roughness=.5", jodOf(`maps:base_color=${join(folder, "base_color.webp")}`, "gltf:roughness=.5"));
+        await add([["v/base_color.webp", animated]], "ref");
+        await until("chosen.ref === 'v' && document.getElementById('verdict').textContent === 'No score'");
+        assert.match(await text("fault"), /base_color.webp.*: an animated WebP picture, or one that/);
         rmSync(folder, {recursive: true});
         await evaluate("setPair({ref: 'sgd:nickel', test: 'ward:nickel'})");
     },

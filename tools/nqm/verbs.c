@@ -13,6 +13,7 @@
 #include <png.h>
 #include <stdlib.h>
 #include <string.h>
+#include <webp/decode.h>
 
 const verb verbs[] = {
     {"score", "compare", cmd_score, "predict how good approximations look compared with their reference (JOD)"},
@@ -70,11 +71,13 @@ void print_usage(FILE *out) {
 const char *tool_build_info(void) {
     static char line[256];
     const char *embree = nqm_tracer_version();
+    const int webp = WebPGetDecoderVersion();
     int major, minor, patch;
     exr_get_library_version(&major, &minor, &patch, NULL);
-    snprintf(line, sizeof line, "Embree %s%s, libjpeg-turbo %s, libpng %s, OpenEXR %d.%d.%d, no MPI library",
+    snprintf(line, sizeof line,
+             "Embree %s%s, libjpeg-turbo %s, libpng %s, libwebp %d.%d.%d, OpenEXR %d.%d.%d, no MPI library",
              embree ? embree : "off", embree ? " when needed" : "", TEXT_OF(LIBJPEG_TURBO_VERSION),
-             png_get_libpng_ver(NULL), major, minor, patch);
+             png_get_libpng_ver(NULL), webp >> 16, webp >> 8 & 255, webp & 255, major, minor, patch);
     return line;
 }
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  *
- * What a page does not read: archives, meshes; and PNG and JPEG, which the browser decodes.
+ * What a page does not read: archives, meshes; and PNG, JPEG and WebP, which the browser decodes.
  */
 #include "io/io.h"
 #include "io/raster_decoders.h"
@@ -50,6 +50,12 @@ nqm_status nqm_raster_decode_png(const nqm_map *map, bool header_only, nqm_raste
 nqm_status nqm_raster_decode_jpeg(const nqm_map *map, bool header_only, nqm_raster *raster, nqm_error *err) {
     (void)header_only, (void)raster;
     return nqm_fail(err, NQM_ERR_FORMAT, 0, "%s: the browser cannot decode this picture (byte 0)", map->path);
+}
+
+nqm_status nqm_raster_decode_webp(const nqm_map *map, bool header_only, nqm_raster *raster, nqm_error *err) {
+    (void)header_only, (void)raster;
+    return nqm_fail(err, NQM_ERR_FORMAT, 0, "%s: an animated WebP picture, or one that the browser cannot decode (byte 0)",
+                    map->path);
 }
 
 const char *nqm_build_info(void) {

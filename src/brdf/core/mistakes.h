@@ -29,6 +29,7 @@
     X(FRESNEL_AT_HALF, "the Fresnel factor has the angle of normal and half vector, not of half vector and viewer")    \
     X(FRESNEL_TWICE, "the Fresnel factor is applied twice")                                                            \
     X(FRESNEL_SCHLICK, "the Fresnel factor is Schlick's, not the exact one")                                           \
+    X(SCHLICK_EXPONENT, "the exponent of Schlick's factor is not 5 but")                                               \
     X(F90_ONE, "F90, the reflectance at grazing incidence, is 1")                                                      \
     X(DISTRIBUTION_WITHOUT_PI, "the distribution D lacks 1 / pi")                                                      \
     X(DISTRIBUTION_NOT_SQUARED, "the denominator of the distribution D is not squared")                                \
@@ -59,21 +60,28 @@
     X(SHEEN_VISIBILITY, "the shadowing of the sheen is 1 / (4 (cos + cos - cos cos))")                                 \
     X(COAT_NOT_REDUCING, "the layers below the clear coat are not multiplied by what it lets through (1 - F)")         \
     X(COAT_FRESNEL_AT_HALF, "the Fresnel factor of the clear coat has the angle of half vector and viewer")            \
+    X(COAT_F0_FIXED, "F0 of the clear coat is 0.04")                                                                   \
+    X(COAT_F0_OF_INDEX, "F0 of the clear coat is that of the base's index of refraction")                              \
+    X(COAT_F0_OF_BASE, "F0 of the clear coat is that of the base, with its weight and colour")                         \
     X(COSINE_INCLUDED, "the values include the cosine of the light")                                                   \
     X(COSINE_OF_VIEWER, "the values include the cosine of the viewer")                                                 \
     X(TIMES_PI, "the values are pi times too large")                                                                   \
     X(DIVIDED_BY_PI, "the values are divided by pi")                                                                   \
     X(EXCHANGED, "light and viewer are exchanged")                                                                     \
-    X(CHANNELS_REVERSED, "red and blue are exchanged")                                                                 \
     X(ENCODED, "the values are encoded as sRGB")                                                                       \
-    X(CLAMPED, "the values are clamped at 1")
+    X(CLAMPED, "the values are clamped at")
 
 enum {
 #define NQM_MISTAKE_INDEX(NAME, WORDS) NQM_MISTAKE_##NAME,
     NQM_MISTAKES(NQM_MISTAKE_INDEX) NQM_N_MISTAKES
 };
-/** A set of mistakes: the bits 1 << NQM_MISTAKE_... */
-typedef uint64_t nqm_mistakes;
+/** A set of mistakes. */
+typedef struct nqm_mistakes {
+    uint64_t made; /**< the bits 1 << NQM_MISTAKE_... */
+    double amount; /**< of SCHLICK_EXPONENT, CLAMPED or `channels` */
+    const char
+        *channels; /**< "rrb": what red, green and blue are; "gr": green has red times `amount` added to it; or NULL */
+} nqm_mistakes;
 
 /* ---- wrong values of properties ---------------------------------------------------------------------------------- */
 
@@ -83,6 +91,10 @@ typedef struct nqm_property_mistake {
     double (*apply)(double x); /**< NULL: no function of the value */
 } nqm_property_mistake;
 
+/** The number of a channel, 'r', 'g' or 'b'. */
+static inline size_t nqm_channel_of(char name) {
+    return name == 'r' ? 0 : name == 'g' ? 1 : 2;
+}
 static inline double nqm_square(double x) {
     return x * x;
 }
@@ -94,27 +106,29 @@ static inline double nqm_negate(double x) {
 }
 
 #define NQM_PROPERTY_MISTAKES                                                                                          \
-    {" is squared", nqm_square}, {" is the square root", sqrt}, {" is decoded from sRGB", nqm_srgb_to_linear},         \
-        {" is not decoded from sRGB", nqm_linear_to_srgb}, {" is inverted", nqm_invert}, {                             \
-        " is flipped", nqm_negate                                                                                      \
+    {.text = " is squared", .apply = nqm_square}, {.text = " is the square root", .apply = sqrt},                      \
+        {.text = " is decoded from sRGB", .apply = nqm_srgb_to_linear},                                                \
+        {.text = " is not decoded from sRGB", .apply = nqm_linear_to_srgb},                                            \
+        {.text = " is inverted", .apply = nqm_invert}, {                                                               \
+        .text = " is flipped", .apply = nqm_negate                                                                     \
     }
 
 /* ---- evaluation -------------------------------------------------------------------------------------------------- */
 
 struct nqm_analytic_model;
 struct nqm_spec_values;
-/** What a mistake does, for people; mistake < NQM_N_MISTAKES. */
+/** What a mistake does, for people; its amount follows. mistake < NQM_N_MISTAKES. */
 const char *nqm_mistake_words(size_t mistake);
 /** Evaluate a shading model with mistakes: rgb (n, 3) receives f_r in 1/sr as float32, at least 0, and 0 for values that are not
  *  finite. wi, wo: (n, 3) above the horizon. model: a shading model; any thread. */
 void nqm_mistaken_eval(const struct nqm_analytic_model *model, const struct nqm_spec_values *values,
-                       nqm_mistakes mistakes, size_t n, const double *wi, const double *wo, float *rgb);
+                       const nqm_mistakes *mistakes, size_t n, const double *wi, const double *wo, float *rgb);
 
 /** What this thread's evaluation of a mistaken model does wrong; nqm_mistaken_eval() sets it. */
 extern _Thread_local nqm_mistakes nqm_mistakes_made;
 
 #ifdef NQM_WITH_MISTAKES
-#define MISTAKEN(NAME)               (nqm_mistakes_made >> NQM_MISTAKE_##NAME & 1)
+#define MISTAKEN(NAME)               (nqm_mistakes_made.made >> NQM_MISTAKE_##NAME & 1)
 #define IF_MISTAKEN(...)             __VA_ARGS__
 #define TIMES_MISTAKE(VALUE, FACTOR) ((VALUE) * (FACTOR))
 #else

@@ -167,9 +167,7 @@ static void merge_repeated(nqm_list *l) {
     }
     if (n_none)
         nqm_remark_add(l->remark, sizeof l->remark, "rows without a value: %zu", n_none);
-    if (n_kept < l->n)
-        nqm_remark_add(l->remark, sizeof l->remark, "rows that give a direction again: %zu (their mean counts)",
-                       l->n - n_kept);
+    l->n_repeated = l->n - n_kept;
     l->n = n_kept;
 }
 
@@ -339,7 +337,7 @@ done:
     return status;
 }
 
-static nqm_status wrap_grid(const nqm_list *l, nqm_grid *grid, size_t n_missing, const char *name, nqm_brdf **brdf_ret,
+static nqm_status wrap_grid(nqm_list *l, nqm_grid *grid, size_t n_missing, const char *name, nqm_brdf **brdf_ret,
                             nqm_error *err) {
     static const char *const axes[2][3] = {{"theta_h", "theta_d", "phi_d"}, {"theta_i", "theta_o", "phi"}};
     const char *const *axis = axes[l->has_pairs];
@@ -351,6 +349,8 @@ static nqm_status wrap_grid(const nqm_list *l, nqm_grid *grid, size_t n_missing,
     if (n_missing)
         snprintf(text + strlen(text), sizeof text - strlen(text), "; %zu of %zu nodes have no row", n_missing,
                  grid->n[0] * grid->n[1] * grid->n[2]);
+    if (l->n_repeated)
+        nqm_remark_add(l->remark, sizeof l->remark, NQM_REPEATED_ROWS, l->n_repeated);
     const nqm_brdf_info info = {
         .name = name, .layout = text, .n_values = 3 * l->n, .remark = l->remark, .reciprocal = l->is_reciprocal};
     return nqm_brdf_wrap(l->has_pairs ? &pair_class : &grid_class, grid, &info, brdf_ret, err);

@@ -20,6 +20,7 @@ typedef struct nqm_list {
     const char *path;
     size_t n;
     nqm_listed *rows;             /* (n) */
+    size_t n_repeated;            /* rows of the file that gave a direction again: the mean is in `rows` */
     char remark[NQM_REMARK_SIZE]; /* what of the file is not used */
     bool has_unit;                /* the file says in which unit its angles are */
     bool is_reciprocal;           /* each row also counts with light and viewer exchanged */
@@ -31,6 +32,9 @@ typedef struct nqm_list {
 /** Weights of X, Y and Z, relative to the white of D65, that make linear BT.709 RGB, as of nqm_spectrum_weights(). */
 static const double nqm_xyz_weights[9] = {3.2404542,  -0.9692660, 0.0556434, -1.5371385, 1.8760108,
                                           -0.2040259, -0.4985314, 0.0415560, 1.0572252};
+
+/** The remark on such rows, and their number. */
+#define NQM_REPEATED_ROWS "rows that give a direction again: %zu (their mean counts)"
 
 /** Create the BRDF of a list, whose rows it sorts and merges: a grid, or scattered rows. Set are path, n, rows, has_unit,
  *  is_reciprocal and has_pairs. n_bytes: of the file. */

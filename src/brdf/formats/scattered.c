@@ -136,7 +136,14 @@ static size_t expand(const nqm_list *l, sample *out, size_t *n_used, size_t *n_b
     size_t n_out = 0;
     for (size_t i = 0; i < l->n; ++i) {
         sample s = {.is_exchanged = false};
-        nqm_listed_pair(l, l->rows + i, s.wi, s.wo);
+        nqm_listed row = l->rows[i];
+        if (l->has_pairs && !l->is_anisotropic && fmin(row.at[0], row.at[1]) < 1e-9)
+            row.at[2] = 0; /* about the normal all azimuths are one direction */
+        nqm_listed_pair(l, &row, s.wi, s.wo);
+        for (size_t k = 0; k < 3; ++k) { /* -0 is 0: directions are compared by their bytes */
+            s.wi[k] += 0.0;
+            s.wo[k] += 0.0;
+        }
         memcpy(s.rgb, l->rows[i].rgb, sizeof s.rgb);
         const bool has_value = !isnan(s.rgb[0]), is_above = s.wi[2] > 0 && s.wo[2] > 0;
         *n_below += has_value && !is_above;
@@ -162,8 +169,8 @@ static int compare_samples(const void *a, const void *b) {
 }
 
 /* Replace samples of one direction (by exchange, too) by the first, with their mean value. sorted: scratch (n). Returns the number
- * of those that stay, in their order. */
-static size_t merge_repeated(size_t n, sample *list, sample **sorted) {
+ * of those that stay, in their order; *n_repeated grows by the rows that do not. */
+static size_t merge_repeated(size_t n, sample *list, sample **sorted, size_t *n_repeated) {
     size_t n_kept = 0;
     for (size_t i = 0; i < n; ++i)
         sorted[i] = list + i;
@@ -173,6 +180,7 @@ static size_t merge_repeated(size_t n, sample *list, sample **sorted) {
         for (m = 0; i + m < n && memcmp(sorted[i], sorted[i + m], offsetof(sample, rgb)) == 0; ++m) {
             for (size_t c = 0; c < 3; ++c)
                 sum[c] += (double)sorted[i + m]->rgb[c];
+            *n_repeated += m && !sorted[i + m]->is_exchanged && !sorted[i]->is_exchanged;
             sorted[i]->is_exchanged &= sorted[i + m]->is_exchanged;
             sorted[i + m]->rgb[0] = m ? NAN : sorted[i]->rgb[0];
         }
@@ -237,7 +245,7 @@ static void make_tree(const scattered *t, size_t n, const sample *unsorted, nqm_
 nqm_status nqm_scattered_create(const nqm_list *list, double tolerance, const char *name, nqm_brdf **brdf_ret,
                                 nqm_error *err) {
     const size_t most = list->is_reciprocal ? 2 * list->n : list->n;
-    size_t n_used = 0, n_below = 0;
+    size_t n_used = 0, n_below = 0, n_repeated = list->n_repeated;
     scattered *t;
     double *radius;
     sample *sorted, *unsorted, **repeated;
@@ -253,7 +261,7 @@ nqm_status nqm_scattered_create(const nqm_list *list, double tolerance, const ch
         *t = (scattered){
             .reach = 2 * sin(tolerance / 2), .turns = !list->is_anisotropic, .sample = sorted, .radius = radius};
         t->n = expand(list, unsorted, &n_used, &n_below);
-        t->n = merge_repeated(t->n, unsorted, repeated);
+        t->n = merge_repeated(t->n, unsorted, repeated, &n_repeated);
         for (size_t i = 0; i < t->n; ++i)
             order[i].index = i;
         if (t->n)
@@ -270,9 +278,12 @@ nqm_status nqm_scattered_create(const nqm_list *list, double tolerance, const ch
         return status;
     }
     char layout[160], remark[NQM_REMARK_SIZE];
-    snprintf(layout, sizeof layout, "%zu directions%s, values within %g degrees of them", n_used,
-             list->is_anisotropic ? " with azimuths" : "", tolerance * 180 / NQM_PI);
+    snprintf(layout, sizeof layout, "%zu directions%s, values within %g degrees of them",
+             n_used - (n_repeated - list->n_repeated), list->is_anisotropic ? " with azimuths" : "",
+             tolerance * 180 / NQM_PI);
     memcpy(remark, list->remark, sizeof remark);
+    if (n_repeated)
+        nqm_remark_add(remark, sizeof remark, NQM_REPEATED_ROWS, n_repeated);
     if (n_below)
         nqm_remark_add(remark, sizeof remark, "rows at the horizon or below it: %zu", n_below);
     nqm_brdf_info info = {

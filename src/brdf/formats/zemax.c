@@ -35,6 +35,7 @@ typedef struct table {
     size_t n_values;       /* product of n */
     float *rgb;            /* (product of n, 3) */
     unsigned channels;     /* bit k: value k has been read */
+    char remark[NQM_REMARK_SIZE];
 } table;
 
 static nqm_status fail(const table *t, const char *fault, nqm_error *err) {
@@ -107,9 +108,10 @@ static nqm_status read_values(table *t, const double *weights, nqm_error *err) {
     for (size_t i = 0; i < t->n_values; ++i) {
         double value;
         const size_t at = t->at;
-        if (strcmp(next_word(t), "TIS") == 0) /* the total, and the values of an angle of incidence */
+        if (strcmp(next_word(t), "TIS") == 0) { /* the total, and the values of an angle of incidence */
+            nqm_remark_add(t->remark, sizeof t->remark, "TIS is not used");
             next_word(t);
-        else
+        } else
             t->at = at;
         nqm_status status = read_number(t, -1e30, 1e30, &value, err);
         if (status != NQM_OK)
@@ -137,7 +139,7 @@ static nqm_status read_table(table *t, nqm_error *err) {
         else if (c < 4)
             channel = c;
         else if (strcasecmp(t->word, "Source") == 0)
-            next_word(t);
+            nqm_remark_add(t->remark, sizeof t->remark, "Source %s is not used", next_word(t));
         else if (strcasecmp(t->word, "Symmetry") == 0)
             status = read_choice(t, "PlaneSymmetrical", "ASymmetrical", &t->is_symmetrical, err);
         else if (strcasecmp(t->word, "SpectralContent") == 0)
@@ -174,6 +176,7 @@ static nqm_status make_list(const table *t, const nqm_brdf_argument *argument, n
         return nqm_fail(err, NQM_ERR_LIMIT, 0,
                         "%s: %zu directions (from byte 0 on) that are no grid; %zu are the limit", l.path, n_most,
                         nqm_listed_most(t->map->n_bytes));
+    memcpy(l.remark, t->remark, sizeof l.remark);
     l.rows = nqm_alloc(n_most, sizeof *l.rows);
     if (!l.rows)
         return nqm_fail_nomem(err, n_most * sizeof *l.rows);
@@ -183,14 +186,16 @@ static nqm_status make_list(const table *t, const nqm_brdf_argument *argument, n
         const double azimuth = t->angle[AZIMUTH][line % t->n[AZIMUTH]], radial = t->angle[RADIAL][at % t->n[RADIAL]];
         double wo[3];
         direction(incidence, side * azimuth, radial, wo);
-        if ((side < 0 && fabs(sin(azimuth)) < 1e-9) || (radial <= 0 && line % t->n[AZIMUTH]))
-            continue; /* the same direction as another row */
+        const float *rgb = t->rgb + 3 * at, *first = rgb - 3 * (line % t->n[AZIMUTH]) * t->n[RADIAL];
+        const bool is_again = radial <= 0 && rgb != first && memcmp(rgb, first, 3 * sizeof *rgb) == 0;
+        if ((side < 0 && fabs(sin(azimuth)) < 1e-9) || is_again)
+            continue; /* the same direction as another row, and the same value */
         nqm_listed *row = &l.rows[l.n++];
         row->at[0] = incidence;
         row->at[1] = atan2(hypot(wo[0], wo[1]), wo[2]);
         row->at[2] = atan2(wo[1], wo[0]);
         row->phi_i = t->angle[ROTATION][block / t->n[INCIDENCE]];
-        memcpy(row->rgb, t->rgb + 3 * at, sizeof row->rgb);
+        memcpy(row->rgb, rgb, sizeof row->rgb);
     }
     nqm_status status = nqm_listed_create(&l, t->map->n_bytes, argument, brdf_ret, err);
     nqm_free(l.rows);
@@ -248,7 +253,8 @@ static nqm_status make_grid(const table *t, const nqm_brdf_argument *argument, n
     snprintf(layout, sizeof layout,
              "%zu angles of incidence x %zu azimuths x %zu radial angles about the mirror direction", g->n[0], g->n[2],
              g->n[1]);
-    const nqm_brdf_info info = {.name = argument->name, .layout = layout, .n_values = 3 * t->n_values, .isotropic = 1};
+    const nqm_brdf_info info = {
+        .name = argument->name, .layout = layout, .remark = t->remark, .n_values = 3 * t->n_values, .isotropic = 1};
     return nqm_brdf_wrap(&zemax_class, g, &info, brdf_ret, err);
 }
 

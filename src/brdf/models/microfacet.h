@@ -265,6 +265,7 @@ static inline double separable_beckmann(double tan2_h, double cos_i, double cos_
 
 static inline double power5(double x) {
     double x2 = x * x;
+    IF_MISTAKEN(if (MISTAKEN(SCHLICK_EXPONENT)) return pow(x, nqm_mistakes_made.amount);)
     return x2 * x2 * x;
 }
 
@@ -276,6 +277,7 @@ static inline double fresnel_mistake(double f) {
 /** Schlick 1994 (DOI 10.1111/1467-8659.1330233). */
 static inline double schlick_factor(double f0, double cosine) {
     double m = 1 - cosine;
+    IF_MISTAKEN(if (MISTAKEN(SCHLICK_EXPONENT)) return fresnel_mistake(f0 + (1 - f0) * power5(m));)
     return fresnel_mistake(f0 + (1 - f0) * m * m * m * m * m);
 }
 

@@ -34,7 +34,7 @@ static void prepare(const nqm_spec_values *values, void *state) {
 static closure evaluate(const void *state, const geometry *g) {
     const disney *self = state;
     const double(*v)[3] = self->spec.values.v, metallic = v[METALLIC][0], sheen = v[SHEEN][0],
-          coat = 0.04 * v[CLEARCOAT][0];
+          coat = (MISTAKEN(COAT_F0_OF_BASE) ? 0.08 * v[SPECULAR][0] : 0.04) * v[CLEARCOAT][0];
     const microfacet m = microfacet_of(g, &self->base);
     closure result = burley_bsdf(g, 1 - metallic, v[BASE_COLOR], v[ROUGHNESS][0]);
     if (sheen > 0)

@@ -152,6 +152,12 @@ static void base_material(const gltf *self, const half_angles *h, const double *
     }
 }
 
+static double coat_f0(const gltf *self, size_t c) {
+    return MISTAKEN(COAT_F0_OF_BASE)    ? self->f0[c]
+           : MISTAKEN(COAT_F0_OF_INDEX) ? film_f0(self->spec.values.v[IOR][0], 1)
+                                        : COAT_F0;
+}
+
 static void gltf_eval(const void *state, size_t n, const double *wi, const double *wo, double *rgb) {
     const gltf *self = state;
     const double clearcoat = self->spec.values.v[CLEARCOAT][0];
@@ -164,10 +170,11 @@ static void gltf_eval(const void *state, size_t n, const double *wi, const doubl
         if (clearcoat > 0) {
             const double lobe = correlated_ggx(h.tan2_h, cos_i, cos_o, equal_widths(self->coat_alpha2));
             const double cosine = MISTAKEN(COAT_FRESNEL_AT_HALF) ? h.cos_d : cos_o;
-            const double weight = clearcoat * schlick_factor(COAT_F0, cosine);
-            for (size_t c = 0; c < 3; ++c)
+            for (size_t c = 0; c < 3; ++c) {
+                const double weight = clearcoat * schlick_factor(coat_f0(self, c), cosine);
                 rgb[3 * i + c] =
                     MISTAKEN(COAT_NOT_REDUCING) ? rgb[3 * i + c] + weight * lobe : mix(rgb[3 * i + c], lobe, weight);
+            }
         }
     }
 }

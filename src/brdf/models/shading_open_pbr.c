@@ -97,7 +97,8 @@ static closure evaluate(const void *state, const geometry *g) {
         for (size_t c = 0; c < 3; ++c)
             result.f[c] *= self->under_coat[c];
         const microfacet coat = microfacet_of(g, &self->coat);
-        result = coat_layer(dielectric_bsdf(g, coat, v[COAT_WEIGHT][0], WHITE, v[COAT_IOR][0], NULL), result);
+        const double ior = MISTAKEN(COAT_F0_FIXED) ? 1.5 : v[MISTAKEN(COAT_F0_OF_INDEX) ? SPECULAR_IOR : COAT_IOR][0];
+        result = coat_layer(dielectric_bsdf(g, coat, v[COAT_WEIGHT][0], WHITE, ior, NULL), result);
     }
     if (v[FUZZ_WEIGHT][0] > 0)
         result = closure_layer(zeltner_sheen(g, v[FUZZ_WEIGHT][0], v[FUZZ_COLOR], v[FUZZ_ROUGHNESS][0]), result);

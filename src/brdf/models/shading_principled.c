@@ -72,7 +72,9 @@ static double coat(const principled *self, double tan2_h, double cos_i, double c
     const double a2 = self->coat_alpha2, roughness2 = 0.25 * 0.25;
     const double d = (a2 - 1) / (NQM_PI * log(a2) * (1 + (a2 - 1) / (1 + tan2_h)));
     const double g = 4 * cos_i * cos_o * ggx_visibility(cos_i, roughness2) * ggx_visibility(cos_o, roughness2);
-    return 0.25 * self->spec.values.v[CLEARCOAT][0] * schlick_factor(0.04, cos_d) * d * g;
+    const double eta = self->spec.values.v[ETA][0], r = (eta - 1) / (eta + 1);
+    const double f0 = MISTAKEN(COAT_F0_OF_INDEX) ? r * r : 0.04;
+    return 0.25 * self->spec.values.v[CLEARCOAT][0] * schlick_factor(f0, cos_d) * d * g;
 }
 
 static void principled_eval(const void *state, size_t n, const double *wi, const double *wo, double *rgb) {

@@ -54,7 +54,9 @@ static closure evaluate(const void *state, const geometry *g) {
         for (size_t c = 0; c < 3; ++c)
             result.f[c] *= self->under_coat[c];
         const microfacet coat = microfacet_of(g, &self->coat);
-        result = coat_layer(dielectric_bsdf(g, coat, v[COAT][0], WHITE, v[COAT_IOR][0], NULL), result);
+        result = coat_layer(dielectric_bsdf(g, coat, v[COAT][0], WHITE,
+                                            v[MISTAKEN(COAT_F0_OF_INDEX) ? SPECULAR_IOR : COAT_IOR][0], NULL),
+                            result);
     }
     return result;
 }

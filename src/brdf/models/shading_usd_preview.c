@@ -29,7 +29,7 @@ static void prepare(const nqm_spec_values *values, void *state) {
         const double diffuse = values->v[DIFFUSE_COLOR][c], tint = 1 + metallic * (diffuse - 1);
         self->f0[c] = is_specular ? values->v[SPECULAR_COLOR][c] : tint * (f0 + metallic * (1 - f0));
         self->f90[c] = tint;
-        self->coat_f0[c] = f0;
+        self->coat_f0[c] = MISTAKEN(COAT_F0_FIXED) ? 0.04 : MISTAKEN(COAT_F0_OF_BASE) ? self->f0[c] : f0;
         artistic_ior(diffuse, diffuse, &self->metal_ior[c], &self->metal_extinction[c]);
     }
 }

@@ -16,18 +16,14 @@ static const double conform_pass = 9.99;
 typedef struct conform_result {
     const conform_kit *kit;
     score_run run; /* a row for each set, in their order */
+    size_t n_passed;
+    double lowest; /* JOD */
     double none;   /* as suspect.left, without a mistake; 0: all sets pass */
     size_t n_named;
     suspect named[N_NAMED];
+    json_t *facts;
     size_t n_shown; /* sets in tables */
 } conform_result;
-
-static void write_rows(const conform_kit *kit, const char *path) {
-    output_file out;
-    open_output(path, &out);
-    write_kit_rows(kit, out.stream);
-    close_output(&out);
-}
 
 /* Rows for the results of the sets. */
 static void make_rows(conform_result *r, const char *name, const nqm_score_result *results) {
@@ -51,10 +47,12 @@ static void make_rows(conform_result *r, const char *name, const nqm_score_resul
 
 /* ---- scores ------------------------------------------------------------------------------------------------------ */
 
-/* Score values, (n_sets, n_directions, 3), against suspect `s`; results (n_sets). */
-static void score_values(const conform_kit *kit, nqm_scorer *scorer, const float *values, const suspect *s,
-                         nqm_score_result *results) {
+/* Score values, (n_sets, n_directions, 3), against suspect `s`; results (n_sets). Returns the lowest JOD. */
+static double score_values(const conform_kit *kit, const float *values, const suspect *s, nqm_score_result *results) {
+    const nqm_score_options options = plain_score_options();
+    nqm_scorer *scorer = open_scorer(kit->metric, &options);
     const size_t n = kit->n_directions;
+    double lowest = 10;
     float *ref = allocate(3 * kit->n_sets * n, sizeof *ref), *test = allocate(3 * kit->n_sets * n, sizeof *test);
     uint8_t *used = allocate(kit->n_sets * n, 1);
     nqm_sample_pair *pairs = allocate(kit->n_sets, sizeof *pairs);
@@ -68,50 +66,42 @@ static void score_values(const conform_kit *kit, nqm_scorer *scorer, const float
             test[3 * i + c] = used[i] ? fmaxf(values[3 * i + c], 0) : 0;
     }
     must(nqm_scorer_run_samples(scorer, kit->n_sets, pairs, results, &fault));
-    for (size_t set = 0; set < kit->n_sets; ++set)
+    for (size_t set = 0; set < kit->n_sets; ++set) {
+        lowest = fmin(lowest, results[set].jod); /* without NaN */
         for (size_t i = set * n; i < (set + 1) * n; ++i) {
             const float *v = values + 3 * i;
             results[set].n_invalid[1] += !used[i];
             results[set].n_clamped[1] += used[i] && (v[0] < 0 || v[1] < 0 || v[2] < 0);
         }
+    }
+    nqm_scorer_free(scorer);
     free(pairs);
     free(used);
     free(test);
     free(ref);
-}
-
-static double lowest_of(size_t n, const nqm_score_result *results) {
-    double lowest = 10;
-    for (size_t i = 0; i < n; ++i)
-        lowest = fmin(lowest, results[i].jod); /* without NaN */
     return lowest;
 }
 
 /* ---- the likely mistake ------------------------------------------------------------------------------------------ */
 
-static double lowest_jod(const conform_result *r) {
-    double jod = 10;
-    for (size_t i = 0; i < r->run.n_rows; ++i)
-        jod = fmin(jod, r->run.rows[i].result.jod); /* without NaN */
-    return jod;
-}
-
-/* It leaves less than half of the difference, or none that is visible. */
+/* All sets pass with it, or it leaves less than half of the difference (with an amount, which fits more, a tenth), and no worse
+ * set than without it. */
 static bool is_named(const conform_result *r) {
-    return r->n_named &&
-           (r->named[0].left < 0.5 * r->none || (lowest_jod(r) < conform_pass && r->named[0].lowest >= conform_pass));
+    const suspect *s = &r->named[0];
+    const double most = s->flaws[0].amount != 0 || s->flaws[1].amount != 0 ? 0.1 : 0.5;
+    return r->n_named && ((s->left < most * r->none && s->lowest > r->lowest - 0.01) ||
+                          (r->lowest < conform_pass && s->lowest >= conform_pass));
 }
 
-/* Mistakes, what JOD the worst set has with each, and how much of the difference remains. */
+/* Mistakes, what JOD the worst set has with each, and how much of the difference remains; and facts where no mistake explains all. */
 static void put_mistakes(FILE *out, const conform_result *r, const char *between) {
-    if (!r->n_named) {
-        fputs(r->none > 0 ? "No mistake of the list explains the difference.\n"
-                          : "No difference that a mistake has to explain.\n",
-              out);
-        return;
-    }
-    fputs(is_named(r) ? lowest_jod(r) < conform_pass ? "Likely mistake: " : "Likely mistake, which is not visible: "
-                      : "No mistake of the list explains most of the difference. The nearest: ",
+    const char *name;
+    json_t *fact;
+    fputs(!r->n_named && r->none == 0 ? "No difference that a mistake has to explain."
+          : !r->n_named               ? "No mistake of the list explains the difference."
+          : !is_named(r)              ? "No mistake of the list explains the difference. The nearest: "
+          : r->lowest < conform_pass  ? "Likely mistake: "
+                                      : "Likely mistake, which is not visible: ",
           out);
     for (size_t i = 0; i < r->n_named; ++i) {
         const suspect *s = &r->named[i];
@@ -121,6 +111,9 @@ static void put_mistakes(FILE *out, const conform_result *r, const char *between
                          : "; ",
                 i == 1 ? "Next: " : "", s->text, s->lowest, 100 * s->left / r->none);
     }
+    if (!is_named(r) || r->named[0].lowest < conform_pass)
+        json_object_foreach(r->facts, name, fact)
+            fprintf(out, "%s%s", between, json_string_value(json_object_get(fact, "text")));
     fputc('\n', out);
 }
 
@@ -138,9 +131,6 @@ static json_t *json_mistakes(const conform_result *r) {
 static void print_text(const conform_result *r, const row_summary *s) {
     char verdict[VERDICT_TEXT], words[NQM_LABEL_TEXT];
     const score_run *run = &r->run;
-    size_t n_passed = 0;
-    for (size_t i = 0; i < run->n_rows; ++i)
-        n_passed += run->rows[i].result.jod >= conform_pass;
     printf("values     %s\nmodel      %s, %zu sets of %zu directions\n\n    JOD  %s%-20s  %sset\n",
            shown(run->ref_name), shown(run->ref_path), run->n_rows, r->kit->n_directions, "[95 %]          ", "verdict",
            has_gate(&run->gate) ? "gate  " : "");
@@ -157,16 +147,17 @@ static void print_text(const conform_result *r, const row_summary *s) {
     }
     if (s->summary.n_shown < run->n_rows)
         printf("  ... %zu more sets\n", run->n_rows - s->summary.n_shown);
-    printf("\n%zu of %zu sets pass: JOD %g or more. Lowest JOD %.2f.\n", n_passed, run->n_rows, conform_pass,
-           lowest_jod(r));
+    printf("\n%zu of %zu sets pass: JOD %g or more. Lowest JOD %.2f.\n", r->n_passed, run->n_rows, conform_pass,
+           r->lowest);
     put_mistakes(stdout, r, "\n");
 }
 
 static void print_conform(const conform_result *r, const row_summary *s) {
     if (r->run.format == FORMAT_JSON) {
         json_t *document = json_scores(&r->run);
-        json_object_set_new(document, "lowest_jod", json_number(lowest_jod(r)));
+        json_object_set_new(document, "lowest_jod", json_number(r->lowest));
         json_object_set_new(document, "mistakes", json_mistakes(r));
+        json_object_set(document, "facts", r->facts);
         print_json(document);
         return;
     }
@@ -204,26 +195,25 @@ static void print_remarks(const score_run *run) {
 
 /* The result; name: of the values. */
 static void compare(conform_result *r, const char *name, const float *values) {
-    const suspect none = {.mistakes = 0};
+    const suspect none = {.n_flaws = 0};
     const conform_kit *kit = r->kit;
     nqm_score_result *results = allocate(kit->n_sets, sizeof *results);
+    bool fails[KIT_MAX_SETS];
     r->run.options = plain_score_options();
-    nqm_scorer *scorer = open_scorer(kit->metric, &r->run.options);
-    score_values(kit, scorer, values, &none, results);
+    r->lowest = score_values(kit, values, &none, results);
     make_rows(r, name, results);
-    bool passes = true;
-    for (size_t set = 0; set < kit->n_sets; ++set)
-        passes = passes && results[set].jod >= conform_pass;
+    for (size_t set = 0; set < kit->n_sets; ++set) {
+        fails[set] = !(results[set].jod >= conform_pass);
+        r->n_passed += !fails[set];
+    }
     r->n_named = find_suspects(kit, values, N_NAMED, r->named, &r->none);
-    if (passes && !is_named(r)) { /* rounding */
+    for (size_t i = 0; i < r->n_named; ++i)
+        r->named[i].lowest = score_values(kit, values, &r->named[i], results);
+    if (r->n_passed == kit->n_sets && !is_named(r)) { /* rounding */
         r->n_named = 0;
         r->none = 0;
     }
-    for (size_t i = 0; i < r->n_named; ++i) {
-        score_values(kit, scorer, values, &r->named[i], results);
-        r->named[i].lowest = lowest_of(kit->n_sets, results);
-    }
-    nqm_scorer_free(scorer);
+    r->facts = list_facts(kit, values, fails);
     free(results);
 }
 
@@ -241,31 +231,6 @@ static conform_kit *round_kit(const conform_kit *kit) {
     return rounded;
 }
 
-/* The lowest JOD of a kit's values without a mistake. */
-static double lowest_of_kit(const conform_kit *kit, const conform_kit *rounded) {
-    const suspect none = {.mistakes = 0};
-    const nqm_score_options options = nqm_score_options_default();
-    float *values = allocate(3 * kit->n_sets * kit->n_directions, sizeof *values);
-    nqm_score_result *results = allocate(kit->n_sets, sizeof *results);
-    nqm_scorer *scorer = open_scorer(kit->metric, &options);
-    for (size_t set = 0; set < kit->n_sets; ++set)
-        sample_suspect(rounded, set, &none, values + 3 * set * kit->n_directions);
-    score_values(kit, scorer, values, &none, results);
-    const double lowest = lowest_of(kit->n_sets, results);
-    nqm_scorer_free(scorer);
-    free(results);
-    free(values);
-    return lowest;
-}
-
-/* How many suspects explain the values of suspect t better than itself; those with equal values (to float32) count as itself. */
-static size_t rank_of(size_t n, size_t t, const double *left) {
-    size_t rank = 0;
-    for (size_t s = 0; s < n; ++s)
-        rank += left[s] < left[t] - 1e-6;
-    return rank;
-}
-
 /* Prove the kit: the model's own values, from directions and parameters in float32 as a shader gets them, pass, and each mistake is
  * named from its values. Returns the exit code. */
 static int prove_kit(const conform_kit *kit, result_format format) {
@@ -275,15 +240,22 @@ static int prove_kit(const conform_kit *kit, result_format format) {
     conform_kit *rounded = round_kit(kit);
     double *left = allocate(n * n, sizeof *left);
     json_t *missed = json_array();
-    const double lowest = lowest_of_kit(kit, rounded);
+    float *values = allocate(3 * kit->n_sets * kit->n_directions, sizeof *values);
+    nqm_score_result *results = allocate(kit->n_sets, sizeof *results);
+    for (size_t set = 0; set < kit->n_sets; ++set)
+        sample_suspect(rounded, set, &list[0], values + 3 * set * kit->n_directions);
+    const double lowest = score_values(kit, values, &list[0], results);
     compare_suspects(kit, n, list, &(suspect_targets){.n = n, .planted = rounded}, left);
     for (size_t t = 1; t < n; ++t) {
         if (left[t * n] < noticed) /* this model does not have it */
             continue;
-        const size_t rank = rank_of(n, t, left + t * n);
+        size_t rank = 0; /* those with equal values (to float32) count as itself */
+        for (size_t other = 0; other < n; ++other)
+            rank += left[t * n + other] < left[t * n + t] - 1e-6;
         ++n_seen;
         n_first += rank == 0;
         n_three += rank < 3;
+        describe_suspect(kit, &list[t]);
         if (rank)
             json_array_append_new(missed, json_string(list[t].text));
     }
@@ -298,6 +270,8 @@ static int prove_kit(const conform_kit *kit, result_format format) {
     else
         print_members(document);
     free_kit_copy(rounded);
+    free(results);
+    free(values);
     free(left);
     free(list);
     return passes ? EXIT_OK : EXIT_GATE;
@@ -340,12 +314,12 @@ static const option options[] = {
 
 static const command cmd = {
     .usage = "MODEL [VALUES] [options]",
-    .about =
-        "Does a shader implement its specification? The kit is a list of parameter sets and directions. VALUES "
-        "are the shader's f_r there, in the order of the kit: a CSV with the columns r, g, b, or an array of "
-        "NumPy (sets, directions, 3). Each set gets a JOD, and the mistake that explains the difference is "
-        "named. The exit code is 1 when a set is below 9.99, or below --fail-under; --fail-under 0 only looks. MODEL "
-        "is one of:",
+    .about = "Does a shader implement its specification? The kit is a list of parameter sets and directions. VALUES "
+             "are the shader's f_r there, in the order of the kit: a CSV with the columns r, g, b, or an array of "
+             "NumPy (sets, directions, 3). Each set gets a JOD, and the mistake that explains the difference is "
+             "named, or what failing sets have in common. The exit code is 1 when a set is below 9.99, or below "
+             "--fail-under; --fail-under 0 only looks. MODEL "
+             "is one of:",
     .example = "nqm conform gltf --shader kit.h\nnqm conform gltf --directions kit.csv\n"
                "nqm conform gltf values.csv --junit conform.xml\n"
                "nqm conform open-pbr --command 'python3 my_openpbr.py'\nnqm conform rough-conductor --self",
@@ -366,8 +340,12 @@ int cmd_conform(int argc, char **argv) {
     check_usage(n_arguments);
     conform_kit *kit = make_kit(argv[0], keys);
     int exit_code = EXIT_OK;
-    if (rows)
-        write_rows(kit, rows);
+    if (rows) {
+        output_file out;
+        open_output(rows, &out);
+        write_kit_rows(kit, out.stream);
+        close_output(&out);
+    }
     if (shader)
         write_kit_shader(kit, shader);
     if (is_self)
@@ -385,6 +363,7 @@ int cmd_conform(int argc, char **argv) {
         print_remarks(&result.run);
         exit_code = apply_gate(&result.run, report_faults(&result.run));
         free(result.run.rows);
+        json_decref(result.facts);
         free(values);
     } else if (!is_self)
         report(EXIT_OK, "%zu sets of %zu directions: %zu values", kit->n_sets, kit->n_directions,

@@ -46,9 +46,6 @@ static inline double *kit_directions(const conform_kit *kit, size_t turn, size_t
 }
 /** Whether a key sets the width of a lobe: roughness, alpha, gloss. */
 bool is_width_key(const nqm_spec_key *key);
-/** f_r of a set at the directions, rgb (n_directions, 3), with mistakes; values: of the set, or changed ones. */
-void sample_set(const conform_kit *kit, const kit_set *set, const nqm_spec_values *values, nqm_mistakes mistakes,
-                float *rgb);
 
 /* ---- files (kit_write.c) ----------------------------------------------------------------------------------------- */
 
@@ -67,22 +64,29 @@ float *run_command(const conform_kit *kit, const char *line);
 
 /* ---- mistakes (suspects.c) --------------------------------------------------------------------------------------- */
 
-enum { MAX_SUSPECTS = 200, SUSPECT_TEXT = 320, MAX_CHANGES = 2 };
+enum { MAX_SUSPECTS = 400, SUSPECT_TEXT = 400, MAX_FLAWS = 2 };
 
-/** What a shader may do wrong: mistakes in formulas, and changes of parameters. */
+/** A mistake in a formula, in the use of a parameter, or of channels. */
+typedef struct flaw {
+    size_t key;    /* of the schema; its n_keys: formulas and values */
+    size_t how;    /* index of property_mistakes, or NQM_MISTAKE_..., and beyond them of channels */
+    double amount; /* a limit, an exponent or a factor; 0: it has none */
+} flaw;
+
+/** What a shader may do wrong. */
 typedef struct suspect {
-    nqm_mistakes mistakes;
-    size_t n_changes;
-    struct {
-        size_t key, how; /* index of property_mistakes */
-    } change[MAX_CHANGES];
+    size_t n_flaws;
+    flaw flaws[MAX_FLAWS];
+    size_t kind; /* of suspects that differ in their amounts only; 0: no flaw */
     char text[SUSPECT_TEXT];
     double left;   /* mean absolute difference of log(f_r + 0.003) that remains */
     double lowest; /* JOD of the worst set that remains; NaN: not computed */
 } suspect;
 
-/** All that the model can have, and first none: `n` of them; free() the array. */
+/** All that the model can have with one flaw, some with several amounts, and first none: `n` of them; free() the array. */
 suspect *list_suspects(const conform_kit *kit, size_t *n);
+/** Write the text. */
+void describe_suspect(const conform_kit *kit, suspect *s);
 /** Values of a set as a suspect makes them. */
 void sample_suspect(const conform_kit *kit, size_t set, const suspect *s, float *rgb);
 /** Values that suspects are to explain. */
@@ -98,5 +102,10 @@ void compare_suspects(const conform_kit *kit, size_t n, const suspect *suspects,
  *  nine tenths of the difference are none. found (n_found) receives them; their number is returned; `none`: what
  *  remains without a mistake. 0: values differ by no more than float32 does. Where one leaves a difference, two are tried. */
 size_t find_suspects(const conform_kit *kit, const float *values, size_t n_found, suspect *found, double *none);
+
+/* ---- facts (facts.c) --------------------------------------------------------------------------------------------- */
+
+/** What is known of the sets that fail (n_sets): {"sets", "angles", "largest"}, each {"text", ..} if there is something to say. */
+json_t *list_facts(const conform_kit *kit, const float *values, const bool *fails);
 
 #endif

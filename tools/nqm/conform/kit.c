@@ -254,9 +254,3 @@ void free_kit_copy(conform_kit *copy) {
     free(copy->directions);
     free(copy);
 }
-
-void sample_set(const conform_kit *kit, const kit_set *set, const nqm_spec_values *values, nqm_mistakes mistakes,
-                float *rgb) {
-    nqm_mistaken_eval(kit->model, values, mistakes, kit->n_directions, kit_directions(kit, set->turn, 0),
-                      kit_directions(kit, set->turn, 1), rgb);
-}

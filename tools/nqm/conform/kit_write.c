@@ -52,7 +52,7 @@ void write_kit_rows(const conform_kit *kit, FILE *out) {
 /* ---- shaders ----------------------------------------------------------------------------------------------------- */
 
 typedef struct language {
-    const char *ending, *vector; /* "vec": vec2, vec3; "": arrays of float */
+    const char *ending, *vector; /* "vec": vec2, vec3 */
     const char *constant, *head, *loop;
     bool is_glsl; /* constructors instead of braces */
 } language;
@@ -87,7 +87,9 @@ static const language languages[] = {
      "    uint d = id.x % nqm_n_directions;\n"
      "    nqm_values[id.x] = nqm_brdf(m, nqm_turned(nqm_light[d], m.turn), nqm_turned(nqm_viewer[d], m.turn));\n}\n",
      false},
-    {".h", "", "static const ", "#include <stdio.h>\n\n",
+    {".h", "nqm_float", "static const ",
+     "#include <stdio.h>\n\ntypedef struct nqm_set nqm_set;\n"
+     "typedef float nqm_float2[2], nqm_float3[3];\n\n",
      "/* f_r in 1/sr of linear red, green and blue, without the cosine. */\n"
      "typedef void nqm_brdf(const nqm_set *m, const float light[3], const float viewer[3], float rgb[3]);\n\n"
      "static inline void nqm_turn(const float d[3], const float turn[2], float to[3]) {\n"
@@ -115,25 +117,14 @@ static void put_vector(const language *l, FILE *out, size_t n, const double *v) 
     for (size_t c = 0; c < n; ++c) {
         char text[32];
         snprintf(text, sizeof text, "%.9g", v[c]);
-        fprintf(out, "%s%s%s", c ? ", " : "", text, strpbrk(text, ".e") ? "" : ".0");
-        if (!*l->vector)
-            fputc('f', out);
+        fprintf(out, "%s%s%sf", c ? ", " : "", text, strpbrk(text, ".e") ? "" : ".0");
     }
     fputs(n == 1 ? "" : l->is_glsl ? ")" : "}", out);
 }
 
-static void put_member(const language *l, FILE *out, const char *name, size_t n) {
-    if (n == 1)
-        fprintf(out, "    float %s;\n", name);
-    else if (*l->vector)
-        fprintf(out, "    %s%zu %s;\n", l->vector, n, name);
-    else
-        fprintf(out, "    float %s[%zu];\n", name, n);
-}
-
-/* "const vec3 name[9] = vec3[9](", or with braces. inner: what follows the number of elements in C. */
-static void begin_array(const language *l, FILE *out, const char *type, const char *name, size_t n, const char *inner) {
-    fprintf(out, "%s%s %s[%zu]%s = ", l->constant, type, name, n, *l->vector ? "" : inner);
+/* "const vec3 name[9] = vec3[9](", or with braces. */
+static void begin_array(const language *l, FILE *out, const char *type, const char *name, size_t n) {
+    fprintf(out, "%s%s %s[%zu] = ", l->constant, type, name, n);
     if (l->is_glsl)
         fprintf(out, "%s[%zu](\n", type, n);
     else
@@ -141,7 +132,9 @@ static void begin_array(const language *l, FILE *out, const char *type, const ch
 }
 
 static void put_directions(const language *l, FILE *out, const char *name, size_t n, const double *d) {
-    begin_array(l, out, l->is_glsl ? "vec3" : *l->vector ? "float3" : "float", name, n, "[3]");
+    char type[16];
+    snprintf(type, sizeof type, "%s3", l->vector);
+    begin_array(l, out, type, name, n);
     for (size_t i = 0; i < n; ++i) {
         fputs(i ? ",\n    " : "    ", out);
         put_vector(l, out, 3, d + 3 * i);
@@ -151,12 +144,15 @@ static void put_directions(const language *l, FILE *out, const char *name, size_
 
 static void put_sets(const language *l, FILE *out, const conform_kit *kit) {
     const nqm_spec_schema *schema = &kit->model->schema;
-    fprintf(out, *l->vector ? "struct nqm_set {\n" : "typedef struct nqm_set {\n");
-    put_member(l, out, "turn", 2);
-    for (size_t k = 0; k < schema->n_keys; ++k)
-        put_member(l, out, schema->keys[k].name, schema->keys[k].n);
-    fputs(*l->vector ? "};\n" : "} nqm_set;\n", out);
-    begin_array(l, out, "nqm_set", "nqm_sets", kit->n_sets, "");
+    fputs("struct nqm_set {\n", out);
+    fprintf(out, "    %s2 turn;\n", l->vector);
+    for (const nqm_spec_key *key = schema->keys; key < schema->keys + schema->n_keys; ++key)
+        if (key->n == 1)
+            fprintf(out, "    float %s;\n", key->name);
+        else
+            fprintf(out, "    %s%zu %s;\n", l->vector, key->n, key->name);
+    fputs("};\n", out);
+    begin_array(l, out, "nqm_set", "nqm_sets", kit->n_sets);
     for (size_t s = 0; s < kit->n_sets; ++s) {
         const double angle = kit_turns_deg[kit->sets[s].turn] * NQM_PI / 180;
         fputs(l->is_glsl ? "    nqm_set(" : "    {", out);

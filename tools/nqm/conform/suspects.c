@@ -1,87 +1,166 @@
 /* SPDX-License-Identifier: MIT
  *
- * Which mistake explains the values of a shader? Suspects are mistakes in the formulas of the model (brdf/core/mistakes.h) and
- * wrong values of its parameters, which follow from the schema. Each is evaluated and compared with the values.
+ * Which mistake explains the values of a shader? Suspects are mistakes in the formulas of the model (brdf/core/mistakes.h), wrong
+ * values of its parameters, which follow from the schema, and wrong channels. Each is evaluated and compared with the values.
  */
+#include "fit/fit.h"
 #include "nqm/conform/conform.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include <strings.h>
 
-enum { IGNORED, ABSENT, SQUARED, ROOT, DECODED, NOT_DECODED, INVERTED, FLIPPED, N_PROPERTY_MISTAKES };
-static const nqm_property_mistake property_mistakes[] = {[IGNORED] = {" is ignored (its default is used)", NULL},
-                                                         [ABSENT] = {" is taken as 0", NULL},
-                                                         NQM_PROPERTY_MISTAKES};
+enum { IGNORED, ABSENT, OF_BASE, RAISED, SQUARED, ROOT, DECODED, NOT_DECODED, INVERTED, FLIPPED, FACTOR };
+static const struct {
+    const char *text;
+    double (*apply)(double x);
+    double factor; /* of rotations */
+} property_mistakes[] = {
+    [IGNORED] = {.text = " is ignored (its default is used)"},
+    [ABSENT] = {.text = " is taken as 0"},
+    [OF_BASE] = {.text = " has the value of "},
+    [RAISED] = {.text = " is raised to at least"},
+    NQM_PROPERTY_MISTAKES,
+    [FACTOR] = {.text = " is multiplied by pi / 180, as if it were in degrees", .factor = NQM_PI / 180},
+    {.text = " is multiplied by 180 / pi, to degrees", .factor = 180 / NQM_PI},
+    {.text = " is multiplied by 2 pi, as if it were in turns", .factor = 2 * NQM_PI},
+    {.text = " is divided by 2 pi, as if it were in radians", .factor = 0.5 / NQM_PI},
+    {.text = " is divided by 360, as if it were in degrees", .factor = 1.0 / 360},
+};
+enum { N_PROPERTY_MISTAKES = sizeof property_mistakes / sizeof *property_mistakes };
+
+/* Mistakes of channels (nqm_mistakes.channels) follow them: the first ones, of colours; and all, of values, those of formulas. */
+static const char *const channels[] = {"bgr", "grb", "rbg", "rrr", "rrb", "rgr", "ggb", "rgg",
+                                       "bgb", "rbb", "rg",  "rb",  "gr",  "gb",  "br",  "bg"};
+enum { N_COLOUR_MISTAKES = 10, N_CHANNEL_MISTAKES = sizeof channels / sizeof *channels };
+
+static const char *channels_of(const nqm_spec_schema *schema, const flaw *f) {
+    const size_t first = f->key < schema->n_keys ? N_PROPERTY_MISTAKES : NQM_N_MISTAKES;
+    return f->how < first ? NULL : channels[f->how - first];
+}
 
 /* ---- the list ---------------------------------------------------------------------------------------------------- */
 
-static bool is_possible(const nqm_spec_key *key, size_t how) {
+static bool is_possible(const nqm_spec_schema *schema, size_t k, size_t how) {
+    const nqm_spec_key *key = &schema->keys[k];
     const bool is_rotation = key->low < 0, is_amount = !is_rotation && key->turns;
     switch (how) {
     case IGNORED:
         return !key->required;
     case ABSENT:
         return key->n == 1 && key->low <= 0 && key->fallback != 0 && !key->whole && !is_width_key(key);
+    case OF_BASE:
+        return is_width_key(key) && nqm_fit_describe(schema, k).layer != k;
     case SQUARED:
     case ROOT:
         return is_width_key(key) || is_amount;
+    case RAISED:
+        return is_width_key(key) && !strstr(key->name, "loss"); /* of roughness */
     case INVERTED:
         return is_width_key(key);
-    case FLIPPED:
-        return is_rotation;
-    default:
+    case DECODED:
+    case NOT_DECODED:
         return key->n == 3 && (key->high <= 2 || strstr(key->name, "color"));
+    default:
+        return how < N_PROPERTY_MISTAKES ? is_rotation : key->n == 3;
     }
 }
 
-/* Roughness is squared once by most models: the common names of the mistakes are those of shaders. */
-static const char *text_of(const conform_kit *kit, size_t k, size_t how) {
-    const bool is_squared = strstr(kit->model->schema.keys[k].name, "oughness") && kit->model->schema.keys[k].n == 1;
-    return is_squared && how == SQUARED ? " is squared twice"
-           : is_squared && how == ROOT  ? " is not squared"
-                                        : property_mistakes[how].text;
+/* A suspect for each amount that is tried: refine() finds those between. */
+static void add_suspects(flaw f, bool is_formula, suspect *list, size_t *n) {
+    const bool is_exponent = is_formula && f.how == NQM_MISTAKE_SCHLICK_EXPONENT,
+               is_limit = is_formula && f.how == NQM_MISTAKE_CLAMPED,
+               is_leak = is_formula && f.how >= NQM_N_MISTAKES + N_COLOUR_MISTAKES;
+    const size_t kind = *n;
+    const double factor = is_exponent ? 1.4 : is_limit ? 4 : 2;
+    f.amount = is_exponent ? 3 : is_limit ? 1 : is_leak || (!is_formula && f.how == RAISED) ? 0.05 : 0;
+    for (size_t i = 0; i < (f.amount == 0 ? 1 : 4) && *n < MAX_SUSPECTS; ++i, f.amount *= factor)
+        list[(*n)++] = (suspect){.n_flaws = 1, .flaws[0] = f, .kind = kind};
 }
 
 suspect *list_suspects(const conform_kit *kit, size_t *n) {
     const nqm_spec_schema *schema = &kit->model->schema;
     suspect *list = allocate(MAX_SUSPECTS, sizeof *list);
     *n = 1;
-    for (size_t m = 0; m < NQM_N_MISTAKES; ++m) {
-        list[*n].mistakes = (nqm_mistakes)1 << m;
-        snprintf(list[(*n)++].text, SUSPECT_TEXT, "%s", nqm_mistake_words(m));
+    for (size_t how = 0; how < NQM_N_MISTAKES + N_CHANNEL_MISTAKES; ++how)
+        add_suspects((flaw){.key = schema->n_keys, .how = how}, true, list, n);
+    for (size_t k = 0; k < schema->n_keys; ++k) {
+        const bool has_values = kit->keys >> k & 1; /* else the default, which may be taken as 0 */
+        for (size_t how = 0; how < N_PROPERTY_MISTAKES + N_COLOUR_MISTAKES; ++how)
+            if ((has_values || how == ABSENT) && is_possible(schema, k, how))
+                add_suspects((flaw){.key = k, .how = how}, false, list, n);
     }
-    for (size_t k = 0; k < schema->n_keys; ++k)
-        for (size_t how = 0; how < N_PROPERTY_MISTAKES && *n < MAX_SUSPECTS; ++how)
-            if (is_possible(&schema->keys[k], how)) {
-                suspect *s = &list[(*n)++];
-                s->n_changes = 1;
-                s->change[0].key = k;
-                s->change[0].how = how;
-                snprintf(s->text, SUSPECT_TEXT, "%s%s", schema->keys[k].name, text_of(kit, k, how));
-            }
     return list;
+}
+
+void describe_suspect(const conform_kit *kit, suspect *s) {
+    const nqm_spec_schema *schema = &kit->model->schema;
+    FILE *out = must_have(fmemopen(s->text, sizeof s->text, "w"));
+    for (const flaw *f = s->flaws; f < s->flaws + s->n_flaws; ++f) {
+        const nqm_spec_key *key = f->key < schema->n_keys ? &schema->keys[f->key] : NULL;
+        /* Roughness is squared once by most models: the common names of the mistakes are those of shaders. */
+        const bool is_squared = key && key->n == 1 && strstr(key->name, "oughness");
+        fprintf(out, "%s%s", f > s->flaws ? ", and " : "", key ? key->name : "");
+        const char *wrong = channels_of(schema, f);
+        if (wrong && strlen(wrong) == 2)
+            fprintf(out, "the values: .%c is added to .%c, times", wrong[1], wrong[0]);
+        else if (wrong)
+            fprintf(out, "%s read as .%s", key ? " is" : "the values are", wrong);
+        else
+            fputs(!key                              ? nqm_mistake_words(f->how)
+                  : is_squared && f->how == SQUARED ? " is squared twice"
+                  : is_squared && f->how == ROOT    ? " is not squared"
+                                                    : property_mistakes[f->how].text,
+                  out);
+        if (key && f->how == OF_BASE)
+            fputs(schema->keys[nqm_fit_base_key(schema, NQM_FIT_BASE_WIDTH)].name, out);
+        if (f->amount != 0)
+            fprintf(out, " %.3g", f->amount);
+    }
+    fclose(out);
 }
 
 /* ---- their values ------------------------------------------------------------------------------------------------ */
 
-static nqm_spec_values changed_values(const conform_kit *kit, const kit_set *set, const suspect *s) {
-    nqm_spec_values values = set->values;
-    for (size_t i = 0; i < s->n_changes; ++i) {
-        const size_t k = s->change[i].key;
-        const nqm_spec_key *key = &kit->model->schema.keys[k];
-        double (*apply)(double) = property_mistakes[s->change[i].how].apply;
-        for (size_t c = 0; c < 3; ++c)
-            values.v[k][c] = apply                        ? fmin(fmax(apply(values.v[k][c]), key->low), key->high)
-                             : s->change[i].how == ABSENT ? 0
-                                                          : key->fallback;
+static double changed(const nqm_spec_schema *schema, const nqm_spec_values *values, const flaw *f, size_t c) {
+    const double *v = values->v[f->key];
+    if (channels_of(schema, f))
+        return v[nqm_channel_of(channels_of(schema, f)[c])];
+    switch (f->how) {
+    case IGNORED:
+        return schema->keys[f->key].fallback;
+    case ABSENT:
+        return 0;
+    case OF_BASE:
+        return values->v[nqm_fit_base_key(schema, NQM_FIT_BASE_WIDTH)][c];
+    case RAISED:
+        return fmax(v[c], f->amount);
+    default:
+        return f->how < FACTOR ? property_mistakes[f->how].apply(v[c]) : property_mistakes[f->how].factor * v[c];
     }
-    return values;
 }
 
 void sample_suspect(const conform_kit *kit, size_t set, const suspect *s, float *rgb) {
-    const nqm_spec_values values = changed_values(kit, &kit->sets[set], s);
-    sample_set(kit, &kit->sets[set], &values, s->mistakes, rgb);
+    const nqm_spec_schema *schema = &kit->model->schema;
+    const size_t turn = kit->sets[set].turn;
+    nqm_spec_values values = kit->sets[set].values;
+    nqm_mistakes mistakes = {.made = 0};
+    for (const flaw *f = s->flaws; f < s->flaws + s->n_flaws; ++f) {
+        const nqm_spec_values right = values;
+        for (size_t c = 0; c < 3 && f->key < schema->n_keys; ++c)
+            values.v[f->key][c] =
+                fmin(fmax(changed(schema, &right, f, c), schema->keys[f->key].low), schema->keys[f->key].high);
+        if (f->key < schema->n_keys)
+            continue;
+        if (channels_of(schema, f))
+            mistakes.channels = channels_of(schema, f);
+        else
+            mistakes.made |= (uint64_t)1 << f->how;
+        mistakes.amount = fmax(mistakes.amount, f->amount);
+    }
+    nqm_mistaken_eval(kit->model, &values, &mistakes, kit->n_directions, kit_directions(kit, turn, 0),
+                      kit_directions(kit, turn, 1), rgb);
 }
 
 /* ---- comparison -------------------------------------------------------------------------------------------------- */
@@ -177,6 +256,19 @@ static void sort_suspects(const conform_kit *kit, const float *values, size_t n,
     free(left);
 }
 
+/* Move the amounts to where least remains; a round number is one of those that are tried. */
+static void refine(const conform_kit *kit, const float *values, suspect *s) {
+    for (flaw *f = s->flaws; f < s->flaws + s->n_flaws; ++f)
+        for (double step = 1.5; f->amount != 0 && step > 1.004; step = sqrt(step)) {
+            const double amounts[] = {f->amount, nqm_round_digits(f->amount, 2), f->amount * step, f->amount / step};
+            suspect tries[] = {*s, *s, *s, *s};
+            for (size_t i = 0; i < 4; ++i)
+                tries[i].flaws[f - s->flaws].amount = amounts[i];
+            sort_suspects(kit, values, 4, tries);
+            *s = tries[0];
+        }
+}
+
 /* Whether two suspects with close results have equal values: then nothing can tell one from the other. */
 static bool are_equal(const conform_kit *kit, const suspect *a, const suspect *b) {
     double left[2];
@@ -187,16 +279,17 @@ static bool are_equal(const conform_kit *kit, const suspect *a, const suspect *b
 }
 
 /* Those of the sorted ones that leave less than `most`. */
-static size_t keep_different(const conform_kit *kit, size_t n, const suspect *list, double most, size_t n_found,
+static size_t keep_different(const conform_kit *kit, size_t n, suspect *list, double most, size_t n_found,
                              suspect *found) {
     size_t kept = 0;
     for (size_t s = 0; s < n && list[s].left < most && kept < n_found; ++s) {
         size_t k = 0;
-        while (k < kept && !are_equal(kit, &found[k], &list[s]))
+        while (k < kept && found[k].kind != list[s].kind && !are_equal(kit, &found[k], &list[s]))
             ++k;
+        describe_suspect(kit, &list[s]);
         if (k == kept)
             found[kept++] = list[s];
-        else {
+        else if (found[k].kind != list[s].kind) {
             const size_t at = strlen(found[k].text);
             snprintf(found[k].text + at, SUSPECT_TEXT - at, "; or %s", list[s].text);
         }
@@ -204,35 +297,37 @@ static size_t keep_different(const conform_kit *kit, size_t n, const suspect *li
     return kept;
 }
 
-/* The best suspect with each of the others; false: there is no room. */
+/* The best suspect with each of the others. */
 static void add_to_each(size_t n, suspect *list, const suspect *best) {
     for (size_t s = 0; s < n; ++s) {
-        suspect both = list[s];
-        for (size_t i = 0; i < best->n_changes && both.n_changes < MAX_CHANGES; ++i)
-            both.change[both.n_changes++] = best->change[i];
-        both.mistakes |= best->mistakes;
-        if (both.mistakes == best->mistakes && both.n_changes == best->n_changes)
-            snprintf(both.text, SUSPECT_TEXT, "%s", best->text);
-        else
-            snprintf(both.text, SUSPECT_TEXT, "%.150s, and %.150s", best->text, list[s].text);
-        list[s] = both;
+        const suspect other = list[s];
+        list[s] = *best;
+        if (best->kind && other.kind && best->kind != other.kind) {
+            list[s].flaws[list[s].n_flaws++] = other.flaws[0];
+            list[s].kind = best->kind * MAX_SUSPECTS + other.kind;
+        }
     }
 }
 
 size_t find_suspects(const conform_kit *kit, const float *values, size_t n_found, suspect *found, double *none) {
     /* A second mistake is looked for where one leaves more than float32 does, and named if it explains most of that. */
     const double noise = 2e-4, explained = 0.3;
+    const size_t n_refined = 5;
     size_t n;
     suspect *list = list_suspects(kit, &n), *pairs = list_suspects(kit, &n);
     sort_suspects(kit, values, n, list);
     for (size_t s = 0; s < n; ++s)
-        if (!list[s].mistakes && !list[s].n_changes)
+        if (!list[s].n_flaws)
             *none = list[s].left;
+    for (size_t s = 0; *none > noise && s < n_refined; ++s)
+        refine(kit, values, &list[s]);
+    qsort(list, n, sizeof *list, by_left);
     if (*none <= noise)
         n = 0;
     else if (list[0].left > noise && list[0].left < *none) {
         add_to_each(n, pairs, &list[0]);
         sort_suspects(kit, values, n, pairs);
+        refine(kit, values, &pairs[0]);
         if (pairs[0].left < explained * list[0].left) { /* first, before the single ones */
             memmove(list + 1, list, (n - 1) * sizeof *list);
             list[0] = pairs[0];
