@@ -291,11 +291,7 @@ static void print_labels(const label_run *run) {
 /* ---- figures ----------------------------------------------------------------------------------------------------- */
 
 double *item_picture(const label_run *run, size_t i, const canvas *c, backdrop kind) {
-    if (run->items[i].err.status != NQM_OK)
-        return NULL;
-    double *picture = make_backdrop(run->scene, c, kind);
-    draw_picture(run->scene, c, picture, run->items[i].rgb_cdm2, picture);
-    return picture;
+    return run->items[i].err.status == NQM_OK ? draw_picture(run->scene, c, kind, run->items[i].rgb_cdm2) : NULL;
 }
 
 double *item_map(const label_run *run, size_t i, const canvas *c) {

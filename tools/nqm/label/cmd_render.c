@@ -20,7 +20,7 @@ typedef struct render_run {
     bool json;
     rendered made_of; /* of a BRDF, not a textured material */
     nqm_scene *made;
-    double *rgb_cdm2, *blank, *picture; /* (points, 3), (height, width, 3) twice; of one frame the same array */
+    double *rgb_cdm2; /* (points, 3) */
 } render_run;
 
 static const char *ending_of(const char *path) {
@@ -63,13 +63,14 @@ static json_t *json_light(const render_run *run) {
 
 static void write_frames(const render_run *run, json_t *files) {
     const nqm_tone tone = tone_of(&run->scene);
-    const nqm_picture picture = {.width = run->scene.width, .height = run->scene.height, .rgb_cdm2 = run->picture};
     for (size_t frame = 0; frame < run->scene.n_frames; ++frame) {
         char path[4096];
         const canvas c = one_frame(&run->scene, frame);
         frame_path(run, frame + 1, path, sizeof path);
-        draw_picture(run->made, &c, run->blank, run->rgb_cdm2, run->picture);
+        double *rgb = draw_picture(run->made, &c, run->backdrop, run->rgb_cdm2);
+        const nqm_picture picture = {.width = run->scene.width, .height = run->scene.height, .rgb_cdm2 = rgb};
         must(nqm_picture_write(path, &picture, run->supersample, &tone, &fault));
+        free(rgb);
         json_array_append_new(files, json_name(path));
     }
 }
@@ -86,10 +87,6 @@ static void run_render(render_run *run) {
     if (run->made_of.valid < 1)
         report(EXIT_OK, "%s has no value for directions of %.3g %% of the light, which is missing in the picture",
                shown(run->brdf), 100 * (1 - run->made_of.valid));
-    const canvas first = one_frame(&run->scene, 0);
-    run->blank = run->picture = make_backdrop(run->made, &first, run->backdrop);
-    if (run->scene.n_frames > 1)
-        run->picture = allocate(3 * run->scene.width * run->scene.height, sizeof *run->picture);
     end_progress();
     json_t *files = json_array();
     write_frames(run, files);
@@ -100,9 +97,6 @@ static void run_render(render_run *run) {
     json_decref(files);
     nqm_scene_free(run->made);
     free(run->rgb_cdm2);
-    if (run->picture != run->blank)
-        free(run->picture);
-    free(run->blank);
 }
 
 /* ---- the verb ---------------------------------------------------------------------------------------------------- */

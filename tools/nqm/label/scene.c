@@ -115,7 +115,16 @@ canvas all_frames(const nqm_scene_options *o) {
     return c;
 }
 
-double *make_backdrop(const nqm_scene *scene, const canvas *c, backdrop kind) {
+/* Index in the canvas of pixel i of the scene; SIZE_MAX if the canvas does not show it. */
+static size_t place_of(const canvas *c, size_t pixel) {
+    const size_t width = c->width / c->n_columns, height = c->height / c->n_rows, frame = pixel / (width * height);
+    if (frame < c->first || frame - c->first >= c->n_columns * c->n_rows)
+        return SIZE_MAX;
+    const size_t cell = frame - c->first, x = pixel % width, y = pixel / width % height;
+    return (cell / c->n_columns * height + y) * c->width + cell % c->n_columns * width + x;
+}
+
+static double *make_backdrop(const nqm_scene *scene, const canvas *c, backdrop kind) {
     static const double white_cdm2 = 10000;
     size_t n = 3 * c->width * c->height;
     double *blank = allocate(n, sizeof *blank);
@@ -126,25 +135,15 @@ double *make_backdrop(const nqm_scene *scene, const canvas *c, backdrop kind) {
     return blank;
 }
 
-/* Index in the canvas of pixel i of the scene; SIZE_MAX if the canvas does not show it. */
-static size_t place_of(const canvas *c, size_t pixel) {
-    const size_t width = c->width / c->n_columns, height = c->height / c->n_rows, frame = pixel / (width * height);
-    if (frame < c->first || frame - c->first >= c->n_columns * c->n_rows)
-        return SIZE_MAX;
-    const size_t cell = frame - c->first, x = pixel % width, y = pixel / width % height;
-    return (cell / c->n_columns * height + y) * c->width + cell % c->n_columns * width + x;
-}
-
-void draw_picture(const nqm_scene *scene, const canvas *c, const double *blank, const double *rgb_cdm2,
-                  double *picture) {
+double *draw_picture(const nqm_scene *scene, const canvas *c, backdrop kind, const double *rgb_cdm2) {
     const size_t *pixel = nqm_scene_pixels(scene);
-    if (picture != blank)
-        memcpy(picture, blank, 3 * c->width * c->height * sizeof *picture);
+    double *picture = make_backdrop(scene, c, kind);
     for (size_t i = 0; i < nqm_scene_count(scene); ++i) {
         const size_t place = place_of(c, pixel[i]);
         if (place != SIZE_MAX)
             memcpy(picture + 3 * place, rgb_cdm2 + 3 * i, 3 * sizeof *picture);
     }
+    return picture;
 }
 
 void draw_map(const nqm_scene *scene, const canvas *c, const double *values, double *map) {

@@ -43,12 +43,9 @@ canvas one_frame(const nqm_scene_options *o, size_t frame);
 /** Arrange the frames of a scene in a grid with as many columns as rows, or one more. */
 canvas all_frames(const nqm_scene_options *o);
 
-/** A background: (height, width, 3) cd/m2; free() it. White is 10000 cd/m2, which every tone curve maps to white.
- *  BACKDROP_LIGHT: of one frame. */
-double *make_backdrop(const nqm_scene *scene, const canvas *c, backdrop kind);
-/** Copy the background and write the points over it. rgb_cdm2: (points, 3); picture (height, width, 3), which may be `blank`. */
-void draw_picture(const nqm_scene *scene, const canvas *c, const double *blank, const double *rgb_cdm2,
-                  double *picture);
+/** A picture: (height, width, 3) cd/m2; free() it. White is 10000 cd/m2, which every tone curve maps to white; BACKDROP_LIGHT: of one
+ *  frame. rgb_cdm2: (points, 3). */
+double *draw_picture(const nqm_scene *scene, const canvas *c, backdrop kind, const double *rgb_cdm2);
 /** The same for one value per point: map (height, width), NaN outside the shape. */
 void draw_map(const nqm_scene *scene, const canvas *c, const double *values, double *map);
 
