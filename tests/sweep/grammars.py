@@ -187,7 +187,7 @@ def gltf(rng):
         if "clearcoatNormalTexture" in path:
             more.append("clear coat")
         return more + {"texCoord": ["texture coordinates"], 
-                       "thicknessFactor": ["transmission"], "dispersion": ["transmission"], "KHR_materials_dispersion": ["transmission"],
+                       "thicknessFactor": ["transmission"], "dispersion": ["transmission"], "KHR_materials_dispersion": ["transmission"], "KHR_materials_volume": ["transmission"],
                        "emissiveFactor": ["emission"], "KHR_materials_transmission": ["transmission"], "wrapS": all_users, "wrapT": all_users,
                        "magFilter": all_users, "minFilter": all_users, "iridescenceThicknessMinimum": ["iridescenceThicknessTexture"]}.get(path[-1], [])
 
@@ -562,9 +562,10 @@ FOLDERS = ["_Color _Roughness _Metalness _NormalGL _AmbientOcclusion _Displaceme
 
 
 def folder(rng):
-    names = [name for name in rng.choice(FOLDERS).split() if rng.random() < .8]
+    names = rng.choice(FOLDERS).split()
+    names = names[:1] + [name for name in names[1:] if rng.random() < .8]
     t = Text()
-    for name in names or ["_Color"]:
+    for name in names:
         t.state("wood" + name, "wood%s.png " % name, may_go=len(names) > 1)
     if rng.random() < .3:
         extra = rng.choice(["_preview", "_wobble", "_mask3"])
