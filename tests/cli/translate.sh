@@ -18,14 +18,18 @@ code=0
 [ "$(ls "$dir/usd")" = red.mtlx ] || fail "files: $(ls "$dir/usd")"
 grep -q UsdPreviewSurface "$dir/usd/red.mtlx" || fail "not a UsdPreviewSurface: $(cat "$dir/usd/red.mtlx")"
 
-# A folder of files: all of its materials; fit says what to do with it.
+# A folder of files: all of its materials, also fitted; a file that is none is named.
 mkdir "$dir/folder"
 cp "$dir/red.glb" "$dir/folder/red.glb"
 cp "$dir/usd/red.mtlx" "$dir/folder/usd.mtlx"
 "$tool" translate "$dir/folder" --to gltf -d "$dir/from_folder" --samples 300 --loss log >"$dir/out"
 [ "$(tail -1 "$dir/out")" = "2 materials, 0 refused" ] || fail "summary of a folder: $(cat "$dir/out")"
 [ "$(ls "$dir/from_folder" | tr '\n' ' ')" = 'red.gltf usd.gltf ' ] || fail "files of a folder: $(ls "$dir/from_folder")"
-refuses 3 'folder: a folder of files; this verb needs one BRDF: name one of them' fit "$dir/folder"
+echo nothing >"$dir/folder/notes.csv"
+"$tool" fit "$dir/folder" --samples 300 --loss log >"$dir/out" 2>"$dir/err"
+[ "$(grep -c '^reference ' "$dir/out")" = 2 ] && [ "$(grep -c '^ggx ' "$dir/out")" = 2 ] || fail "fits of a folder: $(cat "$dir/out")"
+grep -q 'folder: these files are no materials or BRDFs: notes.csv$' "$dir/err" || fail "what is not read: $(cat "$dir/err")"
+refuses 2 'folder is a folder: its fits are printed' fit "$dir/folder" --json
 
 # What is lost: a conductor cannot be red paint; the gate says so, in the exit code too.
 code=0

@@ -6,9 +6,11 @@
 #include "base/names.h"
 #include "fit/fit.h"
 #include "fit/match.h"
+#include "nqm/library/library.h"
 #include "nqm/rows.h"
 #include "nqm/score/score.h"
 #include "nqm/show/report.h"
+#include "nqm/textured.h"
 #include <nqm/match.h>
 
 #include <math.h>
@@ -438,9 +440,11 @@ static const option options[] = {
     {0}};
 
 static const command cmd = {
-    .usage = "REF [options]",
-    .about = "Encode a BRDF. The result of an analytic model (an RGB lobe over a Lambert base) is a spec; networks "
-             "and coded tables are files, written with -o. Every other verb takes the printed spec or path as a BRDF.",
+    .usage = "REF|FOLDER [options]",
+    .about =
+        "Encode a BRDF. The result of an analytic model (an RGB lobe over a Lambert base) is a spec; networks "
+        "and coded tables are files, written with -o. Every other verb takes the printed spec or path as a BRDF. Of a "
+        "folder each BRDF is fitted.",
     .example = "nqm fit sgd:nickel --model ward\n"
                "nqm fit measured.bsdf --model ggx --report ggx.html\n"
                "nqm fit measured.bsdf --model all -o fits/\n"
@@ -450,6 +454,54 @@ static const command cmd = {
     .table_target = &fit,
     .min_arguments = 1,
 };
+
+/* Fit and print one reference; shown_as NULL: the only one. */
+static int fit_reference(const char *argument, const char *shown_as, const fit_request *request, fit_terms *terms) {
+    fitted *results = allocate(request->n_models, sizeof *results);
+    nqm_brdf *ref = open_brdf(argument);
+    report_remark(ref);
+    report_distance(argument, ref, terms->directions);
+    terms->ref = ref;
+    output_file page_file = {0};
+    if (page)
+        open_page("--report", page, &page_file);
+    const int exit_code = fit_all(terms, request, &fit, results);
+    end_progress();
+    if (format == FORMAT_QUIET || request->n_models == 1) /* otherwise the table says it */
+        warn_unwritten(request, results);
+    if (page)
+        write_fit_report(argument, request, results, loss, metric, &page_file);
+    if (shown_as && format == FORMAT_TEXT)
+        printf("reference  %s\n", shown(shown_as));
+    print_fits(request->n_models, results, format, verbose, loss, terms->loss.metric);
+    nqm_brdf_free(ref);
+    free(results);
+    return exit_code;
+}
+
+/* Each BRDF of a folder; those that cannot be opened are named. */
+static int fit_folder(const char *folder, const fit_request *request, fit_terms *terms) {
+    library of = {0};
+    int exit_code = EXIT_OK;
+    if (path || page || format == FORMAT_JSON)
+        stop(EXIT_USAGE,
+             "%s is a folder: its fits are printed as text or with --quiet, without -o, --report and --json", folder);
+    list_library(folder, &of);
+    for (size_t i = 0; i < of.n; ++i) {
+        nqm_brdf *brdf = NULL;
+        nqm_error err = {0};
+        const nqm_status status =
+            explain_texture(of.members[i].argument, nqm_brdf_open(of.members[i].argument, &brdf, &err), &err);
+        nqm_brdf_free(brdf);
+        const int code = status == NQM_OK ? fit_reference(of.members[i].argument, of.members[i].key, request, terms)
+                                          : exit_code_of(status);
+        if (status != NQM_OK)
+            report(code, "%s", err.message);
+        exit_code = exit_code == EXIT_OK ? code : exit_code;
+    }
+    free_library(&of);
+    return exit_code;
+}
 
 int cmd_fit(int argc, char **argv) {
     fit = nqm_fit_options_default();
@@ -463,31 +515,16 @@ int cmd_fit(int argc, char **argv) {
     fit_terms terms = {.with_before = page};
     open_loss(loss, transport, metric_model, &terms.loss);
     terms.scorer = open_scorer(metric_model, &score_options);
-    fitted *results = allocate(request.n_models, sizeof *results);
     nqm_directions *directions = open_directions(directions_name);
-    nqm_brdf *ref = open_brdf(argv[0]);
-    report_remark(ref);
-    report_distance(argv[0], ref, directions);
     const output out = prepare_output(path, &request);
-    output_file page_file = {0};
-    if (page)
-        open_page("--report", page, &page_file);
-    terms.ref = ref;
     terms.directions = directions;
     terms.out = &out;
-    const int exit_code = fit_all(&terms, &request, &fit, results);
-    end_progress();
-    if (format == FORMAT_QUIET || request.n_models == 1) /* otherwise the table says it */
-        warn_unwritten(&request, results);
-    if (page)
-        write_fit_report(argv[0], &request, results, loss, metric, &page_file);
-    print_fits(request.n_models, results, format, verbose, loss, metric_model);
+    const int exit_code =
+        (is_library(argv[0]) ? fit_folder(argv[0], &request, &terms) : fit_reference(argv[0], NULL, &request, &terms));
     nqm_scorer_free(terms.scorer);
     nqm_model_free((nqm_model *)(uintptr_t)terms.loss.transport);
     nqm_scene_free((nqm_scene *)(uintptr_t)terms.loss.scene);
     nqm_model_free(metric_model);
-    nqm_brdf_free(ref);
     nqm_directions_free(directions);
-    free(results);
     return exit_code;
 }

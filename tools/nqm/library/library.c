@@ -49,19 +49,25 @@ static bool ends_with(const char *path, const char *extensions) {
     return dot && nqm_contains_word(extensions, dot, true);
 }
 
-static void add_file(library *to, const char *path, const char *key, bool is_only) {
+/* not_read: NQM_REMARK_SIZE characters; files of a folder that may be meant are added. */
+static void add_file(library *to, const char *path, const char *key, bool is_only, char *not_read) {
     nqm_materials *materials = NULL;
+    nqm_brdf *brdf = NULL;
     nqm_error err = {0};
     if (nqm_materials_open(path, &materials, &err) == NQM_OK)
         add_materials(to, path, materials, is_only ? "" : key);
     else if (ends_with(path, ".binary .bsdf .npy .safetensors .h5 .mat"))
+        add_member(to, must_have(strdup(path)), must_have(strdup(key)), false);
+    else if (ends_with(path, ".csv") && nqm_brdf_open(path, &brdf, NULL) == NQM_OK)
         add_member(to, must_have(strdup(path)), must_have(strdup(key)), false);
     else if (is_only)
         stop_error(&err);
     else if (ends_with(path, ".mtlx .gltf .glb .pbrt")) { /* damaged; others of a folder need not be materials */
         report_error(&err);
         ++to->n_failed;
-    }
+    } else if (ends_with(path, ".csv .txt .xml .json .usd .usda .usdc .usdz .zip .pth .npz"))
+        nqm_remark_add(not_read, NQM_REMARK_SIZE, "%s", key);
+    nqm_brdf_free(brdf);
     nqm_materials_free(materials);
 }
 
@@ -122,12 +128,15 @@ static void add_files(library *to, size_t n, const file_list *files) {
     const bool is_only = n == 1 && !is_folder(to->path);
     const char *slash = strrchr(to->path, '/');
     const size_t n_key = n > 1 ? 0 : !is_only ? strlen(to->path) : slash ? (size_t)(slash - to->path) : 0;
+    char not_read[NQM_REMARK_SIZE] = "";
     for (size_t i = 0; i < files->n; ++i) {
         const char *key = files->paths[i] + n_key;
         step_progress("read", i, files->n);
-        add_file(to, files->paths[i], n > 1 ? key : key + strspn(key, "/"), is_only);
+        add_file(to, files->paths[i], n > 1 ? key : key + strspn(key, "/"), is_only, not_read);
     }
     end_progress();
+    if (*not_read)
+        report(EXIT_OK, "%s: these files are no materials or BRDFs: %s", shown(to->path), not_read);
     if (to->n == 0 && !is_only)
         stop(EXIT_OPEN, "%s: no file of materials or BRDFs is there", to->path);
 }
