@@ -16,7 +16,7 @@ import numpy as np
 from . import _abi
 from ._abi import CLabel, NamedPair, SamplePair, ScoreResult, lib
 from ._brdf import BRDF, BRDFLike, Directions, as_brdf, handles_of, watches_of
-from ._call import (Error, PathLike, ProgressLike, Turns, address, call, choice, encode, error_of, own_handle, progress_of,
+from ._call import (Error, PathLike, ProgressLike, Turns, address, call, choice, decode, encode, error_of, own_handle, progress_of,
                     status_text)
 
 BLOCK = 256  # pairs of one call, as NQM_SCORE_BLOCK: Ctrl-C and progress act between calls
@@ -196,12 +196,13 @@ def _warnings(r: ScoreResult, ref: str, test: str, n: int, invalid: int) -> Tupl
     if r.distance_deg[0] > 0.1:
         found.append("%s: its nearest row is %.2g degrees (median; 95 %%: %.2g) away from a direction of the model: narrower highlights "
                      "are not seen; `Model.directions` are those to measure" % (ref, r.distance_deg[0], r.distance_deg[1]))
+    for who, remark in zip((ref, test), r.remark):
+        if remark.value:
+            found.append("%s: %s" % (who, decode(remark.value)))
     if r.status:
         return tuple(found)
     for k, who in enumerate((ref, test)):
         clamped, missing, unusual = r.n_clamped[k], r.n_invalid[k], r.n_unusual[k]
-        if r.remark[k].value:
-            found.append("%s: %s" % (who, decode(r.remark[k].value)))
         if clamped:
             found.append("%s: negative channel at %d of %d directions, taken as 0" % (who, clamped, n))
         if missing:

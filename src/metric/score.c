@@ -156,6 +156,8 @@ static nqm_score_result compare_members(const nqm_scorer *s, const nqm_member *r
     const size_t n = s->model->directions->n;
     nqm_score_result result = nqm_no_score(ref->status != NQM_OK ? ref->status : test->status);
     memcpy(result.distance_deg, ref->distance_deg, sizeof result.distance_deg);
+    memcpy(result.remark[0], ref->remark, sizeof ref->remark);
+    memcpy(result.remark[1], test->remark, sizeof test->remark);
     if (ref->status != NQM_OK)
         return result;
     result.n_clamped[0] = ref->report.n_clamped;
@@ -163,8 +165,6 @@ static nqm_score_result compare_members(const nqm_scorer *s, const nqm_member *r
     result.n_unusual[0] = ref->n_unusual;
     result.n_clamped[1] = test->report.n_clamped;
     result.n_invalid[1] = test->report.n_invalid;
-    memcpy(result.remark[0], ref->remark, sizeof ref->remark);
-    memcpy(result.remark[1], test->remark, sizeof test->remark);
     if (test->status != NQM_OK && !test->flag)
         return result;
     bool equal = true;

@@ -81,6 +81,12 @@ class Scores(unittest.TestCase):
                 out.write("theta_h,theta_d,phi_d,r,g,b\n0,0,0,1,1,1\n30,30,90,1,1,1\n45,10,0,1,1,1\n")
             far = nqm.score(path + ":45", "lambert:kd=.3", min_valid=0)
             self.assertRegex(far.warnings[0], "its nearest row is [0-9.]+ degrees")
+            with open(path, "w") as out:
+                out.write("sample,theta_h,theta_d,phi_d,r,g,b\na,0,0,0,1,1,1\n")
+            for s in nqm.score(path + ":45", "lambert:kd=.3", min_valid=0), nqm.score_many([(path, "lambert:kd=.3")], errors="keep")[0]:
+                self.assertIn("column 'sample' is not used", " ".join(s.warnings))
+            with open(path, "w") as out:
+                out.write("theta_h,theta_d,phi_d,r,g,b\n0,0,0,1,1,1\n")
             self.assertIn("nearest row", nqm.score_many([(path, "lambert:kd=.3")], errors="keep")[0].warnings[0])
 
     def test_too_few_values(self):

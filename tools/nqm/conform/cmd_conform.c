@@ -181,7 +181,7 @@ static void write_conform_reports(const conform_result *r, const row_summary *s)
 }
 
 /* Say where values are not finite or negative. */
-static void print_remarks(const score_run *run) {
+static void report_values(const score_run *run) {
     size_t n_invalid = 0, n_clamped = 0;
     for (size_t i = 0; i < run->n_rows; ++i) {
         n_invalid += run->rows[i].result.n_invalid[1];
@@ -360,7 +360,7 @@ int cmd_conform(int argc, char **argv) {
         print_conform(&result, &s);
         write_conform_reports(&result, &s);
         free_row_summary(&s);
-        print_remarks(&result.run);
+        report_values(&result.run);
         exit_code = apply_gate(&result.run, report_faults(&result.run));
         free(result.run.rows);
         json_decref(result.facts);

@@ -196,6 +196,8 @@ int cmd_rank(int argc, char **argv) {
             stop(EXIT_MODEL, "--by similarity: the model '%s' does not predict it; doc/people.md says which do", model);
     rank_rows(&run, by_similarity);
     print_ranking(&run);
+    if (run.format != FORMAT_JSON)
+        print_remarks(&run);
     const int exit_code = report_faults(&run);
     free_scores(&run);
     nqm_pair_list_free(list);

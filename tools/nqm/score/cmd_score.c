@@ -9,22 +9,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Print remarks on standard error; remarks about the reference are printed once. */
-static void print_remarks(const score_run *run) {
-    const char *ref = run->ref_name;
-    for (size_t i = 0; i < run->n_rows; ++i) {
-        const scored_pair *row = &run->rows[i];
-        if (i && !has_reference_of(row, row - 1))
-            ref = row->pair.ref;
-        json_t *remarks = json_remarks(&run->terms, &row->pair, ref, row->name, &row->result);
-        for (size_t k = 0; k < json_array_size(remarks); ++k)
-            report(EXIT_OK, "%s", json_string_value(json_array_get(remarks, k)));
-        if (row->err.status == NQM_OK || json_array_size(remarks))
-            ref = NULL;
-        json_decref(remarks);
-    }
-}
-
 static int metric_width(int m) {
     int n = (int)strlen(nqm_metric_name((nqm_metric)m));
     return n > 9 ? n : 9;

@@ -92,8 +92,10 @@ void free_scores(score_run *run);
 /** Report the errors of the rows. Returns the exit code of the first. */
 int report_faults(const score_run *run);
 
-/** A JSON array of remarks on what of a scored pair is ignored, and on negative, missing and unusual values, which name
- *  the BRDFs `ref` (NULL: no remarks about the reference) and `test`. Empty for a pair without a score. */
+/** Print the remarks on all rows on standard error, those about the reference once. */
+void print_remarks(const score_run *run);
+/** A JSON array of remarks on what of a pair is not used, and with a score on negative, missing and unusual values, which name
+ *  the BRDFs `ref` (NULL: no remarks about the reference) and `test`. */
 json_t *json_remarks(const remark_terms *terms, const nqm_named_pair *pair, const char *ref, const char *test,
                      const nqm_score_result *r);
 /** Parse --metrics: names and "all", separated by commas. chosen: (NQM_METRIC_COUNT) */

@@ -148,8 +148,6 @@ __attribute__((format(printf, 2, 3))) static void add_remark(json_t *remarks, co
 static void add_counts(json_t *remarks, const remark_terms *terms, const char *who, const nqm_score_result *r,
                        size_t k) {
     static const char *const remedy[] = {"left out", "taken as 0", "taken from the nearest direction", "refused"};
-    if (*r->remark[k])
-        add_remark(remarks, "%s: %s", who, r->remark[k]);
     if (r->n_clamped[k])
         add_remark(remarks, "%s: negative channel at %zu of %zu directions, taken as 0", who, r->n_clamped[k],
                    terms->n_directions);
@@ -183,6 +181,10 @@ json_t *json_remarks(const remark_terms *terms, const nqm_named_pair *pair, cons
     char distance[400], ignored[200];
     if (ref && describe_distance(ref, r->distance_deg, sizeof distance, distance))
         add_remark(remarks, "%s", distance);
+    if (ref && *r->remark[0])
+        add_remark(remarks, "%s: %s", ref, r->remark[0]);
+    if (*r->remark[1])
+        add_remark(remarks, "%s: %s", test, r->remark[1]);
     if (r->status != NQM_OK)
         return remarks;
     if (ref && describe_ignored(pair->ref, ignored, sizeof ignored))
@@ -198,6 +200,21 @@ json_t *json_remarks(const remark_terms *terms, const nqm_named_pair *pair, cons
                    test, r->novelty);
     add_suspicions(remarks, test, r);
     return remarks;
+}
+
+void print_remarks(const score_run *run) {
+    const char *ref = run->ref_name;
+    for (size_t i = 0; i < run->n_rows; ++i) {
+        const scored_pair *row = &run->rows[i];
+        if (i && !has_reference_of(row, row - 1))
+            ref = row->pair.ref;
+        json_t *remarks = json_remarks(&run->terms, &row->pair, ref, row->name, &row->result);
+        for (size_t k = 0; k < json_array_size(remarks); ++k)
+            report(EXIT_OK, "%s", json_string_value(json_array_get(remarks, k)));
+        if (row->err.status == NQM_OK || json_array_size(remarks))
+            ref = NULL;
+        json_decref(remarks);
+    }
 }
 
 /* ---- options ----------------------------------------------------------------------------------------------------- */
