@@ -110,15 +110,14 @@ static void print_text(const score_run *run) {
 }
 
 static json_t *row_json(const score_run *run, const scored_pair *row) {
-    (void)run;
     const nqm_score_result *r = &row->result;
     return json_row(
         "reference:s name:s rank:o test:s jod:f jod_low:f jod_high:f identical:b over_next:f best_preferred:f "
-        "parts:o error:o",
+        "parts:o warnings:o error:o",
         row->pair.ref, row->name, row->rank ? json_integer((json_int_t)row->rank) : json_null(), row->pair.test, r->jod,
         r->jod_low, r->jod_high, r->identical, row->over_next, row->best_preferred,
         isnan(r->parts.structure) ? NULL : json_label_parts(&r->parts, r->similarity),
-        row->rank ? NULL : json_name(row->err.message));
+        json_remarks(&run->terms, &row->pair, "reference", "test", r), row->rank ? NULL : json_name(row->err.message));
 }
 
 void print_ranking(const score_run *run) {
