@@ -113,7 +113,8 @@ nqm_rule_read nqm_bsdf_file;
 void nqm_bsdf_varies(nqm_bsdf_reading *r, const nqm_bsdf_node *node);
 /** Whether a property, or NULL, is no constant. */
 bool nqm_bsdf_is_texture(const nqm_bsdf_node *node);
-/** Name properties of r->at that have no effect, of which there are two lists of names; one of neither list refuses the material: false. */
+/** Check the properties of the texture r->at: `read` names those that are read, `unused` those without effect, which are listed as such;
+ *  any other refuses the material: false. */
 bool nqm_bsdf_check(nqm_bsdf_reading *r, const char *read, const char *unused);
 /** The filename of the texture r->at; NULL: refused. */
 const nqm_bsdf_node *nqm_bsdf_filename(nqm_bsdf_reading *r);

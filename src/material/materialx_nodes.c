@@ -392,11 +392,13 @@ static bool is_operand(const char *operands, const char *name) {
 
 /* Name the inputs of a node that its value does not depend on. */
 static void name_unused(graph *g, element *node, const node_kind *kind) {
-    static const char read[] = "file default fallback uaddressmode vaddressmode wrapS wrapT sourceColorSpace in "
-                               "channels index geomprop varname space";
+    static const char read[] = "file uaddressmode vaddressmode wrapS wrapT sourceColorSpace in channels index geomprop "
+                               "varname space";
+    const bool is_image = kind && kind->uv_program; /* read_image() knows whether its value beyond the border counts */
     for (element *e = node->first; e; e = e->next) {
         const char *name = nqm_xml_get(e, "name");
         if (name && strcmp(e->name, "input") == 0 && !nqm_contains_word(read, name, false) &&
+            !(is_image && nqm_contains_word("default fallback", name, false)) &&
             !(kind && (is_operand(kind->operands, name) || is_operand(kind->uv_operands, name))))
             nqm_reading_unused(g->reading, name);
     }

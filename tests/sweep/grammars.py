@@ -435,7 +435,9 @@ def usd(rng):
         t.state("scale", "            float2 inputs:scale = (2, 3)\n", ["            float2 inputs:scale = (2, 4)\n"])
         t.state("translation", "            float2 inputs:translation = (0.1, 0.2)\n", ["            float2 inputs:translation = (0.1, 0.3)\n"])
         t.add('            float2 outputs:result\n        }\n        def Shader "R"\n        {\n            uniform token info:id = "UsdPrimvarReader_float2"\n')
-        t.add('            string inputs:varname = "st"\n            float2 outputs:result\n        }\n')
+        t.add('            string inputs:varname = "st"\n')
+        t.state("fallback", "            float2 inputs:fallback = (0.1, 0.2)\n")
+        t.add('            float2 outputs:result\n        }\n')
     t.add("    }\n}\n")
     t.parts[place:place] = interface.parts
     return t.case(".usda")
