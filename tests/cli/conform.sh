@@ -74,6 +74,10 @@ run 1 conform gltf steep.csv --keys $keys
 grep -q '^100 % of their difference is where theta_d > 60 degrees: 43 % of the directions\.$' out || fail "angles: $(cat out)"
 ! grep -q 'sets that fail have' out || fail "a key separates no sets: $(cat out)"
 
+sed '3s/.*/-1,1,1/;4s/.*/1,1,-1/' right.csv >negative.csv
+run 0 conform gltf negative.csv --keys $keys --fail-under 0
+grep -q '^nqm conform: 2 values have a negative channel' err || fail "negative values: $(cat err)"
+
 # ---- mistakes with an amount, and of channels; those that only resemble one are not named
 while IFS='|' read -r edit words; do
     sed "$edit" right.c >wrong.c

@@ -42,6 +42,18 @@ TEST(files_without_a_format_are_refused) {
     assert_non_null(strstr(err.message, "no-such-model"));
 }
 
+/* pbrt refuses numbers of the other type. */
+TEST(pbrt_files_have_the_types_of_pbrt) {
+    static const char spec[] = "pbrt-coated-diffuse:roughness=0.3;reflectance=0.5;eta=1.5;thickness=0.02;maxdepth=7";
+    const char *path = scratch_text("coated.pbrt", "");
+    nqm_map map = {0};
+    assert_int_equal(nqm_material_write(spec, "m", path, NULL), NQM_OK);
+    assert_int_equal(nqm_map_open(path, &map, NULL), NQM_OK);
+    assert_true(nqm_material_probe_text(&map, map.n_bytes, "\"integer maxdepth\" [ 7 ]"));
+    assert_true(nqm_material_probe_text(&map, map.n_bytes, "\"float thickness\" [ 0.02 ]"));
+    nqm_map_close(&map);
+}
+
 TEST(files_of_usd_that_are_no_text_are_named) {
     static const char binary[] = "PXR-USDC\1\2",
                       zip[] = "PK\3\4\n\0\0\0\0\0!\0!\0\0\0\0\0\0\0\0\0\0\0\0\0\6\0\0\0a.usdc";
