@@ -6,6 +6,7 @@
 #include "material/maps.h"
 #include "support/check.h"
 #include "support/material_text.h"
+#include "support/scratch.h"
 
 #include <stdarg.h>
 
