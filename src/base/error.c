@@ -56,7 +56,7 @@ nqm_status nqm_require(nqm_error *err, const char *function, const char *names, 
 static bool has_remark(const char *remark, const char *text) {
     const size_t n = strlen(text);
     for (const char *at = remark; (at = strstr(at, text)) != NULL; ++at)
-        if ((at == remark || strncmp(at - 2, "; ", 2) == 0) && (!at[n] || at[n] == ';'))
+        if ((at == remark || (at - remark >= 2 && strncmp(at - 2, "; ", 2) == 0)) && (!at[n] || at[n] == ';'))
             return true;
     return false;
 }

@@ -80,6 +80,8 @@ typedef nqm_status nqm_brdf_opener(const char *path_or_spec, const char *name, n
 
 /** true when `text` starts with the name of a model, table of presets or wrapper and a colon ("ggx:..."). */
 bool nqm_spec_probe(const char *text);
+/** Whether a file begins as one of a BRDF, which may yet be damaged. */
+bool nqm_brdf_probe(const char *path);
 /** The argument of nqm_brdf_open() for a BRDF that is named in a list: specs and absolute paths unchanged, relative
  *  paths prefixed with the folder `root` of n_root characters (0: the working folder). NULL: out of memory. nqm_free()
  *  it. */

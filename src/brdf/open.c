@@ -26,6 +26,13 @@ static const nqm_brdf_format *find_format(const nqm_map *map) {
     return *f;
 }
 
+bool nqm_brdf_probe(const char *path) {
+    nqm_map map = {0};
+    const bool is = nqm_map_open_sparse(path, &map, NULL) == NQM_OK && find_format(&map);
+    nqm_map_close(&map);
+    return is;
+}
+
 static nqm_status fail_unknown(const nqm_map *map, nqm_error *err) {
     char known[512] = "", materials[256];
     size_t used = 0;

@@ -29,6 +29,10 @@ echo nothing >"$dir/folder/notes.csv"
 "$tool" fit "$dir/folder" --samples 300 --loss log >"$dir/out" 2>"$dir/err"
 [ "$(grep -c '^reference ' "$dir/out")" = 2 ] && [ "$(grep -c '^ggx ' "$dir/out")" = 2 ] || fail "fits of a folder: $(cat "$dir/out")"
 grep -q 'folder: these files are no materials or BRDFs: notes.csv$' "$dir/err" || fail "what is not read: $(cat "$dir/err")"
+printf 'theta_i,phi_i,theta_o,phi_o,r\n10,0,20,x,1\n' >"$dir/folder/list.csv"
+run 4 fit "$dir/folder" --samples 300 --loss log
+grep -q "folder/list.csv: line 2, byte 38: column 'phi_o' needs a finite number" "$dir/err" || fail "a damaged list: $(cat "$dir/err")"
+[ "$(grep -c '^reference ' "$dir/out")" = 2 ] || fail "the others are not fitted: $(cat "$dir/out")"
 refuses 2 'folder is a folder: its fits are printed' fit "$dir/folder" --json
 
 # What is lost: a conductor cannot be red paint; the gate says so, in the exit code too.

@@ -15,6 +15,20 @@
 #include <sys/stat.h>
 #include <sys/wait.h>
 
+/* A text is added once, also where it is a part of another one; one that does not fit is cut and ends with dots. */
+TEST(remarks_are_joined) {
+    char remark[20] = "";
+    nqm_remark_add(remark, sizeof remark, "xab");
+    nqm_remark_add(remark, sizeof remark, "ab");
+    nqm_remark_add(remark, sizeof remark, "%s", "ab");
+    nqm_remark_add(remark, sizeof remark, "%s", "");
+    assert_string_equal(remark, "xab; ab");
+    nqm_remark_add(remark, sizeof remark, "%d texels differ", 12);
+    assert_string_equal(remark, "xab; ab; 12 texe...");
+    nqm_remark_add(remark, sizeof remark, "more");
+    assert_string_equal(remark, "xab; ab; 12 texe...");
+}
+
 TEST(test_alloc_refuses_overflow) {
     assert_null(nqm_alloc(SIZE_MAX / 2, 4));
     assert_null(nqm_alloc(SIZE_MAX, 1));

@@ -455,10 +455,10 @@ static const command cmd = {
     .min_arguments = 1,
 };
 
-/* Fit and print one reference; shown_as NULL: the only one. */
-static int fit_reference(const char *argument, const char *shown_as, const fit_request *request, fit_terms *terms) {
+/* Fit one reference, which is freed, and print; shown_as NULL: the only one. */
+static int fit_reference(nqm_brdf *ref, const char *argument, const char *shown_as, const fit_request *request,
+                         fit_terms *terms) {
     fitted *results = allocate(request->n_models, sizeof *results);
-    nqm_brdf *ref = open_brdf(argument);
     report_remark(ref);
     report_distance(argument, ref, terms->directions);
     terms->ref = ref;
@@ -488,13 +488,12 @@ static int fit_folder(const char *folder, const fit_request *request, fit_terms 
              "%s is a folder: its fits are printed as text or with --quiet, without -o, --report and --json", folder);
     list_library(folder, &of);
     for (size_t i = 0; i < of.n; ++i) {
-        nqm_brdf *brdf = NULL;
+        const member *m = &of.members[i];
+        nqm_brdf *ref = NULL;
         nqm_error err = {0};
-        const nqm_status status =
-            explain_texture(of.members[i].argument, nqm_brdf_open(of.members[i].argument, &brdf, &err), &err);
-        nqm_brdf_free(brdf);
-        const int code = status == NQM_OK ? fit_reference(of.members[i].argument, of.members[i].key, request, terms)
-                                          : exit_code_of(status);
+        const nqm_status status = explain_texture(m->argument, nqm_brdf_open(m->argument, &ref, &err), &err);
+        const int code =
+            status == NQM_OK ? fit_reference(ref, m->argument, m->key, request, terms) : exit_code_of(status);
         if (status != NQM_OK)
             report(code, "%s", err.message);
         exit_code = exit_code == EXIT_OK ? code : exit_code;
@@ -519,8 +518,8 @@ int cmd_fit(int argc, char **argv) {
     const output out = prepare_output(path, &request);
     terms.directions = directions;
     terms.out = &out;
-    const int exit_code =
-        (is_library(argv[0]) ? fit_folder(argv[0], &request, &terms) : fit_reference(argv[0], NULL, &request, &terms));
+    const int exit_code = (is_library(argv[0]) ? fit_folder(argv[0], &request, &terms)
+                                               : fit_reference(open_brdf(argv[0]), argv[0], NULL, &request, &terms));
     nqm_scorer_free(terms.scorer);
     nqm_model_free((nqm_model *)(uintptr_t)terms.loss.transport);
     nqm_scene_free((nqm_scene *)(uintptr_t)terms.loss.scene);

@@ -52,13 +52,11 @@ static bool ends_with(const char *path, const char *extensions) {
 /* not_read: NQM_REMARK_SIZE characters; files of a folder that may be meant are added. */
 static void add_file(library *to, const char *path, const char *key, bool is_only, char *not_read) {
     nqm_materials *materials = NULL;
-    nqm_brdf *brdf = NULL;
     nqm_error err = {0};
     if (nqm_materials_open(path, &materials, &err) == NQM_OK)
         add_materials(to, path, materials, is_only ? "" : key);
-    else if (ends_with(path, ".binary .bsdf .npy .safetensors .h5 .mat"))
-        add_member(to, must_have(strdup(path)), must_have(strdup(key)), false);
-    else if (ends_with(path, ".csv") && nqm_brdf_open(path, &brdf, NULL) == NQM_OK)
+    else if (ends_with(path, ".binary .bsdf .npy .safetensors .h5 .mat") ||
+             (ends_with(path, ".csv") && nqm_brdf_probe(path)))
         add_member(to, must_have(strdup(path)), must_have(strdup(key)), false);
     else if (is_only)
         stop_error(&err);
@@ -67,7 +65,6 @@ static void add_file(library *to, const char *path, const char *key, bool is_onl
         ++to->n_failed;
     } else if (ends_with(path, ".csv .txt .xml .json .usd .usda .usdc .usdz .zip .pth .npz"))
         nqm_remark_add(not_read, NQM_REMARK_SIZE, "%s", key);
-    nqm_brdf_free(brdf);
     nqm_materials_free(materials);
 }
 
