@@ -59,8 +59,9 @@ nqm_status nqm_lit_points(const nqm_scene_options *scene_options, size_t n_point
     nqm_status status = nqm_scene_create(&options, &scene, err);
     if (status != NQM_OK)
         return status;
-    if (nqm_scene_count(scene) != n_points)
-        status = nqm_fail(err, NQM_ERR_ARG, -1, "scene: %zu points instead of %zu", nqm_scene_count(scene), n_points);
+    if (nqm_scene_get_info(scene).n_points != n_points)
+        status = nqm_fail(err, NQM_ERR_ARG, -1, "scene: %zu points instead of %zu", nqm_scene_get_info(scene).n_points,
+                          n_points);
     for (size_t s = 0, first = 0; status == NQM_OK && s < scene->n_parts; ++s) {
         const nqm_scene *part = scene->parts[s];
         scene_job job = {part, s, first, fill, user, points};

@@ -394,7 +394,7 @@ nqm_status nqm_model_builtin(const char *name, nqm_model **model_ret, nqm_error 
     for (const nqm_embedded_file *m = nqm_embedded_models; m->name; ++m)
         if (strcmp(m->name, name) == 0)
             return nqm_model_parse(m->begin, (size_t)(m->end - m->begin), m->name, false, model_ret, err);
-    if (nqm_model_builtin_count() == 0)
+    if (!nqm_model_builtin_name(0))
         return nqm_fail(err, NQM_ERR_MODEL, -1,
                         "model '%s': no model is built into this library: train one (nqm train) and give its file",
                         name);

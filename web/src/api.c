@@ -150,11 +150,13 @@ void EXPORT(web_eval)(int id, size_t n, const double *wi, const double *wo, doub
 
 /* theta_h, theta_d, phi_d in degrees of the directions of "default": (n, 3). */
 const double *EXPORT(web_directions)(void) {
-    return use_model(0, NULL) == NQM_OK ? nqm_directions_degrees(nqm_model_get_info(models[0].model).directions) : NULL;
+    return use_model(0, NULL) == NQM_OK
+               ? nqm_directions_get_info(nqm_model_get_info(models[0].model).directions).degrees
+               : NULL;
 }
 
 size_t EXPORT(web_direction_count)(void) {
-    return use_model(0, NULL) == NQM_OK ? nqm_directions_count(nqm_model_get_info(models[0].model).directions) : 0;
+    return use_model(0, NULL) == NQM_OK ? nqm_directions_get_info(nqm_model_get_info(models[0].model).directions).n : 0;
 }
 
 /* ---- what there is to choose from -------------------------------------------------------------------------------- */
@@ -176,7 +178,7 @@ const char *EXPORT(web_names)(void) {
 #define ROW(MODEL) &MODEL,
         NQM_ANALYTIC_MODELS(ROW) NQM_SHADING_MODELS(ROW)};
     json_t *presets = json_array(), *schemas = json_array(), *targets = json_array();
-    for (size_t i = 0; i < nqm_brdf_preset_count(); ++i)
+    for (size_t i = 0; nqm_brdf_preset_name(i); ++i)
         json_array_append_new(presets, json_string(nqm_brdf_preset_name(i)));
     for (size_t i = 0; i < sizeof analytic / sizeof *analytic; ++i)
         json_array_append_new(schemas, json_pack("{s:s,s:o}", "name", analytic[i]->schema.model, "keys",
@@ -207,16 +209,16 @@ const char *EXPORT(web_materials)(const char *path) {
 /* ---- scores ------------------------------------------------------------------------------------------------------ */
 
 static json_t *score_json(const char *ref, const char *test, const nqm_score_result *r, const nqm_error *err) {
-    char words[NQM_LABEL_TEXT] = "";
     if (r->status != NQM_OK)
         return error_json(err);
-    if (!isnan(r->parts.structure))
-        nqm_label_describe(&r->parts, words);
+    const nqm_label_info info = nqm_label_get_info(&r->parts);
+    const char *words = isnan(r->parts.structure) ? "" : info.words;
     json_t *metrics = json_object();
     for (int m = 0; m < NQM_METRIC_COUNT; ++m)
-        json_object_set_new(metrics, nqm_metric_name((nqm_metric)m), number(r->metrics[m]));
+        json_object_set_new(metrics, nqm_metric_get_info((nqm_metric)m).name, number(r->metrics[m]));
     char verdict[VERDICT_TEXT];
-    const remark_terms terms = {.n_directions = nqm_directions_count(nqm_model_get_info(models[0].model).directions)};
+    const remark_terms terms = {.n_directions =
+                                    nqm_directions_get_info(nqm_model_get_info(models[0].model).directions).n};
     return json_pack("{s:s,s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:s,s:[ooo],s:o,s:o,s:[ooo],s:o,s:b,s:o,s:I}", "verdict",
                      verdict_words(r, verdict), "prefer_reference", number(preference_share(r)), "remarks",
                      json_remarks(&terms, &(nqm_named_pair){ref, test}, ref, test, r), "jod", number(r->jod), "low",
@@ -392,7 +394,7 @@ const char *EXPORT(web_costs)(int ref, int test) {
     nqm_error err = {0};
     nqm_status status = use_model(0, &err);
     const nqm_directions *directions = status == NQM_OK ? nqm_model_get_info(models[0].model).directions : NULL;
-    const size_t n = directions ? nqm_directions_count(directions) : 0;
+    const size_t n = directions ? nqm_directions_get_info(directions).n : 0;
     float *a = NULL, *b, *gradient;
     double *cost, sum = 0, value;
     if (status == NQM_OK)
@@ -417,7 +419,7 @@ const char *EXPORT(web_costs)(int ref, int test) {
         size_t best = 0;
         for (size_t i = 1; i < n; ++i)
             best = cost[i] > cost[best] ? i : best;
-        const double *hd = nqm_directions_degrees(directions) + 3 * best;
+        const double *hd = nqm_directions_get_info(directions).degrees + 3 * best;
         const double f[2] = {nqm_luminance((double[3]){a[3 * best], a[3 * best + 1], a[3 * best + 2]}),
                              nqm_luminance((double[3]){b[3 * best], b[3 * best + 1], b[3 * best + 2]})};
         json_array_append_new(rows, json_pack("[ffffff]", hd[0], hd[1], hd[2], cost[best] / sum, f[0], f[1]));
@@ -481,7 +483,7 @@ static nqm_status fill_stage(struct stage *s, nqm_error *err) {
     options.min_valid = 0; /* the page says what is missing */
     if (status == NQM_OK)
         status = nqm_scene_create(&options, &s->scene, err);
-    const size_t n = status == NQM_OK ? nqm_scene_count(s->scene) : 0;
+    const size_t n = status == NQM_OK ? nqm_scene_get_info(s->scene).n_points : 0;
     if (status == NQM_OK)
         status = nqm_alloc_arrays(NQM_ARRAYS({&s->rgb_cdm2[0], 3 * n, sizeof(double)},
                                              {&s->rgb_cdm2[1], 3 * n, sizeof(double)}, {&s->delta_e, n, sizeof(double)},
@@ -510,8 +512,8 @@ static nqm_status set_stage(const char *light, size_t size, size_t supersample, 
 /* Average the points of each pixel: colours of a picture, or of a map up to `end`; alpha: how much of the pixel the sphere covers. */
 static const unsigned char *pixels_of(const struct stage *s, const double *rgb_cdm2, const double *delta_e,
                                       double end) {
-    const size_t n = nqm_scene_count(s->scene), *pixel = nqm_scene_pixels(s->scene), size = s->size,
-                 width = s->supersample * size;
+    const size_t n = nqm_scene_get_info(s->scene).n_points, *pixel = nqm_scene_get_info(s->scene).pixels,
+                 size = s->size, width = s->supersample * size;
     const nqm_tone tone = nqm_tone_default();
     double *sum = nqm_alloc(size * size, 4 * sizeof *sum);
     for (size_t i = 0; sum && i < n; ++i) {
@@ -546,9 +548,9 @@ const char *EXPORT(web_failure)(void) {
 
 /* The Delta-E ITP between the pictures that were rendered last, from 0 to the first of the facts in viridis. */
 const unsigned char *EXPORT(web_difference)(void) {
-    nqm_scene_delta_e_map(current->scene, current->rgb_cdm2[0], current->rgb_cdm2[1], current->delta_e);
+    nqm_scene_compare(current->scene, current->rgb_cdm2[0], current->rgb_cdm2[1], current->delta_e);
     const double *maps[1] = {current->delta_e};
-    const nqm_status status = nqm_map_scale(1, maps, nqm_scene_count(current->scene), facts, &failure);
+    const nqm_status status = nqm_map_scale(1, maps, nqm_scene_get_info(current->scene).n_points, facts, &failure);
     return status == NQM_OK ? pixels_of(current, NULL, current->delta_e, facts[0]) : NULL;
 }
 
@@ -563,7 +565,7 @@ const char *EXPORT(web_translate)(int ref, const char *target, const char *name,
     nqm_error err = {0};
     static nqm_match_report report;
     static char dropped[300];
-    nqm_brdf *written = NULL;
+    nqm_brdf *written = NULL, *fitted = NULL;
     const nqm_brdf *test;
     nqm_score_result r = {0};
     const char *spec = nqm_brdf_get_info(brdfs[ref]).spec, *model = target;
@@ -579,11 +581,12 @@ const char *EXPORT(web_translate)(int ref, const char *target, const char *name,
     fit.start = copy;
     fit.progress = pass_progress;
     const nqm_match_loss loss = {"auto", models[0].model, models[1].model, NULL};
-    status = nqm_match(brdfs[ref], model, &loss, &fit, &report, NULL, &err);
+    status = nqm_match(brdfs[ref], model, &loss, &fit, &report, &fitted, &err);
     nqm_free(copy);
     unlink(path);
     if (status == NQM_OK)
-        status = nqm_material_write(report.fit.spec, name, path, &err);
+        status = nqm_brdf_write(fitted, NQM_FILE_MATERIAL, name, path, NULL, NULL, &err);
+    nqm_brdf_free(fitted);
     if (status == NQM_OK)
         status = nqm_brdf_open(path, &written, &err);
     test = written;

@@ -7,12 +7,8 @@
 
 #include <string.h>
 
-size_t nqm_brdf_preset_count(void) {
-    return nqm_preset_name_count;
-}
-
 const char *nqm_brdf_preset_name(size_t i) {
-    return nqm_preset_names[i];
+    return i < nqm_preset_name_count ? nqm_preset_names[i] : NULL;
 }
 
 const char *nqm_preset_named(const char *material) {

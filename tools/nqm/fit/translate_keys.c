@@ -28,10 +28,10 @@ static const translate_target targets[] = {
 enum { N_TARGETS = sizeof targets / sizeof *targets };
 
 static bool is_shading_model(const char *model) {
-    size_t i = 0;
-    while (nqm_fit_shading(i) && strcmp(nqm_fit_shading(i), model) != 0)
+    size_t i = NQM_FIT_FIRST_SHADING;
+    while (nqm_fit_model(i) && strcmp(nqm_fit_model(i), model) != 0)
         ++i;
-    return nqm_fit_shading(i) != NULL;
+    return nqm_fit_model(i) != NULL;
 }
 
 const char *const *target_names(void) {

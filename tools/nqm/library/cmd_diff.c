@@ -224,11 +224,12 @@ static void print_added(void *word, const char *key) {
 /* What changed of a row: words of its look, properties, the old name. free() it. */
 static char *describe_row(size_t i) {
     const scored_pair *row = &run.rows[i];
-    char words[NQM_LABEL_TEXT] = "", *text;
+    const nqm_label_info info = nqm_label_get_info(&row->result.parts);
+    const bool differs = row->err.status == NQM_OK && !row->result.identical && !isnan(row->result.parts.structure);
+    const char *words = differs ? info.words : "";
+    char *text;
     size_t n;
     FILE *to = open_text(&text, &n);
-    if (row->err.status == NQM_OK && !row->result.identical && !isnan(row->result.parts.structure))
-        nqm_label_describe(&row->result.parts, words);
     fputs(words, to);
     json_t *change;
     size_t k;

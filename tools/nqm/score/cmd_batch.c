@@ -383,7 +383,8 @@ static void open_inputs(batch_run *run, const batch_arguments *a) {
     run->list_name = *stream ? stream : a->list;
     run->form.list = run->list;
     run->form.model = model;
-    run->form.terms = (remark_terms){nqm_directions_count(nqm_model_get_info(model).directions), run->options.invalid};
+    run->form.terms =
+        (remark_terms){nqm_directions_get_info(nqm_model_get_info(model).directions).n, run->options.invalid};
     set_batch_columns(&run->form);
 }
 

@@ -120,7 +120,7 @@ static json_t *json_test(const report_page *page, size_t place) {
                     has_interval(r) ? json_sprintf("%.2f to %.2f", r->jod_low, r->jod_high) : NULL, preference_share(r),
                     result_at(page->json_labels, row->order),
                     count_tests(page) <= MAX_COMPARED ? json_preferred(page, place) : NULL,
-                    nqm_label_adapted_jod(&r->parts));
+                    nqm_label_get_info(&r->parts).adapted_jod);
 }
 
 /* ---- how to read it ---------------------------------------------------------------------------------------------- */
