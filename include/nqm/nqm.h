@@ -21,5 +21,6 @@
 #include <nqm/samples.h>
 #include <nqm/texture.h>
 #include <nqm/train.h>
+#include <nqm/translate.h>
 
 #endif

@@ -799,6 +799,23 @@ class TrainReport(Structure):
     ]
 
 
+class Translation(Structure):
+    _fields_ = [
+        ("match", MatchReport),
+        ("copied", c_char * 2048),
+        ("dropped", c_char * 300),
+        ("texture", TextureResult),
+    ]
+
+
+class TranslateModel(Structure):
+    _fields_ = [
+        ("name", c_char_p),
+        ("alias", c_char_p),
+        ("extension", c_char * 8),
+    ]
+
+
 #: name: (result, arguments)
 FUNCTIONS = {
     "nqm_status_text": (c_char_p, [c_int]),
@@ -888,4 +905,7 @@ FUNCTIONS = {
     "nqm_train": (c_int, [c_void_p, POINTER(TrainOptions), c_void_p, POINTER(TrainReport), POINTER(Error)]),
     "nqm_model_calibrate": (c_int, [c_void_p, c_void_p, c_int, c_void_p, POINTER(Calibration), POINTER(Error)]),
     "nqm_model_annotate": (c_int, [c_void_p, c_char_p, c_void_p, POINTER(Error)]),
+    "nqm_translate_target": (TranslateModel, [c_size_t]),
+    "nqm_translate": (c_int, [c_void_p, c_char_p, POINTER(MatchLoss), POINTER(FitOptions), POINTER(Translation), POINTER(Error)]),
+    "nqm_translate_texture": (c_int, [c_void_p, c_char_p, c_char_p, POINTER(MatchLoss), POINTER(FitOptions), POINTER(Translation), POINTER(Error)]),
 }
