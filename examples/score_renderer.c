@@ -44,7 +44,7 @@ int main(void) {
              exact.exponent);
     /* 1. The renderer's BRDF through callbacks. evaluate() keeps no state, so threads may call it concurrently. */
     nqm_brdf_callbacks callbacks = {.eval = evaluate, .user = &rounded, .name = "rounded", .reciprocal = 1};
-    nqm_status status = nqm_model_builtin("default", &model, &err);
+    nqm_status status = nqm_model_load("default", &model, &err);
     if (status == NQM_OK)
         status = nqm_brdf_open(spec, &ref, &err);
     if (status == NQM_OK)

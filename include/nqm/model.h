@@ -78,14 +78,13 @@ typedef struct nqm_model_info {
      * 1.96 standard errors of labels near Q. doc/evaluation.md says how all are fitted. */
 } nqm_model_info;
 
-/** Load a model file (safetensors; doc/model-format.md). Checks names, shapes, finiteness and the SHA-256.
- *  NQM_ERR_IO, NQM_ERR_FORMAT (not safetensors), NQM_ERR_MODEL (checksum, tensors), NQM_ERR_NOMEM. */
-NQM_API NQM_MUST_CHECK nqm_status nqm_model_load(const char *path, nqm_model **model_ret, nqm_error *err);
+/** A built-in model by name ("default"; libnqm-full also has "paper"), or a model file (safetensors; doc/model-format.md), whose
+ *  names, shapes, finiteness and SHA-256 are checked. NQM_ERR_IO, NQM_ERR_FORMAT (not safetensors), NQM_ERR_MODEL (checksum, tensors; a
+ *  word that is neither), NQM_ERR_NOMEM. */
+NQM_API NQM_MUST_CHECK nqm_status nqm_model_load(const char *name_or_path, nqm_model **model_ret, nqm_error *err);
 /** Write a model file, which appears under its name only when it is complete; a file of that name is replaced.
  *  NQM_ERR_IO, NQM_ERR_NOMEM. */
 NQM_API NQM_MUST_CHECK nqm_status nqm_model_save(const nqm_model *model, const char *path, nqm_error *err);
-/** A built-in model by name: "default"; libnqm-full also has "paper". NQM_ERR_MODEL when no built-in model has the name. */
-NQM_API NQM_MUST_CHECK nqm_status nqm_model_builtin(const char *name, nqm_model **model_ret, nqm_error *err);
 /** The name of built-in model i, NULL after the last. */
 NQM_API const char *nqm_model_builtin_name(size_t i);
 /** Free a model; NULL is allowed. */

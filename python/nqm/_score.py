@@ -64,13 +64,11 @@ class Model:
     def open(cls, name_or_path: PathLike = "default") -> "Model":
         """A built-in model by name (`models` lists them), or a model file."""
         handle = c_void_p()
-        if name_or_path in models():
-            call(lib.nqm_model_builtin, encode(name_or_path), byref(handle))
-        elif isinstance(name_or_path, str) and not os.path.exists(name_or_path) and os.sep not in name_or_path:
+        if (isinstance(name_or_path, str) and name_or_path not in models() and not os.path.exists(name_or_path) and
+                os.sep not in name_or_path):
             raise Error("there is no model '%s': built in are %s; or give a model file" % (name_or_path, ", ".join(models())),
                         _abi.Status.MODEL)
-        else:
-            call(lib.nqm_model_load, encode(name_or_path), byref(handle))
+        call(lib.nqm_model_load, encode(name_or_path), byref(handle))
         model = object.__new__(cls)
         model._handle = handle
         own_handle(model, handle, lib.nqm_model_free)

@@ -223,4 +223,7 @@ NQM_MUST_CHECK nqm_status nqm_model_inference(const nqm_model *model, const nqm_
 NQM_MUST_CHECK nqm_status nqm_model_from_memory(const void *data, size_t n_bytes, const char *name,
                                                 nqm_model **model_ret, nqm_error *err);
 
+/** A built-in model by name: "default"; libnqm-full also has "paper". NQM_ERR_MODEL when no built-in model has the name. */
+NQM_MUST_CHECK nqm_status nqm_model_builtin(const char *name, nqm_model **model_ret, nqm_error *err);
+
 #endif

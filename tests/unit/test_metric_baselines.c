@@ -4,6 +4,7 @@
  * limiting cases.
  */
 #include "io/io.h"
+#include "metric/metric.h"
 #include "sample/sample.h"
 #include "support/check.h"
 #include "support/metrics_pair.h"

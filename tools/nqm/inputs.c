@@ -86,10 +86,9 @@ char *join_with_colon(const char *a, const char *b) {
 nqm_model *open_model(const char *name_or_path) {
     const char *name = name_or_path ? name_or_path : "default";
     nqm_model *model;
-    bool is_built_in = is_builtin(name);
-    if (!is_built_in && (is_word(name) || (nqm_spec_probe(name) && access(name, F_OK) != 0)))
+    if (!is_builtin(name) && (is_word(name) || (nqm_spec_probe(name) && access(name, F_OK) != 0)))
         stop_unknown_model(name);
-    must(is_built_in ? nqm_model_builtin(name, &model, &fault) : nqm_model_load(name, &model, &fault));
+    must(nqm_model_load(name, &model, &fault));
     return model;
 }
 

@@ -69,7 +69,7 @@ static nqm_status use_model(int i, nqm_error *err) {
     nqm_score_options options = nqm_score_options_default();
     if (i < 0 || i >= N_MODELS)
         return nqm_fail(err, NQM_ERR_ARG, -1, "there is no such model");
-    nqm_status status = models[i].model ? NQM_OK : nqm_model_builtin(models[i].name, &models[i].model, err);
+    nqm_status status = models[i].model ? NQM_OK : nqm_model_load(models[i].name, &models[i].model, err);
     if (status == NQM_OK && !models[i].scorer)
         status = nqm_scorer_create(models[i].model, &options, &models[i].scorer, err);
     return status;

@@ -7,6 +7,7 @@
 #include "metric/metric.h"
 #include "nqm/help.h"
 #include "nqm/textured.h"
+#include "train/train.h"
 #include <nqm/material.h>
 #include <nqm/texture.h>
 

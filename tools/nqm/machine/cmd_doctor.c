@@ -118,7 +118,7 @@ static void check_models(examination *e) {
         const char *name = nqm_model_builtin_name(i);
         nqm_model *model;
         nqm_error err = {0};
-        if (nqm_model_builtin(name, &model, &err) != NQM_OK) {
+        if (nqm_model_load(name, &model, &err) != NQM_OK) {
             add(e, "model", STATE_PROBLEM, "install nqm again: this program is damaged", "%s", err.message);
             continue;
         }
