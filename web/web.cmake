@@ -25,7 +25,7 @@ foreach(room base math kernel io material brdf net percept sample model metric t
 endforeach()
 # What web/shim replaces, and what a page does not need.
 list(FILTER nqm_sources EXCLUDE REGEX
-  "/(base/(library|lock|shared_work|sha256)|io/(zip|mesh.*|raster_(png|jpeg|webp))|kernel/(build_info|isa_a.*)|render/tracer_embree)[.]c$")
+  "/(base/(dynamic|lock|shared_work|sha256)|io/(zip|mesh.*|raster_(png|jpeg|webp))|kernel/(build_info|isa_a.*)|render/tracer_embree)[.]c$")
 list(APPEND nqm_sources tools/figures/picture.c tools/nqm/fit/translate_keys.c
   tools/nqm/score/score_shared.c tools/nqm/show/charts.c tools/nqm/inputs.c)
 file(GLOB shims CONFIGURE_DEPENDS ${web}/shim/*.c ${web}/src/*.c)
