@@ -215,10 +215,10 @@ static json_t *score_json(const char *ref, const char *test, const nqm_score_res
     json_t *metrics = json_object();
     for (int m = 0; m < NQM_METRIC_COUNT; ++m)
         json_object_set_new(metrics, nqm_metric_name((nqm_metric)m), number(r->metrics[m]));
-    char verdict[VERDICT_TEXT];
+    char verdict[NQM_VERDICT_TEXT];
     const remark_terms terms = {.n_directions = nqm_directions_count(nqm_model_get_info(models[0].model).directions)};
     return json_pack("{s:s,s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:s,s:[ooo],s:o,s:o,s:[ooo],s:o,s:b,s:o,s:I}", "verdict",
-                     verdict_words(r, verdict), "prefer_reference", number(preference_share(r)), "remarks",
+                     nqm_verdict(r, verdict), "prefer_reference", number(nqm_verdict_preference(r)), "remarks",
                      json_remarks(&terms, &(nqm_named_pair){ref, test}, ref, test, r), "jod", number(r->jod), "low",
                      number(r->jod_low), "high", number(r->jod_high), "delta_e", number(r->delta_e), "novelty",
                      number(r->novelty), "words", words, "shift", number(r->parts.shift[0]), number(r->parts.shift[1]),

@@ -246,7 +246,7 @@ static char *describe_row(size_t i) {
 
 static void print_text(void) {
     const bool is_calibrated = *nqm_model_get_info(run.model).calibration;
-    char verdict[VERDICT_TEXT];
+    char verdict[NQM_VERDICT_TEXT];
     printf("old    %s\nnew    %s\nmodel  %s\n\n", shown(old_path), shown(new_path),
            shown(nqm_model_get_info(run.model).id));
     for (size_t i = 0; i < v.n_pairs; ++i) {
@@ -255,7 +255,7 @@ static void print_text(void) {
             continue;
         print_jod(row, is_calibrated);
         printf("  %s  %s\n", shown(row->name),
-               row->err.status == NQM_OK ? verdict_words(&row->result, verdict) : "no score");
+               row->err.status == NQM_OK ? nqm_verdict(&row->result, verdict) : "no score");
         char *text = describe_row(i);
         if (*text)
             print_phrases(text);

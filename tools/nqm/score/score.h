@@ -6,8 +6,8 @@
 #define NQM_TOOL_SCORE_H
 
 #include "metric/metric.h"
-#include "nqm/score/pair_list.h"
 #include "nqm/tool.h"
+#include "pairs/pairs.h"
 #include <nqm/texture.h>
 
 /** The lowest JOD, and the lowest lower end of its 95 % interval, that pass; 0: any. */
@@ -43,7 +43,7 @@ typedef struct scored_pair {
 
 /** Settings that remarks refer to. */
 typedef struct remark_terms {
-    size_t n_directions;
+    const nqm_model *model;
     nqm_invalid_policy invalid;
 } remark_terms;
 
@@ -61,21 +61,20 @@ typedef struct score_run {
     double worst;    /* gate of the worst 5 % of texels, JOD; 0: none */
     size_t n_rows;
     scored_pair *rows;               /* (n_rows) */
-    expansion expansion;             /* the texts of the rows */
+    nqm_pairs *pairs;                /* the texts of the rows; NULL: others have them */
     const char *ref_path, *ref_name; /* the argument; the name to print */
     remark_terms terms;              /* set by make_scores() */
 } score_run;
 
 /* ---- shared (score_shared.c) ------------------------------------------------------------------------------------- */
 
-/** Rows for the pairs of arguments[0] with each of the others, expanded (pair_list.h). names: (n_arguments) to print, NULL
+/** Rows for the pairs of arguments[0] with each of the others, expanded. names: (n_arguments) to print, NULL
  *  where the argument itself is to be printed; NULL: there are none. */
 void set_pairs(score_run *run, int n_arguments, char **arguments, const char *const *names);
-/** The same for the pairs of a list; names: (n_rows) of the tests, NULL where there is none. */
-void set_list_pairs(score_run *run, const nqm_pair_list *list, const char *const *names);
-/** Cut the names off the tests "NAME=BRDF" of a list, in its working folder; a column `name` has priority. Returns (n_rows) names,
- *  NULL where there is none; one block, free() it. Stops at names that check_names() refuses; list_name: for messages. */
-const char **take_list_names(nqm_pair_list *list, const char *list_name);
+/** The same for given pairs. */
+void set_list_pairs(score_run *run, const nqm_pairs *list);
+/** nqm_pairs_expand(), with --ignore; materials without a partner are reported. */
+nqm_pairs *expand_pairs(const nqm_pairs *pairs);
 /** Free with nqm_scorer_free(). */
 nqm_scorer *open_scorer(const nqm_model *model, const nqm_score_options *options);
 /** The defaults without scalar metrics. */
@@ -109,12 +108,6 @@ char *score_columns(const char *first, const nqm_model *model, const bool *metri
                     const char *last);
 /** "  8.93  [8.71, 9.15]", the interval only if the model is calibrated; dashes for a pair without a score. */
 void print_jod(const scored_pair *row, bool calibrated);
-/** Fraction of people who would say that the reference looks better; 0.5 is guessing. */
-double preference_share(const nqm_score_result *result);
-enum { VERDICT_TEXT = 64 };
-/** What a score means, in words that are not more certain than its interval: "visible", "between visible and very different";
- *  "" without a score. Returns text or a static string. */
-const char *verdict_words(const nqm_score_result *result, char text[VERDICT_TEXT]);
 /** What `nqm score` and `nqm batch` say of a pair: scores, metrics, parts, gate, remarks, and the error of one without a score. */
 json_t *json_result(const remark_terms *terms, const nqm_named_pair *pair, const bool *metrics, const score_gate *gate,
                     const nqm_score_result *result, const nqm_error *err);
