@@ -10,8 +10,8 @@
 #include "fit/match.h"
 #include "math/math.h"
 #include "nqm/fit/translate.h"
-#include "nqm/score/score.h"
 #include "nqm/show/charts.h"
+#include "pairs/pairs.h"
 #include "render/render.h"
 
 #include <jansson.h>
@@ -215,17 +215,19 @@ static json_t *score_json(const char *ref, const char *test, const nqm_score_res
     json_t *metrics = json_object();
     for (int m = 0; m < NQM_METRIC_COUNT; ++m)
         json_object_set_new(metrics, nqm_metric_name((nqm_metric)m), number(r->metrics[m]));
-    char verdict[NQM_VERDICT_TEXT];
-    const remark_terms terms = {.n_directions = nqm_directions_count(nqm_model_get_info(models[0].model).directions)};
-    return json_pack("{s:s,s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:s,s:[ooo],s:o,s:o,s:[ooo],s:o,s:b,s:o,s:I}", "verdict",
-                     nqm_verdict(r, verdict), "prefer_reference", number(nqm_verdict_preference(r)), "remarks",
-                     json_remarks(&terms, &(nqm_named_pair){ref, test}, ref, test, r), "jod", number(r->jod), "low",
-                     number(r->jod_low), "high", number(r->jod_high), "delta_e", number(r->delta_e), "novelty",
-                     number(r->novelty), "words", words, "shift", number(r->parts.shift[0]), number(r->parts.shift[1]),
-                     number(r->parts.shift[2]), "contrast", number(r->parts.contrast), "structure",
-                     number(r->parts.structure), "apart", number(r->similarity[0]), number(r->similarity[1]),
-                     number(r->similarity[2]), "anisotropy", number(r->anisotropy), "identical", r->identical,
-                     "metrics", metrics, "n_valid", (json_int_t)r->n_valid);
+    char verdict[NQM_VERDICT_TEXT], remarks[NQM_REMARKS_TEXT];
+    json_t *sentences = json_array();
+    nqm_pairs_remarks(models[0].model, NQM_INVALID_DROP, &(nqm_named_pair){ref, test}, ref, test, r, remarks);
+    for (const char *at = remarks; *at; at += strlen(at) + 1)
+        json_array_append_new(sentences, text(at));
+    return json_pack(
+        "{s:s,s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:s,s:[ooo],s:o,s:o,s:[ooo],s:o,s:b,s:o,s:I}", "verdict",
+        nqm_verdict(r, verdict), "prefer_reference", number(nqm_verdict_preference(r)), "remarks", sentences, "jod",
+        number(r->jod), "low", number(r->jod_low), "high", number(r->jod_high), "delta_e", number(r->delta_e),
+        "novelty", number(r->novelty), "words", words, "shift", number(r->parts.shift[0]), number(r->parts.shift[1]),
+        number(r->parts.shift[2]), "contrast", number(r->parts.contrast), "structure", number(r->parts.structure),
+        "apart", number(r->similarity[0]), number(r->similarity[1]), number(r->similarity[2]), "anisotropy",
+        number(r->anisotropy), "identical", r->identical, "metrics", metrics, "n_valid", (json_int_t)r->n_valid);
 }
 
 /* pairs: an array of [reference, test], each a path or spec. The result is an array of scores and errors. */
