@@ -197,6 +197,8 @@ void set_verb(const char *name);
 const char *verb_name(void);
 /** "nqm VERB: message" on standard error, and the exit code for the status. */
 int report_error(const nqm_error *err);
+/** A message of the library on a part that is left out (status), or on what is not used (NQM_OK). */
+void report_part(void *user, nqm_status status, const char *message);
 /** The same for an error that the tool found; returns exit_code. */
 __attribute__((format(printf, 2, 3))) int report(int exit_code, const char *format, ...);
 int exit_code_of(nqm_status status);

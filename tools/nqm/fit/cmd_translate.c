@@ -8,7 +8,6 @@
 #include "fit/match.h"
 #include "material/material.h"
 #include "nqm/fit/translate.h"
-#include "nqm/library/library.h"
 #include "nqm/score/score.h"
 #include "nqm/show/report.h"
 #include "nqm/textured.h"
@@ -68,11 +67,10 @@ static void add_item(translation *t, const char *file, const char *material) {
 static void add_argument(translation *t, const char *argument) {
     refuse_model_name(argument);
     if (is_library(argument)) {
-        library of = {.path = NULL};
-        list_library(argument, &of);
-        for (size_t i = 0; i < of.n; ++i)
-            add_item(t, of.members[i].argument, NULL);
-        free_library(&of);
+        nqm_library *of = open_library(1, &argument, NULL, NULL);
+        for (size_t i = 0; i < of->n; ++i)
+            add_item(t, of->members[i].argument, NULL);
+        nqm_library_free(of);
         return;
     }
     const nqm_materials *materials = read_library(argument);
@@ -303,7 +301,7 @@ static nqm_status translate_maps(const translation *t, item *it, nqm_error *err)
         status = translate_texture(&maps, err);
     if (status != NQM_OK)
         return status;
-    it->score = result_of_textures(&maps.score);
+    it->score = nqm_library_texture_result(&maps.score);
     it->transport = (nqm_score_result){.jod = NAN};
     it->far_jod = maps.score.far_jod[0];
     it->seconds = nqm_clock_s() - begin;

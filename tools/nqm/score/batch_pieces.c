@@ -240,8 +240,9 @@ static bool load(batch_pieces *p, size_t piece) {
 
 /* The rows with a textured member. */
 static void score_piece_textures(batch_pieces *p, size_t n, const nqm_named_pair *pairs) {
-    const texture_terms terms = {.model = p->model, .near_only = p->near_only};
-    kept_texture ref = {.name = NULL};
+    const nqm_library_terms terms = {
+        .model = p->model, .near_only = p->near_only, .progress = show_progress, .report = report_part};
+    nqm_library_kept ref = {.name = NULL};
     nqm_texture_result *t = allocate(1, sizeof *t);
     for (size_t i = 0; i < n; ++i) {
         const bool is_needed = p->results[i].status != NQM_OK && has_texture(&pairs[i]);

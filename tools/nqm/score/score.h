@@ -5,10 +5,10 @@
 #ifndef NQM_TOOL_SCORE_H
 #define NQM_TOOL_SCORE_H
 
+#include "library/library.h"
 #include "metric/metric.h"
 #include "nqm/tool.h"
 #include "pairs/pairs.h"
-#include <nqm/texture.h>
 
 /** The lowest JOD, and the lowest lower end of its 95 % interval, that pass; 0: any. */
 typedef struct score_gate {
@@ -27,12 +27,12 @@ typedef struct scored_pair {
     nqm_named_pair pair;
     const char *name; /* printed name of the test */
     nqm_score_result result;
-    nqm_error err;                  /* status NQM_OK: scored */
-    nqm_texture_result *texture;    /* of a pair with a textured material; NULL: of two BRDFs */
-    float *heat;                    /* (height, width) Delta-E of the texels, with keep_heat; owned */
-    double heat_max;                /* upper end of the colours of its picture; NaN: there is none */
-    size_t order;                   /* index in the arguments */
-    nqm_brdf_difference difference; /* set by compare_rows() */
+    nqm_error err;                     /* status NQM_OK: scored */
+    const nqm_texture_result *texture; /* of a pair with a textured material; NULL: of two BRDFs */
+    float *heat;                       /* (height, width) Delta-E of the texels, with keep_heat; owned */
+    double heat_max;                   /* upper end of the colours of its picture; NaN: there is none */
+    size_t order;                      /* index in the arguments */
+    nqm_brdf_difference difference;    /* set by compare_rows() */
     /* set by rank_rows(): */
     double quality;        /* sort key: the JOD or the similarity */
     size_t group;          /* index of the first pair with the same reference */
@@ -144,26 +144,11 @@ int apply_gate(const score_run *run, int exit_code);
 
 /* ---- textured materials (textures.c) ----------------------------------------------------------------------------- */
 
-/** How textures are scored. */
-typedef struct texture_terms {
-    const nqm_model *model;
-    bool exact; /* all texels */
-    bool keep_heat, near_only;
-    size_t texels_per_pixel; /* 0: 1 */
-} texture_terms;
-/** A texture that stays open for further pairs; zeroed: none. Its name lives as long. */
-typedef struct kept_texture {
-    const char *name;
-    nqm_texture *texture;
-} kept_texture;
-/** The result of a pair of textures as that of a pair of BRDFs. */
-nqm_score_result result_of_textures(const nqm_texture_result *t);
 /** Whether a member of a pair that has no score as one of BRDFs is a textured material. */
 bool has_texture(const nqm_named_pair *pair);
-/** Score such a pair; err->status is that of the result. heat: receives the Delta-E of the texels if the terms want it; free() it.
- *  Ctrl-C ends the run. */
-void score_texture(const texture_terms *terms, const nqm_named_pair *pair, kept_texture *ref, nqm_texture_result *t,
-                   nqm_score_result *result, float **heat, nqm_error *err);
+/** Score such a pair; err->status is that of the result. heat: as of nqm_library_score_texture(). Ctrl-C ends the run. */
+void score_texture(const nqm_library_terms *terms, const nqm_named_pair *pair, nqm_library_kept *ref,
+                   nqm_texture_result *t, nqm_score_result *result, float **heat, nqm_error *err);
 /** Write the map of Delta-E as a picture, or as OpenEXR; returns the upper end of its colours (NaN: OpenEXR has none). */
 double write_heat(const char *path, const nqm_texture_result *t, const float *heat);
 /** The same for the rows of make_scores(). */
@@ -189,6 +174,17 @@ void compare_rows(score_run *run);
 void print_exact(const score_run *run, const scored_pair *row);
 /** Say how many pairs are not equal; whether there are any. */
 bool report_unequal(const score_run *run);
+
+/* ---- libraries (library/open.c) ---------------------------------------------------------------------------------- */
+
+/** Open n files and folders as nqm_library_open(), with the model and options of a run; NULL: they are only listed. */
+nqm_library *open_library(size_t n, const char *const *where, const score_run *run, const char *index);
+/** Rows for pairs of a library, which has their texts and textures; tests: has the tests. */
+void set_library_rows(score_run *run, size_t n, const nqm_library_pair *pairs, const nqm_library *tests);
+/** The same for the pairs of nqm_library_near(). */
+void find_near(nqm_library *library, const nqm_library_query *query, score_run *run);
+/** Report faults, and free the library, the rows and the model. Returns the exit code. */
+int conclude_near(nqm_library *library, score_run *run);
 
 /* ---- sorting (cmd_rank.c) ---------------------------------------------------------------------------------------- */
 

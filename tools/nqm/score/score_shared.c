@@ -82,8 +82,8 @@ void make_scores(score_run *run) {
 
 void free_scores(score_run *run) {
     for (size_t i = 0; i < run->n_rows; ++i) {
-        free(run->rows[i].texture);
-        free(run->rows[i].heat);
+        free((nqm_texture_result *)(uintptr_t)run->rows[i].texture);
+        nqm_free(run->rows[i].heat);
     }
     free(run->rows);
     nqm_pairs_free(run->pairs);
