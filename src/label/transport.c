@@ -146,7 +146,7 @@ static nqm_status fill_matrix(const nqm_scene_options *scene, size_t n_points, n
         return status;
     status = nqm_transport_fill(scene, n_points, light, points, err);
     if (status == NQM_OK)
-        status = nqm_model_set_transport(m, &(nqm_transport){n, n_points, light, points}, err);
+        status = nqm_model_set_transport(m, &(nqm_transport){n, light, {n_points, points}}, err);
     nqm_free(light);
     return status;
 }

@@ -96,8 +96,8 @@ static size_t find(gallery *g, const char *name, const nqm_brdf *brdf, size_t be
     return g->n++;
 }
 
-static nqm_transport points_of(const nqm_azimuths *a) {
-    return (nqm_transport){.n_points = a->model->n_slope_points, .points = a->model->slope_points};
+static nqm_picture_points points_of(const nqm_azimuths *a) {
+    return (nqm_picture_points){a->model->n_slope_points, a->model->slope_points};
 }
 
 /* Whether half vectors for one lobe suit the other, too: sizes and distance within a third. With the same ones the sun
@@ -124,14 +124,14 @@ static void measure(void *user, size_t i) {
 
 static void show(void *user, size_t i) {
     const gallery *g = user;
-    const nqm_transport points = points_of(g->azimuths);
+    const nqm_picture_points points = points_of(g->azimuths);
     subject *s = &g->subjects[i];
     const subject *ref = s->beside == SIZE_MAX ? s : &g->subjects[s->beside];
     const nqm_lobe *lobe = is_like(&ref->lobe, &s->lobe) ? &ref->lobe : &s->lobe;
     if (s->status == NQM_OK && !nqm_azimuths_light(g->azimuths->model, g->azimuths->totals, s->brdf, lobe, s->itp))
         s->status = NQM_ERR_NOMEM;
     if (s->status == NQM_OK && !g->is_light)
-        nqm_transport_show(&points, s->itp, s->itp);
+        nqm_picture_show(&points, s->itp, s->itp);
 }
 
 /* Make the pictures of all subjects; false: cancelled. */
@@ -210,11 +210,11 @@ nqm_status nqm_azimuths_score(const nqm_azimuths *a, size_t n, const nqm_azimuth
         if (!nqm_azimuths_needed(model, &results[i]))
             continue;
         const subject *ref = &g.subjects[place[i][0]], *test = &g.subjects[place[i][1]];
-        const nqm_transport points = points_of(a);
+        const nqm_picture_points points = points_of(a);
         if (ref->status != NQM_OK || test->status != NQM_OK) {
             results[i] = nqm_no_score(ref->status != NQM_OK ? ref->status : test->status);
         } else {
-            const nqm_label label = nqm_transport_label(&points, ref->itp, test->itp);
+            const nqm_label label = nqm_picture_label(&points, ref->itp, test->itp);
             take(a, &label, &results[i]);
         }
     }
@@ -227,8 +227,8 @@ nqm_status nqm_azimuths_score(const nqm_azimuths *a, size_t n, const nqm_azimuth
 /* The label of the means over every `step`-th member from `first` on. subjects: (2 n) references, then tests; mean (2,
  * 3, n_points) is workspace. */
 static nqm_label label_means(const gallery *g, const double *weights, size_t first, size_t step, double *mean) {
-    const nqm_transport points = points_of(g->azimuths);
-    const size_t n = g->n / 2, n_values = 3 * points.n_points;
+    const nqm_picture_points points = points_of(g->azimuths);
+    const size_t n = g->n / 2, n_values = 3 * points.n;
     double sum = 0;
     memset(mean, 0, 2 * n_values * sizeof *mean);
     for (size_t i = first; i < n; i += step)
@@ -237,9 +237,9 @@ static nqm_label label_means(const gallery *g, const double *weights, size_t fir
         for (size_t i = first; i < n; i += step)
             for (size_t k = 0; k < n_values; ++k)
                 mean[k] += weights[i] / sum * g->subjects[s * n + i].itp[k];
-        nqm_transport_show(&points, mean, mean);
+        nqm_picture_show(&points, mean, mean);
     }
-    return nqm_transport_label(&points, mean - 2 * n_values, mean - n_values);
+    return nqm_picture_label(&points, mean - 2 * n_values, mean - n_values);
 }
 
 /* Few members differ more than the means over all would: the square of their Delta-E has a part that is inverse to
