@@ -8,6 +8,8 @@
 #include "metric/metric.h"
 #include "sample/node_grid.h"
 
+#include <string.h>
+
 /* Light directions of a point: they cost nothing later. */
 enum { N_LIGHTS = 1024, N_LIGHTS_BY_SLOPES = 65536 };
 
@@ -96,6 +98,7 @@ static void add_to_cell(const filling *to, const nqm_surface_point *point, const
 nqm_status nqm_transport_fill(const nqm_scene_options *scene, size_t n_points, float *light, double *points,
                               nqm_error *err) {
     const filling to = {add_to_nodes, n_points, nqm_node_grid_make(), light, points, NULL};
+    memset(light, 0, to.grid.n * 3 * n_points * sizeof *light);
     return fill(scene, N_LIGHTS, &to, err);
 }
 
