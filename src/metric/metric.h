@@ -80,6 +80,25 @@ void nqm_gallery_jods(const nqm_gallery *gallery, size_t a, const nqm_gallery *w
 NQM_MUST_CHECK nqm_status nqm_scorer_draw(nqm_scorer *scorer, size_t n, const char *const *names, nqm_gallery *gallery,
                                           size_t first, nqm_error *errors, nqm_error *err);
 
+/** The model that scores anisotropic pairs for a model whose directions have one azimuth: the built-in "anisotropic" for the built-in
+ *  "default" and "transport". NULL in *anisotropic_ret, without an error: other models may predict labels of other scenes. */
+NQM_MUST_CHECK nqm_status nqm_model_find_anisotropic(const nqm_model *model, nqm_model **anisotropic_ret,
+                                                     nqm_error *err);
+/** The same for the model of a scorer, which owns it; the model itself if it is one of slopes. NULL: as above. */
+NQM_MUST_CHECK nqm_status nqm_scorer_anisotropic(nqm_scorer *scorer, const nqm_model **anisotropic_ret, nqm_error *err);
+/** Pairs as nqm_scorer_run_named() or nqm_scorer_run() takes them. */
+typedef struct nqm_opened_pairs {
+    const nqm_named_pair *named; /* NULL: the others */
+    const nqm_brdf *ref;
+    const nqm_brdf *const *tests;
+} nqm_opened_pairs;
+/** Whether a result of the model must be replaced by that of `anisotropic`; and replace those of n <= NQM_SCORE_BLOCK results.
+ *  anisotropic NULL: they have no score (NQM_ERR_INCOMPATIBLE). */
+bool nqm_anisotropic_is_needed(const nqm_model *model, const nqm_score_result *result);
+NQM_MUST_CHECK nqm_status nqm_anisotropic_score(const nqm_model *anisotropic, const nqm_model *model, size_t n,
+                                                const nqm_opened_pairs *pairs, nqm_score_result *results,
+                                                nqm_error *err);
+
 /** What depends only on the directions in sums over them, for many pairs. The directions must outlive it. Any thread. */
 typedef struct nqm_sum_plan nqm_sum_plan;
 NQM_MUST_CHECK nqm_status nqm_sum_plan_create(const nqm_directions *directions, nqm_sum_plan **plan_ret,

@@ -85,10 +85,7 @@ struct nqm_model {
     double *interval; /* (n_interval, 3) predicted JOD, both ends of its 95 % interval, columns ascending; NULL: none */
     float *transport; /* as `light` in nqm_transport; NULL: none */
     double *transport_points; /* (n_points, 3) as in nqm_picture_points; NULL: none */
-    /* Light that each point receives by the slope of the half vector, of models for anisotropic BRDFs; NULL: none.
-     * cd/m2 times cosine times solid angle, (NQM_SLOPE_CELLS, 3, n_slope_points); points as in nqm_picture_points; unit
-     * vectors to the viewer in the axes of the surface (n_slope_points, 3). */
-    float *slopes;
+    float *slopes;            /* with the next: of nqm_slope_light, of models for anisotropic BRDFs; NULL: none */
     double *slope_points, *slope_wo;
     float *novelty_points; /* (n_novelty, scalars.n, NQM_NOVELTY_BLOCK) of nqm_novelty_features() */
     char *scalar_names;    /* names of its scalar inputs, separated by commas; NULL: it has none */
@@ -172,6 +169,13 @@ const char *nqm_transport_points_fault(const nqm_picture_points *points);
 static inline nqm_transport nqm_model_transport(const struct nqm_model *model) {
     return (nqm_transport){model->n_transport, model->transport, {model->n_points, model->transport_points}};
 }
+static inline nqm_slope_light nqm_model_slope_light(const struct nqm_model *model) {
+    return (nqm_slope_light){model->slopes, model->slope_wo, {model->n_slope_points, model->slope_points}};
+}
+/** Make a model without a network, which the caller completes: its light, by slopes or a transport matrix at the directions
+ *  nqm_node_grid_directions(), is 0. It has no golden scores. NQM_ERR_NOMEM. */
+NQM_MUST_CHECK nqm_status nqm_model_of_light(const char *id, bool by_slopes, size_t n_points, nqm_model **model_ret,
+                                             nqm_error *err);
 /** Give a model that is not shared yet a copy of a transport matrix. NQM_ERR_NOMEM. */
 NQM_MUST_CHECK nqm_status nqm_model_set_transport(nqm_model *model, const nqm_transport *transport, nqm_error *err);
 /** What the outputs of models with a transport matrix are added to: log(Delta-E) and the targets of the parts of the estimated
