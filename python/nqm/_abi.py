@@ -553,38 +553,6 @@ class ScoreQuantity(enum.IntEnum):
     DELTA_E = 1
 
 
-class MatchLoss(Structure):
-    _fields_ = [
-        ("text", c_char_p),
-        ("metric", c_void_p),
-        ("transport", c_void_p),
-        ("scene", c_void_p),
-    ]
-
-
-class MatchReport(Structure):
-    _fields_ = [
-        ("fit", FitReport),
-        ("selected", c_char * 128),
-        ("difference", c_double),
-    ]
-
-
-class MaterialInfo(Structure):
-    _fields_ = [
-        ("name", c_char_p),
-        ("surface", c_char_p),
-        ("spec", c_char_p),
-        ("refusal", c_char_p),
-        ("n_maps", c_size_t),
-        ("remark", c_char_p),
-        ("unused", c_char_p),
-        ("byte_offset", c_int64),
-        ("ignorable", c_char_p),
-        ("reflection", c_char_p),
-    ]
-
-
 class TextureInfo(Structure):
     _fields_ = [
         ("name", c_char_p),
@@ -653,6 +621,124 @@ class TextureResult(Structure):
         ("n_blame", c_size_t),
         ("blame", TextureBlame * 32),
     ]
+
+
+class LibraryMember(Structure):
+    _fields_ = [
+        ("argument", c_char_p),
+        ("key", c_char_p),
+        ("is_textured", c_int),
+    ]
+
+
+class LibraryOptions(Structure):
+    _fields_ = [
+        ("ignore", c_char_p),
+        ("index", c_char_p),
+        ("score", POINTER(ScoreOptions)),
+        ("progress", Progress),
+        ("report", CFUNCTYPE(None, c_void_p, c_int, c_char_p)),
+        ("user", c_void_p),
+    ]
+
+
+class Library(Structure):
+    _fields_ = [
+        ("n", c_size_t),
+        ("members", POINTER(LibraryMember)),
+        ("n_failed", c_size_t),
+        ("path", c_char_p),
+        ("state", c_void_p),
+    ]
+
+
+class LibraryValue(Structure):
+    _fields_ = [
+        ("text", c_char_p),
+        ("n", c_size_t),
+        ("v", c_double * 3),
+    ]
+
+
+class LibraryChange(Structure):
+    _fields_ = [
+        ("property", c_char * 48),
+        ("before", LibraryValue),
+        ("after", LibraryValue),
+    ]
+
+
+class LibraryPair(Structure):
+    _fields_ = [
+        ("ref", c_size_t),
+        ("test", c_size_t),
+        ("names", NamedPair),
+        ("result", ScoreResult),
+        ("error", Error),
+        ("texture", POINTER(TextureResult)),
+        ("is_refused_alike", c_int),
+        ("n_changes", c_size_t),
+        ("changes", POINTER(LibraryChange)),
+    ]
+
+
+class LibraryQuery(Structure):
+    _fields_ = [
+        ("to", c_char_p),
+        ("n", c_size_t),
+        ("is_apart", c_int),
+        ("jod", c_double),
+    ]
+
+
+class MatchLoss(Structure):
+    _fields_ = [
+        ("text", c_char_p),
+        ("metric", c_void_p),
+        ("transport", c_void_p),
+        ("scene", c_void_p),
+    ]
+
+
+class MatchReport(Structure):
+    _fields_ = [
+        ("fit", FitReport),
+        ("selected", c_char * 128),
+        ("difference", c_double),
+    ]
+
+
+class MaterialInfo(Structure):
+    _fields_ = [
+        ("name", c_char_p),
+        ("surface", c_char_p),
+        ("spec", c_char_p),
+        ("refusal", c_char_p),
+        ("n_maps", c_size_t),
+        ("remark", c_char_p),
+        ("unused", c_char_p),
+        ("byte_offset", c_int64),
+        ("ignorable", c_char_p),
+        ("reflection", c_char_p),
+    ]
+
+
+class Pairs(Structure):
+    _fields_ = [
+        ("n", c_size_t),
+        ("pairs", POINTER(NamedPair)),
+        ("names", c_void_p),
+        ("rows", c_void_p),
+        ("n_columns", c_size_t),
+        ("columns", c_void_p),
+        ("sha256", c_char_p),
+        ("left_out", c_char_p),
+        ("state", c_void_p),
+    ]
+
+
+REMARKS_TEXT = 9000
+VERDICT_TEXT = 64
 
 
 class Schedule(enum.IntEnum):
@@ -889,17 +975,26 @@ FUNCTIONS = {
     "nqm_score_grad": (c_int, [c_void_p, c_int, c_size_t, POINTER(SamplePair), c_void_p, c_void_p, POINTER(Error)]),
     "nqm_jod_preference": (c_double, [c_double, c_double]),
     "nqm_selftest": (c_int, [CFUNCTYPE(None, c_void_p, c_char_p, c_int), c_void_p, POINTER(Error)]),
-    "nqm_match": (c_int, [c_void_p, c_char_p, POINTER(MatchLoss), POINTER(FitOptions), POINTER(MatchReport), c_void_p, POINTER(Error)]),
-    "nqm_materials_open": (c_int, [c_char_p, c_void_p, POINTER(Error)]),
-    "nqm_materials_count": (c_size_t, [c_void_p]),
-    "nqm_materials_get": (MaterialInfo, [c_void_p, c_size_t]),
-    "nqm_materials_free": (None, [c_void_p]),
     "nqm_texture_open": (c_int, [c_char_p, Progress, c_void_p, c_void_p, POINTER(Error)]),
     "nqm_texture_create": (c_int, [c_char_p, c_size_t, POINTER(TextureMap), c_void_p, POINTER(Error)]),
     "nqm_texture_free": (None, [c_void_p]),
     "nqm_texture_get_info": (TextureInfo, [c_void_p, c_void_p]),
     "nqm_texture_options_default": (TextureOptions, []),
     "nqm_texture_score": (c_int, [c_void_p, c_void_p, c_void_p, POINTER(TextureOptions), POINTER(TextureResult), c_void_p, POINTER(Error)]),
+    "nqm_library_open": (c_int, [c_size_t, c_void_p, c_void_p, POINTER(LibraryOptions), c_void_p, POINTER(Error)]),
+    "nqm_library_free": (None, [POINTER(Library)]),
+    "nqm_library_near": (c_int, [POINTER(Library), POINTER(LibraryQuery), c_void_p, c_void_p, POINTER(Error)]),
+    "nqm_library_diff": (c_int, [POINTER(Library), POINTER(Library), c_void_p, c_void_p, POINTER(Error)]),
+    "nqm_match": (c_int, [c_void_p, c_char_p, POINTER(MatchLoss), POINTER(FitOptions), POINTER(MatchReport), c_void_p, POINTER(Error)]),
+    "nqm_materials_open": (c_int, [c_char_p, c_void_p, POINTER(Error)]),
+    "nqm_materials_count": (c_size_t, [c_void_p]),
+    "nqm_materials_get": (MaterialInfo, [c_void_p, c_size_t]),
+    "nqm_materials_free": (None, [c_void_p]),
+    "nqm_pairs_read": (c_int, [c_char_p, c_void_p, POINTER(Error)]),
+    "nqm_pairs_expand": (c_int, [POINTER(Pairs), c_char_p, c_void_p, POINTER(Error)]),
+    "nqm_pairs_free": (None, [POINTER(Pairs)]),
+    "nqm_pairs_remarks": (c_char_p, [c_void_p, c_int, POINTER(NamedPair), c_char_p, c_char_p, POINTER(ScoreResult), c_char_p]),
+    "nqm_verdict": (c_char_p, [POINTER(ScoreResult), c_char_p]),
     "nqm_train_options_recipe": (c_int, [c_char_p, POINTER(TrainOptions), POINTER(Error)]),
     "nqm_train": (c_int, [c_void_p, POINTER(TrainOptions), c_void_p, POINTER(TrainReport), POINTER(Error)]),
     "nqm_model_calibrate": (c_int, [c_void_p, c_void_p, c_int, c_void_p, POINTER(Calibration), POINTER(Error)]),

@@ -7,12 +7,11 @@
 #include "brdf/brdf.h"
 #include "brdf/core/spec.h"
 #include "figures/picture.h"
-#include "fit/match.h"
 #include "math/math.h"
-#include "nqm/fit/translate.h"
-#include "nqm/score/score.h"
 #include "nqm/show/charts.h"
+#include "pairs/pairs.h"
 #include "render/render.h"
+#include <nqm/translate.h>
 
 #include <jansson.h>
 #include <math.h>
@@ -175,16 +174,17 @@ static json_t *model_keys(const nqm_schema *schema) {
 /* Presets, models with their keys, and models to which materials are translated. */
 const char *EXPORT(web_names)(void) {
     static const nqm_analytic_model *const analytic[] = {
-#define ROW(MODEL) &MODEL,
-        NQM_ANALYTIC_MODELS(ROW) NQM_SHADING_MODELS(ROW)};
+#define ROW(MODEL)         &MODEL,
+#define SHADING(NAME, ...) &nqm_##NAME##_model,
+        NQM_ANALYTIC_MODELS(ROW) NQM_SHADING_SCHEMAS(SHADING)};
     json_t *presets = json_array(), *schemas = json_array(), *targets = json_array();
     for (size_t i = 0; nqm_brdf_preset_name(i); ++i)
         json_array_append_new(presets, json_string(nqm_brdf_preset_name(i)));
     for (size_t i = 0; i < sizeof analytic / sizeof *analytic; ++i)
         json_array_append_new(schemas, json_pack("{s:s,s:o}", "name", analytic[i]->schema->model, "keys",
                                                  model_keys(analytic[i]->schema)));
-    for (const char *const *name = target_names(); *name; ++name)
-        json_array_append_new(targets, json_string(*name));
+    for (size_t i = 0; nqm_translate_target(i).name; ++i)
+        json_array_append_new(targets, json_string(nqm_translate_target(i).name));
     return reply(json_pack("{s:o,s:o,s:o,s:s}", "presets", presets, "models", schemas, "targets", targets, "version",
                            nqm_version()));
 }
@@ -216,18 +216,19 @@ static json_t *score_json(const char *ref, const char *test, const nqm_score_res
     json_t *metrics = json_object();
     for (int m = 0; m < NQM_METRIC_COUNT; ++m)
         json_object_set_new(metrics, nqm_metric_get_info((nqm_metric)m).name, number(r->metrics[m]));
-    char verdict[VERDICT_TEXT];
-    const remark_terms terms = {.n_directions =
-                                    nqm_directions_get_info(nqm_model_get_info(models[0].model).directions).n};
-    return json_pack("{s:s,s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:s,s:[ooo],s:o,s:o,s:[ooo],s:o,s:b,s:o,s:I}", "verdict",
-                     verdict_words(r, verdict), "prefer_reference", number(preference_share(r)), "remarks",
-                     json_remarks(&terms, &(nqm_named_pair){ref, test}, ref, test, r), "jod", number(r->jod), "low",
-                     number(r->jod_low), "high", number(r->jod_high), "delta_e", number(r->delta_e), "novelty",
-                     number(r->novelty), "words", words, "shift", number(r->parts.shift[0]), number(r->parts.shift[1]),
-                     number(r->parts.shift[2]), "contrast", number(r->parts.contrast), "structure",
-                     number(r->parts.structure), "apart", number(r->similarity[0]), number(r->similarity[1]),
-                     number(r->similarity[2]), "anisotropy", number(r->anisotropy), "identical", r->identical,
-                     "metrics", metrics, "n_valid", (json_int_t)r->n_valid);
+    char verdict[NQM_VERDICT_TEXT], remarks[NQM_REMARKS_TEXT];
+    json_t *sentences = json_array();
+    nqm_pairs_remarks(models[0].model, NQM_INVALID_DROP, &(nqm_named_pair){ref, test}, ref, test, r, remarks);
+    for (const char *at = remarks; *at; at += strlen(at) + 1)
+        json_array_append_new(sentences, text(at));
+    return json_pack(
+        "{s:s,s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:s,s:[ooo],s:o,s:o,s:[ooo],s:o,s:b,s:o,s:I}", "verdict",
+        nqm_verdict(r, verdict), "prefer_reference", number(nqm_verdict_preference(r)), "remarks", sentences, "jod",
+        number(r->jod), "low", number(r->jod_low), "high", number(r->jod_high), "delta_e", number(r->delta_e),
+        "novelty", number(r->novelty), "words", words, "shift", number(r->parts.shift[0]), number(r->parts.shift[1]),
+        number(r->parts.shift[2]), "contrast", number(r->parts.contrast), "structure", number(r->parts.structure),
+        "apart", number(r->similarity[0]), number(r->similarity[1]), number(r->similarity[2]), "anisotropy",
+        number(r->anisotropy), "identical", r->identical, "metrics", metrics, "n_valid", (json_int_t)r->n_valid);
 }
 
 /* pairs: an array of [reference, test], each a path or spec. The result is an array of scores and errors. */
@@ -560,30 +561,26 @@ const double *EXPORT(web_facts)(void) {
 
 /* ---- translations ------------------------------------------------------------------------------------------------ */
 
-/* Fit a shading model as `nqm translate` does, write it to `path` under `name`, and score what was written. */
+/* Translate as `nqm translate` does, write the result to `path` under `name`, and score what was written. */
 const char *EXPORT(web_translate)(int ref, const char *target, const char *name, const char *path) {
     nqm_error err = {0};
-    static nqm_match_report report;
-    static char dropped[300];
+    static nqm_translation t;
     nqm_brdf *written = NULL, *fitted = NULL;
     const nqm_brdf *test;
     nqm_score_result r = {0};
-    const char *spec = nqm_brdf_get_info(brdfs[ref]).spec, *model = target;
     nqm_status status = use_model(0, &err);
     if (status == NQM_OK)
         status = use_model(1, &err);
     if (status != NQM_OK)
         return reply(error_json(&err));
     nqm_fit_options fit = nqm_fit_options_default();
-    char *copy = copy_keys(spec, model);
-    list_dropped(spec, model, dropped, sizeof dropped);
     fit.n_directions = 2000;
-    fit.start = copy;
     fit.progress = pass_progress;
     const nqm_match_loss loss = {"auto", models[0].model, models[1].model, NULL};
-    status = nqm_match(brdfs[ref], model, &loss, &fit, &report, &fitted, &err);
-    nqm_free(copy);
+    status = nqm_translate(brdfs[ref], target, &loss, &fit, &t, &err);
     unlink(path);
+    if (status == NQM_OK)
+        status = nqm_brdf_open(t.match.fit.spec, &fitted, &err);
     if (status == NQM_OK)
         status = nqm_brdf_write(fitted, NQM_FILE_MATERIAL, name, path, NULL, NULL, &err);
     nqm_brdf_free(fitted);
@@ -594,8 +591,8 @@ const char *EXPORT(web_translate)(int ref, const char *target, const char *name,
         status = nqm_scorer_run(models[0].scorer, brdfs[ref], 1, &test, &r, &err);
     json_t *json = status != NQM_OK
                        ? error_json(&err)
-                       : json_pack("{s:s,s:s,s:s,s:o}", "spec", report.fit.spec, "selected", report.selected, "dropped",
-                                   dropped, "score", score_json("reference", path, &r, &err));
+                       : json_pack("{s:s,s:s,s:s,s:o}", "spec", t.match.fit.spec, "selected", t.match.selected,
+                                   "dropped", t.dropped, "score", score_json("reference", path, &r, &err));
     nqm_brdf_free(written);
     return reply(json);
 }
