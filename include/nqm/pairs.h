@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * nqm/pairs.h - EXPERIMENTAL (may change in any release): lists of pairs of BRDFs, files of several materials as pairs, and what is
- * said of a score in words.
+ * nqm/pairs.h - lists of pairs of BRDFs, files of several materials as pairs, and what is
+ * said of a score in words. NQM_EXPERIMENTAL.
  */
 #ifndef NQM_PAIRS_H
 #define NQM_PAIRS_H

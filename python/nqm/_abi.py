@@ -907,8 +907,6 @@ FUNCTIONS = {
     "nqm_status_text": (c_char_p, [c_int]),
     "nqm_version": (c_char_p, []),
     "nqm_build_info": (c_char_p, []),
-    "nqm_kernels_name": (c_char_p, [c_size_t]),
-    "nqm_kernels_select": (c_int, [c_char_p, POINTER(Error)]),
     "nqm_files_within": (c_int, [c_char_p, POINTER(Error)]),
     "nqm_brdf_open": (c_int, [c_char_p, c_void_p, POINTER(Error)]),
     "nqm_brdf_create": (c_int, [POINTER(BrdfCallbacks), c_void_p, POINTER(Error)]),

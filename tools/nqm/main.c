@@ -3,6 +3,7 @@
  * nqm - predicts how good a BRDF approximation looks compared with its reference. This file prepares the process and calls the
  * verb.
  */
+#include "kernel/kernel.h"
 #include "nqm/help.h"
 
 #include <fcntl.h>

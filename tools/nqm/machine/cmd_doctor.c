@@ -2,6 +2,7 @@
  *
  * nqm doctor - checks that this installation works on this machine, and says what to do where it does not.
  */
+#include "kernel/kernel.h"
 #include "nqm/tool.h"
 #include "render/render.h"
 
