@@ -117,6 +117,24 @@ NQM_MUST_CHECK nqm_status nqm_brdf_write_materials(size_t n, const char *const *
 
 /** The BRDF of values in their ranges: without a spec, and with the name of its model. */
 NQM_MUST_CHECK nqm_status nqm_brdf_of_values(const nqm_values *values, nqm_brdf **brdf_ret, nqm_error *err);
+/** A BRDF that is not open yet: of a name, or of values; with a tilted normal. It borrows both. */
+typedef struct nqm_subject {
+    const char *name; /**< of nqm_brdf_open(); NULL: of `values`, in their ranges */
+    const nqm_values *values;
+    double tilt_deg, azimuth_deg; /**< of the normal, as in "tilt:"; 0: it is (0, 0, 1) */
+} nqm_subject;
+nqm_subject nqm_subject_named(const char *name);
+/** Set the normal, a unit vector: tilted by at most 60 degrees, and not below a thousandth. */
+void nqm_subject_tilt(nqm_subject *subject, const double normal[3]);
+/** Whether they have the same name, or the same values, and the same normal. */
+bool nqm_subjects_equal(const nqm_subject *a, const nqm_subject *b);
+uint64_t nqm_subject_hash(const nqm_subject *subject);
+/** Open it; the errors of nqm_brdf_open(). Any thread. */
+NQM_MUST_CHECK nqm_status nqm_subject_open(const nqm_subject *subject, nqm_brdf **brdf_ret, nqm_error *err);
+/** "tilt:" of a BRDF, which the result owns, also on failure. */
+NQM_MUST_CHECK nqm_status nqm_brdf_tilt_degrees(nqm_brdf *of, double deg, double azimuth_deg, nqm_brdf **brdf_ret,
+                                                nqm_error *err);
+
 /** The normal of the frame of a BRDF that is turned or tilted, in that of the surface; else (0, 0, 1). */
 void nqm_brdf_frame_normal(const nqm_brdf *brdf, double normal[3]);
 /** "tilt:" of a BRDF that outlives the result, with the normal (3), a unit vector with a positive third component. */

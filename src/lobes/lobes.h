@@ -11,7 +11,7 @@
 
 /** A BRDF, and its light at the points of a picture. */
 typedef struct nqm_lobe_picture {
-    const char *name; /* it is opened meanwhile; NULL: `brdf` is given */
+    const nqm_subject *subject; /* it is opened meanwhile; NULL: `brdf` is given */
     const nqm_brdf *brdf;
     size_t ref;    /* the picture with which it is compared: both have the same half vectors if their lobes are alike;
                           SIZE_MAX: none */
