@@ -15,37 +15,12 @@ bool is_textured(const char *argument);
 bool is_library(const char *argument);
 /** Where a BRDF cannot be opened because the argument is such, let the error say so. Returns the status. */
 nqm_status explain_texture(const char *argument, nqm_status status, nqm_error *err);
-/** What is computed from the maps of an argument. */
-typedef struct found_maps {
-    const nqm_textured *maps; /* NULL: it has none */
-    nqm_textured *own;
-    nqm_materials *materials;
-} found_maps;
-/** No image is read. free_maps() it. */
-found_maps find_maps(const char *argument);
-void free_maps(found_maps *found);
-/** Call visit with the file of each map of an argument that has any; no image is read. */
-void each_map(const char *argument, void (*visit)(void *user, const char *path), void *user);
 /** Make the maps of an argument, if it has any, files that no output of this run replaces. */
 void keep_maps(const char *argument);
 /** Open any argument as a texture, with progress, and say on standard error what of it is not used. nqm_texture_free() it. */
 nqm_status open_texture(const char *argument, nqm_texture **texture_ret, nqm_error *err);
 /** The same of such an argument; NULL and NQM_OK: it is not textured. */
 nqm_status open_textured(const char *argument, nqm_texture **texture_ret, nqm_error *err);
-
-/** Choose at most max_n texels that represent all, those of equal runs of similar ones, and visit them; rows[0] has
- *  their values. */
-nqm_status visit_texels(const nqm_texture *texture, size_t max_n, nqm_texels_visitor *visit, void *user,
-                        nqm_error *err);
-
-/** Receives the values of a texture at evaluated position i, and writes a texel of so many bytes as the picture has channels. */
-typedef void texel_writer(void *user, const float *rows, size_t i, unsigned char *out);
-/** Write texels at the centres of the pixels of one period of the texture, of which tiles[0] x tiles[1] are its whole. picture: of
- *  bytes, with width, height and channels; receives pixels, nqm_raster_clear() it. */
-nqm_status write_texels(const nqm_texture *texture, const size_t tiles[2], texel_writer *write, void *user,
-                        nqm_raster *picture, nqm_error *err);
-/** 0 to 1 as a byte. */
-unsigned char unit_byte(double v);
 
 /** Options of verbs that make pictures. */
 typedef struct view_args {

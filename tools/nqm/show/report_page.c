@@ -117,8 +117,8 @@ static json_t *json_test(const report_page *page, size_t place) {
     json_t *test = json_deep_copy(result_at(page->run->json_scores, row->order));
     return json_set(test, "place:z rank:z name:s interval:o people:f seen:O preferred:o adapted:f", place + 1,
                     row->rank, page->run->names[row->order + 1],
-                    has_interval(r) ? json_sprintf("%.2f to %.2f", r->jod_low, r->jod_high) : NULL, preference_share(r),
-                    result_at(page->json_labels, row->order),
+                    has_interval(r) ? json_sprintf("%.2f to %.2f", r->jod_low, r->jod_high) : NULL,
+                    nqm_verdict_preference(r), result_at(page->json_labels, row->order),
                     count_tests(page) <= MAX_COMPARED ? json_preferred(page, place) : NULL,
                     nqm_label_adapted_jod(&r->parts));
 }
@@ -126,12 +126,12 @@ static json_t *json_test(const report_page *page, size_t place) {
 /* ---- how to read it ---------------------------------------------------------------------------------------------- */
 
 static json_t *json_guide(void) {
-    static const double ends[] = {10, 9.5, 9, 8, 6, 0}; /* ranges of jod_words() */
+    static const double ends[] = {10, 9.5, 9, 8, 6, 0}; /* ranges of nqm_verdict_words() */
     json_t *list = json_array();
     for (size_t i = 1; i < sizeof ends / sizeof *ends; ++i) {
         const double from = ends[i], to = ends[i - 1];
         json_t *range = from == 0 ? json_sprintf("below %.3g", to) : json_sprintf("%.3g to %.3g", from, to);
-        json_array_append_new(list, json_row("range:o words:s least:f most:f", range, jod_words(from),
+        json_array_append_new(list, json_row("range:o words:s least:f most:f", range, nqm_verdict_words(from),
                                              from > 0 ? nqm_jod_preference(10, to) : (double)NAN,
                                              nqm_jod_preference(10, from)));
     }
@@ -303,7 +303,7 @@ static json_t *draw_scale(const report_page *page) {
 
 /* ---- textures ---------------------------------------------------------------------------------------------------- */
 
-enum { SIDE = 160, NORMAL = NQM_SPEC_MAX_KEYS };
+enum { SIDE = 160, NORMAL = NQM_SCHEMA_MAX_KEYS };
 
 typedef struct shown_map {
     const nqm_texture *texture;
@@ -318,11 +318,11 @@ static void write_texel(void *user, const float *rows, size_t i, unsigned char *
     nqm_texture_normal(t, rows, i, normal);
     for (size_t c = 0; c < 3; ++c)
         if (m->property == NORMAL)
-            out[c] = unit_byte((normal[c] + 1) / 2);
+            out[c] = nqm_unit_byte((normal[c] + 1) / 2);
         else if (t->keys[m->property].n == 3)
             out[c] = nqm_srgb_byte(nqm_texture_value(t, m->property, c, rows, i));
         else
-            out[c] = unit_byte(nqm_texture_value(t, m->property, 0, rows, i));
+            out[c] = nqm_unit_byte(nqm_texture_value(t, m->property, 0, rows, i));
 }
 
 static void add_map(const report_page *page, const nqm_texture *texture, size_t property, json_t *list) {
@@ -330,7 +330,8 @@ static void add_map(const report_page *page, const nqm_texture *texture, size_t 
     const size_t tiles[2] = {1, 1};
     shown_map m = {texture, property};
     nqm_raster r = {.width = SIDE, .height = SIDE, .channels = 3};
-    must(write_texels(texture, tiles, write_texel, &m, &r, &fault));
+    nqm_ticker ticker = {.fn = show_progress};
+    must(nqm_texture_write(texture, tiles, write_texel, &m, &ticker, &r, &fault));
     must(nqm_raster_write_png(page->figure, &r, true, NULL, &fault));
     nqm_raster_clear(&r);
     json_array_append_new(list, json_row("key:s picture:o", key, take_figure(page, key, SIDE, SIDE)));
@@ -394,7 +395,7 @@ static json_t *json_page(const report_page *page) {
                     hash, script, nqm_version(), json_title(page), rows, n, n > 1 && n <= MAX_COMPARED,
                     *info.calibration != 0, json_guide(), json_materials(page), run->names[0],
                     number_text(end / 2, 3, 'g'), number_text(end, 3, 'g'), info.id, info.sha256, info.recipe,
-                    nqm_directions_id(info.directions), info.n_parameters, run->scores.terms.n_directions,
+                    nqm_directions_id(info.directions), info.n_parameters, nqm_directions_count(info.directions),
                     remedy[run->scores.options.invalid], scene_text(page), run->date ? json_name(run->date) : NULL,
                     json_stringn(info.sha256, 12), json_sprintf("%s%s", report_charts_css, report_css),
                     html_json(json_incref(run->json_scores), 9), html_json(json_incref(page->json_labels), 9),
