@@ -105,6 +105,7 @@ typedef void nqm_texel_writer(void *user, const float *rows, size_t i, unsigned 
  *  bytes, with width, height and channels; receives pixels, nqm_raster_clear() it. ticker: stage "maps". */
 NQM_MUST_CHECK nqm_status nqm_texture_write(const nqm_texture *texture, const size_t tiles[2], nqm_texel_writer *write,
                                             void *user, nqm_ticker *ticker, nqm_raster *picture, nqm_error *err);
+
 /** Set the prediction of a result: of two means of n BRDFs with different normals, by a model of slopes, weights (n) with the sum 1.
  *  The status of a BRDF that cannot be opened; NQM_ERR_CANCELLED. */
 NQM_MUST_CHECK nqm_status nqm_texture_score_tilted(const nqm_model *model, size_t n, const nqm_named_pair *pairs,
