@@ -2,7 +2,7 @@
  *
  * Writes any BRDF as a table, and specs as material files, that other programs read.
  */
-#include "brdf/brdf.h"
+#include "brdf/core/spec.h"
 #include "material/material.h"
 
 nqm_status nqm_brdf_write(const nqm_brdf *brdf, nqm_table_format format, const char *path, nqm_progress_fn progress,
@@ -31,7 +31,7 @@ static nqm_status read_shading(const char *spec, const char *path, nqm_shading *
     if (status == NQM_OK)
         status = nqm_material_check(shading->model, path, err);
     if (status == NQM_OK)
-        status = nqm_brdf_open(spec, &brdf, err); /* checks keys and values */
+        status = nqm_spec_open(spec, spec, &brdf, err); /* checks keys and values */
     nqm_brdf_free(brdf);
     return status;
 }

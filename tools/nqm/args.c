@@ -3,6 +3,7 @@
  * Options from tables, which drive parsing, ranges, defaults and help (help.c). Options may be anywhere among the
  * arguments; `--` ends them.
  */
+#include "argument/argument.h"
 #include "base/names.h"
 #include "metric/metric.h"
 #include "nqm/help.h"
@@ -153,8 +154,9 @@ static void take_reflections(const command *cmd, int n, char **argv) {
     for (int i = 0; ignored_words && i < n; ++i) {
         const char *argument = reflecting(argv[i]);
         char text[200];
+        const size_t n_name = nqm_argument_name_length(argument);
         if (argument != argv[i] && cmd->table != &nqm_score_option_table &&
-            describe_ignored(argument + name_length(argument) + (name_length(argument) > 0), text, sizeof text))
+            describe_ignored(argument + n_name + (n_name > 0), text, sizeof text))
             report(EXIT_OK, "%s: %s", argv[i], text);
         argv[i] = (char *)(uintptr_t)argument;
     }

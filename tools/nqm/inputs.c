@@ -3,7 +3,6 @@
  * Inputs from arguments: models and directions (built in or from a file), BRDFs, datasets, short text files.
  */
 #include "base/names.h"
-#include "brdf/core/spec.h"
 #include "brdf/formats/listed.h"
 #include "fit/match.h"
 #include "fit/open.h"
@@ -30,6 +29,11 @@ static bool is_word(const char *argument) {
     return !strpbrk(argument, "/.") && access(argument, F_OK) != 0;
 }
 
+static bool is_spec(const char *name) {
+    const nqm_argument_kind kind = nqm_argument_kind_of(name);
+    return kind == NQM_ARGUMENT_SPEC || kind == NQM_ARGUMENT_WRAPPER;
+}
+
 /* " (did you mean 'default'?)" for the nearest built-in model, or "". */
 static nqm_nearest nearest_model(const char *word) {
     nqm_nearest nearest = nqm_nearest_begin(word);
@@ -51,7 +55,7 @@ static _Noreturn void stop_unknown_model(const char *name) {
              "there is no model '%s': it is %s, which --metrics %s adds to the results of score and batch; eval always "
              "has them",
              name, is_all ? "the word for all scalar metrics" : "a scalar metric", name);
-    if (nqm_spec_probe(name))
+    if (is_spec(name))
         stop(EXIT_MODEL, "'%s' is a BRDF, not a model: built in are %s; or give a model file", name, known);
     if (*known)
         stop(EXIT_MODEL, "there is no model '%s'%s: built in are %s; or give a model file", name, nearest.advice,
@@ -87,7 +91,7 @@ nqm_model *open_model(const char *name_or_path) {
     const char *name = name_or_path ? name_or_path : "default";
     nqm_model *model;
     bool is_built_in = is_builtin(name);
-    if (!is_built_in && (is_word(name) || (nqm_spec_probe(name) && access(name, F_OK) != 0)))
+    if (!is_built_in && (is_word(name) || (is_spec(name) && access(name, F_OK) != 0)))
         stop_unknown_model(name);
     must(is_built_in ? nqm_model_builtin(name, &model, &fault) : nqm_model_load(name, &model, &fault));
     return model;
@@ -165,12 +169,6 @@ char *read_text(const char *path) {
     return text;
 }
 
-size_t name_length(const char *argument) {
-    const size_t n = strcspn(argument, "=:/");
-    return argument[n] == '=' && argument[n + 1] && !nqm_spec_lacks_colon(argument) && access(argument, F_OK) != 0 ? n
-                                                                                                                   : 0;
-}
-
 static bool same_name(const named_brdf *x, const named_brdf *y) {
     return x->group == y->group && strcmp(x->reference, y->reference) == 0 && strcmp(x->name, y->name) == 0;
 }
@@ -209,7 +207,7 @@ const char **take_names(int n, char **arguments) {
     named_brdf *given = allocate((size_t)n, sizeof *given);
     size_t n_given = 0, group = 0;
     for (int i = 0; i < n; ++i) {
-        const size_t n_name = name_length(arguments[i]);
+        const size_t n_name = nqm_argument_name_length(arguments[i]);
         size_t n_stream;
         const char *stream = stream_name(arguments[i], &n_stream);
         if (*stream && arguments[i][n_stream] == '\0')
@@ -233,92 +231,42 @@ bool is_file(const char *path) {
     return stat(path, &about) == 0 && S_ISREG(about.st_mode);
 }
 
-const char *member_name(const char *argument) {
-    unsigned ignored;
-    argument += nqm_ignore_prefix(argument, &ignored);
-    const char *colon = nqm_spec_probe(argument) ? NULL : nqm_member_colon(argument);
-    return colon ? colon + 1 : NULL;
-}
-
-const nqm_materials *parsed_materials(const char *path) {
-    typedef struct read_file {
-        char *path;
-        nqm_materials *materials;
-    } read_file;
-    static read_file last[2]; /* a list pairs the materials of two files; the last used one first */
-    read_file *other = &last[1], first = last[0];
-    if (first.path && strcmp(first.path, path) == 0)
-        return first.materials;
-    if (!other->path || strcmp(other->path, path) != 0) {
-        free(other->path);
-        nqm_materials_free(other->materials);
-        *other = (read_file){.path = must_have(strdup(path))};
-        if (is_file(path))
-            (void)!nqm_materials_open(path, &other->materials, NULL);
-    }
-    last[0] = *other;
-    *other = first;
-    return last[0].materials;
-}
-
-const nqm_materials *read_library(const char *argument) {
-    const nqm_materials *materials = parsed_materials(argument);
-    return materials && nqm_materials_count(materials) > 1 ? materials : NULL;
+nqm_argument *parse_argument(const char *text) {
+    return must_have(nqm_argument_parse(text, NULL));
 }
 
 /* ---- what materials do besides reflecting ------------------------------------------------------------------------ */
 
 const char *ignored_words, *within;
 
-bool find_material(const char *argument, nqm_material_info *info) {
-    static const size_t only[] = {0};
-    unsigned ignored;
-    argument += nqm_ignore_prefix(argument, &ignored);
-    const char *name = member_name(argument);
-    char *path = must_have(strndup(argument, name ? (size_t)(name - argument) - 1 : strlen(argument)));
-    const nqm_materials *materials = is_file(path) ? parsed_materials(path) : NULL;
-    size_t n = materials && nqm_materials_count(materials) == 1;
-    const size_t *found = materials && name ? nqm_materials_named(materials, name, &n) : only;
-    free(path);
-    if (n == 1)
-        *info = nqm_materials_reflecting(materials, found[0], ignored);
-    return n == 1;
-}
-
 unsigned ignored_set(void) {
     unsigned ignored = 0;
     if (ignored_words && !nqm_ignore_parse(ignored_words, strlen(ignored_words), &ignored))
-        stop(EXIT_USAGE,
-             "--ignore is a list with commas of transmission, subsurface, emission, opacity, displacement and bump, "
-             "not '%s'",
-             ignored_words);
+        must(nqm_ignore_refuse(ignored_words, &fault));
     return ignored;
 }
 
 const char *reflecting(const char *argument) {
-    unsigned needed;
-    nqm_material_info info;
     const unsigned ignored = ignored_set();
     if (!ignored)
         return argument;
-    const size_t n_name = name_length(argument), at = n_name ? n_name + 1 : 0;
-    if (nqm_spec_probe(argument + at) || nqm_ignore_prefix(argument + at, &needed) ||
-        !find_material(argument + at, &info) || !info.ignorable ||
-        !nqm_ignore_parse(info.ignorable, strlen(info.ignorable), &needed) || (needed & ~ignored))
+    const size_t n_name = nqm_argument_name_length(argument), at = n_name ? n_name + 1 : 0;
+    nqm_argument *a = parse_argument(argument + at);
+    char *taken = nqm_argument_reflecting(a, ignored);
+    nqm_argument_free(a);
+    if (!taken)
         return argument;
-    const size_t n = strlen(argument) + strlen("ignore::") + strlen(info.ignorable) + 1;
-    char *text = allocate(n, 1);
-    snprintf(text, n, "%.*signore:%s:%s", (int)at, argument, info.ignorable, argument + at);
+    char *text = allocate(at + strlen(taken) + 1, 1);
+    sprintf(text, "%.*s%s", (int)at, argument, taken);
+    nqm_free(taken);
     return text;
 }
 
 bool describe_ignored(const char *argument, char *text, size_t n) {
     char words[NQM_IGNORE_SIZE];
-    unsigned ignored;
-    if (!nqm_ignore_prefix(argument, &ignored))
-        return false;
+    const unsigned ignored = nqm_argument_ignored(argument);
     snprintf(text, n, "only what reflects is taken: %s ignored", nqm_ignore_words(ignored, words));
-    return true;
+    return ignored;
 }
 
 bool is_folder(const char *path) {

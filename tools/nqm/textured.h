@@ -5,6 +5,7 @@
 #ifndef NQM_TOOL_TEXTURED_H
 #define NQM_TOOL_TEXTURED_H
 
+#include "argument/argument.h"
 #include "label/textured.h"
 #include "nqm/tool.h"
 #include "texture/score.h"
@@ -15,23 +16,10 @@ bool is_textured(const char *argument);
 bool is_library(const char *argument);
 /** Where a BRDF cannot be opened because the argument is such, let the error say so. Returns the status. */
 nqm_status explain_texture(const char *argument, nqm_status status, nqm_error *err);
-/** What is computed from the maps of an argument. */
-typedef struct found_maps {
-    const nqm_textured *maps; /* NULL: it has none */
-    nqm_textured *own;
-    nqm_materials *materials;
-} found_maps;
-/** No image is read. free_maps() it. */
-found_maps find_maps(const char *argument);
-void free_maps(found_maps *found);
-/** Call visit with the file of each map of an argument that has any; no image is read. */
-void each_map(const char *argument, void (*visit)(void *user, const char *path), void *user);
-/** Make the maps of an argument, if it has any, files that no output of this run replaces. */
-void keep_maps(const char *argument);
 /** Open any argument as a texture, with progress, and say on standard error what of it is not used. nqm_texture_free() it. */
-nqm_status open_texture(const char *argument, nqm_texture **texture_ret, nqm_error *err);
-/** The same of such an argument; NULL and NQM_OK: it is not textured. */
-nqm_status open_textured(const char *argument, nqm_texture **texture_ret, nqm_error *err);
+nqm_status open_texture(nqm_argument *argument, nqm_texture **texture_ret, nqm_error *err);
+/** The same of a text. */
+nqm_status open_texture_named(const char *argument, nqm_texture **texture_ret, nqm_error *err);
 
 /** Choose at most max_n texels that represent all, those of equal runs of similar ones, and visit them; rows[0] has
  *  their values. */

@@ -141,9 +141,6 @@ void refuse_near_word(const char *argument, const char *word);
 /** Open n BRDFs (0 is allowed); close_brdfs() them. */
 nqm_brdf **open_brdfs(int n, char **arguments);
 void close_brdfs(int n, nqm_brdf **brdfs);
-/** Length of NAME in "NAME=BRDF"; 0 for an argument without a name. A name has no ':' and no '/'; an existing file with this
- *  name is not split, nor is a spec with another character for its colon. */
-size_t name_length(const char *argument);
 /** The name of a BRDF among those that must differ: of one group and one reference. */
 typedef struct named_brdf {
     size_t group, row; /* row: of a list, from 1; 0: an argument */
@@ -161,10 +158,8 @@ bool looks_like_safetensors(const char *path);
 bool is_folder(const char *path);
 /** Whether it is a regular file. */
 bool is_file(const char *path);
-/** NAME of an argument "FILE:NAME"; NULL: it has none. */
-const char *member_name(const char *argument);
-/** The material of an argument "FILE" or "FILE:NAME", with what "ignore:WORDS:" before it ignores; false: it is none. */
-bool find_material(const char *argument, nqm_material_info *info);
+/** nqm_argument_free() it. */
+struct nqm_argument *parse_argument(const char *text);
 /** NQM_IGNORE_... of --ignore; stops at other words. */
 unsigned ignored_set(void);
 /** The argument, or the name before it, with "ignore:WORDS:" before its file if it is a material that --ignore makes a
@@ -172,11 +167,6 @@ unsigned ignored_set(void);
 const char *reflecting(const char *argument);
 /** What such a prefix means, for people; false: the argument has none. */
 bool describe_ignored(const char *argument, char *text, size_t n);
-/** The materials of a file; NULL: it is another file, or a damaged one. They are valid until the second next call with
- *  another path. */
-const nqm_materials *parsed_materials(const char *path);
-/** The same of a file of several materials; NULL: it is another argument. */
-const nqm_materials *read_library(const char *argument);
 /** The folder at which relative paths of a list start: `root`, which must exist; NULL: the folder of the list, or the working
  *  folder for standard input and other lists that are not regular files. NULL: the working folder. Valid until the next call. */
 const char *list_root(const char *root, const char *list_path);

@@ -5,6 +5,7 @@
 #ifndef NQM_TOOL_TRANSLATE_H
 #define NQM_TOOL_TRANSLATE_H
 
+#include "argument/argument.h"
 #include "brdf/core/spec.h"
 #include "material/material.h"
 #include "nqm/tool.h"
@@ -37,8 +38,9 @@ void list_dropped(const char *spec, const char *model, char *text, size_t n_text
 
 /** The translation of a textured material to glTF. */
 typedef struct texture_translation {
-    const char *argument, *path; /* the file; maps are written beside it as PATH without ending, "_", texture, ".png" */
-    const char *name;            /* of the material in the file */
+    nqm_argument *source;
+    const char *path; /* the file; maps are written beside it as PATH without ending, "_", texture, ".png" */
+    const char *name; /* of the material in the file */
     const nqm_match_loss *loss;
     const nqm_fit_options *fit;
     /* results: */

@@ -324,7 +324,7 @@ static nqm_status score_written(texture_translation *t, const nqm_texture *ref, 
     nqm_texture *test = NULL;
     options.blame = 0;
     options.progress = show_progress;
-    nqm_status status = open_texture(t->path, &test, err);
+    nqm_status status = open_texture_named(t->path, &test, err);
     if (status == NQM_OK)
         status = nqm_texture_score(t->loss->metric, ref, test, &options, &t->score, NULL, err);
     nqm_texture_free(test);
@@ -335,7 +335,7 @@ nqm_status translate_texture(texture_translation *t, nqm_error *err) {
     static const char model[] = "gltf";
     nqm_texture *ref = NULL;
     texture_run *run = allocate(1, sizeof *run);
-    nqm_status status = open_texture(t->argument, &ref, err);
+    nqm_status status = open_texture(t->source, &ref, err);
     run->t = t;
     run->ref = ref;
     run->schema = &nqm_analytic_model_find(model, strlen(model))->schema;

@@ -14,18 +14,17 @@
 /* A material that has values or maps. */
 typedef struct look {
     nqm_shading shading;
-    found_maps found;
+    nqm_argument *argument;
+    nqm_textured *owned;
     const nqm_textured *maps; /* NULL: none */
 } look;
 
 static bool open_look(const char *argument, look *to) {
     nqm_material_info info = {.spec = NULL};
-    *to = (look){.maps = NULL};
-    if (find_material(argument, &info) && info.spec)
+    to->argument = parse_argument(argument);
+    if (nqm_argument_material(to->argument, &info) && info.spec)
         return nqm_shading_parse(info.spec, &to->shading, NULL) == NQM_OK;
-    to->found = find_maps(argument);
-    to->maps = to->found.maps;
-    if (to->maps)
+    if (nqm_argument_maps(to->argument, &to->maps, &to->owned, NULL) == NQM_OK && to->maps)
         to->shading = to->maps->shading;
     return to->maps != NULL;
 }
@@ -183,8 +182,10 @@ json_t *list_changes(const nqm_named_pair *pair) {
         compare_keys(list, old, new, old);
         compare_keys(list, old, new, new);
     }
-    free_maps(&old->found);
-    free_maps(&new->found);
+    for (size_t i = 0; i < 2; ++i) {
+        nqm_textured_free(old[i].owned);
+        nqm_argument_free(old[i].argument);
+    }
     free(old);
     return list;
 }

@@ -98,12 +98,13 @@ typedef struct file_list {
 static file_list list_files(size_t n, const char *const *where) {
     found = (nqm_names){0};
     for (size_t i = 0; i < n; ++i) {
-        unsigned ignored; /* --ignore is asked for each material */
-        const char *path = where[i] + nqm_ignore_prefix(where[i], &ignored);
+        nqm_argument *a = parse_argument(where[i]);
+        const char *path = a->rest; /* --ignore is asked for each material */
         if (!is_folder(path) && strcmp(path, "/dev/null") != 0)
             add_found(path);
         if (is_folder(path) && nftw(path, note_file, 16, FTW_PHYS) != 0)
             stop(interrupted() ? EXIT_INTERRUPTED : EXIT_OPEN, "%s: the folder cannot be read", path);
+        nqm_argument_free(a);
     }
     file_list files = {0, allocate(found.n, sizeof *files.paths), found};
     for (size_t i = 0; i < found.n; ++i)
@@ -208,6 +209,13 @@ static void put_path(void *stream, const char *path) {
     fprintf(stream, "%s%c", path, 0);
 }
 
+/* The files that an argument reads. */
+static void put_files(const char *argument, FILE *to) {
+    nqm_argument *a = parse_argument(argument);
+    nqm_argument_visit_files(a, put_path, to);
+    nqm_argument_free(a);
+}
+
 /* Sizes and times of the files in a text of n bytes. */
 static void hash_maps(const char *text, size_t n, char hash[65]) {
     file_list files = {0};
@@ -285,7 +293,7 @@ static void write_index(const library *of, const nqm_model *model, const char *p
         fprintf(names, "%s%c%c%s%c", of->members[i].argument, 0, of->members[i].is_textured ? 't' : '-',
                 of->members[i].key, 0);
         if (of->members[i].is_textured)
-            each_map(of->members[i].argument, put_path, maps);
+            put_files(of->members[i].argument, maps);
     }
     if (fclose(names) != 0 || fclose(maps) != 0)
         stop(EXIT_LIMIT, "out of memory");
@@ -319,7 +327,7 @@ static nqm_status draw_texture(const char *argument, const nqm_model *model, nqm
     nqm_error errors[N];
     nqm_texture *texture = NULL;
     nqm_gallery *texels = NULL;
-    nqm_status status = open_texture(argument, &texture, err);
+    nqm_status status = open_texture_named(argument, &texture, err);
     if (status != NQM_OK)
         return status;
     float *rows = allocate((size_t)texture->n_rows * NQM_TEXEL_BLOCK + 1, sizeof *rows);

@@ -5,8 +5,8 @@
  * may have one or two.
  */
 #include "nqm/score/pair_list.h"
+#include "argument/argument.h"
 #include "io/options_json.h"
-#include "material/material.h"
 #include "nqm/tool.h"
 
 #include <stdlib.h>
@@ -308,11 +308,14 @@ static void add_materials(expansion *e, const nqm_named_pair *pair, const char *
 void expand_pairs(size_t n, const nqm_named_pair *pairs, const char *const *names, expansion *e) {
     *e = (expansion){0};
     for (size_t i = 0; i < n; ++i) {
-        const nqm_materials *ref = read_library(pairs[i].ref), *test = read_library(pairs[i].test);
-        if (test)
-            add_materials(e, &pairs[i], names ? names[i] : NULL, i, ref, test);
+        nqm_argument *ref = parse_argument(pairs[i].ref), *test = parse_argument(pairs[i].test);
+        const nqm_materials *library = nqm_argument_library(test);
+        if (library)
+            add_materials(e, &pairs[i], names ? names[i] : NULL, i, nqm_argument_library(ref), library);
         else
             add_pair(e, pairs[i], names ? names[i] : NULL, i, false);
+        nqm_argument_free(ref);
+        nqm_argument_free(test);
     }
 }
 
@@ -350,7 +353,11 @@ void free_expanded_list(expanded_list *x) {
 /* ---- refusals ---------------------------------------------------------------------------------------------------- */
 
 bool has_same_refusal(const nqm_named_pair *pair) {
-    nqm_material_info ref, test;
-    return find_material(pair->ref, &ref) && find_material(pair->test, &test) && ref.refusal && test.refusal &&
-           strcmp(ref.refusal, test.refusal) == 0;
+    nqm_argument *ref = parse_argument(pair->ref), *test = parse_argument(pair->test);
+    nqm_material_info a, b;
+    const bool is = nqm_argument_material(ref, &a) && nqm_argument_material(test, &b) && a.refusal && b.refusal &&
+                    strcmp(a.refusal, b.refusal) == 0;
+    nqm_argument_free(ref);
+    nqm_argument_free(test);
+    return is;
 }

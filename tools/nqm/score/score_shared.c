@@ -3,8 +3,8 @@
  * Shared by the commands that score: scores of named pairs, remarks on their values, parsing of --metrics, and results in
  * CSV and JSON.
  */
+#include "argument/argument.h"
 #include "base/names.h"
-#include "brdf/brdf.h"
 #include "nqm/rows.h"
 #include "nqm/score/score.h"
 
@@ -54,12 +54,12 @@ static void check_list_names(const nqm_pair_list *list, const char *const *names
 const char **take_list_names(nqm_pair_list *list, const char *list_name) {
     size_t n_text = 0;
     for (size_t row = 0; row < list->n_rows; ++row)
-        n_text += name_length(list->pair[row].test) + 1;
+        n_text += nqm_argument_name_length(list->pair[row].test) + 1;
     const char **names = allocate(list->n_rows * sizeof *names + n_text, 1);
     char *text = (char *)(names + list->n_rows);
     for (size_t row = 0; row < list->n_rows; ++row) {
         const char **test = &list->pair[row].test;
-        const size_t n = name_length(*test);
+        const size_t n = nqm_argument_name_length(*test);
         if (n) {
             memcpy(text, *test, n);
             names[row] = text;

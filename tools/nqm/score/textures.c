@@ -82,7 +82,7 @@ static nqm_status open_once(kept_texture *at, const char *name, nqm_error *err) 
         return NQM_OK;
     nqm_texture_free(at->texture);
     *at = (kept_texture){.name = NULL};
-    const nqm_status status = open_texture(name, &at->texture, err);
+    const nqm_status status = open_texture_named(name, &at->texture, err);
     if (status == NQM_OK)
         at->name = name;
     return status;
