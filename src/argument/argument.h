@@ -22,10 +22,10 @@ typedef enum nqm_argument_kind {
     NQM_ARGUMENT_FILE      /**< another "FILE" or "FILE:MEMBER" */
 } nqm_argument_kind;
 
-/** A material file that stays parsed as long as an argument needs it, or longer (nqm_material_files). */
-typedef struct nqm_material_file nqm_material_file;
+/** A material file that stays parsed as long as an argument needs it, or longer (nqm_argument_files). */
+typedef struct nqm_argument_file nqm_argument_file;
 /** The last used ones. */
-typedef struct nqm_material_files nqm_material_files;
+typedef struct nqm_argument_files nqm_argument_files;
 
 /** An argument. One thread at a time. */
 typedef struct nqm_argument {
@@ -39,7 +39,7 @@ typedef struct nqm_argument {
     const nqm_materials *materials;   /**< of a material file, also of several; valid as long as the argument */
     nqm_error err;                    /**< why it cannot be opened, as far as that is known; status NQM_OK: unknown */
     /* private: */
-    nqm_material_file *file;
+    nqm_argument_file *file;
     nqm_map map; /* of another file, until it is opened */
     const nqm_brdf_format *format;
     char *network; /* a file of the folder */
@@ -48,7 +48,7 @@ typedef struct nqm_argument {
 
 /** Take a text apart, and read the file if it is a material file. files: where material files stay parsed; NULL: in the argument
  *  only. NULL: out of memory; other faults are told when it is opened. nqm_argument_free() it. */
-nqm_argument *nqm_argument_parse(const char *text, nqm_material_files *files);
+nqm_argument *nqm_argument_parse(const char *text, nqm_argument_files *files);
 /** Free; NULL is allowed. */
 void nqm_argument_free(nqm_argument *argument);
 
@@ -101,18 +101,18 @@ nqm_argument_kind nqm_argument_kind_of(const char *text);
 /* ---- files that stay parsed -------------------------------------------------------------------------------------- */
 
 /** NULL: out of memory. Any thread may use it. */
-nqm_material_files *nqm_material_files_create(void);
+nqm_argument_files *nqm_argument_files_create(void);
 /** Free; NULL is allowed. Files of arguments remain until these are freed. */
-void nqm_material_files_free(nqm_material_files *files);
+void nqm_argument_files_free(nqm_argument_files *files);
 /** From here on all arguments of the process share one list of parsed files: for the tool, during whose run they do not change. */
-void nqm_material_files_share(void);
+void nqm_argument_files_share(void);
 
 /** Take a file, which is then released; NULL is allowed. */
-nqm_material_file *nqm_material_file_hold(nqm_material_file *file);
-void nqm_material_file_release(nqm_material_file *file);
+nqm_argument_file *nqm_argument_file_hold(nqm_argument_file *file);
+void nqm_argument_file_release(nqm_argument_file *file);
 
 /* Inside of the room. Read the file of an argument at its path. */
-void nqm_argument_read(nqm_argument *argument, nqm_material_files *files);
+void nqm_argument_read(nqm_argument *argument, nqm_argument_files *files);
 /* Select the material of an argument, and open it. name: of the BRDF. */
 nqm_status nqm_argument_open_material(const nqm_argument *argument, const char *name, nqm_brdf **brdf_ret,
                                       nqm_error *err);

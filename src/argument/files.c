@@ -11,39 +11,39 @@
 
 enum { N_KEPT = 2 }; /* lists pair the materials of two files */
 
-struct nqm_material_file {
+struct nqm_argument_file {
     nqm_materials *materials;
-    nqm_material_file *next; /* in the list */
+    nqm_argument_file *next; /* in the list */
     atomic_size_t n_holders; /* arguments, textures and the list */
     char path[];
 };
 
-struct nqm_material_files {
+struct nqm_argument_files {
     pthread_mutex_t mutex;
-    nqm_material_file *first; /* last used first */
+    nqm_argument_file *first; /* last used first */
 };
 
-static nqm_material_files shared = {PTHREAD_MUTEX_INITIALIZER, NULL};
+static nqm_argument_files shared = {PTHREAD_MUTEX_INITIALIZER, NULL};
 static bool is_shared;
 
-void nqm_material_files_share(void) {
+void nqm_argument_files_share(void) {
     is_shared = true;
 }
 
-nqm_material_files *nqm_material_files_create(void) {
-    nqm_material_files *files = nqm_alloc(1, sizeof *files);
+nqm_argument_files *nqm_argument_files_create(void) {
+    nqm_argument_files *files = nqm_alloc(1, sizeof *files);
     if (files)
         pthread_mutex_init(&files->mutex, NULL);
     return files;
 }
 
-nqm_material_file *nqm_material_file_hold(nqm_material_file *file) {
+nqm_argument_file *nqm_argument_file_hold(nqm_argument_file *file) {
     if (file)
         atomic_fetch_add(&file->n_holders, 1);
     return file;
 }
 
-void nqm_material_file_release(nqm_material_file *file) {
+void nqm_argument_file_release(nqm_argument_file *file) {
     if (!file || atomic_fetch_sub(&file->n_holders, 1) > 1)
         return;
     nqm_materials_free(file->materials);
@@ -51,36 +51,36 @@ void nqm_material_file_release(nqm_material_file *file) {
 }
 
 /* Release all but the last used n_kept and those that somebody holds. */
-static void trim(nqm_material_files *files, size_t n_kept) {
-    for (nqm_material_file **at = &files->first; *at;) {
-        nqm_material_file *file = *at;
+static void trim(nqm_argument_files *files, size_t n_kept) {
+    for (nqm_argument_file **at = &files->first; *at;) {
+        nqm_argument_file *file = *at;
         if (n_kept || atomic_load(&file->n_holders) > 1) {
             n_kept -= n_kept > 0;
             at = &file->next;
         } else {
             *at = file->next;
-            nqm_material_file_release(file);
+            nqm_argument_file_release(file);
         }
     }
 }
 
-void nqm_material_files_free(nqm_material_files *files) {
+void nqm_argument_files_free(nqm_argument_files *files) {
     if (!files)
         return;
-    for (nqm_material_file *file = files->first, *next; file; file = next) {
+    for (nqm_argument_file *file = files->first, *next; file; file = next) {
         next = file->next;
-        nqm_material_file_release(file);
+        nqm_argument_file_release(file);
     }
     pthread_mutex_destroy(&files->mutex);
     nqm_free(files);
 }
 
 /* Move the file of a path to the front; NULL: it is not there. */
-static nqm_material_file *find(nqm_material_files *files, const char *path) {
-    nqm_material_file **at = &files->first;
+static nqm_argument_file *find(nqm_argument_files *files, const char *path) {
+    nqm_argument_file **at = &files->first;
     while (*at && strcmp((*at)->path, path) != 0)
         at = &(*at)->next;
-    nqm_material_file *found = *at;
+    nqm_argument_file *found = *at;
     if (found) {
         *at = found->next;
         found->next = files->first;
@@ -90,8 +90,8 @@ static nqm_material_file *find(nqm_material_files *files, const char *path) {
 }
 
 /* Parse a material file, for one holder. */
-static nqm_material_file *parse(const nqm_map *map, nqm_error *err) {
-    nqm_material_file *file = nqm_alloc(1, sizeof *file + strlen(map->path) + 1);
+static nqm_argument_file *parse(const nqm_map *map, nqm_error *err) {
+    nqm_argument_file *file = nqm_alloc(1, sizeof *file + strlen(map->path) + 1);
     if (!file) {
         nqm_fail_nomem(err, sizeof *file);
         return NULL;
@@ -104,8 +104,8 @@ static nqm_material_file *parse(const nqm_map *map, nqm_error *err) {
     return NULL;
 }
 
-static void read_file(nqm_argument *a, const char *path, nqm_material_files *files) {
-    a->file = nqm_material_file_hold(files ? find(files, path) : NULL);
+static void read_file(nqm_argument *a, const char *path, nqm_argument_files *files) {
+    a->file = nqm_argument_file_hold(files ? find(files, path) : NULL);
     if (a->file || nqm_map_open_sparse(path, &a->map, &a->err) != NQM_OK)
         return;
     a->format = a->map.n_bytes ? nqm_brdf_format_of(&a->map) : NULL;
@@ -115,12 +115,12 @@ static void read_file(nqm_argument *a, const char *path, nqm_material_files *fil
     nqm_map_close(&a->map);
     if (a->file && files) {
         a->file->next = files->first;
-        files->first = nqm_material_file_hold(a->file);
+        files->first = nqm_argument_file_hold(a->file);
         trim(files, N_KEPT);
     }
 }
 
-void nqm_argument_read(nqm_argument *a, nqm_material_files *files) {
+void nqm_argument_read(nqm_argument *a, nqm_argument_files *files) {
     files = is_shared ? &shared : files;
     if (files)
         pthread_mutex_lock(&files->mutex);

@@ -126,7 +126,7 @@ static char *find_member(char *rest) {
     return NULL;
 }
 
-static void find_file(nqm_argument *a, char *rest, nqm_material_files *files) {
+static void find_file(nqm_argument *a, char *rest, nqm_argument_files *files) {
     struct stat st;
     char *colon = NULL;
     a->path = rest;
@@ -146,7 +146,7 @@ static void find_file(nqm_argument *a, char *rest, nqm_material_files *files) {
         nqm_argument_read(a, files);
 }
 
-nqm_argument *nqm_argument_parse(const char *text, nqm_material_files *files) {
+nqm_argument *nqm_argument_parse(const char *text, nqm_argument_files *files) {
     nqm_argument *a = split(text);
     if (a && a->kind == NQM_ARGUMENT_NOTHING && a->err.status == NQM_OK)
         find_file(a, (char *)(uintptr_t)a->rest, files);
@@ -156,7 +156,7 @@ nqm_argument *nqm_argument_parse(const char *text, nqm_material_files *files) {
 void nqm_argument_free(nqm_argument *a) {
     if (!a)
         return;
-    nqm_material_file_release(a->file);
+    nqm_argument_file_release(a->file);
     nqm_map_close(&a->map);
     nqm_free(a->network);
     nqm_free(a);

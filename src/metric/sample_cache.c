@@ -17,7 +17,7 @@ struct nqm_sample_cache {
     nqm_member_sampler sample;
     nqm_cached *newest, *oldest; /* by last use */
     size_t n_bytes, n_opened;
-    nqm_material_files *files;
+    nqm_argument_files *files;
     nqm_cached *bucket[N_BUCKETS];
 };
 
@@ -30,7 +30,7 @@ nqm_status nqm_sample_cache_create(const nqm_model *model, nqm_invalid_policy po
     cache->model = model;
     cache->policy = policy;
     cache->sample = sample;
-    cache->files = nqm_material_files_create();
+    cache->files = nqm_argument_files_create();
     if (cache->files)
         *cache_ret = cache;
     else
@@ -114,7 +114,7 @@ void nqm_sample_cache_free(nqm_sample_cache *cache) {
     if (!cache)
         return;
     nqm_sample_cache_trim(cache, 0);
-    nqm_material_files_free(cache->files);
+    nqm_argument_files_free(cache->files);
     nqm_free(cache);
 }
 

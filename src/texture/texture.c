@@ -16,7 +16,7 @@ void nqm_texture_free(nqm_texture *t) {
     }
     nqm_free(t->images);
     nqm_free(t->constants);
-    nqm_material_file_release(t->file);
+    nqm_argument_file_release(t->file);
     nqm_textured_free(t->owned);
     nqm_free(t->name);
     nqm_free(t->argument);
@@ -297,7 +297,7 @@ nqm_status nqm_texture_open_argument(nqm_argument *argument, nqm_progress_fn pro
     if (!t)
         return nqm_fail_nomem(err, sizeof *t);
     nqm_status status = nqm_argument_maps(argument, &t->maps, &t->owned, err);
-    t->file = nqm_material_file_hold(argument->file);
+    t->file = nqm_argument_file_hold(argument->file);
     if (status == NQM_OK)
         status = t->maps ? complete(t, &ticker, err) : open_constant(t, argument, err);
     return keep(t, status, texture_ret);

@@ -31,7 +31,7 @@ typedef struct nqm_texture_property {
 /** See nqm_texture. Its shading has the constant properties. */
 struct nqm_texture {
     char *name, *argument; /* argument: of a BRDF that is none of a shading model; NULL: the shading is the material */
-    nqm_material_file *file;  /* NULL: none */
+    nqm_argument_file *file;  /* NULL: none */
     nqm_textured *owned;      /* one of both owns `maps` */
     const nqm_textured *maps; /* NULL: none */
     nqm_shading shading;

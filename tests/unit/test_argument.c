@@ -70,7 +70,7 @@ TEST(materials_are_selected) {
 
 /* A file that stays parsed is not read again; without a list it is. */
 TEST(files_stay_parsed) {
-    nqm_material_files *files = nqm_material_files_create();
+    nqm_argument_files *files = nqm_argument_files_create();
     nqm_argument *a = nqm_argument_parse(gltf_path(), files), *b = nqm_argument_parse(a->text, files);
     const nqm_materials *first = a->materials;
     assert_ptr_equal(b->materials, first);
@@ -86,7 +86,7 @@ TEST(files_stay_parsed) {
     }
     a = nqm_argument_parse(gltf_path(), files);
     assert_ptr_equal(a->materials, first);
-    nqm_material_files_free(files);
+    nqm_argument_files_free(files);
     assert_int_equal(nqm_materials_count(a->materials), 2); /* held */
     nqm_argument_free(a);
 }

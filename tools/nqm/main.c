@@ -64,7 +64,7 @@ int main(int argc, char **argv) {
     on_exit(report_lost_thread, NULL);
     reserve_standard_streams();
     nqm_roles_enforce();
-    nqm_material_files_share();
+    nqm_argument_files_share();
     signal(SIGXFSZ, SIG_IGN); /* a file beyond `ulimit -f` is an error of writing, which is reported and cleans up */
     catch_interrupt();
     stop_without_json_memory();

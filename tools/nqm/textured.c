@@ -19,9 +19,9 @@ bool is_textured(const char *argument) {
 bool is_library(const char *argument) {
     nqm_argument *a = parse_argument(argument);
     const nqm_textured *maps;
-    nqm_textured *owned;
+    nqm_textured *owned = NULL;
     const bool is = a->kind == NQM_ARGUMENT_FOLDER && nqm_argument_maps(a, &maps, &owned, NULL) != NQM_OK;
-    nqm_textured_free(is ? NULL : owned);
+    nqm_textured_free(owned);
     nqm_argument_free(a);
     return is;
 }
