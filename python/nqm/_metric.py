@@ -12,7 +12,7 @@ from typing import Any, Callable, Iterable, List, Optional, Tuple, Union
 import numpy as np
 
 from . import _abi
-from ._abi import lib
+from ._library import lib
 from ._brdf import BRDFLike, materials
 from ._call import Error, PathLike, ProgressLike
 from ._score import METRICS, ModelLike, Scorer

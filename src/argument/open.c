@@ -5,7 +5,7 @@
 #include "argument/argument.h"
 
 #include "brdf/core/spec.h"
-#include "brdf/models/presets.h"
+#include "schema/presets.h"
 #include <errno.h>
 #include <string.h>
 #include <sys/stat.h>

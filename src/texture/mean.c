@@ -66,12 +66,12 @@ static nqm_status add_members(void *user, size_t n, nqm_texel_sample *samples, c
             const nqm_texture *t = m->job->side[s];
             double normal[3];
             nqm_texture_normal(t, rows[s], i, normal);
-            m->specs[s][m->n] = nqm_texture_tilt(nqm_texture_spec(t, rows[s], i, NULL), normal);
+            m->specs[s][m->n] = nqm_texture_tilt(nqm_texture_spec(t, rows[s], i), normal);
         }
         m->pairs[m->n] = (nqm_named_pair){m->specs[0][m->n], m->specs[1][m->n]};
         m->weights[m->n] = samples[i].weight;
         if (!m->specs[0][m->n] || !m->specs[1][m->n])
-            return nqm_fail_nomem(err, sizeof(nqm_shading));
+            return nqm_fail_nomem(err, sizeof(nqm_values));
     }
     return NQM_OK;
 }

@@ -159,10 +159,10 @@ size_t EXPORT(web_direction_count)(void) {
 
 /* ---- what there is to choose from -------------------------------------------------------------------------------- */
 
-static json_t *model_keys(const nqm_spec_schema *schema) {
+static json_t *model_keys(const nqm_schema *schema) {
     json_t *keys = json_array();
     for (size_t k = 0; k < schema->n_keys; ++k) {
-        const nqm_spec_key *key = &schema->keys[k];
+        const nqm_schema_key *key = &schema->keys[k];
         json_array_append_new(keys, json_pack("{s:s,s:I,s:o,s:o,s:o,s:b}", "name", key->name, "n", (json_int_t)key->n,
                                               "low", number(key->low), "high", number(key->high), "fallback",
                                               number(key->fallback), "required", key->required));
@@ -179,8 +179,8 @@ const char *EXPORT(web_names)(void) {
     for (size_t i = 0; i < nqm_brdf_preset_count(); ++i)
         json_array_append_new(presets, json_string(nqm_brdf_preset_name(i)));
     for (size_t i = 0; i < sizeof analytic / sizeof *analytic; ++i)
-        json_array_append_new(schemas, json_pack("{s:s,s:o}", "name", analytic[i]->schema.model, "keys",
-                                                 model_keys(&analytic[i]->schema)));
+        json_array_append_new(schemas, json_pack("{s:s,s:o}", "name", analytic[i]->schema->model, "keys",
+                                                 model_keys(analytic[i]->schema)));
     for (const char *const *name = target_names(); *name; ++name)
         json_array_append_new(targets, json_string(*name));
     return reply(json_pack("{s:o,s:o,s:o,s:s}", "presets", presets, "models", schemas, "targets", targets, "version",

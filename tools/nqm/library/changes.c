@@ -13,7 +13,7 @@
 
 /* A material that has values or maps. */
 typedef struct look {
-    nqm_shading shading;
+    nqm_values values;
     nqm_argument *argument;
     nqm_textured *owned;
     const nqm_textured *maps; /* NULL: none */
@@ -23,9 +23,9 @@ static bool open_look(const char *argument, look *to) {
     nqm_material_info info = {.spec = NULL};
     to->argument = parse_argument(argument);
     if (nqm_argument_material(to->argument, &info) && info.spec)
-        return nqm_shading_parse(info.spec, &to->shading, NULL) == NQM_OK;
+        return nqm_values_parse_spec(info.spec, &to->values, NULL) == NQM_OK;
     if (nqm_argument_maps(to->argument, &to->maps, &to->owned, NULL) == NQM_OK && to->maps)
-        to->shading = to->maps->shading;
+        to->values = to->maps->values;
     return to->maps != NULL;
 }
 
@@ -117,28 +117,28 @@ static uint16_t node_of(const look *of, const char *key) {
 
 static json_t *json_value(const look *of, const char *key) {
     const uint16_t node = node_of(of, key);
-    const nqm_property *p = nqm_shading_find(&of->shading, key);
+    const double *v = nqm_values_given(&of->values, key);
     if (node != NQM_NO_NODE) {
         char *text = map_text(of, node, false);
         json_t *name = json_name(text);
         free(text);
         return name;
     }
-    if (!p || p->n == 1)
-        return p ? json_number(p->v[0]) : json_null();
+    if (!v || (v[0] == v[1] && v[1] == v[2]))
+        return v ? json_number(v[0]) : json_null();
     json_t *list = json_array();
-    for (size_t c = 0; c < p->n; ++c)
-        json_array_append_new(list, json_number(p->v[c]));
+    for (size_t c = 0; c < of->values.schema->keys[nqm_schema_key_named(of->values.schema, key, strlen(key))].n; ++c)
+        json_array_append_new(list, json_number(v[c]));
     return list;
 }
 
 static bool is_same(const look *old, const look *new, const char *key) {
     const uint16_t nodes[2] = {node_of(old, key), node_of(new, key)};
-    const nqm_property *p = nqm_shading_find(&old->shading, key), *q = nqm_shading_find(&new->shading, key);
+    const double *p = nqm_values_given(&old->values, key), *q = nqm_values_given(&new->values, key);
     if ((nodes[0] == NQM_NO_NODE) != (nodes[1] == NQM_NO_NODE))
         return false;
     if (nodes[0] == NQM_NO_NODE)
-        return p && q ? memcmp(p->v, q->v, sizeof p->v) == 0 : p == q; /* values after the last repeat it */
+        return p && q ? memcmp(p, q, 3 * sizeof *p) == 0 : p == q; /* values after the last repeat it */
     char *texts[2] = {map_text(old, nodes[0], true), map_text(new, nodes[1], true)};
     const bool is = strcmp(texts[0], texts[1]) == 0;
     free(texts[0]);
@@ -163,8 +163,9 @@ static void compare_key(json_t *to, const look *old, const look *new, const char
 }
 
 static void compare_keys(json_t *to, const look *old, const look *new, const look *keys) {
-    for (size_t k = 0; k < keys->shading.n; ++k)
-        compare_key(to, old, new, keys->shading.properties[k].key);
+    for (size_t k = 0; k < keys->values.schema->n_keys; ++k)
+        if (keys->values.given >> k & 1)
+            compare_key(to, old, new, keys->values.schema->keys[k].name);
     for (size_t k = 0; keys->maps && k < keys->maps->n_outputs; ++k)
         compare_key(to, old, new, keys->maps->outputs[k].key);
     if (keys->maps)
@@ -175,9 +176,9 @@ json_t *list_changes(const nqm_named_pair *pair) {
     look *old = allocate(2, sizeof *old), *new = old + 1;
     json_t *list = json_array();
     const bool is_known = open_look(pair->ref, old) && open_look(pair->test, new);
-    if (is_known && strcmp(old->shading.model, new->shading.model) != 0) {
-        json_array_append_new(list,
-                              json_row("property:s old:s new:s", "model", old->shading.model, new->shading.model));
+    if (is_known && old->values.schema != new->values.schema) {
+        json_array_append_new(
+            list, json_row("property:s old:s new:s", "model", old->values.schema->model, new->values.schema->model));
     } else if (is_known) {
         compare_keys(list, old, new, old);
         compare_keys(list, old, new, new);

@@ -5,7 +5,7 @@
  * that is kept for it, by its own score.
  */
 
-#include "figures/picture.h"
+#include "base/names.h"
 #include "nqm/library/library.h"
 #include "nqm/rows.h"
 

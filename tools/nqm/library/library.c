@@ -337,7 +337,7 @@ static nqm_status draw_texture(const char *argument, const nqm_model *model, nqm
     }
     nqm_texture_evaluate(texture, N, u, v, rows);
     for (size_t i = 0; i < N; ++i)
-        specs[i] = must_have(nqm_texture_spec(texture, rows, i, NULL));
+        specs[i] = must_have(nqm_texture_spec(texture, rows, i));
     must(nqm_gallery_create(model, N, NULL, &texels, &fault));
     must(nqm_scorer_draw(scorer, N, (const char *const *)specs, texels, 0, errors, &fault));
     for (size_t i = 0; i < N; ++i) {
