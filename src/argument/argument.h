@@ -111,14 +111,16 @@ void nqm_argument_files_share(void);
 nqm_argument_file *nqm_argument_file_hold(nqm_argument_file *file);
 void nqm_argument_file_release(nqm_argument_file *file);
 
+/** What to do with what image maps change. */
+#define NQM_TEXTURE_ADVICE                                                                                             \
+    "; score, batch, rank, report, info, check, label, render and translate take textures (doc/textures.md)"
+
 /* Inside of the room. Read the file of an argument at its path. */
 void nqm_argument_read(nqm_argument *argument, nqm_argument_files *files);
 /* Select the material of an argument, and open it. name: of the BRDF. */
 nqm_status nqm_argument_open_material(const nqm_argument *argument, const char *name, nqm_brdf **brdf_ret,
                                       nqm_error *err);
-/* As nqm_argument_open(), with another name for the BRDF's information. */
-nqm_status nqm_argument_open_as(nqm_argument *argument, const char *name, nqm_brdf **brdf_ret, nqm_error *err);
-/* The same of a text. */
+/* As nqm_brdf_open(), with another name for the BRDF's information. */
 nqm_status nqm_argument_open_text(const char *text, const char *name, nqm_brdf **brdf_ret, nqm_error *err);
 
 #endif

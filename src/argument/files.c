@@ -50,12 +50,12 @@ void nqm_argument_file_release(nqm_argument_file *file) {
     nqm_free(file);
 }
 
-/* Release all but the last used n_kept and those that somebody holds. */
-static void trim(nqm_argument_files *files, size_t n_kept) {
+/* Release all but the last used ones and those that somebody holds. */
+static void trim(nqm_argument_files *files) {
+    size_t n = 0;
     for (nqm_argument_file **at = &files->first; *at;) {
         nqm_argument_file *file = *at;
-        if (n_kept || atomic_load(&file->n_holders) > 1) {
-            n_kept -= n_kept > 0;
+        if (n++ < N_KEPT || atomic_load(&file->n_holders) > 1) {
             at = &file->next;
         } else {
             *at = file->next;
@@ -116,7 +116,7 @@ static void read_file(nqm_argument *a, const char *path, nqm_argument_files *fil
     if (a->file && files) {
         a->file->next = files->first;
         files->first = nqm_argument_file_hold(a->file);
-        trim(files, N_KEPT);
+        trim(files);
     }
 }
 

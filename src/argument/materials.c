@@ -107,7 +107,10 @@ nqm_status nqm_argument_open_material(const nqm_argument *a, const char *name, n
         const char *way_out = info.ignorable && info.reflection ? info.ignorable : "";
         status = nqm_fail(err, NQM_ERR_FORMAT, info.byte_offset, "%s: the material '%s' (%s%s) is refused: %s%s%s",
                           a->path, info.name, info.surface, byte_text(info.byte_offset, byte), info.refusal,
-                          *way_out ? "; what of it reflects is taken with --ignore " : "", way_out);
+                          *way_out      ? "; what of it reflects is taken with --ignore "
+                          : info.n_maps ? NQM_TEXTURE_ADVICE
+                                        : "",
+                          way_out);
     }
     if (status == NQM_OK)
         status = nqm_argument_kind_of(info.spec) != NQM_ARGUMENT_NOTHING ? open_spec(a, &info, name, brdf_ret, err)

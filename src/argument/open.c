@@ -81,7 +81,7 @@ nqm_status nqm_argument_wrap(const nqm_argument *a, const char *name, nqm_base_o
 
 /* ---- opening ----------------------------------------------------------------------------------------------------- */
 
-/* A file that is no material, or a folder: messages name it. */
+/* A file that is no material, or that of a folder. */
 static nqm_status open_file(nqm_argument *a, const char *name, nqm_brdf **brdf_ret, nqm_error *err) {
     const char *path = a->network ? a->network : a->path;
     if (a->n_networks && !a->network)
@@ -89,7 +89,7 @@ static nqm_status open_file(nqm_argument *a, const char *name, nqm_brdf **brdf_r
     if (a->n_networks > 1)
         return nqm_fail(err, NQM_ERR_ARG, -1, "%s: a folder of %zu networks; give one of their files, %s", a->path,
                         a->n_networks, a->network);
-    if (!a->map.path) { /* a folder, or it was opened before */
+    if (!a->map.path) { /* it was opened before */
         nqm_status status = nqm_map_open_sparse(path, &a->map, err);
         if (status != NQM_OK)
             return status;
@@ -100,7 +100,7 @@ static nqm_status open_file(nqm_argument *a, const char *name, nqm_brdf **brdf_r
     return status;
 }
 
-nqm_status nqm_argument_open_as(nqm_argument *a, const char *name, nqm_brdf **brdf_ret, nqm_error *err) {
+static nqm_status open_as(nqm_argument *a, const char *name, nqm_brdf **brdf_ret, nqm_error *err) {
     *brdf_ret = NULL;
     if (a->err.status != NQM_OK)
         return nqm_fail(err, a->err.status, a->err.byte_offset, "%s", a->err.message);
@@ -114,11 +114,14 @@ nqm_status nqm_argument_open_as(nqm_argument *a, const char *name, nqm_brdf **br
     case NQM_ARGUMENT_MATERIAL:
         return nqm_argument_open_material(a, name, brdf_ret, err);
     case NQM_ARGUMENT_FILE:
-    case NQM_ARGUMENT_FOLDER:
     case NQM_ARGUMENT_NETWORKS:
         return open_file(a, name, brdf_ret, err);
-    case NQM_ARGUMENT_NOTHING:
     case NQM_ARGUMENT_MAPS:
+    case NQM_ARGUMENT_FOLDER:
+        return nqm_fail(err, NQM_ERR_IO, -1, "%.250s: %s, and a BRDF is that of one point" NQM_TEXTURE_ADVICE, a->text,
+                        a->kind == NQM_ARGUMENT_MAPS ? "a list of image maps"
+                                                     : "a directory of image maps or other files");
+    case NQM_ARGUMENT_NOTHING:
     case NQM_ARGUMENT_FIT:
         break;
     }
@@ -126,13 +129,13 @@ nqm_status nqm_argument_open_as(nqm_argument *a, const char *name, nqm_brdf **br
 }
 
 nqm_status nqm_argument_open(nqm_argument *a, nqm_brdf **brdf_ret, nqm_error *err) {
-    return nqm_argument_open_as(a, a->text, brdf_ret, err);
+    return open_as(a, a->text, brdf_ret, err);
 }
 
 nqm_status nqm_argument_open_text(const char *text, const char *name, nqm_brdf **brdf_ret, nqm_error *err) {
     nqm_argument *a = nqm_argument_parse(text, NULL);
     *brdf_ret = NULL;
-    nqm_status status = a ? nqm_argument_open_as(a, name, brdf_ret, err) : nqm_fail_nomem(err, strlen(text) + 1);
+    nqm_status status = a ? open_as(a, name, brdf_ret, err) : nqm_fail_nomem(err, strlen(text) + 1);
     nqm_argument_free(a);
     return status;
 }

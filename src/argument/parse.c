@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
  * Takes the text of an argument apart: "ignore:WORDS:", then a spec, "WRAPPER:SETTINGS;with=(WITH);of=OF", "maps:...", or
- * "PATH:MEMBER". Nothing else of nqm looks into such a text.
+ * "PATH:MEMBER".
  */
 #include "argument/argument.h"
 

@@ -136,7 +136,7 @@ void report_remark(const nqm_brdf *brdf) {
 nqm_brdf *open_brdf(const char *argument) {
     nqm_brdf *brdf;
     refuse_model_name(argument);
-    must(explain_texture(argument, nqm_fit_open(argument, NULL, &brdf, &fault), &fault));
+    must(nqm_fit_open(argument, NULL, &brdf, &fault));
     return brdf;
 }
 
@@ -224,11 +224,6 @@ const char **take_names(int n, char **arguments) {
     check_names(n_given, given, NULL);
     free(given);
     return names;
-}
-
-bool is_file(const char *path) {
-    struct stat about;
-    return stat(path, &about) == 0 && S_ISREG(about.st_mode);
 }
 
 nqm_argument *parse_argument(const char *text) {

@@ -25,20 +25,6 @@ bool is_library(const char *argument) {
     return is;
 }
 
-nqm_status explain_texture(const char *argument, nqm_status status, nqm_error *err) {
-    if (status != NQM_OK && is_library(argument))
-        snprintf(err->message, sizeof err->message,
-                 "%.300s: a folder of files; this verb needs one BRDF: name one of them, or translate the folder",
-                 argument);
-    else if (status != NQM_OK && is_textured(argument))
-        snprintf(
-            err->message, sizeof err->message,
-            "%.300s: a material with image maps; this verb needs the BRDF of one point. score, batch, rank, report, "
-            "info, check, label, render and translate take textures (doc/textures.md)",
-            argument);
-    return status;
-}
-
 nqm_status open_texture(nqm_argument *argument, nqm_texture **texture_ret, nqm_error *err) {
     const nqm_status status = nqm_texture_open_argument(argument, show_progress, NULL, texture_ret, err);
     if (status == NQM_OK && *nqm_texture_get_info(*texture_ret, NULL).remark)

@@ -14,8 +14,6 @@
 bool is_textured(const char *argument);
 /** Whether an argument is a folder that is no material itself: one of files. */
 bool is_library(const char *argument);
-/** Where a BRDF cannot be opened because the argument is such, let the error say so. Returns the status. */
-nqm_status explain_texture(const char *argument, nqm_status status, nqm_error *err);
 /** Open any argument as a texture, with progress, and say on standard error what of it is not used. nqm_texture_free() it. */
 nqm_status open_texture(nqm_argument *argument, nqm_texture **texture_ret, nqm_error *err);
 /** The same of a text. */

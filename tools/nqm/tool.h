@@ -156,8 +156,6 @@ const char **take_names(int n, char **arguments);
 /** Whether a file begins with eight bytes of length and a JSON object. */
 bool looks_like_safetensors(const char *path);
 bool is_folder(const char *path);
-/** Whether it is a regular file. */
-bool is_file(const char *path);
 /** nqm_argument_free() it. */
 struct nqm_argument *parse_argument(const char *text);
 /** NQM_IGNORE_... of --ignore; stops at other words. */

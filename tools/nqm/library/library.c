@@ -266,7 +266,7 @@ static bool take_index(library *of, const nqm_model *model, const nqm_safetensor
 
 static bool read_index(library *of, const nqm_model *model, const char *path, const char *hash) {
     nqm_safetensors *st = NULL;
-    if (!is_file(path) || nqm_map_open_own(path, &of->index, NULL) != NQM_OK)
+    if (nqm_map_open_own(path, &of->index, NULL) != NQM_OK)
         return false;
     const bool is_read = nqm_safetensors_parse(of->index.data, of->index.n_bytes, path, &st, NULL) == NQM_OK;
     const char *format = is_read ? nqm_safetensors_meta(st, "format") : NULL;
