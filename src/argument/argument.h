@@ -95,6 +95,8 @@ char *nqm_argument_below(const char *text, const char *root);
 size_t nqm_argument_name_length(const char *text);
 /** NQM_IGNORE_... of a text; 0: it does not begin with "ignore:WORDS:". */
 unsigned nqm_argument_ignored(const char *text);
+/** What follows "ignore:WORDS:" in a text; else the text. */
+const char *nqm_argument_rest(const char *text);
 /** The kind of a text that is no name of a file; NQM_ARGUMENT_NOTHING: it may be one, no file is looked for. */
 nqm_argument_kind nqm_argument_kind_of(const char *text);
 

@@ -33,6 +33,11 @@ unsigned nqm_argument_ignored(const char *text) {
     return ignored;
 }
 
+const char *nqm_argument_rest(const char *text) {
+    unsigned ignored;
+    return text + ignore_prefix(text, &ignored);
+}
+
 /* After that prefix. */
 static nqm_argument_kind kind_of_rest(const char *rest) {
     return nqm_spec_wrapper_of(rest)            ? NQM_ARGUMENT_WRAPPER
@@ -43,8 +48,7 @@ static nqm_argument_kind kind_of_rest(const char *rest) {
 }
 
 nqm_argument_kind nqm_argument_kind_of(const char *text) {
-    unsigned ignored;
-    return kind_of_rest(text + ignore_prefix(text, &ignored));
+    return kind_of_rest(nqm_argument_rest(text));
 }
 
 /* ---- wrappers and fits ------------------------------------------------------------------------------------------- */

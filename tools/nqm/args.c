@@ -7,6 +7,7 @@
 #include "base/names.h"
 #include "metric/metric.h"
 #include "nqm/help.h"
+#include "pairs/pairs.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -156,7 +157,7 @@ static void take_reflections(const command *cmd, int n, char **argv) {
         char text[200];
         const size_t n_name = nqm_argument_name_length(argument);
         if (argument != argv[i] && cmd->table != &nqm_score_option_table &&
-            describe_ignored(argument + n_name + (n_name > 0), text, sizeof text))
+            nqm_pairs_describe_ignored(argument + (n_name ? n_name + 1 : 0), sizeof text, text))
             report(EXIT_OK, "%s: %s", argv[i], text);
         argv[i] = (char *)(uintptr_t)argument;
     }

@@ -9,6 +9,7 @@
 #include "material/material.h"
 #include "nqm/textured.h"
 #include "nqm/tool.h"
+#include "pairs/pairs.h"
 #include "render/render.h"
 
 #include <errno.h>
@@ -169,42 +170,9 @@ char *read_text(const char *path) {
     return text;
 }
 
-static bool same_name(const named_brdf *x, const named_brdf *y) {
-    return x->group == y->group && strcmp(x->reference, y->reference) == 0 && strcmp(x->name, y->name) == 0;
-}
-
-static int compare_names(const void *a, const void *b) {
-    const named_brdf *x = a, *y = b;
-    int order = (x->group > y->group) - (x->group < y->group);
-    order = order ? order : strcmp(x->reference, y->reference);
-    order = order ? order : strcmp(x->name, y->name);
-    return order ? order : (x->row > y->row) - (x->row < y->row);
-}
-
-static _Noreturn void stop_name(const char *list, const char *rows, const char *flaw) {
-    stop(list ? EXIT_MALFORMED : EXIT_USAGE, "%s%s%s%s", list ? list : "", list ? ": " : "", list ? rows : "", flaw);
-}
-
-void check_names(size_t n, named_brdf *names, const char *list) {
-    char rows[80], flaw[300];
-    for (size_t i = 0; i < n; ++i)
-        if (shown(names[i].name) != names[i].name) {
-            snprintf(rows, sizeof rows, "row %zu: ", names[i].row);
-            snprintf(flaw, sizeof flaw, "the name '%.200s' has a control character", names[i].name);
-            stop_name(list, rows, flaw);
-        }
-    qsort(names, n, sizeof *names, compare_names);
-    for (size_t i = 1; i < n; ++i)
-        if (same_name(&names[i - 1], &names[i])) {
-            snprintf(rows, sizeof rows, "rows %zu and %zu: ", names[i - 1].row, names[i].row);
-            snprintf(flaw, sizeof flaw, "two BRDFs have the name '%.200s'; give each a name of its own", names[i].name);
-            stop_name(list, rows, flaw);
-        }
-}
-
 const char **take_names(int n, char **arguments) {
     const char **names = allocate((size_t)n, sizeof *names);
-    named_brdf *given = allocate((size_t)n, sizeof *given);
+    nqm_pairs_name *given = allocate((size_t)n, sizeof *given);
     size_t n_given = 0, group = 0;
     for (int i = 0; i < n; ++i) {
         const size_t n_name = nqm_argument_name_length(arguments[i]);
@@ -216,12 +184,12 @@ const char **take_names(int n, char **arguments) {
         if (n_name) {
             arguments[i][n_name] = '\0';
             names[i] = arguments[i];
-            given[n_given++] = (named_brdf){group, 0, "", names[i]};
+            given[n_given++] = (nqm_pairs_name){group, 0, "", names[i]};
             arguments[i] += n_name + 1;
         }
         refuse_model_name(arguments[i]);
     }
-    check_names(n_given, given, NULL);
+    must(nqm_pairs_check_names(n_given, given, NULL, &fault));
     free(given);
     return names;
 }
@@ -234,6 +202,10 @@ nqm_argument *parse_argument(const char *text) {
 
 const char *ignored_words, *within;
 
+bool has_same_refusal(const nqm_named_pair *pair) {
+    return nqm_pairs_refused_alike(NULL, pair);
+}
+
 unsigned ignored_set(void) {
     unsigned ignored = 0;
     if (ignored_words && !nqm_ignore_parse(ignored_words, strlen(ignored_words), &ignored))
@@ -243,25 +215,15 @@ unsigned ignored_set(void) {
 
 const char *reflecting(const char *argument) {
     const unsigned ignored = ignored_set();
-    if (!ignored)
-        return argument;
     const size_t n_name = nqm_argument_name_length(argument), at = n_name ? n_name + 1 : 0;
-    nqm_argument *a = parse_argument(argument + at);
-    char *taken = nqm_argument_reflecting(a, ignored);
+    nqm_argument *a = ignored ? parse_argument(argument + at) : NULL;
+    char *taken = a ? nqm_argument_reflecting(a, ignored) : NULL;
     nqm_argument_free(a);
-    if (!taken)
-        return argument;
-    char *text = allocate(at + strlen(taken) + 1, 1);
-    sprintf(text, "%.*s%s", (int)at, argument, taken);
+    if (!taken || !at)
+        return taken ? taken : argument;
+    char *text = must_have(nqm_strdupf("%.*s%s", (int)at, argument, taken));
     nqm_free(taken);
     return text;
-}
-
-bool describe_ignored(const char *argument, char *text, size_t n) {
-    char words[NQM_IGNORE_SIZE];
-    const unsigned ignored = nqm_argument_ignored(argument);
-    snprintf(text, n, "only what reflects is taken: %s ignored", nqm_ignore_words(ignored, words));
-    return ignored;
 }
 
 bool is_folder(const char *path) {
@@ -325,22 +287,12 @@ nqm_directions *open_directions(const char *name_or_path) {
     return directions;
 }
 
-bool describe_distance(const char *argument, const double apart_deg[2], size_t n, char *text) {
-    if (!(apart_deg[0] > 0.1))
-        return false;
-    snprintf(text, n,
-             "%s: its nearest row is %.2g degrees (median; 95 %%: %.2g) away from a direction of the model: narrower "
-             "highlights are not seen; `nqm directions show MODEL --pairs` writes directions to measure",
-             argument, apart_deg[0], apart_deg[1]);
-    return true;
-}
-
 void report_distance(const char *argument, const nqm_brdf *brdf, const nqm_directions *directions) {
     const size_t n = nqm_directions_count(directions);
     double apart[2];
     must(nqm_scattered_distances(brdf, n, nqm_directions_wi(directions), nqm_directions_wo(directions), apart, &fault));
     char text[400];
-    if (describe_distance(argument, apart, sizeof text, text))
+    if (nqm_pairs_describe_distance(argument, apart, sizeof text, text))
         report(EXIT_OK, "%s", text);
 }
 

@@ -4,6 +4,8 @@
  */
 #include "nqm/textured.h"
 
+#include "library/library.h"
+
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -26,17 +28,8 @@ bool is_library(const char *argument) {
 }
 
 nqm_status open_texture(nqm_argument *argument, nqm_texture **texture_ret, nqm_error *err) {
-    const nqm_status status = nqm_texture_open_argument(argument, show_progress, NULL, texture_ret, err);
-    if (status == NQM_OK && *nqm_texture_get_info(*texture_ret, NULL).remark)
-        report(EXIT_OK, "%s: %s", shown(argument->text), nqm_texture_get_info(*texture_ret, NULL).remark);
-    return status;
-}
-
-nqm_status open_texture_named(const char *argument, nqm_texture **texture_ret, nqm_error *err) {
-    nqm_argument *a = parse_argument(argument);
-    const nqm_status status = open_texture(a, texture_ret, err);
-    nqm_argument_free(a);
-    return status;
+    const nqm_library_terms terms = {.progress = show_progress, .report = report_part};
+    return nqm_library_open_texture(&terms, argument, texture_ret, err);
 }
 
 /* ---- pictures ---------------------------------------------------------------------------------------------------- */

@@ -16,8 +16,6 @@ bool is_textured(const char *argument);
 bool is_library(const char *argument);
 /** Open any argument as a texture, with progress, and say on standard error what of it is not used. nqm_texture_free() it. */
 nqm_status open_texture(nqm_argument *argument, nqm_texture **texture_ret, nqm_error *err);
-/** The same of a text. */
-nqm_status open_texture_named(const char *argument, nqm_texture **texture_ret, nqm_error *err);
 
 /** Options of verbs that make pictures. */
 typedef struct view_args {

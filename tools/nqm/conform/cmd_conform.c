@@ -33,7 +33,7 @@ static void make_rows(conform_result *r, const char *name, const nqm_score_resul
     r->run.rows = allocate(kit->n_sets, sizeof *r->run.rows);
     r->run.ref_path = kit->model->schema->model;
     r->run.ref_name = name;
-    r->run.terms = (remark_terms){kit->n_directions, NQM_INVALID_DROP};
+    r->run.terms = (remark_terms){kit->metric, NQM_INVALID_DROP};
     for (size_t set = 0; set < kit->n_sets; ++set) {
         scored_pair *row = &r->run.rows[set];
         const kit_set *of = &kit->sets[set];
@@ -129,7 +129,7 @@ static json_t *json_mistakes(const conform_result *r) {
 /* ---- the sets ---------------------------------------------------------------------------------------------------- */
 
 static void print_text(const conform_result *r, const row_summary *s) {
-    char verdict[VERDICT_TEXT], words[NQM_LABEL_TEXT];
+    char verdict[NQM_VERDICT_TEXT], words[NQM_LABEL_TEXT];
     const score_run *run = &r->run;
     printf("values     %s\nmodel      %s, %zu sets of %zu directions\n\n    JOD  %s%-20s  %sset\n",
            shown(run->ref_name), shown(run->ref_path), run->n_rows, r->kit->n_directions, "[95 %]          ", "verdict",
@@ -137,7 +137,7 @@ static void print_text(const conform_result *r, const row_summary *s) {
     for (size_t i = 0; i < s->summary.n_shown; ++i) {
         const scored_pair *row = &run->rows[s->summary.order[i]];
         print_jod(row, true);
-        printf("  %-20s", row->err.status == NQM_OK ? verdict_words(&row->result, verdict) : "no score");
+        printf("  %-20s", row->err.status == NQM_OK ? nqm_verdict(&row->result, verdict) : "no score");
         if (has_gate(&run->gate))
             printf("  %-4s", gate_mark(&run->gate, &row->result));
         printf("  %s\n", row->name);
