@@ -2,7 +2,7 @@
  *
  * Writes any BRDF as a table, and specs as material files, that other programs read.
  */
-#include "brdf/brdf.h"
+#include "brdf/core/spec.h"
 #include "material/material.h"
 
 nqm_status nqm_brdf_write(const nqm_brdf *brdf, nqm_table_format format, const char *path, nqm_progress_fn progress,

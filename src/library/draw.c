@@ -39,7 +39,10 @@ static nqm_status draw_texture(struct nqm_library_state *s, const char *argument
     nqm_texture *texture = NULL;
     nqm_gallery *texels = NULL;
     nqm_error failure = {0};
-    nqm_status status = nqm_library_open_texture(&s->terms, argument, &texture, &failure);
+    nqm_argument *a = nqm_argument_parse(argument, NULL);
+    nqm_status status =
+        a ? nqm_library_open_texture(&s->terms, a, &texture, &failure) : nqm_fail_nomem(&failure, strlen(argument) + 1);
+    nqm_argument_free(a);
     *why = (nqm_error){0};
     if (status == NQM_ERR_CANCELLED || status == NQM_ERR_NOMEM)
         return nqm_fail(err, status, -1, "%s", failure.message);

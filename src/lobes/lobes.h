@@ -6,6 +6,7 @@
 #ifndef NQM_SRC_LOBES_LOBES_H
 #define NQM_SRC_LOBES_LOBES_H
 
+#include "argument/argument.h"
 #include "brdf/brdf.h"
 #include "sample/slopes.h"
 

@@ -6,7 +6,7 @@
 #define NQM_SRC_METRIC_H
 
 #include "base/options.h"
-#include "brdf/brdf.h"
+#include "argument/argument.h"
 #include "model/model.h"
 #include "sample/sample.h"
 #include <nqm/metric.h>

@@ -5,10 +5,11 @@
  * last material files stay parsed: each of their materials is an entry.
  */
 #include "metric/sample_cache.h"
+#include "argument/argument.h"
 
 #include <string.h>
 
-enum { N_BUCKETS = 1 << 14, KEPT_FILES = 2 /* of references and tests */ };
+enum { N_BUCKETS = 1 << 14 };
 
 struct nqm_sample_cache {
     const nqm_model *model;
@@ -16,7 +17,7 @@ struct nqm_sample_cache {
     nqm_member_sampler sample;
     nqm_cached *newest, *oldest; /* by last use */
     size_t n_bytes, n_opened;
-    nqm_material_file *files; /* last used first */
+    nqm_argument_files *files;
     nqm_cached *bucket[N_BUCKETS];
 };
 
@@ -29,8 +30,12 @@ nqm_status nqm_sample_cache_create(const nqm_model *model, nqm_invalid_policy po
     cache->model = model;
     cache->policy = policy;
     cache->sample = sample;
-    *cache_ret = cache;
-    return NQM_OK;
+    cache->files = nqm_argument_files_create();
+    if (cache->files)
+        *cache_ret = cache;
+    else
+        nqm_free(cache);
+    return *cache_ret ? NQM_OK : nqm_fail_nomem(err, sizeof *cache);
 }
 
 static size_t bucket_of(const nqm_subject *subject) {
@@ -113,7 +118,7 @@ void nqm_sample_cache_free(nqm_sample_cache *cache) {
     if (!cache)
         return;
     nqm_sample_cache_trim(cache, 0);
-    nqm_material_files_trim(&cache->files, 0);
+    nqm_argument_files_free(cache->files);
     nqm_free(cache);
 }
 
@@ -134,8 +139,7 @@ static void fill_entry(void *user, size_t i) {
     nqm_cached *entry = job->entries[i];
     nqm_brdf *brdf = NULL;
     entry->err = (nqm_error){0};
-    nqm_status status = entry->file ? nqm_material_file_open(entry->file, entry->subject.name, &brdf, &entry->err)
-                                    : nqm_subject_open(&entry->subject, &brdf, &entry->err);
+    nqm_status status = nqm_subject_open(&entry->subject, job->cache->files, &brdf, &entry->err);
     entry->member = (nqm_member){.status = status, .rgb = entry->rgb};
     if (status == NQM_OK)
         entry->member = job->cache->sample(model, brdf, job->cache->policy, entry->rgb, entry->flag, &entry->err);
@@ -152,13 +156,10 @@ nqm_status nqm_sample_cache_fill(nqm_sample_cache *cache, size_t n, nqm_cached *
     for (size_t i = 0; i < n; ++i)
         if (!entries[i]->filled && !entries[i]->waiting) {
             entries[i]->waiting = true; /* the same entry may occur twice */
-            entries[i]->file =
-                entries[i]->subject.name ? nqm_material_file_find(&cache->files, entries[i]->subject.name) : NULL;
             fresh[n_fresh++] = entries[i];
         }
     fill_job job = {cache, fresh};
     nqm_parallel_for(n_fresh, fill_entry, &job);
-    nqm_material_files_trim(&cache->files, KEPT_FILES);
     cache->n_opened += n_fresh;
     nqm_status status = NQM_OK;
     for (size_t i = 0; i < n_fresh; ++i) {

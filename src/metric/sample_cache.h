@@ -20,9 +20,8 @@ typedef struct nqm_cached {
     nqm_subject subject; /* with copies */
     float *rgb;
     uint8_t *flag;
-    size_t n_bytes;                /* of the whole entry */
-    const nqm_material_file *file; /* while it is filled: the material file that its name begins with; NULL: none */
-    bool filled, waiting;          /* filled: sampled; waiting: the current nqm_sample_cache_fill() will sample it */
+    size_t n_bytes;       /* of the whole entry */
+    bool filled, waiting; /* filled: sampled; waiting: the current nqm_sample_cache_fill() will sample it */
     struct nqm_cached *next_in_bucket, *newer, *older;
 } nqm_cached;
 

@@ -85,7 +85,7 @@ static nqm_status open_mean(const members *list, size_t side, nqm_brdf **brdf_re
     const nqm_subject *subjects = list->subjects + side * list->n;
     for (size_t i = 0; status == NQM_OK && i < list->n; ++i) {
         if (i == 0 || !nqm_subjects_equal(&subjects[i], &subjects[i - 1]))
-            status = nqm_subject_open(&subjects[i], &m->members[m->n++], err);
+            status = nqm_subject_open(&subjects[i], NULL, &m->members[m->n++], err);
         m->weight[m->n - 1] += list->weights[i];
     }
     for (size_t k = 0; status == NQM_OK && k < m->n; ++k) {

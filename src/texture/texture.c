@@ -16,7 +16,7 @@ void nqm_texture_free(nqm_texture *t) {
     }
     nqm_free(t->images);
     nqm_free(t->constants);
-    nqm_materials_free(t->materials);
+    nqm_argument_file_release(t->file);
     nqm_textured_free(t->owned);
     nqm_free(t->name);
     nqm_free(t->argument);
@@ -258,9 +258,9 @@ nqm_texture_info nqm_texture_get_info(const nqm_texture *t, const nqm_texture *b
 /* ---- opening ----------------------------------------------------------------------------------------------------- */
 
 /* A BRDF that does not vary. */
-static nqm_status open_constant(nqm_texture *t, nqm_error *err) {
+static nqm_status open_constant(nqm_texture *t, nqm_argument *argument, nqm_error *err) {
     nqm_brdf *brdf = NULL;
-    nqm_status status = nqm_brdf_open(t->name, &brdf, err);
+    nqm_status status = nqm_argument_open(argument, &brdf, err);
     if (status != NQM_OK)
         return status;
     const nqm_brdf_info info = nqm_brdf_get_info(brdf);
@@ -276,23 +276,28 @@ static nqm_status open_constant(nqm_texture *t, nqm_error *err) {
     return status;
 }
 
+nqm_status nqm_texture_open_argument(nqm_argument *argument, nqm_progress_fn progress, void *progress_user,
+                                     nqm_texture **texture_ret, nqm_error *err) {
+    nqm_ticker ticker = {.fn = progress, .user = progress_user};
+    nqm_texture *t = make(argument->text);
+    *texture_ret = NULL;
+    if (!t)
+        return nqm_fail_nomem(err, sizeof *t);
+    nqm_status status = nqm_argument_maps(argument, &t->maps, &t->owned, err);
+    t->file = nqm_argument_file_hold(argument->file);
+    if (status == NQM_OK)
+        status = t->maps ? complete(t, &ticker, err) : open_constant(t, argument, err);
+    return keep(t, status, texture_ret);
+}
+
 nqm_status nqm_texture_open(const char *argument, nqm_progress_fn progress, void *progress_user,
                             nqm_texture **texture_ret, nqm_error *err) {
     NQM_MAKE(err, texture_ret, argument);
-    nqm_ticker ticker = {.fn = progress, .user = progress_user};
-    nqm_texture *t = make(argument);
-    if (!t)
-        return nqm_fail_nomem(err, sizeof *t);
-    nqm_status status;
-    size_t index = 0;
-    if (nqm_maps_probe(argument))
-        status = nqm_maps_open(argument, &t->owned, err);
-    else
-        status = nqm_brdf_find_textured(argument, &t->materials, &index, err);
-    t->maps = t->materials ? nqm_materials_maps(t->materials, index, ~0U) : t->owned;
-    if (status == NQM_OK)
-        status = t->maps ? complete(t, &ticker, err) : open_constant(t, err);
-    return keep(t, status, texture_ret);
+    nqm_argument *a = nqm_argument_parse(argument, NULL);
+    nqm_status status = a ? nqm_texture_open_argument(a, progress, progress_user, texture_ret, err)
+                          : nqm_fail_nomem(err, strlen(argument) + 1);
+    nqm_argument_free(a);
+    return status;
 }
 
 /* ---- from arrays ------------------------------------------------------------------------------------------------- */
@@ -402,5 +407,5 @@ nqm_status nqm_texture_at(const nqm_texture *t, double u, double v, nqm_brdf **b
     const nqm_subject subject = nqm_texture_subject(t, rows, 0, &values);
     nqm_free(rows);
     nqm_status status = subject.name ? NQM_OK : nqm_values_check(&values, err);
-    return status == NQM_OK ? nqm_subject_open(&subject, brdf_ret, err) : status;
+    return status == NQM_OK ? nqm_subject_open(&subject, NULL, brdf_ret, err) : status;
 }

@@ -3,8 +3,8 @@
  * Shared by the commands that score: scores of named pairs, remarks on their values, parsing of --metrics, and results in
  * CSV and JSON.
  */
+#include "argument/argument.h"
 #include "base/names.h"
-#include "brdf/brdf.h"
 #include "nqm/rows.h"
 #include "nqm/score/score.h"
 
