@@ -34,6 +34,8 @@ class Status(enum.IntEnum):
 
 
 N_METRICS = 9
+REMARKS_TEXT = 9000
+VERDICT_TEXT = 64
 INVALID = ("drop", "zero", "nearest", "error")
 QUANTITIES = ("jod", "delta_e")
 SCENES = ("standard", "paper")
@@ -242,10 +244,58 @@ class TextureResult(Structure):
                 ("n_scored", c_size_t), ("texels_per_pixel", c_size_t), ("n_blame", c_size_t), ("blame", TextureBlame * 32)]
 
 
+class Pairs(Structure):
+    _c_name_ = "nqm_pairs"
+    _fields_ = [("n", c_size_t), ("pairs", POINTER(NamedPair)), ("names", c_void_p), ("rows", c_void_p), ("n_columns", c_size_t),
+                ("columns", c_void_p), ("sha256", c_char_p), ("left_out", c_void_p), ("state", c_void_p)]
+
+
+Report = ctypes.CFUNCTYPE(None, c_void_p, c_int, c_char_p)
+
+
+class LibraryMember(Structure):
+    _c_name_ = "nqm_library_member"
+    _fields_ = [("argument", c_char_p), ("key", c_char_p), ("is_textured", c_int)]
+
+
+class LibraryOptions(Structure):
+    _c_name_ = "nqm_library_options"
+    _fields_ = [("ignore", c_char_p), ("index", c_char_p), ("score", POINTER(ScoreOptions)), ("progress", Progress), ("report", Report),
+                ("user", c_void_p)]
+
+
+class Library(Structure):
+    _c_name_ = "nqm_library"
+    _fields_ = [("n", c_size_t), ("members", POINTER(LibraryMember)), ("n_failed", c_size_t), ("path", c_char_p), ("state", c_void_p)]
+
+
+class LibraryValue(Structure):
+    _c_name_ = "nqm_library_value"
+    _fields_ = [("text", c_char_p), ("n", c_size_t), ("v", c_double * 3)]
+
+
+class LibraryChange(Structure):
+    _c_name_ = "nqm_library_change"
+    _fields_ = [("property", c_char * 48), ("before", LibraryValue), ("after", LibraryValue)]
+
+
+class LibraryPair(Structure):
+    _c_name_ = "nqm_library_pair"
+    _fields_ = [("ref", c_size_t), ("test", c_size_t), ("names", NamedPair), ("result", ScoreResult), ("error", CError),
+                ("texture", POINTER(TextureResult)), ("is_refused_alike", c_int), ("n_changes", c_size_t),
+                ("changes", POINTER(LibraryChange))]
+
+
+class LibraryQuery(Structure):
+    _c_name_ = "nqm_library_query"
+    _fields_ = [("to", c_char_p), ("n", c_size_t), ("is_apart", c_int), ("jod", c_double)]
+
+
 STRUCTS = [CError, BrdfCallbacks, BrdfInfo, BrdfCheckReport, BrdfDifference, DirectionsOptions, SampleReport, ModelInfo, MetricInfo, CLabel,
            Curve, RegressReport, ScoreOptions, ScoreResult, NamedPair, SamplePair, FitBound, FitOptions, FitReport, MatchLoss, MatchReport,
            SceneOptions, CRays, DatasetInfo, DatasetPair, MaterialInfo,
-           TextureInfo, TextureMap, TextureOptions, TextureBlame, TextureResult]
+           TextureInfo, TextureMap, TextureOptions, TextureBlame, TextureResult,
+           Pairs, LibraryMember, LibraryOptions, Library, LibraryValue, LibraryChange, LibraryPair, LibraryQuery]
 
 # name: (result, arguments); a trailing nqm_error * is part of the arguments.
 _error = POINTER(CError)
@@ -336,6 +386,15 @@ FUNCTIONS = {
     "nqm_texture_get_info": (TextureInfo, [c_void_p, c_void_p]),
     "nqm_texture_options_default": (TextureOptions, []),
     "nqm_texture_score": (c_int, [c_void_p, c_void_p, c_void_p, POINTER(TextureOptions), POINTER(TextureResult), c_void_p, _error]),
+    "nqm_pairs_read": (c_int, [c_char_p, c_void_p, _error]),
+    "nqm_pairs_expand": (c_int, [POINTER(Pairs), c_char_p, c_void_p, _error]),
+    "nqm_pairs_free": (None, [POINTER(Pairs)]),
+    "nqm_pairs_remarks": (c_char_p, [c_void_p, c_int, POINTER(NamedPair), c_char_p, c_char_p, POINTER(ScoreResult), c_char_p]),
+    "nqm_verdict": (c_char_p, [POINTER(ScoreResult), c_char_p]),
+    "nqm_library_open": (c_int, [c_size_t, c_void_p, c_void_p, POINTER(LibraryOptions), c_void_p, _error]),
+    "nqm_library_free": (None, [POINTER(Library)]),
+    "nqm_library_near": (c_int, [POINTER(Library), POINTER(LibraryQuery), c_void_p, c_void_p, _error]),
+    "nqm_library_diff": (c_int, [POINTER(Library), POINTER(Library), c_void_p, c_void_p, _error]),
     "nqm_material_write": (c_int, [c_char_p, c_char_p, c_char_p, _error]),
     "nqm_label_adapted_jod": (c_double, [POINTER(CLabel)]),
     "nqm_label_describe": (c_char_p, [POINTER(CLabel), c_char_p]),

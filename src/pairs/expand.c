@@ -56,11 +56,14 @@ static void add_pair(expansion *e, const char *ref, const char *test, const char
     e->s.is_made[at] = is_made;
 }
 
-static void leave_out(expansion *e, const nqm_named_pair *pair, const char *material) {
-    char *text = nqm_strdupf("%s:%s is not compared: %s has no material of this name", pair->test, material, pair->ref);
-    if (!text || nqm_names_add(&e->s.text, text, strlen(text), NULL) != NQM_OK)
-        e->files.is_short = true;
-    nqm_free(text);
+/* Add a message on a material without a partner, or the end (NULL). */
+static void leave_out(expansion *e, const char *message) {
+    const char **left_out = nqm_grow(e->s.left_out, &e->s.max_left_out, e->s.n_left_out + 1, sizeof *left_out);
+    e->files.is_short = e->files.is_short || !left_out;
+    if (left_out) {
+        e->s.left_out = left_out;
+        left_out[e->s.n_left_out++] = message;
+    }
 }
 
 static void add_materials(expansion *e, const nqm_named_pair *pair, const char *name, size_t row,
@@ -77,7 +80,8 @@ static void add_materials(expansion *e, const nqm_named_pair *pair, const char *
         const char *material = nqm_materials_get(test, i).name;
         nqm_materials_named(ref, material, &n);
         if (n == 0)
-            leave_out(e, pair, material);
+            leave_out(e, own(e, nqm_strdupf("%s:%s is not compared: %s has no material of this name", pair->test,
+                                            material, pair->ref)));
     }
 }
 
@@ -145,13 +149,14 @@ nqm_status nqm_pairs_expand(const nqm_pairs *of, const char *ignore, nqm_pairs *
     nqm_status status = of->state ? add_list(e, err) : NQM_OK;
     for (size_t i = 0; !of->state && i < of->n && !e->files.is_short; ++i)
         add_row(e, &of->pairs[i], of->names ? of->names[i] : NULL, i);
-    if (status == NQM_OK && (e->files.is_short || nqm_names_add(&e->s.text, "", 0, NULL) != NQM_OK))
+    leave_out(e, NULL);
+    if (status == NQM_OK && e->files.is_short)
         status = nqm_fail_nomem(err, e->pairs.n * sizeof *e->s.pair);
     nqm_pairs_forget(&e->files);
     e->pairs.pairs = e->s.pair;
     e->pairs.names = e->s.name;
     e->pairs.rows = e->s.row;
-    e->pairs.left_out = e->s.text.text;
+    e->pairs.left_out = e->s.left_out;
     if (status == NQM_OK)
         *expanded_ret = &e->pairs;
     else
