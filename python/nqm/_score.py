@@ -139,7 +139,7 @@ def parts_of(label: CLabel) -> Parts:
 class Score:
     """The score of one pair. `float(score)` is its JOD; `str(score)` names it with its interval and warnings.
 
-    >>> dark = nqm.score("sgd:nickel", lambda wi, wo: 0.1 - 0.2 * wi[:, :1])
+    >>> dark = nqm.score("sgd:nickel", lambda wi, wo: 0.1 - 0.2 * abs(wi))
     >>> dark.verdict, dark.warnings[0]
     ('very different', '<lambda>: negative channel at ... of 1872 directions, taken as 0')
 
